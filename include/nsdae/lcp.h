@@ -1,0 +1,80 @@
+/* nsdae: linear complementarity problems. BSD-3-Clause.
+ *
+ * Find x, y with  y = A x + b,  x >= 0,  y >= 0,  x'y = 0  (Cottle, Pang, Stone, "The Linear
+ * Complementarity Problem", 1992). */
+#ifndef NSDAE_LCP_H
+#define NSDAE_LCP_H
+
+#include <nsdae/status.h>
+#include <nsdae/params.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct nsdae_lcp_problem {
+  int n;           /* rows, >= 0 */
+  const double *A; /* n x n, column-major */
+  int lda;         /* >= max(1, n) */
+  const double *b; /* n */
+} nsdae_lcp_problem;
+
+/* Stages of the chain, in their order; options.stages is a sum of these. */
+enum nsdae_lcp_stage {
+  NSDAE_LCP_NONE = 0,
+  NSDAE_LCP_TRIVIAL = 1,   /* b >= 0: x = 0 */
+  NSDAE_LCP_WARM = 2,      /* the active set given on entry: one factorisation */
+  NSDAE_LCP_LEMKE = 4,     /* lexicographic Lemke, covering vector of ones in scaled rows */
+  NSDAE_LCP_COVERING = 8,  /* Lemke with other covering vectors */
+  NSDAE_LCP_FURTHER = 16,  /* a method of another kind */
+  NSDAE_LCP_ENUMERATE = 32 /* all active sets, for small n; proves where there is no solution */
+};
+
+enum nsdae_lcp_outcome {
+  NSDAE_LCP_UNSOLVED = 0,  /* no stage found a solution; nothing is proved */
+  NSDAE_LCP_SOLVED = 1,    /* residual below tolerance, computed afresh from A and b */
+  NSDAE_LCP_INFEASIBLE = 2 /* proved: there is no solution */
+};
+
+typedef struct nsdae_lcp_options {
+  double tol;        /* bound on the scaled natural residual of a solution */
+  int max_pivots;    /* per run of Lemke; 0: 50 n + 100 */
+  int stages;        /* sum of enum nsdae_lcp_stage; default all */
+  int enumerate_max; /* largest n that enumeration takes on */
+} nsdae_lcp_options;
+
+typedef struct nsdae_lcp_info {
+  int outcome;     /* enum nsdae_lcp_outcome */
+  int stage;       /* enum nsdae_lcp_stage that ended it */
+  int pivots;      /* over all stages */
+  double residual; /* max_i |min(x_i / sx_i, y_i / sy_i)|: see nsdae_dlcpres */
+} nsdae_lcp_info;
+
+NSDAE_API void nsdae_lcp_options_default(nsdae_lcp_options *options);
+
+/* Names of a stage ("lemke") and of an outcome ("solved"). */
+NSDAE_API const char *nsdae_lcp_stage_name(int stage);
+NSDAE_API const char *nsdae_lcp_outcome_name(int outcome);
+
+/* Solves the problem; allocates its own workspace. options may be NULL for the defaults.
+ *   x [n]  in: a guess whose positive entries are the active set tried first (zero: none);
+ *          out: the solution, or the best point found
+ *   y [n]  out: A x + b
+ * NSDAE_OK solved; NSDAE_E_INFEASIBLE proved without solution; NSDAE_E_LCP no solution found;
+ * NSDAE_E_ARGUMENT, NSDAE_E_NONFINITE (A or b), NSDAE_E_MEMORY. info may be NULL. */
+NSDAE_API int nsdae_lcp_solve(const nsdae_lcp_problem *problem, const nsdae_lcp_options *options,
+                              double *x, double *y, nsdae_lcp_info *info);
+
+/* The same in the caller's workspace, without allocation.
+ *   basis [n]  in: 1 where x_i is thought positive, 0 where y_i is; out: that of the solution
+ *   work [lwork], iwork [liwork]: sizes for n from nsdae_lcp_workspace */
+NSDAE_API int nsdae_lcp_solve_in(const nsdae_lcp_problem *problem, const nsdae_lcp_options *options,
+                                 int *basis, double *x, double *y, nsdae_lcp_info *info,
+                                 double *work, int lwork, int *iwork, int liwork);
+
+NSDAE_API int nsdae_lcp_workspace(int n, int *lwork, int *liwork);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,60 @@
+/* nsdae: status codes and the error record. BSD-3-Clause.
+ *
+ * Every function returns int: 0 done, < 0 not done, > 0 done and something to know. */
+#ifndef NSDAE_STATUS_H
+#define NSDAE_STATUS_H
+
+#include <nsdae/version.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* X(name, value, message): the one list that makes the enum, the names and the messages. */
+#define NSDAE_STATUS_LIST(X)                                                       \
+  X(NSDAE_OK, 0, "done")                                                           \
+  X(NSDAE_TSTOP, 1, "stopped at the requested time")                               \
+  X(NSDAE_EVENT, 2, "an impact or a change of contact mode happened in this step") \
+  X(NSDAE_ZENO, 3, "an accumulation of impacts was closed")                        \
+  X(NSDAE_STOPPED, 4, "an observer asked to stop")                                 \
+  X(NSDAE_E_MEMORY, -1, "out of memory")                                           \
+  X(NSDAE_E_ARGUMENT, -2, "an argument is missing or out of its range")            \
+  X(NSDAE_E_OPTION, -3, "unknown option or parameter")                             \
+  X(NSDAE_E_STATE, -4, "called before something it needs")                         \
+  X(NSDAE_E_CALLBACK, -5, "a callback reported a failure")                         \
+  X(NSDAE_E_NONFINITE, -6, "a value is NaN or infinite")                           \
+  X(NSDAE_E_MASS, -7, "the mass matrix is not positive definite")                  \
+  X(NSDAE_E_RANK, -8, "the constraint Jacobian has deficient rank")                \
+  X(NSDAE_E_LCP, -9, "a complementarity problem was not solved")                   \
+  X(NSDAE_E_INFEASIBLE, -10, "a complementarity problem has no solution")          \
+  X(NSDAE_E_CONVERGENCE, -11, "an iteration did not converge")                     \
+  X(NSDAE_E_DERIVATIVE, -12, "a derivative disagrees with differences")            \
+  X(NSDAE_E_IO, -13, "a file could not be read or written")                        \
+  X(NSDAE_E_UNSUPPORTED, -14, "not built into this library")
+
+enum nsdae_status {
+#define NSDAE_STATUS_ENUM(name, value, message) name = value,
+  NSDAE_STATUS_LIST(NSDAE_STATUS_ENUM)
+#undef NSDAE_STATUS_ENUM
+};
+
+/* What went wrong. Lives in the handle it concerns; functions that have no handle yet take one
+ * as their last argument, which may be NULL. All texts are one line, without a line feed. */
+typedef struct nsdae_error {
+  int status;        /* enum nsdae_status; NSDAE_OK when nothing is wrong */
+  int code;          /* raw code of the origin: a callback's return, LAPACK's info; else 0 */
+  int index;         /* entry, contact or pivot concerned, from 0; -1 where there is none */
+  double time;       /* simulated time [s]; NaN where there is none */
+  char argument[32]; /* argument, option or callback concerned; "" where there is none */
+  char where[48];    /* function that found it */
+  char text[256];    /* what, where and what to do */
+} nsdae_error;
+
+/* Name ("NSDAE_E_RANK") and message of a status; "unknown status" for any other value. */
+NSDAE_API const char *nsdae_status_name(int status);
+NSDAE_API const char *nsdae_status_message(int status);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

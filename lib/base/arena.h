@@ -1,0 +1,29 @@
+/* One block of memory per handle. A layout function takes its arrays from the arena; run once
+ * on an empty arena it measures, run again on the allocated block it hands the arrays out. So
+ * sizes are written once and nothing is allocated after creation. */
+#ifndef NSDAE_BASE_ARENA_H
+#define NSDAE_BASE_ARENA_H
+
+#include <stddef.h>
+
+typedef struct nsdae_arena {
+  char *base; /* NULL while measuring */
+  size_t used;
+  int overflow; /* a size was negative or the sum does not fit size_t */
+} nsdae_arena;
+
+/* count entries of the given size, aligned to 64 bytes and zeroed; NULL while measuring. */
+void *nsdae_arena_take(nsdae_arena *arena, long count, size_t size);
+
+#define NSDAE_ARENA_DOUBLES(arena, count) \
+  ((double *)nsdae_arena_take((arena), (long)(count), sizeof(double)))
+#define NSDAE_ARENA_INTS(arena, count) \
+  ((int *)nsdae_arena_take((arena), (long)(count), sizeof(int)))
+
+/* Runs layout twice around one allocation; the block is at arena->base, to be released with
+ * nsdae_arena_release. Returns 0 or NSDAE_E_MEMORY. */
+int nsdae_arena_build(nsdae_arena *arena, void (*layout)(void *object, nsdae_arena *arena),
+                      void *object);
+void nsdae_arena_release(nsdae_arena *arena);
+
+#endif

@@ -1,0 +1,21 @@
+/* Filling the error record. */
+#ifndef NSDAE_BASE_ERRORS_H
+#define NSDAE_BASE_ERRORS_H
+
+#include <nsdae/status.h>
+
+#if defined(__GNUC__)
+#define NSDAE_PRINTF(fmt, args) __attribute__((format(printf, fmt, args)))
+#else
+#define NSDAE_PRINTF(fmt, args)
+#endif
+
+/* Clears the record: status NSDAE_OK, no index, time NaN. error may be NULL. */
+void nsdae_error_clear(nsdae_error *error);
+
+/* Fills the record and returns status. where: the public function or the stage that found it;
+ * argument: what it concerns ("" for none). error may be NULL. */
+int nsdae_error_set(nsdae_error *error, int status, const char *where, const char *argument,
+                    const char *format, ...) NSDAE_PRINTF(5, 6);
+
+#endif

@@ -1,0 +1,57 @@
+#include "nearest.h"
+
+#include <limits.h>
+#include <string.h>
+
+#include <nsdae/params.h>
+
+enum { LONGEST = 63 }; /* longer names are compared by their beginning */
+
+static int smaller(int a, int b)
+{
+  return a < b ? a : b;
+}
+
+/* Levenshtein's distance, by its recurrence over one row (Wagner and Fischer, J. ACM 21, 1974). */
+static int edit_distance(const char *a, const char *b)
+{
+  int row[LONGEST + 1];
+  int na = smaller((int)strlen(a), LONGEST), nb = smaller((int)strlen(b), LONGEST);
+  for (int j = 0; j <= nb; j++) row[j] = j;
+  for (int i = 1; i <= na; i++) {
+    int diagonal = row[0];
+    row[0] = i;
+    for (int j = 1; j <= nb; j++) {
+      int change = diagonal + (a[i - 1] != b[j - 1]);
+      diagonal = row[j];
+      row[j] = smaller(change, smaller(row[j], row[j - 1]) + 1);
+    }
+  }
+  return row[nb];
+}
+
+nsdae_nearest nsdae_nearest_start(const char *word)
+{
+  return (nsdae_nearest){.word = word, .name = NULL, .distance = INT_MAX};
+}
+
+void nsdae_nearest_try(nsdae_nearest *nearest, const char *name)
+{
+  int distance = edit_distance(nearest->word, name);
+  if (distance >= nearest->distance) return;
+  nearest->distance = distance;
+  nearest->name = name;
+}
+
+const char *nsdae_nearest_end(const nsdae_nearest *nearest)
+{
+  int length = (int)strlen(nearest->word);
+  return nearest->distance <= (length + 1) / 2 ? nearest->name : NULL;
+}
+
+const char *nsdae_nearest_name(const char *word, const char *const *names)
+{
+  nsdae_nearest nearest = nsdae_nearest_start(word);
+  for (; *names; names++) nsdae_nearest_try(&nearest, *names);
+  return nsdae_nearest_end(&nearest);
+}

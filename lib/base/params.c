@@ -1,0 +1,183 @@
+/* Tables that describe the fields of a struct: see nsdae/params.h. */
+#include <nsdae/params.h>
+
+#include <limits.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "errors.h"
+#include "nearest.h"
+
+static void *field(const nsdae_param *param, void *base)
+{
+  return (char *)base + param->offset;
+}
+
+static double number_at(const nsdae_param *param, const void *base)
+{
+  const void *at = (const char *)base + param->offset;
+  return param->type == NSDAE_PARAM_REAL ? *(const double *)at : (double)*(const int *)at;
+}
+
+static void store(const nsdae_param *param, void *base, double value)
+{
+  if (param->type == NSDAE_PARAM_REAL)
+    *(double *)field(param, base) = value;
+  else
+    *(int *)field(param, base) = (int)value;
+}
+
+void nsdae_params_default(const nsdae_params *table, void *base)
+{
+  for (int i = 0; i < table->n; i++) {
+    const nsdae_param *param = &table->entry[i];
+    if (param->type == NSDAE_PARAM_TEXT)
+      *(char *)field(param, base) = '\0';
+    else
+      store(param, base, param->initial);
+  }
+}
+
+const nsdae_param *nsdae_params_find(const nsdae_params *table, const char *key)
+{
+  for (int i = 0; i < table->n; i++)
+    if (strcmp(table->entry[i].key, key) == 0) return &table->entry[i];
+  return NULL;
+}
+
+static int above_min(const nsdae_param *param, double value)
+{
+  return param->open & NSDAE_OPEN_MIN ? value > param->min : value >= param->min;
+}
+
+static int below_max(const nsdae_param *param, double value)
+{
+  return param->open & NSDAE_OPEN_MAX ? value < param->max : value <= param->max;
+}
+
+static void describe_range(const nsdae_param *param, char *text, size_t size)
+{
+  const char *low = param->open & NSDAE_OPEN_MIN ? "greater than" : "at least";
+  const char *high = param->open & NSDAE_OPEN_MAX ? "less than" : "at most";
+  if (isinf(param->max) && isinf(param->min))
+    snprintf(text, size, "a finite number");
+  else if (isinf(param->max))
+    snprintf(text, size, "%s %g", low, param->min);
+  else if (isinf(param->min))
+    snprintf(text, size, "%s %g", high, param->max);
+  else
+    snprintf(text, size, "%s %g and %s %g", low, param->min, high, param->max);
+}
+
+static int check_number(const nsdae_param *param, double value, nsdae_error *error)
+{
+  /* written so that NaN fails */
+  if (isfinite(value) && above_min(param, value) && below_max(param, value)) return NSDAE_OK;
+  char range[96];
+  describe_range(param, range, sizeof range);
+  return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_params", param->key,
+                         "%s = %g is outside its range: it must be %s", param->key, value, range);
+}
+
+int nsdae_params_check(const nsdae_params *table, const void *base, nsdae_error *error)
+{
+  for (int i = 0; i < table->n; i++) {
+    const nsdae_param *param = &table->entry[i];
+    if (param->type == NSDAE_PARAM_TEXT) continue;
+    int status = check_number(param, number_at(param, base), error);
+    if (status < 0) return status;
+  }
+  return NSDAE_OK;
+}
+
+static int unknown_key(const nsdae_params *table, const char *key, nsdae_error *error)
+{
+  nsdae_nearest nearest = nsdae_nearest_start(key);
+  for (int i = 0; i < table->n; i++) nsdae_nearest_try(&nearest, table->entry[i].key);
+  const char *name = nsdae_nearest_end(&nearest);
+  return nsdae_error_set(error, NSDAE_E_OPTION, "nsdae_params", key,
+                         name ? "unknown name '%s'; did you mean '%s'?" : "unknown name '%s'", key,
+                         name);
+}
+
+static int set_choice(const nsdae_param *param, void *base, const char *value, nsdae_error *error)
+{
+  for (int i = 0; param->choices[i]; i++) {
+    if (strcmp(param->choices[i], value) != 0) continue;
+    store(param, base, i);
+    return NSDAE_OK;
+  }
+  char all[160] = "";
+  for (int i = 0; param->choices[i]; i++) {
+    size_t used = strlen(all);
+    snprintf(all + used, sizeof all - used, "%s%s", i ? ", " : "", param->choices[i]);
+  }
+  const char *near = nsdae_nearest_name(value, param->choices);
+  if (!near)
+    return nsdae_error_set(error, NSDAE_E_OPTION, "nsdae_params", param->key,
+                           "%s has no choice '%s'; choose one of: %s", param->key, value, all);
+  return nsdae_error_set(error, NSDAE_E_OPTION, "nsdae_params", param->key,
+                         "%s has no choice '%s'; did you mean '%s'? (of: %s)", param->key, value,
+                         near, all);
+}
+
+static int set_text(const nsdae_param *param, void *base, const char *value, nsdae_error *error)
+{
+  if (strlen(value) >= NSDAE_PARAM_TEXT_SIZE)
+    return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_params", param->key,
+                           "%s is longer than %d characters", param->key,
+                           NSDAE_PARAM_TEXT_SIZE - 1);
+  strcpy(field(param, base), value);
+  return NSDAE_OK;
+}
+
+static int set_number(const nsdae_param *param, void *base, const char *value, nsdae_error *error)
+{
+  char *end;
+  double number = strtod(value, &end);
+  if (end == value || *end != '\0')
+    return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_params", param->key,
+                           "%s = '%s' is not a number", param->key, value);
+  int whole = number >= INT_MIN && number <= INT_MAX && number == floor(number);
+  if (param->type == NSDAE_PARAM_INT && isfinite(number) && !whole)
+    return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_params", param->key,
+                           "%s = %s is not a whole number", param->key, value);
+  int status = check_number(param, number, error);
+  if (status == NSDAE_OK) store(param, base, number);
+  return status;
+}
+
+int nsdae_params_set(const nsdae_params *table, void *base, const char *key, const char *value,
+                     nsdae_error *error)
+{
+  nsdae_error_clear(error);
+  if (!key || !value)
+    return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_params_set", key ? "value" : "key",
+                           "%s is NULL", key ? "value" : "key");
+  const nsdae_param *param = nsdae_params_find(table, key);
+  if (!param) return unknown_key(table, key, error);
+  if (param->type == NSDAE_PARAM_CHOICE) return set_choice(param, base, value, error);
+  if (param->type == NSDAE_PARAM_TEXT) return set_text(param, base, value, error);
+  return set_number(param, base, value, error);
+}
+
+void nsdae_params_format(const nsdae_param *param, const void *base, char *text, size_t size)
+{
+  const void *at = (const char *)base + param->offset;
+  if (param->type == NSDAE_PARAM_TEXT) {
+    snprintf(text, size, "%s", (const char *)at);
+    return;
+  }
+  double value = number_at(param, base);
+  if (param->type == NSDAE_PARAM_CHOICE)
+    snprintf(text, size, "%s", param->choices[(int)value]);
+  else if (param->type == NSDAE_PARAM_INT)
+    snprintf(text, size, "%d", (int)value);
+  else
+    for (int digits = 6; digits <= 17; digits++) { /* the shortest that reads back the same */
+      snprintf(text, size, "%.*g", digits, value);
+      if (strtod(text, NULL) == value) break;
+    }
+}

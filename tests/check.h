@@ -1,0 +1,40 @@
+/* What every test needs: cmocka with its includes, and an assertion on doubles that prints all
+ * seventeen digits (cmocka 1.1's own compares floats). */
+#ifndef NSDAE_TESTS_CHECK_H
+#define NSDAE_TESTS_CHECK_H
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+/* |actual - expected| <= tol, with NaN a failure. */
+#define assert_near(actual, expected, tol) \
+  check_near((actual), (expected), (tol), #actual, __FILE__, __LINE__)
+
+/* actual <= bound, with NaN a failure. */
+#define assert_at_most(actual, bound) check_at_most((actual), (bound), #actual, __FILE__, __LINE__)
+
+static inline void check_near(double actual, double expected, double tol, const char *what,
+                              const char *file, int line)
+{
+  if (fabs(actual - expected) <= tol) return;
+  print_error("%s = %.17g, expected %.17g within %.3g (off by %.3g)\n", what, actual, expected, tol,
+              fabs(actual - expected));
+  _fail(file, line);
+}
+
+static inline void check_at_most(double actual, double bound, const char *what, const char *file,
+                                 int line)
+{
+  if (actual <= bound) return;
+  print_error("%s = %.17g, expected at most %.17g\n", what, actual, bound);
+  _fail(file, line);
+}
+
+#endif
