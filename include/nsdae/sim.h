@@ -1,0 +1,134 @@
+/* nsdae: integrating a system in time. BSD-3-Clause. */
+#ifndef NSDAE_SIM_H
+#define NSDAE_SIM_H
+
+#include <nsdae/params.h>
+#include <nsdae/status.h>
+#include <nsdae/system.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct nsdae_sim nsdae_sim;
+
+/* Index into nsdae_method_name; options.method. */
+enum nsdae_method { NSDAE_IMPLICIT, NSDAE_IMPLICIT_PRINTED, NSDAE_MOREAU };
+
+/* What to do where Phi_q has deficient rank. */
+enum nsdae_redundant { NSDAE_REDUNDANT_ERROR, NSDAE_REDUNDANT_LEAST_NORM };
+
+/* Fill with nsdae_sim_options_default first: a struct that was not is refused. */
+typedef struct nsdae_sim_options {
+  int method;                             /* enum nsdae_method */
+  double dt;                              /* step [s] */
+  double baumgarte_alpha, baumgarte_beta; /* of the smooth phases [1/s] */
+  double iteration_tol;                   /* relative change that ends an implicit iteration */
+  int iteration_max;                      /* at most so many per step */
+  int redundant;                          /* enum nsdae_redundant */
+  double rank_tol;                        /* below it a constraint depends on the others */
+  double lcp_tol;                         /* scaled natural residual of a solved LCP */
+  double impact_velocity;                 /* slower closings are no impacts [m/s] */
+  unsigned initialised;                   /* set by nsdae_sim_options_default */
+} nsdae_sim_options;
+
+NSDAE_API void nsdae_sim_options_default(nsdae_sim_options *options);
+/* Sets one option from text, e.g. ("dt", "0.005") or ("method", "moreau"). NSDAE_E_OPTION: no
+ * such key or choice (the text offers the nearest); NSDAE_E_ARGUMENT: outside its range. */
+NSDAE_API int nsdae_sim_options_set(nsdae_sim_options *options, const char *key, const char *value,
+                                    nsdae_error *error);
+/* The table behind it: keys, units, ranges, defaults. */
+NSDAE_API const nsdae_params *nsdae_sim_options_table(void);
+
+/* Name of a method and what it is, in one line; NULL past the last. */
+NSDAE_API const char *nsdae_method_name(int method);
+NSDAE_API const char *nsdae_method_summary(int method);
+
+enum nsdae_mode { NSDAE_OPEN = 0, NSDAE_SLIDE = 1, NSDAE_STICK = 2 };
+
+/* One impact: what a contact did in one instant, or, for a time-stepping method, in one step. */
+typedef struct nsdae_impact {
+  double time;           /* of the instant, or the end of the step [s] */
+  int contact;           /* from 0 */
+  double normal_impulse; /* [N s]; with a time-stepping method the step's force is in it */
+  double tangential_impulse[2];
+  double velocity_before, velocity_after; /* normal, of the contact [m/s] */
+} nsdae_impact;
+
+/* The state after a step (or at the start, step = 0) and its certificate. Everything points into
+ * the simulation and holds until the next step. */
+typedef struct nsdae_record {
+  long step;
+  double time;
+  const double *q, *v;              /* [nq], [nv] */
+  const double *multiplier;         /* [m] mean bilateral force over the step */
+  const double *gap;                /* [k] */
+  const double *normal_impulse;     /* [k] of the step */
+  const double *tangential_impulse; /* [k nt] */
+  const int *mode;                  /* [k] enum nsdae_mode */
+  double kinetic, potential;        /* [J]; potential is 0 where no callback gives it */
+  double dissipated;                /* work taken by all contact impulses so far [J] */
+  double lcp_residual;              /* scaled natural residual, 0 where there was no LCP */
+  double constraint_drift;          /* max |Phi| */
+  double penetration;               /* max(0, -g_N) over the contacts */
+  const nsdae_impact *impact;       /* [impacts] */
+  int impacts;
+} nsdae_record;
+
+/* Sees every record. 0: go on; > 0: stop after it (NSDAE_STOPPED); < 0: the run fails with this
+ * status. The observer's own error may be left in *error, which comes cleared. */
+typedef int (*nsdae_observer_fn)(const nsdae_record *record, nsdae_error *error, void *user);
+
+enum { NSDAE_OBSERVERS_MAX = 8 };
+
+typedef struct nsdae_stats {
+  long steps, smooth_steps, contact_steps;
+  long lcps, lcp_pivots, iterations; /* iterations of the implicit methods */
+  long mass_evals, force_evals, jacobian_evals;
+  long impacts;
+  int rank;              /* smallest rank of Phi_q met */
+  double worst_residual; /* over all LCPs */
+  double worst_drift;    /* max |Phi| [in its units] */
+  double worst_penetration;
+  double energy_start;   /* kinetic + potential at the start [J] */
+  double energy_balance; /* energy now + dissipated - energy_start [J]; forces that are not in the
+                            potential do their work here */
+  double wall_time;      /* spent in nsdae_sim_run and nsdae_sim_step [s] */
+} nsdae_stats;
+
+/* Makes a simulation; this is where memory is allocated, once. The system must be complete and
+ * outlive it; options are copied, NULL for the defaults. error may be NULL.
+ * NSDAE_E_ARGUMENT, NSDAE_E_STATE (a callback that is needed is missing), NSDAE_E_MEMORY. */
+NSDAE_API int nsdae_sim_create(const nsdae_system *system, const nsdae_sim_options *options,
+                               nsdae_sim **sim, nsdae_error *error);
+/* Releases it and sets *sim to NULL; NULL and a pointer to NULL are allowed. */
+NSDAE_API void nsdae_sim_destroy(nsdae_sim **sim);
+
+/* Starts at t0 with q0 [nq], v0 [nv]; evaluates every term once. May be called again to start
+ * anew. The observers see the start as step 0, at the first step or run. */
+NSDAE_API int nsdae_sim_init(nsdae_sim *sim, double t0, const double *q0, const double *v0);
+
+/* Adds an observer, at most NSDAE_OBSERVERS_MAX; they are called in this order. */
+NSDAE_API int nsdae_sim_observe(nsdae_sim *sim, nsdae_observer_fn observer, void *user);
+/* Takes the observer that was added with these two out again; not found is no error. */
+NSDAE_API int nsdae_sim_unobserve(nsdae_sim *sim, nsdae_observer_fn observer, void *user);
+
+/* One step of dt. NSDAE_OK; NSDAE_EVENT when there was an impact in it; NSDAE_STOPPED; < 0: the
+ * step was not done and the state is the one before it. */
+NSDAE_API int nsdae_sim_step(nsdae_sim *sim);
+/* Steps of dt from the start's time to t_end; the last one is shortened to end there. NSDAE_OK;
+ * NSDAE_STOPPED; < 0: a step failed, the state is the one before it. */
+NSDAE_API int nsdae_sim_run(nsdae_sim *sim, double t_end);
+
+/* The last record; NSDAE_E_STATE before nsdae_sim_init. */
+NSDAE_API int nsdae_sim_get_record(const nsdae_sim *sim, nsdae_record *record);
+NSDAE_API int nsdae_sim_get_stats(const nsdae_sim *sim, nsdae_stats *stats);
+NSDAE_API int nsdae_sim_get_dims(const nsdae_sim *sim, nsdae_dims *dims);
+NSDAE_API int nsdae_sim_get_options(const nsdae_sim *sim, nsdae_sim_options *options);
+/* Why the last call on this simulation failed. */
+NSDAE_API const nsdae_error *nsdae_sim_error(const nsdae_sim *sim);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

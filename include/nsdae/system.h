@@ -1,0 +1,129 @@
+/* nsdae: the description of a non-smooth multibody system. BSD-3-Clause.
+ *
+ *   M(q) dv + Phi_q^T dLambda - W_N dLambda_N - W_T dLambda_T = F(t,q,v) dt
+ *   Phi(t,q) = 0,   0 <= g_N(t,q)  _|_  Lambda_N >= 0,   |Lambda_T| <= mu Lambda_N
+ *
+ * with nq coordinates q, nv velocities v, m bilateral constraints and k contacts of nt tangential
+ * directions each. Every array is column-major; matrices come zeroed and with their leading
+ * dimension, so that a callback writes only what is not zero. Units are the user's own, used
+ * consistently (SI in all examples).
+ *
+ * Callbacks return 0 when done, > 0 for a failure that a smaller step may avoid, < 0 for one that
+ * nothing helps. They see t, q and v of one point and must not change anything but their outputs
+ * and what user points to. A system is constant once its simulations are made: one system may
+ * serve many simulations, one per thread, if the callbacks allow it. */
+#ifndef NSDAE_SYSTEM_H
+#define NSDAE_SYSTEM_H
+
+#include <nsdae/status.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct nsdae_system nsdae_system;
+
+typedef struct nsdae_dims {
+  int nq; /* coordinates, >= 1 */
+  int nv; /* velocities, 1 .. nq; 0 means nq */
+  int m;  /* bilateral constraints, 0 .. nv */
+  int k;  /* contacts, >= 0 */
+  int nt; /* tangential directions of every contact: 0 (frictionless), 1 (planar) or 2 */
+} nsdae_dims;
+
+/* M(t,q) [nv x nv], symmetric positive definite; both triangles. */
+typedef int (*nsdae_mass_fn)(double t, const double *q, double *M, int ldm, void *user);
+/* F(t,q,v) [nv]: all forces but those of constraints and contacts. */
+typedef int (*nsdae_force_fn)(double t, const double *q, const double *v, double *F, void *user);
+/* Phi(t,q) [m]. */
+typedef int (*nsdae_constraint_fn)(double t, const double *q, double *phi, void *user);
+/* Phi_q(t,q) [m x nv], such that d Phi / dt = Phi_q v + Phi_t. */
+typedef int (*nsdae_constraint_jacobian_fn)(double t, const double *q, double *J, int ldj,
+                                            void *user);
+/* Phi_t(t,q) [m] and omega = (Phi_q v)_q v + 2 Phi_qt v + Phi_tt [m]. */
+typedef int (*nsdae_constraint_bias_fn)(double t, const double *q, const double *v, double *phi_t,
+                                        double *omega, void *user);
+/* g_N(t,q) [k]: the distance of each contact, negative where its bodies overlap. */
+typedef int (*nsdae_gap_fn)(double t, const double *q, double *gap, void *user);
+/* W_N(t,q) [nv x k], such that d g_N / dt = W_N^T v + w_N. */
+typedef int (*nsdae_gap_normal_fn)(double t, const double *q, double *W, int ldw, void *user);
+/* W_T(t,q) [nv x k nt], such that v_T = W_T^T v + w_T; contact i has columns i nt .. i nt + nt-1,
+ * for nt = 2 two directions at right angles. */
+typedef int (*nsdae_gap_tangent_fn)(double t, const double *q, double *W, int ldw, void *user);
+/* w_N(t,q) [k] and w_T(t,q) [k nt]: the velocities that the contacts have with v = 0. w_t is NULL
+ * where nt = 0. */
+typedef int (*nsdae_contact_bias_fn)(double t, const double *q, double *w_n, double *w_t,
+                                     void *user);
+/* dq/dt [nq] from v [nv], linear in v. */
+typedef int (*nsdae_kinematics_fn)(double t, const double *q, const double *v, double *qdot,
+                                   void *user);
+/* Potential energy U(t,q) [1]; used only to report energies. */
+typedef int (*nsdae_potential_fn)(double t, const double *q, double *energy, void *user);
+
+/* Makes a description without callbacks. error may be NULL.
+ * NSDAE_E_ARGUMENT (a size outside its range), NSDAE_E_MEMORY. */
+NSDAE_API int nsdae_system_create(const nsdae_dims *dims, nsdae_system **system,
+                                  nsdae_error *error);
+/* Releases it and sets *system to NULL; NULL and a pointer to NULL are allowed. Its simulations
+ * must have been destroyed before. */
+NSDAE_API void nsdae_system_destroy(nsdae_system **system);
+
+/* Handed to every callback as its last argument; NULL at first. */
+NSDAE_API int nsdae_system_set_user(nsdae_system *system, void *user);
+
+/* mass and force are always needed, constraint where m > 0, gap where k > 0, gap_tangent where
+ * nt > 0 and any mu > 0. What else is missing is filled by central differences (constraint
+ * Jacobian and bias, gap normal and the normal part of the contact bias; nsdae_system_differences
+ * says which) or taken as zero (tangential bias); kinematics is the identity where nq = nv.
+ * NSDAE_E_ARGUMENT: system or callback NULL, or the system has no such term. */
+NSDAE_API int nsdae_system_set_mass(nsdae_system *system, nsdae_mass_fn mass);
+NSDAE_API int nsdae_system_set_force(nsdae_system *system, nsdae_force_fn force);
+NSDAE_API int nsdae_system_set_constraint(nsdae_system *system, nsdae_constraint_fn constraint);
+NSDAE_API int nsdae_system_set_constraint_jacobian(nsdae_system *system,
+                                                   nsdae_constraint_jacobian_fn jacobian);
+NSDAE_API int nsdae_system_set_constraint_bias(nsdae_system *system, nsdae_constraint_bias_fn bias);
+NSDAE_API int nsdae_system_set_gap(nsdae_system *system, nsdae_gap_fn gap);
+NSDAE_API int nsdae_system_set_gap_normal(nsdae_system *system, nsdae_gap_normal_fn normal);
+NSDAE_API int nsdae_system_set_gap_tangent(nsdae_system *system, nsdae_gap_tangent_fn tangent);
+NSDAE_API int nsdae_system_set_contact_bias(nsdae_system *system, nsdae_contact_bias_fn bias);
+NSDAE_API int nsdae_system_set_kinematics(nsdae_system *system, nsdae_kinematics_fn kinematics);
+NSDAE_API int nsdae_system_set_potential(nsdae_system *system, nsdae_potential_fn potential);
+
+/* Coefficients of contact 0 <= i < k; all zero at first.
+ *   mu   friction, >= 0           e_n  normal restitution (Newton), 0 .. 1
+ *   e_t  tangential restitution, 0 .. 1                                                  */
+NSDAE_API int nsdae_system_set_contact(nsdae_system *system, int i, double mu, double e_n,
+                                       double e_t);
+
+/* Why the last call on this system failed. */
+NSDAE_API const nsdae_error *nsdae_system_error(const nsdae_system *system);
+
+/* The sizes, with nv filled in. */
+NSDAE_API int nsdae_system_get_dims(const nsdae_system *system, nsdae_dims *dims);
+
+/* Names of the terms that are filled by differences, e.g. "constraint_bias gap_normal"; "" where
+ * there is none. The text lives in the system. */
+NSDAE_API const char *nsdae_system_differences(nsdae_system *system);
+
+/* Worst disagreement that nsdae_system_check found. */
+typedef struct nsdae_check {
+  char term[32];     /* callback, e.g. "constraint_jacobian" */
+  int row, column;   /* its entry, from 0 */
+  double given;      /* what the callback says */
+  double difference; /* what central differences say */
+  double error;      /* |given - difference| / (1 + |difference|) of this entry */
+} nsdae_check;
+
+/* Compares every derivative that is given with central differences of what it derives from, and
+ * the mass matrix with its transpose, at (t, q [nq], v [nv]); q need not satisfy the constraints.
+ * Differences are good to about 1e-7 where the values are of order one: tol of 1e-5 is a fair
+ * bound. NSDAE_OK; NSDAE_E_DERIVATIVE with the wrong entry in worst and in the error record;
+ * NSDAE_E_STATE (a callback that is needed is missing), NSDAE_E_CALLBACK, NSDAE_E_NONFINITE,
+ * NSDAE_E_MEMORY. worst may be NULL. */
+NSDAE_API int nsdae_system_check(nsdae_system *system, double t, const double *q, const double *v,
+                                 double tol, nsdae_check *worst);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

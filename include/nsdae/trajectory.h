@@ -1,0 +1,40 @@
+/* nsdae: trajectories in HDF5 files. BSD-3-Clause. The layout is in docs/trajectory.md. */
+#ifndef NSDAE_TRAJECTORY_H
+#define NSDAE_TRAJECTORY_H
+
+#include <nsdae/params.h>
+#include <nsdae/sim.h>
+#include <nsdae/status.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct nsdae_trajectory nsdae_trajectory;
+
+/* What the file says of the model. */
+typedef struct nsdae_trajectory_info {
+  const char *model;              /* e.g. "pendulum" */
+  const nsdae_params *parameters; /* table over the model's parameters, or NULL */
+  const void *parameters_base;    /* the struct that the table describes */
+  int live;                       /* 1: can be read while it is written (HDF5's SWMR mode, which
+                                     needs HDF5 1.10 or later to read) */
+} nsdae_trajectory_info;
+
+/* Makes the file (replacing one of that name) and adds itself to the observers of sim, which must
+ * live until it is closed. NSDAE_E_IO: the file cannot be made, the text says why;
+ * NSDAE_E_UNSUPPORTED: the library was built without HDF5; NSDAE_E_MEMORY; NSDAE_E_ARGUMENT. */
+NSDAE_API int nsdae_trajectory_create(nsdae_sim *sim, const char *path,
+                                      const nsdae_trajectory_info *info,
+                                      nsdae_trajectory **trajectory, nsdae_error *error);
+
+/* Writes what is buffered, sets the attribute `status` to "complete" where run_status >= 0, else
+ * to "failed", closes the file and sets *trajectory to NULL. The memory is released in any case.
+ * NSDAE_E_IO: not all could be written; the text says what the file holds. */
+NSDAE_API int nsdae_trajectory_close(nsdae_trajectory **trajectory, int run_status,
+                                     nsdae_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
