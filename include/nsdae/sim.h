@@ -28,6 +28,7 @@ typedef struct nsdae_sim_options {
   int redundant;                          /* enum nsdae_redundant */
   double rank_tol;                        /* below it a constraint depends on the others */
   double lcp_tol;                         /* scaled natural residual of a solved LCP */
+  int polygon;                            /* edges of the friction polygon where nt = 2: 3 .. 32 */
   double impact_velocity;                 /* slower closings are no impacts [m/s] */
   unsigned initialised;                   /* set by nsdae_sim_options_default */
 } nsdae_sim_options;

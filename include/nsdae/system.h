@@ -26,7 +26,7 @@ typedef struct nsdae_system nsdae_system;
 typedef struct nsdae_dims {
   int nq; /* coordinates, >= 1 */
   int nv; /* velocities, 1 .. nq; 0 means nq */
-  int m;  /* bilateral constraints, 0 .. nv */
+  int m;  /* bilateral constraints, >= 0 */
   int k;  /* contacts, >= 0 */
   int nt; /* tangential directions of every contact: 0 (frictionless), 1 (planar) or 2 */
 } nsdae_dims;
@@ -118,7 +118,7 @@ typedef struct nsdae_check {
  * the mass matrix with its transpose, at (t, q [nq], v [nv]); q need not satisfy the constraints.
  * Differences are good to about 1e-7 where the values are of order one: tol of 1e-5 is a fair
  * bound. NSDAE_OK; NSDAE_E_DERIVATIVE with the wrong entry in worst and in the error record;
- * NSDAE_E_STATE (a callback that is needed is missing), NSDAE_E_CALLBACK, NSDAE_E_NONFINITE,
+ * (a NaN counts as wrong); NSDAE_E_STATE (a callback that is needed is missing), NSDAE_E_CALLBACK,
  * NSDAE_E_MEMORY. worst may be NULL. */
 NSDAE_API int nsdae_system_check(nsdae_system *system, double t, const double *q, const double *v,
                                  double tol, nsdae_check *worst);

@@ -1,0 +1,43 @@
+/* Loops over short vectors. */
+#ifndef NSDAE_BASE_VECTOR_H
+#define NSDAE_BASE_VECTOR_H
+
+#include <math.h>
+#include <stddef.h>
+
+static inline double nsdae_dot(int n, const double *a, const double *b)
+{
+  double sum = 0;
+  for (int i = 0; i < n; i++) sum += a[i] * b[i];
+  return sum;
+}
+
+/* y [rows] += A [rows x columns] x */
+static inline void nsdae_add_product(int rows, int columns, const double *A, const double *x,
+                                     double *y)
+{
+  for (int j = 0; j < columns; j++)
+    for (int i = 0; i < rows; i++) y[i] += A[(size_t)j * (size_t)rows + (size_t)i] * x[j];
+}
+
+/* y [columns] += scale A [rows x columns]^T x */
+static inline void nsdae_add_transposed(int rows, int columns, double scale, const double *A,
+                                        const double *x, double *y)
+{
+  for (int j = 0; j < columns; j++)
+    y[j] += scale * nsdae_dot(rows, A + (size_t)j * (size_t)rows, x);
+}
+
+/* Largest difference relative to 1 + max |a|; NaN where there is one. */
+static inline double nsdae_change(int n, const double *a, const double *b)
+{
+  double most = 0, size = 1;
+  for (int i = 0; i < n; i++) {
+    double difference = fabs(a[i] - b[i]);
+    if (!(difference <= most)) most = difference;
+    size = fmax(size, 1 + fabs(a[i]));
+  }
+  return most / size;
+}
+
+#endif

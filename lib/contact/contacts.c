@@ -1,0 +1,294 @@
+#include "contacts.h"
+
+#include <limits.h>
+#include <string.h>
+
+#include <nsdae/sim.h>
+
+#include "dense.h"
+#include "errors.h"
+#include "system_impl.h"
+#include "vector.h"
+
+void nsdae_contacts_laws(nsdae_contacts *contacts, int polygon_edges)
+{
+  const nsdae_system *s = contacts->system;
+  contacts->rows_max = 1;
+  for (int i = 0; i < s->dims.k; i++) {
+    contacts->law[i] = nsdae_law_make(s->dims.nt, s->contact[i].mu, polygon_edges);
+    if (contacts->law[i].rows > contacts->rows_max) contacts->rows_max = contacts->law[i].rows;
+  }
+}
+
+long nsdae_contacts_rows_max(const nsdae_contacts *contacts)
+{
+  long rows = 0;
+  for (int i = 0; i < contacts->system->dims.k; i++) rows += contacts->law[i].rows;
+  return rows;
+}
+
+void nsdae_contacts_layout(nsdae_contacts *c, nsdae_arena *arena)
+{
+  const nsdae_dims *dims = &c->system->dims;
+  long k = dims->k, n = dims->nv, columns = k * (1 + dims->nt), rows = nsdae_contacts_rows_max(c);
+  if (rows > INT_MAX || nsdae_lcp_workspace((int)rows, &c->lwork, &c->liwork) < 0)
+    arena->overflow = 1;
+  c->active = NSDAE_ARENA_INTS(arena, k);
+  c->first_column = NSDAE_ARENA_INTS(arena, k + 1);
+  c->first_row = NSDAE_ARENA_INTS(arena, k + 1);
+  c->W = NSDAE_ARENA_DOUBLES(arena, n * columns);
+  c->U = NSDAE_ARENA_DOUBLES(arena, n * columns);
+  c->D = NSDAE_ARENA_DOUBLES(arena, dims->m * columns);
+  c->G = NSDAE_ARENA_DOUBLES(arena, columns * columns);
+  c->A = NSDAE_ARENA_DOUBLES(arena, rows * rows);
+  c->b = NSDAE_ARENA_DOUBLES(arena, rows);
+  c->x = NSDAE_ARENA_DOUBLES(arena, rows);
+  c->y = NSDAE_ARENA_DOUBLES(arena, rows);
+  c->basis = NSDAE_ARENA_INTS(arena, rows);
+  c->memory = NSDAE_ARENA_INTS(arena, k * c->rows_max);
+  c->impulse = NSDAE_ARENA_DOUBLES(arena, columns);
+  c->offset = NSDAE_ARENA_DOUBLES(arena, columns);
+  c->work = NSDAE_ARENA_DOUBLES(arena, c->lwork);
+  c->iwork = NSDAE_ARENA_INTS(arena, c->liwork);
+  c->impact = NSDAE_ARENA_INTS(arena, k);
+  c->before = NSDAE_ARENA_DOUBLES(arena, k);
+  c->before_t = NSDAE_ARENA_DOUBLES(arena, k * dims->nt);
+  c->after = NSDAE_ARENA_DOUBLES(arena, k);
+  c->after_t = NSDAE_ARENA_DOUBLES(arena, k * dims->nt);
+  c->normal = NSDAE_ARENA_DOUBLES(arena, k);
+  c->tangential = NSDAE_ARENA_DOUBLES(arena, k * dims->nt);
+  c->mode = NSDAE_ARENA_INTS(arena, k);
+}
+
+static void clear_results(nsdae_contacts *c)
+{
+  size_t k = (size_t)c->system->dims.k, kt = k * (size_t)c->system->dims.nt;
+  memset(c->impact, 0, k * sizeof *c->impact);
+  memset(c->before, 0, k * sizeof *c->before);
+  memset(c->before_t, 0, kt * sizeof *c->before_t);
+  memset(c->after, 0, k * sizeof *c->after);
+  memset(c->after_t, 0, kt * sizeof *c->after_t);
+  memset(c->normal, 0, k * sizeof *c->normal);
+  memset(c->tangential, 0, kt * sizeof *c->tangential);
+  memset(c->mode, 0, k * sizeof *c->mode);
+  c->info = (nsdae_lcp_info){.outcome = NSDAE_LCP_SOLVED};
+}
+
+void nsdae_contacts_forget(nsdae_contacts *c)
+{
+  memset(c->memory, 0, (size_t)c->system->dims.k * (size_t)c->rows_max * sizeof *c->memory);
+  c->active_count = 0;
+  clear_results(c);
+}
+
+void nsdae_contacts_close(nsdae_contacts *c, const nsdae_terms *terms)
+{
+  int count = 0, columns = 0, rows = 0;
+  clear_results(c);
+  for (int i = 0; i < c->system->dims.k; i++) {
+    if (terms->gap[i] > 0) continue;
+    c->active[count] = i;
+    c->first_column[count] = columns;
+    c->first_row[count] = rows;
+    columns += c->law[i].columns;
+    rows += c->law[i].rows;
+    count++;
+  }
+  c->first_column[count] = c->columns = columns;
+  c->first_row[count] = c->rows = rows;
+  c->active_count = count;
+}
+
+/* Velocity W^T v + w of contact i. */
+static void contact_velocity(const nsdae_contacts *c, int i, const nsdae_terms *terms,
+                             const double *v, double *v_n, double *v_t)
+{
+  const nsdae_dims *dims = &c->system->dims;
+  size_t n = (size_t)dims->nv;
+  v_n[i] = nsdae_dot(dims->nv, terms->W_N + (size_t)i * n, v) + terms->w_N[i];
+  for (int j = i * dims->nt; j < (i + 1) * dims->nt; j++)
+    v_t[j] = nsdae_dot(dims->nv, terms->W_T + (size_t)j * n, v) + terms->w_T[j];
+}
+
+static void velocities_after(nsdae_contacts *c, const nsdae_terms *terms, const double *v)
+{
+  for (int a = 0; a < c->active_count; a++)
+    contact_velocity(c, c->active[a], terms, v, c->after, c->after_t);
+}
+
+void nsdae_contacts_before(nsdae_contacts *c, const nsdae_terms *terms, const double *v,
+                           int impacts_only)
+{
+  for (int a = 0; a < c->active_count; a++)
+    if (!impacts_only || c->impact[c->active[a]])
+      contact_velocity(c, c->active[a], terms, v, c->before, c->before_t);
+}
+
+/* W, one block of columns per closed contact: normal, then tangential where it has friction. */
+static void gather_columns(nsdae_contacts *c, const nsdae_terms *terms)
+{
+  size_t n = (size_t)c->system->dims.nv, nt = (size_t)c->system->dims.nt;
+  for (int a = 0; a < c->active_count; a++) {
+    size_t i = (size_t)c->active[a], tangents = (size_t)c->law[i].columns - 1;
+    double *at = c->W + (size_t)c->first_column[a] * n;
+    memcpy(at, terms->W_N + i * n, n * sizeof *at);
+    memcpy(at + n, terms->W_T + i * nt * n, tangents * n * sizeof *at);
+  }
+}
+
+static void delassus(nsdae_contacts *c, const nsdae_kkt *kkt)
+{
+  int n = kkt->n, m = kkt->m;
+  memcpy(c->U, c->W, (size_t)n * (size_t)c->columns * sizeof *c->U);
+  memset(c->D, 0, (size_t)m * (size_t)c->columns * sizeof *c->D);
+  nsdae_kkt_solve(kkt, c->columns, c->U, n, c->D, m);
+  nsdae_la_multiply_transposed(n, c->columns, c->columns, c->W, n, c->U, n, 0, c->G, c->columns);
+}
+
+/* W^T v_free + w(+) + e v(-), in the order of the columns. */
+static void offsets(nsdae_contacts *c, const nsdae_terms *terms, const double *v_free)
+{
+  int nt = c->system->dims.nt;
+  velocities_after(c, terms, v_free);
+  for (int a = 0; a < c->active_count; a++) {
+    int i = c->active[a];
+    const nsdae_coefficients *e = &c->system->contact[i];
+    double *at = c->offset + c->first_column[a];
+    at[0] = c->after[i] + e->e_n * c->before[i];
+    for (int j = 1; j < c->law[i].columns; j++)
+      at[j] = c->after_t[i * nt + j - 1] + e->e_t * c->before_t[i * nt + j - 1];
+  }
+}
+
+/* E_P^T G E_Q of two contacts into their block of A. */
+static void assemble_block(nsdae_contacts *c, int row, int column)
+{
+  const nsdae_law *p = &c->law[c->active[row]], *q = &c->law[c->active[column]];
+  const double *G =
+      c->G + (size_t)c->first_column[column] * (size_t)c->columns + c->first_column[row];
+  double *A = c->A + (size_t)c->first_row[column] * (size_t)c->rows + c->first_row[row];
+  for (int j = 0; j < q->rows; j++) {
+    double GE[NSDAE_LAW_COLUMNS] = {0}; /* column j of G E_Q */
+    for (int l = 0; l < q->columns; l++)
+      for (int i = 0; i < p->columns; i++) GE[i] += G[l * c->columns + i] * q->E_Q[l][j];
+    for (int i = 0; i < p->rows; i++) {
+      double sum = 0;
+      for (int l = 0; l < p->columns; l++) sum += p->E_P[l][i] * GE[l];
+      A[(size_t)j * (size_t)c->rows + (size_t)i] = sum;
+    }
+  }
+}
+
+static void assemble(nsdae_contacts *c)
+{
+  for (int a = 0; a < c->active_count; a++) {
+    const nsdae_law *law = &c->law[c->active[a]];
+    for (int other = 0; other < c->active_count; other++) assemble_block(c, other, a);
+    size_t first = (size_t)c->first_row[a];
+    nsdae_law_add_coupling(law, c->A + first * (size_t)c->rows + first, c->rows);
+    const double *offset = c->offset + c->first_column[a];
+    for (int i = 0; i < law->rows; i++) {
+      double sum = 0;
+      for (int l = 0; l < law->columns; l++) sum += law->E_P[l][i] * offset[l];
+      c->b[first + (size_t)i] = sum;
+    }
+  }
+}
+
+/* The basis between a closed contact's place in the problem and its place in memory. */
+static void recall_basis(nsdae_contacts *c)
+{
+  for (int a = 0; a < c->active_count; a++)
+    memcpy(c->basis + c->first_row[a], c->memory + c->active[a] * c->rows_max,
+           (size_t)c->law[c->active[a]].rows * sizeof *c->basis);
+}
+
+static void keep_basis(nsdae_contacts *c)
+{
+  for (int a = 0; a < c->active_count; a++)
+    memcpy(c->memory + c->active[a] * c->rows_max, c->basis + c->first_row[a],
+           (size_t)c->law[c->active[a]].rows * sizeof *c->basis);
+}
+
+static int solve_lcp(nsdae_contacts *c, double t)
+{
+  nsdae_lcp_problem problem = {.n = c->rows, .A = c->A, .lda = c->rows, .b = c->b};
+  recall_basis(c);
+  int status = nsdae_lcp_solve_in(&problem, &c->lcp_options, c->basis, c->x, c->y, &c->info,
+                                  c->work, c->lwork, c->iwork, c->liwork);
+  if (status == NSDAE_OK) {
+    keep_basis(c);
+    return NSDAE_OK;
+  }
+  nsdae_error_set(c->error, status, "nsdae_contacts", "",
+                  "contact problem of %d rows (first closed contact %d) at t = %.17g: %s, residual "
+                  "%.3g above %.3g; a smaller dt or less friction may help",
+                  c->rows, c->active[0], t, nsdae_status_message(status), c->info.residual,
+                  c->lcp_options.tol);
+  c->error->time = t;
+  c->error->index = c->active[0];
+  return status;
+}
+
+/* Lambda = E_Q x, and what the contact does. */
+static void scatter(nsdae_contacts *c)
+{
+  int nt = c->system->dims.nt;
+  for (int a = 0; a < c->active_count; a++) {
+    int i = c->active[a];
+    const nsdae_law *law = &c->law[i];
+    const double *x = c->x + c->first_row[a];
+    double *impulse = c->impulse + c->first_column[a];
+    for (int l = 0; l < law->columns; l++) impulse[l] = nsdae_dot(law->rows, law->E_Q[l], x);
+    c->normal[i] = impulse[0];
+    for (int l = 1; l < law->columns; l++) c->tangential[i * nt + l - 1] = impulse[l];
+    c->mode[i] = nsdae_law_mode(law, x, c->y + c->first_row[a]);
+  }
+}
+
+int nsdae_contacts_solve(nsdae_contacts *c, const nsdae_terms *terms, const nsdae_kkt *kkt,
+                         double *v, double *lambda)
+{
+  if (c->active_count == 0) return NSDAE_OK;
+  gather_columns(c, terms);
+  delassus(c, kkt);
+  offsets(c, terms, v);
+  assemble(c);
+  int status = solve_lcp(c, terms->t);
+  if (status < 0) return status;
+  scatter(c);
+  nsdae_add_product(kkt->n, c->columns, c->U, c->impulse, v);
+  nsdae_add_product(kkt->m, c->columns, c->D, c->impulse, lambda);
+  velocities_after(c, terms, v);
+  return NSDAE_OK;
+}
+
+void nsdae_contacts_add_impulse(const nsdae_contacts *c, const nsdae_terms *terms, double scale,
+                                int skip_impacts, double *r)
+{
+  const nsdae_dims *dims = &c->system->dims;
+  size_t n = (size_t)dims->nv;
+  for (int a = 0; a < c->active_count; a++) {
+    int i = c->active[a];
+    if (skip_impacts && c->impact[i]) continue;
+    double normal = scale * c->normal[i];
+    nsdae_add_product(dims->nv, 1, terms->W_N + (size_t)i * n, &normal, r);
+    for (int j = i * dims->nt; j < (i + 1) * dims->nt; j++) {
+      double tangential = scale * c->tangential[j];
+      nsdae_add_product(dims->nv, 1, terms->W_T + (size_t)j * n, &tangential, r);
+    }
+  }
+}
+
+double nsdae_contacts_work(const nsdae_contacts *c)
+{
+  int nt = c->system->dims.nt;
+  double work = 0;
+  for (int a = 0; a < c->active_count; a++) {
+    int i = c->active[a];
+    work += c->normal[i] * (c->after[i] + c->before[i]) / 2;
+    for (int j = i * nt; j < (i + 1) * nt; j++)
+      work += c->tangential[j] * (c->after_t[j] + c->before_t[j]) / 2;
+  }
+  return work;
+}

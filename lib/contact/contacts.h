@@ -1,0 +1,84 @@
+/* The contact problem of one step or instant.
+ *
+ * With the columns W of the closed contacts, P the projector of [M Phi_q^T; Phi_q 0] and v_free
+ * the velocity that the system would have without contacts,
+ *
+ *     [U; D] = solve [M Phi_q^T; Phi_q 0] on [W; 0]      U = P W
+ *     G = W^T U                                           Delassus matrix
+ *     xi = G Lambda + W^T v_free + w(+) + e v(-)          v(-): the contacts' velocity before
+ *     y = A x + b,  A = E_P^T G E_Q + N                   see law.h; Eq. (33)
+ *     v(+) = v_free + U Lambda,  lambda = lambda_free + D Lambda      Eqs. (31, 32) */
+#ifndef NSDAE_CONTACTS_H
+#define NSDAE_CONTACTS_H
+
+#include <nsdae/lcp.h>
+
+#include "arena.h"
+#include "law.h"
+#include "terms.h"
+
+typedef struct nsdae_contacts {
+  const nsdae_system *system;
+  nsdae_error *error;
+  nsdae_lcp_options lcp_options;
+  nsdae_law *law; /* k: fixed with the system's coefficients */
+  int rows_max;   /* of any contact */
+
+  int active_count, *active;     /* the closed contacts */
+  int columns, rows;             /* of the problem, over the closed contacts */
+  int *first_column, *first_row; /* per closed contact, with one past the last */
+  double *W, *U, *D;             /* nv, nv, m times columns */
+  double *G;                     /* columns x columns */
+  double *A, *b, *x, *y;         /* rows x rows, rows */
+  int *basis, *memory;           /* rows; k x rows_max: the last basis of each contact */
+  double *impulse;               /* columns: Lambda */
+  double *offset;                /* columns: W^T v_free + w(+) + e v(-) */
+  double *work;
+  int *iwork, lwork, liwork;
+  nsdae_lcp_info info; /* of the last problem */
+
+  int *impact; /* k: contacts that hit in this step, as the method decided */
+
+  /* by contact, zero where it is open */
+  double *before, *before_t;   /* v_N(-), v_T(-): k, k nt */
+  double *after, *after_t;     /* v_N(+), v_T(+) */
+  double *normal, *tangential; /* Lambda_N, Lambda_T */
+  int *mode;                   /* enum nsdae_mode */
+} nsdae_contacts;
+
+/* Takes the arrays; system, error and law (see nsdae_contacts_laws) are set before. */
+void nsdae_contacts_layout(nsdae_contacts *contacts, nsdae_arena *arena);
+
+/* Fills the laws [k] and rows_max from the system's coefficients. */
+void nsdae_contacts_laws(nsdae_contacts *contacts, int polygon_edges);
+
+/* Number of rows that the contacts can have together. */
+long nsdae_contacts_rows_max(const nsdae_contacts *contacts);
+
+/* Forgets the last solutions and results: the next problem starts cold. */
+void nsdae_contacts_forget(nsdae_contacts *contacts);
+
+/* Closes the contacts with a gap that is not above zero; the others are open and their results
+ * zero. The terms must have the gap. */
+void nsdae_contacts_close(nsdae_contacts *contacts, const nsdae_terms *terms);
+
+/* Stores v(-) of the closed contacts: W^T v + w with the terms' W_N, W_T, w_N, w_T; with
+ * impacts_only, of those that are marked as impacts. */
+void nsdae_contacts_before(nsdae_contacts *contacts, const nsdae_terms *terms, const double *v,
+                           int impacts_only);
+
+/* Solves for the closed contacts. On entry v [nv] and lambda [m] are free of contacts, on return
+ * they hold v(+) and lambda; W and w are the terms', kkt is factored. NSDAE_OK; NSDAE_E_LCP,
+ * NSDAE_E_INFEASIBLE, NSDAE_E_NONFINITE with the record filled and v, lambda unchanged. */
+int nsdae_contacts_solve(nsdae_contacts *contacts, const nsdae_terms *terms, const nsdae_kkt *kkt,
+                         double *v, double *lambda);
+
+/* r [nv] += scale (W Lambda), with the terms' W and the last impulses of the closed contacts;
+ * skip_impacts leaves out those that are marked as impacts. */
+void nsdae_contacts_add_impulse(const nsdae_contacts *contacts, const nsdae_terms *terms,
+                                double scale, int skip_impacts, double *r);
+
+/* Work that the last impulses did on the system: the sum of Lambda (v(+) + v(-)) / 2. */
+double nsdae_contacts_work(const nsdae_contacts *contacts);
+
+#endif

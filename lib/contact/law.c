@@ -1,0 +1,63 @@
+#include "law.h"
+
+#include <math.h>
+
+#include <nsdae/sim.h>
+
+static nsdae_law frictionless(void)
+{
+  nsdae_law law = {.kind = NSDAE_FRICTIONLESS, .columns = 1, .rows = 1};
+  law.E_Q[0][0] = law.E_P[0][0] = 1;
+  return law;
+}
+
+static nsdae_law planar(double mu)
+{
+  nsdae_law law = {.kind = NSDAE_PLANAR, .columns = 2, .rows = 3, .mu = mu};
+  law.E_Q[0][0] = law.E_P[0][0] = 1;
+  law.E_Q[1][0] = -mu;
+  law.E_Q[1][1] = law.E_P[1][1] = 1;
+  return law;
+}
+
+static nsdae_law polygon(double mu, int edges)
+{
+  const double turn = 6.283185307179586477;
+  nsdae_law law = {.kind = NSDAE_POLYGON, .columns = 3, .rows = edges + 2, .mu = mu};
+  law.E_Q[0][0] = law.E_P[0][0] = 1;
+  for (int j = 0; j < edges; j++) {
+    law.E_Q[1][1 + j] = law.E_P[1][1 + j] = cos(turn * j / edges);
+    law.E_Q[2][1 + j] = law.E_P[2][1 + j] = sin(turn * j / edges);
+  }
+  return law;
+}
+
+nsdae_law nsdae_law_make(int nt, double mu, int edges)
+{
+  if (nt == 0 || mu == 0) return frictionless();
+  return nt == 1 ? planar(mu) : polygon(mu, edges);
+}
+
+void nsdae_law_add_coupling(const nsdae_law *law, double *A, int lda)
+{
+  int last = law->rows - 1;
+  if (law->kind == NSDAE_PLANAR) {
+    A[2 * lda + 1] += 1; /* xi_L in xi_R */
+    A[2] += 2 * law->mu; /* Lambda_N in Lambda_L */
+    A[lda + 2] -= 1;     /* Lambda_R in Lambda_L */
+  } else if (law->kind == NSDAE_POLYGON) {
+    A[last] += law->mu; /* Lambda_N in the friction margin */
+    for (int j = 1; j < last; j++) {
+      A[last * lda + j] += 1; /* gamma */
+      A[j * lda + last] -= 1; /* Lambda_D in the friction margin */
+    }
+  }
+}
+
+int nsdae_law_mode(const nsdae_law *law, const double *x, const double *y)
+{
+  if (!(x[0] > 0)) return NSDAE_OPEN;
+  if (law->kind == NSDAE_PLANAR) return x[2] > 0 || y[1] > 0 ? NSDAE_SLIDE : NSDAE_STICK;
+  if (law->kind == NSDAE_POLYGON) return x[law->rows - 1] > 0 ? NSDAE_SLIDE : NSDAE_STICK;
+  return NSDAE_SLIDE;
+}

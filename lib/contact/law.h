@@ -1,0 +1,40 @@
+/* Contact laws as rows of the complementarity problem  y = A x + b,  0 <= x _|_ y >= 0.
+ *
+ * A contact has c columns of W: its normal and, with friction, its tangential directions. A law
+ * has r rows and is three small matrices: with the impulses  [Lambda_N; Lambda_T] = E_Q x  and the
+ * velocities  xi = [xi_N; xi_T]  of the contact,  y = E_P^T xi + N x.
+ *
+ *   frictionless (r = 1)   x = Lambda_N,                       y = xi_N
+ *   planar (r = 3)         x = [Lambda_N, Lambda_R, xi_L],     y = [xi_N, xi_R, Lambda_L]
+ *       Lambda_T = Lambda_R - mu Lambda_N,  Lambda_L = 2 mu Lambda_N - Lambda_R,
+ *       xi_R = xi_T + xi_L                     (Zhang, Gu, Sun, Eqs. 25-29)
+ *   polygon (r = p + 2)    x = [Lambda_N, Lambda_D, gamma],
+ *                          y = [xi_N, gamma 1 + D^T xi_T, mu Lambda_N - 1^T Lambda_D]
+ *       Lambda_T = D Lambda_D, the columns of D being p directions around the circle
+ *                                              (Eqs. 20-23; Stewart and Trinkle 1996) */
+#ifndef NSDAE_CONTACT_LAW_H
+#define NSDAE_CONTACT_LAW_H
+
+enum { NSDAE_LAW_COLUMNS = 3, NSDAE_POLYGON_MAX = 32, NSDAE_LAW_ROWS = NSDAE_POLYGON_MAX + 2 };
+
+typedef enum nsdae_law_kind { NSDAE_FRICTIONLESS, NSDAE_PLANAR, NSDAE_POLYGON } nsdae_law_kind;
+
+typedef struct nsdae_law {
+  nsdae_law_kind kind;
+  int columns, rows;
+  double mu;
+  double E_Q[NSDAE_LAW_COLUMNS][NSDAE_LAW_ROWS]; /* columns x rows */
+  double E_P[NSDAE_LAW_COLUMNS][NSDAE_LAW_ROWS]; /* columns x rows */
+} nsdae_law;
+
+/* Law of a contact with nt tangential directions: frictionless where nt = 0 or mu = 0; a polygon
+ * of edges directions where nt = 2. */
+nsdae_law nsdae_law_make(int nt, double mu, int edges);
+
+/* Adds N to the r x r diagonal block of A. */
+void nsdae_law_add_coupling(const nsdae_law *law, double *A, int lda);
+
+/* enum nsdae_mode of the contact from its part of a solution. */
+int nsdae_law_mode(const nsdae_law *law, const double *x, const double *y);
+
+#endif

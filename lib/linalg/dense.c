@@ -1,0 +1,105 @@
+#include "dense.h"
+
+#include <cblas.h>
+#include <float.h>
+#include <lapacke.h>
+#include <math.h>
+#include <stddef.h>
+
+#define AT(A, lda, i, j) (A)[(size_t)(j) * (size_t)(lda) + (size_t)(i)]
+
+/* Left-looking Cholesky by columns (Golub and Van Loan, Matrix Computations, Alg. 4.2.1). */
+static int cholesky_small(int n, double *A, int lda)
+{
+  for (int j = 0; j < n; j++) {
+    double diagonal = AT(A, lda, j, j), pivot = diagonal;
+    for (int k = 0; k < j; k++) pivot -= AT(A, lda, j, k) * AT(A, lda, j, k);
+    if (!(pivot > n * DBL_EPSILON * diagonal) || !isfinite(pivot)) return j + 1;
+    double root = sqrt(pivot);
+    AT(A, lda, j, j) = root;
+    for (int i = j + 1; i < n; i++) {
+      double sum = AT(A, lda, i, j);
+      for (int k = 0; k < j; k++) sum -= AT(A, lda, i, k) * AT(A, lda, j, k);
+      AT(A, lda, i, j) = sum / root;
+    }
+  }
+  return 0;
+}
+
+/* The diagonal of A is gone after the factorisation, but row i of L holds its root as a norm. */
+static int first_rounded_pivot(int n, const double *L, int ldl)
+{
+  for (int i = 0; i < n; i++) {
+    double norm = cblas_dnrm2(i + 1, L + i, ldl), root = AT(L, ldl, i, i);
+    if (!(root * root > n * DBL_EPSILON * norm * norm) || !isfinite(root)) return i + 1;
+  }
+  return 0;
+}
+
+int nsdae_la_cholesky(int n, double *A, int lda)
+{
+  if (n < NSDAE_SMALL) return cholesky_small(n, A, lda);
+  int info = LAPACKE_dpotrf_work(LAPACK_COL_MAJOR, 'L', n, A, lda);
+  return info ? info : first_rounded_pivot(n, A, lda);
+}
+
+void nsdae_la_solve_lower(int n, int nrhs, const double *L, int ldl, double *B, int ldb)
+{
+  if (n >= NSDAE_SMALL) {
+    cblas_dtrsm(CblasColMajor, CblasLeft, CblasLower, CblasNoTrans, CblasNonUnit, n, nrhs, 1.0, L,
+                ldl, B, ldb);
+    return;
+  }
+  for (int j = 0; j < nrhs; j++)
+    for (int i = 0; i < n; i++) {
+      double sum = AT(B, ldb, i, j);
+      for (int k = 0; k < i; k++) sum -= AT(L, ldl, i, k) * AT(B, ldb, k, j);
+      AT(B, ldb, i, j) = sum / AT(L, ldl, i, i);
+    }
+}
+
+void nsdae_la_solve_lower_transposed(int n, int nrhs, const double *L, int ldl, double *B, int ldb)
+{
+  if (n >= NSDAE_SMALL) {
+    cblas_dtrsm(CblasColMajor, CblasLeft, CblasLower, CblasTrans, CblasNonUnit, n, nrhs, 1.0, L,
+                ldl, B, ldb);
+    return;
+  }
+  for (int j = 0; j < nrhs; j++)
+    for (int i = n - 1; i >= 0; i--) {
+      double sum = AT(B, ldb, i, j);
+      for (int k = i + 1; k < n; k++) sum -= AT(L, ldl, k, i) * AT(B, ldb, k, j);
+      AT(B, ldb, i, j) = sum / AT(L, ldl, i, i);
+    }
+}
+
+void nsdae_la_multiply_transposed(int n, int p, int r, const double *A, int lda, const double *B,
+                                  int ldb, double beta, double *C, int ldc)
+{
+  if (p == 0 || r == 0) return;
+  if (n >= NSDAE_SMALL) {
+    cblas_dgemm(CblasColMajor, CblasTrans, CblasNoTrans, p, r, n, 1.0, A, lda, B, ldb, beta, C,
+                ldc);
+    return;
+  }
+  for (int j = 0; j < r; j++)
+    for (int i = 0; i < p; i++) {
+      double sum = 0;
+      for (int k = 0; k < n; k++) sum += AT(A, lda, k, i) * AT(B, ldb, k, j);
+      AT(C, ldc, i, j) = beta == 0 ? sum : sum + beta * AT(C, ldc, i, j);
+    }
+}
+
+void nsdae_la_subtract_product(int n, int p, int r, const double *A, int lda, const double *B,
+                               int ldb, double *C, int ldc)
+{
+  if (p == 0 || r == 0) return;
+  if (n >= NSDAE_SMALL) {
+    cblas_dgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, n, r, p, -1.0, A, lda, B, ldb, 1.0, C,
+                ldc);
+    return;
+  }
+  for (int j = 0; j < r; j++)
+    for (int k = 0; k < p; k++)
+      for (int i = 0; i < n; i++) AT(C, ldc, i, j) -= AT(A, lda, i, k) * AT(B, ldb, k, j);
+}

@@ -1,0 +1,25 @@
+/* Dense factorisations and products, column-major. Below SMALL rows plain loops, which beat any
+ * call into a BLAS there; above it LAPACK. */
+#ifndef NSDAE_LINALG_DENSE_H
+#define NSDAE_LINALG_DENSE_H
+
+enum { NSDAE_SMALL = 16 };
+
+/* A := L with A = L L^T, in the lower triangle of A [n x n]; the upper one is not touched.
+ * Returns 0, or i > 0 when the i-th pivot is not above rounding relative to its diagonal entry
+ * (A is not positive definite, or has a NaN). */
+int nsdae_la_cholesky(int n, double *A, int lda);
+
+/* B [n x nrhs] := L^-1 B, and B := L^-T B. */
+void nsdae_la_solve_lower(int n, int nrhs, const double *L, int ldl, double *B, int ldb);
+void nsdae_la_solve_lower_transposed(int n, int nrhs, const double *L, int ldl, double *B, int ldb);
+
+/* C [p x r] := A [n x p]^T B [n x r] + beta C. */
+void nsdae_la_multiply_transposed(int n, int p, int r, const double *A, int lda, const double *B,
+                                  int ldb, double beta, double *C, int ldc);
+
+/* C [n x r] := C - A [n x p] B [p x r]. */
+void nsdae_la_subtract_product(int n, int p, int r, const double *A, int lda, const double *B,
+                               int ldb, double *C, int ldc);
+
+#endif

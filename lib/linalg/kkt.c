@@ -1,0 +1,167 @@
+#include "kkt.h"
+
+#include <cblas.h>
+#include <lapacke.h>
+#include <math.h>
+#include <stddef.h>
+#include <string.h>
+
+#include <nsdae/status.h>
+
+#include "dense.h"
+
+/* Block size that LAPACK's QR gets workspace for. */
+enum { BLOCK = 32 };
+
+static int smaller(int a, int b)
+{
+  return a < b ? a : b;
+}
+
+void nsdae_kkt_layout(nsdae_kkt *kkt, nsdae_arena *arena)
+{
+  int n = kkt->n, m = kkt->m;
+  kkt->lwork = 3 * m + 1 + (m + 1) * BLOCK;
+  kkt->L = NSDAE_ARENA_DOUBLES(arena, (long)n * n);
+  kkt->Y = NSDAE_ARENA_DOUBLES(arena, (long)n * m);
+  kkt->S = NSDAE_ARENA_DOUBLES(arena, (long)m * m);
+  kkt->Q = NSDAE_ARENA_DOUBLES(arena, (long)n * m);
+  kkt->Z = NSDAE_ARENA_DOUBLES(arena, (long)m * m);
+  kkt->T = NSDAE_ARENA_DOUBLES(arena, (long)m * m);
+  kkt->tau = NSDAE_ARENA_DOUBLES(arena, m);
+  kkt->norm = NSDAE_ARENA_DOUBLES(arena, m);
+  kkt->work = NSDAE_ARENA_DOUBLES(arena, m + kkt->lwork);
+  kkt->column = NSDAE_ARENA_INTS(arena, m);
+}
+
+static void copy_lower(int n, const double *A, int lda, double *L)
+{
+  for (size_t j = 0; j < (size_t)n; j++)
+    memcpy(L + j * (size_t)n + j, A + j * (size_t)lda + j, ((size_t)n - j) * sizeof *L);
+}
+
+static void transpose(int m, int n, const double *J, int ldj, double *Y)
+{
+  for (size_t i = 0; i < (size_t)m; i++)
+    for (size_t j = 0; j < (size_t)n; j++) Y[i * (size_t)n + j] = J[j * (size_t)ldj + i];
+}
+
+/* Squared sine of the angle between column j of Y and the span of those before it, the smallest
+ * over j: what Cholesky of S leaves of each diagonal entry, since row j of its factor has the
+ * norm of column j. */
+static double smallest_sine(int m, const double *factor)
+{
+  double smallest = 1;
+  for (int j = 0; j < m; j++) {
+    double sum = 0, pivot = factor[j * m + j];
+    for (int k = 0; k <= j; k++) sum += factor[k * m + j] * factor[k * m + j];
+    smallest = fmin(smallest, pivot * pivot / sum);
+  }
+  return smallest;
+}
+
+/* Pivoted QR of Y with its columns at unit length; returns the rank. */
+static int pivoted_rank(nsdae_kkt *kkt)
+{
+  int n = kkt->n, m = kkt->m, most = smaller(n, m), rank = 0;
+  memcpy(kkt->Q, kkt->Y, (size_t)n * (size_t)m * sizeof *kkt->Q);
+  for (int j = 0; j < m; j++) {
+    double *column = kkt->Q + (size_t)j * (size_t)n;
+    kkt->column[j] = 0;
+    kkt->norm[j] = cblas_dnrm2(n, column, 1);
+    if (kkt->norm[j] > 0) cblas_dscal(n, 1 / kkt->norm[j], column, 1);
+  }
+  LAPACKE_dgeqp3_work(LAPACK_COL_MAJOR, n, m, kkt->Q, n, kkt->column, kkt->tau, kkt->work,
+                      kkt->lwork);
+  while (rank < most && fabs(kkt->Q[(size_t)rank * (size_t)n + (size_t)rank]) > kkt->rank_tol)
+    rank++;
+  return rank;
+}
+
+/* B^T [m x r] with Y = Q B: the rows of R in the order and at the length of the constraints. */
+static void independent_rows(nsdae_kkt *kkt, int r)
+{
+  int n = kkt->n, m = kkt->m;
+  for (int i = 0; i < r; i++)
+    for (int j = 0; j < m; j++) {
+      int constraint = kkt->column[j] - 1;
+      double entry = j >= i ? kkt->Q[(size_t)j * (size_t)n + (size_t)i] : 0;
+      kkt->Z[(size_t)i * (size_t)m + (size_t)constraint] = entry * kkt->norm[constraint];
+    }
+}
+
+static void factor_by_rank(nsdae_kkt *kkt)
+{
+  int m = kkt->m, r = pivoted_rank(kkt);
+  kkt->rank = r;
+  kkt->factored_by_rank = 1;
+  if (r == 0) return;
+  independent_rows(kkt, r);
+  LAPACKE_dgeqrf_work(LAPACK_COL_MAJOR, m, r, kkt->Z, m, kkt->tau, kkt->work, kkt->lwork);
+  memcpy(kkt->T, kkt->Z, (size_t)m * (size_t)r * sizeof *kkt->T);
+  LAPACKE_dorgqr_work(LAPACK_COL_MAJOR, m, r, r, kkt->Z, m, kkt->tau, kkt->work, kkt->lwork);
+}
+
+int nsdae_kkt_factor(nsdae_kkt *kkt, const double *M, int ldm, const double *J, int ldj)
+{
+  /* Cholesky of S sees sines down to about 1e-6 (S squares them); what is near is decided by QR */
+  const double trusted = 1e-5;
+  int n = kkt->n, m = kkt->m;
+  copy_lower(n, M, ldm, kkt->L);
+  kkt->pivot = nsdae_la_cholesky(n, kkt->L, n);
+  if (kkt->pivot) return NSDAE_E_MASS;
+  kkt->rank = m;
+  kkt->factored_by_rank = 0;
+  if (m == 0) return NSDAE_OK;
+  transpose(m, n, J, ldj, kkt->Y);
+  nsdae_la_solve_lower(n, m, kkt->L, n, kkt->Y, n);
+  nsdae_la_multiply_transposed(n, m, m, kkt->Y, n, kkt->Y, n, 0, kkt->S, m);
+  double least = fmax(trusted, kkt->rank_tol);
+  if (nsdae_la_cholesky(m, kkt->S, m) || smallest_sine(m, kkt->S) < least * least)
+    factor_by_rank(kkt);
+  return NSDAE_OK;
+}
+
+/* g [m] := S^+ g = Z T^-T T^-1 Z^T g. */
+static void solve_by_rank(const nsdae_kkt *kkt, double *g)
+{
+  int m = kkt->m, r = kkt->rank;
+  double *u = kkt->work;
+  if (r > 0) {
+    cblas_dgemv(CblasColMajor, CblasTrans, m, r, 1.0, kkt->Z, m, g, 1, 0.0, u, 1);
+    cblas_dtrsv(CblasColMajor, CblasUpper, CblasNoTrans, CblasNonUnit, r, kkt->T, m, u, 1);
+    cblas_dtrsv(CblasColMajor, CblasUpper, CblasTrans, CblasNonUnit, r, kkt->T, m, u, 1);
+    cblas_dgemv(CblasColMajor, CblasNoTrans, m, r, 1.0, kkt->Z, m, u, 1, 0.0, g, 1);
+  } else {
+    memset(g, 0, (size_t)m * sizeof *g);
+  }
+}
+
+static void solve_schur(const nsdae_kkt *kkt, int nrhs, double *C, int ldc)
+{
+  int m = kkt->m;
+  if (kkt->factored_by_rank) {
+    for (int j = 0; j < nrhs; j++) solve_by_rank(kkt, C + (size_t)j * (size_t)ldc);
+  } else {
+    nsdae_la_solve_lower(m, nrhs, kkt->S, m, C, ldc);
+    nsdae_la_solve_lower_transposed(m, nrhs, kkt->S, m, C, ldc);
+  }
+}
+
+void nsdae_kkt_solve(const nsdae_kkt *kkt, int nrhs, double *R, int ldr, double *C, int ldc)
+{
+  int n = kkt->n, m = kkt->m;
+  nsdae_la_solve_lower(n, nrhs, kkt->L, n, R, ldr);
+  if (m > 0) {
+    nsdae_la_multiply_transposed(n, m, nrhs, kkt->Y, n, R, ldr, -1, C, ldc);
+    solve_schur(kkt, nrhs, C, ldc);
+    nsdae_la_subtract_product(n, m, nrhs, kkt->Y, n, C, ldc, R, ldr);
+  }
+  nsdae_la_solve_lower_transposed(n, nrhs, kkt->L, n, R, ldr);
+}
+
+void nsdae_kkt_solve_mass(const nsdae_kkt *kkt, double *r)
+{
+  nsdae_la_solve_lower(kkt->n, 1, kkt->L, kkt->n, r, kkt->n);
+  nsdae_la_solve_lower_transposed(kkt->n, 1, kkt->L, kkt->n, r, kkt->n);
+}

@@ -1,0 +1,46 @@
+/* The saddle-point matrix of a constrained system,
+ *
+ *     [ M      Phi_q^T ] [ x ]   [ r ]
+ *     [ Phi_q  0       ] [ l ] = [ c ]
+ *
+ * M = L L^T,  Y = L^-1 Phi_q^T,  S = Y^T Y = Phi_q M^-1 Phi_q^T  (the Schur complement)
+ * z = L^-1 r,  S l = Y^T z - c,  x = L^-T (z - Y l)
+ *
+ * Everything above this folder is written with these calls; P = x(r) with c = 0 is the
+ * projector of the contact problem. Where S is near singular, the rank r of Y comes from QR with
+ * column pivoting of the columns of Y at unit length, and l is the least-norm solution: with
+ * Y = Q B, B^T = Z T (QR again),  S^+ = Z T^-T T^-1 Z^T. */
+#ifndef NSDAE_LINALG_KKT_H
+#define NSDAE_LINALG_KKT_H
+
+#include "arena.h"
+
+typedef struct nsdae_kkt {
+  int n, m;
+  double rank_tol;      /* sine of the angle below which a constraint depends on the others */
+  int rank;             /* of the last factorisation */
+  int pivot;            /* of M that failed, from 1 */
+  int factored_by_rank; /* the last factorisation is the rank-revealing one */
+  double *L, *Y, *S;    /* n x n, n x m, m x m */
+  double *Q;            /* n x m: scratch of the pivoted QR */
+  double *Z, *T;        /* m x rank, rank x rank (leading dimension m) */
+  double *tau, *norm;   /* min(n, m), m */
+  double *work;         /* m: one right-hand side; lwork: LAPACK's */
+  int *column;          /* m: column order of the pivoted QR */
+  int lwork;
+} nsdae_kkt;
+
+/* Takes the arrays; n, m and rank_tol are set before. */
+void nsdae_kkt_layout(nsdae_kkt *kkt, nsdae_arena *arena);
+
+/* Factors M [n x n] (its lower triangle) and Phi_q = J [m x n]. NSDAE_OK, also with rank < m: the
+ * caller decides what that means; NSDAE_E_MASS: M is not positive definite, see pivot. */
+int nsdae_kkt_factor(nsdae_kkt *kkt, const double *M, int ldm, const double *J, int ldj);
+
+/* R [n x nrhs] := x, C [m x nrhs] := l. */
+void nsdae_kkt_solve(const nsdae_kkt *kkt, int nrhs, double *R, int ldr, double *C, int ldc);
+
+/* r [n] := M^-1 r, as if there were no constraints. */
+void nsdae_kkt_solve_mass(const nsdae_kkt *kkt, double *r);
+
+#endif

@@ -1,0 +1,65 @@
+/* The one table of the options. */
+#include <float.h>
+#include <math.h>
+#include <stddef.h>
+
+#include "errors.h"
+#include "options.h"
+
+static const char *const methods[] = {"implicit", "implicit-printed", "moreau", NULL};
+static const char *const redundant[] = {"error", "least-norm", NULL};
+
+enum { INITIALISED = 0x6e736461 };
+
+#define AT(field) offsetof(nsdae_sim_options, field)
+
+static const nsdae_param entries[] = {
+    {"method", "", "how time is stepped", NSDAE_PARAM_CHOICE, AT(method), NSDAE_IMPLICIT, 0, 2, 0,
+     methods},
+    {"dt", "s", "step", NSDAE_PARAM_REAL, AT(dt), 0.005, 0, INFINITY, NSDAE_OPEN_MIN, NULL},
+    {"baumgarte_alpha", "1/s", "stabilisation of Phi' in Newmark's smooth phases", NSDAE_PARAM_REAL,
+     AT(baumgarte_alpha), 20, 0, INFINITY, 0, NULL},
+    {"baumgarte_beta", "1/s", "stabilisation of Phi in Newmark's smooth phases", NSDAE_PARAM_REAL,
+     AT(baumgarte_beta), 20, 0, INFINITY, 0, NULL},
+    {"iteration_tol", "1", "relative change of q and v that ends an implicit iteration",
+     NSDAE_PARAM_REAL, AT(iteration_tol), 1e-12, DBL_EPSILON, 1e-2, 0, NULL},
+    {"iteration_max", "1", "most iterations of an implicit step", NSDAE_PARAM_INT,
+     AT(iteration_max), 100, 1, 1000000, 0, NULL},
+    {"redundant", "", "what to do where Phi_q has deficient rank", NSDAE_PARAM_CHOICE,
+     AT(redundant), NSDAE_REDUNDANT_ERROR, 0, 1, 0, redundant},
+    {"rank_tol", "1", "sine of the angle to the others below which a constraint is redundant",
+     NSDAE_PARAM_REAL, AT(rank_tol), 1e-8, 0, 1, NSDAE_OPEN_MAX, NULL},
+    {"lcp_tol", "1", "scaled natural residual of a solved LCP", NSDAE_PARAM_REAL, AT(lcp_tol),
+     1e-10, DBL_EPSILON, 1e-2, 0, NULL},
+    {"polygon", "1", "edges of the friction polygon of contacts with two tangential directions",
+     NSDAE_PARAM_INT, AT(polygon), 8, 3, 32, 0, NULL},
+    {"impact_velocity", "m/s", "closings slower than this are no impacts", NSDAE_PARAM_REAL,
+     AT(impact_velocity), 1e-9, 0, INFINITY, 0, NULL},
+};
+
+static const nsdae_params table = {entries, (int)(sizeof entries / sizeof *entries)};
+
+const nsdae_params *nsdae_sim_options_table(void)
+{
+  return &table;
+}
+
+void nsdae_sim_options_default(nsdae_sim_options *options)
+{
+  nsdae_params_default(&table, options);
+  options->initialised = INITIALISED;
+}
+
+int nsdae_sim_options_set(nsdae_sim_options *options, const char *key, const char *value,
+                          nsdae_error *error)
+{
+  return nsdae_params_set(&table, options, key, value, error);
+}
+
+int nsdae_sim_options_check(const nsdae_sim_options *options, nsdae_error *error)
+{
+  if (options->initialised != INITIALISED)
+    return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_sim_create", "options",
+                           "options were not initialised: call nsdae_sim_options_default first");
+  return nsdae_params_check(&table, options, error);
+}

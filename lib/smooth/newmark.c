@@ -1,0 +1,114 @@
+#include "newmark.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "errors.h"
+#include "system_impl.h"
+#include "vector.h"
+
+enum {
+  NEWMARK_TERMS = NSDAE_TERM_MASS | NSDAE_TERM_FORCE | NSDAE_TERM_PHI | NSDAE_TERM_JACOBIAN |
+                  NSDAE_TERM_PHI_T | NSDAE_TERM_OMEGA
+};
+
+void nsdae_newmark_layout(nsdae_newmark *newmark, nsdae_arena *arena)
+{
+  const nsdae_dims *dims = &newmark->system->dims;
+  newmark->a0 = NSDAE_ARENA_DOUBLES(arena, dims->nv);
+  newmark->a1 = NSDAE_ARENA_DOUBLES(arena, dims->nv);
+  newmark->lambda0 = NSDAE_ARENA_DOUBLES(arena, dims->m);
+  newmark->lambda1 = NSDAE_ARENA_DOUBLES(arena, dims->m);
+  newmark->q = NSDAE_ARENA_DOUBLES(arena, dims->nq);
+  newmark->v = NSDAE_ARENA_DOUBLES(arena, dims->nv);
+  newmark->qdot0 = NSDAE_ARENA_DOUBLES(arena, dims->nq);
+  newmark->qdot1 = NSDAE_ARENA_DOUBLES(arena, dims->nq);
+}
+
+/* a and lambda at the terms' point. The stabilisation is stiff: with s = alpha h + beta^2 h^2/4,
+ * the share of a in 2 alpha Phi' + beta^2 Phi, the right-hand side R of Phi_q a = R is replaced
+ * by (R + s Phi_q a_last) / (1 + s). It has the same solution, and alpha and beta no longer
+ * bound h. a holds a_last on entry where s > 0. */
+static int acceleration(nsdae_newmark *N, nsdae_terms *T, double s, double *a, double *lambda)
+{
+  int n = N->system->dims.nv, m = N->system->dims.m;
+  int status = nsdae_terms_need(T, NEWMARK_TERMS);
+  if (status == NSDAE_OK) status = nsdae_terms_factor(T, T->M, N->kkt, N->least_norm);
+  if (status < 0) return status;
+  for (int i = 0; i < m; i++) {
+    double rate = T->phi_t[i], last = 0;
+    for (int j = 0; j < n; j++) {
+      rate += T->J[(size_t)j * (size_t)m + (size_t)i] * T->v[j];
+      last += T->J[(size_t)j * (size_t)m + (size_t)i] * a[j];
+    }
+    double target = -T->omega[i] - 2 * N->alpha * rate - N->beta * N->beta * T->phi[i];
+    lambda[i] = s > 0 ? (target + s * last) / (1 + s) : target;
+  }
+  memcpy(a, T->F, (size_t)n * sizeof *a);
+  nsdae_kkt_solve(N->kkt, 1, a, n, lambda, m);
+  return NSDAE_OK;
+}
+
+static int kinematics(nsdae_newmark *N, double t, const double *q, const double *v, double *qdot)
+{
+  int code = nsdae_kinematics(N->system, t, q, v, qdot);
+  return nsdae_system_callback_status(code, "kinematics", t, N->error);
+}
+
+/* q1 and v1 of a0 and a1 into N->q, N->v. With dq/dt = H v the positions take the mean of both
+ * ends; for H = 1 that is h v0 + h^2/4 (a0 + a1). */
+static int advance(nsdae_newmark *N, const nsdae_terms *start, const double *q1, double h)
+{
+  const nsdae_dims *dims = &N->system->dims;
+  for (int i = 0; i < dims->nv; i++) N->v[i] = start->v[i] + h / 2 * (N->a0[i] + N->a1[i]);
+  int status = kinematics(N, start->t + h, q1, N->v, N->qdot1);
+  for (int i = 0; i < dims->nq; i++) N->q[i] = start->q[i] + h / 2 * (N->qdot0[i] + N->qdot1[i]);
+  return status;
+}
+
+static int no_convergence(nsdae_newmark *N, double t, double last)
+{
+  nsdae_error_set(N->error, NSDAE_E_CONVERGENCE, "nsdae_newmark", "dt",
+                  "the smooth step from t = %.17g did not converge in %d iterations (change %.3g, "
+                  "wanted %.3g): make dt smaller",
+                  t, N->iteration_max, last, N->tol);
+  if (N->error) N->error->time = t;
+  return NSDAE_E_CONVERGENCE;
+}
+
+/* Iterates on a1; the terms of the last iterate are those of end, with its acceleration in a1. */
+static int iterate(nsdae_newmark *N, const nsdae_terms *start, nsdae_terms *end, double t_end)
+{
+  const nsdae_dims *dims = &N->system->dims;
+  double h = t_end - start->t;
+  double s = N->alpha * h + N->beta * N->beta * h * h / 4, moved = INFINITY;
+  for (N->iterations = 1; N->iterations <= N->iteration_max; N->iterations++) {
+    int status = advance(N, start, N->iterations == 1 ? start->q : end->q, h);
+    if (status < 0) return status;
+    if (N->iterations > 1)
+      moved = nsdae_change(dims->nq, N->q, end->q) + nsdae_change(dims->nv, N->v, end->v);
+    if (moved <= N->tol) return NSDAE_OK;
+    nsdae_terms_at(end, t_end, N->q, N->v);
+    status = acceleration(N, end, s, N->a1, N->lambda1);
+    if (status < 0) return status;
+  }
+  return no_convergence(N, start->t, moved);
+}
+
+int nsdae_newmark_step(nsdae_newmark *N, nsdae_terms *start, nsdae_terms *end, double t_end,
+                       double *multiplier)
+{
+  const nsdae_dims *dims = &N->system->dims;
+  int status = kinematics(N, start->t, start->q, start->v, N->qdot0);
+  if (status == NSDAE_OK && !N->have_start) status = acceleration(N, start, 0, N->a0, N->lambda0);
+  N->have_start = 0;
+  if (status < 0) return status;
+  memcpy(N->a1, N->a0, (size_t)dims->nv * sizeof *N->a1);
+  status = iterate(N, start, end, t_end);
+  if (status < 0) return status;
+  for (int i = 0; i < dims->m; i++) multiplier[i] = (N->lambda0[i] + N->lambda1[i]) / 2;
+  memcpy(N->a0, N->a1, (size_t)dims->nv * sizeof *N->a0);
+  memcpy(N->lambda0, N->lambda1, (size_t)dims->m * sizeof *N->lambda0);
+  N->have_start = 1;
+  return NSDAE_OK;
+}

@@ -1,0 +1,36 @@
+/* Newmark's rule (gamma = 1/2, beta = 1/4) on the index-1 form with Baumgarte's stabilisation,
+ * Eq. (6) of Zhang, Gu and Sun:
+ *
+ *   [ M      Phi_q^T ] [ a      ]   [ F                                                    ]
+ *   [ Phi_q  0       ] [ lambda ] = [ -omega - 2 alpha (Phi_q v + Phi_t) - beta^2 Phi      ]
+ *   q1 = q0 + h v0 + h^2/4 (a0 + a1),   v1 = v0 + h/2 (a0 + a1)
+ *
+ * of second order, solved for a1 by fixed-point iteration. Where dq/dt = H(q) v, q1 takes the mean
+ * of H v at both ends. */
+#ifndef NSDAE_NEWMARK_H
+#define NSDAE_NEWMARK_H
+
+#include "kkt.h"
+#include "terms.h"
+
+typedef struct nsdae_newmark {
+  const nsdae_system *system;
+  nsdae_error *error;
+  nsdae_kkt *kkt;
+  double alpha, beta, tol;
+  int iteration_max, least_norm;
+  int have_start;                      /* a0 and lambda0 belong to the start of the next step */
+  int iterations;                      /* of the last step */
+  double *a0, *a1, *lambda0, *lambda1; /* nv, nv, m, m */
+  double *q, *v, *qdot0, *qdot1;       /* nq, nv, nq, nq */
+} nsdae_newmark;
+
+/* system, error, kkt and the numbers are set before. */
+void nsdae_newmark_layout(nsdae_newmark *newmark, nsdae_arena *arena);
+
+/* One step from start into end, at t_end. multiplier [m]: mean lambda. NSDAE_OK;
+ * NSDAE_E_CONVERGENCE; what the terms return. */
+int nsdae_newmark_step(nsdae_newmark *newmark, nsdae_terms *start, nsdae_terms *end, double t_end,
+                       double *multiplier);
+
+#endif

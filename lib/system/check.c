@@ -1,0 +1,178 @@
+/* Given derivatives against differences: see nsdae_system_check. */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "arena.h"
+#include "differences.h"
+#include "errors.h"
+#include "system_impl.h"
+
+typedef struct check {
+  nsdae_system *system;
+  nsdae_differences differences;
+  double t;
+  const double *q, *v;
+  double *given, *differenced, *spare; /* one matrix each */
+  int code;                            /* of a callback that failed, and its name */
+  const char *callback;
+  nsdae_check worst;
+} check;
+
+static long largest(const nsdae_dims *dims)
+{
+  long columns = dims->nv, k = (long)dims->k * (dims->nt > 0 ? dims->nt : 1);
+  if (dims->m > columns) columns = dims->m;
+  if (k > columns) columns = k;
+  return columns * (dims->nv > dims->m ? dims->nv : dims->m);
+}
+
+static void layout(void *object, nsdae_arena *arena)
+{
+  check *c = object;
+  long size = largest(&c->system->dims);
+  nsdae_differences_layout(&c->differences, arena);
+  c->given = NSDAE_ARENA_DOUBLES(arena, size);
+  c->differenced = NSDAE_ARENA_DOUBLES(arena, size);
+  c->spare = NSDAE_ARENA_DOUBLES(arena, size);
+}
+
+static int failed(check *c, int code, const char *callback)
+{
+  c->code = code;
+  c->callback = callback;
+  return code != 0;
+}
+
+/* Keeps the worst entry of given - differenced, [rows x columns]. */
+static void compare(check *c, const char *term, int rows, int columns)
+{
+  for (int i = 0; i < rows * columns; i++) {
+    double given = c->given[i], difference = c->differenced[i];
+    double error = fabs(given - difference) / (1 + fabs(difference));
+    if (error <= c->worst.error) continue; /* so that NaN is kept as the worst */
+    c->worst = (nsdae_check){.row = i % rows,
+                             .column = i / rows,
+                             .given = given,
+                             .difference = difference,
+                             .error = isnan(error) ? INFINITY : error};
+    snprintf(c->worst.term, sizeof c->worst.term, "%s", term);
+  }
+}
+
+static void zero(double *a, int rows, int columns)
+{
+  memset(a, 0, (size_t)rows * (size_t)columns * sizeof *a);
+}
+
+static void check_mass(check *c)
+{
+  nsdae_system *s = c->system;
+  int n = s->dims.nv;
+  zero(c->given, n, n);
+  if (failed(c, s->mass(c->t, c->q, c->given, n, s->user), "mass")) return;
+  for (int j = 0; j < n; j++)
+    for (int i = 0; i < n; i++) c->differenced[j * n + i] = c->given[i * n + j];
+  compare(c, "mass", n, n);
+}
+
+static void check_jacobian(check *c)
+{
+  nsdae_system *s = c->system;
+  int m = s->dims.m, n = s->dims.nv;
+  if (!s->constraint_jacobian) return;
+  zero(c->given, m, n);
+  if (failed(c, s->constraint_jacobian(c->t, c->q, c->given, m, s->user), "constraint_jacobian"))
+    return;
+  int code = nsdae_differences_velocity(&c->differences, s->constraint, m, c->t, c->q,
+                                        c->differenced, m, 0);
+  if (!failed(c, code, "constraint")) compare(c, "constraint_jacobian", m, n);
+}
+
+static void check_bias(check *c)
+{
+  nsdae_system *s = c->system;
+  nsdae_differences *d = &c->differences;
+  int m = s->dims.m;
+  if (!s->constraint_bias) return;
+  zero(c->given, m, 1);
+  zero(c->spare, m, 1);
+  if (failed(c, s->constraint_bias(c->t, c->q, c->v, c->given, c->spare, s->user),
+             "constraint_bias"))
+    return;
+  int code = nsdae_differences_time(d, s->constraint, m, c->t, c->q, c->differenced);
+  if (failed(c, code, "constraint")) return;
+  compare(c, "constraint_bias phi_t", m, 1);
+  memcpy(c->given, c->spare, (size_t)m * sizeof *c->given);
+  code = nsdae_differences_second(d, s->constraint, m, c->t, c->q, c->v, c->differenced);
+  if (!failed(c, code, "constraint")) compare(c, "constraint_bias omega", m, 1);
+}
+
+static void check_normal(check *c)
+{
+  nsdae_system *s = c->system;
+  int k = s->dims.k, n = s->dims.nv;
+  if (!s->gap_normal) return;
+  zero(c->given, n, k);
+  if (failed(c, s->gap_normal(c->t, c->q, c->given, n, s->user), "gap_normal")) return;
+  int code =
+      nsdae_differences_velocity(&c->differences, s->gap, k, c->t, c->q, c->differenced, n, 1);
+  if (!failed(c, code, "gap")) compare(c, "gap_normal", n, k);
+}
+
+static void check_contact_bias(check *c)
+{
+  nsdae_system *s = c->system;
+  int k = s->dims.k;
+  if (!s->contact_bias) return;
+  zero(c->given, k, 1);
+  double *w_t = s->dims.nt > 0 ? c->spare : NULL;
+  if (failed(c, s->contact_bias(c->t, c->q, c->given, w_t, s->user), "contact_bias")) return;
+  int code = nsdae_differences_time(&c->differences, s->gap, k, c->t, c->q, c->differenced);
+  if (!failed(c, code, "gap")) compare(c, "contact_bias w_n", k, 1);
+}
+
+static int verdict(check *c, double tol)
+{
+  nsdae_error *error = &c->system->error;
+  const nsdae_check *w = &c->worst;
+  if (c->code) return nsdae_system_callback_status(c->code, c->callback, c->t, error);
+  if (w->error <= tol) return NSDAE_OK;
+  return nsdae_error_set(error, NSDAE_E_DERIVATIVE, "nsdae_system_check", w->term,
+                         "%s: entry (%d, %d) is %.10g, differences say %.10g (off by %.3g, "
+                         "tol %.3g)",
+                         w->term, w->row, w->column, w->given, w->difference, w->error, tol);
+}
+
+static int check_arguments(nsdae_system *system, const double *q, const double *v, double tol)
+{
+  const char *missing = !q ? "q" : !v ? "v" : NULL;
+  if (missing)
+    return nsdae_error_set(&system->error, NSDAE_E_ARGUMENT, "nsdae_system_check", missing,
+                           "%s is NULL", missing);
+  if (!(tol > 0))
+    return nsdae_error_set(&system->error, NSDAE_E_ARGUMENT, "nsdae_system_check", "tol",
+                           "tol = %g is outside its range: it must be greater than 0", tol);
+  return nsdae_system_complete(system, &system->error);
+}
+
+int nsdae_system_check(nsdae_system *system, double t, const double *q, const double *v, double tol,
+                       nsdae_check *worst)
+{
+  static void (*const all[])(check *) = {check_mass, check_jacobian, check_bias, check_normal,
+                                         check_contact_bias};
+  if (!system) return NSDAE_E_ARGUMENT;
+  nsdae_error_clear(&system->error);
+  int status = check_arguments(system, q, v, tol);
+  if (status < 0) return status;
+  check c = {.system = system, .t = t, .q = q, .v = v};
+  c.differences.system = system;
+  nsdae_arena arena;
+  if (nsdae_arena_build(&arena, layout, &c) < 0)
+    return nsdae_error_set(&system->error, NSDAE_E_MEMORY, "nsdae_system_check", "",
+                           "out of memory");
+  for (size_t i = 0; i < sizeof all / sizeof *all && !c.code; i++) all[i](&c);
+  nsdae_arena_release(&arena);
+  if (worst) *worst = c.worst;
+  return verdict(&c, tol);
+}

@@ -1,0 +1,48 @@
+/* Derivatives by central differences: for what a user leaves out, and to check what is given.
+ *
+ * Along the motion dq/dt = H(t,q) v a function f(t,q) has the rate
+ *   f' = f_q H v + f_t = ( f(t+s, q+s H v) - f(t-s, q-s H v) ) / 2s + O(s^2)
+ * with s ~ eps^(1/3) for one difference (error about 1e-10) and eps^(1/4) for a difference of
+ * differences (about 1e-8). All return a callback's code. */
+#ifndef NSDAE_SYSTEM_DIFFERENCES_H
+#define NSDAE_SYSTEM_DIFFERENCES_H
+
+#include <nsdae/system.h>
+
+#include "arena.h"
+
+/* f(t,q) [rows]: the form that constraint and gap share. */
+typedef nsdae_constraint_fn nsdae_position_fn;
+
+typedef struct nsdae_differences {
+  const nsdae_system *system;
+  double *q, *qdot;     /* nq: a displaced point, its rate */
+  double *centre;       /* nq: a displaced centre, for differences of differences */
+  double *unit;         /* nv */
+  double *plus, *minus; /* max(m, k) */
+  double *rate_plus, *rate_minus;
+} nsdae_differences;
+
+/* system is set before. */
+void nsdae_differences_layout(nsdae_differences *differences, nsdae_arena *arena);
+
+/* D [rows x nv] (or its transpose [nv x rows]): f' = D v + f_t. */
+int nsdae_differences_velocity(nsdae_differences *differences, nsdae_position_fn f, int rows,
+                               double t, const double *q, double *D, int ldd, int transposed);
+
+/* f_t [rows]. */
+int nsdae_differences_time(nsdae_differences *differences, nsdae_position_fn f, int rows, double t,
+                           const double *q, double *f_t);
+
+/* omega [rows]: f'' along the motion with v constant. */
+int nsdae_differences_second(nsdae_differences *differences, nsdae_position_fn f, int rows,
+                             double t, const double *q, const double *v, double *omega);
+
+/* dq/dt [nq]. */
+int nsdae_kinematics(const nsdae_system *system, double t, const double *q, const double *v,
+                     double *qdot);
+
+/* Step along dq/dt that moves each coordinate by at most scale of its size, and time likewise. */
+double nsdae_differences_step(int nq, double t, const double *q, const double *qdot, double scale);
+
+#endif

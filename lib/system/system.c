@@ -1,0 +1,204 @@
+#include "system_impl.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "errors.h"
+
+static int bad_size(nsdae_error *error, const char *name, int value, const char *range)
+{
+  return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_system_create", name,
+                         "dims.%s = %d is outside its range: it must be %s", name, value, range);
+}
+
+static int check_dims(const nsdae_dims *dims, nsdae_error *error)
+{
+  enum { MOST = 1 << 20 }; /* so that no index overflows an int */
+  if (dims->nq < 1 || dims->nq > MOST) return bad_size(error, "nq", dims->nq, "1 .. 2^20");
+  if (dims->nv < 0 || dims->nv > dims->nq) return bad_size(error, "nv", dims->nv, "0 .. nq");
+  if (dims->m < 0 || dims->m > MOST) return bad_size(error, "m", dims->m, "0 .. 2^20");
+  if (dims->k < 0 || dims->k > MOST) return bad_size(error, "k", dims->k, "0 .. 2^20");
+  if (dims->nt < 0 || dims->nt > 2) return bad_size(error, "nt", dims->nt, "0, 1 or 2");
+  return NSDAE_OK;
+}
+
+int nsdae_system_create(const nsdae_dims *dims, nsdae_system **system, nsdae_error *error)
+{
+  nsdae_error_clear(error);
+  if (!system || !dims)
+    return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_system_create", dims ? "system" : "dims",
+                           "%s is NULL", dims ? "system" : "dims");
+  *system = NULL;
+  int status = check_dims(dims, error);
+  if (status < 0) return status;
+  nsdae_system *made = calloc(1, sizeof *made);
+  if (made) made->contact = calloc((size_t)dims->k + 1, sizeof *made->contact);
+  if (!made || !made->contact) {
+    free(made);
+    return nsdae_error_set(error, NSDAE_E_MEMORY, "nsdae_system_create", "", "out of memory");
+  }
+  made->dims = *dims;
+  if (dims->nv == 0) made->dims.nv = dims->nq;
+  nsdae_error_clear(&made->error);
+  *system = made;
+  return NSDAE_OK;
+}
+
+void nsdae_system_destroy(nsdae_system **system)
+{
+  if (!system || !*system) return;
+  free((*system)->contact);
+  free(*system);
+  *system = NULL;
+}
+
+int nsdae_system_set_user(nsdae_system *system, void *user)
+{
+  if (!system) return NSDAE_E_ARGUMENT;
+  system->user = user;
+  return NSDAE_OK;
+}
+
+static int refuse(nsdae_system *system, const char *callback, const char *why)
+{
+  return nsdae_error_set(&system->error, NSDAE_E_ARGUMENT, "nsdae_system_set", callback, "%s: %s",
+                         callback, why);
+}
+
+/* One setter per callback: `has` says whether the system has such a term at all. */
+#define SETTER(name, type, has, why)                           \
+  int nsdae_system_set_##name(nsdae_system *system, type name) \
+  {                                                            \
+    if (!system) return NSDAE_E_ARGUMENT;                      \
+    if (!name) return refuse(system, #name, "it is NULL");     \
+    if (!(has)) return refuse(system, #name, why);             \
+    nsdae_error_clear(&system->error);                         \
+    system->name = name;                                       \
+    return NSDAE_OK;                                           \
+  }
+
+SETTER(mass, nsdae_mass_fn, 1, "")
+SETTER(force, nsdae_force_fn, 1, "")
+SETTER(constraint, nsdae_constraint_fn, system->dims.m > 0, "the system has no constraints (m = 0)")
+SETTER(constraint_jacobian, nsdae_constraint_jacobian_fn, system->dims.m > 0,
+       "the system has no constraints (m = 0)")
+SETTER(constraint_bias, nsdae_constraint_bias_fn, system->dims.m > 0,
+       "the system has no constraints (m = 0)")
+SETTER(gap, nsdae_gap_fn, system->dims.k > 0, "the system has no contacts (k = 0)")
+SETTER(gap_normal, nsdae_gap_normal_fn, system->dims.k > 0, "the system has no contacts (k = 0)")
+SETTER(gap_tangent, nsdae_gap_tangent_fn, system->dims.k > 0 && system->dims.nt > 0,
+       "the system has no tangential directions (k nt = 0)")
+SETTER(contact_bias, nsdae_contact_bias_fn, system->dims.k > 0,
+       "the system has no contacts (k = 0)")
+SETTER(kinematics, nsdae_kinematics_fn, 1, "")
+SETTER(potential, nsdae_potential_fn, 1, "")
+
+static int bad_coefficient(nsdae_system *system, const char *name, double value, const char *range)
+{
+  return nsdae_error_set(&system->error, NSDAE_E_ARGUMENT, "nsdae_system_set_contact", name,
+                         "%s = %g is outside its range: it must be %s", name, value, range);
+}
+
+int nsdae_system_set_contact(nsdae_system *system, int i, double mu, double e_n, double e_t)
+{
+  if (!system) return NSDAE_E_ARGUMENT;
+  if (i < 0 || i >= system->dims.k)
+    return nsdae_error_set(&system->error, NSDAE_E_ARGUMENT, "nsdae_system_set_contact", "i",
+                           "contact i = %d is outside 0 .. %d", i, system->dims.k - 1);
+  /* written so that NaN fails */
+  if (!(mu >= 0) || isinf(mu)) return bad_coefficient(system, "mu", mu, "at least 0");
+  if (!(e_n >= 0 && e_n <= 1)) return bad_coefficient(system, "e_n", e_n, "0 .. 1");
+  if (!(e_t >= 0 && e_t <= 1)) return bad_coefficient(system, "e_t", e_t, "0 .. 1");
+  nsdae_error_clear(&system->error);
+  system->contact[i] = (nsdae_coefficients){mu, e_n, e_t};
+  return NSDAE_OK;
+}
+
+const nsdae_error *nsdae_system_error(const nsdae_system *system)
+{
+  return system ? &system->error : NULL;
+}
+
+int nsdae_system_get_dims(const nsdae_system *system, nsdae_dims *dims)
+{
+  if (!system || !dims) return NSDAE_E_ARGUMENT;
+  *dims = system->dims;
+  return NSDAE_OK;
+}
+
+const char *nsdae_system_differences(nsdae_system *system)
+{
+  if (!system) return "";
+  const struct {
+    const char *name;
+    int filled;
+  } term[] = {
+      {"constraint_jacobian", system->dims.m > 0 && !system->constraint_jacobian},
+      {"constraint_bias", system->dims.m > 0 && !system->constraint_bias},
+      {"gap_normal", system->dims.k > 0 && !system->gap_normal},
+      {"contact_bias", system->dims.k > 0 && !system->contact_bias},
+  };
+  char *text = system->differences;
+  *text = '\0';
+  for (size_t i = 0; i < sizeof term / sizeof *term; i++) {
+    if (!term[i].filled) continue;
+    size_t used = strlen(text);
+    snprintf(text + used, sizeof system->differences - used, "%s%s", used ? " " : "", term[i].name);
+  }
+  return text;
+}
+
+static int any_friction(const nsdae_system *system)
+{
+  for (int i = 0; i < system->dims.k; i++)
+    if (system->contact[i].mu > 0) return 1;
+  return 0;
+}
+
+int nsdae_system_complete(const nsdae_system *system, nsdae_error *error)
+{
+  const nsdae_dims *dims = &system->dims;
+  const char *missing = NULL;
+  if (!system->mass) missing = "mass";
+  if (!system->force) missing = "force";
+  if (dims->m > 0 && !system->constraint) missing = "constraint";
+  if (dims->k > 0 && !system->gap) missing = "gap";
+  if (dims->k > 0 && dims->nt > 0 && any_friction(system) && !system->gap_tangent)
+    missing = "gap_tangent";
+  if (dims->nq != dims->nv && !system->kinematics) missing = "kinematics";
+  if (!missing) return NSDAE_OK;
+  return nsdae_error_set(error, NSDAE_E_STATE, "nsdae_system", missing,
+                         "the system needs the callback %s: call nsdae_system_set_%s", missing,
+                         missing);
+}
+
+int nsdae_system_callback_status(int code, const char *callback, double t, nsdae_error *error)
+{
+  if (code == 0) return NSDAE_OK;
+  nsdae_error_set(error, NSDAE_E_CALLBACK, callback, callback,
+                  "callback %s returned %d (%s) at t = %.17g", callback, code,
+                  code > 0 ? "recoverable: a smaller step may help" : "fatal", t);
+  if (error) {
+    error->code = code;
+    error->time = t;
+  }
+  return NSDAE_E_CALLBACK;
+}
+
+int nsdae_system_finite(const double *a, int rows, int columns, const char *callback, double t,
+                        nsdae_error *error)
+{
+  int count = rows * columns, i = 0;
+  while (i < count && isfinite(a[i])) i++;
+  if (i == count) return NSDAE_OK;
+  nsdae_error_set(error, NSDAE_E_NONFINITE, callback, callback,
+                  "callback %s gave %g in entry (%d, %d) at t = %.17g", callback, a[i],
+                  rows ? i % rows : 0, rows ? i / rows : 0, t);
+  if (error) {
+    error->index = i;
+    error->time = t;
+  }
+  return NSDAE_E_NONFINITE;
+}

@@ -1,0 +1,254 @@
+#include "terms.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "errors.h"
+#include "system_impl.h"
+
+void nsdae_terms_layout(nsdae_terms *terms, nsdae_arena *arena)
+{
+  const nsdae_dims *dims = &terms->system->dims;
+  long n = dims->nv, m = dims->m, k = dims->k, nt = dims->nt;
+  terms->q = NSDAE_ARENA_DOUBLES(arena, dims->nq);
+  terms->v = NSDAE_ARENA_DOUBLES(arena, n);
+  terms->M = NSDAE_ARENA_DOUBLES(arena, n * n);
+  terms->F = NSDAE_ARENA_DOUBLES(arena, n);
+  terms->phi = NSDAE_ARENA_DOUBLES(arena, m);
+  terms->J = NSDAE_ARENA_DOUBLES(arena, m * n);
+  terms->phi_t = NSDAE_ARENA_DOUBLES(arena, m);
+  terms->omega = NSDAE_ARENA_DOUBLES(arena, m);
+  terms->gap = NSDAE_ARENA_DOUBLES(arena, k);
+  terms->W_N = NSDAE_ARENA_DOUBLES(arena, n * k);
+  terms->W_T = NSDAE_ARENA_DOUBLES(arena, n * k * nt);
+  terms->w_N = NSDAE_ARENA_DOUBLES(arena, k);
+  terms->w_T = NSDAE_ARENA_DOUBLES(arena, k * nt);
+}
+
+void nsdae_terms_at(nsdae_terms *terms, double t, const double *q, const double *v)
+{
+  const nsdae_dims *dims = &terms->system->dims;
+  terms->t = t;
+  memcpy(terms->q, q, (size_t)dims->nq * sizeof *q);
+  memcpy(terms->v, v, (size_t)dims->nv * sizeof *v);
+  terms->have = 0;
+}
+
+void nsdae_terms_set_velocity(nsdae_terms *terms, const double *v)
+{
+  memcpy(terms->v, v, (size_t)terms->system->dims.nv * sizeof *v);
+  terms->have &= ~(unsigned)(NSDAE_TERM_FORCE | NSDAE_TERM_OMEGA);
+}
+
+static void zero(double *a, long count)
+{
+  memset(a, 0, (size_t)count * sizeof *a);
+}
+
+/* The outcome of a callback on its output [rows x columns]. */
+static int outcome(nsdae_terms *terms, int code, const char *callback, const double *a, int rows,
+                   int columns)
+{
+  int status = nsdae_system_callback_status(code, callback, terms->t, terms->error);
+  if (status < 0) return status;
+  return nsdae_system_finite(a, rows, columns, callback, terms->t, terms->error);
+}
+
+static int mass(nsdae_terms *T)
+{
+  const nsdae_system *s = T->system;
+  int n = s->dims.nv;
+  zero(T->M, (long)n * n);
+  T->evals->mass++;
+  return outcome(T, s->mass(T->t, T->q, T->M, n, s->user), "mass", T->M, n, n);
+}
+
+static int force(nsdae_terms *T)
+{
+  const nsdae_system *s = T->system;
+  zero(T->F, s->dims.nv);
+  T->evals->force++;
+  return outcome(T, s->force(T->t, T->q, T->v, T->F, s->user), "force", T->F, s->dims.nv, 1);
+}
+
+static int phi(nsdae_terms *T)
+{
+  const nsdae_system *s = T->system;
+  zero(T->phi, s->dims.m);
+  return outcome(T, s->constraint(T->t, T->q, T->phi, s->user), "constraint", T->phi, s->dims.m, 1);
+}
+
+static int jacobian(nsdae_terms *T)
+{
+  const nsdae_system *s = T->system;
+  int m = s->dims.m, n = s->dims.nv, code;
+  zero(T->J, (long)m * n);
+  T->evals->jacobian++;
+  if (s->constraint_jacobian)
+    code = s->constraint_jacobian(T->t, T->q, T->J, m, s->user);
+  else
+    code = nsdae_differences_velocity(T->differences, s->constraint, m, T->t, T->q, T->J, m, 0);
+  return outcome(T, code, s->constraint_jacobian ? "constraint_jacobian" : "constraint", T->J, m,
+                 n);
+}
+
+/* The callback gives phi_t and omega together. */
+static int given_bias(nsdae_terms *T)
+{
+  const nsdae_system *s = T->system;
+  int m = s->dims.m;
+  zero(T->phi_t, m);
+  zero(T->omega, m);
+  int code = s->constraint_bias(T->t, T->q, T->v, T->phi_t, T->omega, s->user);
+  int status = outcome(T, code, "constraint_bias", T->phi_t, m, 1);
+  if (status == NSDAE_OK) status = outcome(T, 0, "constraint_bias", T->omega, m, 1);
+  if (status == NSDAE_OK) T->have |= NSDAE_TERM_PHI_T | NSDAE_TERM_OMEGA;
+  return status;
+}
+
+static int phi_t(nsdae_terms *T)
+{
+  const nsdae_system *s = T->system;
+  int m = s->dims.m;
+  if (s->constraint_bias) return given_bias(T);
+  int code = nsdae_differences_time(T->differences, s->constraint, m, T->t, T->q, T->phi_t);
+  return outcome(T, code, "constraint", T->phi_t, m, 1);
+}
+
+static int omega(nsdae_terms *T)
+{
+  const nsdae_system *s = T->system;
+  int m = s->dims.m;
+  if (s->constraint_bias) return given_bias(T);
+  int code = nsdae_differences_second(T->differences, s->constraint, m, T->t, T->q, T->v, T->omega);
+  return outcome(T, code, "constraint", T->omega, m, 1);
+}
+
+static int gap(nsdae_terms *T)
+{
+  const nsdae_system *s = T->system;
+  zero(T->gap, s->dims.k);
+  return outcome(T, s->gap(T->t, T->q, T->gap, s->user), "gap", T->gap, s->dims.k, 1);
+}
+
+static int normal(nsdae_terms *T)
+{
+  const nsdae_system *s = T->system;
+  int k = s->dims.k, n = s->dims.nv, code;
+  zero(T->W_N, (long)n * k);
+  if (s->gap_normal)
+    code = s->gap_normal(T->t, T->q, T->W_N, n, s->user);
+  else
+    code = nsdae_differences_velocity(T->differences, s->gap, k, T->t, T->q, T->W_N, n, 1);
+  return outcome(T, code, s->gap_normal ? "gap_normal" : "gap", T->W_N, n, k);
+}
+
+static int tangent(nsdae_terms *T)
+{
+  const nsdae_system *s = T->system;
+  int columns = s->dims.k * s->dims.nt, n = s->dims.nv;
+  zero(T->W_T, (long)n * columns);
+  if (!s->gap_tangent) return NSDAE_OK; /* allowed where no contact has friction */
+  return outcome(T, s->gap_tangent(T->t, T->q, T->W_T, n, s->user), "gap_tangent", T->W_T, n,
+                 columns);
+}
+
+static int bias(nsdae_terms *T)
+{
+  const nsdae_system *s = T->system;
+  int k = s->dims.k, nt = s->dims.nt, code;
+  zero(T->w_N, k);
+  zero(T->w_T, (long)k * nt);
+  if (!s->contact_bias) {
+    code = nsdae_differences_time(T->differences, s->gap, k, T->t, T->q, T->w_N);
+    return outcome(T, code, "gap", T->w_N, k, 1);
+  }
+  code = s->contact_bias(T->t, T->q, T->w_N, nt > 0 ? T->w_T : NULL, s->user);
+  int status = outcome(T, code, "contact_bias", T->w_N, k, 1);
+  return status < 0 ? status : outcome(T, 0, "contact_bias", T->w_T, k * nt, 1);
+}
+
+static int potential(nsdae_terms *T)
+{
+  const nsdae_system *s = T->system;
+  T->potential = 0;
+  if (!s->potential) return NSDAE_OK;
+  return outcome(T, s->potential(T->t, T->q, &T->potential, s->user), "potential", &T->potential, 1,
+                 1);
+}
+
+typedef struct evaluation {
+  unsigned term;
+  int (*evaluate)(nsdae_terms *);
+} evaluation;
+
+static const evaluation all[] = {
+    {NSDAE_TERM_MASS, mass},
+    {NSDAE_TERM_FORCE, force},
+    {NSDAE_TERM_PHI, phi},
+    {NSDAE_TERM_JACOBIAN, jacobian},
+    {NSDAE_TERM_PHI_T, phi_t},
+    {NSDAE_TERM_OMEGA, omega},
+    {NSDAE_TERM_GAP, gap},
+    {NSDAE_TERM_NORMAL, normal},
+    {NSDAE_TERM_TANGENT, tangent},
+    {NSDAE_TERM_BIAS, bias},
+    {NSDAE_TERM_POTENTIAL, potential},
+};
+
+enum {
+  CONSTRAINT_TERMS = NSDAE_TERM_PHI | NSDAE_TERM_JACOBIAN | NSDAE_TERM_PHI_T | NSDAE_TERM_OMEGA,
+  CONTACT_TERMS = NSDAE_TERM_GAP | NSDAE_TERM_NORMAL | NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS
+};
+
+int nsdae_terms_need(nsdae_terms *terms, unsigned which)
+{
+  if (terms->system->dims.m == 0) which &= ~(unsigned)CONSTRAINT_TERMS;
+  if (terms->system->dims.k == 0) which &= ~(unsigned)CONTACT_TERMS;
+  for (size_t i = 0; i < sizeof all / sizeof *all; i++) {
+    if (!(which & all[i].term) || (terms->have & all[i].term)) continue;
+    int status = all[i].evaluate(terms);
+    if (status < 0) return status;
+    terms->have |= all[i].term;
+  }
+  return NSDAE_OK;
+}
+
+double nsdae_terms_drift(const nsdae_terms *terms)
+{
+  double most = 0;
+  for (int i = 0; i < terms->system->dims.m; i++) most = fmax(most, fabs(terms->phi[i]));
+  return most;
+}
+
+double nsdae_terms_penetration(const nsdae_terms *terms)
+{
+  double most = 0;
+  for (int i = 0; i < terms->system->dims.k; i++) most = fmax(most, -terms->gap[i]);
+  return most;
+}
+
+static int bad_factor(nsdae_terms *terms, const nsdae_kkt *kkt, int status)
+{
+  if (status == NSDAE_E_MASS)
+    nsdae_error_set(terms->error, status, "nsdae_terms", "mass",
+                    "the mass matrix is not positive definite at t = %.17g: pivot %d of %d is not "
+                    "above rounding; check the callback mass",
+                    terms->t, kkt->pivot, kkt->n);
+  else
+    nsdae_error_set(terms->error, status, "nsdae_terms", "constraint_jacobian",
+                    "Phi_q has rank %d of %d at t = %.17g: leave out the redundant constraints or "
+                    "set redundant = least-norm",
+                    kkt->rank, kkt->m, terms->t);
+  terms->error->time = terms->t;
+  terms->error->index = status == NSDAE_E_MASS ? kkt->pivot - 1 : kkt->rank;
+  return status;
+}
+
+int nsdae_terms_factor(nsdae_terms *terms, const double *M, nsdae_kkt *kkt, int least_norm)
+{
+  const nsdae_dims *dims = &terms->system->dims;
+  int status = nsdae_kkt_factor(kkt, M, dims->nv, terms->J, dims->m);
+  if (status == NSDAE_OK && kkt->rank < kkt->m && !least_norm) status = NSDAE_E_RANK;
+  return status < 0 ? bad_factor(terms, kkt, status) : NSDAE_OK;
+}

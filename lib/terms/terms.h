@@ -1,0 +1,70 @@
+/* The terms of the equations at one point (t, q, v), each evaluated when it is first needed and
+ * only once per point. */
+#ifndef NSDAE_TERMS_H
+#define NSDAE_TERMS_H
+
+#include <nsdae/system.h>
+
+#include "arena.h"
+#include "differences.h"
+#include "kkt.h"
+
+/* What can be asked for, as a sum. */
+enum {
+  NSDAE_TERM_MASS = 1,
+  NSDAE_TERM_FORCE = 2, /* depends on v */
+  NSDAE_TERM_PHI = 4,
+  NSDAE_TERM_JACOBIAN = 8,
+  NSDAE_TERM_PHI_T = 16,
+  NSDAE_TERM_OMEGA = 32, /* depends on v */
+  NSDAE_TERM_GAP = 64,
+  NSDAE_TERM_NORMAL = 128,
+  NSDAE_TERM_TANGENT = 256,
+  NSDAE_TERM_BIAS = 512, /* w_N, w_T */
+  NSDAE_TERM_POTENTIAL = 1024
+};
+
+typedef struct nsdae_evals {
+  long mass, force, jacobian;
+} nsdae_evals;
+
+typedef struct nsdae_terms {
+  const nsdae_system *system;
+  nsdae_differences *differences;
+  nsdae_error *error;
+  nsdae_evals *evals;
+  unsigned have; /* the terms that are up to date */
+  double t, *q, *v;
+  double *M;             /* nv x nv */
+  double *F;             /* nv */
+  double *phi;           /* m */
+  double *J;             /* m x nv */
+  double *phi_t, *omega; /* m */
+  double *gap;           /* k */
+  double *W_N;           /* nv x k */
+  double *W_T;           /* nv x k nt */
+  double *w_N, *w_T;     /* k, k nt */
+  double potential;
+} nsdae_terms;
+
+/* Takes the arrays; system, differences, error and evals are set before. */
+void nsdae_terms_layout(nsdae_terms *terms, nsdae_arena *arena);
+
+/* Moves to a new point: every term is out of date. */
+void nsdae_terms_at(nsdae_terms *terms, double t, const double *q, const double *v);
+/* Changes v alone: what depends on q only stays. */
+void nsdae_terms_set_velocity(nsdae_terms *terms, const double *v);
+
+/* Brings the terms of the sum up to date. NSDAE_OK, NSDAE_E_CALLBACK, NSDAE_E_NONFINITE; a term
+ * that failed is not counted as there. */
+int nsdae_terms_need(nsdae_terms *terms, unsigned which);
+
+/* max |Phi| and max(0, -g_N); phi and gap must be there. */
+double nsdae_terms_drift(const nsdae_terms *terms);
+double nsdae_terms_penetration(const nsdae_terms *terms);
+
+/* Factors M and Phi_q (M [nv x nv] may be another than that of the point). NSDAE_E_MASS, and
+ * NSDAE_E_RANK unless least_norm allows a deficient rank; the record names pivot or rank. */
+int nsdae_terms_factor(nsdae_terms *terms, const double *M, nsdae_kkt *kkt, int least_norm);
+
+#endif
