@@ -1,0 +1,32 @@
+/* What the example drivers share: command line, run, tables. A driver describes its model and
+ * hands it to driver_main. */
+#ifndef NSDAE_DRIVER_H
+#define NSDAE_DRIVER_H
+
+#include <nsdae/nsdae.h>
+
+/* One impact as an exact solution has it. */
+typedef struct driver_exact {
+  double time, normal_impulse;
+} driver_exact;
+
+typedef struct driver_model {
+  const char *name;    /* "pendulum": the program is nsdae-pendulum */
+  const char *summary; /* one line */
+  const nsdae_params *parameters;
+  void *base; /* the struct that the table describes; user pointer of the callbacks */
+  double t_end;
+  /* Makes the system from the parameters at base. */
+  int (*build)(void *base, nsdae_system **system, nsdae_error *error);
+  /* Fills the start state; both come zeroed. */
+  void (*start)(const void *base, double *q0, double *v0);
+  /* Exact impact of that number from 0; returns 0 where there is none. NULL: nothing is known. */
+  int (*exact)(const void *base, int number, driver_exact *impact);
+} driver_model;
+
+enum { DRIVER_DONE = 0, DRIVER_FAILED = 1, DRIVER_USAGE = 2 };
+
+/* The whole program; returns its exit status. */
+int driver_main(const driver_model *model, int argc, char **argv);
+
+#endif

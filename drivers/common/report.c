@@ -1,0 +1,135 @@
+#include "report.h"
+
+#include <math.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+/* An impact table of this length says what there is to say; the file holds all. */
+enum { ROWS_MAX = 40 };
+
+static double clock_now(void)
+{
+  struct timespec now;
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+static void print_parameters(const settings *s)
+{
+  const nsdae_params *table = s->model->parameters;
+  printf("%s: %s\n", s->model->name, s->model->summary);
+  for (int i = 0; i < table->n; i++) {
+    char value[NSDAE_PARAM_TEXT_SIZE];
+    const char *unit = table->entry[i].unit;
+    nsdae_params_format(&table->entry[i], s->model->base, value, sizeof value);
+    printf("  %-10s %12s %-6s %s\n", table->entry[i].key, value, strcmp(unit, "1") ? unit : "",
+           table->entry[i].help);
+  }
+  printf("method %s (%s)\ndt %g s, to %g s\n\n", nsdae_method_name(s->options.method),
+         nsdae_method_summary(s->options.method), s->options.dt, s->t_end);
+}
+
+static void print_header(const report *r)
+{
+  printf("%6s %12s", "impact", "time [s]");
+  if (r->contacts > 1) printf(" %8s", "contact");
+  printf(" %14s", "impulse [N s]");
+  if (r->tangents > 0) printf(" %14s", "friction [N s]");
+  printf(" %14s %14s", "before [m/s]", "after [m/s]");
+  if (r->settings->model->exact) printf(" %14s %14s %10s", "exact time", "exact impulse", "error");
+  printf("\n");
+}
+
+void report_begin(report *r, const settings *s, const nsdae_sim *sim)
+{
+  nsdae_dims dims;
+  nsdae_sim_get_dims(sim, &dims);
+  *r = (report){.settings = s, .contacts = dims.k, .tangents = dims.nt};
+  r->terminal = isatty(STDERR_FILENO);
+  r->started = r->shown = clock_now();
+  if (s->quiet) return;
+  print_parameters(s);
+  if (dims.k > 0) print_header(r);
+}
+
+static void clear_bar(report *r)
+{
+  if (r->bar) fprintf(stderr, "\r\033[K");
+  r->bar = 0;
+}
+
+static void print_exact(const report *r, double impulse)
+{
+  const driver_model *model = r->settings->model;
+  driver_exact exact;
+  if (!model->exact || !model->exact(model->base, r->rows, &exact)) return;
+  printf(" %14.9f %14.9f %9.3f%%", exact.time, exact.normal_impulse,
+         100 * (impulse - exact.normal_impulse) / exact.normal_impulse);
+}
+
+static void print_impact(report *r, const nsdae_impact *impact)
+{
+  if (r->rows < ROWS_MAX) {
+    printf("%6d %12.6f", r->rows + 1, impact->time);
+    if (r->contacts > 1) printf(" %8d", impact->contact);
+    printf(" %14.7f", impact->normal_impulse);
+    if (r->tangents == 1) printf(" %14.7f", impact->tangential_impulse[0]);
+    if (r->tangents == 2)
+      printf(" %14.7f", hypot(impact->tangential_impulse[0], impact->tangential_impulse[1]));
+    printf(" %14.7f %14.7f", impact->velocity_before, impact->velocity_after);
+    print_exact(r, impact->normal_impulse);
+    printf("\n");
+  }
+  r->rows++;
+}
+
+/* On a terminal, for what lasts over a second, ten times a second. */
+static void move_bar(report *r, double time)
+{
+  enum { WIDTH = 40 };
+  static const char full[] = "########################################";
+  double now = clock_now();
+  if (now - r->started < 1 || now - r->shown < 0.1) return;
+  double part = time / r->settings->t_end;
+  int cells = (int)(part * WIDTH);
+  fprintf(stderr, "\r[%-*.*s] %3.0f %%  t = %.4g s", WIDTH, cells, full, 100 * part, time);
+  r->bar = 1;
+  r->shown = now;
+}
+
+int report_observe(const nsdae_record *record, nsdae_error *error, void *user)
+{
+  report *r = user;
+  (void)error;
+  if (r->settings->quiet) return 0;
+  if (record->impacts > 0) {
+    clear_bar(r);
+    for (int i = 0; i < record->impacts; i++) print_impact(r, &record->impact[i]);
+  }
+  if (r->terminal) move_bar(r, record->time);
+  return 0;
+}
+
+void report_end(report *r, const nsdae_sim *sim)
+{
+  nsdae_stats stats;
+  nsdae_dims dims;
+  nsdae_sim_get_stats(sim, &stats);
+  nsdae_sim_get_dims(sim, &dims);
+  clear_bar(r);
+  if (r->settings->quiet) return;
+  if (r->rows > ROWS_MAX) printf("  ... and %d more\n", r->rows - ROWS_MAX);
+  if (r->contacts > 0 && r->rows == 0) printf("  none\n");
+  printf("\n%ld steps (%ld smooth, %ld with contact), %ld LCPs, %ld iterations, %ld impacts\n",
+         stats.steps, stats.smooth_steps, stats.contact_steps, stats.lcps, stats.iterations,
+         stats.impacts);
+  printf("worst LCP residual %.2e, constraint drift %.2e m, penetration %.2e m\n",
+         stats.worst_residual, stats.worst_drift, stats.worst_penetration);
+  if (stats.rank < dims.m)
+    printf("rank of the constraints %d of %d: redundant ones carry the least-norm reaction\n",
+           stats.rank, dims.m);
+  printf("energy balance %+.3e J (energy + dissipated - start)\n", stats.energy_balance);
+  printf("time %.3g s, %.3g us a step\n", stats.wall_time,
+         stats.steps ? 1e6 * stats.wall_time / (double)stats.steps : 0);
+}

@@ -1,0 +1,25 @@
+/* What a run prints: parameters, the table of impacts as they come, the summary. */
+#ifndef NSDAE_DRIVER_REPORT_H
+#define NSDAE_DRIVER_REPORT_H
+
+#include <stdio.h>
+
+#include "settings.h"
+
+typedef struct report {
+  const settings *settings;
+  int contacts, tangents; /* k, nt */
+  int rows;               /* of the impact table so far */
+  double started, shown;  /* clock of the run, of the last progress bar [s] */
+  int bar;                /* a progress bar is on the terminal */
+  int terminal;           /* stderr is one */
+} report;
+
+void report_begin(report *r, const settings *s, const nsdae_sim *sim);
+
+/* Observer: adds impacts to the table and moves the progress bar. user is the report. */
+int report_observe(const nsdae_record *record, nsdae_error *error, void *user);
+
+void report_end(report *r, const nsdae_sim *sim);
+
+#endif

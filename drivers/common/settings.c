@@ -1,0 +1,250 @@
+#include "settings.h"
+
+#include <ctype.h>
+#include <errno.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <string.h>
+
+static const nsdae_param run_entries[] = {
+    {"t_end", "s", "end time", NSDAE_PARAM_REAL, offsetof(settings, t_end), 1, 0, INFINITY,
+     NSDAE_OPEN_MIN, NULL},
+    {"output", "", "trajectory file", NSDAE_PARAM_TEXT, offsetof(settings, output), 0, 0, 0, 0,
+     NULL},
+};
+
+const nsdae_params settings_run_table = {run_entries,
+                                         (int)(sizeof run_entries / sizeof *run_entries)};
+
+void settings_default(settings *s, const driver_model *model)
+{
+  memset(s, 0, sizeof *s);
+  s->model = model;
+  nsdae_params_default(model->parameters, model->base);
+  nsdae_sim_options_default(&s->options);
+  s->t_end = model->t_end;
+  snprintf(s->output, sizeof s->output, "%s.h5", model->name);
+}
+
+static int usage_error(nsdae_error *error, const char *argument, const char *format, ...)
+{
+  va_list args;
+  va_start(args, format);
+  vsnprintf(error->text, sizeof error->text, format, args);
+  va_end(args);
+  snprintf(error->argument, sizeof error->argument, "%s", argument);
+  return error->status = NSDAE_E_OPTION;
+}
+
+static int unknown_name(const settings *s, const char *name, nsdae_error *error)
+{
+  const nsdae_params *tables[] = {s->model->parameters, &settings_run_table,
+                                  nsdae_sim_options_table()};
+  const char *names[128];
+  int count = 0;
+  for (int t = 0; t < 3; t++)
+    for (int i = 0; i < tables[t]->n && count < 127; i++) names[count++] = tables[t]->entry[i].key;
+  names[count] = NULL;
+  const char *near = nsdae_nearest_name(name, names);
+  if (near) return usage_error(error, name, "unknown name '%s'; did you mean '%s'?", name, near);
+  return usage_error(error, name, "unknown name '%s'; --help lists all", name);
+}
+
+int settings_set(settings *s, const char *name, const char *value, nsdae_error *error)
+{
+  if (nsdae_params_find(s->model->parameters, name))
+    return nsdae_params_set(s->model->parameters, s->model->base, name, value, error);
+  if (nsdae_params_find(&settings_run_table, name))
+    return nsdae_params_set(&settings_run_table, s, name, value, error);
+  if (nsdae_params_find(nsdae_sim_options_table(), name))
+    return nsdae_sim_options_set(&s->options, name, value, error);
+  return unknown_name(s, name, error);
+}
+
+static char *trim(char *text)
+{
+  while (isspace((unsigned char)*text)) text++;
+  char *end = text + strlen(text);
+  while (end > text && isspace((unsigned char)end[-1])) *--end = '\0';
+  return text;
+}
+
+/* Splits "name = value" and sets it. */
+static int assign(settings *s, char *text, nsdae_error *error)
+{
+  char *equals = strchr(text, '=');
+  if (!equals) return usage_error(error, text, "'%s' is not of the form NAME=VALUE", text);
+  *equals = '\0';
+  return settings_set(s, trim(text), trim(equals + 1), error);
+}
+
+static int read_line(settings *s, char *line, nsdae_error *error)
+{
+  line[strcspn(line, "#;\n\r")] = '\0';
+  char *text = trim(line);
+  if (*text == '\0' || *text == '[') return NSDAE_OK;
+  return assign(s, text, error);
+}
+
+/* Puts the place in front of the text. */
+static void locate(nsdae_error *error, const char *path, int line)
+{
+  char text[sizeof error->text], place[96];
+  memcpy(text, error->text, sizeof text);
+  int used = snprintf(place, sizeof place, "%.64s line %d: ", path, line);
+  memcpy(error->text, place, (size_t)used);
+  memcpy(error->text + used, text, sizeof text - (size_t)used);
+  error->text[sizeof error->text - 1] = '\0';
+}
+
+int settings_read(settings *s, const char *path, nsdae_error *error)
+{
+  FILE *file = fopen(path, "r");
+  if (!file) {
+    usage_error(error, "params", "cannot read '%s': %s", path, strerror(errno));
+    return error->status = NSDAE_E_IO;
+  }
+  char line[1024];
+  int number = 0, status = NSDAE_OK;
+  while (status == NSDAE_OK && fgets(line, sizeof line, file)) {
+    number++;
+    status = read_line(s, line, error);
+  }
+  if (status == NSDAE_OK && ferror(file))
+    status = usage_error(error, "params", "cannot read '%s': %s", path, strerror(errno));
+  fclose(file);
+  if (status < 0) locate(error, path, number);
+  return status;
+}
+
+/* Options of the command line. */
+enum action { SET, ASSIGN, PARAMS, NO_OUTPUT, QUIET, LIVE, HELP, VERSION };
+
+typedef struct flag {
+  const char *name, *value; /* value: what it takes, or NULL */
+  enum action action;
+  const char *key; /* for SET */
+  const char *help;
+} flag;
+
+static const flag flags[] = {
+    {"--method", "NAME", SET, "method", "one of the methods below"},
+    {"--dt", "S", SET, "dt", "step [s]"},
+    {"--t-end", "S", SET, "t_end", "end time [s]"},
+    {"--set", "NAME=VALUE", ASSIGN, NULL, "a parameter or an option of those below; repeatable"},
+    {"--params", "FILE", PARAMS, NULL, "parameters from a file of NAME = VALUE lines"},
+    {"--output", "FILE.h5", SET, "output", "trajectory"},
+    {"--no-output", NULL, NO_OUTPUT, NULL, "write no trajectory"},
+    {"--live", NULL, LIVE, NULL, "let others read the trajectory while it is written (SWMR)"},
+    {"--quiet", NULL, QUIET, NULL, "print errors only"},
+    {"--help", NULL, HELP, NULL, "this text"},
+    {"--version", NULL, VERSION, NULL, "version and build"},
+};
+
+enum { FLAGS = sizeof flags / sizeof *flags };
+
+/* Flag of a word such as "--dt" or "--dt=0.01"; *value is what follows '=', or NULL. */
+static const flag *find_flag(char *word, char **value, nsdae_error *error)
+{
+  const char *names[FLAGS + 1] = {0};
+  *value = strchr(word, '=');
+  if (*value) *(*value)++ = '\0';
+  for (int i = 0; i < FLAGS; i++) {
+    if (strcmp(flags[i].name, word) == 0) return &flags[i];
+    names[i] = flags[i].name;
+  }
+  const char *near = nsdae_nearest_name(word, names);
+  if (near)
+    usage_error(error, word, "unknown option '%s'; did you mean '%s'?", word, near);
+  else
+    usage_error(error, word, "unknown option '%s'; --help lists all", word);
+  return NULL;
+}
+
+static int act(settings *s, const flag *f, char *value, nsdae_error *error)
+{
+  switch (f->action) {
+  case SET:
+    return settings_set(s, f->key, value, error);
+  case ASSIGN:
+    return assign(s, value, error);
+  case NO_OUTPUT:
+    s->output[0] = '\0';
+    break;
+  case QUIET:
+    s->quiet = 1;
+    break;
+  case LIVE:
+    s->live = 1;
+    break;
+  case HELP:
+    s->help = 1;
+    break;
+  case VERSION:
+    s->version = 1;
+    break;
+  case PARAMS:
+    break; /* read before */
+  }
+  return NSDAE_OK;
+}
+
+/* One argument vector entry and its value; files_only reads parameter files and nothing else. */
+static int parse_one(settings *s, int argc, char **argv, int *i, int files_only, nsdae_error *error)
+{
+  char word[NSDAE_PARAM_TEXT_SIZE * 2], *value;
+  snprintf(word, sizeof word, "%s", argv[*i]);
+  const flag *f = find_flag(word, &value, error);
+  if (!f) return error->status;
+  if (f->value && !value) {
+    if (*i + 1 >= argc)
+      return usage_error(error, f->name, "%s needs a value: %s %s", f->name, f->name, f->value);
+    snprintf(word, sizeof word, "%s", argv[++*i]);
+    value = word;
+  }
+  if (!f->value && value) return usage_error(error, f->name, "%s takes no value", f->name);
+  if (files_only) return f->action == PARAMS ? settings_read(s, value, error) : NSDAE_OK;
+  return act(s, f, value, error);
+}
+
+int settings_parse(settings *s, int argc, char **argv, nsdae_error *error)
+{
+  for (int files_only = 1; files_only >= 0; files_only--)
+    for (int i = 1; i < argc; i++) {
+      int status = parse_one(s, argc, argv, &i, files_only, error);
+      if (status < 0) return status;
+    }
+  return NSDAE_OK;
+}
+
+static void print_table(const char *title, const nsdae_params *table, const void *base)
+{
+  printf("\n%s\n", title);
+  for (int i = 0; i < table->n; i++) {
+    const nsdae_param *p = &table->entry[i];
+    char value[NSDAE_PARAM_TEXT_SIZE], unit[24] = "";
+    nsdae_params_format(p, base, value, sizeof value);
+    if (*p->unit && strcmp(p->unit, "1") != 0) snprintf(unit, sizeof unit, " [%s]", p->unit);
+    printf("  %-16s %-16s %s%s\n", p->key, value, p->help, unit);
+  }
+}
+
+void settings_usage(const settings *s)
+{
+  printf("nsdae-%s: %s\n\nusage: nsdae-%s [OPTION]...\n\n", s->model->name, s->model->summary,
+         s->model->name);
+  for (int i = 0; i < FLAGS; i++) {
+    char left[64];
+    snprintf(left, sizeof left, "%s %s", flags[i].name, flags[i].value ? flags[i].value : "");
+    printf("  %-24s %s\n", left, flags[i].help);
+  }
+  printf("\nmethods\n");
+  for (int i = 0; nsdae_method_name(i); i++)
+    printf("  %-24s %s\n", nsdae_method_name(i), nsdae_method_summary(i));
+  print_table("parameters (name, default, meaning)", s->model->parameters, s->model->base);
+  print_table("run", &settings_run_table, s);
+  print_table("options", nsdae_sim_options_table(), &s->options);
+  printf("\nExit status: 0 done, 1 the computation failed, 2 wrong usage.\n");
+}
