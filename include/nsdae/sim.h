@@ -67,6 +67,8 @@ typedef struct nsdae_record {
   const double *normal_impulse;     /* [k] of the step */
   const double *tangential_impulse; /* [k nt] */
   const int *mode;                  /* [k] enum nsdae_mode */
+  const double *slide_impulse;      /* [f] friction of the slides in the step */
+  const int *slide_mode;            /* [f] NSDAE_SLIDE or NSDAE_STICK; NSDAE_OPEN: frictionless */
   double kinetic, potential;        /* [J]; potential is 0 where no callback gives it */
   double dissipated;                /* work taken by all contact impulses so far [J] */
   double lcp_residual;              /* scaled natural residual, 0 where there was no LCP */

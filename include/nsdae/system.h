@@ -29,6 +29,7 @@ typedef struct nsdae_dims {
   int m;  /* bilateral constraints, >= 0 */
   int k;  /* contacts, >= 0 */
   int nt; /* tangential directions of every contact: 0 (frictionless), 1 (planar) or 2 */
+  int f;  /* slides: bilateral constraints with friction, 0 .. m */
 } nsdae_dims;
 
 /* M(t,q) [nv x nv], symmetric positive definite; both triangles. */
@@ -54,6 +55,8 @@ typedef int (*nsdae_gap_tangent_fn)(double t, const double *q, double *W, int ld
  * where nt = 0. */
 typedef int (*nsdae_contact_bias_fn)(double t, const double *q, double *w_n, double *w_t,
                                      void *user);
+/* W_S(t,q) [nv x f] and w_S(t,q) [f]: the sliding velocity of each slide is W_S^T v + w_S. */
+typedef int (*nsdae_slide_fn)(double t, const double *q, double *W, int ldw, double *w, void *user);
 /* dq/dt [nq] from v [nv], linear in v. */
 typedef int (*nsdae_kinematics_fn)(double t, const double *q, const double *v, double *qdot,
                                    void *user);
@@ -72,10 +75,11 @@ NSDAE_API void nsdae_system_destroy(nsdae_system **system);
 NSDAE_API int nsdae_system_set_user(nsdae_system *system, void *user);
 
 /* mass and force are always needed, constraint where m > 0, gap where k > 0, gap_tangent where
- * nt > 0 and any mu > 0. What else is missing is filled by central differences (constraint
- * Jacobian and bias, gap normal and the normal part of the contact bias; nsdae_system_differences
- * says which) or taken as zero (tangential bias); kinematics is the identity where nq = nv.
- * NSDAE_E_ARGUMENT: system or callback NULL, or the system has no such term. */
+ * nt > 0 and any mu > 0, slide_tangent where a slide has mu > 0. What else is missing is filled by
+ * central differences (constraint Jacobian and bias, gap normal and the normal part of the contact
+ * bias; nsdae_system_differences says which) or taken as zero (tangential bias); kinematics is the
+ * identity where nq = nv. NSDAE_E_ARGUMENT: system or callback NULL, or the system has no such
+ * term. */
 NSDAE_API int nsdae_system_set_mass(nsdae_system *system, nsdae_mass_fn mass);
 NSDAE_API int nsdae_system_set_force(nsdae_system *system, nsdae_force_fn force);
 NSDAE_API int nsdae_system_set_constraint(nsdae_system *system, nsdae_constraint_fn constraint);
@@ -86,6 +90,7 @@ NSDAE_API int nsdae_system_set_gap(nsdae_system *system, nsdae_gap_fn gap);
 NSDAE_API int nsdae_system_set_gap_normal(nsdae_system *system, nsdae_gap_normal_fn normal);
 NSDAE_API int nsdae_system_set_gap_tangent(nsdae_system *system, nsdae_gap_tangent_fn tangent);
 NSDAE_API int nsdae_system_set_contact_bias(nsdae_system *system, nsdae_contact_bias_fn bias);
+NSDAE_API int nsdae_system_set_slide_tangent(nsdae_system *system, nsdae_slide_fn tangent);
 NSDAE_API int nsdae_system_set_kinematics(nsdae_system *system, nsdae_kinematics_fn kinematics);
 NSDAE_API int nsdae_system_set_potential(nsdae_system *system, nsdae_potential_fn potential);
 
@@ -94,6 +99,12 @@ NSDAE_API int nsdae_system_set_potential(nsdae_system *system, nsdae_potential_f
  *   e_t  tangential restitution, 0 .. 1                                                  */
 NSDAE_API int nsdae_system_set_contact(nsdae_system *system, int i, double mu, double e_n,
                                        double e_t);
+
+/* Slide 0 <= j < f: a bilateral constraint with Coulomb friction, such as a slider in a slot
+ * without play: friction of at most mu |lambda| along the direction of the callback slide_tangent.
+ * The constraint (its number, 0 .. m-1) must be scaled as a length, so that its multiplier lambda
+ * is the normal force. mu >= 0; with mu = 0, as at first, it has no friction. */
+NSDAE_API int nsdae_system_set_slide(nsdae_system *system, int j, int constraint, double mu);
 
 /* Why the last call on this system failed. */
 NSDAE_API const nsdae_error *nsdae_system_error(const nsdae_system *system);

@@ -1,12 +1,14 @@
 #include "contacts.h"
 
 #include <limits.h>
+#include <stdio.h>
 #include <string.h>
 
 #include <nsdae/sim.h>
 
 #include "dense.h"
 #include "errors.h"
+#include "slides.h"
 #include "system_impl.h"
 #include "vector.h"
 
@@ -14,6 +16,8 @@ void nsdae_contacts_laws(nsdae_contacts *contacts, int polygon_edges)
 {
   const nsdae_system *s = contacts->system;
   contacts->rows_max = 1;
+  contacts->slide_count = 0;
+  for (int j = 0; j < s->dims.f; j++) contacts->slide_count += s->slide[j].mu > 0;
   for (int i = 0; i < s->dims.k; i++) {
     contacts->law[i] = nsdae_law_make(s->dims.nt, s->contact[i].mu, polygon_edges);
     if (contacts->law[i].rows > contacts->rows_max) contacts->rows_max = contacts->law[i].rows;
@@ -22,7 +26,7 @@ void nsdae_contacts_laws(nsdae_contacts *contacts, int polygon_edges)
 
 long nsdae_contacts_rows_max(const nsdae_contacts *contacts)
 {
-  long rows = 0;
+  long rows = 3L * contacts->slide_count;
   for (int i = 0; i < contacts->system->dims.k; i++) rows += contacts->law[i].rows;
   return rows;
 }
@@ -30,7 +34,8 @@ long nsdae_contacts_rows_max(const nsdae_contacts *contacts)
 void nsdae_contacts_layout(nsdae_contacts *c, nsdae_arena *arena)
 {
   const nsdae_dims *dims = &c->system->dims;
-  long k = dims->k, n = dims->nv, columns = k * (1 + dims->nt), rows = nsdae_contacts_rows_max(c);
+  long k = dims->k, n = dims->nv, f = c->slide_count;
+  long columns = k * (1 + dims->nt) + f, rows = nsdae_contacts_rows_max(c);
   if (rows > INT_MAX || nsdae_lcp_workspace((int)rows, &c->lwork, &c->liwork) < 0)
     arena->overflow = 1;
   c->active = NSDAE_ARENA_INTS(arena, k);
@@ -51,6 +56,16 @@ void nsdae_contacts_layout(nsdae_contacts *c, nsdae_arena *arena)
   c->work = NSDAE_ARENA_DOUBLES(arena, c->lwork);
   c->iwork = NSDAE_ARENA_INTS(arena, c->liwork);
   c->impact = NSDAE_ARENA_INTS(arena, k);
+  c->slide = NSDAE_ARENA_INTS(arena, f);
+  c->Z = NSDAE_ARENA_DOUBLES(arena, f ? columns * rows : 0);
+  c->GZ = NSDAE_ARENA_DOUBLES(arena, f ? columns * rows : 0);
+  c->z0 = NSDAE_ARENA_DOUBLES(arena, columns);
+  c->K = NSDAE_ARENA_DOUBLES(arena, f * rows);
+  c->k0 = NSDAE_ARENA_DOUBLES(arena, f);
+  c->Q = NSDAE_ARENA_DOUBLES(arena, f * f);
+  c->D_S = NSDAE_ARENA_DOUBLES(arena, f * columns);
+  c->pivot = NSDAE_ARENA_INTS(arena, f);
+  c->slide_memory = NSDAE_ARENA_INTS(arena, 3 * f);
   c->before = NSDAE_ARENA_DOUBLES(arena, k);
   c->before_t = NSDAE_ARENA_DOUBLES(arena, k * dims->nt);
   c->after = NSDAE_ARENA_DOUBLES(arena, k);
@@ -58,6 +73,10 @@ void nsdae_contacts_layout(nsdae_contacts *c, nsdae_arena *arena)
   c->normal = NSDAE_ARENA_DOUBLES(arena, k);
   c->tangential = NSDAE_ARENA_DOUBLES(arena, k * dims->nt);
   c->mode = NSDAE_ARENA_INTS(arena, k);
+  c->slide_before = NSDAE_ARENA_DOUBLES(arena, dims->f);
+  c->slide_after = NSDAE_ARENA_DOUBLES(arena, dims->f);
+  c->slide_impulse = NSDAE_ARENA_DOUBLES(arena, dims->f);
+  c->slide_mode = NSDAE_ARENA_INTS(arena, dims->f);
 }
 
 static void clear_results(nsdae_contacts *c)
@@ -71,14 +90,22 @@ static void clear_results(nsdae_contacts *c)
   memset(c->normal, 0, k * sizeof *c->normal);
   memset(c->tangential, 0, kt * sizeof *c->tangential);
   memset(c->mode, 0, k * sizeof *c->mode);
+  size_t f = (size_t)c->system->dims.f;
+  memset(c->slide_before, 0, f * sizeof *c->slide_before);
+  memset(c->slide_after, 0, f * sizeof *c->slide_after);
+  memset(c->slide_impulse, 0, f * sizeof *c->slide_impulse);
+  memset(c->slide_mode, 0, f * sizeof *c->slide_mode);
   c->info = (nsdae_lcp_info){.outcome = NSDAE_LCP_SOLVED};
 }
 
 void nsdae_contacts_forget(nsdae_contacts *c)
 {
   memset(c->memory, 0, (size_t)c->system->dims.k * (size_t)c->rows_max * sizeof *c->memory);
+  memset(c->slide_memory, 0, 3 * (size_t)c->slide_count * sizeof *c->slide_memory);
   c->active_count = 0;
   clear_results(c);
+  for (int j = 0, count = 0; j < c->system->dims.f; j++)
+    if (c->system->slide[j].mu > 0) c->slide[count++] = j;
 }
 
 void nsdae_contacts_close(nsdae_contacts *c, const nsdae_terms *terms)
@@ -94,8 +121,10 @@ void nsdae_contacts_close(nsdae_contacts *c, const nsdae_terms *terms)
     rows += c->law[i].rows;
     count++;
   }
-  c->first_column[count] = c->columns = columns;
-  c->first_row[count] = c->rows = rows;
+  c->first_column[count] = columns;
+  c->first_row[count] = rows;
+  c->columns = columns + c->slide_count;
+  c->rows = rows + 3 * c->slide_count;
   c->active_count = count;
 }
 
@@ -110,10 +139,21 @@ static void contact_velocity(const nsdae_contacts *c, int i, const nsdae_terms *
     v_t[j] = nsdae_dot(dims->nv, terms->W_T + (size_t)j * n, v) + terms->w_T[j];
 }
 
+static void slide_velocities(const nsdae_contacts *c, const nsdae_terms *terms, const double *v,
+                             double *velocity)
+{
+  int n = c->system->dims.nv;
+  for (int i = 0; i < c->slide_count; i++) {
+    int j = c->slide[i];
+    velocity[j] = nsdae_dot(n, terms->W_S + (size_t)j * (size_t)n, v) + terms->w_S[j];
+  }
+}
+
 static void velocities_after(nsdae_contacts *c, const nsdae_terms *terms, const double *v)
 {
   for (int a = 0; a < c->active_count; a++)
     contact_velocity(c, c->active[a], terms, v, c->after, c->after_t);
+  slide_velocities(c, terms, v, c->slide_after);
 }
 
 void nsdae_contacts_before(nsdae_contacts *c, const nsdae_terms *terms, const double *v,
@@ -122,6 +162,7 @@ void nsdae_contacts_before(nsdae_contacts *c, const nsdae_terms *terms, const do
   for (int a = 0; a < c->active_count; a++)
     if (!impacts_only || c->impact[c->active[a]])
       contact_velocity(c, c->active[a], terms, v, c->before, c->before_t);
+  if (!impacts_only) slide_velocities(c, terms, v, c->slide_before);
 }
 
 /* W, one block of columns per closed contact: normal, then tangential where it has friction. */
@@ -134,6 +175,9 @@ static void gather_columns(nsdae_contacts *c, const nsdae_terms *terms)
     memcpy(at, terms->W_N + i * n, n * sizeof *at);
     memcpy(at + n, terms->W_T + i * nt * n, tangents * n * sizeof *at);
   }
+  double *slides = c->W + (size_t)(c->columns - c->slide_count) * n;
+  for (int j = 0; j < c->slide_count; j++)
+    memcpy(slides + (size_t)j * n, terms->W_S + (size_t)c->slide[j] * n, n * sizeof *slides);
 }
 
 static void delassus(nsdae_contacts *c, const nsdae_kkt *kkt)
@@ -158,6 +202,8 @@ static void offsets(nsdae_contacts *c, const nsdae_terms *terms, const double *v
     for (int j = 1; j < c->law[i].columns; j++)
       at[j] = c->after_t[i * nt + j - 1] + e->e_t * c->before_t[i * nt + j - 1];
   }
+  for (int j = 0; j < c->slide_count; j++)
+    c->offset[c->columns - c->slide_count + j] = c->slide_after[c->slide[j]];
 }
 
 /* E_P^T G E_Q of two contacts into their block of A. */
@@ -201,6 +247,8 @@ static void recall_basis(nsdae_contacts *c)
   for (int a = 0; a < c->active_count; a++)
     memcpy(c->basis + c->first_row[a], c->memory + c->active[a] * c->rows_max,
            (size_t)c->law[c->active[a]].rows * sizeof *c->basis);
+  memcpy(c->basis + c->rows - 3 * c->slide_count, c->slide_memory,
+         3 * (size_t)c->slide_count * sizeof *c->basis);
 }
 
 static void keep_basis(nsdae_contacts *c)
@@ -208,6 +256,22 @@ static void keep_basis(nsdae_contacts *c)
   for (int a = 0; a < c->active_count; a++)
     memcpy(c->memory + c->active[a] * c->rows_max, c->basis + c->first_row[a],
            (size_t)c->law[c->active[a]].rows * sizeof *c->basis);
+  memcpy(c->slide_memory, c->basis + c->rows - 3 * c->slide_count,
+         3 * (size_t)c->slide_count * sizeof *c->basis);
+}
+
+static int unsolved(nsdae_contacts *c, double t, int status)
+{
+  char first[48] = "a slide";
+  if (c->active_count > 0) snprintf(first, sizeof first, "first closed contact %d", c->active[0]);
+  nsdae_error_set(c->error, status, "nsdae_contacts", "",
+                  "contact problem of %d rows (%s) at t = %.17g: %s, residual %.3g above %.3g; a "
+                  "smaller dt or less friction may help",
+                  c->rows, first, t, nsdae_status_message(status), c->info.residual,
+                  c->lcp_options.tol);
+  c->error->time = t;
+  c->error->index = c->active_count > 0 ? c->active[0] : -1;
+  return status;
 }
 
 static int solve_lcp(nsdae_contacts *c, double t)
@@ -220,14 +284,7 @@ static int solve_lcp(nsdae_contacts *c, double t)
     keep_basis(c);
     return NSDAE_OK;
   }
-  nsdae_error_set(c->error, status, "nsdae_contacts", "",
-                  "contact problem of %d rows (first closed contact %d) at t = %.17g: %s, residual "
-                  "%.3g above %.3g; a smaller dt or less friction may help",
-                  c->rows, c->active[0], t, nsdae_status_message(status), c->info.residual,
-                  c->lcp_options.tol);
-  c->error->time = t;
-  c->error->index = c->active[0];
-  return status;
+  return unsolved(c, t, status);
 }
 
 /* Lambda = E_Q x, and what the contact does. */
@@ -244,23 +301,36 @@ static void scatter(nsdae_contacts *c)
     for (int l = 1; l < law->columns; l++) c->tangential[i * nt + l - 1] = impulse[l];
     c->mode[i] = nsdae_law_mode(law, x, c->y + c->first_row[a]);
   }
+  nsdae_slides_scatter(c);
 }
 
 int nsdae_contacts_solve(nsdae_contacts *c, const nsdae_terms *terms, const nsdae_kkt *kkt,
                          double *v, double *lambda)
 {
-  if (c->active_count == 0) return NSDAE_OK;
+  if (!nsdae_contacts_any(c)) return NSDAE_OK;
   gather_columns(c, terms);
   delassus(c, kkt);
   offsets(c, terms, v);
-  assemble(c);
-  int status = solve_lcp(c, terms->t);
+  int status = NSDAE_OK;
+  if (c->slide_count > 0)
+    status = nsdae_slides_assemble(c, lambda);
+  else
+    assemble(c);
+  if (status < 0) return unsolved(c, terms->t, status);
+  status = solve_lcp(c, terms->t);
   if (status < 0) return status;
   scatter(c);
   nsdae_add_product(kkt->n, c->columns, c->U, c->impulse, v);
   nsdae_add_product(kkt->m, c->columns, c->D, c->impulse, lambda);
   velocities_after(c, terms, v);
   return NSDAE_OK;
+}
+
+static int any_impact(const nsdae_contacts *c)
+{
+  for (int a = 0; a < c->active_count; a++)
+    if (c->impact[c->active[a]]) return 1;
+  return 0;
 }
 
 void nsdae_contacts_add_impulse(const nsdae_contacts *c, const nsdae_terms *terms, double scale,
@@ -278,6 +348,11 @@ void nsdae_contacts_add_impulse(const nsdae_contacts *c, const nsdae_terms *term
       nsdae_add_product(dims->nv, 1, terms->W_T + (size_t)j * n, &tangential, r);
     }
   }
+  if (skip_impacts && any_impact(c)) return;
+  for (int j = 0; j < c->slide_count; j++) {
+    double friction = scale * c->slide_impulse[c->slide[j]];
+    nsdae_add_product(dims->nv, 1, terms->W_S + (size_t)c->slide[j] * n, &friction, r);
+  }
 }
 
 double nsdae_contacts_work(const nsdae_contacts *c)
@@ -289,6 +364,10 @@ double nsdae_contacts_work(const nsdae_contacts *c)
     work += c->normal[i] * (c->after[i] + c->before[i]) / 2;
     for (int j = i * nt; j < (i + 1) * nt; j++)
       work += c->tangential[j] * (c->after_t[j] + c->before_t[j]) / 2;
+  }
+  for (int i = 0; i < c->slide_count; i++) {
+    int j = c->slide[i];
+    work += c->slide_impulse[j] * (c->slide_after[j] + c->slide_before[j]) / 2;
   }
   return work;
 }

@@ -1,4 +1,4 @@
-/* The contact problem of one step or instant.
+/* The contact problem of one step or instant, with the slides (see slides.h) as further rows.
  *
  * With the columns W of the closed contacts, P the projector of [M Phi_q^T; Phi_q 0] and v_free
  * the velocity that the system would have without contacts,
@@ -39,17 +39,30 @@ typedef struct nsdae_contacts {
 
   int *impact; /* k: contacts that hit in this step, as the method decided */
 
+  /* slides with mu > 0: their columns and rows come after those of the contacts */
+  int slide_count, *slide;   /* their numbers */
+  double *Z, *GZ;            /* columns x rows: Lambda = Z x + z0, G Z */
+  double *z0;                /* columns */
+  double *K, *k0;            /* slide_count x rows, slide_count: l- = K x + k0 */
+  double *Q, *D_S;           /* slide_count x slide_count, slide_count x columns */
+  int *pivot, *slide_memory; /* slide_count, 3 slide_count */
+
   /* by contact, zero where it is open */
   double *before, *before_t;   /* v_N(-), v_T(-): k, k nt */
   double *after, *after_t;     /* v_N(+), v_T(+) */
   double *normal, *tangential; /* Lambda_N, Lambda_T */
   int *mode;                   /* enum nsdae_mode */
+
+  /* by slide */
+  double *slide_before, *slide_after; /* sliding velocity before and after: f */
+  double *slide_impulse;              /* Lambda_T */
+  int *slide_mode;
 } nsdae_contacts;
 
 /* Takes the arrays; system, error and law (see nsdae_contacts_laws) are set before. */
 void nsdae_contacts_layout(nsdae_contacts *contacts, nsdae_arena *arena);
 
-/* Fills the laws [k] and rows_max from the system's coefficients. */
+/* Fills the laws [k] and rows_max from the system's coefficients, and counts the slides. */
 void nsdae_contacts_laws(nsdae_contacts *contacts, int polygon_edges);
 
 /* Number of rows that the contacts can have together. */
@@ -62,19 +75,27 @@ void nsdae_contacts_forget(nsdae_contacts *contacts);
  * zero. The terms must have the gap. */
 void nsdae_contacts_close(nsdae_contacts *contacts, const nsdae_terms *terms);
 
-/* Stores v(-) of the closed contacts: W^T v + w with the terms' W_N, W_T, w_N, w_T; with
- * impacts_only, of those that are marked as impacts. */
+/* Stores v(-) of the closed contacts and the slides: W^T v + w with the terms' W and w; with
+ * impacts_only, of the contacts that are marked as impacts. */
 void nsdae_contacts_before(nsdae_contacts *contacts, const nsdae_terms *terms, const double *v,
                            int impacts_only);
 
-/* Solves for the closed contacts. On entry v [nv] and lambda [m] are free of contacts, on return
- * they hold v(+) and lambda; W and w are the terms', kkt is factored. NSDAE_OK; NSDAE_E_LCP,
- * NSDAE_E_INFEASIBLE, NSDAE_E_NONFINITE with the record filled and v, lambda unchanged. */
+/* Whether there is anything to solve for. */
+static inline int nsdae_contacts_any(const nsdae_contacts *contacts)
+{
+  return contacts->active_count + contacts->slide_count > 0;
+}
+
+/* Solves for the closed contacts and the slides. On entry v [nv] and lambda [m] are free of
+ * contacts, on return they hold v(+) and lambda; W and w are the terms', kkt is factored. NSDAE_OK;
+ * NSDAE_E_LCP, NSDAE_E_INFEASIBLE, NSDAE_E_NONFINITE with the record filled and v, lambda
+ * unchanged. */
 int nsdae_contacts_solve(nsdae_contacts *contacts, const nsdae_terms *terms, const nsdae_kkt *kkt,
                          double *v, double *lambda);
 
-/* r [nv] += scale (W Lambda), with the terms' W and the last impulses of the closed contacts;
- * skip_impacts leaves out those that are marked as impacts. */
+/* r [nv] += scale (W Lambda), with the terms' W and the last impulses of the closed contacts and
+ * the slides; skip_impacts leaves out what acts along the end of a step with an impact: the
+ * contacts that are marked, and with any such the slides. */
 void nsdae_contacts_add_impulse(const nsdae_contacts *contacts, const nsdae_terms *terms,
                                 double scale, int skip_impacts, double *r);
 

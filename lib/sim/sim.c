@@ -34,6 +34,8 @@ struct nsdae_sim {
   long grid_count;
   double *multiplier, *normal, *tangential; /* of the last record: m, k, k nt */
   int *mode;                                /* k */
+  double *slide_impulse;                    /* f */
+  int *slide_mode;                          /* f */
   nsdae_impact *impact;                     /* k */
 };
 
@@ -46,6 +48,8 @@ static void layout(void *object, nsdae_arena *arena)
   sim->normal = NSDAE_ARENA_DOUBLES(arena, dims->k);
   sim->tangential = NSDAE_ARENA_DOUBLES(arena, (long)dims->k * dims->nt);
   sim->mode = NSDAE_ARENA_INTS(arena, dims->k);
+  sim->slide_impulse = NSDAE_ARENA_DOUBLES(arena, dims->f);
+  sim->slide_mode = NSDAE_ARENA_INTS(arena, dims->f);
   sim->impact = nsdae_arena_take(arena, dims->k, sizeof *sim->impact);
 }
 
@@ -157,7 +161,8 @@ static void update_stats(nsdae_sim *sim)
 enum {
   RECORD_TERMS = NSDAE_TERM_MASS | NSDAE_TERM_PHI | NSDAE_TERM_GAP | NSDAE_TERM_POTENTIAL,
   ALL_TERMS = RECORD_TERMS | NSDAE_TERM_FORCE | NSDAE_TERM_JACOBIAN | NSDAE_TERM_PHI_T |
-              NSDAE_TERM_OMEGA | NSDAE_TERM_NORMAL | NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS
+              NSDAE_TERM_OMEGA | NSDAE_TERM_NORMAL | NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS |
+              NSDAE_TERM_SLIDE
 };
 
 static void clear_record(nsdae_sim *sim)
@@ -168,10 +173,14 @@ static void clear_record(nsdae_sim *sim)
   memset(sim->normal, 0, k * sizeof *sim->normal);
   memset(sim->tangential, 0, k * (size_t)dims->nt * sizeof *sim->tangential);
   memset(sim->mode, 0, k * sizeof *sim->mode);
+  memset(sim->slide_impulse, 0, (size_t)dims->f * sizeof *sim->slide_impulse);
+  memset(sim->slide_mode, 0, (size_t)dims->f * sizeof *sim->slide_mode);
   sim->record = (nsdae_record){.multiplier = sim->multiplier,
                                .normal_impulse = sim->normal,
                                .tangential_impulse = sim->tangential,
                                .mode = sim->mode,
+                               .slide_impulse = sim->slide_impulse,
+                               .slide_mode = sim->slide_mode,
                                .impact = sim->impact};
 }
 
@@ -315,6 +324,9 @@ static void keep_results(nsdae_sim *sim)
   memcpy(sim->normal, s->contacts.normal, k * sizeof *sim->normal);
   memcpy(sim->tangential, s->contacts.tangential, k * (size_t)dims->nt * sizeof *sim->tangential);
   memcpy(sim->mode, s->contacts.mode, k * sizeof *sim->mode);
+  memcpy(sim->slide_impulse, s->contacts.slide_impulse,
+         (size_t)dims->f * sizeof *sim->slide_impulse);
+  memcpy(sim->slide_mode, s->contacts.slide_mode, (size_t)dims->f * sizeof *sim->slide_mode);
   if (!s->smooth) sim->record.dissipated -= nsdae_contacts_work(&s->contacts);
   sim->stats.steps++;
   sim->stats.smooth_steps += s->smooth;

@@ -26,12 +26,13 @@
 
 enum {
   STEP_TERMS = NSDAE_TERM_MASS | NSDAE_TERM_FORCE | NSDAE_TERM_JACOBIAN | NSDAE_TERM_PHI_T,
-  CLOSED_TERMS = NSDAE_TERM_NORMAL | NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS
+  CLOSED_TERMS = NSDAE_TERM_NORMAL | NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS | NSDAE_TERM_SLIDE
 };
 
 static int need(const nsdae_stepper *s, nsdae_terms *terms)
 {
-  return nsdae_terms_need(terms, s->contacts.active_count ? STEP_TERMS | CLOSED_TERMS : STEP_TERMS);
+  return nsdae_terms_need(terms, nsdae_contacts_any(&s->contacts) ? STEP_TERMS | CLOSED_TERMS
+                                                                  : STEP_TERMS);
 }
 
 /* Marks the impacts; end is at q_0 + h v_0. Returns whether there is one. */
@@ -168,7 +169,7 @@ static int advance(nsdae_stepper *s, double h)
   if (worth_another_attempt(s, status)) status = attempt(s, h, 1);
   if (status < 0) return status;
   for (int i = 0; i < s->system->dims.m; i++) s->multiplier[i] = s->impulse[i] / h;
-  s->smooth = s->contacts.active_count == 0;
+  s->smooth = !nsdae_contacts_any(&s->contacts);
   s->worst_residual = s->contacts.info.residual;
   return NSDAE_OK;
 }

@@ -11,7 +11,7 @@
 enum {
   FREE_TERMS =
       NSDAE_TERM_MASS | NSDAE_TERM_FORCE | NSDAE_TERM_JACOBIAN | NSDAE_TERM_PHI_T | NSDAE_TERM_GAP,
-  CLOSED_TERMS = NSDAE_TERM_NORMAL | NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS
+  CLOSED_TERMS = NSDAE_TERM_NORMAL | NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS | NSDAE_TERM_SLIDE
 };
 
 static int to_middle(nsdae_stepper *s, double h)
@@ -27,7 +27,7 @@ static int to_middle(nsdae_stepper *s, double h)
 static int close_contacts(nsdae_stepper *s)
 {
   nsdae_contacts_close(&s->contacts, &s->middle);
-  if (s->contacts.active_count == 0) return NSDAE_OK;
+  if (!nsdae_contacts_any(&s->contacts)) return NSDAE_OK;
   int status = nsdae_terms_need(&s->middle, CLOSED_TERMS);
   if (status == NSDAE_OK) nsdae_contacts_before(&s->contacts, &s->middle, s->start.v, 0);
   return status;
@@ -40,7 +40,7 @@ static int to_end(nsdae_stepper *s, double h)
   for (int i = 0; i < s->system->dims.nq; i++) s->q[i] = middle->q[i] + h / 2 * s->qdot1[i];
   nsdae_terms_at(&s->end, s->t_end, s->q, s->v);
   for (int i = 0; i < s->system->dims.m; i++) s->multiplier[i] = s->impulse[i] / h;
-  s->smooth = s->contacts.active_count == 0;
+  s->smooth = !nsdae_contacts_any(&s->contacts);
   s->worst_residual = s->contacts.info.residual;
   return status;
 }

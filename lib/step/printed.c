@@ -10,8 +10,8 @@
 
 enum {
   CONTACT_TERMS = NSDAE_TERM_MASS | NSDAE_TERM_FORCE | NSDAE_TERM_JACOBIAN | NSDAE_TERM_PHI_T |
-                  NSDAE_TERM_NORMAL | NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS,
-  END_TERMS = NSDAE_TERM_JACOBIAN | NSDAE_TERM_NORMAL | NSDAE_TERM_TANGENT
+                  NSDAE_TERM_NORMAL | NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS | NSDAE_TERM_SLIDE,
+  END_TERMS = NSDAE_TERM_JACOBIAN | NSDAE_TERM_NORMAL | NSDAE_TERM_TANGENT | NSDAE_TERM_SLIDE
 };
 
 static int smooth_step(nsdae_stepper *s)
@@ -75,7 +75,7 @@ static int advance(nsdae_stepper *s, double h)
   int status = nsdae_terms_need(&s->start, NSDAE_TERM_GAP);
   if (status < 0) return status;
   nsdae_contacts_close(&s->contacts, &s->start);
-  return s->contacts.active_count ? contact_step(s, h) : smooth_step(s);
+  return nsdae_contacts_any(&s->contacts) ? contact_step(s, h) : smooth_step(s);
 }
 
 const nsdae_stepping nsdae_stepping_printed = {

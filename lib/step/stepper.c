@@ -86,7 +86,7 @@ int nsdae_stepper_impact(nsdae_stepper *s, const nsdae_terms *terms, const doubl
   memcpy(v, r, (size_t)n * sizeof *v);
   for (int i = 0; i < m; i++) s->impulse[i] = -terms->phi_t[i];
   nsdae_kkt_solve(&s->kkt, 1, v, n, s->impulse, m);
-  if (s->contacts.active_count == 0) return NSDAE_OK;
+  if (!nsdae_contacts_any(&s->contacts)) return NSDAE_OK;
   int status = nsdae_contacts_solve(&s->contacts, terms, &s->kkt, v, s->impulse);
   s->lcps++;
   s->lcp_pivots += s->contacts.info.pivots;

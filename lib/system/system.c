@@ -21,6 +21,7 @@ static int check_dims(const nsdae_dims *dims, nsdae_error *error)
   if (dims->m < 0 || dims->m > MOST) return bad_size(error, "m", dims->m, "0 .. 2^20");
   if (dims->k < 0 || dims->k > MOST) return bad_size(error, "k", dims->k, "0 .. 2^20");
   if (dims->nt < 0 || dims->nt > 2) return bad_size(error, "nt", dims->nt, "0, 1 or 2");
+  if (dims->f < 0 || dims->f > dims->m) return bad_size(error, "f", dims->f, "0 .. m");
   return NSDAE_OK;
 }
 
@@ -35,8 +36,9 @@ int nsdae_system_create(const nsdae_dims *dims, nsdae_system **system, nsdae_err
   if (status < 0) return status;
   nsdae_system *made = calloc(1, sizeof *made);
   if (made) made->contact = calloc((size_t)dims->k + 1, sizeof *made->contact);
-  if (!made || !made->contact) {
-    free(made);
+  if (made) made->slide = calloc((size_t)dims->f + 1, sizeof *made->slide);
+  if (!made || !made->contact || !made->slide) {
+    nsdae_system_destroy(&made);
     return nsdae_error_set(error, NSDAE_E_MEMORY, "nsdae_system_create", "", "out of memory");
   }
   made->dims = *dims;
@@ -50,6 +52,7 @@ void nsdae_system_destroy(nsdae_system **system)
 {
   if (!system || !*system) return;
   free((*system)->contact);
+  free((*system)->slide);
   free(*system);
   *system = NULL;
 }
@@ -92,27 +95,45 @@ SETTER(gap_tangent, nsdae_gap_tangent_fn, system->dims.k > 0 && system->dims.nt 
        "the system has no tangential directions (k nt = 0)")
 SETTER(contact_bias, nsdae_contact_bias_fn, system->dims.k > 0,
        "the system has no contacts (k = 0)")
+SETTER(slide_tangent, nsdae_slide_fn, system->dims.f > 0, "the system has no slides (f = 0)")
 SETTER(kinematics, nsdae_kinematics_fn, 1, "")
 SETTER(potential, nsdae_potential_fn, 1, "")
 
 static int bad_coefficient(nsdae_system *system, const char *name, double value, const char *range)
 {
-  return nsdae_error_set(&system->error, NSDAE_E_ARGUMENT, "nsdae_system_set_contact", name,
+  return nsdae_error_set(&system->error, NSDAE_E_ARGUMENT, "nsdae_system_set", name,
                          "%s = %g is outside its range: it must be %s", name, value, range);
+}
+
+static int bad_index(nsdae_system *system, const char *name, int index, int count)
+{
+  return nsdae_error_set(&system->error, NSDAE_E_ARGUMENT, "nsdae_system_set", name,
+                         "%s = %d is outside its range: it must be 0 .. %d", name, index,
+                         count - 1);
 }
 
 int nsdae_system_set_contact(nsdae_system *system, int i, double mu, double e_n, double e_t)
 {
   if (!system) return NSDAE_E_ARGUMENT;
-  if (i < 0 || i >= system->dims.k)
-    return nsdae_error_set(&system->error, NSDAE_E_ARGUMENT, "nsdae_system_set_contact", "i",
-                           "contact i = %d is outside 0 .. %d", i, system->dims.k - 1);
+  if (i < 0 || i >= system->dims.k) return bad_index(system, "i", i, system->dims.k);
   /* written so that NaN fails */
   if (!(mu >= 0) || isinf(mu)) return bad_coefficient(system, "mu", mu, "at least 0");
   if (!(e_n >= 0 && e_n <= 1)) return bad_coefficient(system, "e_n", e_n, "0 .. 1");
   if (!(e_t >= 0 && e_t <= 1)) return bad_coefficient(system, "e_t", e_t, "0 .. 1");
   nsdae_error_clear(&system->error);
   system->contact[i] = (nsdae_coefficients){mu, e_n, e_t};
+  return NSDAE_OK;
+}
+
+int nsdae_system_set_slide(nsdae_system *system, int j, int constraint, double mu)
+{
+  if (!system) return NSDAE_E_ARGUMENT;
+  if (j < 0 || j >= system->dims.f) return bad_index(system, "j", j, system->dims.f);
+  if (constraint < 0 || constraint >= system->dims.m)
+    return bad_index(system, "constraint", constraint, system->dims.m);
+  if (!(mu >= 0) || isinf(mu)) return bad_coefficient(system, "mu", mu, "at least 0");
+  nsdae_error_clear(&system->error);
+  system->slide[j] = (nsdae_slide){constraint, mu};
   return NSDAE_OK;
 }
 
@@ -157,6 +178,13 @@ static int any_friction(const nsdae_system *system)
   return 0;
 }
 
+static int any_slide(const nsdae_system *system)
+{
+  for (int j = 0; j < system->dims.f; j++)
+    if (system->slide[j].mu > 0) return 1;
+  return 0;
+}
+
 int nsdae_system_complete(const nsdae_system *system, nsdae_error *error)
 {
   const nsdae_dims *dims = &system->dims;
@@ -167,6 +195,7 @@ int nsdae_system_complete(const nsdae_system *system, nsdae_error *error)
   if (dims->k > 0 && !system->gap) missing = "gap";
   if (dims->k > 0 && dims->nt > 0 && any_friction(system) && !system->gap_tangent)
     missing = "gap_tangent";
+  if (any_slide(system) && !system->slide_tangent) missing = "slide_tangent";
   if (dims->nq != dims->nv && !system->kinematics) missing = "kinematics";
   if (!missing) return NSDAE_OK;
   return nsdae_error_set(error, NSDAE_E_STATE, "nsdae_system", missing,

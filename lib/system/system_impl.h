@@ -8,6 +8,11 @@ typedef struct nsdae_coefficients {
   double mu, e_n, e_t;
 } nsdae_coefficients;
 
+typedef struct nsdae_slide {
+  int constraint;
+  double mu;
+} nsdae_slide;
+
 struct nsdae_system {
   nsdae_dims dims;
   void *user;
@@ -20,9 +25,11 @@ struct nsdae_system {
   nsdae_gap_normal_fn gap_normal;
   nsdae_gap_tangent_fn gap_tangent;
   nsdae_contact_bias_fn contact_bias;
+  nsdae_slide_fn slide_tangent;
   nsdae_kinematics_fn kinematics;
   nsdae_potential_fn potential;
   nsdae_coefficients *contact; /* k */
+  nsdae_slide *slide;          /* f */
   nsdae_error error;
   char differences[128];
 };

@@ -23,6 +23,8 @@ void nsdae_terms_layout(nsdae_terms *terms, nsdae_arena *arena)
   terms->W_T = NSDAE_ARENA_DOUBLES(arena, n * k * nt);
   terms->w_N = NSDAE_ARENA_DOUBLES(arena, k);
   terms->w_T = NSDAE_ARENA_DOUBLES(arena, k * nt);
+  terms->W_S = NSDAE_ARENA_DOUBLES(arena, n * dims->f);
+  terms->w_S = NSDAE_ARENA_DOUBLES(arena, dims->f);
 }
 
 void nsdae_terms_at(nsdae_terms *terms, double t, const double *q, const double *v)
@@ -168,6 +170,18 @@ static int bias(nsdae_terms *T)
   return status < 0 ? status : outcome(T, 0, "contact_bias", T->w_T, k * nt, 1);
 }
 
+static int slide(nsdae_terms *T)
+{
+  const nsdae_system *s = T->system;
+  int f = s->dims.f, n = s->dims.nv;
+  zero(T->W_S, (long)n * f);
+  zero(T->w_S, f);
+  if (!s->slide_tangent) return NSDAE_OK; /* allowed where no slide has friction */
+  int code = s->slide_tangent(T->t, T->q, T->W_S, n, T->w_S, s->user);
+  int status = outcome(T, code, "slide_tangent", T->W_S, n, f);
+  return status < 0 ? status : outcome(T, 0, "slide_tangent", T->w_S, f, 1);
+}
+
 static int potential(nsdae_terms *T)
 {
   const nsdae_system *s = T->system;
@@ -183,17 +197,10 @@ typedef struct evaluation {
 } evaluation;
 
 static const evaluation all[] = {
-    {NSDAE_TERM_MASS, mass},
-    {NSDAE_TERM_FORCE, force},
-    {NSDAE_TERM_PHI, phi},
-    {NSDAE_TERM_JACOBIAN, jacobian},
-    {NSDAE_TERM_PHI_T, phi_t},
-    {NSDAE_TERM_OMEGA, omega},
-    {NSDAE_TERM_GAP, gap},
-    {NSDAE_TERM_NORMAL, normal},
-    {NSDAE_TERM_TANGENT, tangent},
-    {NSDAE_TERM_BIAS, bias},
-    {NSDAE_TERM_POTENTIAL, potential},
+    {NSDAE_TERM_MASS, mass},         {NSDAE_TERM_FORCE, force},   {NSDAE_TERM_PHI, phi},
+    {NSDAE_TERM_JACOBIAN, jacobian}, {NSDAE_TERM_PHI_T, phi_t},   {NSDAE_TERM_OMEGA, omega},
+    {NSDAE_TERM_GAP, gap},           {NSDAE_TERM_NORMAL, normal}, {NSDAE_TERM_TANGENT, tangent},
+    {NSDAE_TERM_BIAS, bias},         {NSDAE_TERM_SLIDE, slide},   {NSDAE_TERM_POTENTIAL, potential},
 };
 
 enum {
@@ -205,6 +212,7 @@ int nsdae_terms_need(nsdae_terms *terms, unsigned which)
 {
   if (terms->system->dims.m == 0) which &= ~(unsigned)CONSTRAINT_TERMS;
   if (terms->system->dims.k == 0) which &= ~(unsigned)CONTACT_TERMS;
+  if (terms->system->dims.f == 0) which &= ~(unsigned)NSDAE_TERM_SLIDE;
   for (size_t i = 0; i < sizeof all / sizeof *all; i++) {
     if (!(which & all[i].term) || (terms->have & all[i].term)) continue;
     int status = all[i].evaluate(terms);

@@ -21,7 +21,8 @@ enum {
   NSDAE_TERM_NORMAL = 128,
   NSDAE_TERM_TANGENT = 256,
   NSDAE_TERM_BIAS = 512, /* w_N, w_T */
-  NSDAE_TERM_POTENTIAL = 1024
+  NSDAE_TERM_POTENTIAL = 1024,
+  NSDAE_TERM_SLIDE = 2048 /* W_S, w_S */
 };
 
 typedef struct nsdae_evals {
@@ -44,6 +45,7 @@ typedef struct nsdae_terms {
   double *W_N;           /* nv x k */
   double *W_T;           /* nv x k nt */
   double *w_N, *w_T;     /* k, k nt */
+  double *W_S, *w_S;     /* nv x f, f */
   double potential;
 } nsdae_terms;
 

@@ -1,0 +1,148 @@
+#include "slides.h"
+
+#include <lapacke.h>
+#include <nsdae/sim.h>
+#include <string.h>
+
+#include "dense.h"
+#include "system_impl.h"
+
+#define AT(A, ld, i, j) (A)[(size_t)(j) * (size_t)(ld) + (size_t)(i)]
+
+enum { L_PLUS = 0, LAMBDA_R = 1, XI_L = 2 }; /* rows of a slide */
+
+static const nsdae_slide *slide_of(const nsdae_contacts *c, int j)
+{
+  return &c->system->slide[c->slide[j]];
+}
+
+static int row_of(const nsdae_contacts *c, int j, int which)
+{
+  return c->rows - 3 * c->slide_count + 3 * j + which;
+}
+
+static int column_of(const nsdae_contacts *c, int j)
+{
+  return c->columns - c->slide_count + j;
+}
+
+/* Z_b: E_Q of the contacts, Lambda_T = Lambda_R - mu l+ of the slides. */
+static void basic_map(nsdae_contacts *c)
+{
+  memset(c->Z, 0, (size_t)c->columns * (size_t)c->rows * sizeof *c->Z);
+  for (int a = 0; a < c->active_count; a++) {
+    const nsdae_law *law = &c->law[c->active[a]];
+    for (int j = 0; j < law->rows; j++)
+      for (int l = 0; l < law->columns; l++)
+        AT(c->Z, c->columns, c->first_column[a] + l, c->first_row[a] + j) = law->E_Q[l][j];
+  }
+  for (int j = 0; j < c->slide_count; j++) {
+    AT(c->Z, c->columns, column_of(c, j), row_of(c, j, L_PLUS)) = -slide_of(c, j)->mu;
+    AT(c->Z, c->columns, column_of(c, j), row_of(c, j, LAMBDA_R)) = 1;
+  }
+}
+
+/* Q = 1 - D_SS mu, K := S - D_S Z_b, k0 := -lambda_free. */
+static void constraint_rows(nsdae_contacts *c, const double *lambda)
+{
+  int f = c->slide_count, m = c->system->dims.m;
+  for (int i = 0; i < f; i++) {
+    for (int j = 0; j < c->columns; j++)
+      AT(c->D_S, f, i, j) = AT(c->D, m, slide_of(c, i)->constraint, j);
+    for (int j = 0; j < f; j++)
+      AT(c->Q, f, i, j) = (i == j) - AT(c->D_S, f, i, column_of(c, j)) * slide_of(c, j)->mu;
+    c->k0[i] = -lambda[slide_of(c, i)->constraint];
+  }
+  for (int j = 0; j < c->rows; j++)
+    for (int i = 0; i < f; i++) {
+      double sum = j == row_of(c, i, L_PLUS);
+      for (int l = 0; l < c->columns; l++) sum -= AT(c->D_S, f, i, l) * AT(c->Z, c->columns, l, j);
+      AT(c->K, f, i, j) = sum;
+    }
+}
+
+/* Q^-1 on K and k0. */
+static int eliminate(nsdae_contacts *c)
+{
+  int f = c->slide_count;
+  if (LAPACKE_dgetrf_work(LAPACK_COL_MAJOR, f, f, c->Q, f, c->pivot) != 0) return NSDAE_E_LCP;
+  LAPACKE_dgetrs_work(LAPACK_COL_MAJOR, 'N', f, c->rows, c->Q, f, c->pivot, c->K, f);
+  LAPACKE_dgetrs_work(LAPACK_COL_MAJOR, 'N', f, 1, c->Q, f, c->pivot, c->k0, f);
+  return NSDAE_OK;
+}
+
+/* Z = Z_b - mu K, z0 = -mu k0 on the slides; then G Z, and G z0 into the offsets. */
+static void whole_map(nsdae_contacts *c)
+{
+  memset(c->z0, 0, (size_t)c->columns * sizeof *c->z0);
+  for (int i = 0; i < c->slide_count; i++) {
+    double mu = slide_of(c, i)->mu;
+    for (int j = 0; j < c->rows; j++)
+      AT(c->Z, c->columns, column_of(c, i), j) -= mu * AT(c->K, c->slide_count, i, j);
+    c->z0[column_of(c, i)] = -mu * c->k0[i];
+  }
+  /* G = W^T P W is symmetric */
+  nsdae_la_multiply_transposed(c->columns, c->columns, c->rows, c->G, c->columns, c->Z, c->columns,
+                               0, c->GZ, c->columns);
+  nsdae_la_multiply_transposed(c->columns, c->columns, 1, c->G, c->columns, c->z0, c->columns, 1,
+                               c->offset, c->columns);
+}
+
+static void contact_rows(nsdae_contacts *c, int a)
+{
+  const nsdae_law *law = &c->law[c->active[a]];
+  int row = c->first_row[a], column = c->first_column[a];
+  for (int i = 0; i < law->rows; i++) {
+    for (int j = 0; j < c->rows; j++) {
+      double sum = 0;
+      for (int l = 0; l < law->columns; l++)
+        sum += law->E_P[l][i] * AT(c->GZ, c->columns, column + l, j);
+      AT(c->A, c->rows, row + i, j) = sum;
+    }
+    double sum = 0;
+    for (int l = 0; l < law->columns; l++) sum += law->E_P[l][i] * c->offset[column + l];
+    c->b[row + i] = sum;
+  }
+  nsdae_law_add_coupling(law, c->A + (size_t)row * (size_t)c->rows + row, c->rows);
+}
+
+static void slide_rows(nsdae_contacts *c, int i)
+{
+  int row = row_of(c, i, 0), column = column_of(c, i);
+  double mu = slide_of(c, i)->mu;
+  for (int j = 0; j < c->rows; j++) {
+    double K = AT(c->K, c->slide_count, i, j);
+    AT(c->A, c->rows, row + L_PLUS, j) = K;
+    AT(c->A, c->rows, row + LAMBDA_R, j) = AT(c->GZ, c->columns, column, j) + (j == row + XI_L);
+    AT(c->A, c->rows, row + XI_L, j) = 2 * mu * ((j == row + L_PLUS) + K) - (j == row + LAMBDA_R);
+  }
+  c->b[row + L_PLUS] = c->k0[i];
+  c->b[row + LAMBDA_R] = c->offset[column];
+  c->b[row + XI_L] = 2 * mu * c->k0[i];
+}
+
+int nsdae_slides_assemble(nsdae_contacts *c, const double *lambda)
+{
+  basic_map(c);
+  constraint_rows(c, lambda);
+  int status = eliminate(c);
+  if (status < 0) return status;
+  whole_map(c);
+  for (int a = 0; a < c->active_count; a++) contact_rows(c, a);
+  for (int i = 0; i < c->slide_count; i++) slide_rows(c, i);
+  return NSDAE_OK;
+}
+
+/* Lambda = Z x + z0. */
+void nsdae_slides_scatter(nsdae_contacts *c)
+{
+  for (int i = 0; i < c->slide_count; i++) {
+    int row = row_of(c, i, 0), column = column_of(c, i);
+    double sum = c->z0[column];
+    for (int j = 0; j < c->rows; j++) sum += AT(c->Z, c->columns, column, j) * c->x[j];
+    int sliding = c->x[row + XI_L] > 0 || c->y[row + LAMBDA_R] > 0;
+    c->impulse[column] = sum;
+    c->slide_impulse[c->slide[i]] = sum;
+    c->slide_mode[c->slide[i]] = sliding ? NSDAE_SLIDE : NSDAE_STICK;
+  }
+}
