@@ -299,7 +299,7 @@ static void scatter(nsdae_contacts *c)
     for (int l = 0; l < law->columns; l++) impulse[l] = nsdae_dot(law->rows, law->E_Q[l], x);
     c->normal[i] = impulse[0];
     for (int l = 1; l < law->columns; l++) c->tangential[i * nt + l - 1] = impulse[l];
-    c->mode[i] = nsdae_law_mode(law, x, c->y + c->first_row[a]);
+    c->mode[i] = nsdae_law_mode(law, x, c->basis + c->first_row[a]);
   }
   nsdae_slides_scatter(c);
 }

@@ -140,9 +140,9 @@ void nsdae_slides_scatter(nsdae_contacts *c)
     int row = row_of(c, i, 0), column = column_of(c, i);
     double sum = c->z0[column];
     for (int j = 0; j < c->rows; j++) sum += AT(c->Z, c->columns, column, j) * c->x[j];
-    int sliding = c->x[row + XI_L] > 0 || c->y[row + LAMBDA_R] > 0;
+    int sticking = c->basis[row + LAMBDA_R] && !c->basis[row + XI_L];
     c->impulse[column] = sum;
     c->slide_impulse[c->slide[i]] = sum;
-    c->slide_mode[c->slide[i]] = sliding ? NSDAE_SLIDE : NSDAE_STICK;
+    c->slide_mode[c->slide[i]] = sticking ? NSDAE_STICK : NSDAE_SLIDE;
   }
 }

@@ -73,6 +73,56 @@ void nsdae_la_solve_lower_transposed(int n, int nrhs, const double *L, int ldl, 
     }
 }
 
+static void swap_rows(int n, double *A, int lda, int i, int k)
+{
+  for (int j = 0; j < n; j++) {
+    double held = AT(A, lda, i, j);
+    AT(A, lda, i, j) = AT(A, lda, k, j);
+    AT(A, lda, k, j) = held;
+  }
+}
+
+/* Gauss elimination (Golub and Van Loan, Alg. 3.4.1). */
+static int lu_small(int n, double *A, int lda, int *pivot)
+{
+  for (int k = 0; k < n; k++) {
+    int p = k;
+    for (int i = k + 1; i < n; i++)
+      if (fabs(AT(A, lda, i, k)) > fabs(AT(A, lda, p, k))) p = i;
+    pivot[k] = p + 1;
+    if (!(fabs(AT(A, lda, p, k)) > 0)) return k + 1;
+    if (p != k) swap_rows(n, A, lda, p, k);
+    for (int i = k + 1; i < n; i++) AT(A, lda, i, k) /= AT(A, lda, k, k);
+    for (int j = k + 1; j < n; j++)
+      for (int i = k + 1; i < n; i++) AT(A, lda, i, j) -= AT(A, lda, i, k) * AT(A, lda, k, j);
+  }
+  return 0;
+}
+
+int nsdae_la_lu(int n, double *A, int lda, int *pivot)
+{
+  if (n < NSDAE_SMALL) return lu_small(n, A, lda, pivot);
+  return LAPACKE_dgetrf_work(LAPACK_COL_MAJOR, n, n, A, lda, pivot);
+}
+
+void nsdae_la_lu_solve(int n, const double *A, int lda, const int *pivot, double *b)
+{
+  if (n >= NSDAE_SMALL) {
+    LAPACKE_dgetrs_work(LAPACK_COL_MAJOR, 'N', n, 1, A, lda, pivot, b, n);
+    return;
+  }
+  for (int k = 0; k < n; k++) {
+    double held = b[k];
+    b[k] = b[pivot[k] - 1];
+    b[pivot[k] - 1] = held;
+    for (int i = k + 1; i < n; i++) b[i] -= AT(A, lda, i, k) * b[k];
+  }
+  for (int k = n - 1; k >= 0; k--) {
+    b[k] /= AT(A, lda, k, k);
+    for (int i = 0; i < k; i++) b[i] -= AT(A, lda, i, k) * b[k];
+  }
+}
+
 void nsdae_la_multiply_transposed(int n, int p, int r, const double *A, int lda, const double *B,
                                   int ldb, double beta, double *C, int ldc)
 {

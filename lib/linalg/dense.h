@@ -14,6 +14,12 @@ int nsdae_la_cholesky(int n, double *A, int lda);
 void nsdae_la_solve_lower(int n, int nrhs, const double *L, int ldl, double *B, int ldb);
 void nsdae_la_solve_lower_transposed(int n, int nrhs, const double *L, int ldl, double *B, int ldb);
 
+/* A [n x n] := its LU factors with partial pivoting, rows exchanged as pivot [n] says (from 1).
+ * Returns 0, or i > 0 when the i-th pivot is zero (or NaN). */
+int nsdae_la_lu(int n, double *A, int lda, int *pivot);
+/* b [n] := A^-1 b. */
+void nsdae_la_lu_solve(int n, const double *A, int lda, const int *pivot, double *b);
+
 /* C [p x r] := A [n x p]^T B [n x r] + beta C. */
 void nsdae_la_multiply_transposed(int n, int p, int r, const double *A, int lda, const double *B,
                                   int ldb, double beta, double *C, int ldc);

@@ -1,0 +1,24 @@
+/* Trajectories in a library that was built without HDF5. */
+#include <nsdae/trajectory.h>
+
+#include "errors.h"
+
+int nsdae_trajectory_create(nsdae_sim *sim, const char *path, const nsdae_trajectory_info *info,
+                            nsdae_trajectory **trajectory, nsdae_error *error)
+{
+  (void)sim;
+  (void)info;
+  if (trajectory) *trajectory = NULL;
+  return nsdae_error_set(error, NSDAE_E_UNSUPPORTED, "nsdae_trajectory_create", "path",
+                         "cannot write '%.100s': this library was built without HDF5 "
+                         "(NSDAE_HDF5=OFF)",
+                         path ? path : "");
+}
+
+int nsdae_trajectory_close(nsdae_trajectory **trajectory, int run_status, nsdae_error *error)
+{
+  (void)trajectory;
+  (void)run_status;
+  nsdae_error_clear(error);
+  return NSDAE_OK;
+}
