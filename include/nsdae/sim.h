@@ -127,6 +127,8 @@ NSDAE_API int nsdae_sim_run(nsdae_sim *sim, double t_end);
 NSDAE_API int nsdae_sim_get_record(const nsdae_sim *sim, nsdae_record *record);
 NSDAE_API int nsdae_sim_get_stats(const nsdae_sim *sim, nsdae_stats *stats);
 NSDAE_API int nsdae_sim_get_dims(const nsdae_sim *sim, nsdae_dims *dims);
+/* 1 where the system has a callback for the potential energy, else 0. */
+NSDAE_API int nsdae_sim_has_potential(const nsdae_sim *sim);
 NSDAE_API int nsdae_sim_get_options(const nsdae_sim *sim, nsdae_sim_options *options);
 /* Why the last call on this simulation failed. */
 NSDAE_API const nsdae_error *nsdae_sim_error(const nsdae_sim *sim);

@@ -440,6 +440,11 @@ int nsdae_sim_get_dims(const nsdae_sim *sim, nsdae_dims *dims)
   return NSDAE_OK;
 }
 
+int nsdae_sim_has_potential(const nsdae_sim *sim)
+{
+  return sim && sim->system->potential;
+}
+
 int nsdae_sim_get_options(const nsdae_sim *sim, nsdae_sim_options *options)
 {
   if (!sim || !options) return NSDAE_E_ARGUMENT;

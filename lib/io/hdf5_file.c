@@ -1,0 +1,194 @@
+#include "hdf5_file.h"
+
+#include <hdf5_hl.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "errors.h"
+
+enum { RANK_MAX = 3 };
+
+/* Keeps the innermost message of HDF5's stack. */
+static herr_t innermost(unsigned n, const H5E_error2_t *entry, void *user)
+{
+  if (n == 0 && entry->desc) snprintf(user, 200, "%s", entry->desc);
+  return 0;
+}
+
+/* "... errno = 13, error message = ..." in the system's own words. */
+static const char *system_words(const char *text)
+{
+  const char *at = strstr(text, "errno = ");
+  int number = 0;
+  if (!at || sscanf(at, "errno = %d", &number) != 1 || number == 0) return NULL;
+  return strerror(number);
+}
+
+/* To be called right after the failed call: the next one clears HDF5's stack. */
+static int failed(nsdae_h5 *h5, const char *what)
+{
+  char text[200] = "unknown reason";
+  H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, innermost, text);
+  const char *words = system_words(text);
+  return nsdae_error_set(h5->error, NSDAE_E_IO, "nsdae_trajectory", "path",
+                         "cannot %s '%.90s': %.120s", what, h5->path, words ? words : text);
+}
+
+static int result(nsdae_h5 *h5, long code, const char *what)
+{
+  return code < 0 ? failed(h5, what) : NSDAE_OK;
+}
+
+int nsdae_h5_create(nsdae_h5 *h5, int latest)
+{
+  hid_t access = H5Pcreate(H5P_FILE_ACCESS);
+  if (latest) H5Pset_libver_bounds(access, H5F_LIBVER_LATEST, H5F_LIBVER_LATEST);
+  h5->file = H5Fcreate(h5->path, H5F_ACC_TRUNC, H5P_DEFAULT, access);
+  int status = result(h5, h5->file, "write");
+  H5Pclose(access);
+  return status;
+}
+
+int nsdae_h5_reopen(nsdae_h5 *h5)
+{
+  h5->file = H5Fopen(h5->path, H5F_ACC_RDWR, H5P_DEFAULT);
+  return result(h5, h5->file, "open");
+}
+
+int nsdae_h5_flush(nsdae_h5 *h5)
+{
+  return result(h5, H5Fflush(h5->file, H5F_SCOPE_LOCAL), "write to");
+}
+
+int nsdae_h5_close(nsdae_h5 *h5)
+{
+  int status = h5->file < 0 ? NSDAE_OK : result(h5, H5Fclose(h5->file), "close");
+  h5->file = -1;
+  return status;
+}
+
+int nsdae_h5_start_swmr(nsdae_h5 *h5)
+{
+  return result(h5, H5Fstart_swmr_write(h5->file), "let readers into");
+}
+
+int nsdae_h5_group(nsdae_h5 *h5, const char *name)
+{
+  hid_t group = H5Gcreate2(h5->file, name, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+  int status = result(h5, group, "make a group in");
+  if (group >= 0) H5Gclose(group);
+  return status;
+}
+
+static hid_t text_type(void)
+{
+  hid_t type = H5Tcopy(H5T_C_S1);
+  H5Tset_size(type, H5T_VARIABLE);
+  H5Tset_cset(type, H5T_CSET_UTF8);
+  return type;
+}
+
+static int set_attribute(nsdae_h5 *h5, hid_t object, const char *name, hid_t type,
+                         const void *value)
+{
+  hid_t attribute;
+  if (H5Aexists(object, name) > 0) {
+    attribute = H5Aopen(object, name, H5P_DEFAULT);
+  } else {
+    hid_t space = H5Screate(H5S_SCALAR);
+    attribute = H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT);
+    H5Sclose(space);
+  }
+  int status = result(h5, attribute, "make an attribute in");
+  if (status < 0) return status;
+  status = result(h5, H5Awrite(attribute, type, value), "write an attribute in");
+  H5Aclose(attribute);
+  return status;
+}
+
+int nsdae_h5_set_text(nsdae_h5 *h5, hid_t object, const char *name, const char *text)
+{
+  hid_t type = text_type();
+  int status = set_attribute(h5, object, name, type, &text);
+  H5Tclose(type);
+  return status;
+}
+
+int nsdae_h5_set_int(nsdae_h5 *h5, hid_t object, const char *name, int value)
+{
+  return set_attribute(h5, object, name, H5T_NATIVE_INT, &value);
+}
+
+int nsdae_h5_describe(nsdae_h5 *h5, hid_t series, const char *units, const char *description)
+{
+  int status = nsdae_h5_set_text(h5, series, "units", units);
+  return status < 0 ? status : nsdae_h5_set_text(h5, series, "description", description);
+}
+
+static int write_scalar(nsdae_h5 *h5, const char *path, hid_t type, const void *value,
+                        const char *units, const char *description)
+{
+  hid_t space = H5Screate(H5S_SCALAR);
+  hid_t set = H5Dcreate2(h5->file, path, type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+  int status = result(h5, set, "make a dataset in");
+  H5Sclose(space);
+  if (status < 0) return status;
+  status = result(h5, H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, value), "write to");
+  if (status == NSDAE_OK) status = nsdae_h5_describe(h5, set, units, description);
+  H5Dclose(set);
+  return status;
+}
+
+int nsdae_h5_scalar(nsdae_h5 *h5, const char *path, hid_t type, const void *value,
+                    const char *units, const char *description)
+{
+  if (type != H5T_C_S1) return write_scalar(h5, path, type, value, units, description);
+  hid_t text = text_type();
+  int status = write_scalar(h5, path, text, &value, units, description);
+  H5Tclose(text);
+  return status;
+}
+
+int nsdae_h5_series(nsdae_h5 *h5, const char *path, hid_t type, const hsize_t *width, int rank,
+                    hsize_t chunk, hid_t *series)
+{
+  hsize_t now[RANK_MAX] = {0}, most[RANK_MAX] = {H5S_UNLIMITED}, chunks[RANK_MAX] = {chunk};
+  for (int i = 1; i < rank; i++) now[i] = most[i] = chunks[i] = width[i - 1];
+  hid_t space = H5Screate_simple(rank, now, most), layout = H5Pcreate(H5P_DATASET_CREATE);
+  H5Pset_chunk(layout, rank, chunks);
+  *series = H5Dcreate2(h5->file, path, type, space, H5P_DEFAULT, layout, H5P_DEFAULT);
+  int status = result(h5, *series, "make a dataset in");
+  H5Pclose(layout);
+  H5Sclose(space);
+  return status;
+}
+
+int nsdae_h5_make_scale(nsdae_h5 *h5, hid_t series, const char *name)
+{
+  return result(h5, H5DSset_scale(series, name), "make a dimension scale in");
+}
+
+int nsdae_h5_attach_scale(nsdae_h5 *h5, hid_t series, hid_t scale)
+{
+  return result(h5, H5DSattach_scale(series, scale, 0), "attach a dimension scale in");
+}
+
+int nsdae_h5_append(nsdae_h5 *h5, hid_t series, hid_t type, hsize_t from, hsize_t count,
+                    const void *rows)
+{
+  hsize_t size[RANK_MAX], start[RANK_MAX] = {from};
+  hid_t file_space = H5Dget_space(series);
+  int rank = H5Sget_simple_extent_dims(file_space, size, NULL);
+  H5Sclose(file_space);
+  size[0] = from + count;
+  int status = result(h5, H5Dset_extent(series, size), "write to");
+  if (status < 0) return status;
+  size[0] = count;
+  file_space = H5Dget_space(series);
+  hid_t memory = H5Screate_simple(rank, size, NULL);
+  H5Sselect_hyperslab(file_space, H5S_SELECT_SET, start, NULL, size, NULL);
+  status = result(h5, H5Dwrite(series, type, memory, file_space, H5P_DEFAULT, rows), "write to");
+  H5Sclose(memory);
+  H5Sclose(file_space);
+  return status;
+}

@@ -1,0 +1,114 @@
+#include "series.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static size_t value_size(const nsdae_column *column)
+{
+  return column->integer ? sizeof(int) : sizeof(double);
+}
+
+static hid_t value_type(const nsdae_column *column)
+{
+  return column->integer ? H5T_NATIVE_INT : H5T_NATIVE_DOUBLE;
+}
+
+static size_t row_bytes(const nsdae_column *column, const nsdae_dims *dims)
+{
+  int shape[2];
+  nsdae_width_shape(column->width, dims, shape);
+  return value_size(column) * (size_t)shape[0] * (size_t)shape[1];
+}
+
+int nsdae_series_init(nsdae_series *series, const nsdae_table *table, const nsdae_dims *dims,
+                      const char *leave_out)
+{
+  size_t columns = (size_t)table->columns;
+  *series = (nsdae_series){.table = table};
+  series->set = malloc(columns * sizeof *series->set);
+  series->bytes = calloc(columns, sizeof *series->bytes);
+  series->buffer = calloc(columns, sizeof *series->buffer);
+  if (!series->set || !series->bytes || !series->buffer) return NSDAE_E_MEMORY;
+  for (size_t i = 0; i < columns; i++) {
+    const nsdae_column *column = &table->column[i];
+    series->set[i] = -1;
+    if (!leave_out || strcmp(leave_out, column->path) != 0)
+      series->bytes[i] = row_bytes(column, dims);
+    if (series->bytes[i] == 0) continue;
+    series->buffer[i] = malloc(series->bytes[i] * NSDAE_SERIES_CHUNK);
+    if (!series->buffer[i]) return NSDAE_E_MEMORY;
+  }
+  return NSDAE_OK;
+}
+
+void nsdae_series_release(nsdae_series *series)
+{
+  if (series->buffer)
+    for (int i = 0; i < series->table->columns; i++) free(series->buffer[i]);
+  free(series->buffer);
+  free(series->bytes);
+  free(series->set);
+  *series = (nsdae_series){0};
+}
+
+static int create_column(nsdae_series *series, nsdae_h5 *h5, const nsdae_dims *dims, int i)
+{
+  const nsdae_column *column = &series->table->column[i];
+  int shape[2], rank = nsdae_width_shape(column->width, dims, shape);
+  const hsize_t width[2] = {(hsize_t)shape[0], (hsize_t)shape[1]};
+  int status = nsdae_h5_series(h5, column->path, value_type(column), width, rank + 1,
+                               NSDAE_SERIES_CHUNK, &series->set[i]);
+  if (status == NSDAE_OK)
+    status = nsdae_h5_describe(h5, series->set[i], column->units, column->description);
+  return status;
+}
+
+int nsdae_series_create(nsdae_series *series, nsdae_h5 *h5, const nsdae_dims *dims,
+                        const char *scale)
+{
+  int status = NSDAE_OK;
+  for (int i = 0; i < series->table->columns && status == NSDAE_OK; i++) {
+    if (series->bytes[i] == 0) continue;
+    status = create_column(series, h5, dims, i);
+    if (status < 0) break;
+    status = i == 0 ? nsdae_h5_make_scale(h5, series->set[0], scale)
+                    : nsdae_h5_attach_scale(h5, series->set[i], series->set[0]);
+  }
+  return status;
+}
+
+int nsdae_series_write(nsdae_series *series, nsdae_h5 *h5)
+{
+  if (series->held == 0) return NSDAE_OK;
+  for (int i = 0; i < series->table->columns; i++) {
+    if (series->set[i] < 0) continue;
+    int status = nsdae_h5_append(h5, series->set[i], value_type(&series->table->column[i]),
+                                 series->written, series->held, series->buffer[i]);
+    if (status < 0) return status;
+  }
+  series->written += series->held;
+  series->held = 0;
+  return NSDAE_OK;
+}
+
+int nsdae_series_append(nsdae_series *series, nsdae_h5 *h5, const void *row)
+{
+  for (int i = 0; i < series->table->columns; i++) {
+    const nsdae_column *column = &series->table->column[i];
+    const char *field = (const char *)row + column->offset;
+    if (series->bytes[i] == 0) continue;
+    if (column->pointer) field = *(const char *const *)(const void *)field;
+    memcpy(series->buffer[i] + series->held * series->bytes[i], field, series->bytes[i]);
+  }
+  series->held++;
+  return series->held == NSDAE_SERIES_CHUNK ? nsdae_series_write(series, h5) : NSDAE_OK;
+}
+
+void nsdae_series_close(nsdae_series *series)
+{
+  if (!series->set) return;
+  for (int i = 0; i < series->table->columns; i++) {
+    if (series->set[i] >= 0) H5Dclose(series->set[i]);
+    series->set[i] = -1;
+  }
+}

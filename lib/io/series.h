@@ -1,0 +1,32 @@
+/* A table of growing datasets, buffered: rows are kept until a chunk is full or a flush is due. */
+#ifndef NSDAE_IO_SERIES_H
+#define NSDAE_IO_SERIES_H
+
+#include "hdf5_file.h"
+#include "table.h"
+
+enum { NSDAE_SERIES_CHUNK = 1024 };
+
+typedef struct nsdae_series {
+  const nsdae_table *table;
+  hid_t *set;            /* per column; < 0: left out, because its rows are empty */
+  size_t *bytes;         /* of a row, per column */
+  char **buffer;         /* NSDAE_SERIES_CHUNK rows per column */
+  hsize_t written, held; /* rows in the file, rows in the buffers */
+} nsdae_series;
+
+/* Allocates for the table's rows; NSDAE_E_MEMORY. Columns that `leave_out` names stay out. */
+int nsdae_series_init(nsdae_series *series, const nsdae_table *table, const nsdae_dims *dims,
+                      const char *leave_out);
+void nsdae_series_release(nsdae_series *series);
+
+/* Makes the datasets, the first of them the dimension scale of all, named scale. */
+int nsdae_series_create(nsdae_series *series, nsdae_h5 *h5, const nsdae_dims *dims,
+                        const char *scale);
+
+/* Adds the row at `row` (an nsdae_record or nsdae_impact); writes when the buffers are full. */
+int nsdae_series_append(nsdae_series *series, nsdae_h5 *h5, const void *row);
+int nsdae_series_write(nsdae_series *series, nsdae_h5 *h5);
+void nsdae_series_close(nsdae_series *series);
+
+#endif

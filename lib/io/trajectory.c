@@ -1,0 +1,266 @@
+/* A trajectory file as an observer of a simulation. */
+#include <nsdae/trajectory.h>
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "errors.h"
+#include "series.h"
+
+/* A killed run loses at most what came after the last flush; flushing four times a second keeps
+ * that below the second that is promised. */
+static const double flush_interval = 0.25;
+
+enum { FORMAT_VERSION = 1 };
+
+struct nsdae_trajectory {
+  nsdae_sim *sim;
+  nsdae_h5 h5;
+  char *path;
+  int live;
+  nsdae_series records, impacts;
+  double flushed, appended; /* when */
+  int failed;               /* status of a write that failed: nothing is written any more */
+};
+
+static double wall_clock(void)
+{
+  struct timespec now;
+  timespec_get(&now, TIME_UTC);
+  return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+/* ISO 8601, UTC. */
+static void creation_time(char text[32])
+{
+  time_t now = time(NULL);
+  struct tm *utc = gmtime(&now);
+  if (!utc || strftime(text, 32, "%Y-%m-%dT%H:%M:%SZ", utc) == 0) strcpy(text, "unknown");
+}
+
+static int write_root(nsdae_trajectory *t, const char *model)
+{
+  nsdae_sim_options options;
+  char created[32];
+  nsdae_h5 *h5 = &t->h5;
+  nsdae_sim_get_options(t->sim, &options);
+  creation_time(created);
+  const char *const text[][2] = {{"format", "nsdae-trajectory"},
+                                 {"status", "running"},
+                                 {"library_version", nsdae_version()},
+                                 {"model", model},
+                                 {"method", nsdae_method_name(options.method)},
+                                 {"created", created}};
+  int status = nsdae_h5_set_int(h5, h5->file, "format_version", FORMAT_VERSION);
+  for (size_t i = 0; i < sizeof text / sizeof *text && status == NSDAE_OK; i++)
+    status = nsdae_h5_set_text(h5, h5->file, text[i][0], text[i][1]);
+  return status;
+}
+
+/* One field of a struct that a table describes, as a scalar dataset in the group. */
+static int write_param(nsdae_h5 *h5, const char *group, const nsdae_param *param, const void *base)
+{
+  char path[128], text[NSDAE_PARAM_TEXT_SIZE];
+  const void *value = (const char *)base + param->offset;
+  snprintf(path, sizeof path, "%s/%s", group, param->key);
+  if (param->type == NSDAE_PARAM_REAL)
+    return nsdae_h5_scalar(h5, path, H5T_NATIVE_DOUBLE, value, param->unit, param->help);
+  if (param->type == NSDAE_PARAM_INT)
+    return nsdae_h5_scalar(h5, path, H5T_NATIVE_INT, value, param->unit, param->help);
+  nsdae_params_format(param, base, text, sizeof text);
+  return nsdae_h5_scalar(h5, path, H5T_C_S1, text, param->unit, param->help);
+}
+
+static int write_params(nsdae_h5 *h5, const char *group, const nsdae_params *table,
+                        const void *base)
+{
+  int status = nsdae_h5_group(h5, group);
+  for (int i = 0; table && base && i < table->n && status == NSDAE_OK; i++)
+    status = write_param(h5, group, &table->entry[i], base);
+  return status;
+}
+
+static int make_groups(nsdae_h5 *h5, const nsdae_dims *dims)
+{
+  int status = nsdae_h5_group(h5, "/energy");
+  if (status == NSDAE_OK) status = nsdae_h5_group(h5, "/certificate");
+  if (status == NSDAE_OK) status = nsdae_h5_group(h5, "/impact");
+  if (status == NSDAE_OK && dims->k > 0) status = nsdae_h5_group(h5, "/contact");
+  if (status == NSDAE_OK && dims->f > 0) status = nsdae_h5_group(h5, "/slide");
+  return status;
+}
+
+static int flush(nsdae_trajectory *t)
+{
+  int status = nsdae_series_write(&t->records, &t->h5);
+  if (status == NSDAE_OK) status = nsdae_series_write(&t->impacts, &t->h5);
+  if (status == NSDAE_OK) status = nsdae_h5_flush(&t->h5);
+  t->flushed = wall_clock();
+  return status;
+}
+
+static int make_file(nsdae_trajectory *t, const nsdae_trajectory_info *info)
+{
+  nsdae_h5 *h5 = &t->h5;
+  nsdae_sim_options options;
+  nsdae_dims dims;
+  nsdae_sim_get_options(t->sim, &options);
+  nsdae_sim_get_dims(t->sim, &dims);
+  int status = nsdae_h5_create(h5, t->live);
+  if (status == NSDAE_OK) status = write_root(t, info->model ? info->model : "");
+  if (status == NSDAE_OK)
+    status = write_params(h5, "/options", nsdae_sim_options_table(), &options);
+  if (status == NSDAE_OK)
+    status = write_params(h5, "/parameters", info->parameters, info->parameters_base);
+  if (status == NSDAE_OK) status = make_groups(h5, &dims);
+  if (status == NSDAE_OK) status = nsdae_series_create(&t->records, h5, &dims, "time");
+  if (status == NSDAE_OK) status = nsdae_series_create(&t->impacts, h5, &dims, "impact time");
+  if (status == NSDAE_OK && t->live) status = nsdae_h5_start_swmr(h5);
+  return status < 0 ? status : flush(t);
+}
+
+static int append(nsdae_trajectory *t, const nsdae_record *record)
+{
+  int status = nsdae_series_append(&t->records, &t->h5, record);
+  for (int i = 0; i < record->impacts && status == NSDAE_OK; i++)
+    status = nsdae_series_append(&t->impacts, &t->h5, &record->impact[i]);
+  double now = wall_clock();
+  /* a slow run flushes every record: the next may be long in coming */
+  int due =
+      now - t->flushed > flush_interval || now - t->appended > flush_interval || now < t->flushed;
+  t->appended = now;
+  return status == NSDAE_OK && due ? flush(t) : status;
+}
+
+static int observe(const nsdae_record *record, nsdae_error *error, void *user)
+{
+  nsdae_trajectory *t = user;
+  int status;
+  if (t->failed) return t->failed;
+  t->h5.error = error;
+  NSDAE_H5_QUIETLY(status, append(t, record))
+  if (status < 0) t->failed = status;
+  return status;
+}
+
+static void release(nsdae_trajectory *t)
+{
+  nsdae_series_release(&t->records);
+  nsdae_series_release(&t->impacts);
+  free(t->path);
+  free(t);
+}
+
+static int close_file(nsdae_trajectory *t)
+{
+  nsdae_series_close(&t->records);
+  nsdae_series_close(&t->impacts);
+  return nsdae_h5_close(&t->h5);
+}
+
+static nsdae_trajectory *allocate(nsdae_sim *sim, const char *path, int live)
+{
+  nsdae_dims dims;
+  nsdae_sim_get_dims(sim, &dims);
+  nsdae_trajectory *t = calloc(1, sizeof *t);
+  if (!t) return NULL;
+  t->sim = sim;
+  t->live = live;
+  t->h5.file = -1;
+  t->path = malloc(strlen(path) + 1);
+  const char *leave_out = nsdae_sim_has_potential(sim) ? NULL : "/energy/potential";
+  int status = nsdae_series_init(&t->records, &nsdae_record_table, &dims, leave_out);
+  if (status == NSDAE_OK) status = nsdae_series_init(&t->impacts, &nsdae_impact_table, &dims, NULL);
+  if (!t->path || status < 0) {
+    release(t);
+    return NULL;
+  }
+  t->h5.path = strcpy(t->path, path);
+  return t;
+}
+
+static int check(nsdae_sim *sim, const char *path, const nsdae_trajectory_info *info,
+                 nsdae_trajectory **trajectory, nsdae_error *error)
+{
+  const char *missing = !sim          ? "sim"
+                        : !path       ? "path"
+                        : !info       ? "info"
+                        : !trajectory ? "trajectory"
+                                      : NULL;
+  nsdae_error_clear(error);
+  if (!missing) return NSDAE_OK;
+  return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_trajectory_create", missing, "%s is NULL",
+                         missing);
+}
+
+int nsdae_trajectory_create(nsdae_sim *sim, const char *path, const nsdae_trajectory_info *info,
+                            nsdae_trajectory **trajectory, nsdae_error *error)
+{
+  nsdae_error own;
+  int status = check(sim, path, info, trajectory, error);
+  if (status < 0) return status;
+  *trajectory = NULL;
+  nsdae_trajectory *t = allocate(sim, path, info->live);
+  if (!t)
+    return nsdae_error_set(error, NSDAE_E_MEMORY, "nsdae_trajectory_create", "", "out of memory");
+  t->h5.error = error ? error : &own;
+  NSDAE_H5_QUIETLY(status, make_file(t, info))
+  if (status == NSDAE_OK) {
+    status = nsdae_sim_observe(sim, observe, t);
+    if (status < 0) *t->h5.error = *nsdae_sim_error(sim);
+  }
+  if (status < 0) {
+    t->h5.error = &own;
+    H5E_BEGIN_TRY
+    {
+      close_file(t);
+    }
+    H5E_END_TRY
+    release(t);
+    return status;
+  }
+  *trajectory = t;
+  return NSDAE_OK;
+}
+
+static int set_final_status(nsdae_trajectory *t, int run_status)
+{
+  return nsdae_h5_set_text(&t->h5, t->h5.file, "status", run_status >= 0 ? "complete" : "failed");
+}
+
+/* In SWMR mode the attribute can only be changed after the file was closed once. */
+static int finish(nsdae_trajectory *t, int run_status)
+{
+  nsdae_error own, *first = t->h5.error;
+  int status = t->failed ? t->failed : flush(t);
+  if (status == NSDAE_OK && t->live) {
+    status = close_file(t);
+    if (status == NSDAE_OK) status = nsdae_h5_reopen(&t->h5);
+  }
+  if (status == NSDAE_OK) status = set_final_status(t, run_status);
+  if (status < 0) t->h5.error = &own; /* the first failure is the one that is told */
+  int closed = close_file(t);
+  t->h5.error = first;
+  return status < 0 ? status : closed;
+}
+
+int nsdae_trajectory_close(nsdae_trajectory **trajectory, int run_status, nsdae_error *error)
+{
+  nsdae_error own;
+  int status;
+  nsdae_error_clear(error);
+  if (!trajectory || !*trajectory) return NSDAE_OK;
+  nsdae_trajectory *t = *trajectory;
+  t->h5.error = error ? error : &own;
+  nsdae_sim_unobserve(t->sim, observe, t);
+  if (t->failed)
+    nsdae_error_set(error, t->failed, "nsdae_trajectory_close", "path",
+                    "'%.90s' holds %ld records only: writing it failed before", t->path,
+                    (long)t->records.written);
+  NSDAE_H5_QUIETLY(status, finish(t, run_status))
+  release(t);
+  *trajectory = NULL;
+  return status;
+}
