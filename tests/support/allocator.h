@@ -1,0 +1,16 @@
+/* The allocator under the library's feet: counts every allocation of the linked objects and fails
+ * the one that is asked for. A test that uses it is linked with --wrap of the four functions. */
+#ifndef NSDAE_TESTS_ALLOCATOR_H
+#define NSDAE_TESTS_ALLOCATOR_H
+
+typedef struct allocator {
+  long calls;   /* malloc, calloc, realloc so far */
+  long live;    /* allocated and not freed */
+  long fail_at; /* the call of this number, from 0, returns NULL; < 0: none */
+} allocator;
+
+extern allocator the_allocator;
+
+void allocator_reset(long fail_at);
+
+#endif
