@@ -91,7 +91,7 @@ int nsdae_series_write(nsdae_series *series, nsdae_h5 *h5)
   return NSDAE_OK;
 }
 
-int nsdae_series_append(nsdae_series *series, nsdae_h5 *h5, const void *row)
+void nsdae_series_append(nsdae_series *series, const void *row)
 {
   for (int i = 0; i < series->table->columns; i++) {
     const nsdae_column *column = &series->table->column[i];
@@ -101,7 +101,13 @@ int nsdae_series_append(nsdae_series *series, nsdae_h5 *h5, const void *row)
     memcpy(series->buffer[i] + series->held * series->bytes[i], field, series->bytes[i]);
   }
   series->held++;
-  return series->held == NSDAE_SERIES_CHUNK ? nsdae_series_write(series, h5) : NSDAE_OK;
+}
+
+long nsdae_series_row_bytes(const nsdae_series *series)
+{
+  size_t bytes = 0;
+  for (int i = 0; i < series->table->columns; i++) bytes += series->bytes[i];
+  return (long)bytes;
 }
 
 void nsdae_series_close(nsdae_series *series)

@@ -24,9 +24,12 @@ void nsdae_series_release(nsdae_series *series);
 int nsdae_series_create(nsdae_series *series, nsdae_h5 *h5, const nsdae_dims *dims,
                         const char *scale);
 
-/* Adds the row at `row` (an nsdae_record or nsdae_impact); writes when the buffers are full. */
-int nsdae_series_append(nsdae_series *series, nsdae_h5 *h5, const void *row);
+/* Adds the row at `row` (an nsdae_record or nsdae_impact) to the buffers, which must not be full.
+ */
+void nsdae_series_append(nsdae_series *series, const void *row);
 int nsdae_series_write(nsdae_series *series, nsdae_h5 *h5);
+/* Of one row over all columns. */
+long nsdae_series_row_bytes(const nsdae_series *series);
 void nsdae_series_close(nsdae_series *series);
 
 #endif

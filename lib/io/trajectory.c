@@ -7,13 +7,18 @@
 #include <time.h>
 
 #include "errors.h"
+#include "reserve.h"
 #include "series.h"
 
 /* A killed run loses at most what came after the last flush; flushing four times a second keeps
  * that below the second that is promised. */
 static const double flush_interval = 0.25;
 
-enum { FORMAT_VERSION = 1 };
+enum {
+  FORMAT_VERSION = 1,
+  START_BYTES = 1 << 19, /* more than an empty trajectory takes */
+  SLACK_BYTES = 1 << 16  /* for HDF5's own records of a chunk of every dataset: about 10 KiB */
+};
 
 struct nsdae_trajectory {
   nsdae_sim *sim;
@@ -22,6 +27,8 @@ struct nsdae_trajectory {
   int live;
   nsdae_series records, impacts;
   double flushed, appended; /* when */
+  long start_length;        /* of the file without rows */
+  long reserved;            /* length that the disk has room for */
   int failed;               /* status of a write that failed: nothing is written any more */
 };
 
@@ -92,9 +99,34 @@ static int make_groups(nsdae_h5 *h5, const nsdae_dims *dims)
   return status;
 }
 
+static int disk_full(nsdae_trajectory *t, int failure)
+{
+  return nsdae_error_set(t->h5.error, NSDAE_E_IO, "nsdae_trajectory", "path",
+                         "cannot write to '%.90s': %s; it holds %ld records", t->path,
+                         strerror(failure), (long)t->records.written);
+}
+
+static long chunk_bytes(const nsdae_series *series)
+{
+  long chunks = (long)((series->written + series->held) / NSDAE_SERIES_CHUNK + 1);
+  return chunks * (nsdae_series_row_bytes(series) * NSDAE_SERIES_CHUNK + SLACK_BYTES);
+}
+
+/* Room for all that is held, in whole chunks. */
+static int reserve(nsdae_trajectory *t)
+{
+  long bytes = t->start_length + chunk_bytes(&t->records) + chunk_bytes(&t->impacts);
+  if (bytes <= t->reserved) return NSDAE_OK;
+  int failure = nsdae_reserve(t->path, bytes);
+  if (failure) return disk_full(t, failure);
+  t->reserved = bytes;
+  return NSDAE_OK;
+}
+
 static int flush(nsdae_trajectory *t)
 {
-  int status = nsdae_series_write(&t->records, &t->h5);
+  int status = reserve(t);
+  if (status == NSDAE_OK) status = nsdae_series_write(&t->records, &t->h5);
   if (status == NSDAE_OK) status = nsdae_series_write(&t->impacts, &t->h5);
   if (status == NSDAE_OK) status = nsdae_h5_flush(&t->h5);
   t->flushed = wall_clock();
@@ -108,6 +140,10 @@ static int make_file(nsdae_trajectory *t, const nsdae_trajectory_info *info)
   nsdae_dims dims;
   nsdae_sim_get_options(t->sim, &options);
   nsdae_sim_get_dims(t->sim, &dims);
+  int failure = nsdae_reserve_try(t->path, START_BYTES);
+  if (failure)
+    return nsdae_error_set(h5->error, NSDAE_E_IO, "nsdae_trajectory_create", "path",
+                           "cannot write '%.90s': %s", t->path, strerror(failure));
   int status = nsdae_h5_create(h5, t->live);
   if (status == NSDAE_OK) status = write_root(t, info->model ? info->model : "");
   if (status == NSDAE_OK)
@@ -117,15 +153,25 @@ static int make_file(nsdae_trajectory *t, const nsdae_trajectory_info *info)
   if (status == NSDAE_OK) status = make_groups(h5, &dims);
   if (status == NSDAE_OK) status = nsdae_series_create(&t->records, h5, &dims, "time");
   if (status == NSDAE_OK) status = nsdae_series_create(&t->impacts, h5, &dims, "impact time");
+  if (status == NSDAE_OK) status = nsdae_h5_flush(h5);
+  t->start_length = nsdae_reserve_length(t->path);
   if (status == NSDAE_OK && t->live) status = nsdae_h5_start_swmr(h5);
-  return status < 0 ? status : flush(t);
+  return status;
+}
+
+static int append_row(nsdae_trajectory *t, nsdae_series *series, const void *row)
+{
+  nsdae_series_append(series, row);
+  if (series->held < NSDAE_SERIES_CHUNK) return NSDAE_OK;
+  int status = reserve(t);
+  return status < 0 ? status : nsdae_series_write(series, &t->h5);
 }
 
 static int append(nsdae_trajectory *t, const nsdae_record *record)
 {
-  int status = nsdae_series_append(&t->records, &t->h5, record);
+  int status = append_row(t, &t->records, record);
   for (int i = 0; i < record->impacts && status == NSDAE_OK; i++)
-    status = nsdae_series_append(&t->impacts, &t->h5, &record->impact[i]);
+    status = append_row(t, &t->impacts, &record->impact[i]);
   double now = wall_clock();
   /* a slow run flushes every record: the next may be long in coming */
   int due =
@@ -231,19 +277,24 @@ static int set_final_status(nsdae_trajectory *t, int run_status)
 }
 
 /* In SWMR mode the attribute can only be changed after the file was closed once. */
+static int reopen_live(nsdae_trajectory *t)
+{
+  if (!t->live) return NSDAE_OK;
+  int status = close_file(t);
+  return status < 0 ? status : nsdae_h5_reopen(&t->h5);
+}
+
+/* Of several failures the first is told. */
 static int finish(nsdae_trajectory *t, int run_status)
 {
-  nsdae_error own, *first = t->h5.error;
+  nsdae_error ignored, *first = t->h5.error;
   int status = t->failed ? t->failed : flush(t);
-  if (status == NSDAE_OK && t->live) {
-    status = close_file(t);
-    if (status == NSDAE_OK) status = nsdae_h5_reopen(&t->h5);
-  }
-  if (status == NSDAE_OK) status = set_final_status(t, run_status);
-  if (status < 0) t->h5.error = &own; /* the first failure is the one that is told */
+  if (status < 0) t->h5.error = &ignored;
+  int ended = reopen_live(t);
+  if (ended == NSDAE_OK) ended = set_final_status(t, status < 0 ? status : run_status);
   int closed = close_file(t);
   t->h5.error = first;
-  return status < 0 ? status : closed;
+  return status < 0 ? status : ended < 0 ? ended : closed;
 }
 
 int nsdae_trajectory_close(nsdae_trajectory **trajectory, int run_status, nsdae_error *error)

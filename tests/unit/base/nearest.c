@@ -1,0 +1,74 @@
+/* The nearest name that is offered for an unknown one. */
+#include "check.h"
+
+#include <nsdae/params.h>
+
+static const char *const names[] = {"dt", "method", "lcp_tol", "rank_tol", "polygon", NULL};
+
+static void offers(const char *word, const char *name)
+{
+  const char *got = nsdae_nearest_name(word, names);
+  if (!name) {
+    if (got) fail_msg("'%s' offers '%s'", word, got);
+    return;
+  }
+  if (!got) fail_msg("'%s' offers nothing", word);
+  assert_string_equal(got, name);
+}
+
+static void test_one_letter(void **state)
+{
+  (void)state;
+  offers("methd", "method");    /* left out */
+  offers("methood", "method");  /* put in */
+  offers("mathod", "method");   /* changed */
+  offers("mehtod", "method");   /* exchanged: two changes */
+  offers("polygons", "polygon");
+  offers("lcp-tol", "lcp_tol");
+  offers("rank_toll", "rank_tol");
+}
+
+static void test_exact(void **state)
+{
+  (void)state;
+  for (int i = 0; names[i]; i++) offers(names[i], names[i]);
+}
+
+/* More than half of the word's letters would change. */
+static void test_too_far(void **state)
+{
+  (void)state;
+  offers("zzzzzz", NULL);
+  offers("", NULL);
+  offers("energy_balance", NULL);
+}
+
+static void test_no_names(void **state)
+{
+  (void)state;
+  const char *const none[] = {NULL};
+  assert_null(nsdae_nearest_name("word", none));
+  assert_null(nsdae_nearest_name("", none));
+}
+
+/* Longer than the row of the distance: compared by their beginnings. */
+static void test_long(void **state)
+{
+  (void)state;
+  char word[300];
+  memset(word, 'p', sizeof word - 1);
+  word[sizeof word - 1] = '\0';
+  nsdae_nearest_name(word, names);
+  const char *const same[] = {word, NULL};
+  assert_ptr_equal(nsdae_nearest_name(word, same), word);
+}
+
+int main(void)
+{
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_one_letter), cmocka_unit_test(test_exact),
+      cmocka_unit_test(test_too_far),    cmocka_unit_test(test_no_names),
+      cmocka_unit_test(test_long),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

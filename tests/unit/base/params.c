@@ -1,0 +1,272 @@
+/* Parameter tables: defaults, setting from text, ranges, formatting. */
+#include "check.h"
+
+#include <float.h>
+#include <limits.h>
+
+#include <nsdae/params.h>
+
+typedef struct sample {
+  double length, angle, fraction, any;
+  int count, colour;
+  char name[NSDAE_PARAM_TEXT_SIZE];
+} sample;
+
+static const char *const colours[] = {"red", "green", "blue", NULL};
+
+#define AT(field) offsetof(sample, field)
+
+static const nsdae_param entries[] = {
+    {"length", "m", "", NSDAE_PARAM_REAL, AT(length), 2.5, 0, INFINITY, NSDAE_OPEN_MIN, NULL},
+    {"angle", "rad", "", NSDAE_PARAM_REAL, AT(angle), 0.1, -1, 1, NSDAE_OPEN_MAX, NULL},
+    {"fraction", "1", "", NSDAE_PARAM_REAL, AT(fraction), 0.5, 0, 1,
+     NSDAE_OPEN_MIN | NSDAE_OPEN_MAX, NULL},
+    {"any", "1", "", NSDAE_PARAM_REAL, AT(any), 0, -INFINITY, INFINITY, 0, NULL},
+    {"count", "1", "", NSDAE_PARAM_INT, AT(count), 7, 1, 1000, 0, NULL},
+    {"colour", "", "", NSDAE_PARAM_CHOICE, AT(colour), 1, 0, 2, 0, colours},
+    {"name", "", "", NSDAE_PARAM_TEXT, AT(name), 0, 0, 0, 0, NULL},
+};
+
+static const nsdae_params table = {entries, (int)(sizeof entries / sizeof *entries)};
+
+static sample filled(void)
+{
+  sample s;
+  memset(&s, 0x5a, sizeof s); /* so that a field that is left out shows */
+  nsdae_params_default(&table, &s);
+  return s;
+}
+
+static void test_defaults(void **state)
+{
+  (void)state;
+  sample s = filled();
+  assert_true(s.length == 2.5 && s.angle == 0.1 && s.fraction == 0.5 && s.any == 0);
+  assert_int_equal(s.count, 7);
+  assert_int_equal(s.colour, 1);
+  assert_string_equal(s.name, "");
+  assert_int_equal(nsdae_params_check(&table, &s, NULL), NSDAE_OK);
+}
+
+static void test_set_each_type(void **state)
+{
+  (void)state;
+  sample s = filled();
+  nsdae_error error;
+  assert_int_equal(nsdae_params_set(&table, &s, "length", "1.25e-3", &error), NSDAE_OK);
+  assert_int_equal(error.status, NSDAE_OK);
+  assert_int_equal(nsdae_params_set(&table, &s, "count", "12", &error), NSDAE_OK);
+  assert_int_equal(nsdae_params_set(&table, &s, "colour", "blue", &error), NSDAE_OK);
+  assert_int_equal(nsdae_params_set(&table, &s, "name", "a b c", &error), NSDAE_OK);
+  assert_true(s.length == 1.25e-3);
+  assert_int_equal(s.count, 12);
+  assert_int_equal(s.colour, 2);
+  assert_string_equal(s.name, "a b c");
+  assert_int_equal(nsdae_params_set(&table, &s, "count", "1e2", NULL), NSDAE_OK);
+  assert_int_equal(s.count, 100);
+  assert_int_equal(nsdae_params_set(&table, &s, "name", "", NULL), NSDAE_OK);
+  assert_string_equal(s.name, "");
+}
+
+/* Refused with this status, its key in the record and the text, and nothing changed. */
+static void refused(const char *key, const char *value, int status, const char *says)
+{
+  sample s = filled(), before = s;
+  nsdae_error error;
+  assert_int_equal(nsdae_params_set(&table, &s, key, value, &error), status);
+  assert_int_equal(nsdae_params_set(&table, &s, key, value, NULL), status);
+  assert_memory_equal(&s, &before, sizeof s);
+  assert_int_equal(error.status, status);
+  if (key) assert_string_equal(error.argument, key);
+  if (!strstr(error.text, says)) fail_msg("'%s' does not say '%s'", error.text, says);
+  assert_null(strchr(error.text, '\n'));
+}
+
+static void test_not_a_number(void **state)
+{
+  (void)state;
+  const char *const bad[] = {"", " ", "x", "1x", "1 ", "1,5", "1e", "--1", "1.0.0", "0x", "one"};
+  for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+    refused("any", bad[i], NSDAE_E_ARGUMENT, "not a number");
+    refused("count", bad[i], NSDAE_E_ARGUMENT, "not a number");
+  }
+  const char *const broken[] = {"1.5", "0.9999", "1e10", "-3e9"};
+  for (size_t i = 0; i < sizeof broken / sizeof *broken; i++)
+    refused("count", broken[i], NSDAE_E_ARGUMENT, "whole number");
+}
+
+static void test_not_finite(void **state)
+{
+  (void)state;
+  const char *const bad[] = {"nan", "-nan", "inf", "-inf", "infinity", "1e999", "-1e999"};
+  const char *const keys[] = {"length", "angle", "fraction", "any", "count"};
+  for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
+    for (size_t k = 0; k < sizeof keys / sizeof *keys; k++)
+      refused(keys[k], bad[i], NSDAE_E_ARGUMENT, "outside its range");
+}
+
+static void accepted(const char *key, const char *value)
+{
+  sample s = filled();
+  assert_int_equal(nsdae_params_set(&table, &s, key, value, NULL), NSDAE_OK);
+  assert_int_equal(nsdae_params_check(&table, &s, NULL), NSDAE_OK);
+}
+
+static void test_ranges(void **state)
+{
+  (void)state;
+  refused("length", "0", NSDAE_E_ARGUMENT, "greater than 0");
+  refused("length", "-1e-300", NSDAE_E_ARGUMENT, "greater than 0");
+  accepted("length", "1e-300");
+  accepted("length", "1e300");
+  refused("angle", "-1.0000001", NSDAE_E_ARGUMENT, "at least -1 and less than 1");
+  refused("angle", "1", NSDAE_E_ARGUMENT, "less than 1");
+  accepted("angle", "-1");
+  accepted("angle", "0.9999999");
+  refused("fraction", "0", NSDAE_E_ARGUMENT, "greater than 0 and less than 1");
+  refused("fraction", "1", NSDAE_E_ARGUMENT, "greater than 0 and less than 1");
+  accepted("fraction", "1e-9");
+  accepted("any", "-1e308");
+  refused("count", "0", NSDAE_E_ARGUMENT, "at least 1 and at most 1000");
+  refused("count", "1001", NSDAE_E_ARGUMENT, "at most 1000");
+  accepted("count", "1");
+  accepted("count", "1000");
+}
+
+static void test_check_names_the_field(void **state)
+{
+  (void)state;
+  sample s = filled();
+  nsdae_error error;
+  s.fraction = NAN;
+  assert_int_equal(nsdae_params_check(&table, &s, &error), NSDAE_E_ARGUMENT);
+  assert_string_equal(error.argument, "fraction");
+  s = filled();
+  s.colour = 3;
+  assert_int_equal(nsdae_params_check(&table, &s, &error), NSDAE_E_ARGUMENT);
+  assert_string_equal(error.argument, "colour");
+  s.count = 0; /* of two, the first */
+  assert_int_equal(nsdae_params_check(&table, &s, &error), NSDAE_E_ARGUMENT);
+  assert_string_equal(error.argument, "count");
+  s = filled();
+  s.length = INFINITY;
+  assert_int_equal(nsdae_params_check(&table, &s, NULL), NSDAE_E_ARGUMENT);
+}
+
+static void test_unknown(void **state)
+{
+  (void)state;
+  refused("lenght", "1", NSDAE_E_OPTION, "did you mean 'length'?");
+  refused("Count", "1", NSDAE_E_OPTION, "did you mean 'count'?");
+  refused("lengt", "1", NSDAE_E_OPTION, "did you mean 'length'?");
+  refused("qqqqqqqqqq", "1", NSDAE_E_OPTION, "unknown name 'qqqqqqqqqq'");
+  refused("", "1", NSDAE_E_OPTION, "unknown name ''");
+  refused("colour", "bleu", NSDAE_E_OPTION, "did you mean 'blue'?");
+  refused("colour", "xyzzyx", NSDAE_E_OPTION, "red, green, blue");
+  refused("colour", "1", NSDAE_E_OPTION, "red, green, blue");
+  refused("colour", NULL, NSDAE_E_ARGUMENT, "NULL");
+  refused(NULL, "1", NSDAE_E_ARGUMENT, "NULL");
+  assert_null(nsdae_params_find(&table, "nothing"));
+  assert_ptr_equal(nsdae_params_find(&table, "count"), &entries[4]);
+}
+
+/* The record holds a part of a key or value that is longer than it. */
+static void test_long_words(void **state)
+{
+  (void)state;
+  char word[2000];
+  sample s = filled();
+  nsdae_error error;
+  memset(word, 'w', sizeof word - 1);
+  word[sizeof word - 1] = '\0';
+  assert_int_equal(nsdae_params_set(&table, &s, word, "1", &error), NSDAE_E_OPTION);
+  assert_int_equal(nsdae_params_set(&table, &s, "colour", word, &error), NSDAE_E_OPTION);
+  assert_int_equal(nsdae_params_set(&table, &s, "any", word, &error), NSDAE_E_ARGUMENT);
+  assert_true(strlen(error.text) < sizeof error.text);
+}
+
+static void test_text_too_long(void **state)
+{
+  (void)state;
+  char text[NSDAE_PARAM_TEXT_SIZE + 1];
+  sample s = filled();
+  memset(text, 'a', sizeof text - 1);
+  text[sizeof text - 1] = '\0';
+  refused("name", text, NSDAE_E_ARGUMENT, "longer than 255");
+  text[NSDAE_PARAM_TEXT_SIZE - 1] = '\0';
+  assert_int_equal(nsdae_params_set(&table, &s, "name", text, NULL), NSDAE_OK);
+  assert_string_equal(s.name, text);
+}
+
+static void round_trip(const char *key, sample *from)
+{
+  char text[NSDAE_PARAM_TEXT_SIZE];
+  sample to = filled();
+  const nsdae_param *param = nsdae_params_find(&table, key);
+  nsdae_params_format(param, from, text, sizeof text);
+  assert_int_equal(nsdae_params_set(&table, &to, key, text, NULL), NSDAE_OK);
+  nsdae_params_set(&table, &to, "name", from->name, NULL);
+  assert_memory_equal((char *)&to + param->offset, (char *)from + param->offset,
+                      param->type == NSDAE_PARAM_REAL ? sizeof(double) : sizeof(int));
+}
+
+static void test_format(void **state)
+{
+  (void)state;
+  const double awkward[] = {0.0,     -0.0,        0.1,     1.0 / 3,  DBL_MIN,      DBL_MAX,
+                            -DBL_MAX, 5e-324,     1e23,    8.5e22,   9007199254740993.0, 1e-7,
+                            2.2250738585072011e-308, 3.141592653589793, 1 + DBL_EPSILON,
+                            1 - DBL_EPSILON / 2, 123456.7, 1234567.8};
+  for (size_t i = 0; i < sizeof awkward / sizeof *awkward; i++) {
+    sample s = filled();
+    s.any = awkward[i];
+    round_trip("any", &s);
+  }
+  for (int i = 0; i < 1000; i++) { /* bit patterns spread over all exponents */
+    sample s = filled();
+    uint64_t bits = 0x9e3779b97f4a7c15u * (uint64_t)(i + 1);
+    memcpy(&s.any, &bits, sizeof bits);
+    if (isfinite(s.any)) round_trip("any", &s);
+  }
+  for (int colour = 0; colour < 3; colour++) {
+    sample s = filled();
+    s.colour = colour;
+    s.count = 1 + 333 * colour;
+    round_trip("colour", &s);
+    round_trip("count", &s);
+  }
+}
+
+static void test_format_reads_well(void **state)
+{
+  (void)state;
+  char text[64];
+  sample s = filled();
+  nsdae_params_format(&entries[1], &s, text, sizeof text);
+  assert_string_equal(text, "0.1");
+  nsdae_params_format(&entries[5], &s, text, sizeof text);
+  assert_string_equal(text, "green");
+  nsdae_params_set(&table, &s, "name", "where it is", NULL);
+  nsdae_params_format(&entries[6], &s, text, sizeof text);
+  assert_string_equal(text, "where it is");
+  nsdae_params_format(&entries[6], &s, text, 6); /* cut, but a text */
+  assert_string_equal(text, "where");
+}
+
+int main(void)
+{
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_defaults),
+      cmocka_unit_test(test_set_each_type),
+      cmocka_unit_test(test_not_a_number),
+      cmocka_unit_test(test_not_finite),
+      cmocka_unit_test(test_ranges),
+      cmocka_unit_test(test_check_names_the_field),
+      cmocka_unit_test(test_unknown),
+      cmocka_unit_test(test_long_words),
+      cmocka_unit_test(test_text_too_long),
+      cmocka_unit_test(test_format),
+      cmocka_unit_test(test_format_reads_well),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
