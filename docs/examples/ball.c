@@ -1,0 +1,42 @@
+#include <nsdae/nsdae.h>
+#include <stdio.h>
+
+static int mass(double t, const double *q, double *M, int ldm, void *user)
+{
+  M[0] = 0.1; /* kg */
+  return 0;
+}
+
+static int force(double t, const double *q, const double *v, double *F, void *user)
+{
+  F[0] = -0.1 * 9.81; /* N */
+  return 0;
+}
+
+static int gap(double t, const double *q, double *g, void *user)
+{
+  g[0] = q[0]; /* height above the floor [m] */
+  return 0;
+}
+
+int main(void)
+{
+  const nsdae_dims dims = {.nq = 1, .k = 1}; /* one coordinate, one contact */
+  const double height = 1, rest = 0;
+  nsdae_system *system;
+  nsdae_sim *sim;
+  nsdae_record now;
+  nsdae_system_create(&dims, &system, NULL);
+  nsdae_system_set_mass(system, mass);
+  nsdae_system_set_force(system, force);
+  nsdae_system_set_gap(system, gap);
+  nsdae_system_set_contact(system, 0, 0, 0.5, 0); /* mu, e_N, e_T */
+  nsdae_sim_create(system, NULL, &sim, NULL);     /* default options: implicit, dt 0.005 s */
+  nsdae_sim_init(sim, 0, &height, &rest);
+  if (nsdae_sim_run(sim, 3) < 0) printf("%s\n", nsdae_sim_error(sim)->text);
+  nsdae_sim_get_record(sim, &now);
+  printf("t %g s, height %.1e m, velocity %.1e m/s\n", now.time, now.q[0], now.v[0]);
+  nsdae_sim_destroy(&sim);
+  nsdae_system_destroy(&system);
+  return 0;
+}

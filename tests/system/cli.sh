@@ -1,0 +1,109 @@
+#!/bin/sh
+# The drivers' command line as a user meets it: exit codes, one-line errors that name what, where
+# and what to do, and a trajectory with its picture. usage: cli.sh BIN_DIR DATA_DIR
+set -u
+bin=$1
+data=$2
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cd "$work" || exit 1
+failures=0
+
+# expect EXIT WORDS COMMAND...: the exit code, and one line on stderr that has the words
+expect() {
+  code=$1
+  words=$2
+  shift 2
+  "$@" >out 2>err
+  got=$?
+  lines=$(wc -l <err)
+  if [ "$got" != "$code" ] || [ "$lines" != 1 ] || ! grep -qF -- "$words" err; then
+    echo "FAILED: $*: exit $got (wanted $code), stderr: $(cat err) (wanted one line with: $words)"
+    failures=$((failures + 1))
+  fi
+}
+
+check() {
+  if ! "$@"; then
+    echo "FAILED: $*"
+    failures=$((failures + 1))
+  fi
+}
+
+pendulum=$bin/nsdae-pendulum
+expect 2 "did you mean '--method'?" "$pendulum" --metod moreau
+expect 2 "did you mean 'moreau'?" "$pendulum" --method moraeu
+expect 2 "did you mean 'theta_0'?" "$pendulum" --set theta0=1
+expect 2 "dt = -0.1 is outside its range: it must be greater than 0" "$pendulum" --dt -0.1
+expect 2 "dt = 0 is outside" "$pendulum" --dt 0
+expect 2 "m = nan is outside" "$pendulum" --set m=nan
+expect 2 "e_N = 1.5 is outside its range: it must be at least 0 and at most 1" \
+  "$pendulum" --set e_N=1.5
+expect 2 "is not a number" "$pendulum" --dt fast
+expect 2 "needs a value" "$pendulum" --dt
+expect 2 "takes no value" "$pendulum" --quiet=1
+expect 2 "NAME=VALUE" "$pendulum" --set mass
+expect 2 "cannot read 'none.ini'" "$pendulum" --params none.ini
+printf 'L = 1\n\nlenght = 2\n' >bad.ini
+expect 2 "bad.ini line 3" "$pendulum" --params bad.ini
+expect 1 "no/such/folder" "$pendulum" --quiet --output no/such/folder/x.h5
+expect 1 "Is a directory" "$pendulum" --quiet --output /
+expect 1 "did not converge" "$pendulum" --quiet --no-output --dt 10 --t-end 1e4 --set iteration_max=3
+
+check "$pendulum" --help >help
+check grep -q -- --t-end help
+check grep -q theta_0 help
+check "$pendulum" --version >version
+check grep -q '^nsdae-pendulum nsdae 0' version
+
+# --quiet prints nothing; a parameter file counts before what stands on the command line
+check "$pendulum" --quiet --params "$data/pendulum.ini" --no-output >quiet 2>&1
+check test ! -s quiet
+printf 'dt = 0.01\nt_end = 1\n' >mine.ini
+check "$pendulum" --dt 0.02 --params mine.ini --output a.h5 >table
+check grep -q 'dt 0.02 s, to 1 s' table
+check grep -q '13.810204189' table # the exact first impulse
+
+# the same run twice: the same bytes of q and v
+if command -v h5dump >/dev/null; then
+  check "$pendulum" --quiet --dt 0.02 --params mine.ini --output b.h5
+  for set in q v; do
+    h5dump -d /$set -b LE -o a.bin a.h5 >/dev/null
+    h5dump -d /$set -b LE -o b.bin b.h5 >/dev/null
+    check cmp -s a.bin b.bin
+  done
+fi
+
+for example in clearance-hinge crank-slider; do
+  check "$bin/nsdae-$example" --params "$data/$example.ini" --output $example.h5 >table
+  check grep -q 'worst LCP residual' table
+done
+
+# pictures, where there is a Python for them
+if "$bin/nsdae-plot" a.h5 >out 2>err; then
+  check test -s a.png
+  check "$bin/nsdae-plot" -o a.svg --only energy --only impulses a.h5 >out
+  check grep -q '<svg' a.svg
+  check "$bin/nsdae-plot" clearance-hinge.h5 >out
+  check "$bin/nsdae-plot" crank-slider.h5 >out
+  expect 1 "No such file or directory" "$bin/nsdae-plot" none.h5
+  printf 'text' >text.h5
+  expect 1 "cannot read 'text.h5'" "$bin/nsdae-plot" text.h5
+else
+  check grep -q 'python3-matplotlib' err
+  echo "no Python with h5py and matplotlib: pictures not tested"
+fi
+NSDAE_PYTHON=/nonexistent "$bin/nsdae-plot" --version >out 2>err || check grep -q 'python3-h5py' err
+
+# Ctrl-C: the run ends after its step with the file closed
+"$pendulum" --quiet --dt 1e-5 --t-end 1e4 --output long.h5 2>err &
+sleep 1
+kill -INT $!
+wait $!
+check test $? = 1
+check grep -q 'interrupted at t =' err
+check h5dump -a /status long.h5 >status
+check grep -q failed status
+
+[ $failures = 0 ] && echo "all as expected"
+exit $failures
