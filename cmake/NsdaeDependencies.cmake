@@ -31,4 +31,20 @@ if(NSDAE_HDF5)
   target_link_libraries(nsdae_hdf5 INTERFACE ${HDF5_HL_LIBRARIES} ${HDF5_C_LIBRARIES})
 endif()
 
+# SUNDIALS 6.4 to 7.x: stiff smooth phases.
 set(NSDAE_SUNDIALS_VERSION none)
+if(NSDAE_SUNDIALS)
+  find_package(SUNDIALS QUIET COMPONENTS cvode nvecserial sunmatrixdense sunlinsoldense)
+  if(NOT SUNDIALS_FOUND)
+    message(FATAL_ERROR "nsdae needs SUNDIALS (libsundials-dev) for the method penalty; "
+                        "-DNSDAE_SUNDIALS=OFF builds without")
+  endif()
+  set(NSDAE_SUNDIALS_VERSION ${SUNDIALS_VERSION})
+  add_library(nsdae_sundials INTERFACE)
+  target_link_libraries(nsdae_sundials INTERFACE
+    SUNDIALS::cvode_shared SUNDIALS::nvecserial_shared SUNDIALS::sunmatrixdense_shared
+    SUNDIALS::sunlinsoldense_shared)
+  if(TARGET SUNDIALS::core_shared) # from version 7 on
+    target_link_libraries(nsdae_sundials INTERFACE SUNDIALS::core_shared)
+  endif()
+endif()

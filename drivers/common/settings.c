@@ -133,6 +133,8 @@ static const flag flags[] = {
     {"--method", "NAME", SET, "method", "one of the methods below"},
     {"--dt", "S", SET, "dt", "step [s]"},
     {"--t-end", "S", SET, "t_end", "end time [s]"},
+    {"--rtol", "X", SET, "rtol", "relative tolerance of an integrator with error control"},
+    {"--atol", "X", SET, "atol", "absolute tolerance of it"},
     {"--set", "NAME=VALUE", ASSIGN, NULL, "a parameter or an option of those below; repeatable"},
     {"--params", "FILE", PARAMS, NULL, "parameters from a file of NAME = VALUE lines"},
     {"--output", "FILE.h5", SET, "output", "trajectory"},

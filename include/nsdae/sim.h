@@ -13,7 +13,7 @@ extern "C" {
 typedef struct nsdae_sim nsdae_sim;
 
 /* Index into nsdae_method_name; options.method. */
-enum nsdae_method { NSDAE_IMPLICIT, NSDAE_IMPLICIT_PRINTED, NSDAE_MOREAU };
+enum nsdae_method { NSDAE_IMPLICIT, NSDAE_IMPLICIT_PRINTED, NSDAE_MOREAU, NSDAE_PENALTY };
 
 /* What to do where Phi_q has deficient rank. */
 enum nsdae_redundant { NSDAE_REDUNDANT_ERROR, NSDAE_REDUNDANT_LEAST_NORM };
@@ -30,6 +30,12 @@ typedef struct nsdae_sim_options {
   double lcp_tol;                         /* scaled natural residual of a solved LCP */
   int polygon;                            /* edges of the friction polygon where nt = 2: 3 .. 32 */
   double impact_velocity;                 /* slower closings are no impacts [m/s] */
+  double rtol, atol;                      /* of the integrator of penalty */
+  int penalty_law;                        /* 0 hertz, 1 kelvin-voigt, 2 hunt-crossley,
+                                             3 lankarani-nikravesh, 4 flores */
+  double penalty_stiffness;               /* K [N/m^n] */
+  double penalty_exponent;                /* n */
+  double friction_velocity;               /* regularisation of friction in penalty [m/s] */
   unsigned initialised;                   /* set by nsdae_sim_options_default */
 } nsdae_sim_options;
 
@@ -54,6 +60,7 @@ typedef struct nsdae_impact {
   double normal_impulse; /* [N s]; with a time-stepping method the step's force is in it */
   double tangential_impulse[2];
   double velocity_before, velocity_after; /* normal, of the contact [m/s] */
+  double peak_force; /* largest normal force of a continuous contact [N]; 0 for a rigid one */
 } nsdae_impact;
 
 /* The state after a step (or at the start, step = 0) and its certificate. Everything points into

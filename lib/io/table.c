@@ -52,6 +52,8 @@ static const nsdae_column impact_columns[] = {
      "normal velocity before"},
     {"/impact/velocity_after", FIELD(velocity_after), 0, NSDAE_WIDTH_ONE, "m/s",
      "normal velocity after"},
+    {"/impact/peak_force", FIELD(peak_force), 0, NSDAE_WIDTH_ONE, "N",
+     "largest normal force of a continuous contact; 0 for a rigid one"},
 };
 
 const nsdae_table nsdae_impact_table = {impact_columns,

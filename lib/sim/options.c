@@ -6,7 +6,9 @@
 #include "errors.h"
 #include "options.h"
 
-static const char *const methods[] = {"implicit", "implicit-printed", "moreau", NULL};
+static const char *const methods[] = {"implicit", "implicit-printed", "moreau", "penalty", NULL};
+static const char *const laws[] = {
+    "hertz", "kelvin-voigt", "hunt-crossley", "lankarani-nikravesh", "flores", NULL};
 static const char *const redundant[] = {"error", "least-norm", NULL};
 
 enum { INITIALISED = 0x6e736461 };
@@ -14,7 +16,7 @@ enum { INITIALISED = 0x6e736461 };
 #define AT(field) offsetof(nsdae_sim_options, field)
 
 static const nsdae_param entries[] = {
-    {"method", "", "how time is stepped", NSDAE_PARAM_CHOICE, AT(method), NSDAE_IMPLICIT, 0, 2, 0,
+    {"method", "", "how time is stepped", NSDAE_PARAM_CHOICE, AT(method), NSDAE_IMPLICIT, 0, 3, 0,
      methods},
     {"dt", "s", "step", NSDAE_PARAM_REAL, AT(dt), 0.005, 0, INFINITY, NSDAE_OPEN_MIN, NULL},
     {"baumgarte_alpha", "1/s", "stabilisation of Phi' in Newmark's smooth phases", NSDAE_PARAM_REAL,
@@ -35,6 +37,18 @@ static const nsdae_param entries[] = {
      NSDAE_PARAM_INT, AT(polygon), 8, 3, 32, 0, NULL},
     {"impact_velocity", "m/s", "closings slower than this are no impacts", NSDAE_PARAM_REAL,
      AT(impact_velocity), 1e-9, 0, INFINITY, 0, NULL},
+    {"rtol", "1", "relative tolerance of the integrator of penalty", NSDAE_PARAM_REAL, AT(rtol),
+     1e-8, 1e-14, 1e-2, 0, NULL},
+    {"atol", "", "absolute tolerance of the integrator of penalty", NSDAE_PARAM_REAL, AT(atol),
+     1e-10, 0, INFINITY, NSDAE_OPEN_MIN, NULL},
+    {"penalty_law", "", "normal force of penalty", NSDAE_PARAM_CHOICE, AT(penalty_law), 0, 0, 4, 0,
+     laws},
+    {"penalty_stiffness", "N/m^n", "stiffness K of penalty", NSDAE_PARAM_REAL,
+     AT(penalty_stiffness), 1e8, 0, INFINITY, NSDAE_OPEN_MIN, NULL},
+    {"penalty_exponent", "1", "exponent n of penalty", NSDAE_PARAM_REAL, AT(penalty_exponent), 1.5,
+     1, 5, 0, NULL},
+    {"friction_velocity", "m/s", "velocity over which penalty regularises friction",
+     NSDAE_PARAM_REAL, AT(friction_velocity), 1e-3, 0, INFINITY, NSDAE_OPEN_MIN, NULL},
 };
 
 static const nsdae_params table = {entries, (int)(sizeof entries / sizeof *entries)};

@@ -36,7 +36,6 @@ struct nsdae_sim {
   int *mode;                                /* k */
   double *slide_impulse;                    /* f */
   int *slide_mode;                          /* f */
-  nsdae_impact *impact;                     /* k */
 };
 
 static void layout(void *object, nsdae_arena *arena)
@@ -50,7 +49,6 @@ static void layout(void *object, nsdae_arena *arena)
   sim->mode = NSDAE_ARENA_INTS(arena, dims->k);
   sim->slide_impulse = NSDAE_ARENA_DOUBLES(arena, dims->f);
   sim->slide_mode = NSDAE_ARENA_INTS(arena, dims->f);
-  sim->impact = nsdae_arena_take(arena, dims->k, sizeof *sim->impact);
 }
 
 static int no_memory(nsdae_sim *sim, nsdae_error *error)
@@ -94,6 +92,12 @@ int nsdae_sim_create(const nsdae_system *system, const nsdae_sim_options *option
   stepper->contacts.law = made->law;
   nsdae_stepper_prepare(stepper);
   if (nsdae_arena_build(&made->arena, layout, made) < 0) return no_memory(made, error);
+  if (stepper->method->create) status = stepper->method->create(stepper);
+  if (status < 0) {
+    if (error) *error = made->error;
+    nsdae_sim_destroy(&made);
+    return status;
+  }
   *sim = made;
   return NSDAE_OK;
 }
@@ -101,6 +105,8 @@ int nsdae_sim_create(const nsdae_system *system, const nsdae_sim_options *option
 void nsdae_sim_destroy(nsdae_sim **sim)
 {
   if (!sim || !*sim) return;
+  const nsdae_stepping *method = (*sim)->stepper.method;
+  if (method && method->destroy) method->destroy(&(*sim)->stepper);
   nsdae_arena_release(&(*sim)->arena);
   free((*sim)->law);
   free(*sim);
@@ -181,7 +187,7 @@ static void clear_record(nsdae_sim *sim)
                                .mode = sim->mode,
                                .slide_impulse = sim->slide_impulse,
                                .slide_mode = sim->slide_mode,
-                               .impact = sim->impact};
+                               .impact = sim->stepper.impact};
 }
 
 static int check_state(nsdae_sim *sim, const char *name, const double *a, int n)
@@ -208,6 +214,7 @@ static int first_terms(nsdae_sim *sim, double t0, const double *q0, const double
   s->rank = sim->system->dims.m;
   s->worst_residual = 0;
   s->newmark.have_start = 0;
+  s->fresh = 1;
   nsdae_contacts_forget(&s->contacts);
   nsdae_terms_at(&s->start, t0, q0, v0);
   int status = nsdae_terms_need(&s->start, ALL_TERMS);
@@ -300,11 +307,12 @@ static void collect_impacts(nsdae_sim *sim)
 {
   const nsdae_contacts *c = &sim->stepper.contacts;
   int nt = sim->system->dims.nt;
-  sim->record.impacts = 0;
+  nsdae_stepper *s = &sim->stepper;
+  s->impacts = 0;
   for (int i = 0; i < sim->system->dims.k; i++) {
     int fresh = sim->normal[i] == 0 || c->impact[i];
     if (!(c->normal[i] > 0) || !fresh || !(c->before[i] < -sim->options.impact_velocity)) continue;
-    nsdae_impact *impact = &sim->impact[sim->record.impacts++];
+    nsdae_impact *impact = &s->impact[s->impacts++];
     *impact = (nsdae_impact){.time = sim->stepper.end.t,
                              .contact = i,
                              .normal_impulse = c->normal[i],
@@ -319,7 +327,8 @@ static void keep_results(nsdae_sim *sim)
   const nsdae_stepper *s = &sim->stepper;
   const nsdae_dims *dims = &sim->system->dims;
   size_t k = (size_t)dims->k;
-  collect_impacts(sim);
+  if (!s->method->finds_impacts) collect_impacts(sim);
+  sim->record.impacts = s->impacts;
   memcpy(sim->multiplier, s->multiplier, (size_t)dims->m * sizeof *sim->multiplier);
   memcpy(sim->normal, s->contacts.normal, k * sizeof *sim->normal);
   memcpy(sim->tangential, s->contacts.tangential, k * (size_t)dims->nt * sizeof *sim->tangential);
@@ -327,7 +336,7 @@ static void keep_results(nsdae_sim *sim)
   memcpy(sim->slide_impulse, s->contacts.slide_impulse,
          (size_t)dims->f * sizeof *sim->slide_impulse);
   memcpy(sim->slide_mode, s->contacts.slide_mode, (size_t)dims->f * sizeof *sim->slide_mode);
-  if (!s->smooth) sim->record.dissipated -= nsdae_contacts_work(&s->contacts);
+  sim->record.dissipated -= s->work;
   sim->stats.steps++;
   sim->stats.smooth_steps += s->smooth;
   sim->stats.contact_steps += !s->smooth;
@@ -355,7 +364,8 @@ static int step_to(nsdae_sim *sim, double t1)
   s->start = s->end;
   s->end = swapped;
   sim->record.step++;
-  sim->grid_count++;
+  sim->grid_count += s->start.t >= t1;
+  s->fresh = 0;
   fill_record(sim);
   update_stats(sim);
   return tell(sim);

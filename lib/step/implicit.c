@@ -170,10 +170,12 @@ static int advance(nsdae_stepper *s, double h)
   if (status < 0) return status;
   for (int i = 0; i < s->system->dims.m; i++) s->multiplier[i] = s->impulse[i] / h;
   s->smooth = !nsdae_contacts_any(&s->contacts);
+  s->work = nsdae_contacts_work(&s->contacts);
   s->worst_residual = s->contacts.info.residual;
   return NSDAE_OK;
 }
 
 const nsdae_stepping nsdae_stepping_implicit = {
-    "implicit", "the scheme iterated to the end of the step: second order between impacts",
-    advance};
+    .name = "implicit",
+    .summary = "the scheme iterated to the end of the step: second order between impacts",
+    .advance = advance};

@@ -41,6 +41,7 @@ static int to_end(nsdae_stepper *s, double h)
   nsdae_terms_at(&s->end, s->t_end, s->q, s->v);
   for (int i = 0; i < s->system->dims.m; i++) s->multiplier[i] = s->impulse[i] / h;
   s->smooth = !nsdae_contacts_any(&s->contacts);
+  s->work = nsdae_contacts_work(&s->contacts);
   s->worst_residual = s->contacts.info.residual;
   return status;
 }
@@ -57,5 +58,7 @@ static int advance(nsdae_stepper *s, double h)
   return status < 0 ? status : to_end(s, h);
 }
 
-const nsdae_stepping nsdae_stepping_moreau = {
-    "moreau", "Moreau's midpoint rule: first order, explicit", advance};
+const nsdae_stepping nsdae_stepping_moreau = {.name = "moreau",
+                                              .summary =
+                                                  "Moreau's midpoint rule: first order, explicit",
+                                              .advance = advance};

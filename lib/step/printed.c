@@ -19,6 +19,7 @@ static int smooth_step(nsdae_stepper *s)
   int status = nsdae_newmark_step(&s->newmark, &s->start, &s->end, s->t_end, s->multiplier);
   s->iterations += s->newmark.iterations;
   s->smooth = 1;
+  s->work = 0;
   s->worst_residual = 0;
   if (s->kkt.rank < s->rank) s->rank = s->kkt.rank;
   return status;
@@ -66,6 +67,7 @@ static int contact_step(nsdae_stepper *s, double h)
   if (status < 0) return status;
   velocity_at_end(s);
   for (int i = 0; i < s->system->dims.m; i++) s->multiplier[i] = s->impulse[i] / h;
+  s->work = nsdae_contacts_work(&s->contacts);
   s->worst_residual = s->contacts.info.residual;
   return NSDAE_OK;
 }
@@ -79,5 +81,6 @@ static int advance(nsdae_stepper *s, double h)
 }
 
 const nsdae_stepping nsdae_stepping_printed = {
-    "implicit-printed", "the source paper's one-pass scheme, letter for letter: first order",
-    advance};
+    .name = "implicit-printed",
+    .summary = "the source paper's one-pass scheme, letter for letter: first order",
+    .advance = advance};

@@ -11,6 +11,7 @@ const nsdae_stepping *nsdae_stepping_of(int method)
       [NSDAE_IMPLICIT] = &nsdae_stepping_implicit,
       [NSDAE_IMPLICIT_PRINTED] = &nsdae_stepping_printed,
       [NSDAE_MOREAU] = &nsdae_stepping_moreau,
+      [NSDAE_PENALTY] = &nsdae_stepping_penalty,
   };
   if (method < 0 || method >= (int)(sizeof all / sizeof *all)) return NULL;
   return all[method];
@@ -28,6 +29,7 @@ void nsdae_stepper_prepare(nsdae_stepper *s)
 {
   const nsdae_sim_options *o = s->options;
   s->method = nsdae_stepping_of(o->method);
+  s->impacts_max = 64 + 2 * s->system->dims.k;
   s->differences.system = s->system;
   prepare_terms(s, &s->start);
   prepare_terms(s, &s->middle);
@@ -70,6 +72,7 @@ void nsdae_stepper_layout(nsdae_stepper *s, nsdae_arena *arena)
   s->qdot1 = NSDAE_ARENA_DOUBLES(arena, dims->nq);
   s->impulse = NSDAE_ARENA_DOUBLES(arena, dims->m);
   s->multiplier = NSDAE_ARENA_DOUBLES(arena, dims->m);
+  s->impact = nsdae_arena_take(arena, s->impacts_max, sizeof *s->impact);
 }
 
 int nsdae_stepper_factor(nsdae_stepper *s, nsdae_terms *terms, const double *M)

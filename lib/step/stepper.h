@@ -18,6 +18,10 @@ typedef struct nsdae_stepping {
   const char *name, *summary;
   /* From stepper->start to stepper->end, at t_end, in h; fills contacts, multiplier, counters. */
   int (*advance)(nsdae_stepper *stepper, double h);
+  /* What a method keeps for itself, in stepper->own; NULL where it keeps nothing. */
+  int (*create)(nsdae_stepper *stepper);
+  void (*destroy)(nsdae_stepper *stepper);
+  int finds_impacts; /* fills stepper->impact itself, and may end a step before t_end */
 } nsdae_stepping;
 
 struct nsdae_stepper {
@@ -32,18 +36,24 @@ struct nsdae_stepper {
   nsdae_kkt kkt;
   nsdae_contacts contacts;
   nsdae_newmark newmark;
-  double *M;                         /* nv x nv: a mean mass matrix */
-  double *q, *v, *r, *last;          /* nq, nv, nv, nv */
-  double *qdot0, *qdot1;             /* nq */
-  double *impulse;                   /* m: Lambda of the bilateral constraints over the step */
-  double *multiplier;                /* m: its mean force */
+  double *M;                /* nv x nv: a mean mass matrix */
+  double *q, *v, *r, *last; /* nq, nv, nv, nv */
+  double *qdot0, *qdot1;    /* nq */
+  double *impulse;          /* m: Lambda of the bilateral constraints over the step */
+  double *multiplier;       /* m: its mean force */
+  void *own;                /* the method's */
+  int fresh;                /* the first step after an init */
+  double work;              /* of contact and friction impulses in the step */
+  nsdae_impact *impact;     /* impacts_max: those of the step */
+  int impacts, impacts_max;
   double worst_residual;             /* of the LCPs of the step */
   int smooth;                        /* the step had no closed contact */
   int rank;                          /* smallest rank of Phi_q in the step */
   long lcps, lcp_pivots, iterations; /* over the whole run */
 };
 
-extern const nsdae_stepping nsdae_stepping_implicit, nsdae_stepping_printed, nsdae_stepping_moreau;
+extern const nsdae_stepping nsdae_stepping_implicit, nsdae_stepping_printed, nsdae_stepping_moreau,
+    nsdae_stepping_penalty;
 
 /* NULL past the last; the order is that of enum nsdae_method. */
 const nsdae_stepping *nsdae_stepping_of(int method);

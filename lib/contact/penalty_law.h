@@ -1,0 +1,38 @@
+/* Continuous contact force: the bodies overlap by d and the contact is a spring with damping,
+ *
+ *   F_N = K d^n (1 + c d' / d'_0),   not below 0,    d'_0: closing velocity at first touch
+ *
+ *   hertz                  c = 0
+ *   hunt-crossley          c = 3 (1 - e) / 2          Hunt and Crossley, J. Appl. Mech. 42, 1975
+ *   lankarani-nikravesh    c = 3 (1 - e^2) / 4        Lankarani and Nikravesh, J. Mech. Des. 112,
+ * 1990 flores                 c = 8 (1 - e) / (5 e)      Flores et al., Multibody Syst. Dyn. 25,
+ * 2011 kelvin-voigt           F_N = K d + b d',  b = 2 zeta sqrt(K m), zeta = -ln e / sqrt(pi^2 +
+ * ln^2 e),  m the contact's effective mass
+ *
+ * and Coulomb's friction regularised over the velocity v_r:  F_T = -mu F_N v_T / sqrt(v_T^2 +
+ * v_r^2). */
+#ifndef NSDAE_PENALTY_LAW_H
+#define NSDAE_PENALTY_LAW_H
+
+enum nsdae_penalty_kind {
+  NSDAE_PENALTY_HERTZ,
+  NSDAE_PENALTY_KELVIN_VOIGT,
+  NSDAE_PENALTY_HUNT_CROSSLEY,
+  NSDAE_PENALTY_LANKARANI_NIKRAVESH,
+  NSDAE_PENALTY_FLORES
+};
+
+typedef struct nsdae_penalty_law {
+  int kind;                   /* enum nsdae_penalty_kind */
+  double stiffness, exponent; /* K [N/m^n], n */
+} nsdae_penalty_law;
+
+/* Normal force for overlap d (0 where d <= 0), its rate, d'_0 > 0, restitution e, effective mass.
+ */
+double nsdae_penalty_normal(const nsdae_penalty_law *law, double d, double rate, double start_rate,
+                            double e, double mass);
+
+/* F_T / v_T: friction of a normal force at the slip speed. */
+double nsdae_penalty_friction(double mu, double normal, double speed, double regularisation);
+
+#endif

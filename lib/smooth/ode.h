@@ -1,0 +1,36 @@
+/* A stiff initial value problem y' = f(t, y), by SUNDIALS CVODE: variable-order BDF with error
+ * control and root finding. The only other header with SUNDIALS behind it is none. */
+#ifndef NSDAE_ODE_H
+#define NSDAE_ODE_H
+
+#include <nsdae/status.h>
+
+typedef struct nsdae_ode nsdae_ode;
+
+/* f and the root functions g: 0 done, > 0 try a smaller step, < 0 give up. */
+typedef struct nsdae_ode_problem {
+  int n, roots;
+  int (*rate)(double t, const double *y, double *ydot, void *user);
+  int (*root)(double t, const double *y, double *g, void *user);
+  void *user;
+} nsdae_ode_problem;
+
+/* NSDAE_E_MEMORY; NSDAE_E_UNSUPPORTED where the library was built without SUNDIALS. */
+int nsdae_ode_create(const nsdae_ode_problem *problem, double rtol, double atol, nsdae_ode **ode);
+void nsdae_ode_destroy(nsdae_ode **ode);
+
+/* Starts (anew) at t, y [n]. */
+int nsdae_ode_start(nsdae_ode *ode, double t, const double *y);
+
+enum { NSDAE_ODE_STEP, NSDAE_ODE_ROOT, NSDAE_ODE_END };
+
+/* One step of the integrator's own choice, not past t_end; *what says how it ended. t and y [n]
+ * are where it got to, found [roots] the direction in which each root was crossed, 0 where it was
+ * not. NSDAE_OK; NSDAE_E_CONVERGENCE with the integrator's code in *code; NSDAE_E_CALLBACK. */
+int nsdae_ode_advance(nsdae_ode *ode, double t_end, double *t, double *y, int *what, int *found,
+                      int *code);
+
+/* Evaluations of f so far. */
+long nsdae_ode_rates(const nsdae_ode *ode);
+
+#endif

@@ -1,0 +1,45 @@
+/* In a library that was built without SUNDIALS. */
+#include "ode.h"
+
+#include <stddef.h>
+
+int nsdae_ode_create(const nsdae_ode_problem *problem, double rtol, double atol, nsdae_ode **ode)
+{
+  (void)problem;
+  (void)rtol;
+  (void)atol;
+  *ode = NULL;
+  return NSDAE_E_UNSUPPORTED;
+}
+
+void nsdae_ode_destroy(nsdae_ode **ode)
+{
+  *ode = NULL;
+}
+
+int nsdae_ode_start(nsdae_ode *ode, double t, const double *y)
+{
+  (void)ode;
+  (void)t;
+  (void)y;
+  return NSDAE_E_UNSUPPORTED;
+}
+
+int nsdae_ode_advance(nsdae_ode *ode, double t_end, double *t, double *y, int *what, int *found,
+                      int *code)
+{
+  (void)ode;
+  (void)t_end;
+  (void)t;
+  (void)y;
+  (void)what;
+  (void)found;
+  (void)code;
+  return NSDAE_E_UNSUPPORTED;
+}
+
+long nsdae_ode_rates(const nsdae_ode *ode)
+{
+  (void)ode;
+  return 0;
+}
