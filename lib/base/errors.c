@@ -31,6 +31,8 @@ int nsdae_error_set(nsdae_error *error, int status, const char *where, const cha
   va_start(args, format);
   vsnprintf(error->text, sizeof error->text, format, args);
   va_end(args);
+  one_line(error->where);
+  one_line(error->argument);
   one_line(error->text);
   return status;
 }

@@ -115,8 +115,9 @@ void nsdae_la_lu_solve(int n, const double *A, int lda, const int *pivot, double
     double held = b[k];
     b[k] = b[pivot[k] - 1];
     b[pivot[k] - 1] = held;
-    for (int i = k + 1; i < n; i++) b[i] -= AT(A, lda, i, k) * b[k];
   }
+  for (int k = 0; k < n; k++)
+    for (int i = k + 1; i < n; i++) b[i] -= AT(A, lda, i, k) * b[k];
   for (int k = n - 1; k >= 0; k--) {
     b[k] /= AT(A, lda, k, k);
     for (int i = 0; i < k; i++) b[i] -= AT(A, lda, i, k) * b[k];

@@ -32,6 +32,7 @@ void nsdae_kkt_layout(nsdae_kkt *kkt, nsdae_arena *arena)
   kkt->norm = NSDAE_ARENA_DOUBLES(arena, m);
   kkt->work = NSDAE_ARENA_DOUBLES(arena, m + kkt->lwork);
   kkt->column = NSDAE_ARENA_INTS(arena, m);
+  kkt->order = NSDAE_ARENA_INTS(arena, m);
 }
 
 static void copy_lower(int n, const double *A, int lda, double *L)
@@ -78,25 +79,41 @@ static int pivoted_rank(nsdae_kkt *kkt)
   return rank;
 }
 
-/* B^T [m x r] with Y = Q B: the rows of R in the order and at the length of the constraints. */
+/* By insertion: m is small, and the order seldom changes. Householder's QR is stable row by row
+ * when long rows come first (Powell and Reid, 1969). The order holds columns of R. */
+static void sort_by_length(nsdae_kkt *kkt)
+{
+  for (int i = 0; i < kkt->m; i++) {
+    int at = i;
+    double length = kkt->norm[kkt->column[i] - 1];
+    for (; at > 0 && kkt->norm[kkt->column[kkt->order[at - 1]] - 1] < length; at--)
+      kkt->order[at] = kkt->order[at - 1];
+    kkt->order[at] = i;
+  }
+}
+
+/* Z [m x r] := (R N)^T, long rows first; S := R_11. */
 static void independent_rows(nsdae_kkt *kkt, int r)
 {
-  int n = kkt->n, m = kkt->m;
-  for (int i = 0; i < r; i++)
-    for (int j = 0; j < m; j++) {
-      int constraint = kkt->column[j] - 1;
-      double entry = j >= i ? kkt->Q[(size_t)j * (size_t)n + (size_t)i] : 0;
-      kkt->Z[(size_t)i * (size_t)m + (size_t)constraint] = entry * kkt->norm[constraint];
+  size_t n = (size_t)kkt->n, m = (size_t)kkt->m;
+  sort_by_length(kkt);
+  for (size_t i = 0; i < (size_t)r; i++)
+    for (size_t row = 0; row < m; row++) {
+      size_t j = (size_t)kkt->order[row];
+      double entry = j >= i ? kkt->Q[j * n + i] : 0;
+      kkt->Z[i * m + row] = entry * kkt->norm[kkt->column[j] - 1];
+      if (j < (size_t)r) kkt->S[j * m + i] = entry;
     }
 }
 
 static void factor_by_rank(nsdae_kkt *kkt)
 {
-  int m = kkt->m, r = pivoted_rank(kkt);
+  int n = kkt->n, m = kkt->m, r = pivoted_rank(kkt);
   kkt->rank = r;
   kkt->factored_by_rank = 1;
   if (r == 0) return;
   independent_rows(kkt, r);
+  LAPACKE_dorgqr_work(LAPACK_COL_MAJOR, n, r, r, kkt->Q, n, kkt->tau, kkt->work, kkt->lwork);
   LAPACKE_dgeqrf_work(LAPACK_COL_MAJOR, m, r, kkt->Z, m, kkt->tau, kkt->work, kkt->lwork);
   memcpy(kkt->T, kkt->Z, (size_t)m * (size_t)r * sizeof *kkt->T);
   LAPACKE_dorgqr_work(LAPACK_COL_MAJOR, m, r, r, kkt->Z, m, kkt->tau, kkt->work, kkt->lwork);
@@ -122,30 +139,33 @@ int nsdae_kkt_factor(nsdae_kkt *kkt, const double *M, int ldm, const double *J, 
   return NSDAE_OK;
 }
 
-/* g [m] := S^+ g = Z T^-T T^-1 Z^T g. */
-static void solve_by_rank(const nsdae_kkt *kkt, double *g)
+/* z [n] -= Q w and g [m] := l, of g = Y^T z - c. */
+static void solve_by_rank(const nsdae_kkt *kkt, double *z, double *g)
 {
-  int m = kkt->m, r = kkt->rank;
-  double *u = kkt->work;
-  if (r > 0) {
-    cblas_dgemv(CblasColMajor, CblasTrans, m, r, 1.0, kkt->Z, m, g, 1, 0.0, u, 1);
-    cblas_dtrsv(CblasColMajor, CblasUpper, CblasNoTrans, CblasNonUnit, r, kkt->T, m, u, 1);
-    cblas_dtrsv(CblasColMajor, CblasUpper, CblasTrans, CblasNonUnit, r, kkt->T, m, u, 1);
-    cblas_dgemv(CblasColMajor, CblasNoTrans, m, r, 1.0, kkt->Z, m, u, 1, 0.0, g, 1);
-  } else {
-    memset(g, 0, (size_t)m * sizeof *g);
-  }
+  int n = kkt->n, m = kkt->m, r = kkt->rank;
+  double *w = kkt->work, *l = kkt->work + m;
+  for (int i = 0; i < r; i++) w[i] = g[kkt->column[i] - 1] / kkt->norm[kkt->column[i] - 1];
+  memset(g, 0, (size_t)m * sizeof *g);
+  if (r == 0) return;
+  cblas_dtrsv(CblasColMajor, CblasUpper, CblasTrans, CblasNonUnit, r, kkt->S, m, w, 1);
+  cblas_dgemv(CblasColMajor, CblasNoTrans, n, r, -1.0, kkt->Q, n, w, 1, 1.0, z, 1);
+  cblas_dtrsv(CblasColMajor, CblasUpper, CblasTrans, CblasNonUnit, r, kkt->T, m, w, 1);
+  cblas_dgemv(CblasColMajor, CblasNoTrans, m, r, 1.0, kkt->Z, m, w, 1, 0.0, l, 1);
+  for (int row = 0; row < m; row++) g[kkt->column[kkt->order[row]] - 1] = l[row];
 }
 
-static void solve_schur(const nsdae_kkt *kkt, int nrhs, double *C, int ldc)
+/* R [n x nrhs] holds z on entry and z - Y l on return, C [m x nrhs] Y^T z - c and l. */
+static void solve_schur(const nsdae_kkt *kkt, int nrhs, double *R, int ldr, double *C, int ldc)
 {
-  int m = kkt->m;
+  int n = kkt->n, m = kkt->m;
   if (kkt->factored_by_rank) {
-    for (int j = 0; j < nrhs; j++) solve_by_rank(kkt, C + (size_t)j * (size_t)ldc);
-  } else {
-    nsdae_la_solve_lower(m, nrhs, kkt->S, m, C, ldc);
-    nsdae_la_solve_lower_transposed(m, nrhs, kkt->S, m, C, ldc);
+    for (size_t j = 0; j < (size_t)nrhs; j++)
+      solve_by_rank(kkt, R + j * (size_t)ldr, C + j * (size_t)ldc);
+    return;
   }
+  nsdae_la_solve_lower(m, nrhs, kkt->S, m, C, ldc);
+  nsdae_la_solve_lower_transposed(m, nrhs, kkt->S, m, C, ldc);
+  nsdae_la_subtract_product(n, m, nrhs, kkt->Y, n, C, ldc, R, ldr);
 }
 
 void nsdae_kkt_solve(const nsdae_kkt *kkt, int nrhs, double *R, int ldr, double *C, int ldc)
@@ -154,8 +174,7 @@ void nsdae_kkt_solve(const nsdae_kkt *kkt, int nrhs, double *R, int ldr, double 
   nsdae_la_solve_lower(n, nrhs, kkt->L, n, R, ldr);
   if (m > 0) {
     nsdae_la_multiply_transposed(n, m, nrhs, kkt->Y, n, R, ldr, -1, C, ldc);
-    solve_schur(kkt, nrhs, C, ldc);
-    nsdae_la_subtract_product(n, m, nrhs, kkt->Y, n, C, ldc, R, ldr);
+    solve_schur(kkt, nrhs, R, ldr, C, ldc);
   }
   nsdae_la_solve_lower_transposed(n, nrhs, kkt->L, n, R, ldr);
 }

@@ -6,10 +6,14 @@
  * M = L L^T,  Y = L^-1 Phi_q^T,  S = Y^T Y = Phi_q M^-1 Phi_q^T  (the Schur complement)
  * z = L^-1 r,  S l = Y^T z - c,  x = L^-T (z - Y l)
  *
- * Everything above this folder is written with these calls; P = x(r) with c = 0 is the
- * projector of the contact problem. Where S is near singular, the rank r of Y comes from QR with
- * column pivoting of the columns of Y at unit length, and l is the least-norm solution: with
- * Y = Q B, B^T = Z T (QR again),  S^+ = Z T^-T T^-1 Z^T. */
+ * Everything above this folder is written with these calls; P = x(r) with c = 0 is the projector
+ * of the contact problem. Where S is near singular, the rank r comes from QR with column pivoting
+ * of the columns of Y at unit length, Y = Q R N with N = diag(lengths). For consistent equations
+ *
+ *   R_11^T w = (N^-1 (Y^T z - c)) at the r pivot columns,   x = L^-T (z - Q w),   R N l = w
+ *
+ * with l of least norm from (R N)^T = Z T:  l = Z T^-T w. Nothing is squared, so that the units of
+ * the constraints do not matter. */
 #ifndef NSDAE_LINALG_KKT_H
 #define NSDAE_LINALG_KKT_H
 
@@ -22,11 +26,12 @@ typedef struct nsdae_kkt {
   int pivot;            /* of M that failed, from 1 */
   int factored_by_rank; /* the last factorisation is the rank-revealing one */
   double *L, *Y, *S;    /* n x n, n x m, m x m */
-  double *Q;            /* n x m: scratch of the pivoted QR */
+  double *Q;            /* n x m: Q of the pivoted QR; R_11 is in S then */
   double *Z, *T;        /* m x rank, rank x rank (leading dimension m) */
   double *tau, *norm;   /* min(n, m), m */
   double *work;         /* m: one right-hand side; lwork: LAPACK's */
   int *column;          /* m: column order of the pivoted QR */
+  int *order;           /* m: constraints by decreasing length, the order of the rows of Z */
   int lwork;
 } nsdae_kkt;
 

@@ -1,0 +1,38 @@
+/* Numbers that are the same in every run and on every machine (splitmix64, Steele, Lea and Flood,
+ * OOPSLA 2014). */
+#ifndef NSDAE_TESTS_RANDOM_H
+#define NSDAE_TESTS_RANDOM_H
+
+#include <stdint.h>
+
+typedef struct random_state {
+  uint64_t seed;
+} random_state;
+
+static inline uint64_t random_bits(random_state *r)
+{
+  uint64_t z = r->seed += 0x9e3779b97f4a7c15u;
+  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+  return z ^ (z >> 31);
+}
+
+/* Uniform in -1 .. 1. */
+static inline double random_number(random_state *r)
+{
+  return (double)(random_bits(r) >> 11) * 0x1p-52 - 1;
+}
+
+static inline int random_int(random_state *r, int low, int high)
+{
+  return low + (int)(random_bits(r) % (uint64_t)(high - low + 1));
+}
+
+/* A [rows x columns]. */
+static inline void random_matrix(random_state *r, int rows, int columns, double *A, int lda)
+{
+  for (int j = 0; j < columns; j++)
+    for (int i = 0; i < rows; i++) A[j * lda + i] = random_number(r);
+}
+
+#endif
