@@ -7,3 +7,13 @@ foreach(name dense kkt)
   nsdae_unit_test(linalg ${name})
   target_link_libraries(test_unit_linalg_${name} PRIVATE nsdae_lapack)
 endforeach()
+
+foreach(name check differences system)
+  nsdae_unit_test(system ${name})
+endforeach()
+
+nsdae_unit_test(terms terms)
+
+foreach(name law contacts)
+  nsdae_unit_test(contact ${name})
+endforeach()

@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "compare.h"
 #include "report.h"
 #include "settings.h"
 
@@ -137,6 +138,8 @@ int driver_main(const driver_model *model, int argc, char **argv)
   if (status == NSDAE_OK) status = open_trajectory(&j);
   if (status == NSDAE_OK) {
     status = run(&j);
+    if (status == NSDAE_OK && j.settings.compare)
+      status = compare_all(&j.settings, j.trajectory, &j.error);
     status = close_trajectory(&j, status);
   }
   int exit_status = status < 0 ? complain(&j, exit_status_of(status)) : DRIVER_DONE;

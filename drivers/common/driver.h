@@ -10,6 +10,14 @@ typedef struct driver_exact {
   double time, normal_impulse;
 } driver_exact;
 
+/* One coordinate at one time as a reference has it. */
+typedef struct driver_state {
+  double time, value;
+  int coordinate;
+} driver_state;
+
+struct settings;
+
 typedef struct driver_model {
   const char *name;    /* "pendulum": the program is nsdae-pendulum */
   const char *summary; /* one line */
@@ -22,6 +30,12 @@ typedef struct driver_model {
   void (*start)(const void *base, double *q0, double *v0);
   /* Exact impact of that number from 0; returns 0 where there is none. NULL: nothing is known. */
   int (*exact)(const void *base, int number, driver_exact *impact);
+  /* Reference state of that number, in the order of time; returns 0 past the last. NULL: none. */
+  int (*state)(const void *base, int number, driver_state *state);
+  int coordinates; /* how many coordinates the reference states may speak of, at most 8 */
+  /* What --compare has to add for this model, printed and put into the trajectory (or NULL). */
+  int (*compare_more)(const struct settings *settings, nsdae_trajectory *trajectory,
+                      nsdae_error *error);
 } driver_model;
 
 enum { DRIVER_DONE = 0, DRIVER_FAILED = 1, DRIVER_USAGE = 2 };

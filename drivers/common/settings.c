@@ -120,7 +120,7 @@ int settings_read(settings *s, const char *path, nsdae_error *error)
 }
 
 /* Options of the command line. */
-enum action { SET, ASSIGN, PARAMS, NO_OUTPUT, QUIET, LIVE, HELP, VERSION };
+enum action { SET, ASSIGN, PARAMS, NO_OUTPUT, COMPARE, QUIET, LIVE, HELP, VERSION };
 
 typedef struct flag {
   const char *name, *value; /* value: what it takes, or NULL */
@@ -139,6 +139,7 @@ static const flag flags[] = {
     {"--params", "FILE", PARAMS, NULL, "parameters from a file of NAME = VALUE lines"},
     {"--output", "FILE.h5", SET, "output", "trajectory"},
     {"--no-output", NULL, NO_OUTPUT, NULL, "write no trajectory"},
+    {"--compare", NULL, COMPARE, NULL, "then all methods side by side against the reference"},
     {"--live", NULL, LIVE, NULL, "let others read the trajectory while it is written (SWMR)"},
     {"--quiet", NULL, QUIET, NULL, "print errors only"},
     {"--help", NULL, HELP, NULL, "this text"},
@@ -181,6 +182,9 @@ static int act(settings *s, const flag *f, char *value, nsdae_error *error)
   case LIVE:
     s->live = 1;
     break;
+  case COMPARE:
+    s->compare = 1;
+    break;
   case HELP:
     s->help = 1;
     break;
@@ -218,6 +222,10 @@ int settings_parse(settings *s, int argc, char **argv, nsdae_error *error)
       int status = parse_one(s, argc, argv, &i, files_only, error);
       if (status < 0) return status;
     }
+  if (s->compare && s->live)
+    return usage_error(error, "--live",
+                       "--live and --compare exclude each other: the comparison "
+                       "comes into the file after the run");
   return NSDAE_OK;
 }
 

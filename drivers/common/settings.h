@@ -10,7 +10,7 @@ typedef struct settings {
   nsdae_sim_options options;
   double t_end;
   char output[NSDAE_PARAM_TEXT_SIZE]; /* "": none */
-  int quiet, live;
+  int quiet, live, compare;
   int help, version;
 } settings;
 

@@ -28,6 +28,16 @@ NSDAE_API int nsdae_trajectory_create(nsdae_sim *sim, const char *path,
                                       const nsdae_trajectory_info *info,
                                       nsdae_trajectory **trajectory, nsdae_error *error);
 
+/* Adds a dataset of n values of one's own, at a path such as "/compare/error"; groups are made as
+ * needed. Not while the file is live. NSDAE_E_IO, NSDAE_E_ARGUMENT, NSDAE_E_UNSUPPORTED. */
+NSDAE_API int nsdae_trajectory_put(nsdae_trajectory *trajectory, const char *path, int n,
+                                   const double *values, const char *units, const char *description,
+                                   nsdae_error *error);
+/* The same of n texts. */
+NSDAE_API int nsdae_trajectory_put_texts(nsdae_trajectory *trajectory, const char *path, int n,
+                                         const char *const *texts, const char *description,
+                                         nsdae_error *error);
+
 /* Writes what is buffered, sets the attribute `status` to "complete" where run_status >= 0, else
  * to "failed", closes the file and sets *trajectory to NULL. The memory is released in any case.
  * NSDAE_E_IO: not all could be written; the text says what the file holds. */

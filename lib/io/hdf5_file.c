@@ -125,13 +125,14 @@ int nsdae_h5_describe(nsdae_h5 *h5, hid_t series, const char *units, const char 
   return status < 0 ? status : nsdae_h5_set_text(h5, series, "description", description);
 }
 
-static int write_scalar(nsdae_h5 *h5, const char *path, hid_t type, const void *value,
-                        const char *units, const char *description)
+static int write_whole(nsdae_h5 *h5, const char *path, hid_t type, hid_t space, const void *value,
+                       const char *units, const char *description)
 {
-  hid_t space = H5Screate(H5S_SCALAR);
-  hid_t set = H5Dcreate2(h5->file, path, type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+  hid_t links = H5Pcreate(H5P_LINK_CREATE);
+  H5Pset_create_intermediate_group(links, 1);
+  hid_t set = H5Dcreate2(h5->file, path, type, space, links, H5P_DEFAULT, H5P_DEFAULT);
   int status = result(h5, set, "make a dataset in");
-  H5Sclose(space);
+  H5Pclose(links);
   if (status < 0) return status;
   status = result(h5, H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, value), "write to");
   if (status == NSDAE_OK) status = nsdae_h5_describe(h5, set, units, description);
@@ -139,14 +140,27 @@ static int write_scalar(nsdae_h5 *h5, const char *path, hid_t type, const void *
   return status;
 }
 
+static int write_typed(nsdae_h5 *h5, const char *path, hid_t type, hid_t space, const void *value,
+                       const char *units, const char *description)
+{
+  hid_t own = type == H5T_C_S1 ? text_type() : H5Tcopy(type);
+  int status = write_whole(h5, path, own, space, value, units, description);
+  H5Tclose(own);
+  H5Sclose(space);
+  return status;
+}
+
 int nsdae_h5_scalar(nsdae_h5 *h5, const char *path, hid_t type, const void *value,
                     const char *units, const char *description)
 {
-  if (type != H5T_C_S1) return write_scalar(h5, path, type, value, units, description);
-  hid_t text = text_type();
-  int status = write_scalar(h5, path, text, &value, units, description);
-  H5Tclose(text);
-  return status;
+  const void *at = type == H5T_C_S1 ? (const void *)&value : value;
+  return write_typed(h5, path, type, H5Screate(H5S_SCALAR), at, units, description);
+}
+
+int nsdae_h5_vector(nsdae_h5 *h5, const char *path, hid_t type, hsize_t n, const void *values,
+                    const char *units, const char *description)
+{
+  return write_typed(h5, path, type, H5Screate_simple(1, &n, NULL), values, units, description);
 }
 
 int nsdae_h5_series(nsdae_h5 *h5, const char *path, hid_t type, const hsize_t *width, int rank,

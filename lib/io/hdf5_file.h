@@ -40,6 +40,10 @@ int nsdae_h5_set_int(nsdae_h5 *h5, hid_t object, const char *name, int value);
 int nsdae_h5_scalar(nsdae_h5 *h5, const char *path, hid_t type, const void *value,
                     const char *units, const char *description);
 
+/* A dataset of n values, in groups that are made as needed; text: type H5T_C_S1, values strings. */
+int nsdae_h5_vector(nsdae_h5 *h5, const char *path, hid_t type, hsize_t n, const void *values,
+                    const char *units, const char *description);
+
 /* A growing dataset: rows of width values (0: plain values), in chunks of chunk rows. */
 int nsdae_h5_series(nsdae_h5 *h5, const char *path, hid_t type, const hsize_t *width, int rank,
                     hsize_t chunk, hid_t *series);

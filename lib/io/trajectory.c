@@ -271,6 +271,40 @@ int nsdae_trajectory_create(nsdae_sim *sim, const char *path, const nsdae_trajec
   return NSDAE_OK;
 }
 
+static int put(nsdae_trajectory *t, const char *path, hid_t type, int n, const void *values,
+               const char *units, const char *description, nsdae_error *error)
+{
+  nsdae_error own;
+  int status;
+  nsdae_error_clear(error);
+  const char *bad = !t ? "trajectory" : !path ? "path" : n < 0 ? "n" : !values ? "values" : NULL;
+  if (bad || t->live || t->failed)
+    return nsdae_error_set(
+        error, NSDAE_E_ARGUMENT, "nsdae_trajectory_put", bad ? bad : "trajectory",
+        bad ? "%s is missing or negative" : "nothing can be added to a %s that is live or failed",
+        bad ? bad : "trajectory");
+  t->h5.error = error ? error : &own;
+  int failure = nsdae_reserve(t->path, t->reserved + SLACK_BYTES + 256L * n);
+  if (failure) return disk_full(t, failure);
+  NSDAE_H5_QUIETLY(status, nsdae_h5_vector(&t->h5, path, type, (hsize_t)n, values,
+                                           units ? units : "", description ? description : ""))
+  return status;
+}
+
+int nsdae_trajectory_put(nsdae_trajectory *trajectory, const char *path, int n,
+                         const double *values, const char *units, const char *description,
+                         nsdae_error *error)
+{
+  return put(trajectory, path, H5T_NATIVE_DOUBLE, n, values, units, description, error);
+}
+
+int nsdae_trajectory_put_texts(nsdae_trajectory *trajectory, const char *path, int n,
+                               const char *const *texts, const char *description,
+                               nsdae_error *error)
+{
+  return put(trajectory, path, H5T_C_S1, n, texts, "", description, error);
+}
+
 static int set_final_status(nsdae_trajectory *t, int run_status)
 {
   return nsdae_h5_set_text(&t->h5, t->h5.file, "status", run_status >= 0 ? "complete" : "failed");

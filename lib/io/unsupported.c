@@ -22,3 +22,34 @@ int nsdae_trajectory_close(nsdae_trajectory **trajectory, int run_status, nsdae_
   nsdae_error_clear(error);
   return NSDAE_OK;
 }
+
+static int unsupported(const char *where, nsdae_error *error)
+{
+  return nsdae_error_set(error, NSDAE_E_UNSUPPORTED, where, "",
+                         "this library was built without HDF5 (NSDAE_HDF5=OFF)");
+}
+
+int nsdae_trajectory_put(nsdae_trajectory *trajectory, const char *path, int n,
+                         const double *values, const char *units, const char *description,
+                         nsdae_error *error)
+{
+  (void)trajectory;
+  (void)path;
+  (void)n;
+  (void)values;
+  (void)units;
+  (void)description;
+  return unsupported("nsdae_trajectory_put", error);
+}
+
+int nsdae_trajectory_put_texts(nsdae_trajectory *trajectory, const char *path, int n,
+                               const char *const *texts, const char *description,
+                               nsdae_error *error)
+{
+  (void)trajectory;
+  (void)path;
+  (void)n;
+  (void)texts;
+  (void)description;
+  return unsupported("nsdae_trajectory_put_texts", error);
+}

@@ -108,8 +108,9 @@ static int bad_coefficient(nsdae_system *system, const char *name, double value,
 static int bad_index(nsdae_system *system, const char *name, int index, int count)
 {
   return nsdae_error_set(&system->error, NSDAE_E_ARGUMENT, "nsdae_system_set", name,
-                         "%s = %d is outside its range: it must be 0 .. %d", name, index,
-                         count - 1);
+                         count > 0 ? "%s = %d is outside its range: it must be 0 .. %d"
+                                   : "%s = %d: the system has none of these",
+                         name, index, count - 1);
 }
 
 int nsdae_system_set_contact(nsdae_system *system, int i, double mu, double e_n, double e_t)

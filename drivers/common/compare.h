@@ -1,0 +1,27 @@
+/* Every method side by side against what is known of the model. */
+#ifndef NSDAE_DRIVER_COMPARE_H
+#define NSDAE_DRIVER_COMPARE_H
+
+#include "settings.h"
+
+enum { COMPARE_IMPACTS = 64, COMPARE_METHODS = 16 };
+
+/* What one run left. */
+typedef struct comparison_run {
+  int status;
+  char text[256]; /* why it failed */
+  nsdae_stats stats;
+  int impacts;
+  nsdae_impact impact[COMPARE_IMPACTS];
+  /* against the reference; NaN where there is none */
+  double first_impulse, impulse_error, time_error, state_error;
+} comparison_run;
+
+/* Runs the model as it is set up now with the settings' options but this method. */
+void compare_one(const settings *s, int method, comparison_run *run);
+
+/* Prints the table of all methods and puts it into the trajectory (which may be NULL) as the group
+ * /compare; then what the model has to add. */
+int compare_all(const settings *s, nsdae_trajectory *trajectory, nsdae_error *error);
+
+#endif

@@ -1,0 +1,307 @@
+/* The terms at one point: each evaluated once, what depends on v again after a new v, failures by
+ * name. */
+#include "terms.h"
+#include "check.h"
+
+#include "planar_counted.h"
+
+typedef struct fixture {
+  counted user;
+  nsdae_system *system;
+  nsdae_differences differences;
+  nsdae_terms terms;
+  nsdae_error error;
+  nsdae_evals evals;
+  nsdae_arena arena;
+} fixture;
+
+static void layout(void *object, nsdae_arena *arena)
+{
+  fixture *f = object;
+  nsdae_differences_layout(&f->differences, arena);
+  nsdae_terms_layout(&f->terms, arena);
+}
+
+static double t0, q0[PLANAR_NQ], v0[PLANAR_NV];
+
+static void begin(fixture *f, int derivatives)
+{
+  memset(f, 0, sizeof *f);
+  f->user.fail = -1;
+  f->system = counted_system(&f->user, derivatives);
+  f->differences.system = f->system;
+  f->terms.system = f->system;
+  f->terms.differences = &f->differences;
+  f->terms.error = &f->error;
+  f->terms.evals = &f->evals;
+  assert_int_equal(nsdae_arena_build(&f->arena, layout, f), NSDAE_OK);
+  planar_point(4, &t0, q0, v0);
+  nsdae_terms_at(&f->terms, t0, q0, v0);
+}
+
+static void end(fixture *f)
+{
+  nsdae_arena_release(&f->arena);
+  nsdae_system_destroy(&f->system);
+}
+
+enum { ALL = 4095 };
+
+static void test_once_per_point(void **state)
+{
+  (void)state;
+  fixture f;
+  begin(&f, 1);
+  for (int i = 0; i < 3; i++) assert_int_equal(nsdae_terms_need(&f.terms, ALL), NSDAE_OK);
+  for (int c = 0; c < COUNTED; c++)
+    assert_int_equal(f.user.calls[c], c == COUNTED_KINEMATICS ? 0 : 1);
+  assert_int_equal(f.evals.mass, 1);
+  assert_int_equal(f.evals.force, 1);
+  assert_int_equal(f.evals.jacobian, 1);
+  nsdae_terms_at(&f.terms, t0, q0, v0); /* the same numbers, but a new point */
+  assert_int_equal(nsdae_terms_need(&f.terms, ALL), NSDAE_OK);
+  for (int c = 0; c < COUNTED; c++)
+    assert_int_equal(f.user.calls[c], c == COUNTED_KINEMATICS ? 0 : 2);
+  end(&f);
+}
+
+/* Only what is asked for; constraint_bias serves phi_t and omega in one call. */
+static void test_only_what_is_needed(void **state)
+{
+  (void)state;
+  const struct {
+    unsigned which;
+    int callback;
+  } of[] = {{NSDAE_TERM_MASS, COUNTED_MASS},
+            {NSDAE_TERM_FORCE, COUNTED_FORCE},
+            {NSDAE_TERM_PHI, COUNTED_CONSTRAINT},
+            {NSDAE_TERM_JACOBIAN, COUNTED_JACOBIAN},
+            {NSDAE_TERM_PHI_T | NSDAE_TERM_OMEGA, COUNTED_BIAS},
+            {NSDAE_TERM_GAP, COUNTED_GAP},
+            {NSDAE_TERM_NORMAL, COUNTED_NORMAL},
+            {NSDAE_TERM_TANGENT, COUNTED_TANGENT},
+            {NSDAE_TERM_BIAS, COUNTED_CONTACT_BIAS},
+            {NSDAE_TERM_POTENTIAL, COUNTED_POTENTIAL},
+            {NSDAE_TERM_SLIDE, COUNTED_SLIDE}};
+  for (size_t i = 0; i < sizeof of / sizeof *of; i++) {
+    fixture f;
+    begin(&f, 1);
+    assert_int_equal(nsdae_terms_need(&f.terms, of[i].which), NSDAE_OK);
+    for (int c = 0; c < COUNTED; c++) assert_int_equal(f.user.calls[c], c == of[i].callback);
+    assert_true((f.terms.have & of[i].which) == of[i].which);
+    end(&f);
+  }
+}
+
+static void test_values(void **state)
+{
+  (void)state;
+  fixture f;
+  double M[9] = {0}, F[3] = {0}, phi[2], J[6] = {0}, phi_t[2], omega[2], gap[2], W[6] = {0};
+  double T[6] = {0}, w_n[2] = {0}, w_t[2] = {0};
+  begin(&f, 1);
+  assert_int_equal(nsdae_terms_need(&f.terms, ALL), NSDAE_OK);
+  planar_mass(t0, q0, M, 3, NULL);
+  planar_force(t0, q0, v0, F, NULL);
+  planar_constraint(t0, q0, phi, NULL);
+  planar_jacobian(t0, q0, J, 2, NULL);
+  planar_bias(t0, q0, v0, phi_t, omega, NULL);
+  planar_gap(t0, q0, gap, NULL);
+  planar_normal(t0, q0, W, 3, NULL);
+  planar_tangent(t0, q0, T, 3, NULL);
+  planar_contact_bias(t0, q0, w_n, w_t, NULL);
+  assert_memory_equal(f.terms.M, M, sizeof M);
+  assert_memory_equal(f.terms.F, F, sizeof F);
+  assert_memory_equal(f.terms.phi, phi, sizeof phi);
+  assert_memory_equal(f.terms.J, J, sizeof J);
+  assert_memory_equal(f.terms.phi_t, phi_t, sizeof phi_t);
+  assert_memory_equal(f.terms.omega, omega, sizeof omega);
+  assert_memory_equal(f.terms.gap, gap, sizeof gap);
+  assert_memory_equal(f.terms.W_N, W, sizeof W);
+  assert_memory_equal(f.terms.W_T, T, sizeof T);
+  assert_memory_equal(f.terms.w_N, w_n, sizeof w_n);
+  assert_memory_equal(f.terms.w_T, w_t, sizeof w_t);
+  assert_true(f.terms.potential == 9.81 * q0[1]);
+  assert_near(nsdae_terms_drift(&f.terms), fmax(fabs(phi[0]), fabs(phi[1])), 0);
+  assert_near(nsdae_terms_penetration(&f.terms), fmax(0, -fmin(gap[0], gap[1])), 0);
+  end(&f);
+}
+
+/* What the callbacks leave out is zero, also where the point before had something else. */
+static void test_zeroed(void **state)
+{
+  (void)state;
+  fixture f;
+  begin(&f, 1);
+  assert_int_equal(nsdae_terms_need(&f.terms, ALL), NSDAE_OK);
+  double *arrays[] = {f.terms.M, f.terms.F, f.terms.W_T, f.terms.w_T, f.terms.W_S};
+  const size_t counts[] = {9, 3, 6, 2, 3};
+  double before[5][9];
+  for (int i = 0; i < 5; i++) {
+    memcpy(before[i], arrays[i], counts[i] * sizeof(double));
+    for (size_t j = 0; j < counts[i]; j++) arrays[i][j] = 77;
+  }
+  nsdae_terms_at(&f.terms, t0, q0, v0);
+  assert_int_equal(nsdae_terms_need(&f.terms, ALL), NSDAE_OK);
+  for (int i = 0; i < 5; i++)
+    assert_memory_equal(arrays[i], before[i], counts[i] * sizeof(double));
+  end(&f);
+}
+
+static void test_new_velocity(void **state)
+{
+  (void)state;
+  fixture f;
+  double v[PLANAR_NV] = {1, 2, 3}, phi_t[2], omega[2];
+  begin(&f, 1);
+  assert_int_equal(nsdae_terms_need(&f.terms, ALL), NSDAE_OK);
+  nsdae_terms_set_velocity(&f.terms, v);
+  assert_int_equal(nsdae_terms_need(&f.terms, ALL), NSDAE_OK);
+  for (int c = 0; c < COUNTED; c++) {
+    int again = c == COUNTED_FORCE || c == COUNTED_BIAS; /* omega comes with phi_t */
+    assert_int_equal(f.user.calls[c], c == COUNTED_KINEMATICS ? 0 : 1 + again);
+  }
+  planar_bias(t0, q0, v, phi_t, omega, NULL);
+  assert_memory_equal(f.terms.omega, omega, sizeof omega);
+  assert_memory_equal(f.terms.v, v, sizeof v);
+  end(&f);
+}
+
+/* The same where the derivatives are filled by differences: phi_t does not depend on v. */
+static void test_new_velocity_by_differences(void **state)
+{
+  (void)state;
+  fixture f;
+  double v[PLANAR_NV] = {1, 2, 3}, phi_t[2], omega[2];
+  begin(&f, 0);
+  assert_int_equal(nsdae_terms_need(&f.terms, ALL), NSDAE_OK);
+  int calls = f.user.calls[COUNTED_CONSTRAINT];
+  nsdae_terms_set_velocity(&f.terms, v);
+  assert_int_equal(nsdae_terms_need(&f.terms, ALL), NSDAE_OK);
+  assert_int_equal(f.user.calls[COUNTED_CONSTRAINT], calls + 4); /* a difference of differences */
+  planar_bias(t0, q0, v, phi_t, omega, NULL);
+  /* the fourth derivatives times s^2, as in the test of the differences */
+  for (int i = 0; i < 2; i++) assert_near(f.terms.omega[i], omega[i], 1e-6 * (1 + fabs(omega[i])));
+  end(&f);
+}
+
+static void expect_failure(fixture *f, int status, int callback)
+{
+  assert_int_equal(nsdae_terms_need(&f->terms, ALL), status);
+  assert_int_equal(f->error.status, status);
+  assert_string_equal(f->error.argument, counted_names[callback]);
+  assert_non_null(strstr(f->error.text, counted_names[callback]));
+  assert_true(f->error.time == t0);
+}
+
+static void test_codes(void **state)
+{
+  (void)state;
+  const int codes[] = {-1, 1, -77, 12345};
+  for (int derivatives = 0; derivatives < 2; derivatives++)
+    for (int c = 0; c < COUNTED; c++)
+      for (int i = 0; i < 4; i++) {
+        fixture f;
+        begin(&f, derivatives);
+        if (!counted_is_used(c, derivatives)) {
+          end(&f);
+          continue;
+        }
+        f.user.fail = c;
+        f.user.code = codes[i];
+        expect_failure(&f, NSDAE_E_CALLBACK, c);
+        assert_int_equal(f.error.code, codes[i]);
+        assert_non_null(strstr(f.error.text, codes[i] > 0 ? "recoverable" : "fatal"));
+        f.user.fail = -1; /* the term that failed is not there: it is asked for again */
+        assert_int_equal(nsdae_terms_need(&f.terms, ALL), NSDAE_OK);
+        end(&f);
+      }
+}
+
+static void test_not_finite(void **state)
+{
+  (void)state;
+  const double values[] = {NAN, INFINITY, -INFINITY};
+  for (int c = 0; c < COUNTED; c++)
+    for (int entry = 0; entry < counted_entries[c]; entry++)
+      for (int i = 0; i < 3; i++) {
+        fixture f;
+        begin(&f, 1);
+        if (!counted_is_used(c, 1)) {
+          end(&f);
+          continue;
+        }
+        f.user.fail = c;
+        f.user.entry = entry;
+        f.user.value = values[i];
+        expect_failure(&f, NSDAE_E_NONFINITE, c);
+        assert_int_equal(f.error.index, entry);
+        char where[32];
+        snprintf(where, sizeof where, "entry (%d, %d)", entry % counted_rows[c],
+                 entry / counted_rows[c]);
+        assert_non_null(strstr(f.error.text, where));
+        f.user.fail = -1;
+        assert_int_equal(nsdae_terms_need(&f.terms, ALL), NSDAE_OK);
+        end(&f);
+      }
+}
+
+/* The second outputs of the callbacks that have two. */
+static void test_not_finite_second_output(void **state)
+{
+  (void)state;
+  const int callbacks[] = {COUNTED_BIAS, COUNTED_CONTACT_BIAS, COUNTED_SLIDE};
+  const int entries[] = {2, 2, 1};
+  for (int c = 0; c < 3; c++)
+    for (int entry = 0; entry < entries[c]; entry++) {
+      fixture f;
+      begin(&f, 1);
+      f.user.fail = callbacks[c];
+      f.user.second = 1;
+      f.user.entry = entry;
+      f.user.value = NAN;
+      expect_failure(&f, NSDAE_E_NONFINITE, callbacks[c]);
+      assert_int_equal(f.error.index, entry);
+      end(&f);
+    }
+}
+
+static void test_terms_that_are_not(void **state)
+{
+  (void)state;
+  fixture f;
+  const nsdae_dims dims = {.nq = PLANAR_NQ, .nv = PLANAR_NV};
+  memset(&f, 0, sizeof f);
+  f.user.fail = -1;
+  assert_int_equal(nsdae_system_create(&dims, &f.system, NULL), NSDAE_OK);
+  nsdae_system_set_mass(f.system, planar_mass);
+  nsdae_system_set_force(f.system, planar_force);
+  f.differences.system = f.terms.system = f.system;
+  f.terms.differences = &f.differences;
+  f.terms.error = &f.error;
+  f.terms.evals = &f.evals;
+  assert_int_equal(nsdae_arena_build(&f.arena, layout, &f), NSDAE_OK);
+  planar_point(4, &t0, q0, v0);
+  nsdae_terms_at(&f.terms, t0, q0, v0);
+  assert_int_equal(nsdae_terms_need(&f.terms, ALL), NSDAE_OK);
+  assert_true(f.terms.potential == 0);
+  assert_true(nsdae_terms_drift(&f.terms) == 0 && nsdae_terms_penetration(&f.terms) == 0);
+  end(&f);
+}
+
+int main(void)
+{
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_once_per_point),
+      cmocka_unit_test(test_only_what_is_needed),
+      cmocka_unit_test(test_values),
+      cmocka_unit_test(test_zeroed),
+      cmocka_unit_test(test_new_velocity),
+      cmocka_unit_test(test_new_velocity_by_differences),
+      cmocka_unit_test(test_codes),
+      cmocka_unit_test(test_not_finite),
+      cmocka_unit_test(test_not_finite_second_output),
+      cmocka_unit_test(test_terms_that_are_not),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
