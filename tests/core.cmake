@@ -14,6 +14,9 @@ endforeach()
 
 nsdae_unit_test(terms terms)
 
-foreach(name law contacts)
+foreach(name law contacts random slides)
   nsdae_unit_test(contact ${name})
 endforeach()
+
+nsdae_test(anomaly arguments LINKS test_support)
+nsdae_test(anomaly kinematics)

@@ -14,7 +14,7 @@ typedef struct comparison_run {
   int impacts;
   nsdae_impact impact[COMPARE_IMPACTS];
   /* against the reference; NaN where there is none */
-  double first_impulse, impulse_error, time_error, state_error;
+  double first_impulse, first_error, impulse_error, time_error, state_error;
 } comparison_run;
 
 /* Runs the model as it is set up now with the settings' options but this method. */

@@ -15,11 +15,12 @@ extern "C" {
 /* Natural residual of a point x of the complementarity problem y = A x + b, x >= 0, y >= 0,
  * x'y = 0, scaled by the data:
  *
- *   residual = max_i |min(x_i / sx, y_i / sy_i)|,  sy_i = |b_i| + sum_j |a_ij x_j|,  sx = max_j
- * |x_j|
+ *   residual = max_i |min(x_i / sx, y_i / sy_i)|,   sx = max_j |x_j|,
+ *   sy_i = |b_i| + sx sum_j |a_ij|
  *
- * sy_i is what rounding y_i once is relative to, so that a residual of n eps is that of an exact
- * solution of data changed by rounding. It does not change when rows of (A, b) are scaled.
+ * sy_i is what the rounding of y_i is relative to, so that a residual of n eps is that of an exact
+ * solution of data changed by rounding. It does not change when rows of (A, b) are scaled; when
+ * columns are, it does, so equilibrate first (nsdae_lcp_solve does).
  *
  *   n         >= 0
  *   a [lda,n] A, lda >= max(1, n)

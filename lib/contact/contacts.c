@@ -1,6 +1,8 @@
 #include "contacts.h"
 
+#include <float.h>
 #include <limits.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -52,6 +54,7 @@ void nsdae_contacts_layout(nsdae_contacts *c, nsdae_arena *arena)
   c->basis = NSDAE_ARENA_INTS(arena, rows);
   c->memory = NSDAE_ARENA_INTS(arena, k * c->rows_max);
   c->impulse = NSDAE_ARENA_DOUBLES(arena, columns);
+  c->impulse_size = NSDAE_ARENA_DOUBLES(arena, columns);
   c->offset = NSDAE_ARENA_DOUBLES(arena, columns);
   c->work = NSDAE_ARENA_DOUBLES(arena, c->lwork);
   c->iwork = NSDAE_ARENA_INTS(arena, c->liwork);
@@ -180,12 +183,30 @@ static void gather_columns(nsdae_contacts *c, const nsdae_terms *terms)
     memcpy(slides + (size_t)j * n, terms->W_S + (size_t)c->slide[j] * n, n * sizeof *slides);
 }
 
-static void delassus(nsdae_contacts *c, const nsdae_kkt *kkt)
+/* Where the constraints leave a column no motion, W_j = Phi_q^T D_j, its U_j = P W_j is rounding
+ * and must not be taken for a mass of 1e17. */
+static void clear_jammed(nsdae_contacts *c, const nsdae_terms *terms, int n, int m)
+{
+  for (int j = 0; j < c->columns; j++) {
+    const double *W = c->W + (size_t)j * (size_t)n, *D = c->D + (size_t)j * (size_t)m;
+    double largest = 0, left = 0;
+    for (int i = 0; i < n; i++) {
+      double rest = W[i] - nsdae_dot(m, terms->J + (size_t)i * (size_t)m, D);
+      largest = fmax(largest, fabs(W[i]));
+      left = fmax(left, fabs(rest));
+    }
+    if (left <= 64 * DBL_EPSILON * largest)
+      memset(c->U + (size_t)j * (size_t)n, 0, (size_t)n * sizeof *c->U);
+  }
+}
+
+static void delassus(nsdae_contacts *c, const nsdae_terms *terms, const nsdae_kkt *kkt)
 {
   int n = kkt->n, m = kkt->m;
   memcpy(c->U, c->W, (size_t)n * (size_t)c->columns * sizeof *c->U);
   memset(c->D, 0, (size_t)m * (size_t)c->columns * sizeof *c->D);
   nsdae_kkt_solve(kkt, c->columns, c->U, n, c->D, m);
+  if (m > 0) clear_jammed(c, terms, n, m);
   nsdae_la_multiply_transposed(n, c->columns, c->columns, c->W, n, c->U, n, 0, c->G, c->columns);
 }
 
@@ -287,6 +308,18 @@ static int solve_lcp(nsdae_contacts *c, double t)
   return unsolved(c, t, status);
 }
 
+/* A polygon's gamma is the slip speed; one of rounding size is none. */
+static int mode_of(const nsdae_contacts *c, int a)
+{
+  const nsdae_law *law = &c->law[c->active[a]];
+  const double *x = c->x + c->first_row[a], *offset = c->offset + c->first_column[a];
+  int mode = nsdae_law_mode(law, x, c->basis + c->first_row[a]);
+  double speed = 0;
+  if (law->kind != NSDAE_POLYGON || mode != NSDAE_SLIDE) return mode;
+  for (int l = 0; l < law->columns; l++) speed = fmax(speed, fabs(offset[l]));
+  return x[law->rows - 1] > c->lcp_options.tol * speed ? NSDAE_SLIDE : NSDAE_STICK;
+}
+
 /* Lambda = E_Q x, and what the contact does. */
 static void scatter(nsdae_contacts *c)
 {
@@ -296,20 +329,46 @@ static void scatter(nsdae_contacts *c)
     const nsdae_law *law = &c->law[i];
     const double *x = c->x + c->first_row[a];
     double *impulse = c->impulse + c->first_column[a];
-    for (int l = 0; l < law->columns; l++) impulse[l] = nsdae_dot(law->rows, law->E_Q[l], x);
+    double size = 0; /* of the contact as a whole: so good is the solution of the LCP */
+    for (int l = 0; l < law->columns; l++) {
+      double terms = 0;
+      impulse[l] = 0;
+      for (int r = 0; r < law->rows; r++) {
+        impulse[l] += law->E_Q[l][r] * x[r];
+        terms += fabs(law->E_Q[l][r] * x[r]);
+      }
+      size = fmax(size, terms);
+    }
+    for (int l = 0; l < law->columns; l++) c->impulse_size[c->first_column[a] + l] = size;
     c->normal[i] = impulse[0];
     for (int l = 1; l < law->columns; l++) c->tangential[i * nt + l - 1] = impulse[l];
-    c->mode[i] = nsdae_law_mode(law, x, c->basis + c->first_row[a]);
+    c->mode[i] = mode_of(c, a);
   }
   nsdae_slides_scatter(c);
 }
 
+/* v += U Lambda. What cancels to rounding is zero: a body that sticks has no velocity at all, and
+ * does not creep. */
+static void add_velocity(const nsdae_contacts *c, int n, const double *size, double *v)
+{
+  const double rounding = 32 * DBL_EPSILON;
+  for (int i = 0; i < n; i++) {
+    double sum = v[i], most = fabs(size[i]) + fabs(v[i]);
+    for (int j = 0; j < c->columns; j++) {
+      double U = c->U[(size_t)j * (size_t)n + (size_t)i];
+      sum += U * c->impulse[j];
+      most += fabs(U) * c->impulse_size[j];
+    }
+    v[i] = fabs(sum) <= rounding * most ? 0 : sum;
+  }
+}
+
 int nsdae_contacts_solve(nsdae_contacts *c, const nsdae_terms *terms, const nsdae_kkt *kkt,
-                         double *v, double *lambda)
+                         const double *size, double *v, double *lambda)
 {
   if (!nsdae_contacts_any(c)) return NSDAE_OK;
   gather_columns(c, terms);
-  delassus(c, kkt);
+  delassus(c, terms, kkt);
   offsets(c, terms, v);
   int status = NSDAE_OK;
   if (c->slide_count > 0)
@@ -320,7 +379,7 @@ int nsdae_contacts_solve(nsdae_contacts *c, const nsdae_terms *terms, const nsda
   status = solve_lcp(c, terms->t);
   if (status < 0) return status;
   scatter(c);
-  nsdae_add_product(kkt->n, c->columns, c->U, c->impulse, v);
+  add_velocity(c, kkt->n, size, v);
   nsdae_add_product(kkt->m, c->columns, c->D, c->impulse, lambda);
   velocities_after(c, terms, v);
   return NSDAE_OK;

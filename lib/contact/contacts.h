@@ -32,6 +32,7 @@ typedef struct nsdae_contacts {
   double *A, *b, *x, *y;         /* rows x rows, rows */
   int *basis, *memory;           /* rows; k x rows_max: the last basis of each contact */
   double *impulse;               /* columns: Lambda */
+  double *impulse_size;          /* columns: the sum of the absolute terms of Lambda */
   double *offset;                /* columns: W^T v_free + w(+) + e v(-) */
   double *work;
   int *iwork, lwork, liwork;
@@ -87,11 +88,12 @@ static inline int nsdae_contacts_any(const nsdae_contacts *contacts)
 }
 
 /* Solves for the closed contacts and the slides. On entry v [nv] and lambda [m] are free of
- * contacts, on return they hold v(+) and lambda; W and w are the terms', kkt is factored. NSDAE_OK;
- * NSDAE_E_LCP, NSDAE_E_INFEASIBLE, NSDAE_E_NONFINITE with the record filled and v, lambda
+ * contacts, on return they hold v(+) and lambda; W and w are the terms', kkt is factored; size [nv]
+ * is how large the terms of v were before they were summed, for what is zero but for rounding.
+ * NSDAE_OK; NSDAE_E_LCP, NSDAE_E_INFEASIBLE, NSDAE_E_NONFINITE with the record filled and v, lambda
  * unchanged. */
 int nsdae_contacts_solve(nsdae_contacts *contacts, const nsdae_terms *terms, const nsdae_kkt *kkt,
-                         double *v, double *lambda);
+                         const double *size, double *v, double *lambda);
 
 /* r [nv] += scale (W Lambda), with the terms' W and the last impulses of the closed contacts and
  * the slides; skip_impacts leaves out what acts along the end of a step with an impact: the

@@ -20,14 +20,20 @@ static nsdae_law planar(double mu)
   return law;
 }
 
+/* cos and sin of a turn leave 6e-17 where there is nothing: a direction of its own to friction. */
+static double clean(double value)
+{
+  return fabs(value) < 1e-15 ? 0 : value;
+}
+
 static nsdae_law polygon(double mu, int edges)
 {
   const double turn = 6.283185307179586477;
   nsdae_law law = {.kind = NSDAE_POLYGON, .columns = 3, .rows = edges + 2, .mu = mu};
   law.E_Q[0][0] = law.E_P[0][0] = 1;
   for (int j = 0; j < edges; j++) {
-    law.E_Q[1][1 + j] = law.E_P[1][1 + j] = cos(turn * j / edges);
-    law.E_Q[2][1 + j] = law.E_P[2][1 + j] = sin(turn * j / edges);
+    law.E_Q[1][1 + j] = law.E_P[1][1 + j] = clean(cos(turn * j / edges));
+    law.E_Q[2][1 + j] = law.E_P[2][1 + j] = clean(sin(turn * j / edges));
   }
   return law;
 }

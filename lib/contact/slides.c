@@ -1,6 +1,8 @@
 #include "slides.h"
 
+#include <float.h>
 #include <lapacke.h>
+#include <math.h>
 #include <nsdae/sim.h>
 #include <string.h>
 
@@ -65,7 +67,11 @@ static void constraint_rows(nsdae_contacts *c, const double *lambda)
 static int eliminate(nsdae_contacts *c)
 {
   int f = c->slide_count;
+  double largest = 0;
+  for (int i = 0; i < f * f; i++) largest = fmax(largest, fabs(c->Q[i]));
   if (LAPACKE_dgetrf_work(LAPACK_COL_MAJOR, f, f, c->Q, f, c->pivot) != 0) return NSDAE_E_LCP;
+  for (int i = 0; i < f; i++)
+    if (!(fabs(AT(c->Q, f, i, i)) > f * 8 * DBL_EPSILON * fmax(largest, 1))) return NSDAE_E_LCP;
   LAPACKE_dgetrs_work(LAPACK_COL_MAJOR, 'N', f, c->rows, c->Q, f, c->pivot, c->K, f);
   LAPACKE_dgetrs_work(LAPACK_COL_MAJOR, 'N', f, 1, c->Q, f, c->pivot, c->k0, f);
   return NSDAE_OK;
@@ -138,8 +144,13 @@ void nsdae_slides_scatter(nsdae_contacts *c)
 {
   for (int i = 0; i < c->slide_count; i++) {
     int row = row_of(c, i, 0), column = column_of(c, i);
-    double sum = c->z0[column];
-    for (int j = 0; j < c->rows; j++) sum += AT(c->Z, c->columns, column, j) * c->x[j];
+    double sum = c->z0[column], size = fabs(c->z0[column]);
+    for (int j = 0; j < c->rows; j++) {
+      double term = AT(c->Z, c->columns, column, j) * c->x[j];
+      sum += term;
+      size += fabs(term);
+    }
+    c->impulse_size[column] = size;
     int sticking = c->basis[row + LAMBDA_R] && !c->basis[row + XI_L];
     c->impulse[column] = sum;
     c->slide_impulse[c->slide[i]] = sum;

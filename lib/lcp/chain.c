@@ -130,11 +130,21 @@ static int solve_basis(chain *c, const int *basis, double *x)
   return 0;
 }
 
+/* Residual of c->x, in scaled rows and columns; c->y := A x + b. */
+static double residual_of(chain *c)
+{
+  double residual;
+  size_t n = (size_t)c->n;
+  for (size_t i = 0; i < n; i++) c->rhs[i] = c->x[i] / c->column[i];
+  nsdae_dlcpres(c->n, c->A, c->n, c->b, c->rhs, c->y, &residual);
+  for (size_t i = 0; i < n; i++) c->y[i] /= c->row[i];
+  return residual;
+}
+
 /* Judges the point c->x; keeps the best one. Returns whether it solves the problem. */
 static int judge(chain *c, int stage)
 {
-  double residual;
-  nsdae_dlcpres(c->n, c->problem->A, c->problem->lda, c->problem->b, c->x, c->y, &residual);
+  double residual = residual_of(c);
   if (!(residual < c->info->residual)) return 0;
   c->info->residual = residual;
   memcpy(c->best, c->x, (size_t)c->n * sizeof *c->best);
@@ -147,7 +157,7 @@ static int judge(chain *c, int stage)
 static int judge_basis(chain *c, const int *basis, int stage)
 {
   if (solve_basis(c, basis, c->x) != 0 || !judge(c, stage)) return 0;
-  if (basis != c->basis) memcpy(c->basis, basis, (size_t)c->n * sizeof *basis);
+  for (int i = 0; i < c->n; i++) c->basis[i] = basis[i] && c->x[i] > 0;
   return 1;
 }
 
@@ -264,8 +274,7 @@ int nsdae_lcp_solve_in(const nsdae_lcp_problem *problem, const nsdae_lcp_options
   lay_out(&c, work, iwork);
   scale(&c);
   int status = run_chain(&c);
-  memcpy(x, c.best, (size_t)c.n * sizeof *x);
-  double residual;
-  nsdae_dlcpres(c.n, problem->A, problem->lda, problem->b, x, y, &residual);
+  if (c.info->residual < INFINITY) memcpy(x, c.best, (size_t)c.n * sizeof *x);
+  residual_of(&c);
   return status;
 }

@@ -2,15 +2,15 @@
 #include <nsdae/kernels.h>
 #include <stddef.h>
 
-/* y = A x + b and sy_i = |b_i| + sum_j |a_ij x_j|, row by row. */
+/* Row of y = A x + b, and of sum_j |a_ij|. */
 static double row(int n, const double *a, int lda, double b, const double *x, double *size)
 {
   double sum = b;
-  *size = fabs(b);
+  *size = 0;
   for (int j = 0; j < n; j++) {
-    double term = a[(size_t)j * (size_t)lda] * x[j];
-    sum += term;
-    *size += fabs(term);
+    double entry = a[(size_t)j * (size_t)lda];
+    sum += entry * x[j];
+    *size += fabs(entry);
   }
   return sum;
 }
@@ -30,6 +30,7 @@ int nsdae_dlcpres(int n, const double *a, int lda, const double *b, const double
   for (int i = 0; i < n; i++) {
     double size, relative_x = largest > 0 ? x[i] / largest : 0;
     y[i] = row(n, a + i, lda, b[i], x, &size);
+    size = fabs(b[i]) + largest * size;
     double relative_y = size > 0 ? y[i] / size : 0;
     double error = fabs(relative_x < relative_y ? relative_x : relative_y);
     if (isnan(relative_x + relative_y) || isinf(size)) error = NAN;

@@ -41,7 +41,7 @@ static const nsdae_param entries[] = {
      1e-8, 1e-14, 1e-2, 0, NULL},
     {"atol", "", "absolute tolerance of the integrator of penalty", NSDAE_PARAM_REAL, AT(atol),
      1e-10, 0, INFINITY, NSDAE_OPEN_MIN, NULL},
-    {"penalty_law", "", "normal force of penalty", NSDAE_PARAM_CHOICE, AT(penalty_law), 0, 0, 4, 0,
+    {"penalty_law", "", "normal force of penalty", NSDAE_PARAM_CHOICE, AT(penalty_law), 3, 0, 4, 0,
      laws},
     {"penalty_stiffness", "N/m^n", "stiffness K of penalty", NSDAE_PARAM_REAL,
      AT(penalty_stiffness), 1e8, 0, INFINITY, NSDAE_OPEN_MIN, NULL},

@@ -369,6 +369,22 @@ static int integrate(penalty *p, double *t)
   return NSDAE_OK;
 }
 
+/* A gap that closes or opens just where the step ends, to rounding of its time, is no root that the
+ * integrator reports. */
+static int switch_at_end(penalty *p, double t)
+{
+  const nsdae_terms *T = &p->stepper->middle;
+  int any = 0, status = evaluate(p, t);
+  for (int i = 0; i < p->stepper->system->dims.k && status == NSDAE_OK; i++) {
+    double reach = -p->v_n[i] * 1e-9 * p->stepper->options->dt;
+    int closes = !p->closed[i] && p->v_n[i] < 0 && T->gap[i] <= reach;
+    int opens = p->closed[i] && T->gap[i] > 0 && p->v_n[i] > 0;
+    p->found[i] = opens - closes;
+    any |= closes || opens;
+  }
+  return any && status == NSDAE_OK ? switch_contacts(p, t) : status;
+}
+
 static int mode_of(const penalty *p, int i, int nt)
 {
   double speed = 0;
@@ -384,7 +400,7 @@ static int read_results(penalty *p, double t)
   nsdae_contacts *c = &s->contacts;
   const nsdae_dims *d = &s->system->dims;
   double h = t - s->start.t;
-  int status = evaluate(p, t);
+  int status = switch_at_end(p, t);
   for (int i = 0; i < d->m; i++)
     s->multiplier[i] = (p->y[at_lambda(d) + i] - p->y0[at_lambda(d) + i]) / h;
   for (int i = 0; i < d->k; i++) {

@@ -5,6 +5,9 @@
  *   v~  = v_0 + dv at q_0,   q_1 = q_0 + h/2 (v_0 + v~),   v_1 = v_0 + dv with Phi_q, W at q_1
  *
  * One pass, of first order; v_1 does not satisfy Phi_q(q_1) v_1 + Phi_t = 0. */
+#include <float.h>
+#include <math.h>
+
 #include "stepper.h"
 #include "vector.h"
 
@@ -55,6 +58,10 @@ static void velocity_at_end(nsdae_stepper *s)
   nsdae_add_transposed(dims->m, dims->nv, -1, s->end.J, s->impulse, s->r);
   nsdae_contacts_add_impulse(&s->contacts, &s->end, 1, 0, s->r);
   nsdae_kkt_solve_mass(&s->kkt, s->r);
+  /* where the matrices did not change, v_1 is v~ and not its rounding: what rests, rests */
+  for (int i = 0; i < dims->nv; i++)
+    if (fabs(s->r[i] - s->v[i]) <= 64 * DBL_EPSILON * (fabs(s->size[i]) + fabs(s->v[i])))
+      s->r[i] = s->v[i];
   nsdae_terms_set_velocity(&s->end, s->r);
 }
 

@@ -68,6 +68,7 @@ void nsdae_stepper_layout(nsdae_stepper *s, nsdae_arena *arena)
   s->v = NSDAE_ARENA_DOUBLES(arena, n);
   s->r = NSDAE_ARENA_DOUBLES(arena, n);
   s->last = NSDAE_ARENA_DOUBLES(arena, n);
+  s->size = NSDAE_ARENA_DOUBLES(arena, n);
   s->qdot0 = NSDAE_ARENA_DOUBLES(arena, dims->nq);
   s->qdot1 = NSDAE_ARENA_DOUBLES(arena, dims->nq);
   s->impulse = NSDAE_ARENA_DOUBLES(arena, dims->m);
@@ -90,7 +91,9 @@ int nsdae_stepper_impact(nsdae_stepper *s, const nsdae_terms *terms, const doubl
   for (int i = 0; i < m; i++) s->impulse[i] = -terms->phi_t[i];
   nsdae_kkt_solve(&s->kkt, 1, v, n, s->impulse, m);
   if (!nsdae_contacts_any(&s->contacts)) return NSDAE_OK;
-  int status = nsdae_contacts_solve(&s->contacts, terms, &s->kkt, v, s->impulse);
+  memcpy(s->size, r, (size_t)n * sizeof *s->size);
+  nsdae_kkt_solve_mass(&s->kkt, s->size);
+  int status = nsdae_contacts_solve(&s->contacts, terms, &s->kkt, s->size, v, s->impulse);
   s->lcps++;
   s->lcp_pivots += s->contacts.info.pivots;
   return status;

@@ -38,6 +38,7 @@ struct nsdae_stepper {
   nsdae_newmark newmark;
   double *M;                /* nv x nv: a mean mass matrix */
   double *q, *v, *r, *last; /* nq, nv, nv, nv */
+  double *size;             /* nv: how large the terms of a velocity are */
   double *qdot0, *qdot1;    /* nq */
   double *impulse;          /* m: Lambda of the bilateral constraints over the step */
   double *multiplier;       /* m: its mean force */

@@ -44,6 +44,12 @@ static int failed(check *c, int code, const char *callback)
   return code != 0;
 }
 
+/* The same of differences of a callback. */
+static int difference_failed(check *c, int code, const char *callback)
+{
+  return failed(c, code, code && c->differences.failed ? c->differences.failed : callback);
+}
+
 /* Keeps the worst entry of given - differenced, [rows x columns]. */
 static void compare(check *c, const char *term, int rows, int columns)
 {
@@ -86,7 +92,7 @@ static void check_jacobian(check *c)
     return;
   int code = nsdae_differences_velocity(&c->differences, s->constraint, m, c->t, c->q,
                                         c->differenced, m, 0);
-  if (!failed(c, code, "constraint")) compare(c, "constraint_jacobian", m, n);
+  if (!difference_failed(c, code, "constraint")) compare(c, "constraint_jacobian", m, n);
 }
 
 static void check_bias(check *c)
@@ -101,11 +107,11 @@ static void check_bias(check *c)
              "constraint_bias"))
     return;
   int code = nsdae_differences_time(d, s->constraint, m, c->t, c->q, c->differenced);
-  if (failed(c, code, "constraint")) return;
+  if (difference_failed(c, code, "constraint")) return;
   compare(c, "constraint_bias phi_t", m, 1);
   memcpy(c->given, c->spare, (size_t)m * sizeof *c->given);
   code = nsdae_differences_second(d, s->constraint, m, c->t, c->q, c->v, c->differenced);
-  if (!failed(c, code, "constraint")) compare(c, "constraint_bias omega", m, 1);
+  if (!difference_failed(c, code, "constraint")) compare(c, "constraint_bias omega", m, 1);
 }
 
 static void check_normal(check *c)
@@ -117,7 +123,7 @@ static void check_normal(check *c)
   if (failed(c, s->gap_normal(c->t, c->q, c->given, n, s->user), "gap_normal")) return;
   int code =
       nsdae_differences_velocity(&c->differences, s->gap, k, c->t, c->q, c->differenced, n, 1);
-  if (!failed(c, code, "gap")) compare(c, "gap_normal", n, k);
+  if (!difference_failed(c, code, "gap")) compare(c, "gap_normal", n, k);
 }
 
 static void check_contact_bias(check *c)
@@ -129,7 +135,7 @@ static void check_contact_bias(check *c)
   double *w_t = s->dims.nt > 0 ? c->spare : NULL;
   if (failed(c, s->contact_bias(c->t, c->q, c->given, w_t, s->user), "contact_bias")) return;
   int code = nsdae_differences_time(&c->differences, s->gap, k, c->t, c->q, c->differenced);
-  if (!failed(c, code, "gap")) compare(c, "contact_bias w_n", k, 1);
+  if (!difference_failed(c, code, "gap")) compare(c, "contact_bias w_n", k, 1);
 }
 
 static int verdict(check *c, double tol)

@@ -28,11 +28,21 @@ int nsdae_kinematics(const nsdae_system *system, double t, const double *q, cons
   return 0;
 }
 
+/* A power of two, so that t + s and t - s are exact. Time has no natural zero, so its step does not
+ * grow with it but for rounding. */
 double nsdae_differences_step(int nq, double t, const double *q, const double *qdot, double scale)
 {
-  double fastest = 1 / (1 + fabs(t));
+  double fastest = 1 / fmax(1, 1e-4 * fabs(t));
   for (int i = 0; i < nq; i++) fastest = fmax(fastest, fabs(qdot[i]) / (1 + fabs(q[i])));
-  return scale / fastest;
+  return ldexp(1, ilogb(scale / fastest));
+}
+
+static int kinematics(nsdae_differences *d, double t, const double *q, const double *v,
+                      double *qdot)
+{
+  int code = nsdae_kinematics(d->system, t, q, v, qdot);
+  if (code) d->failed = "kinematics";
+  return code;
 }
 
 /* f(t + time s, q + s qdot) */
@@ -58,10 +68,11 @@ int nsdae_differences_velocity(nsdae_differences *d, nsdae_position_fn f, int ro
                                const double *q, double *D, int ldd, int transposed)
 {
   int nv = d->system->dims.nv, code = 0;
+  d->failed = NULL;
   for (int j = 0; j < nv && !code; j++) {
     memset(d->unit, 0, (size_t)nv * sizeof *d->unit);
     d->unit[j] = 1;
-    code = nsdae_kinematics(d->system, t, q, d->unit, d->qdot);
+    code = kinematics(d, t, q, d->unit, d->qdot);
     if (!code) code = rate(d, f, rows, t, q, cbrt(DBL_EPSILON), 0, d->rate_plus);
     for (int i = 0; i < rows; i++) {
       size_t at =
@@ -75,6 +86,7 @@ int nsdae_differences_velocity(nsdae_differences *d, nsdae_position_fn f, int ro
 int nsdae_differences_time(nsdae_differences *d, nsdae_position_fn f, int rows, double t,
                            const double *q, double *f_t)
 {
+  d->failed = NULL;
   memset(d->qdot, 0, (size_t)d->system->dims.nq * sizeof *d->qdot);
   return rate(d, f, rows, t, q, cbrt(DBL_EPSILON), 1, f_t);
 }
@@ -83,9 +95,9 @@ int nsdae_differences_time(nsdae_differences *d, nsdae_position_fn f, int rows, 
 static int rate_after(nsdae_differences *d, nsdae_position_fn f, int rows, double t,
                       const double *q, const double *v, double s, double *out)
 {
-  int code = nsdae_kinematics(d->system, t, q, v, d->qdot);
+  int code = kinematics(d, t, q, v, d->qdot);
   for (int i = 0; i < d->system->dims.nq; i++) d->centre[i] = q[i] + s * d->qdot[i];
-  if (!code) code = nsdae_kinematics(d->system, t + s, d->centre, v, d->qdot);
+  if (!code) code = kinematics(d, t + s, d->centre, v, d->qdot);
   if (!code) code = rate(d, f, rows, t + s, d->centre, sqrt(sqrt(DBL_EPSILON)), 1, out);
   return code;
 }
@@ -93,7 +105,8 @@ static int rate_after(nsdae_differences *d, nsdae_position_fn f, int rows, doubl
 int nsdae_differences_second(nsdae_differences *d, nsdae_position_fn f, int rows, double t,
                              const double *q, const double *v, double *omega)
 {
-  int code = nsdae_kinematics(d->system, t, q, v, d->qdot);
+  d->failed = NULL;
+  int code = kinematics(d, t, q, v, d->qdot);
   double s = nsdae_differences_step(d->system->dims.nq, t, q, d->qdot, sqrt(sqrt(DBL_EPSILON)));
   if (!code) code = rate_after(d, f, rows, t, q, v, s, d->rate_plus);
   if (!code) code = rate_after(d, f, rows, t, q, v, -s, d->rate_minus);

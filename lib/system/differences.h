@@ -16,6 +16,7 @@ typedef nsdae_constraint_fn nsdae_position_fn;
 
 typedef struct nsdae_differences {
   const nsdae_system *system;
+  const char *failed;   /* callback that failed where it was not f: "kinematics"; else NULL */
   double *q, *qdot;     /* nq: a displaced point, its rate */
   double *centre;       /* nq: a displaced centre, for differences of differences */
   double *unit;         /* nv */
@@ -42,7 +43,7 @@ int nsdae_differences_second(nsdae_differences *differences, nsdae_position_fn f
 int nsdae_kinematics(const nsdae_system *system, double t, const double *q, const double *v,
                      double *qdot);
 
-/* Step along dq/dt that moves each coordinate by at most scale of its size, and time likewise. */
+/* Step along dq/dt that moves each coordinate by at most scale of its size, and time by scale. */
 double nsdae_differences_step(int nq, double t, const double *q, const double *qdot, double scale);
 
 #endif

@@ -56,6 +56,14 @@ static int outcome(nsdae_terms *terms, int code, const char *callback, const dou
   return nsdae_system_finite(a, rows, columns, callback, terms->t, terms->error);
 }
 
+/* The same of differences of a callback. */
+static int difference_outcome(nsdae_terms *T, int code, const char *callback, const double *a,
+                              int rows, int columns)
+{
+  const char *failed = code ? T->differences->failed : NULL;
+  return outcome(T, code, failed ? failed : callback, a, rows, columns);
+}
+
 static int mass(nsdae_terms *T)
 {
   const nsdae_system *s = T->system;
@@ -86,12 +94,12 @@ static int jacobian(nsdae_terms *T)
   int m = s->dims.m, n = s->dims.nv, code;
   zero(T->J, (long)m * n);
   T->evals->jacobian++;
-  if (s->constraint_jacobian)
-    code = s->constraint_jacobian(T->t, T->q, T->J, m, s->user);
-  else
+  if (!s->constraint_jacobian) {
     code = nsdae_differences_velocity(T->differences, s->constraint, m, T->t, T->q, T->J, m, 0);
-  return outcome(T, code, s->constraint_jacobian ? "constraint_jacobian" : "constraint", T->J, m,
-                 n);
+    return difference_outcome(T, code, "constraint", T->J, m, n);
+  }
+  code = s->constraint_jacobian(T->t, T->q, T->J, m, s->user);
+  return outcome(T, code, "constraint_jacobian", T->J, m, n);
 }
 
 /* The callback gives phi_t and omega together. */
@@ -114,7 +122,7 @@ static int phi_t(nsdae_terms *T)
   int m = s->dims.m;
   if (s->constraint_bias) return given_bias(T);
   int code = nsdae_differences_time(T->differences, s->constraint, m, T->t, T->q, T->phi_t);
-  return outcome(T, code, "constraint", T->phi_t, m, 1);
+  return difference_outcome(T, code, "constraint", T->phi_t, m, 1);
 }
 
 static int omega(nsdae_terms *T)
@@ -123,7 +131,7 @@ static int omega(nsdae_terms *T)
   int m = s->dims.m;
   if (s->constraint_bias) return given_bias(T);
   int code = nsdae_differences_second(T->differences, s->constraint, m, T->t, T->q, T->v, T->omega);
-  return outcome(T, code, "constraint", T->omega, m, 1);
+  return difference_outcome(T, code, "constraint", T->omega, m, 1);
 }
 
 static int gap(nsdae_terms *T)
@@ -138,11 +146,12 @@ static int normal(nsdae_terms *T)
   const nsdae_system *s = T->system;
   int k = s->dims.k, n = s->dims.nv, code;
   zero(T->W_N, (long)n * k);
-  if (s->gap_normal)
-    code = s->gap_normal(T->t, T->q, T->W_N, n, s->user);
-  else
+  if (!s->gap_normal) {
     code = nsdae_differences_velocity(T->differences, s->gap, k, T->t, T->q, T->W_N, n, 1);
-  return outcome(T, code, s->gap_normal ? "gap_normal" : "gap", T->W_N, n, k);
+    return difference_outcome(T, code, "gap", T->W_N, n, k);
+  }
+  code = s->gap_normal(T->t, T->q, T->W_N, n, s->user);
+  return outcome(T, code, "gap_normal", T->W_N, n, k);
 }
 
 static int tangent(nsdae_terms *T)

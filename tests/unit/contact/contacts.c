@@ -283,6 +283,32 @@ static void test_redundant_contacts(void **state)
   fixture_end(&f);
 }
 
+/* A mechanism that is driven into a wall, J v = 1 with the wall's normal along -J: no impulse can
+ * stop it. W^T P W is zero but for rounding, which must not be taken for a mass of 1e17. */
+static void test_jammed(void **state)
+{
+  (void)state;
+  for (int i = 0; i < 50; i++) {
+    fixture f;
+    double J[3] = {cos(i), sin(i) * cos(3.0 * i), sin(i) * sin(3.0 * i)};
+    fixture_begin(&f, (nsdae_dims){.nq = 3, .m = 1, .k = 1});
+    f.M[0] = 2;
+    f.M[4] = 3;
+    f.M[1] = f.M[3] = 0.3;
+    memcpy(f.J, J, sizeof J);
+    for (int j = 0; j < 3; j++) f.W_N[j] = -1.7 * J[j];
+    fixture_build(&f, 8);
+    memcpy(f.before, J, sizeof J);
+    memcpy(f.free, J, sizeof J);
+    int status = fixture_solve(&f);
+    if (status >= 0)
+      fail_msg("case %d: status %d, impulse %g, residual %g", i, status, f.contacts.normal[0],
+               f.contacts.info.residual);
+    assert_true(status == NSDAE_E_INFEASIBLE || status == NSDAE_E_LCP);
+    fixture_end(&f);
+  }
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
@@ -296,6 +322,7 @@ int main(void)
       cmocka_unit_test(test_polygon_between),
       cmocka_unit_test(test_with_constraint),
       cmocka_unit_test(test_redundant_contacts),
+      cmocka_unit_test(test_jammed),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,243 @@
+/* The continuous contact force against closed forms and the published forces. */
+#include "check.h"
+
+#include <gsl/gsl_roots.h>
+
+#include "clearance_hinge.h"
+#include "compare.h"
+#include "crank_slider.h"
+#include "pendulum.h"
+
+enum { HERTZ, KELVIN_VOIGT, HUNT_CROSSLEY, LANKARANI_NIKRAVESH, FLORES };
+
+/* A ball of 1 kg that hits the floor with 1 m/s, without gravity. */
+static int mass(double t, const double *q, double *M, int ldm, void *user)
+{
+  (void)t;
+  (void)q;
+  (void)ldm;
+  (void)user;
+  M[0] = 1;
+  return 0;
+}
+
+static int force(double t, const double *q, const double *v, double *F, void *user)
+{
+  (void)t;
+  (void)q;
+  (void)v;
+  (void)F;
+  (void)user;
+  return 0;
+}
+
+static int gap(double t, const double *q, double *g, void *user)
+{
+  (void)t;
+  (void)user;
+  g[0] = q[0];
+  return 0;
+}
+
+static int gap_normal(double t, const double *q, double *W, int ldw, void *user)
+{
+  (void)t;
+  (void)q;
+  (void)ldw;
+  (void)user;
+  W[0] = 1;
+  return 0;
+}
+
+static int keep_first(const nsdae_record *r, nsdae_error *error, void *user)
+{
+  nsdae_impact *first = user;
+  (void)error;
+  if (r->impacts > 0 && first->normal_impulse == 0) *first = r->impact[0];
+  return 0;
+}
+
+static nsdae_impact hit(int law, double e, double K, double n, double *energy)
+{
+  const nsdae_dims dims = {.nq = 1, .k = 1};
+  const double q0 = 0.01, v0 = -1;
+  nsdae_impact first = {0};
+  nsdae_sim_options o;
+  nsdae_system *system;
+  nsdae_sim *sim;
+  nsdae_record record;
+  nsdae_sim_options_default(&o);
+  o.method = NSDAE_PENALTY;
+  o.dt = 0.001;
+  o.rtol = 1e-10;
+  o.atol = 1e-13;
+  o.penalty_law = law;
+  o.penalty_stiffness = K;
+  o.penalty_exponent = n;
+  assert_int_equal(nsdae_system_create(&dims, &system, NULL), NSDAE_OK);
+  nsdae_system_set_mass(system, mass);
+  nsdae_system_set_force(system, force);
+  nsdae_system_set_gap(system, gap);
+  nsdae_system_set_gap_normal(system, gap_normal);
+  nsdae_system_set_contact(system, 0, 0, e, 0);
+  assert_int_equal(nsdae_sim_create(system, &o, &sim, NULL), NSDAE_OK);
+  assert_int_equal(nsdae_sim_init(sim, 0, &q0, &v0), NSDAE_OK);
+  nsdae_sim_observe(sim, keep_first, &first);
+  assert_int_equal(nsdae_sim_run(sim, 0.2), NSDAE_OK);
+  nsdae_sim_get_record(sim, &record);
+  *energy = record.kinetic + record.dissipated;
+  nsdae_sim_destroy(&sim);
+  nsdae_system_destroy(&system);
+  return first;
+}
+
+/* m v dv = -K d^n (1 + c v / v0) dd, from v0 to -e' v0 at d = 0 again, separates to
+ * c - ln(1 + c) = -c e' - ln(1 - c e'):  e' depends on c alone. */
+static double separated(double e, void *c_of_law)
+{
+  double c = *(double *)c_of_law;
+  return c - log1p(c) + c * e + log1p(-c * e);
+}
+
+static double restitution_of(double c)
+{
+  gsl_function f = {separated, &c};
+  gsl_root_fsolver *solver = gsl_root_fsolver_alloc(gsl_root_fsolver_brent);
+  double high = c < 1 ? 1 : 1 / c;
+  gsl_root_fsolver_set(solver, &f, 1e-3, high * (1 - 1e-12));
+  for (int i = 0; i < 100; i++) gsl_root_fsolver_iterate(solver);
+  double e = gsl_root_fsolver_root(solver);
+  gsl_root_fsolver_free(solver);
+  return e;
+}
+
+static double damping_of(int law, double e)
+{
+  if (law == HUNT_CROSSLEY) return 1.5 * (1 - e);
+  if (law == LANKARANI_NIKRAVESH) return 0.75 * (1 - e * e);
+  return 1.6 * (1 - e) / e;
+}
+
+static void test_restitution(void **state)
+{
+  (void)state;
+  for (int law = HUNT_CROSSLEY; law <= FLORES; law++)
+    for (double e = 0.3; e < 0.95; e += 0.2) {
+      double energy, expected = restitution_of(damping_of(law, e));
+      nsdae_impact i = hit(law, e, 1e7, 1.5, &energy);
+      /* the integrator's rtol is 1e-10 a step; some hundred steps */
+      assert_near(i.velocity_after, expected, 1e-7);
+      assert_near(i.normal_impulse, 1 + expected, 1e-7);
+      assert_near(i.velocity_before, -1, 1e-9);
+      assert_near(energy, 0.5, 1e-7);
+      if (law == FLORES) assert_near(i.velocity_after, e, 0.05); /* what the law is made for */
+    }
+}
+
+/* Hertz, any exponent: K d^(n+1) / (n+1) = v^2 / 2, F = K d^n; the bounce loses nothing. */
+static void test_hertz_peak(void **state)
+{
+  (void)state;
+  for (double n = 1; n < 2.6; n += 0.5) {
+    double energy, K = 1e7, d = pow((n + 1) / (2 * K), 1 / (n + 1));
+    nsdae_impact i = hit(HERTZ, 0.5, K, n, &energy);
+    /* the peak is taken at the integrator's steps: 1e-4 of it between two of them */
+    assert_near(i.peak_force, K * pow(d, n), 1e-3 * K * pow(d, n));
+    assert_near(i.velocity_after, 1, 1e-7);
+    assert_near(energy, 0.5, 1e-7);
+  }
+}
+
+/* Kelvin-Voigt: a damped oscillator until its force would pull, then free. With w = sqrt(K),
+ * s = w sqrt(1 - z^2), the force vanishes at tan(s t) = -2 z sqrt(1 - z^2) / (1 - 2 z^2) and the
+ * velocity is then -exp(-z w t): what is left of the unit that came. */
+static void test_kelvin_voigt(void **state)
+{
+  (void)state;
+  for (double e = 0.4; e < 0.95; e += 0.25) {
+    double energy, K = 1e6, w = sqrt(K), l = log(e),
+                   z = -l / sqrt(pow(3.14159265358979324, 2) + l * l);
+    double root = sqrt(1 - z * z), angle = atan2(2 * z * root, 2 * z * z - 1);
+    nsdae_impact i = hit(KELVIN_VOIGT, e, K, 1, &energy);
+    assert_near(i.velocity_after, exp(-z * angle / root), 1e-6);
+    (void)w;
+  }
+}
+
+static double first_peak(double radius, double K, double rtol, double friction_velocity, int law)
+{
+  static comparison_run run;
+  settings s;
+  settings_default(&s, &clearance_hinge_model);
+  ((clearance_hinge *)clearance_hinge_model.base)->r = radius;
+  s.t_end = 0.07;
+  s.options.rtol = rtol;
+  s.options.penalty_law = law;
+  s.options.penalty_stiffness = K;
+  s.options.friction_velocity = friction_velocity;
+  compare_one(&s, NSDAE_PENALTY, &run);
+  assert_int_equal(run.status, NSDAE_OK);
+  assert_true(run.impacts > 0);
+  return run.impact[0].peak_force;
+}
+
+/* Table 4 of the source: one stiffness, fitted to the first row, gives rows 2, 3 and 5 within 4 %;
+ * row 4 is 22 % off, under every law that keeps the exponent. Neither the tolerance nor the
+ * regularisation changes that. */
+static void test_table4(void **state)
+{
+  (void)state;
+  const double radius[] = {0.016, 0.018, 0.020, 0.022, 0.024};
+  const double published[] = {6731.18, 5811.20, 4959.72, 3263.73, 2337.50};
+  const int laws[] = {HERTZ, HUNT_CROSSLEY, LANKARANI_NIKRAVESH, FLORES};
+  for (int j = 0; j < 4; j++) {
+    double K = 1e10;
+    for (int i = 0; i < 6; i++)
+      K *= pow(published[0] / first_peak(radius[0], K, 1e-8, 1e-3, laws[j]), 2.5);
+    for (int i = 0; i < 5; i++) {
+      double peak = first_peak(radius[i], K, 1e-8, 1e-3, laws[j]);
+      print_message("law %d, K %.3e: r %.3f peak %.2f (%+.1f %%)\n", laws[j], K, radius[i], peak,
+                    100 * (peak / published[i] - 1));
+      assert_near(peak / published[i] - 1, i == 3 ? 0.22 : 0, i == 3 ? 0.02 : 0.04);
+      assert_near(first_peak(radius[i], K, 0.5e-8, 1e-3, laws[j]) / peak, 1, 2e-3);
+      assert_near(first_peak(radius[i], K, 1e-8, 0.5e-3, laws[j]) / peak, 1, 2e-3);
+    }
+  }
+}
+
+/* Every example runs with it unchanged. */
+static void test_examples(void **state)
+{
+  (void)state;
+  const driver_model *models[] = {&pendulum_model, &clearance_hinge_model, &crank_slider_model};
+  for (int i = 0; i < 3; i++) {
+    static comparison_run run;
+    settings s;
+    settings_default(&s, models[i]);
+    compare_one(&s, NSDAE_PENALTY, &run);
+    assert_int_equal(run.status, NSDAE_OK);
+  }
+}
+
+static void test_flores_needs_restitution(void **state)
+{
+  (void)state;
+  static comparison_run run;
+  settings s;
+  settings_default(&s, &pendulum_model);
+  ((pendulum *)pendulum_model.base)->e_N = 0;
+  s.options.penalty_law = FLORES;
+  compare_one(&s, NSDAE_PENALTY, &run);
+  assert_int_equal(run.status, NSDAE_E_ARGUMENT);
+  assert_non_null(strstr(run.text, "e_n = 0"));
+}
+
+int main(void)
+{
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_restitution),  cmocka_unit_test(test_hertz_peak),
+      cmocka_unit_test(test_kelvin_voigt), cmocka_unit_test(test_table4),
+      cmocka_unit_test(test_examples),     cmocka_unit_test(test_flores_needs_restitution),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

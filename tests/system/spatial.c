@@ -1,0 +1,145 @@
+/* Spatial friction: the friction polygon against Coulomb's cone. */
+#include "check.h"
+
+#include "incline.h"
+#include "rolling_ball.h"
+
+enum { METHODS = 3 };
+
+static const double pi = 3.14159265358979324;
+
+/* Runs the model to t_end; every record goes to the observer. */
+static void integrate(const driver_model *model, int method, int edges, double dt, double t_end,
+                      nsdae_observer_fn observe, void *user)
+{
+  nsdae_system *system;
+  nsdae_sim *sim;
+  nsdae_sim_options options;
+  double q0[6] = {0}, v0[6] = {0};
+  nsdae_sim_options_default(&options);
+  options.method = method;
+  options.dt = dt;
+  options.polygon = edges;
+  assert_int_equal(model->build(model->base, &system, NULL), NSDAE_OK);
+  assert_int_equal(nsdae_sim_create(system, &options, &sim, NULL), NSDAE_OK);
+  model->start(model->base, q0, v0);
+  assert_int_equal(nsdae_sim_init(sim, 0, q0, v0), NSDAE_OK);
+  nsdae_sim_observe(sim, observe, user);
+  int status = nsdae_sim_run(sim, t_end);
+  if (status < 0) print_message("%s\n", nsdae_sim_error(sim)->text);
+  assert_int_equal(status, NSDAE_OK);
+  nsdae_sim_destroy(&sim);
+  nsdae_system_destroy(&system);
+}
+
+typedef struct last {
+  double t, q[6], v[6], fastest; /* fastest: of all records */
+  double worst_friction;         /* largest |Lambda_T| / Lambda_N */
+  double rolling;                /* time of the first record that sticks */
+  int modes[3];
+} last;
+
+static int keep(const nsdae_record *r, nsdae_error *error, void *user)
+{
+  last *l = user;
+  (void)error;
+  l->t = r->time;
+  for (int i = 0; i < 3; i++) {
+    l->q[i] = r->q[i];
+    l->v[i] = r->v[i];
+    l->fastest = fmax(l->fastest, fabs(r->v[i]));
+  }
+  if (r->step == 0) return 0;
+  l->modes[r->mode[0]]++;
+  if (r->mode[0] == NSDAE_STICK && l->rolling == 0) l->rolling = r->time;
+  if (r->normal_impulse[0] > 0)
+    l->worst_friction =
+        fmax(l->worst_friction,
+             hypot(r->tangential_impulse[0], r->tangential_impulse[1]) / r->normal_impulse[0]);
+  return 0;
+}
+
+/* Below the angle of friction of the polygon the block stays: velocity exactly zero, whatever the
+ * direction of the fall. */
+static void test_block_stays(void **state)
+{
+  (void)state;
+  incline *p = incline_model.base;
+  for (int method = 0; method < METHODS; method++)
+    for (int edges = 3; edges <= 16; edges += edges < 8 ? 1 : 8)
+      for (double turn = 0; turn < 6.3; turn += 0.37) {
+        last l = {0};
+        nsdae_params_default(incline_model.parameters, p);
+        p->vx = p->vy = 0;
+        p->turn = turn;
+        p->mu = 0.3;
+        p->slope = atan(0.99 * p->mu * cos(pi / edges));
+        integrate(&incline_model, method, edges, 0.01, 1, keep, &l);
+        assert_true(l.fastest == 0);
+        assert_int_equal(l.modes[NSDAE_STICK], 100);
+      }
+}
+
+/* Above it slides down with the acceleration of Coulomb's law: exactly along an edge direction,
+ * with friction between mu cos(pi / p) and mu elsewhere. */
+static void test_block_slides(void **state)
+{
+  (void)state;
+  incline *p = incline_model.base;
+  for (int method = 0; method < METHODS; method++)
+    for (int edges = 4; edges <= 16; edges *= 2) {
+      last l = {0};
+      nsdae_params_default(incline_model.parameters, p);
+      p->vx = p->vy = 0;
+      p->slope = 0.6;
+      p->turn = 2 * pi / edges;
+      integrate(&incline_model, method, edges, 0.01, 1, keep, &l);
+      double a = p->g * (sin(p->slope) - p->mu * cos(p->slope));
+      /* constant acceleration: exact for every method, to rounding of 100 steps */
+      assert_near(hypot(l.v[0], l.v[1]), a, 1e-13);
+      assert_near(atan2(l.v[1], l.v[0]), p->turn, 1e-13);
+      assert_near(l.worst_friction, p->mu, 1e-13);
+      l = (last){0};
+      p->turn = 0.7 * pi / edges;
+      integrate(&incline_model, method, edges, 0.01, 1, keep, &l);
+      double speed = hypot(l.v[0], l.v[1]);
+      double least = p->g * (sin(p->slope) - p->mu * cos(p->slope));
+      double most = p->g * (sin(p->slope) - p->mu * cos(pi / edges) * cos(p->slope));
+      assert_true(speed >= least - 1e-12 && speed <= most * 1.02);
+      assert_at_most(l.worst_friction, p->mu * (1 + 1e-13));
+    }
+}
+
+/* A sliding and spinning ball ends rolling with (5 v + 2 r (w_y, -w_x)) / 7, whatever the polygon:
+ * the moment about the contact is zero. */
+static void test_ball(void **state)
+{
+  (void)state;
+  rolling_ball *p = rolling_ball_model.base;
+  for (int method = 0; method < METHODS; method++)
+    for (int edges = 4; edges <= 32; edges *= 2) {
+      last l = {0};
+      const double dt = 0.001;
+      nsdae_params_default(rolling_ball_model.parameters, p);
+      integrate(&rolling_ball_model, method, edges, dt, 1, keep, &l);
+      double slip = hypot(p->vx - p->r * p->wy, p->vy + p->r * p->wx);
+      /* rounding of a thousand steps */
+      assert_near(l.v[0], (5 * p->vx + 2 * p->r * p->wy) / 7, 1e-13);
+      assert_near(l.v[1], (5 * p->vy - 2 * p->r * p->wx) / 7, 1e-13);
+      /* a solved LCP has a residual of 1e-10 at most */
+      assert_at_most(l.worst_friction, p->mu * (1 + 1e-10));
+      /* rolling begins on time but for the polygon, whose friction is mu cos(pi/p) .. mu */
+      double begins = 2 * slip / (7 * p->mu * p->g);
+      assert_true(l.rolling >= begins - dt && l.rolling <= begins / cos(pi / edges) + 2 * dt);
+    }
+}
+
+int main(void)
+{
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_block_stays),
+      cmocka_unit_test(test_block_slides),
+      cmocka_unit_test(test_ball),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,143 @@
+/* Friction on bilateral constraints against closed forms. */
+#include "fixture.h"
+
+static const double rounding = 1e-12;
+
+/* A slider of mass m on the line y = 0:  q = [x, y], Phi = y. */
+static void slider(fixture *f, double m, double mu)
+{
+  fixture_begin(f, (nsdae_dims){.nq = 2, .m = 1, .f = 1});
+  f->M[0] = f->M[3] = m;
+  f->J[1] = 1;
+  f->W_S[0] = 1;
+  assert_int_equal(nsdae_system_set_slide(f->system, 0, 0, mu), NSDAE_OK);
+  fixture_build(f, 8);
+}
+
+/* The normal force has either sign, the friction its size. */
+static void test_slider(void **state)
+{
+  (void)state;
+  const double m = 2, mu = 0.4;
+  fixture f;
+  slider(&f, m, mu);
+  for (int i = -5; i <= 5; i++)
+    for (int j = -7; j <= 7; j++) {
+      f.lambda_free[0] = 0.5 * i;
+      f.free[0] = 0.13 * j;
+      double most = mu * fabs(f.lambda_free[0]);
+      double friction = fmax(-most, fmin(most, -m * f.free[0]));
+      assert_int_equal(fixture_solve(&f), NSDAE_OK);
+      assert_near(f.contacts.slide_impulse[0], friction, rounding);
+      assert_near(f.v[0], f.free[0] + friction / m, rounding);
+      assert_near(f.v[1], 0, rounding);
+      assert_near(f.lambda[0], f.lambda_free[0], rounding);
+      if (m * fabs(f.free[0]) < most - rounding)
+        assert_int_equal(f.contacts.slide_mode[0], NSDAE_STICK);
+      if (m * fabs(f.free[0]) > most + rounding)
+        assert_int_equal(f.contacts.slide_mode[0], NSDAE_SLIDE);
+      assert_at_most(nsdae_contacts_work(&f.contacts), rounding);
+      fixture_expect_laws(&f, rounding);
+    }
+  fixture_end(&f);
+}
+
+/* A rail that moves under the slider. */
+static void test_moving_rail(void **state)
+{
+  (void)state;
+  fixture f;
+  slider(&f, 2, 0.4);
+  f.w_s[0] = -0.1;
+  f.lambda_free[0] = 1;
+  assert_int_equal(fixture_solve(&f), NSDAE_OK);
+  assert_near(f.v[0], 0.1, rounding); /* taken along: 0.2 N s of at most 0.4 */
+  f.w_s[0] = -1;
+  assert_int_equal(fixture_solve(&f), NSDAE_OK);
+  assert_near(f.v[0], 0.2, rounding); /* 0.4 N s of friction */
+  assert_int_equal(f.contacts.slide_mode[0], NSDAE_SLIDE);
+  fixture_end(&f);
+}
+
+/* The slider is thrown against a stop that leans, (a, b) being its normal: the impulse of the stop
+ * presses it against the rail, which rubs with mu |lambda|. With the slider moving to the left,
+ *   m (v+ - v-) = a L + mu |lambda|,  |lambda| = b L,  v+ = -e v-. */
+static void test_stop(void **state)
+{
+  (void)state;
+  const double m = 2, mu = 0.3, a = 0.8, b = 0.6, coming = -1.5;
+  for (int i = 0; i < 3; i++) {
+    const double e = 0.4 * i;
+    fixture f;
+    fixture_begin(&f, (nsdae_dims){.nq = 2, .m = 1, .k = 1, .f = 1});
+    f.M[0] = f.M[3] = m;
+    f.J[1] = 1;
+    f.W_S[0] = 1;
+    f.W_N[0] = a;
+    f.W_N[1] = b;
+    nsdae_system_set_slide(f.system, 0, 0, mu);
+    nsdae_system_set_contact(f.system, 0, 0, e, 0);
+    fixture_build(&f, 8);
+    f.before[0] = f.free[0] = coming;
+    assert_int_equal(fixture_solve(&f), NSDAE_OK);
+    assert_near(f.v[0], -e * coming, rounding);
+    /* after the impact it moves to the right (or rests): the rail rubs against that */
+    double L = i == 0 ? NAN : m * (1 + e) * -coming / (a - mu * b);
+    if (i > 0) {
+      assert_near(f.contacts.normal[0], L, rounding * 10);
+      assert_near(f.contacts.slide_impulse[0], -mu * b * L, rounding * 10);
+    }
+    assert_near(fabs(f.lambda[0]), b * f.contacts.normal[0], rounding * 10);
+    fixture_expect_laws(&f, rounding * 10);
+    fixture_end(&f);
+  }
+}
+
+/* Without friction a slide is an ordinary constraint. */
+static void test_frictionless(void **state)
+{
+  (void)state;
+  fixture f;
+  slider(&f, 2, 0);
+  f.free[0] = 1;
+  f.lambda_free[0] = 5;
+  assert_int_equal(fixture_solve(&f), NSDAE_OK);
+  assert_true(f.v[0] == 1 && f.contacts.slide_impulse[0] == 0);
+  assert_int_equal(f.contacts.slide_mode[0], NSDAE_OPEN);
+  fixture_end(&f);
+}
+
+/* Two slides of which one has friction: the numbers do not get mixed up. */
+static void test_second_slide(void **state)
+{
+  (void)state;
+  fixture f;
+  fixture_begin(&f, (nsdae_dims){.nq = 4, .m = 2, .f = 2});
+  f.J[2 * 1 + 0] = 1; /* Phi_0 = q_1 */
+  f.J[2 * 3 + 1] = 1; /* Phi_1 = q_3 */
+  f.W_S[0] = 1;       /* slide 0 along q_0 */
+  f.W_S[4 + 2] = 1;   /* slide 1 along q_2 */
+  nsdae_system_set_slide(f.system, 0, 0, 0);
+  nsdae_system_set_slide(f.system, 1, 1, 0.5);
+  fixture_build(&f, 8);
+  f.free[0] = f.free[2] = 1;
+  f.lambda_free[0] = 10;
+  f.lambda_free[1] = -0.6;
+  assert_int_equal(fixture_solve(&f), NSDAE_OK);
+  assert_near(f.v[0], 1, rounding);
+  assert_near(f.v[2], 0.7, rounding);
+  assert_true(f.contacts.slide_impulse[0] == 0);
+  assert_near(f.contacts.slide_impulse[1], -0.3, rounding);
+  assert_int_equal(f.contacts.slide_mode[1], NSDAE_SLIDE);
+  fixture_end(&f);
+}
+
+int main(void)
+{
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_slider),       cmocka_unit_test(test_moving_rail),
+      cmocka_unit_test(test_stop),         cmocka_unit_test(test_frictionless),
+      cmocka_unit_test(test_second_slide),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
