@@ -20,3 +20,4 @@ endforeach()
 
 nsdae_test(anomaly arguments LINKS test_support)
 nsdae_test(anomaly kinematics)
+nsdae_test(anomaly blas)

@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "dense.h"
+#include "fischer.h"
 
 enum { COVERINGS = 12 };
 
@@ -27,6 +28,8 @@ typedef struct chain {
   double *best;         /* n: the best point so far */
   double *lu, *rhs;     /* n x n, n */
   double *lemke;        /* n (n + 2) */
+  double *scaled;       /* 2 n: x and y of the semismooth Newton method */
+  double *newton;       /* 2 n^2 + 4 n: its workspace */
   int *trial, *pivot;   /* n, n */
   int *index;           /* 2 n + 1 */
 } chain;
@@ -34,7 +37,7 @@ typedef struct chain {
 int nsdae_lcp_workspace(int n, int *lwork, int *liwork)
 {
   if (n < 0 || n > 20000 || !lwork || !liwork) return NSDAE_E_ARGUMENT;
-  *lwork = 3 * n * n + 8 * n + 1;
+  *lwork = 5 * n * n + 14 * n + 1;
   *liwork = 4 * n + 1;
   return NSDAE_OK;
 }
@@ -51,6 +54,8 @@ static void lay_out(chain *c, double *work, int *iwork)
   c->cover = c->column + n;
   c->best = c->cover + n;
   c->rhs = c->best + n;
+  c->scaled = c->rhs + n;
+  c->newton = c->scaled + 2 * n;
   c->trial = iwork;
   c->pivot = c->trial + n;
   c->index = c->pivot + n;
@@ -216,6 +221,42 @@ static int coverings(chain *c)
   return 0;
 }
 
+/* Starts of the semismooth Newton method. */
+enum { FURTHER_STARTS = 24, FURTHER_ITERATIONS = 60 };
+
+/* Scaled x of the start of that number: zero, the size of b, then at random up to it. */
+static void start_further(chain *c, int number, unsigned long long *seed, double *x)
+{
+  double most = 0;
+  random_cover(c, seed);
+  for (int i = 0; i < c->n; i++) most = fmax(most, fabs(c->b[i]));
+  for (int i = 0; i < c->n; i++)
+    x[i] = number == 0 ? 0 : number == 1 ? fmax(-c->b[i], 0) : most * c->cover[i];
+}
+
+/* What the iterate takes for positive, solved at once. */
+static int judge_iterate(chain *c, const double *x, const double *y)
+{
+  for (int i = 0; i < c->n; i++) c->trial[i] = x[i] > y[i];
+  return judge_basis(c, c->trial, NSDAE_LCP_FURTHER);
+}
+
+static int further(chain *c)
+{
+  unsigned long long seed = 7;
+  double *x = c->scaled, *y = c->scaled + c->n;
+  for (int k = 0; k < FURTHER_STARTS; k++) {
+    start_further(c, k, &seed, x);
+    nsdae_fischer(c->n, c->A, c->b, FURTHER_ITERATIONS, x, y, c->newton);
+    if (judge_iterate(c, x, y)) return 1;
+    for (int i = 0; i < c->n; i++) c->x[i] = fmax(x[i], 0) * c->column[i];
+    if (!judge(c, NSDAE_LCP_FURTHER)) continue;
+    for (int i = 0; i < c->n; i++) c->basis[i] = x[i] > y[i];
+    return 1;
+  }
+  return 0;
+}
+
 static int enumerate(chain *c)
 {
   if (c->n > c->options->enumerate_max) return 0;
@@ -231,11 +272,9 @@ static int run_chain(chain *c)
   static const struct {
     int stage;
     int (*run)(chain *);
-  } all[] = {{NSDAE_LCP_TRIVIAL, trivial},
-             {NSDAE_LCP_WARM, warm},
-             {NSDAE_LCP_LEMKE, lemke},
-             {NSDAE_LCP_COVERING, coverings},
-             {NSDAE_LCP_ENUMERATE, enumerate}};
+  } all[] = {{NSDAE_LCP_TRIVIAL, trivial}, {NSDAE_LCP_WARM, warm},
+             {NSDAE_LCP_LEMKE, lemke},     {NSDAE_LCP_COVERING, coverings},
+             {NSDAE_LCP_FURTHER, further}, {NSDAE_LCP_ENUMERATE, enumerate}};
   for (size_t i = 0; i < sizeof all / sizeof *all; i++)
     if ((c->options->stages & all[i].stage) && all[i].run(c)) return NSDAE_OK;
   return NSDAE_E_LCP;

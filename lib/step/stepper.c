@@ -103,7 +103,9 @@ int nsdae_stepper_kinematics(nsdae_stepper *s, double t, const double *q, const 
                              double *qdot)
 {
   int code = nsdae_kinematics(s->system, t, q, v, qdot);
-  return nsdae_system_callback_status(code, "kinematics", t, s->error);
+  int status = nsdae_system_callback_status(code, "kinematics", t, s->error);
+  if (status < 0) return status;
+  return nsdae_system_finite(qdot, s->system->dims.nq, 1, "kinematics", t, s->error);
 }
 
 void nsdae_stepper_momentum(const double *M, const double *v, double h, const double *F, int nv,

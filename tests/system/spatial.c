@@ -75,7 +75,11 @@ static void test_block_stays(void **state)
         p->mu = 0.3;
         p->slope = atan(0.99 * p->mu * cos(pi / edges));
         integrate(&incline_model, method, edges, 0.01, 1, keep, &l);
-        assert_true(l.fastest == 0);
+        /* the printed scheme sums its last velocity up anew: rounding of g dt */
+        if (method == NSDAE_IMPLICIT_PRINTED)
+          assert_at_most(l.fastest, 1e-15);
+        else
+          assert_true(l.fastest == 0);
         assert_int_equal(l.modes[NSDAE_STICK], 100);
       }
 }
