@@ -31,6 +31,7 @@ static void store(const nsdae_param *param, void *base, double value)
 
 void nsdae_params_default(const nsdae_params *table, void *base)
 {
+  if (!table || !base) return;
   for (int i = 0; i < table->n; i++) {
     const nsdae_param *param = &table->entry[i];
     if (param->type == NSDAE_PARAM_TEXT)
@@ -42,6 +43,7 @@ void nsdae_params_default(const nsdae_params *table, void *base)
 
 const nsdae_param *nsdae_params_find(const nsdae_params *table, const char *key)
 {
+  if (!table || !key) return NULL;
   for (int i = 0; i < table->n; i++)
     if (strcmp(table->entry[i].key, key) == 0) return &table->entry[i];
   return NULL;
@@ -83,6 +85,9 @@ static int check_number(const nsdae_param *param, double value, nsdae_error *err
 
 int nsdae_params_check(const nsdae_params *table, const void *base, nsdae_error *error)
 {
+  if (!table || !base)
+    return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_params_check", table ? "base" : "table",
+                           "%s is NULL", table ? "base" : "table");
   for (int i = 0; i < table->n; i++) {
     const nsdae_param *param = &table->entry[i];
     if (param->type == NSDAE_PARAM_TEXT) continue;
@@ -152,10 +157,11 @@ static int set_number(const nsdae_param *param, void *base, const char *value, n
 int nsdae_params_set(const nsdae_params *table, void *base, const char *key, const char *value,
                      nsdae_error *error)
 {
+  const char *missing = !table ? "table" : !base ? "base" : !key ? "key" : !value ? "value" : NULL;
   nsdae_error_clear(error);
-  if (!key || !value)
-    return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_params_set", key ? "value" : "key",
-                           "%s is NULL", key ? "value" : "key");
+  if (missing)
+    return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_params_set", missing, "%s is NULL",
+                           missing);
   const nsdae_param *param = nsdae_params_find(table, key);
   if (!param) return unknown_key(table, key, error);
   if (param->type == NSDAE_PARAM_CHOICE) return set_choice(param, base, value, error);

@@ -60,6 +60,7 @@ const nsdae_params *nsdae_sim_options_table(void)
 
 void nsdae_sim_options_default(nsdae_sim_options *options)
 {
+  if (!options) return;
   nsdae_params_default(&table, options);
   options->initialised = INITIALISED;
 }
