@@ -13,22 +13,24 @@ extern "C" {
 #endif
 
 /* Natural residual of a point x of the complementarity problem y = A x + b, x >= 0, y >= 0,
- * x'y = 0, scaled by the data:
+ * x'y = 0, scaled by the data, row by row, so that no large entry hides an error elsewhere:
  *
- *   residual = max_i |min(x_i / sx, y_i / sy_i)|,   sx = max_j |x_j|,
- *   sy_i = |b_i| + sx sum_j |a_ij|
+ *   residual = max_i |min(x_i / sx_i, y_i / sy_i)|
+ *   sy_i = |b_i| + sum_j |a_ij x_j| + 1e-3 max_k |b_k|,   sx_i = min_k sy_k / |a_ki| over a_ki != 0
  *
- * sy_i is what the rounding of y_i is relative to, so that a residual of n eps is that of an exact
- * solution of data changed by rounding. It does not change when rows of (A, b) are scaled; when
- * columns are, it does, so equilibrate first (nsdae_lcp_solve does).
+ * sy_i is what the rounding of y_i is relative to; its last term says how exact the data are:
+ * entries of b come from differences of values of their common size, so that a row in which all is
+ * of rounding size has no error of its own. x_i is negligible when its column changes no row. Rows
+ * should be scaled alike (nsdae_lcp_solve equilibrates); columns need not.
  *
  *   n         >= 0
  *   a [lda,n] A, lda >= max(1, n)
  *   b, x [n]
  *   y [n]     out: A x + b
- *   residual  out; NaN where A, b or x has one                                              */
+ *   residual  out; NaN where A, b or x has one
+ *   work [n]                                                                                */
 NSDAE_API int nsdae_dlcpres(int n, const double *a, int lda, const double *b, const double *x,
-                            double *y, double *residual);
+                            double *y, double *residual, double *work);
 
 /* Lemke's method with lexicographic pivoting (Cottle, Pang, Stone, "The Linear Complementarity
  * Problem", 1992, sections 4.4 and 4.9) on the problem as it is given: scale it before.

@@ -47,7 +47,8 @@ typedef struct nsdae_lcp_info {
   int outcome;     /* enum nsdae_lcp_outcome */
   int stage;       /* enum nsdae_lcp_stage that ended it */
   int pivots;      /* over all stages */
-  double residual; /* max_i |min(x_i / sx_i, y_i / sy_i)|: see nsdae_dlcpres */
+  double residual; /* max_i |min(x_i / sx_i, y_i / sy_i)| of the equilibrated problem: see
+                      nsdae_dlcpres */
 } nsdae_lcp_info;
 
 NSDAE_API void nsdae_lcp_options_default(nsdae_lcp_options *options);

@@ -25,6 +25,7 @@ typedef struct chain {
   double *A, *b;        /* scaled: n x n, n */
   double *row, *column; /* R and C */
   double *cover;        /* n */
+  double *sizes;        /* n: workspace of the residual */
   double *best;         /* n: the best point so far */
   double *lu, *rhs;     /* n x n, n */
   double *lemke;        /* n (n + 2) */
@@ -37,7 +38,7 @@ typedef struct chain {
 int nsdae_lcp_workspace(int n, int *lwork, int *liwork)
 {
   if (n < 0 || n > 20000 || !lwork || !liwork) return NSDAE_E_ARGUMENT;
-  *lwork = 5 * n * n + 14 * n + 1;
+  *lwork = 5 * n * n + 15 * n + 1;
   *liwork = 4 * n + 1;
   return NSDAE_OK;
 }
@@ -56,6 +57,7 @@ static void lay_out(chain *c, double *work, int *iwork)
   c->rhs = c->best + n;
   c->scaled = c->rhs + n;
   c->newton = c->scaled + 2 * n;
+  c->sizes = c->newton + 2 * n * n + 4 * n;
   c->trial = iwork;
   c->pivot = c->trial + n;
   c->index = c->pivot + n;
@@ -141,7 +143,7 @@ static double residual_of(chain *c)
   double residual;
   size_t n = (size_t)c->n;
   for (size_t i = 0; i < n; i++) c->rhs[i] = c->x[i] / c->column[i];
-  nsdae_dlcpres(c->n, c->A, c->n, c->b, c->rhs, c->y, &residual);
+  nsdae_dlcpres(c->n, c->A, c->n, c->b, c->rhs, c->y, &residual, c->sizes);
   for (size_t i = 0; i < n; i++) c->y[i] /= c->row[i];
   return residual;
 }

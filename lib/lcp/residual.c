@@ -2,21 +2,36 @@
 #include <nsdae/kernels.h>
 #include <stddef.h>
 
-/* Row of y = A x + b, and of sum_j |a_ij|. */
+/* Row of y = A x + b, and of |b| + sum_j |a_ij x_j|. */
 static double row(int n, const double *a, int lda, double b, const double *x, double *size)
 {
   double sum = b;
-  *size = 0;
+  *size = fabs(b);
   for (int j = 0; j < n; j++) {
-    double entry = a[(size_t)j * (size_t)lda];
-    sum += entry * x[j];
-    *size += fabs(entry);
+    double term = a[(size_t)j * (size_t)lda] * x[j];
+    sum += term;
+    *size += fabs(term);
   }
   return sum;
 }
 
-int nsdae_dlcpres(int n, const double *a, int lda, const double *b, const double *x, double *y,
-                  double *residual)
+/* y_i / sy_i, or x_i / sx_i: zero where there is nothing to compare with. */
+static double relative(double value, double size)
+{
+  return size > 0 ? value / size : value;
+}
+
+/* sx_j: how large x_j must be to change some row. */
+static double column_size(int n, const double *column, const double *sy)
+{
+  double least = INFINITY;
+  for (int k = 0; k < n; k++)
+    if (column[k] != 0) least = fmin(least, sy[k] / fabs(column[k]));
+  return least;
+}
+
+static int check(int n, const double *a, int lda, const double *b, const double *x, const double *y,
+                 const double *residual, const double *work)
 {
   if (n < 0) return -1;
   if (!a && n > 0) return -2;
@@ -25,15 +40,25 @@ int nsdae_dlcpres(int n, const double *a, int lda, const double *b, const double
   if (!x && n > 0) return -5;
   if (!y && n > 0) return -6;
   if (!residual) return -7;
+  return work || n == 0 ? 0 : -8;
+}
+
+int nsdae_dlcpres(int n, const double *a, int lda, const double *b, const double *x, double *y,
+                  double *residual, double *work)
+{
+  int info = check(n, a, lda, b, x, y, residual, work);
+  if (info != 0) return info;
   double largest = 0, worst = 0;
-  for (int j = 0; j < n; j++) largest = fmax(largest, fabs(x[j]));
+  for (int i = 0; i < n; i++) largest = fmax(largest, fabs(b[i]));
   for (int i = 0; i < n; i++) {
-    double size, relative_x = largest > 0 ? x[i] / largest : 0;
-    y[i] = row(n, a + i, lda, b[i], x, &size);
-    size = fabs(b[i]) + largest * size;
-    double relative_y = size > 0 ? y[i] / size : 0;
-    double error = fabs(relative_x < relative_y ? relative_x : relative_y);
-    if (isnan(relative_x + relative_y) || isinf(size)) error = NAN;
+    y[i] = row(n, a + i, lda, b[i], x, &work[i]);
+    work[i] += 1e-3 * largest;
+  }
+  for (int i = 0; i < n; i++) {
+    double sx = column_size(n, a + (size_t)i * (size_t)lda, work);
+    double of_x = relative(x[i], sx), of_y = relative(y[i], work[i]);
+    double error = fabs(of_x < of_y ? of_x : of_y);
+    if (isnan(x[i] + y[i]) || !isfinite(work[i])) error = NAN;
     if (!(error <= worst)) worst = error;
     if (isnan(worst)) break;
   }

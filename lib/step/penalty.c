@@ -142,7 +142,8 @@ static int accelerations(penalty *p, nsdae_terms *T, double *a)
 static int as_code(const nsdae_stepper *s, int status)
 {
   if (status == NSDAE_OK) return 0;
-  return status == NSDAE_E_CALLBACK && s->error->code < 0 ? -1 : 1;
+  if (status == NSDAE_E_CALLBACK) return s->error->code < 0 ? -1 : 1;
+  return status == NSDAE_E_NONFINITE ? -1 : 1;
 }
 
 static int rate(double t, const double *y, double *ydot, void *user)

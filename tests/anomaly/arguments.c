@@ -270,14 +270,10 @@ static void test_null_structs(void **state)
 int main(void)
 {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_create),
-      cmocka_unit_test(test_options_not_initialised),
-      cmocka_unit_test(test_options_outside),
-      cmocka_unit_test(test_options_table),
-      cmocka_unit_test(test_methods),
-      cmocka_unit_test(test_null_sim),
-      cmocka_unit_test(test_null_arguments),
-      cmocka_unit_test(test_trajectory),
+      cmocka_unit_test(test_create),          cmocka_unit_test(test_options_not_initialised),
+      cmocka_unit_test(test_options_outside), cmocka_unit_test(test_options_table),
+      cmocka_unit_test(test_methods),         cmocka_unit_test(test_null_sim),
+      cmocka_unit_test(test_null_arguments),  cmocka_unit_test(test_trajectory),
       cmocka_unit_test(test_null_structs),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

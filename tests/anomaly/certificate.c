@@ -4,28 +4,32 @@
 
 #include <nsdae/nsdae.h>
 
-static double residual_of(const double A[4], const double b[2], const double x[2])
+enum { N = 3 };
+
+static double residual_of(int n, const double *A, const double *b, const double *x)
 {
-  double y[2], residual;
-  assert_int_equal(nsdae_dlcpres(2, A, 2, b, x, y, &residual), 0);
+  double y[N], work[N], residual;
+  assert_int_equal(nsdae_dlcpres(n, A, n, b, x, y, &residual, work), 0);
   return residual;
 }
 
-/* Two problems that have nothing to do with each other, x_0 = 1 and x_1 = size: a wrong x_0 is
- * wrong however large x_1 is. (Contacts: a slip of 1e13 m/s or an impulse of 1e13 N s elsewhere.) */
+/* Row 0 has nothing to do with the others, which are nearly dependent and have the solution
+ * x_1 = 2^e + 1, x_2 = 2^e; all entries of A are of order one. A wrong x_0 is wrong however large
+ * the others are (a slip or an impulse of 1e13 at another contact). All numbers are exact. */
 static void test_far_apart(void **state)
 {
   (void)state;
-  for (int e = -14; e <= 14; e += 2) {
-    double size = pow(10, e);
-    const double A[4] = {1, 0, 0, 1 / size}, b[2] = {-1, -1};
-    const double right[2] = {1, size}, low[2] = {0.5, size}, high[2] = {2, size}, none[2] = {0, size};
-    const double other[2] = {1, size / 2};
-    assert_at_most(residual_of(A, b, right), 1e-15); /* a rounding or two */
-    assert_true(residual_of(A, b, low) > 1e-3);      /* y_0 = -1/2 of 1 */
-    assert_true(residual_of(A, b, high) > 1e-3);     /* y_0 = 1 with x_0 = 2 */
-    assert_true(residual_of(A, b, none) > 1e-3);     /* y_0 = -1 */
-    assert_true(residual_of(A, b, other) > 1e-3);    /* y_1 = -1/2 */
+  for (int e = 0; e <= 46; e++) {
+    double large = ldexp(1, e);
+    const double A[N * N] = {1, 0, 0, 0, 1, -1, 0, -1, 1 + 1 / large}, b[N] = {-1, -1, 0};
+    const double first[] = {0, 0.5, 2}; /* y_0 = -1, -1/2, and 1 with x_0 = 2 */
+    double x[N] = {1, large + 1, large};
+    assert_true(residual_of(N, A, b, x) == 0);
+    for (int i = 0; i < 3; i++) {
+      x[0] = first[i];
+      if (!(residual_of(N, A, b, x) > 1e-3))
+        fail_msg("x_1 = 2^%d, x_0 = %g for 1: residual %g", e, x[0], residual_of(N, A, b, x));
+    }
   }
 }
 
@@ -37,8 +41,8 @@ static void test_scaled_rows(void **state)
     double scale = pow(10, e);
     const double A[4] = {2, scale, 1, 2 * scale}, b[2] = {-4, -5 * scale};
     const double right[2] = {1, 2}, wrong[2] = {1.5, 1.5};
-    assert_at_most(residual_of(A, b, right), 1e-15);
-    assert_true(residual_of(A, b, wrong) > 1e-3);
+    assert_at_most(residual_of(2, A, b, right), 1e-15);
+    assert_true(residual_of(2, A, b, wrong) > 1e-3);
   }
 }
 

@@ -76,14 +76,15 @@ static void fails(int method, long at, int code, double value)
     memcpy(v, record.v, sizeof v);
     status = nsdae_sim_step(sim);
   }
-  if (code > 0 && status >= 0) { /* a method that adapts its steps got around it */
+  if (method == NSDAE_PENALTY && code >= 0 && status >= 0) { /* smaller steps got around it */
     assert_near(hypot(record.q[1], record.q[2]), 1, 1e-2);
     nsdae_sim_destroy(&sim);
     nsdae_system_destroy(&system);
     return;
   }
   if (status != (code ? NSDAE_E_CALLBACK : NSDAE_E_NONFINITE))
-    fail_msg("method %s, call %ld, code %d: status %d", nsdae_method_name(method), at, code, status);
+    fail_msg("method %s, call %ld, code %d: status %d", nsdae_method_name(method), at, code,
+             status);
   assert_string_equal(nsdae_sim_error(sim)->argument, "kinematics");
   assert_int_equal(nsdae_sim_error(sim)->code, code);
   assert_true(isfinite(nsdae_sim_error(sim)->time));

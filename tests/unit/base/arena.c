@@ -103,8 +103,10 @@ static void test_empty(void **state)
 int main(void)
 {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_aligned_and_zeroed), cmocka_unit_test(test_measured_is_used),
-      cmocka_unit_test(test_apart),              cmocka_unit_test(test_overflow),
+      cmocka_unit_test(test_aligned_and_zeroed),
+      cmocka_unit_test(test_measured_is_used),
+      cmocka_unit_test(test_apart),
+      cmocka_unit_test(test_overflow),
       cmocka_unit_test(test_empty),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -19,10 +19,10 @@ static void offers(const char *word, const char *name)
 static void test_one_letter(void **state)
 {
   (void)state;
-  offers("methd", "method");    /* left out */
-  offers("methood", "method");  /* put in */
-  offers("mathod", "method");   /* changed */
-  offers("mehtod", "method");   /* exchanged: two changes */
+  offers("methd", "method");   /* left out */
+  offers("methood", "method"); /* put in */
+  offers("mathod", "method");  /* changed */
+  offers("mehtod", "method");  /* exchanged: two changes */
   offers("polygons", "polygon");
   offers("lcp-tol", "lcp_tol");
   offers("rank_toll", "rank_tol");

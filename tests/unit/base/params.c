@@ -213,10 +213,24 @@ static void round_trip(const char *key, sample *from)
 static void test_format(void **state)
 {
   (void)state;
-  const double awkward[] = {0.0,     -0.0,        0.1,     1.0 / 3,  DBL_MIN,      DBL_MAX,
-                            -DBL_MAX, 5e-324,     1e23,    8.5e22,   9007199254740993.0, 1e-7,
-                            2.2250738585072011e-308, 3.141592653589793, 1 + DBL_EPSILON,
-                            1 - DBL_EPSILON / 2, 123456.7, 1234567.8};
+  const double awkward[] = {0.0,
+                            -0.0,
+                            0.1,
+                            1.0 / 3,
+                            DBL_MIN,
+                            DBL_MAX,
+                            -DBL_MAX,
+                            5e-324,
+                            1e23,
+                            8.5e22,
+                            9007199254740993.0,
+                            1e-7,
+                            2.2250738585072011e-308,
+                            3.141592653589793,
+                            1 + DBL_EPSILON,
+                            1 - DBL_EPSILON / 2,
+                            123456.7,
+                            1234567.8};
   for (size_t i = 0; i < sizeof awkward / sizeof *awkward; i++) {
     sample s = filled();
     s.any = awkward[i];

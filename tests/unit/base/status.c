@@ -131,14 +131,10 @@ static void test_version(void **state)
 int main(void)
 {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_all_differ),
-      cmocka_unit_test(test_signs),
-      cmocka_unit_test(test_unknown),
-      cmocka_unit_test(test_clear),
-      cmocka_unit_test(test_set),
-      cmocka_unit_test(test_one_line),
-      cmocka_unit_test(test_truncation),
-      cmocka_unit_test(test_one_line_everywhere),
+      cmocka_unit_test(test_all_differ), cmocka_unit_test(test_signs),
+      cmocka_unit_test(test_unknown),    cmocka_unit_test(test_clear),
+      cmocka_unit_test(test_set),        cmocka_unit_test(test_one_line),
+      cmocka_unit_test(test_truncation), cmocka_unit_test(test_one_line_everywhere),
       cmocka_unit_test(test_version),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -26,9 +26,7 @@ static void expect_block(fixture *f, double m, double mu, double e_n, double e_t
   assert_near(f->v[0], f->free[0] + tangential / m, rounding);
   assert_near(f->v[1], f->free[1] + normal / m, rounding);
   assert_at_most(f->contacts.info.residual, f->contacts.lcp_options.tol);
-  int mode = normal == 0                    ? NSDAE_OPEN
-             : fabs(stick) <= mu * normal ? NSDAE_STICK
-                                            : NSDAE_SLIDE;
+  int mode = normal == 0 ? NSDAE_OPEN : fabs(stick) <= mu * normal ? NSDAE_STICK : NSDAE_SLIDE;
   assert_int_equal(f->contacts.mode[0], mode);
   fixture_expect_laws(f, rounding * (1 + m));
 }
@@ -119,8 +117,8 @@ static void test_cradle(void **state)
 {
   (void)state;
   const double es[] = {1, 0, 0.5};
-  const double expected[][3] = {{-1 / 3.0, 2 / 3.0, 2 / 3.0}, {1 / 3.0, 1 / 3.0, 1 / 3.0},
-                                {0, 0.5, 0.5}};
+  const double expected[][3] = {
+      {-1 / 3.0, 2 / 3.0, 2 / 3.0}, {1 / 3.0, 1 / 3.0, 1 / 3.0}, {0, 0.5, 0.5}};
   double v[MOST_V];
   for (int i = 0; i < 3; i++) {
     cradle(3, es[i], v);
@@ -152,8 +150,8 @@ static void test_moving_floor(void **state)
     assert_near(f.contacts.before[0], coming - r, rounding);
     assert_near(f.contacts.after[0], -e * (coming - r), rounding);
     /* the work in the floor's frame is what is lost there */
-    assert_near(nsdae_contacts_work(&f.contacts), -m / 2 * (1 - e * e) * (r - coming) * (r - coming),
-                rounding * 10);
+    assert_near(nsdae_contacts_work(&f.contacts),
+                -m / 2 * (1 - e * e) * (r - coming) * (r - coming), rounding * 10);
     fixture_expect_laws(&f, rounding * 10);
     fixture_end(&f);
   }
@@ -312,16 +310,11 @@ static void test_jammed(void **state)
 int main(void)
 {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_block),
-      cmocka_unit_test(test_block_impact),
-      cmocka_unit_test(test_open_by_gap),
-      cmocka_unit_test(test_cradle),
-      cmocka_unit_test(test_moving_floor),
-      cmocka_unit_test(test_moving_belt),
-      cmocka_unit_test(test_polygon),
-      cmocka_unit_test(test_polygon_between),
-      cmocka_unit_test(test_with_constraint),
-      cmocka_unit_test(test_redundant_contacts),
+      cmocka_unit_test(test_block),           cmocka_unit_test(test_block_impact),
+      cmocka_unit_test(test_open_by_gap),     cmocka_unit_test(test_cradle),
+      cmocka_unit_test(test_moving_floor),    cmocka_unit_test(test_moving_belt),
+      cmocka_unit_test(test_polygon),         cmocka_unit_test(test_polygon_between),
+      cmocka_unit_test(test_with_constraint), cmocka_unit_test(test_redundant_contacts),
       cmocka_unit_test(test_jammed),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

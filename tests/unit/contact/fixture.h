@@ -35,8 +35,7 @@ typedef struct fixture {
 
 static inline void fixture_columns(int rows, int columns, const double *from, double *to, int ld)
 {
-  for (int j = 0; j < columns; j++)
-    memcpy(to + j * ld, from + j * rows, (size_t)rows * sizeof *to);
+  for (int j = 0; j < columns; j++) memcpy(to + j * ld, from + j * rows, (size_t)rows * sizeof *to);
 }
 
 static inline int fixture_mass(double t, const double *q, double *M, int ldm, void *user)

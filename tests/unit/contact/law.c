@@ -70,9 +70,9 @@ static void test_planar(void **state)
     assert_near(impulse[0], normal, 0);
     assert_near(impulse[1], tangential, rounding);
     assert_near(y[0], xi[0], 0);
-    assert_near(y[1], fmax(0, xi[1]), rounding);                /* xi_R */
-    assert_near(y[2], mu * normal - tangential, rounding);      /* Lambda_L */
-    assert_true(x[1] >= -rounding && y[2] >= -rounding);        /* in the cone: both there */
+    assert_near(y[1], fmax(0, xi[1]), rounding);           /* xi_R */
+    assert_near(y[2], mu * normal - tangential, rounding); /* Lambda_L */
+    assert_true(x[1] >= -rounding && y[2] >= -rounding);   /* in the cone: both there */
   }
 }
 

@@ -236,16 +236,11 @@ static void test_product_overwrites(void **state)
 int main(void)
 {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_cholesky),
-      cmocka_unit_test(test_not_positive_definite),
-      cmocka_unit_test(test_singular),
-      cmocka_unit_test(test_nan),
-      cmocka_unit_test(test_scaled),
-      cmocka_unit_test(test_triangular),
-      cmocka_unit_test(test_lu),
-      cmocka_unit_test(test_lu_singular),
-      cmocka_unit_test(test_products),
-      cmocka_unit_test(test_product_overwrites),
+      cmocka_unit_test(test_cholesky), cmocka_unit_test(test_not_positive_definite),
+      cmocka_unit_test(test_singular), cmocka_unit_test(test_nan),
+      cmocka_unit_test(test_scaled),   cmocka_unit_test(test_triangular),
+      cmocka_unit_test(test_lu),       cmocka_unit_test(test_lu_singular),
+      cmocka_unit_test(test_products), cmocka_unit_test(test_product_overwrites),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -45,9 +45,8 @@ static void test_velocity(void **state)
     double t, q[PLANAR_NQ], v[PLANAR_NV], J[LD * PLANAR_NV], D[LD * PLANAR_NV];
     planar_point(i, &t, q, v);
     planar_jacobian(t, q, J, LD, NULL);
-    assert_int_equal(nsdae_differences_velocity(&f.differences, planar_constraint, PLANAR_M, t, q,
-                                                D, LD, 0),
-                     0);
+    assert_int_equal(
+        nsdae_differences_velocity(&f.differences, planar_constraint, PLANAR_M, t, q, D, LD, 0), 0);
     for (int k = 0; k < PLANAR_M * PLANAR_NV; k++) {
       int at = k / PLANAR_M * LD + k % PLANAR_M;
       assert_near(D[at], J[at], once * (1 + fabs(J[at])));
@@ -162,9 +161,8 @@ static void test_codes(void **state)
   planar_point(1, &t, q, v);
   for (int i = 0; i < 6; i++) { /* two calls each of three columns */
     calls_until_failure = i;
-    assert_int_equal(nsdae_differences_velocity(&f.differences, failing, PLANAR_M, t, q, D,
-                                                PLANAR_M, 0),
-                     -9);
+    assert_int_equal(
+        nsdae_differences_velocity(&f.differences, failing, PLANAR_M, t, q, D, PLANAR_M, 0), -9);
   }
   for (int i = 0; i < 2; i++) {
     calls_until_failure = i;

@@ -100,8 +100,8 @@ static inline int planar_bias(double t, const double *q, const double *v, double
 {
   const double a = PLANAR_ARM, c = q[2], s = q[3], w = v[2];
   double X = planar_px(q) - sin(t), Y = planar_py(q);
-  double X1 = v[0] - a * s * w - cos(t), Y1 = v[1] + a * c * w;     /* first derivatives */
-  double X2 = -a * c * w * w + sin(t), Y2 = -a * s * w * w;         /* second, v constant */
+  double X1 = v[0] - a * s * w - cos(t), Y1 = v[1] + a * c * w; /* first derivatives */
+  double X2 = -a * c * w * w + sin(t), Y2 = -a * s * w * w;     /* second, v constant */
   phi_t[0] = -2 * X * cos(t) - 0.1;
   phi_t[1] = q[1] * cos(t);
   /* Phi'' = omega: Phi_q v' = 0 with v constant, and both halves of Phi_tt are in X2 */
@@ -164,8 +164,7 @@ static inline int planar_potential(double t, const double *q, double *energy, vo
 /* Everything given; wrong may be NULL. */
 static inline nsdae_system *planar_system(planar *wrong)
 {
-  const nsdae_dims dims = {
-      .nq = PLANAR_NQ, .nv = PLANAR_NV, .m = PLANAR_M, .k = PLANAR_K, .nt = 1};
+  const nsdae_dims dims = {.nq = PLANAR_NQ, .nv = PLANAR_NV, .m = PLANAR_M, .k = PLANAR_K, .nt = 1};
   nsdae_system *s;
   if (nsdae_system_create(&dims, &s, NULL) < 0) return NULL;
   nsdae_system_set_user(s, wrong);

@@ -87,10 +87,10 @@ static void setters(const nsdae_dims *dims, int has_constraints, int has_gaps, i
 {
   nsdae_system *s;
   assert_int_equal(nsdae_system_create(dims, &s, NULL), NSDAE_OK);
-#define SET(name, callback, has)                                                        \
-  assert_int_equal(nsdae_system_set_##name(NULL, callback), NSDAE_E_ARGUMENT);          \
-  assert_int_equal(nsdae_system_set_##name(s, NULL), NSDAE_E_ARGUMENT);                 \
-  assert_string_equal(nsdae_system_error(s)->argument, #name);                          \
+#define SET(name, callback, has)                                                             \
+  assert_int_equal(nsdae_system_set_##name(NULL, callback), NSDAE_E_ARGUMENT);               \
+  assert_int_equal(nsdae_system_set_##name(s, NULL), NSDAE_E_ARGUMENT);                      \
+  assert_string_equal(nsdae_system_error(s)->argument, #name);                               \
   assert_int_equal(nsdae_system_set_##name(s, callback), has ? NSDAE_OK : NSDAE_E_ARGUMENT); \
   assert_string_equal(nsdae_system_error(s)->argument, has ? "" : #name)
   SET(mass, planar_mass, 1);
@@ -217,11 +217,11 @@ static void test_missing_callbacks(void **state)
   s->slide_tangent = slide;
   s->kinematics = planar_kinematics;
   missing(s, NULL);
-#define WITHOUT(name)                        \
-  do {                                       \
-    struct nsdae_system without = *s;        \
-    without.name = NULL;                     \
-    missing(&without, #name);                \
+#define WITHOUT(name)                 \
+  do {                                \
+    struct nsdae_system without = *s; \
+    without.name = NULL;              \
+    missing(&without, #name);         \
   } while (0)
   WITHOUT(mass);
   WITHOUT(force);
@@ -278,16 +278,11 @@ static void test_null_handles(void **state)
 int main(void)
 {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_sizes_outside),
-      cmocka_unit_test(test_sizes_inside),
-      cmocka_unit_test(test_create_null),
-      cmocka_unit_test(test_setters),
-      cmocka_unit_test(test_coefficients),
-      cmocka_unit_test(test_slides),
-      cmocka_unit_test(test_no_contacts_at_all),
-      cmocka_unit_test(test_missing_callbacks),
-      cmocka_unit_test(test_differences_text),
-      cmocka_unit_test(test_null_handles),
+      cmocka_unit_test(test_sizes_outside),      cmocka_unit_test(test_sizes_inside),
+      cmocka_unit_test(test_create_null),        cmocka_unit_test(test_setters),
+      cmocka_unit_test(test_coefficients),       cmocka_unit_test(test_slides),
+      cmocka_unit_test(test_no_contacts_at_all), cmocka_unit_test(test_missing_callbacks),
+      cmocka_unit_test(test_differences_text),   cmocka_unit_test(test_null_handles),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

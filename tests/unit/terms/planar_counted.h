@@ -21,8 +21,9 @@ enum {
 };
 
 static const char *const counted_names[COUNTED] = {
-    "mass",       "force",       "constraint",   "constraint_jacobian", "constraint_bias", "gap",
-    "gap_normal", "gap_tangent", "contact_bias", "slide_tangent",       "kinematics",      "potential"};
+    "mass",       "force",      "constraint",  "constraint_jacobian", "constraint_bias",
+    "gap",        "gap_normal", "gap_tangent", "contact_bias",        "slide_tangent",
+    "kinematics", "potential"};
 
 /* Sizes of the first outputs. */
 static const int counted_rows[COUNTED] = {3, 3, 2, 2, 2, 2, 3, 3, 2, 3, 4, 1};
@@ -30,9 +31,9 @@ static const int counted_entries[COUNTED] = {9, 3, 2, 6, 2, 2, 6, 6, 2, 3, 4, 1}
 
 typedef struct counted {
   int calls[COUNTED];
-  int fail;     /* callback that is to fail; < 0: none */
-  int code;     /* what it returns; with 0 it writes value to the entry */
-  int second;   /* of its second output */
+  int fail;   /* callback that is to fail; < 0: none */
+  int code;   /* what it returns; with 0 it writes value to the entry */
+  int second; /* of its second output */
   int entry;
   double value;
 } counted;

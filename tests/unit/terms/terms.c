@@ -143,8 +143,7 @@ static void test_zeroed(void **state)
   }
   nsdae_terms_at(&f.terms, t0, q0, v0);
   assert_int_equal(nsdae_terms_need(&f.terms, ALL), NSDAE_OK);
-  for (int i = 0; i < 5; i++)
-    assert_memory_equal(arrays[i], before[i], counts[i] * sizeof(double));
+  for (int i = 0; i < 5; i++) assert_memory_equal(arrays[i], before[i], counts[i] * sizeof(double));
   end(&f);
 }
 
