@@ -95,10 +95,12 @@ static void test_same_bytes(void **state)
 {
   (void)state;
   static double once[STEPS * 6], again[STEPS * 6];
-  for (int method = 0; method < METHODS; method++) {
+  for (int method = 0; nsdae_method_name(method); method++) {
     bead b;
     bead_default(&b);
-    assert_int_equal(life(&b, method, once), NSDAE_OK);
+    int status = life(&b, method, once);
+    if (status == NSDAE_E_UNSUPPORTED) continue;
+    assert_int_equal(status, NSDAE_OK);
     assert_int_equal(life(&b, method, again), NSDAE_OK);
     assert_memory_equal(once, again, sizeof once);
   }
