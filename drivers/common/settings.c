@@ -56,8 +56,10 @@ int settings_set(settings *s, const char *name, const char *value, nsdae_error *
 {
   if (nsdae_params_find(s->model->parameters, name))
     return nsdae_params_set(s->model->parameters, s->model->base, name, value, error);
-  if (nsdae_params_find(&settings_run_table, name))
+  if (nsdae_params_find(&settings_run_table, name)) {
+    s->output_named |= strcmp(name, "output") == 0;
     return nsdae_params_set(&settings_run_table, s, name, value, error);
+  }
   if (nsdae_params_find(nsdae_sim_options_table(), name))
     return nsdae_sim_options_set(&s->options, name, value, error);
   return unknown_name(s, name, error);

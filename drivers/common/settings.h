@@ -10,6 +10,7 @@ typedef struct settings {
   nsdae_sim_options options;
   double t_end;
   char output[NSDAE_PARAM_TEXT_SIZE]; /* "": none */
+  int output_named;                   /* by the user, not by default */
   int quiet, live, compare;
   int help, version;
 } settings;

@@ -6,6 +6,7 @@
 #include <string.h>
 #include <time.h>
 
+#include "clock.h"
 #include "errors.h"
 #include "reserve.h"
 #include "series.h"
@@ -31,13 +32,6 @@ struct nsdae_trajectory {
   long reserved;            /* length that the disk has room for */
   int failed;               /* status of a write that failed: nothing is written any more */
 };
-
-static double wall_clock(void)
-{
-  struct timespec now;
-  timespec_get(&now, TIME_UTC);
-  return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
 
 /* ISO 8601, UTC. */
 static void creation_time(char text[32])
@@ -129,7 +123,7 @@ static int flush(nsdae_trajectory *t)
   if (status == NSDAE_OK) status = nsdae_series_write(&t->records, &t->h5);
   if (status == NSDAE_OK) status = nsdae_series_write(&t->impacts, &t->h5);
   if (status == NSDAE_OK) status = nsdae_h5_flush(&t->h5);
-  t->flushed = wall_clock();
+  t->flushed = nsdae_wall_clock();
   return status;
 }
 
@@ -172,7 +166,7 @@ static int append(nsdae_trajectory *t, const nsdae_record *record)
   int status = append_row(t, &t->records, record);
   for (int i = 0; i < record->impacts && status == NSDAE_OK; i++)
     status = append_row(t, &t->impacts, &record->impact[i]);
-  double now = wall_clock();
+  double now = nsdae_wall_clock();
   /* a slow run flushes every record: the next may be long in coming */
   int due =
       now - t->flushed > flush_interval || now - t->appended > flush_interval || now < t->flushed;

@@ -2,11 +2,11 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include <nsdae/sim.h>
 
 #include "arena.h"
+#include "clock.h"
 #include "errors.h"
 #include "options.h"
 #include "stepper.h"
@@ -111,13 +111,6 @@ void nsdae_sim_destroy(nsdae_sim **sim)
   free((*sim)->law);
   free(*sim);
   *sim = NULL;
-}
-
-static double wall_clock(void)
-{
-  struct timespec now;
-  timespec_get(&now, TIME_UTC);
-  return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
 /* T = v^T M v / 2 */
@@ -389,11 +382,11 @@ static double next_time(const nsdae_sim *sim)
 int nsdae_sim_step(nsdae_sim *sim)
 {
   if (!sim) return NSDAE_E_ARGUMENT;
-  double began = wall_clock();
+  double began = nsdae_wall_clock();
   int status = begin(sim);
   if (status != NSDAE_OK) return status;
   status = step_to(sim, next_time(sim));
-  sim->stats.wall_time += wall_clock() - began;
+  sim->stats.wall_time += nsdae_wall_clock() - began;
   return status == NSDAE_OK && sim->record.impacts > 0 ? NSDAE_EVENT : status;
 }
 
@@ -422,9 +415,9 @@ int nsdae_sim_run(nsdae_sim *sim, double t_end)
                            "t_end = %g is outside its range: it must be finite and at least the "
                            "time reached, %g",
                            t_end, sim->started ? sim->stepper.start.t : 0);
-  double began = wall_clock();
+  double began = nsdae_wall_clock();
   int status = run(sim, t_end);
-  sim->stats.wall_time += wall_clock() - began;
+  sim->stats.wall_time += nsdae_wall_clock() - began;
   return status;
 }
 
