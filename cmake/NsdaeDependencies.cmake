@@ -34,16 +34,18 @@ endif()
 # SUNDIALS 6.4 to 7.x: stiff smooth phases.
 set(NSDAE_SUNDIALS_VERSION none)
 if(NSDAE_SUNDIALS)
-  find_package(SUNDIALS QUIET COMPONENTS cvode nvecserial sunmatrixdense sunlinsoldense)
+  find_package(SUNDIALS QUIET COMPONENTS cvode ida nvecserial sunmatrixdense sunmatrixsparse
+               sunlinsoldense sunlinsolklu)
   if(NOT SUNDIALS_FOUND)
-    message(FATAL_ERROR "nsdae needs SUNDIALS (libsundials-dev) for the method penalty; "
+    message(FATAL_ERROR "nsdae needs SUNDIALS (libsundials-dev) for penalty and event; "
                         "-DNSDAE_SUNDIALS=OFF builds without")
   endif()
   set(NSDAE_SUNDIALS_VERSION ${SUNDIALS_VERSION})
   add_library(nsdae_sundials INTERFACE)
   target_link_libraries(nsdae_sundials INTERFACE
-    SUNDIALS::cvode_shared SUNDIALS::nvecserial_shared SUNDIALS::sunmatrixdense_shared
-    SUNDIALS::sunlinsoldense_shared)
+    SUNDIALS::cvode_shared SUNDIALS::ida_shared SUNDIALS::nvecserial_shared
+    SUNDIALS::sunmatrixdense_shared SUNDIALS::sunmatrixsparse_shared
+    SUNDIALS::sunlinsoldense_shared SUNDIALS::sunlinsolklu_shared)
   if(TARGET SUNDIALS::core_shared) # from version 7 on
     target_link_libraries(nsdae_sundials INTERFACE SUNDIALS::core_shared)
   endif()

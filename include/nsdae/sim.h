@@ -13,7 +13,16 @@ extern "C" {
 typedef struct nsdae_sim nsdae_sim;
 
 /* Index into nsdae_method_name; options.method. */
-enum nsdae_method { NSDAE_IMPLICIT, NSDAE_IMPLICIT_PRINTED, NSDAE_MOREAU, NSDAE_PENALTY };
+enum nsdae_method {
+  NSDAE_IMPLICIT,
+  NSDAE_IMPLICIT_PRINTED,
+  NSDAE_MOREAU,
+  NSDAE_PENALTY,
+  NSDAE_EVENT_DRIVEN
+};
+
+/* Linear solvers of the integrator of event. */
+enum nsdae_linear_solver { NSDAE_LINEAR_DENSE, NSDAE_LINEAR_KLU };
 
 /* What to do where Phi_q has deficient rank. */
 enum nsdae_redundant { NSDAE_REDUNDANT_ERROR, NSDAE_REDUNDANT_LEAST_NORM };
@@ -30,12 +39,15 @@ typedef struct nsdae_sim_options {
   double lcp_tol;                         /* scaled natural residual of a solved LCP */
   int polygon;                            /* edges of the friction polygon where nt = 2: 3 .. 32 */
   double impact_velocity;                 /* slower closings are no impacts [m/s] */
-  double rtol, atol;                      /* of the integrator of penalty */
+  double rtol, atol;                      /* of the integrator of penalty and event */
   int penalty_law;                        /* 0 hertz, 1 kelvin-voigt, 2 hunt-crossley,
                                              3 lankarani-nikravesh, 4 flores */
   double penalty_stiffness;               /* K [N/m^n] */
   double penalty_exponent;                /* n */
   double friction_velocity;               /* regularisation of friction in penalty [m/s] */
+  int linear_solver;                      /* enum nsdae_linear_solver, of event */
+  double accumulation_time;               /* shorter rests of accumulations are closed [s] */
+  int events_max;                         /* of event in one dt; past it the step is implicit */
   unsigned initialised;                   /* set by nsdae_sim_options_default */
 } nsdae_sim_options;
 
@@ -61,6 +73,7 @@ typedef struct nsdae_impact {
   double tangential_impulse[2];
   double velocity_before, velocity_after; /* normal, of the contact [m/s] */
   double peak_force; /* largest normal force of a continuous contact [N]; 0 for a rigid one */
+  int accumulation;  /* 1: stands for infinitely many impacts that end at time in rest */
 } nsdae_impact;
 
 /* The state after a step (or at the start, step = 0) and its certificate. Everything points into
@@ -96,9 +109,11 @@ typedef struct nsdae_stats {
   long lcps, lcp_pivots, iterations; /* iterations of the implicit methods */
   long mass_evals, force_evals, jacobian_evals;
   long impacts;
-  int rank;              /* smallest rank of Phi_q met */
-  double worst_residual; /* over all LCPs */
-  double worst_drift;    /* max |Phi| [in its units] */
+  long events, accumulations; /* of event: instants of change; accumulations closed */
+  long fallback_steps;        /* of event: dt that were stepped by implicit instead */
+  int rank;                   /* smallest rank of Phi_q met */
+  double worst_residual;      /* over all LCPs */
+  double worst_drift;         /* max |Phi| [in its units] */
   double worst_penetration;
   double energy_start;   /* kinetic + potential at the start [J] */
   double energy_balance; /* energy now + dissipated - energy_start [J]; forces that are not in the

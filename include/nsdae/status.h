@@ -30,7 +30,8 @@ extern "C" {
   X(NSDAE_E_CONVERGENCE, -11, "an iteration did not converge")                     \
   X(NSDAE_E_DERIVATIVE, -12, "a derivative disagrees with differences")            \
   X(NSDAE_E_IO, -13, "a file could not be read or written")                        \
-  X(NSDAE_E_UNSUPPORTED, -14, "not built into this library")
+  X(NSDAE_E_UNSUPPORTED, -14, "not built into this library")                       \
+  X(NSDAE_E_PAINLEVE, -15, "no contact force exists, or more than one (Painleve)")
 
 enum nsdae_status {
 #define NSDAE_STATUS_ENUM(name, value, message) name = value,

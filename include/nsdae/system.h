@@ -55,6 +55,12 @@ typedef int (*nsdae_gap_tangent_fn)(double t, const double *q, double *W, int ld
  * where nt = 0. */
 typedef int (*nsdae_contact_bias_fn)(double t, const double *q, double *w_n, double *w_t,
                                      void *user);
+/* What the contacts and slides accelerate by with v' = 0, at (t,q,v): omega_n [k], omega_t [k nt]
+ * and omega_s [f], such that g_N'' = W_N^T v' + omega_n, v_T' = W_T^T v' + omega_t and the slides'
+ * velocities have the rates W_S^T v' + omega_s. An array is NULL where it would be empty. */
+typedef int (*nsdae_contact_acceleration_fn)(double t, const double *q, const double *v,
+                                             double *omega_n, double *omega_t, double *omega_s,
+                                             void *user);
 /* W_S(t,q) [nv x f] and w_S(t,q) [f]: the sliding velocity of each slide is W_S^T v + w_S. */
 typedef int (*nsdae_slide_fn)(double t, const double *q, double *W, int ldw, double *w, void *user);
 /* dq/dt [nq] from v [nv], linear in v. */
@@ -77,9 +83,9 @@ NSDAE_API int nsdae_system_set_user(nsdae_system *system, void *user);
 /* mass and force are always needed, constraint where m > 0, gap where k > 0, gap_tangent where
  * nt > 0 and any mu > 0, slide_tangent where a slide has mu > 0. What else is missing is filled by
  * central differences (constraint Jacobian and bias, gap normal and the normal part of the contact
- * bias; nsdae_system_differences says which) or taken as zero (tangential bias); kinematics is the
- * identity where nq = nv. NSDAE_E_ARGUMENT: system or callback NULL, or the system has no such
- * term. */
+ * bias; for the method event the contact acceleration; nsdae_system_differences says which) or
+ * taken as zero (tangential bias); kinematics is the identity where nq = nv. NSDAE_E_ARGUMENT:
+ * system or callback NULL, or the system has no such term. */
 NSDAE_API int nsdae_system_set_mass(nsdae_system *system, nsdae_mass_fn mass);
 NSDAE_API int nsdae_system_set_force(nsdae_system *system, nsdae_force_fn force);
 NSDAE_API int nsdae_system_set_constraint(nsdae_system *system, nsdae_constraint_fn constraint);
@@ -90,6 +96,8 @@ NSDAE_API int nsdae_system_set_gap(nsdae_system *system, nsdae_gap_fn gap);
 NSDAE_API int nsdae_system_set_gap_normal(nsdae_system *system, nsdae_gap_normal_fn normal);
 NSDAE_API int nsdae_system_set_gap_tangent(nsdae_system *system, nsdae_gap_tangent_fn tangent);
 NSDAE_API int nsdae_system_set_contact_bias(nsdae_system *system, nsdae_contact_bias_fn bias);
+NSDAE_API int nsdae_system_set_contact_acceleration(nsdae_system *system,
+                                                    nsdae_contact_acceleration_fn acceleration);
 NSDAE_API int nsdae_system_set_slide_tangent(nsdae_system *system, nsdae_slide_fn tangent);
 NSDAE_API int nsdae_system_set_kinematics(nsdae_system *system, nsdae_kinematics_fn kinematics);
 NSDAE_API int nsdae_system_set_potential(nsdae_system *system, nsdae_potential_fn potential);

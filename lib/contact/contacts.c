@@ -69,6 +69,7 @@ void nsdae_contacts_layout(nsdae_contacts *c, nsdae_arena *arena)
   c->D_S = NSDAE_ARENA_DOUBLES(arena, f * columns);
   c->pivot = NSDAE_ARENA_INTS(arena, f);
   c->slide_memory = NSDAE_ARENA_INTS(arena, 3 * f);
+  c->slide_row = NSDAE_ARENA_INTS(arena, f + 1);
   c->before = NSDAE_ARENA_DOUBLES(arena, k);
   c->before_t = NSDAE_ARENA_DOUBLES(arena, k * dims->nt);
   c->after = NSDAE_ARENA_DOUBLES(arena, k);
@@ -111,12 +112,23 @@ void nsdae_contacts_forget(nsdae_contacts *c)
     if (c->system->slide[j].mu > 0) c->slide[count++] = j;
 }
 
-void nsdae_contacts_close(nsdae_contacts *c, const nsdae_terms *terms)
+/* Columns and rows of the slides after those of the contacts. */
+static void close_slides(nsdae_contacts *c, int columns, int rows)
+{
+  for (int j = 0; j < c->slide_count; j++) {
+    c->slide_row[j] = rows;
+    rows += nsdae_slides_rows(c, j);
+  }
+  c->columns = columns + c->slide_count;
+  c->rows = rows;
+}
+
+static void close_contacts(nsdae_contacts *c, const double *gap, const int *closed)
 {
   int count = 0, columns = 0, rows = 0;
   clear_results(c);
   for (int i = 0; i < c->system->dims.k; i++) {
-    if (terms->gap[i] > 0) continue;
+    if (gap ? gap[i] > 0 : !closed[i]) continue;
     c->active[count] = i;
     c->first_column[count] = columns;
     c->first_row[count] = rows;
@@ -126,9 +138,18 @@ void nsdae_contacts_close(nsdae_contacts *c, const nsdae_terms *terms)
   }
   c->first_column[count] = columns;
   c->first_row[count] = rows;
-  c->columns = columns + c->slide_count;
-  c->rows = rows + 3 * c->slide_count;
   c->active_count = count;
+  close_slides(c, columns, rows);
+}
+
+void nsdae_contacts_close(nsdae_contacts *c, const nsdae_terms *terms)
+{
+  close_contacts(c, terms->gap, NULL);
+}
+
+void nsdae_contacts_close_marked(nsdae_contacts *c, const int *closed)
+{
+  close_contacts(c, NULL, closed);
 }
 
 /* Velocity W^T v + w of contact i. */
@@ -268,8 +289,9 @@ static void recall_basis(nsdae_contacts *c)
   for (int a = 0; a < c->active_count; a++)
     memcpy(c->basis + c->first_row[a], c->memory + c->active[a] * c->rows_max,
            (size_t)c->law[c->active[a]].rows * sizeof *c->basis);
-  memcpy(c->basis + c->rows - 3 * c->slide_count, c->slide_memory,
-         3 * (size_t)c->slide_count * sizeof *c->basis);
+  for (int j = 0; j < c->slide_count; j++)
+    memcpy(c->basis + c->slide_row[j], c->slide_memory + 3 * j,
+           (size_t)nsdae_slides_rows(c, j) * sizeof *c->basis);
 }
 
 static void keep_basis(nsdae_contacts *c)
@@ -277,8 +299,9 @@ static void keep_basis(nsdae_contacts *c)
   for (int a = 0; a < c->active_count; a++)
     memcpy(c->memory + c->active[a] * c->rows_max, c->basis + c->first_row[a],
            (size_t)c->law[c->active[a]].rows * sizeof *c->basis);
-  memcpy(c->slide_memory, c->basis + c->rows - 3 * c->slide_count,
-         3 * (size_t)c->slide_count * sizeof *c->basis);
+  for (int j = 0; j < c->slide_count; j++)
+    memcpy(c->slide_memory + 3 * j, c->basis + c->slide_row[j],
+           (size_t)nsdae_slides_rows(c, j) * sizeof *c->basis);
 }
 
 static int unsolved(nsdae_contacts *c, double t, int status)

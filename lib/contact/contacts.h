@@ -47,6 +47,8 @@ typedef struct nsdae_contacts {
   double *K, *k0;            /* slide_count x rows, slide_count: l- = K x + k0 */
   double *Q, *D_S;           /* slide_count x slide_count, slide_count x columns */
   int *pivot, *slide_memory; /* slide_count, 3 slide_count */
+  const int *slide_sense;    /* f: +1 or -1 where a slide is known to slide that way; NULL: none */
+  int *slide_row;            /* slide_count: first row of each, three or, with a known sense, one */
 
   /* by contact, zero where it is open */
   double *before, *before_t;   /* v_N(-), v_T(-): k, k nt */
@@ -75,6 +77,9 @@ void nsdae_contacts_forget(nsdae_contacts *contacts);
 /* Closes the contacts with a gap that is not above zero; the others are open and their results
  * zero. The terms must have the gap. */
 void nsdae_contacts_close(nsdae_contacts *contacts, const nsdae_terms *terms);
+
+/* The same with the contacts [k] that are marked. */
+void nsdae_contacts_close_marked(nsdae_contacts *contacts, const int *closed);
 
 /* Stores v(-) of the closed contacts and the slides: W^T v + w with the terms' W and w; with
  * impacts_only, of the contacts that are marked as impacts. */

@@ -44,6 +44,14 @@ nsdae_law nsdae_law_make(int nt, double mu, int edges)
   return nt == 1 ? planar(mu) : polygon(mu, edges);
 }
 
+nsdae_law nsdae_law_sliding(int nt, double mu, const double *d)
+{
+  nsdae_law law = {.kind = NSDAE_SLIDING, .columns = 1 + nt, .rows = 1, .mu = mu};
+  law.E_Q[0][0] = law.E_P[0][0] = 1;
+  for (int l = 0; l < nt; l++) law.E_Q[1 + l][0] = -mu * d[l];
+  return law;
+}
+
 void nsdae_law_add_coupling(const nsdae_law *law, double *A, int lda)
 {
   int last = law->rows - 1;

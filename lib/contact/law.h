@@ -8,6 +8,8 @@
  *   planar (r = 3)         x = [Lambda_N, Lambda_R, xi_L],     y = [xi_N, xi_R, Lambda_L]
  *       Lambda_T = Lambda_R - mu Lambda_N,  Lambda_L = 2 mu Lambda_N - Lambda_R,
  *       xi_R = xi_T + xi_L                     (Zhang, Gu, Sun, Eqs. 25-29)
+ *   sliding (r = 1)        x = Lambda_N,  y = xi_N,  Lambda_T = -mu Lambda_N d,  the direction d of
+ *                          sliding being known
  *   polygon (r = p + 2)    x = [Lambda_N, Lambda_D, gamma],
  *                          y = [xi_N, gamma 1 + D^T xi_T, mu Lambda_N - 1^T Lambda_D]
  *       Lambda_T = D Lambda_D, the columns of D being p directions around the circle
@@ -17,7 +19,12 @@
 
 enum { NSDAE_LAW_COLUMNS = 3, NSDAE_POLYGON_MAX = 32, NSDAE_LAW_ROWS = NSDAE_POLYGON_MAX + 2 };
 
-typedef enum nsdae_law_kind { NSDAE_FRICTIONLESS, NSDAE_PLANAR, NSDAE_POLYGON } nsdae_law_kind;
+typedef enum nsdae_law_kind {
+  NSDAE_FRICTIONLESS,
+  NSDAE_PLANAR,
+  NSDAE_POLYGON,
+  NSDAE_SLIDING
+} nsdae_law_kind;
 
 typedef struct nsdae_law {
   nsdae_law_kind kind;
@@ -30,6 +37,9 @@ typedef struct nsdae_law {
 /* Law of a contact with nt tangential directions: frictionless where nt = 0 or mu = 0; a polygon
  * of edges directions where nt = 2. */
 nsdae_law nsdae_law_make(int nt, double mu, int edges);
+
+/* Law of a contact that slides along the unit vector d [nt]. */
+nsdae_law nsdae_law_sliding(int nt, double mu, const double *d);
 
 /* Adds N to the r x r diagonal block of A. */
 void nsdae_law_add_coupling(const nsdae_law *law, double *A, int lda);

@@ -18,9 +18,26 @@ static const nsdae_slide *slide_of(const nsdae_contacts *c, int j)
   return &c->system->slide[c->slide[j]];
 }
 
+/* The known direction of sliding, +1 or -1; 0: not known. */
+static int sense_of(const nsdae_contacts *c, int j)
+{
+  return c->slide_sense ? c->slide_sense[c->slide[j]] : 0;
+}
+
+/* mu, or s mu where the direction is known. */
+static double signed_mu(const nsdae_contacts *c, int j)
+{
+  return sense_of(c, j) < 0 ? -slide_of(c, j)->mu : slide_of(c, j)->mu;
+}
+
+int nsdae_slides_rows(const nsdae_contacts *c, int j)
+{
+  return sense_of(c, j) ? 1 : 3;
+}
+
 static int row_of(const nsdae_contacts *c, int j, int which)
 {
-  return c->rows - 3 * c->slide_count + 3 * j + which;
+  return c->slide_row[j] + which;
 }
 
 static int column_of(const nsdae_contacts *c, int j)
@@ -39,8 +56,8 @@ static void basic_map(nsdae_contacts *c)
         AT(c->Z, c->columns, c->first_column[a] + l, c->first_row[a] + j) = law->E_Q[l][j];
   }
   for (int j = 0; j < c->slide_count; j++) {
-    AT(c->Z, c->columns, column_of(c, j), row_of(c, j, L_PLUS)) = -slide_of(c, j)->mu;
-    AT(c->Z, c->columns, column_of(c, j), row_of(c, j, LAMBDA_R)) = 1;
+    AT(c->Z, c->columns, column_of(c, j), row_of(c, j, L_PLUS)) = -signed_mu(c, j);
+    if (!sense_of(c, j)) AT(c->Z, c->columns, column_of(c, j), row_of(c, j, LAMBDA_R)) = 1;
   }
 }
 
@@ -52,7 +69,7 @@ static void constraint_rows(nsdae_contacts *c, const double *lambda)
     for (int j = 0; j < c->columns; j++)
       AT(c->D_S, f, i, j) = AT(c->D, m, slide_of(c, i)->constraint, j);
     for (int j = 0; j < f; j++)
-      AT(c->Q, f, i, j) = (i == j) - AT(c->D_S, f, i, column_of(c, j)) * slide_of(c, j)->mu;
+      AT(c->Q, f, i, j) = (i == j) - AT(c->D_S, f, i, column_of(c, j)) * signed_mu(c, j);
     c->k0[i] = -lambda[slide_of(c, i)->constraint];
   }
   for (int j = 0; j < c->rows; j++)
@@ -82,7 +99,7 @@ static void whole_map(nsdae_contacts *c)
 {
   memset(c->z0, 0, (size_t)c->columns * sizeof *c->z0);
   for (int i = 0; i < c->slide_count; i++) {
-    double mu = slide_of(c, i)->mu;
+    double mu = signed_mu(c, i);
     for (int j = 0; j < c->rows; j++)
       AT(c->Z, c->columns, column_of(c, i), j) -= mu * AT(c->K, c->slide_count, i, j);
     c->z0[column_of(c, i)] = -mu * c->k0[i];
@@ -116,13 +133,15 @@ static void slide_rows(nsdae_contacts *c, int i)
 {
   int row = row_of(c, i, 0), column = column_of(c, i);
   double mu = slide_of(c, i)->mu;
+  c->b[row + L_PLUS] = c->k0[i];
   for (int j = 0; j < c->rows; j++) {
     double K = AT(c->K, c->slide_count, i, j);
     AT(c->A, c->rows, row + L_PLUS, j) = K;
+    if (sense_of(c, i)) continue;
     AT(c->A, c->rows, row + LAMBDA_R, j) = AT(c->GZ, c->columns, column, j) + (j == row + XI_L);
     AT(c->A, c->rows, row + XI_L, j) = 2 * mu * ((j == row + L_PLUS) + K) - (j == row + LAMBDA_R);
   }
-  c->b[row + L_PLUS] = c->k0[i];
+  if (sense_of(c, i)) return;
   c->b[row + LAMBDA_R] = c->offset[column];
   c->b[row + XI_L] = 2 * mu * c->k0[i];
 }
@@ -151,7 +170,7 @@ void nsdae_slides_scatter(nsdae_contacts *c)
       size += fabs(term);
     }
     c->impulse_size[column] = size;
-    int sticking = c->basis[row + LAMBDA_R] && !c->basis[row + XI_L];
+    int sticking = !sense_of(c, i) && c->basis[row + LAMBDA_R] && !c->basis[row + XI_L];
     c->impulse[column] = sum;
     c->slide_impulse[c->slide[i]] = sum;
     c->slide_mode[c->slide[i]] = sticking ? NSDAE_STICK : NSDAE_SLIDE;

@@ -13,12 +13,18 @@
  *   l- = K x + k0,   Lambda = Z x + z0,   Z = Z_b - mu K,   z0 = -mu k0     (on the slides)
  *   l- row: K;   xi_R row: W_S^T P W Z + [xi_L];   Lambda_L row: 2 mu (S + K) - [Lambda_R]
  *
- * and the rows of the contacts take G Z and G z0 in place of G E_Q. A singular Q is Painleve's
+ * Where the direction of sliding s = +-1 is known, l+ is the only row left, its complement l-, and
+ * Lambda_T = -s mu (l+ + l-): s mu takes the place of mu, and Lambda_R and xi_L are left out.
+ *
+ * The rows of the contacts take G Z and G z0 in place of G E_Q. A singular Q is Painleve's
  * paradox: the friction that a slide calls for feeds the normal force without bound. */
 #ifndef NSDAE_SLIDES_H
 #define NSDAE_SLIDES_H
 
 #include "contacts.h"
+
+/* Rows of the j-th slide: three, or one where its direction is known. */
+int nsdae_slides_rows(const nsdae_contacts *contacts, int j);
 
 /* A and b of the whole problem; lambda [m] are the multipliers without contacts and friction.
  * NSDAE_OK, or NSDAE_E_LCP where Q is singular. */

@@ -5,10 +5,10 @@
 
 #include <cvode/cvode.h>
 #include <nvector/nvector_serial.h>
-#include <sundials/sundials_context.h>
-#include <sundials/sundials_version.h>
 #include <sunlinsol/sunlinsol_dense.h>
 #include <sunmatrix/sunmatrix_dense.h>
+
+#include "context.h"
 
 struct nsdae_ode {
   nsdae_ode_problem problem;
@@ -37,34 +37,19 @@ static int root(sunrealtype t, N_Vector y, sunrealtype *g, void *user)
   return code;
 }
 
-/* Version 7 takes a communicator and reports through the context, version 6 through CVODE. */
-#if SUNDIALS_VERSION_MAJOR >= 7
-static int make_context(SUNContext *context)
-{
-  if (SUNContext_Create(SUN_COMM_NULL, context) != 0) return -1;
-  return SUNContext_ClearErrHandlers(*context) == 0 ? 0 : -1;
-}
-
 static void silence(void *cvode)
 {
-  (void)cvode;
-}
-#else
-static int make_context(SUNContext *context)
-{
-  return SUNContext_Create(NULL, context);
-}
-
-static void silence(void *cvode)
-{
+#if SUNDIALS_VERSION_MAJOR < 7
   CVodeSetErrFile(cvode, NULL);
-}
+#else
+  (void)cvode; /* the context is silent */
 #endif
+}
 
 static int make_objects(nsdae_ode *ode)
 {
   int n = ode->problem.n;
-  if (make_context(&ode->context) != 0) return NSDAE_E_MEMORY;
+  if (nsdae_make_context(&ode->context) != 0) return NSDAE_E_MEMORY;
   ode->y = N_VNew_Serial(n, ode->context);
   if (!ode->y) return NSDAE_E_MEMORY;
   N_VConst(0, ode->y);

@@ -11,7 +11,7 @@
 typedef struct check {
   nsdae_system *system;
   nsdae_differences differences;
-  double t;
+  double t, tol;
   const double *q, *v;
   double *given, *differenced, *spare; /* one matrix each */
   int code;                            /* of a callback that failed, and its name */
@@ -21,7 +21,7 @@ typedef struct check {
 
 static long largest(const nsdae_dims *dims)
 {
-  long columns = dims->nv, k = (long)dims->k * (dims->nt > 0 ? dims->nt : 1);
+  long columns = dims->nv, k = (long)dims->k * (1 + dims->nt) + dims->f;
   if (dims->m > columns) columns = dims->m;
   if (k > columns) columns = k;
   return columns * (dims->nv > dims->m ? dims->nv : dims->m);
@@ -138,6 +138,24 @@ static void check_contact_bias(check *c)
   if (!difference_failed(c, code, "gap")) compare(c, "contact_bias w_n", k, 1);
 }
 
+static void check_contact_acceleration(check *c)
+{
+  nsdae_system *s = c->system;
+  int k = s->dims.k, kt = k * s->dims.nt, f = s->dims.f;
+  if (!s->contact_acceleration || c->worst.error > c->tol) return; /* it rests on the others */
+  zero(c->given, k + kt + f, 1);
+  if (failed(c,
+             s->contact_acceleration(c->t, c->q, c->v, k ? c->given : NULL,
+                                     kt ? c->given + k : NULL, f ? c->given + k + kt : NULL,
+                                     s->user),
+             "contact_acceleration"))
+    return;
+  int code = nsdae_differences_contacts(&c->differences, c->t, c->q, c->v, c->differenced,
+                                        c->differenced + k, c->differenced + k + kt);
+  if (!difference_failed(c, code, "contact_bias"))
+    compare(c, "contact_acceleration", k + kt + f, 1);
+}
+
 static int verdict(check *c, double tol)
 {
   nsdae_error *error = &c->system->error;
@@ -165,13 +183,14 @@ static int check_arguments(nsdae_system *system, const double *q, const double *
 int nsdae_system_check(nsdae_system *system, double t, const double *q, const double *v, double tol,
                        nsdae_check *worst)
 {
-  static void (*const all[])(check *) = {check_mass, check_jacobian, check_bias, check_normal,
-                                         check_contact_bias};
+  static void (*const all[])(check *) = {check_mass,         check_jacobian,
+                                         check_bias,         check_normal,
+                                         check_contact_bias, check_contact_acceleration};
   if (!system) return NSDAE_E_ARGUMENT;
   nsdae_error_clear(&system->error);
   int status = check_arguments(system, q, v, tol);
   if (status < 0) return status;
-  check c = {.system = system, .t = t, .q = q, .v = v};
+  check c = {.system = system, .t = t, .tol = tol, .q = q, .v = v};
   c.differences.system = system;
   nsdae_arena arena;
   if (nsdae_arena_build(&arena, layout, &c) < 0)

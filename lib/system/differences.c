@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "system_impl.h"
+#include "vector.h"
 
 void nsdae_differences_layout(nsdae_differences *differences, nsdae_arena *arena)
 {
@@ -18,6 +19,11 @@ void nsdae_differences_layout(nsdae_differences *differences, nsdae_arena *arena
   differences->minus = NSDAE_ARENA_DOUBLES(arena, rows);
   differences->rate_plus = NSDAE_ARENA_DOUBLES(arena, rows);
   differences->rate_minus = NSDAE_ARENA_DOUBLES(arena, rows);
+  long k = dims->k, kt = k * dims->nt, columns = kt > k ? kt : k;
+  if (dims->f > columns) columns = dims->f;
+  differences->moved = NSDAE_ARENA_DOUBLES(arena, dims->nq);
+  differences->W = NSDAE_ARENA_DOUBLES(arena, dims->nv * columns);
+  differences->velocity = NSDAE_ARENA_DOUBLES(arena, k + kt + dims->f);
 }
 
 int nsdae_kinematics(const nsdae_system *system, double t, const double *q, const double *v,
@@ -111,5 +117,91 @@ int nsdae_differences_second(nsdae_differences *d, nsdae_position_fn f, int rows
   if (!code) code = rate_after(d, f, rows, t, q, v, s, d->rate_plus);
   if (!code) code = rate_after(d, f, rows, t, q, v, -s, d->rate_minus);
   for (int i = 0; i < rows; i++) omega[i] = (d->rate_plus[i] - d->rate_minus[i]) / (2 * s);
+  return code;
+}
+
+static void zero_directions(nsdae_differences *d, int columns)
+{
+  memset(d->W, 0, (size_t)d->system->dims.nv * (size_t)columns * sizeof *d->W);
+}
+
+static void add_velocities(nsdae_differences *d, int columns, const double *v, double *velocity)
+{
+  nsdae_add_transposed(d->system->dims.nv, columns, 1, d->W, v, velocity);
+}
+
+/* w_N and w_T into the velocities. */
+static int contact_offsets(nsdae_differences *d, double t, const double *q, double *u_n,
+                           double *u_t)
+{
+  const nsdae_system *s = d->system;
+  if (s->contact_bias) return s->contact_bias(t, q, u_n, s->dims.nt > 0 ? u_t : NULL, s->user);
+  return nsdae_differences_time(d, s->gap, s->dims.k, t, q, u_n);
+}
+
+/* Velocities of the contacts at a point. */
+static int contact_velocities(nsdae_differences *d, double t, const double *q, const double *v,
+                              double *u_n, double *u_t)
+{
+  const nsdae_system *s = d->system;
+  int n = s->dims.nv, k = s->dims.k, columns = k * s->dims.nt;
+  if (k == 0) return 0;
+  int code = contact_offsets(d, t, q, u_n, u_t);
+  if (code) return code;
+  zero_directions(d, k);
+  code = s->gap_normal ? s->gap_normal(t, q, d->W, n, s->user)
+                       : nsdae_differences_velocity(d, s->gap, k, t, q, d->W, n, 1);
+  if (code) return code;
+  add_velocities(d, k, v, u_n);
+  if (columns == 0 || !s->gap_tangent) return 0;
+  zero_directions(d, columns);
+  code = s->gap_tangent(t, q, d->W, n, s->user);
+  if (!code) add_velocities(d, columns, v, u_t);
+  return code;
+}
+
+static int slide_velocities(nsdae_differences *d, double t, const double *q, const double *v,
+                            double *u_s)
+{
+  const nsdae_system *s = d->system;
+  if (s->dims.f == 0 || !s->slide_tangent) return 0;
+  zero_directions(d, s->dims.f);
+  int code = s->slide_tangent(t, q, d->W, s->dims.nv, u_s, s->user);
+  if (!code) add_velocities(d, s->dims.f, v, u_s);
+  return code;
+}
+
+/* omega += weight u(t + s, q + s H v) */
+static int add_displaced(nsdae_differences *d, double t, const double *q, const double *v, double s,
+                         double weight, double *const omega[3])
+{
+  const nsdae_dims *dims = &d->system->dims;
+  int size[3] = {dims->k, dims->k * dims->nt, dims->f};
+  double *u[3] = {d->velocity, d->velocity + size[0], d->velocity + size[0] + size[1]};
+  int code = kinematics(d, t, q, v, d->qdot);
+  for (int i = 0; i < dims->nq; i++) d->moved[i] = q[i] + s * d->qdot[i];
+  memset(d->velocity, 0, (size_t)(size[0] + size[1] + size[2]) * sizeof *d->velocity);
+  if (!code) code = contact_velocities(d, t + s, d->moved, v, u[0], u[1]);
+  if (!code) code = slide_velocities(d, t + s, d->moved, v, u[2]);
+  for (int part = 0; part < 3; part++)
+    for (int i = 0; i < size[part]; i++) omega[part][i] += weight * u[part][i];
+  return code;
+}
+
+int nsdae_differences_contacts(nsdae_differences *d, double t, const double *q, const double *v,
+                               double *omega_n, double *omega_t, double *omega_s)
+{
+  /* u' = (8 (u(s) - u(-s)) - (u(2s) - u(-2s))) / 12 s + O(s^4); rounding eps / s: s ~ eps^(1/5) */
+  static const double at[4] = {-2, -1, 1, 2}, weight[4] = {1, -8, 8, -1};
+  double *const omega[3] = {omega_n, omega_t, omega_s};
+  const nsdae_dims *dims = &d->system->dims;
+  d->failed = NULL;
+  memset(omega_n, 0, (size_t)dims->k * sizeof *omega_n);
+  memset(omega_t, 0, (size_t)(dims->k * dims->nt) * sizeof *omega_t);
+  memset(omega_s, 0, (size_t)dims->f * sizeof *omega_s);
+  int code = kinematics(d, t, q, v, d->qdot);
+  double s = nsdae_differences_step(dims->nq, t, q, d->qdot, 7.4e-4);
+  for (int i = 0; i < 4 && !code; i++)
+    code = add_displaced(d, t, q, v, at[i] * s, weight[i] / (12 * s), omega);
   return code;
 }

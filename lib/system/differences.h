@@ -22,6 +22,8 @@ typedef struct nsdae_differences {
   double *unit;         /* nv */
   double *plus, *minus; /* max(m, k) */
   double *rate_plus, *rate_minus;
+  double *moved;        /* nq: a displaced point of the contacts' velocities */
+  double *W, *velocity; /* nv x max(k, k nt, f); k + k nt + f */
 } nsdae_differences;
 
 /* system is set before. */
@@ -38,6 +40,12 @@ int nsdae_differences_time(nsdae_differences *differences, nsdae_position_fn f, 
 /* omega [rows]: f'' along the motion with v constant. */
 int nsdae_differences_second(nsdae_differences *differences, nsdae_position_fn f, int rows,
                              double t, const double *q, const double *v, double *omega);
+
+/* omega_n [k], omega_t [k nt], omega_s [f]: rates of the velocities W^T v + w of contacts and
+ * slides along the motion with v constant, by five points (error about 1e-12 where W and w are
+ * given). */
+int nsdae_differences_contacts(nsdae_differences *differences, double t, const double *q,
+                               const double *v, double *omega_n, double *omega_t, double *omega_s);
 
 /* dq/dt [nq]. */
 int nsdae_kinematics(const nsdae_system *system, double t, const double *q, const double *v,

@@ -95,6 +95,8 @@ SETTER(gap_tangent, nsdae_gap_tangent_fn, system->dims.k > 0 && system->dims.nt 
        "the system has no tangential directions (k nt = 0)")
 SETTER(contact_bias, nsdae_contact_bias_fn, system->dims.k > 0,
        "the system has no contacts (k = 0)")
+SETTER(contact_acceleration, nsdae_contact_acceleration_fn,
+       system->dims.k > 0 || system->dims.f > 0, "the system has no contacts or slides (k = f = 0)")
 SETTER(slide_tangent, nsdae_slide_fn, system->dims.f > 0, "the system has no slides (f = 0)")
 SETTER(kinematics, nsdae_kinematics_fn, 1, "")
 SETTER(potential, nsdae_potential_fn, 1, "")
@@ -161,6 +163,8 @@ const char *nsdae_system_differences(nsdae_system *system)
       {"constraint_bias", system->dims.m > 0 && !system->constraint_bias},
       {"gap_normal", system->dims.k > 0 && !system->gap_normal},
       {"contact_bias", system->dims.k > 0 && !system->contact_bias},
+      {"contact_acceleration",
+       system->dims.k + system->dims.f > 0 && !system->contact_acceleration},
   };
   char *text = system->differences;
   *text = '\0';

@@ -25,6 +25,7 @@ struct nsdae_system {
   nsdae_gap_normal_fn gap_normal;
   nsdae_gap_tangent_fn gap_tangent;
   nsdae_contact_bias_fn contact_bias;
+  nsdae_contact_acceleration_fn contact_acceleration;
   nsdae_slide_fn slide_tangent;
   nsdae_kinematics_fn kinematics;
   nsdae_potential_fn potential;

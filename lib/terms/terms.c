@@ -25,6 +25,9 @@ void nsdae_terms_layout(nsdae_terms *terms, nsdae_arena *arena)
   terms->w_T = NSDAE_ARENA_DOUBLES(arena, k * nt);
   terms->W_S = NSDAE_ARENA_DOUBLES(arena, n * dims->f);
   terms->w_S = NSDAE_ARENA_DOUBLES(arena, dims->f);
+  terms->omega_N = NSDAE_ARENA_DOUBLES(arena, k);
+  terms->omega_T = NSDAE_ARENA_DOUBLES(arena, k * nt);
+  terms->omega_S = NSDAE_ARENA_DOUBLES(arena, dims->f);
 }
 
 void nsdae_terms_at(nsdae_terms *terms, double t, const double *q, const double *v)
@@ -39,7 +42,7 @@ void nsdae_terms_at(nsdae_terms *terms, double t, const double *q, const double 
 void nsdae_terms_set_velocity(nsdae_terms *terms, const double *v)
 {
   memcpy(terms->v, v, (size_t)terms->system->dims.nv * sizeof *v);
-  terms->have &= ~(unsigned)(NSDAE_TERM_FORCE | NSDAE_TERM_OMEGA);
+  terms->have &= ~(unsigned)(NSDAE_TERM_FORCE | NSDAE_TERM_OMEGA | NSDAE_TERM_ACCELERATION);
 }
 
 static void zero(double *a, long count)
@@ -191,6 +194,27 @@ static int slide(nsdae_terms *T)
   return status < 0 ? status : outcome(T, 0, "slide_tangent", T->w_S, f, 1);
 }
 
+static int acceleration(nsdae_terms *T)
+{
+  const nsdae_system *s = T->system;
+  int k = s->dims.k, kt = k * s->dims.nt, f = s->dims.f, code;
+  const char *callback = "contact_acceleration";
+  zero(T->omega_N, k);
+  zero(T->omega_T, kt);
+  zero(T->omega_S, f);
+  if (s->contact_acceleration) {
+    code = s->contact_acceleration(T->t, T->q, T->v, k ? T->omega_N : NULL, kt ? T->omega_T : NULL,
+                                   f ? T->omega_S : NULL, s->user);
+  } else {
+    code = nsdae_differences_contacts(T->differences, T->t, T->q, T->v, T->omega_N, T->omega_T,
+                                      T->omega_S);
+    callback = code && T->differences->failed ? T->differences->failed : "gap_normal";
+  }
+  int status = outcome(T, code, callback, T->omega_N, k, 1);
+  if (status == NSDAE_OK) status = outcome(T, 0, callback, T->omega_T, kt, 1);
+  return status < 0 ? status : outcome(T, 0, callback, T->omega_S, f, 1);
+}
+
 static int potential(nsdae_terms *T)
 {
   const nsdae_system *s = T->system;
@@ -206,10 +230,19 @@ typedef struct evaluation {
 } evaluation;
 
 static const evaluation all[] = {
-    {NSDAE_TERM_MASS, mass},         {NSDAE_TERM_FORCE, force},   {NSDAE_TERM_PHI, phi},
-    {NSDAE_TERM_JACOBIAN, jacobian}, {NSDAE_TERM_PHI_T, phi_t},   {NSDAE_TERM_OMEGA, omega},
-    {NSDAE_TERM_GAP, gap},           {NSDAE_TERM_NORMAL, normal}, {NSDAE_TERM_TANGENT, tangent},
-    {NSDAE_TERM_BIAS, bias},         {NSDAE_TERM_SLIDE, slide},   {NSDAE_TERM_POTENTIAL, potential},
+    {NSDAE_TERM_MASS, mass},
+    {NSDAE_TERM_FORCE, force},
+    {NSDAE_TERM_PHI, phi},
+    {NSDAE_TERM_JACOBIAN, jacobian},
+    {NSDAE_TERM_PHI_T, phi_t},
+    {NSDAE_TERM_OMEGA, omega},
+    {NSDAE_TERM_GAP, gap},
+    {NSDAE_TERM_NORMAL, normal},
+    {NSDAE_TERM_TANGENT, tangent},
+    {NSDAE_TERM_BIAS, bias},
+    {NSDAE_TERM_SLIDE, slide},
+    {NSDAE_TERM_POTENTIAL, potential},
+    {NSDAE_TERM_ACCELERATION, acceleration},
 };
 
 enum {
@@ -222,6 +255,8 @@ int nsdae_terms_need(nsdae_terms *terms, unsigned which)
   if (terms->system->dims.m == 0) which &= ~(unsigned)CONSTRAINT_TERMS;
   if (terms->system->dims.k == 0) which &= ~(unsigned)CONTACT_TERMS;
   if (terms->system->dims.f == 0) which &= ~(unsigned)NSDAE_TERM_SLIDE;
+  if (terms->system->dims.k + terms->system->dims.f == 0)
+    which &= ~(unsigned)NSDAE_TERM_ACCELERATION;
   for (size_t i = 0; i < sizeof all / sizeof *all; i++) {
     if (!(which & all[i].term) || (terms->have & all[i].term)) continue;
     int status = all[i].evaluate(terms);

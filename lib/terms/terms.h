@@ -22,7 +22,8 @@ enum {
   NSDAE_TERM_TANGENT = 256,
   NSDAE_TERM_BIAS = 512, /* w_N, w_T */
   NSDAE_TERM_POTENTIAL = 1024,
-  NSDAE_TERM_SLIDE = 2048 /* W_S, w_S */
+  NSDAE_TERM_SLIDE = 2048,       /* W_S, w_S */
+  NSDAE_TERM_ACCELERATION = 4096 /* omega_N, omega_T, omega_S; depends on v */
 };
 
 typedef struct nsdae_evals {
@@ -36,16 +37,17 @@ typedef struct nsdae_terms {
   nsdae_evals *evals;
   unsigned have; /* the terms that are up to date */
   double t, *q, *v;
-  double *M;             /* nv x nv */
-  double *F;             /* nv */
-  double *phi;           /* m */
-  double *J;             /* m x nv */
-  double *phi_t, *omega; /* m */
-  double *gap;           /* k */
-  double *W_N;           /* nv x k */
-  double *W_T;           /* nv x k nt */
-  double *w_N, *w_T;     /* k, k nt */
-  double *W_S, *w_S;     /* nv x f, f */
+  double *M;                           /* nv x nv */
+  double *F;                           /* nv */
+  double *phi;                         /* m */
+  double *J;                           /* m x nv */
+  double *phi_t, *omega;               /* m */
+  double *gap;                         /* k */
+  double *W_N;                         /* nv x k */
+  double *W_T;                         /* nv x k nt */
+  double *w_N, *w_T;                   /* k, k nt */
+  double *W_S, *w_S;                   /* nv x f, f */
+  double *omega_N, *omega_T, *omega_S; /* k, k nt, f */
   double potential;
 } nsdae_terms;
 

@@ -60,6 +60,7 @@ static void test_each_wrong_entry(void **state)
       {"constraint_bias omega", PLANAR_M, PLANAR_M},
       {"gap_normal", PLANAR_NV, PLANAR_NV * PLANAR_K},
       {"contact_bias w_n", PLANAR_K, PLANAR_K},
+      {"contact_acceleration", PLANAR_K, PLANAR_K},
   };
   const double amounts[] = {1e-2, -1, NAN, INFINITY};
   for (size_t i = 0; i < sizeof terms / sizeof *terms; i++)

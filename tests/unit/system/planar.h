@@ -154,6 +154,21 @@ static inline int planar_contact_bias(double t, const double *q, double *w_n, do
   return planar_spoil(user, "contact_bias w_n", w_n);
 }
 
+/* X1, Y1, X2, Y2 as in planar_bias but of P itself */
+static inline int planar_acceleration(double t, const double *q, const double *v, double *omega_n,
+                                      double *omega_t, double *omega_s, void *user)
+{
+  const double a = PLANAR_ARM, c = q[2], s = q[3], w = v[2];
+  double X = planar_px(q), Y = planar_py(q), X1 = v[0] - a * s * w, Y1 = v[1] + a * c * w;
+  double X2 = -a * c * w * w, Y2 = -a * s * w * w;
+  (void)omega_s;
+  omega_n[0] = cos(t) - X2 - (Y1 * Y1 + Y * Y2) / 5;
+  omega_n[1] = Y2 + (sin(X) * X1 * X1 - cos(X) * X2) / 5 + 1;
+  omega_t[0] = Y2;
+  omega_t[1] = X2 + 0.1;
+  return planar_spoil(user, "contact_acceleration", omega_n);
+}
+
 static inline int planar_potential(double t, const double *q, double *energy, void *user)
 {
   (void)t;
@@ -178,6 +193,7 @@ static inline nsdae_system *planar_system(planar *wrong)
   nsdae_system_set_gap_normal(s, planar_normal);
   nsdae_system_set_gap_tangent(s, planar_tangent);
   nsdae_system_set_contact_bias(s, planar_contact_bias);
+  nsdae_system_set_contact_acceleration(s, planar_acceleration);
   nsdae_system_set_potential(s, planar_potential);
   return s;
 }

@@ -248,12 +248,16 @@ static void test_differences_text(void **state)
   assert_string_equal(nsdae_system_differences(NULL), "");
   nsdae_system_create(&dims, &s, NULL);
   assert_string_equal(nsdae_system_differences(s),
-                      "constraint_jacobian constraint_bias gap_normal contact_bias");
+                      "constraint_jacobian constraint_bias gap_normal contact_bias "
+                      "contact_acceleration");
   nsdae_system_set_constraint_jacobian(s, planar_jacobian);
   nsdae_system_set_contact_bias(s, planar_contact_bias);
-  assert_string_equal(nsdae_system_differences(s), "constraint_bias gap_normal");
+  assert_string_equal(nsdae_system_differences(s),
+                      "constraint_bias gap_normal contact_acceleration");
   nsdae_system_set_constraint_bias(s, planar_bias);
   nsdae_system_set_gap_normal(s, planar_normal);
+  assert_string_equal(nsdae_system_differences(s), "contact_acceleration");
+  nsdae_system_set_contact_acceleration(s, planar_acceleration);
   assert_string_equal(nsdae_system_differences(s), "");
   nsdae_system_destroy(&s);
   nsdae_system_create(&(nsdae_dims){.nq = 1}, &s, NULL);

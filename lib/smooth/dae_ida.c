@@ -1,0 +1,276 @@
+#include "dae.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include <ida/ida.h>
+#include <nvector/nvector_serial.h>
+#include <sunlinsol/sunlinsol_dense.h>
+#include <sunlinsol/sunlinsol_klu.h>
+#include <sunmatrix/sunmatrix_dense.h>
+#include <sunmatrix/sunmatrix_sparse.h>
+
+#include "context.h"
+#include "pool.h"
+
+struct nsdae_dae {
+  nsdae_dae_problem problem;
+  SUNContext context;
+  nsdae_pool pool;
+  void *ida;
+  N_Vector y, yp, order;
+  SUNMatrix matrix;
+  SUNLinearSolver solver;
+  int *falling;         /* roots: all -1 */
+  double *dense;        /* n x n: the Jacobian on its way to the sparse matrix */
+  unsigned char *entry; /* n x n: entries that were ever not zero */
+  double after;         /* where the next step goes */
+  int failed;           /* code of a callback that gave up */
+};
+
+static int keep_failure(nsdae_dae *dae, int code)
+{
+  if (code < 0) dae->failed = code;
+  return code;
+}
+
+static int residual(sunrealtype t, N_Vector y, N_Vector yp, N_Vector r, void *user)
+{
+  nsdae_dae *dae = user;
+  return keep_failure(dae, dae->problem.residual(t, N_VGetArrayPointer(y), N_VGetArrayPointer(yp),
+                                                 N_VGetArrayPointer(r), dae->problem.user));
+}
+
+static int root(sunrealtype t, N_Vector y, N_Vector yp, sunrealtype *g, void *user)
+{
+  nsdae_dae *dae = user;
+  int code =
+      dae->problem.root(t, N_VGetArrayPointer(y), N_VGetArrayPointer(yp), g, dae->problem.user);
+  if (code != 0) dae->failed = code;
+  return code;
+}
+
+static int evaluate(nsdae_dae *dae, double t, double c, N_Vector y, N_Vector yp, N_Vector r,
+                    double *J)
+{
+  size_t n = (size_t)dae->problem.n;
+  memset(J, 0, n * n * sizeof *J);
+  return keep_failure(dae,
+                      dae->problem.jacobian(t, c, N_VGetArrayPointer(y), N_VGetArrayPointer(yp),
+                                            N_VGetArrayPointer(r), J, dae->problem.user));
+}
+
+static int dense_jacobian(sunrealtype t, sunrealtype c, N_Vector y, N_Vector yp, N_Vector r,
+                          SUNMatrix J, void *user, N_Vector tmp1, N_Vector tmp2, N_Vector tmp3)
+{
+  (void)tmp1;
+  (void)tmp2;
+  (void)tmp3;
+  return evaluate(user, t, c, y, yp, r, SUNDenseMatrix_Data(J));
+}
+
+/* The entries that were ever not zero, so that the pattern settles; returns whether it grew. */
+static int grow_pattern(nsdae_dae *dae, sunindextype *count)
+{
+  size_t n = (size_t)dae->problem.n;
+  int grew = 0;
+  *count = 0;
+  for (size_t i = 0; i < n * n; i++) {
+    if (dae->dense[i] != 0 && !dae->entry[i]) {
+      dae->entry[i] = 1;
+      grew = 1;
+    }
+    *count += dae->entry[i];
+  }
+  return grew;
+}
+
+static void compress(const nsdae_dae *dae, SUNMatrix J)
+{
+  int n = dae->problem.n;
+  sunindextype *start = SUNSparseMatrix_IndexPointers(J);
+  sunindextype *row = SUNSparseMatrix_IndexValues(J), count = 0;
+  double *value = SUNSparseMatrix_Data(J);
+  for (int j = 0; j < n; j++) {
+    start[j] = count;
+    for (int i = 0; i < n; i++) {
+      size_t at = (size_t)j * (size_t)n + (size_t)i;
+      if (!dae->entry[at]) continue;
+      row[count] = i;
+      value[count++] = dae->dense[at];
+    }
+  }
+  start[n] = count;
+}
+
+static int sparse_jacobian(sunrealtype t, sunrealtype c, N_Vector y, N_Vector yp, N_Vector r,
+                           SUNMatrix J, void *user, N_Vector tmp1, N_Vector tmp2, N_Vector tmp3)
+{
+  nsdae_dae *dae = user;
+  sunindextype count;
+  (void)tmp1;
+  (void)tmp2;
+  (void)tmp3;
+  int code = evaluate(dae, t, c, y, yp, r, dae->dense);
+  if (code != 0) return code;
+  /* a new pattern is analysed anew */
+  if (grow_pattern(dae, &count) &&
+      SUNLinSol_KLUReInit(dae->solver, J, count, SUNKLU_REINIT_FULL) != 0)
+    return -1;
+  compress(dae, J);
+  return 0;
+}
+
+static int make_solver(nsdae_dae *dae)
+{
+  sunindextype n = dae->problem.n;
+  if (!dae->problem.sparse) {
+    dae->matrix = SUNDenseMatrix(n, n, dae->context);
+    if (!dae->matrix) return NSDAE_E_MEMORY;
+    dae->solver = SUNLinSol_Dense(dae->y, dae->matrix, dae->context);
+  } else {
+    dae->dense = calloc((size_t)(n * n), sizeof *dae->dense);
+    dae->entry = calloc((size_t)(n * n), sizeof *dae->entry);
+    dae->matrix = SUNSparseMatrix(n, n, n, CSC_MAT, dae->context);
+    if (!dae->matrix || !dae->dense || !dae->entry) return NSDAE_E_MEMORY;
+    dae->solver = SUNLinSol_KLU(dae->y, dae->matrix, dae->context);
+  }
+  return dae->solver ? NSDAE_OK : NSDAE_E_MEMORY;
+}
+
+static int make_vectors(nsdae_dae *dae)
+{
+  int n = dae->problem.n;
+  dae->y = nsdae_pool_vector(&dae->pool, n, dae->context);
+  if (!dae->y) return NSDAE_E_MEMORY;
+  dae->yp = N_VClone(dae->y);
+  dae->order = N_VClone(dae->y);
+  if (!dae->yp || !dae->order) return NSDAE_E_MEMORY;
+  memcpy(N_VGetArrayPointer(dae->order), dae->problem.order, (size_t)n * sizeof(double));
+  return NSDAE_OK;
+}
+
+static int make_objects(nsdae_dae *dae)
+{
+  if (nsdae_make_context(&dae->context) != 0) return NSDAE_E_MEMORY;
+  int status = make_vectors(dae);
+  if (status == NSDAE_OK) status = make_solver(dae);
+  if (status < 0) return status;
+  dae->falling = malloc((size_t)(dae->problem.roots + 1) * sizeof *dae->falling);
+  for (int i = 0; dae->falling && i < dae->problem.roots; i++) dae->falling[i] = -1;
+  dae->ida = IDACreate(dae->context);
+  return dae->falling && dae->ida ? NSDAE_OK : NSDAE_E_MEMORY;
+}
+
+static int set_up(nsdae_dae *dae, double rtol, double atol, double max_step)
+{
+  void *ida = dae->ida;
+#if SUNDIALS_VERSION_MAJOR < 7
+  IDASetErrFile(ida, NULL);
+#endif
+  int bad = IDAInit(ida, residual, 0, dae->y, dae->yp);
+  if (!bad) bad = IDASStolerances(ida, rtol, atol);
+  if (!bad) bad = IDASetUserData(ida, dae);
+  if (!bad) bad = IDASetLinearSolver(ida, dae->solver, dae->matrix);
+  if (!bad) bad = IDASetJacFn(ida, dae->problem.sparse ? sparse_jacobian : dense_jacobian);
+  if (!bad) bad = IDASetId(ida, dae->order);
+  /* an algebraic variable is as good as the state that it follows from, and may jump */
+  if (!bad) bad = IDASetSuppressAlg(ida, SUNTRUE);
+  if (!bad) bad = IDASetMaxNumSteps(ida, -1);
+  if (!bad) bad = IDASetMaxStep(ida, max_step);
+  if (dae->problem.roots > 0) {
+    if (!bad) bad = IDARootInit(ida, dae->problem.roots, root);
+    if (!bad) bad = IDASetRootDirection(ida, dae->falling);
+    if (!bad) bad = IDASetNoInactiveRootWarn(ida);
+  }
+  if (!bad) bad = nsdae_pool_fill(&dae->pool, dae->y);
+  return bad ? NSDAE_E_MEMORY : NSDAE_OK;
+}
+
+int nsdae_dae_create(const nsdae_dae_problem *problem, double rtol, double atol, double max_step,
+                     nsdae_dae **dae)
+{
+  *dae = NULL;
+  nsdae_dae *made = calloc(1, sizeof *made);
+  if (!made) return NSDAE_E_MEMORY;
+  made->problem = *problem;
+  int status = make_objects(made);
+  if (status == NSDAE_OK) status = set_up(made, rtol, atol, max_step);
+  if (status < 0)
+    nsdae_dae_destroy(&made);
+  else
+    *dae = made;
+  return status;
+}
+
+void nsdae_dae_destroy(nsdae_dae **dae)
+{
+  nsdae_dae *old = dae ? *dae : NULL;
+  if (!old) return;
+  nsdae_pool_close(&old->pool);
+  if (old->ida) IDAFree(&old->ida);
+  if (old->solver) SUNLinSolFree(old->solver);
+  if (old->matrix) SUNMatDestroy(old->matrix);
+  if (old->order) N_VDestroy(old->order);
+  if (old->yp) N_VDestroy(old->yp);
+  if (old->y) N_VDestroy(old->y);
+  if (old->context) SUNContext_Free(&old->context);
+  free(old->falling);
+  free(old->dense);
+  free(old->entry);
+  free(old);
+  *dae = NULL;
+}
+
+static int failure(const nsdae_dae *dae)
+{
+  return dae->failed ? NSDAE_E_CALLBACK : NSDAE_E_CONVERGENCE;
+}
+
+int nsdae_dae_start(nsdae_dae *dae, double t, double after, double *y, double *yp, int *code)
+{
+  size_t size = (size_t)dae->problem.n * sizeof *y;
+  dae->failed = 0;
+  dae->after = after;
+  memcpy(N_VGetArrayPointer(dae->y), y, size);
+  memcpy(N_VGetArrayPointer(dae->yp), yp, size);
+  *code = IDAReInit(dae->ida, t, dae->y, dae->yp);
+  if (*code == 0) *code = IDACalcIC(dae->ida, IDA_YA_YDP_INIT, after);
+  if (*code == 0) *code = IDAGetConsistentIC(dae->ida, dae->y, dae->yp);
+  if (*code != 0) return failure(dae);
+  memcpy(y, N_VGetArrayPointer(dae->y), size);
+  memcpy(yp, N_VGetArrayPointer(dae->yp), size);
+  return NSDAE_OK;
+}
+
+int nsdae_dae_advance(nsdae_dae *dae, double *t, int *root_found, int *found, int *code)
+{
+  dae->failed = 0;
+  *code = IDASolve(dae->ida, dae->after, t, dae->y, dae->yp, IDA_ONE_STEP);
+  if (*code < 0) return failure(dae);
+  *root_found = *code == IDA_ROOT_RETURN;
+  if (*root_found) IDAGetRootInfo(dae->ida, found);
+  return NSDAE_OK;
+}
+
+int nsdae_dae_interpolate(nsdae_dae *dae, double t, int derivative, double *y)
+{
+  N_Vector out = derivative ? dae->yp : dae->y;
+  if (IDAGetDky(dae->ida, t, derivative, out) != 0) return NSDAE_E_CONVERGENCE;
+  memcpy(y, N_VGetArrayPointer(out), (size_t)dae->problem.n * sizeof *y);
+  return NSDAE_OK;
+}
+
+long nsdae_dae_steps(const nsdae_dae *dae)
+{
+  long steps = 0;
+  IDAGetNumSteps(dae->ida, &steps);
+  return steps;
+}
+
+long nsdae_dae_residuals(const nsdae_dae *dae)
+{
+  long residuals = 0;
+  IDAGetNumResEvals(dae->ida, &residuals);
+  return residuals;
+}

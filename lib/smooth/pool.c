@@ -1,0 +1,88 @@
+#include "pool.h"
+
+#include <nvector/nvector_serial.h>
+#include <stdlib.h>
+
+/* A serial vector's content, which SUNDIALS sees, and the pool behind it. */
+typedef struct pooled {
+  struct _N_VectorContent_Serial serial;
+  nsdae_pool *pool;
+} pooled;
+
+static void release(N_Vector vector)
+{
+  pooled *content = vector->content;
+  if (content) {
+    free(content->serial.data);
+    free(content);
+  }
+  vector->content = NULL;
+  N_VFreeEmpty(vector);
+}
+
+static void give_back(N_Vector vector)
+{
+  nsdae_pool *pool = ((pooled *)vector->content)->pool;
+  if (pool->count < NSDAE_POOL_MAX)
+    pool->spare[pool->count++] = vector;
+  else
+    release(vector);
+}
+
+/* content of n entries for a vector whose operations are set */
+static N_Vector furnish(N_Vector vector, nsdae_pool *pool, sunindextype n)
+{
+  pooled *content = calloc(1, sizeof *content);
+  double *data = calloc((size_t)n + 1, sizeof *data);
+  vector->content = content;
+  if (!content || !data) {
+    free(data);
+    release(vector);
+    return NULL;
+  }
+  content->serial.length = n;
+  content->serial.own_data = SUNTRUE;
+  content->serial.data = data;
+  content->pool = pool;
+  return vector;
+}
+
+static N_Vector duplicate(N_Vector like)
+{
+  pooled *content = like->content;
+  nsdae_pool *pool = content->pool;
+  if (pool->count > 0) return pool->spare[--pool->count];
+  N_Vector vector = N_VNewEmpty(like->sunctx);
+  if (!vector) return NULL;
+  if (N_VCopyOps(like, vector) != 0) {
+    N_VFreeEmpty(vector);
+    return NULL;
+  }
+  return furnish(vector, pool, content->serial.length);
+}
+
+N_Vector nsdae_pool_vector(nsdae_pool *pool, int n, SUNContext context)
+{
+  N_Vector vector = N_VNewEmpty_Serial(n, context);
+  if (!vector) return NULL;
+  free(vector->content);
+  vector->ops->nvclone = duplicate;
+  vector->ops->nvdestroy = give_back;
+  return furnish(vector, pool, n);
+}
+
+int nsdae_pool_fill(nsdae_pool *pool, N_Vector like)
+{
+  N_Vector made[NSDAE_POOL_MAX];
+  int count = 0;
+  while (count < NSDAE_POOL_MAX && (made[count] = duplicate(like))) count++;
+  for (int i = 0; i < count; i++) pool->spare[i] = made[i];
+  pool->count = count;
+  return count == NSDAE_POOL_MAX ? 0 : -1;
+}
+
+void nsdae_pool_close(nsdae_pool *pool)
+{
+  for (int i = 0; i < pool->count; i++) release(pool->spare[i]);
+  pool->count = NSDAE_POOL_MAX;
+}

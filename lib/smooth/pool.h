@@ -1,0 +1,25 @@
+/* Vectors whose copies come from a pool: IDACalcIC clones two at every start, and nothing is to be
+ * allocated after creation. */
+#ifndef NSDAE_SMOOTH_POOL_H
+#define NSDAE_SMOOTH_POOL_H
+
+#include <sundials/sundials_nvector.h>
+
+enum { NSDAE_POOL_MAX = 4 };
+
+typedef struct nsdae_pool {
+  N_Vector spare[NSDAE_POOL_MAX];
+  int count;
+} nsdae_pool;
+
+/* A serial vector of n entries whose clones, and theirs, are taken from the pool where it has any
+ * and given back to it while it has room; NULL without memory. */
+N_Vector nsdae_pool_vector(nsdae_pool *pool, int n, SUNContext context);
+
+/* Fills the pool with clones of the vector; 0 when it is full. */
+int nsdae_pool_fill(nsdae_pool *pool, N_Vector like);
+
+/* Releases what is in the pool and lets nothing in any more. */
+void nsdae_pool_close(nsdae_pool *pool);
+
+#endif
