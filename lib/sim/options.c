@@ -6,9 +6,11 @@
 #include "errors.h"
 #include "options.h"
 
-static const char *const methods[] = {"implicit", "implicit-printed", "moreau", "penalty", NULL};
+static const char *const methods[] = {"implicit", "implicit-printed", "moreau", "penalty", "event",
+                                      NULL};
 static const char *const laws[] = {
     "hertz", "kelvin-voigt", "hunt-crossley", "lankarani-nikravesh", "flores", NULL};
+static const char *const solvers[] = {"dense", "klu", NULL};
 static const char *const redundant[] = {"error", "least-norm", NULL};
 
 enum { INITIALISED = 0x6e736461 };
@@ -16,7 +18,7 @@ enum { INITIALISED = 0x6e736461 };
 #define AT(field) offsetof(nsdae_sim_options, field)
 
 static const nsdae_param entries[] = {
-    {"method", "", "how time is stepped", NSDAE_PARAM_CHOICE, AT(method), NSDAE_IMPLICIT, 0, 3, 0,
+    {"method", "", "how time is stepped", NSDAE_PARAM_CHOICE, AT(method), NSDAE_IMPLICIT, 0, 4, 0,
      methods},
     {"dt", "s", "step", NSDAE_PARAM_REAL, AT(dt), 0.005, 0, INFINITY, NSDAE_OPEN_MIN, NULL},
     {"baumgarte_alpha", "1/s", "stabilisation of Phi' in Newmark's smooth phases", NSDAE_PARAM_REAL,
@@ -37,10 +39,10 @@ static const nsdae_param entries[] = {
      NSDAE_PARAM_INT, AT(polygon), 8, 3, 32, 0, NULL},
     {"impact_velocity", "m/s", "closings slower than this are no impacts", NSDAE_PARAM_REAL,
      AT(impact_velocity), 1e-9, 0, INFINITY, 0, NULL},
-    {"rtol", "1", "relative tolerance of the integrator of penalty", NSDAE_PARAM_REAL, AT(rtol),
-     1e-8, 1e-14, 1e-2, 0, NULL},
-    {"atol", "", "absolute tolerance of the integrator of penalty", NSDAE_PARAM_REAL, AT(atol),
-     1e-10, 0, INFINITY, NSDAE_OPEN_MIN, NULL},
+    {"rtol", "1", "relative tolerance of penalty and event", NSDAE_PARAM_REAL, AT(rtol), 1e-8,
+     1e-14, 1e-2, 0, NULL},
+    {"atol", "", "absolute tolerance of penalty and event", NSDAE_PARAM_REAL, AT(atol), 1e-10, 0,
+     INFINITY, NSDAE_OPEN_MIN, NULL},
     {"penalty_law", "", "normal force of penalty", NSDAE_PARAM_CHOICE, AT(penalty_law), 3, 0, 4, 0,
      laws},
     {"penalty_stiffness", "N/m^n", "stiffness K of penalty", NSDAE_PARAM_REAL,
@@ -49,6 +51,12 @@ static const nsdae_param entries[] = {
      1, 5, 0, NULL},
     {"friction_velocity", "m/s", "velocity over which penalty regularises friction",
      NSDAE_PARAM_REAL, AT(friction_velocity), 1e-3, 0, INFINITY, NSDAE_OPEN_MIN, NULL},
+    {"linear_solver", "", "linear solver of event", NSDAE_PARAM_CHOICE, AT(linear_solver), 0, 0, 1,
+     0, solvers},
+    {"accumulation_time", "s", "event closes an accumulation of impacts with less than this left",
+     NSDAE_PARAM_REAL, AT(accumulation_time), 1e-6, 0, INFINITY, NSDAE_OPEN_MIN, NULL},
+    {"events_max", "1", "most instants of event in one dt; past it the step is implicit's",
+     NSDAE_PARAM_INT, AT(events_max), 10000, 1, 1e9, 0, NULL},
 };
 
 static const nsdae_params table = {entries, (int)(sizeof entries / sizeof *entries)};

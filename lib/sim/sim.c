@@ -147,6 +147,9 @@ static void update_stats(nsdae_sim *sim)
   stats->lcps = s->lcps;
   stats->lcp_pivots = s->lcp_pivots;
   stats->iterations = s->iterations;
+  stats->events = s->events;
+  stats->accumulations = s->accumulations;
+  stats->fallback_steps = s->fallbacks;
   stats->mass_evals = s->evals.mass;
   stats->force_evals = s->evals.force;
   stats->jacobian_evals = s->evals.jacobian;
@@ -204,6 +207,7 @@ static int first_terms(nsdae_sim *sim, double t0, const double *q0, const double
   nsdae_stepper *s = &sim->stepper;
   s->evals = (nsdae_evals){0};
   s->lcps = s->lcp_pivots = s->iterations = 0;
+  s->events = s->accumulations = s->fallbacks = 0;
   s->rank = sim->system->dims.m;
   s->worst_residual = 0;
   s->newmark.have_start = 0;
@@ -320,7 +324,7 @@ static void keep_results(nsdae_sim *sim)
   const nsdae_stepper *s = &sim->stepper;
   const nsdae_dims *dims = &sim->system->dims;
   size_t k = (size_t)dims->k;
-  if (!s->method->finds_impacts) collect_impacts(sim);
+  if (!s->method->finds_impacts || s->stepped_over) collect_impacts(sim);
   sim->record.impacts = s->impacts;
   memcpy(sim->multiplier, s->multiplier, (size_t)dims->m * sizeof *sim->multiplier);
   memcpy(sim->normal, s->contacts.normal, k * sizeof *sim->normal);

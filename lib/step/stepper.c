@@ -12,6 +12,7 @@ const nsdae_stepping *nsdae_stepping_of(int method)
       [NSDAE_IMPLICIT_PRINTED] = &nsdae_stepping_printed,
       [NSDAE_MOREAU] = &nsdae_stepping_moreau,
       [NSDAE_PENALTY] = &nsdae_stepping_penalty,
+      [NSDAE_EVENT_DRIVEN] = &nsdae_stepping_event,
   };
   if (method < 0 || method >= (int)(sizeof all / sizeof *all)) return NULL;
   return all[method];

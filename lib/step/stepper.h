@@ -51,10 +51,12 @@ struct nsdae_stepper {
   int smooth;                        /* the step had no closed contact */
   int rank;                          /* smallest rank of Phi_q in the step */
   long lcps, lcp_pivots, iterations; /* over the whole run */
+  long events, accumulations, fallbacks;
+  int stepped_over; /* of a method that finds impacts: not in this step */
 };
 
 extern const nsdae_stepping nsdae_stepping_implicit, nsdae_stepping_printed, nsdae_stepping_moreau,
-    nsdae_stepping_penalty;
+    nsdae_stepping_penalty, nsdae_stepping_event;
 
 /* NULL past the last; the order is that of enum nsdae_method. */
 const nsdae_stepping *nsdae_stepping_of(int method);

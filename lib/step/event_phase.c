@@ -1,0 +1,283 @@
+/* The equations of a phase: see event.h. */
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "event.h"
+#include "vector.h"
+
+#define AT(A, n, i, j) (A)[(size_t)(j) * (size_t)(n) + (size_t)(i)]
+
+int nsdae_event_code(const nsdae_stepper *s, int status)
+{
+  if (status == NSDAE_OK) return 0;
+  if (status == NSDAE_E_CALLBACK) return s->error->code < 0 ? -1 : 1;
+  return status == NSDAE_E_NONFINITE ? -1 : 1;
+}
+
+void nsdae_event_set_terms(nsdae_event_method *e)
+{
+  const nsdae_system *s = e->stepper->system;
+  unsigned terms = NSDAE_TERM_MASS | NSDAE_TERM_FORCE | NSDAE_TERM_PHI | NSDAE_TERM_JACOBIAN |
+                   NSDAE_TERM_PHI_T | NSDAE_TERM_OMEGA;
+  for (int i = 0; i < s->dims.k; i++) {
+    if (e->mode[i] == NSDAE_OPEN) continue;
+    terms |= NSDAE_TERM_GAP | NSDAE_TERM_NORMAL | NSDAE_TERM_BIAS | NSDAE_TERM_ACCELERATION;
+    if (s->contact[i].mu > 0) terms |= NSDAE_TERM_TANGENT;
+  }
+  for (int j = 0; j < s->dims.f; j++) {
+    if (e->slide_mode[j] != NSDAE_OPEN) terms |= NSDAE_TERM_SLIDE;
+    if (e->slide_mode[j] == NSDAE_STICK) terms |= NSDAE_TERM_ACCELERATION;
+  }
+  e->terms = terms;
+}
+
+/* The weights of Baumgarte's stabilisation. */
+static double alpha2(const nsdae_event_method *e)
+{
+  return 2 * e->stepper->options->baumgarte_alpha;
+}
+
+static double beta2(const nsdae_event_method *e)
+{
+  double beta = e->stepper->options->baumgarte_beta;
+  return beta * beta;
+}
+
+/* W^T (a + 2 alpha v) + omega + 2 alpha w + beta^2 g, of one column. */
+static double closed_row(const nsdae_event_method *e, const double *W, double w, double omega,
+                         double g, const double *v, const double *a)
+{
+  int n = e->stepper->system->dims.nv;
+  return nsdae_dot(n, W, a) + omega + alpha2(e) * (nsdae_dot(n, W, v) + w) + beta2(e) * g;
+}
+
+/* Unit vector of sliding: that of the velocity where there is one, else that of the phase. */
+static void sliding_direction(const nsdae_event_method *e, const nsdae_terms *T, int i, double *d)
+{
+  int n = T->system->dims.nv, nt = T->system->dims.nt;
+  double v_t[2] = {0}, speed = 0;
+  for (int l = 0; l < nt; l++) d[l] = e->direction[i * nt + l];
+  if (nt < 2) return;
+  for (int l = 0; l < nt; l++) {
+    size_t at = (size_t)(i * nt + l);
+    v_t[l] = nsdae_dot(n, T->W_T + at * (size_t)n, T->v) + T->w_T[at];
+    speed = hypot(speed, v_t[l]);
+  }
+  if (!(speed > e->root[T->system->dims.k + i].size)) return;
+  for (int l = 0; l < nt; l++) d[l] = v_t[l] / speed;
+}
+
+static void contact_rows(const nsdae_event_method *e, const nsdae_terms *T, const double *y,
+                         const double *a, double *r)
+{
+  const nsdae_system *s = T->system;
+  const nsdae_dims *d = &s->dims;
+  size_t n = (size_t)d->nv;
+  const double *F_N = y + nsdae_at_normal(d), *F_T = y + nsdae_at_tangential(d);
+  double *r_N = r + nsdae_at_normal(d), *r_T = r + nsdae_at_tangential(d);
+  for (int i = 0; i < d->k; i++) {
+    int closed = e->mode[i] != NSDAE_OPEN, rubs = closed && s->contact[i].mu > 0;
+    double direction[2] = {0};
+    r_N[i] =
+        closed ? closed_row(e, T->W_N + (size_t)i * n, T->w_N[i], T->omega_N[i], T->gap[i], T->v, a)
+               : F_N[i];
+    if (rubs && e->mode[i] == NSDAE_SLIDE) sliding_direction(e, T, i, direction);
+    for (int l = 0, j = i * d->nt; l < d->nt; l++, j++)
+      r_T[j] = rubs && e->mode[i] == NSDAE_STICK
+                   ? closed_row(e, T->W_T + (size_t)j * n, T->w_T[j], T->omega_T[j], 0, T->v, a)
+                   : F_T[j] + s->contact[i].mu * F_N[i] * direction[l];
+  }
+}
+
+static void slide_rows(const nsdae_event_method *e, const nsdae_terms *T, const double *y,
+                       const double *a, double *r)
+{
+  const nsdae_system *s = T->system;
+  const nsdae_dims *d = &s->dims;
+  const double *lambda = y + nsdae_at_lambda(d), *F_S = y + nsdae_at_slide(d);
+  for (int j = 0; j < d->f; j++) {
+    double normal = e->normal_sense[j] * lambda[s->slide[j].constraint];
+    r[nsdae_at_slide(d) + j] = e->slide_mode[j] == NSDAE_STICK
+                                   ? closed_row(e, T->W_S + (size_t)j * (size_t)d->nv, T->w_S[j],
+                                                T->omega_S[j], 0, T->v, a)
+                                   : F_S[j] + s->slide[j].mu * normal * e->slide_sense[j];
+  }
+}
+
+static void constraint_rows(const nsdae_event_method *e, const nsdae_terms *T, const double *y,
+                            const double *a, double *r)
+{
+  const nsdae_dims *d = &T->system->dims;
+  const double *lambda = y + nsdae_at_lambda(d);
+  r += nsdae_at_lambda(d);
+  for (int i = 0; i < d->m; i++) {
+    double sum = T->omega[i] + alpha2(e) * T->phi_t[i] + beta2(e) * T->phi[i];
+    for (int j = 0; j < d->nv; j++) sum += AT(T->J, d->m, i, j) * (a[j] + alpha2(e) * T->v[j]);
+    r[i] = e->independent[i] ? sum : lambda[i];
+  }
+}
+
+/* M a + Phi_q^T lambda - W_N F_N - W_T F_T - W_S F_S - F */
+static void momentum_rows(const nsdae_event_method *e, const nsdae_terms *T, const double *y,
+                          const double *a, double *r)
+{
+  const nsdae_dims *d = &T->system->dims;
+  int n = d->nv;
+  for (int i = 0; i < n; i++) r[i] = -T->F[i];
+  nsdae_add_product(n, n, T->M, a, r);
+  nsdae_add_transposed(d->m, n, 1, T->J, y + nsdae_at_lambda(d), r);
+  for (int i = 0; i < d->k; i++) {
+    double push = -y[nsdae_at_normal(d) + i];
+    if (e->mode[i] == NSDAE_OPEN) continue;
+    nsdae_add_product(n, 1, T->W_N + (size_t)(i * n), &push, r);
+    if (!(T->system->contact[i].mu > 0)) continue;
+    for (int j = i * d->nt; j < (i + 1) * d->nt; j++) {
+      push = -y[nsdae_at_tangential(d) + j];
+      nsdae_add_product(n, 1, T->W_T + (size_t)(j * n), &push, r);
+    }
+  }
+  for (int j = 0; j < d->f; j++) {
+    double push = -y[nsdae_at_slide(d) + j];
+    if (e->slide_mode[j] != NSDAE_OPEN) nsdae_add_product(n, 1, T->W_S + (size_t)(j * n), &push, r);
+  }
+}
+
+/* r of the terms at their point. */
+static int residual_of(nsdae_event_method *e, nsdae_terms *T, const double *y, const double *yp,
+                       double *r)
+{
+  const nsdae_dims *d = &T->system->dims;
+  const double *a = yp + d->nq;
+  int status = nsdae_terms_need(T, e->terms);
+  if (status == NSDAE_OK) status = nsdae_stepper_kinematics(e->stepper, T->t, T->q, T->v, r);
+  if (status < 0) return nsdae_event_code(e->stepper, status);
+  for (int i = 0; i < d->nq; i++) r[i] = yp[i] - r[i];
+  momentum_rows(e, T, y, a, r + d->nq);
+  constraint_rows(e, T, y, a, r);
+  contact_rows(e, T, y, a, r);
+  slide_rows(e, T, y, a, r);
+  return 0;
+}
+
+int nsdae_event_residual(double t, const double *y, const double *yp, double *r, void *user)
+{
+  nsdae_event_method *e = user;
+  nsdae_terms *T = &e->stepper->middle;
+  nsdae_terms_at(T, t, y, y + T->system->dims.nq);
+  return residual_of(e, T, y, yp, r);
+}
+
+/* Columns of q and v by one-sided differences of the residual: they hold the forces' stiffness and
+ * damping, and the curvature of all that is closed. */
+static int differenced_columns(nsdae_event_method *e, const double *y, const double *yp,
+                               const double *r, int first, int count, double *J)
+{
+  nsdae_terms *T = &e->stepper->middle;
+  int nq = T->system->dims.nq;
+  memcpy(e->other, y, (size_t)e->n * sizeof *y);
+  for (int j = first; j < first + count; j++) {
+    double step = sqrt(DBL_EPSILON) * fmax(fabs(y[j]), 1);
+    e->other[j] = y[j] + step;
+    step = e->other[j] - y[j];
+    if (j < nq)
+      nsdae_terms_at(T, T->t, e->other, e->other + nq);
+    else
+      nsdae_terms_set_velocity(T, e->other + nq);
+    int code = residual_of(e, T, e->other, yp, e->r);
+    if (code != 0) return code;
+    for (int i = 0; i < e->n; i++) AT(J, e->n, i, j) += (e->r[i] - r[i]) / step;
+    e->other[j] = y[j];
+  }
+  return 0;
+}
+
+/* J(row, columns of v) += scale W^T, of one column of W. */
+static void add_row(const nsdae_event_method *e, int row, double scale, const double *W, double *J)
+{
+  const nsdae_dims *d = &e->stepper->system->dims;
+  for (int j = 0; j < d->nv; j++) AT(J, e->n, row, d->nq + j) += scale * W[j];
+}
+
+/* J(rows of momentum, column) -= W */
+static void subtract_column(const nsdae_event_method *e, int column, const double *W, double *J)
+{
+  const nsdae_dims *d = &e->stepper->system->dims;
+  for (int i = 0; i < d->nv; i++) AT(J, e->n, d->nq + i, column) -= W[i];
+}
+
+static void inertia_entries(const nsdae_event_method *e, const nsdae_terms *T, double c, double *J)
+{
+  const nsdae_dims *d = &T->system->dims;
+  int nq = d->nq, lambda = nsdae_at_lambda(d);
+  for (int i = 0; i < nq; i++) AT(J, e->n, i, i) += c;
+  for (int j = 0; j < d->nv; j++)
+    for (int i = 0; i < d->nv; i++) AT(J, e->n, nq + i, nq + j) += c * AT(T->M, d->nv, i, j);
+  for (int i = 0; i < d->m; i++) {
+    for (int j = 0; j < d->nv; j++) {
+      AT(J, e->n, nq + j, lambda + i) += AT(T->J, d->m, i, j);
+      if (e->independent[i]) AT(J, e->n, lambda + i, nq + j) += c * AT(T->J, d->m, i, j);
+    }
+    if (!e->independent[i]) AT(J, e->n, lambda + i, lambda + i) += 1;
+  }
+}
+
+static void contact_entries(const nsdae_event_method *e, const nsdae_terms *T, int i, double c,
+                            double *J)
+{
+  const nsdae_system *s = T->system;
+  const nsdae_dims *d = &s->dims;
+  size_t n = (size_t)d->nv;
+  int normal = nsdae_at_normal(d) + i, closed = e->mode[i] != NSDAE_OPEN;
+  int rubs = closed && s->contact[i].mu > 0;
+  double direction[2] = {0};
+  if (closed) {
+    add_row(e, normal, c, T->W_N + (size_t)i * n, J);
+    subtract_column(e, normal, T->W_N + (size_t)i * n, J);
+  } else {
+    AT(J, e->n, normal, normal) += 1;
+  }
+  if (rubs && e->mode[i] == NSDAE_SLIDE) sliding_direction(e, T, i, direction);
+  for (int l = 0; l < d->nt; l++) {
+    int j = i * d->nt + l, row = nsdae_at_tangential(d) + j;
+    if (rubs) subtract_column(e, row, T->W_T + (size_t)j * n, J);
+    if (rubs && e->mode[i] == NSDAE_STICK) {
+      add_row(e, row, c, T->W_T + (size_t)j * n, J);
+      continue;
+    }
+    AT(J, e->n, row, row) += 1;
+    AT(J, e->n, row, normal) += s->contact[i].mu * direction[l];
+  }
+}
+
+static void slide_entries(const nsdae_event_method *e, const nsdae_terms *T, int j, double c,
+                          double *J)
+{
+  const nsdae_system *s = T->system;
+  const nsdae_dims *d = &s->dims;
+  const double *W = T->W_S + (size_t)j * (size_t)d->nv;
+  int row = nsdae_at_slide(d) + j, lambda = nsdae_at_lambda(d) + s->slide[j].constraint;
+  if (e->slide_mode[j] != NSDAE_OPEN) subtract_column(e, row, W, J);
+  if (e->slide_mode[j] == NSDAE_STICK) {
+    add_row(e, row, c, W, J);
+    return;
+  }
+  AT(J, e->n, row, row) += 1;
+  AT(J, e->n, row, lambda) += s->slide[j].mu * e->normal_sense[j] * e->slide_sense[j];
+}
+
+int nsdae_event_jacobian(double t, double c, const double *y, const double *yp, const double *r,
+                         double *J, void *user)
+{
+  nsdae_event_method *e = user;
+  nsdae_terms *T = &e->stepper->middle;
+  const nsdae_dims *d = &T->system->dims;
+  nsdae_terms_at(T, t, y, y + d->nq);
+  int status = nsdae_terms_need(T, e->terms);
+  if (status < 0) return nsdae_event_code(e->stepper, status);
+  inertia_entries(e, T, c, J);
+  for (int i = 0; i < d->k; i++) contact_entries(e, T, i, c, J);
+  for (int j = 0; j < d->f; j++) slide_entries(e, T, j, c, J);
+  int code = differenced_columns(e, y, yp, r, d->nq, d->nv, J);
+  return code ? code : differenced_columns(e, y, yp, r, 0, d->nq, J);
+}
