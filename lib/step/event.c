@@ -30,6 +30,10 @@ static void layout_phase(nsdae_event_method *e, nsdae_arena *arena)
   e->order = NSDAE_ARENA_DOUBLES(arena, e->n);
   e->other = NSDAE_ARENA_DOUBLES(arena, e->n);
   e->r = NSDAE_ARENA_DOUBLES(arena, e->n);
+  e->at = NSDAE_ARENA_DOUBLES(arena, e->n);
+  e->K = NSDAE_ARENA_DOUBLES(arena, (long)e->n * e->n);
+  e->zero = NSDAE_ARENA_DOUBLES(arena, e->n);
+  e->pivot = NSDAE_ARENA_INTS(arena, e->n);
   e->mode = NSDAE_ARENA_INTS(arena, k);
   e->direction = NSDAE_ARENA_DOUBLES(arena, kt);
   e->slide_mode = NSDAE_ARENA_INTS(arena, f);
@@ -221,27 +225,22 @@ static int integrate(nsdae_event_method *e)
   return NSDAE_OK;
 }
 
-/* Power of the friction of what slides, at the state e->y. */
-static int friction_power(nsdae_event_method *e, double t, double *power)
+/* Power of the friction of what slides, at the state y and the terms there. */
+static double friction_power(const nsdae_event_method *e, const double *y)
 {
-  nsdae_terms *T = &e->stepper->middle;
+  const nsdae_terms *T = &e->stepper->middle;
   const nsdae_dims *d = &T->system->dims;
   int n = d->nv;
-  *power = 0;
-  if (!(e->terms & (NSDAE_TERM_TANGENT | NSDAE_TERM_SLIDE))) return NSDAE_OK;
-  nsdae_terms_at(T, t, e->y, e->y + d->nq);
-  int status =
-      nsdae_terms_need(T, e->terms & (NSDAE_TERM_TANGENT | NSDAE_TERM_SLIDE | NSDAE_TERM_BIAS));
-  if (status < 0) return status;
+  double power = 0;
   for (int j = 0; j < d->k * d->nt && (e->terms & NSDAE_TERM_TANGENT); j++)
     if (e->mode[j / d->nt] == NSDAE_SLIDE)
-      *power += e->y[nsdae_at_tangential(d) + j] *
-                (nsdae_dot(n, T->W_T + (size_t)(j * n), T->v) + T->w_T[j]);
+      power += y[nsdae_at_tangential(d) + j] *
+               (nsdae_dot(n, T->W_T + (size_t)(j * n), T->v) + T->w_T[j]);
   for (int j = 0; j < d->f; j++)
     if (e->slide_mode[j] == NSDAE_SLIDE)
-      *power +=
-          e->y[nsdae_at_slide(d) + j] * (nsdae_dot(n, T->W_S + (size_t)(j * n), T->v) + T->w_S[j]);
-  return NSDAE_OK;
+      power +=
+          y[nsdae_at_slide(d) + j] * (nsdae_dot(n, T->W_S + (size_t)(j * n), T->v) + T->w_S[j]);
+  return power;
 }
 
 static void add_scaled(int n, double scale, const double *a, double *sum)
@@ -256,16 +255,18 @@ static int account(nsdae_event_method *e, double from, double to)
   static const double at[3] = {0.1127016653792583, 0.5, 0.8872983346207417};
   static const double weight[3] = {5.0 / 18, 8.0 / 18, 5.0 / 18};
   const nsdae_dims *d = &e->stepper->system->dims;
+  const double *y = e->at;
   int status = NSDAE_OK, closed = d->m > 0 || (e->terms & NSDAE_TERM_NORMAL);
   for (int g = 0; closed && g < 3 && status == NSDAE_OK; g++) {
-    double t = from + at[g] * (to - from), h = weight[g] * (to - from), power;
-    status = nsdae_dae_interpolate(e->dae, t, 0, e->y);
-    add_scaled(d->m, h, e->y + nsdae_at_lambda(d), e->multiplier);
-    add_scaled(d->k, h, e->y + nsdae_at_normal(d), e->normal);
-    add_scaled(d->k * d->nt, h, e->y + nsdae_at_tangential(d), e->tangential);
-    add_scaled(d->f, h, e->y + nsdae_at_slide(d), e->friction);
-    if (status == NSDAE_OK) status = friction_power(e, t, &power);
-    if (status == NSDAE_OK) e->work += h * power;
+    double t = from + at[g] * (to - from), h = weight[g] * (to - from);
+    status = nsdae_dae_interpolate(e->dae, t, 0, e->at);
+    if (status == NSDAE_OK) status = nsdae_event_forces(e, t, e->at);
+    if (status < 0) break;
+    add_scaled(d->m, h, y + nsdae_at_lambda(d), e->multiplier);
+    add_scaled(d->k, h, y + nsdae_at_normal(d), e->normal);
+    add_scaled(d->k * d->nt, h, y + nsdae_at_tangential(d), e->tangential);
+    add_scaled(d->f, h, y + nsdae_at_slide(d), e->friction);
+    e->work += h * friction_power(e, y);
   }
   return status;
 }

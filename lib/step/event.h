@@ -25,14 +25,14 @@
 typedef enum nsdae_root_state {
   NSDAE_ROOT_OFF,    /* has nothing to say in this phase */
   NSDAE_ROOT_LIVE,   /* above zero */
-  NSDAE_ROOT_RISING, /* zero at `since` with a known rate: divided by t - since it is above zero */
+  NSDAE_ROOT_RISING, /* zero at `since` with a known rate: divided by t - since it is above */
   NSDAE_ROOT_MASKED  /* zero to rounding: out of the set until it has left zero */
 } nsdae_root_state;
 
 typedef struct nsdae_root {
   nsdae_root_state state;
-  double since, rate; /* of one that is rising */
-  double size;        /* what counts as zero */
+  double since, start, rate; /* of one that is rising: when, from what rounding left, how fast */
+  double size;               /* what counts as zero */
 } nsdae_root;
 
 typedef struct nsdae_event_method {
@@ -43,6 +43,9 @@ typedef struct nsdae_event_method {
   double *y, *yp;    /* n: at the last instant, then at any point in work */
   double *order;     /* n: 1 differential, 0 algebraic */
   double *other, *r; /* n: a displaced y and its residual */
+  double *at;        /* n: y at a point in between */
+  double *K, *zero;  /* n x n, n: equations for the forces; no accelerations */
+  int *pivot;        /* n */
 
   /* the phase */
   unsigned terms;                  /* what its equations need */
@@ -107,6 +110,10 @@ static inline int nsdae_at_slide(const nsdae_dims *d)
 int nsdae_event_residual(double t, const double *y, const double *yp, double *r, void *user);
 int nsdae_event_jacobian(double t, double c, const double *y, const double *yp, const double *r,
                          double *J, void *user);
+/* a = v' and the forces of y [n] from its q and v, at time t: the equations are linear in them. The
+ * integrator's own are as good as a Newton iteration, and between its steps only as good as its
+ * order. The terms e->terms are then there. */
+int nsdae_event_forces(nsdae_event_method *e, double t, double *y);
 /* Which terms the equations of the modes need. */
 void nsdae_event_set_terms(nsdae_event_method *e);
 /* Callback's failure as a code of the integrator. */

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "dense.h"
 #include "event.h"
 #include "vector.h"
 
@@ -280,4 +281,24 @@ int nsdae_event_jacobian(double t, double c, const double *y, const double *yp, 
   for (int j = 0; j < d->f; j++) slide_entries(e, T, j, c, J);
   int code = differenced_columns(e, y, yp, r, d->nq, d->nv, J);
   return code ? code : differenced_columns(e, y, yp, r, 0, d->nq, J);
+}
+
+int nsdae_event_forces(nsdae_event_method *e, double t, double *y)
+{
+  nsdae_terms *T = &e->stepper->middle;
+  const nsdae_dims *d = &T->system->dims;
+  int nq = d->nq, first = nsdae_at_lambda(d), rows = e->n - nq;
+  double *K = e->K + (size_t)nq * (size_t)(e->n + 1), *z = e->r + nq;
+  memset(y + first, 0, (size_t)(e->n - first) * sizeof *y);
+  memset(e->K, 0, (size_t)e->n * (size_t)e->n * sizeof *e->K);
+  nsdae_terms_at(T, t, y, y + nq);
+  int code = residual_of(e, T, y, e->zero, e->r);
+  if (code != 0) return e->stepper->error->status;
+  inertia_entries(e, T, 1, e->K);
+  for (int i = 0; i < d->k; i++) contact_entries(e, T, i, 1, e->K);
+  for (int j = 0; j < d->f; j++) slide_entries(e, T, j, 1, e->K);
+  if (nsdae_la_lu(rows, K, e->n, e->pivot) != 0) return NSDAE_E_CONVERGENCE;
+  nsdae_la_lu_solve(rows, K, e->n, e->pivot, z);
+  for (int i = first; i < e->n; i++) y[i] = -e->r[i];
+  return NSDAE_OK;
 }

@@ -8,9 +8,11 @@
  *
  * One that is zero at the start of a phase would be found there again and again. With a known rate
  * r > 0 it is divided by t - t_0, which makes it r at t_0 and leaves its further zeros where they
- * are; without, it is out of the set until it has left zero. */
+ * are (what rounding left at t_0 is taken off); without, it is out of the set until it has left
+ * zero. */
 #include <float.h>
 #include <math.h>
+#include <string.h>
 
 #include "event.h"
 #include "vector.h"
@@ -75,18 +77,24 @@ static unsigned terms_of(const nsdae_event_method *e)
   return terms;
 }
 
-static int terms_at(nsdae_event_method *e, double t, const double *y)
+/* The terms, and where something is closed the forces, at q and v of y: into e->at. */
+static int evaluate(nsdae_event_method *e, double t, const double *y)
 {
   nsdae_terms *T = &e->stepper->middle;
-  nsdae_terms_at(T, t, y, y + T->system->dims.nq);
-  return nsdae_terms_need(T, terms_of(e));
+  int status = NSDAE_OK;
+  memcpy(e->at, y, (size_t)e->n * sizeof *y);
+  if (e->terms & (NSDAE_TERM_NORMAL | NSDAE_TERM_SLIDE))
+    status = nsdae_event_forces(e, t, e->at);
+  else
+    nsdae_terms_at(T, t, y, y + T->system->dims.nq);
+  return status < 0 ? status : nsdae_terms_need(T, terms_of(e));
 }
 
 /* Divided by the time since it was zero; so close to it that rounding rules, its rate. */
 static double rising(const nsdae_root *root, double t, double value, double position)
 {
   double least = 64 * DBL_EPSILON * (position / root->rate + fabs(t));
-  return t - root->since > least ? value / (t - root->since) : root->rate;
+  return t - root->since > least ? (value - root->start) / (t - root->since) : root->rate;
 }
 
 int nsdae_event_root(double t, const double *y, const double *yp, double *g, void *user)
@@ -95,13 +103,13 @@ int nsdae_event_root(double t, const double *y, const double *yp, double *g, voi
   const nsdae_terms *T = &e->stepper->middle;
   double position = 0;
   (void)yp;
-  if (terms_at(e, t, y) < 0) return -1;
+  if (evaluate(e, t, y) < 0) return -1;
   for (int i = 0; i < T->system->dims.nq + T->system->dims.nv; i++)
     position = fmax(position, fabs(y[i]));
   for (int i = 0; i < e->roots; i++) {
     const nsdae_root *root = &e->root[i];
     int in = root->state == NSDAE_ROOT_LIVE || root->state == NSDAE_ROOT_RISING;
-    g[i] = in ? value_of(e, T, y, i) : 1;
+    g[i] = in ? value_of(e, T, e->at, i) : 1;
     if (root->state == NSDAE_ROOT_RISING) g[i] = rising(root, t, g[i], position);
   }
   return 0;
@@ -143,6 +151,7 @@ static void start_root(nsdae_root *root, double t, double value, double rate, do
                        double rate_size)
 {
   root->since = t;
+  root->start = value;
   root->rate = rate;
   root->size = size;
   if (value > size)
@@ -263,11 +272,11 @@ int nsdae_event_watch_roots(nsdae_event_method *e, double t)
   }
   if (!any) return 0;
   if (nsdae_dae_interpolate(e->dae, t, 0, e->y) < 0) return NSDAE_E_CONVERGENCE;
-  int status = terms_at(e, t, e->y);
+  int status = evaluate(e, t, e->y);
   if (status < 0) return status;
   for (int i = 0; i < e->roots; i++) {
     if (e->root[i].state != NSDAE_ROOT_MASKED) continue;
-    e->found[i] = watch(e, T, e->y, i);
+    e->found[i] = watch(e, T, e->at, i);
     count += e->found[i];
   }
   return count;
