@@ -129,6 +129,15 @@ void report_end(report *r, const nsdae_sim *sim)
   if (stats.rank < dims.m)
     printf("rank of the constraints %d of %d: redundant ones carry the least-norm reaction\n",
            stats.rank, dims.m);
+  if (stats.rank < stats.rank_most)
+    printf("that rank is %d at times: the constraints drift apart, try a larger rank_tol\n",
+           stats.rank_most);
+  if (stats.accumulations > 0)
+    printf("%ld accumulation%s of impacts ended in rest\n", stats.accumulations,
+           stats.accumulations > 1 ? "s" : "");
+  if (stats.fallback_steps > 0)
+    printf("%ld steps had more than events_max instants each and were stepped by implicit\n",
+           stats.fallback_steps);
   printf("energy balance %+.3e J (energy + dissipated - start)\n", stats.energy_balance);
   printf("time %.3g s, %.3g us a step\n", stats.wall_time,
          stats.steps ? 1e6 * stats.wall_time / (double)stats.steps : 0);

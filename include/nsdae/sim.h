@@ -111,9 +111,9 @@ typedef struct nsdae_stats {
   long impacts;
   long events, accumulations; /* of event: instants of change; accumulations closed */
   long fallback_steps;        /* of event: dt that were stepped by implicit instead */
-  int rank;                   /* smallest rank of Phi_q met */
-  double worst_residual;      /* over all LCPs */
-  double worst_drift;         /* max |Phi| [in its units] */
+  int rank, rank_most;   /* smallest and largest rank of Phi_q met; not the same: see rank_tol */
+  double worst_residual; /* over all LCPs */
+  double worst_drift;    /* max |Phi| [in its units] */
   double worst_penetration;
   double energy_start;   /* kinetic + potential at the start [J] */
   double energy_balance; /* energy now + dissipated - energy_start [J]; forces that are not in the

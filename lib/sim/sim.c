@@ -154,6 +154,7 @@ static void update_stats(nsdae_sim *sim)
   stats->force_evals = s->evals.force;
   stats->jacobian_evals = s->evals.jacobian;
   stats->rank = s->rank;
+  stats->rank_most = s->rank_most;
   stats->worst_residual = fmax(stats->worst_residual, r->lcp_residual);
   stats->worst_drift = fmax(stats->worst_drift, r->constraint_drift);
   stats->worst_penetration = fmax(stats->worst_penetration, r->penetration);
@@ -209,6 +210,7 @@ static int first_terms(nsdae_sim *sim, double t0, const double *q0, const double
   s->lcps = s->lcp_pivots = s->iterations = 0;
   s->events = s->accumulations = s->fallbacks = 0;
   s->rank = sim->system->dims.m;
+  s->rank_most = 0;
   s->worst_residual = 0;
   s->newmark.have_start = 0;
   s->fresh = 1;

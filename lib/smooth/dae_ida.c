@@ -143,9 +143,9 @@ static int make_vectors(nsdae_dae *dae)
   int n = dae->problem.n;
   dae->y = nsdae_pool_vector(&dae->pool, n, dae->context);
   if (!dae->y) return NSDAE_E_MEMORY;
-  dae->yp = N_VClone(dae->y);
-  dae->order = N_VClone(dae->y);
-  if (!dae->yp || !dae->order) return NSDAE_E_MEMORY;
+  dae->yp = nsdae_pool_vector(&dae->pool, n, dae->context);
+  dae->order = nsdae_pool_vector(&dae->pool, n, dae->context);
+  if (!dae->yp || !dae->order || nsdae_pool_fill(&dae->pool, dae->y) != 0) return NSDAE_E_MEMORY;
   memcpy(N_VGetArrayPointer(dae->order), dae->problem.order, (size_t)n * sizeof(double));
   return NSDAE_OK;
 }
@@ -183,7 +183,6 @@ static int set_up(nsdae_dae *dae, double rtol, double atol, double max_step)
     if (!bad) bad = IDASetRootDirection(ida, dae->falling);
     if (!bad) bad = IDASetNoInactiveRootWarn(ida);
   }
-  if (!bad) bad = nsdae_pool_fill(&dae->pool, dae->y);
   return bad ? NSDAE_E_MEMORY : NSDAE_OK;
 }
 

@@ -47,38 +47,44 @@ static N_Vector furnish(N_Vector vector, nsdae_pool *pool, sunindextype n)
   return vector;
 }
 
-static N_Vector duplicate(N_Vector like)
+static N_Vector make(N_Vector like, nsdae_pool *pool, sunindextype n)
 {
-  pooled *content = like->content;
-  nsdae_pool *pool = content->pool;
-  if (pool->count > 0) return pool->spare[--pool->count];
   N_Vector vector = N_VNewEmpty(like->sunctx);
   if (!vector) return NULL;
-  if (N_VCopyOps(like, vector) != 0) {
-    N_VFreeEmpty(vector);
-    return NULL;
-  }
-  return furnish(vector, pool, content->serial.length);
+  if (N_VCopyOps(like, vector) == 0) return furnish(vector, pool, n);
+  N_VFreeEmpty(vector);
+  return NULL;
+}
+
+static N_Vector duplicate(N_Vector like)
+{
+  const pooled *content = like->content;
+  nsdae_pool *pool = content->pool;
+  if (pool->count > 0) return pool->spare[--pool->count];
+  return make(like, pool, content->serial.length);
 }
 
 N_Vector nsdae_pool_vector(nsdae_pool *pool, int n, SUNContext context)
 {
-  N_Vector vector = N_VNewEmpty_Serial(n, context);
+  N_Vector serial = N_VNewEmpty_Serial(n, context);
+  if (!serial) return NULL;
+  N_Vector vector = make(serial, pool, n);
+  N_VDestroy(serial);
   if (!vector) return NULL;
-  free(vector->content);
   vector->ops->nvclone = duplicate;
   vector->ops->nvdestroy = give_back;
-  return furnish(vector, pool, n);
+  return vector;
 }
 
 int nsdae_pool_fill(nsdae_pool *pool, N_Vector like)
 {
-  N_Vector made[NSDAE_POOL_MAX];
-  int count = 0;
-  while (count < NSDAE_POOL_MAX && (made[count] = duplicate(like))) count++;
-  for (int i = 0; i < count; i++) pool->spare[i] = made[i];
-  pool->count = count;
-  return count == NSDAE_POOL_MAX ? 0 : -1;
+  const pooled *content = like->content;
+  while (pool->count < NSDAE_POOL_MAX) {
+    N_Vector made = make(like, pool, content->serial.length);
+    if (!made) return -1;
+    pool->spare[pool->count++] = made;
+  }
+  return 0;
 }
 
 void nsdae_pool_close(nsdae_pool *pool)

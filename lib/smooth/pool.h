@@ -1,11 +1,12 @@
-/* Vectors whose copies come from a pool: IDACalcIC clones two at every start, and nothing is to be
- * allocated after creation. */
+/* Vectors whose clones come from a pool: IDACalcIC clones two at every start, and nothing is to be
+ * allocated after creation. The pool is large enough for all that an integrator clones when it is
+ * made, too: N_VClone does not survive a clone that fails. */
 #ifndef NSDAE_SMOOTH_POOL_H
 #define NSDAE_SMOOTH_POOL_H
 
 #include <sundials/sundials_nvector.h>
 
-enum { NSDAE_POOL_MAX = 4 };
+enum { NSDAE_POOL_MAX = 40 };
 
 typedef struct nsdae_pool {
   N_Vector spare[NSDAE_POOL_MAX];

@@ -19,6 +19,10 @@
 
 enum { PROJECTIONS = 4, DIRECTIONS = 20 };
 
+/* Relative to W_N^T P W_N, the coefficient of a sliding contact that is none; and one that explains
+ * why the integrator failed. */
+static const double SINGULAR = 1e-10, NEARLY = 1e-3;
+
 enum {
   ALL_TERMS = NSDAE_TERM_MASS | NSDAE_TERM_FORCE | NSDAE_TERM_PHI | NSDAE_TERM_JACOBIAN |
               NSDAE_TERM_PHI_T | NSDAE_TERM_OMEGA | NSDAE_TERM_GAP | NSDAE_TERM_NORMAL |
@@ -302,20 +306,22 @@ static int accelerate(nsdae_event_method *e)
 
 /* A contact that slides and whose own coefficient W_N^T P (W_N - mu W_T d) is not above zero pulls
  * itself in: then there is no force, or two (Painleve 1895). */
-static int paradox(nsdae_event_method *e, double t, int status)
+static int paradox(nsdae_event_method *e, double t, int status, double least)
 {
   const nsdae_contacts *c = &e->modes;
   for (int a = 0; a < c->active_count; a++) {
     int i = c->active[a], row = c->first_row[a];
     double coefficient = c->A[(size_t)row * (size_t)c->rows + (size_t)row];
     double scale = c->G[(size_t)c->first_column[a] * (size_t)(c->columns + 1)];
-    if (c->law[i].kind != NSDAE_SLIDING || coefficient > 1e-10 * scale) continue;
+    if (c->law[i].kind != NSDAE_SLIDING || coefficient > least * scale) continue;
+    const char *what = coefficient > SINGULAR * scale ? "a contact force that grows without bound"
+                       : status < 0                   ? "no contact force that solves the equations"
+                                                      : "two solutions";
     nsdae_error_set(e->stepper->error, NSDAE_E_PAINLEVE, "nsdae_event", "mu",
                     "contact %d has %s at t = %.17g (Painleve's paradox: its friction feeds its "
                     "normal force, coefficient %.3g): take less friction, or method = implicit, "
                     "which resolves it by an impulse",
-                    i, status < 0 ? "no contact force that solves the equations" : "two solutions",
-                    t, coefficient);
+                    i, what, t, coefficient);
     e->stepper->error->index = i;
     e->stepper->error->time = t;
     return NSDAE_E_PAINLEVE;
@@ -475,7 +481,7 @@ static int find_modes(nsdae_event_method *e, double t, int impacted)
   do {
     set_laws(e, impacted);
     status = accelerate(e);
-    status = paradox(e, t, status);
+    status = paradox(e, t, status, SINGULAR);
     if (status < 0) return status;
   } while (comes_back(e) || (!impacted && sticks_after_all(e)));
   read_contacts(e);
@@ -496,7 +502,7 @@ int nsdae_event_diagnose(nsdae_event_method *e, double t)
     for (int i = 0; i < d->k; i++) e->candidate[i] = e->mode[i] != NSDAE_OPEN;
     memset(e->found, 0, (size_t)e->roots * sizeof *e->found);
     set_laws(e, 0);
-    status = paradox(e, t, accelerate(e));
+    status = paradox(e, t, accelerate(e), NEARLY);
   }
   if (status == NSDAE_E_PAINLEVE) return status;
   *s->error = kept;

@@ -82,6 +82,7 @@ int nsdae_stepper_factor(nsdae_stepper *s, nsdae_terms *terms, const double *M)
   int least_norm = s->options->redundant == NSDAE_REDUNDANT_LEAST_NORM;
   int status = nsdae_terms_factor(terms, M, &s->kkt, least_norm);
   if (s->kkt.rank < s->rank) s->rank = s->kkt.rank;
+  if (s->kkt.rank > s->rank_most) s->rank_most = s->kkt.rank;
   return status;
 }
 

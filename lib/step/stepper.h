@@ -49,7 +49,7 @@ struct nsdae_stepper {
   int impacts, impacts_max;
   double worst_residual;             /* of the LCPs of the step */
   int smooth;                        /* the step had no closed contact */
-  int rank;                          /* smallest rank of Phi_q in the step */
+  int rank, rank_most;               /* smallest and largest rank of Phi_q so far */
   long lcps, lcp_pivots, iterations; /* over the whole run */
   long events, accumulations, fallbacks;
   int stepped_over; /* of a method that finds impacts: not in this step */

@@ -130,34 +130,60 @@ static void add_velocities(nsdae_differences *d, int columns, const double *v, d
   nsdae_add_transposed(d->system->dims.nv, columns, 1, d->W, v, velocity);
 }
 
+/* Ends an evaluation of a callback: remembers its name where it failed or its velocities are not
+ * finite. */
+static int judge(nsdae_differences *d, int code, const char *callback, int count, const double *u)
+{
+  if (code && !d->failed) d->failed = callback;
+  for (int i = 0; i < count && !d->bad; i++)
+    if (!isfinite(u[i])) d->bad = callback;
+  return code;
+}
+
 /* w_N and w_T into the velocities. */
 static int contact_offsets(nsdae_differences *d, double t, const double *q, double *u_n,
                            double *u_t)
 {
   const nsdae_system *s = d->system;
-  if (s->contact_bias) return s->contact_bias(t, q, u_n, s->dims.nt > 0 ? u_t : NULL, s->user);
-  return nsdae_differences_time(d, s->gap, s->dims.k, t, q, u_n);
+  int k = s->dims.k, nt = s->dims.nt;
+  if (!s->contact_bias)
+    return judge(d, nsdae_differences_time(d, s->gap, k, t, q, u_n), "gap", k, u_n);
+  int code = s->contact_bias(t, q, u_n, nt > 0 ? u_t : NULL, s->user);
+  judge(d, code, "contact_bias", k * nt, u_t);
+  return judge(d, code, "contact_bias", k, u_n);
 }
 
-/* Velocities of the contacts at a point. */
+static int normal_velocities(nsdae_differences *d, double t, const double *q, const double *v,
+                             double *u_n)
+{
+  const nsdae_system *s = d->system;
+  int n = s->dims.nv, k = s->dims.k;
+  zero_directions(d, k);
+  int code = s->gap_normal ? s->gap_normal(t, q, d->W, n, s->user)
+                           : nsdae_differences_velocity(d, s->gap, k, t, q, d->W, n, 1);
+  if (!code) add_velocities(d, k, v, u_n);
+  return judge(d, code, s->gap_normal ? "gap_normal" : "gap", k, u_n);
+}
+
+static int tangential_velocities(nsdae_differences *d, double t, const double *q, const double *v,
+                                 double *u_t)
+{
+  const nsdae_system *s = d->system;
+  int columns = s->dims.k * s->dims.nt;
+  if (columns == 0 || !s->gap_tangent) return 0;
+  zero_directions(d, columns);
+  int code = s->gap_tangent(t, q, d->W, s->dims.nv, s->user);
+  if (!code) add_velocities(d, columns, v, u_t);
+  return judge(d, code, "gap_tangent", columns, u_t);
+}
+
 static int contact_velocities(nsdae_differences *d, double t, const double *q, const double *v,
                               double *u_n, double *u_t)
 {
-  const nsdae_system *s = d->system;
-  int n = s->dims.nv, k = s->dims.k, columns = k * s->dims.nt;
-  if (k == 0) return 0;
+  if (d->system->dims.k == 0) return 0;
   int code = contact_offsets(d, t, q, u_n, u_t);
-  if (code) return code;
-  zero_directions(d, k);
-  code = s->gap_normal ? s->gap_normal(t, q, d->W, n, s->user)
-                       : nsdae_differences_velocity(d, s->gap, k, t, q, d->W, n, 1);
-  if (code) return code;
-  add_velocities(d, k, v, u_n);
-  if (columns == 0 || !s->gap_tangent) return 0;
-  zero_directions(d, columns);
-  code = s->gap_tangent(t, q, d->W, n, s->user);
-  if (!code) add_velocities(d, columns, v, u_t);
-  return code;
+  if (!code) code = normal_velocities(d, t, q, v, u_n);
+  return code ? code : tangential_velocities(d, t, q, v, u_t);
 }
 
 static int slide_velocities(nsdae_differences *d, double t, const double *q, const double *v,
@@ -168,7 +194,7 @@ static int slide_velocities(nsdae_differences *d, double t, const double *q, con
   zero_directions(d, s->dims.f);
   int code = s->slide_tangent(t, q, d->W, s->dims.nv, u_s, s->user);
   if (!code) add_velocities(d, s->dims.f, v, u_s);
-  return code;
+  return judge(d, code, "slide_tangent", s->dims.f, u_s);
 }
 
 /* omega += weight u(t + s, q + s H v) */
@@ -195,7 +221,7 @@ int nsdae_differences_contacts(nsdae_differences *d, double t, const double *q, 
   static const double at[4] = {-2, -1, 1, 2}, weight[4] = {1, -8, 8, -1};
   double *const omega[3] = {omega_n, omega_t, omega_s};
   const nsdae_dims *dims = &d->system->dims;
-  d->failed = NULL;
+  d->failed = d->bad = NULL;
   memset(omega_n, 0, (size_t)dims->k * sizeof *omega_n);
   memset(omega_t, 0, (size_t)(dims->k * dims->nt) * sizeof *omega_t);
   memset(omega_s, 0, (size_t)dims->f * sizeof *omega_s);

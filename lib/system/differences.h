@@ -16,7 +16,8 @@ typedef nsdae_constraint_fn nsdae_position_fn;
 
 typedef struct nsdae_differences {
   const nsdae_system *system;
-  const char *failed;   /* callback that failed where it was not f: "kinematics"; else NULL */
+  const char *failed;   /* callback that failed where it was not f; else NULL */
+  const char *bad;      /* callback of the contacts that first gave what is not finite; else NULL */
   double *q, *qdot;     /* nq: a displaced point, its rate */
   double *centre;       /* nq: a displaced centre, for differences of differences */
   double *unit;         /* nv */

@@ -208,7 +208,7 @@ static int acceleration(nsdae_terms *T)
   } else {
     code = nsdae_differences_contacts(T->differences, T->t, T->q, T->v, T->omega_N, T->omega_T,
                                       T->omega_S);
-    callback = code && T->differences->failed ? T->differences->failed : "gap_normal";
+    if (code || T->differences->bad) callback = code ? T->differences->failed : T->differences->bad;
   }
   int status = outcome(T, code, callback, T->omega_N, k, 1);
   if (status == NSDAE_OK) status = outcome(T, 0, callback, T->omega_T, kt, 1);

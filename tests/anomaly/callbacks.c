@@ -67,7 +67,7 @@ static void fail_in_a_run(bead *b, int method, int status)
     result = nsdae_sim_step(sim);
   }
   const nsdae_error *error = nsdae_sim_error(sim);
-  if (method == NSDAE_PENALTY && b->code > 0 && result >= 0) { /* smaller steps got around it */
+  if (method >= NSDAE_PENALTY && b->code > 0 && result >= 0) { /* smaller steps got around it */
     nsdae_sim_destroy(&sim);
     nsdae_system_destroy(&system);
     return;
