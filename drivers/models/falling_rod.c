@@ -89,6 +89,19 @@ static int contact_bias(double t, const double *q, double *w_n, double *w_t, voi
   return 0;
 }
 
+static int contact_acceleration(double t, const double *q, const double *v, double *omega_n,
+                                double *omega_t, double *omega_s, void *user)
+{
+  const falling_rod *p = user;
+  (void)t;
+  (void)omega_s;
+  for (int i = 0; i < 2; i++) {
+    omega_n[i] = -side[i] * p->l * sin(q[2]) * v[2] * v[2];
+    omega_t[i] = -side[i] * p->l * cos(q[2]) * v[2] * v[2];
+  }
+  return 0;
+}
+
 static int potential(double t, const double *q, double *energy, void *user)
 {
   const falling_rod *p = user;
@@ -110,6 +123,7 @@ static int build(void *base, nsdae_system **system, nsdae_error *error)
   nsdae_system_set_gap_normal(*system, gap_normal);
   nsdae_system_set_gap_tangent(*system, gap_tangent);
   nsdae_system_set_contact_bias(*system, contact_bias);
+  nsdae_system_set_contact_acceleration(*system, contact_acceleration);
   nsdae_system_set_potential(*system, potential);
   for (int i = 0; i < 2 && status == NSDAE_OK; i++)
     status = nsdae_system_set_contact(*system, i, p->mu, p->e_N, 0);

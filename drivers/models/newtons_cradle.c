@@ -72,6 +72,19 @@ static int contact_bias(double t, const double *q, double *w_n, double *w_t, voi
   return 0;
 }
 
+static int contact_acceleration(double t, const double *q, const double *v, double *omega_n,
+                                double *omega_t, double *omega_s, void *user)
+{
+  const newtons_cradle *p = user;
+  (void)t;
+  (void)q;
+  (void)v;
+  (void)omega_t;
+  (void)omega_s;
+  for (int i = 0; i < p->n - 1; i++) omega_n[i] = 0;
+  return 0;
+}
+
 static int potential(double t, const double *q, double *energy, void *user)
 {
   const newtons_cradle *p = user;
@@ -93,6 +106,7 @@ static int build(void *base, nsdae_system **system, nsdae_error *error)
   nsdae_system_set_gap(*system, gap);
   nsdae_system_set_gap_normal(*system, gap_normal);
   nsdae_system_set_contact_bias(*system, contact_bias);
+  nsdae_system_set_contact_acceleration(*system, contact_acceleration);
   nsdae_system_set_potential(*system, potential);
   for (int i = 0; i < p->n - 1 && status == NSDAE_OK; i++)
     status = nsdae_system_set_contact(*system, i, 0, p->e_N, 0);

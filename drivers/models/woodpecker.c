@@ -99,6 +99,18 @@ static int contact_bias(double t, const double *q, double *w_n, double *w_t, voi
   return 0;
 }
 
+static int contact_acceleration(double t, const double *q, const double *v, double *omega_n,
+                                double *omega_t, double *omega_s, void *user)
+{
+  (void)t;
+  (void)q;
+  (void)v;
+  (void)omega_s;
+  (void)user;
+  for (int i = 0; i < 3; i++) omega_n[i] = omega_t[i] = 0;
+  return 0;
+}
+
 static int potential(double t, const double *q, double *energy, void *user)
 {
   const woodpecker *p = user;
@@ -121,6 +133,7 @@ static int build(void *base, nsdae_system **system, nsdae_error *error)
   nsdae_system_set_gap_normal(*system, gap_normal);
   nsdae_system_set_gap_tangent(*system, gap_tangent);
   nsdae_system_set_contact_bias(*system, contact_bias);
+  nsdae_system_set_contact_acceleration(*system, contact_acceleration);
   nsdae_system_set_potential(*system, potential);
   for (int i = 0; i < 3 && status == NSDAE_OK; i++)
     status = nsdae_system_set_contact(*system, i, p->mu,
