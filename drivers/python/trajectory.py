@@ -2,6 +2,7 @@
 
 import argparse
 import os
+import re
 
 import h5py
 
@@ -15,8 +16,9 @@ def text(value):
 
 
 def reason(error):
-    """HDF5's reason is the last thing in its parentheses."""
-    return os.strerror(error.errno) if error.errno else str(error).split(" (")[-1].rstrip(")")
+    """The system's reason where HDF5 says it, else what HDF5 says last in its parentheses."""
+    number = getattr(error, "errno", None) or next(iter(re.findall(r"errno = (\d+)", str(error))), None)
+    return os.strerror(int(number)) if number else str(error).split(" (")[-1].rstrip(")")
 
 
 def open_trajectory(path):
