@@ -37,13 +37,14 @@ def crank_slider(p, q):
     crank, rod = ([np.sin(a), -np.cos(a)] for a in (q[:, 0], q[:, 1]))
     pin = [p["L1"] * x for x in crank]
     slider = [a + p["L2"] * b for a, b in zip(pin, rod)]
-    guide = 2 * (p["L1"] + p["L2"])
+    low, high = slider[1].min() - 4 * width, slider[1].max() + 4 * width
+    guide = box(width, high - low, 3 * width)
     return [
         Body("crank", bar(p["L1"], width), planar(*(x / 2 for x in pin)), about_z(q[:, 0])),
         Body("rod", bar(p["L2"], width), planar(*((a + b) / 2 for a, b in zip(pin, slider))), about_z(q[:, 1])),
         Body("slider", box(3 * width, 4 * width, 3 * width), planar(*slider)),
-        Body("left guide", box(width, guide, 3 * width), np.array([-2 * width, 0, 0])),
-        Body("right guide", box(width, guide, 3 * width), np.array([2 * width, 0, 0])),
+        Body("left guide", guide, np.array([-2 * width, (low + high) / 2, 0])),
+        Body("right guide", guide, np.array([2 * width, (low + high) / 2, 0])),
     ]
 
 
