@@ -4,7 +4,7 @@ them. Hanging bodies have their own frame's -y along the rod, as the models' ang
 
 import numpy as np
 
-from shapes import Body, about_z, box, cylinder, planar, ring, rotation_by, rotations_by, sphere
+from shapes import Body, about_z, box, cylinder, planar, prism, ring, rotation_by, rotations_by, sphere, tilted
 
 
 def bar(length, width):
@@ -72,12 +72,60 @@ def rolling_ball(p, q):
     ]
 
 
+def bouncing_ball(p, q):
+    """The coordinate is the height of the ball's lowest point."""
+    r = p["h0"] / 20
+    return [
+        Body("ball", sphere(r), planar(np.zeros(len(q)), q[:, 0] + r)),
+        Body("floor", box(10 * r, r, 10 * r), np.array([0, -r / 2, 0])),
+    ]
+
+
+def falling_rod(p, q):
+    """The angle counts from the floor."""
+    l, low, high = p["l"], q[:, 0].min(), q[:, 0].max()
+    return [
+        Body("rod", box(2 * l, l / 40, l / 20), planar(q[:, 0], q[:, 1]), about_z(q[:, 2])),
+        Body("floor", box(high - low + 3 * l, l / 20, l / 2), np.array([(low + high) / 2, -l / 40, 0])),
+    ]
+
+
+def newtons_cradle(p, q):
+    """Balls of radius L / 10, q from where they hang; they rise by q^2 / 2 L, as their potential has it."""
+    r = p["L"] / 10
+    rise = q**2 / (2 * p["L"]) if p["g"] > 0 else 0 * q
+    return [Body(f"ball {i + 1}", sphere(r), planar(i * (2 * r + p["gap"]) + q[:, i], rise[:, i]))
+            for i in range(q.shape[1])]
+
+
+def woodpecker(p, q):
+    """Tilts are small in the model: x + phi y stands for a rotation here too, so that what touches in
+    the model touches in the picture."""
+    y, sleeve, bird = q.T
+    upright = np.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]])  # along y what was along z
+    low, high = y.min() - 6 * p["h_M"], y.max() + 6 * p["h_M"]
+    spring = y + p["l_M"] * sleeve
+    outline = np.array([[-1, 1], [-0.1, -1], [0.5, -0.8], [0.3, 1]]) * [p["l_S"], p["h_S"]]
+    return [
+        Body("pole", cylinder(p["r_0"], high - low), np.array([0, (low + high) / 2, 0]), upright),
+        Body("sleeve", ring(p["r_M"], 1.5 * p["r_M"], 2 * p["h_M"]), planar(0 * y, y), tilted(sleeve) @ upright),
+        Body("spring", box(p["l_G"], p["r_0"] / 2, p["r_0"] / 2),
+             planar(0 * y + p["l_M"] + p["l_G"] / 2, spring + p["l_G"] / 2 * bird), tilted(bird)),
+        Body("bird", prism(outline, 2 * p["r_M"]),
+             planar(0 * y + p["l_M"] + p["l_G"], spring + p["l_G"] * bird), tilted(bird)),
+    ]
+
+
 MODELS = {
     "pendulum": pendulum,
     "clearance-hinge": clearance_hinge,
     "crank-slider": crank_slider,
     "incline": incline,
     "rolling-ball": rolling_ball,
+    "bouncing-ball": bouncing_ball,
+    "falling-rod": falling_rod,
+    "newtons-cradle": newtons_cradle,
+    "woodpecker": woodpecker,
 }
 
 

@@ -69,6 +69,12 @@ def about_z(angle):
     return rotation
 
 
+def tilted(angle):
+    """The same to first order in the angles: 1 + angle K."""
+    turn = np.array([[0, -1, 0], [1, 0, 0], [0, 0, 0]])
+    return np.eye(3) + angle[:, None, None] * turn
+
+
 def rotation_by(vector):
     """About the vector [3] by its length: I + sin(a)/a K + (1 - cos a)/a^2 K^2, K x = vector x x
     (Rodrigues)."""

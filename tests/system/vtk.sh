@@ -1,9 +1,10 @@
 #!/bin/sh
 # nsdae-vtk: every example's animation against its trajectory, one-line errors, and a full disk.
-# usage: vtk.sh BIN_DIR CHECK.py; NSDAE_PYTHON may name a Python with vtk 9.3 or later
+# usage: vtk.sh BIN_DIR DATA_DIR CHECK.py; NSDAE_PYTHON may name a Python with vtk 9.3 or later
 set -u
 bin=$1
-check=$2
+data=$2
+check=$3
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cd "$work" || exit 1
@@ -39,10 +40,19 @@ expect() {
   fi
 }
 
-for example in pendulum clearance-hinge crank-slider incline rolling-ball; do
-  "$bin/nsdae-$example" --quiet --output $example.h5 || fail "$example"
-  "$bin/nsdae-vtk" $example.h5 >out || fail "nsdae-vtk $example.h5"
-  "$python" -B "$check" $example.h5 $example.vtkhdf || fail "$example.vtkhdf"
+for program in "$bin"/nsdae-*; do
+  example=${program##*/nsdae-}
+  "$program" --help 2>/dev/null | grep -q 'FILE.h5 *trajectory' || continue # not an example
+  params=$data/$example.ini
+  "$program" --quiet $([ ! -e "$params" ] || echo --params "$params") --output "$example.h5" ||
+    fail "$example"
+  if "$bin/nsdae-vtk" "$example.h5" >out 2>err; then
+    "$python" -B "$check" "$example.h5" "$example.vtkhdf" || fail "$example.vtkhdf"
+  elif grep -q 'whose bodies are not known' err; then
+    echo "$example: no bodies yet (drivers/vtk/bodies.py)"
+  else
+    fail "nsdae-vtk $example.h5: $(cat err)"
+  fi
 done
 
 # thinned out: records 0, 7, 14 ...; and points at coordinates

@@ -139,7 +139,51 @@ def rolling_ball(a, f, p):
         expect("turn's sense", np.dot(turn, np.cross(side, R @ side)) >= -EPS)
 
 
-CHECKS = {"pendulum": pendulum, "clearance-hinge": clearance_hinge, "crank-slider": crank_slider,
+def bouncing_ball(a, f, p):
+    ball, floor = a.body("ball"), a.body("floor")
+    close("gap", ball[..., 1].min(axis=1) - floor[..., 1].max(axis=1), f["contact/gap"][:, 0])
+    U = p["m"] * p["g"] * a.centre("ball")[:, 1]
+    close("potential", U - U[0], f["energy/potential"][...] - f["energy/potential"][0], U.max())
+
+
+def falling_rod(a, f, p):
+    q, rod = f["q"][...], a.body("rod")
+    half = along(a, "rod", q, q[:, 2] + np.pi / 2)
+    close("length of the rod", np.abs(half), p["l"])
+    ends = [np.array([x[s * h > 0].mean(axis=0) for x, h in zip(rod, half)]) for s in (-1, 1)]
+    close("gaps", np.column_stack([end[:, 1] for end in ends]), f["contact/gap"][...])
+    close("floor", a.body("floor")[..., 1].max(), 0)
+    close("potential", p["m"] * p["g"] * a.centre("rod")[:, 1], f["energy/potential"][...], p["m"] * p["g"])
+
+
+def newtons_cradle(a, f, p):
+    balls = np.array([a.centre(name) for name in a.names])
+    reach = [np.ptp(a.body(name)[..., 0], axis=1) / 2 for name in a.names]
+    between = np.diff(balls[..., 0], axis=0) - np.add(reach[1:], reach[:-1])
+    close("gaps", between.T, f["contact/gap"][...])
+    close("potential", p["m"] * p["g"] * balls[..., 1].sum(axis=0), f["energy/potential"][...])
+
+
+def woodpecker(a, f, p):
+    gap, sleeve = f["contact/gap"][...], a.body("sleeve")
+    out = a.body("bird")[0, :, :2] - [p["l_M"] + p["l_G"], a.centre("spring")[0, 1]]
+    beak = np.argmax(np.linalg.norm(out, axis=1))
+    close("gap of the beak", a.body("bird")[:, beak, 0] - p["r_0"], gap[:, 0])
+    close("radius of the pole", np.ptp(a.body("pole")[..., 0]) / 2, p["r_0"])
+    inner = sleeve[:, np.argsort(np.hypot(*(sleeve[0] - sleeve[0].mean(axis=0))[:, [0, 2]].T))[:96]]
+    right = inner[..., 0] - inner[..., 0].mean(axis=1)[:, None]
+    level = inner[..., 1] - inner[..., 1].mean(axis=1)[:, None]
+    for contact, below in ((1, level < 0), (2, level > 0)):
+        edge = np.where(below, right, -np.inf).max(axis=1)
+        close("gaps of the sleeve", edge - p["r_0"], gap[:, contact])
+    bird = a.centre("spring")[:, 1] * 2 - (a.centre("sleeve")[:, 1] + p["l_M"] * f["q"][:, 1])
+    turn = f["q"][:, 1] - f["q"][:, 2]
+    U = p["g"] * (p["m_M"] * a.centre("sleeve")[:, 1] + p["m_S"] * bird) + p["c"] * turn**2 / 2
+    close("potential", U, f["energy/potential"][...])
+
+
+CHECKS = {"bouncing-ball": bouncing_ball, "falling-rod": falling_rod, "newtons-cradle": newtons_cradle,
+          "woodpecker": woodpecker, "pendulum": pendulum, "clearance-hinge": clearance_hinge, "crank-slider": crank_slider,
           "incline": incline, "rolling-ball": rolling_ball}
 
 
