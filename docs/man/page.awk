@@ -1,5 +1,6 @@
 # A driver's man page: its template with the lines %SECTION% replaced by that section of its --help,
 # %summary% by what --help says first and %about% by the file of that name.
+# Lines after %compare% are for the drivers that have --compare.
 # usage: awk -f page.awk -v about=FILE HELP TEMPLATE
 
 function escaped(text) {
@@ -36,6 +37,7 @@ FNR == 1 { file++ }
 
 file == 1 && FNR == 1 { summary = $0; sub(/^[^:]*: /, "", summary); section = "flags"; next }
 file == 1 && /^[a-z]/ { if ($1 != "usage:") section = $1; next }
+file == 1 && /^  --compare/ { compares = 1 }
 file == 1 && /^  / {
   item = section == "flags" ? flag($0) : section == "methods" ? method($0) : setting($0)
   items[section] = items[section] item "\n"
@@ -49,4 +51,5 @@ file == 2 && /^%[a-z]+%$/ {
   else if (name != "summary") { print "page.awk: --help has no section " name > "/dev/stderr"; exit 1 }
   next
 }
+file == 2 && sub(/^%compare%/, "") && !compares { next }
 file == 2 { gsub(/%summary%/, summary); print }
