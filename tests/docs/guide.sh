@@ -85,6 +85,21 @@ sed -n 's/^| `\(NSDAE_[A-Z_]*\)` | \(-*[0-9]*\) | .*/\1 \2/p' "$source/docs/guid
   echo "FAILED: the table of errors.md (>) is not the list of status.h (<)"
   failures=$((failures + 1))
 }
+# every dataset and attribute of a trajectory is in the page about the layout
+if command -v h5dump >/dev/null; then
+  for example in clearance-hinge crank-slider incline; do
+    nsdae-$example --quiet --t-end 0.02 --output layout.h5
+    h5dump -n 1 layout.h5 | awk '$1 == "dataset" || $1 == "attribute" && $2 ~ /^\/[^\/]*$/ {print $2}' |
+      grep -v -e '^/options/' -e '^/parameters/'
+  done | sort -u >"$work/datasets"
+  [ -s "$work/datasets" ] || failures=$((failures + 1))
+  while read -r name; do
+    grep -qF -e "\`$name\`" -e "\`${name#/}\`" "$source/docs/trajectory.md" || {
+      echo "FAILED: docs/trajectory.md does not know $name"
+      failures=$((failures + 1))
+    }
+  done <"$work/datasets"
+fi
 # every method is in the table of methods
 for method in $(nsdae-pendulum --help | awk '/^methods$/ {on = 1; next} /^[a-z]/ {on = 0} on && NF {print $1}'); do
   grep -q "^|.*| \`$method\` |\$" "$source/docs/guide/methods.md" || {
