@@ -1,38 +1,17 @@
 """Pictures of an nsdae trajectory: coordinates, velocities, impulses, energy, certificate."""
 
-import argparse
 import os
 import sys
 
-import h5py
 import matplotlib
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402  (the backend must be chosen first)
 import numpy as np  # noqa: E402
 
+from trajectory import Parser, Problem, open_trajectory, text  # noqa: E402
+
 LEGEND_MAX = 12  # more lines than this say nothing in a legend
-
-
-class Problem(Exception):
-    """What is wrong with the file, in one line."""
-
-
-def text(value):
-    return value.decode() if isinstance(value, bytes) else str(value)
-
-
-def open_trajectory(path):
-    try:
-        file = h5py.File(path, "r")
-    except OSError as error:
-        reason = os.strerror(error.errno) if error.errno else str(error).split(" (")[-1].rstrip(")")
-        raise Problem(f"cannot read '{path}': {reason}") from error
-    if text(file.attrs.get("format", "")) != "nsdae-trajectory":
-        raise Problem(f"'{path}' is not an nsdae trajectory")
-    if file["time"].shape[0] == 0:
-        raise Problem(f"'{path}' holds no records")
-    return file
 
 
 def label(axes, dataset, name):
@@ -159,7 +138,7 @@ def draw(file, names, title):
 
 
 def parse(argv):
-    parser = argparse.ArgumentParser(prog="nsdae-plot", description=__doc__)
+    parser = Parser(prog="nsdae-plot", description=__doc__)
     parser.add_argument("file", help="trajectory, e.g. pendulum.h5")
     parser.add_argument("-o", "--output", help="picture (.png, .svg or .pdf); default FILE.png")
     parser.add_argument("--only", action="append", choices=list(PANELS), help="this panel; repeatable")

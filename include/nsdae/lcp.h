@@ -12,6 +12,7 @@
 extern "C" {
 #endif
 
+/* A and b of y = A x + b; neither is changed. */
 typedef struct nsdae_lcp_problem {
   int n;           /* rows, >= 0 */
   const double *A; /* n x n, column-major */
@@ -30,12 +31,14 @@ enum nsdae_lcp_stage {
   NSDAE_LCP_ENUMERATE = 32 /* all active sets, for small n; proves where there is no solution */
 };
 
+/* What is known of the problem after the chain. */
 enum nsdae_lcp_outcome {
   NSDAE_LCP_UNSOLVED = 0,  /* no stage found a solution; nothing is proved */
   NSDAE_LCP_SOLVED = 1,    /* residual below tolerance, computed afresh from A and b */
   NSDAE_LCP_INFEASIBLE = 2 /* proved: there is no solution */
 };
 
+/* Fill with nsdae_lcp_options_default first. */
 typedef struct nsdae_lcp_options {
   double tol;        /* bound on the scaled natural residual of a solution */
   int max_pivots;    /* per run of Lemke; 0: 50 n + 100 */
@@ -43,6 +46,7 @@ typedef struct nsdae_lcp_options {
   int enumerate_max; /* largest n that enumeration takes on */
 } nsdae_lcp_options;
 
+/* How a problem was solved, or was not. */
 typedef struct nsdae_lcp_info {
   int outcome;     /* enum nsdae_lcp_outcome */
   int stage;       /* enum nsdae_lcp_stage that ended it */
@@ -51,6 +55,7 @@ typedef struct nsdae_lcp_info {
                       nsdae_dlcpres */
 } nsdae_lcp_info;
 
+/* Every option at its default. */
 NSDAE_API void nsdae_lcp_options_default(nsdae_lcp_options *options);
 
 /* Names of a stage ("lemke") and of an outcome ("solved"). */
@@ -73,6 +78,7 @@ NSDAE_API int nsdae_lcp_solve_in(const nsdae_lcp_problem *problem, const nsdae_l
                                  int *basis, double *x, double *y, nsdae_lcp_info *info,
                                  double *work, int lwork, int *iwork, int liwork);
 
+/* Sizes of the workspace of nsdae_lcp_solve_in for n rows. NSDAE_E_ARGUMENT. */
 NSDAE_API int nsdae_lcp_workspace(int n, int *lwork, int *liwork);
 
 #ifdef __cplusplus

@@ -12,6 +12,7 @@
 extern "C" {
 #endif
 
+/* What the field is. */
 enum nsdae_param_type {
   NSDAE_PARAM_REAL,   /* double */
   NSDAE_PARAM_INT,    /* int */
@@ -24,22 +25,23 @@ enum { NSDAE_PARAM_TEXT_SIZE = 256 };
 /* Which bound of a range is itself excluded. */
 enum { NSDAE_OPEN_MIN = 1, NSDAE_OPEN_MAX = 2 };
 
+/* One field of a struct. */
 typedef struct nsdae_param {
-  const char *key;
+  const char *key;  /* its name */
   const char *unit; /* "s", "kg", ...; "1" for a pure number; "" where a unit makes no sense */
   const char *help; /* one line */
-  enum nsdae_param_type type;
-  size_t offset; /* offsetof the field */
-  double initial;
-  double min, max;
+  enum nsdae_param_type type; /* of the field */
+  size_t offset;              /* offsetof the field */
+  double initial;             /* default; of a choice its index */
+  double min, max;            /* range */
   int open;                   /* NSDAE_OPEN_MIN | NSDAE_OPEN_MAX */
   const char *const *choices; /* ends with NULL; for NSDAE_PARAM_CHOICE */
 } nsdae_param;
 
 /* A table of n entries over one struct. */
 typedef struct nsdae_params {
-  const nsdae_param *entry;
-  int n;
+  const nsdae_param *entry; /* [n] */
+  int n;                    /* >= 0 */
 } nsdae_params;
 
 /* Fills the struct at base with the initial values. */

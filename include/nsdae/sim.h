@@ -10,6 +10,7 @@
 extern "C" {
 #endif
 
+/* A simulation; opaque. */
 typedef struct nsdae_sim nsdae_sim;
 
 /* Index into nsdae_method_name; options.method. */
@@ -51,6 +52,7 @@ typedef struct nsdae_sim_options {
   unsigned initialised;                   /* set by nsdae_sim_options_default */
 } nsdae_sim_options;
 
+/* Every option at its default. */
 NSDAE_API void nsdae_sim_options_default(nsdae_sim_options *options);
 /* Sets one option from text, e.g. ("dt", "0.005") or ("method", "moreau"). NSDAE_E_OPTION: no
  * such key or choice (the text offers the nearest); NSDAE_E_ARGUMENT: outside its range. */
@@ -63,14 +65,15 @@ NSDAE_API const nsdae_params *nsdae_sim_options_table(void);
 NSDAE_API const char *nsdae_method_name(int method);
 NSDAE_API const char *nsdae_method_summary(int method);
 
+/* What a contact did in the step: nothing, or with which friction. */
 enum nsdae_mode { NSDAE_OPEN = 0, NSDAE_SLIDE = 1, NSDAE_STICK = 2 };
 
 /* One impact: what a contact did in one instant, or, for a time-stepping method, in one step. */
 typedef struct nsdae_impact {
-  double time;           /* of the instant, or the end of the step [s] */
-  int contact;           /* from 0 */
-  double normal_impulse; /* [N s]; with a time-stepping method the step's force is in it */
-  double tangential_impulse[2];
+  double time;                  /* of the instant, or the end of the step [s] */
+  int contact;                  /* from 0 */
+  double normal_impulse;        /* [N s]; with a time-stepping method the step's force is in it */
+  double tangential_impulse[2]; /* [N s], the first nt of them */
   double velocity_before, velocity_after; /* normal, of the contact [m/s] */
   double peak_force; /* largest normal force of a continuous contact [N]; 0 for a rigid one */
   int accumulation;  /* 1: stands for infinitely many impacts that end at time in rest */
@@ -79,8 +82,8 @@ typedef struct nsdae_impact {
 /* The state after a step (or at the start, step = 0) and its certificate. Everything points into
  * the simulation and holds until the next step. */
 typedef struct nsdae_record {
-  long step;
-  double time;
+  long step;                        /* from 0, the start */
+  double time;                      /* [s] */
   const double *q, *v;              /* [nq], [nv] */
   const double *multiplier;         /* [m] mean bilateral force over the step */
   const double *gap;                /* [k] */
@@ -95,7 +98,7 @@ typedef struct nsdae_record {
   double constraint_drift;          /* max |Phi| */
   double penetration;               /* max(0, -g_N) over the contacts */
   const nsdae_impact *impact;       /* [impacts] */
-  int impacts;
+  int impacts;                      /* in the step */
 } nsdae_record;
 
 /* Sees every record. 0: go on; > 0: stop after it (NSDAE_STOPPED); < 0: the run fails with this
@@ -104,18 +107,19 @@ typedef int (*nsdae_observer_fn)(const nsdae_record *record, nsdae_error *error,
 
 enum { NSDAE_OBSERVERS_MAX = 8 };
 
+/* What a simulation did since nsdae_sim_init. */
 typedef struct nsdae_stats {
-  long steps, smooth_steps, contact_steps;
-  long lcps, lcp_pivots, iterations; /* iterations of the implicit methods */
-  long mass_evals, force_evals, jacobian_evals;
-  long impacts;
+  long steps, smooth_steps, contact_steps;      /* all, without and with a contact closed */
+  long lcps, lcp_pivots, iterations;            /* the last: of the implicit methods */
+  long mass_evals, force_evals, jacobian_evals; /* calls of the callbacks */
+  long impacts;                                 /* as recorded */
   long events, accumulations; /* of event: instants of change; accumulations closed */
   long fallback_steps;        /* of event: dt that were stepped by implicit instead */
-  int rank, rank_most;   /* smallest and largest rank of Phi_q met; not the same: see rank_tol */
-  double worst_residual; /* over all LCPs */
-  double worst_drift;    /* max |Phi| [in its units] */
-  double worst_penetration;
-  double energy_start;   /* kinetic + potential at the start [J] */
+  int rank, rank_most;      /* smallest and largest rank of Phi_q met; not the same: see rank_tol */
+  double worst_residual;    /* over all LCPs */
+  double worst_drift;       /* max |Phi| [in its units] */
+  double worst_penetration; /* max(0, -g_N) [m] */
+  double energy_start;      /* kinetic + potential at the start [J] */
   double energy_balance; /* energy now + dissipated - energy_start [J]; forces that are not in the
                             potential do their work here */
   double wall_time;      /* spent in nsdae_sim_run and nsdae_sim_step [s] */

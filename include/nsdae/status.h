@@ -33,6 +33,7 @@ extern "C" {
   X(NSDAE_E_UNSUPPORTED, -14, "not built into this library")                       \
   X(NSDAE_E_PAINLEVE, -15, "no contact force exists, or more than one (Painleve)")
 
+/* What a call returns. */
 enum nsdae_status {
 #define NSDAE_STATUS_ENUM(name, value, message) name = value,
   NSDAE_STATUS_LIST(NSDAE_STATUS_ENUM)

@@ -21,8 +21,10 @@
 extern "C" {
 #endif
 
+/* A description; opaque. */
 typedef struct nsdae_system nsdae_system;
 
+/* Its sizes. */
 typedef struct nsdae_dims {
   int nq; /* coordinates, >= 1 */
   int nv; /* velocities, 1 .. nq; 0 means nq */

@@ -10,6 +10,7 @@
 extern "C" {
 #endif
 
+/* A trajectory file that is being written; opaque. */
 typedef struct nsdae_trajectory nsdae_trajectory;
 
 /* What the file says of the model. */

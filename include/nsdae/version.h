@@ -2,11 +2,13 @@
 #ifndef NSDAE_VERSION_H
 #define NSDAE_VERSION_H
 
+/* The version of these headers; that of the library is nsdae_version(). */
 #define NSDAE_VERSION_MAJOR 0
 #define NSDAE_VERSION_MINOR 1
 #define NSDAE_VERSION_PATCH 0
 #define NSDAE_VERSION       "0.1.0"
 
+/* Marks what a shared library exports. */
 #if defined(__GNUC__)
 #define NSDAE_API __attribute__((visibility("default")))
 #else

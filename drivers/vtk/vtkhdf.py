@@ -1,0 +1,165 @@
+"""Bodies of an nsdae trajectory as a VTKHDF file, which ParaView 5.12 and later animates.
+
+One VTKHDF 2.0 PolyData of one part: the polygons once, the points of every step after each other,
+and in the group Steps the times and where each step's points begin
+(https://docs.vtk.org/en/latest/vtk_file_formats/vtkhdf_file_format)."""
+
+import contextlib
+import errno
+import io
+import os
+import re
+import sys
+
+import h5py
+import numpy as np
+
+from bodies import MODELS, points
+from shapes import placed
+from trajectory import Parser, Problem, open_trajectory, reason, text
+
+BLOCK = 512  # steps in memory at a time
+
+
+def parameters_of(file):
+    return {name: value[()] for name, value in file.get("parameters", {}).items()}
+
+
+def bodies_of(file, path, columns, q):
+    if columns:
+        for c in (c for xyz in columns for c in xyz if c is not None):
+            if c >= q.shape[1]:
+                raise Problem(f"'{path}' has the coordinates 0 to {q.shape[1] - 1}, not {c}")
+        return points(columns, q)
+    model = text(file.attrs.get("model", ""))
+    if model not in MODELS:
+        raise Problem(f"'{path}' is of the model '{model}', whose bodies are not known (only those of "
+                      f"{', '.join(MODELS)}): name what moves with --point, e.g. --point 0,1,- for a point at (q0, q1, 0)")
+    try:
+        return MODELS[model](parameters_of(file), q)
+    except (KeyError, IndexError) as error:
+        raise Problem(f"'{path}' is of the model '{model}' but lacks {error}") from error
+
+
+def topology(bodies):
+    """Connectivity and offsets of all polygons, and the number of each one's body."""
+    first = np.cumsum([0] + [len(b.shape.points) for b in bodies])
+    polygons = [np.array(cell) + first[i] for i, b in enumerate(bodies) for cell in b.shape.polygons]
+    number = [i for i, b in enumerate(bodies) for _ in b.shape.polygons]
+    offsets = np.cumsum([0] + [len(cell) for cell in polygons])
+    return np.concatenate(polygons), offsets, np.array(number)
+
+
+def write_cells(root, connectivity, offsets):
+    """The four kinds of cells that the format wants, all empty but for the polygons."""
+    for kind in ("Vertices", "Lines", "Polygons", "Strips"):
+        mine = (connectivity, offsets) if kind == "Polygons" else ([], [0])
+        group = root.create_group(kind)
+        group["NumberOfConnectivityIds"] = np.array([len(mine[0])], "i8")
+        group["NumberOfCells"] = np.array([len(mine[1]) - 1], "i8")
+        group["Connectivity"] = np.array(mine[0], "i8")
+        group["Offsets"] = np.array(mine[1], "i8")
+
+
+def write_steps(root, time, size):
+    """Every step has the one part and its cells; only its points begin where the last ones end."""
+    n = len(time)
+    steps = root.create_group("Steps")
+    steps.attrs["NSteps"] = np.int64(n)
+    steps["Values"] = time
+    steps["PartOffsets"] = np.zeros(n, "i8")
+    steps["NumberOfParts"] = np.ones(n, "i8")
+    steps["PointOffsets"] = size * np.arange(n, dtype="i8")
+    for name in ("CellOffsets", "ConnectivityIdOffsets"):
+        steps[name] = np.zeros((n, 4), "i8")
+    steps.create_group("CellDataOffsets")["body"] = np.zeros(n, "i8")
+
+
+def write_points(root, bodies, records, size):
+    points = root.create_dataset("Points", (len(records) * size, 3), "f8")
+    for start in range(0, len(records), BLOCK):
+        some = records[start : start + BLOCK]
+        block = np.concatenate([placed(b, some) for b in bodies], axis=1)
+        points[start * size : (start + len(some)) * size] = block.reshape(-1, 3)
+
+
+def image(time, bodies, records):
+    """The file's bytes. Made in memory: HDF5 itself crashes after a write that found the disk full."""
+    size = sum(len(b.shape.points) for b in bodies)
+    connectivity, offsets, number = topology(bodies)
+    whole = io.BytesIO()
+    with h5py.File(whole, "w") as file:
+        root = file.create_group("VTKHDF")
+        root.attrs["Version"] = np.array([2, 0], "i8")
+        root.attrs.create("Type", b"PolyData", dtype=h5py.string_dtype("ascii", len("PolyData")))
+        root["NumberOfPoints"] = np.array([size], "i8")
+        write_points(root, bodies, records, size)
+        write_cells(root, connectivity, offsets)
+        data = root.create_group("CellData").create_dataset("body", data=number, dtype="i4")
+        data.attrs["names"] = [b.name for b in bodies]
+        write_steps(root, time[records], size)
+    return whole.getbuffer()
+
+
+def replace(path, content):
+    """Writes beside the file and moves it there when it is whole: what was there is not lost."""
+    part = f"{path}.part"
+    try:
+        if os.path.isdir(path):
+            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
+        with open(part, "wb") as file:
+            file.write(content)
+        os.replace(part, path)
+    except OSError as error:
+        with contextlib.suppress(OSError):
+            os.remove(part)
+        raise Problem(f"cannot write '{path}': {reason(error)}") from error
+
+
+def columns_of(word):
+    """The columns of "0,1,-": None where there is no coordinate."""
+    if not re.fullmatch(r"(\d+|-),(\d+|-),(\d+|-)", word):
+        raise ValueError
+    return [None if c == "-" else int(c) for c in word.split(",")]
+
+
+columns_of.__name__ = "point (X,Y,Z: numbers of coordinates from 0, or -)"
+
+
+def parse(argv):
+    parser = Parser(prog="nsdae-vtk", description=__doc__.split("\n\n", maxsplit=1)[0])
+    parser.add_argument("file", help="trajectory, e.g. pendulum.h5")
+    parser.add_argument("-o", "--output", metavar="OUT.vtkhdf", help="default FILE.vtkhdf")
+    parser.add_argument("--every", metavar="N", type=int, default=1, help="every N-th record (default 1)")
+    parser.add_argument("--point", metavar="X,Y,Z", action="append", type=columns_of,
+                        help="instead of the model's bodies a point at these coordinates of q, counted from 0, "
+                        "- for none; repeatable")
+    parser.add_argument("--version", action="version", version="nsdae-vtk @PROJECT_VERSION@")
+    arguments = parser.parse_args(argv)
+    if arguments.every < 1:
+        parser.error(f"--every {arguments.every} is outside its range: it must be at least 1")
+    arguments.output = arguments.output or os.path.splitext(arguments.file)[0] + ".vtkhdf"
+    if os.path.realpath(arguments.output) == os.path.realpath(arguments.file):
+        parser.error(f"--output '{arguments.output}' is the trajectory itself")
+    return arguments
+
+
+def main(argv):
+    arguments = parse(argv)
+    try:
+        with open_trajectory(arguments.file) as file:
+            time, q = file["time"][...], file["q"][...]
+            if not np.isfinite(q).all():
+                raise Problem(f"'{arguments.file}' has coordinates that are not finite")
+            bodies = bodies_of(file, arguments.file, arguments.point, q)
+        records = np.arange(0, len(time), arguments.every)
+        replace(arguments.output, image(time, bodies, records))
+    except Problem as problem:
+        print(f"nsdae-vtk: error: {problem}", file=sys.stderr)
+        return 1
+    print(f"{len(records)} steps of {len(bodies)} bodies in {arguments.output}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,112 @@
+#!/bin/sh
+# All code of the guide: every chapter's files are written, its commands run letter for letter on an
+# installed tree, and what they print compared with what stands there ("..." stands for anything).
+# A command whose program is not here is left out, and said so. usage: guide.sh BUILD_DIR SOURCE_DIR
+set -u
+build=$1
+source=$2
+here=$(cd "$(dirname "$0")" && pwd)
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+export HOME="$work/home"
+mkdir -p "$HOME" "$work/chapters" "$work/shims"
+cmake --install "$build" --prefix "$HOME/nsdae" >/dev/null || exit 1
+lib=$(dirname "$(find "$HOME/nsdae" -name 'libnsdae.so')")
+[ "$lib" = "$HOME/nsdae/lib" ] || ln -s "${lib#"$HOME/nsdae/"}" "$HOME/nsdae/lib"
+ln -s "$source/docs" "$source/data" "$work/chapters"
+cd "$work/chapters" || exit 1
+
+# python3 is one that has h5py
+for candidate in ${NSDAE_PYTHON:+"$NSDAE_PYTHON"} python3 /usr/bin/python3; do
+  if "$candidate" -c 'import h5py' 2>/dev/null; then
+    printf '#!/bin/sh\nexec "%s" "$@"\n' "$(command -v "$candidate")" >"$work/shims/python3"
+    chmod +x "$work/shims/python3"
+    export PATH="$work/shims:$PATH"
+    break
+  fi
+done
+
+failures=0 done=0 left=0
+
+# Why a command cannot run here; nothing if it can.
+hindrance() {
+  for word in $1; do # the sources it names
+    case $word in docs/* | data/*) [ -e "$word" ] || echo "no $word" ;; esac
+  done
+  program=${1%% *}
+  case $program in
+  export | sed) ;;
+  paraview) echo "opens a window" ;;
+  python3) [ -x "$work/shims/python3" ] || echo "no Python with h5py" ;;
+  julia)
+    command -v julia >/dev/null || echo "no julia" && return
+    julia -e 'using HDF5' 2>/dev/null || echo "no HDF5.jl"
+    ;;
+  nsdae-vtk) "$program" --version >/dev/null 2>&1 || echo "no Python with h5py" ;;
+  *) command -v "$program" >/dev/null || echo "no $program" ;;
+  esac
+}
+
+# run LINE COMMAND <EXPECTED
+run() {
+  cat >"$work/expected"
+  why=$(hindrance "$2")
+  if [ -n "$why" ]; then
+    echo "$chapter:$1: left out ($why): $2"
+    left=$((left + 1))
+    return
+  fi
+  case $2 in
+  export*) eval "$2" && PATH="$work/shims:$PATH" && return ;;
+  esac
+  sh -c "$2" >"$work/printed" 2>"$work/complaints"
+  status=$?
+  done=$((done + 1))
+  if ! awk -f "$here/same.awk" "$work/expected" "$work/printed"; then
+    echo "FAILED: $chapter:$1: $2 (exit $status) prints"
+    sed 's/^/    /' "$work/printed" "$work/complaints"
+    failures=$((failures + 1))
+  fi
+}
+
+for chapter in first-program model methods trajectory paraview errors; do
+  awk -f "$here/guide.awk" "$source/docs/guide/$chapter.md" >"$work/$chapter.sh" || exit 1
+  . "$work/$chapter.sh"
+done
+for page in "$source"/docs/guide/*.md; do
+  name=$(basename "$page" .md)
+  [ "$name" = README ] || [ -e "$work/$name.sh" ] || { echo "FAILED: $name.md is not tested"; exit 1; }
+done
+
+# every status of the list is in the table, with its value, and nothing else is
+sed -n 's/^ *X(\(NSDAE_[A-Z_]*\), \(-*[0-9]*\),.*/\1 \2/p' "$source/include/nsdae/status.h" >"$work/list"
+sed -n 's/^| `\(NSDAE_[A-Z_]*\)` | \(-*[0-9]*\) | .*/\1 \2/p' "$source/docs/guide/errors.md" >"$work/table"
+[ -s "$work/list" ] && diff "$work/list" "$work/table" || {
+  echo "FAILED: the table of errors.md (>) is not the list of status.h (<)"
+  failures=$((failures + 1))
+}
+# every dataset and attribute of a trajectory is in the page about the layout
+if command -v h5dump >/dev/null; then
+  for example in clearance-hinge crank-slider incline; do
+    nsdae-$example --quiet --t-end 0.02 --output layout.h5
+    h5dump -n 1 layout.h5 | awk '$1 == "dataset" || $1 == "attribute" && $2 ~ /^\/[^\/]*$/ {print $2}' |
+      grep -v -e '^/options/' -e '^/parameters/'
+  done | sort -u >"$work/datasets"
+  [ -s "$work/datasets" ] || failures=$((failures + 1))
+  while read -r name; do
+    grep -qF -e "\`$name\`" -e "\`${name#/}\`" "$source/docs/trajectory.md" || {
+      echo "FAILED: docs/trajectory.md does not know $name"
+      failures=$((failures + 1))
+    }
+  done <"$work/datasets"
+fi
+# every method is in the table of methods
+for method in $(nsdae-pendulum --help | awk '/^methods$/ {on = 1; next} /^[a-z]/ {on = 0} on && NF {print $1}'); do
+  grep -q "^|.*| \`$method\` |\$" "$source/docs/guide/methods.md" || {
+    echo "FAILED: methods.md does not say when to use $method"
+    failures=$((failures + 1))
+  }
+done
+
+echo "$done commands as they stand there, $left left out, $failures failed"
+[ $failures = 0 ] && [ $done -gt 15 ]

@@ -1,0 +1,225 @@
+"""Checks what nsdae-vtk wrote against the trajectory: the structure of the file, and the bodies by
+what the trajectory says on its own: gaps, potential energy, constraint drift, angles.
+usage: vtk_check.py TRAJECTORY VTKHDF; says whether VTK itself read it too."""
+
+import sys
+
+import h5py
+import numpy as np
+
+EPS = 1e-12  # some 5000 roundings of values of order one
+
+
+def close(name, a, b, scale=1.0):
+    error = np.max(np.abs(np.asarray(a) - np.asarray(b))) / scale
+    if not error <= EPS:
+        sys.exit(f"{sys.argv[2]}: {name}: off by {error:.3g}, allowed {EPS:g}")
+
+
+def expect(name, holds):
+    if not holds:
+        sys.exit(f"{sys.argv[2]}: {name}")
+
+
+class Animation:
+    """The file as the format's specification has it to be read."""
+
+    def __init__(self, path):
+        with h5py.File(path) as file:
+            root = file["VTKHDF"]
+            expect("type", root.attrs["Type"] == b"PolyData" and list(root.attrs["Version"]) == [2, 0])
+            steps = root["Steps"]
+            self.n = int(steps.attrs["NSteps"])
+            self.time = steps["Values"][...]
+            size = int(root["NumberOfPoints"][0])
+            expect("one part", list(root["NumberOfPoints"]) == [size] and np.all(steps["NumberOfParts"][...] == 1))
+            expect("one topology", not np.any(steps["CellOffsets"][...]) and not np.any(steps["PartOffsets"][...]))
+            expect("steps", all(len(steps[s]) == self.n for s in ("Values", "PartOffsets", "PointOffsets")))
+            first = steps["PointOffsets"][...]
+            points = root["Points"][...]
+            expect("points", points.dtype == np.float64 and len(points) == size * self.n)
+            self.points = np.array([points[f : f + size] for f in first])
+            cells = root["Polygons"]
+            ids, offsets = cells["Connectivity"][...], cells["Offsets"][...]
+            expect("sizes", cells["NumberOfCells"][0] == len(offsets) - 1 and cells["NumberOfConnectivityIds"][0] == len(ids))
+            expect("offsets", offsets[0] == 0 and offsets[-1] == len(ids) and np.all(np.diff(offsets) >= 3))
+            expect("ids", ids.min() >= 0 and ids.max() < size)
+            self.polygons = [ids[a:b] for a, b in zip(offsets, offsets[1:])]
+            self.number = root["CellData/body"][...]
+            self.names = [str(name) for name in root["CellData/body"].attrs["names"]]
+            expect("a body for each polygon", len(self.number) == len(self.polygons))
+
+    def polygons_of(self, name):
+        return [p for p, i in zip(self.polygons, self.number) if self.names[i] == name]
+
+    def body(self, name):
+        """Its points [n, p, 3]."""
+        return self.points[:, np.unique(np.concatenate(self.polygons_of(name)))]
+
+    def centre(self, name):
+        return self.body(name).mean(axis=1)
+
+
+def volume(points, polygons):
+    """By the divergence theorem over fans of triangles: positive where all look outwards."""
+    return sum(np.dot(points[p[0]], np.cross(points[p[i]], points[p[i + 1]])) / 6
+               for p in polygons for i in range(1, len(p) - 1))
+
+
+def check_surfaces(a):
+    """Every edge is met once in each direction: closed and oriented; the volume is positive."""
+    names = {"ball, light": ["ball, light", "ball, dark"], "ball, dark": []}
+    for name in a.names:
+        polygons = [p for part in names.get(name, [name]) for p in a.polygons_of(part)]
+        if not polygons:
+            continue
+        shift = {j: tuple(np.round(x, 9)) for j, x in enumerate(a.points[0])}
+        edges = [(shift[x], shift[y]) for p in polygons for x, y in zip(p, np.roll(p, -1)) if shift[x] != shift[y]]
+        expect(f"{name} is closed", sorted(edges) == sorted((y, x) for x, y in edges))
+        expect(f"{name} looks outwards", volume(a.points[0] - a.points[0, polygons[0][0]], polygons) > 0)
+
+
+def along(a, name, centre, angle):
+    """Distances of a body's points from its centre, along the direction that hangs at that angle."""
+    out = a.body(name)[..., :2] - centre[:, None, :2]
+    return np.einsum("npi,ni->np", out, np.column_stack([np.sin(angle), -np.cos(angle)]))
+
+
+def pendulum(a, f, p):
+    q = f["q"][...]
+    half = along(a, "rod", q, q[:, 2])
+    close("length of the rod", np.abs(half), p["L"] / 2)
+    tip = np.array([x[h > 0].mean(axis=0) for x, h in zip(a.body("rod"), half)])
+    close("gap at the tip", tip[:, 0] - q[:, 0] + p["L"] / 2 * np.sin(q[:, 2]), f["contact/gap"][:, 0])
+    close("potential", p["m"] * p["g"] * a.centre("rod")[:, 1], f["energy/potential"][...], p["m"] * p["g"])
+
+
+def clearance_hinge(a, f, p):
+    q = f["q"][...]
+    close("length of the rod", np.abs(along(a, "rod", q, q[:, 2])), p["l"] / 2)
+    distance = np.linalg.norm(a.centre("shaft") - a.centre("hole"), axis=1)
+    close("gap", p["R"] - p["r"] - distance, f["contact/gap"][:, 0])
+    close("radius", np.linalg.norm((a.body("shaft") - a.centre("shaft")[:, None])[..., :2], axis=2), p["r"])
+    close("potential", p["m"] * p["g"] * a.centre("rod")[:, 1], f["energy/potential"][...], p["m"] * p["g"])
+
+
+def crank_slider(a, f, p):
+    crank, rod, slider = (a.centre(name) for name in ("crank", "rod", "slider"))
+    close("slider in the slot", np.abs(slider[:, 0]), f["certificate/constraint_drift"][...])
+    close("joint at the pin", 2 * crank, 2 * rod - slider)
+    close("length of the crank", np.linalg.norm(2 * crank, axis=1), p["L1"])
+    close("length of the rod", 2 * np.linalg.norm(rod - slider, axis=1), p["L2"])
+    u = slider[:, 1] + p["L1"] + p["L2"]
+    U = p["g"] * (p["m1"] * crank[:, 1] + p["m2"] * rod[:, 1] + p["m3"] * slider[:, 1]) + p["k"] * u * u / 2
+    close("potential", U, f["energy/potential"][...], np.abs(U).max())
+
+
+def incline(a, f, p):
+    q, block = f["q"][...], a.centre("block")
+    U = p["m"] * p["g"] * block[:, 2]
+    close("potential", U - U[0], f["energy/potential"][...] - f["energy/potential"][0])
+    close("way", np.linalg.norm(block - block[0], axis=1), np.linalg.norm(q - q[0], axis=1))
+    top, bottom = a.body("plane")[0], a.body("block")
+    normal = np.array([np.sin(p["slope"]) * np.cos(p["turn"]), np.sin(p["slope"]) * np.sin(p["turn"]), np.cos(p["slope"])])
+    close("gap", (bottom @ normal).min(axis=1) - (top @ normal).max(), f["contact/gap"][:, 0])
+
+
+def rolling_ball(a, f, p):
+    q = f["q"][...]
+    light = a.body("ball, light")
+    close("radius", np.linalg.norm(light - q[:, None, :3], axis=2), p["r"])
+    close("potential", p["m"] * p["g"] * q[:, 2], f["energy/potential"][...])
+    for i in range(1, a.n):  # each step's turn: about the increment, by its length (least squares, SVD)
+        before, after = light[i - 1] - q[i - 1, :3], light[i] - q[i, :3]
+        U, _, V = np.linalg.svd(after.T @ before)
+        R, turn = U @ V, q[i, 3:] - q[i - 1, 3:]
+        close("turn's axis", R @ turn, turn)
+        close("turn's angle", (np.trace(R) - 1) / 2, np.cos(np.linalg.norm(turn)))
+        side = np.linalg.svd(turn[None])[2][1]  # at right angles to the axis
+        expect("turn's sense", np.dot(turn, np.cross(side, R @ side)) >= -EPS)
+
+
+def bouncing_ball(a, f, p):
+    ball, floor = a.body("ball"), a.body("floor")
+    close("gap", ball[..., 1].min(axis=1) - floor[..., 1].max(axis=1), f["contact/gap"][:, 0])
+    U = p["m"] * p["g"] * a.centre("ball")[:, 1]
+    close("potential", U - U[0], f["energy/potential"][...] - f["energy/potential"][0], U.max())
+
+
+def falling_rod(a, f, p):
+    q, rod = f["q"][...], a.body("rod")
+    half = along(a, "rod", q, q[:, 2] + np.pi / 2)
+    close("length of the rod", np.abs(half), p["l"])
+    ends = [np.array([x[s * h > 0].mean(axis=0) for x, h in zip(rod, half)]) for s in (-1, 1)]
+    close("gaps", np.column_stack([end[:, 1] for end in ends]), f["contact/gap"][...])
+    close("floor", a.body("floor")[..., 1].max(), 0)
+    close("potential", p["m"] * p["g"] * a.centre("rod")[:, 1], f["energy/potential"][...], p["m"] * p["g"])
+
+
+def newtons_cradle(a, f, p):
+    balls = np.array([a.centre(name) for name in a.names])
+    reach = [np.ptp(a.body(name)[..., 0], axis=1) / 2 for name in a.names]
+    between = np.diff(balls[..., 0], axis=0) - np.add(reach[1:], reach[:-1])
+    close("gaps", between.T, f["contact/gap"][...])
+    close("potential", p["m"] * p["g"] * balls[..., 1].sum(axis=0), f["energy/potential"][...])
+
+
+def woodpecker(a, f, p):
+    gap, sleeve = f["contact/gap"][...], a.body("sleeve")
+    out = a.body("bird")[0, :, :2] - [p["l_M"] + p["l_G"], a.centre("spring")[0, 1]]
+    beak = np.argmax(np.linalg.norm(out, axis=1))
+    close("gap of the beak", a.body("bird")[:, beak, 0] - p["r_0"], gap[:, 0])
+    close("radius of the pole", np.ptp(a.body("pole")[..., 0]) / 2, p["r_0"])
+    inner = sleeve[:, np.argsort(np.hypot(*(sleeve[0] - sleeve[0].mean(axis=0))[:, [0, 2]].T))[:96]]
+    right = inner[..., 0] - inner[..., 0].mean(axis=1)[:, None]
+    level = inner[..., 1] - inner[..., 1].mean(axis=1)[:, None]
+    for contact, below in ((1, level < 0), (2, level > 0)):
+        edge = np.where(below, right, -np.inf).max(axis=1)
+        close("gaps of the sleeve", edge - p["r_0"], gap[:, contact])
+    bird = a.centre("spring")[:, 1] * 2 - (a.centre("sleeve")[:, 1] + p["l_M"] * f["q"][:, 1])
+    turn = f["q"][:, 1] - f["q"][:, 2]
+    U = p["g"] * (p["m_M"] * a.centre("sleeve")[:, 1] + p["m_S"] * bird) + p["c"] * turn**2 / 2
+    close("potential", U, f["energy/potential"][...])
+
+
+CHECKS = {"bouncing-ball": bouncing_ball, "falling-rod": falling_rod, "newtons-cradle": newtons_cradle,
+          "woodpecker": woodpecker, "pendulum": pendulum, "clearance-hinge": clearance_hinge, "crank-slider": crank_slider,
+          "incline": incline, "rolling-ball": rolling_ball}
+
+
+def check_with_vtk(a):
+    """The reader of ParaView sees the same steps, times, points and cells; None: no such VTK here."""
+    try:
+        from vtkmodules.util.numpy_support import vtk_to_numpy
+        from vtkmodules.vtkCommonCore import vtkVersion
+        from vtkmodules.vtkIOHDF import vtkHDFReader
+    except ImportError:
+        return "no vtk here: read back with h5py only"
+    version = vtkVersion.GetVTKVersion()
+    if tuple(map(int, version.split(".")[:2])) < (9, 3):
+        return f"vtk {version} is too old for PolyData in time (9.3): read back with h5py only"
+    reader = vtkHDFReader()
+    reader.SetFileName(sys.argv[2])
+    reader.UpdateInformation()
+    expect("VTK's number of steps", reader.GetNumberOfSteps() == a.n)
+    for step in range(0, a.n, max(1, a.n // 40)):
+        reader.SetStep(step)
+        reader.Update()
+        got = reader.GetOutput()
+        expect("VTK's time", reader.GetTimeValue() == a.time[step])
+        expect("VTK's points", np.array_equal(vtk_to_numpy(got.GetPoints().GetData()), a.points[step]))
+        expect("VTK's polygons", got.GetNumberOfPolys() == got.GetNumberOfCells() == len(a.polygons))
+        expect("VTK's bodies", np.array_equal(vtk_to_numpy(got.GetCellData().GetArray("body")), a.number))
+    return f"read back with vtk {version}"
+
+
+def main():
+    a = Animation(sys.argv[2])
+    with h5py.File(sys.argv[1]) as f:
+        expect("times", np.array_equal(a.time, f["time"][...]))
+        check_surfaces(a)
+        CHECKS[f.attrs["model"]](a, f, {k: v[()] for k, v in f["parameters"].items()})
+    print(f"{sys.argv[2]}: {a.n} steps, {len(a.names)} bodies; {check_with_vtk(a)}")
+
+
+main()
