@@ -79,6 +79,14 @@ typedef struct nsdae_impact {
   int accumulation;  /* 1: stands for infinitely many impacts that end at time in rest */
 } nsdae_impact;
 
+/* A contact or slide that changed its mode at an instant; method event alone finds them. */
+typedef struct nsdae_change {
+  double time;                 /* [s] */
+  int contact;                 /* from 0; -1: a slide */
+  int slide;                   /* from 0; -1: a contact */
+  int mode_before, mode_after; /* enum nsdae_mode */
+} nsdae_change;
+
 /* The state after a step (or at the start, step = 0) and its certificate. Everything points into
  * the simulation and holds until the next step. */
 typedef struct nsdae_record {
@@ -99,6 +107,8 @@ typedef struct nsdae_record {
   double penetration;               /* max(0, -g_N) over the contacts */
   const nsdae_impact *impact;       /* [impacts] */
   int impacts;                      /* in the step */
+  const nsdae_change *change;       /* [changes] */
+  int changes;                      /* in the step */
 } nsdae_record;
 
 /* Sees every record. 0: go on; > 0: stop after it (NSDAE_STOPPED); < 0: the run fails with this
@@ -142,8 +152,9 @@ NSDAE_API int nsdae_sim_observe(nsdae_sim *sim, nsdae_observer_fn observer, void
 /* Takes the observer that was added with these two out again; not found is no error. */
 NSDAE_API int nsdae_sim_unobserve(nsdae_sim *sim, nsdae_observer_fn observer, void *user);
 
-/* One step of dt. NSDAE_OK; NSDAE_EVENT when there was an impact in it; NSDAE_STOPPED; < 0: the
- * step was not done and the state is the one before it. */
+/* One step of dt. NSDAE_OK; NSDAE_EVENT when there was an impact in it, or with method event a
+ * change of contact mode; NSDAE_ZENO when event closed an accumulation of impacts in it;
+ * NSDAE_STOPPED; < 0: the step was not done and the state is the one before it. */
 NSDAE_API int nsdae_sim_step(nsdae_sim *sim);
 /* Steps of dt from the start's time to t_end; the last one is shortened to end there. NSDAE_OK;
  * NSDAE_STOPPED; < 0: a step failed, the state is the one before it. */

@@ -29,7 +29,7 @@ static inline void nsdae_add_transposed(int rows, int columns, double scale, con
 }
 
 /* Largest difference relative to 1 + max |a|; NaN where there is one. */
-static inline double nsdae_change(int n, const double *a, const double *b)
+static inline double nsdae_relative_change(int n, const double *a, const double *b)
 {
   double most = 0, size = 1;
   for (int i = 0; i < n; i++) {

@@ -54,10 +54,27 @@ static const nsdae_column impact_columns[] = {
      "normal velocity after"},
     {"/impact/peak_force", FIELD(peak_force), 0, NSDAE_WIDTH_ONE, "N",
      "largest normal force of a continuous contact; 0 for a rigid one"},
+    {"/impact/accumulation", FIELD(accumulation), 1, NSDAE_WIDTH_ONE, "1",
+     "1 where the entry stands for infinitely many impacts that end at its time in rest"},
 };
 
 const nsdae_table nsdae_impact_table = {impact_columns,
                                         (int)(sizeof impact_columns / sizeof *impact_columns)};
+
+#undef FIELD
+#define FIELD(field) offsetof(nsdae_change, field), 0
+
+static const nsdae_column change_columns[] = {
+    {"/change/time", FIELD(time), 0, NSDAE_WIDTH_ONE, "s", "instant of a change of mode"},
+    {"/change/contact", FIELD(contact), 1, NSDAE_WIDTH_ONE, "1", "contact, from 0; -1: a slide"},
+    {"/change/slide", FIELD(slide), 1, NSDAE_WIDTH_ONE, "1", "slide, from 0; -1: a contact"},
+    {"/change/mode_before", FIELD(mode_before), 1, NSDAE_WIDTH_ONE, "1",
+     "0 open, 1 slide, 2 stick"},
+    {"/change/mode_after", FIELD(mode_after), 1, NSDAE_WIDTH_ONE, "1", "0 open, 1 slide, 2 stick"},
+};
+
+const nsdae_table nsdae_change_table = {change_columns,
+                                        (int)(sizeof change_columns / sizeof *change_columns)};
 
 int nsdae_width_shape(nsdae_width width, const nsdae_dims *dims, int shape[2])
 {

@@ -18,7 +18,7 @@ typedef enum nsdae_width {
 
 typedef struct nsdae_column {
   const char *path;
-  size_t offset; /* in nsdae_record or nsdae_impact */
+  size_t offset; /* in nsdae_record, nsdae_impact or nsdae_change */
   int pointer;   /* the field points to the row instead of being it */
   int integer;   /* int, else double */
   nsdae_width width;
@@ -34,6 +34,8 @@ typedef struct nsdae_table {
 extern const nsdae_table nsdae_record_table;
 /* Rows are nsdae_impact; the first column is the time. */
 extern const nsdae_table nsdae_impact_table;
+/* Rows are nsdae_change; the first column is the time. */
+extern const nsdae_table nsdae_change_table;
 
 /* Shape of a row behind its first dimension: its rank (0, 1, 2) and sizes. */
 int nsdae_width_shape(nsdae_width width, const nsdae_dims *dims, int shape[2]);

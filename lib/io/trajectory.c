@@ -26,7 +26,7 @@ struct nsdae_trajectory {
   nsdae_h5 h5;
   char *path;
   int live;
-  nsdae_series records, impacts;
+  nsdae_series records, impacts, changes;
   double flushed, appended; /* when */
   long start_length;        /* of the file without rows */
   long reserved;            /* length that the disk has room for */
@@ -88,6 +88,7 @@ static int make_groups(nsdae_h5 *h5, const nsdae_dims *dims)
   int status = nsdae_h5_group(h5, "/energy");
   if (status == NSDAE_OK) status = nsdae_h5_group(h5, "/certificate");
   if (status == NSDAE_OK) status = nsdae_h5_group(h5, "/impact");
+  if (status == NSDAE_OK) status = nsdae_h5_group(h5, "/change");
   if (status == NSDAE_OK && dims->k > 0) status = nsdae_h5_group(h5, "/contact");
   if (status == NSDAE_OK && dims->f > 0) status = nsdae_h5_group(h5, "/slide");
   return status;
@@ -109,7 +110,8 @@ static long chunk_bytes(const nsdae_series *series)
 /* Room for all that is held, in whole chunks. */
 static int reserve(nsdae_trajectory *t)
 {
-  long bytes = t->start_length + chunk_bytes(&t->records) + chunk_bytes(&t->impacts);
+  long bytes = t->start_length + chunk_bytes(&t->records) + chunk_bytes(&t->impacts) +
+               chunk_bytes(&t->changes);
   if (bytes <= t->reserved) return NSDAE_OK;
   int failure = nsdae_reserve(t->path, bytes);
   if (failure) return disk_full(t, failure);
@@ -122,6 +124,7 @@ static int flush(nsdae_trajectory *t)
   int status = reserve(t);
   if (status == NSDAE_OK) status = nsdae_series_write(&t->records, &t->h5);
   if (status == NSDAE_OK) status = nsdae_series_write(&t->impacts, &t->h5);
+  if (status == NSDAE_OK) status = nsdae_series_write(&t->changes, &t->h5);
   if (status == NSDAE_OK) status = nsdae_h5_flush(&t->h5);
   t->flushed = nsdae_wall_clock();
   return status;
@@ -147,6 +150,7 @@ static int make_file(nsdae_trajectory *t, const nsdae_trajectory_info *info)
   if (status == NSDAE_OK) status = make_groups(h5, &dims);
   if (status == NSDAE_OK) status = nsdae_series_create(&t->records, h5, &dims, "time");
   if (status == NSDAE_OK) status = nsdae_series_create(&t->impacts, h5, &dims, "impact time");
+  if (status == NSDAE_OK) status = nsdae_series_create(&t->changes, h5, &dims, "change time");
   if (status == NSDAE_OK) status = nsdae_h5_flush(h5);
   t->start_length = nsdae_reserve_length(t->path);
   if (status == NSDAE_OK && t->live) status = nsdae_h5_start_swmr(h5);
@@ -166,6 +170,8 @@ static int append(nsdae_trajectory *t, const nsdae_record *record)
   int status = append_row(t, &t->records, record);
   for (int i = 0; i < record->impacts && status == NSDAE_OK; i++)
     status = append_row(t, &t->impacts, &record->impact[i]);
+  for (int i = 0; i < record->changes && status == NSDAE_OK; i++)
+    status = append_row(t, &t->changes, &record->change[i]);
   double now = nsdae_wall_clock();
   /* a slow run flushes every record: the next may be long in coming */
   int due =
@@ -189,6 +195,7 @@ static void release(nsdae_trajectory *t)
 {
   nsdae_series_release(&t->records);
   nsdae_series_release(&t->impacts);
+  nsdae_series_release(&t->changes);
   free(t->path);
   free(t);
 }
@@ -197,6 +204,7 @@ static int close_file(nsdae_trajectory *t)
 {
   nsdae_series_close(&t->records);
   nsdae_series_close(&t->impacts);
+  nsdae_series_close(&t->changes);
   return nsdae_h5_close(&t->h5);
 }
 
@@ -213,6 +221,7 @@ static nsdae_trajectory *allocate(nsdae_sim *sim, const char *path, int live)
   const char *leave_out = nsdae_sim_has_potential(sim) ? NULL : "/energy/potential";
   int status = nsdae_series_init(&t->records, &nsdae_record_table, &dims, leave_out);
   if (status == NSDAE_OK) status = nsdae_series_init(&t->impacts, &nsdae_impact_table, &dims, NULL);
+  if (status == NSDAE_OK) status = nsdae_series_init(&t->changes, &nsdae_change_table, &dims, NULL);
   if (!t->path || status < 0) {
     release(t);
     return NULL;

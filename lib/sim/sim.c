@@ -184,7 +184,8 @@ static void clear_record(nsdae_sim *sim)
                                .mode = sim->mode,
                                .slide_impulse = sim->slide_impulse,
                                .slide_mode = sim->slide_mode,
-                               .impact = sim->stepper.impact};
+                               .impact = sim->stepper.impact,
+                               .change = sim->stepper.change};
 }
 
 static int check_state(nsdae_sim *sim, const char *name, const double *a, int n)
@@ -328,6 +329,7 @@ static void keep_results(nsdae_sim *sim)
   size_t k = (size_t)dims->k;
   if (!s->method->finds_impacts || s->stepped_over) collect_impacts(sim);
   sim->record.impacts = s->impacts;
+  sim->record.changes = s->changes;
   memcpy(sim->multiplier, s->multiplier, (size_t)dims->m * sizeof *sim->multiplier);
   memcpy(sim->normal, s->contacts.normal, k * sizeof *sim->normal);
   memcpy(sim->tangential, s->contacts.tangential, k * (size_t)dims->nt * sizeof *sim->tangential);
@@ -393,7 +395,9 @@ int nsdae_sim_step(nsdae_sim *sim)
   if (status != NSDAE_OK) return status;
   status = step_to(sim, next_time(sim));
   sim->stats.wall_time += nsdae_wall_clock() - began;
-  return status == NSDAE_OK && sim->record.impacts > 0 ? NSDAE_EVENT : status;
+  if (status != NSDAE_OK) return status;
+  if (sim->stepper.settled) return NSDAE_ZENO;
+  return sim->record.impacts > 0 || sim->stepper.changed ? NSDAE_EVENT : NSDAE_OK;
 }
 
 static int run(nsdae_sim *sim, double t_end)

@@ -88,7 +88,8 @@ static int iterate(nsdae_newmark *N, const nsdae_terms *start, nsdae_terms *end,
     int status = advance(N, start, N->iterations == 1 ? start->q : end->q, h);
     if (status < 0) return status;
     if (N->iterations > 1)
-      moved = nsdae_change(dims->nq, N->q, end->q) + nsdae_change(dims->nv, N->v, end->v);
+      moved = nsdae_relative_change(dims->nq, N->q, end->q) +
+              nsdae_relative_change(dims->nv, N->v, end->v);
     if (moved <= N->tol) return NSDAE_OK;
     nsdae_terms_at(end, t_end, N->q, N->v);
     status = acceleration(N, end, s, N->a1, N->lambda1);

@@ -35,6 +35,8 @@ static void layout_phase(nsdae_event_method *e, nsdae_arena *arena)
   e->zero = NSDAE_ARENA_DOUBLES(arena, e->n);
   e->pivot = NSDAE_ARENA_INTS(arena, e->n);
   e->mode = NSDAE_ARENA_INTS(arena, k);
+  e->mode_before = NSDAE_ARENA_INTS(arena, k);
+  e->slide_mode_before = NSDAE_ARENA_INTS(arena, f);
   e->direction = NSDAE_ARENA_DOUBLES(arena, kt);
   e->slide_mode = NSDAE_ARENA_INTS(arena, f);
   e->slide_sense = NSDAE_ARENA_INTS(arena, f);
@@ -184,6 +186,33 @@ static int restart(nsdae_event_method *e, double t)
   return status;
 }
 
+static void add_change(nsdae_stepper *s, double t, int contact, int slide, int before, int after)
+{
+  if (before != after) s->change[s->changes++] = (nsdae_change){t, contact, slide, before, after};
+}
+
+/* The same in the middle of a run, where a change of mode is told. */
+static int go_through(nsdae_event_method *e, double t)
+{
+  nsdae_stepper *s = e->stepper;
+  const nsdae_dims *d = &s->system->dims;
+  memcpy(e->mode_before, e->mode, (size_t)d->k * sizeof *e->mode);
+  memcpy(e->slide_mode_before, e->slide_mode, (size_t)d->f * sizeof *e->mode);
+  int status = restart(e, t);
+  for (int i = 0; i < d->k && status == NSDAE_OK; i++)
+    add_change(s, t, i, -1, e->mode_before[i], e->mode[i]);
+  for (int j = 0; j < d->f && status == NSDAE_OK; j++)
+    add_change(s, t, -1, j, e->slide_mode_before[j], e->slide_mode[j]);
+  return status;
+}
+
+/* Whether the lists of impacts and changes hold what one more instant may add. */
+static int room(const nsdae_stepper *s)
+{
+  const nsdae_dims *d = &s->system->dims;
+  return s->impacts + d->k <= s->impacts_max && s->changes + d->k + d->f <= s->changes_max;
+}
+
 /* From the state of the step's start: at the beginning, and after a step that failed. */
 static int begin(nsdae_event_method *e)
 {
@@ -298,12 +327,11 @@ static int too_many(const nsdae_event_method *e)
   return e->changes > e->stepper->options->events_max;
 }
 
-/* To the end of the step, or until the list of impacts is nearly full: then the step ends early. */
+/* To the end of the step, or until a list is nearly full: then the step ends early. */
 static int run_to(nsdae_event_method *e, double t_end)
 {
-  nsdae_stepper *s = e->stepper;
-  int status = NSDAE_OK, room = s->impacts_max - s->system->dims.k;
-  while (status == NSDAE_OK && e->reached < t_end && s->impacts < room && !too_many(e)) {
+  int status = NSDAE_OK;
+  while (status == NSDAE_OK && e->reached < t_end && room(e->stepper) && !too_many(e)) {
     if (!(e->ahead > e->reached)) status = integrate(e);
     if (status < 0) break;
     double to = fmin(e->ahead, t_end);
@@ -311,7 +339,7 @@ static int run_to(nsdae_event_method *e, double t_end)
     e->reached = to;
     if (status < 0 || !e->pending || to < e->ahead) continue;
     status = nsdae_dae_interpolate(e->dae, to, 0, e->y);
-    if (status == NSDAE_OK) status = restart(e, to);
+    if (status == NSDAE_OK) status = go_through(e, to);
   }
   return status;
 }
@@ -325,7 +353,7 @@ static void clear_step(nsdae_event_method *e)
   memset(e->friction, 0, (size_t)d->f * sizeof *e->friction);
   e->work = 0;
   e->changes = e->settled = 0;
-  e->stepper->impacts = 0;
+  e->stepper->impacts = e->stepper->changes = 0;
   e->stepper->worst_residual = 0;
 }
 
@@ -350,6 +378,8 @@ static int read_results(nsdae_event_method *e, double h)
   s->smooth = e->changes == 0;
   s->events += e->changes;
   s->accumulations += e->settled;
+  s->changed = e->changes;
+  s->settled = e->settled;
   return status;
 }
 
@@ -359,7 +389,7 @@ static int step_over(nsdae_event_method *e, double h)
   nsdae_stepper *s = e->stepper;
   s->fallbacks++;
   s->stepped_over = 1;
-  s->impacts = 0;
+  s->impacts = s->changes = 0;
   nsdae_contacts_forget(&s->contacts);
   return nsdae_stepping_implicit.advance(s, h);
 }

@@ -48,14 +48,14 @@ typedef struct nsdae_event_method {
   int *pivot;        /* n */
 
   /* the phase */
-  unsigned terms;                  /* what its equations need */
-  int *mode;                       /* k */
-  double *direction;               /* k nt: unit vector of sliding, zero where there is none yet */
-  int *slide_mode;                 /* f: NSDAE_OPEN without friction */
-  int *slide_sense, *normal_sense; /* f: signs of the sliding velocity and of lambda */
-  int *independent;                /* m: 0 where a constraint is redundant */
-  nsdae_root *root;                /* k normal, k tangential, f normal, f tangential */
-  int *found, *other_found;        /* roots: not zero where one was met; as the integrator says */
+  unsigned terms;          /* what its equations need */
+  int *mode, *mode_before; /* k */
+  double *direction;       /* k nt: unit vector of sliding, zero where there is none yet */
+  int *slide_mode, *slide_mode_before; /* f: NSDAE_OPEN without friction */
+  int *slide_sense, *normal_sense;     /* f: signs of the sliding velocity and of lambda */
+  int *independent;                    /* m: 0 where a constraint is redundant */
+  nsdae_root *root;                    /* k normal, k tangential, f normal, f tangential */
+  int *found, *other_found; /* roots: not zero where one was met; as the integrator says */
 
   /* an instant */
   nsdae_law *resting;        /* k: laws of contacts that do not slide */

@@ -173,12 +173,11 @@ static void follow_accumulation(nsdae_event_method *e, int i, double t)
   e->last[i] = t;
 }
 
-static int record_impact(nsdae_event_method *e, int i, double t)
+static void record_impact(nsdae_event_method *e, int i, double t)
 {
   nsdae_stepper *s = e->stepper;
   const nsdae_contacts *c = &s->contacts;
   int nt = s->system->dims.nt;
-  if (s->impacts >= s->impacts_max) return NSDAE_OK; /* the run ends the step before */
   nsdae_impact *impact = &s->impact[s->impacts++];
   *impact = (nsdae_impact){.time = e->settling[i] ? t + rest_of(e, i) : t,
                            .contact = i,
@@ -188,7 +187,6 @@ static int record_impact(nsdae_event_method *e, int i, double t)
                            .accumulation = e->settling[i]};
   for (int l = 0; l < nt; l++) impact->tangential_impulse[l] = c->tangential[i * nt + l];
   e->settled += e->settling[i];
-  return NSDAE_OK;
 }
 
 static void keep_impulses(nsdae_event_method *e, double t)

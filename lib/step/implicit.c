@@ -142,7 +142,8 @@ static int attempt(nsdae_stepper *s, double h, int all_impacts)
     int status = iterate(s, h, i == 0, all_impacts, &impact);
     if (status < 0) return status;
     s->iterations++;
-    moved = nsdae_change(dims->nq, s->q, s->end.q) + nsdae_change(dims->nv, s->v, s->end.v);
+    moved = nsdae_relative_change(dims->nq, s->q, s->end.q) +
+            nsdae_relative_change(dims->nv, s->v, s->end.v);
     if (!(moved <= s->options->iteration_tol)) continue; /* NaN goes on, to be reported */
     nsdae_terms_set_velocity(&s->end, s->v);
     return NSDAE_OK;

@@ -31,6 +31,7 @@ void nsdae_stepper_prepare(nsdae_stepper *s)
   const nsdae_sim_options *o = s->options;
   s->method = nsdae_stepping_of(o->method);
   s->impacts_max = 64 + 2 * s->system->dims.k;
+  s->changes_max = s->impacts_max + 2 * s->system->dims.f;
   s->differences.system = s->system;
   prepare_terms(s, &s->start);
   prepare_terms(s, &s->middle);
@@ -75,6 +76,7 @@ void nsdae_stepper_layout(nsdae_stepper *s, nsdae_arena *arena)
   s->impulse = NSDAE_ARENA_DOUBLES(arena, dims->m);
   s->multiplier = NSDAE_ARENA_DOUBLES(arena, dims->m);
   s->impact = nsdae_arena_take(arena, s->impacts_max, sizeof *s->impact);
+  s->change = nsdae_arena_take(arena, s->changes_max, sizeof *s->change);
 }
 
 int nsdae_stepper_factor(nsdae_stepper *s, nsdae_terms *terms, const double *M)

@@ -47,12 +47,15 @@ struct nsdae_stepper {
   double work;              /* of contact and friction impulses in the step */
   nsdae_impact *impact;     /* impacts_max: those of the step */
   int impacts, impacts_max;
+  nsdae_change *change; /* changes_max: changes of mode in the step */
+  int changes, changes_max;
   double worst_residual;             /* of the LCPs of the step */
   int smooth;                        /* the step had no closed contact */
   int rank, rank_most;               /* smallest and largest rank of Phi_q so far */
   long lcps, lcp_pivots, iterations; /* over the whole run */
   long events, accumulations, fallbacks;
-  int stepped_over; /* of a method that finds impacts: not in this step */
+  int changed, settled; /* of event: instants and accumulations in the step */
+  int stepped_over;     /* of a method that finds impacts: not in this step */
 };
 
 extern const nsdae_stepping nsdae_stepping_implicit, nsdae_stepping_printed, nsdae_stepping_moreau,
