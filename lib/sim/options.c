@@ -56,7 +56,7 @@ static const nsdae_param entries[] = {
     {"linear_solver", "", "linear solver of event", NSDAE_PARAM_CHOICE, AT(linear_solver), 0, 0, 1,
      0, solvers},
     {"accumulation_time", "s", "event closes an accumulation of impacts with less than this left",
-     NSDAE_PARAM_REAL, AT(accumulation_time), 1e-6, 0, INFINITY, NSDAE_OPEN_MIN, NULL},
+     NSDAE_PARAM_REAL, AT(accumulation_time), 1e-5, 0, INFINITY, NSDAE_OPEN_MIN, NULL},
     {"events_max", "1", "most instants of event in one dt; past it the step is implicit's",
      NSDAE_PARAM_INT, AT(events_max), 10000, 1, 1e9, 0, NULL},
 };

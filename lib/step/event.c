@@ -68,7 +68,8 @@ static void layout_instant(nsdae_event_method *e, nsdae_arena *arena)
   e->velocity = NSDAE_ARENA_DOUBLES(arena, k);
   e->last = NSDAE_ARENA_DOUBLES(arena, k);
   e->interval = NSDAE_ARENA_DOUBLES(arena, k);
-  e->ratio = NSDAE_ARENA_DOUBLES(arena, k);
+  e->rest = NSDAE_ARENA_DOUBLES(arena, k);
+  e->shrunk = NSDAE_ARENA_INTS(arena, k);
   e->settling = NSDAE_ARENA_INTS(arena, k);
 }
 
@@ -226,12 +227,14 @@ static int begin(nsdae_event_method *e)
   for (int j = 0; j < d->f; j++) e->normal_sense[j] = 1;
   for (int i = 0; i < d->k; i++) {
     e->last[i] = -INFINITY;
-    e->interval[i] = e->ratio[i] = 0;
+    e->interval[i] = INFINITY;
+    e->shrunk[i] = e->settling[i] = 0;
   }
   nsdae_contacts_forget(&e->modes);
   memcpy(e->y, s->start.q, (size_t)d->nq * sizeof *e->y);
   memcpy(e->y + d->nq, s->start.v, (size_t)d->nv * sizeof *e->y);
   e->reached = s->start.t;
+  e->ahead = -INFINITY;
   return restart(e, s->start.t);
 }
 

@@ -70,7 +70,8 @@ typedef struct nsdae_event_method {
   int *slide_breakaway;      /* f */
   double *velocity;          /* k: v(-) of the contacts */
   double *last, *interval;   /* k: last impact and the time to it from the one before */
-  double *ratio;             /* k: of the last two intervals; 0: not known */
+  double *rest;              /* k: what is left of an accumulation */
+  int *shrunk;               /* k: how many intervals in turn were shorter than the one before */
   int *settling;             /* k: the accumulation of this contact ends now */
 
   /* the step */

@@ -147,30 +147,29 @@ static int project_velocities(nsdae_event_method *e)
 
 /* ---- impact ---- */
 
-/* The accumulation of contact i: dt_(j+1) = r dt_j, so that dt r / (1 - r) is left. */
+/* What is left of the accumulation of contact i. A contact that comes back with the acceleration -a
+ * bounces for 2 v(+) / a, then for e times that, and so on: 2 v(+) / (a (1 - e)) in all, but for
+ * what a changes within that time. Infinite where the contact does not come back. */
 static double rest_of(const nsdae_event_method *e, int i)
 {
-  double r = e->ratio[i];
-  return r > 0 && r < 1 ? e->interval[i] * r / (1 - r) : INFINITY;
+  const nsdae_terms *T = here(e);
+  int n = T->system->dims.nv;
+  double e_n = T->system->contact[i].e_n;
+  double a = -nsdae_dot(n, T->W_N + (size_t)(i * n), e->r + T->system->dims.nq) - T->omega_N[i];
+  return a > 0 && e_n < 1 ? -2 * e_n * e->velocity[i] / (a * (1 - e_n)) : INFINITY;
 }
 
-/* Keeps the intervals between impacts; decides whether they end here. */
+/* Keeps the intervals between impacts: an accumulation is recognised where the last two each were
+ * shorter than the one before and less is left than matters. */
 static void follow_accumulation(nsdae_event_method *e, int i, double t)
 {
-  double interval = t - e->last[i], ratio = interval / e->interval[i];
-  int steady = fabs(ratio - e->ratio[i]) < 0.02 * (1 - ratio) + 1e-3;
-  e->settling[i] = 0;
-  if (e->last[i] < t && e->interval[i] > 0 && ratio < 1) {
-    int again = e->ratio[i] > 0;
-    e->ratio[i] = ratio;
-    e->interval[i] = interval;
-    e->settling[i] = again && steady && e->stepper->system->contact[i].e_n < 1 &&
-                     rest_of(e, i) < e->stepper->options->accumulation_time;
-  } else {
-    e->ratio[i] = 0;
-    e->interval[i] = e->last[i] > -INFINITY ? interval : 0;
-  }
+  double interval = t - e->last[i];
+  int shrinks = interval < e->interval[i];
+  e->shrunk[i] = shrinks ? e->shrunk[i] + 1 : 0;
+  e->interval[i] = interval;
   e->last[i] = t;
+  e->rest[i] = e->shrunk[i] >= 2 ? rest_of(e, i) : INFINITY;
+  e->settling[i] = e->rest[i] < e->stepper->options->accumulation_time;
 }
 
 static void record_impact(nsdae_event_method *e, int i, double t)
@@ -179,7 +178,7 @@ static void record_impact(nsdae_event_method *e, int i, double t)
   const nsdae_contacts *c = &s->contacts;
   int nt = s->system->dims.nt;
   nsdae_impact *impact = &s->impact[s->impacts++];
-  *impact = (nsdae_impact){.time = e->settling[i] ? t + rest_of(e, i) : t,
+  *impact = (nsdae_impact){.time = e->settling[i] ? t + e->rest[i] : t,
                            .contact = i,
                            .normal_impulse = c->normal[i],
                            .velocity_before = e->velocity[i],
@@ -216,6 +215,8 @@ static int impact(nsdae_event_method *e, double t)
   double *v = e->y + d->nq, size = nsdae_event_velocity_size(e, T);
   nsdae_contacts_close_marked(c, e->touching);
   nsdae_contacts_before(c, T, v, 0);
+  memset(e->r, 0, (size_t)e->n * sizeof *e->r);
+  if (e->ahead >= t) nsdae_dae_interpolate(e->dae, t, 1, e->r); /* v' until now */
   for (int i = 0; i < d->k; i++) {
     e->velocity[i] = c->before[i];
     if (e->touching[i] && c->before[i] < -size) follow_accumulation(e, i, t);
