@@ -1,4 +1,4 @@
-# Unit tests of base, linalg, system, terms, contact, and the anomaly tests.
+# Unit tests of base, linalg, system, terms, contact, smooth, and the anomaly tests.
 foreach(name arena nearest params status)
   nsdae_unit_test(base ${name})
 endforeach()
@@ -17,6 +17,8 @@ nsdae_unit_test(terms terms)
 foreach(name law contacts random slides)
   nsdae_unit_test(contact ${name})
 endforeach()
+
+nsdae_unit_test(smooth ode)
 
 nsdae_test(anomaly arguments LINKS test_support)
 nsdae_test(anomaly kinematics)
