@@ -22,5 +22,5 @@ nsdae_unit_test(smooth ode)
 
 nsdae_test(anomaly arguments LINKS test_support)
 nsdae_test(anomaly kinematics)
-nsdae_test(anomaly blas)
+nsdae_test(anomaly blas LINKS test_allocator)
 nsdae_test(anomaly certificate)
