@@ -1,4 +1,4 @@
-# Unit tests of base, linalg, system, terms, contact, and the anomaly tests.
+# Unit tests of base, linalg, system, terms, contact, smooth, and the anomaly tests.
 foreach(name arena nearest params status)
   nsdae_unit_test(base ${name})
 endforeach()
@@ -18,7 +18,9 @@ foreach(name law contacts random slides)
   nsdae_unit_test(contact ${name})
 endforeach()
 
+nsdae_unit_test(smooth ode)
+
 nsdae_test(anomaly arguments LINKS test_support)
 nsdae_test(anomaly kinematics)
-nsdae_test(anomaly blas)
+nsdae_test(anomaly blas LINKS test_allocator)
 nsdae_test(anomaly certificate)

@@ -1,5 +1,6 @@
 #include "ode.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -15,14 +16,16 @@ struct nsdae_ode {
   SUNContext context;
   void *cvode;
   N_Vector y;
-  SUNMatrix matrix;
+  SUNMatrix matrix, jacobian; /* I - gamma J, J */
   SUNLinearSolver solver;
+  long rates; /* evaluations of f */
   int failed; /* code of a callback that gave up */
 };
 
 static int rate(sunrealtype t, N_Vector y, N_Vector ydot, void *user)
 {
   nsdae_ode *ode = user;
+  ode->rates++;
   int code =
       ode->problem.rate(t, N_VGetArrayPointer(y), N_VGetArrayPointer(ydot), ode->problem.user);
   if (code < 0) ode->failed = code;
@@ -35,6 +38,50 @@ static int root(sunrealtype t, N_Vector y, sunrealtype *g, void *user)
   int code = ode->problem.root(t, N_VGetArrayPointer(y), g, ode->problem.user);
   if (code != 0) ode->failed = code;
   return code;
+}
+
+/* sigma_0 of differentiate */
+static double least_increment(nsdae_ode *ode, N_Vector f, N_Vector weights)
+{
+  double h = 0, norm = N_VWrmsNorm(f, weights);
+  CVodeGetCurrentStep(ode->cvode, &h);
+  return norm > 0 ? 1000 * fabs(h) * SUN_UNIT_ROUNDOFF * ode->problem.n * norm : 1;
+}
+
+/* J = df/dy by differences, with the increments of CVODE's own (user guide of CVODE, "Mathematical
+ * considerations", dense Jacobian): max(sqrt(U) |y_j|, sigma_0 / W_j), W the error weights,
+ * sigma_0 = 1000 |h| U n ||f||_WRMS. */
+static int differentiate(nsdae_ode *ode, double t, N_Vector y, N_Vector f, N_Vector moved,
+                         N_Vector f_there, N_Vector weights)
+{
+  CVodeGetErrWeights(ode->cvode, weights);
+  N_VScale(1, y, moved);
+  double least = least_increment(ode, f, weights), root_of_u = sqrt(SUN_UNIT_ROUNDOFF);
+  double *x = N_VGetArrayPointer(moved), *W = N_VGetArrayPointer(weights);
+  const double *f_0 = N_VGetArrayPointer(f), *f_1 = N_VGetArrayPointer(f_there);
+  for (int j = 0; j < ode->problem.n; j++) {
+    double here = x[j], increment = fmax(root_of_u * fabs(here), least / W[j]);
+    double *column = SUNDenseMatrix_Column(ode->jacobian, j), inverse = 1 / increment;
+    x[j] = here + increment;
+    int code = rate(t, moved, f_there, ode);
+    if (code != 0) return code;
+    for (int i = 0; i < ode->problem.n; i++) column[i] = inverse * (f_1[i] - f_0[i]);
+    x[j] = here;
+  }
+  return 0;
+}
+
+/* A = I - gamma J, J the one of before where CVODE takes it for good enough (jok). Left to itself,
+ * CVODE allocates J at the first step and a vector for every new one. */
+static int linear_system(sunrealtype t, N_Vector y, N_Vector f, SUNMatrix A, sunbooleantype jok,
+                         sunbooleantype *jcur, sunrealtype gamma, void *user, N_Vector tmp1,
+                         N_Vector tmp2, N_Vector tmp3)
+{
+  nsdae_ode *ode = user;
+  *jcur = !jok;
+  int code = jok ? 0 : differentiate(ode, t, y, f, tmp1, tmp2, tmp3);
+  if (code != 0) return code;
+  return SUNMatCopy(ode->jacobian, A) == 0 && SUNMatScaleAddI(-gamma, A) == 0 ? 0 : -1;
 }
 
 static void silence(void *cvode)
@@ -54,7 +101,8 @@ static int make_objects(nsdae_ode *ode)
   if (!ode->y) return NSDAE_E_MEMORY;
   N_VConst(0, ode->y);
   ode->matrix = SUNDenseMatrix(n, n, ode->context);
-  if (!ode->matrix) return NSDAE_E_MEMORY;
+  ode->jacobian = SUNDenseMatrix(n, n, ode->context);
+  if (!ode->matrix || !ode->jacobian) return NSDAE_E_MEMORY;
   ode->solver = SUNLinSol_Dense(ode->y, ode->matrix, ode->context);
   ode->cvode = CVodeCreate(CV_BDF, ode->context);
   return ode->solver && ode->cvode ? NSDAE_OK : NSDAE_E_MEMORY;
@@ -68,6 +116,7 @@ static int set_up(nsdae_ode *ode, double rtol, double atol)
   if (!bad) bad = CVodeSStolerances(cvode, rtol, atol);
   if (!bad) bad = CVodeSetUserData(cvode, ode);
   if (!bad) bad = CVodeSetLinearSolver(cvode, ode->solver, ode->matrix);
+  if (!bad) bad = CVodeSetLinSysFn(cvode, linear_system);
   if (!bad) bad = CVodeSetMaxNumSteps(cvode, -1);
   if (!bad && ode->problem.roots > 0) bad = CVodeRootInit(cvode, ode->problem.roots, root);
   if (!bad && ode->problem.roots > 0) bad = CVodeSetNoInactiveRootWarn(cvode);
@@ -96,6 +145,7 @@ void nsdae_ode_destroy(nsdae_ode **ode)
   if (old->cvode) CVodeFree(&old->cvode);
   if (old->solver) SUNLinSolFree(old->solver);
   if (old->matrix) SUNMatDestroy(old->matrix);
+  if (old->jacobian) SUNMatDestroy(old->jacobian);
   if (old->y) N_VDestroy(old->y);
   if (old->context) SUNContext_Free(&old->context);
   free(old);
@@ -125,8 +175,5 @@ int nsdae_ode_advance(nsdae_ode *ode, double t_end, double *t, double *y, int *w
 
 long nsdae_ode_rates(const nsdae_ode *ode)
 {
-  long own = 0, for_jacobian = 0;
-  CVodeGetNumRhsEvals(ode->cvode, &own);
-  CVodeGetNumLinRhsEvals(ode->cvode, &for_jacobian);
-  return own + for_jacobian;
+  return ode->rates;
 }
