@@ -3,8 +3,16 @@ set(install_dir ${CMAKE_CURRENT_SOURCE_DIR}/install)
 
 add_test(NAME install/headers COMMAND ${install_dir}/headers.sh ${PROJECT_SOURCE_DIR}/include)
 
+set(languages C)
+if(CMAKE_CXX_COMPILER)
+  list(APPEND languages CXX)
+endif()
+add_test(NAME install/consumers
+  COMMAND ${install_dir}/consumers.sh ${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR} ${languages})
 add_test(NAME install/first_program
   COMMAND ${install_dir}/first_program.sh ${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR})
-if(NSDAE_SANITIZE)
-  set_tests_properties(install/first_program PROPERTIES DISABLED TRUE) # cc has no sanitizer
+set_tests_properties(install/consumers install/first_program PROPERTIES
+  ENVIRONMENT OPENBLAS_NUM_THREADS=1 TIMEOUT 300)
+if(NSDAE_SANITIZE) # cc has no sanitizer
+  set_tests_properties(install/consumers install/first_program PROPERTIES DISABLED TRUE)
 endif()
