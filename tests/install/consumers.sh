@@ -18,6 +18,11 @@ if grep -rlF -e "$work" -e "$build" -e "$source" "$lib/cmake" "$lib/pkgconfig"; 
   exit 1
 fi
 
+# where a dependency is in a folder of its own, libnsdae.a needs to be told
+folders=$(ldd "$lib/libnsdae.so" | sed -n 's|.*=> \(/.*\)/[^/]* (.*|\1|p' |
+  grep -v -e '^/lib' -e '^/usr/lib' | sort -u | paste -sd:)
+export CMAKE_LIBRARY_PATH="$folders"
+
 # agree PROGRAM KIND: it prints what the first one did, and needs libnsdae.so only where shared
 agree() {
   "$1" >"$work/out"
@@ -43,7 +48,7 @@ for kind in shared static; do
   done
 done
 
-export PKG_CONFIG_PATH="$lib/pkgconfig" LD_LIBRARY_PATH="$lib"
+export PKG_CONFIG_PATH="$lib/pkgconfig" LIBRARY_PATH="$folders" LD_LIBRARY_PATH="$lib:$folders"
 cd "$here/consumer"
 for language in "$@"; do
   case $language in
