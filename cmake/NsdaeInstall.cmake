@@ -4,10 +4,11 @@ include(CMakePackageConfigHelpers)
 set(NSDAE_INSTALL_CMAKEDIR ${CMAKE_INSTALL_LIBDIR}/cmake/nsdae)
 
 # One export per library, so that a package may leave one out (the static one, Fortran).
-function(nsdae_install_library target export)
-  if(NOT TARGET ${target})
+function(nsdae_install_library name export)
+  if(NOT TARGET ${name})
     return()
   endif()
+  get_target_property(target ${name} ALIASED_TARGET)
   set_target_properties(${target} PROPERTIES SOVERSION ${NSDAE_SOVERSION})
   install(TARGETS ${target} EXPORT ${export}
     ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
@@ -15,8 +16,8 @@ function(nsdae_install_library target export)
 endfunction()
 
 foreach(kind shared static)
-  nsdae_install_library(nsdae_lib_${kind} nsdae-${kind})
-  nsdae_install_library(nsdae_fortran_${kind} nsdae-fortran-${kind})
+  nsdae_install_library(nsdae::${kind} nsdae-${kind})
+  nsdae_install_library(nsdae::fortran_${kind} nsdae-fortran-${kind})
 endforeach()
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/nsdae DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 

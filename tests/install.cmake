@@ -7,6 +7,9 @@ set(languages C)
 if(CMAKE_CXX_COMPILER)
   list(APPEND languages CXX)
 endif()
+if(NSDAE_FORTRAN)
+  list(APPEND languages Fortran)
+endif()
 add_test(NAME install/consumers
   COMMAND ${install_dir}/consumers.sh ${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR} ${languages})
 add_test(NAME install/first_program
