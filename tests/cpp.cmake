@@ -15,7 +15,7 @@ foreach(standard 11 20)
   set_target_properties(test_cpp${standard} PROPERTIES CXX_STANDARD ${standard}
     RUNTIME_OUTPUT_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR})
   target_link_libraries(test_cpp${standard} PRIVATE nsdae_lib_static Threads::Threads m)
-  add_test(NAME cpp/handles-c++${standard} COMMAND test_cpp${standard})
+  add_test(NAME cpp/handles-c++${standard} COMMAND test_cpp${standard} handles-${standard}.h5)
   set_tests_properties(cpp/handles-c++${standard} PROPERTIES
     ENVIRONMENT OPENBLAS_NUM_THREADS=1 TIMEOUT 300)
 endforeach()

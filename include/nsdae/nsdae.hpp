@@ -133,6 +133,8 @@ struct system_guts {
   callback<double, const double *, double *> gap;
   callback<double, const double *, double *, int> gap_normal, gap_tangent;
   callback<double, const double *, double *, double *> contact_bias;
+  callback<double, const double *, const double *, double *, double *, double *>
+      contact_acceleration;
   callback<double, const double *, double *, int, double *> slide_tangent;
   callback<double, const double *, const double *, double *> kinematics;
   callback<double, const double *, double *> potential;
@@ -276,14 +278,15 @@ public:
   NSDAE_CALLBACK(force)               /* (double t, const double *q, const double *v, double *F) */
   NSDAE_CALLBACK(constraint)          /* (double t, const double *q, double *phi) */
   NSDAE_CALLBACK(constraint_jacobian) /* (double t, const double *q, double *J, int ldj) */
-  NSDAE_CALLBACK(constraint_bias)     /* (t, q, const double *v, double *phi_t, double *omega) */
-  NSDAE_CALLBACK(gap)                 /* (double t, const double *q, double *gap) */
-  NSDAE_CALLBACK(gap_normal)          /* (double t, const double *q, double *W, int ldw) */
-  NSDAE_CALLBACK(gap_tangent)         /* (double t, const double *q, double *W, int ldw) */
-  NSDAE_CALLBACK(contact_bias)        /* (double t, const double *q, double *w_n, double *w_t) */
-  NSDAE_CALLBACK(slide_tangent)       /* (t, q, double *W, int ldw, double *w) */
-  NSDAE_CALLBACK(kinematics)          /* (t, q, const double *v, double *qdot) */
-  NSDAE_CALLBACK(potential)           /* (double t, const double *q, double *energy) */
+  NSDAE_CALLBACK(constraint_bias) /* (double t, q, const double *v, double *phi_t, double *omega) */
+  NSDAE_CALLBACK(gap)             /* (double t, const double *q, double *gap) */
+  NSDAE_CALLBACK(gap_normal)      /* (double t, const double *q, double *W, int ldw) */
+  NSDAE_CALLBACK(gap_tangent)     /* (double t, const double *q, double *W, int ldw) */
+  NSDAE_CALLBACK(contact_bias)    /* (double t, const double *q, double *w_n, double *w_t) */
+  NSDAE_CALLBACK(contact_acceleration) /* (double t, q, v, double *omega_n, *omega_t, *omega_s) */
+  NSDAE_CALLBACK(slide_tangent)        /* (double t, q, double *W, int ldw, double *w) */
+  NSDAE_CALLBACK(kinematics)           /* (double t, q, const double *v, double *qdot) */
+  NSDAE_CALLBACK(potential)            /* (double t, const double *q, double *energy) */
 #undef NSDAE_CALLBACK
 
   system &contact(int i, double mu, double e_n, double e_t = 0)

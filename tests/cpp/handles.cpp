@@ -281,9 +281,8 @@ void test_threads()
   EXPECT(got[0] == 1 && got[1] == 10);
 }
 
-void test_trajectory()
+void test_trajectory(const char *path)
 {
-  const char *path = "cpp-handles.h5";
   try {
     nsdae::trajectory file;
     {
@@ -326,7 +325,7 @@ void test_check()
 
 } // namespace
 
-int main()
+int main(int argc, char **argv)
 {
   test_same_bytes();
   test_errors();
@@ -336,7 +335,7 @@ int main()
   test_codes();
   test_moves();
   test_threads();
-  test_trajectory();
+  test_trajectory(argc > 1 ? argv[1] : "handles.h5");
   test_check();
   std::printf("%d failures\n", failures);
   return failures ? EXIT_FAILURE : EXIT_SUCCESS;

@@ -33,5 +33,17 @@ for compiler in g++ clang++; do
     done
   done
 done
+
+# nsdae.hpp has a member for every callback of a system
+for name in $(tr -d '\n' <"$include/nsdae/system.h" |
+  grep -oE 'nsdae_system_set_[a-z_]+\(nsdae_system \*system, *nsdae_[a-z_]+_fn' |
+  sed 's/nsdae_system_set_//; s/(.*//'); do
+  grep -q "NSDAE_CALLBACK($name)" "$include/nsdae/nsdae.hpp" || {
+    echo "nsdae.hpp has no member for the callback $name" >&2
+    exit 1
+  }
+  callbacks="${callbacks:-} $name"
+done
+echo "callbacks:$callbacks"
 echo "$compiled compilations without a warning"
 [ $compiled -gt 0 ]
