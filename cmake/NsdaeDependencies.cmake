@@ -1,21 +1,52 @@
 # What the library stands on, each as one imported target; what is missing is named with the
-# package that brings it.
-find_package(PkgConfig REQUIRED)
+# package that brings it. Each also adds the names of its libraries to NSDAE_STATIC_LIBRARIES, which
+# is what a program needs that links libnsdae.a: names, not paths, so that the installed files can
+# be used on another machine.
+include(CheckFunctionExists)
+set(NSDAE_STATIC_LIBRARIES)
 
-function(nsdae_pkg target module package)
-  pkg_check_modules(${target} QUIET IMPORTED_TARGET ${module})
-  if(NOT ${target}_FOUND)
-    message(FATAL_ERROR "nsdae needs ${module}: install ${package} "
-                        "(./run test installs all that is missing)")
-  endif()
+# nsdae_static_library(PATH...): the names of these libraries. Of one in a folder that the linker
+# does not search (Debian's hdf5/serial/libhdf5.so) that of the file it is a link to.
+function(nsdae_static_library)
+  foreach(path IN LISTS ARGN)
+    get_filename_component(folder "${path}" DIRECTORY)
+    if(NOT folder IN_LIST CMAKE_C_IMPLICIT_LINK_DIRECTORIES)
+      get_filename_component(path "${path}" REALPATH)
+    endif()
+    if(path MATCHES "/lib([^/]+)\\.(so|a|dylib)[^/]*$")
+      list(APPEND NSDAE_STATIC_LIBRARIES ${CMAKE_MATCH_1})
+    endif()
+  endforeach()
+  set(NSDAE_STATIC_LIBRARIES ${NSDAE_STATIC_LIBRARIES} PARENT_SCOPE)
 endfunction()
 
-# LAPACKE and CBLAS: the C faces of LAPACK and BLAS. OpenBLAS brings both; where it is a plain
-# reference LAPACK, liblapacke and libcblas do.
-nsdae_pkg(NSDAE_LAPACKE lapacke liblapacke-dev)
-nsdae_pkg(NSDAE_BLAS openblas libopenblas-dev)
+# LAPACKE and CBLAS: the C faces of LAPACK and BLAS. OpenBLAS brings both, but for Debian's, whose
+# LAPACKE is a library of its own, as it is where BLAS is a plain reference.
+find_path(NSDAE_LAPACKE_INCLUDE lapacke.h PATH_SUFFIXES openblas lapacke)
+find_path(NSDAE_CBLAS_INCLUDE cblas.h PATH_SUFFIXES openblas cblas)
+find_library(NSDAE_CBLAS_LIBRARY NAMES openblas cblas)
+foreach(found LAPACKE_INCLUDE CBLAS_INCLUDE CBLAS_LIBRARY)
+  if(NOT NSDAE_${found})
+    message(FATAL_ERROR "nsdae needs LAPACKE and OpenBLAS: install liblapacke-dev and "
+                        "libopenblas-dev (./run test installs all that is missing)")
+  endif()
+endforeach()
+set(CMAKE_REQUIRED_LIBRARIES ${NSDAE_CBLAS_LIBRARY})
+check_function_exists(LAPACKE_dgetrf NSDAE_CBLAS_HAS_LAPACKE)
+unset(CMAKE_REQUIRED_LIBRARIES)
+set(libraries ${NSDAE_CBLAS_LIBRARY})
+if(NOT NSDAE_CBLAS_HAS_LAPACKE)
+  find_library(NSDAE_LAPACKE_LIBRARY lapacke)
+  if(NOT NSDAE_LAPACKE_LIBRARY)
+    message(FATAL_ERROR "nsdae needs LAPACKE: install liblapacke-dev "
+                        "(./run test installs all that is missing)")
+  endif()
+  list(PREPEND libraries ${NSDAE_LAPACKE_LIBRARY})
+endif()
 add_library(nsdae_lapack INTERFACE)
-target_link_libraries(nsdae_lapack INTERFACE PkgConfig::NSDAE_LAPACKE PkgConfig::NSDAE_BLAS m)
+target_include_directories(nsdae_lapack SYSTEM INTERFACE
+  ${NSDAE_LAPACKE_INCLUDE} ${NSDAE_CBLAS_INCLUDE})
+target_link_libraries(nsdae_lapack INTERFACE ${libraries} m)
 
 set(NSDAE_HDF5_VERSION none)
 if(NSDAE_HDF5)
@@ -29,24 +60,35 @@ if(NSDAE_HDF5)
   add_library(nsdae_hdf5 INTERFACE)
   target_include_directories(nsdae_hdf5 SYSTEM INTERFACE ${HDF5_C_INCLUDE_DIRS})
   target_link_libraries(nsdae_hdf5 INTERFACE ${HDF5_HL_LIBRARIES} ${HDF5_C_LIBRARIES})
+  foreach(library IN LISTS HDF5_HL_LIBRARIES HDF5_C_LIBRARIES)
+    if(library MATCHES "hdf5[^/]*$")
+      nsdae_static_library(${library})
+    endif()
+  endforeach()
 endif()
 
-# SUNDIALS 6.4 to 7.x: stiff smooth phases.
+# SUNDIALS 6.4 to 7.x: stiff smooth phases. core exists from version 7 on.
 set(NSDAE_SUNDIALS_VERSION none)
 if(NSDAE_SUNDIALS)
-  find_package(SUNDIALS QUIET COMPONENTS cvode ida nvecserial sunmatrixdense sunmatrixsparse
-               sunlinsoldense sunlinsolklu)
+  set(modules cvode ida nvecserial sunmatrixdense sunmatrixsparse sunlinsoldense sunlinsolklu)
+  find_package(SUNDIALS QUIET COMPONENTS ${modules})
   if(NOT SUNDIALS_FOUND)
     message(FATAL_ERROR "nsdae needs SUNDIALS (libsundials-dev) for penalty and event; "
                         "-DNSDAE_SUNDIALS=OFF builds without")
   endif()
   set(NSDAE_SUNDIALS_VERSION ${SUNDIALS_VERSION})
   add_library(nsdae_sundials INTERFACE)
-  target_link_libraries(nsdae_sundials INTERFACE
-    SUNDIALS::cvode_shared SUNDIALS::ida_shared SUNDIALS::nvecserial_shared
-    SUNDIALS::sunmatrixdense_shared SUNDIALS::sunmatrixsparse_shared
-    SUNDIALS::sunlinsoldense_shared SUNDIALS::sunlinsolklu_shared)
-  if(TARGET SUNDIALS::core_shared) # from version 7 on
-    target_link_libraries(nsdae_sundials INTERFACE SUNDIALS::core_shared)
-  endif()
+  foreach(module ${modules} core)
+    foreach(kind shared static)
+      if(TARGET SUNDIALS::${module}_${kind})
+        target_link_libraries(nsdae_sundials INTERFACE SUNDIALS::${module}_${kind})
+        list(APPEND NSDAE_STATIC_LIBRARIES sundials_${module})
+        break()
+      endif()
+    endforeach()
+  endforeach()
 endif()
+
+nsdae_static_library(${libraries})
+list(APPEND NSDAE_STATIC_LIBRARIES m)
+list(REMOVE_DUPLICATES NSDAE_STATIC_LIBRARIES)

@@ -1,0 +1,504 @@
+/* nsdae: C++ (11 and later). BSD-3-Clause.
+ *
+ * Owning handles over the C functions, whose headers say what each member does; c() gives the
+ * handle for the functions that are no member here.
+ *
+ * Exceptions or status, by choice: members throw nsdae::error where the C function returns < 0 and
+ * return its status >= 0; those named try_ throw nothing and return the status, with the record in
+ * last_error(). A handle that is empty (made without arguments, or moved from) answers
+ * NSDAE_E_ARGUMENT.
+ *
+ * Callbacks are whatever can be called with the arguments of the C callback but the last (user):
+ * lambdas, functions, objects. They return nothing, or its int code. What they throw does not
+ * cross the C code: the step is given up, and the member that ran it throws it again, as it was;
+ * after a try_ member, take_exception() gives it.
+ *
+ * A simulation keeps its system alive, a trajectory its simulation: handles may go in any order. */
+#ifndef NSDAE_HPP
+#define NSDAE_HPP
+
+#include <cstdio>
+#include <exception>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <new>
+#include <stdexcept>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include <nsdae/nsdae.h>
+
+namespace nsdae
+{
+
+/* A status < 0, with the error record of the C library. */
+class error : public std::runtime_error
+{
+public:
+  explicit error(const nsdae_error &record) : std::runtime_error(record.text), record_(record) {}
+  int status() const noexcept { return record_.status; }
+  const nsdae_error &record() const noexcept { return record_; }
+
+private:
+  nsdae_error record_;
+};
+
+namespace detail
+{
+
+/* What a callback threw in this thread and nobody has taken. Visible across shared objects, so that
+ * one that makes a callback and another that runs it share it. */
+NSDAE_API inline std::exception_ptr &thrown() noexcept
+{
+  static thread_local std::exception_ptr slot;
+  return slot;
+}
+
+inline nsdae_error make_record(int status, const char *argument, const std::string &text)
+{
+  nsdae_error record = nsdae_error();
+  record.status = status;
+  record.index = -1;
+  record.time = std::numeric_limits<double>::quiet_NaN();
+  std::snprintf(record.argument, sizeof record.argument, "%s", argument);
+  std::snprintf(record.where, sizeof record.where, "%s", "nsdae.hpp");
+  std::snprintf(record.text, sizeof record.text, "%s", text.c_str());
+  return record;
+}
+
+/* Around every call that may run callbacks or allocate: nothing comes out of it but a status. */
+template <class Call> int attempt(Call call) noexcept
+{
+  thrown() = nullptr;
+  try {
+    return call();
+  } catch (const std::bad_alloc &) {
+    return NSDAE_E_MEMORY;
+  }
+}
+
+/* A status >= 0, or error. */
+inline int demand(int status, const nsdae_error *record)
+{
+  if (status >= 0) return status;
+  if (record && record->status == status) throw error(*record);
+  throw error(make_record(status, "", nsdae_status_message(status)));
+}
+
+/* A callback of any type, kept as a function that returns a code. */
+template <class... A> struct callback {
+  std::function<int(A...)> call;
+
+  callback() = default;
+  template <class F> explicit callback(F f) { keep(f, std::is_void<result<F>>()); }
+
+private:
+  template <class F> using result = decltype(std::declval<F &>()(std::declval<A>()...));
+
+  template <class F> void keep(F &f, std::true_type)
+  {
+    call = [f](A... a) mutable {
+      f(a...);
+      return 0;
+    };
+  }
+  template <class F> void keep(F &f, std::false_type)
+  {
+    static_assert(std::is_same<result<F>, int>::value, "a callback returns void or int");
+    call = std::move(f);
+  }
+};
+
+/* Runs a callback for C: an exception is set aside and becomes the code given. */
+template <class Call> int shield(int code, Call call) noexcept
+{
+  try {
+    return call();
+  } catch (...) {
+    thrown() = std::current_exception();
+    return code;
+  }
+}
+
+struct system_guts {
+  nsdae_system *c = nullptr;
+  callback<double, const double *, double *, int> mass;
+  callback<double, const double *, const double *, double *> force;
+  callback<double, const double *, double *> constraint;
+  callback<double, const double *, double *, int> constraint_jacobian;
+  callback<double, const double *, const double *, double *, double *> constraint_bias;
+  callback<double, const double *, double *> gap;
+  callback<double, const double *, double *, int> gap_normal, gap_tangent;
+  callback<double, const double *, double *, double *> contact_bias;
+  callback<double, const double *, const double *, double *, double *, double *>
+      contact_acceleration;
+  callback<double, const double *, double *, int, double *> slide_tangent;
+  callback<double, const double *, const double *, double *> kinematics;
+  callback<double, const double *, double *> potential;
+
+  system_guts() = default;
+  system_guts(const system_guts &) = delete;
+  system_guts &operator=(const system_guts &) = delete;
+  ~system_guts() { nsdae_system_destroy(&c); }
+};
+
+/* The C function behind the member of system_guts that Member points to. */
+template <class T, T Member> struct trampoline;
+template <class... A, callback<A...> system_guts::*Member>
+struct trampoline<callback<A...> system_guts::*, Member> {
+  static int run(A... a, void *user) noexcept
+  {
+    return shield(-1, [&] { return (static_cast<system_guts *>(user)->*Member).call(a...); });
+  }
+};
+
+struct sim_guts {
+  typedef callback<const nsdae_record &> observer;
+
+  nsdae_sim *c = nullptr;
+  std::shared_ptr<system_guts> system;
+  std::vector<std::unique_ptr<observer>> observers;
+  int status = NSDAE_OK; /* of the last run or step */
+
+  sim_guts() = default;
+  sim_guts(const sim_guts &) = delete;
+  sim_guts &operator=(const sim_guts &) = delete;
+  ~sim_guts() { nsdae_sim_destroy(&c); }
+
+  static int observe(const nsdae_record *record, nsdae_error *, void *user) noexcept
+  {
+    return shield(NSDAE_E_CALLBACK, [&] { return static_cast<observer *>(user)->call(*record); });
+  }
+};
+
+} // namespace detail
+
+/* What a callback threw in the last try_ member of this thread that failed; null where nothing
+ * was thrown. */
+inline std::exception_ptr take_exception() noexcept
+{
+  std::exception_ptr exception;
+  std::swap(exception, detail::thrown());
+  return exception;
+}
+
+namespace detail
+{
+
+/* The same of a call that ran callbacks: what one of them threw goes first. */
+inline int demand_run(int status, const nsdae_error *record)
+{
+  if (status >= 0) return status;
+  if (std::exception_ptr exception = take_exception()) std::rethrow_exception(exception);
+  return demand(status, record);
+}
+
+/* A vector of the size that is wanted, or an error that names it. */
+template <class V> const double *sized(const V &vector, int size, const char *name)
+{
+  if (static_cast<decltype(vector.size())>(size) == vector.size()) return vector.data();
+  throw error(make_record(NSDAE_E_ARGUMENT, name,
+                          std::string(name) + " has " + std::to_string(vector.size()) +
+                              " entries: it must have " + std::to_string(size)));
+}
+
+} // namespace detail
+
+/* nsdae_sim_options, with its defaults. */
+class options
+{
+public:
+  options() noexcept { nsdae_sim_options_default(&options_); }
+
+  options &set(const std::string &key, const std::string &value)
+  {
+    nsdae_error record = nsdae_error();
+    detail::demand(nsdae_sim_options_set(&options_, key.c_str(), value.c_str(), &record), &record);
+    return *this;
+  }
+  options &set(const std::string &key, const char *value) { return set(key, std::string(value)); }
+  options &set(const std::string &key, int value) { return set(key, std::to_string(value)); }
+  options &set(const std::string &key, double value)
+  {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.17g", value);
+    return set(key, std::string(text));
+  }
+
+  /* The fields themselves: options->dt = 0.01. */
+  nsdae_sim_options *operator->() noexcept { return &options_; }
+  const nsdae_sim_options *operator->() const noexcept { return &options_; }
+  const nsdae_sim_options *c() const noexcept { return &options_; }
+
+private:
+  nsdae_sim_options options_;
+};
+
+/* nsdae_system. Its user pointer is taken: callbacks carry their own data. */
+class system
+{
+public:
+  system() noexcept = default;
+  explicit system(const nsdae_dims &dims)
+  {
+    nsdae_error record = nsdae_error();
+    detail::demand(try_create(dims, &record), &record);
+  }
+  system(system &&) noexcept = default;
+  system &operator=(system &&) noexcept = default;
+
+  /* Makes it anew; what it was before is released. */
+  int try_create(const nsdae_dims &dims, nsdae_error *record = nullptr) noexcept
+  {
+    guts_.reset();
+    return detail::attempt([&] {
+      std::shared_ptr<detail::system_guts> guts = std::make_shared<detail::system_guts>();
+      int status = nsdae_system_create(&dims, &guts->c, record);
+      if (status < 0) return status;
+      nsdae_system_set_user(guts->c, guts.get());
+      guts_ = guts;
+      return status;
+    });
+  }
+
+  explicit operator bool() const noexcept { return c() != nullptr; }
+  nsdae_system *c() const noexcept { return guts_ ? guts_->c : nullptr; }
+
+#define NSDAE_CALLBACK(name)                                                              \
+  template <class F> system &name(F f)                                                    \
+  {                                                                                       \
+    typedef detail::system_guts guts;                                                     \
+    return keep(&guts::name, decltype(guts::name)(std::move(f)), nsdae_system_set_##name, \
+                detail::trampoline<decltype(&guts::name), &guts::name>::run);             \
+  }
+  NSDAE_CALLBACK(mass)                /* (double t, const double *q, double *M, int ldm) */
+  NSDAE_CALLBACK(force)               /* (double t, const double *q, const double *v, double *F) */
+  NSDAE_CALLBACK(constraint)          /* (double t, const double *q, double *phi) */
+  NSDAE_CALLBACK(constraint_jacobian) /* (double t, const double *q, double *J, int ldj) */
+  NSDAE_CALLBACK(constraint_bias) /* (double t, q, const double *v, double *phi_t, double *omega) */
+  NSDAE_CALLBACK(gap)             /* (double t, const double *q, double *gap) */
+  NSDAE_CALLBACK(gap_normal)      /* (double t, const double *q, double *W, int ldw) */
+  NSDAE_CALLBACK(gap_tangent)     /* (double t, const double *q, double *W, int ldw) */
+  NSDAE_CALLBACK(contact_bias)    /* (double t, const double *q, double *w_n, double *w_t) */
+  NSDAE_CALLBACK(contact_acceleration) /* (double t, q, v, double *omega_n, *omega_t, *omega_s) */
+  NSDAE_CALLBACK(slide_tangent)        /* (double t, q, double *W, int ldw, double *w) */
+  NSDAE_CALLBACK(kinematics)           /* (double t, q, const double *v, double *qdot) */
+  NSDAE_CALLBACK(potential)            /* (double t, const double *q, double *energy) */
+#undef NSDAE_CALLBACK
+
+  system &contact(int i, double mu, double e_n, double e_t = 0)
+  {
+    detail::demand(nsdae_system_set_contact(c(), i, mu, e_n, e_t), last_error());
+    return *this;
+  }
+  system &slide(int j, int constraint, double mu)
+  {
+    detail::demand(nsdae_system_set_slide(c(), j, constraint, mu), last_error());
+    return *this;
+  }
+
+  nsdae_dims dims() const
+  {
+    nsdae_dims dims = nsdae_dims();
+    detail::demand(nsdae_system_get_dims(c(), &dims), nullptr);
+    return dims;
+  }
+  std::string differences() const
+  {
+    return nsdae_system_differences(c());
+  }
+
+  int try_check(double t, const double *q, const double *v, double tol,
+                nsdae_check *worst = nullptr) noexcept
+  {
+    return detail::attempt([&] { return nsdae_system_check(c(), t, q, v, tol, worst); });
+  }
+  void check(double t, const std::vector<double> &q, const std::vector<double> &v,
+             double tol = 1e-5)
+  {
+    const nsdae_dims size = dims();
+    const double *at = detail::sized(q, size.nq, "q"), *speed = detail::sized(v, size.nv, "v");
+    detail::demand_run(try_check(t, at, speed, tol), last_error());
+  }
+
+  /* Why the last call failed; NULL for an empty handle. */
+  const nsdae_error *last_error() const noexcept
+  {
+    return nsdae_system_error(c());
+  }
+
+private:
+  friend class sim;
+  std::shared_ptr<detail::system_guts> guts_;
+
+  template <class Callback, class Set, class Run>
+  system &keep(Callback detail::system_guts::*member, Callback callback, Set set, Run run)
+  {
+    detail::demand(set(c(), run), last_error());
+    std::swap((*guts_).*member, callback);
+    return *this;
+  }
+};
+
+/* nsdae_sim. */
+class sim
+{
+public:
+  sim() noexcept = default;
+  explicit sim(const system &of, const options &with = options())
+  {
+    nsdae_error record = nsdae_error();
+    detail::demand(try_create(of, with, &record), &record);
+  }
+  sim(sim &&) noexcept = default;
+  sim &operator=(sim &&) noexcept = default;
+
+  /* Makes it anew; what it was before is released. */
+  int try_create(const system &of, const options &with = options(),
+                 nsdae_error *record = nullptr) noexcept
+  {
+    guts_.reset();
+    return detail::attempt([&] {
+      std::shared_ptr<detail::sim_guts> guts = std::make_shared<detail::sim_guts>();
+      guts->system = of.guts_;
+      int status = nsdae_sim_create(of.c(), with.c(), &guts->c, record);
+      if (status >= 0) guts_ = guts;
+      return status;
+    });
+  }
+
+  explicit operator bool() const noexcept { return c() != nullptr; }
+  nsdae_sim *c() const noexcept { return guts_ ? guts_->c : nullptr; }
+
+  int try_init(double t0, const double *q0, const double *v0) noexcept
+  {
+    return detail::attempt([&] { return nsdae_sim_init(c(), t0, q0, v0); });
+  }
+  /* q0 [nq], v0 [nv]: std::vector, std::array, or whatever has data() and size(). */
+  template <class Q, class V> void init(double t0, const Q &q0, const V &v0)
+  {
+    const nsdae_dims size = dims();
+    const double *q = detail::sized(q0, size.nq, "q0"), *v = detail::sized(v0, size.nv, "v0");
+    detail::demand_run(try_init(t0, q, v), last_error());
+  }
+  void init(double t0, const std::vector<double> &q0, const std::vector<double> &v0)
+  {
+    init<std::vector<double>, std::vector<double>>(t0, q0, v0);
+  }
+
+  /* f(const nsdae_record &): returns nothing, or 0 to go on, > 0 to stop, < 0 to fail. */
+  template <class F> sim &observe(F f)
+  {
+    typedef detail::sim_guts guts;
+    std::unique_ptr<guts::observer> observer(new guts::observer(std::move(f)));
+    if (guts_) guts_->observers.reserve(guts_->observers.size() + 1);
+    detail::demand(nsdae_sim_observe(c(), guts::observe, observer.get()), last_error());
+    guts_->observers.push_back(std::move(observer));
+    return *this;
+  }
+
+  int try_step() noexcept
+  {
+    return moved(detail::attempt([&] { return nsdae_sim_step(c()); }));
+  }
+  int try_run(double t_end) noexcept
+  {
+    return moved(detail::attempt([&] { return nsdae_sim_run(c(), t_end); }));
+  }
+  int step() { return detail::demand_run(try_step(), last_error()); }
+  int run(double t_end) { return detail::demand_run(try_run(t_end), last_error()); }
+
+  /* Its pointers hold until the next step. */
+  nsdae_record record() const { return get<nsdae_record>(nsdae_sim_get_record); }
+  nsdae_stats stats() const { return get<nsdae_stats>(nsdae_sim_get_stats); }
+  nsdae_dims dims() const { return get<nsdae_dims>(nsdae_sim_get_dims); }
+
+  /* Why the last call failed; NULL for an empty handle. */
+  const nsdae_error *last_error() const noexcept { return nsdae_sim_error(c()); }
+
+private:
+  friend class trajectory;
+  std::shared_ptr<detail::sim_guts> guts_;
+
+  int moved(int status) noexcept
+  {
+    if (guts_) guts_->status = status;
+    return status;
+  }
+  template <class T> T get(int (*from)(const nsdae_sim *, T *)) const
+  {
+    T value = T();
+    detail::demand(from(c(), &value), nullptr);
+    return value;
+  }
+};
+
+/* nsdae_trajectory. Goes out of scope as closed: "complete", or "failed" where the simulation's
+ * last run or step was; close() also says whether all could be written. */
+class trajectory
+{
+public:
+  trajectory() noexcept = default;
+  trajectory(const sim &of, const std::string &path, const std::string &model = std::string())
+  {
+    nsdae_trajectory_info info = nsdae_trajectory_info();
+    info.model = model.c_str();
+    create(of, path, info);
+  }
+  trajectory(const sim &of, const std::string &path, const nsdae_trajectory_info &info)
+  {
+    create(of, path, info);
+  }
+  trajectory(trajectory &&other) noexcept : c_(other.c_), sim_(std::move(other.sim_))
+  {
+    other.c_ = nullptr;
+  }
+  trajectory &operator=(trajectory &&other) noexcept
+  {
+    std::swap(c_, other.c_);
+    std::swap(sim_, other.sim_);
+    return *this;
+  }
+  ~trajectory() { try_close(); }
+
+  explicit operator bool() const noexcept { return c_ != nullptr; }
+  nsdae_trajectory *c() const noexcept { return c_; }
+
+  void put(const std::string &path, const std::vector<double> &values, const std::string &units,
+           const std::string &description)
+  {
+    nsdae_error record = nsdae_error();
+    detail::demand(nsdae_trajectory_put(c_, path.c_str(), static_cast<int>(values.size()),
+                                        values.data(), units.c_str(), description.c_str(), &record),
+                   &record);
+  }
+
+  int try_close(nsdae_error *record = nullptr) noexcept
+  {
+    int status = c_ ? nsdae_trajectory_close(&c_, sim_->status, record) : NSDAE_OK;
+    sim_.reset();
+    return status;
+  }
+  void close()
+  {
+    nsdae_error record = nsdae_error();
+    detail::demand(try_close(&record), &record);
+  }
+
+private:
+  nsdae_trajectory *c_ = nullptr;
+  std::shared_ptr<detail::sim_guts> sim_;
+
+  void create(const sim &of, const std::string &path, const nsdae_trajectory_info &info)
+  {
+    nsdae_error record = nsdae_error();
+    detail::demand(nsdae_trajectory_create(of.c(), path.c_str(), &info, &c_, &record), &record);
+    sim_ = of.guts_;
+  }
+};
+
+} // namespace nsdae
+#endif

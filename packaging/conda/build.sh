@@ -1,0 +1,14 @@
+#!/bin/bash
+# What conda-build runs: the library without the drivers, whose GSL is under the GPL.
+set -euo pipefail
+
+cmake -S . -B build -G Ninja ${CMAKE_ARGS:-} \
+  -DCMAKE_BUILD_TYPE=Release \
+  -DCMAKE_INSTALL_PREFIX="$PREFIX" \
+  -DCMAKE_INSTALL_LIBDIR=lib \
+  -DNSDAE_CBLAS_LIBRARY="${NSDAE_CBLAS_LIBRARY:-$PREFIX/lib/libcblas.so}" \
+  -DNSDAE_FORTRAN=ON \
+  -DNSDAE_DRIVERS=OFF \
+  -DBUILD_TESTING=OFF
+cmake --build build -j"${CPU_COUNT:-2}"
+cmake --install build

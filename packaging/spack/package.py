@@ -1,0 +1,51 @@
+"""Spack recipe of nsdae: packages/nsdae/package.py of a repository of recipes."""
+
+from spack_repo.builtin.build_systems.cmake import CMakePackage
+
+from spack.package import *
+
+
+class Nsdae(CMakePackage):
+    """Non-smooth multibody dynamics in C, C++ and Fortran: mechanisms whose parts hit, slide and
+    stick, as differential-algebraic equations with contacts, impacts and Coulomb friction."""
+
+    homepage = "https://nsdae.example"
+    git = "https://nsdae.example/nsdae.git"
+
+    license("BSD-3-Clause", checked_by="nsdae")
+
+    # a released version joins with the sha256 of its archive
+    version("main", branch="main")
+
+    variant("hdf5", default=True, description="Write trajectories to HDF5 files")
+    variant("sundials", default=True, description="Methods penalty and event")
+    variant("fortran", default=True, description="Fortran module")
+    variant("drivers", default=False, description="Example programs (GSL, so under the GPL)")
+
+    depends_on("c", type="build")
+    depends_on("cxx", type="test")
+    depends_on("fortran", type="build", when="+fortran")
+    depends_on("cmake@3.21:", type="build")
+    depends_on("ninja", type="build")
+
+    # brings CBLAS and LAPACKE; one thread serves the small matrices of a step best
+    depends_on("openblas")
+    depends_on("hdf5+hl~mpi", when="+hdf5")
+    depends_on("sundials@6.4:7+CVODE+IDA+klu~mpi precision=double", when="+sundials")
+    depends_on("suite-sparse", when="+sundials")
+    depends_on("gsl", when="+drivers")
+    depends_on("cmocka", type="test")
+
+    generator("ninja")
+
+    def cmake_args(self):
+        return [
+            self.define_from_variant("NSDAE_HDF5", "hdf5"),
+            self.define_from_variant("NSDAE_SUNDIALS", "sundials"),
+            self.define_from_variant("NSDAE_FORTRAN", "fortran"),
+            self.define_from_variant("NSDAE_DRIVERS", "drivers"),
+            self.define("BUILD_TESTING", self.run_tests),
+        ]
+
+    def setup_build_environment(self, env):
+        env.set("OPENBLAS_NUM_THREADS", "1")

@@ -1,0 +1,21 @@
+# nsdae.hpp, as the oldest C++ that it promises and a recent one.
+include(CheckLanguage)
+check_language(CXX)
+if(NOT CMAKE_CXX_COMPILER)
+  message(STATUS "no C++ compiler: nsdae.hpp is not tested")
+  return()
+endif()
+enable_language(CXX)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+find_package(Threads REQUIRED)
+
+foreach(standard 11 20)
+  add_executable(test_cpp${standard} cpp/handles.cpp cpp/pendulum.c)
+  set_target_properties(test_cpp${standard} PROPERTIES CXX_STANDARD ${standard}
+    RUNTIME_OUTPUT_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR})
+  target_link_libraries(test_cpp${standard} PRIVATE nsdae_lib_static Threads::Threads m)
+  add_test(NAME cpp/handles-c++${standard} COMMAND test_cpp${standard} handles-${standard}.h5)
+  set_tests_properties(cpp/handles-c++${standard} PROPERTIES
+    ENVIRONMENT OPENBLAS_NUM_THREADS=1 TIMEOUT 300)
+endforeach()

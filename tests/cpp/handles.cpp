@@ -1,0 +1,342 @@
+/* nsdae.hpp: the same bytes as C, errors, exceptions of callbacks, moves, lifetimes. */
+#include <nsdae/nsdae.hpp>
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <thread>
+
+#include "pendulum.h"
+
+namespace
+{
+
+int failures = 0;
+
+void expect(bool holds, const char *what, int line)
+{
+  if (holds) return;
+  std::printf("handles.cpp:%d: not so: %s\n", line, what);
+  failures++;
+}
+
+#define EXPECT(condition) expect((condition), #condition, __LINE__)
+
+/* The exception of type E that call throws is handed to see. */
+template <class E, class Call, class See> bool throws(Call call, See see)
+{
+  try {
+    call();
+  } catch (const E &exception) {
+    return see(exception);
+  } catch (...) {
+  }
+  return false;
+}
+
+template <class Call> bool throws_status(int status, Call call)
+{
+  return throws<nsdae::error>(call, [=](const nsdae::error &e) {
+    return e.status() == status && e.record().status == status && *e.what();
+  });
+}
+
+nsdae_dims sizes(int nq, int m, int k)
+{
+  nsdae_dims dims = nsdae_dims();
+  dims.nq = nq;
+  dims.m = m;
+  dims.k = k;
+  return dims;
+}
+
+/* One mass that falls on a floor. */
+nsdae::system make_ball(double gravity = 9.81)
+{
+  nsdae::system ball(sizes(1, 0, 1));
+  ball.mass([](double, const double *, double *M, int) { M[0] = 0.1; });
+  ball.force([gravity](double, const double *, const double *, double *F) {
+    F[0] = -0.1 * gravity;
+    return 0;
+  });
+  ball.gap([](double, const double *q, double *g) { g[0] = q[0]; }).contact(0, 0, 0.5);
+  return ball;
+}
+
+nsdae::system make_pendulum()
+{
+  nsdae::system rod(sizes(3, 2, 1));
+  rod.mass([](double, const double *, double *M, int ldm) {
+    M[0] = M[ldm + 1] = 4.9;
+    M[2 * ldm + 2] = 4.9 / 12;
+  });
+  rod.force([](double, const double *, const double *, double *F) { F[1] = -4.9 * 9.8; });
+  rod.constraint([](double, const double *q, double *phi) {
+    phi[0] = q[0] - 0.5 * std::sin(q[2]);
+    phi[1] = q[1] + 0.5 * std::cos(q[2]);
+  });
+  rod.constraint_jacobian([](double, const double *q, double *J, int ldj) {
+    J[0] = J[ldj + 1] = 1;
+    J[2 * ldj] = -0.5 * std::cos(q[2]);
+    J[2 * ldj + 1] = -0.5 * std::sin(q[2]);
+  });
+  rod.constraint_bias([](double, const double *q, const double *v, double *, double *omega) {
+    omega[0] = 0.5 * std::sin(q[2]) * v[2] * v[2];
+    omega[1] = -0.5 * std::cos(q[2]) * v[2] * v[2];
+  });
+  rod.gap([](double, const double *q, double *g) { g[0] = std::sin(q[2]); });
+  rod.contact(0, 0, 0.56);
+  return rod;
+}
+
+void test_same_bytes()
+{
+  static double expected[PENDULUM_STEPS + 1][PENDULUM_ROW];
+  static double row[PENDULUM_STEPS + 1][PENDULUM_ROW];
+  double *next = row[0];
+  nsdae::sim sim(make_pendulum()); /* which lives on in it */
+  sim.init(0, std::array<double, 3>{{0.5 * std::sin(1.57), -0.5 * std::cos(1.57), 1.57}},
+           std::vector<double>(3));
+  sim.observe([&](const nsdae_record &now) {
+    *next++ = now.time;
+    for (int i = 0; i < 3; i++) *next++ = now.q[i];
+    for (int i = 0; i < 3; i++) *next++ = now.v[i];
+    for (int i = 0; i < 2; i++) *next++ = now.multiplier[i];
+    *next++ = now.normal_impulse[0];
+  });
+  EXPECT(sim.run(0.005 * (PENDULUM_STEPS - 1)) == NSDAE_OK);
+  EXPECT(next - row[0] == PENDULUM_STEPS * PENDULUM_ROW);
+  EXPECT(pendulum_in_c(expected) == PENDULUM_STEPS);
+  EXPECT(sim.stats().impacts >= 3);
+  EXPECT(std::memcmp(row, expected, sizeof row) == 0);
+}
+
+void test_errors()
+{
+  nsdae_error record = nsdae_error();
+  nsdae::system none, unfinished(sizes(1, 0, 0));
+  EXPECT(throws_status(NSDAE_E_ARGUMENT, [] { nsdae::system(sizes(0, 0, 0)); }));
+  EXPECT(throws_status(NSDAE_E_STATE, [&] { nsdae::sim{unfinished}; }));
+  EXPECT(throws_status(NSDAE_E_ARGUMENT, [&] { nsdae::sim{none}; }));
+  EXPECT(throws_status(NSDAE_E_ARGUMENT, [&] { none.contact(0, 0, 0); }));
+  EXPECT(throws_status(NSDAE_E_ARGUMENT, [&] { make_ball().contact(1, 0, 0); }));
+  EXPECT(throws_status(NSDAE_E_ARGUMENT, [&] {
+    unfinished.gap([](double, const double *, double *) {}); /* k = 0 */
+  }));
+  EXPECT(none.try_create(sizes(1, 0, -1), &record) == NSDAE_E_ARGUMENT && !none);
+  EXPECT(std::strcmp(record.argument, "k") == 0);
+
+  nsdae::sim sim(make_ball());
+  EXPECT(throws_status(NSDAE_E_STATE, [&] { sim.record(); }));
+  EXPECT(throws_status(NSDAE_E_STATE, [&] { sim.run(1); }));
+  EXPECT(throws_status(NSDAE_E_ARGUMENT, [&] { sim.init(0, {1, 2}, {0}); }));
+  EXPECT(throws_status(NSDAE_E_NONFINITE, [&] { sim.init(0, {std::nan("")}, {0}); }));
+  EXPECT(sim.try_init(0, nullptr, nullptr) == NSDAE_E_ARGUMENT);
+  EXPECT(sim.last_error()->status == NSDAE_E_ARGUMENT);
+  EXPECT(sim.try_run(1) == NSDAE_E_STATE);
+}
+
+void test_options()
+{
+  nsdae::options options;
+  options.set("dt", 0.1).set("method", "moreau").set("iteration_max", 7);
+  EXPECT(options->dt == 0.1); /* to the last bit */
+  EXPECT(options->method == NSDAE_MOREAU && options.c()->iteration_max == 7);
+  EXPECT(throws_status(NSDAE_E_ARGUMENT, [&] { options.set("dt", -1); }));
+  EXPECT(throws<nsdae::error>([&] { options.set("metod", "moreau"); },
+                              [](const nsdae::error &e) {
+                                return e.status() == NSDAE_E_OPTION &&
+                                       std::strstr(e.what(), "method");
+                              }));
+}
+
+struct surprise {
+  int number;
+};
+
+void test_exceptions()
+{
+  double until = 0.1;
+  nsdae::system ball(make_ball());
+  ball.force([&](double t, const double *, const double *, double *F) {
+    if (t > until) throw surprise{42};
+    F[0] = -1;
+  });
+  auto is_surprise = [](const surprise &s) { return s.number == 42; };
+  nsdae::sim sim(ball);
+  sim.init(0, {1}, {0});
+  EXPECT(throws<surprise>([&] { sim.run(1); }, is_surprise));
+  EXPECT(sim.last_error()->status == NSDAE_E_CALLBACK && sim.record().time <= until);
+  EXPECT(!nsdae::take_exception()); /* it was thrown */
+
+  EXPECT(sim.try_run(1) == NSDAE_E_CALLBACK);
+  std::exception_ptr exception = nsdae::take_exception();
+  EXPECT(exception && !nsdae::take_exception());
+  EXPECT(throws<surprise>([&] { std::rethrow_exception(exception); }, is_surprise));
+
+  EXPECT(sim.try_run(1) == NSDAE_E_CALLBACK); /* left untaken: not thrown by what did not do it */
+  EXPECT(throws_status(NSDAE_E_ARGUMENT, [&] { ball.contact(7, 0, 0); }));
+  until = 2;
+  EXPECT(sim.run(1) == NSDAE_OK && sim.record().time == 1);
+
+  until = -1;
+  EXPECT(throws<surprise>([&] { sim.init(0, {1}, {0}); }, is_surprise));
+  nsdae::system rod(make_pendulum());
+  rod.constraint([](double, const double *, double *) { throw surprise{42}; });
+  EXPECT(throws<surprise>([&] { rod.check(0, {0, 0, 0}, {0, 0, 0}); }, is_surprise));
+}
+
+void test_observers()
+{
+  nsdae::sim sim(make_ball());
+  int seen = 0;
+  sim.observe([&](const nsdae_record &now) { return now.step == 5 ? 1 : 0; });
+  sim.observe([&](const nsdae_record &now) {
+    seen++;
+    if (now.step == 7) throw std::runtime_error("seven");
+  });
+  sim.init(0, {1}, {0});
+  EXPECT(sim.run(1) == NSDAE_STOPPED && seen == 6); /* the start and five steps */
+  EXPECT(throws<std::runtime_error>(
+      [&] { sim.run(1); },
+      [](const std::runtime_error &e) { return std::string(e.what()) == "seven"; }));
+  EXPECT(seen == 8);
+  for (int i = 2; i < NSDAE_OBSERVERS_MAX; i++) sim.observe([](const nsdae_record &) {});
+  EXPECT(throws_status(NSDAE_E_ARGUMENT, [&] { sim.observe([](const nsdae_record &) {}); }));
+}
+
+/* A code of its own: > 0 and < 0 both end the run here, and nothing is thrown but error. */
+void test_codes()
+{
+  for (int code = -3; code <= 3; code += 6) {
+    nsdae::system ball(make_ball());
+    ball.gap([code](double t, const double *q, double *g) {
+      g[0] = q[0];
+      return t > 0.1 ? code : 0;
+    });
+    nsdae::sim sim(ball);
+    sim.init(0, {1}, {0});
+    EXPECT(throws<nsdae::error>([&] { sim.run(1); },
+                                [=](const nsdae::error &e) {
+                                  return e.status() == NSDAE_E_CALLBACK && e.record().code == code;
+                                }));
+  }
+}
+
+static_assert(!std::is_copy_constructible<nsdae::system>::value, "owns");
+static_assert(!std::is_copy_constructible<nsdae::sim>::value, "owns");
+static_assert(!std::is_copy_assignable<nsdae::trajectory>::value, "owns");
+static_assert(std::is_nothrow_move_constructible<nsdae::system>::value, "moves");
+static_assert(std::is_nothrow_move_assignable<nsdae::sim>::value, "moves");
+static_assert(std::is_nothrow_move_constructible<nsdae::trajectory>::value, "moves");
+
+void test_moves()
+{
+  std::vector<nsdae::sim> sims;
+  std::vector<double> end;
+  {
+    nsdae::system first = make_ball(), ball(std::move(first));
+    EXPECT(!first && first.c() == nullptr && first.last_error() == nullptr);
+    EXPECT(throws_status(NSDAE_E_ARGUMENT, [&] { first.dims(); }));
+    EXPECT(throws_status(NSDAE_E_ARGUMENT, [&] {
+      first.force([](double, const double *, const double *, double *) {});
+    }));
+    for (int i = 0; i < 3; i++) sims.push_back(nsdae::sim(ball)); /* they move as it grows */
+    first = std::move(ball);
+    EXPECT(first && !ball);
+  } /* the system's handle is gone, the system is not */
+  nsdae::sim moved(std::move(sims[0]));
+  EXPECT(!sims[0] && sims[0].try_run(1) == NSDAE_E_ARGUMENT);
+  EXPECT(throws_status(NSDAE_E_ARGUMENT, [&] { sims[0].observe([](const nsdae_record &) {}); }));
+  sims[0] = std::move(moved);
+  for (nsdae::sim &sim : sims) {
+    sim.observe([&end](const nsdae_record &now) {
+      if (now.step == 200) end.push_back(now.q[0]);
+    });
+    sim.init(0, {1}, {0});
+    sim.run(1);
+  }
+  EXPECT(end.size() == 3 && end[0] == end[1] && end[1] == end[2]);
+}
+
+/* One system, two threads, each with its own simulation and its own exception. */
+void test_threads()
+{
+  nsdae::system ball(make_ball());
+  ball.force([](double t, const double *q, const double *, double *F) {
+    F[0] = -1;
+    if (t > 0.5) throw surprise{q[0] > 5 ? 10 : 1};
+  });
+  int got[2] = {0, 0};
+  auto work = [&](int i, double height) {
+    nsdae::sim sim(ball);
+    sim.init(0, {height}, {0});
+    throws<surprise>([&] { sim.run(1); }, [&](const surprise &s) { return got[i] = s.number; });
+  };
+  std::thread low(work, 0, 1.0), high(work, 1, 11.0);
+  low.join();
+  high.join();
+  EXPECT(got[0] == 1 && got[1] == 10);
+}
+
+void test_trajectory(const char *path)
+{
+  try {
+    nsdae::trajectory file;
+    {
+      nsdae::sim sim(make_ball());
+      file = nsdae::trajectory(sim, path, "ball");
+      sim.init(0, {1}, {0});
+      sim.run(0.1);
+    } /* the file keeps it alive */
+    file.put("/compare/exact", {1, 2, 3}, "m", "three numbers");
+    nsdae::trajectory moved(std::move(file));
+    EXPECT(moved && !file);
+    moved.close();
+    EXPECT(!moved && moved.try_close() == NSDAE_OK);
+    EXPECT(throws_status(NSDAE_E_IO, [] {
+      nsdae::sim sim(make_ball());
+      nsdae::trajectory(sim, "/no/such/folder/x.h5");
+    }));
+  } catch (const nsdae::error &e) {
+    EXPECT(e.status() == NSDAE_E_UNSUPPORTED); /* built without HDF5 */
+  }
+  std::remove(path);
+}
+
+void test_check()
+{
+  nsdae::system rod(make_pendulum());
+  rod.check(0, {0.1, 0.2, 0.3}, {1, 2, 3});
+  rod.constraint_jacobian([](double, const double *q, double *J, int ldj) {
+    J[0] = J[ldj + 1] = 1;
+    J[2 * ldj] = -0.5 * std::cos(q[2]);
+    J[2 * ldj + 1] = +0.5 * std::sin(q[2]); /* the sign is wrong */
+  });
+  EXPECT(rod.differences().find("gap_normal") != std::string::npos);
+  EXPECT(throws_status(NSDAE_E_DERIVATIVE, [&] { rod.check(0, {0.1, 0.2, 0.3}, {1, 2, 3}); }));
+  nsdae_check worst;
+  const double q[] = {0.1, 0.2, 0.3};
+  EXPECT(rod.try_check(0, q, q, 1e-5, &worst) == NSDAE_E_DERIVATIVE);
+  EXPECT(worst.row == 1 && worst.column == 2);
+}
+
+} // namespace
+
+int main(int argc, char **argv)
+{
+  test_same_bytes();
+  test_errors();
+  test_options();
+  test_exceptions();
+  test_observers();
+  test_codes();
+  test_moves();
+  test_threads();
+  test_trajectory(argc > 1 ? argv[1] : "handles.h5");
+  test_check();
+  std::printf("%d failures\n", failures);
+  return failures ? EXIT_FAILURE : EXIT_SUCCESS;
+}

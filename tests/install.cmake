@@ -1,0 +1,24 @@
+# What others build on: the headers, the installed tree, the packages.
+set(install_dir ${CMAKE_CURRENT_SOURCE_DIR}/install)
+
+add_test(NAME install/headers COMMAND ${install_dir}/headers.sh ${PROJECT_SOURCE_DIR}/include)
+
+set(languages C)
+if(CMAKE_CXX_COMPILER)
+  list(APPEND languages CXX)
+endif()
+if(NSDAE_FORTRAN)
+  list(APPEND languages Fortran)
+endif()
+add_test(NAME install/consumers
+  COMMAND ${install_dir}/consumers.sh ${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR} ${languages})
+add_test(NAME install/first_program
+  COMMAND ${install_dir}/first_program.sh ${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR})
+add_test(NAME install/variants
+  COMMAND ${install_dir}/variants.sh ${PROJECT_SOURCE_DIR} -G ${CMAKE_GENERATOR}
+    -DSUNDIALS_DIR=${SUNDIALS_DIR} -DHDF5_DIR=${HDF5_DIR} "-DCMAKE_PREFIX_PATH=${CMAKE_PREFIX_PATH}")
+set_tests_properties(install/consumers install/first_program install/variants PROPERTIES
+  ENVIRONMENT OPENBLAS_NUM_THREADS=1 TIMEOUT 600)
+if(NSDAE_SANITIZE) # cc has no sanitizer
+  set_tests_properties(install/consumers install/first_program PROPERTIES DISABLED TRUE)
+endif()

@@ -1,0 +1,49 @@
+/* missing PART: what a library without PART (HDF5, SUNDIALS) answers where it would be needed. */
+#include <nsdae/nsdae.h>
+#include <stdio.h>
+#include <string.h>
+
+static int one(double t, const double *q, double *M, int ldm, void *user)
+{
+  (void)t, (void)q, (void)ldm, (void)user;
+  M[0] = 1;
+  return 0;
+}
+
+static int none(double t, const double *q, const double *v, double *F, void *user)
+{
+  (void)t, (void)q, (void)v, (void)F, (void)user;
+  return 0;
+}
+
+int main(int argc, char **argv)
+{
+  const int no_file = argc > 1 && !strcmp(argv[1], "HDF5");
+  const int no_penalty = argc > 1 && !strcmp(argv[1], "SUNDIALS");
+  const nsdae_dims dims = {.nq = 1};
+  const nsdae_trajectory_info info = {.model = "none"};
+  nsdae_sim_options options;
+  nsdae_system *system;
+  nsdae_sim *sim;
+  nsdae_trajectory *file = NULL;
+  nsdae_error error;
+  nsdae_system_create(&dims, &system, NULL);
+  nsdae_system_set_mass(system, one);
+  nsdae_system_set_force(system, none);
+
+  nsdae_sim_create(system, NULL, &sim, NULL);
+  int made = nsdae_trajectory_create(sim, "missing.h5", &info, &file, &error);
+  if (made < 0) printf("%s\n", error.text);
+  nsdae_trajectory_close(&file, NSDAE_OK, NULL);
+  remove("missing.h5");
+  nsdae_sim_destroy(&sim);
+
+  nsdae_sim_options_default(&options);
+  options.method = NSDAE_PENALTY;
+  int penalty = nsdae_sim_create(system, &options, &sim, &error);
+  if (penalty < 0) printf("%s\n", error.text);
+  nsdae_sim_destroy(&sim);
+  nsdae_system_destroy(&system);
+  return made != (no_file ? NSDAE_E_UNSUPPORTED : NSDAE_OK) ||
+         penalty != (no_penalty ? NSDAE_E_UNSUPPORTED : NSDAE_OK);
+}
