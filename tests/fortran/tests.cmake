@@ -7,3 +7,31 @@ set_tests_properties(fortran/first_program PROPERTIES ENVIRONMENT OPENBLAS_NUM_T
 if(NSDAE_SANITIZE)
   set_tests_properties(fortran/first_program PROPERTIES DISABLED TRUE) # cc has no sanitizer
 endif()
+
+# What the tests share: checks, the bead. Callbacks do not use all of their arguments.
+add_library(fortran_support OBJECT fortran/check.f90)
+target_compile_options(fortran_support PUBLIC
+  $<$<COMPILE_LANGUAGE:Fortran>:-Wno-unused-dummy-argument>)
+target_link_libraries(fortran_support PUBLIC nsdae_module_static)
+set_target_properties(fortran_support PROPERTIES
+  Fortran_MODULE_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}/modules)
+target_include_directories(fortran_support PUBLIC ${CMAKE_CURRENT_BINARY_DIR}/modules)
+
+# nsdae_fortran_test(NAME [SOURCES ...] [LINKS ...]): tests/fortran/NAME.f90
+function(nsdae_fortran_test name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINKS" ${ARGN})
+  list(TRANSFORM ARG_SOURCES PREPEND fortran/)
+  add_executable(test_fortran_${name} fortran/${name}.f90 ${ARG_SOURCES})
+  target_link_libraries(test_fortran_${name} PRIVATE fortran_support ${ARG_LINKS})
+  set_target_properties(test_fortran_${name} PROPERTIES LINKER_LANGUAGE Fortran
+    RUNTIME_OUTPUT_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}
+    Fortran_MODULE_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}/modules/${name})
+  add_test(NAME fortran/${name} COMMAND test_fortran_${name})
+  set_tests_properties(fortran/${name} PROPERTIES ENVIRONMENT OPENBLAS_NUM_THREADS=1 TIMEOUT 300)
+endfunction()
+
+nsdae_fortran_test(layout SOURCES layout.c)
+add_test(NAME fortran/complete
+  COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/fortran/complete.sh
+          ${PROJECT_SOURCE_DIR}/include ${PROJECT_BINARY_DIR}/modules ${CMAKE_Fortran_COMPILER}
+          ${PROJECT_SOURCE_DIR})
