@@ -343,11 +343,12 @@ contains
     status = c_init(at(sim), t0, q0, v0)
   end function
 
-  ! Adds an observer, at most NSDAE_OBSERVERS_MAX; they are called in this order.
+  ! Adds an observer, at most NSDAE_OBSERVERS_MAX; they are called in this order. user is
+  ! a target that lives as long as the simulation.
   integer(c_int) function nsdae_sim_observe(sim, observer, user) result(status)
     type(nsdae_sim), intent(in) :: sim
     procedure(nsdae_observer_fn) :: observer
-    class(*), pointer, intent(in), optional :: user
+    class(*), target, intent(inout), optional :: user
     type(observation), pointer :: slot
     type(c_ptr) :: place
     slot => null()
@@ -368,7 +369,7 @@ contains
   integer(c_int) function nsdae_sim_unobserve(sim, observer, user) result(status)
     type(nsdae_sim), intent(in) :: sim
     procedure(nsdae_observer_fn) :: observer
-    class(*), pointer, intent(in), optional :: user
+    class(*), target, intent(inout), optional :: user
     type(observation), pointer :: slot
     integer :: i
     status = NSDAE_E_ARGUMENT
@@ -396,7 +397,7 @@ contains
   end function
 
   function chosen(user)
-    class(*), pointer, intent(in), optional :: user
+    class(*), target, intent(inout), optional :: user
     class(*), pointer :: chosen
     chosen => no_user
     if (present(user)) chosen => user

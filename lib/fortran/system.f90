@@ -378,10 +378,11 @@ contains
     if (associated(system%model)) system%model%refusal%status = NSDAE_OK
   end function
 
-  ! The variable that every callback gets as its last argument. It must live as long as the system.
+  ! The variable that every callback gets as its last argument: a target that lives as long as the
+  ! system.
   integer(c_int) function nsdae_system_set_user(system, user) result(status)
     type(nsdae_system), intent(in) :: system
-    class(*), pointer, intent(in) :: user
+    class(*), target, intent(inout) :: user
     status = NSDAE_E_ARGUMENT
     if (.not. associated(system%model)) return
     system%model%refusal%status = NSDAE_OK
