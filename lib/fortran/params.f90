@@ -61,9 +61,10 @@ module nsdae_f_params
     type(owned), pointer :: texts(:) => null()
   end type
 
-  ! call nsdae_params_add(table, field, key, unit, help, initial, min, max, open) for a real or an
-  ! integer; call nsdae_params_add(table, field, key, help, choices, initial) for an integer that
-  ! counts choices from 0. min and max default to -infinity and infinity, open to 0.
+  ! status = nsdae_params_add(table, field, key, unit, help, initial, min, max, open) for a real or
+  ! an integer, nsdae_params_add(table, field, key, help, choices, initial) for an integer that
+  ! counts choices from 0. min and max default to -infinity and infinity, open to 0. NSDAE_OK, or
+  ! NSDAE_E_MEMORY: the table is as it was.
   interface nsdae_params_add
     module procedure add_real, add_int, add_choice
   end interface
@@ -108,7 +109,8 @@ module nsdae_f_params
 
 contains
 
-  subroutine add_real(table, field, key, unit, help, initial, min, max, open)
+  integer(c_int) function add_real(table, field, key, unit, help, initial, min, max, open) &
+      result(status)
     type(nsdae_params), intent(inout) :: table
     real(c_double), pointer, intent(in) :: field
     character(len=*), intent(in) :: key, unit, help
@@ -120,10 +122,10 @@ contains
     if (present(min)) param%min = min
     if (present(max)) param%max = max
     if (present(open)) param%open = open
-    call append(table, c_loc(field), param, key, unit, help)
-  end subroutine
+    status = append(table, c_loc(field), param, key, unit, help)
+  end function
 
-  subroutine add_int(table, field, key, unit, help, initial, min, max)
+  integer(c_int) function add_int(table, field, key, unit, help, initial, min, max) result(status)
     type(nsdae_params), intent(inout) :: table
     integer(c_int), pointer, intent(in) :: field
     character(len=*), intent(in) :: key, unit, help
@@ -135,25 +137,21 @@ contains
     param%max = huge(0_c_int)
     if (present(min)) param%min = min
     if (present(max)) param%max = max
-    call append(table, c_loc(field), param, key, unit, help)
-  end subroutine
+    status = append(table, c_loc(field), param, key, unit, help)
+  end function
 
-  subroutine add_choice(table, field, key, help, choices, initial)
+  integer(c_int) function add_choice(table, field, key, help, choices, initial) result(status)
     type(nsdae_params), intent(inout) :: table
     integer(c_int), pointer, intent(in) :: field
     character(len=*), intent(in) :: key, help, choices(:)
     integer(c_int), intent(in), optional :: initial
     type(nsdae_c_param) :: param
-    type(owned), pointer :: last
     param = blank(NSDAE_PARAM_CHOICE, 0.0_c_double)
     if (present(initial)) param%initial = initial
     param%min = 0
     param%max = size(choices) - 1
-    call append(table, c_loc(field), param, key, '', help)
-    last => table%texts(table%n)
-    call c_names(choices, last%words, last%choices)
-    table%made(table%n)%choices = c_loc(last%choices)
-  end subroutine
+    status = append(table, c_loc(field), param, key, '', help, choices)
+  end function
 
   type(nsdae_c_param) function blank(kind, initial) result(param)
     use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_negative_inf, ieee_positive_inf
@@ -164,35 +162,45 @@ contains
                           ieee_value(initial, ieee_positive_inf), 0, c_null_ptr)
   end function
 
-  ! Makes room for one more entry and fills it; the base is the lowest of the fields.
-  subroutine append(table, field, param, key, unit, help)
+  ! One more entry: first all that can fail, then the table.
+  integer(c_int) function append(table, field, param, key, unit, help, choices) result(status)
     type(nsdae_params), intent(inout) :: table
     type(c_ptr), intent(in) :: field
     type(nsdae_c_param), intent(in) :: param
     character(len=*), intent(in) :: key, unit, help
+    character(len=*), intent(in), optional :: choices(:)
     type(nsdae_c_param), pointer :: made(:)
     type(owned), pointer :: texts(:)
-    integer :: n
+    type(owned) :: last
+    integer :: n, failed
+    status = NSDAE_E_MEMORY
     n = table%n
-    allocate (made(n + 1), texts(n + 1))
+    call keep(last, key, unit, help, choices, failed)
+    if (failed /= 0) return
+    allocate (made(n + 1), texts(n + 1), stat=failed)
+    if (failed /= 0) then
+      if (associated(made)) deallocate (made)
+      call let_go(last)
+      return
+    end if
     if (n > 0) then
       made(:n) = table%made
       texts(:n) = table%texts
       deallocate (table%made, table%texts)
     end if
+    made(n + 1) = param
+    made(n + 1)%key = c_loc(last%key)
+    made(n + 1)%unit = c_loc(last%unit)
+    made(n + 1)%help = c_loc(last%help)
+    if (associated(last%choices)) made(n + 1)%choices = c_loc(last%choices)
+    texts(n + 1) = last
     table%made => made
     table%texts => texts
     table%n = table%n + 1_c_int
     table%entry = c_loc(made)
-    call keep(key, texts(n + 1)%key)
-    call keep(unit, texts(n + 1)%unit)
-    call keep(help, texts(n + 1)%help)
-    made(n + 1) = param
-    made(n + 1)%key = c_loc(texts(n + 1)%key)
-    made(n + 1)%unit = c_loc(texts(n + 1)%unit)
-    made(n + 1)%help = c_loc(texts(n + 1)%help)
     call place(table, field)
-  end subroutine
+    status = NSDAE_OK
+  end function
 
   ! The offset of the last entry, or new offsets for all where it lies before the others.
   subroutine place(table, field)
@@ -209,20 +217,42 @@ contains
     table%made(table%n)%offset = shift
   end subroutine
 
-  subroutine keep(text, s)
-    character(len=*), intent(in) :: text
-    character(kind=c_char), pointer, intent(out) :: s(:)
-    allocate (s(len_trim(text) + 1))
-    call to_chars(text, s)
+  ! Copies of the texts; nothing is kept where one could not be made.
+  subroutine keep(texts, key, unit, help, choices, failed)
+    type(owned), intent(out) :: texts
+    character(len=*), intent(in) :: key, unit, help
+    character(len=*), intent(in), optional :: choices(:)
+    integer, intent(out) :: failed
+    allocate (texts%key(len_trim(key) + 1), texts%unit(len_trim(unit) + 1), &
+              texts%help(len_trim(help) + 1), stat=failed)
+    if (failed == 0 .and. present(choices)) &
+        allocate (texts%words(len(choices) + 1, size(choices)), &
+                  texts%choices(size(choices) + 1), stat=failed)
+    if (failed /= 0) then
+      call let_go(texts)
+      return
+    end if
+    call to_chars(key, texts%key)
+    call to_chars(unit, texts%unit)
+    call to_chars(help, texts%help)
+    if (present(choices)) call c_names(choices, texts%words, texts%choices)
+  end subroutine
+
+  subroutine let_go(texts)
+    type(owned), intent(inout) :: texts
+    if (associated(texts%key)) deallocate (texts%key)
+    if (associated(texts%unit)) deallocate (texts%unit)
+    if (associated(texts%help)) deallocate (texts%help)
+    if (associated(texts%words)) deallocate (texts%words)
+    if (associated(texts%choices)) deallocate (texts%choices)
   end subroutine
 
   ! Names as C has them: pointers to the words, the last one NULL.
   subroutine c_names(names, words, pointers)
     character(len=*), intent(in) :: names(:)
-    character(kind=c_char), pointer, intent(out) :: words(:, :)
-    type(c_ptr), pointer, intent(out) :: pointers(:)
+    character(kind=c_char), target, intent(out) :: words(:, :)
+    type(c_ptr), intent(out) :: pointers(:)
     integer :: i
-    allocate (words(len(names) + 1, size(names)), pointers(size(names) + 1))
     do i = 1, size(names)
       call to_chars(names(i), words(:, i))
       pointers(i) = c_loc(words(1, i))
@@ -236,9 +266,7 @@ contains
     integer :: i
     if (associated(table%made)) then
       do i = 1, table%n
-        deallocate (table%texts(i)%key, table%texts(i)%unit, table%texts(i)%help)
-        if (associated(table%texts(i)%words)) &
-            deallocate (table%texts(i)%words, table%texts(i)%choices)
+        call let_go(table%texts(i))
       end do
       deallocate (table%made, table%texts)
     end if
@@ -257,8 +285,11 @@ contains
     type(nsdae_params), intent(in) :: table
     character(len=*), intent(in) :: key, val
     type(nsdae_error), intent(out), optional :: error
+    character(kind=c_char) :: c_key(len_trim(key) + 1), c_val(len_trim(val) + 1)
     type(nsdae_c_error) :: why
-    status = c_set(table_of(table), table%base, to_c(key), to_c(val), why)
+    call to_chars(key, c_key)
+    call to_chars(val, c_val)
+    status = c_set(table_of(table), table%base, c_key, c_val, why)
     call error_from_c(why, error)
   end function
 
@@ -339,11 +370,12 @@ contains
   function nsdae_nearest_name(word, names) result(near)
     character(len=*), intent(in) :: word, names(:)
     character(len=:), allocatable :: near
-    character(kind=c_char), pointer :: words(:, :)
-    type(c_ptr), pointer :: pointers(:)
+    character(kind=c_char), target :: words(len(names) + 1, size(names))
+    character(kind=c_char) :: c_word(len_trim(word) + 1)
+    type(c_ptr) :: pointers(size(names) + 1)
     call c_names(names, words, pointers)
-    near = from_c(c_nearest(to_c(word), pointers))
-    deallocate (words, pointers)
+    call to_chars(word, c_word)
+    near = from_c(c_nearest(c_word, pointers))
   end function
 
   ! What follows serves the other modules.

@@ -263,8 +263,11 @@ contains
     type(nsdae_sim_options), intent(inout) :: options
     character(len=*), intent(in) :: key, val
     type(nsdae_error), intent(out), optional :: error
+    character(kind=c_char) :: c_key(len_trim(key) + 1), c_val(len_trim(val) + 1)
     type(nsdae_c_error) :: why
-    status = c_options_set(options, to_c(key), to_c(val), why)
+    call to_chars(key, c_key)
+    call to_chars(val, c_val)
+    status = c_options_set(options, c_key, c_val, why)
     call error_from_c(why, error)
   end function
 

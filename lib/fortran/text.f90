@@ -3,7 +3,7 @@ module nsdae_f_text
   use, intrinsic :: iso_c_binding
   implicit none
   private
-  public :: to_c, from_c, from_chars, to_chars
+  public :: from_c, from_chars, to_chars
 
   interface
     pure integer(c_size_t) function c_strlen(s) bind(C, name='strlen')
@@ -13,13 +13,6 @@ module nsdae_f_text
   end interface
 
 contains
-
-  ! Without the trailing blanks and with the null character.
-  pure function to_c(text) result(s)
-    character(len=*), intent(in) :: text
-    character(kind=c_char, len=:), allocatable :: s
-    s = trim(text) // c_null_char
-  end function
 
   ! The text that a char pointer points to; '' for NULL.
   function from_c(p) result(text)
@@ -49,7 +42,8 @@ contains
     end do
   end subroutine
 
-  ! The other way: cut where the array is too short.
+  ! The other way, without the trailing blanks: cut where the array is too short. Callers keep the
+  ! array on the stack, so that handing a text to C allocates nothing.
   pure subroutine to_chars(text, s)
     character(len=*), intent(in) :: text
     character(kind=c_char), intent(out) :: s(:)

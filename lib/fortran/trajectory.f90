@@ -82,10 +82,12 @@ contains
     type(nsdae_trajectory), intent(out) :: trajectory
     type(nsdae_error), intent(out), optional :: error
     character(kind=c_char), target :: model(len(info%model) + 1)
+    character(kind=c_char) :: c_path(len_trim(path) + 1)
     type(nsdae_c_params), target :: table
     type(nsdae_c_trajectory_info) :: to
     type(nsdae_c_error) :: why
     call to_chars(info%model, model)
+    call to_chars(path, c_path)
     table = table_of(info%parameters)
     to%model = c_loc(model)
     if (table%n > 0) then
@@ -93,7 +95,7 @@ contains
       to%parameters_base = base_of(info%parameters)
     end if
     if (info%live) to%live = 1
-    status = c_create(nsdae_sim_handle(sim), to_c(path), to, trajectory%handle, why)
+    status = c_create(nsdae_sim_handle(sim), c_path, to, trajectory%handle, why)
     call error_from_c(why, error)
   end function
 
@@ -104,9 +106,14 @@ contains
     character(len=*), intent(in) :: path, units, description
     real(c_double), intent(in), contiguous :: values(:)
     type(nsdae_error), intent(out), optional :: error
+    character(kind=c_char) :: c_path(len_trim(path) + 1), c_units(len_trim(units) + 1), &
+                              c_description(len_trim(description) + 1)
     type(nsdae_c_error) :: why
-    status = c_put(trajectory%handle, to_c(path), size(values, kind=c_int), values, to_c(units), &
-                   to_c(description), why)
+    call to_chars(path, c_path)
+    call to_chars(units, c_units)
+    call to_chars(description, c_description)
+    status = c_put(trajectory%handle, c_path, size(values, kind=c_int), values, c_units, &
+                   c_description, why)
     call error_from_c(why, error)
   end function
 
@@ -117,15 +124,18 @@ contains
     character(len=*), intent(in) :: path, texts(:), description
     type(nsdae_error), intent(out), optional :: error
     character(kind=c_char), target :: words(len(texts) + 1, size(texts))
+    character(kind=c_char) :: c_path(len_trim(path) + 1), c_description(len_trim(description) + 1)
     type(c_ptr) :: pointers(size(texts))
     type(nsdae_c_error) :: why
     integer :: i
+    call to_chars(path, c_path)
+    call to_chars(description, c_description)
     do i = 1, size(texts)
       call to_chars(texts(i), words(:, i))
       pointers(i) = c_loc(words(1, i))
     end do
-    status = c_put_texts(trajectory%handle, to_c(path), size(texts, kind=c_int), pointers, &
-                         to_c(description), why)
+    status = c_put_texts(trajectory%handle, c_path, size(texts, kind=c_int), pointers, &
+                         c_description, why)
     call error_from_c(why, error)
   end function
 

@@ -38,3 +38,6 @@ add_test(NAME fortran/complete
           ${PROJECT_SOURCE_DIR}/include ${PROJECT_BINARY_DIR}/modules ${CMAKE_Fortran_COMPILER}
           ${PROJECT_SOURCE_DIR})
 nsdae_fortran_test(callbacks)
+nsdae_fortran_test(arguments)
+nsdae_fortran_test(parameters)
+nsdae_fortran_test(memory LINKS test_allocator)
