@@ -41,3 +41,9 @@ nsdae_fortran_test(callbacks)
 nsdae_fortran_test(arguments)
 nsdae_fortran_test(parameters)
 nsdae_fortran_test(memory LINKS test_allocator)
+
+if(NSDAE_DRIVERS)
+  add_test(NAME fortran/twin COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/fortran/twin.sh
+    ${CMAKE_BINARY_DIR}/bin ${PROJECT_SOURCE_DIR}/data ${NSDAE_HDF5})
+  set_tests_properties(fortran/twin PROPERTIES ENVIRONMENT OPENBLAS_NUM_THREADS=1 TIMEOUT 300)
+endif()
