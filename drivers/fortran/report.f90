@@ -29,7 +29,8 @@ contains
       param = nsdae_params_entry(s%parameters, i)
       key = param%key
       val = nsdae_params_format(s%parameters, i)
-      unit = merge('      ', adjustl(param%unit // '      '), param%unit == '1')
+      unit = param%unit
+      if (unit == '1') unit = ''
       print '(2x, a, 1x, a, 1x, a, 1x, a)', key, adjustr(val), unit, param%help
     end do
     print '(5a)', 'method ', nsdae_method_name(s%options%method), ' (', &

@@ -1,8 +1,35 @@
+! What the library calls: module procedures, so that no compiler needs trampolines.
+module callbacks_of_arguments
+  use nsdae
+  use bead_model
+  implicit none
+
+contains
+
+  integer(c_int) function see(record, error, user)
+    type(nsdae_record), intent(in) :: record
+    type(nsdae_error), intent(inout) :: error
+    class(*), intent(inout) :: user
+    see = 0
+  end function
+
+  ! A Jacobian whose entry (0, 1) is wrong.
+  integer(c_int) function wrong_jacobian(t, q, J, user)
+    real(c_double), intent(in) :: t, q(:)
+    real(c_double), intent(inout) :: J(:, :)
+    class(*), intent(inout) :: user
+    wrong_jacobian = jacobian(t, q, J, user)
+    J(1, 2) = 3
+  end function
+
+end module
+
 ! The twin of tests/anomaly/arguments.c: what is missing, outside its range or of a wrong size.
 program arguments
   use, intrinsic :: ieee_arithmetic
   use nsdae
   use bead_model
+  use callbacks_of_arguments
   use check
   implicit none
 
@@ -164,13 +191,6 @@ contains
     call is_true(len(nsdae_method_summary(NSDAE_IMPLICIT)) > 10, 'summary')
   end subroutine
 
-  integer(c_int) function see(record, error, user)
-    type(nsdae_record), intent(in) :: record
-    type(nsdae_error), intent(inout) :: error
-    class(*), intent(inout) :: user
-    see = 0
-  end function
-
   subroutine nothing_created()
     type(nsdae_sim) :: sim
     type(nsdae_system) :: system
@@ -245,15 +265,6 @@ contains
     call nsdae_sim_destroy(sim)
     call nsdae_system_destroy(system)
   end subroutine
-
-  ! A Jacobian whose entry (0, 1) is wrong.
-  integer(c_int) function wrong_jacobian(t, q, J, user)
-    real(c_double), intent(in) :: t, q(:)
-    real(c_double), intent(inout) :: J(:, :)
-    class(*), intent(inout) :: user
-    wrong_jacobian = jacobian(t, q, J, user)
-    J(1, 2) = 3
-  end function
 
   subroutine derivatives()
     type(bead), target :: b

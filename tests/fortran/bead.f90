@@ -5,8 +5,8 @@ module bead_model
   implicit none
 
   integer, parameter :: TERMS = 10
-  integer, parameter :: MASS_ = 1, FORCE_ = 2, CONSTRAINT_ = 3, JACOBIAN_ = 4, BIAS_ = 5, GAP_ = 6, &
-                        NORMAL_ = 7, TANGENT_ = 8, CONTACT_BIAS_ = 9, POTENTIAL_ = 10
+  integer, parameter :: MASS_ = 1, FORCE_ = 2, CONSTRAINT_ = 3, JACOBIAN_ = 4, BIAS_ = 5, &
+                        GAP_ = 6, NORMAL_ = 7, TANGENT_ = 8, CONTACT_BIAS_ = 9, POTENTIAL_ = 10
   character(len=20), parameter :: NAMES(TERMS) = [character(len=20) :: 'mass', 'force', &
       'constraint', 'constraint_jacobian', 'constraint_bias', 'gap', 'gap_normal', 'gap_tangent', &
       'contact_bias', 'potential']

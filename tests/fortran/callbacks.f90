@@ -1,9 +1,49 @@
+! What the library calls: module procedures, so that no compiler needs trampolines.
+module observers_of_callbacks
+  use nsdae
+  implicit none
+
+contains
+
+  integer(c_int) function stop_at_five(record, error, user)
+    type(nsdae_record), intent(in) :: record
+    type(nsdae_error), intent(inout) :: error
+    class(*), intent(inout) :: user
+    stop_at_five = merge(1, 0, record%step == 5)
+  end function
+
+  integer(c_int) function fail_at_five(record, error, user)
+    type(nsdae_record), intent(in) :: record
+    type(nsdae_error), intent(inout) :: error
+    class(*), intent(inout) :: user
+    fail_at_five = merge(NSDAE_E_IO, 0_c_int, record%step == 5)
+  end function
+
+  ! Says why, and counts in its user.
+  integer(c_int) function explain_at_three(record, error, user)
+    type(nsdae_record), intent(in) :: record
+    type(nsdae_error), intent(inout) :: error
+    class(*), intent(inout) :: user
+    explain_at_three = 0
+    select type (user)
+    type is (integer)
+      user = user + 1
+    end select
+    if (record%step < 3) return
+    error%status = NSDAE_E_CONVERGENCE
+    error%text = 'enough is enough'
+    explain_at_three = NSDAE_E_CONVERGENCE
+  end function
+
+end module
+
 ! The twin of tests/anomaly/callbacks.c: callbacks that fail or give NaN, matrices that are
 ! singular, observers, times.
 program callbacks
   use, intrinsic :: ieee_arithmetic
   use nsdae
   use bead_model
+  use observers_of_callbacks
   use check
   implicit none
 
@@ -211,36 +251,6 @@ contains
       call unmake(plain, alone)
     end do
   end subroutine
-
-  integer(c_int) function stop_at_five(record, error, user)
-    type(nsdae_record), intent(in) :: record
-    type(nsdae_error), intent(inout) :: error
-    class(*), intent(inout) :: user
-    stop_at_five = merge(1, 0, record%step == 5)
-  end function
-
-  integer(c_int) function fail_at_five(record, error, user)
-    type(nsdae_record), intent(in) :: record
-    type(nsdae_error), intent(inout) :: error
-    class(*), intent(inout) :: user
-    fail_at_five = merge(NSDAE_E_IO, 0_c_int, record%step == 5)
-  end function
-
-  ! Says why, and counts in its user.
-  integer(c_int) function explain_at_three(record, error, user)
-    type(nsdae_record), intent(in) :: record
-    type(nsdae_error), intent(inout) :: error
-    class(*), intent(inout) :: user
-    explain_at_three = 0
-    select type (user)
-    type is (integer)
-      user = user + 1
-    end select
-    if (record%step < 3) return
-    error%status = NSDAE_E_CONVERGENCE
-    error%text = 'enough is enough'
-    explain_at_three = NSDAE_E_CONVERGENCE
-  end function
 
   subroutine observers()
     type(bead), target :: b

@@ -16,11 +16,13 @@ program parameters
   type(nsdae_param) :: param
 
   ! not in the order of the fields
-  call is_int(nsdae_params_add(table, r%m, 'm', 'kg', 'mass', 4.9d0, min=0d0, open=NSDAE_OPEN_MIN), NSDAE_OK, 'add')
-  call is_int(nsdae_params_add(table, r%L, 'L', 'm', 'length', 1d0, min=0d0, max=2d0), NSDAE_OK, 'add')
+  call is_int(nsdae_params_add(table, r%m, 'm', 'kg', 'mass', 4.9d0, min=0d0, &
+                               open=NSDAE_OPEN_MIN), NSDAE_OK, 'add')
+  call is_int(nsdae_params_add(table, r%L, 'L', 'm', 'length', 1d0, min=0d0, max=2d0), &
+              NSDAE_OK, 'add')
   call is_int(nsdae_params_add(table, r%parts, 'parts', '1', 'how many', 3, min=1), NSDAE_OK, 'add')
-  call is_int(nsdae_params_add(table, r%shape, 'shape', 'cross-section', [character(len=6) :: 'round', &
-                        'square'], 1), NSDAE_OK, 'add')
+  call is_int(nsdae_params_add(table, r%shape, 'shape', 'cross-section', &
+                               [character(len=6) :: 'round', 'square'], 1), NSDAE_OK, 'add')
   call is_int(nsdae_params_size(table), 4, 'size')
   call nsdae_params_default(table)
   call is_true(r%m == 4.9d0 .and. r%L == 1 .and. r%parts == 3 .and. r%shape == 1, 'defaults')

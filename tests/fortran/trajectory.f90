@@ -1,9 +1,6 @@
-! The twin of tests/system/trajectory.c, as far as it is of the module: what was recorded is in the
-! file, byte for byte; datasets of one's own; what is refused.
-program trajectory_test
+! What the library calls: module procedures, so that no compiler needs trampolines.
+module observer_of_trajectory
   use nsdae
-  use bead_model
-  use check
   implicit none
 
   integer, parameter :: STEPS = 1500
@@ -12,6 +9,32 @@ program trajectory_test
     integer :: n = 0
     real(c_double) :: time(0:STEPS), q(3, 0:STEPS)
   end type
+
+contains
+
+  integer(c_int) function remember(record, error, user) result(status)
+    type(nsdae_record), intent(in) :: record
+    type(nsdae_error), intent(inout) :: error
+    class(*), intent(inout) :: user
+    status = 0
+    select type (user)
+    type is (tape)
+      user%time(user%n) = record%time
+      user%q(:, user%n) = record%q
+      user%n = user%n + 1
+    end select
+  end function
+
+end module
+
+! The twin of tests/system/trajectory.c, as far as it is of the module: what was recorded is in the
+! file, byte for byte; datasets of one's own; what is refused.
+program trajectory_test
+  use nsdae
+  use bead_model
+  use observer_of_trajectory
+  use check
+  implicit none
 
   type(bead), target :: b
   type(nsdae_system) :: system
@@ -36,19 +59,6 @@ program trajectory_test
   call check_done
 
 contains
-
-  integer(c_int) function remember(record, error, user) result(status)
-    type(nsdae_record), intent(in) :: record
-    type(nsdae_error), intent(inout) :: error
-    class(*), intent(inout) :: user
-    status = 0
-    select type (user)
-    type is (tape)
-      user%time(user%n) = record%time
-      user%q(:, user%n) = record%q
-      user%n = user%n + 1
-    end select
-  end function
 
   subroutine refused()
     type(nsdae_trajectory) :: t
