@@ -1,0 +1,107 @@
+! What a run prints: parameters, the table of impacts as they come, the summary.
+module pendulum_report
+  use nsdae
+  use pendulum_model
+  use pendulum_settings
+  implicit none
+  private
+  public :: report, report_begin, report_observe, report_end
+
+  ! An impact table of this length says what there is to say; the file holds all.
+  integer, parameter :: ROWS_MAX = 40
+
+  type :: report
+    type(pendulum) :: model
+    integer :: rows = 0
+  end type
+
+contains
+
+  subroutine report_begin(s)
+    type(settings), intent(in) :: s
+    type(nsdae_param) :: param
+    character(len=10) :: key
+    character(len=12) :: val
+    character(len=6) :: unit
+    integer(c_int) :: i
+    print '(a)', 'pendulum: a uniform rod that swings and hits a stop'
+    do i = 1, nsdae_params_size(s%parameters)
+      param = nsdae_params_entry(s%parameters, i)
+      key = param%key
+      val = nsdae_params_format(s%parameters, i)
+      unit = param%unit
+      if (unit == '1') unit = ''
+      print '(2x, a, 1x, a, 1x, a, 1x, a)', key, adjustr(val), unit, param%help
+    end do
+    print '(5a)', 'method ', nsdae_method_name(s%options%method), ' (', &
+        nsdae_method_summary(s%options%method), ')'
+    i = nsdae_params_find(s%library, 'dt')
+    print '(5a, /)', 'dt ', nsdae_params_format(s%library, i), ' s, to ', &
+        nsdae_params_format(s%run, 1), ' s'
+    print '(a6, 1x, a12, 5(1x, a14), 1x, a10)', 'impact', 'time [s]', 'impulse [N s]', &
+        'before [m/s]', 'after [m/s]', 'exact time', 'exact impulse', 'error'
+  end subroutine
+
+  ! Observer: adds impacts to the table. user is the report.
+  integer(c_int) function report_observe(record, error, user) result(status)
+    type(nsdae_record), intent(in) :: record
+    type(nsdae_error), intent(inout) :: error
+    class(*), intent(inout) :: user
+    integer :: i
+    status = 0
+    select type (user)
+    type is (report)
+      do i = 1, record%impacts
+        user%rows = user%rows + 1
+        if (user%rows <= ROWS_MAX) call print_impact(user, record%impact(i))
+      end do
+    end select
+  end function
+
+  subroutine print_impact(r, impact)
+    type(report), intent(in) :: r
+    type(nsdae_impact), intent(in) :: impact
+    real(c_double) :: time, impulse
+    write (*, '(i6, 1x, f12.6, 3(1x, f14.7))', advance='no') r%rows, impact%time, &
+        impact%normal_impulse, impact%velocity_before, impact%velocity_after
+    if (pendulum_exact(r%model, r%rows, time, impulse)) &
+        write (*, '(2(1x, f14.9), 1x, f9.3, a)', advance='no') time, impulse, &
+            100 * (impact%normal_impulse - impulse) / impulse, '%'
+    print *
+  end subroutine
+
+  subroutine report_end(r, sim)
+    type(report), intent(in) :: r
+    type(nsdae_sim), intent(in) :: sim
+    type(nsdae_stats) :: stats
+    integer(c_int) :: status
+    status = nsdae_sim_get_stats(sim, stats)
+    if (status < 0) return
+    if (r%rows > ROWS_MAX) print '(a, i0, a)', '  ... and ', r%rows - ROWS_MAX, ' more'
+    if (r%rows == 0) print '(a)', '  none'
+    print '(/, 6(i0, a))', stats%steps, ' steps (', stats%smooth_steps, ' smooth, ', &
+        stats%contact_steps, ' with contact), ', stats%lcps, ' LCPs, ', stats%iterations, &
+        ' iterations, ', stats%impacts, ' impacts'
+    print '(6a)', 'worst LCP residual ', number(stats%worst_residual, '(es8.2)'), &
+        ', constraint drift ', number(stats%worst_drift, '(es8.2)'), ' m, penetration ', &
+        number(stats%worst_penetration, '(es8.2)') // ' m'
+    print '(3a)', 'energy balance ', number(stats%energy_balance, '(sp, es10.3)'), &
+        ' J (energy + dissipated - start)'
+    print '(5a)', 'time ', number(stats%wall_time, '(es8.2)'), ' s, ', &
+        number(1d6 * stats%wall_time / max(1_c_long, stats%steps), '(es8.2)'), ' us a step'
+  end subroutine
+
+  ! With a small e.
+  function number(x, form) result(text)
+    real(c_double), intent(in) :: x
+    character(len=*), intent(in) :: form
+    character(len=:), allocatable :: text
+    character(len=16) :: padded
+    integer :: e
+    write (padded, form) x
+    e = index(padded, 'E')
+    if (e > 0) padded(e:e) = 'e'
+    text = trim(adjustl(padded))
+  end function
+
+end module

@@ -1,0 +1,31 @@
+! nsdae/kernels.h: kernels on plain arrays, as C has them; see there for every argument.
+! Without the module they are external subroutines with one more argument, info, at the end.
+module nsdae_f_kernels
+  use, intrinsic :: iso_c_binding
+  implicit none
+  private
+  public :: nsdae_dlcpres, nsdae_dlemke
+
+  interface
+    integer(c_int) function nsdae_dlcpres(n, a, lda, b, x, y, residual, work) bind(C)
+      import
+      integer(c_int), value :: n, lda
+      real(c_double), intent(in) :: a(lda, *), b(*), x(*)
+      real(c_double), intent(out) :: y(*), residual
+      real(c_double), intent(inout) :: work(*)
+    end function
+
+    ! d may be left out: ones.
+    integer(c_int) function nsdae_dlemke(n, a, lda, b, d, max_pivots, x, basis, pivots, work, &
+                                         lwork, iwork) bind(C)
+      import
+      integer(c_int), value :: n, lda, max_pivots, lwork
+      real(c_double), intent(in) :: a(lda, *), b(*)
+      real(c_double), intent(in), optional :: d(*)
+      real(c_double), intent(inout) :: x(*), work(*)
+      integer(c_int), intent(inout) :: basis(*), iwork(*)
+      integer(c_int), intent(inout) :: pivots
+    end function
+  end interface
+
+end module

@@ -1,0 +1,18 @@
+! nsdae: everything, for Fortran. One module behind it for each header of C, with the same names:
+! what the headers say of a function holds here. Pointers with sizes become arrays, structs that
+! are filled by the caller become optional arguments at the end, texts become characters.
+module nsdae
+  use, intrinsic :: iso_c_binding, only: c_double, c_int, c_long
+  use nsdae_f_kernels
+  use nsdae_f_params
+  use nsdae_f_sim
+  use nsdae_f_status
+  use nsdae_f_system
+  use nsdae_f_trajectory
+  implicit none
+
+  ! what the modules say to each other
+  private :: nsdae_c_check, nsdae_c_error, nsdae_c_param, nsdae_c_params, &
+             nsdae_c_record, nsdae_c_trajectory_info, base_of, check_size, error_at, &
+             error_from_c, error_to_c, no_memory, no_user, refuse, table_at, table_of
+end module

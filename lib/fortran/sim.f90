@@ -1,0 +1,511 @@
+! nsdae/sim.h: integrating a system in time.
+module nsdae_f_sim
+  use, intrinsic :: iso_c_binding
+  use nsdae_f_params
+  use nsdae_f_status
+  use nsdae_f_system
+  use nsdae_f_text
+  implicit none
+  private
+
+  ! options%method; their names are those of nsdae_method_name.
+  integer(c_int), parameter, public :: &
+      NSDAE_IMPLICIT = 0, &
+      NSDAE_IMPLICIT_PRINTED = 1, &
+      NSDAE_MOREAU = 2, &
+      NSDAE_PENALTY = 3, &
+      NSDAE_EVENT_DRIVEN = 4
+
+  ! Linear solvers of the integrator of event.
+  integer(c_int), parameter, public :: &
+      NSDAE_LINEAR_DENSE = 0, &
+      NSDAE_LINEAR_KLU = 1
+
+  ! What to do where Phi_q has deficient rank.
+  integer(c_int), parameter, public :: &
+      NSDAE_REDUNDANT_ERROR = 0, &
+      NSDAE_REDUNDANT_LEAST_NORM = 1
+
+  ! Modes of a contact or slide.
+  integer(c_int), parameter, public :: &
+      NSDAE_OPEN = 0, &
+      NSDAE_SLIDE = 1, &
+      NSDAE_STICK = 2
+
+  integer(c_int), parameter, public :: NSDAE_OBSERVERS_MAX = 8
+
+  ! Fill with nsdae_sim_options_default first: a variable that was not is refused.
+  type, bind(C), public :: nsdae_sim_options
+    integer(c_int) :: method
+    real(c_double) :: dt                                ! step [s]
+    real(c_double) :: baumgarte_alpha, baumgarte_beta   ! of the smooth phases [1/s]
+    real(c_double) :: iteration_tol                     ! relative change that ends an iteration
+    integer(c_int) :: iteration_max
+    integer(c_int) :: redundant
+    real(c_double) :: rank_tol
+    real(c_double) :: lcp_tol
+    integer(c_int) :: polygon                           ! edges where nt = 2: 3 .. 32
+    real(c_double) :: impact_velocity                   ! slower closings are no impacts [m/s]
+    real(c_double) :: rtol, atol                        ! of the integrator of penalty and event
+    integer(c_int) :: penalty_law
+    real(c_double) :: penalty_stiffness                 ! K [N/m^n]
+    real(c_double) :: penalty_exponent                  ! n
+    real(c_double) :: friction_velocity                 ! of friction in penalty [m/s]
+    integer(c_int) :: linear_solver                     ! of event
+    real(c_double) :: accumulation_time                 ! shorter rests are closed [s]
+    integer(c_int) :: events_max                        ! of event in one dt
+    integer(c_int) :: initialised = 0                   ! set by nsdae_sim_options_default
+  end type
+
+  ! One impact: what a contact did in one instant, or, for a time-stepping method, in one step.
+  type, bind(C), public :: nsdae_impact
+    real(c_double) :: time                              ! [s]
+    integer(c_int) :: contact                           ! from 0
+    real(c_double) :: normal_impulse                    ! [N s]
+    real(c_double) :: tangential_impulse(2)
+    real(c_double) :: velocity_before, velocity_after   ! normal, of the contact [m/s]
+    real(c_double) :: peak_force                        ! [N]; 0 for a rigid contact
+    integer(c_int) :: accumulation                      ! 1: infinitely many, ending in rest
+  end type
+
+  ! The state after a step (or at the start, step = 0) and its certificate. The arrays are the
+  ! simulation's own and hold until the next step; they are to be read only.
+  type, public :: nsdae_record
+    integer(c_long) :: step = 0
+    real(c_double) :: time = 0
+    real(c_double), pointer :: q(:) => null(), v(:) => null()
+    real(c_double), pointer :: multiplier(:) => null()          ! [m] mean bilateral force
+    real(c_double), pointer :: gap(:) => null()                 ! [k]
+    real(c_double), pointer :: normal_impulse(:) => null()      ! [k] of the step
+    real(c_double), pointer :: tangential_impulse(:, :) => null()  ! [nt, k]
+    integer(c_int), pointer :: mode(:) => null()                ! [k]
+    real(c_double), pointer :: slide_impulse(:) => null()       ! [f]
+    integer(c_int), pointer :: slide_mode(:) => null()          ! [f]
+    real(c_double) :: kinetic = 0, potential = 0                ! [J]
+    real(c_double) :: dissipated = 0     ! work taken by all contact impulses so far [J]
+    real(c_double) :: lcp_residual = 0   ! scaled natural residual
+    real(c_double) :: constraint_drift = 0                      ! max |Phi|
+    real(c_double) :: penetration = 0                           ! max(0, -g_N)
+    type(nsdae_impact), pointer :: impact(:) => null()          ! [impacts]
+    integer(c_int) :: impacts = 0
+  end type
+
+  ! The struct of the C header.
+  type, bind(C), public :: nsdae_c_record
+    integer(c_long) :: step
+    real(c_double) :: time
+    type(c_ptr) :: q, v
+    type(c_ptr) :: multiplier
+    type(c_ptr) :: gap
+    type(c_ptr) :: normal_impulse
+    type(c_ptr) :: tangential_impulse
+    type(c_ptr) :: mode
+    type(c_ptr) :: slide_impulse
+    type(c_ptr) :: slide_mode
+    real(c_double) :: kinetic, potential
+    real(c_double) :: dissipated
+    real(c_double) :: lcp_residual
+    real(c_double) :: constraint_drift
+    real(c_double) :: penetration
+    type(c_ptr) :: impact
+    integer(c_int) :: impacts
+  end type
+
+  type, bind(C), public :: nsdae_stats
+    integer(c_long) :: steps, smooth_steps, contact_steps
+    integer(c_long) :: lcps, lcp_pivots, iterations
+    integer(c_long) :: mass_evals, force_evals, jacobian_evals
+    integer(c_long) :: impacts
+    integer(c_long) :: events, accumulations  ! of event: instants of change; accumulations closed
+    integer(c_long) :: fallback_steps    ! of event: dt that were stepped by implicit instead
+    integer(c_int) :: rank, rank_most    ! smallest and largest rank of Phi_q met
+    real(c_double) :: worst_residual     ! over all LCPs
+    real(c_double) :: worst_drift
+    real(c_double) :: worst_penetration
+    real(c_double) :: energy_start       ! kinetic + potential at the start [J]
+    real(c_double) :: energy_balance     ! energy now + dissipated - energy_start [J]
+    real(c_double) :: wall_time          ! in nsdae_sim_run and nsdae_sim_step [s]
+  end type
+
+  abstract interface
+    ! Sees every record. 0: go on; > 0: stop after it (NSDAE_STOPPED); < 0: the run fails with this
+    ! status, and with error where its status was set.
+    integer(c_int) function nsdae_observer_fn(record, error, user)
+      import
+      type(nsdae_record), intent(in) :: record
+      type(nsdae_error), intent(inout) :: error
+      class(*), intent(inout) :: user
+    end function
+  end interface
+
+  ! One observer: what C hands back to call_observer.
+  type :: observation
+    procedure(nsdae_observer_fn), pointer, nopass :: call => null()
+    class(*), pointer :: user => null()
+    type(nsdae_dims) :: dims
+  end type
+
+  type :: run
+    type(nsdae_dims) :: dims
+    type(observation) :: observer(NSDAE_OBSERVERS_MAX)
+    type(nsdae_error) :: refusal  ! by the module itself, of the last call; C keeps the others
+  end type
+
+  ! A simulation; nothing until nsdae_sim_create. Copies are the same simulation.
+  type, public :: nsdae_sim
+    private
+    type(c_ptr) :: handle = c_null_ptr
+    type(run), pointer :: run => null()
+  end type
+
+  public :: nsdae_observer_fn
+  public :: nsdae_sim_options_default, nsdae_sim_options_set, nsdae_sim_options_table, &
+            nsdae_method_name, nsdae_method_summary, nsdae_sim_create, nsdae_sim_destroy, &
+            nsdae_sim_init, nsdae_sim_observe, nsdae_sim_unobserve, nsdae_sim_step, &
+            nsdae_sim_run, nsdae_sim_get_record, nsdae_sim_get_stats, nsdae_sim_get_dims, &
+            nsdae_sim_has_potential, nsdae_sim_get_options, nsdae_sim_error, nsdae_sim_handle
+
+  interface
+    subroutine nsdae_sim_options_default(options) bind(C)
+      import
+      type(nsdae_sim_options), intent(inout) :: options
+    end subroutine
+
+    integer(c_int) function c_options_set(options, key, val, error) &
+        bind(C, name='nsdae_sim_options_set')
+      import
+      type(nsdae_sim_options), intent(inout) :: options
+      character(kind=c_char), intent(in) :: key(*), val(*)
+      type(nsdae_c_error), intent(inout) :: error
+    end function
+    type(c_ptr) function c_options_table() bind(C, name='nsdae_sim_options_table')
+      import
+    end function
+    type(c_ptr) function c_method_name(method) bind(C, name='nsdae_method_name')
+      import
+      integer(c_int), value :: method
+    end function
+    type(c_ptr) function c_method_summary(method) bind(C, name='nsdae_method_summary')
+      import
+      integer(c_int), value :: method
+    end function
+    integer(c_int) function c_create(system, options, sim, error) bind(C, name='nsdae_sim_create')
+      import
+      type(c_ptr), value :: system
+      type(nsdae_sim_options), intent(in), optional :: options
+      type(c_ptr), intent(out) :: sim
+      type(nsdae_c_error), intent(inout) :: error
+    end function
+    subroutine c_destroy(sim) bind(C, name='nsdae_sim_destroy')
+      import
+      type(c_ptr), intent(inout) :: sim
+    end subroutine
+    integer(c_int) function c_init(sim, t0, q0, v0) bind(C, name='nsdae_sim_init')
+      import
+      type(c_ptr), value :: sim
+      real(c_double), value :: t0
+      real(c_double), intent(in) :: q0(*), v0(*)
+    end function
+    integer(c_int) function c_observe(sim, observer, user) bind(C, name='nsdae_sim_observe')
+      import
+      type(c_ptr), value :: sim, user
+      type(c_funptr), value :: observer
+    end function
+    integer(c_int) function c_unobserve(sim, observer, user) bind(C, name='nsdae_sim_unobserve')
+      import
+      type(c_ptr), value :: sim, user
+      type(c_funptr), value :: observer
+    end function
+    integer(c_int) function c_step(sim) bind(C, name='nsdae_sim_step')
+      import
+      type(c_ptr), value :: sim
+    end function
+    integer(c_int) function c_run(sim, t_end) bind(C, name='nsdae_sim_run')
+      import
+      type(c_ptr), value :: sim
+      real(c_double), value :: t_end
+    end function
+    integer(c_int) function c_get_record(sim, record) bind(C, name='nsdae_sim_get_record')
+      import
+      type(c_ptr), value :: sim
+      type(nsdae_c_record), intent(inout) :: record
+    end function
+    integer(c_int) function c_get_stats(sim, stats) bind(C, name='nsdae_sim_get_stats')
+      import
+      type(c_ptr), value :: sim
+      type(nsdae_stats), intent(inout) :: stats
+    end function
+    integer(c_int) function c_get_dims(sim, dims) bind(C, name='nsdae_sim_get_dims')
+      import
+      type(c_ptr), value :: sim
+      type(nsdae_dims), intent(inout) :: dims
+    end function
+    integer(c_int) function c_has_potential(sim) bind(C, name='nsdae_sim_has_potential')
+      import
+      type(c_ptr), value :: sim
+    end function
+    integer(c_int) function c_get_options(sim, options) bind(C, name='nsdae_sim_get_options')
+      import
+      type(c_ptr), value :: sim
+      type(nsdae_sim_options), intent(inout) :: options
+    end function
+    type(c_ptr) function c_error(sim) bind(C, name='nsdae_sim_error')
+      import
+      type(c_ptr), value :: sim
+    end function
+  end interface
+
+contains
+
+  ! Sets one option from text, e.g. ("dt", "0.005") or ("method", "moreau"). NSDAE_E_OPTION: no
+  ! such key or choice (the text offers the nearest); NSDAE_E_ARGUMENT: outside its range.
+  integer(c_int) function nsdae_sim_options_set(options, key, val, error) result(status)
+    type(nsdae_sim_options), intent(inout) :: options
+    character(len=*), intent(in) :: key, val
+    type(nsdae_error), intent(out), optional :: error
+    character(kind=c_char) :: c_key(len_trim(key) + 1), c_val(len_trim(val) + 1)
+    type(nsdae_c_error) :: why
+    call to_chars(key, c_key)
+    call to_chars(val, c_val)
+    status = c_options_set(options, c_key, c_val, why)
+    call error_from_c(why, error)
+  end function
+
+  ! The table of the options, over this variable: keys, units, ranges, defaults.
+  type(nsdae_params) function nsdae_sim_options_table(options) result(table)
+    type(nsdae_sim_options), pointer, intent(in) :: options
+    table = table_at(c_options_table(), c_loc(options))
+  end function
+
+  ! Name of a method and what it is, in one line; '' past the last.
+  function nsdae_method_name(method) result(text)
+    integer(c_int), intent(in) :: method
+    character(len=:), allocatable :: text
+    text = from_c(c_method_name(method))
+  end function
+
+  function nsdae_method_summary(method) result(text)
+    integer(c_int), intent(in) :: method
+    character(len=:), allocatable :: text
+    text = from_c(c_method_summary(method))
+  end function
+
+  ! Makes a simulation; this is where memory is allocated, once. The system must be complete and
+  ! outlive it; without options, the defaults. NSDAE_E_ARGUMENT, NSDAE_E_STATE (a callback that is
+  ! needed is missing), NSDAE_E_MEMORY.
+  integer(c_int) function nsdae_sim_create(system, sim, options, error) result(status)
+    type(nsdae_system), intent(in) :: system
+    type(nsdae_sim), intent(out) :: sim
+    type(nsdae_sim_options), intent(in), optional :: options
+    type(nsdae_error), intent(out), optional :: error
+    type(nsdae_c_error) :: why
+    integer :: failed
+    status = c_create(nsdae_system_handle(system), options, sim%handle, why)
+    call error_from_c(why, error)
+    if (status < 0) return
+    allocate (sim%run, stat=failed)
+    if (failed /= 0) then
+      call c_destroy(sim%handle)
+      status = no_memory('nsdae_sim_create', error)
+      return
+    end if
+    status = c_get_dims(sim%handle, sim%run%dims)
+  end function
+
+  ! Releases it; one that was not made is allowed.
+  subroutine nsdae_sim_destroy(sim)
+    type(nsdae_sim), intent(inout) :: sim
+    call c_destroy(sim%handle)
+    if (associated(sim%run)) deallocate (sim%run)
+  end subroutine
+
+  ! The C handle, for programs in both languages.
+  type(c_ptr) function nsdae_sim_handle(sim) result(handle)
+    type(nsdae_sim), intent(in) :: sim
+    handle = sim%handle
+  end function
+
+  ! The same for a call that is about to be made: what an earlier one was refused for is past.
+  type(c_ptr) function at(sim) result(handle)
+    type(nsdae_sim), intent(in) :: sim
+    handle = sim%handle
+    if (associated(sim%run)) sim%run%refusal%status = NSDAE_OK
+  end function
+
+  ! Starts at t0 with q0 [nq], v0 [nv]; evaluates every term once. May be called again.
+  integer(c_int) function nsdae_sim_init(sim, t0, q0, v0) result(status)
+    type(nsdae_sim), intent(in) :: sim
+    real(c_double), intent(in) :: t0
+    real(c_double), intent(in), contiguous :: q0(:), v0(:)
+    if (associated(sim%run)) then
+      status = check_size('q0', size(q0), sim%run%dims%nq, sim%run%refusal)
+      if (status == NSDAE_OK) &
+          status = check_size('v0', size(v0), sim%run%dims%nv, sim%run%refusal)
+      if (status < 0) return
+    end if
+    status = c_init(at(sim), t0, q0, v0)
+  end function
+
+  ! Adds an observer, at most NSDAE_OBSERVERS_MAX; they are called in this order. user is
+  ! a target that lives as long as the simulation.
+  integer(c_int) function nsdae_sim_observe(sim, observer, user) result(status)
+    type(nsdae_sim), intent(in) :: sim
+    procedure(nsdae_observer_fn) :: observer
+    class(*), target, intent(inout), optional :: user
+    type(observation), pointer :: slot
+    type(c_ptr) :: place
+    slot => null()
+    place = c_null_ptr
+    if (associated(sim%run)) slot => free_slot(sim%run)
+    if (associated(slot)) then
+      slot%call => observer
+      slot%user => chosen(user)
+      slot%dims = sim%run%dims
+      place = c_loc(slot)
+    end if
+    ! without a slot there are too many, which C says
+    status = c_observe(at(sim), c_funloc(call_observer), place)
+    if (status < 0 .and. associated(slot)) slot%call => null()
+  end function
+
+  ! Takes the observer that was added with these two out again; not found is no error.
+  integer(c_int) function nsdae_sim_unobserve(sim, observer, user) result(status)
+    type(nsdae_sim), intent(in) :: sim
+    procedure(nsdae_observer_fn) :: observer
+    class(*), target, intent(inout), optional :: user
+    type(observation), pointer :: slot
+    integer :: i
+    status = NSDAE_E_ARGUMENT
+    if (.not. associated(sim%run)) return
+    status = NSDAE_OK
+    do i = 1, NSDAE_OBSERVERS_MAX
+      slot => sim%run%observer(i)
+      if (.not. associated(slot%call, observer)) cycle
+      if (.not. same(slot%user, chosen(user))) cycle
+      status = c_unobserve(at(sim), c_funloc(call_observer), c_loc(slot))
+      slot%call => null()
+      return
+    end do
+  end function
+
+  function free_slot(this) result(slot)
+    type(run), target, intent(inout) :: this
+    type(observation), pointer :: slot
+    integer :: i
+    do i = 1, NSDAE_OBSERVERS_MAX
+      slot => this%observer(i)
+      if (.not. associated(slot%call)) return
+    end do
+    slot => null()
+  end function
+
+  function chosen(user)
+    class(*), target, intent(inout), optional :: user
+    class(*), pointer :: chosen
+    chosen => no_user
+    if (present(user)) chosen => user
+  end function
+
+  logical function same(a, b)
+    class(*), pointer, intent(in) :: a, b
+    same = associated(a, b)
+  end function
+
+  ! One step of dt. NSDAE_OK; NSDAE_EVENT when there was an impact in it; NSDAE_STOPPED; < 0: the
+  ! step was not done and the state is the one before it.
+  integer(c_int) function nsdae_sim_step(sim) result(status)
+    type(nsdae_sim), intent(in) :: sim
+    status = c_step(at(sim))
+  end function
+
+  ! Steps of dt from the start's time to t_end; the last one is shortened to end there.
+  integer(c_int) function nsdae_sim_run(sim, t_end) result(status)
+    type(nsdae_sim), intent(in) :: sim
+    real(c_double), intent(in) :: t_end
+    status = c_run(at(sim), t_end)
+  end function
+
+  ! The last record; NSDAE_E_STATE before nsdae_sim_init.
+  integer(c_int) function nsdae_sim_get_record(sim, record) result(status)
+    type(nsdae_sim), intent(in) :: sim
+    type(nsdae_record), intent(out) :: record
+    type(nsdae_c_record) :: from
+    status = c_get_record(at(sim), from)
+    if (status >= 0) call shape_record(from, sim%run%dims, record)
+  end function
+
+  integer(c_int) function nsdae_sim_get_stats(sim, stats) result(status)
+    type(nsdae_sim), intent(in) :: sim
+    type(nsdae_stats), intent(inout) :: stats
+    status = c_get_stats(at(sim), stats)
+  end function
+
+  integer(c_int) function nsdae_sim_get_dims(sim, dims) result(status)
+    type(nsdae_sim), intent(in) :: sim
+    type(nsdae_dims), intent(inout) :: dims
+    status = c_get_dims(at(sim), dims)
+  end function
+
+  ! Whether the system has a callback for the potential energy.
+  logical function nsdae_sim_has_potential(sim)
+    type(nsdae_sim), intent(in) :: sim
+    nsdae_sim_has_potential = c_has_potential(sim%handle) /= 0
+  end function
+
+  integer(c_int) function nsdae_sim_get_options(sim, options) result(status)
+    type(nsdae_sim), intent(in) :: sim
+    type(nsdae_sim_options), intent(inout) :: options
+    status = c_get_options(at(sim), options)
+  end function
+
+  ! Why the last call on this simulation failed.
+  type(nsdae_error) function nsdae_sim_error(sim) result(error)
+    type(nsdae_sim), intent(in) :: sim
+    if (associated(sim%run)) then
+      error = sim%run%refusal
+      if (error%status /= NSDAE_OK) return
+    end if
+    error = error_at(c_error(sim%handle))
+  end function
+
+  ! What C calls.
+  integer(c_int) function call_observer(from, error, user) result(status) bind(C, name='')
+    type(nsdae_c_record), intent(in) :: from
+    type(nsdae_c_error), intent(inout) :: error
+    type(c_ptr), value :: user
+    type(observation), pointer :: here
+    type(nsdae_record) :: record
+    type(nsdae_error) :: why
+    call c_f_pointer(user, here)
+    call shape_record(from, here%dims, record)
+    status = here%call(record, why, here%user)
+    if (why%status /= NSDAE_OK) call error_to_c(why, error)
+  end function
+
+  ! The arrays of the C record with their shapes; nothing is copied.
+  subroutine shape_record(from, dims, record)
+    type(nsdae_c_record), intent(in) :: from
+    type(nsdae_dims), intent(in) :: dims
+    type(nsdae_record), intent(inout) :: record
+    record%step = from%step
+    record%time = from%time
+    call c_f_pointer(from%q, record%q, [dims%nq])
+    call c_f_pointer(from%v, record%v, [dims%nv])
+    call c_f_pointer(from%multiplier, record%multiplier, [dims%m])
+    call c_f_pointer(from%gap, record%gap, [dims%k])
+    call c_f_pointer(from%normal_impulse, record%normal_impulse, [dims%k])
+    call c_f_pointer(from%tangential_impulse, record%tangential_impulse, [dims%nt, dims%k])
+    call c_f_pointer(from%mode, record%mode, [dims%k])
+    call c_f_pointer(from%slide_impulse, record%slide_impulse, [dims%f])
+    call c_f_pointer(from%slide_mode, record%slide_mode, [dims%f])
+    record%kinetic = from%kinetic
+    record%potential = from%potential
+    record%dissipated = from%dissipated
+    record%lcp_residual = from%lcp_residual
+    record%constraint_drift = from%constraint_drift
+    record%penetration = from%penetration
+    call c_f_pointer(from%impact, record%impact, [from%impacts])
+    record%impacts = from%impacts
+  end subroutine
+
+end module

@@ -1,0 +1,749 @@
+! nsdae/system.h: the description of a non-smooth multibody system.
+!
+!   M(q) dv + Phi_q^T dLambda - W_N dLambda_N - W_T dLambda_T = F(t,q,v) dt
+!   Phi(t,q) = 0,   0 <= g_N(t,q)  _|_  Lambda_N >= 0,   |Lambda_T| <= mu Lambda_N
+!
+! Callbacks are functions of the abstract interfaces below. Their arrays have their shapes:
+! q [nq], v [nv], M [nv, nv] and so on; outputs come zeroed, so that a callback sets only what is
+! not zero. user is what nsdae_system_set_user was given. They return 0 when done, > 0 for a failure
+! that a smaller step may avoid, < 0 for one that nothing helps.
+!
+! Contacts, slides, constraints and entries are numbered from 0, as in C, in the files and in the
+! messages: contact i is gap(i + 1).
+module nsdae_f_system
+  use, intrinsic :: iso_c_binding
+  use nsdae_f_status
+  use nsdae_f_text
+  implicit none
+  private
+
+  type, bind(C), public :: nsdae_dims
+    integer(c_int) :: nq = 0  ! coordinates, >= 1
+    integer(c_int) :: nv = 0  ! velocities, 1 .. nq; 0 means nq
+    integer(c_int) :: m = 0   ! bilateral constraints, >= 0
+    integer(c_int) :: k = 0   ! contacts, >= 0
+    integer(c_int) :: nt = 0  ! tangential directions of every contact: 0 (frictionless), 1 or 2
+    integer(c_int) :: f = 0   ! slides: bilateral constraints with friction, 0 .. m
+  end type
+
+  ! Worst disagreement that nsdae_system_check found.
+  type, public :: nsdae_check
+    character(len=32) :: term = ''               ! callback, e.g. "constraint_jacobian"
+    integer(c_int) :: row = 0, column = 0        ! its entry, from 0
+    real(c_double) :: given = 0, difference = 0  ! what it says, what central differences say
+    real(c_double) :: error = 0                  ! |given - difference| / (1 + |difference|)
+  end type
+
+  ! The struct of the C header.
+  type, bind(C), public :: nsdae_c_check
+    character(kind=c_char) :: term(32) = c_null_char
+    integer(c_int) :: row = 0, column = 0
+    real(c_double) :: given = 0, difference = 0, error = 0
+  end type
+
+  abstract interface
+    ! M(t,q), symmetric positive definite; both triangles.
+    integer(c_int) function nsdae_mass_fn(t, q, M, user)
+      import
+      real(c_double), intent(in) :: t, q(:)
+      real(c_double), intent(inout) :: M(:, :)
+      class(*), intent(inout) :: user
+    end function
+    ! F(t,q,v) [nv]: all forces but those of constraints and contacts.
+    integer(c_int) function nsdae_force_fn(t, q, v, F, user)
+      import
+      real(c_double), intent(in) :: t, q(:), v(:)
+      real(c_double), intent(inout) :: F(:)
+      class(*), intent(inout) :: user
+    end function
+    ! Phi(t,q) [m].
+    integer(c_int) function nsdae_constraint_fn(t, q, phi, user)
+      import
+      real(c_double), intent(in) :: t, q(:)
+      real(c_double), intent(inout) :: phi(:)
+      class(*), intent(inout) :: user
+    end function
+    ! Phi_q(t,q) [m, nv], such that d Phi / dt = Phi_q v + Phi_t.
+    integer(c_int) function nsdae_constraint_jacobian_fn(t, q, J, user)
+      import
+      real(c_double), intent(in) :: t, q(:)
+      real(c_double), intent(inout) :: J(:, :)
+      class(*), intent(inout) :: user
+    end function
+    ! Phi_t(t,q) [m] and omega = (Phi_q v)_q v + 2 Phi_qt v + Phi_tt [m].
+    integer(c_int) function nsdae_constraint_bias_fn(t, q, v, phi_t, omega, user)
+      import
+      real(c_double), intent(in) :: t, q(:), v(:)
+      real(c_double), intent(inout) :: phi_t(:), omega(:)
+      class(*), intent(inout) :: user
+    end function
+    ! g_N(t,q) [k]: the distance of each contact, negative where its bodies overlap.
+    integer(c_int) function nsdae_gap_fn(t, q, g, user)
+      import
+      real(c_double), intent(in) :: t, q(:)
+      real(c_double), intent(inout) :: g(:)
+      class(*), intent(inout) :: user
+    end function
+    ! W_N(t,q) [nv, k], such that d g_N / dt = W_N^T v + w_N.
+    integer(c_int) function nsdae_gap_normal_fn(t, q, W, user)
+      import
+      real(c_double), intent(in) :: t, q(:)
+      real(c_double), intent(inout) :: W(:, :)
+      class(*), intent(inout) :: user
+    end function
+    ! W_T(t,q) [nv, k nt], such that v_T = W_T^T v + w_T; contact i (from 0) has columns
+    ! i nt + 1 .. i nt + nt, for nt = 2 two directions at right angles.
+    integer(c_int) function nsdae_gap_tangent_fn(t, q, W, user)
+      import
+      real(c_double), intent(in) :: t, q(:)
+      real(c_double), intent(inout) :: W(:, :)
+      class(*), intent(inout) :: user
+    end function
+    ! w_N(t,q) [k] and w_T(t,q) [k nt]: the velocities that the contacts have with v = 0.
+    integer(c_int) function nsdae_contact_bias_fn(t, q, w_n, w_t, user)
+      import
+      real(c_double), intent(in) :: t, q(:)
+      real(c_double), intent(inout) :: w_n(:), w_t(:)
+      class(*), intent(inout) :: user
+    end function
+    ! What the contacts and slides accelerate by with v' = 0: omega_n [k], omega_t [k nt] and
+    ! omega_s [f], such that g_N'' = W_N^T v' + omega_n, v_T' = W_T^T v' + omega_t and the slides'
+    ! velocities have the rates W_S^T v' + omega_s.
+    integer(c_int) function nsdae_contact_acceleration_fn(t, q, v, omega_n, omega_t, omega_s, user)
+      import
+      real(c_double), intent(in) :: t, q(:), v(:)
+      real(c_double), intent(inout) :: omega_n(:), omega_t(:), omega_s(:)
+      class(*), intent(inout) :: user
+    end function
+    ! W_S(t,q) [nv, f] and w_S(t,q) [f]: each slide has the sliding velocity W_S^T v + w_S.
+    integer(c_int) function nsdae_slide_fn(t, q, W, w_s, user)
+      import
+      real(c_double), intent(in) :: t, q(:)
+      real(c_double), intent(inout) :: W(:, :), w_s(:)
+      class(*), intent(inout) :: user
+    end function
+    ! dq/dt [nq] from v [nv], linear in v.
+    integer(c_int) function nsdae_kinematics_fn(t, q, v, qdot, user)
+      import
+      real(c_double), intent(in) :: t, q(:), v(:)
+      real(c_double), intent(inout) :: qdot(:)
+      class(*), intent(inout) :: user
+    end function
+    ! Potential energy U(t,q); used only to report energies.
+    integer(c_int) function nsdae_potential_fn(t, q, energy, user)
+      import
+      real(c_double), intent(in) :: t, q(:)
+      real(c_double), intent(inout) :: energy
+      class(*), intent(inout) :: user
+    end function
+  end interface
+
+  ! What the C library hands back to the callbacks below: the sizes, the user's procedures and the
+  ! user's variable.
+  type :: model
+    type(nsdae_dims) :: dims
+    class(*), pointer :: user => null()
+    procedure(nsdae_mass_fn), pointer, nopass :: mass => null()
+    procedure(nsdae_force_fn), pointer, nopass :: force => null()
+    procedure(nsdae_constraint_fn), pointer, nopass :: constraint => null()
+    procedure(nsdae_constraint_jacobian_fn), pointer, nopass :: constraint_jacobian => null()
+    procedure(nsdae_constraint_bias_fn), pointer, nopass :: constraint_bias => null()
+    procedure(nsdae_gap_fn), pointer, nopass :: gap => null()
+    procedure(nsdae_gap_normal_fn), pointer, nopass :: gap_normal => null()
+    procedure(nsdae_gap_tangent_fn), pointer, nopass :: gap_tangent => null()
+    procedure(nsdae_contact_bias_fn), pointer, nopass :: contact_bias => null()
+    procedure(nsdae_contact_acceleration_fn), pointer, nopass :: contact_acceleration => null()
+    procedure(nsdae_slide_fn), pointer, nopass :: slide_tangent => null()
+    procedure(nsdae_kinematics_fn), pointer, nopass :: kinematics => null()
+    procedure(nsdae_potential_fn), pointer, nopass :: potential => null()
+    type(nsdae_error) :: refusal  ! by the module itself, of the last call; C keeps the others
+  end type
+
+  ! A system; nothing until nsdae_system_create. Copies are the same system.
+  type, public :: nsdae_system
+    private
+    type(c_ptr) :: handle = c_null_ptr
+    type(model), pointer :: model => null()
+  end type
+
+  ! What user is where none was set.
+  type :: nobody
+    integer :: size = 1  ! targets without a size are never associated
+  end type
+  type(nobody), target, save :: no_user
+
+  public :: no_user
+  public :: nsdae_mass_fn, &
+            nsdae_force_fn, &
+            nsdae_constraint_fn, &
+            nsdae_constraint_jacobian_fn, &
+            nsdae_constraint_bias_fn, &
+            nsdae_gap_fn, &
+            nsdae_gap_normal_fn, &
+            nsdae_gap_tangent_fn, &
+            nsdae_contact_bias_fn, &
+            nsdae_contact_acceleration_fn, &
+            nsdae_slide_fn, &
+            nsdae_kinematics_fn, &
+            nsdae_potential_fn
+  public :: nsdae_system_create, nsdae_system_destroy, nsdae_system_set_user, &
+            nsdae_system_set_contact, nsdae_system_set_slide, nsdae_system_error, &
+            nsdae_system_get_dims, nsdae_system_differences, nsdae_system_check, nsdae_system_handle
+  public :: nsdae_system_set_mass, &
+            nsdae_system_set_force, &
+            nsdae_system_set_constraint, &
+            nsdae_system_set_constraint_jacobian, &
+            nsdae_system_set_constraint_bias, &
+            nsdae_system_set_gap, &
+            nsdae_system_set_gap_normal, &
+            nsdae_system_set_gap_tangent, &
+            nsdae_system_set_contact_bias, &
+            nsdae_system_set_contact_acceleration, &
+            nsdae_system_set_slide_tangent, &
+            nsdae_system_set_kinematics, &
+            nsdae_system_set_potential
+
+  interface
+    integer(c_int) function c_create(dims, system, error) bind(C, name='nsdae_system_create')
+      import
+      type(nsdae_dims), intent(in) :: dims
+      type(c_ptr), intent(out) :: system
+      type(nsdae_c_error), intent(inout) :: error
+    end function
+    subroutine c_destroy(system) bind(C, name='nsdae_system_destroy')
+      import
+      type(c_ptr), intent(inout) :: system
+    end subroutine
+    integer(c_int) function c_set_user(system, user) bind(C, name='nsdae_system_set_user')
+      import
+      type(c_ptr), value :: system, user
+    end function
+    integer(c_int) function c_set_contact(system, i, mu, e_n, e_t) &
+        bind(C, name='nsdae_system_set_contact')
+      import
+      type(c_ptr), value :: system
+      integer(c_int), value :: i
+      real(c_double), value :: mu, e_n, e_t
+    end function
+    integer(c_int) function c_set_slide(system, j, constraint, mu) &
+        bind(C, name='nsdae_system_set_slide')
+      import
+      type(c_ptr), value :: system
+      integer(c_int), value :: j, constraint
+      real(c_double), value :: mu
+    end function
+    type(c_ptr) function c_error(system) bind(C, name='nsdae_system_error')
+      import
+      type(c_ptr), value :: system
+    end function
+    integer(c_int) function c_get_dims(system, dims) bind(C, name='nsdae_system_get_dims')
+      import
+      type(c_ptr), value :: system
+      type(nsdae_dims), intent(inout) :: dims
+    end function
+    type(c_ptr) function c_differences(system) bind(C, name='nsdae_system_differences')
+      import
+      type(c_ptr), value :: system
+    end function
+    integer(c_int) function c_check(system, t, q, v, tol, worst) bind(C, name='nsdae_system_check')
+      import
+      type(c_ptr), value :: system
+      real(c_double), value :: t, tol
+      real(c_double), intent(in) :: q(*), v(*)
+      type(nsdae_c_check), intent(inout) :: worst
+    end function
+
+    ! The setters of the callbacks, all alike.
+    integer(c_int) function c_set_mass(system, callback) &
+        bind(C, name='nsdae_system_set_mass')
+      import
+      type(c_ptr), value :: system
+      type(c_funptr), value :: callback
+    end function
+    integer(c_int) function c_set_force(system, callback) &
+        bind(C, name='nsdae_system_set_force')
+      import
+      type(c_ptr), value :: system
+      type(c_funptr), value :: callback
+    end function
+    integer(c_int) function c_set_constraint(system, callback) &
+        bind(C, name='nsdae_system_set_constraint')
+      import
+      type(c_ptr), value :: system
+      type(c_funptr), value :: callback
+    end function
+    integer(c_int) function c_set_constraint_jacobian(system, callback) &
+        bind(C, name='nsdae_system_set_constraint_jacobian')
+      import
+      type(c_ptr), value :: system
+      type(c_funptr), value :: callback
+    end function
+    integer(c_int) function c_set_constraint_bias(system, callback) &
+        bind(C, name='nsdae_system_set_constraint_bias')
+      import
+      type(c_ptr), value :: system
+      type(c_funptr), value :: callback
+    end function
+    integer(c_int) function c_set_gap(system, callback) &
+        bind(C, name='nsdae_system_set_gap')
+      import
+      type(c_ptr), value :: system
+      type(c_funptr), value :: callback
+    end function
+    integer(c_int) function c_set_gap_normal(system, callback) &
+        bind(C, name='nsdae_system_set_gap_normal')
+      import
+      type(c_ptr), value :: system
+      type(c_funptr), value :: callback
+    end function
+    integer(c_int) function c_set_gap_tangent(system, callback) &
+        bind(C, name='nsdae_system_set_gap_tangent')
+      import
+      type(c_ptr), value :: system
+      type(c_funptr), value :: callback
+    end function
+    integer(c_int) function c_set_contact_bias(system, callback) &
+        bind(C, name='nsdae_system_set_contact_bias')
+      import
+      type(c_ptr), value :: system
+      type(c_funptr), value :: callback
+    end function
+    integer(c_int) function c_set_contact_acceleration(system, callback) &
+        bind(C, name='nsdae_system_set_contact_acceleration')
+      import
+      type(c_ptr), value :: system
+      type(c_funptr), value :: callback
+    end function
+    integer(c_int) function c_set_slide_tangent(system, callback) &
+        bind(C, name='nsdae_system_set_slide_tangent')
+      import
+      type(c_ptr), value :: system
+      type(c_funptr), value :: callback
+    end function
+    integer(c_int) function c_set_kinematics(system, callback) &
+        bind(C, name='nsdae_system_set_kinematics')
+      import
+      type(c_ptr), value :: system
+      type(c_funptr), value :: callback
+    end function
+    integer(c_int) function c_set_potential(system, callback) &
+        bind(C, name='nsdae_system_set_potential')
+      import
+      type(c_ptr), value :: system
+      type(c_funptr), value :: callback
+    end function
+  end interface
+
+contains
+
+  ! Makes a description without callbacks. NSDAE_E_ARGUMENT (a size outside its range),
+  ! NSDAE_E_MEMORY.
+  integer(c_int) function nsdae_system_create(dims, system, error) result(status)
+    type(nsdae_dims), intent(in) :: dims
+    type(nsdae_system), intent(out) :: system
+    type(nsdae_error), intent(out), optional :: error
+    type(nsdae_c_error) :: why
+    integer :: failed
+    status = c_create(dims, system%handle, why)
+    call error_from_c(why, error)
+    if (status < 0) return
+    allocate (system%model, stat=failed)
+    if (failed /= 0) then
+      call c_destroy(system%handle)
+      status = no_memory('nsdae_system_create', error)
+      return
+    end if
+    status = c_get_dims(system%handle, system%model%dims)
+    system%model%user => no_user
+    status = c_set_user(system%handle, c_loc(system%model))
+  end function
+
+  ! Releases it; one that was not made is allowed. Its simulations must have been destroyed before.
+  subroutine nsdae_system_destroy(system)
+    type(nsdae_system), intent(inout) :: system
+    call c_destroy(system%handle)
+    if (associated(system%model)) deallocate (system%model)
+  end subroutine
+
+  ! The C handle, for programs in both languages; its user pointer is the module's own.
+  type(c_ptr) function nsdae_system_handle(system) result(handle)
+    type(nsdae_system), intent(in) :: system
+    handle = system%handle
+  end function
+
+  ! The same for a call that is about to be made: what an earlier one was refused for is past.
+  type(c_ptr) function at(system) result(handle)
+    type(nsdae_system), intent(in) :: system
+    handle = system%handle
+    if (associated(system%model)) system%model%refusal%status = NSDAE_OK
+  end function
+
+  ! The variable that every callback gets as its last argument: a target that lives as long as the
+  ! system.
+  integer(c_int) function nsdae_system_set_user(system, user) result(status)
+    type(nsdae_system), intent(in) :: system
+    class(*), target, intent(inout) :: user
+    status = NSDAE_E_ARGUMENT
+    if (.not. associated(system%model)) return
+    system%model%refusal%status = NSDAE_OK
+    system%model%user => user
+    status = NSDAE_OK
+  end function
+
+  ! Coefficients of contact 0 <= i < k; all zero at first. mu >= 0: friction; e_n and e_t, 0 .. 1:
+  ! normal and tangential restitution.
+  integer(c_int) function nsdae_system_set_contact(system, i, mu, e_n, e_t) result(status)
+    type(nsdae_system), intent(in) :: system
+    integer(c_int), intent(in) :: i
+    real(c_double), intent(in) :: mu, e_n, e_t
+    status = c_set_contact(at(system), i, mu, e_n, e_t)
+  end function
+
+  ! Slide 0 <= j < f: the bilateral constraint of that number, 0 .. m-1, with friction mu >= 0.
+  integer(c_int) function nsdae_system_set_slide(system, j, constraint, mu) result(status)
+    type(nsdae_system), intent(in) :: system
+    integer(c_int), intent(in) :: j, constraint
+    real(c_double), intent(in) :: mu
+    status = c_set_slide(at(system), j, constraint, mu)
+  end function
+
+  ! Why the last call on this system failed.
+  type(nsdae_error) function nsdae_system_error(system) result(error)
+    type(nsdae_system), intent(in) :: system
+    if (associated(system%model)) then
+      error = system%model%refusal
+      if (error%status /= NSDAE_OK) return
+    end if
+    error = error_at(c_error(system%handle))
+  end function
+
+  ! The sizes, with nv filled in.
+  integer(c_int) function nsdae_system_get_dims(system, dims) result(status)
+    type(nsdae_system), intent(in) :: system
+    type(nsdae_dims), intent(out) :: dims
+    status = c_get_dims(at(system), dims)
+  end function
+
+  ! Names of the terms that are filled by differences, e.g. "constraint_bias gap_normal".
+  function nsdae_system_differences(system) result(text)
+    type(nsdae_system), intent(in) :: system
+    character(len=:), allocatable :: text
+    text = from_c(c_differences(at(system)))
+  end function
+
+  ! Compares every derivative that is given with central differences of what it derives from, and
+  ! the mass matrix with its transpose, at (t, q [nq], v [nv]). NSDAE_OK; NSDAE_E_DERIVATIVE with
+  ! the wrong entry in worst; NSDAE_E_ARGUMENT, NSDAE_E_STATE, NSDAE_E_CALLBACK, NSDAE_E_MEMORY.
+  integer(c_int) function nsdae_system_check(system, t, q, v, tol, worst) result(status)
+    type(nsdae_system), intent(in) :: system
+    real(c_double), intent(in) :: t, tol
+    real(c_double), intent(in), contiguous :: q(:), v(:)
+    type(nsdae_check), intent(out), optional :: worst
+    type(nsdae_c_check) :: from
+    if (associated(system%model)) then
+      status = check_size('q', size(q), system%model%dims%nq, system%model%refusal)
+      if (status == NSDAE_OK) &
+          status = check_size('v', size(v), system%model%dims%nv, system%model%refusal)
+      if (status < 0) return
+    end if
+    status = c_check(at(system), t, q, v, tol, from)
+    if (.not. present(worst)) return
+    call from_chars(from%term, worst%term)
+    worst%row = from%row
+    worst%column = from%column
+    worst%given = from%given
+    worst%difference = from%difference
+    worst%error = from%error
+  end function
+
+  ! mass and force are always needed, constraint where m > 0, gap where k > 0, gap_tangent where
+  ! nt > 0 and any mu > 0, slide_tangent where a slide has mu > 0; what else is missing is filled by
+  ! central differences or taken as zero. NSDAE_E_ARGUMENT: the system has no such term.
+
+  integer(c_int) function nsdae_system_set_mass(system, mass) result(status)
+    type(nsdae_system), intent(in) :: system
+    procedure(nsdae_mass_fn) :: mass
+    status = c_set_mass(at(system), c_funloc(call_mass))
+    if (status == NSDAE_OK) system%model%mass => mass
+  end function
+
+  integer(c_int) function nsdae_system_set_force(system, force) result(status)
+    type(nsdae_system), intent(in) :: system
+    procedure(nsdae_force_fn) :: force
+    status = c_set_force(at(system), c_funloc(call_force))
+    if (status == NSDAE_OK) system%model%force => force
+  end function
+
+  integer(c_int) function nsdae_system_set_constraint(system, constraint) result(status)
+    type(nsdae_system), intent(in) :: system
+    procedure(nsdae_constraint_fn) :: constraint
+    status = c_set_constraint(at(system), c_funloc(call_constraint))
+    if (status == NSDAE_OK) system%model%constraint => constraint
+  end function
+
+  integer(c_int) function nsdae_system_set_constraint_jacobian(system, constraint_jacobian) &
+      result(status)
+    type(nsdae_system), intent(in) :: system
+    procedure(nsdae_constraint_jacobian_fn) :: constraint_jacobian
+    status = c_set_constraint_jacobian(at(system), c_funloc(call_constraint_jacobian))
+    if (status == NSDAE_OK) system%model%constraint_jacobian => constraint_jacobian
+  end function
+
+  integer(c_int) function nsdae_system_set_constraint_bias(system, constraint_bias) result(status)
+    type(nsdae_system), intent(in) :: system
+    procedure(nsdae_constraint_bias_fn) :: constraint_bias
+    status = c_set_constraint_bias(at(system), c_funloc(call_constraint_bias))
+    if (status == NSDAE_OK) system%model%constraint_bias => constraint_bias
+  end function
+
+  integer(c_int) function nsdae_system_set_gap(system, gap) result(status)
+    type(nsdae_system), intent(in) :: system
+    procedure(nsdae_gap_fn) :: gap
+    status = c_set_gap(at(system), c_funloc(call_gap))
+    if (status == NSDAE_OK) system%model%gap => gap
+  end function
+
+  integer(c_int) function nsdae_system_set_gap_normal(system, gap_normal) result(status)
+    type(nsdae_system), intent(in) :: system
+    procedure(nsdae_gap_normal_fn) :: gap_normal
+    status = c_set_gap_normal(at(system), c_funloc(call_gap_normal))
+    if (status == NSDAE_OK) system%model%gap_normal => gap_normal
+  end function
+
+  integer(c_int) function nsdae_system_set_gap_tangent(system, gap_tangent) result(status)
+    type(nsdae_system), intent(in) :: system
+    procedure(nsdae_gap_tangent_fn) :: gap_tangent
+    status = c_set_gap_tangent(at(system), c_funloc(call_gap_tangent))
+    if (status == NSDAE_OK) system%model%gap_tangent => gap_tangent
+  end function
+
+  integer(c_int) function nsdae_system_set_contact_bias(system, contact_bias) result(status)
+    type(nsdae_system), intent(in) :: system
+    procedure(nsdae_contact_bias_fn) :: contact_bias
+    status = c_set_contact_bias(at(system), c_funloc(call_contact_bias))
+    if (status == NSDAE_OK) system%model%contact_bias => contact_bias
+  end function
+
+  integer(c_int) function nsdae_system_set_contact_acceleration(system, contact_acceleration) &
+      result(status)
+    type(nsdae_system), intent(in) :: system
+    procedure(nsdae_contact_acceleration_fn) :: contact_acceleration
+    status = c_set_contact_acceleration(at(system), c_funloc(call_contact_acceleration))
+    if (status == NSDAE_OK) system%model%contact_acceleration => contact_acceleration
+  end function
+
+  integer(c_int) function nsdae_system_set_slide_tangent(system, slide_tangent) result(status)
+    type(nsdae_system), intent(in) :: system
+    procedure(nsdae_slide_fn) :: slide_tangent
+    status = c_set_slide_tangent(at(system), c_funloc(call_slide_tangent))
+    if (status == NSDAE_OK) system%model%slide_tangent => slide_tangent
+  end function
+
+  integer(c_int) function nsdae_system_set_kinematics(system, kinematics) result(status)
+    type(nsdae_system), intent(in) :: system
+    procedure(nsdae_kinematics_fn) :: kinematics
+    status = c_set_kinematics(at(system), c_funloc(call_kinematics))
+    if (status == NSDAE_OK) system%model%kinematics => kinematics
+  end function
+
+  integer(c_int) function nsdae_system_set_potential(system, potential) result(status)
+    type(nsdae_system), intent(in) :: system
+    procedure(nsdae_potential_fn) :: potential
+    status = c_set_potential(at(system), c_funloc(call_potential))
+    if (status == NSDAE_OK) system%model%potential => potential
+  end function
+
+  ! What C calls: each finds the user's procedure and gives its arrays their shapes. Nothing is
+  ! copied.
+
+  function model_at(p) result(here)
+    type(c_ptr), intent(in) :: p
+    type(model), pointer :: here
+    call c_f_pointer(p, here)
+  end function
+
+  ! What may be NULL where it is empty.
+  function array_at(p, n) result(a)
+    type(c_ptr), intent(in) :: p
+    integer(c_int), intent(in) :: n
+    real(c_double), pointer :: a(:)
+    real(c_double), target, save :: nothing(1)
+    a => nothing(:0)
+    if (n > 0) call c_f_pointer(p, a, [n])
+  end function
+
+  integer(c_int) function call_mass(t, q, M, ld, user) result(status) &
+      bind(C, name='')
+    real(c_double), value :: t
+    real(c_double), intent(in) :: q(*)
+    integer(c_int), value :: ld
+    real(c_double), intent(inout) :: M(ld, *)
+    type(c_ptr), value :: user
+    type(model), pointer :: here
+    here => model_at(user)
+    associate (d => here%dims)
+      status = here%mass(t, q(:d%nq), M(:d%nv, :d%nv), here%user)
+    end associate
+  end function
+
+  integer(c_int) function call_force(t, q, v, F, user) result(status) &
+      bind(C, name='')
+    real(c_double), value :: t
+    real(c_double), intent(in) :: q(*), v(*)
+    real(c_double), intent(inout) :: F(*)
+    type(c_ptr), value :: user
+    type(model), pointer :: here
+    here => model_at(user)
+    associate (d => here%dims)
+      status = here%force(t, q(:d%nq), v(:d%nv), F(:d%nv), here%user)
+    end associate
+  end function
+
+  integer(c_int) function call_constraint(t, q, phi, user) result(status) &
+      bind(C, name='')
+    real(c_double), value :: t
+    real(c_double), intent(in) :: q(*)
+    real(c_double), intent(inout) :: phi(*)
+    type(c_ptr), value :: user
+    type(model), pointer :: here
+    here => model_at(user)
+    associate (d => here%dims)
+      status = here%constraint(t, q(:d%nq), phi(:d%m), here%user)
+    end associate
+  end function
+
+  integer(c_int) function call_constraint_jacobian(t, q, J, ld, user) result(status) &
+      bind(C, name='')
+    real(c_double), value :: t
+    real(c_double), intent(in) :: q(*)
+    integer(c_int), value :: ld
+    real(c_double), intent(inout) :: J(ld, *)
+    type(c_ptr), value :: user
+    type(model), pointer :: here
+    here => model_at(user)
+    associate (d => here%dims)
+      status = here%constraint_jacobian(t, q(:d%nq), J(:d%m, :d%nv), here%user)
+    end associate
+  end function
+
+  integer(c_int) function call_constraint_bias(t, q, v, phi_t, omega, user) result(status) &
+      bind(C, name='')
+    real(c_double), value :: t
+    real(c_double), intent(in) :: q(*), v(*)
+    real(c_double), intent(inout) :: phi_t(*), omega(*)
+    type(c_ptr), value :: user
+    type(model), pointer :: here
+    here => model_at(user)
+    associate (d => here%dims)
+      status = here%constraint_bias(t, q(:d%nq), v(:d%nv), phi_t(:d%m), omega(:d%m), here%user)
+    end associate
+  end function
+
+  integer(c_int) function call_gap(t, q, g, user) result(status) &
+      bind(C, name='')
+    real(c_double), value :: t
+    real(c_double), intent(in) :: q(*)
+    real(c_double), intent(inout) :: g(*)
+    type(c_ptr), value :: user
+    type(model), pointer :: here
+    here => model_at(user)
+    associate (d => here%dims)
+      status = here%gap(t, q(:d%nq), g(:d%k), here%user)
+    end associate
+  end function
+
+  integer(c_int) function call_gap_normal(t, q, W, ld, user) result(status) &
+      bind(C, name='')
+    real(c_double), value :: t
+    real(c_double), intent(in) :: q(*)
+    integer(c_int), value :: ld
+    real(c_double), intent(inout) :: W(ld, *)
+    type(c_ptr), value :: user
+    type(model), pointer :: here
+    here => model_at(user)
+    associate (d => here%dims)
+      status = here%gap_normal(t, q(:d%nq), W(:d%nv, :d%k), here%user)
+    end associate
+  end function
+
+  integer(c_int) function call_gap_tangent(t, q, W, ld, user) result(status) &
+      bind(C, name='')
+    real(c_double), value :: t
+    real(c_double), intent(in) :: q(*)
+    integer(c_int), value :: ld
+    real(c_double), intent(inout) :: W(ld, *)
+    type(c_ptr), value :: user
+    type(model), pointer :: here
+    here => model_at(user)
+    associate (d => here%dims)
+      status = here%gap_tangent(t, q(:d%nq), W(:d%nv, :d%k*d%nt), here%user)
+    end associate
+  end function
+
+  integer(c_int) function call_contact_bias(t, q, w_n, w_t, user) result(status) bind(C, name='')
+    real(c_double), value :: t
+    real(c_double), intent(in) :: q(*)
+    real(c_double), intent(inout) :: w_n(*)
+    type(c_ptr), value :: w_t, user
+    type(model), pointer :: here
+    here => model_at(user)
+    associate (d => here%dims)
+      status = here%contact_bias(t, q(:d%nq), w_n(:d%k), array_at(w_t, d%k * d%nt), here%user)
+    end associate
+  end function
+
+  integer(c_int) function call_contact_acceleration(t, q, v, omega_n, omega_t, omega_s, user) &
+      result(status) bind(C, name='')
+    real(c_double), value :: t
+    real(c_double), intent(in) :: q(*), v(*)
+    type(c_ptr), value :: omega_n, omega_t, omega_s, user
+    type(model), pointer :: here
+    here => model_at(user)
+    associate (d => here%dims)
+      status = here%contact_acceleration(t, q(:d%nq), v(:d%nv), array_at(omega_n, d%k), &
+                                         array_at(omega_t, d%k * d%nt), array_at(omega_s, d%f), &
+                                         here%user)
+    end associate
+  end function
+
+  integer(c_int) function call_slide_tangent(t, q, W, ld, w_s, user) result(status) &
+      bind(C, name='')
+    real(c_double), value :: t
+    real(c_double), intent(in) :: q(*)
+    integer(c_int), value :: ld
+    real(c_double), intent(inout) :: W(ld, *), w_s(*)
+    type(c_ptr), value :: user
+    type(model), pointer :: here
+    here => model_at(user)
+    associate (d => here%dims)
+      status = here%slide_tangent(t, q(:d%nq), W(:d%nv, :d%f), w_s(:d%f), here%user)
+    end associate
+  end function
+
+  integer(c_int) function call_kinematics(t, q, v, qdot, user) result(status) &
+      bind(C, name='')
+    real(c_double), value :: t
+    real(c_double), intent(in) :: q(*), v(*)
+    real(c_double), intent(inout) :: qdot(*)
+    type(c_ptr), value :: user
+    type(model), pointer :: here
+    here => model_at(user)
+    associate (d => here%dims)
+      status = here%kinematics(t, q(:d%nq), v(:d%nv), qdot(:d%nq), here%user)
+    end associate
+  end function
+
+  integer(c_int) function call_potential(t, q, energy, user) result(status) &
+      bind(C, name='')
+    real(c_double), value :: t
+    real(c_double), intent(in) :: q(*)
+    real(c_double), intent(inout) :: energy
+    type(c_ptr), value :: user
+    type(model), pointer :: here
+    here => model_at(user)
+    associate (d => here%dims)
+      status = here%potential(t, q(:d%nq), energy, here%user)
+    end associate
+  end function
+
+end module

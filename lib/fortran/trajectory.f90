@@ -1,0 +1,154 @@
+! nsdae/trajectory.h: trajectories in HDF5 files. The layout is in docs/trajectory.md.
+module nsdae_f_trajectory
+  use, intrinsic :: iso_c_binding
+  use nsdae_f_params
+  use nsdae_f_sim
+  use nsdae_f_status
+  use nsdae_f_text
+  implicit none
+  private
+
+  ! What the file says of the model.
+  type, public :: nsdae_trajectory_info
+    character(len=64) :: model = ''   ! e.g. "pendulum"
+    type(nsdae_params) :: parameters  ! table of the model's parameters; empty: none
+    logical :: live = .false.         ! can be read while it is written (HDF5's SWMR mode)
+  end type
+
+  ! The struct of the C header.
+  type, bind(C), public :: nsdae_c_trajectory_info
+    type(c_ptr) :: model = c_null_ptr
+    type(c_ptr) :: parameters = c_null_ptr
+    type(c_ptr) :: parameters_base = c_null_ptr
+    integer(c_int) :: live = 0
+  end type
+
+  ! A file; nothing until nsdae_trajectory_create.
+  type, public :: nsdae_trajectory
+    private
+    type(c_ptr) :: handle = c_null_ptr
+  end type
+
+  public :: nsdae_trajectory_create, nsdae_trajectory_put, nsdae_trajectory_put_texts, &
+            nsdae_trajectory_close
+
+  interface
+    integer(c_int) function c_create(sim, path, info, trajectory, error) &
+        bind(C, name='nsdae_trajectory_create')
+      import
+      type(c_ptr), value :: sim
+      character(kind=c_char), intent(in) :: path(*)
+      type(nsdae_c_trajectory_info), intent(in) :: info
+      type(c_ptr), intent(inout) :: trajectory
+      type(nsdae_c_error), intent(inout) :: error
+    end function
+    integer(c_int) function c_put(trajectory, path, n, values, units, description, error) &
+        bind(C, name='nsdae_trajectory_put')
+      import
+      type(c_ptr), value :: trajectory
+      character(kind=c_char), intent(in) :: path(*), units(*), description(*)
+      integer(c_int), value :: n
+      real(c_double), intent(in) :: values(*)
+      type(nsdae_c_error), intent(inout) :: error
+    end function
+    integer(c_int) function c_put_texts(trajectory, path, n, texts, description, error) &
+        bind(C, name='nsdae_trajectory_put_texts')
+      import
+      type(c_ptr), value :: trajectory
+      character(kind=c_char), intent(in) :: path(*), description(*)
+      integer(c_int), value :: n
+      type(c_ptr), intent(in) :: texts(*)
+      type(nsdae_c_error), intent(inout) :: error
+    end function
+    integer(c_int) function c_close(trajectory, run_status, error) &
+        bind(C, name='nsdae_trajectory_close')
+      import
+      type(c_ptr), intent(inout) :: trajectory
+      integer(c_int), value :: run_status
+      type(nsdae_c_error), intent(inout) :: error
+    end function
+  end interface
+
+contains
+
+  ! Makes the file (replacing one of that name) and adds itself to the observers of sim, which must
+  ! live until it is closed. NSDAE_E_IO: the file cannot be made, the text says why;
+  ! NSDAE_E_UNSUPPORTED: the library was built without HDF5; NSDAE_E_MEMORY; NSDAE_E_ARGUMENT.
+  integer(c_int) function nsdae_trajectory_create(sim, path, info, trajectory, error) &
+      result(status)
+    type(nsdae_sim), intent(in) :: sim
+    character(len=*), intent(in) :: path
+    type(nsdae_trajectory_info), intent(in) :: info
+    type(nsdae_trajectory), intent(out) :: trajectory
+    type(nsdae_error), intent(out), optional :: error
+    character(kind=c_char), target :: model(len(info%model) + 1)
+    character(kind=c_char) :: c_path(len_trim(path) + 1)
+    type(nsdae_c_params), target :: table
+    type(nsdae_c_trajectory_info) :: to
+    type(nsdae_c_error) :: why
+    call to_chars(info%model, model)
+    call to_chars(path, c_path)
+    table = table_of(info%parameters)
+    to%model = c_loc(model)
+    if (table%n > 0) then
+      to%parameters = c_loc(table)
+      to%parameters_base = base_of(info%parameters)
+    end if
+    if (info%live) to%live = 1
+    status = c_create(nsdae_sim_handle(sim), c_path, to, trajectory%handle, why)
+    call error_from_c(why, error)
+  end function
+
+  ! Adds a dataset of one's own, at a path such as "/compare/error". Not while the file is live.
+  integer(c_int) function nsdae_trajectory_put(trajectory, path, values, units, description, &
+                                               error) result(status)
+    type(nsdae_trajectory), intent(in) :: trajectory
+    character(len=*), intent(in) :: path, units, description
+    real(c_double), intent(in), contiguous :: values(:)
+    type(nsdae_error), intent(out), optional :: error
+    character(kind=c_char) :: c_path(len_trim(path) + 1), c_units(len_trim(units) + 1), &
+                              c_description(len_trim(description) + 1)
+    type(nsdae_c_error) :: why
+    call to_chars(path, c_path)
+    call to_chars(units, c_units)
+    call to_chars(description, c_description)
+    status = c_put(trajectory%handle, c_path, size(values, kind=c_int), values, c_units, &
+                   c_description, why)
+    call error_from_c(why, error)
+  end function
+
+  ! The same of texts.
+  integer(c_int) function nsdae_trajectory_put_texts(trajectory, path, texts, description, error) &
+      result(status)
+    type(nsdae_trajectory), intent(in) :: trajectory
+    character(len=*), intent(in) :: path, texts(:), description
+    type(nsdae_error), intent(out), optional :: error
+    character(kind=c_char), target :: words(len(texts) + 1, size(texts))
+    character(kind=c_char) :: c_path(len_trim(path) + 1), c_description(len_trim(description) + 1)
+    type(c_ptr) :: pointers(size(texts))
+    type(nsdae_c_error) :: why
+    integer :: i
+    call to_chars(path, c_path)
+    call to_chars(description, c_description)
+    do i = 1, size(texts)
+      call to_chars(texts(i), words(:, i))
+      pointers(i) = c_loc(words(1, i))
+    end do
+    status = c_put_texts(trajectory%handle, c_path, size(texts, kind=c_int), pointers, &
+                         c_description, why)
+    call error_from_c(why, error)
+  end function
+
+  ! Writes what is buffered, sets the attribute `status` to "complete" where run_status >= 0, else
+  ! to "failed", and closes the file. NSDAE_E_IO: not all could be written; the text says what the
+  ! file holds. One that was not made is allowed.
+  integer(c_int) function nsdae_trajectory_close(trajectory, run_status, error) result(status)
+    type(nsdae_trajectory), intent(inout) :: trajectory
+    integer(c_int), intent(in) :: run_status
+    type(nsdae_error), intent(out), optional :: error
+    type(nsdae_c_error) :: why
+    status = c_close(trajectory%handle, run_status, why)
+    call error_from_c(why, error)
+  end function
+
+end module

@@ -1,0 +1,93 @@
+/* What the headers say of values, sizes and places, for the module to be compared with. */
+#include "layout.h"
+
+#include <nsdae/nsdae.h>
+#include <stddef.h>
+#include <string.h>
+
+typedef struct entry {
+  const char *name;
+  long value;
+} entry;
+
+#define STATUS(name, value, message) {#name, name},
+#define VALUE(name)                  {#name, name},
+#define SIZE(type)                   {#type, (long)sizeof(type)},
+#define AT(type, field)              {#type "%" #field, (long)offsetof(type, field)},
+
+static const entry entries[] = {
+    NSDAE_STATUS_LIST(STATUS)
+    /* clang-format off */
+    VALUE(NSDAE_VERSION_MAJOR) VALUE(NSDAE_VERSION_MINOR) VALUE(NSDAE_VERSION_PATCH)
+    VALUE(NSDAE_IMPLICIT) VALUE(NSDAE_IMPLICIT_PRINTED) VALUE(NSDAE_MOREAU) VALUE(NSDAE_PENALTY)
+    VALUE(NSDAE_EVENT_DRIVEN) VALUE(NSDAE_LINEAR_DENSE) VALUE(NSDAE_LINEAR_KLU)
+    VALUE(NSDAE_REDUNDANT_ERROR) VALUE(NSDAE_REDUNDANT_LEAST_NORM)
+    VALUE(NSDAE_OPEN) VALUE(NSDAE_SLIDE) VALUE(NSDAE_STICK) VALUE(NSDAE_OBSERVERS_MAX)
+    VALUE(NSDAE_PARAM_REAL) VALUE(NSDAE_PARAM_INT) VALUE(NSDAE_PARAM_CHOICE)
+    VALUE(NSDAE_PARAM_TEXT) VALUE(NSDAE_PARAM_TEXT_SIZE)
+    VALUE(NSDAE_OPEN_MIN) VALUE(NSDAE_OPEN_MAX)
+
+    SIZE(nsdae_error)
+    AT(nsdae_error, code) AT(nsdae_error, index) AT(nsdae_error, time)
+    AT(nsdae_error, argument) AT(nsdae_error, where) AT(nsdae_error, text)
+    SIZE(nsdae_dims)
+    AT(nsdae_dims, nv) AT(nsdae_dims, m) AT(nsdae_dims, k) AT(nsdae_dims, nt) AT(nsdae_dims, f)
+    SIZE(nsdae_check)
+    AT(nsdae_check, row) AT(nsdae_check, column) AT(nsdae_check, given)
+    AT(nsdae_check, difference) AT(nsdae_check, error)
+    SIZE(nsdae_param)
+    AT(nsdae_param, unit) AT(nsdae_param, help) AT(nsdae_param, type) AT(nsdae_param, offset)
+    AT(nsdae_param, initial) AT(nsdae_param, min) AT(nsdae_param, max) AT(nsdae_param, open)
+    AT(nsdae_param, choices)
+    SIZE(nsdae_params) AT(nsdae_params, n)
+    SIZE(nsdae_sim_options)
+    AT(nsdae_sim_options, dt) AT(nsdae_sim_options, baumgarte_alpha)
+    AT(nsdae_sim_options, baumgarte_beta) AT(nsdae_sim_options, iteration_tol)
+    AT(nsdae_sim_options, iteration_max) AT(nsdae_sim_options, redundant)
+    AT(nsdae_sim_options, rank_tol) AT(nsdae_sim_options, lcp_tol)
+    AT(nsdae_sim_options, polygon) AT(nsdae_sim_options, impact_velocity)
+    AT(nsdae_sim_options, rtol) AT(nsdae_sim_options, atol) AT(nsdae_sim_options, penalty_law)
+    AT(nsdae_sim_options, penalty_stiffness) AT(nsdae_sim_options, penalty_exponent)
+    AT(nsdae_sim_options, friction_velocity) AT(nsdae_sim_options, linear_solver)
+    AT(nsdae_sim_options, accumulation_time) AT(nsdae_sim_options, events_max)
+    AT(nsdae_sim_options, initialised)
+    SIZE(nsdae_impact)
+    AT(nsdae_impact, contact) AT(nsdae_impact, normal_impulse)
+    AT(nsdae_impact, tangential_impulse) AT(nsdae_impact, velocity_before)
+    AT(nsdae_impact, velocity_after) AT(nsdae_impact, peak_force)
+    AT(nsdae_impact, accumulation)
+    SIZE(nsdae_record)
+    AT(nsdae_record, time) AT(nsdae_record, q) AT(nsdae_record, v) AT(nsdae_record, multiplier)
+    AT(nsdae_record, gap) AT(nsdae_record, normal_impulse) AT(nsdae_record, tangential_impulse)
+    AT(nsdae_record, mode) AT(nsdae_record, slide_impulse) AT(nsdae_record, slide_mode)
+    AT(nsdae_record, kinetic) AT(nsdae_record, potential) AT(nsdae_record, dissipated)
+    AT(nsdae_record, lcp_residual) AT(nsdae_record, constraint_drift)
+    AT(nsdae_record, penetration) AT(nsdae_record, impact) AT(nsdae_record, impacts)
+    SIZE(nsdae_stats)
+    AT(nsdae_stats, smooth_steps) AT(nsdae_stats, contact_steps) AT(nsdae_stats, lcps)
+    AT(nsdae_stats, lcp_pivots) AT(nsdae_stats, iterations) AT(nsdae_stats, mass_evals)
+    AT(nsdae_stats, force_evals) AT(nsdae_stats, jacobian_evals) AT(nsdae_stats, impacts)
+    AT(nsdae_stats, events) AT(nsdae_stats, accumulations) AT(nsdae_stats, fallback_steps)
+    AT(nsdae_stats, rank) AT(nsdae_stats, rank_most)
+    AT(nsdae_stats, worst_residual) AT(nsdae_stats, worst_drift)
+    AT(nsdae_stats, worst_penetration) AT(nsdae_stats, energy_start)
+    AT(nsdae_stats, energy_balance) AT(nsdae_stats, wall_time)
+    SIZE(nsdae_trajectory_info)
+    AT(nsdae_trajectory_info, parameters) AT(nsdae_trajectory_info, parameters_base)
+    AT(nsdae_trajectory_info, live)
+    /* clang-format on */
+};
+
+enum { COUNT = sizeof entries / sizeof *entries };
+
+int layout_count(void)
+{
+  return COUNT;
+}
+
+long layout_value(const char *name)
+{
+  for (int i = 0; i < COUNT; i++)
+    if (strcmp(entries[i].name, name) == 0) return entries[i].value;
+  return LAYOUT_UNKNOWN;
+}

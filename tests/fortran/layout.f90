@@ -1,0 +1,257 @@
+! The module's constants have the values, its types the sizes and the places of their fields, that
+! the C headers give them; and it has all of them.
+program layout
+  use, intrinsic :: iso_c_binding
+  use nsdae_f_params
+  use nsdae_f_sim
+  use nsdae_f_status
+  use nsdae_f_system
+  use nsdae_f_trajectory
+  use check
+  implicit none
+
+  interface
+    integer(c_int) function layout_count() bind(C)
+      import
+    end function
+    integer(c_long) function layout_value(name) bind(C)
+      import
+      character(kind=c_char), intent(in) :: name(*)
+    end function
+  end interface
+
+  integer :: compared = 0
+
+  call statuses
+  call constants
+  call error_fields
+  call dims_fields
+  call check_fields
+  call param_fields
+  call params_fields
+  call sim_options_fields
+  call impact_fields
+  call record_fields
+  call stats_fields
+  call trajectory_info_fields
+  ! nothing that C has is missing here
+  call is_int(compared, layout_count(), 'number of values, sizes and places')
+  call check_done
+
+contains
+
+  subroutine same(name, value)
+    character(len=*), intent(in) :: name
+    integer(c_int), intent(in) :: value
+    compared = compared + 1
+    call is_int(value, int(layout_value(name // c_null_char), c_int), name)
+  end subroutine
+
+  subroutine same_size(name, bytes)
+    character(len=*), intent(in) :: name
+    integer(c_size_t), intent(in) :: bytes
+    call same(name, int(bytes, c_int))
+  end subroutine
+
+  ! The place of a field in what begins at base.
+  subroutine same_place(name, base, field)
+    character(len=*), intent(in) :: name
+    type(c_ptr), intent(in) :: base, field
+    integer(c_intptr_t) :: start
+    call same(name, int(transfer(field, start) - transfer(base, start), c_int))
+  end subroutine
+
+  subroutine statuses()
+    call same('NSDAE_OK', NSDAE_OK)
+    call same('NSDAE_TSTOP', NSDAE_TSTOP)
+    call same('NSDAE_EVENT', NSDAE_EVENT)
+    call same('NSDAE_ZENO', NSDAE_ZENO)
+    call same('NSDAE_STOPPED', NSDAE_STOPPED)
+    call same('NSDAE_E_MEMORY', NSDAE_E_MEMORY)
+    call same('NSDAE_E_ARGUMENT', NSDAE_E_ARGUMENT)
+    call same('NSDAE_E_OPTION', NSDAE_E_OPTION)
+    call same('NSDAE_E_STATE', NSDAE_E_STATE)
+    call same('NSDAE_E_CALLBACK', NSDAE_E_CALLBACK)
+    call same('NSDAE_E_NONFINITE', NSDAE_E_NONFINITE)
+    call same('NSDAE_E_MASS', NSDAE_E_MASS)
+    call same('NSDAE_E_RANK', NSDAE_E_RANK)
+    call same('NSDAE_E_LCP', NSDAE_E_LCP)
+    call same('NSDAE_E_INFEASIBLE', NSDAE_E_INFEASIBLE)
+    call same('NSDAE_E_CONVERGENCE', NSDAE_E_CONVERGENCE)
+    call same('NSDAE_E_DERIVATIVE', NSDAE_E_DERIVATIVE)
+    call same('NSDAE_E_IO', NSDAE_E_IO)
+    call same('NSDAE_E_UNSUPPORTED', NSDAE_E_UNSUPPORTED)
+    call same('NSDAE_E_PAINLEVE', NSDAE_E_PAINLEVE)
+  end subroutine
+
+  subroutine constants()
+    call same('NSDAE_VERSION_MAJOR', NSDAE_VERSION_MAJOR)
+    call same('NSDAE_VERSION_MINOR', NSDAE_VERSION_MINOR)
+    call same('NSDAE_VERSION_PATCH', NSDAE_VERSION_PATCH)
+    call same('NSDAE_IMPLICIT', NSDAE_IMPLICIT)
+    call same('NSDAE_IMPLICIT_PRINTED', NSDAE_IMPLICIT_PRINTED)
+    call same('NSDAE_MOREAU', NSDAE_MOREAU)
+    call same('NSDAE_PENALTY', NSDAE_PENALTY)
+    call same('NSDAE_EVENT_DRIVEN', NSDAE_EVENT_DRIVEN)
+    call same('NSDAE_LINEAR_DENSE', NSDAE_LINEAR_DENSE)
+    call same('NSDAE_LINEAR_KLU', NSDAE_LINEAR_KLU)
+    call same('NSDAE_REDUNDANT_ERROR', NSDAE_REDUNDANT_ERROR)
+    call same('NSDAE_REDUNDANT_LEAST_NORM', NSDAE_REDUNDANT_LEAST_NORM)
+    call same('NSDAE_OPEN', NSDAE_OPEN)
+    call same('NSDAE_SLIDE', NSDAE_SLIDE)
+    call same('NSDAE_STICK', NSDAE_STICK)
+    call same('NSDAE_OBSERVERS_MAX', NSDAE_OBSERVERS_MAX)
+    call same('NSDAE_PARAM_REAL', NSDAE_PARAM_REAL)
+    call same('NSDAE_PARAM_INT', NSDAE_PARAM_INT)
+    call same('NSDAE_PARAM_CHOICE', NSDAE_PARAM_CHOICE)
+    call same('NSDAE_PARAM_TEXT', NSDAE_PARAM_TEXT)
+    call same('NSDAE_PARAM_TEXT_SIZE', NSDAE_PARAM_TEXT_SIZE)
+    call same('NSDAE_OPEN_MIN', NSDAE_OPEN_MIN)
+    call same('NSDAE_OPEN_MAX', NSDAE_OPEN_MAX)
+  end subroutine
+
+  subroutine error_fields()
+    type(nsdae_c_error), target :: x
+    call same_size('nsdae_error', c_sizeof(x))
+    call same_place('nsdae_error%code', c_loc(x), c_loc(x%code))
+    call same_place('nsdae_error%index', c_loc(x), c_loc(x%index))
+    call same_place('nsdae_error%time', c_loc(x), c_loc(x%time))
+    call same_place('nsdae_error%argument', c_loc(x), c_loc(x%argument))
+    call same_place('nsdae_error%where', c_loc(x), c_loc(x%where))
+    call same_place('nsdae_error%text', c_loc(x), c_loc(x%text))
+  end subroutine
+
+  subroutine dims_fields()
+    type(nsdae_dims), target :: x
+    call same_size('nsdae_dims', c_sizeof(x))
+    call same_place('nsdae_dims%nv', c_loc(x), c_loc(x%nv))
+    call same_place('nsdae_dims%m', c_loc(x), c_loc(x%m))
+    call same_place('nsdae_dims%k', c_loc(x), c_loc(x%k))
+    call same_place('nsdae_dims%nt', c_loc(x), c_loc(x%nt))
+    call same_place('nsdae_dims%f', c_loc(x), c_loc(x%f))
+  end subroutine
+
+  subroutine check_fields()
+    type(nsdae_c_check), target :: x
+    call same_size('nsdae_check', c_sizeof(x))
+    call same_place('nsdae_check%row', c_loc(x), c_loc(x%row))
+    call same_place('nsdae_check%column', c_loc(x), c_loc(x%column))
+    call same_place('nsdae_check%given', c_loc(x), c_loc(x%given))
+    call same_place('nsdae_check%difference', c_loc(x), c_loc(x%difference))
+    call same_place('nsdae_check%error', c_loc(x), c_loc(x%error))
+  end subroutine
+
+  subroutine param_fields()
+    type(nsdae_c_param), target :: x
+    call same_size('nsdae_param', c_sizeof(x))
+    call same_place('nsdae_param%unit', c_loc(x), c_loc(x%unit))
+    call same_place('nsdae_param%help', c_loc(x), c_loc(x%help))
+    call same_place('nsdae_param%type', c_loc(x), c_loc(x%type))
+    call same_place('nsdae_param%offset', c_loc(x), c_loc(x%offset))
+    call same_place('nsdae_param%initial', c_loc(x), c_loc(x%initial))
+    call same_place('nsdae_param%min', c_loc(x), c_loc(x%min))
+    call same_place('nsdae_param%max', c_loc(x), c_loc(x%max))
+    call same_place('nsdae_param%open', c_loc(x), c_loc(x%open))
+    call same_place('nsdae_param%choices', c_loc(x), c_loc(x%choices))
+  end subroutine
+
+  subroutine params_fields()
+    type(nsdae_c_params), target :: x
+    call same_size('nsdae_params', c_sizeof(x))
+    call same_place('nsdae_params%n', c_loc(x), c_loc(x%n))
+  end subroutine
+
+  subroutine sim_options_fields()
+    type(nsdae_sim_options), target :: x
+    call same_size('nsdae_sim_options', c_sizeof(x))
+    call same_place('nsdae_sim_options%dt', c_loc(x), c_loc(x%dt))
+    call same_place('nsdae_sim_options%baumgarte_alpha', c_loc(x), c_loc(x%baumgarte_alpha))
+    call same_place('nsdae_sim_options%baumgarte_beta', c_loc(x), c_loc(x%baumgarte_beta))
+    call same_place('nsdae_sim_options%iteration_tol', c_loc(x), c_loc(x%iteration_tol))
+    call same_place('nsdae_sim_options%iteration_max', c_loc(x), c_loc(x%iteration_max))
+    call same_place('nsdae_sim_options%redundant', c_loc(x), c_loc(x%redundant))
+    call same_place('nsdae_sim_options%rank_tol', c_loc(x), c_loc(x%rank_tol))
+    call same_place('nsdae_sim_options%lcp_tol', c_loc(x), c_loc(x%lcp_tol))
+    call same_place('nsdae_sim_options%polygon', c_loc(x), c_loc(x%polygon))
+    call same_place('nsdae_sim_options%impact_velocity', c_loc(x), c_loc(x%impact_velocity))
+    call same_place('nsdae_sim_options%rtol', c_loc(x), c_loc(x%rtol))
+    call same_place('nsdae_sim_options%atol', c_loc(x), c_loc(x%atol))
+    call same_place('nsdae_sim_options%penalty_law', c_loc(x), c_loc(x%penalty_law))
+    call same_place('nsdae_sim_options%penalty_stiffness', c_loc(x), c_loc(x%penalty_stiffness))
+    call same_place('nsdae_sim_options%penalty_exponent', c_loc(x), c_loc(x%penalty_exponent))
+    call same_place('nsdae_sim_options%friction_velocity', c_loc(x), c_loc(x%friction_velocity))
+    call same_place('nsdae_sim_options%linear_solver', c_loc(x), c_loc(x%linear_solver))
+    call same_place('nsdae_sim_options%accumulation_time', c_loc(x), c_loc(x%accumulation_time))
+    call same_place('nsdae_sim_options%events_max', c_loc(x), c_loc(x%events_max))
+    call same_place('nsdae_sim_options%initialised', c_loc(x), c_loc(x%initialised))
+  end subroutine
+
+  subroutine impact_fields()
+    type(nsdae_impact), target :: x
+    call same_size('nsdae_impact', c_sizeof(x))
+    call same_place('nsdae_impact%contact', c_loc(x), c_loc(x%contact))
+    call same_place('nsdae_impact%normal_impulse', c_loc(x), c_loc(x%normal_impulse))
+    call same_place('nsdae_impact%tangential_impulse', c_loc(x), c_loc(x%tangential_impulse))
+    call same_place('nsdae_impact%velocity_before', c_loc(x), c_loc(x%velocity_before))
+    call same_place('nsdae_impact%velocity_after', c_loc(x), c_loc(x%velocity_after))
+    call same_place('nsdae_impact%peak_force', c_loc(x), c_loc(x%peak_force))
+    call same_place('nsdae_impact%accumulation', c_loc(x), c_loc(x%accumulation))
+  end subroutine
+
+  subroutine record_fields()
+    type(nsdae_c_record), target :: x
+    call same_size('nsdae_record', c_sizeof(x))
+    call same_place('nsdae_record%time', c_loc(x), c_loc(x%time))
+    call same_place('nsdae_record%q', c_loc(x), c_loc(x%q))
+    call same_place('nsdae_record%v', c_loc(x), c_loc(x%v))
+    call same_place('nsdae_record%multiplier', c_loc(x), c_loc(x%multiplier))
+    call same_place('nsdae_record%gap', c_loc(x), c_loc(x%gap))
+    call same_place('nsdae_record%normal_impulse', c_loc(x), c_loc(x%normal_impulse))
+    call same_place('nsdae_record%tangential_impulse', c_loc(x), c_loc(x%tangential_impulse))
+    call same_place('nsdae_record%mode', c_loc(x), c_loc(x%mode))
+    call same_place('nsdae_record%slide_impulse', c_loc(x), c_loc(x%slide_impulse))
+    call same_place('nsdae_record%slide_mode', c_loc(x), c_loc(x%slide_mode))
+    call same_place('nsdae_record%kinetic', c_loc(x), c_loc(x%kinetic))
+    call same_place('nsdae_record%potential', c_loc(x), c_loc(x%potential))
+    call same_place('nsdae_record%dissipated', c_loc(x), c_loc(x%dissipated))
+    call same_place('nsdae_record%lcp_residual', c_loc(x), c_loc(x%lcp_residual))
+    call same_place('nsdae_record%constraint_drift', c_loc(x), c_loc(x%constraint_drift))
+    call same_place('nsdae_record%penetration', c_loc(x), c_loc(x%penetration))
+    call same_place('nsdae_record%impact', c_loc(x), c_loc(x%impact))
+    call same_place('nsdae_record%impacts', c_loc(x), c_loc(x%impacts))
+  end subroutine
+
+  subroutine stats_fields()
+    type(nsdae_stats), target :: x
+    call same_size('nsdae_stats', c_sizeof(x))
+    call same_place('nsdae_stats%smooth_steps', c_loc(x), c_loc(x%smooth_steps))
+    call same_place('nsdae_stats%contact_steps', c_loc(x), c_loc(x%contact_steps))
+    call same_place('nsdae_stats%lcps', c_loc(x), c_loc(x%lcps))
+    call same_place('nsdae_stats%lcp_pivots', c_loc(x), c_loc(x%lcp_pivots))
+    call same_place('nsdae_stats%iterations', c_loc(x), c_loc(x%iterations))
+    call same_place('nsdae_stats%mass_evals', c_loc(x), c_loc(x%mass_evals))
+    call same_place('nsdae_stats%force_evals', c_loc(x), c_loc(x%force_evals))
+    call same_place('nsdae_stats%jacobian_evals', c_loc(x), c_loc(x%jacobian_evals))
+    call same_place('nsdae_stats%impacts', c_loc(x), c_loc(x%impacts))
+    call same_place('nsdae_stats%events', c_loc(x), c_loc(x%events))
+    call same_place('nsdae_stats%accumulations', c_loc(x), c_loc(x%accumulations))
+    call same_place('nsdae_stats%fallback_steps', c_loc(x), c_loc(x%fallback_steps))
+    call same_place('nsdae_stats%rank', c_loc(x), c_loc(x%rank))
+    call same_place('nsdae_stats%rank_most', c_loc(x), c_loc(x%rank_most))
+    call same_place('nsdae_stats%worst_residual', c_loc(x), c_loc(x%worst_residual))
+    call same_place('nsdae_stats%worst_drift', c_loc(x), c_loc(x%worst_drift))
+    call same_place('nsdae_stats%worst_penetration', c_loc(x), c_loc(x%worst_penetration))
+    call same_place('nsdae_stats%energy_start', c_loc(x), c_loc(x%energy_start))
+    call same_place('nsdae_stats%energy_balance', c_loc(x), c_loc(x%energy_balance))
+    call same_place('nsdae_stats%wall_time', c_loc(x), c_loc(x%wall_time))
+  end subroutine
+
+  subroutine trajectory_info_fields()
+    type(nsdae_c_trajectory_info), target :: x
+    call same_size('nsdae_trajectory_info', c_sizeof(x))
+    call same_place('nsdae_trajectory_info%parameters', c_loc(x), c_loc(x%parameters))
+    call same_place('nsdae_trajectory_info%parameters_base', c_loc(x), c_loc(x%parameters_base))
+    call same_place('nsdae_trajectory_info%live', c_loc(x), c_loc(x%live))
+  end subroutine
+
+end program

@@ -1,0 +1,144 @@
+! What the library calls: module procedures, so that no compiler needs trampolines.
+module observer_of_trajectory
+  use nsdae
+  implicit none
+
+  integer, parameter :: STEPS = 1500
+
+  type :: tape
+    integer :: n = 0
+    real(c_double) :: time(0:STEPS), q(3, 0:STEPS)
+  end type
+
+contains
+
+  integer(c_int) function remember(record, error, user) result(status)
+    type(nsdae_record), intent(in) :: record
+    type(nsdae_error), intent(inout) :: error
+    class(*), intent(inout) :: user
+    status = 0
+    select type (user)
+    type is (tape)
+      user%time(user%n) = record%time
+      user%q(:, user%n) = record%q
+      user%n = user%n + 1
+    end select
+  end function
+
+end module
+
+! The twin of tests/system/trajectory.c, as far as it is of the module: what was recorded is in the
+! file, byte for byte; datasets of one's own; what is refused.
+program trajectory_test
+  use nsdae
+  use bead_model
+  use observer_of_trajectory
+  use check
+  implicit none
+
+  type(bead), target :: b
+  type(nsdae_system) :: system
+  type(nsdae_sim) :: sim
+  type(nsdae_sim_options) :: options
+  type(nsdae_params) :: table
+  real(c_double) :: q0(3), v0(3)
+
+  call nsdae_sim_options_default(options)
+  options%dt = 0.001d0
+  call bead_start(b, q0, v0)
+  call is_int(nsdae_params_add(table, b%speed, 'speed', 'm/s', 'of the parabola', 0.3d0), &
+              NSDAE_OK, 'table')
+  call is_int(bead_system(b, system), NSDAE_OK, 'the bead')
+  call is_int(nsdae_sim_create(system, sim, options), NSDAE_OK, 'create')
+  call refused
+  call contents
+  call failed_run
+  call nsdae_sim_destroy(sim)
+  call nsdae_system_destroy(system)
+  call nsdae_params_destroy(table)
+  call check_done
+
+contains
+
+  subroutine refused()
+    type(nsdae_trajectory) :: t
+    type(nsdae_sim) :: none
+    type(nsdae_error) :: error
+    call is_int(nsdae_trajectory_create(sim, 'no/such/folder/x.h5', nsdae_trajectory_info('bead'), &
+                                        t, error), NSDAE_E_IO, 'no folder')
+    call contains_text(error%text, 'no/such/folder/x.h5', 'error%text')
+    call is_int(nsdae_trajectory_create(none, 'x.h5', nsdae_trajectory_info('bead'), t), &
+                NSDAE_E_ARGUMENT, 'no simulation')
+    call is_int(nsdae_trajectory_put(t, '/x', [1d0], 'm', 'nothing'), NSDAE_E_ARGUMENT, 'no file')
+    call is_int(nsdae_trajectory_close(t, NSDAE_OK), NSDAE_OK, 'close nothing')
+  end subroutine
+
+  subroutine contents()
+    type(nsdae_trajectory) :: t
+    type(nsdae_error) :: error
+    type(tape), target, save :: seen
+    type(nsdae_trajectory_info) :: info
+    integer(c_int) :: status
+    info = nsdae_trajectory_info('bead', table, .false.)
+    call is_int(nsdae_trajectory_create(sim, 'fortran.h5', info, t, error), NSDAE_OK, error%text)
+    call is_int(nsdae_sim_init(sim, 0d0, q0, v0), NSDAE_OK, 'init')
+    call is_int(nsdae_sim_observe(sim, remember, seen), NSDAE_OK, 'observe')
+    status = nsdae_sim_run(sim, STEPS * 0.001d0)
+    call is_int(status, NSDAE_OK, 'run')
+    call is_int(nsdae_trajectory_put(t, '/mine/numbers', [1d0, 2d0, 3.5d0], 'm', 'mine', error), &
+                NSDAE_OK, 'put ' // error%text)
+    call is_int(nsdae_trajectory_put_texts(t, '/mine/words', [character(len=5) :: 'one', 'two'], &
+                                           'mine too', error), NSDAE_OK, 'texts ' // error%text)
+    call is_int(nsdae_trajectory_close(t, status, error), NSDAE_OK, 'close')
+    call is_int(nsdae_sim_unobserve(sim, remember, seen), NSDAE_OK, 'unobserve')
+    call is_int(seen%n, STEPS + 1, 'records')
+    call is_true(all(stored('/time', STEPS + 1) == seen%time), 'time')
+    call is_true(all(stored('/q', 3 * (STEPS + 1)) == reshape(seen%q, [3 * (STEPS + 1)])), 'q')
+    call is_true(all(stored('/mine/numbers', 3) == [1d0, 2d0, 3.5d0]), 'numbers')
+    call is_true(all(stored('/parameters/speed', 1) == [0.3d0]), 'speed')
+    call shows('-d /mine/words', '"one", "two"')
+    call shows('-a /status', '"complete"')
+    call shows('-a /model', '"bead"')
+  end subroutine
+
+  subroutine failed_run()
+    type(nsdae_trajectory) :: t
+    integer(c_int) :: status
+    b%term = FORCE_
+    b%calls = 0
+    b%at = 400
+    b%code = -1
+    call is_int(nsdae_trajectory_create(sim, 'fortran.h5', nsdae_trajectory_info('bead'), t), &
+                NSDAE_OK, 'create')
+    call is_int(nsdae_sim_init(sim, 0d0, q0, v0), NSDAE_OK, 'init')
+    status = nsdae_sim_run(sim, 3d0)
+    call is_int(status, NSDAE_E_CALLBACK, 'run')
+    call is_int(nsdae_trajectory_close(t, status), NSDAE_OK, 'close')
+    call shows('-a /status', '"failed"')
+  end subroutine
+
+  ! The doubles of a dataset, as h5dump writes them.
+  function stored(path, n) result(values)
+    character(len=*), intent(in) :: path
+    integer, intent(in) :: n
+    real(c_double) :: values(n)
+    integer :: file, failed
+    values = -1
+    call execute_command_line('h5dump -d ' // path // ' -b LE -o fortran.bin fortran.h5 >/dev/null')
+    open (newunit=file, file='fortran.bin', access='stream', form='unformatted', status='old')
+    read (file, iostat=failed) values
+    call is_int(failed, 0, 'reading ' // path)
+    close (file, status='delete')
+  end function
+
+  ! h5dump's text with these options has the word in it.
+  subroutine shows(options, word)
+    character(len=*), intent(in) :: options, word
+    integer :: code
+    code = -1
+    call execute_command_line('h5dump ' // options // ' fortran.h5 | grep -qF ''' // word // '''', &
+                              exitstat=code)
+    call is_int(code, 0, 'h5dump ' // options // ': ' // word)
+  end subroutine
+
+end program
