@@ -68,6 +68,14 @@ module nsdae_f_sim
     integer(c_int) :: accumulation                      ! 1: infinitely many, ending in rest
   end type
 
+  ! A contact or slide that changed its mode at an instant; method event alone finds them.
+  type, bind(C), public :: nsdae_change
+    real(c_double) :: time                              ! [s]
+    integer(c_int) :: contact                           ! from 0; -1: a slide
+    integer(c_int) :: slide                             ! from 0; -1: a contact
+    integer(c_int) :: mode_before, mode_after           ! NSDAE_OPEN, NSDAE_SLIDE, NSDAE_STICK
+  end type
+
   ! The state after a step (or at the start, step = 0) and its certificate. The arrays are the
   ! simulation's own and hold until the next step; they are to be read only.
   type, public :: nsdae_record
@@ -88,6 +96,8 @@ module nsdae_f_sim
     real(c_double) :: penetration = 0                           ! max(0, -g_N)
     type(nsdae_impact), pointer :: impact(:) => null()          ! [impacts]
     integer(c_int) :: impacts = 0
+    type(nsdae_change), pointer :: change(:) => null()          ! [changes]
+    integer(c_int) :: changes = 0
   end type
 
   ! The struct of the C header.
@@ -109,6 +119,8 @@ module nsdae_f_sim
     real(c_double) :: penetration
     type(c_ptr) :: impact
     integer(c_int) :: impacts
+    type(c_ptr) :: change
+    integer(c_int) :: changes
   end type
 
   type, bind(C), public :: nsdae_stats
@@ -506,6 +518,8 @@ contains
     record%penetration = from%penetration
     call c_f_pointer(from%impact, record%impact, [from%impacts])
     record%impacts = from%impacts
+    call c_f_pointer(from%change, record%change, [from%changes])
+    record%changes = from%changes
   end subroutine
 
 end module

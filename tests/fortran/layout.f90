@@ -31,6 +31,7 @@ program layout
   call params_fields
   call sim_options_fields
   call impact_fields
+  call change_fields
   call record_fields
   call stats_fields
   call trajectory_info_fields
@@ -198,6 +199,15 @@ contains
     call same_place('nsdae_impact%accumulation', c_loc(x), c_loc(x%accumulation))
   end subroutine
 
+  subroutine change_fields()
+    type(nsdae_change), target :: x
+    call same_size('nsdae_change', c_sizeof(x))
+    call same_place('nsdae_change%contact', c_loc(x), c_loc(x%contact))
+    call same_place('nsdae_change%slide', c_loc(x), c_loc(x%slide))
+    call same_place('nsdae_change%mode_before', c_loc(x), c_loc(x%mode_before))
+    call same_place('nsdae_change%mode_after', c_loc(x), c_loc(x%mode_after))
+  end subroutine
+
   subroutine record_fields()
     type(nsdae_c_record), target :: x
     call same_size('nsdae_record', c_sizeof(x))
@@ -219,6 +229,8 @@ contains
     call same_place('nsdae_record%penetration', c_loc(x), c_loc(x%penetration))
     call same_place('nsdae_record%impact', c_loc(x), c_loc(x%impact))
     call same_place('nsdae_record%impacts', c_loc(x), c_loc(x%impacts))
+    call same_place('nsdae_record%change', c_loc(x), c_loc(x%change))
+    call same_place('nsdae_record%changes', c_loc(x), c_loc(x%changes))
   end subroutine
 
   subroutine stats_fields()
