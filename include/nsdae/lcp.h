@@ -19,15 +19,17 @@ typedef struct nsdae_lcp_problem {
   const double *b; /* n */
 } nsdae_lcp_problem;
 
-/* Stages of the chain, in their order; options.stages is a sum of these. */
+/* Stages of the chain, in the order in which they are tried; options.stages is a sum of these. */
 enum nsdae_lcp_stage {
   NSDAE_LCP_NONE = 0,
-  NSDAE_LCP_TRIVIAL = 1,   /* b >= 0: x = 0 */
-  NSDAE_LCP_WARM = 2,      /* the active set given on entry: one factorisation */
-  NSDAE_LCP_LEMKE = 4,     /* lexicographic Lemke, covering vector of ones in scaled rows */
-  NSDAE_LCP_COVERING = 8,  /* Lemke with other covering vectors */
-  NSDAE_LCP_FURTHER = 16,  /* a method of another kind */
-  NSDAE_LCP_ENUMERATE = 32 /* all active sets, for small n; proves where there is no solution */
+  NSDAE_LCP_TRIVIAL = 1,    /* b >= 0: x = 0 */
+  NSDAE_LCP_WARM = 2,       /* the active set given on entry: one factorisation */
+  NSDAE_LCP_LEMKE = 4,      /* lexicographic Lemke, covering vector of ones in scaled rows */
+  NSDAE_LCP_COVERING = 8,   /* Lemke with other covering vectors */
+  NSDAE_LCP_PROVE = 64,     /* looks for the proof that no x >= 0 has A x + b >= 0 */
+  NSDAE_LCP_FURTHER = 16,   /* damped Newton on the semismooth equations, from many starts */
+  NSDAE_LCP_ENUMERATE = 32, /* all active sets, for small n; proves where there is no solution */
+  NSDAE_LCP_ALL = 127
 };
 
 enum nsdae_lcp_outcome {
@@ -37,42 +39,49 @@ enum nsdae_lcp_outcome {
 };
 
 typedef struct nsdae_lcp_options {
-  double tol;        /* bound on the scaled natural residual of a solution */
-  int max_pivots;    /* per run of Lemke; 0: 50 n + 100 */
-  int stages;        /* sum of enum nsdae_lcp_stage; default all */
-  int enumerate_max; /* largest n that enumeration takes on */
+  double tol;        /* bound on the scaled natural residual of a solution, in (0, 1] */
+  int max_pivots;    /* per run of Lemke, >= 0; 0: 50 n + 100 */
+  int stages;        /* sum of enum nsdae_lcp_stage; default NSDAE_LCP_ALL */
+  int enumerate_max; /* largest n that enumeration takes on, in [0, 24] */
 } nsdae_lcp_options;
 
 typedef struct nsdae_lcp_info {
   int outcome;     /* enum nsdae_lcp_outcome */
   int stage;       /* enum nsdae_lcp_stage that ended it */
   int pivots;      /* over all stages */
-  double residual; /* max_i |min(x_i / sx_i, y_i / sy_i)| of the equilibrated problem: see
-                      nsdae_dlcpres */
+  double residual; /* max_i |min(x_i / sx_i, y_i / sy_i)| of the equilibrated problem (see
+                      nsdae_dlcpres); INFINITY where no point was found */
 } nsdae_lcp_info;
 
+/* tol 1e-10, every stage, enumeration up to n = 12. NULL is left alone. */
 NSDAE_API void nsdae_lcp_options_default(nsdae_lcp_options *options);
 
-/* Names of a stage ("lemke") and of an outcome ("solved"). */
+/* Names of a stage ("lemke") and of an outcome ("solved"); "unknown" for any other value. */
 NSDAE_API const char *nsdae_lcp_stage_name(int stage);
 NSDAE_API const char *nsdae_lcp_outcome_name(int outcome);
 
-/* Solves the problem; allocates its own workspace. options may be NULL for the defaults.
- *   x [n]  in: a guess whose positive entries are the active set tried first (zero: none);
- *          out: the solution, or the best point found
- *   y [n]  out: A x + b
- * NSDAE_OK solved; NSDAE_E_INFEASIBLE proved without solution; NSDAE_E_LCP no solution found;
- * NSDAE_E_ARGUMENT, NSDAE_E_NONFINITE (A or b), NSDAE_E_MEMORY. info may be NULL. */
+/* Solves the problem; allocates its own workspace, once.
+ *   problem  n in [0, 20000]; A and b may be NULL where n = 0, and so may x and y
+ *   options  NULL: the defaults
+ *   x [n]    in: a guess whose positive entries are the active set tried first (zero: none);
+ *            out: the solution, or the best point found
+ *   y [n]    out: A x + b
+ *   info     may be NULL
+ * NSDAE_OK solved; NSDAE_E_INFEASIBLE proved without solution; NSDAE_E_LCP no solution found.
+ * With NSDAE_E_ARGUMENT (missing or outside its range), NSDAE_E_NONFINITE (a NaN or an infinity in
+ * A or b) and NSDAE_E_MEMORY, x and y are as they were. */
 NSDAE_API int nsdae_lcp_solve(const nsdae_lcp_problem *problem, const nsdae_lcp_options *options,
                               double *x, double *y, nsdae_lcp_info *info);
 
 /* The same in the caller's workspace, without allocation.
- *   basis [n]  in: 1 where x_i is thought positive, 0 where y_i is; out: that of the solution
- *   work [lwork], iwork [liwork]: sizes for n from nsdae_lcp_workspace */
+ *   basis [n]  in: not 0 where x_i is thought positive, 0 where y_i is; out: 1 and 0, that of the
+ *              solution (left alone where none was found)
+ *   work [lwork], iwork [liwork]: at least the sizes for n from nsdae_lcp_workspace */
 NSDAE_API int nsdae_lcp_solve_in(const nsdae_lcp_problem *problem, const nsdae_lcp_options *options,
                                  int *basis, double *x, double *y, nsdae_lcp_info *info,
                                  double *work, int lwork, int *iwork, int liwork);
 
+/* Both sizes are at least 1; NSDAE_E_ARGUMENT where n is outside [0, 20000] or a size is NULL. */
 NSDAE_API int nsdae_lcp_workspace(int n, int *lwork, int *liwork);
 
 #ifdef __cplusplus
