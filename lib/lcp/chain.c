@@ -10,6 +10,8 @@
 #include "equilibrate.h"
 #include "fischer.h"
 #include "judge.h"
+#include "proof.h"
+#include "ray.h"
 
 enum { COVERINGS = 12 };
 
@@ -18,7 +20,7 @@ int nsdae_chain_sizes(int n, int *lwork, int *liwork)
   double lemke = 0;
   nsdae_dlemke(n, NULL, n > 0 ? n : 1, NULL, NULL, 0, NULL, NULL, NULL, &lemke, -1, NULL);
   *lwork = 4 * n * n + 13 * n + (int)lemke + 1;
-  *liwork = 4 * n + 1;
+  *liwork = 6 * n + 1;
   return NSDAE_OK;
 }
 
@@ -43,6 +45,7 @@ void nsdae_chain_lay_out(nsdae_chain *c, double *work, int *iwork)
   c->trial = iwork;
   c->pivot = c->trial + n;
   c->index = c->pivot + n;
+  c->allowed = c->index + 2 * n + 1;
 }
 
 /* The problem in rows and columns of like size. */
@@ -71,18 +74,25 @@ static int warm(nsdae_chain *c)
   return any && nsdae_chain_judge_basis(c, c->basis, NSDAE_LCP_WARM);
 }
 
+/* Lemke's method; c->x and c->trial are its end. */
+static int run_lemke(nsdae_chain *c, const double *cover, int *pivots)
+{
+  int n = c->n;
+  int most = c->options->max_pivots > 0 ? c->options->max_pivots : 50 * n + 100;
+  return nsdae_dlemke(n, c->A, n, c->b, cover, most, c->x, c->trial, pivots, c->lemke,
+                      c->lemke_size, c->index);
+}
+
 static int lemke_with(nsdae_chain *c, const double *cover, int stage)
 {
-  int n = c->n, pivots = 0;
-  int most = c->options->max_pivots > 0 ? c->options->max_pivots : 50 * n + 100;
-  int info = nsdae_dlemke(n, c->A, n, c->b, cover, most, c->x, c->trial, &pivots, c->lemke,
-                          c->lemke_size, c->index);
+  int pivots = 0, info = run_lemke(c, cover, &pivots);
   c->info->pivots += pivots;
+  if (!cover) c->ray = info == 1;
   if (info != 0) return 0;
-  for (int i = 0; i < n; i++) c->x[i] *= c->column[i];
-  if (nsdae_chain_judge(c, stage)) memcpy(c->basis, c->trial, (size_t)n * sizeof *c->basis);
+  for (int i = 0; i < c->n; i++) c->x[i] *= c->column[i];
+  if (nsdae_chain_judge(c, stage)) memcpy(c->basis, c->trial, (size_t)c->n * sizeof *c->basis);
   /* the basis solved at once has less rounding than a hundred pivots */
-  if (c->info->outcome != NSDAE_LCP_SOLVED || pivots > n)
+  if (c->info->outcome != NSDAE_LCP_SOLVED || pivots > c->n)
     nsdae_chain_judge_basis(c, c->trial, stage);
   return c->info->outcome == NSDAE_LCP_SOLVED;
 }
@@ -90,6 +100,13 @@ static int lemke_with(nsdae_chain *c, const double *cover, int stage)
 static int lemke(nsdae_chain *c)
 {
   return lemke_with(c, NULL, NSDAE_LCP_LEMKE);
+}
+
+/* The ray again, from which a later stage took the arrays. */
+static void read_ray(nsdae_chain *c)
+{
+  int pivots;
+  if (run_lemke(c, NULL, &pivots) == 1) nsdae_chain_read_ray(c);
 }
 
 /* Entries in (0, 1] from a linear congruential generator (Knuth's MMIX). */
@@ -150,6 +167,7 @@ static int further(nsdae_chain *c)
 static int enumerate(nsdae_chain *c)
 {
   if (c->n > c->options->enumerate_max) return 0;
+  if (nsdae_chain_prove_all(c)) return 1;
   for (long set = 0; set < 1L << c->n; set++) {
     for (int i = 0; i < c->n; i++) c->trial[i] = (int)(set >> i & 1);
     if (nsdae_chain_judge_basis(c, c->trial, NSDAE_LCP_ENUMERATE)) return 1;
@@ -157,25 +175,40 @@ static int enumerate(nsdae_chain *c)
   return 0;
 }
 
+/* Every stage returns whether the chain ends with it. */
 static int run_stages(nsdae_chain *c)
 {
   static const struct {
     int stage;
     int (*run)(nsdae_chain *);
-  } all[] = {{NSDAE_LCP_TRIVIAL, trivial}, {NSDAE_LCP_WARM, warm},
-             {NSDAE_LCP_LEMKE, lemke},     {NSDAE_LCP_COVERING, coverings},
-             {NSDAE_LCP_FURTHER, further}, {NSDAE_LCP_ENUMERATE, enumerate}};
+  } all[] = {{NSDAE_LCP_TRIVIAL, trivial},
+             {NSDAE_LCP_WARM, warm},
+             {NSDAE_LCP_LEMKE, lemke},
+             {NSDAE_LCP_COVERING, coverings},
+             {NSDAE_LCP_PROVE, nsdae_chain_prove},
+             {NSDAE_LCP_FURTHER, further},
+             {NSDAE_LCP_ENUMERATE, enumerate}};
   for (size_t i = 0; i < sizeof all / sizeof *all; i++)
-    if ((c->options->stages & all[i].stage) && all[i].run(c)) return NSDAE_OK;
-  return NSDAE_E_LCP;
+    if ((c->options->stages & all[i].stage) && all[i].run(c)) break;
+  if (c->info->outcome == NSDAE_LCP_SOLVED) return NSDAE_OK;
+  return c->info->outcome == NSDAE_LCP_INFEASIBLE ? NSDAE_E_INFEASIBLE : NSDAE_E_LCP;
+}
+
+/* x and y of the best point; of a proof by a vector, y is that vector. */
+static void hand_over(nsdae_chain *c)
+{
+  int proof = c->info->proof == NSDAE_LCP_PROOF_FARKAS;
+  int point = !proof && c->info->residual < INFINITY;
+  for (int i = 0; i < c->n; i++) c->x[i] = point ? c->best[i] : 0;
+  c->info->residual = nsdae_chain_residual(c);
+  for (int i = 0; proof && i < c->n; i++) c->y[i] = c->best[i];
 }
 
 int nsdae_chain_run(nsdae_chain *c)
 {
   equilibrate(c);
   int status = run_stages(c);
-  int found = c->info->residual < INFINITY;
-  for (int i = 0; i < c->n; i++) c->x[i] = found ? c->best[i] : 0;
-  nsdae_chain_residual(c);
+  if (status != NSDAE_OK && c->ray && c->n <= NSDAE_RAY_MAX) read_ray(c);
+  hand_over(c);
   return status;
 }

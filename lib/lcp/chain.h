@@ -24,6 +24,8 @@ typedef struct nsdae_chain {
   int lemke_size;
   int *trial, *pivot; /* n, n */
   int *index;         /* 2 n + 1 */
+  int *allowed;       /* 2 n */
+  int ray;            /* Lemke's method with the vector of ones ended on one */
 } nsdae_chain;
 
 /* Sizes of the workspace, and its arrays. */

@@ -24,10 +24,24 @@ const char *nsdae_lcp_stage_name(int stage)
   return "unknown";
 }
 
+static const char *choose(const char *const name[3], int value)
+{
+  return value >= 0 && value <= 2 ? name[value] : "unknown";
+}
+
 const char *nsdae_lcp_outcome_name(int outcome)
 {
-  static const char *const name[] = {"unsolved", "solved", "infeasible"};
-  return outcome >= 0 && outcome <= 2 ? name[outcome] : "unknown";
+  return choose((const char *const[]){"unsolved", "solved", "infeasible"}, outcome);
+}
+
+const char *nsdae_lcp_proof_name(int proof)
+{
+  return choose((const char *const[]){"none", "farkas", "enumerated"}, proof);
+}
+
+const char *nsdae_lcp_ray_name(int ray)
+{
+  return choose((const char *const[]){"nothing", "not copositive", "not strictly copositive"}, ray);
 }
 
 int nsdae_lcp_workspace(int n, int *lwork, int *liwork)

@@ -347,6 +347,15 @@ static void test_names(void **state)
   assert_string_equal(nsdae_lcp_outcome_name(NSDAE_LCP_INFEASIBLE), "infeasible");
   assert_string_equal(nsdae_lcp_outcome_name(3), "unknown");
   assert_string_equal(nsdae_lcp_outcome_name(-1), "unknown");
+  assert_string_equal(nsdae_lcp_proof_name(NSDAE_LCP_PROOF_NONE), "none");
+  assert_string_equal(nsdae_lcp_proof_name(NSDAE_LCP_PROOF_FARKAS), "farkas");
+  assert_string_equal(nsdae_lcp_proof_name(NSDAE_LCP_PROOF_ENUMERATED), "enumerated");
+  assert_string_equal(nsdae_lcp_proof_name(3), "unknown");
+  assert_string_equal(nsdae_lcp_ray_name(NSDAE_LCP_RAY_NOTHING), "nothing");
+  assert_string_equal(nsdae_lcp_ray_name(NSDAE_LCP_RAY_NOT_COPOSITIVE), "not copositive");
+  assert_string_equal(nsdae_lcp_ray_name(NSDAE_LCP_RAY_NOT_STRICTLY_COPOSITIVE),
+                      "not strictly copositive");
+  assert_string_equal(nsdae_lcp_ray_name(-1), "unknown");
 }
 
 int main(void)
