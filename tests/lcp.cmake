@@ -9,3 +9,6 @@ if(NSDAE_DRIVERS)
   target_compile_definitions(test_system_lcp_published PRIVATE
     NSDAE_SHARED_DIR="${NSDAE_SHARED_DIR}")
 endif()
+foreach(name enumerate pgs principal)
+  nsdae_unit_test(lcp ${name})
+endforeach()

@@ -1,3 +1,5 @@
+#include "residual.h"
+
 #include <math.h>
 #include <nsdae/kernels.h>
 #include <stddef.h>
@@ -30,6 +32,14 @@ static double column_size(int n, const double *column, const double *sy)
   return least;
 }
 
+double nsdae_lcp_entry_error(int n, const double *column, int i, double x, double y,
+                             const double *sizes)
+{
+  double of_x = relative(x, column_size(n, column, sizes)), of_y = relative(y, sizes[i]);
+  if (isnan(x + y) || !isfinite(sizes[i])) return NAN;
+  return of_x < of_y ? of_x : of_y;
+}
+
 static int check(int n, const double *a, int lda, const double *b, const double *x, const double *y,
                  const double *residual, const double *work)
 {
@@ -54,14 +64,10 @@ int nsdae_dlcpres(int n, const double *a, int lda, const double *b, const double
     y[i] = row(n, a + i, lda, b[i], x, &work[i]);
     work[i] += 1e-3 * largest;
   }
-  for (int i = 0; i < n; i++) {
-    double sx = column_size(n, a + (size_t)i * (size_t)lda, work);
-    double of_x = relative(x[i], sx), of_y = relative(y[i], work[i]);
-    double error = fabs(of_x < of_y ? of_x : of_y);
-    if (isnan(x[i] + y[i]) || !isfinite(work[i])) error = NAN;
+  for (int i = 0; i < n && !isnan(worst); i++) {
+    double error = fabs(nsdae_lcp_entry_error(n, a + (size_t)i * (size_t)lda, i, x[i], y[i], work));
     if (!(error <= worst)) worst = error;
-    if (isnan(worst)) break;
   }
   *residual = worst;
-  return 0;
+  return isnan(worst) ? 1 : 0;
 }
