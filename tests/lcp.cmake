@@ -12,3 +12,5 @@ endif()
 foreach(name enumerate pgs principal)
   nsdae_unit_test(lcp ${name})
 endforeach()
+
+nsdae_test(anomaly kernels)

@@ -36,15 +36,16 @@ NSDAE_API int nsdae_dlcpres(int n, const double *a, int lda, const double *b, co
 /* Lemke's method with lexicographic pivoting (Cottle, Pang, Stone, "The Linear Complementarity
  * Problem", 1992, sections 4.4 and 4.9) on the problem as it is given: scale it before.
  *
- *   n, a, lda, b   as above
- *   d [n]          covering vector, every entry > 0; NULL: ones
+ *   n, a, lda, b   as above; a and b finite
+ *   d [n]          covering vector, every entry > 0 and finite; NULL: ones
  *   max_pivots     >= 0
  *   x [n]          out: the solution
  *   basis [n]      out: 1 where x_i is basic, else 0
  *   pivots         out: their number
  *   work [lwork]   lwork >= n (n + 2), or -1
  *   iwork [2 n + 1]
- * info 1: ended on a secondary ray; 2: max_pivots reached. x is then not a solution. */
+ * info 1: ended on a secondary ray; 2: max_pivots reached; 3: overflow. x is then not a solution.
+ */
 NSDAE_API int nsdae_dlemke(int n, const double *a, int lda, const double *b, const double *d,
                            int max_pivots, double *x, int *basis, int *pivots, double *work,
                            int lwork, int *iwork);

@@ -10,6 +10,8 @@
 #include <nsdae/kernels.h>
 #include <stddef.h>
 
+#include "finite.h"
+
 typedef struct dictionary {
   int n;
   double *D, *q;         /* n x (n + 1), n */
@@ -157,11 +159,11 @@ static int check(int n, const double *a, int lda, const double *b, const double 
   if (n < 0 || n > 32000) return -1;
   if (!work) return -10;
   if (lwork == -1) return 0;
-  if (!a && n > 0) return -2;
   if (lda < 1 || lda < n) return -3;
-  if (!b && n > 0) return -4;
+  if (!nsdae_lcp_finite(n, n, a, lda)) return -2;
+  if (!nsdae_lcp_finite(n, 1, b, n)) return -4;
   for (int i = 0; d && i < n; i++)
-    if (!(d[i] > 0)) return -5;
+    if (!(d[i] > 0) || isinf(d[i])) return -5;
   if (max_pivots < 0) return -6;
   if (!x && n > 0) return -7;
   if (!basis && n > 0) return -8;
@@ -187,5 +189,6 @@ int nsdae_dlemke(int n, const double *a, int lda, const double *b, const double 
   fill(&t, a, lda, b, d);
   info = pivot_to_the_end(&t, max_pivots, pivots);
   read_solution(&t, x, basis);
+  if (info == 0 && !nsdae_lcp_finite(n, 1, t.q, n)) return 3;
   return info;
 }
