@@ -21,8 +21,8 @@ typedef struct nsdae_lcp_origin {
 
 typedef struct nsdae_lcp_file {
   int n;
-  double *A;  /* n x n, column-major, lda = max(1, n); owned */
-  double *b;  /* n; in the same block */
+  double *A;  /* n x n, column-major, lda = max(1, n) */
+  double *b;  /* n; both from malloc, freed by nsdae_lcp_file_release */
   double tol; /* of the attribute; 0 where there is none */
 } nsdae_lcp_file;
 

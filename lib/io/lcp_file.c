@@ -104,12 +104,12 @@ static int read_problem(nsdae_h5 *h5, nsdae_lcp_file *file)
   if (status < 0) return status;
   size_t n = (size_t)file->n;
   double *rows = allocate(n * n, h5->error, h5->where);
-  file->A = allocate(n * n + n, h5->error, h5->where);
-  if (!rows || !file->A) {
+  file->A = allocate(n * n, h5->error, h5->where);
+  file->b = allocate(n, h5->error, h5->where);
+  if (!rows || !file->A || !file->b) {
     free(rows);
     return NSDAE_E_MEMORY;
   }
-  file->b = file->A + n * n;
   status = nsdae_h5_read(h5, "/A", rows);
   if (status == NSDAE_OK) status = nsdae_h5_read(h5, "/b", file->b);
   if (status == NSDAE_OK) transpose(file->n, rows, file->n, file->A);
@@ -144,5 +144,6 @@ void nsdae_lcp_file_release(nsdae_lcp_file *file)
 {
   if (!file) return;
   free(file->A);
+  free(file->b);
   *file = (nsdae_lcp_file){0};
 }

@@ -1,6 +1,7 @@
 /* Files in a library that was built without HDF5. */
 #include <nsdae/lcp_file.h>
 #include <nsdae/trajectory.h>
+#include <stdlib.h>
 
 #include "errors.h"
 
@@ -73,5 +74,8 @@ int nsdae_lcp_read(const char *path, nsdae_lcp_file *file, nsdae_error *error)
 
 void nsdae_lcp_file_release(nsdae_lcp_file *file)
 {
-  (void)file;
+  if (!file) return;
+  free(file->A);
+  free(file->b);
+  *file = (nsdae_lcp_file){0};
 }
