@@ -14,3 +14,15 @@ foreach(name enumerate pgs principal)
 endforeach()
 
 nsdae_test(anomaly kernels)
+
+if(NSDAE_HDF5)
+  nsdae_unit_test(io lcp_file)
+  target_compile_definitions(test_unit_io_lcp_file PRIVATE _POSIX_C_SOURCE=200809L)
+  target_link_libraries(test_unit_io_lcp_file PRIVATE nsdae_hdf5)
+endif()
+if(NSDAE_DRIVERS)
+  nsdae_test(system failed_lcp)
+  add_test(NAME system/lcp_cli COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/system/lcp_cli.sh
+    ${CMAKE_BINARY_DIR}/bin $<IF:$<BOOL:${NSDAE_HDF5}>,ON,OFF>)
+  set_tests_properties(system/lcp_cli PROPERTIES ENVIRONMENT OPENBLAS_NUM_THREADS=1 TIMEOUT 120)
+endif()
