@@ -5,6 +5,8 @@
 #include <nsdae/nsdae.h>
 #include <unistd.h>
 
+#include "allocator.h"
+
 static const char *const path = "test_lcp_file.h5";
 
 static void refused(int status, const char *words)
@@ -152,12 +154,38 @@ static void test_cut_off(void **state)
   refused(NSDAE_E_IO, "No such file or directory");
 }
 
+/* Each allocation of the library in turn fails: said, and nothing is left behind. */
+static void test_memory(void **state)
+{
+  (void)state;
+  const double A[4] = {2, 0, 1, 2}, b[2] = {-5, -6};
+  const nsdae_lcp_problem problem = {2, A, 2, b};
+  nsdae_lcp_file file;
+  allocator_reset(0);
+  assert_int_equal(nsdae_lcp_write(path, &problem, NULL, NULL), NSDAE_E_MEMORY);
+  allocator_reset(-1);
+  assert_int_equal(nsdae_lcp_write(path, &problem, NULL, NULL), NSDAE_OK);
+  assert_int_equal(the_allocator.live, 0);
+  for (int at = 0; at < 3; at++) {
+    allocator_reset(at);
+    assert_int_equal(nsdae_lcp_read(path, &file, NULL), NSDAE_E_MEMORY);
+    assert_null(file.A);
+    assert_int_equal(the_allocator.live, 0);
+  }
+  allocator_reset(3);
+  assert_int_equal(nsdae_lcp_read(path, &file, NULL), NSDAE_OK);
+  nsdae_lcp_file_release(&file);
+  assert_int_equal(the_allocator.live, 0);
+  allocator_reset(-1);
+  remove(path);
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_there_and_back), cmocka_unit_test(test_empty),
       cmocka_unit_test(test_arguments),      cmocka_unit_test(test_shapes),
-      cmocka_unit_test(test_cut_off),
+      cmocka_unit_test(test_cut_off),        cmocka_unit_test(test_memory),
   };
   H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
   return cmocka_run_group_tests(tests, NULL, NULL);
