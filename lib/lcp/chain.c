@@ -11,6 +11,7 @@
 
 #include "dense.h"
 #include "fischer.h"
+#include "lemke.h"
 
 enum { COVERINGS = 12 };
 
@@ -28,7 +29,7 @@ typedef struct chain {
   double *sizes;        /* n: workspace of the residual */
   double *best;         /* n: the best point so far */
   double *lu, *rhs;     /* n x n, n */
-  double *lemke;        /* n (n + 2) */
+  double *lemke;        /* nsdae_lemke_work(n) */
   double *scaled;       /* 2 n: x and y of the semismooth Newton method */
   double *newton;       /* 2 n^2 + 4 n: its workspace */
   int *trial, *pivot;   /* n, n */
@@ -38,7 +39,7 @@ typedef struct chain {
 int nsdae_lcp_workspace(int n, int *lwork, int *liwork)
 {
   if (n < 0 || n > 20000 || !lwork || !liwork) return NSDAE_E_ARGUMENT;
-  *lwork = 5 * n * n + 15 * n + 1;
+  *lwork = 4 * n * n + 13 * n + 1 + nsdae_lemke_work(n);
   *liwork = 4 * n + 1;
   return NSDAE_OK;
 }
@@ -49,7 +50,7 @@ static void lay_out(chain *c, double *work, int *iwork)
   c->A = work;
   c->lu = c->A + n * n;
   c->lemke = c->lu + n * n;
-  c->b = c->lemke + n * (n + 2);
+  c->b = c->lemke + nsdae_lemke_work(c->n);
   c->row = c->b + n;
   c->column = c->row + n;
   c->cover = c->column + n;
@@ -189,7 +190,7 @@ static int lemke_with(chain *c, const double *cover, int stage)
   int n = c->n, pivots = 0;
   int most = c->options->max_pivots > 0 ? c->options->max_pivots : 50 * n + 100;
   int info = nsdae_dlemke(n, c->A, n, c->b, cover, most, c->x, c->trial, &pivots, c->lemke,
-                          n * (n + 2), c->index);
+                          nsdae_lemke_work(n), c->index);
   c->info->pivots += pivots;
   if (info != 0) return 0;
   for (int i = 0; i < n; i++) c->x[i] *= c->column[i];

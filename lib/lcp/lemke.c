@@ -1,153 +1,192 @@
-/* The dictionary of the augmented problem y = A x + d z0 + b,
+/* Variables are numbered y_i: i, x_i: n + i, z0: 2 n. Of each pair x_k, y_k one is nonbasic, but
+ * for the pair of which the one has just left and the other enters.
  *
- *   basic_i = q_i + sum_j D_ij nonbasic_j,
- *
- * is kept condensed: n x (n + 1) coefficients and q. Variables are numbered y_i: i, x_i: n + i,
- * z0: 2 n. Ties are broken as if b_i were b_i + eps^(i+1): the coefficient of eps^(k+1) in the
- * constant of row i is -D_ij where y_k is the j-th nonbasic variable and 1 where y_k is basic_i. */
+ * Ties are broken as if b_i were b_i + eps^(i+1): the coefficient of eps^(k+1) in the constant of
+ * row i is -C_ij where y_k is the j-th nonbasic variable and 1 where y_k is basic_i. */
+#include "lemke.h"
+
 #include <float.h>
 #include <math.h>
 #include <nsdae/kernels.h>
 #include <stddef.h>
 
-typedef struct dictionary {
-  int n;
-  double *D, *q;         /* n x (n + 1), n */
-  int *basic, *nonbasic; /* n, n + 1 */
-} dictionary;
+#include "dictionary.h"
 
-static double *column_of(const dictionary *t, int j)
+/* From BLOCKED rows on, pivots are put off, BLOCK at a time (measured). */
+enum { BLOCKED = 60, BLOCK = 32 };
+
+typedef struct method {
+  nsdae_dictionary t;
+  int n, row_of_z0;
+  int *basic; /* n: the variable of each row */
+  int *place; /* n: the column of the nonbasic one of x_k, y_k: j where it is y_k, ~j where x_k */
+  double *ratio; /* n */
+} method;
+
+/* Coefficient of eps^(k+1) in the constant of row i. */
+static double perturbation(const method *m, int i, int k)
 {
-  return t->D + (size_t)j * (size_t)t->n;
+  if (m->place[k] >= 0) return -nsdae_dictionary_entry(&m->t, i, m->place[k]);
+  return m->basic[i] == k ? 1 : 0;
 }
 
-static void fill(dictionary *t, const double *a, int lda, const double *b, const double *d)
+/* Whether row i comes before row r in the lexicographic ratio test of column c. */
+static int before(const method *m, int i, int r, const double *c)
 {
-  int n = t->n;
-  for (int j = 0; j < n; j++) {
-    double *column = column_of(t, j);
-    for (int i = 0; i < n; i++) column[i] = a[(size_t)j * (size_t)lda + (size_t)i];
-    t->nonbasic[j] = n + j;
-    t->basic[j] = j;
-    t->q[j] = b[j];
-    column_of(t, n)[j] = d ? d[j] : 1;
-  }
-  t->nonbasic[n] = 2 * n;
-}
-
-/* Exchanges basic[r] and nonbasic[e]. */
-static void pivot(dictionary *t, int r, int e)
-{
-  int n = t->n, leaving = t->basic[r];
-  double *entering = column_of(t, e), by = entering[r], step = -t->q[r] / by;
-  for (int j = 0; j <= n; j++) {
-    double *column = column_of(t, j), factor = -column[r] / by;
-    if (j == e || factor == 0) continue;
-    for (int i = 0; i < n; i++) column[i] += factor * entering[i];
-    column[r] = factor;
-  }
-  for (int i = 0; i < n; i++) t->q[i] += step * entering[i];
-  t->q[r] = step;
-  for (int i = 0; i < n; i++) entering[i] /= by;
-  entering[r] = 1 / by;
-  t->basic[r] = t->nonbasic[e];
-  t->nonbasic[e] = leaving;
-}
-
-/* Coefficient of eps^(k+1) in the constant of row i; position: where y_k is nonbasic, or -1. */
-static double perturbation(const dictionary *t, int i, int k, int position)
-{
-  if (position >= 0) return -column_of(t, position)[i];
-  return t->basic[i] == k ? 1 : 0;
-}
-
-static int position_of(const dictionary *t, int variable)
-{
-  for (int j = 0; j <= t->n; j++)
-    if (t->nonbasic[j] == variable) return j;
-  return -1;
-}
-
-/* Whether row i comes before row r in the lexicographic ratio test of column e. */
-static int before(const dictionary *t, int i, int r, const double *entering)
-{
-  for (int k = 0; k < t->n; k++) {
-    int position = position_of(t, k);
-    double one = perturbation(t, i, k, position) / -entering[i];
-    double other = perturbation(t, r, k, position) / -entering[r];
+  for (int k = 0; k < m->n; k++) {
+    double one = perturbation(m, i, k) / -c[i], other = perturbation(m, r, k) / -c[r];
     double rounding = 8 * DBL_EPSILON * (fabs(one) + fabs(other));
     if (fabs(one - other) > rounding) return one < other;
   }
   return 0;
 }
 
-/* Row that blocks the entering column: smallest q_i / -D_ie, ties by the perturbation; z0 leaves
- * wherever it is among them. -1: none, a ray. */
-static int blocking_row(const dictionary *t, int e)
+/* max |c_i|; four at a time, for the latency of a comparison. */
+static double largest_of(int n, const double *c)
 {
-  const double *entering = column_of(t, e);
-  double largest = 0, smallest = INFINITY, rounding;
-  int n = t->n, best = -1;
-  for (int i = 0; i < n; i++) largest = fmax(largest, fabs(entering[i]));
-  double least = 64 * DBL_EPSILON * largest;
-  for (int i = 0; i < n; i++)
-    if (entering[i] < -least) smallest = fmin(smallest, fmax(t->q[i], 0) / -entering[i]);
+  double most[4] = {0};
+  int i = 0;
+  for (; i + 4 <= n; i += 4)
+    for (int k = 0; k < 4; k++) most[k] = fabs(c[i + k]) > most[k] ? fabs(c[i + k]) : most[k];
+  for (; i < n; i++) most[0] = fmax(most[0], fabs(c[i]));
+  return fmax(fmax(most[0], most[1]), fmax(most[2], most[3]));
+}
+
+static double smallest_of(int n, const double *c)
+{
+  double least[4] = {INFINITY, INFINITY, INFINITY, INFINITY};
+  int i = 0;
+  for (; i + 4 <= n; i += 4)
+    for (int k = 0; k < 4; k++) least[k] = c[i + k] < least[k] ? c[i + k] : least[k];
+  for (; i < n; i++) least[0] = c[i] < least[0] ? c[i] : least[0];
+  return fmin(fmin(least[0], least[1]), fmin(least[2], least[3]));
+}
+
+/* ratio_i = q_i / -c_i where c_i < -least, else infinite. */
+static void set_ratios(int n, const double *restrict q, const double *restrict c, double least,
+                       double *restrict ratio)
+{
   for (int i = 0; i < n; i++) {
-    if (!(entering[i] < -least)) continue;
-    double ratio = fmax(t->q[i], 0) / -entering[i];
-    rounding = 1e-13 * smallest + DBL_MIN;
-    if (ratio > smallest + rounding) continue;
-    if (t->basic[i] == 2 * n) return i;
-    if (best < 0 || before(t, i, best, entering)) best = i;
+    double constant = q[i] > 0 ? q[i] : 0;
+    double above = -c[i] > least ? constant : INFINITY, below = -c[i] > least ? -c[i] : 1;
+    ratio[i] = above / below;
   }
+}
+
+/* Row that blocks the entering column: smallest q_i / -c_i, ties by the perturbation; z0 leaves
+ * wherever it is among them. -1: none, a ray. */
+static int blocking_row(const method *m, const double *c)
+{
+  int n = m->n, best = -1;
+  set_ratios(n, m->t.q, c, 64 * DBL_EPSILON * largest_of(n, c), m->ratio);
+  double smallest = smallest_of(n, m->ratio);
+  if (!(smallest < INFINITY)) return -1;
+  double most = smallest + 1e-13 * smallest + DBL_MIN;
+  if (m->ratio[m->row_of_z0] <= most) return m->row_of_z0;
+  for (int i = 0; i < n; i++)
+    if (m->ratio[i] <= most && (best < 0 || before(m, i, best, c))) best = i;
   return best;
 }
 
-/* Row of the first pivot: the most negative q_i / d_i; the last of a tie has the least eps. */
-static int first_row(const dictionary *t)
+/* Row of the first pivot: the most negative b_i / d_i; the last of a tie has the least eps. */
+static int first_row(int n, const double *b, const double *d)
 {
-  const double *d = column_of(t, t->n);
   int worst = -1;
-  for (int i = 0; i < t->n; i++)
-    if (t->q[i] < 0 && (worst < 0 || t->q[i] / d[i] <= t->q[worst] / d[worst])) worst = i;
+  double least = 0;
+  for (int i = 0; i < n; i++) {
+    double ratio = d ? b[i] / d[i] : b[i];
+    if (!(b[i] < 0) || ratio > least) continue;
+    worst = i;
+    least = ratio;
+  }
   return worst;
 }
 
-static int complement(int variable, int n)
+/* After the first pivot, which has x_row enter. */
+static int pivot_to_the_end(method *m, int row, int max_pivots, int *pivots)
 {
-  return variable < n ? variable + n : variable - n;
-}
-
-static int pivot_to_the_end(dictionary *t, int max_pivots, int *pivots)
-{
-  int n = t->n, row = first_row(t), e = n;
-  *pivots = 0;
-  while (row >= 0) {
+  int n = m->n, e = row, entering = n + row;
+  m->row_of_z0 = row;
+  m->basic[row] = 2 * n;
+  m->place[row] = n;
+  for (*pivots = 1;; ++*pivots) {
+    const double *c = nsdae_dictionary_column(&m->t, e);
+    int r = blocking_row(m, c), leaving;
+    if (r < 0) return 1;
     if (*pivots == max_pivots) return 2;
-    int leaving = t->basic[row];
-    pivot(t, row, e);
-    ++*pivots;
-    if (leaving == 2 * n) return 0;
-    e = position_of(t, complement(leaving, n));
-    row = blocking_row(t, e);
-    if (row < 0) return 1;
+    leaving = m->basic[r];
+    m->basic[r] = entering;
+    if (leaving == 2 * n) {
+      nsdae_dictionary_move(&m->t, r, c);
+      ++*pivots;
+      return 0;
+    }
+    nsdae_dictionary_pivot(&m->t, r, e, c);
+    int left = e, k = leaving < n ? leaving : leaving - n;
+    e = m->place[k] >= 0 ? m->place[k] : ~m->place[k];
+    m->place[k] = leaving < n ? left : ~left;
+    entering = leaving < n ? leaving + n : leaving - n;
   }
-  return 0;
 }
 
-static void read_solution(const dictionary *t, double *x, int *basis)
+static void start(method *m, double *x, int *basis)
 {
-  int n = t->n;
-  for (int i = 0; i < n; i++) {
+  for (int i = 0; i < m->n; i++) {
+    m->basic[i] = i;
+    m->place[i] = ~i;
     x[i] = 0;
     basis[i] = 0;
   }
-  for (int i = 0; i < n; i++) {
-    int variable = t->basic[i] - n;
-    if (variable < 0 || variable == n) continue;
-    x[variable] = fmax(t->q[i], 0);
+}
+
+static int read_solution(const method *m, double *x, int *basis)
+{
+  int finite = 1;
+  for (int i = 0; i < m->n; i++) {
+    int variable = m->basic[i] - m->n;
+    finite &= isfinite(m->t.q[i]) != 0;
+    if (variable < 0 || variable == m->n) continue;
+    x[variable] = m->t.q[i] > 0 ? m->t.q[i] : 0;
     basis[variable] = 1;
   }
+  return finite;
+}
+
+int nsdae_lemke_size(int n, int block)
+{
+  return n + nsdae_dictionary_size(n, block);
+}
+
+int nsdae_lemke_block(int n)
+{
+  return n < BLOCKED ? 0 : BLOCK;
+}
+
+int nsdae_lemke_work(int n)
+{
+  return nsdae_lemke_size(n, nsdae_lemke_block(n));
+}
+
+int nsdae_lemke(int n, int block, const double *a, int lda, const double *b, const double *d,
+                int max_pivots, double *x, int *basis, int *pivots, double *work, int *iwork)
+{
+  method m = {.n = n, .basic = iwork, .place = iwork + n, .ratio = work};
+  int row = first_row(n, b, d);
+  if (nsdae_dictionary_start(&m.t, n, block, a, lda, b, d, row < 0 ? 0 : row, work + n) != 0)
+    return -2;
+  start(&m, x, basis);
+  *pivots = 0;
+  if (row < 0) return 0;
+  if (max_pivots == 0) return 2;
+  int info = pivot_to_the_end(&m, row, max_pivots, pivots);
+  return read_solution(&m, x, basis) ? info : 3;
+}
+
+static int all_finite(int n, const double *a)
+{
+  for (int i = 0; i < n; i++)
+    if (!isfinite(a[i])) return 0;
+  return 1;
 }
 
 static int check(int n, const double *a, int lda, const double *b, const double *d, int max_pivots,
@@ -159,14 +198,14 @@ static int check(int n, const double *a, int lda, const double *b, const double 
   if (lwork == -1) return 0;
   if (!a && n > 0) return -2;
   if (lda < 1 || lda < n) return -3;
-  if (!b && n > 0) return -4;
+  if (n > 0 && (!b || !all_finite(n, b))) return -4;
   for (int i = 0; d && i < n; i++)
-    if (!(d[i] > 0)) return -5;
+    if (!(d[i] > 0 && d[i] < INFINITY)) return -5;
   if (max_pivots < 0) return -6;
   if (!x && n > 0) return -7;
   if (!basis && n > 0) return -8;
   if (!pivots) return -9;
-  if (lwork < n * (n + 2)) return -11;
+  if (lwork < nsdae_lemke_work(n)) return -11;
   return iwork ? 0 : -12;
 }
 
@@ -175,17 +214,14 @@ int nsdae_dlemke(int n, const double *a, int lda, const double *b, const double 
 {
   int info = check(n, a, lda, b, d, max_pivots, x, basis, pivots, work, lwork, iwork);
   if (info != 0) return info;
+  int block = nsdae_lemke_block(n);
   if (lwork == -1) {
-    work[0] = (double)n * (n + 2);
+    work[0] = nsdae_lemke_work(n);
     return 0;
   }
-  dictionary t = {.n = n,
-                  .D = work,
-                  .q = work + (size_t)n * ((size_t)n + 1),
-                  .basic = iwork,
-                  .nonbasic = iwork + n};
-  fill(&t, a, lda, b, d);
-  info = pivot_to_the_end(&t, max_pivots, pivots);
-  read_solution(&t, x, basis);
-  return info;
+  if (n == 0) {
+    *pivots = 0;
+    return 0;
+  }
+  return nsdae_lemke(n, block, a, lda, b, d, max_pivots, x, basis, pivots, work, iwork);
 }
