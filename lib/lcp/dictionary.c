@@ -13,7 +13,11 @@ int nsdae_dictionary_size(int n, int block)
 static void lay_out(nsdae_dictionary *t, int n, int block, double *work)
 {
   size_t size = (size_t)n, wide = (size_t)block;
-  *t = (nsdae_dictionary){.n = n, .block = block, .D = work, .q = work + size * (size + 1)};
+  t->n = n;
+  t->block = block;
+  t->pending = 0;
+  t->D = work;
+  t->q = work + size * (size + 1);
   if (block == 0) return;
   t->U = t->q + size;
   t->V = t->U + size * wide;
@@ -54,22 +58,22 @@ int nsdae_dictionary_start(nsdae_dictionary *t, int n, int block, const double *
                            const double *b, const double *d, int r, double *work)
 {
   lay_out(t, n, block, work);
-  double *cover = column_of(t, n), by = d ? d[r] : 1;
+  double *cover = column_of(t, n), inverse = d ? 1 / d[r] : 1;
   for (int i = 0; i < n; i++) {
     cover[i] = d ? d[i] : 1;
     t->q[i] = 0;
   }
   for (int j = 0; j < n; j++) {
     const double *from = a + (size_t)j * (size_t)lda;
-    double factor = -from[r] / by;
+    double factor = -from[r] * inverse;
     start_column(n, from, factor, cover, column_of(t, j), t->q);
     column_of(t, j)[r] = factor;
   }
   if (!all_finite(n, t->q)) return 1;
   for (int i = 0; i < n; i++) t->q[i] = b[i];
   nsdae_dictionary_move(t, r, cover);
-  for (int i = 0; i < n; i++) cover[i] /= by;
-  cover[r] = 1 / by;
+  for (int i = 0; d && i < n; i++) cover[i] *= inverse;
+  cover[r] = inverse;
   return 0;
 }
 
@@ -103,9 +107,9 @@ void nsdae_dictionary_move(nsdae_dictionary *t, int r, const double *c)
 static void pivot_at_once(nsdae_dictionary *t, int r, int e)
 {
   int n = t->n;
-  double *entering = column_of(t, e), by = entering[r], inverse = 1 / by;
+  double *entering = column_of(t, e), inverse = 1 / entering[r];
   for (int j = 0; j <= n; j++) {
-    double *column = column_of(t, j), factor = -column[r] / by;
+    double *column = column_of(t, j), factor = -column[r] * inverse;
     if (j == e || factor == 0) continue;
     add(n, factor, entering, column);
     column[r] = factor;
@@ -143,13 +147,13 @@ static void pivot_later(nsdae_dictionary *t, int r, int e, const double *c)
   int n = t->n;
   double *u = t->U + (size_t)t->pending * (size_t)n;
   double *v = t->V + (size_t)t->pending * ((size_t)n + 1);
-  double by = c[r];
+  double inverse = 1 / c[r];
   for (int i = 0; i < n; i++) u[i] = c[i];
   u[r] = 1;
   take_row(t, r);
   clear_column(t, e);
-  for (int j = 0; j <= n; j++) v[j] = -t->row[j] / by;
-  v[e] = 1 / by;
+  for (int j = 0; j <= n; j++) v[j] = -t->row[j] * inverse;
+  v[e] = inverse;
   if (++t->pending < t->block) return;
   nsdae_la_add_outer(n, n + 1, t->pending, t->U, n, t->V, n + 1, t->D, n);
   t->pending = 0;

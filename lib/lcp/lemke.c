@@ -15,12 +15,17 @@
 /* From BLOCKED rows on, pivots are put off, BLOCK at a time (measured). */
 enum { BLOCKED = 60, BLOCK = 32 };
 
+/* What is of rounding size: of a column's largest entry; of max |b| in z0 and in a y_i, of the
+ * largest step so far in an x_i; of a ratio. */
+static const double rounding = 64 * DBL_EPSILON, same_ratio = 1e-13;
+
 typedef struct method {
   nsdae_dictionary t;
   int n, row_of_z0;
-  int *basic; /* n: the variable of each row */
-  int *place; /* n: the column of the nonbasic one of x_k, y_k: j where it is y_k, ~j where x_k */
-  double *ratio; /* n */
+  int *basic;            /* n: the variable of each row */
+  int *place;            /* n: column of the nonbasic one of x_k, y_k: j where y_k, ~j where x_k */
+  double *slack, *bound; /* n: what is as good as zero in basic_i; bounds of the ratio test */
+  double slack_y, slack_x; /* slack of a y_i, of an x_i that enters */
 } method;
 
 /* Coefficient of eps^(k+1) in the constant of row i. */
@@ -35,10 +40,20 @@ static int before(const method *m, int i, int r, const double *c)
 {
   for (int k = 0; k < m->n; k++) {
     double one = perturbation(m, i, k) / -c[i], other = perturbation(m, r, k) / -c[r];
-    double rounding = 8 * DBL_EPSILON * (fabs(one) + fabs(other));
-    if (fabs(one - other) > rounding) return one < other;
+    double least = 8 * DBL_EPSILON * (fabs(one) + fabs(other));
+    if (fabs(one - other) > least) return one < other;
   }
   return 0;
+}
+
+static double larger(double a, double b)
+{
+  return a > b ? a : b; /* fmax is a call */
+}
+
+static double smaller(double a, double b)
+{
+  return a < b ? a : b;
 }
 
 /* max |c_i|; four at a time, for the latency of a comparison. */
@@ -47,9 +62,9 @@ static double largest_of(int n, const double *c)
   double most[4] = {0};
   int i = 0;
   for (; i + 4 <= n; i += 4)
-    for (int k = 0; k < 4; k++) most[k] = fabs(c[i + k]) > most[k] ? fabs(c[i + k]) : most[k];
-  for (; i < n; i++) most[0] = fmax(most[0], fabs(c[i]));
-  return fmax(fmax(most[0], most[1]), fmax(most[2], most[3]));
+    for (int k = 0; k < 4; k++) most[k] = larger(fabs(c[i + k]), most[k]);
+  for (; i < n; i++) most[0] = larger(fabs(c[i]), most[0]);
+  return larger(larger(most[0], most[1]), larger(most[2], most[3]));
 }
 
 static double smallest_of(int n, const double *c)
@@ -57,34 +72,37 @@ static double smallest_of(int n, const double *c)
   double least[4] = {INFINITY, INFINITY, INFINITY, INFINITY};
   int i = 0;
   for (; i + 4 <= n; i += 4)
-    for (int k = 0; k < 4; k++) least[k] = c[i + k] < least[k] ? c[i + k] : least[k];
-  for (; i < n; i++) least[0] = c[i] < least[0] ? c[i] : least[0];
-  return fmin(fmin(least[0], least[1]), fmin(least[2], least[3]));
+    for (int k = 0; k < 4; k++) least[k] = smaller(c[i + k], least[k]);
+  for (; i < n; i++) least[0] = smaller(c[i], least[0]);
+  return smaller(smaller(least[0], least[1]), smaller(least[2], least[3]));
 }
 
-/* ratio_i = q_i / -c_i where c_i < -least, else infinite. */
-static void set_ratios(int n, const double *restrict q, const double *restrict c, double least,
-                       double *restrict ratio)
+/* bound_i: where basic_i falls below -slack_i as the entering variable grows. */
+static void set_bounds(const method *m, const double *restrict c, double least)
 {
-  for (int i = 0; i < n; i++) {
-    double constant = q[i] > 0 ? q[i] : 0;
+  const double *restrict q = m->t.q, *restrict slack = m->slack;
+  double *restrict bound = m->bound;
+  for (int i = 0; i < m->n; i++) {
+    double constant = (q[i] > 0 ? q[i] : 0) * (1 + same_ratio) + slack[i];
     double above = -c[i] > least ? constant : INFINITY, below = -c[i] > least ? -c[i] : 1;
-    ratio[i] = above / below;
+    bound[i] = above / below;
   }
 }
 
-/* Row that blocks the entering column: smallest q_i / -c_i, ties by the perturbation; z0 leaves
- * wherever it is among them. -1: none, a ray. */
+/* Row that blocks the entering column. All whose basic_i is zero, or below, at the smallest bound
+ * (Harris, Math. Program. 5, 1973) tie, and the perturbation chooses; z0 leaves wherever it is
+ * among them. -1: none, a ray. */
 static int blocking_row(const method *m, const double *c)
 {
-  int n = m->n, best = -1;
-  set_ratios(n, m->t.q, c, 64 * DBL_EPSILON * largest_of(n, c), m->ratio);
-  double smallest = smallest_of(n, m->ratio);
+  int n = m->n, best = -1, z0 = m->row_of_z0;
+  double least = rounding * largest_of(n, c), smallest;
+  set_bounds(m, c, least);
+  smallest = smallest_of(n, m->bound);
   if (!(smallest < INFINITY)) return -1;
-  double most = smallest + 1e-13 * smallest + DBL_MIN;
-  if (m->ratio[m->row_of_z0] <= most) return m->row_of_z0;
+  if (-c[z0] > least && m->t.q[z0] - m->slack[z0] <= smallest * -c[z0]) return z0;
   for (int i = 0; i < n; i++)
-    if (m->ratio[i] <= most && (best < 0 || before(m, i, best, c))) best = i;
+    if (-c[i] > least && m->t.q[i] <= smallest * -c[i] && (best < 0 || before(m, i, best, c)))
+      best = i;
   return best;
 }
 
@@ -102,6 +120,16 @@ static int first_row(int n, const double *b, const double *d)
   return worst;
 }
 
+/* The variable entering takes row r. */
+static void replace(method *m, int r, int entering, const double *c)
+{
+  double step = fabs(m->t.q[r] / c[r]);
+  int is_x = entering >= m->n;
+  if (is_x && rounding * step > m->slack_x) m->slack_x = rounding * step;
+  m->slack[r] = is_x ? m->slack_x : m->slack_y;
+  m->basic[r] = entering;
+}
+
 /* After the first pivot, which has x_row enter. */
 static int pivot_to_the_end(method *m, int row, int max_pivots, int *pivots)
 {
@@ -111,37 +139,49 @@ static int pivot_to_the_end(method *m, int row, int max_pivots, int *pivots)
   m->place[row] = n;
   for (*pivots = 1;; ++*pivots) {
     const double *c = nsdae_dictionary_column(&m->t, e);
-    int r = blocking_row(m, c), leaving;
-    if (r < 0) return 1;
+    int r = blocking_row(m, c), leaving, k, left = e;
+    if (r < 0) return m->t.q[m->row_of_z0] > m->slack_y; /* with z0 = 0 a solution */
     if (*pivots == max_pivots) return 2;
     leaving = m->basic[r];
-    m->basic[r] = entering;
+    replace(m, r, entering, c);
     if (leaving == 2 * n) {
       nsdae_dictionary_move(&m->t, r, c);
       ++*pivots;
       return 0;
     }
     nsdae_dictionary_pivot(&m->t, r, e, c);
-    int left = e, k = leaving < n ? leaving : leaving - n;
+    k = leaving < n ? leaving : leaving - n;
     e = m->place[k] >= 0 ? m->place[k] : ~m->place[k];
     m->place[k] = leaving < n ? left : ~left;
     entering = leaving < n ? leaving + n : leaving - n;
   }
 }
 
-static void start(method *m, double *x, int *basis)
+static void start(method *m, int n, const double *b, double *work, int *iwork)
 {
-  for (int i = 0; i < m->n; i++) {
+  double most = 0;
+  for (int i = 0; i < n; i++) most = larger(fabs(b[i]), most);
+  m->n = n;
+  m->basic = iwork;
+  m->place = iwork + n;
+  m->slack = work;
+  m->bound = work + n;
+  m->slack_y = rounding * most;
+  m->slack_x = 0;
+  for (int i = 0; i < n; i++) {
     m->basic[i] = i;
     m->place[i] = ~i;
-    x[i] = 0;
-    basis[i] = 0;
+    m->slack[i] = m->slack_y;
   }
 }
 
 static int read_solution(const method *m, double *x, int *basis)
 {
   int finite = 1;
+  for (int i = 0; i < m->n; i++) {
+    x[i] = 0;
+    basis[i] = 0;
+  }
   for (int i = 0; i < m->n; i++) {
     int variable = m->basic[i] - m->n;
     finite &= isfinite(m->t.q[i]) != 0;
@@ -154,7 +194,7 @@ static int read_solution(const method *m, double *x, int *basis)
 
 int nsdae_lemke_size(int n, int block)
 {
-  return n + nsdae_dictionary_size(n, block);
+  return 2 * n + nsdae_dictionary_size(n, block);
 }
 
 int nsdae_lemke_block(int n)
@@ -167,26 +207,37 @@ int nsdae_lemke_work(int n)
   return nsdae_lemke_size(n, nsdae_lemke_block(n));
 }
 
-int nsdae_lemke(int n, int block, const double *a, int lda, const double *b, const double *d,
-                int max_pivots, double *x, int *basis, int *pivots, double *work, int *iwork)
-{
-  method m = {.n = n, .basic = iwork, .place = iwork + n, .ratio = work};
-  int row = first_row(n, b, d);
-  if (nsdae_dictionary_start(&m.t, n, block, a, lda, b, d, row < 0 ? 0 : row, work + n) != 0)
-    return -2;
-  start(&m, x, basis);
-  *pivots = 0;
-  if (row < 0) return 0;
-  if (max_pivots == 0) return 2;
-  int info = pivot_to_the_end(&m, row, max_pivots, pivots);
-  return read_solution(&m, x, basis) ? info : 3;
-}
-
 static int all_finite(int n, const double *a)
 {
   for (int i = 0; i < n; i++)
     if (!isfinite(a[i])) return 0;
   return 1;
+}
+
+/* b >= 0: x = 0. */
+static int trivial(int n, const double *a, int lda, double *x, int *basis, int *pivots)
+{
+  for (int j = 0; j < n; j++)
+    if (!all_finite(n, a + (size_t)j * (size_t)lda)) return -2;
+  for (int i = 0; i < n; i++) {
+    x[i] = 0;
+    basis[i] = 0;
+  }
+  *pivots = 0;
+  return 0;
+}
+
+int nsdae_lemke(int n, int block, const double *a, int lda, const double *b, const double *d,
+                int max_pivots, double *x, int *basis, int *pivots, double *work, int *iwork)
+{
+  int row = first_row(n, b, d), info = 2;
+  method m;
+  if (row < 0) return trivial(n, a, lda, x, basis, pivots);
+  start(&m, n, b, work, iwork);
+  if (nsdae_dictionary_start(&m.t, n, block, a, lda, b, d, row, work + 2 * n) != 0) return -2;
+  *pivots = 0;
+  if (max_pivots > 0) info = pivot_to_the_end(&m, row, max_pivots, pivots);
+  return read_solution(&m, x, basis) ? info : 3;
 }
 
 static int check(int n, const double *a, int lda, const double *b, const double *d, int max_pivots,
@@ -214,14 +265,10 @@ int nsdae_dlemke(int n, const double *a, int lda, const double *b, const double 
 {
   int info = check(n, a, lda, b, d, max_pivots, x, basis, pivots, work, lwork, iwork);
   if (info != 0) return info;
-  int block = nsdae_lemke_block(n);
   if (lwork == -1) {
     work[0] = nsdae_lemke_work(n);
     return 0;
   }
-  if (n == 0) {
-    *pivots = 0;
-    return 0;
-  }
-  return nsdae_lemke(n, block, a, lda, b, d, max_pivots, x, basis, pivots, work, iwork);
+  return nsdae_lemke(n, nsdae_lemke_block(n), a, lda, b, d, max_pivots, x, basis, pivots, work,
+                     iwork);
 }
