@@ -13,7 +13,7 @@
 #include "dictionary.h"
 
 /* From BLOCKED rows on, pivots are put off, BLOCK at a time (measured). */
-enum { BLOCKED = 60, BLOCK = 32 };
+enum { BLOCKED = 40, BLOCK = 24 };
 
 /* What is of rounding size: of a column's largest entry; of max |b| in z0 and in a y_i, of the
  * largest step so far in an x_i; of a ratio. */
