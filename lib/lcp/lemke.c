@@ -15,9 +15,11 @@
 /* From BLOCKED rows on, pivots are put off, BLOCK at a time (measured). */
 enum { BLOCKED = 40, BLOCK = 24 };
 
-/* What is of rounding size: of a column's largest entry; of max |b| in z0 and in a y_i, of the
- * largest step so far in an x_i; of a ratio. */
-static const double rounding = 64 * DBL_EPSILON, same_ratio = 1e-13;
+/* What is taken for rounding: relative to max |b| in z0 and a y_i, to the largest step so far in an
+ * x_i; in z0 at the end of a ray; in an entry relative to the largest of its column; in ratios and
+ * perturbations relative to themselves. */
+static const double slack = 64 * DBL_EPSILON, last_slack = 1e-12, least_pivot = 1e-13,
+                    same_ratio = 1e-13, same_perturbation = 1e-12;
 
 typedef struct method {
   nsdae_dictionary t;
@@ -35,13 +37,16 @@ static double perturbation(const method *m, int i, int k)
   return m->basic[i] == k ? 1 : 0;
 }
 
-/* Whether row i comes before row r in the lexicographic ratio test of column c. */
+/* Whether row i comes before row r in the lexicographic ratio test of column c. Coefficients are of
+ * the order of one in the unit of their row; what is left of two equal ones is not compared. */
 static int before(const method *m, int i, int r, const double *c)
 {
+  double unit_i = 1 / -c[i], unit_r = 1 / -c[r];
+  double least = same_perturbation * (m->slack[i] * unit_i + m->slack[r] * unit_r) / m->slack_y;
   for (int k = 0; k < m->n; k++) {
-    double one = perturbation(m, i, k) / -c[i], other = perturbation(m, r, k) / -c[r];
-    double least = 8 * DBL_EPSILON * (fabs(one) + fabs(other));
-    if (fabs(one - other) > least) return one < other;
+    double one = perturbation(m, i, k) * unit_i, other = perturbation(m, r, k) * unit_r;
+    double same = same_perturbation * (fabs(one) + fabs(other)) + least;
+    if (fabs(one - other) > same) return one < other;
   }
   return 0;
 }
@@ -80,12 +85,12 @@ static double smallest_of(int n, const double *c)
 /* bound_i: where basic_i falls below -slack_i as the entering variable grows. */
 static void set_bounds(const method *m, const double *restrict c, double least)
 {
-  const double *restrict q = m->t.q, *restrict slack = m->slack;
+  const double *restrict q = m->t.q, *restrict below = m->slack;
   double *restrict bound = m->bound;
   for (int i = 0; i < m->n; i++) {
-    double constant = (q[i] > 0 ? q[i] : 0) * (1 + same_ratio) + slack[i];
-    double above = -c[i] > least ? constant : INFINITY, below = -c[i] > least ? -c[i] : 1;
-    bound[i] = above / below;
+    double constant = (q[i] > 0 ? q[i] : 0) * (1 + same_ratio) + below[i];
+    double over = -c[i] > least ? constant : INFINITY, by = -c[i] > least ? -c[i] : 1;
+    bound[i] = over / by;
   }
 }
 
@@ -95,7 +100,7 @@ static void set_bounds(const method *m, const double *restrict c, double least)
 static int blocking_row(const method *m, const double *c)
 {
   int n = m->n, best = -1, z0 = m->row_of_z0;
-  double least = rounding * largest_of(n, c), smallest;
+  double least = least_pivot * largest_of(n, c), smallest;
   set_bounds(m, c, least);
   smallest = smallest_of(n, m->bound);
   if (!(smallest < INFINITY)) return -1;
@@ -123,9 +128,9 @@ static int first_row(int n, const double *b, const double *d)
 /* The variable entering takes row r. */
 static void replace(method *m, int r, int entering, const double *c)
 {
-  double step = fabs(m->t.q[r] / c[r]);
+  double size = slack * fabs(m->t.q[r] / c[r]);
   int is_x = entering >= m->n;
-  if (is_x && rounding * step > m->slack_x) m->slack_x = rounding * step;
+  if (is_x) m->slack_x = larger(size, m->slack_x);
   m->slack[r] = is_x ? m->slack_x : m->slack_y;
   m->basic[r] = entering;
 }
@@ -140,7 +145,7 @@ static int pivot_to_the_end(method *m, int row, int max_pivots, int *pivots)
   for (*pivots = 1;; ++*pivots) {
     const double *c = nsdae_dictionary_column(&m->t, e);
     int r = blocking_row(m, c), leaving, k, left = e;
-    if (r < 0) return m->t.q[m->row_of_z0] > m->slack_y; /* with z0 = 0 a solution */
+    if (r < 0) return m->t.q[row] > last_slack / slack * m->slack_y; /* with z0 = 0: solved */
     if (*pivots == max_pivots) return 2;
     leaving = m->basic[r];
     replace(m, r, entering, c);
@@ -166,7 +171,7 @@ static void start(method *m, int n, const double *b, double *work, int *iwork)
   m->place = iwork + n;
   m->slack = work;
   m->bound = work + n;
-  m->slack_y = rounding * most;
+  m->slack_y = slack * most;
   m->slack_x = 0;
   for (int i = 0; i < n; i++) {
     m->basic[i] = i;
