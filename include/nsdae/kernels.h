@@ -41,11 +41,11 @@ NSDAE_API int nsdae_dlcpres(int n, const double *a, int lda, const double *b, co
  *   x [n]          out: the solution
  *   basis [n]      out: 1 where x_i is basic, else 0
  *   pivots         out: their number
- *   work [lwork]   lwork as lwork = -1 says
+ *   work [lwork]   lwork >= n (n + 2), or -1; with what that asks for the pivots of large problems
+ *                  are put off and applied as one matrix product, which is several times faster
  *   iwork [2 n + 1]
  * info -2, -4, -5: also for an entry of A, b, d that is not finite; 1: ended on a secondary ray;
- * 2: max_pivots reached; 3: overflow. x is after 1, 2 and 3 not a solution. From some 60 rows on
- * the pivots are applied a block at a time, as one matrix product. */
+ * 2: max_pivots reached; 3: overflow. x is after 1, 2 and 3 not a solution. */
 NSDAE_API int nsdae_dlemke(int n, const double *a, int lda, const double *b, const double *d,
                            int max_pivots, double *x, int *basis, int *pivots, double *work,
                            int lwork, int *iwork);

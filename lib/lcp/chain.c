@@ -11,7 +11,6 @@
 
 #include "dense.h"
 #include "fischer.h"
-#include "lemke.h"
 
 enum { COVERINGS = 12 };
 
@@ -29,17 +28,24 @@ typedef struct chain {
   double *sizes;        /* n: workspace of the residual */
   double *best;         /* n: the best point so far */
   double *lu, *rhs;     /* n x n, n */
-  double *lemke;        /* nsdae_lemke_work(n) */
+  double *lemke;        /* lemke_size(n) */
   double *scaled;       /* 2 n: x and y of the semismooth Newton method */
   double *newton;       /* 2 n^2 + 4 n: its workspace */
   int *trial, *pivot;   /* n, n */
   int *index;           /* 2 n + 1 */
 } chain;
 
+static int lemke_size(int n)
+{
+  double size = 0;
+  nsdae_dlemke(n, NULL, n, NULL, NULL, 0, NULL, NULL, NULL, &size, -1, NULL);
+  return (int)size;
+}
+
 int nsdae_lcp_workspace(int n, int *lwork, int *liwork)
 {
   if (n < 0 || n > 20000 || !lwork || !liwork) return NSDAE_E_ARGUMENT;
-  *lwork = 4 * n * n + 13 * n + 1 + nsdae_lemke_work(n);
+  *lwork = 4 * n * n + 13 * n + 1 + lemke_size(n);
   *liwork = 4 * n + 1;
   return NSDAE_OK;
 }
@@ -50,7 +56,7 @@ static void lay_out(chain *c, double *work, int *iwork)
   c->A = work;
   c->lu = c->A + n * n;
   c->lemke = c->lu + n * n;
-  c->b = c->lemke + nsdae_lemke_work(c->n);
+  c->b = c->lemke + lemke_size(c->n);
   c->row = c->b + n;
   c->column = c->row + n;
   c->cover = c->column + n;
@@ -190,7 +196,7 @@ static int lemke_with(chain *c, const double *cover, int stage)
   int n = c->n, pivots = 0;
   int most = c->options->max_pivots > 0 ? c->options->max_pivots : 50 * n + 100;
   int info = nsdae_dlemke(n, c->A, n, c->b, cover, most, c->x, c->trial, &pivots, c->lemke,
-                          nsdae_lemke_work(n), c->index);
+                          lemke_size(n), c->index);
   c->info->pivots += pivots;
   if (info != 0) return 0;
   for (int i = 0; i < n; i++) c->x[i] *= c->column[i];

@@ -24,11 +24,17 @@ static const double slack = 64 * DBL_EPSILON, last_slack = 1e-12, least_pivot = 
 typedef struct method {
   nsdae_dictionary t;
   int n, row_of_z0;
-  int *basic;            /* n: the variable of each row */
-  int *place;            /* n: column of the nonbasic one of x_k, y_k: j where y_k, ~j where x_k */
-  double *slack, *bound; /* n: what is as good as zero in basic_i; bounds of the ratio test */
-  double slack_y, slack_x; /* slack of a y_i, of an x_i that enters */
+  int *basic; /* n: the variable of each row */
+  int *place; /* n: column of the nonbasic one of x_k, y_k: j where y_k, ~j where x_k */
+  int *is_x;  /* n: whether basic_i is an x_k */
+  double slack_y, slack_x; /* what is as good as zero in a y_k or z0, in an x_k */
+  double *bound;           /* n: of the ratio test */
 } method;
+
+static double slack_of(const method *m, int i)
+{
+  return m->is_x[i] ? m->slack_x : m->slack_y;
+}
 
 /* Coefficient of eps^(k+1) in the constant of row i. */
 static double perturbation(const method *m, int i, int k)
@@ -42,7 +48,8 @@ static double perturbation(const method *m, int i, int k)
 static int before(const method *m, int i, int r, const double *c)
 {
   double unit_i = 1 / -c[i], unit_r = 1 / -c[r];
-  double least = same_perturbation * (m->slack[i] * unit_i + m->slack[r] * unit_r) / m->slack_y;
+  double least =
+      same_perturbation * (slack_of(m, i) * unit_i + slack_of(m, r) * unit_r) / m->slack_y;
   for (int k = 0; k < m->n; k++) {
     double one = perturbation(m, i, k) * unit_i, other = perturbation(m, r, k) * unit_r;
     double same = same_perturbation * (fabs(one) + fabs(other)) + least;
@@ -82,13 +89,14 @@ static double smallest_of(int n, const double *c)
   return smaller(smaller(least[0], least[1]), smaller(least[2], least[3]));
 }
 
-/* bound_i: where basic_i falls below -slack_i as the entering variable grows. */
+/* bound_i: where basic_i falls below -slack as the entering variable grows. */
 static void set_bounds(const method *m, const double *restrict c, double least)
 {
-  const double *restrict q = m->t.q, *restrict below = m->slack;
+  const double *restrict q = m->t.q, slack_y = m->slack_y, more = m->slack_x - slack_y;
+  const int *restrict is_x = m->is_x;
   double *restrict bound = m->bound;
   for (int i = 0; i < m->n; i++) {
-    double constant = (q[i] > 0 ? q[i] : 0) * (1 + same_ratio) + below[i];
+    double constant = (q[i] > 0 ? q[i] : 0) * (1 + same_ratio) + (slack_y + more * is_x[i]);
     double over = -c[i] > least ? constant : INFINITY, by = -c[i] > least ? -c[i] : 1;
     bound[i] = over / by;
   }
@@ -104,7 +112,7 @@ static int blocking_row(const method *m, const double *c)
   set_bounds(m, c, least);
   smallest = smallest_of(n, m->bound);
   if (!(smallest < INFINITY)) return -1;
-  if (-c[z0] > least && m->t.q[z0] - m->slack[z0] <= smallest * -c[z0]) return z0;
+  if (-c[z0] > least && m->t.q[z0] - m->slack_y <= smallest * -c[z0]) return z0;
   for (int i = 0; i < n; i++)
     if (-c[i] > least && m->t.q[i] <= smallest * -c[i] && (best < 0 || before(m, i, best, c)))
       best = i;
@@ -129,9 +137,8 @@ static int first_row(int n, const double *b, const double *d)
 static void replace(method *m, int r, int entering, const double *c)
 {
   double size = slack * fabs(m->t.q[r] / c[r]);
-  int is_x = entering >= m->n;
-  if (is_x) m->slack_x = larger(size, m->slack_x);
-  m->slack[r] = is_x ? m->slack_x : m->slack_y;
+  m->is_x[r] = entering >= m->n;
+  if (m->is_x[r]) m->slack_x = larger(size, m->slack_x);
   m->basic[r] = entering;
 }
 
@@ -162,21 +169,22 @@ static int pivot_to_the_end(method *m, int row, int max_pivots, int *pivots)
   }
 }
 
-static void start(method *m, int n, const double *b, double *work, int *iwork)
+/* x and basis, until they have what they are for, hold the bounds and is_x. */
+static void start(method *m, int n, const double *b, double *x, int *basis, int *iwork)
 {
   double most = 0;
   for (int i = 0; i < n; i++) most = larger(fabs(b[i]), most);
   m->n = n;
   m->basic = iwork;
   m->place = iwork + n;
-  m->slack = work;
-  m->bound = work + n;
+  m->is_x = basis;
+  m->bound = x;
   m->slack_y = slack * most;
   m->slack_x = 0;
   for (int i = 0; i < n; i++) {
     m->basic[i] = i;
     m->place[i] = ~i;
-    m->slack[i] = m->slack_y;
+    m->is_x[i] = 0;
   }
 }
 
@@ -197,19 +205,9 @@ static int read_solution(const method *m, double *x, int *basis)
   return finite;
 }
 
-int nsdae_lemke_size(int n, int block)
-{
-  return 2 * n + nsdae_dictionary_size(n, block);
-}
-
 int nsdae_lemke_block(int n)
 {
   return n < BLOCKED ? 0 : BLOCK;
-}
-
-int nsdae_lemke_work(int n)
-{
-  return nsdae_lemke_size(n, nsdae_lemke_block(n));
 }
 
 static int all_finite(int n, const double *a)
@@ -238,8 +236,8 @@ int nsdae_lemke(int n, int block, const double *a, int lda, const double *b, con
   int row = first_row(n, b, d), info = 2;
   method m;
   if (row < 0) return trivial(n, a, lda, x, basis, pivots);
-  start(&m, n, b, work, iwork);
-  if (nsdae_dictionary_start(&m.t, n, block, a, lda, b, d, row, work + 2 * n) != 0) return -2;
+  if (nsdae_dictionary_start(&m.t, n, block, a, lda, b, d, row, work) != 0) return -2;
+  start(&m, n, b, x, basis, iwork);
   *pivots = 0;
   if (max_pivots > 0) info = pivot_to_the_end(&m, row, max_pivots, pivots);
   return read_solution(&m, x, basis) ? info : 3;
@@ -261,7 +259,7 @@ static int check(int n, const double *a, int lda, const double *b, const double 
   if (!x && n > 0) return -7;
   if (!basis && n > 0) return -8;
   if (!pivots) return -9;
-  if (lwork < nsdae_lemke_work(n)) return -11;
+  if (lwork < nsdae_dictionary_size(n, 0)) return -11;
   return iwork ? 0 : -12;
 }
 
@@ -270,10 +268,11 @@ int nsdae_dlemke(int n, const double *a, int lda, const double *b, const double 
 {
   int info = check(n, a, lda, b, d, max_pivots, x, basis, pivots, work, lwork, iwork);
   if (info != 0) return info;
+  int block = nsdae_lemke_block(n), best = nsdae_dictionary_size(n, block);
   if (lwork == -1) {
-    work[0] = nsdae_lemke_work(n);
+    work[0] = best;
     return 0;
   }
-  return nsdae_lemke(n, nsdae_lemke_block(n), a, lda, b, d, max_pivots, x, basis, pivots, work,
+  return nsdae_lemke(n, lwork < best ? 0 : block, a, lda, b, d, max_pivots, x, basis, pivots, work,
                      iwork);
 }

@@ -2,14 +2,10 @@
 #ifndef NSDAE_LCP_LEMKE_H
 #define NSDAE_LCP_LEMKE_H
 
-/* The lwork that nsdae_dlemke wants. */
-int nsdae_lemke_work(int n);
-
-/* The block that it takes. */
+/* The block that nsdae_dlemke takes for n, where its work is long enough. */
 int nsdae_lemke_block(int n);
 
-/* As nsdae_dlemke; the arguments are taken for right, work for nsdae_lemke_size long. */
-int nsdae_lemke_size(int n, int block);
+/* The arguments are taken for right; work [nsdae_dictionary_size(n, block)]. */
 int nsdae_lemke(int n, int block, const double *a, int lda, const double *b, const double *d,
                 int max_pivots, double *x, int *basis, int *pivots, double *work, int *iwork);
 
