@@ -16,10 +16,10 @@
 enum { BLOCKED = 40, BLOCK = 24 };
 
 /* What is taken for rounding: relative to max |b| in z0 and a y_i, to the largest step so far in an
- * x_i; in z0 at the end of a ray; in an entry relative to the largest of its column; in ratios and
+ * x_i; in z0 at the end of a ray; in an entry relative to the largest of its column; in
  * perturbations relative to themselves. */
 static const double slack = 64 * DBL_EPSILON, last_slack = 1e-12, least_pivot = 1e-13,
-                    same_ratio = 1e-13, same_perturbation = 1e-12;
+                    same_perturbation = 1e-12;
 
 typedef struct method {
   nsdae_dictionary t;
@@ -96,7 +96,7 @@ static void set_bounds(const method *m, const double *restrict c, double least)
   const int *restrict is_x = m->is_x;
   double *restrict bound = m->bound;
   for (int i = 0; i < m->n; i++) {
-    double constant = (q[i] > 0 ? q[i] : 0) * (1 + same_ratio) + (slack_y + more * is_x[i]);
+    double constant = (q[i] > 0 ? q[i] : 0) + (slack_y + more * is_x[i]);
     double over = -c[i] > least ? constant : INFINITY, by = -c[i] > least ? -c[i] : 1;
     bound[i] = over / by;
   }
@@ -111,7 +111,6 @@ static int blocking_row(const method *m, const double *c)
   double least = least_pivot * largest_of(n, c), smallest;
   set_bounds(m, c, least);
   smallest = smallest_of(n, m->bound);
-  if (!(smallest < INFINITY)) return -1;
   if (-c[z0] > least && m->t.q[z0] - m->slack_y <= smallest * -c[z0]) return z0;
   for (int i = 0; i < n; i++)
     if (-c[i] > least && m->t.q[i] <= smallest * -c[i] && (best < 0 || before(m, i, best, c)))
