@@ -42,7 +42,8 @@ NSDAE_API int nsdae_dlcpres(int n, const double *a, int lda, const double *b, co
  *   x [n]          out: the solution
  *   basis [n]      out: 1 where x_i is basic, else 0
  *   pivots         out: their number
- *   work [lwork]   lwork >= n (n + 2), or -1
+ *   work [lwork]   lwork >= n (n + 2), or -1; with what that asks for the pivots of large problems
+ *                  are put off and applied as one matrix product, which is several times faster
  *   iwork [2 n + 1]
  * info 1: ended on a secondary ray; 2: max_pivots reached; 3: overflow. x is then not a solution.
  */

@@ -199,8 +199,11 @@ static void hand_over(nsdae_chain *c)
 {
   int proof = c->info->proof == NSDAE_LCP_PROOF_FARKAS;
   int point = !proof && c->info->residual < INFINITY;
-  for (int i = 0; i < c->n; i++) c->x[i] = point ? c->best[i] : 0;
-  c->info->residual = nsdae_chain_residual(c);
+  if (c->info->outcome != NSDAE_LCP_SOLVED ||
+      memcmp(c->x, c->best, (size_t)c->n * sizeof *c->x) != 0) { /* else y is that of x */
+    for (int i = 0; i < c->n; i++) c->x[i] = point ? c->best[i] : 0;
+    c->info->residual = nsdae_chain_residual(c);
+  }
   for (int i = 0; proof && i < c->n; i++) c->y[i] = c->best[i];
 }
 

@@ -5,15 +5,15 @@
 #include <stddef.h>
 
 /* y := A x + b and size_i := |b_i| + sum_j |a_ij x_j|, column by column. */
-static void product(int n, const double *a, int lda, const double *b, const double *x, double *y,
-                    double *size)
+static void product(int n, const double *a, int lda, const double *b, const double *x,
+                    double *restrict y, double *restrict size)
 {
   for (int i = 0; i < n; i++) {
     y[i] = b[i];
     size[i] = fabs(b[i]);
   }
   for (int j = 0; j < n; j++) {
-    const double *column = a + (size_t)j * (size_t)lda;
+    const double *restrict column = a + (size_t)j * (size_t)lda;
     for (int i = 0; i < n; i++) { /* x_j = 0 included: a NaN of A must show */
       double term = column[i] * x[j];
       y[i] += term;
@@ -32,8 +32,10 @@ static double relative(double value, double size)
 static double column_size(int n, const double *column, const double *sy)
 {
   double least = INFINITY;
-  for (int k = 0; k < n; k++)
-    if (column[k] != 0) least = fmin(least, sy[k] / fabs(column[k]));
+  for (int k = 0; k < n; k++) {
+    double size = column[k] != 0 ? sy[k] / fabs(column[k]) : INFINITY;
+    least = size < least ? size : least;
+  }
   return least;
 }
 
@@ -45,6 +47,13 @@ double nsdae_lcp_entry_error(int n, const double *column, int i, double x, doubl
   if (x >= 0 && of_y <= 0) return of_y; /* whatever sx is */
   double of_x = x == 0 ? 0 : relative(x, column_size(n, column, sizes));
   return of_x < of_y ? of_x : of_y;
+}
+
+/* Whether |min(x / sx, y / sy)| is not above worst, whatever sx is. */
+static int is_within(double x, double y, double sy, double worst)
+{
+  double of_y = relative(y, sy);
+  return isfinite(sy) && x >= 0 && isfinite(x) && of_y >= -worst && (x == 0 || of_y <= worst);
 }
 
 static int check(int n, const double *a, int lda, const double *b, const double *x, const double *y,
@@ -70,6 +79,7 @@ int nsdae_dlcpres(int n, const double *a, int lda, const double *b, const double
   product(n, a, lda, b, x, y, work);
   for (int i = 0; i < n; i++) work[i] += 1e-3 * largest;
   for (int i = 0; i < n && !isnan(worst); i++) {
+    if (is_within(x[i], y[i], work[i], worst)) continue;
     double error = fabs(nsdae_lcp_entry_error(n, a + (size_t)i * (size_t)lda, i, x[i], y[i], work));
     if (!(error <= worst)) worst = error;
   }
