@@ -13,7 +13,7 @@
 #include "dictionary.h"
 
 /* From BLOCKED rows on, pivots are put off, BLOCK at a time (measured). */
-enum { BLOCKED = 40, BLOCK = 24 };
+enum { BLOCKED = 30, BLOCK = 24 };
 
 /* What is taken for rounding: relative to max |b| in z0 and a y_i, to the largest step so far in an
  * x_i; in z0 at the end of a ray; in an entry relative to the largest of its column; in
