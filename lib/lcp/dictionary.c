@@ -5,6 +5,8 @@
 
 #include "dense.h"
 
+/* Quotients are divided, not multiplied with 1 / c_r: what is equal then cancels to zero. */
+
 int nsdae_dictionary_size(int n, int block)
 {
   return n * (n + 2) + (block > 0 ? (2 * n + 1) * (block + 1) + block : 0);
@@ -58,22 +60,22 @@ int nsdae_dictionary_start(nsdae_dictionary *t, int n, int block, const double *
                            const double *b, const double *d, int r, double *work)
 {
   lay_out(t, n, block, work);
-  double *cover = column_of(t, n), inverse = d ? 1 / d[r] : 1;
+  double *cover = column_of(t, n), by = d ? d[r] : 1;
   for (int i = 0; i < n; i++) {
     cover[i] = d ? d[i] : 1;
     t->q[i] = 0;
   }
   for (int j = 0; j < n; j++) {
     const double *from = a + (size_t)j * (size_t)lda;
-    double factor = -from[r] * inverse;
+    double factor = -from[r] / by;
     start_column(n, from, factor, cover, column_of(t, j), t->q);
     column_of(t, j)[r] = factor;
   }
   if (!all_finite(n, t->q)) return 1;
   for (int i = 0; i < n; i++) t->q[i] = b[i];
   nsdae_dictionary_move(t, r, cover);
-  for (int i = 0; d && i < n; i++) cover[i] *= inverse;
-  cover[r] = inverse;
+  for (int i = 0; d && i < n; i++) cover[i] /= by;
+  cover[r] = 1 / by;
   return 0;
 }
 
@@ -107,15 +109,15 @@ void nsdae_dictionary_move(nsdae_dictionary *t, int r, const double *c)
 static void pivot_at_once(nsdae_dictionary *t, int r, int e)
 {
   int n = t->n;
-  double *entering = column_of(t, e), inverse = 1 / entering[r];
+  double *entering = column_of(t, e), by = entering[r];
   for (int j = 0; j <= n; j++) {
-    double *column = column_of(t, j), factor = -column[r] * inverse;
+    double *column = column_of(t, j), factor = -column[r] / by;
     if (j == e || factor == 0) continue;
     add(n, factor, entering, column);
     column[r] = factor;
   }
-  for (int i = 0; i < n; i++) entering[i] *= inverse;
-  entering[r] = inverse;
+  for (int i = 0; i < n; i++) entering[i] /= by;
+  entering[r] = 1 / by;
 }
 
 /* t->row = row r of C; row r of D and U become zero. */
@@ -147,13 +149,13 @@ static void pivot_later(nsdae_dictionary *t, int r, int e, const double *c)
   int n = t->n;
   double *u = t->U + (size_t)t->pending * (size_t)n;
   double *v = t->V + (size_t)t->pending * ((size_t)n + 1);
-  double inverse = 1 / c[r];
+  double by = c[r];
   for (int i = 0; i < n; i++) u[i] = c[i];
   u[r] = 1;
   take_row(t, r);
   clear_column(t, e);
-  for (int j = 0; j <= n; j++) v[j] = -t->row[j] * inverse;
-  v[e] = inverse;
+  for (int j = 0; j <= n; j++) v[j] = -t->row[j] / by;
+  v[e] = 1 / by;
   if (++t->pending < t->block) return;
   nsdae_la_add_outer(n, n + 1, t->pending, t->U, n, t->V, n + 1, t->D, n);
   t->pending = 0;
