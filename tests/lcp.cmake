@@ -1,0 +1,30 @@
+# Tests of the complementarity problems: kernels, solver, published problems, seeded families.
+nsdae_test(anomaly lcp LINKS test_allocator)
+
+# Published problems are read where they lie; the test is skipped where they are not.
+set(NSDAE_SHARED_DIR "${PROJECT_SOURCE_DIR}/../shared" CACHE PATH
+    "Folder with lcp_problems/, the complementarity problems of others")
+if(NSDAE_DRIVERS)
+  nsdae_test(system lcp_published LINKS driver_common)
+  target_compile_definitions(test_system_lcp_published PRIVATE
+    NSDAE_SHARED_DIR="${NSDAE_SHARED_DIR}")
+endif()
+foreach(name enumerate pgs principal)
+  nsdae_unit_test(lcp ${name})
+endforeach()
+
+nsdae_test(anomaly kernels)
+
+if(NSDAE_HDF5)
+  nsdae_unit_test(io lcp_file)
+  target_compile_definitions(test_unit_io_lcp_file PRIVATE _POSIX_C_SOURCE=200809L)
+  target_link_libraries(test_unit_io_lcp_file PRIVATE nsdae_hdf5 test_allocator)
+endif()
+if(NSDAE_DRIVERS)
+  nsdae_test(system failed_lcp)
+  add_test(NAME system/lcp_cli COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/system/lcp_cli.sh
+    ${CMAKE_BINARY_DIR}/bin $<IF:$<BOOL:${NSDAE_HDF5}>,ON,OFF>)
+  set_tests_properties(system/lcp_cli PROPERTIES ENVIRONMENT OPENBLAS_NUM_THREADS=1 TIMEOUT 120)
+endif()
+nsdae_unit_test(lcp lemke)
+target_sources(test_unit_lcp_lemke PRIVATE bench/lcp_families.c)

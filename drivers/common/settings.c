@@ -13,6 +13,8 @@ static const nsdae_param run_entries[] = {
      NSDAE_OPEN_MIN, NULL},
     {"output", "", "trajectory file", NSDAE_PARAM_TEXT, offsetof(settings, output), 0, 0, 0, 0,
      NULL},
+    {"lcp_dump", "", "where the LCP of a failing step goes, for nsdae-lcp", NSDAE_PARAM_TEXT,
+     offsetof(settings, lcp_dump), 0, 0, 0, 0, NULL},
 };
 
 const nsdae_params settings_run_table = {run_entries,

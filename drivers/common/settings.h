@@ -9,8 +9,9 @@ typedef struct settings {
   const driver_model *model;
   nsdae_sim_options options;
   double t_end;
-  char output[NSDAE_PARAM_TEXT_SIZE]; /* "": none */
-  int output_named;                   /* by the user, not by default */
+  char output[NSDAE_PARAM_TEXT_SIZE];   /* "": none */
+  int output_named;                     /* by the user, not by default */
+  char lcp_dump[NSDAE_PARAM_TEXT_SIZE]; /* "": none */
   int quiet, live, compare;
   int help, version;
 } settings;

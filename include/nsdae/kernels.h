@@ -27,26 +27,93 @@ extern "C" {
  *   a [lda,n] A, lda >= max(1, n)
  *   b, x [n]
  *   y [n]     out: A x + b
- *   residual  out; NaN where A, b or x has one
- *   work [n]                                                                                */
+ *   residual  out; NaN where A, b or x has a NaN or an infinity, or y overflows
+ *   work [n]  out: sy
+ * info 1: the residual is NaN. */
 NSDAE_API int nsdae_dlcpres(int n, const double *a, int lda, const double *b, const double *x,
                             double *y, double *residual, double *work);
 
 /* Lemke's method with lexicographic pivoting (Cottle, Pang, Stone, "The Linear Complementarity
  * Problem", 1992, sections 4.4 and 4.9) on the problem as it is given: scale it before.
  *
- *   n, a, lda, b   as above
- *   d [n]          covering vector, every entry > 0; NULL: ones
+ *   n, a, lda, b   as above; a and b finite
+ *   d [n]          covering vector, every entry > 0 and finite; NULL: ones
  *   max_pivots     >= 0
  *   x [n]          out: the solution
  *   basis [n]      out: 1 where x_i is basic, else 0
  *   pivots         out: their number
- *   work [lwork]   lwork >= n (n + 2), or -1
+ *   work [lwork]   lwork >= n (n + 2), or -1; with what that asks for the pivots of large problems
+ *                  are put off and applied as one matrix product, which is several times faster
  *   iwork [2 n + 1]
- * info 1: ended on a secondary ray; 2: max_pivots reached. x is then not a solution. */
+ * info 1: ended on a secondary ray; 2: max_pivots reached; 3: overflow. x is then not a solution.
+ */
 NSDAE_API int nsdae_dlemke(int n, const double *a, int lda, const double *b, const double *d,
                            int max_pivots, double *x, int *basis, int *pivots, double *work,
                            int lwork, int *iwork);
+
+/* Projected Gauss-Seidel, with relaxation projected SOR (Cryer, SIAM J. Control 9 (1971) 385;
+ * Cottle, Pang, Stone, chapter 5): sweeps over
+ *
+ *   x_i := max(0, x_i - omega (A x + b)_i / a_ii),   i = 1 .. n
+ *
+ * Converges where A is symmetric positive definite, for every omega between 0 and 2.
+ *
+ *   n, a, lda, b   as above; a and b finite
+ *   omega          relaxation, > 0 and < 2; 1: Gauss-Seidel
+ *   tol            >= 0: sweeps end once the residual of nsdae_dlcpres is not above it
+ *   max_iter       >= 0
+ *   x [n]          in: the start, finite; its negative entries count as zero. out: the last iterate
+ *   iterations     out: sweeps done
+ *   residual       out: that of x
+ *   work [lwork]   lwork >= 2 n, or -1
+ * info 1: max_iter reached; 2: a diagonal entry is not > 0 (nothing was done); 3: the iterates
+ * overflowed. x is then not a solution. */
+NSDAE_API int nsdae_dlcppgs(int n, const double *a, int lda, const double *b, double omega,
+                            double tol, int max_iter, double *x, int *iterations, double *residual,
+                            double *work, int lwork);
+
+/* Principal pivoting for P-matrices (all principal minors > 0; positive definite, symmetric or
+ * not, is one). Indices whose x_i or y_i is negative change sides, all at once as long as that
+ * makes them fewer (block pivoting: Kostreva, Linear Algebra Appl. 21 (1978) 213; Judice and Pires,
+ * Comput. Oper. Res. 21 (1994) 587), else the least of them alone (Murty, Linear Algebra Appl. 9
+ * (1974) 65; Cottle, Pang, Stone, section 4.2), which makes the method finite. Each change is one
+ * factorisation of the active block A_FF; few are needed as a rule.
+ *
+ *   n, a, lda, b   as above; a and b finite
+ *   tol            >= 0: bound on the residual of nsdae_dlcpres, which ends the method
+ *   block          >= 0: block changes in a row that may fail to leave fewer indices before single
+ *                  ones begin, 10 as a rule; 0: single ones only, Murty's method
+ *   max_pivots     >= 0: most changes
+ *   x [n]          out: the solution
+ *   basis [n]      in: where to start, 1 for x_i > 0, else 0 (all 0 where nothing is known);
+ *                  out: that of x
+ *   pivots         out: changes done
+ *   residual       out: that of x
+ *   work [lwork]   lwork >= n (n + 2), or -1
+ *   iwork [2 n]
+ * info 1: a block was singular, or nothing is negative but the residual is above tol: A is no
+ * P-matrix, or too near to none; 2: max_pivots reached. x is then not a solution. */
+NSDAE_API int nsdae_dlcpppm(int n, const double *a, int lda, const double *b, double tol, int block,
+                            int max_pivots, double *x, int *basis, int *pivots, double *residual,
+                            double *work, int lwork, int *iwork);
+
+/* Enumeration of all 2^n active sets F: A_FF x_F = -b_F, all else zero (Cottle, Pang, Stone,
+ * section 1.3: a complementary basic solution). Time goes like 2^n n^3.
+ *
+ *   n              0 .. 20
+ *   a, lda, b      as above; a and b finite
+ *   tol            >= 0: bound on the residual of nsdae_dlcpres
+ *   set            in: the active set to begin with, bit i - 1 for x_i; 0 for all; <= 2^n.
+ *                  out: the first one that gives a solution, else 2^n. A call with it + 1 looks
+ *                  for the next solution.
+ *   x [n]          out: the solution
+ *   residual       out: that of x; without a solution the least of all sets
+ *   work [lwork]   lwork >= n (n + 2), or -1
+ *   iwork [3 n]
+ * info 1: none, and all A_FF met are regular, so that, begun at 0, there is no solution; 2: none,
+ * but some A_FF is singular to rounding: its solutions, if any, are not found. x is then none. */
+NSDAE_API int nsdae_dlcpenum(int n, const double *a, int lda, const double *b, double tol, int *set,
+                             double *x, double *residual, double *work, int lwork, int *iwork);
 
 #ifdef __cplusplus
 }

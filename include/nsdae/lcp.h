@@ -20,15 +20,17 @@ typedef struct nsdae_lcp_problem {
   const double *b; /* n */
 } nsdae_lcp_problem;
 
-/* Stages of the chain, in their order; options.stages is a sum of these. */
+/* Stages of the chain, in the order in which they are tried; options.stages is a sum of these. */
 enum nsdae_lcp_stage {
   NSDAE_LCP_NONE = 0,
-  NSDAE_LCP_TRIVIAL = 1,   /* b >= 0: x = 0 */
-  NSDAE_LCP_WARM = 2,      /* the active set given on entry: one factorisation */
-  NSDAE_LCP_LEMKE = 4,     /* lexicographic Lemke, covering vector of ones in scaled rows */
-  NSDAE_LCP_COVERING = 8,  /* Lemke with other covering vectors */
-  NSDAE_LCP_FURTHER = 16,  /* a method of another kind */
-  NSDAE_LCP_ENUMERATE = 32 /* all active sets, for small n; proves where there is no solution */
+  NSDAE_LCP_TRIVIAL = 1,    /* b >= 0: x = 0 */
+  NSDAE_LCP_WARM = 2,       /* the active set given on entry: one factorisation */
+  NSDAE_LCP_LEMKE = 4,      /* lexicographic Lemke, covering vector of ones in scaled rows */
+  NSDAE_LCP_COVERING = 8,   /* Lemke with other covering vectors */
+  NSDAE_LCP_PROVE = 64,     /* looks for the proof that no x >= 0 has A x + b >= 0 */
+  NSDAE_LCP_FURTHER = 16,   /* damped Newton on the semismooth equations, from many starts */
+  NSDAE_LCP_ENUMERATE = 32, /* all active sets, for small n; proves where there is no solution */
+  NSDAE_LCP_ALL = 127
 };
 
 /* What is known of the problem after the chain. */
@@ -38,47 +40,79 @@ enum nsdae_lcp_outcome {
   NSDAE_LCP_INFEASIBLE = 2 /* proved: there is no solution */
 };
 
+/* What proves that there is no solution, checked in exact arithmetic on A and b as given. */
+enum nsdae_lcp_proof {
+  NSDAE_LCP_PROOF_NONE = 0,
+  NSDAE_LCP_PROOF_FARKAS = 1,    /* u >= 0 with A^T u <= 0 and b^T u < 0: for x >= 0, u^T (A x + b)
+                                    < 0, so that no x >= 0 has A x + b >= 0; y holds u */
+  NSDAE_LCP_PROOF_ENUMERATED = 2 /* A x + b >= 0 has an x >= 0, but every choice of which of x_i
+                                    and y_i is zero is excluded, by a vector of that kind each */
+};
+
+/* What the secondary ray on which Lemke's method ended proves about A: by its direction x >= 0, x
+ * not zero, checked in exact arithmetic on A as given. */
+enum nsdae_lcp_ray {
+  NSDAE_LCP_RAY_NOTHING = 0,
+  NSDAE_LCP_RAY_NOT_COPOSITIVE = 1,         /* (A x)_i < 0 wherever x_i > 0: A is not copositive
+                                               (x^T A x < 0) and not semimonotone, and so neither
+                                               positive semidefinite nor P0 */
+  NSDAE_LCP_RAY_NOT_STRICTLY_COPOSITIVE = 2 /* (A x)_i <= 0 wherever x_i > 0: A is not strictly
+                                               copositive and not strictly semimonotone, and so
+                                               neither positive definite nor P */
+};
+
 /* Fill with nsdae_lcp_options_default first. */
 typedef struct nsdae_lcp_options {
-  double tol;        /* bound on the scaled natural residual of a solution */
-  int max_pivots;    /* per run of Lemke; 0: 50 n + 100 */
-  int stages;        /* sum of enum nsdae_lcp_stage; default all */
-  int enumerate_max; /* largest n that enumeration takes on */
+  double tol;        /* bound on the scaled natural residual of a solution, in (0, 1] */
+  int max_pivots;    /* per run of Lemke, >= 0; 0: 50 n + 100 */
+  int stages;        /* sum of enum nsdae_lcp_stage; default NSDAE_LCP_ALL */
+  int enumerate_max; /* largest n that enumeration takes on, in [0, 24] */
 } nsdae_lcp_options;
 
 /* How a problem was solved, or was not. */
 typedef struct nsdae_lcp_info {
   int outcome;     /* enum nsdae_lcp_outcome */
   int stage;       /* enum nsdae_lcp_stage that ended it */
+  int proof;       /* enum nsdae_lcp_proof */
+  int ray;         /* enum nsdae_lcp_ray; looked for where there is no solution to hand over and n
+                      is at most 60 */
   int pivots;      /* over all stages */
-  double residual; /* max_i |min(x_i / sx_i, y_i / sy_i)| of the equilibrated problem: see
-                      nsdae_dlcpres */
+  double residual; /* max_i |min(x_i / sx_i, y_i / sy_i)| of the equilibrated problem (see
+                      nsdae_dlcpres) of the x handed over; INFINITY where there is none */
 } nsdae_lcp_info;
 
-/* Every option at its default. */
+/* tol 1e-10, every stage, enumeration up to n = 12. NULL is left alone. */
 NSDAE_API void nsdae_lcp_options_default(nsdae_lcp_options *options);
 
-/* Names of a stage ("lemke") and of an outcome ("solved"). */
+/* Names of a stage ("lemke"), an outcome ("solved"), a proof ("farkas") and what a ray proves ("not
+ * copositive"); "unknown" for any other value. */
 NSDAE_API const char *nsdae_lcp_stage_name(int stage);
 NSDAE_API const char *nsdae_lcp_outcome_name(int outcome);
+NSDAE_API const char *nsdae_lcp_proof_name(int proof);
+NSDAE_API const char *nsdae_lcp_ray_name(int ray);
 
-/* Solves the problem; allocates its own workspace. options may be NULL for the defaults.
- *   x [n]  in: a guess whose positive entries are the active set tried first (zero: none);
- *          out: the solution, or the best point found
- *   y [n]  out: A x + b
- * NSDAE_OK solved; NSDAE_E_INFEASIBLE proved without solution; NSDAE_E_LCP no solution found;
- * NSDAE_E_ARGUMENT, NSDAE_E_NONFINITE (A or b), NSDAE_E_MEMORY. info may be NULL. */
+/* Solves the problem; allocates its own workspace, once.
+ *   problem  n in [0, 20000]; A and b may be NULL where n = 0, and so may x and y
+ *   options  NULL: the defaults
+ *   x [n]    in: a guess whose positive entries are the active set tried first (zero: none);
+ *            out: the solution, or the best point found, or zero
+ *   y [n]    out: A x + b; with NSDAE_LCP_PROOF_FARKAS, u
+ *   info     may be NULL
+ * NSDAE_OK solved; NSDAE_E_INFEASIBLE proved without solution; NSDAE_E_LCP no solution found.
+ * With NSDAE_E_ARGUMENT (missing or outside its range), NSDAE_E_NONFINITE (a NaN or an infinity in
+ * A or b) and NSDAE_E_MEMORY, x and y are as they were. */
 NSDAE_API int nsdae_lcp_solve(const nsdae_lcp_problem *problem, const nsdae_lcp_options *options,
                               double *x, double *y, nsdae_lcp_info *info);
 
 /* The same in the caller's workspace, without allocation.
- *   basis [n]  in: 1 where x_i is thought positive, 0 where y_i is; out: that of the solution
- *   work [lwork], iwork [liwork]: sizes for n from nsdae_lcp_workspace */
+ *   basis [n]  in: not 0 where x_i is thought positive, 0 where y_i is; out: 1 and 0, that of the
+ *              solution (left alone where none was found)
+ *   work [lwork], iwork [liwork]: at least the sizes for n from nsdae_lcp_workspace */
 NSDAE_API int nsdae_lcp_solve_in(const nsdae_lcp_problem *problem, const nsdae_lcp_options *options,
                                  int *basis, double *x, double *y, nsdae_lcp_info *info,
                                  double *work, int lwork, int *iwork, int liwork);
 
-/* Sizes of the workspace of nsdae_lcp_solve_in for n rows. NSDAE_E_ARGUMENT. */
+/* Both sizes are at least 1; NSDAE_E_ARGUMENT where n is outside [0, 20000] or a size is NULL. */
 NSDAE_API int nsdae_lcp_workspace(int n, int *lwork, int *liwork);
 
 #ifdef __cplusplus

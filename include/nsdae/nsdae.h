@@ -4,6 +4,7 @@
 
 #include <nsdae/kernels.h>
 #include <nsdae/lcp.h>
+#include <nsdae/lcp_file.h>
 #include <nsdae/params.h>
 #include <nsdae/sim.h>
 #include <nsdae/status.h>

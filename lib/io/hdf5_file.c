@@ -30,7 +30,7 @@ static int failed(nsdae_h5 *h5, const char *what)
   char text[200] = "unknown reason";
   H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, innermost, text);
   const char *words = system_words(text);
-  return nsdae_error_set(h5->error, NSDAE_E_IO, "nsdae_trajectory", "path",
+  return nsdae_error_set(h5->error, NSDAE_E_IO, h5->where ? h5->where : "nsdae_trajectory", "path",
                          "cannot %s '%.90s': %.120s", what, h5->path, words ? words : text);
 }
 
@@ -53,6 +53,12 @@ int nsdae_h5_reopen(nsdae_h5 *h5)
 {
   h5->file = H5Fopen(h5->path, H5F_ACC_RDWR, H5P_DEFAULT);
   return result(h5, h5->file, "open");
+}
+
+int nsdae_h5_open(nsdae_h5 *h5)
+{
+  h5->file = H5Fopen(h5->path, H5F_ACC_RDONLY, H5P_DEFAULT);
+  return result(h5, h5->file, "read");
 }
 
 int nsdae_h5_flush(nsdae_h5 *h5)
@@ -119,6 +125,26 @@ int nsdae_h5_set_int(nsdae_h5 *h5, hid_t object, const char *name, int value)
   return set_attribute(h5, object, name, H5T_NATIVE_INT, &value);
 }
 
+int nsdae_h5_set_real(nsdae_h5 *h5, hid_t object, const char *name, double value)
+{
+  return set_attribute(h5, object, name, H5T_NATIVE_DOUBLE, &value);
+}
+
+int nsdae_h5_get_real(nsdae_h5 *h5, hid_t object, const char *name, double *value)
+{
+  if (H5Aexists(object, name) <= 0) return NSDAE_OK;
+  hid_t attribute = H5Aopen(object, name, H5P_DEFAULT);
+  int status = result(h5, attribute, "read an attribute of");
+  if (status < 0) return status;
+  hid_t space = H5Aget_space(attribute);
+  hssize_t count = H5Sget_simple_extent_npoints(space);
+  H5Sclose(space);
+  if (count == 1)
+    status = result(h5, H5Aread(attribute, H5T_NATIVE_DOUBLE, value), "read an attribute of");
+  H5Aclose(attribute);
+  return status;
+}
+
 int nsdae_h5_describe(nsdae_h5 *h5, hid_t series, const char *units, const char *description)
 {
   int status = nsdae_h5_set_text(h5, series, "units", units);
@@ -161,6 +187,45 @@ int nsdae_h5_vector(nsdae_h5 *h5, const char *path, hid_t type, hsize_t n, const
                     const char *units, const char *description)
 {
   return write_typed(h5, path, type, H5Screate_simple(1, &n, NULL), values, units, description);
+}
+
+int nsdae_h5_matrix(nsdae_h5 *h5, const char *path, hsize_t n, const double *rows,
+                    const char *units, const char *description)
+{
+  const hsize_t size[2] = {n, n};
+  return write_typed(h5, path, H5T_NATIVE_DOUBLE, H5Screate_simple(2, size, NULL), rows, units,
+                     description);
+}
+
+/* "cannot read 'file': ..." with what is wrong with one of its datasets. */
+static int unfit(nsdae_h5 *h5, const char *path, const char *wrong)
+{
+  return nsdae_error_set(h5->error, NSDAE_E_IO, h5->where, "path",
+                         "cannot read '%.90s': dataset %s %s", h5->path, path, wrong);
+}
+
+int nsdae_h5_shape(nsdae_h5 *h5, const char *path, int rank, hsize_t *length)
+{
+  hid_t set = H5Dopen2(h5->file, path, H5P_DEFAULT);
+  if (set < 0) return unfit(h5, path, "is missing");
+  hid_t space = H5Dget_space(set);
+  int found = H5Sget_simple_extent_ndims(space);
+  if (found == rank) H5Sget_simple_extent_dims(space, length, NULL);
+  H5Sclose(space);
+  H5Dclose(set);
+  if (found == rank) return NSDAE_OK;
+  return unfit(h5, path, rank == 1 ? "is not a vector" : "is not a matrix");
+}
+
+int nsdae_h5_read(nsdae_h5 *h5, const char *path, double *values)
+{
+  hid_t set = H5Dopen2(h5->file, path, H5P_DEFAULT);
+  int status = result(h5, set, "read");
+  if (status < 0) return status;
+  status =
+      result(h5, H5Dread(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values), "read");
+  H5Dclose(set);
+  return status;
 }
 
 int nsdae_h5_series(nsdae_h5 *h5, const char *path, hid_t type, const hsize_t *width, int rank,

@@ -19,12 +19,15 @@
 typedef struct nsdae_h5 {
   hid_t file;
   const char *path;
+  const char *where;  /* public function at work; NULL: nsdae_trajectory */
   nsdae_error *error; /* of the call at work */
 } nsdae_h5;
 
 /* Makes the file, replacing one of that name; latest: in the format that SWMR needs. */
 int nsdae_h5_create(nsdae_h5 *h5, int latest);
 int nsdae_h5_reopen(nsdae_h5 *h5);
+/* Opens it to be read. */
+int nsdae_h5_open(nsdae_h5 *h5);
 int nsdae_h5_flush(nsdae_h5 *h5);
 int nsdae_h5_close(nsdae_h5 *h5);
 /* Lets readers in: from here on nothing can be made in the file. */
@@ -35,6 +38,9 @@ int nsdae_h5_group(nsdae_h5 *h5, const char *name);
 /* Attribute of an object of the file, made or written anew. */
 int nsdae_h5_set_text(nsdae_h5 *h5, hid_t object, const char *name, const char *text);
 int nsdae_h5_set_int(nsdae_h5 *h5, hid_t object, const char *name, int value);
+int nsdae_h5_set_real(nsdae_h5 *h5, hid_t object, const char *name, double value);
+/* Leaves the value where there is no such attribute. */
+int nsdae_h5_get_real(nsdae_h5 *h5, hid_t object, const char *name, double *value);
 
 /* A scalar dataset with units and description; text: type H5T_C_S1, value a string. */
 int nsdae_h5_scalar(nsdae_h5 *h5, const char *path, hid_t type, const void *value,
@@ -43,6 +49,14 @@ int nsdae_h5_scalar(nsdae_h5 *h5, const char *path, hid_t type, const void *valu
 /* A dataset of n values, in groups that are made as needed; text: type H5T_C_S1, values strings. */
 int nsdae_h5_vector(nsdae_h5 *h5, const char *path, hid_t type, hsize_t n, const void *values,
                     const char *units, const char *description);
+
+/* A dataset of n x n values, row by row. */
+int nsdae_h5_matrix(nsdae_h5 *h5, const char *path, hsize_t n, const double *rows,
+                    const char *units, const char *description);
+
+/* Lengths [rank] of a dataset, which must have that rank; its numbers, in the order of the file. */
+int nsdae_h5_shape(nsdae_h5 *h5, const char *path, int rank, hsize_t *length);
+int nsdae_h5_read(nsdae_h5 *h5, const char *path, double *values);
 
 /* A growing dataset: rows of width values (0: plain values), in chunks of chunk rows. */
 int nsdae_h5_series(nsdae_h5 *h5, const char *path, hid_t type, const hsize_t *width, int rank,

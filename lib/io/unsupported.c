@@ -1,5 +1,7 @@
-/* Trajectories in a library that was built without HDF5. */
+/* Files in a library that was built without HDF5. */
+#include <nsdae/lcp_file.h>
 #include <nsdae/trajectory.h>
+#include <stdlib.h>
 
 #include "errors.h"
 
@@ -52,4 +54,28 @@ int nsdae_trajectory_put_texts(nsdae_trajectory *trajectory, const char *path, i
   (void)texts;
   (void)description;
   return unsupported("nsdae_trajectory_put_texts", error);
+}
+
+int nsdae_lcp_write(const char *path, const nsdae_lcp_problem *problem,
+                    const nsdae_lcp_origin *origin, nsdae_error *error)
+{
+  (void)path;
+  (void)problem;
+  (void)origin;
+  return unsupported("nsdae_lcp_write", error);
+}
+
+int nsdae_lcp_read(const char *path, nsdae_lcp_file *file, nsdae_error *error)
+{
+  (void)path;
+  if (file) *file = (nsdae_lcp_file){0};
+  return unsupported("nsdae_lcp_read", error);
+}
+
+void nsdae_lcp_file_release(nsdae_lcp_file *file)
+{
+  if (!file) return;
+  free(file->A);
+  free(file->b);
+  *file = (nsdae_lcp_file){0};
 }

@@ -1,153 +1,245 @@
-/* The dictionary of the augmented problem y = A x + d z0 + b,
+/* Variables are numbered y_i: i, x_i: n + i, z0: 2 n. Of each pair x_k, y_k one is nonbasic, but
+ * for the pair of which the one has just left and the other enters.
  *
- *   basic_i = q_i + sum_j D_ij nonbasic_j,
- *
- * is kept condensed: n x (n + 1) coefficients and q. Variables are numbered y_i: i, x_i: n + i,
- * z0: 2 n. Ties are broken as if b_i were b_i + eps^(i+1): the coefficient of eps^(k+1) in the
- * constant of row i is -D_ij where y_k is the j-th nonbasic variable and 1 where y_k is basic_i. */
+ * Ties are broken as if b_i were b_i + eps^(i+1): the coefficient of eps^(k+1) in the constant of
+ * row i is -C_ij where y_k is the j-th nonbasic variable and 1 where y_k is basic_i. */
+#include "lemke.h"
+
 #include <float.h>
 #include <math.h>
 #include <nsdae/kernels.h>
 #include <stddef.h>
 
-typedef struct dictionary {
-  int n;
-  double *D, *q;         /* n x (n + 1), n */
-  int *basic, *nonbasic; /* n, n + 1 */
-} dictionary;
+#include "dictionary.h"
 
-static double *column_of(const dictionary *t, int j)
+/* From BLOCKED rows on, pivots are put off, BLOCK at a time (measured). */
+enum { BLOCKED = 30, BLOCK = 24 };
+
+/* What is taken for rounding: relative to max |b| in z0 and a y_i, to the largest step so far in an
+ * x_i; in z0 at the end of a ray; in an entry relative to the largest of its column; in
+ * perturbations relative to themselves. */
+static const double slack = 64 * DBL_EPSILON, last_slack = 1e-12, least_pivot = 1e-13,
+                    same_perturbation = 1e-12;
+
+typedef struct method {
+  nsdae_dictionary t;
+  int n, row_of_z0;
+  int *basic; /* n: the variable of each row */
+  int *place; /* n: column of the nonbasic one of x_k, y_k: j where y_k, ~j where x_k */
+  int *is_x;  /* n: whether basic_i is an x_k */
+  double slack_y, slack_x; /* what is as good as zero in a y_k or z0, in an x_k */
+  double *bound;           /* n: of the ratio test */
+} method;
+
+static double slack_of(const method *m, int i)
 {
-  return t->D + (size_t)j * (size_t)t->n;
+  return m->is_x[i] ? m->slack_x : m->slack_y;
 }
 
-static void fill(dictionary *t, const double *a, int lda, const double *b, const double *d)
+/* Coefficient of eps^(k+1) in the constant of row i. */
+static double perturbation(const method *m, int i, int k)
 {
-  int n = t->n;
-  for (int j = 0; j < n; j++) {
-    double *column = column_of(t, j);
-    for (int i = 0; i < n; i++) column[i] = a[(size_t)j * (size_t)lda + (size_t)i];
-    t->nonbasic[j] = n + j;
-    t->basic[j] = j;
-    t->q[j] = b[j];
-    column_of(t, n)[j] = d ? d[j] : 1;
-  }
-  t->nonbasic[n] = 2 * n;
+  if (m->place[k] >= 0) return -nsdae_dictionary_entry(&m->t, i, m->place[k]);
+  return m->basic[i] == k ? 1 : 0;
 }
 
-/* Exchanges basic[r] and nonbasic[e]. */
-static void pivot(dictionary *t, int r, int e)
+/* Whether row i comes before row r in the lexicographic ratio test of column c. Coefficients are of
+ * the order of one in the unit of their row; what is left of two equal ones is not compared. */
+static int before(const method *m, int i, int r, const double *c)
 {
-  int n = t->n, leaving = t->basic[r];
-  double *entering = column_of(t, e), by = entering[r], step = -t->q[r] / by;
-  for (int j = 0; j <= n; j++) {
-    double *column = column_of(t, j), factor = -column[r] / by;
-    if (j == e || factor == 0) continue;
-    for (int i = 0; i < n; i++) column[i] += factor * entering[i];
-    column[r] = factor;
-  }
-  for (int i = 0; i < n; i++) t->q[i] += step * entering[i];
-  t->q[r] = step;
-  for (int i = 0; i < n; i++) entering[i] /= by;
-  entering[r] = 1 / by;
-  t->basic[r] = t->nonbasic[e];
-  t->nonbasic[e] = leaving;
-}
-
-/* Coefficient of eps^(k+1) in the constant of row i; position: where y_k is nonbasic, or -1. */
-static double perturbation(const dictionary *t, int i, int k, int position)
-{
-  if (position >= 0) return -column_of(t, position)[i];
-  return t->basic[i] == k ? 1 : 0;
-}
-
-static int position_of(const dictionary *t, int variable)
-{
-  for (int j = 0; j <= t->n; j++)
-    if (t->nonbasic[j] == variable) return j;
-  return -1;
-}
-
-/* Whether row i comes before row r in the lexicographic ratio test of column e. */
-static int before(const dictionary *t, int i, int r, const double *entering)
-{
-  for (int k = 0; k < t->n; k++) {
-    int position = position_of(t, k);
-    double one = perturbation(t, i, k, position) / -entering[i];
-    double other = perturbation(t, r, k, position) / -entering[r];
-    double rounding = 8 * DBL_EPSILON * (fabs(one) + fabs(other));
-    if (fabs(one - other) > rounding) return one < other;
+  double unit_i = 1 / -c[i], unit_r = 1 / -c[r];
+  double least =
+      same_perturbation * (slack_of(m, i) * unit_i + slack_of(m, r) * unit_r) / m->slack_y;
+  for (int k = 0; k < m->n; k++) {
+    double one = perturbation(m, i, k) * unit_i, other = perturbation(m, r, k) * unit_r;
+    double same = same_perturbation * (fabs(one) + fabs(other)) + least;
+    if (fabs(one - other) > same) return one < other;
   }
   return 0;
 }
 
-/* Row that blocks the entering column: smallest q_i / -D_ie, ties by the perturbation; z0 leaves
- * wherever it is among them. -1: none, a ray. */
-static int blocking_row(const dictionary *t, int e)
+static double larger(double a, double b)
 {
-  const double *entering = column_of(t, e);
-  double largest = 0, smallest = INFINITY, rounding;
-  int n = t->n, best = -1;
-  for (int i = 0; i < n; i++) largest = fmax(largest, fabs(entering[i]));
-  double least = 64 * DBL_EPSILON * largest;
-  for (int i = 0; i < n; i++)
-    if (entering[i] < -least) smallest = fmin(smallest, fmax(t->q[i], 0) / -entering[i]);
-  for (int i = 0; i < n; i++) {
-    if (!(entering[i] < -least)) continue;
-    double ratio = fmax(t->q[i], 0) / -entering[i];
-    rounding = 1e-13 * smallest + DBL_MIN;
-    if (ratio > smallest + rounding) continue;
-    if (t->basic[i] == 2 * n) return i;
-    if (best < 0 || before(t, i, best, entering)) best = i;
+  return a > b ? a : b; /* fmax is a call */
+}
+
+static double smaller(double a, double b)
+{
+  return a < b ? a : b;
+}
+
+/* max |c_i|; four at a time, for the latency of a comparison. */
+static double largest_of(int n, const double *c)
+{
+  double most[4] = {0};
+  int i = 0;
+  for (; i + 4 <= n; i += 4)
+    for (int k = 0; k < 4; k++) most[k] = larger(fabs(c[i + k]), most[k]);
+  for (; i < n; i++) most[0] = larger(fabs(c[i]), most[0]);
+  return larger(larger(most[0], most[1]), larger(most[2], most[3]));
+}
+
+static double smallest_of(int n, const double *c)
+{
+  double least[4] = {INFINITY, INFINITY, INFINITY, INFINITY};
+  int i = 0;
+  for (; i + 4 <= n; i += 4)
+    for (int k = 0; k < 4; k++) least[k] = smaller(c[i + k], least[k]);
+  for (; i < n; i++) least[0] = smaller(c[i], least[0]);
+  return smaller(smaller(least[0], least[1]), smaller(least[2], least[3]));
+}
+
+/* bound_i: where basic_i falls below -slack as the entering variable grows. */
+static void set_bounds(const method *m, const double *restrict c, double least)
+{
+  const double *restrict q = m->t.q, slack_y = m->slack_y, more = m->slack_x - slack_y;
+  const int *restrict is_x = m->is_x;
+  double *restrict bound = m->bound;
+  for (int i = 0; i < m->n; i++) {
+    double constant = (q[i] > 0 ? q[i] : 0) + (slack_y + more * is_x[i]);
+    double over = -c[i] > least ? constant : INFINITY, by = -c[i] > least ? -c[i] : 1;
+    bound[i] = over / by;
   }
+}
+
+/* Row that blocks the entering column. All whose basic_i is zero, or below, at the smallest bound
+ * (Harris, Math. Program. 5, 1973) tie, and the perturbation chooses; z0 leaves wherever it is
+ * among them. -1: none, a ray. */
+static int blocking_row(const method *m, const double *c)
+{
+  int n = m->n, best = -1, z0 = m->row_of_z0;
+  double least = least_pivot * largest_of(n, c), smallest;
+  set_bounds(m, c, least);
+  smallest = smallest_of(n, m->bound);
+  if (-c[z0] > least && m->t.q[z0] - m->slack_y <= smallest * -c[z0]) return z0;
+  for (int i = 0; i < n; i++)
+    if (-c[i] > least && m->t.q[i] <= smallest * -c[i] && (best < 0 || before(m, i, best, c)))
+      best = i;
   return best;
 }
 
-/* Row of the first pivot: the most negative q_i / d_i; the last of a tie has the least eps. */
-static int first_row(const dictionary *t)
+/* Row of the first pivot: the most negative b_i / d_i; the last of a tie has the least eps. */
+static int first_row(int n, const double *b, const double *d)
 {
-  const double *d = column_of(t, t->n);
   int worst = -1;
-  for (int i = 0; i < t->n; i++)
-    if (t->q[i] < 0 && (worst < 0 || t->q[i] / d[i] <= t->q[worst] / d[worst])) worst = i;
+  double least = 0;
+  for (int i = 0; i < n; i++) {
+    double ratio = d ? b[i] / d[i] : b[i];
+    if (!(b[i] < 0) || ratio > least) continue;
+    worst = i;
+    least = ratio;
+  }
   return worst;
 }
 
-static int complement(int variable, int n)
+/* The variable entering takes row r. */
+static void replace(method *m, int r, int entering, const double *c)
 {
-  return variable < n ? variable + n : variable - n;
+  double size = slack * fabs(m->t.q[r] / c[r]);
+  m->is_x[r] = entering >= m->n;
+  if (m->is_x[r]) m->slack_x = larger(size, m->slack_x);
+  m->basic[r] = entering;
 }
 
-static int pivot_to_the_end(dictionary *t, int max_pivots, int *pivots)
+/* After the first pivot, which has x_row enter. */
+static int pivot_to_the_end(method *m, int row, int max_pivots, int *pivots)
 {
-  int n = t->n, row = first_row(t), e = n;
-  *pivots = 0;
-  while (row >= 0) {
+  int n = m->n, e = row, entering = n + row;
+  m->row_of_z0 = row;
+  m->basic[row] = 2 * n;
+  m->place[row] = n;
+  for (*pivots = 1;; ++*pivots) {
+    const double *c = nsdae_dictionary_column(&m->t, e);
+    int r = blocking_row(m, c), leaving, k, left = e;
+    if (r < 0) return m->t.q[row] > last_slack / slack * m->slack_y; /* with z0 = 0: solved */
     if (*pivots == max_pivots) return 2;
-    int leaving = t->basic[row];
-    pivot(t, row, e);
-    ++*pivots;
-    if (leaving == 2 * n) return 0;
-    e = position_of(t, complement(leaving, n));
-    row = blocking_row(t, e);
-    if (row < 0) return 1;
+    leaving = m->basic[r];
+    replace(m, r, entering, c);
+    if (leaving == 2 * n) {
+      nsdae_dictionary_move(&m->t, r, c);
+      ++*pivots;
+      return 0;
+    }
+    nsdae_dictionary_pivot(&m->t, r, e, c);
+    k = leaving < n ? leaving : leaving - n;
+    e = m->place[k] >= 0 ? m->place[k] : ~m->place[k];
+    m->place[k] = leaving < n ? left : ~left;
+    entering = leaving < n ? leaving + n : leaving - n;
   }
-  return 0;
 }
 
-static void read_solution(const dictionary *t, double *x, int *basis)
+/* x and basis, until they have what they are for, hold the bounds and is_x. */
+static void start(method *m, int n, const double *b, double *x, int *basis, int *iwork)
 {
-  int n = t->n;
+  double most = 0;
+  for (int i = 0; i < n; i++) most = larger(fabs(b[i]), most);
+  m->n = n;
+  m->basic = iwork;
+  m->place = iwork + n;
+  m->is_x = basis;
+  m->bound = x;
+  m->slack_y = slack * most;
+  m->slack_x = 0;
+  for (int i = 0; i < n; i++) {
+    m->basic[i] = i;
+    m->place[i] = ~i;
+    m->is_x[i] = 0;
+  }
+}
+
+static int read_solution(const method *m, double *x, int *basis)
+{
+  int finite = 1;
+  for (int i = 0; i < m->n; i++) {
+    x[i] = 0;
+    basis[i] = 0;
+  }
+  for (int i = 0; i < m->n; i++) {
+    int variable = m->basic[i] - m->n;
+    finite &= isfinite(m->t.q[i]) != 0;
+    if (variable < 0 || variable == m->n) continue;
+    x[variable] = m->t.q[i] > 0 ? m->t.q[i] : 0;
+    basis[variable] = 1;
+  }
+  return finite;
+}
+
+int nsdae_lemke_block(int n)
+{
+  return n < BLOCKED ? 0 : BLOCK;
+}
+
+static int all_finite(int n, const double *a)
+{
+  for (int i = 0; i < n; i++)
+    if (!isfinite(a[i])) return 0;
+  return 1;
+}
+
+/* b >= 0: x = 0. */
+static int trivial(int n, const double *a, int lda, double *x, int *basis, int *pivots)
+{
+  for (int j = 0; j < n; j++)
+    if (!all_finite(n, a + (size_t)j * (size_t)lda)) return -2;
   for (int i = 0; i < n; i++) {
     x[i] = 0;
     basis[i] = 0;
   }
-  for (int i = 0; i < n; i++) {
-    int variable = t->basic[i] - n;
-    if (variable < 0 || variable == n) continue;
-    x[variable] = fmax(t->q[i], 0);
-    basis[variable] = 1;
-  }
+  *pivots = 0;
+  return 0;
+}
+
+int nsdae_lemke(int n, int block, const double *a, int lda, const double *b, const double *d,
+                int max_pivots, double *x, int *basis, int *pivots, double *work, int *iwork)
+{
+  int row = first_row(n, b, d), info = 2;
+  method m;
+  if (row < 0) return trivial(n, a, lda, x, basis, pivots);
+  if (nsdae_dictionary_start(&m.t, n, block, a, lda, b, d, row, work) != 0) return -2;
+  start(&m, n, b, x, basis, iwork);
+  *pivots = 0;
+  if (max_pivots > 0) info = pivot_to_the_end(&m, row, max_pivots, pivots);
+  return read_solution(&m, x, basis) ? info : 3;
 }
 
 static int check(int n, const double *a, int lda, const double *b, const double *d, int max_pivots,
@@ -159,14 +251,14 @@ static int check(int n, const double *a, int lda, const double *b, const double 
   if (lwork == -1) return 0;
   if (!a && n > 0) return -2;
   if (lda < 1 || lda < n) return -3;
-  if (!b && n > 0) return -4;
+  if (n > 0 && (!b || !all_finite(n, b))) return -4;
   for (int i = 0; d && i < n; i++)
-    if (!(d[i] > 0)) return -5;
+    if (!(d[i] > 0 && d[i] < INFINITY)) return -5;
   if (max_pivots < 0) return -6;
   if (!x && n > 0) return -7;
   if (!basis && n > 0) return -8;
   if (!pivots) return -9;
-  if (lwork < n * (n + 2)) return -11;
+  if (lwork < nsdae_dictionary_size(n, 0)) return -11;
   return iwork ? 0 : -12;
 }
 
@@ -175,17 +267,11 @@ int nsdae_dlemke(int n, const double *a, int lda, const double *b, const double 
 {
   int info = check(n, a, lda, b, d, max_pivots, x, basis, pivots, work, lwork, iwork);
   if (info != 0) return info;
+  int block = nsdae_lemke_block(n), best = nsdae_dictionary_size(n, block);
   if (lwork == -1) {
-    work[0] = (double)n * (n + 2);
+    work[0] = best;
     return 0;
   }
-  dictionary t = {.n = n,
-                  .D = work,
-                  .q = work + (size_t)n * ((size_t)n + 1),
-                  .basic = iwork,
-                  .nonbasic = iwork + n};
-  fill(&t, a, lda, b, d);
-  info = pivot_to_the_end(&t, max_pivots, pivots);
-  read_solution(&t, x, basis);
-  return info;
+  return nsdae_lemke(n, lwork < best ? 0 : block, a, lda, b, d, max_pivots, x, basis, pivots, work,
+                     iwork);
 }

@@ -1,18 +1,25 @@
+#include "residual.h"
+
 #include <math.h>
 #include <nsdae/kernels.h>
 #include <stddef.h>
 
-/* Row of y = A x + b, and of |b| + sum_j |a_ij x_j|. */
-static double row(int n, const double *a, int lda, double b, const double *x, double *size)
+/* y := A x + b and size_i := |b_i| + sum_j |a_ij x_j|, column by column. */
+static void product(int n, const double *a, int lda, const double *b, const double *x,
+                    double *restrict y, double *restrict size)
 {
-  double sum = b;
-  *size = fabs(b);
-  for (int j = 0; j < n; j++) {
-    double term = a[(size_t)j * (size_t)lda] * x[j];
-    sum += term;
-    *size += fabs(term);
+  for (int i = 0; i < n; i++) {
+    y[i] = b[i];
+    size[i] = fabs(b[i]);
   }
-  return sum;
+  for (int j = 0; j < n; j++) {
+    const double *restrict column = a + (size_t)j * (size_t)lda;
+    for (int i = 0; i < n; i++) { /* x_j = 0 included: a NaN of A must show */
+      double term = column[i] * x[j];
+      y[i] += term;
+      size[i] += fabs(term);
+    }
+  }
 }
 
 /* y_i / sy_i, or x_i / sx_i: zero where there is nothing to compare with. */
@@ -25,9 +32,28 @@ static double relative(double value, double size)
 static double column_size(int n, const double *column, const double *sy)
 {
   double least = INFINITY;
-  for (int k = 0; k < n; k++)
-    if (column[k] != 0) least = fmin(least, sy[k] / fabs(column[k]));
+  for (int k = 0; k < n; k++) {
+    double size = column[k] != 0 ? sy[k] / fabs(column[k]) : INFINITY;
+    least = size < least ? size : least;
+  }
   return least;
+}
+
+double nsdae_lcp_entry_error(int n, const double *column, int i, double x, double y,
+                             const double *sizes)
+{
+  double of_y = relative(y, sizes[i]);
+  if (isnan(x + y) || !isfinite(sizes[i])) return NAN;
+  if (x >= 0 && of_y <= 0) return of_y; /* whatever sx is */
+  double of_x = x == 0 ? 0 : relative(x, column_size(n, column, sizes));
+  return of_x < of_y ? of_x : of_y;
+}
+
+/* Whether |min(x / sx, y / sy)| is not above worst, whatever sx is. */
+static int is_within(double x, double y, double sy, double worst)
+{
+  double of_y = relative(y, sy);
+  return isfinite(sy) && x >= 0 && isfinite(x) && of_y >= -worst && (x == 0 || of_y <= worst);
 }
 
 static int check(int n, const double *a, int lda, const double *b, const double *x, const double *y,
@@ -50,18 +76,13 @@ int nsdae_dlcpres(int n, const double *a, int lda, const double *b, const double
   if (info != 0) return info;
   double largest = 0, worst = 0;
   for (int i = 0; i < n; i++) largest = fmax(largest, fabs(b[i]));
-  for (int i = 0; i < n; i++) {
-    y[i] = row(n, a + i, lda, b[i], x, &work[i]);
-    work[i] += 1e-3 * largest;
-  }
-  for (int i = 0; i < n; i++) {
-    double sx = column_size(n, a + (size_t)i * (size_t)lda, work);
-    double of_x = relative(x[i], sx), of_y = relative(y[i], work[i]);
-    double error = fabs(of_x < of_y ? of_x : of_y);
-    if (isnan(x[i] + y[i]) || !isfinite(work[i])) error = NAN;
+  product(n, a, lda, b, x, y, work);
+  for (int i = 0; i < n; i++) work[i] += 1e-3 * largest;
+  for (int i = 0; i < n && !isnan(worst); i++) {
+    if (is_within(x[i], y[i], work[i], worst)) continue;
+    double error = fabs(nsdae_lcp_entry_error(n, a + (size_t)i * (size_t)lda, i, x[i], y[i], work));
     if (!(error <= worst)) worst = error;
-    if (isnan(worst)) break;
   }
   *residual = worst;
-  return 0;
+  return isnan(worst) ? 1 : 0;
 }

@@ -154,3 +154,26 @@ void nsdae_la_subtract_product(int n, int p, int r, const double *A, int lda, co
     for (int k = 0; k < p; k++)
       for (int i = 0; i < n; i++) AT(C, ldc, i, j) -= AT(A, lda, i, k) * AT(B, ldb, k, j);
 }
+
+void nsdae_la_add_product(int n, int p, const double *A, int lda, const double *x, double *y)
+{
+  if (n >= NSDAE_SMALL) {
+    cblas_dgemv(CblasColMajor, CblasNoTrans, n, p, 1.0, A, lda, x, 1, 1.0, y, 1);
+    return;
+  }
+  for (int k = 0; k < p; k++)
+    for (int i = 0; i < n; i++) y[i] += AT(A, lda, i, k) * x[k];
+}
+
+void nsdae_la_add_outer(int n, int r, int p, const double *A, int lda, const double *B, int ldb,
+                        double *C, int ldc)
+{
+  if (p == 0 || r == 0) return;
+  if (n >= NSDAE_SMALL) {
+    cblas_dgemm(CblasColMajor, CblasNoTrans, CblasTrans, n, r, p, 1.0, A, lda, B, ldb, 1.0, C, ldc);
+    return;
+  }
+  for (int j = 0; j < r; j++)
+    for (int k = 0; k < p; k++)
+      for (int i = 0; i < n; i++) AT(C, ldc, i, j) += AT(A, lda, i, k) * AT(B, ldb, j, k);
+}

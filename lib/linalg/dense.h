@@ -28,4 +28,11 @@ void nsdae_la_multiply_transposed(int n, int p, int r, const double *A, int lda,
 void nsdae_la_subtract_product(int n, int p, int r, const double *A, int lda, const double *B,
                                int ldb, double *C, int ldc);
 
+/* y [n] := y + A [n x p] x. */
+void nsdae_la_add_product(int n, int p, const double *A, int lda, const double *x, double *y);
+
+/* C [n x r] := C + A [n x p] B [r x p]^T. */
+void nsdae_la_add_outer(int n, int r, int p, const double *A, int lda, const double *B, int ldb,
+                        double *C, int ldc);
+
 #endif

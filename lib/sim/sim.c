@@ -30,6 +30,7 @@ struct nsdae_sim {
   nsdae_record record;
   nsdae_stats stats;
   int started, told; /* init was called; the observers have seen the last record */
+  int lcp_failed;    /* the last step ended on its complementarity problem */
   double grid_start; /* steps end at grid_start + grid_count dt */
   long grid_count;
   double *multiplier, *normal, *tangential; /* of the last record: m, k, k nt */
@@ -225,7 +226,7 @@ int nsdae_sim_init(nsdae_sim *sim, double t0, const double *q0, const double *v0
 {
   if (!sim) return NSDAE_E_ARGUMENT;
   nsdae_error_clear(&sim->error);
-  sim->started = 0;
+  sim->started = sim->lcp_failed = 0;
   int status = check_state(sim, "t0", &t0, 1);
   if (status == NSDAE_OK) status = check_state(sim, "q0", q0, sim->system->dims.nq);
   if (status == NSDAE_OK) status = check_state(sim, "v0", v0, sim->system->dims.nv);
@@ -355,6 +356,7 @@ static int step_to(nsdae_sim *sim, double t1)
                            sim->options.dt, s->start.t);
   s->t_end = t1;
   int status = s->method->advance(s, h);
+  sim->lcp_failed = status == NSDAE_E_LCP || status == NSDAE_E_INFEASIBLE;
   if (status == NSDAE_OK) status = nsdae_terms_need(&s->end, RECORD_TERMS);
   if (status < 0) {
     s->newmark.have_start = 0;
@@ -436,6 +438,15 @@ int nsdae_sim_get_record(const nsdae_sim *sim, nsdae_record *record)
   if (!sim || !record) return NSDAE_E_ARGUMENT;
   if (!sim->started) return NSDAE_E_STATE;
   *record = sim->record;
+  return NSDAE_OK;
+}
+
+int nsdae_sim_get_failed_lcp(const nsdae_sim *sim, nsdae_lcp_problem *problem)
+{
+  if (!sim || !problem) return NSDAE_E_ARGUMENT;
+  if (!sim->lcp_failed) return NSDAE_E_STATE;
+  const nsdae_contacts *c = &sim->stepper.contacts;
+  *problem = (nsdae_lcp_problem){.n = c->rows, .A = c->A, .lda = c->rows, .b = c->b};
   return NSDAE_OK;
 }
 

@@ -1,0 +1,38 @@
+/* The problem at work: what the stages of the solver share. */
+#ifndef NSDAE_LCP_CHAIN_H
+#define NSDAE_LCP_CHAIN_H
+
+#include <nsdae/lcp.h>
+
+typedef struct nsdae_chain {
+  const nsdae_lcp_problem *problem;
+  const nsdae_lcp_options *options;
+  nsdae_lcp_info *info;
+  int n;
+  int *basis;           /* n: the caller's */
+  double *x, *y;        /* n: the point being judged, the caller's */
+  double *A, *b;        /* n x n, n: R A C, R b */
+  double *row, *column; /* n: R and C */
+  double *cover;        /* n */
+  double *best;         /* n: the best point so far */
+  double *sizes;        /* n: workspace of the residual */
+  double *rhs;          /* n */
+  double *lu;           /* n x n */
+  double *point;        /* 2 n: x and y of a stage */
+  double *wide;         /* 2 n^2 + 4 n: workspace of a stage */
+  double *lemke;        /* lemke_size */
+  int lemke_size;
+  int *trial, *pivot; /* n, n */
+  int *index;         /* 2 n + 1 */
+  int *allowed;       /* 2 n */
+  int ray;            /* Lemke's method with the vector of ones ended on one */
+} nsdae_chain;
+
+/* Sizes of the workspace, and its arrays. */
+int nsdae_chain_sizes(int n, int *lwork, int *liwork);
+void nsdae_chain_lay_out(nsdae_chain *c, double *work, int *iwork);
+
+/* Runs the stages that the options name; returns the status of the solver. */
+int nsdae_chain_run(nsdae_chain *c);
+
+#endif

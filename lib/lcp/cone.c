@@ -1,0 +1,131 @@
+/* Nonnegative least squares by active sets (Lawson and Hanson, "Solving Least Squares Problems",
+ * 1974, chapter 23), on the normal equations of the passive columns. */
+#include "cone.h"
+
+#include <math.h>
+#include <stddef.h>
+#include <string.h>
+
+#include "dense.h"
+#include "vector.h"
+
+enum { OUT, PASSIVE, BANNED };
+
+static const double *column_of(const nsdae_cone *c, int j)
+{
+  return c->C + (size_t)j * (size_t)c->n;
+}
+
+static void residual(const nsdae_cone *c, const double *b)
+{
+  for (int i = 0; i < c->n; i++) c->w[i] = -b[i];
+  for (int j = 0; j < c->m; j++)
+    if (c->z[j] > 0)
+      for (int i = 0; i < c->n; i++) c->w[i] += c->z[j] * column_of(c, j)[i];
+}
+
+/* The column along which the norm falls fastest; -1 where it falls along none. */
+static int steepest(const nsdae_cone *c)
+{
+  double most = 1e-13;
+  int best = -1;
+  for (int j = 0; j < c->m; j++) {
+    if (!c->allowed[j] || c->state[j] != OUT) continue;
+    double slope = -nsdae_dot(c->n, column_of(c, j), c->w);
+    if (slope > most) {
+      most = slope;
+      best = j;
+    }
+  }
+  return best;
+}
+
+/* Lower triangle of the products of the passive columns, row p. */
+static void border(const nsdae_cone *c, int p)
+{
+  for (int k = 0; k <= p; k++)
+    c->gram[(size_t)k * (size_t)c->n + (size_t)p] =
+        nsdae_dot(c->n, column_of(c, c->order[p]), column_of(c, c->order[k]));
+}
+
+/* s = least squares on the passive columns; 1 where they depend on each other. */
+static int solve(const nsdae_cone *c, int size, const double *b)
+{
+  for (int k = 0; k < size; k++) {
+    size_t from = (size_t)k * (size_t)c->n;
+    memcpy(c->factor + from + k, c->gram + from + k, (size_t)(size - k) * sizeof *c->gram);
+    c->s[k] = nsdae_dot(c->n, column_of(c, c->order[k]), b);
+  }
+  if (nsdae_la_cholesky(size, c->factor, c->n) != 0) return 1;
+  nsdae_la_solve_lower(size, 1, c->factor, c->n, c->s, c->n);
+  nsdae_la_solve_lower_transposed(size, 1, c->factor, c->n, c->s, c->n);
+  return 0;
+}
+
+/* Moves z towards s as far as it stays >= 0; what becomes zero leaves. Returns the new size. */
+static int retreat(const nsdae_cone *c, int size)
+{
+  double part = 1;
+  int kept = 0, blocking = -1;
+  for (int k = 0; k < size; k++) {
+    double z = c->z[c->order[k]];
+    if (c->s[k] > 0 || z / (z - c->s[k]) >= part) continue;
+    part = z / (z - c->s[k]);
+    blocking = k;
+  }
+  for (int k = 0; k < size; k++) {
+    int j = c->order[k];
+    c->z[j] += part * (c->s[k] - c->z[j]);
+    if (k != blocking && c->z[j] > 0) {
+      c->order[kept++] = j;
+    } else {
+      c->z[j] = 0;
+      c->state[j] = OUT;
+    }
+  }
+  for (int k = 0; kept < size && k < kept; k++) border(c, k);
+  return kept;
+}
+
+static int all_positive(const double *s, int size)
+{
+  for (int k = 0; k < size; k++)
+    if (!(s[k] > 0)) return 0;
+  return 1;
+}
+
+/* Takes column j in and makes z the least squares of what stays; returns how many that are. */
+static int advance(const nsdae_cone *c, int size, int j, const double *b)
+{
+  c->order[size] = j;
+  border(c, size);
+  if (solve(c, size + 1, b) != 0 || !(c->s[size] > 0)) {
+    c->state[j] = BANNED; /* depends on the others, or gains nothing but rounding */
+    return size;
+  }
+  c->state[j] = PASSIVE;
+  size++;
+  while (size > 0 && !all_positive(c->s, size)) {
+    size = retreat(c, size);
+    if (solve(c, size, b) != 0) return -1;
+  }
+  for (int k = 0; k < size; k++) c->z[c->order[k]] = c->s[k];
+  for (int i = 0; i < c->m; i++)
+    if (c->state[i] == BANNED) c->state[i] = OUT;
+  return size;
+}
+
+int nsdae_cone_separate(const nsdae_cone *c, const double *b)
+{
+  int size = 0;
+  memset(c->z, 0, (size_t)c->m * sizeof *c->z);
+  for (int j = 0; j < c->m; j++) c->state[j] = OUT;
+  for (int i = 0; i < 10 * c->m + 10; i++) {
+    residual(c, b);
+    int j = size < c->n ? steepest(c) : -1;
+    if (j < 0) return 0;
+    size = advance(c, size, j, b);
+    if (size < 0) return 1;
+  }
+  return 1;
+}

@@ -1,0 +1,24 @@
+/* The distance of a point from a polyhedral cone. */
+#ifndef NSDAE_LCP_CONE_H
+#define NSDAE_LCP_CONE_H
+
+/* The cone of all C z with z >= 0, and z_j = 0 where j is not allowed; workspace. */
+typedef struct nsdae_cone {
+  int n, m;
+  const double *C; /* n x m, column-major, columns of norm one or zero */
+  int *allowed;    /* m */
+  double *z;       /* m, out */
+  double *w;       /* n, out */
+  double *gram;    /* n x n */
+  double *factor;  /* n x n */
+  double *s;       /* n */
+  int *order;      /* n */
+  int *state;      /* m */
+} nsdae_cone;
+
+/* w = C z - b for the z that makes its norm least, |b| = 1. Then C_j^T w >= 0 for all allowed j and
+ * b^T w = -|w|^2: w separates b from the cone, or is of rounding size where b is in it. Returns 0;
+ * 1 where the iteration came to no end. */
+int nsdae_cone_separate(const nsdae_cone *c, const double *b);
+
+#endif

@@ -1,0 +1,171 @@
+#include "dictionary.h"
+
+#include <math.h>
+#include <stddef.h>
+
+#include "dense.h"
+
+/* Quotients are divided, not multiplied with 1 / c_r: what is equal then cancels to zero. */
+
+int nsdae_dictionary_size(int n, int block)
+{
+  return n * (n + 2) + (block > 0 ? (2 * n + 1) * (block + 1) + block : 0);
+}
+
+static void lay_out(nsdae_dictionary *t, int n, int block, double *work)
+{
+  size_t size = (size_t)n, wide = (size_t)block;
+  t->n = n;
+  t->block = block;
+  t->pending = 0;
+  t->D = work;
+  t->q = work + size * (size + 1);
+  if (block == 0) return;
+  t->U = t->q + size;
+  t->V = t->U + size * wide;
+  t->column = t->V + (size + 1) * wide;
+  t->row = t->column + size;
+  t->along = t->row + size + 1;
+}
+
+static double *column_of(const nsdae_dictionary *t, int j)
+{
+  return t->D + (size_t)j * (size_t)t->n;
+}
+
+/* y += factor x */
+static void add(int n, double factor, const double *restrict x, double *restrict y)
+{
+  for (int i = 0; i < n; i++) y[i] += factor * x[i];
+}
+
+/* out = a + factor d; mark becomes NaN where a is not finite */
+static void start_column(int n, const double *restrict a, double factor, const double *restrict d,
+                         double *restrict out, double *restrict mark)
+{
+  for (int i = 0; i < n; i++) {
+    out[i] = a[i] + factor * d[i];
+    mark[i] += 0 * a[i];
+  }
+}
+
+static int all_finite(int n, const double *a)
+{
+  double sum = 0;
+  for (int i = 0; i < n; i++) sum += 0 * a[i];
+  return sum == 0;
+}
+
+int nsdae_dictionary_start(nsdae_dictionary *t, int n, int block, const double *a, int lda,
+                           const double *b, const double *d, int r, double *work)
+{
+  lay_out(t, n, block, work);
+  double *cover = column_of(t, n), by = d ? d[r] : 1;
+  for (int i = 0; i < n; i++) {
+    cover[i] = d ? d[i] : 1;
+    t->q[i] = 0;
+  }
+  for (int j = 0; j < n; j++) {
+    const double *from = a + (size_t)j * (size_t)lda;
+    double factor = -from[r] / by;
+    start_column(n, from, factor, cover, column_of(t, j), t->q);
+    column_of(t, j)[r] = factor;
+  }
+  if (!all_finite(n, t->q)) return 1;
+  for (int i = 0; i < n; i++) t->q[i] = b[i];
+  nsdae_dictionary_move(t, r, cover);
+  for (int i = 0; d && i < n; i++) cover[i] /= by;
+  cover[r] = 1 / by;
+  return 0;
+}
+
+const double *nsdae_dictionary_column(nsdae_dictionary *t, int j)
+{
+  const double *from = column_of(t, j);
+  if (t->pending == 0) return from;
+  for (int i = 0; i < t->n; i++) t->column[i] = from[i];
+  for (int k = 0; k < t->pending; k++)
+    t->along[k] = t->V[(size_t)k * ((size_t)t->n + 1) + (size_t)j];
+  nsdae_la_add_product(t->n, t->pending, t->U, t->n, t->along, t->column);
+  return t->column;
+}
+
+double nsdae_dictionary_entry(const nsdae_dictionary *t, int i, int j)
+{
+  double sum = column_of(t, j)[i];
+  for (int k = 0; k < t->pending; k++)
+    sum += t->U[(size_t)k * (size_t)t->n + (size_t)i] *
+           t->V[(size_t)k * ((size_t)t->n + 1) + (size_t)j];
+  return sum;
+}
+
+void nsdae_dictionary_move(nsdae_dictionary *t, int r, const double *c)
+{
+  double step = -t->q[r] / c[r];
+  add(t->n, step, c, t->q);
+  t->q[r] = step;
+}
+
+static void pivot_at_once(nsdae_dictionary *t, int r, int e)
+{
+  int n = t->n;
+  double *entering = column_of(t, e), by = entering[r];
+  for (int j = 0; j <= n; j++) {
+    double *column = column_of(t, j), factor = -column[r] / by;
+    if (j == e || factor == 0) continue;
+    add(n, factor, entering, column);
+    column[r] = factor;
+  }
+  for (int i = 0; i < n; i++) entering[i] /= by;
+  entering[r] = 1 / by;
+}
+
+/* t->row = row r of C; row r of D and U become zero. */
+static void take_row(nsdae_dictionary *t, int r)
+{
+  int n = t->n;
+  for (int j = 0; j <= n; j++) {
+    double *at = column_of(t, j) + r;
+    t->row[j] = *at;
+    *at = 0;
+  }
+  for (int k = 0; k < t->pending; k++) {
+    double *at = t->U + (size_t)k * (size_t)n + (size_t)r;
+    t->along[k] = *at;
+    *at = 0;
+  }
+  nsdae_la_add_product(n + 1, t->pending, t->V, n + 1, t->along, t->row);
+}
+
+static void clear_column(nsdae_dictionary *t, int e)
+{
+  double *column = column_of(t, e);
+  for (int i = 0; i < t->n; i++) column[i] = 0;
+  for (int k = 0; k < t->pending; k++) t->V[(size_t)k * ((size_t)t->n + 1) + (size_t)e] = 0;
+}
+
+static void pivot_later(nsdae_dictionary *t, int r, int e, const double *c)
+{
+  int n = t->n;
+  double *u = t->U + (size_t)t->pending * (size_t)n;
+  double *v = t->V + (size_t)t->pending * ((size_t)n + 1);
+  double by = c[r];
+  for (int i = 0; i < n; i++) u[i] = c[i];
+  u[r] = 1;
+  take_row(t, r);
+  clear_column(t, e);
+  for (int j = 0; j <= n; j++) v[j] = -t->row[j] / by;
+  v[e] = 1 / by;
+  if (++t->pending < t->block) return;
+  nsdae_la_add_outer(n, n + 1, t->pending, t->U, n, t->V, n + 1, t->D, n);
+  t->pending = 0;
+}
+
+void nsdae_dictionary_pivot(nsdae_dictionary *t, int r, int e, const double *c)
+{
+  nsdae_dictionary_move(t, r, c);
+  if (t->block == 0)
+    pivot_at_once(t, r, e);
+  else
+    pivot_later(t, r, e, c);
+}

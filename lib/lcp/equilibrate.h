@@ -1,0 +1,10 @@
+/* Powers of two that make the rows and columns of a matrix alike in size. */
+#ifndef NSDAE_LCP_EQUILIBRATE_H
+#define NSDAE_LCP_EQUILIBRATE_H
+
+/* A [n x n] := R A C, b [n] := R b, R and C diagonal in row [n] and column [n]: with them, the
+ * complementarity problem has the solution C^-1 x, R y. No rounding is added. Where the sizes of
+ * all rows and columns are in [1/256, 256], R = C = 1. work [2 n]. */
+void nsdae_equilibrate(int n, double *A, double *b, double *row, double *column, double *work);
+
+#endif

@@ -1,0 +1,10 @@
+/* One entry of the natural residual that nsdae_dlcpres takes the largest of. */
+#ifndef NSDAE_LCP_RESIDUAL_H
+#define NSDAE_LCP_RESIDUAL_H
+
+/* min(x / sx, y / sy) with its sign, x and y being the i-th of theirs; column is that of A, sizes
+ * [n] is sy as nsdae_dlcpres leaves it in work. NaN where something is not finite. */
+double nsdae_lcp_entry_error(int n, const double *column, int i, double x, double y,
+                             const double *sizes);
+
+#endif

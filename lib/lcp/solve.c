@@ -1,0 +1,132 @@
+/* The solver as it is called: arguments, workspace, names. */
+#include <math.h>
+#include <nsdae/lcp.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "chain.h"
+
+enum { LARGEST = 20000 };
+
+void nsdae_lcp_options_default(nsdae_lcp_options *options)
+{
+  if (!options) return;
+  *options = (nsdae_lcp_options){.tol = 1e-10, .stages = NSDAE_LCP_ALL, .enumerate_max = 12};
+}
+
+const char *nsdae_lcp_stage_name(int stage)
+{
+  static const char *const name[] = {"trivial", "warm",      "lemke", "covering",
+                                     "further", "enumerate", "prove"};
+  if (stage == NSDAE_LCP_NONE) return "none";
+  for (int i = 0; i < 7; i++)
+    if (stage == 1 << i) return name[i];
+  return "unknown";
+}
+
+static const char *choose(const char *const name[3], int value)
+{
+  return value >= 0 && value <= 2 ? name[value] : "unknown";
+}
+
+const char *nsdae_lcp_outcome_name(int outcome)
+{
+  return choose((const char *const[]){"unsolved", "solved", "infeasible"}, outcome);
+}
+
+const char *nsdae_lcp_proof_name(int proof)
+{
+  return choose((const char *const[]){"none", "farkas", "enumerated"}, proof);
+}
+
+const char *nsdae_lcp_ray_name(int ray)
+{
+  return choose((const char *const[]){"nothing", "not copositive", "not strictly copositive"}, ray);
+}
+
+int nsdae_lcp_workspace(int n, int *lwork, int *liwork)
+{
+  if (n < 0 || n > LARGEST || !lwork || !liwork) return NSDAE_E_ARGUMENT;
+  return nsdae_chain_sizes(n, lwork, liwork);
+}
+
+static int in_range(const nsdae_lcp_options *o)
+{
+  return o->tol > 0 && o->tol <= 1 && o->max_pivots >= 0 && o->stages >= 0 &&
+         o->stages <= NSDAE_LCP_ALL && o->enumerate_max >= 0 && o->enumerate_max <= 24;
+}
+
+/* 0 * a is zero but for NaN and infinity; four sums, for the latency of an addition. */
+static int all_finite(int n, const double *a)
+{
+  double sum[4] = {0};
+  int i = 0;
+  for (; i + 4 <= n; i += 4)
+    for (int k = 0; k < 4; k++) sum[k] += 0 * a[i + k];
+  for (; i < n; i++) sum[0] += 0 * a[i];
+  return sum[0] + sum[1] + sum[2] + sum[3] == 0;
+}
+
+static int finite(const nsdae_lcp_problem *p)
+{
+  if (!all_finite(p->n, p->b)) return 0;
+  for (int j = 0; j < p->n; j++)
+    if (!all_finite(p->n, p->A + (size_t)j * (size_t)p->lda)) return 0;
+  return 1;
+}
+
+/* Status of what both ways of calling take. */
+static int check(const nsdae_lcp_problem *p, const nsdae_lcp_options *options, const double *x,
+                 const double *y)
+{
+  if (!p || p->n < 0 || p->n > LARGEST || p->lda < 1 || p->lda < p->n) return NSDAE_E_ARGUMENT;
+  if (p->n > 0 && (!p->A || !p->b || !x || !y)) return NSDAE_E_ARGUMENT;
+  if (!in_range(options)) return NSDAE_E_ARGUMENT;
+  return finite(p) ? NSDAE_OK : NSDAE_E_NONFINITE;
+}
+
+int nsdae_lcp_solve_in(const nsdae_lcp_problem *problem, const nsdae_lcp_options *options,
+                       int *basis, double *x, double *y, nsdae_lcp_info *info, double *work,
+                       int lwork, int *iwork, int liwork)
+{
+  nsdae_lcp_options defaults;
+  nsdae_lcp_info own;
+  int need, ineed;
+  nsdae_lcp_options_default(&defaults);
+  nsdae_chain c = {.problem = problem,
+                   .options = options ? options : &defaults,
+                   .info = info ? info : &own,
+                   .basis = basis,
+                   .x = x,
+                   .y = y};
+  *c.info = (nsdae_lcp_info){.residual = INFINITY};
+  int status = check(problem, c.options, x, y);
+  if (status != NSDAE_OK) return status;
+  c.n = problem->n;
+  nsdae_lcp_workspace(c.n, &need, &ineed);
+  if (!work || lwork < need || !iwork || liwork < ineed || (c.n > 0 && !basis))
+    return NSDAE_E_ARGUMENT;
+  nsdae_chain_lay_out(&c, work, iwork);
+  return nsdae_chain_run(&c);
+}
+
+int nsdae_lcp_solve(const nsdae_lcp_problem *problem, const nsdae_lcp_options *options, double *x,
+                    double *y, nsdae_lcp_info *info)
+{
+  nsdae_lcp_options defaults;
+  int lwork, liwork;
+  if (info) *info = (nsdae_lcp_info){.residual = INFINITY};
+  nsdae_lcp_options_default(&defaults);
+  int status = check(problem, options ? options : &defaults, x, y);
+  if (status != NSDAE_OK) return status;
+  size_t n = (size_t)problem->n;
+  nsdae_lcp_workspace(problem->n, &lwork, &liwork);
+  char *block = malloc((size_t)lwork * sizeof(double) + ((size_t)liwork + n) * sizeof(int));
+  if (!block) return NSDAE_E_MEMORY;
+  double *work = (double *)(void *)block;
+  int *iwork = (int *)(void *)(block + (size_t)lwork * sizeof(double)), *basis = iwork + liwork;
+  for (size_t i = 0; i < n; i++) basis[i] = x[i] > 0;
+  status = nsdae_lcp_solve_in(problem, options, basis, x, y, info, work, lwork, iwork, liwork);
+  free(block);
+  return status;
+}
