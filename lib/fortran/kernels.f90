@@ -4,15 +4,14 @@ module nsdae_f_kernels
   use, intrinsic :: iso_c_binding
   implicit none
   private
-  public :: nsdae_dlcpres, nsdae_dlemke
+  public :: nsdae_dlcpenum, nsdae_dlcppgs, nsdae_dlcpppm, nsdae_dlcpres, nsdae_dlemke
 
   interface
     integer(c_int) function nsdae_dlcpres(n, a, lda, b, x, y, residual, work) bind(C)
       import
       integer(c_int), value :: n, lda
       real(c_double), intent(in) :: a(lda, *), b(*), x(*)
-      real(c_double), intent(out) :: y(*), residual
-      real(c_double), intent(inout) :: work(*)
+      real(c_double), intent(inout) :: y(*), residual, work(*)
     end function
 
     ! d may be left out: ones.
@@ -25,6 +24,36 @@ module nsdae_f_kernels
       real(c_double), intent(inout) :: x(*), work(*)
       integer(c_int), intent(inout) :: basis(*), iwork(*)
       integer(c_int), intent(inout) :: pivots
+    end function
+
+    integer(c_int) function nsdae_dlcppgs(n, a, lda, b, omega, tol, max_iter, x, iterations, &
+                                          residual, work, lwork) bind(C)
+      import
+      integer(c_int), value :: n, lda, max_iter, lwork
+      real(c_double), intent(in) :: a(lda, *), b(*)
+      real(c_double), value :: omega, tol
+      real(c_double), intent(inout) :: x(*), residual, work(*)
+      integer(c_int), intent(inout) :: iterations
+    end function
+
+    integer(c_int) function nsdae_dlcpppm(n, a, lda, b, tol, block, max_pivots, x, basis, pivots, &
+                                          residual, work, lwork, iwork) bind(C)
+      import
+      integer(c_int), value :: n, lda, block, max_pivots, lwork
+      real(c_double), intent(in) :: a(lda, *), b(*)
+      real(c_double), value :: tol
+      real(c_double), intent(inout) :: x(*), residual, work(*)
+      integer(c_int), intent(inout) :: basis(*), pivots, iwork(*)
+    end function
+
+    integer(c_int) function nsdae_dlcpenum(n, a, lda, b, tol, set, x, residual, work, lwork, &
+                                           iwork) bind(C)
+      import
+      integer(c_int), value :: n, lda, lwork
+      real(c_double), intent(in) :: a(lda, *), b(*)
+      real(c_double), value :: tol
+      integer(c_int), intent(inout) :: set, iwork(*)
+      real(c_double), intent(inout) :: x(*), residual, work(*)
     end function
   end interface
 

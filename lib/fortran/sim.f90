@@ -1,6 +1,7 @@
 ! nsdae/sim.h: integrating a system in time.
 module nsdae_f_sim
   use, intrinsic :: iso_c_binding
+  use nsdae_f_lcp
   use nsdae_f_params
   use nsdae_f_status
   use nsdae_f_system
@@ -175,7 +176,8 @@ module nsdae_f_sim
             nsdae_method_name, nsdae_method_summary, nsdae_sim_create, nsdae_sim_destroy, &
             nsdae_sim_init, nsdae_sim_observe, nsdae_sim_unobserve, nsdae_sim_step, &
             nsdae_sim_run, nsdae_sim_get_record, nsdae_sim_get_stats, nsdae_sim_get_dims, &
-            nsdae_sim_has_potential, nsdae_sim_get_options, nsdae_sim_error, nsdae_sim_handle
+            nsdae_sim_has_potential, nsdae_sim_get_options, nsdae_sim_get_failed_lcp, &
+            nsdae_sim_error, nsdae_sim_handle
 
   interface
     subroutine nsdae_sim_options_default(options) bind(C)
@@ -260,6 +262,11 @@ module nsdae_f_sim
       import
       type(c_ptr), value :: sim
       type(nsdae_sim_options), intent(inout) :: options
+    end function
+    integer(c_int) function c_get_failed_lcp(sim, problem) bind(C, name='nsdae_sim_get_failed_lcp')
+      import
+      type(c_ptr), value :: sim
+      type(nsdae_c_lcp_problem), intent(inout) :: problem
     end function
     type(c_ptr) function c_error(sim) bind(C, name='nsdae_sim_error')
       import
@@ -468,6 +475,19 @@ contains
     type(nsdae_sim), intent(in) :: sim
     type(nsdae_sim_options), intent(inout) :: options
     status = c_get_options(at(sim), options)
+  end function
+
+  ! The complementarity problem of the step that failed with NSDAE_E_LCP or NSDAE_E_INFEASIBLE: the
+  ! simulation's own arrays, which hold until the next step. NSDAE_E_STATE where the last step did
+  ! not fail so.
+  integer(c_int) function nsdae_sim_get_failed_lcp(sim, A, b) result(status)
+    type(nsdae_sim), intent(in) :: sim
+    real(c_double), pointer, intent(out) :: A(:, :), b(:)
+    type(nsdae_c_lcp_problem) :: problem
+    A => null()
+    b => null()
+    status = c_get_failed_lcp(sim%handle, problem)
+    if (status == NSDAE_OK) call shape_problem(problem, A, b)
   end function
 
   ! Why the last call on this simulation failed.

@@ -26,6 +26,13 @@ static const entry entries[] = {
     VALUE(NSDAE_PARAM_REAL) VALUE(NSDAE_PARAM_INT) VALUE(NSDAE_PARAM_CHOICE)
     VALUE(NSDAE_PARAM_TEXT) VALUE(NSDAE_PARAM_TEXT_SIZE)
     VALUE(NSDAE_OPEN_MIN) VALUE(NSDAE_OPEN_MAX)
+    VALUE(NSDAE_LCP_NONE) VALUE(NSDAE_LCP_TRIVIAL) VALUE(NSDAE_LCP_WARM) VALUE(NSDAE_LCP_LEMKE)
+    VALUE(NSDAE_LCP_COVERING) VALUE(NSDAE_LCP_PROVE) VALUE(NSDAE_LCP_FURTHER)
+    VALUE(NSDAE_LCP_ENUMERATE) VALUE(NSDAE_LCP_ALL)
+    VALUE(NSDAE_LCP_UNSOLVED) VALUE(NSDAE_LCP_SOLVED) VALUE(NSDAE_LCP_INFEASIBLE)
+    VALUE(NSDAE_LCP_PROOF_NONE) VALUE(NSDAE_LCP_PROOF_FARKAS) VALUE(NSDAE_LCP_PROOF_ENUMERATED)
+    VALUE(NSDAE_LCP_RAY_NOTHING) VALUE(NSDAE_LCP_RAY_NOT_COPOSITIVE)
+    VALUE(NSDAE_LCP_RAY_NOT_STRICTLY_COPOSITIVE)
 
     SIZE(nsdae_error)
     AT(nsdae_error, code) AT(nsdae_error, index) AT(nsdae_error, time)
@@ -79,6 +86,18 @@ static const entry entries[] = {
     SIZE(nsdae_trajectory_info)
     AT(nsdae_trajectory_info, parameters) AT(nsdae_trajectory_info, parameters_base)
     AT(nsdae_trajectory_info, live)
+    SIZE(nsdae_lcp_problem)
+    AT(nsdae_lcp_problem, A) AT(nsdae_lcp_problem, lda) AT(nsdae_lcp_problem, b)
+    SIZE(nsdae_lcp_options)
+    AT(nsdae_lcp_options, max_pivots) AT(nsdae_lcp_options, stages)
+    AT(nsdae_lcp_options, enumerate_max)
+    SIZE(nsdae_lcp_info)
+    AT(nsdae_lcp_info, stage) AT(nsdae_lcp_info, proof) AT(nsdae_lcp_info, ray)
+    AT(nsdae_lcp_info, pivots) AT(nsdae_lcp_info, residual)
+    SIZE(nsdae_lcp_origin)
+    AT(nsdae_lcp_origin, step) AT(nsdae_lcp_origin, tol) AT(nsdae_lcp_origin, method)
+    SIZE(nsdae_lcp_file)
+    AT(nsdae_lcp_file, A) AT(nsdae_lcp_file, b) AT(nsdae_lcp_file, tol)
     /* clang-format on */
 };
 

@@ -2,6 +2,7 @@
 ! the C headers give them; and it has all of them.
 program layout
   use, intrinsic :: iso_c_binding
+  use nsdae_f_lcp
   use nsdae_f_params
   use nsdae_f_sim
   use nsdae_f_status
@@ -35,6 +36,11 @@ program layout
   call record_fields
   call stats_fields
   call trajectory_info_fields
+  call lcp_problem_fields
+  call lcp_options_fields
+  call lcp_info_fields
+  call lcp_origin_fields
+  call lcp_file_fields
   ! nothing that C has is missing here
   call is_int(compared, layout_count(), 'number of values, sizes and places')
   call check_done
@@ -109,6 +115,24 @@ contains
     call same('NSDAE_PARAM_TEXT_SIZE', NSDAE_PARAM_TEXT_SIZE)
     call same('NSDAE_OPEN_MIN', NSDAE_OPEN_MIN)
     call same('NSDAE_OPEN_MAX', NSDAE_OPEN_MAX)
+    call same('NSDAE_LCP_NONE', NSDAE_LCP_NONE)
+    call same('NSDAE_LCP_TRIVIAL', NSDAE_LCP_TRIVIAL)
+    call same('NSDAE_LCP_WARM', NSDAE_LCP_WARM)
+    call same('NSDAE_LCP_LEMKE', NSDAE_LCP_LEMKE)
+    call same('NSDAE_LCP_COVERING', NSDAE_LCP_COVERING)
+    call same('NSDAE_LCP_PROVE', NSDAE_LCP_PROVE)
+    call same('NSDAE_LCP_FURTHER', NSDAE_LCP_FURTHER)
+    call same('NSDAE_LCP_ENUMERATE', NSDAE_LCP_ENUMERATE)
+    call same('NSDAE_LCP_ALL', NSDAE_LCP_ALL)
+    call same('NSDAE_LCP_UNSOLVED', NSDAE_LCP_UNSOLVED)
+    call same('NSDAE_LCP_SOLVED', NSDAE_LCP_SOLVED)
+    call same('NSDAE_LCP_INFEASIBLE', NSDAE_LCP_INFEASIBLE)
+    call same('NSDAE_LCP_PROOF_NONE', NSDAE_LCP_PROOF_NONE)
+    call same('NSDAE_LCP_PROOF_FARKAS', NSDAE_LCP_PROOF_FARKAS)
+    call same('NSDAE_LCP_PROOF_ENUMERATED', NSDAE_LCP_PROOF_ENUMERATED)
+    call same('NSDAE_LCP_RAY_NOTHING', NSDAE_LCP_RAY_NOTHING)
+    call same('NSDAE_LCP_RAY_NOT_COPOSITIVE', NSDAE_LCP_RAY_NOT_COPOSITIVE)
+    call same('NSDAE_LCP_RAY_NOT_STRICTLY_COPOSITIVE', NSDAE_LCP_RAY_NOT_STRICTLY_COPOSITIVE)
   end subroutine
 
   subroutine error_fields()
@@ -264,6 +288,48 @@ contains
     call same_place('nsdae_trajectory_info%parameters', c_loc(x), c_loc(x%parameters))
     call same_place('nsdae_trajectory_info%parameters_base', c_loc(x), c_loc(x%parameters_base))
     call same_place('nsdae_trajectory_info%live', c_loc(x), c_loc(x%live))
+  end subroutine
+
+  subroutine lcp_problem_fields()
+    type(nsdae_c_lcp_problem), target :: x
+    call same_size('nsdae_lcp_problem', c_sizeof(x))
+    call same_place('nsdae_lcp_problem%A', c_loc(x), c_loc(x%A))
+    call same_place('nsdae_lcp_problem%lda', c_loc(x), c_loc(x%lda))
+    call same_place('nsdae_lcp_problem%b', c_loc(x), c_loc(x%b))
+  end subroutine
+
+  subroutine lcp_options_fields()
+    type(nsdae_lcp_options), target :: x
+    call same_size('nsdae_lcp_options', c_sizeof(x))
+    call same_place('nsdae_lcp_options%max_pivots', c_loc(x), c_loc(x%max_pivots))
+    call same_place('nsdae_lcp_options%stages', c_loc(x), c_loc(x%stages))
+    call same_place('nsdae_lcp_options%enumerate_max', c_loc(x), c_loc(x%enumerate_max))
+  end subroutine
+
+  subroutine lcp_info_fields()
+    type(nsdae_lcp_info), target :: x
+    call same_size('nsdae_lcp_info', c_sizeof(x))
+    call same_place('nsdae_lcp_info%stage', c_loc(x), c_loc(x%stage))
+    call same_place('nsdae_lcp_info%proof', c_loc(x), c_loc(x%proof))
+    call same_place('nsdae_lcp_info%ray', c_loc(x), c_loc(x%ray))
+    call same_place('nsdae_lcp_info%pivots', c_loc(x), c_loc(x%pivots))
+    call same_place('nsdae_lcp_info%residual', c_loc(x), c_loc(x%residual))
+  end subroutine
+
+  subroutine lcp_origin_fields()
+    type(nsdae_c_lcp_origin), target :: x
+    call same_size('nsdae_lcp_origin', c_sizeof(x))
+    call same_place('nsdae_lcp_origin%step', c_loc(x), c_loc(x%step))
+    call same_place('nsdae_lcp_origin%tol', c_loc(x), c_loc(x%tol))
+    call same_place('nsdae_lcp_origin%method', c_loc(x), c_loc(x%method))
+  end subroutine
+
+  subroutine lcp_file_fields()
+    type(nsdae_c_lcp_file), target :: x
+    call same_size('nsdae_lcp_file', c_sizeof(x))
+    call same_place('nsdae_lcp_file%A', c_loc(x), c_loc(x%A))
+    call same_place('nsdae_lcp_file%b', c_loc(x), c_loc(x%b))
+    call same_place('nsdae_lcp_file%tol', c_loc(x), c_loc(x%tol))
   end subroutine
 
 end program

@@ -39,6 +39,7 @@ add_test(NAME fortran/complete
           ${PROJECT_SOURCE_DIR})
 nsdae_fortran_test(callbacks)
 nsdae_fortran_test(arguments)
+nsdae_fortran_test(lcp)
 nsdae_fortran_test(parameters)
 nsdae_fortran_test(memory LINKS test_allocator)
 if(NSDAE_HDF5)
