@@ -267,9 +267,10 @@ static int compare_table4(const settings *s, nsdae_trajectory *trajectory, nsdae
     fill_row(&own, K, i, rows[i]);
     print_row(rows[i]);
   }
-  printf(
-      "No impulse divided by dt gives the published forces: they are peaks of a continuous force.\n"
-      "r/R 0.733 is off under every law: a misprint of the source.\n");
+  printf("No impulse divided by dt gives the published forces: they are peaks of a continuous "
+         "force.\n");
+  if (p->slip == SURFACE_SLIP)
+    printf("r/R 0.733 alone is off, under every law: a misprint of the source.\n");
   *p = kept;
   return trajectory ? put_columns(trajectory, rows, error) : NSDAE_OK;
 }

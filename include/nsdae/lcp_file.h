@@ -12,6 +12,7 @@
 extern "C" {
 #endif
 
+/* Where a problem comes from. */
 typedef struct nsdae_lcp_origin {
   double time;        /* [s] */
   long step;          /* that failed, from 1 */
@@ -19,8 +20,9 @@ typedef struct nsdae_lcp_origin {
   const char *method; /* its name */
 } nsdae_lcp_origin;
 
+/* A problem as read. */
 typedef struct nsdae_lcp_file {
-  int n;
+  int n;      /* rows */
   double *A;  /* n x n, column-major, lda = max(1, n) */
   double *b;  /* n; both from malloc, freed by nsdae_lcp_file_release */
   double tol; /* of the attribute; 0 where there is none */
