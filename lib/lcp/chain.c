@@ -15,6 +15,9 @@
 
 enum { COVERINGS = 12 };
 
+/* Residual of a solution that cannot be better. */
+static const double ROUNDING = 1e-15;
+
 int nsdae_chain_sizes(int n, int *lwork, int *liwork)
 {
   double lemke = 0;
@@ -55,7 +58,7 @@ static void equilibrate(nsdae_chain *c)
   for (size_t j = 0; j < n; j++)
     memcpy(c->A + j * n, c->problem->A + j * (size_t)c->problem->lda, n * sizeof *c->A);
   for (size_t i = 0; i < n; i++) c->b[i] = c->problem->b[i];
-  nsdae_equilibrate(c->n, c->A, c->b, c->row, c->column, c->point);
+  nsdae_equilibrate(c->n, c->A, c->b, c->row, c->column, c->point, c->index);
 }
 
 static int trivial(nsdae_chain *c)
@@ -91,9 +94,8 @@ static int lemke_with(nsdae_chain *c, const double *cover, int stage)
   if (info != 0) return 0;
   for (int i = 0; i < c->n; i++) c->x[i] *= c->column[i];
   if (nsdae_chain_judge(c, stage)) memcpy(c->basis, c->trial, (size_t)c->n * sizeof *c->basis);
-  /* the basis solved at once has less rounding than a hundred pivots */
-  if (c->info->outcome != NSDAE_LCP_SOLVED || pivots > c->n)
-    nsdae_chain_judge_basis(c, c->trial, stage);
+  /* the basis solved at once has less rounding than its pivots */
+  if (!(c->info->residual < ROUNDING)) nsdae_chain_judge_basis(c, c->trial, stage);
   return c->info->outcome == NSDAE_LCP_SOLVED;
 }
 
