@@ -131,7 +131,7 @@ static int coverings(nsdae_chain *c)
 }
 
 /* Starts of the semismooth Newton method. */
-enum { FURTHER_STARTS = 24, FURTHER_ITERATIONS = 60 };
+enum { FURTHER_STARTS = 24, FURTHER_EARLY = 4, FURTHER_ITERATIONS = 60, LARGE = 100 };
 
 /* Scaled x of the start of that number: zero, the size of b, then at random up to it. */
 static void start_further(nsdae_chain *c, int number, unsigned long long *seed, double *x)
@@ -150,11 +150,12 @@ static int judge_iterate(nsdae_chain *c, const double *x, const double *y)
   return nsdae_chain_judge_basis(c, c->trial, NSDAE_LCP_FURTHER);
 }
 
-static int further(nsdae_chain *c)
+/* The method from the starts first .. end - 1. */
+static int further_from(nsdae_chain *c, int first, int end)
 {
-  unsigned long long seed = 7;
+  unsigned long long seed = 7 + (unsigned long long)first;
   double *x = c->point, *y = c->point + c->n;
-  for (int k = 0; k < FURTHER_STARTS; k++) {
+  for (int k = first; k < end; k++) {
     start_further(c, k, &seed, x);
     nsdae_fischer(c->n, c->A, c->b, FURTHER_ITERATIONS, x, y, c->wide);
     if (judge_iterate(c, x, y)) return 1;
@@ -164,6 +165,17 @@ static int further(nsdae_chain *c)
     return 1;
   }
   return 0;
+}
+
+/* Of a large problem, the first starts before all that takes as many runs of Lemke's method. */
+static int further_early(nsdae_chain *c)
+{
+  return c->n >= LARGE && further_from(c, 0, FURTHER_EARLY);
+}
+
+static int further(nsdae_chain *c)
+{
+  return further_from(c, c->n >= LARGE ? FURTHER_EARLY : 0, FURTHER_STARTS);
 }
 
 static int enumerate(nsdae_chain *c)
@@ -183,13 +195,10 @@ static int run_stages(nsdae_chain *c)
   static const struct {
     int stage;
     int (*run)(nsdae_chain *);
-  } all[] = {{NSDAE_LCP_TRIVIAL, trivial},
-             {NSDAE_LCP_WARM, warm},
-             {NSDAE_LCP_LEMKE, lemke},
-             {NSDAE_LCP_COVERING, coverings},
-             {NSDAE_LCP_PROVE, nsdae_chain_prove},
-             {NSDAE_LCP_FURTHER, further},
-             {NSDAE_LCP_ENUMERATE, enumerate}};
+  } all[] = {{NSDAE_LCP_TRIVIAL, trivial},    {NSDAE_LCP_WARM, warm},
+             {NSDAE_LCP_LEMKE, lemke},        {NSDAE_LCP_FURTHER, further_early},
+             {NSDAE_LCP_COVERING, coverings}, {NSDAE_LCP_PROVE, nsdae_chain_prove},
+             {NSDAE_LCP_FURTHER, further},    {NSDAE_LCP_ENUMERATE, enumerate}};
   for (size_t i = 0; i < sizeof all / sizeof *all; i++)
     if ((c->options->stages & all[i].stage) && all[i].run(c)) break;
   if (c->info->outcome == NSDAE_LCP_SOLVED) return NSDAE_OK;

@@ -17,6 +17,9 @@ typedef struct newton {
   double *phi, *step, *trial, *spare; /* n */
 } newton;
 
+/* So many steps must halve the norm. */
+enum { PATIENCE = 8 };
+
 static double evaluate(const newton *f, const double *x, double *y, double *phi)
 {
   double sum = 0;
@@ -82,13 +85,16 @@ double nsdae_fischer(int n, const double *A, const double *b, int iterations, do
   f.step = f.phi + n;
   f.trial = f.step + n;
   f.spare = f.trial + n;
-  double norm = evaluate(&f, x, y, f.phi), scale = norm;
+  double norm = evaluate(&f, x, y, f.phi), scale = norm, before = INFINITY;
   for (int i = 0; i < iterations && norm > 1e-15 * scale; i++) {
     jacobian(&f, x, y);
     if (direction(&f, 1e-10 + 1e-6 * norm) != 0) break;
     double fresh = backtrack(&f, x, y, norm);
     if (fresh >= norm) break;
     norm = fresh;
+    if (i % PATIENCE != PATIENCE - 1) continue;
+    if (norm > before / 2) break;
+    before = norm;
   }
   evaluate(&f, x, y, f.phi);
   return norm;
