@@ -88,7 +88,9 @@ double nsdae_fischer(int n, const double *A, const double *b, int iterations, do
   double norm = evaluate(&f, x, y, f.phi), scale = norm, before = INFINITY;
   for (int i = 0; i < iterations && norm > 1e-15 * scale; i++) {
     jacobian(&f, x, y);
-    if (direction(&f, 1e-10 + 1e-6 * norm) != 0) break;
+    double nu = 1e-10 + 1e-6 * norm;
+    while (direction(&f, nu) != 0 && nu < 1) nu *= 100;
+    if (nu >= 1) break;
     double fresh = backtrack(&f, x, y, norm);
     if (fresh >= norm) break;
     norm = fresh;
