@@ -23,7 +23,7 @@ int nsdae_chain_sizes(int n, int *lwork, int *liwork)
   double lemke = 0;
   nsdae_dlemke(n, NULL, n > 0 ? n : 1, NULL, NULL, 0, NULL, NULL, NULL, &lemke, -1, NULL);
   *lwork = 4 * n * n + 13 * n + (int)lemke + 1;
-  *liwork = 6 * n + 1;
+  *liwork = 8 * n + 1;
   return NSDAE_OK;
 }
 
@@ -49,10 +49,11 @@ void nsdae_chain_lay_out(nsdae_chain *c, double *work, int *iwork)
   c->pivot = c->trial + n;
   c->index = c->pivot + n;
   c->allowed = c->index + 2 * n + 1;
+  c->label = c->allowed + 2 * n;
+  c->member = c->label + n;
 }
 
-/* The problem in rows and columns of like size. */
-static void equilibrate(nsdae_chain *c)
+void nsdae_chain_equilibrate(nsdae_chain *c)
 {
   size_t n = (size_t)c->n;
   for (size_t j = 0; j < n; j++)
@@ -208,19 +209,18 @@ static int run_stages(nsdae_chain *c)
 /* x and y of the best point; of a proof by a vector, y is that vector. */
 static void hand_over(nsdae_chain *c)
 {
-  int proof = c->info->proof == NSDAE_LCP_PROOF_FARKAS;
-  int point = !proof && c->info->residual < INFINITY;
+  int found = c->info->residual < INFINITY, proof = c->info->proof == NSDAE_LCP_PROOF_FARKAS;
   if (c->info->outcome != NSDAE_LCP_SOLVED ||
       memcmp(c->x, c->best, (size_t)c->n * sizeof *c->x) != 0) { /* else y is that of x */
-    for (int i = 0; i < c->n; i++) c->x[i] = point ? c->best[i] : 0;
+    for (int i = 0; i < c->n; i++) c->x[i] = found ? c->best[i] : 0;
     c->info->residual = nsdae_chain_residual(c);
   }
-  for (int i = 0; proof && i < c->n; i++) c->y[i] = c->best[i];
+  for (int i = 0; proof && i < c->n; i++) c->y[i] = c->point[i];
 }
 
-int nsdae_chain_run(nsdae_chain *c)
+int nsdae_chain_run_whole(nsdae_chain *c)
 {
-  equilibrate(c);
+  nsdae_chain_equilibrate(c);
   int status = run_stages(c);
   if (status != NSDAE_OK && c->ray && c->n <= NSDAE_RAY_MAX) read_ray(c);
   hand_over(c);
