@@ -12,6 +12,7 @@
 #include "judge.h"
 #include "proof.h"
 #include "ray.h"
+#include "transform.h"
 
 enum { COVERINGS = 12 };
 
@@ -144,11 +145,35 @@ static void start_further(nsdae_chain *c, int number, unsigned long long *seed, 
     x[i] = number == 0 ? 0 : number == 1 ? fmax(-c->b[i], 0) : most * c->cover[i];
 }
 
-/* What the iterate takes for positive, solved at once. */
+/* Lemke's method from the active set in c->trial, which need not be right: on the problem in which
+ * its x and y have changed places. */
+static int lemke_from_trial(nsdae_chain *c)
+{
+  int n = c->n, pivots = 0;
+  int most = c->options->max_pivots > 0 ? c->options->max_pivots : 50 * n + 100;
+  int *set = c->allowed;
+  double *T = c->wide, *t = c->point;
+  memcpy(set, c->trial, (size_t)n * sizeof *set);
+  if (nsdae_lcp_transform(n, c->A, c->b, set, T, t, T + (size_t)n * (size_t)n, c->pivot,
+                          c->index) != 0)
+    return 0;
+  int info = nsdae_dlemke(n, T, n, t, NULL, most, c->x, c->trial, &pivots, c->lemke, c->lemke_size,
+                          c->index);
+  c->info->pivots += pivots;
+  if (info != 0) return 0;
+  for (int i = 0; i < n; i++) c->trial[i] = c->trial[i] != (set[i] != 0);
+  return nsdae_chain_judge_basis(c, c->trial, NSDAE_LCP_FURTHER);
+}
+
+/* The iterate itself, and what it takes for positive, solved at once. */
 static int judge_iterate(nsdae_chain *c, const double *x, const double *y)
 {
   for (int i = 0; i < c->n; i++) c->trial[i] = x[i] > y[i];
-  return nsdae_chain_judge_basis(c, c->trial, NSDAE_LCP_FURTHER);
+  if (nsdae_chain_judge_basis(c, c->trial, NSDAE_LCP_FURTHER)) return 1;
+  for (int i = 0; i < c->n; i++) c->x[i] = fmax(x[i], 0) * c->column[i];
+  if (!nsdae_chain_judge(c, NSDAE_LCP_FURTHER)) return 0;
+  memcpy(c->basis, c->trial, (size_t)c->n * sizeof *c->basis);
+  return 1;
 }
 
 /* The method from the starts first .. end - 1. */
@@ -158,12 +183,9 @@ static int further_from(nsdae_chain *c, int first, int end)
   double *x = c->point, *y = c->point + c->n;
   for (int k = first; k < end; k++) {
     start_further(c, k, &seed, x);
-    nsdae_fischer(c->n, c->A, c->b, FURTHER_ITERATIONS, x, y, c->wide);
-    if (judge_iterate(c, x, y)) return 1;
-    for (int i = 0; i < c->n; i++) c->x[i] = fmax(x[i], 0) * c->column[i];
-    if (!nsdae_chain_judge(c, NSDAE_LCP_FURTHER)) continue;
-    for (int i = 0; i < c->n; i++) c->basis[i] = x[i] > y[i];
-    return 1;
+    int memory = k % 2 == 0 ? 1 : NSDAE_FISCHER_MEMORY;
+    nsdae_fischer(c->n, c->A, c->b, FURTHER_ITERATIONS, memory, x, y, c->wide);
+    if (judge_iterate(c, x, y) || lemke_from_trial(c)) return 1;
   }
   return 0;
 }
