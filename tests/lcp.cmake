@@ -1,5 +1,7 @@
 # Tests of the complementarity problems: kernels, solver, published problems, seeded families.
 nsdae_test(anomaly lcp LINKS test_allocator)
+nsdae_unit_test(lcp exact)
+nsdae_unit_test(lcp proof)
 
 # Published problems are read where they lie; the test is skipped where they are not.
 set(NSDAE_SHARED_DIR "${PROJECT_SOURCE_DIR}/../shared" CACHE PATH
