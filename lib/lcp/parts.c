@@ -135,6 +135,10 @@ static int judge_whole(nsdae_chain *c, int failed, double *work, int *iwork)
 
 int nsdae_chain_run(nsdae_chain *c, double *work, int lwork, int *iwork)
 {
+  if (c->n == 0) {
+    *c->info = (nsdae_lcp_info){.outcome = NSDAE_LCP_SOLVED, .stage = NSDAE_LCP_TRIVIAL};
+    return NSDAE_OK;
+  }
   int islands = nsdae_islands_find(c->n, c->problem->A, c->problem->lda, c->label);
   if (islands < 2 || !fits(c, largest_island(c), lwork)) return nsdae_chain_run_whole(c);
   int failed = solve_all(c, work, iwork);
