@@ -1,5 +1,7 @@
 # Tests of the complementarity problems: kernels, solver, published problems, seeded families.
 nsdae_test(anomaly lcp LINKS test_allocator)
+nsdae_unit_test(lcp exact)
+nsdae_unit_test(lcp proof)
 
 # Published problems are read where they lie; the test is skipped where they are not.
 set(NSDAE_SHARED_DIR "${PROJECT_SOURCE_DIR}/../shared" CACHE PATH
@@ -28,3 +30,12 @@ if(NSDAE_DRIVERS)
 endif()
 nsdae_unit_test(lcp lemke)
 target_sources(test_unit_lcp_lemke PRIVATE bench/lcp_families.c)
+
+
+add_library(test_lcp_families OBJECT support/lcp_families.c)
+target_include_directories(test_lcp_families PUBLIC support)
+nsdae_test(system lcp_families LINKS test_lcp_families)
+target_compile_definitions(test_system_lcp_families PRIVATE _POSIX_C_SOURCE=200809L)
+if(NSDAE_SANITIZE)
+  target_compile_definitions(test_system_lcp_families PRIVATE NSDAE_TEST_SHARE=20)
+endif()

@@ -78,7 +78,7 @@ typedef struct nsdae_lcp_info {
                       is at most 60 */
   int pivots;      /* over all stages */
   double residual; /* max_i |min(x_i / sx_i, y_i / sy_i)| of the equilibrated problem (see
-                      nsdae_dlcpres) of the x handed over; INFINITY where there is none */
+                      nsdae_dlcpres) of the x handed over */
 } nsdae_lcp_info;
 
 /* tol 1e-10, every stage, enumeration up to n = 12. NULL is left alone. */
@@ -91,7 +91,9 @@ NSDAE_API const char *nsdae_lcp_outcome_name(int outcome);
 NSDAE_API const char *nsdae_lcp_proof_name(int proof);
 NSDAE_API const char *nsdae_lcp_ray_name(int ray);
 
-/* Solves the problem; allocates its own workspace, once.
+/* Solves the problem; allocates its own workspace, once. A problem whose matrix falls apart into
+ * parts that no entry joins is solved part by part; info then has the largest residual, the sum of
+ * the pivots, and the last stage that a part took.
  *   problem  n in [0, 20000]; A and b may be NULL where n = 0, and so may x and y
  *   options  NULL: the defaults
  *   x [n]    in: a guess whose positive entries are the active set tried first (zero: none);
@@ -106,7 +108,7 @@ NSDAE_API int nsdae_lcp_solve(const nsdae_lcp_problem *problem, const nsdae_lcp_
 
 /* The same in the caller's workspace, without allocation.
  *   basis [n]  in: not 0 where x_i is thought positive, 0 where y_i is; out: 1 and 0, that of the
- *              solution (left alone where none was found)
+ *              solution (of no use where none was found)
  *   work [lwork], iwork [liwork]: at least the sizes for n from nsdae_lcp_workspace */
 NSDAE_API int nsdae_lcp_solve_in(const nsdae_lcp_problem *problem, const nsdae_lcp_options *options,
                                  int *basis, double *x, double *y, nsdae_lcp_info *info,

@@ -12,15 +12,19 @@
 #include "judge.h"
 #include "proof.h"
 #include "ray.h"
+#include "transform.h"
 
 enum { COVERINGS = 12 };
+
+/* Residual of a solution that cannot be better. */
+static const double ROUNDING = 1e-15;
 
 int nsdae_chain_sizes(int n, int *lwork, int *liwork)
 {
   double lemke = 0;
   nsdae_dlemke(n, NULL, n > 0 ? n : 1, NULL, NULL, 0, NULL, NULL, NULL, &lemke, -1, NULL);
   *lwork = 4 * n * n + 13 * n + (int)lemke + 1;
-  *liwork = 6 * n + 1;
+  *liwork = 8 * n + 1;
   return NSDAE_OK;
 }
 
@@ -46,16 +50,17 @@ void nsdae_chain_lay_out(nsdae_chain *c, double *work, int *iwork)
   c->pivot = c->trial + n;
   c->index = c->pivot + n;
   c->allowed = c->index + 2 * n + 1;
+  c->label = c->allowed + 2 * n;
+  c->member = c->label + n;
 }
 
-/* The problem in rows and columns of like size. */
-static void equilibrate(nsdae_chain *c)
+void nsdae_chain_equilibrate(nsdae_chain *c)
 {
   size_t n = (size_t)c->n;
   for (size_t j = 0; j < n; j++)
     memcpy(c->A + j * n, c->problem->A + j * (size_t)c->problem->lda, n * sizeof *c->A);
   for (size_t i = 0; i < n; i++) c->b[i] = c->problem->b[i];
-  nsdae_equilibrate(c->n, c->A, c->b, c->row, c->column, c->point);
+  nsdae_equilibrate(c->n, c->A, c->b, c->row, c->column, c->point, c->index);
 }
 
 static int trivial(nsdae_chain *c)
@@ -91,9 +96,8 @@ static int lemke_with(nsdae_chain *c, const double *cover, int stage)
   if (info != 0) return 0;
   for (int i = 0; i < c->n; i++) c->x[i] *= c->column[i];
   if (nsdae_chain_judge(c, stage)) memcpy(c->basis, c->trial, (size_t)c->n * sizeof *c->basis);
-  /* the basis solved at once has less rounding than a hundred pivots */
-  if (c->info->outcome != NSDAE_LCP_SOLVED || pivots > c->n)
-    nsdae_chain_judge_basis(c, c->trial, stage);
+  /* the basis solved at once has less rounding than its pivots */
+  if (!(c->info->residual < ROUNDING)) nsdae_chain_judge_basis(c, c->trial, stage);
   return c->info->outcome == NSDAE_LCP_SOLVED;
 }
 
@@ -129,7 +133,7 @@ static int coverings(nsdae_chain *c)
 }
 
 /* Starts of the semismooth Newton method. */
-enum { FURTHER_STARTS = 24, FURTHER_ITERATIONS = 60 };
+enum { FURTHER_STARTS = 24, FURTHER_EARLY = 4, FURTHER_ITERATIONS = 60, LARGE = 100 };
 
 /* Scaled x of the start of that number: zero, the size of b, then at random up to it. */
 static void start_further(nsdae_chain *c, int number, unsigned long long *seed, double *x)
@@ -141,27 +145,60 @@ static void start_further(nsdae_chain *c, int number, unsigned long long *seed, 
     x[i] = number == 0 ? 0 : number == 1 ? fmax(-c->b[i], 0) : most * c->cover[i];
 }
 
-/* What the iterate takes for positive, solved at once. */
+/* Lemke's method from the active set in c->trial, which need not be right: on the problem in which
+ * its x and y have changed places. */
+static int lemke_from_trial(nsdae_chain *c)
+{
+  int n = c->n, pivots = 0;
+  int most = c->options->max_pivots > 0 ? c->options->max_pivots : 50 * n + 100;
+  int *set = c->allowed;
+  double *T = c->wide, *t = c->point;
+  memcpy(set, c->trial, (size_t)n * sizeof *set);
+  if (nsdae_lcp_transform(n, c->A, c->b, set, T, t, T + (size_t)n * (size_t)n, c->pivot,
+                          c->index) != 0)
+    return 0;
+  int info = nsdae_dlemke(n, T, n, t, NULL, most, c->x, c->trial, &pivots, c->lemke, c->lemke_size,
+                          c->index);
+  c->info->pivots += pivots;
+  if (info != 0) return 0;
+  for (int i = 0; i < n; i++) c->trial[i] = c->trial[i] != (set[i] != 0);
+  return nsdae_chain_judge_basis(c, c->trial, NSDAE_LCP_FURTHER);
+}
+
+/* The iterate itself, and what it takes for positive, solved at once. */
 static int judge_iterate(nsdae_chain *c, const double *x, const double *y)
 {
   for (int i = 0; i < c->n; i++) c->trial[i] = x[i] > y[i];
-  return nsdae_chain_judge_basis(c, c->trial, NSDAE_LCP_FURTHER);
+  if (nsdae_chain_judge_basis(c, c->trial, NSDAE_LCP_FURTHER)) return 1;
+  for (int i = 0; i < c->n; i++) c->x[i] = fmax(x[i], 0) * c->column[i];
+  if (!nsdae_chain_judge(c, NSDAE_LCP_FURTHER)) return 0;
+  memcpy(c->basis, c->trial, (size_t)c->n * sizeof *c->basis);
+  return 1;
+}
+
+/* The method from the starts first .. end - 1. */
+static int further_from(nsdae_chain *c, int first, int end)
+{
+  unsigned long long seed = 7 + (unsigned long long)first;
+  double *x = c->point, *y = c->point + c->n;
+  for (int k = first; k < end; k++) {
+    start_further(c, k, &seed, x);
+    int memory = k % 2 == 0 ? 1 : NSDAE_FISCHER_MEMORY;
+    nsdae_fischer(c->n, c->A, c->b, FURTHER_ITERATIONS, memory, x, y, c->wide);
+    if (judge_iterate(c, x, y) || lemke_from_trial(c)) return 1;
+  }
+  return 0;
+}
+
+/* Of a large problem, the first starts before all that takes as many runs of Lemke's method. */
+static int further_early(nsdae_chain *c)
+{
+  return c->n >= LARGE && further_from(c, 0, FURTHER_EARLY);
 }
 
 static int further(nsdae_chain *c)
 {
-  unsigned long long seed = 7;
-  double *x = c->point, *y = c->point + c->n;
-  for (int k = 0; k < FURTHER_STARTS; k++) {
-    start_further(c, k, &seed, x);
-    nsdae_fischer(c->n, c->A, c->b, FURTHER_ITERATIONS, x, y, c->wide);
-    if (judge_iterate(c, x, y)) return 1;
-    for (int i = 0; i < c->n; i++) c->x[i] = fmax(x[i], 0) * c->column[i];
-    if (!nsdae_chain_judge(c, NSDAE_LCP_FURTHER)) continue;
-    for (int i = 0; i < c->n; i++) c->basis[i] = x[i] > y[i];
-    return 1;
-  }
-  return 0;
+  return further_from(c, c->n >= LARGE ? FURTHER_EARLY : 0, FURTHER_STARTS);
 }
 
 static int enumerate(nsdae_chain *c)
@@ -181,13 +218,10 @@ static int run_stages(nsdae_chain *c)
   static const struct {
     int stage;
     int (*run)(nsdae_chain *);
-  } all[] = {{NSDAE_LCP_TRIVIAL, trivial},
-             {NSDAE_LCP_WARM, warm},
-             {NSDAE_LCP_LEMKE, lemke},
-             {NSDAE_LCP_COVERING, coverings},
-             {NSDAE_LCP_PROVE, nsdae_chain_prove},
-             {NSDAE_LCP_FURTHER, further},
-             {NSDAE_LCP_ENUMERATE, enumerate}};
+  } all[] = {{NSDAE_LCP_TRIVIAL, trivial},    {NSDAE_LCP_WARM, warm},
+             {NSDAE_LCP_LEMKE, lemke},        {NSDAE_LCP_FURTHER, further_early},
+             {NSDAE_LCP_COVERING, coverings}, {NSDAE_LCP_PROVE, nsdae_chain_prove},
+             {NSDAE_LCP_FURTHER, further},    {NSDAE_LCP_ENUMERATE, enumerate}};
   for (size_t i = 0; i < sizeof all / sizeof *all; i++)
     if ((c->options->stages & all[i].stage) && all[i].run(c)) break;
   if (c->info->outcome == NSDAE_LCP_SOLVED) return NSDAE_OK;
@@ -197,19 +231,18 @@ static int run_stages(nsdae_chain *c)
 /* x and y of the best point; of a proof by a vector, y is that vector. */
 static void hand_over(nsdae_chain *c)
 {
-  int proof = c->info->proof == NSDAE_LCP_PROOF_FARKAS;
-  int point = !proof && c->info->residual < INFINITY;
+  int found = c->info->residual < INFINITY, proof = c->info->proof == NSDAE_LCP_PROOF_FARKAS;
   if (c->info->outcome != NSDAE_LCP_SOLVED ||
       memcmp(c->x, c->best, (size_t)c->n * sizeof *c->x) != 0) { /* else y is that of x */
-    for (int i = 0; i < c->n; i++) c->x[i] = point ? c->best[i] : 0;
+    for (int i = 0; i < c->n; i++) c->x[i] = found ? c->best[i] : 0;
     c->info->residual = nsdae_chain_residual(c);
   }
-  for (int i = 0; proof && i < c->n; i++) c->y[i] = c->best[i];
+  for (int i = 0; proof && i < c->n; i++) c->y[i] = c->point[i];
 }
 
-int nsdae_chain_run(nsdae_chain *c)
+int nsdae_chain_run_whole(nsdae_chain *c)
 {
-  equilibrate(c);
+  nsdae_chain_equilibrate(c);
   int status = run_stages(c);
   if (status != NSDAE_OK && c->ray && c->n <= NSDAE_RAY_MAX) read_ray(c);
   hand_over(c);

@@ -22,17 +22,25 @@ typedef struct nsdae_chain {
   double *wide;         /* 2 n^2 + 4 n: workspace of a stage */
   double *lemke;        /* lemke_size */
   int lemke_size;
-  int *trial, *pivot; /* n, n */
-  int *index;         /* 2 n + 1 */
-  int *allowed;       /* 2 n */
-  int ray;            /* Lemke's method with the vector of ones ended on one */
+  int *trial, *pivot;  /* n, n */
+  int *index;          /* 2 n + 1 */
+  int *allowed;        /* 2 n */
+  int *label, *member; /* n, n: islands */
+  int ray;             /* Lemke's method with the vector of ones ended on one */
 } nsdae_chain;
 
 /* Sizes of the workspace, and its arrays. */
 int nsdae_chain_sizes(int n, int *lwork, int *liwork);
 void nsdae_chain_lay_out(nsdae_chain *c, double *work, int *iwork);
 
+/* c->A, c->b: the problem in rows and columns of like size. */
+void nsdae_chain_equilibrate(nsdae_chain *c);
+
 /* Runs the stages that the options name; returns the status of the solver. */
-int nsdae_chain_run(nsdae_chain *c);
+int nsdae_chain_run_whole(nsdae_chain *c);
+
+/* The same for each island of the problem by itself, where it has more than one; work and iwork are
+ * those that c was laid out in. */
+int nsdae_chain_run(nsdae_chain *c, double *work, int lwork, int *iwork);
 
 #endif

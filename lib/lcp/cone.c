@@ -2,6 +2,7 @@
  * 1974, chapter 23), on the normal equations of the passive columns. */
 #include "cone.h"
 
+#include <float.h>
 #include <math.h>
 #include <stddef.h>
 #include <string.h>
@@ -40,7 +41,7 @@ static int steepest(const nsdae_cone *c)
   return best;
 }
 
-/* Lower triangle of the products of the passive columns, row p. */
+/* Row p of the lower triangle of the products of the passive columns. */
 static void border(const nsdae_cone *c, int p)
 {
   for (int k = 0; k <= p; k++)
@@ -48,18 +49,37 @@ static void border(const nsdae_cone *c, int p)
         nsdae_dot(c->n, column_of(c, c->order[p]), column_of(c, c->order[k]));
 }
 
-/* s = least squares on the passive columns; 1 where they depend on each other. */
-static int solve(const nsdae_cone *c, int size, const double *b)
+/* Row p of the Cholesky factor from the rows above it; 1 where the column depends on the others. */
+static int extend(const nsdae_cone *c, int p)
+{
+  size_t n = (size_t)c->n, row = (size_t)p;
+  double square = c->gram[row * n + row], rest = square;
+  for (size_t k = 0; k < row; k++) c->s[k] = c->gram[k * n + row];
+  nsdae_la_solve_lower(p, 1, c->factor, c->n, c->s, c->n);
+  for (size_t k = 0; k < row; k++) {
+    c->factor[k * n + row] = c->s[k];
+    rest -= c->s[k] * c->s[k];
+  }
+  c->factor[row * n + row] = sqrt(rest);
+  return !(rest > c->n * DBL_EPSILON * square);
+}
+
+/* The factor anew, after columns have left. */
+static int factor(const nsdae_cone *c, int size)
 {
   for (int k = 0; k < size; k++) {
-    size_t from = (size_t)k * (size_t)c->n;
-    memcpy(c->factor + from + k, c->gram + from + k, (size_t)(size - k) * sizeof *c->gram);
-    c->s[k] = nsdae_dot(c->n, column_of(c, c->order[k]), b);
+    size_t from = (size_t)k * (size_t)c->n + (size_t)k;
+    memcpy(c->factor + from, c->gram + from, (size_t)(size - k) * sizeof *c->gram);
   }
-  if (nsdae_la_cholesky(size, c->factor, c->n) != 0) return 1;
+  return nsdae_la_cholesky(size, c->factor, c->n);
+}
+
+/* s = least squares on the passive columns. */
+static void solve(const nsdae_cone *c, int size, const double *b)
+{
+  for (int k = 0; k < size; k++) c->s[k] = nsdae_dot(c->n, column_of(c, c->order[k]), b);
   nsdae_la_solve_lower(size, 1, c->factor, c->n, c->s, c->n);
   nsdae_la_solve_lower_transposed(size, 1, c->factor, c->n, c->s, c->n);
-  return 0;
 }
 
 /* Moves z towards s as far as it stays >= 0; what becomes zero leaves. Returns the new size. */
@@ -99,15 +119,18 @@ static int advance(const nsdae_cone *c, int size, int j, const double *b)
 {
   c->order[size] = j;
   border(c, size);
-  if (solve(c, size + 1, b) != 0 || !(c->s[size] > 0)) {
-    c->state[j] = BANNED; /* depends on the others, or gains nothing but rounding */
+  int dependent = extend(c, size);
+  if (!dependent) solve(c, size + 1, b);
+  if (dependent || !(c->s[size] > 0)) { /* or gains nothing but rounding */
+    c->state[j] = BANNED;
     return size;
   }
   c->state[j] = PASSIVE;
   size++;
   while (size > 0 && !all_positive(c->s, size)) {
     size = retreat(c, size);
-    if (solve(c, size, b) != 0) return -1;
+    if (factor(c, size) != 0) return -1;
+    solve(c, size, b);
   }
   for (int k = 0; k < size; k++) c->z[c->order[k]] = c->s[k];
   for (int i = 0; i < c->m; i++)

@@ -4,7 +4,8 @@
 
 /* A [n x n] := R A C, b [n] := R b, R and C diagonal in row [n] and column [n]: with them, the
  * complementarity problem has the solution C^-1 x, R y. No rounding is added. Where the sizes of
- * all rows and columns are in [1/256, 256], R = C = 1. work [2 n]. */
-void nsdae_equilibrate(int n, double *A, double *b, double *row, double *column, double *work);
+ * all rows and columns are in [1/256, 256], R = C = 1. work [2 n], iwork [4 n]. */
+void nsdae_equilibrate(int n, double *A, double *b, double *row, double *column, double *work,
+                       int *iwork);
 
 #endif

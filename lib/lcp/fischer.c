@@ -17,6 +17,10 @@ typedef struct newton {
   double *phi, *step, *trial, *spare; /* n */
 } newton;
 
+/* So many steps must halve the norm; a step must better the worst of the last norms (Grippo,
+ * Lampariello, Lucidi, SIAM J. Numer. Anal. 23, 1986), of which memory says how many. */
+enum { PATIENCE = 20 };
+
 static double evaluate(const newton *f, const double *x, double *y, double *phi)
 {
   double sum = 0;
@@ -56,39 +60,58 @@ static int direction(const newton *f, double nu)
   return 0;
 }
 
-/* Halves the step until the norm falls; returns the new norm, or the old one where it never does.
- */
-static double backtrack(newton *f, double *x, double *y, double norm)
+/* Halves the step until the norm is below what is to be bettered; returns the new norm, or a
+ * negative number where it never is. */
+static double backtrack(newton *f, double *x, double *y, double bound)
 {
   for (double part = 1; part > 1e-10; part /= 2) {
     for (int i = 0; i < f->n; i++) f->trial[i] = x[i] + part * f->step[i];
     double fresh = evaluate(f, f->trial, y, f->spare);
-    if (!(fresh < (1 - 1e-4 * part) * norm)) continue;
+    if (!(fresh < (1 - 1e-4 * part) * bound)) continue;
     for (int i = 0; i < f->n; i++) {
       x[i] = f->trial[i];
       f->phi[i] = f->spare[i];
     }
     return fresh;
   }
-  return norm;
+  return -1;
 }
 
-double nsdae_fischer(int n, const double *A, const double *b, int iterations, double *x, double *y,
-                     double *work)
+static double worst_of(const double *last, int memory)
+{
+  double worst = 0;
+  for (int k = 0; k < memory; k++) worst = fmax(worst, last[k]);
+  return worst;
+}
+
+/* One step; returns the new norm, or a negative number where there is none to be made. */
+static double improve(newton *f, double *x, double *y, double norm, double bound)
+{
+  double nu = 1e-10 + 1e-6 * norm;
+  jacobian(f, x, y);
+  while (direction(f, nu) != 0 && nu < 1) nu *= 100; /* singular to rounding */
+  return nu < 1 ? backtrack(f, x, y, bound) : -1;
+}
+
+double nsdae_fischer(int n, const double *A, const double *b, int iterations, int memory, double *x,
+                     double *y, double *work)
 {
   size_t size = (size_t)n;
+  double last[NSDAE_FISCHER_MEMORY], before = INFINITY;
   newton f = {
       .n = n, .A = A, .b = b, .J = work, .H = work + size * size, .phi = work + 2 * size * size};
   f.step = f.phi + n;
   f.trial = f.step + n;
   f.spare = f.trial + n;
   double norm = evaluate(&f, x, y, f.phi), scale = norm;
+  for (int k = 0; k < memory; k++) last[k] = norm;
   for (int i = 0; i < iterations && norm > 1e-15 * scale; i++) {
-    jacobian(&f, x, y);
-    if (direction(&f, 1e-10 + 1e-6 * norm) != 0) break;
-    double fresh = backtrack(&f, x, y, norm);
-    if (fresh >= norm) break;
-    norm = fresh;
+    double fresh = improve(&f, x, y, norm, worst_of(last, memory));
+    if (fresh < 0) break;
+    last[i % memory] = norm = fresh;
+    if (i % PATIENCE != PATIENCE - 1) continue;
+    if (norm > before / 2) break;
+    before = norm;
   }
   evaluate(&f, x, y, f.phi);
   return norm;

@@ -29,21 +29,43 @@ int nsdae_chain_judge(nsdae_chain *c, int stage)
   return 1;
 }
 
-/* x on the active set: A_BB x_B = -b_B, all else zero. Returns 0, or 1 where A_BB is singular. */
+/* rhs = -b_B - A_BB x_B of the active set in c->index, for x_B in part. */
+static void defect(nsdae_chain *c, int size, const double *part)
+{
+  for (int i = 0; i < size; i++) c->rhs[i] = -c->b[c->index[i]];
+  for (int j = 0; j < size; j++) {
+    const double *from = c->A + (size_t)c->index[j] * (size_t)c->n;
+    for (int i = 0; i < size; i++) c->rhs[i] -= from[c->index[i]] * part[j];
+  }
+}
+
+static int factor(nsdae_chain *c, int size)
+{
+  for (int j = 0; j < size; j++) {
+    const double *from = c->A + (size_t)c->index[j] * (size_t)c->n;
+    for (int i = 0; i < size; i++) c->lu[(size_t)j * (size_t)size + (size_t)i] = from[c->index[i]];
+  }
+  return nsdae_la_lu(size, c->lu, size, c->pivot);
+}
+
+/* x on the active set: A_BB x_B = -b_B, all else zero. Returns 0, or 1 where A_BB is singular. One
+ * refinement makes every row exact to its own terms, not to the largest (Skeel, Math. Comput. 35,
+ * 1980). */
 static int solve(nsdae_chain *c, const int *basis, double *x)
 {
-  int n = c->n, size = 0;
-  for (int i = 0; i < n; i++)
+  int size = 0;
+  double *part = c->sizes;
+  for (int i = 0; i < c->n; i++)
     if (basis[i]) c->index[size++] = i;
-  for (int j = 0; j < size; j++) {
-    const double *from = c->A + (size_t)c->index[j] * (size_t)n;
-    for (int i = 0; i < size; i++) c->lu[(size_t)j * (size_t)size + (size_t)i] = from[c->index[i]];
-    c->rhs[j] = -c->b[c->index[j]];
+  if (factor(c, size) != 0) return 1;
+  memset(part, 0, (size_t)size * sizeof *part);
+  for (int round = 0; round < 2; round++) {
+    defect(c, size, part);
+    nsdae_la_lu_solve(size, c->lu, size, c->pivot, c->rhs);
+    for (int j = 0; j < size; j++) part[j] += c->rhs[j];
   }
-  if (nsdae_la_lu(size, c->lu, size, c->pivot) != 0) return 1;
-  nsdae_la_lu_solve(size, c->lu, size, c->pivot, c->rhs);
-  memset(x, 0, (size_t)n * sizeof *x);
-  for (int j = 0; j < size; j++) x[c->index[j]] = fmax(c->rhs[j], 0) * c->column[c->index[j]];
+  memset(x, 0, (size_t)c->n * sizeof *x);
+  for (int j = 0; j < size; j++) x[c->index[j]] = fmax(part[j], 0) * c->column[c->index[j]];
   return 0;
 }
 

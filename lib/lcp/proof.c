@@ -119,7 +119,7 @@ static int proved(nsdae_chain *c, int proof, int stage)
   c->info->outcome = NSDAE_LCP_INFEASIBLE;
   c->info->proof = proof;
   c->info->stage = stage;
-  if (proof == NSDAE_LCP_PROOF_FARKAS) memcpy(c->best, c->cover, (size_t)c->n * sizeof *c->best);
+  if (proof == NSDAE_LCP_PROOF_FARKAS) memcpy(c->point, c->cover, (size_t)c->n * sizeof *c->point);
   return 1;
 }
 

@@ -5,7 +5,7 @@
 #include "chain.h"
 
 /* Largest problem for which a separating vector is looked for. */
-enum { NSDAE_PROOF_MAX = 200 };
+enum { NSDAE_PROOF_MAX = 400 };
 
 /* Stage NSDAE_LCP_PROVE. Returns whether the chain has ended: proved, or a solution found by the
  * way. */

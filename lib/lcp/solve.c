@@ -107,7 +107,7 @@ int nsdae_lcp_solve_in(const nsdae_lcp_problem *problem, const nsdae_lcp_options
   if (!work || lwork < need || !iwork || liwork < ineed || (c.n > 0 && !basis))
     return NSDAE_E_ARGUMENT;
   nsdae_chain_lay_out(&c, work, iwork);
-  return nsdae_chain_run(&c);
+  return nsdae_chain_run(&c, work, lwork, iwork);
 }
 
 int nsdae_lcp_solve(const nsdae_lcp_problem *problem, const nsdae_lcp_options *options, double *x,
