@@ -22,3 +22,8 @@ set_tests_properties(install/consumers install/first_program install/variants PR
 if(NSDAE_SANITIZE) # cc has no sanitizer
   set_tests_properties(install/consumers install/first_program PROPERTIES DISABLED TRUE)
 endif()
+add_test(NAME install/exports
+  COMMAND ${install_dir}/exports.sh $<TARGET_FILE:nsdae_lib_shared> ${PROJECT_SOURCE_DIR}/include)
+if(NSDAE_SANITIZE) # they bring symbols of their own
+  set_tests_properties(install/exports PROPERTIES DISABLED TRUE)
+endif()
