@@ -15,10 +15,15 @@ add_test(NAME install/consumers
 add_test(NAME install/first_program
   COMMAND ${install_dir}/first_program.sh ${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR})
 add_test(NAME install/variants
-  COMMAND ${install_dir}/variants.sh ${PROJECT_SOURCE_DIR} -G ${CMAKE_GENERATOR}
+  COMMAND ${install_dir}/variants.sh ${PROJECT_SOURCE_DIR}
     -DSUNDIALS_DIR=${SUNDIALS_DIR} -DHDF5_DIR=${HDF5_DIR} "-DCMAKE_PREFIX_PATH=${CMAKE_PREFIX_PATH}")
 set_tests_properties(install/consumers install/first_program install/variants PROPERTIES
-  ENVIRONMENT OPENBLAS_NUM_THREADS=1 TIMEOUT 600)
+  ENVIRONMENT "OPENBLAS_NUM_THREADS=1;CMAKE_GENERATOR=${CMAKE_GENERATOR}" TIMEOUT 600)
 if(NSDAE_SANITIZE) # cc has no sanitizer
   set_tests_properties(install/consumers install/first_program PROPERTIES DISABLED TRUE)
+endif()
+add_test(NAME install/exports
+  COMMAND ${install_dir}/exports.sh $<TARGET_FILE:nsdae_lib_shared> ${PROJECT_SOURCE_DIR}/include)
+if(NSDAE_SANITIZE) # they bring symbols of their own
+  set_tests_properties(install/exports PROPERTIES DISABLED TRUE)
 endif()

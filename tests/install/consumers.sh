@@ -49,19 +49,19 @@ for kind in shared static; do
 done
 
 export PKG_CONFIG_PATH="$lib/pkgconfig" LIBRARY_PATH="$folders" LD_LIBRARY_PATH="$lib:$folders"
-cd "$here/consumer"
+cd "$work" # where Fortran leaves its module files
 for language in "$@"; do
   case $language in
   C) compile="cc -std=c11" file=ball.c module=nsdae ;;
   CXX) compile="c++ -std=c++11" file=ball.cpp module=nsdae ;;
   Fortran) compile="gfortran -std=f2018" file=ball.f90 module=nsdae-fortran ;;
   esac
-  $compile $file -o "$work/pc-$language" $(pkg-config --cflags --libs $module)
+  $compile "$here/consumer/$file" -o "$work/pc-$language" $(pkg-config --cflags --libs $module)
   agree "$work/pc-$language" shared
-  $compile $file -o "$work/pc-$language" $(pkg-config --cflags --libs --static $module)
+  $compile "$here/consumer/$file" -o "$work/pc-$language" $(pkg-config --cflags --libs --static $module)
   agree "$work/pc-$language" shared
   [ $language != Fortran ] || continue
-  $compile $file -o "$work/pc-$language" $(pkg-config --cflags --libs nsdae-static)
+  $compile "$here/consumer/$file" -o "$work/pc-$language" $(pkg-config --cflags --libs nsdae-static)
   agree "$work/pc-$language" static
 done
 

@@ -21,6 +21,13 @@ cc -std=c11 -Wall -Wextra -Wpedantic -Werror "$work/ball.c" $(pkg-config --cflag
 cat "$work/out"
 grep -qF "$(cat "$work/out")" "$source/README.md"
 
+# the same in C++
+if command -v c++ >/dev/null; then
+  c++ -std=c++11 -Wall -Wextra -Wpedantic -Werror "$source/docs/examples/ball.cpp" \
+    $(pkg-config --cflags --libs nsdae) -o "$work/ball-cpp"
+  "$work/ball-cpp" | cmp - "$work/out"
+fi
+
 # an installed driver, and the picture where it writes a trajectory
 if [ -x "$work/moved/bin/nsdae-pendulum" ]; then
   cd "$work"

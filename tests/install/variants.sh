@@ -42,5 +42,5 @@ variant() {
 
 variant HDF5 gcc Debug libhdf5 "$@"
 variant SUNDIALS clang Release libsundials "$@"
-variant Fortran clang Debug libgfortran "$@"
+variant Fortran gcc Debug libgfortran "$@"
 echo "built without HDF5, SUNDIALS and Fortran"
