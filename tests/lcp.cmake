@@ -25,7 +25,8 @@ endif()
 if(NSDAE_DRIVERS)
   nsdae_test(system failed_lcp)
   add_test(NAME system/lcp_cli COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/system/lcp_cli.sh
-    ${CMAKE_BINARY_DIR}/bin $<IF:$<BOOL:${NSDAE_HDF5}>,ON,OFF>)
+    ${CMAKE_BINARY_DIR}/bin $<IF:$<BOOL:${NSDAE_HDF5}>,ON,OFF>
+    $<IF:$<BOOL:${NSDAE_SUNDIALS}>,ON,OFF>)
   set_tests_properties(system/lcp_cli PROPERTIES ENVIRONMENT OPENBLAS_NUM_THREADS=1 TIMEOUT 120)
 endif()
 nsdae_unit_test(lcp lemke)

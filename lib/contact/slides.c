@@ -1,7 +1,6 @@
 #include "slides.h"
 
 #include <float.h>
-#include <lapacke.h>
 #include <math.h>
 #include <nsdae/sim.h>
 #include <string.h>
@@ -86,11 +85,12 @@ static int eliminate(nsdae_contacts *c)
   int f = c->slide_count;
   double largest = 0;
   for (int i = 0; i < f * f; i++) largest = fmax(largest, fabs(c->Q[i]));
-  if (LAPACKE_dgetrf_work(LAPACK_COL_MAJOR, f, f, c->Q, f, c->pivot) != 0) return NSDAE_E_LCP;
+  if (nsdae_la_lu(f, c->Q, f, c->pivot) != 0) return NSDAE_E_LCP;
   for (int i = 0; i < f; i++)
     if (!(fabs(AT(c->Q, f, i, i)) > f * 8 * DBL_EPSILON * fmax(largest, 1))) return NSDAE_E_LCP;
-  LAPACKE_dgetrs_work(LAPACK_COL_MAJOR, 'N', f, c->rows, c->Q, f, c->pivot, c->K, f);
-  LAPACKE_dgetrs_work(LAPACK_COL_MAJOR, 'N', f, 1, c->Q, f, c->pivot, c->k0, f);
+  for (int j = 0; j < c->rows; j++)
+    nsdae_la_lu_solve(f, c->Q, f, c->pivot, c->K + (size_t)j * (size_t)f);
+  nsdae_la_lu_solve(f, c->Q, f, c->pivot, c->k0);
   return NSDAE_OK;
 }
 

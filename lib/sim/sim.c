@@ -356,7 +356,8 @@ static int step_to(nsdae_sim *sim, double t1)
                            sim->options.dt, s->start.t);
   s->t_end = t1;
   int status = s->method->advance(s, h);
-  sim->lcp_failed = status == NSDAE_E_LCP || status == NSDAE_E_INFEASIBLE;
+  sim->lcp_failed = s->problem && (status == NSDAE_E_LCP || status == NSDAE_E_INFEASIBLE ||
+                                   status == NSDAE_E_PAINLEVE);
   if (status == NSDAE_OK) status = nsdae_terms_need(&s->end, RECORD_TERMS);
   if (status < 0) {
     s->newmark.have_start = 0;
@@ -445,7 +446,7 @@ int nsdae_sim_get_failed_lcp(const nsdae_sim *sim, nsdae_lcp_problem *problem)
 {
   if (!sim || !problem) return NSDAE_E_ARGUMENT;
   if (!sim->lcp_failed) return NSDAE_E_STATE;
-  const nsdae_contacts *c = &sim->stepper.contacts;
+  const nsdae_contacts *c = sim->stepper.problem;
   *problem = (nsdae_lcp_problem){.n = c->rows, .A = c->A, .lda = c->rows, .b = c->b};
   return NSDAE_OK;
 }

@@ -294,6 +294,7 @@ static int accelerate(nsdae_event_method *e)
   for (int i = 0; i < m; i++) e->lambda[i] = -T.omega[i];
   nsdae_kkt_solve(&s->kkt, 1, e->a, n, e->lambda, m);
   nsdae_kkt_solve_mass(&s->kkt, s->size);
+  s->problem = &e->modes;
   int status = nsdae_contacts_solve(&e->modes, &T, &s->kkt, s->size, e->a, e->lambda);
   if (nsdae_contacts_any(&e->modes)) {
     s->lcps++;

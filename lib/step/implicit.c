@@ -116,7 +116,7 @@ static int no_convergence(nsdae_stepper *s, double moved)
   nsdae_error_set(s->error, NSDAE_E_CONVERGENCE, "nsdae_implicit", "dt",
                   "the step from t = %.17g did not converge in %d iterations (change %.3g, wanted "
                   "%.3g): make dt smaller",
-                  s->start.t, o->iteration_max, moved, o->iteration_tol);
+                  s->start.t, o->iteration_max, moved, s->iteration_tol);
   s->error->time = s->start.t;
   return NSDAE_E_CONVERGENCE;
 }
@@ -144,7 +144,7 @@ static int attempt(nsdae_stepper *s, double h, int all_impacts)
     s->iterations++;
     moved = nsdae_relative_change(dims->nq, s->q, s->end.q) +
             nsdae_relative_change(dims->nv, s->v, s->end.v);
-    if (!(moved <= s->options->iteration_tol)) continue; /* NaN goes on, to be reported */
+    if (!(moved <= s->iteration_tol)) continue; /* NaN goes on, to be reported */
     nsdae_terms_set_velocity(&s->end, s->v);
     return NSDAE_OK;
   }

@@ -26,9 +26,19 @@ static void prepare_terms(nsdae_stepper *s, nsdae_terms *terms)
   terms->evals = &s->evals;
 }
 
+/* Differences are good to about 1e-10, relative: an iteration does not settle below that. */
+static double settled(const nsdae_system *system, double tol)
+{
+  const nsdae_dims *d = &system->dims;
+  int differs = (d->m > 0 && (!system->constraint_jacobian || !system->constraint_bias)) ||
+                (d->k > 0 && (!system->gap_normal || !system->contact_bias));
+  return differs ? fmax(tol, 1e-9) : tol;
+}
+
 void nsdae_stepper_prepare(nsdae_stepper *s)
 {
   const nsdae_sim_options *o = s->options;
+  s->iteration_tol = settled(s->system, o->iteration_tol);
   s->method = nsdae_stepping_of(o->method);
   s->impacts_max = 64 + 2 * s->system->dims.k;
   s->changes_max = s->impacts_max + 2 * s->system->dims.f;
@@ -49,7 +59,7 @@ void nsdae_stepper_prepare(nsdae_stepper *s)
                                .kkt = &s->kkt,
                                .alpha = o->baumgarte_alpha,
                                .beta = o->baumgarte_beta,
-                               .tol = o->iteration_tol,
+                               .tol = s->iteration_tol,
                                .iteration_max = o->iteration_max,
                                .least_norm = o->redundant == NSDAE_REDUNDANT_LEAST_NORM};
 }
@@ -95,6 +105,7 @@ int nsdae_stepper_impact(nsdae_stepper *s, const nsdae_terms *terms, const doubl
   for (int i = 0; i < m; i++) s->impulse[i] = -terms->phi_t[i];
   nsdae_kkt_solve(&s->kkt, 1, v, n, s->impulse, m);
   if (!nsdae_contacts_any(&s->contacts)) return NSDAE_OK;
+  s->problem = &s->contacts;
   memcpy(s->size, r, (size_t)n * sizeof *s->size);
   nsdae_kkt_solve_mass(&s->kkt, s->size);
   int status = nsdae_contacts_solve(&s->contacts, terms, &s->kkt, s->size, v, s->impulse);

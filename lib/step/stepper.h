@@ -29,12 +29,14 @@ struct nsdae_stepper {
   const nsdae_sim_options *options;
   nsdae_error *error;
   const nsdae_stepping *method;
-  double t_end; /* of the step: start.t + h but for rounding */
+  double iteration_tol; /* the option, but above the rounding of derivatives by differences */
+  double t_end;         /* of the step: start.t + h but for rounding */
   nsdae_evals evals;
   nsdae_differences differences;
   nsdae_terms start, middle, end;
   nsdae_kkt kkt;
   nsdae_contacts contacts;
+  const nsdae_contacts *problem; /* whose complementarity problem was the last: contacts, or own */
   nsdae_newmark newmark;
   double *M;                /* nv x nv: a mean mass matrix */
   double *q, *v, *r, *last; /* nq, nv, nv, nv */
