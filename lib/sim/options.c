@@ -36,7 +36,7 @@ static const nsdae_param entries[] = {
     {"rank_tol", "1", "sine of the angle to the others below which a constraint is redundant",
      NSDAE_PARAM_REAL, AT(rank_tol), 1e-8, 0, 1, NSDAE_OPEN_MAX, NULL},
     {"lcp_tol", "1", "scaled natural residual of a solved LCP", NSDAE_PARAM_REAL, AT(lcp_tol),
-     1e-10, DBL_EPSILON, 1e-2, 0, NULL},
+     1e-10, 1e-18, 1e-2, 0, NULL},
     {"polygon", "1", "edges of the friction polygon of contacts with two tangential directions",
      NSDAE_PARAM_INT, AT(polygon), 8, 3, 32, 0, NULL},
     {"impact_velocity", "m/s", "closings slower than this are no impacts", NSDAE_PARAM_REAL,

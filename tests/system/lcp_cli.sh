@@ -122,12 +122,12 @@ fi
 # A step that fails leaves its problem, which is what it was: a tolerance below rounding fails it
 # again, with a fair one it is solved.
 if [ "$hdf5" = ON ]; then
-  roll="$bin/nsdae-rolling-ball --no-output --set lcp_tol=2.3e-16"
+  roll="$bin/nsdae-rolling-ball --no-output --set lcp_tol=1e-18"
   $roll --set lcp_dump=step.h5 >out 2>err
-  [ $? = 1 ] || complain "rolling ball with lcp_tol 2.3e-16 did not fail"
+  [ $? = 1 ] || complain "rolling ball with lcp_tol 1e-18 did not fail"
   grep -q 'step.h5' out || complain "not said where the problem is: $(cat out)"
   [ "$(wc -l <err)" = 1 ] || complain "more than one line: $(cat err)"
-  gives 1 'outcome: unsolved;n: 10;tol: 2.3e-16' step.h5
+  gives 1 'outcome: unsolved;n: 10;tol: 1e-18' step.h5
   gives 0 'outcome: solved;tol: 1e-10' --tol 1e-10 step.h5
   $roll --quiet --set lcp_dump=no/such/folder/step.h5 >out 2>err
   [ $? = 1 ] && grep -q 'no/such/folder' err || complain "unwritable lcp_dump: $(cat err)"
