@@ -158,8 +158,8 @@ NSDAE_API int nsdae_sim_unobserve(nsdae_sim *sim, nsdae_observer_fn observer, vo
  * NSDAE_STOPPED; < 0: the step was not done and the state is the one before it. */
 NSDAE_API int nsdae_sim_step(nsdae_sim *sim);
 /* The complementarity problem of the step that failed with NSDAE_E_LCP, NSDAE_E_INFEASIBLE or
- * NSDAE_E_PAINLEVE; its arrays are the simulation's and hold until the next step. NSDAE_E_STATE where the last step did
- * not fail so. */
+ * NSDAE_E_PAINLEVE; its arrays are the simulation's and hold until the next step. NSDAE_E_STATE
+ * where the last step did not fail so. */
 NSDAE_API int nsdae_sim_get_failed_lcp(const nsdae_sim *sim, nsdae_lcp_problem *problem);
 /* Steps of dt from the start's time to t_end; the last one is shortened to end there. NSDAE_OK;
  * NSDAE_STOPPED; < 0: a step failed, the state is the one before it. */
