@@ -27,9 +27,7 @@ static const nsdae_param entries[] = {
     {"baumgarte_beta", "1/s",
      "stabilisation of Phi in the smooth phases of implicit-printed and event", NSDAE_PARAM_REAL,
      AT(baumgarte_beta), 20, 0, INFINITY, 0, NULL},
-    {"iteration_tol", "1",
-     "relative change of q and v that ends an implicit iteration; at least 1e-9 where derivatives "
-     "are differences",
+    {"iteration_tol", "1", "relative change of q and v that ends an implicit iteration",
      NSDAE_PARAM_REAL, AT(iteration_tol), 1e-12, DBL_EPSILON, 1e-2, 0, NULL},
     {"iteration_max", "1", "most iterations of an implicit step", NSDAE_PARAM_INT,
      AT(iteration_max), 100, 1, 1000000, 0, NULL},
