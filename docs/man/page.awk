@@ -3,10 +3,19 @@
 # Lines after %compare% are for the drivers that have --compare.
 # usage: awk -f page.awk -v about=FILE HELP TEMPLATE
 
-function escaped(text) {
+# Text of the page in lines of at most 78 characters, none of which is taken for a request.
+function escaped(text,   word, words, i, line, lines) {
   gsub(/\\/, "\\e", text)
-  return text ~ /^[.']/ ? "\\&" text : text
+  words = split(text, word, " ")
+  for (i = 1; i <= words; i++)
+    if (line != "" && length(line " " word[i]) > 78) {
+      lines = lines guarded(line) "\n"
+      line = word[i]
+    } else line = line == "" ? word[i] : line " " word[i]
+  return lines guarded(line)
 }
+
+function guarded(line) { return line ~ /^[.']/ ? "\\&" line : line }
 
 function number(text) { # minus signs that can be copied
   gsub(/-/, "\\-", text)
@@ -30,7 +39,7 @@ function setting(line,   word, text) {
   split(line, word, " ")
   text = line
   sub(/^ *[^ ]+ +[^ ]+ +/, "", text)
-  return ".It Cm " word[1] " No = " number(word[2]) "\n" escaped(text)
+  return ".It Cm " word[1] " No = " (word[2] == "\"\"" ? "\\(dq\\(dq" : number(word[2])) "\n" escaped(text)
 }
 
 FNR == 1 { file++ }

@@ -233,6 +233,7 @@ int settings_parse(settings *s, int argc, char **argv, nsdae_error *error)
   return NSDAE_OK;
 }
 
+/* The columns are as wide as the longest name and choice of the library's options. */
 static void print_table(const char *title, const nsdae_params *table, const void *base)
 {
   printf("\n%s\n", title);
@@ -241,7 +242,7 @@ static void print_table(const char *title, const nsdae_params *table, const void
     char value[NSDAE_PARAM_TEXT_SIZE], unit[24] = "";
     nsdae_params_format(p, base, value, sizeof value);
     if (*p->unit && strcmp(p->unit, "1") != 0) snprintf(unit, sizeof unit, " [%s]", p->unit);
-    printf("  %-16s %-16s %s%s\n", p->key, value, p->help, unit);
+    printf("  %-17s %-19s %s%s\n", p->key, *value ? value : "\"\"", p->help, unit);
   }
 }
 

@@ -280,7 +280,8 @@ contains
     character(len=*), intent(in) :: title
     type(nsdae_params), intent(in) :: table
     type(nsdae_param) :: param
-    character(len=16) :: key, val
+    character(len=17) :: key ! as wide as the longest name and choice of the library's options
+    character(len=19) :: val
     integer(c_int) :: i
     print '(/, a)', title
     do i = 1, nsdae_params_size(table)
@@ -288,9 +289,9 @@ contains
       key = param%key
       val = nsdae_params_format(table, i)
       if (param%unit == '1' .or. param%unit == '') then
-        print '(2x, a16, 1x, a16, 1x, a)', key, val, param%help
+        print '(2x, a17, 1x, a19, 1x, a)', key, val, param%help
       else
-        print '(2x, a16, 1x, a16, 1x, 4a)', key, val, param%help, ' [', param%unit, ']'
+        print '(2x, a17, 1x, a19, 1x, 4a)', key, val, param%help, ' [', param%unit, ']'
       end if
     end do
   end subroutine
