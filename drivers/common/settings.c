@@ -26,6 +26,7 @@ void settings_default(settings *s, const driver_model *model)
   s->model = model;
   nsdae_params_default(model->parameters, model->base);
   nsdae_sim_options_default(&s->options);
+  if (model->dt > 0) s->options.dt = model->dt;
   s->t_end = model->t_end;
   snprintf(s->output, sizeof s->output, "%s.h5", model->name);
 }
@@ -119,7 +120,7 @@ int settings_read(settings *s, const char *path, nsdae_error *error)
   if (status == NSDAE_OK && ferror(file))
     status = usage_error(error, "params", "cannot read '%s': %s", path, strerror(errno));
   fclose(file);
-  if (status < 0) locate(error, path, number);
+  if (status < 0 && number > 0) locate(error, path, number);
   return status;
 }
 
@@ -143,7 +144,7 @@ static const flag flags[] = {
     {"--params", "FILE", PARAMS, NULL, "parameters from a file of NAME = VALUE lines"},
     {"--output", "FILE.h5", SET, "output", "trajectory"},
     {"--no-output", NULL, NO_OUTPUT, NULL, "write no trajectory"},
-    {"--compare", NULL, COMPARE, NULL, "then all methods side by side against the reference"},
+    {"--compare", NULL, COMPARE, NULL, "then all methods side by side, against the reference where there is one"},
     {"--live", NULL, LIVE, NULL, "let others read the trajectory while it is written (SWMR)"},
     {"--quiet", NULL, QUIET, NULL, "print errors only"},
     {"--help", NULL, HELP, NULL, "this text"},
@@ -174,6 +175,8 @@ static int act(settings *s, const flag *f, char *value, nsdae_error *error)
 {
   switch (f->action) {
   case SET:
+    if (strcmp(f->key, "output") == 0 && !*value)
+      return usage_error(error, f->name, "--output needs a file name; --no-output writes none");
     return settings_set(s, f->key, value, error);
   case ASSIGN:
     return assign(s, value, error);

@@ -238,6 +238,12 @@ contains
       continue  ! read before
     case ('--set')
       status = assign(s, val, error)
+    case ('--output')
+      if (val == '') then
+        status = complain(error, '--output needs a file name; --no-output writes none')
+      else
+        status = set(s, trim(f%key), trim(val), error)
+      end if
     case ('--no-output')
       s%output = ''
     case ('--live')

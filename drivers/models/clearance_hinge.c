@@ -99,11 +99,28 @@ static int potential(double t, const double *q, double *energy, void *user)
   return 0;
 }
 
+/* The shaft is thinner than the hole and starts in it. */
+static int check(const clearance_hinge *p, nsdae_error *error)
+{
+  double off = hypot(p->dX, p->dY), clearance = p->R - p->r;
+  if (clearance > 0 && off <= clearance) return NSDAE_OK;
+  snprintf(error->argument, sizeof error->argument, clearance > 0 ? "dX" : "r");
+  if (clearance > 0)
+    snprintf(error->text, sizeof error->text,
+             "the shaft starts %g m from the hole's centre (dX, dY): it must be at most R - r = %g",
+             off, clearance);
+  else
+    snprintf(error->text, sizeof error->text,
+             "r = %g is outside its range: it must be less than R = %g", p->r, p->R);
+  return error->status = NSDAE_E_ARGUMENT;
+}
+
 static int build(void *base, nsdae_system **system, nsdae_error *error)
 {
   const clearance_hinge *p = base;
   const nsdae_dims dims = {.nq = 3, .k = 1, .nt = 1};
-  int status = nsdae_system_create(&dims, system, error);
+  int status = check(p, error);
+  if (status == NSDAE_OK) status = nsdae_system_create(&dims, system, error);
   if (status < 0) return status;
   nsdae_system_set_user(*system, base);
   nsdae_system_set_mass(*system, mass);

@@ -180,5 +180,6 @@ const driver_model falling_rod_model = {.name = "falling-rod",
                                         .parameters = &table,
                                         .base = &parameters,
                                         .t_end = 2,
+                                        .dt = 1e-3,
                                         .build = build,
                                         .start = start};

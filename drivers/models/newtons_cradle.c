@@ -161,6 +161,7 @@ const driver_model newtons_cradle_model = {.name = "newtons-cradle",
                                            .parameters = &table,
                                            .base = &parameters,
                                            .t_end = 2,
+                                           .dt = 5e-4,
                                            .build = build,
                                            .start = start,
                                            .exact = exact};

@@ -199,5 +199,6 @@ const driver_model woodpecker_model = {.name = "woodpecker",
                                        .parameters = &table,
                                        .base = &parameters,
                                        .t_end = 3,
+                                       .dt = 1e-4,
                                        .build = build,
                                        .start = start};

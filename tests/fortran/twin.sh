@@ -61,12 +61,16 @@ both --dt fast
 both --dt
 both --quiet=1
 both --set mass
+both --output=
 printf 'L = 1\n\nlenght = 2 # m\n' >bad.ini
 both --params bad.ini
 both --no-output --dt 10 --t-end 1e4 --set iteration_max=3
 "$bin/nsdae-pendulum-fortran" --params none.ini 2>err
 [ $? = 2 ] && grep -q "cannot read 'none.ini'" err || fail "--params none.ini: $(cat err)"
 "$bin/nsdae-pendulum-fortran" --help >help && grep -q theta_0 help || fail "--help"
+# the options of the library, with their defaults
+"$bin/nsdae-pendulum" --help | sed -n '/^options$/,$p' >c.help
+sed -n '/^options$/,$p' help | cmp - c.help || fail "--help has other options"
 "$bin/nsdae-pendulum-fortran" --version | grep -q '^nsdae-pendulum-fortran nsdae 0' || fail "--version"
 
 if [ "$hdf5" = ON ]; then

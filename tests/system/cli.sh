@@ -43,6 +43,11 @@ expect 2 "is not a number" "$pendulum" --dt fast
 expect 2 "needs a value" "$pendulum" --dt
 expect 2 "takes no value" "$pendulum" --quiet=1
 expect 2 "NAME=VALUE" "$pendulum" --set mass
+expect 2 "--output needs a file name" "$pendulum" --output=
+expect 2 "error: cannot read '.'" "$pendulum" --params .
+expect 2 "r = 0.04 is outside its range: it must be less than R = 0.03" \
+  "$bin/nsdae-clearance-hinge" --quiet --no-output --set r=0.04
+expect 2 "must be at most R - r = 0.014" "$bin/nsdae-clearance-hinge" --quiet --no-output --set dY=0.02
 expect 2 "cannot read 'none.ini'" "$pendulum" --params none.ini
 printf 'L = 1\n\nlenght = 2\n' >bad.ini
 expect 2 "bad.ini line 3" "$pendulum" --params bad.ini
