@@ -38,6 +38,7 @@ static void layout_phase(nsdae_event_method *e, nsdae_arena *arena)
   e->mode_before = NSDAE_ARENA_INTS(arena, k);
   e->slide_mode_before = NSDAE_ARENA_INTS(arena, f);
   e->direction = NSDAE_ARENA_DOUBLES(arena, kt);
+  e->slip = NSDAE_ARENA_DOUBLES(arena, kt);
   e->slide_mode = NSDAE_ARENA_INTS(arena, f);
   e->slide_sense = NSDAE_ARENA_INTS(arena, f);
   e->normal_sense = NSDAE_ARENA_INTS(arena, f);

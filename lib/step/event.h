@@ -50,7 +50,11 @@ typedef struct nsdae_event_method {
   /* the phase */
   unsigned terms;          /* what its equations need */
   int *mode, *mode_before; /* k */
-  double *direction;       /* k nt: unit vector of sliding, zero where there is none yet */
+  double *direction;       /* k nt: unit vector of sliding, zero where there is none yet; with two
+                              directions it follows the velocity from step to step */
+  double *slip;            /* k nt: v_T where the residual is differenced */
+  int differencing;        /* now */
+  double slow;             /* what counts as zero for a velocity of the phase's start */
   int *slide_mode, *slide_mode_before; /* f: NSDAE_OPEN without friction */
   int *slide_sense, *normal_sense;     /* f: signs of the sliding velocity and of lambda */
   int *independent;                    /* m: 0 where a constraint is redundant */
@@ -124,8 +128,8 @@ int nsdae_event_code(const nsdae_stepper *s, int status);
 int nsdae_event_root(double t, const double *y, const double *yp, double *g, void *user);
 /* The set for the phase that starts now: after the modes, y and the accelerations are known. */
 int nsdae_event_set_roots(nsdae_event_method *e, double t);
-/* After a step to t: puts those that left zero into the set; found where one fell below it or asks
- * for an instant. Returns how many, or a status. */
+/* After a step to t: turns the directions of sliding, puts those that left zero into the set; found
+ * where one fell below it or asks for an instant. Returns how many, or a status. */
 int nsdae_event_watch_roots(nsdae_event_method *e, double t);
 
 /* What counts as zero for positions and for velocities: the integrator's accuracy. */

@@ -248,7 +248,8 @@ static int slides(nsdae_event_method *e, int i, int impacted)
     v_t[l] = tangential_velocity(T, i * d->nt + l, e->y + d->nq);
     speed = hypot(speed, v_t[l]);
   }
-  int stopped = !impacted && e->found[d->k + i] && e->mode[i] == NSDAE_SLIDE;
+  int stopped = !impacted && e->found[d->k + i] && e->mode[i] == NSDAE_SLIDE &&
+                (d->nt == 1 || speed <= 10 * nsdae_event_velocity_size(e, T));
   int moves = speed > nsdae_event_velocity_size(e, T) && !stopped;
   for (int l = 0; l < d->nt; l++) direction[l] = moves ? v_t[l] / speed : 0;
   return moves;
@@ -630,6 +631,7 @@ int nsdae_event_instant(nsdae_event_method *e, double t)
   status = project_velocities(e);
   memcpy(e->a, e->stepper->v, (size_t)e->stepper->system->dims.nv * sizeof *e->a);
   if (status == NSDAE_OK) status = fill_state(e, t);
+  e->slow = nsdae_event_velocity_size(e, here(e));
   e->instant = t;
   e->changes++;
   return status;

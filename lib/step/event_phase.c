@@ -53,20 +53,44 @@ static double closed_row(const nsdae_event_method *e, const double *W, double w,
   return nsdae_dot(n, W, a) + omega + alpha2(e) * (nsdae_dot(n, W, v) + w) + beta2(e) * g;
 }
 
-/* Unit vector of sliding: that of the velocity where there is one, else that of the phase. */
-static void sliding_direction(const nsdae_event_method *e, const nsdae_terms *T, int i, double *d)
+/* v_T of contact i. */
+static void slip_of(const nsdae_terms *T, int i, double *v_t)
 {
   int n = T->system->dims.nv, nt = T->system->dims.nt;
-  double v_t[2] = {0}, speed = 0;
-  for (int l = 0; l < nt; l++) d[l] = e->direction[i * nt + l];
-  if (nt < 2) return;
-  for (int l = 0; l < nt; l++) {
-    size_t at = (size_t)(i * nt + l);
-    v_t[l] = nsdae_dot(n, T->W_T + at * (size_t)n, T->v) + T->w_T[at];
-    speed = hypot(speed, v_t[l]);
-  }
-  if (!(speed > e->root[T->system->dims.k + i].size)) return;
-  for (int l = 0; l < nt; l++) d[l] = v_t[l] / speed;
+  for (int j = i * nt, l = 0; l < nt; l++, j++)
+    v_t[l] = nsdae_dot(n, T->W_T + (size_t)(j * n), T->v) + T->w_T[j];
+}
+
+/* u = v_T, but along the direction e of last at least the size of a velocity: then u / |u| goes
+ * smoothly through the stop, where the root function e . v_T ends the phase. */
+static double slip_ahead(const nsdae_event_method *e, int i, const double *v_t, double *u)
+{
+  const double *last = e->direction + 2 * i;
+  double along = last[0] * v_t[0] + last[1] * v_t[1];
+  double more = fmax(e->slow - along, 0);
+  for (int l = 0; l < 2; l++) u[l] = v_t[l] + more * last[l];
+  return more;
+}
+
+/* Unit vector of sliding. While the residual is differenced, that with two directions is
+ * d + (1 - d d^T) du / |u|: its curvature, over |u|, is no matter for a difference. */
+static void sliding_direction(const nsdae_event_method *e, const nsdae_terms *T, int i, double *d)
+{
+  int nt = T->system->dims.nt;
+  const double *last = e->direction + i * nt, *base = e->slip + i * nt;
+  double v_t[2], u[2], du[2];
+  for (int l = 0; l < nt; l++) d[l] = last[l];
+  if (nt < 2 || (last[0] == 0 && last[1] == 0)) return;
+  slip_of(T, i, v_t);
+  double more = slip_ahead(e, i, e->differencing ? base : v_t, u), size = hypot(u[0], u[1]);
+  for (int l = 0; l < 2; l++) d[l] = u[l] / size;
+  if (!e->differencing) return;
+  for (int l = 0; l < 2; l++) du[l] = v_t[l] - base[l];
+  double lost = more > 0 ? last[0] * du[0] + last[1] * du[1] : 0;
+  for (int l = 0; l < 2; l++) du[l] -= lost * last[l];
+  double along = d[0] * du[0] + d[1] * du[1];
+  for (int l = 0; l < 2; l++) du[l] = (du[l] - along * d[l]) / size;
+  for (int l = 0; l < 2; l++) d[l] += du[l];
 }
 
 static void contact_rows(const nsdae_event_method *e, const nsdae_terms *T, const double *y,
@@ -185,7 +209,9 @@ static int differenced_columns(nsdae_event_method *e, const double *y, const dou
       nsdae_terms_at(T, T->t, e->other, e->other + nq);
     else
       nsdae_terms_set_velocity(T, e->other + nq);
+    e->differencing = 1;
     int code = residual_of(e, T, e->other, yp, e->r);
+    e->differencing = 0;
     if (code != 0) return code;
     for (int i = 0; i < e->n; i++) AT(J, e->n, i, j) += (e->r[i] - r[i]) / step;
     e->other[j] = y[j];
@@ -278,6 +304,8 @@ int nsdae_event_jacobian(double t, double c, const double *y, const double *yp, 
   if (status < 0) return nsdae_event_code(e->stepper, status);
   inertia_entries(e, T, c, J);
   for (int i = 0; i < d->k; i++) contact_entries(e, T, i, c, J);
+  for (int i = 0; i < d->k && d->nt == 2 && (e->terms & NSDAE_TERM_TANGENT); i++)
+    slip_of(T, i, e->slip + 2 * i);
   for (int j = 0; j < d->f; j++) slide_entries(e, T, j, c, J);
   int code = differenced_columns(e, y, yp, r, d->nq, d->nv, J);
   return code ? code : differenced_columns(e, y, yp, r, 0, d->nq, J);

@@ -2,7 +2,7 @@
  *
  *   open       g_N                    the gap closes
  *   closed     F_N                    the contact lets go
- *   sliding    d . v_T  (|v_T| with two directions)   it stops or turns
+ *   sliding    d . v_T                it stops; with two directions d is that after the last step
  *   sticking   mu F_N - |F_T|         friction is used up
  *   slides     the same with v_S and mu |lambda| - |F_S|, and s lambda where lambda changes sign
  *
@@ -34,8 +34,10 @@ static double tangential_value(const nsdae_event_method *e, const nsdae_terms *T
   const double *F_T = y + nsdae_at_tangential(d) + i * nt;
   double margin = T->system->contact[i].mu * y[nsdae_at_normal(d) + i];
   if (e->mode[i] == NSDAE_STICK) return margin - (nt == 2 ? hypot(F_T[0], F_T[1]) : fabs(F_T[0]));
-  if (nt == 2) return speed_of(T, i) - e->root[d->k + i].size;
-  return e->direction[i] * (nsdae_dot(n, T->W_T + (size_t)(i * n), T->v) + T->w_T[i]);
+  double along = 0;
+  for (int j = i * nt; j < (i + 1) * nt; j++)
+    along += e->direction[j] * (nsdae_dot(n, T->W_T + (size_t)(j * n), T->v) + T->w_T[j]);
+  return along;
 }
 
 static double slip_value(const nsdae_event_method *e, const nsdae_terms *T, const double *y, int j)
@@ -183,7 +185,8 @@ static void start_contact(nsdae_event_method *e, const nsdae_terms *T, int i, do
   }
   double rate = 0;
   tangential->size = v_size;
-  if (nt == 1) rate = e->direction[i] * (nsdae_dot(n, T->W_T + (size_t)(i * n), a) + T->omega_T[i]);
+  for (int j = i * nt; j < (i + 1) * nt; j++)
+    rate += e->direction[j] * (nsdae_dot(n, T->W_T + (size_t)(j * n), a) + T->omega_T[j]);
   start_root(tangential, t, value_of(e, T, e->y, d->k + i), rate, v_size, 0);
   /* so slow a start is no rate to divide by */
   if (tangential->state == NSDAE_ROOT_RISING && !(rate > v_size))
@@ -257,22 +260,50 @@ static int watch(nsdae_event_method *e, const nsdae_terms *T, const double *y, i
   nsdae_root *root = &e->root[number];
   if (undecided(e, number)) return undecided_value(e, T, y, number) > root->size;
   double value = value_of(e, T, y, number);
-  double left = T->system->dims.nt == 2 && number >= T->system->dims.k ? root->size : 0;
-  if (value > root->size + left) root->state = NSDAE_ROOT_LIVE;
-  return value < -root->size - left;
+  if (value > root->size) root->state = NSDAE_ROOT_LIVE;
+  return value < -root->size;
+}
+
+static int slides_in_plane(const nsdae_event_method *e, int i)
+{
+  const nsdae_system *s = e->stepper->system;
+  return s->dims.nt == 2 && e->mode[i] == NSDAE_SLIDE && s->contact[i].mu > 0;
+}
+
+/* With two directions of friction a contact goes on in that of its velocity, while it has one. */
+static int follow_directions(nsdae_event_method *e, double t)
+{
+  nsdae_terms *T = &e->stepper->middle;
+  const nsdae_dims *d = &T->system->dims;
+  int any = 0, n = d->nv;
+  for (int i = 0; i < d->k; i++) any |= slides_in_plane(e, i);
+  if (!any) return NSDAE_OK;
+  if (nsdae_dae_interpolate(e->dae, t, 0, e->y) < 0) return NSDAE_E_CONVERGENCE;
+  nsdae_terms_at(T, t, e->y, e->y + d->nq);
+  int status = nsdae_terms_need(T, NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS);
+  for (int i = 0; i < d->k && status == NSDAE_OK; i++) {
+    double *last = e->direction + 2 * i, v_t[2] = {0};
+    if (!slides_in_plane(e, i)) continue;
+    for (int l = 0, j = 2 * i; l < 2; l++, j++)
+      v_t[l] = nsdae_dot(n, T->W_T + (size_t)(j * n), T->v) + T->w_T[j];
+    double along = last[0] * v_t[0] + last[1] * v_t[1], speed = hypot(v_t[0], v_t[1]);
+    if (!(along > e->slow)) continue;
+    for (int l = 0; l < 2; l++) last[l] = v_t[l] / speed;
+  }
+  return status;
 }
 
 int nsdae_event_watch_roots(nsdae_event_method *e, double t)
 {
   nsdae_terms *T = &e->stepper->middle;
-  int any = 0, count = 0;
+  int any = 0, count = 0, status = follow_directions(e, t);
   for (int i = 0; i < e->roots; i++) {
     e->found[i] = 0;
     any |= e->root[i].state == NSDAE_ROOT_MASKED;
   }
-  if (!any) return 0;
+  if (status < 0 || !any) return status;
   if (nsdae_dae_interpolate(e->dae, t, 0, e->y) < 0) return NSDAE_E_CONVERGENCE;
-  int status = evaluate(e, t, e->y);
+  status = evaluate(e, t, e->y);
   if (status < 0) return status;
   for (int i = 0; i < e->roots; i++) {
     if (e->root[i].state != NSDAE_ROOT_MASKED) continue;
