@@ -95,15 +95,24 @@ static int is_empty(const nsdae_chain *c, int i, int size)
   return 1;
 }
 
-/* max_i r_i / (s_i + 1e-3 largest_i); infinity where it cannot be had. */
-static double bound(const nsdae_chain *c, int size, const double *largest)
+/* Whether rows of that size say something: neither infinite nor what underflow left. */
+static int are_sound(const nsdae_chain *c, int size)
 {
+  for (int i = 0; i < c->n; i++) {
+    double s = c->sizes[i];
+    if (!(s >= TINY && s <= DBL_MAX) && !(s == 0 && is_empty(c, i, size))) return 0;
+  }
+  return 1;
+}
+
+/* max_i r_i / (s_i + 1e-3 largest_i); a row without size has r_i = 0, and counts for nothing. */
+static double bound(const nsdae_chain *c, const double *restrict largest)
+{
+  const double *restrict x = c->x, *restrict y = c->y, *restrict s = c->sizes;
   double worst = 0;
   for (int i = 0; i < c->n; i++) {
-    double y = c->y[i], s = c->sizes[i] + 1e-3 * (largest ? largest[i] : 0);
-    double r = c->x[i] > 0 ? fabs(y) : -y;
-    if (!(s >= TINY && s <= DBL_MAX) && !(s == 0 && is_empty(c, i, size))) return INFINITY;
-    if (r > worst * s) worst = r / s;
+    double r = (x[i] > 0 ? fabs(y[i]) : -y[i]) / (s[i] + 1e-3 * largest[i]);
+    worst = r > worst ? r : worst;
   }
   return worst;
 }
@@ -134,17 +143,18 @@ static int is_pushed(const nsdae_chain *c, int size)
   return 1;
 }
 
-/* The same by islands; largest_i is the largest |b_k| of the island of i. */
-static int is_island_pushed(nsdae_chain *c, double *largest)
+/* The same by islands; largest_i becomes the largest |b_k| of the island of i. */
+static int is_island_pushed(nsdae_chain *c)
 {
   int *pushed = c->trial, all = 1;
   const int *label = c->label;
-  const double *b = c->problem->b;
+  double *largest = c->cover;
   nsdae_chain_find_islands(c);
   for (int i = 0; i < c->n; i++) largest[i] = pushed[i] = 0;
   for (int i = 0; i < c->n; i++) {
-    largest[label[i]] = fmax(largest[label[i]], fabs(b[i]));
-    pushed[label[i]] |= b[i] < 0;
+    double b = c->problem->b[i], most = largest[label[i]];
+    largest[label[i]] = fabs(b) > most ? fabs(b) : most;
+    pushed[label[i]] |= b < 0;
   }
   for (int i = 0; i < c->n; i++) {
     largest[i] = largest[label[i]];
@@ -153,32 +163,22 @@ static int is_island_pushed(nsdae_chain *c, double *largest)
   return all;
 }
 
-/* The bound for any of the islands and scalings, or else for the islands as they are, if they are
- * not to be scaled. */
-static double judge(nsdae_chain *c, int size)
+static void fill(nsdae_chain *c, double value)
 {
-  double *largest = c->cover;
-  int may_rest = !(c->options->stages & NSDAE_LCP_TRIVIAL);
-  double strict = bound(c, size, NULL);
-  if (strict <= c->options->tol && (may_rest || is_pushed(c, size))) return strict;
-  if (!is_island_pushed(c, largest) && !may_rest) return INFINITY;
-  if (strict <= c->options->tol) return strict;
-  return nsdae_is_even(c->n, c->problem->A, c->problem->lda, c->point) ? bound(c, size, largest)
-                                                                       : INFINITY;
+  for (int i = 0; i < c->n; i++) c->cover[i] = value;
 }
 
-/* What a refinement can better: the bound, or where that is of no use one with the largest b. */
-static double error_of(nsdae_chain *c, int size)
+static double largest_b(const nsdae_chain *c)
 {
-  double error = bound(c, size, NULL), most = 0;
-  if (error <= WRONG) return error;
-  for (int i = 0; i < c->n; i++) most = fmax(most, fabs(c->problem->b[i]));
-  for (int i = 0; i < c->n; i++) c->cover[i] = most;
-  return bound(c, size, c->cover);
+  double most = 0;
+  for (int i = 0; i < c->n; i++)
+    most = fabs(c->problem->b[i]) > most ? fabs(c->problem->b[i]) : most;
+  return most;
 }
 
-/* x with the active set of that size, refined once where that is of use; returns its error. */
-static double solve(nsdae_chain *c, int size)
+/* x with the active set of that size, refined once where that is of use. Returns the bound with
+ * nothing for the largest b, or where that is of no use with the largest of all. */
+static double solve(nsdae_chain *c, int size, double *strict)
 {
   double error = WRONG;
   memset(c->x, 0, (size_t)c->n * sizeof *c->x);
@@ -186,15 +186,25 @@ static double solve(nsdae_chain *c, int size)
   for (int round = 0; round < 2 && error > ROUNDING && error <= WRONG; round++) {
     correct(c, size);
     multiply(c, size);
-    error = error_of(c, size);
+    fill(c, 0);
+    error = *strict = bound(c, c->cover);
+    if (error <= WRONG) continue;
+    fill(c, largest_b(c));
+    error = bound(c, c->cover);
   }
   return error;
 }
 
 int nsdae_guess_basis(nsdae_chain *c)
 {
+  double strict, tol = c->options->tol;
   int size = c->options->stages & NSDAE_LCP_WARM ? factor(c) : 0;
-  if (size == 0 || !(solve(c, size) <= c->options->tol)) return 0;
-  double residual = judge(c, size);
-  return residual <= c->options->tol && accept(c, NSDAE_LCP_WARM, residual);
+  int may_rest = !(c->options->stages & NSDAE_LCP_TRIVIAL);
+  if (size == 0 || !(solve(c, size, &strict) <= tol) || !are_sound(c, size)) return 0;
+  if (!(strict <= tol && (may_rest || is_pushed(c, size)))) {
+    if (!is_island_pushed(c) && !may_rest) return 0;
+    if (!(strict <= tol) && nsdae_is_even(c->n, c->problem->A, c->problem->lda, c->point))
+      strict = bound(c, c->cover);
+  }
+  return strict <= tol && accept(c, NSDAE_LCP_WARM, strict);
 }
