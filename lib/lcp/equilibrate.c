@@ -19,11 +19,12 @@ static double largest(int n, const double *a)
 enum { WORTH_IT = 256, EVEN = 4, ROUNDS = 12, FARTHEST = 400 };
 
 /* Largest entries by magnitude of the rows and columns. */
-static void measure(int n, const double *A, double *restrict of_row, double *restrict of_column)
+static void measure(int n, const double *A, int lda, double *restrict of_row,
+                    double *restrict of_column)
 {
   for (int i = 0; i < n; i++) of_row[i] = 0;
   for (int j = 0; j < n; j++) {
-    const double *restrict column = A + (size_t)j * (size_t)n;
+    const double *restrict column = A + (size_t)j * (size_t)lda;
     for (int i = 0; i < n; i++)
       of_row[i] = fabs(column[i]) > of_row[i] ? fabs(column[i]) : of_row[i];
     of_column[j] = largest(n, column);
@@ -137,7 +138,7 @@ static void even_sizes(int n, double *A, double *b, double *row, double *column,
 {
   double *by_row = work, *by_column = work + n;
   for (int round = 0; round < ROUNDS; round++) {
-    measure(n, A, by_row, by_column);
+    measure(n, A, n, by_row, by_column);
     if (!uneven(n, by_row, EVEN) && !uneven(n, by_column, EVEN)) return;
     for (int i = 0; i < n; i++) {
       row[i] *= by_row[i] = root_scale(by_row[i]);
@@ -147,12 +148,17 @@ static void even_sizes(int n, double *A, double *b, double *row, double *column,
   }
 }
 
+int nsdae_is_even(int n, const double *A, int lda, double *work)
+{
+  measure(n, A, lda, work, work + n);
+  return !uneven(n, work, WORTH_IT) && !uneven(n, work + n, WORTH_IT);
+}
+
 void nsdae_equilibrate(int n, double *A, double *b, double *row, double *column, double *work,
                        int *iwork)
 {
   for (int i = 0; i < n; i++) row[i] = column[i] = 1;
-  measure(n, A, work, work + n);
-  if (!uneven(n, work, WORTH_IT) && !uneven(n, work + n, WORTH_IT)) return;
+  if (nsdae_is_even(n, A, n, work)) return;
   even_means(n, A, b, row, column, work);
   even_sizes(n, A, b, row, column, work);
   even_blocks(n, A, b, row, column, iwork);

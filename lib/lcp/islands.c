@@ -19,11 +19,13 @@ int nsdae_islands_find(int n, const double *A, int lda, int *label)
   for (int i = 0; i < n; i++) label[i] = i;
   for (int j = 0; j < n && count > 1; j++) {
     const double *column = A + (size_t)j * (size_t)lda;
+    int mine = root_of(label, j);
     for (int i = 0; i < n; i++) {
-      if (column[i] == 0) continue;
-      int one = root_of(label, i), other = root_of(label, j);
-      if (one == other) continue;
-      label[one > other ? one : other] = one < other ? one : other;
+      if (label[i] == mine || column[i] == 0) continue;
+      int other = root_of(label, i);
+      if (other == mine) continue;
+      label[other > mine ? other : mine] = other < mine ? other : mine;
+      mine = other < mine ? other : mine;
       count--;
     }
   }

@@ -9,8 +9,12 @@
 #include <string.h>
 
 #include "chain.h"
+#include "guess.h"
 #include "islands.h"
 #include "judge.h"
+
+/* Rows that cost no more to factor as one than to sort into islands. */
+enum { FEW = 32 };
 
 /* One island in the workspace of the whole. */
 typedef struct part {
@@ -133,14 +137,22 @@ static int judge_whole(nsdae_chain *c, int failed, double *work, int *iwork)
   return status;
 }
 
+void nsdae_chain_find_islands(nsdae_chain *c)
+{
+  if (c->islands > 0) return;
+  c->islands = nsdae_islands_find(c->n, c->problem->A, c->problem->lda, c->label);
+}
+
 int nsdae_chain_run(nsdae_chain *c, double *work, int lwork, int *iwork)
 {
   if (c->n == 0) {
     *c->info = (nsdae_lcp_info){.outcome = NSDAE_LCP_SOLVED, .stage = NSDAE_LCP_TRIVIAL};
     return NSDAE_OK;
   }
-  int islands = nsdae_islands_find(c->n, c->problem->A, c->problem->lda, c->label);
-  if (islands < 2 || !fits(c, largest_island(c), lwork)) return nsdae_chain_run_whole(c);
+  if (nsdae_guess_nothing(c) || (c->n <= FEW && nsdae_guess_basis(c))) return NSDAE_OK;
+  nsdae_chain_find_islands(c);
+  if (c->islands < 2 && c->n > FEW && nsdae_guess_basis(c)) return NSDAE_OK;
+  if (c->islands < 2 || !fits(c, largest_island(c), lwork)) return nsdae_chain_run_whole(c);
   int failed = solve_all(c, work, iwork);
   return failed < 0 ? NSDAE_OK : judge_whole(c, failed, work, iwork);
 }

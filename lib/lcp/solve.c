@@ -70,6 +70,7 @@ static int all_finite(int n, const double *a)
 static int finite(const nsdae_lcp_problem *p)
 {
   if (!all_finite(p->n, p->b)) return 0;
+  if (p->lda == p->n) return all_finite(p->n * p->n, p->A);
   for (int j = 0; j < p->n; j++)
     if (!all_finite(p->n, p->A + (size_t)j * (size_t)p->lda)) return 0;
   return 1;

@@ -1,5 +1,5 @@
-/* Dense factorisations and products, column-major. Below SMALL rows plain loops, which beat any
- * call into a BLAS there; above it LAPACK. */
+/* Dense factorisations and products, column-major. Below SMALL rows (LU: more) plain loops, which
+ * beat any call into a BLAS there; above it LAPACK. */
 #ifndef NSDAE_LINALG_DENSE_H
 #define NSDAE_LINALG_DENSE_H
 
