@@ -144,7 +144,7 @@ static const flag flags[] = {
     {"--params", "FILE", PARAMS, NULL, "parameters from a file of NAME = VALUE lines"},
     {"--output", "FILE.h5", SET, "output", "trajectory"},
     {"--no-output", NULL, NO_OUTPUT, NULL, "write no trajectory"},
-    {"--compare", NULL, COMPARE, NULL, "then all methods side by side, against the reference where there is one"},
+    {"--compare", NULL, COMPARE, NULL, "then all methods side by side, against a reference if any"},
     {"--live", NULL, LIVE, NULL, "let others read the trajectory while it is written (SWMR)"},
     {"--quiet", NULL, QUIET, NULL, "print errors only"},
     {"--help", NULL, HELP, NULL, "this text"},

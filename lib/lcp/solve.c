@@ -57,22 +57,23 @@ static int in_range(const nsdae_lcp_options *o)
 }
 
 /* 0 * a is zero but for NaN and infinity; four sums, for the latency of an addition. */
-static int all_finite(int n, const double *a)
+static int all_finite(size_t n, const double *a)
 {
   double sum[4] = {0};
-  int i = 0;
+  size_t i = 0;
   for (; i + 4 <= n; i += 4)
-    for (int k = 0; k < 4; k++) sum[k] += 0 * a[i + k];
+    for (size_t k = 0; k < 4; k++) sum[k] += 0 * a[i + k];
   for (; i < n; i++) sum[0] += 0 * a[i];
   return sum[0] + sum[1] + sum[2] + sum[3] == 0;
 }
 
 static int finite(const nsdae_lcp_problem *p)
 {
-  if (!all_finite(p->n, p->b)) return 0;
-  if (p->lda == p->n) return all_finite(p->n * p->n, p->A);
-  for (int j = 0; j < p->n; j++)
-    if (!all_finite(p->n, p->A + (size_t)j * (size_t)p->lda)) return 0;
+  size_t n = (size_t)p->n, lda = (size_t)p->lda;
+  if (!all_finite(n, p->b)) return 0;
+  if (lda == n) return all_finite(n * n, p->A);
+  for (size_t j = 0; j < n; j++)
+    if (!all_finite(n, p->A + j * lda)) return 0;
   return 1;
 }
 
