@@ -71,7 +71,8 @@ enum nsdae_mode { NSDAE_OPEN = 0, NSDAE_SLIDE = 1, NSDAE_STICK = 2 };
 
 /* One impact: what a contact did in one instant, or, for a time-stepping method, in one step. */
 typedef struct nsdae_impact {
-  double time;                  /* of the instant, or the end of the step [s] */
+  double time;                  /* of the instant (penalty: of the first touch, which may be
+                                   in an earlier step), or the end of the step [s] */
   int contact;                  /* from 0 */
   double normal_impulse;        /* [N s]; with a time-stepping method the step's force is in it */
   double tangential_impulse[2]; /* [N s], the first nt of them */
