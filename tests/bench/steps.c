@@ -1,0 +1,136 @@
+/* Time of a step beside Siconos's and MuJoCo's, on a column of balls that falls and comes to rest;
+ * medians of ratios of runs that take turns. Siconos steps with the same scheme (Moreau and Jean,
+ * theta 1/2, an LCP of all contacts), by the faster of its Lemke and its
+ * block Gauss-Seidel.
+ * MuJoCo's contacts are soft, and it finds them itself. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include <nsdae/nsdae.h>
+
+#include "steps_rival.h"
+
+enum { MOST = 100, RUNS = 5 };
+
+static int mass(double t, const double *q, double *M, int ldm, void *user)
+{
+  const column *c = user;
+  (void)t;
+  (void)q;
+  for (int i = 0; i < c->balls; i++) M[i * ldm + i] = c->mass;
+  return 0;
+}
+
+static int force(double t, const double *q, const double *v, double *F, void *user)
+{
+  const column *c = user;
+  (void)t;
+  (void)q;
+  (void)v;
+  for (int i = 0; i < c->balls; i++) F[i] = -c->mass * c->gravity;
+  return 0;
+}
+
+static int gap(double t, const double *q, double *g, void *user)
+{
+  const column *c = user;
+  (void)t;
+  g[0] = q[0] - c->radius;
+  for (int i = 1; i < c->balls; i++) g[i] = q[i] - q[i - 1] - 2 * c->radius;
+  return 0;
+}
+
+static int gap_normal(double t, const double *q, double *W, int ldw, void *user)
+{
+  const column *c = user;
+  (void)t;
+  (void)q;
+  for (int i = 0; i < c->balls; i++) W[i * ldw + i] = 1;
+  for (int i = 1; i < c->balls; i++) W[i * ldw + i - 1] = -1;
+  return 0;
+}
+
+static nsdae_sim *create(column *c, nsdae_system **system)
+{
+  const nsdae_dims dims = {.nq = c->balls, .k = c->balls};
+  double q0[MOST], v0[MOST] = {0};
+  nsdae_sim_options options;
+  nsdae_sim *sim;
+  if (nsdae_system_create(&dims, system, NULL) < 0) return NULL;
+  nsdae_system_set_user(*system, c);
+  nsdae_system_set_mass(*system, mass);
+  nsdae_system_set_force(*system, force);
+  nsdae_system_set_gap(*system, gap);
+  nsdae_system_set_gap_normal(*system, gap_normal);
+  for (int i = 0; i < c->balls; i++) {
+    nsdae_system_set_contact(*system, i, 0, c->e, 0);
+    q0[i] = column_height(c, i);
+  }
+  nsdae_sim_options_default(&options);
+  options.method = NSDAE_MOREAU;
+  options.dt = c->dt;
+  if (nsdae_sim_create(*system, &options, &sim, NULL) < 0) return NULL;
+  if (nsdae_sim_init(sim, 0, q0, v0) < 0) nsdae_sim_destroy(&sim);
+  return sim;
+}
+
+static double own_column(column *c, double *top)
+{
+  nsdae_system *system = NULL;
+  nsdae_stats stats = {.wall_time = -1};
+  nsdae_record record;
+  nsdae_sim *sim = create(c, &system);
+  if (sim && nsdae_sim_run(sim, c->steps * c->dt) == NSDAE_OK) {
+    nsdae_sim_get_stats(sim, &stats);
+    nsdae_sim_get_record(sim, &record);
+    *top = record.q[c->balls - 1];
+  }
+  nsdae_sim_destroy(&sim);
+  nsdae_system_destroy(&system);
+  return stats.wall_time;
+}
+
+static int ascending(const void *a, const void *b)
+{
+  double x = *(const double *)a, y = *(const double *)b;
+  return (x > y) - (x < y);
+}
+
+static double median(double *a)
+{
+  qsort(a, RUNS, sizeof *a, ascending);
+  return a[RUNS / 2];
+}
+
+static void print_peer(const char *name, double *time, double *ratio, double top, int steps)
+{
+  if (time[0] < 0)
+    printf("  %s: not here\n", name);
+  else
+    printf("  %s %.3f us, ratio %.3f, top %.4f m\n", name, 1e6 * median(time) / steps,
+           median(ratio), top);
+}
+
+int main(void)
+{
+  const int balls[] = {1, 10, 100};
+  printf("A column of balls, time of a step; ratio: ours to theirs, medians of %d.\n", RUNS);
+  for (int i = 0; i < 3; i++) {
+    column c = {balls[i], 2000, 0.1, 1, 9.81, 0.5, 1e-3};
+    double own[RUNS], siconos[RUNS], mujoco[RUNS], to_siconos[RUNS], to_mujoco[RUNS];
+    double top = NAN, top_siconos = NAN, top_mujoco = NAN;
+    for (int j = 0; j < RUNS; j++) {
+      own[j] = own_column(&c, &top);
+      siconos[j] = siconos_column(&c, &top_siconos);
+      mujoco[j] = mujoco_column(&c, &top_mujoco);
+      to_siconos[j] = own[j] / siconos[j];
+      to_mujoco[j] = own[j] / mujoco[j];
+      if (own[j] < 0) return 1;
+    }
+    printf("%d: nsdae %.3f us, top %.4f m\n", balls[i], 1e6 * median(own) / c.steps, top);
+    print_peer("Siconos", siconos, to_siconos, top_siconos, c.steps);
+    print_peer("MuJoCo", mujoco, to_mujoco, top_mujoco, c.steps);
+  }
+  return 0;
+}
