@@ -255,6 +255,10 @@ static void assemble_block(nsdae_contacts *c, int row, int column)
   const double *G =
       c->G + (size_t)c->first_column[column] * (size_t)c->columns + c->first_column[row];
   double *A = c->A + (size_t)c->first_row[column] * (size_t)c->rows + c->first_row[row];
+  if (p->columns == 1 && q->columns == 1) { /* without friction: the most of many */
+    *A = p->E_P[0][0] * *G * q->E_Q[0][0];
+    return;
+  }
   for (int j = 0; j < q->rows; j++) {
     double GE[NSDAE_LAW_COLUMNS] = {0}; /* column j of G E_Q */
     for (int l = 0; l < q->columns; l++)
@@ -370,24 +374,25 @@ static void scatter(nsdae_contacts *c)
   nsdae_slides_scatter(c);
 }
 
-/* v += U Lambda. What cancels to rounding is zero: a body that sticks has no velocity at all, and
- * does not creep. */
-static void add_velocity(const nsdae_contacts *c, int n, const double *size, double *v)
+/* v += U Lambda, and to size how large the terms are. What cancels to rounding is zero: a body that
+ * sticks has no velocity at all, and does not creep. */
+static void add_velocity(const nsdae_contacts *c, int n, double *restrict size, double *restrict v)
 {
   const double rounding = 32 * DBL_EPSILON;
-  for (int i = 0; i < n; i++) {
-    double sum = v[i], most = fabs(size[i]) + fabs(v[i]);
-    for (int j = 0; j < c->columns; j++) {
-      double U = c->U[(size_t)j * (size_t)n + (size_t)i];
-      sum += U * c->impulse[j];
-      most += fabs(U) * c->impulse_size[j];
+  for (int i = 0; i < n; i++) size[i] = fabs(size[i]) + fabs(v[i]);
+  for (int j = 0; j < c->columns; j++) {
+    const double *restrict U = c->U + (size_t)j * (size_t)n;
+    double impulse = c->impulse[j], impulse_size = c->impulse_size[j];
+    for (int i = 0; i < n; i++) {
+      v[i] += U[i] * impulse;
+      size[i] += fabs(U[i]) * impulse_size;
     }
-    v[i] = fabs(sum) <= rounding * most ? 0 : sum;
   }
+  for (int i = 0; i < n; i++) v[i] = fabs(v[i]) <= rounding * size[i] ? 0 : v[i];
 }
 
 int nsdae_contacts_solve(nsdae_contacts *c, const nsdae_terms *terms, const nsdae_kkt *kkt,
-                         const double *size, double *v, double *lambda)
+                         double *size, double *v, double *lambda)
 {
   if (!nsdae_contacts_any(c)) return NSDAE_OK;
   gather_columns(c, terms);

@@ -94,11 +94,11 @@ static inline int nsdae_contacts_any(const nsdae_contacts *contacts)
 
 /* Solves for the closed contacts and the slides. On entry v [nv] and lambda [m] are free of
  * contacts, on return they hold v(+) and lambda; W and w are the terms', kkt is factored; size [nv]
- * is how large the terms of v were before they were summed, for what is zero but for rounding.
- * NSDAE_OK; NSDAE_E_LCP, NSDAE_E_INFEASIBLE, NSDAE_E_NONFINITE with the record filled and v, lambda
- * unchanged. */
+ * is how large the terms of v were before they were summed, on return those of v(+): what is
+ * smaller by all digits is zero. NSDAE_OK; NSDAE_E_LCP, NSDAE_E_INFEASIBLE, NSDAE_E_NONFINITE with
+ * the record filled and v, lambda unchanged. */
 int nsdae_contacts_solve(nsdae_contacts *contacts, const nsdae_terms *terms, const nsdae_kkt *kkt,
-                         const double *size, double *v, double *lambda);
+                         double *size, double *v, double *lambda);
 
 /* r [nv] += scale (W Lambda), with the terms' W and the last impulses of the closed contacts and
  * the slides; skip_impacts leaves out what acts along the end of a step with an impact: the

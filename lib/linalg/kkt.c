@@ -41,6 +41,57 @@ static void copy_lower(int n, const double *A, int lda, double *L)
     memcpy(L + j * (size_t)n + j, A + j * (size_t)lda + j, ((size_t)n - j) * sizeof *L);
 }
 
+static int is_diagonal(int n, const double *A, int lda)
+{
+  for (int j = 0; j < n; j++)
+    for (int i = j + 1; i < n; i++)
+      if (A[(size_t)j * (size_t)lda + (size_t)i] != 0) return 0;
+  return 1;
+}
+
+/* The roots of a diagonal M stand in the first column of L. Returns 0, or the pivot that failed. */
+static int factor_mass(nsdae_kkt *kkt, const double *M, int ldm)
+{
+  int n = kkt->n;
+  kkt->diagonal = is_diagonal(n, M, ldm);
+  if (!kkt->diagonal) {
+    copy_lower(n, M, ldm, kkt->L);
+    return nsdae_la_cholesky(n, kkt->L, n);
+  }
+  for (int i = 0; i < n; i++) {
+    double entry = M[(size_t)i * (size_t)(ldm + 1)];
+    if (!(entry > 0) || !isfinite(entry)) return i + 1;
+    kkt->L[i] = sqrt(entry);
+  }
+  return 0;
+}
+
+static void divide(int n, int nrhs, const double *restrict root, double *B, int ldb)
+{
+  for (int j = 0; j < nrhs; j++) {
+    double *restrict column = B + (size_t)j * (size_t)ldb;
+    for (int i = 0; i < n; i++) column[i] /= root[i];
+  }
+}
+
+/* B [n x nrhs] := L^-1 B. */
+static void solve_root(const nsdae_kkt *kkt, int nrhs, double *B, int ldb)
+{
+  if (kkt->diagonal)
+    divide(kkt->n, nrhs, kkt->L, B, ldb);
+  else
+    nsdae_la_solve_lower(kkt->n, nrhs, kkt->L, kkt->n, B, ldb);
+}
+
+/* B [n x nrhs] := L^-T B. */
+static void solve_root_transposed(const nsdae_kkt *kkt, int nrhs, double *B, int ldb)
+{
+  if (kkt->diagonal)
+    divide(kkt->n, nrhs, kkt->L, B, ldb);
+  else
+    nsdae_la_solve_lower_transposed(kkt->n, nrhs, kkt->L, kkt->n, B, ldb);
+}
+
 static void transpose(int m, int n, const double *J, int ldj, double *Y)
 {
   for (size_t i = 0; i < (size_t)m; i++)
@@ -124,14 +175,13 @@ int nsdae_kkt_factor(nsdae_kkt *kkt, const double *M, int ldm, const double *J, 
   /* Cholesky of S sees sines down to about 1e-6 (S squares them); what is near is decided by QR */
   const double trusted = 1e-5;
   int n = kkt->n, m = kkt->m;
-  copy_lower(n, M, ldm, kkt->L);
-  kkt->pivot = nsdae_la_cholesky(n, kkt->L, n);
+  kkt->pivot = factor_mass(kkt, M, ldm);
   if (kkt->pivot) return NSDAE_E_MASS;
   kkt->rank = m;
   kkt->factored_by_rank = 0;
   if (m == 0) return NSDAE_OK;
   transpose(m, n, J, ldj, kkt->Y);
-  nsdae_la_solve_lower(n, m, kkt->L, n, kkt->Y, n);
+  solve_root(kkt, m, kkt->Y, n);
   nsdae_la_multiply_transposed(n, m, m, kkt->Y, n, kkt->Y, n, 0, kkt->S, m);
   double least = fmax(trusted, kkt->rank_tol);
   if (nsdae_la_cholesky(m, kkt->S, m) || smallest_sine(m, kkt->S) < least * least)
@@ -171,16 +221,16 @@ static void solve_schur(const nsdae_kkt *kkt, int nrhs, double *R, int ldr, doub
 void nsdae_kkt_solve(const nsdae_kkt *kkt, int nrhs, double *R, int ldr, double *C, int ldc)
 {
   int n = kkt->n, m = kkt->m;
-  nsdae_la_solve_lower(n, nrhs, kkt->L, n, R, ldr);
+  solve_root(kkt, nrhs, R, ldr);
   if (m > 0) {
     nsdae_la_multiply_transposed(n, m, nrhs, kkt->Y, n, R, ldr, -1, C, ldc);
     solve_schur(kkt, nrhs, R, ldr, C, ldc);
   }
-  nsdae_la_solve_lower_transposed(n, nrhs, kkt->L, n, R, ldr);
+  solve_root_transposed(kkt, nrhs, R, ldr);
 }
 
 void nsdae_kkt_solve_mass(const nsdae_kkt *kkt, double *r)
 {
-  nsdae_la_solve_lower(kkt->n, 1, kkt->L, kkt->n, r, kkt->n);
-  nsdae_la_solve_lower_transposed(kkt->n, 1, kkt->L, kkt->n, r, kkt->n);
+  solve_root(kkt, 1, r, kkt->n);
+  solve_root_transposed(kkt, 1, r, kkt->n);
 }

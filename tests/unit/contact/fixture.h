@@ -177,6 +177,7 @@ static inline void fixture_end(fixture *f)
 static inline int fixture_solve(fixture *f)
 {
   const double q[MOST_V] = {0};
+  double size[MOST_V];
   const unsigned which = NSDAE_TERM_MASS | NSDAE_TERM_JACOBIAN | NSDAE_TERM_GAP |
                          NSDAE_TERM_NORMAL | NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS |
                          NSDAE_TERM_SLIDE;
@@ -186,8 +187,9 @@ static inline int fixture_solve(fixture *f)
   nsdae_contacts_close(&f->contacts, &f->terms);
   nsdae_contacts_before(&f->contacts, &f->terms, f->before, 0);
   memcpy(f->v, f->free, sizeof f->v);
+  memcpy(size, f->free, sizeof size);
   memcpy(f->lambda, f->lambda_free, sizeof f->lambda);
-  return nsdae_contacts_solve(&f->contacts, &f->terms, &f->kkt, f->v, f->v, f->lambda);
+  return nsdae_contacts_solve(&f->contacts, &f->terms, &f->kkt, size, f->v, f->lambda);
 }
 
 /* The velocity without contacts is the one before: an impact alone. */

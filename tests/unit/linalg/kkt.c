@@ -455,6 +455,51 @@ static void test_near_dependent(void **state)
         }
 }
 
+static void diagonal_mass(void)
+{
+  memset(p.mass, 0, sizeof p.mass);
+  for (int i = 0; i < p.n; i++) p.mass[i * LDM + i] = 0.5 + i % 7;
+}
+
+/* A diagonal M goes its own way. The entries above the diagonal are not read. */
+static void test_diagonal_mass(void **state)
+{
+  (void)state;
+  p.random.seed = 23;
+  for (int n = 1; n <= N; n += 3)
+    for (int m = 0; m <= n; m += 1 + n / 3) {
+      begin(n, m, 1e-8);
+      diagonal_mass();
+      for (int i = 1; i < n; i++) p.mass[i * LDM] = NAN;
+      random_rows(m, p.J, LDJ);
+      random_right_hand_side();
+      factor_and_solve(m);
+      for (int i = 1; i < n; i++) p.mass[i * LDM] = 0;
+      expect_equations(100 * n * DBL_EPSILON);
+      double r[N];
+      memcpy(r, p.r, (size_t)n * sizeof *r);
+      nsdae_kkt_solve_mass(&p.kkt, r);
+      for (int i = 0; i < n; i++)
+        assert_near(r[i] * p.mass[i * LDM + i], p.r[i], 4 * DBL_EPSILON * fabs(p.r[i]));
+      end();
+    }
+}
+
+static void test_diagonal_mass_not_positive(void **state)
+{
+  (void)state;
+  const double wrong[] = {0, -1, NAN, INFINITY};
+  for (int i = 0; i < 4; i++)
+    for (int n = 1; n <= N; n += 13) {
+      begin(n, 0, 1e-8);
+      diagonal_mass();
+      p.mass[(n - 1) * (LDM + 1)] = wrong[i];
+      assert_int_equal(nsdae_kkt_factor(&p.kkt, p.mass, LDM, p.J, LDJ), NSDAE_E_MASS);
+      assert_int_equal(p.kkt.pivot, n);
+      end();
+    }
+}
+
 static void test_nan_does_not_hang(void **state)
 {
   (void)state;
@@ -486,6 +531,8 @@ int main(void)
       cmocka_unit_test(test_scaled_independent_rows),
       cmocka_unit_test(test_against_dgelsd),
       cmocka_unit_test(test_near_dependent),
+      cmocka_unit_test(test_diagonal_mass),
+      cmocka_unit_test(test_diagonal_mass_not_positive),
       cmocka_unit_test(test_nan_does_not_hang),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
