@@ -164,6 +164,7 @@ static double rest_of(const nsdae_event_method *e, int i)
 static void follow_accumulation(nsdae_event_method *e, int i, double t)
 {
   double interval = t - e->last[i];
+  if (interval == 0) return; /* again in the same instant */
   int shrinks = interval < e->interval[i];
   e->shrunk[i] = shrinks ? e->shrunk[i] + 1 : 0;
   e->interval[i] = interval;
@@ -218,8 +219,9 @@ static int impact(nsdae_event_method *e, double t)
   memset(e->r, 0, (size_t)e->n * sizeof *e->r);
   if (e->ahead >= t) nsdae_dae_interpolate(e->dae, t, 1, e->r); /* v' until now */
   for (int i = 0; i < d->k; i++) {
+    if (fabs(c->before[i]) <= size) c->before[i] = 0; /* closed, and beside one that is hit */
     e->velocity[i] = c->before[i];
-    if (e->touching[i] && c->before[i] < -size) follow_accumulation(e, i, t);
+    if (e->touching[i] && c->before[i] < 0) follow_accumulation(e, i, t);
     if (e->settling[i]) c->before[i] = 0;
   }
   nsdae_stepper_momentum(T->M, v, 0, T->F, d->nv, s->r);
@@ -588,15 +590,21 @@ static void sort_found(nsdae_event_method *e)
   }
 }
 
-/* Contacts that touch but for the integrator's error, and do not part. */
-static void add_touching(nsdae_event_method *e)
+/* Whether contact i touches but for the integrator's error, and does not part. */
+static int touches(const nsdae_event_method *e, int i)
 {
   const nsdae_terms *T = here(e);
   const double *v = e->y + T->system->dims.nq;
-  double x_size = nsdae_event_position_size(e, T), v_size = nsdae_event_velocity_size(e, T);
+  return T->gap[i] <= nsdae_event_position_size(e, T) &&
+         normal_velocity(T, i, v) <= nsdae_event_velocity_size(e, T);
+}
+
+static void add_touching(nsdae_event_method *e)
+{
+  const nsdae_terms *T = here(e);
+  double x_size = nsdae_event_position_size(e, T);
   for (int i = 0; i < T->system->dims.k; i++) {
-    if (!e->touching[i] && T->gap[i] <= x_size && normal_velocity(T, i, v) <= v_size)
-      e->touching[i] = 1;
+    if (touches(e, i)) e->touching[i] = 1;
     if (e->touching[i] && fabs(T->gap[i]) <= 2 * x_size) e->candidate[i] = 1;
   }
 }
@@ -609,6 +617,21 @@ static int approaching(nsdae_event_method *e)
   for (int i = 0; i < T->system->dims.k; i++)
     if (e->touching[i] && normal_velocity(T, i, v) < -size) return 1;
   return 0;
+}
+
+/* An impact may drive another contact that touches, and parted or rested before it, together: then
+ * that is the next, at the same time. */
+static int impacts(nsdae_event_method *e, double t, int *any)
+{
+  const nsdae_stepper *s = e->stepper;
+  int k = s->system->dims.k, status = NSDAE_OK;
+  while (status == NSDAE_OK && approaching(e) && s->impacts + k <= s->impacts_max) {
+    status = impact(e, t);
+    for (int i = 0; i < k && status == NSDAE_OK; i++)
+      e->touching[i] = e->mode[i] != NSDAE_OPEN || touches(e, i);
+    *any = 1;
+  }
+  return status;
 }
 
 /* Touching, not let go, without a velocity apart. */
@@ -675,8 +698,8 @@ int nsdae_event_instant(nsdae_event_method *e, double t)
   sort_found(e);
   int status = arrive(e, t);
   if (status < 0) return status;
-  int impacted = approaching(e);
-  if (impacted) status = impact(e, t);
+  int impacted = 0;
+  status = impacts(e, t, &impacted);
   if (status < 0) return status;
   choose_candidates(e, impacted);
   status = find_modes(e, t, impacted);

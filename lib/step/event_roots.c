@@ -8,7 +8,7 @@
  *
  * One that is zero at the start of a phase would be found there again and again. With a known rate
  * r > 0 it is divided by t - t_0, which makes it r at t_0 and leaves its further zeros where they
- * are (what rounding left at t_0 is taken off); without, it is lifted by twice what counts as zero
+ * are (what rounding left at t_0 is taken off); without, it is lifted by what counts as zero
  * until it has left zero. */
 #include <float.h>
 #include <math.h>
@@ -121,6 +121,16 @@ static int undecided(const nsdae_event_method *e, int root)
   return 1;
 }
 
+/* A velocity of sliding that is zero to rounding has no direction yet to be measured along: it is
+ * out of the set until it has. */
+static int is_out(const nsdae_event_method *e, int root)
+{
+  const nsdae_dims *d = &e->stepper->system->dims;
+  int masked = e->root[root].state == NSDAE_ROOT_MASKED, contact = root - d->k;
+  int slips = contact >= 0 && contact < d->k && e->mode[contact] == NSDAE_SLIDE;
+  return e->root[root].state == NSDAE_ROOT_OFF || undecided(e, root) || (masked && slips);
+}
+
 int nsdae_event_root(double t, const double *y, const double *yp, double *g, void *user)
 {
   nsdae_event_method *e = user;
@@ -132,10 +142,10 @@ int nsdae_event_root(double t, const double *y, const double *yp, double *g, voi
     position = fmax(position, fabs(y[i]));
   for (int i = 0; i < e->roots; i++) {
     const nsdae_root *root = &e->root[i];
-    int out = root->state == NSDAE_ROOT_OFF || undecided(e, i);
+    int out = is_out(e, i);
     g[i] = out ? 1 : value_of(e, T, e->at, i);
     if (root->state == NSDAE_ROOT_RISING) g[i] = rising(root, t, g[i], position);
-    if (root->state == NSDAE_ROOT_MASKED && !out) g[i] += 2 * root->size;
+    if (root->state == NSDAE_ROOT_MASKED && !out) g[i] += root->size;
   }
   return 0;
 }

@@ -104,8 +104,7 @@ static void expect_same(const event_run *a, const event_run *b)
     assert_near(a->change[i].time, b->change[i].time, tol * fmax(1, fabs(a->t)));
     assert_int_equal(a->change[i].mode_after, b->change[i].mode_after);
   }
-  for (int i = 0; i < a->dims.nq; i++)
-    assert_near(a->q[i], b->q[i], tol * fmax(1, fabs(a->q[i])));
+  for (int i = 0; i < a->dims.nq; i++) assert_near(a->q[i], b->q[i], tol * fmax(1, fabs(a->q[i])));
 }
 
 void event_run_both(event_run *run, nsdae_system *system, const double *q0, const double *v0)

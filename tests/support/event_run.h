@@ -18,9 +18,9 @@ typedef struct event_run {
   int status, impacts, changes, records;
   nsdae_impact impact[EVENT_RUN_KEPT];
   nsdae_change change[EVENT_RUN_KEPT];
-  double t, q[EVENT_RUN_NQ], v[EVENT_RUN_NQ];            /* of the last record */
+  double t, q[EVENT_RUN_NQ], v[EVENT_RUN_NQ];              /* of the last record */
   double normal[EVENT_RUN_K], tangential[2 * EVENT_RUN_K]; /* impulses over the whole run */
-  double multiplier[EVENT_RUN_NQ];                       /* integrals over the whole run */
+  double multiplier[EVENT_RUN_NQ];                         /* integrals over the whole run */
   int mode[EVENT_RUN_K];
   nsdae_stats stats;
   nsdae_error error;

@@ -1,7 +1,6 @@
-/* The event-driven method where contacts move by themselves: belts and shaken plates, against closed
- * forms and an independent solution of the equations between events. */
+/* The event-driven method where contacts move by themselves: belts and shaken plates, against
+ * closed forms and an independent solution of the equations between events. */
 #include "check.h"
-
 
 #include "event_run.h"
 
@@ -73,8 +72,8 @@ static int belt_bias(double t, const double *q, double *w_n, double *w_t, void *
 static nsdae_system *belt_system(belt *b, double mu)
 {
   nsdae_system *system;
-  assert_int_equal(
-      nsdae_system_create(&(nsdae_dims){.nq = 2, .k = 1, .nt = 1}, &system, NULL), NSDAE_OK);
+  assert_int_equal(nsdae_system_create(&(nsdae_dims){.nq = 2, .k = 1, .nt = 1}, &system, NULL),
+                   NSDAE_OK);
   nsdae_system_set_user(system, b);
   nsdae_system_set_mass(system, identity);
   nsdae_system_set_force(system, belt_force);
@@ -110,12 +109,13 @@ static void test_belt(void **state)
     assert_int_equal(r.change[1].mode_after, NSDAE_SLIDE);
     assert_near(r.change[0].time - t0, stick, 1e-8);
     assert_near(r.change[1].time - t0, slip, 1e-8);
-    assert_near(r.q[0], most + V * sin(6 - slip), 1e-7); /* a hundred steps of rtol, and the slip's */
+    assert_near(r.q[0], most + V * sin(6 - slip),
+                1e-7); /* a hundred steps of rtol, and the slip's */
     assert_near(r.normal[0], 6 * g, 1e-7);
     /* the impulse of friction: momentum, and the spring's */
     double spring = x; /* integral of x: while it first slides */
-    spring = most * (stick - sin(stick)) + (x + most) / 2 * (slip - stick) +
-             most * (6 - slip) + V * (1 - cos(6 - slip));
+    spring = most * (stick - sin(stick)) + (x + most) / 2 * (slip - stick) + most * (6 - slip) +
+             V * (1 - cos(6 - slip));
     assert_near(r.tangential[0], r.v[0] + spring, 1e-7);
   }
   nsdae_system_destroy(&system);
@@ -261,8 +261,8 @@ static void test_plate(void **state)
   }
 }
 
-/* On a plate that rises evenly a ball accumulates as on one at rest, t_rest = t_1 (1 + e) / (1 - e);
- * on one that shakes gently it comes to rest too, and stays on it. */
+/* On a plate that rises evenly a ball accumulates as on one at rest, t_rest = t_1 (1 + e) / (1 -
+ * e); on one that shakes gently it comes to rest too, and stays on it. */
 static void test_accumulation(void **state)
 {
   (void)state;
