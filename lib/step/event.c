@@ -21,6 +21,26 @@ static void count_sizes(nsdae_event_method *e)
   e->roots = 2 * d->k + 2 * d->f;
 }
 
+static void layout_rows(nsdae_row_set *s, long n, long k, nsdae_arena *arena)
+{
+  s->taken = NSDAE_ARENA_INTS(arena, n);
+  s->dependent = NSDAE_ARENA_INTS(arena, n);
+  s->rank_before = NSDAE_ARENA_INTS(arena, n);
+  s->seen = NSDAE_ARENA_INTS(arena, n);
+  s->normal = NSDAE_ARENA_INTS(arena, n);
+  s->unknown = NSDAE_ARENA_INTS(arena, n);
+  s->pivot = NSDAE_ARENA_INTS(arena, n);
+  s->solved_mode = NSDAE_ARENA_INTS(arena, k);
+  s->factor = NSDAE_ARENA_DOUBLES(arena, n * n);
+  s->combination = NSDAE_ARENA_DOUBLES(arena, n * n);
+  s->relation = NSDAE_ARENA_DOUBLES(arena, n * n);
+  s->system = NSDAE_ARENA_DOUBLES(arena, n * n);
+  s->force = NSDAE_ARENA_DOUBLES(arena, n);
+  s->weight = NSDAE_ARENA_DOUBLES(arena, n);
+  s->solved = NSDAE_ARENA_DOUBLES(arena, n);
+  s->shift = NSDAE_ARENA_DOUBLES(arena, n);
+}
+
 static void layout_phase(nsdae_event_method *e, nsdae_arena *arena)
 {
   const nsdae_dims *d = &e->stepper->system->dims;
@@ -43,6 +63,10 @@ static void layout_phase(nsdae_event_method *e, nsdae_arena *arena)
   e->slide_sense = NSDAE_ARENA_INTS(arena, f);
   e->normal_sense = NSDAE_ARENA_INTS(arena, f);
   e->independent = NSDAE_ARENA_INTS(arena, d->m);
+  e->relation = NSDAE_ARENA_INTS(arena, k + kt);
+  e->slide_row = NSDAE_ARENA_INTS(arena, f);
+  e->slide_part = NSDAE_ARENA_DOUBLES(arena, f);
+  layout_rows(&e->rows, k + kt + f, k, arena);
   e->root = nsdae_arena_take(arena, e->roots, sizeof *e->root);
   e->found = NSDAE_ARENA_INTS(arena, e->roots);
   e->other_found = NSDAE_ARENA_INTS(arena, e->roots);
@@ -65,6 +89,7 @@ static void layout_instant(nsdae_event_method *e, nsdae_arena *arena)
   e->candidate = NSDAE_ARENA_INTS(arena, k);
   e->released = NSDAE_ARENA_INTS(arena, k);
   e->breakaway = NSDAE_ARENA_INTS(arena, k);
+  e->moving = NSDAE_ARENA_INTS(arena, k);
   e->slide_breakaway = NSDAE_ARENA_INTS(arena, d->f);
   e->velocity = NSDAE_ARENA_DOUBLES(arena, k);
   e->last = NSDAE_ARENA_DOUBLES(arena, k);

@@ -14,6 +14,8 @@
  *   sticking: W_T^T v' + omega_T + 2 alpha v_T = 0;            W_S^T v' + omega_S + 2 alpha v_S = 0
  *
  * A redundant constraint has lambda_i = 0 in place of its row; what is reported is of least norm.
+ * A contact or slide that depends on others has its part of the forces in place of its row: see
+ * event_rows.c.
  */
 #ifndef NSDAE_EVENT_H
 #define NSDAE_EVENT_H
@@ -26,7 +28,7 @@ typedef enum nsdae_root_state {
   NSDAE_ROOT_OFF,    /* has nothing to say in this phase */
   NSDAE_ROOT_LIVE,   /* above zero */
   NSDAE_ROOT_RISING, /* zero at `since` with a known rate: divided by t - since it is above */
-  NSDAE_ROOT_MASKED  /* zero to rounding: out of the set until it has left zero */
+  NSDAE_ROOT_MASKED  /* zero to rounding: lifted above until it has left zero */
 } nsdae_root_state;
 
 typedef struct nsdae_root {
@@ -34,6 +36,19 @@ typedef struct nsdae_root {
   double since, start, rate; /* of one that is rising: when, from what rounding left, how fast */
   double size;               /* what counts as zero */
 } nsdae_root;
+
+/* Rows of the modes' problem by its columns, n of them: see event_rows.c. */
+typedef struct nsdae_row_set {
+  int columns, taken_count, dependent_count;   /* of contacts; those of slides come after them */
+  int *taken, *dependent, *rank_before, *seen; /* n: in turn; rows taken before; put in turn */
+  int *normal, *unknown;                       /* n: of the same contact; place in y */
+  double *factor, *combination, *relation;     /* n x n, by rows */
+  double *force, *weight;                      /* n */
+  double *solved;                              /* n: forces of the problem's solution */
+  int *solved_mode;                            /* k */
+  double *system, *shift;                      /* n x n, n: of fulfil_relations */
+  int *pivot;                                  /* n */
+} nsdae_row_set;
 
 typedef struct nsdae_event_method {
   nsdae_stepper *stepper;
@@ -58,7 +73,11 @@ typedef struct nsdae_event_method {
   int *slide_mode, *slide_mode_before; /* f: NSDAE_OPEN without friction */
   int *slide_sense, *normal_sense;     /* f: signs of the sliding velocity and of lambda */
   int *independent;                    /* m: 0 where a constraint is redundant */
-  nsdae_root *root;                    /* k normal, k tangential, f normal, f tangential */
+  nsdae_row_set rows;
+  int *relation;      /* k, k nt: -1, or the column whose relation stands in place of the row */
+  int *slide_row;     /* f: of a slide that sticks: has a row */
+  double *slide_part; /* f: F_S = -mu |lambda| times this where a slide slides or has no row */
+  nsdae_root *root;   /* k normal, k tangential, f normal, f tangential */
   int *found, *other_found; /* roots: not zero where one was met; as the integrator says */
 
   /* an instant */
@@ -71,6 +90,7 @@ typedef struct nsdae_event_method {
   double *a, *lambda;        /* nv, m: accelerations and multipliers */
   int *touching, *candidate; /* k */
   int *released, *breakaway; /* k */
+  int *moving;               /* k: slides already, or breaks away */
   int *slide_breakaway;      /* f */
   double *velocity;          /* k: v(-) of the contacts */
   double *last, *interval;   /* k: last impact and the time to it from the one before */
@@ -124,6 +144,18 @@ void nsdae_event_set_terms(nsdae_event_method *e);
 /* Callback's failure as a code of the integrator. */
 int nsdae_event_code(const nsdae_stepper *s, int status);
 
+/* Which rows of the modes are independent, and what the others have in their place, from the
+ * solution in e->modes, e->lambda; the forces there may be shared differently afterwards. NSDAE_OK
+ * or NSDAE_E_CONVERGENCE with the record. */
+int nsdae_event_find_rows(nsdae_event_method *e, double t);
+/* A contact at rest whose friction is all used, and which does not begin to slide, sticks. */
+void nsdae_event_hold_resting(nsdae_event_method *e);
+/* Whether contact i, the j-th tangential row, is without a row of its own. */
+static inline int nsdae_event_related(const nsdae_event_method *e, int row)
+{
+  return e->relation[row] >= 0;
+}
+
 /* Roots. */
 int nsdae_event_root(double t, const double *y, const double *yp, double *g, void *user);
 /* The set for the phase that starts now: after the modes, y and the accelerations are known. */
@@ -131,6 +163,9 @@ int nsdae_event_set_roots(nsdae_event_method *e, double t);
 /* After a step to t: turns the directions of sliding, puts those that left zero into the set; found
  * where one fell below it or asks for an instant. Returns how many, or a status. */
 int nsdae_event_watch_roots(nsdae_event_method *e, double t);
+
+/* mu F_N - |F_T| of contact i, with the forces of y. */
+double nsdae_event_stick_margin(const nsdae_event_method *e, const double *y, int i);
 
 /* What counts as zero for positions and for velocities: the integrator's accuracy. */
 double nsdae_event_position_size(const nsdae_event_method *e, const nsdae_terms *T);

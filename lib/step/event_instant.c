@@ -164,6 +164,7 @@ static double rest_of(const nsdae_event_method *e, int i)
 static void follow_accumulation(nsdae_event_method *e, int i, double t)
 {
   double interval = t - e->last[i];
+  if (interval == 0) return; /* again in the same instant */
   int shrinks = interval < e->interval[i];
   e->shrunk[i] = shrinks ? e->shrunk[i] + 1 : 0;
   e->interval[i] = interval;
@@ -218,8 +219,9 @@ static int impact(nsdae_event_method *e, double t)
   memset(e->r, 0, (size_t)e->n * sizeof *e->r);
   if (e->ahead >= t) nsdae_dae_interpolate(e->dae, t, 1, e->r); /* v' until now */
   for (int i = 0; i < d->k; i++) {
+    if (fabs(c->before[i]) <= size) c->before[i] = 0; /* closed, and beside one that is hit */
     e->velocity[i] = c->before[i];
-    if (e->touching[i] && c->before[i] < -size) follow_accumulation(e, i, t);
+    if (e->touching[i] && c->before[i] < 0) follow_accumulation(e, i, t);
     if (e->settling[i]) c->before[i] = 0;
   }
   nsdae_stepper_momentum(T->M, v, 0, T->F, d->nv, s->r);
@@ -244,11 +246,13 @@ static int slides(nsdae_event_method *e, int i, int impacted)
   double v_t[2] = {0}, speed = 0, *direction = e->direction + i * d->nt;
   if (!(T->system->contact[i].mu > 0)) return 0;
   if (e->breakaway[i] && !impacted) return 1;
+  int slid = 0;
   for (int l = 0; l < d->nt; l++) {
     v_t[l] = tangential_velocity(T, i * d->nt + l, e->y + d->nq);
     speed = hypot(speed, v_t[l]);
+    slid |= e->mode[i] == NSDAE_SLIDE && direction[l] != 0;
   }
-  int stopped = !impacted && e->found[d->k + i] && e->mode[i] == NSDAE_SLIDE &&
+  int stopped = !impacted && e->found[d->k + i] && slid &&
                 (d->nt == 1 || speed <= 10 * nsdae_event_velocity_size(e, T));
   int moves = speed > nsdae_event_velocity_size(e, T) && !stopped;
   for (int l = 0; l < d->nt; l++) direction[l] = moves ? v_t[l] / speed : 0;
@@ -273,9 +277,9 @@ static void set_laws(nsdae_event_method *e, int impacted)
   int nt = s->dims.nt;
   for (int i = 0; i < s->dims.k; i++) {
     if (!e->candidate[i]) continue;
-    e->law[i] = slides(e, i, impacted)
-                    ? nsdae_law_sliding(nt, s->contact[i].mu, e->direction + i * nt)
-                    : e->resting[i];
+    e->moving[i] = slides(e, i, impacted);
+    e->law[i] = e->moving[i] ? nsdae_law_sliding(nt, s->contact[i].mu, e->direction + i * nt)
+                             : e->resting[i];
   }
   for (int j = 0; j < s->dims.f; j++) e->sliding_sense[j] = slide_sense(e, j, impacted);
 }
@@ -472,8 +476,43 @@ static int settle_directions(nsdae_event_method *e)
     }
     if (!(moved > 1e-13)) break;
     status = accelerate(e);
+    if (status == NSDAE_OK) read_contacts(e);
   }
   return status;
+}
+
+static double slip_rate(const nsdae_event_method *e, int i)
+{
+  int nt = e->stepper->system->dims.nt;
+  double rate = 0;
+  for (int l = 0; l < nt; l++) rate = hypot(rate, e->modes.after_t[i * nt + l]);
+  return rate;
+}
+
+/* Others hold it. Where one just broke away its neighbours are about to. */
+void nsdae_event_hold_resting(nsdae_event_method *e)
+{
+  const nsdae_contacts *c = &e->modes;
+  int any = 0;
+  double size = acceleration_size(e);
+  for (int i = 0; i < e->stepper->system->dims.k; i++) any |= e->breakaway[i];
+  for (int a = 0; a < c->active_count && !any; a++) {
+    int i = c->active[a];
+    if (e->mode[i] != NSDAE_SLIDE || e->moving[i] || !(c->normal[i] > 0)) continue;
+    if (c->law[i].columns == 1 || powerless(c, c->first_column[a] + 1)) continue;
+    if (slip_rate(e, i) <= size) e->mode[i] = NSDAE_STICK;
+  }
+}
+
+/* Whether a contact at rest starts in a direction that is not known to be right. */
+static int begins_to_slide(const nsdae_event_method *e)
+{
+  const nsdae_dims *d = &e->stepper->system->dims;
+  double size = acceleration_size(e);
+  int any = 0;
+  for (int i = 0; i < d->k && d->nt == 2; i++)
+    any |= e->mode[i] == NSDAE_SLIDE && !e->moving[i] && slip_rate(e, i) > size;
+  return any;
 }
 
 static int find_modes(nsdae_event_method *e, double t, int impacted)
@@ -487,7 +526,9 @@ static int find_modes(nsdae_event_method *e, double t, int impacted)
   } while (comes_back(e) || (!impacted && sticks_after_all(e)));
   read_contacts(e);
   read_slides(e);
-  return settle_directions(e);
+  if (!begins_to_slide(e) && nsdae_event_find_rows(e, t) == NSDAE_OK) return NSDAE_OK;
+  status = settle_directions(e);
+  return status < 0 ? status : nsdae_event_find_rows(e, t);
 }
 
 int nsdae_event_diagnose(nsdae_event_method *e, double t)
@@ -512,6 +553,21 @@ int nsdae_event_diagnose(nsdae_event_method *e, double t)
 
 /* ---- the instant ---- */
 
+/* Whether the friction of contact i breaks away. Where how friction shares was chosen, a contact at
+ * its limit is no reason to slide until all that stick are. */
+static int breaks_away(const nsdae_event_method *e, int i)
+{
+  const nsdae_dims *d = &e->stepper->system->dims;
+  int shared = 0, all = 1;
+  if (e->mode[i] != NSDAE_STICK) return 0;
+  for (int j = 0; j < d->k; j++) {
+    if (e->mode[j] != NSDAE_STICK) continue;
+    for (int l = 0; l < d->nt; l++) shared |= nsdae_event_related(e, d->k + j * d->nt + l);
+    all &= e->found[d->k + j] || nsdae_event_stick_margin(e, e->y, j) <= e->root[d->k + j].size;
+  }
+  return shared ? all : e->found[d->k + i];
+}
+
 /* What was found, in terms of the modes so far. */
 static void sort_found(nsdae_event_method *e)
 {
@@ -523,7 +579,7 @@ static void sort_found(nsdae_event_method *e)
     e->touching[i] = closed || e->found[i];
     e->candidate[i] = closed;
     e->released[i] = closed && e->found[i] && !undecided;
-    e->breakaway[i] = e->found[d->k + i] && e->mode[i] == NSDAE_STICK;
+    e->breakaway[i] = breaks_away(e, i);
     if (e->breakaway[i])
       point_against(e->direction + i * d->nt, d->nt, e->y + nsdae_at_tangential(d) + i * d->nt);
   }
@@ -534,15 +590,21 @@ static void sort_found(nsdae_event_method *e)
   }
 }
 
-/* Contacts that touch but for the integrator's error, and do not part. */
-static void add_touching(nsdae_event_method *e)
+/* Whether contact i touches but for the integrator's error, and does not part. */
+static int touches(const nsdae_event_method *e, int i)
 {
   const nsdae_terms *T = here(e);
   const double *v = e->y + T->system->dims.nq;
-  double x_size = nsdae_event_position_size(e, T), v_size = nsdae_event_velocity_size(e, T);
+  return T->gap[i] <= nsdae_event_position_size(e, T) &&
+         normal_velocity(T, i, v) <= nsdae_event_velocity_size(e, T);
+}
+
+static void add_touching(nsdae_event_method *e)
+{
+  const nsdae_terms *T = here(e);
+  double x_size = nsdae_event_position_size(e, T);
   for (int i = 0; i < T->system->dims.k; i++) {
-    if (!e->touching[i] && T->gap[i] <= x_size && normal_velocity(T, i, v) <= v_size)
-      e->touching[i] = 1;
+    if (touches(e, i)) e->touching[i] = 1;
     if (e->touching[i] && fabs(T->gap[i]) <= 2 * x_size) e->candidate[i] = 1;
   }
 }
@@ -555,6 +617,21 @@ static int approaching(nsdae_event_method *e)
   for (int i = 0; i < T->system->dims.k; i++)
     if (e->touching[i] && normal_velocity(T, i, v) < -size) return 1;
   return 0;
+}
+
+/* An impact may drive another contact that touches, and parted or rested before it, together: then
+ * that is the next, at the same time. */
+static int impacts(nsdae_event_method *e, double t, int *any)
+{
+  const nsdae_stepper *s = e->stepper;
+  int k = s->system->dims.k, status = NSDAE_OK;
+  while (status == NSDAE_OK && approaching(e) && s->impacts + k <= s->impacts_max) {
+    status = impact(e, t);
+    for (int i = 0; i < k && status == NSDAE_OK; i++)
+      e->touching[i] = e->mode[i] != NSDAE_OPEN || touches(e, i);
+    *any = 1;
+  }
+  return status;
 }
 
 /* Touching, not let go, without a velocity apart. */
@@ -621,8 +698,8 @@ int nsdae_event_instant(nsdae_event_method *e, double t)
   sort_found(e);
   int status = arrive(e, t);
   if (status < 0) return status;
-  int impacted = approaching(e);
-  if (impacted) status = impact(e, t);
+  int impacted = 0;
+  status = impacts(e, t, &impacted);
   if (status < 0) return status;
   choose_candidates(e, impacted);
   status = find_modes(e, t, impacted);

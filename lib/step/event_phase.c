@@ -93,6 +93,34 @@ static void sliding_direction(const nsdae_event_method *e, const nsdae_terms *T,
   for (int l = 0; l < 2; l++) d[l] += du[l];
 }
 
+/* Whether contact i, its j-th tangential row, slide j has a row of its own. */
+static int has_row(const nsdae_event_method *e, int i)
+{
+  return e->mode[i] != NSDAE_OPEN && !nsdae_event_related(e, i);
+}
+
+static int has_stick_row(const nsdae_event_method *e, int j)
+{
+  const nsdae_dims *d = &e->stepper->system->dims;
+  return e->mode[j / d->nt] == NSDAE_STICK && !nsdae_event_related(e, d->k + j);
+}
+
+static int has_slide_row(const nsdae_event_method *e, int j)
+{
+  return e->slide_mode[j] == NSDAE_STICK && e->slide_row[j];
+}
+
+/* F_p - sum r_l F_l, of that force of y */
+static double relation_row(const nsdae_event_method *e, int number, const double *y)
+{
+  const nsdae_row_set *s = &e->rows;
+  int p = e->relation[number], n = e->modes.columns;
+  double sum = y[s->unknown[p]];
+  const double *r = s->relation + (size_t)p * (size_t)n;
+  for (int l = 0; l < s->columns; l++) sum -= r[l] * y[s->unknown[l]];
+  return sum;
+}
+
 static void contact_rows(const nsdae_event_method *e, const nsdae_terms *T, const double *y,
                          const double *a, double *r)
 {
@@ -102,16 +130,19 @@ static void contact_rows(const nsdae_event_method *e, const nsdae_terms *T, cons
   const double *F_N = y + nsdae_at_normal(d), *F_T = y + nsdae_at_tangential(d);
   double *r_N = r + nsdae_at_normal(d), *r_T = r + nsdae_at_tangential(d);
   for (int i = 0; i < d->k; i++) {
-    int closed = e->mode[i] != NSDAE_OPEN, rubs = closed && s->contact[i].mu > 0;
+    int rubs = e->mode[i] == NSDAE_SLIDE && s->contact[i].mu > 0;
     double direction[2] = {0};
-    r_N[i] =
-        closed ? closed_row(e, T->W_N + (size_t)i * n, T->w_N[i], T->omega_N[i], T->gap[i], T->v, a)
-               : F_N[i];
-    if (rubs && e->mode[i] == NSDAE_SLIDE) sliding_direction(e, T, i, direction);
+    r_N[i] = F_N[i];
+    if (has_row(e, i))
+      r_N[i] = closed_row(e, T->W_N + (size_t)i * n, T->w_N[i], T->omega_N[i], T->gap[i], T->v, a);
+    else if (e->mode[i] != NSDAE_OPEN)
+      r_N[i] = relation_row(e, i, y);
+    if (rubs) sliding_direction(e, T, i, direction);
     for (int l = 0, j = i * d->nt; l < d->nt; l++, j++)
-      r_T[j] = rubs && e->mode[i] == NSDAE_STICK
+      r_T[j] = has_stick_row(e, j)
                    ? closed_row(e, T->W_T + (size_t)j * n, T->w_T[j], T->omega_T[j], 0, T->v, a)
-                   : F_T[j] + s->contact[i].mu * F_N[i] * direction[l];
+               : e->mode[i] == NSDAE_STICK ? relation_row(e, d->k + j, y)
+                                           : F_T[j] + s->contact[i].mu * F_N[i] * direction[l];
   }
 }
 
@@ -123,10 +154,10 @@ static void slide_rows(const nsdae_event_method *e, const nsdae_terms *T, const 
   const double *lambda = y + nsdae_at_lambda(d), *F_S = y + nsdae_at_slide(d);
   for (int j = 0; j < d->f; j++) {
     double normal = e->normal_sense[j] * lambda[s->slide[j].constraint];
-    r[nsdae_at_slide(d) + j] = e->slide_mode[j] == NSDAE_STICK
+    r[nsdae_at_slide(d) + j] = has_slide_row(e, j)
                                    ? closed_row(e, T->W_S + (size_t)j * (size_t)d->nv, T->w_S[j],
                                                 T->omega_S[j], 0, T->v, a)
-                                   : F_S[j] + s->slide[j].mu * normal * e->slide_sense[j];
+                                   : F_S[j] + s->slide[j].mu * normal * e->slide_part[j];
   }
 }
 
@@ -249,31 +280,50 @@ static void inertia_entries(const nsdae_event_method *e, const nsdae_terms *T, d
   }
 }
 
+static void relation_entries(const nsdae_event_method *e, int number, double *J)
+{
+  const nsdae_row_set *s = &e->rows;
+  int p = e->relation[number], n = e->modes.columns, row = s->unknown[p];
+  const double *r = s->relation + (size_t)p * (size_t)n;
+  AT(J, e->n, row, row) += 1;
+  for (int l = 0; l < s->columns; l++) AT(J, e->n, row, s->unknown[l]) -= r[l];
+}
+
+static void normal_entries(const nsdae_event_method *e, const nsdae_terms *T, int i, double c,
+                           double *J)
+{
+  int n = T->system->dims.nv, row = nsdae_at_normal(&T->system->dims) + i;
+  const double *W = T->W_N + (size_t)(i * n);
+  if (e->mode[i] != NSDAE_OPEN) subtract_column(e, row, W, J);
+  if (has_row(e, i))
+    add_row(e, row, c, W, J);
+  else if (e->mode[i] != NSDAE_OPEN)
+    relation_entries(e, i, J);
+  else
+    AT(J, e->n, row, row) += 1;
+}
+
 static void contact_entries(const nsdae_event_method *e, const nsdae_terms *T, int i, double c,
                             double *J)
 {
   const nsdae_system *s = T->system;
   const nsdae_dims *d = &s->dims;
   size_t n = (size_t)d->nv;
-  int normal = nsdae_at_normal(d) + i, closed = e->mode[i] != NSDAE_OPEN;
-  int rubs = closed && s->contact[i].mu > 0;
+  int rubs = e->mode[i] != NSDAE_OPEN && s->contact[i].mu > 0;
   double direction[2] = {0};
-  if (closed) {
-    add_row(e, normal, c, T->W_N + (size_t)i * n, J);
-    subtract_column(e, normal, T->W_N + (size_t)i * n, J);
-  } else {
-    AT(J, e->n, normal, normal) += 1;
-  }
+  normal_entries(e, T, i, c, J);
   if (rubs && e->mode[i] == NSDAE_SLIDE) sliding_direction(e, T, i, direction);
   for (int l = 0; l < d->nt; l++) {
     int j = i * d->nt + l, row = nsdae_at_tangential(d) + j;
     if (rubs) subtract_column(e, row, T->W_T + (size_t)j * n, J);
-    if (rubs && e->mode[i] == NSDAE_STICK) {
+    if (has_stick_row(e, j)) {
       add_row(e, row, c, T->W_T + (size_t)j * n, J);
-      continue;
+    } else if (e->mode[i] == NSDAE_STICK) {
+      relation_entries(e, d->k + j, J);
+    } else {
+      AT(J, e->n, row, row) += 1;
+      AT(J, e->n, row, nsdae_at_normal(d) + i) += s->contact[i].mu * direction[l];
     }
-    AT(J, e->n, row, row) += 1;
-    AT(J, e->n, row, normal) += s->contact[i].mu * direction[l];
   }
 }
 
@@ -285,12 +335,12 @@ static void slide_entries(const nsdae_event_method *e, const nsdae_terms *T, int
   const double *W = T->W_S + (size_t)j * (size_t)d->nv;
   int row = nsdae_at_slide(d) + j, lambda = nsdae_at_lambda(d) + s->slide[j].constraint;
   if (e->slide_mode[j] != NSDAE_OPEN) subtract_column(e, row, W, J);
-  if (e->slide_mode[j] == NSDAE_STICK) {
+  if (has_slide_row(e, j)) {
     add_row(e, row, c, W, J);
     return;
   }
   AT(J, e->n, row, row) += 1;
-  AT(J, e->n, row, lambda) += s->slide[j].mu * e->normal_sense[j] * e->slide_sense[j];
+  AT(J, e->n, row, lambda) += s->slide[j].mu * e->normal_sense[j] * e->slide_part[j];
 }
 
 int nsdae_event_jacobian(double t, double c, const double *y, const double *yp, const double *r,

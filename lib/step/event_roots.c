@@ -8,8 +8,8 @@
  *
  * One that is zero at the start of a phase would be found there again and again. With a known rate
  * r > 0 it is divided by t - t_0, which makes it r at t_0 and leaves its further zeros where they
- * are (what rounding left at t_0 is taken off); without, it is out of the set until it has left
- * zero. */
+ * are (what rounding left at t_0 is taken off); without, it is lifted by what counts as zero
+ * until it has left zero. */
 #include <float.h>
 #include <math.h>
 #include <string.h>
@@ -26,15 +26,21 @@ static double speed_of(const nsdae_terms *T, int i)
   return speed;
 }
 
+double nsdae_event_stick_margin(const nsdae_event_method *e, const double *y, int i)
+{
+  const nsdae_system *s = e->stepper->system;
+  const nsdae_dims *d = &s->dims;
+  const double *F_T = y + nsdae_at_tangential(d) + i * d->nt;
+  double friction = d->nt == 2 ? hypot(F_T[0], F_T[1]) : fabs(F_T[0]);
+  return s->contact[i].mu * y[nsdae_at_normal(d) + i] - friction;
+}
+
 static double tangential_value(const nsdae_event_method *e, const nsdae_terms *T, const double *y,
                                int i)
 {
-  const nsdae_dims *d = &T->system->dims;
-  int n = d->nv, nt = d->nt;
-  const double *F_T = y + nsdae_at_tangential(d) + i * nt;
-  double margin = T->system->contact[i].mu * y[nsdae_at_normal(d) + i];
-  if (e->mode[i] == NSDAE_STICK) return margin - (nt == 2 ? hypot(F_T[0], F_T[1]) : fabs(F_T[0]));
+  int n = T->system->dims.nv, nt = T->system->dims.nt;
   double along = 0;
+  if (e->mode[i] == NSDAE_STICK) return nsdae_event_stick_margin(e, y, i);
   for (int j = i * nt; j < (i + 1) * nt; j++)
     along += e->direction[j] * (nsdae_dot(n, T->W_T + (size_t)(j * n), T->v) + T->w_T[j]);
   return along;
@@ -69,7 +75,7 @@ static unsigned terms_of(const nsdae_event_method *e)
   const nsdae_dims *d = &e->stepper->system->dims;
   unsigned terms = 0;
   for (int i = 0; i < d->k; i++) {
-    if (e->mode[i] == NSDAE_OPEN) terms |= NSDAE_TERM_GAP;
+    if (e->mode[i] == NSDAE_OPEN || nsdae_event_related(e, i)) terms |= NSDAE_TERM_GAP;
     if (e->root[d->k + i].state != NSDAE_ROOT_OFF && e->mode[i] == NSDAE_SLIDE)
       terms |= NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS;
   }
@@ -99,6 +105,32 @@ static double rising(const nsdae_root *root, double t, double value, double posi
   return t - root->since > least ? (value - root->start) / (t - root->since) : root->rate;
 }
 
+/* A contact or slide that got a direction to slide in only now. */
+static int undecided(const nsdae_event_method *e, int root)
+{
+  const nsdae_dims *d = &e->stepper->system->dims;
+  if (root >= 2 * d->k + d->f) {
+    int j = root - 2 * d->k - d->f;
+    return e->slide_mode[j] == NSDAE_SLIDE && e->slide_sense[j] == 0;
+  }
+  if (root >= 2 * d->k) return 0;
+  int i = root % d->k, nt = d->nt;
+  if (e->mode[i] != NSDAE_SLIDE || !(e->stepper->system->contact[i].mu > 0)) return 0;
+  for (int l = 0; l < nt; l++)
+    if (e->direction[i * nt + l] != 0) return 0;
+  return 1;
+}
+
+/* A velocity of sliding that is zero to rounding has no direction yet to be measured along: it is
+ * out of the set until it has. */
+static int is_out(const nsdae_event_method *e, int root)
+{
+  const nsdae_dims *d = &e->stepper->system->dims;
+  int masked = e->root[root].state == NSDAE_ROOT_MASKED, contact = root - d->k;
+  int slips = contact >= 0 && contact < d->k && e->mode[contact] == NSDAE_SLIDE;
+  return e->root[root].state == NSDAE_ROOT_OFF || undecided(e, root) || (masked && slips);
+}
+
 int nsdae_event_root(double t, const double *y, const double *yp, double *g, void *user)
 {
   nsdae_event_method *e = user;
@@ -110,9 +142,10 @@ int nsdae_event_root(double t, const double *y, const double *yp, double *g, voi
     position = fmax(position, fabs(y[i]));
   for (int i = 0; i < e->roots; i++) {
     const nsdae_root *root = &e->root[i];
-    int in = root->state == NSDAE_ROOT_LIVE || root->state == NSDAE_ROOT_RISING;
-    g[i] = in ? value_of(e, T, e->at, i) : 1;
+    int out = is_out(e, i);
+    g[i] = out ? 1 : value_of(e, T, e->at, i);
     if (root->state == NSDAE_ROOT_RISING) g[i] = rising(root, t, g[i], position);
+    if (root->state == NSDAE_ROOT_MASKED && !out) g[i] += root->size;
   }
   return 0;
 }
@@ -226,22 +259,6 @@ int nsdae_event_set_roots(nsdae_event_method *e, double t)
   return NSDAE_OK;
 }
 
-/* A contact or slide that got a direction to slide in only now. */
-static int undecided(const nsdae_event_method *e, int root)
-{
-  const nsdae_dims *d = &e->stepper->system->dims;
-  if (root >= 2 * d->k + d->f) {
-    int j = root - 2 * d->k - d->f;
-    return e->slide_mode[j] == NSDAE_SLIDE && e->slide_sense[j] == 0;
-  }
-  if (root >= 2 * d->k) return 0;
-  int i = root % d->k, nt = d->nt;
-  if (e->mode[i] != NSDAE_SLIDE || !(e->stepper->system->contact[i].mu > 0)) return 0;
-  for (int l = 0; l < nt; l++)
-    if (e->direction[i * nt + l] != 0) return 0;
-  return 1;
-}
-
 /* How far an undecided one is from zero: the normal force, or the speed of sliding. */
 static double undecided_value(const nsdae_event_method *e, const nsdae_terms *T, const double *y,
                               int root)
@@ -293,6 +310,24 @@ static int follow_directions(nsdae_event_method *e, double t)
   return status;
 }
 
+/* Whether contact i is closed by others alone. */
+static int has_no_row(const nsdae_event_method *e, int i)
+{
+  return e->mode[i] != NSDAE_OPEN && nsdae_event_related(e, i);
+}
+
+/* Contacts that others closed, and do no longer. */
+static int watch_gaps(nsdae_event_method *e, const nsdae_terms *T)
+{
+  int count = 0;
+  for (int i = 0; i < T->system->dims.k; i++) {
+    if (!has_no_row(e, i) || e->found[i]) continue;
+    e->found[i] = fabs(T->gap[i]) > nsdae_event_position_size(e, T);
+    count += e->found[i];
+  }
+  return count;
+}
+
 int nsdae_event_watch_roots(nsdae_event_method *e, double t)
 {
   nsdae_terms *T = &e->stepper->middle;
@@ -301,6 +336,7 @@ int nsdae_event_watch_roots(nsdae_event_method *e, double t)
     e->found[i] = 0;
     any |= e->root[i].state == NSDAE_ROOT_MASKED;
   }
+  for (int i = 0; i < T->system->dims.k; i++) any |= has_no_row(e, i);
   if (status < 0 || !any) return status;
   if (nsdae_dae_interpolate(e->dae, t, 0, e->y) < 0) return NSDAE_E_CONVERGENCE;
   status = evaluate(e, t, e->y);
@@ -310,5 +346,5 @@ int nsdae_event_watch_roots(nsdae_event_method *e, double t)
     e->found[i] = watch(e, T, e->at, i);
     count += e->found[i];
   }
-  return count;
+  return count + watch_gaps(e, T);
 }
