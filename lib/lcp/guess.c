@@ -28,7 +28,7 @@ static int accept(nsdae_chain *c, int stage, double residual)
   c->info->outcome = NSDAE_LCP_SOLVED;
   c->info->stage = stage;
   c->info->residual = residual;
-  for (int i = 0; i < c->n; i++) c->basis[i] = c->x[i] > 0;
+  for (int i = 0; i < c->n; i++) c->basis[i] = stage == NSDAE_LCP_WARM && c->basis[i];
   return 1;
 }
 

@@ -72,6 +72,6 @@ static int solve(nsdae_chain *c, const int *basis, double *x)
 int nsdae_chain_judge_basis(nsdae_chain *c, const int *basis, int stage)
 {
   if (solve(c, basis, c->x) != 0 || !nsdae_chain_judge(c, stage)) return 0;
-  for (int i = 0; i < c->n; i++) c->basis[i] = basis[i] && c->x[i] > 0;
+  for (int i = 0; i < c->n; i++) c->basis[i] = basis[i] != 0; /* zeros too: it is regular */
   return 1;
 }
