@@ -40,8 +40,7 @@ static void test_farkas(void **state)
   is_farkas(1, (const double[]){0}, (const double[]){-1e-300});
   /* y_0 + y_1 = -2: only u = (1, 1) proves it, and with A^T u = 0 to the last bit */
   is_farkas(2, (const double[]){1, -1, -1, 1}, (const double[]){-1, -1});
-  /* only u = (1, 3), and only u = (5, 7, 3 or more): in doubles not exact where the largest is one
-   */
+  /* only u = (1, 3), and u = (5, 7, 3 or more): not exact where the largest entry is one */
   is_farkas(2, (const double[]){3, -1, -3, 1}, (const double[]){-1, 0});
   is_farkas(3, (const double[]){7, -5, 0, -7, 5, 0, 0, 3, -7}, (const double[]){-1, 0, 0});
   /* y_0 = -x_1 - 1 */

@@ -58,11 +58,33 @@ static void test_every_start(void **state)
   }
 }
 
+/* Without solution, and of rank less than full: the factors of a singular block, rounded, give
+ * x = 1e15 and more with a residual of rounding size relative to A x. */
+static void test_singular_blocks(void **state)
+{
+  (void)state;
+  const struct {
+    double A[16], b[4];
+  } problems[] = {{{-4, 6, 0, -2, 3, -5, 0, 0, -2, 2, 1, 6, 0, 2, 0, 6}, {-1, -1, 0, -3}},
+                  {{-2, 5, -2, 0, 2, -7, 0, 3, 2, 1, 5, -5, 0, 2, 2, -3}, {1, 2, -2, -1}},
+                  {{-1, -4, 0, -2, 3, 6, -2, -4, 0, 4, 2, 4, -1, -3, 0, 1}, {-1, 2, 1, 0}},
+                  {{-3, 2, -7, 2, 2, -1, 5, -3, 4, -3, 3, -5, -2, 1, -5, 3}, {1, -2, -1, 2}}};
+  for (int k = 0; k < 64; k++) {
+    double x[4];
+    int basis[4] = {k & 1, k >> 1 & 1, k >> 2 & 1, k >> 3 & 1};
+    nsdae_lcp_info info = solve(4, problems[k / 16].A, problems[k / 16].b, NSDAE_LCP_ALL, basis, x);
+    if (info.outcome != NSDAE_LCP_INFEASIBLE)
+      fail_msg("problem %d, start %d: %s by %s", k / 16, k % 16,
+               nsdae_lcp_outcome_name(info.outcome), nsdae_lcp_stage_name(info.stage));
+  }
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_zero_in_the_basis),
       cmocka_unit_test(test_every_start),
+      cmocka_unit_test(test_singular_blocks),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
