@@ -127,12 +127,39 @@ static void test_scaled(void **state)
     }
 }
 
+/* Without solution at both ends of the range of numbers, where b must not vanish in the scales. */
+static void test_ends_of_the_range(void **state)
+{
+  (void)state;
+  const double sizes[] = {0x1p-1074, 1e-300, 1e-150, 1, 1e150, 1e300, 1.7e308};
+  for (int i = 0; i < 7; i++)
+    for (int j = 0; j < 7; j++) {
+      double x[2], y[2];
+      is_farkas(1, (const double[]){-sizes[i]}, (const double[]){-sizes[j]});
+      nsdae_lcp_info info = solve(2, (const double[]){sizes[i], -sizes[i], -sizes[i], sizes[i]},
+                                  (const double[]){-sizes[j], -sizes[j]}, x, y);
+      assert_int_not_equal(info.outcome, NSDAE_LCP_SOLVED);
+      /* x = size_j / size_i, solved wherever that can be written */
+      info = solve(1, (const double[]){sizes[i]}, (const double[]){-sizes[j]}, x, y);
+      assert_int_not_equal(info.outcome, NSDAE_LCP_INFEASIBLE);
+      double ratio = sizes[j] / sizes[i];
+      if (isnormal(ratio) && ratio < 1e307) {
+        assert_int_equal(info.outcome, NSDAE_LCP_SOLVED);
+        assert_near(x[0] / ratio, 1, 1e-10);
+      }
+    }
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_farkas), cmocka_unit_test(test_enumerated),
-      cmocka_unit_test(test_ray),    cmocka_unit_test(test_islands),
-      cmocka_unit_test(test_scaled), cmocka_unit_test(test_singular_blocks),
+      cmocka_unit_test(test_farkas),
+      cmocka_unit_test(test_enumerated),
+      cmocka_unit_test(test_ray),
+      cmocka_unit_test(test_islands),
+      cmocka_unit_test(test_scaled),
+      cmocka_unit_test(test_singular_blocks),
+      cmocka_unit_test(test_ends_of_the_range),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
