@@ -2,6 +2,7 @@
 nsdae_test(anomaly lcp LINKS test_allocator)
 nsdae_unit_test(lcp exact)
 nsdae_unit_test(lcp proof)
+nsdae_unit_test(lcp warm)
 
 # Published problems are read where they lie; the test is skipped where they are not.
 set(NSDAE_SHARED_DIR "${PROJECT_SOURCE_DIR}/../shared" CACHE PATH

@@ -40,11 +40,11 @@ static void fail(reader *r, int status, const char *format, ...)
 
 static double read_real(reader *r, const char *what)
 {
-  char token[64], *end = token;
+  char token[400], *end = token; /* the largest double by %f: 317 */
   if (r->status != NSDAE_OK) return 0;
-  if (fscanf(r->stream, "%63s", token) == 1) {
+  if (fscanf(r->stream, "%399s", token) == 1) {
     double value = strtod(token, &end);
-    if (end != token && !*end) return value;
+    if (end != token && !*end && end < token + sizeof token - 1) return value;
     fail(r, NSDAE_E_IO, "'%.40s' where %s must be", token, what);
   } else {
     fail(r, NSDAE_E_IO, "ends where %s must be", what);
@@ -113,6 +113,9 @@ static void read_blocks(reader *r, matrix *m)
   int pointers = read_int(r, "number of row pointers", rows + 1, rows + 1);
   read_int(r, "number of block columns stored", count, count);
   int *start = read_index(r, pointers, "a row pointer", count);
+  for (int i = 0; i < rows && r->status == NSDAE_OK; i++)
+    if (start[i] > start[i + 1] || start[0] != 0 || start[rows] != count)
+      fail(r, NSDAE_E_IO, "the row pointers do not rise from 0 to the number of blocks");
   int *column = read_index(r, count, "a block column", columns - 1);
   for (int i = 0; i < rows && r->status == NSDAE_OK; i++)
     for (int k = start[i]; k < start[i + 1] && r->status == NSDAE_OK; k++) {
@@ -206,6 +209,8 @@ static void read_contacts(reader *r, int contacts, int storage, lcp_file *f)
   read_matrix(r, storage, &w);
   double *q = read_vector(r, 2 * contacts, "an entry of q");
   double *mu = read_vector(r, contacts, "a friction coefficient");
+  for (int j = 0; j < contacts && r->status == NSDAE_OK; j++)
+    if (mu[j] < 0) fail(r, NSDAE_E_IO, "friction coefficient %d is %g, must be >= 0", j + 1, mu[j]);
   f->n = 3 * contacts;
   f->contacts = contacts;
   f->A = take(r, (size_t)f->n * (size_t)f->n, sizeof *f->A);

@@ -16,11 +16,14 @@ extern "C" {
  * x'y = 0, scaled by the data, row by row, so that no large entry hides an error elsewhere:
  *
  *   residual = max_i |min(x_i / sx_i, y_i / sy_i)|
- *   sy_i = |b_i| + sum_j |a_ij x_j| + 1e-3 max_k |b_k|,   sx_i = min_k sy_k / |a_ki| over a_ki != 0
+ *   sy_i = min(|b_i| + sum_j |a_ij x_j|, 1e6 max_k |b_k|) + 1e-3 max_k |b_k|,
+ *   sx_i = min_k sy_k / |a_ki| over a_ki != 0
  *
  * sy_i is what the rounding of y_i is relative to; its last term says how exact the data are:
  * entries of b come from differences of values of their common size, so that a row in which all is
- * of rounding size has no error of its own. x_i is negligible when its column changes no row. Rows
+ * of rounding size has no error of its own. Terms larger than 1e6 max_k |b_k| count no further, and
+ * such a row is summed in twice the precision: else b would vanish in their rounding, and a long
+ * null vector of A pass for a solution. x_i is negligible when its column changes no row. Rows
  * should be scaled alike (nsdae_lcp_solve equilibrates); columns need not.
  *
  *   n         >= 0

@@ -108,7 +108,7 @@ NSDAE_API int nsdae_lcp_solve(const nsdae_lcp_problem *problem, const nsdae_lcp_
 
 /* The same in the caller's workspace, without allocation.
  *   basis [n]  in: not 0 where x_i is thought positive, 0 where y_i is; out: 1 and 0, that of the
- *              solution (of no use where none was found)
+ *              solution, in which an x_i may be zero (of no use where none was found)
  *   work [lwork], iwork [liwork]: at least the sizes for n from nsdae_lcp_workspace */
 NSDAE_API int nsdae_lcp_solve_in(const nsdae_lcp_problem *problem, const nsdae_lcp_options *options,
                                  int *basis, double *x, double *y, nsdae_lcp_info *info,

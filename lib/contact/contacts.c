@@ -340,7 +340,7 @@ static int mode_of(const nsdae_contacts *c, int a)
 {
   const nsdae_law *law = &c->law[c->active[a]];
   const double *x = c->x + c->first_row[a], *offset = c->offset + c->first_column[a];
-  int mode = nsdae_law_mode(law, x, c->basis + c->first_row[a]);
+  int mode = nsdae_law_mode(law, x);
   double speed = 0;
   if (law->kind != NSDAE_POLYGON || mode != NSDAE_SLIDE) return mode;
   for (int l = 0; l < law->columns; l++) speed = fmax(speed, fabs(offset[l]));

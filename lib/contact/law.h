@@ -44,7 +44,7 @@ nsdae_law nsdae_law_sliding(int nt, double mu, const double *d);
 /* Adds N to the r x r diagonal block of A. */
 void nsdae_law_add_coupling(const nsdae_law *law, double *A, int lda);
 
-/* enum nsdae_mode of the contact from its part of a solution: x and which of it is basic. */
-int nsdae_law_mode(const nsdae_law *law, const double *x, const int *basis);
+/* enum nsdae_mode of the contact from its part x of a solution. */
+int nsdae_law_mode(const nsdae_law *law, const double *x);
 
 #endif

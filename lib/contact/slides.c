@@ -170,7 +170,7 @@ void nsdae_slides_scatter(nsdae_contacts *c)
       size += fabs(term);
     }
     c->impulse_size[column] = size;
-    int sticking = !sense_of(c, i) && c->basis[row + LAMBDA_R] && !c->basis[row + XI_L];
+    int sticking = !sense_of(c, i) && c->x[row + LAMBDA_R] > 0 && c->x[row + XI_L] == 0;
     c->impulse[column] = sum;
     c->slide_impulse[c->slide[i]] = sum;
     c->slide_mode[c->slide[i]] = sticking ? NSDAE_STICK : NSDAE_SLIDE;

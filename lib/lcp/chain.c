@@ -61,6 +61,12 @@ void nsdae_chain_equilibrate(nsdae_chain *c)
     memcpy(c->A + j * n, c->problem->A + j * (size_t)c->problem->lda, n * sizeof *c->A);
   for (size_t i = 0; i < n; i++) c->b[i] = c->problem->b[i];
   nsdae_equilibrate(c->n, c->A, c->b, c->row, c->column, c->point, c->index);
+  double before = 0, after = 0;
+  for (size_t i = 0; i < n; i++) {
+    before = fmax(before, fabs(c->problem->b[i]));
+    after = fmax(after, fabs(c->b[i]));
+  }
+  c->out_of_range = before > 0 && !(after > 0x1p-900 && after < 0x1p900);
 }
 
 static int trivial(nsdae_chain *c)

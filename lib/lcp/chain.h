@@ -26,6 +26,7 @@ typedef struct nsdae_chain {
   int *index;          /* 2 n + 1 */
   int *allowed;        /* 2 n */
   int *label, *member; /* n, n: islands */
+  int out_of_range;    /* no scale brings b to the middle of the range: nothing is judged */
   int islands;         /* their number, 0 before they are looked for */
   int ray;             /* Lemke's method with the vector of ones ended on one */
 } nsdae_chain;

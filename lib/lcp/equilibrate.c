@@ -16,15 +16,22 @@ static double largest(int n, const double *a)
 }
 
 /* Sizes within these factors of one are let be, and are even enough when at work. */
-enum { WORTH_IT = 256, EVEN = 4, ROUNDS = 12, FARTHEST = 400 };
+enum { WORTH_IT = 256, EVEN = 4, ROUNDS = 12 };
+
+/* No scale is further from one than 2 to this power. */
+enum { FARTHEST = 1000 };
+
+static int limit(long exponent, int least, int most)
+{
+  return exponent < least ? least : exponent > most ? most : (int)exponent;
+}
 
 /* Largest entries by magnitude of the rows and columns. */
-static void measure(int n, const double *A, int lda, double *restrict of_row,
-                    double *restrict of_column)
+static void measure(int n, const double *A, double *restrict of_row, double *restrict of_column)
 {
   for (int i = 0; i < n; i++) of_row[i] = 0;
   for (int j = 0; j < n; j++) {
-    const double *restrict column = A + (size_t)j * (size_t)lda;
+    const double *restrict column = A + (size_t)j * (size_t)n;
     for (int i = 0; i < n; i++)
       of_row[i] = fabs(column[i]) > of_row[i] ? fabs(column[i]) : of_row[i];
     of_column[j] = largest(n, column);
@@ -47,110 +54,135 @@ static double root_scale(double size)
   return ldexp(1, -exponent / 2);
 }
 
-static void scale(int n, double *A, double *b, const double *by_row, const double *by_column)
+/* Multiplies a scale; returns by what. */
+static double grow(double *scale, double by)
 {
-  for (int j = 0; j < n; j++) {
-    double *column = A + (size_t)j * (size_t)n;
-    for (int i = 0; i < n; i++) column[i] *= by_row[i] * by_column[j];
-    b[j] *= by_row[j];
+  int before = ilogb(*scale), after = limit((long)before + ilogb(by), -FARTHEST, FARTHEST);
+  *scale = ldexp(1, after);
+  return ldexp(1, after - before);
+}
+
+/* Scales grow by these, as far as they may. */
+static void scale(int n, double *A, double *row, double *column, double *by_row, double *by_column)
+{
+  for (int i = 0; i < n; i++) {
+    by_row[i] = grow(row + i, by_row[i]);
+    by_column[i] = grow(column + i, by_column[i]);
   }
+  for (int j = 0; j < n; j++)
+    for (int i = 0; i < n; i++) A[(size_t)j * (size_t)n + (size_t)i] *= by_row[i] * by_column[j];
 }
 
 /* Power of two near one over the geometric mean of the entries that are not zero. */
 static double mean_scale(int n, const double *a, size_t stride)
 {
   long sum = 0, count = 0;
+  int largest = -FARTHEST;
   for (size_t i = 0; i < (size_t)n; i++) {
     if (a[i * stride] == 0) continue;
-    sum += ilogb(a[i * stride]);
+    int power = ilogb(a[i * stride]);
+    if (power > largest) largest = power;
+    sum += power;
     count++;
   }
-  return count > 0 ? ldexp(1, (int)-lrint((double)sum / (double)count)) : 1;
+  long mean = count > 0 ? lrint((double)sum / (double)count) : 0;
+  return ldexp(1, limit(-mean, -FARTHEST, FARTHEST - largest)); /* without overflow */
 }
 
 /* Geometric means of rows and columns in turn: least squares in the logarithms (Curtis and Reid, J.
  * Inst. Math. Appl. 10, 1972), which finds the scales of a matrix that was scaled. */
-static void even_means(int n, double *A, double *b, double *row, double *column, double *work)
+static void even_means(int n, double *A, double *row, double *column, double *work)
 {
   double *by_row = work, *by_column = work + n;
   for (int round = 0; round < 2 * ROUNDS; round++) {
     for (int i = 0; i < n; i++) {
       by_row[i] = round % 2 == 0 ? mean_scale(n, A + i, (size_t)n) : 1;
       by_column[i] = round % 2 == 1 ? mean_scale(n, A + (size_t)i * (size_t)n, 1) : 1;
-      row[i] *= by_row[i];
-      column[i] *= by_column[i];
     }
-    scale(n, A, b, by_row, by_column);
+    scale(n, A, row, column, by_row, by_column);
   }
 }
 
-/* Rows (i) and columns (n + j) that entries join to the one on the stack, all marked. Returns
- * the largest |b_i| among them. */
-static double visit(int n, const double *A, const double *b, int *stack, int *mark, int start,
-                    int *count)
+/* Rows (i) and columns (n + j) that entries join to the one on the stack, all marked; returns
+ * their number. */
+static int visit(int n, const double *A, int *stack, int *mark, int start)
 {
-  double most = 0;
-  *count = 0;
-  stack[(*count)++] = start;
+  int count = 0;
+  stack[count++] = start;
   mark[start] = 1;
-  for (int k = 0; k < *count; k++) {
+  for (int k = 0; k < count; k++) {
     int node = stack[k], of_row = node < n;
-    if (of_row) most = fmax(most, fabs(b[node]));
     const double *a = of_row ? A + node : A + (size_t)(node - n) * (size_t)n;
     for (int i = 0; i < n; i++) {
       int other = of_row ? n + i : i;
       if (a[(size_t)i * (of_row ? (size_t)n : 1)] == 0 || mark[other]) continue;
       mark[other] = 1;
-      stack[(*count)++] = other;
+      stack[count++] = other;
     }
   }
-  return most;
+  return count;
 }
 
-/* Blocks that no entry joins have no common scale but that of b: the largest b_i of each is brought
- * to the size of the largest. */
-static void even_blocks(int n, const double *A, double *b, double *row, double *column, int *iwork)
+/* Multiplies the rows of a block by the power of two, and divides the columns by it, that brings
+ * its largest b_i to the size of one: A stays, and x and y shrink alike. */
+static void shift_block(int n, const double *b, double *row, double *column, const int *node,
+                        int count)
 {
-  int *stack = iwork, *mark = iwork + 2 * n, count;
-  double largest = 0;
-  for (int i = 0; i < n; i++) largest = fmax(largest, fabs(b[i]));
-  for (int i = 0; i < 2 * n; i++) mark[i] = 0;
-  for (int start = 0; start < n; start++) {
-    if (mark[start]) continue;
-    double most = visit(n, A, b, stack, mark, start, &count);
-    if (most == 0 || count == 1) continue;
-    int shift = ilogb(largest) - ilogb(most);
-    if (shift > FARTHEST) shift = FARTHEST;
-    for (int k = 0; k < count; k++) {
-      if (stack[k] < n) {
-        b[stack[k]] = ldexp(b[stack[k]], shift);
-        row[stack[k]] = ldexp(row[stack[k]], shift);
-      } else {
-        column[stack[k] - n] = ldexp(column[stack[k] - n], -shift);
-      }
-    }
+  int none = -10000, largest = none, low = -2 * FARTHEST, high = 2 * FARTHEST;
+  for (int k = 0; k < count; k++) {
+    int i = node[k], power = i < n ? ilogb(row[i]) : -ilogb(column[i - n]);
+    if (-FARTHEST - power > low) low = -FARTHEST - power;
+    if (FARTHEST - power < high) high = FARTHEST - power;
+    if (i < n && b[i] != 0 && ilogb(b[i]) + power > largest) largest = ilogb(b[i]) + power;
   }
+  if (largest == none) return;
+  int shift = limit(-largest, low, high);
+  for (int k = 0; k < count; k++) {
+    double *of_row = row + node[k], *of_column = column + (node[k] - n);
+    if (node[k] < n)
+      *of_row = ldexp(*of_row, shift);
+    else
+      *of_column = ldexp(*of_column, -shift);
+  }
+}
+
+/* Blocks that no entry joins have no common scale but that of b. */
+static void even_blocks(int n, const double *A, const double *b, double *row, double *column,
+                        int *iwork)
+{
+  int *stack = iwork, *mark = iwork + 2 * n;
+  for (int i = 0; i < 2 * n; i++) mark[i] = 0;
+  for (int start = 0; start < n; start++)
+    if (!mark[start]) shift_block(n, b, row, column, stack, visit(n, A, stack, mark, start));
+}
+
+/* Whether b is far from the ends of the range, or zero. */
+static int is_moderate(int n, const double *b)
+{
+  double most = largest(n, b);
+  return most == 0 || (most > 0x1p-500 && most < 0x1p500);
 }
 
 /* Then the largest entries (Ruiz, RAL-TR-2001-034): rows and columns by the root of their size,
  * until they are even. */
-static void even_sizes(int n, double *A, double *b, double *row, double *column, double *work)
+static void even_sizes(int n, double *A, double *row, double *column, double *work)
 {
   double *by_row = work, *by_column = work + n;
   for (int round = 0; round < ROUNDS; round++) {
-    measure(n, A, n, by_row, by_column);
+    measure(n, A, by_row, by_column);
     if (!uneven(n, by_row, EVEN) && !uneven(n, by_column, EVEN)) return;
     for (int i = 0; i < n; i++) {
-      row[i] *= by_row[i] = root_scale(by_row[i]);
-      column[i] *= by_column[i] = root_scale(by_column[i]);
+      by_row[i] = root_scale(by_row[i]);
+      by_column[i] = root_scale(by_column[i]);
     }
-    scale(n, A, b, by_row, by_column);
+    scale(n, A, row, column, by_row, by_column);
   }
 }
 
-int nsdae_is_even(int n, const double *A, int lda, double *work)
+/* Whether the largest entries of all rows and columns that are not zero are near enough to one. */
+static int is_even(int n, const double *A, double *work)
 {
-  measure(n, A, lda, work, work + n);
+  measure(n, A, work, work + n);
   return !uneven(n, work, WORTH_IT) && !uneven(n, work + n, WORTH_IT);
 }
 
@@ -158,8 +190,12 @@ void nsdae_equilibrate(int n, double *A, double *b, double *row, double *column,
                        int *iwork)
 {
   for (int i = 0; i < n; i++) row[i] = column[i] = 1;
-  if (nsdae_is_even(n, A, n, work)) return;
-  even_means(n, A, b, row, column, work);
-  even_sizes(n, A, b, row, column, work);
+  int even = is_even(n, A, work);
+  if (even && is_moderate(n, b)) return;
+  if (!even) {
+    even_means(n, A, row, column, work);
+    even_sizes(n, A, row, column, work);
+  }
   even_blocks(n, A, b, row, column, iwork);
+  for (int i = 0; i < n; i++) b[i] = ldexp(b[i], ilogb(row[i]));
 }

@@ -28,14 +28,31 @@ static void add(expansion *e, double value)
   e->size = size;
 }
 
+/* Sum of the exponents of the factors, or NONE where one is zero. */
+enum { NONE = -10000, SPAN = 900 };
+
+static int power_of(double a, double u)
+{
+  return a == 0 || u == 0 ? NONE : ilogb(a) + ilogb(u);
+}
+
 int nsdae_exact_sign(int n, const double *a, int stride, const double *u)
 {
   expansion e = {.size = 0};
+  int largest = NONE;
   for (int i = 0; i < n; i++) {
-    double factor = a[(size_t)i * (size_t)stride], product = factor * u[i];
-    if (factor == 0 || u[i] == 0) continue;
-    if (!(fabs(product) > 0x1p-900 && fabs(product) < 0x1p900)) return NSDAE_SIGN_UNKNOWN;
-    add(&e, fma(factor, u[i], -product));
+    double factor = a[(size_t)i * (size_t)stride];
+    if (!isfinite(factor) || !isfinite(u[i])) return NSDAE_SIGN_UNKNOWN;
+    int power = power_of(factor, u[i]);
+    if (power > largest) largest = power;
+  }
+  for (int i = 0; i < n; i++) {
+    double factor = a[(size_t)i * (size_t)stride];
+    int power = power_of(factor, u[i]), own = power == NONE ? 0 : ilogb(factor);
+    if (power == NONE) continue;
+    if (power < largest - SPAN) return NSDAE_SIGN_UNKNOWN;
+    double one = ldexp(factor, -own), other = ldexp(u[i], own - largest), product = one * other;
+    add(&e, fma(one, other, -product));
     add(&e, product);
   }
   if (e.size == 0) return 0;

@@ -4,9 +4,8 @@
  *   |min(x_i / sx_i, y_i / sy_i)| <= r_i / s_i,   s_i = |b_i| + sum_j |a_ij x_j| <= sy_i.
  * The right side does not change when rows or columns are scaled, and its sum only runs over the
  * island of i: it bounds the residual of nsdae_dlcpres in every scaling, of the whole and of every
- * island (componentwise backward error, Oettli and Prager, Numer. Math. 6, 1964). Where x_i should
- * be zero and is rounding, s_i may be no more than that; then the part of sy_i that comes from the
- * largest b of the island is added, which takes islands and even rows after all. */
+ * island (componentwise backward error, Oettli and Prager, Numer. Math. 6, 1964). It does so as
+ * long as the s_i are not larger than b warrants, for which the active block has to be regular. */
 #include "guess.h"
 
 #include <float.h>
@@ -15,10 +14,13 @@
 #include <string.h>
 
 #include "dense.h"
-#include "equilibrate.h"
+#include "residual.h"
 
 /* Bounds that a refinement cannot improve on by much, and such that are not for want of one. */
 static const double ROUNDING = 2e-15, WRONG = 1e-6;
+
+/* A sum so small against its terms is zero. */
+static const double CANCELLED = 8 * DBL_EPSILON;
 
 /* Sizes below this may be what underflow left. */
 static const double TINY = DBL_MIN / DBL_EPSILON;
@@ -28,7 +30,7 @@ static int accept(nsdae_chain *c, int stage, double residual)
   c->info->outcome = NSDAE_LCP_SOLVED;
   c->info->stage = stage;
   c->info->residual = residual;
-  for (int i = 0; i < c->n; i++) c->basis[i] = c->x[i] > 0;
+  for (int i = 0; i < c->n; i++) c->basis[i] = stage == NSDAE_LCP_WARM && c->basis[i];
   return 1;
 }
 
@@ -105,106 +107,133 @@ static int are_sound(const nsdae_chain *c, int size)
   return 1;
 }
 
-/* max_i r_i / (s_i + 1e-3 largest_i); a row without size has r_i = 0, and counts for nothing. */
-static double bound(const nsdae_chain *c, const double *restrict largest)
+/* max_i r_i / s_i; a row without size has r_i = 0, and counts for nothing. */
+static double bound(const nsdae_chain *c)
 {
   const double *restrict x = c->x, *restrict y = c->y, *restrict s = c->sizes;
   double worst = 0;
   for (int i = 0; i < c->n; i++) {
-    double r = (x[i] > 0 ? fabs(y[i]) : -y[i]) / (s[i] + 1e-3 * largest[i]);
+    double r = (x[i] > 0 ? fabs(y[i]) : -y[i]) / s[i];
     worst = r > worst ? r : worst;
   }
   return worst;
 }
 
-/* Adds what solves A_BB x_B = -y_B to x. */
-static void correct(nsdae_chain *c, int size)
+/* x -= a factor, s += |a factor|. */
+static void eliminate(int n, const double *restrict a, double factor, double *restrict x,
+                      double *restrict s)
 {
-  for (int j = 0; j < size; j++) c->rhs[j] = -c->y[c->index[j]];
-  nsdae_la_lu_solve(size, c->lu, size, c->pivot, c->rhs);
+  for (int i = 0; i < n; i++) {
+    double term = a[i] * factor;
+    x[i] -= term;
+    s[i] += fabs(term);
+  }
+}
+
+/* rhs := A_BB^-1 rhs; what is left of terms that cancel is zero. */
+static void divide(nsdae_chain *c, int size)
+{
+  double *x = c->rhs, *s = c->cover;
   for (int j = 0; j < size; j++) {
-    double x = c->x[c->index[j]] + c->rhs[j];
-    c->x[c->index[j]] = x > 0 ? x : 0;
+    double held = x[j];
+    x[j] = x[c->pivot[j] - 1];
+    x[c->pivot[j] - 1] = held;
   }
-}
-
-/* Whether every x_i > 0 has a b_k < 0 beside it. On an island with b >= 0 the chain takes x = 0,
- * and so must do who solves all islands as one. */
-static int is_pushed(const nsdae_chain *c, int size)
-{
-  const double *b = c->problem->b;
+  for (int j = 0; j < size; j++) s[j] = fabs(x[j]);
   for (int j = 0; j < size; j++) {
-    const double *column = column_of(c, c->index[j]);
-    int k = 0, i = c->index[j];
-    if (c->x[i] == 0 || b[i] < 0) continue;
-    while (k < c->n && (b[k] >= 0 || column[k] == 0)) k++;
-    if (k == c->n) return 0;
+    const double *column = c->lu + (size_t)j * (size_t)size;
+    eliminate(size - j - 1, column + j + 1, x[j], x + j + 1, s + j + 1);
   }
-  return 1;
-}
-
-/* The same by islands; largest_i becomes the largest |b_k| of the island of i. */
-static int is_island_pushed(nsdae_chain *c)
-{
-  int *pushed = c->trial, all = 1;
-  const int *label = c->label;
-  double *largest = c->cover;
-  nsdae_chain_find_islands(c);
-  for (int i = 0; i < c->n; i++) largest[i] = pushed[i] = 0;
-  for (int i = 0; i < c->n; i++) {
-    double b = c->problem->b[i], most = largest[label[i]];
-    largest[label[i]] = fabs(b) > most ? fabs(b) : most;
-    pushed[label[i]] |= b < 0;
+  for (int j = size - 1; j >= 0; j--) {
+    const double *column = c->lu + (size_t)j * (size_t)size;
+    x[j] = fabs(x[j]) > CANCELLED * s[j] ? x[j] / column[j] : 0;
+    eliminate(j, column, x[j], x, s);
   }
-  for (int i = 0; i < c->n; i++) {
-    largest[i] = largest[label[i]];
-    all &= pushed[label[i]] || c->x[i] == 0;
-  }
-  return all;
 }
 
-static void fill(nsdae_chain *c, double value)
-{
-  for (int i = 0; i < c->n; i++) c->cover[i] = value;
-}
-
-static double largest_b(const nsdae_chain *c)
-{
-  double most = 0;
-  for (int i = 0; i < c->n; i++)
-    most = fabs(c->problem->b[i]) > most ? fabs(c->problem->b[i]) : most;
-  return most;
-}
-
-/* x with the active set of that size, refined once where that is of use. Returns the bound with
- * nothing for the largest b, or where that is of no use with the largest of all. */
-static double solve(nsdae_chain *c, int size, double *strict)
+/* x with the active set of that size, refined once where that is of use; what is zero at first
+ * stays so. Returns its bound. */
+static double solve(nsdae_chain *c, int size)
 {
   double error = WRONG;
   memset(c->x, 0, (size_t)c->n * sizeof *c->x);
   memcpy(c->y, c->problem->b, (size_t)c->n * sizeof *c->y);
   for (int round = 0; round < 2 && error > ROUNDING && error <= WRONG; round++) {
-    correct(c, size);
+    for (int j = 0; j < size; j++) c->rhs[j] = -c->y[c->index[j]];
+    divide(c, size);
+    for (int j = 0; j < size; j++) {
+      double *x = c->x + c->index[j], sum = *x + c->rhs[j];
+      if (round == 0 || *x > 0) *x = sum > 0 ? sum : 0;
+    }
     multiply(c, size);
-    fill(c, 0);
-    error = *strict = bound(c, c->cover);
-    if (error <= WRONG) continue;
-    fill(c, largest_b(c));
-    error = bound(c, c->cover);
+    error = bound(c);
   }
   return error;
 }
 
+/* The largest share of x_j > 0 by which it changes where each row of the head changes by its
+ * rounding, in proportions that no row of numbers in the model has. */
+static double sensitivity(nsdae_chain *c, int size)
+{
+  double worst = 0, part = 0;
+  for (int j = 0; j < size; j++) {
+    part += part < 0.5 ? 0.6180339887498949 : -0.3819660112501051;
+    c->rhs[j] = (j % 2 ? part : -part) * DBL_EPSILON * c->sizes[c->index[j]];
+  }
+  divide(c, size);
+  for (int j = 0; j < size; j++) {
+    double x = c->x[c->index[j]], change = fabs(c->rhs[j]);
+    if (!isfinite(change)) return INFINITY;
+    if (x > 0 && change > worst * x) worst = change / x;
+  }
+  return worst;
+}
+
+/* Whether the column of x_j has an entry in a row that is reached. */
+static int is_reached(const nsdae_chain *c, int j)
+{
+  const double *column = column_of(c, j);
+  for (int i = 0; i < c->n && !c->trial[j]; i++)
+    if (c->trial[i] && column[i] != 0) return 1;
+  return c->trial[j];
+}
+
+static void spread(const nsdae_chain *c, int j)
+{
+  const double *column = column_of(c, j);
+  for (int i = 0; i < c->n; i++) c->trial[i] |= i == j || column[i] != 0;
+}
+
+/* How many x_j > 0 are not reached; from those that are it goes on to the rows of their columns. */
+static int count_left(const nsdae_chain *c, int size, int goes_on)
+{
+  int left = 0;
+  for (int k = 0; k < size; k++) {
+    int j = c->index[k], reached = c->x[j] == 0 || is_reached(c, j);
+    left += !reached;
+    if (reached && goes_on && c->x[j] > 0) spread(c, j);
+  }
+  return left;
+}
+
+/* Whether every x_j > 0 has a b_i < 0 on its island, as far as the columns of such x_j lead. On an
+ * island with b >= 0 the chain takes x = 0, and so must do who solves all islands as one. */
+static int is_pushed(const nsdae_chain *c, int size)
+{
+  for (int i = 0; i < c->n; i++) c->trial[i] = c->problem->b[i] < 0;
+  int left = count_left(c, size, 0);
+  for (int round = 0; round < 3 && left > 0; round++) left = count_left(c, size, 1);
+  return left == 0;
+}
+
 int nsdae_guess_basis(nsdae_chain *c)
 {
-  double strict, tol = c->options->tol;
-  int size = c->options->stages & NSDAE_LCP_WARM ? factor(c) : 0;
-  int may_rest = !(c->options->stages & NSDAE_LCP_TRIVIAL);
-  if (size == 0 || !(solve(c, size, &strict) <= tol) || !are_sound(c, size)) return 0;
-  if (!(strict <= tol && (may_rest || is_pushed(c, size)))) {
-    if (!is_island_pushed(c) && !may_rest) return 0;
-    if (!(strict <= tol) && nsdae_is_even(c->n, c->problem->A, c->problem->lda, c->point))
-      strict = bound(c, c->cover);
-  }
-  return strict <= tol && accept(c, NSDAE_LCP_WARM, strict);
+  int stages = c->options->stages, size = stages & NSDAE_LCP_WARM ? factor(c) : 0;
+  if (size == 0) return 0;
+  double residual = solve(c, size);
+  if (!(residual <= c->options->tol) || !are_sound(c, size)) return 0;
+  residual = fmax(residual, sensitivity(c, size) / NSDAE_LCP_FAR);
+  if (!(residual <= c->options->tol)) return 0;
+  if ((stages & NSDAE_LCP_TRIVIAL) && !is_pushed(c, size)) return 0;
+  return accept(c, NSDAE_LCP_WARM, residual);
 }

@@ -13,8 +13,11 @@ double nsdae_chain_residual(nsdae_chain *c)
   size_t n = (size_t)c->n;
   for (size_t i = 0; i < n; i++) c->rhs[i] = c->x[i] / c->column[i];
   nsdae_dlcpres(c->n, c->A, c->n > 0 ? c->n : 1, c->b, c->rhs, c->y, &residual, c->sizes);
-  for (size_t i = 0; i < n; i++) c->y[i] /= c->row[i];
-  return residual;
+  for (size_t i = 0; i < n; i++) {
+    c->y[i] /= c->row[i];
+    if (!isfinite(c->x[i]) || !isfinite(c->y[i])) residual = INFINITY;
+  }
+  return isnan(residual) || c->out_of_range ? INFINITY : residual;
 }
 
 int nsdae_chain_judge(nsdae_chain *c, int stage)
@@ -72,6 +75,6 @@ static int solve(nsdae_chain *c, const int *basis, double *x)
 int nsdae_chain_judge_basis(nsdae_chain *c, const int *basis, int stage)
 {
   if (solve(c, basis, c->x) != 0 || !nsdae_chain_judge(c, stage)) return 0;
-  for (int i = 0; i < c->n; i++) c->basis[i] = basis[i] && c->x[i] > 0;
+  for (int i = 0; i < c->n; i++) c->basis[i] = basis[i] != 0; /* zeros too: it is regular */
   return 1;
 }

@@ -73,12 +73,24 @@ static int holds(const nsdae_chain *c, const double *u)
   return 1;
 }
 
-/* Rounds w to 24 places below its largest entry: small ratios of integers become exact. */
+static int is_whole(int n, const double *w, double factor)
+{
+  for (int i = 0; i < n; i++)
+    if (fabs(factor * w[i] - round(factor * w[i])) > 1e-6) return 0;
+  return 1;
+}
+
+/* Data that are small integers have a w whose entries are in the ratio of integers: those, the
+ * least ones, or else 24 places below the largest entry. */
 static void simplify(int n, double *w)
 {
+  enum { LARGEST = 4096 };
   double most = 0;
+  int k = 1;
   for (int i = 0; i < n; i++) most = fmax(most, fabs(w[i]));
-  for (int i = 0; i < n && most > 0; i++) w[i] = ldexp(round(ldexp(w[i] / most, 24)), -24);
+  while (k <= LARGEST && !is_whole(n, w, k / most)) k++;
+  double factor = k <= LARGEST ? k : 0x1p24;
+  for (int i = 0; i < n; i++) w[i] = round(factor / most * w[i]);
 }
 
 /* u from the nearest point with columns so tilted; in c->cover. */
@@ -152,11 +164,21 @@ static int branch_index(const nsdae_chain *c)
   return best;
 }
 
-/* What the nearest point takes for positive, solved at once. */
+/* What the nearest point takes for positive, solved at once; and the point itself, for the block of
+ * the x_i that make a solution may be singular. */
 static int judge_point(nsdae_chain *c)
 {
-  for (int i = 0; i < c->n; i++) c->trial[i] = c->point[c->n + i] > c->point[i];
-  return nsdae_chain_judge_basis(c, c->trial, NSDAE_LCP_ENUMERATE);
+  int n = c->n;
+  double size = norm(n, c->b);
+  for (int i = 0; i < n; i++) c->trial[i] = c->point[n + i] > c->point[i];
+  if (nsdae_chain_judge_basis(c, c->trial, NSDAE_LCP_ENUMERATE)) return 1;
+  for (int j = 0; j < n; j++) {
+    double of_column = norm(n, c->A + (size_t)j * (size_t)n), z = c->point[n + j];
+    c->x[j] = z > 0 ? z * size / of_column * c->column[j] : 0;
+  }
+  if (!nsdae_chain_judge(c, NSDAE_LCP_ENUMERATE)) return 0;
+  memcpy(c->basis, c->trial, (size_t)n * sizeof *c->basis);
+  return 1;
 }
 
 enum { OPEN, EMPTY, FOUND };

@@ -22,6 +22,35 @@ static void product(int n, const double *a, int lda, const double *b, const doub
   }
 }
 
+/* Row i of A x + b in twice the precision (Ogita, Rump, Oishi, SIAM J. Sci. Comput. 26, 2005). */
+static double sum_carefully(int n, const double *row, int lda, double b, const double *x)
+{
+  double sum = b, rest = 0;
+  for (int j = 0; j < n; j++) {
+    double a = row[(size_t)j * (size_t)lda], term = a * x[j], next = sum + term;
+    double shadow = next - sum;
+    rest += (sum - (next - shadow)) + (term - shadow) + fma(a, x[j], -term);
+    sum = next;
+  }
+  return sum + rest;
+}
+
+/* y and sy. */
+static void measure(int n, const double *a, int lda, const double *b, const double *x, double *y,
+                    double *size)
+{
+  double largest = 0;
+  for (int i = 0; i < n; i++) largest = fmax(largest, fabs(b[i]));
+  product(n, a, lda, b, x, y, size);
+  for (int i = 0; i < n; i++) {
+    if (size[i] > NSDAE_LCP_FAR * largest && isfinite(size[i])) {
+      y[i] = sum_carefully(n, a + i, lda, b[i], x);
+      size[i] = NSDAE_LCP_FAR * largest;
+    }
+    size[i] += 1e-3 * largest;
+  }
+}
+
 /* y_i / sy_i, or x_i / sx_i: zero where there is nothing to compare with. */
 static double relative(double value, double size)
 {
@@ -74,10 +103,8 @@ int nsdae_dlcpres(int n, const double *a, int lda, const double *b, const double
 {
   int info = check(n, a, lda, b, x, y, residual, work);
   if (info != 0) return info;
-  double largest = 0, worst = 0;
-  for (int i = 0; i < n; i++) largest = fmax(largest, fabs(b[i]));
-  product(n, a, lda, b, x, y, work);
-  for (int i = 0; i < n; i++) work[i] += 1e-3 * largest;
+  double worst = 0;
+  measure(n, a, lda, b, x, y, work);
   for (int i = 0; i < n && !isnan(worst); i++) {
     if (is_within(x[i], y[i], work[i], worst)) continue;
     double error = fabs(nsdae_lcp_entry_error(n, a + (size_t)i * (size_t)lda, i, x[i], y[i], work));

@@ -56,15 +56,17 @@ static int in_range(const nsdae_lcp_options *o)
          o->stages <= NSDAE_LCP_ALL && o->enumerate_max >= 0 && o->enumerate_max <= 24;
 }
 
-/* 0 * a is zero but for NaN and infinity; four sums, for the latency of an addition. */
+/* 0 * a is zero but for NaN and infinity; sums side by side, for the latency of an addition. */
 static int all_finite(size_t n, const double *a)
 {
-  double sum[4] = {0};
+  enum { SUMS = 16 };
+  double sum[SUMS] = {0}, all = 0;
   size_t i = 0;
-  for (; i + 4 <= n; i += 4)
-    for (size_t k = 0; k < 4; k++) sum[k] += 0 * a[i + k];
-  for (; i < n; i++) sum[0] += 0 * a[i];
-  return sum[0] + sum[1] + sum[2] + sum[3] == 0;
+  for (; i + SUMS <= n; i += SUMS)
+    for (size_t k = 0; k < SUMS; k++) sum[k] += 0 * a[i + k];
+  for (; i < n; i++) all += 0 * a[i];
+  for (size_t k = 0; k < SUMS; k++) all += sum[k];
+  return all == 0;
 }
 
 static int finite(const nsdae_lcp_problem *p)

@@ -46,11 +46,25 @@ static void test_scaled_rows(void **state)
   }
 }
 
+/* A (1, 1) = 0 to the last bit, and y_0 + y_1 = -2 for every x: no x is a solution, and none
+ * becomes one by being large, where b is less than the rounding of A x. */
+static void test_null_vector(void **state)
+{
+  (void)state;
+  const double A[4] = {3, -3, -3, 3}, b[2] = {-1, -1};
+  for (int e = 0; e <= 1000; e += 10) {
+    double x[2] = {ldexp(1, e), ldexp(1, e)};
+    if (!(residual_of(2, A, b, x) > 1e-7))
+      fail_msg("x = 2^%d (1, 1): residual %g", e, residual_of(2, A, b, x));
+  }
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_far_apart),
       cmocka_unit_test(test_scaled_rows),
+      cmocka_unit_test(test_null_vector),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -99,6 +99,16 @@ head -c 3000 /dev/zero >zeros.dat
 refused "zeros.dat" zeros.dat
 printf '2\n0\n2\n2\n2 2\n2 1\n1' >cut.dat
 refused "cut.dat: ends where a matrix entry must be" cut.dat
+printf '2 1 2 2  4 2 2  1 2  1 2  3 4  2 0 4  0 1 0 1  0 2 1 1 2 1 3 2  -5 -6\n' >pointers.dat
+refused "pointers.dat: the row pointers do not rise" pointers.dat
+printf '2 1 0 2 2 2 2  1 0  0 1  -1 0.1  -0.5\n' >mu.dat
+refused "mu.dat: friction coefficient 1 is -0.5, must be >= 0" mu.dat
+# a number of so many digits is one number, or none
+printf '1 0 1 1 1 1 %0300d -1\n' 2 >long.dat
+gives 0 'outcome: solved' --solution long.dat
+x_is 1 0.5
+printf '1 0 1 1 1 1 %0500d -1\n' 2 >longer.dat
+refused "longer.dat: '0000" longer.dat
 printf '2\n0\n2\n2\n2 2\n2 1\n1 nan\n1 1\n' >nan.dat
 refused "nan.dat" nan.dat
 printf '2\n0\n2\n2\n2 2\n2 1\n1 1\n1 inf\n' >inf.dat

@@ -47,8 +47,12 @@ static void test_range(void **state)
   (void)state;
   const double huge[2] = {1e300, 1}, small[2] = {1e-300, 1}, one[2] = {1e300, 1};
   const double odd[2] = {NAN, 1};
+  const double least[2] = {0x1p-1074, -0x1p-1074}, most[2] = {0x1.fffffffffffffp1023, 0};
   assert_int_equal(nsdae_exact_sign(2, huge, 1, one), NSDAE_SIGN_UNKNOWN);
   assert_int_equal(nsdae_exact_sign(2, small, 1, small), NSDAE_SIGN_UNKNOWN);
+  assert_int_equal(nsdae_exact_sign(2, least, 1, least), 1); /* 2 x 2^-2148 */
+  assert_int_equal(nsdae_exact_sign(2, most, 1, most), 1);
+  assert_int_equal(nsdae_exact_sign(2, least, 1, (const double[]){3, 4}), -1);
   assert_int_equal(nsdae_exact_sign(2, small, 1, one), 1);
   assert_int_equal(nsdae_exact_sign(2, odd, 1, one), NSDAE_SIGN_UNKNOWN);
   assert_int_equal(nsdae_exact_sign(0, NULL, 1, NULL), 0);

@@ -40,6 +40,9 @@ static void test_farkas(void **state)
   is_farkas(1, (const double[]){0}, (const double[]){-1e-300});
   /* y_0 + y_1 = -2: only u = (1, 1) proves it, and with A^T u = 0 to the last bit */
   is_farkas(2, (const double[]){1, -1, -1, 1}, (const double[]){-1, -1});
+  /* only u = (1, 3), and u = (5, 7, 3 or more): not exact where the largest entry is one */
+  is_farkas(2, (const double[]){3, -1, -3, 1}, (const double[]){-1, 0});
+  is_farkas(3, (const double[]){7, -5, 0, -7, 5, 0, 0, 3, -7}, (const double[]){-1, 0, 0});
   /* y_0 = -x_1 - 1 */
   is_farkas(2, (const double[]){0, 1, -1, 0}, (const double[]){-1, 0});
 }
@@ -54,6 +57,22 @@ static void test_enumerated(void **state)
   nsdae_lcp_info info = solve(2, A, b, x, y);
   assert_int_equal(info.outcome, NSDAE_LCP_INFEASIBLE);
   assert_int_equal(info.proof, NSDAE_LCP_PROOF_ENUMERATED);
+}
+
+/* All square blocks of the x_i > 0 are singular in every solution. First x_0 = 1; then 2 x_0 - x_2
+ * = 1 in rows 0 and 2 alike, x_0 >= 3. */
+static void test_singular_blocks(void **state)
+{
+  (void)state;
+  const double few[4] = {0, 1, 0, 0}, b[2] = {0, -1};
+  const double repeated[16] = {2, -3, 2, -1, -2, -3, -2, -1, -1, 2, -1, 1, 0, 0, 0, 0};
+  const double c[4] = {-1, -1, -1, 1};
+  double x[4], y[4];
+  assert_int_equal(solve(2, few, b, x, y).outcome, NSDAE_LCP_SOLVED);
+  assert_near(x[0], 1, 1e-12);
+  assert_int_equal(solve(4, repeated, c, x, y).outcome, NSDAE_LCP_SOLVED);
+  assert_near(2 * x[0] - x[2], 1, 1e-9);
+  assert_true(x[0] > 3 - 1e-9 && x[1] == 0);
 }
 
 /* A ray on a skew matrix (x^T A x = 0 for all x) and on a negative one. */
@@ -108,11 +127,39 @@ static void test_scaled(void **state)
     }
 }
 
+/* Without solution at both ends of the range of numbers, where b must not vanish in the scales. */
+static void test_ends_of_the_range(void **state)
+{
+  (void)state;
+  const double sizes[] = {0x1p-1074, 1e-300, 1e-150, 1, 1e150, 1e300, 1.7e308};
+  for (int i = 0; i < 7; i++)
+    for (int j = 0; j < 7; j++) {
+      double x[2], y[2];
+      is_farkas(1, (const double[]){-sizes[i]}, (const double[]){-sizes[j]});
+      nsdae_lcp_info info = solve(2, (const double[]){sizes[i], -sizes[i], -sizes[i], sizes[i]},
+                                  (const double[]){-sizes[j], -sizes[j]}, x, y);
+      assert_int_not_equal(info.outcome, NSDAE_LCP_SOLVED);
+      /* x = size_j / size_i, solved wherever that can be written */
+      info = solve(1, (const double[]){sizes[i]}, (const double[]){-sizes[j]}, x, y);
+      assert_int_not_equal(info.outcome, NSDAE_LCP_INFEASIBLE);
+      double ratio = sizes[j] / sizes[i];
+      if (isnormal(ratio) && ratio < 1e307) {
+        assert_int_equal(info.outcome, NSDAE_LCP_SOLVED);
+        assert_near(x[0] / ratio, 1, 1e-10);
+      }
+    }
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_farkas),  cmocka_unit_test(test_enumerated), cmocka_unit_test(test_ray),
-      cmocka_unit_test(test_islands), cmocka_unit_test(test_scaled),
+      cmocka_unit_test(test_farkas),
+      cmocka_unit_test(test_enumerated),
+      cmocka_unit_test(test_ray),
+      cmocka_unit_test(test_islands),
+      cmocka_unit_test(test_scaled),
+      cmocka_unit_test(test_singular_blocks),
+      cmocka_unit_test(test_ends_of_the_range),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
