@@ -12,7 +12,11 @@ export HOME="$work/home"
 mkdir -p "$HOME" "$work/chapters" "$work/shims"
 cmake --install "$build" --prefix "$HOME/nsdae" >/dev/null || exit 1
 lib=$(dirname "$(find "$HOME/nsdae" -name 'libnsdae.so')")
-[ "$lib" = "$HOME/nsdae/lib" ] || ln -s "${lib#"$HOME/nsdae/"}" "$HOME/nsdae/lib"
+# where it is lib64 or, as for /usr on Debian, a folder in lib: what is in it is in lib too
+if [ "$lib" != "$HOME/nsdae/lib" ]; then
+  mkdir -p "$HOME/nsdae/lib"
+  ln -s "$lib"/* "$HOME/nsdae/lib"
+fi
 ln -s "$source/docs" "$source/data" "$work/chapters"
 cd "$work/chapters" || exit 1
 
