@@ -38,6 +38,8 @@ add_test(NAME fortran/complete
           ${PROJECT_SOURCE_DIR}/include ${PROJECT_BINARY_DIR}/modules ${CMAKE_Fortran_COMPILER}
           ${PROJECT_SOURCE_DIR})
 nsdae_fortran_test(callbacks)
+nsdae_fortran_test(certificate)
+nsdae_fortran_test(kinematics)
 nsdae_fortran_test(arguments)
 nsdae_fortran_test(lcp)
 nsdae_fortran_test(parameters)
