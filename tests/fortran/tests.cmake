@@ -40,6 +40,7 @@ add_test(NAME fortran/complete
 nsdae_fortran_test(callbacks)
 nsdae_fortran_test(certificate)
 nsdae_fortran_test(kinematics)
+nsdae_fortran_test(kernels)
 nsdae_fortran_test(arguments)
 nsdae_fortran_test(lcp)
 nsdae_fortran_test(parameters)
