@@ -2,7 +2,7 @@
 function(nsdae_docs_test name)
   add_test(NAME docs/${name} COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/docs/${name}.sh ${ARGN})
   set_tests_properties(docs/${name} PROPERTIES
-    ENVIRONMENT OPENBLAS_NUM_THREADS=1 TIMEOUT 300 SKIP_RETURN_CODE 77)
+    ENVIRONMENT "OPENBLAS_NUM_THREADS=1;CMAKE_GENERATOR=${CMAKE_GENERATOR}" TIMEOUT 300 SKIP_RETURN_CODE 77)
 endfunction()
 
 nsdae_docs_test(links ${PROJECT_SOURCE_DIR})

@@ -21,8 +21,10 @@
 #include <exception>
 #include <functional>
 #include <limits>
+#include <locale>
 #include <memory>
 #include <new>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <type_traits>
@@ -223,9 +225,11 @@ public:
   options &set(const std::string &key, int value) { return set(key, std::to_string(value)); }
   options &set(const std::string &key, double value)
   {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.17g", value);
-    return set(key, std::string(text));
+    std::ostringstream text;
+    text.imbue(std::locale::classic());
+    text.precision(17);
+    text << value;
+    return set(key, text.str());
   }
 
   /* The fields themselves: options->dt = 0.01. */

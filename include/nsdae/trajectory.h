@@ -23,8 +23,9 @@ typedef struct nsdae_trajectory_info {
 } nsdae_trajectory_info;
 
 /* Makes the file (replacing one of that name) and adds itself to the observers of sim, which must
- * live until it is closed. NSDAE_E_IO: the file cannot be made, the text says why;
- * NSDAE_E_UNSUPPORTED: the library was built without HDF5; NSDAE_E_MEMORY; NSDAE_E_ARGUMENT. */
+ * live until it is closed. Several threads may write a file each where HDF5 was built thread-safe.
+ * NSDAE_E_IO: the file cannot be made, the text says why; NSDAE_E_UNSUPPORTED: the library was
+ * built without HDF5; NSDAE_E_MEMORY; NSDAE_E_ARGUMENT. */
 NSDAE_API int nsdae_trajectory_create(nsdae_sim *sim, const char *path,
                                       const nsdae_trajectory_info *info,
                                       nsdae_trajectory **trajectory, nsdae_error *error);

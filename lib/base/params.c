@@ -4,11 +4,11 @@
 #include <limits.h>
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "errors.h"
 #include "nearest.h"
+#include "number.h"
 
 static void *field(const nsdae_param *param, void *base)
 {
@@ -140,9 +140,8 @@ static int set_text(const nsdae_param *param, void *base, const char *value, nsd
 
 static int set_number(const nsdae_param *param, void *base, const char *value, nsdae_error *error)
 {
-  char *end;
-  double number = strtod(value, &end);
-  if (end == value || *end != '\0')
+  double number;
+  if (!nsdae_number_read(value, &number))
     return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_params", param->key,
                            "%s = '%s' is not a number", param->key, value);
   int whole = number >= INT_MIN && number <= INT_MAX && number == floor(number);
@@ -182,8 +181,5 @@ void nsdae_params_format(const nsdae_param *param, const void *base, char *text,
   else if (param->type == NSDAE_PARAM_INT)
     snprintf(text, size, "%d", (int)value);
   else
-    for (int digits = 6; digits <= 17; digits++) { /* the shortest that reads back the same */
-      snprintf(text, size, "%.*g", digits, value);
-      if (strtod(text, NULL) == value) break;
-    }
+    nsdae_number_write(value, text, size);
 }

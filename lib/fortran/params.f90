@@ -63,10 +63,12 @@ module nsdae_f_params
 
   ! status = nsdae_params_add(table, field, key, unit, help, initial, min, max, open) for a real or
   ! an integer, nsdae_params_add(table, field, key, help, choices, initial) for an integer that
-  ! counts choices from 0. min and max default to -infinity and infinity, open to 0. NSDAE_OK, or
-  ! NSDAE_E_MEMORY: the table is as it was.
+  ! counts choices from 0, nsdae_params_add(table, field, key, help) for a text, empty at first: an
+  ! array of NSDAE_PARAM_TEXT_SIZE characters, ended by a null character, which nsdae_params_format
+  ! reads. min and max default to -infinity and infinity, open to 0. NSDAE_OK; NSDAE_E_MEMORY, or
+  ! NSDAE_E_ARGUMENT for a shorter array: the table is as it was.
   interface nsdae_params_add
-    module procedure add_real, add_int, add_choice
+    module procedure add_real, add_int, add_choice, add_text
   end interface
 
   public :: nsdae_params_add, nsdae_params_destroy, nsdae_params_default, nsdae_params_set, &
@@ -151,6 +153,17 @@ contains
     param%min = 0
     param%max = size(choices) - 1
     status = append(table, c_loc(field), param, key, '', help, choices)
+  end function
+
+  integer(c_int) function add_text(table, field, key, help) result(status)
+    type(nsdae_params), intent(inout) :: table
+    character(kind=c_char), pointer, contiguous, intent(in) :: field(:)
+    character(len=*), intent(in) :: key, help
+    type(c_ptr) :: at
+    status = NSDAE_E_ARGUMENT
+    if (size(field) < NSDAE_PARAM_TEXT_SIZE) return
+    at = c_loc(field)  ! as an argument gfortran 12 gives it a length, and key and help the wrong ones
+    status = append(table, at, blank(NSDAE_PARAM_TEXT, 0.0_c_double), key, '', help)
   end function
 
   type(nsdae_c_param) function blank(kind, initial) result(param)

@@ -11,7 +11,7 @@ module nsdae_f_trajectory
   ! What the file says of the model.
   type, public :: nsdae_trajectory_info
     character(len=64) :: model = ''   ! e.g. "pendulum"
-    type(nsdae_params) :: parameters  ! table of the model's parameters; empty: none
+    type(nsdae_params) :: parameters = nsdae_params()  ! table of the model's parameters; empty: none
     logical :: live = .false.         ! can be read while it is written (HDF5's SWMR mode)
   end type
 

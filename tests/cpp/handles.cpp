@@ -2,6 +2,7 @@
 #include <nsdae/nsdae.hpp>
 
 #include <array>
+#include <clocale>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -142,7 +143,11 @@ void test_options()
 {
   nsdae::options options;
   options.set("dt", 0.1).set("method", "moreau").set("iteration_max", 7);
-  EXPECT(options->dt == 0.1); /* to the last bit */
+  EXPECT(options->dt == 0.1);                /* to the last bit */
+  std::setlocale(LC_NUMERIC, "de_DE.UTF-8"); /* where it is installed */
+  options.set("dt", 0.3);
+  std::setlocale(LC_NUMERIC, "C");
+  EXPECT(options.set("rtol", 1e-9)->dt == 0.3 && options->rtol == 1e-9);
   EXPECT(options->method == NSDAE_MOREAU && options.c()->iteration_max == 7);
   EXPECT(throws_status(NSDAE_E_ARGUMENT, [&] { options.set("dt", -1); }));
   EXPECT(throws<nsdae::error>([&] { options.set("metod", "moreau"); },

@@ -12,7 +12,15 @@ export HOME="$work/home"
 mkdir -p "$HOME" "$work/chapters" "$work/shims"
 cmake --install "$build" --prefix "$HOME/nsdae" >/dev/null || exit 1
 lib=$(dirname "$(find "$HOME/nsdae" -name 'libnsdae.so')")
-[ "$lib" = "$HOME/nsdae/lib" ] || ln -s "${lib#"$HOME/nsdae/"}" "$HOME/nsdae/lib"
+# where it is lib64 or, as for /usr on Debian, a folder in lib: what is in it is in lib too
+if [ "$lib" != "$HOME/nsdae/lib" ]; then
+  mkdir -p "$HOME/nsdae/lib"
+  ln -s "$lib"/* "$HOME/nsdae/lib"
+fi
+# folders of their own that dependencies are in
+folders=$(ldd "$lib/libnsdae.so" | sed -n 's|.*=> \(/.*\)/[^/]* (.*|\1|p' |
+  grep -v -e '^/lib' -e '^/usr/lib' | sort -u | paste -sd:)
+export LIBRARY_PATH="$folders"
 ln -s "$source/docs" "$source/data" "$work/chapters"
 cd "$work/chapters" || exit 1
 
@@ -33,9 +41,12 @@ hindrance() {
   for word in $1; do # the sources it names
     case $word in docs/* | data/*) [ -e "$word" ] || echo "no $word" ;; esac
   done
+  case $1 in # what needs the module
+  *nsdae-fortran* | *mine/build*) pkg-config --exists nsdae-fortran || echo "built without Fortran" ;;
+  esac
   program=${1%% *}
   case $program in
-  export | sed) ;;
+  export | sed | mkdir | mine/*) ;;
   paraview) echo "opens a window" ;;
   python3) [ -x "$work/shims/python3" ] || echo "no Python with h5py" ;;
   julia)
@@ -57,7 +68,10 @@ run() {
     return
   fi
   case $2 in
-  export*) eval "$2" && PATH="$work/shims:$PATH" && return ;;
+  export*)
+    eval "$2" && PATH="$work/shims:$PATH" LD_LIBRARY_PATH="$LD_LIBRARY_PATH${folders:+:$folders}" &&
+      return
+    ;;
   esac
   sh -c "$2" >"$work/printed" 2>"$work/complaints"
   status=$?

@@ -1,5 +1,5 @@
-! Complementarity problems from Fortran: solutions known by hand, what is proved, what is refused,
-! files; the kernels on arrays.
+! The twin of tests/anomaly/lcp.c and tests/unit/io/lcp_file.c: solutions known by hand, what is
+! proved, what is refused, what is not finite or extreme, names, files; the kernels on arrays.
 program lcp
   use, intrinsic :: ieee_arithmetic
   use nsdae
@@ -15,6 +15,11 @@ program lcp
   call solved
   call infeasible
   call refused
+  call options
+  call guess
+  call not_finite
+  call extreme
+  call names_of
   call workspace
   call kernels
   call files
@@ -47,8 +52,7 @@ contains
     call is_int(nsdae_lcp_solve(wide(:2, :2), b, x, y, info=info), NSDAE_OK, 'guess')
     call is_int(info%stage, NSDAE_LCP_WARM, 'stage')
     call is_text(nsdae_lcp_stage_name(info%stage), 'warm', 'name of the stage')
-    wide = 0
-    wide(:2, :2) = A
+    ! what lies between the columns is nobody's
     call is_int(nsdae_lcp_solve(wide, b, x, y), NSDAE_OK, 'leading dimension 4')
     call is_solution(x, 'x')
     call nsdae_lcp_options_default(options)
@@ -90,6 +94,114 @@ contains
     call is_true(all(x == 7) .and. all(y == 8), 'x and y are as they were')
   end subroutine
 
+  subroutine options()
+    type(nsdae_lcp_options) :: good, bad(10)
+    type(nsdae_lcp_info) :: info
+    real(c_double) :: x(2), y(2)
+    integer :: i
+    call nsdae_lcp_options_default(good)
+    bad = good
+    bad(1)%tol = 0
+    bad(2)%tol = ieee_value(0d0, ieee_quiet_nan)
+    bad(3)%tol = nearest(1d0, 2d0)
+    bad(4)%max_pivots = -1
+    bad(5)%stages = -1
+    bad(6)%stages = NSDAE_LCP_ALL + 1
+    bad(7)%enumerate_max = -1
+    bad(8)%enumerate_max = 25
+    bad(9) = nsdae_lcp_options(0d0, 0, 0, 0)
+    bad(10)%tol = -huge(0d0)
+    x = -7
+    y = -7
+    do i = 1, size(bad)
+      call is_int(nsdae_lcp_solve(A, b, x, y, bad(i), info), NSDAE_E_ARGUMENT, 'options')
+      call is_int(info%outcome, NSDAE_LCP_UNSOLVED, 'outcome')
+      call is_true(info%residual > huge(0d0), 'residual')
+      call is_true(all(x == -7) .and. all(y == -7), 'x and y are as they were')
+    end do
+  end subroutine
+
+  ! The guess names the active set: any positive value, NaN none.
+  subroutine guess()
+    type(nsdae_lcp_options) :: warm
+    type(nsdae_lcp_info) :: info
+    real(c_double) :: x(2), y(2)
+    call nsdae_lcp_options_default(warm)
+    warm%stages = NSDAE_LCP_WARM
+    x = [1d-300, ieee_value(0d0, ieee_quiet_nan)]
+    call is_int(nsdae_lcp_solve(A, b, x, y, warm, info), NSDAE_OK, 'a right guess')
+    call is_int(info%stage, NSDAE_LCP_WARM, 'stage')
+    call is_solution(x, 'x')
+    x = [0d0, ieee_value(0d0, ieee_positive_inf)]
+    call is_int(nsdae_lcp_solve(A, b, x, y, warm, info), NSDAE_E_LCP, 'a wrong guess')
+    call is_int(info%outcome, NSDAE_LCP_UNSOLVED, 'outcome')
+  end subroutine
+
+  subroutine not_finite()
+    real(c_double) :: bad(3), bad_A(2, 2), bad_b(2), x(2), y(2)
+    integer :: i, j, k
+    bad = [ieee_value(0d0, ieee_quiet_nan), ieee_value(0d0, ieee_positive_inf), &
+           ieee_value(0d0, ieee_negative_inf)]
+    x = -7
+    y = -7
+    do k = 1, 3
+      do i = 1, 2
+        do j = 1, 2
+          bad_A = A
+          bad_A(i, j) = bad(k)
+          call is_int(nsdae_lcp_solve(bad_A, b, x, y), NSDAE_E_NONFINITE, 'A is not finite')
+        end do
+        bad_b = b
+        bad_b(i) = bad(k)
+        call is_int(nsdae_lcp_solve(A, bad_b, x, y), NSDAE_E_NONFINITE, 'b is not finite')
+      end do
+    end do
+    call is_true(all(x == -7) .and. all(y == -7), 'x and y are as they were')
+  end subroutine
+
+  ! Numbers at the ends of the range: solved, or said not to be, and never a NaN for a solution.
+  subroutine extreme()
+    real(c_double) :: x(2), y(2)
+    integer(c_int) :: status(2)
+    integer :: e, k
+    do e = -1070, 1020, 10
+      x = 0
+      status(1) = nsdae_lcp_solve(scale(A, e), b, x, y)
+      if (status(1) == NSDAE_OK) call is_true(all(ieee_is_finite(x) .and. x >= 0), 'x')
+      x = 0
+      status(2) = nsdae_lcp_solve(A, scale(b, e), x, y)
+      if (status(2) == NSDAE_OK) call is_true(all(ieee_is_finite(x) .and. x >= 0), 'x')
+      do k = 1, 2
+        call is_true(status(k) == NSDAE_OK .or. status(k) == NSDAE_E_LCP, 'solved, or said')
+        if (abs(e) < 900) call is_int(status(k), NSDAE_OK, 'solved')
+      end do
+    end do
+  end subroutine
+
+  subroutine names_of()
+    integer(c_int), parameter :: stages(8) = [NSDAE_LCP_NONE, NSDAE_LCP_TRIVIAL, NSDAE_LCP_WARM, &
+        NSDAE_LCP_LEMKE, NSDAE_LCP_COVERING, NSDAE_LCP_FURTHER, NSDAE_LCP_PROVE, &
+        NSDAE_LCP_ENUMERATE]
+    character(len=*), parameter :: named(8) = [character(len=9) :: 'none', 'trivial', 'warm', &
+        'lemke', 'covering', 'further', 'prove', 'enumerate']
+    integer :: i
+    do i = 1, size(stages)
+      call is_text(nsdae_lcp_stage_name(stages(i)), trim(named(i)), 'stage')
+    end do
+    call is_text(nsdae_lcp_stage_name(NSDAE_LCP_ALL), 'unknown', 'no stage')
+    call is_text(nsdae_lcp_stage_name(-1), 'unknown', 'no stage')
+    call is_text(nsdae_lcp_outcome_name(NSDAE_LCP_UNSOLVED), 'unsolved', 'outcome')
+    call is_text(nsdae_lcp_outcome_name(NSDAE_LCP_INFEASIBLE), 'infeasible', 'outcome')
+    call is_text(nsdae_lcp_outcome_name(3), 'unknown', 'no outcome')
+    call is_text(nsdae_lcp_proof_name(NSDAE_LCP_PROOF_NONE), 'none', 'proof')
+    call is_text(nsdae_lcp_proof_name(NSDAE_LCP_PROOF_ENUMERATED), 'enumerated', 'proof')
+    call is_text(nsdae_lcp_proof_name(3), 'unknown', 'no proof')
+    call is_text(nsdae_lcp_ray_name(NSDAE_LCP_RAY_NOTHING), 'nothing', 'ray')
+    call is_text(nsdae_lcp_ray_name(NSDAE_LCP_RAY_NOT_STRICTLY_COPOSITIVE), &
+                 'not strictly copositive', 'ray')
+    call is_text(nsdae_lcp_ray_name(-1), 'unknown', 'no ray')
+  end subroutine
+
   subroutine workspace()
     type(nsdae_lcp_info) :: info
     real(c_double), allocatable :: work(:)
@@ -97,6 +209,7 @@ contains
     real(c_double) :: x(2), y(2)
     integer(c_int) :: basis(2), lwork, liwork
     call is_int(nsdae_lcp_workspace(-1, lwork, liwork), NSDAE_E_ARGUMENT, 'n = -1')
+    call is_int(nsdae_lcp_workspace(20001, lwork, liwork), NSDAE_E_ARGUMENT, 'n = 20001')
     call is_int(nsdae_lcp_workspace(2, lwork, liwork), NSDAE_OK, 'sizes')
     allocate (work(lwork), iwork(liwork))
     basis = 0
@@ -106,6 +219,8 @@ contains
     call is_true(all(basis == [1, 0]), 'basis')
     call is_int(nsdae_lcp_solve_in(A, b, basis, x, y, work(:lwork - 1), iwork), NSDAE_E_ARGUMENT, &
                 'work too short')
+    call is_int(nsdae_lcp_solve_in(A, b, basis, x, y, work, iwork(:liwork - 1)), &
+                NSDAE_E_ARGUMENT, 'iwork too short')
     call is_int(nsdae_lcp_solve_in(A, b, basis(:1), x, y, work, iwork), NSDAE_E_ARGUMENT, &
                 'basis too short')
   end subroutine
@@ -147,7 +262,7 @@ contains
     type(nsdae_error) :: error
     integer(c_int) :: status
     integer :: file
-    real(c_double) :: lopsided(2, 2)
+    real(c_double) :: lopsided(2, 2), none(0), empty(0, 0)
     lopsided = reshape([1d0, 2d0, 3d0, 4d0], [2, 2])
     status = nsdae_lcp_write('fortran_lcp.h5', lopsided, b, &
                              nsdae_lcp_origin(1.5d0, 7, 1d-9, 'moreau'), error)
@@ -162,6 +277,17 @@ contains
     call is_int(nsdae_lcp_read('no/such/file.h5', got_A, got_b, error=error), NSDAE_E_IO, 'no file')
     call contains_text(error%text, 'no/such/file.h5', 'error%text')
     call is_true(.not. allocated(got_A) .and. .not. allocated(got_b), 'nothing was read')
+    call is_int(nsdae_lcp_write('no/such/folder/x.h5', A, b, error=error), NSDAE_E_IO, 'no folder')
+    call contains_text(error%text, 'No such file or directory', 'error%text')
+    call is_int(nsdae_lcp_write('fortran_lcp.h5', empty, none), NSDAE_OK, 'write n = 0')
+    call is_int(nsdae_lcp_read('fortran_lcp.h5', got_A, got_b), NSDAE_OK, 'read n = 0')
+    call is_true(size(got_A) == 0 .and. size(got_b) == 0, 'n = 0')
+    ! no HDF5 file at all
+    open (newunit=file, file='fortran_lcp.h5', status='replace')
+    write (file, '(a)') 'a text'
+    close (file)
+    call is_int(nsdae_lcp_read('fortran_lcp.h5', got_A, got_b, error=error), NSDAE_E_IO, 'a text')
+    call contains_text(error%text, 'fortran_lcp.h5', 'error%text')
     open (newunit=file, file='fortran_lcp.h5')
     close (file, status='delete')
   end subroutine

@@ -10,7 +10,7 @@ endif()
 
 # What the tests share: checks, the bead. Callbacks do not use all of their arguments, and what must be
 # equal to the last bit is compared so.
-add_library(fortran_support OBJECT fortran/check.f90 fortran/bead.f90)
+add_library(fortran_support OBJECT fortran/check.f90 fortran/bead.f90 fortran/planar.f90)
 target_compile_options(fortran_support PUBLIC
   $<$<COMPILE_LANGUAGE:Fortran>:-Wno-unused-dummy-argument>
   $<$<COMPILE_LANGUAGE:Fortran>:-Wno-compare-reals>)
@@ -38,6 +38,11 @@ add_test(NAME fortran/complete
           ${PROJECT_SOURCE_DIR}/include ${PROJECT_BINARY_DIR}/modules ${CMAKE_Fortran_COMPILER}
           ${PROJECT_SOURCE_DIR})
 nsdae_fortran_test(callbacks)
+nsdae_fortran_test(certificate)
+nsdae_fortran_test(kinematics)
+nsdae_fortran_test(kernels)
+nsdae_fortran_test(description)
+nsdae_fortran_test(derivatives)
 nsdae_fortran_test(arguments)
 nsdae_fortran_test(lcp)
 nsdae_fortran_test(parameters)

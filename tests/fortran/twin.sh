@@ -83,8 +83,13 @@ if [ "$hdf5" = ON ]; then
     /options/dt; do
     same $set
   done
-  # but for the time of day all attributes are the same
-  for side in c f; do h5dump -A $side.h5 | sed '/"[0-9-]*T[0-9:]*Z\?"/d; /^HDF5/d' >$side.txt; done
+  # but for the time of day all attributes are the same; h5dump 1.14 shows references with an address
+  # in its own memory
+  for side in c f; do
+    h5dump -A $side.h5 |
+      sed '/"[0-9-]*T[0-9:]*Z\?"/d; /^HDF5/d; s/DATASET [0-9]* /DATASET /' >$side.txt
+  done
+  [ -s c.txt ] || fail "no attributes"
   cmp c.txt f.txt || fail "other attributes"
 fi
 [ $failures = 0 ] && echo "the same text, bytes, errors and exit codes"

@@ -3,6 +3,7 @@
 
 #include <float.h>
 #include <limits.h>
+#include <locale.h>
 
 #include <nsdae/params.h>
 
@@ -267,6 +268,34 @@ static void test_format_reads_well(void **state)
   assert_string_equal(text, "where");
 }
 
+/* A program in a locale with a decimal comma reads and writes what all others do. */
+static void test_decimal_comma(void **state)
+{
+  (void)state;
+  const char *const names[] = {"de_DE.UTF-8", "fr_FR.UTF-8", "es_ES.UTF-8", "de_DE", "fr_FR"};
+  const char *in = NULL;
+  for (size_t i = 0; i < sizeof names / sizeof *names && !in; i++)
+    in = setlocale(LC_NUMERIC, names[i]);
+  if (!in || strcmp(localeconv()->decimal_point, ",") != 0) {
+    print_message("no locale with a decimal comma is installed\n");
+    setlocale(LC_NUMERIC, "C");
+    skip();
+  }
+  sample s = filled();
+  char text[64];
+  assert_int_equal(nsdae_params_set(&table, &s, "angle", "0.25", NULL), NSDAE_OK);
+  assert_true(s.angle == 0.25);
+  assert_int_equal(nsdae_params_set(&table, &s, "angle", "0,5", NULL), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_params_set(&table, &s, "angle", "0.5.5", NULL), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_params_set(&table, &s, "angle", ".", NULL), NSDAE_E_ARGUMENT);
+  assert_true(s.angle == 0.25);
+  nsdae_params_format(&entries[1], &s, text, sizeof text);
+  assert_string_equal(text, "0.25");
+  assert_int_equal(nsdae_params_set(&table, &s, "length", "2.5e-3", NULL), NSDAE_OK);
+  assert_true(s.length == 2.5e-3);
+  setlocale(LC_NUMERIC, "C");
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
@@ -281,6 +310,7 @@ int main(void)
       cmocka_unit_test(test_text_too_long),
       cmocka_unit_test(test_format),
       cmocka_unit_test(test_format_reads_well),
+      cmocka_unit_test(test_decimal_comma),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
