@@ -1,5 +1,6 @@
 """Pictures of an nsdae trajectory: coordinates, velocities, impulses, energy, certificate."""
 
+import io
 import os
 import sys
 
@@ -9,8 +10,11 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402  (the backend must be chosen first)
 import numpy as np  # noqa: E402
 
-from trajectory import Parser, Problem, open_trajectory, text  # noqa: E402
+from trajectory import Parser, Problem, open_trajectory, replace, tell, text  # noqa: E402
 
+FORMATS = (".png", ".svg", ".pdf")
+NEEDED = ("v", "energy/kinetic", "energy/dissipated", "certificate", "impact/time")
+POINTS_MAX = 20000  # more than this of a line are drawn as an image within an SVG or PDF
 LEGEND_MAX = 12  # more lines than this say nothing in a legend
 
 
@@ -129,6 +133,8 @@ def draw(file, names, title):
         mark_impacts(axes, file)
         PANELS[name][0](axes, file, time)
         axes.margins(x=0.01)
+        for drawn in axes.lines + axes.collections:
+            drawn.set_rasterized(len(time) > POINTS_MAX)
         axes.spines[["top", "right"]].set_visible(False)
         legend(axes)
     rows[-1, 0].set_xlabel("time [s]")
@@ -148,7 +154,18 @@ def parse(argv):
     arguments = parser.parse_args(argv)
     if not 20 <= arguments.dpi <= 1200:
         parser.error(f"--dpi {arguments.dpi} is outside its range: it must be 20 to 1200")
+    if arguments.output is None:
+        arguments.output = os.path.splitext(arguments.file)[0] + ".png"
+    elif not arguments.output.lower().endswith(FORMATS):
+        parser.error(f"--output '{arguments.output}' must end with {', '.join(FORMATS)}")
     return arguments
+
+
+def picture(figure, arguments):
+    """The file's bytes."""
+    whole = io.BytesIO()
+    figure.savefig(whole, format=arguments.output[-3:].lower(), dpi=arguments.dpi)
+    return whole.getbuffer()
 
 
 def panels(file, only):
@@ -160,18 +177,17 @@ def panels(file, only):
 
 def main(argv):
     arguments = parse(argv)
-    output = arguments.output or os.path.splitext(arguments.file)[0] + ".png"
     try:
-        with open_trajectory(arguments.file) as file:
+        with open_trajectory(arguments.file, *NEEDED) as file:
             figure = draw(file, panels(file, arguments.only), arguments.title or title_of(file))
-        figure.savefig(output, dpi=arguments.dpi)
+        replace(arguments.output, picture(figure, arguments))
+        tell(f"picture in {arguments.output}")
     except Problem as problem:
         print(f"nsdae-plot: error: {problem}", file=sys.stderr)
         return 1
-    except (OSError, ValueError, KeyError) as error:
-        print(f"nsdae-plot: error: '{arguments.file}' to '{output}': {error}", file=sys.stderr)
+    except ValueError as error:  # a title that is no formula, say
+        print(f"nsdae-plot: error: cannot draw '{arguments.file}': {' '.join(str(error).split())}", file=sys.stderr)
         return 1
-    print(f"picture in {output}")
     return 0
 
 

@@ -113,6 +113,12 @@ if "$bin/nsdae-plot" a.h5 >out 2>err; then
   expect 1 "No such file or directory" "$bin/nsdae-plot" none.h5
   printf 'text' >text.h5
   expect 1 "cannot read 'text.h5'" "$bin/nsdae-plot" text.h5
+  head -c 5000 a.h5 >short.h5
+  expect 1 "cannot read 'short.h5': truncated file" "$bin/nsdae-plot" short.h5
+  LC_ALL=C sed 's/SNOD/xxxx/g' a.h5 >damaged.h5 # the signature of the groups' lists of names
+  expect 1 "'damaged.h5' is damaged" "$bin/nsdae-plot" damaged.h5
+  expect 1 "cannot write 'no/a.png': No such file" "$bin/nsdae-plot" -o no/a.png a.h5
+  expect 2 "must end with .png, .svg, .pdf" "$bin/nsdae-plot" -o picture a.h5
 else
   check grep -q 'python3-matplotlib' err
   echo "no Python with h5py and matplotlib: pictures not tested"
