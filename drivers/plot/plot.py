@@ -30,7 +30,7 @@ def legend(axes):
 
 
 def lines_of(axes, time, dataset, prefix):
-    values = dataset[...].reshape(len(time), -1)
+    values = dataset[: len(time)].reshape(len(time), -1)
     for i in range(values.shape[1]):
         name = f"${prefix}_{{{i + 1}}}$" if values.shape[1] > 1 else f"${prefix}$"
         axes.plot(time, values[:, i], label=name, linewidth=1.2)
@@ -60,11 +60,11 @@ def stems(axes, time, values, name, marker):
 
 def impulses(axes, file, time):
     if "contact" in file:
-        normal = file["contact/normal_impulse"]
+        normal = file["contact/normal_impulse"][: len(time)]
         for i in range(normal.shape[1]):
             stems(axes, time, normal[:, i], rf"$\Lambda_{{N{i + 1}}}$", "o")
         if "tangential_impulse" in file["contact"]:
-            tangential = file["contact/tangential_impulse"][...].reshape(len(time), -1)
+            tangential = file["contact/tangential_impulse"][: len(time)].reshape(len(time), -1)
             for i in range(tangential.shape[1]):
                 stems(axes, time, tangential[:, i], rf"$\Lambda_{{T{i + 1}}}$", "x")
     if "slide" in file:
@@ -74,14 +74,12 @@ def impulses(axes, file, time):
 
 
 def energy(axes, file, time):
-    group = file["energy"]
-    total = group["kinetic"][...].copy()
-    axes.plot(time, group["kinetic"][...], label="kinetic", linewidth=1)
-    if "potential" in group:
-        axes.plot(time, group["potential"][...], label="potential", linewidth=1)
-        total += group["potential"][...]
-        axes.plot(time, total, label="total", linewidth=1.6, color="k")
-    axes.plot(time, group["dissipated"][...], label="dissipated", linewidth=1, linestyle="--")
+    values = {name: dataset[: len(time)] for name, dataset in file["energy"].items()}
+    axes.plot(time, values["kinetic"], label="kinetic", linewidth=1)
+    if "potential" in values:
+        axes.plot(time, values["potential"], label="potential", linewidth=1)
+        axes.plot(time, values["kinetic"] + values["potential"], label="total", linewidth=1.6, color="k")
+    axes.plot(time, values["dissipated"], label="dissipated", linewidth=1, linestyle="--")
     axes.set_ylabel("energy [J]")
 
 
@@ -92,10 +90,10 @@ def certificate(axes, file, time):
         "penetration": "penetration",
     }
     for name, shown in names.items():
-        values = file["certificate"][name][...]
+        values = file["certificate"][name][: len(time)]
         axes.plot(time, np.where(values > 0, values, np.nan), ".", markersize=2.5, label=shown)
-    if any(np.any(file["certificate"][name][...] > 0) for name in names):
-        axes.set_yscale("log")
+        if np.any(values > 0):
+            axes.set_yscale("log")
     axes.set_ylabel("certificate")
 
 
@@ -124,8 +122,16 @@ def mark_impacts(axes, file):
         axes.axvline(t, color="0.85", linewidth=0.6, zorder=0)
 
 
+def records(file):
+    """How many there are of everything: while a run writes along, some datasets are ahead."""
+    names = ["time", "q", "v", "multiplier"]
+    for group in ("contact", "slide", "energy", "certificate"):
+        names += [f"{group}/{name}" for name in file.get(group, {})]
+    return min(len(file[name]) for name in names if name in file)
+
+
 def draw(file, names, title):
-    time = file["time"][...]
+    time = file["time"][: records(file)]
     figure, rows = plt.subplots(
         len(names), 1, sharex=True, squeeze=False, figsize=(9, 0.8 + 2.1 * len(names)), layout="constrained"
     )

@@ -23,6 +23,8 @@ def text(value):
 def reason(error):
     """The system's reason where HDF5 says it, else what HDF5 says last in its parentheses."""
     number = getattr(error, "errno", None) or next(iter(re.findall(r"errno = (\d+)", str(error))), None)
+    if number and int(number) == errno.EAGAIN:
+        return "a program is writing it; what a run with --live writes can be read along"
     return os.strerror(int(number)) if number else str(error).split(" (")[-1].rstrip(")\"'")
 
 
@@ -39,14 +41,20 @@ def check(file, path, needed):
         raise Problem(f"'{path}' holds no records")
 
 
+def open_file(path):
+    """Also one that a run with --live writes, or that such a run left when it was killed."""
+    try:
+        return h5py.File(path, "r")
+    except OSError as error:
+        with contextlib.suppress(OSError, ValueError):
+            return h5py.File(path, "r", swmr=True)
+        raise Problem(f"cannot read '{path}': {reason(error)}") from error
+
+
 @contextlib.contextmanager
 def open_trajectory(path, *needed):
     """The file, with /time, /q and what else is needed; what cannot be read in it is a Problem too."""
-    try:
-        file = h5py.File(path, "r")
-    except OSError as error:
-        raise Problem(f"cannot read '{path}': {reason(error)}") from error
-    with file:
+    with open_file(path) as file:
         try:
             check(file, path, needed)
             yield file

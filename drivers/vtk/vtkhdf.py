@@ -131,7 +131,8 @@ def main(argv):
     arguments = parse(argv)
     try:
         with open_trajectory(arguments.file) as file:
-            time, q = file["time"][...], file["q"][...]
+            n = min(len(file["time"]), len(file["q"]))  # one may be ahead while a run writes along
+            time, q = file["time"][:n], file["q"][:n]
             if not np.isfinite(q).all():
                 raise Problem(f"'{arguments.file}' has coordinates that are not finite")
             bodies = bodies_of(file, arguments.file, arguments.point, q)

@@ -125,6 +125,34 @@ else
 fi
 NSDAE_PYTHON=/nonexistent "$bin/nsdae-plot" --version >out 2>err || check grep -q 'python3-h5py' err
 
+# started FILE COMMAND...: in the background, once the file is there; its number in $!
+started() {
+  rm -f "$1"
+  file=$1
+  shift
+  "$@" &
+  for wait in $(seq 100); do
+    [ -s "$file" ] && break
+    sleep 0.1
+  done
+}
+
+# a second run to the same file leaves it to the first; one with --live is drawn along, and killed
+started busy.h5 "$pendulum" --quiet --dt 1e-5 --t-end 1e4 --output busy.h5
+expect 1 "cannot write 'busy.h5': another program has it open" "$pendulum" --quiet --output busy.h5
+kill -9 $!
+wait $! 2>/dev/null
+check h5dump -a /status busy.h5 >status
+check grep -q running status
+if "$bin/nsdae-plot" --version >/dev/null 2>&1; then
+  started live.h5 "$pendulum" --quiet --live --dt 1e-4 --t-end 1e5 --output live.h5
+  sleep 1
+  check "$bin/nsdae-plot" live.h5 >out
+  kill -9 $!
+  wait $! 2>/dev/null
+  check "$bin/nsdae-plot" --only energy live.h5 >out
+fi
+
 # Ctrl-C: the run ends after its step with the file closed
 "$pendulum" --quiet --dt 1e-5 --t-end 1e4 --output long.h5 2>err &
 sleep 1
