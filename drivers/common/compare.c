@@ -2,8 +2,17 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
+
+#include "bar.h"
+#include "interrupt.h"
+#include "simulation.h"
+
+/* Of all methods, the part that is done. */
+typedef struct progress {
+  bar bar;
+  int methods, done;
+} progress;
 
 /* Follows a run: its impacts, and its state at the times of the reference. */
 typedef struct follower {
@@ -11,6 +20,8 @@ typedef struct follower {
   comparison_run *run;
   int state;                 /* number of the next reference state */
   double last_time, last[8]; /* of the record before: the first coordinates */
+  double t_end;
+  progress *progress; /* or NULL */
 } follower;
 
 /* Coordinate of a reference state, between the last record and this one. */
@@ -38,6 +49,9 @@ static int follow(const nsdae_record *r, nsdae_error *error, void *user)
   }
   f->last_time = r->time;
   memcpy(f->last, r->q, (size_t)f->model->coordinates * sizeof *r->q);
+  if (f->progress)
+    bar_move(&f->progress->bar, (f->progress->done + r->time / f->t_end) / f->progress->methods,
+             r->time);
   return 0;
 }
 
@@ -58,41 +72,33 @@ static void judge_impacts(const driver_model *model, comparison_run *run)
 static int integrate(const settings *s, const nsdae_sim_options *options, follower *f,
                      nsdae_error *error)
 {
-  const driver_model *model = s->model;
-  nsdae_system *system = NULL;
-  nsdae_sim *sim = NULL;
-  nsdae_dims dims;
-  int status = model->build(model->base, &system, error);
-  if (status == NSDAE_OK) status = nsdae_sim_create(system, options, &sim, error);
+  nsdae_system *system;
+  nsdae_sim *sim;
+  int status = simulation_make(s->model, options, &system, &sim, error);
   if (status == NSDAE_OK) {
-    nsdae_sim_get_dims(sim, &dims);
-    double *q0 = calloc((size_t)dims.nq + (size_t)dims.nv, sizeof *q0);
-    status = NSDAE_E_MEMORY;
-    if (q0) {
-      model->start(model->base, q0, q0 + dims.nq);
-      status = nsdae_sim_init(sim, 0, q0, q0 + dims.nq);
-    }
-    free(q0);
     nsdae_sim_observe(sim, follow, f);
-    if (status == NSDAE_OK) status = nsdae_sim_run(sim, s->t_end);
-    if (status < 0) *error = *nsdae_sim_error(sim);
+    status = simulation_run(sim, s->t_end, error);
     nsdae_sim_get_stats(sim, &f->run->stats);
   }
-  nsdae_sim_destroy(&sim);
-  nsdae_system_destroy(&system);
+  simulation_release(&system, &sim);
   return status;
 }
 
-void compare_one(const settings *s, int method, comparison_run *run)
+static void run_method(const settings *s, int method, comparison_run *run, progress *shown)
 {
   nsdae_sim_options options = s->options;
   nsdae_error error = {0};
   *run = (comparison_run){.state_error = NAN};
-  follower f = {.model = s->model, .run = run};
+  follower f = {.model = s->model, .run = run, .progress = shown, .t_end = s->t_end};
   options.method = method;
   run->status = integrate(s, &options, &f, &error);
   snprintf(run->text, sizeof run->text, "%s", error.text);
   judge_impacts(s->model, run);
+}
+
+void compare_one(const settings *s, int method, comparison_run *run)
+{
+  run_method(s, method, run, NULL);
 }
 
 /* A number that may not be there. */
@@ -183,14 +189,34 @@ static int put_table(nsdae_trajectory *t, const comparison_run *runs, int method
   return status;
 }
 
+/* Stops at the run that was interrupted. */
+static int run_all(const settings *s, comparison_run *runs, int methods, nsdae_error *error)
+{
+  progress shown = {.methods = methods};
+  bar_begin(&shown.bar, s->quiet);
+  for (int i = 0; i < methods && !interrupt_came(); i++) {
+    shown.done = i;
+    run_method(s, i, &runs[i], &shown);
+  }
+  bar_clear(&shown.bar);
+  return compare_status(error);
+}
+
+int compare_status(nsdae_error *error)
+{
+  if (!interrupt_came()) return NSDAE_OK;
+  snprintf(error->text, sizeof error->text, "interrupted while comparing the methods");
+  return error->status = NSDAE_E_STATE;
+}
+
 int compare_all(const settings *s, nsdae_trajectory *trajectory, nsdae_error *error)
 {
   static comparison_run runs[COMPARE_METHODS];
-  int methods = 0, status = NSDAE_OK;
-  for (; methods < COMPARE_METHODS && nsdae_method_name(methods); methods++)
-    compare_one(s, methods, &runs[methods]);
-  print_table(s, runs, methods);
-  if (trajectory) status = put_table(trajectory, runs, methods, error);
+  int methods = 0;
+  while (methods < COMPARE_METHODS && nsdae_method_name(methods)) methods++;
+  int status = run_all(s, runs, methods, error);
+  if (status == NSDAE_OK && !s->quiet) print_table(s, runs, methods);
+  if (status == NSDAE_OK && trajectory) status = put_table(trajectory, runs, methods, error);
   if (status == NSDAE_OK && s->model->compare_more)
     status = s->model->compare_more(s, trajectory, error);
   return status;

@@ -20,8 +20,11 @@ typedef struct comparison_run {
 /* Runs the model as it is set up now with the settings' options but this method. */
 void compare_one(const settings *s, int method, comparison_run *run);
 
-/* Prints the table of all methods and puts it into the trajectory (which may be NULL) as the group
- * /compare; then what the model has to add. */
+/* NSDAE_OK, or NSDAE_E_STATE when Ctrl-C came during a comparison. */
+int compare_status(nsdae_error *error);
+
+/* Prints the table of all methods, unless the settings are quiet, and puts it into the trajectory
+ * (which may be NULL) as the group /compare; then what the model has to add. */
 int compare_all(const settings *s, nsdae_trajectory *trajectory, nsdae_error *error);
 
 #endif

@@ -1,29 +1,13 @@
 #include "driver.h"
 
-#include <signal.h>
+#include <ctype.h>
 #include <stdio.h>
-#include <stdlib.h>
 
 #include "compare.h"
+#include "interrupt.h"
 #include "report.h"
 #include "settings.h"
-
-/* Ctrl-C ends the run after the step, with the file closed. */
-static volatile sig_atomic_t interrupted;
-
-static void interrupt(int signal_number)
-{
-  (void)signal_number;
-  interrupted = 1;
-}
-
-static int stop_when_interrupted(const nsdae_record *record, nsdae_error *error, void *user)
-{
-  (void)record;
-  (void)error;
-  (void)user;
-  return interrupted;
-}
+#include "simulation.h"
 
 /* Everything that a run holds. */
 typedef struct job {
@@ -36,8 +20,11 @@ typedef struct job {
   nsdae_error error;
 } job;
 
-static int complain(const job *j, int exit_status)
+/* One line, whatever the words were that it quotes. */
+static int complain(job *j, int exit_status)
 {
+  for (char *c = j->error.text; *c; c++)
+    if (iscntrl((unsigned char)*c)) *c = '?';
   fflush(stdout);
   fprintf(stderr, "nsdae-%s: error: %s\n", j->model->name, j->error.text);
   return exit_status;
@@ -47,30 +34,6 @@ static int complain(const job *j, int exit_status)
 static int exit_status_of(int status)
 {
   return status == NSDAE_E_ARGUMENT || status == NSDAE_E_OPTION ? DRIVER_USAGE : DRIVER_FAILED;
-}
-
-static int init(job *j)
-{
-  nsdae_dims dims;
-  nsdae_sim_get_dims(j->sim, &dims);
-  double *q0 = calloc((size_t)dims.nq + (size_t)dims.nv, sizeof *q0), *v0 = q0 + dims.nq;
-  if (!q0) {
-    snprintf(j->error.text, sizeof j->error.text, "out of memory");
-    return NSDAE_E_MEMORY;
-  }
-  j->model->start(j->model->base, q0, v0);
-  int status = nsdae_sim_init(j->sim, 0, q0, v0);
-  if (status < 0) j->error = *nsdae_sim_error(j->sim);
-  free(q0);
-  return status;
-}
-
-static int prepare(job *j)
-{
-  int status = j->model->build(j->model->base, &j->system, &j->error);
-  if (status == NSDAE_OK)
-    status = nsdae_sim_create(j->system, &j->settings.options, &j->sim, &j->error);
-  return status < 0 ? status : init(j);
 }
 
 static int open_trajectory(job *j)
@@ -110,20 +73,11 @@ static void dump_lcp(job *j)
 static int run(job *j)
 {
   nsdae_sim_observe(j->sim, report_observe, &j->report);
-  nsdae_sim_observe(j->sim, stop_when_interrupted, NULL);
-  signal(SIGINT, interrupt);
-  signal(SIGTERM, interrupt);
+  interrupt_catch();
   report_begin(&j->report, &j->settings, j->sim);
-  int status = nsdae_sim_run(j->sim, j->settings.t_end);
+  int status = simulation_run(j->sim, j->settings.t_end, &j->error);
   report_end(&j->report, j->sim);
-  if (status < 0) j->error = *nsdae_sim_error(j->sim);
   if (status < 0) dump_lcp(j);
-  if (status == NSDAE_STOPPED) {
-    nsdae_record record;
-    nsdae_sim_get_record(j->sim, &record);
-    snprintf(j->error.text, sizeof j->error.text, "interrupted at t = %g s", record.time);
-    status = NSDAE_E_STATE;
-  }
   return status;
 }
 
@@ -138,10 +92,14 @@ static int close_trajectory(job *j, int status)
   return status < 0 ? status : closed;
 }
 
-static void release(job *j)
+/* What was printed must have arrived: on a full disk it did not. */
+static int leave(const job *j, int exit_status)
 {
-  nsdae_sim_destroy(&j->sim);
-  nsdae_system_destroy(&j->system);
+  int flushed = fflush(stdout);
+  if (exit_status != DRIVER_DONE || (flushed == 0 && !ferror(stdout))) return exit_status;
+  fprintf(stderr, "nsdae-%s: error: cannot write to standard output: is its disk full?\n",
+          j->model->name);
+  return DRIVER_FAILED;
 }
 
 int driver_main(const driver_model *model, int argc, char **argv)
@@ -153,13 +111,13 @@ int driver_main(const driver_model *model, int argc, char **argv)
   if (j.settings.help) {
     settings_default(&j.settings, model);
     settings_usage(&j.settings);
-    return DRIVER_DONE;
+    return leave(&j, DRIVER_DONE);
   }
   if (j.settings.version) {
     printf("nsdae-%s %s\n", model->name, nsdae_build_info());
-    return DRIVER_DONE;
+    return leave(&j, DRIVER_DONE);
   }
-  status = prepare(&j);
+  status = simulation_make(model, &j.settings.options, &j.system, &j.sim, &j.error);
   if (status == NSDAE_OK) status = open_trajectory(&j);
   if (status == NSDAE_OK) {
     status = run(&j);
@@ -168,6 +126,6 @@ int driver_main(const driver_model *model, int argc, char **argv)
     status = close_trajectory(&j, status);
   }
   int exit_status = status < 0 ? complain(&j, exit_status_of(status)) : DRIVER_DONE;
-  release(&j);
-  return exit_status;
+  simulation_release(&j.system, &j.sim);
+  return leave(&j, exit_status);
 }

@@ -2,18 +2,9 @@
 
 #include <math.h>
 #include <string.h>
-#include <time.h>
-#include <unistd.h>
 
 /* An impact table of this length says what there is to say; the file holds all. */
 enum { ROWS_MAX = 40 };
-
-static double clock_now(void)
-{
-  struct timespec now;
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
 
 static void print_parameters(const settings *s)
 {
@@ -46,17 +37,10 @@ void report_begin(report *r, const settings *s, const nsdae_sim *sim)
   nsdae_dims dims;
   nsdae_sim_get_dims(sim, &dims);
   *r = (report){.settings = s, .contacts = dims.k, .tangents = dims.nt};
-  r->terminal = isatty(STDERR_FILENO);
-  r->started = r->shown = clock_now();
+  bar_begin(&r->bar, s->quiet);
   if (s->quiet) return;
   print_parameters(s);
   if (dims.k > 0) print_header(r);
-}
-
-static void clear_bar(report *r)
-{
-  if (r->bar) fprintf(stderr, "\r\033[K");
-  r->bar = 0;
 }
 
 static void print_exact(const report *r, double impulse)
@@ -84,30 +68,16 @@ static void print_impact(report *r, const nsdae_impact *impact)
   r->rows++;
 }
 
-/* On a terminal, for what lasts over a second, ten times a second. */
-static void move_bar(report *r, double time)
-{
-  enum { WIDTH = 40 };
-  static const char full[] = "########################################";
-  double now = clock_now();
-  if (now - r->started < 1 || now - r->shown < 0.1) return;
-  double part = time / r->settings->t_end;
-  int cells = (int)(part * WIDTH);
-  fprintf(stderr, "\r[%-*.*s] %3.0f %%  t = %.4g s", WIDTH, cells, full, 100 * part, time);
-  r->bar = 1;
-  r->shown = now;
-}
-
 int report_observe(const nsdae_record *record, nsdae_error *error, void *user)
 {
   report *r = user;
   (void)error;
   if (r->settings->quiet) return 0;
   if (record->impacts > 0) {
-    clear_bar(r);
+    bar_clear(&r->bar);
     for (int i = 0; i < record->impacts; i++) print_impact(r, &record->impact[i]);
   }
-  if (r->terminal) move_bar(r, record->time);
+  bar_move(&r->bar, record->time / r->settings->t_end, record->time);
   return 0;
 }
 
@@ -117,7 +87,7 @@ void report_end(report *r, const nsdae_sim *sim)
   nsdae_dims dims;
   nsdae_sim_get_stats(sim, &stats);
   nsdae_sim_get_dims(sim, &dims);
-  clear_bar(r);
+  bar_clear(&r->bar);
   if (r->settings->quiet) return;
   if (r->rows > ROWS_MAX) printf("  ... and %d more\n", r->rows - ROWS_MAX);
   if (r->contacts > 0 && r->rows == 0) printf("  none\n");
@@ -141,4 +111,5 @@ void report_end(report *r, const nsdae_sim *sim)
   printf("energy balance %+.3e J (energy + dissipated - start)\n", stats.energy_balance);
   printf("time %.3g s, %.3g us a step\n", stats.wall_time,
          stats.steps ? 1e6 * stats.wall_time / (double)stats.steps : 0);
+  fflush(stdout); /* a comparison may follow, and take its time */
 }

@@ -4,15 +4,14 @@
 
 #include <stdio.h>
 
+#include "bar.h"
 #include "settings.h"
 
 typedef struct report {
   const settings *settings;
   int contacts, tangents; /* k, nt */
   int rows;               /* of the impact table so far */
-  double started, shown;  /* clock of the run, of the last progress bar [s] */
-  int bar;                /* a progress bar is on the terminal */
-  int terminal;           /* stderr is one */
+  bar bar;
 } report;
 
 void report_begin(report *r, const settings *s, const nsdae_sim *sim);

@@ -85,8 +85,12 @@ static int assign(settings *s, char *text, nsdae_error *error)
   return settings_set(s, trim(text), trim(equals + 1), error);
 }
 
+enum { LINE_SIZE = 1024 };
+
 static int read_line(settings *s, char *line, nsdae_error *error)
 {
+  if (strlen(line) == LINE_SIZE - 1 && line[LINE_SIZE - 2] != '\n')
+    return usage_error(error, "params", "a line is longer than %d characters", LINE_SIZE - 2);
   line[strcspn(line, "#;\n\r")] = '\0';
   char *text = trim(line);
   if (*text == '\0' || *text == '[') return NSDAE_OK;
@@ -111,7 +115,7 @@ int settings_read(settings *s, const char *path, nsdae_error *error)
     usage_error(error, "params", "cannot read '%s': %s", path, strerror(errno));
     return error->status = NSDAE_E_IO;
   }
-  char line[1024];
+  char line[LINE_SIZE];
   int number = 0, status = NSDAE_OK;
   while (status == NSDAE_OK && fgets(line, sizeof line, file)) {
     number++;
@@ -204,17 +208,23 @@ static int act(settings *s, const flag *f, char *value, nsdae_error *error)
   return NSDAE_OK;
 }
 
+static int copy_word(char *word, size_t size, const char *from, nsdae_error *error)
+{
+  if ((size_t)snprintf(word, size, "%s", from) < size) return NSDAE_OK;
+  return usage_error(error, "", "'%.32s...' is longer than %zu characters", from, size - 1);
+}
+
 /* One argument vector entry and its value; files_only reads parameter files and nothing else. */
 static int parse_one(settings *s, int argc, char **argv, int *i, int files_only, nsdae_error *error)
 {
   char word[NSDAE_PARAM_TEXT_SIZE * 2], *value;
-  snprintf(word, sizeof word, "%s", argv[*i]);
+  if (copy_word(word, sizeof word, argv[*i], error) < 0) return error->status;
   const flag *f = find_flag(word, &value, error);
   if (!f) return error->status;
   if (f->value && !value) {
     if (*i + 1 >= argc)
       return usage_error(error, f->name, "%s needs a value: %s %s", f->name, f->name, f->value);
-    snprintf(word, sizeof word, "%s", argv[++*i]);
+    if (copy_word(word, sizeof word, argv[++*i], error) < 0) return error->status;
     value = word;
   }
   if (!f->value && value) return usage_error(error, f->name, "%s takes no value", f->name);

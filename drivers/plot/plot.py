@@ -1,5 +1,6 @@
 """Pictures of an nsdae trajectory: coordinates, velocities, impulses, energy, certificate."""
 
+import io
 import os
 import sys
 
@@ -9,8 +10,11 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402  (the backend must be chosen first)
 import numpy as np  # noqa: E402
 
-from trajectory import Parser, Problem, open_trajectory, text  # noqa: E402
+from trajectory import Parser, Problem, open_trajectory, replace, tell, text  # noqa: E402
 
+FORMATS = (".png", ".svg", ".pdf")
+NEEDED = ("v", "energy/kinetic", "energy/dissipated", "certificate", "impact/time")
+POINTS_MAX = 20000  # more than this of a line are drawn as an image within an SVG or PDF
 LEGEND_MAX = 12  # more lines than this say nothing in a legend
 
 
@@ -26,7 +30,7 @@ def legend(axes):
 
 
 def lines_of(axes, time, dataset, prefix):
-    values = dataset[...].reshape(len(time), -1)
+    values = dataset[: len(time)].reshape(len(time), -1)
     for i in range(values.shape[1]):
         name = f"${prefix}_{{{i + 1}}}$" if values.shape[1] > 1 else f"${prefix}$"
         axes.plot(time, values[:, i], label=name, linewidth=1.2)
@@ -56,11 +60,11 @@ def stems(axes, time, values, name, marker):
 
 def impulses(axes, file, time):
     if "contact" in file:
-        normal = file["contact/normal_impulse"]
+        normal = file["contact/normal_impulse"][: len(time)]
         for i in range(normal.shape[1]):
             stems(axes, time, normal[:, i], rf"$\Lambda_{{N{i + 1}}}$", "o")
         if "tangential_impulse" in file["contact"]:
-            tangential = file["contact/tangential_impulse"][...].reshape(len(time), -1)
+            tangential = file["contact/tangential_impulse"][: len(time)].reshape(len(time), -1)
             for i in range(tangential.shape[1]):
                 stems(axes, time, tangential[:, i], rf"$\Lambda_{{T{i + 1}}}$", "x")
     if "slide" in file:
@@ -70,14 +74,12 @@ def impulses(axes, file, time):
 
 
 def energy(axes, file, time):
-    group = file["energy"]
-    total = group["kinetic"][...].copy()
-    axes.plot(time, group["kinetic"][...], label="kinetic", linewidth=1)
-    if "potential" in group:
-        axes.plot(time, group["potential"][...], label="potential", linewidth=1)
-        total += group["potential"][...]
-        axes.plot(time, total, label="total", linewidth=1.6, color="k")
-    axes.plot(time, group["dissipated"][...], label="dissipated", linewidth=1, linestyle="--")
+    values = {name: dataset[: len(time)] for name, dataset in file["energy"].items()}
+    axes.plot(time, values["kinetic"], label="kinetic", linewidth=1)
+    if "potential" in values:
+        axes.plot(time, values["potential"], label="potential", linewidth=1)
+        axes.plot(time, values["kinetic"] + values["potential"], label="total", linewidth=1.6, color="k")
+    axes.plot(time, values["dissipated"], label="dissipated", linewidth=1, linestyle="--")
     axes.set_ylabel("energy [J]")
 
 
@@ -88,10 +90,10 @@ def certificate(axes, file, time):
         "penetration": "penetration",
     }
     for name, shown in names.items():
-        values = file["certificate"][name][...]
+        values = file["certificate"][name][: len(time)]
         axes.plot(time, np.where(values > 0, values, np.nan), ".", markersize=2.5, label=shown)
-    if any(np.any(file["certificate"][name][...] > 0) for name in names):
-        axes.set_yscale("log")
+        if np.any(values > 0):
+            axes.set_yscale("log")
     axes.set_ylabel("certificate")
 
 
@@ -120,8 +122,16 @@ def mark_impacts(axes, file):
         axes.axvline(t, color="0.85", linewidth=0.6, zorder=0)
 
 
+def records(file):
+    """How many there are of everything: while a run writes along, some datasets are ahead."""
+    names = ["time", "q", "v", "multiplier"]
+    for group in ("contact", "slide", "energy", "certificate"):
+        names += [f"{group}/{name}" for name in file.get(group, {})]
+    return min(len(file[name]) for name in names if name in file)
+
+
 def draw(file, names, title):
-    time = file["time"][...]
+    time = file["time"][: records(file)]
     figure, rows = plt.subplots(
         len(names), 1, sharex=True, squeeze=False, figsize=(9, 0.8 + 2.1 * len(names)), layout="constrained"
     )
@@ -129,6 +139,8 @@ def draw(file, names, title):
         mark_impacts(axes, file)
         PANELS[name][0](axes, file, time)
         axes.margins(x=0.01)
+        for drawn in axes.lines + axes.collections:
+            drawn.set_rasterized(len(time) > POINTS_MAX)
         axes.spines[["top", "right"]].set_visible(False)
         legend(axes)
     rows[-1, 0].set_xlabel("time [s]")
@@ -148,7 +160,18 @@ def parse(argv):
     arguments = parser.parse_args(argv)
     if not 20 <= arguments.dpi <= 1200:
         parser.error(f"--dpi {arguments.dpi} is outside its range: it must be 20 to 1200")
+    if arguments.output is None:
+        arguments.output = os.path.splitext(arguments.file)[0] + ".png"
+    elif not arguments.output.lower().endswith(FORMATS):
+        parser.error(f"--output '{arguments.output}' must end with {', '.join(FORMATS)}")
     return arguments
+
+
+def picture(figure, arguments):
+    """The file's bytes."""
+    whole = io.BytesIO()
+    figure.savefig(whole, format=arguments.output[-3:].lower(), dpi=arguments.dpi)
+    return whole.getbuffer()
 
 
 def panels(file, only):
@@ -160,18 +183,17 @@ def panels(file, only):
 
 def main(argv):
     arguments = parse(argv)
-    output = arguments.output or os.path.splitext(arguments.file)[0] + ".png"
     try:
-        with open_trajectory(arguments.file) as file:
+        with open_trajectory(arguments.file, *NEEDED) as file:
             figure = draw(file, panels(file, arguments.only), arguments.title or title_of(file))
-        figure.savefig(output, dpi=arguments.dpi)
+        replace(arguments.output, picture(figure, arguments))
+        tell(f"picture in {arguments.output}")
     except Problem as problem:
         print(f"nsdae-plot: error: {problem}", file=sys.stderr)
         return 1
-    except (OSError, ValueError, KeyError) as error:
-        print(f"nsdae-plot: error: '{arguments.file}' to '{output}': {error}", file=sys.stderr)
+    except ValueError as error:  # a title that is no formula, say
+        print(f"nsdae-plot: error: cannot draw '{arguments.file}': {' '.join(str(error).split())}", file=sys.stderr)
         return 1
-    print(f"picture in {output}")
     return 0
 
 

@@ -1,10 +1,15 @@
-"""What the programs in Python share: opening a trajectory, and one-line errors."""
+"""What the programs in Python share: opening a trajectory, writing a file whole, one-line errors."""
 
 import argparse
+import contextlib
+import errno
 import os
 import re
+import sys
 
 import h5py
+
+VERSION = 1  # of the format, the newest that is read here
 
 
 class Problem(Exception):
@@ -18,19 +23,66 @@ def text(value):
 def reason(error):
     """The system's reason where HDF5 says it, else what HDF5 says last in its parentheses."""
     number = getattr(error, "errno", None) or next(iter(re.findall(r"errno = (\d+)", str(error))), None)
-    return os.strerror(int(number)) if number else str(error).split(" (")[-1].rstrip(")")
+    if number and int(number) == errno.EAGAIN:
+        return "a program is writing it; what a run with --live writes can be read along"
+    return os.strerror(int(number)) if number else str(error).split(" (")[-1].rstrip(")\"'")
 
 
-def open_trajectory(path):
-    try:
-        file = h5py.File(path, "r")
-    except OSError as error:
-        raise Problem(f"cannot read '{path}': {reason(error)}") from error
+def check(file, path, needed):
     if text(file.attrs.get("format", "")) != "nsdae-trajectory":
         raise Problem(f"'{path}' is not an nsdae trajectory")
+    version = file.attrs.get("format_version", VERSION)
+    if version > VERSION:
+        raise Problem(f"'{path}' is of format version {version}; this program reads up to {VERSION}")
+    for name in ("time", "q") + needed:
+        if name not in file:
+            raise Problem(f"'{path}' is damaged or was never complete: it has no /{name}")
     if file["time"].shape[0] == 0:
         raise Problem(f"'{path}' holds no records")
-    return file
+
+
+def open_file(path):
+    """Also one that a run with --live writes, or that such a run left when it was killed."""
+    try:
+        return h5py.File(path, "r")
+    except OSError as error:
+        with contextlib.suppress(OSError, ValueError):
+            return h5py.File(path, "r", swmr=True)
+        raise Problem(f"cannot read '{path}': {reason(error)}") from error
+
+
+@contextlib.contextmanager
+def open_trajectory(path, *needed):
+    """The file, with /time, /q and what else is needed; what cannot be read in it is a Problem too."""
+    with open_file(path) as file:
+        try:
+            check(file, path, needed)
+            yield file
+        except (OSError, KeyError, RuntimeError) as error:
+            raise Problem(f"'{path}' is damaged: {reason(error)}") from error
+
+
+def replace(path, content):
+    """Writes beside the file and moves it there when it is whole: what was there is not lost."""
+    part = f"{path}.part"
+    try:
+        if os.path.isdir(path):
+            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
+        with open(part, "wb") as file:
+            file.write(content)
+        os.replace(part, path)
+    except OSError as error:
+        with contextlib.suppress(OSError):
+            os.remove(part)
+        raise Problem(f"cannot write '{path}': {reason(error)}") from error
+
+
+def tell(line):
+    try:
+        print(line, flush=True)
+    except OSError as error:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # Python flushes once more at its end
+        raise Problem(f"cannot write to standard output: {reason(error)}") from error
 
 
 class Parser(argparse.ArgumentParser):

@@ -4,8 +4,6 @@ One VTKHDF 2.0 PolyData of one part: the polygons once, the points of every step
 and in the group Steps the times and where each step's points begin
 (https://docs.vtk.org/en/latest/vtk_file_formats/vtkhdf_file_format)."""
 
-import contextlib
-import errno
 import io
 import os
 import re
@@ -16,7 +14,7 @@ import numpy as np
 
 from bodies import MODELS, points
 from shapes import placed
-from trajectory import Parser, Problem, open_trajectory, reason, text
+from trajectory import Parser, Problem, open_trajectory, replace, tell, text
 
 BLOCK = 512  # steps in memory at a time
 
@@ -101,21 +99,6 @@ def image(time, bodies, records):
     return whole.getbuffer()
 
 
-def replace(path, content):
-    """Writes beside the file and moves it there when it is whole: what was there is not lost."""
-    part = f"{path}.part"
-    try:
-        if os.path.isdir(path):
-            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
-        with open(part, "wb") as file:
-            file.write(content)
-        os.replace(part, path)
-    except OSError as error:
-        with contextlib.suppress(OSError):
-            os.remove(part)
-        raise Problem(f"cannot write '{path}': {reason(error)}") from error
-
-
 def columns_of(word):
     """The columns of "0,1,-": None where there is no coordinate."""
     if not re.fullmatch(r"(\d+|-),(\d+|-),(\d+|-)", word):
@@ -148,16 +131,17 @@ def main(argv):
     arguments = parse(argv)
     try:
         with open_trajectory(arguments.file) as file:
-            time, q = file["time"][...], file["q"][...]
+            n = min(len(file["time"]), len(file["q"]))  # one may be ahead while a run writes along
+            time, q = file["time"][:n], file["q"][:n]
             if not np.isfinite(q).all():
                 raise Problem(f"'{arguments.file}' has coordinates that are not finite")
             bodies = bodies_of(file, arguments.file, arguments.point, q)
         records = np.arange(0, len(time), arguments.every)
         replace(arguments.output, image(time, bodies, records))
+        tell(f"{len(records)} steps of {len(bodies)} bodies in {arguments.output}")
     except Problem as problem:
         print(f"nsdae-vtk: error: {problem}", file=sys.stderr)
         return 1
-    print(f"{len(records)} steps of {len(bodies)} bodies in {arguments.output}")
     return 0
 
 

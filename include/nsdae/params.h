@@ -62,8 +62,9 @@ NSDAE_API const nsdae_param *nsdae_params_find(const nsdae_params *table, const 
 NSDAE_API void nsdae_params_format(const nsdae_param *param, const void *base, char *text,
                                    size_t size);
 
-/* The one of names (ends with NULL) nearest to word by edit distance; NULL where none is near
- * enough (more than half of the word's letters would change). */
+/* The one of names (ends with NULL) nearest to word by edit distance, where leading dashes do not
+ * count and a beginning is one change away; NULL where none is near enough (more than half of the
+ * word's letters would change). */
 NSDAE_API const char *nsdae_nearest_name(const char *word, const char *const *names);
 
 #ifdef __cplusplus

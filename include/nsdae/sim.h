@@ -20,7 +20,7 @@ enum nsdae_method {
   NSDAE_IMPLICIT_PRINTED,
   NSDAE_MOREAU,
   NSDAE_PENALTY,
-  NSDAE_EVENT_DRIVEN
+  NSDAE_EVENT_DRIVEN /* NSDAE_EVENT is a status */
 };
 
 /* Linear solvers of the integrator of event. */

@@ -30,6 +30,20 @@ static int edit_distance(const char *a, const char *b)
   return row[nb];
 }
 
+/* The dashes of an option say nothing of its name. */
+static const char *bare(const char *name)
+{
+  return name + strspn(name, "-");
+}
+
+/* A beginning is one change away: "out" is rather "output" than "dt". */
+static int distance_between(const char *word, const char *name)
+{
+  size_t length = strlen(word);
+  int begins = length > 1 && length < strlen(name) && strncmp(word, name, length) == 0;
+  return begins ? 1 : edit_distance(word, name);
+}
+
 nsdae_nearest nsdae_nearest_start(const char *word)
 {
   return (nsdae_nearest){.word = word, .name = NULL, .distance = INT_MAX};
@@ -37,7 +51,7 @@ nsdae_nearest nsdae_nearest_start(const char *word)
 
 void nsdae_nearest_try(nsdae_nearest *nearest, const char *name)
 {
-  int distance = edit_distance(nearest->word, name);
+  int distance = distance_between(bare(nearest->word), bare(name));
   if (distance >= nearest->distance) return;
   nearest->distance = distance;
   nearest->name = name;
@@ -45,7 +59,7 @@ void nsdae_nearest_try(nsdae_nearest *nearest, const char *name)
 
 const char *nsdae_nearest_end(const nsdae_nearest *nearest)
 {
-  int length = (int)strlen(nearest->word);
+  int length = (int)strlen(bare(nearest->word));
   return nearest->distance <= (length + 1) / 2 ? nearest->name : NULL;
 }
 

@@ -77,10 +77,13 @@ static int check_number(const nsdae_param *param, double value, nsdae_error *err
 {
   /* written so that NaN fails */
   if (isfinite(value) && above_min(param, value) && below_max(param, value)) return NSDAE_OK;
+  int one_bound = !isinf(param->max) != !isinf(param->min);
+  const char *finite = one_bound && !isfinite(value) ? "finite and " : "";
   char range[96];
   describe_range(param, range, sizeof range);
   return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_params", param->key,
-                         "%s = %g is outside its range: it must be %s", param->key, value, range);
+                         "%s = %g is outside its range: it must be %s%s", param->key, value, finite,
+                         range);
 }
 
 int nsdae_params_check(const nsdae_params *table, const void *base, nsdae_error *error)

@@ -1,5 +1,6 @@
 #include "hdf5_file.h"
 
+#include <errno.h>
 #include <hdf5_hl.h>
 #include <stdio.h>
 #include <string.h>
@@ -15,23 +16,28 @@ static herr_t innermost(unsigned n, const H5E_error2_t *entry, void *user)
   return 0;
 }
 
-/* "... errno = 13, error message = ..." in the system's own words. */
-static const char *system_words(const char *text)
+/* HDF5's reason for what failed just now (the next call clears its stack), and the system's number
+ * of it where there is one: "... errno = 13, error message = ...". */
+static int reason(char text[200])
 {
-  const char *at = strstr(text, "errno = ");
   int number = 0;
-  if (!at || sscanf(at, "errno = %d", &number) != 1 || number == 0) return NULL;
-  return strerror(number);
+  strcpy(text, "unknown reason");
+  H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, innermost, text);
+  const char *at = strstr(text, "errno = ");
+  if (at && sscanf(at, "errno = %d", &number) != 1) number = 0;
+  return number;
 }
 
-/* To be called right after the failed call: the next one clears HDF5's stack. */
+/* To be called right after the failed call. */
 static int failed(nsdae_h5 *h5, const char *what)
 {
-  char text[200] = "unknown reason";
-  H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, innermost, text);
-  const char *words = system_words(text);
+  char text[200];
+  int number = reason(text);
+  const char *words = number == EAGAIN ? "another program has it open"
+                      : number         ? strerror(number)
+                                       : text;
   return nsdae_error_set(h5->error, NSDAE_E_IO, h5->where ? h5->where : "nsdae_trajectory", "path",
-                         "cannot %s '%.90s': %.120s", what, h5->path, words ? words : text);
+                         "cannot %s '%.90s': %.120s", what, h5->path, words);
 }
 
 static int result(nsdae_h5 *h5, long code, const char *what)
@@ -39,8 +45,20 @@ static int result(nsdae_h5 *h5, long code, const char *what)
   return code < 0 ? failed(h5, what) : NSDAE_OK;
 }
 
+/* H5Fcreate empties a file before it finds it locked: that of a run in another process would be
+ * lost. */
+static int refuse_locked(nsdae_h5 *h5)
+{
+  char text[200];
+  hid_t file = H5Fopen(h5->path, H5F_ACC_RDWR, H5P_DEFAULT);
+  if (file < 0) return reason(text) == EAGAIN ? failed(h5, "write") : NSDAE_OK;
+  H5Fclose(file);
+  return NSDAE_OK;
+}
+
 int nsdae_h5_create(nsdae_h5 *h5, int latest)
 {
+  if (refuse_locked(h5) < 0) return h5->error->status;
   hid_t access = H5Pcreate(H5P_FILE_ACCESS);
   if (latest) H5Pset_libver_bounds(access, H5F_LIBVER_LATEST, H5F_LIBVER_LATEST);
   h5->file = H5Fcreate(h5->path, H5F_ACC_TRUNC, H5P_DEFAULT, access);

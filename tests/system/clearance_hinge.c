@@ -9,7 +9,8 @@ static const double radii[RADII] = {0.016, 0.018, 0.020, 0.022, 0.024};
 
 typedef struct run {
   nsdae_impact first;
-  int impacts, open_steps;
+  int impacts, flights, open; /* flights: how often the shaft left the wall after an impact */
+  double last_open;           /* when it was last found off it [s] */
   double worst_work, energy_growth, energy_start, dissipated;
   nsdae_stats stats;
 } run;
@@ -23,7 +24,10 @@ static int observe(const nsdae_record *r, nsdae_error *error, void *user)
   out->worst_work = fmax(out->worst_work, out->dissipated - r->dissipated);
   out->dissipated = r->dissipated;
   out->energy_growth = fmax(out->energy_growth, r->kinetic + r->potential - out->energy_start);
-  out->open_steps += r->normal_impulse[0] == 0;
+  int open = r->normal_impulse[0] == 0;
+  out->flights += out->impacts > 0 && open && !out->open;
+  if (open) out->last_open = r->time;
+  out->open = open;
   return 0;
 }
 
@@ -115,10 +119,13 @@ static void test_first_impact(void **state)
     }
 }
 
-/* To 3 s: no failed LCP, the shaft leaves the hole's wall again and again, the energy never
- * exceeds its start, and contact impulses do no positive work. That work is Lambda (v(+) + v(-)) /
- * 2: where a force F turns the velocity round within a step it may come out positive by up to (F
- * h)^2 / 2 m, with m a quarter of the rod's (its end) and F below four times its weight. */
+/* To 3 s: no failed LCP; the shaft leaves the wall between its first impacts and then no more: of
+ * the reference, flights are 28.8, 14.2 and 7.0 ms and shrink with e_N = 0.56 or faster, so that
+ * all end by 0.1549 + 0.0070 e_N / (1 - e_N) = 0.164 s (where the rod, at rest, is level it still
+ * presses with a quarter of its weight). The energy never exceeds its start, and contact impulses
+ * do no positive work. That work is Lambda (v(+) + v(-)) / 2: where a force F turns the velocity
+ * round within a step it may come out positive by up to (F h)^2 / 2 m, with m a quarter of the
+ * rod's (its end) and F below four times its weight. */
 static void test_long_run(void **state)
 {
   (void)state;
@@ -128,12 +135,15 @@ static void test_long_run(void **state)
     for (int i = 0; i < 4; i++) {
       run r = integrate(method, dt[i], 3, 0.016, SURFACE_SLIP);
       double kick = 4 * p->m * p->g * dt[i];
-      print_message("%-17s dt %.0e impacts %3d, energy growth %.1e J, work at most %.1e J, balance "
+      print_message("%-17s dt %.0e impacts %3d, flights %2d to %.4f s, energy growth %.1e J, work "
+                    "at most %.1e J, balance "
                     "%.1e J, penetration %.1e m\n",
-                    nsdae_method_name(method), dt[i], r.impacts, r.energy_growth, r.worst_work,
-                    r.stats.energy_balance, r.stats.worst_penetration);
+                    nsdae_method_name(method), dt[i], r.impacts, r.flights, r.last_open,
+                    r.energy_growth, r.worst_work, r.stats.energy_balance,
+                    r.stats.worst_penetration);
       assert_at_most(r.stats.worst_residual, 1e-10);
-      assert_true(r.open_steps > 0);
+      assert_true(r.flights >= 2);
+      assert_at_most(r.last_open, 0.164 + 2 * dt[i]);
       assert_at_most(r.worst_work, kick * kick / (2 * p->m / 4));
       /* rounding of 3e5 steps with energies of 20 J */
       assert_at_most(r.energy_growth, 1e-11);

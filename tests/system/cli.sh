@@ -32,11 +32,17 @@ check() {
 
 pendulum=$bin/nsdae-pendulum
 expect 2 "did you mean '--method'?" "$pendulum" --metod moreau
+expect 2 "did you mean '--output'?" "$pendulum" --out x.h5
+expect 2 "unknown option '--foo'; --help lists all" "$pendulum" --foo
 expect 2 "did you mean 'moreau'?" "$pendulum" --method moraeu
 expect 2 "did you mean 'theta_0'?" "$pendulum" --set theta0=1
 expect 2 "dt = -0.1 is outside its range: it must be greater than 0" "$pendulum" --dt -0.1
 expect 2 "dt = 0 is outside" "$pendulum" --dt 0
 expect 2 "m = nan is outside" "$pendulum" --set m=nan
+expect 2 "t_end = inf is outside its range: it must be finite and greater than 0" "$pendulum" --t-end inf
+expect 2 "unknown name 'a?b'" "$pendulum" --set "a
+b=1"
+expect 2 "is longer than 511 characters" "$pendulum" --set L="$(printf '%0600d' 1)"
 expect 2 "e_N = 1.5 is outside its range: it must be at least 0 and at most 1" \
   "$pendulum" --set e_N=1.5
 expect 2 "is not a number" "$pendulum" --dt fast
@@ -51,6 +57,10 @@ expect 2 "must be at most R - r = 0.014" "$bin/nsdae-clearance-hinge" --quiet --
 expect 2 "cannot read 'none.ini'" "$pendulum" --params none.ini
 printf 'L = 1\n\nlenght = 2\n' >bad.ini
 expect 2 "bad.ini line 3" "$pendulum" --params bad.ini
+printf 'L = 1\n# %01100d\n' 0 >long.ini
+expect 2 "long.ini line 2: a line is longer" "$pendulum" --params long.ini
+# the shaft touches the hole at the start, which R - r gives to rounding only
+check "$bin/nsdae-clearance-hinge" --quiet --no-output --t-end 0.1 --set dX=0.014
 expect 1 "no/such/folder" "$pendulum" --quiet --output no/such/folder/x.h5
 expect 1 "Is a directory" "$pendulum" --quiet --output /
 expect 1 "did not converge" "$pendulum" --quiet --no-output --dt 10 --t-end 1e4 --set iteration_max=3
@@ -64,6 +74,15 @@ check grep -q '^nsdae-pendulum nsdae 0' version
 # --quiet prints nothing; a parameter file counts before what stands on the command line
 check "$pendulum" --quiet --params "$data/pendulum.ini" --no-output >quiet 2>&1
 check test ! -s quiet
+check "$pendulum" --quiet --compare --no-output >quiet 2>&1
+check test ! -s quiet
+if [ -w /dev/full ]; then
+  for printing in --no-output --help --version; do
+    "$pendulum" $printing 2>err >/dev/full
+    check test $? = 1
+    check grep -q 'cannot write to standard output' err
+  done
+fi
 printf 'dt = 0.01\nt_end = 1\n' >mine.ini
 check "$pendulum" --dt 0.02 --params mine.ini --output a.h5 >table
 check grep -q 'dt 0.02 s, to 1 s' table
@@ -94,11 +113,45 @@ if "$bin/nsdae-plot" a.h5 >out 2>err; then
   expect 1 "No such file or directory" "$bin/nsdae-plot" none.h5
   printf 'text' >text.h5
   expect 1 "cannot read 'text.h5'" "$bin/nsdae-plot" text.h5
+  head -c 5000 a.h5 >short.h5
+  expect 1 "cannot read 'short.h5': truncated file" "$bin/nsdae-plot" short.h5
+  LC_ALL=C sed 's/SNOD/xxxx/g' a.h5 >damaged.h5 # the signature of the groups' lists of names
+  expect 1 "'damaged.h5' is damaged" "$bin/nsdae-plot" damaged.h5
+  expect 1 "cannot write 'no/a.png': No such file" "$bin/nsdae-plot" -o no/a.png a.h5
+  expect 2 "must end with .png, .svg, .pdf" "$bin/nsdae-plot" -o picture a.h5
 else
   check grep -q 'python3-matplotlib' err
   echo "no Python with h5py and matplotlib: pictures not tested"
 fi
 NSDAE_PYTHON=/nonexistent "$bin/nsdae-plot" --version >out 2>err || check grep -q 'python3-h5py' err
+
+# started FILE COMMAND...: in the background, once the file is there; its number in $!
+started() {
+  rm -f "$1"
+  file=$1
+  shift
+  "$@" &
+  for wait in $(seq 100); do
+    [ -s "$file" ] && break
+    sleep 0.1
+  done
+}
+
+# a second run to the same file leaves it to the first; one with --live is drawn along, and killed
+started busy.h5 "$pendulum" --quiet --dt 1e-5 --t-end 1e4 --output busy.h5
+expect 1 "cannot write 'busy.h5': another program has it open" "$pendulum" --quiet --output busy.h5
+kill -9 $!
+wait $! 2>/dev/null
+check h5dump -a /status busy.h5 >status
+check grep -q running status
+if "$bin/nsdae-plot" --version >/dev/null 2>&1; then
+  started live.h5 "$pendulum" --quiet --live --dt 1e-4 --t-end 1e5 --output live.h5
+  sleep 1
+  check "$bin/nsdae-plot" live.h5 >out
+  kill -9 $!
+  wait $! 2>/dev/null
+  check "$bin/nsdae-plot" --only energy live.h5 >out
+fi
 
 # Ctrl-C: the run ends after its step with the file closed
 "$pendulum" --quiet --dt 1e-5 --t-end 1e4 --output long.h5 2>err &
@@ -109,6 +162,17 @@ check test $? = 1
 check grep -q 'interrupted at t =' err
 check h5dump -a /status long.h5 >status
 check grep -q failed status
+
+# and in the comparison, once the summary of the run itself is out
+"$pendulum" --compare --method moreau --dt 1e-5 --no-output >out 2>err &
+for wait in $(seq 300); do
+  grep -q 'energy balance' out && break
+  sleep 0.1
+done
+kill -INT $!
+wait $!
+check test $? = 1
+check grep -q 'interrupted while comparing' err
 
 [ $failures = 0 ] && echo "all as expected"
 exit $failures

@@ -74,7 +74,9 @@ static run integrate(int method, double dt, double mu)
   options.method = method;
   options.dt = dt;
   assert_int_equal(crank_slider_model.build(p, &system, NULL), NSDAE_OK);
-  assert_int_equal(nsdae_sim_create(system, &options, &sim, NULL), NSDAE_OK);
+  int status = nsdae_sim_create(system, &options, &sim, NULL);
+  if (status == NSDAE_E_UNSUPPORTED) nsdae_system_destroy(&system), skip(); /* no SUNDIALS */
+  assert_int_equal(status, NSDAE_OK);
   assert_int_equal(nsdae_sim_init(sim, 0, q0, v0), NSDAE_OK);
   assert_int_equal(nsdae_sim_observe(sim, observe, &out), NSDAE_OK);
   assert_int_equal(nsdae_sim_run(sim, 12), NSDAE_OK);
@@ -109,6 +111,25 @@ static void test_states(void **state)
       assert_near(r.theta, theta_end(mu[i]), bound[method]);
       assert_at_most(r.stats.worst_residual, 1e-10);
     }
+}
+
+/* mu 0.5, for which there is no table: against event at rtol 1e-8, which for mu 0.1 and 0.3 is
+ * within 1e-9 of it. The printed scheme has an error of first order here too, 1.2e-3 at dt 0.005.
+ */
+static void test_high_friction(void **state)
+{
+  (void)state;
+  double exact = integrate(NSDAE_EVENT_DRIVEN, 0.005, 0.5).theta;
+  for (int method = 0; method < METHODS; method++) {
+    run r = integrate(method, 0.005, 0.5);
+    print_message("%-17s mu 0.5 theta_1(12) off by %.2e\n", nsdae_method_name(method),
+                  fabs(r.theta - exact));
+    assert_at_most(r.stats.worst_residual, 1e-10);
+    if (method != NSDAE_IMPLICIT_PRINTED) assert_near(r.theta, exact, 5e-5);
+  }
+  double coarse = fabs(integrate(NSDAE_IMPLICIT_PRINTED, 0.005, 0.5).theta - exact);
+  double fine = fabs(integrate(NSDAE_IMPLICIT_PRINTED, 0.000625, 0.5).theta - exact);
+  assert_near(log2(coarse / fine) / 3, 1, 0.2);
 }
 
 /* Without friction every method but moreau is of second order; at dt 0.005 the error is 1e-4. */
@@ -170,6 +191,7 @@ int main(void)
 {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_states),
+      cmocka_unit_test(test_high_friction),
       cmocka_unit_test(test_order),
       cmocka_unit_test(test_sticks),
   };

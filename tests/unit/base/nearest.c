@@ -63,12 +63,26 @@ static void test_long(void **state)
   assert_ptr_equal(nsdae_nearest_name(word, same), word);
 }
 
+/* Options: their dashes are no likeness, and a beginning is nearer than a short word. */
+static void test_options(void **state)
+{
+  (void)state;
+  const char *const options[] = {"--dt", "--t-end", "--set", "--output", "--method", NULL};
+  assert_null(nsdae_nearest_name("--foo", options));
+  assert_null(nsdae_nearest_name("--", options));
+  assert_null(nsdae_nearest_name("--x", options));
+  assert_string_equal(nsdae_nearest_name("--out", options), "--output");
+  assert_string_equal(nsdae_nearest_name("--meth", options), "--method");
+  assert_string_equal(nsdae_nearest_name("-dt", options), "--dt");
+  assert_string_equal(nsdae_nearest_name("--t_end", options), "--t-end");
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_one_letter), cmocka_unit_test(test_exact),
       cmocka_unit_test(test_too_far),    cmocka_unit_test(test_no_names),
-      cmocka_unit_test(test_long),
+      cmocka_unit_test(test_long),       cmocka_unit_test(test_options),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -104,6 +104,8 @@ static void test_not_finite(void **state)
   for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
     for (size_t k = 0; k < sizeof keys / sizeof *keys; k++)
       refused(keys[k], bad[i], NSDAE_E_ARGUMENT, "outside its range");
+  refused("length", "inf", NSDAE_E_ARGUMENT, "must be finite and greater than 0");
+  refused("any", "inf", NSDAE_E_ARGUMENT, "must be a finite number");
 }
 
 static void accepted(const char *key, const char *value)

@@ -1,0 +1,19 @@
+/* A progress bar on stderr, where that is a terminal and what goes on lasts over a second. */
+#ifndef NSDAE_DRIVER_BAR_H
+#define NSDAE_DRIVER_BAR_H
+
+typedef struct bar {
+  double started, shown; /* clock [s] */
+  int terminal;          /* stderr is one, and nobody asked for quiet */
+  int visible;
+} bar;
+
+void bar_begin(bar *b, int quiet);
+
+/* part: 0 .. 1; time: of the run [s]. Redrawn ten times a second. */
+void bar_move(bar *b, double part, double time);
+
+/* Takes it off the terminal, so that a line can be printed. */
+void bar_clear(bar *b);
+
+#endif
