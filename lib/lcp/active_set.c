@@ -6,17 +6,14 @@
 
 #include "dense.h"
 
-/* Gathers A_FF into lu and -b_F into the head of x; returns the number of rows. */
-static int gather(int n, const double *a, int lda, const double *b, const int *basis, double *x,
-                  double *lu, int *index)
+int nsdae_lcp_gather(int n, const double *A, int lda, const int *basis, double *lu, int *index)
 {
   int size = 0;
   for (int i = 0; i < n; i++)
     if (basis[i]) index[size++] = i;
   for (int j = 0; j < size; j++) {
-    const double *column = a + (size_t)index[j] * (size_t)lda;
+    const double *column = A + (size_t)index[j] * (size_t)lda;
     for (int i = 0; i < size; i++) *lu++ = column[index[i]];
-    x[j] = -b[index[j]];
   }
   return size;
 }
@@ -36,7 +33,8 @@ static double least_pivot(int size, const double *lu)
 double nsdae_lcp_active_set(int n, const double *a, int lda, const double *b, const int *basis,
                             double *x, double *lu, int *pivot, int *index)
 {
-  int size = gather(n, a, lda, b, basis, x, lu, index);
+  int size = nsdae_lcp_gather(n, a, lda, basis, lu, index);
+  for (int j = 0; j < size; j++) x[j] = -b[index[j]];
   if (size > 0 && nsdae_la_lu(size, lu, size, pivot) != 0) {
     memset(x, 0, (size_t)n * sizeof *x);
     return 0;

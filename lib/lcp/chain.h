@@ -27,7 +27,6 @@ typedef struct nsdae_chain {
   int *allowed;        /* 2 n */
   int *label, *member; /* n, n: islands */
   int out_of_range;    /* no scale brings b to the middle of the range: nothing is judged */
-  int islands;         /* their number, 0 before they are looked for */
   int ray;             /* Lemke's method with the vector of ones ended on one */
 } nsdae_chain;
 
@@ -37,9 +36,6 @@ void nsdae_chain_lay_out(nsdae_chain *c, double *work, int *iwork);
 
 /* c->A, c->b: the problem in rows and columns of like size. */
 void nsdae_chain_equilibrate(nsdae_chain *c);
-
-/* c->islands, c->label: the islands of the problem. */
-void nsdae_chain_find_islands(nsdae_chain *c);
 
 /* Runs the stages that the options name; returns the status of the solver. */
 int nsdae_chain_run_whole(nsdae_chain *c);

@@ -13,6 +13,7 @@
 #include <stddef.h>
 #include <string.h>
 
+#include "active_set.h"
 #include "dense.h"
 #include "residual.h"
 
@@ -55,14 +56,7 @@ static const double *column_of(const nsdae_chain *c, int j)
  */
 static int factor(nsdae_chain *c)
 {
-  int size = 0;
-  double *lu = c->lu;
-  for (int i = 0; i < c->n; i++)
-    if (c->basis[i]) c->index[size++] = i;
-  for (int j = 0; j < size; j++) {
-    const double *column = column_of(c, c->index[j]);
-    for (int i = 0; i < size; i++) *lu++ = column[c->index[i]];
-  }
+  int size = nsdae_lcp_gather(c->n, c->problem->A, c->problem->lda, c->basis, c->lu, c->index);
   return size > 0 && nsdae_la_lu(size, c->lu, size, c->pivot) == 0 ? size : 0;
 }
 
@@ -119,17 +113,6 @@ static double bound(const nsdae_chain *c)
   return worst;
 }
 
-/* x -= a factor, s += |a factor|. */
-static void eliminate(int n, const double *restrict a, double factor, double *restrict x,
-                      double *restrict s)
-{
-  for (int i = 0; i < n; i++) {
-    double term = a[i] * factor;
-    x[i] -= term;
-    s[i] += fabs(term);
-  }
-}
-
 /* rhs := A_BB^-1 rhs; what is left of terms that cancel is zero. */
 static void divide(nsdae_chain *c, int size)
 {
@@ -142,12 +125,12 @@ static void divide(nsdae_chain *c, int size)
   for (int j = 0; j < size; j++) s[j] = fabs(x[j]);
   for (int j = 0; j < size; j++) {
     const double *column = c->lu + (size_t)j * (size_t)size;
-    eliminate(size - j - 1, column + j + 1, x[j], x + j + 1, s + j + 1);
+    add_column(size - j - 1, column + j + 1, -x[j], x + j + 1, s + j + 1);
   }
   for (int j = size - 1; j >= 0; j--) {
     const double *column = c->lu + (size_t)j * (size_t)size;
     x[j] = fabs(x[j]) > CANCELLED * s[j] ? x[j] / column[j] : 0;
-    eliminate(j, column, x[j], x, s);
+    add_column(j, column, -x[j], x, s);
   }
 }
 
@@ -171,8 +154,8 @@ static double solve(nsdae_chain *c, int size)
   return error;
 }
 
-/* The largest share of x_j > 0 by which it changes where each row of the head changes by its
- * rounding, in proportions that no row of numbers in the model has. */
+/* The largest share of itself by which an x_j > 0 changes where the rows of the head change by
+ * their rounding, in irregular parts of it, so that no symmetry cancels them. */
 static double sensitivity(nsdae_chain *c, int size)
 {
   double worst = 0, part = 0;

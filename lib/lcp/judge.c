@@ -5,6 +5,7 @@
 #include <stddef.h>
 #include <string.h>
 
+#include "active_set.h"
 #include "dense.h"
 
 double nsdae_chain_residual(nsdae_chain *c)
@@ -42,25 +43,14 @@ static void defect(nsdae_chain *c, int size, const double *part)
   }
 }
 
-static int factor(nsdae_chain *c, int size)
-{
-  for (int j = 0; j < size; j++) {
-    const double *from = c->A + (size_t)c->index[j] * (size_t)c->n;
-    for (int i = 0; i < size; i++) c->lu[(size_t)j * (size_t)size + (size_t)i] = from[c->index[i]];
-  }
-  return nsdae_la_lu(size, c->lu, size, c->pivot);
-}
-
 /* x on the active set: A_BB x_B = -b_B, all else zero. Returns 0, or 1 where A_BB is singular. One
  * refinement makes every row exact to its own terms, not to the largest (Skeel, Math. Comput. 35,
  * 1980). */
 static int solve(nsdae_chain *c, const int *basis, double *x)
 {
-  int size = 0;
   double *part = c->sizes;
-  for (int i = 0; i < c->n; i++)
-    if (basis[i]) c->index[size++] = i;
-  if (factor(c, size) != 0) return 1;
+  int size = nsdae_lcp_gather(c->n, c->A, c->n, basis, c->lu, c->index);
+  if (nsdae_la_lu(size, c->lu, size, c->pivot) != 0) return 1;
   memset(part, 0, (size_t)size * sizeof *part);
   for (int round = 0; round < 2; round++) {
     defect(c, size, part);

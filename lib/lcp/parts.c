@@ -137,12 +137,6 @@ static int judge_whole(nsdae_chain *c, int failed, double *work, int *iwork)
   return status;
 }
 
-void nsdae_chain_find_islands(nsdae_chain *c)
-{
-  if (c->islands > 0) return;
-  c->islands = nsdae_islands_find(c->n, c->problem->A, c->problem->lda, c->label);
-}
-
 int nsdae_chain_run(nsdae_chain *c, double *work, int lwork, int *iwork)
 {
   if (c->n == 0) {
@@ -150,9 +144,9 @@ int nsdae_chain_run(nsdae_chain *c, double *work, int lwork, int *iwork)
     return NSDAE_OK;
   }
   if (nsdae_guess_nothing(c) || (c->n <= FEW && nsdae_guess_basis(c))) return NSDAE_OK;
-  nsdae_chain_find_islands(c);
-  if (c->islands < 2 && c->n > FEW && nsdae_guess_basis(c)) return NSDAE_OK;
-  if (c->islands < 2 || !fits(c, largest_island(c), lwork)) return nsdae_chain_run_whole(c);
+  int islands = nsdae_islands_find(c->n, c->problem->A, c->problem->lda, c->label);
+  if (islands < 2 && c->n > FEW && nsdae_guess_basis(c)) return NSDAE_OK;
+  if (islands < 2 || !fits(c, largest_island(c), lwork)) return nsdae_chain_run_whole(c);
   int failed = solve_all(c, work, iwork);
   return failed < 0 ? NSDAE_OK : judge_whole(c, failed, work, iwork);
 }

@@ -5,6 +5,7 @@
 
 #include <stddef.h>
 
+#include "active_set.h"
 #include "dense.h"
 
 typedef struct split {
@@ -18,14 +19,6 @@ typedef struct split {
 static const double *column_of(const split *s, int j)
 {
   return s->A + (size_t)j * (size_t)s->n;
-}
-
-static int factor(split *s)
-{
-  for (int j = 0; j < s->size; j++)
-    for (int i = 0; i < s->size; i++)
-      s->lu[(size_t)j * (size_t)s->size + (size_t)i] = column_of(s, s->index[j])[s->index[i]];
-  return nsdae_la_lu(s->size, s->lu, s->size, s->pivot) != 0;
 }
 
 /* out := (sign X, start_N + sign A_NB X), X = A_BB^-1 part; start NULL: zero. */
@@ -51,9 +44,8 @@ int nsdae_lcp_transform(int n, const double *A, const double *b, const int *basi
              .part = work + (size_t)n * (size_t)n,
              .pivot = pivot,
              .index = index};
-  for (int i = 0; i < n; i++)
-    if (basis[i]) index[s.size++] = i;
-  if (factor(&s) != 0) return 1;
+  s.size = nsdae_lcp_gather(n, A, n, basis, s.lu, index);
+  if (nsdae_la_lu(s.size, s.lu, s.size, pivot) != 0) return 1;
   for (int j = 0; j <= n; j++) {
     const double *from = j < n ? column_of(&s, j) : b;
     int changes = j < n && basis[j];
