@@ -26,11 +26,16 @@ struct nsdae_dae {
   unsigned char *entry; /* n x n: entries that were ever not zero */
   double after;         /* where the next step goes */
   int failed;           /* code of a callback that gave up */
+  int refused;          /* a callback asked for a smaller step */
+  int stalled;          /* steps since t went on */
 };
+
+enum { STALLED_MAX = 100 }; /* IDA may double its step each time: 1e30 times the first */
 
 static int keep_failure(nsdae_dae *dae, int code)
 {
   if (code < 0) dae->failed = code;
+  if (code > 0) dae->refused = 1;
   return code;
 }
 
@@ -229,7 +234,7 @@ static int failure(const nsdae_dae *dae)
 int nsdae_dae_start(nsdae_dae *dae, double t, double after, double *y, double *yp, int *code)
 {
   size_t size = (size_t)dae->problem.n * sizeof *y;
-  dae->failed = 0;
+  dae->failed = dae->stalled = 0;
   dae->after = after;
   memcpy(N_VGetArrayPointer(dae->y), y, size);
   memcpy(N_VGetArrayPointer(dae->yp), yp, size);
@@ -242,12 +247,19 @@ int nsdae_dae_start(nsdae_dae *dae, double t, double after, double *y, double *y
   return NSDAE_OK;
 }
 
+/* A residual that fails from some time on lets IDA halve its step for ever: it calls a step below
+ * the rounding of t a success. Some such steps are good, its first ones after a restart. */
 int nsdae_dae_advance(nsdae_dae *dae, double *t, int *root_found, int *found, int *code)
 {
-  dae->failed = 0;
+  double from = *t;
+  dae->failed = dae->refused = 0;
   *code = IDASolve(dae->ida, dae->after, t, dae->y, dae->yp, IDA_ONE_STEP);
-  if (*code < 0) return failure(dae);
   *root_found = *code == IDA_ROOT_RETURN;
+  dae->stalled = *t > from || *root_found ? 0 : dae->stalled + 1;
+  /* rather in a step with a reason to tell */
+  int most = dae->refused ? STALLED_MAX : 2 * STALLED_MAX;
+  if (*code >= 0 && dae->stalled > most) *code = IDA_CONV_FAIL;
+  if (*code < 0) return failure(dae);
   if (*root_found) IDAGetRootInfo(dae->ida, found);
   return NSDAE_OK;
 }

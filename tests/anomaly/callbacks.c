@@ -116,6 +116,53 @@ static void test_nan(void **state)
     }
 }
 
+static int late_mass(double t, const double *q, double *M, int ldm, void *user)
+{
+  (void)t;
+  (void)q;
+  (void)ldm;
+  (void)user;
+  M[0] = 1;
+  return 0;
+}
+
+static int late_force(double t, const double *q, const double *v, double *F, void *user)
+{
+  (void)q;
+  (void)v;
+  long *calls = user;
+  F[0] = -9.81;
+  if (++*calls > 1000000) return -1; /* it would go on for ever */
+  return t > 0.3;
+}
+
+/* Recoverable, but no step is small enough to recover: integrators with error control must give up
+ * before they halve their step for ever. */
+static void test_no_step_is_small_enough(void **state)
+{
+  (void)state;
+  const nsdae_dims dims = {.nq = 1};
+  const double q0 = 1, v0 = 0;
+  for (int method = 0; nsdae_method_name(method) && is_built(method); method++) {
+    nsdae_system *system;
+    nsdae_record record;
+    long calls = 0;
+    assert_int_equal(nsdae_system_create(&dims, &system, NULL), NSDAE_OK);
+    nsdae_system_set_user(system, &calls);
+    nsdae_system_set_mass(system, late_mass);
+    nsdae_system_set_force(system, late_force);
+    nsdae_sim *sim = make_sim(system, method, NSDAE_REDUNDANT_ERROR);
+    assert_int_equal(nsdae_sim_init(sim, 0, &q0, &v0), NSDAE_OK);
+    assert_int_equal(nsdae_sim_run(sim, 1), NSDAE_E_CALLBACK);
+    assert_int_equal(nsdae_sim_error(sim)->code, 1);
+    assert_int_equal(nsdae_sim_get_record(sim, &record), NSDAE_OK);
+    assert_near(record.time, 0.3, 0.0101);
+    assert_true(calls < 100000);
+    nsdae_sim_destroy(&sim);
+    nsdae_system_destroy(&system);
+  }
+}
+
 /* Every term is evaluated at the start, so what is wrong shows there. */
 static void test_failing_start(void **state)
 {
@@ -277,6 +324,7 @@ int main(void)
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_failing_callback),
       cmocka_unit_test(test_nan),
+      cmocka_unit_test(test_no_step_is_small_enough),
       cmocka_unit_test(test_failing_start),
       cmocka_unit_test(test_mass_not_positive_definite),
       cmocka_unit_test(test_rank),
