@@ -31,8 +31,8 @@ void nsdae_dae_destroy(nsdae_dae **dae);
  * NSDAE_OK; NSDAE_E_CONVERGENCE with the integrator's code in *code; NSDAE_E_CALLBACK. */
 int nsdae_dae_start(nsdae_dae *dae, double t, double after, double *y, double *yp, int *code);
 
-/* One step of the integrator's own choice from *t on; *t is where it got to. With *root the functions found
- * [roots] that are not zero fell through zero there. NSDAE_OK, or as above. */
+/* One step of the integrator's own choice from *t on; *t is where it got to. With *root the
+ * functions found [roots] that are not zero fell through zero there. NSDAE_OK, or as above. */
 int nsdae_dae_advance(nsdae_dae *dae, double *t, int *root, int *found, int *code);
 
 /* y [n] (derivative 0) or y' [n] (1) at t within the last step. NSDAE_OK or NSDAE_E_CONVERGENCE. */
