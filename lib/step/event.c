@@ -14,6 +14,8 @@
 #include "errors.h"
 #include "vector.h"
 
+enum { IDLE_MAX = 100 };
+
 static void count_sizes(nsdae_event_method *e)
 {
   const nsdae_dims *d = &e->stepper->system->dims;
@@ -37,6 +39,7 @@ static void layout_rows(nsdae_row_set *s, long n, long k, nsdae_arena *arena)
   s->system = NSDAE_ARENA_DOUBLES(arena, n * n);
   s->force = NSDAE_ARENA_DOUBLES(arena, n);
   s->weight = NSDAE_ARENA_DOUBLES(arena, n);
+  s->emphasis = NSDAE_ARENA_DOUBLES(arena, k);
   s->solved = NSDAE_ARENA_DOUBLES(arena, n);
   s->shift = NSDAE_ARENA_DOUBLES(arena, n);
 }
@@ -225,11 +228,12 @@ static int go_through(nsdae_event_method *e, double t)
   const nsdae_dims *d = &s->system->dims;
   memcpy(e->mode_before, e->mode, (size_t)d->k * sizeof *e->mode);
   memcpy(e->slide_mode_before, e->slide_mode, (size_t)d->f * sizeof *e->mode);
-  int status = restart(e, t);
+  int before = s->impacts + s->changes, status = restart(e, t);
   for (int i = 0; i < d->k && status == NSDAE_OK; i++)
     add_change(s, t, i, -1, e->mode_before[i], e->mode[i]);
   for (int j = 0; j < d->f && status == NSDAE_OK; j++)
     add_change(s, t, -1, j, e->slide_mode_before[j], e->slide_mode[j]);
+  e->idle += s->impacts + s->changes == before;
   return status;
 }
 
@@ -351,9 +355,10 @@ static int account(nsdae_event_method *e, double from, double to)
   return status;
 }
 
+/* Friction that is asked again and again how it shares between contacts leads nowhere, sooner. */
 static int too_many(const nsdae_event_method *e)
 {
-  return e->changes > e->stepper->options->events_max;
+  return e->changes > e->stepper->options->events_max || e->idle > IDLE_MAX;
 }
 
 /* To the end of the step, or until a list is nearly full: then the step ends early. */
@@ -381,7 +386,7 @@ static void clear_step(nsdae_event_method *e)
   memset(e->tangential, 0, (size_t)(d->k * d->nt) * sizeof *e->tangential);
   memset(e->friction, 0, (size_t)d->f * sizeof *e->friction);
   e->work = 0;
-  e->changes = e->settled = 0;
+  e->changes = e->idle = e->settled = 0;
   e->stepper->impacts = e->stepper->changes = 0;
   e->stepper->worst_residual = 0;
 }

@@ -44,6 +44,7 @@ typedef struct nsdae_row_set {
   int *normal, *unknown;                       /* n: of the same contact; place in y */
   double *factor, *combination, *relation;     /* n x n, by rows */
   double *force, *weight;                      /* n */
+  double *emphasis;                            /* k, by place among the active */
   double *solved;                              /* n: forces of the problem's solution */
   int *solved_mode;                            /* k */
   double *system, *shift;                      /* n x n, n: of fulfil_relations */
@@ -107,6 +108,7 @@ typedef struct nsdae_event_method {
   double *normal, *tangential, *friction; /* k, k nt, f: impulses of the step */
   double work;
   int changes; /* instants in this step */
+  int idle;    /* of those, without an impact or a change of mode */
   int settled; /* accumulations closed in this step */
 } nsdae_event_method;
 
@@ -148,6 +150,9 @@ int nsdae_event_code(const nsdae_stepper *s, int status);
  * solution in e->modes, e->lambda; the forces there may be shared differently afterwards. NSDAE_OK
  * or NSDAE_E_CONVERGENCE with the record. */
 int nsdae_event_find_rows(nsdae_event_method *e, double t);
+/* The solution in e->modes, e->a, e->lambda with friction cones in place of polygons, where there
+ * are no slides; 1 when it was found, else they are as before. */
+int nsdae_event_solve_cones(nsdae_event_method *e);
 /* A contact at rest whose friction is all used, and which does not begin to slide, sticks. */
 void nsdae_event_hold_resting(nsdae_event_method *e);
 /* Whether contact i, the j-th tangential row, is without a row of its own. */

@@ -515,6 +515,22 @@ static int begins_to_slide(const nsdae_event_method *e)
   return any;
 }
 
+/* What slides in the solution with the cones: d is against its friction, which is all used. */
+static void read_cones(nsdae_event_method *e)
+{
+  const nsdae_contacts *c = &e->modes;
+  double size = acceleration_size(e);
+  read_contacts(e);
+  for (int a = 0; a < c->active_count; a++) {
+    int i = c->active[a];
+    if (e->mode[i] == NSDAE_OPEN || c->law[i].kind != NSDAE_POLYGON || !(c->normal[i] > 0))
+      continue;
+    if (powerless(c, c->first_column[a] + 1)) continue;
+    e->mode[i] = slip_rate(e, i) > size ? NSDAE_SLIDE : NSDAE_STICK;
+    if (e->mode[i] == NSDAE_SLIDE) point_against(e->direction + 2 * i, 2, c->tangential + 2 * i);
+  }
+}
+
 static int find_modes(nsdae_event_method *e, double t, int impacted)
 {
   int status;
@@ -527,7 +543,10 @@ static int find_modes(nsdae_event_method *e, double t, int impacted)
   read_contacts(e);
   read_slides(e);
   if (!begins_to_slide(e) && nsdae_event_find_rows(e, t) == NSDAE_OK) return NSDAE_OK;
-  status = settle_directions(e);
+  if (nsdae_event_solve_cones(e))
+    read_cones(e);
+  else
+    status = settle_directions(e);
   return status < 0 ? status : nsdae_event_find_rows(e, t);
 }
 
