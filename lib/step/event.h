@@ -133,6 +133,15 @@ static inline int nsdae_at_slide(const nsdae_dims *d)
   return nsdae_at_tangential(d) + d->k * d->nt;
 }
 
+/* Memory: all arrays and the integrator, or NSDAE_E_MEMORY, NSDAE_E_UNSUPPORTED; and its release,
+ * also of what was made in part. */
+int nsdae_event_make(nsdae_event_method *e);
+void nsdae_event_release(nsdae_event_method *e);
+
+/* Adds the integrals of the forces and of the friction's power over a piece of one step of the
+ * integrator to multiplier, normal, tangential, friction, work. */
+int nsdae_event_account(nsdae_event_method *e, double from, double to);
+
 /* The phase: its callbacks for the integrator. */
 int nsdae_event_residual(double t, const double *y, const double *yp, double *r, void *user);
 int nsdae_event_jacobian(double t, double c, const double *y, const double *yp, const double *r,
@@ -146,15 +155,6 @@ void nsdae_event_set_terms(nsdae_event_method *e);
 /* Callback's failure as a code of the integrator. */
 int nsdae_event_code(const nsdae_stepper *s, int status);
 
-/* Which rows of the modes are independent, and what the others have in their place, from the
- * solution in e->modes, e->lambda; the forces there may be shared differently afterwards. NSDAE_OK
- * or NSDAE_E_CONVERGENCE with the record. */
-int nsdae_event_find_rows(nsdae_event_method *e, double t);
-/* The solution in e->modes, e->a, e->lambda with friction cones in place of polygons, where there
- * are no slides; 1 when it was found, else they are as before. */
-int nsdae_event_solve_cones(nsdae_event_method *e);
-/* A contact at rest whose friction is all used, and which does not begin to slide, sticks. */
-void nsdae_event_hold_resting(nsdae_event_method *e);
 /* Whether contact i, the j-th tangential row, is without a row of its own. */
 static inline int nsdae_event_related(const nsdae_event_method *e, int row)
 {

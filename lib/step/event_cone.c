@@ -11,9 +11,10 @@
 #include <math.h>
 #include <string.h>
 
-#include "event.h"
+#include "event_instant.h"
 #include "vector.h"
 
+/* F is in e->rows.force, xi in e->rows.weight. */
 enum { SWEEPS = 20000 };
 
 /* Below it, of the largest force, a change is none. */

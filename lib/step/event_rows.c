@@ -18,7 +18,7 @@
 
 #include "dense.h"
 #include "errors.h"
-#include "event.h"
+#include "event_instant.h"
 #include "vector.h"
 
 enum { ROUNDS = 50 };
