@@ -44,6 +44,7 @@ typedef struct nsdae_row_set {
   int *normal, *unknown;                       /* n: of the same contact; place in y */
   double *factor, *combination, *relation;     /* n x n, by rows */
   double *force, *weight;                      /* n */
+  double *emphasis;                            /* k, by place among the active */
   double *solved;                              /* n: forces of the problem's solution */
   int *solved_mode;                            /* k */
   double *system, *shift;                      /* n x n, n: of fulfil_relations */
@@ -107,6 +108,7 @@ typedef struct nsdae_event_method {
   double *normal, *tangential, *friction; /* k, k nt, f: impulses of the step */
   double work;
   int changes; /* instants in this step */
+  int idle;    /* of those, without an impact or a change of mode */
   int settled; /* accumulations closed in this step */
 } nsdae_event_method;
 
@@ -131,6 +133,15 @@ static inline int nsdae_at_slide(const nsdae_dims *d)
   return nsdae_at_tangential(d) + d->k * d->nt;
 }
 
+/* Memory: all arrays and the integrator, or NSDAE_E_MEMORY, NSDAE_E_UNSUPPORTED; and its release,
+ * also of what was made in part. */
+int nsdae_event_make(nsdae_event_method *e);
+void nsdae_event_release(nsdae_event_method *e);
+
+/* Adds the integrals of the forces and of the friction's power over a piece of one step of the
+ * integrator to multiplier, normal, tangential, friction, work. */
+int nsdae_event_account(nsdae_event_method *e, double from, double to);
+
 /* The phase: its callbacks for the integrator. */
 int nsdae_event_residual(double t, const double *y, const double *yp, double *r, void *user);
 int nsdae_event_jacobian(double t, double c, const double *y, const double *yp, const double *r,
@@ -144,12 +155,6 @@ void nsdae_event_set_terms(nsdae_event_method *e);
 /* Callback's failure as a code of the integrator. */
 int nsdae_event_code(const nsdae_stepper *s, int status);
 
-/* Which rows of the modes are independent, and what the others have in their place, from the
- * solution in e->modes, e->lambda; the forces there may be shared differently afterwards. NSDAE_OK
- * or NSDAE_E_CONVERGENCE with the record. */
-int nsdae_event_find_rows(nsdae_event_method *e, double t);
-/* A contact at rest whose friction is all used, and which does not begin to slide, sticks. */
-void nsdae_event_hold_resting(nsdae_event_method *e);
 /* Whether contact i, the j-th tangential row, is without a row of its own. */
 static inline int nsdae_event_related(const nsdae_event_method *e, int row)
 {

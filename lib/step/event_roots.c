@@ -17,6 +17,10 @@
 #include "event.h"
 #include "vector.h"
 
+/* With two directions a velocity is followed through the errors of the integration, from which it
+ * cannot be told at first which way it goes: so many times what counts as zero. */
+static const double TURNING = 100;
+
 static double speed_of(const nsdae_terms *T, int i)
 {
   int n = T->system->dims.nv, nt = T->system->dims.nt;
@@ -217,10 +221,10 @@ static void start_contact(nsdae_event_method *e, const nsdae_terms *T, int i, do
     return;
   }
   double rate = 0;
-  tangential->size = v_size;
   for (int j = i * nt; j < (i + 1) * nt; j++)
     rate += e->direction[j] * (nsdae_dot(n, T->W_T + (size_t)(j * n), a) + T->omega_T[j]);
-  start_root(tangential, t, value_of(e, T, e->y, d->k + i), rate, v_size, 0);
+  start_root(tangential, t, value_of(e, T, e->y, d->k + i), rate,
+             nt == 2 ? TURNING * v_size : v_size, 0);
   /* so slow a start is no rate to divide by */
   if (tangential->state == NSDAE_ROOT_RISING && !(rate > v_size))
     tangential->state = NSDAE_ROOT_MASKED;

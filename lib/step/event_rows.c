@@ -18,8 +18,13 @@
 
 #include "dense.h"
 #include "errors.h"
-#include "event.h"
+#include "event_instant.h"
 #include "vector.h"
+
+enum { ROUNDS = 50 };
+
+/* Of the friction there can be: more than that is nearly all. */
+static const double NEARLY_ALL = 0.99;
 
 /* The Delassus matrix has squared what rank_tol is meant for. */
 static const double LEAST_SINE = 1e-6;
@@ -125,18 +130,35 @@ static int pushes(const nsdae_event_method *e, double size)
   return all;
 }
 
+static double friction_of(const nsdae_event_method *e, int a)
+{
+  const nsdae_contacts *c = &e->modes;
+  double friction = 0;
+  for (int l = c->first_column[a] + 1; l < c->first_column[a + 1]; l++)
+    friction = hypot(friction, e->rows.force[l]);
+  return friction;
+}
+
+static double most_friction(const nsdae_event_method *e, int a)
+{
+  const nsdae_contacts *c = &e->modes;
+  return e->stepper->system->contact[c->active[a]].mu * e->rows.force[c->first_column[a]];
+}
+
 static int holds(const nsdae_event_method *e, double size)
 {
   const nsdae_contacts *c = &e->modes;
-  const double *force = e->rows.force;
   int all = 1;
-  for (int a = 0; a < c->active_count; a++) {
-    int column = c->first_column[a], i = c->active[a];
-    double friction = 0, most = e->stepper->system->contact[i].mu * force[column];
-    for (int l = column + 1; l < c->first_column[a + 1]; l++) friction = hypot(friction, force[l]);
-    all &= e->mode[i] != NSDAE_STICK || friction <= most + size;
-  }
+  for (int a = 0; a < c->active_count; a++)
+    all &= e->mode[c->active[a]] != NSDAE_STICK || friction_of(e, a) <= most_friction(e, a) + size;
   return all;
+}
+
+/* Of what sticks, the part of the friction there can be. */
+static double used_friction(const nsdae_event_method *e, int a)
+{
+  double most = most_friction(e, a);
+  return e->mode[e->modes.active[a]] == NSDAE_STICK && most > 0 ? friction_of(e, a) / most : 0;
 }
 
 static double rounding_size(const nsdae_event_method *e)
@@ -158,7 +180,7 @@ static void gather_forces(nsdae_event_method *e)
     double most = e->stepper->system->contact[i].mu * c->normal[i];
     for (int l = column; l < c->first_column[a + 1]; l++) {
       s->normal[l] = column;
-      s->weight[l] = l > column && most > 0 ? 1 / most : 1;
+      s->weight[l] = l > column && most > 0 ? s->emphasis[a] / most : 1;
       s->unknown[l] = l == column ? nsdae_at_normal(d) + i
                                   : nsdae_at_tangential(d) + i * d->nt + l - column - 1;
     }
@@ -234,6 +256,26 @@ static int relate(nsdae_event_method *e, int even_normal, int even_friction)
   return fulfil_relations(e) && pushes(e, rounding_size(e));
 }
 
+/* Where friction is nearly used up somewhere, weights that ask for the least |F_T| / (mu F_N) of
+ * the largest: each times that of its contact (Lawson 1961). So that no contact is at its limit
+ * before all must be. */
+static int relate_friction(nsdae_event_method *e, int even_normal)
+{
+  const nsdae_contacts *c = &e->modes;
+  int related = 0;
+  double worst = 1;
+  for (int round = 0; round < ROUNDS && worst > NEARLY_ALL; round++) {
+    related = relate(e, even_normal, 1);
+    worst = 0;
+    for (int a = 0; a < c->active_count && related; a++) {
+      double used = used_friction(e, a);
+      e->rows.emphasis[a] *= fmax(used, 1e-3);
+      worst = fmax(worst, used);
+    }
+  }
+  return related;
+}
+
 static void find_combinations(nsdae_event_method *e)
 {
   for (int i = 0; i < e->rows.dependent_count; i++) find_combination(e, e->rows.dependent[i]);
@@ -251,6 +293,7 @@ static void restore_solution(nsdae_event_method *e)
 static int try_forces(nsdae_event_method *e, int even_normal, int even_friction)
 {
   restore_solution(e);
+  for (int a = 0; a < e->modes.active_count; a++) e->rows.emphasis[a] = 1;
   gather_forces(e);
   take_normals(e);
   find_combinations(e);
@@ -261,7 +304,8 @@ static int try_forces(nsdae_event_method *e, int even_normal, int even_friction)
   take_normals(e);
   take_sticking(e);
   find_combinations(e);
-  return relate(e, even_normal, even_friction) && holds(e, rounding_size(e));
+  int related = even_friction ? relate_friction(e, even_normal) : relate(e, even_normal, 0);
+  return related && holds(e, rounding_size(e));
 }
 
 static void mark_rows(nsdae_event_method *e)

@@ -231,6 +231,7 @@ static void test_rocking(void **state)
 typedef struct table {
   int legs;
   double x[FEET], y[FEET], h, fx, fy, spin; /* forces and moment grow with t */
+  double stretch;                           /* legs are farther out, one after the other */
 } table;
 
 enum { TURN = 10 }; /* 1 / J */
@@ -297,7 +298,7 @@ static nsdae_system *table_system(table *p, int legs, double mu, double e)
   nsdae_dims dims = {.nq = 6, .k = legs, .nt = 2};
   p->legs = legs;
   for (int i = 0; i < legs; i++) {
-    p->x[i] = cos(2 * pi * (i + 0.25) / legs);
+    p->x[i] = cos(2 * pi * (i + 0.25) / legs) * (1 + p->stretch * i);
     p->y[i] = sin(2 * pi * (i + 0.25) / legs);
   }
   assert_int_equal(nsdae_system_create(&dims, &system, NULL), NSDAE_OK);
@@ -324,7 +325,8 @@ static void expect_momentum(const table *p, const double *v0, double t)
     sum[4] += -p->x[i] * n - p->h * x;
     sum[5] += p->x[i] * y - p->y[i] * x;
   }
-  for (int i = 0; i < 6; i++) assert_near(r.v[i] - v0[i], (i < 3 ? 1 : TURN) * sum[i], 1e-7);
+  for (int i = 0; i < 6; i++) /* hundreds of steps of rtol */
+    assert_near(r.v[i] - v0[i], (i < 3 ? 1 : TURN) * sum[i], 1e3 * r.options.rtol);
 }
 
 /* Pushed harder and harder, by 5 t at the height of its centre, it slides as one at mu g / 5, all
@@ -364,6 +366,35 @@ static void test_table(void **state)
       expect_momentum(&p, v0, T);
       nsdae_system_destroy(&system);
     }
+}
+
+/* Pushed and turned at once, on three legs that are not alike: friction shares anew between them
+ * until all must slide. The polygon, which is only a start, decides nothing, nor does rtol, and it
+ * is done in few instants. */
+static void test_pushed_and_turned(void **state)
+{
+  (void)state;
+  const int polygon[] = {5, 8, 24, 8};
+  table p = {.h = 0.3, .fx = 3, .spin = 3, .stretch = 0.3};
+  double q0[6] = {0}, v0[6] = {0}, first[6], slip = 0;
+  nsdae_system *system = table_system(&p, 3, 0.5, 0);
+  for (int i = 0; i < 4; i++) {
+    event_run_default(&r);
+    r.options.polygon = polygon[i];
+    if (i == 3) r.options.rtol = 1e-8, r.options.atol = 1e-10;
+    r.t_end = 1.5;
+    event_run_do(&r, system, q0, v0);
+    assert_int_equal(r.status, NSDAE_OK);
+    assert_int_equal(r.stats.fallback_steps, 0);
+    assert_at_most((double)r.stats.events, 60);
+    assert_int_equal(r.changes, 3);
+    expect_momentum(&p, v0, 1.5);
+    if (i == 0) memcpy(first, r.q, sizeof first);
+    if (i == 0) slip = r.change[0].time;
+    assert_near(r.change[0].time, slip, i == 3 ? 1e-5 : 1e-7);
+    for (int j = 0; j < 6; j++) assert_near(r.q[j], first[j], i == 3 ? 1e-7 : 1e-9);
+  }
+  nsdae_system_destroy(&system);
 }
 
 /* Dropped, tilted and spinning: momentum over everything, energy, and rest on all legs. */
@@ -515,9 +546,13 @@ static void test_hit_from_above(void **state)
 int main(void)
 {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_feet),           cmocka_unit_test(test_tipping),
-      cmocka_unit_test(test_rocking),        cmocka_unit_test(test_table),
-      cmocka_unit_test(test_dropped),        cmocka_unit_test(test_hit_from_the_side),
+      cmocka_unit_test(test_feet),
+      cmocka_unit_test(test_tipping),
+      cmocka_unit_test(test_rocking),
+      cmocka_unit_test(test_table),
+      cmocka_unit_test(test_pushed_and_turned),
+      cmocka_unit_test(test_dropped),
+      cmocka_unit_test(test_hit_from_the_side),
       cmocka_unit_test(test_hit_from_above),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
