@@ -4,7 +4,7 @@
 
 /* The terms of a row count for its size up to so many times the largest b: larger ones would hide b
  * in their rounding, and any null vector of A that is long enough would pass for a solution. */
-enum { NSDAE_LCP_FAR = 1000000 };
+#define NSDAE_LCP_FAR 1e6
 
 /* min(x / sx, y / sy) with its sign, x and y being the i-th of theirs; column is that of A, sizes
  * [n] is sy as nsdae_dlcpres leaves it in work. NaN where something is not finite. */
