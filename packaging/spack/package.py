@@ -1,6 +1,6 @@
 """Spack recipe of nsdae: packages/nsdae/package.py of a repository of recipes."""
 
-from spack_repo.builtin.build_systems.cmake import CMakePackage
+from spack_repo.builtin.build_systems.cmake import CMakePackage, generator
 
 from spack.package import *
 
