@@ -24,7 +24,7 @@ void bar_move(bar *b, double part, double time)
   if (!b->terminal) return;
   double now = clock_now();
   if (now - b->started < 1 || now - b->shown < 0.1) return;
-  int cells = (int)(part * WIDTH);
+  int cells = (int)(part * (double)WIDTH);
   fprintf(stderr, "\r[%-*.*s] %3.0f %%  t = %.4g s\033[K", WIDTH, cells, full, 100 * part, time);
   b->visible = 1;
   b->shown = now;

@@ -171,7 +171,7 @@ static void expect_same(const bench *b, const point *before)
 static void grid(bench *b)
 {
   nsdae_stats stats;
-  double t_end = STEPS * b->dt;
+  double t_end = (double)STEPS * b->dt;
   start(b);
   assert_int_equal(nsdae_sim_run(b->sim, t_end), NSDAE_OK);
   assert_int_equal(b->watch.records, STEPS + 1);
@@ -195,7 +195,7 @@ static void test_grid(void **state)
 static void again(bench *b)
 {
   static point first[STEPS + 1];
-  double t_end = STEPS * b->dt;
+  double t_end = (double)STEPS * b->dt;
   start(b);
   assert_int_equal(nsdae_sim_run(b->sim, t_end), NSDAE_OK);
   memcpy(first, b->watch.at, sizeof first);
@@ -222,7 +222,7 @@ static void test_again(void **state)
 static void observer(bench *b)
 {
   static point first[STEPS + 1];
-  double t_end = STEPS * b->dt;
+  double t_end = (double)STEPS * b->dt;
   start(b);
   assert_int_equal(nsdae_sim_run(b->sim, t_end), NSDAE_OK);
   memcpy(first, b->watch.at, sizeof first);

@@ -106,7 +106,7 @@ static void test_impact(void **state)
 {
   (void)state;
   newtons_cradle *p = newtons_cradle_model.base;
-  const double e[] = {0, 0.25, 0.5, 1}, tol = 0.4 * N * N * 2.3e-16;
+  const double e[] = {0, 0.25, 0.5, 1}, tol = 0.4 * (double)(N * N) * 2.3e-16;
   double worst = 0;
   p->g = 0;
   for (int method = 0; method < METHODS; method++)

@@ -246,7 +246,7 @@ static void test_perturbation(void **state)
     assert_memory_equal(basis[2], basis[1], sizeof basis[2]);
     compared++;
   }
-  assert_true(compared > 0.8 * problems);
+  assert_true(compared > 0.8 * (double)problems);
 }
 
 /* The same in thirds, so that what ties does so to rounding alone. */
