@@ -33,18 +33,29 @@ struct nsdae_trajectory {
   int failed;               /* status of a write that failed: nothing is written any more */
 };
 
-/* ISO 8601, UTC. */
-static void creation_time(char text[32])
+/* Room for six numbers of any length, as the compiler sees them. */
+enum { DATE_LENGTH = 160 };
+
+/* ISO 8601, UTC. gmtime's memory is shared by all threads, so the date comes from the number of the
+ * day: eras of 400 years that begin on a 1st of March (Hinnant, "chrono-compatible low-level date
+ * algorithms", civil_from_days). */
+static void creation_time(char text[DATE_LENGTH])
 {
-  time_t now = time(NULL);
-  struct tm *utc = gmtime(&now);
-  if (!utc || strftime(text, 32, "%Y-%m-%dT%H:%M:%SZ", utc) == 0) strcpy(text, "unknown");
+  long now = (long)time(NULL), day = now / 86400 + 719468, second = now % 86400;
+  long of_era = day % 146097;
+  long year = (of_era - of_era / 1460 + of_era / 36524 - of_era / 146096) / 365;
+  long of_year = of_era - (365 * year + year / 4 - year / 100), month = (5 * of_year + 2) / 153;
+  long date = of_year - (153 * month + 2) / 5 + 1;
+  month = month < 10 ? month + 3 : month - 9;
+  year += day / 146097 * 400 + (month <= 2);
+  snprintf(text, DATE_LENGTH, "%04ld-%02ld-%02ldT%02ld:%02ld:%02ldZ", year, month, date,
+           second / 3600, second / 60 % 60, second % 60);
 }
 
 static int write_root(nsdae_trajectory *t, const char *model)
 {
   nsdae_sim_options options;
-  char created[32];
+  char created[DATE_LENGTH];
   nsdae_h5 *h5 = &t->h5;
   nsdae_sim_get_options(t->sim, &options);
   creation_time(created);
