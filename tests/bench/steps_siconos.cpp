@@ -58,10 +58,11 @@ double run(const column &c, int solver, double *top)
     system->insertDynamicalSystem(balls.back());
   }
   for (int i = 0; i < c.balls; i++) {
+    auto at = static_cast<std::size_t>(i);
     if (i == 0)
       system->link(make_contact(c, 0), balls[0]);
     else
-      system->link(make_contact(c, i), balls[i - 1], balls[i]);
+      system->link(make_contact(c, i), balls[at - 1], balls[at]);
   }
   auto scheme = std::make_shared<MoreauJeanOSI>(0.5);
   auto grid = std::make_shared<TimeDiscretisation>(0, c.dt);
