@@ -7,9 +7,11 @@
 #include <stddef.h>
 #include <string.h>
 
+#include "dictionary.h"
 #include "equilibrate.h"
 #include "fischer.h"
 #include "judge.h"
+#include "lemke.h"
 #include "proof.h"
 #include "ray.h"
 #include "transform.h"
@@ -19,11 +21,15 @@ enum { COVERINGS = 12 };
 /* Residual of a solution that cannot be better. */
 static const double ROUNDING = 1e-15;
 
+/* The workspace that nsdae_dlemke asks for. */
+static int lemke_size(int n)
+{
+  return nsdae_dictionary_size(n, nsdae_lemke_block(n));
+}
+
 int nsdae_chain_sizes(int n, int *lwork, int *liwork)
 {
-  double lemke = 0;
-  nsdae_dlemke(n, NULL, n > 0 ? n : 1, NULL, NULL, 0, NULL, NULL, NULL, &lemke, -1, NULL);
-  *lwork = 4 * n * n + 13 * n + (int)lemke + 1;
+  *lwork = 4 * n * n + 13 * n + lemke_size(n) + 1;
   *liwork = 8 * n + 1;
   return NSDAE_OK;
 }
@@ -31,9 +37,7 @@ int nsdae_chain_sizes(int n, int *lwork, int *liwork)
 void nsdae_chain_lay_out(nsdae_chain *c, double *work, int *iwork)
 {
   size_t n = (size_t)c->n;
-  double lemke = 0;
-  nsdae_dlemke(c->n, NULL, c->n > 0 ? c->n : 1, NULL, NULL, 0, NULL, NULL, NULL, &lemke, -1, NULL);
-  c->lemke_size = (int)lemke;
+  c->lemke_size = lemke_size(c->n);
   c->A = work;
   c->lu = c->A + n * n;
   c->wide = c->lu + n * n;
