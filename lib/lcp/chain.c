@@ -7,9 +7,11 @@
 #include <stddef.h>
 #include <string.h>
 
+#include "dictionary.h"
 #include "equilibrate.h"
 #include "fischer.h"
 #include "judge.h"
+#include "lemke.h"
 #include "proof.h"
 #include "ray.h"
 #include "transform.h"
@@ -19,11 +21,15 @@ enum { COVERINGS = 12 };
 /* Residual of a solution that cannot be better. */
 static const double ROUNDING = 1e-15;
 
+/* The workspace that nsdae_dlemke asks for. */
+static int lemke_size(int n)
+{
+  return nsdae_dictionary_size(n, nsdae_lemke_block(n));
+}
+
 int nsdae_chain_sizes(int n, int *lwork, int *liwork)
 {
-  double lemke = 0;
-  nsdae_dlemke(n, NULL, n > 0 ? n : 1, NULL, NULL, 0, NULL, NULL, NULL, &lemke, -1, NULL);
-  *lwork = 4 * n * n + 13 * n + (int)lemke + 1;
+  *lwork = 4 * n * n + 13 * n + lemke_size(n) + 1;
   *liwork = 8 * n + 1;
   return NSDAE_OK;
 }
@@ -31,9 +37,7 @@ int nsdae_chain_sizes(int n, int *lwork, int *liwork)
 void nsdae_chain_lay_out(nsdae_chain *c, double *work, int *iwork)
 {
   size_t n = (size_t)c->n;
-  double lemke = 0;
-  nsdae_dlemke(c->n, NULL, c->n > 0 ? c->n : 1, NULL, NULL, 0, NULL, NULL, NULL, &lemke, -1, NULL);
-  c->lemke_size = (int)lemke;
+  c->lemke_size = lemke_size(c->n);
   c->A = work;
   c->lu = c->A + n * n;
   c->wide = c->lu + n * n;
@@ -73,9 +77,9 @@ static int trivial(nsdae_chain *c)
 {
   for (int i = 0; i < c->n; i++)
     if (c->b[i] < 0) return 0;
-  memset(c->basis, 0, (size_t)c->n * sizeof *c->basis);
+  memset(c->trial, 0, (size_t)c->n * sizeof *c->trial);
   memset(c->x, 0, (size_t)c->n * sizeof *c->x);
-  return nsdae_chain_judge(c, NSDAE_LCP_TRIVIAL);
+  return nsdae_chain_judge(c, c->trial, NSDAE_LCP_TRIVIAL);
 }
 
 static int warm(nsdae_chain *c)
@@ -101,10 +105,10 @@ static int lemke_with(nsdae_chain *c, const double *cover, int stage)
   if (!cover) c->ray = info == 1;
   if (info != 0) return 0;
   for (int i = 0; i < c->n; i++) c->x[i] *= c->column[i];
-  if (nsdae_chain_judge(c, stage)) memcpy(c->basis, c->trial, (size_t)c->n * sizeof *c->basis);
+  nsdae_chain_judge(c, c->trial, stage);
   /* the basis solved at once has less rounding than its pivots */
   if (!(c->info->residual < ROUNDING)) nsdae_chain_judge_basis(c, c->trial, stage);
-  return c->info->outcome == NSDAE_LCP_SOLVED;
+  return nsdae_chain_is_settled(c);
 }
 
 static int lemke(nsdae_chain *c)
@@ -177,9 +181,7 @@ static int judge_iterate(nsdae_chain *c, const double *x, const double *y)
   for (int i = 0; i < c->n; i++) c->trial[i] = x[i] > y[i];
   if (nsdae_chain_judge_basis(c, c->trial, NSDAE_LCP_FURTHER)) return 1;
   for (int i = 0; i < c->n; i++) c->x[i] = fmax(x[i], 0) * c->column[i];
-  if (!nsdae_chain_judge(c, NSDAE_LCP_FURTHER)) return 0;
-  memcpy(c->basis, c->trial, (size_t)c->n * sizeof *c->basis);
-  return 1;
+  return nsdae_chain_judge(c, c->trial, NSDAE_LCP_FURTHER);
 }
 
 /* The method from the starts first .. end - 1. */
@@ -207,10 +209,16 @@ static int further(nsdae_chain *c)
   return further_from(c, c->n >= LARGE ? FURTHER_EARLY : 0, FURTHER_STARTS);
 }
 
+/* With a solution at hand, if a doubted one, there is nothing to be proved. */
+static int prove(nsdae_chain *c)
+{
+  return c->info->outcome != NSDAE_LCP_SOLVED && nsdae_chain_prove(c);
+}
+
 static int enumerate(nsdae_chain *c)
 {
   if (c->n > c->options->enumerate_max) return 0;
-  if (nsdae_chain_prove_all(c)) return 1;
+  if (c->info->outcome != NSDAE_LCP_SOLVED && nsdae_chain_prove_all(c)) return 1;
   for (long set = 0; set < 1L << c->n; set++) {
     for (int i = 0; i < c->n; i++) c->trial[i] = (int)(set >> i & 1);
     if (nsdae_chain_judge_basis(c, c->trial, NSDAE_LCP_ENUMERATE)) return 1;
@@ -218,7 +226,7 @@ static int enumerate(nsdae_chain *c)
   return 0;
 }
 
-/* Every stage returns whether the chain ends with it. */
+/* Every stage returns whether the chain ends with it: with a proof, or settled. */
 static int run_stages(nsdae_chain *c)
 {
   static const struct {
@@ -226,7 +234,7 @@ static int run_stages(nsdae_chain *c)
     int (*run)(nsdae_chain *);
   } all[] = {{NSDAE_LCP_TRIVIAL, trivial},    {NSDAE_LCP_WARM, warm},
              {NSDAE_LCP_LEMKE, lemke},        {NSDAE_LCP_FURTHER, further_early},
-             {NSDAE_LCP_COVERING, coverings}, {NSDAE_LCP_PROVE, nsdae_chain_prove},
+             {NSDAE_LCP_COVERING, coverings}, {NSDAE_LCP_PROVE, prove},
              {NSDAE_LCP_FURTHER, further},    {NSDAE_LCP_ENUMERATE, enumerate}};
   for (size_t i = 0; i < sizeof all / sizeof *all; i++)
     if ((c->options->stages & all[i].stage) && all[i].run(c)) break;

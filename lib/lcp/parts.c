@@ -124,7 +124,8 @@ static int judge_whole(nsdae_chain *c, int failed, double *work, int *iwork)
   c->info->outcome = NSDAE_LCP_UNSOLVED;
   nsdae_chain_lay_out(c, work, iwork);
   nsdae_chain_equilibrate(c);
-  if (nsdae_chain_judge(c, info.stage)) return NSDAE_OK;
+  nsdae_chain_judge(c, c->basis, info.stage);
+  if (c->info->outcome == NSDAE_LCP_SOLVED) return NSDAE_OK;
   int m = nsdae_islands_members(c->n, c->label, failed, c->member);
   int status = solve_part(c, &p, m, work, iwork);
   c->info->outcome = p.info.outcome;

@@ -166,19 +166,17 @@ static int branch_index(const nsdae_chain *c)
 
 /* What the nearest point takes for positive, solved at once; and the point itself, for the block of
  * the x_i that make a solution may be singular. */
-static int judge_point(nsdae_chain *c)
+static void judge_point(nsdae_chain *c)
 {
   int n = c->n;
   double size = norm(n, c->b);
   for (int i = 0; i < n; i++) c->trial[i] = c->point[n + i] > c->point[i];
-  if (nsdae_chain_judge_basis(c, c->trial, NSDAE_LCP_ENUMERATE)) return 1;
+  if (nsdae_chain_judge_basis(c, c->trial, NSDAE_LCP_ENUMERATE)) return;
   for (int j = 0; j < n; j++) {
     double of_column = norm(n, c->A + (size_t)j * (size_t)n), z = c->point[n + j];
     c->x[j] = z > 0 ? z * size / of_column * c->column[j] : 0;
   }
-  if (!nsdae_chain_judge(c, NSDAE_LCP_ENUMERATE)) return 0;
-  memcpy(c->basis, c->trial, (size_t)n * sizeof *c->basis);
-  return 1;
+  nsdae_chain_judge(c, c->trial, NSDAE_LCP_ENUMERATE);
 }
 
 enum { OPEN, EMPTY, FOUND };
@@ -188,7 +186,8 @@ static int search(nsdae_chain *c)
   int all = EMPTY;
   if (excluded(c)) return EMPTY;
   int i = branch_index(c);
-  if (judge_point(c)) return FOUND;
+  judge_point(c);
+  if (c->info->outcome == NSDAE_LCP_SOLVED) return FOUND;
   if (i < 0) return OPEN;
   for (int side = 0; side < 2 && all == EMPTY; side++) {
     c->allowed[side == 0 ? i : c->n + i] = 0;

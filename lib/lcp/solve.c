@@ -1,4 +1,5 @@
 /* The solver as it is called: arguments, workspace, names. */
+#include <float.h>
 #include <math.h>
 #include <nsdae/lcp.h>
 #include <stdlib.h>
@@ -64,9 +65,10 @@ static int all_finite(size_t n, const double *a)
   size_t i = 0;
   for (; i + SUMS <= n; i += SUMS)
     for (size_t k = 0; k < SUMS; k++) sum[k] += 0 * a[i + k];
-  for (; i < n; i++) all += 0 * a[i];
-  for (size_t k = 0; k < SUMS; k++) all += sum[k];
-  return all == 0;
+  for (size_t k = 0; i > 0 && k < SUMS; k++) all += sum[k];
+  int sound = all == 0;
+  for (; i < n; i++) sound &= fabs(a[i]) <= DBL_MAX; /* few: no sums */
+  return sound;
 }
 
 static int finite(const nsdae_lcp_problem *p)
