@@ -43,8 +43,9 @@ static const nsdae_param entries[] = {
      AT(impact_velocity), 1e-9, 0, INFINITY, 0, NULL},
     {"rtol", "1", "relative tolerance of penalty and event", NSDAE_PARAM_REAL, AT(rtol), 1e-8,
      1e-14, 1e-2, 0, NULL},
-    {"atol", "", "absolute tolerance of penalty and event", NSDAE_PARAM_REAL, AT(atol), 1e-10, 0,
-     INFINITY, NSDAE_OPEN_MIN, NULL},
+    /* squares of 1 / atol are summed */
+    {"atol", "", "absolute tolerance of penalty and event", NSDAE_PARAM_REAL, AT(atol), 1e-10,
+     1e-100, INFINITY, 0, NULL},
     {"penalty_law", "", "normal force of penalty", NSDAE_PARAM_CHOICE, AT(penalty_law), 3, 0, 4, 0,
      laws},
     {"penalty_stiffness", "N/m^n", "stiffness K of penalty", NSDAE_PARAM_REAL,

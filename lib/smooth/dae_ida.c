@@ -231,16 +231,32 @@ static int failure(const nsdae_dae *dae)
   return dae->failed ? NSDAE_E_CALLBACK : NSDAE_E_CONVERGENCE;
 }
 
+static int reinit(nsdae_dae *dae, double t, const double *y, const double *yp)
+{
+  size_t size = (size_t)dae->problem.n * sizeof *y;
+  memcpy(N_VGetArrayPointer(dae->y), y, size);
+  memcpy(N_VGetArrayPointer(dae->yp), yp, size);
+  return IDAReInit(dae->ida, t, dae->y, dae->yp);
+}
+
+/* Newton's method came to its end without a reason in a callback: where a force is nearly zero its
+ * rounding can be above what rtol and atol ask for. */
+static int came_to_rest(const nsdae_dae *dae, int code)
+{
+  return !dae->failed && !dae->refused && (code == IDA_LINESEARCH_FAIL || code == IDA_CONV_FAIL);
+}
+
 int nsdae_dae_start(nsdae_dae *dae, double t, double after, double *y, double *yp, int *code)
 {
   size_t size = (size_t)dae->problem.n * sizeof *y;
-  dae->failed = dae->stalled = 0;
+  dae->failed = dae->refused = dae->stalled = 0;
   dae->after = after;
-  memcpy(N_VGetArrayPointer(dae->y), y, size);
-  memcpy(N_VGetArrayPointer(dae->yp), yp, size);
-  *code = IDAReInit(dae->ida, t, dae->y, dae->yp);
+  *code = reinit(dae, t, y, yp);
   if (*code == 0) *code = IDACalcIC(dae->ida, IDA_YA_YDP_INIT, after);
-  if (*code == 0) *code = IDAGetConsistentIC(dae->ida, dae->y, dae->yp);
+  if (*code == 0)
+    *code = IDAGetConsistentIC(dae->ida, dae->y, dae->yp);
+  else if (came_to_rest(dae, *code))
+    *code = reinit(dae, t, y, yp);
   if (*code != 0) return failure(dae);
   memcpy(y, N_VGetArrayPointer(dae->y), size);
   memcpy(yp, N_VGetArrayPointer(dae->yp), size);

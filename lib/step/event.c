@@ -54,6 +54,20 @@ static int integrator_failed(nsdae_event_method *e, int status, double t, int co
   return status;
 }
 
+/* Accelerations and forces of the new phase at its start, of its own equations. Where these are
+ * singular the integrator starts with those of the instant, and says so if it cannot. */
+static int solve_start(nsdae_event_method *e, double t)
+{
+  int nq = e->stepper->system->dims.nq, nv = e->stepper->system->dims.nv;
+  memcpy(e->at, e->y, (size_t)e->n * sizeof *e->y);
+  int status = nsdae_event_forces(e, t, e->at);
+  if (status == NSDAE_E_CONVERGENCE) return NSDAE_OK;
+  if (status < 0) return status;
+  memcpy(e->y, e->at, (size_t)e->n * sizeof *e->y);
+  for (int i = 0; i < nv; i++) e->yp[nq + i] = -e->r[nq + i];
+  return NSDAE_OK;
+}
+
 /* The instant t at the state e->y: what happens there, and the start of the next phase. */
 static int restart(nsdae_event_method *e, double t)
 {
@@ -61,6 +75,8 @@ static int restart(nsdae_event_method *e, double t)
   if (status < 0) return status;
   nsdae_event_set_terms(e);
   nsdae_error_clear(e->stepper->error);
+  status = solve_start(e, t);
+  if (status < 0) return status;
   status = nsdae_dae_start(e->dae, t, t + e->stepper->options->dt, e->y, e->yp, &code);
   if (status < 0) return integrator_failed(e, status, t, code);
   status = nsdae_event_set_roots(e, t);

@@ -17,8 +17,7 @@ void nsdae_differences_layout(nsdae_differences *differences, nsdae_arena *arena
   differences->unit = NSDAE_ARENA_DOUBLES(arena, dims->nv);
   differences->plus = NSDAE_ARENA_DOUBLES(arena, rows);
   differences->minus = NSDAE_ARENA_DOUBLES(arena, rows);
-  differences->rate_plus = NSDAE_ARENA_DOUBLES(arena, rows);
-  differences->rate_minus = NSDAE_ARENA_DOUBLES(arena, rows);
+  differences->rate = NSDAE_ARENA_DOUBLES(arena, rows);
   long k = dims->k, kt = k * dims->nt, columns = kt > k ? kt : k;
   if (dims->f > columns) columns = dims->f;
   differences->moved = NSDAE_ARENA_DOUBLES(arena, dims->nq);
@@ -79,11 +78,11 @@ int nsdae_differences_velocity(nsdae_differences *d, nsdae_position_fn f, int ro
     memset(d->unit, 0, (size_t)nv * sizeof *d->unit);
     d->unit[j] = 1;
     code = kinematics(d, t, q, d->unit, d->qdot);
-    if (!code) code = rate(d, f, rows, t, q, cbrt(DBL_EPSILON), 0, d->rate_plus);
+    if (!code) code = rate(d, f, rows, t, q, cbrt(DBL_EPSILON), 0, d->rate);
     for (int i = 0; i < rows; i++) {
       size_t at =
           transposed ? (size_t)i * (size_t)ldd + (size_t)j : (size_t)j * (size_t)ldd + (size_t)i;
-      D[at] = d->rate_plus[i];
+      D[at] = d->rate[i];
     }
   }
   return code;
@@ -97,26 +96,37 @@ int nsdae_differences_time(nsdae_differences *d, nsdae_position_fn f, int rows, 
   return rate(d, f, rows, t, q, cbrt(DBL_EPSILON), 1, f_t);
 }
 
-/* f' at the point that the motion reaches after s */
-static int rate_after(nsdae_differences *d, nsdae_position_fn f, int rows, double t,
-                      const double *q, const double *v, double s, double *out)
+/* d->moved := q(t + s) of dq/dt = H(t,q) v with v constant, by the classical method of Runge and
+ * Kutta: its error s^5 is odd in s but for s^6. */
+static int carry(nsdae_differences *d, double t, const double *q, const double *v, double s)
 {
-  int code = kinematics(d, t, q, v, d->qdot);
-  for (int i = 0; i < d->system->dims.nq; i++) d->centre[i] = q[i] + s * d->qdot[i];
-  if (!code) code = kinematics(d, t + s, d->centre, v, d->qdot);
-  if (!code) code = rate(d, f, rows, t + s, d->centre, sqrt(sqrt(DBL_EPSILON)), 1, out);
+  static const double at[4] = {0, 0.5, 0.5, 1}, weight[4] = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6};
+  int nq = d->system->dims.nq, stages = d->system->kinematics ? 4 : 1, code = 0;
+  memcpy(d->moved, q, (size_t)nq * sizeof *q);
+  for (int stage = 0; stage < stages && !code; stage++) {
+    double ahead = at[stage] * s, part = stages == 1 ? s : weight[stage] * s;
+    for (int i = 0; i < nq; i++) d->centre[i] = stage > 0 ? q[i] + ahead * d->qdot[i] : q[i];
+    code = kinematics(d, t + ahead, d->centre, v, d->qdot);
+    for (int i = 0; i < nq; i++) d->moved[i] += part * d->qdot[i];
+  }
   return code;
 }
 
 int nsdae_differences_second(nsdae_differences *d, nsdae_position_fn f, int rows, double t,
                              const double *q, const double *v, double *omega)
 {
+  /* f'' = (16 (f(s) + f(-s)) - (f(2s) + f(-2s)) - 30 f(0)) / 12 s^2 + O(s^4); rounding eps / s^2:
+   * s ~ eps^(1/6) */
+  static const double at[5] = {0, -2, -1, 1, 2}, weight[5] = {-30, -1, 16, 16, -1};
   d->failed = NULL;
   int code = kinematics(d, t, q, v, d->qdot);
-  double s = nsdae_differences_step(d->system->dims.nq, t, q, d->qdot, sqrt(sqrt(DBL_EPSILON)));
-  if (!code) code = rate_after(d, f, rows, t, q, v, s, d->rate_plus);
-  if (!code) code = rate_after(d, f, rows, t, q, v, -s, d->rate_minus);
-  for (int i = 0; i < rows; i++) omega[i] = (d->rate_plus[i] - d->rate_minus[i]) / (2 * s);
+  double s = nsdae_differences_step(d->system->dims.nq, t, q, d->qdot, 5e-3);
+  memset(omega, 0, (size_t)rows * sizeof *omega);
+  for (int j = 0; j < 5 && !code; j++) {
+    code = carry(d, t, q, v, at[j] * s);
+    if (!code) code = f(t + at[j] * s, d->moved, d->plus, d->system->user);
+    for (int i = 0; i < rows; i++) omega[i] += weight[j] / (12 * s * s) * d->plus[i];
+  }
   return code;
 }
 
@@ -146,6 +156,7 @@ static int contact_offsets(nsdae_differences *d, double t, const double *q, doub
 {
   const nsdae_system *s = d->system;
   int k = s->dims.k, nt = s->dims.nt;
+  if (!s->contact_bias && !s->gap_normal) return 0;
   if (!s->contact_bias)
     return judge(d, nsdae_differences_time(d, s->gap, k, t, q, u_n), "gap", k, u_n);
   int code = s->contact_bias(t, q, u_n, nt > 0 ? u_t : NULL, s->user);
@@ -157,12 +168,23 @@ static int normal_velocities(nsdae_differences *d, double t, const double *q, co
                              double *u_n)
 {
   const nsdae_system *s = d->system;
-  int n = s->dims.nv, k = s->dims.k;
+  int k = s->dims.k;
+  if (!s->gap_normal) return 0; /* normal_accelerations */
   zero_directions(d, k);
-  int code = s->gap_normal ? s->gap_normal(t, q, d->W, n, s->user)
-                           : nsdae_differences_velocity(d, s->gap, k, t, q, d->W, n, 1);
+  int code = s->gap_normal(t, q, d->W, s->dims.nv, s->user);
   if (!code) add_velocities(d, k, v, u_n);
-  return judge(d, code, s->gap_normal ? "gap_normal" : "gap", k, u_n);
+  return judge(d, code, "gap_normal", k, u_n);
+}
+
+/* Where W_N is of differences too, g'' of the gap itself: another difference of those would have
+ * their error over its step. */
+static int normal_accelerations(nsdae_differences *d, double t, const double *q, const double *v,
+                                double *omega_n)
+{
+  const nsdae_system *s = d->system;
+  int k = s->dims.k;
+  if (k == 0 || s->gap_normal) return 0;
+  return judge(d, nsdae_differences_second(d, s->gap, k, t, q, v, omega_n), "gap", k, omega_n);
 }
 
 static int tangential_velocities(nsdae_differences *d, double t, const double *q, const double *v,
@@ -229,5 +251,5 @@ int nsdae_differences_contacts(nsdae_differences *d, double t, const double *q, 
   double s = nsdae_differences_step(dims->nq, t, q, d->qdot, 7.4e-4);
   for (int i = 0; i < 4 && !code; i++)
     code = add_displaced(d, t, q, v, at[i] * s, weight[i] / (12 * s), omega);
-  return code;
+  return code ? code : normal_accelerations(d, t, q, v, omega_n);
 }

@@ -2,8 +2,8 @@
  *
  * Along the motion dq/dt = H(t,q) v a function f(t,q) has the rate
  *   f' = f_q H v + f_t = ( f(t+s, q+s H v) - f(t-s, q-s H v) ) / 2s + O(s^2)
- * with s ~ eps^(1/3) for one difference (error about 1e-10) and eps^(1/4) for a difference of
- * differences (about 1e-8). All return a callback's code. */
+ * with s ~ eps^(1/3) (error about 1e-10); the second one is of five points, with s ~ eps^(1/6)
+ * (about 1e-11). All return a callback's code. */
 #ifndef NSDAE_SYSTEM_DIFFERENCES_H
 #define NSDAE_SYSTEM_DIFFERENCES_H
 
@@ -19,11 +19,11 @@ typedef struct nsdae_differences {
   const char *failed;   /* callback that failed where it was not f; else NULL */
   const char *bad;      /* callback of the contacts that first gave what is not finite; else NULL */
   double *q, *qdot;     /* nq: a displaced point, its rate */
-  double *centre;       /* nq: a displaced centre, for differences of differences */
+  double *centre;       /* nq: a point on the way to a displaced one */
   double *unit;         /* nv */
   double *plus, *minus; /* max(m, k) */
-  double *rate_plus, *rate_minus;
-  double *moved;        /* nq: a displaced point of the contacts' velocities */
+  double *rate;         /* max(m, k) */
+  double *moved;        /* nq: a displaced point of the motion */
   double *W, *velocity; /* nv x max(k, k nt, f); k + k nt + f */
 } nsdae_differences;
 
@@ -44,7 +44,7 @@ int nsdae_differences_second(nsdae_differences *differences, nsdae_position_fn f
 
 /* omega_n [k], omega_t [k nt], omega_s [f]: rates of the velocities W^T v + w of contacts and
  * slides along the motion with v constant, by five points (error about 1e-12 where W and w are
- * given). */
+ * given); omega_n from the gap where W_N is not. */
 int nsdae_differences_contacts(nsdae_differences *differences, double t, const double *q,
                                const double *v, double *omega_n, double *omega_t, double *omega_s);
 

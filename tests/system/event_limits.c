@@ -233,6 +233,30 @@ static void test_sliding_to_rest(void **state)
   nsdae_system_destroy(&system);
 }
 
+/* The least atol that is allowed, with coordinates and velocities that are and stay zero: their
+ * weights are 1 / atol. */
+static void test_least_atol(void **state)
+{
+  (void)state;
+  const double e = 0.5;
+  balls p = {.count = 1, .g = 2};
+  double q0[2] = {1, 0}, v0[2] = {0};
+  nsdae_sim_options options;
+  nsdae_sim_options_default(&options);
+  assert_int_equal(nsdae_sim_options_set(&options, "atol", "1e-300", NULL), NSDAE_E_ARGUMENT);
+  nsdae_system *system = balls_system(&p, 0, &e);
+  event_run_default(&r);
+  r.options.atol = 1e-100;
+  r.t_end = 1.75;
+  event_run_both(&r, system, q0, v0);
+  assert_int_equal(r.status, NSDAE_OK);
+  assert_int_equal(r.impacts, 1);
+  assert_near(r.impact[0].time, 1, 1e-9);
+  assert_near(r.q[0], 0.75 * 0.25, 1e-9); /* v t - t^2, v = 1, at t = 0.75 */
+  assert_true(r.q[1] == 0 && r.v[1] == 0);
+  nsdae_system_destroy(&system);
+}
+
 /* With g = 2 a ball from 1 is on the floor at t = 1: a step ends there, or a run, or one starts
  * there. The impact is seen once, and what follows is the same. */
 static void test_event_at_an_end(void **state)
@@ -445,10 +469,11 @@ static void test_slot(void **state)
 int main(void)
 {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_restitution),     cmocka_unit_test(test_accumulations),
-      cmocka_unit_test(test_many_impacts),    cmocka_unit_test(test_sliding_to_rest),
-      cmocka_unit_test(test_event_at_an_end), cmocka_unit_test(test_starts),
-      cmocka_unit_test(test_stabilisation),   cmocka_unit_test(test_slot),
+      cmocka_unit_test(test_restitution),  cmocka_unit_test(test_accumulations),
+      cmocka_unit_test(test_many_impacts), cmocka_unit_test(test_sliding_to_rest),
+      cmocka_unit_test(test_least_atol),   cmocka_unit_test(test_event_at_an_end),
+      cmocka_unit_test(test_starts),       cmocka_unit_test(test_stabilisation),
+      cmocka_unit_test(test_slot),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
