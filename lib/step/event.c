@@ -159,7 +159,7 @@ static int integrate(nsdae_event_method *e)
 /* Friction that is asked again and again how it shares between contacts leads nowhere, sooner. */
 static int too_many(const nsdae_event_method *e)
 {
-  return e->changes > e->stepper->options->events_max || e->idle > IDLE_MAX;
+  return e->endless || e->changes > e->stepper->options->events_max || e->idle > IDLE_MAX;
 }
 
 /* To the end of the step, or until a list is nearly full: then the step ends early. */
@@ -187,7 +187,7 @@ static void clear_step(nsdae_event_method *e)
   memset(e->tangential, 0, (size_t)(d->k * d->nt) * sizeof *e->tangential);
   memset(e->friction, 0, (size_t)d->f * sizeof *e->friction);
   e->work = 0;
-  e->changes = e->idle = e->settled = 0;
+  e->changes = e->idle = e->endless = e->settled = 0;
   e->stepper->impacts = e->stepper->changes = 0;
   e->stepper->worst_residual = 0;
 }

@@ -109,6 +109,7 @@ typedef struct nsdae_event_method {
   double work;
   int changes; /* instants in this step */
   int idle;    /* of those, without an impact or a change of mode */
+  int endless; /* impacts of one instant that do not end */
   int settled; /* accumulations closed in this step */
 } nsdae_event_method;
 

@@ -32,19 +32,28 @@ static void follow_accumulation(nsdae_event_method *e, int i, double t)
   e->settling[i] = e->rest[i] < e->stepper->options->accumulation_time;
 }
 
+/* A new record; or, after so many that only one for each contact and the next instant is left, that
+ * of the same contact in this instant. */
+static nsdae_impact *place_for(nsdae_stepper *s, int i, double t, double velocity_before)
+{
+  int last = s->impacts - 1;
+  while (last >= 0 && (s->impact[last].contact != i || s->impact[last].time != t)) last--;
+  if (last >= 0 && s->impacts + 2 * s->system->dims.k >= s->impacts_max) return &s->impact[last];
+  s->impact[s->impacts] =
+      (nsdae_impact){.time = t, .contact = i, .velocity_before = velocity_before};
+  return &s->impact[s->impacts++];
+}
+
 static void record_impact(nsdae_event_method *e, int i, double t)
 {
   nsdae_stepper *s = e->stepper;
   const nsdae_contacts *c = &s->contacts;
   int nt = s->system->dims.nt;
-  nsdae_impact *impact = &s->impact[s->impacts++];
-  *impact = (nsdae_impact){.time = e->settling[i] ? t + e->rest[i] : t,
-                           .contact = i,
-                           .normal_impulse = c->normal[i],
-                           .velocity_before = e->velocity[i],
-                           .velocity_after = c->after[i],
-                           .accumulation = e->settling[i]};
-  for (int l = 0; l < nt; l++) impact->tangential_impulse[l] = c->tangential[i * nt + l];
+  nsdae_impact *impact = place_for(s, i, e->settling[i] ? t + e->rest[i] : t, e->velocity[i]);
+  impact->normal_impulse += c->normal[i];
+  impact->velocity_after = c->after[i];
+  impact->accumulation = e->settling[i];
+  for (int l = 0; l < nt; l++) impact->tangential_impulse[l] += c->tangential[i * nt + l];
   e->settled += e->settling[i];
 }
 
@@ -114,16 +123,17 @@ static int approaching(nsdae_event_method *e)
 }
 
 /* An impact may drive another contact that touches, and parted or rested before it, together: then
- * that is the next, at the same time. */
+ * that is the next, at the same time. A body that just fits between two others, and loses nothing,
+ * goes on so for ever: past events_max the step is not the method's any more. */
 int nsdae_event_impacts(nsdae_event_method *e, double t, int *any)
 {
-  const nsdae_stepper *s = e->stepper;
-  int k = s->system->dims.k, status = NSDAE_OK;
-  while (status == NSDAE_OK && approaching(e) && s->impacts + k <= s->impacts_max) {
+  int k = e->stepper->system->dims.k, status = NSDAE_OK, left = e->stepper->options->events_max;
+  for (; status == NSDAE_OK && left > 0 && approaching(e); left--) {
     status = impact(e, t);
     for (int i = 0; i < k && status == NSDAE_OK; i++)
       e->touching[i] = e->mode[i] != NSDAE_OPEN || nsdae_event_touches(e, i);
     *any = 1;
   }
+  e->endless |= status == NSDAE_OK && approaching(e);
   return status;
 }
