@@ -107,10 +107,11 @@ typedef struct nsdae_event_method {
   double *multiplier;                     /* m: integral over the step */
   double *normal, *tangential, *friction; /* k, k nt, f: impulses of the step */
   double work;
-  int changes; /* instants in this step */
-  int idle;    /* of those, without an impact or a change of mode */
-  int endless; /* impacts of one instant that do not end */
-  int settled; /* accumulations closed in this step */
+  int changes;      /* instants in this step */
+  int idle;         /* of those, without an impact or a change of mode */
+  int first_impact; /* number of the first record of the last instant */
+  int endless;      /* impacts of one instant that do not end */
+  int settled;      /* accumulations closed in this step */
 } nsdae_event_method;
 
 /* Offsets in y. */

@@ -34,11 +34,12 @@ static void follow_accumulation(nsdae_event_method *e, int i, double t)
 
 /* A new record; or, after so many that only one for each contact and the next instant is left, that
  * of the same contact in this instant. */
-static nsdae_impact *place_for(nsdae_stepper *s, int i, double t, double velocity_before)
+static nsdae_impact *place_for(nsdae_event_method *e, int i, double t, double velocity_before)
 {
-  int last = s->impacts - 1;
-  while (last >= 0 && (s->impact[last].contact != i || s->impact[last].time != t)) last--;
-  if (last >= 0 && s->impacts + 2 * s->system->dims.k >= s->impacts_max) return &s->impact[last];
+  nsdae_stepper *s = e->stepper;
+  int last = s->impacts - 1, full = s->impacts + 2 * s->system->dims.k >= s->impacts_max;
+  while (last >= e->first_impact && s->impact[last].contact != i) last--;
+  if (full && last >= e->first_impact) return &s->impact[last];
   s->impact[s->impacts] =
       (nsdae_impact){.time = t, .contact = i, .velocity_before = velocity_before};
   return &s->impact[s->impacts++];
@@ -49,10 +50,10 @@ static void record_impact(nsdae_event_method *e, int i, double t)
   nsdae_stepper *s = e->stepper;
   const nsdae_contacts *c = &s->contacts;
   int nt = s->system->dims.nt;
-  nsdae_impact *impact = place_for(s, i, e->settling[i] ? t + e->rest[i] : t, e->velocity[i]);
+  nsdae_impact *impact = place_for(e, i, e->settling[i] ? t + e->rest[i] : t, e->velocity[i]);
   impact->normal_impulse += c->normal[i];
   impact->velocity_after = c->after[i];
-  impact->accumulation = e->settling[i];
+  impact->accumulation |= e->settling[i];
   for (int l = 0; l < nt; l++) impact->tangential_impulse[l] += c->tangential[i * nt + l];
   e->settled += e->settling[i];
 }
@@ -128,6 +129,7 @@ static int approaching(nsdae_event_method *e)
 int nsdae_event_impacts(nsdae_event_method *e, double t, int *any)
 {
   int k = e->stepper->system->dims.k, status = NSDAE_OK, left = e->stepper->options->events_max;
+  e->first_impact = e->stepper->impacts;
   for (; status == NSDAE_OK && left > 0 && approaching(e); left--) {
     status = impact(e, t);
     for (int i = 0; i < k && status == NSDAE_OK; i++)
