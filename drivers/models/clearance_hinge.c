@@ -194,16 +194,14 @@ static double first_peak(const settings *s, double stiffness)
   static comparison_run run;
   settings own = *s;
   own.options.penalty_stiffness = stiffness;
-  compare_one(&own, NSDAE_PENALTY, &run);
+  compare_one(&own, NSDAE_METHOD_PENALTY, &run);
   return run.status < 0 || run.impacts == 0 ? NAN : run.impact[0].peak_force;
 }
 
 /* Exponent of the law in use: Kelvin and Voigt's is linear. */
 static double exponent(const settings *s)
 {
-  const nsdae_param *law = nsdae_params_find(nsdae_sim_options_table(), "penalty_law");
-  int linear = strcmp(law->choices[s->options.penalty_law], "kelvin-voigt") == 0;
-  return linear ? 1 : s->options.penalty_exponent;
+  return s->options.penalty_law == NSDAE_PENALTY_KELVIN_VOIGT ? 1 : s->options.penalty_exponent;
 }
 
 /* The one stiffness that gives the first published force. The peak of a Hertz contact goes with
@@ -222,7 +220,7 @@ static void fill_row(const settings *s, double stiffness, int i, double row[COLU
 {
   static comparison_run run;
   clearance_hinge *p = s->model->base;
-  const int methods[] = {NSDAE_MOREAU, NSDAE_IMPLICIT_PRINTED, NSDAE_IMPLICIT};
+  const int methods[] = {NSDAE_METHOD_MOREAU, NSDAE_METHOD_IMPLICIT_PRINTED, NSDAE_METHOD_IMPLICIT};
   driver_exact first = {NAN, NAN};
   p->r = row[R] = table4[i].r;
   row[CONTINUOUS] = table4[i].continuous;

@@ -2,6 +2,7 @@
 #ifndef NSDAE_SIM_H
 #define NSDAE_SIM_H
 
+#include <nsdae/contact.h>
 #include <nsdae/lcp.h>
 #include <nsdae/params.h>
 #include <nsdae/status.h>
@@ -16,11 +17,11 @@ typedef struct nsdae_sim nsdae_sim;
 
 /* Index into nsdae_method_name; options.method. */
 enum nsdae_method {
-  NSDAE_IMPLICIT,
-  NSDAE_IMPLICIT_PRINTED,
-  NSDAE_MOREAU,
-  NSDAE_PENALTY,
-  NSDAE_EVENT_DRIVEN /* NSDAE_EVENT is a status */
+  NSDAE_METHOD_IMPLICIT,
+  NSDAE_METHOD_IMPLICIT_PRINTED,
+  NSDAE_METHOD_MOREAU,
+  NSDAE_METHOD_PENALTY,
+  NSDAE_METHOD_EVENT
 };
 
 /* Linear solvers of the integrator of event. */
@@ -42,8 +43,7 @@ typedef struct nsdae_sim_options {
   int polygon;                            /* edges of the friction polygon where nt = 2: 3 .. 32 */
   double impact_velocity;                 /* slower closings are no impacts [m/s] */
   double rtol, atol;                      /* of the integrator of penalty and event */
-  int penalty_law;                        /* 0 hertz, 1 kelvin-voigt, 2 hunt-crossley,
-                                             3 lankarani-nikravesh, 4 flores */
+  int penalty_law;                        /* enum nsdae_penalty_law */
   double penalty_stiffness;               /* K [N/m^n] */
   double penalty_exponent;                /* n */
   double friction_velocity;               /* regularisation of friction in penalty [m/s] */
@@ -65,9 +65,6 @@ NSDAE_API const nsdae_params *nsdae_sim_options_table(void);
 /* Name of a method and what it is, in one line; NULL past the last. */
 NSDAE_API const char *nsdae_method_name(int method);
 NSDAE_API const char *nsdae_method_summary(int method);
-
-/* What a contact did in the step: nothing, or with which friction. */
-enum nsdae_mode { NSDAE_OPEN = 0, NSDAE_SLIDE = 1, NSDAE_STICK = 2 };
 
 /* One impact: what a contact did in one instant, or, for a time-stepping method, in one step. */
 typedef struct nsdae_impact {
@@ -101,16 +98,17 @@ typedef struct nsdae_record {
   const double *tangential_impulse; /* [k nt] */
   const int *mode;                  /* [k] enum nsdae_mode */
   const double *slide_impulse;      /* [f] friction of the slides in the step */
-  const int *slide_mode;            /* [f] NSDAE_SLIDE or NSDAE_STICK; NSDAE_OPEN: frictionless */
-  double kinetic, potential;        /* [J]; potential is 0 where no callback gives it */
-  double dissipated;                /* work taken by all contact impulses so far [J] */
-  double lcp_residual;              /* scaled natural residual, 0 where there was no LCP */
-  double constraint_drift;          /* max |Phi| */
-  double penetration;               /* max(0, -g_N) over the contacts */
-  const nsdae_impact *impact;       /* [impacts] */
-  int impacts;                      /* in the step */
-  const nsdae_change *change;       /* [changes] */
-  int changes;                      /* in the step */
+  const int
+      *slide_mode; /* [f] NSDAE_MODE_SLIDE or NSDAE_MODE_STICK; NSDAE_MODE_OPEN: frictionless */
+  double kinetic, potential;  /* [J]; potential is 0 where no callback gives it */
+  double dissipated;          /* work taken by all contact impulses so far [J] */
+  double lcp_residual;        /* scaled natural residual, 0 where there was no LCP */
+  double constraint_drift;    /* max |Phi| */
+  double penetration;         /* max(0, -g_N) over the contacts */
+  const nsdae_impact *impact; /* [impacts] */
+  int impacts;                /* in the step */
+  const nsdae_change *change; /* [changes] */
+  int changes;                /* in the step */
 } nsdae_record;
 
 /* Sees every record. 0: go on; > 0: stop after it (NSDAE_STOPPED); < 0: the run fails with this

@@ -13,7 +13,6 @@ extern "C" {
 /* X(name, value, message): the one list that makes the enum, the names and the messages. */
 #define NSDAE_STATUS_LIST(X)                                                       \
   X(NSDAE_OK, 0, "done")                                                           \
-  X(NSDAE_TSTOP, 1, "stopped at the requested time")                               \
   X(NSDAE_EVENT, 2, "an impact or a change of contact mode happened in this step") \
   X(NSDAE_ZENO, 3, "an accumulation of impacts was closed")                        \
   X(NSDAE_STOPPED, 4, "an observer asked to stop")                                 \

@@ -4,9 +4,9 @@
 
 /* The version of these headers; that of the library is nsdae_version(). */
 #define NSDAE_VERSION_MAJOR 0
-#define NSDAE_VERSION_MINOR 1
+#define NSDAE_VERSION_MINOR 2
 #define NSDAE_VERSION_PATCH 0
-#define NSDAE_VERSION       "0.1.0"
+#define NSDAE_VERSION       "0.2.0"
 
 /* Marks what a shared library exports. */
 #if defined(__GNUC__)

@@ -342,9 +342,9 @@ static int mode_of(const nsdae_contacts *c, int a)
   const double *x = c->x + c->first_row[a], *offset = c->offset + c->first_column[a];
   int mode = nsdae_law_mode(law, x);
   double speed = 0;
-  if (law->kind != NSDAE_POLYGON || mode != NSDAE_SLIDE) return mode;
+  if (law->kind != NSDAE_POLYGON || mode != NSDAE_MODE_SLIDE) return mode;
   for (int l = 0; l < law->columns; l++) speed = fmax(speed, fabs(offset[l]));
-  return x[law->rows - 1] > c->lcp_options.tol * speed ? NSDAE_SLIDE : NSDAE_STICK;
+  return x[law->rows - 1] > c->lcp_options.tol * speed ? NSDAE_MODE_SLIDE : NSDAE_MODE_STICK;
 }
 
 /* Lambda = E_Q x, and what the contact does. */

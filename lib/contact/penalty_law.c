@@ -24,8 +24,8 @@ static double damping_ratio(double e)
   return -log(e) / sqrt(pi * pi + log(e) * log(e));
 }
 
-double nsdae_penalty_normal(const nsdae_penalty_law *law, double d, double rate, double start_rate,
-                            double e, double mass)
+double nsdae_penalty_normal(const nsdae_penalty_force *law, double d, double rate,
+                            double start_rate, double e, double mass)
 {
   double force;
   if (!(d > 0)) return 0;

@@ -14,23 +14,17 @@
 #ifndef NSDAE_PENALTY_LAW_H
 #define NSDAE_PENALTY_LAW_H
 
-enum nsdae_penalty_kind {
-  NSDAE_PENALTY_HERTZ,
-  NSDAE_PENALTY_KELVIN_VOIGT,
-  NSDAE_PENALTY_HUNT_CROSSLEY,
-  NSDAE_PENALTY_LANKARANI_NIKRAVESH,
-  NSDAE_PENALTY_FLORES
-};
+#include <nsdae/contact.h>
 
-typedef struct nsdae_penalty_law {
-  int kind;                   /* enum nsdae_penalty_kind */
+typedef struct nsdae_penalty_force {
+  int kind;                   /* enum nsdae_penalty_law */
   double stiffness, exponent; /* K [N/m^n], n */
-} nsdae_penalty_law;
+} nsdae_penalty_force;
 
 /* Normal force for overlap d (0 where d <= 0), its rate, d'_0 > 0, restitution e, effective mass.
  */
-double nsdae_penalty_normal(const nsdae_penalty_law *law, double d, double rate, double start_rate,
-                            double e, double mass);
+double nsdae_penalty_normal(const nsdae_penalty_force *law, double d, double rate,
+                            double start_rate, double e, double mass);
 
 /* F_T / v_T: friction of a normal force at the slip speed. */
 double nsdae_penalty_friction(double mu, double normal, double speed, double regularisation);

@@ -173,6 +173,6 @@ void nsdae_slides_scatter(nsdae_contacts *c)
     int sticking = !sense_of(c, i) && c->x[row + LAMBDA_R] > 0 && c->x[row + XI_L] == 0;
     c->impulse[column] = sum;
     c->slide_impulse[c->slide[i]] = sum;
-    c->slide_mode[c->slide[i]] = sticking ? NSDAE_STICK : NSDAE_SLIDE;
+    c->slide_mode[c->slide[i]] = sticking ? NSDAE_MODE_STICK : NSDAE_MODE_SLIDE;
   }
 }

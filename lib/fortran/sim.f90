@@ -11,11 +11,11 @@ module nsdae_f_sim
 
   ! options%method; their names are those of nsdae_method_name.
   integer(c_int), parameter, public :: &
-      NSDAE_IMPLICIT = 0, &
-      NSDAE_IMPLICIT_PRINTED = 1, &
-      NSDAE_MOREAU = 2, &
-      NSDAE_PENALTY = 3, &
-      NSDAE_EVENT_DRIVEN = 4
+      NSDAE_METHOD_IMPLICIT = 0, &
+      NSDAE_METHOD_IMPLICIT_PRINTED = 1, &
+      NSDAE_METHOD_MOREAU = 2, &
+      NSDAE_METHOD_PENALTY = 3, &
+      NSDAE_METHOD_EVENT = 4
 
   ! Linear solvers of the integrator of event.
   integer(c_int), parameter, public :: &
@@ -29,9 +29,17 @@ module nsdae_f_sim
 
   ! Modes of a contact or slide.
   integer(c_int), parameter, public :: &
-      NSDAE_OPEN = 0, &
-      NSDAE_SLIDE = 1, &
-      NSDAE_STICK = 2
+      NSDAE_MODE_OPEN = 0, &
+      NSDAE_MODE_SLIDE = 1, &
+      NSDAE_MODE_STICK = 2
+
+  ! Normal force of penalty.
+  integer(c_int), parameter, public :: &
+      NSDAE_PENALTY_HERTZ = 0, &
+      NSDAE_PENALTY_KELVIN_VOIGT = 1, &
+      NSDAE_PENALTY_HUNT_CROSSLEY = 2, &
+      NSDAE_PENALTY_LANKARANI_NIKRAVESH = 3, &
+      NSDAE_PENALTY_FLORES = 4
 
   integer(c_int), parameter, public :: NSDAE_OBSERVERS_MAX = 8
 
@@ -74,7 +82,7 @@ module nsdae_f_sim
     real(c_double) :: time                              ! [s]
     integer(c_int) :: contact                           ! from 0; -1: a slide
     integer(c_int) :: slide                             ! from 0; -1: a contact
-    integer(c_int) :: mode_before, mode_after           ! NSDAE_OPEN, NSDAE_SLIDE, NSDAE_STICK
+    integer(c_int) :: mode_before, mode_after           ! NSDAE_MODE_OPEN, NSDAE_MODE_SLIDE, NSDAE_MODE_STICK
   end type
 
   ! The state after a step (or at the start, step = 0) and its certificate. The arrays are the

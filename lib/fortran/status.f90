@@ -13,7 +13,6 @@ module nsdae_f_status
 
   integer(c_int), parameter, public :: &
       NSDAE_OK = 0, &
-      NSDAE_TSTOP = 1, &
       NSDAE_EVENT = 2, &
       NSDAE_ZENO = 3, &
       NSDAE_STOPPED = 4, &

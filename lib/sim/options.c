@@ -18,8 +18,8 @@ enum { INITIALISED = 0x6e736461 };
 #define AT(field) offsetof(nsdae_sim_options, field)
 
 static const nsdae_param entries[] = {
-    {"method", "", "how time is stepped", NSDAE_PARAM_CHOICE, AT(method), NSDAE_IMPLICIT, 0, 4, 0,
-     methods},
+    {"method", "", "how time is stepped", NSDAE_PARAM_CHOICE, AT(method), NSDAE_METHOD_IMPLICIT, 0,
+     4, 0, methods},
     {"dt", "s", "step", NSDAE_PARAM_REAL, AT(dt), 0.005, 0, INFINITY, NSDAE_OPEN_MIN, NULL},
     {"baumgarte_alpha", "1/s",
      "stabilisation of Phi' in the smooth phases of implicit-printed and event", NSDAE_PARAM_REAL,

@@ -71,7 +71,7 @@ typedef struct nsdae_event_method {
   double *slip;            /* k nt: v_T where the residual is differenced */
   int differencing;        /* now */
   double slow;             /* what counts as zero for a velocity of the phase's start */
-  int *slide_mode, *slide_mode_before; /* f: NSDAE_OPEN without friction */
+  int *slide_mode, *slide_mode_before; /* f: NSDAE_MODE_OPEN without friction */
   int *slide_sense, *normal_sense;     /* f: signs of the sliding velocity and of lambda */
   int *independent;                    /* m: 0 where a constraint is redundant */
   nsdae_row_set rows;

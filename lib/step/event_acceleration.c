@@ -24,7 +24,7 @@ static int slides(nsdae_event_method *e, int i, int impacted)
   for (int l = 0; l < d->nt; l++) {
     v_t[l] = nsdae_event_tangential_velocity(T, i * d->nt + l, e->y + d->nq);
     speed = hypot(speed, v_t[l]);
-    slid |= e->mode[i] == NSDAE_SLIDE && direction[l] != 0;
+    slid |= e->mode[i] == NSDAE_MODE_SLIDE && direction[l] != 0;
   }
   int stopped = !impacted && e->found[d->k + i] && slid &&
                 (d->nt == 1 || speed <= 10 * nsdae_event_velocity_size(e, T));
@@ -40,7 +40,8 @@ static int slide_sense(nsdae_event_method *e, int j, int impacted)
   int n = d->nv, found = e->found[2 * d->k + d->f + j];
   if (e->slide_breakaway[j] && !impacted) return e->slide_sense[j];
   double speed = nsdae_dot(n, T->W_S + (size_t)(j * n), e->y + d->nq) + T->w_S[j];
-  int stopped = !impacted && found && e->slide_mode[j] == NSDAE_SLIDE && e->slide_sense[j] != 0;
+  int stopped =
+      !impacted && found && e->slide_mode[j] == NSDAE_MODE_SLIDE && e->slide_sense[j] != 0;
   if (stopped || !(fabs(speed) > nsdae_event_velocity_size(e, T))) return 0;
   return speed > 0 ? 1 : -1;
 }
@@ -122,7 +123,7 @@ int nsdae_event_diagnose(nsdae_event_method *e, double t)
   int status = nsdae_terms_need(T, NSDAE_EVENT_TERMS);
   if (status == NSDAE_OK) status = nsdae_stepper_factor(s, T, T->M);
   if (status == NSDAE_OK) {
-    for (int i = 0; i < d->k; i++) e->candidate[i] = e->mode[i] != NSDAE_OPEN;
+    for (int i = 0; i < d->k; i++) e->candidate[i] = e->mode[i] != NSDAE_MODE_OPEN;
     memset(e->found, 0, (size_t)e->roots * sizeof *e->found);
     nsdae_event_set_laws(e, 0);
     status = paradox(e, t, solve(e), NEARLY);

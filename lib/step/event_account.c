@@ -13,11 +13,11 @@ static double friction_power(const nsdae_event_method *e, const double *y)
   int n = d->nv;
   double power = 0;
   for (int j = 0; j < d->k * d->nt && (e->terms & NSDAE_TERM_TANGENT); j++)
-    if (e->mode[j / d->nt] == NSDAE_SLIDE)
+    if (e->mode[j / d->nt] == NSDAE_MODE_SLIDE)
       power += y[nsdae_at_tangential(d) + j] *
                (nsdae_dot(n, T->W_T + (size_t)(j * n), T->v) + T->w_T[j]);
   for (int j = 0; j < d->f; j++)
-    if (e->slide_mode[j] == NSDAE_SLIDE)
+    if (e->slide_mode[j] == NSDAE_MODE_SLIDE)
       power +=
           y[nsdae_at_slide(d) + j] * (nsdae_dot(n, T->W_S + (size_t)(j * n), T->v) + T->w_S[j]);
   return power;

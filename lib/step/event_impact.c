@@ -133,7 +133,7 @@ int nsdae_event_impacts(nsdae_event_method *e, double t, int *any)
   for (; status == NSDAE_OK && left > 0 && approaching(e); left--) {
     status = impact(e, t);
     for (int i = 0; i < k && status == NSDAE_OK; i++)
-      e->touching[i] = e->mode[i] != NSDAE_OPEN || nsdae_event_touches(e, i);
+      e->touching[i] = e->mode[i] != NSDAE_MODE_OPEN || nsdae_event_touches(e, i);
     *any = 1;
   }
   e->endless |= status == NSDAE_OK && approaching(e);

@@ -19,9 +19,9 @@ static int breaks_away(const nsdae_event_method *e, int i)
 {
   const nsdae_dims *d = &e->stepper->system->dims;
   int shared = 0, all = 1;
-  if (e->mode[i] != NSDAE_STICK) return 0;
+  if (e->mode[i] != NSDAE_MODE_STICK) return 0;
   for (int j = 0; j < d->k; j++) {
-    if (e->mode[j] != NSDAE_STICK) continue;
+    if (e->mode[j] != NSDAE_MODE_STICK) continue;
     for (int l = 0; l < d->nt; l++) shared |= nsdae_event_related(e, d->k + j * d->nt + l);
     all &= e->found[d->k + j] || nsdae_event_stick_margin(e, e->y, j) <= e->root[d->k + j].size;
   }
@@ -33,7 +33,7 @@ static void sort_found(nsdae_event_method *e)
 {
   const nsdae_dims *d = &e->stepper->system->dims;
   for (int i = 0; i < d->k; i++) {
-    int closed = e->mode[i] != NSDAE_OPEN;
+    int closed = e->mode[i] != NSDAE_MODE_OPEN;
     int undecided =
         closed && e->root[i].state == NSDAE_ROOT_MASKED && e->y[nsdae_at_normal(d) + i] > 0;
     e->touching[i] = closed || e->found[i];
@@ -46,7 +46,7 @@ static void sort_found(nsdae_event_method *e)
   }
   for (int j = 0; j < d->f; j++) {
     double force = e->y[nsdae_at_slide(d) + j];
-    e->slide_breakaway[j] = e->found[2 * d->k + d->f + j] && e->slide_mode[j] == NSDAE_STICK;
+    e->slide_breakaway[j] = e->found[2 * d->k + d->f + j] && e->slide_mode[j] == NSDAE_MODE_STICK;
     if (e->slide_breakaway[j]) e->slide_sense[j] = (force < 0) - (force > 0);
   }
 }
@@ -96,7 +96,7 @@ static int fill_state(nsdae_event_method *e, double t)
   for (int i = 0; i < d->m; i++)
     if (!e->independent[i]) force[i] = 0;
   for (int i = 0; i < d->k; i++) {
-    if (e->mode[i] == NSDAE_OPEN) continue;
+    if (e->mode[i] == NSDAE_MODE_OPEN) continue;
     e->y[nsdae_at_normal(d) + i] = c->normal[i];
     for (int j = i * d->nt; j < (i + 1) * d->nt; j++)
       e->y[nsdae_at_tangential(d) + j] = c->tangential[j];

@@ -22,12 +22,12 @@ static int resting_mode(nsdae_event_method *e, int a)
   int i = c->active[a], nt = e->stepper->system->dims.nt, mode = c->mode[i];
   const double *force = c->tangential + i * nt, *rate = c->after_t + i * nt;
   double *direction = e->direction + i * nt;
-  if (nsdae_event_powerless(c, c->first_column[a] + 1)) return NSDAE_SLIDE;
-  if (nt == 2 && mode == NSDAE_STICK &&
+  if (nsdae_event_powerless(c, c->first_column[a] + 1)) return NSDAE_MODE_SLIDE;
+  if (nt == 2 && mode == NSDAE_MODE_STICK &&
       hypot(force[0], force[1]) > e->stepper->system->contact[i].mu * c->normal[i])
-    mode = NSDAE_SLIDE; /* outside the cone though inside the polygon around it */
-  if (mode == NSDAE_SLIDE) nsdae_event_point_against(direction, nt, force);
-  if (mode == NSDAE_SLIDE && nt == 2) {
+    mode = NSDAE_MODE_SLIDE; /* outside the cone though inside the polygon around it */
+  if (mode == NSDAE_MODE_SLIDE) nsdae_event_point_against(direction, nt, force);
+  if (mode == NSDAE_MODE_SLIDE && nt == 2) {
     double speed = hypot(rate[0], rate[1]);
     for (int l = 0; l < nt && speed > nsdae_event_acceleration_size(e); l++)
       direction[l] = rate[l] / speed;
@@ -40,11 +40,11 @@ static void read_contacts(nsdae_event_method *e)
   const nsdae_contacts *c = &e->modes;
   const nsdae_dims *d = &e->stepper->system->dims;
   double size = nsdae_event_acceleration_size(e);
-  for (int i = 0; i < d->k; i++) e->mode[i] = NSDAE_OPEN;
+  for (int i = 0; i < d->k; i++) e->mode[i] = NSDAE_MODE_OPEN;
   for (int a = 0; a < c->active_count; a++) {
     int i = c->active[a];
     if (!(c->normal[i] > 0) && c->after[i] > size) continue;
-    e->mode[i] = NSDAE_SLIDE; /* also where it touches without a force */
+    e->mode[i] = NSDAE_MODE_SLIDE; /* also where it touches without a force */
     if (c->normal[i] > 0 && c->law[i].kind != NSDAE_SLIDING && c->law[i].columns > 1)
       e->mode[i] = resting_mode(e, a);
   }
@@ -60,8 +60,8 @@ static void read_slides(nsdae_event_method *e)
     e->slide_mode[j] = c->slide_mode[j];
     e->slide_sense[j] = e->sliding_sense[j];
     if (!e->sliding_sense[j] && nsdae_event_powerless(c, c->columns - c->slide_count + i))
-      e->slide_mode[j] = NSDAE_SLIDE, e->slide_sense[j] = (rate > 0) - (rate < 0);
-    else if (!e->sliding_sense[j] && e->slide_mode[j] == NSDAE_SLIDE)
+      e->slide_mode[j] = NSDAE_MODE_SLIDE, e->slide_sense[j] = (rate > 0) - (rate < 0);
+    else if (!e->sliding_sense[j] && e->slide_mode[j] == NSDAE_MODE_SLIDE)
       e->slide_sense[j] = force != 0 ? (force < 0) - (force > 0) : (rate > 0) - (rate < 0);
     double normal = e->lambda[s->slide[j].constraint];
     int turned = e->found[2 * s->dims.k + j];
@@ -120,7 +120,7 @@ static int settle_directions(nsdae_event_method *e, double t)
     for (int i = 0; i < s->dims.k; i++) {
       double *d = e->direction + 2 * i, *rate = e->modes.after_t + 2 * i;
       double speed = hypot(rate[0], rate[1]);
-      if (!e->candidate[i] || e->mode[i] != NSDAE_SLIDE || !(s->contact[i].mu > 0)) continue;
+      if (!e->candidate[i] || e->mode[i] != NSDAE_MODE_SLIDE || !(s->contact[i].mu > 0)) continue;
       if (round > 0 && e->law[i].kind == NSDAE_SLIDING && e->candidate[i] == 2 &&
           speed > nsdae_event_acceleration_size(e)) {
         moved = fmax(moved, hypot(rate[0] / speed - d[0], rate[1] / speed - d[1]));
@@ -157,9 +157,9 @@ void nsdae_event_hold_resting(nsdae_event_method *e)
   for (int i = 0; i < e->stepper->system->dims.k; i++) any |= e->breakaway[i];
   for (int a = 0; a < c->active_count && !any; a++) {
     int i = c->active[a];
-    if (e->mode[i] != NSDAE_SLIDE || e->moving[i] || !(c->normal[i] > 0)) continue;
+    if (e->mode[i] != NSDAE_MODE_SLIDE || e->moving[i] || !(c->normal[i] > 0)) continue;
     if (c->law[i].columns == 1 || nsdae_event_powerless(c, c->first_column[a] + 1)) continue;
-    if (slip_rate(e, i) <= size) e->mode[i] = NSDAE_STICK;
+    if (slip_rate(e, i) <= size) e->mode[i] = NSDAE_MODE_STICK;
   }
 }
 
@@ -170,7 +170,7 @@ static int begins_to_slide(const nsdae_event_method *e)
   double size = nsdae_event_acceleration_size(e);
   int any = 0;
   for (int i = 0; i < d->k && d->nt == 2; i++)
-    any |= e->mode[i] == NSDAE_SLIDE && !e->moving[i] && slip_rate(e, i) > size;
+    any |= e->mode[i] == NSDAE_MODE_SLIDE && !e->moving[i] && slip_rate(e, i) > size;
   return any;
 }
 
@@ -182,11 +182,11 @@ static void read_cones(nsdae_event_method *e)
   read_contacts(e);
   for (int a = 0; a < c->active_count; a++) {
     int i = c->active[a];
-    if (e->mode[i] == NSDAE_OPEN || c->law[i].kind != NSDAE_POLYGON || !(c->normal[i] > 0))
+    if (e->mode[i] == NSDAE_MODE_OPEN || c->law[i].kind != NSDAE_POLYGON || !(c->normal[i] > 0))
       continue;
     if (nsdae_event_powerless(c, c->first_column[a] + 1)) continue;
-    e->mode[i] = slip_rate(e, i) > size ? NSDAE_SLIDE : NSDAE_STICK;
-    if (e->mode[i] == NSDAE_SLIDE)
+    e->mode[i] = slip_rate(e, i) > size ? NSDAE_MODE_SLIDE : NSDAE_MODE_STICK;
+    if (e->mode[i] == NSDAE_MODE_SLIDE)
       nsdae_event_point_against(e->direction + 2 * i, 2, c->tangential + 2 * i);
   }
 }

@@ -22,13 +22,13 @@ void nsdae_event_set_terms(nsdae_event_method *e)
   unsigned terms = NSDAE_TERM_MASS | NSDAE_TERM_FORCE | NSDAE_TERM_PHI | NSDAE_TERM_JACOBIAN |
                    NSDAE_TERM_PHI_T | NSDAE_TERM_OMEGA;
   for (int i = 0; i < s->dims.k; i++) {
-    if (e->mode[i] == NSDAE_OPEN) continue;
+    if (e->mode[i] == NSDAE_MODE_OPEN) continue;
     terms |= NSDAE_TERM_GAP | NSDAE_TERM_NORMAL | NSDAE_TERM_BIAS | NSDAE_TERM_ACCELERATION;
     if (s->contact[i].mu > 0) terms |= NSDAE_TERM_TANGENT;
   }
   for (int j = 0; j < s->dims.f; j++) {
-    if (e->slide_mode[j] != NSDAE_OPEN) terms |= NSDAE_TERM_SLIDE;
-    if (e->slide_mode[j] == NSDAE_STICK) terms |= NSDAE_TERM_ACCELERATION;
+    if (e->slide_mode[j] != NSDAE_MODE_OPEN) terms |= NSDAE_TERM_SLIDE;
+    if (e->slide_mode[j] == NSDAE_MODE_STICK) terms |= NSDAE_TERM_ACCELERATION;
   }
   e->terms = terms;
 }
@@ -96,18 +96,18 @@ static void sliding_direction(const nsdae_event_method *e, const nsdae_terms *T,
 /* Whether contact i, its j-th tangential row, slide j has a row of its own. */
 static int has_row(const nsdae_event_method *e, int i)
 {
-  return e->mode[i] != NSDAE_OPEN && !nsdae_event_related(e, i);
+  return e->mode[i] != NSDAE_MODE_OPEN && !nsdae_event_related(e, i);
 }
 
 static int has_stick_row(const nsdae_event_method *e, int j)
 {
   const nsdae_dims *d = &e->stepper->system->dims;
-  return e->mode[j / d->nt] == NSDAE_STICK && !nsdae_event_related(e, d->k + j);
+  return e->mode[j / d->nt] == NSDAE_MODE_STICK && !nsdae_event_related(e, d->k + j);
 }
 
 static int has_slide_row(const nsdae_event_method *e, int j)
 {
-  return e->slide_mode[j] == NSDAE_STICK && e->slide_row[j];
+  return e->slide_mode[j] == NSDAE_MODE_STICK && e->slide_row[j];
 }
 
 /* F_p - sum r_l F_l, of that force of y */
@@ -130,19 +130,19 @@ static void contact_rows(const nsdae_event_method *e, const nsdae_terms *T, cons
   const double *F_N = y + nsdae_at_normal(d), *F_T = y + nsdae_at_tangential(d);
   double *r_N = r + nsdae_at_normal(d), *r_T = r + nsdae_at_tangential(d);
   for (int i = 0; i < d->k; i++) {
-    int rubs = e->mode[i] == NSDAE_SLIDE && s->contact[i].mu > 0;
+    int rubs = e->mode[i] == NSDAE_MODE_SLIDE && s->contact[i].mu > 0;
     double direction[2] = {0};
     r_N[i] = F_N[i];
     if (has_row(e, i))
       r_N[i] = closed_row(e, T->W_N + (size_t)i * n, T->w_N[i], T->omega_N[i], T->gap[i], T->v, a);
-    else if (e->mode[i] != NSDAE_OPEN)
+    else if (e->mode[i] != NSDAE_MODE_OPEN)
       r_N[i] = relation_row(e, i, y);
     if (rubs) sliding_direction(e, T, i, direction);
     for (int l = 0, j = i * d->nt; l < d->nt; l++, j++)
       r_T[j] = has_stick_row(e, j)
                    ? closed_row(e, T->W_T + (size_t)j * n, T->w_T[j], T->omega_T[j], 0, T->v, a)
-               : e->mode[i] == NSDAE_STICK ? relation_row(e, d->k + j, y)
-                                           : F_T[j] + s->contact[i].mu * F_N[i] * direction[l];
+               : e->mode[i] == NSDAE_MODE_STICK ? relation_row(e, d->k + j, y)
+                                                : F_T[j] + s->contact[i].mu * F_N[i] * direction[l];
   }
 }
 
@@ -185,7 +185,7 @@ static void momentum_rows(const nsdae_event_method *e, const nsdae_terms *T, con
   nsdae_add_transposed(d->m, n, 1, T->J, y + nsdae_at_lambda(d), r);
   for (int i = 0; i < d->k; i++) {
     double push = -y[nsdae_at_normal(d) + i];
-    if (e->mode[i] == NSDAE_OPEN) continue;
+    if (e->mode[i] == NSDAE_MODE_OPEN) continue;
     nsdae_add_product(n, 1, T->W_N + (size_t)(i * n), &push, r);
     if (!(T->system->contact[i].mu > 0)) continue;
     for (int j = i * d->nt; j < (i + 1) * d->nt; j++) {
@@ -195,7 +195,8 @@ static void momentum_rows(const nsdae_event_method *e, const nsdae_terms *T, con
   }
   for (int j = 0; j < d->f; j++) {
     double push = -y[nsdae_at_slide(d) + j];
-    if (e->slide_mode[j] != NSDAE_OPEN) nsdae_add_product(n, 1, T->W_S + (size_t)(j * n), &push, r);
+    if (e->slide_mode[j] != NSDAE_MODE_OPEN)
+      nsdae_add_product(n, 1, T->W_S + (size_t)(j * n), &push, r);
   }
 }
 
@@ -294,10 +295,10 @@ static void normal_entries(const nsdae_event_method *e, const nsdae_terms *T, in
 {
   int n = T->system->dims.nv, row = nsdae_at_normal(&T->system->dims) + i;
   const double *W = T->W_N + (size_t)(i * n);
-  if (e->mode[i] != NSDAE_OPEN) subtract_column(e, row, W, J);
+  if (e->mode[i] != NSDAE_MODE_OPEN) subtract_column(e, row, W, J);
   if (has_row(e, i))
     add_row(e, row, c, W, J);
-  else if (e->mode[i] != NSDAE_OPEN)
+  else if (e->mode[i] != NSDAE_MODE_OPEN)
     relation_entries(e, i, J);
   else
     AT(J, e->n, row, row) += 1;
@@ -309,16 +310,16 @@ static void contact_entries(const nsdae_event_method *e, const nsdae_terms *T, i
   const nsdae_system *s = T->system;
   const nsdae_dims *d = &s->dims;
   size_t n = (size_t)d->nv;
-  int rubs = e->mode[i] != NSDAE_OPEN && s->contact[i].mu > 0;
+  int rubs = e->mode[i] != NSDAE_MODE_OPEN && s->contact[i].mu > 0;
   double direction[2] = {0};
   normal_entries(e, T, i, c, J);
-  if (rubs && e->mode[i] == NSDAE_SLIDE) sliding_direction(e, T, i, direction);
+  if (rubs && e->mode[i] == NSDAE_MODE_SLIDE) sliding_direction(e, T, i, direction);
   for (int l = 0; l < d->nt; l++) {
     int j = i * d->nt + l, row = nsdae_at_tangential(d) + j;
     if (rubs) subtract_column(e, row, T->W_T + (size_t)j * n, J);
     if (has_stick_row(e, j)) {
       add_row(e, row, c, T->W_T + (size_t)j * n, J);
-    } else if (e->mode[i] == NSDAE_STICK) {
+    } else if (e->mode[i] == NSDAE_MODE_STICK) {
       relation_entries(e, d->k + j, J);
     } else {
       AT(J, e->n, row, row) += 1;
@@ -334,7 +335,7 @@ static void slide_entries(const nsdae_event_method *e, const nsdae_terms *T, int
   const nsdae_dims *d = &s->dims;
   const double *W = T->W_S + (size_t)j * (size_t)d->nv;
   int row = nsdae_at_slide(d) + j, lambda = nsdae_at_lambda(d) + s->slide[j].constraint;
-  if (e->slide_mode[j] != NSDAE_OPEN) subtract_column(e, row, W, J);
+  if (e->slide_mode[j] != NSDAE_MODE_OPEN) subtract_column(e, row, W, J);
   if (has_slide_row(e, j)) {
     add_row(e, row, c, W, J);
     return;

@@ -89,13 +89,13 @@ int nsdae_event_project_velocities(nsdae_event_method *e)
     append_row(e, &rows, T->J + i, d->m, rate);
   }
   for (int i = 0; i < d->k; i++) {
-    if (e->mode[i] == NSDAE_OPEN) continue;
+    if (e->mode[i] == NSDAE_MODE_OPEN) continue;
     append_row(e, &rows, T->W_N + (size_t)(i * n), 1, nsdae_event_normal_velocity(T, i, v));
-    for (int j = i * d->nt; e->mode[i] == NSDAE_STICK && j < (i + 1) * d->nt; j++)
+    for (int j = i * d->nt; e->mode[i] == NSDAE_MODE_STICK && j < (i + 1) * d->nt; j++)
       append_row(e, &rows, T->W_T + (size_t)(j * n), 1, nsdae_event_tangential_velocity(T, j, v));
   }
   for (int j = 0; j < d->f; j++)
-    if (e->slide_mode[j] == NSDAE_STICK)
+    if (e->slide_mode[j] == NSDAE_MODE_STICK)
       append_row(e, &rows, T->W_S + (size_t)(j * n), 1,
                  nsdae_dot(n, T->W_S + (size_t)(j * n), v) + T->w_S[j]);
   if (rows == 0) return NSDAE_OK;

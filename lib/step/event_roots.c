@@ -44,7 +44,7 @@ static double tangential_value(const nsdae_event_method *e, const nsdae_terms *T
 {
   int n = T->system->dims.nv, nt = T->system->dims.nt;
   double along = 0;
-  if (e->mode[i] == NSDAE_STICK) return nsdae_event_stick_margin(e, y, i);
+  if (e->mode[i] == NSDAE_MODE_STICK) return nsdae_event_stick_margin(e, y, i);
   for (int j = i * nt; j < (i + 1) * nt; j++)
     along += e->direction[j] * (nsdae_dot(n, T->W_T + (size_t)(j * n), T->v) + T->w_T[j]);
   return along;
@@ -55,7 +55,7 @@ static double slip_value(const nsdae_event_method *e, const nsdae_terms *T, cons
   const nsdae_system *s = T->system;
   const nsdae_dims *d = &s->dims;
   double normal = e->normal_sense[j] * y[nsdae_at_lambda(d) + s->slide[j].constraint];
-  if (e->slide_mode[j] == NSDAE_STICK)
+  if (e->slide_mode[j] == NSDAE_MODE_STICK)
     return s->slide[j].mu * normal - fabs(y[nsdae_at_slide(d) + j]);
   return e->slide_sense[j] * (nsdae_dot(d->nv, T->W_S + (size_t)(j * d->nv), T->v) + T->w_S[j]);
 }
@@ -65,7 +65,8 @@ static double value_of(const nsdae_event_method *e, const nsdae_terms *T, const 
 {
   const nsdae_system *s = T->system;
   const nsdae_dims *d = &s->dims;
-  if (root < d->k) return e->mode[root] == NSDAE_OPEN ? T->gap[root] : y[nsdae_at_normal(d) + root];
+  if (root < d->k)
+    return e->mode[root] == NSDAE_MODE_OPEN ? T->gap[root] : y[nsdae_at_normal(d) + root];
   root -= d->k;
   if (root < d->k) return tangential_value(e, T, y, root);
   root -= d->k;
@@ -79,12 +80,13 @@ static unsigned terms_of(const nsdae_event_method *e)
   const nsdae_dims *d = &e->stepper->system->dims;
   unsigned terms = 0;
   for (int i = 0; i < d->k; i++) {
-    if (e->mode[i] == NSDAE_OPEN || nsdae_event_related(e, i)) terms |= NSDAE_TERM_GAP;
-    if (e->root[d->k + i].state != NSDAE_ROOT_OFF && e->mode[i] == NSDAE_SLIDE)
+    if (e->mode[i] == NSDAE_MODE_OPEN || nsdae_event_related(e, i)) terms |= NSDAE_TERM_GAP;
+    if (e->root[d->k + i].state != NSDAE_ROOT_OFF && e->mode[i] == NSDAE_MODE_SLIDE)
       terms |= NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS;
   }
   for (int j = 0; j < d->f; j++)
-    if (e->root[2 * d->k + d->f + j].state != NSDAE_ROOT_OFF && e->slide_mode[j] == NSDAE_SLIDE)
+    if (e->root[2 * d->k + d->f + j].state != NSDAE_ROOT_OFF &&
+        e->slide_mode[j] == NSDAE_MODE_SLIDE)
       terms |= NSDAE_TERM_SLIDE;
   return terms;
 }
@@ -115,11 +117,11 @@ static int undecided(const nsdae_event_method *e, int root)
   const nsdae_dims *d = &e->stepper->system->dims;
   if (root >= 2 * d->k + d->f) {
     int j = root - 2 * d->k - d->f;
-    return e->slide_mode[j] == NSDAE_SLIDE && e->slide_sense[j] == 0;
+    return e->slide_mode[j] == NSDAE_MODE_SLIDE && e->slide_sense[j] == 0;
   }
   if (root >= 2 * d->k) return 0;
   int i = root % d->k, nt = d->nt;
-  if (e->mode[i] != NSDAE_SLIDE || !(e->stepper->system->contact[i].mu > 0)) return 0;
+  if (e->mode[i] != NSDAE_MODE_SLIDE || !(e->stepper->system->contact[i].mu > 0)) return 0;
   for (int l = 0; l < nt; l++)
     if (e->direction[i * nt + l] != 0) return 0;
   return 1;
@@ -131,7 +133,7 @@ static int is_out(const nsdae_event_method *e, int root)
 {
   const nsdae_dims *d = &e->stepper->system->dims;
   int masked = e->root[root].state == NSDAE_ROOT_MASKED, contact = root - d->k;
-  int slips = contact >= 0 && contact < d->k && e->mode[contact] == NSDAE_SLIDE;
+  int slips = contact >= 0 && contact < d->k && e->mode[contact] == NSDAE_MODE_SLIDE;
   return e->root[root].state == NSDAE_ROOT_OFF || undecided(e, root) || (masked && slips);
 }
 
@@ -209,14 +211,14 @@ static void start_contact(nsdae_event_method *e, const nsdae_terms *T, int i, do
   const double *W = T->W_N + (size_t)(i * n), *a = e->yp + d->nq;
   double v_size = nsdae_event_velocity_size(e, T), force = force_size(e);
   nsdae_root *normal = &e->root[i], *tangential = &e->root[d->k + i];
-  if (e->mode[i] == NSDAE_OPEN)
+  if (e->mode[i] == NSDAE_MODE_OPEN)
     start_root(normal, t, value_of(e, T, e->y, i), nsdae_dot(n, W, T->v) + T->w_N[i],
                nsdae_event_position_size(e, T), v_size);
   else
     start_root(normal, t, value_of(e, T, e->y, i), 0, force, 0);
   tangential->state = NSDAE_ROOT_OFF;
-  if (e->mode[i] == NSDAE_OPEN || !(T->system->contact[i].mu > 0)) return;
-  if (e->mode[i] == NSDAE_STICK) {
+  if (e->mode[i] == NSDAE_MODE_OPEN || !(T->system->contact[i].mu > 0)) return;
+  if (e->mode[i] == NSDAE_MODE_STICK) {
     start_root(tangential, t, value_of(e, T, e->y, d->k + i), 0, force, 0);
     return;
   }
@@ -237,10 +239,10 @@ static void start_slide(nsdae_event_method *e, const nsdae_terms *T, int j, doub
   double v_size = nsdae_event_velocity_size(e, T), force = force_size(e);
   nsdae_root *normal = &e->root[number], *slip = &e->root[number + d->f];
   normal->state = slip->state = NSDAE_ROOT_OFF;
-  if (e->slide_mode[j] == NSDAE_OPEN) return;
+  if (e->slide_mode[j] == NSDAE_MODE_OPEN) return;
   start_root(normal, t, value_of(e, T, e->y, number), 0, force, 0);
   double value = value_of(e, T, e->y, number + d->f);
-  if (e->slide_mode[j] == NSDAE_STICK) {
+  if (e->slide_mode[j] == NSDAE_MODE_STICK) {
     start_root(slip, t, value, 0, force, 0);
     return;
   }
@@ -288,7 +290,7 @@ static int watch(nsdae_event_method *e, const nsdae_terms *T, const double *y, i
 static int slides_in_plane(const nsdae_event_method *e, int i)
 {
   const nsdae_system *s = e->stepper->system;
-  return s->dims.nt == 2 && e->mode[i] == NSDAE_SLIDE && s->contact[i].mu > 0;
+  return s->dims.nt == 2 && e->mode[i] == NSDAE_MODE_SLIDE && s->contact[i].mu > 0;
 }
 
 /* With two directions of friction a contact goes on in that of its velocity, while it has one. */
@@ -317,7 +319,7 @@ static int follow_directions(nsdae_event_method *e, double t)
 /* Whether contact i is closed by others alone. */
 static int has_no_row(const nsdae_event_method *e, int i)
 {
-  return e->mode[i] != NSDAE_OPEN && nsdae_event_related(e, i);
+  return e->mode[i] != NSDAE_MODE_OPEN && nsdae_event_related(e, i);
 }
 
 /* Contacts that others closed, and do no longer. */

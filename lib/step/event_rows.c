@@ -150,7 +150,8 @@ static int holds(const nsdae_event_method *e, double size)
   const nsdae_contacts *c = &e->modes;
   int all = 1;
   for (int a = 0; a < c->active_count; a++)
-    all &= e->mode[c->active[a]] != NSDAE_STICK || friction_of(e, a) <= most_friction(e, a) + size;
+    all &= e->mode[c->active[a]] != NSDAE_MODE_STICK ||
+           friction_of(e, a) <= most_friction(e, a) + size;
   return all;
 }
 
@@ -158,7 +159,7 @@ static int holds(const nsdae_event_method *e, double size)
 static double used_friction(const nsdae_event_method *e, int a)
 {
   double most = most_friction(e, a);
-  return e->mode[e->modes.active[a]] == NSDAE_STICK && most > 0 ? friction_of(e, a) / most : 0;
+  return e->mode[e->modes.active[a]] == NSDAE_MODE_STICK && most > 0 ? friction_of(e, a) / most : 0;
 }
 
 static double rounding_size(const nsdae_event_method *e)
@@ -207,7 +208,7 @@ static int next_normal(const nsdae_event_method *e)
   int next = -1;
   for (int a = 0; a < c->active_count; a++) {
     int column = c->first_column[a];
-    if (e->mode[c->active[a]] == NSDAE_OPEN || e->rows.seen[column]) continue;
+    if (e->mode[c->active[a]] == NSDAE_MODE_OPEN || e->rows.seen[column]) continue;
     if (next < 0 || e->rows.force[column] > e->rows.force[next]) next = column;
   }
   return next;
@@ -229,7 +230,7 @@ static void take_sticking(nsdae_event_method *e)
   const nsdae_contacts *c = &e->modes;
   for (int a = 0; a < c->active_count; a++)
     for (int l = c->first_column[a] + 1; l < c->first_column[a + 1]; l++)
-      if (e->mode[c->active[a]] == NSDAE_STICK) take_row(e, l);
+      if (e->mode[c->active[a]] == NSDAE_MODE_STICK) take_row(e, l);
 }
 
 /* Friction of what slides is in the columns of normal forces: then their z are others. */
@@ -237,7 +238,7 @@ static int any_sliding(const nsdae_event_method *e)
 {
   int any = 0;
   for (int i = 0; i < e->stepper->system->dims.k; i++)
-    any |= e->mode[i] != NSDAE_OPEN && e->moving[i];
+    any |= e->mode[i] != NSDAE_MODE_OPEN && e->moving[i];
   return any;
 }
 
@@ -326,7 +327,7 @@ static void take_slides(nsdae_event_method *e)
     int j = c->slide[i], taken = e->rows.taken_count;
     double most = s->slide[j].mu * fabs(e->lambda[s->slide[j].constraint]);
     e->slide_part[j] = e->slide_sense[j];
-    if (e->slide_mode[j] != NSDAE_STICK) continue;
+    if (e->slide_mode[j] != NSDAE_MODE_STICK) continue;
     take_row(e, c->columns - c->slide_count + i);
     e->slide_row[j] = e->rows.taken_count > taken;
     e->slide_part[j] = most > 0 ? -c->slide_impulse[j] / most : 0;

@@ -31,7 +31,7 @@ enum { SLIDE_ROUNDS = 50 };
 typedef struct penalty {
   nsdae_stepper *stepper;
   nsdae_ode *ode;
-  nsdae_penalty_law law;
+  nsdae_penalty_force law;
   nsdae_arena arena;
   int n, running;                    /* length of y; the integrator is where the step starts */
   double *y, *y0;                    /* n: now, at the start of the step */
@@ -227,7 +227,7 @@ static int create(nsdae_stepper *s)
   s->own = p;
   p->stepper = s;
   p->n = at_work(d) + 1;
-  p->law = (nsdae_penalty_law){o->penalty_law, o->penalty_stiffness, o->penalty_exponent};
+  p->law = (nsdae_penalty_force){o->penalty_law, o->penalty_stiffness, o->penalty_exponent};
   const nsdae_ode_problem problem = {p->n, d->k, rate, gaps, p};
   int status = nsdae_arena_build(&p->arena, layout, p);
   if (status == NSDAE_OK) status = nsdae_ode_create(&problem, o->rtol, o->atol, &p->ode);
@@ -389,9 +389,10 @@ static int switch_at_end(penalty *p, double t)
 static int mode_of(const penalty *p, int i, int nt)
 {
   double speed = 0;
-  if (!p->closed[i]) return NSDAE_OPEN;
+  if (!p->closed[i]) return NSDAE_MODE_OPEN;
   for (int j = i * nt; j < (i + 1) * nt; j++) speed = hypot(speed, p->v_t[j]);
-  return nt > 0 && speed <= p->stepper->options->friction_velocity ? NSDAE_STICK : NSDAE_SLIDE;
+  return nt > 0 && speed <= p->stepper->options->friction_velocity ? NSDAE_MODE_STICK
+                                                                   : NSDAE_MODE_SLIDE;
 }
 
 /* What the step did, from the integrals. */
@@ -413,7 +414,7 @@ static int read_results(penalty *p, double t)
   for (int i = 0; i < d->f; i++) {
     double slip = fabs(nsdae_dot(d->nv, s->middle.W_S + i * d->nv, s->middle.v) + s->middle.w_S[i]);
     c->slide_impulse[i] = p->y[at_slide(d) + i] - p->y0[at_slide(d) + i];
-    c->slide_mode[i] = slip <= s->options->friction_velocity ? NSDAE_STICK : NSDAE_SLIDE;
+    c->slide_mode[i] = slip <= s->options->friction_velocity ? NSDAE_MODE_STICK : NSDAE_MODE_SLIDE;
   }
   s->work = p->y0[at_work(d)] - p->y[at_work(d)];
   return status;

@@ -201,7 +201,7 @@ static void run(int method, int redundant)
   }
   assert_int_equal(status, NSDAE_OK);
   assert_true(by_us > 0);
-  if (method == NSDAE_PENALTY || method == NSDAE_EVENT_DRIVEN)
+  if (method == NSDAE_METHOD_PENALTY || method == NSDAE_METHOD_EVENT)
     assert_true(by_all > by_us); /* SUNDIALS */
   for (int i = 0; i < N; i++) q0[i] = i < N / 2 ? 0.2 : 0.5;
   assert_int_equal(nsdae_sim_init(sim, 0, q0, v0), NSDAE_OK);

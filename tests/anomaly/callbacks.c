@@ -67,7 +67,8 @@ static void fail_in_a_run(bead *b, int method, int status)
     result = nsdae_sim_step(sim);
   }
   const nsdae_error *error = nsdae_sim_error(sim);
-  if (method >= NSDAE_PENALTY && b->code > 0 && result >= 0) { /* smaller steps got around it */
+  if (method >= NSDAE_METHOD_PENALTY && b->code > 0 &&
+      result >= 0) { /* smaller steps got around it */
     nsdae_sim_destroy(&sim);
     nsdae_system_destroy(&system);
     return;
@@ -171,7 +172,7 @@ static void test_failing_start(void **state)
     bead b;
     bead_default(&b);
     nsdae_system *system = bead_system(&b);
-    nsdae_sim *sim = make_sim(system, NSDAE_IMPLICIT, NSDAE_REDUNDANT_ERROR);
+    nsdae_sim *sim = make_sim(system, NSDAE_METHOD_IMPLICIT, NSDAE_REDUNDANT_ERROR);
     b.term = term;
     b.code = -7;
     assert_int_equal(start(sim, &b), NSDAE_E_CALLBACK);
@@ -192,7 +193,7 @@ static void test_mass_not_positive_definite(void **state)
     bead_default(&b);
     b.mass_scale = scale[i];
     nsdae_system *system = bead_system(&b);
-    nsdae_sim *sim = make_sim(system, NSDAE_IMPLICIT, NSDAE_REDUNDANT_ERROR);
+    nsdae_sim *sim = make_sim(system, NSDAE_METHOD_IMPLICIT, NSDAE_REDUNDANT_ERROR);
     assert_int_equal(start(sim, &b), NSDAE_E_MASS);
     assert_non_null(strstr(nsdae_sim_error(sim)->text, "positive definite"));
     assert_non_null(strstr(nsdae_sim_error(sim)->text, "pivot 1 of 3"));
@@ -211,7 +212,7 @@ static void test_rank(void **state)
   bead_default(&twice);
   twice.repeated = 1;
   nsdae_system *system = bead_system(&twice), *plain = bead_system(&once);
-  nsdae_sim *sim = make_sim(system, NSDAE_IMPLICIT, NSDAE_REDUNDANT_ERROR);
+  nsdae_sim *sim = make_sim(system, NSDAE_METHOD_IMPLICIT, NSDAE_REDUNDANT_ERROR);
   assert_int_equal(start(sim, &twice), NSDAE_E_RANK);
   assert_non_null(strstr(nsdae_sim_error(sim)->text, "rank 1 of 2"));
   nsdae_sim_destroy(&sim);
@@ -262,7 +263,7 @@ static void test_observers(void **state)
   nsdae_record record;
   bead_default(&b);
   nsdae_system *system = bead_system(&b);
-  nsdae_sim *sim = make_sim(system, NSDAE_MOREAU, NSDAE_REDUNDANT_ERROR);
+  nsdae_sim *sim = make_sim(system, NSDAE_METHOD_MOREAU, NSDAE_REDUNDANT_ERROR);
   assert_int_equal(start(sim, &b), NSDAE_OK);
   nsdae_sim_observe(sim, stop_at_five, NULL);
   assert_int_equal(nsdae_sim_run(sim, 1), NSDAE_STOPPED);
@@ -293,7 +294,7 @@ static void test_times(void **state)
   nsdae_record record;
   bead_default(&b);
   nsdae_system *system = bead_system(&b);
-  nsdae_sim *sim = make_sim(system, NSDAE_IMPLICIT, NSDAE_REDUNDANT_ERROR);
+  nsdae_sim *sim = make_sim(system, NSDAE_METHOD_IMPLICIT, NSDAE_REDUNDANT_ERROR);
   assert_int_equal(nsdae_sim_run(sim, 1), NSDAE_E_STATE);
   assert_int_equal(start(sim, &b), NSDAE_OK);
   assert_int_equal(nsdae_sim_run(sim, 0.034), NSDAE_OK);

@@ -45,7 +45,7 @@ static void test_every_lost_allocation(void **state)
     bead b;
     bead_default(&b);
     allocator_reset(tried);
-    status = life(&b, NSDAE_IMPLICIT, NULL);
+    status = life(&b, NSDAE_METHOD_IMPLICIT, NULL);
     assert_true(status == NSDAE_OK || status == NSDAE_E_MEMORY);
     assert_int_equal(the_allocator.live, 0);
   }
@@ -116,13 +116,13 @@ static void test_one_system_two_simulations(void **state)
   bead b;
   double q0[3], v0[3];
   bead_default(&b);
-  assert_int_equal(life(&b, NSDAE_IMPLICIT, alone), NSDAE_OK);
+  assert_int_equal(life(&b, NSDAE_METHOD_IMPLICIT, alone), NSDAE_OK);
   nsdae_system *system = bead_system(&b);
   bead_start(&b, q0, v0);
   for (int i = 0; i < 2; i++) {
     nsdae_sim_options_default(&options);
     options.dt = 0.01;
-    options.method = i == 0 ? NSDAE_IMPLICIT : NSDAE_MOREAU;
+    options.method = i == 0 ? NSDAE_METHOD_IMPLICIT : NSDAE_METHOD_MOREAU;
     assert_int_equal(nsdae_sim_create(system, &options, &sim[i], NULL), NSDAE_OK);
     assert_int_equal(nsdae_sim_init(sim[i], 0, q0, v0), NSDAE_OK);
   }

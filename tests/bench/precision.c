@@ -79,8 +79,9 @@ static int make_samples(sample *all)
 {
   int count = 0;
   for (double rtol = 1e-4; rtol > 5e-13; rtol /= 10)
-    all[count++] = (sample){.method = NSDAE_EVENT_DRIVEN, .dt = 0.05, .rtol = rtol};
-  for (int method = NSDAE_IMPLICIT; method <= NSDAE_MOREAU; method += NSDAE_MOREAU)
+    all[count++] = (sample){.method = NSDAE_METHOD_EVENT, .dt = 0.05, .rtol = rtol};
+  for (int method = NSDAE_METHOD_IMPLICIT; method <= NSDAE_METHOD_MOREAU;
+       method += NSDAE_METHOD_MOREAU)
     for (double dt = 0.02; dt > 5e-6; dt /= 4)
       all[count++] = (sample){.method = method, .dt = dt, .rtol = 1e-8};
   return count;
@@ -90,7 +91,7 @@ static void print(const sample *all, int count, FILE *csv)
 {
   double unit = INFINITY;
   for (int i = 0; i < count; i++)
-    if (all[i].method == NSDAE_EVENT_DRIVEN && fabs(log10(all[i].rtol) + 8) < 0.5)
+    if (all[i].method == NSDAE_METHOD_EVENT && fabs(log10(all[i].rtol) + 8) < 0.5)
       unit = all[i].seconds;
   printf("%-10s %10s %10s %10s %8s %12s %12s\n", "method", "dt [s]", "rtol", "time [ms]", "ratio",
          "impulse", "angle [rad]");

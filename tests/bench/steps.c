@@ -68,7 +68,7 @@ static nsdae_sim *create(column *c, nsdae_system **system)
     q0[i] = column_height(c, i);
   }
   nsdae_sim_options_default(&options);
-  options.method = NSDAE_MOREAU;
+  options.method = NSDAE_METHOD_MOREAU;
   options.dt = c->dt;
   if (nsdae_sim_create(*system, &options, &sim, NULL) < 0) return NULL;
   if (nsdae_sim_init(sim, 0, q0, v0) < 0) nsdae_sim_destroy(&sim);

@@ -45,9 +45,10 @@ static void expect_laws(const watch *w, const nsdae_record *r)
     double friction = nt == 0 ? 0 : nt == 1 ? fabs(t[0]) : hypot(t[0], t[1]);
     assert_true(r->normal_impulse[i] >= 0);
     assert_at_most(friction, w->mu[i] * r->normal_impulse[i] * (1 + w->overlap) + 1e-14);
-    assert_in_range(r->mode[i], NSDAE_OPEN, NSDAE_STICK);
+    assert_in_range(r->mode[i], NSDAE_MODE_OPEN, NSDAE_MODE_STICK);
   }
-  for (int j = 0; j < w->dims.f; j++) assert_in_range(r->slide_mode[j], NSDAE_OPEN, NSDAE_STICK);
+  for (int j = 0; j < w->dims.f; j++)
+    assert_in_range(r->slide_mode[j], NSDAE_MODE_OPEN, NSDAE_MODE_STICK);
 }
 
 static void expect_certificate(const watch *w, const nsdae_record *r)

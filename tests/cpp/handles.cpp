@@ -148,7 +148,7 @@ void test_options()
   options.set("dt", 0.3);
   std::setlocale(LC_NUMERIC, "C");
   EXPECT(options.set("rtol", 1e-9)->dt == 0.3 && options->rtol == 1e-9);
-  EXPECT(options->method == NSDAE_MOREAU && options.c()->iteration_max == 7);
+  EXPECT(options->method == NSDAE_METHOD_MOREAU && options.c()->iteration_max == 7);
   EXPECT(throws_status(NSDAE_E_ARGUMENT, [&] { options.set("dt", -1); }));
   EXPECT(throws<nsdae::error>([&] { options.set("metod", "moreau"); },
                               [](const nsdae::error &e) {

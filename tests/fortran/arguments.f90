@@ -53,7 +53,7 @@ contains
     call is_text(nsdae_status_name(NSDAE_E_RANK), 'NSDAE_E_RANK', 'name')
     call is_text(nsdae_status_message(NSDAE_OK), 'done', 'message')
     call is_text(nsdae_status_message(12345), 'unknown status', 'message of no status')
-    call is_text(nsdae_version(), '0.1.0', 'version')
+    call is_text(nsdae_version(), '0.2.0', 'version')
     call is_true(len(nsdae_build_info()) > 10, 'build info')
   end subroutine
 
@@ -132,7 +132,7 @@ contains
     call is_int(nsdae_sim_options_set(options, 'dt', '0.25', error), NSDAE_OK, 'dt')
     call is_true(options%dt == 0.25d0, 'dt = 0.25')
     call is_int(nsdae_sim_options_set(options, 'method', 'moreau'), NSDAE_OK, 'method')
-    call is_int(options%method, NSDAE_MOREAU, 'method')
+    call is_int(options%method, NSDAE_METHOD_MOREAU, 'method')
     call is_int(nsdae_sim_options_set(options, 'dtt', '1', error), NSDAE_E_OPTION, 'dtt')
     call contains_text(error%text, "'dt'", 'error%text')
     call is_int(nsdae_sim_options_set(options, 'method', 'morea', error), NSDAE_E_OPTION, 'morea')
@@ -186,9 +186,9 @@ contains
       all = all // ' ' // nsdae_method_name(i)
     end do
     call is_text(param%choices, all, 'choices')
-    call is_text(nsdae_method_name(NSDAE_MOREAU), 'moreau', 'NSDAE_MOREAU')
+    call is_text(nsdae_method_name(NSDAE_METHOD_MOREAU), 'moreau', 'NSDAE_METHOD_MOREAU')
     call is_text(nsdae_method_name(nint(param%max, c_int) + 1), '', 'past the last')
-    call is_true(len(nsdae_method_summary(NSDAE_IMPLICIT)) > 10, 'summary')
+    call is_true(len(nsdae_method_summary(NSDAE_METHOD_IMPLICIT)) > 10, 'summary')
   end subroutine
 
   subroutine nothing_created()

@@ -128,7 +128,7 @@ contains
       if (status < 0) exit
     end do
     error = nsdae_sim_error(sim)
-    if (.not. (method == NSDAE_PENALTY .and. b%code > 0 .and. status >= 0)) then
+    if (.not. (method == NSDAE_METHOD_PENALTY .and. b%code > 0 .and. status >= 0)) then
       call is_int(status, wanted, 'step')
       call is_int(error%status, wanted, 'error%status')
       call is_text(error%argument, trim(NAMES(b%term)), 'error%argument')
@@ -149,7 +149,7 @@ contains
     type(bead), target :: b
     integer(c_int) :: method, code
     integer :: term
-    do method = 0, NSDAE_PENALTY
+    do method = 0, NSDAE_METHOD_PENALTY
       if (.not. is_built(method)) cycle
       do term = 1, TERMS
         do code = -1, 1, 2
@@ -164,7 +164,7 @@ contains
     type(bead), target :: b
     integer(c_int) :: method
     integer :: term
-    do method = 0, NSDAE_PENALTY
+    do method = 0, NSDAE_METHOD_PENALTY
       if (.not. is_built(method)) cycle
       do term = 1, TERMS
         b = bead(term=term, at=20, value=ieee_value(0d0, ieee_quiet_nan))
@@ -183,7 +183,7 @@ contains
     integer :: term
     do term = 1, TERMS
       b = bead()
-      call make(b, NSDAE_IMPLICIT, NSDAE_REDUNDANT_ERROR, system, sim)
+      call make(b, NSDAE_METHOD_IMPLICIT, NSDAE_REDUNDANT_ERROR, system, sim)
       b%term = term
       b%code = -7
       call is_int(start(sim, b), NSDAE_E_CALLBACK, 'start')
@@ -203,7 +203,7 @@ contains
     integer :: scale
     do scale = -1, 0
       b = bead(mass_scale=scale)
-      call make(b, NSDAE_IMPLICIT, NSDAE_REDUNDANT_ERROR, system, sim)
+      call make(b, NSDAE_METHOD_IMPLICIT, NSDAE_REDUNDANT_ERROR, system, sim)
       call is_int(start(sim, b), NSDAE_E_MASS, 'start')
       error = nsdae_sim_error(sim)
       call contains_text(error%text, 'positive definite', 'error%text')
@@ -224,7 +224,7 @@ contains
     integer(c_int) :: method
     real(c_double) :: bound
     twice%repeated = .true.
-    call make(twice, NSDAE_IMPLICIT, NSDAE_REDUNDANT_ERROR, system, sim)
+    call make(twice, NSDAE_METHOD_IMPLICIT, NSDAE_REDUNDANT_ERROR, system, sim)
     call is_int(start(sim, twice), NSDAE_E_RANK, 'start')
     error = nsdae_sim_error(sim)
     call contains_text(error%text, 'rank 1 of 2', 'error%text')
@@ -260,7 +260,7 @@ contains
     type(nsdae_error) :: error
     integer, target :: seen, other
     integer :: i
-    call make(b, NSDAE_MOREAU, NSDAE_REDUNDANT_ERROR, system, sim)
+    call make(b, NSDAE_METHOD_MOREAU, NSDAE_REDUNDANT_ERROR, system, sim)
     call is_int(start(sim, b), NSDAE_OK, 'start')
     call is_int(nsdae_sim_observe(sim, stop_at_five), NSDAE_OK, 'observe')
     call is_int(nsdae_sim_run(sim, 1d0), NSDAE_STOPPED, 'run')
@@ -303,7 +303,7 @@ contains
     type(nsdae_sim) :: sim
     type(nsdae_record) :: record
     type(nsdae_error) :: error
-    call make(b, NSDAE_IMPLICIT, NSDAE_REDUNDANT_ERROR, system, sim)
+    call make(b, NSDAE_METHOD_IMPLICIT, NSDAE_REDUNDANT_ERROR, system, sim)
     call is_int(nsdae_sim_run(sim, 1d0), NSDAE_E_STATE, 'run before init')
     call is_int(start(sim, b), NSDAE_OK, 'start')
     call is_int(nsdae_sim_run(sim, 0.034d0), NSDAE_OK, 'run')

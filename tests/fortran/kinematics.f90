@@ -117,7 +117,7 @@ contains
       status = nsdae_sim_step(sim)
       if (status < 0) exit
     end do
-    if (method >= NSDAE_PENALTY .and. wrong%code >= 0 .and. status >= 0) then
+    if (method >= NSDAE_METHOD_PENALTY .and. wrong%code >= 0 .and. status >= 0) then
       call is_near(norm2(q(2:)), 1d0, 1d-2, 'smaller steps got around it')
       return
     end if

@@ -130,7 +130,7 @@ contains
     type(history), target :: h
     integer :: i
     call defaults(p)
-    call integrate(p, NSDAE_MOREAU, 0.005d0, 2.5d0, h)
+    call integrate(p, NSDAE_METHOD_MOREAU, 0.005d0, 2.5d0, h)
     call is_int(h%impacts, 3, 'impacts')
     do i = 1, 3
       call is_near(h%impact(i)%normal_impulse, impulse(i), 0.5d-4, 'impulse')
@@ -237,12 +237,12 @@ contains
     integer :: i
     call defaults(p)
     do i = 0, 3
-      call integrate(p, NSDAE_IMPLICIT, 0.01d0 / 2**i, 3d0, h)
+      call integrate(p, NSDAE_METHOD_IMPLICIT, 0.01d0 / 2**i, 3d0, h)
       worst(i) = h%stats%worst_drift
       call is_true(h%residual <= 1d-14 * 6, 'velocity on the constraint')
     end do
     call is_near(log(worst(0) / worst(3)) / log(2d0) / 3, 2d0, 0.15d0, 'order of the drift')
-    call integrate(p, NSDAE_IMPLICIT_PRINTED, 0.005d0, 3d0, h)
+    call integrate(p, NSDAE_METHOD_IMPLICIT_PRINTED, 0.005d0, 3d0, h)
     call is_true(h%stats%worst_drift > worst(1), 'drift of implicit-printed')
     call is_true(h%residual > 1d-6, 'velocity of implicit-printed')
   end subroutine

@@ -66,13 +66,13 @@ for language in "$@"; do
 done
 
 # what is not there is refused, in words
-for wrong in "nsdae 0.2" "nsdae 0.1 COMPONENTS Cobol"; do
+for wrong in "nsdae 0.3" "nsdae 0.2 COMPONENTS Cobol"; do
   printf 'cmake_minimum_required(VERSION 3.21)\nproject(x C)\nfind_package(%s CONFIG REQUIRED)\n' \
     "$wrong" >"$work/CMakeLists.txt"
   if cmake -S "$work" -B "$work/wrong" -DCMAKE_PREFIX_PATH="$work/moved" >"$work/log" 2>&1; then
     echo "find_package($wrong) was not refused" >&2
     exit 1
   fi
-  grep -qE 'Cobol|0\.2' "$work/log"
+  grep -qE 'Cobol|0\.3' "$work/log"
 done
 echo "installed, moved and used from $*"

@@ -6,7 +6,7 @@ void event_run_default(event_run *run)
 {
   *run = (event_run){.t_end = 1};
   nsdae_sim_options_default(&run->options);
-  run->options.method = NSDAE_EVENT_DRIVEN;
+  run->options.method = NSDAE_METHOD_EVENT;
   run->options.dt = 0.01;
   run->options.rtol = 1e-10;
   run->options.atol = 1e-12;

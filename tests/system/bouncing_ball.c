@@ -121,7 +121,7 @@ static void test_first_impact(void **state)
       double late = r.impact[0].time - exact.time;
       double more = r.impact[0].normal_impulse - exact.normal_impulse;
       assert_true(r.impacts >= 1);
-      assert_true(late >= (method == NSDAE_MOREAU ? 0 : dt) && late <= 2 * dt);
+      assert_true(late >= (method == NSDAE_METHOD_MOREAU ? 0 : dt) && late <= 2 * dt);
       assert_near(more, 0, (2 + p->e_N) * p->m * p->g * dt);
     }
 }

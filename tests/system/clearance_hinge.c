@@ -66,8 +66,8 @@ static void test_published(void **state)
   const double moreau[RADII] = {1.4009, 1.2731, 1.1429, 1.0241, 0.7765};
   const double printed[RADII] = {1.5278, 1.4002, 1.2720, 1.1491, 0.9127};
   for (int i = 0; i < RADII; i++) {
-    run m = integrate(NSDAE_MOREAU, 0.005, 0.07, radii[i], SURFACE_SLIP);
-    run p = integrate(NSDAE_IMPLICIT_PRINTED, 0.005, 0.07, radii[i], SURFACE_SLIP);
+    run m = integrate(NSDAE_METHOD_MOREAU, 0.005, 0.07, radii[i], SURFACE_SLIP);
+    run p = integrate(NSDAE_METHOD_IMPLICIT_PRINTED, 0.005, 0.07, radii[i], SURFACE_SLIP);
     assert_near(m.first.normal_impulse, moreau[i], 0.5e-4);
     assert_near(p.first.normal_impulse, printed[i], 0.5e-4);
   }

@@ -39,7 +39,7 @@ static int read_table(void **state)
 
 static void follow_stick(run *out, const nsdae_record *r)
 {
-  int sticks = r->step > 0 && r->slide_mode[0] == NSDAE_STICK;
+  int sticks = r->step > 0 && r->slide_mode[0] == NSDAE_MODE_STICK;
   double speed = fmax(fabs(r->v[0]), fabs(r->v[1]));
   if (sticks && !out->sticking) out->stick_begin[out->sticks] = r->time;
   if (!sticks && out->sticking && out->sticks < STICKS_MAX - 1) out->sticks++;
@@ -100,8 +100,9 @@ static double theta_end(double mu)
 static void test_states(void **state)
 {
   (void)state;
-  const double bound[METHODS] = {
-      [NSDAE_IMPLICIT] = 5e-5, [NSDAE_IMPLICIT_PRINTED] = 1e-3, [NSDAE_MOREAU] = 5e-5};
+  const double bound[METHODS] = {[NSDAE_METHOD_IMPLICIT] = 5e-5,
+                                 [NSDAE_METHOD_IMPLICIT_PRINTED] = 1e-3,
+                                 [NSDAE_METHOD_MOREAU] = 5e-5};
   const double mu[] = {0.1, 0.3};
   for (int method = 0; method < METHODS; method++)
     for (int i = 0; i < 2; i++) {
@@ -119,16 +120,16 @@ static void test_states(void **state)
 static void test_high_friction(void **state)
 {
   (void)state;
-  double exact = integrate(NSDAE_EVENT_DRIVEN, 0.005, 0.5).theta;
+  double exact = integrate(NSDAE_METHOD_EVENT, 0.005, 0.5).theta;
   for (int method = 0; method < METHODS; method++) {
     run r = integrate(method, 0.005, 0.5);
     print_message("%-17s mu 0.5 theta_1(12) off by %.2e\n", nsdae_method_name(method),
                   fabs(r.theta - exact));
     assert_at_most(r.stats.worst_residual, 1e-10);
-    if (method != NSDAE_IMPLICIT_PRINTED) assert_near(r.theta, exact, 5e-5);
+    if (method != NSDAE_METHOD_IMPLICIT_PRINTED) assert_near(r.theta, exact, 5e-5);
   }
-  double coarse = fabs(integrate(NSDAE_IMPLICIT_PRINTED, 0.005, 0.5).theta - exact);
-  double fine = fabs(integrate(NSDAE_IMPLICIT_PRINTED, 0.000625, 0.5).theta - exact);
+  double coarse = fabs(integrate(NSDAE_METHOD_IMPLICIT_PRINTED, 0.005, 0.5).theta - exact);
+  double fine = fabs(integrate(NSDAE_METHOD_IMPLICIT_PRINTED, 0.000625, 0.5).theta - exact);
   assert_near(log2(coarse / fine) / 3, 1, 0.2);
 }
 
@@ -136,8 +137,8 @@ static void test_high_friction(void **state)
 static void test_order(void **state)
 {
   (void)state;
-  double coarse = integrate(NSDAE_IMPLICIT, 0.01, 0).worst;
-  double fine = integrate(NSDAE_IMPLICIT, 0.00125, 0).worst;
+  double coarse = integrate(NSDAE_METHOD_IMPLICIT, 0.01, 0).worst;
+  double fine = integrate(NSDAE_METHOD_IMPLICIT, 0.00125, 0).worst;
   assert_near(log2(coarse / fine) / 3, 2, 0.1);
 }
 
@@ -172,7 +173,7 @@ static void test_sticks(void **state)
 {
   (void)state;
   const double published[][2] = {{1.791, 1.968}, {2.734, 3.528}, {8.440, 8.633}, {9.222, 9.654}};
-  const int methods[] = {NSDAE_IMPLICIT, NSDAE_MOREAU};
+  const int methods[] = {NSDAE_METHOD_IMPLICIT, NSDAE_METHOD_MOREAU};
   for (int i = 0; i < 2; i++) {
     run low = integrate(methods[i], 0.005, 0.1), middle = integrate(methods[i], 0.005, 0.3),
         high = integrate(methods[i], 0.005, 0.5);

@@ -42,7 +42,7 @@ static nsdae_sim_options options_of(double dt)
 {
   nsdae_sim_options options;
   nsdae_sim_options_default(&options);
-  options.method = NSDAE_EVENT_DRIVEN;
+  options.method = NSDAE_METHOD_EVENT;
   options.rtol = 1e-11;
   options.atol = 1e-13;
   options.dt = dt;
@@ -185,10 +185,10 @@ static void expect_sticks(double mu)
   for (int i = 0; i < rows; i++) {
     if (row[i][0] != mu) continue;
     double begin = 0, end = 0;
-    while (next < r.changes && r.change[next].mode_after != NSDAE_STICK) next++;
+    while (next < r.changes && r.change[next].mode_after != NSDAE_MODE_STICK) next++;
     assert_true(next < r.changes);
     begin = r.change[next].time;
-    while (next < r.changes && r.change[next].mode_before != NSDAE_STICK) next++;
+    while (next < r.changes && r.change[next].mode_before != NSDAE_MODE_STICK) next++;
     assert_true(next < r.changes);
     end = r.change[next].time;
     assert_int_equal(r.change[next].slide, 0);
@@ -196,7 +196,7 @@ static void expect_sticks(double mu)
     assert_near(begin, row[i][1], 1e-6);
     assert_near(end, row[i][2], 1e-6);
   }
-  while (next < r.changes) assert_true(r.change[next++].mode_after != NSDAE_STICK);
+  while (next < r.changes) assert_true(r.change[next++].mode_after != NSDAE_MODE_STICK);
 }
 
 /* States at the reference's times to 1e-7, sticks to 1e-6. */

@@ -140,7 +140,7 @@ static void test_feet(void **state)
       for (int i = 0; i < r.changes; i++) assert_near(r.change[i].time, stop, 1e-9);
       assert_int_equal(r.changes, motion == 3 ? feet : 0);
       for (int i = 0; i < feet; i++)
-        assert_int_equal(r.mode[i], motion == 2 ? NSDAE_SLIDE : NSDAE_STICK);
+        assert_int_equal(r.mode[i], motion == 2 ? NSDAE_MODE_SLIDE : NSDAE_MODE_STICK);
       expect_carried(&b, mu, 1, r.v[0] - v0[0] - g * sin(b.tilt));
       if (motion == 0)
         for (int i = 0; i < feet; i++) { /* shared evenly, and no foot pulls at another */
@@ -177,8 +177,8 @@ static void test_tipping(void **state)
         assert_near(r.q[1], y, 1e-8);
         assert_near(r.q[0], a - a * cos(r.q[2]) - b.h * sin(r.q[2]), 1e-8);
         assert_near((b.J + a * a + b.h * b.h) * r.v[2] * r.v[2] / 2, work, 1e-8);
-        assert_int_equal(r.mode[feet - 1], NSDAE_STICK);
-        for (int i = 0; i < feet - 1; i++) assert_int_equal(r.mode[i], NSDAE_OPEN);
+        assert_int_equal(r.mode[feet - 1], NSDAE_MODE_STICK);
+        for (int i = 0; i < feet - 1; i++) assert_int_equal(r.mode[i], NSDAE_MODE_OPEN);
       } else {
         assert_near(r.q[0], (b.push - mu * g) * 0.25 / 2, 1e-9);
         assert_near(r.q[2], 0, 1e-12);
@@ -221,7 +221,7 @@ static void test_rocking(void **state)
       assert_near(r.q[1], b.h, 1e-10);
       assert_near(r.q[2], 0, 1e-10);
       for (int j = 0; j < 3; j++) assert_near(r.v[j], 0, 1e-12);
-      for (int j = 0; j < feet; j++) assert_int_equal(r.mode[j], NSDAE_STICK);
+      for (int j = 0; j < feet; j++) assert_int_equal(r.mode[j], NSDAE_MODE_STICK);
       nsdae_system_destroy(&system);
     }
 }
@@ -351,7 +351,7 @@ static void test_table(void **state)
       assert_int_equal(r.changes, legs);
       double slip = mu * g / rate, speed = rate * (T * T - slip * slip) / 2 - mu * g * (T - slip);
       for (int i = 0; i < legs; i++) {
-        assert_int_equal(r.change[i].mode_after, NSDAE_SLIDE);
+        assert_int_equal(r.change[i].mode_after, NSDAE_MODE_SLIDE);
         /* a leg is known to be at its limit to ten times rtol, of all forces: g / rate of that in
          * time; and there are some dozen times at which it is asked anew how they share */
         assert_near(r.change[i].time, slip, 1e-7);
@@ -415,7 +415,7 @@ static void test_dropped(void **state)
       expect_momentum(&p, v0, 2);
       for (int j = 0; j < 6; j++) assert_near(r.v[j], 0, 1e-10);
       for (int j = 2; j < 5; j++) assert_near(r.q[j], 0, 1e-10);
-      for (int j = 0; j < legs; j++) assert_int_equal(r.mode[j], NSDAE_STICK);
+      for (int j = 0; j < legs; j++) assert_int_equal(r.mode[j], NSDAE_MODE_STICK);
       nsdae_system_destroy(&system);
     }
 }
@@ -503,9 +503,9 @@ static void test_hit_from_the_side(void **state)
   assert_near(r.impact[0].normal_impulse, u, 1e-9);
   assert_int_equal(r.changes, 2);
   assert_near(r.change[0].time, 0.1, 1e-9);
-  assert_int_equal(r.change[0].mode_after, NSDAE_SLIDE);
+  assert_int_equal(r.change[0].mode_after, NSDAE_MODE_SLIDE);
   assert_near(r.change[1].time, 0.1 + slides, 1e-9);
-  assert_int_equal(r.change[1].mode_after, NSDAE_STICK);
+  assert_int_equal(r.change[1].mode_after, NSDAE_MODE_STICK);
   assert_near(r.q[0], u * slides / 2, 1e-9);
   assert_near(r.q[2], 0.9 * (v - u / p.m), 1e-8);
   nsdae_system_destroy(&system);
@@ -538,7 +538,7 @@ static void test_hit_from_above(void **state)
     assert_near(r.q[i], 0, 1e-10);
     assert_near(r.v[i], 0, 1e-12);
   }
-  assert_int_equal(r.mode[0], NSDAE_STICK);
+  assert_int_equal(r.mode[0], NSDAE_MODE_STICK);
   assert_near(r.normal[0], 2 * g * (1 + p.m), 1e-8);
   nsdae_system_destroy(&system);
 }

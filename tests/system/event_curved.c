@@ -136,7 +136,7 @@ static void test_sphere(void **state)
     double t = r.t_end - left, tol = fmax(100 * rtol, 1e-10);
     assert_int_equal(r.status, NSDAE_OK);
     assert_int_equal(r.changes, 1);
-    assert_int_equal(r.change[0].mode_after, NSDAE_OPEN);
+    assert_int_equal(r.change[0].mode_after, NSDAE_MODE_OPEN);
     assert_near(r.change[0].time, left, tol);
     assert_near(r.q[0], sin(leaves) + speed * cos(leaves) * t, 10 * tol);
     assert_near(r.q[1], cos(leaves) - speed * sin(leaves) * t - g * t * t / 2, 10 * tol);

@@ -40,7 +40,7 @@ static nsdae_sim_options options_of(double rtol, double dt)
 {
   nsdae_sim_options options;
   nsdae_sim_options_default(&options);
-  options.method = NSDAE_EVENT_DRIVEN;
+  options.method = NSDAE_METHOD_EVENT;
   options.rtol = rtol;
   options.atol = rtol / 10;
   options.dt = dt;

@@ -10,7 +10,7 @@ static nsdae_sim *make(nsdae_system *system)
   nsdae_sim_options options;
   nsdae_sim *sim;
   nsdae_sim_options_default(&options);
-  options.method = NSDAE_EVENT_DRIVEN;
+  options.method = NSDAE_METHOD_EVENT;
   options.dt = 0.02;
   options.rtol = 1e-6;
   options.atol = 1e-8;

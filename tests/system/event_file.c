@@ -23,7 +23,7 @@ static void write_file(bouncing_ball *ball)
   nsdae_trajectory *file;
   double q0 = 0, v0 = 0;
   nsdae_sim_options_default(&options);
-  options.method = NSDAE_EVENT_DRIVEN;
+  options.method = NSDAE_METHOD_EVENT;
   options.dt = DT;
   options.rtol = 1e-11;
   options.atol = 1e-13;
@@ -110,7 +110,7 @@ static void test_samples(void **state)
     double closed = fabs(t[i] - bouncing_ball_rest(ball)) <= 1e-5 ? 1e-5 * ball->g : 1e-8;
     assert_near(q[i], height, 1e-9);
     assert_near(v[i], velocity, closed);
-    assert_true((mode[i] != NSDAE_OPEN) == (t[i] > bouncing_ball_rest(ball) - 1e-5));
+    assert_true((mode[i] != NSDAE_MODE_OPEN) == (t[i] > bouncing_ball_rest(ball) - 1e-5));
   }
   assert_int_equal(requested, STEPS + 1);
   H5Fclose(file);
@@ -150,7 +150,7 @@ static void test_change(void **state)
   /* accumulation_time, 1e-5 s, is the most by which it is closed early */
   assert_near(time[0], bouncing_ball_rest(ball), 1e-5);
   assert_true(contact[0] == 0 && slide[0] == -1);
-  assert_true(before[0] == NSDAE_OPEN && after[0] != NSDAE_OPEN);
+  assert_true(before[0] == NSDAE_MODE_OPEN && after[0] != NSDAE_MODE_OPEN);
   H5Fclose(file);
 }
 

@@ -38,7 +38,7 @@ static nsdae_sim_options options_of(double rtol)
 {
   nsdae_sim_options options;
   nsdae_sim_options_default(&options);
-  options.method = NSDAE_EVENT_DRIVEN;
+  options.method = NSDAE_METHOD_EVENT;
   options.rtol = rtol;
   options.atol = rtol / 100;
   options.dt = 0.01;
@@ -106,7 +106,7 @@ static void test_block_stops(void **state)
           double stop = 0.5 * (m + s * cos(b)) / (m * m - s * s);
           integrate_model(&incline_model, &options, 2);
           assert_int_equal(r.changes, 1);
-          assert_int_equal(r.change[0].mode_after, NSDAE_STICK);
+          assert_int_equal(r.change[0].mode_after, NSDAE_MODE_STICK);
           assert_at_most((double)r.stats.events, 2); /* the start and the stop */
           worst = fmax(worst, fabs(r.change[0].time / stop - 1));
           for (int i = 0; i < 3; i++) assert_true(r.v[i] == 0);
@@ -153,7 +153,7 @@ static void test_ball_rolls(void **state)
     double slip = hypot(p->vx - p->r * p->wy, p->vy + p->r * p->wx);
     integrate_model(&rolling_ball_model, &options, 1);
     assert_int_equal(r.changes, 1);
-    assert_int_equal(r.change[0].mode_after, NSDAE_STICK);
+    assert_int_equal(r.change[0].mode_after, NSDAE_MODE_STICK);
     assert_near(r.change[0].time, 2 * slip / (7 * p->mu * p->g), 1e-9);
     assert_near(r.v[0], (5 * p->vx + 2 * p->r * p->wy) / 7, 1e-8);
     assert_near(r.v[1], (5 * p->vy - 2 * p->r * p->wx) / 7, 1e-8);

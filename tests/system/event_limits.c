@@ -146,7 +146,7 @@ static void test_restitution(void **state)
         double rest = first * (1 + e[i]) / (1 - e[i]);
         assert_near(r.impact[r.impacts - 1].time, rest, 1e-8);
         assert_near(r.q[0], 0, 1e-12);
-        assert_int_equal(r.mode[0], NSDAE_SLIDE);
+        assert_int_equal(r.mode[0], NSDAE_MODE_SLIDE);
       }
       if (e[i] == 1) assert_near(r.v[0] * r.v[0] / 2 + g * r.q[0], g * h, 1e-8);
       nsdae_system_destroy(&system);
@@ -226,9 +226,9 @@ static void test_sliding_to_rest(void **state)
     assert_near(r.impact[i].tangential_impulse[0], -mu * r.impact[i].normal_impulse, 1e-12);
   assert_int_equal(r.changes, 2);
   assert_near(r.change[0].time, rest, 1e-5); /* closed where less than accumulation_time is left */
-  assert_int_equal(r.change[0].mode_after, NSDAE_SLIDE);
+  assert_int_equal(r.change[0].mode_after, NSDAE_MODE_SLIDE);
   assert_near(r.change[1].time, v / (mu * g), 1e-8);
-  assert_int_equal(r.change[1].mode_after, NSDAE_STICK);
+  assert_int_equal(r.change[1].mode_after, NSDAE_MODE_STICK);
   assert_near(r.v[1], 0, 1e-15);
   nsdae_system_destroy(&system);
 }
@@ -455,9 +455,9 @@ static void test_slot(void **state)
         to = t;
     }
     assert_near(r.change[2 * i].time, slip, 1e-8);
-    assert_int_equal(r.change[2 * i].mode_after, NSDAE_SLIDE);
+    assert_int_equal(r.change[2 * i].mode_after, NSDAE_MODE_SLIDE);
     assert_near(r.change[2 * i + 1].time, from, 1e-8);
-    assert_int_equal(r.change[2 * i + 1].mode_after, NSDAE_STICK);
+    assert_int_equal(r.change[2 * i + 1].mode_after, NSDAE_MODE_STICK);
   }
   v0[0] = 100;
   event_run_both(&r, system, q0, v0);

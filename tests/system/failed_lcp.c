@@ -63,7 +63,7 @@ static void test_press(void **state)
 {
   (void)state;
   const double q0 = 0.5, v0 = 0;
-  const int methods[] = {NSDAE_MOREAU, NSDAE_IMPLICIT};
+  const int methods[] = {NSDAE_METHOD_MOREAU, NSDAE_METHOD_IMPLICIT};
   for (int i = 0; i < 2; i++) {
     nsdae_system *system = press();
     nsdae_sim_options options;

@@ -111,7 +111,7 @@ static void test_sliding(void **state)
           const double dt = 1e-7;
           double a = falling_rod_coefficient(p, p->p0, p->v_T > 0 ? 1 : -1);
           double b = falling_rod_free(p, p->p0, p->omega);
-          run r = integrate(NSDAE_IMPLICIT, dt, dt);
+          run r = integrate(NSDAE_METHOD_IMPLICIT, dt, dt);
           double error = r.impulse[0] / dt / (-b / a) - 1;
           assert_true(a > 0 && b < 0);
           worst = fmax(worst, fabs(error));
@@ -142,7 +142,7 @@ static void test_impact_without_collision(void **state)
       assert_near(r.impulse[0], G_NT * p->v_T / det, 100 * p->g * dt);
       assert_near(r.friction[0], -G_NN * p->v_T / det, 100 * p->g * dt);
       assert_near(r.v[0] + p->l * s * r.v[2], 0, 1e-6); /* v_T, at the old angle */
-      assert_int_equal(r.mode[0], NSDAE_STICK);
+      assert_int_equal(r.mode[0], NSDAE_MODE_STICK);
     }
 }
 
@@ -155,7 +155,7 @@ static void test_frictionless_fall(void **state)
   p->mu = 0;
   double error[2];
   for (int i = 0; i < 2; i++) {
-    run r = integrate(NSDAE_IMPLICIT, 0.004 / (1 << 3 * i), 0.5);
+    run r = integrate(NSDAE_METHOD_IMPLICIT, 0.004 / (1 << 3 * i), 0.5);
     double c = p->l * cos(r.q[2]), fallen = p->l * (sin(p->p0) - sin(r.q[2]));
     double omega = -sqrt(2 * p->m * p->g * fallen / (p->J + p->m * c * c));
     assert_int_equal(r.impacts, 0);

@@ -94,7 +94,7 @@ static void test_pendulum(void **state)
   long_pendulum_default(&p);
   for (int i = 0; i < 2; i++) {
     double q0[2], v0[2], dt = 1e-3 / (1 << 2 * i);
-    nsdae_sim_options options = options_of(NSDAE_IMPLICIT, dt);
+    nsdae_sim_options options = options_of(NSDAE_METHOD_IMPLICIT, dt);
     long_pendulum_start(&p, q0, v0);
     s[i] = (swing){.p = &p};
     drift[i] = integrate(long_pendulum_system(&p), &options, q0, v0, 10, follow_pendulum, &s[i])
@@ -300,7 +300,7 @@ static void test_bricard(void **state)
   nsdae_stats stats[2];
   bricard_default(&p);
   for (int i = 0; i < 2; i++) {
-    nsdae_sim_options options = options_of(NSDAE_IMPLICIT, 2e-3 / (1 << 2 * i));
+    nsdae_sim_options options = options_of(NSDAE_METHOD_IMPLICIT, 2e-3 / (1 << 2 * i));
     l[i] = run_bricard(&p, &options, &stats[i]);
     double drift = stats[i].worst_drift;
     print_message("dt %-6g energy %.2e of %.2f J, drift %.2e, symmetry %.2e, closure %.2e\n"
@@ -343,7 +343,7 @@ static void test_bricard_moreau(void **state)
   bricard_default(&p);
   for (int i = 0; i < 2; i++) {
     double q0[N], v0[N];
-    nsdae_sim_options options = options_of(NSDAE_MOREAU, 2e-3 / (1 << 2 * i));
+    nsdae_sim_options options = options_of(NSDAE_METHOD_MOREAU, 2e-3 / (1 << 2 * i));
     options.rank_tol = 1e-2;
     bricard_start(&p, q0, v0);
     l[i] = (linkage){.p = &p};
@@ -385,7 +385,7 @@ static self_stress run_stress(bricard *p, double dt)
 {
   nsdae_sim *sim;
   double q0[N], v0[N];
-  nsdae_sim_options options = options_of(NSDAE_EVENT_DRIVEN, dt);
+  nsdae_sim_options options = options_of(NSDAE_METHOD_EVENT, dt);
   self_stress s = {.p = p};
   options.rtol = 1e-11;
   options.atol = 1e-12;

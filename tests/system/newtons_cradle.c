@@ -161,7 +161,7 @@ static void test_centre(void **state)
   for (int j = 0; j < 2; j++)
     for (p->e_N = 0; p->e_N <= 1; p->e_N += 0.5) {
       p->gap = gaps[j];
-      run r = integrate(NSDAE_IMPLICIT, 1e-3, 2);
+      run r = integrate(NSDAE_METHOD_IMPLICIT, 1e-3, 2);
       assert_true(r.impacts > 0);
       print_message("gap %g e %.1f: %d impacts, centre %.2e, energy change %+.2e J\n", p->gap,
                     p->e_N, r.impacts, r.worst_centre, r.energy - r.start_energy);

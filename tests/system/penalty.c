@@ -8,8 +8,6 @@
 #include "crank_slider.h"
 #include "pendulum.h"
 
-enum { HERTZ, KELVIN_VOIGT, HUNT_CROSSLEY, LANKARANI_NIKRAVESH, FLORES };
-
 /* A ball of 1 kg that hits the floor with 1 m/s, without gravity. */
 static int mass(double t, const double *q, double *M, int ldm, void *user)
 {
@@ -67,7 +65,7 @@ static nsdae_impact hit(int law, double e, double K, double n, double *energy)
   nsdae_sim *sim;
   nsdae_record record;
   nsdae_sim_options_default(&o);
-  o.method = NSDAE_PENALTY;
+  o.method = NSDAE_METHOD_PENALTY;
   o.dt = 0.001;
   o.rtol = 1e-10;
   o.atol = 1e-13;
@@ -113,15 +111,15 @@ static double restitution_of(double c)
 
 static double damping_of(int law, double e)
 {
-  if (law == HUNT_CROSSLEY) return 1.5 * (1 - e);
-  if (law == LANKARANI_NIKRAVESH) return 0.75 * (1 - e * e);
+  if (law == NSDAE_PENALTY_HUNT_CROSSLEY) return 1.5 * (1 - e);
+  if (law == NSDAE_PENALTY_LANKARANI_NIKRAVESH) return 0.75 * (1 - e * e);
   return 1.6 * (1 - e) / e;
 }
 
 static void test_restitution(void **state)
 {
   (void)state;
-  for (int law = HUNT_CROSSLEY; law <= FLORES; law++)
+  for (int law = NSDAE_PENALTY_HUNT_CROSSLEY; law <= NSDAE_PENALTY_FLORES; law++)
     for (double e = 0.3; e < 0.95; e += 0.2) {
       double energy, expected = restitution_of(damping_of(law, e));
       nsdae_impact i = hit(law, e, 1e7, 1.5, &energy);
@@ -130,7 +128,8 @@ static void test_restitution(void **state)
       assert_near(i.normal_impulse, 1 + expected, 1e-7);
       assert_near(i.velocity_before, -1, 1e-9);
       assert_near(energy, 0.5, 1e-7);
-      if (law == FLORES) assert_near(i.velocity_after, e, 0.05); /* what the law is made for */
+      if (law == NSDAE_PENALTY_FLORES)
+        assert_near(i.velocity_after, e, 0.05); /* what the law is made for */
     }
 }
 
@@ -140,7 +139,7 @@ static void test_hertz_peak(void **state)
   (void)state;
   for (double n = 1; n < 2.6; n += 0.5) {
     double energy, K = 1e7, d = pow((n + 1) / (2 * K), 1 / (n + 1));
-    nsdae_impact i = hit(HERTZ, 0.5, K, n, &energy);
+    nsdae_impact i = hit(NSDAE_PENALTY_HERTZ, 0.5, K, n, &energy);
     /* the peak is taken at the integrator's steps: 1e-4 of it between two of them */
     assert_near(i.peak_force, K * pow(d, n), 1e-3 * K * pow(d, n));
     assert_near(i.velocity_after, 1, 1e-7);
@@ -158,7 +157,7 @@ static void test_kelvin_voigt(void **state)
     double energy, K = 1e6, w = sqrt(K), l = log(e),
                    z = -l / sqrt(pow(3.14159265358979324, 2) + l * l);
     double root = sqrt(1 - z * z), angle = atan2(2 * z * root, 2 * z * z - 1);
-    nsdae_impact i = hit(KELVIN_VOIGT, e, K, 1, &energy);
+    nsdae_impact i = hit(NSDAE_PENALTY_KELVIN_VOIGT, e, K, 1, &energy);
     assert_near(i.velocity_after, exp(-z * angle / root), 1e-6);
     (void)w;
   }
@@ -175,7 +174,7 @@ static double first_peak(double radius, double K, double rtol, double friction_v
   s.options.penalty_law = law;
   s.options.penalty_stiffness = K;
   s.options.friction_velocity = friction_velocity;
-  compare_one(&s, NSDAE_PENALTY, &run);
+  compare_one(&s, NSDAE_METHOD_PENALTY, &run);
   assert_int_equal(run.status, NSDAE_OK);
   assert_true(run.impacts > 0);
   return run.impact[0].peak_force;
@@ -189,7 +188,8 @@ static void test_table4(void **state)
   (void)state;
   const double radius[] = {0.016, 0.018, 0.020, 0.022, 0.024};
   const double published[] = {6731.18, 5811.20, 4959.72, 3263.73, 2337.50};
-  const int laws[] = {HERTZ, HUNT_CROSSLEY, LANKARANI_NIKRAVESH, FLORES};
+  const int laws[] = {NSDAE_PENALTY_HERTZ, NSDAE_PENALTY_HUNT_CROSSLEY,
+                      NSDAE_PENALTY_LANKARANI_NIKRAVESH, NSDAE_PENALTY_FLORES};
   for (int j = 0; j < 4; j++) {
     double K = 1e10;
     for (int i = 0; i < 6; i++)
@@ -214,7 +214,7 @@ static void test_examples(void **state)
     static comparison_run run;
     settings s;
     settings_default(&s, models[i]);
-    compare_one(&s, NSDAE_PENALTY, &run);
+    compare_one(&s, NSDAE_METHOD_PENALTY, &run);
     assert_int_equal(run.status, NSDAE_OK);
   }
 }
@@ -226,8 +226,8 @@ static void test_flores_needs_restitution(void **state)
   settings s;
   settings_default(&s, &pendulum_model);
   ((pendulum *)pendulum_model.base)->e_N = 0;
-  s.options.penalty_law = FLORES;
-  compare_one(&s, NSDAE_PENALTY, &run);
+  s.options.penalty_law = NSDAE_PENALTY_FLORES;
+  compare_one(&s, NSDAE_METHOD_PENALTY, &run);
   assert_int_equal(run.status, NSDAE_E_ARGUMENT);
   assert_non_null(strstr(run.text, "e_n = 0"));
 }

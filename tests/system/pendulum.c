@@ -115,7 +115,7 @@ static void test_moreau_published(void **state)
 {
   (void)state;
   const double impulse[] = {13.6877, 7.6258, 4.2631}, time[] = {0.490, 1.350, 2.185};
-  run r = integrate(NSDAE_MOREAU, 0.005, 2.5);
+  run r = integrate(NSDAE_METHOD_MOREAU, 0.005, 2.5);
   assert_int_equal(r.impacts, 3);
   for (int i = 0; i < 3; i++) {
     assert_near(r.impact[i].normal_impulse, impulse[i], 0.5e-4);
@@ -175,7 +175,7 @@ static void test_smooth_order(void **state)
 {
   (void)state;
   const double order[METHODS] = {
-      [NSDAE_IMPLICIT] = 2, [NSDAE_IMPLICIT_PRINTED] = 2, [NSDAE_MOREAU] = 1};
+      [NSDAE_METHOD_IMPLICIT] = 2, [NSDAE_METHOD_IMPLICIT_PRINTED] = 2, [NSDAE_METHOD_MOREAU] = 1};
   for (int method = 0; method < METHODS; method++) {
     double measured = log2(swing_error(method, 0.01) / swing_error(method, 0.000625)) / 4;
     print_message("%-17s smooth order %.3f\n", nsdae_method_name(method), measured);
@@ -190,13 +190,13 @@ static void test_drift(void **state)
   (void)state;
   double drift[4];
   for (int i = 0; i < 4; i++) {
-    run r = integrate(NSDAE_IMPLICIT, 0.01 / (1 << i), 3);
+    run r = integrate(NSDAE_METHOD_IMPLICIT, 0.01 / (1 << i), 3);
     drift[i] = r.stats.worst_drift;
     /* |v| is at most 5.4; the velocity comes from one solve */
     assert_at_most(r.velocity_residual, 1e-14 * 6);
   }
   double order = log2(drift[0] / drift[3]) / 3;
-  run printed = integrate(NSDAE_IMPLICIT_PRINTED, 0.005, 3);
+  run printed = integrate(NSDAE_METHOD_IMPLICIT_PRINTED, 0.005, 3);
   print_message("drift of implicit %.3e, order %.3f; of implicit-printed %.3e at dt 0.005\n",
                 drift[1], order, printed.stats.worst_drift);
   assert_near(order, 2, 0.15);

@@ -51,7 +51,7 @@ static int keep(const nsdae_record *r, nsdae_error *error, void *user)
   }
   if (r->step == 0) return 0;
   l->modes[r->mode[0]]++;
-  if (r->mode[0] == NSDAE_STICK && l->rolling == 0) l->rolling = r->time;
+  if (r->mode[0] == NSDAE_MODE_STICK && l->rolling == 0) l->rolling = r->time;
   if (r->normal_impulse[0] > 0)
     l->worst_friction =
         fmax(l->worst_friction,
@@ -76,11 +76,11 @@ static void test_block_stays(void **state)
         p->slope = atan(0.99 * p->mu * cos(pi / edges));
         integrate(&incline_model, method, edges, 0.01, 1, keep, &l);
         /* the printed scheme sums its last velocity up anew: rounding of g dt */
-        if (method == NSDAE_IMPLICIT_PRINTED)
+        if (method == NSDAE_METHOD_IMPLICIT_PRINTED)
           assert_at_most(l.fastest, 1e-15);
         else
           assert_true(l.fastest == 0);
-        assert_int_equal(l.modes[NSDAE_STICK], 100);
+        assert_int_equal(l.modes[NSDAE_MODE_STICK], 100);
       }
 }
 

@@ -33,8 +33,8 @@ static void keep_contacts(run *out, const nsdae_record *r)
   for (int i = 0; i < 3; i++) {
     double normal = r->normal_impulse[i], friction = fabs(r->tangential_impulse[i]);
     if (normal > 0) out->worst_friction = fmax(out->worst_friction, friction / normal);
-    out->sticks[i] += r->mode[i] == NSDAE_STICK;
-    if (i != WOODPECKER_BEAK && r->mode[i] == NSDAE_STICK)
+    out->sticks[i] += r->mode[i] == NSDAE_MODE_STICK;
+    if (i != WOODPECKER_BEAK && r->mode[i] == NSDAE_MODE_STICK)
       out->worst_creep = fmax(out->worst_creep, fabs(r->v[0]));
   }
 }
@@ -162,7 +162,7 @@ static void check_run(const run *r)
 static void test_period(void **state)
 {
   (void)state;
-  const int methods[] = {NSDAE_IMPLICIT, NSDAE_MOREAU};
+  const int methods[] = {NSDAE_METHOD_IMPLICIT, NSDAE_METHOD_MOREAU};
   const double period = 0.145976, late[] = {10, 5};
   for (int j = 0; j < 2; j++)
     for (double dt = 1e-4; dt > 1e-5; dt /= 2) {
@@ -180,7 +180,7 @@ static void test_period(void **state)
 static void test_published_start(void **state)
 {
   (void)state;
-  run r = integrate(NSDAE_MOREAU, 5e-5, 6, 1);
+  run r = integrate(NSDAE_METHOD_MOREAU, 5e-5, 6, 1);
   check_run(&r);
   assert_near(mean_period(&r), 0.145976, 5 * 5e-5);
 }

@@ -39,7 +39,7 @@ int main(int argc, char **argv)
   nsdae_sim_destroy(&sim);
 
   nsdae_sim_options_default(&options);
-  options.method = NSDAE_PENALTY;
+  options.method = NSDAE_METHOD_PENALTY;
   int penalty = nsdae_sim_create(system, &options, &sim, &error);
   if (penalty < 0) printf("%s\n", error.text);
   nsdae_sim_destroy(&sim);

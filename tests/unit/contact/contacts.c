@@ -26,7 +26,9 @@ static void expect_block(fixture *f, double m, double mu, double e_n, double e_t
   assert_near(f->v[0], f->free[0] + tangential / m, rounding);
   assert_near(f->v[1], f->free[1] + normal / m, rounding);
   assert_at_most(f->contacts.info.residual, f->contacts.lcp_options.tol);
-  int mode = normal == 0 ? NSDAE_OPEN : fabs(stick) <= mu * normal ? NSDAE_STICK : NSDAE_SLIDE;
+  int mode = normal == 0                  ? NSDAE_MODE_OPEN
+             : fabs(stick) <= mu * normal ? NSDAE_MODE_STICK
+                                          : NSDAE_MODE_SLIDE;
   assert_int_equal(f->contacts.mode[0], mode);
   fixture_expect_laws(f, rounding * (1 + m));
 }
@@ -48,7 +50,7 @@ static void test_block(void **state)
     }
   f.free[1] = 0.2; /* lifted */
   expect_block(&f, m, mu, 0, 0);
-  assert_int_equal(f.contacts.mode[0], NSDAE_OPEN);
+  assert_int_equal(f.contacts.mode[0], NSDAE_MODE_OPEN);
   fixture_end(&f);
 }
 
@@ -82,7 +84,7 @@ static void test_open_by_gap(void **state)
   f.before[1] = f.free[1] = -1;
   assert_int_equal(fixture_solve(&f), NSDAE_OK);
   assert_true(f.v[1] == -1 && f.contacts.normal[0] == 0 && f.contacts.active_count == 0);
-  assert_int_equal(f.contacts.mode[0], NSDAE_OPEN);
+  assert_int_equal(f.contacts.mode[0], NSDAE_MODE_OPEN);
   f.gap[0] = 0;
   assert_int_equal(fixture_solve(&f), NSDAE_OK);
   assert_near(f.v[1], 0.5, rounding);
@@ -177,7 +179,7 @@ static void test_moving_belt(void **state)
     f.free[1] = -0.1;
     assert_int_equal(fixture_solve(&f), NSDAE_OK);
     assert_near(f.v[0], i == 0 ? s : mu * 0.1, rounding);
-    assert_int_equal(f.contacts.mode[0], i == 0 ? NSDAE_STICK : NSDAE_SLIDE);
+    assert_int_equal(f.contacts.mode[0], i == 0 ? NSDAE_MODE_STICK : NSDAE_MODE_SLIDE);
     fixture_expect_laws(&f, rounding);
     fixture_end(&f);
   }
@@ -208,7 +210,7 @@ static void test_polygon(void **state)
         assert_near(f.v[1], left * sin(angle), rounding);
         assert_near(f.v[2], 0, rounding);
         assert_near(f.contacts.normal[0], -m * down, rounding);
-        assert_int_equal(f.contacts.mode[0], fast ? NSDAE_SLIDE : NSDAE_STICK);
+        assert_int_equal(f.contacts.mode[0], fast ? NSDAE_MODE_SLIDE : NSDAE_MODE_STICK);
         fixture_expect_laws(&f, rounding);
         fixture_end(&f);
       }

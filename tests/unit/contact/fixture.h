@@ -253,7 +253,7 @@ static inline void fixture_expect_laws(const fixture *f, double tol)
     double normal = c->normal[i], force = 0, slip = 0, power = 0;
     double mu = f->law[i].kind == NSDAE_FRICTIONLESS ? 0 : e->mu;
     if (f->gap[i] > 0) {
-      assert_true(normal == 0 && c->mode[i] == NSDAE_OPEN);
+      assert_true(normal == 0 && c->mode[i] == NSDAE_MODE_OPEN);
       continue;
     }
     double after = fixture_dot(n, f->W_N + i * n, f->v) + f->w_n[i];
@@ -276,10 +276,10 @@ static inline void fixture_expect_laws(const fixture *f, double tol)
     /* against the slip, as far as it can where it slips; a polygon of p corners is off by pi/p */
     double corner = f->law[i].kind == NSDAE_POLYGON ? cos(3.2 / (f->law[i].rows - 2)) : 1;
     assert_at_most(power, -mu * normal * sqrt(slip) * corner + tol);
-    if (normal == 0) assert_int_equal(c->mode[i], NSDAE_OPEN);
-    if (normal > tol) assert_int_not_equal(c->mode[i], NSDAE_OPEN);
-    if (sqrt(slip) > tol && normal > tol) assert_int_equal(c->mode[i], NSDAE_SLIDE);
-    if (sqrt(force) < mu * normal * corner - tol) assert_int_equal(c->mode[i], NSDAE_STICK);
+    if (normal == 0) assert_int_equal(c->mode[i], NSDAE_MODE_OPEN);
+    if (normal > tol) assert_int_not_equal(c->mode[i], NSDAE_MODE_OPEN);
+    if (sqrt(slip) > tol && normal > tol) assert_int_equal(c->mode[i], NSDAE_MODE_SLIDE);
+    if (sqrt(force) < mu * normal * corner - tol) assert_int_equal(c->mode[i], NSDAE_MODE_STICK);
   }
 }
 

@@ -122,15 +122,15 @@ static void reduced(fixture *f, double G[3], double b[2])
 static int by_modes(const double G[3], const double b[2], double mu, double L[2])
 {
   L[0] = L[1] = 0;
-  if (b[0] >= 0) return NSDAE_OPEN;
+  if (b[0] >= 0) return NSDAE_MODE_OPEN;
   double det = G[0] * G[2] - G[1] * G[1];
   L[0] = (-G[2] * b[0] + G[1] * b[1]) / det;
   L[1] = (G[1] * b[0] - G[0] * b[1]) / det;
-  if (L[0] >= 0 && fabs(L[1]) <= mu * L[0]) return NSDAE_STICK;
+  if (L[0] >= 0 && fabs(L[1]) <= mu * L[0]) return NSDAE_MODE_STICK;
   for (int side = -1; side <= 1; side += 2) {
     L[0] = -b[0] / (G[0] - side * mu * G[1]);
     L[1] = -side * mu * L[0];
-    if (L[0] >= 0 && side * (G[1] * L[0] + G[2] * L[1] + b[1]) >= 0) return NSDAE_SLIDE;
+    if (L[0] >= 0 && side * (G[1] * L[0] + G[2] * L[1] + b[1]) >= 0) return NSDAE_MODE_SLIDE;
   }
   return -1;
 }

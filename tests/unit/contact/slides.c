@@ -33,9 +33,9 @@ static void test_slider(void **state)
       assert_near(f.v[1], 0, rounding);
       assert_near(f.lambda[0], f.lambda_free[0], rounding);
       if (m * fabs(f.free[0]) < most - rounding)
-        assert_int_equal(f.contacts.slide_mode[0], NSDAE_STICK);
+        assert_int_equal(f.contacts.slide_mode[0], NSDAE_MODE_STICK);
       if (m * fabs(f.free[0]) > most + rounding)
-        assert_int_equal(f.contacts.slide_mode[0], NSDAE_SLIDE);
+        assert_int_equal(f.contacts.slide_mode[0], NSDAE_MODE_SLIDE);
       assert_at_most(nsdae_contacts_work(&f.contacts), rounding);
       fixture_expect_laws(&f, rounding);
     }
@@ -55,7 +55,7 @@ static void test_moving_rail(void **state)
   f.w_s[0] = -1;
   assert_int_equal(fixture_solve(&f), NSDAE_OK);
   assert_near(f.v[0], 0.2, rounding); /* 0.4 N s of friction */
-  assert_int_equal(f.contacts.slide_mode[0], NSDAE_SLIDE);
+  assert_int_equal(f.contacts.slide_mode[0], NSDAE_MODE_SLIDE);
   fixture_end(&f);
 }
 
@@ -103,7 +103,7 @@ static void test_frictionless(void **state)
   f.lambda_free[0] = 5;
   assert_int_equal(fixture_solve(&f), NSDAE_OK);
   assert_true(f.v[0] == 1 && f.contacts.slide_impulse[0] == 0);
-  assert_int_equal(f.contacts.slide_mode[0], NSDAE_OPEN);
+  assert_int_equal(f.contacts.slide_mode[0], NSDAE_MODE_OPEN);
   fixture_end(&f);
 }
 
@@ -128,7 +128,7 @@ static void test_second_slide(void **state)
   assert_near(f.v[2], 0.7, rounding);
   assert_true(f.contacts.slide_impulse[0] == 0);
   assert_near(f.contacts.slide_impulse[1], -0.3, rounding);
-  assert_int_equal(f.contacts.slide_mode[1], NSDAE_SLIDE);
+  assert_int_equal(f.contacts.slide_mode[1], NSDAE_MODE_SLIDE);
   fixture_end(&f);
 }
 
