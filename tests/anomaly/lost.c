@@ -107,8 +107,6 @@ static long every_place(life *l, random_system *r, uint64_t seed)
   long place = 0, failed = 1;
   while (failed) {
     catch_stderr();
-    if (getenv("LOST"))
-      dprintf(stderr_kept, "%d %d %d place %ld\n", l->method, l->linear_solver, (int)seed, place);
     may_print = 0;
     process_allocator_reset(place);
     int status = live(l, r);
