@@ -116,8 +116,8 @@ static long every_place(life *l, random_system *r, uint64_t seed)
     long bytes = release_stderr();
     if (status != (failed ? NSDAE_E_MEMORY : NSDAE_OK) || left != 0 || (bytes != 0 && !may_print))
       fail_msg("%s, %s, seed %d, place %ld: status %d, %ld blocks left, %ld bytes on stderr",
-               nsdae_method_name(l->method), l->linear_solver ? "sparse" : "dense", (int)seed, place,
-               status, left, bytes);
+               nsdae_method_name(l->method), l->linear_solver ? "sparse" : "dense", (int)seed,
+               place, status, left, bytes);
     place += failed;
   }
   return place;
