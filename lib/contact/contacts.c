@@ -99,7 +99,7 @@ static void clear_results(nsdae_contacts *c)
   memset(c->slide_after, 0, f * sizeof *c->slide_after);
   memset(c->slide_impulse, 0, f * sizeof *c->slide_impulse);
   memset(c->slide_mode, 0, f * sizeof *c->slide_mode);
-  c->info = (nsdae_lcp_info){.outcome = NSDAE_LCP_SOLVED};
+  c->info = (nsdae_lcp_info){.outcome = NSDAE_OUTCOME_SOLVED};
 }
 
 void nsdae_contacts_forget(nsdae_contacts *c)
