@@ -13,7 +13,7 @@ static nsdae_lcp_info solve(int n, const double *A, const double *b, double *x, 
   int status = nsdae_lcp_solve(&problem, NULL, x, y, &info);
   assert_int_equal(status, info.outcome == NSDAE_OUTCOME_SOLVED       ? NSDAE_OK
                            : info.outcome == NSDAE_OUTCOME_INFEASIBLE ? NSDAE_E_INFEASIBLE
-                                                                  : NSDAE_E_LCP);
+                                                                      : NSDAE_E_LCP);
   return info;
 }
 

@@ -74,8 +74,8 @@ static void test_singular_blocks(void **state)
     int basis[4] = {k & 1, k >> 1 & 1, k >> 2 & 1, k >> 3 & 1};
     nsdae_lcp_info info = solve(4, problems[k / 16].A, problems[k / 16].b, NSDAE_LCP_ALL, basis, x);
     if (info.outcome != NSDAE_OUTCOME_INFEASIBLE)
-      fail_msg("problem %d, start %d: %s by %s", k / 16, k % 16,
-               nsdae_outcome_name(info.outcome), nsdae_lcp_stage_name(info.stage));
+      fail_msg("problem %d, start %d: %s by %s", k / 16, k % 16, nsdae_outcome_name(info.outcome),
+               nsdae_lcp_stage_name(info.stage));
   }
 }
 
