@@ -16,13 +16,13 @@ typedef struct nsdae_stepper {
   nsdae_terms middle;
   nsdae_kkt kkt;
   nsdae_contacts contacts;
-  double *M, *F;            /* nv x nv, nv: a mean mass matrix, a mean force */
-  double *q, *v, *r;        /* nq, nv, nv */
-  double *v_other;          /* nv: a velocity in between */
-  double *size;             /* nv: how large the terms of a velocity are */
-  double *qdot0, *qdot1;    /* nq */
-  double *impulse;          /* m: Lambda of the bilateral constraints over the step */
-  double *rate;             /* m: rates of the bilateral constraints, then what is not asked for */
+  double *M, *F;         /* nv x nv, nv: a mean mass matrix, a mean force */
+  double *q, *v, *r;     /* nq, nv, nv */
+  double *v_other;       /* nv: a velocity in between */
+  double *size;          /* nv: how large the terms of a velocity are */
+  double *qdot0, *qdot1; /* nq */
+  double *impulse;       /* m: Lambda of the bilateral constraints over the step */
+  double *rate;          /* m: rates of the bilateral constraints, then what is not asked for */
 } nsdae_stepper;
 
 /* A step in work, of a method that solves one contact problem for it. */

@@ -60,8 +60,8 @@ typedef struct penalty {
   double *peak;        /* k: largest force of each contact until now */
   int *found;          /* k: roots */
   penalty_forces at;
-  penalty_base base;   /* within the memory of the step in work */
-  long stamp, stamps;  /* of the memory that the integrator stands at, 0: none; given so far */
+  penalty_base base;  /* within the memory of the step in work */
+  long stamp, stamps; /* of the memory that the integrator stands at, 0: none; given so far */
 } penalty;
 
 /* Offsets in y. */
