@@ -1,6 +1,6 @@
 /* Proofs that a problem has no solution, and what a ray of Lemke's method proves. */
-#ifndef NSDAE_LCP_PROOF_H
-#define NSDAE_LCP_PROOF_H
+#ifndef NSDAE_PROOF_H
+#define NSDAE_PROOF_H
 
 #include "work.h"
 
