@@ -12,6 +12,8 @@ foreach(name check differences setters system)
   nsdae_unit_test(system ${name})
 endforeach()
 
+add_test(NAME unit/system/callbacks COMMAND sh ${PROJECT_SOURCE_DIR}/lib/system/callbacks.sh)
+
 nsdae_unit_test(terms terms)
 
 foreach(name law contacts random slides)

@@ -114,46 +114,63 @@ const char *nsdae_system_called(const nsdae_system *system, int kind, int i,
   return text;
 }
 
-/* Of the outputs of the callbacks: what their rows and columns are. */
-static const struct {
-  const char *callback;
-  int row, column;
-} outputs[] = {
-    {"mass", NSDAE_NAME_VELOCITY, NSDAE_NAME_VELOCITY},
-    {"force", NSDAE_NAME_VELOCITY, -1},
-    {"constraint", NSDAE_NAME_CONSTRAINT, -1},
-    {"constraint_jacobian", NSDAE_NAME_CONSTRAINT, NSDAE_NAME_VELOCITY},
-    {"constraint_bias", NSDAE_NAME_CONSTRAINT, -1},
-    {"gap", NSDAE_NAME_CONTACT, -1},
-    {"gap_normal", NSDAE_NAME_VELOCITY, NSDAE_NAME_CONTACT},
-    {"gap_tangent", NSDAE_NAME_VELOCITY, NSDAE_NAME_CONTACT},
-    {"contact_bias", NSDAE_NAME_CONTACT, -1},
-    {"kinematics", NSDAE_NAME_COORDINATE, -1},
+/* The outputs of the callbacks: what their rows and columns are, -1 where there are none; each for
+ * every tangential direction. */
+typedef struct output {
+  const char *callback, *name;
+  int row, column, directions;
+} output;
+
+static const output outputs[] = {
+    /* callbacks.list: outputs */
+    {"mass", "M", NSDAE_NAME_VELOCITY, NSDAE_NAME_VELOCITY, 0},
+    {"force", "F", NSDAE_NAME_VELOCITY, -1, 0},
+    {"constraint", "phi", NSDAE_NAME_CONSTRAINT, -1, 0},
+    {"constraint_jacobian", "J", NSDAE_NAME_CONSTRAINT, NSDAE_NAME_VELOCITY, 0},
+    {"constraint_bias", "phi_t", NSDAE_NAME_CONSTRAINT, -1, 0},
+    {"constraint_bias", "omega", NSDAE_NAME_CONSTRAINT, -1, 0},
+    {"gap", "g", NSDAE_NAME_CONTACT, -1, 0},
+    {"gap_normal", "W", NSDAE_NAME_VELOCITY, NSDAE_NAME_CONTACT, 0},
+    {"gap_tangent", "W", NSDAE_NAME_VELOCITY, NSDAE_NAME_CONTACT, 1},
+    {"contact_bias", "w_n", NSDAE_NAME_CONTACT, -1, 0},
+    {"contact_bias", "w_t", NSDAE_NAME_CONTACT, -1, 1},
+    {"contact_acceleration", "omega_n", NSDAE_NAME_CONTACT, -1, 0},
+    {"contact_acceleration", "omega_t", NSDAE_NAME_CONTACT, -1, 1},
+    {"contact_acceleration", "omega_s", NSDAE_NAME_SLIDE, -1, 0},
+    {"slide_tangent", "W", NSDAE_NAME_VELOCITY, NSDAE_NAME_SLIDE, 0},
+    {"slide_tangent", "w_s", NSDAE_NAME_SLIDE, -1, 0},
+    {"kinematics", "qdot", NSDAE_NAME_COORDINATE, -1, 0},
+    {"potential", "energy", -1, -1, 0},
+    /* callbacks.list: end */
 };
 
-/* ', of contact 3 "stop"'; several entries of one are its tangential directions. */
-static void append(const nsdae_system *system, int kind, int count, int i, const char *before,
+static int extent(const nsdae_system *system, const output *o, int kind)
+{
+  int each = kind < 0 ? 1 : nsdae_system_count(system, kind);
+  return o->directions && kind == NSDAE_NAME_CONTACT ? each * system->dims.nt : each;
+}
+
+/* 'contact 3 "stop"' behind the text. */
+static void append(const nsdae_system *system, const output *o, int kind, int i, const char *before,
                    nsdae_error *error)
 {
   char called[NSDAE_CALLED_SIZE];
-  int each = nsdae_system_count(system, kind), nt = system->dims.nt;
   size_t used = strlen(error->text);
-  if (kind < 0 || each == 0) return;
-  if (kind == NSDAE_NAME_CONTACT && count == each * nt) i /= nt;
+  if (kind < 0) return;
+  if (o->directions && kind == NSDAE_NAME_CONTACT) i /= system->dims.nt;
   snprintf(error->text + used, sizeof error->text - used, "%s%s", before,
            nsdae_system_called(system, kind, i, called));
 }
 
+/* Outputs of one callback are told apart by their sizes; those of one size belong to the same. */
 void nsdae_system_name_entry(const nsdae_system *system, const char *callback, int rows, int row,
                              int column, nsdae_error *error)
 {
-  size_t i = 0, count = sizeof outputs / sizeof *outputs;
-  while (i < count && strcmp(outputs[i].callback, callback) != 0) i++;
-  if (!error || i == count) return;
-  int columns = nsdae_system_count(system, outputs[i].column);
-  if (strcmp(callback, "gap_tangent") == 0) columns *= system->dims.nt;
-  append(system, outputs[i].row, rows, row, ": ", error);
-  append(system, outputs[i].column, columns, column, ", ", error);
+  const output *o = outputs, *end = outputs + sizeof outputs / sizeof *outputs;
+  while (o < end && (strcmp(o->callback, callback) != 0 || extent(system, o, o->row) != rows)) o++;
+  if (!error || o == end) return;
+  append(system, o, o->row, row, ": ", error);
+  append(system, o, o->column, column, o->row < 0 ? ": " : ", ", error);
 }
 
 static int by_name(const void *a, const void *b)

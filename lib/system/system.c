@@ -127,11 +127,13 @@ static int refuse(nsdae_system *system, const char *callback, const char *why)
   return nsdae_system_refuse(system, NSDAE_E_ARGUMENT, callback, callback, text);
 }
 
-/* One setter per callback: `has` says whether the system has such a term at all. */
+/* One setter per callback: has says, by the sizes d, whether the system has such a term at all. */
 #define SETTER(name, type, has, why)                           \
   int nsdae_system_set_##name(nsdae_system *system, type name) \
   {                                                            \
     if (!system) return NSDAE_E_ARGUMENT;                      \
+    const nsdae_dims *d = &system->dims;                       \
+    (void)d;                                                   \
     if (!name) return refuse(system, #name, "it is NULL");     \
     if (!(has)) return refuse(system, #name, why);             \
     int status = nsdae_system_open(system, #name);             \
@@ -139,24 +141,24 @@ static int refuse(nsdae_system *system, const char *callback, const char *why)
     return status;                                             \
   }
 
+/* callbacks.list: setters */
 SETTER(mass, nsdae_mass_fn, 1, "")
 SETTER(force, nsdae_force_fn, 1, "")
-SETTER(constraint, nsdae_constraint_fn, system->dims.m > 0, "the system has no constraints (m = 0)")
-SETTER(constraint_jacobian, nsdae_constraint_jacobian_fn, system->dims.m > 0,
+SETTER(constraint, nsdae_constraint_fn, d->m > 0, "the system has no constraints (m = 0)")
+SETTER(constraint_jacobian, nsdae_constraint_jacobian_fn, d->m > 0,
        "the system has no constraints (m = 0)")
-SETTER(constraint_bias, nsdae_constraint_bias_fn, system->dims.m > 0,
-       "the system has no constraints (m = 0)")
-SETTER(gap, nsdae_gap_fn, system->dims.k > 0, "the system has no contacts (k = 0)")
-SETTER(gap_normal, nsdae_gap_normal_fn, system->dims.k > 0, "the system has no contacts (k = 0)")
-SETTER(gap_tangent, nsdae_gap_tangent_fn, system->dims.k > 0 && system->dims.nt > 0,
+SETTER(constraint_bias, nsdae_constraint_bias_fn, d->m > 0, "the system has no constraints (m = 0)")
+SETTER(gap, nsdae_gap_fn, d->k > 0, "the system has no contacts (k = 0)")
+SETTER(gap_normal, nsdae_gap_normal_fn, d->k > 0, "the system has no contacts (k = 0)")
+SETTER(gap_tangent, nsdae_gap_tangent_fn, d->k > 0 && d->nt > 0,
        "the system has no tangential directions (k nt = 0)")
-SETTER(contact_bias, nsdae_contact_bias_fn, system->dims.k > 0,
-       "the system has no contacts (k = 0)")
-SETTER(contact_acceleration, nsdae_contact_acceleration_fn,
-       system->dims.k > 0 || system->dims.f > 0, "the system has no contacts or slides (k = f = 0)")
-SETTER(slide_tangent, nsdae_slide_fn, system->dims.f > 0, "the system has no slides (f = 0)")
+SETTER(contact_bias, nsdae_contact_bias_fn, d->k > 0, "the system has no contacts (k = 0)")
+SETTER(contact_acceleration, nsdae_contact_acceleration_fn, d->k > 0 || d->f > 0,
+       "the system has no contacts or slides (k = f = 0)")
+SETTER(slide_tangent, nsdae_slide_fn, d->f > 0, "the system has no slides (f = 0)")
 SETTER(kinematics, nsdae_kinematics_fn, 1, "")
 SETTER(potential, nsdae_potential_fn, 1, "")
+/* callbacks.list: end */
 
 static int bad_coefficient(nsdae_system *system, const char *setter, const char *name, double value,
                            const char *range)
