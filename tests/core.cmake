@@ -8,7 +8,7 @@ foreach(name dense kkt)
   target_link_libraries(test_unit_linalg_${name} PRIVATE nsdae_lapack)
 endforeach()
 
-foreach(name check differences setters system)
+foreach(name check differences probe setters system)
   nsdae_unit_test(system ${name})
 endforeach()
 

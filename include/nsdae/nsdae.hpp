@@ -428,6 +428,12 @@ public:
     return nsdae_system_differences(c());
   }
 
+  /* nsdae_system_unseen: what no check can see of the callbacks that are given. */
+  std::string unseen() const
+  {
+    return nsdae_system_unseen(c());
+  }
+
   /* nsdae_system_check at (t, q [nq], v [nv]). */
   int try_check(double t, const double *q, const double *v, double tol,
                 nsdae_check *worst = nullptr) noexcept

@@ -180,14 +180,23 @@ typedef struct nsdae_check {
   double error;      /* |given - difference| / (1 + |difference|) of this entry */
 } nsdae_check;
 
-/* Compares every derivative that is given with central differences of what it derives from, and
- * the mass matrix with its transpose, at (t, q [nq], v [nv]); q need not satisfy the constraints.
- * Differences are good to about 1e-7 where the values are of order one: tol of 1e-5 is a fair
- * bound. NSDAE_OK; NSDAE_E_DERIVATIVE with the wrong entry in worst and in the error record;
- * (a NaN counts as wrong); NSDAE_E_STATE (a callback that is needed is missing), NSDAE_E_CALLBACK,
- * NSDAE_E_MEMORY. worst may be NULL. */
+/* Looks at every callback that is given, at (t, q [nq], v [nv]); q need not satisfy the
+ * constraints. First each alone: what it writes beyond its arrays (seen as far as the array's own
+ * size and 64 entries more to either side), entries of Phi, g_N, dq/dt and U that it never writes,
+ * and what is NaN or infinite. Then every derivative against central differences of what it derives
+ * from, and the mass matrix against its transpose; then directions of friction that are all zero,
+ * the normal's, or one twice. Differences are good to about 1e-7 where the values are of order one:
+ * tol of 1e-5 is a fair bound. What cannot be seen says nsdae_system_unseen. NSDAE_OK;
+ * NSDAE_E_DERIVATIVE with the wrong entry in worst and in the error record (a NaN in a derivative
+ * counts as wrong); NSDAE_E_CALLBACK (it failed, or the text says what it writes);
+ * NSDAE_E_NONFINITE; NSDAE_E_STATE (a callback that is needed is missing), NSDAE_E_MEMORY, and what
+ * a setter was refused with. worst may be NULL. */
 NSDAE_API int nsdae_system_check(nsdae_system *system, double t, const double *q, const double *v,
                                  double tol, nsdae_check *worst);
+
+/* What no check can see of the callbacks that are given: "gap: its sign and unit; force: ...". The
+ * text lives in the system. */
+NSDAE_API const char *nsdae_system_unseen(nsdae_system *system);
 
 #ifdef __cplusplus
 }

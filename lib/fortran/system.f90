@@ -207,7 +207,7 @@ module nsdae_f_system
             nsdae_system_set_contact, nsdae_system_set_slide, nsdae_system_error, &
             nsdae_system_get_dims, nsdae_system_differences, nsdae_system_check, &
             nsdae_system_handle, nsdae_system_clear_error, nsdae_system_simulations, &
-            nsdae_system_set_name, nsdae_system_get_name, nsdae_system_get_unit
+            nsdae_system_unseen, nsdae_system_set_name, nsdae_system_get_name, nsdae_system_get_unit
   ! callbacks.list: public_setters
   public :: nsdae_system_set_mass
   public :: nsdae_system_set_force
@@ -288,6 +288,10 @@ module nsdae_f_system
       type(nsdae_dims), intent(inout) :: dims
     end function
     type(c_ptr) function c_differences(system) bind(C, name='nsdae_system_differences')
+      import
+      type(c_ptr), value :: system
+    end function
+    type(c_ptr) function c_unseen(system) bind(C, name='nsdae_system_unseen')
       import
       type(c_ptr), value :: system
     end function
@@ -534,9 +538,18 @@ contains
     text = from_c(c_differences(at(system)))
   end function
 
-  ! Compares every derivative that is given with central differences of what it derives from, and
-  ! the mass matrix with its transpose, at (t, q [nq], v [nv]). NSDAE_OK; NSDAE_E_DERIVATIVE with
-  ! the wrong entry in worst; NSDAE_E_ARGUMENT, NSDAE_E_STATE, NSDAE_E_CALLBACK, NSDAE_E_MEMORY.
+  ! What no check can see of the callbacks that are given.
+  function nsdae_system_unseen(system) result(text)
+    type(nsdae_system), intent(in) :: system
+    character(len=:), allocatable :: text
+    text = from_c(c_unseen(at(system)))
+  end function
+
+  ! Looks at every callback that is given, at (t, q [nq], v [nv]): what it writes beyond its arrays,
+  ! never writes, or writes that is no number; then every derivative against central differences of
+  ! what it derives from, the mass matrix against its transpose, and directions of friction that
+  ! are none. NSDAE_OK; NSDAE_E_DERIVATIVE with the wrong entry in worst; NSDAE_E_CALLBACK,
+  ! NSDAE_E_NONFINITE, NSDAE_E_ARGUMENT, NSDAE_E_STATE, NSDAE_E_MEMORY.
   integer(c_int) function nsdae_system_check(system, t, q, v, tol, worst) result(status)
     type(nsdae_system), intent(in) :: system
     real(c_double), intent(in) :: t, tol

@@ -65,7 +65,8 @@ function comment(c, language, first, next_line, last,   i, lines, line) {
 # ---- what each section holds
 
 function emit(section,   c) {
-  if (section == "holders") print "  /* clang-format off */"
+  margin = section == "holders" ? "  " : "    "
+  if (section ~ /holders|outputs/) print margin "/* clang-format off */"
   if (section == "table") print "| callback | arguments before `user` | shapes |\n|---|---|---|"
   for (c = 1; c <= n; c++) {
     if (section == "types") c_type(c)
@@ -73,6 +74,7 @@ function emit(section,   c) {
     else if (section == "fields") print "  nsdae_" type[c] "_fn " name[c] ";"
     else if (section == "setters") c_setter(c)
     else if (section == "outputs") c_outputs(c)
+    else if (section == "calls_in_c") c_call(c)
     else if (section == "holders") cpp_holder(c)
     else if (section == "members") cpp_member(c)
     else if (section == "interfaces") f_interface(c)
@@ -85,7 +87,7 @@ function emit(section,   c) {
     else if (section == "table") f_table(c)
     else { print "callbacks.awk: no section " section > "/dev/stderr"; exit 1 }
   }
-  if (section == "holders") print "  /* clang-format on */"
+  if (section ~ /holders|outputs/) print margin "/* clang-format on */"
 }
 
 # ---- C
@@ -139,20 +141,32 @@ function c_setter(c,   item) {
 }
 
 function kind(size) {
-  if (size == "nq") return "NSDAE_NAME_COORDINATE"
-  if (size == "nv") return "NSDAE_NAME_VELOCITY"
-  if (size == "m") return "NSDAE_NAME_CONSTRAINT"
-  if (size ~ /^k/) return "NSDAE_NAME_CONTACT"
-  return size == "f" ? "NSDAE_NAME_SLIDE" : "-1"
+  if (size == "nq") return "COORDINATE"
+  if (size == "nv") return "VELOCITY"
+  if (size == "m") return "CONSTRAINT"
+  if (size ~ /^k/) return "CONTACT"
+  return size == "f" ? "SLIDE" : "-1"
 }
 
-function c_outputs(c,   i, item) {
+function c_outputs(c,   i, item, directions) {
   for (i = 1; i <= outs[c]; i++) {
-    item[1] = "\"" name[c] "\""; item[2] = "\"" out[c, i] "\""
-    item[3] = kind(rows[c, i]); item[4] = kind(cols[c, i])
-    item[5] = (rows[c, i] cols[c, i]) ~ /\*nt/ ? "1" : "0"
-    print filled("    {", item, 5, "},", 5, 100, "")
+    directions = (rows[c, i] cols[c, i]) ~ /\*nt/
+    item[i] = "{\"" out[c, i] "\", " kind(rows[c, i]) ", " kind(cols[c, i]) ", " directions ", " \
+      nullable[c, i] + 0 "}"
   }
+  item[1] = "{" item[1]
+  print "    {\"" name[c] "\", has_" name[c] ", call_" name[c] ", " outs[c] ","
+  print filled("     ", item, outs[c], "}},", 6, 100, "")
+}
+
+function c_call(c,   i, item, count) {
+  item[++count] = name[c]
+  if (has_v[c]) item[++count] = "at->v"
+  for (i = 1; i <= outs[c]; i++) {
+    item[++count] = "out[" i - 1 "]"
+    if (cols[c, i] != "") item[++count] = "ld[" i - 1 "]"
+  }
+  print filled("CALL(", item, count, ")", 5, 100, "")
 }
 
 # ---- C++

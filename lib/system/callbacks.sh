@@ -7,7 +7,7 @@ new=$(mktemp)
 trap 'rm -f "$new"' EXIT
 stale=0
 for file in $(grep -rlE "callbacks\.list: [a-z_]+" include lib docs |
-  grep -v 'lib/system/callbacks' || true); do
+  grep -v 'lib/system/callbacks[.]\(awk\|list\|sh\)' || true); do
   awk -f lib/system/callbacks.awk lib/system/callbacks.list "$file" >"$new"
   cmp -s "$new" "$file" && continue
   if [ "${1-}" = --write ]; then

@@ -3,8 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "callbacks.h"
 #include "errors.h"
-#include "system_impl.h"
 
 static const char *const kinds[NSDAE_NAME_KINDS] = {"coordinate", "velocity", "constraint",
                                                     "contact", "slide"};
@@ -114,45 +114,9 @@ const char *nsdae_system_called(const nsdae_system *system, int kind, int i,
   return text;
 }
 
-/* The outputs of the callbacks: what their rows and columns are, -1 where there are none; each for
- * every tangential direction. */
-typedef struct output {
-  const char *callback, *name;
-  int row, column, directions;
-} output;
-
-static const output outputs[] = {
-    /* callbacks.list: outputs */
-    {"mass", "M", NSDAE_NAME_VELOCITY, NSDAE_NAME_VELOCITY, 0},
-    {"force", "F", NSDAE_NAME_VELOCITY, -1, 0},
-    {"constraint", "phi", NSDAE_NAME_CONSTRAINT, -1, 0},
-    {"constraint_jacobian", "J", NSDAE_NAME_CONSTRAINT, NSDAE_NAME_VELOCITY, 0},
-    {"constraint_bias", "phi_t", NSDAE_NAME_CONSTRAINT, -1, 0},
-    {"constraint_bias", "omega", NSDAE_NAME_CONSTRAINT, -1, 0},
-    {"gap", "g", NSDAE_NAME_CONTACT, -1, 0},
-    {"gap_normal", "W", NSDAE_NAME_VELOCITY, NSDAE_NAME_CONTACT, 0},
-    {"gap_tangent", "W", NSDAE_NAME_VELOCITY, NSDAE_NAME_CONTACT, 1},
-    {"contact_bias", "w_n", NSDAE_NAME_CONTACT, -1, 0},
-    {"contact_bias", "w_t", NSDAE_NAME_CONTACT, -1, 1},
-    {"contact_acceleration", "omega_n", NSDAE_NAME_CONTACT, -1, 0},
-    {"contact_acceleration", "omega_t", NSDAE_NAME_CONTACT, -1, 1},
-    {"contact_acceleration", "omega_s", NSDAE_NAME_SLIDE, -1, 0},
-    {"slide_tangent", "W", NSDAE_NAME_VELOCITY, NSDAE_NAME_SLIDE, 0},
-    {"slide_tangent", "w_s", NSDAE_NAME_SLIDE, -1, 0},
-    {"kinematics", "qdot", NSDAE_NAME_COORDINATE, -1, 0},
-    {"potential", "energy", -1, -1, 0},
-    /* callbacks.list: end */
-};
-
-static int extent(const nsdae_system *system, const output *o, int kind)
-{
-  int each = kind < 0 ? 1 : nsdae_system_count(system, kind);
-  return o->directions && kind == NSDAE_NAME_CONTACT ? each * system->dims.nt : each;
-}
-
 /* 'contact 3 "stop"' behind the text. */
-static void append(const nsdae_system *system, const output *o, int kind, int i, const char *before,
-                   nsdae_error *error)
+static void append(const nsdae_system *system, const nsdae_output *o, int kind, int i,
+                   const char *before, nsdae_error *error)
 {
   char called[NSDAE_CALLED_SIZE];
   size_t used = strlen(error->text);
@@ -162,15 +126,24 @@ static void append(const nsdae_system *system, const output *o, int kind, int i,
            nsdae_system_called(system, kind, i, called));
 }
 
+void nsdae_output_name_entry(const nsdae_system *system, const nsdae_output *output, int row,
+                             int column, nsdae_error *error)
+{
+  append(system, output, output->row, row, ": ", error);
+  append(system, output, output->column, column, output->row < 0 ? ": " : ", ", error);
+}
+
 /* Outputs of one callback are told apart by their sizes; those of one size belong to the same. */
 void nsdae_system_name_entry(const nsdae_system *system, const char *callback, int rows, int row,
                              int column, nsdae_error *error)
 {
-  const output *o = outputs, *end = outputs + sizeof outputs / sizeof *outputs;
-  while (o < end && (strcmp(o->callback, callback) != 0 || extent(system, o, o->row) != rows)) o++;
-  if (!error || o == end) return;
-  append(system, o, o->row, row, ": ", error);
-  append(system, o, o->column, column, o->row < 0 ? ": " : ", ", error);
+  const nsdae_callback *c = nsdae_callbacks, *end = c + nsdae_callbacks_count;
+  int i = 0;
+  while (c < end && strcmp(c->name, callback) != 0) c++;
+  if (!error || c == end) return;
+  while (i < c->outputs && nsdae_output_extent(system, &c->output[i], c->output[i].row) != rows)
+    i++;
+  if (i < c->outputs) nsdae_output_name_entry(system, &c->output[i], row, column, error);
 }
 
 static int by_name(const void *a, const void *b)
