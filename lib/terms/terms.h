@@ -8,6 +8,8 @@
 #include "arena.h"
 #include "differences.h"
 #include "kkt.h"
+#include "system_impl.h"
+#include "vector.h"
 
 /* What can be asked for, as a sum. */
 enum {
@@ -70,5 +72,14 @@ double nsdae_terms_penetration(const nsdae_terms *terms);
 /* Factors M and Phi_q (M [nv x nv] may be another than that of the point). NSDAE_E_MASS, and
  * NSDAE_E_RANK unless least_norm allows a deficient rank; the record names pivot or rank. */
 int nsdae_terms_factor(nsdae_terms *terms, const double *M, nsdae_kkt *kkt, int least_norm);
+
+/* W_j^T v + w_j: the velocity along column j of W_N, W_T or W_S, of its bias w; with an
+ * acceleration and omega in their place, the acceleration along it. */
+static inline double nsdae_terms_rate(const nsdae_terms *terms, const double *W, const double *w,
+                                      int j, const double *v)
+{
+  int n = terms->system->dims.nv;
+  return nsdae_dot(n, W + (size_t)j * (size_t)n, v) + w[j];
+}
 
 #endif
