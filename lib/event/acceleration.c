@@ -59,12 +59,12 @@ void nsdae_event_acceleration_release(nsdae_event_acceleration *p)
 
 /* Fills the direction of sliding of contact i; 0 where it has none. At a slip that was found at
  * zero there is none. */
-static int slides(nsdae_event_acceleration *p, int i, int impacted)
+static int slides(nsdae_event_acceleration *p, int i, int impacted, double size)
 {
   const nsdae_event_setting *s = p->phase->setting;
   const nsdae_terms *T = s->here;
   int nt = T->system->dims.nt, slid = 0;
-  double v_t[2] = {0}, speed = 0, size = nsdae_event_velocity_size(s);
+  double v_t[2] = {0}, speed = 0;
   double *direction = p->phase->modes.direction + i * nt;
   if (!(T->system->contact[i].mu > 0)) return 0;
   if (p->is.breakaway[i] && !impacted) return 1;
@@ -79,7 +79,7 @@ static int slides(nsdae_event_acceleration *p, int i, int impacted)
   return moves;
 }
 
-static int slide_sense(const nsdae_event_acceleration *p, int j, int impacted)
+static int slide_sense(const nsdae_event_acceleration *p, int j, int impacted, double size)
 {
   const nsdae_event_setting *s = p->phase->setting;
   const nsdae_event_modes *m = &p->phase->modes;
@@ -87,22 +87,22 @@ static int slide_sense(const nsdae_event_acceleration *p, int j, int impacted)
   double speed = nsdae_terms_rate(s->here, s->here->W_S, s->here->w_S, j, s->here->v);
   int stopped = !impacted && p->is.slide_stopped[j] && m->slide[j] == NSDAE_MODE_SLIDE &&
                 m->slide_sense[j] != 0;
-  if (stopped || !(fabs(speed) > nsdae_event_velocity_size(s))) return 0;
+  if (stopped || !(fabs(speed) > size)) return 0;
   return speed > 0 ? 1 : -1;
 }
 
-void nsdae_event_set_laws(nsdae_event_acceleration *p, int impacted)
+void nsdae_event_set_laws(nsdae_event_acceleration *p, int impacted, double size)
 {
   const nsdae_system *s = p->phase->setting->system;
   int nt = s->dims.nt;
   for (int i = 0; i < s->dims.k; i++) {
     if (!p->is.candidate[i]) continue;
-    p->is.moving[i] = slides(p, i, impacted);
+    p->is.moving[i] = slides(p, i, impacted, size);
     p->law[i] = p->is.moving[i]
                     ? nsdae_law_sliding(nt, s->contact[i].mu, p->phase->modes.direction + i * nt)
                     : p->resting[i];
   }
-  for (int j = 0; j < s->dims.f; j++) p->sense[j] = slide_sense(p, j, impacted);
+  for (int j = 0; j < s->dims.f; j++) p->sense[j] = slide_sense(p, j, impacted, size);
 }
 
 static int solve(nsdae_event_acceleration *p)
@@ -163,7 +163,7 @@ int nsdae_event_diagnose(nsdae_event_acceleration *p, double t, const double *y)
   if (status == NSDAE_OK) {
     for (int i = 0; i < s->system->dims.k; i++)
       p->is.candidate[i] = p->phase->modes.contact[i] != NSDAE_MODE_OPEN;
-    nsdae_event_set_laws(p, 1);
+    nsdae_event_set_laws(p, 1, nsdae_event_velocity_size(s));
     status = paradox(p, solve(p), NEARLY);
   }
   if (status == NSDAE_E_PAINLEVE) return status;

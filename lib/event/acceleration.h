@@ -33,9 +33,9 @@ void nsdae_event_acceleration_layout(nsdae_event_acceleration *acceleration, nsd
 int nsdae_event_acceleration_make(nsdae_event_acceleration *acceleration);
 void nsdae_event_acceleration_release(nsdae_event_acceleration *acceleration);
 
-/* Laws of the candidates, with the velocities of the point; right after an impact none is known to
- * have stopped. */
-void nsdae_event_set_laws(nsdae_event_acceleration *acceleration, int impacted);
+/* Laws of the candidates, with the velocities of the point, of which those up to size are none;
+ * right after an impact nothing is known to have stopped. */
+void nsdae_event_set_laws(nsdae_event_acceleration *acceleration, int impacted, double size);
 /* Solves; a paradox is NSDAE_E_PAINLEVE with the record. */
 int nsdae_event_accelerate(nsdae_event_acceleration *acceleration);
 /* What counts as zero for an acceleration. */

@@ -185,7 +185,7 @@ int nsdae_event_choose_modes(nsdae_event_sharing *sharing, int impacted)
   nsdae_event_acceleration *p = sharing->acceleration;
   int status;
   do {
-    nsdae_event_set_laws(p, impacted);
+    nsdae_event_set_laws(p, impacted, nsdae_event_velocity_size(p->phase->setting));
     status = nsdae_event_accelerate(p);
     if (status < 0) return status;
   } while (comes_back(p) || (!impacted && sticks_after_all(p)));

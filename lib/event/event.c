@@ -49,7 +49,8 @@ static void connect(nsdae_event_method *e)
   e->instant.projection.phase = &e->phase;
   e->instant.impacts.acceleration = &e->instant.acceleration;
   e->instant.impacts.account = &e->account;
-  e->instant.impacts.projection = &e->instant.projection;
+  e->instant.impacts.accumulation.acceleration = &e->instant.acceleration;
+  e->instant.impacts.accumulation.projection = &e->instant.projection;
 }
 
 static int make(nsdae_event_method *e)

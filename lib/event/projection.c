@@ -119,19 +119,26 @@ int nsdae_event_project_velocities(nsdae_event_projection *p, double *y)
   return status;
 }
 
-int nsdae_event_close(nsdae_event_projection *p, const int *closed, double *v, double *multiplier,
-                      double *normal)
+int nsdae_event_close(nsdae_event_projection *p, const int *closed, const int *sticks, double *v,
+                      double *multiplier, double *normal, double *tangential)
 {
   const nsdae_terms *T = p->phase->setting->here;
   const nsdae_dims *d = &T->system->dims;
+  size_t n = (size_t)d->nv;
   append_rates(p, v);
-  for (int i = 0; i < d->k; i++)
-    if (closed[i])
-      append(p, T->W_N + (size_t)(i * d->nv), 1, nsdae_terms_rate(T, T->W_N, T->w_N, i, v));
+  for (int i = 0; i < d->k; i++) {
+    if (closed[i]) append(p, T->W_N + (size_t)i * n, 1, nsdae_terms_rate(T, T->W_N, T->w_N, i, v));
+    for (int j = i * d->nt; closed[i] && sticks[i] && j < (i + 1) * d->nt; j++)
+      append(p, T->W_T + (size_t)j * n, 1, nsdae_terms_rate(T, T->W_T, T->w_T, j, v));
+  }
   int status = project(p), row = d->m;
   if (status < 0) return status;
   for (int j = 0; j < d->nv; j++) v[j] += p->change[j];
   for (int i = 0; i < d->m; i++) multiplier[i] += p->c[i];
-  for (int i = 0; i < d->k; i++) normal[i] = closed[i] ? -p->c[row++] : 0;
+  for (int i = 0; i < d->k; i++) {
+    normal[i] = closed[i] ? -p->c[row++] : 0;
+    for (int j = i * d->nt; j < (i + 1) * d->nt; j++)
+      tangential[j] = closed[i] && sticks[i] ? -p->c[row++] : 0;
+  }
   return NSDAE_OK;
 }

@@ -24,10 +24,10 @@ int nsdae_event_project_positions(nsdae_event_projection *projection, double t, 
                                   double *y);
 int nsdae_event_project_velocities(nsdae_event_projection *projection, double *y);
 
-/* v [nv] to the rates of the constraints and, of the contacts that are marked [k], to no normal
- * velocity; adds the impulses that do it to multiplier [m] and fills normal [k] with theirs, which
- * may pull. The point in work stays. */
-int nsdae_event_close(nsdae_event_projection *projection, const int *closed, double *v,
-                      double *multiplier, double *normal);
+/* v [nv] to the rates of the constraints and, of the contacts that are marked [k], to no velocity
+ * apart, nor along where they stick; adds the impulses that do it to multiplier [m] and fills
+ * normal [k] and tangential [k nt] with theirs, which may pull. The point in work stays. */
+int nsdae_event_close(nsdae_event_projection *projection, const int *closed, const int *sticks,
+                      double *v, double *multiplier, double *normal, double *tangential);
 
 #endif
