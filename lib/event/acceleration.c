@@ -15,6 +15,7 @@ void nsdae_event_acceleration_layout(nsdae_event_acceleration *p, nsdae_arena *a
   const nsdae_dims *d = &p->phase->setting->system->dims;
   long k = d->k, columns = k * (1 + d->nt) + d->f;
   nsdae_contacts_layout(&p->problem, arena);
+  nsdae_impulses_layout(&p->solution, d, arena);
   p->sense = NSDAE_ARENA_INTS(arena, d->f);
   p->a = NSDAE_ARENA_DOUBLES(arena, d->nv);
   p->lambda = NSDAE_ARENA_DOUBLES(arena, d->m);
@@ -41,8 +42,8 @@ int nsdae_event_acceleration_make(nsdae_event_acceleration *p)
   p->problem.system = s->system;
   p->problem.error = s->error;
   p->problem.law = p->law;
-  nsdae_lcp_options_default(&p->problem.lcp_options);
-  p->problem.lcp_options.tol = s->options->lcp_tol;
+  nsdae_lcp_options_default(&p->problem.lcp.options);
+  p->problem.lcp.options.tol = s->options->lcp_tol;
   nsdae_contacts_laws(&p->problem, edges);
   for (int i = 0; i < d->k; i++)
     if (p->law[i].kind == NSDAE_POLYGON)
@@ -113,7 +114,7 @@ static int solve(nsdae_event_acceleration *p)
   T.w_N = T.omega_N;
   T.w_T = T.omega_T;
   T.w_S = T.omega_S;
-  nsdae_contacts_close_marked(&p->problem, p->is.candidate);
+  nsdae_contacts_close_marked(&p->problem, p->is.candidate, &p->solution);
   memcpy(p->a, T.F, (size_t)n * sizeof *p->a);
   memcpy(p->size, T.F, (size_t)n * sizeof *p->size);
   for (int i = 0; i < m; i++) p->lambda[i] = -T.omega[i];
@@ -130,8 +131,8 @@ static int paradox(nsdae_event_acceleration *p, int status, double least)
   nsdae_event_setting *s = p->phase->setting;
   for (int a = 0; a < c->active_count; a++) {
     int i = c->active[a], row = c->first_row[a];
-    double coefficient = c->A[(size_t)row * (size_t)c->rows + (size_t)row];
-    double scale = c->G[(size_t)c->first_column[a] * (size_t)(c->columns + 1)];
+    double coefficient = c->lcp.A[(size_t)row * (size_t)c->rows + (size_t)row];
+    double scale = c->delassus.G[(size_t)c->first_column[a] * (size_t)(c->columns + 1)];
     if (c->law[i].kind != NSDAE_SLIDING || coefficient > least * scale) continue;
     const char *what = coefficient > SINGULAR * scale ? "a contact force that grows without bound"
                        : status < 0                   ? "no contact force that solves the equations"

@@ -22,6 +22,7 @@ typedef struct nsdae_event_acceleration {
   nsdae_event_phase *phase;
   nsdae_event_findings is;
   nsdae_contacts problem;
+  nsdae_impulses solution;
   nsdae_law *law, *resting;  /* k: of the problem; of contacts that do not slide */
   int *sense;                /* f: slides with a known direction in it */
   double *a, *lambda, *size; /* nv, m, nv: of the solution; how large the terms of a are */
@@ -44,7 +45,7 @@ double nsdae_event_acceleration_size(const nsdae_event_acceleration *acceleratio
 /* Whether friction can move contact or slide in this column of the problem at all. */
 static inline int nsdae_event_powerless(const nsdae_contacts *c, int column)
 {
-  return c->G[(size_t)column * (size_t)(c->columns + 1)] == 0;
+  return c->delassus.G[(size_t)column * (size_t)(c->columns + 1)] == 0;
 }
 
 /* Whether the present phase is in Painleve's paradox at t, y: NSDAE_OK or NSDAE_E_PAINLEVE with

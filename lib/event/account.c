@@ -4,22 +4,7 @@
 
 void nsdae_event_account_layout(nsdae_event_account *a, nsdae_arena *arena)
 {
-  const nsdae_dims *d = &a->integrator->roots->phase->setting->system->dims;
-  a->multiplier = NSDAE_ARENA_DOUBLES(arena, d->m);
-  a->normal = NSDAE_ARENA_DOUBLES(arena, d->k);
-  a->tangential = NSDAE_ARENA_DOUBLES(arena, (long)d->k * d->nt);
-  a->slide = NSDAE_ARENA_DOUBLES(arena, d->f);
-  a->reaction = NSDAE_ARENA_DOUBLES(arena, d->nv);
-}
-
-void nsdae_event_account_clear(nsdae_event_account *a)
-{
-  const nsdae_dims *d = &a->integrator->roots->phase->setting->system->dims;
-  memset(a->multiplier, 0, (size_t)d->m * sizeof *a->multiplier);
-  memset(a->normal, 0, (size_t)d->k * sizeof *a->normal);
-  memset(a->tangential, 0, (size_t)d->k * (size_t)d->nt * sizeof *a->tangential);
-  memset(a->slide, 0, (size_t)d->f * sizeof *a->slide);
-  a->work = 0;
+  a->reaction = NSDAE_ARENA_DOUBLES(arena, a->integrator->roots->phase->setting->system->dims.nv);
 }
 
 /* Power of the friction of what slides, at the state y and the terms there. */
@@ -71,30 +56,32 @@ int nsdae_event_account_phase(nsdae_event_account *a, double from, double to)
   nsdae_event_phase *p = a->integrator->roots->phase;
   const nsdae_event_places *place = &p->setting->at;
   const nsdae_dims *d = &p->setting->system->dims;
+  nsdae_result *result = p->setting->result;
   double *y = a->integrator->roots->at;
   int status = NSDAE_OK, exact = (p->terms & (NSDAE_TERM_NORMAL | NSDAE_TERM_SLIDE)) != 0;
   for (int g = 0; (exact || d->m > 0) && g < 3; g++) {
     double t = from + at[g] * (to - from), h = weight[g] * (to - from);
     status = nsdae_event_integrator_read(a->integrator, t, y);
     if (status == NSDAE_OK && exact) status = nsdae_event_forces(p, t, y);
-    if (status == NSDAE_OK && exact) a->work += h * friction_power(p, y);
+    if (status == NSDAE_OK && exact) result->work += h * friction_power(p, y);
     if (status == NSDAE_OK) status = least_norm(a, t, y, y + place->lambda);
     if (status < 0) break;
-    add_scaled(d->m, h, y + place->lambda, a->multiplier);
-    add_scaled(d->k, h, y + place->normal, a->normal);
-    add_scaled(d->k * d->nt, h, y + place->tangential, a->tangential);
-    add_scaled(d->f, h, y + place->slide, a->slide);
+    add_scaled(d->m, h, y + place->lambda, result->multiplier);
+    add_scaled(d->k, h, y + place->normal, result->impulses.normal);
+    add_scaled(d->k * d->nt, h, y + place->tangential, result->impulses.tangential);
+    add_scaled(d->f, h, y + place->slide, result->impulses.slide_impulse);
   }
   return status;
 }
 
-void nsdae_event_account_impact(nsdae_event_account *a, const nsdae_contacts *c,
+void nsdae_event_account_impact(nsdae_event_account *a, const nsdae_impulses *from,
                                 const double *multiplier)
 {
-  const nsdae_dims *d = &c->system->dims;
-  add_scaled(d->m, 1, multiplier, a->multiplier);
-  add_scaled(d->k, 1, c->normal, a->normal);
-  add_scaled(d->k * d->nt, 1, c->tangential, a->tangential);
-  add_scaled(d->f, 1, c->slide_impulse, a->slide);
-  a->work += nsdae_contacts_work(c);
+  const nsdae_event_setting *s = a->integrator->roots->phase->setting;
+  const nsdae_dims *d = &s->system->dims;
+  nsdae_impulses *to = &s->result->impulses;
+  add_scaled(d->m, 1, multiplier, s->result->multiplier);
+  add_scaled(d->k, 1, from->normal, to->normal);
+  add_scaled(d->k * d->nt, 1, from->tangential, to->tangential);
+  add_scaled(d->f, 1, from->slide_impulse, to->slide_impulse);
 }

@@ -8,19 +8,16 @@
 
 typedef struct nsdae_event_account {
   nsdae_event_integrator *integrator;
-  double *multiplier, *normal, *tangential, *slide; /* m, k, k nt, f: impulses of the step */
-  double work;                                      /* of contact and friction in it */
-  double *reaction;                                 /* nv: Phi_q^T lambda */
+  double *reaction; /* nv: Phi_q^T lambda */
 } nsdae_event_account;
 
 void nsdae_event_account_layout(nsdae_event_account *account, nsdae_arena *arena);
-void nsdae_event_account_clear(nsdae_event_account *account);
 
-/* Adds a piece of one step of the integrator. */
+/* Adds a piece of one step of the integrator to the step's result. */
 int nsdae_event_account_phase(nsdae_event_account *account, double from, double to);
 
-/* Adds what the solved problem of an impact did, and its bilateral impulses [m]. */
-void nsdae_event_account_impact(nsdae_event_account *account, const nsdae_contacts *contacts,
+/* Adds impulses of contacts and slides, and bilateral ones [m]. */
+void nsdae_event_account_impact(nsdae_event_account *account, const nsdae_impulses *impulses,
                                 const double *multiplier);
 
 #endif

@@ -72,7 +72,7 @@ static int stays(const nsdae_event_accumulation *p, int i)
   const nsdae_contacts *held = &p->acceleration->problem;
   int nt = held->system->dims.nt;
   double rate = 0;
-  for (int j = i * nt; j < (i + 1) * nt; j++) rate = hypot(rate, held->after_t[j]);
+  for (int j = i * nt; j < (i + 1) * nt; j++) rate = hypot(rate, held->results->after_t[j]);
   return held->system->contact[i].mu > 0 && !p->acceleration->is.moving[i] &&
          rate <= nsdae_event_acceleration_size(p->acceleration);
 }
@@ -113,7 +113,7 @@ int nsdae_event_find_set(nsdae_event_accumulation *p, const double *v)
   int solved = nsdae_event_accelerate(p->acceleration) == NSDAE_OK;
   nsdae_error_clear(s->error);
   for (int i = 0; i < s->system->dims.k; i++) {
-    p->settles[i] = solved && p->acceleration->is.candidate[i] && held->normal[i] > 0;
+    p->settles[i] = solved && p->acceleration->is.candidate[i] && held->results->normal[i] > 0;
     p->sticks[i] = p->settles[i] && stays(p, i);
     any |= p->settles[i];
   }
@@ -156,7 +156,7 @@ int nsdae_event_ends(nsdae_event_accumulation *p, const double *before, const do
 {
   const nsdae_event_setting *s = p->acceleration->phase->setting;
   const nsdae_terms *T = s->here;
-  const double *F = p->acceleration->problem.normal;
+  const double *F = p->acceleration->problem.results->normal;
   double power = 0, height = 0, fastest = 0;
   int count = 0;
   for (int i = 0; i < T->system->dims.nv; i++) {

@@ -17,7 +17,7 @@ static double slip_rate(const nsdae_contacts *c, int i)
 {
   int nt = c->system->dims.nt;
   double rate = 0;
-  for (int l = 0; l < nt; l++) rate = hypot(rate, c->after_t[i * nt + l]);
+  for (int l = 0; l < nt; l++) rate = hypot(rate, c->results->after_t[i * nt + l]);
   return rate;
 }
 
@@ -25,12 +25,12 @@ static double slip_rate(const nsdae_contacts *c, int i)
 static int resting_mode(nsdae_event_acceleration *p, int a)
 {
   const nsdae_contacts *c = &p->problem;
-  int i = c->active[a], nt = c->system->dims.nt, mode = c->mode[i];
-  const double *force = c->tangential + i * nt, *rate = c->after_t + i * nt;
+  int i = c->active[a], nt = c->system->dims.nt, mode = c->results->mode[i];
+  const double *force = c->results->tangential + i * nt, *rate = c->results->after_t + i * nt;
   double *direction = p->phase->modes.direction + i * nt;
   if (nsdae_event_powerless(c, c->first_column[a] + 1)) return NSDAE_MODE_SLIDE;
   if (nt == 2 && mode == NSDAE_MODE_STICK &&
-      hypot(force[0], force[1]) > c->system->contact[i].mu * c->normal[i])
+      hypot(force[0], force[1]) > c->system->contact[i].mu * c->results->normal[i])
     mode = NSDAE_MODE_SLIDE; /* outside the cone though inside the polygon around it */
   if (mode == NSDAE_MODE_SLIDE) nsdae_event_point_against(direction, nt, force);
   if (mode == NSDAE_MODE_SLIDE && nt == 2) {
@@ -49,9 +49,9 @@ static void read_contacts(nsdae_event_acceleration *p)
   for (int i = 0; i < c->system->dims.k; i++) mode[i] = NSDAE_MODE_OPEN;
   for (int a = 0; a < c->active_count; a++) {
     int i = c->active[a];
-    if (!(c->normal[i] > 0) && c->after[i] > size) continue;
+    if (!(c->results->normal[i] > 0) && c->results->after[i] > size) continue;
     mode[i] = NSDAE_MODE_SLIDE; /* also where it touches without a force */
-    if (c->normal[i] > 0 && c->law[i].kind != NSDAE_SLIDING && c->law[i].columns > 1)
+    if (c->results->normal[i] > 0 && c->law[i].kind != NSDAE_SLIDING && c->law[i].columns > 1)
       mode[i] = resting_mode(p, a);
   }
 }
@@ -62,8 +62,8 @@ static void read_slides(nsdae_event_acceleration *p)
   nsdae_event_modes *m = &p->phase->modes;
   for (int i = 0; i < c->slide_count; i++) {
     int j = c->slide[i], powerless = nsdae_event_powerless(c, c->columns - c->slide_count + i);
-    double force = powerless ? 0 : c->slide_impulse[j], rate = c->slide_after[j];
-    m->slide[j] = p->sense[j] || !powerless ? c->slide_mode[j] : NSDAE_MODE_SLIDE;
+    double force = powerless ? 0 : c->results->slide_impulse[j], rate = c->results->slide_after[j];
+    m->slide[j] = p->sense[j] || !powerless ? c->results->slide_mode[j] : NSDAE_MODE_SLIDE;
     m->slide_sense[j] = p->sense[j];
     if (!p->sense[j] && m->slide[j] == NSDAE_MODE_SLIDE)
       m->slide_sense[j] = force != 0 ? (force < 0) - (force > 0) : (rate > 0) - (rate < 0);
@@ -99,13 +99,15 @@ static int sticks_after_all(nsdae_event_acceleration *p)
   int any = 0;
   for (int i = 0; i < d->k; i++) {
     int first = i * d->nt;
-    if (!p->is.breakaway[i] || nsdae_dot(d->nt, m->direction + first, c->after_t + first) >= -size)
+    if (!p->is.breakaway[i] ||
+        nsdae_dot(d->nt, m->direction + first, c->results->after_t + first) >= -size)
       continue;
     p->is.breakaway[i] = 0;
     any = 1;
   }
   for (int j = 0; j < d->f; j++) {
-    if (!p->is.slide_breakaway[j] || m->slide_sense[j] * c->slide_after[j] >= -size) continue;
+    if (!p->is.slide_breakaway[j] || m->slide_sense[j] * c->results->slide_after[j] >= -size)
+      continue;
     p->is.slide_breakaway[j] = 0;
     any = 1;
   }
@@ -117,7 +119,7 @@ static int sticks_after_all(nsdae_event_acceleration *p)
 static double turn(nsdae_event_acceleration *p, int i, int round)
 {
   const nsdae_contacts *c = &p->problem;
-  double *d = p->phase->modes.direction + 2 * i, *rate = p->problem.after_t + 2 * i;
+  double *d = p->phase->modes.direction + 2 * i, *rate = p->problem.results->after_t + 2 * i;
   double speed = slip_rate(c, i), moved = 0;
   if (round > 0 && p->law[i].kind == NSDAE_SLIDING && p->is.candidate[i] == 2 &&
       speed > nsdae_event_acceleration_size(p)) {
@@ -172,11 +174,11 @@ static void read_cones(nsdae_event_acceleration *p)
   for (int a = 0; a < c->active_count; a++) {
     int i = c->active[a];
     if (m->contact[i] == NSDAE_MODE_OPEN || c->law[i].kind != NSDAE_POLYGON ||
-        !(c->normal[i] > 0) || nsdae_event_powerless(c, c->first_column[a] + 1))
+        !(c->results->normal[i] > 0) || nsdae_event_powerless(c, c->first_column[a] + 1))
       continue;
     m->contact[i] = slip_rate(c, i) > size ? NSDAE_MODE_SLIDE : NSDAE_MODE_STICK;
     if (m->contact[i] == NSDAE_MODE_SLIDE)
-      nsdae_event_point_against(m->direction + 2 * i, 2, c->tangential + 2 * i);
+      nsdae_event_point_against(m->direction + 2 * i, 2, c->results->tangential + 2 * i);
   }
 }
 

@@ -22,7 +22,7 @@ static void change_force(const relaxation *r, int l, double change)
 {
   r->force[l] += change;
   for (int k = 0; k < r->c->columns; k++)
-    r->xi[k] += r->c->G[(size_t)l * (size_t)r->c->columns + (size_t)k] * change;
+    r->xi[k] += r->c->delassus.G[(size_t)l * (size_t)r->c->columns + (size_t)k] * change;
 }
 
 /* The normal force; of what slides already with its friction. Returns the change, or NaN where the
@@ -32,7 +32,7 @@ static double relax_normal(const relaxation *r, int a)
   const nsdae_contacts *c = r->c;
   int column = c->first_column[a], i = c->active[a], slides = c->law[i].kind == NSDAE_SLIDING;
   double mu = slides ? c->system->contact[i].mu : 0;
-  const double *d = r->direction + 2 * i, *G = c->G + (size_t)column * (size_t)c->columns;
+  const double *d = r->direction + 2 * i, *G = c->delassus.G + (size_t)column * (size_t)c->columns;
   double coefficient = G[column];
   for (int l = 0; slides && l < 2; l++) coefficient -= mu * d[l] * G[column + 1 + l];
   if (!(coefficient > 0)) return coefficient == 0 && !slides ? 0 : NAN;
@@ -48,8 +48,8 @@ static double relax_friction(const relaxation *r, int a)
   const nsdae_contacts *c = r->c;
   int column = c->first_column[a], n = c->columns;
   double *F_T = r->force + column + 1, next[2], most = 0;
-  double rho =
-      c->G[(size_t)(column + 1) * (size_t)(n + 1)] + c->G[(size_t)(column + 2) * (size_t)(n + 1)];
+  double rho = c->delassus.G[(size_t)(column + 1) * (size_t)(n + 1)] +
+               c->delassus.G[(size_t)(column + 2) * (size_t)(n + 1)];
   if (!(rho > 0)) return 0;
   for (int l = 0; l < 2; l++) next[l] = F_T[l] - r->xi[column + 1 + l] / rho;
   double size = hypot(next[0], next[1]);
@@ -85,20 +85,22 @@ static void take_over(nsdae_contacts *c, const double *force, const double *xi, 
                       double *lambda)
 {
   for (int l = 0; l < c->columns; l++) {
-    double change = force[l] - c->impulse[l];
-    nsdae_add_product(c->system->dims.nv, 1, c->U + (size_t)(l * c->system->dims.nv), &change, v);
-    nsdae_add_product(c->system->dims.m, 1, c->D + (size_t)(l * c->system->dims.m), &change,
-                      lambda);
-    c->impulse[l] = force[l];
+    double change = force[l] - c->delassus.impulse[l];
+    nsdae_add_product(c->system->dims.nv, 1, c->delassus.U + (size_t)(l * c->system->dims.nv),
+                      &change, v);
+    nsdae_add_product(c->system->dims.m, 1, c->delassus.D + (size_t)(l * c->system->dims.m),
+                      &change, lambda);
+    c->delassus.impulse[l] = force[l];
   }
   for (int a = 0; a < c->active_count; a++) {
     int column = c->first_column[a], i = c->active[a];
     const nsdae_coefficients *e = &c->system->contact[i];
-    c->normal[i] = force[column];
-    c->after[i] = xi[column] - e->e_n * c->before[i];
+    c->results->normal[i] = force[column];
+    c->results->after[i] = xi[column] - e->e_n * c->results->before[i];
     for (int l = 0; l < c->law[i].columns - 1; l++) {
-      c->tangential[2 * i + l] = force[column + 1 + l];
-      c->after_t[2 * i + l] = xi[column + 1 + l] - e->e_t * c->before_t[2 * i + l];
+      c->results->tangential[2 * i + l] = force[column + 1 + l];
+      c->results->after_t[2 * i + l] =
+          xi[column + 1 + l] - e->e_t * c->results->before_t[2 * i + l];
     }
   }
 }
@@ -108,9 +110,9 @@ int nsdae_event_solve_cones(nsdae_contacts *c, const double *direction, double *
 {
   const relaxation r = {c, direction, force, xi};
   if (c->slide_count > 0 || c->system->dims.nt != 2) return 0;
-  memcpy(force, c->impulse, (size_t)c->columns * sizeof *force);
-  memcpy(xi, c->offset, (size_t)c->columns * sizeof *xi);
-  nsdae_add_product(c->columns, c->columns, c->G, force, xi);
+  memcpy(force, c->delassus.impulse, (size_t)c->columns * sizeof *force);
+  memcpy(xi, c->delassus.offset, (size_t)c->columns * sizeof *xi);
+  nsdae_add_product(c->columns, c->columns, c->delassus.G, force, xi);
   if (!relax(&r)) return 0;
   take_over(c, force, xi, v, lambda);
   return 1;

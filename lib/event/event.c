@@ -7,16 +7,30 @@
 #include <string.h>
 
 #include "errors.h"
-#include "method.h"
+#include "memory.h"
 
-/* Instants in one dt without an impact or a change of mode. */
-enum { IDLE_MAX = 100 };
+/* Instants in one dt without an impact or a change of mode; steps of the integrator after which it
+ * starts anew, so that a way back is not longer. */
+enum { IDLE_MAX = 100, STEPS_MAX = 5000 };
+
+typedef struct event {
+  nsdae_arena arena;
+  nsdae_event_setting setting;
+  nsdae_event_phase phase;
+  nsdae_event_roots roots;
+  nsdae_event_integrator integrator;
+  nsdae_event_account account;
+  nsdae_event_instant instant;
+  nsdae_event_base base;
+  int *mode_before, *slide_mode_before; /* k, f */
+  double reached;                       /* accounted for up to here */
+  long stamp, stamps;                   /* of the memory that the integrator is at; given so far */
+} event;
 
 static void layout(void *object, nsdae_arena *arena)
 {
-  nsdae_event_method *e = object;
+  event *e = object;
   const nsdae_dims *d = &e->setting.system->dims;
-  nsdae_event_modes_layout(&e->phase.modes, d, arena);
   nsdae_event_phase_layout(&e->phase, arena);
   nsdae_event_roots_layout(&e->roots, arena);
   nsdae_event_integrator_layout(&e->integrator, arena);
@@ -30,9 +44,8 @@ static void layout(void *object, nsdae_arena *arena)
 }
 
 /* Each part to those that it stands on. */
-static void connect(nsdae_event_method *e)
+static void connect(event *e, nsdae_stepper *s)
 {
-  nsdae_stepper *s = e->stepper;
   e->setting = (nsdae_event_setting){.system = s->system,
                                      .options = s->options,
                                      .error = s->error,
@@ -53,9 +66,8 @@ static void connect(nsdae_event_method *e)
   e->instant.impacts.accumulation.projection = &e->instant.projection;
 }
 
-static int make(nsdae_event_method *e)
+static int make(event *e)
 {
-  connect(e);
   int status = nsdae_event_acceleration_make(&e->instant.acceleration);
   if (status == NSDAE_OK) status = nsdae_event_impacts_make(&e->instant.impacts);
   if (status == NSDAE_OK) status = nsdae_arena_build(&e->arena, layout, e);
@@ -64,13 +76,13 @@ static int make(nsdae_event_method *e)
   return nsdae_event_integrator_make(&e->integrator);
 }
 
-static int create(nsdae_stepper *s)
+static int create(nsdae_stepper *s, void **own)
 {
-  nsdae_event_method *e = calloc(1, sizeof *e);
-  s->own = e;
+  event *e = calloc(1, sizeof *e);
+  *own = e;
   int status = NSDAE_E_MEMORY;
   if (e) {
-    e->stepper = s;
+    connect(e, s);
     status = make(e);
   }
   if (status == NSDAE_E_UNSUPPORTED)
@@ -81,20 +93,19 @@ static int create(nsdae_stepper *s)
   return status;
 }
 
-static void destroy(nsdae_stepper *s)
+static void destroy(void *own)
 {
-  nsdae_event_method *e = s->own;
+  event *e = own;
   if (!e) return;
   nsdae_dae_destroy(&e->integrator.dae);
   nsdae_arena_release(&e->arena);
   nsdae_event_acceleration_release(&e->instant.acceleration);
   nsdae_event_impacts_release(&e->instant.impacts);
   free(e);
-  s->own = NULL;
 }
 
 /* A failure of the integrator at t, where its y is. */
-static int integrator_failed(nsdae_event_method *e, int status, double t)
+static int integrator_failed(event *e, int status, double t)
 {
   nsdae_error *error = e->setting.error;
   if (error->status != NSDAE_OK) return error->status;
@@ -109,93 +120,136 @@ static int integrator_failed(nsdae_event_method *e, int status, double t)
   return status;
 }
 
-/* The instant t at the state of the integrator's y, and the start of the next phase. */
-static int restart(nsdae_event_method *e, double t)
+/* The integrator starts at t, which is the base from now on. */
+static int start(event *e, double t)
 {
-  int status = nsdae_event_pass(&e->instant, t, e->integrator.y, e->integrator.yp);
-  e->since = t;
-  e->instants++;
-  if (status < 0) return status;
-  status = nsdae_event_integrator_start(&e->integrator, t);
+  nsdae_event_save(&e->base, &e->integrator, t);
+  int status = nsdae_event_integrator_start(&e->integrator, t);
   return status < 0 ? integrator_failed(e, status, t) : status;
 }
 
-static void add_change(nsdae_stepper *s, double t, int contact, int slide, int before, int after)
+/* The instant t at the state of the integrator's y, and the start of the next phase. */
+static int restart(event *e, double t)
 {
-  if (before != after) s->change[s->changes++] = (nsdae_change){t, contact, slide, before, after};
+  int status = nsdae_event_pass(&e->instant, t, e->integrator.y, e->integrator.yp);
+  e->setting.result->counters.events++;
+  ++*e->base.instants;
+  return status < 0 ? status : start(e, t);
+}
+
+static void add_change(nsdae_result *r, double t, int contact, int slide, int before, int after)
+{
+  if (before != after) r->change[r->changes++] = (nsdae_change){t, contact, slide, before, after};
 }
 
 /* The same in the middle of a run, where a change of mode is told. */
-static int go_through(nsdae_event_method *e, double t)
+static int go_through(event *e, double t)
 {
-  nsdae_stepper *s = e->stepper;
-  const nsdae_dims *d = &s->system->dims;
+  nsdae_result *r = e->setting.result;
+  const nsdae_dims *d = &e->setting.system->dims;
   const nsdae_event_modes *m = &e->phase.modes;
   memcpy(e->mode_before, m->contact, (size_t)d->k * sizeof *m->contact);
   memcpy(e->slide_mode_before, m->slide, (size_t)d->f * sizeof *m->slide);
-  int before = e->instant.impacts.records + s->changes, status = restart(e, t);
+  int before = r->impacts + r->changes, status = restart(e, t);
   for (int i = 0; i < d->k && status == NSDAE_OK; i++)
-    add_change(s, t, i, -1, e->mode_before[i], m->contact[i]);
+    add_change(r, t, i, -1, e->mode_before[i], m->contact[i]);
   for (int j = 0; j < d->f && status == NSDAE_OK; j++)
-    add_change(s, t, -1, j, e->slide_mode_before[j], m->slide[j]);
-  e->idle += e->instant.impacts.records + s->changes == before;
+    add_change(r, t, -1, j, e->slide_mode_before[j], m->slide[j]);
+  *e->base.idle += r->impacts + r->changes == before;
   return status;
 }
 
 /* Whether the lists of impacts and changes hold what one more instant may add. */
-static int room(const nsdae_event_method *e)
+static int room(const nsdae_result *r)
 {
+  const nsdae_dims *d = &r->end.system->dims;
+  return r->impacts + d->k <= r->impacts_max && r->changes + d->k + d->f <= r->changes_max;
+}
+
+/* From a state that this method did not lead to. */
+static int begin(event *e, const nsdae_terms *from)
+{
+  const nsdae_memory *memory = &e->setting.result->memory;
   const nsdae_dims *d = &e->setting.system->dims;
-  return e->instant.impacts.records + d->k <= e->instant.impacts.records_max &&
-         e->stepper->changes + d->k + d->f <= e->stepper->changes_max;
-}
-
-/* From the state of the step's start: at the beginning, and after a step that failed. */
-static int begin(nsdae_event_method *e)
-{
-  nsdae_stepper *s = e->stepper;
-  nsdae_event_modes *m = &e->phase.modes;
-  const nsdae_dims *d = &s->system->dims;
   double *y = e->integrator.y;
+  memset(memory->real, 0, memory->reals * sizeof *memory->real);
+  memset(memory->whole, 0, memory->wholes * sizeof *memory->whole);
   memset(y, 0, (size_t)e->setting.at.n * sizeof *y);
-  memset(m->contact, 0, (size_t)d->k * sizeof *m->contact);
-  memset(m->slide, 0, (size_t)d->f * sizeof *m->slide);
-  memset(m->slide_sense, 0, (size_t)d->f * sizeof *m->slide_sense);
-  for (int j = 0; j < d->f; j++) m->normal_sense[j] = 1;
+  for (int j = 0; j < d->f; j++) e->phase.modes.normal_sense[j] = 1;
   for (int i = 0; i < e->roots.count; i++) e->roots.entry[i].found = 0;
-  nsdae_contacts_forget(&e->instant.acceleration.problem);
-  nsdae_contacts_forget(&e->instant.impacts.problem);
-  memcpy(y, s->start.q, (size_t)d->nq * sizeof *y);
-  memcpy(y + d->nq, s->start.v, (size_t)d->nv * sizeof *y);
-  e->reached = s->start.t;
-  return restart(e, s->start.t);
+  memcpy(y, from->q, (size_t)d->nq * sizeof *y);
+  memcpy(y + d->nq, from->v, (size_t)d->nv * sizeof *y);
+  return restart(e, from->t);
 }
 
-static int integrate(nsdae_event_method *e)
+static int integrate(event *e)
 {
   double from = e->integrator.ahead;
   int status = nsdae_event_integrator_advance(&e->integrator);
   if (status < 0) nsdae_event_integrator_read(&e->integrator, from, e->integrator.y);
+  ++*e->base.steps;
   return status < 0 ? integrator_failed(e, status, from) : status;
 }
 
-/* Friction that is asked again and again how it shares between contacts leads nowhere, sooner. */
-static int too_many(const nsdae_event_method *e)
+/* The integrator's y at t, which it has reached. Where it has just started that is the state. */
+static int read_state(event *e, double t)
 {
-  return e->instant.impacts.endless || e->instants > e->setting.options->events_max ||
-         e->idle > IDLE_MAX;
+  nsdae_event_integrator *g = &e->integrator;
+  return *e->base.steps > 0 ? nsdae_event_integrator_read(g, t, g->y) : NSDAE_OK;
+}
+
+/* From the base to the state again; 0 where callbacks do not give the same numbers as then. */
+static int replay(event *e, const nsdae_terms *to)
+{
+  nsdae_event_integrator *g = &e->integrator;
+  const nsdae_dims *d = &to->system->dims;
+  int steps = *e->base.steps;
+  nsdae_event_restore(&e->base, g);
+  int status = nsdae_event_integrator_start(g, *e->base.t);
+  for (int i = 0; i < steps && status == NSDAE_OK; i++) status = nsdae_event_integrator_advance(g);
+  if (status < 0 || to->t > g->ahead) return 0;
+  return read_state(e, to->t) == NSDAE_OK &&
+         memcmp(g->y, to->q, (size_t)d->nq * sizeof *g->y) == 0 &&
+         memcmp(g->y + d->nq, to->v, (size_t)d->nv * sizeof *g->y) == 0;
+}
+
+/* To where the step starts, if the integrator is not there already. A replay is not counted. */
+static int arrive(event *e, const nsdae_state *state)
+{
+  nsdae_counters *counters = &e->setting.result->counters, counted = *counters;
+  if (state->memory->stamp > 0 && state->memory->stamp == e->stamp) return NSDAE_OK;
+  int stands = state->memory->stamp != 0 && replay(e, state->terms);
+  *counters = counted;
+  nsdae_error_clear(e->setting.error);
+  return stands ? NSDAE_OK : begin(e, state->terms);
+}
+
+/* Friction that is asked again and again how it shares between contacts leads nowhere, sooner. */
+static int too_many(const event *e)
+{
+  return e->instant.impacts.endless || *e->base.instants > e->setting.options->events_max ||
+         *e->base.idle > IDLE_MAX;
+}
+
+static int advance_from(event *e)
+{
+  nsdae_event_integrator *g = &e->integrator;
+  if (g->ahead > e->reached) return NSDAE_OK;
+  if (*e->base.steps < STEPS_MAX) return integrate(e);
+  int status = nsdae_dae_interpolate(g->dae, g->ahead, 1, g->yp);
+  return status < 0 ? status : start(e, g->ahead);
 }
 
 /* To the end of the step, or until a list is nearly full: then the step ends early. */
-static int run_to(nsdae_event_method *e, double t_end)
+static int run_to(event *e, double t_end)
 {
   nsdae_event_integrator *g = &e->integrator;
   int status = NSDAE_OK;
-  while (status == NSDAE_OK && e->reached < t_end && room(e) && !too_many(e)) {
-    if (!(g->ahead > e->reached)) status = integrate(e);
+  while (status == NSDAE_OK && e->reached < t_end && room(e->setting.result) && !too_many(e)) {
+    status = advance_from(e);
     if (status < 0) break;
     double to = fmin(g->ahead, t_end);
-    status = nsdae_event_account_phase(&e->account, e->reached, to);
+    if (to > e->reached) status = nsdae_event_account_phase(&e->account, e->reached, to);
     e->reached = to;
     if (status < 0 || !g->pending || to < g->ahead) continue;
     status = nsdae_event_integrator_read(g, to, g->y);
@@ -204,93 +258,48 @@ static int run_to(nsdae_event_method *e, double t_end)
   return status;
 }
 
-static void clear_step(nsdae_event_method *e)
+/* What the step did beside its impulses. */
+static int read_results(event *e, double from)
 {
-  nsdae_event_account_clear(&e->account);
-  e->setting.counts =
-      (nsdae_event_counts){.rank = e->stepper->rank, .rank_most = e->stepper->rank_most};
-  e->instants = e->idle = e->instant.impacts.endless = e->instant.impacts.accumulations = 0;
-  e->instant.impacts.records = 0;
-  e->stepper->impacts = e->stepper->changes = 0;
-}
-
-/* What the step did, for the record. */
-static int read_results(nsdae_event_method *e, double h)
-{
-  nsdae_stepper *s = e->stepper;
-  nsdae_contacts *c = &s->contacts;
+  nsdae_result *r = e->setting.result;
   const nsdae_event_modes *m = &e->phase.modes;
-  const nsdae_event_account *a = &e->account;
-  const nsdae_dims *d = &s->system->dims;
-  double *y = e->integrator.y;
-  int status = NSDAE_OK;
-  if (e->integrator.ahead > e->reached || e->integrator.ahead > e->since)
-    status = nsdae_event_integrator_read(&e->integrator, e->reached, y);
+  const nsdae_dims *d = &e->setting.system->dims;
+  int status = read_state(e, e->reached);
   if (status < 0) return status;
-  nsdae_terms_at(&s->end, e->reached, y, y + d->nq);
-  for (int i = 0; i < d->m; i++) s->multiplier[i] = a->multiplier[i] / h;
-  memcpy(c->normal, a->normal, (size_t)d->k * sizeof *c->normal);
-  memcpy(c->tangential, a->tangential, (size_t)(d->k * d->nt) * sizeof *c->tangential);
-  memcpy(c->mode, m->contact, (size_t)d->k * sizeof *c->mode);
-  memcpy(c->slide_impulse, a->slide, (size_t)d->f * sizeof *c->slide_impulse);
-  memcpy(c->slide_mode, m->slide, (size_t)d->f * sizeof *c->slide_mode);
-  s->impacts = e->instant.impacts.records;
-  memcpy(s->impact, e->instant.impacts.record, (size_t)s->impacts * sizeof *s->impact);
-  s->work = a->work;
-  s->smooth = e->instants == 0;
-  s->events += e->instants;
-  s->accumulations += e->instant.impacts.accumulations;
-  s->changed = e->instants;
-  s->settled = e->instant.impacts.accumulations;
+  nsdae_terms_at(&r->end, e->reached, e->integrator.y, e->integrator.y + d->nq);
+  for (int i = 0; i < d->m; i++) r->multiplier[i] /= e->reached - from;
+  memcpy(r->impulses.mode, m->contact, (size_t)d->k * sizeof *m->contact);
+  memcpy(r->impulses.slide_mode, m->slide, (size_t)d->f * sizeof *m->slide);
+  r->located = 1;
+  r->smooth = r->counters.events == 0;
   return status;
 }
 
-static void read_counts(nsdae_event_method *e)
+static int advance(void *own, const nsdae_state *state, double t_end, nsdae_result *result)
 {
-  nsdae_stepper *s = e->stepper;
-  const nsdae_event_counts *n = &e->setting.counts;
-  s->lcps += n->lcps;
-  s->lcp_pivots += n->pivots;
-  s->iterations += n->iterations;
-  s->rank = n->rank;
-  s->rank_most = n->rank_most;
-  s->worst_residual = n->residual;
-  s->problem = e->setting.problem;
-}
-
-/* So many instants in one step that it is no accumulation: the step by implicit instead. */
-static int step_over(nsdae_event_method *e, double h)
-{
-  nsdae_stepper *s = e->stepper;
-  s->fallbacks++;
-  s->stepped_over = 1;
-  s->impacts = s->changes = s->changed = s->settled = 0;
-  nsdae_contacts_forget(&s->contacts);
-  return nsdae_stepping_implicit.advance(s, h);
-}
-
-static int advance(nsdae_stepper *s, double h)
-{
-  nsdae_event_method *e = s->own;
-  int status = NSDAE_OK, running = e->running && !s->fresh;
-  e->running = 0;
-  s->stepped_over = 0;
-  clear_step(e);
-  if (!running) status = begin(e);
-  if (status == NSDAE_OK) status = run_to(e, s->t_end);
-  read_counts(e);
+  event *e = own;
+  e->setting.result = result;
+  e->reached = state->terms->t;
+  e->instant.impacts.endless = 0;
+  nsdae_event_lay(&e->base, &e->instant, &result->memory);
+  int status = arrive(e, state);
+  e->stamp = 0;
+  if (*e->base.goal != t_end) *e->base.instants = *e->base.idle = 0;
+  *e->base.goal = t_end;
+  if (status == NSDAE_OK) status = run_to(e, t_end);
   if (status < 0) return status;
-  if (too_many(e)) return step_over(e, h);
-  status = read_results(e, e->reached - s->start.t);
-  nsdae_error_clear(s->error);
-  e->running = status == NSDAE_OK;
+  result->given_up = too_many(e);
+  if (result->given_up) return NSDAE_OK;
+  status = read_results(e, state->terms->t);
+  nsdae_error_clear(e->setting.error);
+  if (status == NSDAE_OK) result->memory.stamp = e->stamp = ++e->stamps;
   return status;
 }
 
 const nsdae_stepping nsdae_stepping_event = {
     .name = "event",
     .summary = "event-driven on SUNDIALS IDA: impacts, stick and slip located exactly",
-    .advance = advance,
     .create = create,
     .destroy = destroy,
-    .finds_impacts = 1};
+    .sizes = nsdae_event_memory_sizes,
+    .advance = advance};

@@ -11,6 +11,7 @@ void nsdae_event_impacts_layout(nsdae_event_impacts *p, nsdae_arena *arena)
   const nsdae_dims *d = &p->acceleration->phase->setting->system->dims;
   long columns = (long)d->k * (1 + d->nt) + d->f;
   nsdae_contacts_layout(&p->problem, arena);
+  nsdae_impulses_layout(&p->solution, d, arena);
   nsdae_event_accumulation_layout(&p->accumulation, arena);
   p->momentum = NSDAE_ARENA_DOUBLES(arena, d->nv);
   p->multiplier = NSDAE_ARENA_DOUBLES(arena, d->m);
@@ -19,8 +20,6 @@ void nsdae_event_impacts_layout(nsdae_event_impacts *p, nsdae_arena *arena)
   p->velocity = NSDAE_ARENA_DOUBLES(arena, d->k);
   p->force = NSDAE_ARENA_DOUBLES(arena, columns);
   p->xi = NSDAE_ARENA_DOUBLES(arena, columns);
-  p->records_max = 64 + 2 * d->k;
-  p->record = nsdae_arena_take(arena, p->records_max, sizeof *p->record);
 }
 
 int nsdae_event_impacts_make(nsdae_event_impacts *p)
@@ -31,8 +30,8 @@ int nsdae_event_impacts_make(nsdae_event_impacts *p)
   p->problem.system = s->system;
   p->problem.error = s->error;
   p->problem.law = p->law;
-  nsdae_lcp_options_default(&p->problem.lcp_options);
-  p->problem.lcp_options.tol = s->options->lcp_tol;
+  nsdae_lcp_options_default(&p->problem.lcp.options);
+  p->problem.lcp.options.tol = s->options->lcp_tol;
   nsdae_contacts_laws(&p->problem, s->options->polygon);
   return NSDAE_OK;
 }
@@ -73,7 +72,7 @@ static void approach(nsdae_event_impacts *p)
 {
   double size = nsdae_event_velocity_size(p->acceleration->phase->setting);
   for (int i = 0; i < p->problem.system->dims.k; i++)
-    p->problem.before[i] = fabs(p->velocity[i]) <= size ? 0 : p->velocity[i];
+    p->problem.results->before[i] = fabs(p->velocity[i]) <= size ? 0 : p->velocity[i];
 }
 
 /* Whether this impact is the first of an accumulation that ends now: then the solution is that with
@@ -84,7 +83,7 @@ static int settle(nsdae_event_impacts *p, const double *before)
   int any = nsdae_event_find_set(a, p->v);
   if (any <= 0) return any;
   for (int i = 0; i < p->problem.system->dims.k; i++)
-    if (a->settles[i]) p->problem.before[i] = 0;
+    if (a->settles[i]) p->problem.results->before[i] = 0;
   int status = solve(p);
   if (status == NSDAE_OK) status = nsdae_event_close_set(a, p->v, p->multiplier);
   if (status < 0 || nsdae_event_ends(a, before, p->v)) return status;
@@ -97,48 +96,50 @@ static int settle(nsdae_event_impacts *p, const double *before)
  * of the same contact in this instant. In order of time: the end of an accumulation comes later. */
 static nsdae_impact *place_for(nsdae_event_impacts *p, int contact, double t)
 {
-  int last = p->records - 1, at = p->records;
-  int full = p->records + 2 * p->problem.system->dims.k >= p->records_max;
-  while (full && last >= 0 && (p->record[last].contact != contact || p->record[last].time != t))
+  nsdae_result *r = p->acceleration->phase->setting->result;
+  int last = r->impacts - 1, at = r->impacts;
+  int full = r->impacts + 2 * p->problem.system->dims.k >= r->impacts_max;
+  while (full && last >= 0 && (r->impact[last].contact != contact || r->impact[last].time != t))
     last--;
-  if (full && last >= 0) return &p->record[last];
-  for (; at > 0 && p->record[at - 1].time > t; at--) p->record[at] = p->record[at - 1];
-  p->records++;
-  p->record[at] =
+  if (full && last >= 0) return &r->impact[last];
+  for (; at > 0 && r->impact[at - 1].time > t; at--) r->impact[at] = r->impact[at - 1];
+  r->impacts++;
+  r->impact[at] =
       (nsdae_impact){.time = t, .contact = contact, .velocity_before = p->velocity[contact]};
-  return &p->record[at];
+  return &r->impact[at];
 }
 
 static void record(nsdae_event_impacts *p, int i)
 {
-  const nsdae_contacts *c = &p->problem;
-  const nsdae_event_accumulation *a = &p->accumulation;
-  int nt = c->system->dims.nt;
+  const nsdae_impulses *c = &p->solution;
+  int nt = p->problem.system->dims.nt, ends = p->accumulation.settles[i];
   double t = p->acceleration->phase->setting->here->t;
-  nsdae_impact *impact = place_for(p, i, a->settles[i] ? t + a->rest : t);
-  impact->normal_impulse += c->normal[i] + a->normal[i];
-  impact->velocity_after = a->settles[i] ? 0 : c->after[i];
-  impact->accumulation |= a->settles[i];
-  for (int l = 0, j = i * nt; l < nt; l++, j++)
-    impact->tangential_impulse[l] += c->tangential[j] + a->tangential[j];
+  nsdae_impact *impact = place_for(p, i, ends ? t + p->accumulation.rest : t);
+  impact->normal_impulse += c->normal[i];
+  impact->velocity_after = ends ? 0 : c->after[i];
+  impact->accumulation |= ends;
+  for (int l = 0; l < nt; l++) impact->tangential_impulse[l] += c->tangential[i * nt + l];
 }
 
-/* What the impact did, for the step. */
+/* What the impact did, with what closed a set, for the step. */
 static void keep(nsdae_event_impacts *p)
 {
-  const nsdae_contacts *c = &p->problem;
+  nsdae_impulses *c = &p->solution;
   const nsdae_event_accumulation *a = &p->accumulation;
-  const nsdae_dims *d = &c->system->dims;
+  const nsdae_dims *d = &p->problem.system->dims;
+  nsdae_result *r = p->acceleration->phase->setting->result;
   int ends = 0;
-  nsdae_event_account_impact(p->account, c, p->multiplier);
-  p->account->work += a->work;
-  for (int j = 0; j < d->k * d->nt; j++) p->account->tangential[j] += a->tangential[j];
+  memcpy(c->before, p->velocity, (size_t)d->k * sizeof *c->before);
+  r->work += nsdae_contacts_work(&p->problem) + a->work;
+  for (int j = 0; j < d->k * d->nt; j++) c->tangential[j] += a->tangential[j];
   for (int i = 0; i < d->k; i++) {
-    p->account->normal[i] += a->normal[i];
-    if (c->normal[i] > 0 && c->normal[i] + a->normal[i] > 0) record(p, i);
+    int hit = c->normal[i] > 0;
+    c->normal[i] += a->normal[i];
+    if (hit && c->normal[i] > 0) record(p, i);
     ends |= a->settles[i];
   }
-  p->accumulations += ends;
+  nsdae_event_account_impact(p->account, c, p->multiplier);
+  r->counters.accumulations += ends;
 }
 
 /* One problem for all that touch. */
@@ -149,9 +150,9 @@ static int impact(nsdae_event_impacts *p, double *y)
   nsdae_contacts *c = &p->problem;
   const nsdae_dims *d = &s->system->dims;
   double *v = y + s->at.v;
-  nsdae_contacts_close_marked(c, p->acceleration->is.touching);
+  nsdae_contacts_close_marked(c, p->acceleration->is.touching, &p->solution);
   nsdae_contacts_before(c, T, v, 0);
-  memcpy(p->velocity, c->before, (size_t)d->k * sizeof *p->velocity);
+  memcpy(p->velocity, p->solution.before, (size_t)d->k * sizeof *p->velocity);
   nsdae_event_unsettle(&p->accumulation);
   memset(p->momentum, 0, (size_t)d->nv * sizeof *p->momentum);
   nsdae_add_product(d->nv, d->nv, T->M, v, p->momentum);
@@ -159,7 +160,6 @@ static int impact(nsdae_event_impacts *p, double *y)
   int status = solve(p);
   if (status == NSDAE_OK) status = settle(p, v);
   if (status < 0) return status;
-  memcpy(c->before, p->velocity, (size_t)d->k * sizeof *c->before);
   keep(p);
   memcpy(v, p->v, (size_t)d->nv * sizeof *v);
   nsdae_terms_set_velocity(T, v);

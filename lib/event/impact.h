@@ -11,15 +11,13 @@ typedef struct nsdae_event_impacts {
   nsdae_event_account *account;
   nsdae_event_accumulation accumulation;
   nsdae_contacts problem;
+  nsdae_impulses solution;
   nsdae_law *law;                /* k */
   double *momentum, *multiplier; /* nv, m: M v-; the bilateral impulses */
   double *v, *size;              /* nv: v+; how large its terms are */
   double *velocity;              /* k: normal, of the contacts before */
   double *force, *xi;            /* columns: for cones */
-  nsdae_impact *record;          /* of the step, in order of time */
-  int records, records_max;
-  int accumulations; /* closed in the step */
-  int endless;       /* impacts of one instant that do not end */
+  int endless;                   /* impacts of one instant that do not end */
 } nsdae_event_impacts;
 
 void nsdae_event_impacts_layout(nsdae_event_impacts *impacts, nsdae_arena *arena);

@@ -91,10 +91,11 @@ static int fill_state(const nsdae_event_instant *p, const double *a, double *y, 
     if (phase->modes.independent[i]) y[at->lambda + i] = p->acceleration.lambda[i];
   for (int i = 0; i < d->k; i++) {
     if (phase->modes.contact[i] == NSDAE_MODE_OPEN) continue;
-    y[at->normal + i] = c->normal[i];
-    for (int j = i * d->nt; j < (i + 1) * d->nt; j++) y[at->tangential + j] = c->tangential[j];
+    y[at->normal + i] = c->results->normal[i];
+    for (int j = i * d->nt; j < (i + 1) * d->nt; j++)
+      y[at->tangential + j] = c->results->tangential[j];
   }
-  for (int j = 0; j < d->f; j++) y[at->slide + j] = c->slide_impulse[j];
+  for (int j = 0; j < d->f; j++) y[at->slide + j] = c->results->slide_impulse[j];
   return nsdae_event_kinematics(phase->setting, y + at->v, yp);
 }
 
@@ -129,11 +130,12 @@ int nsdae_event_pass(nsdae_event_instant *p, double t, double *y, double *yp)
   nsdae_event_phase *phase = p->roots->phase;
   sort_found(p, y);
   int status = arrive(p, t, y);
-  int ended = p->impacts.accumulations;
+  const nsdae_counters *counters = &phase->setting->result->counters;
+  long ended = counters->accumulations;
   int impacts = status < 0 ? status : nsdae_event_collide(&p->impacts, y);
   if (impacts < 0) return impacts;
   choose_candidates(p, impacts > 0);
-  if (p->impacts.accumulations > ended) status = bring(p, t, y);
+  if (counters->accumulations > ended) status = bring(p, t, y);
   if (status == NSDAE_OK) status = nsdae_event_choose_modes(&p->sharing, impacts > 0);
   if (status == NSDAE_OK) status = nsdae_event_project_velocities(&p->projection, y);
   if (status == NSDAE_OK) status = fill_state(p, p->acceleration.a, y, yp);

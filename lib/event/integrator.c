@@ -41,7 +41,7 @@ int nsdae_event_integrator_make(nsdae_event_integrator *e)
   for (int i = 0; i < s->at.lambda; i++) e->order[i] = 1;
   const nsdae_dae_problem problem = {.n = s->at.n,
                                      .roots = e->roots->count,
-                                     .sparse = o->linear_solver == NSDAE_LINEAR_KLU,
+                                     .sparse = o->linear_solver == NSDAE_LINEAR_SPARSE,
                                      .order = e->order,
                                      .residual = residual,
                                      .jacobian = jacobian,
@@ -88,7 +88,7 @@ int nsdae_event_integrator_advance(nsdae_event_integrator *e)
   if (status == NSDAE_OK) status = nsdae_event_integrator_read(e, e->ahead, e->y);
   int watched = status < 0 ? status : nsdae_event_watch_roots(e->roots, e->ahead, e->y);
   if (watched < 0) return watched;
-  e->roots->phase->setting->counts.iterations++;
+  e->roots->phase->setting->result->counters.iterations++;
   for (int i = 0; fell && i < e->roots->count; i++) e->roots->entry[i].found |= e->fallen[i] != 0;
   e->pending = fell || watched > 0;
   return NSDAE_OK;

@@ -23,21 +23,6 @@ typedef struct column {
   double w, omega, gap;
 } column;
 
-void nsdae_event_modes_layout(nsdae_event_modes *m, const nsdae_dims *d, nsdae_arena *arena)
-{
-  long k = d->k, kt = k * d->nt, f = d->f;
-  m->contact = NSDAE_ARENA_INTS(arena, k);
-  m->direction = NSDAE_ARENA_DOUBLES(arena, kt);
-  m->slide = NSDAE_ARENA_INTS(arena, f);
-  m->slide_sense = NSDAE_ARENA_INTS(arena, f);
-  m->normal_sense = NSDAE_ARENA_INTS(arena, f);
-  m->slide_row = NSDAE_ARENA_INTS(arena, f);
-  m->slide_part = NSDAE_ARENA_DOUBLES(arena, f);
-  m->independent = NSDAE_ARENA_INTS(arena, d->m);
-  m->related = NSDAE_ARENA_INTS(arena, k + kt);
-  m->relation = NSDAE_ARENA_DOUBLES(arena, (k + kt) * (k + kt));
-}
-
 void nsdae_event_phase_layout(nsdae_event_phase *p, nsdae_arena *arena)
 {
   const nsdae_dims *d = &p->setting->system->dims;
@@ -48,6 +33,7 @@ void nsdae_event_phase_layout(nsdae_event_phase *p, nsdae_arena *arena)
   p->zero = NSDAE_ARENA_DOUBLES(arena, n);
   p->pivot = NSDAE_ARENA_INTS(arena, n);
   p->slip = NSDAE_ARENA_DOUBLES(arena, (long)d->k * d->nt);
+  p->modes.direction = NSDAE_ARENA_DOUBLES(arena, (long)d->k * d->nt);
 }
 
 /* Callback's failure as a code of the integrator. */

@@ -44,8 +44,6 @@ typedef struct nsdae_event_phase {
 } nsdae_event_phase;
 
 void nsdae_event_phase_layout(nsdae_event_phase *phase, nsdae_arena *arena);
-/* The modes' arrays, which are a value: they can be copied as one block. */
-void nsdae_event_modes_layout(nsdae_event_modes *modes, const nsdae_dims *dims, nsdae_arena *arena);
 
 /* Brings `terms` to what the modes need. */
 void nsdae_event_set_terms(nsdae_event_phase *phase);

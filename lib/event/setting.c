@@ -26,8 +26,7 @@ int nsdae_event_factor(nsdae_event_setting *s)
 {
   int least_norm = s->options->redundant == NSDAE_REDUNDANT_LEAST_NORM;
   int status = nsdae_terms_factor(s->here, s->here->M, s->kkt, least_norm);
-  if (s->kkt->rank < s->counts.rank) s->counts.rank = s->kkt->rank;
-  if (s->kkt->rank > s->counts.rank_most) s->counts.rank_most = s->kkt->rank;
+  nsdae_count_rank(&s->result->counters, s->kkt->rank);
   return status;
 }
 
@@ -43,11 +42,12 @@ int nsdae_event_solve(nsdae_event_setting *s, nsdae_contacts *c, const nsdae_ter
                       double *size, double *v, double *lambda)
 {
   if (!nsdae_contacts_any(c)) return NSDAE_OK;
-  s->problem = c;
+  nsdae_result *r = s->result;
+  r->problem = c;
   int status = nsdae_contacts_solve(c, terms, s->kkt, size, v, lambda);
-  s->counts.lcps++;
-  s->counts.pivots += c->info.pivots;
-  s->counts.residual = fmax(s->counts.residual, c->info.residual);
+  r->counters.lcps++;
+  r->counters.lcp_pivots += c->lcp.info.pivots;
+  r->worst_residual = fmax(r->worst_residual, c->lcp.info.residual);
   return status;
 }
 

@@ -15,23 +15,12 @@
 #ifndef NSDAE_EVENT_SETTING_H
 #define NSDAE_EVENT_SETTING_H
 
-#include <nsdae/sim.h>
-
-#include "contacts.h"
-#include "kkt.h"
-#include "terms.h"
+#include "stepper.h"
 
 /* Where the unknowns of a phase are in y = [q, v, lambda, F_N, F_T, F_S]; n: its length. */
 typedef struct nsdae_event_places {
   int v, lambda, normal, tangential, slide, n;
 } nsdae_event_places;
-
-/* Counted over a step; the residual is the worst. */
-typedef struct nsdae_event_counts {
-  long lcps, pivots, iterations;
-  int rank, rank_most;
-  double residual;
-} nsdae_event_counts;
 
 typedef struct nsdae_event_setting {
   const nsdae_system *system;
@@ -40,8 +29,7 @@ typedef struct nsdae_event_setting {
   nsdae_terms *here; /* at the point in work */
   nsdae_kkt *kkt;    /* of M and Phi_q where they were last factored */
   nsdae_event_places at;
-  nsdae_event_counts counts;
-  const nsdae_contacts *problem; /* the last that was solved */
+  nsdae_result *result; /* of the step in work */
 } nsdae_event_setting;
 
 /* Fills `at`; the system is set before. */

@@ -52,7 +52,7 @@ static double *row_of(const nsdae_event_sharing *s, double *matrix, int column)
 /* A further row of the Cholesky factor of G, unless it depends on those before it. */
 static void take_row(nsdae_event_sharing *s, int column)
 {
-  const double *G = row_of(s, problem_of(s)->G, column);
+  const double *G = row_of(s, problem_of(s)->delassus.G, column);
   double *row = row_of(s, s->factor, column), rest = G[column];
   double sine = fmax(s->acceleration->phase->setting->options->rank_tol, LEAST_SINE);
   for (int j = 0; j < s->taken_count; j++) {
@@ -187,10 +187,10 @@ static void gather_forces(nsdae_event_sharing *s)
 {
   const nsdae_contacts *c = problem_of(s);
   const nsdae_dims *d = &system_of(s)->dims;
-  memcpy(s->force, c->impulse, (size_t)c->columns * sizeof *s->force);
+  memcpy(s->force, c->delassus.impulse, (size_t)c->columns * sizeof *s->force);
   for (int a = 0; a < c->active_count; a++) {
     int column = c->first_column[a], i = c->active[a];
-    double most = system_of(s)->contact[i].mu * c->normal[i];
+    double most = system_of(s)->contact[i].mu * c->results->normal[i];
     for (int l = column; l < c->first_column[a + 1]; l++) {
       s->normal[l] = column;
       s->weight[l] = l > column && most > 0 ? s->emphasis[a] / most : 1;
@@ -203,12 +203,12 @@ static void scatter_forces(nsdae_event_sharing *s)
 {
   nsdae_contacts *c = &s->acceleration->problem;
   int nt = system_of(s)->dims.nt;
-  memcpy(c->impulse, s->force, (size_t)c->columns * sizeof *c->impulse);
+  memcpy(c->delassus.impulse, s->force, (size_t)c->columns * sizeof *c->delassus.impulse);
   for (int a = 0; a < c->active_count; a++) {
     int column = c->first_column[a], i = c->active[a];
-    c->normal[i] = c->impulse[column];
+    c->results->normal[i] = c->delassus.impulse[column];
     for (int l = column + 1; l < c->first_column[a + 1]; l++)
-      c->tangential[i * nt + l - column - 1] = c->impulse[l];
+      c->results->tangential[i * nt + l - column - 1] = c->delassus.impulse[l];
   }
 }
 
@@ -303,7 +303,7 @@ static double slip_rate(const nsdae_contacts *c, int i)
 {
   int nt = c->system->dims.nt;
   double rate = 0;
-  for (int l = 0; l < nt; l++) rate = hypot(rate, c->after_t[i * nt + l]);
+  for (int l = 0; l < nt; l++) rate = hypot(rate, c->results->after_t[i * nt + l]);
   return rate;
 }
 
@@ -315,7 +315,7 @@ void nsdae_event_hold_resting(nsdae_event_acceleration *p)
   for (int i = 0; i < c->system->dims.k; i++) any |= p->is.breakaway[i];
   for (int a = 0; a < c->active_count && !any; a++) {
     int i = c->active[a];
-    if (mode[i] != NSDAE_MODE_SLIDE || p->is.moving[i] || !(c->normal[i] > 0)) continue;
+    if (mode[i] != NSDAE_MODE_SLIDE || p->is.moving[i] || !(c->results->normal[i] > 0)) continue;
     if (c->law[i].columns == 1 || nsdae_event_powerless(c, c->first_column[a] + 1)) continue;
     if (slip_rate(c, i) <= size) mode[i] = NSDAE_MODE_STICK;
   }
@@ -370,7 +370,7 @@ static void take_slides(nsdae_event_sharing *s)
     if (m->slide[j] != NSDAE_MODE_STICK) continue;
     take_row(s, contact_columns(s) + i);
     m->slide_row[j] = s->taken_count > taken;
-    m->slide_part[j] = most > 0 ? -c->slide_impulse[j] / most : 0;
+    m->slide_part[j] = most > 0 ? -c->results->slide_impulse[j] / most : 0;
   }
 }
 
@@ -381,7 +381,7 @@ int nsdae_event_share(nsdae_event_sharing *s)
   const nsdae_contacts *c = problem_of(s);
   int found = 0;
   memcpy(s->solved_mode, modes_of(s)->contact, (size_t)c->system->dims.k * sizeof(int));
-  memcpy(s->solved, c->impulse, (size_t)c->columns * sizeof *s->solved);
+  memcpy(s->solved, c->delassus.impulse, (size_t)c->columns * sizeof *s->solved);
   for (int i = 0; i < 4 && !found; i++) found = try_forces(s, even[i][0], even[i][1]);
   if (!found) {
     restore_solution(s);

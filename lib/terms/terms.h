@@ -65,6 +65,15 @@ void nsdae_terms_set_velocity(nsdae_terms *terms, const double *v);
  * that failed is not counted as there. */
 int nsdae_terms_need(nsdae_terms *terms, unsigned which);
 
+/* W_j^T v + w_j: the velocity along column j of W_N, W_T or W_S, or with omega in place of w and an
+ * acceleration in place of v, its rate. */
+static inline double nsdae_terms_rate(const nsdae_terms *T, const double *W, const double *w, int j,
+                                      const double *v)
+{
+  size_t n = (size_t)T->system->dims.nv;
+  return nsdae_dot(T->system->dims.nv, W + (size_t)j * n, v) + w[j];
+}
+
 /* max |Phi| and max(0, -g_N); phi and gap must be there. */
 double nsdae_terms_drift(const nsdae_terms *terms);
 double nsdae_terms_penetration(const nsdae_terms *terms);
@@ -72,14 +81,5 @@ double nsdae_terms_penetration(const nsdae_terms *terms);
 /* Factors M and Phi_q (M [nv x nv] may be another than that of the point). NSDAE_E_MASS, and
  * NSDAE_E_RANK unless least_norm allows a deficient rank; the record names pivot or rank. */
 int nsdae_terms_factor(nsdae_terms *terms, const double *M, nsdae_kkt *kkt, int least_norm);
-
-/* W_j^T v + w_j: the velocity along column j of W_N, W_T or W_S, of its bias w; with an
- * acceleration and omega in their place, the acceleration along it. */
-static inline double nsdae_terms_rate(const nsdae_terms *terms, const double *W, const double *w,
-                                      int j, const double *v)
-{
-  int n = terms->system->dims.nv;
-  return nsdae_dot(n, W + (size_t)j * (size_t)n, v) + w[j];
-}
 
 #endif
