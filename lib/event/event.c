@@ -236,7 +236,8 @@ static int advance_from(event *e)
   nsdae_event_integrator *g = &e->integrator;
   if (g->ahead > e->reached) return NSDAE_OK;
   if (*e->base.steps < STEPS_MAX) return integrate(e);
-  int status = nsdae_dae_interpolate(g->dae, g->ahead, 1, g->yp);
+  int status = nsdae_event_integrator_read(g, g->ahead, g->y);
+  if (status == NSDAE_OK) status = nsdae_dae_interpolate(g->dae, g->ahead, 1, g->yp);
   return status < 0 ? status : start(e, g->ahead);
 }
 
