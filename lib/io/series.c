@@ -103,11 +103,14 @@ void nsdae_series_append(nsdae_series *series, const void *row)
   series->held++;
 }
 
-long nsdae_series_row_bytes(const nsdae_series *series)
+long nsdae_series_held_bytes(const nsdae_series *series)
 {
-  size_t bytes = 0;
-  for (int i = 0; i < series->table->columns; i++) bytes += series->bytes[i];
-  return (long)bytes;
+  enum { TREE_BYTES = 3 * 4096, CHUNKS = 2 }; /* nodes that a chunk may need; chunks touched */
+  long bytes = 0;
+  for (int i = 0; i < series->table->columns && series->held > 0; i++)
+    if (series->bytes[i] > 0)
+      bytes += CHUNKS * ((long)series->bytes[i] * NSDAE_SERIES_CHUNK + TREE_BYTES);
+  return bytes;
 }
 
 void nsdae_series_close(nsdae_series *series)

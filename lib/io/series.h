@@ -28,8 +28,9 @@ int nsdae_series_create(nsdae_series *series, nsdae_h5 *h5, const nsdae_dims *di
  */
 void nsdae_series_append(nsdae_series *series, const void *row);
 int nsdae_series_write(nsdae_series *series, nsdae_h5 *h5);
-/* Of one row over all columns. */
-long nsdae_series_row_bytes(const nsdae_series *series);
+/* What the file may grow by when the rows held are written: whole chunks, and HDF5's own records of
+ * them. */
+long nsdae_series_held_bytes(const nsdae_series *series);
 void nsdae_series_close(nsdae_series *series);
 
 #endif

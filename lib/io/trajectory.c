@@ -8,18 +8,13 @@
 
 #include "clock.h"
 #include "errors.h"
-#include "reserve.h"
 #include "series.h"
 
 /* A killed run loses at most what came after the last flush; flushing four times a second keeps
  * that below the second that is promised. */
 static const double flush_interval = 0.25;
 
-enum {
-  FORMAT_VERSION = 1,
-  START_BYTES = 1 << 19, /* more than an empty trajectory takes */
-  SLACK_BYTES = 1 << 16  /* for HDF5's own records of a chunk of every dataset: about 10 KiB */
-};
+enum { FORMAT_VERSION = 1 };
 
 struct nsdae_trajectory {
   nsdae_sim *sim;
@@ -28,8 +23,7 @@ struct nsdae_trajectory {
   int live;
   nsdae_series records, impacts, changes;
   double flushed, appended; /* when */
-  long start_length;        /* of the file without rows */
-  long reserved;            /* length that the disk has room for */
+  long committed;           /* records that the file has whatever happens now */
   int failed;               /* status of a write that failed: nothing is written any more */
 };
 
@@ -105,38 +99,22 @@ static int make_groups(nsdae_h5 *h5, const nsdae_dims *dims)
   return status;
 }
 
-static int disk_full(nsdae_trajectory *t, int failure)
+/* Room for what is held and for what HDF5 keeps of it. */
+static int prepare(nsdae_trajectory *t)
 {
-  return nsdae_error_set(t->h5.error, NSDAE_E_IO, "nsdae_trajectory", "path",
-                         "cannot write to '%.90s': %s; it holds %ld records", t->path,
-                         strerror(failure), (long)t->records.written);
-}
-
-static long chunk_bytes(const nsdae_series *series)
-{
-  long chunks = (long)((series->written + series->held) / NSDAE_SERIES_CHUNK + 1);
-  return chunks * (nsdae_series_row_bytes(series) * NSDAE_SERIES_CHUNK + SLACK_BYTES);
-}
-
-/* Room for all that is held, in whole chunks. */
-static int reserve(nsdae_trajectory *t)
-{
-  long bytes = t->start_length + chunk_bytes(&t->records) + chunk_bytes(&t->impacts) +
-               chunk_bytes(&t->changes);
-  if (bytes <= t->reserved) return NSDAE_OK;
-  int failure = nsdae_reserve(t->path, bytes);
-  if (failure) return disk_full(t, failure);
-  t->reserved = bytes;
-  return NSDAE_OK;
+  return nsdae_h5_prepare(&t->h5, nsdae_series_held_bytes(&t->records) +
+                                      nsdae_series_held_bytes(&t->impacts) +
+                                      nsdae_series_held_bytes(&t->changes));
 }
 
 static int flush(nsdae_trajectory *t)
 {
-  int status = reserve(t);
+  int status = prepare(t);
   if (status == NSDAE_OK) status = nsdae_series_write(&t->records, &t->h5);
   if (status == NSDAE_OK) status = nsdae_series_write(&t->impacts, &t->h5);
   if (status == NSDAE_OK) status = nsdae_series_write(&t->changes, &t->h5);
   if (status == NSDAE_OK) status = nsdae_h5_flush(&t->h5);
+  if (status == NSDAE_OK) t->committed = (long)t->records.written;
   t->flushed = nsdae_wall_clock();
   return status;
 }
@@ -148,10 +126,6 @@ static int make_file(nsdae_trajectory *t, const nsdae_trajectory_info *info)
   nsdae_dims dims;
   nsdae_sim_get_options(t->sim, &options);
   nsdae_sim_get_dims(t->sim, &dims);
-  int failure = nsdae_reserve_try(t->path, START_BYTES);
-  if (failure)
-    return nsdae_error_set(h5->error, NSDAE_E_IO, "nsdae_trajectory_create", "path",
-                           "cannot write '%.90s': %s", t->path, strerror(failure));
   int status = nsdae_h5_create(h5, t->live);
   if (status == NSDAE_OK) status = write_root(t, info->model ? info->model : "");
   if (status == NSDAE_OK)
@@ -162,8 +136,8 @@ static int make_file(nsdae_trajectory *t, const nsdae_trajectory_info *info)
   if (status == NSDAE_OK) status = nsdae_series_create(&t->records, h5, &dims, "time");
   if (status == NSDAE_OK) status = nsdae_series_create(&t->impacts, h5, &dims, "impact time");
   if (status == NSDAE_OK) status = nsdae_series_create(&t->changes, h5, &dims, "change time");
+  if (status == NSDAE_OK) status = nsdae_h5_write_last(h5, t->records.set[0]);
   if (status == NSDAE_OK) status = nsdae_h5_flush(h5);
-  t->start_length = nsdae_reserve_length(t->path);
   if (status == NSDAE_OK && t->live) status = nsdae_h5_start_swmr(h5);
   return status;
 }
@@ -172,7 +146,7 @@ static int append_row(nsdae_trajectory *t, nsdae_series *series, const void *row
 {
   nsdae_series_append(series, row);
   if (series->held < NSDAE_SERIES_CHUNK) return NSDAE_OK;
-  int status = reserve(t);
+  int status = prepare(t);
   return status < 0 ? status : nsdae_series_write(series, &t->h5);
 }
 
@@ -298,8 +272,6 @@ static int put(nsdae_trajectory *t, const char *path, hid_t type, int n, const v
         bad ? "%s is missing or negative" : "nothing can be added to a %s that is live or failed",
         bad ? bad : "trajectory");
   t->h5.error = error ? error : &own;
-  int failure = nsdae_reserve(t->path, t->reserved + SLACK_BYTES + 256L * n);
-  if (failure) return disk_full(t, failure);
   NSDAE_H5_QUIETLY(status, nsdae_h5_vector(&t->h5, path, type, (hsize_t)n, values,
                                            units ? units : "", description ? description : ""))
   return status;
@@ -332,17 +304,39 @@ static int reopen_live(nsdae_trajectory *t)
   return status < 0 ? status : nsdae_h5_reopen(&t->h5);
 }
 
+static int end_file(nsdae_trajectory *t, int run_status)
+{
+  int status = nsdae_h5_flush(&t->h5);
+  if (status == NSDAE_OK) status = reopen_live(t);
+  if (status == NSDAE_OK) status = set_final_status(t, run_status);
+  int closed = close_file(t);
+  return status < 0 ? status : closed;
+}
+
+/* A write failed: the file is as the last flush left it, and is to say how it ended, which needs no
+ * more space on a full disk. A file that is not ours any more is left alone. */
+static void mark_failed(nsdae_trajectory *t)
+{
+  nsdae_h5 *h5 = &t->h5;
+  const nsdae_ordered before = h5->disk;
+  if (before.failure == NSDAE_ORDERED_REPLACED || before.committed == 0) return;
+  if (nsdae_h5_reopen(h5) < 0) return;
+  if (h5->disk.inode == before.inode && h5->disk.device == before.device)
+    set_final_status(t, NSDAE_E_IO);
+  nsdae_h5_close(h5);
+}
+
 /* Of several failures the first is told. */
 static int finish(nsdae_trajectory *t, int run_status)
 {
   nsdae_error ignored, *first = t->h5.error;
   int status = t->failed ? t->failed : flush(t);
   if (status < 0) t->h5.error = &ignored;
-  int ended = reopen_live(t);
-  if (ended == NSDAE_OK) ended = set_final_status(t, status < 0 ? status : run_status);
-  int closed = close_file(t);
+  int ended = end_file(t, status < 0 ? status : run_status);
+  t->h5.error = &ignored;
+  if (ended < 0) mark_failed(t);
   t->h5.error = first;
-  return status < 0 ? status : ended < 0 ? ended : closed;
+  return status < 0 ? status : ended;
 }
 
 int nsdae_trajectory_close(nsdae_trajectory **trajectory, int run_status, nsdae_error *error)
@@ -357,7 +351,7 @@ int nsdae_trajectory_close(nsdae_trajectory **trajectory, int run_status, nsdae_
   if (t->failed)
     nsdae_error_set(error, t->failed, "nsdae_trajectory_close", "path",
                     "'%.90s' holds %ld records only: writing it failed before", t->path,
-                    (long)t->records.written);
+                    t->committed);
   NSDAE_H5_QUIETLY(status, finish(t, run_status))
   release(t);
   *trajectory = NULL;
