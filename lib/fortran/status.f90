@@ -9,7 +9,7 @@ module nsdae_f_status
   private
 
   integer(c_int), parameter, public :: &
-      NSDAE_VERSION_MAJOR = 0, NSDAE_VERSION_MINOR = 1, NSDAE_VERSION_PATCH = 0
+      NSDAE_VERSION_MAJOR = 0, NSDAE_VERSION_MINOR = 2, NSDAE_VERSION_PATCH = 0
 
   integer(c_int), parameter, public :: &
       NSDAE_OK = 0, &
