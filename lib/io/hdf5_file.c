@@ -41,6 +41,12 @@ static int failed(nsdae_h5 *h5, const char *what)
 
 static int result(nsdae_h5 *h5, long code, const char *what)
 {
+  return code < 0 ? failed(h5, what) : NSDAE_OK;
+}
+
+/* HDF5 does not see that a write failed: the disk knows. */
+static int arrived(nsdae_h5 *h5, long code, const char *what)
+{
   return code < 0 || h5->disk.failure ? failed(h5, what) : NSDAE_OK;
 }
 
@@ -72,6 +78,7 @@ int nsdae_h5_reopen(nsdae_h5 *h5)
 {
   hid_t access = open_disk(h5, NSDAE_ORDERED_UPDATE);
   if (access >= 0) h5->file = H5Fopen(h5->path, H5F_ACC_RDWR, access);
+  h5->disk.committed = h5->disk.eoa; /* the file may be longer than what it refers to */
   return opened(h5, access, "open");
 }
 
@@ -91,23 +98,16 @@ int nsdae_h5_prepare(nsdae_h5 *h5, long bytes)
 
 int nsdae_h5_flush(nsdae_h5 *h5)
 {
-  return result(h5, H5Fflush(h5->file, H5F_SCOPE_LOCAL), "write to");
+  h5->disk.unready = 0;
+  return arrived(h5, H5Fflush(h5->file, H5F_SCOPE_LOCAL), "write to");
 }
 
 int nsdae_h5_close(nsdae_h5 *h5)
 {
-  int status = h5->file < 0 ? NSDAE_OK : result(h5, H5Fclose(h5->file), "close");
+  int status = h5->file < 0 ? NSDAE_OK : arrived(h5, H5Fclose(h5->file), "close");
   h5->file = -1;
   if (h5->disk.path && nsdae_ordered_close(&h5->disk) != 0 && status == NSDAE_OK)
     status = failed(h5, "close");
-  return status;
-}
-
-int nsdae_h5_write_last(nsdae_h5 *h5, hid_t object)
-{
-  H5O_info_t info;
-  int status = result(h5, H5Oget_info(object, &info), "look into");
-  if (status == NSDAE_OK) h5->disk.last = info.addr;
   return status;
 }
 
@@ -115,7 +115,7 @@ int nsdae_h5_start_swmr(nsdae_h5 *h5)
 {
   int status = nsdae_h5_flush(h5);
   h5->disk.direct = 1;
-  return status < 0 ? status : result(h5, H5Fstart_swmr_write(h5->file), "let readers into");
+  return status < 0 ? status : arrived(h5, H5Fstart_swmr_write(h5->file), "let readers into");
 }
 
 int nsdae_h5_group(nsdae_h5 *h5, const char *name)

@@ -26,8 +26,8 @@ typedef struct nsdae_h5 {
   nsdae_error *error; /* of the call at work */
 } nsdae_h5;
 
-/* Makes the file, which takes the place of one of that name at the first flush; latest: in the
- * format that SWMR needs. */
+/* Makes the file, which takes the place of one of that name at the first nsdae_h5_flush and is gone
+ * where there is none; latest: in the format that SWMR needs. */
 int nsdae_h5_create(nsdae_h5 *h5, int latest);
 /* Opens it to be changed. */
 int nsdae_h5_reopen(nsdae_h5 *h5);
@@ -40,8 +40,6 @@ int nsdae_h5_prepare(nsdae_h5 *h5, long bytes);
  * there at the flush before. */
 int nsdae_h5_flush(nsdae_h5 *h5);
 int nsdae_h5_close(nsdae_h5 *h5);
-/* Of all objects the header of this one is written last: see ordered.h. */
-int nsdae_h5_write_last(nsdae_h5 *h5, hid_t object);
 /* Lets readers in: from here on nothing can be made in the file. */
 int nsdae_h5_start_swmr(nsdae_h5 *h5);
 

@@ -50,6 +50,7 @@ static int write_problem(nsdae_h5 *h5, int n, const double *rows, const double *
   if (status == NSDAE_OK)
     status = nsdae_h5_vector(h5, "/b", H5T_NATIVE_DOUBLE, (hsize_t)n, b, "1",
                              "find x >= 0 with y >= 0 and x'y = 0");
+  if (status == NSDAE_OK) status = nsdae_h5_flush(h5);
   int closed = nsdae_h5_close(h5);
   return status < 0 ? status : closed;
 }

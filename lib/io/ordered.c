@@ -61,7 +61,8 @@ int nsdae_ordered_open(nsdae_ordered *file, const char *path, nsdae_ordered_mode
   file->device = status.st_dev;
   file->inode = status.st_ino;
   file->budget = budget_of(status.st_size);
-  if (mode == NSDAE_ORDERED_REPLACE)
+  file->unready = mode == NSDAE_ORDERED_REPLACE;
+  if (file->unready)
     file->old = (uint64_t)status.st_size;
   else
     file->eof = file->committed = (uint64_t)status.st_size;
@@ -125,16 +126,14 @@ static void keep_head(nsdae_ordered *f, uint64_t at, size_t size, const void *by
  *   heaps, which only gain: texts of attributes, names of groups;
  *   trees from the root down. A split leaves a new right node (written above) and takes its part
  *     from the left one: once the parent knows of the new node the left one may lose that part;
- *   headers of objects: the lengths of datasets, when all their rows can be found;
- *   of them the last, that of the first column: its length is the number of whole rows.
+ *   headers of objects: the lengths of datasets, when all their rows can be found.
  * The first commit makes the file: superblock last, without it nothing is there. */
 static long rank_of(const nsdae_ordered *f, const nsdae_block *b)
 {
-  enum { SUPER, FRESH, TEXTS, NAMES, TREE, LEAF = TREE + 256, HEADER, LAST, MADE };
+  enum { SUPER, FRESH, TEXTS, NAMES, TREE, LEAF = TREE + 256, HEADER, MADE };
   enum { LEVEL = 5 }; /* byte of a node that says how far it is from the leaves */
   if (b->at == 0) return f->committed ? SUPER : MADE;
   if (b->at >= f->committed) return FRESH;
-  if (b->at == f->last) return LAST;
   if (b->kind == H5FD_MEM_GHEAP) return TEXTS;
   if (b->kind == H5FD_MEM_LHEAP) return NAMES;
   if (b->kind != H5FD_MEM_BTREE) return HEADER;
@@ -181,7 +180,7 @@ static int write_pending(nsdae_ordered *f)
 /* What is held stays where that fails: HDF5 goes on reading what it wrote. */
 static void commit(nsdae_ordered *f)
 {
-  if (f->reading || nsdae_ordered_check(f) != 0) return;
+  if (f->reading || f->unready || nsdae_ordered_check(f) != 0) return;
   if (f->pending.count > 0) f->failure = make_room(f);
   if (f->failure == 0) f->failure = write_pending(f);
   if (f->failure) return;
@@ -189,10 +188,12 @@ static void commit(nsdae_ordered *f)
   nsdae_pending_clear(&f->pending);
 }
 
-/* To what the file refers to; one that never came to be leaves the old one as it was. */
+/* To what the file refers to, which after a failure may be more than was committed; a file that
+ * never came to be leaves the old one as it was. */
 static void trim(nsdae_ordered *f)
 {
   uint64_t length = f->committed ? f->committed : f->old;
+  if (f->failure && f->committed) return;
   if (ftruncate(f->fd, (off_t)length) != 0 && f->failure == 0) f->failure = errno;
 }
 
@@ -342,7 +343,7 @@ static const H5FD_class_t driver = {
 #endif
     .name = "nsdae",
     .maxaddr = (haddr_t)INT64_MAX,
-    .fc_degree = H5F_CLOSE_WEAK,
+    .fc_degree = H5F_CLOSE_STRONG,
     .fapl_size = sizeof(driver_info),
     .open = driver_open,
     .close = driver_close,
@@ -370,6 +371,8 @@ hid_t nsdae_ordered_access(nsdae_ordered *file)
   herr_t code = H5Pset_driver(access, id, &info);
   if (code >= 0 && !file->reading) code = H5Pset_alignment(access, ALIGNED_FROM, PAGE);
   H5FDunregister(id);
+  /* a file that is closed is closed, whatever was left open in it: HDF5 must not come back to us */
+  if (code >= 0) code = H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
   if (code >= 0) return access;
   H5Pclose(access);
   return -1;

@@ -37,20 +37,20 @@ enum { NSDAE_ORDERED_HEAD = 96 };
 /* HDF5 has its address: it must stay where it is while the file is open. */
 typedef struct nsdae_ordered {
   H5FD_t own; /* HDF5's part, first */
-  int fd; /* -1: closed */
+  int fd;     /* -1: closed */
   const char *path;
   dev_t device;
   ino_t inode;
-  int made;     /* there was none of that name */
-  int direct;   /* what HDF5 writes goes out at once, in its order: that of SWMR's writer */
-  int failure;  /* the first errno of a write, or one of those above; 0: none */
+  int made;    /* there was none of that name */
+  int direct;  /* what HDF5 writes goes out at once, in its order: that of SWMR's writer */
+  int failure; /* the first errno of a write, or one of those above; 0: none */
   int reading;
-  int64_t budget;          /* bytes that may still be read, where reading */
-  uint64_t eoa, eof;       /* end of what HDF5 allocated, of what it wrote */
-  uint64_t old;            /* length of the file that is to be replaced, until the first commit */
-  uint64_t committed;      /* end of what the file on disk refers to; 0: nothing yet */
-  uint64_t reserved;       /* length that the disk has room for */
-  uint64_t last;           /* the block at this address is written last of a commit */
+  int unready;        /* nothing is committed while it is set, as it is of a new file */
+  int64_t budget;     /* bytes that may still be read, where reading */
+  uint64_t eoa, eof;  /* end of what HDF5 allocated, of what it wrote */
+  uint64_t old;       /* length of the file that is to be replaced, until the first commit */
+  uint64_t committed; /* end of what the file on disk refers to; 0: nothing yet */
+  uint64_t reserved;  /* length that the disk has room for */
   nsdae_pending pending;
   unsigned char head[NSDAE_ORDERED_HEAD]; /* of the file on disk, as written here */
   size_t head_size;

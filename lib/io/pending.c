@@ -52,8 +52,7 @@ static int grow(nsdae_pending *p)
   return 0;
 }
 
-int nsdae_pending_add(nsdae_pending *pending, uint64_t at, size_t size, int kind,
-                      const void *bytes)
+int nsdae_pending_add(nsdae_pending *pending, uint64_t at, size_t size, int kind, const void *bytes)
 {
   nsdae_block *old = holder(pending, at, size);
   if (old) {

@@ -16,12 +16,22 @@ static const double flush_interval = 0.25;
 
 enum { FORMAT_VERSION = 1 };
 
+/* The tables of a file. */
+enum { RECORDS, IMPACTS, CHANGES, TABLES };
+
+static const struct {
+  const nsdae_table *table;
+  const char *scale; /* name of its first column as a dimension */
+} tables[TABLES] = {{&nsdae_record_table, "time"},
+                    {&nsdae_impact_table, "impact time"},
+                    {&nsdae_change_table, "change time"}};
+
 struct nsdae_trajectory {
   nsdae_sim *sim;
   nsdae_h5 h5;
   char *path;
   int live;
-  nsdae_series records, impacts, changes;
+  nsdae_series series[TABLES];
   double flushed, appended; /* when */
   long committed;           /* records that the file has whatever happens now */
   int failed;               /* status of a write that failed: nothing is written any more */
@@ -102,19 +112,31 @@ static int make_groups(nsdae_h5 *h5, const nsdae_dims *dims)
 /* Room for what is held and for what HDF5 keeps of it. */
 static int prepare(nsdae_trajectory *t)
 {
-  return nsdae_h5_prepare(&t->h5, nsdae_series_held_bytes(&t->records) +
-                                      nsdae_series_held_bytes(&t->impacts) +
-                                      nsdae_series_held_bytes(&t->changes));
+  long bytes = 0;
+  for (int i = 0; i < TABLES; i++) bytes += nsdae_series_held_bytes(&t->series[i]);
+  return nsdae_h5_prepare(&t->h5, bytes);
 }
 
+/* All rows that are written, as rows of the file. */
+static int count(nsdae_trajectory *t)
+{
+  int status = NSDAE_OK;
+  for (int i = 0; i < TABLES && status == NSDAE_OK; i++)
+    status = nsdae_series_count(&t->series[i], &t->h5);
+  if (status == NSDAE_OK) status = nsdae_h5_flush(&t->h5);
+  if (status == NSDAE_OK) t->committed = (long)t->series[RECORDS].counted;
+  return status;
+}
+
+/* The rows, and then how many there are: killed in between, a program leaves columns that are
+ * longer than the first of their table, never shorter. */
 static int flush(nsdae_trajectory *t)
 {
   int status = prepare(t);
-  if (status == NSDAE_OK) status = nsdae_series_write(&t->records, &t->h5);
-  if (status == NSDAE_OK) status = nsdae_series_write(&t->impacts, &t->h5);
-  if (status == NSDAE_OK) status = nsdae_series_write(&t->changes, &t->h5);
+  for (int i = 0; i < TABLES && status == NSDAE_OK; i++)
+    status = nsdae_series_write(&t->series[i], &t->h5);
   if (status == NSDAE_OK) status = nsdae_h5_flush(&t->h5);
-  if (status == NSDAE_OK) t->committed = (long)t->records.written;
+  if (status == NSDAE_OK) status = count(t);
   t->flushed = nsdae_wall_clock();
   return status;
 }
@@ -133,10 +155,8 @@ static int make_file(nsdae_trajectory *t, const nsdae_trajectory_info *info)
   if (status == NSDAE_OK)
     status = write_params(h5, "/parameters", info->parameters, info->parameters_base);
   if (status == NSDAE_OK) status = make_groups(h5, &dims);
-  if (status == NSDAE_OK) status = nsdae_series_create(&t->records, h5, &dims, "time");
-  if (status == NSDAE_OK) status = nsdae_series_create(&t->impacts, h5, &dims, "impact time");
-  if (status == NSDAE_OK) status = nsdae_series_create(&t->changes, h5, &dims, "change time");
-  if (status == NSDAE_OK) status = nsdae_h5_write_last(h5, t->records.set[0]);
+  for (int i = 0; i < TABLES && status == NSDAE_OK; i++)
+    status = nsdae_series_create(&t->series[i], h5, &dims, tables[i].scale);
   if (status == NSDAE_OK) status = nsdae_h5_flush(h5);
   if (status == NSDAE_OK && t->live) status = nsdae_h5_start_swmr(h5);
   return status;
@@ -145,6 +165,7 @@ static int make_file(nsdae_trajectory *t, const nsdae_trajectory_info *info)
 static int append_row(nsdae_trajectory *t, nsdae_series *series, const void *row)
 {
   nsdae_series_append(series, row);
+  if (nsdae_series_is_full(series)) return flush(t);
   if (series->held < NSDAE_SERIES_CHUNK) return NSDAE_OK;
   int status = prepare(t);
   return status < 0 ? status : nsdae_series_write(series, &t->h5);
@@ -152,11 +173,11 @@ static int append_row(nsdae_trajectory *t, nsdae_series *series, const void *row
 
 static int append(nsdae_trajectory *t, const nsdae_record *record)
 {
-  int status = append_row(t, &t->records, record);
+  int status = append_row(t, &t->series[RECORDS], record);
   for (int i = 0; i < record->impacts && status == NSDAE_OK; i++)
-    status = append_row(t, &t->impacts, &record->impact[i]);
+    status = append_row(t, &t->series[IMPACTS], &record->impact[i]);
   for (int i = 0; i < record->changes && status == NSDAE_OK; i++)
-    status = append_row(t, &t->changes, &record->change[i]);
+    status = append_row(t, &t->series[CHANGES], &record->change[i]);
   double now = nsdae_wall_clock();
   /* a slow run flushes every record: the next may be long in coming */
   int due =
@@ -178,18 +199,14 @@ static int observe(const nsdae_record *record, nsdae_error *error, void *user)
 
 static void release(nsdae_trajectory *t)
 {
-  nsdae_series_release(&t->records);
-  nsdae_series_release(&t->impacts);
-  nsdae_series_release(&t->changes);
+  for (int i = 0; i < TABLES; i++) nsdae_series_release(&t->series[i]);
   free(t->path);
   free(t);
 }
 
 static int close_file(nsdae_trajectory *t)
 {
-  nsdae_series_close(&t->records);
-  nsdae_series_close(&t->impacts);
-  nsdae_series_close(&t->changes);
+  for (int i = 0; i < TABLES; i++) nsdae_series_close(&t->series[i]);
   return nsdae_h5_close(&t->h5);
 }
 
@@ -204,9 +221,9 @@ static nsdae_trajectory *allocate(nsdae_sim *sim, const char *path, int live)
   t->h5.file = -1;
   t->path = malloc(strlen(path) + 1);
   const char *leave_out = nsdae_sim_has_potential(sim) ? NULL : "/energy/potential";
-  int status = nsdae_series_init(&t->records, &nsdae_record_table, &dims, leave_out);
-  if (status == NSDAE_OK) status = nsdae_series_init(&t->impacts, &nsdae_impact_table, &dims, NULL);
-  if (status == NSDAE_OK) status = nsdae_series_init(&t->changes, &nsdae_change_table, &dims, NULL);
+  int status = NSDAE_OK;
+  for (int i = 0; i < TABLES && status == NSDAE_OK; i++)
+    status = nsdae_series_init(&t->series[i], tables[i].table, &dims, leave_out);
   if (!t->path || status < 0) {
     release(t);
     return NULL;
@@ -291,6 +308,22 @@ int nsdae_trajectory_put_texts(nsdae_trajectory *trajectory, const char *path, i
   return put(trajectory, path, H5T_C_S1, n, texts, "", description, error);
 }
 
+int nsdae_trajectory_flush(nsdae_trajectory *trajectory, nsdae_error *error)
+{
+  nsdae_error own;
+  int status;
+  nsdae_trajectory *t = trajectory;
+  nsdae_error_clear(error);
+  if (!t || t->failed)
+    return nsdae_error_set(error, t ? t->failed : NSDAE_E_ARGUMENT, "nsdae_trajectory_flush",
+                           "trajectory", t ? "writing '%.90s' failed before" : "%s is NULL",
+                           t ? t->path : "trajectory");
+  t->h5.error = error ? error : &own;
+  NSDAE_H5_QUIETLY(status, flush(t))
+  if (status < 0) t->failed = status;
+  return status;
+}
+
 static int set_final_status(nsdae_trajectory *t, int run_status)
 {
   return nsdae_h5_set_text(&t->h5, t->h5.file, "status", run_status >= 0 ? "complete" : "failed");
@@ -306,7 +339,7 @@ static int reopen_live(nsdae_trajectory *t)
 
 static int end_file(nsdae_trajectory *t, int run_status)
 {
-  int status = nsdae_h5_flush(&t->h5);
+  int status = count(t);
   if (status == NSDAE_OK) status = reopen_live(t);
   if (status == NSDAE_OK) status = set_final_status(t, run_status);
   int closed = close_file(t);
