@@ -36,6 +36,13 @@ static int is_empty(int rank, const hsize_t *length)
   return empty;
 }
 
+/* Nothing was ever written, or all of it. */
+static int holds(hid_t set, hsize_t bytes)
+{
+  hsize_t stored = H5Dget_storage_size(set);
+  return stored == 0 || stored == bytes;
+}
+
 /* Whether the data can be in a file of that length. Compressed ones may be 1032 times what they
  * take, the most that deflate does. */
 static const char *look_at_layout(hid_t set, int rank, const hsize_t *length, hsize_t size,
@@ -56,8 +63,7 @@ static const char *look_at_layout(hid_t set, int rank, const hsize_t *length, hs
     wrong = "is spread over other files";
   else if (!is_empty(rank, length) && product(rank, length, size, most) == 0)
     wrong = "is longer than the file";
-  else if (layout != H5D_CHUNKED && !is_empty(rank, length) &&
-           H5Dget_storage_size(set) != product(rank, length, size, most))
+  else if (layout != H5D_CHUNKED && !holds(set, product(rank, length, size, most)))
     wrong = "has less data than its shape says";
   H5Pclose(plist);
   return wrong;
