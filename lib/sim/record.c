@@ -109,6 +109,13 @@ int nsdae_point_start(nsdae_sim *sim, nsdae_point *point)
   return NSDAE_OK;
 }
 
+int nsdae_point_show(nsdae_point *point, unsigned have)
+{
+  int status = nsdae_terms_need(&point->result.end, (have & ALL_TERMS) | RECORD_TERMS);
+  if (status == NSDAE_OK) fill_record(point);
+  return status;
+}
+
 int nsdae_point_follow(const nsdae_point *before, nsdae_point *point, double impact_velocity)
 {
   nsdae_result *r = &point->result;
