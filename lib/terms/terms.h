@@ -8,6 +8,8 @@
 #include "arena.h"
 #include "differences.h"
 #include "kkt.h"
+#include "system_impl.h"
+#include "vector.h"
 
 /* What can be asked for, as a sum. */
 enum {
@@ -68,6 +70,15 @@ int nsdae_terms_need(nsdae_terms *terms, unsigned which);
  * Cauchy and Schwarz: however they are summed, p roundings make them differ by at most p eps of
  * that. With p = 10^4, NSDAE_E_MASS names the first two that differ by more. */
 int nsdae_terms_symmetric(const nsdae_terms *terms);
+
+/* W_j^T v + w_j: the velocity along column j of W_N, W_T or W_S, or with omega in place of w and an
+ * acceleration in place of v, its rate. */
+static inline double nsdae_terms_rate(const nsdae_terms *T, const double *W, const double *w, int j,
+                                      const double *v)
+{
+  size_t n = (size_t)T->system->dims.nv;
+  return nsdae_dot(T->system->dims.nv, W + (size_t)j * n, v) + w[j];
+}
 
 /* max |Phi| and max(0, -g_N); phi and gap must be there. */
 double nsdae_terms_drift(const nsdae_terms *terms);
