@@ -80,6 +80,13 @@ static inline double nsdae_terms_rate(const nsdae_terms *T, const double *W, con
   return nsdae_dot(T->system->dims.nv, W + (size_t)j * n, v) + w[j];
 }
 
+/* T = v^T M v / 2; the mass matrix must be there. */
+double nsdae_terms_kinetic(const nsdae_terms *terms);
+
+/* A gap below this touches: gaps are made of coordinates and constants, and a few roundings of
+ * those are all that it says, 8 eps (1 + max |q|). */
+double nsdae_terms_touch(const nsdae_terms *terms);
+
 /* max |Phi| and max(0, -g_N); phi and gap must be there. */
 double nsdae_terms_drift(const nsdae_terms *terms);
 double nsdae_terms_penetration(const nsdae_terms *terms);
