@@ -18,8 +18,11 @@ void nsdae_projector_layout(nsdae_projector *p, nsdae_arena *arena)
   const nsdae_dims *d = &p->tools->system->dims;
   p->kkt = (nsdae_kkt){.n = d->nv, .m = p->rows_most, .rank_tol = p->tools->options->rank_tol};
   nsdae_kkt_layout(&p->kkt, arena);
-  p->units.of = NSDAE_ARENA_INTS(arena, d->nq);
-  p->units.length = NSDAE_ARENA_DOUBLES(arena, d->nq);
+  nsdae_units *const units[] = {&p->units, &p->other};
+  for (int i = 0; i < 2; i++) {
+    units[i]->of = NSDAE_ARENA_INTS(arena, d->nq);
+    units[i]->length = NSDAE_ARENA_DOUBLES(arena, d->nq);
+  }
   p->J = NSDAE_ARENA_DOUBLES(arena, (long)p->rows_most * d->nv);
   p->c = NSDAE_ARENA_DOUBLES(arena, p->rows_most);
   p->change = NSDAE_ARENA_DOUBLES(arena, d->nv);
@@ -86,6 +89,13 @@ static int keeps_length(const nsdae_projector *p, int g)
     if (fabs(along) > 64 * DBL_EPSILON * terms) return 0;
   }
   return (size == 4 && movers == 3) || (size == 2 && movers == 1);
+}
+
+void nsdae_units_swap(nsdae_projector *p)
+{
+  nsdae_units units = p->units;
+  p->units = p->other;
+  p->other = units;
 }
 
 double nsdae_units_length(const nsdae_units *units, int nq, const double *q, int i)

@@ -27,7 +27,7 @@ typedef struct nsdae_projector {
   nsdae_stepper *tools;
   int rows_most; /* m, and k where contacts are projected */
   nsdae_kkt kkt;
-  nsdae_units units;
+  nsdae_units units, other;      /* those of the run; what is read of another one */
   double *J, *c;                 /* rows x nv; rows: right-hand side, then l */
   double *total;                 /* nv: the sum of all changes */
   double *change, *q, *v, *qdot; /* nv, nq, nv, nq */
@@ -41,6 +41,8 @@ void nsdae_projector_layout(nsdae_projector *projection, nsdae_arena *arena);
 
 /* Looks for the groups at (t, q) and keeps their lengths. */
 void nsdae_units_find(nsdae_projector *projection, double t, const double *q);
+/* Puts other in the place of units. */
+void nsdae_units_swap(nsdae_projector *projection);
 /* Length of group i of q. */
 double nsdae_units_length(const nsdae_units *units, int nq, const double *q, int i);
 
