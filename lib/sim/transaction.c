@@ -105,7 +105,7 @@ static double next_time(const nsdae_sim *sim)
 static int outcome(const nsdae_result *result)
 {
   if (result->counters.accumulations > 0) return NSDAE_ZENO;
-  return result->impacts > 0 || result->counters.events > 0 ? NSDAE_EVENT : NSDAE_OK;
+  return result->impacts > 0 || result->changes > 0 ? NSDAE_EVENT : NSDAE_OK;
 }
 
 int nsdae_sim_step(nsdae_sim *sim)
