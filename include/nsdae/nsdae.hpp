@@ -571,6 +571,42 @@ public:
   /* Steps to t_end; the status is >= 0. */
   int run(double t_end) { return detail::demand_run(try_run(t_end), last_error()); }
 
+  /* Back after the first step with an event: nsdae_sim_run_to_event. */
+  int try_run_to_event(double t_end) noexcept
+  {
+    return moved(detail::attempt([&] { return nsdae_sim_run_to_event(c(), t_end); }));
+  }
+  int run_to_event(double t_end)
+  {
+    return detail::demand_run(try_run_to_event(t_end), last_error());
+  }
+
+  /* q and v at a time of the last step: nsdae_sim_interpolate. */
+  void interpolate(double t, std::vector<double> &q, std::vector<double> &v)
+  {
+    const nsdae_dims size = dims();
+    q.resize(static_cast<std::size_t>(size.nq));
+    v.resize(static_cast<std::size_t>(size.nv));
+    detail::demand_run(
+        detail::attempt([&] { return nsdae_sim_interpolate(c(), t, q.data(), v.data()); }),
+        last_error());
+  }
+
+  /* nsdae_sim_set_options, nsdae_sim_set_contact, nsdae_sim_set_slide. */
+  void set_options(const options &with)
+  {
+    detail::demand(detail::attempt([&] { return nsdae_sim_set_options(c(), with.c()); }),
+                   last_error());
+  }
+  void set_contact(int i, double mu, double e_n, double e_t = 0)
+  {
+    detail::demand(nsdae_sim_set_contact(c(), i, mu, e_n, e_t), last_error());
+  }
+  void set_slide(int j, double mu)
+  {
+    detail::demand(nsdae_sim_set_slide(c(), j, mu), last_error());
+  }
+
   /* The state as a value: nsdae_sim_get_state, nsdae_sim_set_state. */
   std::vector<unsigned char> state() const
   {

@@ -103,13 +103,18 @@ typedef struct nsdae_change {
 typedef struct nsdae_record {
   long step;                        /* from 0, the start */
   double time;                      /* [s] */
+  double duration;                  /* of the step [s]; 0: the start, or a state that was set */
   const double *q, *v;              /* [nq], [nv] */
+  const double *acceleration;       /* [nv] mean over the step, impacts included; 0 at the start */
   const double *multiplier;         /* [m] mean bilateral force over the step */
   const double *gap;                /* [k] */
   const double *normal_impulse;     /* [k] of the step */
   const double *tangential_impulse; /* [k nt] */
+  const double *normal_force;       /* [k] mean over the step [N], impacts included */
+  const double *tangential_force;   /* [k nt] */
   const int *mode;                  /* [k] enum nsdae_mode */
   const double *slide_impulse;      /* [f] friction of the slides in the step */
+  const double *slide_force;        /* [f] its mean force */
   const int
       *slide_mode; /* [f] NSDAE_MODE_SLIDE or NSDAE_MODE_STICK; NSDAE_MODE_OPEN: frictionless */
   double kinetic, potential;  /* [J]; potential is 0 where no callback gives it */
@@ -190,6 +195,31 @@ NSDAE_API int nsdae_sim_unobserve(nsdae_sim *sim, nsdae_observer_fn observer, vo
  * change of contact mode; NSDAE_ZENO when event closed an accumulation of impacts in it;
  * NSDAE_STOPPED; < 0: the step was not done and the state is the one before it. */
 NSDAE_API int nsdae_sim_step(nsdae_sim *sim);
+/* The same, but back after the first step in which nsdae_sim_step would return NSDAE_EVENT or
+ * NSDAE_ZENO, with that status. */
+NSDAE_API int nsdae_sim_run_to_event(nsdae_sim *sim, double t_end);
+
+/* q [nq] and v [nv] at a time of the last step, its ends included; called by an observer, of the
+ * step that it sees. Time-stepping methods: q by the parabola with dq/dt at both ends, v by the
+ * straight line, which is as good as their step where there is no impact in it (implicit: of second
+ * order). penalty and event: the integrator's own solution, to its tolerances, for which it goes
+ * there again from where it last started (as once more when the run goes on). NSDAE_E_ARGUMENT:
+ * another time; NSDAE_E_STATE: there is no last step (after an init, a state that was set, a step
+ * that failed). */
+NSDAE_API int nsdae_sim_interpolate(nsdae_sim *sim, double t, double *q, double *v);
+
+/* What the callbacks get as user in this simulation, in place of the system's: scratch, or
+ * parameters of its own, such as for each thread. */
+NSDAE_API int nsdae_sim_set_user(nsdae_sim *sim, void *user);
+/* Other options from here on, without making anything anew: dt (a new grid of steps starts here),
+ * tolerances, limits, stabilisation, laws. method, polygon and linear_solver are fixed:
+ * NSDAE_E_ARGUMENT by name, and everything is as before. The run goes on from the state. */
+NSDAE_API int nsdae_sim_set_options(nsdae_sim *sim, const nsdae_sim_options *options);
+/* Coefficients of contact i and of slide j in this simulation, in place of the system's. What is
+ * without friction in the system stays so, and slides with friction keep some: NSDAE_E_ARGUMENT. */
+NSDAE_API int nsdae_sim_set_contact(nsdae_sim *sim, int i, double mu, double e_n, double e_t);
+NSDAE_API int nsdae_sim_set_slide(nsdae_sim *sim, int j, double mu);
+
 /* The complementarity problem of the step that failed with NSDAE_E_LCP, NSDAE_E_INFEASIBLE or
  * NSDAE_E_PAINLEVE; its arrays are the simulation's and hold until the next step. NSDAE_E_STATE
  * where the last step did not fail so. */

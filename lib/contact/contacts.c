@@ -17,7 +17,7 @@
 void nsdae_contacts_laws(nsdae_contacts *contacts, int polygon_edges)
 {
   const nsdae_system *s = contacts->system;
-  contacts->rows_most = 1;
+  if (contacts->rows_most < 1) contacts->rows_most = 1; /* never less: memory is laid by it */
   contacts->slide_count = 0;
   for (int j = 0; j < s->dims.f; j++) contacts->slide_count += s->slide[j].mu > 0;
   for (int i = 0; i < s->dims.k; i++) {

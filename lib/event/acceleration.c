@@ -33,12 +33,19 @@ void nsdae_event_acceleration_layout(nsdae_event_acceleration *p, nsdae_arena *a
 /* A polygon is put around the friction cone, so that a contact that would leave it does slide. */
 int nsdae_event_acceleration_make(nsdae_event_acceleration *p)
 {
+  size_t k = (size_t)p->phase->setting->system->dims.k;
+  p->resting = calloc(k + 1, sizeof *p->resting);
+  p->law = calloc(k + 1, sizeof *p->law);
+  if (!p->resting || !p->law) return NSDAE_E_MEMORY;
+  nsdae_event_acceleration_prepare(p);
+  return NSDAE_OK;
+}
+
+void nsdae_event_acceleration_prepare(nsdae_event_acceleration *p)
+{
   const nsdae_event_setting *s = p->phase->setting;
   const nsdae_dims *d = &s->system->dims;
   int edges = s->options->polygon;
-  p->resting = calloc((size_t)d->k + 1, sizeof *p->resting);
-  p->law = calloc((size_t)d->k + 1, sizeof *p->law);
-  if (!p->resting || !p->law) return NSDAE_E_MEMORY;
   p->problem.system = s->system;
   p->problem.error = s->error;
   p->problem.law = p->law;
@@ -49,7 +56,6 @@ int nsdae_event_acceleration_make(nsdae_event_acceleration *p)
     if (p->law[i].kind == NSDAE_POLYGON)
       p->law[i] = nsdae_law_make(d->nt, p->law[i].mu / cos(acos(-1) / edges), edges);
   memcpy(p->resting, p->law, (size_t)d->k * sizeof *p->law);
-  return NSDAE_OK;
 }
 
 void nsdae_event_acceleration_release(nsdae_event_acceleration *p)

@@ -32,6 +32,8 @@ typedef struct nsdae_event_acceleration {
 void nsdae_event_acceleration_layout(nsdae_event_acceleration *acceleration, nsdae_arena *arena);
 /* Memory of the laws, before the layout, and its release. NSDAE_OK, NSDAE_E_MEMORY. */
 int nsdae_event_acceleration_make(nsdae_event_acceleration *acceleration);
+/* Again after options or coefficients changed. */
+void nsdae_event_acceleration_prepare(nsdae_event_acceleration *acceleration);
 void nsdae_event_acceleration_release(nsdae_event_acceleration *acceleration);
 
 /* Laws of the candidates, with the velocities of the point, of which those up to size are none;

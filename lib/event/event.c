@@ -276,6 +276,32 @@ static int read_results(event *e, double from)
   return status;
 }
 
+static int prepare(void *own)
+{
+  event *e = own;
+  const nsdae_sim_options *o = e->setting.options;
+  nsdae_event_acceleration_prepare(&e->instant.acceleration);
+  nsdae_event_impacts_prepare(&e->instant.impacts);
+  nsdae_dae_tolerances(e->integrator.dae, o->rtol, o->atol, o->dt);
+  return NSDAE_OK;
+}
+
+static int settle(void *own, const nsdae_state *state, nsdae_result *result)
+{
+  event *e = own;
+  nsdae_event_integrator *g = &e->integrator;
+  double t = state->terms->t;
+  e->setting.result = result;
+  nsdae_event_lay(&e->base, &e->instant, &result->memory);
+  int status = arrive(e, state);
+  e->stamp = 0;
+  if (status < 0 || *e->base.steps == 0) return status;
+  status = read_state(e, t);
+  if (status == NSDAE_OK) status = nsdae_dae_interpolate(g->dae, t, 1, g->yp);
+  if (status == NSDAE_OK) nsdae_event_save(&e->base, g, t);
+  return status;
+}
+
 static int advance(void *own, const nsdae_state *state, double t_end, nsdae_result *result)
 {
   event *e = own;
@@ -303,4 +329,6 @@ const nsdae_stepping nsdae_stepping_event = {
     .create = create,
     .destroy = destroy,
     .sizes = nsdae_event_memory_sizes,
+    .prepare = prepare,
+    .settle = settle,
     .advance = advance};

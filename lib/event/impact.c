@@ -27,13 +27,19 @@ int nsdae_event_impacts_make(nsdae_event_impacts *p)
   const nsdae_event_setting *s = p->acceleration->phase->setting;
   p->law = calloc((size_t)s->system->dims.k + 1, sizeof *p->law);
   if (!p->law) return NSDAE_E_MEMORY;
+  nsdae_event_impacts_prepare(p);
+  return NSDAE_OK;
+}
+
+void nsdae_event_impacts_prepare(nsdae_event_impacts *p)
+{
+  const nsdae_event_setting *s = p->acceleration->phase->setting;
   p->problem.system = s->system;
   p->problem.error = s->error;
   p->problem.law = p->law;
   nsdae_lcp_options_default(&p->problem.lcp.options);
   p->problem.lcp.options.tol = s->options->lcp_tol;
   nsdae_contacts_laws(&p->problem, s->options->polygon);
-  return NSDAE_OK;
 }
 
 void nsdae_event_impacts_release(nsdae_event_impacts *p)

@@ -98,13 +98,18 @@ module nsdae_f_sim
   type, public :: nsdae_record
     integer(c_long) :: step = 0
     real(c_double) :: time = 0
+    real(c_double) :: duration = 0                              ! of the step [s]
     real(c_double), pointer :: q(:) => null(), v(:) => null()
+    real(c_double), pointer :: acceleration(:) => null()        ! [nv] mean over the step
     real(c_double), pointer :: multiplier(:) => null()          ! [m] mean bilateral force
     real(c_double), pointer :: gap(:) => null()                 ! [k]
     real(c_double), pointer :: normal_impulse(:) => null()      ! [k] of the step
     real(c_double), pointer :: tangential_impulse(:, :) => null()  ! [nt, k]
+    real(c_double), pointer :: normal_force(:) => null()        ! [k] mean over the step [N]
+    real(c_double), pointer :: tangential_force(:, :) => null()    ! [nt, k]
     integer(c_int), pointer :: mode(:) => null()                ! [k]
     real(c_double), pointer :: slide_impulse(:) => null()       ! [f]
+    real(c_double), pointer :: slide_force(:) => null()         ! [f] its mean force
     integer(c_int), pointer :: slide_mode(:) => null()          ! [f]
     real(c_double) :: kinetic = 0, potential = 0                ! [J]
     real(c_double) :: dissipated = 0     ! work taken by all contact impulses so far [J]
@@ -121,13 +126,18 @@ module nsdae_f_sim
   type, bind(C), public :: nsdae_c_record
     integer(c_long) :: step
     real(c_double) :: time
+    real(c_double) :: duration
     type(c_ptr) :: q, v
+    type(c_ptr) :: acceleration
     type(c_ptr) :: multiplier
     type(c_ptr) :: gap
     type(c_ptr) :: normal_impulse
     type(c_ptr) :: tangential_impulse
+    type(c_ptr) :: normal_force
+    type(c_ptr) :: tangential_force
     type(c_ptr) :: mode
     type(c_ptr) :: slide_impulse
+    type(c_ptr) :: slide_force
     type(c_ptr) :: slide_mode
     real(c_double) :: kinetic, potential
     real(c_double) :: dissipated
@@ -177,6 +187,7 @@ module nsdae_f_sim
   type :: run
     type(nsdae_dims) :: dims
     type(observation) :: observer(NSDAE_OBSERVERS_MAX)
+    class(*), pointer :: model => null()  ! with a user of its own, see nsdae_sim_set_user
     type(nsdae_error) :: refusal  ! by the module itself, of the last call; C keeps the others
   end type
 
@@ -195,7 +206,9 @@ module nsdae_f_sim
             nsdae_sim_run, nsdae_sim_get_record, nsdae_sim_get_stats, nsdae_sim_get_dims, &
             nsdae_sim_has_potential, nsdae_sim_get_options, nsdae_sim_get_failed_lcp, &
             nsdae_sim_error, nsdae_sim_handle, nsdae_sim_get_system, nsdae_sim_state_size, &
-            nsdae_sim_get_state, nsdae_sim_set_state
+            nsdae_sim_get_state, nsdae_sim_set_state, nsdae_sim_run_to_event, &
+            nsdae_sim_interpolate, nsdae_sim_set_user, nsdae_sim_set_options, &
+            nsdae_sim_set_contact, nsdae_sim_set_slide
 
   interface
     subroutine nsdae_sim_options_default(options) bind(C)
@@ -272,6 +285,39 @@ module nsdae_f_sim
       import
       type(c_ptr), value :: sim
       type(nsdae_stats), intent(inout) :: stats
+    end function
+    integer(c_int) function c_run_to_event(sim, t_end) bind(C, name='nsdae_sim_run_to_event')
+      import
+      type(c_ptr), value :: sim
+      real(c_double), value :: t_end
+    end function
+    integer(c_int) function c_interpolate(sim, t, q, v) bind(C, name='nsdae_sim_interpolate')
+      import
+      type(c_ptr), value :: sim
+      real(c_double), value :: t
+      real(c_double), intent(inout) :: q(*), v(*)
+    end function
+    integer(c_int) function c_set_user(sim, user) bind(C, name='nsdae_sim_set_user')
+      import
+      type(c_ptr), value :: sim, user
+    end function
+    integer(c_int) function c_set_options(sim, options) bind(C, name='nsdae_sim_set_options')
+      import
+      type(c_ptr), value :: sim
+      type(nsdae_sim_options), intent(in) :: options
+    end function
+    integer(c_int) function c_set_contact(sim, i, mu, e_n, e_t) &
+        bind(C, name='nsdae_sim_set_contact')
+      import
+      type(c_ptr), value :: sim
+      integer(c_int), value :: i
+      real(c_double), value :: mu, e_n, e_t
+    end function
+    integer(c_int) function c_set_slide(sim, j, mu) bind(C, name='nsdae_sim_set_slide')
+      import
+      type(c_ptr), value :: sim
+      integer(c_int), value :: j
+      real(c_double), value :: mu
     end function
     integer(c_int) function c_state_size(sim, size) bind(C, name='nsdae_sim_state_size')
       import
@@ -377,7 +423,9 @@ contains
   subroutine nsdae_sim_destroy(sim)
     type(nsdae_sim), intent(inout) :: sim
     call c_destroy(sim%handle)
-    if (associated(sim%run)) deallocate (sim%run)
+    if (.not. associated(sim%run)) return
+    if (associated(sim%run%model)) deallocate (sim%run%model)
+    deallocate (sim%run)
   end subroutine
 
   ! The C handle, for programs in both languages.
@@ -504,6 +552,70 @@ contains
     status = c_run(at(sim), t_end)
   end function
 
+  ! The same, but back after the first step with NSDAE_EVENT or NSDAE_ZENO, with that status.
+  integer(c_int) function nsdae_sim_run_to_event(sim, t_end) result(status)
+    type(nsdae_sim), intent(in) :: sim
+    real(c_double), intent(in) :: t_end
+    status = c_run_to_event(at(sim), t_end)
+  end function
+
+  ! q [nq] and v [nv] at a time of the last step, its ends included. NSDAE_E_ARGUMENT: another time;
+  ! NSDAE_E_STATE: there is no last step.
+  integer(c_int) function nsdae_sim_interpolate(sim, t, q, v) result(status)
+    type(nsdae_sim), intent(in) :: sim
+    real(c_double), intent(in) :: t
+    real(c_double), intent(inout), contiguous :: q(:), v(:)
+    if (associated(sim%run)) then
+      status = check_size('q', size(q), sim%run%dims%nq, sim%run%refusal)
+      if (status == NSDAE_OK) status = check_size('v', size(v), sim%run%dims%nv, sim%run%refusal)
+      if (status < 0) return
+    end if
+    status = c_interpolate(at(sim), t, q, v)
+  end function
+
+  ! What the callbacks get as user in this simulation, in place of the system's: a target that lives
+  ! as long as the simulation.
+  integer(c_int) function nsdae_sim_set_user(sim, user) result(status)
+    type(nsdae_sim), intent(in) :: sim
+    class(*), target, intent(inout) :: user
+    class(*), pointer :: own
+    type(c_ptr) :: place
+    status = NSDAE_E_ARGUMENT
+    if (.not. associated(sim%run)) return
+    call nsdae_system_for_user(sim%system, user, place, own)
+    status = NSDAE_E_MEMORY
+    if (.not. associated(own)) return
+    status = c_set_user(at(sim), place)
+    if (status == NSDAE_OK) then
+      if (associated(sim%run%model)) deallocate (sim%run%model)
+      sim%run%model => own
+    else
+      deallocate (own)
+    end if
+  end function
+
+  ! Other options from here on; method, polygon and linear_solver are fixed: NSDAE_E_ARGUMENT.
+  integer(c_int) function nsdae_sim_set_options(sim, options) result(status)
+    type(nsdae_sim), intent(in) :: sim
+    type(nsdae_sim_options), intent(in) :: options
+    status = c_set_options(at(sim), options)
+  end function
+
+  ! Coefficients of contact i and of slide j in this simulation, in place of the system's.
+  integer(c_int) function nsdae_sim_set_contact(sim, i, mu, e_n, e_t) result(status)
+    type(nsdae_sim), intent(in) :: sim
+    integer(c_int), intent(in) :: i
+    real(c_double), intent(in) :: mu, e_n, e_t
+    status = c_set_contact(at(sim), i, mu, e_n, e_t)
+  end function
+
+  integer(c_int) function nsdae_sim_set_slide(sim, j, mu) result(status)
+    type(nsdae_sim), intent(in) :: sim
+    integer(c_int), intent(in) :: j
+    real(c_double), intent(in) :: mu
+    status = c_set_slide(at(sim), j, mu)
+  end function
+
   ! The state as a value: so many bytes, fixed by system and options, that hold all that the next
   ! step depends on. Set into a simulation of the same system and options the run goes on with the
   ! same bytes as without.
@@ -612,14 +724,19 @@ contains
     type(nsdae_record), intent(inout) :: record
     record%step = from%step
     record%time = from%time
+    record%duration = from%duration
     call c_f_pointer(from%q, record%q, [dims%nq])
     call c_f_pointer(from%v, record%v, [dims%nv])
+    call c_f_pointer(from%acceleration, record%acceleration, [dims%nv])
     call c_f_pointer(from%multiplier, record%multiplier, [dims%m])
     call c_f_pointer(from%gap, record%gap, [dims%k])
     call c_f_pointer(from%normal_impulse, record%normal_impulse, [dims%k])
     call c_f_pointer(from%tangential_impulse, record%tangential_impulse, [dims%nt, dims%k])
+    call c_f_pointer(from%normal_force, record%normal_force, [dims%k])
+    call c_f_pointer(from%tangential_force, record%tangential_force, [dims%nt, dims%k])
     call c_f_pointer(from%mode, record%mode, [dims%k])
     call c_f_pointer(from%slide_impulse, record%slide_impulse, [dims%f])
+    call c_f_pointer(from%slide_force, record%slide_force, [dims%f])
     call c_f_pointer(from%slide_mode, record%slide_mode, [dims%f])
     record%kinetic = from%kinetic
     record%potential = from%potential

@@ -187,7 +187,7 @@ module nsdae_f_system
   end type
   type(nobody), target, save :: no_user
 
-  public :: no_user
+  public :: no_user, nsdae_system_for_user
   ! callbacks.list: public_types
   public :: nsdae_mass_fn
   public :: nsdae_force_fn
@@ -409,6 +409,23 @@ contains
     system%model%user => no_user
     status = c_set_user(system%handle, c_loc(system%model))
   end function
+
+  ! For a simulation with a user of its own: what C then hands back, and the same to be released.
+  subroutine nsdae_system_for_user(system, user, place, own)
+    type(nsdae_system), intent(in) :: system
+    class(*), target, intent(inout) :: user
+    type(c_ptr), intent(out) :: place
+    class(*), pointer, intent(out) :: own
+    type(model), pointer :: copy
+    integer :: failed
+    place = c_null_ptr
+    own => null()
+    allocate (copy, source=system%model, stat=failed)
+    if (failed /= 0) return
+    copy%user => user
+    place = c_loc(copy)
+    own => copy
+  end subroutine
 
   ! Releases it; one that was not made is allowed. Simulations of it go on: what they need of it
   ! stays.

@@ -18,6 +18,14 @@ typedef struct nsdae_stepping {
    * warm start (nsdae_stepper_sizes), so that implicit can step in. */
   void (*sizes)(const struct nsdae_stepper *stepper, size_t *reals, size_t *wholes);
 
+  /* Settings or coefficients changed; NULL where nothing is made of them beside the stepper. */
+  int (*prepare)(void *own);
+
+  /* Leaves in the result's memory that the integrator starts anew at the state, whatever led there;
+   * NULL where nothing of it is kept beside the memory. Then the end of a step also tells what is
+   * between: see nsdae_sim_interpolate. */
+  int (*settle)(void *own, const nsdae_state *state, nsdae_result *result);
+
   /* From the state to t_end, into the result, which comes cleared and with the state's memory. A
    * status < 0 drops the result; the error record says why. */
   int (*advance)(void *own, const nsdae_state *state, double t_end, nsdae_result *result);

@@ -133,14 +133,14 @@ static int setting_at(const nsdae_sim *sim, int i, setting *s)
   }
   i -= table->n;
   if (i < 3 * d->k) {
-    const nsdae_coefficients *c = &sim->system->contact[i / 3];
+    const nsdae_coefficients *c = &sim->model.contact[i / 3];
     const double values[] = {c->mu, c->e_n, c->e_t};
     *s = (setting){coefficients[i % 3], i / 3, 1, values[i % 3]};
     return 1;
   }
   i -= 3 * d->k;
   if (i >= d->f) return 0;
-  *s = (setting){"mu of a slide", i, 1, sim->system->slide[i].mu};
+  *s = (setting){"mu of a slide", i, 1, sim->model.slide[i].mu};
   return 1;
 }
 
@@ -357,7 +357,7 @@ int nsdae_sim_set_state(nsdae_sim *sim, const void *block, size_t size)
   nsdae_error_clear(&sim->error);
   int status = block ? check_head(sim, block, size) : refuse(sim, "block", "block is NULL");
   if (status < 0) return status;
-  sim->waiting = 0;
+  sim->waiting = sim->between = 0;
   status = read_block(sim, block);
   if (status < 0) return status;
   nsdae_sim_commit(sim);

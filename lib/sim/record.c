@@ -12,6 +12,38 @@ enum {
   EVERY_TERM = ALL_TERMS | NSDAE_TERM_ACCELERATION
 };
 
+void nsdae_point_layout(nsdae_point *p, nsdae_arena *arena)
+{
+  const nsdae_dims *d = &p->result.end.system->dims;
+  nsdae_result_layout(&p->result, arena);
+  p->acceleration = NSDAE_ARENA_DOUBLES(arena, d->nv);
+  p->normal_force = NSDAE_ARENA_DOUBLES(arena, d->k);
+  p->tangential_force = NSDAE_ARENA_DOUBLES(arena, (long)d->k * d->nt);
+  p->slide_force = NSDAE_ARENA_DOUBLES(arena, d->f);
+}
+
+static void divide(double *to, const double *a, size_t n, double h)
+{
+  for (size_t i = 0; i < n; i++) to[i] = h > 0 ? a[i] / h : 0;
+}
+
+/* Means over the step, of all that happened in it; h = 0: there was none. */
+static void fill_means(nsdae_point *p, const nsdae_terms *from, double h)
+{
+  const nsdae_result *r = &p->result;
+  const nsdae_dims *d = &r->end.system->dims;
+  size_t k = (size_t)d->k;
+  for (int i = 0; i < d->nv; i++) p->acceleration[i] = h > 0 ? (r->end.v[i] - from->v[i]) / h : 0;
+  divide(p->normal_force, r->impulses.normal, k, h);
+  divide(p->tangential_force, r->impulses.tangential, k * (size_t)d->nt, h);
+  divide(p->slide_force, r->impulses.slide_impulse, (size_t)d->f, h);
+  p->record.duration = h;
+  p->record.acceleration = p->acceleration;
+  p->record.normal_force = p->normal_force;
+  p->record.tangential_force = p->tangential_force;
+  p->record.slide_force = p->slide_force;
+}
+
 static void fill_record(nsdae_point *p)
 {
   const nsdae_result *r = &p->result;
@@ -92,6 +124,7 @@ int nsdae_point_start(nsdae_sim *sim, nsdae_point *point)
   if (status < 0) return status;
   point->accounts = (nsdae_accounts){.grid_start = start->t};
   fill_record(point);
+  fill_means(point, start, 0);
   stats->energy_start = point->record.kinetic + point->record.potential;
   stats->rank = sim->system->dims.m;
   count(stats, &point->result.counters);
@@ -106,6 +139,7 @@ int nsdae_point_show(nsdae_point *point, unsigned have)
   if (status < 0) return status;
   end->have &= have | RECORD_TERMS; /* some callbacks give two */
   fill_record(point);
+  fill_means(point, end, 0);
   return NSDAE_OK;
 }
 
@@ -124,6 +158,7 @@ int nsdae_point_follow(const nsdae_point *before, nsdae_point *point, double imp
   a->stats.contact_steps += !r->smooth;
   a->stats.impacts += r->impacts;
   fill_record(point);
+  fill_means(point, &before->result.end, r->end.t - before->result.end.t);
   count(&a->stats, &r->counters);
   certify(&a->stats, &point->record);
   return NSDAE_OK;

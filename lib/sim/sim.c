@@ -13,8 +13,7 @@ static void layout(void *object, nsdae_arena *arena)
 {
   nsdae_sim *sim = object;
   nsdae_stepper_layout(&sim->stepper, arena);
-  nsdae_result_layout(&sim->point[0].result, arena);
-  nsdae_result_layout(&sim->point[1].result, arena);
+  for (int i = 0; i < (sim->aside ? 3 : 2); i++) nsdae_point_layout(&sim->point[i], arena);
   nsdae_projector_layout(&sim->projection, arena);
 }
 
@@ -37,11 +36,27 @@ static int check_create(const nsdae_system *system, const nsdae_sim_options *opt
   return status < 0 ? status : nsdae_system_complete(system, error);
 }
 
+/* The system with coefficients of its own; law and they are in blocks of their own, for their
+ * number sizes the arena. */
+static int copy_system(nsdae_sim *sim)
+{
+  const nsdae_system *from = sim->system;
+  size_t k = (size_t)from->dims.k, f = (size_t)from->dims.f;
+  memcpy(&sim->model, from, sizeof *from);
+  sim->model.contact = calloc(k + 1, sizeof *sim->model.contact);
+  sim->model.slide = calloc(f + 1, sizeof *sim->model.slide);
+  sim->law = calloc(k + 1, sizeof *sim->law);
+  if (!sim->model.contact || !sim->model.slide || !sim->law) return NSDAE_E_MEMORY;
+  if (k > 0) memcpy(sim->model.contact, from->contact, k * sizeof *from->contact);
+  if (f > 0) memcpy(sim->model.slide, from->slide, f * sizeof *from->slide);
+  return NSDAE_OK;
+}
+
 /* Everything that has a size, and the method. */
 static int build(nsdae_sim *sim)
 {
   nsdae_stepper *stepper = &sim->stepper;
-  stepper->system = sim->system;
+  stepper->system = &sim->model;
   stepper->options = &sim->options;
   stepper->error = &sim->error;
   stepper->contacts.law = sim->law;
@@ -51,7 +66,8 @@ static int build(nsdae_sim *sim)
   sim->projection.rows_most = nsdae_projected_rows(sim);
   sim->now = &sim->point[0];
   sim->next = &sim->point[1];
-  for (int i = 0; i < 2; i++) {
+  sim->aside = sim->method->settle ? &sim->point[2] : NULL;
+  for (int i = 0; i < 3; i++) {
     nsdae_result *r = &sim->point[i].result;
     nsdae_stepper_prepare_terms(stepper, &r->end);
     sim->method->sizes(stepper, &r->memory.reals, &r->memory.wholes);
@@ -78,8 +94,7 @@ int nsdae_sim_create(const nsdae_system *system, const nsdae_sim_options *option
   else
     nsdae_sim_options_default(&made->options);
   nsdae_error_clear(&made->error);
-  made->law = calloc((size_t)system->dims.k + 1, sizeof *made->law);
-  if (!made->law) return no_memory(made, error);
+  if (copy_system(made) < 0) return no_memory(made, error);
   status = build(made);
   if (status < 0) {
     if (error) *error = made->error;
@@ -97,6 +112,8 @@ void nsdae_sim_destroy(nsdae_sim **sim)
   if (method && method->destroy) method->destroy((*sim)->own);
   nsdae_arena_release(&(*sim)->arena);
   free((*sim)->law);
+  free((*sim)->model.contact);
+  free((*sim)->model.slide);
   nsdae_system_let_go((*sim)->system);
   free(*sim);
   *sim = NULL;
@@ -151,7 +168,7 @@ int nsdae_sim_init(nsdae_sim *sim, double t0, const double *q0, const double *v0
   if (!sim) return NSDAE_E_ARGUMENT;
   if (nsdae_observers_quiet(sim, "nsdae_sim_init") < 0) return NSDAE_E_STATE;
   nsdae_error_clear(&sim->error);
-  sim->started = sim->failed = sim->waiting = 0;
+  sim->started = sim->failed = sim->waiting = sim->between = 0;
   int status = nsdae_sim_check_state(sim, "nsdae_sim_init", t0, q0, v0);
   if (status == NSDAE_OK) status = start_at(sim, t0, q0, v0);
   if (status < 0) return status;

@@ -34,11 +34,15 @@ typedef struct nsdae_accounts {
 typedef struct nsdae_point {
   nsdae_result result;
   nsdae_accounts accounts;
-  nsdae_record record; /* made of them */
+  nsdae_record record;                                                  /* made of them */
+  double *acceleration, *normal_force, *tangential_force, *slide_force; /* means of the step */
 } nsdae_point;
 
+void nsdae_point_layout(nsdae_point *point, nsdae_arena *arena);
+
 struct nsdae_sim {
-  const nsdae_system *system;
+  const nsdae_system *system; /* held while the simulation lives */
+  nsdae_system model;         /* a copy with user and coefficients of its own */
   nsdae_sim_options options;
   nsdae_error error;
   nsdae_arena arena;
@@ -47,13 +51,15 @@ struct nsdae_sim {
   const nsdae_stepping *method;
   void *own; /* the method's */
   nsdae_projector projection;
-  nsdae_point point[2];    /* the two below */
+  nsdae_point point[3];    /* those below */
   nsdae_point *now, *next; /* the state; a step in work, or the step before the state */
+  nsdae_point *aside;      /* a third, for what is between two, where the method integrates */
   double asked;            /* the time that the step in next was asked for */
   nsdae_observers observers;
   double wall_time;
   int started; /* nsdae_sim_init was called */
   int told;    /* the observers have seen the state */
+  int between; /* next is the step before the state */
   int waiting; /* next is whole, and is the state as soon as the observers have seen it */
   int failed;  /* the last step ended on the complementarity problem of next */
 };

@@ -10,6 +10,7 @@ void nsdae_sim_commit(nsdae_sim *sim)
   nsdae_point *old = sim->now;
   sim->now = sim->next;
   sim->next = old;
+  sim->between = sim->waiting;
   sim->waiting = 0;
 }
 
@@ -81,7 +82,7 @@ static int prepare(nsdae_sim *sim, double t1)
 {
   double t0 = sim->now->result.end.t;
   if (sim->waiting && sim->asked == t1) return NSDAE_OK;
-  sim->waiting = 0;
+  sim->waiting = sim->between = 0;
   if (!(t1 > t0))
     return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, "nsdae_sim", "dt",
                            "dt = %g is lost in rounding at t = %.17g: make it larger",
@@ -142,7 +143,7 @@ static double next_time(const nsdae_sim *sim)
 static int outcome(const nsdae_result *result)
 {
   if (result->counters.accumulations > 0) return NSDAE_ZENO;
-  return result->impacts > 0 || result->counters.events > 0 ? NSDAE_EVENT : NSDAE_OK;
+  return result->impacts > 0 || result->changes > 0 ? NSDAE_EVENT : NSDAE_OK;
 }
 
 int nsdae_sim_step(nsdae_sim *sim)
@@ -165,18 +166,31 @@ static int step_towards(nsdae_sim *sim, double t_end)
   return step_to(sim, t_end, fabs(t1 - t_end) > hair);
 }
 
-int nsdae_sim_run(nsdae_sim *sim, double t_end)
+/* to_event: until one happens. */
+static int run(nsdae_sim *sim, const char *where, double t_end, int to_event)
 {
-  if (!sim) return NSDAE_E_ARGUMENT;
   double began = nsdae_wall_clock(), t = sim->started ? sim->now->result.end.t : 0;
   if (!sim->observers.telling) nsdae_error_clear(&sim->error);
   if (!isfinite(t_end) || (sim->started && t_end < t))
-    return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, "nsdae_sim_run", "t_end",
+    return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, where, "t_end",
                            "t_end = %g is outside its range: it must be finite and at least the "
                            "time reached, %g",
                            t_end, t);
-  int status = begin(sim, "nsdae_sim_run");
-  while (status == NSDAE_OK && sim->now->result.end.t < t_end) status = step_towards(sim, t_end);
+  int status = begin(sim, where);
+  while (status == NSDAE_OK && sim->now->result.end.t < t_end) {
+    status = step_towards(sim, t_end);
+    if (status == NSDAE_OK && to_event) status = outcome(&sim->now->result);
+  }
   sim->wall_time += nsdae_wall_clock() - began;
   return status;
+}
+
+int nsdae_sim_run(nsdae_sim *sim, double t_end)
+{
+  return sim ? run(sim, "nsdae_sim_run", t_end, 0) : NSDAE_E_ARGUMENT;
+}
+
+int nsdae_sim_run_to_event(nsdae_sim *sim, double t_end)
+{
+  return sim ? run(sim, "nsdae_sim_run_to_event", t_end, 1) : NSDAE_E_ARGUMENT;
 }

@@ -24,6 +24,8 @@ typedef struct nsdae_dae_problem {
  * NSDAE_E_MEMORY; NSDAE_E_UNSUPPORTED where the library was built without SUNDIALS. */
 int nsdae_dae_create(const nsdae_dae_problem *problem, double rtol, double atol, double max_step,
                      nsdae_dae **dae);
+/* Other tolerances and longest step, before the next start. */
+void nsdae_dae_tolerances(nsdae_dae *dae, double rtol, double atol, double max_step);
 void nsdae_dae_destroy(nsdae_dae **dae);
 
 /* Starts (anew) at t towards the time after it. On entry y holds the state and a guess of its

@@ -195,6 +195,12 @@ int nsdae_dae_create(const nsdae_dae_problem *problem, double rtol, double atol,
   return status;
 }
 
+void nsdae_dae_tolerances(nsdae_dae *dae, double rtol, double atol, double max_step)
+{
+  IDASStolerances(dae->ida, rtol, atol);
+  IDASetMaxStep(dae->ida, max_step);
+}
+
 void nsdae_dae_destroy(nsdae_dae **dae)
 {
   nsdae_dae *old = dae ? *dae : NULL;

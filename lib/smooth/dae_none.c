@@ -14,6 +14,14 @@ int nsdae_dae_create(const nsdae_dae_problem *problem, double rtol, double atol,
   return NSDAE_E_UNSUPPORTED;
 }
 
+void nsdae_dae_tolerances(nsdae_dae *dae, double rtol, double atol, double max_step)
+{
+  (void)dae;
+  (void)rtol;
+  (void)atol;
+  (void)max_step;
+}
+
 void nsdae_dae_destroy(nsdae_dae **dae)
 {
   (void)dae;

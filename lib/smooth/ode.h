@@ -17,6 +17,8 @@ typedef struct nsdae_ode_problem {
 
 /* NSDAE_E_MEMORY; NSDAE_E_UNSUPPORTED where the library was built without SUNDIALS. */
 int nsdae_ode_create(const nsdae_ode_problem *problem, double rtol, double atol, nsdae_ode **ode);
+/* Other tolerances, before the next start. */
+void nsdae_ode_tolerances(nsdae_ode *ode, double rtol, double atol);
 void nsdae_ode_destroy(nsdae_ode **ode);
 
 /* Starts (anew) at t, y [n]. */

@@ -138,6 +138,11 @@ int nsdae_ode_create(const nsdae_ode_problem *problem, double rtol, double atol,
   return status;
 }
 
+void nsdae_ode_tolerances(nsdae_ode *ode, double rtol, double atol)
+{
+  CVodeSStolerances(ode->cvode, rtol, atol);
+}
+
 void nsdae_ode_destroy(nsdae_ode **ode)
 {
   nsdae_ode *old = ode ? *ode : NULL;

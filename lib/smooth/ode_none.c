@@ -12,6 +12,13 @@ int nsdae_ode_create(const nsdae_ode_problem *problem, double rtol, double atol,
   return NSDAE_E_UNSUPPORTED;
 }
 
+void nsdae_ode_tolerances(nsdae_ode *ode, double rtol, double atol)
+{
+  (void)ode;
+  (void)rtol;
+  (void)atol;
+}
+
 void nsdae_ode_destroy(nsdae_ode **ode)
 {
   *ode = NULL;

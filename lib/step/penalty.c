@@ -267,10 +267,17 @@ static int check_law(const nsdae_stepper *s)
   return NSDAE_OK;
 }
 
+static int prepare(void *own)
+{
+  penalty *p = own;
+  const nsdae_sim_options *o = p->stepper->options;
+  p->law = (nsdae_penalty_force){o->penalty_law, o->penalty_stiffness, o->penalty_exponent};
+  nsdae_ode_tolerances(p->ode, o->rtol, o->atol);
+  return check_law(p->stepper);
+}
+
 static int create(nsdae_stepper *s, void **own)
 {
-  const nsdae_sim_options *o = s->options;
-  if (check_law(s) < 0) return NSDAE_E_ARGUMENT;
   penalty *p = calloc(1, sizeof *p);
   *own = p;
   if (!p) return nsdae_error_set(s->error, NSDAE_E_MEMORY, "nsdae_sim_create", "", "out of memory");
@@ -278,13 +285,14 @@ static int create(nsdae_stepper *s, void **own)
   p->n = at_work(&s->system->dims) + 1;
   const nsdae_ode_problem problem = {p->n, s->system->dims.k, rate, gaps, p};
   int status = nsdae_arena_build(&p->arena, layout, p);
-  if (status == NSDAE_OK) status = nsdae_ode_create(&problem, o->rtol, o->atol, &p->ode);
+  if (status == NSDAE_OK)
+    status = nsdae_ode_create(&problem, s->options->rtol, s->options->atol, &p->ode);
   if (status == NSDAE_E_UNSUPPORTED)
     return nsdae_error_set(s->error, status, "nsdae_sim_create", "method",
                            "method penalty needs SUNDIALS, and this library was built without it "
                            "(NSDAE_SUNDIALS=OFF)");
-  if (status < 0) nsdae_error_set(s->error, status, "nsdae_sim_create", "", "out of memory");
-  return status;
+  if (status < 0) return nsdae_error_set(s->error, status, "nsdae_sim_create", "", "out of memory");
+  return prepare(p);
 }
 
 static void destroy(void *own)
@@ -296,14 +304,19 @@ static void destroy(void *own)
   free(p);
 }
 
-/* The integrator starts anew from here: that is the base from now on. */
-static int start(penalty *p, double t)
+/* Here the integrator starts anew. */
+static void move_base(penalty *p, double t)
 {
   penalty_base *b = &p->base;
   *b->t = t;
   *b->ends = 0;
   memcpy(b->y, p->y, (size_t)p->n * sizeof *b->y);
   memcpy(b->peak, p->peak, (size_t)p->stepper->system->dims.k * sizeof *b->peak);
+}
+
+static int start(penalty *p, double t)
+{
+  move_base(p, t);
   return nsdae_ode_start(p->ode, t, p->y);
 }
 
@@ -540,12 +553,20 @@ static int arrive(penalty *p, const nsdae_state *state, nsdae_counters *counters
   return status;
 }
 
+static int settle(void *own, const nsdae_state *state, nsdae_result *result)
+{
+  penalty *p = own;
+  find_base(p, &result->memory);
+  int status = arrive(p, state, &result->counters);
+  p->stamp = 0;
+  if (status == NSDAE_OK) move_base(p, state->terms->t);
+  return status;
+}
+
 static int advance(void *own, const nsdae_state *state, double t_end, nsdae_result *result)
 {
   penalty *p = own;
-  const nsdae_sim_options *o = p->stepper->options;
   double t = state->terms->t;
-  p->law = (nsdae_penalty_force){o->penalty_law, o->penalty_stiffness, o->penalty_exponent};
   find_base(p, &result->memory);
   int status = arrive(p, state, &result->counters);
   p->stamp = 0;
@@ -566,4 +587,6 @@ const nsdae_stepping nsdae_stepping_penalty = {
     .create = create,
     .destroy = destroy,
     .sizes = sizes,
+    .prepare = prepare,
+    .settle = settle,
     .advance = advance};

@@ -267,6 +267,11 @@ contains
     type(nsdae_c_record), target :: x
     call same_size('nsdae_record', c_sizeof(x))
     call same_place('nsdae_record%time', c_loc(x), c_loc(x%time))
+    call same_place('nsdae_record%duration', c_loc(x), c_loc(x%duration))
+    call same_place('nsdae_record%acceleration', c_loc(x), c_loc(x%acceleration))
+    call same_place('nsdae_record%normal_force', c_loc(x), c_loc(x%normal_force))
+    call same_place('nsdae_record%tangential_force', c_loc(x), c_loc(x%tangential_force))
+    call same_place('nsdae_record%slide_force', c_loc(x), c_loc(x%slide_force))
     call same_place('nsdae_record%q', c_loc(x), c_loc(x%q))
     call same_place('nsdae_record%v', c_loc(x), c_loc(x%v))
     call same_place('nsdae_record%multiplier', c_loc(x), c_loc(x%multiplier))

@@ -1,0 +1,85 @@
+/* What is between the ends of the last step.
+ *
+ * Time-stepping: v is the straight line from v_0 to v_1, q the parabola through q_0 and q_1 with
+ * the difference of dq/dt at both ends,
+ *
+ *   q(s) = q_0 + s (q_1 - q_0) + h/2 (s^2 - s) (H_1 v_1 - H_0 v_0),   0 <= s <= 1,
+ *
+ * for implicit, q_1 = q_0 + h/2 (H_0 v_0 + H_1 v_1), the integral of the line.
+ *
+ * A method that integrates goes from the state before to t, into a point aside. */
+#include "errors.h"
+#include "sim_impl.h"
+
+#include <string.h>
+
+static int by_parabola(nsdae_sim *sim, const nsdae_terms *from, const nsdae_terms *to, double t,
+                       double *q, double *v)
+{
+  nsdae_stepper *tools = &sim->stepper;
+  double h = to->t - from->t, s = (t - from->t) / h;
+  int status = nsdae_stepper_kinematics(tools, from->t, from->q, from->v, tools->qdot0);
+  if (status == NSDAE_OK)
+    status = nsdae_stepper_kinematics(tools, to->t, to->q, to->v, tools->qdot1);
+  if (status < 0) return status;
+  for (int i = 0; i < sim->model.dims.nq; i++)
+    q[i] = from->q[i] + s * (to->q[i] - from->q[i]) +
+           h / 2 * (s * s - s) * (tools->qdot1[i] - tools->qdot0[i]);
+  for (int i = 0; i < sim->model.dims.nv; i++) v[i] = from->v[i] + s * (to->v[i] - from->v[i]);
+  return NSDAE_OK;
+}
+
+static void copy(const nsdae_terms *at, double *q, double *v)
+{
+  memcpy(q, at->q, (size_t)at->system->dims.nq * sizeof *q);
+  memcpy(v, at->v, (size_t)at->system->dims.nv * sizeof *v);
+}
+
+static int by_integration(nsdae_sim *sim, nsdae_result *before, double t, double *q, double *v)
+{
+  nsdae_result *r = &sim->aside->result;
+  const nsdae_state state = {&before->end, &before->memory};
+  unsigned have = before->end.have;
+  nsdae_result_clear(r);
+  nsdae_memory_copy(&r->memory, &before->memory);
+  nsdae_stepper_count(&sim->stepper, &state, r);
+  int status = sim->method->advance(sim->own, &state, t, r);
+  before->end.have = have;
+  if (status < 0) return status;
+  if (r->given_up)
+    return by_parabola(sim, &before->end, &nsdae_sim_shown(sim)->result.end, t, q, v);
+  copy(&r->end, q, v);
+  return NSDAE_OK;
+}
+
+static int check_time(nsdae_sim *sim, double t, double from, double to)
+{
+  if (t >= from && t <= to) return NSDAE_OK;
+  return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, "nsdae_sim_interpolate", "t",
+                         "t = %.17g is outside the last step, from %.17g to %.17g", t, from, to);
+}
+
+int nsdae_sim_interpolate(nsdae_sim *sim, double t, double *q, double *v)
+{
+  const char *where = "nsdae_sim_interpolate";
+  if (!sim) return NSDAE_E_ARGUMENT;
+  nsdae_error_clear(&sim->error);
+  if (!q || !v)
+    return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, where, q ? "v" : "q", "%s is NULL",
+                           q ? "v" : "q");
+  const nsdae_point *shown = nsdae_sim_shown(sim);
+  nsdae_point *before = shown == sim->next ? sim->now : sim->next;
+  if (!sim->started || (shown == sim->now && !sim->between))
+    return nsdae_error_set(&sim->error, NSDAE_E_STATE, where, "",
+                           "there is no last step: none was done since the start, or it failed");
+  const nsdae_terms *from = &before->result.end, *to = &shown->result.end;
+  int status = check_time(sim, t, from->t, to->t);
+  if (status < 0) return status;
+  if (t == from->t || t == to->t) {
+    copy(t == to->t ? to : from, q, v);
+    return NSDAE_OK;
+  }
+  if (!sim->aside || shown->result.counters.fallbacks > 0)
+    return by_parabola(sim, from, to, t, q, v);
+  return by_integration(sim, &before->result, t, q, v);
+}

@@ -1,0 +1,159 @@
+/* What may be another between two steps: the user pointer, coefficients, and the options that size
+ * nothing. The method first makes its memory independent of how it came to the state under the old
+ * ones (settle), then looks at the new ones (prepare). */
+#include <math.h>
+#include <string.h>
+
+#include "errors.h"
+#include "options.h"
+#include "sim_impl.h"
+
+int nsdae_sim_set_user(nsdae_sim *sim, void *user)
+{
+  if (!sim) return NSDAE_E_ARGUMENT;
+  if (nsdae_observers_quiet(sim, "nsdae_sim_set_user") < 0) return NSDAE_E_STATE;
+  nsdae_error_clear(&sim->error);
+  sim->waiting = 0;
+  sim->model.user = user;
+  return NSDAE_OK;
+}
+
+/* Before anything is changed. */
+static int settle(nsdae_sim *sim)
+{
+  nsdae_result *r = &sim->next->result;
+  nsdae_memory *memory = &sim->now->result.memory;
+  const nsdae_state state = {&sim->now->result.end, memory};
+  sim->waiting = 0;
+  if (!sim->started || !sim->method->settle || memory->stamp == 0) return NSDAE_OK;
+  sim->between = 0;
+  nsdae_result_clear(r);
+  nsdae_memory_copy(&r->memory, memory);
+  nsdae_stepper_count(&sim->stepper, &state, r);
+  int status = sim->method->settle(sim->own, &state, r);
+  if (status < 0) return status;
+  nsdae_memory_copy(memory, &r->memory);
+  memory->stamp = -1; /* what is kept beside it was made under the old settings */
+  return NSDAE_OK;
+}
+
+static int prepare(nsdae_sim *sim)
+{
+  nsdae_stepper_prepare(&sim->stepper);
+  return sim->method->prepare ? sim->method->prepare(sim->own) : NSDAE_OK;
+}
+
+static int check_fixed(nsdae_sim *sim, const nsdae_sim_options *options)
+{
+  static const char *const fixed[] = {"method", "polygon", "linear_solver"};
+  for (size_t i = 0; i < sizeof fixed / sizeof *fixed; i++) {
+    const nsdae_param *p = nsdae_params_find(nsdae_sim_options_table(), fixed[i]);
+    if (nsdae_sim_option_value(options, p) == nsdae_sim_option_value(&sim->options, p)) continue;
+    return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, "nsdae_sim_set_options", fixed[i],
+                           "%s is fixed when a simulation is made: make another for another %s",
+                           fixed[i], fixed[i]);
+  }
+  return NSDAE_OK;
+}
+
+/* A new dt starts a new grid of steps where the run is. */
+static void start_grid(nsdae_sim *sim)
+{
+  sim->now->accounts.grid_start = sim->now->result.end.t;
+  sim->now->accounts.grid_count = 0;
+}
+
+int nsdae_sim_set_options(nsdae_sim *sim, const nsdae_sim_options *options)
+{
+  if (!sim) return NSDAE_E_ARGUMENT;
+  if (nsdae_observers_quiet(sim, "nsdae_sim_set_options") < 0) return NSDAE_E_STATE;
+  nsdae_error_clear(&sim->error);
+  if (!options)
+    return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, "nsdae_sim_set_options", "options",
+                           "options is NULL");
+  int status = nsdae_sim_options_check(options, &sim->error);
+  if (status == NSDAE_OK) status = check_fixed(sim, options);
+  if (status == NSDAE_OK) status = settle(sim);
+  if (status < 0) return status;
+  const nsdae_sim_options before = sim->options;
+  sim->options = *options;
+  status = prepare(sim);
+  if (status < 0) {
+    const nsdae_error why = sim->error;
+    sim->options = before;
+    prepare(sim);
+    sim->error = why;
+    return status;
+  }
+  if (sim->started && before.dt != options->dt) start_grid(sim);
+  return NSDAE_OK;
+}
+
+static int bad_coefficient(nsdae_sim *sim, const char *where, const char *name, int i, double value,
+                           const char *range)
+{
+  nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, where, name,
+                  "%s = %g of %d is outside its range: it must be %s", name, value, i, range);
+  sim->error.index = i;
+  return NSDAE_E_ARGUMENT;
+}
+
+static int bad_index(nsdae_sim *sim, const char *where, const char *name, int i, int n)
+{
+  nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, where, name,
+                  "%s = %d is outside its range: there are %d", name, i, n);
+  sim->error.index = i;
+  return NSDAE_E_ARGUMENT;
+}
+
+/* mu sizes the problem where it is zero in the system: those stay without friction. */
+static int check_mu(nsdae_sim *sim, const char *where, int i, double made, double mu)
+{
+  if (!(mu >= 0) || isinf(mu))
+    return bad_coefficient(sim, where, "mu", i, mu, "at least 0, finite");
+  if (made == 0 && mu > 0)
+    return bad_coefficient(sim, where, "mu", i, mu,
+                           "0, as in the system that the simulation was made of");
+  return NSDAE_OK;
+}
+
+int nsdae_sim_set_contact(nsdae_sim *sim, int i, double mu, double e_n, double e_t)
+{
+  const char *where = "nsdae_sim_set_contact";
+  if (!sim) return NSDAE_E_ARGUMENT;
+  if (nsdae_observers_quiet(sim, where) < 0) return NSDAE_E_STATE;
+  nsdae_error_clear(&sim->error);
+  if (i < 0 || i >= sim->model.dims.k) return bad_index(sim, where, "i", i, sim->model.dims.k);
+  int status = check_mu(sim, where, i, sim->system->contact[i].mu, mu);
+  if (status < 0) return status;
+  if (!(e_n >= 0 && e_n <= 1)) return bad_coefficient(sim, where, "e_n", i, e_n, "0 to 1");
+  if (!(e_t >= 0 && e_t <= 1)) return bad_coefficient(sim, where, "e_t", i, e_t, "0 to 1");
+  status = settle(sim);
+  if (status < 0) return status;
+  const nsdae_coefficients before = sim->model.contact[i];
+  sim->model.contact[i] = (nsdae_coefficients){mu, e_n, e_t};
+  status = prepare(sim);
+  if (status == NSDAE_OK) return status;
+  const nsdae_error why = sim->error;
+  sim->model.contact[i] = before;
+  prepare(sim);
+  sim->error = why;
+  return status;
+}
+
+int nsdae_sim_set_slide(nsdae_sim *sim, int j, double mu)
+{
+  const char *where = "nsdae_sim_set_slide";
+  if (!sim) return NSDAE_E_ARGUMENT;
+  if (nsdae_observers_quiet(sim, where) < 0) return NSDAE_E_STATE;
+  nsdae_error_clear(&sim->error);
+  if (j < 0 || j >= sim->model.dims.f) return bad_index(sim, where, "j", j, sim->model.dims.f);
+  int status = check_mu(sim, where, j, sim->system->slide[j].mu, mu);
+  if (status == NSDAE_OK && mu == 0 && sim->system->slide[j].mu > 0)
+    status = bad_coefficient(sim, where, "mu", j, mu,
+                             "above 0, as in the system that the simulation was made of");
+  if (status == NSDAE_OK) status = settle(sim);
+  if (status < 0) return status;
+  sim->model.slide[j].mu = mu;
+  return prepare(sim);
+}

@@ -1,0 +1,388 @@
+/* What runs need, on every method: the state within a step, settings that change between steps,
+ * runs that stop at events, users of a simulation's own, means of the record. */
+#include "check.h"
+
+#include <stdlib.h>
+
+#include <nsdae/nsdae.h>
+
+/* A ball over a floor, z'' = -g (1 + c sin t), and how often it asked; user: ball. */
+typedef struct ball {
+  double gravity;
+  long calls;
+} ball;
+
+static int mass(double t, const double *q, double *M, int ldm, void *user)
+{
+  (void)t;
+  (void)q;
+  (void)user;
+  M[0] = M[ldm + 1] = 2;
+  return 0;
+}
+
+static int force(double t, const double *q, const double *v, double *F, void *user)
+{
+  ball *b = user;
+  (void)t;
+  (void)q;
+  (void)v;
+  b->calls++;
+  F[1] = -2 * b->gravity;
+  return 0;
+}
+
+static int gap(double t, const double *q, double *g, void *user)
+{
+  (void)t;
+  (void)user;
+  g[0] = q[1];
+  return 0;
+}
+
+static int normal(double t, const double *q, double *W, int ldw, void *user)
+{
+  (void)t;
+  (void)q;
+  (void)user;
+  (void)ldw;
+  W[1] = 1;
+  return 0;
+}
+
+static int tangent(double t, const double *q, double *W, int ldw, void *user)
+{
+  (void)t;
+  (void)q;
+  (void)user;
+  (void)ldw;
+  W[0] = 1;
+  return 0;
+}
+
+static nsdae_system *make_system(ball *b)
+{
+  nsdae_system *system = NULL;
+  const nsdae_dims dims = {.nq = 2, .k = 1, .nt = 1};
+  assert_int_equal(nsdae_system_create(&dims, &system, NULL), NSDAE_OK);
+  nsdae_system_set_user(system, b);
+  nsdae_system_set_mass(system, mass);
+  nsdae_system_set_force(system, force);
+  nsdae_system_set_gap(system, gap);
+  nsdae_system_set_gap_normal(system, normal);
+  nsdae_system_set_gap_tangent(system, tangent);
+  assert_int_equal(nsdae_system_set_contact(system, 0, 0.2, 0.5, 0), NSDAE_OK);
+  return system;
+}
+
+static nsdae_sim_options options_of(int method)
+{
+  nsdae_sim_options o;
+  nsdae_sim_options_default(&o);
+  o.method = method;
+  o.dt = 0.01;
+  o.penalty_stiffness = 1e6;
+  return o;
+}
+
+/* NULL where the method is not built; from height h with velocity u along the floor. */
+static nsdae_sim *make(nsdae_system *system, const nsdae_sim_options *o, double h, double u)
+{
+  nsdae_sim *sim = NULL;
+  const double q0[] = {0, h}, v0[] = {u, 0};
+  int status = nsdae_sim_create(system, o, &sim, NULL);
+  if (status == NSDAE_E_UNSUPPORTED) return NULL;
+  assert_int_equal(status, NSDAE_OK);
+  assert_int_equal(nsdae_sim_init(sim, 0, q0, v0), NSDAE_OK);
+  return sim;
+}
+
+static void each(void (*f)(nsdae_system *system, ball *b, nsdae_sim_options o))
+{
+  for (int method = 0; nsdae_method_name(method); method++) {
+    ball b = {.gravity = 9.81};
+    nsdae_system *system = make_system(&b);
+    f(system, &b, options_of(method));
+    nsdae_system_destroy(&system);
+  }
+}
+
+/* A fall is q = h - g t^2 / 2: the parabola's own, so that every method has it but for its order.
+ */
+static void fall(nsdae_system *system, ball *b, nsdae_sim_options o)
+{
+  double q[2], v[2], first = o.method == NSDAE_METHOD_MOREAU ? 0.5 * 9.81 * o.dt * o.dt : 0;
+  nsdae_sim *sim = make(system, &o, 10, 1);
+  nsdae_record r;
+  (void)b;
+  if (!sim) return;
+  assert_int_equal(nsdae_sim_interpolate(sim, 0, q, v), NSDAE_E_STATE);
+  for (int s = 0; s < 20; s++) assert_int_equal(nsdae_sim_step(sim), NSDAE_OK);
+  nsdae_sim_get_record(sim, &r);
+  assert_near(r.duration, o.dt, 1e-15);
+  assert_near(r.acceleration[0], 0, 1e-10);
+  assert_near(r.acceleration[1], -9.81, 1e-6);
+  for (int i = 0; i <= 10; i++) {
+    double t = r.time - o.dt + i * o.dt / 10;
+    if (i == 10) t = r.time;
+    assert_int_equal(nsdae_sim_interpolate(sim, t, q, v), NSDAE_OK);
+    assert_near(q[0], t, 1e-9);
+    assert_near(q[1], 10 - 9.81 * t * t / 2, 1e-6 + 21 * first); /* 100 rtol */
+    assert_near(v[1], -9.81 * t, 1e-6);
+  }
+  assert_memory_equal(q, r.q, sizeof q);
+  assert_memory_equal(v, r.v, sizeof v);
+  assert_int_equal(nsdae_sim_interpolate(sim, r.time + 1e-6, q, v), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_sim_interpolate(sim, r.time - 2 * o.dt, q, v), NSDAE_E_ARGUMENT);
+  assert_string_equal(nsdae_sim_error(sim)->argument, "t");
+  nsdae_sim_destroy(&sim);
+}
+
+static void test_fall(void **state)
+{
+  (void)state;
+  each(fall);
+}
+
+/* The observer asks for what is within the step that it sees, through impacts: the run does not
+ * notice. */
+typedef struct asking {
+  nsdae_sim *sim;
+  double last;
+  int asked;
+} asking;
+
+static int ask(const nsdae_record *r, nsdae_error *error, void *user)
+{
+  asking *a = user;
+  double q[2], v[2];
+  (void)error;
+  if (r->step > 0) {
+    for (int i = 0; i < 3; i++) {
+      double t = a->last + (r->time - a->last) * (i + 1) / 4;
+      assert_int_equal(nsdae_sim_interpolate(a->sim, t, q, v), NSDAE_OK);
+      assert_true(isfinite(q[0]) && q[1] > -0.2 && fabs(v[1]) < 10);
+      a->asked++;
+    }
+    assert_int_equal(nsdae_sim_step(a->sim), NSDAE_E_STATE); /* not from here */
+  }
+  a->last = r->time;
+  return 0;
+}
+
+static void undisturbed(nsdae_system *system, ball *b, nsdae_sim_options o)
+{
+  nsdae_record r, other;
+  double q[2];
+  (void)b;
+  nsdae_sim *sim = make(system, &o, 0.3, 1);
+  if (!sim) return;
+  nsdae_sim *asked = make(system, &o, 0.3, 1);
+  asking a = {.sim = asked};
+  assert_int_equal(nsdae_sim_observe(asked, ask, &a), NSDAE_OK);
+  assert_int_equal(nsdae_sim_run(sim, 0.9), NSDAE_OK);
+  assert_int_equal(nsdae_sim_run(asked, 0.9), NSDAE_OK);
+  nsdae_sim_get_record(sim, &r);
+  memcpy(q, r.q, sizeof q);
+  nsdae_sim_get_record(asked, &other);
+  assert_int_equal(a.asked, 3 * other.step);
+  assert_memory_equal(other.q, q, sizeof q);
+  assert_memory_equal(other.v, r.v, sizeof q);
+  nsdae_sim_destroy(&sim);
+  nsdae_sim_destroy(&asked);
+}
+
+static void test_undisturbed(void **state)
+{
+  (void)state;
+  each(undisturbed);
+}
+
+/* It stops after the first impact, and then after the second. */
+static void to_event(nsdae_system *system, ball *b, nsdae_sim_options o)
+{
+  nsdae_record r;
+  nsdae_sim *sim = make(system, &o, 1, 0);
+  if (!sim) return;
+  double first = sqrt(2 / b->gravity), second = first + 2 * 0.5 * b->gravity * first / b->gravity;
+  const double at[] = {first, second};
+  for (int i = 0; i < 2; i++) {
+    int status = nsdae_sim_run_to_event(sim, 5);
+    assert_int_equal(status, NSDAE_EVENT);
+    nsdae_sim_get_record(sim, &r);
+    assert_int_equal(r.impacts, 1);
+    /* the restitution of a continuous contact is only about e */
+    if (i == 0 || o.method != NSDAE_METHOD_PENALTY) assert_near(r.time, at[i], 3 * o.dt);
+  }
+  assert_int_equal(nsdae_sim_run_to_event(sim, r.time + 3 * o.dt), NSDAE_OK);
+  assert_int_equal(nsdae_sim_run_to_event(sim, 0), NSDAE_E_ARGUMENT);
+  assert_string_equal(nsdae_sim_error(sim)->where, "nsdae_sim_run_to_event");
+  nsdae_sim_destroy(&sim);
+}
+
+static void test_to_event(void **state)
+{
+  (void)state;
+  each(to_event);
+}
+
+/* A user of its own: other gravity, and it alone is asked. */
+static void user(nsdae_system *system, ball *b, nsdae_sim_options o)
+{
+  ball own = {.gravity = 1.62};
+  nsdae_record r;
+  nsdae_sim *sim = make(system, &o, 10, 0);
+  if (!sim) return;
+  const double q0[] = {0, 10}, v0[] = {0, 0};
+  assert_int_equal(nsdae_sim_set_user(sim, &own), NSDAE_OK);
+  assert_int_equal(nsdae_sim_init(sim, 0, q0, v0), NSDAE_OK);
+  long before = b->calls;
+  assert_int_equal(nsdae_sim_run(sim, 0.5), NSDAE_OK);
+  nsdae_sim_get_record(sim, &r);
+  assert_near(r.v[1], -1.62 * 0.5, 1e-7);
+  assert_int_equal(b->calls, before);
+  assert_true(own.calls > 0);
+  nsdae_sim_destroy(&sim);
+}
+
+static void test_user(void **state)
+{
+  (void)state;
+  each(user);
+}
+
+/* dt, tolerances and coefficients changed on the way: the motion is that of the new ones, and a
+ * state taken afterwards goes on with the same bytes. */
+static void settings(nsdae_system *system, ball *b, nsdae_sim_options o)
+{
+  nsdae_record r;
+  size_t size;
+  (void)b;
+  nsdae_sim *sim = make(system, &o, 0.5, 1);
+  if (!sim) return;
+  assert_int_equal(nsdae_sim_run(sim, 0.2), NSDAE_OK);
+  nsdae_sim_options finer = o;
+  finer.dt = o.dt / 4;
+  finer.rtol = 1e-7;
+  finer.lcp_tol = 1e-9;
+  assert_int_equal(nsdae_sim_set_options(sim, &finer), NSDAE_OK);
+  assert_int_equal(nsdae_sim_set_contact(sim, 0, 0.1, 0, 0), NSDAE_OK);
+  assert_true(nsdae_sim_step(sim) >= 0);
+  nsdae_sim_get_record(sim, &r);
+  assert_near(r.time, 0.2 + finer.dt, 1e-15);
+  assert_near(r.q[1], 0.5 - 9.81 * r.time * r.time / 2, 0.02);
+
+  nsdae_sim *other = make(system, &finer, 1, 0);
+  assert_int_equal(nsdae_sim_set_contact(other, 0, 0.1, 0, 0), NSDAE_OK);
+  nsdae_sim_state_size(sim, &size);
+  unsigned char *block = malloc(size), *end = malloc(size);
+  assert_true(block && end);
+  assert_int_equal(nsdae_sim_get_state(sim, block, size), NSDAE_OK);
+  assert_int_equal(nsdae_sim_set_state(other, block, size), NSDAE_OK);
+  assert_int_equal(nsdae_sim_run(sim, 1), NSDAE_OK);
+  assert_int_equal(nsdae_sim_run(other, 1), NSDAE_OK);
+  nsdae_sim_get_state(sim, block, size);
+  nsdae_sim_get_state(other, end, size);
+  assert_memory_equal(block, end, size);
+
+  /* mu 0.1 and e = 0: it slides on, and loses mu (g t + the impact) of its speed */
+  nsdae_sim_get_record(sim, &r);
+  double hit = sqrt(2 * 0.5 / 9.81);
+  double lost = 0.1 * (9.81 * hit + 9.81 * (r.time - hit));
+  if (o.method != NSDAE_METHOD_PENALTY) assert_near(r.v[0], fmax(0, 1 - lost), 0.02);
+  assert_at_most(fabs(r.q[1]), 0.05);
+
+  finer.polygon = 16;
+  assert_int_equal(nsdae_sim_set_options(sim, &finer), NSDAE_E_ARGUMENT);
+  assert_string_equal(nsdae_sim_error(sim)->argument, "polygon");
+  finer.polygon = o.polygon;
+  finer.dt = -1;
+  assert_int_equal(nsdae_sim_set_options(sim, &finer), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_sim_set_options(sim, NULL), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_sim_set_contact(sim, 1, 0, 0, 0), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_sim_set_contact(sim, 0, NAN, 0, 0), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_sim_set_contact(sim, 0, 0.1, 2, 0), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_sim_set_slide(sim, 0, 0.1), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_sim_set_contact(sim, 0, 0, 0.5, 0), NSDAE_OK); /* no friction any more */
+  assert_true(nsdae_sim_step(sim) >= 0);
+  nsdae_sim_get_state(sim, block, size);
+  assert_int_equal(nsdae_sim_set_state(other, block, size), NSDAE_E_ARGUMENT);
+  assert_string_equal(nsdae_sim_error(other)->argument, "mu");
+  free(block);
+  free(end);
+  nsdae_sim_destroy(&sim);
+  nsdae_sim_destroy(&other);
+}
+
+static void test_settings(void **state)
+{
+  (void)state;
+  each(settings);
+}
+
+/* Forces are the impulses over the step, accelerations what they do: m a = F + W f. */
+static void means(nsdae_system *system, ball *b, nsdae_sim_options o)
+{
+  nsdae_record r;
+  nsdae_sim *sim = make(system, &o, 0.05, 1);
+  if (!sim) return;
+  for (int s = 0; s < 40; s++) {
+    assert_true(nsdae_sim_step(sim) >= 0);
+    nsdae_sim_get_record(sim, &r);
+    assert_near(r.normal_force[0] * r.duration, r.normal_impulse[0], 1e-12);
+    assert_near(r.tangential_force[0] * r.duration, r.tangential_impulse[0], 1e-12);
+    double scale = 1e-6 * (1 + fabs(r.normal_force[0]));
+    assert_near(2 * r.acceleration[0], r.tangential_force[0], scale);
+    assert_near(2 * r.acceleration[1], r.normal_force[0] - 2 * b->gravity, scale);
+  }
+  nsdae_sim_destroy(&sim);
+}
+
+static void test_means(void **state)
+{
+  (void)state;
+  each(means);
+}
+
+/* An observer that takes itself out costs the next one no record. */
+typedef struct counted {
+  nsdae_sim *sim;
+  int records, leaves_at;
+} counted;
+
+static int count(const nsdae_record *r, nsdae_error *error, void *user)
+{
+  counted *c = user;
+  (void)error;
+  c->records++;
+  if (r->step == c->leaves_at) assert_int_equal(nsdae_sim_unobserve(c->sim, count, c), NSDAE_OK);
+  return 0;
+}
+
+static void test_leaving(void **state)
+{
+  ball b = {.gravity = 9.81};
+  nsdae_system *system = make_system(&b);
+  nsdae_sim_options o = options_of(NSDAE_METHOD_MOREAU);
+  nsdae_sim *sim = make(system, &o, 1, 0);
+  counted c[3] = {{sim, 0, -1}, {sim, 0, 5}, {sim, 0, -1}};
+  (void)state;
+  for (int i = 0; i < 3; i++) assert_int_equal(nsdae_sim_observe(sim, count, &c[i]), NSDAE_OK);
+  for (int s = 0; s < 10; s++) assert_true(nsdae_sim_step(sim) >= 0);
+  assert_int_equal(c[0].records, 11);
+  assert_int_equal(c[1].records, 6);
+  assert_int_equal(c[2].records, 11);
+  nsdae_sim_destroy(&sim);
+  nsdae_system_destroy(&system);
+}
+
+int main(void)
+{
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_fall),     cmocka_unit_test(test_undisturbed),
+      cmocka_unit_test(test_to_event), cmocka_unit_test(test_user),
+      cmocka_unit_test(test_settings), cmocka_unit_test(test_means),
+      cmocka_unit_test(test_leaving),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
