@@ -14,10 +14,10 @@
 /* Instants in one step without an impact or a change of mode. */
 enum { IDLE_MAX = 100 };
 
-static int create(nsdae_stepper *s)
+static int create(nsdae_stepper *s, void **own)
 {
   nsdae_event_method *e = calloc(1, sizeof *e);
-  s->own = e;
+  *own = e;
   int status = NSDAE_E_MEMORY;
   if (e) {
     e->stepper = s;
@@ -31,13 +31,12 @@ static int create(nsdae_stepper *s)
   return status;
 }
 
-static void destroy(nsdae_stepper *s)
+static void destroy(void *own)
 {
-  nsdae_event_method *e = s->own;
+  nsdae_event_method *e = own;
   if (!e) return;
   nsdae_event_release(e);
   free(e);
-  s->own = NULL;
 }
 
 static int integrator_failed(nsdae_event_method *e, int status, double t, int code)
@@ -85,9 +84,9 @@ static int restart(nsdae_event_method *e, double t)
   return status;
 }
 
-static void add_change(nsdae_stepper *s, double t, int contact, int slide, int before, int after)
+static void add_change(nsdae_result *r, double t, int contact, int slide, int before, int after)
 {
-  if (before != after) s->change[s->changes++] = (nsdae_change){t, contact, slide, before, after};
+  if (before != after) r->change[r->changes++] = (nsdae_change){t, contact, slide, before, after};
 }
 
 /* The same in the middle of a run, where a change of mode is told. */
@@ -97,20 +96,21 @@ static int go_through(nsdae_event_method *e, double t)
   const nsdae_dims *d = &s->system->dims;
   memcpy(e->mode_before, e->mode, (size_t)d->k * sizeof *e->mode);
   memcpy(e->slide_mode_before, e->slide_mode, (size_t)d->f * sizeof *e->mode);
-  int before = s->impacts + s->changes, status = restart(e, t);
+  nsdae_result *r = e->result;
+  int before = r->impacts + r->changes, status = restart(e, t);
   for (int i = 0; i < d->k && status == NSDAE_OK; i++)
-    add_change(s, t, i, -1, e->mode_before[i], e->mode[i]);
+    add_change(r, t, i, -1, e->mode_before[i], e->mode[i]);
   for (int j = 0; j < d->f && status == NSDAE_OK; j++)
-    add_change(s, t, -1, j, e->slide_mode_before[j], e->slide_mode[j]);
-  e->idle += s->impacts + s->changes == before;
+    add_change(r, t, -1, j, e->slide_mode_before[j], e->slide_mode[j]);
+  e->idle += r->impacts + r->changes == before;
   return status;
 }
 
 /* Whether the lists of impacts and changes hold what one more instant may add. */
-static int room(const nsdae_stepper *s)
+static int room(const nsdae_result *r)
 {
-  const nsdae_dims *d = &s->system->dims;
-  return s->impacts + d->k <= s->impacts_max && s->changes + d->k + d->f <= s->changes_max;
+  const nsdae_dims *d = &r->end.system->dims;
+  return r->impacts + d->k <= r->impacts_max && r->changes + d->k + d->f <= r->changes_max;
 }
 
 /* From the state of the step's start: at the beginning, and after a step that failed. */
@@ -129,12 +129,13 @@ static int begin(nsdae_event_method *e)
     e->interval[i] = INFINITY;
     e->shrunk[i] = e->settling[i] = 0;
   }
-  nsdae_contacts_forget(&e->modes);
-  memcpy(e->y, s->start.q, (size_t)d->nq * sizeof *e->y);
-  memcpy(e->y + d->nq, s->start.v, (size_t)d->nv * sizeof *e->y);
-  e->reached = s->start.t;
+  const nsdae_terms *start = e->state->terms;
+  memset(e->warm, 0, nsdae_contacts_memory_size(&e->modes) * sizeof *e->warm);
+  memcpy(e->y, start->q, (size_t)d->nq * sizeof *e->y);
+  memcpy(e->y + d->nq, start->v, (size_t)d->nv * sizeof *e->y);
+  e->reached = start->t;
   e->ahead = -INFINITY;
-  return restart(e, s->start.t);
+  return restart(e, start->t);
 }
 
 /* One step of the integrator, to e->ahead; whether an instant waits there. */
@@ -148,7 +149,7 @@ static int integrate(nsdae_event_method *e)
     nsdae_dae_interpolate(e->dae, from, 0, e->y);
     return integrator_failed(e, status, from, code);
   }
-  e->stepper->iterations++;
+  e->result->counters.iterations++;
   int watched = nsdae_event_watch_roots(e, e->ahead);
   if (watched < 0) return watched;
   for (int i = 0; root && i < e->roots; i++) e->found[i] |= e->other_found[i] != 0;
@@ -166,7 +167,7 @@ static int too_many(const nsdae_event_method *e)
 static int run_to(nsdae_event_method *e, double t_end)
 {
   int status = NSDAE_OK;
-  while (status == NSDAE_OK && e->reached < t_end && room(e->stepper) && !too_many(e)) {
+  while (status == NSDAE_OK && e->reached < t_end && room(e->result) && !too_many(e)) {
     if (!(e->ahead > e->reached)) status = integrate(e);
     if (status < 0) break;
     double to = fmin(e->ahead, t_end);
@@ -188,68 +189,58 @@ static void clear_step(nsdae_event_method *e)
   memset(e->friction, 0, (size_t)d->f * sizeof *e->friction);
   e->work = 0;
   e->changes = e->idle = e->endless = e->settled = 0;
-  e->stepper->impacts = e->stepper->changes = 0;
-  e->stepper->worst_residual = 0;
 }
 
 /* What the step did, for the record. */
 static int read_results(nsdae_event_method *e, double h)
 {
-  nsdae_stepper *s = e->stepper;
-  nsdae_contacts *c = &s->contacts;
-  const nsdae_dims *d = &s->system->dims;
+  nsdae_result *r = e->result;
+  nsdae_impulses *to = &r->impulses;
+  const nsdae_dims *d = &e->stepper->system->dims;
   int status = NSDAE_OK;
   if (e->ahead > e->reached || e->ahead > e->instant)
     status = nsdae_dae_interpolate(e->dae, e->reached, 0, e->y);
   if (status < 0) return status;
-  nsdae_terms_at(&s->end, e->reached, e->y, e->y + d->nq);
-  for (int i = 0; i < d->m; i++) s->multiplier[i] = e->multiplier[i] / h;
-  memcpy(c->normal, e->normal, (size_t)d->k * sizeof *c->normal);
-  memcpy(c->tangential, e->tangential, (size_t)(d->k * d->nt) * sizeof *c->tangential);
-  memcpy(c->mode, e->mode, (size_t)d->k * sizeof *c->mode);
-  memcpy(c->slide_impulse, e->friction, (size_t)d->f * sizeof *c->slide_impulse);
-  memcpy(c->slide_mode, e->slide_mode, (size_t)d->f * sizeof *c->slide_mode);
-  s->work = e->work;
-  s->smooth = e->changes == 0;
-  s->events += e->changes;
-  s->accumulations += e->settled;
-  s->changed = e->changes;
-  s->settled = e->settled;
+  nsdae_terms_at(&r->end, e->reached, e->y, e->y + d->nq);
+  for (int i = 0; i < d->m; i++) r->multiplier[i] = e->multiplier[i] / h;
+  nsdae_impulses_clear(to, d); /* what an impact left */
+  memcpy(to->normal, e->normal, (size_t)d->k * sizeof *to->normal);
+  memcpy(to->tangential, e->tangential, (size_t)d->k * (size_t)d->nt * sizeof *to->tangential);
+  memcpy(to->mode, e->mode, (size_t)d->k * sizeof *to->mode);
+  memcpy(to->slide_impulse, e->friction, (size_t)d->f * sizeof *to->slide_impulse);
+  memcpy(to->slide_mode, e->slide_mode, (size_t)d->f * sizeof *to->slide_mode);
+  r->located = 1;
+  r->work = e->work;
+  r->smooth = e->changes == 0;
+  r->counters.events = e->changes;
+  r->counters.accumulations = e->settled;
   return status;
 }
 
-/* So many instants in one step that it is no accumulation: the step by implicit instead. */
-static int step_over(nsdae_event_method *e, double h)
+static int advance(void *own, const nsdae_state *state, double t_end, nsdae_result *result)
 {
-  nsdae_stepper *s = e->stepper;
-  s->fallbacks++;
-  s->stepped_over = 1;
-  s->impacts = s->changes = 0;
-  nsdae_contacts_forget(&s->contacts);
-  return nsdae_stepping_implicit.advance(s, h);
-}
-
-static int advance(nsdae_stepper *s, double h)
-{
-  nsdae_event_method *e = s->own;
-  int status = NSDAE_OK, running = e->running && !s->fresh;
-  e->running = 0;
-  s->stepped_over = 0;
+  nsdae_event_method *e = own;
+  int status = NSDAE_OK, stands = e->stamp > 0 && e->stamp == state->memory->stamp;
+  e->state = state;
+  e->result = result;
+  e->stamp = 0;
+  nsdae_contacts_remember(&e->stepper->contacts, result->memory.whole);
   clear_step(e);
-  if (!running) status = begin(e);
-  if (status == NSDAE_OK) status = run_to(e, s->t_end);
+  if (!stands) status = begin(e);
+  if (status == NSDAE_OK) status = run_to(e, t_end);
   if (status < 0) return status;
-  if (too_many(e)) return step_over(e, h);
-  status = read_results(e, e->reached - s->start.t);
-  nsdae_error_clear(s->error);
-  e->running = status == NSDAE_OK;
+  result->given_up = too_many(e);
+  if (result->given_up) return NSDAE_OK;
+  status = read_results(e, e->reached - state->terms->t);
+  nsdae_error_clear(e->stepper->error);
+  if (status == NSDAE_OK) result->memory.stamp = e->stamp = ++e->stamps;
   return status;
 }
 
 const nsdae_stepping nsdae_stepping_event = {
     .name = "event",
     .summary = "event-driven on SUNDIALS IDA: impacts, stick and slip located exactly",
-    .advance = advance,
     .create = create,
     .destroy = destroy,
-    .finds_impacts = 1};
+    .sizes = nsdae_stepper_sizes,
+    .advance = advance};

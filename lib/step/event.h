@@ -53,6 +53,8 @@ typedef struct nsdae_row_set {
 
 typedef struct nsdae_event_method {
   nsdae_stepper *stepper;
+  const nsdae_state *state; /* of the step in work */
+  nsdae_result *result;
   nsdae_dae *dae;
   nsdae_arena arena;
   int n, roots;      /* length of y; number of root functions */
@@ -85,6 +87,8 @@ typedef struct nsdae_event_method {
   nsdae_law *resting;        /* k: laws of contacts that do not slide */
   nsdae_law *law;            /* k: of the problem of accelerations */
   nsdae_contacts modes;      /* that problem */
+  nsdae_impulses forces;     /* its results */
+  int *warm;                 /* its warm start */
   int *sliding_sense;        /* f: slides with a known direction in it */
   nsdae_kkt projector;       /* of positions and velocities on all that is closed */
   double *J, *c;             /* rows x nv, rows: what is projected on */
@@ -100,7 +104,7 @@ typedef struct nsdae_event_method {
   int *settling;             /* k: the accumulation of this contact ends now */
 
   /* the step */
-  int running;                            /* the integrator goes on from the last step */
+  long stamp, stamps; /* of the memory that the integrator stands at, 0: none; given so far */
   int pending;                            /* an instant waits at `ahead` */
   double reached, ahead;                  /* accounted for up to here; integrated up to here */
   double instant;                         /* the last one */

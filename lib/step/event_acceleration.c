@@ -67,18 +67,18 @@ static int solve(nsdae_event_method *e)
   T.w_N = T.omega_N;
   T.w_T = T.omega_T;
   T.w_S = T.omega_S;
-  nsdae_contacts_close_marked(&e->modes, e->candidate);
+  nsdae_contacts_close_marked(&e->modes, e->candidate, &e->forces);
   memcpy(e->a, T.F, (size_t)n * sizeof *e->a);
   memcpy(s->size, T.F, (size_t)n * sizeof *s->size);
   for (int i = 0; i < m; i++) e->lambda[i] = -T.omega[i];
   nsdae_kkt_solve(&s->kkt, 1, e->a, n, e->lambda, m);
   nsdae_kkt_solve_mass(&s->kkt, s->size);
-  s->problem = &e->modes;
+  e->result->problem = &e->modes;
   int status = nsdae_contacts_solve(&e->modes, &T, &s->kkt, s->size, e->a, e->lambda);
   if (nsdae_contacts_any(&e->modes)) {
-    s->lcps++;
-    s->lcp_pivots += e->modes.info.pivots;
-    s->worst_residual = fmax(s->worst_residual, e->modes.info.residual);
+    e->result->counters.lcps++;
+    e->result->counters.lcp_pivots += e->modes.lcp.info.pivots;
+    e->result->worst_residual = fmax(e->result->worst_residual, e->modes.lcp.info.residual);
   }
   return status;
 }
@@ -90,8 +90,8 @@ static int paradox(nsdae_event_method *e, double t, int status, double least)
   const nsdae_contacts *c = &e->modes;
   for (int a = 0; a < c->active_count; a++) {
     int i = c->active[a], row = c->first_row[a];
-    double coefficient = c->A[(size_t)row * (size_t)c->rows + (size_t)row];
-    double scale = c->G[(size_t)c->first_column[a] * (size_t)(c->columns + 1)];
+    double coefficient = c->lcp.A[(size_t)row * (size_t)c->rows + (size_t)row];
+    double scale = c->delassus.G[(size_t)c->first_column[a] * (size_t)(c->columns + 1)];
     if (c->law[i].kind != NSDAE_SLIDING || coefficient > least * scale) continue;
     const char *what = coefficient > SINGULAR * scale ? "a contact force that grows without bound"
                        : status < 0                   ? "no contact force that solves the equations"

@@ -24,7 +24,7 @@ static const double CONVERGED = 1e-14;
 static void change_force(nsdae_event_method *e, int l, double change)
 {
   const nsdae_contacts *c = &e->modes;
-  const double *G = c->G + (size_t)l * (size_t)c->columns;
+  const double *G = c->delassus.G + (size_t)l * (size_t)c->columns;
   e->rows.force[l] += change;
   for (int k = 0; k < c->columns; k++) e->rows.weight[k] += G[k] * change;
 }
@@ -36,7 +36,7 @@ static double relax_normal(nsdae_event_method *e, int a)
   const nsdae_contacts *c = &e->modes;
   int column = c->first_column[a], i = c->active[a], slides = c->law[i].kind == NSDAE_SLIDING;
   double mu = slides ? e->stepper->system->contact[i].mu : 0, *force = e->rows.force;
-  const double *d = e->direction + 2 * i, *G = c->G + (size_t)column * (size_t)c->columns;
+  const double *d = e->direction + 2 * i, *G = c->delassus.G + (size_t)column * (size_t)c->columns;
   double coefficient = G[column];
   for (int l = 0; slides && l < 2; l++) coefficient -= mu * d[l] * G[column + 1 + l];
   if (!(coefficient > 0)) return coefficient == 0 && !slides ? 0 : NAN;
@@ -54,7 +54,7 @@ static double relax_friction(nsdae_event_method *e, int a)
   double mu = e->stepper->system->contact[c->active[a]].mu, *force = e->rows.force, next[2],
          most = 0;
   double rho =
-      c->G[(size_t)(column + 1) * (size_t)(n + 1)] + c->G[(size_t)(column + 2) * (size_t)(n + 1)];
+      c->delassus.G[(size_t)(column + 1) * (size_t)(n + 1)] + c->delassus.G[(size_t)(column + 2) * (size_t)(n + 1)];
   if (!(rho > 0)) return 0;
   for (int l = 0; l < 2; l++)
     next[l] = force[column + 1 + l] - e->rows.weight[column + 1 + l] / rho;
@@ -91,17 +91,17 @@ static void take_over(nsdae_event_method *e)
   nsdae_contacts *c = &e->modes;
   const nsdae_dims *d = &e->stepper->system->dims;
   double *change = e->rows.solved;
-  for (int l = 0; l < c->columns; l++) change[l] = e->rows.force[l] - c->impulse[l];
-  nsdae_add_product(d->nv, c->columns, c->U, change, e->a);
-  nsdae_add_product(d->m, c->columns, c->D, change, e->lambda);
-  memcpy(c->impulse, e->rows.force, (size_t)c->columns * sizeof *c->impulse);
+  for (int l = 0; l < c->columns; l++) change[l] = e->rows.force[l] - c->delassus.impulse[l];
+  nsdae_add_product(d->nv, c->columns, c->delassus.U, change, e->a);
+  nsdae_add_product(d->m, c->columns, c->delassus.D, change, e->lambda);
+  memcpy(c->delassus.impulse, e->rows.force, (size_t)c->columns * sizeof *c->delassus.impulse);
   for (int a = 0; a < c->active_count; a++) {
     int column = c->first_column[a], i = c->active[a];
-    c->normal[i] = c->impulse[column];
-    c->after[i] = e->rows.weight[column];
+    c->results->normal[i] = c->delassus.impulse[column];
+    c->results->after[i] = e->rows.weight[column];
     for (int l = 0; l < c->law[i].columns - 1; l++) {
-      c->tangential[2 * i + l] = c->impulse[column + 1 + l];
-      c->after_t[2 * i + l] = e->rows.weight[column + 1 + l];
+      c->results->tangential[2 * i + l] = c->delassus.impulse[column + 1 + l];
+      c->results->after_t[2 * i + l] = e->rows.weight[column + 1 + l];
     }
   }
 }
@@ -110,9 +110,9 @@ int nsdae_event_solve_cones(nsdae_event_method *e)
 {
   const nsdae_contacts *c = &e->modes;
   if (c->slide_count > 0 || e->stepper->system->dims.nt != 2) return 0;
-  memcpy(e->rows.force, c->impulse, (size_t)c->columns * sizeof *c->impulse);
-  memcpy(e->rows.weight, c->offset, (size_t)c->columns * sizeof *c->offset);
-  nsdae_add_product(c->columns, c->columns, c->G, e->rows.force, e->rows.weight);
+  memcpy(e->rows.force, c->delassus.impulse, (size_t)c->columns * sizeof *c->delassus.impulse);
+  memcpy(e->rows.weight, c->delassus.offset, (size_t)c->columns * sizeof *c->delassus.offset);
+  nsdae_add_product(c->columns, c->columns, c->delassus.G, e->rows.force, e->rows.weight);
   if (!relax(e)) return 0;
   take_over(e);
   return 1;

@@ -36,13 +36,13 @@ static void follow_accumulation(nsdae_event_method *e, int i, double t)
  * of the same contact in this instant. */
 static nsdae_impact *place_for(nsdae_event_method *e, int i, double t, double velocity_before)
 {
-  nsdae_stepper *s = e->stepper;
-  int last = s->impacts - 1, full = s->impacts + 2 * s->system->dims.k >= s->impacts_max;
-  while (last >= e->first_impact && s->impact[last].contact != i) last--;
-  if (full && last >= e->first_impact) return &s->impact[last];
-  s->impact[s->impacts] =
+  nsdae_result *r = e->result;
+  int last = r->impacts - 1, full = r->impacts + 2 * r->end.system->dims.k >= r->impacts_max;
+  while (last >= e->first_impact && r->impact[last].contact != i) last--;
+  if (full && last >= e->first_impact) return &r->impact[last];
+  r->impact[r->impacts] =
       (nsdae_impact){.time = t, .contact = i, .velocity_before = velocity_before};
-  return &s->impact[s->impacts++];
+  return &r->impact[r->impacts++];
 }
 
 static void record_impact(nsdae_event_method *e, int i, double t)
@@ -51,10 +51,10 @@ static void record_impact(nsdae_event_method *e, int i, double t)
   const nsdae_contacts *c = &s->contacts;
   int nt = s->system->dims.nt;
   nsdae_impact *impact = place_for(e, i, e->settling[i] ? t + e->rest[i] : t, e->velocity[i]);
-  impact->normal_impulse += c->normal[i];
-  impact->velocity_after = c->after[i];
+  impact->normal_impulse += c->results->normal[i];
+  impact->velocity_after = c->results->after[i];
   impact->accumulation |= e->settling[i];
-  for (int l = 0; l < nt; l++) impact->tangential_impulse[l] += c->tangential[i * nt + l];
+  for (int l = 0; l < nt; l++) impact->tangential_impulse[l] += c->results->tangential[i * nt + l];
   e->settled += e->settling[i];
 }
 
@@ -65,14 +65,14 @@ static void keep_impulses(nsdae_event_method *e, double t)
   const nsdae_dims *d = &s->system->dims;
   for (int i = 0; i < d->m; i++) e->multiplier[i] += s->impulse[i];
   for (int i = 0; i < d->k; i++) {
-    e->normal[i] += c->normal[i];
-    if (c->normal[i] > 0) record_impact(e, i, t);
+    e->normal[i] += c->results->normal[i];
+    if (c->results->normal[i] > 0) record_impact(e, i, t);
     e->settling[i] = 0;
   }
-  for (int j = 0; j < d->k * d->nt; j++) e->tangential[j] += c->tangential[j];
-  for (int j = 0; j < d->f; j++) e->friction[j] += c->slide_impulse[j];
+  for (int j = 0; j < d->k * d->nt; j++) e->tangential[j] += c->results->tangential[j];
+  for (int j = 0; j < d->f; j++) e->friction[j] += c->results->slide_impulse[j];
   e->work += nsdae_contacts_work(c);
-  s->worst_residual = fmax(s->worst_residual, c->info.residual);
+  e->result->worst_residual = fmax(e->result->worst_residual, c->lcp.info.residual);
 }
 
 /* One problem for all that touch. */
@@ -83,21 +83,21 @@ static int impact(nsdae_event_method *e, double t)
   nsdae_contacts *c = &s->contacts;
   const nsdae_dims *d = &s->system->dims;
   double *v = e->y + d->nq, size = nsdae_event_velocity_size(e, T);
-  nsdae_contacts_close_marked(c, e->touching);
+  nsdae_contacts_close_marked(c, e->touching, &e->result->impulses);
   nsdae_contacts_before(c, T, v, 0);
   memset(e->r, 0, (size_t)e->n * sizeof *e->r);
   if (e->ahead >= t) nsdae_dae_interpolate(e->dae, t, 1, e->r); /* v' until now */
   for (int i = 0; i < d->k; i++) {
-    if (fabs(c->before[i]) <= size) c->before[i] = 0; /* closed, and beside one that is hit */
-    e->velocity[i] = c->before[i];
-    if (e->touching[i] && c->before[i] < 0) follow_accumulation(e, i, t);
-    if (e->settling[i]) c->before[i] = 0;
+    if (fabs(c->results->before[i]) <= size) c->results->before[i] = 0; /* closed, and beside one that is hit */
+    e->velocity[i] = c->results->before[i];
+    if (e->touching[i] && c->results->before[i] < 0) follow_accumulation(e, i, t);
+    if (e->settling[i]) c->results->before[i] = 0;
   }
   nsdae_stepper_momentum(T->M, v, 0, T->F, d->nv, s->r);
-  int status = nsdae_stepper_impact(s, T, s->r, s->v);
+  int status = nsdae_stepper_impact(s, e->result, T, s->r, s->v);
   if (status < 0) return status;
   for (int i = 0; i < d->k; i++)
-    if (e->touching[i]) c->before[i] = e->velocity[i];
+    if (e->touching[i]) c->results->before[i] = e->velocity[i];
   keep_impulses(e, t);
   memcpy(v, s->v, (size_t)d->nv * sizeof *v);
   nsdae_terms_set_velocity(T, v);
@@ -129,7 +129,7 @@ static int approaching(nsdae_event_method *e)
 int nsdae_event_impacts(nsdae_event_method *e, double t, int *any)
 {
   int k = e->stepper->system->dims.k, status = NSDAE_OK, left = e->stepper->options->events_max;
-  e->first_impact = e->stepper->impacts;
+  e->first_impact = e->result->impacts;
   for (; status == NSDAE_OK && left > 0 && approaching(e); left--) {
     status = impact(e, t);
     for (int i = 0; i < k && status == NSDAE_OK; i++)

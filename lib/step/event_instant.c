@@ -97,11 +97,11 @@ static int fill_state(nsdae_event_method *e, double t)
     if (!e->independent[i]) force[i] = 0;
   for (int i = 0; i < d->k; i++) {
     if (e->mode[i] == NSDAE_MODE_OPEN) continue;
-    e->y[nsdae_at_normal(d) + i] = c->normal[i];
+    e->y[nsdae_at_normal(d) + i] = c->results->normal[i];
     for (int j = i * d->nt; j < (i + 1) * d->nt; j++)
-      e->y[nsdae_at_tangential(d) + j] = c->tangential[j];
+      e->y[nsdae_at_tangential(d) + j] = c->results->tangential[j];
   }
-  for (int j = 0; j < d->f; j++) e->y[nsdae_at_slide(d) + j] = c->slide_impulse[j];
+  for (int j = 0; j < d->f; j++) e->y[nsdae_at_slide(d) + j] = c->results->slide_impulse[j];
   return nsdae_stepper_kinematics(e->stepper, t, T->q, e->y + d->nq, e->yp);
 }
 

@@ -33,7 +33,7 @@ static inline double nsdae_event_tangential_velocity(const nsdae_terms *T, int j
 /* Whether friction can move contact or slide in this column of the problem at all. */
 static inline int nsdae_event_powerless(const nsdae_contacts *c, int column)
 {
-  return c->G[(size_t)column * (size_t)(c->columns + 1)] == 0;
+  return c->delassus.G[(size_t)column * (size_t)(c->columns + 1)] == 0;
 }
 
 /* Projections: q of y to the constraints and the gaps of the candidates; v of y to the rates of the

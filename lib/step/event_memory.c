@@ -69,6 +69,8 @@ static void layout_instant(nsdae_event_method *e, nsdae_arena *arena)
   const nsdae_dims *d = &e->stepper->system->dims;
   long k = d->k, rows = d->m + k * (1 + d->nt) + d->f;
   nsdae_contacts_layout(&e->modes, arena);
+  nsdae_impulses_layout(&e->forces, d, arena);
+  e->warm = NSDAE_ARENA_INTS(arena, nsdae_contacts_memory_size(&e->modes));
   e->sliding_sense = NSDAE_ARENA_INTS(arena, d->f);
   e->projector.n = d->nv;
   e->projector.m = (int)rows;
@@ -115,7 +117,7 @@ static int prepare_modes(nsdae_event_method *e)
   if (!e->resting || !e->law) return NSDAE_E_MEMORY;
   e->modes.system = s->system;
   e->modes.error = s->error;
-  e->modes.lcp_options = s->contacts.lcp_options;
+  e->modes.lcp.options = s->contacts.lcp.options;
   e->modes.law = e->law;
   nsdae_contacts_laws(&e->modes, edges);
   for (int i = 0; i < d->k; i++)
@@ -135,6 +137,7 @@ int nsdae_event_make(nsdae_event_method *e)
   if (status == NSDAE_OK) status = nsdae_arena_build(&e->arena, layout, e);
   if (status < 0) return status;
   e->modes.slide_sense = e->sliding_sense;
+  nsdae_contacts_remember(&e->modes, e->warm);
   for (int i = 0; i < nsdae_at_lambda(d); i++) e->order[i] = 1;
   const nsdae_dae_problem problem = {.n = e->n,
                                      .roots = e->roots,

@@ -19,12 +19,12 @@ void nsdae_event_point_against(double *direction, int nt, const double *force)
 static int resting_mode(nsdae_event_method *e, int a)
 {
   const nsdae_contacts *c = &e->modes;
-  int i = c->active[a], nt = e->stepper->system->dims.nt, mode = c->mode[i];
-  const double *force = c->tangential + i * nt, *rate = c->after_t + i * nt;
+  int i = c->active[a], nt = e->stepper->system->dims.nt, mode = c->results->mode[i];
+  const double *force = c->results->tangential + i * nt, *rate = c->results->after_t + i * nt;
   double *direction = e->direction + i * nt;
   if (nsdae_event_powerless(c, c->first_column[a] + 1)) return NSDAE_MODE_SLIDE;
   if (nt == 2 && mode == NSDAE_MODE_STICK &&
-      hypot(force[0], force[1]) > e->stepper->system->contact[i].mu * c->normal[i])
+      hypot(force[0], force[1]) > e->stepper->system->contact[i].mu * c->results->normal[i])
     mode = NSDAE_MODE_SLIDE; /* outside the cone though inside the polygon around it */
   if (mode == NSDAE_MODE_SLIDE) nsdae_event_point_against(direction, nt, force);
   if (mode == NSDAE_MODE_SLIDE && nt == 2) {
@@ -43,9 +43,9 @@ static void read_contacts(nsdae_event_method *e)
   for (int i = 0; i < d->k; i++) e->mode[i] = NSDAE_MODE_OPEN;
   for (int a = 0; a < c->active_count; a++) {
     int i = c->active[a];
-    if (!(c->normal[i] > 0) && c->after[i] > size) continue;
+    if (!(c->results->normal[i] > 0) && c->results->after[i] > size) continue;
     e->mode[i] = NSDAE_MODE_SLIDE; /* also where it touches without a force */
-    if (c->normal[i] > 0 && c->law[i].kind != NSDAE_SLIDING && c->law[i].columns > 1)
+    if (c->results->normal[i] > 0 && c->law[i].kind != NSDAE_SLIDING && c->law[i].columns > 1)
       e->mode[i] = resting_mode(e, a);
   }
 }
@@ -56,8 +56,8 @@ static void read_slides(nsdae_event_method *e)
   const nsdae_system *s = e->stepper->system;
   for (int i = 0; i < c->slide_count; i++) {
     int j = c->slide[i];
-    double force = c->slide_impulse[j], rate = c->slide_after[j];
-    e->slide_mode[j] = c->slide_mode[j];
+    double force = c->results->slide_impulse[j], rate = c->results->slide_after[j];
+    e->slide_mode[j] = c->results->slide_mode[j];
     e->slide_sense[j] = e->sliding_sense[j];
     if (!e->sliding_sense[j] && nsdae_event_powerless(c, c->columns - c->slide_count + i))
       e->slide_mode[j] = NSDAE_MODE_SLIDE, e->slide_sense[j] = (rate > 0) - (rate < 0);
@@ -96,13 +96,13 @@ static int sticks_after_all(nsdae_event_method *e)
   for (int i = 0; i < d->k; i++) {
     double along = 0;
     for (int l = 0; l < d->nt; l++)
-      along += e->direction[i * d->nt + l] * c->after_t[i * d->nt + l];
+      along += e->direction[i * d->nt + l] * c->results->after_t[i * d->nt + l];
     if (!e->breakaway[i] || along >= -size) continue;
     e->breakaway[i] = 0;
     any = 1;
   }
   for (int j = 0; j < d->f; j++) {
-    if (!e->slide_breakaway[j] || e->slide_sense[j] * c->slide_after[j] >= -size) continue;
+    if (!e->slide_breakaway[j] || e->slide_sense[j] * c->results->slide_after[j] >= -size) continue;
     e->slide_breakaway[j] = 0;
     any = 1;
   }
@@ -118,7 +118,7 @@ static int settle_directions(nsdae_event_method *e, double t)
   for (int round = 0; nt == 2 && round < DIRECTIONS && status == NSDAE_OK; round++) {
     double moved = 0;
     for (int i = 0; i < s->dims.k; i++) {
-      double *d = e->direction + 2 * i, *rate = e->modes.after_t + 2 * i;
+      double *d = e->direction + 2 * i, *rate = e->modes.results->after_t + 2 * i;
       double speed = hypot(rate[0], rate[1]);
       if (!e->candidate[i] || e->mode[i] != NSDAE_MODE_SLIDE || !(s->contact[i].mu > 0)) continue;
       if (round > 0 && e->law[i].kind == NSDAE_SLIDING && e->candidate[i] == 2 &&
@@ -144,7 +144,7 @@ static double slip_rate(const nsdae_event_method *e, int i)
 {
   int nt = e->stepper->system->dims.nt;
   double rate = 0;
-  for (int l = 0; l < nt; l++) rate = hypot(rate, e->modes.after_t[i * nt + l]);
+  for (int l = 0; l < nt; l++) rate = hypot(rate, e->modes.results->after_t[i * nt + l]);
   return rate;
 }
 
@@ -157,7 +157,7 @@ void nsdae_event_hold_resting(nsdae_event_method *e)
   for (int i = 0; i < e->stepper->system->dims.k; i++) any |= e->breakaway[i];
   for (int a = 0; a < c->active_count && !any; a++) {
     int i = c->active[a];
-    if (e->mode[i] != NSDAE_MODE_SLIDE || e->moving[i] || !(c->normal[i] > 0)) continue;
+    if (e->mode[i] != NSDAE_MODE_SLIDE || e->moving[i] || !(c->results->normal[i] > 0)) continue;
     if (c->law[i].columns == 1 || nsdae_event_powerless(c, c->first_column[a] + 1)) continue;
     if (slip_rate(e, i) <= size) e->mode[i] = NSDAE_MODE_STICK;
   }
@@ -182,12 +182,12 @@ static void read_cones(nsdae_event_method *e)
   read_contacts(e);
   for (int a = 0; a < c->active_count; a++) {
     int i = c->active[a];
-    if (e->mode[i] == NSDAE_MODE_OPEN || c->law[i].kind != NSDAE_POLYGON || !(c->normal[i] > 0))
+    if (e->mode[i] == NSDAE_MODE_OPEN || c->law[i].kind != NSDAE_POLYGON || !(c->results->normal[i] > 0))
       continue;
     if (nsdae_event_powerless(c, c->first_column[a] + 1)) continue;
     e->mode[i] = slip_rate(e, i) > size ? NSDAE_MODE_SLIDE : NSDAE_MODE_STICK;
     if (e->mode[i] == NSDAE_MODE_SLIDE)
-      nsdae_event_point_against(e->direction + 2 * i, 2, c->tangential + 2 * i);
+      nsdae_event_point_against(e->direction + 2 * i, 2, c->results->tangential + 2 * i);
   }
 }
 

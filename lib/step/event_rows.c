@@ -38,7 +38,7 @@ static double *row_of(const nsdae_event_method *e, double *matrix, int column)
 static void take_row(nsdae_event_method *e, int column)
 {
   nsdae_row_set *s = &e->rows;
-  const double *G = row_of(e, e->modes.G, column);
+  const double *G = row_of(e, e->modes.delassus.G, column);
   double *row = row_of(e, s->factor, column), rest = G[column];
   double sine = fmax(e->stepper->options->rank_tol, LEAST_SINE);
   for (int j = 0; j < s->taken_count; j++) {
@@ -175,10 +175,10 @@ static void gather_forces(nsdae_event_method *e)
   nsdae_row_set *s = &e->rows;
   const nsdae_dims *d = &e->stepper->system->dims;
   s->columns = c->columns - c->slide_count;
-  memcpy(s->force, c->impulse, (size_t)c->columns * sizeof *s->force);
+  memcpy(s->force, c->delassus.impulse, (size_t)c->columns * sizeof *s->force);
   for (int a = 0; a < c->active_count; a++) {
     int column = c->first_column[a], i = c->active[a];
-    double most = e->stepper->system->contact[i].mu * c->normal[i];
+    double most = e->stepper->system->contact[i].mu * c->results->normal[i];
     for (int l = column; l < c->first_column[a + 1]; l++) {
       s->normal[l] = column;
       s->weight[l] = l > column && most > 0 ? s->emphasis[a] / most : 1;
@@ -192,12 +192,12 @@ static void scatter_forces(nsdae_event_method *e)
 {
   nsdae_contacts *c = &e->modes;
   int nt = e->stepper->system->dims.nt;
-  memcpy(c->impulse, e->rows.force, (size_t)c->columns * sizeof *c->impulse);
+  memcpy(c->delassus.impulse, e->rows.force, (size_t)c->columns * sizeof *c->delassus.impulse);
   for (int a = 0; a < c->active_count; a++) {
     int column = c->first_column[a], i = c->active[a];
-    c->normal[i] = c->impulse[column];
+    c->results->normal[i] = c->delassus.impulse[column];
     for (int l = column + 1; l < c->first_column[a + 1]; l++)
-      c->tangential[i * nt + l - column - 1] = c->impulse[l];
+      c->results->tangential[i * nt + l - column - 1] = c->delassus.impulse[l];
   }
 }
 
@@ -330,7 +330,7 @@ static void take_slides(nsdae_event_method *e)
     if (e->slide_mode[j] != NSDAE_MODE_STICK) continue;
     take_row(e, c->columns - c->slide_count + i);
     e->slide_row[j] = e->rows.taken_count > taken;
-    e->slide_part[j] = most > 0 ? -c->slide_impulse[j] / most : 0;
+    e->slide_part[j] = most > 0 ? -c->results->slide_impulse[j] / most : 0;
   }
 }
 
@@ -340,7 +340,7 @@ int nsdae_event_find_rows(nsdae_event_method *e, double t)
   nsdae_row_set *s = &e->rows;
   int found = 0;
   memcpy(s->solved_mode, e->mode, (size_t)e->stepper->system->dims.k * sizeof *e->mode);
-  memcpy(s->solved, e->modes.impulse, (size_t)e->modes.columns * sizeof *s->solved);
+  memcpy(s->solved, e->modes.delassus.impulse, (size_t)e->modes.columns * sizeof *s->solved);
   for (int i = 0; i < 4 && !found; i++) found = try_forces(e, even[i][0], even[i][1]);
   if (!found) {
     restore_solution(e);
