@@ -18,8 +18,8 @@ typedef struct nsdae_memory {
   size_t reals, wholes; /* sizes, fixed by the method */
   double *real;         /* finite or infinite, never NaN */
   int *whole;
-  long stamp; /* of the method, which never gives one twice; 0: all zero, after an init; -1: set from
-                 a block, of which it is no part */
+  long stamp; /* of the method, which never gives one twice; 0: all zero, after an init; -1: set
+                 from a block, of which it is no part */
 } nsdae_memory;
 
 typedef struct nsdae_state {

@@ -2,6 +2,7 @@
 #ifndef NSDAE_STEPPER_H
 #define NSDAE_STEPPER_H
 
+#include "interrupt.h"
 #include "kkt.h"
 #include "method.h"
 #include "system_impl.h"
@@ -10,19 +11,20 @@ typedef struct nsdae_stepper {
   const nsdae_system *system;
   const nsdae_sim_options *options;
   nsdae_error *error;
-  nsdae_counters *counters; /* of the step in work */
-  double iteration_tol;     /* the option, but above the rounding of derivatives by differences */
+  nsdae_interrupt interrupt; /* asked before every step, and inside long ones */
+  nsdae_counters *counters;  /* of the step in work */
+  double iteration_tol;      /* the option, but above the rounding of derivatives by differences */
   nsdae_differences differences;
   nsdae_terms middle;
   nsdae_kkt kkt;
   nsdae_contacts contacts;
-  double *M, *F;            /* nv x nv, nv: a mean mass matrix, a mean force */
-  double *q, *v, *r;        /* nq, nv, nv */
-  double *v_other;          /* nv: a velocity in between */
-  double *size;             /* nv: how large the terms of a velocity are */
-  double *qdot0, *qdot1;    /* nq */
-  double *impulse;          /* m: Lambda of the bilateral constraints over the step */
-  double *rate;             /* m: rates of the bilateral constraints, then what is not asked for */
+  double *M, *F;         /* nv x nv, nv: a mean mass matrix, a mean force */
+  double *q, *v, *r;     /* nq, nv, nv */
+  double *v_other;       /* nv: a velocity in between */
+  double *size;          /* nv: how large the terms of a velocity are */
+  double *qdot0, *qdot1; /* nq */
+  double *impulse;       /* m: Lambda of the bilateral constraints over the step */
+  double *rate;          /* m: rates of the bilateral constraints, then what is not asked for */
 } nsdae_stepper;
 
 /* A step in work, of a method that solves one contact problem for it. */

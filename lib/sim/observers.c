@@ -1,5 +1,6 @@
-/* Observers: each sees every record once, in the order in which they were added. A step is the state
- * when all have seen it; when one fails, it is its turn again as soon as the step is tried again. */
+/* Observers: each sees every record once, in the order in which they were added. A step is the
+ * state when all have seen it; when one fails, it is its turn again as soon as the step is tried
+ * again. */
 #include <string.h>
 
 #include "errors.h"

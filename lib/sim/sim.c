@@ -13,6 +13,7 @@ static void layout(void *object, nsdae_arena *arena)
   nsdae_stepper_layout(&sim->stepper, arena);
   nsdae_result_layout(&sim->point[0].result, arena);
   nsdae_result_layout(&sim->point[1].result, arena);
+  sim->way_size = NSDAE_ARENA_DOUBLES(arena, sim->system->dims.nv);
 }
 
 static int no_memory(nsdae_sim *sim, nsdae_error *error)
@@ -138,6 +139,13 @@ int nsdae_sim_init(nsdae_sim *sim, double t0, const double *q0, const double *v0
   sim->wall_time = 0;
   sim->observers.turn = sim->observers.stop = sim->told = 0;
   sim->started = 1;
+  return NSDAE_OK;
+}
+
+int nsdae_sim_set_interrupt(nsdae_sim *sim, nsdae_interrupt_fn asked, void *user)
+{
+  if (!sim) return NSDAE_E_ARGUMENT;
+  sim->stepper.interrupt = (nsdae_interrupt){asked, user};
   return NSDAE_OK;
 }
 
