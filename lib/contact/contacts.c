@@ -179,7 +179,8 @@ static void gather_columns(nsdae_contacts *c, const nsdae_terms *terms)
 static void clear_jammed(nsdae_contacts *c, const nsdae_terms *terms, int n, int m)
 {
   for (int j = 0; j < c->columns; j++) {
-    const double *W = c->delassus.W + (size_t)j * (size_t)n, *D = c->delassus.D + (size_t)j * (size_t)m;
+    const double *W = c->delassus.W + (size_t)j * (size_t)n,
+                 *D = c->delassus.D + (size_t)j * (size_t)m;
     double largest = 0, left = 0;
     for (int i = 0; i < n; i++) {
       double rest = W[i] - nsdae_dot(m, terms->J + (size_t)i * (size_t)m, D);
@@ -198,7 +199,8 @@ static void delassus(nsdae_contacts *c, const nsdae_terms *terms, const nsdae_kk
   memset(c->delassus.D, 0, (size_t)m * (size_t)c->columns * sizeof *c->delassus.D);
   nsdae_kkt_solve(kkt, c->columns, c->delassus.U, n, c->delassus.D, m);
   if (m > 0) clear_jammed(c, terms, n, m);
-  nsdae_la_multiply_transposed(n, c->columns, c->columns, c->delassus.W, n, c->delassus.U, n, 0, c->delassus.G, c->columns);
+  nsdae_la_multiply_transposed(n, c->columns, c->columns, c->delassus.W, n, c->delassus.U, n, 0,
+                               c->delassus.G, c->columns);
 }
 
 /* W^T v_free + w(+) + e v(-), in the order of the columns. */
@@ -301,8 +303,9 @@ static int solve_lcp(nsdae_contacts *c, double t)
 {
   nsdae_lcp_problem problem = {.n = c->rows, .A = c->lcp.A, .lda = c->rows, .b = c->lcp.b};
   recall_basis(c);
-  int status = nsdae_lcp_solve_in(&problem, &c->lcp.options, c->lcp.basis, c->lcp.x, c->lcp.y, &c->lcp.info,
-                                  c->lcp.work, c->lcp.lwork, c->lcp.iwork, c->lcp.liwork);
+  int status =
+      nsdae_lcp_solve_in(&problem, &c->lcp.options, c->lcp.basis, c->lcp.x, c->lcp.y, &c->lcp.info,
+                         c->lcp.work, c->lcp.lwork, c->lcp.iwork, c->lcp.liwork);
   if (status == NSDAE_OK) {
     keep_basis(c);
     return NSDAE_OK;
@@ -429,7 +432,8 @@ double nsdae_contacts_work(const nsdae_contacts *c)
   }
   for (int i = 0; i < c->slide_count; i++) {
     int j = c->slide[i];
-    work += c->results->slide_impulse[j] * (c->results->slide_after[j] + c->results->slide_before[j]) / 2;
+    work += c->results->slide_impulse[j] *
+            (c->results->slide_after[j] + c->results->slide_before[j]) / 2;
   }
   return work;
 }

@@ -74,7 +74,8 @@ static void constraint_rows(nsdae_contacts *c, const double *lambda)
   for (int j = 0; j < c->rows; j++)
     for (int i = 0; i < f; i++) {
       double sum = j == row_of(c, i, L_PLUS);
-      for (int l = 0; l < c->columns; l++) sum -= AT(c->map.D_S, f, i, l) * AT(c->map.Z, c->columns, l, j);
+      for (int l = 0; l < c->columns; l++)
+        sum -= AT(c->map.D_S, f, i, l) * AT(c->map.Z, c->columns, l, j);
       AT(c->map.K, f, i, j) = sum;
     }
 }
@@ -105,10 +106,10 @@ static void whole_map(nsdae_contacts *c)
     c->map.z0[column_of(c, i)] = -mu * c->map.k0[i];
   }
   /* G = W^T P W is symmetric */
-  nsdae_la_multiply_transposed(c->columns, c->columns, c->rows, c->delassus.G, c->columns, c->map.Z, c->columns,
-                               0, c->map.GZ, c->columns);
-  nsdae_la_multiply_transposed(c->columns, c->columns, 1, c->delassus.G, c->columns, c->map.z0, c->columns, 1,
-                               c->delassus.offset, c->columns);
+  nsdae_la_multiply_transposed(c->columns, c->columns, c->rows, c->delassus.G, c->columns, c->map.Z,
+                               c->columns, 0, c->map.GZ, c->columns);
+  nsdae_la_multiply_transposed(c->columns, c->columns, 1, c->delassus.G, c->columns, c->map.z0,
+                               c->columns, 1, c->delassus.offset, c->columns);
 }
 
 static void contact_rows(nsdae_contacts *c, int a)
@@ -138,8 +139,10 @@ static void slide_rows(nsdae_contacts *c, int i)
     double K = AT(c->map.K, c->slide_count, i, j);
     AT(c->lcp.A, c->rows, row + L_PLUS, j) = K;
     if (sense_of(c, i)) continue;
-    AT(c->lcp.A, c->rows, row + LAMBDA_R, j) = AT(c->map.GZ, c->columns, column, j) + (j == row + XI_L);
-    AT(c->lcp.A, c->rows, row + XI_L, j) = 2 * mu * ((j == row + L_PLUS) + K) - (j == row + LAMBDA_R);
+    AT(c->lcp.A, c->rows, row + LAMBDA_R, j) =
+        AT(c->map.GZ, c->columns, column, j) + (j == row + XI_L);
+    AT(c->lcp.A, c->rows, row + XI_L, j) =
+        2 * mu * ((j == row + L_PLUS) + K) - (j == row + LAMBDA_R);
   }
   if (sense_of(c, i)) return;
   c->lcp.b[row + LAMBDA_R] = c->delassus.offset[column];

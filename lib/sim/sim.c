@@ -55,8 +55,9 @@ static int build(nsdae_sim *sim)
   if (nsdae_arena_build(&sim->arena, layout, sim) < 0)
     return nsdae_error_set(&sim->error, NSDAE_E_MEMORY, "nsdae_sim_create", "",
                            "out of memory for a simulation of this size");
+  if (sim->method->create) return sim->method->create(stepper, &sim->own);
   sim->own = stepper;
-  return sim->method->create ? sim->method->create(stepper, &sim->own) : NSDAE_OK;
+  return NSDAE_OK;
 }
 
 int nsdae_sim_create(const nsdae_system *system, const nsdae_sim_options *options, nsdae_sim **sim,

@@ -104,11 +104,11 @@ typedef struct nsdae_event_method {
   int *settling;             /* k: the accumulation of this contact ends now */
 
   /* the step */
-  long stamp, stamps; /* of the memory that the integrator stands at, 0: none; given so far */
-  int pending;                            /* an instant waits at `ahead` */
-  double reached, ahead;                  /* accounted for up to here; integrated up to here */
-  double instant;                         /* the last one */
-  double *multiplier;                     /* m: integral over the step */
+  long stamp, stamps;    /* of the memory that the integrator stands at, 0: none; given so far */
+  int pending;           /* an instant waits at `ahead` */
+  double reached, ahead; /* accounted for up to here; integrated up to here */
+  double instant;        /* the last one */
+  double *multiplier;    /* m: integral over the step */
   double *normal, *tangential, *friction; /* k, k nt, f: impulses of the step */
   double work;
   int changes;      /* instants in this step */

@@ -53,8 +53,8 @@ static double relax_friction(nsdae_event_method *e, int a)
   int column = c->first_column[a], n = c->columns;
   double mu = e->stepper->system->contact[c->active[a]].mu, *force = e->rows.force, next[2],
          most = 0;
-  double rho =
-      c->delassus.G[(size_t)(column + 1) * (size_t)(n + 1)] + c->delassus.G[(size_t)(column + 2) * (size_t)(n + 1)];
+  double rho = c->delassus.G[(size_t)(column + 1) * (size_t)(n + 1)] +
+               c->delassus.G[(size_t)(column + 2) * (size_t)(n + 1)];
   if (!(rho > 0)) return 0;
   for (int l = 0; l < 2; l++)
     next[l] = force[column + 1 + l] - e->rows.weight[column + 1 + l] / rho;

@@ -88,7 +88,8 @@ static int impact(nsdae_event_method *e, double t)
   memset(e->r, 0, (size_t)e->n * sizeof *e->r);
   if (e->ahead >= t) nsdae_dae_interpolate(e->dae, t, 1, e->r); /* v' until now */
   for (int i = 0; i < d->k; i++) {
-    if (fabs(c->results->before[i]) <= size) c->results->before[i] = 0; /* closed, and beside one that is hit */
+    if (fabs(c->results->before[i]) <= size)
+      c->results->before[i] = 0; /* closed, and beside one that is hit */
     e->velocity[i] = c->results->before[i];
     if (e->touching[i] && c->results->before[i] < 0) follow_accumulation(e, i, t);
     if (e->settling[i]) c->results->before[i] = 0;

@@ -182,7 +182,8 @@ static void read_cones(nsdae_event_method *e)
   read_contacts(e);
   for (int a = 0; a < c->active_count; a++) {
     int i = c->active[a];
-    if (e->mode[i] == NSDAE_MODE_OPEN || c->law[i].kind != NSDAE_POLYGON || !(c->results->normal[i] > 0))
+    if (e->mode[i] == NSDAE_MODE_OPEN || c->law[i].kind != NSDAE_POLYGON ||
+        !(c->results->normal[i] > 0))
       continue;
     if (nsdae_event_powerless(c, c->first_column[a] + 1)) continue;
     e->mode[i] = slip_rate(e, i) > size ? NSDAE_MODE_SLIDE : NSDAE_MODE_STICK;
