@@ -5,8 +5,27 @@
 #include "sim_impl.h"
 #include "vector.h"
 
-static const double watch_steps = 4; /* ways of a step */
-static const double watch_gain = 0.1, watch_rounding = 1e-9; /* of the largest energies */
+static const double watch_ways = 10;       /* of a step, or overlaps of penalty */
+static const double watch_share = 0.1;     /* of the largest kinetic energy */
+static const double watch_turnover = 0.02; /* of the work that forces did and took */
+
+static double largest(const double *a, long n)
+{
+  double most = 0;
+  for (long i = 0; i < n; i++) most = fmax(most, fabs(a[i]));
+  return most;
+}
+
+/* The way that the forces lead to in a step from rest: h^2 F / M. */
+static double way_from_rest(const nsdae_terms *T, double h)
+{
+  const nsdae_dims *d = &T->system->dims;
+  double rows = fmax(largest(T->J, (long)d->m * d->nv), largest(T->W_N, (long)d->k * d->nv));
+  double most = 0;
+  for (int j = 0; j < d->nv; j++)
+    most = fmax(most, fabs(T->F[j]) / T->M[(size_t)j * (size_t)(d->nv + 1)]);
+  return h * h * rows * most;
+}
 
 void nsdae_watch_start(nsdae_sim *sim, nsdae_point *point)
 {
@@ -16,12 +35,10 @@ void nsdae_watch_start(nsdae_sim *sim, nsdae_point *point)
                                         .kinetic = point->record.kinetic,
                                         .t = start->t,
                                         .power = nsdae_dot(d->nv, start->F, start->v)};
-  for (int j = 0; j < d->nv; j++) {
-    sim->way_size[j] = 0;
-    for (int i = 0; i < d->m; i++)
-      sim->way_size[j] =
-          fmax(sim->way_size[j], fabs(start->J[(size_t)j * (size_t)d->m + (size_t)i]));
-  }
+  nsdae_watch *w = &point->accounts.watch;
+  w->way = w->change = way_from_rest(start, sim->options.dt);
+  for (int j = 0; j < d->nv; j++)
+    sim->way_size[j] = largest(start->J + (size_t)j * (size_t)d->m, d->m);
 }
 
 /* One array of a record. */
@@ -110,6 +127,7 @@ static int add_work(nsdae_watch *w, nsdae_result *at)
   int status = h > 0 ? nsdae_terms_need(T, need) : NSDAE_OK;
   if (status < 0 || !(h > 0)) return status;
   double power = nsdae_dot(d->nv, T->F, T->v);
+  w->turnover += h / 2 * fabs(w->power + power);
   w->work += w->turned + h / 2 * (w->power + power) + h * nsdae_dot(d->m, at->multiplier, T->phi_t);
   w->power = power;
   w->t = T->t;
@@ -133,8 +151,7 @@ static int find_gain(nsdae_watch *w, nsdae_point *before, const nsdae_point *poi
     *gain = before->record.kinetic + before->record.dissipated - w->kinetic - w->work;
   }
   *gain = fmax(*gain, w->gained);
-  w->scale = fmax(w->scale, fmax(point->record.kinetic, fabs(w->work)));
-  w->scale = fmax(w->scale, watch_rounding * fabs(point->record.potential));
+  w->scale = fmax(w->scale, point->record.kinetic);
   return NSDAE_OK;
 }
 
@@ -151,14 +168,23 @@ static int say(nsdae_point *point, int bit, int status, const char *argument, co
   return status;
 }
 
+/* The overlap that the method explains, but for the factor. */
+static double depth_of(const nsdae_sim *sim, const nsdae_watch *w)
+{
+  const nsdae_sim_options *o = &sim->options;
+  if (o->method != NSDAE_METHOD_PENALTY) return w->change;
+  double n = o->penalty_law == NSDAE_PENALTY_KELVIN_VOIGT ? 1 : o->penalty_exponent;
+  return pow((n + 1) * w->scale / o->penalty_stiffness, 1 / (n + 1));
+}
+
 /* What is beyond its bound and was not said yet, the gravest first. */
-static int judge(nsdae_point *point, double gain)
+static int judge(const nsdae_sim *sim, nsdae_point *point, double gain)
 {
   const nsdae_watch *w = &point->accounts.watch;
   const nsdae_record *r = &point->record;
   int new = ~point->accounts.stats.warnings;
-  double energy = watch_gain * w->scale, depth = watch_steps * w->change,
-         way = watch_steps * w->way;
+  double energy = watch_share * w->scale + watch_turnover * w->turnover;
+  double depth = watch_ways * depth_of(sim, w), way = watch_ways * w->way;
   if ((new &NSDAE_WATCH_ENERGY) && gain > energy)
     return say(point, NSDAE_WATCH_ENERGY, NSDAE_WARN_ENERGY, "kinetic",
                "the energy that came from nowhere is", gain, energy);
@@ -177,5 +203,5 @@ int nsdae_watch_step(const nsdae_sim *sim, nsdae_point *before, nsdae_point *poi
   double gain;
   measure(w, &before->result.end, &point->result.end, sim->way_size);
   int status = find_gain(w, before, point, &gain);
-  return status < 0 ? status : judge(point, gain);
+  return status < 0 ? status : judge(sim, point, gain);
 }
