@@ -97,6 +97,7 @@ int nsdae_point_start(nsdae_sim *sim, nsdae_point *point)
   nsdae_terms *start = &point->result.end;
   nsdae_stats *stats = &point->accounts.stats;
   int status = nsdae_terms_need(start, ALL_TERMS);
+  if (status == NSDAE_OK) status = nsdae_terms_symmetric(start);
   if (status == NSDAE_OK) status = nsdae_stepper_factor(&sim->stepper, start, start->M);
   if (status < 0) return status;
   point->accounts = (nsdae_accounts){.grid_start = start->t};
