@@ -50,7 +50,7 @@ typedef struct nsdae_sim_options {
   int linear_solver;                      /* enum nsdae_linear_solver, of event */
   double accumulation_time;               /* shorter rests of accumulations are closed [s] */
   int events_max;                         /* of event in one dt; past it the step is implicit */
-  int internal_steps_max;                 /* of the integrator of penalty and event in one dt */
+  int inner_steps_max;                 /* of the integrator of penalty and event in one dt */
   unsigned initialised;                   /* set by nsdae_sim_options_default */
 } nsdae_sim_options;
 

@@ -63,7 +63,7 @@ module nsdae_f_sim
     integer(c_int) :: linear_solver                     ! of event
     real(c_double) :: accumulation_time                 ! shorter rests are closed [s]
     integer(c_int) :: events_max                        ! of event in one dt
-    integer(c_int) :: internal_steps_max                ! of the integrator in one dt
+    integer(c_int) :: inner_steps_max                ! of the integrator in one dt
     integer(c_int) :: initialised = 0                   ! set by nsdae_sim_options_default
   end type
 

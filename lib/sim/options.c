@@ -60,8 +60,8 @@ static const nsdae_param entries[] = {
      NSDAE_PARAM_REAL, AT(accumulation_time), 1e-5, 0, INFINITY, NSDAE_OPEN_MIN, NULL},
     {"events_max", "1", "most instants of event in one dt; past it the step is implicit's",
      NSDAE_PARAM_INT, AT(events_max), 10000, 1, 1e9, 0, NULL},
-    {"internal_steps_max", "1", "most steps of the integrator of penalty and event in one dt",
-     NSDAE_PARAM_INT, AT(internal_steps_max), 100000, 1, 1e9, 0, NULL},
+    {"inner_steps_max", "1", "most steps of the integrator of penalty and event in one dt",
+     NSDAE_PARAM_INT, AT(inner_steps_max), 100000, 1, 1e9, 0, NULL},
 };
 
 static const nsdae_params table = {entries, (int)(sizeof entries / sizeof *entries)};

@@ -444,10 +444,10 @@ static int keep_end(penalty *p, double t_end, double t)
 
 static int too_many_steps(nsdae_stepper *s, double t, double t_end)
 {
-  nsdae_error_set(s->error, NSDAE_E_CONVERGENCE, "nsdae_penalty", "internal_steps_max",
+  nsdae_error_set(s->error, NSDAE_E_CONVERGENCE, "nsdae_penalty", "inner_steps_max",
                   "the integrator is at t = %.17g after %d steps towards t = %.17g: make dt or "
-                  "penalty_stiffness smaller, or internal_steps_max or rtol larger",
-                  t, s->options->internal_steps_max, t_end);
+                  "penalty_stiffness smaller, or inner_steps_max or rtol larger",
+                  t, s->options->inner_steps_max, t_end);
   s->error->time = t;
   return NSDAE_E_CONVERGENCE;
 }
@@ -456,7 +456,7 @@ static int too_many_steps(nsdae_stepper *s, double t, double t_end)
 static int may_go_on(penalty *p, const nsdae_result *result, double t, double t_end)
 {
   nsdae_stepper *s = p->stepper;
-  if (result->counters.iterations >= s->options->internal_steps_max && t < t_end)
+  if (result->counters.iterations >= s->options->inner_steps_max && t < t_end)
     return too_many_steps(s, t, t_end);
   return nsdae_interrupted(&s->interrupt, s->error, t);
 }

@@ -242,7 +242,7 @@ static void draw(run *r, uint64_t seed, int method)
   r->options.method = method;
   r->options.dt = pow(10, -1.5 - 1.5 * random_uniform(&state));
   r->options.redundant = random_below(&state, 2);
-  r->options.internal_steps_max = 1000;
+  r->options.inner_steps_max = 1000;
   r->options.events_max = 200;
   r->options.linear_solver = random_below(&state, 2);
   r->options.penalty_law = random_below(&state, 5);

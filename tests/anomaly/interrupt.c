@@ -83,13 +83,13 @@ static void test_too_many_steps(void **state)
   nsdae_system *system = bead_system(&b);
   nsdae_sim_options_default(&options);
   options.method = NSDAE_METHOD_PENALTY;
-  options.internal_steps_max = 5;
+  options.inner_steps_max = 5;
   options.dt = 1;
   int status = nsdae_sim_create(system, &options, &sim, NULL);
   if (status == NSDAE_OK) {
     start(sim, &b);
     assert_int_equal(nsdae_sim_step(sim), NSDAE_E_CONVERGENCE);
-    assert_string_equal(nsdae_sim_error(sim)->argument, "internal_steps_max");
+    assert_string_equal(nsdae_sim_error(sim)->argument, "inner_steps_max");
     nsdae_sim_destroy(&sim);
   }
   nsdae_system_destroy(&system);

@@ -239,7 +239,7 @@ contains
     call same_place('nsdae_sim_options%linear_solver', c_loc(x), c_loc(x%linear_solver))
     call same_place('nsdae_sim_options%accumulation_time', c_loc(x), c_loc(x%accumulation_time))
     call same_place('nsdae_sim_options%events_max', c_loc(x), c_loc(x%events_max))
-    call same_place('nsdae_sim_options%internal_steps_max', c_loc(x), c_loc(x%internal_steps_max))
+    call same_place('nsdae_sim_options%inner_steps_max', c_loc(x), c_loc(x%inner_steps_max))
     call same_place('nsdae_sim_options%initialised', c_loc(x), c_loc(x%initialised))
   end subroutine
 
