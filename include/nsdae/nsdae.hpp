@@ -649,6 +649,13 @@ public:
                    &record);
   }
 
+  /* nsdae_trajectory_flush. */
+  void flush()
+  {
+    nsdae_error record = nsdae_error();
+    detail::demand(nsdae_trajectory_flush(c_, &record), &record);
+  }
+
   /* nsdae_trajectory_close. */
   int try_close(nsdae_error *record = nullptr) noexcept
   {
