@@ -20,7 +20,7 @@
 
 #include "random_system.h"
 
-enum { STEPS = 40, AGAIN = 10, SECONDS = 5, RUNS = 1500 };
+enum { STEPS = 40, AGAIN = 10, SECONDS = 5, RUNS = 500 };
 
 enum outcome { FINE, HANG, NOT_FINITE, NO_RECORD, STATE_LOST, TIME_STANDS, NOT_FRESH, OUTCOMES };
 
