@@ -13,7 +13,6 @@ static void layout(void *object, nsdae_arena *arena)
   nsdae_stepper_layout(&sim->stepper, arena);
   nsdae_result_layout(&sim->point[0].result, arena);
   nsdae_result_layout(&sim->point[1].result, arena);
-  sim->way_size = NSDAE_ARENA_DOUBLES(arena, sim->system->dims.nv);
 }
 
 static int no_memory(nsdae_sim *sim, nsdae_error *error)

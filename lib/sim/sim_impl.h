@@ -51,7 +51,6 @@ struct nsdae_sim {
   nsdae_point *now, *next; /* the state; a step in work, or the step before the state */
   double asked;            /* the time that the step in next was asked for */
   nsdae_observers observers;
-  double *way_size; /* nv: max_i |Phi_q ij| of the start */
   double wall_time;
   nsdae_error warning; /* of the last step, to be said when it is done */
   int started;         /* nsdae_sim_init was called */
@@ -78,10 +77,13 @@ int nsdae_point_follow(nsdae_point *before, nsdae_point *point, double impact_ve
 /* NSDAE_OK, or NSDAE_E_NONFINITE with the record that names what of a point is not finite. */
 int nsdae_watch_finite(const nsdae_point *point);
 /* From the start on. */
-void nsdae_watch_start(nsdae_sim *sim, nsdae_point *point);
+void nsdae_watch_start(const nsdae_sim *sim, nsdae_point *point);
 /* After a step: what is to be said now, NSDAE_WARN_... with the error record, NSDAE_OK; or what the
  * terms return. */
 int nsdae_watch_step(const nsdae_sim *sim, nsdae_point *before, nsdae_point *point);
+
+/* The record of a point whose result and accounts were set; have: terms to evaluate besides. */
+int nsdae_point_show(nsdae_point *point, unsigned have);
 
 /* Shows a record to the observers whose turn it is. NSDAE_OK, NSDAE_STOPPED, or the failure of one,
  * whose turn it then still is. */

@@ -49,13 +49,17 @@ static int prepare(nsdae_sim *sim, double t1)
     return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, "nsdae_sim", "dt",
                            "dt = %g is lost in rounding at t = %.17g: make it larger",
                            sim->options.dt, t0);
+  unsigned have = sim->now->result.end.have;
   int status = nsdae_interrupted(&sim->stepper.interrupt, &sim->error, t0);
   if (status == NSDAE_OK) status = advance(sim, t1);
   sim->failed = is_problem(status) && sim->next->result.problem;
   if (status == NSDAE_OK)
     status = nsdae_point_follow(sim->now, sim->next, sim->options.impact_velocity);
   if (status == NSDAE_OK) status = nsdae_watch_step(sim, sim->now, sim->next);
-  if (status < 0) return status;
+  if (status < 0) {
+    sim->now->result.end.have = have; /* what a dropped step evaluated is not counted either */
+    return status;
+  }
   sim->warning.status = NSDAE_OK;
   if (status > 0) sim->warning = sim->error; /* which observers clear */
   sim->next->accounts.grid_count += sim->next->result.end.t >= t1;

@@ -27,18 +27,18 @@ static double way_from_rest(const nsdae_terms *T, double h)
   return h * h * rows * most;
 }
 
-void nsdae_watch_start(nsdae_sim *sim, nsdae_point *point)
+void nsdae_watch_start(const nsdae_sim *sim, nsdae_point *point)
 {
   const nsdae_terms *start = &point->result.end;
   const nsdae_dims *d = &start->system->dims;
-  point->accounts.watch = (nsdae_watch){.scale = point->record.kinetic,
+  double from_rest = way_from_rest(start, sim->options.dt);
+  point->accounts.watch = (nsdae_watch){.change = from_rest,
+                                        .row = largest(start->J, (long)d->m * d->nv),
+                                        .way = from_rest,
+                                        .scale = point->record.kinetic,
                                         .kinetic = point->record.kinetic,
                                         .t = start->t,
                                         .power = nsdae_dot(d->nv, start->F, start->v)};
-  nsdae_watch *w = &point->accounts.watch;
-  w->way = w->change = way_from_rest(start, sim->options.dt);
-  for (int j = 0; j < d->nv; j++)
-    sim->way_size[j] = largest(start->J + (size_t)j * (size_t)d->m, d->m);
 }
 
 /* One array of a record. */
@@ -92,13 +92,13 @@ int nsdae_watch_finite(const nsdae_point *point)
 }
 
 /* Lengths: how far gaps and rows of constraints go in a step. */
-static void measure(nsdae_watch *w, const nsdae_terms *from, const nsdae_terms *to, const double *c)
+static void measure(nsdae_watch *w, const nsdae_terms *from, const nsdae_terms *to)
 {
   const nsdae_dims *d = &to->system->dims;
   double speed = 0;
   for (int i = 0; i < d->k; i++) w->change = fmax(w->change, fabs(to->gap[i] - from->gap[i]));
-  for (int j = 0; j < d->nv; j++) speed += c[j] * fmax(fabs(from->v[j]), fabs(to->v[j]));
-  w->way = fmax(w->way, (to->t - from->t) * speed);
+  for (int j = 0; j < d->nv; j++) speed += fmax(fabs(from->v[j]), fabs(to->v[j]));
+  w->way = fmax(w->way, (to->t - from->t) * w->row * speed);
 }
 
 /* vm^T (M_1 - M_0) vm / 2, vm = (v_0 + v_1) / 2 */
@@ -201,7 +201,7 @@ int nsdae_watch_step(const nsdae_sim *sim, nsdae_point *before, nsdae_point *poi
 {
   nsdae_watch *w = &point->accounts.watch;
   double gain;
-  measure(w, &before->result.end, &point->result.end, sim->way_size);
+  measure(w, &before->result.end, &point->result.end);
   int status = find_gain(w, before, point, &gain);
   return status < 0 ? status : judge(sim, point, gain);
 }

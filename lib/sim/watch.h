@@ -1,9 +1,9 @@
 /* Looks at every point before it becomes the state: a record with a value that is not finite is
  * refused, and what the method does not explain is said.
  *
- * What a method explains. Let h be the step, c a row of Phi_q, l = max h sum |c_j v_j| the longest
- * way along such a row in one step so far, and g the largest change of a gap in one; neither below
- * the way h^2 F / M that the start's forces lead to from rest.
+ * What a method explains. Let h be the step, c the largest entry of Phi_q at the start, l = max h c
+ * sum |v_j| the longest way along such a row in one step so far, and g the largest change of a gap
+ * in one; neither below the way h^2 F / M that the start's forces lead to from rest.
  *
  * - Penetration: a contact is found closed at the end (moreau: the middle) of a step, so a gap
  * falls below zero by at most g, and no impulse pulls it apart again; what comes later keeps v_N >=
@@ -30,17 +30,17 @@
 /* Bits of nsdae_stats.warnings, in the order in which they are said. */
 enum { NSDAE_WATCH_ENERGY = 1, NSDAE_WATCH_PENETRATION = 2, NSDAE_WATCH_DRIFT = 4 };
 
-/* What is kept of the run so far. */
+/* What is kept of the run so far: doubles alone, see block.c. */
 typedef struct nsdae_watch {
   double change;   /* g */
-  double way;      /* l */
-  double scale;    /* largest kinetic energy and work so far */
+  double row, way; /* c, l */
+  double scale;    /* largest kinetic energy so far */
   double kinetic;  /* of the start */
   double t;        /* up to here the work is summed, one step behind */
   double power;    /* F v there */
-  double work;     /* of forces, moving constraints and moving contacts */
+  double work;     /* of forces, inertia, moving constraints and moving contacts */
   double turnover; /* of forces, its steps' amounts */
-  double turned;   /* of inertia in the last step, not summed yet */
+  double turned;   /* work of inertia in the last step, not summed yet */
   double gained;   /* by contact impulses */
 } nsdae_watch;
 

@@ -7,8 +7,8 @@
  *   no record   a status < 0 without the same status and a text in the error record
  *   state lost  a status < 0 and a record that is not the one before the step
  *   time stands a status >= 0 and a time that did not advance
- *   not fresh   a simulation that is initialised anew, the fault gone, and does not do byte for byte
- *               what one that was made anew does
+ *   not fresh   a simulation that is initialised anew, the fault gone, and does not do byte for
+ * byte what one that was made anew does
  *
  * NSDAE_FAULT_RUNS and NSDAE_FAULT_SEED make it longer, or start elsewhere. */
 #define _XOPEN_SOURCE 700 /* setitimer, siglongjmp */
@@ -60,8 +60,12 @@ static int impacts_finite(const nsdae_record *r)
   int finite = 1;
   for (int i = 0; i < r->impacts; i++) {
     const nsdae_impact *p = &r->impact[i];
-    const double values[] = {p->time,           p->normal_impulse, p->tangential_impulse[0],
-                             p->velocity_before, p->velocity_after, p->tangential_impulse[1],
+    const double values[] = {p->time,
+                             p->normal_impulse,
+                             p->tangential_impulse[0],
+                             p->velocity_before,
+                             p->velocity_after,
+                             p->tangential_impulse[1],
                              p->peak_force};
     finite &= all_finite(values, 7);
   }
@@ -236,7 +240,8 @@ static void draw(run *r, uint64_t seed, int method)
 {
   uint64_t state = seed * 31 + 7;
   r->seed = seed;
-  random_system_draw(&r->system, seed, random_below(&state, 8) == 0 ? RANDOM_EXTREME : RANDOM_PLAIN);
+  random_system_draw(&r->system, seed,
+                     random_below(&state, 8) == 0 ? RANDOM_EXTREME : RANDOM_PLAIN);
   random_system_spoil(&r->system, seed * 17 + 5);
   nsdae_sim_options_default(&r->options);
   r->options.method = method;

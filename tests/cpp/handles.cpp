@@ -224,6 +224,27 @@ void test_interrupt()
   EXPECT(sim.run(1) == NSDAE_OK && sim.record().time == 1);
 }
 
+/* A state that is set elsewhere goes on with the same bytes. */
+void test_state()
+{
+  nsdae::system ball(make_ball());
+  nsdae::sim sim(ball), other(ball);
+  sim.init(0, {1}, {0});
+  for (int i = 0; i < 30; i++) sim.step();
+  const std::vector<unsigned char> block = sim.state();
+  other.set_state(block);
+  EXPECT(other.state() == block);
+  for (int i = 0; i < 200; i++) {
+    sim.step();
+    other.step();
+  }
+  EXPECT(other.state() == sim.state());
+  EXPECT(throws_status(NSDAE_E_ARGUMENT, [&] {
+    other.set_state(std::vector<unsigned char>(block.begin(), block.end() - 1));
+  }));
+  EXPECT(other.state() == sim.state());
+}
+
 /* A code of its own: > 0 and < 0 both end the run here, and nothing is thrown but error. */
 void test_codes()
 {
@@ -350,6 +371,7 @@ int main(int argc, char **argv)
   test_exceptions();
   test_observers();
   test_interrupt();
+  test_state();
   test_codes();
   test_moves();
   test_threads();
