@@ -310,9 +310,10 @@ static int advance(void *own, const nsdae_state *state, double t_end, nsdae_resu
   result->given_up = too_many(e);
   if (result->given_up) return NSDAE_OK;
   status = read_results(e, state->terms->t);
-  nsdae_error_clear(e->setting.error);
-  if (status == NSDAE_OK) result->memory.stamp = e->stamp = ++e->stamps;
-  return status;
+  if (status < 0) return status;
+  nsdae_error_clear(e->setting.error); /* of a step that was tried again, smaller */
+  result->memory.stamp = e->stamp = ++e->stamps;
+  return NSDAE_OK;
 }
 
 const nsdae_stepping nsdae_stepping_event = {
