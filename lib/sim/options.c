@@ -67,6 +67,8 @@ static const nsdae_param entries[] = {
      NSDAE_PARAM_CHOICE, AT(projection), NSDAE_PROJECTION_NONE, 0, 2, 0, projections},
     {"start_tol", "1", "relative error of the numbers of a start, which must be consistent",
      NSDAE_PARAM_REAL, AT(start_tol), 1e-6, 0, INFINITY, 0, NULL},
+    {"inner_steps_max", "1", "most steps of the integrator of penalty and event in one dt",
+     NSDAE_PARAM_INT, AT(inner_steps_max), 100000, 1, 1e9, 0, NULL},
 };
 
 static const nsdae_params table = {entries, (int)(sizeof entries / sizeof *entries)};
