@@ -47,6 +47,17 @@ function finish(out) {
   return out (verbatim ? " " close_verbatim() : "") " */"
 }
 
+# what a generator or the formatter is told
+/^ *\/\* (callbacks\.list: [a-z_]+|clang-format (on|off)) \*\/$/ { next }
+
+/^#define NSDAE_CALLBACK/ { undocumented = 1 }
+undocumented { undocumented = /\\$/; next }
+/^#undef NSDAE_CALLBACK/ { next }
+
+# what nsdae.hpp has for itself
+/^namespace detail/ { private = 1 }
+private { private = !/^} \/\/ namespace detail/; next }
+
 open { print finish(inside($0)); next }
 
 # a comment begins here
