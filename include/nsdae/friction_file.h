@@ -37,8 +37,9 @@ typedef struct nsdae_friction_file {
   double *guess;    /* m: the first guess of the file; NULL where there is none */
   double *r;        /* m: its solution; NULL where there is none. Many files have zeros for one */
   double tol;       /* of the attribute; 0 where there is none */
-  double asymmetry; /* of W, or M, in the file: max |W_ij - W_ji| / max |W_ij|. Where it is not zero
-                       problem has (W + W^T) / 2, which is another problem than the file's */
+  double asymmetry; /* of W, or M, in the file: max |W_ij - W_ji| / max |W_ij|, 0 where that is
+                       rounding. Where it is not, problem has (W + W^T) / 2, which is another
+                       problem than the file's */
   int *velocity;    /* global: v_i of the problem is v of the file at velocity[i] */
 } nsdae_friction_file;
 

@@ -6,6 +6,9 @@
 
 enum { MOST = 256 }; /* numbers for each entry, row and column */
 
+/* Of the root of its two diagonal entries, a difference of W_ij and W_ji that is rounding. */
+static const double ROUNDING = 1e-12;
+
 static int no_memory(nsdae_h5 *h5)
 {
   return nsdae_error_set(h5->error, NSDAE_E_MEMORY, h5->where, "", "out of memory for '%.90s'",
@@ -246,8 +249,11 @@ static int compare(const void *a, const void *b)
   return (x->column > y->column) - (x->column < y->column);
 }
 
-/* The largest difference of mirror images, of sorted entries of A and A^T. */
-static double difference(size_t count, const entry *e, double *largest)
+/* The largest difference of mirror images, of sorted entries of A and A^T, and the largest entry;
+ * in rounding how much of it, at the most, a difference is of the root of its two diagonal entries.
+ */
+static double difference(size_t count, const entry *e, const double *diagonal, double *largest,
+                         double *rounding)
 {
   double worst = 0;
   for (size_t k = 0; k < count;) {
@@ -257,32 +263,55 @@ static double difference(size_t count, const entry *e, double *largest)
       value += e[k].value;
       mirrored += e[k].mirrored;
     }
+    double between = fabs(value - mirrored);
+    double size = sqrt(fabs(diagonal[e[first].row])) * sqrt(fabs(diagonal[e[first].column]));
     *largest = fmax(*largest, fabs(value));
-    worst = fmax(worst, fabs(value - mirrored));
+    worst = fmax(worst, between);
+    if (between > 0) *rounding = fmax(*rounding, size > 0 ? between / size : INFINITY);
   }
   return worst;
 }
 
-int nsdae_symmetrise(nsdae_h5 *h5, nsdae_triplets *A, double *asymmetry)
+/* Sorted entries of A and of its transpose. */
+static entry *mirror(const nsdae_triplets *A)
 {
-  int count = A->count;
-  size_t both = 2 * (size_t)count;
-  double largest = 0;
-  entry *e = calloc(both + 1, sizeof *e);
-  if (!e) return no_memory(h5);
-  for (int k = 0; k < count; k++) {
+  size_t count = (size_t)A->count;
+  entry *e = calloc(2 * count + 1, sizeof *e);
+  for (size_t k = 0; e && k < count; k++) {
     e[2 * k] = (entry){A->row[k], A->column[k], A->value[k], 0};
     e[2 * k + 1] = (entry){A->column[k], A->row[k], 0, A->value[k]};
   }
-  qsort(e, both, sizeof *e, compare);
-  double worst = difference(both, e, &largest);
+  if (e) qsort(e, 2 * count, sizeof *e, compare);
+  return e;
+}
+
+/* How unsymmetric A is; 0 where it is by no more than rounding. */
+static int measure(nsdae_h5 *h5, const nsdae_triplets *A, double *asymmetry)
+{
+  double largest = 0, rounding = 0;
+  entry *e = mirror(A);
+  double *diagonal = calloc((size_t)A->rows + 1, sizeof *diagonal);
+  int status = e && diagonal ? NSDAE_OK : no_memory(h5);
+  for (int k = 0; k < A->count && status == NSDAE_OK; k++)
+    if (A->row[k] == A->column[k]) diagonal[A->row[k]] += A->value[k];
+  *asymmetry = 0;
+  if (status == NSDAE_OK) {
+    double worst = difference(2 * (size_t)A->count, e, diagonal, &largest, &rounding);
+    if (rounding > ROUNDING) *asymmetry = worst / largest;
+  }
   free(e);
-  *asymmetry = largest > 0 ? worst / largest : 0;
-  int status = nsdae_triplets_grow(h5, A, count);
+  free(diagonal);
+  return status;
+}
+
+int nsdae_symmetrise(nsdae_h5 *h5, nsdae_triplets *A, double *asymmetry)
+{
+  int count = A->count, status = measure(h5, A, asymmetry);
+  if (status == NSDAE_OK) status = nsdae_triplets_grow(h5, A, count);
   for (int k = 0; k < count && status == NSDAE_OK; k++) {
-    if (worst > 0)
-      A->value[k] /= 2; /* else as it is, to the last bit, but both places stand there */
-    nsdae_triplets_add(A, A->column[k], A->row[k], worst > 0 ? A->value[k] : 0);
+    if (*asymmetry > 0) A->value[k] /= 2;
+    /* else as it is, to the last bit, but both places stand there */
+    nsdae_triplets_add(A, A->column[k], A->row[k], *asymmetry > 0 ? A->value[k] : 0);
   }
   return status;
 }

@@ -37,8 +37,8 @@ void nsdae_gathered_release(nsdae_gathered *g);
 int nsdae_gather_diagonal(nsdae_h5 *h5, const nsdae_triplets *M, const nsdae_partition *p,
                           double **blocks);
 
-/* A := (A + A^T) / 2, the entries of A before those of A^T. largest |A_ij - A_ji| / largest |A_ij|
- * comes back. */
+/* A := (A + A^T) / 2, the entries of A before those of A^T; largest |A_ij - A_ji| / largest |A_ij|
+ * comes back. Where they differ by rounding alone A keeps its values, and 0 comes back. */
 int nsdae_symmetrise(nsdae_h5 *h5, nsdae_triplets *A, double *asymmetry);
 
 #endif
