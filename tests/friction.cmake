@@ -1,5 +1,7 @@
 # Tests of the frictional contact problems.
-nsdae_unit_test(friction contact)
+foreach(name contact map)
+  nsdae_unit_test(friction ${name})
+endforeach()
 
 # Seeded problems of rigid bodies.
 add_library(test_friction_families OBJECT support/friction_families.c)
