@@ -7,6 +7,7 @@
 #include <nsdae/kernels.h>
 #include <nsdae/lcp.h>
 #include <nsdae/friction.h>
+#include <nsdae/friction_file.h>
 #include <nsdae/lcp_file.h>
 #include <nsdae/params.h>
 #include <nsdae/sim.h>

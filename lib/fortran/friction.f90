@@ -70,6 +70,7 @@ module nsdae_f_friction
             nsdae_friction_check, nsdae_friction_solve, &
             nsdae_friction_residual, nsdae_friction_create, nsdae_friction_solver_solve, &
             nsdae_friction_destroy
+  public :: problem_to_c, problem_from_c, rows_of_problem
 
   interface
     subroutine nsdae_friction_options_default(options) bind(C)
@@ -137,7 +138,7 @@ contains
     type(nsdae_friction_problem), intent(in) :: problem
     type(nsdae_error), intent(out), optional :: error
     type(nsdae_c_error) :: why
-    status = c_check(to_c(problem), why)
+    status = c_check(problem_to_c(problem), why)
     call error_from_c(why, error)
   end function
 
@@ -151,7 +152,7 @@ contains
     type(nsdae_friction_info), intent(out), optional :: info
     status = NSDAE_E_ARGUMENT
     if (.not. fits(problem, r, u)) return
-    status = c_solve(to_c(problem), options, r, u, info)
+    status = c_solve(problem_to_c(problem), options, r, u, info)
   end function
 
   ! The same with the memory of a solver.
@@ -164,7 +165,7 @@ contains
     type(nsdae_friction_info), intent(out), optional :: info
     status = NSDAE_E_ARGUMENT
     if (.not. fits(problem, r, u)) return
-    status = c_solver_solve(solver%handle, to_c(problem), options, r, u, info)
+    status = c_solver_solve(solver%handle, problem_to_c(problem), options, r, u, info)
   end function
 
   ! Residual of r, and its velocities u.
@@ -176,25 +177,78 @@ contains
     residual = 0
     status = NSDAE_E_ARGUMENT
     if (.not. fits(problem, r, u)) return
-    status = c_residual(to_c(problem), r, u, residual)
+    status = c_residual(problem_to_c(problem), r, u, residual)
+  end function
+
+  pure integer function rows_of_problem(problem) result(m)
+    type(nsdae_friction_problem), intent(in) :: problem
+    m = 3 * problem%contacts
+    if (associated(problem%rows)) m = sum(problem%rows(:problem%contacts))
+    m = m + problem%bilateral
   end function
 
   pure logical function fits(problem, r, u)
     type(nsdae_friction_problem), intent(in) :: problem
     real(c_double), intent(in) :: r(:), u(:)
     integer :: m
-    m = 3 * problem%contacts
-    if (associated(problem%rows)) m = sum(problem%rows(:problem%contacts))
-    m = m + problem%bilateral
+    m = rows_of_problem(problem)
     fits = size(r) >= m .and. size(u) >= m
   end function
 
-  type(nsdae_c_friction_problem) function to_c(p) result(c)
+  type(nsdae_c_friction_problem) function problem_to_c(p) result(c)
     type(nsdae_friction_problem), intent(in) :: p
     c = nsdae_c_friction_problem(p%form, p%contacts, p%bilateral, integers(p%rows), reals(p%mu), &
                                  reals(p%w), reals(p%compliance), p%blocks, integers(p%size), &
                                  reals(p%M), reals(p%f), integers(p%first), integers(p%block), &
                                  reals(p%value))
+  end function
+
+  ! Pointers to the arrays of a C problem, with their shapes.
+  subroutine problem_from_c(c, p)
+    type(nsdae_c_friction_problem), intent(in) :: c
+    type(nsdae_friction_problem), intent(out) :: p
+    integer :: items, m
+    items = c%contacts + c%bilateral
+    p%form = c%form
+    p%contacts = c%contacts
+    p%bilateral = c%bilateral
+    p%blocks = c%blocks
+    if (c_associated(c%rows)) call c_f_pointer(c%rows, p%rows, [c%contacts])
+    m = rows_of_problem(p)
+    call c_f_pointer(c%mu, p%mu, [c%contacts])
+    call c_f_pointer(c%w, p%w, [m])
+    if (c_associated(c%compliance)) call c_f_pointer(c%compliance, p%compliance, [m])
+    call c_f_pointer(c%first, p%first, [items + 1])
+    call c_f_pointer(c%block, p%block, [p%first(items + 1)])
+    if (c_associated(c%size)) call c_f_pointer(c%size, p%size, [c%blocks])
+    if (c_associated(c%M)) call c_f_pointer(c%M, p%M, [sum(p%size**2)])
+    if (c_associated(c%f)) call c_f_pointer(c%f, p%f, [sum(p%size)])
+    call c_f_pointer(c%value, p%value, [values_of(p)])
+  end subroutine
+
+  ! Numbers in the blocks of all items.
+  integer function values_of(p) result(count)
+    type(nsdae_friction_problem), intent(in) :: p
+    integer :: i, k
+    count = 0
+    do i = 1, p%contacts + p%bilateral
+      do k = p%first(i) + 1, p%first(i + 1)
+        if (p%form == NSDAE_FRICTION_LOCAL) then
+          count = count + rows_of_item(p, i) * rows_of_item(p, p%block(k) + 1)
+        else
+          count = count + rows_of_item(p, i) * p%size(p%block(k) + 1)
+        end if
+      end do
+    end do
+  end function
+
+  pure integer function rows_of_item(p, i) result(rows)
+    type(nsdae_friction_problem), intent(in) :: p
+    integer, intent(in) :: i
+    rows = 1
+    if (i > p%contacts) return
+    rows = 3
+    if (associated(p%rows)) rows = p%rows(i)
   end function
 
   type(c_ptr) function reals(array)

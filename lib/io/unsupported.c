@@ -1,4 +1,5 @@
 /* Files in a library that was built without HDF5. */
+#include <nsdae/friction_file.h>
 #include <nsdae/lcp_file.h>
 #include <nsdae/trajectory.h>
 #include <stdlib.h>
@@ -84,4 +85,27 @@ void nsdae_lcp_file_release(nsdae_lcp_file *file)
   free(file->A);
   free(file->b);
   *file = (nsdae_lcp_file){0};
+}
+
+int nsdae_friction_write(const char *path, const nsdae_friction_problem *problem,
+                         const nsdae_friction_points *points, const nsdae_friction_origin *origin,
+                         nsdae_error *error)
+{
+  (void)path;
+  (void)problem;
+  (void)points;
+  (void)origin;
+  return unsupported("nsdae_friction_write", error);
+}
+
+int nsdae_friction_read(const char *path, nsdae_friction_file *file, nsdae_error *error)
+{
+  (void)path;
+  if (file) *file = (nsdae_friction_file){0};
+  return unsupported("nsdae_friction_read", error);
+}
+
+void nsdae_friction_file_release(nsdae_friction_file *file)
+{
+  if (file) *file = (nsdae_friction_file){0};
 }

@@ -23,7 +23,7 @@ cat ./*.h |
   grep -oE '\bNSDAE_[A-Z_]+\b' "$work/text" |
     grep -vE '^NSDAE_(API|[A-Z_]+_(LIST|ENUM))$' || true       # constants
   grep -oE 'X\(NSDAE_[A-Z_]+' status.h | tr -d 'X('           # statuses
-} | sort -u | grep -vxE 'nsdae_lcp_(problem|file|file_release)' >"$work/names"
+} | sort -u | grep -vxE 'nsdae_(lcp_(problem|file|file_release)|friction_points)' >"$work/names"
 printf '%s names\n' "$(wc -l <"$work/names")"
 [ "$(wc -l <"$work/names")" -gt 150 ]
 

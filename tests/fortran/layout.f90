@@ -4,6 +4,7 @@ program layout
   use, intrinsic :: iso_c_binding
   use nsdae_f_certificate
   use nsdae_f_friction
+  use nsdae_f_friction_file
   use nsdae_f_lcp
   use nsdae_f_params
   use nsdae_f_sim
@@ -44,6 +45,7 @@ program layout
   call lcp_origin_fields
   call lcp_file_fields
   call friction_problem_fields
+  call friction_file_fields
   call friction_options_fields
   call friction_info_fields
   ! nothing that C has is missing here
@@ -393,6 +395,25 @@ contains
     call same_place('nsdae_friction_problem%first', c_loc(x), c_loc(x%first))
     call same_place('nsdae_friction_problem%block', c_loc(x), c_loc(x%block))
     call same_place('nsdae_friction_problem%value', c_loc(x), c_loc(x%value))
+  end subroutine
+
+  subroutine friction_file_fields()
+    type(nsdae_c_friction_origin), target :: from
+    type(nsdae_c_friction_points), target :: points
+    type(nsdae_c_friction_file), target :: x
+    call same_size('nsdae_friction_origin', c_sizeof(from))
+    call same_place('nsdae_friction_origin%step', c_loc(from), c_loc(from%step))
+    call same_place('nsdae_friction_origin%tol', c_loc(from), c_loc(from%tol))
+    call same_place('nsdae_friction_origin%method', c_loc(from), c_loc(from%method))
+    call same_size('nsdae_friction_points', c_sizeof(points))
+    call same_place('nsdae_friction_points%r', c_loc(points), c_loc(points%r))
+    call same_place('nsdae_friction_points%u', c_loc(points), c_loc(points%u))
+    call same_size('nsdae_friction_file', c_sizeof(x))
+    call same_place('nsdae_friction_file%guess', c_loc(x), c_loc(x%guess))
+    call same_place('nsdae_friction_file%r', c_loc(x), c_loc(x%r))
+    call same_place('nsdae_friction_file%tol', c_loc(x), c_loc(x%tol))
+    call same_place('nsdae_friction_file%asymmetry', c_loc(x), c_loc(x%asymmetry))
+    call same_place('nsdae_friction_file%velocity', c_loc(x), c_loc(x%velocity))
   end subroutine
 
   subroutine friction_options_fields()

@@ -1,0 +1,149 @@
+! nsdae/friction_file.h: frictional contact problems in HDF5 files, in the layout of FCLIB.
+module nsdae_f_friction_file
+  use, intrinsic :: iso_c_binding
+  use nsdae_f_friction
+  use nsdae_f_status
+  use nsdae_f_text
+  implicit none
+  private
+
+  ! Where a problem comes from.
+  type, public :: nsdae_friction_origin
+    real(c_double) :: time = 0       ! [s]
+    integer(c_long) :: step = 0      ! that it belongs to, from 1
+    real(c_double) :: tol = 1d-10    ! bound on the residual, > 0
+    character(len=32) :: method = ''
+  end type
+
+  ! The structs of the C header.
+  type, bind(C), public :: nsdae_c_friction_origin
+    real(c_double) :: time
+    integer(c_long) :: step
+    real(c_double) :: tol
+    type(c_ptr) :: method
+  end type
+
+  type, bind(C), public :: nsdae_c_friction_points
+    type(c_ptr) :: guess, r, u
+  end type
+
+  type, bind(C), public :: nsdae_c_friction_file
+    type(nsdae_c_friction_problem) :: problem
+    type(c_ptr) :: guess, r
+    real(c_double) :: tol, asymmetry
+    type(c_ptr) :: velocity
+  end type
+
+  ! A problem as read; its arrays are the file's, and go with nsdae_friction_file_release. guess and
+  ! r are not associated where the file has none; velocity counts from 0, as in C.
+  type, public :: nsdae_friction_file
+    type(nsdae_friction_problem) :: problem
+    real(c_double), pointer, contiguous :: guess(:) => null(), r(:) => null()
+    real(c_double) :: tol = 0, asymmetry = 0
+    integer(c_int), pointer, contiguous :: velocity(:) => null()
+    type(nsdae_c_friction_file), private :: held
+  end type
+
+  public :: nsdae_friction_write, nsdae_friction_read, nsdae_friction_file_release
+
+  interface
+    integer(c_int) function c_write(path, problem, points, origin, error) &
+        bind(C, name='nsdae_friction_write')
+      import
+      character(kind=c_char), intent(in) :: path(*)
+      type(nsdae_c_friction_problem), intent(in) :: problem
+      type(nsdae_c_friction_points), intent(in) :: points
+      type(nsdae_c_friction_origin), intent(in), optional :: origin
+      type(nsdae_c_error), intent(inout) :: error
+    end function
+    integer(c_int) function c_read(path, file, error) bind(C, name='nsdae_friction_read')
+      import
+      character(kind=c_char), intent(in) :: path(*)
+      type(nsdae_c_friction_file), intent(out) :: file
+      type(nsdae_c_error), intent(inout) :: error
+    end function
+    subroutine c_release(file) bind(C, name='nsdae_friction_file_release')
+      import
+      type(nsdae_c_friction_file), intent(inout) :: file
+    end subroutine
+  end interface
+
+contains
+
+  ! Writes the problem, replacing a file of that name; guess, r and u have an entry for each row.
+  integer(c_int) function nsdae_friction_write(path, problem, guess, r, u, origin, error) &
+      result(status)
+    character(len=*), intent(in) :: path
+    type(nsdae_friction_problem), intent(in) :: problem
+    real(c_double), intent(in), contiguous, target, optional :: guess(:), r(:), u(:)
+    type(nsdae_friction_origin), intent(in), optional :: origin
+    type(nsdae_error), intent(out), optional :: error
+    character(kind=c_char) :: c_path(len_trim(path) + 1)
+    character(kind=c_char), target :: method(33)
+    type(nsdae_c_friction_origin) :: from
+    type(nsdae_c_friction_points) :: points
+    type(nsdae_c_error) :: why
+    if (.not. long_enough(problem, guess) .or. .not. long_enough(problem, r) .or. &
+        .not. long_enough(problem, u)) then
+      status = refuse('nsdae_friction_write', 'r', 'guess, r or u has fewer entries than rows', error)
+      return
+    end if
+    call to_chars(path, c_path)
+    points = nsdae_c_friction_points(place_of(guess), place_of(r), place_of(u))
+    if (present(origin)) then
+      call to_chars(origin%method, method)
+      from = nsdae_c_friction_origin(origin%time, origin%step, origin%tol, c_loc(method))
+      status = c_write(c_path, problem_to_c(problem), points, from, why)
+    else
+      status = c_write(c_path, problem_to_c(problem), points, error=why)
+    end if
+    call error_from_c(why, error)
+  end function
+
+  ! Reads a problem; on an error file holds nothing.
+  integer(c_int) function nsdae_friction_read(path, file, error) result(status)
+    character(len=*), intent(in) :: path
+    type(nsdae_friction_file), intent(out) :: file
+    type(nsdae_error), intent(out), optional :: error
+    character(kind=c_char) :: c_path(len_trim(path) + 1)
+    type(nsdae_c_error) :: why
+    integer :: m
+    call to_chars(path, c_path)
+    status = c_read(c_path, file%held, why)
+    call error_from_c(why, error)
+    if (status < 0) return
+    call problem_from_c(file%held%problem, file%problem)
+    m = rows_of_problem(file%problem)
+    if (c_associated(file%held%guess)) call c_f_pointer(file%held%guess, file%guess, [m])
+    if (c_associated(file%held%r)) call c_f_pointer(file%held%r, file%r, [m])
+    if (c_associated(file%held%velocity)) &
+        call c_f_pointer(file%held%velocity, file%velocity, [sum(file%problem%size)])
+    file%tol = file%held%tol
+    file%asymmetry = file%held%asymmetry
+  end function
+
+  ! Releases what was read; its pointers point to nothing then.
+  subroutine nsdae_friction_file_release(file)
+    type(nsdae_friction_file), intent(inout) :: file
+    type(nsdae_friction_file) :: empty
+    type(nsdae_c_friction_file) :: held
+    held = file%held
+    if (associated(file%problem%first)) call c_release(held)
+    empty%held = held
+    file = empty
+  end subroutine
+
+  pure logical function long_enough(problem, values)
+    type(nsdae_friction_problem), intent(in) :: problem
+    real(c_double), intent(in), optional :: values(:)
+    long_enough = .true.
+    if (present(values)) long_enough = size(values) >= rows_of_problem(problem)
+  end function
+
+  type(c_ptr) function place_of(values)
+    real(c_double), intent(in), contiguous, target, optional :: values(:)
+    place_of = c_null_ptr
+    if (present(values)) place_of = c_loc(values)
+  end function
+
+end module

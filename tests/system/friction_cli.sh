@@ -1,0 +1,94 @@
+#!/bin/sh
+# nsdae-friction as a user meets it: the certificate, what is kept, the same bits again, exit codes,
+# one-line errors that name what, where and what to do. usage: friction_cli.sh BIN_DIR SAMPLE_WRITER
+set -u
+friction=$1/nsdae-friction
+write=$2
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cd "$work" || exit 1
+failures=0
+
+complain() {
+  echo "FAILED: $*"
+  failures=$((failures + 1))
+}
+
+# refused EXIT WORDS ARGUMENT...: that exit, nothing on stdout, one line on stderr that has the words
+refused() {
+  code=$1
+  words=$2
+  shift 2
+  "$friction" "$@" >out 2>err
+  got=$?
+  if [ $got != "$code" ] || [ -s out ] || [ "$(wc -l <err)" != 1 ] || ! grep -qF -- "$words" err; then
+    complain "nsdae-friction $*: exit $got, stderr: $(cat err) (wanted $code and one line with: $words)"
+  fi
+}
+
+# gives EXIT LINES ARGUMENT...: the exit code, and each line (separated by ;) on stdout
+gives() {
+  code=$1
+  wanted=$2
+  shift 2
+  "$friction" "$@" >out 2>err
+  got=$?
+  [ $got = "$code" ] || complain "nsdae-friction $*: exit $got, wanted $code: $(cat out err)"
+  [ ! -s err ] || complain "nsdae-friction $*: stderr: $(cat err)"
+  oldifs=$IFS
+  IFS=';'
+  for line in $wanted; do
+    grep -qxF -- "$line" out || complain "nsdae-friction $*: no line '$line' in: $(cat out)"
+  done
+  IFS=$oldifs
+}
+
+# spheres of 60 contacts or so, global and local
+"$write" spheres.h5 local.h5 || complain "no sample"
+gives 0 'outcome: solved;form: global;tol: 1e-10' spheres.h5
+grep -qE '^residual: [0-9.e+-]+$' out || complain "no residual: $(cat out)"
+contacts=$(sed -n 's/^contacts: //p' out)
+gives 0 "outcome: solved;form: local;contacts: $contacts;tol: 1e-06" --set tol=1e-6 local.h5
+
+# what is kept is the solution, and gives it again
+gives 0 'outcome: solved' --solution r.txt --output kept.h5 spheres.h5
+[ "$(wc -l <r.txt)" = $((3 * contacts)) ] || complain "r.txt has $(wc -l <r.txt) lines"
+gives 0 'outcome: solved' --solution=again.txt kept.h5
+cmp r.txt again.txt || complain "another solution from the file that was kept"
+h5dump -d /solution/u kept.h5 >/dev/null || complain "no u in the file that was kept"
+h5dump -d /solution/v kept.h5 >/dev/null || complain "no v in the file that was kept"
+
+# stages and bounds
+gives 1 'outcome: unsolved' --set stages=gauss-seidel --set max_sweeps=1 spheres.h5
+"$friction" --set stages=gauss-seidel --set max_sweeps=1 --solution none.txt spheres.h5 >/dev/null
+[ ! -e none.txt ] || complain "a solution was written that is none"
+gives 0 'outcome: solved' --cold spheres.h5
+gives 0 '  --version          version and build' --help
+cp out help
+gives 0 '  --version          version and build' -h
+cmp out help || complain "-h says something else than --help"
+gives 0 '' --version
+grep -q '^nsdae-friction ' out || complain "--version: $(cat out)"
+
+refused 2 "no FILE given" --set tol=1e-3
+refused 2 "unknown option '--tol'" --tol 1 spheres.h5
+refused 2 "did you mean '--solution'" --soluton x spheres.h5
+refused 2 "--set needs a value" spheres.h5 --set
+refused 2 "must be NAME=VALUE" --set tol spheres.h5
+refused 2 "did you mean 'tol'" --set tool=1 spheres.h5
+refused 2 "tol" --set tol=0 spheres.h5
+refused 2 "did you mean 'warm'" --set stages=wram spheres.h5
+refused 2 "one FILE at a time" spheres.h5 local.h5
+refused 2 "cannot read 'nothing.h5'" nothing.h5
+echo no >no.h5
+refused 2 "cannot read 'no.h5'" no.h5
+"$friction" --output /nonexistent/x.h5 spheres.h5 >out 2>err
+[ $? = 1 ] || complain "a file that cannot be written: $(cat err)"
+grep -q nonexistent err || complain "no name in: $(cat err)"
+if [ -e /dev/full ]; then
+  "$friction" spheres.h5 >/dev/full 2>err
+  [ $? = 1 ] || complain "a certificate that did not get out: $(cat err)"
+fi
+
+[ $failures = 0 ] && echo "all as expected"
+exit $failures
