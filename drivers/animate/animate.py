@@ -15,7 +15,7 @@ from PIL import Image
 from bodies import columns_of, read_motion
 from raster import Drawing
 from scene import scene
-from trajectory import Parser, Problem, names_of_rows, open_trajectory, replace, tell, text
+from trajectory import Parser, Problem, open_trajectory, replace, tell, text
 
 FORMATS = (".gif", ".mp4", ".html")
 LONGEST = 8.0  # of a GIF by default [s]
@@ -144,11 +144,11 @@ def write(output, file, time, bodies, first, last, arguments):
     title = arguments.title if arguments.title is not None else "{model}, {method}".format(**attrs)
     if output.lower().endswith(".html"):
         frames = np.unique(np.linspace(first, last, PAGE_FRAMES).round().astype(int))
-        replace(output, page(scene(file, time, bodies, frames, names_of_rows), title, speed))
+        replace(output, page(scene(file, time, bodies, frames), title, speed))
         return len(frames)
     delay = max(round(100 / arguments.fps), 2)  # what a GIF counts in
     frames = records_at(time, first, last, speed * delay / 100)
-    drawing = Drawing(scene(file, time, bodies, frames, names_of_rows), arguments.width, title, speed)
+    drawing = Drawing(scene(file, time, bodies, frames), arguments.width, title, speed)
     whole = gif(drawing, len(frames), delay) if output.lower().endswith(".gif") else \
         mp4(drawing, len(frames), 100 / delay, output)
     replace(output, whole)

@@ -8,14 +8,12 @@ one pose. Positions are those of the file's records, never between them."""
 import numpy as np
 
 from bodies import at_records, extent, is_fixed, is_spatial
+from modes import MODE_COLOURS, MODES, strips
 from shapes import solids_of
 from trajectory import text
 
 COLOURS = ["#3b6ea5", "#d1792f", "#4f9d5b", "#b0483f", "#7d67a8", "#8a6d4f", "#c66fa1", "#3f9ea3"]
 FIXED, GROUND, THREAD = "#a9aeb5", "#dfe2e6", "#6b7178"
-MODES = ["open", "slide", "stick"]
-MODE_COLOURS = ["#e6e8eb", "#e8a33d", "#3b6ea5"]
-SPANS_MAX = 2000  # of a strip; what changes oftener is shown as the frames have it
 IMPACTS_MAX = 2000
 
 
@@ -90,30 +88,6 @@ def at_frames(matrix, frames):
     return matrix if matrix is None or matrix.ndim == 2 else matrix[frames]
 
 
-def spans(time, mode, frames):
-    """[from, to, mode] of each stretch without a change. A record's mode is that of the step that
-    ends there; the first record's step has no length."""
-    if np.count_nonzero(np.diff(mode)) > SPANS_MAX:
-        time, mode = time[frames], mode[frames]
-    last = np.flatnonzero(np.append(np.diff(mode) != 0, True))
-    start = np.append(time[0], time[last[:-1]])
-    return [[float(a), float(b), int(m)] for a, b, m in zip(start, time[last], mode[last])]
-
-
-def strips(file, time, frames, names):
-    """The modes of contacts and slides, in the times shown."""
-    first, last = frames[0], frames[-1] + 1
-    shown = []
-    for group, kind in (("contact", "contact"), ("slide", "slide")):
-        if f"{group}/mode" not in file:
-            continue
-        modes = file[f"{group}/mode"][first:last]
-        labels = names(file, kind, modes.shape[1])
-        shown += [{"name": label, "spans": spans(time[first : first + len(modes)], modes[:, i], frames - first)}
-                  for i, label in enumerate(labels)]
-    return shown
-
-
 def impacts(file, start, end):
     """[time, contact] of those in the times shown, the strongest of them where there are many."""
     if "impact/time" not in file:
@@ -134,7 +108,7 @@ def bounds(bodies, spatial):
     return [(low - margin - grow).tolist(), (high + margin + grow).tolist()]
 
 
-def scene(file, time, bodies, frames, names):
+def scene(file, time, bodies, frames):
     """Of these records (numbers, ascending)."""
     spatial = is_spatial(bodies)
     seen = [at_records(body, slice(frames[0], frames[-1] + 1)) for body in bodies]
@@ -148,7 +122,7 @@ def scene(file, time, bodies, frames, names):
         "high": box[1],
         "time": [float(t) for t in time[frames]],
         "bodies": drawn_bodies(bodies, frames, spatial, scale),
-        "strips": strips(file, time, frames, names),
+        "strips": strips(file, time[frames[0] : frames[-1] + 1], frames),
         "impacts": impacts(file, time[frames[0]], time[frames[-1]]),
         "modes": MODES,
         "mode_colours": MODE_COLOURS,
