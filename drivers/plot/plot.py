@@ -274,6 +274,8 @@ def grows(dataset):
 def draw(file, names, title):
     time = file["time"][: records(file)]
     rows = [row for name in names for row in PANELS[name][0](file, time)]
+    if not rows:
+        raise Problem(f"the trajectory has nothing for {', '.join(names)}")
     heights = [row.height for row in rows]
     figure, axes = plt.subplots(len(rows), 1, sharex=True, squeeze=False, figsize=(9, 0.8 + sum(heights)),
                                 layout="constrained", gridspec_kw={"height_ratios": heights})
