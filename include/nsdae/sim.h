@@ -25,7 +25,7 @@ enum nsdae_method {
 };
 
 /* Linear solvers of the integrator of event. */
-enum nsdae_linear_solver { NSDAE_LINEAR_DENSE, NSDAE_LINEAR_KLU };
+enum nsdae_linear_solver { NSDAE_LINEAR_DENSE, NSDAE_LINEAR_SPARSE };
 
 /* What to do where Phi_q has deficient rank. */
 enum nsdae_redundant { NSDAE_REDUNDANT_ERROR, NSDAE_REDUNDANT_LEAST_NORM };

@@ -20,7 +20,7 @@ module nsdae_f_sim
   ! Linear solvers of the integrator of event.
   integer(c_int), parameter, public :: &
       NSDAE_LINEAR_DENSE = 0, &
-      NSDAE_LINEAR_KLU = 1
+      NSDAE_LINEAR_SPARSE = 1
 
   ! What to do where Phi_q has deficient rank.
   integer(c_int), parameter, public :: &

@@ -138,7 +138,7 @@ int nsdae_event_make(nsdae_event_method *e)
   for (int i = 0; i < nsdae_at_lambda(d); i++) e->order[i] = 1;
   const nsdae_dae_problem problem = {.n = e->n,
                                      .roots = e->roots,
-                                     .sparse = o->linear_solver == NSDAE_LINEAR_KLU,
+                                     .sparse = o->linear_solver == NSDAE_LINEAR_SPARSE,
                                      .order = e->order,
                                      .residual = nsdae_event_residual,
                                      .jacobian = nsdae_event_jacobian,
