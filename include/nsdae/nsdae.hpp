@@ -480,6 +480,13 @@ public:
                    &record);
   }
 
+  /* nsdae_trajectory_flush */
+  void flush()
+  {
+    nsdae_error record = nsdae_error();
+    detail::demand(nsdae_trajectory_flush(c_, &record), &record);
+  }
+
   int try_close(nsdae_error *record = nullptr) noexcept
   {
     int status = c_ ? nsdae_trajectory_close(&c_, sim_->status, record) : NSDAE_OK;

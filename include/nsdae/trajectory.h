@@ -40,6 +40,10 @@ NSDAE_API int nsdae_trajectory_put_texts(nsdae_trajectory *trajectory, const cha
                                          const char *const *texts, const char *description,
                                          nsdae_error *error);
 
+/* Writes what is buffered: from here on the file has every record so far, whatever becomes of the
+ * program. Runs do it four times a second by themselves. NSDAE_E_IO. */
+NSDAE_API int nsdae_trajectory_flush(nsdae_trajectory *trajectory, nsdae_error *error);
+
 /* Writes what is buffered, sets the attribute `status` to "complete" where run_status >= 0, else
  * to "failed", closes the file and sets *trajectory to NULL. The memory is released in any case.
  * NSDAE_E_IO: not all could be written; the text says what the file holds. */

@@ -30,7 +30,7 @@ module nsdae_f_trajectory
   end type
 
   public :: nsdae_trajectory_create, nsdae_trajectory_put, nsdae_trajectory_put_texts, &
-            nsdae_trajectory_close
+            nsdae_trajectory_flush, nsdae_trajectory_close
 
   interface
     integer(c_int) function c_create(sim, path, info, trajectory, error) &
@@ -58,6 +58,11 @@ module nsdae_f_trajectory
       character(kind=c_char), intent(in) :: path(*), description(*)
       integer(c_int), value :: n
       type(c_ptr), intent(in) :: texts(*)
+      type(nsdae_c_error), intent(inout) :: error
+    end function
+    integer(c_int) function c_flush(trajectory, error) bind(C, name='nsdae_trajectory_flush')
+      import
+      type(c_ptr), value :: trajectory
       type(nsdae_c_error), intent(inout) :: error
     end function
     integer(c_int) function c_close(trajectory, run_status, error) &
@@ -136,6 +141,16 @@ contains
     end do
     status = c_put_texts(trajectory%handle, c_path, size(texts, kind=c_int), pointers, &
                          c_description, why)
+    call error_from_c(why, error)
+  end function
+
+  ! Writes what is buffered: from here on the file has every record so far, whatever becomes of the
+  ! program. Runs do it four times a second by themselves. NSDAE_E_IO.
+  integer(c_int) function nsdae_trajectory_flush(trajectory, error) result(status)
+    type(nsdae_trajectory), intent(in) :: trajectory
+    type(nsdae_error), intent(out), optional :: error
+    type(nsdae_c_error) :: why
+    status = c_flush(trajectory%handle, why)
     call error_from_c(why, error)
   end function
 

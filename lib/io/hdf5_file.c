@@ -16,28 +16,27 @@ static herr_t innermost(unsigned n, const H5E_error2_t *entry, void *user)
   return 0;
 }
 
-/* HDF5's reason for what failed just now (the next call clears its stack), and the system's number
- * of it where there is one: "... errno = 13, error message = ...". */
-static int reason(char text[200])
+/* HDF5's reason for what failed just now: the next call clears its stack. */
+static void reason(char text[200])
 {
-  int number = 0;
   strcpy(text, "unknown reason");
   H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, innermost, text);
-  const char *at = strstr(text, "errno = ");
-  if (at && sscanf(at, "errno = %d", &number) != 1) number = 0;
-  return number;
+}
+
+static int because(nsdae_h5 *h5, const char *what, const char *why)
+{
+  int status = h5->disk.failure == ENOMEM ? NSDAE_E_MEMORY : NSDAE_E_IO;
+  return nsdae_error_set(h5->error, status, h5->where ? h5->where : "nsdae_trajectory", "path",
+                         "cannot %s '%.90s': %.120s", what, h5->path, why);
 }
 
 /* To be called right after the failed call. */
 static int failed(nsdae_h5 *h5, const char *what)
 {
   char text[200];
-  int number = reason(text);
-  const char *words = number == EAGAIN ? "another program has it open"
-                      : number         ? strerror(number)
-                                       : text;
-  return nsdae_error_set(h5->error, NSDAE_E_IO, h5->where ? h5->where : "nsdae_trajectory", "path",
-                         "cannot %s '%.90s': %.120s", what, h5->path, words);
+  reason(text);
+  int failure = h5->disk.failure;
+  return because(h5, what, failure ? nsdae_ordered_words(failure) : text);
 }
 
 static int result(nsdae_h5 *h5, long code, const char *what)
@@ -45,55 +44,78 @@ static int result(nsdae_h5 *h5, long code, const char *what)
   return code < 0 ? failed(h5, what) : NSDAE_OK;
 }
 
-/* H5Fcreate empties a file before it finds it locked: that of a run in another process would be
- * lost. */
-static int refuse_locked(nsdae_h5 *h5)
+/* HDF5 does not see that a write failed: the disk knows. */
+static int arrived(nsdae_h5 *h5, long code, const char *what)
 {
-  char text[200];
-  hid_t file = H5Fopen(h5->path, H5F_ACC_RDWR, H5P_DEFAULT);
-  if (file < 0) return reason(text) == EAGAIN ? failed(h5, "write") : NSDAE_OK;
-  H5Fclose(file);
-  return NSDAE_OK;
+  return code < 0 || h5->disk.failure ? failed(h5, what) : NSDAE_OK;
+}
+
+/* The driver under the file, then HDF5 on top of it. */
+static hid_t open_disk(nsdae_h5 *h5, nsdae_ordered_mode mode)
+{
+  h5->file = -1;
+  h5->disk.failure = nsdae_ordered_open(&h5->disk, h5->path, mode);
+  return h5->disk.failure ? -1 : nsdae_ordered_access(&h5->disk);
+}
+
+static int opened(nsdae_h5 *h5, hid_t access, const char *what)
+{
+  int status = result(h5, h5->file, what);
+  if (access >= 0) H5Pclose(access);
+  if (status < 0) nsdae_ordered_close(&h5->disk);
+  return status;
 }
 
 int nsdae_h5_create(nsdae_h5 *h5, int latest)
 {
-  if (refuse_locked(h5) < 0) return h5->error->status;
-  hid_t access = H5Pcreate(H5P_FILE_ACCESS);
+  hid_t access = open_disk(h5, NSDAE_ORDERED_REPLACE);
   if (latest) H5Pset_libver_bounds(access, H5F_LIBVER_LATEST, H5F_LIBVER_LATEST);
-  h5->file = H5Fcreate(h5->path, H5F_ACC_TRUNC, H5P_DEFAULT, access);
-  int status = result(h5, h5->file, "write");
-  H5Pclose(access);
-  return status;
+  if (access >= 0) h5->file = H5Fcreate(h5->path, H5F_ACC_TRUNC, H5P_DEFAULT, access);
+  return opened(h5, access, "write");
 }
 
 int nsdae_h5_reopen(nsdae_h5 *h5)
 {
-  h5->file = H5Fopen(h5->path, H5F_ACC_RDWR, H5P_DEFAULT);
-  return result(h5, h5->file, "open");
+  hid_t access = open_disk(h5, NSDAE_ORDERED_UPDATE);
+  if (access >= 0) h5->file = H5Fopen(h5->path, H5F_ACC_RDWR, access);
+  h5->disk.committed = h5->disk.eoa; /* the file may be longer than what it refers to */
+  return opened(h5, access, "open");
 }
 
 int nsdae_h5_open(nsdae_h5 *h5)
 {
-  h5->file = H5Fopen(h5->path, H5F_ACC_RDONLY, H5P_DEFAULT);
-  return result(h5, h5->file, "read");
+  hid_t access = open_disk(h5, NSDAE_ORDERED_READ);
+  if (access >= 0) h5->file = H5Fopen(h5->path, H5F_ACC_RDONLY, access);
+  return opened(h5, access, "read");
+}
+
+int nsdae_h5_prepare(nsdae_h5 *h5, long bytes)
+{
+  int failure = nsdae_ordered_check(&h5->disk);
+  if (failure == 0) failure = nsdae_ordered_reserve(&h5->disk, (uint64_t)bytes);
+  return failure ? because(h5, "write to", nsdae_ordered_words(failure)) : NSDAE_OK;
 }
 
 int nsdae_h5_flush(nsdae_h5 *h5)
 {
-  return result(h5, H5Fflush(h5->file, H5F_SCOPE_LOCAL), "write to");
+  h5->disk.unready = 0;
+  return arrived(h5, H5Fflush(h5->file, H5F_SCOPE_LOCAL), "write to");
 }
 
 int nsdae_h5_close(nsdae_h5 *h5)
 {
-  int status = h5->file < 0 ? NSDAE_OK : result(h5, H5Fclose(h5->file), "close");
+  int status = h5->file < 0 ? NSDAE_OK : arrived(h5, H5Fclose(h5->file), "close");
   h5->file = -1;
+  if (h5->disk.path && nsdae_ordered_close(&h5->disk) != 0 && status == NSDAE_OK)
+    status = failed(h5, "close");
   return status;
 }
 
 int nsdae_h5_start_swmr(nsdae_h5 *h5)
 {
-  return result(h5, H5Fstart_swmr_write(h5->file), "let readers into");
+  int status = nsdae_h5_flush(h5);
+  h5->disk.direct = 1;
+  return status < 0 ? status : arrived(h5, H5Fstart_swmr_write(h5->file), "let readers into");
 }
 
 int nsdae_h5_group(nsdae_h5 *h5, const char *name)
@@ -246,15 +268,26 @@ int nsdae_h5_read(nsdae_h5 *h5, const char *path, double *values)
   return status;
 }
 
+/* Rows come in bunches already; so they go to the file at once, themselves alone and not the chunk
+ * around them, and their space is taken when they are written. */
+static hid_t uncached(void)
+{
+  hid_t access = H5Pcreate(H5P_DATASET_ACCESS);
+  H5Pset_chunk_cache(access, 1, 0, H5D_CHUNK_CACHE_W0_DEFAULT);
+  return access;
+}
+
 int nsdae_h5_series(nsdae_h5 *h5, const char *path, hid_t type, const hsize_t *width, int rank,
                     hsize_t chunk, hid_t *series)
 {
   hsize_t now[RANK_MAX] = {0}, most[RANK_MAX] = {H5S_UNLIMITED}, chunks[RANK_MAX] = {chunk};
   for (int i = 1; i < rank; i++) now[i] = most[i] = chunks[i] = width[i - 1];
   hid_t space = H5Screate_simple(rank, now, most), layout = H5Pcreate(H5P_DATASET_CREATE);
+  hid_t access = uncached();
   H5Pset_chunk(layout, rank, chunks);
-  *series = H5Dcreate2(h5->file, path, type, space, H5P_DEFAULT, layout, H5P_DEFAULT);
+  *series = H5Dcreate2(h5->file, path, type, space, H5P_DEFAULT, layout, access);
   int status = result(h5, *series, "make a dataset in");
+  H5Pclose(access);
   H5Pclose(layout);
   H5Sclose(space);
   return status;

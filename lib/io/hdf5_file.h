@@ -8,6 +8,8 @@
 
 #include <nsdae/status.h>
 
+#include "ordered.h"
+
 /* status = expression, with HDF5's error printing off and put back after. */
 #define NSDAE_H5_QUIETLY(status, expression) \
   H5E_BEGIN_TRY                              \
@@ -18,16 +20,24 @@
 
 typedef struct nsdae_h5 {
   hid_t file;
+  nsdae_ordered disk; /* under it; must stay where it is while the file is open */
   const char *path;
   const char *where;  /* public function at work; NULL: nsdae_trajectory */
   nsdae_error *error; /* of the call at work */
 } nsdae_h5;
 
-/* Makes the file, replacing one of that name; latest: in the format that SWMR needs. */
+/* Makes the file, which takes the place of one of that name at the first nsdae_h5_flush and is gone
+ * where there is none; latest: in the format that SWMR needs. */
 int nsdae_h5_create(nsdae_h5 *h5, int latest);
+/* Opens it to be changed. */
 int nsdae_h5_reopen(nsdae_h5 *h5);
 /* Opens it to be read. */
 int nsdae_h5_open(nsdae_h5 *h5);
+/* Before rows are written: whether what was written so far arrived, the file is still the one that
+ * has its name, and the disk has room for so many bytes more. */
+int nsdae_h5_prepare(nsdae_h5 *h5, long bytes);
+/* After it the file on disk has all that was written; a program killed within it leaves what was
+ * there at the flush before. */
 int nsdae_h5_flush(nsdae_h5 *h5);
 int nsdae_h5_close(nsdae_h5 *h5);
 /* Lets readers in: from here on nothing can be made in the file. */

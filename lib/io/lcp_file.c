@@ -5,10 +5,9 @@
 
 #include "errors.h"
 #include "hdf5_file.h"
-#include "reserve.h"
 
-/* The most rows that nsdae_lcp_solve takes; what a file has beside its numbers. */
-enum { LARGEST = 20000, OVERHEAD_BYTES = 65536 };
+/* The most rows that nsdae_lcp_solve takes. */
+enum { LARGEST = 20000 };
 
 /* out(i, j) := in(j, i); n x n from leading dimension ld to n. */
 static void transpose(int n, const double *in, int ld, double *out)
@@ -51,17 +50,9 @@ static int write_problem(nsdae_h5 *h5, int n, const double *rows, const double *
   if (status == NSDAE_OK)
     status = nsdae_h5_vector(h5, "/b", H5T_NATIVE_DOUBLE, (hsize_t)n, b, "1",
                              "find x >= 0 with y >= 0 and x'y = 0");
+  if (status == NSDAE_OK) status = nsdae_h5_flush(h5);
   int closed = nsdae_h5_close(h5);
   return status < 0 ? status : closed;
-}
-
-/* A full disk is met before a file of that name is replaced. */
-static int reserve(const nsdae_h5 *h5, int n)
-{
-  int failure = nsdae_reserve_try(h5->path, 8L * n * (n + 1L) + OVERHEAD_BYTES);
-  if (failure == 0) return NSDAE_OK;
-  return nsdae_error_set(h5->error, NSDAE_E_IO, h5->where, "path", "cannot write '%.90s': %s",
-                         h5->path, strerror(failure));
 }
 
 static int check_write(const char *path, const nsdae_lcp_problem *p, nsdae_error *error)
@@ -85,8 +76,6 @@ int nsdae_lcp_write(const char *path, const nsdae_lcp_problem *problem,
   if (status < 0) return status;
   nsdae_h5 h5 = {.file = -1, .path = path, .where = "nsdae_lcp_write", .error = error};
   int n = problem->n;
-  status = reserve(&h5, n);
-  if (status < 0) return status;
   double *rows = allocate((size_t)n * (size_t)n, error, h5.where);
   if (!rows) return NSDAE_E_MEMORY;
   transpose(n, problem->A, problem->lda, rows);

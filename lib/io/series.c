@@ -20,6 +20,11 @@ static size_t row_bytes(const nsdae_column *column, const nsdae_dims *dims)
   return value_size(column) * (size_t)shape[0] * (size_t)shape[1];
 }
 
+static size_t rows_kept(size_t column)
+{
+  return column == 0 ? NSDAE_SERIES_ROWS_MAX : NSDAE_SERIES_CHUNK;
+}
+
 int nsdae_series_init(nsdae_series *series, const nsdae_table *table, const nsdae_dims *dims,
                       const char *leave_out)
 {
@@ -35,7 +40,7 @@ int nsdae_series_init(nsdae_series *series, const nsdae_table *table, const nsda
     if (!leave_out || strcmp(leave_out, column->path) != 0)
       series->bytes[i] = row_bytes(column, dims);
     if (series->bytes[i] == 0) continue;
-    series->buffer[i] = malloc(series->bytes[i] * NSDAE_SERIES_CHUNK);
+    series->buffer[i] = malloc(series->bytes[i] * rows_kept(i));
     if (!series->buffer[i]) return NSDAE_E_MEMORY;
   }
   return NSDAE_OK;
@@ -77,37 +82,62 @@ int nsdae_series_create(nsdae_series *series, nsdae_h5 *h5, const nsdae_dims *di
   return status;
 }
 
+static int write_column(nsdae_series *series, nsdae_h5 *h5, int i, hsize_t from, hsize_t rows)
+{
+  return nsdae_h5_append(h5, series->set[i], value_type(&series->table->column[i]), from, rows,
+                         series->buffer[i]);
+}
+
 int nsdae_series_write(nsdae_series *series, nsdae_h5 *h5)
 {
-  if (series->held == 0) return NSDAE_OK;
-  for (int i = 0; i < series->table->columns; i++) {
-    if (series->set[i] < 0) continue;
-    int status = nsdae_h5_append(h5, series->set[i], value_type(&series->table->column[i]),
-                                 series->written, series->held, series->buffer[i]);
-    if (status < 0) return status;
-  }
+  int status = NSDAE_OK;
+  for (int i = 1; i < series->table->columns && series->held > 0 && status == NSDAE_OK; i++)
+    if (series->set[i] >= 0) status = write_column(series, h5, i, series->written, series->held);
+  if (status < 0) return status;
   series->written += series->held;
   series->held = 0;
   return NSDAE_OK;
 }
 
+int nsdae_series_count(nsdae_series *series, nsdae_h5 *h5)
+{
+  hsize_t rows = series->written - series->counted;
+  int status = rows > 0 ? write_column(series, h5, 0, series->counted, rows) : NSDAE_OK;
+  if (status == NSDAE_OK) series->counted = series->written;
+  return status;
+}
+
+int nsdae_series_is_full(const nsdae_series *series)
+{
+  return series->written + series->held - series->counted == NSDAE_SERIES_ROWS_MAX;
+}
+
 void nsdae_series_append(nsdae_series *series, const void *row)
 {
+  hsize_t uncounted = series->written + series->held - series->counted;
   for (int i = 0; i < series->table->columns; i++) {
     const nsdae_column *column = &series->table->column[i];
     const char *field = (const char *)row + column->offset;
-    if (series->bytes[i] == 0) continue;
+    size_t bytes = series->bytes[i], at = i == 0 ? uncounted : series->held;
+    if (bytes == 0) continue;
     if (column->pointer) field = *(const char *const *)(const void *)field;
-    memcpy(series->buffer[i] + series->held * series->bytes[i], field, series->bytes[i]);
+    memcpy(series->buffer[i] + at * bytes, field, bytes);
   }
   series->held++;
 }
 
-long nsdae_series_row_bytes(const nsdae_series *series)
+long nsdae_series_held_bytes(const nsdae_series *series)
 {
-  size_t bytes = 0;
-  for (int i = 0; i < series->table->columns; i++) bytes += series->bytes[i];
-  return (long)bytes;
+  enum { TREE_BYTES = 3 * 4096 }; /* nodes that a chunk may need */
+  hsize_t uncounted = series->written + series->held - series->counted;
+  long bytes = 0;
+  for (int i = 0; i < series->table->columns; i++) {
+    hsize_t rows = i == 0 ? uncounted : series->held;
+    long chunks = rows > 0 ? (long)(rows / NSDAE_SERIES_CHUNK) + 2 : 0;
+    if (series->bytes[i] > 0)
+      bytes += chunks * ((long)series->bytes[i] * NSDAE_SERIES_CHUNK + TREE_BYTES);
+  }
+  return bytes;
 }
 
 void nsdae_series_close(nsdae_series *series)

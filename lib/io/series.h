@@ -5,14 +5,17 @@
 #include "hdf5_file.h"
 #include "table.h"
 
-enum { NSDAE_SERIES_CHUNK = 1024 };
+/* Rows in a chunk of a dataset, and so many are kept of a column; of the first column more, for it
+ * is written at flushes only. */
+enum { NSDAE_SERIES_CHUNK = 1024, NSDAE_SERIES_ROWS_MAX = 16 * NSDAE_SERIES_CHUNK };
 
 typedef struct nsdae_series {
   const nsdae_table *table;
   hid_t *set;            /* per column; < 0: left out, because its rows are empty */
   size_t *bytes;         /* of a row, per column */
-  char **buffer;         /* NSDAE_SERIES_CHUNK rows per column */
-  hsize_t written, held; /* rows in the file, rows in the buffers */
+  char **buffer;         /* per column */
+  hsize_t written, held; /* rows in the file, rows in the buffers; but for the first column */
+  hsize_t counted;       /* of the first column in the file: its length is the number of rows */
 } nsdae_series;
 
 /* Allocates for the table's rows; NSDAE_E_MEMORY. Columns that `leave_out` names stay out. */
@@ -27,9 +30,15 @@ int nsdae_series_create(nsdae_series *series, nsdae_h5 *h5, const nsdae_dims *di
 /* Adds the row at `row` (an nsdae_record or nsdae_impact) to the buffers, which must not be full.
  */
 void nsdae_series_append(nsdae_series *series, const void *row);
+/* Writes the rows held, without the first column. */
 int nsdae_series_write(nsdae_series *series, nsdae_h5 *h5);
-/* Of one row over all columns. */
-long nsdae_series_row_bytes(const nsdae_series *series);
+/* Writes the first column up to the rows that are written. */
+int nsdae_series_count(nsdae_series *series, nsdae_h5 *h5);
+/* No row more before nsdae_series_count. */
+int nsdae_series_is_full(const nsdae_series *series);
+/* What the file may grow by when the rows held are written: whole chunks, and HDF5's own records of
+ * them. */
+long nsdae_series_held_bytes(const nsdae_series *series);
 void nsdae_series_close(nsdae_series *series);
 
 #endif

@@ -8,28 +8,32 @@
 
 #include "clock.h"
 #include "errors.h"
-#include "reserve.h"
 #include "series.h"
 
 /* A killed run loses at most what came after the last flush; flushing four times a second keeps
  * that below the second that is promised. */
 static const double flush_interval = 0.25;
 
-enum {
-  FORMAT_VERSION = 1,
-  START_BYTES = 1 << 19, /* more than an empty trajectory takes */
-  SLACK_BYTES = 1 << 16  /* for HDF5's own records of a chunk of every dataset: about 10 KiB */
-};
+enum { FORMAT_VERSION = 1 };
+
+/* The tables of a file. */
+enum { RECORDS, IMPACTS, CHANGES, TABLES };
+
+static const struct {
+  const nsdae_table *table;
+  const char *scale; /* name of its first column as a dimension */
+} tables[TABLES] = {{&nsdae_record_table, "time"},
+                    {&nsdae_impact_table, "impact time"},
+                    {&nsdae_change_table, "change time"}};
 
 struct nsdae_trajectory {
   nsdae_sim *sim;
   nsdae_h5 h5;
   char *path;
   int live;
-  nsdae_series records, impacts, changes;
+  nsdae_series series[TABLES];
   double flushed, appended; /* when */
-  long start_length;        /* of the file without rows */
-  long reserved;            /* length that the disk has room for */
+  long committed;           /* records that the file has whatever happens now */
   int failed;               /* status of a write that failed: nothing is written any more */
 };
 
@@ -105,38 +109,34 @@ static int make_groups(nsdae_h5 *h5, const nsdae_dims *dims)
   return status;
 }
 
-static int disk_full(nsdae_trajectory *t, int failure)
+/* Room for what is held and for what HDF5 keeps of it. */
+static int prepare(nsdae_trajectory *t)
 {
-  return nsdae_error_set(t->h5.error, NSDAE_E_IO, "nsdae_trajectory", "path",
-                         "cannot write to '%.90s': %s; it holds %ld records", t->path,
-                         strerror(failure), (long)t->records.written);
+  long bytes = 0;
+  for (int i = 0; i < TABLES; i++) bytes += nsdae_series_held_bytes(&t->series[i]);
+  return nsdae_h5_prepare(&t->h5, bytes);
 }
 
-static long chunk_bytes(const nsdae_series *series)
+/* All rows that are written, as rows of the file. */
+static int count(nsdae_trajectory *t)
 {
-  long chunks = (long)((series->written + series->held) / NSDAE_SERIES_CHUNK + 1);
-  return chunks * (nsdae_series_row_bytes(series) * NSDAE_SERIES_CHUNK + SLACK_BYTES);
+  int status = NSDAE_OK;
+  for (int i = 0; i < TABLES && status == NSDAE_OK; i++)
+    status = nsdae_series_count(&t->series[i], &t->h5);
+  if (status == NSDAE_OK) status = nsdae_h5_flush(&t->h5);
+  if (status == NSDAE_OK) t->committed = (long)t->series[RECORDS].counted;
+  return status;
 }
 
-/* Room for all that is held, in whole chunks. */
-static int reserve(nsdae_trajectory *t)
-{
-  long bytes = t->start_length + chunk_bytes(&t->records) + chunk_bytes(&t->impacts) +
-               chunk_bytes(&t->changes);
-  if (bytes <= t->reserved) return NSDAE_OK;
-  int failure = nsdae_reserve(t->path, bytes);
-  if (failure) return disk_full(t, failure);
-  t->reserved = bytes;
-  return NSDAE_OK;
-}
-
+/* The rows, and then how many there are: killed in between, a program leaves columns that are
+ * longer than the first of their table, never shorter. */
 static int flush(nsdae_trajectory *t)
 {
-  int status = reserve(t);
-  if (status == NSDAE_OK) status = nsdae_series_write(&t->records, &t->h5);
-  if (status == NSDAE_OK) status = nsdae_series_write(&t->impacts, &t->h5);
-  if (status == NSDAE_OK) status = nsdae_series_write(&t->changes, &t->h5);
+  int status = prepare(t);
+  for (int i = 0; i < TABLES && status == NSDAE_OK; i++)
+    status = nsdae_series_write(&t->series[i], &t->h5);
   if (status == NSDAE_OK) status = nsdae_h5_flush(&t->h5);
+  if (status == NSDAE_OK) status = count(t);
   t->flushed = nsdae_wall_clock();
   return status;
 }
@@ -148,10 +148,6 @@ static int make_file(nsdae_trajectory *t, const nsdae_trajectory_info *info)
   nsdae_dims dims;
   nsdae_sim_get_options(t->sim, &options);
   nsdae_sim_get_dims(t->sim, &dims);
-  int failure = nsdae_reserve_try(t->path, START_BYTES);
-  if (failure)
-    return nsdae_error_set(h5->error, NSDAE_E_IO, "nsdae_trajectory_create", "path",
-                           "cannot write '%.90s': %s", t->path, strerror(failure));
   int status = nsdae_h5_create(h5, t->live);
   if (status == NSDAE_OK) status = write_root(t, info->model ? info->model : "");
   if (status == NSDAE_OK)
@@ -159,11 +155,9 @@ static int make_file(nsdae_trajectory *t, const nsdae_trajectory_info *info)
   if (status == NSDAE_OK)
     status = write_params(h5, "/parameters", info->parameters, info->parameters_base);
   if (status == NSDAE_OK) status = make_groups(h5, &dims);
-  if (status == NSDAE_OK) status = nsdae_series_create(&t->records, h5, &dims, "time");
-  if (status == NSDAE_OK) status = nsdae_series_create(&t->impacts, h5, &dims, "impact time");
-  if (status == NSDAE_OK) status = nsdae_series_create(&t->changes, h5, &dims, "change time");
+  for (int i = 0; i < TABLES && status == NSDAE_OK; i++)
+    status = nsdae_series_create(&t->series[i], h5, &dims, tables[i].scale);
   if (status == NSDAE_OK) status = nsdae_h5_flush(h5);
-  t->start_length = nsdae_reserve_length(t->path);
   if (status == NSDAE_OK && t->live) status = nsdae_h5_start_swmr(h5);
   return status;
 }
@@ -171,18 +165,19 @@ static int make_file(nsdae_trajectory *t, const nsdae_trajectory_info *info)
 static int append_row(nsdae_trajectory *t, nsdae_series *series, const void *row)
 {
   nsdae_series_append(series, row);
+  if (nsdae_series_is_full(series)) return flush(t);
   if (series->held < NSDAE_SERIES_CHUNK) return NSDAE_OK;
-  int status = reserve(t);
+  int status = prepare(t);
   return status < 0 ? status : nsdae_series_write(series, &t->h5);
 }
 
 static int append(nsdae_trajectory *t, const nsdae_record *record)
 {
-  int status = append_row(t, &t->records, record);
+  int status = append_row(t, &t->series[RECORDS], record);
   for (int i = 0; i < record->impacts && status == NSDAE_OK; i++)
-    status = append_row(t, &t->impacts, &record->impact[i]);
+    status = append_row(t, &t->series[IMPACTS], &record->impact[i]);
   for (int i = 0; i < record->changes && status == NSDAE_OK; i++)
-    status = append_row(t, &t->changes, &record->change[i]);
+    status = append_row(t, &t->series[CHANGES], &record->change[i]);
   double now = nsdae_wall_clock();
   /* a slow run flushes every record: the next may be long in coming */
   int due =
@@ -204,18 +199,14 @@ static int observe(const nsdae_record *record, nsdae_error *error, void *user)
 
 static void release(nsdae_trajectory *t)
 {
-  nsdae_series_release(&t->records);
-  nsdae_series_release(&t->impacts);
-  nsdae_series_release(&t->changes);
+  for (int i = 0; i < TABLES; i++) nsdae_series_release(&t->series[i]);
   free(t->path);
   free(t);
 }
 
 static int close_file(nsdae_trajectory *t)
 {
-  nsdae_series_close(&t->records);
-  nsdae_series_close(&t->impacts);
-  nsdae_series_close(&t->changes);
+  for (int i = 0; i < TABLES; i++) nsdae_series_close(&t->series[i]);
   return nsdae_h5_close(&t->h5);
 }
 
@@ -230,9 +221,9 @@ static nsdae_trajectory *allocate(nsdae_sim *sim, const char *path, int live)
   t->h5.file = -1;
   t->path = malloc(strlen(path) + 1);
   const char *leave_out = nsdae_sim_has_potential(sim) ? NULL : "/energy/potential";
-  int status = nsdae_series_init(&t->records, &nsdae_record_table, &dims, leave_out);
-  if (status == NSDAE_OK) status = nsdae_series_init(&t->impacts, &nsdae_impact_table, &dims, NULL);
-  if (status == NSDAE_OK) status = nsdae_series_init(&t->changes, &nsdae_change_table, &dims, NULL);
+  int status = NSDAE_OK;
+  for (int i = 0; i < TABLES && status == NSDAE_OK; i++)
+    status = nsdae_series_init(&t->series[i], tables[i].table, &dims, leave_out);
   if (!t->path || status < 0) {
     release(t);
     return NULL;
@@ -298,8 +289,6 @@ static int put(nsdae_trajectory *t, const char *path, hid_t type, int n, const v
         bad ? "%s is missing or negative" : "nothing can be added to a %s that is live or failed",
         bad ? bad : "trajectory");
   t->h5.error = error ? error : &own;
-  int failure = nsdae_reserve(t->path, t->reserved + SLACK_BYTES + 256L * n);
-  if (failure) return disk_full(t, failure);
   NSDAE_H5_QUIETLY(status, nsdae_h5_vector(&t->h5, path, type, (hsize_t)n, values,
                                            units ? units : "", description ? description : ""))
   return status;
@@ -319,6 +308,22 @@ int nsdae_trajectory_put_texts(nsdae_trajectory *trajectory, const char *path, i
   return put(trajectory, path, H5T_C_S1, n, texts, "", description, error);
 }
 
+int nsdae_trajectory_flush(nsdae_trajectory *trajectory, nsdae_error *error)
+{
+  nsdae_error own;
+  int status;
+  nsdae_trajectory *t = trajectory;
+  nsdae_error_clear(error);
+  if (!t || t->failed)
+    return nsdae_error_set(error, t ? t->failed : NSDAE_E_ARGUMENT, "nsdae_trajectory_flush",
+                           "trajectory", t ? "writing '%.90s' failed before" : "%s is NULL",
+                           t ? t->path : "trajectory");
+  t->h5.error = error ? error : &own;
+  NSDAE_H5_QUIETLY(status, flush(t))
+  if (status < 0) t->failed = status;
+  return status;
+}
+
 static int set_final_status(nsdae_trajectory *t, int run_status)
 {
   return nsdae_h5_set_text(&t->h5, t->h5.file, "status", run_status >= 0 ? "complete" : "failed");
@@ -332,17 +337,39 @@ static int reopen_live(nsdae_trajectory *t)
   return status < 0 ? status : nsdae_h5_reopen(&t->h5);
 }
 
+static int end_file(nsdae_trajectory *t, int run_status)
+{
+  int status = count(t);
+  if (status == NSDAE_OK) status = reopen_live(t);
+  if (status == NSDAE_OK) status = set_final_status(t, run_status);
+  int closed = close_file(t);
+  return status < 0 ? status : closed;
+}
+
+/* A write failed: the file is as the last flush left it, and is to say how it ended, which needs no
+ * more space on a full disk. A file that is not ours any more is left alone. */
+static void mark_failed(nsdae_trajectory *t)
+{
+  nsdae_h5 *h5 = &t->h5;
+  const nsdae_ordered before = h5->disk;
+  if (before.failure == NSDAE_ORDERED_REPLACED || before.committed == 0) return;
+  if (nsdae_h5_reopen(h5) < 0) return;
+  if (h5->disk.inode == before.inode && h5->disk.device == before.device)
+    set_final_status(t, NSDAE_E_IO);
+  nsdae_h5_close(h5);
+}
+
 /* Of several failures the first is told. */
 static int finish(nsdae_trajectory *t, int run_status)
 {
   nsdae_error ignored, *first = t->h5.error;
   int status = t->failed ? t->failed : flush(t);
   if (status < 0) t->h5.error = &ignored;
-  int ended = reopen_live(t);
-  if (ended == NSDAE_OK) ended = set_final_status(t, status < 0 ? status : run_status);
-  int closed = close_file(t);
+  int ended = end_file(t, status < 0 ? status : run_status);
+  t->h5.error = &ignored;
+  if (ended < 0) mark_failed(t);
   t->h5.error = first;
-  return status < 0 ? status : ended < 0 ? ended : closed;
+  return status < 0 ? status : ended;
 }
 
 int nsdae_trajectory_close(nsdae_trajectory **trajectory, int run_status, nsdae_error *error)
@@ -357,7 +384,7 @@ int nsdae_trajectory_close(nsdae_trajectory **trajectory, int run_status, nsdae_
   if (t->failed)
     nsdae_error_set(error, t->failed, "nsdae_trajectory_close", "path",
                     "'%.90s' holds %ld records only: writing it failed before", t->path,
-                    (long)t->records.written);
+                    t->committed);
   NSDAE_H5_QUIETLY(status, finish(t, run_status))
   release(t);
   *trajectory = NULL;
