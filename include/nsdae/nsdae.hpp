@@ -480,6 +480,15 @@ public:
                    &record);
   }
 
+  /* nsdae_trajectory_set_bodies */
+  void set_bodies(const std::vector<nsdae_body> &bodies)
+  {
+    nsdae_error record = nsdae_error();
+    detail::demand(nsdae_trajectory_set_bodies(c_, static_cast<int>(bodies.size()), bodies.data(),
+                                               &record),
+                   &record);
+  }
+
   /* nsdae_trajectory_flush */
   void flush()
   {

@@ -6,6 +6,7 @@
 #include <string.h>
 #include <time.h>
 
+#include "bodies.h"
 #include "clock.h"
 #include "errors.h"
 #include "series.h"
@@ -30,7 +31,10 @@ struct nsdae_trajectory {
   nsdae_sim *sim;
   nsdae_h5 h5;
   char *path;
+  const nsdae_params *parameters; /* the model's, or NULL */
   int live;
+  int begun;  /* a record came: what is made in a file is made before */
+  int bodies; /* were named */
   nsdae_series series[TABLES];
   double flushed, appended; /* when */
   long committed;           /* records that the file has whatever happens now */
@@ -157,9 +161,16 @@ static int make_file(nsdae_trajectory *t, const nsdae_trajectory_info *info)
   if (status == NSDAE_OK) status = make_groups(h5, &dims);
   for (int i = 0; i < TABLES && status == NSDAE_OK; i++)
     status = nsdae_series_create(&t->series[i], h5, &dims, tables[i].scale);
-  if (status == NSDAE_OK) status = nsdae_h5_flush(h5);
-  if (status == NSDAE_OK && t->live) status = nsdae_h5_start_swmr(h5);
-  return status;
+  return status < 0 ? status : nsdae_h5_flush(h5);
+}
+
+/* From the first record on readers may come. */
+static int begin(nsdae_trajectory *t)
+{
+  t->begun = 1;
+  if (!t->live) return NSDAE_OK;
+  int status = nsdae_h5_flush(&t->h5);
+  return status < 0 ? status : nsdae_h5_start_swmr(&t->h5);
 }
 
 static int append_row(nsdae_trajectory *t, nsdae_series *series, const void *row)
@@ -173,7 +184,8 @@ static int append_row(nsdae_trajectory *t, nsdae_series *series, const void *row
 
 static int append(nsdae_trajectory *t, const nsdae_record *record)
 {
-  int status = append_row(t, &t->series[RECORDS], record);
+  int status = t->begun ? NSDAE_OK : begin(t);
+  if (status == NSDAE_OK) status = append_row(t, &t->series[RECORDS], record);
   for (int i = 0; i < record->impacts && status == NSDAE_OK; i++)
     status = append_row(t, &t->series[IMPACTS], &record->impact[i]);
   for (int i = 0; i < record->changes && status == NSDAE_OK; i++)
@@ -210,14 +222,16 @@ static int close_file(nsdae_trajectory *t)
   return nsdae_h5_close(&t->h5);
 }
 
-static nsdae_trajectory *allocate(nsdae_sim *sim, const char *path, int live)
+static nsdae_trajectory *allocate(nsdae_sim *sim, const char *path,
+                                  const nsdae_trajectory_info *info)
 {
   nsdae_dims dims;
   nsdae_sim_get_dims(sim, &dims);
   nsdae_trajectory *t = calloc(1, sizeof *t);
   if (!t) return NULL;
   t->sim = sim;
-  t->live = live;
+  t->live = info->live;
+  t->parameters = info->parameters;
   t->h5.file = -1;
   t->path = malloc(strlen(path) + 1);
   const char *leave_out = nsdae_sim_has_potential(sim) ? NULL : "/energy/potential";
@@ -253,7 +267,7 @@ int nsdae_trajectory_create(nsdae_sim *sim, const char *path, const nsdae_trajec
   int status = check(sim, path, info, trajectory, error);
   if (status < 0) return status;
   *trajectory = NULL;
-  nsdae_trajectory *t = allocate(sim, path, info->live);
+  nsdae_trajectory *t = allocate(sim, path, info);
   if (!t)
     return nsdae_error_set(error, NSDAE_E_MEMORY, "nsdae_trajectory_create", "", "out of memory");
   t->h5.error = error ? error : &own;
@@ -306,6 +320,41 @@ int nsdae_trajectory_put_texts(nsdae_trajectory *trajectory, const char *path, i
                                nsdae_error *error)
 {
   return put(trajectory, path, H5T_C_S1, n, texts, "", description, error);
+}
+
+/* Why no bodies can be named now. */
+static int refuse_bodies(const nsdae_trajectory *t, int n, const nsdae_body *body,
+                         nsdae_error *error)
+{
+  const char *bad = !t ? "trajectory" : n < 0 ? "n" : n > 0 && !body ? "body" : NULL;
+  static const char where[] = "nsdae_trajectory_set_bodies";
+  if (bad)
+    return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, bad, "%s is missing or negative", bad);
+  if (t->bodies || t->begun || t->failed)
+    return nsdae_error_set(error, NSDAE_E_STATE, where, "trajectory", "%s",
+                           t->failed   ? "writing the file failed before"
+                           : t->bodies ? "the bodies of a file are named once"
+                                       : "bodies are named before the first step");
+  return NSDAE_OK;
+}
+
+int nsdae_trajectory_set_bodies(nsdae_trajectory *trajectory, int n, const nsdae_body *body,
+                                nsdae_error *error)
+{
+  nsdae_error own;
+  nsdae_dims dims;
+  nsdae_trajectory *t = trajectory;
+  nsdae_error_clear(error);
+  int status = refuse_bodies(t, n, body, error);
+  if (status < 0) return status;
+  nsdae_sim_get_dims(t->sim, &dims);
+  const nsdae_formula_names names = {.nq = dims.nq, .parameters = t->parameters};
+  status = nsdae_bodies_check(n, body, &names, error);
+  if (status < 0) return status;
+  t->bodies = 1;
+  t->h5.error = error ? error : &own;
+  NSDAE_H5_QUIETLY(status, nsdae_bodies_write(&t->h5, n, body))
+  return status;
 }
 
 int nsdae_trajectory_flush(nsdae_trajectory *trajectory, nsdae_error *error)
