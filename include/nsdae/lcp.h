@@ -78,7 +78,8 @@ typedef struct nsdae_lcp_info {
                       is at most 60 */
   int pivots;      /* over all stages */
   double residual; /* max_i |min(x_i / sx_i, y_i / sy_i)| of the equilibrated problem (see
-                      nsdae_dlcpres) of the x handed over */
+                      nsdae_dlcpres) of the x handed over, which below 1e-308 is that rounded
+                      to doubles */
 } nsdae_lcp_info;
 
 /* tol 1e-10, every stage, enumeration up to n = 12. NULL is left alone. */

@@ -17,7 +17,8 @@ typedef struct nsdae_trajectory nsdae_trajectory;
 /* What the file says of the model. */
 typedef struct nsdae_trajectory_info {
   const char *model;              /* e.g. "pendulum" */
-  const nsdae_params *parameters; /* table over the model's parameters, or NULL; kept */
+  const nsdae_params *parameters; /* table over the model's parameters, or NULL; its
+                                     entries must live as long as the trajectory */
   const void *parameters_base;    /* the struct that the table describes */
   int live;                       /* 1: can be read while it is written (HDF5's SWMR mode, which
                                      needs HDF5 1.10 or later to read) */

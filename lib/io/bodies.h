@@ -5,7 +5,7 @@
 #include <nsdae/trajectory.h>
 
 #include "formula.h"
-#include "hdf5_file.h"
+#include "hdf5_data.h"
 
 /* NSDAE_OK, or NSDAE_E_ARGUMENT with the first body that is not as the header wants it. */
 int nsdae_bodies_check(int n, const nsdae_body *body, const nsdae_formula_names *names,

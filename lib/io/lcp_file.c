@@ -4,7 +4,8 @@
 #include <string.h>
 
 #include "errors.h"
-#include "hdf5_file.h"
+#include "hdf5_data.h"
+#include "hdf5_read.h"
 
 /* The most rows that nsdae_lcp_solve takes. */
 enum { LARGEST = 20000 };
@@ -99,7 +100,8 @@ static int read_size(nsdae_h5 *h5, int *n)
                            h5->path, (unsigned long long)a[0], (unsigned long long)a[1],
                            (unsigned long long)b[0], LARGEST);
   *n = (int)a[0];
-  return NSDAE_OK;
+  status = nsdae_h5_fits(h5, "/A", 2, a);
+  return status < 0 ? status : nsdae_h5_fits(h5, "/b", 1, b);
 }
 
 static int read_problem(nsdae_h5 *h5, nsdae_lcp_file *file)

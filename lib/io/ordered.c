@@ -12,6 +12,9 @@
 
 /* ---- the file ---- */
 
+/* HDF5 reads a structure once; one that a corrupt file lets refer to itself, for ever. */
+enum { READS_MOST = 1 << 20 };
+
 const char *nsdae_ordered_words(int failure)
 {
   if (failure == NSDAE_ORDERED_REPLACED)
@@ -38,12 +41,6 @@ static int open_path(nsdae_ordered *f, nsdae_ordered_mode mode)
   return f->fd < 0 ? errno : 0;
 }
 
-static int64_t budget_of(off_t length)
-{
-  /* a structure is read once or a few times; a corrupt file may refer to itself for ever */
-  return 16 * (int64_t)length + (1 << 20);
-}
-
 int nsdae_ordered_open(nsdae_ordered *file, const char *path, nsdae_ordered_mode mode)
 {
   struct stat status;
@@ -60,7 +57,7 @@ int nsdae_ordered_open(nsdae_ordered *file, const char *path, nsdae_ordered_mode
   }
   file->device = status.st_dev;
   file->inode = status.st_ino;
-  file->budget = budget_of(status.st_size);
+  file->budget = READS_MOST;
   file->unready = mode == NSDAE_ORDERED_REPLACE;
   if (file->unready)
     file->old = (uint64_t)status.st_size;
@@ -278,7 +275,7 @@ static herr_t driver_read(H5FD_t *own, H5FD_mem_t kind, hid_t transfer, haddr_t 
   nsdae_ordered *f = file_of(own);
   (void)kind;
   (void)transfer;
-  if (f->reading && (f->budget -= (int64_t)size) < 0) return -1;
+  if (f->reading && (at + size > f->eof || --f->budget < 0)) return -1;
   if (read_all(f->fd, buffer, size, at) != 0) return -1;
   nsdae_pending_overlay(&f->pending, at, size, buffer);
   return 0;

@@ -46,7 +46,7 @@ typedef struct nsdae_ordered {
   int failure; /* the first errno of a write, or one of those above; 0: none */
   int reading;
   int unready;        /* nothing is committed while it is set, as it is of a new file */
-  int64_t budget;     /* bytes that may still be read, where reading */
+  long budget;        /* calls that may still read, where reading */
   uint64_t eoa, eof;  /* end of what HDF5 allocated, of what it wrote */
   uint64_t old;       /* length of the file that is to be replaced, until the first commit */
   uint64_t committed; /* end of what the file on disk refers to; 0: nothing yet */

@@ -2,7 +2,7 @@
 #ifndef NSDAE_IO_SERIES_H
 #define NSDAE_IO_SERIES_H
 
-#include "hdf5_file.h"
+#include "hdf5_data.h"
 #include "table.h"
 
 /* Rows in a chunk of a dataset, and so many are kept of a column; of the first column more, for it

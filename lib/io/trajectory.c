@@ -31,7 +31,7 @@ struct nsdae_trajectory {
   nsdae_sim *sim;
   nsdae_h5 h5;
   char *path;
-  const nsdae_params *parameters; /* the model's, or NULL */
+  nsdae_params parameters; /* the model's */
   int live;
   int begun;  /* a record came: what is made in a file is made before */
   int bodies; /* were named */
@@ -231,7 +231,7 @@ static nsdae_trajectory *allocate(nsdae_sim *sim, const char *path,
   if (!t) return NULL;
   t->sim = sim;
   t->live = info->live;
-  t->parameters = info->parameters;
+  if (info->parameters) t->parameters = *info->parameters;
   t->h5.file = -1;
   t->path = malloc(strlen(path) + 1);
   const char *leave_out = nsdae_sim_has_potential(sim) ? NULL : "/energy/potential";
@@ -348,7 +348,7 @@ int nsdae_trajectory_set_bodies(nsdae_trajectory *trajectory, int n, const nsdae
   int status = refuse_bodies(t, n, body, error);
   if (status < 0) return status;
   nsdae_sim_get_dims(t->sim, &dims);
-  const nsdae_formula_names names = {.nq = dims.nq, .parameters = t->parameters};
+  const nsdae_formula_names names = {.nq = dims.nq, .parameters = &t->parameters};
   status = nsdae_bodies_check(n, body, &names, error);
   if (status < 0) return status;
   t->bodies = 1;

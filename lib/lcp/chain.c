@@ -2,6 +2,7 @@
  * below the tolerance. */
 #include "chain.h"
 
+#include <limits.h>
 #include <math.h>
 #include <nsdae/kernels.h>
 #include <stddef.h>
@@ -27,10 +28,15 @@ static int lemke_size(int n)
   return nsdae_dictionary_size(n, nsdae_lemke_block(n));
 }
 
+double nsdae_chain_size(int n)
+{
+  return 4.0 * n * n + 13.0 * n + lemke_size(n) + 1;
+}
+
 int nsdae_chain_sizes(int n, int *lwork, int *liwork)
 {
-  *lwork = 4 * n * n + 13 * n + lemke_size(n) + 1;
-  *liwork = 8 * n + 1;
+  *lwork = (int)fmin(nsdae_chain_size(n) + (double)n * (n + 3), INT_MAX);
+  *liwork = 11 * n + 1;
   return NSDAE_OK;
 }
 
@@ -54,7 +60,7 @@ void nsdae_chain_lay_out(nsdae_chain *c, double *work, int *iwork)
   c->pivot = c->trial + n;
   c->index = c->pivot + n;
   c->allowed = c->index + 2 * n + 1;
-  c->label = c->allowed + 2 * n;
+  c->label = iwork + 9 * n + 1; /* behind the basis and what an island works in */
   c->member = c->label + n;
 }
 
@@ -104,7 +110,6 @@ static int lemke_with(nsdae_chain *c, const double *cover, int stage)
   c->info->pivots += pivots;
   if (!cover) c->ray = info == 1;
   if (info != 0) return 0;
-  for (int i = 0; i < c->n; i++) c->x[i] *= c->column[i];
   nsdae_chain_judge(c, c->trial, stage);
   /* the basis solved at once has less rounding than its pivots */
   if (!(c->info->residual < ROUNDING)) nsdae_chain_judge_basis(c, c->trial, stage);
@@ -180,7 +185,7 @@ static int judge_iterate(nsdae_chain *c, const double *x, const double *y)
 {
   for (int i = 0; i < c->n; i++) c->trial[i] = x[i] > y[i];
   if (nsdae_chain_judge_basis(c, c->trial, NSDAE_LCP_FURTHER)) return 1;
-  for (int i = 0; i < c->n; i++) c->x[i] = fmax(x[i], 0) * c->column[i];
+  for (int i = 0; i < c->n; i++) c->x[i] = fmax(x[i], 0);
   return nsdae_chain_judge(c, c->trial, NSDAE_LCP_FURTHER);
 }
 
@@ -242,8 +247,24 @@ static int run_stages(nsdae_chain *c)
   return c->info->outcome == NSDAE_LCP_INFEASIBLE ? NSDAE_E_INFEASIBLE : NSDAE_E_LCP;
 }
 
-/* x and y of the best point; of a proof by a vector, y is that vector. */
-static void hand_over(nsdae_chain *c)
+/* Rows and columns as the problem was given; y is that of x as it can be written. */
+static void scale_back(nsdae_chain *c)
+{
+  int rounded = 0;
+  double residual;
+  for (int i = 0; i < c->n; i++) {
+    double x = c->x[i] * c->column[i];
+    rounded |= x / c->column[i] != c->x[i];
+    c->rhs[i] = x / c->column[i];
+  }
+  if (rounded) nsdae_dlcpres(c->n, c->A, c->n, c->b, c->rhs, c->y, &residual, c->sizes);
+  for (int i = 0; i < c->n; i++) {
+    c->x[i] *= c->column[i];
+    c->y[i] /= c->row[i];
+  }
+}
+
+void nsdae_chain_hand_over(nsdae_chain *c)
 {
   int found = c->info->residual < INFINITY, proof = c->info->proof == NSDAE_LCP_PROOF_FARKAS;
   if (c->info->outcome != NSDAE_LCP_SOLVED ||
@@ -251,6 +272,7 @@ static void hand_over(nsdae_chain *c)
     for (int i = 0; i < c->n; i++) c->x[i] = found ? c->best[i] : 0;
     c->info->residual = nsdae_chain_residual(c);
   }
+  scale_back(c);
   for (int i = 0; proof && i < c->n; i++) c->y[i] = c->point[i];
 }
 
@@ -259,6 +281,6 @@ int nsdae_chain_run_whole(nsdae_chain *c)
   nsdae_chain_equilibrate(c);
   int status = run_stages(c);
   if (status != NSDAE_OK && c->ray && c->n <= NSDAE_RAY_MAX) read_ray(c);
-  hand_over(c);
+  nsdae_chain_hand_over(c);
   return status;
 }

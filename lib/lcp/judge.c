@@ -11,13 +11,9 @@
 double nsdae_chain_residual(nsdae_chain *c)
 {
   double residual;
-  size_t n = (size_t)c->n;
-  for (size_t i = 0; i < n; i++) c->rhs[i] = c->x[i] / c->column[i];
-  nsdae_dlcpres(c->n, c->A, c->n > 0 ? c->n : 1, c->b, c->rhs, c->y, &residual, c->sizes);
-  for (size_t i = 0; i < n; i++) {
-    c->y[i] /= c->row[i];
-    if (!isfinite(c->x[i]) || !isfinite(c->y[i])) residual = INFINITY;
-  }
+  nsdae_dlcpres(c->n, c->A, c->n > 0 ? c->n : 1, c->b, c->x, c->y, &residual, c->sizes);
+  for (int i = 0; i < c->n; i++)
+    if (!isfinite(c->x[i] * c->column[i]) || !isfinite(c->y[i] / c->row[i])) residual = INFINITY;
   return isnan(residual) || c->out_of_range ? INFINITY : residual;
 }
 
@@ -71,7 +67,7 @@ static int solve(nsdae_chain *c, const int *basis, double *x)
     for (int j = 0; j < size; j++) part[j] += c->rhs[j];
   }
   memset(x, 0, (size_t)c->n * sizeof *x);
-  for (int j = 0; j < size; j++) x[c->index[j]] = fmax(part[j], 0) * c->column[c->index[j]];
+  for (int j = 0; j < size; j++) x[c->index[j]] = fmax(part[j], 0);
   return 0;
 }
 

@@ -4,8 +4,8 @@
 
 #include "chain.h"
 
-/* Residual of c->x in equilibrated rows and columns; c->y := A x + b. Infinite where an x_i or y_i
- * is not a finite number, and where b is out of range. */
+/* Residual of c->x, in equilibrated rows and columns; c->y := A x + b. Infinite where an x_i or y_i
+ * of the problem as given is not a finite number, and where b is out of range. */
 double nsdae_chain_residual(nsdae_chain *c);
 
 /* Judges the point c->x and keeps it where it is the best so far; where it solves the problem,

@@ -3,7 +3,9 @@
  * whole, with zeros elsewhere.
  *
  * An island is judged by its own b. Where b is nothing but the rounding of larger terms elsewhere
- * that can be too strict, so a point that fails there is judged once more as a whole. */
+ * that can be too strict, so a point that fails there is judged once more as a whole. A proof
+ * has no scale and stands, but where all b of its island are below the rounding of the largest. */
+#include <float.h>
 #include <math.h>
 #include <stddef.h>
 #include <string.h>
@@ -44,13 +46,11 @@ static int largest_island(const nsdae_chain *c)
   return most;
 }
 
-/* Whether an island of m rows has room: its problem, and the workspace of its own solver. */
-static int fits(const nsdae_chain *c, int m, int lwork)
+/* Whether an island of m rows has room, its problem and the workspace of its own solver: always up
+ * to some 18 000 rows in all, where an int begins to be too small for the size of it. */
+static int fits(int m, int lwork)
 {
-  int need, ineed;
-  nsdae_chain_sizes(m, &need, &ineed);
-  double doubles = (double)need + (double)m * (m + 3);
-  return doubles <= lwork && ineed + m <= 6 * c->n + 1;
+  return nsdae_chain_size(m) + (double)m * (m + 3) <= lwork;
 }
 
 /* Solves the island whose m members are listed; returns its status. */
@@ -97,10 +97,10 @@ static void merge(nsdae_lcp_info *whole, const nsdae_lcp_info *one)
 
 /* All islands; returns the first that is proved to have no solution, or else the first that was not
  * solved, or -1. */
-static int solve_all(nsdae_chain *c, double *work, int *iwork)
+static int solve_all(nsdae_chain *c, double *work, int *iwork, int *proved)
 {
   part p;
-  int failed = -1, proved = 0;
+  int failed = -1;
   *c->info = (nsdae_lcp_info){.outcome = NSDAE_LCP_SOLVED};
   for (int island = 0; island < c->n; island++) {
     if (c->label[island] != island) continue;
@@ -108,24 +108,43 @@ static int solve_all(nsdae_chain *c, double *work, int *iwork)
     int status = solve_part(c, &p, m, work, iwork);
     scatter(c, &p);
     merge(c->info, &p.info);
-    if (status == NSDAE_OK || proved || (failed >= 0 && status != NSDAE_E_INFEASIBLE)) continue;
+    if (status == NSDAE_OK || *proved || (failed >= 0 && status != NSDAE_E_INFEASIBLE)) continue;
     failed = island;
-    proved = status == NSDAE_E_INFEASIBLE;
+    *proved = status == NSDAE_E_INFEASIBLE;
   }
   return failed;
 }
 
-/* The point judged as a whole, or else what the failed island says. */
-static int judge_whole(nsdae_chain *c, int failed, double *work, int *iwork)
+/* Whether the b of an island are what rounding may leave of the largest. */
+static int is_rounding(const nsdae_chain *c, int island)
 {
-  part p;
-  nsdae_lcp_info info = *c->info;
+  double largest = 0, here = 0;
+  for (int i = 0; i < c->n; i++) {
+    double size = fabs(c->problem->b[i]);
+    largest = fmax(largest, size);
+    if (c->label[i] == island) here = fmax(here, size);
+  }
+  return here <= DBL_EPSILON * largest;
+}
+
+/* Whether the point, judged as a whole, is a solution. */
+static int judge_whole(nsdae_chain *c, double *work, int *iwork)
+{
+  int stage = c->info->stage;
   c->info->residual = INFINITY;
   c->info->outcome = NSDAE_LCP_UNSOLVED;
   nsdae_chain_lay_out(c, work, iwork);
   nsdae_chain_equilibrate(c);
-  nsdae_chain_judge(c, c->basis, info.stage);
-  if (c->info->outcome == NSDAE_LCP_SOLVED) return NSDAE_OK;
+  for (int i = 0; i < c->n; i++) c->x[i] /= c->column[i];
+  nsdae_chain_judge(c, c->basis, stage);
+  nsdae_chain_hand_over(c);
+  return c->info->outcome == NSDAE_LCP_SOLVED;
+}
+
+/* What the failed island says is said of the whole. */
+static int report(nsdae_chain *c, int failed, double *work, int *iwork)
+{
+  part p;
   int m = nsdae_islands_members(c->n, c->label, failed, c->member);
   int status = solve_part(c, &p, m, work, iwork);
   c->info->outcome = p.info.outcome;
@@ -147,7 +166,9 @@ int nsdae_chain_run(nsdae_chain *c, double *work, int lwork, int *iwork)
   if (nsdae_guess_nothing(c) || (c->n <= FEW && nsdae_guess_basis(c))) return NSDAE_OK;
   int islands = nsdae_islands_find(c->n, c->problem->A, c->problem->lda, c->label);
   if (islands < 2 && c->n > FEW && nsdae_guess_basis(c)) return NSDAE_OK;
-  if (islands < 2 || !fits(c, largest_island(c), lwork)) return nsdae_chain_run_whole(c);
-  int failed = solve_all(c, work, iwork);
-  return failed < 0 ? NSDAE_OK : judge_whole(c, failed, work, iwork);
+  if (islands < 2 || !fits(largest_island(c), lwork)) return nsdae_chain_run_whole(c);
+  int proved = 0, failed = solve_all(c, work, iwork, &proved);
+  int stands = proved && !is_rounding(c, failed);
+  if (failed < 0 || (!stands && judge_whole(c, work, iwork))) return NSDAE_OK;
+  return report(c, failed, work, iwork);
 }

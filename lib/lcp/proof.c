@@ -174,7 +174,7 @@ static void judge_point(nsdae_chain *c)
   if (nsdae_chain_judge_basis(c, c->trial, NSDAE_LCP_ENUMERATE)) return;
   for (int j = 0; j < n; j++) {
     double of_column = norm(n, c->A + (size_t)j * (size_t)n), z = c->point[n + j];
-    c->x[j] = z > 0 ? z * size / of_column * c->column[j] : 0;
+    c->x[j] = z > 0 ? z * size / of_column : 0;
   }
   nsdae_chain_judge(c, c->trial, NSDAE_LCP_ENUMERATE);
 }

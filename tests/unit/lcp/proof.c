@@ -111,6 +111,33 @@ static void test_islands(void **state)
   assert_int_equal(info.outcome, NSDAE_LCP_SOLVED);
 }
 
+/* -x - 1 is never >= 0, however large the b of another island is that hides it. */
+static void test_proof_of_a_small_island(void **state)
+{
+  (void)state;
+  const double A[4] = {-1, 0, 0, 1}, joined[9] = {1, -1, 0, -1, 1, 0, 0, 0, 2};
+  for (double large = 1; large < 4e15; large *= 10) {
+    is_farkas(2, A, (const double[]){-1, large});
+    is_farkas(2, A, (const double[]){-1, -large});
+    is_farkas(3, joined, (const double[]){-1, -1, large});
+  }
+}
+
+/* Twenty rows of which sixteen are one island, b = 0 elsewhere: x = 0 there, whatever the scale. */
+static void test_large_island(void **state)
+{
+  (void)state;
+  enum { N = 20, LINKED = 16 };
+  double A[N * N] = {0}, b[N] = {0}, x[N], y[N];
+  for (int i = 0; i < N; i++) A[i * N + i] = 2;
+  for (int i = 1; i < LINKED; i++) A[i * N + i - 1] = A[(i - 1) * N + i] = -1;
+  for (int i = 0; i < LINKED; i++) b[i] = -1e-312;
+  const nsdae_lcp_problem problem = {.n = N, .A = A, .lda = N, .b = b};
+  for (int i = 0; i < N; i++) x[i] = 1e-79;
+  assert_int_equal(nsdae_lcp_solve(&problem, NULL, x, y, NULL), NSDAE_OK);
+  for (int i = 0; i < N; i++) assert_true(i < LINKED ? x[i] > 0 : x[i] == 0);
+}
+
 /* x = (1, 2) in rows and columns from 2^-60 to 2^60. */
 static void test_scaled(void **state)
 {
@@ -157,6 +184,8 @@ int main(void)
       cmocka_unit_test(test_enumerated),
       cmocka_unit_test(test_ray),
       cmocka_unit_test(test_islands),
+      cmocka_unit_test(test_proof_of_a_small_island),
+      cmocka_unit_test(test_large_island),
       cmocka_unit_test(test_scaled),
       cmocka_unit_test(test_singular_blocks),
       cmocka_unit_test(test_ends_of_the_range),
