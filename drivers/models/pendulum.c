@@ -8,6 +8,8 @@
 #include <math.h>
 #include <stddef.h>
 
+#include "outline.h"
+
 static int mass(double t, const double *q, double *M, int ldm, void *user)
 {
   const pendulum *p = user;
@@ -153,6 +155,26 @@ static int exact(const void *base, int number, driver_exact *impact)
   return k > 0;
 }
 
+/* The stop's right face is where the rod, hanging, has its left one. */
+static int bodies(const void *base, nsdae_trajectory *file, nsdae_error *error)
+{
+  const pendulum *p = base;
+  double width = p->L / 20, rod[12], stop[12];
+  outline_box(0, 0, width, p->L, rod);
+  outline_box(-width, -p->L, width, 2 * width, stop);
+  const nsdae_body body[] = {
+      {.name = "pivot", .shape = NSDAE_SHAPE_DISC, .size = {width}},
+      {.name = "stop", .shape = NSDAE_SHAPE_POLYGON, .points = OUTLINE_BOX, .point = stop},
+      {.name = "rod",
+       .shape = NSDAE_SHAPE_POLYGON,
+       .points = OUTLINE_BOX,
+       .point = rod,
+       .position = {"q0", "q1"},
+       .angle = "q2"},
+  };
+  return nsdae_trajectory_set_bodies(file, 3, body, error);
+}
+
 #define AT(field) offsetof(pendulum, field)
 
 static const nsdae_param entries[] = {
@@ -174,4 +196,5 @@ const driver_model pendulum_model = {.name = "pendulum",
                                      .t_end = 7,
                                      .build = build,
                                      .start = start,
+                                     .bodies = bodies,
                                      .exact = exact};

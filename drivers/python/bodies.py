@@ -155,17 +155,27 @@ def ends_of(body):
     return points if body.end is None else np.concatenate(np.broadcast_arrays(points, body.end[..., None, :]), axis=-2)
 
 
+def box_of(body):
+    """Smallest and largest coordinates [3] that a body comes to."""
+    round_by = {"disc": body.size[0], "sphere": body.size[0], "capsule": body.size[0], "segment": body.size[0] / 2,
+                "path": body.size[0] / 2}.get(body.shape, 0.0)
+    points = ends_of(body).reshape(-1, 3)
+    return points.min(axis=0) - round_by, points.max(axis=0) + round_by
+
+
 def extent(bodies):
-    """Smallest and largest coordinates [3] that they come to, planes left out."""
-    low, high = np.full(3, np.inf), np.full(3, -np.inf)
+    """Smallest and largest coordinates [3] that they come to: of what moves, and of what is fixed as
+    far as it is not much farther away; planes are left out."""
+    moving, fixed = [], []
     for body in bodies:
-        if body.shape == "plane":
-            continue
-        radius = {"disc": body.size[0], "sphere": body.size[0], "capsule": body.size[0], "segment": body.size[0] / 2,
-                  "path": body.size[0] / 2}.get(body.shape, 0.0)
-        points = ends_of(body).reshape(-1, 3)
-        low, high = np.minimum(low, points.min(axis=0) - radius), np.maximum(high, points.max(axis=0) + radius)
-    return (low, high) if np.all(np.isfinite(low)) else (np.zeros(3), np.zeros(3))
+        if body.shape != "plane":
+            (fixed if is_fixed(body) else moving).append(box_of(body))
+    if not moving and not fixed:
+        return np.zeros(3), np.zeros(3)
+    low, high = np.min([m[0] for m in moving or fixed], axis=0), np.max([m[1] for m in moving or fixed], axis=0)
+    reach = 0.3 * np.max(high - low)
+    near = [(np.clip(a, low - reach, high + reach), np.clip(b, low - reach, high + reach)) for a, b in fixed]
+    return np.min([low] + [a for a, _ in near], axis=0), np.max([high] + [b for _, b in near], axis=0)
 
 
 def is_spatial(bodies):

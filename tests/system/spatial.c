@@ -33,7 +33,7 @@ static void integrate(const driver_model *model, int method, int edges, double d
 }
 
 typedef struct last {
-  double t, q[6], v[6], fastest; /* fastest: of all records */
+  double t, q[7], v[7], fastest; /* fastest: of all records */
   double worst_friction;         /* largest |Lambda_T| / Lambda_N */
   double rolling;                /* time of the first record that sticks */
   int modes[3];
