@@ -8,7 +8,7 @@ foreach(name dense kkt sparse_lu)
   target_link_libraries(test_unit_linalg_${name} PRIVATE nsdae_lapack)
 endforeach()
 
-foreach(name check differences system)
+foreach(name check differences setters system)
   nsdae_unit_test(system ${name})
 endforeach()
 

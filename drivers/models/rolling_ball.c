@@ -14,6 +14,8 @@
 #include <math.h>
 #include <stddef.h>
 
+#include "names.h"
+
 static int mass(double t, const double *q, double *M, int ldm, void *user)
 {
   const rolling_ball *p = user;
@@ -93,6 +95,16 @@ static int potential(double t, const double *q, double *energy, void *user)
   return 0;
 }
 
+static const model_name names[] = {
+    {NSDAE_NAME_COORDINATE, "x", "m"},     {NSDAE_NAME_COORDINATE, "y", "m"},
+    {NSDAE_NAME_COORDINATE, "z", "m"},     {NSDAE_NAME_COORDINATE, "e_0", "1"},
+    {NSDAE_NAME_COORDINATE, "e_x", "1"},   {NSDAE_NAME_COORDINATE, "e_y", "1"},
+    {NSDAE_NAME_COORDINATE, "e_z", "1"},   {NSDAE_NAME_VELOCITY, "v_x", "m/s"},
+    {NSDAE_NAME_VELOCITY, "v_y", "m/s"},   {NSDAE_NAME_VELOCITY, "v_z", "m/s"},
+    {NSDAE_NAME_VELOCITY, "w_x", "rad/s"}, {NSDAE_NAME_VELOCITY, "w_y", "rad/s"},
+    {NSDAE_NAME_VELOCITY, "w_z", "rad/s"}, {NSDAE_NAME_CONTACT, "plane", "m"},
+};
+
 static int build(void *base, nsdae_system **system, nsdae_error *error)
 {
   const rolling_ball *p = base;
@@ -100,6 +112,7 @@ static int build(void *base, nsdae_system **system, nsdae_error *error)
   int status = nsdae_system_create(&dims, system, error);
   if (status < 0) return status;
   nsdae_system_set_user(*system, base);
+  MODEL_NAMES(*system, names);
   nsdae_system_set_kinematics(*system, kinematics);
   nsdae_system_set_mass(*system, mass);
   nsdae_system_set_force(*system, force);

@@ -5,6 +5,7 @@
 #include <nsdae/contact.h>
 #include <nsdae/kernels.h>
 #include <nsdae/lcp.h>
+#include <nsdae/friction.h>
 #include <nsdae/lcp_file.h>
 #include <nsdae/params.h>
 #include <nsdae/shape.h>

@@ -295,13 +295,30 @@ public:
 
   system &contact(int i, double mu, double e_n, double e_t = 0)
   {
-    detail::demand(nsdae_system_set_contact(c(), i, mu, e_n, e_t), last_error());
-    return *this;
+    return took(nsdae_system_set_contact(c(), i, mu, e_n, e_t));
   }
   system &slide(int j, int constraint, double mu)
   {
-    detail::demand(nsdae_system_set_slide(c(), j, constraint, mu), last_error());
-    return *this;
+    return took(nsdae_system_set_slide(c(), j, constraint, mu));
+  }
+  /* kind: enum nsdae_name_kind */
+  system &name(int kind, int i, const std::string &name, const std::string &unit = std::string())
+  {
+    return took(nsdae_system_set_name(c(), kind, i, name.c_str(), unit.c_str()));
+  }
+  std::string name(int kind, int i) const
+  {
+    return nsdae_system_get_name(c(), kind, i);
+  }
+  std::string unit(int kind, int i) const
+  {
+    return nsdae_system_get_unit(c(), kind, i);
+  }
+
+  /* Simulations that it has now: while there are any, it is constant. */
+  int simulations() const noexcept
+  {
+    return nsdae_system_simulations(c());
   }
 
   nsdae_dims dims() const
@@ -328,7 +345,7 @@ public:
     detail::demand_run(try_check(t, at, speed, tol), last_error());
   }
 
-  /* Why the last call failed; NULL for an empty handle. */
+  /* Why the last call failed. */
   const nsdae_error *last_error() const noexcept
   {
     return nsdae_system_error(c());
@@ -341,9 +358,18 @@ private:
   template <class Callback, class Set, class Run>
   system &keep(Callback detail::system_guts::*member, Callback callback, Set set, Run run)
   {
-    detail::demand(set(c(), run), last_error());
+    took(set(c(), run));
     std::swap((*guts_).*member, callback);
     return *this;
+  }
+  /* What a setter returned. An exception cannot be overlooked: what was refused with one is not
+   * held against the simulations. */
+  system &took(int status)
+  {
+    if (status >= 0) return *this;
+    const nsdae_error record = *last_error();
+    nsdae_system_clear_error(c());
+    throw error(record);
   }
 };
 
@@ -420,7 +446,7 @@ public:
   nsdae_stats stats() const { return get<nsdae_stats>(nsdae_sim_get_stats); }
   nsdae_dims dims() const { return get<nsdae_dims>(nsdae_sim_get_dims); }
 
-  /* Why the last call failed; NULL for an empty handle. */
+  /* Why the last call failed. */
   const nsdae_error *last_error() const noexcept { return nsdae_sim_error(c()); }
 
 private:

@@ -135,9 +135,10 @@ typedef struct nsdae_stats {
   double wall_time;      /* spent in nsdae_sim_run and nsdae_sim_step [s] */
 } nsdae_stats;
 
-/* Makes a simulation; this is where memory is allocated, once. The system must be complete and
- * outlive it; options are copied, NULL for the defaults. error may be NULL.
- * NSDAE_E_ARGUMENT, NSDAE_E_STATE (a callback that is needed is missing), NSDAE_E_MEMORY. */
+/* Makes a simulation; this is where memory is allocated, once. The system must be complete, and is
+ * constant as long as the simulation lives; options are copied, NULL for the defaults. error may be
+ * NULL. NSDAE_E_ARGUMENT, NSDAE_E_STATE (a callback that is needed is missing), NSDAE_E_MEMORY, and
+ * what a setter of the system was refused with (see nsdae_system_clear_error). */
 NSDAE_API int nsdae_sim_create(const nsdae_system *system, const nsdae_sim_options *options,
                                nsdae_sim **sim, nsdae_error *error);
 /* Releases it and sets *sim to NULL; NULL and a pointer to NULL are allowed. */
@@ -171,7 +172,9 @@ NSDAE_API int nsdae_sim_get_dims(const nsdae_sim *sim, nsdae_dims *dims);
 /* 1 where the system has a callback for the potential energy, else 0. */
 NSDAE_API int nsdae_sim_has_potential(const nsdae_sim *sim);
 NSDAE_API int nsdae_sim_get_options(const nsdae_sim *sim, nsdae_sim_options *options);
-/* Why the last call on this simulation failed. */
+/* The system that it was made of, for its names and sizes; NULL of NULL. */
+NSDAE_API const nsdae_system *nsdae_sim_get_system(const nsdae_sim *sim);
+/* Why the last call on this simulation failed; of NULL a record that says so. */
 NSDAE_API const nsdae_error *nsdae_sim_error(const nsdae_sim *sim);
 
 #ifdef __cplusplus

@@ -10,8 +10,11 @@
  *
  * Callbacks return 0 when done, > 0 for a failure that a smaller step may avoid, < 0 for one that
  * nothing helps. They see t, q and v of one point and must not change anything but their outputs
- * and what user points to. A system is constant once its simulations are made: one system may
- * serve many simulations, one per thread, if the callbacks allow it. */
+ * and what user points to. A system is constant while it has simulations: one system may serve
+ * many, one per thread, if the callbacks allow it.
+ *
+ * Everything is numbered from 0: coordinates, constraints, contacts, slides and entries, here, in
+ * error texts, tables and files. */
 #ifndef NSDAE_SYSTEM_H
 #define NSDAE_SYSTEM_H
 
@@ -76,8 +79,18 @@ typedef int (*nsdae_potential_fn)(double t, const double *q, double *energy, voi
 NSDAE_API int nsdae_system_create(const nsdae_dims *dims, nsdae_system **system,
                                   nsdae_error *error);
 /* Releases it and sets *system to NULL; NULL and a pointer to NULL are allowed. Its simulations
- * must have been destroyed before. */
+ * go on: what they need of it is released with the last of them. */
 NSDAE_API void nsdae_system_destroy(nsdae_system **system);
+
+/* All setters below return NSDAE_OK, or < 0 and change nothing: NSDAE_E_ARGUMENT, and NSDAE_E_STATE
+ * while the system has simulations, for they share it. A refusal cannot be overlooked: the first
+ * one is what nsdae_sim_create and nsdae_system_check return, until nsdae_system_clear_error. */
+
+/* Takes note of what was refused: clears the error record and what is remembered. */
+NSDAE_API void nsdae_system_clear_error(nsdae_system *system);
+
+/* How many simulations it has now; 0 of NULL. */
+NSDAE_API int nsdae_system_simulations(const nsdae_system *system);
 
 /* Handed to every callback as its last argument; NULL at first. */
 NSDAE_API int nsdae_system_set_user(nsdae_system *system, void *user);
@@ -106,7 +119,8 @@ NSDAE_API int nsdae_system_set_potential(nsdae_system *system, nsdae_potential_f
 
 /* Coefficients of contact 0 <= i < k; all zero at first.
  *   mu   friction, >= 0           e_n  normal restitution (Newton), 0 .. 1
- *   e_t  tangential restitution, 0 .. 1                                                  */
+ *   e_t  tangential restitution, 0 .. 1
+ * mu > 0 needs tangential directions: NSDAE_E_ARGUMENT where nt = 0. */
 NSDAE_API int nsdae_system_set_contact(nsdae_system *system, int i, double mu, double e_n,
                                        double e_t);
 
@@ -116,7 +130,31 @@ NSDAE_API int nsdae_system_set_contact(nsdae_system *system, int i, double mu, d
  * is the normal force. mu >= 0; with mu = 0, as at first, it has no friction. */
 NSDAE_API int nsdae_system_set_slide(nsdae_system *system, int j, int constraint, double mu);
 
-/* Why the last call on this system failed. */
+/* What can have a name: each has as many as the system's sizes say, numbered from 0. */
+enum nsdae_name_kind {
+  NSDAE_NAME_COORDINATE, /* nq */
+  NSDAE_NAME_VELOCITY,   /* nv */
+  NSDAE_NAME_CONSTRAINT, /* m */
+  NSDAE_NAME_CONTACT,    /* k */
+  NSDAE_NAME_SLIDE       /* f */
+};
+
+/* Sizes of their texts, with the zero at the end. */
+enum { NSDAE_NAME_SIZE = 48, NSDAE_UNIT_SIZE = 24 };
+
+/* Name and unit of number i (from 0) of a kind, as in (NSDAE_NAME_COORDINATE, 2, "theta", "rad");
+ * UTF-8, copied. They stand in error texts, files, tables and plots. The unit is that of the
+ * coordinate, of the constraint's Phi or of the contact's gap; NULL or "": not said. Names of one
+ * kind must differ, which is looked at when a simulation is made. NSDAE_E_ARGUMENT: no such kind or
+ * number, a name that is empty or NULL, a text that is too long or has control characters. */
+NSDAE_API int nsdae_system_set_name(nsdae_system *system, int kind, int i, const char *name,
+                                    const char *unit);
+/* "" where there is none. A velocity without a name has that of its coordinate, and its unit is
+ * that one's per second, where there is no callback kinematics. The texts live in the system. */
+NSDAE_API const char *nsdae_system_get_name(const nsdae_system *system, int kind, int i);
+NSDAE_API const char *nsdae_system_get_unit(const nsdae_system *system, int kind, int i);
+
+/* Why the last call on this system failed; of NULL a record that says so. */
 NSDAE_API const nsdae_error *nsdae_system_error(const nsdae_system *system);
 
 /* The sizes, with nv filled in. */

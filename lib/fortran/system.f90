@@ -26,6 +26,16 @@ module nsdae_f_system
     integer(c_int) :: f = 0   ! slides: bilateral constraints with friction, 0 .. m
   end type
 
+  ! What can have a name; numbered from 0, as everything is.
+  integer(c_int), parameter, public :: &
+      NSDAE_NAME_COORDINATE = 0, &
+      NSDAE_NAME_VELOCITY = 1, &
+      NSDAE_NAME_CONSTRAINT = 2, &
+      NSDAE_NAME_CONTACT = 3, &
+      NSDAE_NAME_SLIDE = 4, &
+      NSDAE_NAME_SIZE = 48, &
+      NSDAE_UNIT_SIZE = 24
+
   ! Worst disagreement that nsdae_system_check found.
   type, public :: nsdae_check
     character(len=32) :: term = ''               ! callback, e.g. "constraint_jacobian"
@@ -188,7 +198,9 @@ module nsdae_f_system
             nsdae_potential_fn
   public :: nsdae_system_create, nsdae_system_destroy, nsdae_system_set_user, &
             nsdae_system_set_contact, nsdae_system_set_slide, nsdae_system_error, &
-            nsdae_system_get_dims, nsdae_system_differences, nsdae_system_check, nsdae_system_handle
+            nsdae_system_get_dims, nsdae_system_differences, nsdae_system_check, &
+            nsdae_system_handle, nsdae_system_clear_error, nsdae_system_simulations, &
+            nsdae_system_set_name, nsdae_system_get_name, nsdae_system_get_unit
   public :: nsdae_system_set_mass, &
             nsdae_system_set_force, &
             nsdae_system_set_constraint, &
@@ -224,6 +236,31 @@ module nsdae_f_system
       type(c_ptr), value :: system
       integer(c_int), value :: i
       real(c_double), value :: mu, e_n, e_t
+    end function
+    subroutine c_clear_error(system) bind(C, name='nsdae_system_clear_error')
+      import
+      type(c_ptr), value :: system
+    end subroutine
+    integer(c_int) function c_simulations(system) bind(C, name='nsdae_system_simulations')
+      import
+      type(c_ptr), value :: system
+    end function
+    integer(c_int) function c_set_name(system, kind, i, name, unit) &
+        bind(C, name='nsdae_system_set_name')
+      import
+      type(c_ptr), value :: system
+      integer(c_int), value :: kind, i
+      character(kind=c_char), intent(in) :: name(*), unit(*)
+    end function
+    type(c_ptr) function c_get_name(system, kind, i) bind(C, name='nsdae_system_get_name')
+      import
+      type(c_ptr), value :: system
+      integer(c_int), value :: kind, i
+    end function
+    type(c_ptr) function c_get_unit(system, kind, i) bind(C, name='nsdae_system_get_unit')
+      import
+      type(c_ptr), value :: system
+      integer(c_int), value :: kind, i
     end function
     integer(c_int) function c_set_slide(system, j, constraint, mu) &
         bind(C, name='nsdae_system_set_slide')
@@ -358,12 +395,28 @@ contains
     status = c_set_user(system%handle, c_loc(system%model))
   end function
 
-  ! Releases it; one that was not made is allowed. Its simulations must have been destroyed before.
+  ! Releases it; one that was not made is allowed. Simulations of it go on: what they need of it
+  ! stays.
   subroutine nsdae_system_destroy(system)
     type(nsdae_system), intent(inout) :: system
+    integer(c_int) :: simulations
+    simulations = c_simulations(system%handle)
     call c_destroy(system%handle)
-    if (associated(system%model)) deallocate (system%model)
+    if (associated(system%model) .and. simulations == 0) deallocate (system%model)
+    system%model => null()
   end subroutine
+
+  ! Takes note of what a setter was refused: nsdae_sim_create returns it no more.
+  subroutine nsdae_system_clear_error(system)
+    type(nsdae_system), intent(in) :: system
+    call c_clear_error(at(system))
+  end subroutine
+
+  ! How many simulations it has now; while there are any, no setter is accepted.
+  integer(c_int) function nsdae_system_simulations(system) result(count)
+    type(nsdae_system), intent(in) :: system
+    count = c_simulations(system%handle)
+  end function
 
   ! The C handle, for programs in both languages; its user pointer is the module's own.
   type(c_ptr) function nsdae_system_handle(system) result(handle)
@@ -385,9 +438,8 @@ contains
     class(*), target, intent(inout) :: user
     status = NSDAE_E_ARGUMENT
     if (.not. associated(system%model)) return
-    system%model%refusal%status = NSDAE_OK
-    system%model%user => user
-    status = NSDAE_OK
+    status = c_set_user(at(system), c_loc(system%model))
+    if (status == NSDAE_OK) system%model%user => user
   end function
 
   ! Coefficients of contact 0 <= i < k; all zero at first. mu >= 0: friction; e_n and e_t, 0 .. 1:
@@ -405,6 +457,46 @@ contains
     integer(c_int), intent(in) :: j, constraint
     real(c_double), intent(in) :: mu
     status = c_set_slide(at(system), j, constraint, mu)
+  end function
+
+  ! Name and unit of number i (from 0) of a kind (NSDAE_NAME_COORDINATE and so on), as in
+  ! (system, NSDAE_NAME_COORDINATE, 2, 'theta', 'rad'). NSDAE_E_ARGUMENT: no such kind or number, or
+  ! a text that is empty or too long.
+  integer(c_int) function nsdae_system_set_name(system, kind, i, name, unit) result(status)
+    type(nsdae_system), intent(in) :: system
+    integer(c_int), intent(in) :: kind, i
+    character(len=*), intent(in) :: name
+    character(len=*), intent(in), optional :: unit
+    character(kind=c_char) :: c_name(len_trim(name) + 1), empty(1)
+    call to_chars(name, c_name)
+    empty(1) = c_null_char
+    if (present(unit)) then
+      status = named(len_trim(unit) + 1)
+    else
+      status = c_set_name(at(system), kind, i, c_name, empty)
+    end if
+  contains
+    integer(c_int) function named(length) result(status)
+      integer, intent(in) :: length
+      character(kind=c_char) :: c_unit(length)
+      call to_chars(unit, c_unit)
+      status = c_set_name(at(system), kind, i, c_name, c_unit)
+    end function
+  end function
+
+  ! '' where there is none.
+  function nsdae_system_get_name(system, kind, i) result(text)
+    type(nsdae_system), intent(in) :: system
+    integer(c_int), intent(in) :: kind, i
+    character(len=:), allocatable :: text
+    text = from_c(c_get_name(system%handle, kind, i))
+  end function
+
+  function nsdae_system_get_unit(system, kind, i) result(text)
+    type(nsdae_system), intent(in) :: system
+    integer(c_int), intent(in) :: kind, i
+    character(len=:), allocatable :: text
+    text = from_c(c_get_unit(system%handle, kind, i))
   end function
 
   ! Why the last call on this system failed.

@@ -338,18 +338,33 @@ static int refuse_bodies(const nsdae_trajectory *t, int n, const nsdae_body *bod
   return NSDAE_OK;
 }
 
+/* Against the names that its formulas may use. */
+static int check_bodies(const nsdae_trajectory *t, int n, const nsdae_body *body,
+                        nsdae_error *error)
+{
+  nsdae_dims dims;
+  const nsdae_system *system = nsdae_sim_get_system(t->sim);
+  nsdae_sim_get_dims(t->sim, &dims);
+  const char **name = malloc((size_t)dims.nq * sizeof *name);
+  if (!name)
+    return nsdae_error_set(error, NSDAE_E_MEMORY, "nsdae_trajectory_set_bodies", "",
+                           "out of memory");
+  for (int i = 0; i < dims.nq; i++)
+    name[i] = nsdae_system_get_name(system, NSDAE_NAME_COORDINATE, i);
+  const nsdae_formula_names names = {dims.nq, name, &t->parameters};
+  int status = nsdae_bodies_check(n, body, &names, error);
+  free(name);
+  return status;
+}
+
 int nsdae_trajectory_set_bodies(nsdae_trajectory *trajectory, int n, const nsdae_body *body,
                                 nsdae_error *error)
 {
   nsdae_error own;
-  nsdae_dims dims;
   nsdae_trajectory *t = trajectory;
   nsdae_error_clear(error);
   int status = refuse_bodies(t, n, body, error);
-  if (status < 0) return status;
-  nsdae_sim_get_dims(t->sim, &dims);
-  const nsdae_formula_names names = {.nq = dims.nq, .parameters = &t->parameters};
-  status = nsdae_bodies_check(n, body, &names, error);
+  if (status == NSDAE_OK) status = check_bodies(t, n, body, error);
   if (status < 0) return status;
   t->bodies = 1;
   t->h5.error = error ? error : &own;

@@ -78,6 +78,7 @@ int nsdae_sim_create(const nsdae_system *system, const nsdae_sim_options *option
   if (status < 0) return status;
   nsdae_sim *made = calloc(1, sizeof *made);
   if (!made) return no_memory(NULL, error);
+  nsdae_system_hold(system);
   made->system = system;
   if (options)
     made->options = *options;
@@ -110,6 +111,7 @@ void nsdae_sim_destroy(nsdae_sim **sim)
   if (method && method->destroy) method->destroy(&(*sim)->stepper);
   nsdae_arena_release(&(*sim)->arena);
   free((*sim)->law);
+  nsdae_system_let_go((*sim)->system);
   free(*sim);
   *sim = NULL;
 }
@@ -189,19 +191,28 @@ static void clear_record(nsdae_sim *sim)
                                .change = sim->stepper.change};
 }
 
-static int check_state(nsdae_sim *sim, const char *name, const double *a, int n)
+static int check_state(nsdae_sim *sim, const char *name, int kind, const double *a, int n)
 {
+  char called[NSDAE_CALLED_SIZE];
   if (!a)
     return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, "nsdae_sim_init", name, "%s is NULL",
                            name);
   for (int i = 0; i < n; i++) {
     if (isfinite(a[i])) continue;
     nsdae_error_set(&sim->error, NSDAE_E_NONFINITE, "nsdae_sim_init", name,
-                    "%s[%d] = %g is not a finite number", name, i, a[i]);
+                    "%s[%d] = %g is not a finite number (%s)", name, i, a[i],
+                    nsdae_system_called(sim->system, kind, i, called));
     sim->error.index = i;
     return NSDAE_E_NONFINITE;
   }
   return NSDAE_OK;
+}
+
+static int check_time(nsdae_sim *sim, double t0)
+{
+  if (isfinite(t0)) return NSDAE_OK;
+  return nsdae_error_set(&sim->error, NSDAE_E_NONFINITE, "nsdae_sim_init", "t0",
+                         "t0 = %g is not a finite number", t0);
 }
 
 /* Every term once, so that what is wrong with a model shows here. */
@@ -219,6 +230,7 @@ static int first_terms(nsdae_sim *sim, double t0, const double *q0, const double
   nsdae_contacts_forget(&s->contacts);
   nsdae_terms_at(&s->start, t0, q0, v0);
   int status = nsdae_terms_need(&s->start, ALL_TERMS);
+  if (status == NSDAE_OK) status = nsdae_terms_symmetric(&s->start);
   return status < 0 ? status : nsdae_stepper_factor(s, &s->start, s->start.M);
 }
 
@@ -227,9 +239,11 @@ int nsdae_sim_init(nsdae_sim *sim, double t0, const double *q0, const double *v0
   if (!sim) return NSDAE_E_ARGUMENT;
   nsdae_error_clear(&sim->error);
   sim->started = sim->lcp_failed = 0;
-  int status = check_state(sim, "t0", &t0, 1);
-  if (status == NSDAE_OK) status = check_state(sim, "q0", q0, sim->system->dims.nq);
-  if (status == NSDAE_OK) status = check_state(sim, "v0", v0, sim->system->dims.nv);
+  int status = check_time(sim, t0);
+  if (status == NSDAE_OK)
+    status = check_state(sim, "q0", NSDAE_NAME_COORDINATE, q0, sim->system->dims.nq);
+  if (status == NSDAE_OK)
+    status = check_state(sim, "v0", NSDAE_NAME_VELOCITY, v0, sim->system->dims.nv);
   if (status == NSDAE_OK) status = first_terms(sim, t0, q0, v0);
   if (status < 0) return status;
   clear_record(sim);
@@ -479,7 +493,20 @@ int nsdae_sim_get_options(const nsdae_sim *sim, nsdae_sim_options *options)
 
 const nsdae_error *nsdae_sim_error(const nsdae_sim *sim)
 {
-  return sim ? &sim->error : NULL;
+  static const nsdae_error none = {
+      .status = NSDAE_E_ARGUMENT,
+      .index = -1,
+      .time = NAN,
+      .argument = "sim",
+      .where = "nsdae_sim_error",
+      .text = "there is no simulation: it was not made (the last argument of nsdae_sim_create says "
+              "why), or it was destroyed"};
+  return sim ? &sim->error : &none;
+}
+
+const nsdae_system *nsdae_sim_get_system(const nsdae_sim *sim)
+{
+  return sim ? sim->system : NULL;
 }
 
 const char *nsdae_method_name(int method)

@@ -63,6 +63,12 @@ void nsdae_terms_set_velocity(nsdae_terms *terms, const double *v);
  * that failed is not counted as there. */
 int nsdae_terms_need(nsdae_terms *terms, unsigned which);
 
+/* Compares both triangles of M, which must be there: only the lower one is factored. Entries are
+ * sums of products, m_b J_bi J_bj over the bodies b, and sum |m_b J_bi J_bj| <= sqrt(M_ii M_jj) by
+ * Cauchy and Schwarz: however they are summed, p roundings make them differ by at most p eps of
+ * that. With p = 10^4, NSDAE_E_MASS names the first two that differ by more. */
+int nsdae_terms_symmetric(const nsdae_terms *terms);
+
 /* max |Phi| and max(0, -g_N); phi and gap must be there. */
 double nsdae_terms_drift(const nsdae_terms *terms);
 double nsdae_terms_penetration(const nsdae_terms *terms);

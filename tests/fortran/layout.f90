@@ -2,6 +2,7 @@
 ! the C headers give them; and it has all of them.
 program layout
   use, intrinsic :: iso_c_binding
+  use nsdae_f_friction
   use nsdae_f_lcp
   use nsdae_f_params
   use nsdae_f_sim
@@ -42,6 +43,9 @@ program layout
   call lcp_info_fields
   call lcp_origin_fields
   call lcp_file_fields
+  call friction_problem_fields
+  call friction_options_fields
+  call friction_info_fields
   ! nothing that C has is missing here
   call is_int(compared, layout_count(), 'number of values, sizes and places')
   call check_done
@@ -113,6 +117,13 @@ contains
     call same('NSDAE_MODE_SLIDE', NSDAE_MODE_SLIDE)
     call same('NSDAE_MODE_STICK', NSDAE_MODE_STICK)
     call same('NSDAE_OBSERVERS_MAX', NSDAE_OBSERVERS_MAX)
+    call same('NSDAE_NAME_COORDINATE', NSDAE_NAME_COORDINATE)
+    call same('NSDAE_NAME_VELOCITY', NSDAE_NAME_VELOCITY)
+    call same('NSDAE_NAME_CONSTRAINT', NSDAE_NAME_CONSTRAINT)
+    call same('NSDAE_NAME_CONTACT', NSDAE_NAME_CONTACT)
+    call same('NSDAE_NAME_SLIDE', NSDAE_NAME_SLIDE)
+    call same('NSDAE_NAME_SIZE', NSDAE_NAME_SIZE)
+    call same('NSDAE_UNIT_SIZE', NSDAE_UNIT_SIZE)
     call same('NSDAE_SHAPE_POINT', NSDAE_SHAPE_POINT)
     call same('NSDAE_SHAPE_DISC', NSDAE_SHAPE_DISC)
     call same('NSDAE_SHAPE_SEGMENT', NSDAE_SHAPE_SEGMENT)
@@ -129,6 +140,18 @@ contains
     call same('NSDAE_PARAM_TEXT_SIZE', NSDAE_PARAM_TEXT_SIZE)
     call same('NSDAE_OPEN_MIN', NSDAE_OPEN_MIN)
     call same('NSDAE_OPEN_MAX', NSDAE_OPEN_MAX)
+    call same('NSDAE_FRICTION_GLOBAL', NSDAE_FRICTION_GLOBAL)
+    call same('NSDAE_FRICTION_LOCAL', NSDAE_FRICTION_LOCAL)
+    call same('NSDAE_FRICTION_NONE', NSDAE_FRICTION_NONE)
+    call same('NSDAE_FRICTION_TRIVIAL', NSDAE_FRICTION_TRIVIAL)
+    call same('NSDAE_FRICTION_WARM', NSDAE_FRICTION_WARM)
+    call same('NSDAE_FRICTION_GAUSS_SEIDEL', NSDAE_FRICTION_GAUSS_SEIDEL)
+    call same('NSDAE_FRICTION_ALL', NSDAE_FRICTION_ALL)
+    call same('NSDAE_FRICTION_UNSOLVED', NSDAE_FRICTION_UNSOLVED)
+    call same('NSDAE_FRICTION_SOLVED', NSDAE_FRICTION_SOLVED)
+    call same('NSDAE_FRICTION_INFEASIBLE', NSDAE_FRICTION_INFEASIBLE)
+    call same('NSDAE_FRICTION_PROOF_NONE', NSDAE_FRICTION_PROOF_NONE)
+    call same('NSDAE_FRICTION_PROOF_FARKAS', NSDAE_FRICTION_PROOF_FARKAS)
     call same('NSDAE_LCP_NONE', NSDAE_LCP_NONE)
     call same('NSDAE_LCP_TRIVIAL', NSDAE_LCP_TRIVIAL)
     call same('NSDAE_LCP_WARM', NSDAE_LCP_WARM)
@@ -357,6 +380,44 @@ contains
     call same_place('nsdae_lcp_file%A', c_loc(x), c_loc(x%A))
     call same_place('nsdae_lcp_file%b', c_loc(x), c_loc(x%b))
     call same_place('nsdae_lcp_file%tol', c_loc(x), c_loc(x%tol))
+  end subroutine
+
+  subroutine friction_problem_fields()
+    type(nsdae_c_friction_problem), target :: x
+    call same_size('nsdae_friction_problem', c_sizeof(x))
+    call same_place('nsdae_friction_problem%contacts', c_loc(x), c_loc(x%contacts))
+    call same_place('nsdae_friction_problem%bilateral', c_loc(x), c_loc(x%bilateral))
+    call same_place('nsdae_friction_problem%rows', c_loc(x), c_loc(x%rows))
+    call same_place('nsdae_friction_problem%mu', c_loc(x), c_loc(x%mu))
+    call same_place('nsdae_friction_problem%w', c_loc(x), c_loc(x%w))
+    call same_place('nsdae_friction_problem%compliance', c_loc(x), c_loc(x%compliance))
+    call same_place('nsdae_friction_problem%blocks', c_loc(x), c_loc(x%blocks))
+    call same_place('nsdae_friction_problem%size', c_loc(x), c_loc(x%size))
+    call same_place('nsdae_friction_problem%M', c_loc(x), c_loc(x%M))
+    call same_place('nsdae_friction_problem%f', c_loc(x), c_loc(x%f))
+    call same_place('nsdae_friction_problem%first', c_loc(x), c_loc(x%first))
+    call same_place('nsdae_friction_problem%block', c_loc(x), c_loc(x%block))
+    call same_place('nsdae_friction_problem%value', c_loc(x), c_loc(x%value))
+  end subroutine
+
+  subroutine friction_options_fields()
+    type(nsdae_friction_options), target :: x
+    call same_size('nsdae_friction_options', c_sizeof(x))
+    call same_place('nsdae_friction_options%stages', c_loc(x), c_loc(x%stages))
+    call same_place('nsdae_friction_options%max_sweeps', c_loc(x), c_loc(x%max_sweeps))
+    call same_place('nsdae_friction_options%max_iterations', c_loc(x), c_loc(x%max_iterations))
+  end subroutine
+
+  subroutine friction_info_fields()
+    type(nsdae_friction_info), target :: x
+    call same_size('nsdae_friction_info', c_sizeof(x))
+    call same_place('nsdae_friction_info%stage', c_loc(x), c_loc(x%stage))
+    call same_place('nsdae_friction_info%proof', c_loc(x), c_loc(x%proof))
+    call same_place('nsdae_friction_info%islands', c_loc(x), c_loc(x%islands))
+    call same_place('nsdae_friction_info%sweeps', c_loc(x), c_loc(x%sweeps))
+    call same_place('nsdae_friction_info%iterations', c_loc(x), c_loc(x%iterations))
+    call same_place('nsdae_friction_info%factorisations', c_loc(x), c_loc(x%factorisations))
+    call same_place('nsdae_friction_info%residual', c_loc(x), c_loc(x%residual))
   end subroutine
 
 end program

@@ -58,7 +58,7 @@ static void impacts(int nt, int polygon)
     double mu = 0.15 * random_int(&r, 1, 4), e = 0.25 * random_int(&r, 0, 4);
     fixture_begin(&f, (nsdae_dims){.nq = n, .m = m, .k = k, .nt = nt});
     random_model(&f);
-    common_coefficients(&f, mu, e);
+    common_coefficients(&f, nt > 0 ? mu : 0, e);
     fixture_build(&f, polygon);
     for (int j = 0; j < k; j++) f.gap[j] = random_int(&r, -1, 2) * 0.1; /* a quarter are open */
     for (int repeat = 0; repeat < 3; repeat++) { /* from the last active set, too */
