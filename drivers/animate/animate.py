@@ -1,6 +1,7 @@
 """The bodies of an nsdae trajectory in motion: a GIF, a film (MP4, where ffmpeg is), and a page of HTML that plays
 offline."""
 
+import contextlib
 import html
 import io
 import json
@@ -50,45 +51,51 @@ def records_at(time, first, last, step):
     return at if at[-1] == last else np.append(at, last)
 
 
-def palette_of(frames):
-    """One for all: of three of them side by side."""
-    width, height = frames[0].size
+def palette_of(drawing, count):
+    """One for all frames: of three of them side by side."""
+    width, height = drawing.size
     some = Image.new("RGB", (3 * width, height))
-    for i, frame in enumerate((frames[0], frames[len(frames) // 2], frames[-1])):
-        some.paste(frame, (i * width, 0))
+    for i, number in enumerate((0, count // 2, count - 1)):
+        some.paste(drawing.frame(number), (i * width, 0))
     return some.quantize(128)
 
 
 def gif(drawing, count, delay):
     """The file's bytes; delay: of a frame, in hundredths of a second."""
-    frames = [drawing.frame(i) for i in range(count)]
-    palette = palette_of(frames)
-    flat = [frame.quantize(palette=palette, dither=0) for frame in frames]
+    palette = palette_of(drawing, count)
+    flat = (drawing.frame(i).quantize(palette=palette, dither=0) for i in range(count))
     whole = io.BytesIO()
-    flat[0].save(whole, format="GIF", save_all=True, append_images=flat[1:], loop=0,
-                 duration=[10 * delay] * (count - 1) + [10 * delay + int(1000 * HOLD)], disposal=1)
+    next(flat).save(whole, format="GIF", save_all=True, append_images=flat, loop=0, disposal=1,
+                    duration=[10 * delay] * (count - 1) + [10 * delay + int(1000 * HOLD)])
     return whole.getbuffer()
 
 
+def feed(program, drawing, count):
+    """All frames; it may end before it has them."""
+    with contextlib.suppress(BrokenPipeError):
+        for i in range(count):
+            program.stdin.write(drawing.frame(i).tobytes())
+        program.stdin.close()
+    return program.stderr.read().decode(errors="replace")
+
+
 def mp4(drawing, count, fps, path):
-    """ffmpeg writes it, beside the file; what it says last where it fails."""
-    program = shutil.which("ffmpeg")
-    if not program:
+    """The file's bytes, as ffmpeg makes them beside it."""
+    if not shutil.which("ffmpeg"):
         raise Problem(f"cannot write '{path}': it needs ffmpeg, which is not here")
     part = f"{path}.part"
-    command = [program, "-loglevel", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgb24", "-r", str(fps),
+    command = ["ffmpeg", "-loglevel", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgb24", "-r", str(fps),
                "-s", "{}x{}".format(*drawing.size), "-i", "-", "-pix_fmt", "yuv420p", "-movflags", "+faststart",
                "-f", "mp4", part]
-    raw = b"".join(drawing.frame(i).tobytes() for i in range(count))
-    done = subprocess.run(command, input=raw, stderr=subprocess.PIPE, check=False)
     try:
-        if done.returncode:
-            said = done.stderr.decode(errors="replace").split("\n")
-            raise Problem(f"cannot write '{path}': ffmpeg: {next((line for line in said if line.strip()), 'failed')}")
+        with subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE) as program:
+            said = feed(program, drawing, count).strip().split("\n")[0]
+        if program.returncode:
+            raise Problem(f"cannot write '{path}': ffmpeg: {said or 'it failed'}")
         with open(part, "rb") as file:
             return file.read()
     finally:
-        if os.path.exists(part):
+        with contextlib.suppress(OSError):
             os.remove(part)
 
 
@@ -115,7 +122,7 @@ def parse(argv):
     parser = Parser(prog="nsdae-animate", description=__doc__)
     parser.add_argument("file", help="trajectory, e.g. pendulum.h5")
     parser.add_argument("-o", "--output", action="append", metavar="OUT",
-                        help=".gif, .mp4 or .html; repeatable; default FILE.gif and FILE.html")
+                        help=".gif, .mp4 or .html; repeatable; default FILE.gif, FILE.html, and FILE.mp4 where ffmpeg is")
     parser.add_argument("--speed", type=number(1e-9, 1e9), metavar="X",
                         help="of the motion: 0.1 is a tenth of real time (default: so that it takes a few seconds)")
     parser.add_argument("--fps", type=number(1, 50), default=25, metavar="N", help="frames a second, 1 to 50 (default 25)")
@@ -130,7 +137,7 @@ def parse(argv):
     parser.add_argument("--version", action="version", version="nsdae-animate @PROJECT_VERSION@")
     arguments = parser.parse_args(argv)
     stem = os.path.splitext(arguments.file)[0]
-    arguments.output = arguments.output or [stem + ".gif", stem + ".html"]
+    arguments.output = arguments.output or [stem + end for end in FORMATS if end != ".mp4" or shutil.which("ffmpeg")]
     for output in arguments.output:
         if not output.lower().endswith(FORMATS):
             parser.error(f"--output '{output}' must end with {', '.join(FORMATS)}")

@@ -51,6 +51,7 @@ contains
                                      nsdae_trajectory_info('pendulum', s%parameters, s%live), &
                                      trajectory, error)
     writes = status == NSDAE_OK
+    if (writes) status = pendulum_bodies(s%model, trajectory, error)
     if (status /= NSDAE_E_UNSUPPORTED .or. s%output_named) return
     if (.not. s%quiet) print '(2a)', 'no trajectory: ', trim(error%text)
     status = NSDAE_OK
