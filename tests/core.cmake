@@ -8,9 +8,11 @@ foreach(name dense kkt sparse_lu)
   target_link_libraries(test_unit_linalg_${name} PRIVATE nsdae_lapack)
 endforeach()
 
-foreach(name check differences setters system)
+foreach(name check differences probe setters system)
   nsdae_unit_test(system ${name})
 endforeach()
+
+add_test(NAME unit/system/callbacks COMMAND sh ${PROJECT_SOURCE_DIR}/lib/system/callbacks.sh)
 
 nsdae_unit_test(terms terms)
 

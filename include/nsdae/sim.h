@@ -111,8 +111,14 @@ typedef struct nsdae_record {
   int changes;                /* in the step */
 } nsdae_record;
 
-/* Sees every record. 0: go on; > 0: stop after it (NSDAE_STOPPED); < 0: the run fails with this
- * status. The observer's own error may be left in *error, which comes cleared. */
+/* Sees every record, once each. 0: go on; > 0: stop after it (NSDAE_STOPPED); < 0: the run fails
+ * with this status and the state is the one before the step: it becomes the state when every
+ * observer has seen it. The next step or run goes on with the observer that failed; those that saw
+ * the record do not see it again, unless the step is not the same any more (another end, other
+ * options, a state that was set): then the number of the step comes again, and stands for the one
+ * before. The observer's own error may be left in *error, which comes cleared. It may ask the
+ * simulation, and add or take out observers, itself too; what moves the simulation is
+ * NSDAE_E_STATE. */
 typedef int (*nsdae_observer_fn)(const nsdae_record *record, nsdae_error *error, void *user);
 
 enum { NSDAE_OBSERVERS_MAX = 8 };

@@ -25,7 +25,7 @@ static int judge(nsdae_fc_chain *c, int stage)
   c->info.residual = residual;
   memcpy(c->best, c->fc.r, 3 * (size_t)c->fc.n * sizeof *c->best);
   if (residual > c->tol) return 0;
-  c->info.outcome = NSDAE_FRICTION_SOLVED;
+  c->info.outcome = NSDAE_OUTCOME_SOLVED;
   c->info.stage = stage;
   return 1;
 }

@@ -19,23 +19,17 @@ void nsdae_friction_options_default(nsdae_friction_options *options)
 
 const char *nsdae_friction_stage_name(int stage)
 {
-  static const char *const name[] = {"trivial", "warm", "gauss-seidel"};
-  if (stage == NSDAE_FRICTION_NONE) return "none";
-  for (size_t i = 0; i < sizeof name / sizeof *name; i++)
-    if (stage == 1 << i) return name[i];
-  return "unknown";
-}
-
-const char *nsdae_friction_outcome_name(int outcome)
-{
-  static const char *const name[] = {"unsolved", "solved", "infeasible"};
-  return outcome >= 0 && outcome <= 2 ? name[outcome] : "unknown";
-}
-
-const char *nsdae_friction_proof_name(int proof)
-{
-  static const char *const name[] = {"none", "farkas"};
-  return proof >= 0 && proof <= 1 ? name[proof] : "unknown";
+  switch (stage) {
+  case NSDAE_FRICTION_NONE:
+    return "none";
+#define NAME(name, value, word, text) \
+  case value:                         \
+    return word;
+    NSDAE_FRICTION_STAGE_LIST(NAME)
+#undef NAME
+  default:
+    return "unknown";
+  }
 }
 
 int nsdae_friction_create(nsdae_friction_solver **solver)
@@ -120,10 +114,10 @@ static int certify(const nsdae_fc_whole *w, double tol, const double *r, double 
 {
   info->residual = nsdae_fc_whole_residual(w, r, u);
   if (info->residual != info->residual) info->residual = INFINITY;
-  info->outcome = info->residual <= tol ? NSDAE_FRICTION_SOLVED : NSDAE_FRICTION_UNSOLVED;
-  if (info->outcome == NSDAE_FRICTION_SOLVED && info->stage == NSDAE_FRICTION_NONE)
+  info->outcome = info->residual <= tol ? NSDAE_OUTCOME_SOLVED : NSDAE_OUTCOME_UNSOLVED;
+  if (info->outcome == NSDAE_OUTCOME_SOLVED && info->stage == NSDAE_FRICTION_NONE)
     info->stage = NSDAE_FRICTION_TRIVIAL;
-  return info->outcome == NSDAE_FRICTION_SOLVED ? NSDAE_OK : NSDAE_E_LCP;
+  return info->outcome == NSDAE_OUTCOME_SOLVED ? NSDAE_OK : NSDAE_E_LCP;
 }
 
 static void drop_nonfinite(int m, double *r)

@@ -3,8 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "callbacks.h"
 #include "errors.h"
-#include "system_impl.h"
 
 static const char *const kinds[NSDAE_NAME_KINDS] = {"coordinate", "velocity", "constraint",
                                                     "contact", "slide"};
@@ -114,46 +114,36 @@ const char *nsdae_system_called(const nsdae_system *system, int kind, int i,
   return text;
 }
 
-/* Of the outputs of the callbacks: what their rows and columns are. */
-static const struct {
-  const char *callback;
-  int row, column;
-} outputs[] = {
-    {"mass", NSDAE_NAME_VELOCITY, NSDAE_NAME_VELOCITY},
-    {"force", NSDAE_NAME_VELOCITY, -1},
-    {"constraint", NSDAE_NAME_CONSTRAINT, -1},
-    {"constraint_jacobian", NSDAE_NAME_CONSTRAINT, NSDAE_NAME_VELOCITY},
-    {"constraint_bias", NSDAE_NAME_CONSTRAINT, -1},
-    {"gap", NSDAE_NAME_CONTACT, -1},
-    {"gap_normal", NSDAE_NAME_VELOCITY, NSDAE_NAME_CONTACT},
-    {"gap_tangent", NSDAE_NAME_VELOCITY, NSDAE_NAME_CONTACT},
-    {"contact_bias", NSDAE_NAME_CONTACT, -1},
-    {"kinematics", NSDAE_NAME_COORDINATE, -1},
-};
-
-/* ', of contact 3 "stop"'; several entries of one are its tangential directions. */
-static void append(const nsdae_system *system, int kind, int count, int i, const char *before,
-                   nsdae_error *error)
+/* 'contact 3 "stop"' behind the text. */
+static void append(const nsdae_system *system, const nsdae_output *o, int kind, int i,
+                   const char *before, nsdae_error *error)
 {
   char called[NSDAE_CALLED_SIZE];
-  int each = nsdae_system_count(system, kind), nt = system->dims.nt;
   size_t used = strlen(error->text);
-  if (kind < 0 || each == 0) return;
-  if (kind == NSDAE_NAME_CONTACT && count == each * nt) i /= nt;
+  if (kind < 0) return;
+  if (o->directions && kind == NSDAE_NAME_CONTACT) i /= system->dims.nt;
   snprintf(error->text + used, sizeof error->text - used, "%s%s", before,
            nsdae_system_called(system, kind, i, called));
 }
 
+void nsdae_output_name_entry(const nsdae_system *system, const nsdae_output *output, int row,
+                             int column, nsdae_error *error)
+{
+  append(system, output, output->row, row, ": ", error);
+  append(system, output, output->column, column, output->row < 0 ? ": " : ", ", error);
+}
+
+/* Outputs of one callback are told apart by their sizes; those of one size belong to the same. */
 void nsdae_system_name_entry(const nsdae_system *system, const char *callback, int rows, int row,
                              int column, nsdae_error *error)
 {
-  size_t i = 0, count = sizeof outputs / sizeof *outputs;
-  while (i < count && strcmp(outputs[i].callback, callback) != 0) i++;
-  if (!error || i == count) return;
-  int columns = nsdae_system_count(system, outputs[i].column);
-  if (strcmp(callback, "gap_tangent") == 0) columns *= system->dims.nt;
-  append(system, outputs[i].row, rows, row, ": ", error);
-  append(system, outputs[i].column, columns, column, ", ", error);
+  const nsdae_callback *c = nsdae_callbacks, *end = c + nsdae_callbacks_count;
+  int i = 0;
+  while (c < end && strcmp(c->name, callback) != 0) c++;
+  if (!error || c == end) return;
+  while (i < c->outputs && nsdae_output_extent(system, &c->output[i], c->output[i].row) != rows)
+    i++;
+  if (i < c->outputs) nsdae_output_name_entry(system, &c->output[i], row, column, error);
 }
 
 static int by_name(const void *a, const void *b)

@@ -127,11 +127,13 @@ static int refuse(nsdae_system *system, const char *callback, const char *why)
   return nsdae_system_refuse(system, NSDAE_E_ARGUMENT, callback, callback, text);
 }
 
-/* One setter per callback: `has` says whether the system has such a term at all. */
+/* One setter per callback: has says, by the sizes d, whether the system has such a term at all. */
 #define SETTER(name, type, has, why)                           \
   int nsdae_system_set_##name(nsdae_system *system, type name) \
   {                                                            \
     if (!system) return NSDAE_E_ARGUMENT;                      \
+    const nsdae_dims *d = &system->dims;                       \
+    (void)d;                                                   \
     if (!name) return refuse(system, #name, "it is NULL");     \
     if (!(has)) return refuse(system, #name, why);             \
     int status = nsdae_system_open(system, #name);             \
@@ -139,24 +141,24 @@ static int refuse(nsdae_system *system, const char *callback, const char *why)
     return status;                                             \
   }
 
+/* callbacks.list: setters */
 SETTER(mass, nsdae_mass_fn, 1, "")
 SETTER(force, nsdae_force_fn, 1, "")
-SETTER(constraint, nsdae_constraint_fn, system->dims.m > 0, "the system has no constraints (m = 0)")
-SETTER(constraint_jacobian, nsdae_constraint_jacobian_fn, system->dims.m > 0,
+SETTER(constraint, nsdae_constraint_fn, d->m > 0, "the system has no constraints (m = 0)")
+SETTER(constraint_jacobian, nsdae_constraint_jacobian_fn, d->m > 0,
        "the system has no constraints (m = 0)")
-SETTER(constraint_bias, nsdae_constraint_bias_fn, system->dims.m > 0,
-       "the system has no constraints (m = 0)")
-SETTER(gap, nsdae_gap_fn, system->dims.k > 0, "the system has no contacts (k = 0)")
-SETTER(gap_normal, nsdae_gap_normal_fn, system->dims.k > 0, "the system has no contacts (k = 0)")
-SETTER(gap_tangent, nsdae_gap_tangent_fn, system->dims.k > 0 && system->dims.nt > 0,
+SETTER(constraint_bias, nsdae_constraint_bias_fn, d->m > 0, "the system has no constraints (m = 0)")
+SETTER(gap, nsdae_gap_fn, d->k > 0, "the system has no contacts (k = 0)")
+SETTER(gap_normal, nsdae_gap_normal_fn, d->k > 0, "the system has no contacts (k = 0)")
+SETTER(gap_tangent, nsdae_gap_tangent_fn, d->k > 0 && d->nt > 0,
        "the system has no tangential directions (k nt = 0)")
-SETTER(contact_bias, nsdae_contact_bias_fn, system->dims.k > 0,
-       "the system has no contacts (k = 0)")
-SETTER(contact_acceleration, nsdae_contact_acceleration_fn,
-       system->dims.k > 0 || system->dims.f > 0, "the system has no contacts or slides (k = f = 0)")
-SETTER(slide_tangent, nsdae_slide_fn, system->dims.f > 0, "the system has no slides (f = 0)")
+SETTER(contact_bias, nsdae_contact_bias_fn, d->k > 0, "the system has no contacts (k = 0)")
+SETTER(contact_acceleration, nsdae_contact_acceleration_fn, d->k > 0 || d->f > 0,
+       "the system has no contacts or slides (k = f = 0)")
+SETTER(slide_tangent, nsdae_slide_fn, d->f > 0, "the system has no slides (f = 0)")
 SETTER(kinematics, nsdae_kinematics_fn, 1, "")
 SETTER(potential, nsdae_potential_fn, 1, "")
+/* callbacks.list: end */
 
 static int bad_coefficient(nsdae_system *system, const char *setter, const char *name, double value,
                            const char *range)
@@ -241,28 +243,56 @@ int nsdae_system_get_dims(const nsdae_system *system, nsdae_dims *dims)
   return NSDAE_OK;
 }
 
+typedef struct remark {
+  const char *text;
+  int holds;
+} remark;
+
+/* The texts of those that hold, one behind the other. */
+static const char *join(char *text, size_t size, const remark *remarks, size_t count,
+                        const char *separator)
+{
+  *text = '\0';
+  for (size_t i = 0; i < count; i++) {
+    size_t used = strlen(text);
+    if (remarks[i].holds)
+      snprintf(text + used, size - used, "%s%s", used ? separator : "", remarks[i].text);
+  }
+  return text;
+}
+
 const char *nsdae_system_differences(nsdae_system *system)
 {
   if (!system) return "";
-  const struct {
-    const char *name;
-    int filled;
-  } term[] = {
-      {"constraint_jacobian", system->dims.m > 0 && !system->constraint_jacobian},
-      {"constraint_bias", system->dims.m > 0 && !system->constraint_bias},
-      {"gap_normal", system->dims.k > 0 && !system->gap_normal},
-      {"contact_bias", system->dims.k > 0 && !system->contact_bias},
-      {"contact_acceleration",
-       system->dims.k + system->dims.f > 0 && !system->contact_acceleration},
+  const nsdae_dims *d = &system->dims;
+  const remark filled[] = {
+      {"constraint_jacobian", d->m > 0 && !system->constraint_jacobian},
+      {"constraint_bias", d->m > 0 && !system->constraint_bias},
+      {"gap_normal", d->k > 0 && !system->gap_normal},
+      {"contact_bias", d->k > 0 && !system->contact_bias},
+      {"contact_acceleration", d->k + d->f > 0 && !system->contact_acceleration},
   };
-  char *text = system->differences;
-  *text = '\0';
-  for (size_t i = 0; i < sizeof term / sizeof *term; i++) {
-    if (!term[i].filled) continue;
-    size_t used = strlen(text);
-    snprintf(text + used, sizeof system->differences - used, "%s%s", used ? " " : "", term[i].name);
-  }
-  return text;
+  return join(system->differences, sizeof system->differences, filled,
+              sizeof filled / sizeof *filled, " ");
+}
+
+const char *nsdae_system_unseen(nsdae_system *system)
+{
+  if (!system) return "";
+  const remark unseen[] = {
+      {"mass: its values, but for symmetry", system->mass != NULL},
+      {"force: its values and signs", system->force != NULL},
+      {"constraint: whether it is the one that is meant", system->constraint != NULL},
+      {"gap: whether it is the distance, its sign and its unit", system->gap != NULL},
+      {"gap_tangent: whether its directions lie in the contact, at right angles and of length one, "
+       "and the arms and signs of its rotations",
+       system->gap_tangent != NULL},
+      {"contact_bias: w_t", system->contact_bias && system->dims.nt > 0},
+      {"slide_tangent: its values", system->slide_tangent != NULL},
+      {"potential: whether the force is its gradient (the energy balance of a run shows that)",
+       system->potential != NULL},
+  };
+  return join(system->unseen, sizeof system->unseen, unseen, sizeof unseen / sizeof *unseen, "; ");
 }
 
 static int any_friction(const nsdae_system *system)

@@ -25,6 +25,7 @@ typedef struct nsdae_label {
 struct nsdae_system {
   nsdae_dims dims;
   void *user;
+  /* callbacks.list: fields */
   nsdae_mass_fn mass;
   nsdae_force_fn force;
   nsdae_constraint_fn constraint;
@@ -38,13 +39,14 @@ struct nsdae_system {
   nsdae_slide_fn slide_tangent;
   nsdae_kinematics_fn kinematics;
   nsdae_potential_fn potential;
+  /* callbacks.list: end */
   nsdae_coefficients *contact;          /* k */
   nsdae_slide *slide;                   /* f */
   nsdae_label *label[NSDAE_NAME_KINDS]; /* as many as there are of that kind; NULL: no names */
   nsdae_error error;
   nsdae_error refused; /* of the first setter that was */
   atomic_int owners;   /* its handle and its simulations; the last one releases it */
-  char differences[128];
+  char differences[128], unseen[640];
 };
 
 /* NSDAE_OK when every callback that is needed is there, no setter was refused and names are

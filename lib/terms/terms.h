@@ -8,6 +8,8 @@
 #include "arena.h"
 #include "differences.h"
 #include "kkt.h"
+#include "system_impl.h"
+#include "vector.h"
 
 /* What can be asked for, as a sum. */
 enum {
@@ -62,6 +64,15 @@ void nsdae_terms_set_velocity(nsdae_terms *terms, const double *v);
 /* Brings the terms of the sum up to date. NSDAE_OK, NSDAE_E_CALLBACK, NSDAE_E_NONFINITE; a term
  * that failed is not counted as there. */
 int nsdae_terms_need(nsdae_terms *terms, unsigned which);
+
+/* W_j^T v + w_j: the velocity along column j of W_N, W_T or W_S, or with omega in place of w and an
+ * acceleration in place of v, its rate. */
+static inline double nsdae_terms_rate(const nsdae_terms *T, const double *W, const double *w, int j,
+                                      const double *v)
+{
+  size_t n = (size_t)T->system->dims.nv;
+  return nsdae_dot(T->system->dims.nv, W + (size_t)j * n, v) + w[j];
+}
 
 /* Compares both triangles of M, which must be there: only the lower one is factored. Entries are
  * sums of products, m_b J_bi J_bj over the bodies b, and sum |m_b J_bi J_bj| <= sqrt(M_ii M_jj) by
