@@ -62,6 +62,8 @@ contains
     type(nsdae_error) :: why
     integer(c_int) :: closed
     r%model = s%model
+    r%method = s%options%method
+    r%dt = s%options%dt
     if (.not. s%quiet) then
       status = nsdae_sim_observe(sim, report_observe, r)
       call report_begin(s)

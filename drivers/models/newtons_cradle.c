@@ -136,6 +136,15 @@ static void start(const void *base, double *q0, double *v0)
   v0[0] = p->v0;
 }
 
+static const char *remark(const void *base)
+{
+  const newtons_cradle *p = base;
+  if (p->gap > 0) return NULL;
+  return "balls that touch: Newton's law for all contacts at once, so that all the others leave\n"
+         "together; the toy's balls do not quite touch and the last one leaves alone: --set "
+         "gap=1e-5";
+}
+
 void newtons_cradle_exact(const newtons_cradle *p, int impact, double *v)
 {
   double s = impact % 2 ? -1 : 1, power = pow(p->e_N, impact + 1);
@@ -219,4 +228,5 @@ const driver_model newtons_cradle_model = {.name = "newtons-cradle",
                                            .build = build,
                                            .start = start,
                                            .bodies = bodies,
+                                           .remark = remark,
                                            .exact = exact};
