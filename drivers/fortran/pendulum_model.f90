@@ -198,8 +198,8 @@ contains
     body(3)%name = 'rod'
     body(3)%shape = NSDAE_SHAPE_POLYGON
     body(3)%point = box(0d0, 0d0, width, p%L)
-    body(3)%position(1:2) = ['q0', 'q1']
-    body(3)%angle = 'q2'
+    body(3)%position(1:2) = ['x', 'y']
+    body(3)%angle = 'theta'
     status = nsdae_trajectory_set_bodies(file, body, error)
   end function
 

@@ -168,7 +168,7 @@ static int bodies(const void *base, nsdae_trajectory *file, nsdae_error *error)
       {.name = "ball",
        .shape = NSDAE_SHAPE_SPHERE,
        .size = {p->h0 / 20},
-       .position = {"0", "q0+h0/20"}},
+       .position = {"0", "y+h0/20"}},
   };
   return nsdae_trajectory_set_bodies(file, 2, body, error);
 }

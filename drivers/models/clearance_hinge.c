@@ -327,13 +327,13 @@ static int bodies(const void *base, nsdae_trajectory *file, nsdae_error *error)
        .shape = NSDAE_SHAPE_POLYGON,
        .points = OUTLINE_BOX,
        .point = rod,
-       .position = {"q0", "q1"},
-       .angle = "q2"},
+       .position = {"x", "y"},
+       .angle = "theta"},
       {.name = "shaft",
        .shape = NSDAE_SHAPE_DISC,
        .size = {p->r},
-       .position = {"q0-l/2*sin(q2)", "q1+l/2*cos(q2)"},
-       .angle = "q2"},
+       .position = {"x-l/2*sin(theta)", "y+l/2*cos(theta)"},
+       .angle = "theta"},
   };
   return nsdae_trajectory_set_bodies(file, 3, body, error);
 }

@@ -176,8 +176,9 @@ static int bodies(const void *base, nsdae_trajectory *file, nsdae_error *error)
   double width = (p->L1 + p->L2) / 40, low = p->L1 + p->L2 + 3 * width, left[12], right[12];
   outline_box(-2 * width, p->L1 / 4 - low, width, p->L1 / 2, left);
   outline_box(2 * width, p->L1 / 4 - low, width, p->L1 / 2, right);
-  static const char pin_x[] = "L1*sin(q0)", pin_y[] = "-L1*cos(q0)";
-  static const char slider_x[] = "L1*sin(q0)+L2*sin(q1)", slider_y[] = "-L1*cos(q0)-L2*cos(q1)";
+  static const char pin_x[] = "L1*sin(theta_1)", pin_y[] = "-L1*cos(theta_1)";
+  static const char slider_x[] = "L1*sin(theta_1)+L2*sin(theta_2)",
+                    slider_y[] = "-L1*cos(theta_1)-L2*cos(theta_2)";
   const nsdae_body body[] = {
       {.name = "left guide", .shape = NSDAE_SHAPE_POLYGON, .points = OUTLINE_BOX, .point = left},
       {.name = "right guide", .shape = NSDAE_SHAPE_POLYGON, .points = OUTLINE_BOX, .point = right},

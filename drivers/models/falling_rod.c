@@ -172,8 +172,8 @@ static int bodies(const void *base, nsdae_trajectory *file, nsdae_error *error)
        .shape = NSDAE_SHAPE_POLYGON,
        .points = OUTLINE_BOX,
        .point = rod,
-       .position = {"q0", "q1"},
-       .angle = "q2"},
+       .position = {"x", "y"},
+       .angle = "phi"},
   };
   return nsdae_trajectory_set_bodies(file, 2, body, error);
 }

@@ -114,9 +114,9 @@ static void start(const void *base, double *q0, double *v0)
 
 /* In space, with z upwards: the plane's axes turned by the slope about the horizontal line in it.
  * How far the block is along the fall line, along the level line and off the plane: */
-#define ALONG  "(q0*cos(turn)+q1*sin(turn))"
-#define ACROSS "(q1*cos(turn)-q0*sin(turn))"
-#define ABOVE  "(q2+%g)"
+#define ALONG  "(x*cos(turn)+y*sin(turn))"
+#define ACROSS "(y*cos(turn)-x*sin(turn))"
+#define ABOVE  "(z+%g)"
 
 /* A block of a size for the eye. */
 static int bodies(const void *base, nsdae_trajectory *file, nsdae_error *error)

@@ -143,8 +143,8 @@ static int bodies(const void *base, nsdae_trajectory *file, nsdae_error *error)
       {.name = "ball",
        .shape = NSDAE_SHAPE_SPHERE,
        .size = {p->r},
-       .position = {"q0", "q1", "q2"},
-       .quaternion = {"q3", "q4", "q5", "q6"}},
+       .position = {"x", "y", "z"},
+       .quaternion = {"e_0", "e_x", "e_y", "e_z"}},
   };
   return nsdae_trajectory_set_bodies(file, 2, body, error);
 }

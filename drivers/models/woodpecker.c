@@ -174,8 +174,8 @@ static int bodies(const void *base, nsdae_trajectory *file, nsdae_error *error)
   outline_box(1.25 * p->r_M, 0, 0.5 * p->r_M, 2 * p->h_M, right);
   nsdae_body wall = {.shape = NSDAE_SHAPE_POLYGON,
                      .points = OUTLINE_BOX,
-                     .position = {"r_M*(1-sqrt(1-q1^2))", "q0"},
-                     .angle = "asin(q1)"};
+                     .position = {"r_M*(1-sqrt(1-phi_M^2))", "y"},
+                     .angle = "asin(phi_M)"};
   nsdae_body body[] = {
       {.name = "pole",
        .shape = NSDAE_SHAPE_SEGMENT,
@@ -187,14 +187,14 @@ static int bodies(const void *base, nsdae_trajectory *file, nsdae_error *error)
       {.name = "spring",
        .shape = NSDAE_SHAPE_SEGMENT,
        .size = {p->r_0 / 2},
-       .position = {"l_M", "q0+l_M*q1"},
-       .end = {"l_M+l_G", "q0+l_M*q1+l_G*q2"}},
+       .position = {"l_M", "y+l_M*phi_M"},
+       .end = {"l_M+l_G", "y+l_M*phi_M+l_G*phi_S"}},
       {.name = "bird",
        .shape = NSDAE_SHAPE_POLYGON,
        .points = 4,
        .point = bird,
-       .position = {"l_M+l_G+l_S*(cos(q2)-1)+h_S*(sin(q2)-q2)", "q0+l_M*q1+l_G*q2"},
-       .angle = "q2"},
+       .position = {"l_M+l_G+l_S*(cos(phi_S)-1)+h_S*(sin(phi_S)-phi_S)", "y+l_M*phi_M+l_G*phi_S"},
+       .angle = "phi_S"},
   };
   body[1].name = "sleeve, left";
   body[1].point = left;

@@ -118,14 +118,25 @@ static hid_t uncached(void)
   return access;
 }
 
+/* Chunks, and their compression. */
+static hid_t chunked(int rank, const hsize_t *chunks, int deflate)
+{
+  hid_t layout = H5Pcreate(H5P_DATASET_CREATE);
+  H5Pset_chunk(layout, rank, chunks);
+  if (deflate > 0) {
+    H5Pset_shuffle(layout);
+    H5Pset_deflate(layout, (unsigned)deflate);
+  }
+  return layout;
+}
+
 int nsdae_h5_series(nsdae_h5 *h5, const char *path, hid_t type, const hsize_t *width, int rank,
-                    hsize_t chunk, hid_t *series)
+                    hsize_t chunk, int deflate, hid_t *series)
 {
   hsize_t now[RANK_MAX] = {0}, most[RANK_MAX] = {H5S_UNLIMITED}, chunks[RANK_MAX] = {chunk};
   for (int i = 1; i < rank; i++) now[i] = most[i] = chunks[i] = width[i - 1];
-  hid_t space = H5Screate_simple(rank, now, most), layout = H5Pcreate(H5P_DATASET_CREATE);
+  hid_t space = H5Screate_simple(rank, now, most), layout = chunked(rank, chunks, deflate);
   hid_t access = uncached();
-  H5Pset_chunk(layout, rank, chunks);
   *series = H5Dcreate2(h5->file, path, type, space, H5P_DEFAULT, layout, access);
   int status = nsdae_h5_result(h5, *series, "make a dataset in");
   H5Pclose(access);
@@ -139,9 +150,16 @@ int nsdae_h5_make_scale(nsdae_h5 *h5, hid_t series, const char *name)
   return nsdae_h5_result(h5, H5DSset_scale(series, name), "make a dimension scale in");
 }
 
-int nsdae_h5_attach_scale(nsdae_h5 *h5, hid_t series, hid_t scale)
+int nsdae_h5_attach_scale(nsdae_h5 *h5, hid_t series, hid_t scale, int dimension)
 {
-  return nsdae_h5_result(h5, H5DSattach_scale(series, scale, 0), "attach a dimension scale in");
+  return nsdae_h5_result(h5, H5DSattach_scale(series, scale, (unsigned)dimension),
+                         "attach a dimension scale in");
+}
+
+int nsdae_h5_open_dataset(nsdae_h5 *h5, const char *path, hid_t *set)
+{
+  *set = H5Dopen2(h5->file, path, H5P_DEFAULT);
+  return nsdae_h5_result(h5, *set, "open a dataset of");
 }
 
 int nsdae_h5_append(nsdae_h5 *h5, hid_t series, hid_t type, hsize_t from, hsize_t count,

@@ -23,12 +23,14 @@ int nsdae_h5_vector(nsdae_h5 *h5, const char *path, hid_t type, hsize_t n, const
 int nsdae_h5_matrix(nsdae_h5 *h5, const char *path, hsize_t n, hsize_t columns, const double *rows,
                     const char *units, const char *description);
 
-/* A growing dataset: rows of width values (0: plain values), in chunks of chunk rows. */
+/* A growing dataset: rows of width values (0: plain values), in chunks of chunk rows; deflate:
+ * level of compression, after the bytes of each place were put together (shuffle), 0 for none. */
 int nsdae_h5_series(nsdae_h5 *h5, const char *path, hid_t type, const hsize_t *width, int rank,
-                    hsize_t chunk, hid_t *series);
+                    hsize_t chunk, int deflate, hid_t *series);
 int nsdae_h5_describe(nsdae_h5 *h5, hid_t series, const char *units, const char *description);
 int nsdae_h5_make_scale(nsdae_h5 *h5, hid_t series, const char *name);
-int nsdae_h5_attach_scale(nsdae_h5 *h5, hid_t series, hid_t scale);
+int nsdae_h5_attach_scale(nsdae_h5 *h5, hid_t series, hid_t scale, int dimension);
+int nsdae_h5_open_dataset(nsdae_h5 *h5, const char *path, hid_t *set);
 
 /* Writes count rows behind the first `from`. */
 int nsdae_h5_append(nsdae_h5 *h5, hid_t series, hid_t type, hsize_t from, hsize_t count,

@@ -63,19 +63,27 @@ static int opened(nsdae_h5 *h5, hid_t access, const char *what)
   return status;
 }
 
-int nsdae_h5_create(nsdae_h5 *h5, int latest)
+int nsdae_h5_create(nsdae_h5 *h5, nsdae_h5_kind kind)
 {
-  hid_t access = open_disk(h5, NSDAE_ORDERED_REPLACE);
-  if (latest) H5Pset_libver_bounds(access, H5F_LIBVER_LATEST, H5F_LIBVER_LATEST);
-  if (access >= 0) h5->file = H5Fcreate(h5->path, H5F_ACC_TRUNC, H5P_DEFAULT, access);
-  return opened(h5, access, "write");
+  hid_t access = open_disk(h5, NSDAE_ORDERED_REPLACE), creation = H5Pcreate(H5P_FILE_CREATE);
+  if (kind == NSDAE_H5_LIVE) H5Pset_libver_bounds(access, H5F_LIBVER_LATEST, H5F_LIBVER_LATEST);
+  if (kind == NSDAE_H5_PACKED) H5Pset_file_space_strategy(creation, H5F_FSPACE_STRATEGY_AGGR, 0, 1);
+  if (access >= 0) h5->file = H5Fcreate(h5->path, H5F_ACC_TRUNC, creation, access);
+  int status = opened(h5, access, "write");
+  H5Pclose(creation);
+  return status;
 }
+
+/* HDF5 takes back space that becomes free at the end of a file, to use it at once for what takes
+ * its place: with this behind it, it is not at the end. */
+enum { GAP = 8 };
 
 int nsdae_h5_reopen(nsdae_h5 *h5)
 {
   hid_t access = open_disk(h5, NSDAE_ORDERED_UPDATE);
   if (access >= 0) h5->file = H5Fopen(h5->path, H5F_ACC_RDWR, access);
   h5->disk.committed = h5->disk.eoa; /* the file may be longer than what it refers to */
+  h5->disk.eoa += GAP;
   return opened(h5, access, "open");
 }
 

@@ -26,9 +26,16 @@ typedef struct nsdae_h5 {
   nsdae_error *error; /* of the call at work */
 } nsdae_h5;
 
+typedef enum nsdae_h5_kind {
+  NSDAE_H5_PLAIN, /* any HDF5 from 1.8 on reads it */
+  NSDAE_H5_LIVE,  /* in the format that SWMR needs */
+  NSDAE_H5_PACKED /* for compressed rows: space that becomes free is not used again, so that a chunk
+                     that is packed anew does not overwrite what the file refers to */
+} nsdae_h5_kind;
+
 /* Makes the file, which takes the place of one of that name at the first nsdae_h5_flush and is gone
- * where there is none; latest: in the format that SWMR needs. */
-int nsdae_h5_create(nsdae_h5 *h5, int latest);
+ * where there is none. */
+int nsdae_h5_create(nsdae_h5 *h5, nsdae_h5_kind kind);
 /* Opens it to be changed. */
 int nsdae_h5_reopen(nsdae_h5 *h5);
 /* Opens it to be read. */

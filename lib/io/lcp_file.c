@@ -39,7 +39,7 @@ static int write_origin(nsdae_h5 *h5, const nsdae_lcp_origin *origin)
 static int write_problem(nsdae_h5 *h5, int n, const double *rows, const double *b,
                          const nsdae_lcp_origin *origin)
 {
-  int status = nsdae_h5_create(h5, 0);
+  int status = nsdae_h5_create(h5, NSDAE_H5_PLAIN);
   if (status < 0) return status;
   status = nsdae_h5_set_text(h5, h5->file, "format", "nsdae-lcp");
   if (status == NSDAE_OK) status = nsdae_h5_set_int(h5, h5->file, "format_version", 1);

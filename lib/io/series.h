@@ -2,6 +2,7 @@
 #ifndef NSDAE_IO_SERIES_H
 #define NSDAE_IO_SERIES_H
 
+#include "axes.h"
 #include "hdf5_data.h"
 #include "table.h"
 
@@ -15,23 +16,39 @@ typedef struct nsdae_series {
   size_t *bytes;         /* of a row, per column */
   char **buffer;         /* per column */
   hsize_t written, held; /* rows in the file, rows in the buffers; but for the first column */
-  hsize_t counted;       /* of the first column in the file: its length is the number of rows */
+  int packed;
+  hsize_t counted; /* of the first column in the file: its length is the number of rows */
 } nsdae_series;
 
-/* Allocates for the table's rows; NSDAE_E_MEMORY. Columns that `leave_out` names stay out. */
+/* Allocates for the table's rows; NSDAE_E_MEMORY. Columns that `leave_out` names stay out.
+ * packed: rows are compressed, by whole chunks. */
 int nsdae_series_init(nsdae_series *series, const nsdae_table *table, const nsdae_dims *dims,
-                      const char *leave_out);
+                      const char *leave_out, int packed);
 void nsdae_series_release(nsdae_series *series);
 
-/* Makes the datasets, the first of them the dimension scale of all, named scale. */
+/* Makes the datasets, the first of them the dimension scale of all, named scale; the others' second
+ * dimensions are the axes. deflate: as in nsdae_h5_series. */
 int nsdae_series_create(nsdae_series *series, nsdae_h5 *h5, const nsdae_dims *dims,
-                        const char *scale);
+                        const nsdae_axes *axes, const char *scale, int deflate);
 
 /* Adds the row at `row` (an nsdae_record or nsdae_impact) to the buffers, which must not be full.
  */
 void nsdae_series_append(nsdae_series *series, const void *row);
+/* Whether the rows so far end where a chunk does. */
+int nsdae_series_ends_chunk(const nsdae_series *series);
+
+/* Rows so far, in the file and in the buffers. */
+hsize_t nsdae_series_rows(const nsdae_series *series);
+/* Back to fewer rows: the next one takes the place of the first that is dropped. */
+void nsdae_series_rewind(nsdae_series *series, hsize_t rows);
+
+typedef enum nsdae_series_part {
+  NSDAE_SERIES_CHUNKS, /* of packed rows only whole chunks */
+  NSDAE_SERIES_ALL
+} nsdae_series_part;
+
 /* Writes the rows held, without the first column. */
-int nsdae_series_write(nsdae_series *series, nsdae_h5 *h5);
+int nsdae_series_write(nsdae_series *series, nsdae_h5 *h5, nsdae_series_part part);
 /* Writes the first column up to the rows that are written. */
 int nsdae_series_count(nsdae_series *series, nsdae_h5 *h5);
 /* No row more before nsdae_series_count. */

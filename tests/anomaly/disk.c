@@ -86,7 +86,7 @@ static void expect_rows(const content *got, const content *whole, hsize_t flushe
 
 /* A run that is flushed after `before` steps and again after `more`. */
 typedef struct run {
-  int before, more;
+  int before, more, compress;
   bead bead;
   nsdae_system *system;
   nsdae_sim *sim;
@@ -104,7 +104,7 @@ static int begin(run *r, const char *name)
   r->system = bead_system(&r->bead);
   assert_int_equal(nsdae_sim_create(r->system, &options, &r->sim, NULL), NSDAE_OK);
   assert_int_equal(nsdae_sim_init(r->sim, 0, q0, v0), NSDAE_OK);
-  const nsdae_trajectory_info info = {.model = "bead"};
+  const nsdae_trajectory_info info = {.model = "bead", .compress = r->compress};
   return nsdae_trajectory_create(r->sim, name, &info, &r->trajectory, NULL);
 }
 
@@ -189,13 +189,14 @@ static void expect_outcome(int outcome, int fault, const content *got)
 /* Each write in turn is the long run (NSDAE_LONG); else every so-manieth, of all the faults. */
 static long stride(int fault)
 {
-  return getenv("NSDAE_LONG") ? 1 : fault == DISK_KILLED ? 3 : 11;
+  return getenv("NSDAE_LONG") ? 1 : fault == DISK_KILLED ? 5 : 17;
 }
 
 /* Every write from the flush on in turn, until one is not met. */
 static void attack(run *r, const content *whole, int fault, int code)
 {
   hsize_t rows = r->before ? (hsize_t)r->before + 1 : 0; /* the first step shows the start too */
+  if (r->compress) rows -= rows % 1024;
   image flushed = keep(path);
   long at = 0;
   for (;; at += stride(fault)) {
@@ -219,17 +220,17 @@ static void attack(run *r, const content *whole, int fault, int code)
 }
 
 /* In a process of its own: the run that is forked from has the file open. */
-static void attack_all(int before, int more)
+static void attack_all(int before, int more, int compress)
 {
   static const int faults[][2] = {
       {DISK_KILLED, 0}, {DISK_TORN, 0}, {DISK_FAILS, EIO}, {DISK_FAILS_ONCE, ENOSPC}};
   content whole;
-  run full = {.before = before, .more = more};
+  run full = {.before = before, .more = more, .compress = compress};
   assert_int_equal(begin(&full, whole_path), NSDAE_OK);
   assert_int_equal(step(&full, before + more), NSDAE_OK);
   assert_int_equal(end(&full), NSDAE_OK);
   assert_int_equal(read_file(whole_path, &whole), 1);
-  run r = {.before = before, .more = more};
+  run r = {.before = before, .more = more, .compress = compress};
   assert_int_equal(begin(&r, path), NSDAE_OK);
   assert_int_equal(step(&r, before), NSDAE_OK);
   for (size_t i = 0; i < sizeof faults / sizeof *faults; i++)
@@ -242,26 +243,26 @@ static void attack_all(int before, int more)
 static void test_first_rows(void **state)
 {
   (void)state;
-  attack_all(0, 3);
+  attack_all(0, 3, 0);
 }
 
 static void test_within_a_chunk(void **state)
 {
   (void)state;
-  attack_all(100, 50);
+  attack_all(100, 50, 0);
 }
 
 static void test_across_chunks(void **state)
 {
   (void)state;
-  attack_all(1000, 2100);
+  attack_all(1000, 2100, 0);
 }
 
 /* HDF5's trees hold 64 chunks of 1024 rows a node: here the root splits. */
 static void test_where_trees_split(void **state)
 {
   (void)state;
-  attack_all(64 * 1024 - 10, 1024);
+  attack_all(64 * 1024 - 10, 1024, 0);
 }
 
 /* A file that cannot be made is not there; whichever write it is that fails. */
@@ -271,7 +272,7 @@ static void test_none_made(void **state)
   long at = 0;
   remove(path);
   for (;; at++) {
-    run r;
+    run r = {.compress = 0};
     disk_reset(DISK_FAILS, at, ENOSPC);
     int status = begin(&r, path), met = the_disk.calls > at;
     disk_reset(DISK_WHOLE, -1, 0);
@@ -294,7 +295,7 @@ static void write_text(const char *name, int lines)
 static void test_old_file_stays(void **state)
 {
   (void)state;
-  run r;
+  run r = {.compress = 0};
   write_text(path, 10000);
   image before = keep(path);
   disk_reset(DISK_FAILS, 0, ENOSPC);
@@ -336,7 +337,7 @@ static void test_replaced(void **state)
   void (*const how[])(void) = {replace_by_rename, replace_in_place, replace_by_less, move_away};
   for (int at_end = 0; at_end < 2; at_end++)
     for (size_t i = 0; i < sizeof how / sizeof *how; i++) {
-      run r;
+      run r = {.compress = 0};
       nsdae_error error = {.status = 0};
       image stranger = {NULL, 0};
       assert_int_equal(begin(&r, path), NSDAE_OK);
@@ -359,13 +360,19 @@ static void test_replaced(void **state)
     }
 }
 
+static void test_compressed(void **state)
+{
+  (void)state;
+  attack_all(1500, 3000, 6);
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_none_made),         cmocka_unit_test(test_old_file_stays),
       cmocka_unit_test(test_replaced),          cmocka_unit_test(test_first_rows),
       cmocka_unit_test(test_within_a_chunk),    cmocka_unit_test(test_across_chunks),
-      cmocka_unit_test(test_where_trees_split),
+      cmocka_unit_test(test_where_trees_split), cmocka_unit_test(test_compressed),
   };
   H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
   disk_reset(DISK_WHOLE, -1, 0);

@@ -322,6 +322,9 @@ contains
     call same_place('nsdae_trajectory_info%parameters', c_loc(x), c_loc(x%parameters))
     call same_place('nsdae_trajectory_info%parameters_base', c_loc(x), c_loc(x%parameters_base))
     call same_place('nsdae_trajectory_info%live', c_loc(x), c_loc(x%live))
+    call same_place('nsdae_trajectory_info%every', c_loc(x), c_loc(x%every))
+    call same_place('nsdae_trajectory_info%compress', c_loc(x), c_loc(x%compress))
+    call same_place('nsdae_trajectory_info%t_end', c_loc(x), c_loc(x%t_end))
   end subroutine
 
   subroutine body_fields()

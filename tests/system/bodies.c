@@ -24,10 +24,12 @@ static const nsdae_params table = {entries, 1};
 static void begin(fixture *f, int live)
 {
   double q0[3], v0[3];
-  const nsdae_trajectory_info info = {"bead", &table, &f->bead, live};
+  const nsdae_trajectory_info info = {
+      .model = "bead", .parameters = &table, .parameters_base = &f->bead, .live = live};
   bead_default(&f->bead);
   bead_start(&f->bead, q0, v0);
   f->system = bead_system(&f->bead);
+  nsdae_system_set_name(f->system, NSDAE_NAME_COORDINATE, 2, "theta", "rad");
   assert_int_equal(nsdae_sim_create(f->system, NULL, &f->sim, NULL), NSDAE_OK);
   assert_int_equal(nsdae_sim_init(f->sim, 0, q0, v0), NSDAE_OK);
   assert_int_equal(nsdae_trajectory_create(f->sim, path, &info, &f->file, NULL), NSDAE_OK);
@@ -50,7 +52,7 @@ static const nsdae_body good[] = {
      .points = 3,
      .point = corners,
      .position = {"q0", "q1+speed*t"},
-     .angle = "q2"},
+     .angle = "theta"},
     {.name = "thread", .shape = NSDAE_SHAPE_SEGMENT, .end = {NULL, "q1"}},
     {.name = "wire", .shape = NSDAE_SHAPE_PATH, .points = 2, .point = line, .angle = ""},
     {.name = "box",
@@ -89,7 +91,7 @@ static void expect_file(void)
   expect_texts(file, "/bodies/x", (const char *[]){"q0", "q0", "0", "0", "0", "0"});
   expect_texts(file, "/bodies/y", (const char *[]){"q1", "q1+speed*t", "0", "0", "0", "0"});
   expect_texts(file, "/bodies/z", (const char *[]){"0", "0", "0", "0", "0", "0"});
-  expect_texts(file, "/bodies/angle", (const char *[]){"", "q2", "", "", "", ""});
+  expect_texts(file, "/bodies/angle", (const char *[]){"", "theta", "", "", "", ""});
   expect_texts(file, "/bodies/quaternion_w", (const char *[]){"", "", "", "", "cos(q2/2)", ""});
   expect_texts(file, "/bodies/quaternion_z", (const char *[]){"", "", "", "", "sin(q2/2)", ""});
   expect_texts(file, "/bodies/end_x", (const char *[]){"", "", "0", "", "", ""});
@@ -205,6 +207,7 @@ static void faults_are_named(void **state)
   WITH(0, points, 1, "only a polygon and a path have any");
   WITH(0, position[0], "q3", "there is no q3: the coordinates are q0 to q2, at character 1");
   WITH(0, position[2], "sped", "did you mean 'speed'?");
+  WITH(1, angle, "thet", "did you mean 'theta'?");
   WITH(1, angle, "q2+", "ends where a value should stand, at character 4");
   WITH(4, quaternion[3], "sin(q2", "sin without )");
   WITH(4, quaternion[1], NULL, "it has four parts");
