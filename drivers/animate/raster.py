@@ -157,7 +157,7 @@ class Drawing:
         time = self.scene["time"]
         words = f"t = {time[number]:.3f} s"
         if self.speed != 1:
-            words += f"    1/{1 / self.speed:g} of real time" if self.speed < 1 else f"    {self.speed:g} times real time"
+            words += f"  x 1/{1 / self.speed:g}" if self.speed < 1 else f"  x {self.speed:g}"
         draw.text((MARGIN * FINE, self.footer() * FINE), words, fill=INK, font=self.font)
         if self.scene["strips"]:
             x, top = self.along(time[number]), (self.size[1] - MARGIN / 2 - self.strips_height()) * FINE

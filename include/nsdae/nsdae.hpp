@@ -571,7 +571,7 @@ public:
   /* Steps to t_end; the status is >= 0. */
   int run(double t_end) { return detail::demand_run(try_run(t_end), last_error()); }
 
-  /* The state as a value: nsdae_sim_get_state, nsdae_sim_set_state. */
+  /* The state as a value: nsdae_sim_get_state. */
   std::vector<unsigned char> state() const
   {
     std::size_t size = 0;
@@ -580,10 +580,12 @@ public:
     detail::demand(nsdae_sim_get_state(c(), block.data(), size), last_error());
     return block;
   }
+  /* Puts a state of a simulation of the same system and options here; a status. */
   int try_set_state(const std::vector<unsigned char> &block) noexcept
   {
     return detail::attempt([&] { return nsdae_sim_set_state(c(), block.data(), block.size()); });
   }
+  /* The same; what is refused throws. */
   void set_state(const std::vector<unsigned char> &block)
   {
     detail::demand(try_set_state(block), last_error());

@@ -15,7 +15,7 @@ static void integrate(const driver_model *model, int method, int edges, double d
   nsdae_system *system;
   nsdae_sim *sim;
   nsdae_sim_options options;
-  double q0[6] = {0}, v0[6] = {0};
+  double q0[7] = {0}, v0[6] = {0};
   nsdae_sim_options_default(&options);
   options.method = method;
   options.dt = dt;
