@@ -4,7 +4,8 @@
 
 function name_of(path) {
   while (sub(/\/[^\/]+\/\.\.\//, "/", path));
-  if (path ~ /docs\/guide\/README\.md$/) return "index"
+  if (path ~ /docs\/guide\/README\.md$/) return "guide"
+  if (path !~ /docs\//) return "index"
   if (!sub(/^(.*\/)?docs\//, "", path)) sub(/^.*\//, "", path)
   sub(/\.md$/, "", path)
   gsub(/[^A-Za-z]+/, "_", path)

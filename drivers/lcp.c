@@ -51,7 +51,7 @@ static void print_usage(void)
     printf(" %s", nsdae_lcp_stage_name(stage));
   puts("\n"
        "  --solution      print x after the certificate, one value a line\n"
-       "  --help          this text\n"
+       "  -h, --help      this text\n"
        "  --version       version and build\n"
        "\n"
        "Exit status: 0 solved, 1 no solution found, 2 wrong usage.");
@@ -132,7 +132,7 @@ static int parse(job *j, int argc, char **argv)
     int status = SOLVED;
     if (strcmp(argv[i], "--solution") == 0)
       j->solution = 1;
-    else if (strcmp(argv[i], "--help") == 0)
+    else if (strcmp(argv[i], "--help") == 0 || strcmp(argv[i], "-h") == 0)
       j->help = 1;
     else if (strcmp(argv[i], "--version") == 0)
       j->version = 1;

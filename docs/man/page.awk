@@ -26,6 +26,7 @@ function number(text) { # minus signs that can be copied
 function flag(line,   left, word, n) {
   left = substr(line, 3, 24)
   n = split(left, word, " ")
+  if (word[1] == "-h,") return ".It Fl h , Fl -help\n" escaped(substr(line, 28))
   return ".It Fl " substr(word[1], 2) (n > 1 ? " Ar " word[2] : "") "\n" escaped(substr(line, 28))
 }
 

@@ -17,6 +17,16 @@ void bar_begin(bar *b, int quiet)
   b->started = b->shown = clock_now();
 }
 
+/* "1:02:03", "2:03": as long as what went on so far stands to what is done. */
+static void print_left(double passed, double part)
+{
+  double left = part > 0 ? passed * (1 - part) / part : 0;
+  if (part <= 0 || left >= 360000) return; /* 100 hours: nobody knows */
+  int seconds = (int)(left + 0.5), hours = seconds / 3600;
+  if (hours > 0) fprintf(stderr, ", %d:%02d:%02d left", hours, seconds / 60 % 60, seconds % 60);
+  if (hours == 0) fprintf(stderr, ", %d:%02d left", seconds / 60, seconds % 60);
+}
+
 void bar_move(bar *b, double part, double time)
 {
   enum { WIDTH = 40 };
@@ -25,7 +35,9 @@ void bar_move(bar *b, double part, double time)
   double now = clock_now();
   if (now - b->started < 1 || now - b->shown < 0.1) return;
   int cells = (int)(part * (double)WIDTH);
-  fprintf(stderr, "\r[%-*.*s] %3.0f %%  t = %.4g s\033[K", WIDTH, cells, full, 100 * part, time);
+  fprintf(stderr, "\r[%-*.*s] %3.0f %%  t = %.4g s", WIDTH, cells, full, 100 * part, time);
+  print_left(now - b->started, part);
+  fprintf(stderr, "\033[K");
   b->visible = 1;
   b->shown = now;
 }

@@ -1,4 +1,5 @@
-/* A progress bar on stderr, where that is a terminal and what goes on lasts over a second. */
+/* A progress bar with the time left on stderr, where that is a terminal and what goes on lasts
+ * over a second. */
 #ifndef NSDAE_DRIVER_BAR_H
 #define NSDAE_DRIVER_BAR_H
 

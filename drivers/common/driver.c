@@ -48,6 +48,8 @@ static int open_trajectory(job *j)
   if (!j->settings.output[0]) return NSDAE_OK;
   int status =
       nsdae_trajectory_create(j->sim, j->settings.output, &info, &j->trajectory, &j->error);
+  if (status == NSDAE_OK && j->model->bodies)
+    status = j->model->bodies(j->model->base, j->trajectory, &j->error);
   /* a library without HDF5 still runs the examples, unless a file was asked for */
   if (status != NSDAE_E_UNSUPPORTED || j->settings.output_named) return status;
   if (!j->settings.quiet) printf("no trajectory: %s\n", j->error.text);

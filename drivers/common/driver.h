@@ -29,6 +29,10 @@ typedef struct driver_model {
   int (*build)(void *base, nsdae_system **system, nsdae_error *error);
   /* Fills the start state; both come zeroed. */
   void (*start)(const void *base, double *q0, double *v0);
+  /* Names the bodies in the trajectory, once it is made; NULL: none. */
+  int (*bodies)(const void *base, nsdae_trajectory *trajectory, nsdae_error *error);
+  /* What a reader of the table would stumble over, in one sentence, or NULL; NULL: nothing. */
+  const char *(*remark)(const void *base);
   /* Exact impact of that number from 0; returns 0 where there is none. NULL: nothing is known. */
   int (*exact)(const void *base, int number, driver_exact *impact);
   /* Reference state of that number, in the order of time; returns 0 past the last. NULL: none. */

@@ -28,7 +28,7 @@ static void print_header(const report *r)
   printf(" %14s", "impulse [N s]");
   if (r->tangents > 0) printf(" %14s", "friction [N s]");
   printf(" %14s %14s", "before [m/s]", "after [m/s]");
-  if (r->settings->model->exact) printf(" %14s %14s %10s", "exact time", "exact impulse", "error");
+  if (r->exact) printf(" %14s %14s %10s", "exact time", "exact impulse", "error");
   printf("\n");
 }
 
@@ -36,7 +36,11 @@ void report_begin(report *r, const settings *s, const nsdae_sim *sim)
 {
   nsdae_dims dims;
   nsdae_sim_get_dims(sim, &dims);
-  *r = (report){.settings = s, .contacts = dims.k, .tangents = dims.nt};
+  driver_exact first;
+  *r = (report){.settings = s,
+                .contacts = dims.k,
+                .tangents = dims.nt,
+                .exact = s->model->exact && s->model->exact(s->model->base, 0, &first)};
   bar_begin(&r->bar, s->quiet);
   if (s->quiet) return;
   print_parameters(s);
@@ -73,9 +77,10 @@ int report_observe(const nsdae_record *record, nsdae_error *error, void *user)
   report *r = user;
   (void)error;
   if (r->settings->quiet) return 0;
-  if (record->impacts > 0) {
-    bar_clear(&r->bar);
-    for (int i = 0; i < record->impacts; i++) print_impact(r, &record->impact[i]);
+  if (record->impacts > 0) bar_clear(&r->bar);
+  for (int i = 0; i < record->impacts; i++) {
+    r->fastest = fmax(r->fastest, -record->impact[i].velocity_before);
+    print_impact(r, &record->impact[i]);
   }
   bar_move(&r->bar, record->time / r->settings->t_end, record->time);
   return 0;
@@ -90,6 +95,30 @@ static void say_warnings(const nsdae_sim *sim, const nsdae_stats *stats)
   for (int i = 0; i < 3; i++)
     if (stats->warnings & 1 << i)
       printf("warning: %s of this run exceeds what the method explains\n", kinds[i]);
+}
+
+/* A time-stepping method looks at the end of a step whether a contact has closed, and leaves it
+ * where it is then. */
+static int steps_blindly(int method)
+{
+  return method == NSDAE_METHOD_IMPLICIT || method == NSDAE_METHOD_IMPLICIT_PRINTED ||
+         method == NSDAE_METHOD_MOREAU;
+}
+
+/* What of the table and the summary is the method's, and what the model's. */
+static void print_remarks(const report *r, const nsdae_stats *stats)
+{
+  const driver_model *model = r->settings->model;
+  const nsdae_sim_options *options = &r->settings->options;
+  const char *remark = model->remark ? model->remark(model->base) : NULL;
+  if (remark) printf("%s\n", remark);
+  if (!steps_blindly(options->method) || r->rows == 0) return;
+  printf("impacts come up to a step late in this method%s\n",
+         r->exact ? ", hence the errors: they grow where one soon follows another" : "");
+  if (stats->worst_penetration > 0)
+    printf("a contact rests where it was found, up to some %.1e m deep: the way of a step or two\n",
+           2 * r->fastest * options->dt);
+  printf("a smaller --dt is closer to what happens, --method event finds it\n");
 }
 
 void report_end(report *r, const nsdae_sim *sim)
@@ -120,6 +149,7 @@ void report_end(report *r, const nsdae_sim *sim)
     printf("%ld steps had more than events_max instants each and were stepped by implicit\n",
            stats.fallback_steps);
   say_warnings(sim, &stats);
+  print_remarks(r, &stats);
   printf("energy balance %+.3e J (energy + dissipated - start)\n", stats.energy_balance);
   printf("time %.3g s, %.3g us a step\n", stats.wall_time,
          stats.steps ? 1e6 * stats.wall_time / (double)stats.steps : 0);

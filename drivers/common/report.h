@@ -11,6 +11,8 @@ typedef struct report {
   const settings *settings;
   int contacts, tangents; /* k, nt */
   int rows;               /* of the impact table so far */
+  int exact;              /* something is known of the impacts */
+  double fastest;         /* closing velocity of them [m/s] */
   bar bar;
 } report;
 

@@ -164,6 +164,12 @@ static const flag flags[] = {
 
 enum { FLAGS = sizeof flags / sizeof *flags };
 
+/* The one flag that has a short form. */
+static int is_short_help(const flag *f, const char *word)
+{
+  return f->action == HELP && strcmp(word, "-h") == 0;
+}
+
 /* Flag of a word such as "--dt" or "--dt=0.01"; *value is what follows '=', or NULL. */
 static const flag *find_flag(char *word, char **value, nsdae_error *error)
 {
@@ -171,7 +177,7 @@ static const flag *find_flag(char *word, char **value, nsdae_error *error)
   *value = strchr(word, '=');
   if (*value) *(*value)++ = '\0';
   for (int i = 0; i < FLAGS; i++) {
-    if (strcmp(flags[i].name, word) == 0) return &flags[i];
+    if (strcmp(flags[i].name, word) == 0 || is_short_help(&flags[i], word)) return &flags[i];
     names[i] = flags[i].name;
   }
   const char *near = nsdae_nearest_name(word, names);
@@ -259,10 +265,12 @@ static void print_table(const char *title, const nsdae_params *table, const void
   printf("\n%s\n", title);
   for (int i = 0; i < table->n; i++) {
     const nsdae_param *p = &table->entry[i];
-    char value[NSDAE_PARAM_TEXT_SIZE], unit[24] = "";
+    char value[NSDAE_PARAM_TEXT_SIZE], range[NSDAE_PARAM_TEXT_SIZE], unit[24] = "";
     nsdae_params_format(p, base, value, sizeof value);
+    nsdae_params_range(p, range, sizeof range);
     if (*p->unit && strcmp(p->unit, "1") != 0) snprintf(unit, sizeof unit, " [%s]", p->unit);
-    printf("  %-17s %-19s %s%s\n", p->key, *value ? value : "\"\"", p->help, unit);
+    printf("  %-17s %-19s %s%s%s%s\n", p->key, *value ? value : "\"\"", p->help, unit,
+           *range ? ": " : "", range);
   }
 }
 
@@ -272,7 +280,8 @@ void settings_usage(const settings *s)
          s->model->name);
   for (int i = 0; i < FLAGS; i++) {
     char left[64];
-    snprintf(left, sizeof left, "%s %s", flags[i].name, flags[i].value ? flags[i].value : "");
+    snprintf(left, sizeof left, "%s%s %s", flags[i].action == HELP ? "-h, " : "", flags[i].name,
+             flags[i].value ? flags[i].value : "");
     printf("  %-24s %s\n", left, flags[i].help);
   }
   printf("\nmethods\n");

@@ -52,6 +52,7 @@ contains
                                                            s%every, s%compress, s%t_end), &
                                      trajectory, error)
     writes = status == NSDAE_OK
+    if (writes) status = pendulum_bodies(s%model, trajectory, error)
     if (status /= NSDAE_E_UNSUPPORTED .or. s%output_named) return
     if (.not. s%quiet) print '(2a)', 'no trajectory: ', trim(error%text)
     status = NSDAE_OK
@@ -62,6 +63,8 @@ contains
     type(nsdae_error) :: why
     integer(c_int) :: closed
     r%model = s%model
+    r%method = s%options%method
+    r%dt = s%options%dt
     if (.not. s%quiet) then
       status = nsdae_sim_observe(sim, report_observe, r)
       call report_begin(s)

@@ -9,7 +9,8 @@ module pendulum_model
   use nsdae
   implicit none
   private
-  public :: pendulum, pendulum_parameters, pendulum_build, pendulum_start, pendulum_exact
+  public :: pendulum, pendulum_parameters, pendulum_build, pendulum_start, pendulum_bodies, &
+            pendulum_exact
 
   type :: pendulum
     real(c_double) :: L, m, g, e_N, theta_0
@@ -179,6 +180,37 @@ contains
     q0 = [p%L / 2 * sin(p%theta_0), -p%L / 2 * cos(p%theta_0), p%theta_0]
     v0 = 0
   end subroutine
+
+  ! The stop's right face is where the rod, hanging, has its left one.
+  integer(c_int) function pendulum_bodies(p, file, error) result(status)
+    type(pendulum), intent(in) :: p
+    type(nsdae_trajectory), intent(in) :: file
+    type(nsdae_error), intent(inout) :: error
+    type(nsdae_body) :: body(3)
+    real(c_double) :: width
+    width = p%L / 20
+    body(1)%name = 'pivot'
+    body(1)%shape = NSDAE_SHAPE_DISC
+    body(1)%size(1) = width
+    body(2)%name = 'stop'
+    body(2)%shape = NSDAE_SHAPE_POLYGON
+    body(2)%point = box(-width, -p%L, width, 2 * width)
+    body(3)%name = 'rod'
+    body(3)%shape = NSDAE_SHAPE_POLYGON
+    body(3)%point = box(0d0, 0d0, width, p%L)
+    body(3)%position(1:2) = ['x', 'y']
+    body(3)%angle = 'theta'
+    status = nsdae_trajectory_set_bodies(file, body, error)
+  end function
+
+  ! Corners of a rectangle about (x, y), counter-clockwise.
+  function box(x, y, width, height) result(corner)
+    real(c_double), intent(in) :: x, y, width, height
+    real(c_double) :: corner(3, 4)
+    corner(1, :) = x + width * [-0.5d0, 0.5d0, 0.5d0, -0.5d0]
+    corner(2, :) = y + height * [-0.5d0, -0.5d0, 0.5d0, 0.5d0]
+    corner(3, :) = 0
+  end function
 
   ! Impact of that number from 1. theta'' = -(3 g / 2 L) sin theta: a swing of amplitude theta_m
   ! from rest to the stop takes sqrt(2 L / 3 g) K(k), k = sin(theta_m / 2) (Landau and Lifshitz,

@@ -215,6 +215,7 @@ contains
       val = word(equals + 1:)
       word(equals:) = ''
     end if
+    if (word == '-h') word = '--help'
     do f = 1, size(flags)
       if (flags(f)%name == word) exit
     end do
@@ -276,6 +277,7 @@ contains
         'usage: nsdae-pendulum-fortran [OPTION]...', ''
     do i = 1, size(flags)
       left = trim(flags(i)%name) // ' ' // flags(i)%takes
+      if (flags(i)%name == '--help') left = '-h, --help'
       print '(2x, a24, 1x, a)', left, trim(flags(i)%help)
     end do
     print '(/, a)', 'methods'
@@ -297,17 +299,17 @@ contains
     type(nsdae_param) :: param
     character(len=17) :: key ! as wide as the longest name and choice of the library's options
     character(len=19) :: val
+    character(len=:), allocatable :: about
     integer(c_int) :: i
     print '(/, a)', title
     do i = 1, nsdae_params_size(table)
       param = nsdae_params_entry(table, i)
       key = param%key
       val = nsdae_params_format(table, i)
-      if (param%unit == '1' .or. param%unit == '') then
-        print '(2x, a17, 1x, a19, 1x, a)', key, val, param%help
-      else
-        print '(2x, a17, 1x, a19, 1x, 4a)', key, val, param%help, ' [', param%unit, ']'
-      end if
+      about = param%help
+      if (param%unit /= '1' .and. param%unit /= '') about = about // ' [' // param%unit // ']'
+      if (nsdae_params_range(table, i) /= '') about = about // ': ' // nsdae_params_range(table, i)
+      print '(2x, a17, 1x, a19, 1x, a)', key, val, about
     end do
   end subroutine
 

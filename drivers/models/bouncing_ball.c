@@ -159,6 +159,20 @@ static int state(const void *base, int number, driver_state *state)
   return number < 20;
 }
 
+/* The coordinate is the height of the ball's lowest point. */
+static int bodies(const void *base, nsdae_trajectory *file, nsdae_error *error)
+{
+  const bouncing_ball *p = base;
+  const nsdae_body body[] = {
+      {.name = "floor", .shape = NSDAE_SHAPE_PLANE, .size = {0, 1, 0}},
+      {.name = "ball",
+       .shape = NSDAE_SHAPE_SPHERE,
+       .size = {p->h0 / 20},
+       .position = {"0", "y+h0/20"}},
+  };
+  return nsdae_trajectory_set_bodies(file, 2, body, error);
+}
+
 #define AT(field) offsetof(bouncing_ball, field)
 
 static const nsdae_param entries[] = {
@@ -179,6 +193,7 @@ const driver_model bouncing_ball_model = {.name = "bouncing-ball",
                                           .t_end = 10,
                                           .build = build,
                                           .start = start,
+                                          .bodies = bodies,
                                           .exact = exact,
                                           .state = state,
                                           .coordinates = 1};

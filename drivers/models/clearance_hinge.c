@@ -13,6 +13,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "outline.h"
+
 #include "compare.h"
 #include "names.h"
 
@@ -314,6 +316,28 @@ static int compare_table4(const settings *s, nsdae_trajectory *trajectory, nsdae
   return status == NSDAE_OK && trajectory ? put_columns(trajectory, rows, error) : status;
 }
 
+static int bodies(const void *base, nsdae_trajectory *file, nsdae_error *error)
+{
+  const clearance_hinge *p = base;
+  double rod[12];
+  outline_box(0, 0, p->r, p->l, rod);
+  const nsdae_body body[] = {
+      {.name = "hole", .shape = NSDAE_SHAPE_DISC, .size = {1.3 * p->R, p->R}},
+      {.name = "rod",
+       .shape = NSDAE_SHAPE_POLYGON,
+       .points = OUTLINE_BOX,
+       .point = rod,
+       .position = {"x", "y"},
+       .angle = "theta"},
+      {.name = "shaft",
+       .shape = NSDAE_SHAPE_DISC,
+       .size = {p->r},
+       .position = {"x-l/2*sin(theta)", "y+l/2*cos(theta)"},
+       .angle = "theta"},
+  };
+  return nsdae_trajectory_set_bodies(file, 3, body, error);
+}
+
 #define AT(field) offsetof(clearance_hinge, field)
 
 static const char *const slips[] = {"surface_slip", "hinge_angle", NULL};
@@ -351,5 +375,6 @@ const driver_model clearance_hinge_model = {.name = "clearance-hinge",
                                             .t_end = 3,
                                             .build = build,
                                             .start = start,
+                                            .bodies = bodies,
                                             .exact = exact,
                                             .compare_more = compare_table4};

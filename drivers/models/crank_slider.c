@@ -18,6 +18,7 @@
 #include <string.h>
 
 #include "names.h"
+#include "outline.h"
 
 static int mass(double t, const double *q, double *M, int ldm, void *user)
 {
@@ -169,6 +170,32 @@ static void start(const void *base, double *q0, double *v0)
         NSDAE_OPEN_MIN, NULL                                                                 \
   }
 
+static int bodies(const void *base, nsdae_trajectory *file, nsdae_error *error)
+{
+  const crank_slider *p = base;
+  double width = (p->L1 + p->L2) / 40, low = p->L1 + p->L2 + 3 * width, left[12], right[12];
+  outline_box(-2 * width, p->L1 / 4 - low, width, p->L1 / 2, left);
+  outline_box(2 * width, p->L1 / 4 - low, width, p->L1 / 2, right);
+  static const char pin_x[] = "L1*sin(theta_1)", pin_y[] = "-L1*cos(theta_1)";
+  static const char slider_x[] = "L1*sin(theta_1)+L2*sin(theta_2)",
+                    slider_y[] = "-L1*cos(theta_1)-L2*cos(theta_2)";
+  const nsdae_body body[] = {
+      {.name = "left guide", .shape = NSDAE_SHAPE_POLYGON, .points = OUTLINE_BOX, .point = left},
+      {.name = "right guide", .shape = NSDAE_SHAPE_POLYGON, .points = OUTLINE_BOX, .point = right},
+      {.name = "crank", .shape = NSDAE_SHAPE_SEGMENT, .size = {width}, .end = {pin_x, pin_y}},
+      {.name = "rod",
+       .shape = NSDAE_SHAPE_SEGMENT,
+       .size = {width},
+       .position = {pin_x, pin_y},
+       .end = {slider_x, slider_y}},
+      {.name = "slider",
+       .shape = NSDAE_SHAPE_BOX,
+       .size = {3 * width, 4 * width, 3 * width},
+       .position = {slider_x, slider_y}},
+  };
+  return nsdae_trajectory_set_bodies(file, 5, body, error);
+}
+
 static const nsdae_param entries[] = {
     LENGTH(L1, 1, "length of the crank"),
     LENGTH(L2, 2, "length of the connecting rod"),
@@ -197,5 +224,6 @@ const driver_model crank_slider_model = {.name = "crank-slider",
                                          .t_end = 12,
                                          .build = build,
                                          .start = start,
+                                         .bodies = bodies,
                                          .state = state,
                                          .coordinates = 1};

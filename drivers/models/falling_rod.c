@@ -28,6 +28,7 @@
 #include <stddef.h>
 
 #include "names.h"
+#include "outline.h"
 
 /* Of the first and of the second end, from the centre. */
 static const double side[] = {-1, 1};
@@ -160,6 +161,23 @@ double falling_rod_free(const falling_rod *p, double phi, double omega)
   return -p->g + p->l * sin(phi) * omega * omega;
 }
 
+static int bodies(const void *base, nsdae_trajectory *file, nsdae_error *error)
+{
+  const falling_rod *p = base;
+  double rod[12];
+  outline_box(0, 0, 2 * p->l, p->l / 40, rod);
+  const nsdae_body body[] = {
+      {.name = "floor", .shape = NSDAE_SHAPE_PLANE, .size = {0, 1, 0}},
+      {.name = "rod",
+       .shape = NSDAE_SHAPE_POLYGON,
+       .points = OUTLINE_BOX,
+       .point = rod,
+       .position = {"x", "y"},
+       .angle = "phi"},
+  };
+  return nsdae_trajectory_set_bodies(file, 2, body, error);
+}
+
 #define AT(field) offsetof(falling_rod, field)
 
 static const nsdae_param entries[] = {
@@ -191,4 +209,5 @@ const driver_model falling_rod_model = {.name = "falling-rod",
                                         .t_end = 2,
                                         .dt = 1e-3,
                                         .build = build,
-                                        .start = start};
+                                        .start = start,
+                                        .bodies = bodies};

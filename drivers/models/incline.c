@@ -9,6 +9,7 @@
 
 #include <math.h>
 #include <stddef.h>
+#include <stdio.h>
 
 #include "names.h"
 
@@ -111,6 +112,38 @@ static void start(const void *base, double *q0, double *v0)
   v0[1] = p->vy;
 }
 
+/* In space, with z upwards: the plane's axes turned by the slope about the horizontal line in it.
+ * How far the block is along the fall line, along the level line and off the plane: */
+#define ALONG  "(x*cos(turn)+y*sin(turn))"
+#define ACROSS "(y*cos(turn)-x*sin(turn))"
+#define ABOVE  "(z+%g)"
+
+/* A block of a size for the eye. */
+static int bodies(const void *base, nsdae_trajectory *file, nsdae_error *error)
+{
+  const incline *p = base;
+  double way = p->g > 0 ? (p->vx * p->vx + p->vy * p->vy) / p->g : 0, size = fmax(0.02, way / 25);
+  char x[160], y[160], z[160];
+  snprintf(x, sizeof x,
+           ALONG "*cos(turn)*cos(slope)-" ACROSS "*sin(turn)+" ABOVE "*cos(turn)*sin(slope)",
+           size / 2);
+  snprintf(y, sizeof y,
+           ALONG "*sin(turn)*cos(slope)+" ACROSS "*cos(turn)+" ABOVE "*sin(turn)*sin(slope)",
+           size / 2);
+  snprintf(z, sizeof z, ABOVE "*cos(slope)-" ALONG "*sin(slope)", size / 2);
+  const nsdae_body body[] = {
+      {.name = "plane",
+       .shape = NSDAE_SHAPE_PLANE,
+       .size = {sin(p->slope) * cos(p->turn), sin(p->slope) * sin(p->turn), cos(p->slope)}},
+      {.name = "block",
+       .shape = NSDAE_SHAPE_BOX,
+       .size = {size, size, size},
+       .position = {x, y, z},
+       .quaternion = {"cos(slope/2)", "-sin(slope/2)*sin(turn)", "sin(slope/2)*cos(turn)", "0"}},
+  };
+  return nsdae_trajectory_set_bodies(file, 2, body, error);
+}
+
 #define AT(field) offsetof(incline, field)
 
 static const nsdae_param entries[] = {
@@ -136,4 +169,5 @@ const driver_model incline_model = {.name = "incline",
                                     .base = &parameters,
                                     .t_end = 2,
                                     .build = build,
-                                    .start = start};
+                                    .start = start,
+                                    .bodies = bodies};

@@ -136,6 +136,15 @@ static void start(const void *base, double *q0, double *v0)
   v0[0] = p->v0;
 }
 
+static const char *remark(const void *base)
+{
+  const newtons_cradle *p = base;
+  if (p->gap > 0) return NULL;
+  return "balls that touch: Newton's law for all contacts at once, so that all the others leave\n"
+         "together; the toy's balls do not quite touch and the last one leaves alone: --set "
+         "gap=1e-5";
+}
+
 void newtons_cradle_exact(const newtons_cradle *p, int impact, double *v)
 {
   double s = impact % 2 ? -1 : 1, power = pow(p->e_N, impact + 1);
@@ -150,6 +159,44 @@ static int exact(const void *base, int number, driver_exact *impact)
   impact->time = 0;
   impact->normal_impulse = (p->n - 1) * p->m * (1 + p->e_N) * p->v0 / p->n;
   return p->gap == 0 && number == 0;
+}
+
+/* Of ball or string number i. */
+typedef struct hanging {
+  char name[24], pivot[32], x[40], y[32];
+} hanging;
+
+/* Balls of radius L / 10; they rise by q^2 / 2 L, as their potential has it. */
+static void hang(const newtons_cradle *p, const char *name, int i, hanging *h)
+{
+  snprintf(h->name, sizeof h->name, "%s %d", name, i);
+  snprintf(h->pivot, sizeof h->pivot, "%d*(L/5+gap)", i);
+  snprintf(h->x, sizeof h->x, "%d*(L/5+gap)+q%d", i, i);
+  snprintf(h->y, sizeof h->y, p->g > 0 ? "q%d^2/(2*L)" : "0*q%d", i);
+}
+
+/* Balls on a table have no strings. */
+static int bodies(const void *base, nsdae_trajectory *file, nsdae_error *error)
+{
+  const newtons_cradle *p = base;
+  hanging string[NEWTONS_CRADLE_MAX], ball[NEWTONS_CRADLE_MAX];
+  nsdae_body body[2 * NEWTONS_CRADLE_MAX];
+  int n = 0;
+  for (int i = 0; i < p->n && p->g > 0; i++) {
+    hang(p, "string", i, &string[i]);
+    body[n++] = (nsdae_body){.name = string[i].name,
+                             .shape = NSDAE_SHAPE_SEGMENT,
+                             .position = {string[i].pivot, "L"},
+                             .end = {string[i].x, string[i].y}};
+  }
+  for (int i = 0; i < p->n; i++) {
+    hang(p, "ball", i, &ball[i]);
+    body[n++] = (nsdae_body){.name = ball[i].name,
+                             .shape = NSDAE_SHAPE_SPHERE,
+                             .size = {p->L / 10},
+                             .position = {ball[i].x, ball[i].y}};
+  }
+  return nsdae_trajectory_set_bodies(file, n, body, error);
 }
 
 #define AT(field) offsetof(newtons_cradle, field)
@@ -180,4 +227,6 @@ const driver_model newtons_cradle_model = {.name = "newtons-cradle",
                                            .dt = 5e-4,
                                            .build = build,
                                            .start = start,
+                                           .bodies = bodies,
+                                           .remark = remark,
                                            .exact = exact};

@@ -5,11 +5,11 @@
  *   Phi = [x - (L/2) sin theta, y + (L/2) cos theta],  g_N = L sin theta */
 #include "pendulum.h"
 
-#include <gsl/gsl_sf_ellint.h>
 #include <math.h>
 #include <stddef.h>
 
 #include "names.h"
+#include "outline.h"
 
 static int mass(double t, const double *q, double *M, int ldm, void *user)
 {
@@ -131,6 +131,20 @@ static void start(const void *base, double *q0, double *v0)
   q0[2] = p->theta_0;
 }
 
+/* K(k) = pi / (2 M(1, sqrt(1 - k^2))) with the arithmetic-geometric mean M (Gauss; Abramowitz and
+ * Stegun, 17.6), each round of which doubles the digits. */
+static double quarter_period(double k)
+{
+  double a = 1, b = sqrt((1 - k) * (1 + k));
+  if (b == 0) return INFINITY;
+  for (int round = 0; round < 60 && fabs(a - b) > 1e-15 * a; round++) {
+    double mean = (a + b) / 2;
+    b = sqrt(a * b);
+    a = mean;
+  }
+  return acos(-1) / (2 * a);
+}
+
 /* theta'' = -(3 g / 2 L) sin theta. A swing of amplitude theta_m from rest to the stop takes
  * sqrt(2 L / 3 g) K(k), k = sin(theta_m / 2) (Landau and Lifshitz, Mechanics, section 11); it
  * arrives with omega = k sqrt(6 g / L) and leaves with e_N omega, so with the amplitude e_N k.
@@ -139,14 +153,34 @@ static int exact(const void *base, int number, driver_exact *impact)
 {
   const pendulum *p = base;
   double quarter = sqrt(2 * p->L / (3 * p->g)), k = sin(p->theta_0 / 2);
-  double time = quarter * gsl_sf_ellint_Kcomp(k, GSL_PREC_DOUBLE);
+  double time = quarter * quarter_period(k);
   for (int i = 0; i < number; i++) {
     k *= p->e_N;
-    time += 2 * quarter * gsl_sf_ellint_Kcomp(k, GSL_PREC_DOUBLE);
+    time += 2 * quarter * quarter_period(k);
   }
   impact->time = time;
   impact->normal_impulse = p->m * p->L / 3 * (1 + p->e_N) * k * sqrt(6 * p->g / p->L);
   return k > 0;
+}
+
+/* The stop's right face is where the rod, hanging, has its left one. */
+static int bodies(const void *base, nsdae_trajectory *file, nsdae_error *error)
+{
+  const pendulum *p = base;
+  double width = p->L / 20, rod[12], stop[12];
+  outline_box(0, 0, width, p->L, rod);
+  outline_box(-width, -p->L, width, 2 * width, stop);
+  const nsdae_body body[] = {
+      {.name = "pivot", .shape = NSDAE_SHAPE_DISC, .size = {width}},
+      {.name = "stop", .shape = NSDAE_SHAPE_POLYGON, .points = OUTLINE_BOX, .point = stop},
+      {.name = "rod",
+       .shape = NSDAE_SHAPE_POLYGON,
+       .points = OUTLINE_BOX,
+       .point = rod,
+       .position = {"x", "y"},
+       .angle = "theta"},
+  };
+  return nsdae_trajectory_set_bodies(file, 3, body, error);
 }
 
 #define AT(field) offsetof(pendulum, field)
@@ -170,4 +204,5 @@ const driver_model pendulum_model = {.name = "pendulum",
                                      .t_end = 7,
                                      .build = build,
                                      .start = start,
+                                     .bodies = bodies,
                                      .exact = exact};

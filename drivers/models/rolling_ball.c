@@ -1,7 +1,9 @@
 /* A homogeneous ball that starts sliding and spinning on a plane and ends rolling.
- * q = [x, y, z, a_x, a_y, a_z]: its centre and the integrals of its angular velocity (which serve
- * as coordinates, for a ball looks the same from all sides).
+ * q = [x, y, z, e_0, e]: its centre and the unit quaternion (e_0, e) of its orientation; v = [x',
+ * y', z', w]: with the angular velocity w in the axes of space (Shabana, Dynamics of Multibody
+ * Systems, section 2.6).
  *
+ *   e_0' = -e . w / 2,  e' = (e_0 w + w x e) / 2
  *   M = diag(m, m, m, J, J, J),  J = 2 m r^2 / 5,  g_N = z - r
  *   v_T = (x' - r w_y, y' + r w_x)
  *
@@ -30,6 +32,20 @@ static int force(double t, const double *q, const double *v, double *F, void *us
   (void)q;
   (void)v;
   F[2] = -p->m * p->g;
+  return 0;
+}
+
+static int kinematics(double t, const double *q, const double *v, double *qdot, void *user)
+{
+  const double *e = q + 4, *w = v + 3;
+  (void)t;
+  (void)user;
+  for (int i = 0; i < 3; i++) {
+    int j = (i + 1) % 3, k = (i + 2) % 3;
+    qdot[i] = v[i];
+    qdot[4 + i] = (q[3] * w[i] + w[j] * e[k] - w[k] * e[j]) / 2;
+  }
+  qdot[3] = -(e[0] * w[0] + e[1] * w[1] + e[2] * w[2]) / 2;
   return 0;
 }
 
@@ -81,19 +97,23 @@ static int potential(double t, const double *q, double *energy, void *user)
 
 static const model_name names[] = {
     {NSDAE_NAME_COORDINATE, "x", "m"},     {NSDAE_NAME_COORDINATE, "y", "m"},
-    {NSDAE_NAME_COORDINATE, "z", "m"},     {NSDAE_NAME_COORDINATE, "a_x", "rad"},
-    {NSDAE_NAME_COORDINATE, "a_y", "rad"}, {NSDAE_NAME_COORDINATE, "a_z", "rad"},
-    {NSDAE_NAME_CONTACT, "plane", "m"},
+    {NSDAE_NAME_COORDINATE, "z", "m"},     {NSDAE_NAME_COORDINATE, "e_0", "1"},
+    {NSDAE_NAME_COORDINATE, "e_x", "1"},   {NSDAE_NAME_COORDINATE, "e_y", "1"},
+    {NSDAE_NAME_COORDINATE, "e_z", "1"},   {NSDAE_NAME_VELOCITY, "v_x", "m/s"},
+    {NSDAE_NAME_VELOCITY, "v_y", "m/s"},   {NSDAE_NAME_VELOCITY, "v_z", "m/s"},
+    {NSDAE_NAME_VELOCITY, "w_x", "rad/s"}, {NSDAE_NAME_VELOCITY, "w_y", "rad/s"},
+    {NSDAE_NAME_VELOCITY, "w_z", "rad/s"}, {NSDAE_NAME_CONTACT, "plane", "m"},
 };
 
 static int build(void *base, nsdae_system **system, nsdae_error *error)
 {
   const rolling_ball *p = base;
-  const nsdae_dims dims = {.nq = 6, .k = 1, .nt = 2};
+  const nsdae_dims dims = {.nq = 7, .nv = 6, .k = 1, .nt = 2};
   int status = nsdae_system_create(&dims, system, error);
   if (status < 0) return status;
   nsdae_system_set_user(*system, base);
   MODEL_NAMES(*system, names);
+  nsdae_system_set_kinematics(*system, kinematics);
   nsdae_system_set_mass(*system, mass);
   nsdae_system_set_force(*system, force);
   nsdae_system_set_gap(*system, gap);
@@ -108,10 +128,25 @@ static void start(const void *base, double *q0, double *v0)
 {
   const rolling_ball *p = base;
   q0[2] = p->r;
+  q0[3] = 1;
   v0[0] = p->vx;
   v0[1] = p->vy;
   v0[3] = p->wx;
   v0[4] = p->wy;
+}
+
+static int bodies(const void *base, nsdae_trajectory *file, nsdae_error *error)
+{
+  const rolling_ball *p = base;
+  const nsdae_body body[] = {
+      {.name = "plane", .shape = NSDAE_SHAPE_PLANE, .size = {0, 0, 1}},
+      {.name = "ball",
+       .shape = NSDAE_SHAPE_SPHERE,
+       .size = {p->r},
+       .position = {"x", "y", "z"},
+       .quaternion = {"e_0", "e_x", "e_y", "e_z"}},
+  };
+  return nsdae_trajectory_set_bodies(file, 2, body, error);
 }
 
 #define AT(field) offsetof(rolling_ball, field)
@@ -140,4 +175,5 @@ const driver_model rolling_ball_model = {.name = "rolling-ball",
                                          .base = &parameters,
                                          .t_end = 1,
                                          .build = build,
-                                         .start = start};
+                                         .start = start,
+                                         .bodies = bodies};

@@ -26,6 +26,7 @@
 #include <stddef.h>
 
 #include "names.h"
+#include "outline.h"
 
 /* Of the sleeve, where its edges touch the pole. */
 static double tilt(const woodpecker *p)
@@ -159,6 +160,49 @@ static void start(const void *base, double *q0, double *v0)
   v0[2] = p->omega_S;
 }
 
+/* Tilts are small in the model, and real rotations here. So that what touches in the model touches
+ * in the picture, the sleeve turns by asin(phi_M) and moves by r_M (1 - cos) along x, which leaves
+ * the edges of its right wall at r_M +- h_M phi_M, and the bird moves so that its beak, at (-l_S,
+ * h_S) from its centre, is at -l_S - h_S phi_S. */
+static int bodies(const void *base, nsdae_trajectory *file, nsdae_error *error)
+{
+  const woodpecker *p = base;
+  double left[12], right[12];
+  const double bird[] = {-p->l_S,      p->h_S,        0, -0.1 * p->l_S, -p->h_S, 0,
+                         0.5 * p->l_S, -0.8 * p->h_S, 0, 0.3 * p->l_S,  p->h_S,  0};
+  outline_box(-1.25 * p->r_M, 0, 0.5 * p->r_M, 2 * p->h_M, left);
+  outline_box(1.25 * p->r_M, 0, 0.5 * p->r_M, 2 * p->h_M, right);
+  nsdae_body wall = {.shape = NSDAE_SHAPE_POLYGON,
+                     .points = OUTLINE_BOX,
+                     .position = {"r_M*(1-sqrt(1-phi_M^2))", "y"},
+                     .angle = "asin(phi_M)"};
+  nsdae_body body[] = {
+      {.name = "pole",
+       .shape = NSDAE_SHAPE_SEGMENT,
+       .size = {2 * p->r_0},
+       .position = {"0", "0.06"},
+       .end = {"0", "-2"}},
+      wall,
+      wall,
+      {.name = "spring",
+       .shape = NSDAE_SHAPE_SEGMENT,
+       .size = {p->r_0 / 2},
+       .position = {"l_M", "y+l_M*phi_M"},
+       .end = {"l_M+l_G", "y+l_M*phi_M+l_G*phi_S"}},
+      {.name = "bird",
+       .shape = NSDAE_SHAPE_POLYGON,
+       .points = 4,
+       .point = bird,
+       .position = {"l_M+l_G+l_S*(cos(phi_S)-1)+h_S*(sin(phi_S)-phi_S)", "y+l_M*phi_M+l_G*phi_S"},
+       .angle = "phi_S"},
+  };
+  body[1].name = "sleeve, left";
+  body[1].point = left;
+  body[2].name = "sleeve, right";
+  body[2].point = right;
+  return nsdae_trajectory_set_bodies(file, 5, body, error);
+}
+
 #define AT(field) offsetof(woodpecker, field)
 
 static const nsdae_param entries[] = {
@@ -210,4 +254,5 @@ const driver_model woodpecker_model = {.name = "woodpecker",
                                        .t_end = 3,
                                        .dt = 1e-4,
                                        .build = build,
-                                       .start = start};
+                                       .start = start,
+                                       .bodies = bodies};

@@ -1,4 +1,4 @@
-"""Pictures of an nsdae trajectory: coordinates, velocities, impulses, energy, certificate."""
+"""Pictures of an nsdae trajectory: coordinates, velocities, modes of contacts, forces, impulses, energy, certificate."""
 
 import io
 import os
@@ -10,101 +10,236 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402  (the backend must be chosen first)
 import numpy as np  # noqa: E402
 
-from trajectory import Parser, Problem, open_trajectory, replace, tell, text  # noqa: E402
+from modes import MODE_COLOURS, MODES, strips  # noqa: E402
+from trajectory import Parser, Problem, names_of_rows, open_trajectory, replace, tell, text  # noqa: E402
 
 FORMATS = (".png", ".svg", ".pdf")
 NEEDED = ("v", "energy/kinetic", "energy/dissipated", "certificate", "impact/time")
 POINTS_MAX = 20000  # more than this of a line are drawn as an image within an SVG or PDF
 LEGEND_MAX = 12  # more lines than this say nothing in a legend
+STRIPS_MAX = 24
+IMPACTS_MAX = 100  # more of them are a grey wall
+ROUNDING = np.finfo(float).eps
+HEIGHT, LOW, STRIP_HEIGHT = 1.8, 1.2, 0.26  # inches
 
 
-def label(axes, dataset, name):
-    units = text(dataset.attrs.get("units", ""))
-    axes.set_ylabel(name if units in ("", "1") or units.startswith("of the model") else f"{name} [{units}]")
+class Row:
+    """A row of the picture: its axis has one unit."""
+
+    def __init__(self, title, draw, height=HEIGHT):
+        self.title, self.draw, self.height = title, draw, height
 
 
-def legend(axes):
-    lines = axes.get_legend_handles_labels()[0]
-    if 1 < len(lines) <= LEGEND_MAX:
-        axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0, frameon=False)
+def titled(name, unit):
+    return name if unit in ("", "1") or unit.startswith("of the model") else f"{name} [{unit}]"
 
 
-def lines_of(axes, time, dataset, prefix):
-    values = dataset[: len(time)].reshape(len(time), -1)
-    for i in range(values.shape[1]):
-        name = f"${prefix}_{{{i + 1}}}$" if values.shape[1] > 1 else f"${prefix}$"
-        axes.plot(time, values[:, i], label=name, linewidth=1.2)
+def plain(name):
+    """As it is, not as a formula."""
+    return name.replace("$", r"\$")
 
 
-def coordinates(axes, file, time):
-    lines_of(axes, time, file["q"], "q")
-    label(axes, file["q"], "coordinates")
+def line(axes, time, values, name, **look):
+    axes.plot(time, values, label=plain(name), **{"linewidth": 1.2, **look})
 
 
-def velocities(axes, file, time):
-    lines_of(axes, time, file["v"], "v")
-    label(axes, file["v"], "velocities")
+def by_unit(file, time, kind, path, title):
+    """A row for each unit of the columns of a dataset."""
+    values = file[path][: len(time)]
+    names = names_of_rows(file, kind, values.shape[1])
+    units = [text(u) for u in file.get(f"{kind}_unit", [])][: len(names)]
+    units += [text(file[path].attrs.get("units", ""))] * (len(names) - len(units))
+
+    def draw(unit):
+        def lines(axes):
+            for i, name in enumerate(names):
+                if units[i] == unit:
+                    line(axes, time, values[:, i], name)
+
+        return lines
+
+    return [Row(titled(title, unit), draw(unit)) for unit in dict.fromkeys(units)]
 
 
-def multipliers(axes, file, time):
-    lines_of(axes, time, file["multiplier"], r"\lambda")
-    label(axes, file["multiplier"], "mean bilateral forces")
+def coordinates(file, time):
+    return by_unit(file, time, "coordinate", "q", "coordinates")
 
 
-def stems(axes, time, values, name, marker):
-    hit = values != 0
-    if np.any(hit):
-        (line,) = axes.plot(time[hit], values[hit], marker, markersize=3.5, label=name)
-        axes.vlines(time[hit], 0, values[hit], color=line.get_color(), linewidth=0.6, alpha=0.6)
+def velocities(file, time):
+    return by_unit(file, time, "velocity", "v", "velocities")
 
 
-def impulses(axes, file, time):
-    if "contact" in file:
-        normal = file["contact/normal_impulse"][: len(time)]
-        for i in range(normal.shape[1]):
-            stems(axes, time, normal[:, i], rf"$\Lambda_{{N{i + 1}}}$", "o")
-        if "tangential_impulse" in file["contact"]:
-            tangential = file["contact/tangential_impulse"][: len(time)].reshape(len(time), -1)
-            for i in range(tangential.shape[1]):
-                stems(axes, time, tangential[:, i], rf"$\Lambda_{{T{i + 1}}}$", "x")
-    if "slide" in file:
-        lines_of(axes, time, file["slide/impulse"], r"\Lambda_S")
-    axes.axhline(0, color="0.8", linewidth=0.6, zorder=0)
-    axes.set_ylabel("impulses of a step [N s]")
+def struck(file, time):
+    """Of each record [n] whether the step that ends there had an impact."""
+    at = np.searchsorted(time, file["impact/time"][...])
+    return np.isin(np.arange(len(time)), at)
 
 
-def energy(axes, file, time):
+def multipliers(file, time):
+    """Without the steps that had an impact, in which they stand for impulses."""
+    values = np.where(struck(file, time)[:, None], np.nan, file["multiplier"][: len(time)])
+    names = names_of_rows(file, "constraint", values.shape[1])
+
+    def draw(axes):
+        for i, name in enumerate(names):
+            line(axes, time, values[:, i], name)
+
+    return [Row("mean forces of\nconstraints", draw)]
+
+
+def modes(file, time):
+    """Stick, slip and open as a strip for each contact; impacts are ticks in it."""
+    shown = strips(file, time, np.unique(np.linspace(0, len(time) - 1, 2000).astype(int)))[:STRIPS_MAX]
+    when, which = file["impact/time"][...], file["impact/contact"][...]
+
+    def draw(axes):
+        for row, strip in enumerate(shown):
+            for mode, colour in enumerate(MODE_COLOURS):
+                pieces = [(a, b - a) for a, b, m in strip["spans"] if m == mode]
+                axes.broken_barh(pieces, (row - 0.38, 0.76), color=colour, linewidth=0)
+            hit = when[which == strip["number"]] if strip["kind"] == "contact" else []
+            axes.vlines(hit, row - 0.38, row + 0.38, color="k", linewidth=0.7)
+        axes.set_yticks(range(len(shown)), [plain(strip["name"]) for strip in shown], fontsize="small")
+        axes.set_ylim(len(shown) - 0.4, -0.6)
+        keys = [plt.Rectangle((0, 0), 1, 1, color=colour, label=name) for name, colour in zip(MODES, MODE_COLOURS)]
+        if len(when):
+            keys.append(plt.Line2D([], [], color="k", linewidth=0.7, label="impact"))
+        outside(axes, handles=keys)
+
+    return [Row("", draw, max(STRIP_HEIGHT * (len(shown) + 1), 0.9))]
+
+
+def steps(file, time):
+    """How long the step was that ends at each record [n]: where only every N-th was kept, the last of them."""
+    length = np.diff(time, prepend=time[0])
+    return np.minimum(length, file["options/dt"][()]) if "options/dt" in file else length
+
+
+def of_impacts(file, time, step, name, like):
+    """The part of a step's impulses [n, k, ...] that came in impacts."""
+    total = np.zeros_like(like)
+    when, which = file["impact/time"][...], file["impact/contact"][...]
+    at = np.searchsorted(time, when)
+    for i, contact, t, impulse in zip(at, which, when, file[f"impact/{name}"][...]):
+        if i < len(time) and t > time[i] - step[i] * (1 + 1e-9):
+            total[i, contact] += impulse
+    return total
+
+
+def forces(file, time):
+    """What contacts and slides carry between impacts: the rest of each step's impulse over its length."""
+    step = steps(file, time)
+    lines = []
+    for group, name, symbol in (("contact", "normal_impulse", "normal"), ("contact", "tangential_impulse", "friction"),
+                                ("slide", "impulse", "friction")):
+        if f"{group}/{name}" not in file:
+            continue
+        impulse = file[f"{group}/{name}"][: len(time)]
+        rest = impulse - of_impacts(file, time, step, name, impulse) if group == "contact" else impulse
+        rest = np.where(np.abs(rest) > 1e-9 * np.abs(impulse), rest, 0).reshape(len(time), impulse.shape[1], -1)
+        for i, row in enumerate(names_of_rows(file, group, impulse.shape[1])):
+            for j in range(rest.shape[2]):
+                number = f" {j}" if rest.shape[2] > 1 else ""
+                lines.append((rest[:, i, j], f"{row}, {symbol}{number}", "-" if symbol == "normal" else "--"))
+
+    def draw(axes):
+        for values, name, style in lines:
+            mean = np.divide(values, step, out=np.full(len(time), np.nan), where=step > 0)
+            line(axes, time, mean, name, linestyle=style, linewidth=1)
+        axes.axhline(0, color="0.8", linewidth=0.6, zorder=0)
+
+    lines = [one for one in lines if np.any(one[0] != 0)]
+    return [Row("mean contact\nforces [N]", draw)] if lines else []
+
+
+def impulses(file, time):
+    """Of impacts, as they are."""
+    when, which = file["impact/time"][...], file["impact/contact"][...]
+    names = names_of_rows(file, "contact", int(which.max()) + 1)
+    tangential = file["impact/tangential_impulse"][...].reshape(len(when), -1) if "impact/tangential_impulse" in file \
+        else np.zeros((len(when), 0))
+
+    def stems(axes, t, values, name, marker):
+        if np.any(values != 0):
+            (drawn,) = axes.plot(t, values, marker, markersize=3.5, label=plain(name), linestyle="none")
+            axes.vlines(t, 0, values, color=drawn.get_color(), linewidth=0.8, alpha=0.7)
+
+    def draw(axes):
+        for i, name in enumerate(names):
+            mine = which == i
+            stems(axes, when[mine], file["impact/normal_impulse"][...][mine], f"{name}, normal", "o")
+            for j in range(tangential.shape[1]):
+                number = f" {j}" if tangential.shape[1] > 1 else ""
+                stems(axes, when[mine], tangential[mine, j], f"{name}, friction{number}", "x")
+        axes.axhline(0, color="0.8", linewidth=0.6, zorder=0)
+
+    return [Row("impulses of\nimpacts [N s]", draw)]
+
+
+def energy(file, time):
+    """The potential is counted from the start: only its changes mean something."""
     values = {name: dataset[: len(time)] for name, dataset in file["energy"].items()}
-    axes.plot(time, values["kinetic"], label="kinetic", linewidth=1)
-    if "potential" in values:
-        axes.plot(time, values["potential"], label="potential", linewidth=1)
-        axes.plot(time, values["kinetic"] + values["potential"], label="total", linewidth=1.6, color="k")
-    axes.plot(time, values["dissipated"], label="dissipated", linewidth=1, linestyle="--")
-    axes.set_ylabel("energy [J]")
+
+    def draw(axes):
+        line(axes, time, values["kinetic"], "kinetic")
+        if "potential" in values:
+            potential = values["potential"] - values["potential"][0]
+            line(axes, time, potential, "potential - start")
+            line(axes, time, values["kinetic"] + potential, "their sum", linewidth=2.6, color="0.75", zorder=1)
+        line(axes, time, values["dissipated"], "dissipated", linestyle="--")
+
+    return [Row("energy [J]", draw)]
 
 
-def certificate(axes, file, time):
-    names = {
-        "lcp_residual": "LCP residual",
-        "constraint_drift": "constraint drift",
-        "penetration": "penetration",
-    }
-    for name, shown in names.items():
-        values = file["certificate"][name][: len(time)]
-        axes.plot(time, np.where(values > 0, values, np.nan), ".", markersize=2.5, label=shown)
-        if np.any(values > 0):
+def certificate(file, time):
+    """What rounding alone explains is drawn at rounding."""
+    group = file["certificate"]
+    reach = max(float(np.max(np.abs(file["q"][: len(time)]), initial=0)), 1e-300)
+    shown_as = {"lcp_residual": "LCP residual"}
+    shown = {name: group[name][: len(time)] for name in ("lcp_residual", "constraint_drift", "penetration") if name in group}
+
+    def draw(parts, floor, said):
+        def dots(axes):
+            drawn = []
+            for name in parts:
+                there = shown[name] > 0
+                drawn.append(np.maximum(shown[name][there], floor))
+                axes.plot(time[there], drawn[-1], ".", markersize=2.5, label=shown_as.get(name, name.replace("_", " ")))
+            least, most = (fold(np.concatenate(drawn)) for fold in (np.min, np.max))
             axes.set_yscale("log")
-    axes.set_ylabel("certificate")
+            axes.set_ylim(least / 3, max(3 * most, 30 * least))
+            if least <= floor:
+                axes.axhline(floor, color="0.7", linewidth=0.7, linestyle=":", label=said)
+
+        return dots
+
+    rows = []
+    if np.any(shown["lcp_residual"] > 0):
+        rows.append(Row("residual", draw(["lcp_residual"], ROUNDING, "rounding, or below"), LOW))
+    lengths = [name for name in ("constraint_drift", "penetration") if np.any(shown[name] > 0)]
+    if lengths:
+        rows.append(Row("errors of\nposition [m]", draw(lengths, ROUNDING * reach, "rounding of q, or below"), LOW))
+    return rows
+
+
+def always(file):
+    return True
 
 
 PANELS = {
-    "coordinates": (coordinates, lambda file: True),
-    "velocities": (velocities, lambda file: True),
+    "coordinates": (coordinates, always),
+    "velocities": (velocities, always),
     "multipliers": (multipliers, lambda file: "multiplier" in file),
-    "impulses": (impulses, lambda file: "contact" in file or "slide" in file),
-    "energy": (energy, lambda file: True),
-    "certificate": (certificate, lambda file: True),
+    "modes": (modes, lambda file: "contact" in file or "slide" in file),
+    "forces": (forces, lambda file: "contact" in file or "slide" in file),
+    "impulses": (impulses, lambda file: len(file["impact/time"]) > 0),
+    "energy": (energy, always),
+    "certificate": (certificate, always),
 }
+
+
+def outside(axes, **what):
+    axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0, frameon=False, **what)
 
 
 def title_of(file):
@@ -114,36 +249,47 @@ def title_of(file):
         title += f", dt {file['options/dt'][()]:g} s"
     if attrs.get("status") != "complete":
         title += f" ({attrs.get('status')})"
-    return title
+    return plain(title)
 
 
 def mark_impacts(axes, file):
-    for t in file["impact/time"][:200]:
-        axes.axvline(t, color="0.85", linewidth=0.6, zorder=0)
+    when = file["impact/time"][...]
+    if len(when) <= IMPACTS_MAX:
+        for t in when:
+            axes.axvline(t, color="0.88", linewidth=0.6, zorder=0)
 
 
 def records(file):
     """How many there are of everything: while a run writes along, some datasets are ahead."""
     names = ["time", "q", "v", "multiplier"]
     for group in ("contact", "slide", "energy", "certificate"):
-        names += [f"{group}/{name}" for name in file.get(group, {})]
-    return min(len(file[name]) for name in names if name in file)
+        names += [f"{group}/{name}" for name in file.get(group, {}) if name != group]
+    return min(len(file[name]) for name in names if name in file and grows(file[name]))
+
+
+def grows(dataset):
+    return dataset.maxshape[:1] == (None,)
 
 
 def draw(file, names, title):
     time = file["time"][: records(file)]
-    figure, rows = plt.subplots(
-        len(names), 1, sharex=True, squeeze=False, figsize=(9, 0.8 + 2.1 * len(names)), layout="constrained"
-    )
-    for axes, name in zip(rows[:, 0], names):
-        mark_impacts(axes, file)
-        PANELS[name][0](axes, file, time)
-        axes.margins(x=0.01)
-        for drawn in axes.lines + axes.collections:
+    rows = [row for name in names for row in PANELS[name][0](file, time)]
+    if not rows:
+        raise Problem(f"the trajectory has nothing for {', '.join(names)}")
+    heights = [row.height for row in rows]
+    figure, axes = plt.subplots(len(rows), 1, sharex=True, squeeze=False, figsize=(9, 0.8 + sum(heights)),
+                                layout="constrained", gridspec_kw={"height_ratios": heights})
+    for axis, row in zip(axes[:, 0], rows):
+        mark_impacts(axis, file)
+        row.draw(axis)
+        axis.set_ylabel(row.title)
+        axis.margins(x=0.01)
+        for drawn in axis.lines + axis.collections:
             drawn.set_rasterized(len(time) > POINTS_MAX)
-        axes.spines[["top", "right"]].set_visible(False)
-        legend(axes)
-    rows[-1, 0].set_xlabel("time [s]")
+        axis.spines[["top", "right"]].set_visible(False)
+        if axis.get_legend() is None and 0 < len(axis.get_legend_handles_labels()[0]) <= LEGEND_MAX:
+            outside(axis)
+    axes[-1, 0].set_xlabel("time [s]")
     figure.suptitle(title)
     figure.align_ylabels()
     return figure

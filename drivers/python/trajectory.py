@@ -62,6 +62,17 @@ def open_trajectory(path, *needed):
             raise Problem(f"'{path}' is damaged: {reason(error)}") from error
 
 
+NAMES = {"coordinate": "coordinate", "velocity": "velocity", "constraint": "constraint", "contact": "contact/contact",
+         "slide": "slide/slide"}
+
+
+def names_of_rows(file, kind, count):
+    """Names of coordinates, velocities, ...: the file's, else numbers."""
+    path = NAMES[kind]
+    named = [text(name) for name in file[path][:count]] if path in file else []
+    return named + [f"{kind} {i}" for i in range(len(named), count)]
+
+
 def replace(path, content):
     """Writes beside the file and moves it there when it is whole: what was there is not lost."""
     part = f"{path}.part"

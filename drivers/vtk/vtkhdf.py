@@ -6,37 +6,16 @@ and in the group Steps the times and where each step's points begin
 
 import io
 import os
-import re
 import sys
 
 import h5py
 import numpy as np
 
-from bodies import MODELS, points
-from shapes import placed
-from trajectory import Parser, Problem, open_trajectory, replace, tell, text
+from bodies import columns_of, read_motion
+from shapes import placed, solids_of
+from trajectory import Parser, Problem, open_trajectory, replace, tell
 
 BLOCK = 512  # steps in memory at a time
-
-
-def parameters_of(file):
-    return {name: value[()] for name, value in file.get("parameters", {}).items()}
-
-
-def bodies_of(file, path, columns, q):
-    if columns:
-        for c in (c for xyz in columns for c in xyz if c is not None):
-            if c >= q.shape[1]:
-                raise Problem(f"'{path}' has the coordinates 0 to {q.shape[1] - 1}, not {c}")
-        return points(columns, q)
-    model = text(file.attrs.get("model", ""))
-    if model not in MODELS:
-        raise Problem(f"'{path}' is of the model '{model}', whose bodies are not known (only those of "
-                      f"{', '.join(MODELS)}): name what moves with --point, e.g. --point 0,1,- for a point at (q0, q1, 0)")
-    try:
-        return MODELS[model](parameters_of(file), q)
-    except (KeyError, IndexError) as error:
-        raise Problem(f"'{path}' is of the model '{model}' but lacks {error}") from error
 
 
 def topology(bodies):
@@ -70,7 +49,8 @@ def write_steps(root, time, size):
     steps["PointOffsets"] = size * np.arange(n, dtype="i8")
     for name in ("CellOffsets", "ConnectivityIdOffsets"):
         steps[name] = np.zeros((n, 4), "i8")
-    steps.create_group("CellDataOffsets")["body"] = np.zeros(n, "i8")
+    for name in ("body", "dark"):
+        steps[f"CellDataOffsets/{name}"] = np.zeros(n, "i8")
 
 
 def write_points(root, bodies, records, size):
@@ -93,20 +73,11 @@ def image(time, bodies, records):
         root["NumberOfPoints"] = np.array([size], "i8")
         write_points(root, bodies, records, size)
         write_cells(root, connectivity, offsets)
-        data = root.create_group("CellData").create_dataset("body", data=number, dtype="i4")
-        data.attrs["names"] = [b.name for b in bodies]
+        data = root.create_group("CellData")
+        data.create_dataset("body", data=number, dtype="i4").attrs["names"] = [b.name for b in bodies]
+        data["dark"] = np.concatenate([np.array(b.shape.dark or [0] * len(b.shape.polygons), "i4") for b in bodies])
         write_steps(root, time[records], size)
     return whole.getbuffer()
-
-
-def columns_of(word):
-    """The columns of "0,1,-": None where there is no coordinate."""
-    if not re.fullmatch(r"(\d+|-),(\d+|-),(\d+|-)", word):
-        raise ValueError
-    return [None if c == "-" else int(c) for c in word.split(",")]
-
-
-columns_of.__name__ = "point (X,Y,Z: numbers of coordinates from 0, or -)"
 
 
 def parse(argv):
@@ -115,7 +86,7 @@ def parse(argv):
     parser.add_argument("-o", "--output", metavar="OUT.vtkhdf", help="default FILE.vtkhdf")
     parser.add_argument("--every", metavar="N", type=int, default=1, help="every N-th record (default 1)")
     parser.add_argument("--point", metavar="X,Y,Z", action="append", type=columns_of,
-                        help="instead of the model's bodies a point at these coordinates of q, counted from 0, "
+                        help="instead of the file's bodies a point at these coordinates of q, counted from 0, "
                         "- for none; repeatable")
     parser.add_argument("--version", action="version", version="nsdae-vtk @PROJECT_VERSION@")
     arguments = parser.parse_args(argv)
@@ -131,13 +102,9 @@ def main(argv):
     arguments = parse(argv)
     try:
         with open_trajectory(arguments.file) as file:
-            n = min(len(file["time"]), len(file["q"]))  # one may be ahead while a run writes along
-            time, q = file["time"][:n], file["q"][:n]
-            if not np.isfinite(q).all():
-                raise Problem(f"'{arguments.file}' has coordinates that are not finite")
-            bodies = bodies_of(file, arguments.file, arguments.point, q)
+            time, bodies = read_motion(file, arguments.file, arguments.point)
         records = np.arange(0, len(time), arguments.every)
-        replace(arguments.output, image(time, bodies, records))
+        replace(arguments.output, image(time, solids_of(bodies), records))
         tell(f"{len(records)} steps of {len(bodies)} bodies in {arguments.output}")
     except Problem as problem:
         print(f"nsdae-vtk: error: {problem}", file=sys.stderr)

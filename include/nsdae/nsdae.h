@@ -10,6 +10,7 @@
 #include <nsdae/friction_file.h>
 #include <nsdae/lcp_file.h>
 #include <nsdae/params.h>
+#include <nsdae/shape.h>
 #include <nsdae/sim.h>
 #include <nsdae/status.h>
 #include <nsdae/system.h>

@@ -631,10 +631,12 @@ public:
     detail::demand(nsdae_sim_get_state(c(), block.data(), size), last_error());
     return block;
   }
+  /* Puts a state of a simulation of the same system and options here; a status. */
   int try_set_state(const std::vector<unsigned char> &block) noexcept
   {
     return detail::attempt([&] { return nsdae_sim_set_state(c(), block.data(), block.size()); });
   }
+  /* The same; what is refused throws. */
   void set_state(const std::vector<unsigned char> &block)
   {
     detail::demand(try_set_state(block), last_error());
@@ -714,6 +716,15 @@ public:
     detail::demand(nsdae_trajectory_put(c_, path.c_str(), static_cast<int>(values.size()),
                                         values.data(), units.c_str(), description.c_str(), &record),
                    &record);
+  }
+
+  /* nsdae_trajectory_set_bodies. */
+  void set_bodies(const std::vector<nsdae_body> &bodies)
+  {
+    nsdae_error record = nsdae_error();
+    detail::demand(
+        nsdae_trajectory_set_bodies(c_, static_cast<int>(bodies.size()), bodies.data(), &record),
+        &record);
   }
 
   /* nsdae_trajectory_flush. */

@@ -62,6 +62,10 @@ NSDAE_API const nsdae_param *nsdae_params_find(const nsdae_params *table, const 
 NSDAE_API void nsdae_params_format(const nsdae_param *param, const void *base, char *text,
                                    size_t size);
 
+/* Writes the range in words, at most size - 1 characters of them: "greater than 0", "at least 1 and
+ * at most 5", "a finite number"; the names of a choice, "a, b or c"; nothing of a text. */
+NSDAE_API void nsdae_params_range(const nsdae_param *param, char *text, size_t size);
+
 /* The one of names (ends with NULL) nearest to word by edit distance, where leading dashes do not
  * count and a beginning is one change away; NULL where none is near enough (more than half of the
  * word's letters would change). */

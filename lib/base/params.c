@@ -59,11 +59,25 @@ static int below_max(const nsdae_param *param, double value)
   return param->open & NSDAE_OPEN_MAX ? value < param->max : value <= param->max;
 }
 
-static void describe_range(const nsdae_param *param, char *text, size_t size)
+/* "a, b or c" */
+static void list_choices(const nsdae_param *param, char *text, size_t size)
+{
+  size_t used = 0;
+  for (int i = 0; param->choices[i] && used < size; i++) {
+    const char *between = i == 0 ? "" : param->choices[i + 1] ? ", " : " or ";
+    used += (size_t)snprintf(text + used, size - used, "%s%s", between, param->choices[i]);
+  }
+}
+
+void nsdae_params_range(const nsdae_param *param, char *text, size_t size)
 {
   const char *low = param->open & NSDAE_OPEN_MIN ? "greater than" : "at least";
   const char *high = param->open & NSDAE_OPEN_MAX ? "less than" : "at most";
-  if (isinf(param->max) && isinf(param->min))
+  if (size > 0) text[0] = '\0';
+  if (param->type == NSDAE_PARAM_TEXT) return;
+  if (param->type == NSDAE_PARAM_CHOICE)
+    list_choices(param, text, size);
+  else if (isinf(param->max) && isinf(param->min))
     snprintf(text, size, "a finite number");
   else if (isinf(param->max))
     snprintf(text, size, "%s %g", low, param->min);
@@ -80,7 +94,7 @@ static int check_number(const nsdae_param *param, double value, nsdae_error *err
   int one_bound = !isinf(param->max) != !isinf(param->min);
   const char *finite = one_bound && !isfinite(value) ? "finite and " : "";
   char range[96];
-  describe_range(param, range, sizeof range);
+  nsdae_params_range(param, range, sizeof range);
   return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_params", param->key,
                          "%s = %g is outside its range: it must be %s%s", param->key, value, finite,
                          range);

@@ -72,7 +72,7 @@ module nsdae_f_params
   end interface
 
   public :: nsdae_params_add, nsdae_params_destroy, nsdae_params_default, nsdae_params_set, &
-            nsdae_params_check, nsdae_params_find, nsdae_params_format, nsdae_params_size, &
+            nsdae_params_check, nsdae_params_find, nsdae_params_format, nsdae_params_range, nsdae_params_size, &
             nsdae_params_entry, nsdae_nearest_name
   public :: table_at, table_of, base_of
 
@@ -100,6 +100,12 @@ module nsdae_f_params
       type(nsdae_c_param), intent(in) :: param
       type(c_ptr), value :: base
       character(kind=c_char), intent(inout) :: text(*)
+      integer(c_size_t), value :: text_size
+    end subroutine
+    subroutine c_range(param, text, text_size) bind(C, name='nsdae_params_range')
+      import :: nsdae_c_param, c_char, c_size_t
+      type(nsdae_c_param), intent(in) :: param
+      character(kind=c_char), intent(out) :: text(*)
       integer(c_size_t), value :: text_size
     end subroutine
     type(c_ptr) function c_nearest(word, names) bind(C, name='nsdae_nearest_name')
@@ -363,6 +369,21 @@ contains
       text = trim(text // ' ' // from_c(name(i)))
     end do
     text = trim(adjustl(text))
+  end function
+
+  ! Range of entry i in words: "greater than 0", "at least 1 and at most 5", "a finite number"; the
+  ! names of a choice; nothing of a text.
+  function nsdae_params_range(table, i) result(text)
+    type(nsdae_params), intent(in) :: table
+    integer(c_int), intent(in) :: i
+    character(len=:), allocatable :: text
+    character(len=NSDAE_PARAM_TEXT_SIZE) :: padded
+    character(kind=c_char) :: s(NSDAE_PARAM_TEXT_SIZE)
+    type(nsdae_c_param), pointer :: entries(:)
+    entries => entries_of(table)
+    call c_range(entries(i), s, size(s, kind=c_size_t))
+    call from_chars(s, padded)
+    text = trim(padded)
   end function
 
   ! Value of entry i as text, which nsdae_params_set reads back to the same value.

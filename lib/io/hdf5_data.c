@@ -101,10 +101,10 @@ int nsdae_h5_vector(nsdae_h5 *h5, const char *path, hid_t type, hsize_t n, const
   return write_typed(h5, path, type, H5Screate_simple(1, &n, NULL), values, units, description);
 }
 
-int nsdae_h5_matrix(nsdae_h5 *h5, const char *path, hsize_t n, const double *rows,
+int nsdae_h5_matrix(nsdae_h5 *h5, const char *path, hsize_t n, hsize_t columns, const double *rows,
                     const char *units, const char *description)
 {
-  const hsize_t size[2] = {n, n};
+  const hsize_t size[2] = {n, columns};
   return write_typed(h5, path, H5T_NATIVE_DOUBLE, H5Screate_simple(2, size, NULL), rows, units,
                      description);
 }

@@ -19,8 +19,8 @@ int nsdae_h5_scalar(nsdae_h5 *h5, const char *path, hid_t type, const void *valu
 int nsdae_h5_vector(nsdae_h5 *h5, const char *path, hid_t type, hsize_t n, const void *values,
                     const char *units, const char *description);
 
-/* A dataset of n x n values, row by row. */
-int nsdae_h5_matrix(nsdae_h5 *h5, const char *path, hsize_t n, const double *rows,
+/* A dataset of n x columns values, row by row. */
+int nsdae_h5_matrix(nsdae_h5 *h5, const char *path, hsize_t n, hsize_t columns, const double *rows,
                     const char *units, const char *description);
 
 /* A growing dataset: rows of width values (0: plain values), in chunks of chunk rows; deflate:

@@ -47,7 +47,8 @@ static int write_problem(nsdae_h5 *h5, int n, const double *rows, const double *
     status = nsdae_h5_set_text(h5, h5->file, "library_version", nsdae_version());
   if (status == NSDAE_OK) status = write_origin(h5, origin);
   if (status == NSDAE_OK)
-    status = nsdae_h5_matrix(h5, "/A", (hsize_t)n, rows, "1", "y = A x + b, A(i, j) at [i, j]");
+    status = nsdae_h5_matrix(h5, "/A", (hsize_t)n, (hsize_t)n, rows, "1",
+                             "y = A x + b, A(i, j) at [i, j]");
   if (status == NSDAE_OK)
     status = nsdae_h5_vector(h5, "/b", H5T_NATIVE_DOUBLE, (hsize_t)n, b, "1",
                              "find x >= 0 with y >= 0 and x'y = 0");

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bodies.h"
 #include "clock.h"
 #include "errors.h"
 #include "description.h"
@@ -28,7 +29,10 @@ struct nsdae_trajectory {
   nsdae_sim *sim;
   nsdae_h5 h5;
   char *path;
+  nsdae_params parameters; /* the model's */
   int live;
+  int begun;  /* a record came: what is made in a file is made before */
+  int bodies; /* were named */
   nsdae_series series[TABLES];
   nsdae_axes axes;
   long every; /* records of such steps are kept */
@@ -100,9 +104,16 @@ static int make_file(nsdae_trajectory *t, const nsdae_trajectory_info *info)
   for (int i = 0; i < TABLES && status == NSDAE_OK; i++)
     status = nsdae_series_create(&t->series[i], h5, &dims, &t->axes, tables[i].scale,
                                  i == RECORDS ? t->compress : 0);
-  if (status == NSDAE_OK) status = nsdae_h5_flush(h5);
-  if (status == NSDAE_OK && t->live) status = nsdae_h5_start_swmr(h5);
-  return status;
+  return status < 0 ? status : nsdae_h5_flush(h5);
+}
+
+/* From the first record on readers may come. */
+static int begin(nsdae_trajectory *t)
+{
+  t->begun = 1;
+  if (!t->live) return NSDAE_OK;
+  int status = nsdae_h5_flush(&t->h5);
+  return status < 0 ? status : nsdae_h5_start_swmr(&t->h5);
 }
 
 static int append_row(nsdae_trajectory *t, int table, const void *row)
@@ -147,8 +158,9 @@ static int is_due(nsdae_trajectory *t)
 
 static int take(nsdae_trajectory *t, const nsdae_record *record)
 {
+  int status = t->begun ? NSDAE_OK : begin(t);
   mark(t, record);
-  int status = append(t, record);
+  if (status == NSDAE_OK) status = append(t, record);
   return status == NSDAE_OK && is_due(t) ? flush(t, NSDAE_SERIES_CHUNKS) : status;
 }
 
@@ -179,6 +191,7 @@ static int close_file(nsdae_trajectory *t)
 
 static void set_info(nsdae_trajectory *t, const nsdae_trajectory_info *info)
 {
+  if (info->parameters) t->parameters = *info->parameters;
   t->live = info->live;
   t->every = info->every > 0 ? info->every : 1;
   t->compress = info->compress;
@@ -296,6 +309,56 @@ int nsdae_trajectory_put_texts(nsdae_trajectory *trajectory, const char *path, i
                                nsdae_error *error)
 {
   return put(trajectory, path, H5T_C_S1, n, texts, "", description, error);
+}
+
+/* Why no bodies can be named now. */
+static int refuse_bodies(const nsdae_trajectory *t, int n, const nsdae_body *body,
+                         nsdae_error *error)
+{
+  const char *bad = !t ? "trajectory" : n < 0 ? "n" : n > 0 && !body ? "body" : NULL;
+  static const char where[] = "nsdae_trajectory_set_bodies";
+  if (bad)
+    return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, bad, "%s is missing or negative", bad);
+  if (t->bodies || t->begun || t->failed)
+    return nsdae_error_set(error, NSDAE_E_STATE, where, "trajectory", "%s",
+                           t->failed   ? "writing the file failed before"
+                           : t->bodies ? "the bodies of a file are named once"
+                                       : "bodies are named before the first step");
+  return NSDAE_OK;
+}
+
+/* Against the names that its formulas may use. */
+static int check_bodies(const nsdae_trajectory *t, int n, const nsdae_body *body,
+                        nsdae_error *error)
+{
+  nsdae_dims dims;
+  const nsdae_system *system = nsdae_sim_get_system(t->sim);
+  nsdae_sim_get_dims(t->sim, &dims);
+  const char **name = malloc((size_t)dims.nq * sizeof *name);
+  if (!name)
+    return nsdae_error_set(error, NSDAE_E_MEMORY, "nsdae_trajectory_set_bodies", "",
+                           "out of memory");
+  for (int i = 0; i < dims.nq; i++)
+    name[i] = nsdae_system_get_name(system, NSDAE_NAME_COORDINATE, i);
+  const nsdae_formula_names names = {dims.nq, name, &t->parameters};
+  int status = nsdae_bodies_check(n, body, &names, error);
+  free(name);
+  return status;
+}
+
+int nsdae_trajectory_set_bodies(nsdae_trajectory *trajectory, int n, const nsdae_body *body,
+                                nsdae_error *error)
+{
+  nsdae_error own;
+  nsdae_trajectory *t = trajectory;
+  nsdae_error_clear(error);
+  int status = refuse_bodies(t, n, body, error);
+  if (status == NSDAE_OK) status = check_bodies(t, n, body, error);
+  if (status < 0) return status;
+  t->bodies = 1;
+  t->h5.error = error ? error : &own;
+  NSDAE_H5_QUIETLY(status, nsdae_bodies_write(&t->h5, n, body))
+  return status;
 }
 
 int nsdae_trajectory_flush(nsdae_trajectory *trajectory, nsdae_error *error)

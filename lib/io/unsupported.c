@@ -57,6 +57,15 @@ int nsdae_trajectory_put_texts(nsdae_trajectory *trajectory, const char *path, i
   return unsupported("nsdae_trajectory_put_texts", error);
 }
 
+int nsdae_trajectory_set_bodies(nsdae_trajectory *trajectory, int n, const nsdae_body *body,
+                                nsdae_error *error)
+{
+  (void)trajectory;
+  (void)n;
+  (void)body;
+  return unsupported("nsdae_trajectory_set_bodies", error);
+}
+
 int nsdae_trajectory_flush(nsdae_trajectory *trajectory, nsdae_error *error)
 {
   (void)trajectory;

@@ -1,5 +1,5 @@
 #!/bin/bash
-# What conda-build runs: the library without the drivers, whose GSL is under the GPL.
+# What conda-build runs: the library, without the example programs.
 set -euo pipefail
 
 cmake -S . -B build -G Ninja ${CMAKE_ARGS:-} \

@@ -20,7 +20,7 @@ class Nsdae(CMakePackage):
     variant("hdf5", default=True, description="Write trajectories to HDF5 files")
     variant("sundials", default=True, description="Methods penalty and event")
     variant("fortran", default=True, description="Fortran module")
-    variant("drivers", default=False, description="Example programs (GSL, so under the GPL)")
+    variant("drivers", default=True, description="Example programs and tools")
 
     depends_on("c", type="build")
     depends_on("cxx", type="test")
@@ -33,7 +33,7 @@ class Nsdae(CMakePackage):
     depends_on("hdf5+hl~mpi", when="+hdf5")
     depends_on("sundials@6.4:7+CVODE+IDA+klu~mpi precision=double", when="+sundials")
     depends_on("suite-sparse", when="+sundials")
-    depends_on("gsl", when="+drivers")
+    depends_on("gsl", type="test")
     depends_on("cmocka", type="test")
 
     generator("ninja")

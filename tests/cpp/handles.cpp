@@ -326,6 +326,15 @@ void test_trajectory(const char *path)
     {
       nsdae::sim sim(make_ball());
       file = nsdae::trajectory(sim, path, "ball");
+      nsdae_body body = nsdae_body();
+      body.name = "ball";
+      body.shape = NSDAE_SHAPE_SPHERE;
+      body.position[1] = "q1";
+      EXPECT(throws_status(NSDAE_E_ARGUMENT, [&] { file.set_bodies({body}); }));
+      body.size[0] = 0.1;
+      EXPECT(throws_status(NSDAE_E_ARGUMENT, [&] { file.set_bodies({body}); }));
+      body.position[1] = "q0";
+      file.set_bodies({body});
       sim.init(0, {1}, {0});
       sim.run(0.1);
     } /* the file keeps it alive */

@@ -57,7 +57,7 @@ hindrance() {
     command -v julia >/dev/null || echo "no julia" && return
     julia -e 'using HDF5' 2>/dev/null || echo "no HDF5.jl"
     ;;
-  nsdae-vtk) "$program" --version >/dev/null 2>&1 || echo "no Python with h5py" ;;
+  nsdae-vtk | nsdae-animate) "$program" --version >/dev/null 2>&1 || echo "no Python for it" ;;
   *) command -v "$program" >/dev/null || echo "no $program" ;;
   esac
 }
@@ -87,7 +87,7 @@ run() {
   fi
 }
 
-for chapter in first-program model methods trajectory paraview errors; do
+for chapter in first-program model methods trajectory animation paraview errors; do
   awk -f "$here/guide.awk" "$source/docs/guide/$chapter.md" >"$work/$chapter.sh" || exit 1
   . "$work/$chapter.sh"
 done

@@ -39,6 +39,7 @@ program layout
   call record_fields
   call stats_fields
   call trajectory_info_fields
+  call body_fields
   call lcp_problem_fields
   call lcp_options_fields
   call lcp_info_fields
@@ -133,6 +134,15 @@ contains
     call same('NSDAE_NAME_SLIDE', NSDAE_NAME_SLIDE)
     call same('NSDAE_NAME_SIZE', NSDAE_NAME_SIZE)
     call same('NSDAE_UNIT_SIZE', NSDAE_UNIT_SIZE)
+    call same('NSDAE_SHAPE_POINT', NSDAE_SHAPE_POINT)
+    call same('NSDAE_SHAPE_DISC', NSDAE_SHAPE_DISC)
+    call same('NSDAE_SHAPE_SEGMENT', NSDAE_SHAPE_SEGMENT)
+    call same('NSDAE_SHAPE_POLYGON', NSDAE_SHAPE_POLYGON)
+    call same('NSDAE_SHAPE_PATH', NSDAE_SHAPE_PATH)
+    call same('NSDAE_SHAPE_SPHERE', NSDAE_SHAPE_SPHERE)
+    call same('NSDAE_SHAPE_CAPSULE', NSDAE_SHAPE_CAPSULE)
+    call same('NSDAE_SHAPE_BOX', NSDAE_SHAPE_BOX)
+    call same('NSDAE_SHAPE_PLANE', NSDAE_SHAPE_PLANE)
     call same('NSDAE_PARAM_REAL', NSDAE_PARAM_REAL)
     call same('NSDAE_PARAM_INT', NSDAE_PARAM_INT)
     call same('NSDAE_PARAM_CHOICE', NSDAE_PARAM_CHOICE)
@@ -335,6 +345,19 @@ contains
     call same_place('nsdae_trajectory_info%every', c_loc(x), c_loc(x%every))
     call same_place('nsdae_trajectory_info%compress', c_loc(x), c_loc(x%compress))
     call same_place('nsdae_trajectory_info%t_end', c_loc(x), c_loc(x%t_end))
+  end subroutine
+
+  subroutine body_fields()
+    type(nsdae_c_body), target :: x
+    call same_size('nsdae_body', c_sizeof(x))
+    call same_place('nsdae_body%shape', c_loc(x), c_loc(x%shape))
+    call same_place('nsdae_body%size', c_loc(x), c_loc(x%size))
+    call same_place('nsdae_body%points', c_loc(x), c_loc(x%points))
+    call same_place('nsdae_body%point', c_loc(x), c_loc(x%point))
+    call same_place('nsdae_body%position', c_loc(x), c_loc(x%position))
+    call same_place('nsdae_body%angle', c_loc(x), c_loc(x%angle))
+    call same_place('nsdae_body%quaternion', c_loc(x), c_loc(x%quaternion))
+    call same_place('nsdae_body%end', c_loc(x), c_loc(x%end))
   end subroutine
 
   subroutine lcp_problem_fields()

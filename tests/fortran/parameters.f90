@@ -32,6 +32,8 @@ program parameters
   call is_true(r%m == 4.9d0 .and. r%L == 1.5d0 .and. r%parts == 3 .and. r%shape == 0, 'set')
   call is_text(nsdae_params_format(table, nsdae_params_find(table, 'm')), '4.9', 'm')
   call is_text(nsdae_params_format(table, 4), 'round', 'shape')
+  call is_text(nsdae_params_range(table, 2), 'at least 0 and at most 2', 'range of L')
+  call is_text(nsdae_params_range(table, 4), 'round or square', 'range of shape')
   call is_int(nsdae_params_set(table, 'm', '0', error), NSDAE_E_ARGUMENT, 'm = 0')
   call contains_text(error%text, 'greater than 0', 'error%text')
   call is_int(nsdae_params_set(table, 'L', '2.5', error), NSDAE_E_ARGUMENT, 'L = 2.5')

@@ -81,6 +81,7 @@ contains
     integer(c_int) :: status
     info = nsdae_trajectory_info('bead', table, .false.)
     call is_int(nsdae_trajectory_create(sim, 'fortran.h5', info, t, error), NSDAE_OK, error%text)
+    call bodies(t)
     call is_int(nsdae_sim_init(sim, 0d0, q0, v0), NSDAE_OK, 'init')
     call is_int(nsdae_sim_observe(sim, remember, seen), NSDAE_OK, 'observe')
     status = nsdae_sim_run(sim, STEPS * 0.001d0)
@@ -97,9 +98,42 @@ contains
     call is_true(all(stored('/q', 3 * (STEPS + 1)) == reshape(seen%q, [3 * (STEPS + 1)])), 'q')
     call is_true(all(stored('/mine/numbers', 3) == [1d0, 2d0, 3.5d0]), 'numbers')
     call is_true(all(stored('/parameters/speed', 1) == [0.3d0]), 'speed')
+    call is_true(all(stored('/bodies/point', 9) == [0, 0, 0, 1, 0, 0, 0, 2, 0]), 'corners')
+    call is_true(all(stored('/bodies/size', 9) == [0d0, 0d0, 0d0, 0.1d0, 0d0, 0d0, 0d0, 0d0, 0d0]), &
+                 'sizes')
+    call shows('-d /bodies/name', '"wing", "bead", "thread"')
+    call shows('-d /bodies/x', '"q0 + speed*t", "q0", "0"')
+    call shows('-d /bodies/angle', '"q2", "", ""')
+    call shows('-d /bodies/quaternion_z', '"", "sin(q2/2)", ""')
+    call shows('-d /bodies/end_y', '"", "", "q1"')
     call shows('-d /mine/words', '"one", "two"')
     call shows('-a /status', '"complete"')
     call shows('-a /model', '"bead"')
+  end subroutine
+
+  ! One of each way to be placed; a fault is named first.
+  subroutine bodies(t)
+    type(nsdae_trajectory), intent(in) :: t
+    type(nsdae_body) :: body(3)
+    type(nsdae_error) :: error
+    body(1)%name = 'wing'
+    body(1)%shape = NSDAE_SHAPE_POLYGON
+    body(1)%position(1) = 'q0 + speed*t'
+    body(1)%angle = 'q2'
+    body(2)%name = 'bead'
+    body(2)%shape = NSDAE_SHAPE_SPHERE
+    body(2)%size(1) = 0.1d0
+    body(2)%position(1) = 'q0'
+    body(2)%quaternion = [character(len=10) :: 'cos(q2/2)', '0', '0', 'sin(q2/2)']
+    body(3)%name = 'thread'
+    body(3)%shape = NSDAE_SHAPE_SEGMENT
+    body(3)%end(2) = 'q1'
+    call is_int(nsdae_trajectory_set_bodies(t, body, error), NSDAE_E_ARGUMENT, 'no corners')
+    call contains_text(error%text, "body 0 'wing'", 'error%text')
+    call is_int(error%index, 0, 'error%index')
+    body(1)%point = reshape([real(c_double) :: 0, 0, 0, 1, 0, 0, 0, 2, 0], [3, 3])
+    call is_int(nsdae_trajectory_set_bodies(t, body, error), NSDAE_OK, error%text)
+    call is_int(nsdae_trajectory_set_bodies(t, body, error), NSDAE_E_STATE, 'again')
   end subroutine
 
   subroutine failed_run()

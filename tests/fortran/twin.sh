@@ -80,6 +80,7 @@ if [ "$hdf5" = ON ]; then
   for set in /time /q /v /multiplier /contact/gap /contact/normal_impulse /contact/mode \
     /energy/kinetic /energy/potential /energy/dissipated /certificate/lcp_residual \
     /impact/time /impact/normal_impulse /impact/velocity_after /parameters/L /parameters/theta_0 \
+    /bodies/size /bodies/points /bodies/point \
     /options/dt; do
     same $set
   done

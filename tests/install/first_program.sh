@@ -13,6 +13,9 @@ mv "$work/first" "$work/moved"
 awk '/^```c$/ {on = 1; next} /^```$/ {on = 0} on' "$source/README.md" >"$work/ball.c"
 cmp "$work/ball.c" "$source/docs/examples/ball.c"
 
+awk '/^```cpp$/ {on = 1; next} /^```$/ {on = 0} on' "$source/README.md" | cmp - "$source/docs/examples/ball.cpp"
+awk '/^```fortran$/ {on = 1; next} /^```$/ {on = 0} on' "$source/README.md" | cmp - "$source/docs/examples/ball.f90"
+
 lib=$(dirname "$(find "$work/moved" -name libnsdae.so)")
 export PKG_CONFIG_PATH="$lib/pkgconfig" LD_LIBRARY_PATH="$lib"
 cc -std=c11 -Wall -Wextra -Wpedantic -Werror "$work/ball.c" $(pkg-config --cflags --libs nsdae) \
@@ -31,7 +34,12 @@ fi
 # an installed driver, and the picture where it writes a trajectory
 if [ -x "$work/moved/bin/nsdae-pendulum" ]; then
   cd "$work"
-  moved/bin/nsdae-pendulum --quiet --params moved/share/nsdae/data/pendulum.ini
+  moved/bin/nsdae-pendulum --params moved/share/nsdae/data/pendulum.ini >printed
+  # what the README says that it prints
+  sed -n '/^    \$ nsdae-pendulum/,/^    trajectory in/p' "$source/README.md" |
+    sed -e 1d -e 's/^    //' -e 's/^ *\.\.\.$/.../' >wanted
+  [ "$(wc -l <wanted)" -gt 10 ]
+  if [ -s pendulum.h5 ]; then awk -f "$source/tests/docs/same.awk" wanted printed; fi
   if [ -s pendulum.h5 ]; then
     moved/bin/nsdae-plot pendulum.h5 || moved/bin/nsdae-plot pendulum.h5 2>&1 | grep -q python3-h5py
   fi

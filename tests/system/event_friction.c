@@ -4,7 +4,7 @@
 #include "incline.h"
 #include "rolling_ball.h"
 
-enum { KEPT = 256, NQ = 6, K = 4 };
+enum { KEPT = 256, NQ = 7, K = 4 };
 
 /* What a run leaves. */
 typedef struct run {

@@ -15,7 +15,7 @@ static void integrate(const driver_model *model, int method, int edges, double d
   nsdae_system *system;
   nsdae_sim *sim;
   nsdae_sim_options options;
-  double q0[6] = {0}, v0[6] = {0};
+  double q0[7] = {0}, v0[6] = {0};
   nsdae_sim_options_default(&options);
   options.method = method;
   options.dt = dt;
@@ -33,7 +33,7 @@ static void integrate(const driver_model *model, int method, int edges, double d
 }
 
 typedef struct last {
-  double t, q[6], v[6], fastest; /* fastest: of all records */
+  double t, q[7], v[7], fastest; /* fastest: of all records */
   double worst_friction;         /* largest |Lambda_T| / Lambda_N */
   double rolling;                /* time of the first record that sticks */
   int modes[3];

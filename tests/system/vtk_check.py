@@ -46,6 +46,7 @@ class Animation:
             expect("ids", ids.min() >= 0 and ids.max() < size)
             self.polygons = [ids[a:b] for a, b in zip(offsets, offsets[1:])]
             self.number = root["CellData/body"][...]
+            self.dark = root["CellData/dark"][...]
             self.names = [str(name) for name in root["CellData/body"].attrs["names"]]
             expect("a body for each polygon", len(self.number) == len(self.polygons))
 
@@ -68,11 +69,8 @@ def volume(points, polygons):
 
 def check_surfaces(a):
     """Every edge is met once in each direction: closed and oriented; the volume is positive."""
-    names = {"ball, light": ["ball, light", "ball, dark"], "ball, dark": []}
     for name in a.names:
-        polygons = [p for part in names.get(name, [name]) for p in a.polygons_of(part)]
-        if not polygons:
-            continue
+        polygons = a.polygons_of(name)
         shift = {j: tuple(np.round(x, 9)) for j, x in enumerate(a.points[0])}
         edges = [(shift[x], shift[y]) for p in polygons for x, y in zip(p, np.roll(p, -1)) if shift[x] != shift[y]]
         expect(f"{name} is closed", sorted(edges) == sorted((y, x) for x, y in edges))
@@ -124,19 +122,30 @@ def incline(a, f, p):
     close("gap", (bottom @ normal).min(axis=1) - (top @ normal).max(), f["contact/gap"][:, 0])
 
 
+def turned(e, x):
+    """x [p, 3] by the quaternions e [n, 4]: e (0, x) e* / |e|^2, product by product."""
+    w, u = e[:, None, :1], e[:, None, 1:]
+    x = x[None]
+    scalar, vector = -np.sum(u * x, axis=-1, keepdims=True), w * x + np.cross(np.broadcast_to(u, (*u.shape[:1], x.shape[1], 3)), x)
+    back = -scalar * u + w * vector + np.cross(vector, np.broadcast_to(-u, vector.shape))
+    return back / np.sum(e * e, axis=-1)[:, None, None]
+
+
 def rolling_ball(a, f, p):
-    q = f["q"][...]
-    light = a.body("ball, light")
-    close("radius", np.linalg.norm(light - q[:, None, :3], axis=2), p["r"])
+    q, v = f["q"][...], f["v"][...]
+    ball = a.body("ball")
+    close("radius", np.linalg.norm(ball - q[:, None, :3], axis=2), p["r"])
     close("potential", p["m"] * p["g"] * q[:, 2], f["energy/potential"][...])
-    for i in range(1, a.n):  # each step's turn: about the increment, by its length (least squares, SVD)
-        before, after = light[i - 1] - q[i - 1, :3], light[i] - q[i, :3]
-        U, _, V = np.linalg.svd(after.T @ before)
-        R, turn = U @ V, q[i, 3:] - q[i - 1, 3:]
-        close("turn's axis", R @ turn, turn)
-        close("turn's angle", (np.trace(R) - 1) / 2, np.cos(np.linalg.norm(turn)))
-        side = np.linalg.svd(turn[None])[2][1]  # at right angles to the axis
-        expect("turn's sense", np.dot(turn, np.cross(side, R @ side)) >= -EPS)
+    close("orientation", ball - q[:, None, :3], turned(q[:, 3:], ball[0] - q[0, :3]))
+    expect("octants", set(a.dark) == {0, 1} and abs(np.mean(a.dark[a.number == a.names.index("ball")]) - 0.5) < 0.01)
+    # a step turns by its mean angular velocity, to second order: the rest goes with its third power
+    mean = (v[1:, 3:] + v[:-1, 3:]) / 2 * np.diff(a.time)[:, None]
+    for i in range(1, a.n):  # the turn that fits best (least squares, SVD)
+        U, _, V = np.linalg.svd((ball[i] - q[i, :3]).T @ (ball[i - 1] - q[i - 1, :3]))
+        R = U @ V
+        axis = np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]]) / 2
+        angle = np.linalg.norm(mean[i - 1])
+        expect("turn of a step", np.linalg.norm(axis - mean[i - 1] * np.sinc(angle / np.pi)) <= angle**3 / 8)
 
 
 def bouncing_ball(a, f, p):
@@ -157,28 +166,32 @@ def falling_rod(a, f, p):
 
 
 def newtons_cradle(a, f, p):
-    balls = np.array([a.centre(name) for name in a.names])
-    reach = [np.ptp(a.body(name)[..., 0], axis=1) / 2 for name in a.names]
+    names = [name for name in a.names if name.startswith("ball")]
+    balls = np.array([a.centre(name) for name in names])
+    reach = [np.ptp(a.body(name)[..., 0], axis=1) / 2 for name in names]
+    for i, name in enumerate(names):  # each at its string, which hangs from its place at the height L
+        string = a.body(name.replace("ball", "string"))
+        low = np.array([points[points[:, 1] < p["L"] / 2 + balls[i, k, 1] / 2].mean(axis=0) for k, points in enumerate(string)])
+        close("end of a string", low, balls[i])
     between = np.diff(balls[..., 0], axis=0) - np.add(reach[1:], reach[:-1])
     close("gaps", between.T, f["contact/gap"][...])
     close("potential", p["m"] * p["g"] * balls[..., 1].sum(axis=0), f["energy/potential"][...])
 
 
 def woodpecker(a, f, p):
-    gap, sleeve = f["contact/gap"][...], a.body("sleeve")
+    gap, wall = f["contact/gap"][...], a.body("sleeve, right")
+    middle = (a.centre("sleeve, left") + a.centre("sleeve, right")) / 2
     out = a.body("bird")[0, :, :2] - [p["l_M"] + p["l_G"], a.centre("spring")[0, 1]]
     beak = np.argmax(np.linalg.norm(out, axis=1))
     close("gap of the beak", a.body("bird")[:, beak, 0] - p["r_0"], gap[:, 0])
     close("radius of the pole", np.ptp(a.body("pole")[..., 0]) / 2, p["r_0"])
-    inner = sleeve[:, np.argsort(np.hypot(*(sleeve[0] - sleeve[0].mean(axis=0))[:, [0, 2]].T))[:96]]
-    right = inner[..., 0] - inner[..., 0].mean(axis=1)[:, None]
-    level = inner[..., 1] - inner[..., 1].mean(axis=1)[:, None]
-    for contact, below in ((1, level < 0), (2, level > 0)):
-        edge = np.where(below, right, -np.inf).max(axis=1)
-        close("gaps of the sleeve", edge - p["r_0"], gap[:, contact])
-    bird = a.centre("spring")[:, 1] * 2 - (a.centre("sleeve")[:, 1] + p["l_M"] * f["q"][:, 1])
+    low, high = (edge(wall[0, :, 1]) for edge in (np.min, np.max))  # at the start the tilt is small
+    for contact, level in ((1, low), (2, high)):
+        corner = np.argmin(np.hypot(wall[0, :, 0] - p["r_0"] - gap[0, contact], wall[0, :, 1] - level))
+        close("gaps of the sleeve", wall[:, corner, 0] - p["r_0"], gap[:, contact])
+    bird = a.centre("spring")[:, 1] * 2 - (middle[:, 1] + p["l_M"] * f["q"][:, 1])
     turn = f["q"][:, 1] - f["q"][:, 2]
-    U = p["g"] * (p["m_M"] * a.centre("sleeve")[:, 1] + p["m_S"] * bird) + p["c"] * turn**2 / 2
+    U = p["g"] * (p["m_M"] * middle[:, 1] + p["m_S"] * bird) + p["c"] * turn**2 / 2
     close("potential", U, f["energy/potential"][...])
 
 

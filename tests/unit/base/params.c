@@ -49,6 +49,29 @@ static void test_defaults(void **state)
   assert_int_equal(nsdae_params_check(&table, &s, NULL), NSDAE_OK);
 }
 
+static void test_range_in_words(void **state)
+{
+  (void)state;
+  static const char *const words[] = {"greater than 0",
+                                      "at least -1 and less than 1",
+                                      "greater than 0 and less than 1",
+                                      "a finite number",
+                                      "at least 1 and at most 1000",
+                                      "red, green or blue",
+                                      ""};
+  char text[64];
+  for (int i = 0; i < table.n; i++) {
+    nsdae_params_range(&entries[i], text, sizeof text);
+    assert_string_equal(text, words[i]);
+  }
+  for (size_t size = 0; size < 20; size++) { /* cut short, never beyond */
+    memset(text, 'x', sizeof text);
+    nsdae_params_range(&entries[5], text, size);
+    assert_true(size == 0 || strlen(text) == (size < 19 ? size - 1 : 18));
+    assert_int_equal(text[size < 19 ? size : 19], 'x');
+  }
+}
+
 static void test_set_each_type(void **state)
 {
   (void)state;
@@ -302,6 +325,7 @@ int main(void)
 {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_defaults),
+      cmocka_unit_test(test_range_in_words),
       cmocka_unit_test(test_set_each_type),
       cmocka_unit_test(test_not_a_number),
       cmocka_unit_test(test_not_finite),

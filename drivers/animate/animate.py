@@ -1,0 +1,181 @@
+"""The bodies of an nsdae trajectory in motion: a GIF, a film (MP4, where ffmpeg is), and a page of HTML that plays
+offline."""
+
+import contextlib
+import html
+import io
+import json
+import os
+import shutil
+import subprocess
+import sys
+
+import numpy as np
+from PIL import Image
+
+from bodies import columns_of, read_motion
+from raster import Drawing
+from scene import scene
+from trajectory import Parser, Problem, open_trajectory, replace, tell, text
+
+FORMATS = (".gif", ".mp4", ".html")
+LONGEST = 8.0  # of a GIF by default [s]
+PAGE_FRAMES = 1500
+HOLD = 1.0  # on the last frame of a GIF, before it begins again [s]
+LADDER = (1, 2, 5)
+
+
+def chosen_speed(span):
+    """1 where that lasts 2 to 8 s, else the slowest of ..., 1/5, 1/2, 1, 2, 5, 10, ... that is over in time."""
+    if 2 <= span <= LONGEST or span <= 0:
+        return 1.0
+    steps = [m * 10.0**e for e in range(-12, 13) for m in LADDER] if span > 1 else \
+        sorted(1 / (m * 10.0**e) for e in range(-12, 13) for m in LADDER)
+    return next((s for s in steps if span / s <= LONGEST), steps[-1])
+
+
+def shown(time, start, end, path):
+    """First and last record of those times."""
+    first = int(np.searchsorted(time, time[0] if start is None else start))
+    last = int(np.searchsorted(time, time[-1] if end is None else end, side="right")) - 1
+    if first > last:
+        raise Problem(f"'{path}' has no records between --from and --to: it goes from {time[0]:g} to {time[-1]:g} s")
+    return first, last
+
+
+def records_at(time, first, last, step):
+    """The last record at or before each of the times that are a step apart, and the last of all."""
+    count = int(np.floor((time[last] - time[first]) / step * (1 + 1e-12))) + 1
+    due = time[first] + step * np.arange(count)
+    at = np.clip(np.searchsorted(time, due + 1e-9 * step, side="right") - 1, first, last)
+    return at if at[-1] == last else np.append(at, last)
+
+
+def palette_of(drawing, count):
+    """One for all frames: of three of them side by side."""
+    width, height = drawing.size
+    some = Image.new("RGB", (3 * width, height))
+    for i, number in enumerate((0, count // 2, count - 1)):
+        some.paste(drawing.frame(number), (i * width, 0))
+    return some.quantize(128)
+
+
+def gif(drawing, count, delay):
+    """The file's bytes; delay: of a frame, in hundredths of a second."""
+    palette = palette_of(drawing, count)
+    flat = (drawing.frame(i).quantize(palette=palette, dither=0) for i in range(count))
+    whole = io.BytesIO()
+    next(flat).save(whole, format="GIF", save_all=True, append_images=flat, loop=0, disposal=1,
+                    duration=[10 * delay] * (count - 1) + [10 * delay + int(1000 * HOLD)])
+    return whole.getbuffer()
+
+
+def feed(program, drawing, count):
+    """All frames; it may end before it has them."""
+    with contextlib.suppress(BrokenPipeError):
+        for i in range(count):
+            program.stdin.write(drawing.frame(i).tobytes())
+        program.stdin.close()
+    return program.stderr.read().decode(errors="replace")
+
+
+def mp4(drawing, count, fps, path):
+    """The file's bytes, as ffmpeg makes them beside it."""
+    if not shutil.which("ffmpeg"):
+        raise Problem(f"cannot write '{path}': it needs ffmpeg, which is not here")
+    part = f"{path}.part"
+    command = ["ffmpeg", "-loglevel", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgb24", "-r", str(fps),
+               "-s", "{}x{}".format(*drawing.size), "-i", "-", "-pix_fmt", "yuv420p", "-movflags", "+faststart",
+               "-f", "mp4", part]
+    try:
+        with subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE) as program:
+            said = feed(program, drawing, count).strip().split("\n")[0]
+        if program.returncode:
+            raise Problem(f"cannot write '{path}': ffmpeg: {said or 'it failed'}")
+        with open(part, "rb") as file:
+            return file.read()
+    finally:
+        with contextlib.suppress(OSError):
+            os.remove(part)
+
+
+def page(shown_scene, title, speed):
+    """All in one file: nothing is fetched."""
+    with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "page.html"), encoding="utf-8") as file:
+        template = file.read()
+    data = json.dumps({**shown_scene, "title": title, "speed": speed}, separators=(",", ":")).replace("</", "<\\/")
+    return template.replace("NSDAE_TITLE", html.escape(title)).replace("NSDAE_SCENE", data).encode()
+
+
+def number(low, high, whole=False):
+    def read(word):
+        value = int(word) if whole else float(word)
+        if not low <= value <= high:
+            raise ValueError
+        return value
+
+    read.__name__ = f"number ({low:g} to {high:g})"  # argparse quotes it
+    return read
+
+
+def parse(argv):
+    parser = Parser(prog="nsdae-animate", description=__doc__)
+    parser.add_argument("file", help="trajectory, e.g. pendulum.h5")
+    parser.add_argument("-o", "--output", action="append", metavar="OUT",
+                        help=".gif, .mp4 or .html; repeatable; default FILE.gif, FILE.html, and FILE.mp4 where ffmpeg is")
+    parser.add_argument("--speed", type=number(1e-9, 1e9), metavar="X",
+                        help="of the motion: 0.1 is a tenth of real time (default: so that it takes a few seconds)")
+    parser.add_argument("--fps", type=number(1, 50), default=25, metavar="N", help="frames a second, 1 to 50 (default 25)")
+    parser.add_argument("--from", type=float, dest="start", metavar="S", help="first time shown [s]")
+    parser.add_argument("--to", type=float, dest="end", metavar="S", help="last time shown [s]")
+    parser.add_argument("--width", type=number(160, 3840, whole=True), default=480, metavar="N",
+                        help="of the picture, 160 to 3840 pixels (default 480)")
+    parser.add_argument("--title", help="instead of model and method")
+    parser.add_argument("--point", metavar="X,Y,Z", action="append", type=columns_of,
+                        help="instead of the file's bodies a point at these coordinates of q, counted from 0, "
+                        "- for none; repeatable")
+    parser.add_argument("--version", action="version", version="nsdae-animate @PROJECT_VERSION@")
+    arguments = parser.parse_args(argv)
+    stem = os.path.splitext(arguments.file)[0]
+    arguments.output = arguments.output or [stem + end for end in FORMATS if end != ".mp4" or shutil.which("ffmpeg")]
+    for output in arguments.output:
+        if not output.lower().endswith(FORMATS):
+            parser.error(f"--output '{output}' must end with {', '.join(FORMATS)}")
+    return arguments
+
+
+def write(output, file, time, bodies, first, last, arguments):
+    """One animation; how many frames it has."""
+    speed = arguments.speed or chosen_speed(time[last] - time[first])
+    attrs = {name: text(file.attrs.get(name, "")) for name in ("model", "method")}
+    title = arguments.title if arguments.title is not None else "{model}, {method}".format(**attrs)
+    if output.lower().endswith(".html"):
+        frames = np.unique(np.linspace(first, last, PAGE_FRAMES).round().astype(int))
+        replace(output, page(scene(file, time, bodies, frames), title, speed))
+        return len(frames)
+    delay = max(round(100 / arguments.fps), 2)  # what a GIF counts in
+    frames = records_at(time, first, last, speed * delay / 100)
+    drawing = Drawing(scene(file, time, bodies, frames), arguments.width, title, speed)
+    whole = gif(drawing, len(frames), delay) if output.lower().endswith(".gif") else \
+        mp4(drawing, len(frames), 100 / delay, output)
+    replace(output, whole)
+    return len(frames)
+
+
+def main(argv):
+    arguments = parse(argv)
+    try:
+        with open_trajectory(arguments.file) as file:
+            time, bodies = read_motion(file, arguments.file, arguments.point)
+            first, last = shown(time, arguments.start, arguments.end, arguments.file)
+            for output in arguments.output:
+                frames = write(output, file, time, bodies, first, last, arguments)
+                tell(f"{frames} frames of {len(bodies)} bodies in {output}")
+    except Problem as problem:
+        print(f"nsdae-animate: error: {problem}", file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

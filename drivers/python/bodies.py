@@ -1,0 +1,190 @@
+"""The bodies of a trajectory, as its group /bodies names them: shapes, and where each is at every
+record. No model is known here."""
+
+import re
+from collections import namedtuple
+
+import numpy as np
+
+from formula import evaluate
+from trajectory import Problem, text
+
+SHAPES = ("point", "disc", "segment", "polygon", "path", "sphere", "capsule", "box", "plane")
+
+# size [3] and points [p, 3] in the body's own frame; position [n, 3] or, where it never moves, [3];
+# rotation [n, 3, 3], [3, 3] or None; end as position, of a segment, else None.
+Body = namedtuple("Body", "name shape size points position rotation end", defaults=(None, None))
+
+
+def is_fixed(body):
+    parts = (body.position, body.rotation, body.end)
+    return all(part is None or part.ndim == least for part, least in zip(parts, (1, 2, 1)))
+
+
+def about_z(angle):
+    """Rotations [..., 3, 3] by these angles [...]."""
+    rotation = np.zeros((*np.shape(angle), 3, 3))
+    rotation[..., 0, 0] = rotation[..., 1, 1] = np.cos(angle)
+    rotation[..., 1, 0] = np.sin(angle)
+    rotation[..., 0, 1] = -np.sin(angle)
+    rotation[..., 2, 2] = 1
+    return rotation
+
+
+def by_quaternion(q):
+    """Rotations [..., 3, 3] of the quaternions q [..., 4] = (w, u), of which only the direction
+    counts: (w^2 - |u|^2) I + 2 u u^T + 2 w [u]x, over |q|^2."""
+    w, u = q[..., :1, None], q[..., 1:]
+    square = np.sum(q * q, axis=-1)[..., None, None]
+    if not np.all(square > 0):
+        raise Problem("a body's quaternion is zero at some time")
+    cross = np.zeros((*q.shape[:-1], 3, 3))
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        cross[..., k, j], cross[..., j, k] = u[..., i], -u[..., i]
+    uu = u[..., :, None] * u[..., None, :]
+    return ((w * w - np.sum(u * u, axis=-1)[..., None, None]) * np.eye(3) + 2 * uu + 2 * w * cross) / square
+
+
+def stacked(formulas, names):
+    """Values [n, formulas], or [formulas] where none depends on the record; "" stands for 0."""
+    values = [evaluate(formula or "0", names) for formula in formulas]
+    return np.stack(np.broadcast_arrays(*values), axis=-1)
+
+
+def names_of(file, time, q):
+    """Everything that a formula may name."""
+    names = {name: np.float64(value[()]) for name, value in file.get("parameters", {}).items()
+             if np.issubdtype(value.dtype, np.number)}
+    if "coordinate" in file:
+        names.update((text(name), q[:, i]) for i, name in enumerate(file["coordinate"][: q.shape[1]]))
+    names.update((f"q{i}", q[:, i]) for i in range(q.shape[1]))
+    return {**names, "t": time, "pi": np.float64(np.pi)}
+
+
+def body_of(row, size, points, names):
+    def formulas(*columns):
+        return [row[column] for column in columns]
+
+    angle, quaternion = row["angle"], formulas("quaternion_w", "quaternion_x", "quaternion_y", "quaternion_z")
+    rotation = end = None
+    if angle:
+        rotation = about_z(evaluate(angle, names))
+    elif any(quaternion):
+        rotation = by_quaternion(stacked(quaternion, names))
+    if row["shape"] == "segment":
+        end = stacked(formulas("end_x", "end_y", "end_z"), names)
+    if row["shape"] not in SHAPES:
+        raise Problem(f"the body '{row['name']}' has the unknown shape '{row['shape']}'")
+    return Body(row["name"], row["shape"], size, points, stacked(formulas("x", "y", "z"), names), rotation, end)
+
+
+COLUMNS = ("name", "shape", "x", "y", "z", "angle", "quaternion_w", "quaternion_x", "quaternion_y", "quaternion_z",
+           "end_x", "end_y", "end_z")
+
+
+def named(file, time, q):
+    """The bodies that the file names."""
+    group, names = file["bodies"], names_of(file, time, q)
+    table = {column: [text(value) for value in group[column]] for column in COLUMNS}
+    first = np.cumsum([0, *group["points"]])
+    point = group["point"][...].reshape(-1, 3) if "point" in group else np.zeros((0, 3))
+    if first[-1] > len(point) or len(group["size"]) != len(table["name"]):
+        raise Problem("its /bodies do not fit together")
+    return [body_of({column: table[column][i] for column in COLUMNS}, group["size"][i], point[first[i] : first[i + 1]], names)
+            for i in range(len(table["name"]))]
+
+
+def columns_of(word):
+    """The columns of "0,1,-": None where there is no coordinate."""
+    if not re.fullmatch(r"(\d+|-),(\d+|-),(\d+|-)", word):
+        raise ValueError
+    return [None if c == "-" else int(c) for c in word.split(",")]
+
+
+columns_of.__name__ = "point (X,Y,Z: numbers of coordinates from 0, or -)"  # argparse quotes it
+
+
+def point(number, columns, q):
+    for c in columns:
+        if c is not None and c >= q.shape[1]:
+            raise Problem(f"it has the coordinates 0 to {q.shape[1] - 1}, not {c}")
+    where = np.column_stack([np.zeros(len(q)) if c is None else q[:, c] for c in columns])
+    return Body(f"point {number}", "point", np.zeros(3), np.zeros((0, 3)), where)
+
+
+def bodies_of(file, path, columns, time, q):
+    """What the file names, or points at these triples of columns of q."""
+    try:
+        if columns:
+            return [point(i, c, q) for i, c in enumerate(columns)]
+        if "bodies" in file:
+            return named(file, time, q)
+    except Problem as problem:
+        raise Problem(f"'{path}': {problem}") from problem
+    raise Problem(f"'{path}' names no bodies (nsdae_trajectory_set_bodies does): name what moves with --point, "
+                  "e.g. --point 0,1,- for a point at (q0, q1, 0)")
+
+
+def read_motion(file, path, columns):
+    """Times [n], and the bodies at them."""
+    n = min(len(file["time"]), len(file["q"]))  # one may be ahead while a run writes along
+    time, q = file["time"][:n], file["q"][:n]
+    if not np.isfinite(q).all():
+        raise Problem(f"'{path}' has coordinates that are not finite")
+    return time, bodies_of(file, path, columns, time, q)
+
+
+def at(values, least, records):
+    """The part of position, rotation or end that belongs to the records."""
+    return values if values is None or values.ndim == least else values[records]
+
+
+def at_records(body, records):
+    return body._replace(position=at(body.position, 1, records), rotation=at(body.rotation, 2, records),
+                         end=at(body.end, 1, records))
+
+
+def ends_of(body):
+    """Points [..., p, 3] in space that its extent is judged by, without its thickness."""
+    own = {"polygon": body.points, "path": body.points,
+           "box": np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * body.size / 2,
+           "capsule": np.array([[0, 0, -1], [0, 0, 1]]) * body.size[1] / 2}.get(body.shape, np.zeros((1, 3)))
+    if body.rotation is not None:
+        own = own @ np.swapaxes(body.rotation, -1, -2)
+    points = body.position[..., None, :] + own
+    return points if body.end is None else np.concatenate(np.broadcast_arrays(points, body.end[..., None, :]), axis=-2)
+
+
+def box_of(body):
+    """Smallest and largest coordinates [3] that a body comes to."""
+    round_by = {"disc": body.size[0], "sphere": body.size[0], "capsule": body.size[0], "segment": body.size[0] / 2,
+                "path": body.size[0] / 2}.get(body.shape, 0.0)
+    points = ends_of(body).reshape(-1, 3)
+    return points.min(axis=0) - round_by, points.max(axis=0) + round_by
+
+
+def extent(bodies):
+    """Smallest and largest coordinates [3] that they come to: of what moves, and of what is fixed as
+    far as it is not much farther away; planes are left out."""
+    moving, fixed = [], []
+    for body in bodies:
+        if body.shape != "plane":
+            (fixed if is_fixed(body) else moving).append(box_of(body))
+    if not moving and not fixed:
+        return np.zeros(3), np.zeros(3)
+    low, high = np.min([m[0] for m in moving or fixed], axis=0), np.max([m[1] for m in moving or fixed], axis=0)
+    reach = 0.3 * np.max(high - low)
+    near = [(np.clip(a, low - reach, high + reach), np.clip(b, low - reach, high + reach)) for a, b in fixed]
+    return np.min([low] + [a for a, _ in near], axis=0), np.max([high] + [b for _, b in near], axis=0)
+
+
+def is_spatial(bodies):
+    """Whether the plane z = 0 does not say it all: something is off it or turns out of it."""
+    def off(values):
+        return values is not None and np.any(values[..., 2] != 0)
+
+    def turned(rotation):
+        return rotation is not None and np.any(rotation[..., 2, 2] != 1)
+
+    return any(off(b.position) or off(b.end) or turned(b.rotation) or np.any(b.points[:, 2:] != 0) or
+               (b.shape == "plane" and b.size[2] != 0) for b in bodies)

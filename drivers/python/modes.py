@@ -1,0 +1,32 @@
+"""Modes of contacts and slides over the time, as stretches between changes."""
+
+import numpy as np
+
+from trajectory import names_of_rows
+
+MODES = ["open", "slide", "stick"]
+MODE_COLOURS = ["#e6e8eb", "#e8a33d", "#3b6ea5"]
+SPANS_MAX = 2000  # of a strip; what changes oftener is shown at some records only
+
+
+def spans(time, mode, some):
+    """[from, to, mode] of each stretch without a change. A record's mode is that of the step that
+    ends there; the first record's step has no length. some: the records of a strip that has too many."""
+    if np.count_nonzero(np.diff(mode)) > SPANS_MAX:
+        time, mode = time[some], mode[some]
+    last = np.flatnonzero(np.append(np.diff(mode) != 0, True))
+    start = np.append(time[0], time[last[:-1]])
+    return [[float(a), float(b), int(m)] for a, b, m in zip(start, time[last], mode[last])]
+
+
+def strips(file, time, some):
+    """Name and spans of every contact and slide over these times, which are the file's first ones
+    from some[0] on; some: records, ascending, which count from the file's first."""
+    shown = []
+    for kind in ("contact", "slide"):
+        if f"{kind}/mode" not in file:
+            continue
+        modes = file[f"{kind}/mode"][some[0] : some[0] + len(time)]
+        shown += [{"name": name, "kind": kind, "number": i, "spans": spans(time[: len(modes)], modes[:, i], some - some[0])}
+                  for i, name in enumerate(names_of_rows(file, kind, modes.shape[1]))]
+    return shown

@@ -1,0 +1,146 @@
+"""Bodies as surfaces in space: polygons in a body's own frame, and where that is at each record.
+What a planar shape does not have, a thickness, is a fraction of how far all bodies go."""
+
+from collections import namedtuple
+
+import numpy as np
+
+from bodies import extent, is_fixed
+
+# Points [p, 3] and polygons as lists of their numbers, counter-clockwise from outside; dark: of each
+# polygon whether it is of the darker parts, which show how a ball turns.
+Shape = namedtuple("Shape", "points polygons dark", defaults=(None,))
+
+# A shape whose points are at position + matrix . point: position [n, 3] or [3], matrix [n, 3, 3],
+# [3, 3] or None for the unit matrix.
+Solid = namedtuple("Solid", "name shape position matrix fixed")
+
+
+def joined(shapes):
+    first = np.cumsum([0] + [len(s.points) for s in shapes])
+    return Shape(np.concatenate([s.points for s in shapes]),
+                 [[i + first[k] for i in polygon] for k, s in enumerate(shapes) for polygon in s.polygons])
+
+
+def prism(outline, depth):
+    """The outline [p, 3], counter-clockwise from above, extruded along z to both sides."""
+    p = len(outline)
+    points = np.concatenate([outline + [0, 0, z] for z in (-depth / 2, depth / 2)])
+    sides = [[i, (i + 1) % p, (i + 1) % p + p, i + p] for i in range(p)]
+    return Shape(points, [list(range(p))[::-1], list(range(p, 2 * p)), *sides])
+
+
+def area(outline):
+    """Of a polygon in x and y, positive where it is counter-clockwise (shoelace formula)."""
+    x, y = outline[:, 0], outline[:, 1]
+    return (x @ np.roll(y, -1) - y @ np.roll(x, -1)) / 2
+
+
+def box(edges):
+    """Of these lengths about its centre."""
+    corner = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]]) / 2 * edges
+    return prism(corner, edges[2])
+
+
+def circle(radius, sides=48):
+    angle = 2 * np.pi * np.arange(sides) / sides
+    return radius * np.column_stack([np.cos(angle), np.sin(angle), np.zeros(sides)])
+
+
+def ring(outer, inner, depth):
+    """A hole in a plate."""
+    loops = [circle(r) + [0, 0, z]
+             for r, z in ((inner, -depth / 2), (outer, -depth / 2), (outer, depth / 2), (inner, depth / 2))]
+    quads = [[48 * a + i, 48 * a + (i + 1) % 48, 48 * b + (i + 1) % 48, 48 * b + i]
+             for a, b in ((0, 1), (1, 2), (2, 3), (3, 0)) for i in range(48)]
+    return Shape(np.concatenate(loops), quads)
+
+
+def globe(radius, length=0.0, meridians=24, parallels=12):
+    """Quadrilaterals that meet at the poles; every other octant dark. With a length a capsule along
+    z: the halves are that far apart, and between them is a row more."""
+    polar = np.pi * np.arange(parallels + 1) / parallels
+    shift = np.full(parallels + 1, length / 2)
+    shift[parallels // 2 + 1 :] *= -1
+    if length > 0:
+        polar, shift = np.insert(polar, parallels // 2, np.pi / 2), np.insert(shift, parallels // 2 + 1, -length / 2)
+    azimuth = 2 * np.pi * np.arange(meridians) / meridians
+    points = np.stack(np.broadcast_arrays(radius * np.outer(np.sin(polar), np.cos(azimuth)),
+                                          radius * np.outer(np.sin(polar), np.sin(azimuth)),
+                                          (radius * np.cos(polar) + shift)[:, None]), axis=-1)
+    rows = len(polar) - 1
+    quads = [[i * meridians + j, (i + 1) * meridians + j, (i + 1) * meridians + (j + 1) % meridians,
+              i * meridians + (j + 1) % meridians] for i in range(rows) for j in range(meridians)]
+    dark = [(i * 2 // rows + j * 4 // meridians) % 2 == 1 for i in range(rows) for j in range(meridians)]
+    return Shape(points.reshape(-1, 3), quads, dark)
+
+
+def rod(radius):
+    """A round one along z from 0 to 1."""
+    return prism(circle(radius, 16) + [0, 0, 0.5], 1)
+
+
+def frame_along(direction):
+    """Matrices [..., 3, 3] whose third column is the direction [..., 3], the others unit vectors at
+    right angles to it and to each other."""
+    length = np.linalg.norm(direction, axis=-1, keepdims=True)
+    unit = np.where(length > 0, direction / np.where(length > 0, length, 1), [0, 0, 1])
+    aside = np.where(np.abs(unit[..., 2:]) < 0.9, [0, 0, 1], [1, 0, 0])
+    first = np.cross(aside, unit)
+    first /= np.linalg.norm(first, axis=-1, keepdims=True)
+    return np.stack([first, np.cross(unit, first), direction], axis=-1)
+
+
+def tube(points, radius):
+    """A round rod between each point and the next."""
+    parts = []
+    for a, b in zip(points, points[1:]):
+        one = rod(radius)
+        parts.append(one._replace(points=a + one.points @ frame_along(b - a).T))
+    return joined(parts)
+
+
+def slab(body, low, high, depth):
+    """Of a plane what is near the bodies: a square about the place where their middle is seen."""
+    normal = body.size / np.linalg.norm(body.size)
+    basis = frame_along(normal)
+    position, rotation = (np.reshape(part, (-1, *part.shape[-k:]))[0]
+                          for part, k in ((body.position, 1), (np.eye(3) if body.rotation is None else body.rotation, 2)))
+    middle = ((low + high) / 2 - position) @ rotation
+    edge = 1.3 * np.linalg.norm(high - low) + depth
+    one = box(np.array([edge, edge, depth]))
+    return one._replace(points=middle - normal * (middle @ normal) + (one.points - [0, 0, depth / 2]) @ basis.T)
+
+
+def shape_of(body, low, high):
+    size = body.size
+    scale = np.linalg.norm(high - low) or 1.0
+    thickness, thin = scale / 30, scale / 400
+    if body.shape == "disc":
+        return ring(size[0], size[1], thickness) if size[1] > 0 else prism(circle(size[0]), thickness)
+    if body.shape == "polygon":
+        return prism(body.points if area(body.points) > 0 else body.points[::-1], thickness)
+    if body.shape == "plane":
+        return slab(body, low, high, thickness)
+    return {"point": lambda: globe(scale / 50)._replace(dark=None), "segment": lambda: rod(size[0] / 2 or thin),
+            "path": lambda: tube(body.points, size[0] / 2 or thin), "sphere": lambda: globe(size[0]),
+            "capsule": lambda: globe(size[0], size[1]), "box": lambda: box(size)}[body.shape]()
+
+
+def solids_of(bodies):
+    low, high = extent(bodies)
+    solids = []
+    for body in bodies:
+        matrix = body.rotation if body.end is None else frame_along(body.end - body.position)
+        solids.append(Solid(body.name, shape_of(body, low, high), body.position, matrix, is_fixed(body)))
+    return solids
+
+
+def placed(solid, records):
+    """The points [records, p, 3] in space, of those records."""
+    points = solid.shape.points
+    if solid.matrix is not None:
+        matrix = solid.matrix if solid.matrix.ndim == 2 else solid.matrix[records]
+        points = points @ np.swapaxes(matrix, -1, -2)
+    position = solid.position if solid.position.ndim == 1 else solid.position[records, None]
+    return np.broadcast_to(position + points, (len(records), *solid.shape.points.shape))

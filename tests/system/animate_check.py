@@ -1,0 +1,229 @@
+"""Checks an example's animations against its trajectory: the times and places in the page of HTML by
+the model's own equations, the number and the durations of the frames, and where in the pictures of
+the GIF and the MP4 the bodies are. usage: animate_check.py STEM (of .h5, .gif, .html, and .mp4)"""
+
+import json
+import os
+import re
+import subprocess
+import sys
+
+import h5py
+import numpy as np
+from PIL import Image
+
+STEM = sys.argv[1]
+
+
+def expect(name, holds, what=""):
+    if not holds:
+        sys.exit(f"{STEM}: {name} {what}")
+
+
+def page_data(path):
+    with open(path, encoding="utf-8") as file:
+        text = file.read()
+    expect("offline", not re.search(r"https?:|//\w|\bsrc=|\bhref=|@import|url\(|fetch\(", text.replace("// ", "")), path)
+    return text, json.loads(re.search(r'<script type="application/json" id="data">(.*?)</script>', text, re.S)[1])
+
+
+class Page:
+    def __init__(self, path, f):
+        self.text, self.scene = page_data(path)
+        self.time = np.array(self.scene["time"])
+        time = f["time"][...]
+        self.at = np.searchsorted(time, self.time)
+        expect("times", np.array_equal(time[self.at], self.time))
+        expect("first and last", self.at[0] == 0 and self.at[-1] == len(time) - 1)
+        expect("number of frames", len(self.at) == min(len(time), 1500))
+        self.q, self.p = f["q"][...][self.at], {k: v[()] for k, v in f["parameters"].items()}
+        scale = np.max(np.subtract(self.scene["high"], self.scene["low"]))
+        self.rounding = 10.0 ** -int(7 - np.floor(np.log10(scale)))  # half of it is the error
+
+    def pose(self, name):
+        (body,) = [b for b in self.scene["bodies"] if b["name"] == name]
+        pose = np.array(body["pose"])
+        return np.broadcast_to(pose, (len(self.at), pose.shape[1]))
+
+    def close(self, name, pose, *expected):
+        columns = np.column_stack(np.broadcast_arrays(*expected))
+        error = np.abs(self.pose(name)[:, : columns.shape[1]] - columns).max()
+        expect(f"place of {name}", error <= 0.51 * self.rounding, f"is off by {error:g}")
+
+
+def turn(angle):
+    return np.cos(angle), np.sin(angle)
+
+
+def pendulum(a, q, p):
+    a.close("rod", "pose", q[:, 0], q[:, 1], *turn(q[:, 2]))
+
+
+def clearance_hinge(a, q, p):
+    a.close("rod", "pose", q[:, 0], q[:, 1], *turn(q[:, 2]))
+    a.close("shaft", "pose", q[:, 0] - p["l"] / 2 * np.sin(q[:, 2]), q[:, 1] + p["l"] / 2 * np.cos(q[:, 2]), *turn(q[:, 2]))
+
+
+def crank_slider(a, q, p):
+    x, y = p["L1"] * np.sin(q[:, 0]), -p["L1"] * np.cos(q[:, 0])
+    u, v = p["L2"] * np.sin(q[:, 1]), -p["L2"] * np.cos(q[:, 1])
+    a.close("crank", "pose", 0, 0, x, y)  # from the origin, as long and turned as this
+    a.close("rod", "pose", x, y, u, v)
+    a.close("slider", "pose", x + u, y + v, 1, 0)
+
+
+def bouncing_ball(a, q, p):
+    a.close("ball", "pose", 0, q[:, 0] + p["h0"] / 20, 1, 0)
+
+
+def falling_rod(a, q, p):
+    a.close("rod", "pose", q[:, 0], q[:, 1], *turn(q[:, 2]))
+
+
+def newtons_cradle(a, q, p):
+    for i in range(q.shape[1]):
+        x0 = i * (p["L"] / 5 + p["gap"])
+        rise = q[:, i] ** 2 / (2 * p["L"])
+        a.close(f"ball {i}", "pose", x0 + q[:, i], rise, 1, 0)
+        a.close(f"string {i}", "pose", x0, p["L"], q[:, i], rise - p["L"])
+
+
+def woodpecker(a, q, p):
+    height = q[:, 0] + p["l_M"] * q[:, 1] + p["l_G"] * q[:, 2]
+    bird = a.pose("bird")
+    a.close("sleeve, right", "pose", p["r_M"] * (1 - np.sqrt(1 - q[:, 1] ** 2)), q[:, 0], np.sqrt(1 - q[:, 1] ** 2), q[:, 1])
+    beak = bird[:, 0] - p["l_S"] * bird[:, 2] - p["h_S"] * bird[:, 3]
+    away = np.abs(beak - (p["l_M"] + p["l_G"] - p["l_S"] - p["h_S"] * q[:, 2])).max()
+    expect("the beak", away < 2 * a.rounding, f"is off by {away:g}")
+    expect("the bird's height", np.abs(bird[:, 1] - height).max() < a.rounding)
+
+
+def rotation(vector):
+    """exp of the cross product's matrix, by its series."""
+    K = np.cross(np.eye(3), vector)
+    R, term = np.eye(3), np.eye(3)
+    for n in range(1, 30):
+        term = term @ K / n
+        R = R + term
+    return R
+
+
+def incline(a, q, p):
+    tilt = rotation(p["slope"] * np.array([-np.sin(p["turn"]), np.cos(p["turn"]), 0]))
+    way = (q - q[0]) @ tilt.T
+    pose = a.pose("block")
+    expect("turn of the block", np.abs(pose[:, 3:] - tilt.reshape(9)).max() < a.rounding)
+    expect("way of the block", np.abs(pose[:, :3] - pose[0, :3] - way).max() < 2 * a.rounding)
+
+
+def rolling_ball(a, q, p):
+    pose = a.pose("ball")
+    expect("place of the ball", np.abs(pose[:, :3] - q[:, :3]).max() < a.rounding)
+    e = q[:, 3:] / np.linalg.norm(q[:, 3:], axis=1)[:, None]
+    for i in range(0, len(e), 10):  # its axis and angle
+        angle = 2 * np.arctan2(np.linalg.norm(e[i, 1:]), e[i, 0])
+        axis = e[i, 1:] / (np.linalg.norm(e[i, 1:]) or 1)
+        expect("turn of the ball", np.abs(pose[i, 3:] - rotation(angle * axis).reshape(9)).max() < a.rounding)
+
+
+MODELS = {"pendulum": pendulum, "clearance-hinge": clearance_hinge, "crank-slider": crank_slider, "incline": incline,
+          "bouncing-ball": bouncing_ball, "falling-rod": falling_rod, "newtons-cradle": newtons_cradle,
+          "woodpecker": woodpecker, "rolling-ball": rolling_ball}
+
+
+def check_strips(a, f):
+    """Every record's mode is that of the strip at its time."""
+    shown = iter(a.scene["strips"])
+    for group in ("contact", "slide"):
+        if f"{group}/mode" not in f:
+            continue
+        for mode in f[f"{group}/mode"][...].T:
+            spans = np.array(next(shown)["spans"])
+            time = f["time"][1:]
+            expect("strip", np.array_equal(spans[1:, 0], spans[:-1, 1]) and spans[-1, 1] == time[-1])
+            if len(spans) < 1500:  # else thinned out
+                expect("modes", np.array_equal(spans[np.searchsorted(spans[:, 1], time), 2], mode[1:]))
+    expect("strips", next(shown, None) is None)
+    expect("impacts", [t for t, _ in a.scene["impacts"]] == list(f["impact/time"][...]) or len(f["impact/time"]) > 2000)
+
+
+class Pictures:
+    """The frames of a GIF, with their durations in seconds."""
+
+    def __init__(self, path):
+        with Image.open(path) as image:
+            self.size, self.n, self.frames, self.duration = image.size, image.n_frames, [], []
+            for i in range(image.n_frames):
+                image.seek(i)
+                self.duration.append(image.info["duration"] / 1000)
+                self.frames.append(np.asarray(image.convert("RGB")))
+
+
+def middles(frames, colour, tolerance=12):
+    """Of the pixels of a colour in each frame [n, 2]; NaN where there are none."""
+    found = []
+    for frame in frames:
+        y, x = np.nonzero(np.all(np.abs(frame.astype(int) - colour) <= tolerance, axis=2))
+        found.append((x.mean(), y.mean()) if len(x) else (np.nan, np.nan))
+    return np.array(found)
+
+
+def check_pixels(name, frames, time, f, pixels):
+    """The middle of what is blue moves as the first moving body's does: pixels are an affine map of
+    metres, the same along x and upwards. Corners and the dark line around are drawn to a pixel, each."""
+    t, q = f["time"][...], f["q"][...]
+    at = np.searchsorted(t, time + 1e-9, side="right") - 1
+    model = f.attrs["model"]
+    place = {"pendulum": q[:, :2], "bouncing-ball": np.column_stack([0 * q[:, 0], q[:, 0]])}.get(model)
+    if place is None:
+        return
+    strips = 40  # pixels at the bottom are of the strips, whose mode "stick" is blue too
+    seen = middles([frame[:-strips] for frame in frames], (0x3B, 0x6E, 0xA5))
+    expect(f"{name}: a body in every frame", np.isfinite(seen).all())
+    place = place[at]
+    seen, place = seen - seen.mean(axis=0), (place - place.mean(axis=0)) * [1, -1]
+    scale = np.sum(seen * place) / np.sum(place * place)
+    error = np.abs(seen - scale * place).max()
+    expect(f"{name}: pixels", scale > 20 and error < pixels, f"are off by {error:.2f} at {scale:.1f} pixels a metre")
+
+
+def check_gif(f, speed):
+    pictures, time = Pictures(STEM + ".gif"), f["time"][...]
+    step = 0.1 * speed  # ten frames a second
+    whole = int((time[-1] - time[0]) / step * (1 + 1e-12)) + 1
+    due = time[0] + step * np.arange(whole)
+    shown = time[np.searchsorted(time, due + 1e-9 * step, side="right") - 1]
+    if shown[-1] != time[-1]:
+        shown = np.append(shown, time[-1])
+    # of frames that are the same GIFs hold one, for as long as all of them: the time counts
+    lasts = 0.1 * len(shown) + 1
+    expect("duration", abs(sum(pictures.duration) - lasts) < 1e-6, f"{sum(pictures.duration)} s, not {lasts}")
+    expect("frames", pictures.n <= len(shown))
+    number = np.round(np.cumsum([0, *pictures.duration[:-1]]) / 0.1).astype(int)
+    check_pixels("GIF", pictures.frames, shown[number], f, 1.5)
+    expect("size", pictures.size[0] == 480 and os.path.getsize(STEM + ".gif") < 1.5e6)
+    return shown, pictures.size
+
+
+def check_mp4(f, shown, size):
+    if not os.path.exists(STEM + ".mp4"):
+        return "no MP4"
+    raw = subprocess.run(["ffmpeg", "-loglevel", "error", "-i", STEM + ".mp4", "-f", "rawvideo", "-pix_fmt", "rgb24", "-"],
+                         stdout=subprocess.PIPE, check=True).stdout
+    frames = np.frombuffer(raw, np.uint8).reshape(-1, size[1], size[0], 3)
+    expect("frames of the MP4", len(frames) == len(shown), f"{len(frames)}, not {len(shown)}")
+    check_pixels("MP4", frames, shown, f, 2.5)  # colours are of every other pixel
+    return f"{len(frames)} frames in the MP4"
+
+
+def main():
+    with h5py.File(STEM + ".h5") as f:
+        page = Page(STEM + ".html", f)
+        MODELS[f.attrs["model"]](page, page.q, page.p)
+        check_strips(page, f)
+        shown, size = check_gif(f, page.scene["speed"])
+        film = check_mp4(f, shown, size)
+        print(f"{STEM}: {len(page.time)} frames in the page, {len(shown)} in the GIF, {film}")
+
+
+main()
