@@ -249,14 +249,45 @@ static int leaves_by(const nsdae_solid_of *s, const nsdae_pose *pose, const doub
   return 1;
 }
 
+/* How far solid s reaches in the direction m (in space) from the point x. */
+static double reach(const nsdae_solid_of *s, const nsdae_pose *pose, const double *m,
+                    const double *x)
+{
+  double own[3], most = -INFINITY, from[3];
+  nsdae_turn_back(pose->R, m, own);
+  for (int i = 0; i < s->points; i++) most = fmax(most, nsdae_dot3(own, corner(s, i)));
+  for (int i = 0; i < 3; i++) from[i] = pose->r[i] - x[i];
+  return most + s->radius + nsdae_dot3(m, from);
+}
+
+/* The least depth of overlap along a face's normal of either; without bound for two capsules. */
+static double face_depth(const nsdae_solid_of *const s[2], const nsdae_pose *const pose[2])
+{
+  double least = INFINITY;
+  for (int side = 0; side < 2; side++)
+    for (int i = 0; i < 6 && s[side]->shape == NSDAE_SHAPE_BOX; i++) {
+      double m[3], back[3], sign = i % 2 ? 1 : -1;
+      nsdae_turn(pose[side]->R, s[side]->R + 3 * (i / 2), m);
+      for (int j = 0; j < 3; j++) {
+        m[j] *= sign;
+        back[j] = -m[j];
+      }
+      least = fmin(least, reach(s[side], pose[side], m, pose[0]->r) +
+                              reach(s[!side], pose[!side], back, pose[0]->r));
+    }
+  return least;
+}
+
+/* Deep in each other solids overlap along every direction: the one that counts is that of the least
+ * depth, and where it is a face's the corners touch and the edges do not. */
 static nsdae_touch edges(const nsdae_feature *f, const nsdae_solid_of *s0, const nsdae_solid_of *s1,
                          const nsdae_pose *pose0, const nsdae_pose *pose1)
 {
   /* lines nearer to parallel than this touch by their corners as well: the sine's square keeps five
    * digits of the place */
   const double parallel = 1e-10;
-  const nsdae_solid_of *s[2] = {s0, s1};
-  const nsdae_pose *pose[2] = {pose0, pose1};
+  const nsdae_solid_of *const s[2] = {s0, s1};
+  const nsdae_pose *const pose[2] = {pose0, pose1};
   two_lines l = {.sine2 = 0};
   double sign[2][3], middle[3], hint[3];
   int axis[2];
@@ -274,7 +305,7 @@ static nsdae_touch edges(const nsdae_feature *f, const nsdae_solid_of *s0, const
   if (!leaves_by(s0, pose0, sign[0], 1, touch.normal) ||
       !leaves_by(s1, pose1, sign[1], -1, touch.normal))
     return far_away(s0, s1);
-  return touch;
+  return touch.gap.x < 0 && -touch.gap.x > face_depth(s, pose) ? far_away(s0, s1) : touch;
 }
 
 nsdae_touch nsdae_feature_touch(const nsdae_feature *f, const nsdae_solid_of *s0,
