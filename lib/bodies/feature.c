@@ -235,17 +235,18 @@ static int edge_of(const nsdae_solid_of *s, int i, double *sign, double *middle)
   return axis;
 }
 
-/* Whether the direction n (in space) leaves a box between the two faces of the edge; a capsule's
- * line is round. */
+/* Whether the direction n (in space) leaves a box between the two faces of the edge, or along one
+ * of them but for rounding; a capsule's line is round. */
 static int leaves_by(const nsdae_solid_of *s, const nsdae_pose *pose, const double *sign,
                      double orientation, nsdae_jet3 n)
 {
+  const double rounding = 1e-12;
   double in_space[3], own[3], in_solid[3];
   for (int i = 0; i < 3; i++) in_space[i] = orientation * n.at[i].x;
   nsdae_turn_back(pose->R, in_space, own);
   nsdae_turn_back(s->R, own, in_solid);
   for (int i = 0; i < 3; i++)
-    if (sign[i] * in_solid[i] < 0) return 0;
+    if (sign[i] * in_solid[i] < -rounding) return 0;
   return 1;
 }
 
@@ -305,7 +306,10 @@ static nsdae_touch edges(const nsdae_feature *f, const nsdae_solid_of *s0, const
   if (!leaves_by(s0, pose0, sign[0], 1, touch.normal) ||
       !leaves_by(s1, pose1, sign[1], -1, touch.normal))
     return far_away(s0, s1);
-  return touch.gap.x < 0 && -touch.gap.x > face_depth(s, pose) ? far_away(s0, s1) : touch;
+  /* lines along a face are as deep as the face but for rounding, and do touch */
+  double rounding = 1e-12 * (nsdae_solid_size(s0) + nsdae_solid_size(s1));
+  int deeper = touch.gap.x < 0 && -touch.gap.x > face_depth(s, pose) + rounding;
+  return deeper ? far_away(s0, s1) : touch;
 }
 
 nsdae_touch nsdae_feature_touch(const nsdae_feature *f, const nsdae_solid_of *s0,
