@@ -48,6 +48,19 @@ target_include_directories(nsdae_lapack SYSTEM INTERFACE
   ${NSDAE_LAPACKE_INCLUDE} ${NSDAE_CBLAS_INCLUDE})
 target_link_libraries(nsdae_lapack INTERFACE ${libraries} m)
 
+# AMD: the order that keeps sparse factors sparse. SuiteSparse 5 has no configuration
+# for CMake.
+find_path(NSDAE_AMD_INCLUDE amd.h PATH_SUFFIXES suitesparse)
+find_library(NSDAE_AMD_LIBRARY amd)
+if(NOT NSDAE_AMD_INCLUDE OR NOT NSDAE_AMD_LIBRARY)
+  message(FATAL_ERROR "nsdae needs SuiteSparse's AMD: install libsuitesparse-dev "
+                      "(./run test installs all that is missing)")
+endif()
+add_library(nsdae_amd INTERFACE)
+target_include_directories(nsdae_amd SYSTEM INTERFACE ${NSDAE_AMD_INCLUDE})
+target_link_libraries(nsdae_amd INTERFACE ${NSDAE_AMD_LIBRARY})
+nsdae_static_library(${NSDAE_AMD_LIBRARY})
+
 set(NSDAE_HDF5_VERSION none)
 if(NSDAE_HDF5)
   set(HDF5_PREFER_PARALLEL FALSE) # the serial build: Debian's parallel one wants MPI's headers
@@ -70,7 +83,7 @@ endif()
 # SUNDIALS 6.4 to 7.x: stiff smooth phases. core exists from version 7 on.
 set(NSDAE_SUNDIALS_VERSION none)
 if(NSDAE_SUNDIALS)
-  set(modules cvode ida nvecserial sunmatrixdense sunmatrixsparse sunlinsoldense sunlinsolklu)
+  set(modules cvode ida nvecserial sunmatrixdense sunlinsoldense)
   find_package(SUNDIALS QUIET COMPONENTS ${modules})
   if(NOT SUNDIALS_FOUND)
     message(FATAL_ERROR "nsdae needs SUNDIALS (libsundials-dev) for penalty and event; "

@@ -3,14 +3,16 @@ foreach(name arena nearest params status)
   nsdae_unit_test(base ${name})
 endforeach()
 
-foreach(name dense kkt)
+foreach(name dense kkt sparse_lu)
   nsdae_unit_test(linalg ${name})
   target_link_libraries(test_unit_linalg_${name} PRIVATE nsdae_lapack)
 endforeach()
 
-foreach(name check differences system)
+foreach(name check differences probe setters system)
   nsdae_unit_test(system ${name})
 endforeach()
+
+add_test(NAME unit/system/callbacks COMMAND sh ${PROJECT_SOURCE_DIR}/lib/system/callbacks.sh)
 
 nsdae_unit_test(terms terms)
 
@@ -27,5 +29,5 @@ endforeach()
 
 nsdae_test(anomaly arguments LINKS test_support)
 nsdae_test(anomaly kinematics)
-nsdae_test(anomaly blas LINKS test_allocator)
+nsdae_test(anomaly blas LINKS test_allocator test_process_allocator)
 nsdae_test(anomaly certificate)

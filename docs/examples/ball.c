@@ -15,15 +15,16 @@ int main(void)
 {
   const nsdae_dims dims = {.nq = 1, .k = 1}; /* one coordinate, one contact */
   const double height = 1, rest = 0;
-  nsdae_system *system; nsdae_sim *sim; nsdae_record now;
+  nsdae_system *system; nsdae_sim *sim; nsdae_record now; nsdae_error error;
   nsdae_system_create(&dims, &system, NULL);
   nsdae_system_set_mass(system, mass);
   nsdae_system_set_force(system, force);
   nsdae_system_set_gap(system, gap);
   nsdae_system_set_contact(system, 0, 0, 0.5, 0); /* mu, e_N, e_T */
-  nsdae_sim_create(system, NULL, &sim, NULL);     /* default options: implicit, dt 0.005 s */
-  nsdae_sim_init(sim, 0, &height, &rest);
-  if (nsdae_sim_run(sim, 3) < 0) printf("%s\n", nsdae_sim_error(sim)->text);
+  /* default options: implicit, dt 0.005 s; it also says what a setter above was refused */
+  if (nsdae_sim_create(system, NULL, &sim, &error) < 0) return puts(error.text), 1;
+  if (nsdae_sim_init(sim, 0, &height, &rest) < 0 || nsdae_sim_run(sim, 3) < 0)
+    return puts(nsdae_sim_error(sim)->text), 1;
   nsdae_sim_get_record(sim, &now);
   printf("t %g s, height %.1e m, velocity %.1e m/s\n", now.time, now.q[0], now.v[0]);
   nsdae_sim_destroy(&sim);

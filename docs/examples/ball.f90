@@ -41,12 +41,13 @@ program ball
   status = nsdae_system_set_force(system, force)
   status = nsdae_system_set_gap(system, gap)
   status = nsdae_system_set_contact(system, 0, 0d0, 0.5d0, 0d0)  ! mu, e_N, e_T
-  status = nsdae_sim_create(system, sim)  ! default options: implicit, dt 0.005 s
+  ! default options: implicit, dt 0.005 s; it also says what a setter above was refused
+  status = nsdae_sim_create(system, sim, error=error)
+  if (status < 0) error stop trim(error%text)
   status = nsdae_sim_init(sim, 0d0, [1d0], [0d0])  ! at 1 m, at rest
-  if (nsdae_sim_run(sim, 3d0) < 0) then
-    error = nsdae_sim_error(sim)
-    print '(a)', trim(error%text)
-  end if
+  if (status == NSDAE_OK) status = nsdae_sim_run(sim, 3d0)
+  error = nsdae_sim_error(sim)
+  if (status < 0) error stop trim(error%text)
   status = nsdae_sim_get_record(sim, now)
   print '(a, i0, a, es8.1, a, es7.1, a)', 't ', nint(now%time), ' s, height ', now%q(1), &
       ' m, velocity ', now%v(1), ' m/s'

@@ -154,6 +154,12 @@ contains
     status = nsdae_system_create(nsdae_dims(nq=3, m=2, k=1), system, error)
     if (status < 0) return
     status = nsdae_system_set_user(system, p)
+    status = nsdae_system_set_name(system, NSDAE_NAME_COORDINATE, 0, 'x', 'm')
+    status = nsdae_system_set_name(system, NSDAE_NAME_COORDINATE, 1, 'y', 'm')
+    status = nsdae_system_set_name(system, NSDAE_NAME_COORDINATE, 2, 'theta', 'rad')
+    status = nsdae_system_set_name(system, NSDAE_NAME_CONSTRAINT, 0, 'pivot_x', 'm')
+    status = nsdae_system_set_name(system, NSDAE_NAME_CONSTRAINT, 1, 'pivot_y', 'm')
+    status = nsdae_system_set_name(system, NSDAE_NAME_CONTACT, 0, 'stop', 'm')
     status = nsdae_system_set_mass(system, mass)
     status = nsdae_system_set_force(system, force)
     status = nsdae_system_set_constraint(system, constraint)

@@ -14,6 +14,8 @@
 #include <math.h>
 #include <stddef.h>
 
+#include "names.h"
+
 static int mass(double t, const double *q, double *M, int ldm, void *user)
 {
   const bouncing_ball *p = user;
@@ -83,6 +85,11 @@ static int potential(double t, const double *q, double *energy, void *user)
   return 0;
 }
 
+static const model_name names[] = {
+    {NSDAE_NAME_COORDINATE, "y", "m"},
+    {NSDAE_NAME_CONTACT, "floor", "m"},
+};
+
 static int build(void *base, nsdae_system **system, nsdae_error *error)
 {
   const bouncing_ball *p = base;
@@ -90,6 +97,7 @@ static int build(void *base, nsdae_system **system, nsdae_error *error)
   int status = nsdae_system_create(&dims, system, error);
   if (status < 0) return status;
   nsdae_system_set_user(*system, base);
+  MODEL_NAMES(*system, names);
   nsdae_system_set_mass(*system, mass);
   nsdae_system_set_force(*system, force);
   nsdae_system_set_gap(*system, gap);

@@ -14,6 +14,7 @@
 #include <string.h>
 
 #include "compare.h"
+#include "names.h"
 
 typedef struct direction {
   double x, y, distance; /* n and |O1| */
@@ -115,6 +116,13 @@ static int check(const clearance_hinge *p, nsdae_error *error)
   return error->status = NSDAE_E_ARGUMENT;
 }
 
+static const model_name names[] = {
+    {NSDAE_NAME_COORDINATE, "x", "m"},
+    {NSDAE_NAME_COORDINATE, "y", "m"},
+    {NSDAE_NAME_COORDINATE, "theta", "rad"},
+    {NSDAE_NAME_CONTACT, "shaft", "m"},
+};
+
 static int build(void *base, nsdae_system **system, nsdae_error *error)
 {
   const clearance_hinge *p = base;
@@ -123,6 +131,7 @@ static int build(void *base, nsdae_system **system, nsdae_error *error)
   if (status == NSDAE_OK) status = nsdae_system_create(&dims, system, error);
   if (status < 0) return status;
   nsdae_system_set_user(*system, base);
+  MODEL_NAMES(*system, names);
   nsdae_system_set_mass(*system, mass);
   nsdae_system_set_force(*system, force);
   nsdae_system_set_gap(*system, gap);

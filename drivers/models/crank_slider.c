@@ -17,6 +17,8 @@
 #include <stddef.h>
 #include <string.h>
 
+#include "names.h"
+
 static int mass(double t, const double *q, double *M, int ldm, void *user)
 {
   const crank_slider *p = user;
@@ -91,6 +93,13 @@ static int potential(double t, const double *q, double *energy, void *user)
   return 0;
 }
 
+static const model_name names[] = {
+    {NSDAE_NAME_COORDINATE, "theta_1", "rad"},
+    {NSDAE_NAME_COORDINATE, "theta_2", "rad"},
+    {NSDAE_NAME_CONSTRAINT, "slot", "m"},
+    {NSDAE_NAME_SLIDE, "slot", "m"},
+};
+
 static int build(void *base, nsdae_system **system, nsdae_error *error)
 {
   const crank_slider *p = base;
@@ -98,6 +107,7 @@ static int build(void *base, nsdae_system **system, nsdae_error *error)
   int status = nsdae_system_create(&dims, system, error);
   if (status < 0) return status;
   nsdae_system_set_user(*system, base);
+  MODEL_NAMES(*system, names);
   nsdae_system_set_mass(*system, mass);
   nsdae_system_set_force(*system, force);
   nsdae_system_set_constraint(*system, constraint);

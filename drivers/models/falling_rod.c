@@ -27,6 +27,8 @@
 #include <math.h>
 #include <stddef.h>
 
+#include "names.h"
+
 /* Of the first and of the second end, from the centre. */
 static const double side[] = {-1, 1};
 
@@ -110,6 +112,12 @@ static int potential(double t, const double *q, double *energy, void *user)
   return 0;
 }
 
+static const model_name names[] = {
+    {NSDAE_NAME_COORDINATE, "x", "m"},       {NSDAE_NAME_COORDINATE, "y", "m"},
+    {NSDAE_NAME_COORDINATE, "phi", "rad"},   {NSDAE_NAME_CONTACT, "first_end", "m"},
+    {NSDAE_NAME_CONTACT, "second_end", "m"},
+};
+
 static int build(void *base, nsdae_system **system, nsdae_error *error)
 {
   const falling_rod *p = base;
@@ -117,6 +125,7 @@ static int build(void *base, nsdae_system **system, nsdae_error *error)
   int status = nsdae_system_create(&dims, system, error);
   if (status < 0) return status;
   nsdae_system_set_user(*system, base);
+  MODEL_NAMES(*system, names);
   nsdae_system_set_mass(*system, mass);
   nsdae_system_set_force(*system, force);
   nsdae_system_set_gap(*system, gap);

@@ -23,6 +23,7 @@
 
 #include <math.h>
 #include <stddef.h>
+#include <stdio.h>
 
 static int mass(double t, const double *q, double *M, int ldm, void *user)
 {
@@ -94,6 +95,20 @@ static int potential(double t, const double *q, double *energy, void *user)
   return 0;
 }
 
+/* Balls 0 .. n-1, and contact i between balls i and i + 1. */
+static void name_balls(nsdae_system *system, int n)
+{
+  char name[32];
+  for (int i = 0; i < n; i++) {
+    snprintf(name, sizeof name, "x_%d", i);
+    nsdae_system_set_name(system, NSDAE_NAME_COORDINATE, i, name, "m");
+  }
+  for (int i = 0; i < n - 1; i++) {
+    snprintf(name, sizeof name, "balls_%d_%d", i, i + 1);
+    nsdae_system_set_name(system, NSDAE_NAME_CONTACT, i, name, "m");
+  }
+}
+
 static int build(void *base, nsdae_system **system, nsdae_error *error)
 {
   const newtons_cradle *p = base;
@@ -101,6 +116,7 @@ static int build(void *base, nsdae_system **system, nsdae_error *error)
   int status = nsdae_system_create(&dims, system, error);
   if (status < 0) return status;
   nsdae_system_set_user(*system, base);
+  name_balls(*system, p->n);
   nsdae_system_set_mass(*system, mass);
   nsdae_system_set_force(*system, force);
   nsdae_system_set_gap(*system, gap);

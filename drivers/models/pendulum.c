@@ -9,6 +9,8 @@
 #include <math.h>
 #include <stddef.h>
 
+#include "names.h"
+
 static int mass(double t, const double *q, double *M, int ldm, void *user)
 {
   const pendulum *p = user;
@@ -94,6 +96,12 @@ static int potential(double t, const double *q, double *energy, void *user)
   return 0;
 }
 
+static const model_name names[] = {
+    {NSDAE_NAME_COORDINATE, "x", "m"},       {NSDAE_NAME_COORDINATE, "y", "m"},
+    {NSDAE_NAME_COORDINATE, "theta", "rad"}, {NSDAE_NAME_CONSTRAINT, "pivot_x", "m"},
+    {NSDAE_NAME_CONSTRAINT, "pivot_y", "m"}, {NSDAE_NAME_CONTACT, "stop", "m"},
+};
+
 static int build(void *base, nsdae_system **system, nsdae_error *error)
 {
   const pendulum *p = base;
@@ -101,6 +109,7 @@ static int build(void *base, nsdae_system **system, nsdae_error *error)
   int status = nsdae_system_create(&dims, system, error);
   if (status < 0) return status;
   nsdae_system_set_user(*system, base);
+  MODEL_NAMES(*system, names);
   nsdae_system_set_mass(*system, mass);
   nsdae_system_set_force(*system, force);
   nsdae_system_set_constraint(*system, constraint);

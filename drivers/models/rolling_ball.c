@@ -12,6 +12,8 @@
 #include <math.h>
 #include <stddef.h>
 
+#include "names.h"
+
 static int mass(double t, const double *q, double *M, int ldm, void *user)
 {
   const rolling_ball *p = user;
@@ -77,6 +79,13 @@ static int potential(double t, const double *q, double *energy, void *user)
   return 0;
 }
 
+static const model_name names[] = {
+    {NSDAE_NAME_COORDINATE, "x", "m"},     {NSDAE_NAME_COORDINATE, "y", "m"},
+    {NSDAE_NAME_COORDINATE, "z", "m"},     {NSDAE_NAME_COORDINATE, "a_x", "rad"},
+    {NSDAE_NAME_COORDINATE, "a_y", "rad"}, {NSDAE_NAME_COORDINATE, "a_z", "rad"},
+    {NSDAE_NAME_CONTACT, "plane", "m"},
+};
+
 static int build(void *base, nsdae_system **system, nsdae_error *error)
 {
   const rolling_ball *p = base;
@@ -84,6 +93,7 @@ static int build(void *base, nsdae_system **system, nsdae_error *error)
   int status = nsdae_system_create(&dims, system, error);
   if (status < 0) return status;
   nsdae_system_set_user(*system, base);
+  MODEL_NAMES(*system, names);
   nsdae_system_set_mass(*system, mass);
   nsdae_system_set_force(*system, force);
   nsdae_system_set_gap(*system, gap);

@@ -25,6 +25,8 @@
 #include <math.h>
 #include <stddef.h>
 
+#include "names.h"
+
 /* Of the sleeve, where its edges touch the pole. */
 static double tilt(const woodpecker *p)
 {
@@ -120,6 +122,12 @@ static int potential(double t, const double *q, double *energy, void *user)
   return 0;
 }
 
+static const model_name names[] = {
+    {NSDAE_NAME_COORDINATE, "y", "m"},       {NSDAE_NAME_COORDINATE, "phi_M", "rad"},
+    {NSDAE_NAME_COORDINATE, "phi_S", "rad"}, {NSDAE_NAME_CONTACT, "beak", "m"},
+    {NSDAE_NAME_CONTACT, "lower_edge", "m"}, {NSDAE_NAME_CONTACT, "upper_edge", "m"},
+};
+
 static int build(void *base, nsdae_system **system, nsdae_error *error)
 {
   const woodpecker *p = base;
@@ -127,6 +135,7 @@ static int build(void *base, nsdae_system **system, nsdae_error *error)
   int status = nsdae_system_create(&dims, system, error);
   if (status < 0) return status;
   nsdae_system_set_user(*system, base);
+  MODEL_NAMES(*system, names);
   nsdae_system_set_mass(*system, mass);
   nsdae_system_set_force(*system, force);
   nsdae_system_set_gap(*system, gap);

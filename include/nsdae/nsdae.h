@@ -3,9 +3,11 @@
 #define NSDAE_H
 
 #include <nsdae/bodies.h>
+#include <nsdae/certificate.h>
 #include <nsdae/contact.h>
 #include <nsdae/kernels.h>
 #include <nsdae/lcp.h>
+#include <nsdae/friction.h>
 #include <nsdae/lcp_file.h>
 #include <nsdae/params.h>
 #include <nsdae/sim.h>

@@ -40,8 +40,11 @@ namespace nsdae
 class error : public std::runtime_error
 {
 public:
+  /* Takes the record; what() is its text. */
   explicit error(const nsdae_error &record) : std::runtime_error(record.text), record_(record) {}
+  /* enum nsdae_status, < 0 */
   int status() const noexcept { return record_.status; }
+  /* The whole record: argument, where, index, time. */
   const nsdae_error &record() const noexcept { return record_; }
 
 private:
@@ -127,19 +130,24 @@ template <class Call> int shield(int code, Call call) noexcept
 
 struct system_guts {
   nsdae_system *c = nullptr;
+  /* callbacks.list: holders */
+  /* clang-format off */
   callback<double, const double *, double *, int> mass;
   callback<double, const double *, const double *, double *> force;
   callback<double, const double *, double *> constraint;
   callback<double, const double *, double *, int> constraint_jacobian;
   callback<double, const double *, const double *, double *, double *> constraint_bias;
   callback<double, const double *, double *> gap;
-  callback<double, const double *, double *, int> gap_normal, gap_tangent;
+  callback<double, const double *, double *, int> gap_normal;
+  callback<double, const double *, double *, int> gap_tangent;
   callback<double, const double *, double *, double *> contact_bias;
-  callback<double, const double *, const double *, double *, double *, double *>
-      contact_acceleration;
+  callback<double, const double *, const double *, double *, double *,
+           double *> contact_acceleration;
   callback<double, const double *, double *, int, double *> slide_tangent;
   callback<double, const double *, const double *, double *> kinematics;
   callback<double, const double *, double *> potential;
+  /* clang-format on */
+  /* callbacks.list: end */
 
   system_guts() = default;
   system_guts(const system_guts &) = delete;
@@ -213,16 +221,21 @@ template <class V> const double *sized(const V &vector, int size, const char *na
 class options
 {
 public:
+  /* Every option at its default. */
   options() noexcept { nsdae_sim_options_default(&options_); }
 
+  /* nsdae_sim_options_set: one option by its key and its value as text. */
   options &set(const std::string &key, const std::string &value)
   {
     nsdae_error record = nsdae_error();
     detail::demand(nsdae_sim_options_set(&options_, key.c_str(), value.c_str(), &record), &record);
     return *this;
   }
+  /* The same of a text in C. */
   options &set(const std::string &key, const char *value) { return set(key, std::string(value)); }
+  /* The same of a number or a value of an enum. */
   options &set(const std::string &key, int value) { return set(key, std::to_string(value)); }
+  /* The same of a number, to the last bit. */
   options &set(const std::string &key, double value)
   {
     std::ostringstream text;
@@ -234,7 +247,9 @@ public:
 
   /* The fields themselves: options->dt = 0.01. */
   nsdae_sim_options *operator->() noexcept { return &options_; }
+  /* The same of what is constant. */
   const nsdae_sim_options *operator->() const noexcept { return &options_; }
+  /* The struct for the functions of C. */
   const nsdae_sim_options *c() const noexcept { return &options_; }
 
 private:
@@ -245,13 +260,17 @@ private:
 class system
 {
 public:
+  /* Empty. */
   system() noexcept = default;
+  /* A description of these sizes, without callbacks. */
   explicit system(const nsdae_dims &dims)
   {
     nsdae_error record = nsdae_error();
     detail::demand(try_create(dims, &record), &record);
   }
+  /* Moves; what it was moved from is empty. */
   system(system &&) noexcept = default;
+  /* The same. */
   system &operator=(system &&) noexcept = default;
 
   /* Makes it anew; what it was before is released. */
@@ -268,58 +287,160 @@ public:
     });
   }
 
+  /* Whether it holds something. */
   explicit operator bool() const noexcept { return c() != nullptr; }
+  /* The handle of C, or NULL. */
   nsdae_system *c() const noexcept { return guts_ ? guts_->c : nullptr; }
 
-#define NSDAE_CALLBACK(name)                                                              \
-  template <class F> system &name(F f)                                                    \
-  {                                                                                       \
-    typedef detail::system_guts guts;                                                     \
-    return keep(&guts::name, decltype(guts::name)(std::move(f)), nsdae_system_set_##name, \
-                detail::trampoline<decltype(&guts::name), &guts::name>::run);             \
+#define NSDAE_CALLBACK(name)                           \
+  &detail::system_guts::name, nsdae_system_set_##name, \
+      detail::trampoline<decltype(&detail::system_guts::name), &detail::system_guts::name>::run
+  /* callbacks.list: members */
+  /* M(t,q) [nv x nv], symmetric positive definite; both triangles.
+   *   f(double t, const double *q, double *M, int ldm) */
+  template <class F> system &mass(F f)
+  {
+    return keep(NSDAE_CALLBACK(mass), std::move(f));
   }
-  NSDAE_CALLBACK(mass)                /* (double t, const double *q, double *M, int ldm) */
-  NSDAE_CALLBACK(force)               /* (double t, const double *q, const double *v, double *F) */
-  NSDAE_CALLBACK(constraint)          /* (double t, const double *q, double *phi) */
-  NSDAE_CALLBACK(constraint_jacobian) /* (double t, const double *q, double *J, int ldj) */
-  NSDAE_CALLBACK(constraint_bias) /* (double t, q, const double *v, double *phi_t, double *omega) */
-  NSDAE_CALLBACK(gap)             /* (double t, const double *q, double *gap) */
-  NSDAE_CALLBACK(gap_normal)      /* (double t, const double *q, double *W, int ldw) */
-  NSDAE_CALLBACK(gap_tangent)     /* (double t, const double *q, double *W, int ldw) */
-  NSDAE_CALLBACK(contact_bias)    /* (double t, const double *q, double *w_n, double *w_t) */
-  NSDAE_CALLBACK(contact_acceleration) /* (double t, q, v, double *omega_n, *omega_t, *omega_s) */
-  NSDAE_CALLBACK(slide_tangent)        /* (double t, q, double *W, int ldw, double *w) */
-  NSDAE_CALLBACK(kinematics)           /* (double t, q, const double *v, double *qdot) */
-  NSDAE_CALLBACK(potential)            /* (double t, const double *q, double *energy) */
+  /* F(t,q,v) [nv]: all forces but those of constraints and contacts.
+   *   f(double t, const double *q, const double *v, double *F) */
+  template <class F> system &force(F f)
+  {
+    return keep(NSDAE_CALLBACK(force), std::move(f));
+  }
+  /* Phi(t,q) [m].
+   *   f(double t, const double *q, double *phi) */
+  template <class F> system &constraint(F f)
+  {
+    return keep(NSDAE_CALLBACK(constraint), std::move(f));
+  }
+  /* Phi_q(t,q) [m x nv], such that d Phi / dt = Phi_q v + Phi_t.
+   *   f(double t, const double *q, double *J, int ldj) */
+  template <class F> system &constraint_jacobian(F f)
+  {
+    return keep(NSDAE_CALLBACK(constraint_jacobian), std::move(f));
+  }
+  /* Phi_t(t,q) [m] and omega = (Phi_q v)_q v + 2 Phi_qt v + Phi_tt [m].
+   *   f(double t, const double *q, const double *v, double *phi_t, double *omega) */
+  template <class F> system &constraint_bias(F f)
+  {
+    return keep(NSDAE_CALLBACK(constraint_bias), std::move(f));
+  }
+  /* g_N(t,q) [k]: the distance of each contact, negative where its bodies overlap.
+   *   f(double t, const double *q, double *g) */
+  template <class F> system &gap(F f)
+  {
+    return keep(NSDAE_CALLBACK(gap), std::move(f));
+  }
+  /* W_N(t,q) [nv x k], such that d g_N / dt = W_N^T v + w_N.
+   *   f(double t, const double *q, double *W, int ldw) */
+  template <class F> system &gap_normal(F f)
+  {
+    return keep(NSDAE_CALLBACK(gap_normal), std::move(f));
+  }
+  /* W_T(t,q) [nv x k nt], such that v_T = W_T^T v + w_T; contact i has columns i nt .. i nt + nt-1,
+   * for nt = 2 two directions at right angles.
+   *   f(double t, const double *q, double *W, int ldw) */
+  template <class F> system &gap_tangent(F f)
+  {
+    return keep(NSDAE_CALLBACK(gap_tangent), std::move(f));
+  }
+  /* w_N(t,q) [k] and w_T(t,q) [k nt]: the velocities that the contacts have with v = 0.
+   * w_t is NULL where nt = 0.
+   *   f(double t, const double *q, double *w_n, double *w_t) */
+  template <class F> system &contact_bias(F f)
+  {
+    return keep(NSDAE_CALLBACK(contact_bias), std::move(f));
+  }
+  /* What the contacts and slides accelerate by with v' = 0, at (t,q,v): omega_n [k], omega_t [k nt]
+   * and omega_s [f], such that g_N'' = W_N^T v' + omega_n, v_T' = W_T^T v' + omega_t and the
+   * slides' velocities have the rates W_S^T v' + omega_s.
+   * An array is NULL where it would be empty.
+   *   f(double t, const double *q, const double *v, double *omega_n, double *omega_t,
+         double *omega_s) */
+  template <class F> system &contact_acceleration(F f)
+  {
+    return keep(NSDAE_CALLBACK(contact_acceleration), std::move(f));
+  }
+  /* W_S(t,q) [nv x f] and w_S(t,q) [f]: the sliding velocity of each slide is W_S^T v + w_S.
+   *   f(double t, const double *q, double *W, int ldw, double *w_s) */
+  template <class F> system &slide_tangent(F f)
+  {
+    return keep(NSDAE_CALLBACK(slide_tangent), std::move(f));
+  }
+  /* dq/dt [nq] from v [nv], linear in v.
+   *   f(double t, const double *q, const double *v, double *qdot) */
+  template <class F> system &kinematics(F f)
+  {
+    return keep(NSDAE_CALLBACK(kinematics), std::move(f));
+  }
+  /* Potential energy U(t,q); used only to report energies.
+   *   f(double t, const double *q, double *energy) */
+  template <class F> system &potential(F f)
+  {
+    return keep(NSDAE_CALLBACK(potential), std::move(f));
+  }
+  /* callbacks.list: end */
 #undef NSDAE_CALLBACK
 
+  /* nsdae_system_set_contact: coefficients of contact i, from 0. */
   system &contact(int i, double mu, double e_n, double e_t = 0)
   {
-    detail::demand(nsdae_system_set_contact(c(), i, mu, e_n, e_t), last_error());
-    return *this;
+    return took(nsdae_system_set_contact(c(), i, mu, e_n, e_t));
   }
+  /* nsdae_system_set_slide: slide j is this constraint, both from 0. */
   system &slide(int j, int constraint, double mu)
   {
-    detail::demand(nsdae_system_set_slide(c(), j, constraint, mu), last_error());
-    return *this;
+    return took(nsdae_system_set_slide(c(), j, constraint, mu));
+  }
+  /* nsdae_system_set_name: kind is of enum nsdae_name_kind, i is from 0. */
+  system &name(int kind, int i, const std::string &name, const std::string &unit = std::string())
+  {
+    return took(nsdae_system_set_name(c(), kind, i, name.c_str(), unit.c_str()));
+  }
+  /* The name of number i of a kind; empty where there is none. */
+  std::string name(int kind, int i) const
+  {
+    return nsdae_system_get_name(c(), kind, i);
+  }
+  /* Its unit. */
+  std::string unit(int kind, int i) const
+  {
+    return nsdae_system_get_unit(c(), kind, i);
   }
 
+  /* Simulations that it has now: while there are any, it is constant. */
+  int simulations() const noexcept
+  {
+    return nsdae_system_simulations(c());
+  }
+
+  /* The sizes, with nv filled in. */
   nsdae_dims dims() const
   {
     nsdae_dims dims = nsdae_dims();
     detail::demand(nsdae_system_get_dims(c(), &dims), nullptr);
     return dims;
   }
+  /* nsdae_system_differences: the terms that are filled by differences. */
   std::string differences() const
   {
     return nsdae_system_differences(c());
   }
 
+  /* nsdae_system_unseen: what no check can see of the callbacks that are given. */
+  std::string unseen() const
+  {
+    return nsdae_system_unseen(c());
+  }
+
+  /* nsdae_system_check at (t, q [nq], v [nv]). */
   int try_check(double t, const double *q, const double *v, double tol,
                 nsdae_check *worst = nullptr) noexcept
   {
     return detail::attempt([&] { return nsdae_system_check(c(), t, q, v, tol, worst); });
   }
+  /* The same; error names the wrong entry. */
   void check(double t, const std::vector<double> &q, const std::vector<double> &v,
              double tol = 1e-5)
   {
@@ -328,7 +449,7 @@ public:
     detail::demand_run(try_check(t, at, speed, tol), last_error());
   }
 
-  /* Why the last call failed; NULL for an empty handle. */
+  /* Why the last call failed. */
   const nsdae_error *last_error() const noexcept
   {
     return nsdae_system_error(c());
@@ -338,12 +459,22 @@ private:
   friend class sim;
   std::shared_ptr<detail::system_guts> guts_;
 
-  template <class Callback, class Set, class Run>
-  system &keep(Callback detail::system_guts::*member, Callback callback, Set set, Run run)
+  template <class Callback, class Set, class Run, class F>
+  system &keep(Callback detail::system_guts::*member, Set set, Run run, F f)
   {
-    detail::demand(set(c(), run), last_error());
+    Callback callback(std::move(f));
+    took(set(c(), run));
     std::swap((*guts_).*member, callback);
     return *this;
+  }
+  /* What a setter returned. An exception cannot be overlooked: what was refused with one is not
+   * held against the simulations. */
+  system &took(int status)
+  {
+    if (status >= 0) return *this;
+    const nsdae_error record = *last_error();
+    nsdae_system_clear_error(c());
+    throw error(record);
   }
 };
 
@@ -351,13 +482,17 @@ private:
 class sim
 {
 public:
+  /* Empty. */
   sim() noexcept = default;
+  /* A simulation of a system, which it keeps alive. */
   explicit sim(const system &of, const options &with = options())
   {
     nsdae_error record = nsdae_error();
     detail::demand(try_create(of, with, &record), &record);
   }
+  /* Moves; what it was moved from is empty. */
   sim(sim &&) noexcept = default;
+  /* The same. */
   sim &operator=(sim &&) noexcept = default;
 
   /* Makes it anew; what it was before is released. */
@@ -374,9 +509,12 @@ public:
     });
   }
 
+  /* Whether it holds something. */
   explicit operator bool() const noexcept { return c() != nullptr; }
+  /* The handle of C, or NULL. */
   nsdae_sim *c() const noexcept { return guts_ ? guts_->c : nullptr; }
 
+  /* nsdae_sim_init, of q0 [nq] and v0 [nv]. */
   int try_init(double t0, const double *q0, const double *v0) noexcept
   {
     return detail::attempt([&] { return nsdae_sim_init(c(), t0, q0, v0); });
@@ -388,6 +526,7 @@ public:
     const double *q = detail::sized(q0, size.nq, "q0"), *v = detail::sized(v0, size.nv, "v0");
     detail::demand_run(try_init(t0, q, v), last_error());
   }
+  /* The same of lists: sim.init(0, {1, 2}, {0, 0}). */
   void init(double t0, const std::vector<double> &q0, const std::vector<double> &v0)
   {
     init<std::vector<double>, std::vector<double>>(t0, q0, v0);
@@ -404,23 +543,29 @@ public:
     return *this;
   }
 
+  /* nsdae_sim_step. */
   int try_step() noexcept
   {
     return moved(detail::attempt([&] { return nsdae_sim_step(c()); }));
   }
+  /* nsdae_sim_run. */
   int try_run(double t_end) noexcept
   {
     return moved(detail::attempt([&] { return nsdae_sim_run(c(), t_end); }));
   }
+  /* One step of dt; the status is >= 0. */
   int step() { return detail::demand_run(try_step(), last_error()); }
+  /* Steps to t_end; the status is >= 0. */
   int run(double t_end) { return detail::demand_run(try_run(t_end), last_error()); }
 
   /* Its pointers hold until the next step. */
   nsdae_record record() const { return get<nsdae_record>(nsdae_sim_get_record); }
+  /* nsdae_sim_get_stats. */
   nsdae_stats stats() const { return get<nsdae_stats>(nsdae_sim_get_stats); }
+  /* nsdae_sim_get_dims. */
   nsdae_dims dims() const { return get<nsdae_dims>(nsdae_sim_get_dims); }
 
-  /* Why the last call failed; NULL for an empty handle. */
+  /* Why the last call failed. */
   const nsdae_error *last_error() const noexcept { return nsdae_sim_error(c()); }
 
 private:
@@ -445,32 +590,41 @@ private:
 class trajectory
 {
 public:
+  /* Empty. */
   trajectory() noexcept = default;
+  /* A file of the simulation's records from here on, with the model's name. */
   trajectory(const sim &of, const std::string &path, const std::string &model = std::string())
   {
     nsdae_trajectory_info info = nsdae_trajectory_info();
     info.model = model.c_str();
     create(of, path, info);
   }
+  /* The same with all that nsdae_trajectory_create takes. */
   trajectory(const sim &of, const std::string &path, const nsdae_trajectory_info &info)
   {
     create(of, path, info);
   }
+  /* Moves; what it was moved from is empty. */
   trajectory(trajectory &&other) noexcept : c_(other.c_), sim_(std::move(other.sim_))
   {
     other.c_ = nullptr;
   }
+  /* The same. */
   trajectory &operator=(trajectory &&other) noexcept
   {
     std::swap(c_, other.c_);
     std::swap(sim_, other.sim_);
     return *this;
   }
+  /* try_close(). */
   ~trajectory() { try_close(); }
 
+  /* Whether it holds something. */
   explicit operator bool() const noexcept { return c_ != nullptr; }
+  /* The handle of C, or NULL. */
   nsdae_trajectory *c() const noexcept { return c_; }
 
+  /* nsdae_trajectory_put: a dataset beside the records. */
   void put(const std::string &path, const std::vector<double> &values, const std::string &units,
            const std::string &description)
   {
@@ -480,12 +634,21 @@ public:
                    &record);
   }
 
+  /* nsdae_trajectory_flush. */
+  void flush()
+  {
+    nsdae_error record = nsdae_error();
+    detail::demand(nsdae_trajectory_flush(c_, &record), &record);
+  }
+
+  /* nsdae_trajectory_close. */
   int try_close(nsdae_error *record = nullptr) noexcept
   {
     int status = c_ ? nsdae_trajectory_close(&c_, sim_->status, record) : NSDAE_OK;
     sim_.reset();
     return status;
   }
+  /* The same; error says what could not be written. */
   void close()
   {
     nsdae_error record = nsdae_error();

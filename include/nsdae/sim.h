@@ -25,7 +25,7 @@ enum nsdae_method {
 };
 
 /* Linear solvers of the integrator of event. */
-enum nsdae_linear_solver { NSDAE_LINEAR_DENSE, NSDAE_LINEAR_KLU };
+enum nsdae_linear_solver { NSDAE_LINEAR_DENSE, NSDAE_LINEAR_SPARSE };
 
 /* What to do where Phi_q has deficient rank. */
 enum nsdae_redundant { NSDAE_REDUNDANT_ERROR, NSDAE_REDUNDANT_LEAST_NORM };
@@ -111,8 +111,14 @@ typedef struct nsdae_record {
   int changes;                /* in the step */
 } nsdae_record;
 
-/* Sees every record. 0: go on; > 0: stop after it (NSDAE_STOPPED); < 0: the run fails with this
- * status. The observer's own error may be left in *error, which comes cleared. */
+/* Sees every record, once each. 0: go on; > 0: stop after it (NSDAE_STOPPED); < 0: the run fails
+ * with this status and the state is the one before the step: it becomes the state when every
+ * observer has seen it. The next step or run goes on with the observer that failed; those that saw
+ * the record do not see it again, unless the step is not the same any more (another end, other
+ * options, a state that was set): then the number of the step comes again, and stands for the one
+ * before. The observer's own error may be left in *error, which comes cleared. It may ask the
+ * simulation, and add or take out observers, itself too; what moves the simulation is
+ * NSDAE_E_STATE. */
 typedef int (*nsdae_observer_fn)(const nsdae_record *record, nsdae_error *error, void *user);
 
 enum { NSDAE_OBSERVERS_MAX = 8 };
@@ -135,9 +141,10 @@ typedef struct nsdae_stats {
   double wall_time;      /* spent in nsdae_sim_run and nsdae_sim_step [s] */
 } nsdae_stats;
 
-/* Makes a simulation; this is where memory is allocated, once. The system must be complete and
- * outlive it; options are copied, NULL for the defaults. error may be NULL.
- * NSDAE_E_ARGUMENT, NSDAE_E_STATE (a callback that is needed is missing), NSDAE_E_MEMORY. */
+/* Makes a simulation; this is where memory is allocated, once. The system must be complete, and is
+ * constant as long as the simulation lives; options are copied, NULL for the defaults. error may be
+ * NULL. NSDAE_E_ARGUMENT, NSDAE_E_STATE (a callback that is needed is missing), NSDAE_E_MEMORY, and
+ * what a setter of the system was refused with (see nsdae_system_clear_error). */
 NSDAE_API int nsdae_sim_create(const nsdae_system *system, const nsdae_sim_options *options,
                                nsdae_sim **sim, nsdae_error *error);
 /* Releases it and sets *sim to NULL; NULL and a pointer to NULL are allowed. */
@@ -171,7 +178,9 @@ NSDAE_API int nsdae_sim_get_dims(const nsdae_sim *sim, nsdae_dims *dims);
 /* 1 where the system has a callback for the potential energy, else 0. */
 NSDAE_API int nsdae_sim_has_potential(const nsdae_sim *sim);
 NSDAE_API int nsdae_sim_get_options(const nsdae_sim *sim, nsdae_sim_options *options);
-/* Why the last call on this simulation failed. */
+/* The system that it was made of, for its names and sizes; NULL of NULL. */
+NSDAE_API const nsdae_system *nsdae_sim_get_system(const nsdae_sim *sim);
+/* Why the last call on this simulation failed; of NULL a record that says so. */
 NSDAE_API const nsdae_error *nsdae_sim_error(const nsdae_sim *sim);
 
 #ifdef __cplusplus

@@ -10,8 +10,11 @@
  *
  * Callbacks return 0 when done, > 0 for a failure that a smaller step may avoid, < 0 for one that
  * nothing helps. They see t, q and v of one point and must not change anything but their outputs
- * and what user points to. A system is constant once its simulations are made: one system may
- * serve many simulations, one per thread, if the callbacks allow it. */
+ * and what user points to. A system is constant while it has simulations: one system may serve
+ * many, one per thread, if the callbacks allow it.
+ *
+ * Everything is numbered from 0: coordinates, constraints, contacts, slides and entries, here, in
+ * error texts, tables and files. */
 #ifndef NSDAE_SYSTEM_H
 #define NSDAE_SYSTEM_H
 
@@ -34,6 +37,7 @@ typedef struct nsdae_dims {
   int f;  /* slides: bilateral constraints with friction, 0 .. m */
 } nsdae_dims;
 
+/* callbacks.list: types */
 /* M(t,q) [nv x nv], symmetric positive definite; both triangles. */
 typedef int (*nsdae_mass_fn)(double t, const double *q, double *M, int ldm, void *user);
 /* F(t,q,v) [nv]: all forces but those of constraints and contacts. */
@@ -47,37 +51,50 @@ typedef int (*nsdae_constraint_jacobian_fn)(double t, const double *q, double *J
 typedef int (*nsdae_constraint_bias_fn)(double t, const double *q, const double *v, double *phi_t,
                                         double *omega, void *user);
 /* g_N(t,q) [k]: the distance of each contact, negative where its bodies overlap. */
-typedef int (*nsdae_gap_fn)(double t, const double *q, double *gap, void *user);
+typedef int (*nsdae_gap_fn)(double t, const double *q, double *g, void *user);
 /* W_N(t,q) [nv x k], such that d g_N / dt = W_N^T v + w_N. */
 typedef int (*nsdae_gap_normal_fn)(double t, const double *q, double *W, int ldw, void *user);
 /* W_T(t,q) [nv x k nt], such that v_T = W_T^T v + w_T; contact i has columns i nt .. i nt + nt-1,
  * for nt = 2 two directions at right angles. */
 typedef int (*nsdae_gap_tangent_fn)(double t, const double *q, double *W, int ldw, void *user);
-/* w_N(t,q) [k] and w_T(t,q) [k nt]: the velocities that the contacts have with v = 0. w_t is NULL
- * where nt = 0. */
+/* w_N(t,q) [k] and w_T(t,q) [k nt]: the velocities that the contacts have with v = 0.
+ * w_t is NULL where nt = 0. */
 typedef int (*nsdae_contact_bias_fn)(double t, const double *q, double *w_n, double *w_t,
                                      void *user);
 /* What the contacts and slides accelerate by with v' = 0, at (t,q,v): omega_n [k], omega_t [k nt]
- * and omega_s [f], such that g_N'' = W_N^T v' + omega_n, v_T' = W_T^T v' + omega_t and the slides'
- * velocities have the rates W_S^T v' + omega_s. An array is NULL where it would be empty. */
+ * and omega_s [f], such that g_N'' = W_N^T v' + omega_n, v_T' = W_T^T v' + omega_t and the
+ * slides' velocities have the rates W_S^T v' + omega_s.
+ * An array is NULL where it would be empty. */
 typedef int (*nsdae_contact_acceleration_fn)(double t, const double *q, const double *v,
                                              double *omega_n, double *omega_t, double *omega_s,
                                              void *user);
 /* W_S(t,q) [nv x f] and w_S(t,q) [f]: the sliding velocity of each slide is W_S^T v + w_S. */
-typedef int (*nsdae_slide_fn)(double t, const double *q, double *W, int ldw, double *w, void *user);
+typedef int (*nsdae_slide_fn)(double t, const double *q, double *W, int ldw, double *w_s,
+                              void *user);
 /* dq/dt [nq] from v [nv], linear in v. */
 typedef int (*nsdae_kinematics_fn)(double t, const double *q, const double *v, double *qdot,
                                    void *user);
-/* Potential energy U(t,q) [1]; used only to report energies. */
+/* Potential energy U(t,q); used only to report energies. */
 typedef int (*nsdae_potential_fn)(double t, const double *q, double *energy, void *user);
+/* callbacks.list: end */
 
 /* Makes a description without callbacks. error may be NULL.
  * NSDAE_E_ARGUMENT (a size outside its range), NSDAE_E_MEMORY. */
 NSDAE_API int nsdae_system_create(const nsdae_dims *dims, nsdae_system **system,
                                   nsdae_error *error);
 /* Releases it and sets *system to NULL; NULL and a pointer to NULL are allowed. Its simulations
- * must have been destroyed before. */
+ * go on: what they need of it is released with the last of them. */
 NSDAE_API void nsdae_system_destroy(nsdae_system **system);
+
+/* All setters below return NSDAE_OK, or < 0 and change nothing: NSDAE_E_ARGUMENT, and NSDAE_E_STATE
+ * while the system has simulations, for they share it. A refusal cannot be overlooked: the first
+ * one is what nsdae_sim_create and nsdae_system_check return, until nsdae_system_clear_error. */
+
+/* Takes note of what was refused: clears the error record and what is remembered. */
+NSDAE_API void nsdae_system_clear_error(nsdae_system *system);
+
+/* How many simulations it has now; 0 of NULL. */
+NSDAE_API int nsdae_system_simulations(const nsdae_system *system);
 
 /* Handed to every callback as its last argument; NULL at first. */
 NSDAE_API int nsdae_system_set_user(nsdae_system *system, void *user);
@@ -88,25 +105,29 @@ NSDAE_API int nsdae_system_set_user(nsdae_system *system, void *user);
  * bias; for the method event the contact acceleration; nsdae_system_differences says which) or
  * taken as zero (tangential bias); kinematics is the identity where nq = nv. NSDAE_E_ARGUMENT:
  * system or callback NULL, or the system has no such term. */
-NSDAE_API int nsdae_system_set_mass(nsdae_system *system, nsdae_mass_fn mass);
-NSDAE_API int nsdae_system_set_force(nsdae_system *system, nsdae_force_fn force);
-NSDAE_API int nsdae_system_set_constraint(nsdae_system *system, nsdae_constraint_fn constraint);
+/* callbacks.list: declarations */
+NSDAE_API int nsdae_system_set_mass(nsdae_system *system, nsdae_mass_fn callback);
+NSDAE_API int nsdae_system_set_force(nsdae_system *system, nsdae_force_fn callback);
+NSDAE_API int nsdae_system_set_constraint(nsdae_system *system, nsdae_constraint_fn callback);
 NSDAE_API int nsdae_system_set_constraint_jacobian(nsdae_system *system,
-                                                   nsdae_constraint_jacobian_fn jacobian);
-NSDAE_API int nsdae_system_set_constraint_bias(nsdae_system *system, nsdae_constraint_bias_fn bias);
-NSDAE_API int nsdae_system_set_gap(nsdae_system *system, nsdae_gap_fn gap);
-NSDAE_API int nsdae_system_set_gap_normal(nsdae_system *system, nsdae_gap_normal_fn normal);
-NSDAE_API int nsdae_system_set_gap_tangent(nsdae_system *system, nsdae_gap_tangent_fn tangent);
-NSDAE_API int nsdae_system_set_contact_bias(nsdae_system *system, nsdae_contact_bias_fn bias);
+                                                   nsdae_constraint_jacobian_fn callback);
+NSDAE_API int nsdae_system_set_constraint_bias(nsdae_system *system,
+                                               nsdae_constraint_bias_fn callback);
+NSDAE_API int nsdae_system_set_gap(nsdae_system *system, nsdae_gap_fn callback);
+NSDAE_API int nsdae_system_set_gap_normal(nsdae_system *system, nsdae_gap_normal_fn callback);
+NSDAE_API int nsdae_system_set_gap_tangent(nsdae_system *system, nsdae_gap_tangent_fn callback);
+NSDAE_API int nsdae_system_set_contact_bias(nsdae_system *system, nsdae_contact_bias_fn callback);
 NSDAE_API int nsdae_system_set_contact_acceleration(nsdae_system *system,
-                                                    nsdae_contact_acceleration_fn acceleration);
-NSDAE_API int nsdae_system_set_slide_tangent(nsdae_system *system, nsdae_slide_fn tangent);
-NSDAE_API int nsdae_system_set_kinematics(nsdae_system *system, nsdae_kinematics_fn kinematics);
-NSDAE_API int nsdae_system_set_potential(nsdae_system *system, nsdae_potential_fn potential);
+                                                    nsdae_contact_acceleration_fn callback);
+NSDAE_API int nsdae_system_set_slide_tangent(nsdae_system *system, nsdae_slide_fn callback);
+NSDAE_API int nsdae_system_set_kinematics(nsdae_system *system, nsdae_kinematics_fn callback);
+NSDAE_API int nsdae_system_set_potential(nsdae_system *system, nsdae_potential_fn callback);
+/* callbacks.list: end */
 
 /* Coefficients of contact 0 <= i < k; all zero at first.
  *   mu   friction, >= 0           e_n  normal restitution (Newton), 0 .. 1
- *   e_t  tangential restitution, 0 .. 1                                                  */
+ *   e_t  tangential restitution, 0 .. 1
+ * mu > 0 needs tangential directions: NSDAE_E_ARGUMENT where nt = 0. */
 NSDAE_API int nsdae_system_set_contact(nsdae_system *system, int i, double mu, double e_n,
                                        double e_t);
 
@@ -116,7 +137,31 @@ NSDAE_API int nsdae_system_set_contact(nsdae_system *system, int i, double mu, d
  * is the normal force. mu >= 0; with mu = 0, as at first, it has no friction. */
 NSDAE_API int nsdae_system_set_slide(nsdae_system *system, int j, int constraint, double mu);
 
-/* Why the last call on this system failed. */
+/* What can have a name: each has as many as the system's sizes say, numbered from 0. */
+enum nsdae_name_kind {
+  NSDAE_NAME_COORDINATE, /* nq */
+  NSDAE_NAME_VELOCITY,   /* nv */
+  NSDAE_NAME_CONSTRAINT, /* m */
+  NSDAE_NAME_CONTACT,    /* k */
+  NSDAE_NAME_SLIDE       /* f */
+};
+
+/* Sizes of their texts, with the zero at the end. */
+enum { NSDAE_NAME_SIZE = 48, NSDAE_UNIT_SIZE = 24 };
+
+/* Name and unit of number i (from 0) of a kind, as in (NSDAE_NAME_COORDINATE, 2, "theta", "rad");
+ * UTF-8, copied. They stand in error texts, files, tables and plots. The unit is that of the
+ * coordinate, of the constraint's Phi or of the contact's gap; NULL or "": not said. Names of one
+ * kind must differ, which is looked at when a simulation is made. NSDAE_E_ARGUMENT: no such kind or
+ * number, a name that is empty or NULL, a text that is too long or has control characters. */
+NSDAE_API int nsdae_system_set_name(nsdae_system *system, int kind, int i, const char *name,
+                                    const char *unit);
+/* "" where there is none. A velocity without a name has that of its coordinate, and its unit is
+ * that one's per second, where there is no callback kinematics. The texts live in the system. */
+NSDAE_API const char *nsdae_system_get_name(const nsdae_system *system, int kind, int i);
+NSDAE_API const char *nsdae_system_get_unit(const nsdae_system *system, int kind, int i);
+
+/* Why the last call on this system failed; of NULL a record that says so. */
 NSDAE_API const nsdae_error *nsdae_system_error(const nsdae_system *system);
 
 /* The sizes, with nv filled in. */
@@ -135,14 +180,23 @@ typedef struct nsdae_check {
   double error;      /* |given - difference| / (1 + |difference|) of this entry */
 } nsdae_check;
 
-/* Compares every derivative that is given with central differences of what it derives from, and
- * the mass matrix with its transpose, at (t, q [nq], v [nv]); q need not satisfy the constraints.
- * Differences are good to about 1e-7 where the values are of order one: tol of 1e-5 is a fair
- * bound. NSDAE_OK; NSDAE_E_DERIVATIVE with the wrong entry in worst and in the error record;
- * (a NaN counts as wrong); NSDAE_E_STATE (a callback that is needed is missing), NSDAE_E_CALLBACK,
- * NSDAE_E_MEMORY. worst may be NULL. */
+/* Looks at every callback that is given, at (t, q [nq], v [nv]); q need not satisfy the
+ * constraints. First each alone: what it writes beyond its arrays (seen as far as the array's own
+ * size and 64 entries more to either side), entries of Phi, g_N, dq/dt and U that it never writes,
+ * and what is NaN or infinite. Then every derivative against central differences of what it derives
+ * from, and the mass matrix against its transpose; then directions of friction that are all zero,
+ * the normal's, or one twice. Differences are good to about 1e-7 where the values are of order one:
+ * tol of 1e-5 is a fair bound. What cannot be seen says nsdae_system_unseen. NSDAE_OK;
+ * NSDAE_E_DERIVATIVE with the wrong entry in worst and in the error record (a NaN in a derivative
+ * counts as wrong); NSDAE_E_CALLBACK (it failed, or the text says what it writes);
+ * NSDAE_E_NONFINITE; NSDAE_E_STATE (a callback that is needed is missing), NSDAE_E_MEMORY, and what
+ * a setter was refused with. worst may be NULL. */
 NSDAE_API int nsdae_system_check(nsdae_system *system, double t, const double *q, const double *v,
                                  double tol, nsdae_check *worst);
+
+/* What no check can see of the callbacks that are given: "gap: its sign and unit; force: ...". The
+ * text lives in the system. */
+NSDAE_API const char *nsdae_system_unseen(nsdae_system *system);
 
 #ifdef __cplusplus
 }

@@ -38,6 +38,22 @@ int nsdae_arena_build(nsdae_arena *arena, void (*layout)(void *object, nsdae_are
   if (arena->overflow) return NSDAE_E_MEMORY;
   arena->base = aligned_zeros(arena->used);
   if (!arena->base) return NSDAE_E_MEMORY;
+  arena->size = arena->used;
+  arena->used = 0;
+  layout(object, arena);
+  return NSDAE_OK;
+}
+
+int nsdae_arena_fit(nsdae_arena *arena, void (*layout)(void *object, nsdae_arena *arena),
+                    void *object)
+{
+  nsdae_arena measured = {0};
+  layout(object, &measured);
+  if (measured.overflow) return NSDAE_E_MEMORY;
+  if (!arena->base || arena->size < measured.used) {
+    nsdae_arena_release(arena);
+    return nsdae_arena_build(arena, layout, object);
+  }
   arena->used = 0;
   layout(object, arena);
   return NSDAE_OK;

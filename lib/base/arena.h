@@ -9,6 +9,7 @@
 typedef struct nsdae_arena {
   char *base; /* NULL while measuring */
   size_t used;
+  size_t size;  /* bytes of the block */
   int overflow; /* a size was negative or the sum does not fit size_t */
 } nsdae_arena;
 
@@ -24,6 +25,10 @@ void *nsdae_arena_take(nsdae_arena *arena, long count, size_t size);
  * nsdae_arena_release. Returns 0 or NSDAE_E_MEMORY. */
 int nsdae_arena_build(nsdae_arena *arena, void (*layout)(void *object, nsdae_arena *arena),
                       void *object);
+/* The same, but in the block that the arena has where that is large enough: what it held is then
+ * still there, and not zeros. */
+int nsdae_arena_fit(nsdae_arena *arena, void (*layout)(void *object, nsdae_arena *arena),
+                    void *object);
 void nsdae_arena_release(nsdae_arena *arena);
 
 #endif

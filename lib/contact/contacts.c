@@ -17,16 +17,16 @@
 void nsdae_contacts_laws(nsdae_contacts *contacts, int polygon_edges)
 {
   const nsdae_system *s = contacts->system;
-  contacts->rows_max = 1;
+  contacts->rows_most = 1;
   contacts->slide_count = 0;
   for (int j = 0; j < s->dims.f; j++) contacts->slide_count += s->slide[j].mu > 0;
   for (int i = 0; i < s->dims.k; i++) {
     contacts->law[i] = nsdae_law_make(s->dims.nt, s->contact[i].mu, polygon_edges);
-    if (contacts->law[i].rows > contacts->rows_max) contacts->rows_max = contacts->law[i].rows;
+    if (contacts->law[i].rows > contacts->rows_most) contacts->rows_most = contacts->law[i].rows;
   }
 }
 
-long nsdae_contacts_rows_max(const nsdae_contacts *contacts)
+long nsdae_contacts_rows_most(const nsdae_contacts *contacts)
 {
   long rows = 3L * contacts->slide_count;
   for (int i = 0; i < contacts->system->dims.k; i++) rows += contacts->law[i].rows;
@@ -37,79 +37,49 @@ void nsdae_contacts_layout(nsdae_contacts *c, nsdae_arena *arena)
 {
   const nsdae_dims *dims = &c->system->dims;
   long k = dims->k, n = dims->nv, f = c->slide_count;
-  long columns = k * (1 + dims->nt) + f, rows = nsdae_contacts_rows_max(c);
-  if (rows > INT_MAX || nsdae_lcp_workspace((int)rows, &c->lwork, &c->liwork) < 0)
+  long columns = k * (1 + dims->nt) + f, rows = nsdae_contacts_rows_most(c);
+  if (rows > INT_MAX || nsdae_lcp_workspace((int)rows, &c->lcp.lwork, &c->lcp.liwork) < 0)
     arena->overflow = 1;
   c->active = NSDAE_ARENA_INTS(arena, k);
   c->first_column = NSDAE_ARENA_INTS(arena, k + 1);
   c->first_row = NSDAE_ARENA_INTS(arena, k + 1);
-  c->W = NSDAE_ARENA_DOUBLES(arena, n * columns);
-  c->U = NSDAE_ARENA_DOUBLES(arena, n * columns);
-  c->D = NSDAE_ARENA_DOUBLES(arena, dims->m * columns);
-  c->G = NSDAE_ARENA_DOUBLES(arena, columns * columns);
-  c->A = NSDAE_ARENA_DOUBLES(arena, rows * rows);
-  c->b = NSDAE_ARENA_DOUBLES(arena, rows);
-  c->x = NSDAE_ARENA_DOUBLES(arena, rows);
-  c->y = NSDAE_ARENA_DOUBLES(arena, rows);
-  c->basis = NSDAE_ARENA_INTS(arena, rows);
-  c->memory = NSDAE_ARENA_INTS(arena, k * c->rows_max);
-  c->impulse = NSDAE_ARENA_DOUBLES(arena, columns);
-  c->impulse_size = NSDAE_ARENA_DOUBLES(arena, columns);
-  c->offset = NSDAE_ARENA_DOUBLES(arena, columns);
-  c->work = NSDAE_ARENA_DOUBLES(arena, c->lwork);
-  c->iwork = NSDAE_ARENA_INTS(arena, c->liwork);
-  c->impact = NSDAE_ARENA_INTS(arena, k);
+  c->delassus.W = NSDAE_ARENA_DOUBLES(arena, n * columns);
+  c->delassus.U = NSDAE_ARENA_DOUBLES(arena, n * columns);
+  c->delassus.D = NSDAE_ARENA_DOUBLES(arena, dims->m * columns);
+  c->delassus.G = NSDAE_ARENA_DOUBLES(arena, columns * columns);
+  c->lcp.A = NSDAE_ARENA_DOUBLES(arena, rows * rows);
+  c->lcp.b = NSDAE_ARENA_DOUBLES(arena, rows);
+  c->lcp.x = NSDAE_ARENA_DOUBLES(arena, rows);
+  c->lcp.y = NSDAE_ARENA_DOUBLES(arena, rows);
+  c->lcp.basis = NSDAE_ARENA_INTS(arena, rows);
+  c->delassus.impulse = NSDAE_ARENA_DOUBLES(arena, columns);
+  c->delassus.impulse_size = NSDAE_ARENA_DOUBLES(arena, columns);
+  c->delassus.offset = NSDAE_ARENA_DOUBLES(arena, columns);
+  c->lcp.work = NSDAE_ARENA_DOUBLES(arena, c->lcp.lwork);
+  c->lcp.iwork = NSDAE_ARENA_INTS(arena, c->lcp.liwork);
   c->slide = NSDAE_ARENA_INTS(arena, f);
-  c->Z = NSDAE_ARENA_DOUBLES(arena, f ? columns * rows : 0);
-  c->GZ = NSDAE_ARENA_DOUBLES(arena, f ? columns * rows : 0);
-  c->z0 = NSDAE_ARENA_DOUBLES(arena, columns);
-  c->K = NSDAE_ARENA_DOUBLES(arena, f * rows);
-  c->k0 = NSDAE_ARENA_DOUBLES(arena, f);
-  c->Q = NSDAE_ARENA_DOUBLES(arena, f * f);
-  c->D_S = NSDAE_ARENA_DOUBLES(arena, f * columns);
-  c->pivot = NSDAE_ARENA_INTS(arena, f);
-  c->slide_memory = NSDAE_ARENA_INTS(arena, 3 * f);
+  c->map.Z = NSDAE_ARENA_DOUBLES(arena, f ? columns * rows : 0);
+  c->map.GZ = NSDAE_ARENA_DOUBLES(arena, f ? columns * rows : 0);
+  c->map.z0 = NSDAE_ARENA_DOUBLES(arena, columns);
+  c->map.K = NSDAE_ARENA_DOUBLES(arena, f * rows);
+  c->map.k0 = NSDAE_ARENA_DOUBLES(arena, f);
+  c->map.Q = NSDAE_ARENA_DOUBLES(arena, f * f);
+  c->map.D_S = NSDAE_ARENA_DOUBLES(arena, f * columns);
+  c->map.pivot = NSDAE_ARENA_INTS(arena, f);
   c->slide_row = NSDAE_ARENA_INTS(arena, f + 1);
-  c->before = NSDAE_ARENA_DOUBLES(arena, k);
-  c->before_t = NSDAE_ARENA_DOUBLES(arena, k * dims->nt);
-  c->after = NSDAE_ARENA_DOUBLES(arena, k);
-  c->after_t = NSDAE_ARENA_DOUBLES(arena, k * dims->nt);
-  c->normal = NSDAE_ARENA_DOUBLES(arena, k);
-  c->tangential = NSDAE_ARENA_DOUBLES(arena, k * dims->nt);
-  c->mode = NSDAE_ARENA_INTS(arena, k);
-  c->slide_before = NSDAE_ARENA_DOUBLES(arena, dims->f);
-  c->slide_after = NSDAE_ARENA_DOUBLES(arena, dims->f);
-  c->slide_impulse = NSDAE_ARENA_DOUBLES(arena, dims->f);
-  c->slide_mode = NSDAE_ARENA_INTS(arena, dims->f);
-}
-
-static void clear_results(nsdae_contacts *c)
-{
-  size_t k = (size_t)c->system->dims.k, kt = k * (size_t)c->system->dims.nt;
-  memset(c->impact, 0, k * sizeof *c->impact);
-  memset(c->before, 0, k * sizeof *c->before);
-  memset(c->before_t, 0, kt * sizeof *c->before_t);
-  memset(c->after, 0, k * sizeof *c->after);
-  memset(c->after_t, 0, kt * sizeof *c->after_t);
-  memset(c->normal, 0, k * sizeof *c->normal);
-  memset(c->tangential, 0, kt * sizeof *c->tangential);
-  memset(c->mode, 0, k * sizeof *c->mode);
-  size_t f = (size_t)c->system->dims.f;
-  memset(c->slide_before, 0, f * sizeof *c->slide_before);
-  memset(c->slide_after, 0, f * sizeof *c->slide_after);
-  memset(c->slide_impulse, 0, f * sizeof *c->slide_impulse);
-  memset(c->slide_mode, 0, f * sizeof *c->slide_mode);
-  c->info = (nsdae_lcp_info){.outcome = NSDAE_LCP_SOLVED};
-}
-
-void nsdae_contacts_forget(nsdae_contacts *c)
-{
-  memset(c->memory, 0, (size_t)c->system->dims.k * (size_t)c->rows_max * sizeof *c->memory);
-  memset(c->slide_memory, 0, 3 * (size_t)c->slide_count * sizeof *c->slide_memory);
-  c->active_count = 0;
-  clear_results(c);
-  for (int j = 0, count = 0; j < c->system->dims.f; j++)
+  for (int j = 0, count = 0; c->slide && j < dims->f; j++)
     if (c->system->slide[j].mu > 0) c->slide[count++] = j;
+}
+
+size_t nsdae_contacts_memory_size(const nsdae_contacts *c)
+{
+  return (size_t)c->system->dims.k * (size_t)c->rows_most + 3 * (size_t)c->slide_count;
+}
+
+void nsdae_contacts_remember(nsdae_contacts *c, int *memory)
+{
+  c->memory = memory;
+  c->slide_memory = memory + (size_t)c->system->dims.k * (size_t)c->rows_most;
 }
 
 /* Columns and rows of the slides after those of the contacts. */
@@ -123,10 +93,13 @@ static void close_slides(nsdae_contacts *c, int columns, int rows)
   c->rows = rows;
 }
 
-static void close_contacts(nsdae_contacts *c, const double *gap, const int *closed)
+static void close_contacts(nsdae_contacts *c, const double *gap, const int *closed,
+                           nsdae_impulses *results)
 {
   int count = 0, columns = 0, rows = 0;
-  clear_results(c);
+  nsdae_impulses_clear(results, &c->system->dims);
+  c->results = results;
+  c->lcp.info = (nsdae_lcp_info){.outcome = NSDAE_OUTCOME_SOLVED};
   for (int i = 0; i < c->system->dims.k; i++) {
     if (gap ? gap[i] > 0 : !closed[i]) continue;
     c->active[count] = i;
@@ -142,51 +115,48 @@ static void close_contacts(nsdae_contacts *c, const double *gap, const int *clos
   close_slides(c, columns, rows);
 }
 
-void nsdae_contacts_close(nsdae_contacts *c, const nsdae_terms *terms)
+void nsdae_contacts_close(nsdae_contacts *c, const nsdae_terms *terms, nsdae_impulses *results)
 {
-  close_contacts(c, terms->gap, NULL);
+  close_contacts(c, terms->gap, NULL, results);
 }
 
-void nsdae_contacts_close_marked(nsdae_contacts *c, const int *closed)
+void nsdae_contacts_close_marked(nsdae_contacts *c, const int *closed, nsdae_impulses *results)
 {
-  close_contacts(c, NULL, closed);
+  close_contacts(c, NULL, closed, results);
 }
 
 /* Velocity W^T v + w of contact i. */
-static void contact_velocity(const nsdae_contacts *c, int i, const nsdae_terms *terms,
-                             const double *v, double *v_n, double *v_t)
+static void contact_velocity(const nsdae_contacts *c, int i, const nsdae_terms *T, const double *v,
+                             double *v_n, double *v_t)
 {
-  const nsdae_dims *dims = &c->system->dims;
-  size_t n = (size_t)dims->nv;
-  v_n[i] = nsdae_dot(dims->nv, terms->W_N + (size_t)i * n, v) + terms->w_N[i];
-  for (int j = i * dims->nt; j < (i + 1) * dims->nt; j++)
-    v_t[j] = nsdae_dot(dims->nv, terms->W_T + (size_t)j * n, v) + terms->w_T[j];
+  int nt = c->system->dims.nt;
+  v_n[i] = nsdae_terms_rate(T, T->W_N, T->w_N, i, v);
+  for (int j = i * nt; j < (i + 1) * nt; j++) v_t[j] = nsdae_terms_rate(T, T->W_T, T->w_T, j, v);
 }
 
-static void slide_velocities(const nsdae_contacts *c, const nsdae_terms *terms, const double *v,
+static void slide_velocities(const nsdae_contacts *c, const nsdae_terms *T, const double *v,
                              double *velocity)
 {
-  int n = c->system->dims.nv;
   for (int i = 0; i < c->slide_count; i++) {
     int j = c->slide[i];
-    velocity[j] = nsdae_dot(n, terms->W_S + (size_t)j * (size_t)n, v) + terms->w_S[j];
+    velocity[j] = nsdae_terms_rate(T, T->W_S, T->w_S, j, v);
   }
 }
 
 static void velocities_after(nsdae_contacts *c, const nsdae_terms *terms, const double *v)
 {
   for (int a = 0; a < c->active_count; a++)
-    contact_velocity(c, c->active[a], terms, v, c->after, c->after_t);
-  slide_velocities(c, terms, v, c->slide_after);
+    contact_velocity(c, c->active[a], terms, v, c->results->after, c->results->after_t);
+  slide_velocities(c, terms, v, c->results->slide_after);
 }
 
 void nsdae_contacts_before(nsdae_contacts *c, const nsdae_terms *terms, const double *v,
                            int impacts_only)
 {
   for (int a = 0; a < c->active_count; a++)
-    if (!impacts_only || c->impact[c->active[a]])
-      contact_velocity(c, c->active[a], terms, v, c->before, c->before_t);
-  if (!impacts_only) slide_velocities(c, terms, v, c->slide_before);
+    if (!impacts_only || c->results->impact[c->active[a]])
+      contact_velocity(c, c->active[a], terms, v, c->results->before, c->results->before_t);
+  if (!impacts_only) slide_velocities(c, terms, v, c->results->slide_before);
 }
 
 /* W, one block of columns per closed contact: normal, then tangential where it has friction. */
@@ -195,11 +165,11 @@ static void gather_columns(nsdae_contacts *c, const nsdae_terms *terms)
   size_t n = (size_t)c->system->dims.nv, nt = (size_t)c->system->dims.nt;
   for (int a = 0; a < c->active_count; a++) {
     size_t i = (size_t)c->active[a], tangents = (size_t)c->law[i].columns - 1;
-    double *at = c->W + (size_t)c->first_column[a] * n;
+    double *at = c->delassus.W + (size_t)c->first_column[a] * n;
     memcpy(at, terms->W_N + i * n, n * sizeof *at);
     memcpy(at + n, terms->W_T + i * nt * n, tangents * n * sizeof *at);
   }
-  double *slides = c->W + (size_t)(c->columns - c->slide_count) * n;
+  double *slides = c->delassus.W + (size_t)(c->columns - c->slide_count) * n;
   for (int j = 0; j < c->slide_count; j++)
     memcpy(slides + (size_t)j * n, terms->W_S + (size_t)c->slide[j] * n, n * sizeof *slides);
 }
@@ -209,7 +179,8 @@ static void gather_columns(nsdae_contacts *c, const nsdae_terms *terms)
 static void clear_jammed(nsdae_contacts *c, const nsdae_terms *terms, int n, int m)
 {
   for (int j = 0; j < c->columns; j++) {
-    const double *W = c->W + (size_t)j * (size_t)n, *D = c->D + (size_t)j * (size_t)m;
+    const double *W = c->delassus.W + (size_t)j * (size_t)n,
+                 *D = c->delassus.D + (size_t)j * (size_t)m;
     double largest = 0, left = 0;
     for (int i = 0; i < n; i++) {
       double rest = W[i] - nsdae_dot(m, terms->J + (size_t)i * (size_t)m, D);
@@ -217,18 +188,19 @@ static void clear_jammed(nsdae_contacts *c, const nsdae_terms *terms, int n, int
       left = fmax(left, fabs(rest));
     }
     if (left <= 64 * DBL_EPSILON * largest)
-      memset(c->U + (size_t)j * (size_t)n, 0, (size_t)n * sizeof *c->U);
+      memset(c->delassus.U + (size_t)j * (size_t)n, 0, (size_t)n * sizeof *c->delassus.U);
   }
 }
 
 static void delassus(nsdae_contacts *c, const nsdae_terms *terms, const nsdae_kkt *kkt)
 {
   int n = kkt->n, m = kkt->m;
-  memcpy(c->U, c->W, (size_t)n * (size_t)c->columns * sizeof *c->U);
-  memset(c->D, 0, (size_t)m * (size_t)c->columns * sizeof *c->D);
-  nsdae_kkt_solve(kkt, c->columns, c->U, n, c->D, m);
+  memcpy(c->delassus.U, c->delassus.W, (size_t)n * (size_t)c->columns * sizeof *c->delassus.U);
+  memset(c->delassus.D, 0, (size_t)m * (size_t)c->columns * sizeof *c->delassus.D);
+  nsdae_kkt_solve(kkt, c->columns, c->delassus.U, n, c->delassus.D, m);
   if (m > 0) clear_jammed(c, terms, n, m);
-  nsdae_la_multiply_transposed(n, c->columns, c->columns, c->W, n, c->U, n, 0, c->G, c->columns);
+  nsdae_la_multiply_transposed(n, c->columns, c->columns, c->delassus.W, n, c->delassus.U, n, 0,
+                               c->delassus.G, c->columns);
 }
 
 /* W^T v_free + w(+) + e v(-), in the order of the columns. */
@@ -239,13 +211,13 @@ static void offsets(nsdae_contacts *c, const nsdae_terms *terms, const double *v
   for (int a = 0; a < c->active_count; a++) {
     int i = c->active[a];
     const nsdae_coefficients *e = &c->system->contact[i];
-    double *at = c->offset + c->first_column[a];
-    at[0] = c->after[i] + e->e_n * c->before[i];
+    double *at = c->delassus.offset + c->first_column[a];
+    at[0] = c->results->after[i] + e->e_n * c->results->before[i];
     for (int j = 1; j < c->law[i].columns; j++)
-      at[j] = c->after_t[i * nt + j - 1] + e->e_t * c->before_t[i * nt + j - 1];
+      at[j] = c->results->after_t[i * nt + j - 1] + e->e_t * c->results->before_t[i * nt + j - 1];
   }
   for (int j = 0; j < c->slide_count; j++)
-    c->offset[c->columns - c->slide_count + j] = c->slide_after[c->slide[j]];
+    c->delassus.offset[c->columns - c->slide_count + j] = c->results->slide_after[c->slide[j]];
 }
 
 /* E_P^T G E_Q of two contacts into their block of A. */
@@ -253,8 +225,8 @@ static void assemble_block(nsdae_contacts *c, int row, int column)
 {
   const nsdae_law *p = &c->law[c->active[row]], *q = &c->law[c->active[column]];
   const double *G =
-      c->G + (size_t)c->first_column[column] * (size_t)c->columns + c->first_column[row];
-  double *A = c->A + (size_t)c->first_row[column] * (size_t)c->rows + c->first_row[row];
+      c->delassus.G + (size_t)c->first_column[column] * (size_t)c->columns + c->first_column[row];
+  double *A = c->lcp.A + (size_t)c->first_row[column] * (size_t)c->rows + c->first_row[row];
   if (p->columns == 1 && q->columns == 1) { /* without friction: the most of many */
     *A = p->E_P[0][0] * *G * q->E_Q[0][0];
     return;
@@ -277,35 +249,40 @@ static void assemble(nsdae_contacts *c)
     const nsdae_law *law = &c->law[c->active[a]];
     for (int other = 0; other < c->active_count; other++) assemble_block(c, other, a);
     size_t first = (size_t)c->first_row[a];
-    nsdae_law_add_coupling(law, c->A + first * (size_t)c->rows + first, c->rows);
-    const double *offset = c->offset + c->first_column[a];
+    nsdae_law_add_coupling(law, c->lcp.A + first * (size_t)c->rows + first, c->rows);
+    const double *offset = c->delassus.offset + c->first_column[a];
     for (int i = 0; i < law->rows; i++) {
       double sum = 0;
       for (int l = 0; l < law->columns; l++) sum += law->E_P[l][i] * offset[l];
-      c->b[first + (size_t)i] = sum;
+      c->lcp.b[first + (size_t)i] = sum;
     }
   }
 }
 
 /* The basis between a closed contact's place in the problem and its place in memory. */
+static int *memory_of(const nsdae_contacts *c, int a)
+{
+  return c->memory + (size_t)c->active[a] * (size_t)c->rows_most;
+}
+
 static void recall_basis(nsdae_contacts *c)
 {
   for (int a = 0; a < c->active_count; a++)
-    memcpy(c->basis + c->first_row[a], c->memory + c->active[a] * c->rows_max,
-           (size_t)c->law[c->active[a]].rows * sizeof *c->basis);
+    memcpy(c->lcp.basis + c->first_row[a], memory_of(c, a),
+           (size_t)c->law[c->active[a]].rows * sizeof *c->memory);
   for (int j = 0; j < c->slide_count; j++)
-    memcpy(c->basis + c->slide_row[j], c->slide_memory + 3 * j,
-           (size_t)nsdae_slides_rows(c, j) * sizeof *c->basis);
+    memcpy(c->lcp.basis + c->slide_row[j], c->slide_memory + 3 * (size_t)j,
+           (size_t)nsdae_slides_rows(c, j) * sizeof *c->memory);
 }
 
 static void keep_basis(nsdae_contacts *c)
 {
   for (int a = 0; a < c->active_count; a++)
-    memcpy(c->memory + c->active[a] * c->rows_max, c->basis + c->first_row[a],
-           (size_t)c->law[c->active[a]].rows * sizeof *c->basis);
+    memcpy(memory_of(c, a), c->lcp.basis + c->first_row[a],
+           (size_t)c->law[c->active[a]].rows * sizeof *c->memory);
   for (int j = 0; j < c->slide_count; j++)
-    memcpy(c->slide_memory + 3 * j, c->basis + c->slide_row[j],
-           (size_t)nsdae_slides_rows(c, j) * sizeof *c->basis);
+    memcpy(c->slide_memory + 3 * (size_t)j, c->lcp.basis + c->slide_row[j],
+           (size_t)nsdae_slides_rows(c, j) * sizeof *c->memory);
 }
 
 static int unsolved(nsdae_contacts *c, double t, int status)
@@ -315,8 +292,8 @@ static int unsolved(nsdae_contacts *c, double t, int status)
   nsdae_error_set(c->error, status, "nsdae_contacts", "",
                   "contact problem of %d rows (%s) at t = %.17g: %s, residual %.3g above %.3g; a "
                   "smaller dt or less friction may help",
-                  c->rows, first, t, nsdae_status_message(status), c->info.residual,
-                  c->lcp_options.tol);
+                  c->rows, first, t, nsdae_status_message(status), c->lcp.info.residual,
+                  c->lcp.options.tol);
   c->error->time = t;
   c->error->index = c->active_count > 0 ? c->active[0] : -1;
   return status;
@@ -324,10 +301,11 @@ static int unsolved(nsdae_contacts *c, double t, int status)
 
 static int solve_lcp(nsdae_contacts *c, double t)
 {
-  nsdae_lcp_problem problem = {.n = c->rows, .A = c->A, .lda = c->rows, .b = c->b};
+  nsdae_lcp_problem problem = {.n = c->rows, .A = c->lcp.A, .lda = c->rows, .b = c->lcp.b};
   recall_basis(c);
-  int status = nsdae_lcp_solve_in(&problem, &c->lcp_options, c->basis, c->x, c->y, &c->info,
-                                  c->work, c->lwork, c->iwork, c->liwork);
+  int status =
+      nsdae_lcp_solve_in(&problem, &c->lcp.options, c->lcp.basis, c->lcp.x, c->lcp.y, &c->lcp.info,
+                         c->lcp.work, c->lcp.lwork, c->lcp.iwork, c->lcp.liwork);
   if (status == NSDAE_OK) {
     keep_basis(c);
     return NSDAE_OK;
@@ -339,12 +317,12 @@ static int solve_lcp(nsdae_contacts *c, double t)
 static int mode_of(const nsdae_contacts *c, int a)
 {
   const nsdae_law *law = &c->law[c->active[a]];
-  const double *x = c->x + c->first_row[a], *offset = c->offset + c->first_column[a];
+  const double *x = c->lcp.x + c->first_row[a], *offset = c->delassus.offset + c->first_column[a];
   int mode = nsdae_law_mode(law, x);
   double speed = 0;
   if (law->kind != NSDAE_POLYGON || mode != NSDAE_MODE_SLIDE) return mode;
   for (int l = 0; l < law->columns; l++) speed = fmax(speed, fabs(offset[l]));
-  return x[law->rows - 1] > c->lcp_options.tol * speed ? NSDAE_MODE_SLIDE : NSDAE_MODE_STICK;
+  return x[law->rows - 1] > c->lcp.options.tol * speed ? NSDAE_MODE_SLIDE : NSDAE_MODE_STICK;
 }
 
 /* Lambda = E_Q x, and what the contact does. */
@@ -354,8 +332,8 @@ static void scatter(nsdae_contacts *c)
   for (int a = 0; a < c->active_count; a++) {
     int i = c->active[a];
     const nsdae_law *law = &c->law[i];
-    const double *x = c->x + c->first_row[a];
-    double *impulse = c->impulse + c->first_column[a];
+    const double *x = c->lcp.x + c->first_row[a];
+    double *impulse = c->delassus.impulse + c->first_column[a];
     double size = 0; /* of the contact as a whole: so good is the solution of the LCP */
     for (int l = 0; l < law->columns; l++) {
       double terms = 0;
@@ -366,10 +344,10 @@ static void scatter(nsdae_contacts *c)
       }
       size = fmax(size, terms);
     }
-    for (int l = 0; l < law->columns; l++) c->impulse_size[c->first_column[a] + l] = size;
-    c->normal[i] = impulse[0];
-    for (int l = 1; l < law->columns; l++) c->tangential[i * nt + l - 1] = impulse[l];
-    c->mode[i] = mode_of(c, a);
+    for (int l = 0; l < law->columns; l++) c->delassus.impulse_size[c->first_column[a] + l] = size;
+    c->results->normal[i] = impulse[0];
+    for (int l = 1; l < law->columns; l++) c->results->tangential[i * nt + l - 1] = impulse[l];
+    c->results->mode[i] = mode_of(c, a);
   }
   nsdae_slides_scatter(c);
 }
@@ -381,8 +359,8 @@ static void add_velocity(const nsdae_contacts *c, int n, double *restrict size, 
   const double rounding = 32 * DBL_EPSILON;
   for (int i = 0; i < n; i++) size[i] = fabs(size[i]) + fabs(v[i]);
   for (int j = 0; j < c->columns; j++) {
-    const double *restrict U = c->U + (size_t)j * (size_t)n;
-    double impulse = c->impulse[j], impulse_size = c->impulse_size[j];
+    const double *restrict U = c->delassus.U + (size_t)j * (size_t)n;
+    double impulse = c->delassus.impulse[j], impulse_size = c->delassus.impulse_size[j];
     for (int i = 0; i < n; i++) {
       v[i] += U[i] * impulse;
       size[i] += fabs(U[i]) * impulse_size;
@@ -408,7 +386,7 @@ int nsdae_contacts_solve(nsdae_contacts *c, const nsdae_terms *terms, const nsda
   if (status < 0) return status;
   scatter(c);
   add_velocity(c, kkt->n, size, v);
-  nsdae_add_product(kkt->m, c->columns, c->D, c->impulse, lambda);
+  nsdae_add_product(kkt->m, c->columns, c->delassus.D, c->delassus.impulse, lambda);
   velocities_after(c, terms, v);
   return NSDAE_OK;
 }
@@ -416,7 +394,7 @@ int nsdae_contacts_solve(nsdae_contacts *c, const nsdae_terms *terms, const nsda
 static int any_impact(const nsdae_contacts *c)
 {
   for (int a = 0; a < c->active_count; a++)
-    if (c->impact[c->active[a]]) return 1;
+    if (c->results->impact[c->active[a]]) return 1;
   return 0;
 }
 
@@ -427,17 +405,17 @@ void nsdae_contacts_add_impulse(const nsdae_contacts *c, const nsdae_terms *term
   size_t n = (size_t)dims->nv;
   for (int a = 0; a < c->active_count; a++) {
     int i = c->active[a];
-    if (skip_impacts && c->impact[i]) continue;
-    double normal = scale * c->normal[i];
+    if (skip_impacts && c->results->impact[i]) continue;
+    double normal = scale * c->results->normal[i];
     nsdae_add_product(dims->nv, 1, terms->W_N + (size_t)i * n, &normal, r);
     for (int j = i * dims->nt; j < (i + 1) * dims->nt; j++) {
-      double tangential = scale * c->tangential[j];
+      double tangential = scale * c->results->tangential[j];
       nsdae_add_product(dims->nv, 1, terms->W_T + (size_t)j * n, &tangential, r);
     }
   }
   if (skip_impacts && any_impact(c)) return;
   for (int j = 0; j < c->slide_count; j++) {
-    double friction = scale * c->slide_impulse[c->slide[j]];
+    double friction = scale * c->results->slide_impulse[c->slide[j]];
     nsdae_add_product(dims->nv, 1, terms->W_S + (size_t)c->slide[j] * n, &friction, r);
   }
 }
@@ -448,13 +426,14 @@ double nsdae_contacts_work(const nsdae_contacts *c)
   double work = 0;
   for (int a = 0; a < c->active_count; a++) {
     int i = c->active[a];
-    work += c->normal[i] * (c->after[i] + c->before[i]) / 2;
+    work += c->results->normal[i] * (c->results->after[i] + c->results->before[i]) / 2;
     for (int j = i * nt; j < (i + 1) * nt; j++)
-      work += c->tangential[j] * (c->after_t[j] + c->before_t[j]) / 2;
+      work += c->results->tangential[j] * (c->results->after_t[j] + c->results->before_t[j]) / 2;
   }
   for (int i = 0; i < c->slide_count; i++) {
     int j = c->slide[i];
-    work += c->slide_impulse[j] * (c->slide_after[j] + c->slide_before[j]) / 2;
+    work += c->results->slide_impulse[j] *
+            (c->results->slide_after[j] + c->results->slide_before[j]) / 2;
   }
   return work;
 }

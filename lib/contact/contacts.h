@@ -14,72 +14,82 @@
 #include <nsdae/lcp.h>
 
 #include "arena.h"
+#include "impulses.h"
 #include "law.h"
 #include "terms.h"
+
+/* xi = G Lambda + offset, by columns. */
+typedef struct nsdae_delassus {
+  double *W, *U, *D;    /* nv, nv, m times columns */
+  double *G;            /* columns x columns */
+  double *offset;       /* columns: W^T v_free + w(+) + e v(-) */
+  double *impulse;      /* columns: Lambda */
+  double *impulse_size; /* columns: the sum of the absolute terms of Lambda */
+} nsdae_delassus;
+
+/* The complementarity problem, and what its solver works with. */
+typedef struct nsdae_contact_lcp {
+  nsdae_lcp_options options;
+  nsdae_lcp_info info;   /* of the last problem */
+  double *A, *b, *x, *y; /* rows x rows, rows */
+  int *basis;            /* rows */
+  double *work;
+  int *iwork, lwork, liwork;
+} nsdae_contact_lcp;
+
+/* What the slides make of the unknowns: see slides.h. */
+typedef struct nsdae_slide_map {
+  double *Z, *GZ; /* columns x rows: Lambda = Z x + z0, G Z */
+  double *z0;     /* columns */
+  double *K, *k0; /* slide_count x rows, slide_count: l- = K x + k0 */
+  double *Q;      /* slide_count x slide_count */
+  double *D_S;    /* slide_count x columns */
+  int *pivot;     /* slide_count */
+} nsdae_slide_map;
 
 typedef struct nsdae_contacts {
   const nsdae_system *system;
   nsdae_error *error;
-  nsdae_lcp_options lcp_options;
-  nsdae_law *law; /* k: fixed with the system's coefficients */
-  int rows_max;   /* of any contact */
-
+  nsdae_law *law;                /* k: fixed with the system's coefficients */
+  int rows_most;                 /* of any contact */
   int active_count, *active;     /* the closed contacts */
-  int columns, rows;             /* of the problem, over the closed contacts */
+  int columns, rows;             /* of the problem, over the closed contacts and the slides */
   int *first_column, *first_row; /* per closed contact, with one past the last */
-  double *W, *U, *D;             /* nv, nv, m times columns */
-  double *G;                     /* columns x columns */
-  double *A, *b, *x, *y;         /* rows x rows, rows */
-  int *basis, *memory;           /* rows; k x rows_max: the last basis of each contact */
-  double *impulse;               /* columns: Lambda */
-  double *impulse_size;          /* columns: the sum of the absolute terms of Lambda */
-  double *offset;                /* columns: W^T v_free + w(+) + e v(-) */
-  double *work;
-  int *iwork, lwork, liwork;
-  nsdae_lcp_info info; /* of the last problem */
-
-  int *impact; /* k: contacts that hit in this step, as the method decided */
 
   /* slides with mu > 0: their columns and rows come after those of the contacts */
-  int slide_count, *slide;   /* their numbers */
-  double *Z, *GZ;            /* columns x rows: Lambda = Z x + z0, G Z */
-  double *z0;                /* columns */
-  double *K, *k0;            /* slide_count x rows, slide_count: l- = K x + k0 */
-  double *Q, *D_S;           /* slide_count x slide_count, slide_count x columns */
-  int *pivot, *slide_memory; /* slide_count, 3 slide_count */
-  const int *slide_sense;    /* f: +1 or -1 where a slide is known to slide that way; NULL: none */
-  int *slide_row;            /* slide_count: first row of each, three or, with a known sense, one */
+  int slide_count, *slide; /* their numbers */
+  int *slide_row;          /* slide_count: first row of each, three or, with a known sense, one */
+  const int *slide_sense;  /* f: +1 or -1 where a slide is known to slide that way; NULL: none */
 
-  /* by contact, zero where it is open */
-  double *before, *before_t;   /* v_N(-), v_T(-): k, k nt */
-  double *after, *after_t;     /* v_N(+), v_T(+) */
-  double *normal, *tangential; /* Lambda_N, Lambda_T */
-  int *mode;                   /* enum nsdae_mode */
-
-  /* by slide */
-  double *slide_before, *slide_after; /* sliding velocity before and after: f */
-  double *slide_impulse;              /* Lambda_T */
-  int *slide_mode;
+  nsdae_delassus delassus;
+  nsdae_slide_map map;
+  nsdae_contact_lcp lcp;
+  nsdae_impulses *results;    /* where those of the problem go */
+  int *memory, *slide_memory; /* k x rows_most, 3 slide_count: the last basis of each, not ours */
 } nsdae_contacts;
 
 /* Takes the arrays; system, error and law (see nsdae_contacts_laws) are set before. */
 void nsdae_contacts_layout(nsdae_contacts *contacts, nsdae_arena *arena);
 
-/* Fills the laws [k] and rows_max from the system's coefficients, and counts the slides. */
+/* Fills the laws [k] and rows_most from the system's coefficients, and counts the slides. */
 void nsdae_contacts_laws(nsdae_contacts *contacts, int polygon_edges);
 
 /* Number of rows that the contacts can have together. */
-long nsdae_contacts_rows_max(const nsdae_contacts *contacts);
+long nsdae_contacts_rows_most(const nsdae_contacts *contacts);
 
-/* Forgets the last solutions and results: the next problem starts cold. */
-void nsdae_contacts_forget(nsdae_contacts *contacts);
+/* The warm start that problems read and leave is the caller's: so many integers, zero where there
+ * is none yet. */
+size_t nsdae_contacts_memory_size(const nsdae_contacts *contacts);
+void nsdae_contacts_remember(nsdae_contacts *contacts, int *memory);
 
-/* Closes the contacts with a gap that is not above zero; the others are open and their results
- * zero. The terms must have the gap. */
-void nsdae_contacts_close(nsdae_contacts *contacts, const nsdae_terms *terms);
+/* A new problem: closes the contacts with a gap that is not above zero; the others are open. The
+ * results go to the given place, which is cleared. The terms must have the gap. */
+void nsdae_contacts_close(nsdae_contacts *contacts, const nsdae_terms *terms,
+                          nsdae_impulses *results);
 
 /* The same with the contacts [k] that are marked. */
-void nsdae_contacts_close_marked(nsdae_contacts *contacts, const int *closed);
+void nsdae_contacts_close_marked(nsdae_contacts *contacts, const int *closed,
+                                 nsdae_impulses *results);
 
 /* Stores v(-) of the closed contacts and the slides: W^T v + w with the terms' W and w; with
  * impacts_only, of the contacts that are marked as impacts. */

@@ -47,16 +47,16 @@ static int column_of(const nsdae_contacts *c, int j)
 /* Z_b: E_Q of the contacts, Lambda_T = Lambda_R - mu l+ of the slides. */
 static void basic_map(nsdae_contacts *c)
 {
-  memset(c->Z, 0, (size_t)c->columns * (size_t)c->rows * sizeof *c->Z);
+  memset(c->map.Z, 0, (size_t)c->columns * (size_t)c->rows * sizeof *c->map.Z);
   for (int a = 0; a < c->active_count; a++) {
     const nsdae_law *law = &c->law[c->active[a]];
     for (int j = 0; j < law->rows; j++)
       for (int l = 0; l < law->columns; l++)
-        AT(c->Z, c->columns, c->first_column[a] + l, c->first_row[a] + j) = law->E_Q[l][j];
+        AT(c->map.Z, c->columns, c->first_column[a] + l, c->first_row[a] + j) = law->E_Q[l][j];
   }
   for (int j = 0; j < c->slide_count; j++) {
-    AT(c->Z, c->columns, column_of(c, j), row_of(c, j, L_PLUS)) = -signed_mu(c, j);
-    if (!sense_of(c, j)) AT(c->Z, c->columns, column_of(c, j), row_of(c, j, LAMBDA_R)) = 1;
+    AT(c->map.Z, c->columns, column_of(c, j), row_of(c, j, L_PLUS)) = -signed_mu(c, j);
+    if (!sense_of(c, j)) AT(c->map.Z, c->columns, column_of(c, j), row_of(c, j, LAMBDA_R)) = 1;
   }
 }
 
@@ -66,16 +66,17 @@ static void constraint_rows(nsdae_contacts *c, const double *lambda)
   int f = c->slide_count, m = c->system->dims.m;
   for (int i = 0; i < f; i++) {
     for (int j = 0; j < c->columns; j++)
-      AT(c->D_S, f, i, j) = AT(c->D, m, slide_of(c, i)->constraint, j);
+      AT(c->map.D_S, f, i, j) = AT(c->delassus.D, m, slide_of(c, i)->constraint, j);
     for (int j = 0; j < f; j++)
-      AT(c->Q, f, i, j) = (i == j) - AT(c->D_S, f, i, column_of(c, j)) * signed_mu(c, j);
-    c->k0[i] = -lambda[slide_of(c, i)->constraint];
+      AT(c->map.Q, f, i, j) = (i == j) - AT(c->map.D_S, f, i, column_of(c, j)) * signed_mu(c, j);
+    c->map.k0[i] = -lambda[slide_of(c, i)->constraint];
   }
   for (int j = 0; j < c->rows; j++)
     for (int i = 0; i < f; i++) {
       double sum = j == row_of(c, i, L_PLUS);
-      for (int l = 0; l < c->columns; l++) sum -= AT(c->D_S, f, i, l) * AT(c->Z, c->columns, l, j);
-      AT(c->K, f, i, j) = sum;
+      for (int l = 0; l < c->columns; l++)
+        sum -= AT(c->map.D_S, f, i, l) * AT(c->map.Z, c->columns, l, j);
+      AT(c->map.K, f, i, j) = sum;
     }
 }
 
@@ -84,31 +85,31 @@ static int eliminate(nsdae_contacts *c)
 {
   int f = c->slide_count;
   double largest = 0;
-  for (int i = 0; i < f * f; i++) largest = fmax(largest, fabs(c->Q[i]));
-  if (nsdae_la_lu(f, c->Q, f, c->pivot) != 0) return NSDAE_E_LCP;
+  for (size_t i = 0; i < (size_t)f * (size_t)f; i++) largest = fmax(largest, fabs(c->map.Q[i]));
+  if (nsdae_la_lu(f, c->map.Q, f, c->map.pivot) != 0) return NSDAE_E_LCP;
   for (int i = 0; i < f; i++)
-    if (!(fabs(AT(c->Q, f, i, i)) > f * 8 * DBL_EPSILON * fmax(largest, 1))) return NSDAE_E_LCP;
+    if (!(fabs(AT(c->map.Q, f, i, i)) > f * 8 * DBL_EPSILON * fmax(largest, 1))) return NSDAE_E_LCP;
   for (int j = 0; j < c->rows; j++)
-    nsdae_la_lu_solve(f, c->Q, f, c->pivot, c->K + (size_t)j * (size_t)f);
-  nsdae_la_lu_solve(f, c->Q, f, c->pivot, c->k0);
+    nsdae_la_lu_solve(f, c->map.Q, f, c->map.pivot, c->map.K + (size_t)j * (size_t)f);
+  nsdae_la_lu_solve(f, c->map.Q, f, c->map.pivot, c->map.k0);
   return NSDAE_OK;
 }
 
 /* Z = Z_b - mu K, z0 = -mu k0 on the slides; then G Z, and G z0 into the offsets. */
 static void whole_map(nsdae_contacts *c)
 {
-  memset(c->z0, 0, (size_t)c->columns * sizeof *c->z0);
+  memset(c->map.z0, 0, (size_t)c->columns * sizeof *c->map.z0);
   for (int i = 0; i < c->slide_count; i++) {
     double mu = signed_mu(c, i);
     for (int j = 0; j < c->rows; j++)
-      AT(c->Z, c->columns, column_of(c, i), j) -= mu * AT(c->K, c->slide_count, i, j);
-    c->z0[column_of(c, i)] = -mu * c->k0[i];
+      AT(c->map.Z, c->columns, column_of(c, i), j) -= mu * AT(c->map.K, c->slide_count, i, j);
+    c->map.z0[column_of(c, i)] = -mu * c->map.k0[i];
   }
   /* G = W^T P W is symmetric */
-  nsdae_la_multiply_transposed(c->columns, c->columns, c->rows, c->G, c->columns, c->Z, c->columns,
-                               0, c->GZ, c->columns);
-  nsdae_la_multiply_transposed(c->columns, c->columns, 1, c->G, c->columns, c->z0, c->columns, 1,
-                               c->offset, c->columns);
+  nsdae_la_multiply_transposed(c->columns, c->columns, c->rows, c->delassus.G, c->columns, c->map.Z,
+                               c->columns, 0, c->map.GZ, c->columns);
+  nsdae_la_multiply_transposed(c->columns, c->columns, 1, c->delassus.G, c->columns, c->map.z0,
+                               c->columns, 1, c->delassus.offset, c->columns);
 }
 
 static void contact_rows(nsdae_contacts *c, int a)
@@ -119,31 +120,33 @@ static void contact_rows(nsdae_contacts *c, int a)
     for (int j = 0; j < c->rows; j++) {
       double sum = 0;
       for (int l = 0; l < law->columns; l++)
-        sum += law->E_P[l][i] * AT(c->GZ, c->columns, column + l, j);
-      AT(c->A, c->rows, row + i, j) = sum;
+        sum += law->E_P[l][i] * AT(c->map.GZ, c->columns, column + l, j);
+      AT(c->lcp.A, c->rows, row + i, j) = sum;
     }
     double sum = 0;
-    for (int l = 0; l < law->columns; l++) sum += law->E_P[l][i] * c->offset[column + l];
-    c->b[row + i] = sum;
+    for (int l = 0; l < law->columns; l++) sum += law->E_P[l][i] * c->delassus.offset[column + l];
+    c->lcp.b[row + i] = sum;
   }
-  nsdae_law_add_coupling(law, c->A + (size_t)row * (size_t)c->rows + row, c->rows);
+  nsdae_law_add_coupling(law, c->lcp.A + (size_t)row * (size_t)c->rows + row, c->rows);
 }
 
 static void slide_rows(nsdae_contacts *c, int i)
 {
   int row = row_of(c, i, 0), column = column_of(c, i);
   double mu = slide_of(c, i)->mu;
-  c->b[row + L_PLUS] = c->k0[i];
+  c->lcp.b[row + L_PLUS] = c->map.k0[i];
   for (int j = 0; j < c->rows; j++) {
-    double K = AT(c->K, c->slide_count, i, j);
-    AT(c->A, c->rows, row + L_PLUS, j) = K;
+    double K = AT(c->map.K, c->slide_count, i, j);
+    AT(c->lcp.A, c->rows, row + L_PLUS, j) = K;
     if (sense_of(c, i)) continue;
-    AT(c->A, c->rows, row + LAMBDA_R, j) = AT(c->GZ, c->columns, column, j) + (j == row + XI_L);
-    AT(c->A, c->rows, row + XI_L, j) = 2 * mu * ((j == row + L_PLUS) + K) - (j == row + LAMBDA_R);
+    AT(c->lcp.A, c->rows, row + LAMBDA_R, j) =
+        AT(c->map.GZ, c->columns, column, j) + (j == row + XI_L);
+    AT(c->lcp.A, c->rows, row + XI_L, j) =
+        2 * mu * ((j == row + L_PLUS) + K) - (j == row + LAMBDA_R);
   }
   if (sense_of(c, i)) return;
-  c->b[row + LAMBDA_R] = c->offset[column];
-  c->b[row + XI_L] = 2 * mu * c->k0[i];
+  c->lcp.b[row + LAMBDA_R] = c->delassus.offset[column];
+  c->lcp.b[row + XI_L] = 2 * mu * c->map.k0[i];
 }
 
 int nsdae_slides_assemble(nsdae_contacts *c, const double *lambda)
@@ -163,16 +166,16 @@ void nsdae_slides_scatter(nsdae_contacts *c)
 {
   for (int i = 0; i < c->slide_count; i++) {
     int row = row_of(c, i, 0), column = column_of(c, i);
-    double sum = c->z0[column], size = fabs(c->z0[column]);
+    double sum = c->map.z0[column], size = fabs(c->map.z0[column]);
     for (int j = 0; j < c->rows; j++) {
-      double term = AT(c->Z, c->columns, column, j) * c->x[j];
+      double term = AT(c->map.Z, c->columns, column, j) * c->lcp.x[j];
       sum += term;
       size += fabs(term);
     }
-    c->impulse_size[column] = size;
-    int sticking = !sense_of(c, i) && c->x[row + LAMBDA_R] > 0 && c->x[row + XI_L] == 0;
-    c->impulse[column] = sum;
-    c->slide_impulse[c->slide[i]] = sum;
-    c->slide_mode[c->slide[i]] = sticking ? NSDAE_MODE_STICK : NSDAE_MODE_SLIDE;
+    c->delassus.impulse_size[column] = size;
+    int sticking = !sense_of(c, i) && c->lcp.x[row + LAMBDA_R] > 0 && c->lcp.x[row + XI_L] == 0;
+    c->delassus.impulse[column] = sum;
+    c->results->slide_impulse[c->slide[i]] = sum;
+    c->results->slide_mode[c->slide[i]] = sticking ? NSDAE_MODE_STICK : NSDAE_MODE_SLIDE;
   }
 }

@@ -20,7 +20,7 @@ module nsdae_f_sim
   ! Linear solvers of the integrator of event.
   integer(c_int), parameter, public :: &
       NSDAE_LINEAR_DENSE = 0, &
-      NSDAE_LINEAR_KLU = 1
+      NSDAE_LINEAR_SPARSE = 1
 
   ! What to do where Phi_q has deficient rank.
   integer(c_int), parameter, public :: &
@@ -177,6 +177,7 @@ module nsdae_f_sim
     private
     type(c_ptr) :: handle = c_null_ptr
     type(run), pointer :: run => null()
+    type(nsdae_system) :: system
   end type
 
   public :: nsdae_observer_fn
@@ -185,7 +186,7 @@ module nsdae_f_sim
             nsdae_sim_init, nsdae_sim_observe, nsdae_sim_unobserve, nsdae_sim_step, &
             nsdae_sim_run, nsdae_sim_get_record, nsdae_sim_get_stats, nsdae_sim_get_dims, &
             nsdae_sim_has_potential, nsdae_sim_get_options, nsdae_sim_get_failed_lcp, &
-            nsdae_sim_error, nsdae_sim_handle
+            nsdae_sim_error, nsdae_sim_handle, nsdae_sim_get_system
 
   interface
     subroutine nsdae_sim_options_default(options) bind(C)
@@ -336,6 +337,7 @@ contains
       status = no_memory('nsdae_sim_create', error)
       return
     end if
+    sim%system = system
     status = c_get_dims(sim%handle, sim%run%dims)
   end function
 
@@ -496,6 +498,12 @@ contains
     b => null()
     status = c_get_failed_lcp(sim%handle, problem)
     if (status == NSDAE_OK) call shape_problem(problem, A, b)
+  end function
+
+  ! The system that it was made of.
+  type(nsdae_system) function nsdae_sim_get_system(sim) result(system)
+    type(nsdae_sim), intent(in) :: sim
+    system = sim%system
   end function
 
   ! Why the last call on this simulation failed.

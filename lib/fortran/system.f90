@@ -26,6 +26,16 @@ module nsdae_f_system
     integer(c_int) :: f = 0   ! slides: bilateral constraints with friction, 0 .. m
   end type
 
+  ! What can have a name; numbered from 0, as everything is.
+  integer(c_int), parameter, public :: &
+      NSDAE_NAME_COORDINATE = 0, &
+      NSDAE_NAME_VELOCITY = 1, &
+      NSDAE_NAME_CONSTRAINT = 2, &
+      NSDAE_NAME_CONTACT = 3, &
+      NSDAE_NAME_SLIDE = 4, &
+      NSDAE_NAME_SIZE = 48, &
+      NSDAE_UNIT_SIZE = 24
+
   ! Worst disagreement that nsdae_system_check found.
   type, public :: nsdae_check
     character(len=32) :: term = ''               ! callback, e.g. "constraint_jacobian"
@@ -42,7 +52,8 @@ module nsdae_f_system
   end type
 
   abstract interface
-    ! M(t,q), symmetric positive definite; both triangles.
+    ! callbacks.list: interfaces
+    ! M(t,q) [nv x nv], symmetric positive definite; both triangles.
     integer(c_int) function nsdae_mass_fn(t, q, M, user)
       import
       real(c_double), intent(in) :: t, q(:)
@@ -63,7 +74,7 @@ module nsdae_f_system
       real(c_double), intent(inout) :: phi(:)
       class(*), intent(inout) :: user
     end function
-    ! Phi_q(t,q) [m, nv], such that d Phi / dt = Phi_q v + Phi_t.
+    ! Phi_q(t,q) [m x nv], such that d Phi / dt = Phi_q v + Phi_t.
     integer(c_int) function nsdae_constraint_jacobian_fn(t, q, J, user)
       import
       real(c_double), intent(in) :: t, q(:)
@@ -84,15 +95,15 @@ module nsdae_f_system
       real(c_double), intent(inout) :: g(:)
       class(*), intent(inout) :: user
     end function
-    ! W_N(t,q) [nv, k], such that d g_N / dt = W_N^T v + w_N.
+    ! W_N(t,q) [nv x k], such that d g_N / dt = W_N^T v + w_N.
     integer(c_int) function nsdae_gap_normal_fn(t, q, W, user)
       import
       real(c_double), intent(in) :: t, q(:)
       real(c_double), intent(inout) :: W(:, :)
       class(*), intent(inout) :: user
     end function
-    ! W_T(t,q) [nv, k nt], such that v_T = W_T^T v + w_T; contact i (from 0) has columns
-    ! i nt + 1 .. i nt + nt, for nt = 2 two directions at right angles.
+    ! W_T(t,q) [nv x k nt], such that v_T = W_T^T v + w_T; contact i has columns i nt + 1 .. i nt + nt,
+    ! for nt = 2 two directions at right angles.
     integer(c_int) function nsdae_gap_tangent_fn(t, q, W, user)
       import
       real(c_double), intent(in) :: t, q(:)
@@ -106,16 +117,17 @@ module nsdae_f_system
       real(c_double), intent(inout) :: w_n(:), w_t(:)
       class(*), intent(inout) :: user
     end function
-    ! What the contacts and slides accelerate by with v' = 0: omega_n [k], omega_t [k nt] and
-    ! omega_s [f], such that g_N'' = W_N^T v' + omega_n, v_T' = W_T^T v' + omega_t and the slides'
-    ! velocities have the rates W_S^T v' + omega_s.
-    integer(c_int) function nsdae_contact_acceleration_fn(t, q, v, omega_n, omega_t, omega_s, user)
+    ! What the contacts and slides accelerate by with v' = 0, at (t,q,v): omega_n [k], omega_t [k nt]
+    ! and omega_s [f], such that g_N'' = W_N^T v' + omega_n, v_T' = W_T^T v' + omega_t and the
+    ! slides' velocities have the rates W_S^T v' + omega_s.
+    integer(c_int) function nsdae_contact_acceleration_fn(t, q, v, omega_n, omega_t, omega_s, &
+        user)
       import
       real(c_double), intent(in) :: t, q(:), v(:)
       real(c_double), intent(inout) :: omega_n(:), omega_t(:), omega_s(:)
       class(*), intent(inout) :: user
     end function
-    ! W_S(t,q) [nv, f] and w_S(t,q) [f]: each slide has the sliding velocity W_S^T v + w_S.
+    ! W_S(t,q) [nv x f] and w_S(t,q) [f]: the sliding velocity of each slide is W_S^T v + w_S.
     integer(c_int) function nsdae_slide_fn(t, q, W, w_s, user)
       import
       real(c_double), intent(in) :: t, q(:)
@@ -136,6 +148,7 @@ module nsdae_f_system
       real(c_double), intent(inout) :: energy
       class(*), intent(inout) :: user
     end function
+    ! callbacks.list: end
   end interface
 
   ! What the C library hands back to the callbacks below: the sizes, the user's procedures and the
@@ -143,6 +156,7 @@ module nsdae_f_system
   type :: model
     type(nsdae_dims) :: dims
     class(*), pointer :: user => null()
+    ! callbacks.list: procedures
     procedure(nsdae_mass_fn), pointer, nopass :: mass => null()
     procedure(nsdae_force_fn), pointer, nopass :: force => null()
     procedure(nsdae_constraint_fn), pointer, nopass :: constraint => null()
@@ -156,6 +170,7 @@ module nsdae_f_system
     procedure(nsdae_slide_fn), pointer, nopass :: slide_tangent => null()
     procedure(nsdae_kinematics_fn), pointer, nopass :: kinematics => null()
     procedure(nsdae_potential_fn), pointer, nopass :: potential => null()
+    ! callbacks.list: end
     type(nsdae_error) :: refusal  ! by the module itself, of the last call; C keeps the others
   end type
 
@@ -173,35 +188,41 @@ module nsdae_f_system
   type(nobody), target, save :: no_user
 
   public :: no_user
-  public :: nsdae_mass_fn, &
-            nsdae_force_fn, &
-            nsdae_constraint_fn, &
-            nsdae_constraint_jacobian_fn, &
-            nsdae_constraint_bias_fn, &
-            nsdae_gap_fn, &
-            nsdae_gap_normal_fn, &
-            nsdae_gap_tangent_fn, &
-            nsdae_contact_bias_fn, &
-            nsdae_contact_acceleration_fn, &
-            nsdae_slide_fn, &
-            nsdae_kinematics_fn, &
-            nsdae_potential_fn
+  ! callbacks.list: public_types
+  public :: nsdae_mass_fn
+  public :: nsdae_force_fn
+  public :: nsdae_constraint_fn
+  public :: nsdae_constraint_jacobian_fn
+  public :: nsdae_constraint_bias_fn
+  public :: nsdae_gap_fn
+  public :: nsdae_gap_normal_fn
+  public :: nsdae_gap_tangent_fn
+  public :: nsdae_contact_bias_fn
+  public :: nsdae_contact_acceleration_fn
+  public :: nsdae_slide_fn
+  public :: nsdae_kinematics_fn
+  public :: nsdae_potential_fn
+  ! callbacks.list: end
   public :: nsdae_system_create, nsdae_system_destroy, nsdae_system_set_user, &
             nsdae_system_set_contact, nsdae_system_set_slide, nsdae_system_error, &
-            nsdae_system_get_dims, nsdae_system_differences, nsdae_system_check, nsdae_system_handle
-  public :: nsdae_system_set_mass, &
-            nsdae_system_set_force, &
-            nsdae_system_set_constraint, &
-            nsdae_system_set_constraint_jacobian, &
-            nsdae_system_set_constraint_bias, &
-            nsdae_system_set_gap, &
-            nsdae_system_set_gap_normal, &
-            nsdae_system_set_gap_tangent, &
-            nsdae_system_set_contact_bias, &
-            nsdae_system_set_contact_acceleration, &
-            nsdae_system_set_slide_tangent, &
-            nsdae_system_set_kinematics, &
-            nsdae_system_set_potential
+            nsdae_system_get_dims, nsdae_system_differences, nsdae_system_check, &
+            nsdae_system_handle, nsdae_system_clear_error, nsdae_system_simulations, &
+            nsdae_system_unseen, nsdae_system_set_name, nsdae_system_get_name, nsdae_system_get_unit
+  ! callbacks.list: public_setters
+  public :: nsdae_system_set_mass
+  public :: nsdae_system_set_force
+  public :: nsdae_system_set_constraint
+  public :: nsdae_system_set_constraint_jacobian
+  public :: nsdae_system_set_constraint_bias
+  public :: nsdae_system_set_gap
+  public :: nsdae_system_set_gap_normal
+  public :: nsdae_system_set_gap_tangent
+  public :: nsdae_system_set_contact_bias
+  public :: nsdae_system_set_contact_acceleration
+  public :: nsdae_system_set_slide_tangent
+  public :: nsdae_system_set_kinematics
+  public :: nsdae_system_set_potential
+  ! callbacks.list: end
 
   interface
     integer(c_int) function c_create(dims, system, error) bind(C, name='nsdae_system_create')
@@ -225,6 +246,31 @@ module nsdae_f_system
       integer(c_int), value :: i
       real(c_double), value :: mu, e_n, e_t
     end function
+    subroutine c_clear_error(system) bind(C, name='nsdae_system_clear_error')
+      import
+      type(c_ptr), value :: system
+    end subroutine
+    integer(c_int) function c_simulations(system) bind(C, name='nsdae_system_simulations')
+      import
+      type(c_ptr), value :: system
+    end function
+    integer(c_int) function c_set_name(system, kind, i, name, unit) &
+        bind(C, name='nsdae_system_set_name')
+      import
+      type(c_ptr), value :: system
+      integer(c_int), value :: kind, i
+      character(kind=c_char), intent(in) :: name(*), unit(*)
+    end function
+    type(c_ptr) function c_get_name(system, kind, i) bind(C, name='nsdae_system_get_name')
+      import
+      type(c_ptr), value :: system
+      integer(c_int), value :: kind, i
+    end function
+    type(c_ptr) function c_get_unit(system, kind, i) bind(C, name='nsdae_system_get_unit')
+      import
+      type(c_ptr), value :: system
+      integer(c_int), value :: kind, i
+    end function
     integer(c_int) function c_set_slide(system, j, constraint, mu) &
         bind(C, name='nsdae_system_set_slide')
       import
@@ -245,6 +291,10 @@ module nsdae_f_system
       import
       type(c_ptr), value :: system
     end function
+    type(c_ptr) function c_unseen(system) bind(C, name='nsdae_system_unseen')
+      import
+      type(c_ptr), value :: system
+    end function
     integer(c_int) function c_check(system, t, q, v, tol, worst) bind(C, name='nsdae_system_check')
       import
       type(c_ptr), value :: system
@@ -254,6 +304,7 @@ module nsdae_f_system
     end function
 
     ! The setters of the callbacks, all alike.
+    ! callbacks.list: c_setters
     integer(c_int) function c_set_mass(system, callback) &
         bind(C, name='nsdae_system_set_mass')
       import
@@ -332,6 +383,7 @@ module nsdae_f_system
       type(c_ptr), value :: system
       type(c_funptr), value :: callback
     end function
+    ! callbacks.list: end
   end interface
 
 contains
@@ -358,12 +410,28 @@ contains
     status = c_set_user(system%handle, c_loc(system%model))
   end function
 
-  ! Releases it; one that was not made is allowed. Its simulations must have been destroyed before.
+  ! Releases it; one that was not made is allowed. Simulations of it go on: what they need of it
+  ! stays.
   subroutine nsdae_system_destroy(system)
     type(nsdae_system), intent(inout) :: system
+    integer(c_int) :: simulations
+    simulations = c_simulations(system%handle)
     call c_destroy(system%handle)
-    if (associated(system%model)) deallocate (system%model)
+    if (associated(system%model) .and. simulations == 0) deallocate (system%model)
+    system%model => null()
   end subroutine
+
+  ! Takes note of what a setter was refused: nsdae_sim_create returns it no more.
+  subroutine nsdae_system_clear_error(system)
+    type(nsdae_system), intent(in) :: system
+    call c_clear_error(at(system))
+  end subroutine
+
+  ! How many simulations it has now; while there are any, no setter is accepted.
+  integer(c_int) function nsdae_system_simulations(system) result(count)
+    type(nsdae_system), intent(in) :: system
+    count = c_simulations(system%handle)
+  end function
 
   ! The C handle, for programs in both languages; its user pointer is the module's own.
   type(c_ptr) function nsdae_system_handle(system) result(handle)
@@ -385,9 +453,8 @@ contains
     class(*), target, intent(inout) :: user
     status = NSDAE_E_ARGUMENT
     if (.not. associated(system%model)) return
-    system%model%refusal%status = NSDAE_OK
-    system%model%user => user
-    status = NSDAE_OK
+    status = c_set_user(at(system), c_loc(system%model))
+    if (status == NSDAE_OK) system%model%user => user
   end function
 
   ! Coefficients of contact 0 <= i < k; all zero at first. mu >= 0: friction; e_n and e_t, 0 .. 1:
@@ -405,6 +472,46 @@ contains
     integer(c_int), intent(in) :: j, constraint
     real(c_double), intent(in) :: mu
     status = c_set_slide(at(system), j, constraint, mu)
+  end function
+
+  ! Name and unit of number i (from 0) of a kind (NSDAE_NAME_COORDINATE and so on), as in
+  ! (system, NSDAE_NAME_COORDINATE, 2, 'theta', 'rad'). NSDAE_E_ARGUMENT: no such kind or number, or
+  ! a text that is empty or too long.
+  integer(c_int) function nsdae_system_set_name(system, kind, i, name, unit) result(status)
+    type(nsdae_system), intent(in) :: system
+    integer(c_int), intent(in) :: kind, i
+    character(len=*), intent(in) :: name
+    character(len=*), intent(in), optional :: unit
+    character(kind=c_char) :: c_name(len_trim(name) + 1), empty(1)
+    call to_chars(name, c_name)
+    empty(1) = c_null_char
+    if (present(unit)) then
+      status = named(len_trim(unit) + 1)
+    else
+      status = c_set_name(at(system), kind, i, c_name, empty)
+    end if
+  contains
+    integer(c_int) function named(length) result(status)
+      integer, intent(in) :: length
+      character(kind=c_char) :: c_unit(length)
+      call to_chars(unit, c_unit)
+      status = c_set_name(at(system), kind, i, c_name, c_unit)
+    end function
+  end function
+
+  ! '' where there is none.
+  function nsdae_system_get_name(system, kind, i) result(text)
+    type(nsdae_system), intent(in) :: system
+    integer(c_int), intent(in) :: kind, i
+    character(len=:), allocatable :: text
+    text = from_c(c_get_name(system%handle, kind, i))
+  end function
+
+  function nsdae_system_get_unit(system, kind, i) result(text)
+    type(nsdae_system), intent(in) :: system
+    integer(c_int), intent(in) :: kind, i
+    character(len=:), allocatable :: text
+    text = from_c(c_get_unit(system%handle, kind, i))
   end function
 
   ! Why the last call on this system failed.
@@ -431,9 +538,18 @@ contains
     text = from_c(c_differences(at(system)))
   end function
 
-  ! Compares every derivative that is given with central differences of what it derives from, and
-  ! the mass matrix with its transpose, at (t, q [nq], v [nv]). NSDAE_OK; NSDAE_E_DERIVATIVE with
-  ! the wrong entry in worst; NSDAE_E_ARGUMENT, NSDAE_E_STATE, NSDAE_E_CALLBACK, NSDAE_E_MEMORY.
+  ! What no check can see of the callbacks that are given.
+  function nsdae_system_unseen(system) result(text)
+    type(nsdae_system), intent(in) :: system
+    character(len=:), allocatable :: text
+    text = from_c(c_unseen(at(system)))
+  end function
+
+  ! Looks at every callback that is given, at (t, q [nq], v [nv]): what it writes beyond its arrays,
+  ! never writes, or writes that is no number; then every derivative against central differences of
+  ! what it derives from, the mass matrix against its transpose, and directions of friction that
+  ! are none. NSDAE_OK; NSDAE_E_DERIVATIVE with the wrong entry in worst; NSDAE_E_CALLBACK,
+  ! NSDAE_E_NONFINITE, NSDAE_E_ARGUMENT, NSDAE_E_STATE, NSDAE_E_MEMORY.
   integer(c_int) function nsdae_system_check(system, t, q, v, tol, worst) result(status)
     type(nsdae_system), intent(in) :: system
     real(c_double), intent(in) :: t, tol
@@ -460,6 +576,7 @@ contains
   ! nt > 0 and any mu > 0, slide_tangent where a slide has mu > 0; what else is missing is filled by
   ! central differences or taken as zero. NSDAE_E_ARGUMENT: the system has no such term.
 
+  ! callbacks.list: f_setters
   integer(c_int) function nsdae_system_set_mass(system, mass) result(status)
     type(nsdae_system), intent(in) :: system
     procedure(nsdae_mass_fn) :: mass
@@ -553,6 +670,8 @@ contains
     if (status == NSDAE_OK) system%model%potential => potential
   end function
 
+  ! callbacks.list: end
+
   ! What C calls: each finds the user's procedure and gives its arrays their shapes. Nothing is
   ! copied.
 
@@ -572,8 +691,9 @@ contains
     if (n > 0) call c_f_pointer(p, a, [n])
   end function
 
-  integer(c_int) function call_mass(t, q, M, ld, user) result(status) &
-      bind(C, name='')
+  ! callbacks.list: calls
+  integer(c_int) function call_mass(t, q, M, ld, user) &
+      result(status) bind(C, name='')
     real(c_double), value :: t
     real(c_double), intent(in) :: q(*)
     integer(c_int), value :: ld
@@ -586,8 +706,8 @@ contains
     end associate
   end function
 
-  integer(c_int) function call_force(t, q, v, F, user) result(status) &
-      bind(C, name='')
+  integer(c_int) function call_force(t, q, v, F, user) &
+      result(status) bind(C, name='')
     real(c_double), value :: t
     real(c_double), intent(in) :: q(*), v(*)
     real(c_double), intent(inout) :: F(*)
@@ -599,8 +719,8 @@ contains
     end associate
   end function
 
-  integer(c_int) function call_constraint(t, q, phi, user) result(status) &
-      bind(C, name='')
+  integer(c_int) function call_constraint(t, q, phi, user) &
+      result(status) bind(C, name='')
     real(c_double), value :: t
     real(c_double), intent(in) :: q(*)
     real(c_double), intent(inout) :: phi(*)
@@ -612,8 +732,8 @@ contains
     end associate
   end function
 
-  integer(c_int) function call_constraint_jacobian(t, q, J, ld, user) result(status) &
-      bind(C, name='')
+  integer(c_int) function call_constraint_jacobian(t, q, J, ld, user) &
+      result(status) bind(C, name='')
     real(c_double), value :: t
     real(c_double), intent(in) :: q(*)
     integer(c_int), value :: ld
@@ -626,8 +746,8 @@ contains
     end associate
   end function
 
-  integer(c_int) function call_constraint_bias(t, q, v, phi_t, omega, user) result(status) &
-      bind(C, name='')
+  integer(c_int) function call_constraint_bias(t, q, v, phi_t, omega, user) &
+      result(status) bind(C, name='')
     real(c_double), value :: t
     real(c_double), intent(in) :: q(*), v(*)
     real(c_double), intent(inout) :: phi_t(*), omega(*)
@@ -639,8 +759,8 @@ contains
     end associate
   end function
 
-  integer(c_int) function call_gap(t, q, g, user) result(status) &
-      bind(C, name='')
+  integer(c_int) function call_gap(t, q, g, user) &
+      result(status) bind(C, name='')
     real(c_double), value :: t
     real(c_double), intent(in) :: q(*)
     real(c_double), intent(inout) :: g(*)
@@ -652,8 +772,8 @@ contains
     end associate
   end function
 
-  integer(c_int) function call_gap_normal(t, q, W, ld, user) result(status) &
-      bind(C, name='')
+  integer(c_int) function call_gap_normal(t, q, W, ld, user) &
+      result(status) bind(C, name='')
     real(c_double), value :: t
     real(c_double), intent(in) :: q(*)
     integer(c_int), value :: ld
@@ -666,8 +786,8 @@ contains
     end associate
   end function
 
-  integer(c_int) function call_gap_tangent(t, q, W, ld, user) result(status) &
-      bind(C, name='')
+  integer(c_int) function call_gap_tangent(t, q, W, ld, user) &
+      result(status) bind(C, name='')
     real(c_double), value :: t
     real(c_double), intent(in) :: q(*)
     integer(c_int), value :: ld
@@ -676,11 +796,12 @@ contains
     type(model), pointer :: here
     here => model_at(user)
     associate (d => here%dims)
-      status = here%gap_tangent(t, q(:d%nq), W(:d%nv, :d%k*d%nt), here%user)
+      status = here%gap_tangent(t, q(:d%nq), W(:d%nv, :d%k * d%nt), here%user)
     end associate
   end function
 
-  integer(c_int) function call_contact_bias(t, q, w_n, w_t, user) result(status) bind(C, name='')
+  integer(c_int) function call_contact_bias(t, q, w_n, w_t, user) &
+      result(status) bind(C, name='')
     real(c_double), value :: t
     real(c_double), intent(in) :: q(*)
     real(c_double), intent(inout) :: w_n(*)
@@ -701,13 +822,12 @@ contains
     here => model_at(user)
     associate (d => here%dims)
       status = here%contact_acceleration(t, q(:d%nq), v(:d%nv), array_at(omega_n, d%k), &
-                                         array_at(omega_t, d%k * d%nt), array_at(omega_s, d%f), &
-                                         here%user)
+          array_at(omega_t, d%k * d%nt), array_at(omega_s, d%f), here%user)
     end associate
   end function
 
-  integer(c_int) function call_slide_tangent(t, q, W, ld, w_s, user) result(status) &
-      bind(C, name='')
+  integer(c_int) function call_slide_tangent(t, q, W, ld, w_s, user) &
+      result(status) bind(C, name='')
     real(c_double), value :: t
     real(c_double), intent(in) :: q(*)
     integer(c_int), value :: ld
@@ -720,8 +840,8 @@ contains
     end associate
   end function
 
-  integer(c_int) function call_kinematics(t, q, v, qdot, user) result(status) &
-      bind(C, name='')
+  integer(c_int) function call_kinematics(t, q, v, qdot, user) &
+      result(status) bind(C, name='')
     real(c_double), value :: t
     real(c_double), intent(in) :: q(*), v(*)
     real(c_double), intent(inout) :: qdot(*)
@@ -733,8 +853,8 @@ contains
     end associate
   end function
 
-  integer(c_int) function call_potential(t, q, energy, user) result(status) &
-      bind(C, name='')
+  integer(c_int) function call_potential(t, q, energy, user) &
+      result(status) bind(C, name='')
     real(c_double), value :: t
     real(c_double), intent(in) :: q(*)
     real(c_double), intent(inout) :: energy
@@ -745,5 +865,7 @@ contains
       status = here%potential(t, q(:d%nq), energy, here%user)
     end associate
   end function
+
+  ! callbacks.list: end
 
 end module

@@ -10,7 +10,7 @@ static const char *const methods[] = {"implicit", "implicit-printed", "moreau", 
                                       NULL};
 static const char *const laws[] = {
     "hertz", "kelvin-voigt", "hunt-crossley", "lankarani-nikravesh", "flores", NULL};
-static const char *const solvers[] = {"dense", "klu", NULL};
+static const char *const solvers[] = {"dense", "sparse", NULL};
 static const char *const redundant[] = {"error", "least-norm", NULL};
 
 enum { INITIALISED = 0x6e736461 };

@@ -10,7 +10,7 @@ typedef struct nsdae_dae nsdae_dae;
 /* The callbacks: 0 done, > 0 try a smaller step, < 0 give up. */
 typedef struct nsdae_dae_problem {
   int n, roots;
-  int sparse;          /* KLU instead of a dense solver */
+  int sparse;          /* sparse factors of J instead of dense ones */
   const double *order; /* n: 1 where y_i' occurs, 0 where y_i is algebraic */
   int (*residual)(double t, const double *y, const double *yp, double *r, void *user);
   /* J [n x n] = dr/dy + c dr/dy'; r is the residual there. J comes zeroed. */
@@ -21,7 +21,7 @@ typedef struct nsdae_dae_problem {
 } nsdae_dae_problem;
 
 /* max_step: longest step. Only falls of the root functions through zero are reported.
- * NSDAE_E_MEMORY; NSDAE_E_UNSUPPORTED where the library was built without SUNDIALS (or KLU). */
+ * NSDAE_E_MEMORY; NSDAE_E_UNSUPPORTED where the library was built without SUNDIALS. */
 int nsdae_dae_create(const nsdae_dae_problem *problem, double rtol, double atol, double max_step,
                      nsdae_dae **dae);
 void nsdae_dae_destroy(nsdae_dae **dae);

@@ -4,14 +4,12 @@
 #include <string.h>
 
 #include <ida/ida.h>
-#include <nvector/nvector_serial.h>
 #include <sunlinsol/sunlinsol_dense.h>
-#include <sunlinsol/sunlinsol_klu.h>
 #include <sunmatrix/sunmatrix_dense.h>
-#include <sunmatrix/sunmatrix_sparse.h>
 
 #include "context.h"
 #include "pool.h"
+#include "sparse_lu.h"
 
 struct nsdae_dae {
   nsdae_dae_problem problem;
@@ -21,13 +19,13 @@ struct nsdae_dae {
   N_Vector y, yp, order;
   SUNMatrix matrix;
   SUNLinearSolver solver;
-  int *falling;         /* roots: all -1 */
-  double *dense;        /* n x n: the Jacobian on its way to the sparse matrix */
-  unsigned char *entry; /* n x n: entries that were ever not zero */
-  double after;         /* where the next step goes */
-  int failed;           /* code of a callback that gave up */
-  int refused;          /* a callback asked for a smaller step */
-  int stalled;          /* steps since t went on */
+  int *falling;       /* roots: all -1 */
+  nsdae_sparse_lu lu; /* where the problem is sparse */
+  nsdae_arena arena;
+  double after; /* where the next step goes */
+  int failed;   /* code of a callback that gave up */
+  int refused;  /* a callback asked for a smaller step */
+  int stalled;  /* steps since t went on */
 };
 
 enum { STALLED_MAX = 100 }; /* IDA may double its step each time: 1e30 times the first */
@@ -55,91 +53,81 @@ static int root(sunrealtype t, N_Vector y, N_Vector yp, sunrealtype *g, void *us
   return code;
 }
 
-static int evaluate(nsdae_dae *dae, double t, double c, N_Vector y, N_Vector yp, N_Vector r,
-                    double *J)
-{
-  size_t n = (size_t)dae->problem.n;
-  memset(J, 0, n * n * sizeof *J);
-  return keep_failure(dae,
-                      dae->problem.jacobian(t, c, N_VGetArrayPointer(y), N_VGetArrayPointer(yp),
-                                            N_VGetArrayPointer(r), J, dae->problem.user));
-}
-
-static int dense_jacobian(sunrealtype t, sunrealtype c, N_Vector y, N_Vector yp, N_Vector r,
-                          SUNMatrix J, void *user, N_Vector tmp1, N_Vector tmp2, N_Vector tmp3)
-{
-  (void)tmp1;
-  (void)tmp2;
-  (void)tmp3;
-  return evaluate(user, t, c, y, yp, r, SUNDenseMatrix_Data(J));
-}
-
-/* The entries that were ever not zero, so that the pattern settles; returns whether it grew. */
-static int grow_pattern(nsdae_dae *dae, sunindextype *count)
-{
-  size_t n = (size_t)dae->problem.n;
-  int grew = 0;
-  *count = 0;
-  for (size_t i = 0; i < n * n; i++) {
-    if (dae->dense[i] != 0 && !dae->entry[i]) {
-      dae->entry[i] = 1;
-      grew = 1;
-    }
-    *count += dae->entry[i];
-  }
-  return grew;
-}
-
-static void compress(const nsdae_dae *dae, SUNMatrix J)
-{
-  int n = dae->problem.n;
-  sunindextype *start = SUNSparseMatrix_IndexPointers(J);
-  sunindextype *row = SUNSparseMatrix_IndexValues(J), count = 0;
-  double *value = SUNSparseMatrix_Data(J);
-  for (int j = 0; j < n; j++) {
-    start[j] = count;
-    for (int i = 0; i < n; i++) {
-      size_t at = (size_t)j * (size_t)n + (size_t)i;
-      if (!dae->entry[at]) continue;
-      row[count] = i;
-      value[count++] = dae->dense[at];
-    }
-  }
-  start[n] = count;
-}
-
-static int sparse_jacobian(sunrealtype t, sunrealtype c, N_Vector y, N_Vector yp, N_Vector r,
-                           SUNMatrix J, void *user, N_Vector tmp1, N_Vector tmp2, N_Vector tmp3)
+static int jacobian(sunrealtype t, sunrealtype c, N_Vector y, N_Vector yp, N_Vector r, SUNMatrix J,
+                    void *user, N_Vector tmp1, N_Vector tmp2, N_Vector tmp3)
 {
   nsdae_dae *dae = user;
-  sunindextype count;
   (void)tmp1;
   (void)tmp2;
   (void)tmp3;
-  int code = evaluate(dae, t, c, y, yp, r, dae->dense);
-  if (code != 0) return code;
-  /* a new pattern is analysed anew */
-  if (grow_pattern(dae, &count) &&
-      SUNLinSol_KLUReInit(dae->solver, J, count, SUNKLU_REINIT_FULL) != 0)
-    return -1;
-  compress(dae, J);
+  return keep_failure(dae, dae->problem.jacobian(t, c, N_VGetArrayPointer(y),
+                                                 N_VGetArrayPointer(yp), N_VGetArrayPointer(r),
+                                                 SUNDenseMatrix_Data(J), dae->problem.user));
+}
+
+/* A linear solver of SUNDIALS on our sparse factors: its own, KLU, allocates in a run. */
+
+static SUNLinearSolver_Type sparse_type(SUNLinearSolver solver)
+{
+  (void)solver;
+  return SUNLINEARSOLVER_DIRECT;
+}
+
+static int sparse_initialize(SUNLinearSolver solver)
+{
+  (void)solver;
   return 0;
+}
+
+static int sparse_setup(SUNLinearSolver solver, SUNMatrix J)
+{
+  nsdae_sparse_lu *lu = solver->content;
+  return nsdae_sparse_lu_factor(lu, SUNDenseMatrix_Data(J), lu->n) == 0 ? 0 : 1;
+}
+
+static int sparse_solve(SUNLinearSolver solver, SUNMatrix J, N_Vector x, N_Vector b,
+                        sunrealtype tol)
+{
+  (void)J;
+  (void)tol;
+  N_VScale(1, b, x);
+  nsdae_sparse_lu_solve(solver->content, N_VGetArrayPointer(x));
+  return 0;
+}
+
+static int sparse_free(SUNLinearSolver solver)
+{
+  SUNLinSolFreeEmpty(solver);
+  return 0;
+}
+
+static void layout_sparse(void *object, nsdae_arena *arena)
+{
+  nsdae_sparse_lu_layout(object, arena);
+}
+
+static SUNLinearSolver make_sparse(nsdae_dae *dae)
+{
+  dae->lu.n = dae->problem.n;
+  if (nsdae_arena_build(&dae->arena, layout_sparse, &dae->lu) < 0) return NULL;
+  SUNLinearSolver solver = SUNLinSolNewEmpty(dae->context);
+  if (!solver) return NULL;
+  solver->content = &dae->lu;
+  solver->ops->gettype = sparse_type;
+  solver->ops->initialize = sparse_initialize;
+  solver->ops->setup = sparse_setup;
+  solver->ops->solve = sparse_solve;
+  solver->ops->free = sparse_free;
+  return solver;
 }
 
 static int make_solver(nsdae_dae *dae)
 {
   sunindextype n = dae->problem.n;
-  if (!dae->problem.sparse) {
-    dae->matrix = SUNDenseMatrix(n, n, dae->context);
-    if (!dae->matrix) return NSDAE_E_MEMORY;
-    dae->solver = SUNLinSol_Dense(dae->y, dae->matrix, dae->context);
-  } else {
-    dae->dense = calloc((size_t)(n * n), sizeof *dae->dense);
-    dae->entry = calloc((size_t)(n * n), sizeof *dae->entry);
-    dae->matrix = SUNSparseMatrix(n, n, n, CSC_MAT, dae->context);
-    if (!dae->matrix || !dae->dense || !dae->entry) return NSDAE_E_MEMORY;
-    dae->solver = SUNLinSol_KLU(dae->y, dae->matrix, dae->context);
-  }
+  dae->matrix = SUNDenseMatrix(n, n, dae->context);
+  if (!dae->matrix) return NSDAE_E_MEMORY;
+  dae->solver =
+      dae->problem.sparse ? make_sparse(dae) : SUNLinSol_Dense(dae->y, dae->matrix, dae->context);
   return dae->solver ? NSDAE_OK : NSDAE_E_MEMORY;
 }
 
@@ -177,7 +165,7 @@ static int set_up(nsdae_dae *dae, double rtol, double atol, double max_step)
   if (!bad) bad = IDASStolerances(ida, rtol, atol);
   if (!bad) bad = IDASetUserData(ida, dae);
   if (!bad) bad = IDASetLinearSolver(ida, dae->solver, dae->matrix);
-  if (!bad) bad = IDASetJacFn(ida, dae->problem.sparse ? sparse_jacobian : dense_jacobian);
+  if (!bad) bad = IDASetJacFn(ida, jacobian);
   if (!bad) bad = IDASetId(ida, dae->order);
   /* an algebraic variable is as good as the state that it follows from, and may jump */
   if (!bad) bad = IDASetSuppressAlg(ida, SUNTRUE);
@@ -211,17 +199,16 @@ void nsdae_dae_destroy(nsdae_dae **dae)
 {
   nsdae_dae *old = dae ? *dae : NULL;
   if (!old) return;
-  nsdae_pool_close(&old->pool);
   if (old->ida) IDAFree(&old->ida);
   if (old->solver) SUNLinSolFree(old->solver);
   if (old->matrix) SUNMatDestroy(old->matrix);
   if (old->order) N_VDestroy(old->order);
   if (old->yp) N_VDestroy(old->yp);
   if (old->y) N_VDestroy(old->y);
+  nsdae_pool_close(&old->pool);
   if (old->context) SUNContext_Free(&old->context);
   free(old->falling);
-  free(old->dense);
-  free(old->entry);
+  nsdae_arena_release(&old->arena);
   free(old);
   *dae = NULL;
 }

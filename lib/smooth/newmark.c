@@ -15,9 +15,7 @@ enum {
 void nsdae_newmark_layout(nsdae_newmark *newmark, nsdae_arena *arena)
 {
   const nsdae_dims *dims = &newmark->system->dims;
-  newmark->a0 = NSDAE_ARENA_DOUBLES(arena, dims->nv);
   newmark->a1 = NSDAE_ARENA_DOUBLES(arena, dims->nv);
-  newmark->lambda0 = NSDAE_ARENA_DOUBLES(arena, dims->m);
   newmark->lambda1 = NSDAE_ARENA_DOUBLES(arena, dims->m);
   newmark->q = NSDAE_ARENA_DOUBLES(arena, dims->nq);
   newmark->v = NSDAE_ARENA_DOUBLES(arena, dims->nv);

@@ -19,13 +19,14 @@ typedef struct nsdae_newmark {
   nsdae_kkt *kkt;
   double alpha, beta, tol;
   int iteration_max, least_norm;
-  int have_start;                      /* a0 and lambda0 belong to the start of the next step */
-  int iterations;                      /* of the last step */
-  double *a0, *a1, *lambda0, *lambda1; /* nv, nv, m, m */
-  double *q, *v, *qdot0, *qdot1;       /* nq, nv, nq, nq */
+  int iterations;                /* of the last step */
+  int have_start;                /* a0 and lambda0 belong to the start of the next step */
+  double *a0, *lambda0;          /* nv, m: the caller's, who keeps them from step to step */
+  double *a1, *lambda1;          /* nv, m */
+  double *q, *v, *qdot0, *qdot1; /* nq, nv, nq, nq */
 } nsdae_newmark;
 
-/* system, error, kkt and the numbers are set before. */
+/* system, error and kkt are set before; the numbers, a0 and lambda0 before a step. */
 void nsdae_newmark_layout(nsdae_newmark *newmark, nsdae_arena *arena);
 
 /* One step from start into end, at t_end. multiplier [m]: mean lambda. NSDAE_OK;

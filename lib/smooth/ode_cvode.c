@@ -5,15 +5,16 @@
 #include <string.h>
 
 #include <cvode/cvode.h>
-#include <nvector/nvector_serial.h>
 #include <sunlinsol/sunlinsol_dense.h>
 #include <sunmatrix/sunmatrix_dense.h>
 
 #include "context.h"
+#include "pool.h"
 
 struct nsdae_ode {
   nsdae_ode_problem problem;
   SUNContext context;
+  nsdae_pool pool;
   void *cvode;
   N_Vector y;
   SUNMatrix matrix, jacobian; /* I - gamma J, J */
@@ -97,9 +98,8 @@ static int make_objects(nsdae_ode *ode)
 {
   int n = ode->problem.n;
   if (nsdae_make_context(&ode->context) != 0) return NSDAE_E_MEMORY;
-  ode->y = N_VNew_Serial(n, ode->context);
-  if (!ode->y) return NSDAE_E_MEMORY;
-  N_VConst(0, ode->y);
+  ode->y = nsdae_pool_vector(&ode->pool, n, ode->context);
+  if (!ode->y || nsdae_pool_fill(&ode->pool, ode->y) != 0) return NSDAE_E_MEMORY;
   ode->matrix = SUNDenseMatrix(n, n, ode->context);
   ode->jacobian = SUNDenseMatrix(n, n, ode->context);
   if (!ode->matrix || !ode->jacobian) return NSDAE_E_MEMORY;
@@ -147,6 +147,7 @@ void nsdae_ode_destroy(nsdae_ode **ode)
   if (old->matrix) SUNMatDestroy(old->matrix);
   if (old->jacobian) SUNMatDestroy(old->jacobian);
   if (old->y) N_VDestroy(old->y);
+  nsdae_pool_close(&old->pool);
   if (old->context) SUNContext_Free(&old->context);
   free(old);
   *ode = NULL;

@@ -7,6 +7,7 @@
 typedef struct pooled {
   struct _N_VectorContent_Serial serial;
   nsdae_pool *pool;
+  int kept, in_use; /* is the pool's; somebody's clone */
 } pooled;
 
 static void release(N_Vector vector)
@@ -22,11 +23,9 @@ static void release(N_Vector vector)
 
 static void give_back(N_Vector vector)
 {
-  nsdae_pool *pool = ((pooled *)vector->content)->pool;
-  if (pool->count < NSDAE_POOL_MAX)
-    pool->spare[pool->count++] = vector;
-  else
-    release(vector);
+  pooled *content = vector->content;
+  content->in_use = 0;
+  if (!content->kept) release(vector);
 }
 
 /* content of n entries for a vector whose operations are set */
@@ -60,7 +59,12 @@ static N_Vector duplicate(N_Vector like)
 {
   const pooled *content = like->content;
   nsdae_pool *pool = content->pool;
-  if (pool->count > 0) return pool->spare[--pool->count];
+  for (int i = 0; i < pool->count; i++) {
+    pooled *spare = pool->kept[i]->content;
+    if (spare->in_use) continue;
+    spare->in_use = 1;
+    return pool->kept[i];
+  }
   return make(like, pool, content->serial.length);
 }
 
@@ -82,13 +86,13 @@ int nsdae_pool_fill(nsdae_pool *pool, N_Vector like)
   while (pool->count < NSDAE_POOL_MAX) {
     N_Vector made = make(like, pool, content->serial.length);
     if (!made) return -1;
-    pool->spare[pool->count++] = made;
+    ((pooled *)made->content)->kept = 1;
+    pool->kept[pool->count++] = made;
   }
   return 0;
 }
 
 void nsdae_pool_close(nsdae_pool *pool)
 {
-  for (int i = 0; i < pool->count; i++) release(pool->spare[i]);
-  pool->count = NSDAE_POOL_MAX;
+  while (pool->count > 0) release(pool->kept[--pool->count]);
 }

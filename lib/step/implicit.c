@@ -29,154 +29,159 @@ enum {
   CLOSED_TERMS = NSDAE_TERM_NORMAL | NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS | NSDAE_TERM_SLIDE
 };
 
-static int need(const nsdae_stepper *s, nsdae_terms *terms)
+static int need(const nsdae_step *step, nsdae_terms *terms)
 {
-  return nsdae_terms_need(terms, nsdae_contacts_any(&s->contacts) ? STEP_TERMS | CLOSED_TERMS
-                                                                  : STEP_TERMS);
+  int any = nsdae_contacts_any(&step->tools->contacts);
+  return nsdae_terms_need(terms, any ? STEP_TERMS | CLOSED_TERMS : STEP_TERMS);
 }
 
 /* Marks the impacts; end is at q_0 + h v_0. Returns whether there is one. */
-static int mark_impacts(nsdae_stepper *s, int all)
+static int mark_impacts(const nsdae_step *step, int all)
 {
-  nsdae_contacts *c = &s->contacts;
-  const nsdae_terms *end = &s->end;
-  int nv = s->system->dims.nv, any = 0;
+  const nsdae_contacts *c = &step->tools->contacts;
+  nsdae_impulses *r = &step->result->impulses;
+  double slow = step->tools->options->impact_velocity;
+  int any = 0;
   for (int a = 0; a < c->active_count; a++) {
     int i = c->active[a];
-    const double *W = end->W_N + (size_t)i * (size_t)nv;
-    double turning = fabs(nsdae_dot(nv, W, s->start.v) + end->w_N[i] - c->before[i]);
-    c->impact[i] = all || c->before[i] < -2 * turning - s->options->impact_velocity;
-    any |= c->impact[i];
+    double turned = nsdae_terms_rate(step->end, step->end->W_N, step->end->w_N, i, step->start->v);
+    r->impact[i] = all || r->before[i] < -2 * fabs(turned - r->before[i]) - slow;
+    any |= r->impact[i];
   }
   return any;
 }
 
 /* v(-) of the impacts, from v_p: M_h v_p + J_1^T (.) = M_h v_0, J_1 v_p = -Phi_t. */
-static void impact_velocities(nsdae_stepper *s)
+static void impact_velocities(const nsdae_step *step)
 {
+  nsdae_stepper *s = step->tools;
   int n = s->system->dims.nv, m = s->system->dims.m;
-  double *v_p = s->last, *ignored = s->multiplier;
-  for (int i = 0; i < n; i++) v_p[i] = 0;
-  nsdae_add_product(n, n, s->M, s->start.v, v_p);
-  for (int i = 0; i < m; i++) ignored[i] = -s->end.phi_t[i];
-  nsdae_kkt_solve(&s->kkt, 1, v_p, n, ignored, m);
-  nsdae_contacts_before(&s->contacts, &s->end, v_p, 1);
+  memset(s->v_other, 0, (size_t)n * sizeof *s->v_other);
+  nsdae_add_product(n, n, s->M, step->start->v, s->v_other);
+  for (int i = 0; i < m; i++) s->rate[i] = -step->end->phi_t[i];
+  nsdae_kkt_solve(&s->kkt, 1, s->v_other, n, s->rate, m);
+  nsdae_contacts_before(&s->contacts, step->end, s->v_other, 1);
 }
 
 /* r = M_h v_0 + h/2 (F_0 + F_1) + (J_1 - J_0)^T Lambda / 2 - (W_1 - W_0) Lambda_c / 2, the last two
  * for what persists, with the impulses of the iterate before. */
-static void right_hand_side(nsdae_stepper *s, double h, int impact)
+static void right_hand_side(const nsdae_step *step, int impact)
 {
+  nsdae_stepper *s = step->tools;
+  const nsdae_terms *start = step->start, *end = step->end;
   const nsdae_dims *dims = &s->system->dims;
-  double *F = s->last;
-  for (int i = 0; i < dims->nv; i++) F[i] = (s->start.F[i] + s->end.F[i]) / 2;
-  nsdae_stepper_momentum(s->M, s->start.v, h, F, dims->nv, s->r);
+  for (int i = 0; i < dims->nv; i++) s->F[i] = (start->F[i] + end->F[i]) / 2;
+  nsdae_stepper_momentum(s->M, start->v, step->h, s->F, dims->nv, s->r);
   if (!impact) {
-    nsdae_add_transposed(dims->m, dims->nv, 0.5, s->end.J, s->impulse, s->r);
-    nsdae_add_transposed(dims->m, dims->nv, -0.5, s->start.J, s->impulse, s->r);
+    nsdae_add_transposed(dims->m, dims->nv, 0.5, end->J, s->impulse, s->r);
+    nsdae_add_transposed(dims->m, dims->nv, -0.5, start->J, s->impulse, s->r);
   }
-  nsdae_contacts_add_impulse(&s->contacts, &s->end, -0.5, 1, s->r);
-  nsdae_contacts_add_impulse(&s->contacts, &s->start, 0.5, 1, s->r);
+  nsdae_contacts_add_impulse(&s->contacts, end, -0.5, 1, s->r);
+  nsdae_contacts_add_impulse(&s->contacts, start, 0.5, 1, s->r);
 }
 
-static int factor_mean_mass(nsdae_stepper *s)
+static int factor_mean_mass(const nsdae_step *step)
 {
-  int size = s->system->dims.nv * s->system->dims.nv;
-  for (int i = 0; i < size; i++) s->M[i] = (s->start.M[i] + s->end.M[i]) / 2;
-  return nsdae_stepper_factor(s, &s->end, s->M);
+  nsdae_stepper *s = step->tools;
+  size_t size = (size_t)s->system->dims.nv * (size_t)s->system->dims.nv;
+  for (size_t i = 0; i < size; i++) s->M[i] = (step->start->M[i] + step->end->M[i]) / 2;
+  return nsdae_stepper_factor(s, step->end, s->M);
 }
 
 /* q_1 = q_0 + h/2 (H_0 v_0 + H_1 v_1) into s->q, of the velocity s->v; H_1 = H(q_1 of end). */
-static int positions(nsdae_stepper *s, double h)
+static int positions(const nsdae_step *step)
 {
-  const nsdae_terms *end = &s->end;
-  int status = nsdae_stepper_kinematics(s, end->t, end->q, s->v, s->qdot1);
+  nsdae_stepper *s = step->tools;
+  int status = nsdae_stepper_kinematics(s, step->end->t, step->end->q, s->v, s->qdot1);
   for (int i = 0; i < s->system->dims.nq; i++)
-    s->q[i] = s->start.q[i] + h / 2 * (s->qdot0[i] + s->qdot1[i]);
+    s->q[i] = step->start->q[i] + step->h / 2 * (s->qdot0[i] + s->qdot1[i]);
   return status;
 }
 
 /* Moves end to s->q, s->v and solves there for the next s->q, s->v. */
-static int iterate(nsdae_stepper *s, double h, int first, int all_impacts, int *impact)
+static int iterate(const nsdae_step *step, int first, int all_impacts, int *impact)
 {
-  nsdae_terms_at(&s->end, s->t_end, s->q, s->v);
-  int status = need(s, &s->end);
-  if (status == NSDAE_OK) status = factor_mean_mass(s);
+  nsdae_stepper *s = step->tools;
+  nsdae_terms_at(step->end, step->t_end, s->q, s->v);
+  int status = need(step, step->end);
+  if (status == NSDAE_OK) status = factor_mean_mass(step);
   if (status < 0) return status;
-  if (first) *impact = mark_impacts(s, all_impacts);
-  if (*impact) impact_velocities(s);
-  right_hand_side(s, h, *impact);
-  status = nsdae_stepper_impact(s, &s->end, s->r, s->v);
-  return status < 0 ? status : positions(s, h);
+  if (first) *impact = mark_impacts(step, all_impacts);
+  if (*impact) impact_velocities(step);
+  right_hand_side(step, *impact);
+  status = nsdae_stepper_impact(s, step->result, step->end, s->r, s->v);
+  return status < 0 ? status : positions(step);
 }
 
-static int no_convergence(nsdae_stepper *s, double moved)
+static int no_convergence(const nsdae_step *step, double moved)
 {
-  const nsdae_sim_options *o = s->options;
+  const nsdae_stepper *s = step->tools;
   nsdae_error_set(s->error, NSDAE_E_CONVERGENCE, "nsdae_implicit", "dt",
                   "the step from t = %.17g did not converge in %d iterations (change %.3g, wanted "
                   "%.3g): make dt smaller",
-                  s->start.t, o->iteration_max, moved, s->iteration_tol);
-  s->error->time = s->start.t;
+                  step->start->t, s->options->iteration_max, moved, s->iteration_tol);
+  s->error->time = step->start->t;
   return NSDAE_E_CONVERGENCE;
 }
 
-static void first_guess(nsdae_stepper *s, double h)
+static void first_guess(const nsdae_step *step)
 {
+  nsdae_stepper *s = step->tools;
   const nsdae_dims *dims = &s->system->dims;
-  for (int i = 0; i < dims->nq; i++) s->q[i] = s->start.q[i] + h * s->qdot0[i];
-  memcpy(s->v, s->start.v, (size_t)dims->nv * sizeof *s->v);
+  for (int i = 0; i < dims->nq; i++) s->q[i] = step->start->q[i] + step->h * s->qdot0[i];
+  memcpy(s->v, step->start->v, (size_t)dims->nv * sizeof *s->v);
   memset(s->impulse, 0, (size_t)dims->m * sizeof *s->impulse);
 }
 
 /* On return end is where the matrices of the solution were taken, with the velocity v_1. */
-static int attempt(nsdae_stepper *s, double h, int all_impacts)
+static int attempt(const nsdae_step *step, int all_impacts)
 {
+  nsdae_stepper *s = step->tools;
   const nsdae_dims *dims = &s->system->dims;
-  double moved = INFINITY;
   int impact = 0;
-  nsdae_contacts_close(&s->contacts, &s->start);
-  nsdae_contacts_before(&s->contacts, &s->start, s->start.v, 0);
-  first_guess(s, h);
+  double moved = INFINITY;
+  nsdae_contacts_close(&s->contacts, step->start, &step->result->impulses);
+  nsdae_contacts_before(&s->contacts, step->start, step->start->v, 0);
+  first_guess(step);
   for (int i = 0; i < s->options->iteration_max; i++) {
-    int status = iterate(s, h, i == 0, all_impacts, &impact);
+    int status = iterate(step, i == 0, all_impacts, &impact);
     if (status < 0) return status;
-    s->iterations++;
-    moved = nsdae_relative_change(dims->nq, s->q, s->end.q) +
-            nsdae_relative_change(dims->nv, s->v, s->end.v);
+    step->result->counters.iterations++;
+    moved = nsdae_relative_change(dims->nq, s->q, step->end->q) +
+            nsdae_relative_change(dims->nv, s->v, step->end->v);
     if (!(moved <= s->iteration_tol)) continue; /* NaN goes on, to be reported */
-    nsdae_terms_set_velocity(&s->end, s->v);
+    nsdae_terms_set_velocity(step->end, s->v);
     return NSDAE_OK;
   }
-  return no_convergence(s, moved);
+  return no_convergence(step, moved);
 }
 
-static int worth_another_attempt(const nsdae_stepper *s, int status)
+static int worth_another_attempt(const nsdae_step *step, int status)
 {
-  return s->contacts.active_count > 0 &&
+  return step->tools->contacts.active_count > 0 &&
          (status == NSDAE_E_LCP || status == NSDAE_E_INFEASIBLE || status == NSDAE_E_CONVERGENCE);
 }
 
-static int advance(nsdae_stepper *s, double h)
+static int advance(void *own, const nsdae_state *state, double t_end, nsdae_result *result)
 {
-  nsdae_terms *start = &s->start;
+  nsdae_stepper *s = own;
+  nsdae_terms *start = state->terms;
+  const nsdae_step step = nsdae_step_begin(s, state, t_end, result);
   int status = nsdae_terms_need(start, NSDAE_TERM_GAP);
   if (status == NSDAE_OK)
     status = nsdae_stepper_kinematics(s, start->t, start->q, start->v, s->qdot0);
   if (status < 0) return status;
-  nsdae_contacts_close(&s->contacts, start);
-  status = need(s, start);
-  if (status == NSDAE_OK) status = attempt(s, h, 0);
-  if (worth_another_attempt(s, status)) status = attempt(s, h, 1);
+  nsdae_contacts_close(&s->contacts, start, &result->impulses);
+  status = need(&step, start);
+  if (status == NSDAE_OK) status = attempt(&step, 0);
+  if (worth_another_attempt(&step, status)) status = attempt(&step, 1);
   if (status < 0) return status;
-  for (int i = 0; i < s->system->dims.m; i++) s->multiplier[i] = s->impulse[i] / h;
-  s->smooth = !nsdae_contacts_any(&s->contacts);
-  s->work = nsdae_contacts_work(&s->contacts);
-  s->worst_residual = s->contacts.info.residual;
+  nsdae_step_end(&step);
   return NSDAE_OK;
 }
 
 const nsdae_stepping nsdae_stepping_implicit = {
     .name = "implicit",
     .summary = "the scheme iterated to the end of the step: second order between impacts",
+    .sizes = nsdae_stepper_sizes,
     .advance = advance};

@@ -14,51 +14,54 @@ enum {
   CLOSED_TERMS = NSDAE_TERM_NORMAL | NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS | NSDAE_TERM_SLIDE
 };
 
-static int to_middle(nsdae_stepper *s, double h)
+static int to_middle(const nsdae_step *step)
 {
-  nsdae_terms *start = &s->start;
+  nsdae_stepper *s = step->tools;
+  const nsdae_terms *start = step->start;
   int status = nsdae_stepper_kinematics(s, start->t, start->q, start->v, s->qdot0);
-  for (int i = 0; i < s->system->dims.nq; i++) s->q[i] = start->q[i] + h / 2 * s->qdot0[i];
-  nsdae_terms_at(&s->middle, start->t + h / 2, s->q, start->v);
+  for (int i = 0; i < s->system->dims.nq; i++) s->q[i] = start->q[i] + step->h / 2 * s->qdot0[i];
+  nsdae_terms_at(&s->middle, start->t + step->h / 2, s->q, start->v);
   if (status == NSDAE_OK) status = nsdae_terms_need(&s->middle, FREE_TERMS);
   return status;
 }
 
-static int close_contacts(nsdae_stepper *s)
+static int close_contacts(const nsdae_step *step)
 {
-  nsdae_contacts_close(&s->contacts, &s->middle);
+  nsdae_stepper *s = step->tools;
+  nsdae_contacts_close(&s->contacts, &s->middle, &step->result->impulses);
   if (!nsdae_contacts_any(&s->contacts)) return NSDAE_OK;
   int status = nsdae_terms_need(&s->middle, CLOSED_TERMS);
-  if (status == NSDAE_OK) nsdae_contacts_before(&s->contacts, &s->middle, s->start.v, 0);
+  if (status == NSDAE_OK) nsdae_contacts_before(&s->contacts, &s->middle, step->start->v, 0);
   return status;
 }
 
-static int to_end(nsdae_stepper *s, double h)
+static int to_end(const nsdae_step *step)
 {
-  nsdae_terms *middle = &s->middle;
+  nsdae_stepper *s = step->tools;
+  const nsdae_terms *middle = &s->middle;
   int status = nsdae_stepper_kinematics(s, middle->t, middle->q, s->v, s->qdot1);
-  for (int i = 0; i < s->system->dims.nq; i++) s->q[i] = middle->q[i] + h / 2 * s->qdot1[i];
-  nsdae_terms_at(&s->end, s->t_end, s->q, s->v);
-  for (int i = 0; i < s->system->dims.m; i++) s->multiplier[i] = s->impulse[i] / h;
-  s->smooth = !nsdae_contacts_any(&s->contacts);
-  s->work = nsdae_contacts_work(&s->contacts);
-  s->worst_residual = s->contacts.info.residual;
+  for (int i = 0; i < s->system->dims.nq; i++) s->q[i] = middle->q[i] + step->h / 2 * s->qdot1[i];
+  nsdae_terms_at(step->end, step->t_end, s->q, s->v);
+  nsdae_step_end(step);
   return status;
 }
 
-static int advance(nsdae_stepper *s, double h)
+static int advance(void *own, const nsdae_state *state, double t_end, nsdae_result *result)
 {
+  nsdae_stepper *s = own;
   nsdae_terms *middle = &s->middle;
-  int status = to_middle(s, h);
+  const nsdae_step step = nsdae_step_begin(s, state, t_end, result);
+  int status = to_middle(&step);
   if (status == NSDAE_OK) status = nsdae_stepper_factor(s, middle, middle->M);
-  if (status == NSDAE_OK) status = close_contacts(s);
+  if (status == NSDAE_OK) status = close_contacts(&step);
   if (status < 0) return status;
-  nsdae_stepper_momentum(middle->M, s->start.v, h, middle->F, s->system->dims.nv, s->r);
-  status = nsdae_stepper_impact(s, middle, s->r, s->v);
-  return status < 0 ? status : to_end(s, h);
+  nsdae_stepper_momentum(middle->M, step.start->v, step.h, middle->F, s->system->dims.nv, s->r);
+  status = nsdae_stepper_impact(s, result, middle, s->r, s->v);
+  return status < 0 ? status : to_end(&step);
 }
 
 const nsdae_stepping nsdae_stepping_moreau = {.name = "moreau",
                                               .summary =
                                                   "Moreau's midpoint rule: first order, explicit",
+                                              .sizes = nsdae_stepper_sizes,
                                               .advance = advance};

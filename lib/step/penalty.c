@@ -25,24 +25,43 @@ enum {
                NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS | NSDAE_TERM_SLIDE
 };
 
-/* Friction on the slides feeds their normal force: so many rounds of substitution at most. */
-enum { SLIDE_ROUNDS = 50 };
+enum {
+  SLIDE_ROUNDS = 50, /* friction on the slides feeds their normal force: rounds of substitution */
+  REPLAY_MAX = 1024  /* ends of steps since the integrator started; then it starts anew */
+};
+
+/* Forces at the last evaluation. */
+typedef struct penalty_forces {
+  double *normal, *tangential, *slide; /* k, k nt, f */
+  double *v_n, *v_t, *v_s;             /* velocities there */
+  double *lambda;                      /* m */
+  double *U, *D;                       /* nv x f, m x f: a unit friction force on each slide */
+} penalty_forces;
+
+/* Where the integrator started last, and the contacts of then: the method's part of the memory. The
+ * same start and the same ends of steps lead to the same point, bit by bit. */
+typedef struct penalty_base {
+  double *t, *y;                     /* 1, n */
+  double *since, *start_rate, *mass; /* k: when it closed, d'_0, effective mass */
+  double *impulse, *impulse_t;       /* k, k nt: I_N, I_T at closing */
+  double *peak;                      /* k: largest force since */
+  double *end;                       /* REPLAY_MAX: steps since then ended there, */
+  int *ends;                         /* 1: so many */
+  int *closed;                       /* k: in contact */
+} penalty_base;
 
 typedef struct penalty {
   nsdae_stepper *stepper;
   nsdae_ode *ode;
   nsdae_penalty_force law;
   nsdae_arena arena;
-  int n, running;                    /* length of y; the integrator is where the step starts */
-  double *y, *y0;                    /* n: now, at the start of the step */
-  double *force, *force_t, *force_s; /* k, k nt, f: at the last evaluation */
-  double *v_n, *v_t, *v_s;           /* velocities there */
-  double *lambda;                    /* m */
-  double *U, *D;                     /* nv x f, m x f: a unit friction force on each slide */
-  int *closed, *found;               /* k: in contact; roots */
-  double *since, *start_rate, *mass; /* k: when it closed, d'_0, effective mass */
-  double *impulse, *peak;            /* k: I_N at closing; largest force since */
-  double *impulse_t;                 /* k nt: I_T at closing */
+  int n;               /* length of y */
+  double *y, *y_start; /* n: now, at the start of the step */
+  double *peak;        /* k: largest force of each contact until now */
+  int *found;          /* k: roots */
+  penalty_forces at;
+  penalty_base base;  /* within the memory of the step in work */
+  long stamp, stamps; /* of the memory that the integrator stands at, 0: none; given so far */
 } penalty;
 
 /* Offsets in y. */
@@ -74,48 +93,56 @@ static int at_work(const nsdae_dims *d)
 static void contact_forces(penalty *p, const nsdae_terms *T)
 {
   const nsdae_system *s = T->system;
-  int n = s->dims.nv, nt = s->dims.nt;
+  const penalty_forces *at = &p->at;
+  double regular = p->stepper->options->friction_velocity;
+  int nt = s->dims.nt;
   for (int i = 0; i < s->dims.k; i++) {
     const nsdae_coefficients *c = &s->contact[i];
     double speed = 0;
-    p->v_n[i] = nsdae_dot(n, T->W_N + (size_t)i * (size_t)n, T->v) + T->w_N[i];
-    p->force[i] =
-        nsdae_penalty_normal(&p->law, -T->gap[i], -p->v_n[i], p->start_rate[i], c->e_n, p->mass[i]);
+    at->v_n[i] = nsdae_terms_rate(T, T->W_N, T->w_N, i, T->v);
+    at->normal[i] = nsdae_penalty_normal(&p->law, -T->gap[i], -at->v_n[i], p->base.start_rate[i],
+                                         c->e_n, p->base.mass[i]);
     for (int j = i * nt; j < (i + 1) * nt; j++) {
-      p->v_t[j] = nsdae_dot(n, T->W_T + (size_t)j * (size_t)n, T->v) + T->w_T[j];
-      speed = hypot(speed, p->v_t[j]);
+      at->v_t[j] = nsdae_terms_rate(T, T->W_T, T->w_T, j, T->v);
+      speed = hypot(speed, at->v_t[j]);
     }
-    double per_speed =
-        nsdae_penalty_friction(c->mu, p->force[i], speed, p->stepper->options->friction_velocity);
-    for (int j = i * nt; j < (i + 1) * nt; j++) p->force_t[j] = per_speed * p->v_t[j];
+    double per_speed = nsdae_penalty_friction(c->mu, at->normal[i], speed, regular);
+    for (int j = i * nt; j < (i + 1) * nt; j++) at->tangential[j] = per_speed * at->v_t[j];
   }
+}
+
+/* One round of substitution for the friction on the slides; how far it moved. */
+static double relax_slides(penalty *p, const nsdae_terms *T)
+{
+  const nsdae_system *s = T->system;
+  const penalty_forces *at = &p->at;
+  double moved = 0, regular = p->stepper->options->friction_velocity;
+  size_t m = (size_t)s->dims.m;
+  for (int j = 0; j < s->dims.f; j++) {
+    size_t row = (size_t)s->slide[j].constraint;
+    double normal = at->lambda[row], v = nsdae_terms_rate(T, T->W_S, T->w_S, j, T->v);
+    for (int l = 0; l < s->dims.f; l++) normal += at->D[(size_t)l * m + row] * at->slide[l];
+    double force = v * nsdae_penalty_friction(s->slide[j].mu, fabs(normal), v, regular);
+    moved = fmax(moved, fabs(force - at->slide[j]) / (1 + fabs(force)));
+    at->v_s[j] = v;
+    at->slide[j] = force;
+  }
+  return moved;
 }
 
 /* Friction on the slides, with U and D of their directions; a and lambda are free of it before. */
 static int slide_forces(penalty *p, const nsdae_terms *T, double *a)
 {
-  const nsdae_system *s = T->system;
-  int n = s->dims.nv, m = s->dims.m, f = s->dims.f;
+  const penalty_forces *at = &p->at;
+  int n = T->system->dims.nv, m = T->system->dims.m, f = T->system->dims.f;
   double moved = 1;
-  memcpy(p->U, T->W_S, (size_t)n * (size_t)f * sizeof *p->U);
-  memset(p->D, 0, (size_t)m * (size_t)f * sizeof *p->D);
-  nsdae_kkt_solve(&p->stepper->kkt, f, p->U, n, p->D, m);
-  memset(p->force_s, 0, (size_t)f * sizeof *p->force_s);
-  for (int round = 0; moved > 1e-14 && round < SLIDE_ROUNDS; round++) {
-    moved = 0;
-    for (int j = 0; j < f; j++) {
-      double normal = p->lambda[s->slide[j].constraint];
-      for (int l = 0; l < f; l++)
-        normal += p->D[(size_t)l * (size_t)m + (size_t)s->slide[j].constraint] * p->force_s[l];
-      p->v_s[j] = nsdae_dot(n, T->W_S + (size_t)j * (size_t)n, T->v) + T->w_S[j];
-      double force = p->v_s[j] * nsdae_penalty_friction(s->slide[j].mu, fabs(normal), p->v_s[j],
-                                                        p->stepper->options->friction_velocity);
-      moved = fmax(moved, fabs(force - p->force_s[j]) / (1 + fabs(force)));
-      p->force_s[j] = force;
-    }
-  }
-  nsdae_add_product(n, f, p->U, p->force_s, a);
-  nsdae_add_product(m, f, p->D, p->force_s, p->lambda);
+  memcpy(at->U, T->W_S, (size_t)n * (size_t)f * sizeof *at->U);
+  memset(at->D, 0, (size_t)m * (size_t)f * sizeof *at->D);
+  nsdae_kkt_solve(&p->stepper->kkt, f, at->U, n, at->D, m);
+  memset(at->slide, 0, (size_t)f * sizeof *at->slide);
+  for (int round = 0; moved > 1e-14 && round < SLIDE_ROUNDS; round++) moved = relax_slides(p, T);
+  nsdae_add_product(n, f, at->U, at->slide, a);
+  nsdae_add_product(m, f, at->D, at->slide, at->lambda);
   return moved > 1e-8 ? 1 : 0; /* no convergence: a smaller step */
 }
 
@@ -124,17 +151,18 @@ static int accelerations(penalty *p, nsdae_terms *T, double *a)
 {
   nsdae_stepper *s = p->stepper;
   const nsdae_dims *d = &s->system->dims;
+  const penalty_forces *at = &p->at;
   double alpha = s->options->baumgarte_alpha, beta = s->options->baumgarte_beta;
   contact_forces(p, T);
   memcpy(a, T->F, (size_t)d->nv * sizeof *a);
-  nsdae_add_product(d->nv, d->k, T->W_N, p->force, a);
-  nsdae_add_product(d->nv, d->k * d->nt, T->W_T, p->force_t, a);
+  nsdae_add_product(d->nv, d->k, T->W_N, at->normal, a);
+  nsdae_add_product(d->nv, d->k * d->nt, T->W_T, at->tangential, a);
   for (int i = 0; i < d->m; i++) {
     double rate = T->phi_t[i];
     for (int j = 0; j < d->nv; j++) rate += T->J[(size_t)j * (size_t)d->m + (size_t)i] * T->v[j];
-    p->lambda[i] = -T->omega[i] - 2 * alpha * rate - beta * beta * T->phi[i];
+    at->lambda[i] = -T->omega[i] - 2 * alpha * rate - beta * beta * T->phi[i];
   }
-  nsdae_kkt_solve(&s->kkt, 1, a, d->nv, p->lambda, d->m);
+  nsdae_kkt_solve(&s->kkt, 1, a, d->nv, at->lambda, d->m);
   return d->f > 0 ? slide_forces(p, T, a) : 0;
 }
 
@@ -157,14 +185,14 @@ static int rate(double t, const double *y, double *ydot, void *user)
   if (status == NSDAE_OK) status = nsdae_stepper_factor(s, T, T->M);
   if (status == NSDAE_OK) status = nsdae_stepper_kinematics(s, t, T->q, T->v, ydot);
   if (status < 0) return as_code(s, status);
-  int code = accelerations(p, T, ydot + d->nq);
-  memcpy(ydot + at_lambda(d), p->lambda, (size_t)d->m * sizeof *ydot);
-  memcpy(ydot + at_normal(d), p->force, (size_t)d->k * sizeof *ydot);
-  memcpy(ydot + at_tangential(d), p->force_t, (size_t)(d->k * d->nt) * sizeof *ydot);
-  memcpy(ydot + at_slide(d), p->force_s, (size_t)d->f * sizeof *ydot);
-  ydot[at_work(d)] = -nsdae_dot(d->k, p->force, p->v_n) -
-                     nsdae_dot(d->k * d->nt, p->force_t, p->v_t) -
-                     nsdae_dot(d->f, p->force_s, p->v_s);
+  int code = accelerations(p, T, ydot + d->nq), kt = d->k * d->nt;
+  const penalty_forces *at = &p->at;
+  memcpy(ydot + at_lambda(d), at->lambda, (size_t)d->m * sizeof *ydot);
+  memcpy(ydot + at_normal(d), at->normal, (size_t)d->k * sizeof *ydot);
+  memcpy(ydot + at_tangential(d), at->tangential, (size_t)kt * sizeof *ydot);
+  memcpy(ydot + at_slide(d), at->slide, (size_t)d->f * sizeof *ydot);
+  ydot[at_work(d)] = -nsdae_dot(d->k, at->normal, at->v_n) -
+                     nsdae_dot(kt, at->tangential, at->v_t) - nsdae_dot(d->f, at->slide, at->v_s);
   return code;
 }
 
@@ -183,26 +211,48 @@ static void layout(void *object, nsdae_arena *arena)
 {
   penalty *p = object;
   const nsdae_dims *d = &p->stepper->system->dims;
-  long k = d->k, kt = (long)d->k * d->nt, f = d->f;
+  penalty_forces *at = &p->at;
+  long k = d->k, kt = k * d->nt, f = d->f;
   p->y = NSDAE_ARENA_DOUBLES(arena, p->n);
-  p->y0 = NSDAE_ARENA_DOUBLES(arena, p->n);
-  p->force = NSDAE_ARENA_DOUBLES(arena, k);
-  p->force_t = NSDAE_ARENA_DOUBLES(arena, kt);
-  p->force_s = NSDAE_ARENA_DOUBLES(arena, f);
-  p->v_n = NSDAE_ARENA_DOUBLES(arena, k);
-  p->v_t = NSDAE_ARENA_DOUBLES(arena, kt);
-  p->v_s = NSDAE_ARENA_DOUBLES(arena, f);
-  p->lambda = NSDAE_ARENA_DOUBLES(arena, d->m);
-  p->U = NSDAE_ARENA_DOUBLES(arena, d->nv * f);
-  p->D = NSDAE_ARENA_DOUBLES(arena, d->m * f);
-  p->closed = NSDAE_ARENA_INTS(arena, k);
-  p->found = NSDAE_ARENA_INTS(arena, k);
-  p->since = NSDAE_ARENA_DOUBLES(arena, k);
-  p->start_rate = NSDAE_ARENA_DOUBLES(arena, k);
-  p->mass = NSDAE_ARENA_DOUBLES(arena, k);
-  p->impulse = NSDAE_ARENA_DOUBLES(arena, k);
+  p->y_start = NSDAE_ARENA_DOUBLES(arena, p->n);
   p->peak = NSDAE_ARENA_DOUBLES(arena, k);
-  p->impulse_t = NSDAE_ARENA_DOUBLES(arena, kt);
+  p->found = NSDAE_ARENA_INTS(arena, k);
+  at->normal = NSDAE_ARENA_DOUBLES(arena, k);
+  at->tangential = NSDAE_ARENA_DOUBLES(arena, kt);
+  at->slide = NSDAE_ARENA_DOUBLES(arena, f);
+  at->v_n = NSDAE_ARENA_DOUBLES(arena, k);
+  at->v_t = NSDAE_ARENA_DOUBLES(arena, kt);
+  at->v_s = NSDAE_ARENA_DOUBLES(arena, f);
+  at->lambda = NSDAE_ARENA_DOUBLES(arena, d->m);
+  at->U = NSDAE_ARENA_DOUBLES(arena, d->nv * f);
+  at->D = NSDAE_ARENA_DOUBLES(arena, d->m * f);
+}
+
+static void sizes(const nsdae_stepper *s, size_t *reals, size_t *wholes)
+{
+  const nsdae_dims *d = &s->system->dims;
+  size_t k = (size_t)d->k, kt = k * (size_t)d->nt;
+  *reals = 2 + (size_t)at_work(d) + 5 * k + kt + REPLAY_MAX;
+  *wholes = nsdae_contacts_memory_size(&s->contacts) + 1 + k;
+}
+
+/* Lays the base over the memory of a step. */
+static void find_base(penalty *p, nsdae_memory *memory)
+{
+  const nsdae_dims *d = &p->stepper->system->dims;
+  penalty_base *b = &p->base;
+  size_t k = (size_t)d->k;
+  b->t = memory->real;
+  b->y = b->t + 1;
+  b->since = b->y + p->n;
+  b->start_rate = b->since + k;
+  b->mass = b->start_rate + k;
+  b->impulse = b->mass + k;
+  b->peak = b->impulse + k;
+  b->impulse_t = b->peak + k;
+  b->end = b->impulse_t + k * (size_t)d->nt;
+  b->ends = memory->whole + nsdae_contacts_memory_size(&p->stepper->contacts);
+  b->closed = b->ends + 1;
 }
 
 static int check_law(const nsdae_stepper *s)
@@ -217,18 +267,16 @@ static int check_law(const nsdae_stepper *s)
   return NSDAE_OK;
 }
 
-static int create(nsdae_stepper *s)
+static int create(nsdae_stepper *s, void **own)
 {
-  const nsdae_dims *d = &s->system->dims;
   const nsdae_sim_options *o = s->options;
   if (check_law(s) < 0) return NSDAE_E_ARGUMENT;
   penalty *p = calloc(1, sizeof *p);
+  *own = p;
   if (!p) return nsdae_error_set(s->error, NSDAE_E_MEMORY, "nsdae_sim_create", "", "out of memory");
-  s->own = p;
   p->stepper = s;
-  p->n = at_work(d) + 1;
-  p->law = (nsdae_penalty_force){o->penalty_law, o->penalty_stiffness, o->penalty_exponent};
-  const nsdae_ode_problem problem = {p->n, d->k, rate, gaps, p};
+  p->n = at_work(&s->system->dims) + 1;
+  const nsdae_ode_problem problem = {p->n, s->system->dims.k, rate, gaps, p};
   int status = nsdae_arena_build(&p->arena, layout, p);
   if (status == NSDAE_OK) status = nsdae_ode_create(&problem, o->rtol, o->atol, &p->ode);
   if (status == NSDAE_E_UNSUPPORTED)
@@ -239,55 +287,63 @@ static int create(nsdae_stepper *s)
   return status;
 }
 
-static void destroy(nsdae_stepper *s)
+static void destroy(void *own)
 {
-  penalty *p = s->own;
+  penalty *p = own;
   if (!p) return;
   nsdae_ode_destroy(&p->ode);
   nsdae_arena_release(&p->arena);
   free(p);
-  s->own = NULL;
+}
+
+/* The integrator starts anew from here: that is the base from now on. */
+static int start(penalty *p, double t)
+{
+  penalty_base *b = &p->base;
+  *b->t = t;
+  *b->ends = 0;
+  memcpy(b->y, p->y, (size_t)p->n * sizeof *b->y);
+  memcpy(b->peak, p->peak, (size_t)p->stepper->system->dims.k * sizeof *b->peak);
+  return nsdae_ode_start(p->ode, t, p->y);
 }
 
 /* A contact closes here: its d'_0, its effective mass 1 / (W_N^T P W_N). */
-static int close_contact(penalty *p, int i, double t)
+static void close_contact(penalty *p, int i, double t)
 {
   nsdae_stepper *s = p->stepper;
-  nsdae_terms *T = &s->middle;
+  const nsdae_terms *T = &s->middle;
   const nsdae_dims *d = &s->system->dims;
-  int n = d->nv, nt = d->nt;
-  const double *W = T->W_N + (size_t)i * (size_t)n;
-  memcpy(s->r, W, (size_t)n * sizeof *s->r);
+  penalty_base *b = &p->base;
+  size_t n = (size_t)d->nv, nt = (size_t)d->nt, first = (size_t)i * nt;
+  memcpy(s->r, T->W_N + (size_t)i * n, n * sizeof *s->r);
   memset(s->impulse, 0, (size_t)d->m * sizeof *s->impulse);
-  nsdae_kkt_solve(&s->kkt, 1, s->r, n, s->impulse, d->m);
-  double inverse = nsdae_dot(n, W, s->r);
-  p->mass[i] = inverse > 0 ? 1 / inverse : 0;
-  double velocity = nsdae_dot(n, W, T->v) + T->w_N[i];
-  p->closed[i] = 1;
-  p->since[i] = t;
-  p->start_rate[i] = fmax(-velocity, s->options->friction_velocity);
-  p->impulse[i] = p->y[at_normal(d) + i];
-  memcpy(p->impulse_t + i * nt, p->y + at_tangential(d) + i * nt, (size_t)nt * sizeof *p->y);
+  nsdae_kkt_solve(&s->kkt, 1, s->r, d->nv, s->impulse, d->m);
+  double inverse = nsdae_dot(d->nv, T->W_N + (size_t)i * n, s->r);
+  b->mass[i] = inverse > 0 ? 1 / inverse : 0;
+  b->closed[i] = 1;
+  b->since[i] = t;
+  b->start_rate[i] =
+      fmax(-nsdae_terms_rate(T, T->W_N, T->w_N, i, T->v), s->options->friction_velocity);
+  b->impulse[i] = p->y[at_normal(d) + i];
+  memcpy(b->impulse_t + first, p->y + (size_t)at_tangential(d) + first, nt * sizeof *p->y);
   p->peak[i] = 0;
-  return NSDAE_OK;
 }
 
-static void open_contact(penalty *p, int i)
+static void open_contact(penalty *p, nsdae_result *result, int i)
 {
-  nsdae_stepper *s = p->stepper;
-  const nsdae_dims *d = &s->system->dims;
-  p->closed[i] = 0;
-  if (!(p->start_rate[i] > s->options->impact_velocity)) return;
-  nsdae_impact *impact = &s->impact[s->impacts++];
-  *impact = (nsdae_impact){.time = p->since[i],
+  const nsdae_dims *d = &p->stepper->system->dims;
+  const penalty_base *b = &p->base;
+  b->closed[i] = 0;
+  if (!(b->start_rate[i] > p->stepper->options->impact_velocity)) return;
+  nsdae_impact *impact = &result->impact[result->impacts++];
+  *impact = (nsdae_impact){.time = b->since[i],
                            .contact = i,
-                           .velocity_before = -p->start_rate[i],
-                           .normal_impulse = p->y[at_normal(d) + i] - p->impulse[i],
-                           .velocity_after = p->v_n[i],
+                           .velocity_before = -b->start_rate[i],
+                           .normal_impulse = p->y[at_normal(d) + i] - b->impulse[i],
+                           .velocity_after = p->at.v_n[i],
                            .peak_force = p->peak[i]};
-  for (int j = 0; j < d->nt; j++)
-    impact->tangential_impulse[j] =
-        p->y[at_tangential(d) + i * d->nt + j] - p->impulse_t[i * d->nt + j];
+  for (int l = 0, j = i * d->nt; l < d->nt; l++, j++)
+    impact->tangential_impulse[l] = p->y[at_tangential(d) + j] - b->impulse_t[j];
 }
 
 /* Terms, matrices and forces at the point that the integrator is at. */
@@ -303,42 +359,43 @@ static int evaluate(penalty *p, double t)
 }
 
 /* Gaps that crossed zero: contacts begin and end, and the integrator starts anew. */
-static int switch_contacts(penalty *p, double t)
+static int switch_contacts(penalty *p, nsdae_result *result, double t)
 {
   int status = evaluate(p, t);
   for (int i = 0; i < p->stepper->system->dims.k && status == NSDAE_OK; i++) {
-    if (p->found[i] < 0 && !p->closed[i]) status = close_contact(p, i, t);
-    if (p->found[i] > 0 && p->closed[i]) open_contact(p, i);
+    if (p->found[i] < 0 && !p->base.closed[i]) close_contact(p, i, t);
+    if (p->found[i] > 0 && p->base.closed[i]) open_contact(p, result, i);
   }
-  return status < 0 ? status : nsdae_ode_start(p->ode, t, p->y);
+  return status < 0 ? status : start(p, t);
 }
 
 static int follow_peaks(penalty *p, double t)
 {
   int any = 0, k = p->stepper->system->dims.k;
-  for (int i = 0; i < k; i++) any |= p->closed[i];
+  for (int i = 0; i < k; i++) any |= p->base.closed[i];
   if (!any) return NSDAE_OK;
   int status = evaluate(p, t);
   for (int i = 0; i < k; i++)
-    if (p->closed[i]) p->peak[i] = fmax(p->peak[i], p->force[i]);
+    if (p->base.closed[i]) p->peak[i] = fmax(p->peak[i], p->at.normal[i]);
   return status;
 }
 
-/* From the state of the step's start: at the beginning, and after a step that failed. */
-static int begin(penalty *p)
+/* From a state that this method did not lead to. */
+static int begin(penalty *p, const nsdae_terms *from)
 {
   nsdae_stepper *s = p->stepper;
   const nsdae_dims *d = &s->system->dims;
   memset(p->y, 0, (size_t)p->n * sizeof *p->y);
-  memcpy(p->y, s->start.q, (size_t)d->nq * sizeof *p->y);
-  memcpy(p->y + d->nq, s->start.v, (size_t)d->nv * sizeof *p->y);
-  int status = evaluate(p, s->start.t);
-  for (int i = 0; i < d->k && status == NSDAE_OK; i++) {
-    p->closed[i] = 0;
-    p->start_rate[i] = 1;
-    if (!(s->middle.gap[i] > 0)) status = close_contact(p, i, s->start.t);
+  memcpy(p->y, from->q, (size_t)d->nq * sizeof *p->y);
+  memcpy(p->y + d->nq, from->v, (size_t)d->nv * sizeof *p->y);
+  for (int i = 0; i < d->k; i++) {
+    p->base.closed[i] = 0;
+    p->base.start_rate[i] = 1;
   }
-  return status < 0 ? status : nsdae_ode_start(p->ode, s->start.t, p->y);
+  int status = evaluate(p, from->t);
+  for (int i = 0; i < d->k && status == NSDAE_OK; i++)
+    if (!(s->middle.gap[i] > 0)) close_contact(p, i, from->t);
+  return status < 0 ? status : start(p, from->t);
 }
 
 static int integrator_failed(nsdae_stepper *s, int status, double t, int code)
@@ -353,98 +410,160 @@ static int integrator_failed(nsdae_stepper *s, int status, double t, int code)
   return status;
 }
 
-/* To the end of the step, or until the list of impacts is full: then the step ends early. */
-static int integrate(penalty *p, double *t)
+/* One step of the integrator towards t_end. */
+static int one_step(penalty *p, double t_end, double *t, int *what)
 {
-  nsdae_stepper *s = p->stepper;
-  int what = NSDAE_ODE_STEP, code = 0, room = s->impacts_max - s->system->dims.k;
-  while (what != NSDAE_ODE_END && *t < s->t_end && s->impacts < room) {
-    nsdae_error_clear(s->error);
-    int status = nsdae_ode_advance(p->ode, s->t_end, t, p->y, &what, p->found, &code);
-    if (status < 0) return integrator_failed(s, status, *t, code);
-    s->iterations++;
-    status = what == NSDAE_ODE_ROOT ? switch_contacts(p, *t) : follow_peaks(p, *t);
+  int code = 0;
+  nsdae_error_clear(p->stepper->error);
+  int status = nsdae_ode_advance(p->ode, t_end, t, p->y, what, p->found, &code);
+  return status < 0 ? integrator_failed(p->stepper, status, *t, code) : NSDAE_OK;
+}
+
+/* The end of a step, for a replay; after too many the integrator starts anew. */
+static int keep_end(penalty *p, double t_end, double t)
+{
+  const penalty_base *b = &p->base;
+  if (*b->ends > 0 && b->end[*b->ends - 1] == t_end) return NSDAE_OK;
+  int status = *b->ends == REPLAY_MAX ? start(p, t) : NSDAE_OK;
+  b->end[(*b->ends)++] = t_end;
+  return status;
+}
+
+/* To the end of the step, or until the list of impacts is full: then the step ends early. */
+static int integrate(penalty *p, nsdae_result *result, double t_end, double *t)
+{
+  int what = NSDAE_ODE_STEP, room = result->impacts_max - p->stepper->system->dims.k;
+  while (what != NSDAE_ODE_END && *t < t_end && result->impacts < room) {
+    int status = keep_end(p, t_end, *t);
+    if (status == NSDAE_OK) status = one_step(p, t_end, t, &what);
+    if (status < 0) return status;
+    result->counters.iterations++;
+    status = what == NSDAE_ODE_ROOT ? switch_contacts(p, result, *t) : follow_peaks(p, *t);
     if (status < 0) return status;
   }
-  nsdae_error_clear(s->error);
   return NSDAE_OK;
+}
+
+/* The integrator's point is the state's, to the last bit. */
+static int stands_at(const penalty *p, const nsdae_terms *to, double t)
+{
+  const nsdae_dims *d = &p->stepper->system->dims;
+  return t == to->t && memcmp(p->y, to->q, (size_t)d->nq * sizeof *p->y) == 0 &&
+         memcmp(p->y + d->nq, to->v, (size_t)d->nv * sizeof *p->y) == 0;
+}
+
+/* From the base to the state again. Where callbacks do not give the same numbers as then, it is
+ * the state that holds, and the integrator starts anew there. */
+static int replay(penalty *p, const nsdae_terms *to)
+{
+  const nsdae_dims *d = &p->stepper->system->dims;
+  const penalty_base *b = &p->base;
+  double t = *b->t;
+  memcpy(p->y, b->y, (size_t)p->n * sizeof *p->y);
+  memcpy(p->peak, b->peak, (size_t)d->k * sizeof *p->peak);
+  int status = nsdae_ode_start(p->ode, t, p->y);
+  for (int i = 0; i < *b->ends && status == NSDAE_OK; i++) {
+    int what = NSDAE_ODE_STEP;
+    while (status == NSDAE_OK && what != NSDAE_ODE_END && t < b->end[i]) {
+      status = one_step(p, b->end[i], &t, &what);
+      if (status == NSDAE_OK) status = follow_peaks(p, t);
+    }
+  }
+  if (status < 0 || stands_at(p, to, t)) return status;
+  memcpy(p->y, to->q, (size_t)d->nq * sizeof *p->y);
+  memcpy(p->y + d->nq, to->v, (size_t)d->nv * sizeof *p->y);
+  return start(p, to->t);
 }
 
 /* A gap that closes or opens just where the step ends, to rounding of its time, is no root that the
  * integrator reports. */
-static int switch_at_end(penalty *p, double t)
+static int switch_at_end(penalty *p, nsdae_result *result, double t)
 {
   const nsdae_terms *T = &p->stepper->middle;
   int any = 0, status = evaluate(p, t);
   for (int i = 0; i < p->stepper->system->dims.k && status == NSDAE_OK; i++) {
-    double reach = -p->v_n[i] * 1e-9 * p->stepper->options->dt;
-    int closes = !p->closed[i] && p->v_n[i] < 0 && T->gap[i] <= reach;
-    int opens = p->closed[i] && T->gap[i] > 0 && p->v_n[i] > 0;
+    double v_n = p->at.v_n[i], reach = -v_n * 1e-9 * p->stepper->options->dt;
+    int closes = !p->base.closed[i] && v_n < 0 && T->gap[i] <= reach;
+    int opens = p->base.closed[i] && T->gap[i] > 0 && v_n > 0;
     p->found[i] = opens - closes;
     any |= closes || opens;
   }
-  return any && status == NSDAE_OK ? switch_contacts(p, t) : status;
+  return any && status == NSDAE_OK ? switch_contacts(p, result, t) : status;
 }
 
 static int mode_of(const penalty *p, int i, int nt)
 {
   double speed = 0;
-  if (!p->closed[i]) return NSDAE_MODE_OPEN;
-  for (int j = i * nt; j < (i + 1) * nt; j++) speed = hypot(speed, p->v_t[j]);
+  if (!p->base.closed[i]) return NSDAE_MODE_OPEN;
+  for (int j = i * nt; j < (i + 1) * nt; j++) speed = hypot(speed, p->at.v_t[j]);
   return nt > 0 && speed <= p->stepper->options->friction_velocity ? NSDAE_MODE_STICK
                                                                    : NSDAE_MODE_SLIDE;
 }
 
-/* What the step did, from the integrals. */
-static int read_results(penalty *p, double t)
+/* to [n] := what the step added to the integrals from entry first on. */
+static void integrals(const penalty *p, int first, int n, double *to)
 {
-  nsdae_stepper *s = p->stepper;
-  nsdae_contacts *c = &s->contacts;
-  const nsdae_dims *d = &s->system->dims;
-  double h = t - s->start.t;
-  int status = switch_at_end(p, t);
-  for (int i = 0; i < d->m; i++)
-    s->multiplier[i] = (p->y[at_lambda(d) + i] - p->y0[at_lambda(d) + i]) / h;
-  for (int i = 0; i < d->k; i++) {
-    c->normal[i] = p->y[at_normal(d) + i] - p->y0[at_normal(d) + i];
-    c->mode[i] = mode_of(p, i, d->nt);
+  for (int i = 0; i < n; i++) to[i] = p->y[first + i] - p->y_start[first + i];
+}
+
+/* What the step did, from the integrals. */
+static void read_results(const penalty *p, nsdae_result *result, double t, double h)
+{
+  const nsdae_terms *T = &p->stepper->middle;
+  const nsdae_dims *d = &T->system->dims;
+  nsdae_impulses *to = &result->impulses;
+  integrals(p, at_lambda(d), d->m, result->multiplier);
+  for (int i = 0; i < d->m; i++) result->multiplier[i] /= h;
+  integrals(p, at_normal(d), d->k, to->normal);
+  integrals(p, at_tangential(d), d->k * d->nt, to->tangential);
+  integrals(p, at_slide(d), d->f, to->slide_impulse);
+  for (int i = 0; i < d->k; i++) to->mode[i] = mode_of(p, i, d->nt);
+  for (int j = 0; j < d->f; j++) {
+    double slip = fabs(nsdae_terms_rate(T, T->W_S, T->w_S, j, T->v));
+    int sticks = slip <= p->stepper->options->friction_velocity;
+    to->slide_mode[j] = sticks ? NSDAE_MODE_STICK : NSDAE_MODE_SLIDE;
   }
-  for (int i = 0; i < d->k * d->nt; i++)
-    c->tangential[i] = p->y[at_tangential(d) + i] - p->y0[at_tangential(d) + i];
-  for (int i = 0; i < d->f; i++) {
-    double slip = fabs(nsdae_dot(d->nv, s->middle.W_S + i * d->nv, s->middle.v) + s->middle.w_S[i]);
-    c->slide_impulse[i] = p->y[at_slide(d) + i] - p->y0[at_slide(d) + i];
-    c->slide_mode[i] = slip <= s->options->friction_velocity ? NSDAE_MODE_STICK : NSDAE_MODE_SLIDE;
-  }
-  s->work = p->y0[at_work(d)] - p->y[at_work(d)];
+  result->work = p->y_start[at_work(d)] - p->y[at_work(d)];
+  result->located = 1;
+  nsdae_terms_at(&result->end, t, p->y, p->y + d->nq);
+}
+
+/* To where the step starts, if the integrator is not there already. A replay is not counted. */
+static int arrive(penalty *p, const nsdae_state *state, nsdae_counters *counters)
+{
+  long stamp = state->memory->stamp;
+  if (stamp == 0) return begin(p, state->terms);
+  if (stamp == p->stamp) return NSDAE_OK;
+  nsdae_counters counted = *counters;
+  int status = replay(p, state->terms);
+  *counters = counted;
   return status;
 }
 
-static int advance(nsdae_stepper *s, double h)
+static int advance(void *own, const nsdae_state *state, double t_end, nsdae_result *result)
 {
-  penalty *p = s->own;
-  double t = s->start.t;
-  int status = NSDAE_OK;
-  (void)h;
-  if (!p->running || s->fresh) status = begin(p);
-  p->running = 0;
-  s->impacts = 0;
+  penalty *p = own;
+  const nsdae_sim_options *o = p->stepper->options;
+  double t = state->terms->t;
+  p->law = (nsdae_penalty_force){o->penalty_law, o->penalty_stiffness, o->penalty_exponent};
+  find_base(p, &result->memory);
+  int status = arrive(p, state, &result->counters);
+  p->stamp = 0;
   if (status < 0) return status;
-  memcpy(p->y0, p->y, (size_t)p->n * sizeof *p->y0);
-  status = integrate(p, &t);
-  if (status == NSDAE_OK) status = read_results(p, t);
+  memcpy(p->y_start, p->y, (size_t)p->n * sizeof *p->y);
+  status = integrate(p, result, t_end, &t);
+  if (status == NSDAE_OK) status = switch_at_end(p, result, t);
   if (status < 0) return status;
-  nsdae_terms_at(&s->end, t, p->y, p->y + s->system->dims.nq);
-  s->smooth = 0;
-  s->worst_residual = 0;
-  p->running = 1;
+  nsdae_error_clear(p->stepper->error); /* of callbacks that a smaller step helped */
+  read_results(p, result, t, t - state->terms->t);
+  result->memory.stamp = p->stamp = ++p->stamps;
   return NSDAE_OK;
 }
 
 const nsdae_stepping nsdae_stepping_penalty = {
     .name = "penalty",
     .summary = "continuous contact force, integrated by SUNDIALS with error control",
-    .advance = advance,
     .create = create,
     .destroy = destroy,
-    .finds_impacts = 1};
+    .sizes = sizes,
+    .advance = advance};

@@ -7,7 +7,10 @@
  * One pass, of first order; v_1 does not satisfy Phi_q(q_1) v_1 + Phi_t = 0. */
 #include <float.h>
 #include <math.h>
+#include <stdlib.h>
 
+#include "errors.h"
+#include "newmark.h"
 #include "stepper.h"
 #include "vector.h"
 
@@ -17,77 +20,140 @@ enum {
   END_TERMS = NSDAE_TERM_JACOBIAN | NSDAE_TERM_NORMAL | NSDAE_TERM_TANGENT | NSDAE_TERM_SLIDE
 };
 
-static int smooth_step(nsdae_stepper *s)
+typedef struct printed {
+  nsdae_stepper *stepper;
+  nsdae_newmark newmark;
+  nsdae_arena arena;
+} printed;
+
+/* Beside the contacts' warm start: a and lambda of the end of a smooth step, and whether they are
+ * there. */
+static void sizes(const nsdae_stepper *s, size_t *reals, size_t *wholes)
 {
-  int status = nsdae_newmark_step(&s->newmark, &s->start, &s->end, s->t_end, s->multiplier);
-  s->iterations += s->newmark.iterations;
-  s->smooth = 1;
-  s->work = 0;
-  s->worst_residual = 0;
-  if (s->kkt.rank < s->rank) s->rank = s->kkt.rank;
+  *reals = (size_t)s->system->dims.nv + (size_t)s->system->dims.m;
+  *wholes = nsdae_contacts_memory_size(&s->contacts) + 1;
+}
+
+static void layout(void *object, nsdae_arena *arena)
+{
+  nsdae_newmark_layout(&((printed *)object)->newmark, arena);
+}
+
+static int create(nsdae_stepper *s, void **own)
+{
+  printed *p = calloc(1, sizeof *p);
+  *own = p;
+  if (!p) return nsdae_error_set(s->error, NSDAE_E_MEMORY, "nsdae_sim_create", "", "out of memory");
+  p->stepper = s;
+  p->newmark = (nsdae_newmark){.system = s->system, .error = s->error, .kkt = &s->kkt};
+  if (nsdae_arena_build(&p->arena, layout, p) == NSDAE_OK) return NSDAE_OK;
+  return nsdae_error_set(s->error, NSDAE_E_MEMORY, "nsdae_sim_create", "", "out of memory");
+}
+
+static void destroy(void *own)
+{
+  printed *p = own;
+  if (!p) return;
+  nsdae_arena_release(&p->arena);
+  free(p);
+}
+
+/* The settings, which may change between runs; a_0 and lambda_0 are in the memory. */
+static void prepare_newmark(printed *p, nsdae_memory *memory)
+{
+  nsdae_newmark *N = &p->newmark;
+  const nsdae_stepper *s = p->stepper;
+  N->alpha = s->options->baumgarte_alpha;
+  N->beta = s->options->baumgarte_beta;
+  N->tol = s->iteration_tol;
+  N->iteration_max = s->options->iteration_max;
+  N->least_norm = s->options->redundant == NSDAE_REDUNDANT_LEAST_NORM;
+  N->a0 = memory->real;
+  N->lambda0 = memory->real + s->system->dims.nv;
+  N->have_start = memory->whole[memory->wholes - 1];
+}
+
+static int smooth_step(printed *p, const nsdae_step *step)
+{
+  nsdae_result *result = step->result;
+  nsdae_memory *memory = &result->memory;
+  prepare_newmark(p, memory);
+  int status =
+      nsdae_newmark_step(&p->newmark, step->start, step->end, step->t_end, result->multiplier);
+  memory->whole[memory->wholes - 1] = p->newmark.have_start;
+  result->counters.iterations += p->newmark.iterations;
+  result->smooth = 1;
+  nsdae_count_rank(&result->counters, p->stepper->kkt.rank);
   return status;
 }
 
 /* Lambda and x at the start, v~ into s->v. */
-static int solve_at_start(nsdae_stepper *s, double h)
+static int solve_at_start(const nsdae_step *step)
 {
-  nsdae_terms *start = &s->start;
+  nsdae_stepper *s = step->tools;
+  nsdae_terms *start = step->start;
   int status = nsdae_terms_need(start, CONTACT_TERMS);
   if (status == NSDAE_OK) status = nsdae_stepper_factor(s, start, start->M);
   if (status < 0) return status;
   nsdae_contacts_before(&s->contacts, start, start->v, 0);
-  nsdae_stepper_momentum(start->M, start->v, h, start->F, s->system->dims.nv, s->r);
-  return nsdae_stepper_impact(s, start, s->r, s->v);
+  nsdae_stepper_momentum(start->M, start->v, step->h, start->F, s->system->dims.nv, s->r);
+  return nsdae_stepper_impact(s, step->result, start, s->r, s->v);
 }
 
-static int positions(nsdae_stepper *s, double h)
+static int positions(const nsdae_step *step)
 {
-  nsdae_terms *start = &s->start;
+  nsdae_stepper *s = step->tools;
+  const nsdae_terms *start = step->start;
   const nsdae_dims *dims = &s->system->dims;
-  for (int i = 0; i < dims->nv; i++) s->last[i] = (start->v[i] + s->v[i]) / 2;
-  int status = nsdae_stepper_kinematics(s, start->t, start->q, s->last, s->qdot0);
-  for (int i = 0; i < dims->nq; i++) s->q[i] = start->q[i] + h * s->qdot0[i];
-  nsdae_terms_at(&s->end, s->t_end, s->q, s->v);
-  return status < 0 ? status : nsdae_terms_need(&s->end, END_TERMS);
+  for (int i = 0; i < dims->nv; i++) s->v_other[i] = (start->v[i] + s->v[i]) / 2;
+  int status = nsdae_stepper_kinematics(s, start->t, start->q, s->v_other, s->qdot0);
+  for (int i = 0; i < dims->nq; i++) s->q[i] = start->q[i] + step->h * s->qdot0[i];
+  nsdae_terms_at(step->end, step->t_end, s->q, s->v);
+  return status < 0 ? status : nsdae_terms_need(step->end, END_TERMS);
 }
 
 /* v_1 = M(q_0)^-1 (M v_0 + h F - Phi_q(q_1)^T Lambda + W(q_1) Lambda_c); s->r holds M v_0 + h F. */
-static void velocity_at_end(nsdae_stepper *s)
+static void velocity_at_end(const nsdae_step *step)
 {
+  nsdae_stepper *s = step->tools;
   const nsdae_dims *dims = &s->system->dims;
-  nsdae_add_transposed(dims->m, dims->nv, -1, s->end.J, s->impulse, s->r);
-  nsdae_contacts_add_impulse(&s->contacts, &s->end, 1, 0, s->r);
+  nsdae_add_transposed(dims->m, dims->nv, -1, step->end->J, s->impulse, s->r);
+  nsdae_contacts_add_impulse(&s->contacts, step->end, 1, 0, s->r);
   nsdae_kkt_solve_mass(&s->kkt, s->r);
   /* where the matrices did not change, v_1 is v~ and not its rounding: what rests, rests */
   for (int i = 0; i < dims->nv; i++)
     if (fabs(s->r[i] - s->v[i]) <= 64 * DBL_EPSILON * (fabs(s->size[i]) + fabs(s->v[i])))
       s->r[i] = s->v[i];
-  nsdae_terms_set_velocity(&s->end, s->r);
+  nsdae_terms_set_velocity(step->end, s->r);
 }
 
-static int contact_step(nsdae_stepper *s, double h)
+static int contact_step(const nsdae_step *step)
 {
-  s->newmark.have_start = 0;
-  s->smooth = 0;
-  int status = solve_at_start(s, h);
-  if (status == NSDAE_OK) status = positions(s, h);
+  nsdae_memory *memory = &step->result->memory;
+  memory->whole[memory->wholes - 1] = 0;
+  int status = solve_at_start(step);
+  if (status == NSDAE_OK) status = positions(step);
   if (status < 0) return status;
-  velocity_at_end(s);
-  for (int i = 0; i < s->system->dims.m; i++) s->multiplier[i] = s->impulse[i] / h;
-  s->work = nsdae_contacts_work(&s->contacts);
-  s->worst_residual = s->contacts.info.residual;
+  velocity_at_end(step);
+  nsdae_step_end(step);
   return NSDAE_OK;
 }
 
-static int advance(nsdae_stepper *s, double h)
+static int advance(void *own, const nsdae_state *state, double t_end, nsdae_result *result)
 {
-  int status = nsdae_terms_need(&s->start, NSDAE_TERM_GAP);
+  printed *p = own;
+  nsdae_contacts *c = &p->stepper->contacts;
+  const nsdae_step step = nsdae_step_begin(p->stepper, state, t_end, result);
+  int status = nsdae_terms_need(step.start, NSDAE_TERM_GAP);
   if (status < 0) return status;
-  nsdae_contacts_close(&s->contacts, &s->start);
-  return nsdae_contacts_any(&s->contacts) ? contact_step(s, h) : smooth_step(s);
+  nsdae_contacts_close(c, step.start, &result->impulses);
+  return nsdae_contacts_any(c) ? contact_step(&step) : smooth_step(p, &step);
 }
 
 const nsdae_stepping nsdae_stepping_printed = {
     .name = "implicit-printed",
     .summary = "the source paper's one-pass scheme, letter for letter: first order",
+    .create = create,
+    .destroy = destroy,
+    .sizes = sizes,
     .advance = advance};

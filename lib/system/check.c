@@ -6,6 +6,7 @@
 #include "arena.h"
 #include "differences.h"
 #include "errors.h"
+#include "probe.h"
 #include "system_impl.h"
 
 typedef struct check {
@@ -156,12 +157,71 @@ static void check_contact_acceleration(check *c)
     compare(c, "contact_acceleration", k + kt + f, 1);
 }
 
+/* Directions that friction cannot act along as they stand: all zero, the normal itself, or one
+ * direction twice. Whether they are the contact's, with the right arms, the gap does not tell. */
+static int same_column(int n, const double *a, const double *b)
+{
+  int same = 1, opposite = 1;
+  for (int i = 0; i < n; i++) {
+    same = same && a[i] == b[i];
+    opposite = opposite && a[i] == -b[i];
+  }
+  return same || opposite;
+}
+
+static int bad_tangent(check *c, int contact, int column, const char *why)
+{
+  nsdae_system *s = c->system;
+  char called[NSDAE_CALLED_SIZE];
+  c->worst = (nsdae_check){.term = "gap_tangent", .column = column, .error = INFINITY};
+  return nsdae_error_set(&s->error, NSDAE_E_DERIVATIVE, "nsdae_system_check", "gap_tangent",
+                         "gap_tangent: column %d (%s) %s", column,
+                         nsdae_system_called(s, NSDAE_NAME_CONTACT, contact, called), why);
+}
+
+/* W_T is in given, W_N in differenced. */
+static int judge_tangents(check *c, int i)
+{
+  const nsdae_system *s = c->system;
+  int n = s->dims.nv, nt = s->dims.nt;
+  const double *normal = c->differenced + (size_t)i * (size_t)n;
+  for (int j = i * nt; j < (i + 1) * nt; j++) {
+    const double *tangent = c->given + (size_t)j * (size_t)n;
+    int row = 0;
+    while (row < n && tangent[row] == 0) row++;
+    if (row == n) return bad_tangent(c, i, j, "is all zero: friction has nothing to act on");
+    if (n > 1 && same_column(n, tangent, normal))
+      return bad_tangent(c, i, j,
+                         "is the normal's, gap_normal: the slip needs a direction of its own");
+    if (j > i * nt && n > 1 && same_column(n, tangent, tangent - n))
+      return bad_tangent(c, i, j,
+                         "is the one before it: two directions at right angles are needed");
+  }
+  return NSDAE_OK;
+}
+
+static int check_tangents(check *c)
+{
+  nsdae_system *s = c->system;
+  int k = s->dims.k, n = s->dims.nv, status = NSDAE_OK;
+  if (!s->gap_tangent || c->code) return NSDAE_OK;
+  zero(c->given, n, k * s->dims.nt);
+  zero(c->differenced, n, k);
+  if (failed(c, s->gap_tangent(c->t, c->q, c->given, n, s->user), "gap_tangent") ||
+      (s->gap_normal &&
+       failed(c, s->gap_normal(c->t, c->q, c->differenced, n, s->user), "gap_normal")))
+    return NSDAE_OK;
+  for (int i = 0; i < k && status == NSDAE_OK; i++)
+    if (s->contact[i].mu > 0) status = judge_tangents(c, i);
+  return status;
+}
+
 static int verdict(check *c, double tol)
 {
   nsdae_error *error = &c->system->error;
   const nsdae_check *w = &c->worst;
   if (c->code) return nsdae_system_callback_status(c->code, c->callback, c->t, error);
-  if (w->error <= tol) return NSDAE_OK;
+  if (w->error <= tol) return check_tangents(c);
   return nsdae_error_set(error, NSDAE_E_DERIVATIVE, "nsdae_system_check", w->term,
                          "%s: entry (%d, %d) is %.10g, differences say %.10g (off by %.3g, "
                          "tol %.3g)",
@@ -189,6 +249,8 @@ int nsdae_system_check(nsdae_system *system, double t, const double *q, const do
   if (!system) return NSDAE_E_ARGUMENT;
   nsdae_error_clear(&system->error);
   int status = check_arguments(system, q, v, tol);
+  if (worst) *worst = (nsdae_check){0};
+  if (status == NSDAE_OK) status = nsdae_system_probe(system, &(nsdae_point){t, q, v});
   if (status < 0) return status;
   check c = {.system = system, .t = t, .tol = tol, .q = q, .v = v};
   c.differences.system = system;
@@ -197,7 +259,8 @@ int nsdae_system_check(nsdae_system *system, double t, const double *q, const do
     return nsdae_error_set(&system->error, NSDAE_E_MEMORY, "nsdae_system_check", "",
                            "out of memory");
   for (size_t i = 0; i < sizeof all / sizeof *all && !c.code; i++) all[i](&c);
+  status = verdict(&c, tol);
   nsdae_arena_release(&arena);
   if (worst) *worst = c.worst;
-  return verdict(&c, tol);
+  return status;
 }

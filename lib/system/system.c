@@ -35,6 +35,7 @@ int nsdae_system_create(const nsdae_dims *dims, nsdae_system **system, nsdae_err
   int status = check_dims(dims, error);
   if (status < 0) return status;
   nsdae_system *made = calloc(1, sizeof *made);
+  if (made) atomic_init(&made->owners, 1);
   if (made) made->contact = calloc((size_t)dims->k + 1, sizeof *made->contact);
   if (made) made->slide = calloc((size_t)dims->f + 1, sizeof *made->slide);
   if (!made || !made->contact || !made->slide) {
@@ -44,105 +45,195 @@ int nsdae_system_create(const nsdae_dims *dims, nsdae_system **system, nsdae_err
   made->dims = *dims;
   if (dims->nv == 0) made->dims.nv = dims->nq;
   nsdae_error_clear(&made->error);
+  nsdae_error_clear(&made->refused);
   *system = made;
   return NSDAE_OK;
+}
+
+static void release(nsdae_system *system)
+{
+  if (atomic_fetch_sub(&system->owners, 1) > 1) return;
+  for (int kind = 0; kind < NSDAE_NAME_KINDS; kind++) free(system->label[kind]);
+  free(system->contact);
+  free(system->slide);
+  free(system);
 }
 
 void nsdae_system_destroy(nsdae_system **system)
 {
   if (!system || !*system) return;
-  free((*system)->contact);
-  free((*system)->slide);
-  free(*system);
+  release(*system);
   *system = NULL;
+}
+
+/* Its number of owners is all that a simulation changes of a system. */
+void nsdae_system_hold(const nsdae_system *system)
+{
+  atomic_fetch_add(&((nsdae_system *)system)->owners, 1);
+}
+
+void nsdae_system_let_go(const nsdae_system *system)
+{
+  if (system) release((nsdae_system *)system);
+}
+
+int nsdae_system_simulations(const nsdae_system *system)
+{
+  return system ? atomic_load(&((nsdae_system *)system)->owners) - 1 : 0;
+}
+
+int nsdae_system_refuse(nsdae_system *system, int status, const char *setter, const char *argument,
+                        const char *why)
+{
+  char where[sizeof system->error.where];
+  snprintf(where, sizeof where, "nsdae_system_set_%s", setter);
+  nsdae_error_set(&system->error, status, where, argument, "%s", why);
+  if (system->refused.status == NSDAE_OK) system->refused = system->error;
+  return status;
+}
+
+int nsdae_system_open(nsdae_system *system, const char *setter)
+{
+  int simulations = nsdae_system_simulations(system);
+  char why[200];
+  nsdae_error_clear(&system->error);
+  if (simulations == 0) return NSDAE_OK;
+  snprintf(why, sizeof why,
+           "the system is constant while it has simulations (%d now): destroy them before you "
+           "change it, or make another system",
+           simulations);
+  return nsdae_system_refuse(system, NSDAE_E_STATE, setter, "system", why);
+}
+
+void nsdae_system_clear_error(nsdae_system *system)
+{
+  if (!system) return;
+  nsdae_error_clear(&system->error);
+  nsdae_error_clear(&system->refused);
 }
 
 int nsdae_system_set_user(nsdae_system *system, void *user)
 {
   if (!system) return NSDAE_E_ARGUMENT;
-  system->user = user;
-  return NSDAE_OK;
+  int status = nsdae_system_open(system, "user");
+  if (status == NSDAE_OK) system->user = user;
+  return status;
 }
 
 static int refuse(nsdae_system *system, const char *callback, const char *why)
 {
-  return nsdae_error_set(&system->error, NSDAE_E_ARGUMENT, "nsdae_system_set", callback, "%s: %s",
-                         callback, why);
+  char text[200];
+  snprintf(text, sizeof text, "%s: %s", callback, why);
+  return nsdae_system_refuse(system, NSDAE_E_ARGUMENT, callback, callback, text);
 }
 
-/* One setter per callback: `has` says whether the system has such a term at all. */
+/* One setter per callback: has says, by the sizes d, whether the system has such a term at all. */
 #define SETTER(name, type, has, why)                           \
   int nsdae_system_set_##name(nsdae_system *system, type name) \
   {                                                            \
     if (!system) return NSDAE_E_ARGUMENT;                      \
+    const nsdae_dims *d = &system->dims;                       \
+    (void)d;                                                   \
     if (!name) return refuse(system, #name, "it is NULL");     \
     if (!(has)) return refuse(system, #name, why);             \
-    nsdae_error_clear(&system->error);                         \
-    system->name = name;                                       \
-    return NSDAE_OK;                                           \
+    int status = nsdae_system_open(system, #name);             \
+    if (status == NSDAE_OK) system->name = name;               \
+    return status;                                             \
   }
 
+/* callbacks.list: setters */
 SETTER(mass, nsdae_mass_fn, 1, "")
 SETTER(force, nsdae_force_fn, 1, "")
-SETTER(constraint, nsdae_constraint_fn, system->dims.m > 0, "the system has no constraints (m = 0)")
-SETTER(constraint_jacobian, nsdae_constraint_jacobian_fn, system->dims.m > 0,
+SETTER(constraint, nsdae_constraint_fn, d->m > 0, "the system has no constraints (m = 0)")
+SETTER(constraint_jacobian, nsdae_constraint_jacobian_fn, d->m > 0,
        "the system has no constraints (m = 0)")
-SETTER(constraint_bias, nsdae_constraint_bias_fn, system->dims.m > 0,
-       "the system has no constraints (m = 0)")
-SETTER(gap, nsdae_gap_fn, system->dims.k > 0, "the system has no contacts (k = 0)")
-SETTER(gap_normal, nsdae_gap_normal_fn, system->dims.k > 0, "the system has no contacts (k = 0)")
-SETTER(gap_tangent, nsdae_gap_tangent_fn, system->dims.k > 0 && system->dims.nt > 0,
+SETTER(constraint_bias, nsdae_constraint_bias_fn, d->m > 0, "the system has no constraints (m = 0)")
+SETTER(gap, nsdae_gap_fn, d->k > 0, "the system has no contacts (k = 0)")
+SETTER(gap_normal, nsdae_gap_normal_fn, d->k > 0, "the system has no contacts (k = 0)")
+SETTER(gap_tangent, nsdae_gap_tangent_fn, d->k > 0 && d->nt > 0,
        "the system has no tangential directions (k nt = 0)")
-SETTER(contact_bias, nsdae_contact_bias_fn, system->dims.k > 0,
-       "the system has no contacts (k = 0)")
-SETTER(contact_acceleration, nsdae_contact_acceleration_fn,
-       system->dims.k > 0 || system->dims.f > 0, "the system has no contacts or slides (k = f = 0)")
-SETTER(slide_tangent, nsdae_slide_fn, system->dims.f > 0, "the system has no slides (f = 0)")
+SETTER(contact_bias, nsdae_contact_bias_fn, d->k > 0, "the system has no contacts (k = 0)")
+SETTER(contact_acceleration, nsdae_contact_acceleration_fn, d->k > 0 || d->f > 0,
+       "the system has no contacts or slides (k = f = 0)")
+SETTER(slide_tangent, nsdae_slide_fn, d->f > 0, "the system has no slides (f = 0)")
 SETTER(kinematics, nsdae_kinematics_fn, 1, "")
 SETTER(potential, nsdae_potential_fn, 1, "")
+/* callbacks.list: end */
 
-static int bad_coefficient(nsdae_system *system, const char *name, double value, const char *range)
+static int bad_coefficient(nsdae_system *system, const char *setter, const char *name, double value,
+                           const char *range)
 {
-  return nsdae_error_set(&system->error, NSDAE_E_ARGUMENT, "nsdae_system_set", name,
-                         "%s = %g is outside its range: it must be %s", name, value, range);
+  char why[120];
+  snprintf(why, sizeof why, "%s = %g is outside its range: it must be %s", name, value, range);
+  return nsdae_system_refuse(system, NSDAE_E_ARGUMENT, setter, name, why);
 }
 
-static int bad_index(nsdae_system *system, const char *name, int index, int count)
+static int bad_index(nsdae_system *system, const char *setter, const char *name, int index,
+                     int count)
 {
-  return nsdae_error_set(&system->error, NSDAE_E_ARGUMENT, "nsdae_system_set", name,
-                         count > 0 ? "%s = %d is outside its range: it must be 0 .. %d"
-                                   : "%s = %d: the system has none of these",
-                         name, index, count - 1);
+  char why[120];
+  snprintf(why, sizeof why,
+           count > 0 ? "%s = %d is outside its range: it must be 0 .. %d"
+                     : "%s = %d: the system has none of these",
+           name, index, count - 1);
+  return nsdae_system_refuse(system, NSDAE_E_ARGUMENT, setter, name, why);
+}
+
+/* Friction that no direction could carry. */
+static int no_direction(nsdae_system *system, int i, double mu)
+{
+  char why[200], called[NSDAE_CALLED_SIZE];
+  snprintf(why, sizeof why,
+           "mu = %g, but the system has no tangential directions: make it with dims.nt = 1 (plane) "
+           "or 2 (space) (%s)",
+           mu, nsdae_system_called(system, NSDAE_NAME_CONTACT, i, called));
+  return nsdae_system_refuse(system, NSDAE_E_ARGUMENT, "contact", "mu", why);
+}
+
+/* Conditions are written so that NaN fails. */
+static int check_coefficients(nsdae_system *s, int i, double mu, double e_n, double e_t)
+{
+  if (!(mu >= 0) || isinf(mu)) return bad_coefficient(s, "contact", "mu", mu, "at least 0, finite");
+  if (!(e_n >= 0 && e_n <= 1)) return bad_coefficient(s, "contact", "e_n", e_n, "0 .. 1");
+  if (!(e_t >= 0 && e_t <= 1)) return bad_coefficient(s, "contact", "e_t", e_t, "0 .. 1");
+  if (s->dims.nt == 0 && mu > 0) return no_direction(s, i, mu);
+  return NSDAE_OK;
 }
 
 int nsdae_system_set_contact(nsdae_system *system, int i, double mu, double e_n, double e_t)
 {
   if (!system) return NSDAE_E_ARGUMENT;
-  if (i < 0 || i >= system->dims.k) return bad_index(system, "i", i, system->dims.k);
-  /* written so that NaN fails */
-  if (!(mu >= 0) || isinf(mu)) return bad_coefficient(system, "mu", mu, "at least 0");
-  if (!(e_n >= 0 && e_n <= 1)) return bad_coefficient(system, "e_n", e_n, "0 .. 1");
-  if (!(e_t >= 0 && e_t <= 1)) return bad_coefficient(system, "e_t", e_t, "0 .. 1");
-  nsdae_error_clear(&system->error);
-  system->contact[i] = (nsdae_coefficients){mu, e_n, e_t};
-  return NSDAE_OK;
+  if (i < 0 || i >= system->dims.k) return bad_index(system, "contact", "i", i, system->dims.k);
+  int status = check_coefficients(system, i, mu, e_n, e_t);
+  if (status == NSDAE_OK) status = nsdae_system_open(system, "contact");
+  if (status == NSDAE_OK) system->contact[i] = (nsdae_coefficients){mu, e_n, e_t};
+  return status;
 }
 
 int nsdae_system_set_slide(nsdae_system *system, int j, int constraint, double mu)
 {
   if (!system) return NSDAE_E_ARGUMENT;
-  if (j < 0 || j >= system->dims.f) return bad_index(system, "j", j, system->dims.f);
+  if (j < 0 || j >= system->dims.f) return bad_index(system, "slide", "j", j, system->dims.f);
   if (constraint < 0 || constraint >= system->dims.m)
-    return bad_index(system, "constraint", constraint, system->dims.m);
-  if (!(mu >= 0) || isinf(mu)) return bad_coefficient(system, "mu", mu, "at least 0");
-  nsdae_error_clear(&system->error);
-  system->slide[j] = (nsdae_slide){constraint, mu};
-  return NSDAE_OK;
+    return bad_index(system, "slide", "constraint", constraint, system->dims.m);
+  if (!(mu >= 0) || isinf(mu))
+    return bad_coefficient(system, "slide", "mu", mu, "at least 0, finite");
+  int status = nsdae_system_open(system, "slide");
+  if (status == NSDAE_OK) system->slide[j] = (nsdae_slide){constraint, mu};
+  return status;
 }
 
 const nsdae_error *nsdae_system_error(const nsdae_system *system)
 {
-  return system ? &system->error : NULL;
+  static const nsdae_error none = {
+      .status = NSDAE_E_ARGUMENT,
+      .index = -1,
+      .time = NAN,
+      .argument = "system",
+      .where = "nsdae_system_error",
+      .text = "there is no system: it was not made (the last argument of nsdae_system_create says "
+              "why), or it was destroyed"};
+  return system ? &system->error : &none;
 }
 
 int nsdae_system_get_dims(const nsdae_system *system, nsdae_dims *dims)
@@ -152,28 +243,56 @@ int nsdae_system_get_dims(const nsdae_system *system, nsdae_dims *dims)
   return NSDAE_OK;
 }
 
+typedef struct remark {
+  const char *text;
+  int holds;
+} remark;
+
+/* The texts of those that hold, one behind the other. */
+static const char *join(char *text, size_t size, const remark *remarks, size_t count,
+                        const char *separator)
+{
+  *text = '\0';
+  for (size_t i = 0; i < count; i++) {
+    size_t used = strlen(text);
+    if (remarks[i].holds)
+      snprintf(text + used, size - used, "%s%s", used ? separator : "", remarks[i].text);
+  }
+  return text;
+}
+
 const char *nsdae_system_differences(nsdae_system *system)
 {
   if (!system) return "";
-  const struct {
-    const char *name;
-    int filled;
-  } term[] = {
-      {"constraint_jacobian", system->dims.m > 0 && !system->constraint_jacobian},
-      {"constraint_bias", system->dims.m > 0 && !system->constraint_bias},
-      {"gap_normal", system->dims.k > 0 && !system->gap_normal},
-      {"contact_bias", system->dims.k > 0 && !system->contact_bias},
-      {"contact_acceleration",
-       system->dims.k + system->dims.f > 0 && !system->contact_acceleration},
+  const nsdae_dims *d = &system->dims;
+  const remark filled[] = {
+      {"constraint_jacobian", d->m > 0 && !system->constraint_jacobian},
+      {"constraint_bias", d->m > 0 && !system->constraint_bias},
+      {"gap_normal", d->k > 0 && !system->gap_normal},
+      {"contact_bias", d->k > 0 && !system->contact_bias},
+      {"contact_acceleration", d->k + d->f > 0 && !system->contact_acceleration},
   };
-  char *text = system->differences;
-  *text = '\0';
-  for (size_t i = 0; i < sizeof term / sizeof *term; i++) {
-    if (!term[i].filled) continue;
-    size_t used = strlen(text);
-    snprintf(text + used, sizeof system->differences - used, "%s%s", used ? " " : "", term[i].name);
-  }
-  return text;
+  return join(system->differences, sizeof system->differences, filled,
+              sizeof filled / sizeof *filled, " ");
+}
+
+const char *nsdae_system_unseen(nsdae_system *system)
+{
+  if (!system) return "";
+  const remark unseen[] = {
+      {"mass: its values, but for symmetry", system->mass != NULL},
+      {"force: its values and signs", system->force != NULL},
+      {"constraint: whether it is the one that is meant", system->constraint != NULL},
+      {"gap: whether it is the distance, its sign and its unit", system->gap != NULL},
+      {"gap_tangent: whether its directions lie in the contact, at right angles and of length one, "
+       "and the arms and signs of its rotations",
+       system->gap_tangent != NULL},
+      {"contact_bias: w_t", system->contact_bias && system->dims.nt > 0},
+      {"slide_tangent: its values", system->slide_tangent != NULL},
+      {"potential: whether the force is its gradient (the energy balance of a run shows that)",
+       system->potential != NULL},
+  };
+  return join(system->unseen, sizeof system->unseen, unseen, sizeof unseen / sizeof *unseen, "; ");
 }
 
 static int any_friction(const nsdae_system *system)
@@ -193,7 +312,11 @@ static int any_slide(const nsdae_system *system)
 int nsdae_system_complete(const nsdae_system *system, nsdae_error *error)
 {
   const nsdae_dims *dims = &system->dims;
+  const nsdae_error *refused = &system->refused;
   const char *missing = NULL;
+  if (refused->status < 0)
+    return nsdae_error_set(error, refused->status, refused->where, refused->argument,
+                           "%s was refused: %s", refused->where, refused->text);
   if (!system->mass) missing = "mass";
   if (!system->force) missing = "force";
   if (dims->m > 0 && !system->constraint) missing = "constraint";
@@ -202,7 +325,7 @@ int nsdae_system_complete(const nsdae_system *system, nsdae_error *error)
     missing = "gap_tangent";
   if (any_slide(system) && !system->slide_tangent) missing = "slide_tangent";
   if (dims->nq != dims->nv && !system->kinematics) missing = "kinematics";
-  if (!missing) return NSDAE_OK;
+  if (!missing) return nsdae_names_distinct(system, error);
   return nsdae_error_set(error, NSDAE_E_STATE, "nsdae_system", missing,
                          "the system needs the callback %s: call nsdae_system_set_%s", missing,
                          missing);

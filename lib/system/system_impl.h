@@ -1,6 +1,8 @@
-/* What a system is made of; the only writer is system.c. */
+/* What a system is made of; the writers are in this folder. */
 #ifndef NSDAE_SYSTEM_IMPL_H
 #define NSDAE_SYSTEM_IMPL_H
+
+#include <stdatomic.h>
 
 #include <nsdae/system.h>
 
@@ -13,9 +15,17 @@ typedef struct nsdae_slide {
   double mu;
 } nsdae_slide;
 
+enum { NSDAE_NAME_KINDS = NSDAE_NAME_SLIDE + 1 };
+
+typedef struct nsdae_label {
+  char name[NSDAE_NAME_SIZE], unit[NSDAE_UNIT_SIZE];
+  char rate[NSDAE_UNIT_SIZE + 2]; /* unit/s: what a velocity has that is a coordinate's rate */
+} nsdae_label;
+
 struct nsdae_system {
   nsdae_dims dims;
   void *user;
+  /* callbacks.list: fields */
   nsdae_mass_fn mass;
   nsdae_force_fn force;
   nsdae_constraint_fn constraint;
@@ -29,14 +39,46 @@ struct nsdae_system {
   nsdae_slide_fn slide_tangent;
   nsdae_kinematics_fn kinematics;
   nsdae_potential_fn potential;
-  nsdae_coefficients *contact; /* k */
-  nsdae_slide *slide;          /* f */
+  /* callbacks.list: end */
+  nsdae_coefficients *contact;          /* k */
+  nsdae_slide *slide;                   /* f */
+  nsdae_label *label[NSDAE_NAME_KINDS]; /* as many as there are of that kind; NULL: no names */
   nsdae_error error;
-  char differences[128];
+  nsdae_error refused; /* of the first setter that was */
+  atomic_int owners;   /* its handle and its simulations; the last one releases it */
+  char differences[128], unseen[640];
 };
 
-/* NSDAE_OK when every callback that is needed is there, else NSDAE_E_STATE naming it. */
+/* NSDAE_OK when every callback that is needed is there, no setter was refused and names are
+ * distinct; else NSDAE_E_STATE naming the callback, or what was refused. */
 int nsdae_system_complete(const nsdae_system *system, nsdae_error *error);
+
+/* A simulation of the system begins and ends; in between no setter is accepted. Thread-safe. */
+void nsdae_system_hold(const nsdae_system *system);
+void nsdae_system_let_go(const nsdae_system *system);
+
+/* Every setter ends with one of these. Refused: the error of the system is set to status and the
+ * text, and kept for nsdae_sim_create. setter: its name after "nsdae_system_set". */
+int nsdae_system_refuse(nsdae_system *system, int status, const char *setter, const char *argument,
+                        const char *why);
+/* Whether the setter may change the system: NSDAE_OK, or NSDAE_E_STATE while it has simulations. */
+int nsdae_system_open(nsdae_system *system, const char *setter);
+
+/* How many there are of a kind (enum nsdae_name_kind); 0 of one that is none. */
+int nsdae_system_count(const nsdae_system *system, int kind);
+
+/* 'contact 3', or 'contact 3 "stop"' where it has a name; in text, which is returned. */
+enum { NSDAE_CALLED_SIZE = 32 + NSDAE_NAME_SIZE };
+const char *nsdae_system_called(const nsdae_system *system, int kind, int i,
+                                char text[NSDAE_CALLED_SIZE]);
+
+/* Ends the error's text with what entry (row, column) of the callback's output [rows x columns]
+ * belongs to: ', of contact 3 "stop"'. */
+void nsdae_system_name_entry(const nsdae_system *system, const char *callback, int rows, int row,
+                             int column, nsdae_error *error);
+
+/* NSDAE_OK, or NSDAE_E_ARGUMENT where two of a kind have one name; NSDAE_E_MEMORY. */
+int nsdae_names_distinct(const nsdae_system *system, nsdae_error *error);
 
 /* A callback's return as a status: NSDAE_OK, or NSDAE_E_CALLBACK with its code in the record. */
 int nsdae_system_callback_status(int code, const char *callback, double t, nsdae_error *error);

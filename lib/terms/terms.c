@@ -1,5 +1,6 @@
 #include "terms.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -56,7 +57,12 @@ static int outcome(nsdae_terms *terms, int code, const char *callback, const dou
 {
   int status = nsdae_system_callback_status(code, callback, terms->t, terms->error);
   if (status < 0) return status;
-  return nsdae_system_finite(a, rows, columns, callback, terms->t, terms->error);
+  status = nsdae_system_finite(a, rows, columns, callback, terms->t, terms->error);
+  if (status < 0 && terms->error) {
+    int i = terms->error->index;
+    nsdae_system_name_entry(terms->system, callback, rows, i % rows, i / rows, terms->error);
+  }
+  return status;
 }
 
 /* The same of differences of a callback. */
@@ -263,6 +269,35 @@ int nsdae_terms_need(nsdae_terms *terms, unsigned which)
     if (status < 0) return status;
     terms->have |= all[i].term;
   }
+  return NSDAE_OK;
+}
+
+static int not_symmetric(const nsdae_terms *terms, int i, int j)
+{
+  const nsdae_system *system = terms->system;
+  size_t n = (size_t)system->dims.nv, row = (size_t)i, column = (size_t)j;
+  char a[NSDAE_CALLED_SIZE], b[NSDAE_CALLED_SIZE];
+  nsdae_error_set(terms->error, NSDAE_E_MASS, "nsdae_terms", "mass",
+                  "the mass matrix is not symmetric at t = %.17g: M(%d, %d) = %g, M(%d, %d) = %g: "
+                  "fill both triangles (%s, %s)",
+                  terms->t, i, j, terms->M[column * n + row], j, i, terms->M[row * n + column],
+                  nsdae_system_called(system, NSDAE_NAME_VELOCITY, i, a),
+                  nsdae_system_called(system, NSDAE_NAME_VELOCITY, j, b));
+  terms->error->time = terms->t;
+  terms->error->index = (int)(column * n + row);
+  return NSDAE_E_MASS;
+}
+
+int nsdae_terms_symmetric(const nsdae_terms *terms)
+{
+  const double *M = terms->M, roundings = 1e4 * DBL_EPSILON;
+  size_t n = (size_t)terms->system->dims.nv;
+  for (size_t j = 0; j < n; j++)
+    for (size_t i = j + 1; i < n; i++) {
+      double scale = sqrt(fabs(M[i * n + i])) * sqrt(fabs(M[j * n + j]));
+      if (fabs(M[j * n + i] - M[i * n + j]) > roundings * scale)
+        return not_symmetric(terms, (int)i, (int)j);
+    }
   return NSDAE_OK;
 }
 

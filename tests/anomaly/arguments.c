@@ -176,7 +176,9 @@ static void test_null_sim(void **state)
   assert_int_equal(nsdae_sim_get_dims(NULL, &dims), NSDAE_E_ARGUMENT);
   assert_int_equal(nsdae_sim_get_options(NULL, &options), NSDAE_E_ARGUMENT);
   assert_int_equal(nsdae_sim_has_potential(NULL), 0);
-  assert_null(nsdae_sim_error(NULL));
+  assert_int_equal(nsdae_sim_error(NULL)->status, NSDAE_E_ARGUMENT);
+  assert_non_null(strstr(nsdae_sim_error(NULL)->text, "nsdae_sim_create"));
+  assert_null(nsdae_sim_get_system(NULL));
 }
 
 static void test_null_arguments(void **state)

@@ -5,7 +5,7 @@
  * null pointer where its logger finds no memory). The model is large enough for every LAPACK path,
  * and for the rank-revealing one its constraints are redundant. BLAS has one thread: others would
  * map their memory whenever they start. */
-#define _GNU_SOURCE /* strdup, syscall */
+#define _GNU_SOURCE /* strdup */
 #include "check.h"
 
 #include <stdlib.h>
@@ -13,84 +13,14 @@
 #include <nsdae/nsdae.h>
 
 #include "allocator.h"
+#include "process_allocator.h"
 
-#if defined(__SANITIZE_ADDRESS__)
-#define SANITIZED 1
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-#define SANITIZED 1
-#endif
-#endif
-
-#if !defined(__GLIBC__) || defined(SANITIZED)
+#if !NSDAE_PROCESS_ALLOCATOR
 int main(void)
 {
   return 77; /* skipped: the sanitizer has malloc, or there is no other way to it */
 }
 #else
-
-#include <errno.h>
-#include <sys/mman.h>
-#include <sys/syscall.h>
-#include <unistd.h>
-
-/* A hidden symbol would be seen by the program's own objects alone. */
-#define REPLACES __attribute__((visibility("default")))
-
-static volatile long allocations, live; /* calls so far; blocks allocated and not freed */
-
-extern void *__libc_malloc(size_t size);
-extern void *__libc_calloc(size_t count, size_t size);
-extern void *__libc_realloc(void *old, size_t size);
-extern void *__libc_memalign(size_t alignment, size_t size);
-extern void __libc_free(void *old);
-
-static void *count(void *got)
-{
-  allocations++;
-  live += got != NULL;
-  return got;
-}
-
-REPLACES void *malloc(size_t size)
-{
-  return count(__libc_malloc(size));
-}
-
-REPLACES void *calloc(size_t number, size_t size)
-{
-  return count(__libc_calloc(number, size));
-}
-
-REPLACES void *realloc(void *old, size_t size)
-{
-  if (!old) return count(__libc_malloc(size));
-  allocations++;
-  return __libc_realloc(old, size);
-}
-
-REPLACES void *aligned_alloc(size_t alignment, size_t size)
-{
-  return count(__libc_memalign(alignment, size));
-}
-
-REPLACES int posix_memalign(void **memory, size_t alignment, size_t size)
-{
-  *memory = count(__libc_memalign(alignment, size));
-  return *memory ? 0 : ENOMEM;
-}
-
-REPLACES void free(void *old)
-{
-  live -= old != NULL;
-  __libc_free(old);
-}
-
-REPLACES void *mmap(void *address, size_t length, int protection, int flags, int file, off_t offset)
-{
-  allocations++;
-  return (void *)syscall(SYS_mmap, address, length, protection, flags, file, offset);
-}
 
 /* A stack of N plates that are tied together in two halves; the lower one falls on a floor. */
 enum { N = 24, TIES = N - 2, AGAIN = 2, K = 2 };
@@ -191,10 +121,10 @@ static void run(int method, int redundant)
   nsdae_sim *sim;
   nsdae_stats stats;
   double q0[N], v0[N] = {0};
-  allocations = 0;
+  process_allocator_reset(-1);
   allocator_reset(-1);
   int status = nsdae_sim_create(system, &options, &sim, NULL);
-  long by_all = allocations, by_us = the_allocator.calls;
+  long by_all = the_process.calls, by_us = the_allocator.calls;
   if (status == NSDAE_E_UNSUPPORTED) {
     nsdae_system_destroy(&system);
     return;
@@ -205,9 +135,9 @@ static void run(int method, int redundant)
     assert_true(by_all > by_us); /* SUNDIALS */
   for (int i = 0; i < N; i++) q0[i] = i < N / 2 ? 0.2 : 0.5;
   assert_int_equal(nsdae_sim_init(sim, 0, q0, v0), NSDAE_OK);
-  allocations = 0;
+  process_allocator_reset(-1);
   status = nsdae_sim_run(sim, 1);
-  long counted = allocations; /* before cmocka has a chance to */
+  long counted = the_process.calls; /* before cmocka has a chance to */
   assert_int_equal(status, NSDAE_OK);
   assert_int_equal(counted, 0);
   nsdae_sim_get_stats(sim, &stats);
@@ -221,11 +151,11 @@ static void run(int method, int redundant)
 static void test_all_are_counted(void **state)
 {
   (void)state;
-  allocations = live = 0;
+  process_allocator_reset(-1);
   char *volatile copy = strdup("a block");
-  long counted = allocations, held = live;
+  long counted = the_process.calls, held = the_process.live;
   free(copy);
-  long left = live;
+  long left = the_process.live;
   assert_int_equal(counted, 1);
   assert_int_equal(held, 1);
   assert_int_equal(left, 0);
@@ -249,13 +179,13 @@ static void test_every_lost_one(void **state)
     for (long i = 0; status == NSDAE_E_MEMORY; i++) {
       nsdae_sim *sim = NULL;
       nsdae_error error;
-      live = 0;
+      process_allocator_reset(-1);
       allocator_reset(i);
       status = nsdae_sim_create(system, &options, &sim, &error);
       allocator_reset(-1);
       if (status == NSDAE_E_MEMORY) assert_null(sim);
       nsdae_sim_destroy(&sim);
-      long left = live;
+      long left = the_process.live;
       if (left != 0) fail_msg("%s, call %ld: %ld left", nsdae_method_name(method), i, left);
       assert_true(i < 1000);
     }

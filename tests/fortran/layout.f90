@@ -2,6 +2,8 @@
 ! the C headers give them; and it has all of them.
 program layout
   use, intrinsic :: iso_c_binding
+  use nsdae_f_certificate
+  use nsdae_f_friction
   use nsdae_f_lcp
   use nsdae_f_params
   use nsdae_f_sim
@@ -41,6 +43,9 @@ program layout
   call lcp_info_fields
   call lcp_origin_fields
   call lcp_file_fields
+  call friction_problem_fields
+  call friction_options_fields
+  call friction_info_fields
   ! nothing that C has is missing here
   call is_int(compared, layout_count(), 'number of values, sizes and places')
   call check_done
@@ -105,13 +110,20 @@ contains
     call same('NSDAE_PENALTY_LANKARANI_NIKRAVESH', NSDAE_PENALTY_LANKARANI_NIKRAVESH)
     call same('NSDAE_PENALTY_FLORES', NSDAE_PENALTY_FLORES)
     call same('NSDAE_LINEAR_DENSE', NSDAE_LINEAR_DENSE)
-    call same('NSDAE_LINEAR_KLU', NSDAE_LINEAR_KLU)
+    call same('NSDAE_LINEAR_SPARSE', NSDAE_LINEAR_SPARSE)
     call same('NSDAE_REDUNDANT_ERROR', NSDAE_REDUNDANT_ERROR)
     call same('NSDAE_REDUNDANT_LEAST_NORM', NSDAE_REDUNDANT_LEAST_NORM)
     call same('NSDAE_MODE_OPEN', NSDAE_MODE_OPEN)
     call same('NSDAE_MODE_SLIDE', NSDAE_MODE_SLIDE)
     call same('NSDAE_MODE_STICK', NSDAE_MODE_STICK)
     call same('NSDAE_OBSERVERS_MAX', NSDAE_OBSERVERS_MAX)
+    call same('NSDAE_NAME_COORDINATE', NSDAE_NAME_COORDINATE)
+    call same('NSDAE_NAME_VELOCITY', NSDAE_NAME_VELOCITY)
+    call same('NSDAE_NAME_CONSTRAINT', NSDAE_NAME_CONSTRAINT)
+    call same('NSDAE_NAME_CONTACT', NSDAE_NAME_CONTACT)
+    call same('NSDAE_NAME_SLIDE', NSDAE_NAME_SLIDE)
+    call same('NSDAE_NAME_SIZE', NSDAE_NAME_SIZE)
+    call same('NSDAE_UNIT_SIZE', NSDAE_UNIT_SIZE)
     call same('NSDAE_PARAM_REAL', NSDAE_PARAM_REAL)
     call same('NSDAE_PARAM_INT', NSDAE_PARAM_INT)
     call same('NSDAE_PARAM_CHOICE', NSDAE_PARAM_CHOICE)
@@ -119,21 +131,29 @@ contains
     call same('NSDAE_PARAM_TEXT_SIZE', NSDAE_PARAM_TEXT_SIZE)
     call same('NSDAE_OPEN_MIN', NSDAE_OPEN_MIN)
     call same('NSDAE_OPEN_MAX', NSDAE_OPEN_MAX)
+    call same('NSDAE_FRICTION_GLOBAL', NSDAE_FRICTION_GLOBAL)
+    call same('NSDAE_FRICTION_LOCAL', NSDAE_FRICTION_LOCAL)
+    call same('NSDAE_FRICTION_NONE', NSDAE_FRICTION_NONE)
+    call same('NSDAE_FRICTION_TRIVIAL', NSDAE_FRICTION_TRIVIAL)
+    call same('NSDAE_FRICTION_WARM', NSDAE_FRICTION_WARM)
+    call same('NSDAE_FRICTION_GAUSS_SEIDEL', NSDAE_FRICTION_GAUSS_SEIDEL)
+    call same('NSDAE_FRICTION_ALL', NSDAE_FRICTION_ALL)
+    call same('NSDAE_OUTCOME_UNSOLVED', NSDAE_OUTCOME_UNSOLVED)
+    call same('NSDAE_OUTCOME_SOLVED', NSDAE_OUTCOME_SOLVED)
+    call same('NSDAE_OUTCOME_INFEASIBLE', NSDAE_OUTCOME_INFEASIBLE)
+    call same('NSDAE_PROOF_NONE', NSDAE_PROOF_NONE)
+    call same('NSDAE_PROOF_FARKAS', NSDAE_PROOF_FARKAS)
     call same('NSDAE_LCP_NONE', NSDAE_LCP_NONE)
     call same('NSDAE_LCP_TRIVIAL', NSDAE_LCP_TRIVIAL)
     call same('NSDAE_LCP_WARM', NSDAE_LCP_WARM)
     call same('NSDAE_LCP_LEMKE', NSDAE_LCP_LEMKE)
+    call same('NSDAE_LCP_NEWTON', NSDAE_LCP_NEWTON)
     call same('NSDAE_LCP_COVERING', NSDAE_LCP_COVERING)
     call same('NSDAE_LCP_PROVE', NSDAE_LCP_PROVE)
     call same('NSDAE_LCP_FURTHER', NSDAE_LCP_FURTHER)
     call same('NSDAE_LCP_ENUMERATE', NSDAE_LCP_ENUMERATE)
     call same('NSDAE_LCP_ALL', NSDAE_LCP_ALL)
-    call same('NSDAE_LCP_UNSOLVED', NSDAE_LCP_UNSOLVED)
-    call same('NSDAE_LCP_SOLVED', NSDAE_LCP_SOLVED)
-    call same('NSDAE_LCP_INFEASIBLE', NSDAE_LCP_INFEASIBLE)
-    call same('NSDAE_LCP_PROOF_NONE', NSDAE_LCP_PROOF_NONE)
-    call same('NSDAE_LCP_PROOF_FARKAS', NSDAE_LCP_PROOF_FARKAS)
-    call same('NSDAE_LCP_PROOF_ENUMERATED', NSDAE_LCP_PROOF_ENUMERATED)
+    call same('NSDAE_PROOF_ENUMERATED', NSDAE_PROOF_ENUMERATED)
     call same('NSDAE_LCP_RAY_NOTHING', NSDAE_LCP_RAY_NOTHING)
     call same('NSDAE_LCP_RAY_NOT_COPOSITIVE', NSDAE_LCP_RAY_NOT_COPOSITIVE)
     call same('NSDAE_LCP_RAY_NOT_STRICTLY_COPOSITIVE', NSDAE_LCP_RAY_NOT_STRICTLY_COPOSITIVE)
@@ -292,6 +312,9 @@ contains
     call same_place('nsdae_trajectory_info%parameters', c_loc(x), c_loc(x%parameters))
     call same_place('nsdae_trajectory_info%parameters_base', c_loc(x), c_loc(x%parameters_base))
     call same_place('nsdae_trajectory_info%live', c_loc(x), c_loc(x%live))
+    call same_place('nsdae_trajectory_info%every', c_loc(x), c_loc(x%every))
+    call same_place('nsdae_trajectory_info%compress', c_loc(x), c_loc(x%compress))
+    call same_place('nsdae_trajectory_info%t_end', c_loc(x), c_loc(x%t_end))
   end subroutine
 
   subroutine lcp_problem_fields()
@@ -334,6 +357,44 @@ contains
     call same_place('nsdae_lcp_file%A', c_loc(x), c_loc(x%A))
     call same_place('nsdae_lcp_file%b', c_loc(x), c_loc(x%b))
     call same_place('nsdae_lcp_file%tol', c_loc(x), c_loc(x%tol))
+  end subroutine
+
+  subroutine friction_problem_fields()
+    type(nsdae_c_friction_problem), target :: x
+    call same_size('nsdae_friction_problem', c_sizeof(x))
+    call same_place('nsdae_friction_problem%contacts', c_loc(x), c_loc(x%contacts))
+    call same_place('nsdae_friction_problem%bilateral', c_loc(x), c_loc(x%bilateral))
+    call same_place('nsdae_friction_problem%rows', c_loc(x), c_loc(x%rows))
+    call same_place('nsdae_friction_problem%mu', c_loc(x), c_loc(x%mu))
+    call same_place('nsdae_friction_problem%w', c_loc(x), c_loc(x%w))
+    call same_place('nsdae_friction_problem%compliance', c_loc(x), c_loc(x%compliance))
+    call same_place('nsdae_friction_problem%blocks', c_loc(x), c_loc(x%blocks))
+    call same_place('nsdae_friction_problem%size', c_loc(x), c_loc(x%size))
+    call same_place('nsdae_friction_problem%M', c_loc(x), c_loc(x%M))
+    call same_place('nsdae_friction_problem%f', c_loc(x), c_loc(x%f))
+    call same_place('nsdae_friction_problem%first', c_loc(x), c_loc(x%first))
+    call same_place('nsdae_friction_problem%block', c_loc(x), c_loc(x%block))
+    call same_place('nsdae_friction_problem%value', c_loc(x), c_loc(x%value))
+  end subroutine
+
+  subroutine friction_options_fields()
+    type(nsdae_friction_options), target :: x
+    call same_size('nsdae_friction_options', c_sizeof(x))
+    call same_place('nsdae_friction_options%stages', c_loc(x), c_loc(x%stages))
+    call same_place('nsdae_friction_options%max_sweeps', c_loc(x), c_loc(x%max_sweeps))
+    call same_place('nsdae_friction_options%max_iterations', c_loc(x), c_loc(x%max_iterations))
+  end subroutine
+
+  subroutine friction_info_fields()
+    type(nsdae_friction_info), target :: x
+    call same_size('nsdae_friction_info', c_sizeof(x))
+    call same_place('nsdae_friction_info%stage', c_loc(x), c_loc(x%stage))
+    call same_place('nsdae_friction_info%proof', c_loc(x), c_loc(x%proof))
+    call same_place('nsdae_friction_info%islands', c_loc(x), c_loc(x%islands))
+    call same_place('nsdae_friction_info%sweeps', c_loc(x), c_loc(x%sweeps))
+    call same_place('nsdae_friction_info%iterations', c_loc(x), c_loc(x%iterations))
+    call same_place('nsdae_friction_info%factorisations', c_loc(x), c_loc(x%factorisations))
+    call same_place('nsdae_friction_info%residual', c_loc(x), c_loc(x%residual))
   end subroutine
 
 end program

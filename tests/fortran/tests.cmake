@@ -11,6 +11,7 @@ endif()
 # What the tests share: checks, the bead. Callbacks do not use all of their arguments, and what must be
 # equal to the last bit is compared so.
 add_library(fortran_support OBJECT fortran/check.f90 fortran/bead.f90 fortran/planar.f90)
+nsdae_uses_module(fortran_support)
 target_compile_options(fortran_support PUBLIC
   $<$<COMPILE_LANGUAGE:Fortran>:-Wno-unused-dummy-argument>
   $<$<COMPILE_LANGUAGE:Fortran>:-Wno-compare-reals>)
@@ -24,6 +25,7 @@ function(nsdae_fortran_test name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINKS;ARGUMENTS" ${ARGN})
   list(TRANSFORM ARG_SOURCES PREPEND fortran/)
   add_executable(test_fortran_${name} fortran/${name}.f90 ${ARG_SOURCES})
+  nsdae_uses_module(test_fortran_${name} ${PROJECT_SOURCE_DIR}/drivers/fortran/pendulum_model.f90)
   target_link_libraries(test_fortran_${name} PRIVATE fortran_support ${ARG_LINKS})
   set_target_properties(test_fortran_${name} PROPERTIES LINKER_LANGUAGE Fortran
     RUNTIME_OUTPUT_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}

@@ -21,15 +21,15 @@ static void expect_block(fixture *f, double m, double mu, double e_n, double e_t
   double stick = -m * (f->free[0] + e_t * f->before[0]);
   double tangential = fmax(-mu * normal, fmin(mu * normal, stick));
   assert_int_equal(fixture_solve(f), NSDAE_OK);
-  assert_near(f->contacts.normal[0], normal, rounding * m);
-  assert_near(f->contacts.tangential[0], tangential, rounding * m);
+  assert_near(f->impulses.normal[0], normal, rounding * m);
+  assert_near(f->impulses.tangential[0], tangential, rounding * m);
   assert_near(f->v[0], f->free[0] + tangential / m, rounding);
   assert_near(f->v[1], f->free[1] + normal / m, rounding);
-  assert_at_most(f->contacts.info.residual, f->contacts.lcp_options.tol);
+  assert_at_most(f->contacts.lcp.info.residual, f->contacts.lcp.options.tol);
   int mode = normal == 0                  ? NSDAE_MODE_OPEN
              : fabs(stick) <= mu * normal ? NSDAE_MODE_STICK
                                           : NSDAE_MODE_SLIDE;
-  assert_int_equal(f->contacts.mode[0], mode);
+  assert_int_equal(f->impulses.mode[0], mode);
   fixture_expect_laws(f, rounding * (1 + m));
 }
 
@@ -50,7 +50,7 @@ static void test_block(void **state)
     }
   f.free[1] = 0.2; /* lifted */
   expect_block(&f, m, mu, 0, 0);
-  assert_int_equal(f.contacts.mode[0], NSDAE_MODE_OPEN);
+  assert_int_equal(f.impulses.mode[0], NSDAE_MODE_OPEN);
   fixture_end(&f);
 }
 
@@ -83,8 +83,8 @@ static void test_open_by_gap(void **state)
   f.gap[0] = 1e-300; /* above zero is open */
   f.before[1] = f.free[1] = -1;
   assert_int_equal(fixture_solve(&f), NSDAE_OK);
-  assert_true(f.v[1] == -1 && f.contacts.normal[0] == 0 && f.contacts.active_count == 0);
-  assert_int_equal(f.contacts.mode[0], NSDAE_MODE_OPEN);
+  assert_true(f.v[1] == -1 && f.impulses.normal[0] == 0 && f.contacts.active_count == 0);
+  assert_int_equal(f.impulses.mode[0], NSDAE_MODE_OPEN);
   f.gap[0] = 0;
   assert_int_equal(fixture_solve(&f), NSDAE_OK);
   assert_near(f.v[1], 0.5, rounding);
@@ -148,9 +148,9 @@ static void test_moving_floor(void **state)
     f.before[1] = coming;
     assert_int_equal(fixture_impact(&f), NSDAE_OK);
     assert_near(f.v[1], r - e * (coming - r), rounding);
-    assert_near(f.contacts.normal[0], m * (1 + e) * (r - coming), rounding);
-    assert_near(f.contacts.before[0], coming - r, rounding);
-    assert_near(f.contacts.after[0], -e * (coming - r), rounding);
+    assert_near(f.impulses.normal[0], m * (1 + e) * (r - coming), rounding);
+    assert_near(f.impulses.before[0], coming - r, rounding);
+    assert_near(f.impulses.after[0], -e * (coming - r), rounding);
     /* the work in the floor's frame is what is lost there */
     assert_near(nsdae_contacts_work(&f.contacts),
                 -m / 2 * (1 - e * e) * (r - coming) * (r - coming), rounding * 10);
@@ -179,7 +179,7 @@ static void test_moving_belt(void **state)
     f.free[1] = -0.1;
     assert_int_equal(fixture_solve(&f), NSDAE_OK);
     assert_near(f.v[0], i == 0 ? s : mu * 0.1, rounding);
-    assert_int_equal(f.contacts.mode[0], i == 0 ? NSDAE_MODE_STICK : NSDAE_MODE_SLIDE);
+    assert_int_equal(f.impulses.mode[0], i == 0 ? NSDAE_MODE_STICK : NSDAE_MODE_SLIDE);
     fixture_expect_laws(&f, rounding);
     fixture_end(&f);
   }
@@ -209,8 +209,8 @@ static void test_polygon(void **state)
         assert_near(f.v[0], left * cos(angle), rounding);
         assert_near(f.v[1], left * sin(angle), rounding);
         assert_near(f.v[2], 0, rounding);
-        assert_near(f.contacts.normal[0], -m * down, rounding);
-        assert_int_equal(f.contacts.mode[0], fast ? NSDAE_MODE_SLIDE : NSDAE_MODE_STICK);
+        assert_near(f.impulses.normal[0], -m * down, rounding);
+        assert_int_equal(f.impulses.mode[0], fast ? NSDAE_MODE_SLIDE : NSDAE_MODE_STICK);
         fixture_expect_laws(&f, rounding);
         fixture_end(&f);
       }
@@ -255,7 +255,7 @@ static void test_with_constraint(void **state)
   double normal = m * 2 * (1 + e) / b; /* b Lambda_N = m (v+ - v-), v+ = -e v- */
   assert_near(f.v[0], 0, rounding);
   assert_near(f.v[1], 2 * e, rounding);
-  assert_near(f.contacts.normal[0], normal, rounding * 10);
+  assert_near(f.impulses.normal[0], normal, rounding * 10);
   assert_near(f.lambda[0], a * normal, rounding * 10); /* M v + J^T lambda = W_N Lambda_N */
   fixture_expect_laws(&f, rounding * 10);
   fixture_end(&f);
@@ -278,7 +278,7 @@ static void test_redundant_contacts(void **state)
   assert_int_equal(fixture_solve(&f), NSDAE_OK);
   assert_near(f.v[0], 0.7, rounding);
   assert_near(f.v[1], 0, rounding);
-  assert_near(f.contacts.normal[0] + f.contacts.normal[1] + f.contacts.normal[2], 1, rounding);
+  assert_near(f.impulses.normal[0] + f.impulses.normal[1] + f.impulses.normal[2], 1, rounding);
   fixture_expect_laws(&f, rounding);
   fixture_end(&f);
 }
@@ -302,8 +302,8 @@ static void test_jammed(void **state)
     memcpy(f.free, J, sizeof J);
     int status = fixture_solve(&f);
     if (status >= 0)
-      fail_msg("case %d: status %d, impulse %g, residual %g", i, status, f.contacts.normal[0],
-               f.contacts.info.residual);
+      fail_msg("case %d: status %d, impulse %g, residual %g", i, status, f.impulses.normal[0],
+               f.contacts.lcp.info.residual);
     assert_true(status == NSDAE_E_INFEASIBLE || status == NSDAE_E_LCP);
     fixture_end(&f);
   }

@@ -30,6 +30,8 @@ typedef struct fixture {
   nsdae_kkt kkt;
   nsdae_law law[MOST_K];
   nsdae_contacts contacts;
+  nsdae_impulses impulses;
+  int *memory;
   nsdae_arena arena;
 } fixture;
 
@@ -130,6 +132,8 @@ static inline void fixture_layout(void *object, nsdae_arena *arena)
   nsdae_terms_layout(&f->terms, arena);
   nsdae_kkt_layout(&f->kkt, arena);
   nsdae_contacts_layout(&f->contacts, arena);
+  nsdae_impulses_layout(&f->impulses, &f->dims, arena);
+  f->memory = NSDAE_ARENA_INTS(arena, nsdae_contacts_memory_size(&f->contacts));
 }
 
 /* The sizes; M is the identity and the rest zero. */
@@ -161,10 +165,16 @@ static inline void fixture_build(fixture *f, int polygon)
   f->terms.evals = &f->evals;
   f->kkt = (nsdae_kkt){.n = f->dims.nv, .m = f->dims.m, .rank_tol = 1e-8};
   f->contacts.law = f->law;
-  nsdae_lcp_options_default(&f->contacts.lcp_options);
+  nsdae_lcp_options_default(&f->contacts.lcp.options);
   nsdae_contacts_laws(&f->contacts, polygon);
   assert_int_equal(nsdae_arena_build(&f->arena, fixture_layout, f), NSDAE_OK);
-  nsdae_contacts_forget(&f->contacts);
+  nsdae_contacts_remember(&f->contacts, f->memory);
+}
+
+/* The next problem starts cold. */
+static inline void fixture_forget(fixture *f)
+{
+  memset(f->memory, 0, nsdae_contacts_memory_size(&f->contacts) * sizeof *f->memory);
 }
 
 static inline void fixture_end(fixture *f)
@@ -184,7 +194,7 @@ static inline int fixture_solve(fixture *f)
   nsdae_terms_at(&f->terms, 0, q, f->before);
   assert_int_equal(nsdae_terms_need(&f->terms, which), NSDAE_OK);
   assert_int_equal(nsdae_terms_factor(&f->terms, f->terms.M, &f->kkt, 1), NSDAE_OK);
-  nsdae_contacts_close(&f->contacts, &f->terms);
+  nsdae_contacts_close(&f->contacts, &f->terms, &f->impulses);
   nsdae_contacts_before(&f->contacts, &f->terms, f->before, 0);
   memcpy(f->v, f->free, sizeof f->v);
   memcpy(size, f->free, sizeof size);
@@ -227,7 +237,7 @@ static inline double fixture_kinetic(const fixture *f, const double *v)
  * impulse. */
 static inline void fixture_expect_laws(const fixture *f, double tol)
 {
-  const nsdae_contacts *c = &f->contacts;
+  const nsdae_impulses *c = &f->impulses;
   int n = f->dims.nv, nt = f->dims.nt;
   double largest = 1;
   for (int i = 0; i < f->dims.k; i++) largest = fmax(largest, c->normal[i]);

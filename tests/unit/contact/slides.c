@@ -28,14 +28,14 @@ static void test_slider(void **state)
       double most = mu * fabs(f.lambda_free[0]);
       double friction = fmax(-most, fmin(most, -m * f.free[0]));
       assert_int_equal(fixture_solve(&f), NSDAE_OK);
-      assert_near(f.contacts.slide_impulse[0], friction, rounding);
+      assert_near(f.impulses.slide_impulse[0], friction, rounding);
       assert_near(f.v[0], f.free[0] + friction / m, rounding);
       assert_near(f.v[1], 0, rounding);
       assert_near(f.lambda[0], f.lambda_free[0], rounding);
       if (m * fabs(f.free[0]) < most - rounding)
-        assert_int_equal(f.contacts.slide_mode[0], NSDAE_MODE_STICK);
+        assert_int_equal(f.impulses.slide_mode[0], NSDAE_MODE_STICK);
       if (m * fabs(f.free[0]) > most + rounding)
-        assert_int_equal(f.contacts.slide_mode[0], NSDAE_MODE_SLIDE);
+        assert_int_equal(f.impulses.slide_mode[0], NSDAE_MODE_SLIDE);
       assert_at_most(nsdae_contacts_work(&f.contacts), rounding);
       fixture_expect_laws(&f, rounding);
     }
@@ -55,7 +55,7 @@ static void test_moving_rail(void **state)
   f.w_s[0] = -1;
   assert_int_equal(fixture_solve(&f), NSDAE_OK);
   assert_near(f.v[0], 0.2, rounding); /* 0.4 N s of friction */
-  assert_int_equal(f.contacts.slide_mode[0], NSDAE_MODE_SLIDE);
+  assert_int_equal(f.impulses.slide_mode[0], NSDAE_MODE_SLIDE);
   fixture_end(&f);
 }
 
@@ -84,10 +84,10 @@ static void test_stop(void **state)
     /* after the impact it moves to the right (or rests): the rail rubs against that */
     double L = i == 0 ? NAN : m * (1 + e) * -coming / (a - mu * b);
     if (i > 0) {
-      assert_near(f.contacts.normal[0], L, rounding * 10);
-      assert_near(f.contacts.slide_impulse[0], -mu * b * L, rounding * 10);
+      assert_near(f.impulses.normal[0], L, rounding * 10);
+      assert_near(f.impulses.slide_impulse[0], -mu * b * L, rounding * 10);
     }
-    assert_near(fabs(f.lambda[0]), b * f.contacts.normal[0], rounding * 10);
+    assert_near(fabs(f.lambda[0]), b * f.impulses.normal[0], rounding * 10);
     fixture_expect_laws(&f, rounding * 10);
     fixture_end(&f);
   }
@@ -102,8 +102,8 @@ static void test_frictionless(void **state)
   f.free[0] = 1;
   f.lambda_free[0] = 5;
   assert_int_equal(fixture_solve(&f), NSDAE_OK);
-  assert_true(f.v[0] == 1 && f.contacts.slide_impulse[0] == 0);
-  assert_int_equal(f.contacts.slide_mode[0], NSDAE_MODE_OPEN);
+  assert_true(f.v[0] == 1 && f.impulses.slide_impulse[0] == 0);
+  assert_int_equal(f.impulses.slide_mode[0], NSDAE_MODE_OPEN);
   fixture_end(&f);
 }
 
@@ -126,9 +126,9 @@ static void test_second_slide(void **state)
   assert_int_equal(fixture_solve(&f), NSDAE_OK);
   assert_near(f.v[0], 1, rounding);
   assert_near(f.v[2], 0.7, rounding);
-  assert_true(f.contacts.slide_impulse[0] == 0);
-  assert_near(f.contacts.slide_impulse[1], -0.3, rounding);
-  assert_int_equal(f.contacts.slide_mode[1], NSDAE_MODE_SLIDE);
+  assert_true(f.impulses.slide_impulse[0] == 0);
+  assert_near(f.impulses.slide_impulse[1], -0.3, rounding);
+  assert_int_equal(f.impulses.slide_mode[1], NSDAE_MODE_SLIDE);
   fixture_end(&f);
 }
 

@@ -275,7 +275,10 @@ static void test_null_handles(void **state)
   assert_int_equal(nsdae_system_set_user(s, NULL), NSDAE_OK);
   assert_int_equal(nsdae_system_get_dims(NULL, &dims), NSDAE_E_ARGUMENT);
   assert_int_equal(nsdae_system_get_dims(s, NULL), NSDAE_E_ARGUMENT);
-  assert_null(nsdae_system_error(NULL));
+  assert_int_equal(nsdae_system_error(NULL)->status, NSDAE_E_ARGUMENT);
+  assert_non_null(strstr(nsdae_system_error(NULL)->text, "nsdae_system_create"));
+  assert_int_equal(nsdae_system_simulations(NULL), 0);
+  nsdae_system_clear_error(NULL);
   nsdae_system_destroy(&s);
 }
 

@@ -1,0 +1,150 @@
+/* nsdae: frictional contact problems. BSD-3-Clause.
+ *
+ * Signorini's condition and Coulomb's cone, without a polygon. Find impulses r and velocities u
+ * with
+ *
+ *   global form:  M v = f + H r,   u = H^T v + w + C r
+ *   local form:   u = W r + q + C r,          where W = H^T M^-1 H,  q = H^T M^-1 f + w
+ *
+ *   contact c:    K* contains u^ = u + mu |u_T| e_N,  K contains r,  u^ . r = 0,
+ *                 K = {r : |r_T| <= mu r_N},  K* = {u : mu |u_T| <= u_N}  (dual cone)
+ *   bilateral:    u = 0, r free
+ *
+ * (De Saxce and Feng, Math. Comput. Modelling 28 (1998) 225; Acary and Brogliato, "Numerical
+ * Methods for Nonsmooth Dynamical Systems", 2008). M is symmetric positive definite, W symmetric
+ * positive semidefinite, C >= 0 diagonal; r need not be unique. */
+#ifndef NSDAE_FRICTION_H
+#define NSDAE_FRICTION_H
+
+#include <nsdae/certificate.h>
+#include <nsdae/status.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Which of its two forms a problem is given in. */
+enum nsdae_friction_form { NSDAE_FRICTION_GLOBAL = 0, NSDAE_FRICTION_LOCAL = 1 };
+
+/* A problem. Its items are the contacts, in order, and after them the bilateral rows, one item
+ * each. r, u, w and compliance hold the rows of the items one after another, m in all: of a contact
+ * the normal row first, then its 0, 1 or 2 tangential ones; of a bilateral row itself.
+ *
+ * Rows by blocks: item i touches the blocks block[first[i]] .. block[first[i + 1] - 1], each at
+ * most once, in any order; value holds their dense parts in that order, one after another without
+ * gaps, each column-major with one column for each row of the item: global  block b of v, part of
+ * H: size[b] x rows of i (a direction is one column) local   item j, part of W: rows of j x rows of
+ * i; W_ji (for j = i the diagonal part) must stand in item i and its transpose in item j. An item
+ * without a diagonal part has zero there. Nothing is changed by the solver. */
+typedef struct nsdae_friction_problem {
+  int form;                 /* enum nsdae_friction_form */
+  int contacts;             /* >= 0 */
+  int bilateral;            /* bilateral rows, >= 0 */
+  const int *rows;          /* contacts: 1 (frictionless), 2 (planar) or 3 (spatial); NULL: all 3 */
+  const double *mu;         /* contacts: coefficient of friction, >= 0; not read where rows is 1 */
+  const double *w;          /* m: w of the global form, q of the local one */
+  const double *compliance; /* m: diagonal of C, >= 0; NULL: zero */
+  int blocks;               /* global: blocks of v, >= 0; local: 0 */
+  const int *size;          /* blocks: rows of each, >= 1 */
+  const double *M;          /* dense diagonal blocks of M, size x size each, one after another */
+  const double *f;          /* sum of size */
+  const int *first;         /* contacts + bilateral + 1, from 0, not decreasing */
+  const int *block;         /* first[contacts + bilateral] */
+  const double *value;      /* H or W as above */
+} nsdae_friction_problem;
+
+/* X(name, value, word, what it does): the stages of the chain in the order in which they are tried,
+ * the one list that makes the enum, the names and the order. */
+#define NSDAE_FRICTION_STAGE_LIST(X)                                              \
+  X(NSDAE_FRICTION_TRIVIAL, 1, "trivial", "every contact opens by itself: r = 0") \
+  X(NSDAE_FRICTION_WARM, 2, "warm", "r on entry, and sweeps from it")             \
+  X(NSDAE_FRICTION_GAUSS_SEIDEL, 4, "gauss-seidel", "each contact solved exactly in turn")
+
+/* options.stages is a sum of these. */
+enum nsdae_friction_stage {
+  NSDAE_FRICTION_NONE = 0,
+  NSDAE_FRICTION_ALL = 7,
+#define NSDAE_FRICTION_STAGE_ENUM(name, value, word, text) name = value,
+  NSDAE_FRICTION_STAGE_LIST(NSDAE_FRICTION_STAGE_ENUM)
+#undef NSDAE_FRICTION_STAGE_ENUM
+};
+
+/* Fill with nsdae_friction_options_default first. */
+typedef struct nsdae_friction_options {
+  double tol;     /* bound on the residual of a solution, in (0, 1] */
+  int stages;     /* sum of enum nsdae_friction_stage; default NSDAE_FRICTION_ALL */
+  int max_sweeps; /* of block Gauss-Seidel over an island, >= 0; 0: as many as the chain sees fit */
+  int max_iterations; /* Newton and interior-point steps on an island, >= 0; 0: as above */
+} nsdae_friction_options;
+
+/* How a problem was solved, or was not. */
+typedef struct nsdae_friction_info {
+  int outcome;        /* enum nsdae_outcome */
+  int stage;          /* enum nsdae_friction_stage that ended it: the last that an island took */
+  int proof;          /* enum nsdae_proof */
+  int islands;        /* parts that share no block, solved one by one */
+  long sweeps;        /* of block Gauss-Seidel, over all islands */
+  int iterations;     /* Newton and interior-point steps, over all islands */
+  int factorisations; /* of sparse matrices, over all islands */
+  double residual;    /* see nsdae_friction_residual, of the r handed over */
+} nsdae_friction_info;
+
+/* tol 1e-10, every stage, no bounds but the chain's own. NULL is left alone. */
+NSDAE_API void nsdae_friction_options_default(nsdae_friction_options *options);
+
+/* Name of a stage ("gauss-seidel"); "unknown" for any other value. Those of outcomes and proofs are
+ * in nsdae/certificate.h. */
+NSDAE_API const char *nsdae_friction_stage_name(int stage);
+
+/* Whether the problem is one: NSDAE_OK; NSDAE_E_ARGUMENT a size, an index or a coefficient is
+ * outside its range, or W is not symmetric to 1e-10 of its diagonal; NSDAE_E_NONFINITE a NaN or an
+ * infinity; NSDAE_E_MASS a block of M is not symmetric positive definite; NSDAE_E_MEMORY. error
+ * (may be NULL) names the argument, its value and its bound. */
+NSDAE_API int nsdae_friction_check(const nsdae_friction_problem *problem, nsdae_error *error);
+
+/* Solves the problem; allocates its own memory. Parts that share no block are solved one by one.
+ *   problem  see above
+ *   options  NULL: the defaults
+ *   r [m]    in: a guess, with the stage NSDAE_FRICTION_WARM (zero: none; taken as zero where it is
+ *            not finite); out: the solution, the best point found, or with NSDAE_PROOF_FARKAS l,
+ * zero in the tangential rows and >= 0 in the normal ones, with H l = 0 (W l = 0) and C l = 0 but q
+ * . l < 0: then no u with u_N >= 0 and u = 0 in the bilateral rows is reached, whatever r u [m]
+ * out: the velocities of r, computed afresh from the data; with a proof those of r = 0 info     may
+ * be NULL NSDAE_OK solved; NSDAE_E_INFEASIBLE proved without solution; NSDAE_E_LCP no solution
+ * found. With any other status (those of nsdae_friction_check) r and u are as they were. */
+NSDAE_API int nsdae_friction_solve(const nsdae_friction_problem *problem,
+                                   const nsdae_friction_options *options, double *r, double *u,
+                                   nsdae_friction_info *info);
+
+/* The residual of a point, free of units: with d_c the mean of the diagonal entries of W + C of
+ * contact c and s = max |q|,
+ *
+ *   x = r d_c / s,  y = (u + mu |u_T| e_N) / s,  residual = max |x - P_K(x - y)|
+ *
+ * over all entries of all contacts, and |u| / s over the bilateral rows; u is computed from r.
+ * Where s = 0 it is of d_c r and u themselves. NaN where r is not finite or a product overflows. r
+ * [m]     a point u [m]     out: its velocities; may be NULL residual  out Status as of
+ * nsdae_friction_check. */
+NSDAE_API int nsdae_friction_residual(const nsdae_friction_problem *problem, const double *r,
+                                      double *u, double *residual);
+
+/* A solver that keeps its memory and its symbolic factorisations from one problem to the next, for
+ * steps: nothing is allocated for a problem no larger than those before. */
+typedef struct nsdae_friction_solver nsdae_friction_solver;
+
+/* NSDAE_OK or NSDAE_E_MEMORY. */
+NSDAE_API int nsdae_friction_create(nsdae_friction_solver **solver);
+
+/* nsdae_friction_solve with the memory of the solver. */
+NSDAE_API int nsdae_friction_solver_solve(nsdae_friction_solver *solver,
+                                          const nsdae_friction_problem *problem,
+                                          const nsdae_friction_options *options, double *r,
+                                          double *u, nsdae_friction_info *info);
+
+/* Takes the address and sets it to NULL; NULL is left alone. */
+NSDAE_API void nsdae_friction_destroy(nsdae_friction_solver **solver);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,25 @@
+/* What contacts and slides did in a step or instant: the results of a contact problem, or of an
+ * integration over forces. Zero where a contact is open. */
+#ifndef NSDAE_IMPULSES_H
+#define NSDAE_IMPULSES_H
+
+#include <nsdae/system.h>
+
+#include "arena.h"
+
+typedef struct nsdae_impulses {
+  int *impact;                 /* k: contacts that hit, as the method decided */
+  double *before, *before_t;   /* v_N(-), v_T(-): k, k nt */
+  double *after, *after_t;     /* v_N(+), v_T(+) */
+  double *normal, *tangential; /* Lambda_N, Lambda_T */
+  int *mode;                   /* enum nsdae_mode */
+
+  double *slide_before, *slide_after; /* f: sliding velocity */
+  double *slide_impulse;              /* f: Lambda_T */
+  int *slide_mode;                    /* f */
+} nsdae_impulses;
+
+void nsdae_impulses_layout(nsdae_impulses *impulses, const nsdae_dims *dims, nsdae_arena *arena);
+void nsdae_impulses_clear(nsdae_impulses *impulses, const nsdae_dims *dims);
+
+#endif

@@ -1,0 +1,179 @@
+#include "acceleration.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "errors.h"
+
+/* Relative to W_N^T P W_N, the coefficient of a sliding contact that is none; and one that explains
+ * why the integrator failed. */
+static const double SINGULAR = 1e-10, NEARLY = 1e-3;
+
+void nsdae_event_acceleration_layout(nsdae_event_acceleration *p, nsdae_arena *arena)
+{
+  const nsdae_dims *d = &p->phase->setting->system->dims;
+  long k = d->k, columns = k * (1 + d->nt) + d->f;
+  nsdae_contacts_layout(&p->problem, arena);
+  nsdae_impulses_layout(&p->solution, d, arena);
+  p->sense = NSDAE_ARENA_INTS(arena, d->f);
+  p->a = NSDAE_ARENA_DOUBLES(arena, d->nv);
+  p->lambda = NSDAE_ARENA_DOUBLES(arena, d->m);
+  p->size = NSDAE_ARENA_DOUBLES(arena, d->nv);
+  p->force = NSDAE_ARENA_DOUBLES(arena, columns);
+  p->xi = NSDAE_ARENA_DOUBLES(arena, columns);
+  int **of_contact[] = {&p->is.touching,  &p->is.candidate, &p->is.released,
+                        &p->is.breakaway, &p->is.stopped,   &p->is.moving};
+  int **of_slide[] = {&p->is.slide_breakaway, &p->is.slide_stopped, &p->is.slide_turned};
+  for (int i = 0; i < 6; i++) *of_contact[i] = NSDAE_ARENA_INTS(arena, k);
+  for (int i = 0; i < 3; i++) *of_slide[i] = NSDAE_ARENA_INTS(arena, d->f);
+  p->problem.slide_sense = p->sense;
+}
+
+/* A polygon is put around the friction cone, so that a contact that would leave it does slide. */
+int nsdae_event_acceleration_make(nsdae_event_acceleration *p)
+{
+  const nsdae_event_setting *s = p->phase->setting;
+  const nsdae_dims *d = &s->system->dims;
+  int edges = s->options->polygon;
+  p->resting = calloc((size_t)d->k + 1, sizeof *p->resting);
+  p->law = calloc((size_t)d->k + 1, sizeof *p->law);
+  if (!p->resting || !p->law) return NSDAE_E_MEMORY;
+  p->problem.system = s->system;
+  p->problem.error = s->error;
+  p->problem.law = p->law;
+  nsdae_lcp_options_default(&p->problem.lcp.options);
+  p->problem.lcp.options.tol = s->options->lcp_tol;
+  nsdae_contacts_laws(&p->problem, edges);
+  for (int i = 0; i < d->k; i++)
+    if (p->law[i].kind == NSDAE_POLYGON)
+      p->law[i] = nsdae_law_make(d->nt, p->law[i].mu / cos(acos(-1) / edges), edges);
+  memcpy(p->resting, p->law, (size_t)d->k * sizeof *p->law);
+  return NSDAE_OK;
+}
+
+void nsdae_event_acceleration_release(nsdae_event_acceleration *p)
+{
+  free(p->resting);
+  free(p->law);
+}
+
+/* Fills the direction of sliding of contact i; 0 where it has none. At a slip that was found at
+ * zero there is none. */
+static int slides(nsdae_event_acceleration *p, int i, int impacted, double size)
+{
+  const nsdae_event_setting *s = p->phase->setting;
+  const nsdae_terms *T = s->here;
+  int nt = T->system->dims.nt, slid = 0;
+  double v_t[2] = {0}, speed = 0;
+  double *direction = p->phase->modes.direction + i * nt;
+  if (!(T->system->contact[i].mu > 0)) return 0;
+  if (p->is.breakaway[i] && !impacted) return 1;
+  for (int l = 0; l < nt; l++) {
+    v_t[l] = nsdae_terms_rate(T, T->W_T, T->w_T, i * nt + l, T->v);
+    speed = hypot(speed, v_t[l]);
+    slid |= p->phase->modes.contact[i] == NSDAE_MODE_SLIDE && direction[l] != 0;
+  }
+  int stopped = !impacted && p->is.stopped[i] && slid && (nt == 1 || speed <= 10 * size);
+  int moves = speed > size && !stopped;
+  for (int l = 0; l < nt; l++) direction[l] = moves ? v_t[l] / speed : 0;
+  return moves;
+}
+
+static int slide_sense(const nsdae_event_acceleration *p, int j, int impacted, double size)
+{
+  const nsdae_event_setting *s = p->phase->setting;
+  const nsdae_event_modes *m = &p->phase->modes;
+  if (p->is.slide_breakaway[j] && !impacted) return m->slide_sense[j];
+  double speed = nsdae_terms_rate(s->here, s->here->W_S, s->here->w_S, j, s->here->v);
+  int stopped = !impacted && p->is.slide_stopped[j] && m->slide[j] == NSDAE_MODE_SLIDE &&
+                m->slide_sense[j] != 0;
+  if (stopped || !(fabs(speed) > size)) return 0;
+  return speed > 0 ? 1 : -1;
+}
+
+void nsdae_event_set_laws(nsdae_event_acceleration *p, int impacted, double size)
+{
+  const nsdae_system *s = p->phase->setting->system;
+  int nt = s->dims.nt;
+  for (int i = 0; i < s->dims.k; i++) {
+    if (!p->is.candidate[i]) continue;
+    p->is.moving[i] = slides(p, i, impacted, size);
+    p->law[i] = p->is.moving[i]
+                    ? nsdae_law_sliding(nt, s->contact[i].mu, p->phase->modes.direction + i * nt)
+                    : p->resting[i];
+  }
+  for (int j = 0; j < s->dims.f; j++) p->sense[j] = slide_sense(p, j, impacted, size);
+}
+
+static int solve(nsdae_event_acceleration *p)
+{
+  nsdae_event_setting *s = p->phase->setting;
+  nsdae_terms T = *s->here;
+  int n = s->system->dims.nv, m = s->system->dims.m;
+  T.w_N = T.omega_N;
+  T.w_T = T.omega_T;
+  T.w_S = T.omega_S;
+  nsdae_contacts_close_marked(&p->problem, p->is.candidate, &p->solution);
+  memcpy(p->a, T.F, (size_t)n * sizeof *p->a);
+  memcpy(p->size, T.F, (size_t)n * sizeof *p->size);
+  for (int i = 0; i < m; i++) p->lambda[i] = -T.omega[i];
+  nsdae_kkt_solve(s->kkt, 1, p->a, n, p->lambda, m);
+  nsdae_kkt_solve_mass(s->kkt, p->size);
+  return nsdae_event_solve(s, &p->problem, &T, p->size, p->a, p->lambda);
+}
+
+/* A contact that slides and whose own coefficient W_N^T P (W_N - mu W_T d) is not above zero pulls
+ * itself in: then there is no force, or two (Painleve 1895). */
+static int paradox(nsdae_event_acceleration *p, int status, double least)
+{
+  const nsdae_contacts *c = &p->problem;
+  nsdae_event_setting *s = p->phase->setting;
+  for (int a = 0; a < c->active_count; a++) {
+    int i = c->active[a], row = c->first_row[a];
+    double coefficient = c->lcp.A[(size_t)row * (size_t)c->rows + (size_t)row];
+    double scale = c->delassus.G[(size_t)c->first_column[a] * (size_t)(c->columns + 1)];
+    if (c->law[i].kind != NSDAE_SLIDING || coefficient > least * scale) continue;
+    const char *what = coefficient > SINGULAR * scale ? "a contact force that grows without bound"
+                       : status < 0                   ? "no contact force that solves the equations"
+                                                      : "two solutions";
+    nsdae_error_set(s->error, NSDAE_E_PAINLEVE, "nsdae_event", "mu",
+                    "contact %d has %s at t = %.17g (Painleve's paradox: its friction feeds its "
+                    "normal force, coefficient %.3g): take less friction, or method = implicit, "
+                    "which resolves it by an impulse",
+                    i, what, s->here->t, coefficient);
+    s->error->index = i;
+    s->error->time = s->here->t;
+    return NSDAE_E_PAINLEVE;
+  }
+  return status;
+}
+
+int nsdae_event_accelerate(nsdae_event_acceleration *p)
+{
+  return paradox(p, solve(p), SINGULAR);
+}
+
+int nsdae_event_diagnose(nsdae_event_acceleration *p, double t, const double *y)
+{
+  nsdae_event_setting *s = p->phase->setting;
+  nsdae_error kept = *s->error;
+  nsdae_event_move(s, t, y);
+  int status = nsdae_terms_need(s->here, NSDAE_EVENT_TERMS);
+  if (status == NSDAE_OK) status = nsdae_event_factor(s);
+  if (status == NSDAE_OK) {
+    for (int i = 0; i < s->system->dims.k; i++)
+      p->is.candidate[i] = p->phase->modes.contact[i] != NSDAE_MODE_OPEN;
+    nsdae_event_set_laws(p, 1, nsdae_event_velocity_size(s));
+    status = paradox(p, solve(p), NEARLY);
+  }
+  if (status == NSDAE_E_PAINLEVE) return status;
+  *s->error = kept;
+  return NSDAE_OK;
+}
+
+double nsdae_event_acceleration_size(const nsdae_event_acceleration *p)
+{
+  int n = p->phase->setting->system->dims.nv;
+  return 1e-10 * fmax(nsdae_event_largest(n, p->a), nsdae_event_largest(n, p->size));
+}

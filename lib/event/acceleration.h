@@ -1,0 +1,55 @@
+/* The problem of accelerations at an instant, for what may stay closed:
+ *
+ *   0 <= F_N  _|_  g'' = W_N^T a + omega_N >= 0,   friction as in law.h, on sliding velocities
+ * where there are any and on their rates where they are zero (Pfeiffer and Glocker, "Multibody
+ * Dynamics with Unilateral Contacts", 1996, chapters 5 and 8). Where it has no solution, or two,
+ * that is Painleve's paradox. */
+#ifndef NSDAE_EVENT_ACCELERATION_H
+#define NSDAE_EVENT_ACCELERATION_H
+
+#include "phase.h"
+
+/* What an instant knows of each contact and slide. */
+typedef struct nsdae_event_findings {
+  int *touching, *candidate;         /* k: may be hit; may stay closed */
+  int *released, *breakaway;         /* k: pulled; its friction is used up */
+  int *stopped, *moving;             /* k: slid until now; slides already, or breaks away */
+  int *slide_breakaway;              /* f */
+  int *slide_stopped, *slide_turned; /* f: the second: lambda changed its sign */
+} nsdae_event_findings;
+
+typedef struct nsdae_event_acceleration {
+  nsdae_event_phase *phase;
+  nsdae_event_findings is;
+  nsdae_contacts problem;
+  nsdae_impulses solution;
+  nsdae_law *law, *resting;  /* k: of the problem; of contacts that do not slide */
+  int *sense;                /* f: slides with a known direction in it */
+  double *a, *lambda, *size; /* nv, m, nv: of the solution; how large the terms of a are */
+  double *force, *xi;        /* columns: for cones */
+} nsdae_event_acceleration;
+
+void nsdae_event_acceleration_layout(nsdae_event_acceleration *acceleration, nsdae_arena *arena);
+/* Memory of the laws, before the layout, and its release. NSDAE_OK, NSDAE_E_MEMORY. */
+int nsdae_event_acceleration_make(nsdae_event_acceleration *acceleration);
+void nsdae_event_acceleration_release(nsdae_event_acceleration *acceleration);
+
+/* Laws of the candidates, with the velocities of the point, of which those up to size are none;
+ * right after an impact nothing is known to have stopped. */
+void nsdae_event_set_laws(nsdae_event_acceleration *acceleration, int impacted, double size);
+/* Solves; a paradox is NSDAE_E_PAINLEVE with the record. */
+int nsdae_event_accelerate(nsdae_event_acceleration *acceleration);
+/* What counts as zero for an acceleration. */
+double nsdae_event_acceleration_size(const nsdae_event_acceleration *acceleration);
+
+/* Whether friction can move contact or slide in this column of the problem at all. */
+static inline int nsdae_event_powerless(const nsdae_contacts *c, int column)
+{
+  return c->delassus.G[(size_t)column * (size_t)(c->columns + 1)] == 0;
+}
+
+/* Whether the present phase is in Painleve's paradox at t, y: NSDAE_OK or NSDAE_E_PAINLEVE with
+ * the record. */
+int nsdae_event_diagnose(nsdae_event_acceleration *acceleration, double t, const double *y);
+
+#endif

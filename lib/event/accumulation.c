@@ -1,0 +1,181 @@
+#include "accumulation.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "errors.h"
+
+/* Slower than so many times what counts as zero, what parts is closed. */
+static const double SLOW = 4;
+
+/* In accumulation_time: what is closed with more than that left is not told when it would end. */
+static const double MOST = 1000;
+
+void nsdae_event_accumulation_layout(nsdae_event_accumulation *p, nsdae_arena *arena)
+{
+  const nsdae_dims *d = &p->acceleration->phase->setting->system->dims;
+  p->settles = NSDAE_ARENA_INTS(arena, d->k);
+  p->sticks = NSDAE_ARENA_INTS(arena, d->k);
+  p->after = NSDAE_ARENA_DOUBLES(arena, d->k);
+  p->parting = NSDAE_ARENA_DOUBLES(arena, d->nv);
+  p->lost = NSDAE_ARENA_DOUBLES(arena, d->nv);
+  p->reaction = NSDAE_ARENA_DOUBLES(arena, d->m);
+  p->normal = NSDAE_ARENA_DOUBLES(arena, d->k);
+  p->tangential = NSDAE_ARENA_DOUBLES(arena, (long)d->k * d->nt);
+}
+
+void nsdae_event_unsettle(nsdae_event_accumulation *p)
+{
+  const nsdae_dims *d = &p->acceleration->phase->setting->system->dims;
+  memset(p->settles, 0, (size_t)d->k * sizeof *p->settles);
+  memset(p->normal, 0, (size_t)d->k * sizeof *p->normal);
+  memset(p->tangential, 0, (size_t)(d->k * d->nt) * sizeof *p->tangential);
+  p->work = p->rest = 0;
+}
+
+/* How fast what contact i can be closed with may be: what it gains or loses by the accelerations
+ * there are in accumulation_time, or on as short a way as the integrator's errors. */
+static double slow_for(const nsdae_event_accumulation *p, int i)
+{
+  const nsdae_event_setting *s = p->acceleration->phase->setting;
+  const nsdae_terms *T = s->here;
+  int n = T->system->dims.nv;
+  double rate = fabs(T->omega_N[i]);
+  for (int j = 0; j < n; j++) rate += fabs(T->W_N[i * n + j] * p->lost[j]);
+  double way = sqrt(2 * rate * nsdae_event_position_size(s));
+  return fmax(way, fmax(SLOW * nsdae_event_velocity_size(s), s->options->accumulation_time * rate));
+}
+
+/* The candidates; how many of them part. M^-1 F is in `lost`. */
+static int choose_slow(nsdae_event_accumulation *p)
+{
+  nsdae_event_setting *s = p->acceleration->phase->setting;
+  const nsdae_event_findings *is = &p->acceleration->is;
+  const nsdae_terms *T = s->here;
+  int part = 0;
+  p->slow = nsdae_event_velocity_size(s);
+  memcpy(p->lost, T->F, (size_t)T->system->dims.nv * sizeof *p->lost);
+  nsdae_kkt_solve_mass(s->kkt, p->lost);
+  for (int i = 0; i < T->system->dims.k; i++) {
+    int near = is->touching[i] || T->gap[i] <= nsdae_event_position_size(s);
+    p->after[i] = nsdae_terms_rate(T, T->W_N, T->w_N, i, T->v);
+    is->candidate[i] = near && p->after[i] <= slow_for(p, i);
+    if (is->candidate[i]) p->slow = fmax(p->slow, SLOW * p->after[i]);
+    part += is->candidate[i] && p->after[i] > nsdae_event_velocity_size(s);
+  }
+  return part;
+}
+
+/* Whether friction holds contact i: it rests, and does not begin to slide. */
+static int stays(const nsdae_event_accumulation *p, int i)
+{
+  const nsdae_contacts *held = &p->acceleration->problem;
+  int nt = held->system->dims.nt;
+  double rate = 0;
+  for (int j = i * nt; j < (i + 1) * nt; j++) rate = hypot(rate, held->results->after_t[j]);
+  return held->system->contact[i].mu > 0 && !p->acceleration->is.moving[i] &&
+         rate <= nsdae_event_acceleration_size(p->acceleration);
+}
+
+/* v+ of `parting` with nothing left apart, nor along, of all candidates: into `lost`. The problem
+ * of accelerations is asked there, at the limit. */
+static int move_to_limit(nsdae_event_accumulation *p)
+{
+  nsdae_event_setting *s = p->acceleration->phase->setting;
+  const nsdae_terms *T = s->here;
+  const nsdae_dims *d = &T->system->dims;
+  memcpy(p->lost, p->parting, (size_t)d->nv * sizeof *p->lost);
+  for (int i = 0; i < d->k; i++) {
+    double speed = 0;
+    for (int j = i * d->nt; j < (i + 1) * d->nt; j++)
+      speed = hypot(speed, nsdae_terms_rate(T, T->W_T, T->w_T, j, T->v));
+    p->settles[i] = p->acceleration->is.candidate[i];
+    p->sticks[i] = T->system->contact[i].mu > 0 && speed <= p->slow;
+  }
+  int status = nsdae_event_close(p->projection, p->settles, p->sticks, p->lost, p->reaction,
+                                 p->normal, p->tangential);
+  nsdae_terms_set_velocity(s->here, p->lost);
+  return status < 0 ? status : nsdae_terms_need(s->here, NSDAE_EVENT_TERMS);
+}
+
+int nsdae_event_find_set(nsdae_event_accumulation *p, const double *v)
+{
+  nsdae_event_setting *s = p->acceleration->phase->setting;
+  const nsdae_contacts *held = &p->acceleration->problem;
+  int any = 0;
+  memcpy(p->parting, v, (size_t)s->system->dims.nv * sizeof *v);
+  nsdae_terms_set_velocity(s->here, v);
+  int status = nsdae_terms_need(s->here, NSDAE_EVENT_TERMS);
+  if (status < 0 || choose_slow(p) == 0) return status;
+  status = move_to_limit(p);
+  if (status < 0) return status;
+  nsdae_event_set_laws(p->acceleration, 1, p->slow);
+  int solved = nsdae_event_accelerate(p->acceleration) == NSDAE_OK;
+  nsdae_error_clear(s->error);
+  for (int i = 0; i < s->system->dims.k; i++) {
+    p->settles[i] = solved && p->acceleration->is.candidate[i] && held->results->normal[i] > 0;
+    p->sticks[i] = p->settles[i] && stays(p, i);
+    any |= p->settles[i];
+  }
+  if (!any) nsdae_event_unsettle(p);
+  return any;
+}
+
+/* Half of what the closing's impulses do at the velocities of v. */
+static double half_work(const nsdae_event_accumulation *p, const double *v)
+{
+  const nsdae_terms *T = p->acceleration->phase->setting->here;
+  const nsdae_dims *d = &T->system->dims;
+  double sum = 0;
+  for (int i = 0; i < d->k; i++) sum += p->normal[i] * nsdae_terms_rate(T, T->W_N, T->w_N, i, v);
+  for (int j = 0; j < d->k * d->nt; j++)
+    sum += p->tangential[j] * nsdae_terms_rate(T, T->W_T, T->w_T, j, v);
+  return sum / 2;
+}
+
+int nsdae_event_close_set(nsdae_event_accumulation *p, double *v, double *multiplier)
+{
+  size_t size = (size_t)p->acceleration->phase->setting->system->dims.nv * sizeof *v;
+  memcpy(p->lost, v, size);
+  int status = nsdae_event_close(p->projection, p->settles, p->sticks, v, multiplier, p->normal,
+                                 p->tangential);
+  p->work = half_work(p, p->lost) + half_work(p, v);
+  return status;
+}
+
+/* d^T M d / 2 */
+static double energy_of(const nsdae_terms *T, const double *d)
+{
+  int n = T->system->dims.nv;
+  double twice = 0;
+  for (int j = 0; j < n; j++) twice += d[j] * nsdae_dot(n, T->M + (size_t)(j * n), d);
+  return twice / 2;
+}
+
+int nsdae_event_ends(nsdae_event_accumulation *p, const double *before, const double *closed)
+{
+  const nsdae_event_setting *s = p->acceleration->phase->setting;
+  const nsdae_terms *T = s->here;
+  const double *F = p->acceleration->problem.results->normal;
+  double power = 0, height = 0, fastest = 0;
+  int count = 0;
+  for (int i = 0; i < T->system->dims.nv; i++) {
+    p->parting[i] -= closed[i];
+    p->lost[i] = before[i] - closed[i];
+  }
+  for (int i = 0; i < T->system->dims.k; i++) {
+    if (!p->settles[i]) continue;
+    power += F[i] * p->after[i];
+    height += F[i] * fmax(T->gap[i], 0);
+    fastest = fmax(fastest, p->after[i]);
+    count++;
+  }
+  double left = energy_of(T, p->parting) + height, all = energy_of(T, p->lost) + height;
+  double flight = power > 0 ? 4 * left / power : INFINITY;
+  p->rest = left < all ? flight / (1 - sqrt(left / all)) : INFINITY;
+  int ends = p->rest < s->options->accumulation_time ||
+             fastest <= SLOW * nsdae_event_velocity_size(s) ||
+             (count > 1 && fastest * flight / 4 <= nsdae_event_position_size(s));
+  if (!isfinite(p->rest) || p->rest > MOST * s->options->accumulation_time) p->rest = 0;
+  return ends;
+}

@@ -1,0 +1,119 @@
+#include "cone.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "system_impl.h"
+#include "vector.h"
+
+enum { SWEEPS = 20000 };
+
+/* Below it, of the largest force, a change is none. */
+static const double CONVERGED = 1e-14;
+
+typedef struct relaxation {
+  const nsdae_contacts *c;
+  const double *direction;
+  double *force, *xi;
+} relaxation;
+
+/* F_l += change, with what it does to xi. */
+static void change_force(const relaxation *r, int l, double change)
+{
+  r->force[l] += change;
+  for (int k = 0; k < r->c->columns; k++)
+    r->xi[k] += r->c->delassus.G[(size_t)l * (size_t)r->c->columns + (size_t)k] * change;
+}
+
+/* The normal force; of what slides already with its friction. Returns the change, or NaN where the
+ * coefficient is not above zero. */
+static double relax_normal(const relaxation *r, int a)
+{
+  const nsdae_contacts *c = r->c;
+  int column = c->first_column[a], i = c->active[a], slides = c->law[i].kind == NSDAE_SLIDING;
+  double mu = slides ? c->system->contact[i].mu : 0;
+  const double *d = r->direction + 2 * i, *G = c->delassus.G + (size_t)column * (size_t)c->columns;
+  double coefficient = G[column];
+  for (int l = 0; slides && l < 2; l++) coefficient -= mu * d[l] * G[column + 1 + l];
+  if (!(coefficient > 0)) return coefficient == 0 && !slides ? 0 : NAN;
+  double change = fmax(0, r->force[column] - r->xi[column] / coefficient) - r->force[column];
+  if (change == 0) return 0;
+  change_force(r, column, change);
+  for (int l = 0; slides && l < 2; l++) change_force(r, column + 1 + l, -mu * d[l] * change);
+  return fabs(change);
+}
+
+static double relax_friction(const relaxation *r, int a)
+{
+  const nsdae_contacts *c = r->c;
+  int column = c->first_column[a], n = c->columns;
+  double *F_T = r->force + column + 1, next[2], most = 0;
+  double rho = c->delassus.G[(size_t)(column + 1) * (size_t)(n + 1)] +
+               c->delassus.G[(size_t)(column + 2) * (size_t)(n + 1)];
+  if (!(rho > 0)) return 0;
+  for (int l = 0; l < 2; l++) next[l] = F_T[l] - r->xi[column + 1 + l] / rho;
+  double size = hypot(next[0], next[1]);
+  double radius = c->system->contact[c->active[a]].mu * r->force[column];
+  for (int l = 0; l < 2; l++) {
+    double change = (size > radius ? next[l] * (radius / size) : next[l]) - F_T[l];
+    change_force(r, column + 1 + l, change);
+    most = fmax(most, fabs(change));
+  }
+  return most;
+}
+
+/* 1 where a sweep changes nothing any more. */
+static int relax(const relaxation *r)
+{
+  const nsdae_contacts *c = r->c;
+  for (int sweep = 0; sweep < SWEEPS; sweep++) {
+    double most = 0, size = 0;
+    for (int a = 0; a < c->active_count; a++) {
+      double change = relax_normal(r, a);
+      if (isnan(change)) return 0;
+      most = fmax(most, change);
+      if (c->law[c->active[a]].kind == NSDAE_POLYGON) most = fmax(most, relax_friction(r, a));
+    }
+    for (int l = 0; l < c->columns; l++) size = fmax(size, fabs(r->force[l]));
+    if (most <= CONVERGED * size) return 1;
+  }
+  return 0;
+}
+
+/* The forces, and what their change makes of v, lambda and the contacts' velocities. */
+static void take_over(nsdae_contacts *c, const double *force, const double *xi, double *v,
+                      double *lambda)
+{
+  for (int l = 0; l < c->columns; l++) {
+    double change = force[l] - c->delassus.impulse[l];
+    nsdae_add_product(c->system->dims.nv, 1, c->delassus.U + (size_t)(l * c->system->dims.nv),
+                      &change, v);
+    nsdae_add_product(c->system->dims.m, 1, c->delassus.D + (size_t)(l * c->system->dims.m),
+                      &change, lambda);
+    c->delassus.impulse[l] = force[l];
+  }
+  for (int a = 0; a < c->active_count; a++) {
+    int column = c->first_column[a], i = c->active[a];
+    const nsdae_coefficients *e = &c->system->contact[i];
+    c->results->normal[i] = force[column];
+    c->results->after[i] = xi[column] - e->e_n * c->results->before[i];
+    for (int l = 0; l < c->law[i].columns - 1; l++) {
+      c->results->tangential[2 * i + l] = force[column + 1 + l];
+      c->results->after_t[2 * i + l] =
+          xi[column + 1 + l] - e->e_t * c->results->before_t[2 * i + l];
+    }
+  }
+}
+
+int nsdae_event_solve_cones(nsdae_contacts *c, const double *direction, double *force, double *xi,
+                            double *v, double *lambda)
+{
+  const relaxation r = {c, direction, force, xi};
+  if (c->slide_count > 0 || c->system->dims.nt != 2) return 0;
+  memcpy(force, c->delassus.impulse, (size_t)c->columns * sizeof *force);
+  memcpy(xi, c->delassus.offset, (size_t)c->columns * sizeof *xi);
+  nsdae_add_product(c->columns, c->columns, c->delassus.G, force, xi);
+  if (!relax(&r)) return 0;
+  take_over(c, force, xi, v, lambda);
+  return 1;
+}

@@ -1,0 +1,306 @@
+/* Event-driven integration: smooth phases by SUNDIALS IDA up to the instants where a contact
+ * closes, opens, sticks or slips, which its root functions find; there the laws of impact and
+ * contact decide how it goes on. dt is how often the state is recorded, by the integrator's own
+ * interpolation, and its longest step. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "errors.h"
+#include "memory.h"
+
+/* Instants in one dt without an impact or a change of mode; steps of the integrator after which it
+ * starts anew, so that a way back is not longer. */
+enum { IDLE_MAX = 100, STEPS_MAX = 5000 };
+
+typedef struct event {
+  nsdae_arena arena;
+  nsdae_event_setting setting;
+  nsdae_event_phase phase;
+  nsdae_event_roots roots;
+  nsdae_event_integrator integrator;
+  nsdae_event_account account;
+  nsdae_event_instant instant;
+  nsdae_event_base base;
+  int *mode_before, *slide_mode_before; /* k, f */
+  double reached;                       /* accounted for up to here */
+  long stamp, stamps;                   /* of the memory that the integrator is at; given so far */
+} event;
+
+static void layout(void *object, nsdae_arena *arena)
+{
+  event *e = object;
+  const nsdae_dims *d = &e->setting.system->dims;
+  nsdae_event_phase_layout(&e->phase, arena);
+  nsdae_event_roots_layout(&e->roots, arena);
+  nsdae_event_integrator_layout(&e->integrator, arena);
+  nsdae_event_account_layout(&e->account, arena);
+  nsdae_event_acceleration_layout(&e->instant.acceleration, arena);
+  nsdae_event_sharing_layout(&e->instant.sharing, arena);
+  nsdae_event_impacts_layout(&e->instant.impacts, arena);
+  nsdae_event_projection_layout(&e->instant.projection, arena);
+  e->mode_before = NSDAE_ARENA_INTS(arena, d->k);
+  e->slide_mode_before = NSDAE_ARENA_INTS(arena, d->f);
+}
+
+/* Each part to those that it stands on. */
+static void connect(event *e, nsdae_stepper *s)
+{
+  e->setting = (nsdae_event_setting){.system = s->system,
+                                     .options = s->options,
+                                     .error = s->error,
+                                     .here = &s->middle,
+                                     .kkt = &s->kkt};
+  nsdae_event_set_places(&e->setting);
+  e->phase.setting = &e->setting;
+  e->roots.phase = &e->phase;
+  e->integrator.roots = &e->roots;
+  e->account.integrator = &e->integrator;
+  e->instant.roots = &e->roots;
+  e->instant.acceleration.phase = &e->phase;
+  e->instant.sharing.acceleration = &e->instant.acceleration;
+  e->instant.projection.phase = &e->phase;
+  e->instant.impacts.acceleration = &e->instant.acceleration;
+  e->instant.impacts.account = &e->account;
+  e->instant.impacts.accumulation.acceleration = &e->instant.acceleration;
+  e->instant.impacts.accumulation.projection = &e->instant.projection;
+}
+
+static int make(event *e)
+{
+  int status = nsdae_event_acceleration_make(&e->instant.acceleration);
+  if (status == NSDAE_OK) status = nsdae_event_impacts_make(&e->instant.impacts);
+  if (status == NSDAE_OK) status = nsdae_arena_build(&e->arena, layout, e);
+  if (status < 0) return status;
+  nsdae_event_roots_name(&e->roots);
+  return nsdae_event_integrator_make(&e->integrator);
+}
+
+static int create(nsdae_stepper *s, void **own)
+{
+  event *e = calloc(1, sizeof *e);
+  *own = e;
+  int status = NSDAE_E_MEMORY;
+  if (e) {
+    connect(e, s);
+    status = make(e);
+  }
+  if (status == NSDAE_E_UNSUPPORTED)
+    return nsdae_error_set(s->error, status, "nsdae_sim_create", "method",
+                           "method event needs SUNDIALS, and this library was built without it "
+                           "(NSDAE_SUNDIALS=OFF)");
+  if (status < 0) nsdae_error_set(s->error, status, "nsdae_sim_create", "", "out of memory");
+  return status;
+}
+
+static void destroy(void *own)
+{
+  event *e = own;
+  if (!e) return;
+  nsdae_dae_destroy(&e->integrator.dae);
+  nsdae_arena_release(&e->arena);
+  nsdae_event_acceleration_release(&e->instant.acceleration);
+  nsdae_event_impacts_release(&e->instant.impacts);
+  free(e);
+}
+
+/* A failure of the integrator at t, where its y is. */
+static int integrator_failed(event *e, int status, double t)
+{
+  nsdae_error *error = e->setting.error;
+  if (error->status != NSDAE_OK) return error->status;
+  if (nsdae_event_diagnose(&e->instant.acceleration, t, e->integrator.y) < 0)
+    return NSDAE_E_PAINLEVE;
+  nsdae_error_set(error, status, "nsdae_event", "rtol",
+                  "the integrator failed at t = %.17g with IDA's code %d: try a larger rtol, or "
+                  "method = implicit",
+                  t, e->integrator.code);
+  error->code = e->integrator.code;
+  error->time = t;
+  return status;
+}
+
+/* The integrator starts at t, which is the base from now on. */
+static int start(event *e, double t)
+{
+  nsdae_event_save(&e->base, &e->integrator, t);
+  int status = nsdae_event_integrator_start(&e->integrator, t);
+  return status < 0 ? integrator_failed(e, status, t) : status;
+}
+
+/* The instant t at the state of the integrator's y, and the start of the next phase. */
+static int restart(event *e, double t)
+{
+  int status = nsdae_event_pass(&e->instant, t, e->integrator.y, e->integrator.yp);
+  e->setting.result->counters.events++;
+  ++*e->base.instants;
+  return status < 0 ? status : start(e, t);
+}
+
+static void add_change(nsdae_result *r, double t, int contact, int slide, int before, int after)
+{
+  if (before != after) r->change[r->changes++] = (nsdae_change){t, contact, slide, before, after};
+}
+
+/* The same in the middle of a run, where a change of mode is told. */
+static int go_through(event *e, double t)
+{
+  nsdae_result *r = e->setting.result;
+  const nsdae_dims *d = &e->setting.system->dims;
+  const nsdae_event_modes *m = &e->phase.modes;
+  memcpy(e->mode_before, m->contact, (size_t)d->k * sizeof *m->contact);
+  memcpy(e->slide_mode_before, m->slide, (size_t)d->f * sizeof *m->slide);
+  int before = r->impacts + r->changes, status = restart(e, t);
+  for (int i = 0; i < d->k && status == NSDAE_OK; i++)
+    add_change(r, t, i, -1, e->mode_before[i], m->contact[i]);
+  for (int j = 0; j < d->f && status == NSDAE_OK; j++)
+    add_change(r, t, -1, j, e->slide_mode_before[j], m->slide[j]);
+  *e->base.idle += r->impacts + r->changes == before;
+  return status;
+}
+
+/* Whether the lists of impacts and changes hold what one more instant may add. */
+static int room(const nsdae_result *r)
+{
+  const nsdae_dims *d = &r->end.system->dims;
+  return r->impacts + d->k <= r->impacts_max && r->changes + d->k + d->f <= r->changes_max;
+}
+
+/* From a state that this method did not lead to. */
+static int begin(event *e, const nsdae_terms *from)
+{
+  const nsdae_memory *memory = &e->setting.result->memory;
+  const nsdae_dims *d = &e->setting.system->dims;
+  double *y = e->integrator.y;
+  memset(memory->real, 0, memory->reals * sizeof *memory->real);
+  memset(memory->whole, 0, memory->wholes * sizeof *memory->whole);
+  memset(y, 0, (size_t)e->setting.at.n * sizeof *y);
+  for (int j = 0; j < d->f; j++) e->phase.modes.normal_sense[j] = 1;
+  for (int i = 0; i < e->roots.count; i++) e->roots.entry[i].found = 0;
+  memcpy(y, from->q, (size_t)d->nq * sizeof *y);
+  memcpy(y + d->nq, from->v, (size_t)d->nv * sizeof *y);
+  return restart(e, from->t);
+}
+
+static int integrate(event *e)
+{
+  double from = e->integrator.ahead;
+  int status = nsdae_event_integrator_advance(&e->integrator);
+  if (status < 0) nsdae_event_integrator_read(&e->integrator, from, e->integrator.y);
+  ++*e->base.steps;
+  return status < 0 ? integrator_failed(e, status, from) : status;
+}
+
+/* The integrator's y at t, which it has reached. Where it has just started that is the state. */
+static int read_state(event *e, double t)
+{
+  nsdae_event_integrator *g = &e->integrator;
+  return *e->base.steps > 0 ? nsdae_event_integrator_read(g, t, g->y) : NSDAE_OK;
+}
+
+/* From the base to the state again; 0 where callbacks do not give the same numbers as then. */
+static int replay(event *e, const nsdae_terms *to)
+{
+  nsdae_event_integrator *g = &e->integrator;
+  const nsdae_dims *d = &to->system->dims;
+  int steps = *e->base.steps;
+  nsdae_event_restore(&e->base, g);
+  int status = nsdae_event_integrator_start(g, *e->base.t);
+  for (int i = 0; i < steps && status == NSDAE_OK; i++) status = nsdae_event_integrator_advance(g);
+  if (status < 0 || to->t > g->ahead) return 0;
+  return read_state(e, to->t) == NSDAE_OK &&
+         memcmp(g->y, to->q, (size_t)d->nq * sizeof *g->y) == 0 &&
+         memcmp(g->y + d->nq, to->v, (size_t)d->nv * sizeof *g->y) == 0;
+}
+
+/* To where the step starts, if the integrator is not there already. A replay is not counted. */
+static int arrive(event *e, const nsdae_state *state)
+{
+  nsdae_counters *counters = &e->setting.result->counters, counted = *counters;
+  if (state->memory->stamp > 0 && state->memory->stamp == e->stamp) return NSDAE_OK;
+  int stands = state->memory->stamp != 0 && replay(e, state->terms);
+  *counters = counted;
+  nsdae_error_clear(e->setting.error);
+  return stands ? NSDAE_OK : begin(e, state->terms);
+}
+
+/* Friction that is asked again and again how it shares between contacts leads nowhere, sooner. */
+static int too_many(const event *e)
+{
+  return e->instant.impacts.endless || *e->base.instants > e->setting.options->events_max ||
+         *e->base.idle > IDLE_MAX;
+}
+
+static int advance_from(event *e)
+{
+  nsdae_event_integrator *g = &e->integrator;
+  if (g->ahead > e->reached) return NSDAE_OK;
+  if (*e->base.steps < STEPS_MAX) return integrate(e);
+  int status = nsdae_event_integrator_read(g, g->ahead, g->y);
+  if (status == NSDAE_OK) status = nsdae_dae_interpolate(g->dae, g->ahead, 1, g->yp);
+  return status < 0 ? status : start(e, g->ahead);
+}
+
+/* To the end of the step, or until a list is nearly full: then the step ends early. */
+static int run_to(event *e, double t_end)
+{
+  nsdae_event_integrator *g = &e->integrator;
+  int status = NSDAE_OK;
+  while (status == NSDAE_OK && e->reached < t_end && room(e->setting.result) && !too_many(e)) {
+    status = advance_from(e);
+    if (status < 0) break;
+    double to = fmin(g->ahead, t_end);
+    if (to > e->reached) status = nsdae_event_account_phase(&e->account, e->reached, to);
+    e->reached = to;
+    if (status < 0 || !g->pending || to < g->ahead) continue;
+    status = nsdae_event_integrator_read(g, to, g->y);
+    if (status == NSDAE_OK) status = go_through(e, to);
+  }
+  return status;
+}
+
+/* What the step did beside its impulses. */
+static int read_results(event *e, double from)
+{
+  nsdae_result *r = e->setting.result;
+  const nsdae_event_modes *m = &e->phase.modes;
+  const nsdae_dims *d = &e->setting.system->dims;
+  int status = read_state(e, e->reached);
+  if (status < 0) return status;
+  nsdae_terms_at(&r->end, e->reached, e->integrator.y, e->integrator.y + d->nq);
+  for (int i = 0; i < d->m; i++) r->multiplier[i] /= e->reached - from;
+  memcpy(r->impulses.mode, m->contact, (size_t)d->k * sizeof *m->contact);
+  memcpy(r->impulses.slide_mode, m->slide, (size_t)d->f * sizeof *m->slide);
+  r->located = 1;
+  r->smooth = r->counters.events == 0;
+  return status;
+}
+
+static int advance(void *own, const nsdae_state *state, double t_end, nsdae_result *result)
+{
+  event *e = own;
+  e->setting.result = result;
+  e->reached = state->terms->t;
+  e->instant.impacts.endless = 0;
+  nsdae_event_lay(&e->base, &e->instant, &result->memory);
+  int status = arrive(e, state);
+  e->stamp = 0;
+  if (*e->base.goal != t_end) *e->base.instants = *e->base.idle = 0;
+  *e->base.goal = t_end;
+  if (status == NSDAE_OK) status = run_to(e, t_end);
+  if (status < 0) return status;
+  result->given_up = too_many(e);
+  if (result->given_up) return NSDAE_OK;
+  status = read_results(e, state->terms->t);
+  nsdae_error_clear(e->setting.error);
+  if (status == NSDAE_OK) result->memory.stamp = e->stamp = ++e->stamps;
+  return status;
+}
+
+const nsdae_stepping nsdae_stepping_event = {
+    .name = "event",
+    .summary = "event-driven on SUNDIALS IDA: impacts, stick and slip located exactly",
+    .create = create,
+    .destroy = destroy,
+    .sizes = nsdae_event_memory_sizes,
+    .advance = advance};

@@ -1,0 +1,197 @@
+#include "impact.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cone.h"
+
+void nsdae_event_impacts_layout(nsdae_event_impacts *p, nsdae_arena *arena)
+{
+  const nsdae_dims *d = &p->acceleration->phase->setting->system->dims;
+  long columns = (long)d->k * (1 + d->nt) + d->f;
+  nsdae_contacts_layout(&p->problem, arena);
+  nsdae_impulses_layout(&p->solution, d, arena);
+  nsdae_event_accumulation_layout(&p->accumulation, arena);
+  p->momentum = NSDAE_ARENA_DOUBLES(arena, d->nv);
+  p->multiplier = NSDAE_ARENA_DOUBLES(arena, d->m);
+  p->v = NSDAE_ARENA_DOUBLES(arena, d->nv);
+  p->size = NSDAE_ARENA_DOUBLES(arena, d->nv);
+  p->velocity = NSDAE_ARENA_DOUBLES(arena, d->k);
+  p->force = NSDAE_ARENA_DOUBLES(arena, columns);
+  p->xi = NSDAE_ARENA_DOUBLES(arena, columns);
+}
+
+int nsdae_event_impacts_make(nsdae_event_impacts *p)
+{
+  const nsdae_event_setting *s = p->acceleration->phase->setting;
+  p->law = calloc((size_t)s->system->dims.k + 1, sizeof *p->law);
+  if (!p->law) return NSDAE_E_MEMORY;
+  p->problem.system = s->system;
+  p->problem.error = s->error;
+  p->problem.law = p->law;
+  nsdae_lcp_options_default(&p->problem.lcp.options);
+  p->problem.lcp.options.tol = s->options->lcp_tol;
+  nsdae_contacts_laws(&p->problem, s->options->polygon);
+  return NSDAE_OK;
+}
+
+void nsdae_event_impacts_release(nsdae_event_impacts *p)
+{
+  free(p->law);
+}
+
+int nsdae_event_touches(const nsdae_event_setting *s, int i)
+{
+  const nsdae_terms *T = s->here;
+  return T->gap[i] <= nsdae_event_position_size(s) &&
+         nsdae_terms_rate(T, T->W_N, T->w_N, i, T->v) <= nsdae_event_velocity_size(s);
+}
+
+/* v+ of the momentum before, with v-_N of the contacts: M v + Phi_q^T Lambda = M v- + W Lambda_c,
+ * Phi_q v = -Phi_t. */
+static int solve(nsdae_event_impacts *p)
+{
+  nsdae_event_setting *s = p->acceleration->phase->setting;
+  const nsdae_dims *d = &s->system->dims;
+  size_t size = (size_t)d->nv * sizeof *p->v;
+  memcpy(p->v, p->momentum, size);
+  memcpy(p->size, p->momentum, size);
+  for (int i = 0; i < d->m; i++) p->multiplier[i] = -s->here->phi_t[i];
+  nsdae_kkt_solve(s->kkt, 1, p->v, d->nv, p->multiplier, d->m);
+  nsdae_kkt_solve_mass(s->kkt, p->size);
+  int status = nsdae_event_solve(s, &p->problem, s->here, p->size, p->v, p->multiplier);
+  if (status == NSDAE_OK)
+    nsdae_event_solve_cones(&p->problem, p->acceleration->phase->modes.direction, p->force, p->xi,
+                            p->v, p->multiplier);
+  return status;
+}
+
+/* The contacts' velocities before, zero where the integrator's errors could be all of it. */
+static void approach(nsdae_event_impacts *p)
+{
+  double size = nsdae_event_velocity_size(p->acceleration->phase->setting);
+  for (int i = 0; i < p->problem.system->dims.k; i++)
+    p->problem.results->before[i] = fabs(p->velocity[i]) <= size ? 0 : p->velocity[i];
+}
+
+/* Whether this impact is the first of an accumulation that ends now: then the solution is that with
+ * the set closed; else it is as before. before [nv] is v-. */
+static int settle(nsdae_event_impacts *p, const double *before)
+{
+  nsdae_event_accumulation *a = &p->accumulation;
+  int any = nsdae_event_find_set(a, p->v);
+  if (any <= 0) return any;
+  for (int i = 0; i < p->problem.system->dims.k; i++)
+    if (a->settles[i]) p->problem.results->before[i] = 0;
+  int status = solve(p);
+  if (status == NSDAE_OK) status = nsdae_event_close_set(a, p->v, p->multiplier);
+  if (status < 0 || nsdae_event_ends(a, before, p->v)) return status;
+  nsdae_event_unsettle(a);
+  approach(p);
+  return solve(p);
+}
+
+/* A new record; or, after so many that only one for each contact and the next instant is left, that
+ * of the same contact in this instant. In order of time: the end of an accumulation comes later. */
+static nsdae_impact *place_for(nsdae_event_impacts *p, int contact, double t)
+{
+  nsdae_result *r = p->acceleration->phase->setting->result;
+  int last = r->impacts - 1, at = r->impacts;
+  int full = r->impacts + 2 * p->problem.system->dims.k >= r->impacts_max;
+  while (full && last >= 0 && (r->impact[last].contact != contact || r->impact[last].time != t))
+    last--;
+  if (full && last >= 0) return &r->impact[last];
+  for (; at > 0 && r->impact[at - 1].time > t; at--) r->impact[at] = r->impact[at - 1];
+  r->impacts++;
+  r->impact[at] =
+      (nsdae_impact){.time = t, .contact = contact, .velocity_before = p->velocity[contact]};
+  return &r->impact[at];
+}
+
+static void record(nsdae_event_impacts *p, int i)
+{
+  const nsdae_impulses *c = &p->solution;
+  int nt = p->problem.system->dims.nt, ends = p->accumulation.settles[i];
+  double t = p->acceleration->phase->setting->here->t;
+  nsdae_impact *impact = place_for(p, i, ends ? t + p->accumulation.rest : t);
+  impact->normal_impulse += c->normal[i];
+  impact->velocity_after = ends ? 0 : c->after[i];
+  impact->accumulation |= ends;
+  for (int l = 0; l < nt; l++) impact->tangential_impulse[l] += c->tangential[i * nt + l];
+}
+
+/* What the impact did, with what closed a set, for the step. */
+static void keep(nsdae_event_impacts *p)
+{
+  nsdae_impulses *c = &p->solution;
+  const nsdae_event_accumulation *a = &p->accumulation;
+  const nsdae_dims *d = &p->problem.system->dims;
+  nsdae_result *r = p->acceleration->phase->setting->result;
+  int ends = 0;
+  memcpy(c->before, p->velocity, (size_t)d->k * sizeof *c->before);
+  r->work += nsdae_contacts_work(&p->problem) + a->work;
+  for (int j = 0; j < d->k * d->nt; j++) c->tangential[j] += a->tangential[j];
+  for (int i = 0; i < d->k; i++) {
+    int hit = c->normal[i] > 0;
+    c->normal[i] += a->normal[i];
+    if (hit && c->normal[i] > 0) record(p, i);
+    ends |= a->settles[i];
+  }
+  nsdae_event_account_impact(p->account, c, p->multiplier);
+  r->counters.accumulations += ends;
+}
+
+/* One problem for all that touch. */
+static int impact(nsdae_event_impacts *p, double *y)
+{
+  nsdae_event_setting *s = p->acceleration->phase->setting;
+  nsdae_terms *T = s->here;
+  nsdae_contacts *c = &p->problem;
+  const nsdae_dims *d = &s->system->dims;
+  double *v = y + s->at.v;
+  nsdae_contacts_close_marked(c, p->acceleration->is.touching, &p->solution);
+  nsdae_contacts_before(c, T, v, 0);
+  memcpy(p->velocity, p->solution.before, (size_t)d->k * sizeof *p->velocity);
+  nsdae_event_unsettle(&p->accumulation);
+  memset(p->momentum, 0, (size_t)d->nv * sizeof *p->momentum);
+  nsdae_add_product(d->nv, d->nv, T->M, v, p->momentum);
+  approach(p);
+  int status = solve(p);
+  if (status == NSDAE_OK) status = settle(p, v);
+  if (status < 0) return status;
+  keep(p);
+  memcpy(v, p->v, (size_t)d->nv * sizeof *v);
+  nsdae_terms_set_velocity(T, v);
+  return nsdae_terms_need(T, NSDAE_EVENT_TERMS);
+}
+
+static int approaching(const nsdae_event_impacts *p)
+{
+  const nsdae_event_setting *s = p->acceleration->phase->setting;
+  const nsdae_terms *T = s->here;
+  for (int i = 0; i < T->system->dims.k; i++)
+    if (p->acceleration->is.touching[i] &&
+        nsdae_terms_rate(T, T->W_N, T->w_N, i, T->v) < -nsdae_event_velocity_size(s))
+      return 1;
+  return 0;
+}
+
+/* An impact may drive another contact that touches, and parted or rested before it, together: then
+ * that is the next, at the same time. A body that just fits between two others, and loses nothing,
+ * goes on so for ever: past events_max the step is not the method's any more. */
+int nsdae_event_collide(nsdae_event_impacts *p, double *y)
+{
+  const nsdae_event_setting *s = p->acceleration->phase->setting;
+  int *touching = p->acceleration->is.touching, *mode = p->acceleration->phase->modes.contact;
+  int count = 0;
+  while (approaching(p) && count < s->options->events_max) {
+    int status = impact(p, y);
+    if (status < 0) return status;
+    for (int i = 0; i < s->system->dims.k; i++)
+      touching[i] = mode[i] != NSDAE_MODE_OPEN || nsdae_event_touches(s, i);
+    count++;
+  }
+  p->endless |= approaching(p);
+  return count;
+}

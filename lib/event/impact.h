@@ -1,0 +1,34 @@
+/* Impacts: one problem of velocities for all that touch, with Newton's restitution and Coulomb's
+ * friction; those without end in one. */
+#ifndef NSDAE_EVENT_IMPACT_H
+#define NSDAE_EVENT_IMPACT_H
+
+#include "account.h"
+#include "accumulation.h"
+
+typedef struct nsdae_event_impacts {
+  nsdae_event_acceleration *acceleration;
+  nsdae_event_account *account;
+  nsdae_event_accumulation accumulation;
+  nsdae_contacts problem;
+  nsdae_impulses solution;
+  nsdae_law *law;                /* k */
+  double *momentum, *multiplier; /* nv, m: M v-; the bilateral impulses */
+  double *v, *size;              /* nv: v+; how large its terms are */
+  double *velocity;              /* k: normal, of the contacts before */
+  double *force, *xi;            /* columns: for cones */
+  int endless;                   /* impacts of one instant that do not end */
+} nsdae_event_impacts;
+
+void nsdae_event_impacts_layout(nsdae_event_impacts *impacts, nsdae_arena *arena);
+int nsdae_event_impacts_make(nsdae_event_impacts *impacts);
+void nsdae_event_impacts_release(nsdae_event_impacts *impacts);
+
+/* Impacts of what touches and approaches, until nothing does; y's v is that after them. Returns
+ * how many problems there were, or a status. */
+int nsdae_event_collide(nsdae_event_impacts *impacts, double *y);
+
+/* Whether contact i touches but for the integrator's error, and does not part. */
+int nsdae_event_touches(const nsdae_event_setting *setting, int i);
+
+#endif

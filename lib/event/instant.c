@@ -1,0 +1,144 @@
+#include "instant.h"
+
+#include <math.h>
+#include <string.h>
+
+static int is_found(const nsdae_event_roots *roots, nsdae_root_kind kind, int i)
+{
+  return nsdae_event_root_of(roots, kind, i)->found;
+}
+
+/* Whether the friction of contact i breaks away. Where how friction shares was chosen, a contact at
+ * its limit is no reason to slide until all that stick are. */
+static int breaks_away(const nsdae_event_roots *roots, const double *y, int i)
+{
+  const nsdae_event_modes *m = &roots->phase->modes;
+  const nsdae_dims *d = &roots->phase->setting->system->dims;
+  int shared = 0, all = 1;
+  if (m->contact[i] != NSDAE_MODE_STICK) return 0;
+  for (int j = 0; j < d->k; j++) {
+    const nsdae_event_root *root = nsdae_event_root_of(roots, NSDAE_ROOT_TANGENT, j);
+    if (m->contact[j] != NSDAE_MODE_STICK) continue;
+    for (int l = 0; l < d->nt; l++) shared |= m->related[d->k + j * d->nt + l];
+    all &= root->found || nsdae_event_stick_margin(roots->phase, y, j) <= root->size;
+  }
+  return shared ? all : is_found(roots, NSDAE_ROOT_TANGENT, i);
+}
+
+/* What was found, in terms of the modes so far. */
+static void sort_found(nsdae_event_instant *p, const double *y)
+{
+  const nsdae_event_phase *phase = p->roots->phase;
+  const nsdae_event_places *at = &phase->setting->at;
+  const nsdae_event_findings *is = &p->acceleration.is;
+  nsdae_event_modes *m = &p->roots->phase->modes;
+  const nsdae_dims *d = &phase->setting->system->dims;
+  for (int i = 0; i < d->k; i++) {
+    const nsdae_event_root *root = nsdae_event_root_of(p->roots, NSDAE_ROOT_NORMAL, i);
+    int closed = m->contact[i] != NSDAE_MODE_OPEN;
+    int undecided = closed && root->state == NSDAE_ROOT_MASKED && y[at->normal + i] > 0;
+    is->touching[i] = closed || root->found;
+    is->candidate[i] = closed;
+    is->released[i] = closed && root->found && !undecided;
+    is->stopped[i] = is_found(p->roots, NSDAE_ROOT_TANGENT, i);
+    is->breakaway[i] = breaks_away(p->roots, y, i);
+    if (is->breakaway[i])
+      nsdae_event_point_against(m->direction + i * d->nt, d->nt, y + at->tangential + i * d->nt);
+  }
+  for (int j = 0; j < d->f; j++) {
+    double force = y[at->slide + j];
+    is->slide_stopped[j] = is_found(p->roots, NSDAE_ROOT_SLIP, j);
+    is->slide_turned[j] = is_found(p->roots, NSDAE_ROOT_SIGN, j);
+    is->slide_breakaway[j] = is->slide_stopped[j] && m->slide[j] == NSDAE_MODE_STICK;
+    if (is->slide_breakaway[j]) m->slide_sense[j] = (force < 0) - (force > 0);
+  }
+}
+
+/* Touching, not let go, without a velocity apart. */
+static void choose_candidates(nsdae_event_instant *p, int impacted)
+{
+  const nsdae_event_setting *s = p->roots->phase->setting;
+  const nsdae_terms *T = s->here;
+  const nsdae_event_findings *is = &p->acceleration.is;
+  double size = nsdae_event_velocity_size(s);
+  for (int i = 0; i < T->system->dims.k; i++) {
+    if (impacted) is->released[i] = 0;
+    is->candidate[i] = is->touching[i] && !is->released[i] &&
+                       !(nsdae_terms_rate(T, T->W_N, T->w_N, i, T->v) > size);
+  }
+}
+
+static void find_independent(nsdae_event_phase *phase)
+{
+  const nsdae_kkt *kkt = phase->setting->kkt;
+  int *independent = phase->modes.independent;
+  for (int i = 0; i < kkt->m; i++) independent[i] = kkt->rank == kkt->m;
+  for (int i = 0; i < kkt->rank && kkt->rank < kkt->m; i++) independent[kkt->column[i] - 1] = 1;
+}
+
+/* y' and the forces of the new phase. Of the redundant constraints' multipliers only those of the
+ * independent ones are guessed here; the integrator's start solves for them. */
+static int fill_state(const nsdae_event_instant *p, const double *a, double *y, double *yp)
+{
+  const nsdae_event_phase *phase = p->roots->phase;
+  const nsdae_event_places *at = &phase->setting->at;
+  const nsdae_dims *d = &phase->setting->system->dims;
+  const nsdae_contacts *c = &p->acceleration.problem;
+  memset(yp, 0, (size_t)at->n * sizeof *yp);
+  memset(y + at->lambda, 0, (size_t)(at->n - at->lambda) * sizeof *y);
+  memcpy(yp + at->v, a, (size_t)d->nv * sizeof *a);
+  for (int i = 0; i < d->m; i++)
+    if (phase->modes.independent[i]) y[at->lambda + i] = p->acceleration.lambda[i];
+  for (int i = 0; i < d->k; i++) {
+    if (phase->modes.contact[i] == NSDAE_MODE_OPEN) continue;
+    y[at->normal + i] = c->results->normal[i];
+    for (int j = i * d->nt; j < (i + 1) * d->nt; j++)
+      y[at->tangential + j] = c->results->tangential[j];
+  }
+  for (int j = 0; j < d->f; j++) y[at->slide + j] = c->results->slide_impulse[j];
+  return nsdae_event_kinematics(phase->setting, y + at->v, yp);
+}
+
+/* Positions to what stays closed; everything at the point of y, with the matrices factored. */
+static int bring(nsdae_event_instant *p, double t, double *y)
+{
+  nsdae_event_setting *s = p->roots->phase->setting;
+  int status = nsdae_event_project_positions(&p->projection, t, p->acceleration.is.candidate, y);
+  if (status == NSDAE_OK) status = nsdae_terms_need(s->here, NSDAE_EVENT_TERMS);
+  if (status == NSDAE_OK) status = nsdae_event_factor(s);
+  if (status == NSDAE_OK) find_independent(p->roots->phase);
+  return status;
+}
+
+static int arrive(nsdae_event_instant *p, double t, double *y)
+{
+  nsdae_event_setting *s = p->roots->phase->setting;
+  const nsdae_event_findings *is = &p->acceleration.is;
+  nsdae_event_move(s, t, y);
+  int status = nsdae_terms_need(s->here, NSDAE_EVENT_TERMS);
+  if (status < 0) return status;
+  double size = nsdae_event_position_size(s);
+  for (int i = 0; i < s->system->dims.k; i++) {
+    is->touching[i] |= nsdae_event_touches(s, i);
+    is->candidate[i] |= is->touching[i] && fabs(s->here->gap[i]) <= 2 * size;
+  }
+  return bring(p, t, y);
+}
+
+int nsdae_event_pass(nsdae_event_instant *p, double t, double *y, double *yp)
+{
+  nsdae_event_phase *phase = p->roots->phase;
+  sort_found(p, y);
+  int status = arrive(p, t, y);
+  const nsdae_counters *counters = &phase->setting->result->counters;
+  long ended = counters->accumulations;
+  int impacts = status < 0 ? status : nsdae_event_collide(&p->impacts, y);
+  if (impacts < 0) return impacts;
+  choose_candidates(p, impacts > 0);
+  if (counters->accumulations > ended) status = bring(p, t, y);
+  if (status == NSDAE_OK) status = nsdae_event_choose_modes(&p->sharing, impacts > 0);
+  if (status == NSDAE_OK) status = nsdae_event_project_velocities(&p->projection, y);
+  if (status == NSDAE_OK) status = fill_state(p, p->acceleration.a, y, yp);
+  phase->modes.slow = nsdae_event_velocity_size(phase->setting);
+  return status;
+}

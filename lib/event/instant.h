@@ -1,0 +1,24 @@
+/* What happens at an instant, in this order: positions are brought back to the constraints and to
+ * what is closed; contacts that approach are impacts; contacts left without approach are closed or
+ * let go by the problem of accelerations, which also gives the modes; velocities are brought to
+ * what is closed and what sticks. */
+#ifndef NSDAE_EVENT_INSTANT_H
+#define NSDAE_EVENT_INSTANT_H
+
+#include "choice.h"
+#include "impact.h"
+#include "projection.h"
+
+typedef struct nsdae_event_instant {
+  nsdae_event_roots *roots;
+  nsdae_event_acceleration acceleration;
+  nsdae_event_sharing sharing;
+  nsdae_event_impacts impacts;
+  nsdae_event_projection projection;
+} nsdae_event_instant;
+
+/* At t, with the roots that were found, from the state of y to that of the next phase: new modes;
+ * y and yp [n] are then consistent but for what the integrator's start still does. */
+int nsdae_event_pass(nsdae_event_instant *instant, double t, double *y, double *yp);
+
+#endif

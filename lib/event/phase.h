@@ -1,0 +1,67 @@
+/* The equations between two instants. There the modes of the contacts and slides are fixed and the
+ * motion is the index-1 problem in y = [q, v, lambda, F_N, F_T, F_S]
+ *
+ *   q' = H v
+ *   M v' + Phi_q^T lambda - W_N F_N - W_T F_T - W_S F_S = F
+ *   Phi_q v' + omega + 2 alpha Phi' + beta^2 Phi = 0                                       (6)
+ *   open:     F_N = 0
+ *   closed:   W_N^T v' + omega_N + 2 alpha g' + beta^2 g = 0
+ *   sliding:  F_T = -mu F_N d,  d the direction of sliding;    F_S = -mu |lambda| s
+ *   sticking: W_T^T v' + omega_T + 2 alpha v_T = 0;            W_S^T v' + omega_S + 2 alpha v_S = 0
+ *
+ * A redundant constraint has lambda_i = 0 in place of its row; what is reported is of least norm.
+ * A contact that depends on others has a relation F_p = sum_l r_l F_l in place of its row, a slide
+ * its part of |lambda|: see sharing.h. Forces are numbered p = i for F_N, k + j for F_T. */
+#ifndef NSDAE_EVENT_PHASE_H
+#define NSDAE_EVENT_PHASE_H
+
+#include "setting.h"
+
+/* What holds from an instant to the next. */
+typedef struct nsdae_event_modes {
+  int *contact;      /* k: enum nsdae_mode */
+  double *direction; /* k nt: unit vector of sliding, zero where there is none yet; with two
+                        directions it follows the velocity from step to step */
+  int *slide;        /* f: NSDAE_MODE_OPEN without friction */
+  int *slide_sense, *normal_sense; /* f: signs of the sliding velocity and of lambda */
+  int *slide_row;                  /* f: a slide that sticks has a row */
+  double *slide_part; /* f: F_S = -mu |lambda| times this where it slides or has no row */
+  int *independent;   /* m: 0 where a constraint is redundant */
+  int *related;       /* k + k nt: a relation stands in place of the row of this force */
+  double *relation;   /* k + k nt squared, by rows: r of those that are */
+  double slow;        /* what counted as zero for a velocity at the phase's start */
+} nsdae_event_modes;
+
+typedef struct nsdae_event_phase {
+  nsdae_event_setting *setting;
+  nsdae_event_modes modes;
+  unsigned terms;    /* what the equations of the modes need */
+  double *other, *r; /* n: a displaced y and its residual */
+  double *K, *zero;  /* n x n, n: equations for the forces; no accelerations */
+  int *pivot;        /* n */
+  double *slip;      /* k nt: v_T where the residual is differenced */
+  int differencing;  /* now */
+} nsdae_event_phase;
+
+void nsdae_event_phase_layout(nsdae_event_phase *phase, nsdae_arena *arena);
+
+/* Brings `terms` to what the modes need. */
+void nsdae_event_set_terms(nsdae_event_phase *phase);
+
+/* r [n] and J [n x n] = dr/dy + c dr/dy', where J comes zeroed. 0; > 0: a callback asks for a
+ * smaller step; < 0: it gave up. */
+int nsdae_event_residual(nsdae_event_phase *phase, double t, const double *y, const double *yp,
+                         double *r);
+int nsdae_event_jacobian(nsdae_event_phase *phase, double t, double c, const double *y,
+                         const double *yp, const double *r, double *J);
+
+/* The forces of y [n] from its q and v, at time t: the equations are linear in them. The
+ * integrator's own are as good as a Newton iteration, and between its steps only as good as its
+ * order. v' is in -r then, and the terms are there. NSDAE_E_CONVERGENCE: the equations are
+ * singular; or a callback's status. */
+int nsdae_event_forces(nsdae_event_phase *phase, double t, double *y);
+
+/* mu F_N - |F_T| of contact i, with the forces of y. */
+double nsdae_event_stick_margin(const nsdae_event_phase *phase, const double *y, int i);
+
+#endif

@@ -1,0 +1,300 @@
+#include "roots.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+/* With two directions a velocity is followed through the errors of the integration, from which it
+ * cannot be told at first which way it goes: so many times what counts as zero. */
+static const double TURNING = 100;
+
+int nsdae_event_roots_count(const nsdae_dims *d)
+{
+  return 2 * d->k + 2 * d->f;
+}
+
+void nsdae_event_roots_layout(nsdae_event_roots *r, nsdae_arena *arena)
+{
+  r->count = nsdae_event_roots_count(&r->phase->setting->system->dims);
+  r->entry = nsdae_arena_take(arena, r->count, sizeof *r->entry);
+  r->at = NSDAE_ARENA_DOUBLES(arena, r->phase->setting->at.n);
+}
+
+void nsdae_event_roots_name(nsdae_event_roots *r)
+{
+  const nsdae_dims *d = &r->phase->setting->system->dims;
+  for (int kind = NSDAE_ROOT_NORMAL; kind <= NSDAE_ROOT_SLIP; kind++)
+    for (int i = 0; i < (kind <= NSDAE_ROOT_TANGENT ? d->k : d->f); i++) {
+      nsdae_event_root *root = nsdae_event_root_of(r, (nsdae_root_kind)kind, i);
+      root->kind = (nsdae_root_kind)kind;
+      root->index = i;
+    }
+}
+
+static int contact_rubs(const nsdae_event_phase *p, int i)
+{
+  return p->modes.contact[i] == NSDAE_MODE_SLIDE && p->setting->system->contact[i].mu > 0;
+}
+
+/* |v_T|, of contact i */
+static double speed_of(const nsdae_terms *T, int i)
+{
+  int nt = T->system->dims.nt;
+  double speed = 0;
+  for (int j = i * nt; j < (i + 1) * nt; j++)
+    speed = hypot(speed, nsdae_terms_rate(T, T->W_T, T->w_T, j, T->v));
+  return speed;
+}
+
+/* d . v_T of contact i; with an acceleration and omega in their place, its rate. */
+static double along_direction(const nsdae_event_phase *p, const nsdae_terms *T, int i,
+                              const double *w, const double *v)
+{
+  int nt = T->system->dims.nt;
+  double along = 0;
+  for (int j = i * nt; j < (i + 1) * nt; j++)
+    along += p->modes.direction[j] * nsdae_terms_rate(T, T->W_T, w, j, v);
+  return along;
+}
+
+/* The function as it is. */
+static double value_of(const nsdae_event_phase *p, const nsdae_terms *T, const double *y,
+                       const nsdae_event_root *root)
+{
+  const nsdae_system *s = T->system;
+  const nsdae_event_modes *m = &p->modes;
+  const nsdae_event_places *at = &p->setting->at;
+  int i = root->index;
+  if (root->kind == NSDAE_ROOT_NORMAL)
+    return m->contact[i] == NSDAE_MODE_OPEN ? T->gap[i] : y[at->normal + i];
+  if (root->kind == NSDAE_ROOT_TANGENT)
+    return m->contact[i] == NSDAE_MODE_STICK ? nsdae_event_stick_margin(p, y, i)
+                                             : along_direction(p, T, i, T->w_T, T->v);
+  double normal = m->normal_sense[i] * y[at->lambda + s->slide[i].constraint];
+  if (root->kind == NSDAE_ROOT_SIGN) return normal;
+  if (m->slide[i] == NSDAE_MODE_STICK) return s->slide[i].mu * normal - fabs(y[at->slide + i]);
+  return m->slide_sense[i] * nsdae_terms_rate(T, T->W_S, T->w_S, i, T->v);
+}
+
+/* Terms that the functions in the set need. */
+static unsigned terms_of(const nsdae_event_roots *r)
+{
+  const nsdae_event_modes *m = &r->phase->modes;
+  unsigned terms = 0;
+  for (int e = 0; e < r->count; e++) {
+    const nsdae_event_root *root = &r->entry[e];
+    int i = root->index, on = root->state != NSDAE_ROOT_OFF;
+    if (root->kind == NSDAE_ROOT_NORMAL && (m->contact[i] == NSDAE_MODE_OPEN || m->related[i]))
+      terms |= NSDAE_TERM_GAP;
+    if (on && root->kind == NSDAE_ROOT_TANGENT && m->contact[i] == NSDAE_MODE_SLIDE)
+      terms |= NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS;
+    if (on && root->kind == NSDAE_ROOT_SLIP && m->slide[i] == NSDAE_MODE_SLIDE)
+      terms |= NSDAE_TERM_SLIDE;
+  }
+  return terms;
+}
+
+/* The terms, and where something is closed the forces, at q and v of y: into r->at. */
+static int evaluate(nsdae_event_roots *r, double t, const double *y)
+{
+  nsdae_event_phase *p = r->phase;
+  int status = NSDAE_OK;
+  memcpy(r->at, y, (size_t)p->setting->at.n * sizeof *y);
+  if (p->terms & (NSDAE_TERM_NORMAL | NSDAE_TERM_SLIDE))
+    status = nsdae_event_forces(p, t, r->at);
+  else
+    nsdae_event_move(p->setting, t, y);
+  return status < 0 ? status : nsdae_terms_need(p->setting->here, terms_of(r));
+}
+
+/* Divided by the time since it was zero; so close to it that rounding rules, its rate. */
+static double rising(const nsdae_event_root *root, double t, double value, double position)
+{
+  double least = 64 * DBL_EPSILON * (position / root->rate + fabs(t));
+  return t - root->since > least ? (value - root->start) / (t - root->since) : root->rate;
+}
+
+/* A contact or slide that got a direction to slide in only now. */
+static int undecided(const nsdae_event_phase *p, const nsdae_event_root *root)
+{
+  int i = root->index, nt = p->setting->system->dims.nt;
+  if (root->kind == NSDAE_ROOT_SIGN) return 0;
+  if (root->kind == NSDAE_ROOT_SLIP)
+    return p->modes.slide[i] == NSDAE_MODE_SLIDE && p->modes.slide_sense[i] == 0;
+  if (!contact_rubs(p, i)) return 0;
+  for (int j = i * nt; j < (i + 1) * nt; j++)
+    if (p->modes.direction[j] != 0) return 0;
+  return 1;
+}
+
+/* A velocity of sliding that is zero to rounding has no direction yet to be measured along: it is
+ * out of the set until it has. */
+static int is_out(const nsdae_event_phase *p, const nsdae_event_root *root)
+{
+  int masked = root->state == NSDAE_ROOT_MASKED;
+  int slips = root->kind == NSDAE_ROOT_TANGENT && p->modes.contact[root->index] == NSDAE_MODE_SLIDE;
+  return root->state == NSDAE_ROOT_OFF || undecided(p, root) || (masked && slips);
+}
+
+int nsdae_event_root_values(nsdae_event_roots *r, double t, const double *y, double *g)
+{
+  const nsdae_event_phase *p = r->phase;
+  if (evaluate(r, t, y) < 0) return -1;
+  double position = nsdae_event_largest(p->setting->at.lambda, y);
+  for (int e = 0; e < r->count; e++) {
+    const nsdae_event_root *root = &r->entry[e];
+    int out = is_out(p, root);
+    g[e] = out ? 1 : value_of(p, p->setting->here, r->at, root);
+    if (root->state == NSDAE_ROOT_RISING) g[e] = rising(root, t, g[e], position);
+    if (root->state == NSDAE_ROOT_MASKED && !out) g[e] += root->size;
+  }
+  return 0;
+}
+
+/* Size of a force that is zero but for the errors of the integration. */
+static double force_size(const nsdae_event_setting *s, const double *y)
+{
+  int first = s->at.lambda;
+  double most = fmax(nsdae_event_largest(s->at.n - first, y + first),
+                     nsdae_event_largest(s->system->dims.nv, s->here->F));
+  return 10 * (fmax(s->options->rtol, 1e-13) * most + s->options->atol);
+}
+
+/* Live where it is above zero; with a rate, rising from zero; else masked. */
+static void start_root(nsdae_event_root *root, double t, double value, double rate, double size,
+                       double rate_size)
+{
+  root->since = t;
+  root->start = value;
+  root->rate = rate;
+  root->size = size;
+  if (value > size)
+    root->state = NSDAE_ROOT_LIVE;
+  else if (rate > rate_size && value > -size)
+    root->state = NSDAE_ROOT_RISING;
+  else
+    root->state = NSDAE_ROOT_MASKED;
+  if (value < -size) root->size = -2 * value; /* starts below zero: counts from there */
+}
+
+static void start_sliding(const nsdae_event_phase *p, nsdae_event_root *root, double t,
+                          double value, const double *a)
+{
+  const nsdae_terms *T = p->setting->here;
+  double size = nsdae_event_velocity_size(p->setting);
+  if (root->kind == NSDAE_ROOT_SLIP) {
+    double rate = nsdae_terms_rate(T, T->W_S, T->omega_S, root->index, a);
+    start_root(root, t, value, p->modes.slide_sense[root->index] * rate, size, size);
+    return;
+  }
+  double rate = along_direction(p, T, root->index, T->omega_T, a);
+  start_root(root, t, value, rate, T->system->dims.nt == 2 ? TURNING * size : size, 0);
+  /* so slow a start is no rate to divide by */
+  if (root->state == NSDAE_ROOT_RISING && !(rate > size)) root->state = NSDAE_ROOT_MASKED;
+}
+
+static int is_off(const nsdae_event_phase *p, const nsdae_event_root *root)
+{
+  int i = root->index;
+  if (root->kind == NSDAE_ROOT_NORMAL) return 0;
+  if (root->kind == NSDAE_ROOT_TANGENT)
+    return p->modes.contact[i] == NSDAE_MODE_OPEN || !(p->setting->system->contact[i].mu > 0);
+  return p->modes.slide[i] == NSDAE_MODE_OPEN;
+}
+
+static void start(const nsdae_event_phase *p, nsdae_event_root *root, double t, const double *y,
+                  const double *a)
+{
+  const nsdae_terms *T = p->setting->here;
+  int i = root->index, contact = root->kind <= NSDAE_ROOT_TANGENT;
+  int mode = contact ? p->modes.contact[i] : p->modes.slide[i];
+  root->state = NSDAE_ROOT_OFF;
+  if (is_off(p, root)) return;
+  double value = value_of(p, T, y, root);
+  if (root->kind == NSDAE_ROOT_NORMAL && mode == NSDAE_MODE_OPEN)
+    start_root(root, t, value, nsdae_terms_rate(T, T->W_N, T->w_N, i, T->v),
+               nsdae_event_position_size(p->setting), nsdae_event_velocity_size(p->setting));
+  else if (root->kind == NSDAE_ROOT_NORMAL || root->kind == NSDAE_ROOT_SIGN ||
+           mode == NSDAE_MODE_STICK)
+    start_root(root, t, value, 0, force_size(p->setting, y), 0);
+  else
+    start_sliding(p, root, t, value, a);
+}
+
+int nsdae_event_set_roots(nsdae_event_roots *r, double t, const double *y, const double *a)
+{
+  nsdae_event_setting *s = r->phase->setting;
+  nsdae_event_move(s, t, y);
+  int status = nsdae_terms_need(s->here, NSDAE_TERM_FORCE | NSDAE_TERM_GAP | NSDAE_TERM_NORMAL |
+                                             NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS |
+                                             NSDAE_TERM_SLIDE | NSDAE_TERM_ACCELERATION);
+  for (int e = 0; e < r->count && status == NSDAE_OK; e++) start(r->phase, &r->entry[e], t, y, a);
+  return status;
+}
+
+/* How far an undecided one is from zero: the normal force, or the speed of sliding. */
+static double undecided_value(const nsdae_event_phase *p, const double *y,
+                              const nsdae_event_root *root)
+{
+  const nsdae_terms *T = p->setting->here;
+  if (root->kind == NSDAE_ROOT_NORMAL) return y[p->setting->at.normal + root->index];
+  if (root->kind == NSDAE_ROOT_TANGENT) return speed_of(T, root->index);
+  return fabs(nsdae_terms_rate(T, T->W_S, T->w_S, root->index, T->v));
+}
+
+/* A masked function after a step: 1 where it asks for an instant. */
+static int watch(const nsdae_event_phase *p, const double *y, nsdae_event_root *root)
+{
+  if (undecided(p, root)) return undecided_value(p, y, root) > root->size;
+  double value = value_of(p, p->setting->here, y, root);
+  if (value > root->size) root->state = NSDAE_ROOT_LIVE;
+  return value < -root->size;
+}
+
+/* With two directions of friction a contact goes on in that of its velocity, while it has one. */
+static int follow_directions(nsdae_event_phase *p, double t, const double *y)
+{
+  nsdae_terms *T = p->setting->here;
+  int any = 0, k = T->system->dims.k;
+  for (int i = 0; i < k; i++) any |= T->system->dims.nt == 2 && contact_rubs(p, i);
+  if (!any) return NSDAE_OK;
+  nsdae_event_move(p->setting, t, y);
+  int status = nsdae_terms_need(T, NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS);
+  for (int i = 0; i < k && status == NSDAE_OK; i++) {
+    if (!contact_rubs(p, i) || !(along_direction(p, T, i, T->w_T, T->v) > p->modes.slow)) continue;
+    for (int j = 2 * i; j < 2 * i + 2; j++)
+      p->modes.direction[j] = nsdae_terms_rate(T, T->W_T, T->w_T, j, T->v);
+    double *d = p->modes.direction + 2 * i, speed = hypot(d[0], d[1]);
+    for (int l = 0; l < 2; l++) d[l] /= speed;
+  }
+  return status;
+}
+
+/* Contact i is closed by others alone: where they do no longer, its gap leaves zero. */
+static int is_held(const nsdae_event_phase *p, int i)
+{
+  return p->modes.contact[i] != NSDAE_MODE_OPEN && p->modes.related[i];
+}
+
+int nsdae_event_watch_roots(nsdae_event_roots *r, double t, const double *y)
+{
+  nsdae_event_phase *p = r->phase;
+  int any = 0, count = 0, status = follow_directions(p, t, y);
+  for (int e = 0; e < r->count; e++) {
+    nsdae_event_root *root = &r->entry[e];
+    root->found = 0;
+    any |= root->state == NSDAE_ROOT_MASKED ||
+           (root->kind == NSDAE_ROOT_NORMAL && is_held(p, root->index));
+  }
+  if (status < 0 || !any) return status;
+  status = evaluate(r, t, y);
+  for (int e = 0; e < r->count && status == NSDAE_OK; e++) {
+    nsdae_event_root *root = &r->entry[e];
+    if (root->state == NSDAE_ROOT_MASKED) root->found = watch(p, r->at, root);
+    if (root->kind == NSDAE_ROOT_NORMAL && is_held(p, root->index) && !root->found)
+      root->found =
+          fabs(p->setting->here->gap[root->index]) > nsdae_event_position_size(p->setting);
+    count += root->found;
+  }
+  return status < 0 ? status : count;
+}

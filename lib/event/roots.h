@@ -1,0 +1,71 @@
+/* The functions whose falls through zero end a phase, each above zero while its mode holds:
+ *
+ *   normal     open: g_N, the gap closes;  closed: F_N, the contact lets go
+ *   tangent    sliding: d . v_T, it stops; with two directions d is that after the last step
+ *              sticking: mu F_N - |F_T|, friction is used up
+ *   sign       of a slide: s lambda, lambda changes sign
+ *   slip       of a slide: as tangent, with v_S and mu |lambda| - |F_S|
+ *
+ * One that is zero at the start of a phase would be found there again and again. With a known rate
+ * r > 0 it is divided by t - t_0, which makes it r at t_0 and leaves its further zeros where they
+ * are (what rounding left at t_0 is taken off); without, it is lifted by what counts as zero
+ * until it has left zero. */
+#ifndef NSDAE_EVENT_ROOTS_H
+#define NSDAE_EVENT_ROOTS_H
+
+#include "phase.h"
+
+typedef enum nsdae_root_kind {
+  NSDAE_ROOT_NORMAL, /* of contact `index` */
+  NSDAE_ROOT_TANGENT,
+  NSDAE_ROOT_SIGN, /* of slide `index` */
+  NSDAE_ROOT_SLIP
+} nsdae_root_kind;
+
+typedef enum nsdae_root_state {
+  NSDAE_ROOT_OFF,    /* has nothing to say in this phase */
+  NSDAE_ROOT_LIVE,   /* above zero */
+  NSDAE_ROOT_RISING, /* zero at `since` with a known rate: divided by t - since it is above */
+  NSDAE_ROOT_MASKED  /* zero to rounding: lifted above until it has left zero */
+} nsdae_root_state;
+
+typedef struct nsdae_event_root {
+  nsdae_root_kind kind;
+  int index;
+  nsdae_root_state state;
+  int found;                 /* an instant is here for it */
+  double since, start, rate; /* of one that is rising: when, from what rounding left, how fast */
+  double size;               /* what counts as zero */
+} nsdae_event_root;
+
+typedef struct nsdae_event_roots {
+  nsdae_event_phase *phase;
+  int count;
+  nsdae_event_root *entry; /* count: kind by kind */
+  double *at;              /* n: y with the forces of its q and v */
+} nsdae_event_roots;
+
+int nsdae_event_roots_count(const nsdae_dims *dims);
+void nsdae_event_roots_layout(nsdae_event_roots *roots, nsdae_arena *arena);
+/* Kind and index of every entry: once. */
+void nsdae_event_roots_name(nsdae_event_roots *roots);
+
+static inline nsdae_event_root *nsdae_event_root_of(const nsdae_event_roots *roots,
+                                                    nsdae_root_kind kind, int index)
+{
+  const nsdae_dims *d = &roots->phase->setting->system->dims;
+  int first[] = {0, d->k, 2 * d->k, 2 * d->k + d->f};
+  return roots->entry + first[kind] + index;
+}
+
+/* g [count] at y [n]; 0, or -1 where it could not be evaluated. */
+int nsdae_event_root_values(nsdae_event_roots *roots, double t, const double *y, double *g);
+
+/* The states for the phase that starts now at y, with the accelerations a [nv]. */
+int nsdae_event_set_roots(nsdae_event_roots *roots, double t, const double *y, const double *a);
+
+/* After a step to t, y: turns the directions of sliding, makes those live that left zero, and marks
+ * as found what fell below it or asks for an instant. Returns how many, or a status. */
+int nsdae_event_watch_roots(nsdae_event_roots *roots, double t, const double *y);
+
+#endif

@@ -1,0 +1,71 @@
+#include "setting.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "errors.h"
+#include "system_impl.h"
+
+void nsdae_event_set_places(nsdae_event_setting *s)
+{
+  const nsdae_dims *d = &s->system->dims;
+  s->at.v = d->nq;
+  s->at.lambda = s->at.v + d->nv;
+  s->at.normal = s->at.lambda + d->m;
+  s->at.tangential = s->at.normal + d->k;
+  s->at.slide = s->at.tangential + d->k * d->nt;
+  s->at.n = s->at.slide + d->f;
+}
+
+void nsdae_event_move(nsdae_event_setting *s, double t, const double *y)
+{
+  nsdae_terms_at(s->here, t, y, y + s->at.v);
+}
+
+int nsdae_event_factor(nsdae_event_setting *s)
+{
+  int least_norm = s->options->redundant == NSDAE_REDUNDANT_LEAST_NORM;
+  int status = nsdae_terms_factor(s->here, s->here->M, s->kkt, least_norm);
+  nsdae_count_rank(&s->result->counters, s->kkt->rank);
+  return status;
+}
+
+int nsdae_event_kinematics(nsdae_event_setting *s, const double *v, double *qdot)
+{
+  int code = nsdae_kinematics(s->system, s->here->t, s->here->q, v, qdot);
+  int status = nsdae_system_callback_status(code, "kinematics", s->here->t, s->error);
+  if (status < 0) return status;
+  return nsdae_system_finite(qdot, s->system->dims.nq, 1, "kinematics", s->here->t, s->error);
+}
+
+int nsdae_event_solve(nsdae_event_setting *s, nsdae_contacts *c, const nsdae_terms *terms,
+                      double *size, double *v, double *lambda)
+{
+  if (!nsdae_contacts_any(c)) return NSDAE_OK;
+  nsdae_result *r = s->result;
+  r->problem = c;
+  int status = nsdae_contacts_solve(c, terms, s->kkt, size, v, lambda);
+  r->counters.lcps++;
+  r->counters.lcp_pivots += c->lcp.info.pivots;
+  r->worst_residual = fmax(r->worst_residual, c->lcp.info.residual);
+  return status;
+}
+
+double nsdae_event_largest(int n, const double *a)
+{
+  double most = 0;
+  for (int i = 0; i < n; i++) most = fmax(most, fabs(a[i]));
+  return most;
+}
+
+double nsdae_event_position_size(const nsdae_event_setting *s)
+{
+  double most = nsdae_event_largest(s->system->dims.nq, s->here->q);
+  return 10 * (s->options->rtol * most + s->options->atol);
+}
+
+double nsdae_event_velocity_size(const nsdae_event_setting *s)
+{
+  double most = nsdae_event_largest(s->system->dims.nv, s->here->v);
+  return fmax(s->options->impact_velocity, 10 * (s->options->rtol * most + s->options->atol));
+}

@@ -1,0 +1,67 @@
+/* What every part of the event-driven method stands on: the system, the point in work and the
+ * places of the unknowns. The parts, each of which sees only those before it:
+ *
+ *   setting        this
+ *   phase          the equations between two instants, for the modes that hold there
+ *   roots          the functions whose zeros end a phase
+ *   integrator     a phase from its start on, by SUNDIALS IDA
+ *   account        what the forces do in a phase: impulses and work
+ *   acceleration   the problem of accelerations, cone its friction, sharing its dependent rows
+ *   choice         the modes of the next phase, from that problem
+ *   projection     back to the constraints and to what is closed
+ *   accumulation   impacts without end that come to rest;   impact   the problem of velocities
+ *   instant        all of these in their order
+ *   event          from instant to instant: the method */
+#ifndef NSDAE_EVENT_SETTING_H
+#define NSDAE_EVENT_SETTING_H
+
+#include "stepper.h"
+
+/* Where the unknowns of a phase are in y = [q, v, lambda, F_N, F_T, F_S]; n: its length. */
+typedef struct nsdae_event_places {
+  int v, lambda, normal, tangential, slide, n;
+} nsdae_event_places;
+
+typedef struct nsdae_event_setting {
+  const nsdae_system *system;
+  const nsdae_sim_options *options;
+  nsdae_error *error;
+  nsdae_terms *here; /* at the point in work */
+  nsdae_kkt *kkt;    /* of M and Phi_q where they were last factored */
+  nsdae_event_places at;
+  nsdae_result *result; /* of the step in work */
+} nsdae_event_setting;
+
+/* Fills `at`; the system is set before. */
+void nsdae_event_set_places(nsdae_event_setting *setting);
+
+/* y [n] as the point in work, all terms out of date. */
+void nsdae_event_move(nsdae_event_setting *setting, double t, const double *y);
+
+/* Factors M and Phi_q of the point, and keeps what rank was met. */
+int nsdae_event_factor(nsdae_event_setting *setting);
+
+/* dq/dt = H v, a callback's failure as a status. */
+int nsdae_event_kinematics(nsdae_event_setting *setting, const double *v, double *qdot);
+
+/* Solves the problem whose contacts are closed with the terms' W and w, and counts it; the
+ * arguments are those of nsdae_contacts_solve. */
+int nsdae_event_solve(nsdae_event_setting *setting, nsdae_contacts *contacts,
+                      const nsdae_terms *terms, double *size, double *v, double *lambda);
+
+/* What counts as zero for positions and for velocities at the point: the integrator's accuracy. */
+double nsdae_event_position_size(const nsdae_event_setting *setting);
+double nsdae_event_velocity_size(const nsdae_event_setting *setting);
+
+/* max |a_i| */
+double nsdae_event_largest(int n, const double *a);
+
+/* Everything that an instant asks of its point. */
+enum {
+  NSDAE_EVENT_TERMS = NSDAE_TERM_MASS | NSDAE_TERM_FORCE | NSDAE_TERM_PHI | NSDAE_TERM_JACOBIAN |
+                      NSDAE_TERM_PHI_T | NSDAE_TERM_OMEGA | NSDAE_TERM_GAP | NSDAE_TERM_NORMAL |
+                      NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS | NSDAE_TERM_SLIDE |
+                      NSDAE_TERM_ACCELERATION
+};
+
+#endif

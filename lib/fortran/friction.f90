@@ -1,0 +1,210 @@
+! nsdae/friction.h: frictional contact problems, in the global form M v = f + H r, u = H^T v + w + C r
+! or the local form u = W r + q + C r, with Coulomb's cone for each contact.
+module nsdae_f_friction
+  use, intrinsic :: iso_c_binding
+  use nsdae_f_status
+  use nsdae_f_text
+  implicit none
+  private
+
+  integer(c_int), parameter, public :: &
+      NSDAE_FRICTION_GLOBAL = 0, &
+      NSDAE_FRICTION_LOCAL = 1
+
+  ! Stages of the chain; options%stages is a sum of these.
+  integer(c_int), parameter, public :: &
+      NSDAE_FRICTION_NONE = 0, &
+      NSDAE_FRICTION_TRIVIAL = 1, &
+      NSDAE_FRICTION_WARM = 2, &
+      NSDAE_FRICTION_GAUSS_SEIDEL = 4, &
+      NSDAE_FRICTION_ALL = 7
+
+  ! A problem: the arrays of the C struct, as pointers to arrays of the caller that have the target
+  ! attribute. rows, compliance and, in the local form, size, M and f may be left null. first and
+  ! block count from 0, as in C.
+  type, public :: nsdae_friction_problem
+    integer(c_int) :: form = NSDAE_FRICTION_GLOBAL
+    integer(c_int) :: contacts = 0, bilateral = 0, blocks = 0
+    integer(c_int), pointer, contiguous :: rows(:) => null(), size(:) => null()
+    integer(c_int), pointer, contiguous :: first(:) => null(), block(:) => null()
+    real(c_double), pointer, contiguous :: mu(:) => null(), w(:) => null(), compliance(:) => null()
+    real(c_double), pointer, contiguous :: M(:) => null(), f(:) => null(), value(:) => null()
+  end type
+
+  ! Fill with nsdae_friction_options_default first.
+  type, bind(C), public :: nsdae_friction_options
+    real(c_double) :: tol             ! bound on the residual of a solution
+    integer(c_int) :: stages
+    integer(c_int) :: max_sweeps      ! 0: as many as the chain sees fit
+    integer(c_int) :: max_iterations  ! 0: as many as the chain sees fit
+  end type
+
+  type, bind(C), public :: nsdae_friction_info
+    integer(c_int) :: outcome
+    integer(c_int) :: stage           ! the last that an island took
+    integer(c_int) :: proof
+    integer(c_int) :: islands
+    integer(c_long) :: sweeps
+    integer(c_int) :: iterations
+    integer(c_int) :: factorisations
+    real(c_double) :: residual        ! of the r handed over
+  end type
+
+  ! Keeps its memory from one problem to the next.
+  type, bind(C), public :: nsdae_friction_solver
+    private
+    type(c_ptr) :: handle = c_null_ptr
+  end type
+
+  ! The struct of the C header.
+  type, bind(C), public :: nsdae_c_friction_problem
+    integer(c_int) :: form, contacts, bilateral
+    type(c_ptr) :: rows, mu, w, compliance
+    integer(c_int) :: blocks
+    type(c_ptr) :: size, M, f, first, block, value
+  end type
+
+  public :: nsdae_friction_options_default, nsdae_friction_stage_name, &
+            nsdae_friction_check, nsdae_friction_solve, &
+            nsdae_friction_residual, nsdae_friction_create, nsdae_friction_solver_solve, &
+            nsdae_friction_destroy
+
+  interface
+    subroutine nsdae_friction_options_default(options) bind(C)
+      import
+      type(nsdae_friction_options), intent(out) :: options
+    end subroutine
+
+    ! NSDAE_OK or NSDAE_E_MEMORY.
+    integer(c_int) function nsdae_friction_create(solver) bind(C)
+      import
+      type(nsdae_friction_solver), intent(out) :: solver
+    end function
+
+    subroutine nsdae_friction_destroy(solver) bind(C)
+      import
+      type(nsdae_friction_solver), intent(inout) :: solver
+    end subroutine
+
+    type(c_ptr) function c_stage_name(stage) bind(C, name='nsdae_friction_stage_name')
+      import
+      integer(c_int), value :: stage
+    end function
+    integer(c_int) function c_check(problem, error) bind(C, name='nsdae_friction_check')
+      import
+      type(nsdae_c_friction_problem), intent(in) :: problem
+      type(nsdae_c_error), intent(inout) :: error
+    end function
+    integer(c_int) function c_solve(problem, options, r, u, info) bind(C, name='nsdae_friction_solve')
+      import
+      type(nsdae_c_friction_problem), intent(in) :: problem
+      type(nsdae_friction_options), intent(in), optional :: options
+      real(c_double), intent(inout) :: r(*), u(*)
+      type(nsdae_friction_info), intent(out), optional :: info
+    end function
+    integer(c_int) function c_solver_solve(handle, problem, options, r, u, info) &
+        bind(C, name='nsdae_friction_solver_solve')
+      import
+      type(c_ptr), value :: handle
+      type(nsdae_c_friction_problem), intent(in) :: problem
+      type(nsdae_friction_options), intent(in), optional :: options
+      real(c_double), intent(inout) :: r(*), u(*)
+      type(nsdae_friction_info), intent(out), optional :: info
+    end function
+    integer(c_int) function c_residual(problem, r, u, residual) &
+        bind(C, name='nsdae_friction_residual')
+      import
+      type(nsdae_c_friction_problem), intent(in) :: problem
+      real(c_double), intent(in) :: r(*)
+      real(c_double), intent(inout) :: u(*)
+      real(c_double), intent(out) :: residual
+    end function
+  end interface
+
+contains
+
+  function nsdae_friction_stage_name(stage) result(text)
+    integer(c_int), intent(in) :: stage
+    character(len=:), allocatable :: text
+    text = from_c(c_stage_name(stage))
+  end function
+
+  ! Whether the problem is one: NSDAE_OK, or NSDAE_E_ARGUMENT, NSDAE_E_NONFINITE, NSDAE_E_MASS,
+  ! NSDAE_E_MEMORY with the argument, its value and its bound in error.
+  integer(c_int) function nsdae_friction_check(problem, error) result(status)
+    type(nsdae_friction_problem), intent(in) :: problem
+    type(nsdae_error), intent(out), optional :: error
+    type(nsdae_c_error) :: why
+    status = c_check(to_c(problem), why)
+    call error_from_c(why, error)
+  end function
+
+  ! r and u have an entry for each row. r: in, a guess; out, the solution or the best point; u: out,
+  ! its velocities. NSDAE_OK solved; NSDAE_E_INFEASIBLE proved without solution; NSDAE_E_LCP no
+  ! solution found; else as nsdae_friction_check, or NSDAE_E_ARGUMENT (r or u too short).
+  integer(c_int) function nsdae_friction_solve(problem, r, u, options, info) result(status)
+    type(nsdae_friction_problem), intent(in) :: problem
+    real(c_double), intent(inout), contiguous :: r(:), u(:)
+    type(nsdae_friction_options), intent(in), optional :: options
+    type(nsdae_friction_info), intent(out), optional :: info
+    status = NSDAE_E_ARGUMENT
+    if (.not. fits(problem, r, u)) return
+    status = c_solve(to_c(problem), options, r, u, info)
+  end function
+
+  ! The same with the memory of a solver.
+  integer(c_int) function nsdae_friction_solver_solve(solver, problem, r, u, options, info) &
+      result(status)
+    type(nsdae_friction_solver), intent(in) :: solver
+    type(nsdae_friction_problem), intent(in) :: problem
+    real(c_double), intent(inout), contiguous :: r(:), u(:)
+    type(nsdae_friction_options), intent(in), optional :: options
+    type(nsdae_friction_info), intent(out), optional :: info
+    status = NSDAE_E_ARGUMENT
+    if (.not. fits(problem, r, u)) return
+    status = c_solver_solve(solver%handle, to_c(problem), options, r, u, info)
+  end function
+
+  ! Residual of r, and its velocities u.
+  integer(c_int) function nsdae_friction_residual(problem, r, u, residual) result(status)
+    type(nsdae_friction_problem), intent(in) :: problem
+    real(c_double), intent(in), contiguous :: r(:)
+    real(c_double), intent(inout), contiguous :: u(:)
+    real(c_double), intent(out) :: residual
+    residual = 0
+    status = NSDAE_E_ARGUMENT
+    if (.not. fits(problem, r, u)) return
+    status = c_residual(to_c(problem), r, u, residual)
+  end function
+
+  pure logical function fits(problem, r, u)
+    type(nsdae_friction_problem), intent(in) :: problem
+    real(c_double), intent(in) :: r(:), u(:)
+    integer :: m
+    m = 3 * problem%contacts
+    if (associated(problem%rows)) m = sum(problem%rows(:problem%contacts))
+    m = m + problem%bilateral
+    fits = size(r) >= m .and. size(u) >= m
+  end function
+
+  type(nsdae_c_friction_problem) function to_c(p) result(c)
+    type(nsdae_friction_problem), intent(in) :: p
+    c = nsdae_c_friction_problem(p%form, p%contacts, p%bilateral, integers(p%rows), reals(p%mu), &
+                                 reals(p%w), reals(p%compliance), p%blocks, integers(p%size), &
+                                 reals(p%M), reals(p%f), integers(p%first), integers(p%block), &
+                                 reals(p%value))
+  end function
+
+  type(c_ptr) function reals(array)
+    real(c_double), pointer, contiguous, intent(in) :: array(:)
+    reals = c_null_ptr
+    if (associated(array)) reals = c_loc(array)
+  end function
+
+  type(c_ptr) function integers(array)
+    integer(c_int), pointer, contiguous, intent(in) :: array(:)
+    integers = c_null_ptr
+    if (associated(array)) integers = c_loc(array)
+  end function
+
+end module

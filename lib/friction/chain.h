@@ -1,0 +1,22 @@
+/* The chain on one island: one stage after the other until the residual is below the tolerance. */
+#ifndef NSDAE_FRICTION_CHAIN_H
+#define NSDAE_FRICTION_CHAIN_H
+
+#include "island.h"
+
+typedef struct nsdae_fc_chain {
+  nsdae_fc fc;
+  const nsdae_friction_options *options;
+  nsdae_friction_info info; /* of this island */
+  double tol;
+  double *best; /* 3 n: the point of least residual so far */
+  double *slip; /* n: see nsdae_fc_solve_contact */
+} nsdae_fc_chain;
+
+/* Takes the arrays of the chain and its island. */
+void nsdae_fc_chain_layout(void *chain, nsdae_arena *arena);
+
+/* Solves the island from chain->fc.r; the answer is in chain->best and chain->info. */
+void nsdae_fc_chain_run(nsdae_fc_chain *chain);
+
+#endif

@@ -1,0 +1,62 @@
+/* One island, packed for the methods: every item in three rows (those it does not have are zero),
+ * the tangential frame turned so that its part of the diagonal block is diagonal, all scaled by the
+ * data. With d the mean diagonal of an item, D the largest one of the problem and s = max |q|,
+ *
+ *   r = s / sqrt(d D) r',   u = s sqrt(d / D) u',   y = s / sqrt(D) y'
+ *
+ * so that the diagonal of W' is one in the mean, and the residual of the public header is
+ * sqrt(d / D) times the natural map of r', u' (K is a cone): weight. Turning changes no length of
+ * r_T but its entries. */
+#ifndef NSDAE_FRICTION_ISLAND_H
+#define NSDAE_FRICTION_ISLAND_H
+
+#include "whole.h"
+
+typedef struct nsdae_fc {
+  const nsdae_fc_whole *whole;
+  int label, start;           /* its number in the whole; where its items begin in member */
+  int n, blocks, ny, entries; /* items, blocks of y, entries of y, parts of J */
+  int local;                  /* y is r and J is W */
+  int compliant;
+  size_t values;
+  int *item;      /* n: its number in the whole */
+  int *kind;      /* n: enum nsdae_fc_kind */
+  double *mu;     /* n */
+  double *weight; /* n */
+  double *factor; /* n: s / sqrt(d D) */
+  double *turn;   /* 2 n: cosine and sine of the frame */
+  double *q;      /* 3 n */
+  double *C;      /* 3 n: compliance */
+  double *D;      /* 9 n: diagonal blocks of W + C, symmetric, D[5] = D[7] = 0 */
+  int *first;     /* n + 1 */
+  int *block;     /* entries */
+  size_t *at;     /* entries + 1 */
+  double *J;      /* parts, size x 3 column-major */
+  int *size;      /* blocks */
+  int *offset;    /* blocks + 1: of y */
+  double *r, *u;  /* 3 n */
+  double *y;      /* ny; of the local form r itself */
+} nsdae_fc;
+
+/* Takes the arrays of the island fc->label of fc->whole. */
+void nsdae_fc_layout(void *fc, nsdae_arena *arena);
+
+/* Fills them, and r from that of the whole. */
+void nsdae_fc_fill(nsdae_fc *fc, const double *r);
+
+/* r of the island into that of the whole. */
+void nsdae_fc_scatter(const nsdae_fc *fc, const double *from, double *r);
+
+/* y and u of the point r [3 n]; y may be fc->y (in the local form it is not touched). */
+void nsdae_fc_velocities(const nsdae_fc *fc, const double *r, double *y, double *u);
+
+/* Largest entry of the natural map, weighted: the residual of the public header. */
+double nsdae_fc_residual(const nsdae_fc *fc, const double *r, const double *u);
+
+/* y of item i's part e */
+static inline const double *nsdae_fc_part(const nsdae_fc *fc, int e)
+{
+  return fc->J + fc->at[e];
+}
+
+#endif

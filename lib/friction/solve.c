@@ -1,0 +1,187 @@
+/* The solver as it is called: arguments, memory, islands, certificate, names. */
+#include <math.h>
+#include <nsdae/friction.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "chain.h"
+
+struct nsdae_friction_solver {
+  nsdae_arena whole_memory, island_memory;
+  nsdae_fc_whole whole;
+  nsdae_fc_chain chain;
+};
+
+void nsdae_friction_options_default(nsdae_friction_options *options)
+{
+  if (options) *options = (nsdae_friction_options){.tol = 1e-10, .stages = NSDAE_FRICTION_ALL};
+}
+
+const char *nsdae_friction_stage_name(int stage)
+{
+  switch (stage) {
+  case NSDAE_FRICTION_NONE:
+    return "none";
+#define NAME(name, value, word, text) \
+  case value:                         \
+    return word;
+    NSDAE_FRICTION_STAGE_LIST(NAME)
+#undef NAME
+  default:
+    return "unknown";
+  }
+}
+
+int nsdae_friction_create(nsdae_friction_solver **solver)
+{
+  if (!solver) return NSDAE_E_ARGUMENT;
+  *solver = calloc(1, sizeof **solver);
+  return *solver ? NSDAE_OK : NSDAE_E_MEMORY;
+}
+
+void nsdae_friction_destroy(nsdae_friction_solver **solver)
+{
+  if (!solver || !*solver) return;
+  nsdae_arena_release(&(*solver)->whole_memory);
+  nsdae_arena_release(&(*solver)->island_memory);
+  free(*solver);
+  *solver = NULL;
+}
+
+static int in_range(const nsdae_friction_options *o)
+{
+  return o->tol > 0 && o->tol <= 1 && o->stages >= 0 && o->stages <= NSDAE_FRICTION_ALL &&
+         o->max_sweeps >= 0 && o->max_iterations >= 0;
+}
+
+/* The problem checked and without its masses. */
+static int prepare(nsdae_friction_solver *s, const nsdae_friction_problem *p, nsdae_error *error)
+{
+  int status = nsdae_fc_problem_check(p, error);
+  if (status != NSDAE_OK) return status;
+  s->whole = (nsdae_fc_whole){.view.p = p};
+  if (nsdae_arena_fit(&s->whole_memory, nsdae_fc_whole_layout, &s->whole) != NSDAE_OK)
+    return nsdae_fc_refuse(error, NSDAE_E_MEMORY, "problem", -1, "out of memory");
+  return nsdae_fc_whole_fill(&s->whole, error);
+}
+
+/* What is to be said of the whole: the last stage that an island took, the sum of the work. */
+static void merge(nsdae_friction_info *whole, const nsdae_friction_info *one)
+{
+  whole->islands++;
+  whole->sweeps += one->sweeps;
+  whole->iterations += one->iterations;
+  whole->factorisations += one->factorisations;
+  if (one->stage > whole->stage) whole->stage = one->stage;
+}
+
+static int lay_out(nsdae_friction_solver *s, int island)
+{
+  s->chain = (nsdae_fc_chain){.fc = {.whole = &s->whole, .label = island}};
+  return nsdae_arena_fit(&s->island_memory, nsdae_fc_chain_layout, &s->chain);
+}
+
+/* Memory for each island, before anything of the caller's is changed. */
+static int reserve(nsdae_friction_solver *s)
+{
+  for (int island = 0; island < s->whole.islands; island++)
+    if (lay_out(s, island) != NSDAE_OK) return NSDAE_E_MEMORY;
+  return NSDAE_OK;
+}
+
+/* Items that nothing moves get r = 0, all others the answer of their island. */
+static void solve_islands(nsdae_friction_solver *s, const nsdae_friction_options *options,
+                          double *r, nsdae_friction_info *info)
+{
+  const nsdae_fc_whole *w = &s->whole;
+  nsdae_fc_chain *c = &s->chain;
+  for (int i = 0; i < w->view.items; i++)
+    for (int k = w->view.row[i]; k < w->view.row[i + 1] && w->label[i] < 0; k++) r[k] = 0;
+  for (int island = 0; island < w->islands; island++) {
+    lay_out(s, island);
+    c->options = options;
+    c->tol = 0.5 * options->tol; /* the certificate rounds otherwise */
+    nsdae_fc_fill(&c->fc, r);
+    nsdae_fc_chain_run(c);
+    nsdae_fc_scatter(&c->fc, c->best, r);
+    merge(info, &c->info);
+  }
+}
+
+/* The certificate, of r as it is handed over. */
+static int certify(const nsdae_fc_whole *w, double tol, const double *r, double *u,
+                   nsdae_friction_info *info)
+{
+  info->residual = nsdae_fc_whole_residual(w, r, u);
+  if (info->residual != info->residual) info->residual = INFINITY;
+  info->outcome = info->residual <= tol ? NSDAE_OUTCOME_SOLVED : NSDAE_OUTCOME_UNSOLVED;
+  if (info->outcome == NSDAE_OUTCOME_SOLVED && info->stage == NSDAE_FRICTION_NONE)
+    info->stage = NSDAE_FRICTION_TRIVIAL;
+  return info->outcome == NSDAE_OUTCOME_SOLVED ? NSDAE_OK : NSDAE_E_LCP;
+}
+
+static void drop_nonfinite(int m, double *r)
+{
+  for (int k = 0; k < m; k++)
+    if (!isfinite(r[k])) r[k] = 0;
+}
+
+int nsdae_friction_solver_solve(nsdae_friction_solver *solver,
+                                const nsdae_friction_problem *problem,
+                                const nsdae_friction_options *options, double *r, double *u,
+                                nsdae_friction_info *info)
+{
+  nsdae_friction_options defaults;
+  nsdae_friction_info own;
+  nsdae_friction_options_default(&defaults);
+  if (!options) options = &defaults;
+  if (!info) info = &own;
+  *info = (nsdae_friction_info){.residual = INFINITY};
+  if (!solver || !in_range(options)) return NSDAE_E_ARGUMENT;
+  int status = prepare(solver, problem, NULL);
+  if (status != NSDAE_OK) return status;
+  if (solver->whole.view.m > 0 && (!r || !u)) return NSDAE_E_ARGUMENT;
+  if (reserve(solver) != NSDAE_OK) return NSDAE_E_MEMORY;
+  drop_nonfinite(solver->whole.view.m, r);
+  solve_islands(solver, options, r, info);
+  return certify(&solver->whole, options->tol, r, u, info);
+}
+
+int nsdae_friction_solve(const nsdae_friction_problem *problem,
+                         const nsdae_friction_options *options, double *r, double *u,
+                         nsdae_friction_info *info)
+{
+  nsdae_friction_solver *solver;
+  if (info) *info = (nsdae_friction_info){.residual = INFINITY};
+  int status = nsdae_friction_create(&solver);
+  if (status != NSDAE_OK) return status;
+  status = nsdae_friction_solver_solve(solver, problem, options, r, u, info);
+  nsdae_friction_destroy(&solver);
+  return status;
+}
+
+int nsdae_friction_check(const nsdae_friction_problem *problem, nsdae_error *error)
+{
+  nsdae_friction_solver s = {0};
+  int status = prepare(&s, problem, error);
+  nsdae_arena_release(&s.whole_memory);
+  return status;
+}
+
+int nsdae_friction_residual(const nsdae_friction_problem *problem, const double *r, double *u,
+                            double *residual)
+{
+  nsdae_friction_solver s = {0};
+  double *own = NULL;
+  if (!residual) return NSDAE_E_ARGUMENT;
+  int status = prepare(&s, problem, NULL);
+  if (status == NSDAE_OK && s.whole.view.m > 0 && !r) status = NSDAE_E_ARGUMENT;
+  if (status == NSDAE_OK && !u) {
+    own = malloc(((size_t)s.whole.view.m + 1) * sizeof *own);
+    status = own ? NSDAE_OK : NSDAE_E_MEMORY;
+  }
+  if (status == NSDAE_OK) *residual = nsdae_fc_whole_residual(&s.whole, r, u ? u : own);
+  free(own);
+  nsdae_arena_release(&s.whole_memory);
+  return status;
+}

@@ -1,0 +1,325 @@
+#include "whole.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "cone.h"
+#include "dense.h"
+#include "vector.h"
+
+/* What the items of an island share. */
+static int sets(const nsdae_fc_whole *c)
+{
+  return c->view.p->form == NSDAE_FRICTION_GLOBAL ? c->view.p->blocks : c->view.items;
+}
+
+void nsdae_fc_whole_layout(void *object, nsdae_arena *arena)
+{
+  nsdae_fc_whole *c = object;
+  const nsdae_friction_problem *p = c->view.p;
+  nsdae_fc_view_layout(&c->view, arena);
+  long mass = 0, values = 0, nv = 0, m = 0;
+  for (int b = 0; b < p->blocks; b++) {
+    mass += (long)p->size[b] * p->size[b];
+    nv += p->size[b];
+  }
+  for (int i = 0; i < c->view.items; i++) {
+    m += nsdae_fc_rows(p, i);
+    for (int e = p->first[i]; e < p->first[i + 1] && p->form == NSDAE_FRICTION_GLOBAL; e++)
+      values += (long)nsdae_fc_rows(p, i) * p->size[p->block[e]];
+  }
+  c->L = NSDAE_ARENA_DOUBLES(arena, mass);
+  c->J = NSDAE_ARENA_DOUBLES(arena, values);
+  c->q = NSDAE_ARENA_DOUBLES(arena, m);
+  c->d = NSDAE_ARENA_DOUBLES(arena, c->view.items);
+  c->v = NSDAE_ARENA_DOUBLES(arena, nv);
+  c->label = NSDAE_ARENA_INTS(arena, c->view.items);
+  c->member = NSDAE_ARENA_INTS(arena, c->view.items);
+  c->start = NSDAE_ARENA_INTS(arena, c->view.items + 1L);
+  c->number = NSDAE_ARENA_INTS(arena, sets(c));
+  c->parent = NSDAE_ARENA_INTS(arena, sets(c));
+}
+
+/* |M_ij - M_ji| <= 1e-10 sqrt(M_ii M_jj) */
+static int is_symmetric(int n, const double *M)
+{
+  size_t lda = (size_t)n;
+  for (size_t j = 0; j < lda; j++)
+    for (size_t i = 0; i < j; i++)
+      if (!(fabs(M[j * lda + i] - M[i * lda + j]) <=
+            1e-10 * sqrt(fabs(M[j * lda + j])) * sqrt(fabs(M[i * lda + i]))))
+        return 0;
+  return 1;
+}
+
+static int factor_masses(nsdae_fc_whole *c, nsdae_error *error)
+{
+  const nsdae_friction_problem *p = c->view.p;
+  char text[120];
+  memcpy(c->L, p->M, c->view.mass_at[p->blocks] * sizeof *c->L);
+  for (int b = 0; b < p->blocks; b++) {
+    double *L = c->L + c->view.mass_at[b];
+    int n = p->size[b], symmetric = is_symmetric(n, L);
+    if (symmetric && nsdae_la_cholesky(n, L, n) == 0) continue;
+    snprintf(text, sizeof text, "block %d of M is not %s", b,
+             symmetric ? "positive definite" : "symmetric to 1e-10 of its diagonal");
+    return nsdae_fc_refuse(error, NSDAE_E_MASS, "M", b, text);
+  }
+  return NSDAE_OK;
+}
+
+/* J = L^-1 H, L^-1 f in v, and q. */
+static void free_velocity(nsdae_fc_whole *c)
+{
+  const nsdae_friction_problem *p = c->view.p;
+  memcpy(c->J, p->value, c->view.at[c->view.entries] * sizeof *c->J);
+  memcpy(c->v, p->f, (size_t)c->view.nv * sizeof *c->v);
+  for (int b = 0; b < p->blocks; b++)
+    nsdae_la_solve_lower(p->size[b], 1, c->L + c->view.mass_at[b], p->size[b],
+                         c->v + c->view.offset[b], p->size[b]);
+  for (int i = 0; i < c->view.items; i++)
+    for (int e = p->first[i]; e < p->first[i + 1]; e++) {
+      int b = p->block[e], n = p->size[b], rows = nsdae_fc_rows(p, i);
+      double *J = c->J + c->view.at[e];
+      nsdae_la_solve_lower(n, rows, c->L + c->view.mass_at[b], n, J, n);
+      nsdae_add_transposed(n, rows, 1, J, c->v + c->view.offset[b], c->q + c->view.row[i]);
+    }
+}
+
+/* Mean of the diagonal of W + C: of the global form the mean square length of the columns of J. */
+static void diagonals(nsdae_fc_whole *c)
+{
+  const nsdae_friction_problem *p = c->view.p;
+  for (int i = 0; i < c->view.items; i++) {
+    int rows = nsdae_fc_rows(p, i);
+    double sum = 0;
+    for (int k = 0; k < rows && p->compliance; k++) sum += p->compliance[c->view.row[i] + k];
+    for (int e = p->first[i]; e < p->first[i + 1]; e++) {
+      const double *J = c->J + c->view.at[e], *W = p->value + c->view.at[e];
+      if (p->form == NSDAE_FRICTION_GLOBAL)
+        sum += nsdae_dot(rows * p->size[p->block[e]], J, J);
+      else if (p->block[e] == i)
+        for (int k = 0; k < rows; k++) sum += W[k * rows + k];
+    }
+    c->d[i] = sum / rows;
+  }
+}
+
+/* The part W_ji of item i that stands in its list, or NULL. */
+static const double *find(const nsdae_fc_view *view, int i, int j)
+{
+  for (int e = view->p->first[i]; e < view->p->first[i + 1]; e++)
+    if (view->p->block[e] == j) return view->p->value + view->at[e];
+  return NULL;
+}
+
+/* |W_jk - W_kj| <= 1e-10 sqrt(d_j d_k), as rounding leaves it; a zero d needs zeros, or W would not
+ * be positive semidefinite. */
+static int check_symmetry(const nsdae_fc_whole *c, nsdae_error *error)
+{
+  const nsdae_friction_problem *p = c->view.p;
+  char text[200];
+  for (int i = 0; i < c->view.items; i++)
+    for (int e = p->first[i]; e < p->first[i + 1]; e++) {
+      int j = p->block[e], ni = nsdae_fc_rows(p, i), nj = nsdae_fc_rows(p, j);
+      const double *W = p->value + c->view.at[e], *T = find(&c->view, j, i);
+      double off = 0, bound = 1e-10 * sqrt(fmax(c->d[i], 0)) * sqrt(fmax(c->d[j], 0));
+      for (int k = 0; k < ni * nj; k++)
+        off = fmax(off, fabs(W[k] - (T ? T[k % nj * ni + k / nj] : 0)));
+      if (off <= bound && c->d[i] >= 0) continue;
+      snprintf(text, sizeof text, "W of items %d and %d: off symmetry by %g, bound %g", i, j, off,
+               bound);
+      return nsdae_fc_refuse(error, NSDAE_E_ARGUMENT, "value", e, text);
+    }
+  return NSDAE_OK;
+}
+
+static int root_of(int *parent, int i)
+{
+  while (parent[i] != i) i = parent[i] = parent[parent[i]];
+  return i;
+}
+
+static int touches(const nsdae_fc_whole *c, int e)
+{
+  const double *value = c->view.p->value + c->view.at[e];
+  size_t n = c->view.at[e + 1] - c->view.at[e];
+  for (size_t k = 0; k < n; k++)
+    if (value[k] != 0) return 1;
+  return 0;
+}
+
+/* Disjoint sets of blocks (local form: of items) that items join (Tarjan and van Leeuwen, J. ACM
+ * 31, 1984). An item with compliance alone touches no block and is an island. */
+static void join_blocks(nsdae_fc_whole *c)
+{
+  const nsdae_friction_problem *p = c->view.p;
+  for (int b = 0; b < sets(c); b++) c->parent[b] = b;
+  for (int i = 0; i < c->view.items; i++) {
+    int mine = p->form == NSDAE_FRICTION_LOCAL ? root_of(c->parent, i) : -1;
+    for (int e = p->first[i]; e < p->first[i + 1]; e++) {
+      if (!touches(c, e)) continue;
+      int other = root_of(c->parent, p->block[e]);
+      if (mine >= 0) c->parent[mine] = other;
+      mine = other;
+    }
+  }
+}
+
+static int set_of(nsdae_fc_whole *c, int i)
+{
+  const nsdae_friction_problem *p = c->view.p;
+  if (p->form == NSDAE_FRICTION_LOCAL) return root_of(c->parent, i);
+  for (int e = p->first[i]; e < p->first[i + 1]; e++)
+    if (touches(c, e)) return root_of(c->parent, p->block[e]);
+  return -1;
+}
+
+/* Labels, in the order of the least items. Of a set that has its label, parent of the root gives
+ * way to -1 - label. */
+static void label_items(nsdae_fc_whole *c)
+{
+  enum { STATIC = -2, ALONE = -1 };
+  c->islands = 0;
+  for (int i = 0; i < c->view.items; i++) c->label[i] = c->d[i] > 0 ? set_of(c, i) : STATIC;
+  for (int i = 0; i < c->view.items; i++) {
+    int set = c->label[i];
+    if (set == STATIC)
+      c->label[i] = -1;
+    else if (set == ALONE || c->parent[set] >= 0) {
+      c->label[i] = c->islands++;
+      if (set >= 0) c->parent[set] = -1 - c->label[i];
+    } else
+      c->label[i] = -1 - c->parent[set];
+  }
+}
+
+/* Items by island (counting sort). */
+static void sort_items(nsdae_fc_whole *c)
+{
+  for (int k = 0; k <= c->islands; k++) c->start[k] = 0;
+  for (int i = 0; i < c->view.items; i++)
+    if (c->label[i] >= 0) c->start[c->label[i] + 1]++;
+  for (int k = 0; k < c->islands; k++) c->start[k + 1] += c->start[k];
+  for (int i = 0; i < c->view.items; i++)
+    if (c->label[i] >= 0) c->member[c->start[c->label[i]]++] = i;
+  for (int k = c->islands; k > 0; k--) c->start[k] = c->start[k - 1];
+  c->start[0] = 0;
+}
+
+/* Blocks in the order in which the items of their island come to them; items as they stand. */
+static void number_blocks(nsdae_fc_whole *c)
+{
+  const nsdae_friction_problem *p = c->view.p;
+  for (int b = 0; b < sets(c); b++) c->number[b] = -1;
+  for (int island = 0; island < c->islands; island++) {
+    int count = 0;
+    for (int k = c->start[island]; k < c->start[island + 1]; k++) {
+      int i = c->member[k];
+      if (p->form == NSDAE_FRICTION_LOCAL) c->number[i] = count++;
+      for (int e = p->first[i]; e < p->first[i + 1] && p->form == NSDAE_FRICTION_GLOBAL; e++)
+        if (touches(c, e) && c->number[p->block[e]] < 0) c->number[p->block[e]] = count++;
+    }
+  }
+}
+
+static int measure(nsdae_fc_whole *c, nsdae_error *error)
+{
+  double s = 0;
+  c->most_d = 0;
+  for (int k = 0; k < c->view.m; k++) {
+    if (!(fabs(c->q[k]) <= DBL_MAX))
+      return nsdae_fc_refuse(error, NSDAE_E_NONFINITE, "q", k, "q = H^T M^-1 f + w overflows");
+    s = fmax(s, fabs(c->q[k]));
+  }
+  for (int i = 0; i < c->view.items; i++) {
+    if (!(fabs(c->d[i]) <= DBL_MAX))
+      return nsdae_fc_refuse(error, NSDAE_E_NONFINITE, "value", i, "the diagonal of W overflows");
+    c->most_d = fmax(c->most_d, c->d[i]);
+  }
+  c->scale = s > 0 ? s : 1;
+  return NSDAE_OK;
+}
+
+int nsdae_fc_whole_fill(nsdae_fc_whole *c, nsdae_error *error)
+{
+  const nsdae_friction_problem *p = c->view.p;
+  int status = NSDAE_OK, local = p->form == NSDAE_FRICTION_LOCAL;
+  nsdae_fc_view_fill(&c->view);
+  if (c->view.m > 0) memcpy(c->q, p->w, (size_t)c->view.m * sizeof *c->q);
+  if (p->blocks > 0) status = factor_masses(c, error);
+  if (status == NSDAE_OK && p->blocks > 0 && c->view.items > 0) free_velocity(c);
+  if (status != NSDAE_OK) return status;
+  diagonals(c);
+  status = measure(c, error);
+  if (status == NSDAE_OK && local) status = check_symmetry(c, error);
+  if (status != NSDAE_OK) return status;
+  join_blocks(c);
+  label_items(c);
+  sort_items(c);
+  number_blocks(c);
+  return NSDAE_OK;
+}
+
+/* v = M^-1 (f + H r) */
+static void velocity(const nsdae_fc_whole *c, const double *r)
+{
+  const nsdae_friction_problem *p = c->view.p;
+  memcpy(c->v, p->f, (size_t)c->view.nv * sizeof *c->v);
+  for (int i = 0; i < c->view.items; i++)
+    for (int e = p->first[i]; e < p->first[i + 1]; e++)
+      nsdae_add_product(p->size[p->block[e]], nsdae_fc_rows(p, i), p->value + c->view.at[e],
+                        r + c->view.row[i], c->v + c->view.offset[p->block[e]]);
+  for (int b = 0; b < p->blocks; b++) {
+    int n = p->size[b];
+    double *v = c->v + c->view.offset[b];
+    nsdae_la_solve_lower(n, 1, c->L + c->view.mass_at[b], n, v, n);
+    nsdae_la_solve_lower_transposed(n, 1, c->L + c->view.mass_at[b], n, v, n);
+  }
+}
+
+static void relative_velocity(const nsdae_fc_whole *c, const double *r, double *u)
+{
+  const nsdae_friction_problem *p = c->view.p;
+  if (c->view.m > 0) memcpy(u, p->w, (size_t)c->view.m * sizeof *u);
+  for (int k = 0; k < c->view.m && p->compliance; k++) u[k] += p->compliance[k] * r[k];
+  if (p->form == NSDAE_FRICTION_GLOBAL && p->blocks > 0) velocity(c, r);
+  for (int i = 0; i < c->view.items; i++)
+    for (int e = p->first[i]; e < p->first[i + 1]; e++) {
+      int b = p->block[e], global = p->form == NSDAE_FRICTION_GLOBAL;
+      int n = global ? p->size[b] : nsdae_fc_rows(p, b);
+      nsdae_add_transposed(n, nsdae_fc_rows(p, i), 1, p->value + c->view.at[e],
+                           global ? c->v + c->view.offset[b] : r + c->view.row[b],
+                           u + c->view.row[i]);
+    }
+}
+
+/* That of one item; frictionless ones have a residual of their one row. */
+static double item_residual(const nsdae_fc_whole *c, int i, const double *r, const double *u)
+{
+  int rows = nsdae_fc_rows(c->view.p, i), kind = NSDAE_FC_CONE;
+  double x[3] = {0}, y[3] = {0};
+  for (int k = 0; k < rows; k++) {
+    x[k] = r[k] * (c->d[i] / c->scale);
+    y[k] = u[k] / c->scale;
+  }
+  if (i >= c->view.p->contacts) kind = NSDAE_FC_BILATERAL;
+  if (kind == NSDAE_FC_CONE && rows == 1) kind = NSDAE_FC_NORMAL;
+  return nsdae_fc_natural(kind, kind == NSDAE_FC_CONE ? c->view.p->mu[i] : 0, x, y);
+}
+
+double nsdae_fc_whole_residual(const nsdae_fc_whole *c, const double *r, double *u)
+{
+  double most = 0;
+  relative_velocity(c, r, u);
+  for (int k = 0; k < c->view.m; k++)
+    if (!(fabs(r[k]) <= DBL_MAX)) return NAN;
+  for (int i = 0; i < c->view.items; i++) {
+    double one = item_residual(c, i, r + c->view.row[i], u + c->view.row[i]);
+    if (!(one <= most)) most = one;
+    if (most != most) return NAN;
+  }
+  return most;
+}

@@ -1,0 +1,37 @@
+/* A problem without its masses: with M = L L^T by blocks, J = L^-1 H and y = L^T v,
+ *
+ *   y = L^-1 f + J r,   u = J^T y + w + C r,   W = J^T J,   q = J^T L^-1 f + w
+ *
+ * The local form has y = r and J = W. */
+#ifndef NSDAE_FRICTION_WHOLE_H
+#define NSDAE_FRICTION_WHOLE_H
+
+#include "problem.h"
+
+typedef struct nsdae_fc_whole {
+  nsdae_fc_view view;
+  double *L;     /* Cholesky factors, in the layout of M */
+  double *J;     /* in the layout of value */
+  double *q;     /* m */
+  double *d;     /* items: mean of the diagonal entries of W + C */
+  double *v;     /* nv: work of the certificate */
+  double scale;  /* max |q|; 1 where that is zero */
+  double most_d; /* max d */
+  int *label;    /* items: the island, from 0; -1 for items that nothing moves (d = 0) */
+  int *member;   /* items: those of island 0 in order, then those of island 1, ... */
+  int *start;    /* items + 1: where those of each island begin in member */
+  int *number;   /* blocks (local form: items): their number in their island; -1: in none */
+  int *parent;   /* the same: disjoint sets */
+  int islands;
+} nsdae_fc_whole;
+
+/* Takes the arrays for the problem in whole->view.p, which has been checked. */
+void nsdae_fc_whole_layout(void *whole, nsdae_arena *arena);
+
+/* Fills them; status as of nsdae_friction_check. */
+int nsdae_fc_whole_fill(nsdae_fc_whole *whole, nsdae_error *error);
+
+/* u [m] of r from the data as given, and the residual of the public header. */
+double nsdae_fc_whole_residual(const nsdae_fc_whole *whole, const double *r, double *u);
+
+#endif

@@ -1,0 +1,26 @@
+/* The interface of a method. */
+#ifndef NSDAE_METHOD_H
+#define NSDAE_METHOD_H
+
+#include "result.h"
+
+struct nsdae_stepper;
+
+typedef struct nsdae_stepping {
+  const char *name, *summary;
+
+  /* What it works with beside the stepper, made once: *own, also where it fails, to be destroyed.
+   * NULL: nothing, and own is the stepper. */
+  int (*create)(struct nsdae_stepper *stepper, void **own);
+  void (*destroy)(void *own);
+
+  /* Sizes of what it keeps between steps, asked before create. The first integers are the contacts'
+   * warm start (nsdae_stepper_sizes), so that implicit can step in. */
+  void (*sizes)(const struct nsdae_stepper *stepper, size_t *reals, size_t *wholes);
+
+  /* From the state to t_end, into the result, which comes cleared and with the state's memory. A
+   * status < 0 drops the result; the error record says why. */
+  int (*advance)(void *own, const nsdae_state *state, double t_end, nsdae_result *result);
+} nsdae_stepping;
+
+#endif

@@ -1,0 +1,47 @@
+/* What a step did: all that its method says, and all that records, certificates, impacts and
+ * counters are made of. */
+#ifndef NSDAE_RESULT_H
+#define NSDAE_RESULT_H
+
+#include "contacts.h"
+#include "state.h"
+
+/* Of one step. */
+typedef struct nsdae_counters {
+  long lcps, lcp_pivots, iterations;
+  long events, accumulations; /* instants; accumulations closed */
+  long fallbacks;             /* 1: by implicit in place of the method */
+  int rank, rank_most;        /* smallest and largest rank of Phi_q; m, 0 where there was none */
+  nsdae_evals evals;
+} nsdae_counters;
+
+typedef struct nsdae_result {
+  nsdae_terms end;         /* t, q, v where the step ended; a step that located its impacts may
+                              end before the time asked for */
+  double *multiplier;      /* m: mean bilateral force */
+  nsdae_impulses impulses; /* by contact and slide */
+  int given_up;            /* not a step of this method's: implicit is to do it instead */
+  int located;             /* the lists below are the method's; else impacts are found from the
+                              impulses, and happen at the end */
+  nsdae_impact *impact;    /* impacts_max */
+  int impacts, impacts_max;
+  nsdae_change *change; /* changes_max: changes of mode */
+  int changes, changes_max;
+  double work;                   /* of contact and friction impulses on the system */
+  double worst_residual;         /* of its complementarity problems */
+  int smooth;                    /* nothing was closed */
+  const nsdae_contacts *problem; /* the one that was asked last, for who wants to see it fail */
+  nsdae_counters counters;
+  nsdae_memory memory; /* for the next step */
+} nsdae_result;
+
+/* Counts a factorisation that found this rank. */
+void nsdae_count_rank(nsdae_counters *counters, int rank);
+
+/* Takes the arrays; system, differences and error of end and the sizes of memory are set before. */
+void nsdae_result_layout(nsdae_result *result, nsdae_arena *arena);
+
+/* A step that did nothing yet; end and memory are not touched. */
+void nsdae_result_clear(nsdae_result *result);
+
+#endif

@@ -1,0 +1,134 @@
+#include "stepper.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "vector.h"
+
+void nsdae_stepper_prepare_terms(nsdae_stepper *s, nsdae_terms *terms)
+{
+  terms->system = s->system;
+  terms->differences = &s->differences;
+  terms->error = s->error;
+}
+
+/* Differences are good to about 1e-10, relative: an iteration does not settle below that. */
+static double settled(const nsdae_system *system, double tol)
+{
+  const nsdae_dims *d = &system->dims;
+  int differs = (d->m > 0 && (!system->constraint_jacobian || !system->constraint_bias)) ||
+                (d->k > 0 && (!system->gap_normal || !system->contact_bias));
+  return differs ? fmax(tol, 1e-9) : tol;
+}
+
+void nsdae_stepper_prepare(nsdae_stepper *s)
+{
+  const nsdae_sim_options *o = s->options;
+  s->iteration_tol = settled(s->system, o->iteration_tol);
+  s->differences.system = s->system;
+  nsdae_stepper_prepare_terms(s, &s->middle);
+  s->kkt.n = s->system->dims.nv;
+  s->kkt.m = s->system->dims.m;
+  s->kkt.rank_tol = o->rank_tol;
+  s->contacts.system = s->system;
+  s->contacts.error = s->error;
+  nsdae_lcp_options_default(&s->contacts.lcp.options);
+  s->contacts.lcp.options.tol = o->lcp_tol;
+  nsdae_contacts_laws(&s->contacts, o->polygon);
+}
+
+void nsdae_stepper_layout(nsdae_stepper *s, nsdae_arena *arena)
+{
+  const nsdae_dims *dims = &s->system->dims;
+  long n = dims->nv;
+  nsdae_differences_layout(&s->differences, arena);
+  nsdae_terms_layout(&s->middle, arena);
+  nsdae_kkt_layout(&s->kkt, arena);
+  nsdae_contacts_layout(&s->contacts, arena);
+  s->M = NSDAE_ARENA_DOUBLES(arena, n * n);
+  s->q = NSDAE_ARENA_DOUBLES(arena, dims->nq);
+  s->v = NSDAE_ARENA_DOUBLES(arena, n);
+  s->r = NSDAE_ARENA_DOUBLES(arena, n);
+  s->F = NSDAE_ARENA_DOUBLES(arena, n);
+  s->v_other = NSDAE_ARENA_DOUBLES(arena, n);
+  s->size = NSDAE_ARENA_DOUBLES(arena, n);
+  s->qdot0 = NSDAE_ARENA_DOUBLES(arena, dims->nq);
+  s->qdot1 = NSDAE_ARENA_DOUBLES(arena, dims->nq);
+  s->impulse = NSDAE_ARENA_DOUBLES(arena, dims->m);
+  s->rate = NSDAE_ARENA_DOUBLES(arena, dims->m);
+}
+
+void nsdae_stepper_count(nsdae_stepper *s, const nsdae_state *state, nsdae_result *result)
+{
+  s->counters = &result->counters;
+  state->terms->evals = s->middle.evals = result->end.evals = &result->counters.evals;
+}
+
+void nsdae_stepper_sizes(const nsdae_stepper *s, size_t *reals, size_t *wholes)
+{
+  *reals = 0;
+  *wholes = nsdae_contacts_memory_size(&s->contacts);
+}
+
+nsdae_step nsdae_step_begin(nsdae_stepper *s, const nsdae_state *state, double t_end,
+                            nsdae_result *result)
+{
+  nsdae_contacts_remember(&s->contacts, result->memory.whole);
+  return (nsdae_step){.tools = s,
+                      .start = state->terms,
+                      .end = &result->end,
+                      .result = result,
+                      .h = t_end - state->terms->t,
+                      .t_end = t_end};
+}
+
+void nsdae_step_end(const nsdae_step *step)
+{
+  const nsdae_stepper *s = step->tools;
+  nsdae_result *result = step->result;
+  for (int i = 0; i < s->system->dims.m; i++) result->multiplier[i] = s->impulse[i] / step->h;
+  result->smooth = !nsdae_contacts_any(&s->contacts);
+  result->work = nsdae_contacts_work(&s->contacts);
+  result->worst_residual = s->contacts.lcp.info.residual;
+}
+
+int nsdae_stepper_factor(nsdae_stepper *s, nsdae_terms *terms, const double *M)
+{
+  int least_norm = s->options->redundant == NSDAE_REDUNDANT_LEAST_NORM;
+  int status = nsdae_terms_factor(terms, M, &s->kkt, least_norm);
+  nsdae_count_rank(s->counters, s->kkt.rank);
+  return status;
+}
+
+int nsdae_stepper_impact(nsdae_stepper *s, nsdae_result *result, const nsdae_terms *terms,
+                         const double *r, double *v)
+{
+  int n = s->system->dims.nv, m = s->system->dims.m;
+  memcpy(v, r, (size_t)n * sizeof *v);
+  for (int i = 0; i < m; i++) s->impulse[i] = -terms->phi_t[i];
+  nsdae_kkt_solve(&s->kkt, 1, v, n, s->impulse, m);
+  if (!nsdae_contacts_any(&s->contacts)) return NSDAE_OK;
+  result->problem = &s->contacts;
+  memcpy(s->size, r, (size_t)n * sizeof *s->size);
+  nsdae_kkt_solve_mass(&s->kkt, s->size);
+  int status = nsdae_contacts_solve(&s->contacts, terms, &s->kkt, s->size, v, s->impulse);
+  result->counters.lcps++;
+  result->counters.lcp_pivots += s->contacts.lcp.info.pivots;
+  return status;
+}
+
+int nsdae_stepper_kinematics(nsdae_stepper *s, double t, const double *q, const double *v,
+                             double *qdot)
+{
+  int code = nsdae_kinematics(s->system, t, q, v, qdot);
+  int status = nsdae_system_callback_status(code, "kinematics", t, s->error);
+  if (status < 0) return status;
+  return nsdae_system_finite(qdot, s->system->dims.nq, 1, "kinematics", t, s->error);
+}
+
+void nsdae_stepper_momentum(const double *M, const double *v, double h, const double *F, int nv,
+                            double *r)
+{
+  for (int i = 0; i < nv; i++) r[i] = h * F[i];
+  nsdae_add_product(nv, nv, M, v, r);
+}

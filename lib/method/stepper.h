@@ -1,0 +1,73 @@
+/* What the methods share to compute with. Nothing in it outlives a step but sizes and settings. */
+#ifndef NSDAE_STEPPER_H
+#define NSDAE_STEPPER_H
+
+#include "kkt.h"
+#include "method.h"
+#include "system_impl.h"
+
+typedef struct nsdae_stepper {
+  const nsdae_system *system;
+  const nsdae_sim_options *options;
+  nsdae_error *error;
+  nsdae_counters *counters; /* of the step in work */
+  double iteration_tol;     /* the option, but above the rounding of derivatives by differences */
+  nsdae_differences differences;
+  nsdae_terms middle;
+  nsdae_kkt kkt;
+  nsdae_contacts contacts;
+  double *M, *F;         /* nv x nv, nv: a mean mass matrix, a mean force */
+  double *q, *v, *r;     /* nq, nv, nv */
+  double *v_other;       /* nv: a velocity in between */
+  double *size;          /* nv: how large the terms of a velocity are */
+  double *qdot0, *qdot1; /* nq */
+  double *impulse;       /* m: Lambda of the bilateral constraints over the step */
+  double *rate;          /* m: rates of the bilateral constraints, then what is not asked for */
+} nsdae_stepper;
+
+/* A step in work, of a method that solves one contact problem for it. */
+typedef struct nsdae_step {
+  nsdae_stepper *tools;
+  nsdae_terms *start, *end; /* of the state and the result */
+  nsdae_result *result;
+  double h, t_end; /* t_end is start.t + h but for rounding */
+} nsdae_step;
+
+/* Sets sizes and settings, again after options or coefficients changed; then takes the arrays.
+ * system, options, error and contacts.law are set before. */
+void nsdae_stepper_prepare(nsdae_stepper *stepper);
+void nsdae_stepper_layout(nsdae_stepper *stepper, nsdae_arena *arena);
+/* The terms of a result belong to the same description. */
+void nsdae_stepper_prepare_terms(nsdae_stepper *stepper, nsdae_terms *terms);
+
+/* Where the evaluations of the step from state into result are counted. */
+void nsdae_stepper_count(nsdae_stepper *stepper, const nsdae_state *state, nsdae_result *result);
+
+/* The memory of a method that keeps the warm start of its contacts alone. */
+void nsdae_stepper_sizes(const nsdae_stepper *stepper, size_t *reals, size_t *wholes);
+
+/* The frame of such a method's advance; the end reads impulse and contacts into the result. */
+nsdae_step nsdae_step_begin(nsdae_stepper *stepper, const nsdae_state *state, double t_end,
+                            nsdae_result *result);
+void nsdae_step_end(const nsdae_step *step);
+
+/* The parts that methods share. */
+
+/* Factors [M Phi_q^T; Phi_q 0] with the given M and Phi_q of the terms; counts the rank. */
+int nsdae_stepper_factor(nsdae_stepper *stepper, nsdae_terms *terms, const double *M);
+
+/* v := the velocity and impulse := the bilateral impulses that momentum r [nv] leads to with the
+ * closed contacts of the terms' point:  M v + Phi_q^T Lambda = r + W Lambda_c,  Phi_q v = -Phi_t.
+ */
+int nsdae_stepper_impact(nsdae_stepper *stepper, nsdae_result *result, const nsdae_terms *terms,
+                         const double *r, double *v);
+
+/* dq/dt, with the callback's failure as a status. */
+int nsdae_stepper_kinematics(nsdae_stepper *stepper, double t, const double *q, const double *v,
+                             double *qdot);
+
+/* r [nv] := M v + h F. */
+void nsdae_stepper_momentum(const double *M, const double *v, double h, const double *F, int nv,
+                            double *r);
+
+#endif

@@ -1,0 +1,83 @@
+/* Observers: each sees every record once, in the order in which they were added. A step is the
+ * state when all have seen it; when one fails, it is its turn again as soon as the step is tried
+ * again. */
+#include <string.h>
+
+#include "errors.h"
+#include "sim_impl.h"
+
+int nsdae_sim_observe(nsdae_sim *sim, nsdae_observer_fn observer, void *user)
+{
+  if (!sim) return NSDAE_E_ARGUMENT;
+  nsdae_observers *o = &sim->observers;
+  nsdae_error_clear(&sim->error);
+  if (!observer)
+    return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, "nsdae_sim_observe", "observer",
+                           "observer is NULL");
+  if (o->count == NSDAE_OBSERVERS_MAX)
+    return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, "nsdae_sim_observe", "observer",
+                           "there are %d observers already, the most there can be",
+                           NSDAE_OBSERVERS_MAX);
+  o->of[o->count++] = (nsdae_observation){observer, user};
+  return NSDAE_OK;
+}
+
+int nsdae_sim_unobserve(nsdae_sim *sim, nsdae_observer_fn observer, void *user)
+{
+  if (!sim) return NSDAE_E_ARGUMENT;
+  nsdae_observers *o = &sim->observers;
+  int i = 0;
+  while (i < o->count && (o->of[i].call != observer || o->of[i].user != user)) i++;
+  if (i == o->count) return NSDAE_OK;
+  o->count--;
+  o->turn -= i < o->turn;
+  memmove(o->of + i, o->of + i + 1, (size_t)(o->count - i) * sizeof *o->of);
+  return NSDAE_OK;
+}
+
+static int observer_failed(nsdae_sim *sim, int status, double t)
+{
+  if (sim->error.status != NSDAE_OK) return status;
+  nsdae_error_set(&sim->error, status, "nsdae_sim", "observer",
+                  "an observer returned %d (%s) at t = %.17g", status, nsdae_status_message(status),
+                  t);
+  sim->error.code = status;
+  sim->error.time = t;
+  return status;
+}
+
+static int call(nsdae_sim *sim, nsdae_observation observer, const nsdae_record *record)
+{
+  nsdae_error_clear(&sim->error);
+  sim->observers.telling = 1;
+  int status = observer.call(record, &sim->error, observer.user);
+  sim->observers.telling = 0;
+  return status < 0 ? observer_failed(sim, status, record->time) : status;
+}
+
+int nsdae_observers_tell(nsdae_sim *sim, const nsdae_record *record)
+{
+  nsdae_observers *o = &sim->observers;
+  while (o->turn < o->count) {
+    nsdae_observation observer = o->of[o->turn++];
+    int status = call(sim, observer, record);
+    if (status > 0) o->stop = 1;
+    if (status >= 0) continue;
+    /* it is its turn again, unless it took itself out */
+    o->turn -= o->turn > 0 && o->of[o->turn - 1].call == observer.call &&
+               o->of[o->turn - 1].user == observer.user;
+    return status;
+  }
+  int stop = o->stop;
+  o->turn = o->stop = 0;
+  return stop ? NSDAE_STOPPED : NSDAE_OK;
+}
+
+int nsdae_observers_quiet(nsdae_sim *sim, const char *where)
+{
+  if (!sim->observers.telling) return NSDAE_OK;
+  return nsdae_error_set(&sim->error, NSDAE_E_STATE, where, "",
+                         "%s was called by an observer, which sees a step that is not finished: "
+                         "return a positive value to stop the run instead",
+                         where);
+}

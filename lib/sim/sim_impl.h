@@ -1,0 +1,81 @@
+/* What a simulation is made of. */
+#ifndef NSDAE_SIM_IMPL_H
+#define NSDAE_SIM_IMPL_H
+
+#include <nsdae/sim.h>
+
+#include "methods.h"
+#include "stepper.h"
+
+typedef struct nsdae_observation {
+  nsdae_observer_fn call;
+  void *user;
+} nsdae_observation;
+
+typedef struct nsdae_observers {
+  nsdae_observation of[NSDAE_OBSERVERS_MAX];
+  int count;
+  int turn;    /* the next to see the record that is shown */
+  int stop;    /* one of those before wants the run to stop */
+  int telling; /* one is being called */
+} nsdae_observers;
+
+/* What is kept of all steps so far, beside the last result. */
+typedef struct nsdae_accounts {
+  long step;         /* number of the last */
+  double dissipated; /* [J] */
+  double grid_start; /* steps end at grid_start + grid_count dt */
+  long grid_count;
+  nsdae_stats stats;
+} nsdae_accounts;
+
+/* A point of the run: a result and the accounts up to it. */
+typedef struct nsdae_point {
+  nsdae_result result;
+  nsdae_accounts accounts;
+  nsdae_record record; /* made of them */
+} nsdae_point;
+
+struct nsdae_sim {
+  const nsdae_system *system;
+  nsdae_sim_options options;
+  nsdae_error error;
+  nsdae_arena arena;
+  nsdae_law *law; /* k, in a block of its own: its rows size the arena */
+  nsdae_stepper stepper;
+  const nsdae_stepping *method;
+  void *own;               /* the method's */
+  nsdae_point point[2];    /* the two below */
+  nsdae_point *now, *next; /* the state; a step in work, or the step before the state */
+  double asked;            /* the time that the step in next was asked for */
+  nsdae_observers observers;
+  double wall_time;
+  int started; /* nsdae_sim_init was called */
+  int told;    /* the observers have seen the state */
+  int waiting; /* next is whole, and is the state as soon as the observers have seen it */
+  int failed;  /* the last step ended on the complementarity problem of next */
+};
+
+/* What an observer sees: the step that waits for it, else the state. */
+static inline const nsdae_point *nsdae_sim_shown(const nsdae_sim *sim)
+{
+  return sim->observers.telling && sim->waiting ? sim->next : sim->now;
+}
+
+/* Puts next in the place of the state. */
+void nsdae_sim_commit(nsdae_sim *sim);
+
+/* From nsdae_sim_init: next, whose terms and memory are set, as the start of a run. */
+int nsdae_point_start(nsdae_sim *sim, nsdae_point *point);
+/* The record of a step, its impacts, certificate and statistics, from its result and from the point
+ * before. NSDAE_OK, or what the terms return. */
+int nsdae_point_follow(const nsdae_point *before, nsdae_point *point, double impact_velocity);
+
+/* Shows a record to the observers whose turn it is. NSDAE_OK, NSDAE_STOPPED, or the failure of one,
+ * whose turn it then still is. */
+int nsdae_observers_tell(nsdae_sim *sim, const nsdae_record *record);
+
+/* NSDAE_E_STATE with the record where an observer calls what it must not. */
+int nsdae_observers_quiet(nsdae_sim *sim, const char *where);
+
+#endif

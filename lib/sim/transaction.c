@@ -1,0 +1,140 @@
+/* Steps: a method fills the next point from the state, which is committed here, or dropped. */
+#include <math.h>
+
+#include "clock.h"
+#include "errors.h"
+#include "sim_impl.h"
+
+void nsdae_sim_commit(nsdae_sim *sim)
+{
+  nsdae_point *old = sim->now;
+  sim->now = sim->next;
+  sim->next = old;
+  sim->waiting = 0;
+}
+
+/* The method's step; where it gives up, implicit's from the same state. */
+static int advance(nsdae_sim *sim, double t1)
+{
+  nsdae_result *result = &sim->next->result;
+  const nsdae_memory *memory = &sim->now->result.memory;
+  const nsdae_state state = {&sim->now->result.end, memory};
+  nsdae_result_clear(result);
+  nsdae_memory_copy(&result->memory, memory);
+  nsdae_stepper_count(&sim->stepper, &state, result);
+  int status = sim->method->advance(sim->own, &state, t1, result);
+  if (status < 0 || !result->given_up) return status;
+  nsdae_counters spent = result->counters;
+  nsdae_result_clear(result);
+  result->counters = spent;
+  result->counters.events = result->counters.accumulations = 0;
+  result->counters.fallbacks = 1;
+  nsdae_memory_copy(&result->memory, memory);
+  result->memory.stamp = -1;
+  return nsdae_stepping_implicit.advance(&sim->stepper, &state, t1, result);
+}
+
+static int is_problem(int status)
+{
+  return status == NSDAE_E_LCP || status == NSDAE_E_INFEASIBLE || status == NSDAE_E_PAINLEVE;
+}
+
+/* Fills next with a step to t1, or finds it there, waiting for an observer that failed. */
+static int prepare(nsdae_sim *sim, double t1)
+{
+  double t0 = sim->now->result.end.t;
+  if (sim->waiting && sim->asked == t1) return NSDAE_OK;
+  sim->waiting = 0;
+  if (!(t1 > t0))
+    return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, "nsdae_sim", "dt",
+                           "dt = %g is lost in rounding at t = %.17g: make it larger",
+                           sim->options.dt, t0);
+  int status = advance(sim, t1);
+  sim->failed = is_problem(status) && sim->next->result.problem;
+  if (status == NSDAE_OK)
+    status = nsdae_point_follow(sim->now, sim->next, sim->options.impact_velocity);
+  if (status < 0) return status;
+  sim->next->accounts.grid_count += sim->next->result.end.t >= t1;
+  sim->asked = t1;
+  sim->observers.turn = sim->observers.stop = 0;
+  sim->waiting = 1;
+  return NSDAE_OK;
+}
+
+/* One step to t1: it is the state when it is whole and every observer has seen it. off_grid: a new
+ * grid of steps starts at t1. */
+static int step_to(nsdae_sim *sim, double t1, int off_grid)
+{
+  int status = prepare(sim, t1);
+  if (status < 0) return status;
+  if (off_grid && sim->next->result.end.t >= t1) {
+    sim->next->accounts.grid_start = t1;
+    sim->next->accounts.grid_count = 0;
+  }
+  status = nsdae_observers_tell(sim, &sim->next->record);
+  if (status >= 0) nsdae_sim_commit(sim);
+  return status;
+}
+
+static int begin(nsdae_sim *sim, const char *where)
+{
+  int status = nsdae_observers_quiet(sim, where);
+  if (status < 0) return status;
+  nsdae_error_clear(&sim->error);
+  if (!sim->started)
+    return nsdae_error_set(&sim->error, NSDAE_E_STATE, "nsdae_sim", "",
+                           "the simulation has no state: call nsdae_sim_init first");
+  if (sim->told) return NSDAE_OK;
+  status = nsdae_observers_tell(sim, &sim->now->record);
+  sim->told = status >= 0;
+  return status;
+}
+
+/* Times come from the grid, not from adding dt up. */
+static double next_time(const nsdae_sim *sim)
+{
+  const nsdae_accounts *a = &sim->now->accounts;
+  return a->grid_start + (double)(a->grid_count + 1) * sim->options.dt;
+}
+
+static int outcome(const nsdae_result *result)
+{
+  if (result->counters.accumulations > 0) return NSDAE_ZENO;
+  return result->impacts > 0 || result->counters.events > 0 ? NSDAE_EVENT : NSDAE_OK;
+}
+
+int nsdae_sim_step(nsdae_sim *sim)
+{
+  if (!sim) return NSDAE_E_ARGUMENT;
+  double began = nsdae_wall_clock();
+  int status = begin(sim, "nsdae_sim_step");
+  if (status != NSDAE_OK) return status;
+  status = step_to(sim, next_time(sim), 0);
+  sim->wall_time += nsdae_wall_clock() - began;
+  return status == NSDAE_OK ? outcome(&sim->now->result) : status;
+}
+
+/* One step on the way to t_end; one that would end within rounding of t_end ends there. */
+static int step_towards(nsdae_sim *sim, double t_end)
+{
+  const double hair = 1e-9 * sim->options.dt;
+  double t1 = next_time(sim);
+  if (t1 < t_end - hair) return step_to(sim, t1, 0);
+  return step_to(sim, t_end, fabs(t1 - t_end) > hair);
+}
+
+int nsdae_sim_run(nsdae_sim *sim, double t_end)
+{
+  if (!sim) return NSDAE_E_ARGUMENT;
+  double began = nsdae_wall_clock(), t = sim->started ? sim->now->result.end.t : 0;
+  if (!sim->observers.telling) nsdae_error_clear(&sim->error);
+  if (!isfinite(t_end) || (sim->started && t_end < t))
+    return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, "nsdae_sim_run", "t_end",
+                           "t_end = %g is outside its range: it must be finite and at least the "
+                           "time reached, %g",
+                           t_end, t);
+  int status = begin(sim, "nsdae_sim_run");
+  while (status == NSDAE_OK && sim->now->result.end.t < t_end) status = step_towards(sim, t_end);
+  sim->wall_time += nsdae_wall_clock() - began;
+  return status;
+}

@@ -1,0 +1,79 @@
+#include "callbacks.h"
+
+#include <stddef.h>
+
+#define CALL(name, ...)                                                                    \
+  static int has_##name(const nsdae_system *s)                                             \
+  {                                                                                        \
+    return s->name != NULL;                                                                \
+  }                                                                                        \
+  static int call_##name(const nsdae_system *s, const nsdae_point *at, double *const *out, \
+                         const int *ld)                                                    \
+  {                                                                                        \
+    (void)ld;                                                                              \
+    return s->name(at->t, at->q, __VA_ARGS__, s->user);                                    \
+  }
+
+/* callbacks.list: calls_in_c */
+CALL(mass, out[0], ld[0])
+CALL(force, at->v, out[0])
+CALL(constraint, out[0])
+CALL(constraint_jacobian, out[0], ld[0])
+CALL(constraint_bias, at->v, out[0], out[1])
+CALL(gap, out[0])
+CALL(gap_normal, out[0], ld[0])
+CALL(gap_tangent, out[0], ld[0])
+CALL(contact_bias, out[0], out[1])
+CALL(contact_acceleration, at->v, out[0], out[1], out[2])
+CALL(slide_tangent, out[0], ld[0], out[1])
+CALL(kinematics, at->v, out[0])
+CALL(potential, out[0])
+/* callbacks.list: end */
+
+#define COORDINATE NSDAE_NAME_COORDINATE
+#define VELOCITY   NSDAE_NAME_VELOCITY
+#define CONSTRAINT NSDAE_NAME_CONSTRAINT
+#define CONTACT    NSDAE_NAME_CONTACT
+#define SLIDE      NSDAE_NAME_SLIDE
+
+const nsdae_callback nsdae_callbacks[] = {
+    /* callbacks.list: outputs */
+    /* clang-format off */
+    {"mass", has_mass, call_mass, 1,
+     {{"M", VELOCITY, VELOCITY, 0, 0}}},
+    {"force", has_force, call_force, 1,
+     {{"F", VELOCITY, -1, 0, 0}}},
+    {"constraint", has_constraint, call_constraint, 1,
+     {{"phi", CONSTRAINT, -1, 0, 0}}},
+    {"constraint_jacobian", has_constraint_jacobian, call_constraint_jacobian, 1,
+     {{"J", CONSTRAINT, VELOCITY, 0, 0}}},
+    {"constraint_bias", has_constraint_bias, call_constraint_bias, 2,
+     {{"phi_t", CONSTRAINT, -1, 0, 0}, {"omega", CONSTRAINT, -1, 0, 0}}},
+    {"gap", has_gap, call_gap, 1,
+     {{"g", CONTACT, -1, 0, 0}}},
+    {"gap_normal", has_gap_normal, call_gap_normal, 1,
+     {{"W", VELOCITY, CONTACT, 0, 0}}},
+    {"gap_tangent", has_gap_tangent, call_gap_tangent, 1,
+     {{"W", VELOCITY, CONTACT, 1, 0}}},
+    {"contact_bias", has_contact_bias, call_contact_bias, 2,
+     {{"w_n", CONTACT, -1, 0, 0}, {"w_t", CONTACT, -1, 1, 1}}},
+    {"contact_acceleration", has_contact_acceleration, call_contact_acceleration, 3,
+     {{"omega_n", CONTACT, -1, 0, 1}, {"omega_t", CONTACT, -1, 1, 1},
+      {"omega_s", SLIDE, -1, 0, 1}}},
+    {"slide_tangent", has_slide_tangent, call_slide_tangent, 2,
+     {{"W", VELOCITY, SLIDE, 0, 0}, {"w_s", SLIDE, -1, 0, 0}}},
+    {"kinematics", has_kinematics, call_kinematics, 1,
+     {{"qdot", COORDINATE, -1, 0, 0}}},
+    {"potential", has_potential, call_potential, 1,
+     {{"energy", -1, -1, 0, 0}}},
+    /* clang-format on */
+    /* callbacks.list: end */
+};
+
+const int nsdae_callbacks_count = (int)(sizeof nsdae_callbacks / sizeof *nsdae_callbacks);
+
+int nsdae_output_extent(const nsdae_system *system, const nsdae_output *output, int kind)
+{
+  int each = kind < 0 ? 1 : nsdae_system_count(system, kind);
+  return output->directions && kind == NSDAE_NAME_CONTACT ? each * system->dims.nt : each;
+}

@@ -1,0 +1,40 @@
+/* What is the same of all callbacks: for what goes through them all. From callbacks.list. */
+#ifndef NSDAE_SYSTEM_CALLBACKS_H
+#define NSDAE_SYSTEM_CALLBACKS_H
+
+#include "system_impl.h"
+
+enum { NSDAE_OUTPUTS_MAX = 3 };
+
+typedef struct nsdae_point {
+  double t;
+  const double *q, *v;
+} nsdae_point;
+
+/* One array of a callback; rows and columns are of enum nsdae_name_kind, -1 where it has none. */
+typedef struct nsdae_output {
+  const char *name;
+  int row, column;
+  int directions; /* contacts count once for each tangential direction */
+  int nullable;   /* NULL is handed over where it is empty */
+} nsdae_output;
+
+typedef struct nsdae_callback {
+  const char *name;
+  int (*given)(const nsdae_system *system);
+  int (*call)(const nsdae_system *system, const nsdae_point *at, double *const *out, const int *ld);
+  int outputs;
+  nsdae_output output[NSDAE_OUTPUTS_MAX];
+} nsdae_callback;
+
+extern const nsdae_callback nsdae_callbacks[];
+extern const int nsdae_callbacks_count;
+
+/* How many rows or columns an output has; 1 where kind is -1. */
+int nsdae_output_extent(const nsdae_system *system, const nsdae_output *output, int kind);
+
+/* Ends the error's text with what an entry belongs to: ': velocity 1 "y", contact 3 "stop"'. */
+void nsdae_output_name_entry(const nsdae_system *system, const nsdae_output *output, int row,
+                             int column, nsdae_error *error);
+
+#endif

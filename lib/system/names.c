@@ -1,0 +1,187 @@
+/* Names and units of what a system has several of. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "callbacks.h"
+#include "errors.h"
+
+static const char *const kinds[NSDAE_NAME_KINDS] = {"coordinate", "velocity", "constraint",
+                                                    "contact", "slide"};
+
+int nsdae_system_count(const nsdae_system *system, int kind)
+{
+  const nsdae_dims *d = &system->dims;
+  const int count[NSDAE_NAME_KINDS] = {d->nq, d->nv, d->m, d->k, d->f};
+  return kind >= 0 && kind < NSDAE_NAME_KINDS ? count[kind] : 0;
+}
+
+/* Why text cannot be a name or unit of less than size bytes; NULL where it can. */
+static const char *unfit(const char *text, size_t size)
+{
+  if (strlen(text) >= size) return "is too long";
+  for (; *text; text++)
+    if ((unsigned char)*text < ' ' || *text == 0x7f) return "has a control character";
+  return NULL;
+}
+
+static int refuse(nsdae_system *system, const char *argument, const char *text, const char *why)
+{
+  char line[200];
+  snprintf(line, sizeof line, "%s '%.48s' %s: it must be of %s%d bytes, of one line", argument,
+           text, why, strcmp(argument, "name") == 0 ? "1 .. " : "at most ",
+           (strcmp(argument, "name") == 0 ? NSDAE_NAME_SIZE : NSDAE_UNIT_SIZE) - 1);
+  return nsdae_system_refuse(system, NSDAE_E_ARGUMENT, "name", argument, line);
+}
+
+static int check_place(nsdae_system *system, int kind, int i)
+{
+  char line[120];
+  if (kind < 0 || kind >= NSDAE_NAME_KINDS) {
+    snprintf(line, sizeof line, "kind = %d is none of enum nsdae_name_kind", kind);
+    return nsdae_system_refuse(system, NSDAE_E_ARGUMENT, "name", "kind", line);
+  }
+  int count = nsdae_system_count(system, kind);
+  if (i >= 0 && i < count) return NSDAE_OK;
+  snprintf(line, sizeof line,
+           count > 0 ? "i = %d is outside its range for a %s: it must be 0 .. %d"
+                     : "i = %d: the system has no %s",
+           i, kinds[kind], count - 1);
+  return nsdae_system_refuse(system, NSDAE_E_ARGUMENT, "name", "i", line);
+}
+
+static int check_texts(nsdae_system *system, const char *name, const char *unit)
+{
+  if (!name || !*name) return refuse(system, "name", "", name ? "is empty" : "is NULL");
+  const char *why = unfit(name, NSDAE_NAME_SIZE);
+  if (why) return refuse(system, "name", name, why);
+  why = unfit(unit, NSDAE_UNIT_SIZE);
+  return why ? refuse(system, "unit", unit, why) : NSDAE_OK;
+}
+
+int nsdae_system_set_name(nsdae_system *system, int kind, int i, const char *name, const char *unit)
+{
+  if (!system) return NSDAE_E_ARGUMENT;
+  if (!unit) unit = "";
+  int status = check_place(system, kind, i);
+  if (status == NSDAE_OK) status = check_texts(system, name, unit);
+  if (status == NSDAE_OK) status = nsdae_system_open(system, "name");
+  if (status < 0) return status;
+  if (!system->label[kind])
+    system->label[kind] =
+        calloc((size_t)nsdae_system_count(system, kind), sizeof *system->label[kind]);
+  if (!system->label[kind])
+    return nsdae_system_refuse(system, NSDAE_E_MEMORY, "name", "", "out of memory");
+  nsdae_label *label = &system->label[kind][i];
+  snprintf(label->name, sizeof label->name, "%s", name);
+  snprintf(label->unit, sizeof label->unit, "%s", unit);
+  snprintf(label->rate, sizeof label->rate, *unit ? "%s/s" : "%s", unit);
+  return NSDAE_OK;
+}
+
+/* The label of an item, or NULL where it has none. Velocities are the rates of the coordinates
+ * where nothing else is said: theirs is the coordinate's, and *rate says so. */
+static const nsdae_label *find(const nsdae_system *system, int kind, int i, int *rate)
+{
+  *rate = 0;
+  if (!system || i < 0 || i >= nsdae_system_count(system, kind)) return NULL;
+  const nsdae_label *label = system->label[kind];
+  if (label && label[i].name[0]) return &label[i];
+  if (kind != NSDAE_NAME_VELOCITY || system->kinematics) return NULL;
+  *rate = 1;
+  return find(system, NSDAE_NAME_COORDINATE, i, &(int){0});
+}
+
+const char *nsdae_system_get_name(const nsdae_system *system, int kind, int i)
+{
+  int rate;
+  const nsdae_label *label = find(system, kind, i, &rate);
+  return label ? label->name : "";
+}
+
+const char *nsdae_system_get_unit(const nsdae_system *system, int kind, int i)
+{
+  int rate;
+  const nsdae_label *label = find(system, kind, i, &rate);
+  return !label ? "" : rate ? label->rate : label->unit;
+}
+
+const char *nsdae_system_called(const nsdae_system *system, int kind, int i,
+                                char text[NSDAE_CALLED_SIZE])
+{
+  const char *name = nsdae_system_get_name(system, kind, i);
+  snprintf(text, NSDAE_CALLED_SIZE, *name ? "%s %d \"%s\"" : "%s %d%s", kinds[kind], i, name);
+  return text;
+}
+
+/* 'contact 3 "stop"' behind the text. */
+static void append(const nsdae_system *system, const nsdae_output *o, int kind, int i,
+                   const char *before, nsdae_error *error)
+{
+  char called[NSDAE_CALLED_SIZE];
+  size_t used = strlen(error->text);
+  if (kind < 0) return;
+  if (o->directions && kind == NSDAE_NAME_CONTACT) i /= system->dims.nt;
+  snprintf(error->text + used, sizeof error->text - used, "%s%s", before,
+           nsdae_system_called(system, kind, i, called));
+}
+
+void nsdae_output_name_entry(const nsdae_system *system, const nsdae_output *output, int row,
+                             int column, nsdae_error *error)
+{
+  append(system, output, output->row, row, ": ", error);
+  append(system, output, output->column, column, output->row < 0 ? ": " : ", ", error);
+}
+
+/* Outputs of one callback are told apart by their sizes; those of one size belong to the same. */
+void nsdae_system_name_entry(const nsdae_system *system, const char *callback, int rows, int row,
+                             int column, nsdae_error *error)
+{
+  const nsdae_callback *c = nsdae_callbacks, *end = c + nsdae_callbacks_count;
+  int i = 0;
+  while (c < end && strcmp(c->name, callback) != 0) c++;
+  if (!error || c == end) return;
+  while (i < c->outputs && nsdae_output_extent(system, &c->output[i], c->output[i].row) != rows)
+    i++;
+  if (i < c->outputs) nsdae_output_name_entry(system, &c->output[i], row, column, error);
+}
+
+static int by_name(const void *a, const void *b)
+{
+  const nsdae_label *const *left = a, *const *right = b;
+  return strcmp((*left)->name, (*right)->name);
+}
+
+static int same_name(const nsdae_system *system, int kind, const nsdae_label *a,
+                     const nsdae_label *b, nsdae_error *error)
+{
+  const nsdae_label *first = system->label[kind];
+  return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_system", "name",
+                         "%s %d and %s %d both have the name '%s': names of one kind must differ",
+                         kinds[kind], (int)((a < b ? a : b) - first), kinds[kind],
+                         (int)((a < b ? b : a) - first), a->name);
+}
+
+static int distinct(const nsdae_system *system, int kind, nsdae_error *error)
+{
+  int count = nsdae_system_count(system, kind), named = 0, status = NSDAE_OK;
+  if (!system->label[kind]) return NSDAE_OK;
+  const nsdae_label **order = malloc((size_t)count * sizeof *order);
+  if (!order) return nsdae_error_set(error, NSDAE_E_MEMORY, "nsdae_system", "", "out of memory");
+  for (int i = 0; i < count; i++)
+    if (system->label[kind][i].name[0]) order[named++] = &system->label[kind][i];
+  qsort(order, (size_t)named, sizeof *order, by_name);
+  for (int i = 1; i < named && status == NSDAE_OK; i++)
+    if (strcmp(order[i - 1]->name, order[i]->name) == 0)
+      status = same_name(system, kind, order[i - 1], order[i], error);
+  free(order);
+  return status;
+}
+
+int nsdae_names_distinct(const nsdae_system *system, nsdae_error *error)
+{
+  int status = NSDAE_OK;
+  for (int kind = 0; kind < NSDAE_NAME_KINDS && status == NSDAE_OK; kind++)
+    status = distinct(system, kind, error);
+  return status;
+}
