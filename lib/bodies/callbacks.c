@@ -195,7 +195,6 @@ static int gap_tangent(double t, const double *q, double *W, int ldw, void *user
   for (int i = 0; i < b->feature.count; i++) {
     nsdae_touch touch = touch_at(b, i, q, NULL, body, pose);
     nsdae_jet3 direction[2];
-    if (touch.far) continue;
     tangents(b->dimension, touch.normal, direction);
     for (int j = 0; j < nt; j++)
       put_column(b, &touch, body, pose, direction[j],
@@ -243,7 +242,7 @@ static int contact_acceleration(double t, const double *q, const double *v, doub
     nsdae_touch touch = touch_at(b, i, q, v, body, pose);
     nsdae_jet3 direction[2];
     omega_n[i] = touch.gap.dd;
-    if (touch.far || !omega_t) continue;
+    if (!omega_t) continue;
     tangents(b->dimension, touch.normal, direction);
     nsdae_jet3 xi = relative_velocity(&touch, pose);
     for (int j = 0; j < nt; j++) omega_t[i * nt + j] = nsdae_jet3_dot(direction[j], xi).d;

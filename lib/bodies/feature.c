@@ -26,12 +26,6 @@ double nsdae_solid_size(const nsdae_solid_of *s)
   return most + s->radius;
 }
 
-static nsdae_touch far_away(const nsdae_solid_of *s0, const nsdae_solid_of *s1)
-{
-  double size = nsdae_solid_size(s0) + nsdae_solid_size(s1);
-  return (nsdae_touch){.gap = {size > 0 ? size : 1, 0, 0}, .far = 1};
-}
-
 /* n and g of a distance vector d; side = -1 where the solid lies outside. With d = 0 any direction
  * is as good as another. */
 static nsdae_jet3 direction(nsdae_jet3 d, double side, nsdae_jet *length)
@@ -43,6 +37,19 @@ static nsdae_jet3 direction(nsdae_jet3 d, double side, nsdae_jet *length)
   }
   *length = nsdae_jet3_length(d);
   return nsdae_jet3_scale(side, nsdae_jet3_times(nsdae_jet_inverse(*length), d));
+}
+
+/* A contact that another feature stands for: the gap is constant; directions are those between the
+ * solids' origins, so that there are some. */
+static nsdae_touch far_away(const nsdae_solid_of *const s[2], const nsdae_pose *const pose[2])
+{
+  nsdae_touch touch = {.far = 1};
+  nsdae_jet length;
+  double size = nsdae_solid_size(s[0]) + nsdae_solid_size(s[1]);
+  for (int i = 0; i < 2; i++) touch.at[i] = nsdae_pose_point(pose[i], s[i]->origin);
+  touch.normal = direction(nsdae_jet3_sub(touch.at[1], touch.at[0]), 1, &length);
+  touch.gap = nsdae_jet_of(size);
+  return touch;
 }
 
 /* x_0 rounded by r_0 (side -1: a hole of that radius), x_1 by r_1:
@@ -299,17 +306,17 @@ static nsdae_touch edges(const nsdae_feature *f, const nsdae_solid_of *s0, const
   }
   nearest(&l);
   if (l.sine2 < parallel || fabs(l.a.x) > s0->half[axis[0]] || fabs(l.b.x) > s1->half[axis[1]])
-    return far_away(s0, s1);
+    return far_away(s, pose);
   nsdae_jet3 from = nsdae_pose_point(pose0, s0->origin), to = nsdae_pose_point(pose1, s1->origin);
   for (int i = 0; i < 3; i++) hint[i] = to.at[i].x - from.at[i].x;
   nsdae_touch touch = line_line(&l, hint, s0->radius, s1->radius);
   if (!leaves_by(s0, pose0, sign[0], 1, touch.normal) ||
       !leaves_by(s1, pose1, sign[1], -1, touch.normal))
-    return far_away(s0, s1);
+    return far_away(s, pose);
   /* lines along a face are as deep as the face but for rounding, and do touch */
   double rounding = 1e-12 * (nsdae_solid_size(s0) + nsdae_solid_size(s1));
   int deeper = touch.gap.x < 0 && -touch.gap.x > face_depth(s, pose) + rounding;
-  return deeper ? far_away(s0, s1) : touch;
+  return deeper ? far_away(s, pose) : touch;
 }
 
 nsdae_touch nsdae_feature_touch(const nsdae_feature *f, const nsdae_solid_of *s0,

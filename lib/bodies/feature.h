@@ -33,9 +33,8 @@ typedef struct nsdae_feature {
 /* A contact at a moment. */
 typedef struct nsdae_touch {
   nsdae_jet gap;
-  nsdae_jet3 normal, at[2]; /* n, c_i; where far they are not set */
-  int far;                  /* another feature is nearer: the gap is a bound from below on nothing,
-                               positive and constant */
+  nsdae_jet3 normal, at[2]; /* n, c_i */
+  int far;                  /* another feature is nearer: the gap is positive and constant */
 } nsdae_touch;
 
 /* Corners of a solid: one where it has no extent but its rounding; and its edges (in space). */

@@ -3,6 +3,7 @@
 ! are filled by the caller become optional arguments at the end, texts become characters.
 module nsdae
   use, intrinsic :: iso_c_binding, only: c_char, c_double, c_int, c_long
+  use nsdae_f_bodies
   use nsdae_f_certificate
   use nsdae_f_friction
   use nsdae_f_kernels
@@ -17,6 +18,7 @@ module nsdae
   ! what the modules say to each other
   private :: nsdae_c_check, nsdae_c_error, nsdae_c_friction_problem, nsdae_c_lcp_file, nsdae_c_lcp_origin, &
              nsdae_c_lcp_problem, nsdae_c_param, nsdae_c_params, nsdae_c_record, &
+             nsdae_c_solid, &
              nsdae_c_trajectory_info, base_of, check_size, error_at, error_from_c, error_to_c, &
-             no_memory, no_user, refuse, shape_problem, table_at, table_of
+             no_memory, no_user, refuse, shape_problem, system_of, table_at, table_of
 end module
