@@ -1,5 +1,7 @@
 /* The mechanism as the callbacks of a system: each walks its list and puts rows where their bodies
  * are. */
+#include <stdio.h>
+
 #include "world.h"
 
 static int mass(double t, const double *q, double *M, int ldm, void *user)
@@ -287,9 +289,35 @@ static int set_constraints(nsdae_system *system)
   return status;
 }
 
+/* Coordinates are x0, y0, theta0, x1, ...; in space x0, y0, z0, qw0, qx0, qy0, qz0, ... and the
+ * velocities of turning wx0, wy0, wz0. */
+static int set_names(const nsdae_bodies *b, nsdae_system *system)
+{
+  static const char *const planar[3] = {"x", "y", "theta"};
+  static const char *const spatial[7] = {"x", "y", "z", "qw", "qx", "qy", "qz"};
+  static const char *const speeds[6] = {"vx", "vy", "vz", "wx", "wy", "wz"};
+  int d = b->dimension, nq = nsdae_body_nq(b), status = NSDAE_OK;
+  char name[NSDAE_NAME_SIZE];
+  for (int i = 0; i < b->body.count * nq && status == NSDAE_OK; i++) {
+    int j = i % nq;
+    snprintf(name, sizeof name, "%s%d", (d == 2 ? planar : spatial)[j], i / nq);
+    status = nsdae_system_set_name(system, NSDAE_NAME_COORDINATE, i, name,
+                                   j < d    ? "m"
+                                   : d == 2 ? "rad"
+                                            : "1");
+  }
+  for (int i = 0; d == 3 && i < 6 * b->body.count && status == NSDAE_OK; i++) {
+    snprintf(name, sizeof name, "%s%d", speeds[i % 6], i / 6);
+    status =
+        nsdae_system_set_name(system, NSDAE_NAME_VELOCITY, i, name, i % 6 < 3 ? "m/s" : "rad/s");
+  }
+  return status;
+}
+
 int nsdae_bodies_set_callbacks(nsdae_bodies *b, nsdae_system *system)
 {
   int status = nsdae_system_set_user(system, b);
+  if (status == NSDAE_OK) status = set_names(b, system);
   if (status == NSDAE_OK) status = nsdae_system_set_mass(system, mass);
   if (status == NSDAE_OK) status = nsdae_system_set_force(system, force);
   if (status == NSDAE_OK) status = nsdae_system_set_potential(system, potential);

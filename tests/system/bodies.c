@@ -3,6 +3,7 @@
 #include "check.h"
 
 #include <float.h>
+#include <gsl/gsl_sf_ellint.h>
 
 #include "clearance_hinge.h"
 #include "crank_slider.h"
@@ -209,9 +210,72 @@ static void test_crank_slider(void **state)
   }
 }
 
+/* Columns: the axes that the unit quaternion p turns those of space into. */
+static void rotation(const double *p, double *R)
+{
+  for (int j = 0; j < 3; j++) {
+    double e[3] = {0, 0, 0}, u[3], cross[3];
+    e[j] = 1;
+    /* e + 2 w (x X e) + 2 x X (x X e) */
+    for (int i = 0; i < 3; i++) {
+      int k = (i + 1) % 3, l = (i + 2) % 3;
+      u[i] = p[1 + k] * e[l] - p[1 + l] * e[k];
+    }
+    for (int i = 0; i < 3; i++) {
+      int k = (i + 1) % 3, l = (i + 2) % 3;
+      cross[i] = p[1 + k] * u[l] - p[1 + l] * u[k];
+      R[3 * j + i] = e[i] + 2 * p[0] * u[i] + 2 * cross[i];
+    }
+  }
+}
+
+/* A free body of three different moments of inertia: energy and angular momentum stay, and omega
+ * comes back after the period of Jacobi's functions (Landau and Lifshitz, Mechanics, section 37):
+ * with J_1 < J_2 < J_3, M^2 > 2 E J_2,
+ *   T = 4 K(k) sqrt(J_1 J_2 J_3 / ((J_3 - J_2) (M^2 - 2 E J_1))),
+ *   k^2 = (J_2 - J_1) (2 E J_3 - M^2) / ((J_3 - J_2) (M^2 - 2 E J_1)) */
+static void test_polhode(void **state)
+{
+  const double J[3] = {1, 2, 3}, w[3] = {0.3, 0.2, 1};
+  nsdae_bodies *b;
+  nsdae_system *system;
+  double q[7], v[6], twice_E = 0, square = 0;
+  (void)state;
+  assert_int_equal(nsdae_bodies_create(3, &b, NULL), NSDAE_OK);
+  nsdae_rigid_body body = {.mass = 1, .velocity = {0.1, 0, 0}};
+  for (int i = 0; i < 3; i++) {
+    body.inertia[i] = J[i];
+    body.spin[i] = w[i];
+    twice_E += J[i] * w[i] * w[i];
+    square += J[i] * J[i] * w[i] * w[i];
+  }
+  assert_int_equal(nsdae_bodies_add(b, &body), 0);
+  assert_int_equal(nsdae_bodies_system(b, &system), NSDAE_OK);
+  nsdae_bodies_get_start(b, q, v);
+  double speed = (J[2] - J[1]) * (square - twice_E * J[0]);
+  double k = sqrt((J[1] - J[0]) * (twice_E * J[2] - square) / speed);
+  double period = 4 * gsl_sf_ellint_Kcomp(k, GSL_PREC_DOUBLE) * sqrt(J[0] * J[1] * J[2] / speed);
+  outcome out = run(system, q, v, NSDAE_METHOD_EVENT, period / 50, period);
+  for (int i = 0; i < 3; i++) assert_near(out.v[3 + i], w[i], 1e-9);
+  /* angular momentum in space: R J omega, as at the start where R = 1 */
+  double momentum[3], R[9];
+  const double *p = out.q + 3, size = p[0] * p[0] + p[1] * p[1] + p[2] * p[2] + p[3] * p[3];
+  assert_near(size, 1, 1e-9);
+  rotation(p, R);
+  for (int i = 0; i < 3; i++) {
+    momentum[i] = 0;
+    for (int j = 0; j < 3; j++) momentum[i] += R[3 * j + i] * J[j] * out.v[3 + j];
+    assert_near(momentum[i], J[i] * w[i], 1e-9);
+  }
+  assert_near(out.q[0], 0.1 * period, 1e-9);
+  nsdae_system_destroy(&system);
+  nsdae_bodies_destroy(&b);
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {cmocka_unit_test(test_pendulum), cmocka_unit_test(test_hinge),
-                                     cmocka_unit_test(test_crank_slider)};
+                                     cmocka_unit_test(test_crank_slider),
+                                     cmocka_unit_test(test_polhode)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
