@@ -22,6 +22,11 @@ endforeach()
 
 nsdae_unit_test(smooth ode)
 
+foreach(name derivatives distance refused)
+  nsdae_unit_test(bodies ${name})
+  target_include_directories(test_unit_bodies_${name} PRIVATE ${PROJECT_SOURCE_DIR}/lib/system)
+endforeach()
+
 nsdae_test(anomaly arguments LINKS test_support)
 nsdae_test(anomaly kinematics)
 nsdae_test(anomaly blas LINKS test_allocator test_process_allocator)

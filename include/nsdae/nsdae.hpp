@@ -21,6 +21,7 @@
 #include <exception>
 #include <functional>
 #include <limits>
+#include <list>
 #include <locale>
 #include <memory>
 #include <new>
@@ -153,6 +154,31 @@ struct system_guts {
   system_guts(const system_guts &) = delete;
   system_guts &operator=(const system_guts &) = delete;
   ~system_guts() { nsdae_system_destroy(&c); }
+  std::shared_ptr<void> world; /* what it was made of: outlives c */
+};
+
+/* nsdae_bodies with the drives and loads that it calls. */
+struct bodies_guts {
+  typedef callback<double, double *> drive;
+  typedef callback<double, const double *, const double *, double *, double *> load;
+  nsdae_bodies *c = nullptr;
+  std::list<drive> drives;
+  std::list<load> loads;
+
+  bodies_guts() = default;
+  bodies_guts(const bodies_guts &) = delete;
+  bodies_guts &operator=(const bodies_guts &) = delete;
+  ~bodies_guts() { nsdae_bodies_destroy(&c); }
+
+  static int run_drive(double t, double f[3], void *user) noexcept
+  {
+    return shield(-1, [&] { return static_cast<drive *>(user)->call(t, f); });
+  }
+  static int run_load(double t, const double x[3], const double v[3], double force[3],
+                      double torque[3], void *user) noexcept
+  {
+    return shield(-1, [&] { return static_cast<load *>(user)->call(t, x, v, force, torque); });
+  }
 };
 
 /* The C function behind the member of system_guts that Member points to. */
@@ -462,6 +488,7 @@ public:
 
 private:
   friend class sim;
+  friend class bodies;
   std::shared_ptr<detail::system_guts> guts_;
 
   template <class Callback, class Set, class Run, class F>
@@ -481,6 +508,103 @@ private:
     nsdae_system_clear_error(c());
     throw error(record);
   }
+};
+
+/* nsdae_bodies: members that add something return its number, or throw. A copy is the same
+ * mechanism. */
+class bodies
+{
+public:
+  /* Empty. */
+  bodies() noexcept = default;
+  /* A world of dimension 2 or 3. */
+  explicit bodies(int dimension) : guts_(std::make_shared<detail::bodies_guts>())
+  {
+    nsdae_error record = nsdae_error();
+    detail::demand(nsdae_bodies_create(dimension, &guts_->c, &record), &record);
+  }
+
+  /* Whether it holds something. */
+  explicit operator bool() const noexcept { return c() != nullptr; }
+  /* The handle of C, or NULL. */
+  nsdae_bodies *c() const noexcept { return guts_ ? guts_->c : nullptr; }
+
+  /* nsdae_bodies_add. */
+  int add(const nsdae_rigid_body &body) { return demand(nsdae_bodies_add(c(), &body)); }
+  /* nsdae_bodies_add_joint. */
+  int joint(const nsdae_joint &joint) { return demand(nsdae_bodies_add_joint(c(), &joint)); }
+  /* The same, driven: f(double t, double *drive [3]). */
+  template <class F> int joint(nsdae_joint joint, F f)
+  {
+    guts_->drives.emplace_back(std::move(f));
+    joint.drive = detail::bodies_guts::run_drive;
+    joint.user = &guts_->drives.back();
+    return demand(nsdae_bodies_add_joint(c(), &joint));
+  }
+  /* nsdae_bodies_add_spring. */
+  int spring(const nsdae_spring &spring) { return demand(nsdae_bodies_add_spring(c(), &spring)); }
+  /* nsdae_bodies_add_torsion. */
+  int torsion(const nsdae_torsion &torsion)
+  {
+    return demand(nsdae_bodies_add_torsion(c(), &torsion));
+  }
+  /* nsdae_bodies_add_load: f(double t, const double *position, const double *velocity, double
+   * *force, double *torque). */
+  template <class F> int load(int body, const double *point, F f)
+  {
+    guts_->loads.emplace_back(std::move(f));
+    return demand(nsdae_bodies_add_load(c(), body, point, detail::bodies_guts::run_load,
+                                        &guts_->loads.back()));
+  }
+  /* nsdae_bodies_add_solid. */
+  int solid(int body, const nsdae_solid &solid)
+  {
+    return demand(nsdae_bodies_add_solid(c(), body, &solid));
+  }
+  /* nsdae_bodies_add_contact. */
+  int contact(int solid0, int solid1, double mu, double e_n, double e_t = 0)
+  {
+    return demand(nsdae_bodies_add_contact(c(), solid0, solid1, mu, e_n, e_t));
+  }
+  /* nsdae_bodies_set_gravity. */
+  bodies &gravity(double x, double y, double z = 0)
+  {
+    const double g[3] = {x, y, z};
+    demand(nsdae_bodies_set_gravity(c(), g));
+    return *this;
+  }
+
+  /* nsdae_bodies_system, which keeps this alive. */
+  nsdae::system system() const
+  {
+    nsdae::system made;
+    made.guts_ = std::make_shared<detail::system_guts>();
+    made.guts_->world = guts_;
+    demand(nsdae_bodies_system(c(), &made.guts_->c));
+    return made;
+  }
+  /* nsdae_bodies_get_dims. */
+  nsdae_dims dims() const
+  {
+    nsdae_dims size = nsdae_dims();
+    demand(nsdae_bodies_get_dims(c(), &size));
+    return size;
+  }
+  /* nsdae_bodies_get_start: q [nq], v [nv]. */
+  std::pair<std::vector<double>, std::vector<double>> start() const
+  {
+    const nsdae_dims size = dims();
+    std::vector<double> q(static_cast<std::size_t>(size.nq)), v(static_cast<std::size_t>(size.nv));
+    demand(nsdae_bodies_get_start(c(), q.data(), v.data()));
+    return {q, v};
+  }
+  /* Why the first call that failed did. */
+  const nsdae_error *last_error() const noexcept { return nsdae_bodies_error(c()); }
+
+private:
+  std::shared_ptr<detail::bodies_guts> guts_;
+
+  int demand(int status) const { return detail::demand(status, last_error()); }
 };
 
 /* nsdae_sim. */

@@ -3,6 +3,7 @@
 ! are filled by the caller become optional arguments at the end, texts become characters.
 module nsdae
   use, intrinsic :: iso_c_binding, only: c_char, c_double, c_int, c_long
+  use nsdae_f_bodies
   use nsdae_f_certificate
   use nsdae_f_friction
   use nsdae_f_friction_file
@@ -19,7 +20,8 @@ module nsdae
   private :: nsdae_c_check, nsdae_c_error, nsdae_c_friction_file, nsdae_c_friction_origin, &
              nsdae_c_friction_points, nsdae_c_friction_problem, nsdae_c_lcp_file, nsdae_c_lcp_origin, &
              nsdae_c_lcp_problem, nsdae_c_param, nsdae_c_params, nsdae_c_record, &
+             nsdae_c_solid, &
              nsdae_c_trajectory_info, base_of, check_size, error_at, error_from_c, error_to_c, &
              no_memory, no_user, problem_from_c, problem_to_c, refuse, rows_of_problem, shape_problem, &
-             table_at, table_of
+             system_of, table_at, table_of
 end module

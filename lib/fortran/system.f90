@@ -187,7 +187,7 @@ module nsdae_f_system
   end type
   type(nobody), target, save :: no_user
 
-  public :: no_user, nsdae_system_for_user
+  public :: no_user, nsdae_system_for_user, system_of
   ! callbacks.list: public_types
   public :: nsdae_mass_fn
   public :: nsdae_force_fn
@@ -426,6 +426,23 @@ contains
     place = c_loc(copy)
     own => copy
   end subroutine
+
+  ! A system that C made, with callbacks of its own, as one of the module's; for the other modules.
+  integer(c_int) function system_of(handle, system, error) result(status)
+    type(c_ptr), intent(in) :: handle
+    type(nsdae_system), intent(out) :: system
+    type(nsdae_error), intent(out), optional :: error
+    integer :: failed
+    system%handle = handle
+    allocate (system%model, stat=failed)
+    if (failed /= 0) then
+      call c_destroy(system%handle)
+      status = no_memory('nsdae_bodies_system', error)
+      return
+    end if
+    status = c_get_dims(system%handle, system%model%dims)
+    system%model%user => no_user
+  end function
 
   ! Releases it; one that was not made is allowed. Simulations of it go on: what they need of it
   ! stays.

@@ -372,6 +372,72 @@ void test_check()
 
 } // namespace
 
+/* A ball on a string against the ground, described by bodies: what C throws away comes as an
+ * exception, what a load throws comes out of the run, and the system keeps its world. */
+static void test_bodies()
+{
+  nsdae_rigid_body ball = nsdae_rigid_body();
+  ball.mass = 2;
+  ball.inertia[2] = 0.1;
+  ball.position[1] = 1;
+  const double centre[3] = {0, 1, 0};
+  nsdae::system made;
+  std::pair<std::vector<double>, std::vector<double>> start;
+  bool refuse = false;
+  {
+    nsdae::bodies world(2);
+    world.gravity(0, -10);
+    EXPECT(world.add(ball) == 0);
+    world.load(0, centre, [&](double, const double *, const double *, double *force, double *) {
+      if (refuse) throw std::runtime_error("refused");
+      force[1] = 20; /* carries its weight */
+    });
+    made = world.system();
+    start = world.start();
+    EXPECT(world.dims().nq == 3 && throws_status(NSDAE_E_STATE, [&] { world.add(ball); }));
+  }
+  EXPECT(throws_status(NSDAE_E_ARGUMENT, [] { nsdae::bodies(4); }));
+  EXPECT(throws_status(NSDAE_E_ARGUMENT, [] { nsdae::bodies().add(nsdae_rigid_body()); }));
+  nsdae::sim sim(made);
+  sim.init(0, start.first, start.second);
+  sim.run(1);
+  EXPECT(sim.record().q[1] == 1 && sim.record().v[1] == 0);
+  refuse = true;
+  bool thrown = false;
+  try {
+    sim.run(2);
+  } catch (const std::runtime_error &e) {
+    thrown = std::string(e.what()) == "refused";
+  }
+  EXPECT(thrown);
+}
+
+/* A driven joint: the crank turns as the function says. */
+static void test_drive()
+{
+  nsdae::bodies world(2);
+  nsdae_rigid_body crank = nsdae_rigid_body();
+  crank.mass = crank.inertia[2] = 1;
+  crank.position[0] = 1;
+  crank.velocity[1] = 3;
+  crank.spin[2] = 3;
+  nsdae_joint pin = nsdae_joint();
+  pin.kind = NSDAE_JOINT_REVOLUTE;
+  pin.body[0] = NSDAE_GROUND;
+  pin.body[1] = world.add(crank);
+  world.joint(pin, [](double t, double *f) {
+    f[0] = 3 * t;
+    f[1] = 3;
+    f[2] = 0;
+  });
+  nsdae::system made = world.system();
+  nsdae::sim sim(made, nsdae::options().set("dt", 0.001));
+  sim.init(0, world.start().first, world.start().second);
+  sim.run(0.5);
+  EXPECT(std::fabs(sim.record().q[2] - 1.5) < 1e-6);
+  EXPECT(std::fabs(sim.record().q[0] - std::cos(1.5)) < 1e-5);
+}
+
 int main(int argc, char **argv)
 {
   test_same_bytes();
@@ -386,6 +452,8 @@ int main(int argc, char **argv)
   test_threads();
   test_trajectory(argc > 1 ? argv[1] : "handles.h5");
   test_check();
+  test_bodies();
+  test_drive();
   std::printf("%d failures\n", failures);
   return failures ? EXIT_FAILURE : EXIT_SUCCESS;
 }

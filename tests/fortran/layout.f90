@@ -5,6 +5,7 @@ program layout
   use nsdae_f_certificate
   use nsdae_f_friction
   use nsdae_f_friction_file
+  use nsdae_f_bodies
   use nsdae_f_lcp
   use nsdae_f_params
   use nsdae_f_sim
@@ -38,6 +39,11 @@ program layout
   call change_fields
   call record_fields
   call stats_fields
+  call rigid_body_fields
+  call solid_fields
+  call joint_fields
+  call spring_fields
+  call torsion_fields
   call trajectory_info_fields
   call body_fields
   call lcp_problem_fields
@@ -106,6 +112,25 @@ contains
     call same('NSDAE_VERSION_MAJOR', NSDAE_VERSION_MAJOR)
     call same('NSDAE_VERSION_MINOR', NSDAE_VERSION_MINOR)
     call same('NSDAE_VERSION_PATCH', NSDAE_VERSION_PATCH)
+    call same('NSDAE_GROUND', NSDAE_GROUND)
+    call same('NSDAE_SHAPE_POINT', NSDAE_SHAPE_POINT)
+    call same('NSDAE_SHAPE_DISC', NSDAE_SHAPE_DISC)
+    call same('NSDAE_SHAPE_SEGMENT', NSDAE_SHAPE_SEGMENT)
+    call same('NSDAE_SHAPE_POLYGON', NSDAE_SHAPE_POLYGON)
+    call same('NSDAE_SHAPE_PATH', NSDAE_SHAPE_PATH)
+    call same('NSDAE_SHAPE_SPHERE', NSDAE_SHAPE_SPHERE)
+    call same('NSDAE_SHAPE_CAPSULE', NSDAE_SHAPE_CAPSULE)
+    call same('NSDAE_SHAPE_BOX', NSDAE_SHAPE_BOX)
+    call same('NSDAE_SHAPE_PLANE', NSDAE_SHAPE_PLANE)
+    call same('NSDAE_JOINT_REVOLUTE', NSDAE_JOINT_REVOLUTE)
+    call same('NSDAE_JOINT_PRISMATIC', NSDAE_JOINT_PRISMATIC)
+    call same('NSDAE_JOINT_WELD', NSDAE_JOINT_WELD)
+    call same('NSDAE_JOINT_DISTANCE', NSDAE_JOINT_DISTANCE)
+    call same('NSDAE_JOINT_SLOT', NSDAE_JOINT_SLOT)
+    call same('NSDAE_JOINT_GEAR', NSDAE_JOINT_GEAR)
+    call same('NSDAE_JOINT_SPHERICAL', NSDAE_JOINT_SPHERICAL)
+    call same('NSDAE_JOINT_CYLINDRICAL', NSDAE_JOINT_CYLINDRICAL)
+    call same('NSDAE_JOINT_UNIVERSAL', NSDAE_JOINT_UNIVERSAL)
     call same('NSDAE_METHOD_IMPLICIT', NSDAE_METHOD_IMPLICIT)
     call same('NSDAE_METHOD_IMPLICIT_PRINTED', NSDAE_METHOD_IMPLICIT_PRINTED)
     call same('NSDAE_METHOD_MOREAU', NSDAE_METHOD_MOREAU)
@@ -134,15 +159,6 @@ contains
     call same('NSDAE_NAME_SLIDE', NSDAE_NAME_SLIDE)
     call same('NSDAE_NAME_SIZE', NSDAE_NAME_SIZE)
     call same('NSDAE_UNIT_SIZE', NSDAE_UNIT_SIZE)
-    call same('NSDAE_SHAPE_POINT', NSDAE_SHAPE_POINT)
-    call same('NSDAE_SHAPE_DISC', NSDAE_SHAPE_DISC)
-    call same('NSDAE_SHAPE_SEGMENT', NSDAE_SHAPE_SEGMENT)
-    call same('NSDAE_SHAPE_POLYGON', NSDAE_SHAPE_POLYGON)
-    call same('NSDAE_SHAPE_PATH', NSDAE_SHAPE_PATH)
-    call same('NSDAE_SHAPE_SPHERE', NSDAE_SHAPE_SPHERE)
-    call same('NSDAE_SHAPE_CAPSULE', NSDAE_SHAPE_CAPSULE)
-    call same('NSDAE_SHAPE_BOX', NSDAE_SHAPE_BOX)
-    call same('NSDAE_SHAPE_PLANE', NSDAE_SHAPE_PLANE)
     call same('NSDAE_PARAM_REAL', NSDAE_PARAM_REAL)
     call same('NSDAE_PARAM_INT', NSDAE_PARAM_INT)
     call same('NSDAE_PARAM_CHOICE', NSDAE_PARAM_CHOICE)
@@ -334,6 +350,63 @@ contains
     call same_place('nsdae_stats%energy_balance', c_loc(x), c_loc(x%energy_balance))
     call same_place('nsdae_stats%warnings', c_loc(x), c_loc(x%warnings))
     call same_place('nsdae_stats%wall_time', c_loc(x), c_loc(x%wall_time))
+  end subroutine
+
+  subroutine rigid_body_fields()
+    type(nsdae_rigid_body), target :: x
+    call same_size('nsdae_rigid_body', c_sizeof(x))
+    call same_place('nsdae_rigid_body%inertia', c_loc(x), c_loc(x%inertia))
+    call same_place('nsdae_rigid_body%position', c_loc(x), c_loc(x%position))
+    call same_place('nsdae_rigid_body%angle', c_loc(x), c_loc(x%angle))
+    call same_place('nsdae_rigid_body%quaternion', c_loc(x), c_loc(x%quaternion))
+    call same_place('nsdae_rigid_body%velocity', c_loc(x), c_loc(x%velocity))
+    call same_place('nsdae_rigid_body%spin', c_loc(x), c_loc(x%spin))
+  end subroutine
+
+  subroutine solid_fields()
+    type(nsdae_c_solid), target :: x
+    call same_size('nsdae_solid', c_sizeof(x))
+    call same_place('nsdae_solid%radius', c_loc(x), c_loc(x%radius))
+    call same_place('nsdae_solid%length', c_loc(x), c_loc(x%length))
+    call same_place('nsdae_solid%hollow', c_loc(x), c_loc(x%hollow))
+    call same_place('nsdae_solid%points', c_loc(x), c_loc(x%points))
+    call same_place('nsdae_solid%point', c_loc(x), c_loc(x%point))
+    call same_place('nsdae_solid%position', c_loc(x), c_loc(x%position))
+    call same_place('nsdae_solid%angle', c_loc(x), c_loc(x%angle))
+    call same_place('nsdae_solid%quaternion', c_loc(x), c_loc(x%quaternion))
+  end subroutine
+
+  subroutine joint_fields()
+    type(nsdae_joint), target :: x
+    call same_size('nsdae_joint', c_sizeof(x))
+    call same_place('nsdae_joint%body', c_loc(x), c_loc(x%body))
+    call same_place('nsdae_joint%point', c_loc(x), c_loc(x%point))
+    call same_place('nsdae_joint%end', c_loc(x), c_loc(x%end))
+    call same_place('nsdae_joint%axis', c_loc(x), c_loc(x%axis))
+    call same_place('nsdae_joint%cross', c_loc(x), c_loc(x%cross))
+    call same_place('nsdae_joint%ratio', c_loc(x), c_loc(x%ratio))
+    call same_place('nsdae_joint%drive', c_loc(x), c_loc(x%drive))
+    call same_place('nsdae_joint%user', c_loc(x), c_loc(x%user))
+    call same_place('nsdae_joint%mu', c_loc(x), c_loc(x%mu))
+  end subroutine
+
+  subroutine spring_fields()
+    type(nsdae_spring), target :: x
+    call same_size('nsdae_spring', c_sizeof(x))
+    call same_place('nsdae_spring%point', c_loc(x), c_loc(x%point))
+    call same_place('nsdae_spring%end', c_loc(x), c_loc(x%end))
+    call same_place('nsdae_spring%stiffness', c_loc(x), c_loc(x%stiffness))
+    call same_place('nsdae_spring%damping', c_loc(x), c_loc(x%damping))
+    call same_place('nsdae_spring%rest', c_loc(x), c_loc(x%rest))
+  end subroutine
+
+  subroutine torsion_fields()
+    type(nsdae_torsion), target :: x
+    call same_size('nsdae_torsion', c_sizeof(x))
+    call same_place('nsdae_torsion%axis', c_loc(x), c_loc(x%axis))
+    call same_place('nsdae_torsion%stiffness', c_loc(x), c_loc(x%stiffness))
+    call same_place('nsdae_torsion%damping', c_loc(x), c_loc(x%damping))
+    call same_place('nsdae_torsion%rest', c_loc(x), c_loc(x%rest))
   end subroutine
 
   subroutine trajectory_info_fields()

@@ -1,0 +1,320 @@
+#include <math.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "errors.h"
+#include "world.h"
+
+int nsdae_bodies_create(int dimension, nsdae_bodies **bodies, nsdae_error *error)
+{
+  nsdae_error_clear(error);
+  if (!bodies)
+    return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_bodies_create", "bodies",
+                           "bodies is NULL");
+  *bodies = NULL;
+  if (dimension != 2 && dimension != 3)
+    return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_bodies_create", "dimension",
+                           "dimension = %d is neither 2 nor 3", dimension);
+  nsdae_bodies *made = calloc(1, sizeof *made);
+  if (!made)
+    return nsdae_error_set(error, NSDAE_E_MEMORY, "nsdae_bodies_create", "", "out of memory");
+  made->dimension = dimension;
+  nsdae_error_clear(&made->error);
+  *bodies = made;
+  return NSDAE_OK;
+}
+
+void nsdae_bodies_destroy(nsdae_bodies **bodies)
+{
+  if (!bodies || !*bodies) return;
+  nsdae_bodies *b = *bodies;
+  for (int i = 0; i < b->solid.count; i++) free(((nsdae_solid_of *)b->solid.at)[i].point);
+  nsdae_list *lists[] = {&b->body,    &b->element, &b->slide,   &b->solid,
+                         &b->feature, &b->spring,  &b->torsion, &b->load};
+  for (size_t i = 0; i < sizeof lists / sizeof *lists; i++) free(lists[i]->at);
+  free(b);
+  *bodies = NULL;
+}
+
+/* The functions that have no handle to leave a record in. */
+static const nsdae_error no_bodies = {.status = NSDAE_E_ARGUMENT,
+                                      .index = -1,
+                                      .argument = "bodies",
+                                      .where = "nsdae_bodies",
+                                      .text = "bodies is NULL: nsdae_bodies_create failed, or was "
+                                              "not called"};
+
+const nsdae_error *nsdae_bodies_error(const nsdae_bodies *bodies)
+{
+  return bodies ? &bodies->error : &no_bodies;
+}
+
+int nsdae_bodies_refuse(nsdae_bodies *b, int status, const char *what, const char *argument,
+                        int index, const char *format, ...)
+{
+  char text[sizeof b->error.text];
+  va_list values;
+  if (b->error.status != NSDAE_OK) return b->error.status;
+  va_start(values, format);
+  vsnprintf(text, sizeof text, format, values);
+  va_end(values);
+  nsdae_error_set(&b->error, status, "nsdae_bodies", argument, "%s %d: %s", what, index, text);
+  b->error.index = index;
+  return status;
+}
+
+int nsdae_bodies_open(nsdae_bodies *b, const void *given, const char *what)
+{
+  if (!b) return NSDAE_E_ARGUMENT;
+  if (b->error.status != NSDAE_OK) return b->error.status;
+  if (b->made)
+    return nsdae_error_set(&b->error, NSDAE_E_STATE, "nsdae_bodies", what,
+                           "the system has been made: nothing can be added any more");
+  if (!given)
+    return nsdae_error_set(&b->error, NSDAE_E_ARGUMENT, "nsdae_bodies", what, "%s is NULL", what);
+  return NSDAE_OK;
+}
+
+void *nsdae_list_add(nsdae_bodies *b, nsdae_list *list, size_t size)
+{
+  if (list->count == list->room) {
+    int room = list->room > 0 ? 2 * list->room : 8;
+    void *at = list->room > INT32_MAX / 2 ? NULL : realloc(list->at, (size_t)room * size);
+    if (!at) {
+      nsdae_error_set(&b->error, NSDAE_E_MEMORY, "nsdae_bodies", "", "out of memory");
+      return NULL;
+    }
+    list->at = at;
+    list->room = room;
+  }
+  void *entry = (char *)list->at + (size_t)list->count++ * size;
+  memset(entry, 0, size);
+  return entry;
+}
+
+int nsdae_bodies_check_vector(nsdae_bodies *b, const char *what, const char *argument, int index,
+                              const double *x, int planar_zero)
+{
+  for (int i = 0; i < 3; i++) {
+    if (!isfinite(x[i]))
+      return nsdae_bodies_refuse(b, NSDAE_E_NONFINITE, what, argument, index,
+                                 "%s[%d] = %g is not a finite number", argument, i, x[i]);
+    if (i == 2 && planar_zero && b->dimension == 2 && x[i] != 0)
+      return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, argument, index,
+                                 "%s[2] = %g lies outside of the plane: it must be 0", argument,
+                                 x[i]);
+  }
+  return NSDAE_OK;
+}
+
+int nsdae_bodies_check_least(nsdae_bodies *b, const char *what, const char *argument, int index,
+                             double x, double least, int open)
+{
+  if (isfinite(x) && (open ? x > least : x >= least)) return NSDAE_OK;
+  return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, argument, index,
+                             "%s = %g is not a number %s %g", argument, x,
+                             open ? "above" : "of at least", least);
+}
+
+static int check_body(nsdae_bodies *b, int index, int body)
+{
+  if (body >= NSDAE_GROUND && body < b->body.count) return NSDAE_OK;
+  return nsdae_error_set(&b->error, NSDAE_E_ARGUMENT, "nsdae_bodies", "body",
+                         "number %d: body = %d is not a body: there are %d, from 0, and the ground "
+                         "(%d)",
+                         index, body, b->body.count, NSDAE_GROUND);
+}
+
+int nsdae_bodies_check_pair(nsdae_bodies *b, const char *what, int index, const int *body)
+{
+  for (int i = 0; i < 2; i++)
+    if (check_body(b, index, body[i]) < 0) return b->error.status;
+  if (body[0] != body[1]) return NSDAE_OK;
+  return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "body", index,
+                             "both are body %d: it takes two", body[0]);
+}
+
+/* Unit length; all zero is (1, 0, 0, 0). 0 where it is not finite. */
+static int unit_quaternion(double *p)
+{
+  double square = p[0] * p[0] + p[1] * p[1] + p[2] * p[2] + p[3] * p[3];
+  if (!isfinite(square)) return 0;
+  if (square == 0) p[0] = square = 1;
+  for (int i = 0; i < 4; i++) p[i] /= sqrt(square);
+  return 1;
+}
+
+static int check_rigid(nsdae_bodies *b, int index, const nsdae_rigid_body *body)
+{
+  const char *what = "body";
+  nsdae_bodies_check_least(b, what, "mass", index, body->mass, 0, 1);
+  for (int i = b->dimension == 2 ? 2 : 0; i < 3; i++)
+    nsdae_bodies_check_least(b, what, "inertia", index, body->inertia[i], 0, 1);
+  nsdae_bodies_check_vector(b, what, "position", index, body->position, 1);
+  nsdae_bodies_check_vector(b, what, "velocity", index, body->velocity, 1);
+  nsdae_bodies_check_vector(b, what, "spin", index, body->spin, 0);
+  if (!isfinite(body->angle))
+    nsdae_bodies_refuse(b, NSDAE_E_NONFINITE, what, "angle", index,
+                        "angle = %g is not a finite number", body->angle);
+  return b->error.status;
+}
+
+int nsdae_bodies_add(nsdae_bodies *b, const nsdae_rigid_body *body)
+{
+  int status = nsdae_bodies_open(b, body, "body");
+  if (status < 0) return status;
+  int index = b->body.count;
+  status = check_rigid(b, index, body);
+  if (status < 0) return status;
+  nsdae_rigid_body copy = *body;
+  if (!unit_quaternion(copy.quaternion))
+    return nsdae_bodies_refuse(b, NSDAE_E_NONFINITE, "body", "quaternion", index,
+                               "quaternion is not finite");
+  nsdae_rigid_body *added = nsdae_list_add(b, &b->body, sizeof *added);
+  if (!added) return NSDAE_E_MEMORY;
+  *added = copy;
+  return index;
+}
+
+int nsdae_bodies_add_load(nsdae_bodies *b, int body, const double *point, nsdae_load_fn call,
+                          void *user)
+{
+  int status = nsdae_bodies_open(b, point, "point");
+  if (status < 0) return status;
+  int index = b->load.count;
+  const int pair[2] = {NSDAE_GROUND, body};
+  if (!call) return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, "load", "load", index, "load is NULL");
+  status = nsdae_bodies_check_pair(b, "load", index, pair);
+  if (status == NSDAE_OK) status = nsdae_bodies_check_vector(b, "load", "point", index, point, 1);
+  if (status < 0) return status;
+  nsdae_load *load = nsdae_list_add(b, &b->load, sizeof *load);
+  if (!load) return NSDAE_E_MEMORY;
+  *load = (nsdae_load){.body = body, .call = call, .user = user};
+  nsdae_bodies_own_point(b, body, point, load->point);
+  return index;
+}
+
+int nsdae_bodies_set_gravity(nsdae_bodies *b, const double *gravity)
+{
+  int status = nsdae_bodies_open(b, gravity, "gravity");
+  if (status == NSDAE_OK) status = nsdae_bodies_check_vector(b, "world", "gravity", 0, gravity, 1);
+  if (status == NSDAE_OK) memcpy(b->gravity, gravity, sizeof b->gravity);
+  return status;
+}
+
+nsdae_pose nsdae_bodies_pose(const nsdae_bodies *b, int body, const double *q, const double *v)
+{
+  if (body == NSDAE_GROUND) return nsdae_pose_ground();
+  if (b->dimension == 2) return nsdae_pose_planar(q + 3 * body, v ? v + 3 * body : NULL);
+  return nsdae_pose_spatial(q + 7 * body, v ? v + 6 * body : NULL);
+}
+
+/* Its q and v at the start. */
+static void start(const nsdae_bodies *b, int body, double *q, double *v)
+{
+  const nsdae_rigid_body *at = nsdae_body_at(b, body);
+  int d = b->dimension;
+  memcpy(q, at->position, (size_t)d * sizeof *q);
+  memcpy(v, at->velocity, (size_t)d * sizeof *v);
+  if (d == 2) {
+    q[2] = at->angle;
+    v[2] = at->spin[2];
+  } else {
+    memcpy(q + 3, at->quaternion, sizeof at->quaternion);
+    memcpy(v + 3, at->spin, sizeof at->spin);
+  }
+}
+
+nsdae_pose nsdae_bodies_start_pose(const nsdae_bodies *b, int body)
+{
+  double q[7], v[6];
+  if (body == NSDAE_GROUND) return nsdae_pose_ground();
+  start(b, body, q, v);
+  return b->dimension == 2 ? nsdae_pose_planar(q, v) : nsdae_pose_spatial(q, v);
+}
+
+void nsdae_bodies_own_point(const nsdae_bodies *b, int body, const double *x, double *s)
+{
+  nsdae_pose pose = nsdae_bodies_start_pose(b, body);
+  const double from[3] = {x[0] - pose.r[0], x[1] - pose.r[1], x[2] - pose.r[2]};
+  nsdae_turn_back(pose.R, from, s);
+}
+
+void nsdae_bodies_own_direction(const nsdae_bodies *b, int body, const double *x, double *s)
+{
+  nsdae_pose pose = nsdae_bodies_start_pose(b, body);
+  nsdae_turn_back(pose.R, x, s);
+}
+
+void nsdae_bodies_scatter(const nsdae_bodies *b, const int *body, const nsdae_pose *pose0,
+                          const nsdae_pose *pose1, const nsdae_velocity_row *row, double scale,
+                          double *out, int stride)
+{
+  const nsdae_pose *pose[2] = {pose0, pose1};
+  for (int i = 0; i < 2; i++) {
+    if (body[i] == NSDAE_GROUND) continue;
+    double part[6] = {row->linear[i][0], row->linear[i][1], row->angular[i][2]};
+    if (b->dimension == 3) {
+      part[2] = row->linear[i][2];
+      nsdae_turn_back(pose[i]->R, row->angular[i], part + 3);
+    }
+    size_t nv = (size_t)nsdae_body_nv(b), first = (size_t)body[i] * nv;
+    for (size_t j = 0; j < nv; j++) out[(first + j) * (size_t)stride] += scale * part[j];
+  }
+}
+
+int nsdae_bodies_get_dims(const nsdae_bodies *b, nsdae_dims *dims)
+{
+  if (!b || !dims) return NSDAE_E_ARGUMENT;
+  *dims = (nsdae_dims){.nq = b->body.count * nsdae_body_nq(b),
+                       .nv = b->body.count * nsdae_body_nv(b),
+                       .m = b->element.count,
+                       .k = b->feature.count,
+                       .nt = b->feature.count > 0 ? b->dimension - 1 : 0,
+                       .f = b->slide.count};
+  return NSDAE_OK;
+}
+
+int nsdae_bodies_get_start(const nsdae_bodies *b, double *q, double *v)
+{
+  if (!b || !q || !v) return NSDAE_E_ARGUMENT;
+  for (int i = 0; i < b->body.count; i++)
+    start(b, i, q + i * nsdae_body_nq(b), v + i * nsdae_body_nv(b));
+  return NSDAE_OK;
+}
+
+int nsdae_bodies_locate(const nsdae_bodies *b, const double *q, int body, const double *local,
+                        double *point)
+{
+  if (!b || !q || !local || !point || body < NSDAE_GROUND || body >= b->body.count)
+    return NSDAE_E_ARGUMENT;
+  nsdae_pose pose = nsdae_bodies_pose(b, body, q, NULL);
+  nsdae_turn(pose.R, local, point);
+  for (int i = 0; i < 3; i++) point[i] += pose.r[i];
+  return NSDAE_OK;
+}
+
+int nsdae_bodies_system(nsdae_bodies *b, nsdae_system **system)
+{
+  nsdae_dims dims;
+  if (system) *system = NULL;
+  int status = nsdae_bodies_open(b, system, "system");
+  if (status < 0) return status;
+  if (b->body.count == 0)
+    return nsdae_error_set(&b->error, NSDAE_E_STATE, "nsdae_bodies_system", "body",
+                           "there is no body: call nsdae_bodies_add first");
+  nsdae_bodies_get_dims(b, &dims);
+  status = nsdae_system_create(&dims, system, &b->error);
+  if (status < 0) return status;
+  status = nsdae_bodies_set_callbacks(b, *system);
+  if (status < 0) {
+    b->error = *nsdae_system_error(*system);
+    nsdae_system_destroy(system);
+    return status;
+  }
+  b->made = 1;
+  return NSDAE_OK;
+}

@@ -1,0 +1,46 @@
+/* Elements: the scalar constraints that joints are made of, between two bodies.
+ *
+ *   ALONG     n . (x_1 - x_0) - f           n fixed in body 0, or in space
+ *   BETWEEN   (-sin f a + cos f b) . c      a, b at right angles in body 0, c in body 1
+ *   DISTANCE  |x_1 - x_0| - f
+ *   TURN      theta_1 - ratio theta_0 - offset - f
+ *
+ * with f(t) the prescribed motion, or a constant. */
+#ifndef NSDAE_BODIES_ELEMENT_H
+#define NSDAE_BODIES_ELEMENT_H
+
+#include <nsdae/bodies.h>
+
+#include "pose.h"
+
+typedef enum nsdae_element_kind {
+  NSDAE_ELEMENT_ALONG,
+  NSDAE_ELEMENT_BETWEEN,
+  NSDAE_ELEMENT_DISTANCE,
+  NSDAE_ELEMENT_TURN
+} nsdae_element_kind;
+
+typedef struct nsdae_element {
+  nsdae_element_kind kind;
+  int body[2];
+  int in_space;               /* ALONG: n is */
+  double point[2][3];         /* x_i in their bodies' frames */
+  double a[3], b[3];          /* n, or a and b: in the frame of body 0 (or in space) */
+  double c[3];                /* in the frame of body 1 */
+  double ratio, offset, rest; /* rest: f without drive */
+  nsdae_drive_fn drive;       /* or NULL */
+  void *user;
+} nsdae_element;
+
+/* Its value with rate and omega, its explicit rate Phi_t, and its row of Phi_q. */
+typedef struct nsdae_element_value {
+  nsdae_jet phi;
+  double phi_t;
+  nsdae_velocity_row row;
+} nsdae_element_value;
+
+/* From the poses of its two bodies; 0 or what the drive returned. */
+int nsdae_element_evaluate(const nsdae_element *element, double t, const nsdae_pose *pose0,
+                           const nsdae_pose *pose1, nsdae_element_value *value);
+
+#endif

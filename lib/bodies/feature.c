@@ -1,0 +1,328 @@
+#include "feature.h"
+
+static int is_rod(const nsdae_solid_of *s)
+{
+  return s->shape == NSDAE_SHAPE_SEGMENT || s->shape == NSDAE_SHAPE_CAPSULE;
+}
+
+int nsdae_solid_corners(const nsdae_solid_of *s)
+{
+  return s->points;
+}
+
+int nsdae_solid_edges(const nsdae_solid_of *s)
+{
+  return s->shape == NSDAE_SHAPE_CAPSULE ? 1 : s->shape == NSDAE_SHAPE_BOX ? 12 : 0;
+}
+
+double nsdae_solid_size(const nsdae_solid_of *s)
+{
+  double most = 0;
+  for (int i = 0; i < s->points; i++) {
+    double d[3];
+    for (int j = 0; j < 3; j++) d[j] = s->point[3 * i + j] - s->origin[j];
+    most = fmax(most, sqrt(nsdae_dot3(d, d)));
+  }
+  return most + s->radius;
+}
+
+/* n and g of a distance vector d; side = -1 where the solid lies outside. With d = 0 any direction
+ * is as good as another. */
+static nsdae_jet3 direction(nsdae_jet3 d, double side, nsdae_jet *length)
+{
+  const double x[3] = {side, 0, 0};
+  if (nsdae_jet3_dot(d, d).x == 0) {
+    *length = nsdae_jet_of(0);
+    return nsdae_jet3_of(x);
+  }
+  *length = nsdae_jet3_length(d);
+  return nsdae_jet3_scale(side, nsdae_jet3_times(nsdae_jet_inverse(*length), d));
+}
+
+/* A contact that another feature stands for: the gap is constant; directions are those between the
+ * solids' origins, so that there are some. */
+static nsdae_touch far_away(const nsdae_solid_of *const s[2], const nsdae_pose *const pose[2])
+{
+  nsdae_touch touch = {.far = 1};
+  nsdae_jet length;
+  double size = nsdae_solid_size(s[0]) + nsdae_solid_size(s[1]);
+  for (int i = 0; i < 2; i++) touch.at[i] = nsdae_pose_point(pose[i], s[i]->origin);
+  touch.normal = direction(nsdae_jet3_sub(touch.at[1], touch.at[0]), 1, &length);
+  touch.gap = nsdae_jet_of(size);
+  return touch;
+}
+
+/* x_0 rounded by r_0 (side -1: a hole of that radius), x_1 by r_1:
+ * g = side (|x_1 - x_0| - r_0) - r_1,  n = side (x_1 - x_0) / |x_1 - x_0| */
+static nsdae_touch point_point(nsdae_jet3 x0, double r0, double side, nsdae_jet3 x1, double r1)
+{
+  nsdae_touch touch = {.far = 0};
+  nsdae_jet length;
+  touch.normal = direction(nsdae_jet3_sub(x1, x0), side, &length);
+  touch.gap = nsdae_jet_scale(side, length);
+  touch.gap.x -= side * r0 + r1;
+  touch.at[0] = nsdae_jet3_add(x0, nsdae_jet3_scale(side * r0, touch.normal));
+  touch.at[1] = nsdae_jet3_sub(x1, nsdae_jet3_scale(r1, touch.normal));
+  return touch;
+}
+
+/* The line through x_0 along the unit vector u: from its foot f = x_0 + (u . d) u, d = x_1 - x_0 */
+static nsdae_touch line_point(nsdae_jet3 x0, nsdae_jet3 u, double r0, nsdae_jet3 x1, double r1)
+{
+  nsdae_jet s = nsdae_jet3_dot(u, nsdae_jet3_sub(x1, x0));
+  return point_point(nsdae_jet3_add(x0, nsdae_jet3_times(s, u)), r0, 1, x1, r1);
+}
+
+/* The plane through x_0 with the unit normal n: g = n . (x_1 - x_0) - r_1 */
+static nsdae_touch plane_point(nsdae_jet3 x0, nsdae_jet3 n, nsdae_jet3 x1, double r1)
+{
+  nsdae_jet height = nsdae_jet3_dot(n, nsdae_jet3_sub(x1, x0));
+  nsdae_touch touch = {.gap = height, .normal = n};
+  touch.gap.x -= r1;
+  touch.at[0] = nsdae_jet3_sub(x1, nsdae_jet3_times(height, n));
+  touch.at[1] = nsdae_jet3_sub(x1, nsdae_jet3_scale(r1, n));
+  return touch;
+}
+
+/* Two lines through x_i along unit vectors u, w, with d = x_1 - x_0 and c = u . w:
+ * a = (u . d - c (w . d)) / (1 - c^2),  b = (c (u . d) - w . d) / (1 - c^2) are the places of their
+ * nearest points along u and w;  n = +-(u x w) / |u x w|, towards line 1. */
+typedef struct two_lines {
+  nsdae_jet3 x[2], u[2];
+  nsdae_jet a, b;
+  double sine2; /* 1 - c^2 */
+} two_lines;
+
+static void nearest(two_lines *l)
+{
+  nsdae_jet3 d = nsdae_jet3_sub(l->x[1], l->x[0]);
+  nsdae_jet c = nsdae_jet3_dot(l->u[0], l->u[1]);
+  nsdae_jet ud = nsdae_jet3_dot(l->u[0], d), wd = nsdae_jet3_dot(l->u[1], d);
+  nsdae_jet sine2 = nsdae_jet_sub(nsdae_jet_of(1), nsdae_jet_mul(c, c));
+  l->sine2 = sine2.x;
+  if (!(sine2.x > 0)) return;
+  nsdae_jet inverse = nsdae_jet_inverse(sine2);
+  l->a = nsdae_jet_mul(inverse, nsdae_jet_sub(ud, nsdae_jet_mul(c, wd)));
+  l->b = nsdae_jet_mul(inverse, nsdae_jet_sub(nsdae_jet_mul(c, ud), wd));
+}
+
+/* hint: a vector that n is to point along. */
+static nsdae_touch line_line(const two_lines *l, const double *hint, double r0, double r1)
+{
+  nsdae_touch touch = {.far = 0};
+  nsdae_jet3 cross = nsdae_jet3_cross(l->u[0], l->u[1]);
+  double along = 0;
+  for (int i = 0; i < 3; i++) along += hint[i] * cross.at[i].x;
+  nsdae_jet3 n = nsdae_jet3_scale(
+      along < 0 ? -1 : 1, nsdae_jet3_times(nsdae_jet_inverse(nsdae_jet3_length(cross)), cross));
+  nsdae_jet3 x0 = nsdae_jet3_add(l->x[0], nsdae_jet3_times(l->a, l->u[0]));
+  nsdae_jet3 x1 = nsdae_jet3_add(l->x[1], nsdae_jet3_times(l->b, l->u[1]));
+  touch.gap = nsdae_jet3_dot(n, nsdae_jet3_sub(l->x[1], l->x[0]));
+  touch.gap.x -= r0 + r1;
+  touch.normal = n;
+  touch.at[0] = nsdae_jet3_add(x0, nsdae_jet3_scale(r0, n));
+  touch.at[1] = nsdae_jet3_sub(x1, nsdae_jet3_scale(r1, n));
+  return touch;
+}
+
+static const double *corner(const nsdae_solid_of *s, int i)
+{
+  return s->point + 3 * i;
+}
+
+/* A segment or capsule: its ends, or between them its line; a segment without rounding is solid on
+ * one side. */
+static nsdae_touch against_rod(const nsdae_solid_of *s, const nsdae_pose *pose, nsdae_jet3 x1,
+                               double r1)
+{
+  int axis = s->shape == NSDAE_SHAPE_SEGMENT ? 0 : 2;
+  nsdae_jet3 end[2] = {nsdae_pose_point(pose, corner(s, 0)), nsdae_pose_point(pose, corner(s, 1))};
+  nsdae_jet3 u = nsdae_pose_direction(pose, s->R + 3 * axis);
+  double along = nsdae_jet3_dot(u, nsdae_jet3_sub(x1, end[0])).x;
+  if (along < 0 || along > 2 * s->half[axis])
+    return point_point(end[along > 0], s->radius, 1, x1, r1);
+  if (s->shape == NSDAE_SHAPE_SEGMENT && s->radius == 0)
+    return plane_point(end[0], nsdae_pose_direction(pose, s->R + 3), x1, r1);
+  return line_point(end[0], u, s->radius, x1, r1);
+}
+
+/* Outer unit normal of the edge from corner i, in the body's frame. */
+static void edge_normal(const nsdae_solid_of *s, int i, double *n)
+{
+  const double *p = corner(s, i), *next = corner(s, (i + 1) % s->points);
+  double x = next[0] - p[0], y = next[1] - p[1], length = sqrt(x * x + y * y);
+  n[0] = y / length;
+  n[1] = -x / length;
+  n[2] = 0;
+}
+
+/* Whether corner, edge or inside: the nearest corner of the polygon where x lies beyond both its
+ * edges, else the edge of the largest height, which inside is the nearest as well. */
+static nsdae_touch against_polygon(const nsdae_solid_of *s, const nsdae_pose *pose, nsdae_jet3 x1,
+                                   double r1)
+{
+  double x[3], from[3], n[3], highest = -INFINITY;
+  int edge = 0;
+  for (int i = 0; i < 3; i++) from[i] = x1.at[i].x - pose->r[i];
+  nsdae_turn_back(pose->R, from, x);
+  for (int i = 0; i < s->points; i++) {
+    const double *p = corner(s, i);
+    edge_normal(s, i, n);
+    double height = n[0] * (x[0] - p[0]) + n[1] * (x[1] - p[1]);
+    if (height > highest) {
+      highest = height;
+      edge = i;
+    }
+  }
+  const double *p = corner(s, edge), *next = corner(s, (edge + 1) % s->points);
+  edge_normal(s, edge, n);
+  double along = -n[1] * (x[0] - p[0]) + n[0] * (x[1] - p[1]);
+  double length = -n[1] * (next[0] - p[0]) + n[0] * (next[1] - p[1]);
+  if (highest > 0 && (along < 0 || along > length))
+    return point_point(nsdae_pose_point(pose, along < 0 ? p : next), 0, 1, x1, r1);
+  return plane_point(nsdae_pose_point(pose, p), nsdae_pose_direction(pose, n), x1, r1);
+}
+
+/* In the box's frame: one coordinate beyond its half edge is a face, two an edge, three a corner;
+ * none is inside, where the nearest face counts. */
+static nsdae_touch against_box(const nsdae_solid_of *s, const nsdae_pose *pose, nsdae_jet3 x1,
+                               double r1)
+{
+  double x[3], from[3], place[3], spot[3], n[3];
+  int beyond = 0, inside = 0, deepest = 0, within = 0;
+  for (int i = 0; i < 3; i++) from[i] = x1.at[i].x - pose->r[i];
+  nsdae_turn_back(pose->R, from, x);
+  for (int i = 0; i < 3; i++) x[i] -= s->origin[i];
+  nsdae_turn_back(s->R, x, place);
+  for (int i = 0; i < 3; i++) {
+    beyond += fabs(place[i]) > s->half[i];
+    if (fabs(place[i]) <= s->half[i]) within = i;
+    if (fabs(place[i]) - s->half[i] > fabs(place[deepest]) - s->half[deepest]) deepest = i;
+  }
+  inside = beyond <= 1; /* face, from in or out */
+  for (int i = 0; i < 3; i++) from[i] = place[i] < 0 ? -s->half[i] : s->half[i];
+  nsdae_turn(s->R, from, spot);
+  for (int i = 0; i < 3; i++) spot[i] += s->origin[i];
+  nsdae_jet3 corner_of = nsdae_pose_point(pose, spot);
+  if (inside) {
+    for (int i = 0; i < 3; i++) n[i] = (place[deepest] < 0 ? -1 : 1) * s->R[3 * deepest + i];
+    return plane_point(corner_of, nsdae_pose_direction(pose, n), x1, r1);
+  }
+  if (beyond == 2)
+    return line_point(corner_of, nsdae_pose_direction(pose, s->R + 3 * within), 0, x1, r1);
+  return point_point(corner_of, 0, 1, x1, r1);
+}
+
+static nsdae_touch against_corner(const nsdae_solid_of *s0, const nsdae_pose *pose0, nsdae_jet3 x1,
+                                  double r1)
+{
+  if (is_rod(s0)) return against_rod(s0, pose0, x1, r1);
+  if (s0->shape == NSDAE_SHAPE_POLYGON) return against_polygon(s0, pose0, x1, r1);
+  if (s0->shape == NSDAE_SHAPE_BOX) return against_box(s0, pose0, x1, r1);
+  nsdae_jet3 x0 = nsdae_pose_point(pose0, s0->origin);
+  if (s0->shape == NSDAE_SHAPE_PLANE)
+    return plane_point(x0, nsdae_pose_direction(pose0, s0->R + 6), x1, r1);
+  return point_point(x0, s0->radius, s0->hollow ? -1 : 1, x1, r1);
+}
+
+/* Edge i of a box or capsule: the axis along which it runs and the signs of its place on the other
+ * two; its middle in the body's frame. */
+static int edge_of(const nsdae_solid_of *s, int i, double *sign, double *middle)
+{
+  int axis = s->shape == NSDAE_SHAPE_BOX ? i / 4 : 2;
+  for (int j = 0; j < 3; j++) sign[j] = 0;
+  if (s->shape == NSDAE_SHAPE_BOX) {
+    sign[(axis + 1) % 3] = i % 2 ? 1 : -1;
+    sign[(axis + 2) % 3] = i / 2 % 2 ? 1 : -1;
+  }
+  for (int j = 0; j < 3; j++) {
+    middle[j] = s->origin[j];
+    for (int l = 0; l < 3; l++) middle[j] += s->R[3 * l + j] * sign[l] * s->half[l];
+  }
+  return axis;
+}
+
+/* Whether the direction n (in space) leaves a box between the two faces of the edge, or along one
+ * of them but for rounding; a capsule's line is round. */
+static int leaves_by(const nsdae_solid_of *s, const nsdae_pose *pose, const double *sign,
+                     double orientation, nsdae_jet3 n)
+{
+  const double rounding = 1e-12;
+  double in_space[3], own[3], in_solid[3];
+  for (int i = 0; i < 3; i++) in_space[i] = orientation * n.at[i].x;
+  nsdae_turn_back(pose->R, in_space, own);
+  nsdae_turn_back(s->R, own, in_solid);
+  for (int i = 0; i < 3; i++)
+    if (sign[i] * in_solid[i] < -rounding) return 0;
+  return 1;
+}
+
+/* How far solid s reaches in the direction m (in space) from the point x. */
+static double reach(const nsdae_solid_of *s, const nsdae_pose *pose, const double *m,
+                    const double *x)
+{
+  double own[3], most = -INFINITY, from[3];
+  nsdae_turn_back(pose->R, m, own);
+  for (int i = 0; i < s->points; i++) most = fmax(most, nsdae_dot3(own, corner(s, i)));
+  for (int i = 0; i < 3; i++) from[i] = pose->r[i] - x[i];
+  return most + s->radius + nsdae_dot3(m, from);
+}
+
+/* The least depth of overlap along a face's normal of either; without bound for two capsules. */
+static double face_depth(const nsdae_solid_of *const s[2], const nsdae_pose *const pose[2])
+{
+  double least = INFINITY;
+  for (int side = 0; side < 2; side++)
+    for (int i = 0; i < 6 && s[side]->shape == NSDAE_SHAPE_BOX; i++) {
+      double m[3], back[3], sign = i % 2 ? 1 : -1;
+      nsdae_turn(pose[side]->R, s[side]->R + 3 * (i / 2), m);
+      for (int j = 0; j < 3; j++) {
+        m[j] *= sign;
+        back[j] = -m[j];
+      }
+      least = fmin(least, reach(s[side], pose[side], m, pose[0]->r) +
+                              reach(s[!side], pose[!side], back, pose[0]->r));
+    }
+  return least;
+}
+
+/* Deep in each other solids overlap along every direction: the one that counts is that of the least
+ * depth, and where it is a face's the corners touch and the edges do not. */
+static nsdae_touch edges(const nsdae_feature *f, const nsdae_solid_of *s0, const nsdae_solid_of *s1,
+                         const nsdae_pose *pose0, const nsdae_pose *pose1)
+{
+  /* lines nearer to parallel than this touch by their corners as well: the sine's square keeps five
+   * digits of the place */
+  const double parallel = 1e-10;
+  const nsdae_solid_of *const s[2] = {s0, s1};
+  const nsdae_pose *const pose[2] = {pose0, pose1};
+  two_lines l = {.sine2 = 0};
+  double sign[2][3], middle[3], hint[3];
+  int axis[2];
+  for (int i = 0; i < 2; i++) {
+    axis[i] = edge_of(s[i], f->part[i], sign[i], middle);
+    l.x[i] = nsdae_pose_point(pose[i], middle);
+    l.u[i] = nsdae_pose_direction(pose[i], s[i]->R + 3 * axis[i]);
+  }
+  nearest(&l);
+  if (l.sine2 < parallel || fabs(l.a.x) > s0->half[axis[0]] || fabs(l.b.x) > s1->half[axis[1]])
+    return far_away(s, pose);
+  nsdae_jet3 from = nsdae_pose_point(pose0, s0->origin), to = nsdae_pose_point(pose1, s1->origin);
+  for (int i = 0; i < 3; i++) hint[i] = to.at[i].x - from.at[i].x;
+  nsdae_touch touch = line_line(&l, hint, s0->radius, s1->radius);
+  if (!leaves_by(s0, pose0, sign[0], 1, touch.normal) ||
+      !leaves_by(s1, pose1, sign[1], -1, touch.normal))
+    return far_away(s, pose);
+  /* lines along a face are as deep as the face but for rounding, and do touch */
+  double rounding = 1e-12 * (nsdae_solid_size(s0) + nsdae_solid_size(s1));
+  int deeper = touch.gap.x < 0 && -touch.gap.x > face_depth(s, pose) + rounding;
+  return deeper ? far_away(s, pose) : touch;
+}
+
+nsdae_touch nsdae_feature_touch(const nsdae_feature *f, const nsdae_solid_of *s0,
+                                const nsdae_solid_of *s1, const nsdae_pose *pose0,
+                                const nsdae_pose *pose1)
+{
+  if (f->edges) return edges(f, s0, s1, pose0, pose1);
+  return against_corner(s0, pose0, nsdae_pose_point(pose1, corner(s1, f->part[1])), s1->radius);
+}

@@ -1,0 +1,51 @@
+/* Features: the places where two solids can touch, one contact each. A corner of solid 1 (with its
+ * rounding) against the core of solid 0, or an edge of the one against an edge of the other.
+ *
+ * Whichever part is nearest, the geometry is one of four: a point against a point, a line or a
+ * plane, and a line against a line. Each gives jets of the gap, of the normal n (from 0 to 1) and
+ * of the two points of contact c_0, c_1, which wander over their bodies:
+ *
+ *   xi = c'_1 - c'_0 of the material points there:   v_N = n . xi = g',   v_T = t . xi
+ *   xi' (with v' = 0) = w_1 x (c'_1 - x'_1(c_1)) - w_0 x (c'_0 - x'_0(c_0)) with x'_i the velocity
+ * of the body's material point and c'_i that of the place */
+#ifndef NSDAE_BODIES_FEATURE_H
+#define NSDAE_BODIES_FEATURE_H
+
+#include <nsdae/bodies.h>
+
+#include "pose.h"
+
+/* A solid as the world keeps it: in its body's frame. */
+typedef struct nsdae_solid_of {
+  int body, shape, hollow, points;
+  double radius, half[3]; /* half edges; segment: half[0]; capsule: half[2] */
+  double origin[3], R[9]; /* its frame in the body's */
+  double *point;          /* points x 3: its corners in the body's frame */
+} nsdae_solid_of;
+
+typedef struct nsdae_feature {
+  int edges; /* 0: a corner of solid[1] against solid[0]; 1: an edge of each */
+  int solid[2];
+  int part[2]; /* the corner in part[1]; the edges */
+  double mu, e_n, e_t;
+} nsdae_feature;
+
+/* A contact at a moment. */
+typedef struct nsdae_touch {
+  nsdae_jet gap;
+  nsdae_jet3 normal, at[2]; /* n, c_i */
+  int far;                  /* another feature is nearer: the gap is positive and constant */
+} nsdae_touch;
+
+/* Corners of a solid: one where it has no extent but its rounding; and its edges (in space). */
+int nsdae_solid_corners(const nsdae_solid_of *solid);
+int nsdae_solid_edges(const nsdae_solid_of *solid);
+/* Largest distance of its corners from its frame's origin, with the rounding; 0 of a plane. */
+double nsdae_solid_size(const nsdae_solid_of *solid);
+
+/* The contact of a feature between two solids with these poses of their bodies. */
+nsdae_touch nsdae_feature_touch(const nsdae_feature *feature, const nsdae_solid_of *solid0,
+                                const nsdae_solid_of *solid1, const nsdae_pose *pose0,
+                                const nsdae_pose *pose1);
+
+#endif

@@ -1,0 +1,65 @@
+#include "pose.h"
+
+nsdae_pose nsdae_pose_ground(void)
+{
+  return (nsdae_pose){.R = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+}
+
+nsdae_pose nsdae_pose_planar(const double *q, const double *v)
+{
+  nsdae_pose pose = {.r = {q[0], q[1], 0}, .angle = q[2]};
+  nsdae_rotation_planar(q[2], pose.R);
+  if (!v) return pose;
+  pose.v[0] = v[0];
+  pose.v[1] = v[1];
+  pose.w[2] = v[2];
+  return pose;
+}
+
+nsdae_pose nsdae_pose_spatial(const double *q, const double *v)
+{
+  nsdae_pose pose = {.r = {q[0], q[1], q[2]}};
+  nsdae_rotation_spatial(q + 3, pose.R);
+  if (!v) return pose;
+  for (int i = 0; i < 3; i++) pose.v[i] = v[i];
+  nsdae_turn(pose.R, v + 3, pose.w);
+  return pose;
+}
+
+nsdae_jet3 nsdae_pose_direction(const nsdae_pose *pose, const double *a)
+{
+  double u[3], rate[3], second[3];
+  nsdae_jet3 jet;
+  nsdae_turn(pose->R, a, u);
+  nsdae_cross3(pose->w, u, rate);
+  nsdae_cross3(pose->w, rate, second);
+  for (int i = 0; i < 3; i++) jet.at[i] = (nsdae_jet){u[i], rate[i], second[i]};
+  return jet;
+}
+
+nsdae_jet3 nsdae_pose_point(const nsdae_pose *pose, const double *s)
+{
+  nsdae_jet3 jet = nsdae_pose_direction(pose, s);
+  for (int i = 0; i < 3; i++) {
+    jet.at[i].x += pose->r[i];
+    jet.at[i].d += pose->v[i];
+  }
+  return jet;
+}
+
+nsdae_velocity_row nsdae_relative_row(const nsdae_pose *pose0, const nsdae_pose *pose1,
+                                      const double *x0, const double *x1, const double *n)
+{
+  const nsdae_pose *pose[2] = {pose0, pose1};
+  const double *x[2] = {x0, x1};
+  nsdae_velocity_row row;
+  for (int i = 0; i < 2; i++) {
+    double arm[3], sign = i ? 1 : -1;
+    for (int j = 0; j < 3; j++) {
+      arm[j] = x[i][j] - pose[i]->r[j];
+      row.linear[i][j] = sign * n[j];
+    }
+    nsdae_cross3(arm, row.linear[i], row.angular[i]); /* n . (w x arm) = w . (arm x n) */
+  }
+  return row;
+}

@@ -1,0 +1,66 @@
+/* Vectors of three numbers and rotation matrices (column-major, columns are a frame's axes). */
+#ifndef NSDAE_BODIES_SPACE_H
+#define NSDAE_BODIES_SPACE_H
+
+#include <math.h>
+
+static inline double nsdae_dot3(const double *a, const double *b)
+{
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static inline void nsdae_cross3(const double *a, const double *b, double *c)
+{
+  c[0] = a[1] * b[2] - a[2] * b[1];
+  c[1] = a[2] * b[0] - a[0] * b[2];
+  c[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+/* x := R s */
+static inline void nsdae_turn(const double *R, const double *s, double *x)
+{
+  for (int i = 0; i < 3; i++) x[i] = R[i] * s[0] + R[3 + i] * s[1] + R[6 + i] * s[2];
+}
+
+/* s := R^T x */
+static inline void nsdae_turn_back(const double *R, const double *x, double *s)
+{
+  for (int i = 0; i < 3; i++) s[i] = nsdae_dot3(R + 3 * i, x);
+}
+
+/* The rotation about z by an angle. */
+static inline void nsdae_rotation_planar(double angle, double *R)
+{
+  double c = cos(angle), s = sin(angle);
+  const double turned[9] = {c, s, 0, -s, c, 0, 0, 0, 1};
+  for (int i = 0; i < 9; i++) R[i] = turned[i];
+}
+
+/* That of a quaternion of any length but zero: its length drifts, the rotation does not. */
+static inline void nsdae_rotation_spatial(const double *p, double *R)
+{
+  double s = 2 / (p[0] * p[0] + p[1] * p[1] + p[2] * p[2] + p[3] * p[3]);
+  double w = p[0], x = p[1], y = p[2], z = p[3];
+  const double turned[9] = {
+      1 - s * (y * y + z * z), s * (x * y + w * z),     s * (x * z - w * y),
+      s * (x * y - w * z),     1 - s * (x * x + z * z), s * (y * z + w * x),
+      s * (x * z + w * y),     s * (y * z - w * x),     1 - s * (x * x + y * y)};
+  for (int i = 0; i < 9; i++) R[i] = turned[i];
+}
+
+/* b and c such that a, b, c are at right angles, of unit length and right-handed; a is a unit
+ * vector. */
+static inline void nsdae_complete_frame(const double *a, double *b, double *c)
+{
+  int least = 0;
+  for (int i = 1; i < 3; i++)
+    if (fabs(a[i]) < fabs(a[least])) least = i;
+  double e[3] = {0, 0, 0};
+  e[least] = 1;
+  nsdae_cross3(a, e, b);
+  double length = sqrt(nsdae_dot3(b, b));
+  for (int i = 0; i < 3; i++) b[i] /= length;
+  nsdae_cross3(a, b, c);
+}
+
+#endif

@@ -1,0 +1,114 @@
+/* What a mechanism is made of: bodies in order, and for each row of constraints, contacts and
+ * slides what gives it. Filled by bodies.c, joint.c, solid.c and load.c, read by callbacks.c. */
+#ifndef NSDAE_BODIES_WORLD_H
+#define NSDAE_BODIES_WORLD_H
+
+#include <nsdae/bodies.h>
+
+#include <stddef.h>
+
+#include "element.h"
+#include "feature.h"
+
+/* An array that grows: count entries of the same size. */
+typedef struct nsdae_list {
+  void *at;
+  int count, room;
+} nsdae_list;
+
+typedef struct nsdae_load {
+  int body;
+  double point[3]; /* in the body's frame */
+  nsdae_load_fn call;
+  void *user;
+} nsdae_load;
+
+typedef struct nsdae_bodies_slide {
+  int constraint;
+  nsdae_element along; /* its coordinate along the slot */
+  double mu;
+} nsdae_bodies_slide;
+
+typedef struct nsdae_bodies_spring {
+  nsdae_element length; /* l - rest */
+  double stiffness, damping;
+} nsdae_bodies_spring;
+
+typedef struct nsdae_bodies_torsion {
+  int body[2];
+  double axis[3], zero[3]; /* in the frame of body 0: the axis, and where phi = 0 */
+  double hand[3];          /* in the frame of body 1: at right angles to the axis */
+  double stiffness, damping, rest, offset;
+} nsdae_bodies_torsion;
+
+struct nsdae_bodies {
+  int dimension;
+  int made;          /* the system was */
+  nsdae_error error; /* of the first call that failed */
+  double gravity[3];
+  nsdae_list body;    /* nsdae_rigid_body */
+  nsdae_list element; /* nsdae_element: the constraints */
+  nsdae_list slide;   /* nsdae_bodies_slide */
+  nsdae_list solid;   /* nsdae_solid_of */
+  nsdae_list feature; /* nsdae_feature: the contacts */
+  nsdae_list spring;  /* nsdae_bodies_spring */
+  nsdae_list torsion; /* nsdae_bodies_torsion */
+  nsdae_list load;    /* nsdae_load */
+  int joints;         /* added so far */
+};
+
+static inline const nsdae_rigid_body *nsdae_body_at(const nsdae_bodies *b, int i)
+{
+  return (const nsdae_rigid_body *)b->body.at + i;
+}
+
+/* Coordinates and velocities of a body. */
+static inline int nsdae_body_nq(const nsdae_bodies *b)
+{
+  return b->dimension == 2 ? 3 : 7;
+}
+
+static inline int nsdae_body_nv(const nsdae_bodies *b)
+{
+  return b->dimension == 2 ? 3 : 6;
+}
+
+/* Appends an entry of the size, zeroed; NULL where there is no memory, with the record filled. */
+void *nsdae_list_add(nsdae_bodies *bodies, nsdae_list *list, size_t size);
+
+/* Whether something may be added: NSDAE_OK, or the first failure, or NSDAE_E_STATE. */
+int nsdae_bodies_open(nsdae_bodies *bodies, const void *given, const char *what);
+/* The record, the status as return value; keeps the first. */
+int nsdae_bodies_refuse(nsdae_bodies *bodies, int status, const char *what, const char *argument,
+                        int index, const char *format, ...);
+/* Two bodies that there are, and not the same (ground with ground neither). */
+int nsdae_bodies_check_pair(nsdae_bodies *bodies, const char *what, int index, const int *body);
+/* Finite numbers; in the plane the third is to be zero where planar_zero says so. */
+int nsdae_bodies_check_vector(nsdae_bodies *bodies, const char *what, const char *argument,
+                              int index, const double *x, int planar_zero);
+/* A finite number of at least least (above it where open). */
+int nsdae_bodies_check_least(nsdae_bodies *bodies, const char *what, const char *argument,
+                             int index, double x, double least, int open);
+
+/* A body's pose from all q and v (v NULL: at rest); and at the start. */
+nsdae_pose nsdae_bodies_pose(const nsdae_bodies *bodies, int body, const double *q,
+                             const double *v);
+nsdae_pose nsdae_bodies_start_pose(const nsdae_bodies *bodies, int body);
+/* A point and a direction in space at the start, in the body's own frame. */
+void nsdae_bodies_own_point(const nsdae_bodies *bodies, int body, const double *x, double *s);
+void nsdae_bodies_own_direction(const nsdae_bodies *bodies, int body, const double *x, double *s);
+
+/* Adds scale times a row of velocities to the places of its bodies, stride apart. */
+void nsdae_bodies_scatter(const nsdae_bodies *bodies, const int *body, const nsdae_pose *pose0,
+                          const nsdae_pose *pose1, const nsdae_velocity_row *row, double scale,
+                          double *out, int stride);
+
+/* Forces of gravity, springs, torsions and loads, and of spinning; their energy. */
+int nsdae_bodies_forces(const nsdae_bodies *bodies, double t, const double *q, const double *v,
+                        double *F);
+double nsdae_bodies_energy(const nsdae_bodies *bodies, const double *q);
+
+/* Sets every callback and coefficient. */
+int nsdae_bodies_set_callbacks(nsdae_bodies *bodies, nsdae_system *system);
+
+#endif

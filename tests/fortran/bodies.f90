@@ -1,0 +1,164 @@
+! A load and a drive in Fortran, for the test below.
+module bodies_callbacks
+  use, intrinsic :: iso_c_binding
+  implicit none
+
+contains
+
+  integer(c_int) function turning(t, drive, user) bind(C)
+    real(c_double), value :: t
+    real(c_double), intent(inout) :: drive(3)
+    type(c_ptr), value :: user
+    drive = [3 * t, 3d0, 0d0]
+    turning = 0
+  end function
+
+  integer(c_int) function carrying(t, position, velocity, force, torque, user) bind(C)
+    real(c_double), value :: t
+    real(c_double), intent(in) :: position(3), velocity(3)
+    real(c_double), intent(inout) :: force(3), torque(3)
+    type(c_ptr), value :: user
+    real(c_double), pointer :: weight
+    call c_f_pointer(user, weight)
+    force(2) = weight
+    carrying = 0
+  end function
+
+end module
+
+! The kit from Fortran: a driven crank turns as it is told, a carried body stays, a box rests on the
+! floor, and what is refused is said.
+program mechanism
+  use nsdae
+  use bodies_callbacks
+  use check
+  implicit none
+
+  call driven_crank
+  call carried_body
+  call box_on_floor
+  call refused
+  call check_done
+
+contains
+
+  subroutine start(bodies, system, sim)
+    type(nsdae_bodies), intent(in) :: bodies
+    type(nsdae_system), intent(inout) :: system
+    type(nsdae_sim), intent(inout) :: sim
+    real(c_double) :: q(7), v(6)
+    type(nsdae_dims) :: dims
+    call is_int(nsdae_bodies_system(bodies, system), NSDAE_OK, 'system')
+    call is_int(nsdae_bodies_get_dims(bodies, dims), NSDAE_OK, 'dims')
+    call is_int(nsdae_bodies_get_start(bodies, q, v), NSDAE_OK, 'start')
+    call is_int(nsdae_sim_create(system, sim), NSDAE_OK, 'sim')
+    call is_int(nsdae_sim_init(sim, 0d0, q(:dims%nq), v(:dims%nv)), NSDAE_OK, 'init')
+  end subroutine
+
+  subroutine driven_crank()
+    type(nsdae_bodies) :: bodies
+    type(nsdae_rigid_body) :: crank
+    type(nsdae_joint) :: pin
+    type(nsdae_system) :: system
+    type(nsdae_sim) :: sim
+    type(nsdae_record) :: record
+    real(c_double) :: tip(3)
+    call is_int(nsdae_bodies_create(2_c_int, bodies), NSDAE_OK, 'create')
+    crank%mass = 1
+    crank%inertia(3) = 1
+    crank%position(1) = 1
+    crank%velocity(2) = 3
+    crank%spin(3) = 3
+    pin%body(2) = nsdae_bodies_add(bodies, crank)
+    pin%drive = c_funloc(turning)
+    call is_int(nsdae_bodies_add_joint(bodies, pin), 0_c_int, 'joint')
+    call start(bodies, system, sim)
+    call is_int(nsdae_sim_run(sim, 0.5d0), NSDAE_OK, 'run')
+    call is_int(nsdae_sim_get_record(sim, record), NSDAE_OK, 'record')
+    call is_true(abs(record%q(3) - 1.5d0) < 1d-6, 'the crank turns as it is told')
+    call is_int(nsdae_bodies_locate(bodies, record%q, 0_c_int, [1d0, 0d0, 0d0], tip), NSDAE_OK, &
+                'locate')
+    call is_true(abs(tip(1) - 2 * cos(1.5d0)) < 1d-3, 'its tip is where it points')
+    call nsdae_sim_destroy(sim)
+    call nsdae_system_destroy(system)
+    call nsdae_bodies_destroy(bodies)
+  end subroutine
+
+  subroutine carried_body()
+    type(nsdae_bodies) :: bodies
+    type(nsdae_rigid_body) :: body
+    type(nsdae_system) :: system
+    type(nsdae_sim) :: sim
+    type(nsdae_record) :: record
+    real(c_double), target :: weight = 20
+    call is_int(nsdae_bodies_create(3_c_int, bodies), NSDAE_OK, 'create')
+    body%mass = 2
+    body%inertia = 1
+    call is_int(nsdae_bodies_set_gravity(bodies, [0d0, -10d0, 0d0]), NSDAE_OK, 'gravity')
+    call is_int(nsdae_bodies_add(bodies, body), 0_c_int, 'body')
+    call is_int(nsdae_bodies_add_load(bodies, 0_c_int, [0d0, 0d0, 0d0], carrying, c_loc(weight)), &
+                0_c_int, 'load')
+    call start(bodies, system, sim)
+    call is_int(nsdae_sim_run(sim, 1d0), NSDAE_OK, 'run')
+    call is_int(nsdae_sim_get_record(sim, record), NSDAE_OK, 'record')
+    call is_true(all(abs(record%v) < 1d-14), 'what is carried stays')
+    call nsdae_sim_destroy(sim)
+    call nsdae_system_destroy(system)
+    call nsdae_bodies_destroy(bodies)
+  end subroutine
+
+  subroutine box_on_floor()
+    type(nsdae_bodies) :: bodies
+    type(nsdae_rigid_body) :: body
+    type(nsdae_solid) :: floor, box
+    type(nsdae_system) :: system
+    type(nsdae_sim) :: sim
+    type(nsdae_record) :: record
+    integer(c_int) :: first, second
+    call is_int(nsdae_bodies_create(2_c_int, bodies), NSDAE_OK, 'create')
+    box%shape = NSDAE_SHAPE_POLYGON
+    box%point = reshape([-0.5d0, -0.5d0, 0.5d0, -0.5d0, 0.5d0, 0.5d0, -0.5d0, 0.5d0], [2, 4])
+    call is_int(nsdae_solid_inertia(box, 3d0, body%mass, body%inertia), NSDAE_OK, 'inertia')
+    call is_true(abs(body%mass - 3) < 1d-15 .and. abs(body%inertia(3) - 0.5d0) < 1d-15, 'of a square')
+    body%position(2) = 0.5d0
+    floor%shape = NSDAE_SHAPE_PLANE
+    call is_int(nsdae_bodies_set_gravity(bodies, [0d0, -10d0, 0d0]), NSDAE_OK, 'gravity')
+    call is_int(nsdae_bodies_add(bodies, body), 0_c_int, 'body')
+    first = nsdae_bodies_add_solid(bodies, NSDAE_GROUND, floor)
+    second = nsdae_bodies_add_solid(bodies, 0_c_int, box)
+    call is_int(nsdae_bodies_add_contact(bodies, first, second, 0.5d0, 0d0, 0d0), 0_c_int, 'contact')
+    call start(bodies, system, sim)
+    call is_int(nsdae_sim_run(sim, 1d0), NSDAE_OK, 'run')
+    call is_int(nsdae_sim_get_record(sim, record), NSDAE_OK, 'record')
+    call is_true(all(record%v == 0), 'a box at rest has no velocity at all')
+    call nsdae_sim_destroy(sim)
+    call nsdae_system_destroy(system)
+    call nsdae_bodies_destroy(bodies)
+  end subroutine
+
+  subroutine refused()
+    type(nsdae_bodies) :: bodies
+    type(nsdae_rigid_body) :: body
+    type(nsdae_spring) :: spring
+    type(nsdae_torsion) :: torsion
+    type(nsdae_system) :: system
+    type(nsdae_error) :: error
+    call is_int(nsdae_bodies_create(4_c_int, bodies, error), NSDAE_E_ARGUMENT, 'dimension')
+    call is_text(trim(error%argument), 'dimension', 'argument')
+    call is_int(nsdae_bodies_create(2_c_int, bodies), NSDAE_OK, 'create')
+    body%mass = 1
+    body%inertia = 1
+    call is_int(nsdae_bodies_add(bodies, body), 0_c_int, 'body')
+    spring%body(2) = 0
+    torsion%body(2) = 0
+    call is_int(nsdae_bodies_add_torsion(bodies, torsion), 0_c_int, 'torsion')
+    spring%stiffness = -1
+    call is_int(nsdae_bodies_add_spring(bodies, spring), NSDAE_E_ARGUMENT, 'stiffness')
+    call is_int(nsdae_bodies_system(bodies, system, error), NSDAE_E_ARGUMENT, 'the first failure')
+    call is_text(trim(error%argument), 'stiffness', 'argument')
+    error = nsdae_bodies_error(bodies)
+    call is_int(error%status, NSDAE_E_ARGUMENT, 'status')
+    call nsdae_bodies_destroy(bodies)
+  end subroutine
+
+end program

@@ -1,0 +1,264 @@
+/* Random mechanisms of every joint and pair of shapes: each derivative against differences of what
+ * it derives from, by nsdae_system_check and, for the tangents, which it cannot know, against the
+ * motion of points that ride on the bodies. */
+#include "check.h"
+
+#include <nsdae/nsdae.h>
+
+#include "system_impl.h"
+#include "world.h"
+
+enum { MECHANISMS = 60, NV_MAX = 24, NQ_MAX = 28, K_MAX = 400 };
+
+/* Differences are good to 1e-7 where the values are of order one (nsdae_system_check). */
+static const double tol = 1e-7;
+
+static uint64_t seed;
+
+static double uniform(double low, double high)
+{
+  seed = seed * 6364136223846793005u + 1442695040888963407u;
+  return low + (high - low) * (double)(seed >> 11) / 9007199254740992.0;
+}
+
+static int below(int n)
+{
+  return (int)uniform(0, n);
+}
+
+static void vector(int d, double size, double *x)
+{
+  for (int i = 0; i < 3; i++) x[i] = i < d ? uniform(-size, size) : 0;
+}
+
+static int drive(double t, double f[3], void *user)
+{
+  double size = *(double *)user;
+  f[0] = size + 0.3 * sin(t);
+  f[1] = 0.3 * cos(t);
+  f[2] = -0.3 * sin(t);
+  return 0;
+}
+
+static int load(double t, const double x[3], const double v[3], double force[3], double torque[3],
+                void *user)
+{
+  (void)user;
+  for (int i = 0; i < 2; i++) force[i] = -v[i] * x[1 - i] + t;
+  torque[2] = x[0] * v[1];
+  return 0;
+}
+
+static void add_body(nsdae_bodies *b, int d)
+{
+  nsdae_rigid_body body = {.mass = uniform(0.5, 2), .angle = uniform(-3, 3)};
+  for (int i = 0; i < 3; i++) body.inertia[i] = uniform(0.5, 2);
+  vector(d, 2, body.position);
+  vector(d, 1, body.velocity);
+  for (int i = 0; i < 4; i++) body.quaternion[i] = uniform(-1, 1);
+  for (int i = d == 2 ? 2 : 0; i < 3; i++) body.spin[i] = uniform(-1, 1);
+  assert_true(nsdae_bodies_add(b, &body) >= 0);
+}
+
+static void pair_of(int bodies, int pair[2])
+{
+  pair[0] = below(bodies + 1) - 1;
+  do pair[1] = below(bodies + 1) - 1;
+  while (pair[1] == pair[0]);
+}
+
+static void add_joint(nsdae_bodies *b, int d, int bodies, int kind, double *size)
+{
+  nsdae_joint j = {.kind = kind, .ratio = uniform(-2, 2), .user = size};
+  pair_of(bodies, j.body);
+  vector(d, 1, j.point);
+  vector(d, 1, j.end);
+  j.end[0] += 2; /* the curvature of a distance is of order one, as the differences want */
+  vector(d, 1, j.axis);
+  const double other[3] = {0.3, -0.2, 0.7};
+  for (int i = 0; i < 3; i++) {
+    int k = (i + 1) % 3, l = (i + 2) % 3;
+    j.cross[i] = d == 2 ? 0 : j.axis[k] * other[l] - j.axis[l] * other[k];
+  }
+  int drivable =
+      kind == NSDAE_JOINT_REVOLUTE || kind == NSDAE_JOINT_PRISMATIC || kind == NSDAE_JOINT_DISTANCE;
+  if (drivable && below(2)) j.drive = drive;
+  if (kind == NSDAE_JOINT_SLOT) j.mu = 0.2;
+  assert_true(nsdae_bodies_add_joint(b, &j) >= 0);
+}
+
+static const double corners[8] = {-0.5, -0.4, 0.6, -0.3, 0.5, 0.5, -0.4, 0.3};
+
+static const int planar_shapes[] = {NSDAE_SHAPE_POINT, NSDAE_SHAPE_DISC, NSDAE_SHAPE_SEGMENT,
+                                    NSDAE_SHAPE_POLYGON, NSDAE_SHAPE_PLANE};
+static const int spatial_shapes[] = {NSDAE_SHAPE_POINT, NSDAE_SHAPE_SPHERE, NSDAE_SHAPE_CAPSULE,
+                                     NSDAE_SHAPE_BOX, NSDAE_SHAPE_PLANE};
+
+static int add_solid(nsdae_bodies *b, int d, int body, int shape)
+{
+  nsdae_solid s = {.shape = shape,
+                   .radius = uniform(0.1, 0.5),
+                   .length = {uniform(0.5, 2), uniform(0.5, 2), uniform(0.5, 2)},
+                   .hollow = below(2),
+                   .points = 4,
+                   .point = corners,
+                   .angle = uniform(-3, 3)};
+  if (shape == NSDAE_SHAPE_SEGMENT && below(2)) s.radius = 0;
+  if (shape == NSDAE_SHAPE_POINT || shape == NSDAE_SHAPE_POLYGON || shape == NSDAE_SHAPE_BOX)
+    s.radius = 0;
+  vector(d, 0.5, s.position);
+  for (int i = 0; i < 4; i++) s.quaternion[i] = uniform(-1, 1);
+  return nsdae_bodies_add_solid(b, body, &s);
+}
+
+/* Two solids whose bodies are in the world, of any shapes that can touch. */
+static void add_contact(nsdae_bodies *b, int d, int bodies, int shape0, int shape1)
+{
+  const int *shapes = d == 2 ? planar_shapes : spatial_shapes;
+  int pair[2];
+  pair_of(bodies, pair);
+  if (shapes[shape0] == NSDAE_SHAPE_PLANE && shape1 <= 1) shape1 = 2; /* not with a hole */
+  if (shapes[shape1] == NSDAE_SHAPE_PLANE && shape0 <= 1) shape0 = 2;
+  if (shapes[shape0] == NSDAE_SHAPE_PLANE && shapes[shape1] == NSDAE_SHAPE_PLANE) shape1 = 3;
+  if (d == 2 && shape0 == 1 && shape1 == 1) shape1 = 3;
+  int first = add_solid(b, d, pair[0], shapes[shape0]);
+  int second = add_solid(b, d, pair[1], shapes[shape1]);
+  assert_true(first >= 0 && second >= 0);
+  assert_true(nsdae_bodies_add_contact(b, first, second, 0.3, 0.5, 0) >= 0);
+}
+
+static nsdae_bodies *mechanism(int d, int index, double *size)
+{
+  int bodies = 2 + below(2);
+  nsdae_bodies *b;
+  seed = 1000 * (uint64_t)d + (uint64_t)index;
+  assert_int_equal(nsdae_bodies_create(d, &b, NULL), NSDAE_OK);
+  const double gravity[3] = {0, -9.81, 0};
+  assert_int_equal(nsdae_bodies_set_gravity(b, gravity), NSDAE_OK);
+  for (int i = 0; i < bodies; i++) add_body(b, d);
+  *size = 0.7;
+  add_joint(b, d, bodies, index % (d == 2 ? 6 : 4), size);
+  if (d == 3) add_joint(b, d, bodies, (const int[]){6, 7, 8, 0, 1}[index % 5], size);
+  add_contact(b, d, bodies, index % 5, index / 5 % 5);
+  nsdae_spring spring = {.stiffness = 2, .damping = 0.3, .rest = 0.4};
+  pair_of(bodies, spring.body);
+  vector(d, 1, spring.point);
+  vector(d, 1, spring.end);
+  spring.end[0] += 2;
+  assert_int_equal(nsdae_bodies_add_spring(b, &spring), 0);
+  nsdae_torsion torsion = {.axis = {0.1, 0.2, 1}, .stiffness = 1, .damping = 0.1, .rest = 0.1};
+  pair_of(bodies, torsion.body);
+  assert_int_equal(nsdae_bodies_add_torsion(b, &torsion), 0);
+  assert_int_equal(nsdae_bodies_add_load(b, 0, spring.point, load, NULL), 0);
+  return b;
+}
+
+/* Velocity along direction n of the points that ride on the bodies of a contact where it is now,
+ * one against the other: central differences of where they are at q +- h q'. */
+static double riding_rate(const nsdae_bodies *b, const int body[2], const nsdae_touch *touch,
+                          const double *q, const double *qdot, const double *n)
+{
+  const double h = 1e-5;
+  nsdae_dims dims;
+  double rate = 0;
+  nsdae_bodies_get_dims(b, &dims);
+  for (int i = 0; i < 2; i++) {
+    double at[3], local[3], moved[NQ_MAX], before[3], after[3];
+    nsdae_pose pose = nsdae_bodies_pose(b, body[i], q, NULL);
+    for (int j = 0; j < 3; j++) at[j] = touch->at[i].at[j].x - pose.r[j];
+    nsdae_turn_back(pose.R, at, local);
+    for (int j = 0; j < dims.nq; j++) moved[j] = q[j] - h * qdot[j];
+    assert_int_equal(nsdae_bodies_locate(b, moved, body[i], local, before), NSDAE_OK);
+    for (int j = 0; j < dims.nq; j++) moved[j] = q[j] + h * qdot[j];
+    assert_int_equal(nsdae_bodies_locate(b, moved, body[i], local, after), NSDAE_OK);
+    for (int j = 0; j < 3; j++) rate += (i ? 1 : -1) * n[j] * (after[j] - before[j]) / (2 * h);
+  }
+  return rate;
+}
+
+/* The direction of a column of W: what it gives the centre of a body of the contact. */
+static void direction_of(const nsdae_bodies *b, const int body[2], const double *column, double *n)
+{
+  int side = body[1] == NSDAE_GROUND ? 0 : 1;
+  const double *part = column + body[side] * nsdae_body_nv(b);
+  for (int i = 0; i < 3; i++) n[i] = i < b->dimension ? (side ? part[i] : -part[i]) : 0;
+}
+
+/* n, t_1 (and t_2) are of unit length, at right angles and right-handed as the header says; each
+ * column's velocity is that of the points that ride on the bodies. */
+static void check_directions(const nsdae_bodies *b, const nsdae_system *system, const double *q,
+                             const double *v)
+{
+  static double W[3][NV_MAX * 2 * K_MAX];
+  nsdae_dims dims;
+  double qdot[NQ_MAX];
+  nsdae_bodies_get_dims(b, &dims);
+  assert_true(dims.k <= K_MAX);
+  memset(W, 0, sizeof W);
+  system->gap_normal(0, q, W[0], dims.nv, system->user);
+  system->gap_tangent(0, q, W[1], dims.nv, system->user);
+  memcpy(qdot, v, (size_t)dims.nv * sizeof *v);
+  if (system->kinematics) system->kinematics(0, q, v, qdot, system->user);
+  for (int i = 0; i < dims.k; i++) {
+    const nsdae_feature *f = (const nsdae_feature *)b->feature.at + i;
+    const nsdae_solid_of *s = b->solid.at;
+    const int body[2] = {s[f->solid[0]].body, s[f->solid[1]].body};
+    nsdae_pose pose[2];
+    for (int j = 0; j < 2; j++) pose[j] = nsdae_bodies_pose(b, body[j], q, NULL);
+    nsdae_touch touch =
+        nsdae_feature_touch(f, s + f->solid[0], s + f->solid[1], &pose[0], &pose[1]);
+    if (touch.far) continue;
+    double n[3][3];
+    const double *column[3] = {W[0] + i * dims.nv, W[1] + i * dims.nt * dims.nv,
+                               W[1] + (i * dims.nt + dims.nt - 1) * dims.nv};
+    for (int c = 0; c <= dims.nt; c++) {
+      double velocity = 0;
+      direction_of(b, body, column[c], n[c]);
+      for (int j = 0; j < dims.nv; j++) velocity += column[c][j] * v[j];
+      assert_near(velocity, riding_rate(b, body, &touch, q, qdot, n[c]), 1e-8);
+      for (int l = 0; l <= c; l++) assert_near(nsdae_dot3(n[c], n[l]), l == c, 1e-14);
+    }
+    if (dims.nt == 1) assert_near(n[0][0] * n[1][1] - n[0][1] * n[1][0], 1, 1e-14);
+  }
+}
+
+static void check_system(int d, int index)
+{
+  double size;
+  nsdae_bodies *b = mechanism(d, index, &size);
+  nsdae_system *system;
+  nsdae_dims dims;
+  nsdae_check worst;
+  double q[NQ_MAX], v[NV_MAX];
+  int status = nsdae_bodies_system(b, &system);
+  if (status < 0) print_error("%s\n", nsdae_bodies_error(b)->text);
+  assert_int_equal(status, NSDAE_OK);
+  nsdae_bodies_get_dims(b, &dims);
+  nsdae_bodies_get_start(b, q, v);
+  for (int i = 0; i < dims.nq; i++) q[i] += uniform(-0.1, 0.1);
+  status = nsdae_system_check(system, 0.4, q, v, tol, &worst);
+  if (status < 0)
+    print_error("%d dimensions, mechanism %d: %s\n", d, index, nsdae_system_error(system)->text);
+  assert_int_equal(status, NSDAE_OK);
+  check_directions(b, system, q, v);
+  nsdae_system_destroy(&system);
+  nsdae_bodies_destroy(&b);
+}
+
+static void test_planar(void **state)
+{
+  (void)state;
+  for (int i = 0; i < MECHANISMS; i++) check_system(2, i);
+}
+
+static void test_spatial(void **state)
+{
+  (void)state;
+  for (int i = 0; i < MECHANISMS; i++) check_system(3, i);
+}
+
+int main(void)
+{
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_planar), cmocka_unit_test(test_spatial)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,269 @@
+/* What the kit refuses: each wrong number is named with its value and its bound, the first one
+ * stays, and lost memory is said. */
+#include "check.h"
+
+#include <nsdae/nsdae.h>
+
+static const nsdae_rigid_body good = {.mass = 1, .inertia = {1, 1, 1}};
+
+static nsdae_bodies *world(int d)
+{
+  nsdae_bodies *b;
+  assert_int_equal(nsdae_bodies_create(d, &b, NULL), NSDAE_OK);
+  for (int i = 0; i < 2; i++) assert_int_equal(nsdae_bodies_add(b, &good), i);
+  return b;
+}
+
+/* The call was refused for this argument; everything after it is too, with the same record. */
+static void expect(nsdae_bodies *b, int returned, int status, const char *argument)
+{
+  nsdae_system *system;
+  const nsdae_error *error = nsdae_bodies_error(b);
+  assert_int_equal(returned, status);
+  assert_int_equal(error->status, status);
+  assert_string_equal(error->argument, argument);
+  assert_true(strlen(error->text) > 10);
+  assert_int_equal(nsdae_bodies_add(b, &good), status);
+  assert_int_equal(nsdae_bodies_system(b, &system), status);
+  assert_null(system);
+  assert_string_equal(error->argument, argument);
+  nsdae_bodies_destroy(&b);
+  assert_null(b);
+}
+
+static void test_create(void **state)
+{
+  nsdae_bodies *b;
+  nsdae_error error;
+  nsdae_system *system;
+  (void)state;
+  assert_int_equal(nsdae_bodies_create(4, &b, &error), NSDAE_E_ARGUMENT);
+  assert_null(b);
+  assert_string_equal(error.argument, "dimension");
+  assert_int_equal(nsdae_bodies_create(2, NULL, &error), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_bodies_add(NULL, &good), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_bodies_error(NULL)->status, NSDAE_E_ARGUMENT);
+  nsdae_bodies_destroy(NULL);
+  assert_int_equal(nsdae_bodies_create(2, &b, NULL), NSDAE_OK);
+  assert_int_equal(nsdae_bodies_system(b, &system), NSDAE_E_STATE);
+  nsdae_bodies_destroy(&b);
+}
+
+static void test_bodies(void **state)
+{
+  (void)state;
+  const double bad[] = {0, -1, NAN, INFINITY};
+  for (int i = 0; i < 4; i++) {
+    nsdae_rigid_body body = good;
+    body.mass = bad[i];
+    nsdae_bodies *b = world(2);
+    expect(b, nsdae_bodies_add(b, &body), NSDAE_E_ARGUMENT, "mass");
+    body = good;
+    body.inertia[2] = bad[i];
+    b = world(2);
+    expect(b, nsdae_bodies_add(b, &body), NSDAE_E_ARGUMENT, "inertia");
+  }
+  nsdae_rigid_body body = good;
+  body.position[2] = 1;
+  nsdae_bodies *b = world(2);
+  expect(b, nsdae_bodies_add(b, &body), NSDAE_E_ARGUMENT, "position");
+  body = good;
+  body.spin[0] = NAN;
+  b = world(3);
+  expect(b, nsdae_bodies_add(b, &body), NSDAE_E_NONFINITE, "spin");
+  body = good;
+  body.quaternion[1] = INFINITY;
+  b = world(3);
+  expect(b, nsdae_bodies_add(b, &body), NSDAE_E_NONFINITE, "quaternion");
+  b = world(3);
+  expect(b, nsdae_bodies_add(b, NULL), NSDAE_E_ARGUMENT, "body");
+}
+
+static int drive(double t, double f[3], void *user)
+{
+  (void)t;
+  (void)f;
+  (void)user;
+  return 0;
+}
+
+static void refuse_joint(int d, nsdae_joint joint, const char *argument)
+{
+  nsdae_bodies *b = world(d);
+  expect(b, nsdae_bodies_add_joint(b, &joint), NSDAE_E_ARGUMENT, argument);
+}
+
+static void test_joints(void **state)
+{
+  (void)state;
+  refuse_joint(2, (nsdae_joint){.kind = 99, .body = {0, 1}}, "kind");
+  refuse_joint(2, (nsdae_joint){.kind = NSDAE_JOINT_SPHERICAL, .body = {0, 1}}, "kind");
+  refuse_joint(3, (nsdae_joint){.kind = NSDAE_JOINT_GEAR, .body = {0, 1}}, "kind");
+  refuse_joint(2, (nsdae_joint){.kind = NSDAE_JOINT_REVOLUTE, .body = {0, 2}}, "body");
+  refuse_joint(2, (nsdae_joint){.kind = NSDAE_JOINT_REVOLUTE, .body = {-2, 1}}, "body");
+  refuse_joint(2, (nsdae_joint){.kind = NSDAE_JOINT_REVOLUTE, .body = {1, 1}}, "body");
+  refuse_joint(2, (nsdae_joint){.kind = NSDAE_JOINT_WELD, .body = {0, 1}, .drive = drive}, "drive");
+  refuse_joint(2, (nsdae_joint){.kind = NSDAE_JOINT_PRISMATIC, .body = {0, 1}}, "axis");
+  refuse_joint(3, (nsdae_joint){.kind = NSDAE_JOINT_REVOLUTE, .body = {0, 1}}, "axis");
+  refuse_joint(2, (nsdae_joint){.kind = NSDAE_JOINT_GEAR, .body = {0, 1}}, "ratio");
+  refuse_joint(2, (nsdae_joint){.kind = NSDAE_JOINT_DISTANCE, .body = {0, 1}}, "end");
+  refuse_joint(2, (nsdae_joint){.kind = NSDAE_JOINT_REVOLUTE, .body = {0, 1}, .mu = 0.1}, "mu");
+  refuse_joint(
+      2, (nsdae_joint){.kind = NSDAE_JOINT_SLOT, .body = {0, 1}, .axis = {1, 0}, .mu = -0.1}, "mu");
+  refuse_joint(2, (nsdae_joint){.kind = NSDAE_JOINT_WELD, .body = {0, 1}, .point = {0, 0, 1}},
+               "point");
+  refuse_joint(
+      3,
+      (nsdae_joint){
+          .kind = NSDAE_JOINT_UNIVERSAL, .body = {0, 1}, .axis = {1, 0, 0}, .cross = {1, 1, 0}},
+      "cross");
+}
+
+static void refuse_solid(int d, int body, nsdae_solid solid, const char *argument)
+{
+  nsdae_bodies *b = world(d);
+  expect(b, nsdae_bodies_add_solid(b, body, &solid), NSDAE_E_ARGUMENT, argument);
+}
+
+static void test_solids(void **state)
+{
+  const double clockwise[6] = {0, 0, 0, 1, 1, 0};
+  (void)state;
+  refuse_solid(2, 0, (nsdae_solid){.shape = NSDAE_SHAPE_BOX}, "shape");
+  refuse_solid(3, 0, (nsdae_solid){.shape = NSDAE_SHAPE_PATH}, "shape");
+  refuse_solid(3, 0, (nsdae_solid){.shape = -1}, "shape");
+  refuse_solid(2, 2, (nsdae_solid){.shape = NSDAE_SHAPE_POINT}, "body");
+  refuse_solid(2, 0, (nsdae_solid){.shape = NSDAE_SHAPE_DISC}, "radius");
+  refuse_solid(2, 0, (nsdae_solid){.shape = NSDAE_SHAPE_DISC, .radius = NAN}, "radius");
+  refuse_solid(2, 0, (nsdae_solid){.shape = NSDAE_SHAPE_SEGMENT}, "length");
+  refuse_solid(3, 0, (nsdae_solid){.shape = NSDAE_SHAPE_BOX, .length = {1, 1, -1}}, "length");
+  refuse_solid(2, 0, (nsdae_solid){.shape = NSDAE_SHAPE_POLYGON, .points = 2}, "points");
+  refuse_solid(2, 0, (nsdae_solid){.shape = NSDAE_SHAPE_POLYGON, .points = 3, .point = clockwise},
+               "point");
+  refuse_solid(2, 0, (nsdae_solid){.shape = NSDAE_SHAPE_POINT, .position = {0, 0, 1}}, "position");
+}
+
+static void refuse_contact(int first, int second, double mu, double e_n, const char *argument)
+{
+  nsdae_bodies *b = world(2);
+  const nsdae_solid plane = {.shape = NSDAE_SHAPE_PLANE}, point = {.shape = NSDAE_SHAPE_POINT};
+  assert_int_equal(nsdae_bodies_add_solid(b, NSDAE_GROUND, &plane), 0);
+  assert_int_equal(nsdae_bodies_add_solid(b, 0, &point), 1);
+  assert_int_equal(nsdae_bodies_add_solid(b, 0, &point), 2);
+  assert_int_equal(nsdae_bodies_add_solid(b, 1, &plane), 3);
+  expect(b, nsdae_bodies_add_contact(b, first, second, mu, e_n, 0), NSDAE_E_ARGUMENT, argument);
+}
+
+static void test_contacts(void **state)
+{
+  (void)state;
+  refuse_contact(0, 4, 0, 0, "solid");
+  refuse_contact(-1, 1, 0, 0, "solid");
+  refuse_contact(1, 2, 0, 0, "solid"); /* of one body */
+  refuse_contact(0, 3, 0, 0, "solid"); /* two planes */
+  refuse_contact(0, 1, -1, 0, "mu");
+  refuse_contact(0, 1, 0, 1.5, "e_n");
+}
+
+static void test_forces(void **state)
+{
+  (void)state;
+  nsdae_bodies *b = world(2);
+  const nsdae_spring spring = {.body = {0, 1}, .stiffness = -1};
+  expect(b, nsdae_bodies_add_spring(b, &spring), NSDAE_E_ARGUMENT, "stiffness");
+  b = world(3);
+  const nsdae_torsion torsion = {.body = {0, 1}, .stiffness = 1};
+  expect(b, nsdae_bodies_add_torsion(b, &torsion), NSDAE_E_ARGUMENT, "axis");
+  b = world(2);
+  const double point[3] = {0}, gravity[3] = {0, NAN, 0};
+  expect(b, nsdae_bodies_add_load(b, 0, point, NULL, NULL), NSDAE_E_ARGUMENT, "load");
+  b = world(2);
+  expect(b, nsdae_bodies_set_gravity(b, gravity), NSDAE_E_NONFINITE, "gravity");
+}
+
+/* Nothing can be added to what has become a system. */
+static void test_made(void **state)
+{
+  nsdae_system *system, *again;
+  nsdae_bodies *b = world(2);
+  (void)state;
+  assert_int_equal(nsdae_bodies_system(b, &system), NSDAE_OK);
+  assert_int_equal(nsdae_bodies_add(b, &good), NSDAE_E_STATE);
+  assert_int_equal(nsdae_bodies_system(b, &again), NSDAE_E_STATE);
+  nsdae_system_destroy(&system);
+  nsdae_bodies_destroy(&b);
+}
+
+/* Mass and inertia by formula against sums over a fine grid. */
+static void grid_inertia(const nsdae_solid *s, int d,
+                         int (*inside)(const double *, const nsdae_solid *))
+{
+  enum { N = 120 };
+  const double half = 1.2, h = 2 * half / N;
+  double mass = 0, sum[3] = {0}, given_mass, given[3];
+  for (int i = 0; i < N; i++)
+    for (int j = 0; j < N; j++)
+      for (int k = 0; k < (d == 2 ? 1 : N); k++) {
+        double x[3] = {(i + 0.5) * h - half, (j + 0.5) * h - half,
+                       d == 2 ? 0 : (k + 0.5) * h - half};
+        if (!inside(x, s)) continue;
+        double cell = d == 2 ? h * h : h * h * h;
+        mass += cell;
+        for (int l = 0; l < 3; l++)
+          sum[l] += cell * (x[(l + 1) % 3] * x[(l + 1) % 3] + x[(l + 2) % 3] * x[(l + 2) % 3]);
+      }
+  assert_int_equal(nsdae_solid_inertia(s, 2, &given_mass, given, NULL), NSDAE_OK);
+  assert_near(given_mass, 2 * mass, 0.02 * 2 * mass); /* the surface's cells are in or out */
+  for (int l = d == 2 ? 2 : 0; l < 3; l++) assert_near(given[l], 2 * sum[l], 0.03 * 2 * sum[l]);
+}
+
+static int in_ball(const double *x, const nsdae_solid *s)
+{
+  return x[0] * x[0] + x[1] * x[1] + x[2] * x[2] < s->radius * s->radius;
+}
+
+static int in_capsule(const double *x, const nsdae_solid *s)
+{
+  double z = fmax(fabs(x[2]) - s->length[2] / 2, 0);
+  return x[0] * x[0] + x[1] * x[1] + z * z < s->radius * s->radius;
+}
+
+static int in_box(const double *x, const nsdae_solid *s)
+{
+  for (int i = 0; i < 3; i++)
+    if (fabs(x[i]) > s->length[i] / 2) return 0;
+  return 1;
+}
+
+static const double triangle[6] = {-1, -1. / 3, 1, -1. / 3, 0, 2. / 3};
+
+static void test_inertia(void **state)
+{
+  double mass, inertia[3];
+  (void)state;
+  nsdae_solid s = {.shape = NSDAE_SHAPE_SPHERE, .radius = 0.9, .length = {1.6, 1, 0.8}};
+  grid_inertia(&s, 3, in_ball);
+  s.shape = NSDAE_SHAPE_DISC;
+  grid_inertia(&s, 2, in_ball);
+  s.shape = NSDAE_SHAPE_BOX;
+  grid_inertia(&s, 3, in_box);
+  s.shape = NSDAE_SHAPE_CAPSULE;
+  s.radius = 0.6;
+  grid_inertia(&s, 3, in_capsule);
+  s = (nsdae_solid){.shape = NSDAE_SHAPE_POLYGON, .points = 3, .point = triangle};
+  assert_int_equal(nsdae_solid_inertia(&s, 3, &mass, inertia, NULL), NSDAE_OK);
+  assert_near(mass, 3, 1e-15); /* base 2, height 1 */
+  assert_near(inertia[2], 3 * (4. / 24 + 1. / 18), 1e-15);
+  assert_int_equal(nsdae_solid_inertia(&s, 0, &mass, inertia, NULL), NSDAE_E_ARGUMENT);
+  s.shape = NSDAE_SHAPE_PLANE;
+  assert_int_equal(nsdae_solid_inertia(&s, 1, &mass, inertia, NULL), NSDAE_E_ARGUMENT);
+}
+
+int main(void)
+{
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_create), cmocka_unit_test(test_bodies),   cmocka_unit_test(test_joints),
+      cmocka_unit_test(test_solids), cmocka_unit_test(test_contacts), cmocka_unit_test(test_forces),
+      cmocka_unit_test(test_made),   cmocka_unit_test(test_inertia)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
