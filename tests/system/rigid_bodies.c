@@ -3,7 +3,6 @@
 #include "check.h"
 
 #include <float.h>
-#include <gsl/gsl_sf_ellint.h>
 
 #include "clearance_hinge.h"
 #include "crank_slider.h"
@@ -210,6 +209,18 @@ static void test_crank_slider(void **state)
   }
 }
 
+/* K(k) = pi / (2 agm(1, sqrt(1 - k^2))), Gauss's arithmetic-geometric mean. */
+static double complete_elliptic(double k)
+{
+  double a = 1, b = sqrt(1 - k * k);
+  while (fabs(a - b) > 4 * DBL_EPSILON) {
+    double mean = (a + b) / 2;
+    b = sqrt(a * b);
+    a = mean;
+  }
+  return acos(-1) / (a + b);
+}
+
 /* Columns: the axes that the unit quaternion p turns those of space into. */
 static void rotation(const double *p, double *R)
 {
@@ -254,7 +265,7 @@ static void test_polhode(void **state)
   nsdae_bodies_get_start(b, q, v);
   double speed = (J[2] - J[1]) * (square - twice_E * J[0]);
   double k = sqrt((J[1] - J[0]) * (twice_E * J[2] - square) / speed);
-  double period = 4 * gsl_sf_ellint_Kcomp(k, GSL_PREC_DOUBLE) * sqrt(J[0] * J[1] * J[2] / speed);
+  double period = 4 * complete_elliptic(k) * sqrt(J[0] * J[1] * J[2] / speed);
   outcome out = run(system, q, v, NSDAE_METHOD_EVENT, period / 50, period);
   for (int i = 0; i < 3; i++) assert_near(out.v[3 + i], w[i], 1e-9);
   /* angular momentum in space: R J omega, as at the start where R = 1 */
