@@ -46,6 +46,8 @@ static int open_trajectory(job *j)
                                       .compress = j->settings.compress,
                                       .t_end = j->settings.t_end};
   if (!j->settings.output[0]) return NSDAE_OK;
+  if (j->settings.restart[0])
+    return nsdae_trajectory_resume(j->sim, j->settings.restart, &info, &j->trajectory, &j->error);
   int status =
       nsdae_trajectory_create(j->sim, j->settings.output, &info, &j->trajectory, &j->error);
   /* a library without HDF5 still runs the examples, unless a file was asked for */
