@@ -558,6 +558,24 @@ public:
   /* Steps to t_end; the status is >= 0. */
   int run(double t_end) { return detail::demand_run(try_run(t_end), last_error()); }
 
+  /* The state as a value: nsdae_sim_get_state, nsdae_sim_set_state. */
+  std::vector<unsigned char> state() const
+  {
+    std::size_t size = 0;
+    detail::demand(nsdae_sim_state_size(c(), &size), last_error());
+    std::vector<unsigned char> block(size);
+    detail::demand(nsdae_sim_get_state(c(), block.data(), size), last_error());
+    return block;
+  }
+  int try_set_state(const std::vector<unsigned char> &block) noexcept
+  {
+    return detail::attempt([&] { return nsdae_sim_set_state(c(), block.data(), block.size()); });
+  }
+  void set_state(const std::vector<unsigned char> &block)
+  {
+    detail::demand(try_set_state(block), last_error());
+  }
+
   /* Its pointers hold until the next step. */
   nsdae_record record() const { return get<nsdae_record>(nsdae_sim_get_record); }
   /* nsdae_sim_get_stats. */

@@ -186,7 +186,8 @@ module nsdae_f_sim
             nsdae_sim_init, nsdae_sim_observe, nsdae_sim_unobserve, nsdae_sim_step, &
             nsdae_sim_run, nsdae_sim_get_record, nsdae_sim_get_stats, nsdae_sim_get_dims, &
             nsdae_sim_has_potential, nsdae_sim_get_options, nsdae_sim_get_failed_lcp, &
-            nsdae_sim_error, nsdae_sim_handle, nsdae_sim_get_system
+            nsdae_sim_error, nsdae_sim_handle, nsdae_sim_get_system, nsdae_sim_state_size, &
+            nsdae_sim_get_state, nsdae_sim_set_state
 
   interface
     subroutine nsdae_sim_options_default(options) bind(C)
@@ -257,6 +258,23 @@ module nsdae_f_sim
       import
       type(c_ptr), value :: sim
       type(nsdae_stats), intent(inout) :: stats
+    end function
+    integer(c_int) function c_state_size(sim, size) bind(C, name='nsdae_sim_state_size')
+      import
+      type(c_ptr), value :: sim
+      integer(c_size_t), intent(out) :: size
+    end function
+    integer(c_int) function c_get_state(sim, block, size) bind(C, name='nsdae_sim_get_state')
+      import
+      type(c_ptr), value :: sim
+      integer(c_int8_t), intent(inout) :: block(*)
+      integer(c_size_t), value :: size
+    end function
+    integer(c_int) function c_set_state(sim, block, size) bind(C, name='nsdae_sim_set_state')
+      import
+      type(c_ptr), value :: sim
+      integer(c_int8_t), intent(in) :: block(*)
+      integer(c_size_t), value :: size
     end function
     integer(c_int) function c_get_dims(sim, dims) bind(C, name='nsdae_sim_get_dims')
       import
@@ -452,6 +470,31 @@ contains
     type(nsdae_sim), intent(in) :: sim
     real(c_double), intent(in) :: t_end
     status = c_run(at(sim), t_end)
+  end function
+
+  ! The state as a value: so many bytes, fixed by system and options, that hold all that the next
+  ! step depends on. Set into a simulation of the same system and options the run goes on with the
+  ! same bytes as without.
+  integer(c_int) function nsdae_sim_state_size(sim, bytes) result(status)
+    type(nsdae_sim), intent(in) :: sim
+    integer(c_size_t), intent(out) :: bytes
+    bytes = 0
+    status = c_state_size(at(sim), bytes)
+  end function
+
+  ! Called by an observer it is the state right after the record it sees.
+  integer(c_int) function nsdae_sim_get_state(sim, block) result(status)
+    type(nsdae_sim), intent(in) :: sim
+    integer(c_int8_t), intent(inout), contiguous :: block(:)
+    status = c_get_state(at(sim), block, size(block, kind=c_size_t))
+  end function
+
+  ! The observers have seen it. A block that is none, damaged, or of another system, method or
+  ! options is refused by name, and the state is the one before.
+  integer(c_int) function nsdae_sim_set_state(sim, block) result(status)
+    type(nsdae_sim), intent(in) :: sim
+    integer(c_int8_t), intent(in), contiguous :: block(:)
+    status = c_set_state(at(sim), block, size(block, kind=c_size_t))
   end function
 
   ! The last record; NSDAE_E_STATE before nsdae_sim_init.

@@ -9,7 +9,8 @@ enum {
   RECORD_TERMS = NSDAE_TERM_MASS | NSDAE_TERM_PHI | NSDAE_TERM_GAP | NSDAE_TERM_POTENTIAL,
   ALL_TERMS = RECORD_TERMS | NSDAE_TERM_FORCE | NSDAE_TERM_JACOBIAN | NSDAE_TERM_PHI_T |
               NSDAE_TERM_OMEGA | NSDAE_TERM_NORMAL | NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS |
-              NSDAE_TERM_SLIDE
+              NSDAE_TERM_SLIDE,
+  EVERY_TERM = ALL_TERMS | NSDAE_TERM_ACCELERATION
 };
 
 /* T = v^T M v / 2 */
@@ -106,6 +107,16 @@ int nsdae_point_start(nsdae_sim *sim, nsdae_point *point)
   stats->rank = sim->system->dims.m;
   count(stats, &point->result.counters);
   certify(stats, &point->record);
+  return NSDAE_OK;
+}
+
+int nsdae_point_show(nsdae_point *point, unsigned have)
+{
+  nsdae_terms *end = &point->result.end;
+  int status = nsdae_terms_need(end, (have & EVERY_TERM) | RECORD_TERMS);
+  if (status < 0) return status;
+  end->have &= have | RECORD_TERMS; /* some callbacks give two */
+  fill_record(point);
   return NSDAE_OK;
 }
 

@@ -71,6 +71,9 @@ int nsdae_point_start(nsdae_sim *sim, nsdae_point *point);
  * before. NSDAE_OK, or what the terms return. */
 int nsdae_point_follow(const nsdae_point *before, nsdae_point *point, double impact_velocity);
 
+/* The record of a point whose result and accounts were set; have: terms to evaluate besides. */
+int nsdae_point_show(nsdae_point *point, unsigned have);
+
 /* Shows a record to the observers whose turn it is. NSDAE_OK, NSDAE_STOPPED, or the failure of one,
  * whose turn it then still is. */
 int nsdae_observers_tell(nsdae_sim *sim, const nsdae_record *record);

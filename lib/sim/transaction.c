@@ -49,11 +49,15 @@ static int prepare(nsdae_sim *sim, double t1)
     return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, "nsdae_sim", "dt",
                            "dt = %g is lost in rounding at t = %.17g: make it larger",
                            sim->options.dt, t0);
+  unsigned have = sim->now->result.end.have;
   int status = advance(sim, t1);
   sim->failed = is_problem(status) && sim->next->result.problem;
   if (status == NSDAE_OK)
     status = nsdae_point_follow(sim->now, sim->next, sim->options.impact_velocity);
-  if (status < 0) return status;
+  if (status < 0) {
+    sim->now->result.end.have = have; /* what a dropped step evaluated is not counted either */
+    return status;
+  }
   sim->next->accounts.grid_count += sim->next->result.end.t >= t1;
   sim->asked = t1;
   sim->observers.turn = sim->observers.stop = 0;
