@@ -8,8 +8,8 @@
 /* Reads the file at path, with user; returns a status. */
 typedef int (*probe_fn)(const char *path, void *user, nsdae_error *error);
 
-/* The status and error of read in a process of its own, with memory and time for a file of that length;
- * NSDAE_E_IO where the process did not come through it. */
+/* The status and error of read in a process of its own, with memory and time for a file of that
+ * length; NSDAE_E_IO where the process did not come through it. */
 int probe(const char *path, probe_fn read, void *user, nsdae_error *error);
 
 #endif

@@ -229,8 +229,8 @@ static int copy_word(char *word, size_t size, const char *from, nsdae_error *err
 static int read_told(const char *path, void *user, nsdae_error *error)
 {
   settings *s = user;
-  int status = nsdae_trajectory_read_params(path, "options", nsdae_sim_options_table(),
-                                            &s->options, error);
+  int status =
+      nsdae_trajectory_read_params(path, "options", nsdae_sim_options_table(), &s->options, error);
   if (status == NSDAE_OK)
     status = nsdae_trajectory_read_params(path, "parameters", s->model->parameters, s->model->base,
                                           error);
@@ -240,9 +240,13 @@ static int read_told(const char *path, void *user, nsdae_error *error)
 
 static int read_restart(settings *s, const char *path, nsdae_error *error)
 {
-  if (!*path) return usage_error(error, "--restart", "--restart needs a file name");
-  snprintf(s->restart, sizeof s->restart, "%s", path);
-  snprintf(s->output, sizeof s->output, "%s", path);
+  size_t length = strlen(path);
+  if (length == 0 || length >= sizeof s->restart)
+    return usage_error(error, "--restart",
+                       "--restart needs the name of a file, of at most %zu letters",
+                       sizeof s->restart - 1);
+  memcpy(s->restart, path, length + 1);
+  memcpy(s->output, path, length + 1);
   int status = probe(path, read_told, s, error);
   return status < 0 ? status : read_told(path, s, error);
 }

@@ -658,7 +658,8 @@ public:
   {
     trajectory made;
     nsdae_error record = nsdae_error();
-    detail::demand(nsdae_trajectory_resume(of.c(), path.c_str(), &info, &made.c_, &record), &record);
+    detail::demand(nsdae_trajectory_resume(of.c(), path.c_str(), &info, &made.c_, &record),
+                   &record);
     made.sim_ = of.guts_;
     return made;
   }

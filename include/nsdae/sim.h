@@ -172,19 +172,19 @@ NSDAE_API int nsdae_sim_get_failed_lcp(const nsdae_sim *sim, nsdae_lcp_problem *
  * NSDAE_STOPPED; < 0: a step failed, the state is the one before it. */
 NSDAE_API int nsdae_sim_run(nsdae_sim *sim, double t_end);
 
-/* The state as a value: a block of *size bytes, fixed by system and options, that holds all that the
- * next step depends on (time, q, v, the grid of steps, warm starts, modes, accumulations, accounts,
- * statistics but for the clock). Set into a simulation of the same system and options, now or in
- * another process, the run goes on with the same bytes as without, if the callbacks give the same.
- * Plain bytes of this machine's byte order: copied, kept and compared at will. */
+/* The state as a value: a block of *size bytes, fixed by system and options, that holds all that
+ * the next step depends on (time, q, v, the grid of steps, warm starts, modes, accumulations,
+ * accounts, statistics but for the clock). Set into a simulation of the same system and options,
+ * now or in another process, the run goes on with the same bytes as without, if the callbacks give
+ * the same. Plain bytes of this machine's byte order: copied, kept and compared at will. */
 NSDAE_API int nsdae_sim_state_size(const nsdae_sim *sim, size_t *size);
 /* Fills block [size]; called by an observer it is the state right after the record it sees.
  * NSDAE_E_STATE before nsdae_sim_init; NSDAE_E_ARGUMENT: another size. */
 NSDAE_API int nsdae_sim_get_state(nsdae_sim *sim, void *block, size_t size);
 /* Sets it; the observers have seen it. A block that is none, damaged, of another version, system,
  * method, or with other options or coefficients that matter to the method is NSDAE_E_ARGUMENT by
- * name, a number that is not finite NSDAE_E_NONFINITE: the state is then the one before. The lists of
- * impacts and changes of the record are empty. */
+ * name, a number that is not finite NSDAE_E_NONFINITE: the state is then the one before. The lists
+ * of impacts and changes of the record are empty. */
 NSDAE_API int nsdae_sim_set_state(nsdae_sim *sim, const void *block, size_t size);
 
 /* The last record; NSDAE_E_STATE before nsdae_sim_init. */

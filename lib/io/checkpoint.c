@@ -14,11 +14,10 @@ enum { PLACES = 2 };
 /* In front of the state in its place. */
 typedef struct head {
   char magic[8];
-  int64_t sequence; /* from 1 */
   int64_t rows[NSDAE_CHECKPOINT_TABLES];
   int64_t step;
-  int64_t size;  /* of the state */
-  uint64_t sum;  /* of all but itself */
+  int64_t size; /* of the state */
+  uint64_t sum; /* of all but itself */
 } head;
 
 static const char magic[8] = "nsdae-st";
@@ -68,18 +67,17 @@ static unsigned char *state_of(const nsdae_checkpoint *c)
 int nsdae_checkpoint_write(nsdae_checkpoint *checkpoint, nsdae_h5 *h5, nsdae_sim *sim,
                            const nsdae_checkpoint_mark *mark)
 {
-  head h = {.sequence = checkpoint->sequence + 1,
-            .step = mark->step,
-            .size = (int64_t)checkpoint->size};
+  head h = {.step = mark->step, .size = (int64_t)checkpoint->size};
+  int next = (checkpoint->newest + 1) % PLACES;
   int status = nsdae_sim_get_state(sim, state_of(checkpoint), checkpoint->size);
   if (status < 0) return status;
   memcpy(h.magic, magic, sizeof magic);
   for (int i = 0; i < NSDAE_CHECKPOINT_TABLES; i++) h.rows[i] = (int64_t)mark->rows[i];
   h.sum = sum_of(&h, state_of(checkpoint), checkpoint->size);
   memcpy(checkpoint->place, &h, sizeof h);
-  status = nsdae_h5_write_row(h5, checkpoint->set, (hsize_t)h.sequence % PLACES,
-                              sizeof h + checkpoint->size, checkpoint->place);
-  if (status == NSDAE_OK) checkpoint->sequence++;
+  status = nsdae_h5_write_row(h5, checkpoint->set, (hsize_t)next, sizeof h + checkpoint->size,
+                              checkpoint->place);
+  if (status == NSDAE_OK) checkpoint->newest = next;
   return status;
 }
 
@@ -112,34 +110,34 @@ static int is_good(const nsdae_checkpoint *c, const hsize_t rows[NSDAE_CHECKPOIN
   return 1;
 }
 
-/* Reads a place; its sequence, or 0 where there is nothing good in it. */
+/* Reads a place; the step of its state, or -1 where there is nothing good in it. */
 static int read_place(nsdae_checkpoint *c, nsdae_h5 *h5, int place, const hsize_t *rows,
-                      int64_t *sequence)
+                      int64_t *step)
 {
   head h;
-  *sequence = 0;
+  *step = -1;
   int status = nsdae_h5_read_row(h5, c->set, (hsize_t)place, sizeof h + c->size, c->place);
   if (status < 0 || !is_good(c, rows)) return status;
   memcpy(&h, c->place, sizeof h);
-  *sequence = h.sequence;
+  *step = h.step;
   return NSDAE_OK;
 }
 
 int nsdae_checkpoint_take(nsdae_checkpoint *checkpoint, nsdae_h5 *h5, nsdae_sim *sim,
-                          const hsize_t rows[NSDAE_CHECKPOINT_TABLES],
-                          nsdae_checkpoint_mark *mark)
+                          const hsize_t rows[NSDAE_CHECKPOINT_TABLES], nsdae_checkpoint_mark *mark)
 {
   head h;
-  int64_t sequence[PLACES];
-  int status = read_place(checkpoint, h5, 0, rows, &sequence[0]);
-  if (status == NSDAE_OK) status = read_place(checkpoint, h5, 1, rows, &sequence[1]);
+  int64_t step[PLACES];
+  int status = read_place(checkpoint, h5, 0, rows, &step[0]);
+  if (status == NSDAE_OK) status = read_place(checkpoint, h5, 1, rows, &step[1]);
   if (status < 0) return status;
-  if (sequence[0] == 0 && sequence[1] == 0)
-    return unusable(h5, "no state in it is whole: it was killed before its first flush, or damaged");
-  status = read_place(checkpoint, h5, sequence[1] < sequence[0] ? 0 : 1, rows, &sequence[0]);
+  if (step[0] < 0 && step[1] < 0)
+    return unusable(h5,
+                    "no state in it is whole: it was killed before its first flush, or damaged");
+  checkpoint->newest = step[1] < step[0] ? 0 : 1;
+  status = read_place(checkpoint, h5, checkpoint->newest, rows, &step[0]);
   if (status < 0) return status;
   memcpy(&h, checkpoint->place, sizeof h);
-  checkpoint->sequence = (long)h.sequence;
   mark->step = (long)h.step;
   for (int i = 0; i < NSDAE_CHECKPOINT_TABLES; i++) mark->rows[i] = (hsize_t)h.rows[i];
   status = nsdae_sim_set_state(sim, state_of(checkpoint), checkpoint->size);

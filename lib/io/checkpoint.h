@@ -13,7 +13,7 @@ enum { NSDAE_CHECKPOINT_TABLES = 3 };
 typedef struct nsdae_checkpoint {
   hid_t set;            /* < 0: none */
   size_t size;          /* of a state */
-  long sequence;        /* of the last one written or found; 0: none */
+  int newest;           /* place of the last one written or found */
   unsigned char *place; /* memory of one place */
 } nsdae_checkpoint;
 

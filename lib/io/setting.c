@@ -179,9 +179,14 @@ int nsdae_trajectory_read_params(const char *path, const char *group, const nsda
   nsdae_error own;
   nsdae_setting setting;
   int status;
-  const char *missing = !path ? "path" : !group ? "group" : !table ? "table" : !base ? "base" : NULL;
+  const char *missing = !path    ? "path"
+                        : !group ? "group"
+                        : !table ? "table"
+                        : !base  ? "base"
+                                 : NULL;
   nsdae_error_clear(error);
-  if (missing) return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, missing, "%s is NULL", missing);
+  if (missing)
+    return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, missing, "%s is NULL", missing);
   nsdae_h5 h5 = {.file = -1, .path = path, .where = where, .error = error ? error : &own};
   NSDAE_H5_QUIETLY(status, read_setting(&setting, &h5))
   if (status < 0) return status;

@@ -40,8 +40,8 @@ struct nsdae_trajectory {
   nsdae_axes axes;
   long every; /* records of such steps are kept */
   int compress;
-  long step;                /* of the last record that was seen */
-  hsize_t before[TABLES];   /* rows without it */
+  long step;              /* of the last record that was seen */
+  hsize_t before[TABLES]; /* rows without it */
   nsdae_checkpoint checkpoint;
   int resumed;
   int extra; /* 1: the last row is the end of a run whose step would not have been kept */
@@ -339,8 +339,7 @@ static int compare(nsdae_trajectory *t, const nsdae_trajectory_info *info)
   if (status == NSDAE_OK) status = nsdae_setting_compare(&own, &file, t->path, t->h5.error);
   if (status == NSDAE_OK)
     status = adopt(t, &file, "every", info->every > 1 ? info->every : 1, 1, &every);
-  if (status == NSDAE_OK)
-    status = adopt(t, &file, "compress", info->compress, 0, &t->compress);
+  if (status == NSDAE_OK) status = adopt(t, &file, "compress", info->compress, 0, &t->compress);
   t->every = every > 0 ? every : 1;
   t->series[RECORDS].packed = t->compress > 0;
   nsdae_setting_release(&own);
@@ -503,6 +502,8 @@ static int flush_last(nsdae_trajectory *t)
 {
   int status = append_last(t);
   if (status == NSDAE_OK) status = flush(t, NSDAE_SERIES_ALL);
+  if (status == NSDAE_OK)
+    status = write_state(t); /* both places: the same bytes whenever the flushes were */
   for (int i = 0; i < TABLES && status == NSDAE_OK && t->resumed; i++)
     status = nsdae_series_cut(&t->series[i], &t->h5);
   return status;
