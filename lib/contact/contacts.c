@@ -99,7 +99,7 @@ static void close_contacts(nsdae_contacts *c, const double *gap, const int *clos
   int count = 0, columns = 0, rows = 0;
   nsdae_impulses_clear(results, &c->system->dims);
   c->results = results;
-  c->lcp.info = (nsdae_lcp_info){.outcome = NSDAE_LCP_SOLVED};
+  c->lcp.info = (nsdae_lcp_info){.outcome = NSDAE_OUTCOME_SOLVED};
   for (int i = 0; i < c->system->dims.k; i++) {
     if (gap ? gap[i] > 0 : !closed[i]) continue;
     c->active[count] = i;

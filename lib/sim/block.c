@@ -331,7 +331,7 @@ static int read_block(nsdae_sim *sim, const void *block)
   nsdae_result_clear(r);
   int status = check_settings(sim, &c);
   visit_point(&c, p, &r->end.t, &have);
-  r->memory.stamp = -1;
+  r->memory.stamp = p->accounts.step == 0 ? 0 : -1; /* all zero before the first */
   r->end.have = 0;
   if (status == NSDAE_OK) status = check_values(sim);
   nsdae_stepper_count(&sim->stepper, &state, r);

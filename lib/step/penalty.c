@@ -47,7 +47,6 @@ typedef struct penalty_base {
   double *peak;                      /* k: largest force since */
   double *end;                       /* REPLAY_MAX: steps since then ended there, */
   int *ends;                         /* 1: so many */
-  int *there;                        /* 1: 0 after an init, where there is no base yet */
   int *closed;                       /* k: in contact */
 } penalty_base;
 
@@ -234,7 +233,7 @@ static void sizes(const nsdae_stepper *s, size_t *reals, size_t *wholes)
   const nsdae_dims *d = &s->system->dims;
   size_t k = (size_t)d->k, kt = k * (size_t)d->nt;
   *reals = 2 + (size_t)at_work(d) + 5 * k + kt + REPLAY_MAX;
-  *wholes = nsdae_contacts_memory_size(&s->contacts) + 2 + k;
+  *wholes = nsdae_contacts_memory_size(&s->contacts) + 1 + k;
 }
 
 /* Lays the base over the memory of a step. */
@@ -253,8 +252,7 @@ static void find_base(penalty *p, nsdae_memory *memory)
   b->impulse_t = b->peak + k;
   b->end = b->impulse_t + k * (size_t)d->nt;
   b->ends = memory->whole + nsdae_contacts_memory_size(&p->stepper->contacts);
-  b->there = b->ends + 1;
-  b->closed = b->there + 1;
+  b->closed = b->ends + 1;
 }
 
 static int check_law(const nsdae_stepper *s)
@@ -304,7 +302,6 @@ static int start(penalty *p, double t)
   penalty_base *b = &p->base;
   *b->t = t;
   *b->ends = 0;
-  *b->there = 1;
   memcpy(b->y, p->y, (size_t)p->n * sizeof *b->y);
   memcpy(b->peak, p->peak, (size_t)p->stepper->system->dims.k * sizeof *b->peak);
   return nsdae_ode_start(p->ode, t, p->y);
@@ -535,8 +532,8 @@ static void read_results(const penalty *p, nsdae_result *result, double t, doubl
 static int arrive(penalty *p, const nsdae_state *state, nsdae_counters *counters)
 {
   long stamp = state->memory->stamp;
-  if (!*p->base.there) return begin(p, state->terms);
-  if (stamp != 0 && stamp == p->stamp) return NSDAE_OK;
+  if (stamp == 0) return begin(p, state->terms);
+  if (stamp == p->stamp) return NSDAE_OK;
   nsdae_counters counted = *counters;
   int status = replay(p, state->terms);
   *counters = counted;

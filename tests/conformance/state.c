@@ -86,11 +86,6 @@ static void open_transcript(transcript *t, const bench *b, long after)
   *t = (transcript){.dims = b->dims, .last = after};
 }
 
-static int takes_states(int method)
-{
-  return method != NSDAE_METHOD_EVENT;
-}
-
 static void use_model(bench *b, const driver_model *model)
 {
   *b = (bench){0};
@@ -183,7 +178,6 @@ static void elsewhere(bench *b, int method)
   unsigned char *taken[TAKEN], *last;
   long at[TAKEN];
   size_t size;
-  if (!takes_states(method)) return;
   nsdae_sim *sim = start(b, method, &whole), *other;
   if (!sim) return;
   for (int i = 0, s = 0; s < STEPS; s++) {
@@ -277,7 +271,7 @@ static void test_callbacks(void **state)
   static bench b;
   (void)state;
   for (int method = 0; nsdae_method_name(method); method++)
-    for (uint64_t seed = 1; seed <= SYSTEMS && takes_states(method); seed++) {
+    for (uint64_t seed = 1; seed <= SYSTEMS; seed++) {
       use_random(&b, seed);
       nsdae_sim *sim = make(&b, method);
       if (sim) {
@@ -451,7 +445,6 @@ static void test_long(void **state)
   size_t size;
   (void)state;
   for (int method = 0; nsdae_method_name(method); method++) {
-    if (!takes_states(method)) continue;
     use_model(&b, &crank_slider_model);
     b.options.dt = 2e-6; /* before its first contact */
     nsdae_sim *sim = make(&b, method), *other = make(&b, method);

@@ -138,9 +138,10 @@ static void test_many_parts(void **state)
     fixture f;
     prepare(&f);
     assert_int_equal(resume(&f), NSDAE_OK);
-    assert_int_equal(nsdae_sim_run(f.sim, 0.1 * i - 0.05), NSDAE_OK);
-    assert_int_equal(nsdae_trajectory_flush(f.trajectory, NULL), NSDAE_OK);
-    assert_int_equal(nsdae_sim_run(f.sim, 0.1 * i), NSDAE_OK);
+    for (int step = 0; step < 100; step++) {
+      assert_true(nsdae_sim_step(f.sim) >= 0);
+      if (step == 50) assert_int_equal(nsdae_trajectory_flush(f.trajectory, NULL), NSDAE_OK);
+    }
     leave(&f, NSDAE_OK);
   }
   expect_same();
@@ -278,7 +279,7 @@ int main(void)
   };
   H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
   int failed = cmocka_run_group_tests(tests, NULL, NULL);
-  remove(path);
-  remove(whole_path);
+  if(!getenv("KEEP")) remove(path);
+  if(!getenv("KEEP")) remove(whole_path);
   return failed;
 }

@@ -17,40 +17,43 @@
 #include "exact.h"
 
 /* Rows index[0 .. size] of the columns index[0 .. size - 1] of A and of d = 1, factored. */
-static int factor(nsdae_chain *c, int size)
+static int factor(nsdae_lcp_work *w, int size)
 {
   size_t order = (size_t)size + 1;
   for (size_t j = 0; j <= (size_t)size; j++)
     for (size_t i = 0; i < order; i++)
-      c->lu[j * order + i] =
-          j == (size_t)size ? 1 : c->A[(size_t)c->index[j] * (size_t)c->n + (size_t)c->index[i]];
-  return nsdae_la_lu(size + 1, c->lu, size + 1, c->pivot);
+      w->room.lu[j * order + i] =
+          j == (size_t)size
+              ? 1
+              : w->scaled.A[(size_t)w->room.index[j] * (size_t)w->n + (size_t)w->room.index[i]];
+  return nsdae_la_lu(size + 1, w->room.lu, size + 1, w->room.pivot);
 }
 
-/* The direction, to the problem's own scale, in c->cover: index[size] is the pair out of the basis,
- * of which x (or y) grows at the rate one. */
-static void direction(nsdae_chain *c, int size, int of_x)
+/* The direction, to the problem's own scale, in w->room.cover: index[size] is the pair out of the
+ * basis, of which x (or y) grows at the rate one. */
+static void direction(nsdae_lcp_work *w, int size, int of_x)
 {
-  int k = c->index[size];
+  int k = w->room.index[size];
   for (int i = 0; i <= size; i++) {
-    const double *column = c->A + (size_t)k * (size_t)c->n;
-    c->rhs[i] = of_x ? -column[c->index[i]] : i == size;
+    const double *column = w->scaled.A + (size_t)k * (size_t)w->n;
+    w->room.rhs[i] = of_x ? -column[w->room.index[i]] : i == size;
   }
-  nsdae_la_lu_solve(size + 1, c->lu, size + 1, c->pivot, c->rhs);
-  memset(c->cover, 0, (size_t)c->n * sizeof *c->cover);
-  for (int i = 0; i < size; i++) c->cover[c->index[i]] = c->rhs[i] * c->column[c->index[i]];
-  if (of_x) c->cover[k] = c->column[k];
+  nsdae_la_lu_solve(size + 1, w->room.lu, size + 1, w->room.pivot, w->room.rhs);
+  memset(w->room.cover, 0, (size_t)w->n * sizeof *w->room.cover);
+  for (int i = 0; i < size; i++)
+    w->room.cover[w->room.index[i]] = w->room.rhs[i] * w->scaled.column[w->room.index[i]];
+  if (of_x) w->room.cover[k] = w->scaled.column[k];
 }
 
 /* What x proves: x >= 0, not zero, and where it is positive A x is negative, or not positive. */
-static int proves(const nsdae_chain *c, const double *x)
+static int proves(const nsdae_lcp_work *w, const double *x)
 {
-  const nsdae_lcp_problem *p = c->problem;
+  const nsdae_lcp_problem *p = w->problem;
   int any = 0, proof = NSDAE_LCP_RAY_NOT_COPOSITIVE;
-  for (int i = 0; i < c->n; i++) {
+  for (int i = 0; i < w->n; i++) {
     if (!(x[i] >= 0 && isfinite(x[i]))) return NSDAE_LCP_RAY_NOTHING;
     if (x[i] == 0) continue;
-    int sign = nsdae_exact_sign(c->n, p->A + i, p->lda, x);
+    int sign = nsdae_exact_sign(w->n, p->A + i, p->lda, x);
     if (sign > 0) return NSDAE_LCP_RAY_NOTHING;
     if (sign == 0) proof = NSDAE_LCP_RAY_NOT_STRICTLY_COPOSITIVE;
     any = 1;
@@ -67,22 +70,22 @@ static void clip(int n, double *x)
     if (fabs(x[i]) < 1e-12 * most) x[i] = 0;
 }
 
-void nsdae_chain_read_ray(nsdae_chain *c)
+void nsdae_lcp_read_ray(nsdae_lcp_work *w)
 {
   int size = 0;
-  for (int i = 0; i < c->n; i++)
-    if (c->trial[i]) c->index[size++] = i;
-  if (c->n > NSDAE_RAY_MAX || size == c->n) return;
-  for (int k = 0; k < c->n; k++) {
-    if (c->trial[k]) continue;
-    c->index[size] = k;
-    if (factor(c, size) != 0) continue;
+  for (int i = 0; i < w->n; i++)
+    if (w->room.trial[i]) w->room.index[size++] = i;
+  if (w->n > NSDAE_RAY_MAX || size == w->n) return;
+  for (int k = 0; k < w->n; k++) {
+    if (w->room.trial[k]) continue;
+    w->room.index[size] = k;
+    if (factor(w, size) != 0) continue;
     for (int of_x = 0; of_x < 2; of_x++) {
-      direction(c, size, of_x);
-      clip(c->n, c->cover);
-      int proof = proves(c, c->cover);
+      direction(w, size, of_x);
+      clip(w->n, w->room.cover);
+      int proof = proves(w, w->room.cover);
       if (proof == NSDAE_LCP_RAY_NOTHING) continue;
-      c->info->ray = proof;
+      w->info->ray = proof;
       if (proof == NSDAE_LCP_RAY_NOT_COPOSITIVE) return;
     }
   }

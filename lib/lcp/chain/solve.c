@@ -17,38 +17,30 @@ void nsdae_lcp_options_default(nsdae_lcp_options *options)
 
 const char *nsdae_lcp_stage_name(int stage)
 {
-  static const char *const name[] = {"trivial", "warm",      "lemke", "covering",
-                                     "further", "enumerate", "prove"};
-  if (stage == NSDAE_LCP_NONE) return "none";
-  for (int i = 0; i < 7; i++)
-    if (stage == 1 << i) return name[i];
-  return "unknown";
-}
-
-static const char *choose(const char *const name[3], int value)
-{
-  return value >= 0 && value <= 2 ? name[value] : "unknown";
-}
-
-const char *nsdae_lcp_outcome_name(int outcome)
-{
-  return choose((const char *const[]){"unsolved", "solved", "infeasible"}, outcome);
-}
-
-const char *nsdae_lcp_proof_name(int proof)
-{
-  return choose((const char *const[]){"none", "farkas", "enumerated"}, proof);
+  switch (stage) {
+  case NSDAE_LCP_NONE:
+    return "none";
+#define NAME(name, value, word, text) \
+  case value:                         \
+    return word;
+    NSDAE_LCP_STAGE_LIST(NAME)
+#undef NAME
+  default:
+    return "unknown";
+  }
 }
 
 const char *nsdae_lcp_ray_name(int ray)
 {
-  return choose((const char *const[]){"nothing", "not copositive", "not strictly copositive"}, ray);
+  static const char *const name[] = {"nothing", "not copositive", "not strictly copositive"};
+  return ray >= 0 && ray <= NSDAE_LCP_RAY_NOT_STRICTLY_COPOSITIVE ? name[ray] : "unknown";
 }
 
 int nsdae_lcp_workspace(int n, int *lwork, int *liwork)
 {
   if (n < 0 || n > LARGEST || !lwork || !liwork) return NSDAE_E_ARGUMENT;
-  return nsdae_chain_sizes(n, lwork, liwork);
+  nsdae_lcp_islands_sizes(n, lwork, liwork);
+  return NSDAE_OK;
 }
 
 static int in_range(const nsdae_lcp_options *o)
@@ -99,21 +91,21 @@ int nsdae_lcp_solve_in(const nsdae_lcp_problem *problem, const nsdae_lcp_options
   nsdae_lcp_info own;
   int need, ineed;
   nsdae_lcp_options_default(&defaults);
-  nsdae_chain c = {.problem = problem,
-                   .options = options ? options : &defaults,
-                   .info = info ? info : &own,
-                   .basis = basis,
-                   .x = x,
-                   .y = y};
-  *c.info = (nsdae_lcp_info){.residual = INFINITY};
-  int status = check(problem, c.options, x, y);
+  nsdae_lcp_work w = {.problem = problem,
+                      .options = options ? options : &defaults,
+                      .info = info ? info : &own,
+                      .basis = basis,
+                      .x = x,
+                      .y = y};
+  *w.info = (nsdae_lcp_info){.residual = INFINITY};
+  int status = check(problem, w.options, x, y);
   if (status != NSDAE_OK) return status;
-  c.n = problem->n;
-  nsdae_lcp_workspace(c.n, &need, &ineed);
-  if (!work || lwork < need || !iwork || liwork < ineed || (c.n > 0 && !basis))
+  w.n = problem->n;
+  nsdae_lcp_workspace(w.n, &need, &ineed);
+  if (!work || lwork < need || !iwork || liwork < ineed || (w.n > 0 && !basis))
     return NSDAE_E_ARGUMENT;
-  nsdae_chain_lay_out(&c, work, iwork);
-  return nsdae_chain_run(&c, work, lwork, iwork);
+  nsdae_lcp_work_lay_out(&w, work, iwork);
+  return nsdae_lcp_islands_run(&w, work, lwork, iwork);
 }
 
 int nsdae_lcp_solve(const nsdae_lcp_problem *problem, const nsdae_lcp_options *options, double *x,

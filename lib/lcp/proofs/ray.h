@@ -2,13 +2,13 @@
 #ifndef NSDAE_LCP_RAY_H
 #define NSDAE_LCP_RAY_H
 
-#include "chain.h"
+#include "work.h"
 
 /* Largest problem whose ray is looked at. */
 enum { NSDAE_RAY_MAX = 60 };
 
-/* Sets info->ray from the basis in c->trial, on which Lemke's method with the covering vector of
+/* Sets info->ray from the basis in w->trial, on which Lemke's method with the covering vector of
  * ones ended without a blocking row. */
-void nsdae_chain_read_ray(nsdae_chain *c);
+void nsdae_lcp_read_ray(nsdae_lcp_work *w);
 
 #endif
