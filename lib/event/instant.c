@@ -1,5 +1,6 @@
 #include "instant.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -127,10 +128,13 @@ static int arrive(nsdae_event_instant *p, double t, double *y)
   nsdae_event_move(s, t, y);
   int status = nsdae_terms_need(s->here, NSDAE_EVENT_TERMS);
   if (status < 0) return status;
+  const nsdae_terms *T = s->here;
   double size = nsdae_event_position_size(s);
   for (int i = 0; i < s->system->dims.k; i++) {
+    double gap = T->gap[i], rate = nsdae_terms_rate(T, T->W_N, T->w_N, i, T->v);
+    double rounding = 1e3 * DBL_EPSILON * fabs(t * rate); /* of the time where it was found */
     is->touching[i] |= nsdae_event_touches(s, i);
-    is->candidate[i] |= is->touching[i] && s->here->gap[i] <= 2 * size;
+    is->candidate[i] |= is->touching[i] && (fabs(gap) <= 2 * size || gap < -2 * size - rounding);
   }
   return bring(p, t, y);
 }

@@ -8,6 +8,9 @@
 /* Of a time in a step: to the last digits. */
 enum { BISECTIONS = 60 };
 
+/* Of what counts as zero for a position: less deep between two steps a contact is none. */
+static const double DEEP = 0.1;
+
 void nsdae_event_integrator_layout(nsdae_event_integrator *e, nsdae_arena *arena)
 {
   const nsdae_event_setting *s = e->roots->phase->setting;
@@ -117,13 +120,14 @@ static double gap_at(nsdae_event_integrator *e, int i, double t, double *rate, i
 static double hidden_fall(nsdae_event_integrator *e, int i, double a, double b, int *status)
 {
   double low = a, rate = 0, gap = gap_at(e, i, b, &rate, status);
-  for (int n = 0; n < BISECTIONS && gap > 0 && *status == NSDAE_OK; n++) {
+  double deep = -DEEP * nsdae_event_position_size(e->roots->phase->setting);
+  for (int n = 0; n < BISECTIONS && gap > deep && *status == NSDAE_OK; n++) {
     double t = (a + b) / 2;
     gap = gap_at(e, i, t, &rate, status);
     *(rate < 0 ? &a : &b) = t;
-    if (gap <= 0) b = t;
+    if (gap <= deep) b = t;
   }
-  if (gap > 0 || *status < 0) return INFINITY;
+  if (gap > deep || *status < 0) return INFINITY;
   for (int n = 0; n < BISECTIONS && *status == NSDAE_OK; n++) {
     double t = (low + b) / 2;
     *(gap_at(e, i, t, &rate, status) > 0 ? &low : &b) = t;
