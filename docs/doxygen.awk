@@ -85,17 +85,18 @@ open { print finish(inside($0)); next }
   documented = 0
 }
 
-# the enum of the statuses, from their list
+# an enum from its list: the last text of an item describes it
+/^#define NSDAE_[A-Z_]+_LIST\(X\)/ { items = "" }
 /^ *X\(/ {
   item = $0
   sub(/^ *X\(/, "", item)
   split(item, field, ", ")
   text = item
-  sub(/^[^"]*"/, "", text)
-  sub(/".*/, "", text)
-  statuses = statuses "  " field[1] " = " field[2] ", /**< " text " */\n"
+  sub(/"\).*$/, "", text)
+  sub(/^.*"/, "", text)
+  items = items "  " field[1] " = " field[2] ", /**< " literal(text) " */\n"
 }
-/^#(define|undef) NSDAE_STATUS_ENUM/ { next }
-/^ *NSDAE_STATUS_LIST\(/ { printf "%s", statuses; next }
+/^#(define|undef) NSDAE_[A-Z_]+_ENUM/ { next }
+/^ *NSDAE_[A-Z_]+_LIST\(/ { printf "%s", items; next }
 
 { print }

@@ -185,10 +185,10 @@ static int read_file(job *j)
 
 static void print_certificate(const job *j, const nsdae_lcp_info *info)
 {
-  printf("outcome: %s\n", nsdae_lcp_outcome_name(info->outcome));
+  printf("outcome: %s\n", nsdae_outcome_name(info->outcome));
   printf("residual: %.2g\n", info->residual);
   printf("stage: %s\n", nsdae_lcp_stage_name(info->stage));
-  if (info->proof != NSDAE_LCP_PROOF_NONE) printf("proof: %s\n", nsdae_lcp_proof_name(info->proof));
+  if (info->proof != NSDAE_PROOF_NONE) printf("proof: %s\n", nsdae_proof_name(info->proof));
   if (info->ray != NSDAE_LCP_RAY_NOTHING) printf("ray: %s\n", nsdae_lcp_ray_name(info->ray));
   printf("n: %d\n", j->file.n);
   if (j->contacts > 0) printf("contacts: %d\n", j->contacts);

@@ -41,7 +41,10 @@ static int open_trajectory(job *j)
   const nsdae_trajectory_info info = {.model = j->model->name,
                                       .parameters = j->model->parameters,
                                       .parameters_base = j->model->base,
-                                      .live = j->settings.live};
+                                      .live = j->settings.live,
+                                      .every = j->settings.every,
+                                      .compress = j->settings.compress,
+                                      .t_end = j->settings.t_end};
   if (!j->settings.output[0]) return NSDAE_OK;
   int status =
       nsdae_trajectory_create(j->sim, j->settings.output, &info, &j->trajectory, &j->error);

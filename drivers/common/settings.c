@@ -13,6 +13,10 @@ static const nsdae_param run_entries[] = {
      NSDAE_OPEN_MIN, NULL},
     {"output", "", "trajectory file", NSDAE_PARAM_TEXT, offsetof(settings, output), 0, 0, 0, 0,
      NULL},
+    {"every", "1", "keep each such step in the trajectory", NSDAE_PARAM_INT,
+     offsetof(settings, every), 1, 1, 1e9, 0, NULL},
+    {"compress", "1", "trajectory compressed: 1 (fast) to 9 (small)", NSDAE_PARAM_INT,
+     offsetof(settings, compress), 0, 0, 9, 0, NULL},
     {"lcp_dump", "", "where the LCP of a failing step goes, for nsdae-lcp", NSDAE_PARAM_TEXT,
      offsetof(settings, lcp_dump), 0, 0, 0, 0, NULL},
 };
@@ -28,6 +32,7 @@ void settings_default(settings *s, const driver_model *model)
   nsdae_sim_options_default(&s->options);
   if (model->dt > 0) s->options.dt = model->dt;
   s->t_end = model->t_end;
+  s->every = 1;
   snprintf(s->output, sizeof s->output, "%s.h5", model->name);
 }
 
@@ -147,6 +152,8 @@ static const flag flags[] = {
     {"--set", "NAME=VALUE", ASSIGN, NULL, "a parameter or an option of those below; repeatable"},
     {"--params", "FILE", PARAMS, NULL, "parameters from a file of NAME = VALUE lines"},
     {"--output", "FILE.h5", SET, "output", "trajectory"},
+    {"--every", "N", SET, "every", "keep each N-th step, all impacts, and the end"},
+    {"--compress", "LEVEL", SET, "compress", "compress it: 1 (fast) .. 9 (small)"},
     {"--no-output", NULL, NO_OUTPUT, NULL, "write no trajectory"},
     {"--compare", NULL, COMPARE, NULL, "then all methods side by side, against a reference if any"},
     {"--live", NULL, LIVE, NULL, "let others read the trajectory while it is written (SWMR)"},

@@ -11,6 +11,7 @@ typedef struct settings {
   double t_end;
   char output[NSDAE_PARAM_TEXT_SIZE];   /* "": none */
   int output_named;                     /* by the user, not by default */
+  int every, compress;                  /* of the trajectory */
   char lcp_dump[NSDAE_PARAM_TEXT_SIZE]; /* "": none */
   int quiet, live, compare;
   int help, version;

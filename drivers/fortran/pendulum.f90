@@ -48,7 +48,8 @@ contains
     writes = .false.
     if (s%output == '') return
     status = nsdae_trajectory_create(sim, s%output, &
-                                     nsdae_trajectory_info('pendulum', s%parameters, s%live), &
+                                     nsdae_trajectory_info('pendulum', s%parameters, s%live, &
+                                                           s%every, s%compress, s%t_end), &
                                      trajectory, error)
     writes = status == NSDAE_OK
     if (status /= NSDAE_E_UNSUPPORTED .or. s%output_named) return

@@ -15,7 +15,7 @@ module pendulum_settings
     character(len=72) :: help
   end type
 
-  type(flag), parameter :: flags(13) = [ &
+  type(flag), parameter :: flags(15) = [ &
       flag('--method', 'NAME', 'method', 'one of the methods below'), &
       flag('--dt', 'S', 'dt', 'step [s]'), &
       flag('--t-end', 'S', 't_end', 'end time [s]'), &
@@ -24,6 +24,8 @@ module pendulum_settings
       flag('--set', 'NAME=VALUE', '', 'a parameter or an option of those below; repeatable'), &
       flag('--params', 'FILE', '', 'parameters from a file of NAME = VALUE lines'), &
       flag('--output', 'FILE.h5', 'output', 'trajectory'), &
+      flag('--every', 'N', 'every', 'keep each N-th step, all impacts, and the end'), &
+      flag('--compress', 'LEVEL', 'compress', 'compress it: 1 (fast) .. 9 (small)'), &
       flag('--no-output', '', '', 'write no trajectory'), &
       flag('--live', '', '', 'let others read the trajectory while it is written (SWMR)'), &
       flag('--quiet', '', '', 'print errors only'), &
@@ -34,6 +36,7 @@ module pendulum_settings
     type(pendulum) :: model
     type(nsdae_sim_options) :: options
     real(c_double) :: t_end = 7
+    integer(c_int) :: every = 1, compress = 0
     character(len=TEXT) :: output = 'pendulum.h5'
     logical :: output_named = .false., quiet = .false., live = .false.
     logical :: help = .false., version = .false.
@@ -50,6 +53,12 @@ contains
     if (status == NSDAE_OK) &
         status = nsdae_params_add(s%run, s%t_end, 't_end', 's', 'end time', 7d0, 0d0, &
                                   open=NSDAE_OPEN_MIN)
+    if (status == NSDAE_OK) &
+        status = nsdae_params_add(s%run, s%every, 'every', '1', &
+                                  'keep each such step in the trajectory', 1, 1, 1000000000)
+    if (status == NSDAE_OK) &
+        status = nsdae_params_add(s%run, s%compress, 'compress', '1', &
+                                  'trajectory compressed: 1 (fast) to 9 (small)', 0, 0, 9)
   end function
 
   subroutine settings_release(s)

@@ -16,6 +16,7 @@
 #ifndef NSDAE_FRICTION_H
 #define NSDAE_FRICTION_H
 
+#include <nsdae/certificate.h>
 #include <nsdae/status.h>
 
 #ifdef __cplusplus
@@ -52,29 +53,22 @@ typedef struct nsdae_friction_problem {
   const double *value;      /* H or W as above */
 } nsdae_friction_problem;
 
-/* Stages of the chain, in the order in which they are tried; options.stages is a sum of these. */
+/* X(name, value, word, what it does): the stages of the chain in the order in which they are tried,
+ * the one list that makes the enum, the names and the order. */
+#define NSDAE_FRICTION_STAGE_LIST(X)                                                             \
+  X(NSDAE_FRICTION_TRIVIAL, 1, "trivial", "every contact opens by itself: r = 0")                \
+  X(NSDAE_FRICTION_WARM, 2, "warm", "r on entry, sweeps and proximal Newton from it")            \
+  X(NSDAE_FRICTION_GAUSS_SEIDEL, 4, "gauss-seidel", "each contact solved exactly in turn")       \
+  X(NSDAE_FRICTION_SMOOTHING, 8, "smoothing", "path of smoothed problems, then proximal Newton") \
+  X(NSDAE_FRICTION_FURTHER, 16, "further", "other paths, then many sweeps and proximal Newton")
+
+/* options.stages is a sum of these. */
 enum nsdae_friction_stage {
   NSDAE_FRICTION_NONE = 0,
-  NSDAE_FRICTION_TRIVIAL = 1,      /* every contact opens by itself: r = 0 */
-  NSDAE_FRICTION_WARM = 2,         /* r on entry, and sweeps from it */
-  NSDAE_FRICTION_GAUSS_SEIDEL = 4, /* block Gauss-Seidel, each contact solved exactly in turn */
-  NSDAE_FRICTION_ALL = 7
-};
-
-/* What is known of the problem after the chain. */
-enum nsdae_friction_outcome {
-  NSDAE_FRICTION_UNSOLVED = 0,  /* no stage found a solution; nothing is proved */
-  NSDAE_FRICTION_SOLVED = 1,    /* residual below tolerance, computed afresh from the data */
-  NSDAE_FRICTION_INFEASIBLE = 2 /* proved: there is no solution */
-};
-
-/* What proves that there is no solution. */
-enum nsdae_friction_proof {
-  NSDAE_FRICTION_PROOF_NONE = 0,
-  NSDAE_FRICTION_PROOF_FARKAS = 1 /* l, zero in the tangential rows and >= 0 in the normal ones,
-                                     with H l = 0 (W l = 0) and C l = 0 but q . l < 0: then no u
-                                     with u_N >= 0 and u = 0 in the bilateral rows is reached,
-                                     whatever r; r holds l */
+  NSDAE_FRICTION_ALL = 31,
+#define NSDAE_FRICTION_STAGE_ENUM(name, value, word, text) name = value,
+  NSDAE_FRICTION_STAGE_LIST(NSDAE_FRICTION_STAGE_ENUM)
+#undef NSDAE_FRICTION_STAGE_ENUM
 };
 
 /* Fill with nsdae_friction_options_default first. */
@@ -82,17 +76,17 @@ typedef struct nsdae_friction_options {
   double tol;     /* bound on the residual of a solution, in (0, 1] */
   int stages;     /* sum of enum nsdae_friction_stage; default NSDAE_FRICTION_ALL */
   int max_sweeps; /* of block Gauss-Seidel over an island, >= 0; 0: as many as the chain sees fit */
-  int max_iterations; /* Newton and interior-point steps on an island, >= 0; 0: as above */
+  int max_iterations; /* Newton steps of an attempt on an island, >= 0; 0: as above */
 } nsdae_friction_options;
 
 /* How a problem was solved, or was not. */
 typedef struct nsdae_friction_info {
-  int outcome;        /* enum nsdae_friction_outcome */
+  int outcome;        /* enum nsdae_outcome */
   int stage;          /* enum nsdae_friction_stage that ended it: the last that an island took */
-  int proof;          /* enum nsdae_friction_proof */
+  int proof;          /* enum nsdae_proof */
   int islands;        /* parts that share no block, solved one by one */
   long sweeps;        /* of block Gauss-Seidel, over all islands */
-  int iterations;     /* Newton and interior-point steps, over all islands */
+  int iterations;     /* Newton steps, over all islands */
   int factorisations; /* of sparse matrices, over all islands */
   double residual;    /* see nsdae_friction_residual, of the r handed over */
 } nsdae_friction_info;
@@ -100,11 +94,9 @@ typedef struct nsdae_friction_info {
 /* tol 1e-10, every stage, no bounds but the chain's own. NULL is left alone. */
 NSDAE_API void nsdae_friction_options_default(nsdae_friction_options *options);
 
-/* Names of a stage ("gauss-seidel"), an outcome ("solved") and a proof ("farkas"); "unknown" for
- * any other value. */
+/* Name of a stage ("gauss-seidel"); "unknown" for any other value. Those of outcomes and proofs are
+ * in nsdae/certificate.h. */
 NSDAE_API const char *nsdae_friction_stage_name(int stage);
-NSDAE_API const char *nsdae_friction_outcome_name(int outcome);
-NSDAE_API const char *nsdae_friction_proof_name(int proof);
 
 /* Whether the problem is one: NSDAE_OK; NSDAE_E_ARGUMENT a size, an index or a coefficient is
  * outside its range, or W is not symmetric to 1e-10 of its diagonal; NSDAE_E_NONFINITE a NaN or an
@@ -116,11 +108,12 @@ NSDAE_API int nsdae_friction_check(const nsdae_friction_problem *problem, nsdae_
  *   problem  see above
  *   options  NULL: the defaults
  *   r [m]    in: a guess, with the stage NSDAE_FRICTION_WARM (zero: none; taken as zero where it is
- *            not finite); out: the solution, the best point found, or the vector of a proof
- *   u [m]    out: the velocities of r, computed afresh from the data; with a proof those of r = 0
- *   info     may be NULL
- * NSDAE_OK solved; NSDAE_E_INFEASIBLE proved without solution; NSDAE_E_LCP no solution found.
- * With any other status (those of nsdae_friction_check) r and u are as they were. */
+ *            not finite); out: the solution, the best point found, or with NSDAE_PROOF_FARKAS l,
+ * zero in the tangential rows and >= 0 in the normal ones, with H l = 0 (W l = 0) and C l = 0 but q
+ * . l < 0: then no u with u_N >= 0 and u = 0 in the bilateral rows is reached, whatever r u [m]
+ * out: the velocities of r, computed afresh from the data; with a proof those of r = 0 info     may
+ * be NULL NSDAE_OK solved; NSDAE_E_INFEASIBLE proved without solution; NSDAE_E_LCP no solution
+ * found. With any other status (those of nsdae_friction_check) r and u are as they were. */
 NSDAE_API int nsdae_friction_solve(const nsdae_friction_problem *problem,
                                    const nsdae_friction_options *options, double *r, double *u,
                                    nsdae_friction_info *info);

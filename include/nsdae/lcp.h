@@ -5,8 +5,9 @@
 #ifndef NSDAE_LCP_H
 #define NSDAE_LCP_H
 
-#include <nsdae/status.h>
+#include <nsdae/certificate.h>
 #include <nsdae/params.h>
+#include <nsdae/status.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -20,33 +21,25 @@ typedef struct nsdae_lcp_problem {
   const double *b; /* n */
 } nsdae_lcp_problem;
 
-/* Stages of the chain, in the order in which they are tried; options.stages is a sum of these. */
+/* X(name, value, word, what it does): the stages of the chain in the order in which they are tried,
+ * the one list that makes the enum, the names and the order. */
+#define NSDAE_LCP_STAGE_LIST(X)                                                             \
+  X(NSDAE_LCP_TRIVIAL, 1, "trivial", "b >= 0: x = 0")                                       \
+  X(NSDAE_LCP_WARM, 2, "warm", "the active set given on entry: one factorisation")          \
+  X(NSDAE_LCP_LEMKE, 4, "lemke", "lexicographic Lemke, covering vector of ones")            \
+  X(NSDAE_LCP_NEWTON, 8, "newton", "n >= 100: a few of the starts of further")              \
+  X(NSDAE_LCP_COVERING, 16, "covering", "Lemke with other covering vectors")                \
+  X(NSDAE_LCP_PROVE, 32, "prove", "the proof that no x >= 0 has A x + b >= 0")              \
+  X(NSDAE_LCP_FURTHER, 64, "further", "damped Newton on semismooth equations, many starts") \
+  X(NSDAE_LCP_ENUMERATE, 128, "enumerate", "small n: all active sets, or the proof of none")
+
+/* options.stages is a sum of these. */
 enum nsdae_lcp_stage {
   NSDAE_LCP_NONE = 0,
-  NSDAE_LCP_TRIVIAL = 1,    /* b >= 0: x = 0 */
-  NSDAE_LCP_WARM = 2,       /* the active set given on entry: one factorisation */
-  NSDAE_LCP_LEMKE = 4,      /* lexicographic Lemke, covering vector of ones in scaled rows */
-  NSDAE_LCP_COVERING = 8,   /* Lemke with other covering vectors */
-  NSDAE_LCP_PROVE = 64,     /* looks for the proof that no x >= 0 has A x + b >= 0 */
-  NSDAE_LCP_FURTHER = 16,   /* damped Newton on the semismooth equations, from many starts */
-  NSDAE_LCP_ENUMERATE = 32, /* all active sets, for small n; proves where there is no solution */
-  NSDAE_LCP_ALL = 127
-};
-
-/* What is known of the problem after the chain. */
-enum nsdae_lcp_outcome {
-  NSDAE_LCP_UNSOLVED = 0,  /* no stage found a solution; nothing is proved */
-  NSDAE_LCP_SOLVED = 1,    /* residual below tolerance, computed afresh from A and b */
-  NSDAE_LCP_INFEASIBLE = 2 /* proved: there is no solution */
-};
-
-/* What proves that there is no solution, checked in exact arithmetic on A and b as given. */
-enum nsdae_lcp_proof {
-  NSDAE_LCP_PROOF_NONE = 0,
-  NSDAE_LCP_PROOF_FARKAS = 1,    /* u >= 0 with A^T u <= 0 and b^T u < 0: for x >= 0, u^T (A x + b)
-                                    < 0, so that no x >= 0 has A x + b >= 0; y holds u */
-  NSDAE_LCP_PROOF_ENUMERATED = 2 /* A x + b >= 0 has an x >= 0, but every choice of which of x_i
-                                    and y_i is zero is excluded, by a vector of that kind each */
+  NSDAE_LCP_ALL = 255,
+#define NSDAE_LCP_STAGE_ENUM(name, value, word, text) name = value,
+  NSDAE_LCP_STAGE_LIST(NSDAE_LCP_STAGE_ENUM)
+#undef NSDAE_LCP_STAGE_ENUM
 };
 
 /* What the secondary ray on which Lemke's method ended proves about A: by its direction x >= 0, x
@@ -71,9 +64,9 @@ typedef struct nsdae_lcp_options {
 
 /* How a problem was solved, or was not. */
 typedef struct nsdae_lcp_info {
-  int outcome;     /* enum nsdae_lcp_outcome */
+  int outcome;     /* enum nsdae_outcome */
   int stage;       /* enum nsdae_lcp_stage that ended it */
-  int proof;       /* enum nsdae_lcp_proof */
+  int proof;       /* enum nsdae_proof */
   int ray;         /* enum nsdae_lcp_ray; looked for where there is no solution to hand over and n
                       is at most 60 */
   int pivots;      /* over all stages */
@@ -85,11 +78,9 @@ typedef struct nsdae_lcp_info {
 /* tol 1e-10, every stage, enumeration up to n = 12. NULL is left alone. */
 NSDAE_API void nsdae_lcp_options_default(nsdae_lcp_options *options);
 
-/* Names of a stage ("lemke"), an outcome ("solved"), a proof ("farkas") and what a ray proves ("not
- * copositive"); "unknown" for any other value. */
+/* Names of a stage ("lemke") and of what a ray proves ("not copositive"); "unknown" for any other
+ * value. Those of outcomes and proofs are in nsdae/certificate.h. */
 NSDAE_API const char *nsdae_lcp_stage_name(int stage);
-NSDAE_API const char *nsdae_lcp_outcome_name(int outcome);
-NSDAE_API const char *nsdae_lcp_proof_name(int proof);
 NSDAE_API const char *nsdae_lcp_ray_name(int ray);
 
 /* Solves the problem; allocates its own workspace, once. A problem whose matrix falls apart into
@@ -99,7 +90,10 @@ NSDAE_API const char *nsdae_lcp_ray_name(int ray);
  *   options  NULL: the defaults
  *   x [n]    in: a guess whose positive entries are the active set tried first (zero: none);
  *            out: the solution, or the best point found, or zero
- *   y [n]    out: A x + b; with NSDAE_LCP_PROOF_FARKAS, u
+ *   y [n]    out: A x + b; with NSDAE_PROOF_FARKAS, u >= 0 with A^T u <= 0 and b^T u < 0: for
+ *            x >= 0, u^T (A x + b) < 0, so that no x >= 0 has A x + b >= 0. With
+ *            NSDAE_PROOF_ENUMERATED an x >= 0 has, but no complementary one. Proofs are checked in
+ *            exact arithmetic on A and b as given
  *   info     may be NULL
  * NSDAE_OK solved; NSDAE_E_INFEASIBLE proved without solution; NSDAE_E_LCP no solution found.
  * With NSDAE_E_ARGUMENT (missing or outside its range), NSDAE_E_NONFINITE (a NaN or an infinity in

@@ -2,6 +2,7 @@
 #ifndef NSDAE_H
 #define NSDAE_H
 
+#include <nsdae/certificate.h>
 #include <nsdae/contact.h>
 #include <nsdae/kernels.h>
 #include <nsdae/lcp.h>

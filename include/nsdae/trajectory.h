@@ -20,6 +20,11 @@ typedef struct nsdae_trajectory_info {
   const void *parameters_base;    /* the struct that the table describes */
   int live;                       /* 1: can be read while it is written (HDF5's SWMR mode, which
                                      needs HDF5 1.10 or later to read) */
+  int every;    /* keeps the start and each every-th step after it, and the last state when the file
+                   is closed; impacts and changes of mode are all kept. 0 as 1: every step */
+  int compress; /* 1 (fast) .. 9 (small): records are compressed and go to the file by 1024, so that
+                   a killed run loses more of them; 0: not. Not with live */
+  double t_end; /* where the run is to end [s], for whoever goes on with it; 0: not known */
 } nsdae_trajectory_info;
 
 /* Makes the file (replacing one of that name) and adds itself to the observers of sim, which must
@@ -40,9 +45,14 @@ NSDAE_API int nsdae_trajectory_put_texts(nsdae_trajectory *trajectory, const cha
                                          const char *const *texts, const char *description,
                                          nsdae_error *error);
 
-/* Writes what is buffered, sets the attribute `status` to "complete" where run_status >= 0, else
- * to "failed", closes the file and sets *trajectory to NULL. The memory is released in any case.
- * NSDAE_E_IO: not all could be written; the text says what the file holds. */
+/* Writes what is buffered: from here on the file has every record so far, whatever becomes of the
+ * program. Runs do it four times a second by themselves. NSDAE_E_IO. */
+NSDAE_API int nsdae_trajectory_flush(nsdae_trajectory *trajectory, nsdae_error *error);
+
+/* Writes what is buffered, sets the attribute `status` to how the run ended: "stopped" for
+ * run_status NSDAE_STOPPED, "interrupted" for NSDAE_E_INTERRUPTED, "failed" for what else is < 0,
+ * "complete" for the rest; closes the file and sets *trajectory to NULL. The memory is released in
+ * any case. NSDAE_E_IO: not all could be written; the text says what the file holds. */
 NSDAE_API int nsdae_trajectory_close(nsdae_trajectory **trajectory, int run_status,
                                      nsdae_error *error);
 

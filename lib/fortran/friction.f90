@@ -17,16 +17,9 @@ module nsdae_f_friction
       NSDAE_FRICTION_TRIVIAL = 1, &
       NSDAE_FRICTION_WARM = 2, &
       NSDAE_FRICTION_GAUSS_SEIDEL = 4, &
-      NSDAE_FRICTION_ALL = 7
-
-  integer(c_int), parameter, public :: &
-      NSDAE_FRICTION_UNSOLVED = 0, &
-      NSDAE_FRICTION_SOLVED = 1, &
-      NSDAE_FRICTION_INFEASIBLE = 2
-
-  integer(c_int), parameter, public :: &
-      NSDAE_FRICTION_PROOF_NONE = 0, &
-      NSDAE_FRICTION_PROOF_FARKAS = 1
+      NSDAE_FRICTION_SMOOTHING = 8, &
+      NSDAE_FRICTION_FURTHER = 16, &
+      NSDAE_FRICTION_ALL = 31
 
   ! A problem: the arrays of the C struct, as pointers to arrays of the caller that have the target
   ! attribute. rows, compliance and, in the local form, size, M and f may be left null. first and
@@ -73,8 +66,8 @@ module nsdae_f_friction
     type(c_ptr) :: size, M, f, first, block, value
   end type
 
-  public :: nsdae_friction_options_default, nsdae_friction_stage_name, nsdae_friction_outcome_name, &
-            nsdae_friction_proof_name, nsdae_friction_check, nsdae_friction_solve, &
+  public :: nsdae_friction_options_default, nsdae_friction_stage_name, &
+            nsdae_friction_check, nsdae_friction_solve, &
             nsdae_friction_residual, nsdae_friction_create, nsdae_friction_solver_solve, &
             nsdae_friction_destroy
 
@@ -98,14 +91,6 @@ module nsdae_f_friction
     type(c_ptr) function c_stage_name(stage) bind(C, name='nsdae_friction_stage_name')
       import
       integer(c_int), value :: stage
-    end function
-    type(c_ptr) function c_outcome_name(outcome) bind(C, name='nsdae_friction_outcome_name')
-      import
-      integer(c_int), value :: outcome
-    end function
-    type(c_ptr) function c_proof_name(proof) bind(C, name='nsdae_friction_proof_name')
-      import
-      integer(c_int), value :: proof
     end function
     integer(c_int) function c_check(problem, error) bind(C, name='nsdae_friction_check')
       import
@@ -144,18 +129,6 @@ contains
     integer(c_int), intent(in) :: stage
     character(len=:), allocatable :: text
     text = from_c(c_stage_name(stage))
-  end function
-
-  function nsdae_friction_outcome_name(outcome) result(text)
-    integer(c_int), intent(in) :: outcome
-    character(len=:), allocatable :: text
-    text = from_c(c_outcome_name(outcome))
-  end function
-
-  function nsdae_friction_proof_name(proof) result(text)
-    integer(c_int), intent(in) :: proof
-    character(len=:), allocatable :: text
-    text = from_c(c_proof_name(proof))
   end function
 
   ! Whether the problem is one: NSDAE_OK, or NSDAE_E_ARGUMENT, NSDAE_E_NONFINITE, NSDAE_E_MASS,

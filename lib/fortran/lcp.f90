@@ -14,22 +14,12 @@ module nsdae_f_lcp
       NSDAE_LCP_TRIVIAL = 1, &
       NSDAE_LCP_WARM = 2, &
       NSDAE_LCP_LEMKE = 4, &
-      NSDAE_LCP_COVERING = 8, &
-      NSDAE_LCP_PROVE = 64, &
-      NSDAE_LCP_FURTHER = 16, &
-      NSDAE_LCP_ENUMERATE = 32, &
-      NSDAE_LCP_ALL = 127
-
-  integer(c_int), parameter, public :: &
-      NSDAE_LCP_UNSOLVED = 0, &
-      NSDAE_LCP_SOLVED = 1, &
-      NSDAE_LCP_INFEASIBLE = 2
-
-  ! What proves that there is no solution.
-  integer(c_int), parameter, public :: &
-      NSDAE_LCP_PROOF_NONE = 0, &
-      NSDAE_LCP_PROOF_FARKAS = 1, &
-      NSDAE_LCP_PROOF_ENUMERATED = 2
+      NSDAE_LCP_NEWTON = 8, &
+      NSDAE_LCP_COVERING = 16, &
+      NSDAE_LCP_PROVE = 32, &
+      NSDAE_LCP_FURTHER = 64, &
+      NSDAE_LCP_ENUMERATE = 128, &
+      NSDAE_LCP_ALL = 255
 
   ! What the secondary ray on which Lemke's method ended proves about A.
   integer(c_int), parameter, public :: &
@@ -83,8 +73,8 @@ module nsdae_f_lcp
     type(c_ptr) :: b
   end type
 
-  public :: nsdae_lcp_options_default, nsdae_lcp_stage_name, nsdae_lcp_outcome_name, &
-            nsdae_lcp_proof_name, nsdae_lcp_ray_name, nsdae_lcp_solve, nsdae_lcp_solve_in, &
+  public :: nsdae_lcp_options_default, nsdae_lcp_stage_name, &
+            nsdae_lcp_ray_name, nsdae_lcp_solve, nsdae_lcp_solve_in, &
             nsdae_lcp_workspace, nsdae_lcp_write, nsdae_lcp_read
   public :: shape_problem
 
@@ -104,14 +94,6 @@ module nsdae_f_lcp
     type(c_ptr) function c_stage_name(stage) bind(C, name='nsdae_lcp_stage_name')
       import
       integer(c_int), value :: stage
-    end function
-    type(c_ptr) function c_outcome_name(outcome) bind(C, name='nsdae_lcp_outcome_name')
-      import
-      integer(c_int), value :: outcome
-    end function
-    type(c_ptr) function c_proof_name(proof) bind(C, name='nsdae_lcp_proof_name')
-      import
-      integer(c_int), value :: proof
     end function
     type(c_ptr) function c_ray_name(ray) bind(C, name='nsdae_lcp_ray_name')
       import
@@ -159,18 +141,6 @@ contains
     integer(c_int), intent(in) :: stage
     character(len=:), allocatable :: text
     text = from_c(c_stage_name(stage))
-  end function
-
-  function nsdae_lcp_outcome_name(outcome) result(text)
-    integer(c_int), intent(in) :: outcome
-    character(len=:), allocatable :: text
-    text = from_c(c_outcome_name(outcome))
-  end function
-
-  function nsdae_lcp_proof_name(proof) result(text)
-    integer(c_int), intent(in) :: proof
-    character(len=:), allocatable :: text
-    text = from_c(c_proof_name(proof))
   end function
 
   function nsdae_lcp_ray_name(ray) result(text)

@@ -3,6 +3,7 @@
 ! are filled by the caller become optional arguments at the end, texts become characters.
 module nsdae
   use, intrinsic :: iso_c_binding, only: c_char, c_double, c_int, c_long
+  use nsdae_f_certificate
   use nsdae_f_friction
   use nsdae_f_kernels
   use nsdae_f_lcp

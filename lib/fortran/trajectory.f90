@@ -13,6 +13,9 @@ module nsdae_f_trajectory
     character(len=64) :: model = ''   ! e.g. "pendulum"
     type(nsdae_params) :: parameters = nsdae_params()  ! table of the model's parameters; empty: none
     logical :: live = .false.         ! can be read while it is written (HDF5's SWMR mode)
+    integer(c_int) :: every = 1       ! keeps each such step's record; impacts and changes all
+    integer(c_int) :: compress = 0    ! 1 (fast) .. 9 (small), 0: not; not with live
+    real(c_double) :: t_end = 0       ! where the run is to end [s]; 0: not known
   end type
 
   ! The struct of the C header.
@@ -21,6 +24,9 @@ module nsdae_f_trajectory
     type(c_ptr) :: parameters = c_null_ptr
     type(c_ptr) :: parameters_base = c_null_ptr
     integer(c_int) :: live = 0
+    integer(c_int) :: every = 0
+    integer(c_int) :: compress = 0
+    real(c_double) :: t_end = 0
   end type
 
   ! A file; nothing until nsdae_trajectory_create.
@@ -30,7 +36,7 @@ module nsdae_f_trajectory
   end type
 
   public :: nsdae_trajectory_create, nsdae_trajectory_put, nsdae_trajectory_put_texts, &
-            nsdae_trajectory_close
+            nsdae_trajectory_flush, nsdae_trajectory_close
 
   interface
     integer(c_int) function c_create(sim, path, info, trajectory, error) &
@@ -58,6 +64,11 @@ module nsdae_f_trajectory
       character(kind=c_char), intent(in) :: path(*), description(*)
       integer(c_int), value :: n
       type(c_ptr), intent(in) :: texts(*)
+      type(nsdae_c_error), intent(inout) :: error
+    end function
+    integer(c_int) function c_flush(trajectory, error) bind(C, name='nsdae_trajectory_flush')
+      import
+      type(c_ptr), value :: trajectory
       type(nsdae_c_error), intent(inout) :: error
     end function
     integer(c_int) function c_close(trajectory, run_status, error) &
@@ -95,6 +106,9 @@ contains
       to%parameters_base = base_of(info%parameters)
     end if
     if (info%live) to%live = 1
+    to%every = info%every
+    to%compress = info%compress
+    to%t_end = info%t_end
     status = c_create(nsdae_sim_handle(sim), c_path, to, trajectory%handle, why)
     call error_from_c(why, error)
   end function
@@ -139,8 +153,18 @@ contains
     call error_from_c(why, error)
   end function
 
-  ! Writes what is buffered, sets the attribute `status` to "complete" where run_status >= 0, else
-  ! to "failed", and closes the file. NSDAE_E_IO: not all could be written; the text says what the
+  ! Writes what is buffered: from here on the file has every record so far, whatever becomes of the
+  ! program. Runs do it four times a second by themselves. NSDAE_E_IO.
+  integer(c_int) function nsdae_trajectory_flush(trajectory, error) result(status)
+    type(nsdae_trajectory), intent(in) :: trajectory
+    type(nsdae_error), intent(out), optional :: error
+    type(nsdae_c_error) :: why
+    status = c_flush(trajectory%handle, why)
+    call error_from_c(why, error)
+  end function
+
+  ! Writes what is buffered, sets the attribute `status` to how the run ended, "complete",
+  ! "stopped", "interrupted" or "failed", and closes the file. NSDAE_E_IO: not all could be written; the text says what the
   ! file holds. One that was not made is allowed.
   integer(c_int) function nsdae_trajectory_close(trajectory, run_status, error) result(status)
     type(nsdae_trajectory), intent(inout) :: trajectory

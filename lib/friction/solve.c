@@ -9,6 +9,7 @@
 struct nsdae_friction_solver {
   nsdae_arena whole_memory, island_memory;
   nsdae_fc_whole whole;
+  nsdae_fc_matrix matrix;
   nsdae_fc_chain chain;
 };
 
@@ -19,23 +20,17 @@ void nsdae_friction_options_default(nsdae_friction_options *options)
 
 const char *nsdae_friction_stage_name(int stage)
 {
-  static const char *const name[] = {"trivial", "warm", "gauss-seidel"};
-  if (stage == NSDAE_FRICTION_NONE) return "none";
-  for (size_t i = 0; i < sizeof name / sizeof *name; i++)
-    if (stage == 1 << i) return name[i];
-  return "unknown";
-}
-
-const char *nsdae_friction_outcome_name(int outcome)
-{
-  static const char *const name[] = {"unsolved", "solved", "infeasible"};
-  return outcome >= 0 && outcome <= 2 ? name[outcome] : "unknown";
-}
-
-const char *nsdae_friction_proof_name(int proof)
-{
-  static const char *const name[] = {"none", "farkas"};
-  return proof >= 0 && proof <= 1 ? name[proof] : "unknown";
+  switch (stage) {
+  case NSDAE_FRICTION_NONE:
+    return "none";
+#define NAME(name, value, word, text) \
+  case value:                         \
+    return word;
+    NSDAE_FRICTION_STAGE_LIST(NAME)
+#undef NAME
+  default:
+    return "unknown";
+  }
 }
 
 int nsdae_friction_create(nsdae_friction_solver **solver)
@@ -50,6 +45,7 @@ void nsdae_friction_destroy(nsdae_friction_solver **solver)
   if (!solver || !*solver) return;
   nsdae_arena_release(&(*solver)->whole_memory);
   nsdae_arena_release(&(*solver)->island_memory);
+  nsdae_fc_matrix_release(&(*solver)->matrix);
   free(*solver);
   *solver = NULL;
 }
@@ -83,7 +79,7 @@ static void merge(nsdae_friction_info *whole, const nsdae_friction_info *one)
 
 static int lay_out(nsdae_friction_solver *s, int island)
 {
-  s->chain = (nsdae_fc_chain){.fc = {.whole = &s->whole, .label = island}};
+  s->chain = (nsdae_fc_chain){.fc = {.whole = &s->whole, .label = island}, .matrix = &s->matrix};
   return nsdae_arena_fit(&s->island_memory, nsdae_fc_chain_layout, &s->chain);
 }
 
@@ -106,7 +102,7 @@ static void solve_islands(nsdae_friction_solver *s, const nsdae_friction_options
   for (int island = 0; island < w->islands; island++) {
     lay_out(s, island);
     c->options = options;
-    c->tol = 0.5 * options->tol; /* the certificate rounds otherwise */
+    c->tol = 0.8 * options->tol; /* the certificate rounds otherwise */
     nsdae_fc_fill(&c->fc, r);
     nsdae_fc_chain_run(c);
     nsdae_fc_scatter(&c->fc, c->best, r);
@@ -120,10 +116,10 @@ static int certify(const nsdae_fc_whole *w, double tol, const double *r, double 
 {
   info->residual = nsdae_fc_whole_residual(w, r, u);
   if (info->residual != info->residual) info->residual = INFINITY;
-  info->outcome = info->residual <= tol ? NSDAE_FRICTION_SOLVED : NSDAE_FRICTION_UNSOLVED;
-  if (info->outcome == NSDAE_FRICTION_SOLVED && info->stage == NSDAE_FRICTION_NONE)
+  info->outcome = info->residual <= tol ? NSDAE_OUTCOME_SOLVED : NSDAE_OUTCOME_UNSOLVED;
+  if (info->outcome == NSDAE_OUTCOME_SOLVED && info->stage == NSDAE_FRICTION_NONE)
     info->stage = NSDAE_FRICTION_TRIVIAL;
-  return info->outcome == NSDAE_FRICTION_SOLVED ? NSDAE_OK : NSDAE_E_LCP;
+  return info->outcome == NSDAE_OUTCOME_SOLVED ? NSDAE_OK : NSDAE_E_LCP;
 }
 
 static void drop_nonfinite(int m, double *r)

@@ -4,11 +4,11 @@
 #include <string.h>
 
 #include "errors.h"
-#include "hdf5_file.h"
-#include "reserve.h"
+#include "hdf5_data.h"
+#include "hdf5_read.h"
 
-/* The most rows that nsdae_lcp_solve takes; what a file has beside its numbers. */
-enum { LARGEST = 20000, OVERHEAD_BYTES = 65536 };
+/* The most rows that nsdae_lcp_solve takes. */
+enum { LARGEST = 20000 };
 
 /* out(i, j) := in(j, i); n x n from leading dimension ld to n. */
 static void transpose(int n, const double *in, int ld, double *out)
@@ -39,7 +39,7 @@ static int write_origin(nsdae_h5 *h5, const nsdae_lcp_origin *origin)
 static int write_problem(nsdae_h5 *h5, int n, const double *rows, const double *b,
                          const nsdae_lcp_origin *origin)
 {
-  int status = nsdae_h5_create(h5, 0);
+  int status = nsdae_h5_create(h5, NSDAE_H5_PLAIN);
   if (status < 0) return status;
   status = nsdae_h5_set_text(h5, h5->file, "format", "nsdae-lcp");
   if (status == NSDAE_OK) status = nsdae_h5_set_int(h5, h5->file, "format_version", 1);
@@ -51,17 +51,9 @@ static int write_problem(nsdae_h5 *h5, int n, const double *rows, const double *
   if (status == NSDAE_OK)
     status = nsdae_h5_vector(h5, "/b", H5T_NATIVE_DOUBLE, (hsize_t)n, b, "1",
                              "find x >= 0 with y >= 0 and x'y = 0");
+  if (status == NSDAE_OK) status = nsdae_h5_flush(h5);
   int closed = nsdae_h5_close(h5);
   return status < 0 ? status : closed;
-}
-
-/* A full disk is met before a file of that name is replaced. */
-static int reserve(const nsdae_h5 *h5, int n)
-{
-  int failure = nsdae_reserve_try(h5->path, 8L * n * (n + 1L) + OVERHEAD_BYTES);
-  if (failure == 0) return NSDAE_OK;
-  return nsdae_error_set(h5->error, NSDAE_E_IO, h5->where, "path", "cannot write '%.90s': %s",
-                         h5->path, strerror(failure));
 }
 
 static int check_write(const char *path, const nsdae_lcp_problem *p, nsdae_error *error)
@@ -85,8 +77,6 @@ int nsdae_lcp_write(const char *path, const nsdae_lcp_problem *problem,
   if (status < 0) return status;
   nsdae_h5 h5 = {.file = -1, .path = path, .where = "nsdae_lcp_write", .error = error};
   int n = problem->n;
-  status = reserve(&h5, n);
-  if (status < 0) return status;
   double *rows = allocate((size_t)n * (size_t)n, error, h5.where);
   if (!rows) return NSDAE_E_MEMORY;
   transpose(n, problem->A, problem->lda, rows);
@@ -109,7 +99,8 @@ static int read_size(nsdae_h5 *h5, int *n)
                            h5->path, (unsigned long long)a[0], (unsigned long long)a[1],
                            (unsigned long long)b[0], LARGEST);
   *n = (int)a[0];
-  return NSDAE_OK;
+  status = nsdae_h5_fits(h5, "/A", 2, a);
+  return status < 0 ? status : nsdae_h5_fits(h5, "/b", 1, b);
 }
 
 static int read_problem(nsdae_h5 *h5, nsdae_lcp_file *file)

@@ -20,11 +20,16 @@ static size_t row_bytes(const nsdae_column *column, const nsdae_dims *dims)
   return value_size(column) * (size_t)shape[0] * (size_t)shape[1];
 }
 
+static size_t rows_kept(size_t column)
+{
+  return column == 0 ? NSDAE_SERIES_ROWS_MAX : NSDAE_SERIES_CHUNK;
+}
+
 int nsdae_series_init(nsdae_series *series, const nsdae_table *table, const nsdae_dims *dims,
-                      const char *leave_out)
+                      const char *leave_out, int packed)
 {
   size_t columns = (size_t)table->columns;
-  *series = (nsdae_series){.table = table};
+  *series = (nsdae_series){.table = table, .packed = packed};
   series->set = malloc(columns * sizeof *series->set);
   series->bytes = calloc(columns, sizeof *series->bytes);
   series->buffer = calloc(columns, sizeof *series->buffer);
@@ -35,7 +40,7 @@ int nsdae_series_init(nsdae_series *series, const nsdae_table *table, const nsda
     if (!leave_out || strcmp(leave_out, column->path) != 0)
       series->bytes[i] = row_bytes(column, dims);
     if (series->bytes[i] == 0) continue;
-    series->buffer[i] = malloc(series->bytes[i] * NSDAE_SERIES_CHUNK);
+    series->buffer[i] = malloc(series->bytes[i] * rows_kept(i));
     if (!series->buffer[i]) return NSDAE_E_MEMORY;
   }
   return NSDAE_OK;
@@ -51,63 +56,121 @@ void nsdae_series_release(nsdae_series *series)
   *series = (nsdae_series){0};
 }
 
-static int create_column(nsdae_series *series, nsdae_h5 *h5, const nsdae_dims *dims, int i)
+static int create_column(nsdae_series *series, nsdae_h5 *h5, const nsdae_dims *dims, int i,
+                         int deflate)
 {
   const nsdae_column *column = &series->table->column[i];
   int shape[2], rank = nsdae_width_shape(column->width, dims, shape);
   const hsize_t width[2] = {(hsize_t)shape[0], (hsize_t)shape[1]};
   int status = nsdae_h5_series(h5, column->path, value_type(column), width, rank + 1,
-                               NSDAE_SERIES_CHUNK, &series->set[i]);
+                               NSDAE_SERIES_CHUNK, deflate, &series->set[i]);
   if (status == NSDAE_OK)
     status = nsdae_h5_describe(h5, series->set[i], column->units, column->description);
   return status;
 }
 
+/* The first column's rows and the axes, as dimensions of column i. */
+static int attach(nsdae_series *series, nsdae_h5 *h5, const nsdae_axes *axes, int i)
+{
+  nsdae_width width = series->table->column[i].width;
+  int status = nsdae_h5_attach_scale(h5, series->set[i], series->set[0], 0);
+  int more = width == NSDAE_WIDTH_ONE ? 0 : width == NSDAE_WIDTH_KT ? 2 : 1;
+  for (int d = 0; d < more && status == NSDAE_OK; d++)
+    status = nsdae_h5_attach_scale(h5, series->set[i], nsdae_axes_of(axes, width, d), d + 1);
+  return status;
+}
+
 int nsdae_series_create(nsdae_series *series, nsdae_h5 *h5, const nsdae_dims *dims,
-                        const char *scale)
+                        const nsdae_axes *axes, const char *scale, int deflate)
 {
   int status = NSDAE_OK;
   for (int i = 0; i < series->table->columns && status == NSDAE_OK; i++) {
     if (series->bytes[i] == 0) continue;
-    status = create_column(series, h5, dims, i);
+    status = create_column(series, h5, dims, i, deflate);
     if (status < 0) break;
-    status = i == 0 ? nsdae_h5_make_scale(h5, series->set[0], scale)
-                    : nsdae_h5_attach_scale(h5, series->set[i], series->set[0]);
+    status = i == 0 ? nsdae_h5_make_scale(h5, series->set[0], scale) : attach(series, h5, axes, i);
   }
   return status;
 }
 
-int nsdae_series_write(nsdae_series *series, nsdae_h5 *h5)
+static int write_column(nsdae_series *series, nsdae_h5 *h5, int i, hsize_t from, hsize_t rows)
 {
-  if (series->held == 0) return NSDAE_OK;
-  for (int i = 0; i < series->table->columns; i++) {
-    if (series->set[i] < 0) continue;
-    int status = nsdae_h5_append(h5, series->set[i], value_type(&series->table->column[i]),
-                                 series->written, series->held, series->buffer[i]);
-    if (status < 0) return status;
-  }
+  return nsdae_h5_append(h5, series->set[i], value_type(&series->table->column[i]), from, rows,
+                         series->buffer[i]);
+}
+
+hsize_t nsdae_series_rows(const nsdae_series *series)
+{
+  return series->written + series->held;
+}
+
+int nsdae_series_ends_chunk(const nsdae_series *series)
+{
+  return nsdae_series_rows(series) % NSDAE_SERIES_CHUNK == 0;
+}
+
+void nsdae_series_rewind(nsdae_series *series, hsize_t rows)
+{
+  if (rows < series->written) series->written = rows;
+  if (rows < series->counted) series->counted = rows;
+  series->held = rows - series->written;
+}
+
+int nsdae_series_write(nsdae_series *series, nsdae_h5 *h5, nsdae_series_part part)
+{
+  int status = NSDAE_OK;
+  if (series->packed && part == NSDAE_SERIES_CHUNKS && !nsdae_series_ends_chunk(series))
+    return NSDAE_OK;
+  for (int i = 1; i < series->table->columns && series->held > 0 && status == NSDAE_OK; i++)
+    if (series->set[i] >= 0) status = write_column(series, h5, i, series->written, series->held);
+  if (status < 0) return status;
   series->written += series->held;
   series->held = 0;
   return NSDAE_OK;
 }
 
+int nsdae_series_count(nsdae_series *series, nsdae_h5 *h5)
+{
+  hsize_t rows = series->written - series->counted;
+  int status = rows > 0 ? write_column(series, h5, 0, series->counted, rows) : NSDAE_OK;
+  if (status < 0) return status;
+  memmove(series->buffer[0], series->buffer[0] + rows * series->bytes[0],
+          series->held * series->bytes[0]);
+  series->counted = series->written;
+  return NSDAE_OK;
+}
+
+int nsdae_series_is_full(const nsdae_series *series)
+{
+  return nsdae_series_rows(series) - series->counted == NSDAE_SERIES_ROWS_MAX;
+}
+
 void nsdae_series_append(nsdae_series *series, const void *row)
 {
+  hsize_t uncounted = nsdae_series_rows(series) - series->counted;
   for (int i = 0; i < series->table->columns; i++) {
     const nsdae_column *column = &series->table->column[i];
     const char *field = (const char *)row + column->offset;
-    if (series->bytes[i] == 0) continue;
+    size_t bytes = series->bytes[i], at = i == 0 ? uncounted : series->held;
+    if (bytes == 0) continue;
     if (column->pointer) field = *(const char *const *)(const void *)field;
-    memcpy(series->buffer[i] + series->held * series->bytes[i], field, series->bytes[i]);
+    memcpy(series->buffer[i] + at * bytes, field, bytes);
   }
   series->held++;
 }
 
-long nsdae_series_row_bytes(const nsdae_series *series)
+long nsdae_series_held_bytes(const nsdae_series *series)
 {
-  size_t bytes = 0;
-  for (int i = 0; i < series->table->columns; i++) bytes += series->bytes[i];
-  return (long)bytes;
+  enum { TREE_BYTES = 3 * 4096 }; /* nodes that a chunk may need */
+  hsize_t uncounted = nsdae_series_rows(series) - series->counted;
+  long bytes = 0;
+  for (int i = 0; i < series->table->columns; i++) {
+    hsize_t rows = i == 0 ? uncounted : series->held;
+    long chunks = rows > 0 ? (long)(rows / NSDAE_SERIES_CHUNK) + 2 : 0;
+    if (series->bytes[i] > 0)
+      bytes += chunks * ((long)series->bytes[i] * NSDAE_SERIES_CHUNK + TREE_BYTES);
+  }
+  return bytes;
 }
 
 void nsdae_series_close(nsdae_series *series)

@@ -2,34 +2,60 @@
 #ifndef NSDAE_IO_SERIES_H
 #define NSDAE_IO_SERIES_H
 
-#include "hdf5_file.h"
+#include "axes.h"
+#include "hdf5_data.h"
 #include "table.h"
 
-enum { NSDAE_SERIES_CHUNK = 1024 };
+/* Rows in a chunk of a dataset, and so many are kept of a column; of the first column more, for it
+ * is written at flushes only. */
+enum { NSDAE_SERIES_CHUNK = 1024, NSDAE_SERIES_ROWS_MAX = 16 * NSDAE_SERIES_CHUNK };
 
 typedef struct nsdae_series {
   const nsdae_table *table;
   hid_t *set;            /* per column; < 0: left out, because its rows are empty */
   size_t *bytes;         /* of a row, per column */
-  char **buffer;         /* NSDAE_SERIES_CHUNK rows per column */
-  hsize_t written, held; /* rows in the file, rows in the buffers */
+  char **buffer;         /* per column */
+  hsize_t written, held; /* rows in the file, rows in the buffers; but for the first column */
+  int packed;
+  hsize_t counted; /* of the first column in the file: its length is the number of rows */
 } nsdae_series;
 
-/* Allocates for the table's rows; NSDAE_E_MEMORY. Columns that `leave_out` names stay out. */
+/* Allocates for the table's rows; NSDAE_E_MEMORY. Columns that `leave_out` names stay out.
+ * packed: rows are compressed, by whole chunks. */
 int nsdae_series_init(nsdae_series *series, const nsdae_table *table, const nsdae_dims *dims,
-                      const char *leave_out);
+                      const char *leave_out, int packed);
 void nsdae_series_release(nsdae_series *series);
 
-/* Makes the datasets, the first of them the dimension scale of all, named scale. */
+/* Makes the datasets, the first of them the dimension scale of all, named scale; the others' second
+ * dimensions are the axes. deflate: as in nsdae_h5_series. */
 int nsdae_series_create(nsdae_series *series, nsdae_h5 *h5, const nsdae_dims *dims,
-                        const char *scale);
+                        const nsdae_axes *axes, const char *scale, int deflate);
 
 /* Adds the row at `row` (an nsdae_record or nsdae_impact) to the buffers, which must not be full.
  */
 void nsdae_series_append(nsdae_series *series, const void *row);
-int nsdae_series_write(nsdae_series *series, nsdae_h5 *h5);
-/* Of one row over all columns. */
-long nsdae_series_row_bytes(const nsdae_series *series);
+/* Whether the rows so far end where a chunk does. */
+int nsdae_series_ends_chunk(const nsdae_series *series);
+
+/* Rows so far, in the file and in the buffers. */
+hsize_t nsdae_series_rows(const nsdae_series *series);
+/* Back to fewer rows: the next one takes the place of the first that is dropped. */
+void nsdae_series_rewind(nsdae_series *series, hsize_t rows);
+
+typedef enum nsdae_series_part {
+  NSDAE_SERIES_CHUNKS, /* of packed rows only whole chunks */
+  NSDAE_SERIES_ALL
+} nsdae_series_part;
+
+/* Writes the rows held, without the first column. */
+int nsdae_series_write(nsdae_series *series, nsdae_h5 *h5, nsdae_series_part part);
+/* Writes the first column up to the rows that are written. */
+int nsdae_series_count(nsdae_series *series, nsdae_h5 *h5);
+/* No row more before nsdae_series_count. */
+int nsdae_series_is_full(const nsdae_series *series);
+/* What the file may grow by when the rows held are written: whole chunks, and HDF5's own records of
+ * them. */
+long nsdae_series_held_bytes(const nsdae_series *series);
 void nsdae_series_close(nsdae_series *series);
 
 #endif

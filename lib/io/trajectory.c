@@ -4,95 +4,41 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include "clock.h"
 #include "errors.h"
-#include "reserve.h"
+#include "description.h"
 #include "series.h"
 
 /* A killed run loses at most what came after the last flush; flushing four times a second keeps
  * that below the second that is promised. */
 static const double flush_interval = 0.25;
 
-enum {
-  FORMAT_VERSION = 1,
-  START_BYTES = 1 << 19, /* more than an empty trajectory takes */
-  SLACK_BYTES = 1 << 16  /* for HDF5's own records of a chunk of every dataset: about 10 KiB */
-};
+/* The tables of a file. */
+enum { RECORDS, IMPACTS, CHANGES, TABLES };
+
+static const struct {
+  const nsdae_table *table;
+  const char *scale; /* name of its first column as a dimension */
+} tables[TABLES] = {{&nsdae_record_table, "time"},
+                    {&nsdae_impact_table, "impact time"},
+                    {&nsdae_change_table, "change time"}};
 
 struct nsdae_trajectory {
   nsdae_sim *sim;
   nsdae_h5 h5;
   char *path;
   int live;
-  nsdae_series records, impacts, changes;
+  nsdae_series series[TABLES];
+  nsdae_axes axes;
+  long every; /* records of such steps are kept */
+  int compress;
+  long step;                /* of the last record that was seen */
+  hsize_t before[TABLES];   /* rows without it */
   double flushed, appended; /* when */
-  long start_length;        /* of the file without rows */
-  long reserved;            /* length that the disk has room for */
+  long committed;           /* records that the file has whatever happens now */
   int failed;               /* status of a write that failed: nothing is written any more */
 };
-
-/* Room for six numbers of any length, as the compiler sees them. */
-enum { DATE_LENGTH = 160 };
-
-/* ISO 8601, UTC. gmtime's memory is shared by all threads, so the date comes from the number of the
- * day: eras of 400 years that begin on a 1st of March (Hinnant, "chrono-compatible low-level date
- * algorithms", civil_from_days). */
-static void creation_time(char text[DATE_LENGTH])
-{
-  long now = (long)time(NULL), day = now / 86400 + 719468, second = now % 86400;
-  long of_era = day % 146097;
-  long year = (of_era - of_era / 1460 + of_era / 36524 - of_era / 146096) / 365;
-  long of_year = of_era - (365 * year + year / 4 - year / 100), month = (5 * of_year + 2) / 153;
-  long date = of_year - (153 * month + 2) / 5 + 1;
-  month = month < 10 ? month + 3 : month - 9;
-  year += day / 146097 * 400 + (month <= 2);
-  snprintf(text, DATE_LENGTH, "%04ld-%02ld-%02ldT%02ld:%02ld:%02ldZ", year, month, date,
-           second / 3600, second / 60 % 60, second % 60);
-}
-
-static int write_root(nsdae_trajectory *t, const char *model)
-{
-  nsdae_sim_options options;
-  char created[DATE_LENGTH];
-  nsdae_h5 *h5 = &t->h5;
-  nsdae_sim_get_options(t->sim, &options);
-  creation_time(created);
-  const char *const text[][2] = {{"format", "nsdae-trajectory"},
-                                 {"status", "running"},
-                                 {"library_version", nsdae_version()},
-                                 {"model", model},
-                                 {"method", nsdae_method_name(options.method)},
-                                 {"created", created}};
-  int status = nsdae_h5_set_int(h5, h5->file, "format_version", FORMAT_VERSION);
-  for (size_t i = 0; i < sizeof text / sizeof *text && status == NSDAE_OK; i++)
-    status = nsdae_h5_set_text(h5, h5->file, text[i][0], text[i][1]);
-  return status;
-}
-
-/* One field of a struct that a table describes, as a scalar dataset in the group. */
-static int write_param(nsdae_h5 *h5, const char *group, const nsdae_param *param, const void *base)
-{
-  char path[128], text[NSDAE_PARAM_TEXT_SIZE];
-  const void *value = (const char *)base + param->offset;
-  snprintf(path, sizeof path, "%s/%s", group, param->key);
-  if (param->type == NSDAE_PARAM_REAL)
-    return nsdae_h5_scalar(h5, path, H5T_NATIVE_DOUBLE, value, param->unit, param->help);
-  if (param->type == NSDAE_PARAM_INT)
-    return nsdae_h5_scalar(h5, path, H5T_NATIVE_INT, value, param->unit, param->help);
-  nsdae_params_format(param, base, text, sizeof text);
-  return nsdae_h5_scalar(h5, path, H5T_C_S1, text, param->unit, param->help);
-}
-
-static int write_params(nsdae_h5 *h5, const char *group, const nsdae_params *table,
-                        const void *base)
-{
-  int status = nsdae_h5_group(h5, group);
-  for (int i = 0; table && base && i < table->n && status == NSDAE_OK; i++)
-    status = write_param(h5, group, &table->entry[i], base);
-  return status;
-}
 
 static int make_groups(nsdae_h5 *h5, const nsdae_dims *dims)
 {
@@ -105,90 +51,105 @@ static int make_groups(nsdae_h5 *h5, const nsdae_dims *dims)
   return status;
 }
 
-static int disk_full(nsdae_trajectory *t, int failure)
+/* Room for what is held and for what HDF5 keeps of it. */
+static int prepare(nsdae_trajectory *t)
 {
-  return nsdae_error_set(t->h5.error, NSDAE_E_IO, "nsdae_trajectory", "path",
-                         "cannot write to '%.90s': %s; it holds %ld records", t->path,
-                         strerror(failure), (long)t->records.written);
+  long bytes = 0;
+  for (int i = 0; i < TABLES; i++) bytes += nsdae_series_held_bytes(&t->series[i]);
+  return nsdae_h5_prepare(&t->h5, bytes);
 }
 
-static long chunk_bytes(const nsdae_series *series)
+/* All rows that are written, as rows of the file. */
+static int count(nsdae_trajectory *t)
 {
-  long chunks = (long)((series->written + series->held) / NSDAE_SERIES_CHUNK + 1);
-  return chunks * (nsdae_series_row_bytes(series) * NSDAE_SERIES_CHUNK + SLACK_BYTES);
-}
-
-/* Room for all that is held, in whole chunks. */
-static int reserve(nsdae_trajectory *t)
-{
-  long bytes = t->start_length + chunk_bytes(&t->records) + chunk_bytes(&t->impacts) +
-               chunk_bytes(&t->changes);
-  if (bytes <= t->reserved) return NSDAE_OK;
-  int failure = nsdae_reserve(t->path, bytes);
-  if (failure) return disk_full(t, failure);
-  t->reserved = bytes;
-  return NSDAE_OK;
-}
-
-static int flush(nsdae_trajectory *t)
-{
-  int status = reserve(t);
-  if (status == NSDAE_OK) status = nsdae_series_write(&t->records, &t->h5);
-  if (status == NSDAE_OK) status = nsdae_series_write(&t->impacts, &t->h5);
-  if (status == NSDAE_OK) status = nsdae_series_write(&t->changes, &t->h5);
+  int status = NSDAE_OK;
+  for (int i = 0; i < TABLES && status == NSDAE_OK; i++)
+    status = nsdae_series_count(&t->series[i], &t->h5);
   if (status == NSDAE_OK) status = nsdae_h5_flush(&t->h5);
+  if (status == NSDAE_OK) t->committed = (long)t->series[RECORDS].counted;
+  return status;
+}
+
+/* The rows, and then how many there are: killed in between, a program leaves columns that are
+ * longer than the first of their table, never shorter. */
+static int flush(nsdae_trajectory *t, nsdae_series_part part)
+{
+  int status = prepare(t);
+  for (int i = 0; i < TABLES && status == NSDAE_OK; i++)
+    status = nsdae_series_write(&t->series[i], &t->h5, part);
+  if (status == NSDAE_OK) status = nsdae_h5_flush(&t->h5);
+  if (status == NSDAE_OK) status = count(t);
   t->flushed = nsdae_wall_clock();
   return status;
+}
+
+static nsdae_h5_kind kind_of(const nsdae_trajectory *t)
+{
+  return t->live ? NSDAE_H5_LIVE : t->compress ? NSDAE_H5_PACKED : NSDAE_H5_PLAIN;
 }
 
 static int make_file(nsdae_trajectory *t, const nsdae_trajectory_info *info)
 {
   nsdae_h5 *h5 = &t->h5;
-  nsdae_sim_options options;
   nsdae_dims dims;
-  nsdae_sim_get_options(t->sim, &options);
   nsdae_sim_get_dims(t->sim, &dims);
-  int failure = nsdae_reserve_try(t->path, START_BYTES);
-  if (failure)
-    return nsdae_error_set(h5->error, NSDAE_E_IO, "nsdae_trajectory_create", "path",
-                           "cannot write '%.90s': %s", t->path, strerror(failure));
-  int status = nsdae_h5_create(h5, t->live);
-  if (status == NSDAE_OK) status = write_root(t, info->model ? info->model : "");
-  if (status == NSDAE_OK)
-    status = write_params(h5, "/options", nsdae_sim_options_table(), &options);
-  if (status == NSDAE_OK)
-    status = write_params(h5, "/parameters", info->parameters, info->parameters_base);
+  int status = nsdae_h5_create(h5, kind_of(t));
+  if (status == NSDAE_OK) status = nsdae_description_write(h5, t->sim, info);
   if (status == NSDAE_OK) status = make_groups(h5, &dims);
-  if (status == NSDAE_OK) status = nsdae_series_create(&t->records, h5, &dims, "time");
-  if (status == NSDAE_OK) status = nsdae_series_create(&t->impacts, h5, &dims, "impact time");
-  if (status == NSDAE_OK) status = nsdae_series_create(&t->changes, h5, &dims, "change time");
+  if (status == NSDAE_OK) status = nsdae_axes_create(&t->axes, h5, t->sim);
+  for (int i = 0; i < TABLES && status == NSDAE_OK; i++)
+    status = nsdae_series_create(&t->series[i], h5, &dims, &t->axes, tables[i].scale,
+                                 i == RECORDS ? t->compress : 0);
   if (status == NSDAE_OK) status = nsdae_h5_flush(h5);
-  t->start_length = nsdae_reserve_length(t->path);
   if (status == NSDAE_OK && t->live) status = nsdae_h5_start_swmr(h5);
   return status;
 }
 
-static int append_row(nsdae_trajectory *t, nsdae_series *series, const void *row)
+static int append_row(nsdae_trajectory *t, int table, const void *row)
 {
+  nsdae_series *series = &t->series[table];
   nsdae_series_append(series, row);
-  if (series->held < NSDAE_SERIES_CHUNK) return NSDAE_OK;
-  int status = reserve(t);
-  return status < 0 ? status : nsdae_series_write(series, &t->h5);
+  if (nsdae_series_is_full(series)) return flush(t, NSDAE_SERIES_CHUNKS);
+  if (!nsdae_series_ends_chunk(series)) return NSDAE_OK;
+  int status = prepare(t);
+  return status < 0 ? status : nsdae_series_write(series, &t->h5, NSDAE_SERIES_CHUNKS);
 }
 
 static int append(nsdae_trajectory *t, const nsdae_record *record)
 {
-  int status = append_row(t, &t->records, record);
+  int status = NSDAE_OK;
+  if (record->step % t->every == 0) status = append_row(t, RECORDS, record);
   for (int i = 0; i < record->impacts && status == NSDAE_OK; i++)
-    status = append_row(t, &t->impacts, &record->impact[i]);
+    status = append_row(t, IMPACTS, &record->impact[i]);
   for (int i = 0; i < record->changes && status == NSDAE_OK; i++)
-    status = append_row(t, &t->changes, &record->change[i]);
+    status = append_row(t, CHANGES, &record->change[i]);
+  return status;
+}
+
+/* A step that comes again takes the place of the one that was dropped. */
+static void mark(nsdae_trajectory *t, const nsdae_record *record)
+{
+  if (record->step == t->step)
+    for (int i = 0; i < TABLES; i++) nsdae_series_rewind(&t->series[i], t->before[i]);
+  for (int i = 0; i < TABLES; i++) t->before[i] = nsdae_series_rows(&t->series[i]);
+  t->step = record->step;
+}
+
+static int is_due(nsdae_trajectory *t)
+{
   double now = nsdae_wall_clock();
   /* a slow run flushes every record: the next may be long in coming */
   int due =
       now - t->flushed > flush_interval || now - t->appended > flush_interval || now < t->flushed;
   t->appended = now;
-  return status == NSDAE_OK && due ? flush(t) : status;
+  return due && (!t->compress || nsdae_series_ends_chunk(&t->series[RECORDS]));
+}
+
+static int take(nsdae_trajectory *t, const nsdae_record *record)
+{
+  mark(t, record);
+  int status = append(t, record);
+  return status == NSDAE_OK && is_due(t) ? flush(t, NSDAE_SERIES_CHUNKS) : status;
 }
 
 static int observe(const nsdae_record *record, nsdae_error *error, void *user)
@@ -197,48 +158,68 @@ static int observe(const nsdae_record *record, nsdae_error *error, void *user)
   int status;
   if (t->failed) return t->failed;
   t->h5.error = error;
-  NSDAE_H5_QUIETLY(status, append(t, record))
+  NSDAE_H5_QUIETLY(status, take(t, record))
   if (status < 0) t->failed = status;
   return status;
 }
 
 static void release(nsdae_trajectory *t)
 {
-  nsdae_series_release(&t->records);
-  nsdae_series_release(&t->impacts);
-  nsdae_series_release(&t->changes);
+  for (int i = 0; i < TABLES; i++) nsdae_series_release(&t->series[i]);
   free(t->path);
   free(t);
 }
 
 static int close_file(nsdae_trajectory *t)
 {
-  nsdae_series_close(&t->records);
-  nsdae_series_close(&t->impacts);
-  nsdae_series_close(&t->changes);
+  for (int i = 0; i < TABLES; i++) nsdae_series_close(&t->series[i]);
+  nsdae_axes_close(&t->axes);
   return nsdae_h5_close(&t->h5);
 }
 
-static nsdae_trajectory *allocate(nsdae_sim *sim, const char *path, int live)
+static void set_info(nsdae_trajectory *t, const nsdae_trajectory_info *info)
+{
+  t->live = info->live;
+  t->every = info->every > 0 ? info->every : 1;
+  t->compress = info->compress;
+  t->step = -1;
+}
+
+static nsdae_trajectory *allocate(nsdae_sim *sim, const char *path,
+                                  const nsdae_trajectory_info *info)
 {
   nsdae_dims dims;
   nsdae_sim_get_dims(sim, &dims);
   nsdae_trajectory *t = calloc(1, sizeof *t);
   if (!t) return NULL;
   t->sim = sim;
-  t->live = live;
+  set_info(t, info);
+  nsdae_axes_init(&t->axes);
   t->h5.file = -1;
   t->path = malloc(strlen(path) + 1);
   const char *leave_out = nsdae_sim_has_potential(sim) ? NULL : "/energy/potential";
-  int status = nsdae_series_init(&t->records, &nsdae_record_table, &dims, leave_out);
-  if (status == NSDAE_OK) status = nsdae_series_init(&t->impacts, &nsdae_impact_table, &dims, NULL);
-  if (status == NSDAE_OK) status = nsdae_series_init(&t->changes, &nsdae_change_table, &dims, NULL);
+  int status = NSDAE_OK;
+  for (int i = 0; i < TABLES && status == NSDAE_OK; i++)
+    status = nsdae_series_init(&t->series[i], tables[i].table, &dims, leave_out,
+                               i == RECORDS && info->compress > 0);
   if (!t->path || status < 0) {
     release(t);
     return NULL;
   }
   t->h5.path = strcpy(t->path, path);
   return t;
+}
+
+static int check_info(const nsdae_trajectory_info *info, nsdae_error *error)
+{
+  const char *bad = info->every < 0                            ? "every"
+                    : info->compress < 0 || info->compress > 9 ? "compress"
+                    : info->compress > 0 && info->live         ? "live"
+                                                               : NULL;
+  if (!bad) return NSDAE_OK;
+  return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_trajectory_create", bad,
+                         "every = %d must be at least 0, compress = %d 0 .. 9, and 0 with live",
+                         info->every, info->compress);
 }
 
 static int check(nsdae_sim *sim, const char *path, const nsdae_trajectory_info *info,
@@ -250,7 +231,7 @@ static int check(nsdae_sim *sim, const char *path, const nsdae_trajectory_info *
                         : !trajectory ? "trajectory"
                                       : NULL;
   nsdae_error_clear(error);
-  if (!missing) return NSDAE_OK;
+  if (!missing) return check_info(info, error);
   return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_trajectory_create", missing, "%s is NULL",
                          missing);
 }
@@ -262,7 +243,7 @@ int nsdae_trajectory_create(nsdae_sim *sim, const char *path, const nsdae_trajec
   int status = check(sim, path, info, trajectory, error);
   if (status < 0) return status;
   *trajectory = NULL;
-  nsdae_trajectory *t = allocate(sim, path, info->live);
+  nsdae_trajectory *t = allocate(sim, path, info);
   if (!t)
     return nsdae_error_set(error, NSDAE_E_MEMORY, "nsdae_trajectory_create", "", "out of memory");
   t->h5.error = error ? error : &own;
@@ -298,8 +279,6 @@ static int put(nsdae_trajectory *t, const char *path, hid_t type, int n, const v
         bad ? "%s is missing or negative" : "nothing can be added to a %s that is live or failed",
         bad ? bad : "trajectory");
   t->h5.error = error ? error : &own;
-  int failure = nsdae_reserve(t->path, t->reserved + SLACK_BYTES + 256L * n);
-  if (failure) return disk_full(t, failure);
   NSDAE_H5_QUIETLY(status, nsdae_h5_vector(&t->h5, path, type, (hsize_t)n, values,
                                            units ? units : "", description ? description : ""))
   return status;
@@ -319,9 +298,20 @@ int nsdae_trajectory_put_texts(nsdae_trajectory *trajectory, const char *path, i
   return put(trajectory, path, H5T_C_S1, n, texts, "", description, error);
 }
 
-static int set_final_status(nsdae_trajectory *t, int run_status)
+int nsdae_trajectory_flush(nsdae_trajectory *trajectory, nsdae_error *error)
 {
-  return nsdae_h5_set_text(&t->h5, t->h5.file, "status", run_status >= 0 ? "complete" : "failed");
+  nsdae_error own;
+  int status;
+  nsdae_trajectory *t = trajectory;
+  nsdae_error_clear(error);
+  if (!t || t->failed)
+    return nsdae_error_set(error, t ? t->failed : NSDAE_E_ARGUMENT, "nsdae_trajectory_flush",
+                           "trajectory", t ? "writing '%.90s' failed before" : "%s is NULL",
+                           t ? t->path : "trajectory");
+  t->h5.error = error ? error : &own;
+  NSDAE_H5_QUIETLY(status, flush(t, NSDAE_SERIES_CHUNKS))
+  if (status < 0) t->failed = status;
+  return status;
 }
 
 /* In SWMR mode the attribute can only be changed after the file was closed once. */
@@ -332,17 +322,49 @@ static int reopen_live(nsdae_trajectory *t)
   return status < 0 ? status : nsdae_h5_reopen(&t->h5);
 }
 
+static int end_file(nsdae_trajectory *t, int run_status)
+{
+  int status = count(t);
+  if (status == NSDAE_OK) status = reopen_live(t);
+  if (status == NSDAE_OK) status = nsdae_description_set_ended(&t->h5, run_status);
+  int closed = close_file(t);
+  return status < 0 ? status : closed;
+}
+
+/* A write failed: the file is as the last flush left it, and is to say how it ended, which needs no
+ * more space on a full disk. A file that is not ours any more is left alone. */
+static void mark_failed(nsdae_trajectory *t)
+{
+  nsdae_h5 *h5 = &t->h5;
+  const nsdae_ordered before = h5->disk;
+  if (before.failure == NSDAE_ORDERED_REPLACED || before.committed == 0) return;
+  if (nsdae_h5_reopen(h5) < 0) return;
+  if (h5->disk.inode == before.inode && h5->disk.device == before.device)
+    nsdae_description_set_ended(h5, NSDAE_E_IO);
+  nsdae_h5_close(h5);
+}
+
+/* The last state is kept in any case. */
+static int flush_last(nsdae_trajectory *t)
+{
+  nsdae_record last;
+  int status = NSDAE_OK, kept = t->step % t->every == 0;
+  if (!kept && nsdae_sim_get_record(t->sim, &last) == NSDAE_OK && last.step == t->step)
+    status = append_row(t, RECORDS, &last);
+  return status < 0 ? status : flush(t, NSDAE_SERIES_ALL);
+}
+
 /* Of several failures the first is told. */
 static int finish(nsdae_trajectory *t, int run_status)
 {
   nsdae_error ignored, *first = t->h5.error;
-  int status = t->failed ? t->failed : flush(t);
+  int status = t->failed ? t->failed : flush_last(t);
   if (status < 0) t->h5.error = &ignored;
-  int ended = reopen_live(t);
-  if (ended == NSDAE_OK) ended = set_final_status(t, status < 0 ? status : run_status);
-  int closed = close_file(t);
+  int ended = end_file(t, status < 0 ? status : run_status);
+  t->h5.error = &ignored;
+  if (ended < 0) mark_failed(t);
   t->h5.error = first;
-  return status < 0 ? status : ended < 0 ? ended : closed;
+  return status < 0 ? status : ended;
 }
 
 int nsdae_trajectory_close(nsdae_trajectory **trajectory, int run_status, nsdae_error *error)
@@ -357,7 +379,7 @@ int nsdae_trajectory_close(nsdae_trajectory **trajectory, int run_status, nsdae_
   if (t->failed)
     nsdae_error_set(error, t->failed, "nsdae_trajectory_close", "path",
                     "'%.90s' holds %ld records only: writing it failed before", t->path,
-                    (long)t->records.written);
+                    t->committed);
   NSDAE_H5_QUIETLY(status, finish(t, run_status))
   release(t);
   *trajectory = NULL;

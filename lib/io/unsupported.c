@@ -56,6 +56,12 @@ int nsdae_trajectory_put_texts(nsdae_trajectory *trajectory, const char *path, i
   return unsupported("nsdae_trajectory_put_texts", error);
 }
 
+int nsdae_trajectory_flush(nsdae_trajectory *trajectory, nsdae_error *error)
+{
+  (void)trajectory;
+  return unsupported("nsdae_trajectory_flush", error);
+}
+
 int nsdae_lcp_write(const char *path, const nsdae_lcp_problem *problem,
                     const nsdae_lcp_origin *origin, nsdae_error *error)
 {

@@ -56,7 +56,7 @@ static void is_solved(const call *c, int status)
 {
   const double x[N] = {1, 0, 2}, y[N] = {0, 3, 0};
   assert_int_equal(status, NSDAE_OK);
-  assert_int_equal(c->info.outcome, NSDAE_LCP_SOLVED);
+  assert_int_equal(c->info.outcome, NSDAE_OUTCOME_SOLVED);
   assert_at_most(c->info.residual, 1e-14);
   for (int i = 0; i < N; i++) {
     assert_near(c->x[i], x[i], 1e-14);
@@ -68,7 +68,7 @@ static void is_solved(const call *c, int status)
 static void is_refused(const call *c, int status, int expected)
 {
   assert_int_equal(status, expected);
-  assert_int_equal(c->info.outcome, NSDAE_LCP_UNSOLVED);
+  assert_int_equal(c->info.outcome, NSDAE_OUTCOME_UNSOLVED);
   assert_true(c->info.residual == INFINITY);
   for (int i = 0; i < N; i++) assert_true(c->x[i] == -7 && c->y[i] == -7);
 }
@@ -101,7 +101,7 @@ static void test_guess(void **state)
   assert_int_equal(c->info.stage, NSDAE_LCP_WARM);
   c->x[0] = 0;
   assert_int_equal(solve(c), NSDAE_E_LCP);
-  assert_int_equal(c->info.outcome, NSDAE_LCP_UNSOLVED);
+  assert_int_equal(c->info.outcome, NSDAE_OUTCOME_UNSOLVED);
   end(c);
 }
 
@@ -275,14 +275,14 @@ static void test_empty(void **state)
   double work[8];
   int iwork[8], lwork, liwork;
   assert_int_equal(nsdae_lcp_solve(&none, NULL, NULL, NULL, &info), NSDAE_OK);
-  assert_int_equal(info.outcome, NSDAE_LCP_SOLVED);
+  assert_int_equal(info.outcome, NSDAE_OUTCOME_SOLVED);
   assert_true(info.residual == 0);
   assert_int_equal(nsdae_lcp_workspace(0, &lwork, &liwork), NSDAE_OK);
   assert_true(lwork >= 1 && lwork <= 8 && liwork >= 1 && liwork <= 8);
   assert_int_equal(
       nsdae_lcp_solve_in(&none, NULL, NULL, NULL, NULL, &info, work, lwork, iwork, liwork),
       NSDAE_OK);
-  assert_int_equal(info.outcome, NSDAE_LCP_SOLVED);
+  assert_int_equal(info.outcome, NSDAE_OUTCOME_SOLVED);
 }
 
 /* One allocation; lost, it is reported; nothing stays behind. None in the caller's workspace. */
@@ -333,6 +333,7 @@ static void test_names(void **state)
                 {NSDAE_LCP_TRIVIAL, "trivial"},
                 {NSDAE_LCP_WARM, "warm"},
                 {NSDAE_LCP_LEMKE, "lemke"},
+                {NSDAE_LCP_NEWTON, "newton"},
                 {NSDAE_LCP_COVERING, "covering"},
                 {NSDAE_LCP_FURTHER, "further"},
                 {NSDAE_LCP_PROVE, "prove"},
@@ -342,15 +343,15 @@ static void test_names(void **state)
                 {3, "unknown"}};
   for (size_t i = 0; i < sizeof stages / sizeof *stages; i++)
     assert_string_equal(nsdae_lcp_stage_name(stages[i].stage), stages[i].name);
-  assert_string_equal(nsdae_lcp_outcome_name(NSDAE_LCP_UNSOLVED), "unsolved");
-  assert_string_equal(nsdae_lcp_outcome_name(NSDAE_LCP_SOLVED), "solved");
-  assert_string_equal(nsdae_lcp_outcome_name(NSDAE_LCP_INFEASIBLE), "infeasible");
-  assert_string_equal(nsdae_lcp_outcome_name(3), "unknown");
-  assert_string_equal(nsdae_lcp_outcome_name(-1), "unknown");
-  assert_string_equal(nsdae_lcp_proof_name(NSDAE_LCP_PROOF_NONE), "none");
-  assert_string_equal(nsdae_lcp_proof_name(NSDAE_LCP_PROOF_FARKAS), "farkas");
-  assert_string_equal(nsdae_lcp_proof_name(NSDAE_LCP_PROOF_ENUMERATED), "enumerated");
-  assert_string_equal(nsdae_lcp_proof_name(3), "unknown");
+  assert_string_equal(nsdae_outcome_name(NSDAE_OUTCOME_UNSOLVED), "unsolved");
+  assert_string_equal(nsdae_outcome_name(NSDAE_OUTCOME_SOLVED), "solved");
+  assert_string_equal(nsdae_outcome_name(NSDAE_OUTCOME_INFEASIBLE), "infeasible");
+  assert_string_equal(nsdae_outcome_name(3), "unknown");
+  assert_string_equal(nsdae_outcome_name(-1), "unknown");
+  assert_string_equal(nsdae_proof_name(NSDAE_PROOF_NONE), "none");
+  assert_string_equal(nsdae_proof_name(NSDAE_PROOF_FARKAS), "farkas");
+  assert_string_equal(nsdae_proof_name(NSDAE_PROOF_ENUMERATED), "enumerated");
+  assert_string_equal(nsdae_proof_name(3), "unknown");
   assert_string_equal(nsdae_lcp_ray_name(NSDAE_LCP_RAY_NOTHING), "nothing");
   assert_string_equal(nsdae_lcp_ray_name(NSDAE_LCP_RAY_NOT_COPOSITIVE), "not copositive");
   assert_string_equal(nsdae_lcp_ray_name(NSDAE_LCP_RAY_NOT_STRICTLY_COPOSITIVE),

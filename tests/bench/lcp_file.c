@@ -39,7 +39,7 @@ static void compare(const char *path, const lcp_file *file)
   nsdae_lcp_solve(&problem, NULL, x, y, &info);
   double ours = now() - start;
   printf("%-40s n %5d  ours %-10s %10.4f s, residual %.1e", name ? name + 1 : path, file->n,
-         nsdae_lcp_outcome_name(info.outcome), ours, natural_residual(file, x));
+         nsdae_outcome_name(info.outcome), ours, natural_residual(file, x));
   rival *peer = rival_create(file->n, file->A, file->b);
   if (peer) {
     memset(x, 0, (size_t)file->n * sizeof *x);

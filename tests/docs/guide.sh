@@ -48,7 +48,11 @@ hindrance() {
   case $program in
   export | sed | mkdir | mine/*) ;;
   paraview) echo "opens a window" ;;
-  python3) [ -x "$work/shims/python3" ] || echo "no Python with h5py" ;;
+  python3)
+    [ -x "$work/shims/python3" ] || echo "no Python with h5py"
+    script=${1#python3 } module=$(sed -n 's/^import \(xarray\)$/\1/p' "${script%% *}" 2>/dev/null)
+    [ -z "$module" ] || "$work/shims/python3" -c "import $module, h5netcdf" 2>/dev/null || echo "no $module"
+    ;;
   julia)
     command -v julia >/dev/null || echo "no julia" && return
     julia -e 'using HDF5' 2>/dev/null || echo "no HDF5.jl"

@@ -21,7 +21,7 @@ cat ./*.h |
   grep -oE '^(typedef struct|typedef struct [a-z_]+;|\}) nsdae_[a-z_]+' "$work/text" |
     grep -oE 'nsdae_[a-z_]+$'                                 # types
   grep -oE '\bNSDAE_[A-Z_]+\b' "$work/text" |
-    grep -vE '^NSDAE_(API|STATUS_(LIST|ENUM))$' || true       # constants
+    grep -vE '^NSDAE_(API|[A-Z_]+_(LIST|ENUM))$' || true       # constants
   grep -oE 'X\(NSDAE_[A-Z_]+' status.h | tr -d 'X('           # statuses
 } | sort -u | grep -vxE 'nsdae_lcp_(problem|file|file_release)' >"$work/names"
 printf '%s names\n' "$(wc -l <"$work/names")"

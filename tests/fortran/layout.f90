@@ -2,6 +2,7 @@
 ! the C headers give them; and it has all of them.
 program layout
   use, intrinsic :: iso_c_binding
+  use nsdae_f_certificate
   use nsdae_f_friction
   use nsdae_f_lcp
   use nsdae_f_params
@@ -116,6 +117,9 @@ contains
     call same('NSDAE_MODE_SLIDE', NSDAE_MODE_SLIDE)
     call same('NSDAE_MODE_STICK', NSDAE_MODE_STICK)
     call same('NSDAE_OBSERVERS_MAX', NSDAE_OBSERVERS_MAX)
+    call same('NSDAE_PROJECTION_NONE', NSDAE_PROJECTION_NONE)
+    call same('NSDAE_PROJECTION_CONSTRAINTS', NSDAE_PROJECTION_CONSTRAINTS)
+    call same('NSDAE_PROJECTION_CONTACTS', NSDAE_PROJECTION_CONTACTS)
     call same('NSDAE_NAME_COORDINATE', NSDAE_NAME_COORDINATE)
     call same('NSDAE_NAME_VELOCITY', NSDAE_NAME_VELOCITY)
     call same('NSDAE_NAME_CONSTRAINT', NSDAE_NAME_CONSTRAINT)
@@ -136,27 +140,25 @@ contains
     call same('NSDAE_FRICTION_TRIVIAL', NSDAE_FRICTION_TRIVIAL)
     call same('NSDAE_FRICTION_WARM', NSDAE_FRICTION_WARM)
     call same('NSDAE_FRICTION_GAUSS_SEIDEL', NSDAE_FRICTION_GAUSS_SEIDEL)
+    call same('NSDAE_FRICTION_SMOOTHING', NSDAE_FRICTION_SMOOTHING)
+    call same('NSDAE_FRICTION_FURTHER', NSDAE_FRICTION_FURTHER)
     call same('NSDAE_FRICTION_ALL', NSDAE_FRICTION_ALL)
-    call same('NSDAE_FRICTION_UNSOLVED', NSDAE_FRICTION_UNSOLVED)
-    call same('NSDAE_FRICTION_SOLVED', NSDAE_FRICTION_SOLVED)
-    call same('NSDAE_FRICTION_INFEASIBLE', NSDAE_FRICTION_INFEASIBLE)
-    call same('NSDAE_FRICTION_PROOF_NONE', NSDAE_FRICTION_PROOF_NONE)
-    call same('NSDAE_FRICTION_PROOF_FARKAS', NSDAE_FRICTION_PROOF_FARKAS)
+    call same('NSDAE_OUTCOME_UNSOLVED', NSDAE_OUTCOME_UNSOLVED)
+    call same('NSDAE_OUTCOME_SOLVED', NSDAE_OUTCOME_SOLVED)
+    call same('NSDAE_OUTCOME_INFEASIBLE', NSDAE_OUTCOME_INFEASIBLE)
+    call same('NSDAE_PROOF_NONE', NSDAE_PROOF_NONE)
+    call same('NSDAE_PROOF_FARKAS', NSDAE_PROOF_FARKAS)
     call same('NSDAE_LCP_NONE', NSDAE_LCP_NONE)
     call same('NSDAE_LCP_TRIVIAL', NSDAE_LCP_TRIVIAL)
     call same('NSDAE_LCP_WARM', NSDAE_LCP_WARM)
     call same('NSDAE_LCP_LEMKE', NSDAE_LCP_LEMKE)
+    call same('NSDAE_LCP_NEWTON', NSDAE_LCP_NEWTON)
     call same('NSDAE_LCP_COVERING', NSDAE_LCP_COVERING)
     call same('NSDAE_LCP_PROVE', NSDAE_LCP_PROVE)
     call same('NSDAE_LCP_FURTHER', NSDAE_LCP_FURTHER)
     call same('NSDAE_LCP_ENUMERATE', NSDAE_LCP_ENUMERATE)
     call same('NSDAE_LCP_ALL', NSDAE_LCP_ALL)
-    call same('NSDAE_LCP_UNSOLVED', NSDAE_LCP_UNSOLVED)
-    call same('NSDAE_LCP_SOLVED', NSDAE_LCP_SOLVED)
-    call same('NSDAE_LCP_INFEASIBLE', NSDAE_LCP_INFEASIBLE)
-    call same('NSDAE_LCP_PROOF_NONE', NSDAE_LCP_PROOF_NONE)
-    call same('NSDAE_LCP_PROOF_FARKAS', NSDAE_LCP_PROOF_FARKAS)
-    call same('NSDAE_LCP_PROOF_ENUMERATED', NSDAE_LCP_PROOF_ENUMERATED)
+    call same('NSDAE_PROOF_ENUMERATED', NSDAE_PROOF_ENUMERATED)
     call same('NSDAE_LCP_RAY_NOTHING', NSDAE_LCP_RAY_NOTHING)
     call same('NSDAE_LCP_RAY_NOT_COPOSITIVE', NSDAE_LCP_RAY_NOT_COPOSITIVE)
     call same('NSDAE_LCP_RAY_NOT_STRICTLY_COPOSITIVE', NSDAE_LCP_RAY_NOT_STRICTLY_COPOSITIVE)
@@ -235,6 +237,8 @@ contains
     call same_place('nsdae_sim_options%linear_solver', c_loc(x), c_loc(x%linear_solver))
     call same_place('nsdae_sim_options%accumulation_time', c_loc(x), c_loc(x%accumulation_time))
     call same_place('nsdae_sim_options%events_max', c_loc(x), c_loc(x%events_max))
+    call same_place('nsdae_sim_options%projection', c_loc(x), c_loc(x%projection))
+    call same_place('nsdae_sim_options%start_tol', c_loc(x), c_loc(x%start_tol))
     call same_place('nsdae_sim_options%initialised', c_loc(x), c_loc(x%initialised))
   end subroutine
 
@@ -315,6 +319,9 @@ contains
     call same_place('nsdae_trajectory_info%parameters', c_loc(x), c_loc(x%parameters))
     call same_place('nsdae_trajectory_info%parameters_base', c_loc(x), c_loc(x%parameters_base))
     call same_place('nsdae_trajectory_info%live', c_loc(x), c_loc(x%live))
+    call same_place('nsdae_trajectory_info%every', c_loc(x), c_loc(x%every))
+    call same_place('nsdae_trajectory_info%compress', c_loc(x), c_loc(x%compress))
+    call same_place('nsdae_trajectory_info%t_end', c_loc(x), c_loc(x%t_end))
   end subroutine
 
   subroutine lcp_problem_fields()

@@ -43,9 +43,9 @@ contains
     call is_int(nsdae_lcp_solve(A, b, x, y, info=info), NSDAE_OK, 'solve')
     call is_solution(x, 'x')
     call is_near(maxval(abs(y - slack)), 0d0, 1d-15, 'y')
-    call is_int(info%outcome, NSDAE_LCP_SOLVED, 'outcome')
+    call is_int(info%outcome, NSDAE_OUTCOME_SOLVED, 'outcome')
     call is_true(info%residual <= 1d-15, 'residual')
-    call is_text(nsdae_lcp_outcome_name(info%outcome), 'solved', 'name of the outcome')
+    call is_text(nsdae_outcome_name(info%outcome), 'solved', 'name of the outcome')
     ! a guess is tried first, a leading dimension that is larger is a section's
     wide = ieee_value(0d0, ieee_quiet_nan)
     wide(:2, :2) = A
@@ -71,9 +71,9 @@ contains
     x = 0
     call is_int(nsdae_lcp_solve(reshape([-1d0], [1, 1]), [-1d0], x, y, info=info), &
                 NSDAE_E_INFEASIBLE, 'solve')
-    call is_int(info%outcome, NSDAE_LCP_INFEASIBLE, 'outcome')
-    call is_int(info%proof, NSDAE_LCP_PROOF_FARKAS, 'proof')
-    call is_text(nsdae_lcp_proof_name(info%proof), 'farkas', 'name of the proof')
+    call is_int(info%outcome, NSDAE_OUTCOME_INFEASIBLE, 'outcome')
+    call is_int(info%proof, NSDAE_PROOF_FARKAS, 'proof')
+    call is_text(nsdae_proof_name(info%proof), 'farkas', 'name of the proof')
     call is_text(nsdae_lcp_ray_name(NSDAE_LCP_RAY_NOT_COPOSITIVE), 'not copositive', 'of the ray')
   end subroutine
 
@@ -115,7 +115,7 @@ contains
     y = -7
     do i = 1, size(bad)
       call is_int(nsdae_lcp_solve(A, b, x, y, bad(i), info), NSDAE_E_ARGUMENT, 'options')
-      call is_int(info%outcome, NSDAE_LCP_UNSOLVED, 'outcome')
+      call is_int(info%outcome, NSDAE_OUTCOME_UNSOLVED, 'outcome')
       call is_true(info%residual > huge(0d0), 'residual')
       call is_true(all(x == -7) .and. all(y == -7), 'x and y are as they were')
     end do
@@ -134,7 +134,7 @@ contains
     call is_solution(x, 'x')
     x = [0d0, ieee_value(0d0, ieee_positive_inf)]
     call is_int(nsdae_lcp_solve(A, b, x, y, warm, info), NSDAE_E_LCP, 'a wrong guess')
-    call is_int(info%outcome, NSDAE_LCP_UNSOLVED, 'outcome')
+    call is_int(info%outcome, NSDAE_OUTCOME_UNSOLVED, 'outcome')
   end subroutine
 
   subroutine not_finite()
@@ -179,23 +179,23 @@ contains
   end subroutine
 
   subroutine names_of()
-    integer(c_int), parameter :: stages(8) = [NSDAE_LCP_NONE, NSDAE_LCP_TRIVIAL, NSDAE_LCP_WARM, &
-        NSDAE_LCP_LEMKE, NSDAE_LCP_COVERING, NSDAE_LCP_FURTHER, NSDAE_LCP_PROVE, &
+    integer(c_int), parameter :: stages(9) = [NSDAE_LCP_NONE, NSDAE_LCP_TRIVIAL, NSDAE_LCP_WARM, &
+        NSDAE_LCP_LEMKE, NSDAE_LCP_NEWTON, NSDAE_LCP_COVERING, NSDAE_LCP_FURTHER, NSDAE_LCP_PROVE, &
         NSDAE_LCP_ENUMERATE]
-    character(len=*), parameter :: named(8) = [character(len=9) :: 'none', 'trivial', 'warm', &
-        'lemke', 'covering', 'further', 'prove', 'enumerate']
+    character(len=*), parameter :: named(9) = [character(len=9) :: 'none', 'trivial', 'warm', &
+        'lemke', 'newton', 'covering', 'further', 'prove', 'enumerate']
     integer :: i
     do i = 1, size(stages)
       call is_text(nsdae_lcp_stage_name(stages(i)), trim(named(i)), 'stage')
     end do
     call is_text(nsdae_lcp_stage_name(NSDAE_LCP_ALL), 'unknown', 'no stage')
     call is_text(nsdae_lcp_stage_name(-1), 'unknown', 'no stage')
-    call is_text(nsdae_lcp_outcome_name(NSDAE_LCP_UNSOLVED), 'unsolved', 'outcome')
-    call is_text(nsdae_lcp_outcome_name(NSDAE_LCP_INFEASIBLE), 'infeasible', 'outcome')
-    call is_text(nsdae_lcp_outcome_name(3), 'unknown', 'no outcome')
-    call is_text(nsdae_lcp_proof_name(NSDAE_LCP_PROOF_NONE), 'none', 'proof')
-    call is_text(nsdae_lcp_proof_name(NSDAE_LCP_PROOF_ENUMERATED), 'enumerated', 'proof')
-    call is_text(nsdae_lcp_proof_name(3), 'unknown', 'no proof')
+    call is_text(nsdae_outcome_name(NSDAE_OUTCOME_UNSOLVED), 'unsolved', 'outcome')
+    call is_text(nsdae_outcome_name(NSDAE_OUTCOME_INFEASIBLE), 'infeasible', 'outcome')
+    call is_text(nsdae_outcome_name(3), 'unknown', 'no outcome')
+    call is_text(nsdae_proof_name(NSDAE_PROOF_NONE), 'none', 'proof')
+    call is_text(nsdae_proof_name(NSDAE_PROOF_ENUMERATED), 'enumerated', 'proof')
+    call is_text(nsdae_proof_name(3), 'unknown', 'no proof')
     call is_text(nsdae_lcp_ray_name(NSDAE_LCP_RAY_NOTHING), 'nothing', 'ray')
     call is_text(nsdae_lcp_ray_name(NSDAE_LCP_RAY_NOT_STRICTLY_COPOSITIVE), &
                  'not strictly copositive', 'ray')

@@ -89,6 +89,7 @@ contains
                 NSDAE_OK, 'put ' // error%text)
     call is_int(nsdae_trajectory_put_texts(t, '/mine/words', [character(len=5) :: 'one', 'two'], &
                                            'mine too', error), NSDAE_OK, 'texts ' // error%text)
+    call is_int(nsdae_trajectory_flush(t, error), NSDAE_OK, 'flush')
     call is_int(nsdae_trajectory_close(t, status, error), NSDAE_OK, 'close')
     call is_int(nsdae_sim_unobserve(sim, remember, seen), NSDAE_OK, 'unobserve')
     call is_int(seen%n, STEPS + 1, 'records')

@@ -16,7 +16,8 @@ static const double DT = 0.01;
 static void write_file(bouncing_ball *ball)
 {
   const driver_model *model = &bouncing_ball_model;
-  const nsdae_trajectory_info info = {model->name, model->parameters, ball, 0};
+  const nsdae_trajectory_info info = {
+      .model = model->name, .parameters = model->parameters, .parameters_base = ball};
   nsdae_sim_options options;
   nsdae_system *system;
   nsdae_sim *sim;

@@ -14,7 +14,7 @@
 #define NSDAE_TEST_SHARE 1
 #endif
 
-enum { LARGEST = 1000, STAGES = 7, ENUMERATED = 8 };
+enum { LARGEST = 1000, STAGES = 8, ENUMERATED = 8 };
 
 /* One solution to 1e-9 of the largest term of A x + b: ten times the solver's tolerance, which is
  * relative to single rows and in rows and columns of its own scale. */
@@ -192,7 +192,7 @@ static void try(tally *t, const lcp_sample *s, workspace *w)
   t->proved += status == NSDAE_E_INFEASIBLE;
   t->unsolved += status != NSDAE_E_INFEASIBLE;
   t->lost += s->known == FAMILY_SOLUTION;
-  if (info.proof == NSDAE_LCP_PROOF_FARKAS) t->lies += !vector_proves(s, w->y);
+  if (info.proof == NSDAE_PROOF_FARKAS) t->lies += !vector_proves(s, w->y);
   if (s->n <= ENUMERATED) t->disputed += has_clear_solution(s);
 }
 

@@ -60,7 +60,7 @@ static answer solve(const char *name)
   measure(&a);
   print_message(
       "%-38s n %4d  %-10s by %-9s %5d pivots  scaled %.1e  natural %.1e of %.1e  %.4f s\n", name,
-      a.file.n, nsdae_lcp_outcome_name(a.info.outcome), nsdae_lcp_stage_name(a.info.stage),
+      a.file.n, nsdae_outcome_name(a.info.outcome), nsdae_lcp_stage_name(a.info.stage),
       a.info.pivots, a.info.residual, a.residual, a.scale, a.seconds);
   return a;
 }
@@ -76,7 +76,7 @@ static void is_solved(const char *name, double tol)
 {
   answer a = solve(name);
   assert_int_equal(a.status, NSDAE_OK);
-  assert_int_equal(a.info.outcome, NSDAE_LCP_SOLVED);
+  assert_int_equal(a.info.outcome, NSDAE_OUTCOME_SOLVED);
   assert_at_most(a.info.residual, tol);
   assert_at_most(a.residual, tol * a.scale);
   release(&a);
@@ -100,7 +100,7 @@ static void test_without_solution(void **state)
   (void)state;
   answer a = solve("lcp_Pang_isolated_sol_perturbed");
   assert_int_equal(a.status, NSDAE_E_INFEASIBLE);
-  assert_int_equal(a.info.outcome, NSDAE_LCP_INFEASIBLE);
+  assert_int_equal(a.info.outcome, NSDAE_OUTCOME_INFEASIBLE);
   release(&a);
 }
 

@@ -52,7 +52,8 @@ static const nsdae_params table = {entries, 2};
 
 static nsdae_trajectory *create(fixture *f, const char *file, int live)
 {
-  const nsdae_trajectory_info info = {"bead", &table, &f->bead, live};
+  const nsdae_trajectory_info info = {
+      .model = "bead", .parameters = &table, .parameters_base = &f->bead, .live = live};
   nsdae_trajectory *t;
   nsdae_error error;
   int status = nsdae_trajectory_create(f->sim, file, &info, &t, &error);
@@ -256,7 +257,7 @@ static void test_failed_run(void **state)
 
 static void expect_refused(fixture *f, const char *name, const char *words)
 {
-  const nsdae_trajectory_info info = {"bead", NULL, NULL, 0};
+  const nsdae_trajectory_info info = {.model = "bead"};
   nsdae_trajectory *t;
   nsdae_error error;
   assert_int_equal(nsdae_trajectory_create(f->sim, name, &info, &t, &error), NSDAE_E_IO);

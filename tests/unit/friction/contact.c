@@ -42,7 +42,7 @@ static void check_solution(const nsdae_friction_problem *p, const double *r, con
   nsdae_friction_options_default(&options);
   options.tol = 1e-14;
   assert_int_equal(nsdae_friction_solve(p, &options, x, y, &info), NSDAE_OK);
-  assert_int_equal(info.outcome, NSDAE_FRICTION_SOLVED);
+  assert_int_equal(info.outcome, NSDAE_OUTCOME_SOLVED);
   assert_true(info.residual <= 1e-14);
   for (int i = 0; i < (p->rows ? p->rows[0] : 3); i++) {
     assert_near(x[i], r[i], 1e-13);

@@ -11,9 +11,9 @@ static nsdae_lcp_info solve(int n, const double *A, const double *b, double *x, 
   nsdae_lcp_info info;
   for (int i = 0; i < n; i++) x[i] = 0;
   int status = nsdae_lcp_solve(&problem, NULL, x, y, &info);
-  assert_int_equal(status, info.outcome == NSDAE_LCP_SOLVED       ? NSDAE_OK
-                           : info.outcome == NSDAE_LCP_INFEASIBLE ? NSDAE_E_INFEASIBLE
-                                                                  : NSDAE_E_LCP);
+  assert_int_equal(status, info.outcome == NSDAE_OUTCOME_SOLVED       ? NSDAE_OK
+                           : info.outcome == NSDAE_OUTCOME_INFEASIBLE ? NSDAE_E_INFEASIBLE
+                                                                      : NSDAE_E_LCP);
   return info;
 }
 
@@ -22,8 +22,8 @@ static void is_farkas(int n, const double *A, const double *b)
 {
   double x[MOST], u[MOST], against = 0;
   nsdae_lcp_info info = solve(n, A, b, x, u);
-  assert_int_equal(info.outcome, NSDAE_LCP_INFEASIBLE);
-  assert_int_equal(info.proof, NSDAE_LCP_PROOF_FARKAS);
+  assert_int_equal(info.outcome, NSDAE_OUTCOME_INFEASIBLE);
+  assert_int_equal(info.proof, NSDAE_PROOF_FARKAS);
   for (int i = 0; i < n; i++) {
     double sum = 0;
     for (int k = 0; k < n; k++) sum += A[i * n + k] * u[k];
@@ -55,8 +55,8 @@ static void test_enumerated(void **state)
   const double A[4] = {0, 1, 1, 0}, b[2] = {-1, 1};
   double x[2], y[2];
   nsdae_lcp_info info = solve(2, A, b, x, y);
-  assert_int_equal(info.outcome, NSDAE_LCP_INFEASIBLE);
-  assert_int_equal(info.proof, NSDAE_LCP_PROOF_ENUMERATED);
+  assert_int_equal(info.outcome, NSDAE_OUTCOME_INFEASIBLE);
+  assert_int_equal(info.proof, NSDAE_PROOF_ENUMERATED);
 }
 
 /* All square blocks of the x_i > 0 are singular in every solution. First x_0 = 1; then 2 x_0 - x_2
@@ -68,9 +68,9 @@ static void test_singular_blocks(void **state)
   const double repeated[16] = {2, -3, 2, -1, -2, -3, -2, -1, -1, 2, -1, 1, 0, 0, 0, 0};
   const double c[4] = {-1, -1, -1, 1};
   double x[4], y[4];
-  assert_int_equal(solve(2, few, b, x, y).outcome, NSDAE_LCP_SOLVED);
+  assert_int_equal(solve(2, few, b, x, y).outcome, NSDAE_OUTCOME_SOLVED);
   assert_near(x[0], 1, 1e-12);
-  assert_int_equal(solve(4, repeated, c, x, y).outcome, NSDAE_LCP_SOLVED);
+  assert_int_equal(solve(4, repeated, c, x, y).outcome, NSDAE_OUTCOME_SOLVED);
   assert_near(2 * x[0] - x[2], 1, 1e-9);
   assert_true(x[0] > 3 - 1e-9 && x[1] == 0);
 }
@@ -85,7 +85,7 @@ static void test_ray(void **state)
   info = solve(2, (const double[]){0, 1, -1, 0}, (const double[]){-1, 0}, x, y);
   assert_int_equal(info.ray, NSDAE_LCP_RAY_NOT_STRICTLY_COPOSITIVE);
   info = solve(1, (const double[]){1}, (const double[]){-1}, x, y);
-  assert_int_equal(info.outcome, NSDAE_LCP_SOLVED);
+  assert_int_equal(info.outcome, NSDAE_OUTCOME_SOLVED);
   assert_int_equal(info.ray, NSDAE_LCP_RAY_NOTHING);
 }
 
@@ -102,13 +102,13 @@ static void test_islands(void **state)
   assert_near(x[2], 1, 1e-15);
   b[1] = b[3] = 1;
   info = solve(4, A, b, x, y);
-  assert_int_equal(info.outcome, NSDAE_LCP_SOLVED);
+  assert_int_equal(info.outcome, NSDAE_OUTCOME_SOLVED);
   assert_near(x[0], 1, 1e-15);
   assert_true(x[1] == 0 && y[1] == 1);
   /* what is rounding beside the other island is none of its own: zero is a solution of both */
   b[1] = b[3] = -1e-18;
   info = solve(4, A, b, x, y);
-  assert_int_equal(info.outcome, NSDAE_LCP_SOLVED);
+  assert_int_equal(info.outcome, NSDAE_OUTCOME_SOLVED);
 }
 
 /* -x - 1 is never >= 0, however large the b of another island is that hides it. */
@@ -148,7 +148,7 @@ static void test_scaled(void **state)
       const double b[2] = {-4, ldexp(-7, r)};
       double x[2], y[2];
       nsdae_lcp_info info = solve(2, A, b, x, y);
-      assert_int_equal(info.outcome, NSDAE_LCP_SOLVED);
+      assert_int_equal(info.outcome, NSDAE_OUTCOME_SOLVED);
       assert_near(x[0], 1, 1e-14);
       assert_near(ldexp(x[1], s), 2, 1e-14);
     }
@@ -165,13 +165,13 @@ static void test_ends_of_the_range(void **state)
       is_farkas(1, (const double[]){-sizes[i]}, (const double[]){-sizes[j]});
       nsdae_lcp_info info = solve(2, (const double[]){sizes[i], -sizes[i], -sizes[i], sizes[i]},
                                   (const double[]){-sizes[j], -sizes[j]}, x, y);
-      assert_int_not_equal(info.outcome, NSDAE_LCP_SOLVED);
+      assert_int_not_equal(info.outcome, NSDAE_OUTCOME_SOLVED);
       /* x = size_j / size_i, solved wherever that can be written */
       info = solve(1, (const double[]){sizes[i]}, (const double[]){-sizes[j]}, x, y);
-      assert_int_not_equal(info.outcome, NSDAE_LCP_INFEASIBLE);
+      assert_int_not_equal(info.outcome, NSDAE_OUTCOME_INFEASIBLE);
       double ratio = sizes[j] / sizes[i];
       if (isnormal(ratio) && ratio < 1e307) {
-        assert_int_equal(info.outcome, NSDAE_LCP_SOLVED);
+        assert_int_equal(info.outcome, NSDAE_OUTCOME_SOLVED);
         assert_near(x[0] / ratio, 1, 1e-10);
       }
     }

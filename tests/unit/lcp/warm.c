@@ -29,11 +29,11 @@ static void test_zero_in_the_basis(void **state)
   double b[3] = {0.5, -0.3, 0}, x[3];
   int basis[3] = {0};
   nsdae_lcp_info info = solve(3, A, b, NSDAE_LCP_ALL, basis, x);
-  assert_int_equal(info.outcome, NSDAE_LCP_SOLVED);
+  assert_int_equal(info.outcome, NSDAE_OUTCOME_SOLVED);
   for (int k = 1; k <= 3; k++) {
     b[1] = -0.3 - 0.01 * k;
     info = solve(3, A, b, NSDAE_LCP_WARM, basis, x);
-    assert_int_equal(info.outcome, NSDAE_LCP_SOLVED);
+    assert_int_equal(info.outcome, NSDAE_OUTCOME_SOLVED);
     assert_true(x[0] == 0 && x[1] == 0);
     assert_near(x[2], -b[1], 1e-15);
   }
@@ -46,10 +46,10 @@ static void test_every_start(void **state)
   const struct {
     double A[4], b[2];
     int outcome;
-  } problems[] = {{{2, 1, 1, 2}, {-5, -6}, NSDAE_LCP_SOLVED},
-                  {{1, 2, 2, 1}, {-1, -1}, NSDAE_LCP_SOLVED},
-                  {{1, -1, -1, 1}, {-1, -1}, NSDAE_LCP_INFEASIBLE},
-                  {{0, 1, 1, 0}, {-1, 1}, NSDAE_LCP_INFEASIBLE}};
+  } problems[] = {{{2, 1, 1, 2}, {-5, -6}, NSDAE_OUTCOME_SOLVED},
+                  {{1, 2, 2, 1}, {-1, -1}, NSDAE_OUTCOME_SOLVED},
+                  {{1, -1, -1, 1}, {-1, -1}, NSDAE_OUTCOME_INFEASIBLE},
+                  {{0, 1, 1, 0}, {-1, 1}, NSDAE_OUTCOME_INFEASIBLE}};
   for (int k = 0; k < 16; k++) {
     double x[2];
     int basis[2] = {k & 1, k >> 1 & 1};
@@ -73,9 +73,9 @@ static void test_singular_blocks(void **state)
     double x[4];
     int basis[4] = {k & 1, k >> 1 & 1, k >> 2 & 1, k >> 3 & 1};
     nsdae_lcp_info info = solve(4, problems[k / 16].A, problems[k / 16].b, NSDAE_LCP_ALL, basis, x);
-    if (info.outcome != NSDAE_LCP_INFEASIBLE)
-      fail_msg("problem %d, start %d: %s by %s", k / 16, k % 16,
-               nsdae_lcp_outcome_name(info.outcome), nsdae_lcp_stage_name(info.stage));
+    if (info.outcome != NSDAE_OUTCOME_INFEASIBLE)
+      fail_msg("problem %d, start %d: %s by %s", k / 16, k % 16, nsdae_outcome_name(info.outcome),
+               nsdae_lcp_stage_name(info.stage));
   }
 }
 

@@ -1,0 +1,74 @@
+/* One stage after the other until the residual, computed afresh from A and b, is below the
+ * tolerance.
+ */
+#include "chain.h"
+
+#include "judge.h"
+#include "methods.h"
+#include "proof.h"
+#include "ray.h"
+
+/* With a solution at hand, if a doubted one, there is nothing to be proved. */
+static int prove(nsdae_lcp_work *w)
+{
+  return w->info->outcome != NSDAE_OUTCOME_SOLVED && nsdae_lcp_prove(w);
+}
+
+static int enumerate(nsdae_lcp_work *w)
+{
+  if (w->n > w->options->enumerate_max) return 0;
+  if (w->info->outcome != NSDAE_OUTCOME_SOLVED && nsdae_lcp_prove_all(w)) return 1;
+  for (long set = 0; set < 1L << w->n; set++) {
+    for (int i = 0; i < w->n; i++) w->room.trial[i] = (int)(set >> i & 1);
+    if (nsdae_lcp_judge_basis(w, w->room.trial, NSDAE_LCP_ENUMERATE)) return 1;
+  }
+  return 0;
+}
+
+/* Every stage returns whether the chain ends with it: with a proof, or settled. */
+static int run_stage(nsdae_lcp_work *w, int stage)
+{
+  switch (stage) {
+  case NSDAE_LCP_TRIVIAL:
+    return nsdae_lcp_try_trivial(w);
+  case NSDAE_LCP_WARM:
+    return nsdae_lcp_try_warm(w);
+  case NSDAE_LCP_LEMKE:
+    return nsdae_lcp_try_lemke(w);
+  case NSDAE_LCP_NEWTON:
+    return nsdae_lcp_try_newton(w);
+  case NSDAE_LCP_COVERING:
+    return nsdae_lcp_try_coverings(w);
+  case NSDAE_LCP_PROVE:
+    return prove(w);
+  case NSDAE_LCP_FURTHER:
+    return nsdae_lcp_try_further(w);
+  default:
+    return enumerate(w);
+  }
+}
+
+/* One after the other, in the order of their numbers. */
+static int run_stages(nsdae_lcp_work *w)
+{
+  for (int stage = 1; stage < NSDAE_LCP_ALL; stage *= 2)
+    if ((w->options->stages & stage) && run_stage(w, stage)) break;
+  if (w->info->outcome == NSDAE_OUTCOME_SOLVED) return NSDAE_OK;
+  return w->info->outcome == NSDAE_OUTCOME_INFEASIBLE ? NSDAE_E_INFEASIBLE : NSDAE_E_LCP;
+}
+
+/* The ray again, from which a later stage took the arrays. */
+static void read_ray(nsdae_lcp_work *w)
+{
+  int pivots;
+  if (nsdae_lcp_lemke_once(w, &pivots) == 1) nsdae_lcp_read_ray(w);
+}
+
+int nsdae_lcp_chain_run(nsdae_lcp_work *w)
+{
+  nsdae_lcp_work_scale(w);
+  int status = run_stages(w);
+  if (status != NSDAE_OK && w->ray && w->n <= NSDAE_RAY_MAX) read_ray(w);
+  nsdae_lcp_work_hand_over(w);
+  return status;
+}

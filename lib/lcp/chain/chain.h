@@ -1,0 +1,18 @@
+/* The stages on a problem as a whole, and on its islands. */
+#ifndef NSDAE_LCP_CHAIN_H
+#define NSDAE_LCP_CHAIN_H
+
+#include "work.h"
+
+/* Runs the stages that the options name; returns the status of the solver. */
+int nsdae_lcp_chain_run(nsdae_lcp_work *w);
+
+/* Sizes of the workspace for all of that, with room for the problem of an island beside it as far
+ * as an int can say so. */
+void nsdae_lcp_islands_sizes(int n, int *lwork, int *liwork);
+
+/* The same for each island of the problem by itself, where it has more than one; work and iwork are
+ * those that w was laid out in. */
+int nsdae_lcp_islands_run(nsdae_lcp_work *w, double *work, int lwork, int *iwork);
+
+#endif

@@ -1,0 +1,108 @@
+/* Memory, scales, and the way back to the problem as it was given. */
+#include "work.h"
+
+#include <math.h>
+#include <nsdae/kernels.h>
+#include <stddef.h>
+#include <string.h>
+
+#include "dictionary.h"
+#include "equilibrate.h"
+#include "judge.h"
+#include "lemke.h"
+
+/* The workspace that nsdae_dlemke asks for. */
+static int lemke_size(int n)
+{
+  return nsdae_dictionary_size(n, nsdae_lemke_block(n));
+}
+
+double nsdae_lcp_work_doubles(int n)
+{
+  return 4.0 * n * n + 13.0 * n + lemke_size(n) + 1;
+}
+
+int nsdae_lcp_work_ints(int n)
+{
+  return 6 * n + 1;
+}
+
+static void lay_out_scaled(nsdae_lcp_scaled *s, size_t n, double *work)
+{
+  s->A = work;
+  s->b = s->A + n * n;
+  s->row = s->b + n;
+  s->column = s->row + n;
+}
+
+static void lay_out_room(nsdae_lcp_room *r, size_t n, double *work, int *iwork)
+{
+  r->lemke_size = lemke_size((int)n);
+  r->lu = work;
+  r->wide = r->lu + n * n;
+  r->cover = r->wide + 2 * n * n + 4 * n;
+  r->rhs = r->cover + n;
+  r->sizes = r->rhs + n;
+  r->point = r->sizes + n;
+  r->lemke = r->point + 2 * n;
+  r->trial = iwork;
+  r->pivot = r->trial + n;
+  r->index = r->pivot + n;
+  r->allowed = r->index + 2 * n + 1;
+}
+
+void nsdae_lcp_work_lay_out(nsdae_lcp_work *w, double *work, int *iwork)
+{
+  size_t n = (size_t)w->n;
+  lay_out_scaled(&w->scaled, n, work);
+  w->best = w->scaled.column + n;
+  lay_out_room(&w->room, n, w->best + n, iwork);
+}
+
+void nsdae_lcp_work_scale(nsdae_lcp_work *w)
+{
+  size_t n = (size_t)w->n;
+  for (size_t j = 0; j < n; j++)
+    memcpy(w->scaled.A + j * n, w->problem->A + j * (size_t)w->problem->lda,
+           n * sizeof *w->scaled.A);
+  for (size_t i = 0; i < n; i++) w->scaled.b[i] = w->problem->b[i];
+  nsdae_equilibrate(w->n, w->scaled.A, w->scaled.b, w->scaled.row, w->scaled.column, w->room.point,
+                    w->room.index);
+  double before = 0, after = 0;
+  for (size_t i = 0; i < n; i++) {
+    before = fmax(before, fabs(w->problem->b[i]));
+    after = fmax(after, fabs(w->scaled.b[i]));
+  }
+  w->scaled.out_of_range = before > 0 && !(after > 0x1p-900 && after < 0x1p900);
+}
+
+/* Rows and columns as the problem was given; y is that of x as it can be written. */
+static void scale_back(nsdae_lcp_work *w)
+{
+  int rounded = 0;
+  double residual;
+  for (int i = 0; i < w->n; i++) {
+    double x = w->x[i] * w->scaled.column[i];
+    rounded |= x / w->scaled.column[i] != w->x[i];
+    w->room.rhs[i] = x / w->scaled.column[i];
+  }
+  if (rounded)
+    nsdae_dlcpres(w->n, w->scaled.A, w->n, w->scaled.b, w->room.rhs, w->y, &residual,
+                  w->room.sizes);
+  for (int i = 0; i < w->n; i++) {
+    w->x[i] *= w->scaled.column[i];
+    w->y[i] /= w->scaled.row[i];
+  }
+}
+
+void nsdae_lcp_work_hand_over(nsdae_lcp_work *w)
+{
+  int found = w->info->residual < INFINITY, proof = w->info->proof == NSDAE_PROOF_FARKAS;
+  if (w->info->outcome != NSDAE_OUTCOME_SOLVED ||
+      memcmp(w->x, w->best, (size_t)w->n * sizeof *w->x) != 0) { /* else y is that of x */
+    for (int i = 0; i < w->n; i++) w->x[i] = found ? w->best[i] : 0;
+    w->info->residual = nsdae_lcp_residual(w);
+  }
+  scale_back(w);
+  for (int i = 0; proof && i < w->n; i++) w->y[i] = w->room.point[i];
+}

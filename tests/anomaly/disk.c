@@ -1,0 +1,384 @@
+/* Trajectories on a disk that fails and in programs that are killed, at each write in turn. What
+ * was flushed before must be in the file, which HDF5's own driver opens. */
+#include "check.h"
+
+#include <errno.h>
+#include <hdf5.h>
+#include <hdf5_hl.h>
+#include <stdlib.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "bead.h"
+#include "disk.h"
+
+static const char path[] = "test_disk.h5", whole_path[] = "test_disk_whole.h5",
+                  copy_path[] = "test_disk_copy.h5";
+
+/* Every dataset that grows with the records, /time first. */
+static const char *const column[] = {"/time",
+                                     "/q",
+                                     "/v",
+                                     "/multiplier",
+                                     "/contact/gap",
+                                     "/contact/normal_impulse",
+                                     "/contact/tangential_impulse",
+                                     "/energy/kinetic",
+                                     "/energy/potential",
+                                     "/energy/dissipated",
+                                     "/certificate/lcp_residual",
+                                     "/certificate/constraint_drift",
+                                     "/certificate/penetration"};
+enum { COLUMNS = sizeof column / sizeof *column };
+
+/* The rows of a file. */
+typedef struct content {
+  hsize_t rows[COLUMNS], width[COLUMNS];
+  double *value[COLUMNS];
+  char status[16];
+} content;
+
+static void read_column(hid_t file, int i, content *c)
+{
+  hsize_t size[3] = {0, 1, 1};
+  assert_true(H5LTget_dataset_info(file, column[i], size, NULL, NULL) >= 0);
+  c->rows[i] = size[0];
+  c->width[i] = size[1] * size[2];
+  c->value[i] = malloc((c->rows[i] * c->width[i] + 1) * sizeof(double));
+  assert_true(H5LTread_dataset_double(file, column[i], c->value[i]) >= 0);
+}
+
+/* 0 where it is no HDF5 file. */
+static int read_file(const char *name, content *c)
+{
+  char *text = NULL;
+  hid_t file = H5Fopen(name, H5F_ACC_RDONLY, H5P_DEFAULT);
+  *c = (content){.rows = {0}};
+  if (file < 0) return 0;
+  for (int i = 0; i < COLUMNS; i++) read_column(file, i, c);
+  hid_t attribute = H5Aopen(file, "status", H5P_DEFAULT), type = H5Aget_type(attribute);
+  assert_true(H5Aread(attribute, type, &text) >= 0);
+  snprintf(c->status, sizeof c->status, "%s", text);
+  H5free_memory(text);
+  H5Tclose(type);
+  H5Aclose(attribute);
+  H5Fclose(file);
+  return 1;
+}
+
+static void release(content *c)
+{
+  for (int i = 0; i < COLUMNS; i++) free(c->value[i]);
+}
+
+/* At least `flushed` rows, and whatever there is has the values of the run without faults. */
+static void expect_rows(const content *got, const content *whole, hsize_t flushed)
+{
+  assert_true(got->rows[0] >= flushed);
+  for (int i = 0; i < COLUMNS; i++) {
+    assert_true(got->rows[i] >= got->rows[0]);
+    assert_memory_equal(got->value[i], whole->value[i],
+                        got->rows[0] * got->width[i] * sizeof(double));
+  }
+}
+
+/* A run that is flushed after `before` steps and again after `more`. */
+typedef struct run {
+  int before, more, compress;
+  bead bead;
+  nsdae_system *system;
+  nsdae_sim *sim;
+  nsdae_trajectory *trajectory;
+} run;
+
+static int begin(run *r, const char *name)
+{
+  nsdae_sim_options options;
+  double q0[3], v0[3];
+  bead_default(&r->bead);
+  bead_start(&r->bead, q0, v0);
+  nsdae_sim_options_default(&options);
+  options.dt = 0.001;
+  r->system = bead_system(&r->bead);
+  assert_int_equal(nsdae_sim_create(r->system, &options, &r->sim, NULL), NSDAE_OK);
+  assert_int_equal(nsdae_sim_init(r->sim, 0, q0, v0), NSDAE_OK);
+  const nsdae_trajectory_info info = {.model = "bead", .compress = r->compress};
+  return nsdae_trajectory_create(r->sim, name, &info, &r->trajectory, NULL);
+}
+
+static int step(run *r, int steps)
+{
+  for (int i = 0; i < steps; i++)
+    if (nsdae_sim_step(r->sim) < 0) return NSDAE_E_IO;
+  return nsdae_trajectory_flush(r->trajectory, NULL);
+}
+
+static int end(run *r)
+{
+  int status = nsdae_trajectory_close(&r->trajectory, NSDAE_OK, NULL);
+  nsdae_sim_destroy(&r->sim);
+  nsdae_system_destroy(&r->system);
+  return status;
+}
+
+/* The bytes of a file, to put them back. */
+typedef struct image {
+  char *bytes;
+  off_t length;
+} image;
+
+static image keep(const char *name)
+{
+  struct stat status;
+  assert_int_equal(stat(name, &status), 0);
+  image kept = {malloc((size_t)status.st_size), status.st_size};
+  FILE *file = fopen(name, "rb");
+  assert_int_equal(fread(kept.bytes, 1, (size_t)kept.length, file), kept.length);
+  fclose(file);
+  return kept;
+}
+
+/* Into the file that is there: it stays open in this process. */
+static void put_back(const char *name, const image *kept)
+{
+  FILE *file = fopen(name, "r+b");
+  assert_int_equal(fwrite(kept->bytes, 1, (size_t)kept->length, file), kept->length);
+  fclose(file);
+  assert_int_equal(truncate(name, kept->length), 0);
+}
+
+static void copy(const char *from, const char *to)
+{
+  image kept = keep(from);
+  remove(to);
+  FILE *file = fopen(to, "wb");
+  assert_int_equal(fwrite(kept.bytes, 1, (size_t)kept.length, file), kept.length);
+  fclose(file);
+  free(kept.bytes);
+}
+
+/* Goes on from the flush in a process of its own, with that fault. Returns its exit: 0 nothing was
+ * met, 1 said so, 2 met it and was silent, -1 killed; anything else is a crash. */
+static int go_on(run *r, int fault, long at, int code)
+{
+  int state;
+  pid_t child = fork();
+  if (child == 0) {
+    setenv("HDF5_USE_FILE_LOCKING", "FALSE", 1); /* the parent has the lock */
+    disk_reset(fault, at, code);
+    int stepped = step(r, r->more), ended = end(r), met = the_disk.calls > at;
+    exit(!met ? 0 : stepped < 0 || ended < 0 ? 1 : 2);
+  }
+  assert_int_equal(waitpid(child, &state, 0), child);
+  if (WIFSIGNALED(state)) return WTERMSIG(state) == SIGKILL ? -1 : 100 + WTERMSIG(state);
+  return WEXITSTATUS(state);
+}
+
+static void expect_outcome(int outcome, int fault, const content *got)
+{
+  if (fault == DISK_KILLED || fault == DISK_TORN) {
+    assert_int_equal(outcome, -1);
+    return;
+  }
+  assert_int_equal(outcome, 1);
+  if (fault == DISK_FAILS_ONCE) assert_string_equal(got->status, "failed");
+}
+
+/* Each write in turn is the long run (NSDAE_LONG); else every so-manieth, of all the faults. */
+static long stride(int fault)
+{
+  return getenv("NSDAE_LONG") ? 1 : fault == DISK_KILLED ? 5 : 17;
+}
+
+/* Every write from the flush on in turn, until one is not met. */
+static void attack(run *r, const content *whole, int fault, int code)
+{
+  hsize_t rows = r->before ? (hsize_t)r->before + 1 : 0; /* the first step shows the start too */
+  if (r->compress) rows -= rows % 1024;
+  image flushed = keep(path);
+  long at = 0;
+  for (;; at += stride(fault)) {
+    content got;
+    int outcome = go_on(r, fault, at, code);
+    copy(path, copy_path);
+    put_back(path, &flushed);
+    assert_int_equal(read_file(copy_path, &got), 1);
+    expect_rows(&got, whole, rows);
+    if (outcome == 0) {
+      assert_int_equal(got.rows[0], whole->rows[0]);
+      release(&got);
+      break;
+    }
+    expect_outcome(outcome, fault, &got);
+    release(&got);
+  }
+  print_message("%d + %d steps, fault %d: %ld writes\n", r->before, r->more, fault, at);
+  assert_true(at > 20);
+  free(flushed.bytes);
+}
+
+/* In a process of its own: the run that is forked from has the file open. */
+static void attack_all(int before, int more, int compress)
+{
+  static const int faults[][2] = {
+      {DISK_KILLED, 0}, {DISK_TORN, 0}, {DISK_FAILS, EIO}, {DISK_FAILS_ONCE, ENOSPC}};
+  content whole;
+  run full = {.before = before, .more = more, .compress = compress};
+  assert_int_equal(begin(&full, whole_path), NSDAE_OK);
+  assert_int_equal(step(&full, before + more), NSDAE_OK);
+  assert_int_equal(end(&full), NSDAE_OK);
+  assert_int_equal(read_file(whole_path, &whole), 1);
+  run r = {.before = before, .more = more, .compress = compress};
+  assert_int_equal(begin(&r, path), NSDAE_OK);
+  assert_int_equal(step(&r, before), NSDAE_OK);
+  for (size_t i = 0; i < sizeof faults / sizeof *faults; i++)
+    attack(&r, &whole, faults[i][0], faults[i][1]);
+  assert_int_equal(end(&r), NSDAE_OK);
+  release(&whole);
+}
+
+/* The first rows of all: chunks, trees and lengths come to be. */
+static void test_first_rows(void **state)
+{
+  (void)state;
+  attack_all(0, 3, 0);
+}
+
+static void test_within_a_chunk(void **state)
+{
+  (void)state;
+  attack_all(100, 50, 0);
+}
+
+static void test_across_chunks(void **state)
+{
+  (void)state;
+  attack_all(1000, 2100, 0);
+}
+
+/* HDF5's trees hold 64 chunks of 1024 rows a node: here the root splits. */
+static void test_where_trees_split(void **state)
+{
+  (void)state;
+  attack_all(64 * 1024 - 10, 1024, 0);
+}
+
+/* A file that cannot be made is not there; whichever write it is that fails. */
+static void test_none_made(void **state)
+{
+  (void)state;
+  long at = 0;
+  remove(path);
+  for (;; at++) {
+    run r = {.compress = 0};
+    disk_reset(DISK_FAILS, at, ENOSPC);
+    int status = begin(&r, path), met = the_disk.calls > at;
+    disk_reset(DISK_WHOLE, -1, 0);
+    assert_int_equal(end(&r), NSDAE_OK);
+    if (!met) break;
+    assert_int_equal(status, NSDAE_E_IO);
+    assert_int_equal(access(path, F_OK), -1);
+  }
+  assert_true(at > 20);
+}
+
+static void write_text(const char *name, int lines)
+{
+  FILE *file = fopen(name, "wb");
+  for (int i = 0; i < lines; i++) fputs("what somebody left here\n", file);
+  fclose(file);
+}
+
+/* A full disk is met before the old file of that name is touched. */
+static void test_old_file_stays(void **state)
+{
+  (void)state;
+  run r = {.compress = 0};
+  write_text(path, 10000);
+  image before = keep(path);
+  disk_reset(DISK_FAILS, 0, ENOSPC);
+  assert_int_equal(begin(&r, path), NSDAE_E_IO);
+  disk_reset(DISK_WHOLE, -1, 0);
+  end(&r);
+  image after = keep(path);
+  assert_int_equal(before.length, after.length);
+  assert_memory_equal(before.bytes, after.bytes, (size_t)before.length);
+  free(before.bytes);
+  free(after.bytes);
+}
+
+static void replace_by_rename(void)
+{
+  write_text(copy_path, 5);
+  assert_int_equal(rename(copy_path, path), 0);
+}
+
+static void replace_in_place(void)
+{
+  write_text(path, 30000);
+}
+
+static void replace_by_less(void)
+{
+  write_text(path, 5);
+}
+
+static void move_away(void)
+{
+  assert_int_equal(rename(path, copy_path), 0);
+}
+
+/* What others put in the file's place during a run is not written to, and the run fails. */
+static void test_replaced(void **state)
+{
+  (void)state;
+  void (*const how[])(void) = {replace_by_rename, replace_in_place, replace_by_less, move_away};
+  for (int at_end = 0; at_end < 2; at_end++)
+    for (size_t i = 0; i < sizeof how / sizeof *how; i++) {
+      run r = {.compress = 0};
+      nsdae_error error = {.status = 0};
+      image stranger = {NULL, 0};
+      assert_int_equal(begin(&r, path), NSDAE_OK);
+      assert_int_equal(step(&r, 10), NSDAE_OK);
+      how[i]();
+      if (how[i] != move_away) stranger = keep(path);
+      if (!at_end) assert_int_equal(step(&r, 10), NSDAE_E_IO);
+      assert_int_equal(nsdae_trajectory_close(&r.trajectory, NSDAE_OK, &error), NSDAE_E_IO);
+      if (at_end) assert_non_null(strstr(error.text, "replaced"));
+      end(&r);
+      if (how[i] == move_away) {
+        assert_int_equal(access(path, F_OK), -1);
+        continue;
+      }
+      image after = keep(path);
+      assert_int_equal(after.length, stranger.length);
+      assert_memory_equal(after.bytes, stranger.bytes, (size_t)after.length);
+      free(after.bytes);
+      free(stranger.bytes);
+    }
+}
+
+static void test_compressed(void **state)
+{
+  (void)state;
+  attack_all(1500, 3000, 6);
+}
+
+int main(void)
+{
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_none_made),         cmocka_unit_test(test_old_file_stays),
+      cmocka_unit_test(test_replaced),          cmocka_unit_test(test_first_rows),
+      cmocka_unit_test(test_within_a_chunk),    cmocka_unit_test(test_across_chunks),
+      cmocka_unit_test(test_where_trees_split), cmocka_unit_test(test_compressed),
+  };
+  H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
+  disk_reset(DISK_WHOLE, -1, 0);
+  int failed = cmocka_run_group_tests(tests, NULL, NULL);
+  remove(path);
+  remove(whole_path);
+  remove(copy_path);
+  return failed;
+}

@@ -1,0 +1,23 @@
+#!/bin/sh
+# Trajectories of several shapes opened by xarray. usage: xarray.sh BIN_DIR CHECK.py
+set -eu
+bin=$1
+check=$2
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cd "$work"
+python=/usr/bin/python3
+[ -x $python ] || python=python3
+
+# look NAME... -- ARGUMENT...: a program's file with these coordinates
+look() {
+  program=$1
+  names=$2
+  shift 2
+  "$bin/nsdae-$program" --quiet --output "$program.h5" "$@"
+  $python "$check" "$program.h5" $names
+}
+
+look pendulum "x y theta" --t-end 1
+look woodpecker "y phi_M phi_S" --t-end 0.3 --every 7 --compress 4
+look rolling-ball "x y z a_x a_y a_z" --t-end 0.2

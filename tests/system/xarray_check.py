@@ -1,0 +1,47 @@
+"""What xarray makes of a trajectory, against h5py: usage: xarray_check.py FILE.h5 NAME..., the names of the
+coordinates. Exit 77 where xarray or an engine of it is not installed."""
+
+import importlib.util
+import sys
+
+for module in ("h5py", "numpy", "xarray", "h5netcdf", "netCDF4"):
+    if importlib.util.find_spec(module) is None:
+        print(f"skipped: no Python module {module}")
+        sys.exit(77)
+
+import h5py
+import numpy as np
+import xarray
+
+path, names = sys.argv[1], sys.argv[2:]
+
+
+def look(engine, file):
+    root = xarray.open_dataset(path, engine=engine)
+    assert root.q.dims == ("time", "coordinate") and root.v.dims == ("time", "velocity"), root
+    assert list(root.coordinate.values) == names, root.coordinate.values
+    assert root.coordinate_unit.dims == ("coordinate",)
+    for i, name in enumerate(names):
+        assert np.array_equal(root.q.sel(coordinate=name).values, file["q"][:, i])
+    half = file["time"][len(file["time"]) // 2]
+    assert np.array_equal(root.q.sel(time=half).values, file["q"][len(file["time"]) // 2])
+    assert np.array_equal(root.time.values, file["time"][:])
+    if "multiplier" in file:
+        assert root.multiplier.dims == ("time", "constraint")
+    for group, dims in (("energy", ("time",)), ("certificate", ("time",)), ("impact", ("time",)), ("change", ("time",))):
+        data = xarray.open_dataset(path, engine=engine, group=group)
+        for name, variable in data.data_vars.items():
+            assert variable.dims[0] == dims[0] and np.array_equal(variable.values, file[group][name][:]), name
+    if "contact" in file:
+        contact = xarray.open_dataset(path, engine=engine, group="contact")
+        assert contact.gap.dims == ("time", "contact")
+        first = contact.contact.values[0]
+        assert np.array_equal(contact.gap.sel(contact=first).values, file["contact/gap"][:, 0])
+        if "tangential_impulse" in contact:
+            assert contact.tangential_impulse.dims == ("time", "contact", "tangent")
+
+
+with h5py.File(path) as file:
+    for engine in ("h5netcdf", "netcdf4"):
+        look(engine, file)
+        print(f"{engine}: q by {', '.join(names)}")
