@@ -297,7 +297,7 @@ static int check(nsdae_sim *sim, const char *path, const nsdae_trajectory_info *
 }
 
 /* What was made, to the observers and the caller; or away again. */
-static int begin(nsdae_trajectory *t, int status, nsdae_trajectory **trajectory)
+static int hand_over(nsdae_trajectory *t, int status, nsdae_trajectory **trajectory)
 {
   nsdae_error ignored;
   if (status == NSDAE_OK) {
@@ -325,7 +325,7 @@ int nsdae_trajectory_create(nsdae_sim *sim, const char *path, const nsdae_trajec
   if (!t) return no_memory(error, "nsdae_trajectory_create");
   t->h5.error = error ? error : &own;
   NSDAE_H5_QUIETLY(status, make_file(t, info))
-  return begin(t, status, trajectory);
+  return hand_over(t, status, trajectory);
 }
 
 /* ---- going on in a file ---- */
@@ -384,7 +384,7 @@ static int go_on(nsdae_trajectory *t, const hsize_t rows[TABLES])
     t->before[i] = mark.rows[i];
   }
   t->step = mark.step;
-  t->resumed = 1;
+  t->resumed = t->begun = 1;
   return NSDAE_OK;
 }
 
@@ -416,7 +416,7 @@ int nsdae_trajectory_resume(nsdae_sim *sim, const char *path, const nsdae_trajec
   t->h5.error = error ? error : &own;
   NSDAE_H5_QUIETLY(status, open_again(t, info))
   t->h5.where = NULL;
-  return begin(t, status, trajectory);
+  return hand_over(t, status, trajectory);
 }
 
 /* ---- what else ---- */
