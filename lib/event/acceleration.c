@@ -129,7 +129,9 @@ static int solve(nsdae_event_acceleration *p)
   for (int i = 0; i < m; i++) p->lambda[i] = -T.omega[i];
   nsdae_kkt_solve(s->kkt, 1, p->a, n, p->lambda, m);
   nsdae_kkt_solve_mass(s->kkt, p->size);
-  return nsdae_event_solve(s, &p->problem, &T, p->size, p->a, p->lambda);
+  int status = nsdae_event_solve(s, &p->problem, &T, p->size, p->a, p->lambda);
+  if (status == NSDAE_OK) status = nsdae_event_finite(s, "acceleration", n, p->a);
+  return status < 0 ? status : nsdae_event_finite(s, "multiplier", m, p->lambda);
 }
 
 static int tell_paradox(const nsdae_event_setting *s, int contact, double t, const char *what,

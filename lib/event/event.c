@@ -170,12 +170,14 @@ static int go_through(event *e, double t)
   const nsdae_event_modes *m = &e->phase.modes;
   memcpy(e->mode_before, m->contact, (size_t)d->k * sizeof *m->contact);
   memcpy(e->slide_mode_before, m->slide, (size_t)d->f * sizeof *m->slide);
-  int before = r->impacts + r->changes, status = restart(e, t);
+  int before = r->impacts + r->changes, found = 0;
+  for (int i = 0; i < e->roots.count; i++) found |= e->roots.entry[i].found;
+  int status = restart(e, t);
   for (int i = 0; i < d->k && status == NSDAE_OK; i++)
     add_change(r, t, i, -1, e->mode_before[i], m->contact[i]);
   for (int j = 0; j < d->f && status == NSDAE_OK; j++)
     add_change(r, t, -1, j, e->slide_mode_before[j], m->slide[j]);
-  *e->base.idle += r->impacts + r->changes == before;
+  *e->base.idle += found && r->impacts + r->changes == before;
   return status;
 }
 
@@ -202,16 +204,24 @@ static int begin(event *e, const nsdae_terms *from)
   return restart(e, from->t);
 }
 
+/* One step of the integrator. An instant is also due where the equations of the phase are no longer
+ * the right ones, or their solution has strayed from what is closed. */
+static int step(event *e)
+{
+  nsdae_event_integrator *g = &e->integrator;
+  int status = nsdae_event_integrator_advance(g);
+  int due = status < 0 ? status : nsdae_event_turned(&e->instant, g->ahead, g->y);
+  if (due == 0) due = nsdae_event_strayed(&e->instant, g->ahead, g->y);
+  if (due > 0) g->pending = 1;
+  return due < 0 ? due : NSDAE_OK;
+}
+
 static int integrate(event *e)
 {
   double from = e->integrator.ahead;
-  int status = nsdae_event_integrator_advance(&e->integrator);
+  int status = step(e);
   if (status < 0) nsdae_event_integrator_read(&e->integrator, from, e->integrator.y);
   ++*e->base.steps;
-  int turned =
-      status < 0 ? 0 : nsdae_event_turned(&e->instant, e->integrator.ahead, e->integrator.y);
-  if (turned < 0) return turned;
-  if (turned > 0) e->integrator.pending = 1;
   *e->base.tiny += e->integrator.ahead - from < TINY * e->setting.options->dt;
   return status < 0 ? integrator_failed(e, status, from) : status;
 }
@@ -231,7 +241,7 @@ static int replay(event *e, const nsdae_terms *to)
   int steps = *e->base.steps;
   nsdae_event_restore(&e->base, g);
   int status = nsdae_event_integrator_start(g, *e->base.t);
-  for (int i = 0; i < steps && status == NSDAE_OK; i++) status = nsdae_event_integrator_advance(g);
+  for (int i = 0; i < steps && status == NSDAE_OK; i++) status = step(e);
   if (status < 0 || to->t > g->ahead) return 0;
   return read_state(e, to->t) == NSDAE_OK &&
          memcmp(g->y, to->q, (size_t)d->nq * sizeof *g->y) == 0 &&
@@ -345,6 +355,19 @@ static int settle(void *own, const nsdae_state *state, nsdae_result *result)
   return status;
 }
 
+/* No failure without a text. */
+static int tell(const event *e, int status)
+{
+  nsdae_error *error = e->setting.error;
+  if (error->status != NSDAE_OK) return status;
+  nsdae_error_set(error, status, "nsdae_event", "",
+                  "at t = %.17g: %s; the equations of the contacts that are closed, or of the "
+                  "constraints, have no solution there",
+                  e->setting.here->t, nsdae_status_message(status));
+  error->time = e->setting.here->t;
+  return status;
+}
+
 static int advance(void *own, const nsdae_state *state, double t_end, nsdae_result *result)
 {
   event *e = own;
@@ -357,7 +380,7 @@ static int advance(void *own, const nsdae_state *state, double t_end, nsdae_resu
   if (*e->base.goal != t_end) *e->base.instants = *e->base.idle = *e->base.tiny = 0;
   *e->base.goal = t_end;
   if (status == NSDAE_OK) status = run_to(e, t_end);
-  if (status < 0) return status;
+  if (status < 0) return tell(e, status);
   /* a list that one instant fills leaves no way on either */
   result->given_up = too_many(e) || !(e->reached > state->terms->t);
   if (result->given_up) return NSDAE_OK;

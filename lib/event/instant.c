@@ -4,8 +4,13 @@
 #include <math.h>
 #include <string.h>
 
+#include "errors.h"
+
 /* Of the squared sines between the range of the constraints and that of the phase, the most. */
 static const double TURNED = 0.25;
+
+/* Of what counts as zero for a position: where it is brought back, and what nothing explains. */
+static const double STRAYED = 10, LOST = 1e5;
 
 static int is_found(const nsdae_event_roots *roots, nsdae_root_kind kind, int i)
 {
@@ -177,4 +182,37 @@ int nsdae_event_turned(const nsdae_event_instant *p, double t, const double *y)
         common += kkt->Z[l * n + a] * m->range[j * n + i] * kkt->Z[l * n + b];
       }
   return kkt->rank < kkt->m && common < kkt->rank - TURNED;
+}
+
+/* The most that a constraint or a closed contact with a row of its own is away from zero. */
+static double away(const nsdae_event_phase *phase)
+{
+  const nsdae_terms *T = phase->setting->here;
+  double most = nsdae_event_largest(T->system->dims.m, T->phi);
+  for (int i = 0; i < T->system->dims.k; i++)
+    if (phase->modes.contact[i] != NSDAE_MODE_OPEN && !phase->modes.related[i])
+      most = fmax(most, fabs(T->gap[i]));
+  return most;
+}
+
+int nsdae_event_strayed(const nsdae_event_instant *p, double t, const double *y)
+{
+  nsdae_event_setting *s = p->roots->phase->setting;
+  const nsdae_dims *d = &s->system->dims;
+  int closed = (p->roots->phase->terms & NSDAE_TERM_NORMAL) != 0;
+  if (d->m == 0 && !closed) return 0;
+  nsdae_event_move(s, t, y);
+  int status =
+      nsdae_terms_need(s->here, (d->m > 0 ? NSDAE_TERM_PHI : 0u) | (closed ? NSDAE_TERM_GAP : 0u));
+  if (status < 0) return status;
+  double most = away(p->roots->phase), size = nsdae_event_position_size(s);
+  if (!(most > LOST * size)) return most > STRAYED * size;
+  nsdae_error_set(
+      s->error, NSDAE_E_CONVERGENCE, "nsdae_event", "rtol",
+      "constraints or closed contacts are off by %.3g at t = %.17g, which rtol = %g does "
+      "not explain: their derivatives may be wrong (nsdae_system_check), or take a "
+      "larger rtol",
+      most, t, s->options->rtol);
+  s->error->time = t;
+  return NSDAE_E_CONVERGENCE;
 }

@@ -21,6 +21,11 @@ typedef struct nsdae_event_instant {
  * y and yp [n] are then consistent but for what the integrator's start still does. */
 int nsdae_event_pass(nsdae_event_instant *instant, double t, double *y, double *yp);
 
+/* Whether constraints or what is closed have left zero by more than the integrator's error, as over
+ * a long phase they do: then they are to be brought back. 0, 1, or a status; so far that no such
+ * error explains it is NSDAE_E_CONVERGENCE with the record. */
+int nsdae_event_strayed(const nsdae_event_instant *instant, double t, const double *y);
+
 /* Whether the range of redundant constraints has turned away from the phase's at t, y: then a new
  * phase is due. 0, 1, or a status. */
 int nsdae_event_turned(const nsdae_event_instant *instant, double t, const double *y);

@@ -74,3 +74,19 @@ double nsdae_event_velocity_size(const nsdae_event_setting *s)
   double most = nsdae_event_largest(s->system->dims.nv, s->here->v);
   return fmax(s->options->impact_velocity, 10 * (s->options->rtol * most + s->options->atol));
 }
+
+int nsdae_event_finite(const nsdae_event_setting *s, const char *what, int n, const double *a)
+{
+  for (int i = 0; i < n; i++) {
+    if (isfinite(a[i])) continue;
+    nsdae_error_set(
+        s->error, NSDAE_E_NONFINITE, "nsdae_event", what,
+        "%s %d is %g at t = %.17g: a callback gives numbers near the largest there are, "
+        "or mass and forces are too far apart",
+        what, i, a[i], s->here->t);
+    s->error->index = i;
+    s->error->time = s->here->t;
+    return NSDAE_E_NONFINITE;
+  }
+  return NSDAE_OK;
+}

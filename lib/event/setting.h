@@ -55,6 +55,10 @@ int nsdae_event_solve(nsdae_event_setting *setting, nsdae_contacts *contacts,
 double nsdae_event_position_size(const nsdae_event_setting *setting);
 double nsdae_event_velocity_size(const nsdae_event_setting *setting);
 
+/* NSDAE_OK, or NSDAE_E_NONFINITE with the record, where `what` [n] is not finite. */
+int nsdae_event_finite(const nsdae_event_setting *setting, const char *what, int n,
+                       const double *a);
+
 /* max |a_i| */
 double nsdae_event_largest(int n, const double *a);
 
