@@ -514,6 +514,19 @@ public:
   /* The handle of C, or NULL. */
   nsdae_sim *c() const noexcept { return guts_ ? guts_->c : nullptr; }
 
+  /* nsdae_sim_project, of q0 [nq] and v0 [nv]. */
+  int try_project(double t0, double *q0, double *v0) noexcept
+  {
+    return detail::attempt([&] { return nsdae_sim_project(c(), t0, q0, v0); });
+  }
+  /* Puts a start right: q0 [nq], v0 [nv] are std::vector, std::array or the like. */
+  template <class Q, class V> void project(double t0, Q &q0, V &v0)
+  {
+    const nsdae_dims size = dims();
+    detail::sized(q0, size.nq, "q0");
+    detail::sized(v0, size.nv, "v0");
+    detail::demand_run(try_project(t0, q0.data(), v0.data()), last_error());
+  }
   /* nsdae_sim_init, of q0 [nq] and v0 [nv]. */
   int try_init(double t0, const double *q0, const double *v0) noexcept
   {
@@ -557,6 +570,24 @@ public:
   int step() { return detail::demand_run(try_step(), last_error()); }
   /* Steps to t_end; the status is >= 0. */
   int run(double t_end) { return detail::demand_run(try_run(t_end), last_error()); }
+
+  /* The state as a value: nsdae_sim_get_state, nsdae_sim_set_state. */
+  std::vector<unsigned char> state() const
+  {
+    std::size_t size = 0;
+    detail::demand(nsdae_sim_state_size(c(), &size), last_error());
+    std::vector<unsigned char> block(size);
+    detail::demand(nsdae_sim_get_state(c(), block.data(), size), last_error());
+    return block;
+  }
+  int try_set_state(const std::vector<unsigned char> &block) noexcept
+  {
+    return detail::attempt([&] { return nsdae_sim_set_state(c(), block.data(), block.size()); });
+  }
+  void set_state(const std::vector<unsigned char> &block)
+  {
+    detail::demand(try_set_state(block), last_error());
+  }
 
   /* Its pointers hold until the next step. */
   nsdae_record record() const { return get<nsdae_record>(nsdae_sim_get_record); }

@@ -2,6 +2,7 @@
 #include <float.h>
 #include <math.h>
 #include <stddef.h>
+#include <string.h>
 
 #include "errors.h"
 #include "options.h"
@@ -12,6 +13,8 @@ static const char *const laws[] = {
     "hertz", "kelvin-voigt", "hunt-crossley", "lankarani-nikravesh", "flores", NULL};
 static const char *const solvers[] = {"dense", "sparse", NULL};
 static const char *const redundant[] = {"error", "least-norm", NULL};
+
+static const char *const projections[] = {"none", "constraints", "contacts", NULL};
 
 enum { INITIALISED = 0x6e736461 };
 
@@ -60,6 +63,10 @@ static const nsdae_param entries[] = {
      NSDAE_PARAM_REAL, AT(accumulation_time), 1e-5, 0, INFINITY, NSDAE_OPEN_MIN, NULL},
     {"events_max", "1", "most instants of event in one dt; past it the step is implicit's",
      NSDAE_PARAM_INT, AT(events_max), 10000, 1, 1e9, 0, NULL},
+    {"projection", "", "what the end of a step of a time-stepping method is moved to",
+     NSDAE_PARAM_CHOICE, AT(projection), NSDAE_PROJECTION_NONE, 0, 2, 0, projections},
+    {"start_tol", "1", "relative error of the numbers of a start, which must be consistent",
+     NSDAE_PARAM_REAL, AT(start_tol), 1e-6, 0, INFINITY, 0, NULL},
 };
 
 static const nsdae_params table = {entries, (int)(sizeof entries / sizeof *entries)};
@@ -88,4 +95,44 @@ int nsdae_sim_options_check(const nsdae_sim_options *options, nsdae_error *error
     return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_sim_create", "options",
                            "options were not initialised: call nsdae_sim_options_default first");
   return nsdae_params_check(&table, options, error);
+}
+
+double nsdae_sim_option_value(const nsdae_sim_options *options, const nsdae_param *param)
+{
+  const char *at = (const char *)options + param->offset;
+  double real;
+  int whole;
+  if (param->type == NSDAE_PARAM_REAL) return memcpy(&real, at, sizeof real), real;
+  return memcpy(&whole, at, sizeof whole), whole;
+}
+
+/* Those that are not every method's. */
+static const struct {
+  const char *key;
+  unsigned methods;
+} used[] = {
+    {"baumgarte_alpha", ~(1u << NSDAE_METHOD_MOREAU | 1u << NSDAE_METHOD_IMPLICIT)},
+    {"baumgarte_beta", ~(1u << NSDAE_METHOD_MOREAU | 1u << NSDAE_METHOD_IMPLICIT)},
+    {"iteration_tol", ~(1u << NSDAE_METHOD_MOREAU | 1u << NSDAE_METHOD_PENALTY)},
+    {"iteration_max", ~(1u << NSDAE_METHOD_MOREAU | 1u << NSDAE_METHOD_PENALTY)},
+    {"lcp_tol", ~(1u << NSDAE_METHOD_PENALTY)},
+    {"polygon", ~(1u << NSDAE_METHOD_PENALTY)},
+    {"rtol", 1u << NSDAE_METHOD_PENALTY | 1u << NSDAE_METHOD_EVENT},
+    {"atol", 1u << NSDAE_METHOD_PENALTY | 1u << NSDAE_METHOD_EVENT},
+    {"penalty_law", 1u << NSDAE_METHOD_PENALTY},
+    {"penalty_stiffness", 1u << NSDAE_METHOD_PENALTY},
+    {"penalty_exponent", 1u << NSDAE_METHOD_PENALTY},
+    {"friction_velocity", 1u << NSDAE_METHOD_PENALTY},
+    {"linear_solver", 1u << NSDAE_METHOD_EVENT},
+    {"accumulation_time", 1u << NSDAE_METHOD_EVENT},
+    {"events_max", 1u << NSDAE_METHOD_EVENT},
+    {"projection", ~(1u << NSDAE_METHOD_PENALTY)}, /* of event: where implicit steps in */
+    {"start_tol", 0},
+};
+
+int nsdae_sim_option_matters(const char *key, int method)
+{
+  for (size_t i = 0; i < sizeof used / sizeof *used; i++)
+    if (strcmp(used[i].key, key) == 0) return (used[i].methods >> method & 1u) != 0;
+  return 1;
 }

@@ -3,24 +3,14 @@
 #include <string.h>
 
 #include "sim_impl.h"
-#include "vector.h"
 
 enum {
   RECORD_TERMS = NSDAE_TERM_MASS | NSDAE_TERM_PHI | NSDAE_TERM_GAP | NSDAE_TERM_POTENTIAL,
   ALL_TERMS = RECORD_TERMS | NSDAE_TERM_FORCE | NSDAE_TERM_JACOBIAN | NSDAE_TERM_PHI_T |
               NSDAE_TERM_OMEGA | NSDAE_TERM_NORMAL | NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS |
-              NSDAE_TERM_SLIDE
+              NSDAE_TERM_SLIDE,
+  EVERY_TERM = ALL_TERMS | NSDAE_TERM_ACCELERATION
 };
-
-/* T = v^T M v / 2 */
-static double kinetic_energy(const nsdae_terms *terms)
-{
-  int n = terms->system->dims.nv;
-  double twice = 0;
-  for (int j = 0; j < n; j++)
-    twice += terms->v[j] * nsdae_dot(n, terms->M + (size_t)j * (size_t)n, terms->v);
-  return twice / 2;
-}
 
 static void fill_record(nsdae_point *p)
 {
@@ -37,7 +27,7 @@ static void fill_record(nsdae_point *p)
                              .mode = r->impulses.mode,
                              .slide_impulse = r->impulses.slide_impulse,
                              .slide_mode = r->impulses.slide_mode,
-                             .kinetic = kinetic_energy(end),
+                             .kinetic = nsdae_terms_kinetic(end),
                              .potential = end->potential,
                              .dissipated = p->accounts.dissipated,
                              .lcp_residual = r->worst_residual,
@@ -106,6 +96,16 @@ int nsdae_point_start(nsdae_sim *sim, nsdae_point *point)
   stats->rank = sim->system->dims.m;
   count(stats, &point->result.counters);
   certify(stats, &point->record);
+  return NSDAE_OK;
+}
+
+int nsdae_point_show(nsdae_point *point, unsigned have)
+{
+  nsdae_terms *end = &point->result.end;
+  int status = nsdae_terms_need(end, (have & EVERY_TERM) | RECORD_TERMS);
+  if (status < 0) return status;
+  end->have &= have | RECORD_TERMS; /* some callbacks give two */
+  fill_record(point);
   return NSDAE_OK;
 }
 

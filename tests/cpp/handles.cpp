@@ -212,6 +212,27 @@ void test_observers()
   EXPECT(throws_status(NSDAE_E_ARGUMENT, [&] { sim.observe([](const nsdae_record &) {}); }));
 }
 
+/* A state that is set elsewhere goes on with the same bytes. */
+void test_state()
+{
+  nsdae::system ball(make_ball());
+  nsdae::sim sim(ball), other(ball);
+  sim.init(0, {1}, {0});
+  for (int i = 0; i < 30; i++) sim.step();
+  const std::vector<unsigned char> block = sim.state();
+  other.set_state(block);
+  EXPECT(other.state() == block);
+  for (int i = 0; i < 200; i++) {
+    sim.step();
+    other.step();
+  }
+  EXPECT(other.state() == sim.state());
+  EXPECT(throws_status(NSDAE_E_ARGUMENT, [&] {
+    other.set_state(std::vector<unsigned char>(block.begin(), block.end() - 1));
+  }));
+  EXPECT(other.state() == sim.state());
+}
+
 /* A code of its own: > 0 and < 0 both end the run here, and nothing is thrown but error. */
 void test_codes()
 {
@@ -337,6 +358,7 @@ int main(int argc, char **argv)
   test_options();
   test_exceptions();
   test_observers();
+  test_state();
   test_codes();
   test_moves();
   test_threads();

@@ -1,0 +1,479 @@
+/* The state as a value, and the step as a transaction, for every method on the examples and on
+ * random systems: a state that is set elsewhere goes on with the same bytes, whatever fails leaves
+ * no trace. */
+#include "check.h"
+
+#include <stdlib.h>
+
+#include "clearance_hinge.h"
+#include "crank_slider.h"
+#include "incline.h"
+#include "newtons_cradle.h"
+#include "pendulum.h"
+#include "random_system.h"
+
+enum { STEPS = 60, TAKEN = 20, NQ = 8, SYSTEMS = 6, OBSERVERS = 3 };
+
+static const driver_model *const models[] = {&pendulum_model, &clearance_hinge_model,
+                                             &crank_slider_model, &newtons_cradle_model,
+                                             &incline_model};
+enum { MODELS = sizeof models / sizeof *models };
+
+/* A system to run, an example or a random one. */
+typedef struct bench {
+  nsdae_system *system;
+  nsdae_dims dims;
+  nsdae_sim_options options;
+  double q0[NQ], v0[NQ];
+  random_system random; /* where there are no parameters */
+} bench;
+
+/* FNV-1a over all that the records of a run say. */
+typedef struct transcript {
+  nsdae_dims dims;
+  uint64_t sum[STEPS + 1]; /* after each record */
+  long records, last;
+} transcript;
+
+static uint64_t add(uint64_t sum, const void *bytes, size_t n)
+{
+  for (size_t i = 0; i < n; i++)
+    sum = (sum ^ ((const unsigned char *)bytes)[i]) * UINT64_C(1099511628211);
+  return sum;
+}
+
+static uint64_t add_doubles(uint64_t sum, const double *a, int n)
+{
+  return add(sum, a, (size_t)n * sizeof *a);
+}
+
+static uint64_t sum_of(const nsdae_record *r, const nsdae_dims *d)
+{
+  uint64_t sum = add(UINT64_C(14695981039346656037), &r->step, sizeof r->step);
+  const double scalars[] = {r->time,       r->kinetic,      r->potential,
+                            r->dissipated, r->lcp_residual, r->constraint_drift};
+  sum = add_doubles(sum, scalars, 6);
+  sum = add_doubles(sum, r->q, d->nq);
+  sum = add_doubles(sum, r->v, d->nv);
+  sum = add_doubles(sum, r->multiplier, d->m);
+  sum = add_doubles(sum, r->normal_impulse, d->k);
+  sum = add_doubles(sum, r->tangential_impulse, d->k * d->nt);
+  sum = add_doubles(sum, r->slide_impulse, d->f);
+  sum = add(sum, r->mode, (size_t)d->k * sizeof *r->mode);
+  for (int i = 0; i < r->impacts; i++) {
+    const nsdae_impact *p = &r->impact[i];
+    const double all[] = {p->time, p->normal_impulse, p->velocity_before, p->velocity_after,
+                          p->peak_force};
+    sum = add_doubles(sum, all, 5);
+  }
+  return sum;
+}
+
+/* Each step once, in order. */
+static int write_down(const nsdae_record *r, nsdae_error *error, void *user)
+{
+  transcript *t = user;
+  (void)error;
+  assert_int_equal(r->step, t->last + 1);
+  t->last = r->step;
+  t->sum[r->step] = sum_of(r, &t->dims);
+  t->records++;
+  return 0;
+}
+
+static void open_transcript(transcript *t, const bench *b, long after)
+{
+  *t = (transcript){.dims = b->dims, .last = after};
+}
+
+static void use_model(bench *b, const driver_model *model)
+{
+  *b = (bench){0};
+  nsdae_params_default(model->parameters, model->base);
+  assert_int_equal(model->build(model->base, &b->system, NULL), NSDAE_OK);
+  model->start(model->base, b->q0, b->v0);
+  nsdae_sim_options_default(&b->options);
+  if (model->dt > 0) b->options.dt = model->dt;
+  nsdae_system_get_dims(b->system, &b->dims);
+}
+
+static void use_random(bench *b, uint64_t seed)
+{
+  *b = (bench){0};
+  random_system_draw(&b->random, seed, RANDOM_PLAIN);
+  b->system = random_system_make(&b->random);
+  assert_non_null(b->system);
+  b->dims = b->random.dims;
+  memcpy(b->q0, b->random.q0, sizeof b->random.q0);
+  memcpy(b->v0, b->random.v0, sizeof b->random.v0);
+  nsdae_sim_options_default(&b->options);
+  b->options.dt = 0.02;
+  b->options.penalty_stiffness = 1e5;
+}
+
+static void done(bench *b)
+{
+  nsdae_system_destroy(&b->system);
+}
+
+/* NULL where the method is not built. */
+static nsdae_sim *make(bench *b, int method)
+{
+  nsdae_sim *sim = NULL;
+  b->options.method = method;
+  int status = nsdae_sim_create(b->system, &b->options, &sim, NULL);
+  if (status != NSDAE_E_UNSUPPORTED) assert_int_equal(status, NSDAE_OK);
+  return sim;
+}
+
+static nsdae_sim *start(bench *b, int method, transcript *t)
+{
+  nsdae_sim *sim = make(b, method);
+  open_transcript(t, b, -1);
+  if (!sim) return NULL;
+  assert_int_equal(nsdae_sim_observe(sim, write_down, t), NSDAE_OK);
+  assert_int_equal(nsdae_sim_init(sim, 0, b->q0, b->v0), NSDAE_OK);
+  return sim;
+}
+
+static unsigned char *state_of(nsdae_sim *sim, size_t *size)
+{
+  assert_int_equal(nsdae_sim_state_size(sim, size), NSDAE_OK);
+  unsigned char *block = malloc(*size);
+  assert_non_null(block);
+  assert_int_equal(nsdae_sim_get_state(sim, block, *size), NSDAE_OK);
+  return block;
+}
+
+static void expect_state(nsdae_sim *sim, const unsigned char *block)
+{
+  size_t size;
+  unsigned char *now = state_of(sim, &size);
+  assert_memory_equal(now, block, size);
+  free(now);
+}
+
+/* Every function on every system and method. */
+static void each(void (*f)(bench *b, int method))
+{
+  static bench b;
+  for (int method = 0; nsdae_method_name(method); method++) {
+    for (int i = 0; i < MODELS; i++) {
+      use_model(&b, models[i]);
+      f(&b, method);
+      done(&b);
+    }
+    for (uint64_t seed = 1; seed <= SYSTEMS; seed++) {
+      use_random(&b, seed);
+      f(&b, method);
+      done(&b);
+    }
+  }
+}
+
+/* States of a run, taken between its steps, set into another simulation. */
+static void elsewhere(bench *b, int method)
+{
+  static transcript whole, rest;
+  unsigned char *taken[TAKEN], *last;
+  long at[TAKEN];
+  size_t size;
+  nsdae_sim *sim = start(b, method, &whole), *other;
+  if (!sim) return;
+  for (int i = 0, s = 0; s < STEPS; s++) {
+    if (s % (STEPS / TAKEN) == 0) {
+      at[i] = s;
+      taken[i++] = state_of(sim, &size);
+    }
+    assert_true(nsdae_sim_step(sim) >= 0);
+  }
+  last = state_of(sim, &size);
+  for (int i = 0; i < TAKEN; i++) {
+    other = make(b, method);
+    open_transcript(&rest, b, i == 0 ? 0 : at[i]);
+    nsdae_sim_observe(other, write_down, &rest);
+    assert_int_equal(nsdae_sim_set_state(other, taken[i], size), NSDAE_OK);
+    expect_state(other, taken[i]);
+    for (long s = at[i]; s < STEPS; s++) assert_true(nsdae_sim_step(other) >= 0);
+    for (long s = at[i] + 1; s <= STEPS; s++)
+      if (rest.sum[s] != whole.sum[s])
+        fail_msg("method %d nq %d: state of step %ld, step %ld differs", method, b->dims.nq, at[i],
+                 s);
+    expect_state(other, last);
+    nsdae_sim_destroy(&other);
+  }
+  /* and back into the one that went on */
+  assert_int_equal(nsdae_sim_set_state(sim, taken[TAKEN / 2], size), NSDAE_OK);
+  whole.last = at[TAKEN / 2];
+  for (long s = at[TAKEN / 2]; s < STEPS; s++) assert_true(nsdae_sim_step(sim) >= 0);
+  expect_state(sim, last);
+  for (int i = 0; i < TAKEN; i++) free(taken[i]);
+  free(last);
+  nsdae_sim_destroy(&sim);
+}
+
+static void test_elsewhere(void **state)
+{
+  (void)state;
+  each(elsewhere);
+}
+
+/* The last steps of a random system with one call of a callback spoiled; a step that fails is tried
+ * again. Returns whether one did. */
+static int run_spoiled(bench *b, int method, int steps, nsdae_sim **sim, transcript *t)
+{
+  int failed = 0;
+  random_system_rewind(&b->random);
+  *sim = make(b, method);
+  open_transcript(t, b, -1);
+  nsdae_sim_observe(*sim, write_down, t);
+  while (nsdae_sim_init(*sim, 0, b->q0, b->v0) < 0) assert_int_equal(failed++, 0);
+  for (int s = 0; s < steps; s++) {
+    int status = nsdae_sim_step(*sim);
+    if (status >= 0) continue;
+    assert_int_equal(status, NSDAE_E_CALLBACK);
+    assert_int_equal(failed++, 0);
+    s--;
+  }
+  return failed;
+}
+
+/* Every callback fails at every call in turn: code > 0 can be met by a smaller step inside. */
+static void spoil(bench *b, int method, int code)
+{
+  enum { SOME = 12 };
+  static transcript whole, other;
+  size_t size;
+  nsdae_sim *sim = NULL, *spoiled = NULL;
+  b->random.fault.term = -1;
+  run_spoiled(b, method, SOME, &sim, &whole);
+  unsigned char *last = state_of(sim, &size);
+  long calls[RANDOM_TERMS];
+  memcpy(calls, b->random.calls, sizeof calls);
+  for (int term = 0; term < RANDOM_TERMS; term++) {
+    long stride = 1 + calls[term] / 12;
+    for (long at = 0; at < calls[term]; at += stride) {
+      b->random.fault = (random_fault){.term = term, .at = at, .code = code};
+      int failed = run_spoiled(b, method, SOME, &spoiled, &other);
+      int absorbed = code > 0 && !failed;
+      if (!absorbed) expect_state(spoiled, last);
+      if (!absorbed && memcmp(whole.sum, other.sum, sizeof whole.sum) != 0)
+        fail_msg("method %d, term %d, call %ld: other records", method, term, at);
+      nsdae_sim_destroy(&spoiled);
+    }
+  }
+  free(last);
+  nsdae_sim_destroy(&sim);
+}
+
+static void test_callbacks(void **state)
+{
+  static bench b;
+  (void)state;
+  for (int method = 0; nsdae_method_name(method); method++)
+    for (uint64_t seed = 1; seed <= SYSTEMS; seed++) {
+      use_random(&b, seed);
+      nsdae_sim *sim = make(&b, method);
+      if (sim) {
+        nsdae_sim_destroy(&sim);
+        spoil(&b, method, 1);
+        spoil(&b, method, -1);
+      }
+      done(&b);
+    }
+}
+
+/* Observers that fail once each, at a step of their own. */
+typedef struct failing {
+  long at;
+  transcript *seen;
+} failing;
+
+static int fail_once(const nsdae_record *r, nsdae_error *error, void *user)
+{
+  failing *f = user;
+  if (r->step == f->at) {
+    f->at = -1;
+    return NSDAE_E_IO;
+  }
+  return write_down(r, error, f->seen);
+}
+
+static void observed(bench *b, int method)
+{
+  static transcript whole, seen[OBSERVERS];
+  size_t size;
+  nsdae_sim *sim = start(b, method, &whole);
+  if (!sim) return;
+  for (int s = 0; s < STEPS; s++) assert_true(nsdae_sim_step(sim) >= 0);
+  unsigned char *last = state_of(sim, &size);
+  nsdae_sim_destroy(&sim);
+  for (long at = 0; at < STEPS; at += 9) {
+    failing f[OBSERVERS];
+    int failures = 0;
+    sim = make(b, method);
+    for (int i = 0; i < OBSERVERS; i++) {
+      open_transcript(&seen[i], b, -1);
+      f[i] = (failing){at + i % 2, &seen[i]};
+      assert_int_equal(nsdae_sim_observe(sim, fail_once, &f[i]), NSDAE_OK);
+    }
+    assert_int_equal(nsdae_sim_init(sim, 0, b->q0, b->v0), NSDAE_OK);
+    for (int s = 0; s < STEPS; s++) {
+      int status = nsdae_sim_step(sim);
+      if (status >= 0) continue;
+      assert_int_equal(status, NSDAE_E_IO);
+      failures++;
+      s--;
+    }
+    assert_int_equal(failures, OBSERVERS);
+    for (int i = 0; i < OBSERVERS; i++) {
+      assert_int_equal(seen[i].records, STEPS + 1);
+      assert_memory_equal(seen[i].sum, whole.sum, sizeof whole.sum);
+    }
+    expect_state(sim, last);
+    nsdae_sim_destroy(&sim);
+  }
+  free(last);
+}
+
+static void test_observers(void **state)
+{
+  (void)state;
+  each(observed);
+}
+
+/* Refused with the argument that is wrong, and the simulation is as it was. */
+static void refuse(nsdae_sim *sim, const unsigned char *block, size_t size, const char *argument)
+{
+  size_t own;
+  unsigned char *before = state_of(sim, &own);
+  int status = nsdae_sim_set_state(sim, block, size);
+  assert_true(status == NSDAE_E_ARGUMENT || status == NSDAE_E_NONFINITE);
+  assert_string_equal(nsdae_sim_error(sim)->argument, argument);
+  expect_state(sim, before);
+  free(before);
+}
+
+/* The block's checksum, as the head of lib/sim/block.c says: FNV-1a of what is before its place
+ * xor that of what is after. */
+static void put_checksum(unsigned char *block, size_t size)
+{
+  enum { PLACE = 24 };
+  const uint64_t basis = UINT64_C(14695981039346656037);
+  uint64_t sum =
+      add(basis, block, PLACE) ^ add(basis, block + PLACE + sizeof sum, size - PLACE - sizeof sum);
+  memcpy(block + PLACE, &sum, sizeof sum);
+}
+
+/* A pendulum with this method and option, some steps from its start. */
+static nsdae_sim *swing(bench *b, int method, const char *key, const char *value)
+{
+  use_model(b, &pendulum_model);
+  if (key) assert_int_equal(nsdae_sim_options_set(&b->options, key, value, NULL), NSDAE_OK);
+  nsdae_sim *sim = make(b, method);
+  if (!sim) return NULL;
+  assert_int_equal(nsdae_sim_init(sim, 0, b->q0, b->v0), NSDAE_OK);
+  for (int i = 0; i < 10; i++) assert_true(nsdae_sim_step(sim) >= 0);
+  return sim;
+}
+
+static void refuse_in(int method, const char *key, const char *value, const unsigned char *block,
+                      size_t size)
+{
+  static bench b;
+  nsdae_sim *sim = swing(&b, method, key, value);
+  if (sim) refuse(sim, block, size, key ? key : "method");
+  nsdae_sim_destroy(&sim);
+  done(&b);
+}
+
+static void test_refused(void **state)
+{
+  static bench b, other;
+  size_t size;
+  (void)state;
+  nsdae_sim *sim = swing(&b, NSDAE_METHOD_MOREAU, NULL, NULL);
+  unsigned char *block = state_of(sim, &size);
+  assert_true(nsdae_sim_step(sim) >= 0);
+  for (size_t i = 0; i < size; i++) { /* one bit in each byte */
+    block[i] ^= (unsigned char)(1 << i % 8);
+    assert_int_equal(nsdae_sim_set_state(sim, block, size), NSDAE_E_ARGUMENT);
+    block[i] ^= (unsigned char)(1 << i % 8);
+  }
+  refuse(sim, block, size - 1, "size");
+  refuse(sim, block, 3, "size");
+  refuse(sim, block, size + 1, "size");
+  refuse(sim, NULL, size, "block");
+  const double nan_ = NAN;
+  for (size_t i = size - sizeof nan_; i > 300; i -= 8) {
+    unsigned char *bad = malloc(size);
+    assert_non_null(bad);
+    memcpy(bad, block, size);
+    memcpy(bad + i, &nan_, sizeof nan_);
+    put_checksum(bad, size);
+    int status = nsdae_sim_set_state(sim, bad, size);
+    nsdae_record r;
+    nsdae_sim_get_record(sim, &r);
+    assert_true(status == NSDAE_OK || status == NSDAE_E_NONFINITE);
+    assert_true(isfinite(r.q[0]) && isfinite(r.v[0]) && isfinite(r.time));
+    free(bad);
+  }
+  refuse_in(NSDAE_METHOD_MOREAU, "dt", "0.003", block, size);
+  refuse_in(NSDAE_METHOD_MOREAU, "lcp_tol", "1e-9", block, size);
+  refuse_in(NSDAE_METHOD_IMPLICIT, NULL, NULL, block, size);
+  /* what moreau does not look at may be another */
+  nsdae_sim *same = swing(&other, NSDAE_METHOD_MOREAU, "rtol", "1e-5");
+  assert_int_equal(nsdae_sim_set_state(same, block, size), NSDAE_OK);
+  nsdae_sim_destroy(&same);
+  done(&other);
+  use_model(&other, &crank_slider_model);
+  same = make(&other, NSDAE_METHOD_MOREAU);
+  assert_int_equal(nsdae_sim_set_state(same, block, size), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_sim_get_state(same, block, size), NSDAE_E_STATE);
+  nsdae_sim_destroy(&same);
+  done(&other);
+  free(block);
+  nsdae_sim_destroy(&sim);
+  done(&b);
+}
+
+/* So many steps that an integrator starts anew for the length of its replay alone. */
+static void test_long(void **state)
+{
+  enum { LONG = 1100 };
+  static bench b;
+  size_t size;
+  (void)state;
+  for (int method = 0; nsdae_method_name(method); method++) {
+    use_model(&b, &crank_slider_model);
+    b.options.dt = 2e-6; /* before its first contact */
+    nsdae_sim *sim = make(&b, method), *other = make(&b, method);
+    if (sim) {
+      assert_int_equal(nsdae_sim_init(sim, 0, b.q0, b.v0), NSDAE_OK);
+      for (int s = 0; s < LONG; s++) {
+        assert_true(nsdae_sim_step(sim) >= 0);
+        if (s != 1022 && s != 1023 && s != 1024) continue;
+        unsigned char *block = state_of(sim, &size);
+        assert_int_equal(nsdae_sim_set_state(other, block, size), NSDAE_OK);
+        free(block);
+        for (int i = s + 1; i < LONG; i++) assert_true(nsdae_sim_step(other) >= 0);
+      }
+      unsigned char *last = state_of(sim, &size);
+      expect_state(other, last);
+      free(last);
+    }
+    nsdae_sim_destroy(&sim);
+    nsdae_sim_destroy(&other);
+    done(&b);
+  }
+}
+
+int main(void)
+{
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_elsewhere), cmocka_unit_test(test_callbacks),
+      cmocka_unit_test(test_observers), cmocka_unit_test(test_refused),
+      cmocka_unit_test(test_long),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
