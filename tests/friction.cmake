@@ -2,3 +2,4 @@
 foreach(name contact map)
   nsdae_unit_test(friction ${name})
 endforeach()
+nsdae_test(anomaly friction LINKS test_allocator)
