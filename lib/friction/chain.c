@@ -8,9 +8,9 @@
 #include "cone.h"
 #include "sweep.h"
 
-/* Sweeps between two looks at the residual; at the beginning; of a warm start; of the last resort,
- * in all contacts together. */
-enum { BETWEEN = 20, FEW = 100, WARM = 600, MANY = 20000 };
+/* Sweeps between two looks at the residual; at the beginning; of a warm start, which is trapped
+ * where so many have not halved the residual; of the last resort. */
+enum { BETWEEN = 20, FEW = 100, WARM = 2000, TRAPPED = 600, MANY = 20000 };
 
 /* Newton steps of one attempt. */
 enum { STEPS = 300 };
@@ -119,7 +119,8 @@ static int path(nsdae_fc_chain *c, double loose, int stage)
   if (!ready(c)) return 0;
   start_cold(c);
   double residual = nsdae_fc_path(&c->newton, loose, c->tol);
-  if (!(residual <= c->tol)) nsdae_fc_proximal(&c->newton, 1e-8, c->tol);
+  int lost = c->tol >= ROUGH && residual > 1e-2; /* sweeps get there sooner */
+  if (!(residual <= c->tol) && !lost) nsdae_fc_proximal(&c->newton, 1e-8, c->tol);
   return count(c, stage);
 }
 
@@ -130,8 +131,7 @@ static int warm(nsdae_fc_chain *c)
   for (int k = 0; k < 3 * c->fc.n; k++) most = fmax(most, fabs(c->fc.r[k]));
   if (!(most > 0)) return 0;
   memset(c->slip, 0, (size_t)c->fc.n * sizeof *c->slip);
-  return sweeps(c, WARM, 8 * BETWEEN, NSDAE_FRICTION_WARM) ||
-         proximal(c, 1e-3, NSDAE_FRICTION_WARM);
+  return sweeps(c, WARM, TRAPPED, NSDAE_FRICTION_WARM) || proximal(c, 1e-3, NSDAE_FRICTION_WARM);
 }
 
 static int gauss_seidel(nsdae_fc_chain *c)
