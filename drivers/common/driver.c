@@ -5,6 +5,7 @@
 
 #include "compare.h"
 #include "interrupt.h"
+#include "probe.h"
 #include "report.h"
 #include "settings.h"
 #include "simulation.h"
@@ -55,12 +56,27 @@ static int no_way_back(job *j, const char *time)
   return j->error.status = NSDAE_E_ARGUMENT;
 }
 
+/* What resume does, up to where the file would change by more than its status. */
+typedef struct attempt {
+  job *job;
+  const nsdae_trajectory_info *info;
+} attempt;
+
+static int try_resume(const char *path, void *user, nsdae_error *error)
+{
+  attempt *a = user;
+  int status = nsdae_trajectory_resume(a->job->sim, path, a->info, &a->job->trajectory, error);
+  return status < 0 ? status : nsdae_trajectory_flush(a->job->trajectory, error);
+}
+
 static int resume(job *j, const nsdae_trajectory_info *info)
 {
   nsdae_record record;
   char time[NSDAE_PARAM_TEXT_SIZE];
-  int status =
-      nsdae_trajectory_resume(j->sim, j->settings.restart, info, &j->trajectory, &j->error);
+  attempt first = {j, info};
+  int status = probe(j->settings.restart, try_resume, &first, &j->error);
+  if (status == NSDAE_OK)
+    status = nsdae_trajectory_resume(j->sim, j->settings.restart, info, &j->trajectory, &j->error);
   if (status < 0) return status;
   nsdae_sim_get_record(j->sim, &record);
   write_time(record.time, time);

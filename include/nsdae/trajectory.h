@@ -55,7 +55,8 @@ NSDAE_API int nsdae_trajectory_read_params(const char *path, const char *group,
                                            nsdae_error *error);
 
 /* Adds a dataset of n values of one's own, at a path such as "/compare/error"; groups are made as
- * needed. Not while the file is live. NSDAE_E_IO, NSDAE_E_ARGUMENT, NSDAE_E_UNSUPPORTED. */
+ * needed; one that a run had put before it was gone on with is replaced. Not while the file is
+ * live. NSDAE_E_IO, NSDAE_E_ARGUMENT, NSDAE_E_UNSUPPORTED. */
 NSDAE_API int nsdae_trajectory_put(nsdae_trajectory *trajectory, const char *path, int n,
                                    const double *values, const char *units, const char *description,
                                    nsdae_error *error);

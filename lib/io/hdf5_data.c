@@ -102,6 +102,12 @@ int nsdae_h5_vector(nsdae_h5 *h5, const char *path, hid_t type, hsize_t n, const
   return write_typed(h5, path, type, H5Screate_simple(1, &n, NULL), values, units, description);
 }
 
+int nsdae_h5_remove(nsdae_h5 *h5, const char *path)
+{
+  H5Ldelete(h5->file, path, H5P_DEFAULT); /* fails where there is none */
+  return NSDAE_OK;
+}
+
 int nsdae_h5_matrix(nsdae_h5 *h5, const char *path, hsize_t n, hsize_t columns, const double *rows,
                     const char *units, const char *description)
 {

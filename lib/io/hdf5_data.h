@@ -19,6 +19,9 @@ int nsdae_h5_scalar(nsdae_h5 *h5, const char *path, hid_t type, const void *valu
 int nsdae_h5_vector(nsdae_h5 *h5, const char *path, hid_t type, hsize_t n, const void *values,
                     const char *units, const char *description);
 
+/* Takes a dataset out of the file, where there is one. */
+int nsdae_h5_remove(nsdae_h5 *h5, const char *path);
+
 /* A dataset of n x columns values, row by row. */
 int nsdae_h5_matrix(nsdae_h5 *h5, const char *path, hsize_t n, hsize_t columns, const double *rows,
                     const char *units, const char *description);

@@ -434,6 +434,7 @@ static int put(nsdae_trajectory *t, const char *path, hid_t type, int n, const v
         bad ? "%s is missing or negative" : "nothing can be added to a %s that is live or failed",
         bad ? bad : "trajectory");
   t->h5.error = error ? error : &own;
+  if (t->resumed) NSDAE_H5_QUIETLY(status, nsdae_h5_remove(&t->h5, path))
   NSDAE_H5_QUIETLY(status, nsdae_h5_vector(&t->h5, path, type, (hsize_t)n, values,
                                            units ? units : "", description ? description : ""))
   return status;

@@ -84,6 +84,17 @@ if [ "$hdf5" = ON ]; then
     /options/dt; do
     same $set
   done
+  # both go on in a file of the other, and refuse the same
+  "$bin/nsdae-pendulum" --quiet --t-end 2 --output twin.h5 && cp twin.h5 kept.h5
+  for arguments in "--t-end 3" "--t-end 1" "--dt 0.001 --t-end 4" "--live" "--output other.h5" \
+    "--every 3" "--t-end 4 --quiet"; do
+    cp kept.h5 twin.h5
+    "$bin/nsdae-pendulum" --restart twin.h5 $arguments 2>&1 | sed '/^time /d; s/^nsdae-[a-z-]*: //' >c.out
+    cp kept.h5 twin.h5
+    "$bin/nsdae-pendulum-fortran" --restart twin.h5 $arguments 2>&1 |
+      sed '/^time /d; s/^nsdae-[a-z-]*: //' >f.out
+    cmp c.out f.out || fail "--restart $arguments: '$(tail -1 f.out)', not '$(tail -1 c.out)'"
+  done
   # but for the time of day all attributes are the same; h5dump 1.14 shows references with an address
   # in its own memory
   for side in c f; do

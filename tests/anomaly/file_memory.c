@@ -1,0 +1,144 @@
+/* Each allocation of lib/io in turn fails: NSDAE_E_MEMORY, nothing is left behind, and the file has
+ * the rows that were flushed before. */
+#include "check.h"
+
+#include <hdf5.h>
+#include <hdf5_hl.h>
+#include <stdlib.h>
+
+#include "allocator.h"
+#include "bead.h"
+
+static const char path[] = "test_file_memory.h5";
+
+enum { STEPS = 1100 };
+
+typedef struct fixture {
+  bead bead;
+  nsdae_system *system;
+  nsdae_sim *sim;
+} fixture;
+
+static void open_fixture(fixture *f)
+{
+  double q0[3], v0[3];
+  bead_default(&f->bead);
+  bead_start(&f->bead, q0, v0);
+  f->system = bead_system(&f->bead);
+  assert_int_equal(nsdae_sim_create(f->system, NULL, &f->sim, NULL), NSDAE_OK);
+  assert_int_equal(nsdae_sim_init(f->sim, 0, q0, v0), NSDAE_OK);
+}
+
+static void close_fixture(fixture *f)
+{
+  nsdae_sim_destroy(&f->sim);
+  nsdae_system_destroy(&f->system);
+}
+
+static int write_rows(fixture *f, nsdae_trajectory *t, int steps)
+{
+  const double mine[] = {1, 2, 3};
+  for (int i = 0; i < steps; i++) {
+    int status = nsdae_sim_step(f->sim);
+    if (status < 0) return status;
+  }
+  int status = nsdae_trajectory_flush(t, NULL);
+  if (status == NSDAE_OK) status = nsdae_trajectory_put(t, "/mine", 3, mine, "1", "mine", NULL);
+  return status;
+}
+
+typedef int (*open_fn)(nsdae_sim *sim, const char *path, const nsdae_trajectory_info *info,
+                       nsdae_trajectory **trajectory, nsdae_error *error);
+
+/* The allocation of number `at` fails, from opening to closing. The first failure, or NSDAE_OK. */
+static int run(open_fn open, long at)
+{
+  fixture f;
+  nsdae_trajectory *t;
+  nsdae_error error;
+  const nsdae_trajectory_info info = {.model = "bead", .compress = 2};
+  open_fixture(&f);
+  allocator_reset(at);
+  int status = open(f.sim, path, &info, &t, &error);
+  if (status < 0) assert_non_null(error.text);
+  if (status == NSDAE_OK) {
+    status = write_rows(&f, t, STEPS);
+    int closed = nsdae_trajectory_close(&t, status, &error);
+    if (status == NSDAE_OK) status = closed;
+  }
+  assert_null(t);
+  assert_int_equal(the_allocator.live, 0);
+  allocator_reset(-1);
+  close_fixture(&f);
+  return status;
+}
+
+static hsize_t rows(void)
+{
+  hsize_t length = 0;
+  hid_t file = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT);
+  assert_true(file >= 0);
+  assert_true(H5LTget_dataset_info(file, "/time", &length, NULL, NULL) >= 0);
+  H5Fclose(file);
+  return length;
+}
+
+static void test_create(void **state)
+{
+  (void)state;
+  long at = 0;
+  for (;; at++) {
+    remove(path);
+    int status = run(nsdae_trajectory_create, at);
+    if (status == NSDAE_OK) break;
+    assert_int_equal(status, NSDAE_E_MEMORY);
+  }
+  print_message("create: %ld allocations\n", at);
+  assert_true(at > 40);
+  assert_int_equal(rows(), STEPS + 1);
+}
+
+static void test_resume(void **state)
+{
+  (void)state;
+  long at = 0;
+  for (;; at += getenv("NSDAE_LONG") ? 1 : 5) {
+    remove(path);
+    assert_int_equal(run(nsdae_trajectory_create, -1), NSDAE_OK);
+    int status = run(nsdae_trajectory_resume, at);
+    if (status == NSDAE_OK) break;
+    assert_int_equal(status, NSDAE_E_MEMORY);
+    assert_true(rows() >= STEPS + 1);
+  }
+  print_message("resume: %ld allocations\n", at);
+  assert_true(at > 40);
+  assert_int_equal(rows(), 2 * STEPS + 1);
+}
+
+static void test_read_params(void **state)
+{
+  (void)state;
+  nsdae_sim_options options;
+  nsdae_sim_options_default(&options);
+  long at = 0;
+  for (;; at++) {
+    allocator_reset(at);
+    int status =
+        nsdae_trajectory_read_params(path, "options", nsdae_sim_options_table(), &options, NULL);
+    assert_int_equal(the_allocator.live, 0);
+    if (status == NSDAE_OK) break;
+    assert_int_equal(status, NSDAE_E_MEMORY);
+  }
+  allocator_reset(-1);
+  assert_true(at > 0);
+}
+
+int main(void)
+{
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_create), cmocka_unit_test(test_resume),
+                                     cmocka_unit_test(test_read_params)};
+  H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
+  int failed = cmocka_run_group_tests(tests, NULL, NULL);
+  remove(path);
+  return failed;
+}
