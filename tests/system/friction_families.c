@@ -1,0 +1,109 @@
+/* Seeded problems of rigid bodies: walls, piles, towers and storeys, at rest, tilted or hit,
+ * densities up to 1e6 times each other's, mu in [0, 2] or 0 beside 1. All have a solution: none is
+ * said to have none, and what is said to be solved is, by a residual that is computed apart, in
+ * long double. What is left is said to be unsolved. By default few and small ones;
+ * NSDAE_TEST_FRICTION="COUNT FIRST" takes so many of 100 to 1000 contacts, from that seed on, and
+ * asks for 99.9 % of them. */
+#include "check.h"
+
+#include <float.h>
+#include <nsdae/nsdae.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <time.h>
+
+#include "friction_families.h"
+
+/* A sanitizer makes everything some ten times slower. */
+#ifndef NSDAE_TEST_SHARE
+#define NSDAE_TEST_SHARE 1
+#endif
+
+enum { FEW = 48 / NSDAE_TEST_SHARE, SMALLEST = 20, LARGEST = 60 };
+
+static const double tol = 1e-12;
+
+typedef struct tally {
+  int count, solved, lies;
+  double seconds, worst;
+} tally;
+
+/* The residual asked for, and what an evaluation in double rounds it by. */
+static double allowed(const friction_sample *s, const double *r)
+{
+  return tol + DBL_EPSILON * friction_sample_largest(s, r);
+}
+
+static double now(void)
+{
+  struct timespec t;
+  clock_gettime(CLOCK_MONOTONIC, &t);
+  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static void try(int contacts, unsigned long long seed, tally *all)
+{
+  friction_sample s;
+  friction_sample_draw(&s, (int)(seed % FRICTION_FAMILIES), contacts, seed);
+  size_t m = 3 * (size_t)s.problem.contacts;
+  tally *t = &all[s.family];
+  nsdae_friction_options options;
+  nsdae_friction_info info;
+  double *r = calloc(2 * m + 1, sizeof *r), start = now();
+  nsdae_friction_options_default(&options);
+  options.tol = tol;
+  int status = nsdae_friction_solve(&s.problem, &options, r, r + m, &info);
+  t->seconds += now() - start;
+  t->count++;
+  assert_true(status == NSDAE_OK || status == NSDAE_E_LCP);
+  assert_int_equal(info.outcome == NSDAE_OUTCOME_SOLVED, status == NSDAE_OK);
+  double residual = friction_sample_residual(&s, r);
+  t->solved += status == NSDAE_OK;
+  t->lies += status == NSDAE_OK && !(residual <= allowed(&s, r));
+  if (status == NSDAE_OK && residual > t->worst) t->worst = residual;
+  if (status != NSDAE_OK)
+    print_message("seed %llu, %d contacts, %s, %s, mu %s, densities 1:%.0e: unsolved, %.1e\n", seed,
+                  s.problem.contacts, friction_family_name(s.family),
+                  friction_motion_name(s.motion), friction_grip_name(s.grip), s.mass_ratio,
+                  residual);
+  free(r);
+  friction_sample_release(&s);
+}
+
+static tally report(const tally *all)
+{
+  tally sum = {0};
+  for (int f = 0; f < FRICTION_FAMILIES; f++) {
+    const tally *t = &all[f];
+    print_message("%-8s %4d of %4d solved, worst %.1e, %.2f s\n", friction_family_name(f),
+                  t->solved, t->count, t->worst, t->seconds);
+    sum.count += t->count;
+    sum.solved += t->solved;
+    sum.lies += t->lies;
+  }
+  return sum;
+}
+
+static void test_families(void **state)
+{
+  (void)state;
+  int count = FEW;
+  unsigned long long first = 1;
+  tally all[FRICTION_FAMILIES] = {0};
+  const char *more = getenv("NSDAE_TEST_FRICTION");
+  if (more) sscanf(more, "%d %llu", &count, &first);
+  for (int k = 0; k < count; k++) {
+    double share = fmod((double)k * 0.6180339887498949, 1);
+    int contacts = more ? 100 + (int)(900 * share) : SMALLEST + (int)((LARGEST - SMALLEST) * share);
+    try(contacts, first + (unsigned long long)k, all);
+  }
+  tally sum = report(all);
+  assert_int_equal(sum.lies, 0);
+  if (more) assert_true(sum.solved >= 0.999 * count);
+}
+
+int main(void)
+{
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_families)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
