@@ -22,6 +22,26 @@ endif()
 
 nsdae_bench(lcp SOURCES bench/lcp_families.c LINKS bench_rival)
 
+# Frictional contact: the problems of others where they are, and generated ones.
+if(NSDAE_HDF5)
+  if(SICONOS_INCLUDE_DIR AND SICONOS_NUMERICS)
+    add_library(bench_friction_rival OBJECT bench/friction_siconos.c)
+    target_include_directories(bench_friction_rival SYSTEM PRIVATE
+      ${SICONOS_INCLUDE_DIR} ${SICONOS_INCLUDE_DIR}/..)
+    target_link_libraries(bench_friction_rival PUBLIC ${SICONOS_NUMERICS})
+    target_include_directories(bench_friction_rival PRIVATE ${PROJECT_SOURCE_DIR}/include)
+  else()
+    add_library(bench_friction_rival OBJECT bench/friction_alone.c)
+    target_include_directories(bench_friction_rival PRIVATE ${PROJECT_SOURCE_DIR}/include)
+  endif()
+  set(piles ${NSDAE_SHARED_DIR}/friction)
+  if(NOT IS_DIRECTORY ${piles})
+    set(piles)
+  endif()
+  nsdae_bench(friction ARGUMENTS ${piles} LINKS test_friction_families bench_friction_rival)
+  target_compile_definitions(bench_friction PRIVATE _DEFAULT_SOURCE _POSIX_C_SOURCE=200809L)
+endif()
+
 # Whole steps beside Siconos (libsiconos-kernel-dev) and MuJoCo: the folder of its Python package.
 set(steps_peers)
 find_path(SICONOS_KERNEL_INCLUDE_DIR SiconosKernel.hpp PATH_SUFFIXES siconos/kernel)

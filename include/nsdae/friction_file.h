@@ -33,8 +33,8 @@ typedef struct nsdae_friction_points {
 
 /* A problem as read; the arrays are the file's, and are freed with it. */
 typedef struct nsdae_friction_file {
-  nsdae_friction_problem problem;
-  double *guess;    /* m: the first guess of the file; NULL where there is none */
+  nsdae_friction_problem problem; /* as read */
+  double *guess;                  /* m: the first guess of the file; NULL where there is none */
   double *r;        /* m: its solution; NULL where there is none. Many files have zeros for one */
   double tol;       /* of the attribute; 0 where there is none */
   double asymmetry; /* of W, or M, in the file: max |W_ij - W_ji| / max |W_ij|, 0 where that is

@@ -563,6 +563,18 @@ double friction_sample_residual(const friction_sample *s, const double *r)
   return (double)worst;
 }
 
+double friction_sample_largest(const friction_sample *s, const double *r)
+{
+  size_t rows = ROWS * (size_t)s->problem.contacts, n = FREEDOMS * (size_t)s->bodies;
+  long double *v = grow(NULL, n + rows, sizeof *v), *u = v + n, scale = 0, largest = 0;
+  velocities(s, NULL, v, u);
+  for (size_t i = 0; i < rows; i++) scale = fmaxl(scale, fabsl(u[i]));
+  for (size_t i = 0; i < rows; i++)
+    largest = fmaxl(largest, fabsl(r[i]) * mean_of_W(s, (int)(i / ROWS)) / scale);
+  free(v);
+  return (double)largest;
+}
+
 /* The local form. */
 
 /* H_j^T M^-1 H_i of the bodies that contacts i and j share, added to W [3 x 3], column by column.

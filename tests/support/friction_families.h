@@ -56,6 +56,9 @@ void friction_sample_release(friction_sample *s);
  * NaN where r is not finite. */
 double friction_sample_residual(const friction_sample *s, const double *r);
 
+/* The largest |x_i|: an evaluation in double rounds x - P_K(x - y) to 1e-16 of it. */
+double friction_sample_largest(const friction_sample *s, const double *r);
+
 /* W and q of the local form by blocks, packed as problem wants them; freed by
  * friction_local_release. mu is that of the sample. */
 typedef struct friction_local {

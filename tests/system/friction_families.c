@@ -1,91 +1,109 @@
-/* Seeded piles, walls and towers (support/friction_families.h): what is called solved is solved by
- * an independent residual, in long double; nearly all are, to 1e-10; warm starts and local forms
- * agree. */
+/* Seeded problems of rigid bodies: walls, piles, towers and storeys, at rest, tilted or hit,
+ * densities up to 1e6 times each other's, mu in [0, 2] or 0 beside 1. All have a solution: none is
+ * said to have none, and what is said to be solved is, by a residual that is computed apart, in
+ * long double. What is left is said to be unsolved. By default few and small ones;
+ * NSDAE_TEST_FRICTION="COUNT FIRST" takes so many of 100 to 1000 contacts, from that seed on, and
+ * asks for 99.9 % of them. */
 #include "check.h"
 
-#include <stdlib.h>
-
+#include <float.h>
 #include <nsdae/nsdae.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <time.h>
 
 #include "friction_families.h"
 
-enum { SAMPLES = 48, LEAST_SOLVED = 44 };
+/* A sanitizer makes everything some ten times slower. */
+#ifndef NSDAE_TEST_SHARE
+#define NSDAE_TEST_SHARE 1
+#endif
 
-static int solve(const nsdae_friction_problem *p, double tol, double *r, nsdae_friction_info *info)
+enum { FEW = 48 / NSDAE_TEST_SHARE, SMALLEST = 20, LARGEST = 60 };
+
+static const double tol = 1e-12;
+
+typedef struct tally {
+  int count, solved, lies;
+  double seconds, worst;
+} tally;
+
+/* The residual asked for, and what an evaluation in double rounds it by. */
+static double allowed(const friction_sample *s, const double *r)
 {
-  nsdae_friction_options options;
-  nsdae_friction_options_default(&options);
-  options.tol = tol;
-  double *u = calloc(3 * (size_t)p->contacts, sizeof *u);
-  int status = nsdae_friction_solve(p, &options, r, u, info);
-  free(u);
-  return status;
+  return tol + DBL_EPSILON * friction_sample_largest(s, r);
 }
 
-/* The residual of the library is that of the sample, but for the rounding of r d / s. */
-static void check_residual(const friction_sample *s, const double *r, double residual)
+static double now(void)
 {
-  assert_near(friction_sample_residual(s, r), residual, 1e-3 * residual + 1e-11);
+  struct timespec t;
+  clock_gettime(CLOCK_MONOTONIC, &t);
+  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* From the solution the warm start ends at once. */
-static void check_warm(const friction_sample *s, double *r)
-{
-  nsdae_friction_info info;
-  assert_int_equal(solve(&s->problem, 1e-9, r, &info), NSDAE_OK);
-  assert_true(info.stage <= NSDAE_FRICTION_WARM);
-  assert_int_equal(info.sweeps, 0);
-}
-
-static int check_sample(int family, int contacts, unsigned seed)
+static void try(int contacts, unsigned long long seed, tally *all)
 {
   friction_sample s;
+  friction_sample_draw(&s, (int)(seed % FRICTION_FAMILIES), contacts, seed);
+  size_t m = 3 * (size_t)s.problem.contacts;
+  tally *t = &all[s.family];
+  nsdae_friction_options options;
   nsdae_friction_info info;
-  memset(&s, 0, sizeof s);
-  friction_sample_draw(&s, family, contacts, seed);
-  double *r = calloc(3 * (size_t)s.problem.contacts, sizeof *r);
-  int status = solve(&s.problem, 1e-10, r, &info);
+  double *r = calloc(2 * m + 1, sizeof *r), start = now();
+  nsdae_friction_options_default(&options);
+  options.tol = tol;
+  int status = nsdae_friction_solve(&s.problem, &options, r, r + m, &info);
+  t->seconds += now() - start;
+  t->count++;
   assert_true(status == NSDAE_OK || status == NSDAE_E_LCP);
-  assert_int_equal(status == NSDAE_OK, info.residual <= 1e-10);
-  check_residual(&s, r, info.residual);
-  if (status == NSDAE_OK) check_warm(&s, r);
+  assert_int_equal(info.outcome == NSDAE_OUTCOME_SOLVED, status == NSDAE_OK);
+  double residual = friction_sample_residual(&s, r);
+  t->solved += status == NSDAE_OK;
+  t->lies += status == NSDAE_OK && !(residual <= allowed(&s, r));
+  if (status == NSDAE_OK && residual > t->worst) t->worst = residual;
+  if (status != NSDAE_OK)
+    print_message("seed %llu, %d contacts, %s, %s, mu %s, densities 1:%.0e: unsolved, %.1e\n", seed,
+                  s.problem.contacts, friction_family_name(s.family),
+                  friction_motion_name(s.motion), friction_grip_name(s.grip), s.mass_ratio,
+                  residual);
   free(r);
   friction_sample_release(&s);
-  return status == NSDAE_OK;
+}
+
+static tally report(const tally *all)
+{
+  tally sum = {0};
+  for (int f = 0; f < FRICTION_FAMILIES; f++) {
+    const tally *t = &all[f];
+    print_message("%-8s %4d of %4d solved, worst %.1e, %.2f s\n", friction_family_name(f),
+                  t->solved, t->count, t->worst, t->seconds);
+    sum.count += t->count;
+    sum.solved += t->solved;
+    sum.lies += t->lies;
+  }
+  return sum;
 }
 
 static void test_families(void **state)
 {
   (void)state;
-  int solved = 0;
-  for (int k = 0; k < SAMPLES; k++)
-    solved += check_sample(k % FRICTION_FAMILIES, 20 + 2 * k, (unsigned)k);
-  print_message("%d of %d solved\n", solved, SAMPLES);
-  assert_true(solved >= LEAST_SOLVED);
-}
-
-/* Both forms of a problem have the solution of one as a solution. */
-static void test_forms(void **state)
-{
-  (void)state;
-  for (unsigned k = 0; k < 8; k++) {
-    friction_sample s;
-    friction_local local;
-    nsdae_friction_info info;
-    memset(&s, 0, sizeof s);
-    friction_sample_draw(&s, (int)k % FRICTION_FAMILIES, 30, 100 + k);
-    friction_sample_local(&s, &local);
-    double *r = calloc(3 * (size_t)s.problem.contacts, sizeof *r);
-    if (solve(&local.problem, 1e-9, r, &info) == NSDAE_OK)
-      assert_at_most(friction_sample_residual(&s, r), 1e-8); /* W is rounded: 1e-16 of its terms */
-    free(r);
-    friction_local_release(&local);
-    friction_sample_release(&s);
+  int count = FEW;
+  unsigned long long first = 1;
+  tally all[FRICTION_FAMILIES] = {0};
+  const char *more = getenv("NSDAE_TEST_FRICTION");
+  if (more) sscanf(more, "%d %llu", &count, &first);
+  for (int k = 0; k < count; k++) {
+    double share = fmod((double)k * 0.6180339887498949, 1);
+    int contacts = more ? 100 + (int)(900 * share) : SMALLEST + (int)((LARGEST - SMALLEST) * share);
+    try(contacts, first + (unsigned long long)k, all);
   }
+  tally sum = report(all);
+  assert_int_equal(sum.lies, 0);
+  if (more) assert_true(sum.solved >= 0.999 * count);
 }
 
 int main(void)
 {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_families), cmocka_unit_test(test_forms)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_families)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
