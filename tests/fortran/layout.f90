@@ -237,6 +237,7 @@ contains
     call same_place('nsdae_sim_options%events_max', c_loc(x), c_loc(x%events_max))
     call same_place('nsdae_sim_options%projection', c_loc(x), c_loc(x%projection))
     call same_place('nsdae_sim_options%start_tol', c_loc(x), c_loc(x%start_tol))
+    call same_place('nsdae_sim_options%start_check', c_loc(x), c_loc(x%start_check))
     call same_place('nsdae_sim_options%initialised', c_loc(x), c_loc(x%initialised))
   end subroutine
 
