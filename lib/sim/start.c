@@ -193,6 +193,52 @@ static int check_rates(nsdae_projector *p, const nsdae_terms *T, const relation 
   return NSDAE_OK;
 }
 
+/* omega, which the rates do not have: Phi'' with v constant. */
+static int check_omega(nsdae_projector *p, const nsdae_terms *T)
+{
+  const nsdae_system *s = T->system;
+  nsdae_differences *d = T->differences;
+  int m = s->dims.m;
+  double *phi_t = p->start, *omega = p->start + m, *second = p->start + 2 * m;
+  if (m == 0 || !s->constraint_bias) return NSDAE_OK;
+  trial_velocity(s->dims.nv, 0, p->v);
+  memset(p->start, 0, 3 * (size_t)m * sizeof *p->start);
+  int code = s->constraint_bias(T->t, T->q, p->v, phi_t, omega, s->user);
+  int status = nsdae_system_callback_status(code, "constraint_bias", T->t, T->error);
+  if (status < 0) return status;
+  code = nsdae_differences_second(d, s->constraint, m, T->t, T->q, p->v, second);
+  status = nsdae_system_callback_status(code, code && d->failed ? d->failed : "constraint", T->t,
+                                        T->error);
+  if (status < 0) return status;
+  const relation accelerations = {.derivative = "constraint_bias", .kind = NSDAE_NAME_CONSTRAINT};
+  for (int i = 0; i < m; i++) {
+    double tol = 1e-3 * (fabs(omega[i]) + fabs(second[i])) + 1e-6 * (1 + fabs(T->phi[i]));
+    if (isfinite(second[i]) && !(fabs(omega[i] - second[i]) <= tol))
+      return wrong_rate(T, &accelerations, i, omega[i], second[i]);
+  }
+  return NSDAE_OK;
+}
+
+/* A direction of friction that is the normal, as a copied callback has it. */
+static int check_tangents(const nsdae_terms *T)
+{
+  const nsdae_dims *d = &T->system->dims;
+  char called[NSDAE_CALLED_SIZE];
+  size_t bytes = (size_t)d->nv * sizeof *T->W_N;
+  for (int j = 0; d->nv > 1 && j < d->k * d->nt; j++) {
+    int i = j / d->nt;
+    if (!(T->system->contact[i].mu > 0)) continue;
+    if (memcmp(T->W_T + (size_t)j * (size_t)d->nv, T->W_N + (size_t)i * (size_t)d->nv, bytes) != 0)
+      continue;
+    return nsdae_error_set(
+        T->error, NSDAE_E_DERIVATIVE, "nsdae_sim_init", "gap_tangent",
+        "gap_tangent: column %d (%s) is the normal's, gap_normal: the slip needs "
+        "a direction of its own (start_check = no takes it)",
+        j, nsdae_system_called(T->system, NSDAE_NAME_CONTACT, i, called));
+  }
+  return NSDAE_OK;
+}
+
 /* Late times leave too few digits to steps in time, so that nothing is said there. */
 static int check_derivatives(nsdae_projector *p, const nsdae_terms *T)
 {
@@ -205,6 +251,8 @@ static int check_derivatives(nsdae_projector *p, const nsdae_terms *T)
   if (!p->tools->options->start_check || fabs(T->t) > 1e4) return NSDAE_OK;
   if (d->m > 0 && (s->constraint_jacobian || s->constraint_bias))
     status = check_rates(p, T, &constraints);
+  if (status == NSDAE_OK) status = check_omega(p, T);
+  if (status == NSDAE_OK) status = check_tangents(T);
   if (status == NSDAE_OK && d->k > 0 && (s->gap_normal || s->contact_bias))
     status = check_rates(p, T, &gaps);
   return status;
