@@ -3,7 +3,7 @@ foreach(name arena nearest params status)
   nsdae_unit_test(base ${name})
 endforeach()
 
-foreach(name dense kkt sparse_lu)
+foreach(name dense fronts kkt sparse_lu)
   nsdae_unit_test(linalg ${name})
   target_link_libraries(test_unit_linalg_${name} PRIVATE nsdae_lapack)
 endforeach()

@@ -1,2 +1,4 @@
 # Tests of the frictional contact problems.
-nsdae_unit_test(friction contact)
+foreach(name contact map)
+  nsdae_unit_test(friction ${name})
+endforeach()

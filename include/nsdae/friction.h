@@ -55,15 +55,17 @@ typedef struct nsdae_friction_problem {
 
 /* X(name, value, word, what it does): the stages of the chain in the order in which they are tried,
  * the one list that makes the enum, the names and the order. */
-#define NSDAE_FRICTION_STAGE_LIST(X)                                              \
-  X(NSDAE_FRICTION_TRIVIAL, 1, "trivial", "every contact opens by itself: r = 0") \
-  X(NSDAE_FRICTION_WARM, 2, "warm", "r on entry, and sweeps from it")             \
-  X(NSDAE_FRICTION_GAUSS_SEIDEL, 4, "gauss-seidel", "each contact solved exactly in turn")
+#define NSDAE_FRICTION_STAGE_LIST(X)                                                             \
+  X(NSDAE_FRICTION_TRIVIAL, 1, "trivial", "every contact opens by itself: r = 0")                \
+  X(NSDAE_FRICTION_WARM, 2, "warm", "r on entry, sweeps and proximal Newton from it")            \
+  X(NSDAE_FRICTION_GAUSS_SEIDEL, 4, "gauss-seidel", "each contact solved exactly in turn")       \
+  X(NSDAE_FRICTION_SMOOTHING, 8, "smoothing", "path of smoothed problems, then proximal Newton") \
+  X(NSDAE_FRICTION_FURTHER, 16, "further", "other paths, then many sweeps and proximal Newton")
 
 /* options.stages is a sum of these. */
 enum nsdae_friction_stage {
   NSDAE_FRICTION_NONE = 0,
-  NSDAE_FRICTION_ALL = 7,
+  NSDAE_FRICTION_ALL = 31,
 #define NSDAE_FRICTION_STAGE_ENUM(name, value, word, text) name = value,
   NSDAE_FRICTION_STAGE_LIST(NSDAE_FRICTION_STAGE_ENUM)
 #undef NSDAE_FRICTION_STAGE_ENUM
@@ -74,7 +76,7 @@ typedef struct nsdae_friction_options {
   double tol;     /* bound on the residual of a solution, in (0, 1] */
   int stages;     /* sum of enum nsdae_friction_stage; default NSDAE_FRICTION_ALL */
   int max_sweeps; /* of block Gauss-Seidel over an island, >= 0; 0: as many as the chain sees fit */
-  int max_iterations; /* Newton and interior-point steps on an island, >= 0; 0: as above */
+  int max_iterations; /* Newton steps of an attempt on an island, >= 0; 0: as above */
 } nsdae_friction_options;
 
 /* How a problem was solved, or was not. */
@@ -84,7 +86,7 @@ typedef struct nsdae_friction_info {
   int proof;          /* enum nsdae_proof */
   int islands;        /* parts that share no block, solved one by one */
   long sweeps;        /* of block Gauss-Seidel, over all islands */
-  int iterations;     /* Newton and interior-point steps, over all islands */
+  int iterations;     /* Newton steps, over all islands */
   int factorisations; /* of sparse matrices, over all islands */
   double residual;    /* see nsdae_friction_residual, of the r handed over */
 } nsdae_friction_info;

@@ -17,7 +17,9 @@ module nsdae_f_friction
       NSDAE_FRICTION_TRIVIAL = 1, &
       NSDAE_FRICTION_WARM = 2, &
       NSDAE_FRICTION_GAUSS_SEIDEL = 4, &
-      NSDAE_FRICTION_ALL = 7
+      NSDAE_FRICTION_SMOOTHING = 8, &
+      NSDAE_FRICTION_FURTHER = 16, &
+      NSDAE_FRICTION_ALL = 31
 
   ! A problem: the arrays of the C struct, as pointers to arrays of the caller that have the target
   ! attribute. rows, compliance and, in the local form, size, M and f may be left null. first and

@@ -3,10 +3,20 @@
 #include <math.h>
 #include <string.h>
 
+#include <nsdae/status.h>
+
 #include "cone.h"
 #include "sweep.h"
 
-enum { MOST_SWEEPS = 20000, BETWEEN = 20 };
+/* Sweeps between two looks at the residual; at the beginning; of a warm start; of the last resort,
+ * in all contacts together. */
+enum { BETWEEN = 20, FEW = 100, WARM = 600, MANY = 20000 };
+
+/* Newton steps of one attempt. */
+enum { STEPS = 300 };
+
+/* Newton steps times items that further paths may take. */
+static const double WORK = 2e6;
 
 void nsdae_fc_chain_layout(void *object, nsdae_arena *arena)
 {
@@ -14,6 +24,13 @@ void nsdae_fc_chain_layout(void *object, nsdae_arena *arena)
   nsdae_fc_layout(&c->fc, arena);
   c->best = NSDAE_ARENA_DOUBLES(arena, 3L * c->fc.n);
   c->slip = NSDAE_ARENA_DOUBLES(arena, c->fc.n);
+  c->newton.fc = &c->fc;
+  nsdae_fc_newton_layout(&c->newton, arena);
+}
+
+static size_t bytes(const nsdae_fc_chain *c)
+{
+  return 3 * (size_t)c->fc.n * sizeof(double);
 }
 
 /* Keeps fc->r where it is better than all before; returns whether it is a solution. */
@@ -23,20 +40,19 @@ static int judge(nsdae_fc_chain *c, int stage)
   double residual = nsdae_fc_residual(&c->fc, c->fc.r, c->fc.u);
   if (!(residual < c->info.residual)) return 0;
   c->info.residual = residual;
-  memcpy(c->best, c->fc.r, 3 * (size_t)c->fc.n * sizeof *c->best);
+  c->info.stage = stage;
+  memcpy(c->best, c->fc.r, bytes(c));
   if (residual > c->tol) return 0;
   c->info.outcome = NSDAE_OUTCOME_SOLVED;
-  c->info.stage = stage;
   return 1;
 }
 
 static void start_cold(nsdae_fc_chain *c)
 {
-  memset(c->fc.r, 0, 3 * (size_t)c->fc.n * sizeof *c->fc.r);
+  memset(c->fc.r, 0, bytes(c));
   memset(c->slip, 0, (size_t)c->fc.n * sizeof *c->slip);
 }
 
-/* The point on entry is kept in best while r = 0 is looked at. */
 static int trivial(nsdae_fc_chain *c)
 {
   for (int k = 0; k < c->fc.n; k++) {
@@ -47,36 +63,93 @@ static int trivial(nsdae_fc_chain *c)
   return judge(c, NSDAE_FRICTION_TRIVIAL);
 }
 
-/* Sweeps from fc->r on, looked at after every BETWEEN. */
-static int sweeps(nsdae_fc_chain *c, int most, int stage)
+/* Sweeps from fc->r on, looked at after every BETWEEN. With patience > 0 they end where so many
+ * have not halved the residual. */
+static int sweeps(nsdae_fc_chain *c, int most, int patience, int stage)
 {
+  double mark = INFINITY;
+  int since = 0;
+  if (c->options->max_sweeps > 0 && c->options->max_sweeps < most) most = c->options->max_sweeps;
   if (judge(c, stage)) return 1;
   for (int done = 0; done < most; done += BETWEEN) {
     nsdae_fc_sweep(&c->fc, BETWEEN, c->slip);
     c->info.sweeps += BETWEEN;
     if (judge(c, stage)) return 1;
+    since += BETWEEN;
+    if (c->info.residual <= 0.5 * mark) mark = c->info.residual, since = 0;
+    if (patience > 0 && since >= patience) return 0;
   }
   return 0;
 }
 
-static int most_sweeps(const nsdae_fc_chain *c)
+/* Whether there are factorisations for this island. */
+static int ready(nsdae_fc_chain *c)
 {
-  return c->options->max_sweeps > 0 ? c->options->max_sweeps : MOST_SWEEPS;
+  if (c->analysed == 0)
+    c->analysed = nsdae_fc_matrix_analyse(c->matrix, &c->fc) == NSDAE_OK ? 1 : -1;
+  c->newton.matrix = c->matrix;
+  c->newton.steps = 0;
+  c->newton.most = c->options->max_iterations > 0 ? c->options->max_iterations : STEPS;
+  return c->analysed == 1;
 }
 
+static int count(nsdae_fc_chain *c, int stage)
+{
+  c->info.iterations += c->newton.steps;
+  c->info.factorisations += c->newton.steps;
+  return judge(c, stage);
+}
+
+/* From the best point so far. */
+static int proximal(nsdae_fc_chain *c, double alpha, int stage)
+{
+  if (!ready(c)) return 0;
+  memcpy(c->fc.r, c->best, bytes(c));
+  nsdae_fc_proximal(&c->newton, alpha, c->tol);
+  return count(c, stage);
+}
+
+/* Along the path, cold, and from its end on. */
+static int path(nsdae_fc_chain *c, double loose, int stage)
+{
+  if (!ready(c)) return 0;
+  start_cold(c);
+  double residual = nsdae_fc_path(&c->newton, loose, c->tol);
+  if (!(residual <= c->tol)) nsdae_fc_proximal(&c->newton, 1e-8, c->tol);
+  return count(c, stage);
+}
+
+/* The impulses of the step before are near; where sweeps are trapped, Newton may not be. */
 static int warm(nsdae_fc_chain *c)
 {
   double most = 0;
   for (int k = 0; k < 3 * c->fc.n; k++) most = fmax(most, fabs(c->fc.r[k]));
   if (!(most > 0)) return 0;
   memset(c->slip, 0, (size_t)c->fc.n * sizeof *c->slip);
-  return sweeps(c, most_sweeps(c) / 10, NSDAE_FRICTION_WARM);
+  return sweeps(c, WARM, 8 * BETWEEN, NSDAE_FRICTION_WARM) ||
+         proximal(c, 1e-3, NSDAE_FRICTION_WARM);
 }
 
 static int gauss_seidel(nsdae_fc_chain *c)
 {
   start_cold(c);
-  return sweeps(c, most_sweeps(c), NSDAE_FRICTION_GAUSS_SEIDEL);
+  return sweeps(c, FEW, 0, NSDAE_FRICTION_GAUSS_SEIDEL);
+}
+
+static int smoothing(nsdae_fc_chain *c)
+{
+  return path(c, 1e-3, NSDAE_FRICTION_SMOOTHING);
+}
+
+/* Which items stand where the paths end depends on how closely they are followed; so others are
+ * tried, fewer of larger islands. Then patience: where much slides, sweeps go on getting better. */
+static int further(nsdae_fc_chain *c)
+{
+  static const double loose[] = {1e-5, 1e-2, 1e-4, 0.1, 3e-3, 1e-6, 3e-4, 3e-2, 3e-5, 3e-6};
+  for (int k = 0; k < 10 && (double)c->info.iterations * c->fc.n < WORK; k++)
+    if (path(c, loose[k], NSDAE_FRICTION_FURTHER)) return 1;
+  start_cold(c);
+  return sweeps(c, MANY, 0, NSDAE_FRICTION_FURTHER) || proximal(c, 1e-2, NSDAE_FRICTION_FURTHER);
 }
 
 void nsdae_fc_chain_run(nsdae_fc_chain *c)
@@ -86,9 +159,11 @@ void nsdae_fc_chain_run(nsdae_fc_chain *c)
     int (*run)(nsdae_fc_chain *);
   } all[] = {{NSDAE_FRICTION_TRIVIAL, trivial},
              {NSDAE_FRICTION_WARM, warm},
-             {NSDAE_FRICTION_GAUSS_SEIDEL, gauss_seidel}};
+             {NSDAE_FRICTION_GAUSS_SEIDEL, gauss_seidel},
+             {NSDAE_FRICTION_SMOOTHING, smoothing},
+             {NSDAE_FRICTION_FURTHER, further}};
   c->info = (nsdae_friction_info){.residual = INFINITY};
-  memset(c->best, 0, 3 * (size_t)c->fc.n * sizeof *c->best);
+  memset(c->best, 0, bytes(c));
   for (size_t i = 0; i < sizeof all / sizeof *all; i++)
     if ((c->options->stages & all[i].stage) && all[i].run(c)) return;
 }

@@ -2,7 +2,7 @@
 #ifndef NSDAE_FRICTION_CHAIN_H
 #define NSDAE_FRICTION_CHAIN_H
 
-#include "island.h"
+#include "newton.h"
 
 typedef struct nsdae_fc_chain {
   nsdae_fc fc;
@@ -11,6 +11,9 @@ typedef struct nsdae_fc_chain {
   double tol;
   double *best; /* 3 n: the point of least residual so far */
   double *slip; /* n: see nsdae_fc_solve_contact */
+  nsdae_fc_newton newton;
+  nsdae_fc_matrix *matrix; /* the solver's, kept between calls */
+  int analysed;            /* 1: it is ready for this island; -1: no memory for it */
 } nsdae_fc_chain;
 
 /* Takes the arrays of the chain and its island. */

@@ -9,6 +9,7 @@
 struct nsdae_friction_solver {
   nsdae_arena whole_memory, island_memory;
   nsdae_fc_whole whole;
+  nsdae_fc_matrix matrix;
   nsdae_fc_chain chain;
 };
 
@@ -44,6 +45,7 @@ void nsdae_friction_destroy(nsdae_friction_solver **solver)
   if (!solver || !*solver) return;
   nsdae_arena_release(&(*solver)->whole_memory);
   nsdae_arena_release(&(*solver)->island_memory);
+  nsdae_fc_matrix_release(&(*solver)->matrix);
   free(*solver);
   *solver = NULL;
 }
@@ -77,7 +79,7 @@ static void merge(nsdae_friction_info *whole, const nsdae_friction_info *one)
 
 static int lay_out(nsdae_friction_solver *s, int island)
 {
-  s->chain = (nsdae_fc_chain){.fc = {.whole = &s->whole, .label = island}};
+  s->chain = (nsdae_fc_chain){.fc = {.whole = &s->whole, .label = island}, .matrix = &s->matrix};
   return nsdae_arena_fit(&s->island_memory, nsdae_fc_chain_layout, &s->chain);
 }
 
@@ -100,7 +102,7 @@ static void solve_islands(nsdae_friction_solver *s, const nsdae_friction_options
   for (int island = 0; island < w->islands; island++) {
     lay_out(s, island);
     c->options = options;
-    c->tol = 0.5 * options->tol; /* the certificate rounds otherwise */
+    c->tol = 0.8 * options->tol; /* the certificate rounds otherwise */
     nsdae_fc_fill(&c->fc, r);
     nsdae_fc_chain_run(c);
     nsdae_fc_scatter(&c->fc, c->best, r);

@@ -1,0 +1,128 @@
+#include "map.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "cone.h"
+
+/* Rows 1 and 2 of an item that has none, or whose tangential impulse is zero: r = 0. */
+static void nothing(int from, const double *r, double *F, double *B, double *A)
+{
+  memset(A, 0, 9 * sizeof *A);
+  memset(B, 0, 9 * sizeof *B);
+  for (int j = from; j < 3; j++) {
+    F[j] = r[j];
+    B[4 * j] = 1;
+  }
+}
+
+/* P(x) and its derivative G. On the cone, with d = x_T / |x_T|, w = (1, mu d) / sqrt(1 + mu^2):
+ * G = w w^T + mu n / |x_T| (1 - d d^T) in the tangential plane, n the normal part of P(x). */
+static void project(double mu, const double *x, double *P, double *G)
+{
+  double t = nsdae_fc_length(x[1], x[2]);
+  memcpy(P, x, 3 * sizeof *P);
+  memset(G, 0, 9 * sizeof *G);
+  nsdae_fc_project(mu, P);
+  if (x[0] >= 0 && t <= mu * x[0]) {
+    G[0] = G[4] = G[8] = 1;
+    return;
+  }
+  if (P[0] == 0) return;
+  double root = 1 / sqrt(1 + mu * mu), bend = mu * P[0] / t, d[2] = {x[1] / t, x[2] / t};
+  double w[3] = {root, mu * root * d[0], mu * root * d[1]};
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 3; j++) G[3 * i + j] = w[i] * w[j];
+  G[4] += bend * (1 - d[0] * d[0]);
+  G[8] += bend * (1 - d[1] * d[1]);
+  G[5] -= bend * d[0] * d[1];
+  G[7] -= bend * d[0] * d[1];
+}
+
+void nsdae_fc_map(int kind, double mu, const double *r, const double *u, double *F, double *B,
+                  double *A)
+{
+  double slip = nsdae_fc_length(u[1], u[2]), P[3], G[9];
+  double x[3] = {r[0] - u[0] - mu * slip, r[1] - u[1], r[2] - u[2]};
+  if (kind != NSDAE_FC_CONE) {
+    int closed = kind == NSDAE_FC_BILATERAL || r[0] - u[0] > 0;
+    nothing(1, r, F, B, A);
+    F[0] = closed ? u[0] : r[0];
+    A[0] = closed;
+    B[0] = !closed;
+    return;
+  }
+  project(mu, x, P, G);
+  for (int i = 0; i < 9; i++) {
+    B[i] = (i % 4 == 0) - G[i];
+    A[i] = G[i];
+  }
+  for (int i = 0; i < 3; i++) {
+    F[i] = r[i] - P[i];
+    for (int j = 1; j < 3 && slip > 0; j++) A[3 * i + j] += G[3 * i] * mu * (u[j] / slip);
+  }
+}
+
+/* (l + sqrt(l^2 + 4 e^2)) / 2 and its derivative, without cancellation. */
+static double plus(double l, double e, double *slope)
+{
+  double root = sqrt(l * l + 4 * e * e), value = l > 0 ? (l + root) / 2 : 2 * e * e / (root - l);
+  *slope = value / root;
+  return value;
+}
+
+static void smooth_normal(double e, const double *r, const double *u, double *F, double *B,
+                          double *A)
+{
+  double slope, value = plus(r[0] - u[0], e, &slope);
+  nothing(1, r, F, B, A);
+  F[0] = r[0] - value;
+  B[0] = 1 - slope;
+  A[0] = slope;
+}
+
+/* Smoothed projection onto the second-order cone {|x_T| <= x_N}: with the eigenvalues x_N +- |x_T|,
+ * and its derivative. */
+static void smooth_project(double e, const double *x, double *P, double *G)
+{
+  double t = nsdae_fc_length(x[1], x[2]), d[2] = {t > 0 ? x[1] / t : 1, t > 0 ? x[2] / t : 0};
+  double slope[2], high = plus(x[0] + t, e, slope), low = plus(x[0] - t, e, slope + 1);
+  double mean = (slope[0] + slope[1]) / 2, half = (slope[0] - slope[1]) / 2;
+  double bend = t > 1e-8 * e ? (high - low) / (2 * t) : slope[0];
+  P[0] = (high + low) / 2;
+  G[0] = mean;
+  for (int i = 0; i < 2; i++) {
+    P[i + 1] = (high - low) / 2 * d[i];
+    G[i + 1] = G[3 * i + 3] = half * d[i];
+    for (int j = 0; j < 2; j++)
+      G[3 * i + j + 4] = mean * d[i] * d[j] + bend * ((i == j) - d[i] * d[j]);
+  }
+}
+
+/* In rows scaled by S = (sqrt(mu), 1 / sqrt(mu), 1 / sqrt(mu)), the cone is the second-order cone
+ * for S r and its own dual for S^-1 u^. */
+void nsdae_fc_smooth_map(int kind, double mu, double e, const double *r, const double *u, double *F,
+                         double *B, double *A)
+{
+  if (kind == NSDAE_FC_BILATERAL) {
+    nsdae_fc_map(kind, mu, r, u, F, B, A);
+    return;
+  }
+  if (kind == NSDAE_FC_NORMAL) {
+    smooth_normal(e, r, u, F, B, A);
+    return;
+  }
+  double S[3] = {sqrt(mu), 1 / sqrt(mu), 1 / sqrt(mu)}, P[3], G[9];
+  double slip = sqrt(u[1] * u[1] + u[2] * u[2] + e * e);
+  double x[3] = {S[0] * r[0] - (u[0] + mu * (slip - e)) / S[0], S[1] * r[1] - u[1] / S[1],
+                 S[2] * r[2] - u[2] / S[2]};
+  smooth_project(e, x, P, G);
+  for (int i = 0; i < 3; i++) {
+    F[i] = S[i] * r[i] - P[i];
+    for (int j = 0; j < 3; j++) {
+      B[3 * i + j] = ((i == j) - G[3 * i + j]) * S[j];
+      A[3 * i + j] = G[3 * i + j] / S[j];
+      if (j > 0) A[3 * i + j] += G[3 * i] / S[0] * mu * (u[j] / slip);
+    }
+  }
+}

@@ -1,0 +1,225 @@
+#include "matrix.h"
+
+#include <math.h>
+#include <nsdae/status.h>
+#include <string.h>
+
+#include "small.h"
+#include "vector.h"
+
+/* Number of the pairs of item k. */
+static size_t pairs_of(const nsdae_fc *c, int k)
+{
+  size_t n = (size_t)(c->first[k + 1] - c->first[k]);
+  return c->local ? n : n * n;
+}
+
+static void lay_out(void *object, nsdae_arena *arena)
+{
+  nsdae_fc_matrix *m = object;
+  const nsdae_fc *c = m->fc;
+  m->pairs = 0;
+  for (int k = 0; k < c->n; k++) m->pairs += pairs_of(c, k);
+  m->first = NSDAE_ARENA_INTS(arena, c->blocks + 1L);
+  m->at = NSDAE_ARENA_INTS(arena, c->blocks + 1L);
+  m->index = NSDAE_ARENA_INTS(arena, 2 * m->pairs);
+  m->other = NSDAE_ARENA_INTS(arena, 2 * m->pairs);
+  m->place = nsdae_arena_take(arena, (long)m->pairs, sizeof(size_t));
+  m->E = NSDAE_ARENA_DOUBLES(arena, 9L * c->n);
+  m->K = NSDAE_ARENA_DOUBLES(arena, 9L * c->n);
+  m->E_inverse = NSDAE_ARENA_DOUBLES(arena, 9L * c->n);
+  m->dy = NSDAE_ARENA_DOUBLES(arena, c->ny);
+  m->rhs = NSDAE_ARENA_DOUBLES(arena, 3L * c->n);
+}
+
+/* Row and column block of a pair of item k: all pairs of its blocks, or (local form) itself with
+ * each. */
+static void pair_at(const nsdae_fc *c, int k, size_t pair, int *row, int *column)
+{
+  size_t n = (size_t)(c->first[k + 1] - c->first[k]);
+  *row = c->local ? k : c->block[c->first[k] + (int)(pair / n)];
+  *column = c->block[c->first[k] + (int)(pair % n)];
+}
+
+/* Lists of neighbours, with repetitions and in any order. */
+static void collect(nsdae_fc_matrix *m)
+{
+  const nsdae_fc *c = m->fc;
+  int row, column;
+  memset(m->at, 0, ((size_t)c->blocks + 1) * sizeof *m->at);
+  for (int pass = 0; pass < 2; pass++) {
+    for (int k = 0; k < c->n; k++)
+      for (size_t p = 0; p < pairs_of(c, k); p++) {
+        pair_at(c, k, p, &row, &column);
+        if (row == column) continue;
+        if (pass == 1) m->other[m->at[row]] = column;
+        m->at[row]++;
+        if (!c->local) continue; /* the transposed pair of W may be zero and missing */
+        if (pass == 1) m->other[m->at[column]] = row;
+        m->at[column]++;
+      }
+    for (int b = c->blocks; b > 0; b--) m->at[b] = m->at[b - 1];
+    m->at[0] = 0;
+    for (int b = 0; b < c->blocks && pass == 0; b++) m->at[b + 1] += m->at[b];
+  }
+}
+
+/* Read in the order of the blocks, the lists give each block its neighbours in ascending order, so
+ * that repetitions are next to each other. */
+static void sort_graph(nsdae_fc_matrix *m)
+{
+  int n = m->fc->blocks, used = 0;
+  for (int b = 0; b < n; b++) m->first[b] = m->at[b];
+  for (int b = 0; b < n; b++)
+    for (int a = m->at[b]; a < m->at[b + 1]; a++) {
+      int to = m->other[a];
+      if (m->first[to] > m->at[to] && m->index[m->first[to] - 1] == b) continue;
+      m->index[m->first[to]++] = b;
+    }
+  for (int b = 0; b < n; b++) {
+    int begin = used;
+    for (int a = m->at[b]; a < m->first[b]; a++) m->index[used++] = m->index[a];
+    m->first[b] = begin;
+  }
+  m->first[n] = used;
+}
+
+static size_t find(const nsdae_fc_matrix *m, int row, int column)
+{
+  int low = m->first[column], high = m->first[column + 1];
+  if (row == column) return m->fronts.diagonal[row];
+  while (high - low > 1) {
+    int middle = (low + high) / 2;
+    if (m->index[middle] <= row)
+      low = middle;
+    else
+      high = middle;
+  }
+  return m->fronts.at[low];
+}
+
+int nsdae_fc_matrix_analyse(nsdae_fc_matrix *m, const nsdae_fc *c)
+{
+  size_t used = 0;
+  int row, column;
+  m->fc = c;
+  if (nsdae_arena_fit(&m->memory, lay_out, m) != NSDAE_OK) return NSDAE_E_MEMORY;
+  collect(m);
+  sort_graph(m);
+  if (nsdae_fronts_analyse(&m->fronts, c->blocks, c->size, m->first, m->index) != NSDAE_OK)
+    return NSDAE_E_MEMORY;
+  for (int k = 0; k < c->n; k++)
+    for (size_t p = 0; p < pairs_of(c, k); p++) {
+      pair_at(c, k, p, &row, &column);
+      m->place[used++] = find(m, row, column);
+    }
+  return NSDAE_OK;
+}
+
+/* T [a x b] += Ja K Jb^T, Ja [a x 3] and Jb [b x 3] column-major, K row-major */
+static void add_product(int a, int b, const double *Ja, const double *K, const double *Jb,
+                        double *T)
+{
+  for (int j = 0; j < b; j++) {
+    double k[3];
+    for (int l = 0; l < 3; l++)
+      k[l] = K[3 * l] * Jb[j] + K[3 * l + 1] * Jb[b + j] + K[3 * l + 2] * Jb[2 * b + j];
+    for (int i = 0; i < a; i++)
+      T[j * a + i] += Ja[i] * k[0] + Ja[a + i] * k[1] + Ja[2 * a + i] * k[2];
+  }
+}
+
+/* 1 + J K J^T */
+static void assemble_global(nsdae_fc_matrix *m)
+{
+  const nsdae_fc *c = m->fc;
+  const size_t *place = m->place;
+  double *T = m->fronts.A;
+  for (int b = 0; b < c->blocks; b++)
+    for (int j = 0; j < c->size[b]; j++)
+      T[m->fronts.diagonal[b] + (size_t)j * ((size_t)c->size[b] + 1)] = 1;
+  for (int k = 0; k < c->n; k++)
+    for (int e = c->first[k]; e < c->first[k + 1]; e++)
+      for (int f = c->first[k]; f < c->first[k + 1]; f++)
+        add_product(c->size[c->block[e]], c->size[c->block[f]], nsdae_fc_part(c, e),
+                    m->K + 9 * (size_t)k, nsdae_fc_part(c, f), T + *place++);
+}
+
+/* E + A W. W_kj row-major is the part of item k. */
+static void assemble_local(nsdae_fc_matrix *m)
+{
+  const nsdae_fc *c = m->fc;
+  for (int k = 0; k < c->n; k++) {
+    const double *A = m->K + 9 * (size_t)k, *E = m->E + 9 * (size_t)k;
+    double *D = m->fronts.A + m->fronts.diagonal[k];
+    for (int e = c->first[k]; e < c->first[k + 1]; e++) {
+      double *T = m->fronts.A + m->place[e];
+      const double *W = nsdae_fc_part(c, e);
+      for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+          T[3 * j + i] += A[3 * i] * W[j] + A[3 * i + 1] * W[3 + j] + A[3 * i + 2] * W[6 + j];
+    }
+    for (int i = 0; i < 3; i++)
+      for (int j = 0; j < 3; j++) D[3 * j + i] += E[3 * i + j];
+  }
+}
+
+int nsdae_fc_matrix_factor(nsdae_fc_matrix *m, const double *E, const double *A, int symmetric)
+{
+  static const double one[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  const nsdae_fc *c = m->fc;
+  memset(m->fronts.A, 0, m->fronts.values * sizeof *m->fronts.A);
+  memcpy(m->E, E, 9 * (size_t)c->n * sizeof *E);
+  for (int k = 0; k < c->n; k++) {
+    const double *block = A ? A + 9 * (size_t)k : one;
+    double *K = m->K + 9 * (size_t)k, *inverse = m->E_inverse + 9 * (size_t)k;
+    if (c->local)
+      memcpy(K, block, 9 * sizeof *K);
+    else {
+      if (nsdae_invert3(E + 9 * (size_t)k, inverse) != 0) return 1;
+      nsdae_multiply3(inverse, block, K);
+    }
+  }
+  if (c->local)
+    assemble_local(m);
+  else
+    assemble_global(m);
+  return nsdae_fronts_factor(&m->fronts, symmetric);
+}
+
+static void solve_global(nsdae_fc_matrix *m, const double *b, double *dr)
+{
+  const nsdae_fc *c = m->fc;
+  memset(m->dy, 0, (size_t)c->ny * sizeof *m->dy);
+  for (int k = 0; k < c->n; k++) {
+    nsdae_apply3(m->E_inverse + 9 * (size_t)k, b + 3 * k, dr + 3 * k);
+    for (int e = c->first[k]; e < c->first[k + 1]; e++)
+      nsdae_add_product(c->size[c->block[e]], 3, nsdae_fc_part(c, e), dr + 3 * k,
+                        m->dy + c->offset[c->block[e]]);
+  }
+  nsdae_fronts_solve(&m->fronts, m->dy);
+  for (int k = 0; k < c->n; k++) {
+    double u[3] = {0}, x[3];
+    for (int e = c->first[k]; e < c->first[k + 1]; e++)
+      nsdae_add_transposed(c->size[c->block[e]], 3, 1, nsdae_fc_part(c, e),
+                           m->dy + c->offset[c->block[e]], u);
+    nsdae_apply3(m->K + 9 * (size_t)k, u, x);
+    for (int j = 0; j < 3; j++) dr[3 * k + j] -= x[j];
+  }
+}
+
+void nsdae_fc_matrix_solve(nsdae_fc_matrix *m, const double *b, double *dr)
+{
+  if (!m->fc->local) {
+    solve_global(m, b, dr);
+    return;
+  }
+  memcpy(dr, b, 3 * (size_t)m->fc->n * sizeof *dr);
+  nsdae_fronts_solve(&m->fronts, dr);
+}
+
+void nsdae_fc_matrix_release(nsdae_fc_matrix *m)
+{
+  nsdae_fronts_release(&m->fronts);
+  nsdae_arena_release(&m->memory);
+}

@@ -1,0 +1,43 @@
+/* Newton's method on an island, and the two methods made of it. */
+#ifndef NSDAE_FRICTION_NEWTON_H
+#define NSDAE_FRICTION_NEWTON_H
+
+#include "matrix.h"
+
+typedef struct nsdae_fc_newton {
+  nsdae_fc *fc;
+  nsdae_fc_matrix *matrix;
+  double alpha;          /* of the proximal term alpha (r - centre) that is added to u */
+  double epsilon;        /* of the smoothed map; 0: the map as it is */
+  int search;            /* steps are cut short until the map decreases */
+  double *centre;        /* 3 n */
+  double *E, *A;         /* 9 n: derivatives of the map in r and u, both with the proximal term */
+  double *F;             /* 3 n: the map */
+  double *dr;            /* 3 n */
+  double *trial, *y, *u; /* 3 n, ny, 3 n: a point, and its velocities */
+  double *best;          /* 3 n: the point of least residual */
+  int steps;             /* done, each with one factorisation */
+  int most;              /* allowed */
+} nsdae_fc_newton;
+
+/* Takes the arrays; fc is set before. */
+void nsdae_fc_newton_layout(nsdae_fc_newton *newton, nsdae_arena *arena);
+
+/* Half the square of the map at r with velocities u; E and A where derivatives are wanted. */
+double nsdae_fc_newton_map(nsdae_fc_newton *newton, const double *r, const double *u,
+                           int derivatives);
+
+/* One step from fc->r, with fc->y and fc->u; before is half the square of the map there. Returns it
+ * at the new point; NaN where there is none, and fc as it was. */
+double nsdae_fc_newton_step(nsdae_fc_newton *newton, double before);
+
+/* Proximal point method from fc->r on; alpha begins as given. Returns the least residual met, which
+ * is that of fc->r then; ends below tol, or after most steps. */
+double nsdae_fc_proximal(nsdae_fc_newton *newton, double alpha, double tol);
+
+/* Follows the path of the smoothed maps from fc->r, epsilon from 1 on down to 1e-6; loose is how
+ * far from the path a point may be, relative to epsilon. Ends where the residual is below tol,
+ * which is returned. */
+double nsdae_fc_path(nsdae_fc_newton *newton, double loose, double tol);
+
+#endif

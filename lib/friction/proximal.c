@@ -1,0 +1,73 @@
+/* The proximal point method (Rockafellar, SIAM J. Control Optim. 14 (1976) 877) replaces u by
+ * u + alpha (r - z), and z by the solution of that, with alpha -> 0. Where there are more impulses
+ * than freedoms each of these problems has one solution near z nevertheless; it is solved by
+ * Newton's method on the natural map (semismooth: Qi and Sun, Math. Program. 58 (1993) 353), with
+ * whole steps: each is a choice of which items are open, stick and slide, and the next one mends
+ * it, where a line search stands still at the first kink. */
+#include <math.h>
+#include <string.h>
+
+#include "newton.h"
+
+enum { INNER = 30, FAILURES = 20 };
+
+/* A problem counts as solved where its map has lost this factor, squared. */
+static const double GAIN = 1e-4;
+
+static void velocities(nsdae_fc *c)
+{
+  nsdae_fc_velocities(c, c->r, c->y, c->u);
+}
+
+/* Solves with the centre at fc->r, or leaves that; returns the steps, 0 where it failed. */
+static int solve(nsdae_fc_newton *s, double tol)
+{
+  nsdae_fc *c = s->fc;
+  size_t bytes = 3 * (size_t)c->n * sizeof *c->r;
+  memcpy(s->centre, c->r, bytes);
+  double start = nsdae_fc_newton_map(s, c->r, c->u, 0), now = start;
+  double goal = fmax(GAIN * start, 1e-2 * tol * tol), most = 1e4 * fmax(start, 1e-3);
+  int steps = 0;
+  while (now > goal && now <= most && steps < INNER && s->steps < s->most) {
+    now = nsdae_fc_newton_step(s, now);
+    steps++;
+  }
+  if (now <= goal) return steps;
+  memcpy(c->r, s->centre, bytes);
+  velocities(c);
+  return 0;
+}
+
+double nsdae_fc_proximal(nsdae_fc_newton *s, double alpha, double tol)
+{
+  nsdae_fc *c = s->fc;
+  size_t bytes = 3 * (size_t)c->n * sizeof *c->r;
+  double factor = 0.1, best = INFINITY;
+  int failures = 0;
+  s->alpha = alpha;
+  s->epsilon = 0;
+  s->search = 0;
+  velocities(c);
+  double residual = nsdae_fc_residual(c, c->r, c->u);
+  while (!(residual <= tol) && s->steps < s->most) {
+    int steps = solve(s, tol);
+    if (steps == 0) {
+      s->alpha *= 10;
+      factor = sqrt(factor);
+      if (++failures > FAILURES || s->alpha > 1e3) break;
+      continue;
+    }
+    double before = residual;
+    residual = nsdae_fc_residual(c, c->r, c->u);
+    if (residual < best) memcpy(s->best, c->r, bytes);
+    best = fmin(best, residual);
+    if (steps <= 5 || residual > 0.3 * before) s->alpha = fmax(s->alpha * factor, 1e-14);
+    factor = fmax(factor * factor, 0.1);
+  }
+  if (best < residual) {
+    memcpy(c->r, s->best, bytes);
+    velocities(c);
+    residual = best;
+  }
+  return residual;
+}

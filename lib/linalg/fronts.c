@@ -1,0 +1,391 @@
+#include "fronts.h"
+
+#include <cblas.h>
+#include <lapacke.h>
+#include <math.h>
+#include <nsdae/status.h>
+#include <string.h>
+
+/* A supernode takes a further column while the zeros that it brings are fewer than this part. */
+static const double RELAXED = 0.15;
+
+static void lay_out_graph(void *object, nsdae_arena *arena)
+{
+  nsdae_fronts *f = object;
+  int n = f->n;
+  f->size = NSDAE_ARENA_INTS(arena, n);
+  f->first = NSDAE_ARENA_INTS(arena, n + 1L);
+  f->index = NSDAE_ARENA_INTS(arena, f->supernodes); /* here the number of entries */
+  f->at = nsdae_arena_take(arena, f->supernodes, sizeof(size_t));
+  f->twin = NSDAE_ARENA_INTS(arena, f->supernodes);
+  f->diagonal = nsdae_arena_take(arena, n, sizeof(size_t));
+  f->place = NSDAE_ARENA_INTS(arena, n + 1L);
+  f->begin = NSDAE_ARENA_INTS(arena, n + 1L);
+  f->pivots = NSDAE_ARENA_INTS(arena, n);
+  f->rest = NSDAE_ARENA_INTS(arena, n);
+  f->children = NSDAE_ARENA_INTS(arena, n);
+  f->local = NSDAE_ARENA_INTS(arena, n);
+  f->waiting = NSDAE_ARENA_INTS(arena, n);
+  f->factor = nsdae_arena_take(arena, n + 1L, sizeof(size_t));
+}
+
+static void lay_out_numbers(void *object, nsdae_arena *arena)
+{
+  nsdae_fronts *f = object;
+  f->A = NSDAE_ARENA_DOUBLES(arena, f->values);
+  f->F = NSDAE_ARENA_DOUBLES(arena, f->factor[f->supernodes]);
+  f->front = NSDAE_ARENA_DOUBLES(arena, f->most_front);
+  f->stack = NSDAE_ARENA_DOUBLES(arena, f->most_stack);
+  f->vector = NSDAE_ARENA_DOUBLES(arena, f->order);
+  f->gather = NSDAE_ARENA_DOUBLES(arena, f->most_rest);
+  f->exchange = NSDAE_ARENA_INTS(arena, f->order);
+}
+
+static int block_size(const nsdae_fronts *f, int number)
+{
+  return f->size[f->tree.node[number]];
+}
+
+static int is_same(const nsdae_fronts *f, int n, const int *size, const int *first,
+                   const int *index)
+{
+  size_t count = (size_t)n;
+  return f->of_numbers.base && f->n == n && memcmp(f->size, size, count * sizeof *size) == 0 &&
+         memcmp(f->first, first, (count + 1) * sizeof *first) == 0 &&
+         memcmp(f->index, index, (size_t)first[n] * sizeof *index) == 0;
+}
+
+/* Where the blocks of A lie. */
+static void place_blocks(nsdae_fronts *f)
+{
+  size_t used = 0;
+  f->order = 0;
+  for (int k = 0; k < f->n; k++) {
+    f->place[k] = f->order;
+    f->order += block_size(f, k);
+  }
+  for (int i = 0; i < f->n; i++) {
+    size_t n = (size_t)f->size[i];
+    f->diagonal[i] = used;
+    used += n * n;
+    for (int a = f->first[i]; a < f->first[i + 1]; a++) {
+      f->at[a] = used;
+      used += n * (size_t)f->size[f->index[a]];
+    }
+  }
+  f->values = used;
+  for (int i = 0; i < f->n; i++) f->local[i] = f->first[i];
+  for (int i = 0; i < f->n; i++) /* lists ascend: those of j meet their twins in order */
+    for (int a = f->first[i]; a < f->first[i + 1]; a++) f->twin[a] = f->local[f->index[a]]++;
+}
+
+/* Runs of columns, each the parent of the one before. The last column of a run has the rows of all
+ * but for the run itself; where an earlier one has fewer, zeros are stored. */
+static void find_supernodes(nsdae_fronts *f)
+{
+  const nsdae_elimination *t = &f->tree;
+  int s = 0;
+  double stored = 0, zeros = 0;
+  for (int k = 0; k < f->n; k++) {
+    int open = k > 0 && t->parent[k - 1] == k;
+    double columns = open ? k - f->begin[s - 1] : 0;
+    double more = open ? columns * (t->count[k] + 1 - t->count[k - 1]) : 0;
+    if (open && zeros + more <= RELAXED * (stored + columns + t->count[k] + 1)) {
+      zeros += more;
+      stored += t->count[k] + 1;
+      continue;
+    }
+    f->begin[s++] = k;
+    zeros = 0;
+    stored = t->count[k] + 1;
+  }
+  f->begin[s] = f->n;
+  f->supernodes = s;
+}
+
+/* Rows below supernode s are those of its last column. */
+static int last_of(const nsdae_fronts *f, int s)
+{
+  return f->begin[s + 1] - 1;
+}
+
+static void measure_supernodes(nsdae_fronts *f)
+{
+  const nsdae_elimination *t = &f->tree;
+  int *owner = f->local;
+  f->factor[0] = 0;
+  f->most_front = 0;
+  f->most_rest = 0;
+  for (int s = 0; s < f->supernodes; s++) {
+    int last = last_of(f, s);
+    f->pivots[s] = f->rest[s] = f->children[s] = 0;
+    for (int k = f->begin[s]; k <= last; k++) {
+      f->pivots[s] += block_size(f, k);
+      owner[k] = s;
+    }
+    for (size_t a = t->start[last]; a < t->start[last + 1]; a++)
+      f->rest[s] += block_size(f, t->row[a]);
+    size_t p = (size_t)f->pivots[s], r = (size_t)f->rest[s];
+    f->factor[s + 1] = f->factor[s] + p * (p + 2 * r);
+    if ((p + r) * (p + r) > f->most_front) f->most_front = (p + r) * (p + r);
+    if (f->rest[s] > f->most_rest) f->most_rest = f->rest[s];
+  }
+  for (int s = 0; s < f->supernodes; s++) {
+    int above = t->parent[last_of(f, s)];
+    if (above < f->n) f->children[owner[above]]++;
+  }
+}
+
+/* Depth of the stack: a supernode takes what its children left and leaves its own. */
+static void measure_stack(nsdae_fronts *f)
+{
+  size_t used = 0;
+  int *waiting = f->waiting, top = 0;
+  f->most_stack = 0;
+  for (int s = 0; s < f->supernodes; s++) {
+    for (int c = 0; c < f->children[s]; c++) {
+      int child = waiting[--top];
+      used -= (size_t)f->rest[child] * (size_t)f->rest[child];
+    }
+    used += (size_t)f->rest[s] * (size_t)f->rest[s];
+    if (used > f->most_stack) f->most_stack = used;
+    if (f->rest[s] > 0) waiting[top++] = s;
+  }
+}
+
+int nsdae_fronts_analyse(nsdae_fronts *f, int n, const int *size, const int *first,
+                         const int *index)
+{
+  if (is_same(f, n, size, first, index)) return NSDAE_OK;
+  if (nsdae_elimination_analyse(&f->tree, n, first, index) != NSDAE_OK) return NSDAE_E_MEMORY;
+  f->n = n;
+  f->supernodes = first[n];
+  if (nsdae_arena_fit(&f->of_graph, lay_out_graph, f) != NSDAE_OK) return NSDAE_E_MEMORY;
+  memcpy(f->size, size, (size_t)n * sizeof *size);
+  memcpy(f->first, first, ((size_t)n + 1) * sizeof *first);
+  memcpy(f->index, index, (size_t)first[n] * sizeof *index);
+  place_blocks(f);
+  find_supernodes(f);
+  measure_supernodes(f);
+  measure_stack(f);
+  int status = nsdae_arena_fit(&f->of_numbers, lay_out_numbers, f);
+  if (status != NSDAE_OK) f->n = 0;
+  return status;
+}
+
+/* Adds block (i, j) of A to the front, i and j numbers. */
+static void add_block(const nsdae_fronts *f, double *F, int lda, size_t from, int i, int j)
+{
+  int rows = block_size(f, i), columns = block_size(f, j);
+  const double *block = f->A + from;
+  for (int c = 0; c < columns; c++) {
+    double *to = F + (size_t)(f->local[j] + c) * (size_t)lda + f->local[i];
+    for (int r = 0; r < rows; r++) to[r] += block[c * rows + r];
+  }
+}
+
+/* Entries of A in the columns and rows of the supernode: those whose other end is not eliminated.
+ * Of a symmetric matrix the columns are enough. */
+static void add_entries(const nsdae_fronts *f, int s, double *F, int lda)
+{
+  const nsdae_elimination *t = &f->tree;
+  for (int k = f->begin[s]; k < f->begin[s + 1]; k++) {
+    int i = t->node[k];
+    add_block(f, F, lda, f->diagonal[i], k, k);
+    for (int a = f->first[i]; a < f->first[i + 1]; a++) {
+      int other = t->number[f->index[a]];
+      if (other < f->begin[s]) continue;
+      add_block(f, F, lda, f->at[a], other, k);
+      if (other >= f->begin[s + 1] && !f->symmetric)
+        add_block(f, F, lda, f->at[f->twin[a]], k, other);
+    }
+  }
+}
+
+/* Adds what a child left, rest x rest, to the front (of a symmetric matrix its lower triangle). */
+static void add_child(const nsdae_fronts *f, int child, const double *left, double *F, int lda)
+{
+  const nsdae_elimination *t = &f->tree;
+  int last = last_of(f, child), rest = f->rest[child];
+  const double *column = left;
+  for (size_t b = t->start[last]; b < t->start[last + 1]; b++)
+    for (int c = 0; c < block_size(f, t->row[b]); c++, column += rest) {
+      double *to = F + (size_t)(f->local[t->row[b]] + c) * (size_t)lda;
+      size_t from = f->symmetric ? b : t->start[last];
+      int at = 0;
+      for (size_t a = t->start[last]; a < from; a++) at += block_size(f, t->row[a]);
+      for (size_t a = from; a < t->start[last + 1]; a++) {
+        int rows = block_size(f, t->row[a]);
+        double *place = to + f->local[t->row[a]];
+        for (int r = 0; r < rows; r++) place[r] += column[at + r];
+        at += rows;
+      }
+    }
+}
+
+/* Where the numbers of the supernode and below it begin in its front. */
+static void place_front(nsdae_fronts *f, int s)
+{
+  const nsdae_elimination *t = &f->tree;
+  int at = 0, last = last_of(f, s);
+  for (int k = f->begin[s]; k <= last; k++) {
+    f->local[k] = at;
+    at += block_size(f, k);
+  }
+  for (size_t a = t->start[last]; a < t->start[last + 1]; a++) {
+    f->local[t->row[a]] = at;
+    at += block_size(f, t->row[a]);
+  }
+}
+
+static void copy(int rows, int columns, const double *from, int ldf, double *to, int ldt)
+{
+  for (int c = 0; c < columns; c++)
+    memcpy(to + (size_t)c * (size_t)ldt, from + (size_t)c * (size_t)ldf, (size_t)rows * sizeof *to);
+}
+
+/* LAPACK may let a NaN pass. */
+static int check_pivots(int p, const double *F, int lda)
+{
+  for (int i = 0; i < p; i++)
+    if (!(fabs(F[(size_t)i * ((size_t)lda + 1)]) < INFINITY)) return i + 1;
+  return 0;
+}
+
+/* The front [P U; R S]: P = L L^T, R := R L^-T, S := S - R R^T. */
+static int factor_symmetric(int p, int r, double *F, int lda)
+{
+  double *R = F + p, *S = F + (size_t)p * (size_t)lda + p;
+  int info = LAPACKE_dpotrf_work(LAPACK_COL_MAJOR, 'L', p, F, lda);
+  if (info == 0) info = check_pivots(p, F, lda);
+  if (info != 0 || r == 0) return info;
+  cblas_dtrsm(CblasColMajor, CblasRight, CblasLower, CblasTrans, CblasNonUnit, r, p, 1, F, lda, R,
+              lda);
+  cblas_dsyrk(CblasColMajor, CblasLower, CblasNoTrans, r, p, -1, R, lda, 1, S, lda);
+  return 0;
+}
+
+/* P = X L U with the exchange of rows X, R := R U^-1, U := L^-1 X^T U, S := S - R U. */
+static int factor_general(int p, int r, double *F, int lda, int *exchange)
+{
+  double *R = F + p, *U = F + (size_t)p * (size_t)lda, *S = U + p;
+  int info = LAPACKE_dgetrf_work(LAPACK_COL_MAJOR, p, p, F, lda, exchange);
+  if (info == 0) info = check_pivots(p, F, lda);
+  if (info != 0 || r == 0) return info;
+  cblas_dtrsm(CblasColMajor, CblasRight, CblasUpper, CblasNoTrans, CblasNonUnit, r, p, 1, F, lda, R,
+              lda);
+  LAPACKE_dlaswp_work(LAPACK_COL_MAJOR, r, U, lda, 1, p, exchange, 1);
+  cblas_dtrsm(CblasColMajor, CblasLeft, CblasLower, CblasNoTrans, CblasUnit, p, r, 1, F, lda, U,
+              lda);
+  cblas_dgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, r, r, p, -1, R, lda, U, lda, 1, S, lda);
+  return 0;
+}
+
+/* One supernode; top is the number of doubles on the stack, waiting the supernodes that left them.
+ */
+static int factor_one(nsdae_fronts *f, int s, int *waiting, int *count, size_t *top)
+{
+  int p = f->pivots[s], r = f->rest[s], n = p + r;
+  double *F = f->front, *to = f->F + f->factor[s];
+  memset(F, 0, (size_t)n * (size_t)n * sizeof *F);
+  place_front(f, s);
+  add_entries(f, s, F, n);
+  for (int c = 0; c < f->children[s]; c++) {
+    int child = waiting[--*count];
+    *top -= (size_t)f->rest[child] * (size_t)f->rest[child];
+    add_child(f, child, f->stack + *top, F, n);
+  }
+  int info = f->symmetric ? factor_symmetric(p, r, F, n)
+                          : factor_general(p, r, F, n, f->exchange + f->place[f->begin[s]]);
+  if (info != 0) return info;
+  copy(p, p, F, n, to, p);
+  copy(r, p, F + p, n, to + (size_t)p * (size_t)p, r);
+  if (!f->symmetric) copy(p, r, F + (size_t)p * (size_t)n, n, to + (size_t)p * (size_t)(p + r), p);
+  if (r == 0) return 0;
+  copy(r, r, F + (size_t)p * (size_t)n + p, n, f->stack + *top, r);
+  *top += (size_t)r * (size_t)r;
+  waiting[(*count)++] = s;
+  return 0;
+}
+
+int nsdae_fronts_factor(nsdae_fronts *f, int symmetric)
+{
+  int count = 0;
+  size_t top = 0;
+  f->symmetric = symmetric;
+  for (int s = 0; s < f->supernodes; s++)
+    if (factor_one(f, s, f->waiting, &count, &top) != 0) return s + 1;
+  return 0;
+}
+
+/* Entries of the permuted vector in the rows below the supernode, and back. */
+static void gather(const nsdae_fronts *f, int s, int add)
+{
+  const nsdae_elimination *t = &f->tree;
+  double *g = f->gather;
+  for (size_t a = t->start[last_of(f, s)]; a < t->start[last_of(f, s) + 1]; a++) {
+    double *x = f->vector + f->place[t->row[a]];
+    int rows = block_size(f, t->row[a]);
+    for (int k = 0; k < rows; k++)
+      if (add)
+        x[k] += *g++;
+      else
+        *g++ = x[k];
+  }
+}
+
+static void forward(nsdae_fronts *f, int s)
+{
+  int p = f->pivots[s], r = f->rest[s], at = f->place[f->begin[s]];
+  const double *P = f->F + f->factor[s], *R = P + (size_t)p * (size_t)p;
+  double *x = f->vector + at;
+  if (!f->symmetric) LAPACKE_dlaswp_work(LAPACK_COL_MAJOR, 1, x, p, 1, p, f->exchange + at, 1);
+  cblas_dtrsv(CblasColMajor, CblasLower, CblasNoTrans, f->symmetric ? CblasNonUnit : CblasUnit, p,
+              P, p, x, 1);
+  if (r == 0) return;
+  cblas_dgemv(CblasColMajor, CblasNoTrans, r, p, -1, R, r, x, 1, 0, f->gather, 1);
+  gather(f, s, 1);
+}
+
+static void backward(nsdae_fronts *f, int s)
+{
+  int p = f->pivots[s], r = f->rest[s];
+  const double *P = f->F + f->factor[s], *R = P + (size_t)p * (size_t)p,
+               *U = R + (size_t)p * (size_t)r;
+  double *x = f->vector + f->place[f->begin[s]];
+  if (r > 0) gather(f, s, 0);
+  if (r > 0 && f->symmetric)
+    cblas_dgemv(CblasColMajor, CblasTrans, r, p, -1, R, r, f->gather, 1, 1, x, 1);
+  else if (r > 0)
+    cblas_dgemv(CblasColMajor, CblasNoTrans, p, r, -1, U, p, f->gather, 1, 1, x, 1);
+  if (f->symmetric)
+    cblas_dtrsv(CblasColMajor, CblasLower, CblasTrans, CblasNonUnit, p, P, p, x, 1);
+  else
+    cblas_dtrsv(CblasColMajor, CblasUpper, CblasNoTrans, CblasNonUnit, p, P, p, x, 1);
+}
+
+/* x in the order of the blocks into the permuted vector (in), or back. */
+static void permute(nsdae_fronts *f, double *x, int in)
+{
+  for (int i = 0; i < f->n; i++) {
+    double *y = f->vector + f->place[f->tree.number[i]];
+    memcpy(in ? y : x, in ? x : y, (size_t)f->size[i] * sizeof *x);
+    x += f->size[i];
+  }
+}
+
+void nsdae_fronts_solve(nsdae_fronts *f, double *x)
+{
+  permute(f, x, 1);
+  for (int s = 0; s < f->supernodes; s++) forward(f, s);
+  for (int s = f->supernodes - 1; s >= 0; s--) backward(f, s);
+  permute(f, x, 0);
+}
+
+void nsdae_fronts_release(nsdae_fronts *f)
+{
+  nsdae_elimination_release(&f->tree);
+  nsdae_arena_release(&f->of_graph);
+  nsdae_arena_release(&f->of_numbers);
+  f->n = 0;
+}
