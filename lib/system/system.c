@@ -352,8 +352,7 @@ int nsdae_system_finite(const double *a, int rows, int columns, const char *call
   if (i == count) return NSDAE_OK;
   nsdae_error_set(error, NSDAE_E_NONFINITE, callback, callback,
                   "callback %s gave %g in entry (%d, %d) at t = %.17g", callback,
-                  isnan(a[i]) ? fabs(a[i]) : a[i],
-                  rows ? i % rows : 0, rows ? i / rows : 0, t);
+                  isnan(a[i]) ? fabs(a[i]) : a[i], rows ? i % rows : 0, rows ? i / rows : 0, t);
   if (error) {
     error->index = i;
     error->time = t;
