@@ -755,12 +755,12 @@ public:
     detail::demand(nsdae_sim_get_state(c(), block.data(), size), last_error());
     return block;
   }
-  /* Puts a state of a simulation of the same system and options here; a status. */
+  /* nsdae_sim_set_state: goes on from a block of state(). */
   int try_set_state(const std::vector<unsigned char> &block) noexcept
   {
     return detail::attempt([&] { return nsdae_sim_set_state(c(), block.data(), block.size()); });
   }
-  /* The same; what is refused throws. */
+  /* The same; error says why a block is refused. */
   void set_state(const std::vector<unsigned char> &block)
   {
     detail::demand(try_set_state(block), last_error());

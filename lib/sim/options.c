@@ -14,6 +14,7 @@ static const char *const laws[] = {
 static const char *const solvers[] = {"dense", "sparse", NULL};
 static const char *const redundant[] = {"error", "least-norm", NULL};
 
+static const char *const no_yes[] = {"no", "yes", NULL};
 static const char *const projections[] = {"none", "constraints", "contacts", NULL};
 
 enum { INITIALISED = 0x6e736461 };
@@ -69,6 +70,8 @@ static const nsdae_param entries[] = {
      NSDAE_PARAM_REAL, AT(start_tol), 1e-6, 0, INFINITY, 0, NULL},
     {"inner_steps_max", "1", "most steps of the integrator of penalty and event in one dt",
      NSDAE_PARAM_INT, AT(inner_steps_max), 100000, 1, 1e9, 0, NULL},
+    {"start_check", "", "whether a start looks for derivatives that are grossly wrong",
+     NSDAE_PARAM_CHOICE, AT(start_check), 1, 0, 1, 0, no_yes},
 };
 
 static const nsdae_params table = {entries, (int)(sizeof entries / sizeof *entries)};
@@ -130,6 +133,7 @@ static const struct {
     {"events_max", 1u << NSDAE_METHOD_EVENT},
     {"projection", ~(1u << NSDAE_METHOD_PENALTY)}, /* of event: where implicit steps in */
     {"start_tol", 0},
+    {"start_check", 0},
 };
 
 int nsdae_sim_option_matters(const char *key, int method)

@@ -32,6 +32,7 @@ typedef struct nsdae_projector {
   double *total;                 /* nv: the sum of all changes */
   double *change, *q, *v, *qdot; /* nv, nq, nv, nq */
   double *H;                     /* nq x nv: of the kinematics, where groups are looked for */
+  double *start;                 /* 3 m: for looking at a start */
   int *contact;                  /* rows: the contact of a row; -1: a constraint */
   int *closed;                   /* k: contacts that take part */
 } nsdae_projector;

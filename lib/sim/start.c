@@ -10,6 +10,7 @@
  * there it is no error. */
 #include "start.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -99,13 +100,171 @@ static int check_units(const nsdae_projector *p, const nsdae_terms *T, double to
   return NSDAE_OK;
 }
 
-int nsdae_start_check(const nsdae_projector *p, const nsdae_terms *T)
+/* ---- derivatives along two trial velocities: a few calls, whatever the size */
+
+/* One of the two relations that derivatives are given of: constraints and gaps. */
+typedef struct relation {
+  const char *derivative; /* the callback that is judged */
+  int kind, rows;
+  nsdae_position_fn position;
+  const double *value; /* rows: at the start */
+  const double *rate;  /* rows x nv, by rows or by columns */
+  int by_columns;
+  const double *bias; /* rows: the rate with v = 0 */
+} relation;
+
+static void trial_velocity(int n, int number, double *v)
+{
+  for (int j = 0; j < n; j++) v[j] = cos(1 + number + 2.399963 * (j + 1)); /* no two alike */
+}
+
+/* W v + w of a row, and the sum of its terms. */
+static double given_rate(const relation *r, int n, int i, const double *v, double *size)
+{
+  double rate = r->bias[i];
+  *size = fabs(rate);
+  for (int j = 0; j < n; j++) {
+    double w = r->by_columns ? r->rate[(size_t)i * (size_t)n + (size_t)j]
+                             : r->rate[(size_t)j * (size_t)r->rows + (size_t)i];
+    rate += w * v[j];
+    *size += fabs(w * v[j]);
+  }
+  return rate;
+}
+
+static int wrong_rate(const nsdae_terms *T, const relation *r, int i, double given,
+                      double difference)
+{
+  char called[NSDAE_CALLED_SIZE];
+  nsdae_error_set(T->error, NSDAE_E_DERIVATIVE, "nsdae_sim_init", r->derivative,
+                  "%s: %s has the rate %.6g along a trial velocity, differences say %.6g; "
+                  "nsdae_system_check names the entry (start_check = no takes it)",
+                  r->derivative, nsdae_system_called(T->system, r->kind, i, called), given,
+                  difference);
+  T->error->index = i;
+  T->error->time = T->t;
+  return NSDAE_E_DERIVATIVE;
+}
+
+/* Where a relation has a kink at the start its derivative is that of one side. Gross errors are
+ * what is looked for, signs and places: 1e-3 of the terms, above the rounding of the differences.
+ */
+static int judge_rates(const nsdae_terms *T, const relation *r, const double *v, double s)
+{
+  const nsdae_differences *d = T->differences;
+  for (int i = 0; i < r->rows; i++) {
+    double size, given = given_rate(r, T->system->dims.nv, i, v, &size);
+    double ahead = (d->plus[i] - r->value[i]) / s, back = (r->value[i] - d->minus[i]) / s;
+    double middle = (ahead + back) / 2;
+    if (!isfinite(middle)) continue; /* the end of where it is defined */
+    double tol = 1e-3 * (size + fabs(middle)) + 1e-9 * (1 + fabs(r->value[i]));
+    if (fabs(given - middle) <= tol || fabs(given - ahead) <= tol || fabs(given - back) <= tol)
+      continue;
+    return wrong_rate(T, r, i, given, middle);
+  }
+  return NSDAE_OK;
+}
+
+static int displaced(const nsdae_terms *T, const relation *r, double s, double *value)
+{
+  nsdae_differences *d = T->differences;
+  const nsdae_system *system = T->system;
+  for (int i = 0; i < system->dims.nq; i++) d->q[i] = T->q[i] + s * d->qdot[i];
+  memset(value, 0, (size_t)r->rows * sizeof *value);
+  int code = r->position(T->t + s, d->q, value, system->user);
+  return nsdae_system_callback_status(code, r->kind == NSDAE_NAME_CONTACT ? "gap" : "constraint",
+                                      T->t, T->error);
+}
+
+static int check_rates(nsdae_projector *p, const nsdae_terms *T, const relation *r)
+{
+  nsdae_differences *d = T->differences;
+  const nsdae_dims *dims = &T->system->dims;
+  for (int number = 0; number < 2; number++) {
+    trial_velocity(dims->nv, number, p->v);
+    int status = nsdae_stepper_kinematics(p->tools, T->t, T->q, p->v, d->qdot);
+    if (status < 0) return status;
+    double s = nsdae_differences_step(dims->nq, T->t, T->q, d->qdot, cbrt(DBL_EPSILON));
+    status = displaced(T, r, s, d->plus);
+    if (status == NSDAE_OK) status = displaced(T, r, -s, d->minus);
+    if (status == NSDAE_OK) status = judge_rates(T, r, p->v, s);
+    if (status < 0) return status;
+  }
+  return NSDAE_OK;
+}
+
+/* omega, which the rates do not have: Phi'' with v constant. */
+static int check_omega(nsdae_projector *p, const nsdae_terms *T)
+{
+  const nsdae_system *s = T->system;
+  nsdae_differences *d = T->differences;
+  int m = s->dims.m;
+  double *phi_t = p->start, *omega = p->start + m, *second = p->start + 2 * m;
+  if (m == 0 || !s->constraint_bias) return NSDAE_OK;
+  trial_velocity(s->dims.nv, 0, p->v);
+  memset(p->start, 0, 3 * (size_t)m * sizeof *p->start);
+  int code = s->constraint_bias(T->t, T->q, p->v, phi_t, omega, s->user);
+  int status = nsdae_system_callback_status(code, "constraint_bias", T->t, T->error);
+  if (status < 0) return status;
+  code = nsdae_differences_second(d, s->constraint, m, T->t, T->q, p->v, second);
+  status = nsdae_system_callback_status(code, code && d->failed ? d->failed : "constraint", T->t,
+                                        T->error);
+  if (status < 0) return status;
+  const relation accelerations = {.derivative = "constraint_bias", .kind = NSDAE_NAME_CONSTRAINT};
+  for (int i = 0; i < m; i++) {
+    double tol = 1e-3 * (fabs(omega[i]) + fabs(second[i])) + 1e-6 * (1 + fabs(T->phi[i]));
+    if (isfinite(second[i]) && !(fabs(omega[i] - second[i]) <= tol))
+      return wrong_rate(T, &accelerations, i, omega[i], second[i]);
+  }
+  return NSDAE_OK;
+}
+
+/* A direction of friction that is the normal, as a copied callback has it. */
+static int check_tangents(const nsdae_terms *T)
+{
+  const nsdae_dims *d = &T->system->dims;
+  char called[NSDAE_CALLED_SIZE];
+  size_t bytes = (size_t)d->nv * sizeof *T->W_N;
+  for (int j = 0; d->nv > 1 && j < d->k * d->nt; j++) {
+    int i = j / d->nt;
+    if (!(T->system->contact[i].mu > 0)) continue;
+    if (memcmp(T->W_T + (size_t)j * (size_t)d->nv, T->W_N + (size_t)i * (size_t)d->nv, bytes) != 0)
+      continue;
+    return nsdae_error_set(
+        T->error, NSDAE_E_DERIVATIVE, "nsdae_sim_init", "gap_tangent",
+        "gap_tangent: column %d (%s) is the normal's, gap_normal: the slip needs "
+        "a direction of its own (start_check = no takes it)",
+        j, nsdae_system_called(T->system, NSDAE_NAME_CONTACT, i, called));
+  }
+  return NSDAE_OK;
+}
+
+/* Late times leave too few digits to steps in time, so that nothing is said there. */
+static int check_derivatives(nsdae_projector *p, const nsdae_terms *T)
+{
+  const nsdae_system *s = T->system;
+  const nsdae_dims *d = &s->dims;
+  const relation constraints = {
+      "constraint_jacobian", NSDAE_NAME_CONSTRAINT, d->m, s->constraint, T->phi, T->J, 0, T->phi_t};
+  const relation gaps = {"gap_normal", NSDAE_NAME_CONTACT, d->k, s->gap, T->gap, T->W_N, 1, T->w_N};
+  int status = NSDAE_OK;
+  if (!p->tools->options->start_check || fabs(T->t) > 1e4) return NSDAE_OK;
+  if (d->m > 0 && (s->constraint_jacobian || s->constraint_bias))
+    status = check_rates(p, T, &constraints);
+  if (status == NSDAE_OK) status = check_omega(p, T);
+  if (status == NSDAE_OK) status = check_tangents(T);
+  if (status == NSDAE_OK && d->k > 0 && (s->gap_normal || s->contact_bias))
+    status = check_rates(p, T, &gaps);
+  return status;
+}
+
+int nsdae_start_check(nsdae_projector *p, const nsdae_terms *T)
 {
   const nsdae_sim_options *o = p->tools->options;
   int status = check_units(p, T, o->start_tol);
   if (status == NSDAE_OK) status = check_constraints(T, o->start_tol);
   if (status == NSDAE_OK && o->method != NSDAE_METHOD_PENALTY) status = check_gaps(T, o->start_tol);
-  return status;
+  return status < 0 ? status : check_derivatives(p, T);
 }
 
 /* ---- putting one right, beside the state of the simulation */

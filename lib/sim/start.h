@@ -5,7 +5,8 @@
 #include "projection.h"
 
 /* Whether the terms' point may be a start: NSDAE_OK, or NSDAE_E_ARGUMENT naming the row, its value
- * and its bound. The terms and the groups of unit length are those of the start. */
-int nsdae_start_check(const nsdae_projector *projection, const nsdae_terms *start);
+ * and its bound, NSDAE_E_DERIVATIVE where derivatives are grossly wrong. The terms and the groups
+ * of unit length are those of the start. */
+int nsdae_start_check(nsdae_projector *projection, const nsdae_terms *start);
 
 #endif

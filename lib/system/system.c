@@ -351,8 +351,8 @@ int nsdae_system_finite(const double *a, int rows, int columns, const char *call
   while (i < count && isfinite(a[i])) i++;
   if (i == count) return NSDAE_OK;
   nsdae_error_set(error, NSDAE_E_NONFINITE, callback, callback,
-                  "callback %s gave %g in entry (%d, %d) at t = %.17g", callback, a[i],
-                  rows ? i % rows : 0, rows ? i / rows : 0, t);
+                  "callback %s gave %g in entry (%d, %d) at t = %.17g", callback,
+                  isnan(a[i]) ? fabs(a[i]) : a[i], rows ? i % rows : 0, rows ? i / rows : 0, t);
   if (error) {
     error->index = i;
     error->time = t;
