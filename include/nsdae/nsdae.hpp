@@ -676,6 +676,18 @@ public:
         &record);
   }
 
+  /* nsdae_trajectory_resume: goes on in the file of an earlier run. */
+  static trajectory resume(const sim &of, const std::string &path,
+                           const nsdae_trajectory_info &info)
+  {
+    trajectory made;
+    nsdae_error record = nsdae_error();
+    detail::demand(nsdae_trajectory_resume(of.c(), path.c_str(), &info, &made.c_, &record),
+                   &record);
+    made.sim_ = of.guts_;
+    return made;
+  }
+
   /* nsdae_trajectory_flush. */
   void flush()
   {

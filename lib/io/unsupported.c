@@ -65,6 +65,26 @@ int nsdae_trajectory_set_bodies(nsdae_trajectory *trajectory, int n, const nsdae
   return unsupported("nsdae_trajectory_set_bodies", error);
 }
 
+int nsdae_trajectory_resume(nsdae_sim *sim, const char *path, const nsdae_trajectory_info *info,
+                            nsdae_trajectory **trajectory, nsdae_error *error)
+{
+  (void)sim;
+  (void)path;
+  (void)info;
+  if (trajectory) *trajectory = NULL;
+  return unsupported("nsdae_trajectory_resume", error);
+}
+
+int nsdae_trajectory_read_params(const char *path, const char *group, const nsdae_params *table,
+                                 void *base, nsdae_error *error)
+{
+  (void)path;
+  (void)group;
+  (void)table;
+  (void)base;
+  return unsupported("nsdae_trajectory_read_params", error);
+}
+
 int nsdae_trajectory_flush(nsdae_trajectory *trajectory, nsdae_error *error)
 {
   (void)trajectory;
