@@ -90,7 +90,8 @@ typedef struct nsdae_body {
 
 /* Names the bodies, n >= 0, once and before the first step; all is copied. NSDAE_E_ARGUMENT: the
  * text names the body, what of it and what is wrong, index is its number; NSDAE_E_STATE: bodies
- * were named before, or a step was taken; NSDAE_E_MEMORY, NSDAE_E_IO, NSDAE_E_UNSUPPORTED. */
+ * were named before, or a step was taken, also by the run that this one goes on with;
+ * NSDAE_E_MEMORY, NSDAE_E_IO, NSDAE_E_UNSUPPORTED. */
 NSDAE_API int nsdae_trajectory_set_bodies(nsdae_trajectory *trajectory, int n,
                                           const nsdae_body *body, nsdae_error *error);
 

@@ -154,7 +154,7 @@ static int make_file(nsdae_trajectory *t, const nsdae_trajectory_info *info)
 }
 
 /* From the first record on readers may come. */
-static int begin(nsdae_trajectory *t)
+static int let_readers_in(nsdae_trajectory *t)
 {
   t->begun = 1;
   if (!t->live) return NSDAE_OK;
@@ -204,7 +204,7 @@ static int is_due(nsdae_trajectory *t)
 
 static int take(nsdae_trajectory *t, const nsdae_record *record)
 {
-  int status = t->begun ? NSDAE_OK : begin(t);
+  int status = t->begun ? NSDAE_OK : let_readers_in(t);
   mark(t, record);
   if (status == NSDAE_OK) status = append(t, record);
   return status == NSDAE_OK && is_due(t) ? flush(t, NSDAE_SERIES_CHUNKS) : status;

@@ -6,6 +6,7 @@ bin=$1
 data=$2
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
+here=$(cd "$(dirname "$0")" && pwd)
 cd "$work" || exit 1
 failures=0
 
@@ -68,6 +69,9 @@ expect 1 "did not converge" "$pendulum" --quiet --no-output --dt 10 --t-end 1e4 
 check "$pendulum" --help >help
 check grep -q -- --t-end help
 check grep -q theta_0 help
+check "$pendulum" -h >short
+check cmp -s help short
+check grep -q 'e_N .*at least 0 and at most 1' help
 check "$pendulum" --version >version
 check grep -q '^nsdae-pendulum nsdae 0' version
 
@@ -110,6 +114,16 @@ if "$bin/nsdae-plot" a.h5 >out 2>err; then
   check grep -q '<svg' a.svg
   check "$bin/nsdae-plot" clearance-hinge.h5 >out
   check "$bin/nsdae-plot" crank-slider.h5 >out
+  check "$bin/nsdae-plot" --only modes --only forces -o b.png clearance-hinge.h5 >out
+  expect 1 "nothing for forces" "$bin/nsdae-plot" --only forces a.h5
+  # what is in the pictures
+  check "$bin/nsdae-incline" --quiet --output incline.h5
+  check "$pendulum" --quiet --output pendulum.h5
+  for candidate in ${NSDAE_PYTHON:+"$NSDAE_PYTHON"} python3 /usr/bin/python3; do
+    "$candidate" -c "import h5py, matplotlib" 2>/dev/null || continue
+    check "$candidate" -B "$here/plot_check.py" "$bin/../share/nsdae" .
+    break
+  done
   expect 1 "No such file or directory" "$bin/nsdae-plot" none.h5
   printf 'text' >text.h5
   expect 1 "cannot read 'text.h5'" "$bin/nsdae-plot" text.h5
