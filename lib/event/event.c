@@ -109,7 +109,7 @@ static void destroy(void *own)
   free(e);
 }
 
-/* A failure of the integrator at t, where its y is. */
+/* A failure of the integrator at t, where its y is; what has a record already keeps it. */
 static int integrator_failed(event *e, int status, double t)
 {
   nsdae_error *error = e->setting.error;
@@ -385,7 +385,7 @@ static int advance(void *own, const nsdae_state *state, double t_end, nsdae_resu
   result->given_up = too_many(e) || !(e->reached > state->terms->t);
   if (result->given_up) return NSDAE_OK;
   status = read_results(e, state->terms->t);
-  if (status < 0) return status;
+  if (status < 0) return tell(e, status);
   nsdae_error_clear(e->setting.error); /* of a step that was tried again, smaller */
   result->memory.stamp = e->stamp = ++e->stamps;
   return NSDAE_OK;
