@@ -228,7 +228,7 @@ NSDAE_API int nsdae_sim_interpolate(nsdae_sim *sim, double t, double *q, double 
  * parameters of its own, such as for each thread. */
 NSDAE_API int nsdae_sim_set_user(nsdae_sim *sim, void *user);
 /* Other options from here on, without making anything anew: dt (a new grid of steps starts here),
- * tolerances, limits, stabilisation, laws. method, polygon and linear_solver are fixed:
+ * tolerances, limits, stabilisation, laws. method, polygon, linear_solver and projection are fixed:
  * NSDAE_E_ARGUMENT by name, and everything is as before. The run goes on from the state. */
 NSDAE_API int nsdae_sim_set_options(nsdae_sim *sim, const nsdae_sim_options *options);
 /* Coefficients of contact i and of slide j in this simulation, in place of the system's. What is

@@ -26,10 +26,34 @@ void nsdae_contacts_laws(nsdae_contacts *contacts, int polygon_edges)
   }
 }
 
-long nsdae_contacts_rows_most(const nsdae_contacts *contacts)
+long nsdae_contacts_rows(const nsdae_system *s, int polygon_edges)
 {
-  long rows = 3L * contacts->slide_count;
-  for (int i = 0; i < contacts->system->dims.k; i++) rows += contacts->law[i].rows;
+  long rows = 0;
+  for (int j = 0; j < s->dims.f; j++) rows += s->slide[j].mu > 0 ? 3 : 0;
+  for (int i = 0; i < s->dims.k; i++)
+    rows += nsdae_law_rows(s->dims.nt, s->contact[i].mu, polygon_edges);
+  return rows;
+}
+
+/* The largest n that the solver has a workspace for. */
+int nsdae_contacts_rows_limit(void)
+{
+  int low = 0, high = INT_MAX / 2, lwork, liwork;
+  while (low < high) {
+    int middle = low + (high - low + 1) / 2;
+    if (nsdae_lcp_workspace(middle, &lwork, &liwork) == NSDAE_OK)
+      low = middle;
+    else
+      high = middle - 1;
+  }
+  return low;
+}
+
+/* As the laws are now: those of event have rows of their own. */
+static long rows_of_laws(const nsdae_contacts *c)
+{
+  long rows = 3L * c->slide_count;
+  for (int i = 0; i < c->system->dims.k; i++) rows += c->law[i].rows;
   return rows;
 }
 
@@ -37,7 +61,7 @@ void nsdae_contacts_layout(nsdae_contacts *c, nsdae_arena *arena)
 {
   const nsdae_dims *dims = &c->system->dims;
   long k = dims->k, n = dims->nv, f = c->slide_count;
-  long columns = k * (1 + dims->nt) + f, rows = nsdae_contacts_rows_most(c);
+  long columns = k * (1 + dims->nt) + f, rows = rows_of_laws(c);
   if (rows > INT_MAX || nsdae_lcp_workspace((int)rows, &c->lcp.lwork, &c->lcp.liwork) < 0)
     arena->overflow = 1;
   c->active = NSDAE_ARENA_INTS(arena, k);

@@ -74,8 +74,10 @@ void nsdae_contacts_layout(nsdae_contacts *contacts, nsdae_arena *arena);
 /* Fills the laws [k] and rows_most from the system's coefficients, and counts the slides. */
 void nsdae_contacts_laws(nsdae_contacts *contacts, int polygon_edges);
 
-/* Number of rows that the contacts can have together. */
-long nsdae_contacts_rows_most(const nsdae_contacts *contacts);
+/* Number of rows that the contacts and slides of a system can have together, and how many a
+ * problem may have. */
+long nsdae_contacts_rows(const nsdae_system *system, int polygon_edges);
+int nsdae_contacts_rows_limit(void);
 
 /* The warm start that problems read and leave is the caller's: so many integers, zero where there
  * is none yet. */

@@ -2,36 +2,39 @@
 
 #include <string.h>
 
+/* All doubles and all integers are in one piece each, so that they are cleared at once. */
+static size_t doubles(const nsdae_dims *d)
+{
+  return 3 * ((size_t)d->k * (size_t)(1 + d->nt) + (size_t)d->f);
+}
+
+static size_t wholes(const nsdae_dims *d)
+{
+  return 2 * (size_t)d->k + (size_t)d->f;
+}
+
 void nsdae_impulses_layout(nsdae_impulses *r, const nsdae_dims *dims, nsdae_arena *arena)
 {
-  long k = dims->k, kt = k * dims->nt, f = dims->f;
-  r->impact = NSDAE_ARENA_INTS(arena, k);
-  r->before = NSDAE_ARENA_DOUBLES(arena, k);
-  r->before_t = NSDAE_ARENA_DOUBLES(arena, kt);
-  r->after = NSDAE_ARENA_DOUBLES(arena, k);
-  r->after_t = NSDAE_ARENA_DOUBLES(arena, kt);
-  r->normal = NSDAE_ARENA_DOUBLES(arena, k);
-  r->tangential = NSDAE_ARENA_DOUBLES(arena, kt);
-  r->mode = NSDAE_ARENA_INTS(arena, k);
-  r->slide_before = NSDAE_ARENA_DOUBLES(arena, f);
-  r->slide_after = NSDAE_ARENA_DOUBLES(arena, f);
-  r->slide_impulse = NSDAE_ARENA_DOUBLES(arena, f);
-  r->slide_mode = NSDAE_ARENA_INTS(arena, f);
+  size_t k = (size_t)dims->k, kt = k * (size_t)dims->nt, f = (size_t)dims->f;
+  double *real = NSDAE_ARENA_DOUBLES(arena, doubles(dims));
+  int *whole = NSDAE_ARENA_INTS(arena, wholes(dims));
+  if (!real || !whole) return; /* measuring */
+  r->before = real;
+  r->before_t = r->before + k;
+  r->after = r->before_t + kt;
+  r->after_t = r->after + k;
+  r->normal = r->after_t + kt;
+  r->tangential = r->normal + k;
+  r->slide_before = r->tangential + kt;
+  r->slide_after = r->slide_before + f;
+  r->slide_impulse = r->slide_after + f;
+  r->impact = whole;
+  r->mode = r->impact + k;
+  r->slide_mode = r->mode + k;
 }
 
 void nsdae_impulses_clear(nsdae_impulses *r, const nsdae_dims *dims)
 {
-  size_t k = (size_t)dims->k, kt = k * (size_t)dims->nt, f = (size_t)dims->f;
-  memset(r->impact, 0, k * sizeof *r->impact);
-  memset(r->before, 0, k * sizeof *r->before);
-  memset(r->before_t, 0, kt * sizeof *r->before_t);
-  memset(r->after, 0, k * sizeof *r->after);
-  memset(r->after_t, 0, kt * sizeof *r->after_t);
-  memset(r->normal, 0, k * sizeof *r->normal);
-  memset(r->tangential, 0, kt * sizeof *r->tangential);
-  memset(r->mode, 0, k * sizeof *r->mode);
-  memset(r->slide_before, 0, f * sizeof *r->slide_before);
-  memset(r->slide_after, 0, f * sizeof *r->slide_after);
-  memset(r->slide_impulse, 0, f * sizeof *r->slide_impulse);
-  memset(r->slide_mode, 0, f * sizeof *r->slide_mode);
+  memset(r->before, 0, doubles(dims) * sizeof *r->before);
+  memset(r->impact, 0, wholes(dims) * sizeof *r->impact);
 }

@@ -38,6 +38,12 @@ static nsdae_law polygon(double mu, int edges)
   return law;
 }
 
+int nsdae_law_rows(int nt, double mu, int edges)
+{
+  if (nt == 0 || mu == 0) return 1;
+  return nt == 1 ? 3 : edges + 2;
+}
+
 nsdae_law nsdae_law_make(int nt, double mu, int edges)
 {
   if (nt == 0 || mu == 0) return frictionless();

@@ -38,6 +38,9 @@ typedef struct nsdae_law {
  * of edges directions where nt = 2. */
 nsdae_law nsdae_law_make(int nt, double mu, int edges);
 
+/* Its rows. */
+int nsdae_law_rows(int nt, double mu, int edges);
+
 /* Law of a contact that slides along the unit vector d [nt]. */
 nsdae_law nsdae_law_sliding(int nt, double mu, const double *d);
 

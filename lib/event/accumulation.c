@@ -41,7 +41,7 @@ static double slow_for(const nsdae_event_accumulation *p, int i)
   const nsdae_terms *T = s->here;
   int n = T->system->dims.nv;
   double rate = fabs(T->omega_N[i]);
-  for (int j = 0; j < n; j++) rate += fabs(T->W_N[i * n + j] * p->lost[j]);
+  for (int j = 0; j < n; j++) rate += fabs(T->W_N[(size_t)i * (size_t)n + (size_t)j] * p->lost[j]);
   double way = sqrt(2 * rate * nsdae_event_position_size(s));
   return fmax(way, fmax(SLOW * nsdae_event_velocity_size(s), s->options->accumulation_time * rate));
 }
@@ -147,7 +147,7 @@ double nsdae_event_energy(const nsdae_terms *T, const double *d)
 {
   int n = T->system->dims.nv;
   double twice = 0;
-  for (int j = 0; j < n; j++) twice += d[j] * nsdae_dot(n, T->M + (size_t)(j * n), d);
+  for (int j = 0; j < n; j++) twice += d[j] * nsdae_dot(n, T->M + (size_t)j * (size_t)n, d);
   return twice / 2;
 }
 

@@ -86,9 +86,9 @@ static void take_over(nsdae_contacts *c, const double *force, const double *xi, 
 {
   for (int l = 0; l < c->columns; l++) {
     double change = force[l] - c->delassus.impulse[l];
-    nsdae_add_product(c->system->dims.nv, 1, c->delassus.U + (size_t)(l * c->system->dims.nv),
+    nsdae_add_product(c->system->dims.nv, 1, c->delassus.U + (size_t)l * (size_t)c->system->dims.nv,
                       &change, v);
-    nsdae_add_product(c->system->dims.m, 1, c->delassus.D + (size_t)(l * c->system->dims.m),
+    nsdae_add_product(c->system->dims.m, 1, c->delassus.D + (size_t)l * (size_t)c->system->dims.m,
                       &change, lambda);
     c->delassus.impulse[l] = force[l];
   }

@@ -35,9 +35,10 @@ static void append(nsdae_event_projection *p, const double *W, int stride, doubl
 static int project(nsdae_event_projection *p)
 {
   int n = p->kkt.n, rows = p->rows;
+  size_t width = (size_t)n, height = (size_t)rows;
   nsdae_kkt kkt = p->kkt;
-  for (int i = 0; i < rows; i++)
-    for (int j = 0; j < n; j++) p->Jt[j * rows + i] = p->J[i * n + j];
+  for (size_t i = 0; i < height; i++)
+    for (size_t j = 0; j < width; j++) p->Jt[j * height + i] = p->J[i * width + j];
   kkt.m = rows;
   const nsdae_terms *T = p->phase->setting->here;
   int status = nsdae_kkt_factor(&kkt, T->M, n, p->Jt, rows);
@@ -61,7 +62,7 @@ static double append_positions(nsdae_event_projection *p, const int *closed)
   p->rows = 0;
   for (int i = 0; i < d->m; i++) append(p, T->J + i, d->m, T->phi[i]);
   for (int i = 0; i < d->k; i++)
-    if (closed[i]) append(p, T->W_N + (size_t)(i * d->nv), 1, T->gap[i]);
+    if (closed[i]) append(p, T->W_N + (size_t)i * (size_t)d->nv, 1, T->gap[i]);
   for (int i = 0; i < p->rows; i++) worst = fmax(worst, fabs(p->c[i]));
   return worst;
 }

@@ -101,12 +101,12 @@ static void transpose(int m, int n, const double *J, int ldj, double *Y)
 /* Squared sine of the angle between column j of Y and the span of those before it, the smallest
  * over j: what Cholesky of S leaves of each diagonal entry, since row j of its factor has the
  * norm of column j. */
-static double smallest_sine(int m, const double *factor)
+static double smallest_sine(size_t m, const double *factor)
 {
   double smallest = 1;
-  for (int j = 0; j < m; j++) {
+  for (size_t j = 0; j < m; j++) {
     double sum = 0, pivot = factor[j * m + j];
-    for (int k = 0; k <= j; k++) sum += factor[k * m + j] * factor[k * m + j];
+    for (size_t k = 0; k <= j; k++) sum += factor[k * m + j] * factor[k * m + j];
     smallest = fmin(smallest, pivot * pivot / sum);
   }
   return smallest;
@@ -184,7 +184,7 @@ int nsdae_kkt_factor(nsdae_kkt *kkt, const double *M, int ldm, const double *J, 
   solve_root(kkt, m, kkt->Y, n);
   nsdae_la_multiply_transposed(n, m, m, kkt->Y, n, kkt->Y, n, 0, kkt->S, m);
   double least = fmax(trusted, kkt->rank_tol);
-  if (nsdae_la_cholesky(m, kkt->S, m) || smallest_sine(m, kkt->S) < least * least)
+  if (nsdae_la_cholesky(m, kkt->S, m) || smallest_sine((size_t)m, kkt->S) < least * least)
     factor_by_rank(kkt);
   return NSDAE_OK;
 }

@@ -12,6 +12,26 @@ enum {
   EVERY_TERM = ALL_TERMS | NSDAE_TERM_ACCELERATION
 };
 
+static void show_arrays(nsdae_point *p)
+{
+  const nsdae_result *r = &p->result;
+  p->record = (nsdae_record){.q = r->end.q,
+                             .v = r->end.v,
+                             .acceleration = p->acceleration,
+                             .multiplier = r->multiplier,
+                             .gap = r->end.gap,
+                             .normal_impulse = r->impulses.normal,
+                             .tangential_impulse = r->impulses.tangential,
+                             .normal_force = p->normal_force,
+                             .tangential_force = p->tangential_force,
+                             .mode = r->impulses.mode,
+                             .slide_impulse = r->impulses.slide_impulse,
+                             .slide_force = p->slide_force,
+                             .slide_mode = r->impulses.slide_mode,
+                             .impact = r->impact,
+                             .change = r->change};
+}
+
 void nsdae_point_layout(nsdae_point *p, nsdae_arena *arena)
 {
   const nsdae_dims *d = &p->result.end.system->dims;
@@ -20,11 +40,12 @@ void nsdae_point_layout(nsdae_point *p, nsdae_arena *arena)
   p->normal_force = NSDAE_ARENA_DOUBLES(arena, d->k);
   p->tangential_force = NSDAE_ARENA_DOUBLES(arena, (long)d->k * d->nt);
   p->slide_force = NSDAE_ARENA_DOUBLES(arena, d->f);
+  show_arrays(p);
 }
 
-static void divide(double *to, const double *a, size_t n, double h)
+static inline void scale(double *restrict to, const double *restrict a, int n, double factor)
 {
-  for (size_t i = 0; i < n; i++) to[i] = h > 0 ? a[i] / h : 0;
+  for (int i = 0; i < n; i++) to[i] = factor * a[i];
 }
 
 /* Means over the step, of all that happened in it; h = 0: there was none. */
@@ -32,43 +53,30 @@ static void fill_means(nsdae_point *p, const nsdae_terms *from, double h)
 {
   const nsdae_result *r = &p->result;
   const nsdae_dims *d = &r->end.system->dims;
-  size_t k = (size_t)d->k;
-  for (int i = 0; i < d->nv; i++) p->acceleration[i] = h > 0 ? (r->end.v[i] - from->v[i]) / h : 0;
-  divide(p->normal_force, r->impulses.normal, k, h);
-  divide(p->tangential_force, r->impulses.tangential, k * (size_t)d->nt, h);
-  divide(p->slide_force, r->impulses.slide_impulse, (size_t)d->f, h);
+  double rate = h > 0 ? 1 / h : 0;
+  for (int i = 0; i < d->nv; i++) p->acceleration[i] = rate * (r->end.v[i] - from->v[i]);
+  scale(p->normal_force, r->impulses.normal, d->k, rate);
+  scale(p->tangential_force, r->impulses.tangential, d->k * d->nt, rate);
+  scale(p->slide_force, r->impulses.slide_impulse, d->f, rate);
   p->record.duration = h;
-  p->record.acceleration = p->acceleration;
-  p->record.normal_force = p->normal_force;
-  p->record.tangential_force = p->tangential_force;
-  p->record.slide_force = p->slide_force;
 }
 
+/* The numbers of the record; its arrays are the point's. */
 static void fill_record(nsdae_point *p)
 {
   const nsdae_result *r = &p->result;
   const nsdae_terms *end = &r->end;
-  p->record = (nsdae_record){.step = p->accounts.step,
-                             .time = end->t,
-                             .q = end->q,
-                             .v = end->v,
-                             .multiplier = r->multiplier,
-                             .gap = end->gap,
-                             .normal_impulse = r->impulses.normal,
-                             .tangential_impulse = r->impulses.tangential,
-                             .mode = r->impulses.mode,
-                             .slide_impulse = r->impulses.slide_impulse,
-                             .slide_mode = r->impulses.slide_mode,
-                             .kinetic = nsdae_terms_kinetic(end),
-                             .potential = end->potential,
-                             .dissipated = p->accounts.dissipated,
-                             .lcp_residual = r->worst_residual,
-                             .constraint_drift = nsdae_terms_drift(end),
-                             .penetration = nsdae_terms_penetration(end),
-                             .impact = r->impact,
-                             .impacts = r->impacts,
-                             .change = r->change,
-                             .changes = r->changes};
+  nsdae_record *record = &p->record;
+  record->step = p->accounts.step;
+  record->time = end->t;
+  record->kinetic = nsdae_terms_kinetic(end);
+  record->potential = end->potential;
+  record->dissipated = p->accounts.dissipated;
+  record->lcp_residual = r->worst_residual;
+  record->constraint_drift = nsdae_terms_drift(end);
+  record->penetration = nsdae_terms_penetration(end);
+  record->impacts = r->impacts;
+  record->changes = r->changes;
 }
 
 static void count(nsdae_stats *stats, const nsdae_counters *c)

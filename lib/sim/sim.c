@@ -24,6 +24,22 @@ static int no_memory(nsdae_sim *sim, nsdae_error *error)
                          "out of memory for a simulation of this size");
 }
 
+/* The dense complementarity problem of all contacts together has its limit, whatever the memory. */
+static int check_rows(const nsdae_system *system, const nsdae_sim_options *options,
+                      nsdae_error *error)
+{
+  nsdae_sim_options defaults;
+  nsdae_sim_options_default(&defaults);
+  int edges = options ? options->polygon : defaults.polygon, limit = nsdae_contacts_rows_limit();
+  long rows = nsdae_contacts_rows(system, edges);
+  if (rows <= limit) return NSDAE_OK;
+  return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_sim_create", "k",
+                         "k = %d contacts and f = %d slides have %ld rows of the complementarity "
+                         "problem, which may have %d: take fewer, or a polygon of fewer edges (%d "
+                         "now, %d rows for a spatial contact with friction)",
+                         system->dims.k, system->dims.f, rows, limit, edges, edges + 2);
+}
+
 static int check_create(const nsdae_system *system, const nsdae_sim_options *options,
                         nsdae_sim **sim, nsdae_error *error)
 {
@@ -33,7 +49,8 @@ static int check_create(const nsdae_system *system, const nsdae_sim_options *opt
                            "%s is NULL", system ? "sim" : "system");
   *sim = NULL;
   int status = options ? nsdae_sim_options_check(options, error) : NSDAE_OK;
-  return status < 0 ? status : nsdae_system_complete(system, error);
+  if (status == NSDAE_OK) status = nsdae_system_complete(system, error);
+  return status < 0 ? status : check_rows(system, options, error);
 }
 
 /* The system with coefficients of its own; law and they are in blocks of their own, for their

@@ -27,7 +27,7 @@ enum {
 
 enum {
   SLIDE_ROUNDS = 50, /* friction on the slides feeds their normal force: rounds of substitution */
-  REPLAY_MAX = 1024  /* ends of steps since the integrator started; then it starts anew */
+  REPLAY_MAX = 256   /* ends of steps since the integrator started; then it starts anew */
 };
 
 /* Forces at the last evaluation. */

@@ -79,7 +79,9 @@ static void check_mass(check *c)
   zero(c->given, n, n);
   if (failed(c, s->mass(c->t, c->q, c->given, n, s->user), "mass")) return;
   for (int j = 0; j < n; j++)
-    for (int i = 0; i < n; i++) c->differenced[j * n + i] = c->given[i * n + j];
+    for (int i = 0; i < n; i++)
+      c->differenced[(size_t)j * (size_t)n + (size_t)i] =
+          c->given[(size_t)i * (size_t)n + (size_t)j];
   compare(c, "mass", n, n);
 }
 

@@ -1,5 +1,6 @@
 #include "system_impl.h"
 
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -95,12 +96,13 @@ int nsdae_system_refuse(nsdae_system *system, int status, const char *setter, co
 int nsdae_system_open(nsdae_system *system, const char *setter)
 {
   int simulations = nsdae_system_simulations(system);
-  char why[200];
+  char why[300];
   nsdae_error_clear(&system->error);
   if (simulations == 0) return NSDAE_OK;
   snprintf(why, sizeof why,
            "the system is constant while it has simulations (%d now): destroy them before you "
-           "change it, or make another system",
+           "change it, make another system, or change it in one of them (nsdae_sim_set_user, "
+           "nsdae_sim_set_contact, nsdae_sim_set_slide)",
            simulations);
   return nsdae_system_refuse(system, NSDAE_E_STATE, setter, "system", why);
 }
@@ -347,14 +349,14 @@ int nsdae_system_callback_status(int code, const char *callback, double t, nsdae
 int nsdae_system_finite(const double *a, int rows, int columns, const char *callback, double t,
                         nsdae_error *error)
 {
-  int count = rows * columns, i = 0;
+  size_t n = (size_t)rows, count = n * (size_t)columns, i = 0;
   while (i < count && isfinite(a[i])) i++;
   if (i == count) return NSDAE_OK;
   nsdae_error_set(error, NSDAE_E_NONFINITE, callback, callback,
-                  "callback %s gave %g in entry (%d, %d) at t = %.17g", callback,
-                  isnan(a[i]) ? fabs(a[i]) : a[i], rows ? i % rows : 0, rows ? i / rows : 0, t);
+                  "callback %s gave %g in entry (%zu, %zu) at t = %.17g", callback,
+                  isnan(a[i]) ? fabs(a[i]) : a[i], i % n, i / n, t);
   if (error) {
-    error->index = i;
+    error->index = i > INT_MAX ? INT_MAX : (int)i;
     error->time = t;
   }
   return NSDAE_E_NONFINITE;

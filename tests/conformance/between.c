@@ -376,13 +376,114 @@ static void test_leaving(void **state)
   nsdae_system_destroy(&system);
 }
 
+/* Where a size is capped that is said, with the bound, and at once. */
+static void test_limit(void **state)
+{
+  nsdae_error error;
+  nsdae_sim *sim = NULL;
+  nsdae_sim_options o = options_of(NSDAE_METHOD_MOREAU);
+  const nsdae_dims most[] = {{.nq = 3, .k = 2001, .nt = 2}, {.nq = 3, .k = 1 << 20}};
+  (void)state;
+  for (int i = 0; i < 2; i++) {
+    nsdae_system *system = NULL;
+    assert_int_equal(nsdae_system_create(&most[i], &system, NULL), NSDAE_OK);
+    nsdae_system_set_mass(system, mass);
+    nsdae_system_set_force(system, force);
+    nsdae_system_set_gap(system, gap);
+    nsdae_system_set_gap_normal(system, normal);
+    if (most[i].nt > 0) nsdae_system_set_gap_tangent(system, tangent);
+    for (int j = 0; j < most[i].k && most[i].nt > 0; j++)
+      nsdae_system_set_contact(system, j, 0.3, 0, 0);
+    assert_int_equal(nsdae_sim_create(system, &o, &sim, &error), NSDAE_E_ARGUMENT);
+    assert_string_equal(error.argument, "k");
+    assert_non_null(strstr(error.text, i == 0 ? "20010 rows" : "1048576 rows"));
+    assert_non_null(strstr(error.text, "may have 20000"));
+    assert_null(sim);
+    nsdae_system_destroy(&system);
+  }
+}
+
+/* Two constraints that are one until t = 0.1: x = 0, x + a(t) y = 0. */
+static double slope(double t)
+{
+  return t > 0.1 ? t - 0.1 : 0;
+}
+
+static int constraints(double t, const double *q, double *phi, void *user)
+{
+  (void)user;
+  phi[0] = q[0];
+  phi[1] = q[0] + slope(t) * q[1];
+  return 0;
+}
+
+static int rows(double t, const double *q, double *J, int ldj, void *user)
+{
+  (void)q;
+  (void)user;
+  J[0] = J[1] = 1;
+  J[ldj + 1] = slope(t);
+  return 0;
+}
+
+static int bias(double t, const double *q, const double *v, double *phi_t, double *omega,
+                void *user)
+{
+  (void)user;
+  phi_t[1] = (t > 0.1) * q[1];
+  omega[1] = 2 * (t > 0.1) * v[1];
+  return 0;
+}
+
+static int nothing(double t, const double *q, const double *v, double *F, void *user)
+{
+  (void)t;
+  (void)q;
+  (void)v;
+  (void)user;
+  F[0] = 1;
+  return 0;
+}
+
+/* The smallest and the largest rank that was met, in smooth steps too. */
+static void test_rank(void **state)
+{
+  const double zero[2] = {0, 0};
+  const nsdae_dims dims = {.nq = 2, .m = 2};
+  (void)state;
+  for (int method = NSDAE_METHOD_IMPLICIT; method <= NSDAE_METHOD_MOREAU; method++) {
+    nsdae_system *system = NULL;
+    nsdae_sim *sim = NULL;
+    nsdae_stats stats;
+    nsdae_sim_options o = options_of(method);
+    o.redundant = NSDAE_REDUNDANT_LEAST_NORM;
+    assert_int_equal(nsdae_system_create(&dims, &system, NULL), NSDAE_OK);
+    nsdae_system_set_mass(system, mass);
+    nsdae_system_set_force(system, nothing);
+    nsdae_system_set_constraint(system, constraints);
+    nsdae_system_set_constraint_jacobian(system, rows);
+    nsdae_system_set_constraint_bias(system, bias);
+    assert_int_equal(nsdae_sim_create(system, &o, &sim, NULL), NSDAE_OK);
+    assert_int_equal(nsdae_sim_init(sim, 0, zero, zero), NSDAE_OK);
+    assert_int_equal(nsdae_sim_run(sim, 0.05), NSDAE_OK);
+    nsdae_sim_get_stats(sim, &stats);
+    assert_true(stats.rank == 1 && stats.rank_most == 1);
+    assert_int_equal(nsdae_sim_run(sim, 0.3), NSDAE_OK);
+    nsdae_sim_get_stats(sim, &stats);
+    assert_true(stats.rank == 1 && stats.rank_most == 2);
+    nsdae_sim_destroy(&sim);
+    nsdae_system_destroy(&system);
+  }
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_fall),     cmocka_unit_test(test_undisturbed),
       cmocka_unit_test(test_to_event), cmocka_unit_test(test_user),
       cmocka_unit_test(test_settings), cmocka_unit_test(test_means),
-      cmocka_unit_test(test_leaving),
+      cmocka_unit_test(test_leaving),  cmocka_unit_test(test_limit),
+      cmocka_unit_test(test_rank),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
