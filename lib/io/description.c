@@ -90,7 +90,8 @@ int nsdae_description_set_running(nsdae_h5 *h5)
 
 int nsdae_description_set_ended(nsdae_h5 *h5, int run_status)
 {
-  return set_status(h5, run_status == NSDAE_STOPPED ? "stopped"
-                        : run_status >= 0           ? "complete"
-                                                    : "failed");
+  if (run_status == NSDAE_STOPPED) return set_status(h5, "stopped");
+  if (run_status >= 0) return set_status(h5, "complete");
+  int interrupted = strcmp(nsdae_status_name(run_status), "NSDAE_E_INTERRUPTED") == 0;
+  return set_status(h5, interrupted ? "interrupted" : "failed");
 }

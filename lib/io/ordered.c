@@ -197,6 +197,9 @@ static void trim(nsdae_ordered *f)
 int nsdae_ordered_close(nsdae_ordered *file)
 {
   if (file->fd < 0) return 0;
+  /* not before: HDF5 1.10 reads the driver's class once more after it gave up its own hold on it */
+  if (file->driver > 0) H5FDunregister(file->driver);
+  file->driver = 0;
   commit(file);
   if (!file->reading && file->failure != NSDAE_ORDERED_REPLACED) trim(file);
   if (file->made && file->committed == 0) unlink(file->path);
@@ -364,10 +367,10 @@ enum { ALIGNED_FROM = 1024, PAGE = 4096 };
 hid_t nsdae_ordered_access(nsdae_ordered *file)
 {
   const driver_info info = {file};
-  hid_t id = H5FDregister(&driver), access = H5Pcreate(H5P_FILE_ACCESS);
-  herr_t code = H5Pset_driver(access, id, &info);
+  hid_t access = H5Pcreate(H5P_FILE_ACCESS);
+  file->driver = H5FDregister(&driver);
+  herr_t code = H5Pset_driver(access, file->driver, &info);
   if (code >= 0 && !file->reading) code = H5Pset_alignment(access, ALIGNED_FROM, PAGE);
-  H5FDunregister(id);
   /* a file that is closed is closed, whatever was left open in it: HDF5 must not come back to us */
   if (code >= 0) code = H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
   if (code >= 0) return access;

@@ -36,8 +36,9 @@ enum { NSDAE_ORDERED_HEAD = 96 };
 
 /* HDF5 has its address: it must stay where it is while the file is open. */
 typedef struct nsdae_ordered {
-  H5FD_t own; /* HDF5's part, first */
-  int fd;     /* -1: closed */
+  H5FD_t own;   /* HDF5's part, first */
+  hid_t driver; /* HDF5's number of the driver, 0 where it has none */
+  int fd;       /* -1: closed */
   const char *path;
   dev_t device;
   ino_t inode;
