@@ -46,12 +46,14 @@ static void read_contacts(nsdae_event_acceleration *p)
   const nsdae_contacts *c = &p->problem;
   int *mode = p->phase->modes.contact;
   double size = nsdae_event_acceleration_size(p);
+  /* a force that is the error of a solved problem holds nothing */
+  double none = c->lcp.options.tol * nsdae_event_largest(c->system->dims.k, c->results->normal);
   for (int i = 0; i < c->system->dims.k; i++) mode[i] = NSDAE_MODE_OPEN;
   for (int a = 0; a < c->active_count; a++) {
     int i = c->active[a];
     if (!(c->results->normal[i] > 0) && c->results->after[i] > size) continue;
     mode[i] = NSDAE_MODE_SLIDE; /* also where it touches without a force */
-    if (c->results->normal[i] > 0 && c->law[i].kind != NSDAE_SLIDING && c->law[i].columns > 1)
+    if (c->results->normal[i] > none && c->law[i].kind != NSDAE_SLIDING && c->law[i].columns > 1)
       mode[i] = resting_mode(p, a);
   }
 }

@@ -49,23 +49,32 @@ static double *row_of(const nsdae_event_sharing *s, double *matrix, int column)
   return matrix + (size_t)column * (size_t)problem_of(s)->columns;
 }
 
-/* A further row of the Cholesky factor of G, unless it depends on those before it. */
-static void take_row(nsdae_event_sharing *s, int column)
+/* The row of the Cholesky factor of G for a column after those taken; what it leaves of the
+ * diagonal entry. */
+static double factor_row(nsdae_event_sharing *s, int column)
 {
   const double *G = row_of(s, problem_of(s)->delassus.G, column);
   double *row = row_of(s, s->factor, column), rest = G[column];
-  double sine = fmax(s->acceleration->phase->setting->options->rank_tol, LEAST_SINE);
   for (int j = 0; j < s->taken_count; j++) {
     const double *other = row_of(s, s->factor, s->taken[j]);
     row[j] = (G[s->taken[j]] - nsdae_dot(j, row, other)) / other[j];
     rest -= row[j] * row[j];
   }
+  return rest;
+}
+
+/* A further row, unless it depends on those before it. */
+static void take_row(nsdae_event_sharing *s, int column)
+{
+  double rest = factor_row(s, column), entry = row_of(s, problem_of(s)->delassus.G, column)[column];
+  double sine = fmax(s->acceleration->phase->setting->options->rank_tol, LEAST_SINE);
+  s->seen[column] = 1;
   s->rank_before[column] = s->taken_count;
-  if (!(rest > sine * sine * G[column])) {
+  if (!(rest > sine * sine * entry)) {
     s->dependent[s->dependent_count++] = column;
     return;
   }
-  row[s->taken_count] = sqrt(rest);
+  row_of(s, s->factor, column)[s->taken_count] = sqrt(rest);
   s->taken[s->taken_count++] = column;
 }
 
@@ -229,18 +238,30 @@ static void take_normals(nsdae_event_sharing *s)
 {
   s->taken_count = s->dependent_count = 0;
   memset(s->seen, 0, (size_t)problem_of(s)->columns * sizeof *s->seen);
-  for (int column = next_normal(s); column >= 0; column = next_normal(s)) {
-    s->seen[column] = 1;
-    take_row(s, column);
-  }
+  for (int column = next_normal(s); column >= 0; column = next_normal(s)) take_row(s, column);
+}
+
+/* The column of what sticks that depends least on those taken; -1 past the last. A row that nearly
+ * depends, taken early, would make the rounding of the next ones look like rows. */
+static int next_sticking(nsdae_event_sharing *s)
+{
+  const nsdae_contacts *c = problem_of(s);
+  int next = -1;
+  double most = -INFINITY;
+  for (int a = 0; a < c->active_count; a++)
+    for (int l = c->first_column[a] + 1; l < c->first_column[a + 1] && sticks(s, a); l++) {
+      if (s->seen[l]) continue;
+      double part = factor_row(s, l) / row_of(s, c->delassus.G, l)[l];
+      if (next >= 0 && !(part > most)) continue;
+      next = l;
+      most = part;
+    }
+  return next;
 }
 
 static void take_sticking(nsdae_event_sharing *s)
 {
-  const nsdae_contacts *c = problem_of(s);
-  for (int a = 0; a < c->active_count; a++)
-    for (int l = c->first_column[a] + 1; l < c->first_column[a + 1]; l++)
-      if (sticks(s, a)) take_row(s, l);
+  for (int column = next_sticking(s); column >= 0; column = next_sticking(s)) take_row(s, column);
 }
 
 /* Friction of what slides is in the columns of normal forces: then their z are others. */
