@@ -9,6 +9,7 @@
 #include <nsdae/nsdae.h>
 
 #include "lcp_file.h"
+#include "probe.h"
 
 enum { SOLVED, NOT_SOLVED, USAGE };
 
@@ -162,6 +163,22 @@ static int is_hdf5(const char *path)
   return got == sizeof head && memcmp(head, "\x89HDF\r\n\x1a\n", sizeof head) == 0;
 }
 
+static int try_hdf5(const char *path, void *user, nsdae_error *error)
+{
+  nsdae_lcp_file file;
+  (void)user;
+  int status = nsdae_lcp_read(path, &file, error);
+  nsdae_lcp_file_release(&file);
+  return status;
+}
+
+/* A file may be damaged. */
+static int read_hdf5(job *j, nsdae_error *error)
+{
+  int status = probe(j->path, try_hdf5, NULL, error);
+  return status < 0 ? status : nsdae_lcp_read(j->path, &j->file, error);
+}
+
 static int read_text(job *j, nsdae_error *error)
 {
   lcp_file text;
@@ -177,7 +194,7 @@ static int read_file(job *j)
   nsdae_error error;
   int hdf5 = is_hdf5(j->path);
   if (hdf5 < 0) return USAGE;
-  int status = hdf5 ? nsdae_lcp_read(j->path, &j->file, &error) : read_text(j, &error);
+  int status = hdf5 ? read_hdf5(j, &error) : read_text(j, &error);
   if (status < 0) return complain("%s; --help says what a file may be", error.text);
   if (j->file.tol > 0 && j->file.tol <= 1 && !j->tol_given) j->options.tol = j->file.tol;
   return SOLVED;

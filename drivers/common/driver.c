@@ -36,6 +36,39 @@ static int exit_status_of(int status)
   return status == NSDAE_E_ARGUMENT || status == NSDAE_E_OPTION ? DRIVER_USAGE : DRIVER_FAILED;
 }
 
+/* In as many digits as it has. */
+static void write_time(double time, char text[NSDAE_PARAM_TEXT_SIZE])
+{
+  const settings at = {.t_end = time};
+  nsdae_params_format(nsdae_params_find(&settings_run_table, "t_end"), &at, text,
+                      NSDAE_PARAM_TEXT_SIZE);
+}
+
+static int no_way_back(job *j, const char *time)
+{
+  char t_end[NSDAE_PARAM_TEXT_SIZE];
+  write_time(j->settings.t_end, t_end);
+  nsdae_trajectory_close(&j->trajectory, NSDAE_OK, NULL);
+  snprintf(j->error.text, sizeof j->error.text,
+           "'%.90s' has come to t = %.30s s, past t_end = %.30s s", j->settings.restart, time,
+           t_end);
+  return j->error.status = NSDAE_E_ARGUMENT;
+}
+
+static int resume(job *j, const nsdae_trajectory_info *info)
+{
+  nsdae_record record;
+  char time[NSDAE_PARAM_TEXT_SIZE];
+  int status =
+      nsdae_trajectory_resume(j->sim, j->settings.restart, info, &j->trajectory, &j->error);
+  if (status < 0) return status;
+  nsdae_sim_get_record(j->sim, &record);
+  write_time(record.time, time);
+  if (j->settings.t_end < record.time) return no_way_back(j, time);
+  if (!j->settings.quiet) printf("goes on at t = %s s in %s\n", time, j->settings.restart);
+  return NSDAE_OK;
+}
+
 static int open_trajectory(job *j)
 {
   const nsdae_trajectory_info info = {.model = j->model->name,
@@ -46,6 +79,7 @@ static int open_trajectory(job *j)
                                       .compress = j->settings.compress,
                                       .t_end = j->settings.t_end};
   if (!j->settings.output[0]) return NSDAE_OK;
+  if (j->settings.restart[0]) return resume(j, &info);
   int status =
       nsdae_trajectory_create(j->sim, j->settings.output, &info, &j->trajectory, &j->error);
   /* a library without HDF5 still runs the examples, unless a file was asked for */

@@ -8,6 +8,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "probe.h"
+
 static const nsdae_param run_entries[] = {
     {"t_end", "s", "end time", NSDAE_PARAM_REAL, offsetof(settings, t_end), 1, 0, INFINITY,
      NSDAE_OPEN_MIN, NULL},
@@ -134,7 +136,7 @@ int settings_read(settings *s, const char *path, nsdae_error *error)
 }
 
 /* Options of the command line. */
-enum action { SET, ASSIGN, PARAMS, NO_OUTPUT, COMPARE, QUIET, LIVE, HELP, VERSION };
+enum action { SET, ASSIGN, PARAMS, RESTART, NO_OUTPUT, COMPARE, QUIET, LIVE, HELP, VERSION };
 
 typedef struct flag {
   const char *name, *value; /* value: what it takes, or NULL */
@@ -152,6 +154,7 @@ static const flag flags[] = {
     {"--set", "NAME=VALUE", ASSIGN, NULL, "a parameter or an option of those below; repeatable"},
     {"--params", "FILE", PARAMS, NULL, "parameters from a file of NAME = VALUE lines"},
     {"--output", "FILE.h5", SET, "output", "trajectory"},
+    {"--restart", "FILE.h5", RESTART, NULL, "go on where this trajectory ends, in it"},
     {"--every", "N", SET, "every", "keep each N-th step, all impacts, and the end"},
     {"--compress", "LEVEL", SET, "compress", "compress it: 1 (fast) .. 9 (small)"},
     {"--no-output", NULL, NO_OUTPUT, NULL, "write no trajectory"},
@@ -210,6 +213,7 @@ static int act(settings *s, const flag *f, char *value, nsdae_error *error)
     s->version = 1;
     break;
   case PARAMS:
+  case RESTART:
     break; /* read before */
   }
   return NSDAE_OK;
@@ -221,8 +225,37 @@ static int copy_word(char *word, size_t size, const char *from, nsdae_error *err
   return usage_error(error, "", "'%.32s...' is longer than %zu characters", from, size - 1);
 }
 
-/* One argument vector entry and its value; files_only reads parameter files and nothing else. */
-static int parse_one(settings *s, int argc, char **argv, int *i, int files_only, nsdae_error *error)
+/* What the run that made the file was told. */
+static int read_told(const char *path, void *user, nsdae_error *error)
+{
+  settings *s = user;
+  int status =
+      nsdae_trajectory_read_params(path, "options", nsdae_sim_options_table(), &s->options, error);
+  if (status == NSDAE_OK)
+    status = nsdae_trajectory_read_params(path, "parameters", s->model->parameters, s->model->base,
+                                          error);
+  return status < 0 ? status
+                    : nsdae_trajectory_read_params(path, "run", &settings_run_table, s, error);
+}
+
+static int read_restart(settings *s, const char *path, nsdae_error *error)
+{
+  size_t length = strlen(path);
+  if (length == 0 || length >= sizeof s->restart)
+    return usage_error(error, "--restart",
+                       "--restart needs the name of a file, of at most %zu letters",
+                       sizeof s->restart - 1);
+  memcpy(s->restart, path, length + 1);
+  memcpy(s->output, path, length + 1);
+  int status = probe(path, read_told, s, error);
+  return status < 0 ? status : read_told(path, s, error);
+}
+
+/* The command line is gone through for each of these in turn. */
+enum pass { RESTARTS, FILES, WORDS, PASSES };
+
+/* One argument vector entry and its value. */
+static int parse_one(settings *s, int argc, char **argv, int *i, int pass, nsdae_error *error)
 {
   char word[NSDAE_PARAM_TEXT_SIZE * 2], *value;
   if (copy_word(word, sizeof word, argv[*i], error) < 0) return error->status;
@@ -235,17 +268,22 @@ static int parse_one(settings *s, int argc, char **argv, int *i, int files_only,
     value = word;
   }
   if (!f->value && value) return usage_error(error, f->name, "%s takes no value", f->name);
-  if (files_only) return f->action == PARAMS ? settings_read(s, value, error) : NSDAE_OK;
-  return act(s, f, value, error);
+  if (pass == RESTARTS && f->action == RESTART) return read_restart(s, value, error);
+  if (pass == FILES && f->action == PARAMS) return settings_read(s, value, error);
+  return pass == WORDS ? act(s, f, value, error) : NSDAE_OK;
 }
 
 int settings_parse(settings *s, int argc, char **argv, nsdae_error *error)
 {
-  for (int files_only = 1; files_only >= 0; files_only--)
+  for (int pass = 0; pass < PASSES; pass++)
     for (int i = 1; i < argc; i++) {
-      int status = parse_one(s, argc, argv, &i, files_only, error);
+      int status = parse_one(s, argc, argv, &i, pass, error);
       if (status < 0) return status;
     }
+  if (s->restart[0] && (s->live || strcmp(s->restart, s->output) != 0))
+    return usage_error(error, "--restart",
+                       "--restart goes on in '%.60s': no --output, --no-output or --live with it",
+                       s->restart);
   if (s->compare && s->live)
     return usage_error(error, "--live",
                        "--live and --compare exclude each other: the comparison "

@@ -11,6 +11,7 @@ typedef struct settings {
   double t_end;
   char output[NSDAE_PARAM_TEXT_SIZE];   /* "": none */
   int output_named;                     /* by the user, not by default */
+  char restart[NSDAE_PARAM_TEXT_SIZE];  /* "": a new run; else the file that it goes on in */
   int every, compress;                  /* of the trajectory */
   char lcp_dump[NSDAE_PARAM_TEXT_SIZE]; /* "": none */
   int quiet, live, compare;
@@ -28,7 +29,8 @@ int settings_set(settings *s, const char *name, const char *value, nsdae_error *
 /* Reads "name = value" lines; '#' and ';' begin comments, [section] lines are for the reader. */
 int settings_read(settings *s, const char *path, nsdae_error *error);
 
-/* The command line: parameter files first, whatever their place, then the rest in its order. */
+/* The command line: the file of --restart first, then parameter files, whatever their place, then
+ * the rest in its order. */
 int settings_parse(settings *s, int argc, char **argv, nsdae_error *error);
 
 void settings_usage(const settings *s);

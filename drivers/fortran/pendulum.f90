@@ -42,15 +42,46 @@ contains
     if (status < 0) error = nsdae_sim_error(sim)
   end function
 
+  integer(c_int) function resume(info) result(status)
+    type(nsdae_trajectory_info), intent(in) :: info
+    type(nsdae_record) :: record
+    status = nsdae_trajectory_resume(sim, s%restart, info, trajectory, error)
+    writes = status == NSDAE_OK
+    if (.not. writes) return
+    status = nsdae_sim_get_record(sim, record)
+    if (s%t_end < record%time) then
+      status = nsdae_trajectory_close(trajectory, NSDAE_OK)
+      error%text = "'" // trim(s%restart) // "' has come to t = " // text_of(record%time) // &
+                   ' s, past t_end = ' // text_of(s%t_end) // ' s'
+      status = NSDAE_E_ARGUMENT
+    else if (.not. s%quiet) then
+      print '(4a)', 'goes on at t = ', text_of(record%time), ' s in ', trim(s%restart)
+    end if
+  end function
+
+  ! In as many digits as it has.
+  function text_of(time) result(text)
+    real(c_double), intent(in) :: time
+    character(len=:), allocatable :: text
+    real(c_double) :: kept
+    kept = s%t_end
+    s%t_end = time
+    text = trim(nsdae_params_format(s%run, 1))
+    s%t_end = kept
+  end function
+
   ! A library without HDF5 still runs the example, unless a file was asked for.
   integer(c_int) function open_trajectory() result(status)
+    type(nsdae_trajectory_info) :: info
     status = NSDAE_OK
     writes = .false.
     if (s%output == '') return
-    status = nsdae_trajectory_create(sim, s%output, &
-                                     nsdae_trajectory_info('pendulum', s%parameters, s%live, &
-                                                           s%every, s%compress, s%t_end), &
-                                     trajectory, error)
+    info = nsdae_trajectory_info('pendulum', s%parameters, s%live, s%every, s%compress, s%t_end)
+    if (s%restart /= '') then
+      status = resume(info)
+      return
+    end if
+    status = nsdae_trajectory_create(sim, s%output, info, trajectory, error)
     writes = status == NSDAE_OK
     if (status /= NSDAE_E_UNSUPPORTED .or. s%output_named) return
     if (.not. s%quiet) print '(2a)', 'no trajectory: ', trim(error%text)

@@ -15,7 +15,7 @@ module pendulum_settings
     character(len=72) :: help
   end type
 
-  type(flag), parameter :: flags(15) = [ &
+  type(flag), parameter :: flags(16) = [ &
       flag('--method', 'NAME', 'method', 'one of the methods below'), &
       flag('--dt', 'S', 'dt', 'step [s]'), &
       flag('--t-end', 'S', 't_end', 'end time [s]'), &
@@ -24,6 +24,7 @@ module pendulum_settings
       flag('--set', 'NAME=VALUE', '', 'a parameter or an option of those below; repeatable'), &
       flag('--params', 'FILE', '', 'parameters from a file of NAME = VALUE lines'), &
       flag('--output', 'FILE.h5', 'output', 'trajectory'), &
+      flag('--restart', 'FILE.h5', '', 'go on where this trajectory ends, in it'), &
       flag('--every', 'N', 'every', 'keep each N-th step, all impacts, and the end'), &
       flag('--compress', 'LEVEL', 'compress', 'compress it: 1 (fast) .. 9 (small)'), &
       flag('--no-output', '', '', 'write no trajectory'), &
@@ -37,7 +38,7 @@ module pendulum_settings
     type(nsdae_sim_options) :: options
     real(c_double) :: t_end = 7
     integer(c_int) :: every = 1, compress = 0
-    character(len=TEXT) :: output = 'pendulum.h5'
+    character(len=TEXT) :: output = 'pendulum.h5', restart = ''
     logical :: output_named = .false., quiet = .false., live = .false.
     logical :: help = .false., version = .false.
     type(nsdae_params) :: parameters, run, library  ! tables over the above
@@ -183,26 +184,43 @@ contains
     end if
   end function
 
-  ! The command line: parameter files first, whatever their place, then the rest in its order.
+  ! What the run that made the file was told.
+  integer(c_int) function read_restart(s, path, error) result(status)
+    type(settings), intent(inout) :: s
+    character(len=*), intent(in) :: path
+    type(nsdae_error), intent(inout) :: error
+    s%restart = path
+    s%output = path
+    status = nsdae_trajectory_read_params(path, 'options', s%library, error)
+    if (status == NSDAE_OK) &
+        status = nsdae_trajectory_read_params(path, 'parameters', s%parameters, error)
+    if (status == NSDAE_OK) status = nsdae_trajectory_read_params(path, 'run', s%run, error)
+  end function
+
+  ! The command line: the file of --restart first, then parameter files, whatever their place, then
+  ! the rest in its order.
   integer(c_int) function settings_parse(s, error) result(status)
     type(settings), intent(inout) :: s
     type(nsdae_error), intent(out) :: error
     integer :: pass, i
-    do pass = 1, 2
+    do pass = 1, 3
       i = 1
       do while (i <= command_argument_count())
-        status = parse_one(s, i, pass == 1, error)
+        status = parse_one(s, i, pass, error)
         if (status < 0) return
         i = i + 1
       end do
     end do
     status = NSDAE_OK
+    if (s%restart /= '' .and. (s%live .or. s%restart /= s%output)) &
+        status = complain(error, "--restart goes on in '" // trim(s%restart) // &
+                          "': no --output, --no-output or --live with it")
   end function
 
-  integer(c_int) function parse_one(s, i, files_only, error) result(status)
+  integer(c_int) function parse_one(s, i, pass, error) result(status)
     type(settings), intent(inout) :: s
     integer, intent(inout) :: i
-    logical, intent(in) :: files_only
+    integer, intent(in) :: pass
     type(nsdae_error), intent(inout) :: error
     character(len=TEXT) :: word, val
     logical :: given
@@ -231,8 +249,9 @@ contains
         call get_command_argument(i, val)
       end if
       status = NSDAE_OK
-      if (files_only .and. flags(f)%name == '--params') status = read_file(s, val, error)
-      if (.not. files_only) status = act(s, flags(f), val, error)
+      if (pass == 1 .and. flags(f)%name == '--restart') status = read_restart(s, val, error)
+      if (pass == 2 .and. flags(f)%name == '--params') status = read_file(s, val, error)
+      if (pass == 3) status = act(s, flags(f), val, error)
     end if
   end function
 
@@ -243,7 +262,7 @@ contains
     type(nsdae_error), intent(inout) :: error
     status = NSDAE_OK
     select case (f%name)
-    case ('--params')
+    case ('--params', '--restart')
       continue  ! read before
     case ('--set')
       status = assign(s, val, error)

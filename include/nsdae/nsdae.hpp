@@ -519,6 +519,19 @@ public:
   /* The handle of C, or NULL. */
   nsdae_sim *c() const noexcept { return guts_ ? guts_->c : nullptr; }
 
+  /* nsdae_sim_project, of q0 [nq] and v0 [nv]. */
+  int try_project(double t0, double *q0, double *v0) noexcept
+  {
+    return detail::attempt([&] { return nsdae_sim_project(c(), t0, q0, v0); });
+  }
+  /* Puts a start right: q0 [nq], v0 [nv] are std::vector, std::array or the like. */
+  template <class Q, class V> void project(double t0, Q &q0, V &v0)
+  {
+    const nsdae_dims size = dims();
+    detail::sized(q0, size.nq, "q0");
+    detail::sized(v0, size.nv, "v0");
+    detail::demand_run(try_project(t0, q0.data(), v0.data()), last_error());
+  }
   /* nsdae_sim_init, of q0 [nq] and v0 [nv]. */
   int try_init(double t0, const double *q0, const double *v0) noexcept
   {
@@ -665,6 +678,18 @@ public:
     detail::demand(nsdae_trajectory_put(c_, path.c_str(), static_cast<int>(values.size()),
                                         values.data(), units.c_str(), description.c_str(), &record),
                    &record);
+  }
+
+  /* nsdae_trajectory_resume: goes on in the file of an earlier run. */
+  static trajectory resume(const sim &of, const std::string &path,
+                           const nsdae_trajectory_info &info)
+  {
+    trajectory made;
+    nsdae_error record = nsdae_error();
+    detail::demand(nsdae_trajectory_resume(of.c(), path.c_str(), &info, &made.c_, &record),
+                   &record);
+    made.sim_ = of.guts_;
+    return made;
   }
 
   /* nsdae_trajectory_flush. */

@@ -31,6 +31,15 @@ enum nsdae_linear_solver { NSDAE_LINEAR_DENSE, NSDAE_LINEAR_SPARSE };
 /* What to do where Phi_q has deficient rank. */
 enum nsdae_redundant { NSDAE_REDUNDANT_ERROR, NSDAE_REDUNDANT_LEAST_NORM };
 
+/* What a step of a time-stepping method ends with: its end is moved to the constraints (coordinates
+ * of unit length, such as quaternions, keep it); with contacts also to touching, where a contact
+ * was closed in the step and overlaps. */
+enum nsdae_projection {
+  NSDAE_PROJECTION_NONE,
+  NSDAE_PROJECTION_CONSTRAINTS,
+  NSDAE_PROJECTION_CONTACTS
+};
+
 /* Fill with nsdae_sim_options_default first: a struct that was not is refused. */
 typedef struct nsdae_sim_options {
   int method;                             /* enum nsdae_method */
@@ -52,6 +61,8 @@ typedef struct nsdae_sim_options {
   double accumulation_time;               /* shorter rests of accumulations are closed [s] */
   int events_max;                         /* of event in one dt; past it the step is implicit */
   int inner_steps_max;                    /* of the integrator of penalty and event in one dt */
+  int projection;                         /* enum nsdae_projection */
+  double start_tol;                       /* relative error of the numbers of a start */
   unsigned initialised;                   /* set by nsdae_sim_options_default */
 } nsdae_sim_options;
 
@@ -156,7 +167,22 @@ NSDAE_API int nsdae_sim_create(const nsdae_system *system, const nsdae_sim_optio
 /* Releases it and sets *sim to NULL; NULL and a pointer to NULL are allowed. */
 NSDAE_API void nsdae_sim_destroy(nsdae_sim **sim);
 
-/* Starts at t0 with q0 [nq], v0 [nv]; evaluates every term once. May be called again to start
+/* Puts a start right: changes q0 [nq] as little as can be, in the metric of M, so that it satisfies
+ * the constraints and no contact overlaps (coordinates of unit length, such as quaternions, get
+ * it), then v0 [nv] so that it satisfies theirs. The simulation is not started, its state not
+ * changed. NSDAE_OK; NSDAE_E_CONVERGENCE (no such state near this one: the text names the row),
+ * NSDAE_E_ARGUMENT, NSDAE_E_NONFINITE, NSDAE_E_CALLBACK, NSDAE_E_MASS, NSDAE_E_MEMORY: q0 and v0
+ * are as they were. */
+NSDAE_API int nsdae_sim_project(nsdae_sim *sim, double t0, double *q0, double *v0);
+
+/* Starts at t0 with q0 [nq], v0 [nv]; evaluates every term once. A start must satisfy the
+ * constraints, their rates, unit lengths and, but for the method penalty, 0 <= g_N, each up to
+ * start_tol (default 1e-6, numbers of six digits; 1e300 takes anything) relative to its
+ * terms:
+ *   |Phi_i|, -g_N,i      <= start_tol (1 + |row|_1 max |q|)            row of Phi_q, column of W_N
+ *   |Phi_q v + Phi_t|_i  <= start_tol (1 + |row|_1 max |v| + |Phi_t,i|)
+ * NSDAE_E_ARGUMENT names the row, its value and the bound; nsdae_sim_project puts it right.
+ * May be called again to start
  * anew. The observers see the start as step 0, at the first step or run. */
 NSDAE_API int nsdae_sim_init(nsdae_sim *sim, double t0, const double *q0, const double *v0);
 

@@ -35,6 +35,23 @@ NSDAE_API int nsdae_trajectory_create(nsdae_sim *sim, const char *path,
                                       const nsdae_trajectory_info *info,
                                       nsdae_trajectory **trajectory, nsdae_error *error);
 
+/* Goes on in the file of an earlier run, which may have been killed at any moment: sets sim to the
+ * newest state in it (nsdae_sim_set_state) and adds itself to the observers; rows that are written
+ * a second time have the bytes that they had. sim and info must be those of the run that made the
+ * file, but for t_end; every and compress are the file's (0: as it is). A file that was made live
+ * has no state. NSDAE_E_ARGUMENT names the model, size, option or parameter that is another one;
+ * NSDAE_E_IO: the file cannot be read or has no whole state. Then the file is as it was. */
+NSDAE_API int nsdae_trajectory_resume(nsdae_sim *sim, const char *path,
+                                      const nsdae_trajectory_info *info,
+                                      nsdae_trajectory **trajectory, nsdae_error *error);
+
+/* Reads what the run that made a file was told into the struct at base: of the group "options",
+ * "parameters" or "run" (t_end, every, compress) those keys that the table has. NSDAE_E_IO: no such
+ * file, or it says nothing; NSDAE_E_ARGUMENT: a value is outside the table's range. */
+NSDAE_API int nsdae_trajectory_read_params(const char *path, const char *group,
+                                           const nsdae_params *table, void *base,
+                                           nsdae_error *error);
+
 /* Adds a dataset of n values of one's own, at a path such as "/compare/error"; groups are made as
  * needed. Not while the file is live. NSDAE_E_IO, NSDAE_E_ARGUMENT, NSDAE_E_UNSUPPORTED. */
 NSDAE_API int nsdae_trajectory_put(nsdae_trajectory *trajectory, const char *path, int n,

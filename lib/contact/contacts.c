@@ -93,7 +93,7 @@ static void close_slides(nsdae_contacts *c, int columns, int rows)
   c->rows = rows;
 }
 
-static void close_contacts(nsdae_contacts *c, const double *gap, const int *closed,
+static void close_contacts(nsdae_contacts *c, const double *gap, double touch, const int *closed,
                            nsdae_impulses *results)
 {
   int count = 0, columns = 0, rows = 0;
@@ -101,7 +101,7 @@ static void close_contacts(nsdae_contacts *c, const double *gap, const int *clos
   c->results = results;
   c->lcp.info = (nsdae_lcp_info){.outcome = NSDAE_OUTCOME_SOLVED};
   for (int i = 0; i < c->system->dims.k; i++) {
-    if (gap ? gap[i] > 0 : !closed[i]) continue;
+    if (gap ? gap[i] > touch : !closed[i]) continue;
     c->active[count] = i;
     c->first_column[count] = columns;
     c->first_row[count] = rows;
@@ -117,12 +117,12 @@ static void close_contacts(nsdae_contacts *c, const double *gap, const int *clos
 
 void nsdae_contacts_close(nsdae_contacts *c, const nsdae_terms *terms, nsdae_impulses *results)
 {
-  close_contacts(c, terms->gap, NULL, results);
+  close_contacts(c, terms->gap, nsdae_terms_touch(terms), NULL, results);
 }
 
 void nsdae_contacts_close_marked(nsdae_contacts *c, const int *closed, nsdae_impulses *results)
 {
-  close_contacts(c, NULL, closed, results);
+  close_contacts(c, NULL, 0, closed, results);
 }
 
 /* Velocity W^T v + w of contact i. */

@@ -27,6 +27,12 @@ module nsdae_f_sim
       NSDAE_REDUNDANT_ERROR = 0, &
       NSDAE_REDUNDANT_LEAST_NORM = 1
 
+  ! What the end of a step of a time-stepping method is moved to.
+  integer(c_int), parameter, public :: &
+      NSDAE_PROJECTION_NONE = 0, &
+      NSDAE_PROJECTION_CONSTRAINTS = 1, &
+      NSDAE_PROJECTION_CONTACTS = 2
+
   ! Modes of a contact or slide.
   integer(c_int), parameter, public :: &
       NSDAE_MODE_OPEN = 0, &
@@ -64,6 +70,8 @@ module nsdae_f_sim
     real(c_double) :: accumulation_time                 ! shorter rests are closed [s]
     integer(c_int) :: events_max                        ! of event in one dt
     integer(c_int) :: inner_steps_max                ! of the integrator in one dt
+    integer(c_int) :: projection                        ! NSDAE_PROJECTION_NONE and so on
+    real(c_double) :: start_tol                         ! relative error of the numbers of a start
     integer(c_int) :: initialised = 0                   ! set by nsdae_sim_options_default
   end type
 
@@ -195,7 +203,7 @@ module nsdae_f_sim
   public :: nsdae_observer_fn, nsdae_interrupt_fn, nsdae_sim_set_interrupt
   public :: nsdae_sim_options_default, nsdae_sim_options_set, nsdae_sim_options_table, &
             nsdae_method_name, nsdae_method_summary, nsdae_sim_create, nsdae_sim_destroy, &
-            nsdae_sim_init, nsdae_sim_observe, nsdae_sim_unobserve, nsdae_sim_step, &
+            nsdae_sim_project, nsdae_sim_init, nsdae_sim_observe, nsdae_sim_unobserve, nsdae_sim_step, &
             nsdae_sim_run, nsdae_sim_get_record, nsdae_sim_get_stats, nsdae_sim_get_dims, &
             nsdae_sim_has_potential, nsdae_sim_get_options, nsdae_sim_get_failed_lcp, &
             nsdae_sim_error, nsdae_sim_handle, nsdae_sim_get_system, nsdae_sim_state_size, &
@@ -236,6 +244,12 @@ module nsdae_f_sim
       import
       type(c_ptr), intent(inout) :: sim
     end subroutine
+    integer(c_int) function c_project(sim, t0, q0, v0) bind(C, name='nsdae_sim_project')
+      import
+      type(c_ptr), value :: sim
+      real(c_double), value :: t0
+      real(c_double), intent(inout) :: q0(*), v0(*)
+    end function
     integer(c_int) function c_init(sim, t0, q0, v0) bind(C, name='nsdae_sim_init')
       import
       type(c_ptr), value :: sim
@@ -397,6 +411,24 @@ contains
     if (associated(sim%run)) sim%run%refusal%status = NSDAE_OK
   end function
 
+  ! Puts a start right: changes q0 [nq] and then v0 [nv] as little as can be, in the metric of M, so
+  ! that constraints and unit lengths are satisfied and no contact overlaps. The state of the
+  ! simulation is not changed. NSDAE_E_CONVERGENCE: there is no such state near this one.
+  integer(c_int) function nsdae_sim_project(sim, t0, q0, v0) result(status)
+    type(nsdae_sim), intent(in) :: sim
+    real(c_double), intent(in) :: t0
+    real(c_double), intent(inout), contiguous :: q0(:), v0(:)
+    if (associated(sim%run)) then
+      status = check_size('q0', size(q0), sim%run%dims%nq, sim%run%refusal)
+      if (status == NSDAE_OK) &
+          status = check_size('v0', size(v0), sim%run%dims%nv, sim%run%refusal)
+      if (status < 0) return
+    end if
+    status = c_project(at(sim), t0, q0, v0)
+  end function
+
+  ! A start must satisfy the constraints, their rates, unit lengths and the gaps, up to the option
+  ! start_tol: NSDAE_E_ARGUMENT names the row, its value and the bound.
   ! Starts at t0 with q0 [nq], v0 [nv]; evaluates every term once. May be called again.
   integer(c_int) function nsdae_sim_init(sim, t0, q0, v0) result(status)
     type(nsdae_sim), intent(in) :: sim

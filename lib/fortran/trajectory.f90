@@ -36,7 +36,8 @@ module nsdae_f_trajectory
   end type
 
   public :: nsdae_trajectory_create, nsdae_trajectory_put, nsdae_trajectory_put_texts, &
-            nsdae_trajectory_flush, nsdae_trajectory_close
+            nsdae_trajectory_flush, nsdae_trajectory_resume, nsdae_trajectory_read_params, &
+            nsdae_trajectory_close
 
   interface
     integer(c_int) function c_create(sim, path, info, trajectory, error) &
@@ -66,6 +67,23 @@ module nsdae_f_trajectory
       type(c_ptr), intent(in) :: texts(*)
       type(nsdae_c_error), intent(inout) :: error
     end function
+    integer(c_int) function c_resume(sim, path, info, trajectory, error) &
+        bind(C, name='nsdae_trajectory_resume')
+      import
+      type(c_ptr), value :: sim
+      character(kind=c_char), intent(in) :: path(*)
+      type(nsdae_c_trajectory_info), intent(in) :: info
+      type(c_ptr), intent(inout) :: trajectory
+      type(nsdae_c_error), intent(inout) :: error
+    end function
+    integer(c_int) function c_read_params(path, group, table, base, error) &
+        bind(C, name='nsdae_trajectory_read_params')
+      import
+      character(kind=c_char), intent(in) :: path(*), group(*)
+      type(nsdae_c_params), intent(in) :: table
+      type(c_ptr), value :: base
+      type(nsdae_c_error), intent(inout) :: error
+    end function
     integer(c_int) function c_flush(trajectory, error) bind(C, name='nsdae_trajectory_flush')
       import
       type(c_ptr), value :: trajectory
@@ -92,6 +110,30 @@ contains
     type(nsdae_trajectory_info), intent(in) :: info
     type(nsdae_trajectory), intent(out) :: trajectory
     type(nsdae_error), intent(out), optional :: error
+    status = make(sim, path, info, .false., trajectory, error)
+  end function
+
+  ! Goes on in the file of an earlier run, which may have been killed at any moment: sets sim to the
+  ! newest state in it and adds itself to the observers. sim and info must be those of the run that
+  ! made the file, but for t_end; every and compress are the file's. NSDAE_E_ARGUMENT names what is
+  ! another one; NSDAE_E_IO: the file cannot be read or has no whole state.
+  integer(c_int) function nsdae_trajectory_resume(sim, path, info, trajectory, error) &
+      result(status)
+    type(nsdae_sim), intent(in) :: sim
+    character(len=*), intent(in) :: path
+    type(nsdae_trajectory_info), intent(in) :: info
+    type(nsdae_trajectory), intent(out) :: trajectory
+    type(nsdae_error), intent(out), optional :: error
+    status = make(sim, path, info, .true., trajectory, error)
+  end function
+
+  integer(c_int) function make(sim, path, info, again, trajectory, error) result(status)
+    type(nsdae_sim), intent(in) :: sim
+    character(len=*), intent(in) :: path
+    type(nsdae_trajectory_info), intent(in) :: info
+    logical, intent(in) :: again
+    type(nsdae_trajectory), intent(inout) :: trajectory
+    type(nsdae_error), intent(out), optional :: error
     character(kind=c_char), target :: model(len(info%model) + 1)
     character(kind=c_char) :: c_path(len_trim(path) + 1)
     type(nsdae_c_params), target :: table
@@ -109,7 +151,25 @@ contains
     to%every = info%every
     to%compress = info%compress
     to%t_end = info%t_end
-    status = c_create(nsdae_sim_handle(sim), c_path, to, trajectory%handle, why)
+    if (again) then
+      status = c_resume(nsdae_sim_handle(sim), c_path, to, trajectory%handle, why)
+    else
+      status = c_create(nsdae_sim_handle(sim), c_path, to, trajectory%handle, why)
+    end if
+    call error_from_c(why, error)
+  end function
+
+  ! Reads what the run that made a file was told into the fields of the table: of the group
+  ! "options", "parameters" or "run" (t_end, every, compress) those keys that the table has.
+  integer(c_int) function nsdae_trajectory_read_params(path, group, table, error) result(status)
+    character(len=*), intent(in) :: path, group
+    type(nsdae_params), intent(in) :: table
+    type(nsdae_error), intent(out), optional :: error
+    character(kind=c_char) :: c_path(len_trim(path) + 1), c_group(len_trim(group) + 1)
+    type(nsdae_c_error) :: why
+    call to_chars(path, c_path)
+    call to_chars(group, c_group)
+    status = c_read_params(c_path, c_group, table_of(table), base_of(table), why)
     call error_from_c(why, error)
   end function
 

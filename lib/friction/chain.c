@@ -15,6 +15,9 @@ enum { BETWEEN = 20, FEW = 100, WARM = 600, MANY = 20000 };
 /* Newton steps of one attempt. */
 enum { STEPS = 300 };
 
+/* Newton steps times items that further paths may take. */
+static const double WORK = 2e6;
+
 void nsdae_fc_chain_layout(void *object, nsdae_arena *arena)
 {
   nsdae_fc_chain *c = object;
@@ -138,12 +141,12 @@ static int smoothing(nsdae_fc_chain *c)
   return path(c, 1e-3, NSDAE_FRICTION_SMOOTHING);
 }
 
-/* Which items stand where the paths end depends on how closely they are followed. Then patience:
- * where much slides, sweeps go on getting better. */
+/* Which items stand where the paths end depends on how closely they are followed; so others are
+ * tried, fewer of larger islands. Then patience: where much slides, sweeps go on getting better. */
 static int further(nsdae_fc_chain *c)
 {
-  static const double loose[] = {1e-5, 1e-2, 1e-4};
-  for (int k = 0; k < 3; k++)
+  static const double loose[] = {1e-5, 1e-2, 1e-4, 0.1, 3e-3, 1e-6, 3e-4, 3e-2, 3e-5, 3e-6};
+  for (int k = 0; k < 10 && (double)c->info.iterations * c->fc.n < WORK; k++)
     if (path(c, loose[k], NSDAE_FRICTION_FURTHER)) return 1;
   start_cold(c);
   return sweeps(c, MANY, 0, NSDAE_FRICTION_FURTHER) || proximal(c, 1e-2, NSDAE_FRICTION_FURTHER);

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "cone.h"
+#include "twice.h"
 #include "vector.h"
 
 /* Sizes of the island. A block comes for the first time where its number is that of the blocks so
@@ -43,6 +44,7 @@ void nsdae_fc_layout(void *object, nsdae_arena *arena)
   c->kind = NSDAE_ARENA_INTS(arena, n);
   c->mu = NSDAE_ARENA_DOUBLES(arena, n);
   c->weight = NSDAE_ARENA_DOUBLES(arena, n);
+  c->rho = NSDAE_ARENA_DOUBLES(arena, n);
   c->factor = NSDAE_ARENA_DOUBLES(arena, n);
   c->turn = NSDAE_ARENA_DOUBLES(arena, 2L * n);
   c->q = NSDAE_ARENA_DOUBLES(arena, 3L * n);
@@ -56,29 +58,40 @@ void nsdae_fc_layout(void *object, nsdae_arena *arena)
   c->offset = NSDAE_ARENA_INTS(arena, c->blocks + 1L);
   c->r = NSDAE_ARENA_DOUBLES(arena, 3L * n);
   c->u = NSDAE_ARENA_DOUBLES(arena, 3L * n);
+  c->low = NSDAE_ARENA_DOUBLES(arena, c->ny);
   c->y = c->local ? c->r : NSDAE_ARENA_DOUBLES(arena, c->ny);
 }
 
-/* Kind, scale and frame (not yet turned) of item number k. */
+/* The nearest power of two. */
+static double power_of_two(double x)
+{
+  return exp2(round(log2(x)));
+}
+
+/* e of item number k of the whole */
+static double size_of(const nsdae_fc *c, int i)
+{
+  return power_of_two(sqrt(c->whole->d[i] / c->D_whole));
+}
+
 static void fill_item(nsdae_fc *c, int k, int i)
 {
   const nsdae_fc_whole *w = c->whole;
   const nsdae_friction_problem *p = w->view.p;
-  int rows = nsdae_fc_rows(p, i);
-  double size = sqrt(w->d[i] / w->most_d);
+  int rows = nsdae_fc_rows(p, i), row = w->view.row[i];
+  double size = size_of(c, i), s = power_of_two(w->scale);
   c->item[k] = i;
   c->mu[k] = i < p->contacts && rows > 1 ? p->mu[i] : 0;
   c->kind[k] = i >= p->contacts ? NSDAE_FC_BILATERAL
                : c->mu[k] > 0   ? NSDAE_FC_CONE
                                 : NSDAE_FC_NORMAL;
-  c->weight[k] = size;
-  c->factor[k] = w->scale / size / w->most_d;
-  c->turn[2 * k] = 1;
-  c->turn[2 * k + 1] = 0;
+  c->rho[k] = w->d[i] / c->D_whole / size / size;
+  c->weight[k] = size * (s / w->scale);
+  c->factor[k] = s / size / c->D_whole;
   for (int j = 0; j < 3; j++) {
     int has = j < rows;
-    c->q[3 * k + j] = has ? w->q[w->view.row[i] + j] / (w->scale * size) : 0;
-    c->C[3 * k + j] = has && c->compliant ? p->compliance[w->view.row[i] + j] / w->d[i] : 0;
+    c->q[3 * k + j] = has ? w->q[row + j] / s / size : 0;
+    c->C[3 * k + j] = has && c->compliant ? p->compliance[row + j] / c->D_whole / size / size : 0;
   }
 }
 
@@ -95,7 +108,7 @@ static void fill_sizes(nsdae_fc *c)
   for (int b = 0; b < c->blocks; b++) c->offset[b + 1] = c->offset[b] + c->size[b];
 }
 
-/* J' = sqrt(D / d) J / sqrt(D) of part e of the whole; local: W' = W / sqrt(d_i d_j). */
+/* J' = J / (e sqrt(D)) of part e of the whole; local: W' = W / (e_i e_j D). */
 static void fill_part(const nsdae_fc *c, int k, int e, double *J)
 {
   const nsdae_fc_whole *w = c->whole;
@@ -103,7 +116,8 @@ static void fill_part(const nsdae_fc *c, int k, int e, double *J)
   int i = c->item[k], b = p->block[e], rows = nsdae_fc_rows(p, i);
   int n = c->local ? 3 : p->size[b], have = c->local ? nsdae_fc_rows(p, b) : n;
   const double *from = (c->local ? p->value : w->J) + w->view.at[e];
-  double scale = 1 / sqrt(w->d[i]) / (c->local ? sqrt(w->d[b]) : 1);
+  double scale = 1 / size_of(c, i);
+  scale /= c->local ? size_of(c, b) * c->D_whole : sqrt(c->D_whole);
   for (int j = 0; j < 3; j++)
     for (int l = 0; l < n; l++)
       J[j * n + l] = j < rows && l < have ? scale * from[j * have + l] : 0;
@@ -145,94 +159,89 @@ static void diagonal(nsdae_fc *c, int k)
   }
 }
 
-/* a, b := cos a + sin b, -sin a + cos b */
-static void turn(const double *by, double *a, double *b)
+/* The turn that makes the tangential part of D diagonal (one Jacobi rotation: Golub and Van Loan,
+ * Matrix Computations, 8.5), and D turned by it. */
+static void turn(nsdae_fc *c, int k)
 {
-  double x = *a;
-  *a = by[0] * x + by[1] * *b;
-  *b = by[0] * *b - by[1] * x;
-}
-
-/* The turn that makes the tangential part of D diagonal (Golub and Van Loan, 8.5: one Jacobi
- * rotation). Compliance must not mix: its two entries would. */
-static void find_turn(nsdae_fc *c, int k)
-{
-  const double *D = c->D + 9 * (size_t)k;
-  if (D[5] == 0 || c->C[3 * k + 1] != c->C[3 * k + 2]) return;
-  double angle = 0.5 * atan2(2 * D[5], D[4] - D[8]);
-  c->turn[2 * k] = cos(angle);
-  c->turn[2 * k + 1] = sin(angle);
-}
-
-/* Rows of J of every item; in the local form columns too. */
-static void turn_all(nsdae_fc *c)
-{
-  for (int k = 0; k < c->n; k++) {
-    turn(c->turn + 2 * k, c->q + 3 * k + 1, c->q + 3 * k + 2);
-    for (int e = c->first[k]; e < c->first[k + 1]; e++) {
-      int b = c->block[e], n = c->size[b];
-      double *J = c->J + c->at[e];
-      for (int l = 0; l < n; l++) turn(c->turn + 2 * k, J + n + l, J + 2 * n + l);
-      for (int j = 0; j < 3 && c->local; j++) turn(c->turn + 2 * b, J + 3 * j + 1, J + 3 * j + 2);
-    }
-    diagonal(c, k);
-  }
+  double *D = c->D + 9 * (size_t)k, *by = c->turn + 2 * k;
+  double angle = D[5] == 0 ? 0 : 0.5 * atan2(2 * D[5], D[4] - D[8]), x = D[1], a = D[4], b = D[8];
+  by[0] = cos(angle);
+  by[1] = sin(angle);
+  D[4] = by[0] * by[0] * a + 2 * by[0] * by[1] * D[5] + by[1] * by[1] * b;
+  D[8] = a + b - D[4];
+  D[1] = D[3] = by[0] * x + by[1] * D[2];
+  D[2] = D[6] = by[0] * D[2] - by[1] * x;
+  D[5] = D[7] = 0;
 }
 
 void nsdae_fc_fill(nsdae_fc *c, const double *r)
 {
   const nsdae_fc_whole *w = c->whole;
+  c->D_whole = power_of_two(sqrt(w->most_d));
+  c->D_whole *= c->D_whole;
   for (int k = 0; k < c->n; k++) fill_item(c, k, w->member[c->start + k]);
   fill_sizes(c);
   fill_parts(c);
   for (int k = 0; k < c->n; k++) {
+    int rows = nsdae_fc_rows(w->view.p, c->item[k]), row = w->view.row[c->item[k]];
     diagonal(c, k);
-    if (c->kind[k] == NSDAE_FC_CONE) find_turn(c, k);
-  }
-  turn_all(c);
-  for (int k = 0; k < c->n; k++) {
-    int rows = nsdae_fc_rows(w->view.p, c->item[k]);
-    for (int j = 0; j < 3; j++)
-      c->r[3 * k + j] = j < rows ? r[w->view.row[c->item[k]] + j] / c->factor[k] : 0;
-    turn(c->turn + 2 * k, c->r + 3 * k + 1, c->r + 3 * k + 2);
+    turn(c, k);
+    for (int j = 0; j < 3; j++) c->r[3 * k + j] = j < rows ? r[row + j] / c->factor[k] : 0;
   }
 }
 
 void nsdae_fc_scatter(const nsdae_fc *c, const double *from, double *r)
 {
   const nsdae_fc_whole *w = c->whole;
-  for (int k = 0; k < c->n; k++) {
-    int rows = nsdae_fc_rows(w->view.p, c->item[k]);
-    double back[2] = {c->turn[2 * k], -c->turn[2 * k + 1]}, x[3];
-    memcpy(x, from + 3 * k, sizeof x);
-    turn(back, x + 1, x + 2);
-    for (int j = 0; j < rows; j++) r[w->view.row[c->item[k]] + j] = c->factor[k] * x[j];
+  for (int k = 0; k < c->n; k++)
+    for (int j = 0; j < nsdae_fc_rows(w->view.p, c->item[k]); j++)
+      r[w->view.row[c->item[k]] + j] = c->factor[k] * from[3 * k + j];
+}
+
+/* y = J r */
+static void sum_impulses(const nsdae_fc *c, const double *r, double *y)
+{
+  memset(y, 0, (size_t)c->ny * sizeof *y);
+  memset(c->low, 0, (size_t)c->ny * sizeof *y);
+  for (int k = 0; k < c->n; k++)
+    for (int e = c->first[k]; e < c->first[k + 1]; e++) {
+      int at = c->offset[c->block[e]];
+      nsdae_twice_add_product(c->size[c->block[e]], 3, nsdae_fc_part(c, e), r + 3 * k, y + at,
+                              c->low + at);
+    }
+  for (int i = 0; i < c->ny; i++) y[i] += c->low[i];
+}
+
+/* u = J^T y + q + C r of item k; in the local form the sum is that of impulses */
+static void relative_velocity(const nsdae_fc *c, int k, const double *r, const double *y, double *u)
+{
+  for (int j = 0; j < 3; j++) {
+    double high = c->q[3 * k + j], low = 0;
+    nsdae_twice_add(c->C[3 * k + j], r[3 * k + j], &high, &low);
+    for (int e = c->first[k]; e < c->first[k + 1]; e++) {
+      int n = c->size[c->block[e]];
+      const double *J = nsdae_fc_part(c, e) + j * n, *part = y + c->offset[c->block[e]];
+      if (!c->local)
+        high += nsdae_dot(n, J, part);
+      else
+        for (int l = 0; l < n; l++) nsdae_twice_add(J[l], part[l], &high, &low);
+    }
+    u[3 * k + j] = high + low;
   }
 }
 
 void nsdae_fc_velocities(const nsdae_fc *c, const double *r, double *y, double *u)
 {
-  const double *from = c->local ? r : y;
-  if (!c->local) {
-    memset(y, 0, (size_t)c->ny * sizeof *y);
-    for (int k = 0; k < c->n; k++)
-      for (int e = c->first[k]; e < c->first[k + 1]; e++)
-        nsdae_add_product(c->size[c->block[e]], 3, nsdae_fc_part(c, e), r + 3 * k,
-                          y + c->offset[c->block[e]]);
-  }
-  for (int k = 0; k < c->n; k++) {
-    for (int j = 0; j < 3; j++) u[3 * k + j] = c->q[3 * k + j] + c->C[3 * k + j] * r[3 * k + j];
-    for (int e = c->first[k]; e < c->first[k + 1]; e++)
-      nsdae_add_transposed(c->size[c->block[e]], 3, 1, nsdae_fc_part(c, e),
-                           from + c->offset[c->block[e]], u + 3 * k);
-  }
+  if (!c->local) sum_impulses(c, r, y);
+  for (int k = 0; k < c->n; k++) relative_velocity(c, k, r, c->local ? r : y, u);
 }
 
 double nsdae_fc_residual(const nsdae_fc *c, const double *r, const double *u)
 {
   double most = 0;
   for (int k = 0; k < c->n; k++) {
-    double one = c->weight[k] * nsdae_fc_natural(c->kind[k], c->mu[k], r + 3 * k, u + 3 * k);
+    double x[3] = {c->rho[k] * r[3 * k], c->rho[k] * r[3 * k + 1], c->rho[k] * r[3 * k + 2]};
+    double one = c->weight[k] * nsdae_fc_natural(c->kind[k], c->mu[k], x, u + 3 * k);
     if (!(one <= most)) most = one;
     if (most != most) return NAN;
   }

@@ -1,12 +1,13 @@
 /* One island, packed for the methods: every item in three rows (those it does not have are zero),
- * the tangential frame turned so that its part of the diagonal block is diagonal, all scaled by the
- * data. With d the mean diagonal of an item, D the largest one of the problem and s = max |q|,
+ * all scaled by the data. With d the mean diagonal of an item, D the largest one of the problem and
+ * s = max |q|,
  *
- *   r = s / sqrt(d D) r',   u = s sqrt(d / D) u',   y = s / sqrt(D) y'
+ *   r = s / (e D) r',   u = s e u',   y = s / sqrt(D) y',   e = sqrt(d / D),
  *
- * so that the diagonal of W' is one in the mean, and the residual of the public header is
- * sqrt(d / D) times the natural map of r', u' (K is a cone): weight. Turning changes no length of
- * r_T but its entries. */
+ * so that the diagonal of W' is one in the mean, and the residual of the public header is e times
+ * the natural map of r' and u', K being a cone. Of s, D and e the nearest powers of two (of four)
+ * are taken, so that nothing is rounded on the way; then the map is that of rho r' and u', with rho
+ * = d / (e^2 D) between 1/4 and 4, and weight is e s / max |q|. */
 #ifndef NSDAE_FRICTION_ISLAND_H
 #define NSDAE_FRICTION_ISLAND_H
 
@@ -19,15 +20,18 @@ typedef struct nsdae_fc {
   int local;                  /* y is r and J is W */
   int compliant;
   size_t values;
+  double D_whole; /* D */
   int *item;      /* n: its number in the whole */
   int *kind;      /* n: enum nsdae_fc_kind */
   double *mu;     /* n */
   double *weight; /* n */
-  double *factor; /* n: s / sqrt(d D) */
-  double *turn;   /* 2 n: cosine and sine of the frame */
+  double *rho;    /* n */
+  double *factor; /* n: r = factor r' */
   double *q;      /* 3 n */
   double *C;      /* 3 n: compliance */
-  double *D;      /* 9 n: diagonal blocks of W + C, symmetric, D[5] = D[7] = 0 */
+  double *D;      /* 9 n: diagonal blocks of W + C, symmetric, in a frame turned about the normal
+                     where D[5] = D[7] = 0 */
+  double *turn;   /* 2 n: cosine and sine of that */
   int *first;     /* n + 1 */
   int *block;     /* entries */
   size_t *at;     /* entries + 1 */
@@ -36,6 +40,7 @@ typedef struct nsdae_fc {
   int *offset;    /* blocks + 1: of y */
   double *r, *u;  /* 3 n */
   double *y;      /* ny; of the local form r itself */
+  double *low;    /* ny: work, what y does not hold of the sum */
 } nsdae_fc;
 
 /* Takes the arrays of the island fc->label of fc->whole. */

@@ -102,7 +102,7 @@ static void solve_islands(nsdae_friction_solver *s, const nsdae_friction_options
   for (int island = 0; island < w->islands; island++) {
     lay_out(s, island);
     c->options = options;
-    c->tol = 0.5 * options->tol; /* the certificate rounds otherwise */
+    c->tol = 0.8 * options->tol; /* the certificate rounds otherwise */
     nsdae_fc_fill(&c->fc, r);
     nsdae_fc_chain_run(c);
     nsdae_fc_scatter(&c->fc, c->best, r);

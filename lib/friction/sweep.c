@@ -108,12 +108,20 @@ static inline void apply(nsdae_fc *c, int k, const double *dr)
   }
 }
 
+/* x_T turned into the frame of D, or back (sign -1). */
+static inline void turn(const double *by, double sign, double *x)
+{
+  double held = x[1];
+  x[1] = by[0] * held + sign * by[1] * x[2];
+  x[2] = by[0] * x[2] - sign * by[1] * held;
+}
+
 /* The new r of item k, of which u are the velocities. */
 static void solve_item(const nsdae_fc *c, int k, const double *u, double *slip, double *r)
 {
-  double D[9], q[3];
-  const double *old = c->r + 3 * k;
+  double D[9], q[3] = {u[0], u[1], u[2]}, old[3];
   memcpy(D, c->D + 9 * (size_t)k, sizeof D);
+  memcpy(old, c->r + 3 * k, sizeof old);
   for (int j = 0; j < 3; j++) D[4 * j] += PROXIMAL;
   r[1] = r[2] = 0;
   if (c->kind[k] != NSDAE_FC_CONE) {
@@ -121,9 +129,12 @@ static void solve_item(const nsdae_fc *c, int k, const double *u, double *slip, 
     if (c->kind[k] == NSDAE_FC_NORMAL && !(r[0] > 0)) r[0] = 0;
     return;
   }
+  turn(c->turn + 2 * k, 1, q);
+  turn(c->turn + 2 * k, 1, old);
   for (int j = 0; j < 3; j++)
-    q[j] = u[j] - D[3 * j] * old[0] - D[3 * j + 1] * old[1] - D[3 * j + 2] * old[2];
+    q[j] -= D[3 * j] * old[0] + D[3 * j + 1] * old[1] + D[3 * j + 2] * old[2];
   nsdae_fc_solve_contact(D, q, c->mu[k], slip + k, r);
+  turn(c->turn + 2 * k, -1, r);
 }
 
 double nsdae_fc_sweep(nsdae_fc *c, int sweeps, double *slip)

@@ -7,6 +7,7 @@
 
 #include "cone.h"
 #include "dense.h"
+#include "twice.h"
 #include "vector.h"
 
 /* What the items of an island share. */
@@ -35,6 +36,7 @@ void nsdae_fc_whole_layout(void *object, nsdae_arena *arena)
   c->q = NSDAE_ARENA_DOUBLES(arena, m);
   c->d = NSDAE_ARENA_DOUBLES(arena, c->view.items);
   c->v = NSDAE_ARENA_DOUBLES(arena, nv);
+  c->low = NSDAE_ARENA_DOUBLES(arena, nv);
   c->label = NSDAE_ARENA_INTS(arena, c->view.items);
   c->member = NSDAE_ARENA_INTS(arena, c->view.items);
   c->start = NSDAE_ARENA_INTS(arena, c->view.items + 1L);
@@ -268,10 +270,14 @@ static void velocity(const nsdae_fc_whole *c, const double *r)
 {
   const nsdae_friction_problem *p = c->view.p;
   memcpy(c->v, p->f, (size_t)c->view.nv * sizeof *c->v);
+  memset(c->low, 0, (size_t)c->view.nv * sizeof *c->low);
   for (int i = 0; i < c->view.items; i++)
-    for (int e = p->first[i]; e < p->first[i + 1]; e++)
-      nsdae_add_product(p->size[p->block[e]], nsdae_fc_rows(p, i), p->value + c->view.at[e],
-                        r + c->view.row[i], c->v + c->view.offset[p->block[e]]);
+    for (int e = p->first[i]; e < p->first[i + 1]; e++) {
+      int b = p->block[e], at = c->view.offset[b];
+      nsdae_twice_add_product(p->size[b], nsdae_fc_rows(p, i), p->value + c->view.at[e],
+                              r + c->view.row[i], c->v + at, c->low + at);
+    }
+  for (int i = 0; i < c->view.nv; i++) c->v[i] += c->low[i];
   for (int b = 0; b < p->blocks; b++) {
     int n = p->size[b];
     double *v = c->v + c->view.offset[b];
@@ -280,20 +286,28 @@ static void velocity(const nsdae_fc_whole *c, const double *r)
   }
 }
 
-static void relative_velocity(const nsdae_fc_whole *c, const double *r, double *u)
+/* Row k of item i: of the global form H^T v + w + C r, of the local one W r + q + C r. */
+static double row_velocity(const nsdae_fc_whole *c, int i, int k, const double *r)
 {
   const nsdae_friction_problem *p = c->view.p;
-  if (c->view.m > 0) memcpy(u, p->w, (size_t)c->view.m * sizeof *u);
-  for (int k = 0; k < c->view.m && p->compliance; k++) u[k] += p->compliance[k] * r[k];
-  if (p->form == NSDAE_FRICTION_GLOBAL && p->blocks > 0) velocity(c, r);
+  int row = c->view.row[i] + k, global = p->form == NSDAE_FRICTION_GLOBAL;
+  double high = p->w[row], low = 0;
+  if (p->compliance) nsdae_twice_add(p->compliance[row], r[row], &high, &low);
+  for (int e = p->first[i]; e < p->first[i + 1]; e++) {
+    int b = p->block[e], n = global ? p->size[b] : nsdae_fc_rows(p, b);
+    const double *column = p->value + c->view.at[e] + (size_t)k * (size_t)n;
+    const double *x = global ? c->v + c->view.offset[b] : r + c->view.row[b];
+    for (int l = 0; l < n; l++) nsdae_twice_add(column[l], x[l], &high, &low);
+  }
+  return high + low;
+}
+
+static void relative_velocity(const nsdae_fc_whole *c, const double *r, double *u)
+{
+  if (c->view.p->form == NSDAE_FRICTION_GLOBAL && c->view.p->blocks > 0) velocity(c, r);
   for (int i = 0; i < c->view.items; i++)
-    for (int e = p->first[i]; e < p->first[i + 1]; e++) {
-      int b = p->block[e], global = p->form == NSDAE_FRICTION_GLOBAL;
-      int n = global ? p->size[b] : nsdae_fc_rows(p, b);
-      nsdae_add_transposed(n, nsdae_fc_rows(p, i), 1, p->value + c->view.at[e],
-                           global ? c->v + c->view.offset[b] : r + c->view.row[b],
-                           u + c->view.row[i]);
-    }
+    for (int k = 0; k < nsdae_fc_rows(c->view.p, i); k++)
+      u[c->view.row[i] + k] = row_velocity(c, i, k, r);
 }
 
 /* That of one item; frictionless ones have a residual of their one row. */

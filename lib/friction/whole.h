@@ -15,6 +15,7 @@ typedef struct nsdae_fc_whole {
   double *q;     /* m */
   double *d;     /* items: mean of the diagonal entries of W + C */
   double *v;     /* nv: work of the certificate */
+  double *low;   /* nv: the same */
   double scale;  /* max |q|; 1 where that is zero */
   double most_d; /* max d */
   int *label;    /* items: the island, from 0; -1 for items that nothing moves (d = 0) */

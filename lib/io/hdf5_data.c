@@ -1,6 +1,7 @@
 #include "hdf5_data.h"
 
 #include <hdf5_hl.h>
+#include <stdint.h>
 
 enum { RANK_MAX = 3 };
 
@@ -162,6 +163,72 @@ int nsdae_h5_open_dataset(nsdae_h5 *h5, const char *path, hid_t *set)
   return nsdae_h5_result(h5, *set, "open a dataset of");
 }
 
+int nsdae_h5_open_series(nsdae_h5 *h5, const char *path, hid_t *set)
+{
+  hid_t access = uncached();
+  *set = H5Dopen2(h5->file, path, access);
+  H5Pclose(access);
+  return nsdae_h5_result(h5, *set, "open a dataset of");
+}
+
+/* Its space is taken at once: later only bytes change. */
+static hid_t taken_at_once(void)
+{
+  hid_t layout = H5Pcreate(H5P_DATASET_CREATE);
+  H5Pset_alloc_time(layout, H5D_ALLOC_TIME_EARLY);
+  return layout;
+}
+
+int nsdae_h5_bytes(nsdae_h5 *h5, const char *path, const hsize_t size[2], const char *description,
+                   hid_t *set)
+{
+  hid_t links = H5Pcreate(H5P_LINK_CREATE), layout = taken_at_once();
+  hid_t space = H5Screate_simple(2, size, NULL);
+  H5Pset_create_intermediate_group(links, 1);
+  *set = H5Dcreate2(h5->file, path, H5T_NATIVE_UCHAR, space, links, layout, H5P_DEFAULT);
+  int status = nsdae_h5_result(h5, *set, "make a dataset in");
+  H5Sclose(space);
+  H5Pclose(layout);
+  H5Pclose(links);
+  return status < 0 ? status : nsdae_h5_describe(h5, *set, "1", description);
+}
+
+typedef enum direction { WRITE, READ } direction;
+
+static int move_row(nsdae_h5 *h5, hid_t set, hsize_t row, hsize_t width, void *bytes, direction to)
+{
+  const hsize_t start[2] = {row, 0}, count[2] = {1, width};
+  hid_t file = H5Dget_space(set), memory = H5Screate_simple(1, &width, NULL);
+  H5Sselect_hyperslab(file, H5S_SELECT_SET, start, NULL, count, NULL);
+  herr_t code = to == WRITE ? H5Dwrite(set, H5T_NATIVE_UCHAR, memory, file, H5P_DEFAULT, bytes)
+                            : H5Dread(set, H5T_NATIVE_UCHAR, memory, file, H5P_DEFAULT, bytes);
+  int status = nsdae_h5_result(h5, code, to == WRITE ? "write to" : "read");
+  H5Sclose(memory);
+  H5Sclose(file);
+  return status;
+}
+
+int nsdae_h5_write_row(nsdae_h5 *h5, hid_t set, hsize_t row, hsize_t width, const void *bytes)
+{
+  return move_row(h5, set, row, width, (void *)(uintptr_t)bytes, WRITE);
+}
+
+int nsdae_h5_read_row(nsdae_h5 *h5, hid_t set, hsize_t row, hsize_t width, void *bytes)
+{
+  return move_row(h5, set, row, width, bytes, READ);
+}
+
+int nsdae_h5_cut(nsdae_h5 *h5, hid_t series, hsize_t rows)
+{
+  hsize_t size[RANK_MAX];
+  hid_t space = H5Dget_space(series);
+  H5Sget_simple_extent_dims(space, size, NULL);
+  H5Sclose(space);
+  if (size[0] <= rows) return NSDAE_OK;
+  size[0] = rows;
+  return nsdae_h5_result(h5, H5Dset_extent(series, size), "shorten");
+}
+
 int nsdae_h5_append(nsdae_h5 *h5, hid_t series, hid_t type, hsize_t from, hsize_t count,
                     const void *rows)
 {
@@ -169,8 +236,11 @@ int nsdae_h5_append(nsdae_h5 *h5, hid_t series, hid_t type, hsize_t from, hsize_
   hid_t file_space = H5Dget_space(series);
   int rank = H5Sget_simple_extent_dims(file_space, size, NULL);
   H5Sclose(file_space);
-  size[0] = from + count;
-  int status = nsdae_h5_result(h5, H5Dset_extent(series, size), "write to");
+  int status = NSDAE_OK;
+  if (size[0] < from + count) {
+    size[0] = from + count;
+    status = nsdae_h5_result(h5, H5Dset_extent(series, size), "write to");
+  }
   if (status < 0) return status;
   size[0] = count;
   file_space = H5Dget_space(series);

@@ -31,6 +31,17 @@ int nsdae_h5_describe(nsdae_h5 *h5, hid_t series, const char *units, const char 
 int nsdae_h5_make_scale(nsdae_h5 *h5, hid_t series, const char *name);
 int nsdae_h5_attach_scale(nsdae_h5 *h5, hid_t series, hid_t scale, int dimension);
 int nsdae_h5_open_dataset(nsdae_h5 *h5, const char *path, hid_t *set);
+/* To write more rows into it. */
+int nsdae_h5_open_series(nsdae_h5 *h5, const char *path, hid_t *set);
+
+/* A dataset of size[0] rows of size[1] bytes, which are written and read one by one. */
+int nsdae_h5_bytes(nsdae_h5 *h5, const char *path, const hsize_t size[2], const char *description,
+                   hid_t *set);
+int nsdae_h5_write_row(nsdae_h5 *h5, hid_t set, hsize_t row, hsize_t width, const void *bytes);
+int nsdae_h5_read_row(nsdae_h5 *h5, hid_t set, hsize_t row, hsize_t width, void *bytes);
+
+/* Shortens a series to so many rows; longer ones stay. */
+int nsdae_h5_cut(nsdae_h5 *h5, hid_t series, hsize_t rows);
 
 /* Writes count rows behind the first `from`. */
 int nsdae_h5_append(nsdae_h5 *h5, hid_t series, hid_t type, hsize_t from, hsize_t count,

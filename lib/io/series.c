@@ -3,6 +3,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "errors.h"
+#include "hdf5_read.h"
+
 static size_t value_size(const nsdae_column *column)
 {
   return column->integer ? sizeof(int) : sizeof(double);
@@ -90,6 +93,51 @@ int nsdae_series_create(nsdae_series *series, nsdae_h5 *h5, const nsdae_dims *di
     if (status < 0) break;
     status = i == 0 ? nsdae_h5_make_scale(h5, series->set[0], scale) : attach(series, h5, axes, i);
   }
+  return status;
+}
+
+/* Whether the file's dataset of column i has its shape; rows becomes its length if that is less. */
+static int look_at_column(const nsdae_series *series, nsdae_h5 *h5, const nsdae_dims *dims, int i,
+                          hsize_t *rows)
+{
+  const nsdae_column *column = &series->table->column[i];
+  int shape[2], rank = nsdae_width_shape(column->width, dims, shape);
+  hsize_t length[NSDAE_H5_RANK_MAX] = {0, 1, 1};
+  int status = nsdae_h5_shape(h5, column->path, rank + 1, length);
+  if (status == NSDAE_OK) status = nsdae_h5_fits(h5, column->path, rank + 1, length);
+  if (status < 0) return status;
+  if (length[0] < *rows) *rows = length[0];
+  if (length[1] == (hsize_t)shape[0] && length[2] == (hsize_t)shape[1]) return NSDAE_OK;
+  return nsdae_error_set(h5->error, NSDAE_E_IO, "nsdae_trajectory_resume", "path",
+                         "cannot go on in '%.90s': %s has rows of another length", h5->path,
+                         column->path);
+}
+
+int nsdae_series_open(nsdae_series *series, nsdae_h5 *h5, const nsdae_dims *dims, hsize_t *rows)
+{
+  int status = NSDAE_OK;
+  *rows = (hsize_t)-1;
+  for (int i = 0; i < series->table->columns && status == NSDAE_OK; i++) {
+    if (series->bytes[i] == 0) continue;
+    status = look_at_column(series, h5, dims, i, rows);
+    if (status == NSDAE_OK)
+      status = nsdae_h5_open_series(h5, series->table->column[i].path, &series->set[i]);
+  }
+  return status;
+}
+
+void nsdae_series_resume(nsdae_series *series, hsize_t rows)
+{
+  series->written = series->counted = rows;
+  series->held = 0;
+}
+
+int nsdae_series_cut(nsdae_series *series, nsdae_h5 *h5)
+{
+  int status = nsdae_h5_cut(h5, series->set[0], series->counted);
+  if (status == NSDAE_OK) status = nsdae_h5_flush(h5);
+  for (int i = 1; i < series->table->columns && status == NSDAE_OK; i++)
+    if (series->set[i] >= 0) status = nsdae_h5_cut(h5, series->set[i], series->counted);
   return status;
 }
 

@@ -31,6 +31,14 @@ void nsdae_series_release(nsdae_series *series);
 int nsdae_series_create(nsdae_series *series, nsdae_h5 *h5, const nsdae_dims *dims,
                         const nsdae_axes *axes, const char *scale, int deflate);
 
+/* Opens the datasets of a file, which must have the table's shapes; rows: of the shortest. */
+int nsdae_series_open(nsdae_series *series, nsdae_h5 *h5, const nsdae_dims *dims, hsize_t *rows);
+/* Goes on behind so many rows, whatever the file has. */
+void nsdae_series_resume(nsdae_series *series, hsize_t rows);
+/* Drops what the file has behind the rows that are written, of the first column and then of the
+ * others. */
+int nsdae_series_cut(nsdae_series *series, nsdae_h5 *h5);
+
 /* Adds the row at `row` (an nsdae_record or nsdae_impact) to the buffers, which must not be full.
  */
 void nsdae_series_append(nsdae_series *series, const void *row);

@@ -7,12 +7,19 @@
 
 #include "clock.h"
 #include "errors.h"
+#include "checkpoint.h"
 #include "description.h"
 #include "series.h"
+#include "setting.h"
 
 /* A killed run loses at most what came after the last flush; flushing four times a second keeps
  * that below the second that is promised. */
 static const double flush_interval = 0.25;
+
+static int no_memory(nsdae_error *error, const char *where)
+{
+  return nsdae_error_set(error, NSDAE_E_MEMORY, where, "", "out of memory");
+}
 
 /* The tables of a file. */
 enum { RECORDS, IMPACTS, CHANGES, TABLES };
@@ -33,8 +40,11 @@ struct nsdae_trajectory {
   nsdae_axes axes;
   long every; /* records of such steps are kept */
   int compress;
-  long step;                /* of the last record that was seen */
-  hsize_t before[TABLES];   /* rows without it */
+  long step;              /* of the last record that was seen */
+  hsize_t before[TABLES]; /* rows without it */
+  nsdae_checkpoint checkpoint;
+  int resumed;
+  int extra; /* 1: the last row is the end of a run whose step would not have been kept */
   double flushed, appended; /* when */
   long committed;           /* records that the file has whatever happens now */
   int failed;               /* status of a write that failed: nothing is written any more */
@@ -70,6 +80,28 @@ static int count(nsdae_trajectory *t)
   return status;
 }
 
+/* The rows that belong to the state of the simulation: a record that an observer after this one
+ * refused was seen here, but the state is the one before it. */
+static nsdae_checkpoint_mark mark_of(const nsdae_trajectory *t)
+{
+  nsdae_record now;
+  nsdae_checkpoint_mark mark = {.step = t->step};
+  int dropped = nsdae_sim_get_record(t->sim, &now) == NSDAE_OK && now.step < t->step;
+  if (dropped) mark.step = now.step;
+  for (int i = 0; i < TABLES; i++)
+    mark.rows[i] = dropped ? t->before[i] : nsdae_series_rows(&t->series[i]);
+  if (!dropped) mark.rows[RECORDS] -= (hsize_t)t->extra;
+  return mark;
+}
+
+/* Where all records are in the file. */
+static int write_state(nsdae_trajectory *t)
+{
+  nsdae_checkpoint_mark mark = mark_of(t);
+  if (t->checkpoint.set < 0 || t->step < 0 || t->series[RECORDS].held > 0) return NSDAE_OK;
+  return nsdae_checkpoint_write(&t->checkpoint, &t->h5, t->sim, &mark);
+}
+
 /* The rows, and then how many there are: killed in between, a program leaves columns that are
  * longer than the first of their table, never shorter. */
 static int flush(nsdae_trajectory *t, nsdae_series_part part)
@@ -77,6 +109,7 @@ static int flush(nsdae_trajectory *t, nsdae_series_part part)
   int status = prepare(t);
   for (int i = 0; i < TABLES && status == NSDAE_OK; i++)
     status = nsdae_series_write(&t->series[i], &t->h5, part);
+  if (status == NSDAE_OK) status = write_state(t);
   if (status == NSDAE_OK) status = nsdae_h5_flush(&t->h5);
   if (status == NSDAE_OK) status = count(t);
   t->flushed = nsdae_wall_clock();
@@ -88,6 +121,18 @@ static nsdae_h5_kind kind_of(const nsdae_trajectory *t)
   return t->live ? NSDAE_H5_LIVE : t->compress ? NSDAE_H5_PACKED : NSDAE_H5_PLAIN;
 }
 
+/* What a later program needs to go on in this file. */
+static int make_restart(nsdae_trajectory *t, const nsdae_trajectory_info *info)
+{
+  nsdae_setting setting;
+  int status = nsdae_setting_make(&setting, t->sim, info);
+  if (status < 0) return no_memory(t->h5.error, "nsdae_trajectory_create");
+  status = nsdae_checkpoint_create(&t->checkpoint, &t->h5);
+  if (status == NSDAE_OK) status = nsdae_setting_write(&setting, &t->h5);
+  nsdae_setting_release(&setting);
+  return status;
+}
+
 static int make_file(nsdae_trajectory *t, const nsdae_trajectory_info *info)
 {
   nsdae_h5 *h5 = &t->h5;
@@ -97,6 +142,7 @@ static int make_file(nsdae_trajectory *t, const nsdae_trajectory_info *info)
   if (status == NSDAE_OK) status = nsdae_description_write(h5, t->sim, info);
   if (status == NSDAE_OK) status = make_groups(h5, &dims);
   if (status == NSDAE_OK) status = nsdae_axes_create(&t->axes, h5, t->sim);
+  if (status == NSDAE_OK && !t->live) status = make_restart(t, info);
   for (int i = 0; i < TABLES && status == NSDAE_OK; i++)
     status = nsdae_series_create(&t->series[i], h5, &dims, &t->axes, tables[i].scale,
                                  i == RECORDS ? t->compress : 0);
@@ -166,6 +212,7 @@ static int observe(const nsdae_record *record, nsdae_error *error, void *user)
 static void release(nsdae_trajectory *t)
 {
   for (int i = 0; i < TABLES; i++) nsdae_series_release(&t->series[i]);
+  nsdae_checkpoint_release(&t->checkpoint);
   free(t->path);
   free(t);
 }
@@ -174,6 +221,7 @@ static int close_file(nsdae_trajectory *t)
 {
   for (int i = 0; i < TABLES; i++) nsdae_series_close(&t->series[i]);
   nsdae_axes_close(&t->axes);
+  nsdae_checkpoint_close(&t->checkpoint);
   return nsdae_h5_close(&t->h5);
 }
 
@@ -198,7 +246,7 @@ static nsdae_trajectory *allocate(nsdae_sim *sim, const char *path,
   t->h5.file = -1;
   t->path = malloc(strlen(path) + 1);
   const char *leave_out = nsdae_sim_has_potential(sim) ? NULL : "/energy/potential";
-  int status = NSDAE_OK;
+  int status = nsdae_checkpoint_init(&t->checkpoint, sim);
   for (int i = 0; i < TABLES && status == NSDAE_OK; i++)
     status = nsdae_series_init(&t->series[i], tables[i].table, &dims, leave_out,
                                i == RECORDS && info->compress > 0);
@@ -210,20 +258,20 @@ static nsdae_trajectory *allocate(nsdae_sim *sim, const char *path,
   return t;
 }
 
-static int check_info(const nsdae_trajectory_info *info, nsdae_error *error)
+static int check_info(const nsdae_trajectory_info *info, const char *where, nsdae_error *error)
 {
   const char *bad = info->every < 0                            ? "every"
                     : info->compress < 0 || info->compress > 9 ? "compress"
                     : info->compress > 0 && info->live         ? "live"
                                                                : NULL;
   if (!bad) return NSDAE_OK;
-  return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_trajectory_create", bad,
+  return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, bad,
                          "every = %d must be at least 0, compress = %d 0 .. 9, and 0 with live",
                          info->every, info->compress);
 }
 
 static int check(nsdae_sim *sim, const char *path, const nsdae_trajectory_info *info,
-                 nsdae_trajectory **trajectory, nsdae_error *error)
+                 nsdae_trajectory **trajectory, const char *where, nsdae_error *error)
 {
   const char *missing = !sim          ? "sim"
                         : !path       ? "path"
@@ -231,40 +279,134 @@ static int check(nsdae_sim *sim, const char *path, const nsdae_trajectory_info *
                         : !trajectory ? "trajectory"
                                       : NULL;
   nsdae_error_clear(error);
-  if (!missing) return check_info(info, error);
-  return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_trajectory_create", missing, "%s is NULL",
-                         missing);
+  if (!missing) return check_info(info, where, error);
+  return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, missing, "%s is NULL", missing);
+}
+
+/* What was made, to the observers and the caller; or away again. */
+static int begin(nsdae_trajectory *t, int status, nsdae_trajectory **trajectory)
+{
+  nsdae_error ignored;
+  if (status == NSDAE_OK) {
+    status = nsdae_sim_observe(t->sim, observe, t);
+    if (status < 0) *t->h5.error = *nsdae_sim_error(t->sim);
+  }
+  if (status == NSDAE_OK) {
+    *trajectory = t;
+    return NSDAE_OK;
+  }
+  t->h5.error = &ignored;
+  NSDAE_H5_QUIETLY(ignored.status, close_file(t))
+  release(t);
+  return status;
 }
 
 int nsdae_trajectory_create(nsdae_sim *sim, const char *path, const nsdae_trajectory_info *info,
                             nsdae_trajectory **trajectory, nsdae_error *error)
 {
   nsdae_error own;
-  int status = check(sim, path, info, trajectory, error);
+  int status = check(sim, path, info, trajectory, "nsdae_trajectory_create", error);
   if (status < 0) return status;
   *trajectory = NULL;
   nsdae_trajectory *t = allocate(sim, path, info);
-  if (!t)
-    return nsdae_error_set(error, NSDAE_E_MEMORY, "nsdae_trajectory_create", "", "out of memory");
+  if (!t) return no_memory(error, "nsdae_trajectory_create");
   t->h5.error = error ? error : &own;
   NSDAE_H5_QUIETLY(status, make_file(t, info))
-  if (status == NSDAE_OK) {
-    status = nsdae_sim_observe(sim, observe, t);
-    if (status < 0) *t->h5.error = *nsdae_sim_error(sim);
+  return begin(t, status, trajectory);
+}
+
+/* ---- going on in a file ---- */
+
+/* How the file keeps its rows is what counts; another wish is refused. */
+static int adopt(nsdae_trajectory *t, const nsdae_setting *file, const char *key, int wish,
+                 int none, int *value)
+{
+  char text[NSDAE_SETTING_VALUE];
+  *value = nsdae_setting_find(file, "run", key, text) ? atoi(text) : none;
+  if (wish == none || wish == *value) return NSDAE_OK;
+  return nsdae_error_set(t->h5.error, NSDAE_E_ARGUMENT, "nsdae_trajectory_resume", key,
+                         "cannot go on in '%.90s': it has %s %d, this run %d", t->path, key, *value,
+                         wish);
+}
+
+static int compare(nsdae_trajectory *t, const nsdae_trajectory_info *info)
+{
+  nsdae_setting own, file;
+  int every = 1, status = nsdae_setting_read(&file, &t->h5);
+  if (status < 0) return status;
+  status = nsdae_setting_make(&own, t->sim, info);
+  if (status < 0) no_memory(t->h5.error, "nsdae_trajectory_resume");
+  if (status == NSDAE_OK) status = nsdae_setting_compare(&own, &file, t->path, t->h5.error);
+  if (status == NSDAE_OK)
+    status = adopt(t, &file, "every", info->every > 1 ? info->every : 1, 1, &every);
+  if (status == NSDAE_OK) status = adopt(t, &file, "compress", info->compress, 0, &t->compress);
+  t->every = every > 0 ? every : 1;
+  t->series[RECORDS].packed = t->compress > 0;
+  nsdae_setting_release(&own);
+  nsdae_setting_release(&file);
+  return status;
+}
+
+static int open_tables(nsdae_trajectory *t, hsize_t rows[TABLES])
+{
+  nsdae_dims dims;
+  int status = NSDAE_OK;
+  nsdae_sim_get_dims(t->sim, &dims);
+  for (int i = 0; i < TABLES && status == NSDAE_OK; i++)
+    status = nsdae_series_open(&t->series[i], &t->h5, &dims, &rows[i]);
+  return status;
+}
+
+/* The simulation stands where the newest whole state is, and the tables behind its rows. What the
+ * file has behind them is written again, with the same values, or cut off at the end. */
+static int go_on(nsdae_trajectory *t, const hsize_t rows[TABLES])
+{
+  nsdae_checkpoint_mark mark;
+  int status = nsdae_checkpoint_open(&t->checkpoint, &t->h5);
+  if (status == NSDAE_OK)
+    status = nsdae_checkpoint_take(&t->checkpoint, &t->h5, t->sim, rows, &mark);
+  if (status < 0) return status;
+  for (int i = 0; i < TABLES; i++) {
+    nsdae_series_resume(&t->series[i], mark.rows[i]);
+    t->before[i] = mark.rows[i];
   }
-  if (status < 0) {
-    t->h5.error = &own;
-    H5E_BEGIN_TRY
-    {
-      close_file(t);
-    }
-    H5E_END_TRY
-    release(t);
-    return status;
-  }
-  *trajectory = t;
+  t->step = mark.step;
+  t->resumed = 1;
   return NSDAE_OK;
 }
+
+static int open_again(nsdae_trajectory *t, const nsdae_trajectory_info *info)
+{
+  hsize_t rows[TABLES];
+  int status = nsdae_h5_reopen(&t->h5);
+  if (status == NSDAE_OK) status = compare(t, info);
+  if (status == NSDAE_OK) status = open_tables(t, rows);
+  if (status == NSDAE_OK) status = go_on(t, rows);
+  if (status == NSDAE_OK) status = nsdae_description_set_running(&t->h5);
+  return status < 0 ? status : nsdae_h5_flush(&t->h5);
+}
+
+int nsdae_trajectory_resume(nsdae_sim *sim, const char *path, const nsdae_trajectory_info *info,
+                            nsdae_trajectory **trajectory, nsdae_error *error)
+{
+  static const char where[] = "nsdae_trajectory_resume";
+  nsdae_error own;
+  int status = check(sim, path, info, trajectory, where, error);
+  if (status < 0) return status;
+  *trajectory = NULL;
+  if (info->live)
+    return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "live",
+                           "a run goes on in a file that is not live");
+  nsdae_trajectory *t = allocate(sim, path, info);
+  if (!t) return no_memory(error, where);
+  t->h5.where = where;
+  t->h5.error = error ? error : &own;
+  NSDAE_H5_QUIETLY(status, open_again(t, info))
+  t->h5.where = NULL;
+  return begin(t, status, trajectory);
+}
+
+/* ---- what else ---- */
 
 static int put(nsdae_trajectory *t, const char *path, hid_t type, int n, const void *values,
                const char *units, const char *description, nsdae_error *error)
@@ -344,14 +486,27 @@ static void mark_failed(nsdae_trajectory *t)
   nsdae_h5_close(h5);
 }
 
-/* The last state is kept in any case. */
-static int flush_last(nsdae_trajectory *t)
+/* The last state is kept in any case; a run that goes on from it has its row where it belongs. */
+static int append_last(nsdae_trajectory *t)
 {
   nsdae_record last;
-  int status = NSDAE_OK, kept = t->step % t->every == 0;
-  if (!kept && nsdae_sim_get_record(t->sim, &last) == NSDAE_OK && last.step == t->step)
-    status = append_row(t, RECORDS, &last);
-  return status < 0 ? status : flush(t, NSDAE_SERIES_ALL);
+  if (t->step < 0 || t->step % t->every == 0) return NSDAE_OK;
+  if (nsdae_sim_get_record(t->sim, &last) != NSDAE_OK || last.step != t->step) return NSDAE_OK;
+  int status = append_row(t, RECORDS, &last);
+  t->extra = 1;
+  return status;
+}
+
+/* What an earlier run left behind the rows of this one goes. */
+static int flush_last(nsdae_trajectory *t)
+{
+  int status = append_last(t);
+  if (status == NSDAE_OK) status = flush(t, NSDAE_SERIES_ALL);
+  if (status == NSDAE_OK)
+    status = write_state(t); /* both places: the same bytes whenever the flushes were */
+  for (int i = 0; i < TABLES && status == NSDAE_OK && t->resumed; i++)
+    status = nsdae_series_cut(&t->series[i], &t->h5);
+  return status;
 }
 
 /* Of several failures the first is told. */

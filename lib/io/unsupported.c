@@ -56,6 +56,26 @@ int nsdae_trajectory_put_texts(nsdae_trajectory *trajectory, const char *path, i
   return unsupported("nsdae_trajectory_put_texts", error);
 }
 
+int nsdae_trajectory_resume(nsdae_sim *sim, const char *path, const nsdae_trajectory_info *info,
+                            nsdae_trajectory **trajectory, nsdae_error *error)
+{
+  (void)sim;
+  (void)path;
+  (void)info;
+  if (trajectory) *trajectory = NULL;
+  return unsupported("nsdae_trajectory_resume", error);
+}
+
+int nsdae_trajectory_read_params(const char *path, const char *group, const nsdae_params *table,
+                                 void *base, nsdae_error *error)
+{
+  (void)path;
+  (void)group;
+  (void)table;
+  (void)base;
+  return unsupported("nsdae_trajectory_read_params", error);
+}
+
 int nsdae_trajectory_flush(nsdae_trajectory *trajectory, nsdae_error *error)
 {
   (void)trajectory;

@@ -6,6 +6,7 @@
  *   accounts  number of the step, grid, work taken by contacts, statistics but for the clock
  *   state     t, q, v, what is evaluated there; multipliers, impulses and modes of the last step
  *   memory    what the method keeps: its numbers, its integers
+ *   units     groups of coordinates of constant length, their lengths (where nv < nq)
  *
  * One function visits all of it, to measure, to write, to read and to compare, so that the layout
  * is written once. Nothing of a block is believed before its checksum, sizes and settings are
@@ -105,6 +106,14 @@ static void visit_point(cursor *c, nsdae_point *p, double *t, unsigned *have)
   visit(c, r->memory.whole, r->memory.wholes * sizeof(int));
 }
 
+static void visit_units(cursor *c, const nsdae_dims *d, nsdae_units *units)
+{
+  if (d->nq == d->nv) return;
+  visit_ints(c, &units->count, 1);
+  visit_ints(c, units->of, d->nq);
+  visit_doubles(c, units->length, d->nq);
+}
+
 /* The i-th setting: an option, a coefficient. 0 past the last. */
 typedef struct setting {
   const char *name;
@@ -200,6 +209,7 @@ static size_t size_of(const nsdae_sim *sim)
   c.at = sizeof(head);
   visit_settings(&c, sim);
   visit_point(&c, sim->now, &t, &have);
+  visit_units(&c, &sim->system->dims, &(nsdae_units){0});
   return c.at;
 }
 
@@ -239,6 +249,7 @@ int nsdae_sim_get_state(nsdae_sim *sim, void *block, size_t size)
   visit(&c, &h, sizeof h);
   visit_settings(&c, sim);
   visit_point(&c, &shown, &t, &have);
+  visit_units(&c, &sim->system->dims, &sim->projection.units);
   h.checksum = checksum_of(block, size);
   memcpy(block, &h, sizeof h);
   return NSDAE_OK;
@@ -333,6 +344,7 @@ static int read_block(nsdae_sim *sim, const void *block)
   nsdae_result_clear(r);
   int status = check_settings(sim, &c);
   visit_point(&c, p, &r->end.t, &have);
+  visit_units(&c, &sim->system->dims, &sim->projection.other);
   r->memory.stamp = p->accounts.step == 0 ? 0 : -1; /* all zero before the first */
   r->end.have = 0;
   if (status == NSDAE_OK) status = check_values(sim);
@@ -351,6 +363,7 @@ int nsdae_sim_set_state(nsdae_sim *sim, const void *block, size_t size)
   status = read_block(sim, block);
   if (status < 0) return status;
   nsdae_sim_commit(sim);
+  nsdae_units_swap(&sim->projection);
   sim->started = sim->told = 1;
   sim->failed = 0;
   sim->observers.turn = sim->observers.stop = 0;

@@ -14,6 +14,8 @@ static const char *const laws[] = {
 static const char *const solvers[] = {"dense", "sparse", NULL};
 static const char *const redundant[] = {"error", "least-norm", NULL};
 
+static const char *const projections[] = {"none", "constraints", "contacts", NULL};
+
 enum { INITIALISED = 0x6e736461 };
 
 #define AT(field) offsetof(nsdae_sim_options, field)
@@ -63,6 +65,10 @@ static const nsdae_param entries[] = {
      NSDAE_PARAM_INT, AT(events_max), 10000, 1, 1e9, 0, NULL},
     {"inner_steps_max", "1", "most steps of the integrator of penalty and event in one dt",
      NSDAE_PARAM_INT, AT(inner_steps_max), 100000, 1, 1e9, 0, NULL},
+    {"projection", "", "what the end of a step of a time-stepping method is moved to",
+     NSDAE_PARAM_CHOICE, AT(projection), NSDAE_PROJECTION_NONE, 0, 2, 0, projections},
+    {"start_tol", "1", "relative error of the numbers of a start, which must be consistent",
+     NSDAE_PARAM_REAL, AT(start_tol), 1e-6, 0, INFINITY, 0, NULL},
 };
 
 static const nsdae_params table = {entries, (int)(sizeof entries / sizeof *entries)};
@@ -122,6 +128,9 @@ static const struct {
     {"linear_solver", 1u << NSDAE_METHOD_EVENT},
     {"accumulation_time", 1u << NSDAE_METHOD_EVENT},
     {"events_max", 1u << NSDAE_METHOD_EVENT},
+    {"inner_steps_max", 1u << NSDAE_METHOD_PENALTY | 1u << NSDAE_METHOD_EVENT},
+    {"projection", ~(1u << NSDAE_METHOD_PENALTY)}, /* of event: where implicit steps in */
+    {"start_tol", 0},
 };
 
 int nsdae_sim_option_matters(const char *key, int method)

@@ -3,7 +3,6 @@
 #include <string.h>
 
 #include "sim_impl.h"
-#include "vector.h"
 
 enum {
   RECORD_TERMS = NSDAE_TERM_MASS | NSDAE_TERM_PHI | NSDAE_TERM_GAP | NSDAE_TERM_POTENTIAL,
@@ -12,16 +11,6 @@ enum {
               NSDAE_TERM_SLIDE,
   EVERY_TERM = ALL_TERMS | NSDAE_TERM_ACCELERATION
 };
-
-/* T = v^T M v / 2 */
-static double kinetic_energy(const nsdae_terms *terms)
-{
-  int n = terms->system->dims.nv;
-  double twice = 0;
-  for (int j = 0; j < n; j++)
-    twice += terms->v[j] * nsdae_dot(n, terms->M + (size_t)j * (size_t)n, terms->v);
-  return twice / 2;
-}
 
 static void fill_record(nsdae_point *p)
 {
@@ -38,7 +27,7 @@ static void fill_record(nsdae_point *p)
                              .mode = r->impulses.mode,
                              .slide_impulse = r->impulses.slide_impulse,
                              .slide_mode = r->impulses.slide_mode,
-                             .kinetic = kinetic_energy(end),
+                             .kinetic = nsdae_terms_kinetic(end),
                              .potential = end->potential,
                              .dissipated = p->accounts.dissipated,
                              .lcp_residual = r->worst_residual,

@@ -6,6 +6,8 @@
 #include "errors.h"
 #include "options.h"
 #include "sim_impl.h"
+#include "start.h"
+#include "system_impl.h"
 
 static void layout(void *object, nsdae_arena *arena)
 {
@@ -13,6 +15,7 @@ static void layout(void *object, nsdae_arena *arena)
   nsdae_stepper_layout(&sim->stepper, arena);
   nsdae_result_layout(&sim->point[0].result, arena);
   nsdae_result_layout(&sim->point[1].result, arena);
+  nsdae_projector_layout(&sim->projection, arena);
 }
 
 static int no_memory(nsdae_sim *sim, nsdae_error *error)
@@ -44,6 +47,8 @@ static int build(nsdae_sim *sim)
   stepper->contacts.law = sim->law;
   nsdae_stepper_prepare(stepper);
   sim->method = nsdae_stepping_of(sim->options.method);
+  sim->projection.tools = stepper;
+  sim->projection.rows_most = nsdae_projected_rows(sim);
   sim->now = &sim->point[0];
   sim->next = &sim->point[1];
   for (int i = 0; i < 2; i++) {
@@ -97,15 +102,15 @@ void nsdae_sim_destroy(nsdae_sim **sim)
   *sim = NULL;
 }
 
-static int check_state(nsdae_sim *sim, const char *name, int kind, const double *a, int n)
+static int check_vector(nsdae_sim *sim, const char *where, const char *name, int kind,
+                        const double *a)
 {
+  int n = nsdae_system_count(sim->system, kind);
   char called[NSDAE_CALLED_SIZE];
-  if (!a)
-    return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, "nsdae_sim_init", name, "%s is NULL",
-                           name);
+  if (!a) return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, where, name, "%s is NULL", name);
   for (int i = 0; i < n; i++) {
     if (isfinite(a[i])) continue;
-    nsdae_error_set(&sim->error, NSDAE_E_NONFINITE, "nsdae_sim_init", name,
+    nsdae_error_set(&sim->error, NSDAE_E_NONFINITE, where, name,
                     "%s[%d] = %g is not a finite number (%s)", name, i, a[i],
                     nsdae_system_called(sim->system, kind, i, called));
     sim->error.index = i;
@@ -114,11 +119,14 @@ static int check_state(nsdae_sim *sim, const char *name, int kind, const double 
   return NSDAE_OK;
 }
 
-static int check_time(nsdae_sim *sim, double t0)
+int nsdae_sim_check_state(nsdae_sim *sim, const char *where, double t0, const double *q0,
+                          const double *v0)
 {
-  if (isfinite(t0)) return NSDAE_OK;
-  return nsdae_error_set(&sim->error, NSDAE_E_NONFINITE, "nsdae_sim_init", "t0",
-                         "t0 = %g is not a finite number", t0);
+  if (!isfinite(t0))
+    return nsdae_error_set(&sim->error, NSDAE_E_NONFINITE, where, "t0",
+                           "t0 = %g is not a finite number", t0);
+  int status = check_vector(sim, where, "q0", NSDAE_NAME_COORDINATE, q0);
+  return status < 0 ? status : check_vector(sim, where, "v0", NSDAE_NAME_VELOCITY, v0);
 }
 
 /* Every term once, so that what is wrong with a model shows here. */
@@ -132,7 +140,10 @@ static int start_at(nsdae_sim *sim, double t0, const double *q0, const double *v
   r->memory.stamp = 0;
   nsdae_stepper_count(&sim->stepper, &state, r);
   nsdae_terms_at(&r->end, t0, q0, v0);
-  return nsdae_point_start(sim, sim->next);
+  int status = nsdae_point_start(sim, sim->next);
+  if (status < 0) return status;
+  nsdae_units_find(&sim->projection, t0, q0);
+  return nsdae_start_check(&sim->projection, &r->end);
 }
 
 int nsdae_sim_init(nsdae_sim *sim, double t0, const double *q0, const double *v0)
@@ -141,11 +152,7 @@ int nsdae_sim_init(nsdae_sim *sim, double t0, const double *q0, const double *v0
   if (nsdae_observers_quiet(sim, "nsdae_sim_init") < 0) return NSDAE_E_STATE;
   nsdae_error_clear(&sim->error);
   sim->started = sim->failed = sim->waiting = 0;
-  int status = check_time(sim, t0);
-  if (status == NSDAE_OK)
-    status = check_state(sim, "q0", NSDAE_NAME_COORDINATE, q0, sim->system->dims.nq);
-  if (status == NSDAE_OK)
-    status = check_state(sim, "v0", NSDAE_NAME_VELOCITY, v0, sim->system->dims.nv);
+  int status = nsdae_sim_check_state(sim, "nsdae_sim_init", t0, q0, v0);
   if (status == NSDAE_OK) status = start_at(sim, t0, q0, v0);
   if (status < 0) return status;
   nsdae_sim_commit(sim);

@@ -5,6 +5,7 @@
 #include <nsdae/sim.h>
 
 #include "methods.h"
+#include "projection.h"
 #include "stepper.h"
 #include "watch.h"
 
@@ -46,7 +47,8 @@ struct nsdae_sim {
   nsdae_law *law; /* k, in a block of its own: its rows size the arena */
   nsdae_stepper stepper;
   const nsdae_stepping *method;
-  void *own;               /* the method's */
+  void *own; /* the method's */
+  nsdae_projector projection;
   nsdae_point point[2];    /* the two below */
   nsdae_point *now, *next; /* the state; a step in work, or the step before the state */
   double asked;            /* the time that the step in next was asked for */
@@ -64,6 +66,13 @@ static inline const nsdae_point *nsdae_sim_shown(const nsdae_sim *sim)
 {
   return sim->observers.telling && sim->waiting ? sim->next : sim->now;
 }
+
+/* NSDAE_OK, or NSDAE_E_ARGUMENT, NSDAE_E_NONFINITE naming what is no state; where: the function. */
+int nsdae_sim_check_state(nsdae_sim *sim, const char *where, double t0, const double *q0,
+                          const double *v0);
+
+/* How many rows the option projection has: none, constraints, or the contacts too. */
+int nsdae_projected_rows(const nsdae_sim *sim);
 
 /* Puts next in the place of the state. */
 void nsdae_sim_commit(nsdae_sim *sim);

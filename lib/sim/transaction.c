@@ -34,6 +34,43 @@ static int advance(nsdae_sim *sim, double t1)
   return nsdae_stepping_implicit.advance(&sim->stepper, &state, t1, result);
 }
 
+int nsdae_projected_rows(const nsdae_sim *sim)
+{
+  const nsdae_dims *d = &sim->system->dims;
+  if (sim->options.projection == NSDAE_PROJECTION_NONE) return 0;
+  return d->m + (sim->options.projection == NSDAE_PROJECTION_CONTACTS ? d->k : 0);
+}
+
+static int energy(nsdae_terms *T, double *value)
+{
+  int status = nsdae_terms_need(T, NSDAE_TERM_MASS | NSDAE_TERM_POTENTIAL);
+  *value = nsdae_terms_kinetic(T) + T->potential;
+  return status;
+}
+
+/* The option projection, of the time-stepping methods: the end of the step is moved to the
+ * constraints, and the contacts that were closed in it and overlap to touching; what that does to
+ * the energy is work on the system. */
+static int project(nsdae_sim *sim)
+{
+  nsdae_result *r = &sim->next->result;
+  nsdae_projector *p = &sim->projection;
+  double before, after;
+  int in_steps = sim->method->in_steps || r->given_up;
+  if (sim->options.projection == NSDAE_PROJECTION_NONE || !in_steps) return NSDAE_OK;
+  int status = energy(&r->end, &before);
+  if (status == NSDAE_OK) status = nsdae_terms_need(&r->end, NSDAE_TERM_GAP);
+  if (status < 0) return status;
+  for (int i = 0; i < sim->system->dims.k; i++)
+    p->closed[i] = sim->options.projection == NSDAE_PROJECTION_CONTACTS &&
+                   r->impulses.mode[i] != NSDAE_MODE_OPEN && r->end.gap[i] < 0;
+  status = nsdae_project_positions(p, &r->end, 0);
+  if (status == NSDAE_OK) status = nsdae_project_velocities(p, &r->end);
+  if (status == NSDAE_OK) status = energy(&r->end, &after);
+  if (status == NSDAE_OK) r->work += after - before;
+  return status;
+}
+
 static int is_problem(int status)
 {
   return status == NSDAE_E_LCP || status == NSDAE_E_INFEASIBLE || status == NSDAE_E_PAINLEVE;
@@ -53,6 +90,7 @@ static int prepare(nsdae_sim *sim, double t1)
   int status = nsdae_interrupted(&sim->stepper.interrupt, &sim->error, t0);
   if (status == NSDAE_OK) status = advance(sim, t1);
   sim->failed = is_problem(status) && sim->next->result.problem;
+  if (status == NSDAE_OK) status = project(sim);
   if (status == NSDAE_OK)
     status = nsdae_point_follow(sim->now, sim->next, sim->options.impact_velocity);
   if (status == NSDAE_OK) status = nsdae_watch_step(sim, sim->now, sim->next);

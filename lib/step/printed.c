@@ -156,4 +156,5 @@ const nsdae_stepping nsdae_stepping_printed = {
     .create = create,
     .destroy = destroy,
     .sizes = sizes,
-    .advance = advance};
+    .advance = advance,
+    .in_steps = 1};

@@ -6,6 +6,7 @@
 
 #include "errors.h"
 #include "system_impl.h"
+#include "vector.h"
 
 void nsdae_terms_layout(nsdae_terms *terms, nsdae_arena *arena)
 {
@@ -299,6 +300,22 @@ int nsdae_terms_symmetric(const nsdae_terms *terms)
         return not_symmetric(terms, (int)i, (int)j);
     }
   return NSDAE_OK;
+}
+
+double nsdae_terms_kinetic(const nsdae_terms *terms)
+{
+  int n = terms->system->dims.nv;
+  double twice = 0;
+  for (int j = 0; j < n; j++)
+    twice += terms->v[j] * nsdae_dot(n, terms->M + (size_t)j * (size_t)n, terms->v);
+  return twice / 2;
+}
+
+double nsdae_terms_touch(const nsdae_terms *terms)
+{
+  double size = 1;
+  for (int i = 0; i < terms->system->dims.nq; i++) size = fmax(size, 1 + fabs(terms->q[i]));
+  return 8 * DBL_EPSILON * size;
 }
 
 double nsdae_terms_drift(const nsdae_terms *terms)

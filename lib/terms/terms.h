@@ -65,6 +65,12 @@ void nsdae_terms_set_velocity(nsdae_terms *terms, const double *v);
  * that failed is not counted as there. */
 int nsdae_terms_need(nsdae_terms *terms, unsigned which);
 
+/* Compares both triangles of M, which must be there: only the lower one is factored. Entries are
+ * sums of products, m_b J_bi J_bj over the bodies b, and sum |m_b J_bi J_bj| <= sqrt(M_ii M_jj) by
+ * Cauchy and Schwarz: however they are summed, p roundings make them differ by at most p eps of
+ * that. With p = 10^4, NSDAE_E_MASS names the first two that differ by more. */
+int nsdae_terms_symmetric(const nsdae_terms *terms);
+
 /* W_j^T v + w_j: the velocity along column j of W_N, W_T or W_S, or with omega in place of w and an
  * acceleration in place of v, its rate. */
 static inline double nsdae_terms_rate(const nsdae_terms *T, const double *W, const double *w, int j,
@@ -74,11 +80,12 @@ static inline double nsdae_terms_rate(const nsdae_terms *T, const double *W, con
   return nsdae_dot(T->system->dims.nv, W + (size_t)j * n, v) + w[j];
 }
 
-/* Compares both triangles of M, which must be there: only the lower one is factored. Entries are
- * sums of products, m_b J_bi J_bj over the bodies b, and sum |m_b J_bi J_bj| <= sqrt(M_ii M_jj) by
- * Cauchy and Schwarz: however they are summed, p roundings make them differ by at most p eps of
- * that. With p = 10^4, NSDAE_E_MASS names the first two that differ by more. */
-int nsdae_terms_symmetric(const nsdae_terms *terms);
+/* T = v^T M v / 2; the mass matrix must be there. */
+double nsdae_terms_kinetic(const nsdae_terms *terms);
+
+/* A gap below this touches: gaps are made of coordinates and constants, and a few roundings of
+ * those are all that it says, 8 eps (1 + max |q|). */
+double nsdae_terms_touch(const nsdae_terms *terms);
 
 /* max |Phi| and max(0, -g_N); phi and gap must be there. */
 double nsdae_terms_drift(const nsdae_terms *terms);

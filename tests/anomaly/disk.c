@@ -93,7 +93,7 @@ typedef struct run {
   nsdae_trajectory *trajectory;
 } run;
 
-static int begin(run *r, const char *name)
+static void open_sim(run *r)
 {
   nsdae_sim_options options;
   double q0[3], v0[3];
@@ -104,7 +104,12 @@ static int begin(run *r, const char *name)
   r->system = bead_system(&r->bead);
   assert_int_equal(nsdae_sim_create(r->system, &options, &r->sim, NULL), NSDAE_OK);
   assert_int_equal(nsdae_sim_init(r->sim, 0, q0, v0), NSDAE_OK);
+}
+
+static int begin(run *r, const char *name)
+{
   const nsdae_trajectory_info info = {.model = "bead", .compress = r->compress};
+  open_sim(r);
   return nsdae_trajectory_create(r->sim, name, &info, &r->trajectory, NULL);
 }
 
@@ -176,6 +181,30 @@ static int go_on(run *r, int fault, long at, int code)
   return WEXITSTATUS(state);
 }
 
+/* A run that was killed goes on where the file has its last state, and leaves what one leaves that
+ * was not; before the first flush there is none. */
+static void expect_resumed(const run *killed, const content *whole)
+{
+  run r = {.compress = killed->compress};
+  content got;
+  nsdae_record record;
+  const nsdae_trajectory_info info = {.model = "bead"};
+  open_sim(&r);
+  int status = nsdae_trajectory_resume(r.sim, copy_path, &info, &r.trajectory, NULL);
+  assert_int_equal(status, killed->before > 0 || status == NSDAE_OK ? NSDAE_OK : NSDAE_E_IO);
+  if (status == NSDAE_OK) {
+    assert_int_equal(nsdae_sim_get_record(r.sim, &record), NSDAE_OK);
+    assert_int_equal(step(&r, killed->before + killed->more - (int)record.step), NSDAE_OK);
+  }
+  assert_int_equal(end(&r), NSDAE_OK);
+  if (status < 0) return;
+  assert_int_equal(read_file(copy_path, &got), 1);
+  assert_int_equal(got.rows[0], whole->rows[0]);
+  expect_rows(&got, whole, whole->rows[0]);
+  assert_string_equal(got.status, "complete");
+  release(&got);
+}
+
 static void expect_outcome(int outcome, int fault, const content *got)
 {
   if (fault == DISK_KILLED || fault == DISK_TORN) {
@@ -213,6 +242,7 @@ static void attack(run *r, const content *whole, int fault, int code)
     }
     expect_outcome(outcome, fault, &got);
     release(&got);
+    if (outcome < 0) expect_resumed(r, whole);
   }
   print_message("%d + %d steps, fault %d: %ld writes\n", r->before, r->more, fault, at);
   assert_true(at > 20);

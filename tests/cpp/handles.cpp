@@ -334,6 +334,15 @@ void test_trajectory(const char *path)
     EXPECT(moved && !file);
     moved.close();
     EXPECT(!moved && moved.try_close() == NSDAE_OK);
+    nsdae::sim again(make_ball());
+    nsdae_trajectory_info info = nsdae_trajectory_info();
+    info.model = "ball";
+    nsdae::trajectory resumed(nsdae::trajectory::resume(again, path, info));
+    again.run(0.2);
+    resumed.flush();
+    resumed.close();
+    info.model = "bat";
+    EXPECT(throws_status(NSDAE_E_ARGUMENT, [&] { nsdae::trajectory::resume(again, path, info); }));
     EXPECT(throws_status(NSDAE_E_IO, [] {
       nsdae::sim sim(make_ball());
       nsdae::trajectory(sim, "/no/such/folder/x.h5");

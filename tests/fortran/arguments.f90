@@ -249,6 +249,7 @@ contains
     call is_int(error%index, 1, 'error%index')
     call bead_start(b, q0, v0)
     ! a section that is not contiguous
+    q0(1) = q0(1) + b%speed * 0.5d0  ! where the parabola is then
     spread = 0
     spread(1::2) = q0
     call is_int(nsdae_sim_init(sim, 0.5d0, spread(1::2), v0), NSDAE_OK, 'a section')

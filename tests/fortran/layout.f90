@@ -121,6 +121,9 @@ contains
     call same('NSDAE_MODE_SLIDE', NSDAE_MODE_SLIDE)
     call same('NSDAE_MODE_STICK', NSDAE_MODE_STICK)
     call same('NSDAE_OBSERVERS_MAX', NSDAE_OBSERVERS_MAX)
+    call same('NSDAE_PROJECTION_NONE', NSDAE_PROJECTION_NONE)
+    call same('NSDAE_PROJECTION_CONSTRAINTS', NSDAE_PROJECTION_CONSTRAINTS)
+    call same('NSDAE_PROJECTION_CONTACTS', NSDAE_PROJECTION_CONTACTS)
     call same('NSDAE_NAME_COORDINATE', NSDAE_NAME_COORDINATE)
     call same('NSDAE_NAME_VELOCITY', NSDAE_NAME_VELOCITY)
     call same('NSDAE_NAME_CONSTRAINT', NSDAE_NAME_CONSTRAINT)
@@ -239,6 +242,8 @@ contains
     call same_place('nsdae_sim_options%accumulation_time', c_loc(x), c_loc(x%accumulation_time))
     call same_place('nsdae_sim_options%events_max', c_loc(x), c_loc(x%events_max))
     call same_place('nsdae_sim_options%inner_steps_max', c_loc(x), c_loc(x%inner_steps_max))
+    call same_place('nsdae_sim_options%projection', c_loc(x), c_loc(x%projection))
+    call same_place('nsdae_sim_options%start_tol', c_loc(x), c_loc(x%start_tol))
     call same_place('nsdae_sim_options%initialised', c_loc(x), c_loc(x%initialised))
   end subroutine
 

@@ -52,6 +52,7 @@ program trajectory_test
   call is_int(nsdae_sim_create(system, sim, options), NSDAE_OK, 'create')
   call refused
   call contents
+  call resumed
   call failed_run
   call nsdae_sim_destroy(sim)
   call nsdae_system_destroy(system)
@@ -100,6 +101,34 @@ contains
     call shows('-d /mine/words', '"one", "two"')
     call shows('-a /status', '"complete"')
     call shows('-a /model', '"bead"')
+  end subroutine
+
+  ! In two parts what contents has in one.
+  subroutine resumed()
+    type(nsdae_trajectory) :: t
+    type(nsdae_error) :: error
+    type(nsdae_trajectory_info) :: info
+    real(c_double) :: one(3 * (STEPS + 1))
+    integer :: i
+    one = stored('/q', 3 * (STEPS + 1))
+    info = nsdae_trajectory_info('bead', table, .false., t_end=STEPS * 0.001d0)
+    call is_int(nsdae_trajectory_create(sim, 'fortran.h5', info, t, error), NSDAE_OK, error%text)
+    call is_int(nsdae_sim_init(sim, 0d0, q0, v0), NSDAE_OK, 'init')
+    do i = 1, STEPS / 2
+      call is_true(nsdae_sim_step(sim) >= NSDAE_OK, 'step')
+    end do
+    call is_int(nsdae_trajectory_close(t, NSDAE_STOPPED), NSDAE_OK, 'close')
+    call shows('-a /status', '"stopped"')
+    call is_int(nsdae_sim_init(sim, 0d0, q0, v0), NSDAE_OK, 'init')
+    call is_int(nsdae_trajectory_resume(sim, 'fortran.h5', info, t, error), NSDAE_OK, error%text)
+    call is_int(nsdae_sim_run(sim, STEPS * 0.001d0), NSDAE_OK, 'run')
+    call is_int(nsdae_trajectory_close(t, NSDAE_OK), NSDAE_OK, 'close')
+    call is_true(all(stored('/q', 3 * (STEPS + 1)) == one), 'the same in two parts')
+    info%model = 'pearl'
+    call is_int(nsdae_trajectory_resume(sim, 'fortran.h5', info, t, error), NSDAE_E_ARGUMENT, 'another model')
+    call is_true(error%argument == 'model', error%text)
+    call is_int(nsdae_trajectory_read_params('fortran.h5', 'parameters', table, error), NSDAE_OK, error%text)
+    call is_int(nsdae_trajectory_read_params('none.h5', 'parameters', table, error), NSDAE_E_IO, 'no file')
   end subroutine
 
   subroutine failed_run()

@@ -147,7 +147,7 @@ static void test_failed_creation_holds_nothing(void **state)
 static void test_destroyed_first(void **state)
 {
   (void)state;
-  const double q[PLANAR_NQ] = {0, 5, 1, 0}, v[PLANAR_NV] = {0};
+  const double q[PLANAR_NQ] = {0, 0.5, 1, 0}, v[PLANAR_NV] = {0};
   nsdae_system *s = ball(1);
   nsdae_sim *sim = NULL;
   assert_int_equal(nsdae_sim_create(s, NULL, &sim, NULL), NSDAE_OK);

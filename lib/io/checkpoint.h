@@ -1,0 +1,42 @@
+/* The state of a simulation in a trajectory file, and how many rows belong to it. Two places are
+ * written in turn, so that one of them is whole at any moment: the newest whose checksum is right
+ * and whose rows are in the file is where the run goes on. */
+#ifndef NSDAE_IO_CHECKPOINT_H
+#define NSDAE_IO_CHECKPOINT_H
+
+#include <nsdae/sim.h>
+
+#include "hdf5_data.h"
+
+enum { NSDAE_CHECKPOINT_TABLES = 3 };
+
+typedef struct nsdae_checkpoint {
+  hid_t set;            /* < 0: none */
+  size_t size;          /* of a state */
+  int newest;           /* place of the last one written or found */
+  unsigned char *place; /* memory of one place */
+} nsdae_checkpoint;
+
+/* Rows of the tables and the number of the step at a state. */
+typedef struct nsdae_checkpoint_mark {
+  hsize_t rows[NSDAE_CHECKPOINT_TABLES];
+  long step;
+} nsdae_checkpoint_mark;
+
+/* Memory for the states of sim. NSDAE_E_MEMORY. */
+int nsdae_checkpoint_init(nsdae_checkpoint *checkpoint, const nsdae_sim *sim);
+void nsdae_checkpoint_release(nsdae_checkpoint *checkpoint);
+
+int nsdae_checkpoint_create(nsdae_checkpoint *checkpoint, nsdae_h5 *h5);
+/* The state of sim as it is now, in the place of the older one. */
+int nsdae_checkpoint_write(nsdae_checkpoint *checkpoint, nsdae_h5 *h5, nsdae_sim *sim,
+                           const nsdae_checkpoint_mark *mark);
+
+/* Opens those of a file. */
+int nsdae_checkpoint_open(nsdae_checkpoint *checkpoint, nsdae_h5 *h5);
+/* Sets sim to the newest state that has at most these rows. NSDAE_E_IO: there is none. */
+int nsdae_checkpoint_take(nsdae_checkpoint *checkpoint, nsdae_h5 *h5, nsdae_sim *sim,
+                          const hsize_t rows[NSDAE_CHECKPOINT_TABLES], nsdae_checkpoint_mark *mark);
+void nsdae_checkpoint_close(nsdae_checkpoint *checkpoint);
+
+#endif

@@ -1,0 +1,318 @@
+#include "projection.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "errors.h"
+#include "system_impl.h"
+#include "vector.h"
+
+enum {
+  ROUNDS = 60, /* of Newton's method, and so many more for each contact */
+  TERMS = NSDAE_TERM_MASS | NSDAE_TERM_PHI | NSDAE_TERM_JACOBIAN
+};
+
+void nsdae_projector_layout(nsdae_projector *p, nsdae_arena *arena)
+{
+  const nsdae_dims *d = &p->tools->system->dims;
+  p->kkt = (nsdae_kkt){.n = d->nv, .m = p->rows_most, .rank_tol = p->tools->options->rank_tol};
+  nsdae_kkt_layout(&p->kkt, arena);
+  nsdae_units *const units[] = {&p->units, &p->other};
+  for (int i = 0; i < 2; i++) {
+    units[i]->of = NSDAE_ARENA_INTS(arena, d->nq);
+    units[i]->length = NSDAE_ARENA_DOUBLES(arena, d->nq);
+  }
+  p->J = NSDAE_ARENA_DOUBLES(arena, (long)p->rows_most * d->nv);
+  p->c = NSDAE_ARENA_DOUBLES(arena, p->rows_most);
+  p->change = NSDAE_ARENA_DOUBLES(arena, d->nv);
+  p->total = NSDAE_ARENA_DOUBLES(arena, d->nv);
+  p->q = NSDAE_ARENA_DOUBLES(arena, d->nq);
+  p->v = NSDAE_ARENA_DOUBLES(arena, d->nv);
+  p->qdot = NSDAE_ARENA_DOUBLES(arena, d->nq);
+  p->H = NSDAE_ARENA_DOUBLES(arena, p->tools->system->kinematics ? (long)d->nq * d->nv : 0);
+  p->contact = NSDAE_ARENA_INTS(arena, p->rows_most);
+  p->closed = NSDAE_ARENA_INTS(arena, d->k);
+}
+
+/* ---- coordinates of unit length */
+
+/* H at a point beside q that is nothing special; nonzero where the kinematics refuses it. */
+static int read_kinematics(nsdae_projector *p, double t, const double *q, double away)
+{
+  const nsdae_system *s = p->tools->system;
+  int nq = s->dims.nq, nv = s->dims.nv, code = 0;
+  for (int i = 0; i < nq; i++)
+    p->q[i] = q[i] + away * (0.3 + fmod(0.618034 * (i + 1), 1)) * (1 + fabs(q[i]));
+  for (int j = 0; j < nv && !code; j++) {
+    memset(p->v, 0, (size_t)nv * sizeof *p->v);
+    p->v[j] = 1;
+    double *column = p->H + (size_t)j * (size_t)nq;
+    memset(column, 0, (size_t)nq * sizeof *column);
+    code = nsdae_kinematics(s, t, p->q, p->v, column);
+  }
+  return code;
+}
+
+/* of[i]: the first coordinate that is moved together with i. */
+static void group_coordinates(nsdae_projector *p)
+{
+  int nq = p->tools->system->dims.nq, nv = p->tools->system->dims.nv, *of = p->units.of;
+  for (int i = 0; i < nq; i++) of[i] = i;
+  for (int j = 0; j < nv; j++) {
+    int first = -1;
+    for (int i = 0; i < nq; i++) {
+      if (p->H[(size_t)j * (size_t)nq + (size_t)i] == 0) continue;
+      if (first < 0) first = of[i];
+      int from = of[i] > first ? of[i] : first, to = of[i] > first ? first : of[i];
+      for (int l = 0; l < nq; l++)
+        if (of[l] == from) of[l] = to;
+      first = to;
+    }
+  }
+}
+
+/* Whether group g at the point p->q keeps its length and has the sizes of a rotation. */
+static int keeps_length(const nsdae_projector *p, int g)
+{
+  int nq = p->tools->system->dims.nq, nv = p->tools->system->dims.nv, size = 0, movers = 0;
+  for (int i = 0; i < nq; i++) size += p->units.of[i] == g;
+  for (int j = 0; j < nv; j++) {
+    double along = 0, terms = 0;
+    for (int i = 0; i < nq; i++) {
+      if (p->units.of[i] != g) continue;
+      double term = p->q[i] * p->H[(size_t)j * (size_t)nq + (size_t)i];
+      along += term;
+      terms += fabs(term);
+    }
+    movers += terms > 0;
+    if (fabs(along) > 64 * DBL_EPSILON * terms) return 0;
+  }
+  return (size == 4 && movers == 3) || (size == 2 && movers == 1);
+}
+
+void nsdae_units_swap(nsdae_projector *p)
+{
+  nsdae_units units = p->units;
+  p->units = p->other;
+  p->other = units;
+}
+
+double nsdae_units_length(const nsdae_units *units, int nq, const double *q, int i)
+{
+  double sum = 0;
+  for (int j = 0; j < nq; j++)
+    if (units->of[j] == i) sum += q[j] * q[j];
+  return sqrt(sum);
+}
+
+/* Groups that keep their length at one point and at another get the numbers 0, 1, ... */
+void nsdae_units_find(nsdae_projector *p, double t, const double *q)
+{
+  int nq = p->tools->system->dims.nq;
+  nsdae_units *u = &p->units;
+  u->count = 0;
+  for (int i = 0; i < nq; i++) u->of[i] = -1;
+  if (nq == p->tools->system->dims.nv || read_kinematics(p, t, q, 0.11)) return;
+  group_coordinates(p);
+  for (int g = 0; g < nq; g++)
+    if (!keeps_length(p, g))
+      for (int i = 0; i < nq; i++)
+        if (u->of[i] == g) u->of[i] = nq; /* none of them */
+  int again = read_kinematics(p, t, q, -0.07);
+  for (int g = 0; g < nq; g++) {
+    int keeps = !again && keeps_length(p, g);
+    for (int i = 0; i < nq; i++)
+      if (u->of[i] == g) u->of[i] = keeps ? -2 - u->count : nq;
+    u->count += keeps;
+  }
+  for (int i = 0; i < nq; i++) u->of[i] = u->of[i] < 0 ? -2 - u->of[i] : -1;
+  for (int i = 0; i < u->count; i++) u->length[i] = nsdae_units_length(u, nq, q, i);
+}
+
+static void restore_lengths(nsdae_projector *p)
+{
+  int nq = p->tools->system->dims.nq;
+  for (int g = 0; g < p->units.count; g++) {
+    double length = nsdae_units_length(&p->units, nq, p->q, g);
+    for (int i = 0; i < nq && length > 0; i++)
+      if (p->units.of[i] == g) p->q[i] *= p->units.length[g] / length;
+  }
+}
+
+/* ---- constraints and contacts */
+
+static double largest(const double *a, int n)
+{
+  double most = 0;
+  for (int i = 0; i < n; i++) most = fmax(most, fabs(a[i]));
+  return most;
+}
+
+/* Appends W^T d = -c; W has the stride given. Returns |c| in units of its rounding, that of the
+ * terms it is made of: eps (1 + |W|_1 max |x|). */
+static double append(nsdae_projector *p, int *rows, const double *W, size_t stride, double c,
+                     double x)
+{
+  int n = p->tools->system->dims.nv, row = (*rows)++;
+  double sum = 0;
+  for (int j = 0; j < n; j++) {
+    double w = W[(size_t)j * stride];
+    p->J[(size_t)j * (size_t)p->rows_most + (size_t)row] = w;
+    sum += fabs(w);
+  }
+  p->c[row] = -c;
+  return fabs(c) / (DBL_EPSILON * (1 + sum * x));
+}
+
+static int position_rows(nsdae_projector *p, const nsdae_terms *T, double *worst, int *worst_row)
+{
+  const nsdae_dims *d = &T->system->dims;
+  double x = largest(T->q, d->nq);
+  int rows = 0;
+  *worst = 0;
+  for (int i = 0; i < d->m + d->k; i++) {
+    int contact = i - d->m;
+    if (contact >= 0 && !p->closed[contact]) continue;
+    p->contact[rows] = contact >= 0 ? contact : -1;
+    double off = contact < 0 ? append(p, &rows, T->J + i, (size_t)d->m, T->phi[i], x)
+                             : append(p, &rows, T->W_N + (size_t)contact * (size_t)d->nv, 1,
+                                      T->gap[contact], x);
+    if (off > *worst || rows == 1) *worst_row = rows - 1;
+    *worst = fmax(*worst, off);
+  }
+  return rows;
+}
+
+/* change := d of the rows, c := l. With least the change since the beginning, total + d, is the
+ * least, and l is what it takes: M (total + d) + J^T l = 0. */
+static int solve(nsdae_projector *p, const nsdae_terms *T, int rows, int least)
+{
+  nsdae_kkt kkt = p->kkt;
+  int n = kkt.n;
+  kkt.m = rows;
+  int status = nsdae_kkt_factor(&kkt, T->M, n, p->J, p->rows_most > 0 ? p->rows_most : 1);
+  if (status < 0)
+    return nsdae_error_set(T->error, status, "nsdae_sim", "mass",
+                           "the mass matrix is not positive definite where a state is projected");
+  memset(p->change, 0, (size_t)n * sizeof *p->change);
+  if (least) nsdae_add_product(n, n, T->M, p->total, p->change);
+  for (int j = 0; j < n; j++) p->change[j] = -p->change[j];
+  nsdae_kkt_solve(&kkt, 1, p->change, n, p->c, rows);
+  return NSDAE_OK;
+}
+
+/* Contacts that would pull are open; returns how many. */
+static int open_pulling(nsdae_projector *p, int rows)
+{
+  int opened = 0;
+  for (int i = 0; i < rows; i++) {
+    if (p->contact[i] < 0 || !(p->c[i] > 0)) continue;
+    p->closed[p->contact[i]] = 0;
+    opened++;
+  }
+  return opened;
+}
+
+/* The contact that overlaps most, by more than rounding, takes part from here on: one at a time,
+ * for what puts it right may put others right. Returns whether there is one. */
+static int close_deepest(nsdae_projector *p, const nsdae_terms *T)
+{
+  int deepest = -1;
+  double gap = -nsdae_terms_touch(T);
+  for (int i = 0; i < T->system->dims.k; i++) {
+    if (p->closed[i] || T->gap[i] >= gap) continue;
+    gap = T->gap[i];
+    deepest = i;
+  }
+  if (deepest >= 0) p->closed[deepest] = 1;
+  return deepest >= 0;
+}
+
+static int move(nsdae_projector *p, nsdae_terms *T)
+{
+  int nq = T->system->dims.nq;
+  int status = nsdae_stepper_kinematics(p->tools, T->t, T->q, p->change, p->qdot);
+  if (status < 0) return status;
+  for (int i = 0; i < nq; i++) p->q[i] = T->q[i] + p->qdot[i];
+  for (int j = 0; j < T->system->dims.nv; j++) p->total[j] += p->change[j];
+  memcpy(p->v, T->v, (size_t)T->system->dims.nv * sizeof *p->v);
+  restore_lengths(p);
+  nsdae_terms_at(T, T->t, p->q, p->v);
+  return NSDAE_OK;
+}
+
+static int not_converged(const nsdae_projector *p, const nsdae_terms *T, int row)
+{
+  char called[NSDAE_CALLED_SIZE];
+  int contact = p->contact[row];
+  int kind = contact < 0 ? NSDAE_NAME_CONSTRAINT : NSDAE_NAME_CONTACT;
+  int i = contact < 0 ? row : contact; /* constraints come first, all of them */
+  nsdae_error_set(T->error, NSDAE_E_CONVERGENCE, "nsdae_sim", "projection",
+                  "no state on all constraints was found near this one at t = %.17g: %s is off by "
+                  "%.3g; do they contradict each other?",
+                  T->t, nsdae_system_called(T->system, kind, i, called),
+                  contact < 0 ? T->phi[i] : T->gap[i]);
+  T->error->index = i;
+  T->error->time = T->t;
+  return NSDAE_E_CONVERGENCE;
+}
+
+/* Whether the rows are satisfied: to their rounding, a few eps of their terms; where constants that
+ * are not seen in those make it more, Newton's method stands still, and 10^4 times as much is as
+ * near as numbers come. A least change has also come to rest: then its square is nothing. */
+static int converged(const nsdae_projector *p, const nsdae_terms *T, int least, double worst,
+                     double before)
+{
+  const double rounding = 16, still = 16e4, rest = 1e-9;
+  double moved = largest(p->change, p->kkt.n), size = 1 + largest(T->q, T->system->dims.nq);
+  if (least && moved > rest * size) return 0;
+  return worst <= rounding || (worst <= still && worst > before / 2);
+}
+
+/* Newton's method at first aims at the least change; far from the constraints that may not come to
+ * rest, and then each step is the least one. */
+int nsdae_project_positions(nsdae_projector *p, nsdae_terms *T, int penetrating)
+{
+  unsigned terms = TERMS;
+  double worst = INFINITY, before = INFINITY;
+  int row = 0, rounds = penetrating ? ROUNDS * (1 + T->system->dims.k) : ROUNDS;
+  if (p->rows_most > T->system->dims.m) terms |= NSDAE_TERM_GAP | NSDAE_TERM_NORMAL;
+  memset(p->change, 0, (size_t)p->kkt.n * sizeof *p->change);
+  memset(p->total, 0, (size_t)p->kkt.n * sizeof *p->total);
+  int status = p->units.count > 0 ? move(p, T) : NSDAE_OK;
+  for (int round = 0; round < rounds && status == NSDAE_OK; round++) {
+    int least = penetrating && round < rounds / 2;
+    status = nsdae_terms_need(T, terms);
+    if (status < 0) return status;
+    int rows = position_rows(p, T, &worst, &row);
+    if (rows == 0 || converged(p, T, least, worst, before)) {
+      if (!penetrating || !close_deepest(p, T)) return NSDAE_OK;
+      before = INFINITY;
+      rows = position_rows(p, T, &worst, &row);
+    }
+    before = worst;
+    status = solve(p, T, rows, least);
+    if (status == NSDAE_OK && open_pulling(p, rows) == 0) status = move(p, T);
+  }
+  return status < 0 ? status : not_converged(p, T, row);
+}
+
+int nsdae_project_velocities(nsdae_projector *p, nsdae_terms *T)
+{
+  const nsdae_dims *d = &T->system->dims;
+  int rows = 0;
+  if (d->m == 0) return NSDAE_OK;
+  int status = nsdae_terms_need(T, TERMS | NSDAE_TERM_PHI_T);
+  if (status < 0) return status;
+  for (int i = 0; i < d->m; i++) {
+    double rate = T->phi_t[i];
+    for (int j = 0; j < d->nv; j++) rate += T->J[(size_t)j * (size_t)d->m + (size_t)i] * T->v[j];
+    append(p, &rows, T->J + i, (size_t)d->m, rate, 0);
+  }
+  status = solve(p, T, rows, 0);
+  if (status < 0) return status;
+  for (int j = 0; j < d->nv; j++) p->v[j] = T->v[j] + p->change[j];
+  nsdae_terms_set_velocity(T, p->v);
+  return NSDAE_OK;
+}

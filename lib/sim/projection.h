@@ -1,0 +1,57 @@
+/* Back to the constraints, by the least change in the metric of M.
+ *
+ *   positions:  min (dq)^T M dq / 2,   Phi + Phi_q dq = 0,  g_N + W_N^T dq = 0      Newton's
+ * method, velocities: min (dv)^T M dv / 2,   Phi_q (v + dv) + Phi_t = 0                  one
+ * solution,
+ *
+ * both M d + J^T l = 0, J d = -c; q moves by H dq, dq/dt = H v (Ascher and Petzold, Computer
+ * Methods for Ordinary Differential Equations, 1998, section 9.2; Eich, SIAM J. Numer. Anal. 30,
+ * 1993). A contact only pushes: where l > 0 its row is left out.
+ *
+ * Coordinates of unit length, such as quaternions, the kinematics shows: groups of 4 coordinates
+ * that 3 velocities move, or of 2 that 1 moves, with q . H = 0 wherever they are. Their length is a
+ * constant of the motion that dq does not change. */
+#ifndef NSDAE_SIM_PROJECTION_H
+#define NSDAE_SIM_PROJECTION_H
+
+#include "stepper.h"
+
+/* Groups of coordinates whose length the kinematics keeps. */
+typedef struct nsdae_units {
+  int count;
+  int *of;        /* nq: group of each coordinate; -1: none */
+  double *length; /* count, at most nq: at the start */
+} nsdae_units;
+
+typedef struct nsdae_projector {
+  nsdae_stepper *tools;
+  int rows_most; /* m, and k where contacts are projected */
+  nsdae_kkt kkt;
+  nsdae_units units, other;      /* those of the run; what is read of another one */
+  double *J, *c;                 /* rows x nv; rows: right-hand side, then l */
+  double *total;                 /* nv: the sum of all changes */
+  double *change, *q, *v, *qdot; /* nv, nq, nv, nq */
+  double *H;                     /* nq x nv: of the kinematics, where groups are looked for */
+  int *contact;                  /* rows: the contact of a row; -1: a constraint */
+  int *closed;                   /* k: contacts that take part */
+} nsdae_projector;
+
+/* tools and rows_most are set before. */
+void nsdae_projector_layout(nsdae_projector *projection, nsdae_arena *arena);
+
+/* Looks for the groups at (t, q) and keeps their lengths. */
+void nsdae_units_find(nsdae_projector *projection, double t, const double *q);
+/* Puts other in the place of units. */
+void nsdae_units_swap(nsdae_projector *projection);
+/* Length of group i of q. */
+double nsdae_units_length(const nsdae_units *units, int nq, const double *q, int i);
+
+/* Moves the terms' point to the constraints and to the closed contacts; penetrating: contacts that
+ * overlap join them. NSDAE_OK, NSDAE_E_CONVERGENCE naming the worst row, and what the terms return.
+ */
+int nsdae_project_positions(nsdae_projector *projection, nsdae_terms *terms, int penetrating);
+
+/* Changes the terms' velocity to that of the constraints. */
+int nsdae_project_velocities(nsdae_projector *projection, nsdae_terms *terms);
+
+#endif
