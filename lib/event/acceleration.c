@@ -10,6 +10,9 @@
  * why the integrator failed. */
 static const double SINGULAR = 1e-10, NEARLY = 1e-3;
 
+/* Of the forces applied, a contact force that is without bound. */
+static const double OUTGROWN = 1e6;
+
 void nsdae_event_acceleration_layout(nsdae_event_acceleration *p, nsdae_arena *arena)
 {
   const nsdae_dims *d = &p->phase->setting->system->dims;
@@ -123,30 +126,50 @@ static int solve(nsdae_event_acceleration *p)
   return nsdae_event_solve(s, &p->problem, &T, p->size, p->a, p->lambda);
 }
 
+static int tell_paradox(const nsdae_event_setting *s, int contact, double t, const char *what,
+                        double coefficient)
+{
+  nsdae_error_set(s->error, NSDAE_E_PAINLEVE, "nsdae_event", "mu",
+                  "contact %d has %s at t = %.17g (Painleve's paradox: its friction feeds its "
+                  "normal force, coefficient %.3g): take less friction, or method = implicit, "
+                  "which resolves it by an impulse",
+                  contact, what, t, coefficient);
+  s->error->index = contact;
+  s->error->time = t;
+  return NSDAE_E_PAINLEVE;
+}
+
+static const char without_bound[] = "a contact force that grows without bound";
+
 /* A contact that slides and whose own coefficient W_N^T P (W_N - mu W_T d) is not above zero pulls
- * itself in: then there is no force, or two (Painleve 1895). */
-static int paradox(nsdae_event_acceleration *p, int status, double least)
+ * itself in: then there is no force, or two (Painleve 1895). Several together can do so as well. */
+static int paradox(const nsdae_event_acceleration *p, int status, double least)
 {
   const nsdae_contacts *c = &p->problem;
-  nsdae_event_setting *s = p->phase->setting;
+  const nsdae_event_setting *s = p->phase->setting;
   for (int a = 0; a < c->active_count; a++) {
     int i = c->active[a], row = c->first_row[a];
     double coefficient = c->lcp.A[(size_t)row * (size_t)c->rows + (size_t)row];
     double scale = c->delassus.G[(size_t)c->first_column[a] * (size_t)(c->columns + 1)];
-    if (c->law[i].kind != NSDAE_SLIDING || coefficient > least * scale) continue;
-    const char *what = coefficient > SINGULAR * scale ? "a contact force that grows without bound"
-                       : status < 0                   ? "no contact force that solves the equations"
-                                                      : "two solutions";
-    nsdae_error_set(s->error, NSDAE_E_PAINLEVE, "nsdae_event", "mu",
-                    "contact %d has %s at t = %.17g (Painleve's paradox: its friction feeds its "
-                    "normal force, coefficient %.3g): take less friction, or method = implicit, "
-                    "which resolves it by an impulse",
-                    i, what, s->here->t, coefficient);
-    s->error->index = i;
-    s->error->time = s->here->t;
-    return NSDAE_E_PAINLEVE;
+    int unsolved = status == NSDAE_E_LCP || status == NSDAE_E_INFEASIBLE;
+    if (c->law[i].kind != NSDAE_SLIDING || (coefficient > least * scale && !unsolved)) continue;
+    return tell_paradox(s, i, s->here->t,
+                        least > SINGULAR ? without_bound
+                        : unsolved       ? "no contact force that solves the equations"
+                                         : "two solutions",
+                        coefficient);
   }
   return status;
+}
+
+int nsdae_event_outgrown(nsdae_event_acceleration *p, double t, const double *y)
+{
+  const nsdae_event_setting *s = p->phase->setting;
+  double most = OUTGROWN * nsdae_event_largest(s->system->dims.nv, s->here->F);
+  for (int i = 0; i < s->system->dims.k; i++)
+    if (p->phase->modes.contact[i] == NSDAE_MODE_SLIDE && y[s->at.normal + i] > most)
+      return tell_paradox(s, i, t, without_bound, 0);
+  return NSDAE_OK;
 }
 
 int nsdae_event_accelerate(nsdae_event_acceleration *p)

@@ -29,9 +29,7 @@ static int least_norm(nsdae_event_account *a, double t, const double *y, double 
   nsdae_event_phase *p = a->integrator->roots->phase;
   nsdae_terms *T = p->setting->here;
   const nsdae_dims *d = &T->system->dims;
-  int redundant = 0;
-  for (int i = 0; i < d->m; i++) redundant |= !p->modes.independent[i];
-  if (!redundant) return NSDAE_OK;
+  if (!*p->modes.redundant) return NSDAE_OK;
   nsdae_event_move(p->setting, t, y);
   int status = nsdae_terms_need(T, NSDAE_TERM_MASS | NSDAE_TERM_JACOBIAN);
   if (status == NSDAE_OK) status = nsdae_event_factor(p->setting);

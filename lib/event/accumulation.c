@@ -143,8 +143,7 @@ int nsdae_event_close_set(nsdae_event_accumulation *p, double *v, double *multip
   return status;
 }
 
-/* d^T M d / 2 */
-static double energy_of(const nsdae_terms *T, const double *d)
+double nsdae_event_energy(const nsdae_terms *T, const double *d)
 {
   int n = T->system->dims.nv;
   double twice = 0;
@@ -170,7 +169,8 @@ int nsdae_event_ends(nsdae_event_accumulation *p, const double *before, const do
     fastest = fmax(fastest, p->after[i]);
     count++;
   }
-  double left = energy_of(T, p->parting) + height, all = energy_of(T, p->lost) + height;
+  double left = nsdae_event_energy(T, p->parting) + height,
+         all = nsdae_event_energy(T, p->lost) + height;
   double flight = power > 0 ? 4 * left / power : INFINITY;
   p->rest = left < all ? flight / (1 - sqrt(left / all)) : INFINITY;
   int ends = p->rest < s->options->accumulation_time ||

@@ -13,6 +13,10 @@
  * starts anew, so that a way back is not longer. */
 enum { IDLE_MAX = 100, STEPS_MAX = 5000 };
 
+/* Steps shorter than this part of dt lead nowhere: so many in one dt, and at each start. */
+static const double TINY = 1e-6;
+enum { TINY_MAX = 1000, STARTS = 50 };
+
 typedef struct event {
   nsdae_arena arena;
   nsdae_event_setting setting;
@@ -110,7 +114,8 @@ static int integrator_failed(event *e, int status, double t)
 {
   nsdae_error *error = e->setting.error;
   if (error->status != NSDAE_OK) return error->status;
-  if (nsdae_event_diagnose(&e->instant.acceleration, t, e->integrator.y) < 0)
+  if (nsdae_event_diagnose(&e->instant.acceleration, t, e->integrator.y) < 0 ||
+      nsdae_event_outgrown(&e->instant.acceleration, t, e->integrator.y) < 0)
     return NSDAE_E_PAINLEVE;
   nsdae_error_set(error, status, "nsdae_event", "rtol",
                   "the integrator failed at t = %.17g with IDA's code %d: try a larger rtol, or "
@@ -143,9 +148,23 @@ static void add_change(nsdae_result *r, double t, int contact, int slide, int be
   if (before != after) r->change[r->changes++] = (nsdae_change){t, contact, slide, before, after};
 }
 
+/* Whether a force that slides has met its pole: see nsdae_root_kind. Where it jumps from one end of
+ * the doubles to the other, that looks like a contact that lets go. */
+static int jammed(event *e, double t)
+{
+  int any = 0;
+  for (int i = 0; i < e->setting.system->dims.k; i++) {
+    const nsdae_event_root *jam = nsdae_event_root_of(&e->roots, NSDAE_ROOT_JAM, i);
+    any |= jam->state != NSDAE_ROOT_OFF &&
+           (jam->found || nsdae_event_root_of(&e->roots, NSDAE_ROOT_NORMAL, i)->found);
+  }
+  return any && nsdae_event_diagnose(&e->instant.acceleration, t, e->integrator.y) < 0;
+}
+
 /* The same in the middle of a run, where a change of mode is told. */
 static int go_through(event *e, double t)
 {
+  if (jammed(e, t)) return NSDAE_E_PAINLEVE;
   nsdae_result *r = e->setting.result;
   const nsdae_dims *d = &e->setting.system->dims;
   const nsdae_event_modes *m = &e->phase.modes;
@@ -189,6 +208,11 @@ static int integrate(event *e)
   int status = nsdae_event_integrator_advance(&e->integrator);
   if (status < 0) nsdae_event_integrator_read(&e->integrator, from, e->integrator.y);
   ++*e->base.steps;
+  int turned =
+      status < 0 ? 0 : nsdae_event_turned(&e->instant, e->integrator.ahead, e->integrator.y);
+  if (turned < 0) return turned;
+  if (turned > 0) e->integrator.pending = 1;
+  *e->base.tiny += e->integrator.ahead - from < TINY * e->setting.options->dt;
   return status < 0 ? integrator_failed(e, status, from) : status;
 }
 
@@ -225,11 +249,12 @@ static int arrive(event *e, const nsdae_state *state)
   return stands ? NSDAE_OK : begin(e, state->terms);
 }
 
-/* Friction that is asked again and again how it shares between contacts leads nowhere, sooner. */
+/* Time goes on whatever happens: a dt has so many instants, and so many steps that are none.
+ * Friction that is asked again and again how it shares between contacts leads nowhere, sooner. */
 static int too_many(const event *e)
 {
   return e->instant.impacts.endless || *e->base.instants > e->setting.options->events_max ||
-         *e->base.idle > IDLE_MAX;
+         *e->base.idle > IDLE_MAX || *e->base.tiny > TINY_MAX + STARTS * *e->base.instants;
 }
 
 static int advance_from(event *e)
@@ -303,11 +328,12 @@ static int advance(void *own, const nsdae_state *state, double t_end, nsdae_resu
   nsdae_event_lay(&e->base, &e->instant, &result->memory);
   int status = arrive(e, state);
   e->stamp = 0;
-  if (*e->base.goal != t_end) *e->base.instants = *e->base.idle = 0;
+  if (*e->base.goal != t_end) *e->base.instants = *e->base.idle = *e->base.tiny = 0;
   *e->base.goal = t_end;
   if (status == NSDAE_OK) status = run_to(e, t_end);
   if (status < 0) return integrator_failed(e, status, e->reached);
-  result->given_up = too_many(e);
+  /* a list that one instant fills leaves no way on either */
+  result->given_up = too_many(e) || !(e->reached > state->terms->t);
   if (result->given_up) return NSDAE_OK;
   status = read_results(e, state->terms->t);
   if (status < 0) return integrator_failed(e, status, e->reached);

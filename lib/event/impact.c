@@ -5,6 +5,10 @@
 #include <string.h>
 
 #include "cone.h"
+#include "errors.h"
+
+/* Of the energy before an impact, a gain that is none. */
+static const double ROUNDING = 1e-12;
 
 void nsdae_event_impacts_layout(nsdae_event_impacts *p, nsdae_arena *arena)
 {
@@ -12,12 +16,15 @@ void nsdae_event_impacts_layout(nsdae_event_impacts *p, nsdae_arena *arena)
   long columns = (long)d->k * (1 + d->nt) + d->f;
   nsdae_contacts_layout(&p->problem, arena);
   nsdae_impulses_layout(&p->solution, d, arena);
+  nsdae_impulses_layout(&p->plastic, d, arena);
   nsdae_event_accumulation_layout(&p->accumulation, arena);
   p->momentum = NSDAE_ARENA_DOUBLES(arena, d->nv);
   p->multiplier = NSDAE_ARENA_DOUBLES(arena, d->m);
   p->v = NSDAE_ARENA_DOUBLES(arena, d->nv);
   p->size = NSDAE_ARENA_DOUBLES(arena, d->nv);
   p->velocity = NSDAE_ARENA_DOUBLES(arena, d->k);
+  p->elastic = NSDAE_ARENA_DOUBLES(arena, d->nv);
+  p->reaction = NSDAE_ARENA_DOUBLES(arena, d->m);
   p->force = NSDAE_ARENA_DOUBLES(arena, columns);
   p->xi = NSDAE_ARENA_DOUBLES(arena, columns);
 }
@@ -75,6 +82,76 @@ static void approach(nsdae_event_impacts *p)
     p->problem.results->before[i] = fabs(p->velocity[i]) <= size ? 0 : p->velocity[i];
 }
 
+/* to := to + share (from - to) */
+static void blend(int n, double share, const double *from, double *to)
+{
+  for (int i = 0; i < n; i++) to[i] += share * (from[i] - to[i]);
+}
+
+/* What the solved problem's impulses do. */
+static double work_of(nsdae_event_impacts *p)
+{
+  nsdae_impulses *of = p->problem.results;
+  int k = p->problem.system->dims.k;
+  memcpy(of->before, p->velocity, (size_t)k * sizeof *of->before);
+  double work = nsdae_contacts_work(&p->problem);
+  approach(p);
+  return work;
+}
+
+/* The solution with e_N = 0, in place of that with e_N, which is kept. */
+static int solve_plastic(nsdae_event_impacts *p)
+{
+  const nsdae_dims *d = &p->problem.system->dims;
+  memcpy(p->elastic, p->v, (size_t)d->nv * sizeof *p->v);
+  memcpy(p->reaction, p->multiplier, (size_t)d->m * sizeof *p->multiplier);
+  nsdae_impulses_clear(&p->plastic, d);
+  memcpy(p->plastic.before_t, p->solution.before_t,
+         (size_t)(d->k * d->nt) * sizeof *p->plastic.before_t);
+  p->problem.results = &p->plastic;
+  return solve(p);
+}
+
+/* Between the two, where no energy is gained: with d the difference of both, the work at the share
+ * s of e_N is w_0 + (w_1 - w_0 - c) s + c s^2,  c = d^T M d / 2. */
+static void take_share(nsdae_event_impacts *p, double gained, double lost)
+{
+  const nsdae_dims *d = &p->problem.system->dims;
+  nsdae_impulses *to = &p->solution, *from = &p->plastic;
+  for (int i = 0; i < d->nv; i++) p->size[i] = p->elastic[i] - p->v[i];
+  double c = nsdae_event_energy(p->acceleration->phase->setting->here, p->size);
+  double b = gained - lost - c, root = sqrt(fmax(0, b * b - 4 * c * lost));
+  double share = c > 0 ? fmax(0, fmin(1, (root - b) / (2 * c))) : 0;
+  blend(d->nv, 1 - share, p->v, p->elastic);
+  blend(d->m, 1 - share, p->multiplier, p->reaction);
+  memcpy(p->v, p->elastic, (size_t)d->nv * sizeof *p->v);
+  memcpy(p->multiplier, p->reaction, (size_t)d->m * sizeof *p->multiplier);
+  blend(d->k, 1 - share, from->normal, to->normal);
+  blend(d->k * d->nt, 1 - share, from->tangential, to->tangential);
+  blend(d->k, 1 - share, from->after, to->after);
+  blend(d->k * d->nt, 1 - share, from->after_t, to->after_t);
+  blend(d->f, 1 - share, from->slide_impulse, to->slide_impulse);
+  blend(d->f, 1 - share, from->slide_after, to->slide_after);
+}
+
+/* v+ with the e_N that is possible. */
+static int restitute(nsdae_event_impacts *p, const double *before)
+{
+  nsdae_event_setting *s = p->acceleration->phase->setting;
+  int status = solve(p);
+  if (status == NSDAE_E_LCP || status == NSDAE_E_INFEASIBLE) {
+    memset(p->solution.before, 0, (size_t)s->system->dims.k * sizeof *p->solution.before);
+    nsdae_error_clear(s->error);
+    return solve(p);
+  }
+  double gained = status < 0 ? 0 : work_of(p);
+  if (!(gained > ROUNDING * nsdae_event_energy(s->here, before))) return status;
+  status = solve_plastic(p);
+  if (status == NSDAE_OK) take_share(p, gained, work_of(p));
+  p->problem.results = &p->solution;
+  return status;
+}
+
 /* Whether this impact is the first of an accumulation that ends now: then the solution is that with
  * the set closed; else it is as before. before [nv] is v-. */
 static int settle(nsdae_event_impacts *p, const double *before)
@@ -89,7 +166,7 @@ static int settle(nsdae_event_impacts *p, const double *before)
   if (status < 0 || nsdae_event_ends(a, before, p->v)) return status;
   nsdae_event_unsettle(a);
   approach(p);
-  return solve(p);
+  return restitute(p, before);
 }
 
 /* A new record; or, after so many that only one for each contact and the next instant is left, that
@@ -157,7 +234,7 @@ static int impact(nsdae_event_impacts *p, double *y)
   memset(p->momentum, 0, (size_t)d->nv * sizeof *p->momentum);
   nsdae_add_product(d->nv, d->nv, T->M, v, p->momentum);
   approach(p);
-  int status = solve(p);
+  int status = restitute(p, v);
   if (status == NSDAE_OK) status = settle(p, v);
   if (status < 0) return status;
   keep(p);

@@ -1,5 +1,12 @@
 /* Impacts: one problem of velocities for all that touch, with Newton's restitution and Coulomb's
- * friction; those without end in one. */
+ * friction; those without end in one. Newton's law with friction is not always possible:
+ *
+ *   Its problem has no solution where bodies jam, as a wedge between two walls, since e_N v- on
+ *   self-equilibrated impulses does work. Then e_N = 0 in this impact, which always has one
+ *   (Stewart and Trinkle 1996).
+ *   It gains energy where friction turns a body's spin into a bounce (Kane and Levinson 1985).
+ *   Then the impulses are between those with e_N and those with e_N = 0, as near to e_N as the work
+ *   allows, which is quadratic in between: no energy is gained. */
 #ifndef NSDAE_EVENT_IMPACT_H
 #define NSDAE_EVENT_IMPACT_H
 
@@ -11,13 +18,14 @@ typedef struct nsdae_event_impacts {
   nsdae_event_account *account;
   nsdae_event_accumulation accumulation;
   nsdae_contacts problem;
-  nsdae_impulses solution;
-  nsdae_law *law;                /* k */
-  double *momentum, *multiplier; /* nv, m: M v-; the bilateral impulses */
-  double *v, *size;              /* nv: v+; how large its terms are */
-  double *velocity;              /* k: normal, of the contacts before */
-  double *force, *xi;            /* columns: for cones */
-  int endless;                   /* impacts of one instant that do not end */
+  nsdae_impulses solution, plastic; /* the second with e_N = 0 */
+  nsdae_law *law;                   /* k */
+  double *momentum, *multiplier;    /* nv, m: M v-; the bilateral impulses */
+  double *v, *size;                 /* nv: v+; how large its terms are */
+  double *elastic, *reaction;       /* nv, m: v+ and the bilateral impulses with e_N */
+  double *velocity;                 /* k: normal, of the contacts before */
+  double *force, *xi;               /* columns: for cones */
+  int endless;                      /* impacts of one instant that do not end */
 } nsdae_event_impacts;
 
 void nsdae_event_impacts_layout(nsdae_event_impacts *impacts, nsdae_arena *arena);

@@ -1,7 +1,11 @@
 #include "instant.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
+
+/* Of the squared sines between the range of the constraints and that of the phase, the most. */
+static const double TURNED = 0.25;
 
 static int is_found(const nsdae_event_roots *roots, nsdae_root_kind kind, int i)
 {
@@ -68,16 +72,24 @@ static void choose_candidates(nsdae_event_instant *p, int impacted)
   }
 }
 
-static void find_independent(nsdae_event_phase *phase)
+/* B = Z Z^T of the factorisation, whose rows of Z have an order of their own. */
+static void find_range(nsdae_event_phase *phase)
 {
   const nsdae_kkt *kkt = phase->setting->kkt;
-  int *independent = phase->modes.independent;
-  for (int i = 0; i < kkt->m; i++) independent[i] = kkt->rank == kkt->m;
-  for (int i = 0; i < kkt->rank && kkt->rank < kkt->m; i++) independent[kkt->column[i] - 1] = 1;
+  nsdae_event_modes *m = &phase->modes;
+  size_t n = (size_t)kkt->m;
+  *m->redundant = kkt->rank < kkt->m;
+  if (!*m->redundant) return;
+  memset(m->range, 0, n * n * sizeof *m->range);
+  for (size_t a = 0; a < n; a++)
+    for (size_t b = 0; b < n; b++) {
+      size_t i = (size_t)kkt->column[kkt->order[a]] - 1, j = (size_t)kkt->column[kkt->order[b]] - 1;
+      for (size_t l = 0; l < (size_t)kkt->rank; l++)
+        m->range[j * n + i] += kkt->Z[l * n + a] * kkt->Z[l * n + b];
+    }
 }
 
-/* y' and the forces of the new phase. Of the redundant constraints' multipliers only those of the
- * independent ones are guessed here; the integrator's start solves for them. */
+/* y' and the forces of the new phase. */
 static int fill_state(const nsdae_event_instant *p, const double *a, double *y, double *yp)
 {
   const nsdae_event_phase *phase = p->roots->phase;
@@ -87,8 +99,7 @@ static int fill_state(const nsdae_event_instant *p, const double *a, double *y, 
   memset(yp, 0, (size_t)at->n * sizeof *yp);
   memset(y + at->lambda, 0, (size_t)(at->n - at->lambda) * sizeof *y);
   memcpy(yp + at->v, a, (size_t)d->nv * sizeof *a);
-  for (int i = 0; i < d->m; i++)
-    if (phase->modes.independent[i]) y[at->lambda + i] = p->acceleration.lambda[i];
+  memcpy(y + at->lambda, p->acceleration.lambda, (size_t)d->m * sizeof *y);
   for (int i = 0; i < d->k; i++) {
     if (phase->modes.contact[i] == NSDAE_MODE_OPEN) continue;
     y[at->normal + i] = c->results->normal[i];
@@ -106,7 +117,7 @@ static int bring(nsdae_event_instant *p, double t, double *y)
   int status = nsdae_event_project_positions(&p->projection, t, p->acceleration.is.candidate, y);
   if (status == NSDAE_OK) status = nsdae_terms_need(s->here, NSDAE_EVENT_TERMS);
   if (status == NSDAE_OK) status = nsdae_event_factor(s);
-  if (status == NSDAE_OK) find_independent(p->roots->phase);
+  if (status == NSDAE_OK) find_range(p->roots->phase);
   return status;
 }
 
@@ -117,10 +128,13 @@ static int arrive(nsdae_event_instant *p, double t, double *y)
   nsdae_event_move(s, t, y);
   int status = nsdae_terms_need(s->here, NSDAE_EVENT_TERMS);
   if (status < 0) return status;
+  const nsdae_terms *T = s->here;
   double size = nsdae_event_position_size(s);
   for (int i = 0; i < s->system->dims.k; i++) {
+    double gap = T->gap[i], rate = nsdae_terms_rate(T, T->W_N, T->w_N, i, T->v);
+    double rounding = 1e3 * DBL_EPSILON * fabs(t * rate); /* of the time where it was found */
     is->touching[i] |= nsdae_event_touches(s, i);
-    is->candidate[i] |= is->touching[i] && fabs(s->here->gap[i]) <= 2 * size;
+    is->candidate[i] |= is->touching[i] && (fabs(gap) <= 2 * size || gap < -2 * size - rounding);
   }
   return bring(p, t, y);
 }
@@ -141,4 +155,26 @@ int nsdae_event_pass(nsdae_event_instant *p, double t, double *y, double *yp)
   if (status == NSDAE_OK) status = fill_state(p, p->acceleration.a, y, yp);
   phase->modes.slow = nsdae_event_velocity_size(phase->setting);
   return status;
+}
+
+int nsdae_event_turned(const nsdae_event_instant *p, double t, const double *y)
+{
+  nsdae_event_setting *s = p->roots->phase->setting;
+  const nsdae_event_modes *m = &p->roots->phase->modes;
+  const nsdae_kkt *kkt = s->kkt;
+  size_t n = (size_t)kkt->m;
+  double common = 0;
+  if (!*m->redundant) return 0;
+  nsdae_event_move(s, t, y);
+  int status = nsdae_terms_need(s->here, NSDAE_TERM_MASS | NSDAE_TERM_JACOBIAN);
+  if (status == NSDAE_OK) status = nsdae_event_factor(s);
+  if (status < 0) return status;
+  for (size_t l = 0; l < (size_t)kkt->rank; l++)
+    for (size_t a = 0; a < n; a++)
+      for (size_t b = 0; b < n; b++) {
+        size_t i = (size_t)kkt->column[kkt->order[a]] - 1;
+        size_t j = (size_t)kkt->column[kkt->order[b]] - 1;
+        common += kkt->Z[l * n + a] * m->range[j * n + i] * kkt->Z[l * n + b];
+      }
+  return kkt->rank < kkt->m && common < kkt->rank - TURNED;
 }

@@ -21,4 +21,8 @@ typedef struct nsdae_event_instant {
  * y and yp [n] are then consistent but for what the integrator's start still does. */
 int nsdae_event_pass(nsdae_event_instant *instant, double t, double *y, double *yp);
 
+/* Whether the range of redundant constraints has turned away from the phase's at t, y: then a new
+ * phase is due. 0, 1, or a status. */
+int nsdae_event_turned(const nsdae_event_instant *instant, double t, const double *y);
+
 #endif

@@ -9,12 +9,15 @@
 typedef struct nsdae_event_integrator {
   nsdae_event_roots *roots;
   nsdae_dae *dae;
-  double *y, *yp; /* n: at the last instant, then where it was last read */
-  double *order;  /* n: 1 differential, 0 algebraic */
-  int *fallen;    /* roots: as the integrator says */
-  double ahead;   /* integrated up to here */
-  int pending;    /* an instant waits there */
-  int code;       /* the integrator's, of the last failure */
+  double *y, *yp;     /* n: at the last instant, then where it was last read */
+  double *order;      /* n: 1 differential, 0 algebraic */
+  int *fallen;        /* roots: as the integrator says */
+  double *gap, *rate; /* 4 k: of the contacts at the start, the middle and the end of the
+                         last step, and where they were looked at last */
+  double known;       /* the time of the third, or NaN */
+  double ahead;       /* integrated up to here */
+  int pending;        /* an instant waits there */
+  int code;           /* the integrator's, of the last failure */
 } nsdae_event_integrator;
 
 void nsdae_event_integrator_layout(nsdae_event_integrator *integrator, nsdae_arena *arena);

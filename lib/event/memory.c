@@ -12,10 +12,10 @@ static size_t unknowns(const nsdae_dims *d)
 void nsdae_event_memory_sizes(const nsdae_stepper *s, size_t *reals, size_t *wholes)
 {
   const nsdae_dims *d = &s->system->dims;
-  size_t kt = (size_t)d->k * (size_t)d->nt, forces = (size_t)d->k + kt, f = (size_t)d->f;
-  *reals = 3 + 2 * unknowns(d) + kt + f + forces * forces;
-  *wholes = 2 * nsdae_contacts_memory_size(&s->contacts) + (size_t)d->k + 4 * f + (size_t)d->m +
-            forces + 3;
+  size_t kt = (size_t)d->k * (size_t)d->nt, forces = (size_t)d->k + kt, f = (size_t)d->f,
+         m = (size_t)d->m;
+  *reals = 3 + 2 * unknowns(d) + kt + f + forces * forces + m * m;
+  *wholes = 2 * nsdae_contacts_memory_size(&s->contacts) + (size_t)d->k + 4 * f + 1 + forces + 4;
 }
 
 static double *reals_of(double **next, size_t count)
@@ -47,13 +47,15 @@ void nsdae_event_lay(nsdae_event_base *b, nsdae_event_instant *p, nsdae_memory *
   m->slide_sense = wholes_of(&whole, f);
   m->normal_sense = wholes_of(&whole, f);
   m->slide_row = wholes_of(&whole, f);
-  m->independent = wholes_of(&whole, (size_t)d->m);
+  m->redundant = wholes_of(&whole, 1);
   m->related = wholes_of(&whole, k + kt);
   b->steps = wholes_of(&whole, 1);
   b->instants = wholes_of(&whole, 1);
   b->idle = wholes_of(&whole, 1);
+  b->tiny = wholes_of(&whole, 1);
   m->slide_part = reals_of(&real, f);
   m->relation = reals_of(&real, (k + kt) * (k + kt));
+  m->range = reals_of(&real, (size_t)d->m * (size_t)d->m);
   b->t = reals_of(&real, 1);
   b->y = reals_of(&real, n);
   b->yp = reals_of(&real, n);

@@ -9,7 +9,7 @@ typedef struct nsdae_event_base {
   double *t, *y, *yp, *direction, *slow; /* 1, n, n, k nt, 1: where the integrator started last */
   int *steps;                            /* of its own since then */
   double *goal;                          /* of the dt in work, which may take several steps */
-  int *instants, *idle;                  /* in it; of those, without an impact or a change */
+  int *instants, *idle, *tiny; /* in it; of those, without an impact or a change; steps of no use */
 } nsdae_event_base;
 
 /* Numbers that this takes. */

@@ -31,7 +31,10 @@ void nsdae_event_phase_layout(nsdae_event_phase *p, nsdae_arena *arena)
   p->r = NSDAE_ARENA_DOUBLES(arena, n);
   p->K = NSDAE_ARENA_DOUBLES(arena, n * n);
   p->zero = NSDAE_ARENA_DOUBLES(arena, n);
+  p->unit = NSDAE_ARENA_DOUBLES(arena, n);
   p->pivot = NSDAE_ARENA_INTS(arena, n);
+  p->unknown = NSDAE_ARENA_INTS(arena, n);
+  p->rates = NSDAE_ARENA_DOUBLES(arena, d->m);
   p->slip = NSDAE_ARENA_DOUBLES(arena, (long)d->k * d->nt);
   p->modes.direction = NSDAE_ARENA_DOUBLES(arena, (long)d->k * d->nt);
 }
@@ -174,11 +177,16 @@ static void constraint_rows(const nsdae_event_phase *p, const nsdae_terms *T, co
   const nsdae_dims *d = &T->system->dims;
   const nsdae_sim_options *o = p->setting->options;
   double alpha2 = 2 * o->baumgarte_alpha, beta2 = o->baumgarte_beta * o->baumgarte_beta;
+  double *sum = *p->modes.redundant ? p->rates : r;
+  const double *lambda = y + p->setting->at.lambda, *B = p->modes.range;
   for (int i = 0; i < d->m; i++) {
-    double sum = T->omega[i] + alpha2 * T->phi_t[i] + beta2 * T->phi[i];
-    for (int j = 0; j < d->nv; j++) sum += AT(T->J, d->m, i, j) * (a[j] + alpha2 * T->v[j]);
-    r[i] = p->modes.independent[i] ? sum : y[p->setting->at.lambda + i];
+    sum[i] = T->omega[i] + alpha2 * T->phi_t[i] + beta2 * T->phi[i];
+    for (int j = 0; j < d->nv; j++) sum[i] += AT(T->J, d->m, i, j) * (a[j] + alpha2 * T->v[j]);
   }
+  if (!*p->modes.redundant) return;
+  for (int i = 0; i < d->m; i++) sum[i] -= lambda[i];
+  memcpy(r, lambda, (size_t)d->m * sizeof *r);
+  nsdae_add_product(d->m, d->m, B, sum, r);
 }
 
 /* r of the terms at their point: first M a + Phi_q^T lambda - sum W F - F. */
@@ -239,6 +247,18 @@ static int differenced_columns(nsdae_event_phase *p, const double *y, const doub
   return 0;
 }
 
+static void redundant_entries(const nsdae_event_phase *p, const nsdae_terms *T, double c, double *J)
+{
+  int m = T->system->dims.m, n = p->setting->at.n, lambda = p->setting->at.lambda;
+  const double *B = p->modes.range;
+  for (int l = 0; l < m; l++)
+    for (int i = 0; i < m; i++) {
+      AT(J, n, lambda + i, lambda + l) += (i == l) - AT(B, m, i, l);
+      for (int j = 0; j < T->system->dims.nv; j++)
+        AT(J, n, lambda + i, p->setting->at.v + j) += c * AT(B, m, i, l) * AT(T->J, m, l, j);
+    }
+}
+
 /* The entries of q', v' and lambda. */
 static void inertia_entries(const nsdae_event_phase *p, const nsdae_terms *T, double c, double *J)
 {
@@ -250,10 +270,10 @@ static void inertia_entries(const nsdae_event_phase *p, const nsdae_terms *T, do
   for (int i = 0; i < d->m; i++) {
     for (int j = 0; j < d->nv; j++) {
       AT(J, n, nq + j, lambda + i) += AT(T->J, d->m, i, j);
-      if (p->modes.independent[i]) AT(J, n, lambda + i, nq + j) += c * AT(T->J, d->m, i, j);
+      if (!*p->modes.redundant) AT(J, n, lambda + i, nq + j) += c * AT(T->J, d->m, i, j);
     }
-    if (!p->modes.independent[i]) AT(J, n, lambda + i, lambda + i) += 1;
   }
+  if (*p->modes.redundant) redundant_entries(p, T, c, J);
 }
 
 /* The column of a force, and its row but for the columns of q and v. */
@@ -300,11 +320,29 @@ int nsdae_event_jacobian(nsdae_event_phase *p, double t, double c, const double 
   return code ? code : differenced_columns(p, y, yp, r, 0, d->nq, J);
 }
 
+/* The unknowns of the forces' equations: v', lambda and the forces that are not zero anyway. */
+static int gather_unknowns(nsdae_event_phase *p)
+{
+  const nsdae_event_places *at = &p->setting->at;
+  int count = 0;
+  for (int i = at->v; i < at->n; i++)
+    if (i < at->normal || kind_of(p, i - at->normal) != ROW_NONE) p->unknown[count++] = i;
+  return count;
+}
+
+/* K, n x n, to the equations of the unknowns, count x count. */
+static void gather_equations(nsdae_event_phase *p, int count)
+{
+  size_t n = (size_t)p->setting->at.n, to = 0;
+  for (int j = 0; j < count; j++)
+    for (int i = 0; i < count; i++)
+      p->K[to++] = p->K[(size_t)p->unknown[j] * n + (size_t)p->unknown[i]];
+}
+
 int nsdae_event_forces(nsdae_event_phase *p, double t, double *y)
 {
   nsdae_terms *T = p->setting->here;
-  int nq = p->setting->at.v, first = p->setting->at.lambda, n = p->setting->at.n, rows = n - nq;
-  double *K = p->K + (size_t)nq * (size_t)(n + 1), *z = p->r + nq;
+  int first = p->setting->at.lambda, n = p->setting->at.n;
   memset(y + first, 0, (size_t)(n - first) * sizeof *y);
   memset(p->K, 0, (size_t)n * (size_t)n * sizeof *p->K);
   nsdae_event_move(p->setting, t, y);
@@ -313,8 +351,23 @@ int nsdae_event_forces(nsdae_event_phase *p, double t, double *y)
   inertia_entries(p, T, 1, p->K);
   for (int force = 0; force < forces_of(&T->system->dims); force++)
     force_entries(p, T, force, 1, p->K);
-  if (nsdae_la_lu(rows, K, n, p->pivot) != 0) return NSDAE_E_CONVERGENCE;
-  nsdae_la_lu_solve(rows, K, n, p->pivot, z);
-  for (int i = first; i < n; i++) y[i] = -p->r[i];
+  int count = p->unknowns = gather_unknowns(p);
+  gather_equations(p, count);
+  for (int i = 0; i < count; i++) p->unit[i] = p->r[p->unknown[i]];
+  if (nsdae_la_lu(count, p->K, count, p->pivot) != 0) return NSDAE_E_CONVERGENCE;
+  nsdae_la_lu_solve(count, p->K, count, p->pivot, p->unit);
+  for (int i = 0; i < count; i++) p->r[p->unknown[i]] = p->unit[i];
+  for (int i = 0; i < count; i++)
+    if (p->unknown[i] >= first) y[p->unknown[i]] = -p->unit[i];
   return NSDAE_OK;
+}
+
+double nsdae_event_yield(const nsdae_event_phase *p, int i)
+{
+  int row = 0, count = p->unknowns;
+  while (row < count && p->unknown[row] != p->setting->at.normal + i) row++;
+  memset(p->unit, 0, (size_t)count * sizeof *p->unit);
+  p->unit[row] = 1;
+  nsdae_la_lu_solve(count, p->K, count, p->pivot, p->unit);
+  return 1 / p->unit[row];
 }

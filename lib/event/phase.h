@@ -9,9 +9,13 @@
  *   sliding:  F_T = -mu F_N d,  d the direction of sliding;    F_S = -mu |lambda| s
  *   sticking: W_T^T v' + omega_T + 2 alpha v_T = 0;            W_S^T v' + omega_S + 2 alpha v_S = 0
  *
- * A redundant constraint has lambda_i = 0 in place of its row; what is reported is of least norm.
- * A contact that depends on others has a relation F_p = sum_l r_l F_l in place of its row, a slide
- * its part of |lambda|: see sharing.h. Forces are numbered p = i for F_N, k + j for F_T. */
+ * Where constraints are redundant the columns of Z are an orthonormal base of the range of
+ * Phi_q M^-1 Phi_q^T where the phase started, the rows (6) are Z Z^T (...) + (1 - Z Z^T) lambda =
+ * 0: the combinations that say nothing give way to the multipliers' least norm. A phase ends where
+ * Z has turned too far. In place of (6) one by one, a row that was left out may be the one that
+ * says what the others cannot when the mechanism has moved. A contact that depends on others has a
+ * relation F_p = sum_l r_l F_l in place of its row, a slide its part of |lambda|: see sharing.h.
+ * Forces are numbered p = i for F_N, k + j for F_T. */
 #ifndef NSDAE_EVENT_PHASE_H
 #define NSDAE_EVENT_PHASE_H
 
@@ -26,7 +30,8 @@ typedef struct nsdae_event_modes {
   int *slide_sense, *normal_sense; /* f: signs of the sliding velocity and of lambda */
   int *slide_row;                  /* f: a slide that sticks has a row */
   double *slide_part; /* f: F_S = -mu |lambda| times this where it slides or has no row */
-  int *independent;   /* m: 0 where a constraint is redundant */
+  int *redundant;     /* 1: constraints depend on each other */
+  double *range;      /* m x m: B = Z Z^T, see above */
   int *related;       /* k + k nt: a relation stands in place of the row of this force */
   double *relation;   /* k + k nt squared, by rows: r of those that are */
   double slow;        /* what counted as zero for a velocity at the phase's start */
@@ -35,12 +40,14 @@ typedef struct nsdae_event_modes {
 typedef struct nsdae_event_phase {
   nsdae_event_setting *setting;
   nsdae_event_modes modes;
-  unsigned terms;    /* what the equations of the modes need */
-  double *other, *r; /* n: a displaced y and its residual */
-  double *K, *zero;  /* n x n, n: equations for the forces; no accelerations */
-  int *pivot;        /* n */
-  double *slip;      /* k nt: v_T where the residual is differenced */
-  int differencing;  /* now */
+  unsigned terms;          /* what the equations of the modes need */
+  double *other, *r;       /* n: a displaced y and its residual */
+  double *K, *zero, *unit; /* n x n, n, n: equations for the forces; no accelerations; a row */
+  int *unknown, unknowns;  /* n: of these equations, in y */
+  int *pivot;              /* n */
+  double *rates;           /* m: of the constraints, before they are combined */
+  double *slip;            /* k nt: v_T where the residual is differenced */
+  int differencing;        /* now */
 } nsdae_event_phase;
 
 void nsdae_event_phase_layout(nsdae_event_phase *phase, nsdae_arena *arena);
@@ -60,6 +67,10 @@ int nsdae_event_jacobian(nsdae_event_phase *phase, double t, double c, const dou
  * order. v' is in -r then, and the terms are there. NSDAE_E_CONVERGENCE: the equations are
  * singular; or a callback's status. */
 int nsdae_event_forces(nsdae_event_phase *phase, double t, double *y);
+
+/* With the equations that nsdae_event_forces factored last: the acceleration along the normal of
+ * contact i, which has a row, that a unit of F_N makes there with all that else holds. */
+double nsdae_event_yield(const nsdae_event_phase *phase, int i);
 
 /* mu F_N - |F_T| of contact i, with the forces of y. */
 double nsdae_event_stick_margin(const nsdae_event_phase *phase, const double *y, int i);

@@ -10,7 +10,7 @@ static const double TURNING = 100;
 
 int nsdae_event_roots_count(const nsdae_dims *d)
 {
-  return 2 * d->k + 2 * d->f;
+  return 3 * d->k + 2 * d->f;
 }
 
 void nsdae_event_roots_layout(nsdae_event_roots *r, nsdae_arena *arena)
@@ -24,7 +24,7 @@ void nsdae_event_roots_name(nsdae_event_roots *r)
 {
   const nsdae_dims *d = &r->phase->setting->system->dims;
   for (int kind = NSDAE_ROOT_NORMAL; kind <= NSDAE_ROOT_SLIP; kind++)
-    for (int i = 0; i < (kind <= NSDAE_ROOT_TANGENT ? d->k : d->f); i++) {
+    for (int i = 0; i < (kind <= NSDAE_ROOT_JAM ? d->k : d->f); i++) {
       nsdae_event_root *root = nsdae_event_root_of(r, (nsdae_root_kind)kind, i);
       root->kind = (nsdae_root_kind)kind;
       root->index = i;
@@ -70,6 +70,7 @@ static double value_of(const nsdae_event_phase *p, const nsdae_terms *T, const d
   if (root->kind == NSDAE_ROOT_TANGENT)
     return m->contact[i] == NSDAE_MODE_STICK ? nsdae_event_stick_margin(p, y, i)
                                              : along_direction(p, T, i, T->w_T, T->v);
+  if (root->kind == NSDAE_ROOT_JAM) return nsdae_event_yield(p, i);
   double normal = m->normal_sense[i] * y[at->lambda + s->slide[i].constraint];
   if (root->kind == NSDAE_ROOT_SIGN) return normal;
   if (m->slide[i] == NSDAE_MODE_STICK) return s->slide[i].mu * normal - fabs(y[at->slide + i]);
@@ -118,7 +119,7 @@ static double rising(const nsdae_event_root *root, double t, double value, doubl
 static int undecided(const nsdae_event_phase *p, const nsdae_event_root *root)
 {
   int i = root->index, nt = p->setting->system->dims.nt;
-  if (root->kind == NSDAE_ROOT_SIGN) return 0;
+  if (root->kind == NSDAE_ROOT_SIGN || root->kind == NSDAE_ROOT_JAM) return 0;
   if (root->kind == NSDAE_ROOT_SLIP)
     return p->modes.slide[i] == NSDAE_MODE_SLIDE && p->modes.slide_sense[i] == 0;
   if (!contact_rubs(p, i)) return 0;
@@ -197,6 +198,7 @@ static int is_off(const nsdae_event_phase *p, const nsdae_event_root *root)
 {
   int i = root->index;
   if (root->kind == NSDAE_ROOT_NORMAL) return 0;
+  if (root->kind == NSDAE_ROOT_JAM) return !contact_rubs(p, i) || p->modes.related[i];
   if (root->kind == NSDAE_ROOT_TANGENT)
     return p->modes.contact[i] == NSDAE_MODE_OPEN || !(p->setting->system->contact[i].mu > 0);
   return p->modes.slide[i] == NSDAE_MODE_OPEN;
@@ -206,12 +208,14 @@ static void start(const nsdae_event_phase *p, nsdae_event_root *root, double t, 
                   const double *a)
 {
   const nsdae_terms *T = p->setting->here;
-  int i = root->index, contact = root->kind <= NSDAE_ROOT_TANGENT;
+  int i = root->index, contact = root->kind <= NSDAE_ROOT_JAM;
   int mode = contact ? p->modes.contact[i] : p->modes.slide[i];
   root->state = NSDAE_ROOT_OFF;
   if (is_off(p, root)) return;
   double value = value_of(p, T, y, root);
-  if (root->kind == NSDAE_ROOT_NORMAL && mode == NSDAE_MODE_OPEN)
+  if (root->kind == NSDAE_ROOT_JAM)
+    root->state = value > 0 ? NSDAE_ROOT_LIVE : NSDAE_ROOT_OFF;
+  else if (root->kind == NSDAE_ROOT_NORMAL && mode == NSDAE_MODE_OPEN)
     start_root(root, t, value, nsdae_terms_rate(T, T->W_N, T->w_N, i, T->v),
                nsdae_event_position_size(p->setting), nsdae_event_velocity_size(p->setting));
   else if (root->kind == NSDAE_ROOT_NORMAL || root->kind == NSDAE_ROOT_SIGN ||

@@ -5,6 +5,8 @@
  *              sticking: mu F_N - |F_T|, friction is used up
  *   sign       of a slide: s lambda, lambda changes sign
  *   slip       of a slide: as tangent, with v_S and mu |lambda| - |F_S|
+ *   jam        sliding: the acceleration that a unit of F_N makes along the normal, with all that
+ *              else holds; where it falls to zero F_N is without bound (Painleve's paradox)
  *
  * One that is zero at the start of a phase would be found there again and again. With a known rate
  * r > 0 it is divided by t - t_0, which makes it r at t_0 and leaves its further zeros where they
@@ -18,6 +20,7 @@
 typedef enum nsdae_root_kind {
   NSDAE_ROOT_NORMAL, /* of contact `index` */
   NSDAE_ROOT_TANGENT,
+  NSDAE_ROOT_JAM,
   NSDAE_ROOT_SIGN, /* of slide `index` */
   NSDAE_ROOT_SLIP
 } nsdae_root_kind;
@@ -54,7 +57,7 @@ static inline nsdae_event_root *nsdae_event_root_of(const nsdae_event_roots *roo
                                                     nsdae_root_kind kind, int index)
 {
   const nsdae_dims *d = &roots->phase->setting->system->dims;
-  int first[] = {0, d->k, 2 * d->k, 2 * d->k + d->f};
+  int first[] = {0, d->k, 2 * d->k, 3 * d->k, 3 * d->k + d->f};
   return roots->entry + first[kind] + index;
 }
 

@@ -6,6 +6,10 @@
 #include "errors.h"
 #include "system_impl.h"
 
+/* A redundant constraint is one to the integrator's error in positions alone, which must not make
+ * it independent. */
+static const double LEAST_SINE = 1e-6;
+
 void nsdae_event_set_places(nsdae_event_setting *s)
 {
   const nsdae_dims *d = &s->system->dims;
@@ -25,6 +29,7 @@ void nsdae_event_move(nsdae_event_setting *s, double t, const double *y)
 int nsdae_event_factor(nsdae_event_setting *s)
 {
   int least_norm = s->options->redundant == NSDAE_REDUNDANT_LEAST_NORM;
+  s->kkt->rank_tol = least_norm ? fmax(s->options->rank_tol, LEAST_SINE) : s->options->rank_tol;
   int status = nsdae_terms_factor(s->here, s->here->M, s->kkt, least_norm);
   nsdae_count_rank(&s->result->counters, s->kkt->rank);
   return status;

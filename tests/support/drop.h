@@ -1,0 +1,26 @@
+/* Random drops: a body of points with radii (boxes, rods, discs), or several discs, in the plane or
+ * in space, over walls (a floor, a groove, a corner). */
+#ifndef DROP_H
+#define DROP_H
+
+#include <nsdae/nsdae.h>
+
+enum { DROP_POINTS = 8, DROP_WALLS = 3, DROP_BODIES = 3, DROP_NQ = 9, DROP_NV = 9 };
+
+typedef struct drop {
+  unsigned long seed;
+  int space, bodies, points, walls;
+  double m, J[3], half[3];              /* of each body; of a box or rod: half its edges */
+  double point[DROP_POINTS][3], radius; /* of the body; of a point, or of each disc */
+  double normal[DROP_WALLS][3], g;
+  double mu, e, rtol;
+  double q0[DROP_NQ], v0[DROP_NV], size; /* the start; the largest length */
+  char name[160];
+} drop;
+
+/* The drop of that seed. */
+void drop_make(drop *d, unsigned long seed);
+/* Its system, which keeps d; NULL without memory. */
+nsdae_system *drop_system(drop *d);
+
+#endif
