@@ -131,6 +131,7 @@ static const struct {
     {"linear_solver", 1u << NSDAE_METHOD_EVENT},
     {"accumulation_time", 1u << NSDAE_METHOD_EVENT},
     {"events_max", 1u << NSDAE_METHOD_EVENT},
+    {"inner_steps_max", 1u << NSDAE_METHOD_PENALTY | 1u << NSDAE_METHOD_EVENT},
     {"projection", ~(1u << NSDAE_METHOD_PENALTY)}, /* of event: where implicit steps in */
     {"start_tol", 0},
     {"start_check", 0},
