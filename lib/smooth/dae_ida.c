@@ -270,17 +270,3 @@ int nsdae_dae_interpolate(nsdae_dae *dae, double t, int derivative, double *y)
   memcpy(y, N_VGetArrayPointer(out), (size_t)dae->problem.n * sizeof *y);
   return NSDAE_OK;
 }
-
-long nsdae_dae_steps(const nsdae_dae *dae)
-{
-  long steps = 0;
-  IDAGetNumSteps(dae->ida, &steps);
-  return steps;
-}
-
-long nsdae_dae_residuals(const nsdae_dae *dae)
-{
-  long residuals = 0;
-  IDAGetNumResEvals(dae->ida, &residuals);
-  return residuals;
-}
