@@ -36,7 +36,7 @@ int interrupt_status(const nsdae_sim *sim, nsdae_error *error)
   nsdae_record record;
   if (!came || nsdae_sim_get_record(sim, &record) != NSDAE_OK) return NSDAE_OK;
   snprintf(error->text, sizeof error->text, "interrupted at t = %g s", record.time);
-  return error->status = NSDAE_E_STATE;
+  return error->status = NSDAE_E_INTERRUPTED;
 }
 
 int interrupt_came(void)

@@ -20,4 +20,4 @@ look() {
 
 look pendulum "x y theta" --t-end 1
 look woodpecker "y phi_M phi_S" --t-end 0.3 --every 7 --compress 4
-look rolling-ball "x y z a_x a_y a_z" --t-end 0.2
+look rolling-ball "x y z e_0 e_x e_y e_z" --t-end 0.2
