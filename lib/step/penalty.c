@@ -361,19 +361,18 @@ static int evaluate(penalty *p, double t)
 
 /* Gaps that crossed zero: contacts begin and end, and the integrator starts anew. A gap within its
  * rounding crosses zero any number of times: a contact opens while it moves apart alone, and closes
- * while it does not. */
+ * while it does not. CVODE refuses to go on from a root without a new start. */
 static int switch_contacts(penalty *p, nsdae_result *result, double t)
 {
-  int any = 0, status = evaluate(p, t);
+  int status = evaluate(p, t);
   for (int i = 0; i < p->stepper->system->dims.k && status == NSDAE_OK; i++) {
     double v_n = p->at.v_n[i];
     int closes = p->found[i] < 0 && !p->base.closed[i] && v_n <= 0;
     int opens = p->found[i] > 0 && p->base.closed[i] && v_n > 0;
     if (closes) close_contact(p, i, t);
     if (opens) open_contact(p, result, i);
-    any |= closes || opens;
   }
-  return any && status == NSDAE_OK ? start(p, t) : status;
+  return status < 0 ? status : start(p, t);
 }
 
 /* How near a contact is at hand that moves with v_n: less than a billionth of dt away. */
