@@ -145,11 +145,11 @@ static int smoothing(nsdae_fc_chain *c)
   return path(c, 1e-3, NSDAE_FRICTION_SMOOTHING);
 }
 
-/* Where much slides, sweeps go on getting better, slowly. */
-static int patience(nsdae_fc_chain *c)
+/* Where much slides, sweeps go on getting better, slowly; and Newton starts elsewhere. */
+static int patience(nsdae_fc_chain *c, int most)
 {
   start_cold(c);
-  return sweeps(c, MANY, 0, NSDAE_FRICTION_FURTHER) || proximal(c, 1e-2, NSDAE_FRICTION_FURTHER);
+  return sweeps(c, most, 0, NSDAE_FRICTION_FURTHER) || proximal(c, 1e-2, NSDAE_FRICTION_FURTHER);
 }
 
 /* Which items stand where a path ends depends on how closely it is followed; so others are tried,
@@ -165,8 +165,8 @@ static int paths(nsdae_fc_chain *c)
 /* Sweeps reach a few digits, paths many. */
 static int further(nsdae_fc_chain *c)
 {
-  if (c->tol >= ROUGH) return patience(c) || paths(c);
-  return paths(c) || patience(c);
+  if (c->tol >= ROUGH) return patience(c, MANY) || paths(c);
+  return patience(c, MANY / 10) || paths(c) || patience(c, MANY);
 }
 
 void nsdae_fc_chain_run(nsdae_fc_chain *c)
