@@ -58,6 +58,7 @@ typedef struct penalty {
   int n;               /* length of y */
   double *y, *y_start; /* n: now, at the start of the step */
   double *peak;        /* k: largest force of each contact until now */
+  double *shift;       /* k: where a gap counts as zero */
   int *found;          /* k: roots */
   penalty_forces at;
   penalty_base base;  /* within the memory of the step in work */
@@ -203,7 +204,7 @@ static int gaps(double t, const double *y, double *g, void *user)
   nsdae_terms_at(T, t, y, y + p->stepper->system->dims.nq);
   int status = nsdae_terms_need(T, NSDAE_TERM_GAP);
   if (status < 0) return -1;
-  memcpy(g, T->gap, (size_t)p->stepper->system->dims.k * sizeof *g);
+  for (int i = 0; i < p->stepper->system->dims.k; i++) g[i] = T->gap[i] - p->shift[i];
   return 0;
 }
 
@@ -216,6 +217,7 @@ static void layout(void *object, nsdae_arena *arena)
   p->y = NSDAE_ARENA_DOUBLES(arena, p->n);
   p->y_start = NSDAE_ARENA_DOUBLES(arena, p->n);
   p->peak = NSDAE_ARENA_DOUBLES(arena, k);
+  p->shift = NSDAE_ARENA_DOUBLES(arena, k);
   p->found = NSDAE_ARENA_INTS(arena, k);
   at->normal = NSDAE_ARENA_DOUBLES(arena, k);
   at->tangential = NSDAE_ARENA_DOUBLES(arena, kt);
@@ -297,6 +299,25 @@ static void destroy(void *own)
   free(p);
 }
 
+/* The integrator starts at y. Within rounding of zero a gap can have the wrong sign for its
+ * contact, and would cross zero again at once, without an end: it is looked at from where it has
+ * twice that. */
+static int start_integrator(penalty *p, double t)
+{
+  const nsdae_system *s = p->stepper->system;
+  const nsdae_sim_options *o = p->stepper->options;
+  const double hair = 1e-12 * o->dt * o->friction_velocity;
+  nsdae_terms *T = &p->stepper->middle;
+  nsdae_terms_at(T, t, p->y, p->y + s->dims.nq);
+  int status = nsdae_terms_need(T, NSDAE_TERM_GAP);
+  for (int i = 0; i < s->dims.k && status == NSDAE_OK; i++) {
+    double gap = T->gap[i];
+    int wrong = p->base.closed[i] ? gap >= 0 : gap <= 0;
+    p->shift[i] = wrong ? 2 * gap + (p->base.closed[i] ? hair : -hair) : 0;
+  }
+  return status < 0 ? status : nsdae_ode_start(p->ode, t, p->y);
+}
+
 /* The integrator starts anew from here: that is the base from now on. */
 static int start(penalty *p, double t)
 {
@@ -305,7 +326,7 @@ static int start(penalty *p, double t)
   *b->ends = 0;
   memcpy(b->y, p->y, (size_t)p->n * sizeof *b->y);
   memcpy(b->peak, p->peak, (size_t)p->stepper->system->dims.k * sizeof *b->peak);
-  return nsdae_ode_start(p->ode, t, p->y);
+  return start_integrator(p, t);
 }
 
 /* A contact closes here: its d'_0, its effective mass 1 / (W_N^T P W_N). */
@@ -493,7 +514,7 @@ static int replay(penalty *p, const nsdae_terms *to)
   double t = *b->t;
   memcpy(p->y, b->y, (size_t)p->n * sizeof *p->y);
   memcpy(p->peak, b->peak, (size_t)d->k * sizeof *p->peak);
-  int status = nsdae_ode_start(p->ode, t, p->y);
+  int status = start_integrator(p, t);
   for (int i = 0; i < *b->ends && status == NSDAE_OK; i++) {
     int what = NSDAE_ODE_STEP;
     while (status == NSDAE_OK && what != NSDAE_ODE_END && t < b->end[i]) {
