@@ -58,6 +58,7 @@ typedef struct penalty {
   int n;               /* length of y */
   double *y, *y_start; /* n: now, at the start of the step */
   double *peak;        /* k: largest force of each contact until now */
+  double *shift;       /* k: where a gap counts as zero */
   int *found;          /* k: roots */
   penalty_forces at;
   penalty_base base;  /* within the memory of the step in work */
@@ -203,7 +204,7 @@ static int gaps(double t, const double *y, double *g, void *user)
   nsdae_terms_at(T, t, y, y + p->stepper->system->dims.nq);
   int status = nsdae_terms_need(T, NSDAE_TERM_GAP);
   if (status < 0) return -1;
-  memcpy(g, T->gap, (size_t)p->stepper->system->dims.k * sizeof *g);
+  for (int i = 0; i < p->stepper->system->dims.k; i++) g[i] = T->gap[i] - p->shift[i];
   return 0;
 }
 
@@ -216,6 +217,7 @@ static void layout(void *object, nsdae_arena *arena)
   p->y = NSDAE_ARENA_DOUBLES(arena, p->n);
   p->y_start = NSDAE_ARENA_DOUBLES(arena, p->n);
   p->peak = NSDAE_ARENA_DOUBLES(arena, k);
+  p->shift = NSDAE_ARENA_DOUBLES(arena, k);
   p->found = NSDAE_ARENA_INTS(arena, k);
   at->normal = NSDAE_ARENA_DOUBLES(arena, k);
   at->tangential = NSDAE_ARENA_DOUBLES(arena, kt);
@@ -304,6 +306,25 @@ static void destroy(void *own)
   free(p);
 }
 
+/* The integrator starts at y. Within rounding of zero a gap can have the wrong sign for its
+ * contact, and would cross zero again at once, without an end: it is looked at from where it has
+ * twice that. */
+static int start_integrator(penalty *p, double t)
+{
+  const nsdae_system *s = p->stepper->system;
+  const nsdae_sim_options *o = p->stepper->options;
+  const double hair = 1e-12 * o->dt * o->friction_velocity;
+  nsdae_terms *T = &p->stepper->middle;
+  nsdae_terms_at(T, t, p->y, p->y + s->dims.nq);
+  int status = nsdae_terms_need(T, NSDAE_TERM_GAP);
+  for (int i = 0; i < s->dims.k && status == NSDAE_OK; i++) {
+    double gap = T->gap[i];
+    int wrong = p->base.closed[i] ? gap >= 0 : gap <= 0;
+    p->shift[i] = wrong ? 2 * gap + (p->base.closed[i] ? hair : -hair) : 0;
+  }
+  return status < 0 ? status : nsdae_ode_start(p->ode, t, p->y);
+}
+
 /* Here the integrator starts anew. */
 static void move_base(penalty *p, double t)
 {
@@ -314,10 +335,11 @@ static void move_base(penalty *p, double t)
   memcpy(b->peak, p->peak, (size_t)p->stepper->system->dims.k * sizeof *b->peak);
 }
 
+/* The integrator starts anew from here: that is the base from now on. */
 static int start(penalty *p, double t)
 {
   move_base(p, t);
-  return nsdae_ode_start(p->ode, t, p->y);
+  return start_integrator(p, t);
 }
 
 /* A contact closes here: its d'_0, its effective mass 1 / (W_N^T P W_N). */
@@ -373,19 +395,18 @@ static int evaluate(penalty *p, double t)
 
 /* Gaps that crossed zero: contacts begin and end, and the integrator starts anew. A gap within its
  * rounding crosses zero any number of times: a contact opens while it moves apart alone, and closes
- * while it does not. */
+ * while it does not. CVODE refuses to go on from a root without a new start. */
 static int switch_contacts(penalty *p, nsdae_result *result, double t)
 {
-  int any = 0, status = evaluate(p, t);
+  int status = evaluate(p, t);
   for (int i = 0; i < p->stepper->system->dims.k && status == NSDAE_OK; i++) {
     double v_n = p->at.v_n[i];
     int closes = p->found[i] < 0 && !p->base.closed[i] && v_n <= 0;
     int opens = p->found[i] > 0 && p->base.closed[i] && v_n > 0;
     if (closes) close_contact(p, i, t);
     if (opens) open_contact(p, result, i);
-    any |= closes || opens;
   }
-  return any && status == NSDAE_OK ? start(p, t) : status;
+  return status < 0 ? status : start(p, t);
 }
 
 /* How near a contact is at hand that moves with v_n: less than a billionth of dt away. */
@@ -506,7 +527,7 @@ static int replay(penalty *p, const nsdae_terms *to)
   double t = *b->t;
   memcpy(p->y, b->y, (size_t)p->n * sizeof *p->y);
   memcpy(p->peak, b->peak, (size_t)d->k * sizeof *p->peak);
-  int status = nsdae_ode_start(p->ode, t, p->y);
+  int status = start_integrator(p, t);
   for (int i = 0; i < *b->ends && status == NSDAE_OK; i++) {
     int what = NSDAE_ODE_STEP;
     while (status == NSDAE_OK && what != NSDAE_ODE_END && t < b->end[i]) {
