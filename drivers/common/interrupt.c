@@ -25,6 +25,12 @@ int interrupt_observe(const nsdae_record *record, nsdae_error *error, void *user
   return came;
 }
 
+int interrupt_asked(void *user)
+{
+  (void)user;
+  return came;
+}
+
 int interrupt_status(const nsdae_sim *sim, nsdae_error *error)
 {
   nsdae_record record;

@@ -81,6 +81,17 @@ int report_observe(const nsdae_record *record, nsdae_error *error, void *user)
   return 0;
 }
 
+/* What exceeds what the method explains; the first of them with its numbers. */
+static void say_warnings(const nsdae_sim *sim, const nsdae_stats *stats)
+{
+  static const char *const kinds[] = {"energy", "penetration", "drift"};
+  const nsdae_error *first = nsdae_sim_error(sim);
+  if (first->status > 0) printf("warning: %s\n", first->text);
+  for (int i = 0; i < 3; i++)
+    if (stats->warnings & 1 << i)
+      printf("warning: %s of this run exceeds what the method explains\n", kinds[i]);
+}
+
 void report_end(report *r, const nsdae_sim *sim)
 {
   nsdae_stats stats;
@@ -108,6 +119,7 @@ void report_end(report *r, const nsdae_sim *sim)
   if (stats.fallback_steps > 0)
     printf("%ld steps had more than events_max instants each and were stepped by implicit\n",
            stats.fallback_steps);
+  say_warnings(sim, &stats);
   printf("energy balance %+.3e J (energy + dissipated - start)\n", stats.energy_balance);
   printf("time %.3g s, %.3g us a step\n", stats.wall_time,
          stats.steps ? 1e6 * stats.wall_time / (double)stats.steps : 0);

@@ -40,7 +40,9 @@ void simulation_release(nsdae_system **system, nsdae_sim **sim)
 int simulation_run(nsdae_sim *sim, double t_end, nsdae_error *error)
 {
   nsdae_sim_observe(sim, interrupt_observe, NULL);
+  nsdae_sim_set_interrupt(sim, interrupt_asked, NULL); /* steps can be long */
   int status = nsdae_sim_run(sim, t_end);
   if (status < 0) *error = *nsdae_sim_error(sim);
-  return status == NSDAE_STOPPED ? interrupt_status(sim, error) : status;
+  if (status == NSDAE_STOPPED) return interrupt_status(sim, error);
+  return status > 0 ? NSDAE_OK : status; /* warnings are in the report */
 }

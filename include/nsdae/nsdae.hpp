@@ -171,6 +171,7 @@ struct sim_guts {
   nsdae_sim *c = nullptr;
   std::shared_ptr<system_guts> system;
   std::vector<std::unique_ptr<observer>> observers;
+  std::unique_ptr<callback<>> interrupt;
   int status = NSDAE_OK; /* of the last run or step */
 
   sim_guts() = default;
@@ -181,6 +182,10 @@ struct sim_guts {
   static int observe(const nsdae_record *record, nsdae_error *, void *user) noexcept
   {
     return shield(NSDAE_E_CALLBACK, [&] { return static_cast<observer *>(user)->call(*record); });
+  }
+  static int ask(void *user) noexcept
+  {
+    return shield(1, [&] { return static_cast<callback<> *>(user)->call(); });
   }
 };
 
@@ -553,6 +558,16 @@ public:
     if (guts_) guts_->observers.reserve(guts_->observers.size() + 1);
     detail::demand(nsdae_sim_observe(c(), guts::observe, observer.get()), last_error());
     guts_->observers.push_back(std::move(observer));
+    return *this;
+  }
+
+  /* f(): 0 to go on; else the step in work is dropped, NSDAE_E_INTERRUPTED. Asked before every step
+   * and after every internal step of penalty and event. */
+  template <class F> sim &interrupt(F f)
+  {
+    std::unique_ptr<detail::callback<>> asked(new detail::callback<>(std::move(f)));
+    detail::demand(nsdae_sim_set_interrupt(c(), detail::sim_guts::ask, asked.get()), last_error());
+    guts_->interrupt = std::move(asked);
     return *this;
   }
 

@@ -60,6 +60,7 @@ typedef struct nsdae_sim_options {
   int linear_solver;                      /* enum nsdae_linear_solver, of event */
   double accumulation_time;               /* shorter rests of accumulations are closed [s] */
   int events_max;                         /* of event in one dt; past it the step is implicit */
+  int inner_steps_max;                    /* of the integrator of penalty and event in one dt */
   int projection;                         /* enum nsdae_projection */
   double start_tol;                       /* relative error of the numbers of a start */
   unsigned initialised;                   /* set by nsdae_sim_options_default */
@@ -135,6 +136,9 @@ typedef int (*nsdae_observer_fn)(const nsdae_record *record, nsdae_error *error,
 
 enum { NSDAE_OBSERVERS_MAX = 8 };
 
+/* Asked whether a step in work is to end: non-zero says so. */
+typedef int (*nsdae_interrupt_fn)(void *user);
+
 /* What a simulation did since nsdae_sim_init. */
 typedef struct nsdae_stats {
   long steps, smooth_steps, contact_steps;      /* all, without and with a contact closed */
@@ -150,6 +154,7 @@ typedef struct nsdae_stats {
   double energy_start;      /* kinetic + potential at the start [J] */
   double energy_balance; /* energy now + dissipated - energy_start [J]; forces that are not in the
                             potential do their work here */
+  int warnings;          /* 1: energy, 2: penetration, 4: drift, see NSDAE_WARN_ENERGY and below */
   double wall_time;      /* spent in nsdae_sim_run and nsdae_sim_step [s] */
 } nsdae_stats;
 
@@ -186,15 +191,23 @@ NSDAE_API int nsdae_sim_observe(nsdae_sim *sim, nsdae_observer_fn observer, void
 /* Takes the observer that was added with these two out again; not found is no error. */
 NSDAE_API int nsdae_sim_unobserve(nsdae_sim *sim, nsdae_observer_fn observer, void *user);
 
+/* Who is asked before every step, and after every internal step of penalty and event, whether to go
+ * on; NULL: nobody. A step that is interrupted was not done: NSDAE_E_INTERRUPTED, and the state is
+ * the one before it. It may look at what a signal handler sets; it must not call the simulation. */
+NSDAE_API int nsdae_sim_set_interrupt(nsdae_sim *sim, nsdae_interrupt_fn asked, void *user);
+
 /* One step of dt. NSDAE_OK; NSDAE_EVENT when there was an impact in it, or with method event a
  * change of contact mode; NSDAE_ZENO when event closed an accumulation of impacts in it;
+ * NSDAE_WARN_ENERGY, _PENETRATION or _DRIFT, once each, where these exceed what the method explains
+ * (the error record says by how much; bounds in docs/methods/warnings.md);
  * NSDAE_STOPPED; < 0: the step was not done and the state is the one before it. */
 NSDAE_API int nsdae_sim_step(nsdae_sim *sim);
 /* The complementarity problem of the step that failed with NSDAE_E_LCP, NSDAE_E_INFEASIBLE or
  * NSDAE_E_PAINLEVE; its arrays are the simulation's and hold until the next step. NSDAE_E_STATE
  * where the last step did not fail so. */
 NSDAE_API int nsdae_sim_get_failed_lcp(const nsdae_sim *sim, nsdae_lcp_problem *problem);
-/* Steps of dt from the start's time to t_end; the last one is shortened to end there. NSDAE_OK;
+/* Steps of dt from the start's time to t_end; the last one is shortened to end there. NSDAE_OK; the
+ * first NSDAE_WARN_... of its steps, which does not end the run;
  * NSDAE_STOPPED; < 0: a step failed, the state is the one before it. */
 NSDAE_API int nsdae_sim_run(nsdae_sim *sim, double t_end);
 

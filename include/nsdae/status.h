@@ -16,6 +16,9 @@ extern "C" {
   X(NSDAE_EVENT, 2, "an impact or a change of contact mode happened in this step") \
   X(NSDAE_ZENO, 3, "an accumulation of impacts was closed")                        \
   X(NSDAE_STOPPED, 4, "an observer asked to stop")                                 \
+  X(NSDAE_WARN_ENERGY, 5, "more energy was gained than the method explains")       \
+  X(NSDAE_WARN_PENETRATION, 6, "bodies overlap more than the method explains")     \
+  X(NSDAE_WARN_DRIFT, 7, "constraints are violated more than the method explains") \
   X(NSDAE_E_MEMORY, -1, "out of memory")                                           \
   X(NSDAE_E_ARGUMENT, -2, "an argument is missing or out of its range")            \
   X(NSDAE_E_OPTION, -3, "unknown option or parameter")                             \
@@ -30,7 +33,8 @@ extern "C" {
   X(NSDAE_E_DERIVATIVE, -12, "a derivative disagrees with differences")            \
   X(NSDAE_E_IO, -13, "a file could not be read or written")                        \
   X(NSDAE_E_UNSUPPORTED, -14, "not built into this library")                       \
-  X(NSDAE_E_PAINLEVE, -15, "no contact force exists, or more than one (Painleve)")
+  X(NSDAE_E_PAINLEVE, -15, "no contact force exists, or more than one (Painleve)") \
+  X(NSDAE_E_INTERRUPTED, -16, "interrupted by the caller")
 
 /* What a call returns. */
 enum nsdae_status {

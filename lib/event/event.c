@@ -53,6 +53,7 @@ static void connect(event *e, nsdae_stepper *s)
   e->setting = (nsdae_event_setting){.system = s->system,
                                      .options = s->options,
                                      .error = s->error,
+                                     .interrupt = &s->interrupt,
                                      .here = &s->middle,
                                      .kkt = &s->kkt};
   nsdae_event_set_places(&e->setting);
@@ -108,7 +109,7 @@ static void destroy(void *own)
   free(e);
 }
 
-/* A failure of the integrator at t, where its y is. */
+/* A failure of the integrator at t, where its y is; what has a record already keeps it. */
 static int integrator_failed(event *e, int status, double t)
 {
   nsdae_error *error = e->setting.error;
@@ -276,6 +277,22 @@ static int advance_from(event *e)
   return status < 0 ? status : start(e, g->ahead);
 }
 
+/* After every step of the integrator: whether it may go on. */
+static int may_go_on(const event *e, double t_end)
+{
+  const nsdae_event_setting *s = &e->setting;
+  double t = e->integrator.ahead;
+  if (s->result->counters.iterations < s->options->inner_steps_max || t >= t_end)
+    return nsdae_interrupted(s->interrupt, s->error, t);
+  nsdae_error_set(
+      s->error, NSDAE_E_CONVERGENCE, "nsdae_event", "inner_steps_max",
+      "the integrator is at t = %.17g after %d steps towards t = %.17g: make dt smaller, "
+      "inner_steps_max or rtol larger, or use method = implicit",
+      t, s->options->inner_steps_max, t_end);
+  s->error->time = t;
+  return NSDAE_E_CONVERGENCE;
+}
+
 /* To the end of the step, or until a list is nearly full: then the step ends early. */
 static int run_to(event *e, double t_end)
 {
@@ -283,6 +300,7 @@ static int run_to(event *e, double t_end)
   int status = NSDAE_OK;
   while (status == NSDAE_OK && e->reached < t_end && room(e->setting.result) && !too_many(e)) {
     status = advance_from(e);
+    if (status == NSDAE_OK) status = may_go_on(e, t_end);
     if (status < 0) break;
     double to = fmin(g->ahead, t_end);
     if (to > e->reached) status = nsdae_event_account_phase(&e->account, e->reached, to);
@@ -341,9 +359,10 @@ static int advance(void *own, const nsdae_state *state, double t_end, nsdae_resu
   result->given_up = too_many(e) || !(e->reached > state->terms->t);
   if (result->given_up) return NSDAE_OK;
   status = read_results(e, state->terms->t);
-  nsdae_error_clear(e->setting.error);
-  if (status == NSDAE_OK) result->memory.stamp = e->stamp = ++e->stamps;
-  return status;
+  if (status < 0) return integrator_failed(e, status, e->reached);
+  nsdae_error_clear(e->setting.error); /* of a step that was tried again, smaller */
+  result->memory.stamp = e->stamp = ++e->stamps;
+  return NSDAE_OK;
 }
 
 const nsdae_stepping nsdae_stepping_event = {

@@ -1,3 +1,4 @@
+#include "errors.h"
 #include "projection.h"
 
 #include <float.h>
@@ -38,8 +39,14 @@ static int project(nsdae_event_projection *p)
   for (int i = 0; i < rows; i++)
     for (int j = 0; j < n; j++) p->Jt[j * rows + i] = p->J[i * n + j];
   kkt.m = rows;
-  int status = nsdae_kkt_factor(&kkt, p->phase->setting->here->M, n, p->Jt, rows);
-  if (status < 0) return status;
+  const nsdae_terms *T = p->phase->setting->here;
+  int status = nsdae_kkt_factor(&kkt, T->M, n, p->Jt, rows);
+  if (status < 0)
+    return nsdae_error_set(
+        T->error, status, "nsdae_event", "mass",
+        "the mass matrix is not positive definite at t = %.17g: pivot %d of %d is "
+        "not above rounding; check the callback mass",
+        T->t, kkt.pivot, n);
   memset(p->change, 0, (size_t)n * sizeof *p->change);
   nsdae_kkt_solve(&kkt, 1, p->change, n, p->c, rows);
   return NSDAE_OK;

@@ -15,6 +15,7 @@
 #ifndef NSDAE_EVENT_SETTING_H
 #define NSDAE_EVENT_SETTING_H
 
+#include "interrupt.h"
 #include "stepper.h"
 
 /* Where the unknowns of a phase are in y = [q, v, lambda, F_N, F_T, F_S]; n: its length. */
@@ -26,6 +27,7 @@ typedef struct nsdae_event_setting {
   const nsdae_system *system;
   const nsdae_sim_options *options;
   nsdae_error *error;
+  const nsdae_interrupt *interrupt;
   nsdae_terms *here; /* at the point in work */
   nsdae_kkt *kkt;    /* of M and Phi_q where they were last factored */
   nsdae_event_places at;

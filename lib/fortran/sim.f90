@@ -69,6 +69,7 @@ module nsdae_f_sim
     integer(c_int) :: linear_solver                     ! of event
     real(c_double) :: accumulation_time                 ! shorter rests are closed [s]
     integer(c_int) :: events_max                        ! of event in one dt
+    integer(c_int) :: inner_steps_max                ! of the integrator in one dt
     integer(c_int) :: projection                        ! NSDAE_PROJECTION_NONE and so on
     real(c_double) :: start_tol                         ! relative error of the numbers of a start
     integer(c_int) :: initialised = 0                   ! set by nsdae_sim_options_default
@@ -153,6 +154,7 @@ module nsdae_f_sim
     real(c_double) :: worst_penetration
     real(c_double) :: energy_start       ! kinetic + potential at the start [J]
     real(c_double) :: energy_balance     ! energy now + dissipated - energy_start [J]
+    integer(c_int) :: warnings           ! 1: energy, 2: penetration, 4: drift
     real(c_double) :: wall_time          ! in nsdae_sim_run and nsdae_sim_step [s]
   end type
 
@@ -167,6 +169,14 @@ module nsdae_f_sim
     end function
   end interface
 
+  abstract interface
+    ! Asked whether a step in work is to end: not 0 says so.
+    integer(c_int) function nsdae_interrupt_fn(user)
+      import
+      class(*), intent(inout) :: user
+    end function
+  end interface
+
   ! One observer: what C hands back to call_observer.
   type :: observation
     procedure(nsdae_observer_fn), pointer, nopass :: call => null()
@@ -177,6 +187,8 @@ module nsdae_f_sim
   type :: run
     type(nsdae_dims) :: dims
     type(observation) :: observer(NSDAE_OBSERVERS_MAX)
+    procedure(nsdae_interrupt_fn), pointer, nopass :: asked => null()
+    class(*), pointer :: asked_user => null()
     type(nsdae_error) :: refusal  ! by the module itself, of the last call; C keeps the others
   end type
 
@@ -188,7 +200,7 @@ module nsdae_f_sim
     type(nsdae_system) :: system
   end type
 
-  public :: nsdae_observer_fn
+  public :: nsdae_observer_fn, nsdae_interrupt_fn, nsdae_sim_set_interrupt
   public :: nsdae_sim_options_default, nsdae_sim_options_set, nsdae_sim_options_table, &
             nsdae_method_name, nsdae_method_summary, nsdae_sim_create, nsdae_sim_destroy, &
             nsdae_sim_project, nsdae_sim_init, nsdae_sim_observe, nsdae_sim_unobserve, nsdae_sim_step, &
@@ -248,6 +260,12 @@ module nsdae_f_sim
       import
       type(c_ptr), value :: sim, user
       type(c_funptr), value :: observer
+    end function
+    integer(c_int) function c_set_interrupt(sim, asked, user) &
+        bind(C, name='nsdae_sim_set_interrupt')
+      import
+      type(c_ptr), value :: sim, user
+      type(c_funptr), value :: asked
     end function
     integer(c_int) function c_unobserve(sim, observer, user) bind(C, name='nsdae_sim_unobserve')
       import
@@ -592,6 +610,31 @@ contains
   end function
 
   ! What C calls.
+  integer(c_int) function call_interrupt(user) result(code) bind(C, name='')
+    type(c_ptr), value :: user
+    type(run), pointer :: here
+    call c_f_pointer(user, here)
+    code = here%asked(here%asked_user)
+  end function
+
+  ! Who is asked before every step, and after every internal step of penalty and event, whether to
+  ! go on; without asked: nobody. A step that is interrupted was not done: NSDAE_E_INTERRUPTED.
+  integer(c_int) function nsdae_sim_set_interrupt(sim, asked, user) result(status)
+    type(nsdae_sim), intent(in) :: sim
+    procedure(nsdae_interrupt_fn), optional :: asked
+    class(*), target, intent(inout), optional :: user
+    type(c_funptr) :: call_back
+    status = NSDAE_E_ARGUMENT
+    if (.not. associated(sim%run)) return
+    call_back = c_null_funptr
+    if (present(asked)) then
+      sim%run%asked => asked
+      sim%run%asked_user => chosen(user)
+      call_back = c_funloc(call_interrupt)
+    end if
+    status = c_set_interrupt(at(sim), call_back, c_loc(sim%run))
+  end function
+
   integer(c_int) function call_observer(from, error, user) result(status) bind(C, name='')
     type(nsdae_c_record), intent(in) :: from
     type(nsdae_c_error), intent(inout) :: error

@@ -30,7 +30,11 @@ module nsdae_f_status
       NSDAE_E_DERIVATIVE = -12, &
       NSDAE_E_IO = -13, &
       NSDAE_E_UNSUPPORTED = -14, &
-      NSDAE_E_PAINLEVE = -15
+      NSDAE_E_PAINLEVE = -15, &
+      NSDAE_E_INTERRUPTED = -16, &
+      NSDAE_WARN_ENERGY = 5, &
+      NSDAE_WARN_PENETRATION = 6, &
+      NSDAE_WARN_DRIFT = 7
 
   ! What went wrong.
   type, public :: nsdae_error

@@ -8,15 +8,18 @@
 #include "cone.h"
 #include "sweep.h"
 
-/* Sweeps between two looks at the residual; at the beginning; of a warm start; of the last resort,
- * in all contacts together. */
-enum { BETWEEN = 20, FEW = 100, WARM = 600, MANY = 20000 };
+/* Sweeps between two looks at the residual; at the beginning; of a warm start, which is trapped
+ * where so many have not halved the residual; of the last resort. */
+enum { BETWEEN = 20, FEW = 100, WARM = 2000, TRAPPED = 600, MANY = 20000 };
 
 /* Newton steps of one attempt. */
 enum { STEPS = 300 };
 
 /* Newton steps times items that further paths may take. */
 static const double WORK = 2e6;
+
+/* Tolerances that sweeps are likely to reach. */
+static const double ROUGH = 1e-6;
 
 void nsdae_fc_chain_layout(void *object, nsdae_arena *arena)
 {
@@ -90,6 +93,7 @@ static int ready(nsdae_fc_chain *c)
   c->newton.matrix = c->matrix;
   c->newton.steps = 0;
   c->newton.most = c->options->max_iterations > 0 ? c->options->max_iterations : STEPS;
+  c->lost |= c->analysed < 0;
   return c->analysed == 1;
 }
 
@@ -115,7 +119,8 @@ static int path(nsdae_fc_chain *c, double loose, int stage)
   if (!ready(c)) return 0;
   start_cold(c);
   double residual = nsdae_fc_path(&c->newton, loose, c->tol);
-  if (!(residual <= c->tol)) nsdae_fc_proximal(&c->newton, 1e-8, c->tol);
+  int lost = c->tol >= ROUGH && residual > 1e-2; /* sweeps get there sooner */
+  if (!(residual <= c->tol) && !lost) nsdae_fc_proximal(&c->newton, 1e-8, c->tol);
   return count(c, stage);
 }
 
@@ -126,8 +131,7 @@ static int warm(nsdae_fc_chain *c)
   for (int k = 0; k < 3 * c->fc.n; k++) most = fmax(most, fabs(c->fc.r[k]));
   if (!(most > 0)) return 0;
   memset(c->slip, 0, (size_t)c->fc.n * sizeof *c->slip);
-  return sweeps(c, WARM, 8 * BETWEEN, NSDAE_FRICTION_WARM) ||
-         proximal(c, 1e-3, NSDAE_FRICTION_WARM);
+  return sweeps(c, WARM, TRAPPED, NSDAE_FRICTION_WARM) || proximal(c, 1e-3, NSDAE_FRICTION_WARM);
 }
 
 static int gauss_seidel(nsdae_fc_chain *c)
@@ -141,15 +145,28 @@ static int smoothing(nsdae_fc_chain *c)
   return path(c, 1e-3, NSDAE_FRICTION_SMOOTHING);
 }
 
-/* Which items stand where the paths end depends on how closely they are followed; so others are
- * tried, fewer of larger islands. Then patience: where much slides, sweeps go on getting better. */
-static int further(nsdae_fc_chain *c)
+/* Where much slides, sweeps go on getting better, slowly; and Newton starts elsewhere. */
+static int patience(nsdae_fc_chain *c, int most)
+{
+  start_cold(c);
+  return sweeps(c, most, 0, NSDAE_FRICTION_FURTHER) || proximal(c, 1e-2, NSDAE_FRICTION_FURTHER);
+}
+
+/* Which items stand where a path ends depends on how closely it is followed; so others are tried,
+ * fewer of larger islands. */
+static int paths(nsdae_fc_chain *c)
 {
   static const double loose[] = {1e-5, 1e-2, 1e-4, 0.1, 3e-3, 1e-6, 3e-4, 3e-2, 3e-5, 3e-6};
   for (int k = 0; k < 10 && (double)c->info.iterations * c->fc.n < WORK; k++)
     if (path(c, loose[k], NSDAE_FRICTION_FURTHER)) return 1;
-  start_cold(c);
-  return sweeps(c, MANY, 0, NSDAE_FRICTION_FURTHER) || proximal(c, 1e-2, NSDAE_FRICTION_FURTHER);
+  return 0;
+}
+
+/* Sweeps reach a few digits, paths many. */
+static int further(nsdae_fc_chain *c)
+{
+  if (c->tol >= ROUGH) return patience(c, MANY) || paths(c);
+  return patience(c, MANY / 10) || paths(c) || patience(c, MANY);
 }
 
 void nsdae_fc_chain_run(nsdae_fc_chain *c)

@@ -14,6 +14,7 @@ typedef struct nsdae_fc_chain {
   nsdae_fc_newton newton;
   nsdae_fc_matrix *matrix; /* the solver's, kept between calls */
   int analysed;            /* 1: it is ready for this island; -1: no memory for it */
+  int lost;                /* no memory for what a stage needed */
 } nsdae_fc_chain;
 
 /* Takes the arrays of the chain and its island. */

@@ -174,6 +174,11 @@ static void turn(nsdae_fc *c, int k)
   D[5] = D[7] = 0;
 }
 
+static double finite_part(double x)
+{
+  return isfinite(x) ? x : 0;
+}
+
 void nsdae_fc_fill(nsdae_fc *c, const double *r)
 {
   const nsdae_fc_whole *w = c->whole;
@@ -186,7 +191,8 @@ void nsdae_fc_fill(nsdae_fc *c, const double *r)
     int rows = nsdae_fc_rows(w->view.p, c->item[k]), row = w->view.row[c->item[k]];
     diagonal(c, k);
     turn(c, k);
-    for (int j = 0; j < 3; j++) c->r[3 * k + j] = j < rows ? r[row + j] / c->factor[k] : 0;
+    for (int j = 0; j < 3; j++)
+      c->r[3 * k + j] = j < rows ? finite_part(r[row + j] / c->factor[k]) : 0;
   }
 }
 

@@ -52,15 +52,15 @@ void nsdae_fc_map(int kind, double mu, const double *r, const double *u, double 
     B[0] = !closed;
     return;
   }
+  double y[3] = {u[0] + mu * slip, u[1], u[2]};
   project(mu, x, P, G);
+  nsdae_fc_map_of_cone(mu, r, y, F);
   for (int i = 0; i < 9; i++) {
     B[i] = (i % 4 == 0) - G[i];
     A[i] = G[i];
   }
-  for (int i = 0; i < 3; i++) {
-    F[i] = r[i] - P[i];
+  for (int i = 0; i < 3; i++)
     for (int j = 1; j < 3 && slip > 0; j++) A[3 * i + j] += G[3 * i] * mu * (u[j] / slip);
-  }
 }
 
 /* (l + sqrt(l^2 + 4 e^2)) / 2 and its derivative, without cancellation. */

@@ -91,41 +91,50 @@ static int reserve(nsdae_friction_solver *s)
   return NSDAE_OK;
 }
 
-/* Items that nothing moves get r = 0, all others the answer of their island. */
-static void solve_islands(nsdae_friction_solver *s, const nsdae_friction_options *options,
-                          double *r, nsdae_friction_info *info)
+/* Items that nothing moves get r = 0, all others the answer of their island, in whole.r. */
+static int solve_islands(nsdae_friction_solver *s, const nsdae_friction_options *options,
+                         const double *guess, nsdae_friction_info *info)
 {
-  const nsdae_fc_whole *w = &s->whole;
+  nsdae_fc_whole *w = &s->whole;
   nsdae_fc_chain *c = &s->chain;
-  for (int i = 0; i < w->view.items; i++)
-    for (int k = w->view.row[i]; k < w->view.row[i + 1] && w->label[i] < 0; k++) r[k] = 0;
+  memset(w->r, 0, (size_t)w->view.m * sizeof *w->r);
   for (int island = 0; island < w->islands; island++) {
     lay_out(s, island);
     c->options = options;
     c->tol = 0.8 * options->tol; /* the certificate rounds otherwise */
-    nsdae_fc_fill(&c->fc, r);
+    nsdae_fc_fill(&c->fc, guess);
     nsdae_fc_chain_run(c);
-    nsdae_fc_scatter(&c->fc, c->best, r);
+    if (c->lost && c->info.outcome != NSDAE_OUTCOME_SOLVED) return NSDAE_E_MEMORY;
+    nsdae_fc_scatter(&c->fc, c->best, w->r);
     merge(info, &c->info);
   }
+  return NSDAE_OK;
+}
+
+/* The proof: the item's own direction, against its velocity. */
+static int refute(const nsdae_fc_whole *w, int item, double *r, double *u,
+                  nsdae_friction_info *info)
+{
+  int row = w->view.row[item];
+  info->outcome = NSDAE_OUTCOME_INFEASIBLE;
+  info->proof = NSDAE_PROOF_FARKAS;
+  memset(r, 0, (size_t)w->view.m * sizeof *r);
+  info->residual = nsdae_fc_whole_residual(w, r, u);
+  r[row] = w->q[row] < 0 ? 1 : -1;
+  return NSDAE_E_INFEASIBLE;
 }
 
 /* The certificate, of r as it is handed over. */
-static int certify(const nsdae_fc_whole *w, double tol, const double *r, double *u,
+static int certify(const nsdae_fc_whole *w, double tol, double *r, double *u,
                    nsdae_friction_info *info)
 {
+  if (w->view.m > 0) memcpy(r, w->r, (size_t)w->view.m * sizeof *r);
   info->residual = nsdae_fc_whole_residual(w, r, u);
   if (info->residual != info->residual) info->residual = INFINITY;
   info->outcome = info->residual <= tol ? NSDAE_OUTCOME_SOLVED : NSDAE_OUTCOME_UNSOLVED;
   if (info->outcome == NSDAE_OUTCOME_SOLVED && info->stage == NSDAE_FRICTION_NONE)
     info->stage = NSDAE_FRICTION_TRIVIAL;
   return info->outcome == NSDAE_OUTCOME_SOLVED ? NSDAE_OK : NSDAE_E_LCP;
-}
-
-static void drop_nonfinite(int m, double *r)
-{
-  for (int k = 0; k < m; k++)
-    if (!isfinite(r[k])) r[k] = 0;
 }
 
 int nsdae_friction_solver_solve(nsdae_friction_solver *solver,
@@ -144,8 +153,10 @@ int nsdae_friction_solver_solve(nsdae_friction_solver *solver,
   if (status != NSDAE_OK) return status;
   if (solver->whole.view.m > 0 && (!r || !u)) return NSDAE_E_ARGUMENT;
   if (reserve(solver) != NSDAE_OK) return NSDAE_E_MEMORY;
-  drop_nonfinite(solver->whole.view.m, r);
-  solve_islands(solver, options, r, info);
+  int blocked = nsdae_fc_whole_blocked(&solver->whole);
+  if (blocked >= 0) return refute(&solver->whole, blocked, r, u, info);
+  status = solve_islands(solver, options, r, info);
+  if (status != NSDAE_OK) return status;
   return certify(&solver->whole, options->tol, r, u, info);
 }
 

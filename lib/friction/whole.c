@@ -37,6 +37,7 @@ void nsdae_fc_whole_layout(void *object, nsdae_arena *arena)
   c->d = NSDAE_ARENA_DOUBLES(arena, c->view.items);
   c->v = NSDAE_ARENA_DOUBLES(arena, nv);
   c->low = NSDAE_ARENA_DOUBLES(arena, nv);
+  c->r = NSDAE_ARENA_DOUBLES(arena, m);
   c->label = NSDAE_ARENA_INTS(arena, c->view.items);
   c->member = NSDAE_ARENA_INTS(arena, c->view.items);
   c->start = NSDAE_ARENA_INTS(arena, c->view.items + 1L);
@@ -243,6 +244,26 @@ static int measure(nsdae_fc_whole *c, nsdae_error *error)
   }
   c->scale = s > 0 ? s : 1;
   return NSDAE_OK;
+}
+
+/* Exactly: its parts of H (W) and C are zeros, so that u = q whatever r is. */
+static int is_fixed(const nsdae_fc_whole *c, int i)
+{
+  const nsdae_friction_problem *p = c->view.p;
+  for (int e = p->first[i]; e < p->first[i + 1]; e++)
+    if (touches(c, e)) return 0;
+  for (int k = c->view.row[i]; k < c->view.row[i + 1] && p->compliance; k++)
+    if (p->compliance[k] > 0) return 0;
+  return 1;
+}
+
+int nsdae_fc_whole_blocked(const nsdae_fc_whole *c)
+{
+  for (int i = 0; i < c->view.items; i++) {
+    double q = c->q[c->view.row[i]];
+    if ((i < c->view.p->contacts ? q < 0 : q != 0) && is_fixed(c, i)) return i;
+  }
+  return -1;
 }
 
 int nsdae_fc_whole_fill(nsdae_fc_whole *c, nsdae_error *error)

@@ -16,6 +16,7 @@ typedef struct nsdae_fc_whole {
   double *d;     /* items: mean of the diagonal entries of W + C */
   double *v;     /* nv: work of the certificate */
   double *low;   /* nv: the same */
+  double *r;     /* m: the answer, until it is handed over */
   double scale;  /* max |q|; 1 where that is zero */
   double most_d; /* max d */
   int *label;    /* items: the island, from 0; -1 for items that nothing moves (d = 0) */
@@ -31,6 +32,9 @@ void nsdae_fc_whole_layout(void *whole, nsdae_arena *arena);
 
 /* Fills them; status as of nsdae_friction_check. */
 int nsdae_fc_whole_fill(nsdae_fc_whole *whole, nsdae_error *error);
+
+/* An item that nothing moves and whose velocity its law forbids; -1 where there is none. */
+int nsdae_fc_whole_blocked(const nsdae_fc_whole *whole);
 
 /* u [m] of r from the data as given, and the residual of the public header. */
 double nsdae_fc_whole_residual(const nsdae_fc_whole *whole, const double *r, double *u);

@@ -35,6 +35,12 @@ void nsdae_sparse_lu_layout(nsdae_sparse_lu *lu, nsdae_arena *arena)
   lu->work = NSDAE_ARENA_INTS(arena, n * n + 9 * n);
 }
 
+void nsdae_sparse_lu_forget(nsdae_sparse_lu *lu)
+{
+  memset(lu->seen, 0, (size_t)lu->n * (size_t)lu->n);
+  lu->ordered = lu->factored = 0;
+}
+
 /* A pattern that grows by what was ever not zero settles; a new one is ordered anew. */
 static void grow_pattern(nsdae_sparse_lu *lu, const double *A, int lda)
 {

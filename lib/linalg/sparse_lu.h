@@ -33,6 +33,9 @@ typedef struct nsdae_sparse_lu {
 /* Takes the arrays; n is set before. */
 void nsdae_sparse_lu_layout(nsdae_sparse_lu *lu, nsdae_arena *arena);
 
+/* Forgets every pattern: what follows is as after the layout, to the last bit. */
+void nsdae_sparse_lu_forget(nsdae_sparse_lu *lu);
+
 /* Factors A [n x n], dense with its zeros. Returns 0, or i > 0 where the i-th pivot is zero or not
  * a number. */
 int nsdae_sparse_lu_factor(nsdae_sparse_lu *lu, const double *A, int lda);

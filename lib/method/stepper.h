@@ -2,6 +2,7 @@
 #ifndef NSDAE_STEPPER_H
 #define NSDAE_STEPPER_H
 
+#include "interrupt.h"
 #include "kkt.h"
 #include "method.h"
 #include "system_impl.h"
@@ -10,8 +11,9 @@ typedef struct nsdae_stepper {
   const nsdae_system *system;
   const nsdae_sim_options *options;
   nsdae_error *error;
-  nsdae_counters *counters; /* of the step in work */
-  double iteration_tol;     /* the option, but above the rounding of derivatives by differences */
+  nsdae_interrupt interrupt; /* asked before every step, and inside long ones */
+  nsdae_counters *counters;  /* of the step in work */
+  double iteration_tol;      /* the option, but above the rounding of derivatives by differences */
   nsdae_differences differences;
   nsdae_terms middle;
   nsdae_kkt kkt;

@@ -71,6 +71,7 @@ static void visit_stats(cursor *c, nsdae_stats *s)
   for (size_t i = 0; i < sizeof worst / sizeof *worst; i++) visit(c, worst[i], sizeof(double));
   visit(c, &s->rank, sizeof s->rank);
   visit(c, &s->rank_most, sizeof s->rank_most);
+  visit(c, &s->warnings, sizeof s->warnings);
 }
 
 static void visit_accounts(cursor *c, nsdae_accounts *a)
@@ -80,6 +81,7 @@ static void visit_accounts(cursor *c, nsdae_accounts *a)
   visit(c, &a->grid_start, sizeof a->grid_start);
   visit(c, &a->dissipated, sizeof a->dissipated);
   visit_stats(c, &a->stats);
+  visit(c, &a->watch, sizeof a->watch);
 }
 
 /* have: which terms the next step finds there. */

@@ -63,6 +63,8 @@ static const nsdae_param entries[] = {
      NSDAE_PARAM_REAL, AT(accumulation_time), 1e-5, 0, INFINITY, NSDAE_OPEN_MIN, NULL},
     {"events_max", "1", "most instants of event in one dt; past it the step is implicit's",
      NSDAE_PARAM_INT, AT(events_max), 10000, 1, 1e9, 0, NULL},
+    {"inner_steps_max", "1", "most steps of the integrator of penalty and event in one dt",
+     NSDAE_PARAM_INT, AT(inner_steps_max), 100000, 1, 1e9, 0, NULL},
     {"projection", "", "what the end of a step of a time-stepping method is moved to",
      NSDAE_PARAM_CHOICE, AT(projection), NSDAE_PROJECTION_NONE, 0, 2, 0, projections},
     {"start_tol", "1", "relative error of the numbers of a start, which must be consistent",
@@ -126,6 +128,7 @@ static const struct {
     {"linear_solver", 1u << NSDAE_METHOD_EVENT},
     {"accumulation_time", 1u << NSDAE_METHOD_EVENT},
     {"events_max", 1u << NSDAE_METHOD_EVENT},
+    {"inner_steps_max", 1u << NSDAE_METHOD_PENALTY | 1u << NSDAE_METHOD_EVENT},
     {"projection", ~(1u << NSDAE_METHOD_PENALTY)}, /* of event: where implicit steps in */
     {"start_tol", 0},
 };

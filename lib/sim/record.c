@@ -94,6 +94,9 @@ int nsdae_point_start(nsdae_sim *sim, nsdae_point *point)
   fill_record(point);
   stats->energy_start = point->record.kinetic + point->record.potential;
   stats->rank = sim->system->dims.m;
+  status = nsdae_watch_finite(point);
+  if (status < 0) return status;
+  nsdae_watch_start(sim, point);
   count(stats, &point->result.counters);
   certify(stats, &point->record);
   return NSDAE_OK;
@@ -109,7 +112,7 @@ int nsdae_point_show(nsdae_point *point, unsigned have)
   return NSDAE_OK;
 }
 
-int nsdae_point_follow(const nsdae_point *before, nsdae_point *point, double impact_velocity)
+int nsdae_point_follow(nsdae_point *before, nsdae_point *point, double impact_velocity)
 {
   nsdae_result *r = &point->result;
   nsdae_accounts *a = &point->accounts;
@@ -124,6 +127,8 @@ int nsdae_point_follow(const nsdae_point *before, nsdae_point *point, double imp
   a->stats.contact_steps += !r->smooth;
   a->stats.impacts += r->impacts;
   fill_record(point);
+  status = nsdae_watch_finite(point);
+  if (status < 0) return status;
   count(&a->stats, &r->counters);
   certify(&a->stats, &point->record);
   return NSDAE_OK;

@@ -162,6 +162,13 @@ int nsdae_sim_init(nsdae_sim *sim, double t0, const double *q0, const double *v0
   return NSDAE_OK;
 }
 
+int nsdae_sim_set_interrupt(nsdae_sim *sim, nsdae_interrupt_fn asked, void *user)
+{
+  if (!sim) return NSDAE_E_ARGUMENT;
+  sim->stepper.interrupt = (nsdae_interrupt){asked, user};
+  return NSDAE_OK;
+}
+
 int nsdae_sim_get_record(const nsdae_sim *sim, nsdae_record *record)
 {
   if (!sim || !record) return NSDAE_E_ARGUMENT;

@@ -7,6 +7,7 @@
 #include "methods.h"
 #include "projection.h"
 #include "stepper.h"
+#include "watch.h"
 
 typedef struct nsdae_observation {
   nsdae_observer_fn call;
@@ -28,6 +29,7 @@ typedef struct nsdae_accounts {
   double grid_start; /* steps end at grid_start + grid_count dt */
   long grid_count;
   nsdae_stats stats;
+  nsdae_watch watch;
 } nsdae_accounts;
 
 /* A point of the run: a result and the accounts up to it. */
@@ -52,10 +54,11 @@ struct nsdae_sim {
   double asked;            /* the time that the step in next was asked for */
   nsdae_observers observers;
   double wall_time;
-  int started; /* nsdae_sim_init was called */
-  int told;    /* the observers have seen the state */
-  int waiting; /* next is whole, and is the state as soon as the observers have seen it */
-  int failed;  /* the last step ended on the complementarity problem of next */
+  nsdae_error warning; /* of the last step, to be said when it is done */
+  int started;         /* nsdae_sim_init was called */
+  int told;            /* the observers have seen the state */
+  int waiting;         /* next is whole, and is the state as soon as the observers have seen it */
+  int failed;          /* the last step ended on the complementarity problem of next */
 };
 
 /* What an observer sees: the step that waits for it, else the state. */
@@ -78,7 +81,15 @@ void nsdae_sim_commit(nsdae_sim *sim);
 int nsdae_point_start(nsdae_sim *sim, nsdae_point *point);
 /* The record of a step, its impacts, certificate and statistics, from its result and from the point
  * before. NSDAE_OK, or what the terms return. */
-int nsdae_point_follow(const nsdae_point *before, nsdae_point *point, double impact_velocity);
+int nsdae_point_follow(nsdae_point *before, nsdae_point *point, double impact_velocity);
+
+/* NSDAE_OK, or NSDAE_E_NONFINITE with the record that names what of a point is not finite. */
+int nsdae_watch_finite(const nsdae_point *point);
+/* From the start on. */
+void nsdae_watch_start(const nsdae_sim *sim, nsdae_point *point);
+/* After a step: what is to be said now, NSDAE_WARN_... with the error record, NSDAE_OK; or what the
+ * terms return. */
+int nsdae_watch_step(const nsdae_sim *sim, nsdae_point *before, nsdae_point *point);
 
 /* The record of a point whose result and accounts were set; have: terms to evaluate besides. */
 int nsdae_point_show(nsdae_point *point, unsigned have);

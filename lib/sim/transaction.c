@@ -87,15 +87,19 @@ static int prepare(nsdae_sim *sim, double t1)
                            "dt = %g is lost in rounding at t = %.17g: make it larger",
                            sim->options.dt, t0);
   unsigned have = sim->now->result.end.have;
-  int status = advance(sim, t1);
+  int status = nsdae_interrupted(&sim->stepper.interrupt, &sim->error, t0);
+  if (status == NSDAE_OK) status = advance(sim, t1);
   sim->failed = is_problem(status) && sim->next->result.problem;
   if (status == NSDAE_OK) status = project(sim);
   if (status == NSDAE_OK)
     status = nsdae_point_follow(sim->now, sim->next, sim->options.impact_velocity);
+  if (status == NSDAE_OK) status = nsdae_watch_step(sim, sim->now, sim->next);
   if (status < 0) {
     sim->now->result.end.have = have; /* what a dropped step evaluated is not counted either */
     return status;
   }
+  sim->warning.status = NSDAE_OK;
+  if (status > 0) sim->warning = sim->error; /* which observers clear */
   sim->next->accounts.grid_count += sim->next->result.end.t >= t1;
   sim->asked = t1;
   sim->observers.turn = sim->observers.stop = 0;
@@ -139,8 +143,14 @@ static double next_time(const nsdae_sim *sim)
   return a->grid_start + (double)(a->grid_count + 1) * sim->options.dt;
 }
 
-static int outcome(const nsdae_result *result)
+/* What a step that was done is to be told of. */
+static int outcome(nsdae_sim *sim)
 {
+  const nsdae_result *result = &sim->now->result;
+  if (sim->warning.status > 0) {
+    sim->error = sim->warning;
+    return sim->warning.status;
+  }
   if (result->counters.accumulations > 0) return NSDAE_ZENO;
   return result->impacts > 0 || result->counters.events > 0 ? NSDAE_EVENT : NSDAE_OK;
 }
@@ -153,7 +163,7 @@ int nsdae_sim_step(nsdae_sim *sim)
   if (status != NSDAE_OK) return status;
   status = step_to(sim, next_time(sim), 0);
   sim->wall_time += nsdae_wall_clock() - began;
-  return status == NSDAE_OK ? outcome(&sim->now->result) : status;
+  return status == NSDAE_OK ? outcome(sim) : status;
 }
 
 /* One step on the way to t_end; one that would end within rounding of t_end ends there. */
@@ -175,8 +185,14 @@ int nsdae_sim_run(nsdae_sim *sim, double t_end)
                            "t_end = %g is outside its range: it must be finite and at least the "
                            "time reached, %g",
                            t_end, t);
+  nsdae_error warning = {0}; /* the first of the run */
   int status = begin(sim, "nsdae_sim_run");
-  while (status == NSDAE_OK && sim->now->result.end.t < t_end) status = step_towards(sim, t_end);
+  while (status == NSDAE_OK && sim->now->result.end.t < t_end) {
+    status = step_towards(sim, t_end);
+    if (status >= 0 && warning.status == NSDAE_OK) warning = sim->warning;
+  }
   sim->wall_time += nsdae_wall_clock() - began;
-  return status;
+  if (status != NSDAE_OK || warning.status == NSDAE_OK) return status;
+  sim->error = warning;
+  return warning.status;
 }

@@ -38,8 +38,4 @@ int nsdae_dae_advance(nsdae_dae *dae, double *t, int *root, int *found, int *cod
 /* y [n] (derivative 0) or y' [n] (1) at t within the last step. NSDAE_OK or NSDAE_E_CONVERGENCE. */
 int nsdae_dae_interpolate(nsdae_dae *dae, double t, int derivative, double *y);
 
-/* Steps and evaluations of r so far. */
-long nsdae_dae_steps(const nsdae_dae *dae);
-long nsdae_dae_residuals(const nsdae_dae *dae);
-
 #endif

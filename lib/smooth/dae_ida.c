@@ -9,6 +9,7 @@
 
 #include "context.h"
 #include "pool.h"
+#include "progress.h"
 #include "sparse_lu.h"
 
 struct nsdae_dae {
@@ -23,25 +24,15 @@ struct nsdae_dae {
   nsdae_sparse_lu lu; /* where the problem is sparse */
   nsdae_arena arena;
   double after; /* where the next step goes */
-  int failed;   /* code of a callback that gave up */
-  int refused;  /* a callback asked for a smaller step */
-  int stalled;  /* steps since t went on */
+  nsdae_progress progress;
 };
-
-enum { STALLED_MAX = 100 }; /* IDA may double its step each time: 1e30 times the first */
-
-static int keep_failure(nsdae_dae *dae, int code)
-{
-  if (code < 0) dae->failed = code;
-  if (code > 0) dae->refused = 1;
-  return code;
-}
 
 static int residual(sunrealtype t, N_Vector y, N_Vector yp, N_Vector r, void *user)
 {
   nsdae_dae *dae = user;
-  return keep_failure(dae, dae->problem.residual(t, N_VGetArrayPointer(y), N_VGetArrayPointer(yp),
-                                                 N_VGetArrayPointer(r), dae->problem.user));
+  return nsdae_progress_note(&dae->progress,
+                             dae->problem.residual(t, N_VGetArrayPointer(y), N_VGetArrayPointer(yp),
+                                                   N_VGetArrayPointer(r), dae->problem.user));
 }
 
 static int root(sunrealtype t, N_Vector y, N_Vector yp, sunrealtype *g, void *user)
@@ -49,7 +40,7 @@ static int root(sunrealtype t, N_Vector y, N_Vector yp, sunrealtype *g, void *us
   nsdae_dae *dae = user;
   int code =
       dae->problem.root(t, N_VGetArrayPointer(y), N_VGetArrayPointer(yp), g, dae->problem.user);
-  if (code != 0) dae->failed = code;
+  if (code != 0) dae->progress.failed = code;
   return code;
 }
 
@@ -60,9 +51,10 @@ static int jacobian(sunrealtype t, sunrealtype c, N_Vector y, N_Vector yp, N_Vec
   (void)tmp1;
   (void)tmp2;
   (void)tmp3;
-  return keep_failure(dae, dae->problem.jacobian(t, c, N_VGetArrayPointer(y),
-                                                 N_VGetArrayPointer(yp), N_VGetArrayPointer(r),
-                                                 SUNDenseMatrix_Data(J), dae->problem.user));
+  return nsdae_progress_note(&dae->progress,
+                             dae->problem.jacobian(t, c, N_VGetArrayPointer(y),
+                                                   N_VGetArrayPointer(yp), N_VGetArrayPointer(r),
+                                                   SUNDenseMatrix_Data(J), dae->problem.user));
 }
 
 /* A linear solver of SUNDIALS on our sparse factors: its own, KLU, allocates in a run. */
@@ -215,7 +207,7 @@ void nsdae_dae_destroy(nsdae_dae **dae)
 
 static int failure(const nsdae_dae *dae)
 {
-  return dae->failed ? NSDAE_E_CALLBACK : NSDAE_E_CONVERGENCE;
+  return dae->progress.failed ? NSDAE_E_CALLBACK : NSDAE_E_CONVERGENCE;
 }
 
 static int reinit(nsdae_dae *dae, double t, const double *y, const double *yp)
@@ -230,13 +222,15 @@ static int reinit(nsdae_dae *dae, double t, const double *y, const double *yp)
  * rounding can be above what rtol and atol ask for. */
 static int came_to_rest(const nsdae_dae *dae, int code)
 {
-  return !dae->failed && !dae->refused && (code == IDA_LINESEARCH_FAIL || code == IDA_CONV_FAIL);
+  return !dae->progress.failed && !dae->progress.refused &&
+         (code == IDA_LINESEARCH_FAIL || code == IDA_CONV_FAIL);
 }
 
 int nsdae_dae_start(nsdae_dae *dae, double t, double after, double *y, double *yp, int *code)
 {
   size_t size = (size_t)dae->problem.n * sizeof *y;
-  dae->failed = dae->refused = dae->stalled = 0;
+  dae->progress = (nsdae_progress){0};
+  if (dae->problem.sparse) nsdae_sparse_lu_forget(&dae->lu);
   dae->after = after;
   *code = reinit(dae, t, y, yp);
   if (*code == 0) *code = IDACalcIC(dae->ida, IDA_YA_YDP_INIT, after);
@@ -250,18 +244,14 @@ int nsdae_dae_start(nsdae_dae *dae, double t, double after, double *y, double *y
   return NSDAE_OK;
 }
 
-/* A residual that fails from some time on lets IDA halve its step for ever: it calls a step below
- * the rounding of t a success. Some such steps are good, its first ones after a restart. */
 int nsdae_dae_advance(nsdae_dae *dae, double *t, int *root_found, int *found, int *code)
 {
   double from = *t;
-  dae->failed = dae->refused = 0;
+  nsdae_progress_begin(&dae->progress);
   *code = IDASolve(dae->ida, dae->after, t, dae->y, dae->yp, IDA_ONE_STEP);
   *root_found = *code == IDA_ROOT_RETURN;
-  dae->stalled = *t > from || *root_found ? 0 : dae->stalled + 1;
-  /* rather in a step with a reason to tell */
-  int most = dae->refused ? STALLED_MAX : 2 * STALLED_MAX;
-  if (*code >= 0 && dae->stalled > most) *code = IDA_CONV_FAIL;
+  if (nsdae_progress_lost(&dae->progress, *t > from || *root_found) && *code >= 0)
+    *code = IDA_CONV_FAIL;
   if (*code < 0) return failure(dae);
   if (*root_found) IDAGetRootInfo(dae->ida, found);
   return NSDAE_OK;
@@ -273,18 +263,4 @@ int nsdae_dae_interpolate(nsdae_dae *dae, double t, int derivative, double *y)
   if (IDAGetDky(dae->ida, t, derivative, out) != 0) return NSDAE_E_CONVERGENCE;
   memcpy(y, N_VGetArrayPointer(out), (size_t)dae->problem.n * sizeof *y);
   return NSDAE_OK;
-}
-
-long nsdae_dae_steps(const nsdae_dae *dae)
-{
-  long steps = 0;
-  IDAGetNumSteps(dae->ida, &steps);
-  return steps;
-}
-
-long nsdae_dae_residuals(const nsdae_dae *dae)
-{
-  long residuals = 0;
-  IDAGetNumResEvals(dae->ida, &residuals);
-  return residuals;
 }

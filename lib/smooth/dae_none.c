@@ -48,15 +48,3 @@ int nsdae_dae_interpolate(nsdae_dae *dae, double t, int derivative, double *y)
   (void)y;
   return NSDAE_E_UNSUPPORTED;
 }
-
-long nsdae_dae_steps(const nsdae_dae *dae)
-{
-  (void)dae;
-  return 0;
-}
-
-long nsdae_dae_residuals(const nsdae_dae *dae)
-{
-  (void)dae;
-  return 0;
-}

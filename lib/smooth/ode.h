@@ -1,5 +1,5 @@
 /* A stiff initial value problem y' = f(t, y), by SUNDIALS CVODE: variable-order BDF with error
- * control and root finding. The only other header with SUNDIALS behind it is none. */
+ * control and root finding. */
 #ifndef NSDAE_ODE_H
 #define NSDAE_ODE_H
 
@@ -25,8 +25,9 @@ int nsdae_ode_start(nsdae_ode *ode, double t, const double *y);
 enum { NSDAE_ODE_STEP, NSDAE_ODE_ROOT, NSDAE_ODE_END };
 
 /* One step of the integrator's own choice, not past t_end; *what says how it ended. t and y [n]
- * are where it got to, found [roots] the direction in which each root was crossed, 0 where it was
- * not. NSDAE_OK; NSDAE_E_CONVERGENCE with the integrator's code in *code; NSDAE_E_CALLBACK. */
+ * are where it got to (on entry *t where it was), found [roots] the direction in which each root
+ * was crossed, 0 where it was not. NSDAE_OK; NSDAE_E_CONVERGENCE with the integrator's code in
+ * *code; NSDAE_E_CALLBACK. */
 int nsdae_ode_advance(nsdae_ode *ode, double t_end, double *t, double *y, int *what, int *found,
                       int *code);
 

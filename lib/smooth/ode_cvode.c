@@ -10,6 +10,7 @@
 
 #include "context.h"
 #include "pool.h"
+#include "progress.h"
 
 struct nsdae_ode {
   nsdae_ode_problem problem;
@@ -20,44 +21,43 @@ struct nsdae_ode {
   SUNMatrix matrix, jacobian; /* I - gamma J, J */
   SUNLinearSolver solver;
   long rates; /* evaluations of f */
-  int failed; /* code of a callback that gave up */
+  nsdae_progress progress;
 };
 
 static int rate(sunrealtype t, N_Vector y, N_Vector ydot, void *user)
 {
   nsdae_ode *ode = user;
   ode->rates++;
-  int code =
-      ode->problem.rate(t, N_VGetArrayPointer(y), N_VGetArrayPointer(ydot), ode->problem.user);
-  if (code < 0) ode->failed = code;
-  return code;
+  return nsdae_progress_note(
+      &ode->progress,
+      ode->problem.rate(t, N_VGetArrayPointer(y), N_VGetArrayPointer(ydot), ode->problem.user));
 }
 
 static int root(sunrealtype t, N_Vector y, sunrealtype *g, void *user)
 {
   nsdae_ode *ode = user;
   int code = ode->problem.root(t, N_VGetArrayPointer(y), g, ode->problem.user);
-  if (code != 0) ode->failed = code;
+  if (code != 0) ode->progress.failed = code;
   return code;
 }
 
 /* sigma_0 of differentiate */
-static double least_increment(nsdae_ode *ode, N_Vector f, N_Vector weights)
+static double least_increment(const nsdae_ode *ode, double gamma, N_Vector f, N_Vector weights)
 {
-  double h = 0, norm = N_VWrmsNorm(f, weights);
-  CVodeGetCurrentStep(ode->cvode, &h);
-  return norm > 0 ? 1000 * fabs(h) * SUN_UNIT_ROUNDOFF * ode->problem.n * norm : 1;
+  double norm = N_VWrmsNorm(f, weights);
+  return norm > 0 ? 1000 * fabs(gamma) * SUN_UNIT_ROUNDOFF * ode->problem.n * norm : 1;
 }
 
 /* J = df/dy by differences, with the increments of CVODE's own (user guide of CVODE, "Mathematical
  * considerations", dense Jacobian): max(sqrt(U) |y_j|, sigma_0 / W_j), W the error weights,
- * sigma_0 = 1000 |h| U n ||f||_WRMS. */
-static int differentiate(nsdae_ode *ode, double t, N_Vector y, N_Vector f, N_Vector moved,
-                         N_Vector f_there, N_Vector weights)
+ * sigma_0 = 1000 |h| U n ||f||_WRMS, but with gamma = h / l_1 (l_1 from 1 to 2.3) for h: what CVODE
+ * gives for it before a first step is that of the integration before. */
+static int differentiate(nsdae_ode *ode, double t, double gamma, N_Vector y, N_Vector f,
+                         N_Vector moved, N_Vector f_there, N_Vector weights)
 {
   CVodeGetErrWeights(ode->cvode, weights);
   N_VScale(1, y, moved);
-  double least = least_increment(ode, f, weights), root_of_u = sqrt(SUN_UNIT_ROUNDOFF);
+  double least = least_increment(ode, gamma, f, weights), root_of_u = sqrt(SUN_UNIT_ROUNDOFF);
   double *x = N_VGetArrayPointer(moved), *W = N_VGetArrayPointer(weights);
   const double *f_0 = N_VGetArrayPointer(f), *f_1 = N_VGetArrayPointer(f_there);
   for (int j = 0; j < ode->problem.n; j++) {
@@ -80,7 +80,7 @@ static int linear_system(sunrealtype t, N_Vector y, N_Vector f, SUNMatrix A, sun
 {
   nsdae_ode *ode = user;
   *jcur = !jok;
-  int code = jok ? 0 : differentiate(ode, t, y, f, tmp1, tmp2, tmp3);
+  int code = jok ? 0 : differentiate(ode, t, gamma, y, f, tmp1, tmp2, tmp3);
   if (code != 0) return code;
   return SUNMatCopy(ode->jacobian, A) == 0 && SUNMatScaleAddI(-gamma, A) == 0 ? 0 : -1;
 }
@@ -155,6 +155,7 @@ void nsdae_ode_destroy(nsdae_ode **ode)
 
 int nsdae_ode_start(nsdae_ode *ode, double t, const double *y)
 {
+  ode->progress = (nsdae_progress){0};
   memcpy(N_VGetArrayPointer(ode->y), y, (size_t)ode->problem.n * sizeof *y);
   return CVodeReInit(ode->cvode, t, ode->y) == 0 ? NSDAE_OK : NSDAE_E_CONVERGENCE;
 }
@@ -162,11 +163,14 @@ int nsdae_ode_start(nsdae_ode *ode, double t, const double *y)
 int nsdae_ode_advance(nsdae_ode *ode, double t_end, double *t, double *y, int *what, int *found,
                       int *code)
 {
-  ode->failed = 0;
+  double from = *t;
+  nsdae_progress_begin(&ode->progress);
   CVodeSetStopTime(ode->cvode, t_end);
   *code = CVode(ode->cvode, t_end, ode->y, t, CV_ONE_STEP);
   memcpy(y, N_VGetArrayPointer(ode->y), (size_t)ode->problem.n * sizeof *y);
-  if (*code < 0) return ode->failed ? NSDAE_E_CALLBACK : NSDAE_E_CONVERGENCE;
+  if (nsdae_progress_lost(&ode->progress, *t > from || *code == CV_ROOT_RETURN) && *code >= 0)
+    *code = CV_CONV_FAILURE;
+  if (*code < 0) return ode->progress.failed ? NSDAE_E_CALLBACK : NSDAE_E_CONVERGENCE;
   *what = *code == CV_ROOT_RETURN    ? NSDAE_ODE_ROOT
           : *code == CV_TSTOP_RETURN ? NSDAE_ODE_END
                                      : NSDAE_ODE_STEP;

@@ -270,6 +270,7 @@ static int check_law(const nsdae_stepper *s)
 static int create(nsdae_stepper *s, void **own)
 {
   const nsdae_sim_options *o = s->options;
+  *own = NULL;
   if (check_law(s) < 0) return NSDAE_E_ARGUMENT;
   penalty *p = calloc(1, sizeof *p);
   *own = p;
@@ -358,15 +359,27 @@ static int evaluate(penalty *p, double t)
   return status;
 }
 
-/* Gaps that crossed zero: contacts begin and end, and the integrator starts anew. */
+/* Gaps that crossed zero: contacts begin and end, and the integrator starts anew. A gap within its
+ * rounding crosses zero any number of times: a contact opens while it moves apart alone, and closes
+ * while it does not. */
 static int switch_contacts(penalty *p, nsdae_result *result, double t)
 {
-  int status = evaluate(p, t);
+  int any = 0, status = evaluate(p, t);
   for (int i = 0; i < p->stepper->system->dims.k && status == NSDAE_OK; i++) {
-    if (p->found[i] < 0 && !p->base.closed[i]) close_contact(p, i, t);
-    if (p->found[i] > 0 && p->base.closed[i]) open_contact(p, result, i);
+    double v_n = p->at.v_n[i];
+    int closes = p->found[i] < 0 && !p->base.closed[i] && v_n <= 0;
+    int opens = p->found[i] > 0 && p->base.closed[i] && v_n > 0;
+    if (closes) close_contact(p, i, t);
+    if (opens) open_contact(p, result, i);
+    any |= closes || opens;
   }
-  return status < 0 ? status : start(p, t);
+  return any && status == NSDAE_OK ? start(p, t) : status;
+}
+
+/* How near a contact is at hand that moves with v_n: less than a billionth of dt away. */
+static double reach(const penalty *p, int i)
+{
+  return fmax(-p->at.v_n[i], 0) * 1e-9 * p->stepper->options->dt;
 }
 
 static int follow_peaks(penalty *p, double t)
@@ -394,7 +407,7 @@ static int begin(penalty *p, const nsdae_terms *from)
   }
   int status = evaluate(p, from->t);
   for (int i = 0; i < d->k && status == NSDAE_OK; i++)
-    if (!(s->middle.gap[i] > 0)) close_contact(p, i, from->t);
+    if (s->middle.gap[i] <= reach(p, i)) close_contact(p, i, from->t);
   return status < 0 ? status : start(p, from->t);
 }
 
@@ -429,6 +442,25 @@ static int keep_end(penalty *p, double t_end, double t)
   return status;
 }
 
+static int too_many_steps(nsdae_stepper *s, double t, double t_end)
+{
+  nsdae_error_set(s->error, NSDAE_E_CONVERGENCE, "nsdae_penalty", "inner_steps_max",
+                  "the integrator is at t = %.17g after %d steps towards t = %.17g: make dt or "
+                  "penalty_stiffness smaller, or inner_steps_max or rtol larger",
+                  t, s->options->inner_steps_max, t_end);
+  s->error->time = t;
+  return NSDAE_E_CONVERGENCE;
+}
+
+/* After every step of the integrator: whether it may go on. */
+static int may_go_on(penalty *p, const nsdae_result *result, double t, double t_end)
+{
+  nsdae_stepper *s = p->stepper;
+  if (result->counters.iterations >= s->options->inner_steps_max && t < t_end)
+    return too_many_steps(s, t, t_end);
+  return nsdae_interrupted(&s->interrupt, s->error, t);
+}
+
 /* To the end of the step, or until the list of impacts is full: then the step ends early. */
 static int integrate(penalty *p, nsdae_result *result, double t_end, double *t)
 {
@@ -439,6 +471,7 @@ static int integrate(penalty *p, nsdae_result *result, double t_end, double *t)
     if (status < 0) return status;
     result->counters.iterations++;
     status = what == NSDAE_ODE_ROOT ? switch_contacts(p, result, *t) : follow_peaks(p, *t);
+    if (status == NSDAE_OK) status = may_go_on(p, result, *t, t_end);
     if (status < 0) return status;
   }
   return NSDAE_OK;
@@ -482,8 +515,8 @@ static int switch_at_end(penalty *p, nsdae_result *result, double t)
   const nsdae_terms *T = &p->stepper->middle;
   int any = 0, status = evaluate(p, t);
   for (int i = 0; i < p->stepper->system->dims.k && status == NSDAE_OK; i++) {
-    double v_n = p->at.v_n[i], reach = -v_n * 1e-9 * p->stepper->options->dt;
-    int closes = !p->base.closed[i] && v_n < 0 && T->gap[i] <= reach;
+    double v_n = p->at.v_n[i];
+    int closes = !p->base.closed[i] && v_n < 0 && T->gap[i] <= reach(p, i);
     int opens = p->base.closed[i] && T->gap[i] > 0 && v_n > 0;
     p->found[i] = opens - closes;
     any |= closes || opens;

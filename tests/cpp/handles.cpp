@@ -212,6 +212,18 @@ void test_observers()
   EXPECT(throws_status(NSDAE_E_ARGUMENT, [&] { sim.observe([](const nsdae_record &) {}); }));
 }
 
+void test_interrupt()
+{
+  nsdae::sim sim(make_ball());
+  int left = 3;
+  sim.interrupt([&] { return left-- > 0 ? 0 : 1; });
+  sim.init(0, {1}, {0});
+  EXPECT(throws_status(NSDAE_E_INTERRUPTED, [&] { sim.run(1); }));
+  EXPECT(sim.record().step == 3);
+  left = 1000000;
+  EXPECT(sim.run(1) == NSDAE_OK && sim.record().time == 1);
+}
+
 /* A state that is set elsewhere goes on with the same bytes. */
 void test_state()
 {
@@ -367,6 +379,7 @@ int main(int argc, char **argv)
   test_options();
   test_exceptions();
   test_observers();
+  test_interrupt();
   test_state();
   test_codes();
   test_moves();

@@ -5,6 +5,17 @@ module observers_of_callbacks
 
 contains
 
+  ! Interrupts when it was asked as often as its user says.
+  integer(c_int) function lose_patience(user)
+    class(*), intent(inout) :: user
+    lose_patience = 0
+    select type (user)
+    type is (integer)
+      user = user - 1
+      if (user < 0) lose_patience = 1
+    end select
+  end function
+
   integer(c_int) function stop_at_five(record, error, user)
     type(nsdae_record), intent(in) :: record
     type(nsdae_error), intent(inout) :: error
@@ -55,6 +66,7 @@ program callbacks
   call mass_not_positive_definite
   call rank
   call observers
+  call interrupts
   call times
   call check_done
 
@@ -294,6 +306,25 @@ contains
     end do
     call is_int(nsdae_sim_observe(sim, stop_at_five), NSDAE_E_ARGUMENT, 'one observer too many')
     call unmake(system, sim)
+  end subroutine
+
+  subroutine interrupts()
+    type(bead), target :: b
+    type(nsdae_system) :: system
+    type(nsdae_sim) :: sim
+    type(nsdae_record) :: record
+    integer, target :: patience
+    patience = 4
+    call make(b, NSDAE_METHOD_MOREAU, NSDAE_REDUNDANT_ERROR, system, sim)
+    call is_int(nsdae_sim_set_interrupt(sim, lose_patience, patience), NSDAE_OK, 'set interrupt')
+    call is_int(start(sim, b), NSDAE_OK, 'start')
+    call is_int(nsdae_sim_run(sim, 1d0), NSDAE_E_INTERRUPTED, 'interrupted')
+    call is_int(nsdae_sim_get_record(sim, record), NSDAE_OK, 'record')
+    call is_true(record%step == 4, 'interrupted after step 4')
+    call is_int(nsdae_sim_set_interrupt(sim), NSDAE_OK, 'nobody is asked')
+    call is_int(nsdae_sim_run(sim, 1d0), NSDAE_OK, 'goes on')
+    call nsdae_sim_destroy(sim)
+    call nsdae_system_destroy(system)
   end subroutine
 
   ! A last step that is shortened ends at t_end; the next run starts a new grid there.

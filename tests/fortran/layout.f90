@@ -93,6 +93,10 @@ contains
     call same('NSDAE_E_IO', NSDAE_E_IO)
     call same('NSDAE_E_UNSUPPORTED', NSDAE_E_UNSUPPORTED)
     call same('NSDAE_E_PAINLEVE', NSDAE_E_PAINLEVE)
+    call same('NSDAE_E_INTERRUPTED', NSDAE_E_INTERRUPTED)
+    call same('NSDAE_WARN_ENERGY', NSDAE_WARN_ENERGY)
+    call same('NSDAE_WARN_PENETRATION', NSDAE_WARN_PENETRATION)
+    call same('NSDAE_WARN_DRIFT', NSDAE_WARN_DRIFT)
   end subroutine
 
   subroutine constants()
@@ -237,6 +241,7 @@ contains
     call same_place('nsdae_sim_options%linear_solver', c_loc(x), c_loc(x%linear_solver))
     call same_place('nsdae_sim_options%accumulation_time', c_loc(x), c_loc(x%accumulation_time))
     call same_place('nsdae_sim_options%events_max', c_loc(x), c_loc(x%events_max))
+    call same_place('nsdae_sim_options%inner_steps_max', c_loc(x), c_loc(x%inner_steps_max))
     call same_place('nsdae_sim_options%projection', c_loc(x), c_loc(x%projection))
     call same_place('nsdae_sim_options%start_tol', c_loc(x), c_loc(x%start_tol))
     call same_place('nsdae_sim_options%initialised', c_loc(x), c_loc(x%initialised))
@@ -310,6 +315,7 @@ contains
     call same_place('nsdae_stats%worst_penetration', c_loc(x), c_loc(x%worst_penetration))
     call same_place('nsdae_stats%energy_start', c_loc(x), c_loc(x%energy_start))
     call same_place('nsdae_stats%energy_balance', c_loc(x), c_loc(x%energy_balance))
+    call same_place('nsdae_stats%warnings', c_loc(x), c_loc(x%warnings))
     call same_place('nsdae_stats%wall_time', c_loc(x), c_loc(x%wall_time))
   end subroutine
 

@@ -317,7 +317,7 @@ static void project_start(random_system *r)
 
 void random_system_draw(random_system *r, uint64_t seed, int kind)
 {
-  *r = (random_system){.state = seed, .fault.term = -1, .calls_max = 3000000};
+  *r = (random_system){.state = seed, .fault.term = -1, .calls_max = 20000000};
   draw_dims(r);
   draw_inertia(r, kind);
   draw_constraints(r);

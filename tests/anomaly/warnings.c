@@ -1,0 +1,129 @@
+/* What a method does not explain is said: an explicit step too long for its spring, a ball whose
+ * normal has the wrong sign; and what it explains is not. */
+#include "check.h"
+
+#include <nsdae/nsdae.h>
+
+static int mass(double t, const double *q, double *M, int ldm, void *user)
+{
+  (void)t;
+  (void)q;
+  (void)ldm;
+  (void)user;
+  M[0] = 1;
+  return 0;
+}
+
+/* user: omega^2 */
+static int spring(double t, const double *q, const double *v, double *F, void *user)
+{
+  (void)t;
+  (void)v;
+  F[0] = -*(const double *)user * q[0];
+  return 0;
+}
+
+static int weight(double t, const double *q, const double *v, double *F, void *user)
+{
+  (void)t;
+  (void)q;
+  (void)v;
+  (void)user;
+  F[0] = -9.81;
+  return 0;
+}
+
+static int height(double t, const double *q, double *g, void *user)
+{
+  (void)t;
+  (void)user;
+  g[0] = q[0];
+  return 0;
+}
+
+/* user: 1 or, wrongly, -1 */
+static int normal(double t, const double *q, double *W, int ldw, void *user)
+{
+  (void)t;
+  (void)q;
+  (void)ldw;
+  W[0] = *(const double *)user;
+  return 0;
+}
+
+/* Steps of 10 ms until one is not NSDAE_OK or NSDAE_EVENT, at most 1000. */
+static int first_word(nsdae_system *system, int method, nsdae_stats *stats, char *text)
+{
+  const double q0 = 1, v0 = 0;
+  nsdae_sim_options options;
+  nsdae_sim *sim;
+  int status = NSDAE_OK;
+  nsdae_sim_options_default(&options);
+  options.method = method;
+  options.dt = 0.01;
+  assert_int_equal(nsdae_sim_create(system, &options, &sim, NULL), NSDAE_OK);
+  assert_int_equal(nsdae_sim_init(sim, 0, &q0, &v0), NSDAE_OK);
+  for (int i = 0; i < 1000 && (status == NSDAE_OK || status == NSDAE_EVENT); i++)
+    status = nsdae_sim_step(sim);
+  nsdae_sim_get_stats(sim, stats);
+  snprintf(text, 256, "%s", nsdae_sim_error(sim)->text);
+  nsdae_sim_destroy(&sim);
+  return status;
+}
+
+/* moreau is stable for omega h < 2; Newmark's fixed-point iteration converges there, too. */
+static void test_energy(void **state)
+{
+  (void)state;
+  for (int fast = 0; fast < 2; fast++)
+    for (int method = NSDAE_METHOD_IMPLICIT; method <= NSDAE_METHOD_MOREAU; method++) {
+      const nsdae_dims dims = {.nq = 1};
+      double stiffness = fast ? 250 * 250 : 10 * 10;
+      nsdae_system *system;
+      nsdae_stats stats;
+      char text[256];
+      assert_int_equal(nsdae_system_create(&dims, &system, NULL), NSDAE_OK);
+      nsdae_system_set_user(system, &stiffness);
+      nsdae_system_set_mass(system, mass);
+      nsdae_system_set_force(system, spring);
+      int status = first_word(system, method, &stats, text);
+      assert_int_equal(status, !fast                           ? NSDAE_OK
+                               : method == NSDAE_METHOD_MOREAU ? NSDAE_WARN_ENERGY
+                                                               : NSDAE_E_CONVERGENCE);
+      assert_int_equal(stats.warnings, status == NSDAE_WARN_ENERGY);
+      if (status > 0) assert_non_null(strstr(text, "energy"));
+      if (status < 0) assert_non_null(strstr(text, "dt"));
+      nsdae_system_destroy(&system);
+    }
+}
+
+static void test_penetration(void **state)
+{
+  (void)state;
+  for (int wrong = 0; wrong < 2; wrong++)
+    for (int method = NSDAE_METHOD_IMPLICIT; method <= NSDAE_METHOD_MOREAU; method++) {
+      const nsdae_dims dims = {.nq = 1, .k = 1};
+      double sign = wrong ? -1 : 1;
+      nsdae_system *system;
+      nsdae_stats stats;
+      char text[256];
+      assert_int_equal(nsdae_system_create(&dims, &system, NULL), NSDAE_OK);
+      nsdae_system_set_user(system, &sign);
+      nsdae_system_set_mass(system, mass);
+      nsdae_system_set_force(system, weight);
+      nsdae_system_set_gap(system, height);
+      nsdae_system_set_gap_normal(system, normal);
+      nsdae_system_set_contact(system, 0, 0, 0.5, 0);
+      int status = first_word(system, method, &stats, text);
+      assert_true(wrong ? status == NSDAE_WARN_PENETRATION : status >= 0 && status <= NSDAE_EVENT);
+      assert_int_equal(stats.warnings, wrong ? 2 : 0);
+      nsdae_system_destroy(&system);
+    }
+}
+
+int main(void)
+{
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_energy),
+                                     cmocka_unit_test(test_penetration)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
