@@ -67,6 +67,7 @@ typedef struct nsdae_solid {
 NSDAE_API int nsdae_solid_inertia(const nsdae_solid *solid, double density, double *mass,
                                   double inertia[3], nsdae_error *error);
 
+/* What two bodies keep to each other; see nsdae_joint. */
 enum nsdae_joint_kind {
   NSDAE_JOINT_REVOLUTE,    /* common point; spatial: common axis */
   NSDAE_JOINT_PRISMATIC,   /* slides along axis, does not turn */
@@ -103,7 +104,7 @@ typedef struct nsdae_joint {
 /* A spring and damper between a point of body 0 and one of body 1, in space at the start:
  * F = stiffness (l - rest) + damping l' along the line between them. */
 typedef struct nsdae_spring {
-  int body[2];
+  int body[2];               /* NSDAE_GROUND or a body's number; not the same */
   double point[3], end[3];   /* [m] */
   double stiffness, damping; /* >= 0 [N/m, N s/m] */
   double rest;               /* length without force [m], >= 0 */
@@ -112,8 +113,8 @@ typedef struct nsdae_spring {
 /* The same about an axis (in the plane: z); phi is the angle of body 1 against body 0 from the
  * start on. In space the bodies are to be joined so that they turn about this axis alone. */
 typedef struct nsdae_torsion {
-  int body[2];
-  double axis[3];
+  int body[2];               /* NSDAE_GROUND or a body's number; not the same */
+  double axis[3];            /* spatial: in space, of any length */
   double stiffness, damping; /* >= 0 [N m/rad, N m s/rad] */
   double rest;               /* phi without torque [rad] */
 } nsdae_torsion;

@@ -715,6 +715,7 @@ public:
   {
     return moved(detail::attempt([&] { return nsdae_sim_run_to_event(c(), t_end); }));
   }
+  /* The same, or error; the status is >= 0. */
   int run_to_event(double t_end)
   {
     return detail::demand_run(try_run_to_event(t_end), last_error());
@@ -737,10 +738,12 @@ public:
     detail::demand(detail::attempt([&] { return nsdae_sim_set_options(c(), with.c()); }),
                    last_error());
   }
+  /* Coefficients of contact i in this simulation. */
   void set_contact(int i, double mu, double e_n, double e_t = 0)
   {
     detail::demand(nsdae_sim_set_contact(c(), i, mu, e_n, e_t), last_error());
   }
+  /* The friction of slide j in this simulation. */
   void set_slide(int j, double mu)
   {
     detail::demand(nsdae_sim_set_slide(c(), j, mu), last_error());

@@ -1,7 +1,6 @@
 #include "description.h"
 
 #include <stdio.h>
-#include <string.h>
 #include <time.h>
 
 enum { FORMAT_VERSION = 1 };
@@ -92,6 +91,5 @@ int nsdae_description_set_ended(nsdae_h5 *h5, int run_status)
 {
   if (run_status == NSDAE_STOPPED) return set_status(h5, "stopped");
   if (run_status >= 0) return set_status(h5, "complete");
-  int interrupted = strcmp(nsdae_status_name(run_status), "NSDAE_E_INTERRUPTED") == 0;
-  return set_status(h5, interrupted ? "interrupted" : "failed");
+  return set_status(h5, run_status == NSDAE_E_INTERRUPTED ? "interrupted" : "failed");
 }
