@@ -7,6 +7,13 @@
 #include "twice.h"
 #include "vector.h"
 
+/* Whether part e of item i is the island's: not all zeros, or, in the local form, its own. */
+static int belongs(const nsdae_fc *c, int i, int e)
+{
+  int own = c->local && c->whole->view.p->block[e] == i;
+  return own || nsdae_fc_touches(c->whole, e);
+}
+
 /* Sizes of the island. A block comes for the first time where its number is that of the blocks so
  * far: so they are numbered. */
 static void count(nsdae_fc *c)
@@ -21,7 +28,7 @@ static void count(nsdae_fc *c)
     int i = w->member[c->start + k];
     for (int e = p->first[i]; e < p->first[i + 1]; e++) {
       int b = p->block[e];
-      if (w->number[b] < 0) continue; /* a part of zeros */
+      if (!belongs(c, i, e)) continue;
       c->entries++;
       c->values += 3 * (size_t)(c->local ? 3 : p->size[b]);
       if (c->local || w->number[b] != c->blocks) continue;
@@ -101,7 +108,7 @@ static void fill_sizes(nsdae_fc *c)
   const nsdae_friction_problem *p = w->view.p;
   for (int k = 0; k < c->n; k++)
     for (int e = p->first[c->item[k]]; e < p->first[c->item[k] + 1]; e++)
-      if (w->number[p->block[e]] >= 0)
+      if (belongs(c, c->item[k], e))
         c->size[w->number[p->block[e]]] = c->local ? 3 : p->size[p->block[e]];
   for (int b = 0; b < c->blocks && c->local; b++) c->size[b] = 3;
   c->offset[0] = 0;
@@ -133,7 +140,7 @@ static void fill_parts(nsdae_fc *c)
     int i = c->item[k];
     for (int e = p->first[i]; e < p->first[i + 1]; e++) {
       int b = c->whole->number[p->block[e]];
-      if (b < 0) continue;
+      if (!belongs(c, i, e)) continue;
       c->block[f] = b;
       c->at[f + 1] = c->at[f] + 3 * (size_t)c->size[b];
       fill_part(c, k, e, c->J + c->at[f]);

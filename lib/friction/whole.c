@@ -145,7 +145,7 @@ static int root_of(int *parent, int i)
   return i;
 }
 
-static int touches(const nsdae_fc_whole *c, int e)
+int nsdae_fc_touches(const nsdae_fc_whole *c, int e)
 {
   const double *value = c->view.p->value + c->view.at[e];
   size_t n = c->view.at[e + 1] - c->view.at[e];
@@ -163,7 +163,7 @@ static void join_blocks(nsdae_fc_whole *c)
   for (int i = 0; i < c->view.items; i++) {
     int mine = p->form == NSDAE_FRICTION_LOCAL ? root_of(c->parent, i) : -1;
     for (int e = p->first[i]; e < p->first[i + 1]; e++) {
-      if (!touches(c, e)) continue;
+      if (!nsdae_fc_touches(c, e)) continue;
       int other = root_of(c->parent, p->block[e]);
       if (mine >= 0) c->parent[mine] = other;
       mine = other;
@@ -176,7 +176,7 @@ static int set_of(nsdae_fc_whole *c, int i)
   const nsdae_friction_problem *p = c->view.p;
   if (p->form == NSDAE_FRICTION_LOCAL) return root_of(c->parent, i);
   for (int e = p->first[i]; e < p->first[i + 1]; e++)
-    if (touches(c, e)) return root_of(c->parent, p->block[e]);
+    if (nsdae_fc_touches(c, e)) return root_of(c->parent, p->block[e]);
   return -1;
 }
 
@@ -223,7 +223,7 @@ static void number_blocks(nsdae_fc_whole *c)
       int i = c->member[k];
       if (p->form == NSDAE_FRICTION_LOCAL) c->number[i] = count++;
       for (int e = p->first[i]; e < p->first[i + 1] && p->form == NSDAE_FRICTION_GLOBAL; e++)
-        if (touches(c, e) && c->number[p->block[e]] < 0) c->number[p->block[e]] = count++;
+        if (nsdae_fc_touches(c, e) && c->number[p->block[e]] < 0) c->number[p->block[e]] = count++;
     }
   }
 }
@@ -251,7 +251,7 @@ static int is_fixed(const nsdae_fc_whole *c, int i)
 {
   const nsdae_friction_problem *p = c->view.p;
   for (int e = p->first[i]; e < p->first[i + 1]; e++)
-    if (touches(c, e)) return 0;
+    if (nsdae_fc_touches(c, e)) return 0;
   for (int k = c->view.row[i]; k < c->view.row[i + 1] && p->compliance; k++)
     if (p->compliance[k] > 0) return 0;
   return 1;

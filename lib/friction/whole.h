@@ -33,6 +33,10 @@ void nsdae_fc_whole_layout(void *whole, nsdae_arena *arena);
 /* Fills them; status as of nsdae_friction_check. */
 int nsdae_fc_whole_fill(nsdae_fc_whole *whole, nsdae_error *error);
 
+/* Whether part e of the whole is not all zeros. One of zeros joins nothing: its block may be
+ * another island's. */
+int nsdae_fc_touches(const nsdae_fc_whole *whole, int e);
+
 /* An item that nothing moves and whose velocity its law forbids; -1 where there is none. */
 int nsdae_fc_whole_blocked(const nsdae_fc_whole *whole);
 

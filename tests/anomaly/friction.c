@@ -290,6 +290,56 @@ static void test_memory(void **state)
   nsdae_friction_destroy(&solver);
 }
 
+/* A row of N masses that are pressed together and on the ground, and one more on the ground alone,
+ * with or without the parts of zeros, which lead to the other island. */
+static int press(int zeros, double *r, nsdae_friction_info *info)
+{
+  enum { N = 6 };
+  double M[N], f[N], mu[N] = {0}, w[N] = {0}, value[N * N], u[N];
+  int size[N], rows[N], first[N + 1] = {0}, block[N * N], at = 0;
+  for (int i = 0; i < N; i++) {
+    M[i] = i + 1;
+    f[i] = -(i + 1) * (i + 2);
+    size[i] = rows[i] = 1;
+    for (int j = 0; j < N; j++) { /* v_i - v_(i-1), of the first and the last v_i */
+      double part = j == i ? 1 : j == i - 1 && i < N - 1 ? -1 : 0;
+      if (part == 0 && !zeros) continue;
+      block[at] = j;
+      value[at++] = part;
+    }
+    first[i + 1] = at;
+  }
+  nsdae_friction_problem p = {.contacts = N,
+                              .rows = rows,
+                              .mu = mu,
+                              .w = w,
+                              .blocks = N,
+                              .size = size,
+                              .M = M,
+                              .f = f,
+                              .first = first,
+                              .block = block,
+                              .value = value};
+  nsdae_friction_options options;
+  nsdae_friction_options_default(&options);
+  options.tol = 1e-12;
+  return nsdae_friction_solve(&p, &options, r, u, info);
+}
+
+/* Parts of zeros change nothing: at rest each contact carries what lies behind it. */
+static void test_parts_of_zeros(void **state)
+{
+  const double carried[6] = {70, 68, 62, 50, 30, 42};
+  (void)state;
+  for (int zeros = 0; zeros < 2; zeros++) {
+    double r[6] = {0};
+    nsdae_friction_info info;
+    assert_int_equal(press(zeros, r, &info), NSDAE_OK);
+    assert_int_equal(info.islands, 2);
+    for (int i = 0; i < 6; i++) assert_near(r[i], carried[i], 1e-9);
+  }
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
@@ -297,7 +347,8 @@ int main(void)
       cmocka_unit_test(test_options),       cmocka_unit_test(test_nothing),
       cmocka_unit_test(test_at_rest),       cmocka_unit_test(test_coefficients),
       cmocka_unit_test(test_fixed),         cmocka_unit_test(test_jammed),
-      cmocka_unit_test(test_not_symmetric), cmocka_unit_test(test_memory),
+      cmocka_unit_test(test_not_symmetric), cmocka_unit_test(test_parts_of_zeros),
+      cmocka_unit_test(test_memory),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
