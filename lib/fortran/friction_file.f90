@@ -83,13 +83,32 @@ contains
     type(nsdae_c_friction_origin) :: from
     type(nsdae_c_friction_points) :: points
     type(nsdae_c_error) :: why
-    if (.not. long_enough(problem, guess) .or. .not. long_enough(problem, r) .or. &
-        .not. long_enough(problem, u)) then
+    type(c_ptr) :: at_guess, at_r, at_u
+    logical :: enough
+    integer :: rows
+    rows = rows_of_problem(problem)
+    enough = .true.
+    at_guess = c_null_ptr
+    at_r = c_null_ptr
+    at_u = c_null_ptr
+    if (present(guess)) then
+      enough = size(guess) >= rows
+      at_guess = c_loc(guess)
+    end if
+    if (present(r)) then
+      enough = enough .and. size(r) >= rows
+      at_r = c_loc(r)
+    end if
+    if (present(u)) then
+      enough = enough .and. size(u) >= rows
+      at_u = c_loc(u)
+    end if
+    if (.not. enough) then
       status = refuse('nsdae_friction_write', 'r', 'guess, r or u has fewer entries than rows', error)
       return
     end if
     call to_chars(path, c_path)
-    points = nsdae_c_friction_points(place_of(guess), place_of(r), place_of(u))
+    points = nsdae_c_friction_points(at_guess, at_r, at_u)
     if (present(origin)) then
       call to_chars(origin%method, method)
       from = nsdae_c_friction_origin(origin%time, origin%step, origin%tol, c_loc(method))
@@ -132,18 +151,5 @@ contains
     empty%held = held
     file = empty
   end subroutine
-
-  pure logical function long_enough(problem, values)
-    type(nsdae_friction_problem), intent(in) :: problem
-    real(c_double), intent(in), optional :: values(:)
-    long_enough = .true.
-    if (present(values)) long_enough = size(values) >= rows_of_problem(problem)
-  end function
-
-  type(c_ptr) function place_of(values)
-    real(c_double), intent(in), contiguous, target, optional :: values(:)
-    place_of = c_null_ptr
-    if (present(values)) place_of = c_loc(values)
-  end function
 
 end module

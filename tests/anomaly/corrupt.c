@@ -53,7 +53,7 @@ static long damage(unsigned char *bytes, long length, unsigned long seed)
       memset(bytes + at, value, length - (long)at < 40 ? (size_t)(length - (long)at) : 40);
       return length;
     }
-    bytes[at] = kind == 1 ? (unsigned char)(bytes[at] ^ 1U << (next(&r) % 8)) : value;
+    bytes[at] = (unsigned char)(kind == 1 ? bytes[at] ^ 1U << (next(&r) % 8) : value);
   }
   return length;
 }
