@@ -34,11 +34,11 @@ typedef struct nsdae_contact {
   double mu, e_n, e_t; /* friction >= 0 (0 where nt = 0), restitution 0 .. 1, tangential 0 .. 1 */
   double w[3];         /* velocity along each direction with v = 0 */
   double omega[3]; /* acceleration along each with v' = 0; the time-stepping methods need none */
-  double W[2][3][NSDAE_CONTACT_WIDTH]; /* W[s][d]: direction d over the velocities of block[s]; the
-                          velocity along d is W[0][d] . v_0 + W[1][d] . v_1 + w[d], which for d = 0
-                          is d g_N / dt. Not read of the ground */
-  const double *wide[2];               /* of a block with more velocities: its directions
-                          [nv x (1 + nt)] in place of W[s], column-major; else NULL */
+  double direction[2][3][NSDAE_CONTACT_WIDTH]; /* [s][d]: direction d over the velocities of
+                          block[s]; the velocity along d is [0][d] . v_0 + [1][d] . v_1 + w[d],
+                          which for d = 0 is d g_N / dt. Not read of the ground */
+  const double *wide[2];                       /* of a block with more velocities: its directions
+                                  [nv x (1 + nt)] in place of direction[s], column-major; else NULL */
 } nsdae_contact;
 
 /* The list that a callback fills; it lives as long as the call. */

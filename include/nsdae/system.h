@@ -140,11 +140,11 @@ NSDAE_API int nsdae_system_set_slide(nsdae_system *system, int j, int constraint
 
 /* ---- large systems: v in blocks, contacts by list
  *
- * q and v are split into blocks, such as bodies. M is block diagonal, a row of Phi_q and a direction
- * of a contact touch few blocks, and only contacts that are near are spoken of, in a list. A step
- * then costs what is there: parts that no closed contact and no constraint joins are solved one by
- * one. The methods are implicit, implicit-printed and moreau; penalty and event, the option
- * projection and nsdae_sim_project refuse such a system. */
+ * q and v are split into blocks, such as bodies. M is block diagonal, a row of Phi_q and a
+ * direction of a contact touch few blocks, and only contacts that are near are spoken of, in a
+ * list. A step then costs what is there: parts that no closed contact and no constraint joins are
+ * solved one by one. The methods are implicit, implicit-printed and moreau; penalty and event, the
+ * option projection and nsdae_sim_project refuse such a system. */
 
 /* Block b has nq[b] coordinates and nv[b] velocities, 1 <= nv[b] <= nq[b], behind those of block
  * b - 1; the sums are dims.nq and dims.nv. Such a system has dims.k = dims.f = 0; dims.nt is that

@@ -9,7 +9,10 @@ typedef struct nsdae_grown {
   size_t entry; /* bytes for each of the number that is asked for */
 } nsdae_grown;
 
-#define NSDAE_GROWN(array, each) {&(array), (size_t)(each) * sizeof *(array)}
+#define NSDAE_GROWN(array, each)               \
+  {                                            \
+    &(array), (size_t)(each) * sizeof *(array) \
+  }
 
 /* Room for so many in each; what they held stays. 0, or NSDAE_E_MEMORY. */
 int nsdae_grow(const nsdae_grown *arrays, size_t count, size_t room);

@@ -34,10 +34,10 @@ int nsdae_cones_grow(nsdae_cones *c, const nsdae_system *system, const nsdae_roo
 {
   size_t m = (size_t)system->dims.m, columns = (size_t)(1 + system->dims.nt);
   size_t items = contacts->entries + m;
-  const nsdae_grown by_item[] = {
-      NSDAE_GROWN(c->item, 1),    NSDAE_GROWN(c->rows, 1),    NSDAE_GROWN(c->mu, 1),
-      NSDAE_GROWN(c->w, columns), NSDAE_GROWN(c->r, columns), NSDAE_GROWN(c->u, columns),
-      NSDAE_GROWN(c->first, 1)};
+  const nsdae_grown by_item[] = {NSDAE_GROWN(c->item, 1),    NSDAE_GROWN(c->rows, 1),
+                                 NSDAE_GROWN(c->mu, 1),      NSDAE_GROWN(c->w, columns),
+                                 NSDAE_GROWN(c->r, columns), NSDAE_GROWN(c->u, columns),
+                                 NSDAE_GROWN(c->first, 1)};
   const nsdae_grown by_part[] = {NSDAE_GROWN(c->block, 1)};
   const nsdae_grown by_value[] = {NSDAE_GROWN(c->value, 1)};
   int status = c->solver ? NSDAE_OK : nsdae_friction_create(&c->solver);
@@ -49,8 +49,8 @@ int nsdae_cones_grow(nsdae_cones *c, const nsdae_system *system, const nsdae_roo
 void nsdae_cones_release(nsdae_cones *c)
 {
   const nsdae_grown all[] = {
-      NSDAE_GROWN(c->item, 1), NSDAE_GROWN(c->rows, 1),  NSDAE_GROWN(c->mu, 1),
-      NSDAE_GROWN(c->w, 1),    NSDAE_GROWN(c->r, 1),     NSDAE_GROWN(c->u, 1),
+      NSDAE_GROWN(c->item, 1),  NSDAE_GROWN(c->rows, 1),  NSDAE_GROWN(c->mu, 1),
+      NSDAE_GROWN(c->w, 1),     NSDAE_GROWN(c->r, 1),     NSDAE_GROWN(c->u, 1),
       NSDAE_GROWN(c->first, 1), NSDAE_GROWN(c->block, 1), NSDAE_GROWN(c->value, 1)};
   nsdae_grown_release(all, sizeof all / sizeof *all);
   nsdae_friction_destroy(&c->solver);

@@ -18,12 +18,12 @@ typedef struct nsdae_cones {
   nsdae_friction_problem problem;
   int items, m, parts;
   size_t values, squares;
-  int *number;    /* blocks of the system: its number in the problem */
-  int *member;    /* blocks of the problem: that of the system */
-  int *size;      /* blocks */
+  int *number; /* blocks of the system: its number in the problem */
+  int *member; /* blocks of the problem: that of the system */
+  int *size;   /* blocks */
   double *M, *f;
-  int *item;      /* contact or row of each item */
-  int *rows;      /* contacts */
+  int *item; /* contact or row of each item */
+  int *rows; /* contacts */
   double *mu, *w, *r, *u;
   int *first, *block;
   double *value;
@@ -41,7 +41,6 @@ void nsdae_cones_release(nsdae_cones *cones);
 void nsdae_cones_begin(nsdae_cones *cones);
 void nsdae_cones_add_contacts(nsdae_cones *cones, const nsdae_whole *whole, int island);
 void nsdae_cones_add_rows(nsdae_cones *cones, const nsdae_whole *whole, int island);
-int nsdae_cones_solve(nsdae_cones *cones, const nsdae_whole *whole, double tol,
-                      nsdae_error *error);
+int nsdae_cones_solve(nsdae_cones *cones, const nsdae_whole *whole, double tol, nsdae_error *error);
 
 #endif

@@ -25,8 +25,7 @@ void nsdae_graph_layout(nsdae_graph *islands, nsdae_arena *arena);
 
 /* Finds them, from the pairs of blocks of contacts (-1: the ground) and the rows of Phi_q. Returns
  * -1, or a row that touches no block. */
-int nsdae_graph_find(nsdae_graph *islands, int contacts, const int *pair,
-                       const nsdae_rows *rows);
+int nsdae_graph_find(nsdae_graph *islands, int contacts, const int *pair, const nsdae_rows *rows);
 
 static inline int nsdae_members_count(const nsdae_members *members, int island)
 {

@@ -106,8 +106,7 @@ static void gather_blocks(nsdae_local *l, const nsdae_whole *w, int island)
     int b = is->block.of[i], at = l->place[b], size = nsdae_blocks_size(blocks, b);
     for (int j = 0; j < size; j++)
       memcpy(l->terms.M + (size_t)(at + j) * (size_t)n + at,
-             w->M + blocks->square[b] + (size_t)j * (size_t)size,
-             (size_t)size * sizeof *w->M);
+             w->M + blocks->square[b] + (size_t)j * (size_t)size, (size_t)size * sizeof *w->M);
     memcpy(l->r + at, w->r + blocks->first[b], (size_t)size * sizeof *w->r);
   }
 }
@@ -204,7 +203,8 @@ static int failed(nsdae_local *l, const nsdae_whole *w, int island, int status)
   nsdae_error *error = l->terms.error;
   const nsdae_graph *is = w->islands;
   nsdae_error was = *error;
-  int contacts = nsdae_members_count(&is->contact, island), b = is->block.of[is->block.first[island]];
+  int contacts = nsdae_members_count(&is->contact, island),
+      b = is->block.of[is->block.first[island]];
   if (contacts > 0)
     nsdae_error_set(error, status, was.where, was.argument,
                     "in the island of block %d (%d contacts, first id %ld): %.150s", b, contacts,

@@ -17,11 +17,11 @@ typedef struct nsdae_local {
   nsdae_impulses impulses;
   nsdae_coefficients *coefficient;
   nsdae_law law[NSDAE_LOCAL_ROWS];
-  int *memory, *all;           /* bases; ones */
-  double *r, *v, *size;        /* NSDAE_LOCAL_V */
-  double *lambda;              /* NSDAE_LOCAL_M */
-  int *place;                  /* blocks of the system: where each begins in the island at hand */
-  double *real_part;           /* what impulses are placed in */
+  int *memory, *all;    /* bases; ones */
+  double *r, *v, *size; /* NSDAE_LOCAL_V */
+  double *lambda;       /* NSDAE_LOCAL_M */
+  int *place;           /* blocks of the system: where each begins in the island at hand */
+  double *real_part;    /* what impulses are placed in */
   int *whole_part;
 } nsdae_local;
 
@@ -29,12 +29,12 @@ typedef struct nsdae_local {
 typedef struct nsdae_whole {
   const nsdae_system *system;
   const nsdae_graph *islands;
-  const nsdae_terms *terms;         /* rows of Phi_q and of the closed contacts */
-  const nsdae_coefficients *law;    /* of the closed contacts */
-  const double *M, *r;              /* by blocks; nv */
+  const nsdae_terms *terms;      /* rows of Phi_q and of the closed contacts */
+  const nsdae_coefficients *law; /* of the closed contacts */
+  const double *M, *r;           /* by blocks; nv */
   nsdae_closed *closed;
   nsdae_impulses *results;
-  double *v, *size, *lambda;        /* nv, nv, m */
+  double *v, *size, *lambda; /* nv, nv, m */
 } nsdae_whole;
 
 /* model.dims.nt, terms' error and evals, kkt.rank_tol are set before. blocks: of the system. */

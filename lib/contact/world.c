@@ -80,8 +80,8 @@ static void recall(nsdae_world *w, int a, const nsdae_closed *last, const nsdae_
     memset(c->basis + (size_t)a * NSDAE_CLOSED_BASIS, 0, basis);
     return;
   }
-  memcpy(c->basis + (size_t)a * NSDAE_CLOSED_BASIS,
-         last->basis + (size_t)from * NSDAE_CLOSED_BASIS, basis);
+  memcpy(c->basis + (size_t)a * NSDAE_CLOSED_BASIS, last->basis + (size_t)from * NSDAE_CLOSED_BASIS,
+         basis);
   w->results->normal[a] = was->normal[from];
   memcpy(w->results->tangential + (size_t)a * nt, was->tangential + (size_t)from * nt,
          nt * sizeof *was->tangential);

@@ -52,8 +52,7 @@ int nsdae_world_grow(nsdae_world *world, const nsdae_room *contacts, const nsdae
  * as they were in last, was. NSDAE_OK, NSDAE_GROW, NSDAE_E_ARGUMENT where an id comes twice, what
  * the callback failed with. */
 int nsdae_world_close(nsdae_world *world, nsdae_terms *terms, nsdae_closed *closed,
-                      nsdae_impulses *results, const nsdae_closed *last,
-                      const nsdae_impulses *was);
+                      nsdae_impulses *results, const nsdae_closed *last, const nsdae_impulses *was);
 /* The same contacts at another point; those that are no longer within reach keep their directions.
  */
 int nsdae_world_meet(nsdae_world *world, nsdae_terms *terms, double reach);
@@ -69,8 +68,7 @@ void nsdae_world_mark_hit(nsdae_world *world);
 /* v and lambda, which comes as -Phi_t, of r; size: how large the terms of v were. Without contacts
  * it is as if none were closed. */
 int nsdae_world_solve(nsdae_world *world, const nsdae_terms *terms, const double *M,
-                      const double *r, int with_contacts, double *v, double *size,
-                      double *lambda);
+                      const double *r, int with_contacts, double *v, double *size, double *lambda);
 
 /* y += scale Phi_q^T lambda over the islands without impact; y += scale W Lambda of the closed
  * contacts, skip_impacts leaves out those with one. */

@@ -7,10 +7,10 @@
 
 typedef struct nsdae_rows {
   int count;
-  int *first;     /* count + 1: parts of each row */
-  int *block;     /* of a part */
-  size_t *at;     /* of a part: where its values begin */
-  size_t stride;  /* from a value to the next */
+  int *first;    /* count + 1: parts of each row */
+  int *block;    /* of a part */
+  size_t *at;    /* of a part: where its values begin */
+  size_t stride; /* from a value to the next */
   double *value;
 } nsdae_rows;
 

@@ -24,9 +24,9 @@ typedef struct part {
 static int reserve(nsdae_saddle *s, const part *p)
 {
   int all = p->blocks->count, order = p->blocks->first[all];
-  const nsdae_grown by_block[] = {NSDAE_GROWN(s->number, 1),   NSDAE_GROWN(s->size, 1),
-                                  NSDAE_GROWN(s->begin, 1),    NSDAE_GROWN(s->first, 1),
-                                  NSDAE_GROWN(s->mark, 1),     NSDAE_GROWN(s->by_block, 1)};
+  const nsdae_grown by_block[] = {NSDAE_GROWN(s->number, 1), NSDAE_GROWN(s->size, 1),
+                                  NSDAE_GROWN(s->begin, 1),  NSDAE_GROWN(s->first, 1),
+                                  NSDAE_GROWN(s->mark, 1),   NSDAE_GROWN(s->by_block, 1)};
   const nsdae_grown by_entry[] = {NSDAE_GROWN(s->x, 1)};
   const nsdae_grown by_row[] = {NSDAE_GROWN(s->rest, 2)};
   const nsdae_grown by_part[] = {NSDAE_GROWN(s->of_block, 1)};
@@ -43,10 +43,10 @@ static int reserve(nsdae_saddle *s, const part *p)
 
 void nsdae_saddle_release(nsdae_saddle *s)
 {
-  const nsdae_grown all[] = {NSDAE_GROWN(s->number, 1), NSDAE_GROWN(s->size, 1),
-                             NSDAE_GROWN(s->begin, 1),  NSDAE_GROWN(s->first, 1),
-                             NSDAE_GROWN(s->mark, 1),   NSDAE_GROWN(s->by_block, 1),
-                             NSDAE_GROWN(s->x, 1),      NSDAE_GROWN(s->rest, 1),
+  const nsdae_grown all[] = {NSDAE_GROWN(s->number, 1),   NSDAE_GROWN(s->size, 1),
+                             NSDAE_GROWN(s->begin, 1),    NSDAE_GROWN(s->first, 1),
+                             NSDAE_GROWN(s->mark, 1),     NSDAE_GROWN(s->by_block, 1),
+                             NSDAE_GROWN(s->x, 1),        NSDAE_GROWN(s->rest, 1),
                              NSDAE_GROWN(s->of_block, 1), NSDAE_GROWN(s->index, 1)};
   nsdae_grown_release(all, sizeof all / sizeof *all);
   nsdae_fronts_release(&s->fronts);
@@ -175,12 +175,10 @@ static void solve_for_velocity(nsdae_saddle *s, const part *p, const double *c, 
   for (int i = 0; i < p->rows_count; i++)
     nsdae_rows_add(p->blocks, p->J, p->row[i], p->scale * c[i] - l[i], v);
   for (int i = 0; i < p->blocks_count; i++)
-    memcpy(s->x + s->begin[i], v + p->blocks->first[p->block[i]],
-           (size_t)s->size[i] * sizeof *v);
+    memcpy(s->x + s->begin[i], v + p->blocks->first[p->block[i]], (size_t)s->size[i] * sizeof *v);
   nsdae_fronts_solve(&s->fronts, s->x);
   for (int i = 0; i < p->blocks_count; i++)
-    memcpy(v + p->blocks->first[p->block[i]], s->x + s->begin[i],
-           (size_t)s->size[i] * sizeof *v);
+    memcpy(v + p->blocks->first[p->block[i]], s->x + s->begin[i], (size_t)s->size[i] * sizeof *v);
 }
 
 /* Rounds until what J x misses c by no longer falls. */

@@ -5,8 +5,8 @@
  *   (M + s J^T J) x = r - J^T l + s J^T c,   l += s (J x - c),   until J x = c to rounding
  *
  * The matrix is positive definite whatever the rank of J, and sparse as the blocks that share a row
- * are few; l is of the range of J, the least norm of those that serve. Each round multiplies J x - c
- * by about 1 / (s |S|), S = J M^-1 J^T. */
+ * are few; l is of the range of J, the least norm of those that serve. Each round multiplies J x -
+ * c by about 1 / (s |S|), S = J M^-1 J^T. */
 #ifndef NSDAE_LINALG_SADDLE_H
 #define NSDAE_LINALG_SADDLE_H
 
@@ -15,9 +15,9 @@
 
 typedef struct nsdae_saddle {
   nsdae_fronts fronts;
-  int blocks, rows;  /* room */
-  int *number;       /* blocks of the system: in the part */
-  int *size, *begin; /* blocks of the part; their first entry in x */
+  int blocks, rows;          /* room */
+  int *number;               /* blocks of the system: in the part */
+  int *size, *begin;         /* blocks of the part; their first entry in x */
   int *first, *index, *mark; /* the graph of blocks that share a row */
   int index_room;
   int *by_block, *of_block; /* rows that touch a block */

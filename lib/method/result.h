@@ -9,9 +9,9 @@
 /* Of one step. */
 typedef struct nsdae_counters {
   long lcps, lcp_pivots, iterations;
-  long events, accumulations; /* instants; accumulations closed */
-  long fallbacks;             /* 1: by implicit in place of the method */
-  int rank, rank_most;        /* smallest and largest rank of Phi_q; m, 0 where there was none */
+  long events, accumulations;   /* instants; accumulations closed */
+  long fallbacks;               /* 1: by implicit in place of the method */
+  int rank, rank_most;          /* smallest and largest rank of Phi_q; m, 0 where there was none */
   int islands, island_contacts; /* how many; contacts of the largest */
   nsdae_evals evals;
 } nsdae_counters;
@@ -22,11 +22,11 @@ typedef struct nsdae_result {
   double *multiplier;      /* m: mean bilateral force */
   nsdae_impulses impulses; /* by contact and slide */
   nsdae_closed closed;     /* who they are, by list */
-  double carried;          /* of contacts by list: sum of Lambda w, the work of what moves by itself */
-  int given_up;            /* not a step of this method's: implicit is to do it instead */
-  int located;             /* the lists below are the method's; else impacts are found from the
-                              impulses, and happen at the end */
-  nsdae_impact *impact;    /* impacts_max */
+  double carried;       /* of contacts by list: sum of Lambda w, the work of what moves by itself */
+  int given_up;         /* not a step of this method's: implicit is to do it instead */
+  int located;          /* the lists below are the method's; else impacts are found from the
+                           impulses, and happen at the end */
+  nsdae_impact *impact; /* impacts_max */
   int impacts, impacts_max;
   nsdae_change *change; /* changes_max: changes of mode */
   int changes, changes_max;

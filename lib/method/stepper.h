@@ -69,7 +69,8 @@ void nsdae_step_before(const nsdae_step *step, const nsdae_terms *terms, const d
 /* How many are closed, and the number of the a-th, its place in the impulses. */
 int nsdae_step_closed(const nsdae_step *step);
 int nsdae_step_contact(const nsdae_step *step, int a);
-/* Prepares the equations with M and the terms' Phi_q; where impacts are marked, mark_hit follows. */
+/* Prepares the equations with M and the terms' Phi_q; where impacts are marked, mark_hit follows.
+ */
 int nsdae_step_factor(const nsdae_step *step, nsdae_terms *terms, const double *M);
 void nsdae_step_mark_hit(const nsdae_step *step);
 /* v and the stepper's impulse from r, see nsdae_stepper_impact; v and lambda from r without

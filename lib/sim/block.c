@@ -366,8 +366,7 @@ static int check_values(nsdae_sim *sim)
                          s->energy_balance};
   if (all_finite(sums, 5) && all_finite(r->end.q, d->nq) && all_finite(r->end.v, d->nv) &&
       all_finite(r->multiplier, d->m) && all_finite(r->impulses.normal, d->k) &&
-      check_closed(sim) &&
-      !any_nan(r->memory.real, r->memory.reals))
+      check_closed(sim) && !any_nan(r->memory.real, r->memory.reals))
     return NSDAE_OK;
   return nsdae_error_set(&sim->error, NSDAE_E_NONFINITE, "nsdae_sim_set_state", "block",
                          "the state has a number that is not finite");

@@ -32,8 +32,8 @@ void nsdae_projector_layout(nsdae_projector *p, nsdae_arena *arena)
   p->q = NSDAE_ARENA_DOUBLES(arena, d->nq);
   p->v = NSDAE_ARENA_DOUBLES(arena, d->nv);
   p->qdot = NSDAE_ARENA_DOUBLES(arena, d->nq);
-  p->H = NSDAE_ARENA_DOUBLES(
-      arena, p->tools->system->kinematics && !listed ? (long)d->nq * d->nv : 0);
+  p->H =
+      NSDAE_ARENA_DOUBLES(arena, p->tools->system->kinematics && !listed ? (long)d->nq * d->nv : 0);
   p->start = NSDAE_ARENA_DOUBLES(arena, 3L * d->m);
   p->contact = NSDAE_ARENA_INTS(arena, p->rows_most);
   p->closed = NSDAE_ARENA_INTS(arena, d->k);

@@ -259,16 +259,15 @@ static int check_derivatives(nsdae_projector *p, const nsdae_terms *T)
 {
   const nsdae_system *s = T->system;
   const nsdae_dims *d = &s->dims;
-  const relation constraints = {
-      s->by_list ? "constraint_rows" : "constraint_jacobian",
-      NSDAE_NAME_CONSTRAINT,
-      d->m,
-      s->constraint,
-      T->phi,
-      &T->by.jacobian,
-      T->phi_t};
-  const relation gaps = {
-      "gap_normal", NSDAE_NAME_CONTACT, d->k, s->gap, T->gap, &T->by.normal, T->w_N};
+  const relation constraints = {s->by_list ? "constraint_rows" : "constraint_jacobian",
+                                NSDAE_NAME_CONSTRAINT,
+                                d->m,
+                                s->constraint,
+                                T->phi,
+                                &T->by.jacobian,
+                                T->phi_t};
+  const relation gaps = {"gap_normal", NSDAE_NAME_CONTACT, d->k,  s->gap,
+                         T->gap,       &T->by.normal,      T->w_N};
   int status = NSDAE_OK;
   if (!p->tools->options->start_check || fabs(T->t) > 1e4) return NSDAE_OK;
   if (d->m > 0 && (s->constraint_jacobian || s->constraint_rows || s->constraint_bias))

@@ -35,13 +35,14 @@ void nsdae_watch_start(const nsdae_sim *sim, nsdae_point *point)
   const nsdae_terms *start = &point->result.end;
   const nsdae_dims *d = &start->system->dims;
   double from_rest = way_from_rest(start, sim->options.dt);
-  point->accounts.watch = (nsdae_watch){.change = from_rest,
-                                        .row = largest_entry(&start->system->blocks, &start->by.jacobian),
-                                        .way = from_rest,
-                                        .scale = point->record.kinetic,
-                                        .kinetic = point->record.kinetic,
-                                        .t = start->t,
-                                        .power = nsdae_dot(d->nv, start->F, start->v)};
+  point->accounts.watch =
+      (nsdae_watch){.change = from_rest,
+                    .row = largest_entry(&start->system->blocks, &start->by.jacobian),
+                    .way = from_rest,
+                    .scale = point->record.kinetic,
+                    .kinetic = point->record.kinetic,
+                    .t = start->t,
+                    .power = nsdae_dot(d->nv, start->F, start->v)};
 }
 
 /* One array of a record. */
@@ -67,23 +68,23 @@ int nsdae_watch_finite(const nsdae_point *point)
   const nsdae_result *result = &point->result;
   const nsdae_record *r = &point->record;
   const nsdae_dims *d = &result->end.system->dims;
-  const part parts[] = {{"time", &r->time, 1},
-                        {"q", r->q, d->nq},
-                        {"v", r->v, d->nv},
-                        {"kinetic", &r->kinetic, 1},
-                        {"potential", &r->potential, 1},
-                        {"dissipated", &r->dissipated, 1},
-                        {"multiplier", r->multiplier, d->m},
-                        {"gap", r->gap, d->k},
-                        {"normal_impulse", r->normal_impulse, d->k},
-                        {"tangential_impulse", r->tangential_impulse, d->k * d->nt},
-                        {"slide_impulse", r->slide_impulse, d->f},
-                        {"contacts.gap", r->contacts.gap, r->contacts.count},
-                        {"contacts.normal_impulse", r->contacts.normal_impulse, r->contacts.count},
-                        {"contacts.tangential_impulse", r->contacts.tangential_impulse,
-                         r->contacts.count * d->nt},
-                        {"lcp_residual", &r->lcp_residual, 1},
-                        {"constraint_drift", &r->constraint_drift, 1}};
+  const part parts[] = {
+      {"time", &r->time, 1},
+      {"q", r->q, d->nq},
+      {"v", r->v, d->nv},
+      {"kinetic", &r->kinetic, 1},
+      {"potential", &r->potential, 1},
+      {"dissipated", &r->dissipated, 1},
+      {"multiplier", r->multiplier, d->m},
+      {"gap", r->gap, d->k},
+      {"normal_impulse", r->normal_impulse, d->k},
+      {"tangential_impulse", r->tangential_impulse, d->k * d->nt},
+      {"slide_impulse", r->slide_impulse, d->f},
+      {"contacts.gap", r->contacts.gap, r->contacts.count},
+      {"contacts.normal_impulse", r->contacts.normal_impulse, r->contacts.count},
+      {"contacts.tangential_impulse", r->contacts.tangential_impulse, r->contacts.count * d->nt},
+      {"lcp_residual", &r->lcp_residual, 1},
+      {"constraint_drift", &r->constraint_drift, 1}};
   for (size_t p = 0; p < sizeof parts / sizeof *parts; p++)
     for (int i = 0; i < parts[p].count; i++)
       if (!isfinite(parts[p].value[i])) return refuse(result, parts[p].name, i, parts[p].value[i]);

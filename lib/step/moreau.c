@@ -66,4 +66,4 @@ const nsdae_stepping nsdae_stepping_moreau = {.name = "moreau",
                                               .sizes = nsdae_stepper_sizes,
                                               .advance = advance,
                                               .in_steps = 1,
-    .by_list = 1};
+                                              .by_list = 1};

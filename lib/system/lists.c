@@ -63,7 +63,7 @@ static int copy_part(nsdae_contact_list *list, const nsdae_contact *c, int s, si
   size_t n = (size_t)nsdae_blocks_size(list->blocks, c->block[s]);
   double *to = list->value + at, sum = 0;
   for (int d = 0; d <= list->nt; d++, to += n) {
-    const double *from = c->wide[s] ? c->wide[s] + (size_t)d * n : c->W[s][d];
+    const double *from = c->wide[s] ? c->wide[s] + (size_t)d * n : c->direction[s][d];
     for (size_t j = 0; j < n; j++) {
       to[j] = from[j];
       sum += 0 * from[j];
@@ -106,8 +106,7 @@ int nsdae_contact_add(nsdae_contact_list *list, const nsdae_contact *c)
   list->gap[i] = c->gap;
   list->law[i] = (nsdae_coefficients){c->mu, c->e_n, c->e_t};
   memcpy(list->block + 2 * (size_t)i, c->block, sizeof c->block);
-  memcpy(list->w + (size_t)i * (size_t)(1 + list->nt), c->w,
-         (size_t)(1 + list->nt) * sizeof *c->w);
+  memcpy(list->w + (size_t)i * (size_t)(1 + list->nt), c->w, (size_t)(1 + list->nt) * sizeof *c->w);
   place_parts(list, i, at);
   for (int s = 0; s < 2 && status == NSDAE_OK; s++)
     if (c->block[s] >= 0) status = copy_part(list, c, s, list->at[2 * (size_t)i + (size_t)s]);
@@ -123,8 +122,8 @@ void nsdae_contact_list_copy(nsdae_contact_list *list, const nsdae_contact_list 
   list->id[new] = from->id[i];
   list->gap[new] = gap;
   list->law[new] = from->law[i];
-  memcpy(list->block + 2 * (size_t)new, from->block + 2 * (size_t)i, 2 * sizeof *list->block);
-  memcpy(list->w + (size_t)new * columns, from->w + (size_t)i * columns, columns * sizeof *list->w);
+  memcpy(list->block + 2 * (size_t) new, from->block + 2 * (size_t)i, 2 * sizeof *list->block);
+  memcpy(list->w + (size_t) new *columns, from->w + (size_t)i * columns, columns * sizeof *list->w);
   place_parts(list, new, at);
   memcpy(list->value + at, from->value + begin, (list->taken.values - at) * sizeof *list->value);
 }
@@ -157,9 +156,9 @@ int nsdae_contact_list_grow(nsdae_contact_list *l, const nsdae_room *room)
 
 void nsdae_contact_list_release(nsdae_contact_list *l)
 {
-  const nsdae_grown all[] = {NSDAE_GROWN(l->id, 1),  NSDAE_GROWN(l->block, 2),
-                             NSDAE_GROWN(l->gap, 1), NSDAE_GROWN(l->law, 1),
-                             NSDAE_GROWN(l->at, 2),  NSDAE_GROWN(l->w, 1),
+  const nsdae_grown all[] = {NSDAE_GROWN(l->id, 1),   NSDAE_GROWN(l->block, 2),
+                             NSDAE_GROWN(l->gap, 1),  NSDAE_GROWN(l->law, 1),
+                             NSDAE_GROWN(l->at, 2),   NSDAE_GROWN(l->w, 1),
                              NSDAE_GROWN(l->value, 1)};
   nsdae_grown_release(all, sizeof all / sizeof *all);
   l->room = (nsdae_room){0};

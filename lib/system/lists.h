@@ -21,11 +21,11 @@ struct nsdae_contact_list {
   int count;
   nsdae_room room, taken;
   long *id;
-  int *block;                /* 2 count */
-  double *gap;               /* count */
-  nsdae_coefficients *law;   /* count */
-  double *w;                 /* (1 + nt) count: normal, tangents */
-  size_t *at;                /* 2 count: part of each block in value, size x (1 + nt) */
+  int *block;              /* 2 count */
+  double *gap;             /* count */
+  nsdae_coefficients *law; /* count */
+  double *w;               /* (1 + nt) count: normal, tangents */
+  size_t *at;              /* 2 count: part of each block in value, size x (1 + nt) */
   double *value;
 };
 

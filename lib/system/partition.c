@@ -124,8 +124,7 @@ int nsdae_system_set_contacts(nsdae_system *s, nsdae_contacts_fn callback)
 /* What goes by blocks is not given for all velocities at once, and the other way round. */
 static const char *misplaced(const nsdae_system *s)
 {
-  if (s->by_list)
-    return s->mass ? "mass" : s->constraint_jacobian ? "constraint_jacobian" : NULL;
+  if (s->by_list) return s->mass ? "mass" : s->constraint_jacobian ? "constraint_jacobian" : NULL;
   return s->mass_blocks       ? "mass_blocks"
          : s->constraint_rows ? "constraint_rows"
          : s->contacts        ? "contacts"

@@ -67,8 +67,7 @@ void nsdae_blocks_release(nsdae_blocks *blocks);
 
 /* Whether the callbacks fit the blocks: missing is set to one that is not there, or untouched;
  * NSDAE_E_STATE where one is there that does not belong. */
-int nsdae_system_check_blocks(const nsdae_system *system, const char **missing,
-                              nsdae_error *error);
+int nsdae_system_check_blocks(const nsdae_system *system, const char **missing, nsdae_error *error);
 
 /* A simulation of the system begins and ends; in between no setter is accepted. Thread-safe. */
 void nsdae_system_hold(const nsdae_system *system);

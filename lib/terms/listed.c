@@ -96,12 +96,15 @@ enum { ARRAYS = 9 };
 static int grow_rows(nsdae_terms *T, size_t room, int nt)
 {
   nsdae_by_blocks *by = &T->by;
-  const nsdae_grown each[ARRAYS] = {
-      NSDAE_GROWN(T->gap, 1),           NSDAE_GROWN(T->w_N, 1),
-      NSDAE_GROWN(T->w_T, nt),          NSDAE_GROWN(by->normal.first, 1),
-      NSDAE_GROWN(by->normal.block, 2), NSDAE_GROWN(by->normal.at, 2),
-      NSDAE_GROWN(by->tangent.first, 1 + nt), NSDAE_GROWN(by->tangent.block, 2 * nt),
-      NSDAE_GROWN(by->tangent.at, 2 * nt)};
+  const nsdae_grown each[ARRAYS] = {NSDAE_GROWN(T->gap, 1),
+                                    NSDAE_GROWN(T->w_N, 1),
+                                    NSDAE_GROWN(T->w_T, nt),
+                                    NSDAE_GROWN(by->normal.first, 1),
+                                    NSDAE_GROWN(by->normal.block, 2),
+                                    NSDAE_GROWN(by->normal.at, 2),
+                                    NSDAE_GROWN(by->tangent.first, 1 + nt),
+                                    NSDAE_GROWN(by->tangent.block, 2 * nt),
+                                    NSDAE_GROWN(by->tangent.at, 2 * nt)};
   return nsdae_grow(each, ARRAYS, room);
 }
 
@@ -121,12 +124,15 @@ void nsdae_terms_release(nsdae_terms *T)
 {
   nsdae_by_blocks *by = &T->by;
   if (!T->system || !T->system->by_list) return;
-  const nsdae_grown each[ARRAYS] = {
-      NSDAE_GROWN(T->gap, 1),           NSDAE_GROWN(T->w_N, 1),
-      NSDAE_GROWN(T->w_T, 1),           NSDAE_GROWN(by->normal.first, 1),
-      NSDAE_GROWN(by->normal.block, 2), NSDAE_GROWN(by->normal.at, 2),
-      NSDAE_GROWN(by->tangent.first, 1), NSDAE_GROWN(by->tangent.block, 2),
-      NSDAE_GROWN(by->tangent.at, 2)};
+  const nsdae_grown each[ARRAYS] = {NSDAE_GROWN(T->gap, 1),
+                                    NSDAE_GROWN(T->w_N, 1),
+                                    NSDAE_GROWN(T->w_T, 1),
+                                    NSDAE_GROWN(by->normal.first, 1),
+                                    NSDAE_GROWN(by->normal.block, 2),
+                                    NSDAE_GROWN(by->normal.at, 2),
+                                    NSDAE_GROWN(by->tangent.first, 1),
+                                    NSDAE_GROWN(by->tangent.block, 2),
+                                    NSDAE_GROWN(by->tangent.at, 2)};
   nsdae_grown_release(each, ARRAYS);
   nsdae_contact_list_release(&by->list);
   nsdae_row_list_release(&by->rows);

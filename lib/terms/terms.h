@@ -25,7 +25,7 @@ enum {
   NSDAE_TERM_TANGENT = 256,
   NSDAE_TERM_BIAS = 512, /* w_N, w_T */
   NSDAE_TERM_POTENTIAL = 1024,
-  NSDAE_TERM_SLIDE = 2048,       /* W_S, w_S */
+  NSDAE_TERM_SLIDE = 2048,        /* W_S, w_S */
   NSDAE_TERM_ACCELERATION = 4096, /* omega_N, omega_T, omega_S; depends on v */
   NSDAE_TERM_CONTACTS = 8192      /* the list, see nsdae_terms_contacts */
 };
