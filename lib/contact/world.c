@@ -316,6 +316,7 @@ static int solve_cones(nsdae_world *w, const nsdae_whole *whole, const int *larg
   s->pivots += c->info.sweeps + c->info.iterations;
   s->rank += c->problem.bilateral;
   s->residual = fmax(s->residual, c->info.residual);
+  s->noise = 1e2 * fmax(c->info.residual, w->tol);
   return status;
 }
 

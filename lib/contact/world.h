@@ -16,6 +16,7 @@
 typedef struct nsdae_solved {
   double residual; /* the worst */
   long pivots;
+  double noise; /* relative error that the cones leave in velocities; 0: none were solved */
   int lcps, rank, islands, contacts; /* contacts of the largest island */
   const nsdae_contacts *problem;     /* that failed; NULL: none, or not of this kind */
 } nsdae_solved;

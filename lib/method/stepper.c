@@ -16,7 +16,8 @@ void nsdae_stepper_prepare_terms(nsdae_stepper *s, nsdae_terms *terms)
 static double settled(const nsdae_system *system, double tol)
 {
   const nsdae_dims *d = &system->dims;
-  int differs = (d->m > 0 && (!system->constraint_jacobian || !system->constraint_bias)) ||
+  int differs = (d->m > 0 && ((!system->constraint_jacobian && !system->by_list) ||
+                              !system->constraint_bias)) ||
                 (d->k > 0 && (!system->gap_normal || !system->contact_bias));
   return differs ? fmax(tol, 1e-9) : tol;
 }
