@@ -60,7 +60,8 @@ void nsdae_system_hold(const nsdae_system *system);
 void nsdae_system_let_go(const nsdae_system *system);
 
 /* Every setter ends with one of these. Refused: the error of the system is set to status and the
- * text, and kept for nsdae_sim_create. setter: its name after "nsdae_system_set_", or "add_body". */
+ * text, and kept for nsdae_sim_create. setter: its name after "nsdae_system_set_", or "add_body".
+ */
 int nsdae_system_refuse(nsdae_system *system, int status, const char *setter, const char *argument,
                         const char *why);
 /* Whether the setter may change the system: NSDAE_OK, or NSDAE_E_STATE while it has simulations. */

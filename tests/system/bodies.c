@@ -290,11 +290,10 @@ static void faults_of_the_system(void **state)
 
 int main(void)
 {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(are_in_the_file),
-                                     cmocka_unit_test(are_named_once_and_first),
-                                     cmocka_unit_test(faults_are_named),
-                                     cmocka_unit_test(system_has_them),
-                                     cmocka_unit_test(faults_of_the_system)};
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(are_in_the_file), cmocka_unit_test(are_named_once_and_first),
+      cmocka_unit_test(faults_are_named), cmocka_unit_test(system_has_them),
+      cmocka_unit_test(faults_of_the_system)};
   int failed = cmocka_run_group_tests(tests, NULL, NULL);
   remove(path);
   return failed;

@@ -324,8 +324,10 @@ static void test_inertia(void **state)
 int main(void)
 {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_create), cmocka_unit_test(test_bodies),   cmocka_unit_test(test_joints),
-      cmocka_unit_test(test_solids), cmocka_unit_test(test_polygons), cmocka_unit_test(test_endless), cmocka_unit_test(test_contacts), cmocka_unit_test(test_forces),
-      cmocka_unit_test(test_made),   cmocka_unit_test(test_inertia)};
+      cmocka_unit_test(test_create),   cmocka_unit_test(test_bodies),
+      cmocka_unit_test(test_joints),   cmocka_unit_test(test_solids),
+      cmocka_unit_test(test_polygons), cmocka_unit_test(test_endless),
+      cmocka_unit_test(test_contacts), cmocka_unit_test(test_forces),
+      cmocka_unit_test(test_made),     cmocka_unit_test(test_inertia)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
