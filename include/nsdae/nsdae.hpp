@@ -434,6 +434,18 @@ public:
   {
     return nsdae_system_get_name(c(), kind, i);
   }
+  /* nsdae_system_add_body: what trajectory files show. */
+  system &add_body(const nsdae_body &body)
+  {
+    return took(nsdae_system_add_body(c(), &body));
+  }
+  /* nsdae_system_get_bodies: their texts and points live in the system. */
+  std::vector<nsdae_body> bodies() const
+  {
+    int n = 0;
+    const nsdae_body *first = nsdae_system_get_bodies(c(), &n);
+    return std::vector<nsdae_body>(first, first + n);
+  }
   /* Its unit. */
   std::string unit(int kind, int i) const
   {

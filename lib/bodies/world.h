@@ -89,6 +89,9 @@ int nsdae_bodies_check_vector(nsdae_bodies *bodies, const char *what, const char
 /* A finite number of at least least (above it where open). */
 int nsdae_bodies_check_least(nsdae_bodies *bodies, const char *what, const char *argument,
                              int index, double x, double least, int open);
+/* Finite angle and quaternion. */
+int nsdae_bodies_check_turn(nsdae_bodies *bodies, const char *what, int index, double angle,
+                            const double *quaternion);
 
 /* A body's pose from all q and v (v NULL: at rest); and at the start. */
 nsdae_pose nsdae_bodies_pose(const nsdae_bodies *bodies, int body, const double *q,
@@ -107,6 +110,9 @@ void nsdae_bodies_scatter(const nsdae_bodies *bodies, const int *body, const nsd
 int nsdae_bodies_forces(const nsdae_bodies *bodies, double t, const double *q, const double *v,
                         double *F);
 double nsdae_bodies_energy(const nsdae_bodies *bodies, const double *q);
+
+/* Adds to the system what files of its trajectories show. */
+int nsdae_bodies_show(const nsdae_bodies *bodies, nsdae_system *system);
 
 /* Sets every callback and coefficient. */
 int nsdae_bodies_set_callbacks(nsdae_bodies *bodies, nsdae_system *system);

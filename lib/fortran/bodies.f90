@@ -10,7 +10,7 @@ module nsdae_f_bodies
   use, intrinsic :: iso_c_binding
   use nsdae_f_status
   use nsdae_f_system
-  use nsdae_f_trajectory, only: NSDAE_SHAPE_POINT
+  use nsdae_f_shape, only: NSDAE_SHAPE_POINT
   implicit none
   private
 

@@ -324,7 +324,14 @@ void test_trajectory(const char *path)
   try {
     nsdae::trajectory file;
     {
-      nsdae::sim sim(make_ball());
+      nsdae::system ball = make_ball();
+      nsdae_body floor = nsdae_body();
+      floor.name = "floor";
+      floor.shape = NSDAE_SHAPE_PLANE;
+      floor.size[1] = 1;
+      ball.add_body(floor);
+      EXPECT(ball.bodies().size() == 1 && ball.bodies()[0].name == std::string("floor"));
+      nsdae::sim sim(ball);
       file = nsdae::trajectory(sim, path, "ball");
       nsdae_body body = nsdae_body();
       body.name = "ball";

@@ -11,6 +11,7 @@ program layout
   use nsdae_f_sim
   use nsdae_f_status
   use nsdae_f_system
+  use nsdae_f_shape
   use nsdae_f_trajectory
   use check
   implicit none
