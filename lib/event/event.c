@@ -55,7 +55,8 @@ static void connect(event *e, nsdae_stepper *s)
                                      .error = s->error,
                                      .interrupt = &s->interrupt,
                                      .here = &s->middle,
-                                     .kkt = &s->kkt};
+                                     .kkt = &s->kkt,
+                                     .warm = nsdae_contacts_warm_size(&s->contacts)};
   nsdae_event_set_places(&e->setting);
   e->phase.setting = &e->setting;
   e->roots.phase = &e->phase;

@@ -7,7 +7,8 @@ void nsdae_event_memory_sizes(const nsdae_stepper *s, size_t *reals, size_t *who
   const nsdae_dims *d = &s->system->dims;
   size_t kt = (size_t)d->k * (size_t)d->nt, forces = (size_t)d->k + kt, f = (size_t)d->f,
          m = (size_t)d->m;
-  *reals = 3 + (size_t)d->nq + (size_t)d->nv + kt + f + forces * forces + m * m;
+  *reals = nsdae_contacts_warm_size(&s->contacts) + 3 + (size_t)d->nq + (size_t)d->nv + kt + f +
+           forces * forces + m * m;
   *wholes = 2 * nsdae_contacts_memory_size(&s->contacts) + (size_t)d->k + 4 * f + 1 + forces + 5;
 }
 
@@ -32,10 +33,10 @@ void nsdae_event_lay(nsdae_event_base *b, nsdae_event_integrator *g, nsdae_event
   const nsdae_dims *d = &p->roots->phase->setting->system->dims;
   size_t k = (size_t)d->k, kt = k * (size_t)d->nt, f = (size_t)d->f;
   size_t warm = nsdae_contacts_memory_size(&p->impacts.problem);
-  double *real = memory->real;
+  double *real = memory->real + p->roots->phase->setting->warm;
   int *whole = memory->whole;
-  nsdae_contacts_remember(&p->impacts.problem, wholes_of(&whole, warm));
-  nsdae_contacts_remember(&p->acceleration.problem, wholes_of(&whole, warm));
+  nsdae_contacts_remember(&p->impacts.problem, wholes_of(&whole, warm), NULL);
+  nsdae_contacts_remember(&p->acceleration.problem, wholes_of(&whole, warm), NULL);
   m->contact = wholes_of(&whole, k);
   m->slide = wholes_of(&whole, f);
   m->slide_sense = wholes_of(&whole, f);

@@ -31,6 +31,7 @@ typedef struct nsdae_event_setting {
   nsdae_terms *here; /* at the point in work */
   nsdae_kkt *kkt;    /* of M and Phi_q where they were last factored */
   nsdae_event_places at;
+  size_t warm; /* reals that lead the memory: the warm start of implicit, which may step in */
   nsdae_result *result; /* of the step in work */
 } nsdae_event_setting;
 
