@@ -170,7 +170,7 @@ static void gather_contacts(nsdae_local *l, const nsdae_whole *w, int island, in
   l->model.dims.k = k;
   gather_laws(l, w, contact);
   place_impulses(l);
-  nsdae_contacts_remember(&l->contacts, l->memory);
+  nsdae_contacts_remember(&l->contacts, l->memory, NULL);
   nsdae_contacts_close_marked(&l->contacts, l->all, &l->impulses);
   memset(l->terms.W_N, 0, n * (size_t)k * sizeof *l->terms.W_N);
   memset(l->terms.W_T, 0, n * (size_t)k * (size_t)l->model.dims.nt * sizeof *l->terms.W_T);

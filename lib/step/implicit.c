@@ -186,5 +186,4 @@ const nsdae_stepping nsdae_stepping_implicit = {
     .summary = "the scheme iterated to the end of the step: second order between impacts",
     .sizes = nsdae_stepper_sizes,
     .advance = advance,
-    .in_steps = 1,
     .by_list = 1};
