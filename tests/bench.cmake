@@ -1,12 +1,16 @@
-# Benchmarks: built with the rest, run by the target bench (./run bench) alone.
-set(bench_commands)
+# Benchmarks: built with the rest, run by the target bench (./run bench) alone. Those that have a peer
+# add what they measured to build/bench.json (bench/ratio.h); an empty list where none was found.
+set(bench_json ${PROJECT_BINARY_DIR}/bench.json)
+file(WRITE ${CMAKE_CURRENT_BINARY_DIR}/bench_none.json "[\n]\n")
+set(bench_commands COMMAND ${CMAKE_COMMAND} -E copy ${CMAKE_CURRENT_BINARY_DIR}/bench_none.json ${bench_json})
 
 # nsdae_bench(NAME SOURCES file... ARGUMENTS word... LINKS library...): a program that the target bench runs
 function(nsdae_bench name)
   cmake_parse_arguments(ARG "" "" "SOURCES;ARGUMENTS;LINKS" ${ARGN})
-  add_executable(bench_${name} bench/${name}.c ${ARG_SOURCES})
+  add_executable(bench_${name} bench/${name}.c bench/ratio.c ${ARG_SOURCES})
   target_link_libraries(bench_${name} PRIVATE nsdae_lib_static ${ARG_LINKS} m)
-  set(bench_commands ${bench_commands} COMMAND bench_${name} ${ARG_ARGUMENTS} PARENT_SCOPE)
+  set(bench_commands ${bench_commands} COMMAND ${CMAKE_COMMAND} -E env OPENBLAS_NUM_THREADS=1
+    NSDAE_BENCH_JSON=${bench_json} $<TARGET_FILE:bench_${name}> ${ARG_ARGUMENTS} PARENT_SCOPE)
 endfunction()
 
 # Siconos, the peer to be timed beside, where it is found (libsiconos-numerics-dev).
@@ -42,7 +46,8 @@ if(NSDAE_HDF5)
   target_compile_definitions(bench_friction PRIVATE _DEFAULT_SOURCE _POSIX_C_SOURCE=200809L)
 endif()
 
-# Whole steps beside Siconos (libsiconos-kernel-dev) and MuJoCo: the folder of its Python package.
+# Whole steps beside Siconos (libsiconos-kernel-dev) and MuJoCo 3.2 or later: the Python package that
+# python3 finds, or the one in a folder of one's own.
 set(steps_peers)
 find_path(SICONOS_KERNEL_INCLUDE_DIR SiconosKernel.hpp PATH_SUFFIXES siconos/kernel)
 find_library(SICONOS_KERNEL siconos_kernel)
@@ -57,9 +62,21 @@ else()
   list(APPEND steps_sources bench/steps_no_siconos.c)
 endif()
 set(MUJOCO_ROOT "" CACHE PATH "Folder of MuJoCo's Python package: include/ and libmujoco.so.*")
-file(GLOB mujoco_library ${MUJOCO_ROOT}/libmujoco.so.*)
-find_path(MUJOCO_INCLUDE_DIR mujoco/mujoco.h HINTS ${MUJOCO_ROOT}/include)
+if(NOT MUJOCO_ROOT)
+  execute_process(COMMAND python3 -c "import importlib.util as u; print(u.find_spec('mujoco').submodule_search_locations[0])"
+    OUTPUT_VARIABLE mujoco_root OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
+endif()
+file(GLOB mujoco_library ${MUJOCO_ROOT}${mujoco_root}/libmujoco.so.*)
+find_path(MUJOCO_INCLUDE_DIR mujoco/mujoco.h HINTS ${MUJOCO_ROOT}${mujoco_root}/include)
 if(MUJOCO_INCLUDE_DIR AND mujoco_library)
+  include(CheckSymbolExists)
+  set(CMAKE_REQUIRED_INCLUDES ${MUJOCO_INCLUDE_DIR})
+  set(CMAKE_REQUIRED_LIBRARIES ${mujoco_library})
+  check_symbol_exists(mj_addBufferVFS mujoco/mujoco.h NSDAE_HAS_MUJOCO)
+  unset(CMAKE_REQUIRED_INCLUDES)
+  unset(CMAKE_REQUIRED_LIBRARIES)
+endif()
+if(NSDAE_HAS_MUJOCO)
   add_library(bench_steps_mujoco OBJECT bench/steps_mujoco.c)
   target_include_directories(bench_steps_mujoco SYSTEM PRIVATE ${MUJOCO_INCLUDE_DIR})
   target_compile_definitions(bench_steps_mujoco PRIVATE _POSIX_C_SOURCE=200809L)
@@ -82,4 +99,5 @@ if(NSDAE_DRIVERS)
     nsdae_bench(precision LINKS driver_common GSL::gsl GSL::gslcblas)
   endif()
 endif()
-add_custom_target(bench ${bench_commands} USES_TERMINAL)
+add_custom_target(bench ${bench_commands}
+  COMMAND ${CMAKE_COMMAND} -E echo "ratios to peers, for programs to read: ${bench_json}" USES_TERMINAL)

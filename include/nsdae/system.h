@@ -18,6 +18,7 @@
 #ifndef NSDAE_SYSTEM_H
 #define NSDAE_SYSTEM_H
 
+#include <nsdae/shape.h>
 #include <nsdae/status.h>
 
 #ifdef __cplusplus
@@ -160,6 +161,14 @@ NSDAE_API int nsdae_system_set_name(nsdae_system *system, int kind, int i, const
  * that one's per second, where there is no callback kinematics. The texts live in the system. */
 NSDAE_API const char *nsdae_system_get_name(const nsdae_system *system, int kind, int i);
 NSDAE_API const char *nsdae_system_get_unit(const nsdae_system *system, int kind, int i);
+
+/* Adds a body to what trajectory files of this system show: its shape, and formulas of where it is.
+ * All is copied. What is wrong with it is said by nsdae_trajectory_create, which knows what
+ * formulas may name. nsdae_bodies_system does it for every solid. NSDAE_E_ARGUMENT (NULL, a count
+ * of points below 0), NSDAE_E_STATE, NSDAE_E_MEMORY. */
+NSDAE_API int nsdae_system_add_body(nsdae_system *system, const nsdae_body *body);
+/* Those bodies, n of them; NULL where there are none. They live in the system. */
+NSDAE_API const nsdae_body *nsdae_system_get_bodies(const nsdae_system *system, int *n);
 
 /* Why the last call on this system failed; of NULL a record that says so. */
 NSDAE_API const nsdae_error *nsdae_system_error(const nsdae_system *system);

@@ -65,31 +65,9 @@ NSDAE_API int nsdae_trajectory_put_texts(nsdae_trajectory *trajectory, const cha
                                          const char *const *texts, const char *description,
                                          nsdae_error *error);
 
-/* What a body looks like and where it is, for the programs that draw trajectories (nsdae-animate,
- * nsdae-vtk). Places are formulas, worked out by those programs for every record: numbers,
- * + - * / ^ ( ), sin cos tan asin acos atan atan2 sqrt exp log abs min max hypot, pi, the time t,
- * the coordinates q0 .. q<nq-1> or by their names, and the model's parameters by theirs, e.g.
- * "L/2*sin(theta)"; at most 255 characters. In the plane x is to the right and y upwards, in space
- * z is upwards. Text that is NULL or empty is not given. */
-typedef struct nsdae_body {
-  const char *name; /* other than those of the other bodies */
-  int shape;        /* enum nsdae_shape */
-  /* Lengths, >= 0 [m]: disc: radius, radius of its hole or 0; segment, path: width, 0 for a thin
-   * line; sphere: radius; capsule: radius, length between the centres of its ends; box: edges
-   * along its own x, y, z. Plane: its normal, away from what is solid, of any length. Unused ones
-   * 0. */
-  double size[3];
-  int points;                /* polygon: >= 3; path: >= 2; else 0 */
-  const double *point;       /* [3 points] x, y, z of each in the body's own frame */
-  const char *position[3];   /* x, y, z of the body's origin; not given: 0 */
-  const char *angle;         /* of its frame about z [rad]; not given: none */
-  const char *quaternion[4]; /* w, x, y, z: turns its frame into space, of any length but 0; all or
-                                none, and not with an angle */
-  const char *end[3];        /* of a segment alone: its other end; at least one is given */
-} nsdae_body;
-
-/* Names the bodies, n >= 0, once and before the first step; all is copied. NSDAE_E_ARGUMENT: the
- * text names the body, what of it and what is wrong, index is its number; NSDAE_E_STATE: bodies
+/* Names the bodies, n >= 0, once and before the first step, in place of those that the system has
+ * (nsdae_system_add_body), which are in the file by themselves; all is copied. NSDAE_E_ARGUMENT:
+ * the text names the body, what of it and what is wrong, index is its number; NSDAE_E_STATE: bodies
  * were named before, or a step was taken, also by the run that this one goes on with;
  * NSDAE_E_MEMORY, NSDAE_E_IO, NSDAE_E_UNSUPPORTED. */
 NSDAE_API int nsdae_trajectory_set_bodies(nsdae_trajectory *trajectory, int n,

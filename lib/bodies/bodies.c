@@ -119,6 +119,19 @@ int nsdae_bodies_check_least(nsdae_bodies *b, const char *what, const char *argu
                              open ? "above" : "of at least", least);
 }
 
+int nsdae_bodies_check_turn(nsdae_bodies *b, const char *what, int index, double angle,
+                            const double *quaternion)
+{
+  if (!isfinite(angle))
+    return nsdae_bodies_refuse(b, NSDAE_E_NONFINITE, what, "angle", index,
+                               "angle = %g is not a finite number", angle);
+  for (int i = 0; i < 4; i++)
+    if (!isfinite(quaternion[i]))
+      return nsdae_bodies_refuse(b, NSDAE_E_NONFINITE, what, "quaternion", index,
+                                 "quaternion[%d] = %g is not a finite number", i, quaternion[i]);
+  return NSDAE_OK;
+}
+
 static int check_body(nsdae_bodies *b, int index, int body)
 {
   if (body >= NSDAE_GROUND && body < b->body.count) return NSDAE_OK;
@@ -137,16 +150,6 @@ int nsdae_bodies_check_pair(nsdae_bodies *b, const char *what, int index, const 
                              "both are body %d: it takes two", body[0]);
 }
 
-/* Unit length; all zero is (1, 0, 0, 0). 0 where it is not finite. */
-static int unit_quaternion(double *p)
-{
-  double square = p[0] * p[0] + p[1] * p[1] + p[2] * p[2] + p[3] * p[3];
-  if (!isfinite(square)) return 0;
-  if (square == 0) p[0] = square = 1;
-  for (int i = 0; i < 4; i++) p[i] /= sqrt(square);
-  return 1;
-}
-
 static int check_rigid(nsdae_bodies *b, int index, const nsdae_rigid_body *body)
 {
   const char *what = "body";
@@ -156,9 +159,7 @@ static int check_rigid(nsdae_bodies *b, int index, const nsdae_rigid_body *body)
   nsdae_bodies_check_vector(b, what, "position", index, body->position, 1);
   nsdae_bodies_check_vector(b, what, "velocity", index, body->velocity, 1);
   nsdae_bodies_check_vector(b, what, "spin", index, body->spin, 0);
-  if (!isfinite(body->angle))
-    nsdae_bodies_refuse(b, NSDAE_E_NONFINITE, what, "angle", index,
-                        "angle = %g is not a finite number", body->angle);
+  nsdae_bodies_check_turn(b, what, index, body->angle, body->quaternion);
   return b->error.status;
 }
 
@@ -169,13 +170,10 @@ int nsdae_bodies_add(nsdae_bodies *b, const nsdae_rigid_body *body)
   int index = b->body.count;
   status = check_rigid(b, index, body);
   if (status < 0) return status;
-  nsdae_rigid_body copy = *body;
-  if (!unit_quaternion(copy.quaternion))
-    return nsdae_bodies_refuse(b, NSDAE_E_NONFINITE, "body", "quaternion", index,
-                               "quaternion is not finite");
   nsdae_rigid_body *added = nsdae_list_add(b, &b->body, sizeof *added);
   if (!added) return NSDAE_E_MEMORY;
-  *added = copy;
+  *added = *body;
+  nsdae_unit_quaternion(added->quaternion);
   return index;
 }
 
@@ -269,12 +267,14 @@ void nsdae_bodies_scatter(const nsdae_bodies *b, const int *body, const nsdae_po
 int nsdae_bodies_get_dims(const nsdae_bodies *b, nsdae_dims *dims)
 {
   if (!b || !dims) return NSDAE_E_ARGUMENT;
-  *dims = (nsdae_dims){.nq = b->body.count * nsdae_body_nq(b),
-                       .nv = b->body.count * nsdae_body_nv(b),
-                       .m = b->element.count,
-                       .k = b->feature.count,
-                       .nt = b->feature.count > 0 ? b->dimension - 1 : 0,
-                       .f = b->slide.count};
+  const nsdae_dims *own = &b->own.dims;
+  int k = b->feature.count + own->k;
+  *dims = (nsdae_dims){.nq = b->body.count * nsdae_body_nq(b) + own->nq,
+                       .nv = b->body.count * nsdae_body_nv(b) + own->nv,
+                       .m = b->element.count + own->m,
+                       .k = k,
+                       .nt = k > 0 ? b->dimension - 1 : 0,
+                       .f = b->slide.count + own->f};
   return NSDAE_OK;
 }
 
@@ -283,6 +283,8 @@ int nsdae_bodies_get_start(const nsdae_bodies *b, double *q, double *v)
   if (!b || !q || !v) return NSDAE_E_ARGUMENT;
   for (int i = 0; i < b->body.count; i++)
     start(b, i, q + i * nsdae_body_nq(b), v + i * nsdae_body_nv(b));
+  for (int i = 0; i < b->own.dims.nq; i++) q[b->body.count * nsdae_body_nq(b) + i] = 0;
+  for (int i = 0; i < b->own.dims.nv; i++) v[b->body.count * nsdae_body_nv(b) + i] = 0;
   return NSDAE_OK;
 }
 
@@ -303,15 +305,18 @@ int nsdae_bodies_system(nsdae_bodies *b, nsdae_system **system)
   if (system) *system = NULL;
   int status = nsdae_bodies_open(b, system, "system");
   if (status < 0) return status;
-  if (b->body.count == 0)
+  if (b->body.count + b->own.dims.nq == 0)
     return nsdae_error_set(&b->error, NSDAE_E_STATE, "nsdae_bodies_system", "body",
                            "there is no body: call nsdae_bodies_add first");
   nsdae_bodies_get_dims(b, &dims);
   status = nsdae_system_create(&dims, system, &b->error);
   if (status < 0) return status;
   status = nsdae_bodies_set_callbacks(b, *system);
+  if (status == NSDAE_OK) status = nsdae_bodies_show(b, *system);
   if (status < 0) {
     b->error = *nsdae_system_error(*system);
+    if (b->error.status == NSDAE_OK)
+      nsdae_error_set(&b->error, status, "nsdae_bodies_system", "", "out of memory");
     nsdae_system_destroy(system);
     return status;
   }

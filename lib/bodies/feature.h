@@ -19,7 +19,8 @@
 typedef struct nsdae_solid_of {
   int body, shape, hollow, points;
   double radius, half[3]; /* half edges; segment: half[0]; capsule: half[2] */
-  double origin[3], R[9]; /* its frame in the body's */
+  double origin[3], R[9]; /* its frame in the body's; of a plane column 2 is the normal */
+  double turn[4];         /* spatial: the same as a unit quaternion */
   double *point;          /* points x 3: its corners in the body's frame */
 } nsdae_solid_of;
 
@@ -36,6 +37,9 @@ typedef struct nsdae_touch {
   nsdae_jet3 normal, at[2]; /* n, c_i */
   int far;                  /* another feature is nearer: the gap is positive and constant */
 } nsdae_touch;
+
+/* "disc", "box" */
+const char *nsdae_solid_name(int shape);
 
 /* Corners of a solid: one where it has no extent but its rounding; and its edges (in space). */
 int nsdae_solid_corners(const nsdae_solid_of *solid);

@@ -16,6 +16,11 @@ static const char *const names[] = {
     [NSDAE_SHAPE_PLANE] = "plane",
 };
 
+const char *nsdae_solid_name(int shape)
+{
+  return names[shape];
+}
+
 static int has_radius(int shape)
 {
   return shape == NSDAE_SHAPE_DISC || shape == NSDAE_SHAPE_SPHERE || shape == NSDAE_SHAPE_CAPSULE;
@@ -56,6 +61,46 @@ static int not_convex(const nsdae_solid *s)
   return -1;
 }
 
+/* How often the edges of a polygon that turns left at every corner go around: as often as their
+ * direction comes from below (or from straight left) to above. A star of five goes twice. */
+static int count_turns(const nsdae_solid *s)
+{
+  int turns = 0, above, before = 0;
+  for (int i = 0; i <= s->points; i++) {
+    const double *a = s->point + 2 * (i % s->points), *b = s->point + 2 * ((i + 1) % s->points);
+    double x = b[0] - a[0], y = b[1] - a[1];
+    above = y > 0 || (y == 0 && x > 0);
+    turns += i > 0 && above && !before;
+    before = above;
+  }
+  return turns;
+}
+
+/* What is wrong with a polygon's corners, into the record. */
+static int check_polygon(const nsdae_solid *s, nsdae_error *error)
+{
+  const char *where = "nsdae_solid";
+  if (s->points < 3 || !s->point)
+    return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "points",
+                           "points = %d of a polygon is less than 3, or point is NULL", s->points);
+  for (int i = 0; i < 2 * s->points; i++)
+    if (!isfinite(s->point[i]))
+      return nsdae_error_set(error, NSDAE_E_NONFINITE, where, "point",
+                             "corner %d of the polygon is at %g, which is not a finite number",
+                             i / 2, s->point[i]);
+  int bad = not_convex(s);
+  if (bad >= 0)
+    return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "point",
+                           "corner %d of the polygon does not turn left: corners go anticlockwise "
+                           "around a convex one",
+                           bad);
+  int turns = count_turns(s);
+  if (turns == 1) return NSDAE_OK;
+  return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "point",
+                         "the corners of the polygon go around it %d times: it is not convex",
+                         turns);
+}
+
 /* What is wrong with a solid's own numbers, into the record. */
 static int check_solid(const nsdae_solid *s, nsdae_error *error)
 {
@@ -73,16 +118,7 @@ static int check_solid(const nsdae_solid *s, nsdae_error *error)
       return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "length",
                              "length[%d] = %g of a %s is not a number above 0", i, s->length[i],
                              name);
-  if (s->shape != NSDAE_SHAPE_POLYGON) return NSDAE_OK;
-  if (s->points < 3 || !s->point)
-    return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "points",
-                           "points = %d of a polygon is less than 3, or point is NULL", s->points);
-  int bad = not_convex(s);
-  if (bad < 0) return NSDAE_OK;
-  return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "point",
-                         "corner %d of the polygon does not turn left: corners go anticlockwise "
-                         "around a convex one",
-                         bad);
+  return s->shape == NSDAE_SHAPE_POLYGON ? check_polygon(s, error) : NSDAE_OK;
 }
 
 /* Number of corners, and those of the shape in its own frame. */
@@ -116,11 +152,12 @@ static void own_corner(const nsdae_solid *s, int i, double *x)
 
 static void place(const nsdae_bodies *b, const nsdae_solid *s, nsdae_solid_of *made)
 {
-  const double none[4] = {1, 0, 0, 0}, *p = s->quaternion;
+  memcpy(made->turn, s->quaternion, sizeof made->turn);
+  nsdae_unit_quaternion(made->turn);
   if (b->dimension == 2)
     nsdae_rotation_planar(s->angle, made->R);
   else
-    nsdae_rotation_spatial(p[0] == 0 && p[1] == 0 && p[2] == 0 && p[3] == 0 ? none : p, made->R);
+    nsdae_rotation_spatial(made->turn, made->R);
   memcpy(made->origin, s->position, sizeof made->origin);
   for (int i = 0; i < made->points; i++) {
     double x[3], *corner = made->point + 3 * i;
@@ -148,6 +185,8 @@ int nsdae_bodies_add_solid(nsdae_bodies *b, int body, const nsdae_solid *s)
   status = check_solid(s, &b->error);
   if (status == NSDAE_OK)
     status = nsdae_bodies_check_vector(b, "solid", "position", index, s->position, 1);
+  if (status == NSDAE_OK)
+    status = nsdae_bodies_check_turn(b, "solid", index, s->angle, s->quaternion);
   if (status < 0) return status;
   int points = count_corners(s);
   double *corners = calloc((size_t)points + 1, 3 * sizeof *corners);

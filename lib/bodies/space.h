@@ -36,6 +36,23 @@ static inline void nsdae_rotation_planar(double angle, double *R)
   for (int i = 0; i < 9; i++) R[i] = turned[i];
 }
 
+/* Brings a quaternion to unit length, all zero to (1, 0, 0, 0). 0 where it is not finite. */
+static inline int nsdae_unit_quaternion(double *p)
+{
+  double most = 0, square = 0;
+  for (int i = 0; i < 4; i++) {
+    if (!isfinite(p[i])) return 0;
+    most = fmax(most, fabs(p[i]));
+  }
+  if (most == 0) p[0] = most = 1;
+  for (int i = 0; i < 4; i++) {
+    p[i] /= most; /* no square overflows or vanishes */
+    square += p[i] * p[i];
+  }
+  for (int i = 0; i < 4; i++) p[i] /= sqrt(square);
+  return 1;
+}
+
 /* That of a quaternion of any length but zero: its length drifts, the rotation does not. */
 static inline void nsdae_rotation_spatial(const double *p, double *R)
 {

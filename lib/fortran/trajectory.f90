@@ -2,6 +2,7 @@
 module nsdae_f_trajectory
   use, intrinsic :: iso_c_binding
   use nsdae_f_params
+  use nsdae_f_shape
   use nsdae_f_sim
   use nsdae_f_status
   use nsdae_f_text
@@ -27,41 +28,6 @@ module nsdae_f_trajectory
     integer(c_int) :: every = 0
     integer(c_int) :: compress = 0
     real(c_double) :: t_end = 0
-  end type
-
-  ! Shapes of bodies.
-  integer(c_int), parameter, public :: &
-      NSDAE_SHAPE_POINT = 0, NSDAE_SHAPE_DISC = 1, NSDAE_SHAPE_SEGMENT = 2, NSDAE_SHAPE_POLYGON = 3, &
-      NSDAE_SHAPE_PATH = 4, NSDAE_SHAPE_SPHERE = 5, NSDAE_SHAPE_CAPSULE = 6, NSDAE_SHAPE_BOX = 7, &
-      NSDAE_SHAPE_PLANE = 8
-
-  ! What a body looks like and where it is: see nsdae/trajectory.h for sizes, and for the formulas,
-  ! whose coordinates count from 0 as in C ("q0 + L/2*sin(q2)"); what is blank is not given.
-  type, public :: nsdae_body
-    character(len=64) :: name = ''
-    integer(c_int) :: shape = NSDAE_SHAPE_POINT
-    real(c_double) :: size(3) = 0
-    real(c_double), allocatable :: point(:, :)  ! (3, points), of polygons and paths
-    character(len=256) :: position(3) = '', angle = '', quaternion(4) = '', end(3) = ''
-  end type
-
-  ! The struct of the C header.
-  type, bind(C), public :: nsdae_c_body
-    type(c_ptr) :: name = c_null_ptr
-    integer(c_int) :: shape = 0
-    real(c_double) :: size(3) = 0
-    integer(c_int) :: points = 0
-    type(c_ptr) :: point = c_null_ptr
-    type(c_ptr) :: position(3) = c_null_ptr
-    type(c_ptr) :: angle = c_null_ptr
-    type(c_ptr) :: quaternion(4) = c_null_ptr
-    type(c_ptr) :: end(3) = c_null_ptr
-  end type
-
-  ! The texts of a body, each ended by a null character.
-  type :: words
-    character(kind=c_char) :: name(65), position(257, 3), angle(257), quaternion(257, 4), &
-                              end(257, 3)
   end type
 
   ! A file; nothing until nsdae_trajectory_create.
@@ -256,13 +222,13 @@ contains
     call error_from_c(why, error)
   end function
 
-  ! Names the bodies, once and before the first step. NSDAE_E_ARGUMENT: the text names the body, what
+  ! Names the bodies, once and before the first step, in place of the system's. NSDAE_E_ARGUMENT: the text names the body, what
   ! of it and what is wrong, index is its number from 0; NSDAE_E_STATE; NSDAE_E_MEMORY; NSDAE_E_IO.
   integer(c_int) function nsdae_trajectory_set_bodies(trajectory, bodies, error) result(status)
     type(nsdae_trajectory), intent(in) :: trajectory
     type(nsdae_body), intent(in), target :: bodies(:)
     type(nsdae_error), intent(out), optional :: error
-    type(words), target :: text(size(bodies))
+    type(nsdae_body_words), target :: text(size(bodies))
     type(nsdae_c_body) :: body(size(bodies))
     type(nsdae_c_error) :: why
     integer :: i
@@ -271,32 +237,6 @@ contains
     end do
     status = c_set_bodies(trajectory%handle, size(bodies, kind=c_int), body, why)
     call error_from_c(why, error)
-  end function
-
-  type(nsdae_c_body) function body_of(from, text) result(body)
-    type(nsdae_body), intent(in), target :: from
-    type(words), intent(inout), target :: text
-    integer :: i
-    call to_chars(from%name, text%name)
-    call to_chars(from%angle, text%angle)
-    body%name = c_loc(text%name)
-    body%angle = c_loc(text%angle)
-    body%shape = from%shape
-    body%size = from%size
-    if (allocated(from%point)) then
-      body%points = size(from%point, 2, kind=c_int)
-      body%point = c_loc(from%point)
-    end if
-    do i = 1, 4
-      call to_chars(from%quaternion(i), text%quaternion(:, i))
-      body%quaternion(i) = c_loc(text%quaternion(1, i))
-    end do
-    do i = 1, 3
-      call to_chars(from%position(i), text%position(:, i))
-      call to_chars(from%end(i), text%end(:, i))
-      body%position(i) = c_loc(text%position(1, i))
-      body%end(i) = c_loc(text%end(1, i))
-    end do
   end function
 
   ! Writes what is buffered: from here on the file has every record so far, whatever becomes of the

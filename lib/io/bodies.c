@@ -57,13 +57,34 @@ static int check_formulas(const subject *s, const char *field, const char *const
   return status;
 }
 
-static int check_name(const subject *s)
+/* Names in order; of one name in the order of their bodies. */
+static int by_name(const void *a, const void *b)
 {
-  if (!is_given(s->body->name)) return refuse(s, "name", "it has none");
-  for (int i = 1; i <= s->number; i++)
-    if (strcmp((s->body - i)->name, s->body->name) == 0)
-      return refuse(s, "name", "another body has it already");
-  return NSDAE_OK;
+  const nsdae_body *const *left = a, *const *right = b;
+  int order = strcmp((*left)->name, (*right)->name);
+  return order ? order : (*left > *right) - (*left < *right);
+}
+
+static int check_names(int n, const nsdae_body *body, nsdae_error *error)
+{
+  for (int i = 0; i < n; i++) {
+    const subject s = {&body[i], i, NULL, error};
+    if (!is_given(body[i].name)) return refuse(&s, "name", "it has none");
+  }
+  const nsdae_body **sorted = malloc((size_t)n * sizeof *sorted);
+  if (!sorted)
+    return nsdae_error_set(error, NSDAE_E_MEMORY, "nsdae_trajectory_set_bodies", "",
+                           "out of memory");
+  for (int i = 0; i < n; i++) sorted[i] = &body[i];
+  qsort(sorted, (size_t)n, sizeof *sorted, by_name);
+  int status = NSDAE_OK;
+  for (int i = 1; i < n && status == NSDAE_OK; i++) {
+    const subject s = {sorted[i], (int)(sorted[i] - body), NULL, error};
+    if (strcmp(sorted[i - 1]->name, sorted[i]->name) == 0)
+      status = refuse(&s, "name", "another body has it already");
+  }
+  free(sorted);
+  return status;
 }
 
 /* What is wrong with the size, or NULL. */
@@ -127,11 +148,10 @@ static int check_place(const subject *s)
 int nsdae_bodies_check(int n, const nsdae_body *body, const nsdae_formula_names *names,
                        nsdae_error *error)
 {
-  int status = NSDAE_OK;
+  int status = n > 0 ? check_names(n, body, error) : NSDAE_OK;
   for (int i = 0; i < n && status == NSDAE_OK; i++) {
     const subject s = {&body[i], i, names, error};
-    status = check_name(&s);
-    if (status == NSDAE_OK) status = check_shape(&s);
+    status = check_shape(&s);
     if (status == NSDAE_OK) status = check_place(&s);
   }
   return status;

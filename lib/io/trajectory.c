@@ -39,7 +39,7 @@ struct nsdae_trajectory {
   nsdae_params parameters; /* the model's */
   int live;
   int begun;  /* a record came: what is made in a file is made before */
-  int bodies; /* were named */
+  int bodies; /* were named in place of the system's */
   nsdae_series series[TABLES];
   nsdae_axes axes;
   long every; /* records of such steps are kept */
@@ -137,6 +137,37 @@ static int make_restart(nsdae_trajectory *t, const nsdae_trajectory_info *info)
   return status;
 }
 
+/* Against the names that its formulas may use. */
+static int check_bodies(const nsdae_trajectory *t, int n, const nsdae_body *body,
+                        nsdae_error *error)
+{
+  nsdae_dims dims;
+  const nsdae_system *system = nsdae_sim_get_system(t->sim);
+  nsdae_sim_get_dims(t->sim, &dims);
+  const char **name = malloc((size_t)dims.nq * sizeof *name);
+  if (!name)
+    return nsdae_error_set(error, NSDAE_E_MEMORY, "nsdae_trajectory_set_bodies", "",
+                           "out of memory");
+  for (int i = 0; i < dims.nq; i++)
+    name[i] = nsdae_system_get_name(system, NSDAE_NAME_COORDINATE, i);
+  const nsdae_formula_names names = {dims.nq, name, &t->parameters};
+  int status = nsdae_bodies_check(n, body, &names, error);
+  free(name);
+  return status;
+}
+
+/* What the system itself has to show. */
+static int write_bodies(nsdae_trajectory *t)
+{
+  int n;
+  nsdae_error *error = t->h5.error;
+  const nsdae_body *body = nsdae_system_get_bodies(nsdae_sim_get_system(t->sim), &n);
+  int status = n > 0 ? check_bodies(t, n, body, error) : NSDAE_OK;
+  if (status == NSDAE_OK) return nsdae_bodies_write(&t->h5, n, body);
+  snprintf(error->where, sizeof error->where, "nsdae_trajectory_create");
+  return status;
+}
+
 static int make_file(nsdae_trajectory *t, const nsdae_trajectory_info *info)
 {
   nsdae_h5 *h5 = &t->h5;
@@ -147,6 +178,7 @@ static int make_file(nsdae_trajectory *t, const nsdae_trajectory_info *info)
   if (status == NSDAE_OK) status = make_groups(h5, &dims);
   if (status == NSDAE_OK) status = nsdae_axes_create(&t->axes, h5, t->sim);
   if (status == NSDAE_OK && !t->live) status = make_restart(t, info);
+  if (status == NSDAE_OK) status = write_bodies(t);
   for (int i = 0; i < TABLES && status == NSDAE_OK; i++)
     status = nsdae_series_create(&t->series[i], h5, &dims, &t->axes, tables[i].scale,
                                  i == RECORDS ? t->compress : 0);
@@ -470,25 +502,6 @@ static int refuse_bodies(const nsdae_trajectory *t, int n, const nsdae_body *bod
   return NSDAE_OK;
 }
 
-/* Against the names that its formulas may use. */
-static int check_bodies(const nsdae_trajectory *t, int n, const nsdae_body *body,
-                        nsdae_error *error)
-{
-  nsdae_dims dims;
-  const nsdae_system *system = nsdae_sim_get_system(t->sim);
-  nsdae_sim_get_dims(t->sim, &dims);
-  const char **name = malloc((size_t)dims.nq * sizeof *name);
-  if (!name)
-    return nsdae_error_set(error, NSDAE_E_MEMORY, "nsdae_trajectory_set_bodies", "",
-                           "out of memory");
-  for (int i = 0; i < dims.nq; i++)
-    name[i] = nsdae_system_get_name(system, NSDAE_NAME_COORDINATE, i);
-  const nsdae_formula_names names = {dims.nq, name, &t->parameters};
-  int status = nsdae_bodies_check(n, body, &names, error);
-  free(name);
-  return status;
-}
-
 int nsdae_trajectory_set_bodies(nsdae_trajectory *trajectory, int n, const nsdae_body *body,
                                 nsdae_error *error)
 {
@@ -500,7 +513,8 @@ int nsdae_trajectory_set_bodies(nsdae_trajectory *trajectory, int n, const nsdae
   if (status < 0) return status;
   t->bodies = 1;
   t->h5.error = error ? error : &own;
-  NSDAE_H5_QUIETLY(status, nsdae_bodies_write(&t->h5, n, body))
+  NSDAE_H5_QUIETLY(status, nsdae_h5_remove(&t->h5, "/bodies"))
+  if (status == NSDAE_OK) NSDAE_H5_QUIETLY(status, nsdae_bodies_write(&t->h5, n, body))
   return status;
 }
 

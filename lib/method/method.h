@@ -14,8 +14,8 @@ typedef struct nsdae_stepping {
   int (*create)(struct nsdae_stepper *stepper, void **own);
   void (*destroy)(void *own);
 
-  /* Sizes of what it keeps between steps, asked before create. The first integers are the contacts'
-   * warm start (nsdae_stepper_sizes), so that implicit can step in. */
+  /* Sizes of what it keeps between steps, asked before create. The first reals and integers are the
+   * contacts' warm start (nsdae_stepper_sizes), so that implicit can step in. */
   void (*sizes)(const struct nsdae_stepper *stepper, size_t *reals, size_t *wholes);
 
   /* Settings or coefficients changed; NULL where nothing is made of them beside the stepper. */

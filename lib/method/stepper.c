@@ -34,6 +34,9 @@ void nsdae_stepper_prepare(nsdae_stepper *s)
   s->contacts.error = s->error;
   nsdae_lcp_options_default(&s->contacts.lcp.options);
   s->contacts.lcp.options.tol = o->lcp_tol;
+  /* of event: the larger of its laws and of implicit's, which may step in */
+  if (o->method == NSDAE_METHOD_EVENT)
+    nsdae_contacts_laws(&s->contacts, nsdae_law_edges_to_start(o->polygon));
   nsdae_contacts_laws(&s->contacts, o->polygon);
 }
 
@@ -66,14 +69,14 @@ void nsdae_stepper_count(nsdae_stepper *s, const nsdae_state *state, nsdae_resul
 
 void nsdae_stepper_sizes(const nsdae_stepper *s, size_t *reals, size_t *wholes)
 {
-  *reals = 0;
+  *reals = nsdae_contacts_warm_size(&s->contacts);
   *wholes = nsdae_contacts_memory_size(&s->contacts);
 }
 
 nsdae_step nsdae_step_begin(nsdae_stepper *s, const nsdae_state *state, double t_end,
                             nsdae_result *result)
 {
-  nsdae_contacts_remember(&s->contacts, result->memory.whole);
+  nsdae_contacts_remember(&s->contacts, result->memory.whole, result->memory.real);
   return (nsdae_step){.tools = s,
                       .start = state->terms,
                       .end = &result->end,

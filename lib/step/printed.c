@@ -30,8 +30,9 @@ typedef struct printed {
  * there. */
 static void sizes(const nsdae_stepper *s, size_t *reals, size_t *wholes)
 {
-  *reals = (size_t)s->system->dims.nv + (size_t)s->system->dims.m;
-  *wholes = nsdae_contacts_memory_size(&s->contacts) + 1;
+  nsdae_stepper_sizes(s, reals, wholes);
+  *reals += (size_t)s->system->dims.nv + (size_t)s->system->dims.m;
+  *wholes += 1;
 }
 
 static void layout(void *object, nsdae_arena *arena)
@@ -68,8 +69,8 @@ static void prepare_newmark(printed *p, nsdae_memory *memory)
   N->tol = s->iteration_tol;
   N->iteration_max = s->options->iteration_max;
   N->least_norm = s->options->redundant == NSDAE_REDUNDANT_LEAST_NORM;
-  N->a0 = memory->real;
-  N->lambda0 = memory->real + s->system->dims.nv;
+  N->a0 = memory->real + nsdae_contacts_warm_size(&s->contacts);
+  N->lambda0 = N->a0 + s->system->dims.nv;
   N->have_start = memory->whole[memory->wholes - 1];
 }
 

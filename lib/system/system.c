@@ -55,6 +55,7 @@ static void release(nsdae_system *system)
 {
   if (atomic_fetch_sub(&system->owners, 1) > 1) return;
   for (int kind = 0; kind < NSDAE_NAME_KINDS; kind++) free(system->label[kind]);
+  nsdae_system_release_bodies(system);
   free(system->contact);
   free(system->slide);
   free(system);
@@ -87,7 +88,8 @@ int nsdae_system_refuse(nsdae_system *system, int status, const char *setter, co
                         const char *why)
 {
   char where[sizeof system->error.where];
-  snprintf(where, sizeof where, "nsdae_system_set_%s", setter);
+  snprintf(where, sizeof where, "nsdae_system_%s%s", strncmp(setter, "add_", 4) ? "set_" : "",
+           setter);
   nsdae_error_set(&system->error, status, where, argument, "%s", why);
   if (system->refused.status == NSDAE_OK) system->refused = system->error;
   return status;

@@ -43,6 +43,8 @@ struct nsdae_system {
   nsdae_coefficients *contact;          /* k */
   nsdae_slide *slide;                   /* f */
   nsdae_label *label[NSDAE_NAME_KINDS]; /* as many as there are of that kind; NULL: no names */
+  nsdae_body *body;                     /* bodies: what files show; room for a power of two */
+  int bodies;
   nsdae_error error;
   nsdae_error refused; /* of the first setter that was */
   atomic_int owners;   /* its handle and its simulations; the last one releases it */
@@ -58,7 +60,8 @@ void nsdae_system_hold(const nsdae_system *system);
 void nsdae_system_let_go(const nsdae_system *system);
 
 /* Every setter ends with one of these. Refused: the error of the system is set to status and the
- * text, and kept for nsdae_sim_create. setter: its name after "nsdae_system_set". */
+ * text, and kept for nsdae_sim_create. setter: its name after "nsdae_system_set_", or "add_body".
+ */
 int nsdae_system_refuse(nsdae_system *system, int status, const char *setter, const char *argument,
                         const char *why);
 /* Whether the setter may change the system: NSDAE_OK, or NSDAE_E_STATE while it has simulations. */
@@ -79,6 +82,9 @@ void nsdae_system_name_entry(const nsdae_system *system, const char *callback, i
 
 /* NSDAE_OK, or NSDAE_E_ARGUMENT where two of a kind have one name; NSDAE_E_MEMORY. */
 int nsdae_names_distinct(const nsdae_system *system, nsdae_error *error);
+
+/* Releases the bodies. */
+void nsdae_system_release_bodies(nsdae_system *system);
 
 /* A callback's return as a status: NSDAE_OK, or NSDAE_E_CALLBACK with its code in the record. */
 int nsdae_system_callback_status(int code, const char *callback, double t, nsdae_error *error);

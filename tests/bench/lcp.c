@@ -14,6 +14,7 @@
 
 #include "lcp_families.h"
 #include "lcp_rival.h"
+#include "ratio.h"
 
 enum { MOST_PROBLEMS = 60, ROUNDS = 5 };
 
@@ -165,8 +166,19 @@ static double median(int count, double *a)
   return count % 2 ? a[count / 2] : (a[count / 2 - 1] + a[count / 2]) / 2;
 }
 
-/* One line of the table. */
-static void compare(int family, int n, int problems)
+/* Medians, as they are sorted: cold, and warm from a neighbour. */
+static int leave(int family, int n, int problems, double *ours, double *warm, double *rivals)
+{
+  char title[80];
+  double peers = 1e-6 * median(problems, rivals);
+  snprintf(title, sizeof title, "LCP, %s, n = %d, cold", lcp_family_names[family], n);
+  if (ratio_add(title, 1e-6 * median(problems, ours), "Siconos", peers) < 0) return -1;
+  snprintf(title, sizeof title, "LCP, %s, n = %d, warm", lcp_family_names[family], n);
+  return ratio_add(title, 1e-6 * median(problems, warm), "Siconos", peers);
+}
+
+/* One line of the table; -1 where what it says cannot be written to the file. */
+static int compare(int family, int n, int problems)
 {
   double ours[MOST_PROBLEMS], rivals[MOST_PROBLEMS], ratio[MOST_PROBLEMS], warm[MOST_PROBLEMS];
   double warm_ratio[MOST_PROBLEMS];
@@ -196,6 +208,7 @@ static void compare(int family, int n, int problems)
     printf(" %10s %6s %6s", "-", "-", "-");
   printf("   %3d %3d %3d\n", solved[0], solved[2], solved[1]);
   fflush(stdout);
+  return leave(family, n, problems, ours, warm, rivals);
 }
 
 int main(int argc, char **argv)
@@ -207,6 +220,6 @@ int main(int argc, char **argv)
          "solved: kernel, warm, Siconos\n");
   for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++)
     for (int family = 0; family < LCP_FAMILIES && sizes[i] <= most && sizes[i] >= least; family++)
-      compare(family, sizes[i], problems[i]);
+      if (compare(family, sizes[i], problems[i]) < 0) return 1;
   return 0;
 }

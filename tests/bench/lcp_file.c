@@ -8,6 +8,9 @@
 
 #include "lcp_file.h"
 #include "lcp_rival.h"
+#include "ratio.h"
+
+enum { RUNS = 3 };
 
 static double now(void)
 {
@@ -28,31 +31,63 @@ static double natural_residual(const lcp_file *file, const double *x)
   return worst;
 }
 
-static void compare(const char *path, const lcp_file *file)
+static int ascending(const void *a, const void *b)
+{
+  double x = *(const double *)a, y = *(const double *)b;
+  return (x > y) - (x < y);
+}
+
+static double median(double *a)
+{
+  qsort(a, RUNS, sizeof *a, ascending);
+  return a[RUNS / 2];
+}
+
+/* Seconds of one cold solution. */
+static double time_ours(const lcp_file *file, double *x, double *y, nsdae_lcp_info *info)
 {
   nsdae_lcp_problem problem = {.n = file->n, .A = file->A, .lda = file->n, .b = file->b};
-  nsdae_lcp_info info;
-  double *x = calloc((size_t)file->n + 1, sizeof *x), *y = calloc((size_t)file->n + 1, sizeof *y);
-  const char *name = strrchr(path, '/');
-  if (!x || !y) abort();
   double start = now();
-  nsdae_lcp_solve(&problem, NULL, x, y, &info);
-  double ours = now() - start;
-  printf("%-40s n %5d  ours %-10s %10.4f s, residual %.1e", name ? name + 1 : path, file->n,
-         nsdae_outcome_name(info.outcome), ours, natural_residual(file, x));
+  nsdae_lcp_solve(&problem, NULL, x, y, info);
+  return now() - start;
+}
+
+static double time_peer(rival *peer, const lcp_file *file, double *x, double *y, int *failed)
+{
+  memset(x, 0, (size_t)file->n * sizeof *x);
+  double start = now();
+  *failed = rival_solve(peer, x, y);
+  return now() - start;
+}
+
+/* What the file of ratios gets: where it was not solved, nothing. */
+static int compare(const char *path, const lcp_file *file)
+{
+  double ours[RUNS], theirs[RUNS], x_ours = 0, x_theirs = 0;
+  nsdae_lcp_info info = {0};
+  int failed = 0;
+  double *x = calloc((size_t)file->n + 1, sizeof *x), *y = calloc((size_t)file->n + 1, sizeof *y);
+  const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
   rival *peer = rival_create(file->n, file->A, file->b);
-  if (peer) {
-    memset(x, 0, (size_t)file->n * sizeof *x);
-    start = now();
-    int failed = rival_solve(peer, x, y);
-    double theirs = now() - start;
-    printf(";  Siconos %-6s %10.4f s, residual %.1e; ratio %.4f", failed ? "failed" : "solved",
-           theirs, natural_residual(file, x), ours / theirs);
+  if (!x || !y) abort();
+  for (int i = 0; i < RUNS; i++) {
+    ours[i] = time_ours(file, x, y, &info);
+    x_ours = natural_residual(file, x);
+    theirs[i] = peer ? time_peer(peer, file, x, y, &failed) : NAN;
+    x_theirs = natural_residual(file, x);
   }
+  printf("%-40s n %5d  ours %-10s %10.4f s, residual %.1e", name, file->n,
+         nsdae_outcome_name(info.outcome), median(ours), x_ours);
+  if (peer)
+    printf(";  Siconos %-6s %10.4f s, residual %.1e; ratio %.4f", failed ? "failed" : "solved",
+           median(theirs), x_theirs, median(ours) / median(theirs));
   printf("\n");
   rival_destroy(peer);
   free(x);
   free(y);
+  return failed || info.outcome != NSDAE_OUTCOME_SOLVED
+             ? 0
+             : ratio_add(name, median(ours), "Siconos", median(theirs));
 }
 
 int main(int argc, char **argv)
@@ -64,8 +99,9 @@ int main(int argc, char **argv)
       fprintf(stderr, "%s\n", error.text);
       return 1;
     }
-    compare(argv[i], &file);
+    int written = compare(argv[i], &file);
     lcp_file_release(&file);
+    if (written < 0) return 1;
   }
   return 0;
 }

@@ -1,7 +1,6 @@
 /* Time of a step beside Siconos's and MuJoCo's, on a column of balls that falls and comes to rest;
- * medians of ratios of runs that take turns. Siconos steps with the same scheme (Moreau and Jean,
- * theta 1/2, an LCP of all contacts), by the faster of its Lemke and its
- * block Gauss-Seidel.
+ * medians of runs that take turns, and their ratio. Siconos steps with the same scheme (Moreau and
+ * Jean, theta 1/2, an LCP of all contacts), by the faster of its Lemke and its block Gauss-Seidel.
  * MuJoCo's contacts are soft, and it finds them itself. */
 #include <math.h>
 #include <stdio.h>
@@ -9,6 +8,7 @@
 
 #include <nsdae/nsdae.h>
 
+#include "ratio.h"
 #include "steps_rival.h"
 
 enum { MOST = 100, RUNS = 5 };
@@ -103,13 +103,19 @@ static double median(double *a)
   return a[RUNS / 2];
 }
 
-static void print_peer(const char *name, double *time, double *ratio, double top, int steps)
+/* -1: what is left for programs to read cannot be written. */
+static int print_peer(const char *name, double *time, double *own, double top, const column *c)
 {
-  if (time[0] < 0)
+  char title[80];
+  double theirs = median(time), ours = median(own);
+  if (theirs < 0) {
     printf("  %s: not here\n", name);
-  else
-    printf("  %s %.3f us, ratio %.3f, top %.4f m\n", name, 1e6 * median(time) / steps,
-           median(ratio), top);
+    return 0;
+  }
+  printf("  %s %.3f us, ratio %.3f, top %.4f m\n", name, 1e6 * theirs / c->steps, ours / theirs,
+         top);
+  snprintf(title, sizeof title, "step, column of balls, %d", c->balls);
+  return ratio_add(title, ours / c->steps, name, theirs / c->steps);
 }
 
 int main(void)
@@ -118,19 +124,17 @@ int main(void)
   printf("A column of balls, time of a step; ratio: ours to theirs, medians of %d.\n", RUNS);
   for (int i = 0; i < 3; i++) {
     column c = {balls[i], 2000, 0.1, 1, 9.81, 0.5, 1e-3};
-    double own[RUNS], siconos[RUNS], mujoco[RUNS], to_siconos[RUNS], to_mujoco[RUNS];
+    double own[RUNS], siconos[RUNS], mujoco[RUNS];
     double top = NAN, top_siconos = NAN, top_mujoco = NAN;
     for (int j = 0; j < RUNS; j++) {
       own[j] = own_column(&c, &top);
       siconos[j] = siconos_column(&c, &top_siconos);
       mujoco[j] = mujoco_column(&c, &top_mujoco);
-      to_siconos[j] = own[j] / siconos[j];
-      to_mujoco[j] = own[j] / mujoco[j];
       if (own[j] < 0) return 1;
     }
     printf("%d: nsdae %.3f us, top %.4f m\n", balls[i], 1e6 * median(own) / c.steps, top);
-    print_peer("Siconos", siconos, to_siconos, top_siconos, c.steps);
-    print_peer("MuJoCo", mujoco, to_mujoco, top_mujoco, c.steps);
+    if (print_peer("Siconos", siconos, own, top_siconos, &c) < 0) return 1;
+    if (print_peer("MuJoCo", mujoco, own, top_mujoco, &c) < 0) return 1;
   }
   return 0;
 }

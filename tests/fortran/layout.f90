@@ -11,6 +11,7 @@ program layout
   use nsdae_f_sim
   use nsdae_f_status
   use nsdae_f_system
+  use nsdae_f_shape
   use nsdae_f_trajectory
   use check
   implicit none
@@ -46,6 +47,7 @@ program layout
   call torsion_fields
   call trajectory_info_fields
   call body_fields
+  call own_fields
   call lcp_problem_fields
   call lcp_options_fields
   call lcp_info_fields
@@ -166,6 +168,7 @@ contains
     call same('NSDAE_PARAM_TEXT_SIZE', NSDAE_PARAM_TEXT_SIZE)
     call same('NSDAE_OPEN_MIN', NSDAE_OPEN_MIN)
     call same('NSDAE_OPEN_MAX', NSDAE_OPEN_MAX)
+    call same('NSDAE_OR_ZERO', NSDAE_OR_ZERO)
     call same('NSDAE_FRICTION_GLOBAL', NSDAE_FRICTION_GLOBAL)
     call same('NSDAE_FRICTION_LOCAL', NSDAE_FRICTION_LOCAL)
     call same('NSDAE_FRICTION_NONE', NSDAE_FRICTION_NONE)
@@ -410,6 +413,25 @@ contains
     call same_place('nsdae_torsion%rest', c_loc(x), c_loc(x%rest))
   end subroutine
 
+  subroutine own_fields()
+    type(nsdae_own), target :: x
+    call same_size('nsdae_own', c_sizeof(x))
+    call same_place('nsdae_own%mass', c_loc(x), c_loc(x%mass))
+    call same_place('nsdae_own%force', c_loc(x), c_loc(x%force))
+    call same_place('nsdae_own%constraint', c_loc(x), c_loc(x%constraint))
+    call same_place('nsdae_own%constraint_jacobian', c_loc(x), c_loc(x%constraint_jacobian))
+    call same_place('nsdae_own%constraint_bias', c_loc(x), c_loc(x%constraint_bias))
+    call same_place('nsdae_own%gap', c_loc(x), c_loc(x%gap))
+    call same_place('nsdae_own%gap_normal', c_loc(x), c_loc(x%gap_normal))
+    call same_place('nsdae_own%gap_tangent', c_loc(x), c_loc(x%gap_tangent))
+    call same_place('nsdae_own%contact_bias', c_loc(x), c_loc(x%contact_bias))
+    call same_place('nsdae_own%contact_acceleration', c_loc(x), c_loc(x%contact_acceleration))
+    call same_place('nsdae_own%slide_tangent', c_loc(x), c_loc(x%slide_tangent))
+    call same_place('nsdae_own%kinematics', c_loc(x), c_loc(x%kinematics))
+    call same_place('nsdae_own%potential', c_loc(x), c_loc(x%potential))
+    call same_place('nsdae_own%user', c_loc(x), c_loc(x%user))
+  end subroutine
+
   subroutine trajectory_info_fields()
     type(nsdae_c_trajectory_info), target :: x
     call same_size('nsdae_trajectory_info', c_sizeof(x))
@@ -519,6 +541,7 @@ contains
     call same_place('nsdae_friction_options%stages', c_loc(x), c_loc(x%stages))
     call same_place('nsdae_friction_options%max_sweeps', c_loc(x), c_loc(x%max_sweeps))
     call same_place('nsdae_friction_options%max_iterations', c_loc(x), c_loc(x%max_iterations))
+    call same_place('nsdae_friction_options%refine', c_loc(x), c_loc(x%refine))
   end subroutine
 
   subroutine friction_info_fields()

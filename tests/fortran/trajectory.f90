@@ -54,6 +54,7 @@ program trajectory_test
   call contents
   call resumed
   call failed_run
+  call bodies_of_system
   call nsdae_sim_destroy(sim)
   call nsdae_system_destroy(system)
   call nsdae_params_destroy(table)
@@ -135,6 +136,28 @@ contains
     body(1)%point = reshape([real(c_double) :: 0, 0, 0, 1, 0, 0, 0, 2, 0], [3, 3])
     call is_int(nsdae_trajectory_set_bodies(t, body, error), NSDAE_OK, error%text)
     call is_int(nsdae_trajectory_set_bodies(t, body, error), NSDAE_E_STATE, 'again')
+  end subroutine
+
+  ! A system has what it was given.
+  subroutine bodies_of_system()
+    type(nsdae_system) :: world
+    type(nsdae_body) :: wing
+    type(nsdae_body), allocatable :: body(:)
+    call is_int(nsdae_system_create(nsdae_dims(2, 2, 0, 0, 0, 0), world), NSDAE_OK, 'world')
+    call is_int(size(nsdae_system_get_bodies(world)), 0, 'none')
+    wing%name = 'wing'
+    wing%shape = NSDAE_SHAPE_POLYGON
+    wing%size(1) = 0.5d0
+    wing%position(2) = 'q1 + 1'
+    wing%angle = 'q0'
+    wing%point = reshape([real(c_double) :: 0, 0, 0, 1, 0, 0, 0, 2, 0], [3, 3])
+    call is_int(nsdae_system_add_body(world, wing), NSDAE_OK, 'add')
+    allocate (body, source=nsdae_system_get_bodies(world))
+    call is_int(size(body), 1, 'one')
+    call is_true(body(1)%name == 'wing' .and. body(1)%shape == NSDAE_SHAPE_POLYGON, 'what it is')
+    call is_true(body(1)%position(2) == 'q1 + 1' .and. body(1)%angle == 'q0', 'where it is')
+    call is_true(all(body(1)%size == wing%size) .and. all(body(1)%point == wing%point), 'its size')
+    call nsdae_system_destroy(world)
   end subroutine
 
   ! In two parts what contents has in one.

@@ -220,11 +220,80 @@ static void faults_are_named(void **state)
   refused(0, ring, "size", "the radius of its hole must be less than its own");
 }
 
+/* Those of the system are there by themselves, as copies, in files that are live or not; others can
+ * be named in their place; what is wrong with one is said when the file is made. */
+static void system_has_them(void **state)
+{
+  (void)state;
+  for (int named = 0; named < 3; named++) {
+    fixture f;
+    nsdae_body body[BODIES];
+    char name[16];
+    begin(&f, 0);
+    nsdae_trajectory_close(&f.file, NSDAE_OK, NULL);
+    nsdae_sim_destroy(&f.sim);
+    memcpy(body, good, sizeof body);
+    for (int i = 0; i < BODIES; i++) {
+      snprintf(name, sizeof name, "%s", good[i].name);
+      body[i].name = name;
+      assert_int_equal(nsdae_system_add_body(f.system, &body[i]), NSDAE_OK);
+    }
+    if (named == 1) /* in their place; theirs have another size */
+      assert_int_equal(nsdae_system_add_body(f.system, &(nsdae_body){.name = "more"}), NSDAE_OK);
+    double q0[3], v0[3];
+    const nsdae_trajectory_info info = {
+        .model = "bead", .parameters = &table, .parameters_base = &f.bead, .live = named == 2};
+    bead_start(&f.bead, q0, v0);
+    assert_int_equal(nsdae_sim_create(f.system, NULL, &f.sim, NULL), NSDAE_OK);
+    assert_int_equal(nsdae_system_add_body(f.system, good), NSDAE_E_STATE);
+    assert_string_equal(nsdae_system_error(f.system)->where, "nsdae_system_add_body");
+    assert_int_equal(nsdae_sim_init(f.sim, 0, q0, v0), NSDAE_OK);
+    assert_int_equal(nsdae_trajectory_create(f.sim, path, &info, &f.file, NULL), NSDAE_OK);
+    if (named == 1)
+      assert_int_equal(nsdae_trajectory_set_bodies(f.file, BODIES, good, NULL), NSDAE_OK);
+    assert_int_equal(nsdae_sim_run(f.sim, 0.1), NSDAE_OK);
+    end(&f);
+    expect_file();
+  }
+}
+
+static void faults_of_the_system(void **state)
+{
+  fixture f;
+  nsdae_error error;
+  nsdae_trajectory *file;
+  const nsdae_trajectory_info info = {.model = "bead"};
+  const nsdae_body faulty = {.name = "faulty", .position = {"q7"}};
+  int n = -1;
+  (void)state;
+  begin(&f, 0);
+  assert_null(nsdae_system_get_bodies(f.system, &n));
+  assert_int_equal(n, 0);
+  assert_int_equal(nsdae_trajectory_close(&f.file, NSDAE_OK, NULL), NSDAE_OK);
+  nsdae_sim_destroy(&f.sim);
+  assert_int_equal(nsdae_system_add_body(NULL, &faulty), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_system_add_body(f.system, NULL), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_system_add_body(f.system, &(nsdae_body){.points = 2}), NSDAE_E_ARGUMENT);
+  nsdae_system_clear_error(f.system);
+  assert_int_equal(nsdae_system_add_body(f.system, &faulty), NSDAE_OK);
+  assert_string_equal(nsdae_system_get_bodies(f.system, &n)->position[0], "q7");
+  assert_int_equal(n, 1);
+  assert_int_equal(nsdae_sim_create(f.system, NULL, &f.sim, NULL), NSDAE_OK);
+  assert_int_equal(nsdae_trajectory_create(f.sim, path, &info, &file, &error), NSDAE_E_ARGUMENT);
+  assert_string_equal(error.where, "nsdae_trajectory_create");
+  assert_string_equal(error.argument, "position");
+  assert_non_null(strstr(error.text, "body 0 'faulty'"));
+  assert_null(file);
+  nsdae_sim_destroy(&f.sim);
+  nsdae_system_destroy(&f.system);
+}
+
 int main(void)
 {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(are_in_the_file),
-                                     cmocka_unit_test(are_named_once_and_first),
-                                     cmocka_unit_test(faults_are_named)};
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(are_in_the_file), cmocka_unit_test(are_named_once_and_first),
+      cmocka_unit_test(faults_are_named), cmocka_unit_test(system_has_them),
+      cmocka_unit_test(faults_of_the_system)};
   int failed = cmocka_run_group_tests(tests, NULL, NULL);
   remove(path);
   return failed;

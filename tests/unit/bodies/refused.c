@@ -154,6 +154,68 @@ static void refuse_contact(int first, int second, double mu, double e_n, const c
   expect(b, nsdae_bodies_add_contact(b, first, second, mu, e_n, 0), NSDAE_E_ARGUMENT, argument);
 }
 
+static void refuse_endless(int d, nsdae_solid solid, const char *argument)
+{
+  nsdae_bodies *b = world(d);
+  expect(b, nsdae_bodies_add_solid(b, 0, &solid), NSDAE_E_NONFINITE, argument);
+}
+
+/* Corner i of a star of points corners that goes around turns times, each corner turning left. */
+static void star_corner(int i, int points, int turns, double phase, double *x)
+{
+  double angle = phase + 2 * acos(-1) * turns * i / points;
+  x[0] = cos(angle);
+  x[1] = sin(angle);
+}
+
+/* A polygon goes around once, wherever its first corner is; stars that go around more often turn
+ * left at each corner as well. */
+static void test_polygons(void **state)
+{
+  double corner[2 * 13];
+  (void)state;
+  for (int points = 3; points <= 13; points++)
+    for (int turns = 1; 2 * turns < points; turns++)
+      for (int phase = 0; phase < 24; phase++) {
+        nsdae_solid solid = {.shape = NSDAE_SHAPE_POLYGON, .points = points, .point = corner};
+        for (int i = 0; i < points; i++)
+          star_corner(i, points, turns, phase * acos(-1) / 12, corner + 2 * i);
+        if (turns > 1) {
+          refuse_solid(2, 0, solid, "point");
+          continue;
+        }
+        nsdae_bodies *b = world(2);
+        assert_int_equal(nsdae_bodies_add_solid(b, 0, &solid), 0);
+        nsdae_bodies_destroy(&b);
+      }
+}
+
+static void test_endless(void **state)
+{
+  const double corner[6] = {0, 0, 1, 0, 0, INFINITY};
+  (void)state;
+  refuse_endless(2, (nsdae_solid){.shape = NSDAE_SHAPE_PLANE, .angle = NAN}, "angle");
+  refuse_endless(3, (nsdae_solid){.shape = NSDAE_SHAPE_PLANE, .quaternion = {1, 0, NAN}},
+                 "quaternion");
+  refuse_endless(3, (nsdae_solid){.shape = NSDAE_SHAPE_POINT, .quaternion = {INFINITY}},
+                 "quaternion");
+  refuse_endless(2, (nsdae_solid){.shape = NSDAE_SHAPE_POLYGON, .points = 3, .point = corner},
+                 "point");
+  /* no length is too small or too large for a quaternion */
+  for (int i = 0; i < 2; i++) {
+    double size = i ? 1e300 : 1e-300, least = 0.5;
+    nsdae_bodies *b = world(3);
+    const nsdae_rigid_body body = {
+        .mass = 1, .inertia = {1, 1, 1}, .quaternion = {size, size, size, size}};
+    double q[3 * 7], v[3 * 6];
+    int index = nsdae_bodies_add(b, &body);
+    assert_true(index >= 0);
+    nsdae_bodies_get_start(b, q, v);
+    for (int j = 3; j < 7; j++) assert_near(q[7 * index + j], least, 1e-15);
+    nsdae_bodies_destroy(&b);
+  }
+}
+
 static void test_contacts(void **state)
 {
   (void)state;
@@ -262,8 +324,10 @@ static void test_inertia(void **state)
 int main(void)
 {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_create), cmocka_unit_test(test_bodies),   cmocka_unit_test(test_joints),
-      cmocka_unit_test(test_solids), cmocka_unit_test(test_contacts), cmocka_unit_test(test_forces),
-      cmocka_unit_test(test_made),   cmocka_unit_test(test_inertia)};
+      cmocka_unit_test(test_create),   cmocka_unit_test(test_bodies),
+      cmocka_unit_test(test_joints),   cmocka_unit_test(test_solids),
+      cmocka_unit_test(test_polygons), cmocka_unit_test(test_endless),
+      cmocka_unit_test(test_contacts), cmocka_unit_test(test_forces),
+      cmocka_unit_test(test_made),     cmocka_unit_test(test_inertia)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

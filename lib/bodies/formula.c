@@ -1,0 +1,278 @@
+/* What trajectory files show: each solid, spring and rod with formulas of where it is, in the names
+ * that the coordinates have. A body without solids is a point.
+ *
+ *   planar    x + c sx - s sy,  y + s sx + c sy,  with c, s of theta
+ *   spatial   r + R(p) s with R for a quaternion p of any length, whose length drifts;  p p_s */
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "number.h"
+#include "world.h"
+
+enum { LENGTH = 256, NAME = 24 }; /* the longest formula of a file; x0, theta12 */
+
+/* A formula being put together; digits: of its numbers, 0: as many as they have. */
+typedef struct formula {
+  char text[LENGTH];
+  int used, digits;
+} formula;
+
+static void append(formula *f, const char *format, ...)
+{
+  va_list values;
+  if (f->used >= LENGTH) return;
+  va_start(values, format);
+  f->used += vsnprintf(f->text + f->used, (size_t)(LENGTH - f->used), format, values);
+  va_end(values);
+}
+
+/* The number with its sign, which goes between two terms. */
+static void append_number(formula *f, double value)
+{
+  char number[32];
+  if (f->digits > 0)
+    snprintf(number, sizeof number, "%.*g", f->digits, value);
+  else
+    nsdae_number_write(value, number, sizeof number);
+  append(f, f->used > 0 && value >= 0 ? "+%s" : "%s", number);
+}
+
+/* + value * factor, where value is not zero. */
+static void add_term(formula *f, double value, const char *factor)
+{
+  if (value == 0) return;
+  if (value == 1 || value == -1)
+    append(f, "%s%s", value < 0 ? "-" : f->used > 0 ? "+" : "", factor);
+  else {
+    append_number(f, value);
+    append(f, "*%s", factor);
+  }
+}
+
+static void add_number(formula *f, double value)
+{
+  if (value != 0) append_number(f, value);
+  if (f->used == 0) append(f, "0");
+}
+
+/* The coordinates of a body by their names. */
+typedef struct coordinates {
+  char x[3][NAME], theta[NAME], p[4][NAME];
+} coordinates;
+
+static coordinates name_coordinates(int body)
+{
+  static const char *const axes[3] = {"x", "y", "z"}, *const parts[4] = {"qw", "qx", "qy", "qz"};
+  coordinates c;
+  for (int i = 0; i < 3; i++) snprintf(c.x[i], NAME, "%s%d", axes[i], body);
+  for (int i = 0; i < 4; i++) snprintf(c.p[i], NAME, "%s%d", parts[i], body);
+  snprintf(c.theta, NAME, "theta%d", body);
+  return c;
+}
+
+static void planar_point(formula *f, const coordinates *c, int axis, const double *s)
+{
+  char cosine[NAME + 8], sine[NAME + 8];
+  snprintf(cosine, sizeof cosine, "cos(%s)", c->theta);
+  snprintf(sine, sizeof sine, "sin(%s)", c->theta);
+  add_term(f, s[axis], cosine);
+  add_term(f, axis == 0 ? -s[1] : s[0], sine);
+}
+
+/* Row i of R(p) s, with j and k the axes after it:
+ * (s_i (w^2 + p_i^2 - p_j^2 - p_k^2) + 2 s_j (p_i p_j - w p_k) + 2 s_k (p_i p_k + w p_j)) / p.p */
+static void spatial_point(formula *f, const coordinates *c, int i, const double *s)
+{
+  int j = (i + 1) % 3, k = (i + 2) % 3;
+  const char *w = c->p[0], *a = c->p[1 + i], *b = c->p[1 + j], *d = c->p[1 + k];
+  char along[4 * NAME + 16], left[4 * NAME + 16], right[4 * NAME + 16];
+  if (s[0] == 0 && s[1] == 0 && s[2] == 0) return;
+  snprintf(along, sizeof along, "(%s^2+%s^2-%s^2-%s^2)", w, a, b, d);
+  snprintf(left, sizeof left, "(%s*%s-%s*%s)", a, b, w, d);
+  snprintf(right, sizeof right, "(%s*%s+%s*%s)", a, d, w, b);
+  formula sum = {.digits = f->digits};
+  add_term(&sum, s[i], along);
+  add_term(&sum, 2 * s[j], left);
+  add_term(&sum, 2 * s[k], right);
+  append(f, "+(%s)/(%s^2+%s^2+%s^2+%s^2)", sum.text, w, a, b, d);
+}
+
+/* Where the point s of a body's frame is along an axis of space. */
+static void write_place(formula *f, const nsdae_bodies *b, int body, const double *s, int axis)
+{
+  if (body == NSDAE_GROUND) {
+    add_number(f, s[axis]);
+    return;
+  }
+  coordinates c = name_coordinates(body);
+  append(f, "%s", c.x[axis]);
+  if (b->dimension == 2)
+    planar_point(f, &c, axis, s);
+  else
+    spatial_point(f, &c, axis, s);
+}
+
+/* With nine digits where there is no room for all. */
+static formula place(const nsdae_bodies *b, int body, const double *s, int axis)
+{
+  formula f = {.digits = 0};
+  if (b->dimension == 2 && axis == 2) return f;
+  write_place(&f, b, body, s, axis);
+  if (f.used < LENGTH) return f;
+  f = (formula){.digits = 9};
+  write_place(&f, b, body, s, axis);
+  return f;
+}
+
+/* Part i of the body's quaternion times the solid's. */
+static formula quaternion(int body, const double *turn, int i)
+{
+  static const struct {
+    int of[4];
+    double sign[4];
+  } product[4] = {{{0, 1, 2, 3}, {1, -1, -1, -1}},
+                  {{1, 0, 3, 2}, {1, 1, 1, -1}},
+                  {{2, 3, 0, 1}, {1, -1, 1, 1}},
+                  {{3, 2, 1, 0}, {1, 1, -1, 1}}};
+  formula f = {.digits = 0};
+  if (body == NSDAE_GROUND) {
+    add_number(&f, turn[i]);
+    return f;
+  }
+  coordinates c = name_coordinates(body);
+  for (int j = 0; j < 4; j++) add_term(&f, product[i].sign[j] * turn[product[i].of[j]], c.p[j]);
+  return f;
+}
+
+/* A body of the file with the texts that it points to. */
+typedef struct portrait {
+  nsdae_body body;
+  char name[NAME];
+  formula position[3], end[3], angle, turn[4];
+} portrait;
+
+static void set_position(portrait *p, const nsdae_bodies *b, int body, const double *s)
+{
+  for (int i = 0; i < b->dimension; i++) {
+    p->position[i] = place(b, body, s, i);
+    p->body.position[i] = p->position[i].text;
+  }
+}
+
+static void set_end(portrait *p, const nsdae_bodies *b, int body, const double *s)
+{
+  for (int i = 0; i < b->dimension; i++) {
+    p->end[i] = place(b, body, s, i);
+    p->body.end[i] = p->end[i].text;
+  }
+}
+
+/* The body's frame; in space turned on by the solid's quaternion. */
+static void set_frame(portrait *p, const nsdae_bodies *b, int body, double angle,
+                      const double *turn)
+{
+  if (b->dimension == 2) {
+    if (body != NSDAE_GROUND) append(&p->angle, "theta%d", body);
+    add_number(&p->angle, angle);
+    p->body.angle = p->angle.text;
+    return;
+  }
+  for (int i = 0; i < 4; i++) {
+    p->turn[i] = quaternion(body, turn, i);
+    p->body.quaternion[i] = p->turn[i].text;
+  }
+}
+
+static int show(portrait *p, nsdae_system *system, const char *what, int number)
+{
+  snprintf(p->name, sizeof p->name, "%s %d", what, number);
+  p->body.name = p->name;
+  return nsdae_system_add_body(system, &p->body);
+}
+
+/* A line from the point of the one body to that of the other. */
+static int show_line(const nsdae_bodies *b, nsdae_system *system, const nsdae_element *e,
+                     const char *what, int number)
+{
+  portrait p = {.body = {.shape = NSDAE_SHAPE_SEGMENT}};
+  set_position(&p, b, e->body[0], e->point[0]);
+  set_end(&p, b, e->body[1], e->point[1]);
+  return show(&p, system, what, number);
+}
+
+/* A hole is drawn as a ring. */
+static void set_size(nsdae_body *body, const nsdae_solid_of *s)
+{
+  const double ring = 1.15;
+  body->size[0] = s->radius;
+  if (s->shape == NSDAE_SHAPE_SEGMENT) body->size[0] = 2 * s->radius;
+  if (s->hollow) {
+    body->size[0] = ring * s->radius;
+    body->size[1] = s->radius;
+  }
+  if (s->shape == NSDAE_SHAPE_CAPSULE) body->size[1] = 2 * s->half[2];
+  for (int i = 0; i < 3 && s->shape == NSDAE_SHAPE_BOX; i++) body->size[i] = 2 * s->half[i];
+  for (int i = 0; i < 3 && s->shape == NSDAE_SHAPE_PLANE; i++) body->size[i] = s->R[6 + i];
+}
+
+static int show_solid(const nsdae_bodies *b, nsdae_system *system, int i)
+{
+  const double no_turn[4] = {1, 0, 0, 0}, centre[3] = {0, 0, 0};
+  const nsdae_solid_of *s = (const nsdae_solid_of *)b->solid.at + i;
+  portrait p = {.body = {.shape = s->shape}};
+  set_size(&p.body, s);
+  if (s->shape == NSDAE_SHAPE_SEGMENT) {
+    set_position(&p, b, s->body, s->point);
+    set_end(&p, b, s->body, s->point + 3);
+  } else if (s->shape == NSDAE_SHAPE_POLYGON) { /* its corners are in the body's frame */
+    p.body.points = s->points;
+    p.body.point = s->point;
+    set_position(&p, b, s->body, centre);
+    set_frame(&p, b, s->body, 0, no_turn);
+  } else {
+    int flat = s->shape == NSDAE_SHAPE_PLANE; /* its normal is in the body's frame */
+    set_position(&p, b, s->body, s->origin);
+    set_frame(&p, b, s->body, flat ? 0 : atan2(s->R[1], s->R[0]), flat ? no_turn : s->turn);
+  }
+  return show(&p, system, nsdae_solid_name(s->shape), i);
+}
+
+static int show_centre(const nsdae_bodies *b, nsdae_system *system, int body)
+{
+  const double no_turn[4] = {1, 0, 0, 0}, centre[3] = {0, 0, 0};
+  portrait p = {.body = {.shape = NSDAE_SHAPE_POINT}};
+  set_position(&p, b, body, centre);
+  set_frame(&p, b, body, 0, no_turn);
+  return show(&p, system, "body", body);
+}
+
+/* Bodies of which nothing else is seen. */
+static int show_bare(const nsdae_bodies *b, nsdae_system *system)
+{
+  char *seen = calloc((size_t)b->body.count, sizeof *seen);
+  int status = seen ? NSDAE_OK : NSDAE_E_MEMORY;
+  for (int i = 0; i < b->solid.count && seen; i++) {
+    int body = ((const nsdae_solid_of *)b->solid.at)[i].body;
+    if (body != NSDAE_GROUND) seen[body] = 1;
+  }
+  for (int i = 0; i < b->body.count && status == NSDAE_OK; i++)
+    if (!seen[i]) status = show_centre(b, system, i);
+  free(seen);
+  return status;
+}
+
+int nsdae_bodies_show(const nsdae_bodies *b, nsdae_system *system)
+{
+  int status = NSDAE_OK;
+  for (int i = 0; i < b->solid.count && status == NSDAE_OK; i++) status = show_solid(b, system, i);
+  if (status == NSDAE_OK) status = show_bare(b, system);
+  for (int i = 0; i < b->spring.count && status == NSDAE_OK; i++)
+    status =
+        show_line(b, system, &((const nsdae_bodies_spring *)b->spring.at + i)->length, "spring", i);
+  for (int i = 0, rods = 0; i < b->element.count && status == NSDAE_OK; i++) {
+    const nsdae_element *e = (const nsdae_element *)b->element.at + i;
+    if (e->kind == NSDAE_ELEMENT_DISTANCE) status = show_line(b, system, e, "rod", rods++);
+  }
+  return status;
+}

@@ -1,0 +1,236 @@
+#include "cones.h"
+
+#include <math.h>
+#include <string.h>
+
+#include <nsdae/sim.h>
+
+#include "contacts.h"
+#include "reserve.h"
+#include "slides.h"
+#include "vector.h"
+
+/* Newton steps after the solution; rounds of contacts and slides. */
+enum { REFINE = 4, ROUNDS = 500 };
+
+void nsdae_cones_layout(nsdae_cones *s, long columns, long m, nsdae_arena *arena)
+{
+  long n = s->most;
+  s->rows = NSDAE_ARENA_INTS(arena, n);
+  s->first = NSDAE_ARENA_INTS(arena, n + 1);
+  s->block = NSDAE_ARENA_INTS(arena, n * n);
+  s->mu = NSDAE_ARENA_DOUBLES(arena, n);
+  s->q = NSDAE_ARENA_DOUBLES(arena, 3 * n);
+  s->W = NSDAE_ARENA_DOUBLES(arena, 9 * n * n);
+  s->r = NSDAE_ARENA_DOUBLES(arena, 3 * n);
+  s->u = NSDAE_ARENA_DOUBLES(arena, 3 * n);
+  s->guess = NSDAE_ARENA_DOUBLES(arena, 3 * n);
+  s->free = NSDAE_ARENA_DOUBLES(arena, n > 0 ? columns : 0);
+  s->held = NSDAE_ARENA_DOUBLES(arena, n > 0 ? columns : 0);
+  s->lambda = NSDAE_ARENA_DOUBLES(arena, n > 0 ? m : 0);
+}
+
+/* The problem of so many contacts, each of which touches all. */
+static void set_pattern(nsdae_cones *s, int contacts)
+{
+  s->problem = (nsdae_friction_problem){.form = NSDAE_FRICTION_LOCAL,
+                                        .contacts = contacts,
+                                        .rows = s->rows,
+                                        .mu = s->mu,
+                                        .w = s->q,
+                                        .first = s->first,
+                                        .block = s->block,
+                                        .value = s->W};
+  for (int a = 0; a <= contacts; a++) s->first[a] = a * contacts;
+  for (size_t e = 0; e < (size_t)contacts * (size_t)contacts; e++)
+    s->block[e] = (int)(e % (size_t)contacts);
+}
+
+int nsdae_cones_open(nsdae_cones *s)
+{
+  size_t n = (size_t)s->most;
+  if (n == 0) return NSDAE_OK;
+  if (!s->solver && nsdae_friction_create(&s->solver) < 0) return NSDAE_E_MEMORY;
+  set_pattern(s, s->most);
+  for (size_t a = 0; a < n; a++) s->rows[a] = 3;
+  for (size_t i = 0; i < 9 * n * n; i++) s->W[i] = 1; /* one island of all */
+  return nsdae_fc_reserve(s->solver, &s->problem);
+}
+
+void nsdae_cones_close(nsdae_cones *s)
+{
+  nsdae_friction_destroy(&s->solver);
+}
+
+int nsdae_cones_any(const nsdae_contacts *c)
+{
+  for (int a = 0; a < c->active_count; a++)
+    if (c->law[c->active[a]].kind == NSDAE_CONE) return 1;
+  return 0;
+}
+
+static double delassus_at(const nsdae_contacts *c, int row, int column)
+{
+  return c->delassus.G[(size_t)column * (size_t)c->columns + (size_t)row];
+}
+
+/* G is symmetric but for rounding, and zero where the constraints leave a column no motion. */
+static double symmetric_at(const nsdae_contacts *c, int i, int j)
+{
+  if (!(delassus_at(c, i, i) > 0) || !(delassus_at(c, j, j) > 0)) return 0;
+  return (delassus_at(c, i, j) + delassus_at(c, j, i)) / 2;
+}
+
+static void set_values(nsdae_contacts *c)
+{
+  nsdae_cones *s = &c->cones;
+  double *W = s->W;
+  for (int a = 0; a < c->active_count; a++) {
+    s->rows[a] = c->law[c->active[a]].columns;
+    s->mu[a] = c->law[c->active[a]].mu;
+    for (int b = 0; b < c->active_count; b++)
+      for (int j = c->first_column[a]; j < c->first_column[a + 1]; j++)
+        for (int i = c->first_column[b]; i < c->first_column[b + 1]; i++)
+          *W++ = symmetric_at(c, i, j);
+  }
+}
+
+static double *warm_of(const nsdae_contacts *c, int a)
+{
+  return c->warm + (size_t)c->active[a] * (size_t)(1 + c->system->dims.nt);
+}
+
+static size_t bytes_of(const nsdae_contacts *c, int a)
+{
+  return (size_t)c->law[c->active[a]].columns * sizeof *c->warm;
+}
+
+static void recall(nsdae_contacts *c)
+{
+  for (int a = 0; a < c->active_count; a++)
+    memcpy(c->cones.r + c->first_column[a], warm_of(c, a), bytes_of(c, a));
+}
+
+static void keep(nsdae_contacts *c)
+{
+  for (int a = 0; a < c->active_count; a++)
+    memcpy(warm_of(c, a), c->cones.r + c->first_column[a], bytes_of(c, a));
+}
+
+/* Number of the closed contacts' columns, which are also their rows. */
+static int contact_columns(const nsdae_contacts *c)
+{
+  return c->first_column[c->active_count];
+}
+
+/* From s->r on. */
+static int solve_contacts(nsdae_contacts *c)
+{
+  nsdae_cones *s = &c->cones;
+  size_t bytes = (size_t)contact_columns(c) * sizeof *s->q;
+  memcpy(s->q, c->delassus.offset, bytes);
+  memcpy(s->guess, s->r, bytes);
+  s->options.tol = c->lcp.options.tol;
+  int status =
+      nsdae_friction_solver_solve(s->solver, &s->problem, &s->options, s->r, s->u, &s->info);
+  c->lcp.info.outcome = s->info.outcome;
+  c->lcp.info.residual = s->info.residual;
+  return status;
+}
+
+/* offset := free + G impulse, of the columns from first on. */
+static void hold(nsdae_contacts *c, int first, int count, const double *impulse)
+{
+  size_t n = (size_t)c->columns;
+  memcpy(c->delassus.offset, c->cones.free, n * sizeof *c->delassus.offset);
+  nsdae_add_product(c->columns, count, c->delassus.G + (size_t)first * n, impulse,
+                    c->delassus.offset);
+}
+
+/* The slides with the contacts' impulses held: then there are no other rows. */
+static int solve_slides(nsdae_contacts *c, const double *lambda)
+{
+  nsdae_cones *s = &c->cones;
+  int contacts = c->active_count, columns = contact_columns(c), m = c->system->dims.m;
+  hold(c, 0, columns, s->r);
+  memcpy(s->lambda, lambda, (size_t)m * sizeof *lambda);
+  nsdae_add_product(m, columns, c->delassus.D, s->r, s->lambda);
+  c->active_count = 0;
+  nsdae_contacts_place_slides(c, 0);
+  int status = nsdae_slides_assemble(c, s->lambda);
+  if (status == NSDAE_OK) status = nsdae_contacts_solve_lcp(c);
+  if (status == NSDAE_OK) nsdae_slides_scatter(c);
+  c->active_count = contacts;
+  nsdae_contacts_place_slides(c, c->first_row[contacts]);
+  return status;
+}
+
+/* Largest entry of G (impulse - held) in the contacts' rows, relative to their offsets. */
+static double moved(const nsdae_contacts *c, const double *impulse)
+{
+  int columns = contact_columns(c);
+  double most = 0, size = 0;
+  for (int i = 0; i < columns; i++) {
+    double sum = 0;
+    for (int j = 0; j < c->slide_count; j++)
+      sum += delassus_at(c, i, columns + j) * (impulse[j] - c->cones.held[j]);
+    most = fmax(most, fabs(sum));
+    size = fmax(size, fabs(c->cones.free[i]));
+  }
+  return size > 0 ? most / size : most;
+}
+
+static int solve_in_turn(nsdae_contacts *c, const double *lambda)
+{
+  nsdae_cones *s = &c->cones;
+  double *impulse = c->delassus.impulse + contact_columns(c), worst = 0, change = INFINITY;
+  double enough = 0.1 * c->lcp.options.tol;
+  size_t bytes = (size_t)c->slide_count * sizeof *impulse;
+  memcpy(s->free, c->delassus.offset, (size_t)c->columns * sizeof *s->free);
+  memset(impulse, 0, bytes);
+  for (int round = 0; round < ROUNDS && !(change <= enough); round++) {
+    hold(c, contact_columns(c), c->slide_count, impulse);
+    int status = solve_contacts(c);
+    if (status < 0) return status;
+    worst = s->info.residual;
+    memcpy(s->held, impulse, bytes);
+    status = solve_slides(c, lambda);
+    if (status < 0) return status;
+    change = moved(c, impulse);
+  }
+  c->lcp.info.residual = fmax(worst + change, c->lcp.info.residual);
+  return change <= enough ? NSDAE_OK : NSDAE_E_LCP;
+}
+
+int nsdae_cones_solve(nsdae_contacts *c, const double *lambda)
+{
+  nsdae_cones *s = &c->cones;
+  set_pattern(s, c->active_count);
+  set_values(c);
+  nsdae_friction_options_default(&s->options);
+  s->options.refine = REFINE;
+  recall(c);
+  int status = c->slide_count > 0 ? solve_in_turn(c, lambda) : solve_contacts(c);
+  if (status < 0) return status;
+  memcpy(c->lcp.x, s->r, (size_t)contact_columns(c) * sizeof *s->r);
+  keep(c);
+  return NSDAE_OK;
+}
+
+/* Where the slip is nearer to zero than the impulse to the edge of the cone, it sticks; so it does
+ * with a slip of rounding size. */
+int nsdae_cones_mode(const nsdae_contacts *c, int a)
+{
+  const nsdae_cones *s = &c->cones;
+  int first = c->first_column[a], columns = c->law[c->active[a]].columns;
+  const double *r = s->r + first, *u = s->u + first;
+  double size = 0, d = 0;
+  if (!(r[0] > 0)) return NSDAE_MODE_OPEN;
+  if (columns == 1) return NSDAE_MODE_SLIDE;
+  for (int j = 0; j < columns; j++) {
+    size = fmax(size, fabs(c->delassus.offset[first + j]));
+    d += delassus_at(c, first + j, first + j) / columns;
+  }
+  double slip = hypot(u[1], u[2]), margin = d * (s->mu[a] * r[0] - hypot(r[1], r[2]));
+  return slip > fmax(margin, s->options.tol * size) ? NSDAE_MODE_SLIDE : NSDAE_MODE_STICK;
+}

@@ -1,0 +1,79 @@
+/* What trajectory files show of a system: copies of bodies, each with its points and texts behind
+ * it in one piece of memory, which begins with the points. */
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "system_impl.h"
+
+enum { TEXTS = 12 };
+
+/* Where the texts of a body are: its name and formulas. */
+static void places(nsdae_body *body, const char **text[TEXTS])
+{
+  text[0] = &body->name;
+  text[1] = &body->angle;
+  for (int i = 0; i < 3; i++) {
+    text[2 + i] = &body->position[i];
+    text[5 + i] = &body->end[i];
+  }
+  for (int i = 0; i < 4; i++) text[8 + i] = &body->quaternion[i];
+}
+
+/* Gives the copy points and texts of its own; *owned is their memory. 0 where there is none. */
+static int own(nsdae_body *copy)
+{
+  const char **text[TEXTS];
+  size_t points = 3 * (size_t)copy->points * sizeof *copy->point, all = points;
+  places(copy, text);
+  for (int i = 0; i < TEXTS; i++) all += *text[i] ? strlen(*text[i]) + 1 : 0;
+  char *memory = malloc(all > 0 ? all : 1);
+  if (!memory) return 0;
+  if (points > 0) memcpy(memory, copy->point, points);
+  copy->point = (const double *)memory;
+  memory += points;
+  for (int i = 0; i < TEXTS; i++) {
+    if (!*text[i]) continue;
+    size_t size = strlen(*text[i]) + 1;
+    *text[i] = memcpy(memory, *text[i], size);
+    memory += size;
+  }
+  return 1;
+}
+
+/* Room for one more: doubled whenever their number is a power of two. */
+static int make_room(nsdae_system *system)
+{
+  int n = system->bodies;
+  if ((n & (n - 1)) != 0) return 1;
+  nsdae_body *more = realloc(system->body, (n > 0 ? 2 * (size_t)n : 1) * sizeof *more);
+  if (more) system->body = more;
+  return more != NULL;
+}
+
+int nsdae_system_add_body(nsdae_system *system, const nsdae_body *body)
+{
+  if (!system) return NSDAE_E_ARGUMENT;
+  if (!body || body->points < 0 || (body->points > 0 && !body->point))
+    return nsdae_system_refuse(system, NSDAE_E_ARGUMENT, "add_body", "body",
+                               "body or its point is NULL, or its points are less than 0");
+  int status = nsdae_system_open(system, "add_body");
+  if (status < 0) return status;
+  nsdae_body copy = *body;
+  if (!make_room(system) || !own(&copy))
+    return nsdae_system_refuse(system, NSDAE_E_MEMORY, "add_body", "", "out of memory");
+  system->body[system->bodies++] = copy;
+  return NSDAE_OK;
+}
+
+const nsdae_body *nsdae_system_get_bodies(const nsdae_system *system, int *n)
+{
+  if (n) *n = system ? system->bodies : 0;
+  return system ? system->body : NULL;
+}
+
+void nsdae_system_release_bodies(nsdae_system *system)
+{
+  for (int i = 0; i < system->bodies; i++) free((void *)(uintptr_t)system->body[i].point);
+  free(system->body);
+}
