@@ -14,11 +14,11 @@ namespace nsdae_python
 {
 
 // In the order of nsdae/system.h.
-#define NSDAE_PYTHON_ROLES(X)                                                               \
-  X(mass)                                                                                   \
-  X(force) X(constraint) X(constraint_jacobian) X(constraint_bias) X(gap) X(gap_normal)     \
-      X(gap_tangent) X(contact_bias) X(contact_acceleration) X(slide_tangent) X(kinematics) \
-          X(potential)
+// clang-format off
+#define NSDAE_PYTHON_ROLES(X) \
+  X(mass) X(force) X(constraint) X(constraint_jacobian) X(constraint_bias) X(gap) X(gap_normal) \
+  X(gap_tangent) X(contact_bias) X(contact_acceleration) X(slide_tangent) X(kinematics) X(potential)
+// clang-format on
 
 enum role {
 #define NSDAE_PYTHON_ROLE(name) role_##name,
