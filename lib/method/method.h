@@ -29,8 +29,6 @@ typedef struct nsdae_stepping {
   /* From the state to t_end, into the result, which comes cleared and with the state's memory. A
    * status < 0 drops the result; the error record says why. */
   int (*advance)(void *own, const nsdae_state *state, double t_end, nsdae_result *result);
-
-  int in_steps; /* of the time-stepping ones: the state alone is where the next step begins */
 } nsdae_stepping;
 
 #endif

@@ -184,5 +184,4 @@ const nsdae_stepping nsdae_stepping_implicit = {
     .name = "implicit",
     .summary = "the scheme iterated to the end of the step: second order between impacts",
     .sizes = nsdae_stepper_sizes,
-    .advance = advance,
-    .in_steps = 1};
+    .advance = advance};

@@ -64,5 +64,4 @@ const nsdae_stepping nsdae_stepping_moreau = {.name = "moreau",
                                               .summary =
                                                   "Moreau's midpoint rule: first order, explicit",
                                               .sizes = nsdae_stepper_sizes,
-                                              .advance = advance,
-                                              .in_steps = 1};
+                                              .advance = advance};

@@ -157,5 +157,4 @@ const nsdae_stepping nsdae_stepping_printed = {
     .create = create,
     .destroy = destroy,
     .sizes = sizes,
-    .advance = advance,
-    .in_steps = 1};
+    .advance = advance};
