@@ -423,6 +423,45 @@ static void test_refusals(void **state)
   nsdae_system_destroy(&s);
 }
 
+/* Right descriptions pass; one wrong entry is found, wherever it is. */
+static void test_check(void **state)
+{
+  static const twin_kind kinds[] = {
+      {.blocks = 5, .largest = 7, .joined = 1, .k = 9, .nt = 1, .friction = 0.3},
+      {.blocks = 3, .largest = 3, .joined = 1},
+      {.blocks = 3, .largest = 6, .k = 5, .nt = 2}};
+  nsdae_check worst;
+  (void)state;
+  for (size_t kind = 0; kind < sizeof kinds / sizeof *kinds; kind++)
+    for (uint64_t seed = 0; seed < 5; seed++) {
+      twin t;
+      twin_draw(&t, 3000 + 10 * kind + seed, &kinds[kind]);
+      nsdae_system *s = twin_blocks(&t);
+      if (nsdae_system_check(s, 0.1, t.q0, t.v0, 1e-6, &worst) < 0)
+        fail_msg("%s", nsdae_system_error(s)->text);
+      t.M[1][t.size[1] * t.size[1] > 1 ? 1 : 0] += 0.01;
+      if (t.size[1] > 1) {
+        assert_int_equal(nsdae_system_check(s, 0.1, t.q0, t.v0, 1e-6, &worst), NSDAE_E_DERIVATIVE);
+        assert_string_equal(worst.term, "mass_blocks");
+        t.M[1][1] -= 0.01;
+      }
+      if (t.m > 0) {
+        t.wrong_row = 1;
+        assert_int_equal(nsdae_system_check(s, 0.1, t.q0, t.v0, 1e-6, &worst), NSDAE_E_DERIVATIVE);
+        assert_string_equal(worst.term, "constraint_rows");
+        assert_int_equal(worst.row, 1);
+        assert_int_equal(worst.column, t.first[1]);
+        t.wrong_row = -1;
+      }
+      if (t.k > 0) {
+        t.wrong_contact = 2;
+        assert_int_equal(nsdae_system_check(s, 0.1, t.q0, t.v0, 1e-6, &worst), NSDAE_E_DERIVATIVE);
+        assert_string_equal(worst.term, "contacts");
+      }
+      nsdae_system_destroy(&s);
+    }
+}
+
 /* One id twice is an error where both are closed. */
 static void test_ids_are_distinct(void **state)
 {
@@ -570,11 +609,12 @@ static void test_state_goes_on(void **state)
 int main(void)
 {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_small_both_ways), cmocka_unit_test(test_islands_both_ways),
-      cmocka_unit_test(test_large_both_ways), cmocka_unit_test(test_failing_lists),
-      cmocka_unit_test(test_refusals),        cmocka_unit_test(test_ids_are_distinct),
-      cmocka_unit_test(test_lists_grow),      cmocka_unit_test(test_allocations),
-      cmocka_unit_test(test_state_goes_on),   cmocka_unit_test(test_columns_stand),
+      cmocka_unit_test(test_small_both_ways),  cmocka_unit_test(test_islands_both_ways),
+      cmocka_unit_test(test_large_both_ways),  cmocka_unit_test(test_failing_lists),
+      cmocka_unit_test(test_refusals),         cmocka_unit_test(test_check),
+      cmocka_unit_test(test_ids_are_distinct), cmocka_unit_test(test_lists_grow),
+      cmocka_unit_test(test_allocations),      cmocka_unit_test(test_state_goes_on),
+      cmocka_unit_test(test_columns_stand),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
