@@ -196,6 +196,7 @@ static int velocities(nsdae_pile *c, const nsdae_whole *w)
   const nsdae_blocks *blocks = &w->system->blocks;
   const double rounding = 32 * DBL_EPSILON + fmin(c->info.residual, least_digits);
   const double *M = c->M, *f = c->f;
+  nsdae_block_factor factor = {.L = c->L};
   for (int i = 0; i < c->problem.blocks; i++) {
     int at = blocks->first[c->member[i]], n = c->size[i];
     for (int j = 0; j < n; j++) {
@@ -207,8 +208,8 @@ static int velocities(nsdae_pile *c, const nsdae_whole *w)
   add_impulses(c, w);
   for (int i = 0; i < c->problem.blocks; i++) {
     int b = c->member[i], at = blocks->first[b], n = c->size[i];
-    if (nsdae_blocks_factor(blocks, b, w->M, c->L) != 0) return NSDAE_E_MASS;
-    nsdae_blocks_solve(n, c->L, w->v + at);
+    if (nsdae_blocks_factor(blocks, b, w->M, &factor) != 0) return NSDAE_E_MASS;
+    nsdae_blocks_solve(&factor, w->v + at);
     sizes_of_velocity(M, n, w->size + at);
     for (int j = at; j < at + n; j++)
       if (fabs(w->v[j]) <= rounding * w->size[j]) w->v[j] = 0;

@@ -33,7 +33,7 @@ typedef struct nsdae_world {
   nsdae_graph islands;
   int *hit; /* islands with an impact */
   nsdae_local local;
-  nsdae_pile cones;
+  nsdae_pile pile;
   nsdae_saddle saddle;
   double tol;
   int least_norm;
