@@ -26,6 +26,7 @@ void nsdae_world_release(nsdae_world *w)
                              NSDAE_GROWN(w->law, 1), NSDAE_GROWN(w->islands.contact.of, 1)};
   nsdae_grown_release(all, sizeof all / sizeof *all);
   nsdae_ids_release(&w->ids);
+  nsdae_stack_release(&w->stack);
   nsdae_pile_release(&w->pile);
   nsdae_saddle_release(&w->saddle);
   free(w);
@@ -44,6 +45,7 @@ void nsdae_world_layout(nsdae_world *w, nsdae_arena *arena)
   w->hit = NSDAE_ARENA_INTS(arena, w->islands.blocks);
   nsdae_graph_layout(&w->islands, arena);
   nsdae_local_layout(&w->local, arena);
+  nsdae_stack_layout(&w->stack, w->system, arena);
   nsdae_pile_layout(&w->pile, w->system, arena);
 }
 
@@ -52,6 +54,7 @@ int nsdae_world_grow(nsdae_world *w, const nsdae_room *contacts, const nsdae_roo
   const nsdae_grown all[] = {NSDAE_GROWN(w->item, 1), NSDAE_GROWN(w->place, 1),
                              NSDAE_GROWN(w->law, 1), NSDAE_GROWN(w->islands.contact.of, 1)};
   int status = nsdae_grow(all, sizeof all / sizeof *all, contacts->entries);
+  if (status == NSDAE_OK) status = nsdae_stack_grow(&w->stack, contacts);
   if (status == NSDAE_OK) status = nsdae_ids_grow(&w->ids, (int)contacts->entries);
   return status < 0 ? status : nsdae_pile_grow(&w->pile, w->system, contacts, rows);
 }
@@ -276,6 +279,17 @@ static int solve_single(nsdae_world *w, const nsdae_whole *whole, int island)
   return 1;
 }
 
+/* A large island without friction; 0 where another way must be found. */
+static int solve_stack(nsdae_world *w, const nsdae_whole *whole, int island)
+{
+  nsdae_stack *c = &w->stack;
+  if (!nsdae_stack_solve(c, whole, island, w->tol, w->pile.L)) return 0;
+  w->solved.lcps++;
+  w->solved.pivots += c->rounds;
+  w->solved.residual = fmax(w->solved.residual, c->residual);
+  return 1;
+}
+
 static int solve_local(nsdae_world *w, const nsdae_whole *whole, int island, int with_contacts)
 {
   nsdae_local *l = &w->local;
@@ -344,7 +358,10 @@ static int solve_islands(nsdae_world *w, const nsdae_whole *whole, int with_cont
     if (nsdae_local_fits(whole, i))
       status = solve_local(w, whole, i, with_contacts);
     else if (has_contacts(w, i, with_contacts))
-      large[count++] = i;
+      if (solve_stack(w, whole, i))
+        continue;
+      else
+        large[count++] = i;
     else
       status = solve_sparse(w, whole, i);
   }
