@@ -116,12 +116,14 @@ static int integrator_failed(event *e, int status, double t)
 {
   nsdae_error *error = e->setting.error;
   if (error->status != NSDAE_OK) return error->status;
+  status = status == NSDAE_E_CALLBACK ? NSDAE_E_CONVERGENCE : status; /* none failed */
   if (nsdae_event_diagnose(&e->instant.acceleration, t, e->integrator.y) < 0 ||
       nsdae_event_outgrown(&e->instant.acceleration, t, e->integrator.y) < 0)
     return NSDAE_E_PAINLEVE;
   nsdae_error_set(error, status, "nsdae_event", "rtol",
-                  "the integrator failed at t = %.17g, as no step is short enough (code %d): try a "
-                  "larger rtol, or method = implicit",
+                  "the integrator failed at t = %.17g, as no step is short enough (code %d): the "
+                  "equations may have no solution just after it; try a larger rtol, or method = "
+                  "implicit",
                   t, e->integrator.code);
   error->code = e->integrator.code;
   error->time = t;
@@ -382,7 +384,7 @@ static int advance(void *own, const nsdae_state *state, double t_end, nsdae_resu
   event *e = own;
   e->setting.result = result;
   e->reached = state->terms->t;
-  e->instant.impacts.endless = 0;
+  e->instant.impacts.endless = e->instant.impacts.together = 0;
   nsdae_event_lay(&e->base, &e->integrator, &e->instant, &result->memory);
   int status = arrive(e, state);
   e->stamp = 0;

@@ -89,13 +89,9 @@ int nsdae_event_project_positions(nsdae_event_projection *p, double t, const int
 static void append_rates(nsdae_event_projection *p, const double *v)
 {
   const nsdae_terms *T = p->phase->setting->here;
-  size_t n = (size_t)p->kkt.n, m = (size_t)T->system->dims.m;
+  int m = T->system->dims.m;
   p->rows = 0;
-  for (size_t i = 0; i < m; i++) {
-    double rate = T->phi_t[i];
-    for (size_t j = 0; j < n; j++) rate += T->J[j * m + i] * v[j];
-    append(p, T->J + i, (int)m, rate);
-  }
+  for (int i = 0; i < m; i++) append(p, T->J + i, m, nsdae_terms_constraint_rate(T, i, v));
 }
 
 static void append_velocities(nsdae_event_projection *p)
