@@ -607,7 +607,7 @@ static void test_pool_with_pi(void **state)
   for (int n = 0; n < 4; n++) {
     squeezed p = {1, pow(100, n), 0};
     double q0[2] = {1, 2}, v0[2] = {0, -1};
-    squeeze(&p, 1, q0, v0, 5);
+    squeeze(&p, 1, q0, v0, 50);
     assert_int_equal(squeezed_impacts, impacts[n]);
     assert_near(r.stats.energy_balance / p.heavy, 0, 1e-9);
     assert_true(r.q[0] > 0 && r.v[1] > r.v[0] && r.v[0] > -1e-9);
