@@ -16,6 +16,9 @@ static const double STRAYED = 10, LOST = 1e5;
  * direction, which would turn within its velocity's error. */
 static const double HARDLY = 100;
 
+/* Of the friction that there can be: shared friction is not told apart from all of it. */
+static const double NEARLY_ALL = 0.01;
+
 static int is_found(const nsdae_event_roots *roots, nsdae_root_kind kind, int i)
 {
   return nsdae_event_root_of(roots, kind, i)->found;
@@ -33,7 +36,10 @@ static int breaks_away(const nsdae_event_roots *roots, const double *y, int i)
     const nsdae_event_root *root = nsdae_event_root_of(roots, NSDAE_ROOT_TANGENT, j);
     if (m->contact[j] != NSDAE_MODE_STICK) continue;
     for (int l = 0; l < d->nt; l++) shared |= m->related[d->k + j * d->nt + l];
-    all &= root->found || nsdae_event_stick_margin(roots->phase, y, j) <= root->size;
+    double most =
+        roots->phase->setting->system->contact[j].mu * y[roots->phase->setting->at.normal + j];
+    all &= root->found ||
+           nsdae_event_stick_margin(roots->phase, y, j) <= fmax(root->size, NEARLY_ALL * most);
   }
   return shared ? all : is_found(roots, NSDAE_ROOT_TANGENT, i);
 }
