@@ -239,10 +239,11 @@ typedef struct nsdae_check {
  * size and 64 entries more to either side), entries of Phi, g_N, dq/dt and U that it never writes,
  * and what is NaN or infinite. Then every derivative against central differences of what it derives
  * from, and the mass matrix against its transpose; then directions of friction that are all zero,
- * the normal's, or one twice. Differences are good to about 1e-7 where the values are of order one:
- * tol of 1e-5 is a fair bound. Of a system of blocks the rows of Phi_q are
- * compared entry by entry, the gaps of the contacts listed nearby by their rates along two trial
- * velocities (row is the place in the list); see nsdae_system_set_blocks. What cannot be seen says
+ * the normal's, or one twice, and, along the translations of a body that M and the gap show to be
+ * free, not of length one or not at right angles to the normal and to each other. Differences are
+ * good to about 1e-7 where the values are of order one: tol of 1e-5 is a fair bound. Of a system of
+ * blocks the rows of Phi_q are compared entry by entry, the gaps of contacts listed nearby by their
+ * rates along two trial velocities (row is the place in the list). What cannot be seen says
  * nsdae_system_unseen. NSDAE_OK; NSDAE_E_DERIVATIVE with the wrong entry in worst and in the error
  * record (a NaN in a derivative counts as wrong); NSDAE_E_CALLBACK (it failed, or the text says
  * what it writes); NSDAE_E_NONFINITE; NSDAE_E_STATE (a callback that is needed is missing),
