@@ -238,6 +238,7 @@ static void keep(nsdae_event_impacts *p)
   }
   nsdae_event_account_impact(p->account, c, p->multiplier);
   r->counters.accumulations += ends;
+  r->counters.accumulations_early += ends && a->early;
 }
 
 /* One problem for all that touch. */

@@ -61,7 +61,7 @@ static int judge_failure(const drop *d, nsdae_system *system, const nsdae_sim *s
   nsdae_sim *again = start(d, system, &unused);
   int until = nsdae_sim_run(again, error->time * (1 - 1e-7));
   nsdae_sim_get_record(again, &record);
-  int jams = until >= 0 && drop_may_jam(d, record.q, record.v, 1e-4 * d->size);
+  int jams = until >= 0 && drop_may_jam(d, record.q, record.v, record.mode, 1e-4 * d->size);
   nsdae_sim_destroy(&again);
   return is_bad(jams, d, "no jam, but told at", error->time);
 }
