@@ -139,12 +139,19 @@ void report_end(report *r, const nsdae_sim *sim)
   if (stats.rank < dims.m)
     printf("rank of the constraints %d of %d: redundant ones carry the least-norm reaction\n",
            stats.rank, dims.m);
+  if (stats.rank < dims.m)
+    printf("constraints count in it down to a sine of %.1e to the others, from %.1e on none does\n",
+           stats.rank_kept, stats.rank_left);
   if (stats.rank < stats.rank_most)
     printf("that rank is %d at times: the constraints drift apart, try a larger rank_tol\n",
            stats.rank_most);
   if (stats.accumulations > 0)
     printf("%ld accumulation%s of impacts ended in rest\n", stats.accumulations,
            stats.accumulations > 1 ? "s" : "");
+  if (stats.accumulations_early > 0)
+    printf("%ld of them longer than accumulation_time before that: what parted was as slow as rtol "
+           "and atol\n",
+           stats.accumulations_early);
   if (stats.fallback_steps > 0)
     printf("%ld steps had more than events_max instants each and were stepped by implicit\n",
            stats.fallback_steps);

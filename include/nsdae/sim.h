@@ -168,7 +168,11 @@ typedef struct nsdae_stats {
   long impacts;                                 /* as recorded */
   long events, accumulations; /* of event: instants of change; accumulations closed */
   long fallback_steps;        /* of event: dt that were stepped by implicit instead */
-  int rank, rank_most;      /* smallest and largest rank of Phi_q met; not the same: see rank_tol */
+  long accumulations_early; /* of event: closed before accumulation_time, as what parted was as slow
+                               as rtol and atol */
+  double rank_kept;    /* the gap in the rank: the smallest sine of the angle to the others of a */
+  double rank_left;    /* constraint that counts, the largest of one that does not; 1 and 0: none */
+  int rank, rank_most; /* smallest and largest rank of Phi_q met; not the same: see rank_tol */
   double worst_residual;    /* over all LCPs */
   double worst_drift;       /* max |Phi| [in its units] */
   double worst_penetration; /* max(0, -g_N) [m] */

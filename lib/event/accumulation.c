@@ -173,8 +173,8 @@ int nsdae_event_ends(nsdae_event_accumulation *p, const double *before, const do
          all = nsdae_event_energy(T, p->lost) + height;
   double flight = power > 0 ? 4 * left / power : INFINITY;
   p->rest = left < all ? flight / (1 - sqrt(left / all)) : INFINITY;
-  int ends = p->rest < s->options->accumulation_time ||
-             fastest <= SLOW * nsdae_event_velocity_size(s) ||
+  p->early = !(p->rest < s->options->accumulation_time);
+  int ends = !p->early || fastest <= SLOW * nsdae_event_velocity_size(s) ||
              (count > 1 && fastest * flight / 4 <= nsdae_event_position_size(s));
   if (!isfinite(p->rest) || p->rest > MOST * s->options->accumulation_time) p->rest = 0;
   return ends;

@@ -30,6 +30,7 @@ typedef struct nsdae_event_accumulation {
   double work;                 /* of these */
   double slow;                 /* velocities up to this are none at the limit */
   double rest;                 /* T */
+  int early;                   /* it ends before accumulation_time says */
 } nsdae_event_accumulation;
 
 /* d^T M d / 2 of a velocity [nv] */

@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-#include "cone.h"
+#include "relaxation.h"
 
 enum { DIRECTIONS = 20 };
 
@@ -208,8 +208,8 @@ int nsdae_event_choose_modes(nsdae_event_sharing *sharing, int impacted)
   read_contacts(p);
   read_slides(p);
   if (!begins_to_slide(p) && nsdae_event_share(sharing) == NSDAE_OK) return NSDAE_OK;
-  if (nsdae_event_solve_cones(&p->problem, p->phase->modes.direction, p->force, p->xi, p->a,
-                              p->lambda))
+  if (nsdae_contacts_relax(&p->problem, p->phase->modes.direction, p->force, p->xi, p->a,
+                           p->lambda))
     read_cones(p);
   else
     status = settle_directions(p);

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cone.h"
+#include "relaxation.h"
 #include "errors.h"
 
 /* One after the other in an instant. */
@@ -78,8 +78,8 @@ static int solve(nsdae_event_impacts *p)
   nsdae_kkt_solve_mass(s->kkt, p->size);
   int status = nsdae_event_solve(s, &p->problem, s->here, p->size, p->v, p->multiplier);
   if (status == NSDAE_OK)
-    nsdae_event_solve_cones(&p->problem, p->acceleration->phase->modes.direction, p->force, p->xi,
-                            p->v, p->multiplier);
+    nsdae_contacts_relax(&p->problem, p->acceleration->phase->modes.direction, p->force, p->xi,
+                         p->v, p->multiplier);
   return status;
 }
 
@@ -238,6 +238,7 @@ static void keep(nsdae_event_impacts *p)
   }
   nsdae_event_account_impact(p->account, c, p->multiplier);
   r->counters.accumulations += ends;
+  r->counters.accumulations_early += ends && a->early;
 }
 
 /* One problem for all that touch. */

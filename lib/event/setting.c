@@ -31,7 +31,7 @@ int nsdae_event_factor(nsdae_event_setting *s)
   int least_norm = s->options->redundant == NSDAE_REDUNDANT_LEAST_NORM;
   s->kkt->rank_tol = least_norm ? fmax(s->options->rank_tol, LEAST_SINE) : s->options->rank_tol;
   int status = nsdae_terms_factor(s->here, s->here->M, s->kkt, least_norm);
-  nsdae_count_rank(&s->result->counters, s->kkt->rank);
+  nsdae_count_factors(&s->result->counters, s->kkt);
   return status;
 }
 

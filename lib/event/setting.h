@@ -6,7 +6,7 @@
  *   roots          the functions whose zeros end a phase
  *   account        what the forces do in it: impulses and work
  *   integrator     a phase from its start on
- *   acceleration   the problem of accelerations, cone its friction, sharing its dependent rows
+ *   acceleration   the problem of accelerations, sharing its dependent rows
  *   choice         the modes of the next phase, from that problem
  *   projection     back to the constraints and to what is closed
  *   accumulation   impacts without end that come to rest;   impact   the problem of velocities

@@ -21,12 +21,12 @@ void nsdae_event_sharing_layout(nsdae_event_sharing *s, nsdae_arena *arena)
 {
   const nsdae_dims *d = &s->acceleration->phase->setting->system->dims;
   long k = d->k, n = k * (1 + d->nt) + d->f;
-  int **of_column[] = {&s->taken,  &s->dependent,    &s->rank_before, &s->seen,
-                       &s->normal, &s->force_number, &s->pivot};
-  double **square[] = {&s->factor, &s->combination, &s->relation, &s->system};
+  int **of_column[] = {&s->normal, &s->force_number, &s->pivot};
+  double **square[] = {&s->relation, &s->system};
   double **line[] = {&s->force, &s->weight, &s->solved, &s->shift};
-  for (int i = 0; i < 7; i++) *of_column[i] = NSDAE_ARENA_INTS(arena, n);
-  for (int i = 0; i < 4; i++) *square[i] = NSDAE_ARENA_DOUBLES(arena, n * n);
+  nsdae_dependence_layout(&s->rows, n, arena);
+  for (int i = 0; i < 3; i++) *of_column[i] = NSDAE_ARENA_INTS(arena, n);
+  for (int i = 0; i < 2; i++) *square[i] = NSDAE_ARENA_DOUBLES(arena, n * n);
   for (int i = 0; i < 4; i++) *line[i] = NSDAE_ARENA_DOUBLES(arena, n);
   s->solved_mode = NSDAE_ARENA_INTS(arena, k);
   s->emphasis = NSDAE_ARENA_DOUBLES(arena, k);
@@ -52,48 +52,6 @@ static double *row_of(const nsdae_event_sharing *s, double *matrix, int column)
   return matrix + (size_t)column * (size_t)problem_of(s)->columns;
 }
 
-/* The row of the Cholesky factor of G for a column after those taken; what it leaves of the
- * diagonal entry. */
-static double factor_row(nsdae_event_sharing *s, int column)
-{
-  const double *G = row_of(s, problem_of(s)->delassus.G, column);
-  double *row = row_of(s, s->factor, column), rest = G[column];
-  for (int j = 0; j < s->taken_count; j++) {
-    const double *other = row_of(s, s->factor, s->taken[j]);
-    row[j] = (G[s->taken[j]] - nsdae_dot(j, row, other)) / other[j];
-    rest -= row[j] * row[j];
-  }
-  return rest;
-}
-
-/* A further row, unless it depends on those before it. */
-static void take_row(nsdae_event_sharing *s, int column)
-{
-  double rest = factor_row(s, column), entry = row_of(s, problem_of(s)->delassus.G, column)[column];
-  double sine = fmax(s->acceleration->phase->setting->options->rank_tol, LEAST_SINE);
-  s->seen[column] = 1;
-  s->rank_before[column] = s->taken_count;
-  if (!(rest > sine * sine * entry)) {
-    s->dependent[s->dependent_count++] = column;
-    return;
-  }
-  row_of(s, s->factor, column)[s->taken_count] = sqrt(rest);
-  s->taken[s->taken_count++] = column;
-}
-
-/* c by L^T c = row p of the factor. */
-static void find_combination(nsdae_event_sharing *s, int p)
-{
-  double *c = row_of(s, s->combination, p), *row = row_of(s, s->factor, p);
-  memset(c, 0, (size_t)problem_of(s)->columns * sizeof *c);
-  for (int l = s->rank_before[p] - 1; l >= 0; l--) {
-    double sum = row[l];
-    for (int i = l + 1; i < s->rank_before[p]; i++)
-      sum -= row_of(s, s->factor, s->taken[i])[l] * c[s->taken[i]];
-    c[s->taken[l]] = sum / row_of(s, s->factor, s->taken[l])[l];
-  }
-}
-
 /* Columns of contacts: those of slides come after them. */
 static int contact_columns(const nsdae_event_sharing *s)
 {
@@ -103,7 +61,7 @@ static int contact_columns(const nsdae_event_sharing *s)
 /* r of p, and so the weights of the equation F_p - sum r_l F_l = 0. */
 static void even_relation(nsdae_event_sharing *s, int p)
 {
-  double *r = row_of(s, s->relation, p), *c = row_of(s, s->combination, p);
+  double *r = row_of(s, s->relation, p), *c = row_of(s, s->rows.combination, p);
   int normal = s->normal[p] == p;
   for (int l = 0; l < contact_columns(s); l++)
     r[l] = (s->normal[l] == l) == normal ? c[l] * s->weight[l] / s->weight[p] : 0;
@@ -117,32 +75,32 @@ static void kept_relation(nsdae_event_sharing *s, int p)
     r[s->normal[p]] = s->force[p] / s->force[s->normal[p]];
     return;
   }
-  for (int l = 0; l < s->taken_count; l++)
-    if (s->normal[s->taken[l]] == s->taken[l]) sum += s->force[s->taken[l]];
-  for (int l = 0; l < s->taken_count && sum > 0; l++)
-    if (s->normal[s->taken[l]] == s->taken[l]) r[s->taken[l]] = s->force[p] / sum;
+  for (int l = 0; l < s->rows.taken_count; l++)
+    if (s->normal[s->rows.taken[l]] == s->rows.taken[l]) sum += s->force[s->rows.taken[l]];
+  for (int l = 0; l < s->rows.taken_count && sum > 0; l++)
+    if (s->normal[s->rows.taken[l]] == s->rows.taken[l]) r[s->rows.taken[l]] = s->force[p] / sum;
 }
 
 /* The forces along the columns z of the dependent that fulfil their relations:
  * (F + Z a)_p - sum r_l (F + Z a)_l = 0. */
 static int fulfil_relations(nsdae_event_sharing *s)
 {
-  int count = s->dependent_count, n = problem_of(s)->columns;
+  int count = s->rows.dependent_count, n = problem_of(s)->columns;
   for (int i = 0; i < count; i++) {
-    int p = s->dependent[i];
+    int p = s->rows.dependent[i];
     const double *r = row_of(s, s->relation, p);
     s->shift[i] = nsdae_dot(n, r, s->force) - s->force[p];
     for (int j = 0; j < count; j++) {
-      int q = s->dependent[j];
-      double entry = nsdae_dot(n, r, row_of(s, s->combination, q)) - r[q] + (p == q);
+      int q = s->rows.dependent[j];
+      double entry = nsdae_dot(n, r, row_of(s, s->rows.combination, q)) - r[q] + (p == q);
       s->system[(size_t)j * (size_t)count + (size_t)i] = entry;
     }
   }
   if (nsdae_la_lu(count, s->system, count, s->pivot) != 0) return 0;
   nsdae_la_lu_solve(count, s->system, count, s->pivot, s->shift);
   for (int i = 0; i < count; i++) {
-    const double *c = row_of(s, s->combination, s->dependent[i]);
-    s->force[s->dependent[i]] += s->shift[i];
+    const double *c = row_of(s, s->rows.combination, s->rows.dependent[i]);
+    s->force[s->rows.dependent[i]] += s->shift[i];
     for (int l = 0; l < n; l++) s->force[l] -= s->shift[i] * c[l];
   }
   return 1;
@@ -231,7 +189,7 @@ static int next_normal(const nsdae_event_sharing *s)
   int next = -1;
   for (int a = 0; a < c->active_count; a++) {
     int column = c->first_column[a];
-    if (modes_of(s)->contact[c->active[a]] == NSDAE_MODE_OPEN || s->seen[column]) continue;
+    if (modes_of(s)->contact[c->active[a]] == NSDAE_MODE_OPEN || s->rows.seen[column]) continue;
     if (next < 0 || s->force[column] > s->force[next]) next = column;
   }
   return next;
@@ -239,9 +197,11 @@ static int next_normal(const nsdae_event_sharing *s)
 
 static void take_normals(nsdae_event_sharing *s)
 {
-  s->taken_count = s->dependent_count = 0;
-  memset(s->seen, 0, (size_t)problem_of(s)->columns * sizeof *s->seen);
-  for (int column = next_normal(s); column >= 0; column = next_normal(s)) take_row(s, column);
+  const nsdae_sim_options *o = s->acceleration->phase->setting->options;
+  s->rows.sine = fmax(o->rank_tol, LEAST_SINE);
+  nsdae_dependence_start(&s->rows, problem_of(s)->columns, problem_of(s)->delassus.G);
+  for (int column = next_normal(s); column >= 0; column = next_normal(s))
+    nsdae_dependence_take(&s->rows, column);
 }
 
 /* The column of what sticks that depends least on those taken; -1 past the last. A row that nearly
@@ -253,8 +213,8 @@ static int next_sticking(nsdae_event_sharing *s)
   double most = -INFINITY;
   for (int a = 0; a < c->active_count; a++)
     for (int l = c->first_column[a] + 1; l < c->first_column[a + 1] && sticks(s, a); l++) {
-      if (s->seen[l]) continue;
-      double part = factor_row(s, l) / row_of(s, c->delassus.G, l)[l];
+      if (s->rows.seen[l]) continue;
+      double part = nsdae_dependence_rest(&s->rows, l);
       if (next >= 0 && !(part > most)) continue;
       next = l;
       most = part;
@@ -264,7 +224,8 @@ static int next_sticking(nsdae_event_sharing *s)
 
 static void take_sticking(nsdae_event_sharing *s)
 {
-  for (int column = next_sticking(s); column >= 0; column = next_sticking(s)) take_row(s, column);
+  for (int column = next_sticking(s); column >= 0; column = next_sticking(s))
+    nsdae_dependence_take(&s->rows, column);
 }
 
 /* Friction of what slides is in the columns of normal forces: then their z are others. */
@@ -280,8 +241,8 @@ static int any_sliding(const nsdae_event_sharing *s)
 static int relate(nsdae_event_sharing *s, int even_normal, int even_friction)
 {
   gather_forces(s);
-  for (int i = 0; i < s->dependent_count; i++) {
-    int p = s->dependent[i], even = s->normal[p] == p ? even_normal : even_friction;
+  for (int i = 0; i < s->rows.dependent_count; i++) {
+    int p = s->rows.dependent[i], even = s->normal[p] == p ? even_normal : even_friction;
     if (even)
       even_relation(s, p);
     else
@@ -325,11 +286,6 @@ static int relate_friction(nsdae_event_sharing *s, int even_normal)
   return related;
 }
 
-static void find_combinations(nsdae_event_sharing *s)
-{
-  for (int i = 0; i < s->dependent_count; i++) find_combination(s, s->dependent[i]);
-}
-
 static void restore_solution(nsdae_event_sharing *s)
 {
   size_t k = (size_t)system_of(s)->dims.k, columns = (size_t)problem_of(s)->columns;
@@ -367,14 +323,14 @@ static int try_forces(nsdae_event_sharing *s, int even_normal, int even_friction
   for (int a = 0; a < problem_of(s)->active_count; a++) s->emphasis[a] = 1;
   gather_forces(s);
   take_normals(s);
-  find_combinations(s);
+  nsdae_dependence_combine(&s->rows);
   if (even_normal && (any_sliding(s) || !relate(s, 1, 0))) return 0;
   scatter_forces(s);
   nsdae_event_hold_resting(s->acceleration);
   gather_forces(s);
   take_normals(s);
   take_sticking(s);
-  find_combinations(s);
+  nsdae_dependence_combine(&s->rows);
   int related = even_friction ? relate_friction(s, even_normal) : relate(s, even_normal, 0);
   return related && holds(s);
 }
@@ -386,8 +342,8 @@ static void hand_over(nsdae_event_sharing *s)
   const nsdae_dims *d = &system_of(s)->dims;
   size_t all = (size_t)(d->k * (1 + d->nt));
   memset(m->related, 0, all * sizeof *m->related);
-  for (int i = 0; i < s->dependent_count; i++) {
-    int p = s->dependent[i];
+  for (int i = 0; i < s->rows.dependent_count; i++) {
+    int p = s->rows.dependent[i];
     double *r = m->relation + (size_t)s->force_number[p] * all;
     m->related[s->force_number[p]] = 1;
     memset(r, 0, all * sizeof *r);
@@ -403,12 +359,11 @@ static void take_slides(nsdae_event_sharing *s)
   nsdae_event_modes *m = modes_of(s);
   const double *lambda = s->acceleration->lambda;
   for (int i = 0; i < c->slide_count; i++) {
-    int j = c->slide[i], taken = s->taken_count;
+    int j = c->slide[i];
     double most = system_of(s)->slide[j].mu * fabs(lambda[system_of(s)->slide[j].constraint]);
     m->slide_part[j] = m->slide_sense[j];
     if (m->slide[j] != NSDAE_MODE_STICK) continue;
-    take_row(s, contact_columns(s) + i);
-    m->slide_row[j] = s->taken_count > taken;
+    m->slide_row[j] = nsdae_dependence_take(&s->rows, contact_columns(s) + i);
     m->slide_part[j] = most > 0 ? -c->results->slide_impulse[j] / most : 0;
   }
 }

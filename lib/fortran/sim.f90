@@ -184,6 +184,8 @@ module nsdae_f_sim
     integer(c_long) :: impacts
     integer(c_long) :: events, accumulations  ! of event: instants of change; accumulations closed
     integer(c_long) :: fallback_steps    ! of event: dt that were stepped by implicit instead
+    integer(c_long) :: accumulations_early  ! closed before accumulation_time
+    real(c_double) :: rank_kept, rank_left  ! the gap: smallest sine that counts, largest that does not
     integer(c_int) :: rank, rank_most    ! smallest and largest rank of Phi_q met
     real(c_double) :: worst_residual     ! over all LCPs
     real(c_double) :: worst_drift

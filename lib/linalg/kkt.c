@@ -125,8 +125,15 @@ static int pivoted_rank(nsdae_kkt *kkt)
   }
   LAPACKE_dgeqp3_work(LAPACK_COL_MAJOR, n, m, kkt->Q, n, kkt->column, kkt->tau, kkt->work,
                       kkt->lwork);
-  while (rank < most && fabs(kkt->Q[(size_t)rank * (size_t)n + (size_t)rank]) > kkt->rank_tol)
-    rank++;
+  kkt->left = 0;
+  for (; rank < most; rank++) {
+    double sine = fabs(kkt->Q[(size_t)rank * (size_t)n + (size_t)rank]);
+    if (!(sine > kkt->rank_tol)) {
+      kkt->left = sine;
+      break;
+    }
+    kkt->kept = sine;
+  }
   return rank;
 }
 
@@ -178,14 +185,19 @@ int nsdae_kkt_factor(nsdae_kkt *kkt, const double *M, int ldm, const double *J, 
   kkt->pivot = factor_mass(kkt, M, ldm);
   if (kkt->pivot) return NSDAE_E_MASS;
   kkt->rank = m;
+  kkt->kept = 1;
+  kkt->left = 0;
   kkt->factored_by_rank = 0;
   if (m == 0) return NSDAE_OK;
   transpose(m, n, J, ldj, kkt->Y);
   solve_root(kkt, m, kkt->Y, n);
   nsdae_la_multiply_transposed(n, m, m, kkt->Y, n, kkt->Y, n, 0, kkt->S, m);
   double least = fmax(trusted, kkt->rank_tol);
-  if (nsdae_la_cholesky(m, kkt->S, m) || smallest_sine((size_t)m, kkt->S) < least * least)
-    factor_by_rank(kkt);
+  if (nsdae_la_cholesky(m, kkt->S, m) == 0)
+    kkt->kept = sqrt(smallest_sine((size_t)m, kkt->S));
+  else
+    kkt->kept = 0;
+  if (kkt->kept < least) factor_by_rank(kkt);
   return NSDAE_OK;
 }
 

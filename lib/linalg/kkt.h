@@ -21,10 +21,11 @@
 
 typedef struct nsdae_kkt {
   int n, m;
-  double rank_tol;      /* sine of the angle below which a constraint depends on the others */
-  int rank;             /* of the last factorisation */
-  int pivot;            /* of M that failed, from 1 */
-  int diagonal;         /* M is, as often in absolute coordinates: no product is spent on it */
+  double rank_tol;   /* sine of the angle below which a constraint depends on the others */
+  int rank;          /* of the last factorisation */
+  double kept, left; /* smallest such sine that counts in it, largest that does not; 1, 0: none */
+  int pivot;         /* of M that failed, from 1 */
+  int diagonal;      /* M is, as often in absolute coordinates: no product is spent on it */
   int factored_by_rank; /* the last factorisation is the rank-revealing one */
   double *L, *Y, *S;    /* n x n, n x m, m x m */
   double *Q;            /* n x m: Q of the pivoted QR; R_11 is in S then */

@@ -1,5 +1,6 @@
 #include "result.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "grow.h"
@@ -16,6 +17,13 @@ void nsdae_count_rank(nsdae_counters *counters, int rank)
 {
   if (rank < counters->rank) counters->rank = rank;
   if (rank > counters->rank_most) counters->rank_most = rank;
+}
+
+void nsdae_count_factors(nsdae_counters *c, const nsdae_kkt *kkt)
+{
+  nsdae_count_rank(c, kkt->rank);
+  c->rank_kept = fmin(c->rank_kept, kkt->kept);
+  c->rank_left = fmax(c->rank_left, kkt->left);
 }
 
 void nsdae_result_layout(nsdae_result *r, nsdae_arena *arena)
@@ -46,7 +54,7 @@ void nsdae_result_clear(nsdae_result *r)
   r->work = r->worst_residual = r->carried = 0;
   r->smooth = r->located = r->given_up = 0;
   r->problem = NULL;
-  r->counters = (nsdae_counters){.rank = dims->m};
+  r->counters = (nsdae_counters){.rank = dims->m, .rank_kept = 1};
 }
 
 int nsdae_result_grow(nsdae_result *r, const nsdae_room *contacts, const nsdae_room *rows)

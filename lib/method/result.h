@@ -11,6 +11,8 @@ typedef struct nsdae_counters {
   long lcps, lcp_pivots, iterations;
   long events, accumulations;   /* instants; accumulations closed */
   long fallbacks;               /* 1: by implicit in place of the method */
+  long accumulations_early;     /* of those: as slow as the integrator's errors */
+  double rank_kept, rank_left;  /* smallest sine that counts in the rank, largest that does not */
   int rank, rank_most;          /* smallest and largest rank of Phi_q; m, 0 where there was none */
   int islands, island_contacts; /* how many; contacts of the largest */
   nsdae_evals evals;
@@ -40,6 +42,9 @@ typedef struct nsdae_result {
 
 /* Counts a factorisation that found this rank. */
 void nsdae_count_rank(nsdae_counters *counters, int rank);
+
+/* The same, with the gap in its rank. */
+void nsdae_count_factors(nsdae_counters *counters, const nsdae_kkt *kkt);
 
 /* Takes the arrays; system, differences and error of end and the sizes of memory are set before. */
 void nsdae_result_layout(nsdae_result *result, nsdae_arena *arena);

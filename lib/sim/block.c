@@ -62,12 +62,16 @@ static void visit_ints(cursor *c, int *a, int n)
 /* Without the padding of the structs, so that equal states are equal bytes. */
 static void visit_stats(cursor *c, nsdae_stats *s)
 {
-  long *const counts[] = {
-      &s->steps,      &s->smooth_steps,  &s->contact_steps, &s->lcps,           &s->lcp_pivots,
-      &s->iterations, &s->mass_evals,    &s->force_evals,   &s->jacobian_evals, &s->impacts,
-      &s->events,     &s->accumulations, &s->fallback_steps};
-  double *const worst[] = {&s->worst_residual, &s->worst_drift, &s->worst_penetration,
-                           &s->energy_start, &s->energy_balance};
+  long *const counts[] = {&s->steps,          &s->smooth_steps,
+                          &s->contact_steps,  &s->lcps,
+                          &s->lcp_pivots,     &s->iterations,
+                          &s->mass_evals,     &s->force_evals,
+                          &s->jacobian_evals, &s->impacts,
+                          &s->events,         &s->accumulations,
+                          &s->fallback_steps, &s->accumulations_early};
+  double *const worst[] = {&s->worst_residual, &s->worst_drift,    &s->worst_penetration,
+                           &s->energy_start,   &s->energy_balance, &s->rank_kept,
+                           &s->rank_left};
   /* all of them, and the clock; room in lists is the simulation's */
   _Static_assert(sizeof *s - sizeof counts / sizeof *counts * sizeof(long) -
                          sizeof worst / sizeof *worst * sizeof(double) - 7 * sizeof(int) -

@@ -121,6 +121,9 @@ static void count(nsdae_stats *stats, const nsdae_counters *c)
   stats->iterations += c->iterations;
   stats->events += c->events;
   stats->accumulations += c->accumulations;
+  stats->accumulations_early += c->accumulations_early;
+  stats->rank_kept = fmin(stats->rank_kept, c->rank_kept);
+  stats->rank_left = fmax(stats->rank_left, c->rank_left);
   stats->fallback_steps += c->fallbacks;
   stats->mass_evals += c->evals.mass;
   stats->force_evals += c->evals.force;
@@ -190,6 +193,7 @@ int nsdae_point_start(nsdae_sim *sim, nsdae_point *point)
   fill_means(point, start, 0);
   stats->energy_start = point->record.kinetic + point->record.potential;
   stats->rank = sim->system->dims.m;
+  stats->rank_kept = 1;
   status = nsdae_watch_finite(point);
   if (status < 0) return status;
   nsdae_watch_start(sim, point);

@@ -689,6 +689,7 @@ static void test_rank(void **state)
     assert_int_equal(nsdae_sim_run(sim, 0.05), NSDAE_OK);
     nsdae_sim_get_stats(sim, &stats);
     assert_true(stats.rank == 1 && stats.rank_most == 1);
+    assert_true(stats.rank_kept > 0.1 && stats.rank_left <= o.rank_tol); /* the gap */
     assert_int_equal(nsdae_sim_run(sim, 0.3), NSDAE_OK);
     nsdae_sim_get_stats(sim, &stats);
     assert_true(stats.rank == 1 && stats.rank_most == 2);

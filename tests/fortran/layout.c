@@ -108,6 +108,8 @@ static const entry entries[] = {
     AT(nsdae_stats, lcp_pivots) AT(nsdae_stats, iterations) AT(nsdae_stats, mass_evals)
     AT(nsdae_stats, force_evals) AT(nsdae_stats, jacobian_evals) AT(nsdae_stats, impacts)
     AT(nsdae_stats, events) AT(nsdae_stats, accumulations) AT(nsdae_stats, fallback_steps)
+    AT(nsdae_stats, accumulations_early)
+    AT(nsdae_stats, rank_kept) AT(nsdae_stats, rank_left)
     AT(nsdae_stats, rank) AT(nsdae_stats, rank_most)
     AT(nsdae_stats, worst_residual) AT(nsdae_stats, worst_drift)
     AT(nsdae_stats, worst_penetration) AT(nsdae_stats, energy_start)

@@ -352,3 +352,98 @@ nsdae_system *drop_system(drop *d)
   for (int i = 0; i < k; i++) nsdae_system_set_contact(s, i, d->mu, d->e, 0);
   return s;
 }
+
+enum { JAM_MOST = 10, JAM_CONTACTS = 64 };
+
+/* det of the rows and columns of A [n x n] in the set. */
+static double minor_of(const double *A, int n, unsigned set)
+{
+  double m[JAM_MOST][JAM_MOST], det = 1;
+  int at[JAM_MOST], size = 0;
+  for (int i = 0; i < n; i++)
+    if (set >> i & 1) at[size++] = i;
+  for (int i = 0; i < size; i++)
+    for (int j = 0; j < size; j++) m[i][j] = A[at[i] * n + at[j]];
+  for (int k = 0; k < size; k++) {
+    int pivot = k;
+    for (int i = k + 1; i < size; i++)
+      if (fabs(m[i][k]) > fabs(m[pivot][k])) pivot = i;
+    if (m[pivot][k] == 0) return 0;
+    if (pivot != k) det = -det;
+    for (int j = 0; j < size; j++) {
+      double swap = m[k][j];
+      m[k][j] = m[pivot][j];
+      m[pivot][j] = swap;
+    }
+    det *= m[k][k];
+    for (int i = k + 1; i < size; i++)
+      for (int j = size - 1; j >= k; j--) m[i][j] -= m[i][k] / m[k][k] * m[k][j];
+  }
+  return det;
+}
+
+/* W_N, and M^-1 (W_N - mu W_T d) into R, of contact c. */
+static void slide_columns(const drop *d, const double *v, int slides, const double *W_N,
+                          const double *W_T, int c, double *R)
+{
+  int n = d->space ? 6 : 3 * d->bodies, nt = d->space ? 2 : 1;
+  double slip[2] = {0}, feed[2] = {0}, speed = 0, most = 0, M[DROP_NV];
+  for (int i = 0; i < n; i++) {
+    M[i] = d->space ? (i < 3 ? d->m : d->J[i - 3]) : (i % 3 < 2 ? d->m : d->J[2]);
+    for (int l = 0; l < nt; l++) {
+      const double *t = W_T + (size_t)(c * nt + l) * (size_t)n;
+      slip[l] += t[i] * v[i];
+      feed[l] += t[i] * W_N[(size_t)c * (size_t)n + (size_t)i] / M[i];
+    }
+  }
+  for (int l = 0; l < nt; l++) speed = hypot(speed, slip[l]), most = hypot(most, feed[l]);
+  for (int i = 0; i < n; i++) {
+    double row = W_N[(size_t)c * (size_t)n + (size_t)i];
+    for (int l = 0; l < nt; l++) {
+      double along = slides && speed > 1e-2 ? slip[l] / speed : most > 0 ? feed[l] / most : 0;
+      row -= d->mu * W_T[(size_t)(c * nt + l) * (size_t)n + (size_t)i] * along;
+    }
+    R[i] = row / M[i];
+  }
+}
+
+/* W_N^T M^-1 W_N of a column */
+static double inverse_mass(const drop *d, const double *W)
+{
+  double sum = 0;
+  for (int i = 0; i < (d->space ? 6 : 3 * d->bodies); i++)
+    sum += W[i] * W[i] / (d->space ? (i < 3 ? d->m : d->J[i - 3]) : (i % 3 < 2 ? d->m : d->J[2]));
+  return sum;
+}
+
+int drop_may_jam(const drop *d, const double *q, const double *v, const int *mode, double near)
+{
+  double g[JAM_CONTACTS], A[JAM_MOST * JAM_MOST], R[DROP_NV], size[JAM_MOST];
+  double W_N[JAM_CONTACTS * DROP_NV] = {0}, W_T[2 * JAM_CONTACTS * DROP_NV] = {0};
+  int n = d->space ? 6 : 3 * d->bodies, at[JAM_MOST], count = 0, slide = 1;
+  int k = d->bodies * d->points * d->walls + d->bodies * (d->bodies - 1) / 2;
+  gap(0, q, g, (void *)d);
+  rows(d, q, 0, W_N, n);
+  rows(d, q, 1, W_T, n);
+  for (int c = 0; c < k && count < JAM_MOST; c++) {
+    if (g[c] > near) continue;
+    slide &= mode[c] != NSDAE_MODE_OPEN; /* an impact turns what slides */
+    at[count++] = c;
+  }
+  for (int j = 0; j < count; j++) {
+    slide_columns(d, v, slide, W_N, W_T, at[j], R);
+    size[j] = inverse_mass(d, W_N + (size_t)at[j] * (size_t)n);
+    for (int i = 0; i < count; i++) {
+      double sum = 0;
+      for (int l = 0; l < n; l++) sum += W_N[(size_t)at[i] * (size_t)n + (size_t)l] * R[l];
+      A[i * count + j] = sum;
+    }
+  }
+  for (unsigned set = 1; set < 1u << count; set++) {
+    double scale = 1;
+    for (int i = 0; i < count; i++)
+      if (set >> i & 1) scale *= size[i];
+    if (minor_of(A, count, set) <= 1e-3 * scale) return 1;
+  }
+  return 0;
+}

@@ -1,7 +1,10 @@
 /* Random drops by the event-driven method, seeded: boxes, rods, discs and groups of them, in the
  * plane and in space, on floors, in grooves and corners, with e from 0 to 1, mu from 0 to 2 and
- * rtol from 1e-4 to 1e-11. Every run ends; one that says it went well has no drift, penetration or
- * gain of energy beyond 100 rtol. The environment's NSDAE_DROPS is how many (40). */
+ * rtol from 1e-4 to 1e-11. Every run ends, within so many instants. One that says it went well has
+ * no drift, penetration, gain of energy or imbalance beyond 100 rtol, whoever stepped it; one that
+ * says that the forces have no solution is there where they may have none. The environment's
+ * NSDAE_DROPS is how many (40), NSDAE_DROPS_FROM the first; of more than 300, three in a thousand
+ * may be bad, and all that are, are named. */
 #include "check.h"
 
 #include <stdlib.h>
@@ -22,67 +25,107 @@ static int look(const nsdae_record *record, nsdae_error *error, void *user)
   return 0;
 }
 
-static void expect_true(int holds, const drop *d, const char *what, double value)
+enum { INSTANTS = 20000 }; /* of any run */
+
+/* 1 where it does not hold, which is told. */
+static int is_bad(int holds, const drop *d, const char *what, double value)
 {
   if (!holds) print_message("drop %s: %s %.3g\n", d->name, what, value);
-  assert_true(holds);
+  return !holds;
 }
 
-/* Jamming ends a run, as there is no force that solves the equations; else nothing may. */
-static void check_failure(const drop *d, const nsdae_sim *sim, int status)
-{
-  const nsdae_error *error = nsdae_sim_error(sim);
-  if (status != NSDAE_E_PAINLEVE) print_message("drop %s: %s\n", d->name, error->text);
-  assert_int_equal(status, NSDAE_E_PAINLEVE);
-  assert_true(error->text[0] != 0 && error->time > 0);
-}
-
-static int run(drop *d)
+static nsdae_sim *start(const drop *d, nsdae_system *system, seen *energy)
 {
   nsdae_sim_options o;
   nsdae_sim *sim;
-  nsdae_stats stats;
-  seen energy = {0};
-  nsdae_system *system = drop_system(d);
   nsdae_sim_options_default(&o);
   o.method = NSDAE_METHOD_EVENT;
   o.rtol = d->rtol;
   o.atol = fmin(o.atol, d->rtol * 1e-2);
   assert_int_equal(nsdae_sim_create(system, &o, &sim, NULL), NSDAE_OK);
-  nsdae_sim_observe(sim, look, &energy);
+  nsdae_sim_observe(sim, look, energy);
   assert_int_equal(nsdae_sim_init(sim, 0, d->q0, d->v0), NSDAE_OK);
-  int status = nsdae_sim_run(sim, 1.5);
+  return sim;
+}
+
+/* Jamming ends a run, as there is no force that solves the equations; else nothing may. It is held
+ * against the matrix of the problem just before, by drop.c's own rows. */
+static int judge_failure(const drop *d, nsdae_system *system, const nsdae_sim *sim, int status)
+{
+  const nsdae_error *error = nsdae_sim_error(sim);
+  nsdae_record record;
+  seen unused = {0};
+  assert_true(error->text[0] != 0 && error->time > 0);
+  if (status != NSDAE_E_PAINLEVE) print_message("%s\n", error->text);
+  if (is_bad(status == NSDAE_E_PAINLEVE, d, "status", status)) return 1;
+  nsdae_sim *again = start(d, system, &unused);
+  int until = nsdae_sim_run(again, error->time * (1 - 1e-7));
+  nsdae_sim_get_record(again, &record);
+  int jams = until >= 0 && drop_may_jam(d, record.q, record.v, record.mode, 1e-4 * d->size);
+  nsdae_sim_destroy(&again);
+  return is_bad(jams, d, "no jam, but told at", error->time);
+}
+
+/* 1 where the drop is bad. */
+static int run(drop *d)
+{
+  nsdae_stats stats;
+  seen energy = {0};
+  nsdae_system *system = drop_system(d);
+  nsdae_sim *sim = start(d, system, &energy);
+  int status = nsdae_sim_run(sim, 1.5), bad = 0;
   nsdae_sim_get_stats(sim, &stats);
   double scale = d->m * d->g * (1 + d->size) + fabs(energy.start), most = 100 * d->rtol;
-  if (status < 0) check_failure(d, sim, status);
-  if (status >= 0 && stats.fallback_steps == 0) {
+  if (status < 0) {
+    bad = judge_failure(d, system, sim, status);
+  } else {
     double penetration = stats.worst_penetration, balance = fabs(stats.energy_balance);
     double gain = energy.most - energy.start;
-    expect_true(penetration <= most * fmax(1, d->size), d, "penetration", penetration);
-    expect_true(balance <= most * scale, d, "energy balance", balance);
-    expect_true(gain <= most * scale, d, "gain of energy", gain);
+    bad |= is_bad(penetration <= most * fmax(1, d->size), d, "penetration", penetration);
+    bad |= is_bad(balance <= most * scale, d, "energy balance", balance);
+    bad |= is_bad(gain <= most * scale, d, "gain of energy", gain);
   }
+  bad |= is_bad(stats.events <= INSTANTS, d, "instants", (double)stats.events);
   nsdae_sim_destroy(&sim);
   nsdae_system_destroy(&system);
-  return stats.fallback_steps > 0;
+  return bad;
+}
+
+static long number_of(const char *name, long otherwise)
+{
+  const char *asked = getenv(name);
+  return asked ? atol(asked) : otherwise;
 }
 
 static void test_drops(void **state)
 {
   (void)state;
-  const char *asked = getenv("NSDAE_DROPS");
-  int count = asked ? atoi(asked) : 40, fallbacks = 0;
-  for (int i = 0; i < count; i++) {
+  long count = number_of("NSDAE_DROPS", 40), from = number_of("NSDAE_DROPS_FROM", 0), bad = 0;
+  for (long i = from; i < from + count; i++) {
     drop d;
     drop_make(&d, (unsigned long)i);
-    fallbacks += run(&d);
+    bad += run(&d);
   }
-  print_message("%d drops, %d with steps by implicit\n", count, fallbacks);
-  assert_at_most(fallbacks, 1 + 0.02 * count);
+  print_message("%ld drops, %ld bad\n", count, bad);
+  assert_at_most((double)bad, 0.003 * (double)count);
+}
+
+/* Those that found what was wrong, each for a reason of its own: steps that shrink to nothing where
+ * sliding begins, relations that rounding ruled, thousands of instants. */
+static void test_found(void **state)
+{
+  const unsigned long seeds[] = {46,  63,   136,  222,  297,  419,  423,  505,  954,
+                                 958, 1062, 1217, 1355, 1382, 1570, 2179, 4579, 4843};
+  (void)state;
+  for (size_t i = 0; i < sizeof seeds / sizeof *seeds; i++) {
+    drop d;
+    drop_make(&d, seeds[i]);
+    assert_int_equal(run(&d), 0);
+  }
 }
 
 int main(void)
 {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_drops)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_drops), cmocka_unit_test(test_found)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,4 +1,4 @@
-#include "cone.h"
+#include "relaxation.h"
 
 #include <math.h>
 #include <string.h>
@@ -105,8 +105,8 @@ static void take_over(nsdae_contacts *c, const double *force, const double *xi, 
   }
 }
 
-int nsdae_event_solve_cones(nsdae_contacts *c, const double *direction, double *force, double *xi,
-                            double *v, double *lambda)
+int nsdae_contacts_relax(nsdae_contacts *c, const double *direction, double *force, double *xi,
+                         double *v, double *lambda)
 {
   const relaxation r = {c, direction, force, xi};
   if (c->slide_count > 0 || c->system->dims.nt != 2) return 0;

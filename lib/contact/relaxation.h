@@ -8,15 +8,15 @@
  * whose fixed points are the solutions: 0 <= F_N _|_ xi_N >= 0, and F_T = -mu F_N xi_T / |xi_T|
  * where xi_T is not zero. A contact that slides already has F_T = -mu F_N d, and moves along
  * W_N - mu W_T d. */
-#ifndef NSDAE_EVENT_CONE_H
-#define NSDAE_EVENT_CONE_H
+#ifndef NSDAE_CONTACT_RELAXATION_H
+#define NSDAE_CONTACT_RELAXATION_H
 
 #include "contacts.h"
 
 /* Brings the solved problem's impulses to the cone, with the direction [k nt] of what slides, and
  * with them v [nv], lambda [m] and the contacts' velocities after. force, xi [columns] are for its
  * work. 1; 0 where it was not found, or there are slides: then all is as before. */
-int nsdae_event_solve_cones(nsdae_contacts *contacts, const double *direction, double *force,
-                            double *xi, double *v, double *lambda);
+int nsdae_contacts_relax(nsdae_contacts *contacts, const double *direction, double *force,
+                         double *xi, double *v, double *lambda);
 
 #endif
