@@ -246,7 +246,7 @@ NSDAE_API int nsdae_sim_get_failed_lcp(const nsdae_sim *sim, nsdae_lcp_problem *
 /* The contact problem of a step, in the local form of nsdae/friction.h: contacts in their order,
  * impulses [N s], velocities [m/s]. */
 typedef struct nsdae_step_friction {
-  nsdae_friction_problem problem;
+  nsdae_friction_problem problem; /* local form */
   nsdae_friction_options options; /* as it was solved */
   const double *guess;            /* rows: where the solver began */
   const double *r, *u;            /* rows: impulses and velocities that it ended with */
