@@ -18,6 +18,7 @@
 #ifndef NSDAE_SYSTEM_H
 #define NSDAE_SYSTEM_H
 
+#include <nsdae/contact.h>
 #include <nsdae/shape.h>
 #include <nsdae/status.h>
 
@@ -138,6 +139,50 @@ NSDAE_API int nsdae_system_set_contact(nsdae_system *system, int i, double mu, d
  * is the normal force. mu >= 0; with mu = 0, as at first, it has no friction. */
 NSDAE_API int nsdae_system_set_slide(nsdae_system *system, int j, int constraint, double mu);
 
+/* ---- large systems: v in blocks, contacts by list
+ *
+ * q and v are split into blocks, such as bodies. M is block diagonal, a row of Phi_q and a
+ * direction of a contact touch few blocks, and only contacts that are near are spoken of, in a
+ * list. A step then costs what is there: parts that no closed contact and no constraint joins are
+ * solved one by one. The methods are implicit, implicit-printed and moreau; penalty and event, the
+ * option projection and nsdae_sim_project refuse such a system. */
+
+/* Block b has nq[b] coordinates and nv[b] velocities, 1 <= nv[b] <= nq[b], behind those of block
+ * b - 1; the sums are dims.nq and dims.nv. Such a system has dims.k = dims.f = 0; dims.nt is that
+ * of every contact. In place of the callbacks mass, constraint_jacobian and those of numbered
+ * contacts it takes the three below; all others are of the whole vectors as in any system, and the
+ * kinematics must take dq/dt of a block from v of that block. */
+NSDAE_API int nsdae_system_set_blocks(nsdae_system *system, int count, const int *nq,
+                                      const int *nv);
+/* How many there are: 1 where none were set, 0 of NULL. */
+NSDAE_API int nsdae_system_get_blocks(const nsdae_system *system);
+
+/* The diagonal blocks of M(t,q), nv[b] x nv[b] each, column-major, one after another; both
+ * triangles. M comes zeroed. Always needed. */
+typedef int (*nsdae_mass_blocks_fn)(double t, const double *q, double *M, void *user);
+/* Setters as those above: NSDAE_OK, NSDAE_E_ARGUMENT, NSDAE_E_STATE. */
+NSDAE_API int nsdae_system_set_mass_blocks(nsdae_system *system, nsdae_mass_blocks_fn callback);
+
+/* The rows of Phi_q that a callback fills; they live as long as the call. */
+typedef struct nsdae_row_list nsdae_row_list;
+/* Phi_q(t,q): nsdae_row_add for every block that a row touches. Needed where m > 0. */
+typedef int (*nsdae_constraint_rows_fn)(double t, const double *q, nsdae_row_list *rows,
+                                        void *user);
+/* The same. NSDAE_E_ARGUMENT also where the system has no constraints. */
+NSDAE_API int nsdae_system_set_constraint_rows(nsdae_system *system,
+                                               nsdae_constraint_rows_fn callback);
+/* value [nv of the block]: the entries of row 0 <= row < m over that block. Rows come in ascending
+ * order, each block once. Returns as nsdae_contact_add does. */
+NSDAE_API int nsdae_row_add(nsdae_row_list *rows, int row, int block, const double *value);
+
+/* nsdae_contact_add for every contact with a gap of at most reach >= 0 at (t,q); more do no harm.
+ * v is that of the point, for what is swept: gaps and directions must not depend on it. Without
+ * this callback there are no contacts. */
+typedef int (*nsdae_contacts_fn)(double t, const double *q, const double *v, double reach,
+                                 nsdae_contact_list *list, void *user);
+/* The same. */
+NSDAE_API int nsdae_system_set_contacts(nsdae_system *system, nsdae_contacts_fn callback);
+
 /* What can have a name: each has as many as the system's sizes say, numbered from 0. */
 enum nsdae_name_kind {
   NSDAE_NAME_COORDINATE, /* nq */
@@ -194,12 +239,13 @@ typedef struct nsdae_check {
  * size and 64 entries more to either side), entries of Phi, g_N, dq/dt and U that it never writes,
  * and what is NaN or infinite. Then every derivative against central differences of what it derives
  * from, and the mass matrix against its transpose; then directions of friction that are all zero,
- * the normal's, or one twice. Differences are good to about 1e-7 where the values are of order one:
- * tol of 1e-5 is a fair bound. What cannot be seen says nsdae_system_unseen. NSDAE_OK;
- * NSDAE_E_DERIVATIVE with the wrong entry in worst and in the error record (a NaN in a derivative
- * counts as wrong); NSDAE_E_CALLBACK (it failed, or the text says what it writes);
- * NSDAE_E_NONFINITE; NSDAE_E_STATE (a callback that is needed is missing), NSDAE_E_MEMORY, and what
- * a setter was refused with. worst may be NULL. */
+ * the normal's, or one twice, and, along the translations of a body that M and the gap show to be
+ * free, not of length one or not at right angles to the normal and to each other. Differences are
+ * good to about 1e-7 where the values are of order one: tol of 1e-5 is a fair bound. What cannot be
+ * seen says nsdae_system_unseen. NSDAE_OK; NSDAE_E_DERIVATIVE with the wrong entry in worst and in
+ * the error record (a NaN in a derivative counts as wrong); NSDAE_E_CALLBACK (it failed, or the
+ * text says what it writes); NSDAE_E_NONFINITE; NSDAE_E_STATE (a callback that is needed is
+ * missing), NSDAE_E_MEMORY, and what a setter was refused with. worst may be NULL. */
 NSDAE_API int nsdae_system_check(nsdae_system *system, double t, const double *q, const double *v,
                                  double tol, nsdae_check *worst);
 

@@ -29,6 +29,8 @@ typedef struct nsdae_stepping {
   /* From the state to t_end, into the result, which comes cleared and with the state's memory. A
    * status < 0 drops the result; the error record says why. */
   int (*advance)(void *own, const nsdae_state *state, double t_end, nsdae_result *result);
+
+  int by_list; /* goes with systems by blocks */
 } nsdae_stepping;
 
 #endif
