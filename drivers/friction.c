@@ -13,13 +13,13 @@ enum { SOLVED, NOT_SOLVED, USAGE };
 /* What --set sets. */
 typedef struct settings {
   double tol;
-  int max_sweeps, max_iterations;
+  int max_sweeps, max_iterations, refine;
   char stages[NSDAE_PARAM_TEXT_SIZE];
 } settings;
 
 typedef struct job {
   const char *path, *solution, *output;
-  int help, version, cold, tol_given;
+  int help, version, cold, tol_given, refine_given;
   settings settings;
   nsdae_friction_options options;
   nsdae_friction_file file;
@@ -33,6 +33,8 @@ static const nsdae_param entries[] = {
      NSDAE_PARAM_INT, offsetof(settings, max_sweeps), 0, 0, 1e9, 0, NULL},
     {"max_iterations", "1", "Newton and interior-point steps on an island; 0: as above",
      NSDAE_PARAM_INT, offsetof(settings, max_iterations), 0, 0, 1e9, 0, NULL},
+    {"refine", "1", "Newton steps from a solution on (default: the file's, else 0)",
+     NSDAE_PARAM_INT, offsetof(settings, refine), 0, 0, 1000, 0, NULL},
     {"stages", "", "only these, separated by commas", NSDAE_PARAM_TEXT, offsetof(settings, stages),
      0, 0, 0, 0, NULL}};
 static const nsdae_params table = {entries, sizeof entries / sizeof *entries};
@@ -115,6 +117,7 @@ static int set(job *j, const char *text)
   if (nsdae_params_set(&table, &j->settings, key, value + 1, &error) < 0)
     return complain("--set %s: %s", text, error.text);
   j->tol_given |= strcmp(key, "tol") == 0;
+  j->refine_given |= strcmp(key, "refine") == 0;
   return SOLVED;
 }
 
@@ -182,6 +185,7 @@ static int read_file(job *j)
       j->file.tol > 0 && j->file.tol <= 1 && !j->tol_given ? j->file.tol : j->settings.tol;
   j->options.max_sweeps = j->settings.max_sweeps;
   j->options.max_iterations = j->settings.max_iterations;
+  j->options.refine = j->refine_given ? j->settings.refine : j->file.refine;
   return SOLVED;
 }
 
@@ -222,7 +226,7 @@ static int keep(const job *j, const double *guess, const double *r, const double
 {
   nsdae_error error;
   const nsdae_friction_points points = {.guess = guess, .r = r, .u = u};
-  const nsdae_friction_origin origin = {.tol = j->options.tol};
+  const nsdae_friction_origin origin = {.tol = j->options.tol, .refine = j->options.refine};
   if (j->solution && write_text(j, r) != SOLVED) return NOT_SOLVED;
   if (!j->output) return SOLVED;
   if (nsdae_friction_write(j->output, &j->file.problem, &points, &origin, &error) == NSDAE_OK)

@@ -4,6 +4,7 @@
 #include <stdio.h>
 
 #include "compare.h"
+#include "dump.h"
 #include "interrupt.h"
 #include "probe.h"
 #include "report.h"
@@ -106,33 +107,16 @@ static int open_trajectory(job *j)
   return NSDAE_OK;
 }
 
-/* The problem of a step that failed on it, into the file that was asked for. */
-static void dump_lcp(job *j)
-{
-  nsdae_lcp_problem problem;
-  nsdae_record record;
-  nsdae_error error;
-  if (!j->settings.lcp_dump[0] || nsdae_sim_get_failed_lcp(j->sim, &problem) != NSDAE_OK) return;
-  nsdae_sim_get_record(j->sim, &record);
-  const nsdae_lcp_origin origin = {.time = record.time,
-                                   .step = record.step + 1,
-                                   .tol = j->settings.options.lcp_tol,
-                                   .method = nsdae_method_name(j->settings.options.method)};
-  if (nsdae_lcp_write(j->settings.lcp_dump, &problem, &origin, &error) != NSDAE_OK) {
-    fflush(stdout);
-    fprintf(stderr, "nsdae-%s: warning: lcp_dump: %s\n", j->model->name, error.text);
-  } else if (!j->settings.quiet)
-    printf("problem of the failed step in %s: nsdae-lcp solves it alone\n", j->settings.lcp_dump);
-}
-
 static int run(job *j)
 {
+  dump kept;
   nsdae_sim_observe(j->sim, report_observe, &j->report);
+  dump_begin(&kept, j->sim, &j->settings);
   interrupt_catch();
   report_begin(&j->report, &j->settings, j->sim);
   int status = simulation_run(j->sim, j->settings.t_end, &j->error);
   report_end(&j->report, j->sim);
-  if (status < 0) dump_lcp(j);
+  dump_end(&kept, status);
   return status;
 }
 

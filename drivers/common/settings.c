@@ -21,6 +21,10 @@ static const nsdae_param run_entries[] = {
      offsetof(settings, compress), 0, 0, 9, 0, NULL},
     {"lcp_dump", "", "where the LCP of a failing step goes, for nsdae-lcp", NSDAE_PARAM_TEXT,
      offsetof(settings, lcp_dump), 0, 0, 0, 0, NULL},
+    {"friction_dump", "", "where the contact problem of a step goes, for nsdae-friction",
+     NSDAE_PARAM_TEXT, offsetof(settings, friction_dump), 0, 0, 0, 0, NULL},
+    {"friction_step", "1", "of this step; 0: the last one, done or failed", NSDAE_PARAM_INT,
+     offsetof(settings, friction_step), 0, 0, 1e9, 0, NULL},
 };
 
 const nsdae_params settings_run_table = {run_entries,

@@ -14,6 +14,8 @@ typedef struct settings {
   char restart[NSDAE_PARAM_TEXT_SIZE];  /* "": a new run; else the file that it goes on in */
   int every, compress;                  /* of the trajectory */
   char lcp_dump[NSDAE_PARAM_TEXT_SIZE]; /* "": none */
+  char friction_dump[NSDAE_PARAM_TEXT_SIZE];
+  int friction_step;
   int quiet, live, compare;
   int help, version;
 } settings;

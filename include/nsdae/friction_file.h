@@ -6,7 +6,7 @@
  * and a solution. What FCLIB has no place for stands beside it, where others do not look: the rows
  * of each contact where they differ (vectors/rows), the compliance (vectors/compliance), the sizes
  * of the blocks of v (blocks); and attributes of the root say where a problem comes from: time [s],
- * step, method, tol. */
+ * step, method, tol, refine. */
 #ifndef NSDAE_FRICTION_FILE_H
 #define NSDAE_FRICTION_FILE_H
 
@@ -21,6 +21,7 @@ typedef struct nsdae_friction_origin {
   double time;        /* [s] */
   long step;          /* that it belongs to, from 1 */
   double tol;         /* bound on the residual, > 0 */
+  int refine;         /* as in nsdae_friction_options */
   const char *method; /* its name */
 } nsdae_friction_origin;
 
@@ -37,6 +38,7 @@ typedef struct nsdae_friction_file {
   double *guess;                  /* m: the first guess of the file; NULL where there is none */
   double *r;        /* m: its solution; NULL where there is none. Many files have zeros for one */
   double tol;       /* of the attribute; 0 where there is none */
+  int refine;       /* the same */
   double asymmetry; /* of W, or M, in the file: max |W_ij - W_ji| / max |W_ij|, 0 where that is
                        rounding. Where it is not, problem has (W + W^T) / 2, which is another
                        problem than the file's */

@@ -13,21 +13,22 @@
 /* Newton steps after the solution; rounds of contacts and slides. */
 enum { REFINE = 4, ROUNDS = 500 };
 
-void nsdae_cones_layout(nsdae_cones *s, long columns, long m, nsdae_arena *arena)
+void nsdae_cones_layout(nsdae_cones *s, long contacts, long columns, long m, nsdae_arena *arena)
 {
-  long n = s->most;
+  long n = contacts;
+  s->room = (int)n;
   s->rows = NSDAE_ARENA_INTS(arena, n);
   s->first = NSDAE_ARENA_INTS(arena, n + 1);
   s->block = NSDAE_ARENA_INTS(arena, n * n);
   s->mu = NSDAE_ARENA_DOUBLES(arena, n);
-  s->q = NSDAE_ARENA_DOUBLES(arena, 3 * n);
-  s->W = NSDAE_ARENA_DOUBLES(arena, 9 * n * n);
-  s->r = NSDAE_ARENA_DOUBLES(arena, 3 * n);
-  s->u = NSDAE_ARENA_DOUBLES(arena, 3 * n);
-  s->guess = NSDAE_ARENA_DOUBLES(arena, 3 * n);
-  s->free = NSDAE_ARENA_DOUBLES(arena, n > 0 ? columns : 0);
-  s->held = NSDAE_ARENA_DOUBLES(arena, n > 0 ? columns : 0);
-  s->lambda = NSDAE_ARENA_DOUBLES(arena, n > 0 ? m : 0);
+  s->q = NSDAE_ARENA_DOUBLES(arena, columns);
+  s->W = NSDAE_ARENA_DOUBLES(arena, columns * columns);
+  s->r = NSDAE_ARENA_DOUBLES(arena, columns);
+  s->u = NSDAE_ARENA_DOUBLES(arena, columns);
+  s->guess = NSDAE_ARENA_DOUBLES(arena, columns);
+  s->free = NSDAE_ARENA_DOUBLES(arena, s->most > 0 ? columns : 0);
+  s->held = NSDAE_ARENA_DOUBLES(arena, s->most > 0 ? columns : 0);
+  s->lambda = NSDAE_ARENA_DOUBLES(arena, s->most > 0 ? m : 0);
 }
 
 /* The problem of so many contacts, each of which touches all. */
@@ -214,6 +215,28 @@ int nsdae_cones_solve(nsdae_contacts *c, const double *lambda)
   if (status < 0) return status;
   memcpy(c->lcp.x, s->r, (size_t)contact_columns(c) * sizeof *s->r);
   keep(c);
+  return NSDAE_OK;
+}
+
+/* Of a complementarity problem G and the offset are still there; its velocities are G r + offset.
+ */
+int nsdae_cones_describe(nsdae_contacts *c)
+{
+  nsdae_cones *s = &c->cones;
+  if (nsdae_cones_any(c)) return NSDAE_OK;
+  if (c->slide_count > 0 || c->active_count > s->room) return NSDAE_E_STATE;
+  for (int a = 0; a < c->active_count; a++)
+    if (c->law[c->active[a]].kind == NSDAE_SLIDING) return NSDAE_E_STATE;
+  size_t bytes = (size_t)contact_columns(c) * sizeof *s->q;
+  set_pattern(s, c->active_count);
+  set_values(c);
+  memcpy(s->q, c->delassus.offset, bytes);
+  memcpy(s->r, c->delassus.impulse, bytes);
+  memcpy(s->u, c->delassus.offset, bytes);
+  nsdae_add_product(c->columns, contact_columns(c), c->delassus.G, s->r, s->u);
+  memset(s->guess, 0, bytes);
+  nsdae_friction_options_default(&s->options);
+  s->options.tol = c->lcp.options.tol;
   return NSDAE_OK;
 }
 

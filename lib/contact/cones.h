@@ -20,6 +20,7 @@ struct nsdae_contacts;
 
 typedef struct nsdae_cones {
   int most; /* contacts that a problem may have; 0: no contact of the system has a cone */
+  int room; /* contacts that the arrays are for */
   nsdae_friction_solver *solver;
   nsdae_friction_options options;
   nsdae_friction_info info;
@@ -32,8 +33,9 @@ typedef struct nsdae_cones {
                                      and slides, the slides' impulses, lambda */
 } nsdae_cones;
 
-/* Takes the arrays; most is set before. */
-void nsdae_cones_layout(nsdae_cones *cones, long columns, long m, nsdae_arena *arena);
+/* Takes the arrays for so many contacts and columns; most is set before. */
+void nsdae_cones_layout(nsdae_cones *cones, long contacts, long columns, long m,
+                        nsdae_arena *arena);
 
 /* A solver with memory for the largest problem: NSDAE_OK or NSDAE_E_MEMORY. */
 int nsdae_cones_open(nsdae_cones *cones);
@@ -46,6 +48,11 @@ int nsdae_cones_any(const struct nsdae_contacts *contacts);
  * them into lcp.info; with slides, their impulses and modes into the results too. lambda [m] is
  * that without contacts and slides. NSDAE_OK, NSDAE_E_LCP or NSDAE_E_INFEASIBLE. */
 int nsdae_cones_solve(struct nsdae_contacts *contacts, const double *lambda);
+
+/* The problem that was solved last, whatever the contacts' laws: of those with a cone as it was
+ * solved; of others, which were a complementarity problem, as problem says it. NSDAE_OK; or
+ * NSDAE_E_STATE where there were slides and no cones, or contacts whose direction was known. */
+int nsdae_cones_describe(struct nsdae_contacts *contacts);
 
 /* enum nsdae_mode of the a-th closed contact. */
 int nsdae_cones_mode(const struct nsdae_contacts *contacts, int a);

@@ -93,7 +93,7 @@ void nsdae_contacts_layout(nsdae_contacts *c, nsdae_arena *arena)
   c->map.D_S = NSDAE_ARENA_DOUBLES(arena, f * columns);
   c->map.pivot = NSDAE_ARENA_INTS(arena, f);
   c->slide_row = NSDAE_ARENA_INTS(arena, f + 1);
-  nsdae_cones_layout(&c->cones, columns, dims->m, arena);
+  nsdae_cones_layout(&c->cones, k, columns, dims->m, arena);
   for (int j = 0, count = 0; c->slide && j < dims->f; j++)
     if (c->system->slide[j].mu > 0) c->slide[count++] = j;
 }

@@ -12,6 +12,7 @@ module nsdae_f_friction_file
     real(c_double) :: time = 0       ! [s]
     integer(c_long) :: step = 0      ! that it belongs to, from 1
     real(c_double) :: tol = 1d-10    ! bound on the residual, > 0
+    integer(c_int) :: refine = 0     ! as in nsdae_friction_options
     character(len=32) :: method = ''
   end type
 
@@ -20,6 +21,7 @@ module nsdae_f_friction_file
     real(c_double) :: time
     integer(c_long) :: step
     real(c_double) :: tol
+    integer(c_int) :: refine
     type(c_ptr) :: method
   end type
 
@@ -30,7 +32,9 @@ module nsdae_f_friction_file
   type, bind(C), public :: nsdae_c_friction_file
     type(nsdae_c_friction_problem) :: problem
     type(c_ptr) :: guess, r
-    real(c_double) :: tol, asymmetry
+    real(c_double) :: tol
+    integer(c_int) :: refine
+    real(c_double) :: asymmetry
     type(c_ptr) :: velocity
   end type
 
@@ -40,6 +44,7 @@ module nsdae_f_friction_file
     type(nsdae_friction_problem) :: problem
     real(c_double), pointer, contiguous :: guess(:) => null(), r(:) => null()
     real(c_double) :: tol = 0, asymmetry = 0
+    integer(c_int) :: refine = 0
     integer(c_int), pointer, contiguous :: velocity(:) => null()
     type(nsdae_c_friction_file), private :: held
   end type
@@ -111,7 +116,8 @@ contains
     points = nsdae_c_friction_points(at_guess, at_r, at_u)
     if (present(origin)) then
       call to_chars(origin%method, method)
-      from = nsdae_c_friction_origin(origin%time, origin%step, origin%tol, c_loc(method))
+      from = nsdae_c_friction_origin(origin%time, origin%step, origin%tol, &
+                                     origin%refine, c_loc(method))
       status = c_write(c_path, problem_to_c(problem), points, from, why)
     else
       status = c_write(c_path, problem_to_c(problem), points, error=why)
@@ -138,6 +144,7 @@ contains
     if (c_associated(file%held%velocity)) &
         call c_f_pointer(file%held%velocity, file%velocity, [sum(file%problem%size)])
     file%tol = file%held%tol
+    file%refine = file%held%refine
     file%asymmetry = file%held%asymmetry
   end function
 

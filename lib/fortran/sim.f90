@@ -1,6 +1,7 @@
 ! nsdae/sim.h: integrating a system in time.
 module nsdae_f_sim
   use, intrinsic :: iso_c_binding
+  use nsdae_f_friction
   use nsdae_f_lcp
   use nsdae_f_params
   use nsdae_f_status
@@ -243,12 +244,28 @@ module nsdae_f_sim
     type(nsdae_system) :: system
   end type
 
+  ! The contact problem of a step: options as it was solved, guess where the solver began, r and u
+  ! its end.
+  type, public :: nsdae_step_friction
+    type(nsdae_friction_problem) :: problem
+    type(nsdae_friction_options) :: options
+    real(c_double), pointer, contiguous :: guess(:) => null(), r(:) => null(), u(:) => null()
+  end type
+
+  ! The struct of the C header.
+  type, bind(C), public :: nsdae_c_step_friction
+    type(nsdae_c_friction_problem) :: problem
+    type(nsdae_friction_options) :: options
+    type(c_ptr) :: guess, r, u
+  end type
+
   public :: nsdae_observer_fn, nsdae_interrupt_fn, nsdae_sim_set_interrupt
   public :: nsdae_sim_options_default, nsdae_sim_options_set, nsdae_sim_options_table, &
             nsdae_method_name, nsdae_method_summary, nsdae_sim_create, nsdae_sim_destroy, &
             nsdae_sim_project, nsdae_sim_init, nsdae_sim_observe, nsdae_sim_unobserve, nsdae_sim_step, &
             nsdae_sim_run, nsdae_sim_get_record, nsdae_sim_get_stats, nsdae_sim_get_dims, &
             nsdae_sim_has_potential, nsdae_sim_get_options, nsdae_sim_get_failed_lcp, &
+            nsdae_sim_get_friction, &
             nsdae_sim_error, nsdae_sim_handle, nsdae_sim_get_system, nsdae_sim_state_size, &
             nsdae_sim_get_state, nsdae_sim_set_state, nsdae_sim_run_to_event, &
             nsdae_sim_interpolate, nsdae_sim_set_user, nsdae_sim_set_options, &
@@ -404,6 +421,11 @@ module nsdae_f_sim
       import
       type(c_ptr), value :: sim
       type(nsdae_c_lcp_problem), intent(inout) :: problem
+    end function
+    integer(c_int) function c_get_friction(sim, friction) bind(C, name='nsdae_sim_get_friction')
+      import
+      type(c_ptr), value :: sim
+      type(nsdae_c_step_friction), intent(inout) :: friction
     end function
     type(c_ptr) function c_error(sim) bind(C, name='nsdae_sim_error')
       import
@@ -735,6 +757,24 @@ contains
     b => null()
     status = c_get_failed_lcp(sim%handle, problem)
     if (status == NSDAE_OK) call shape_problem(problem, A, b)
+  end function
+
+  ! The contact problem of the last step of a time-stepping method, with the options it was solved
+  ! with, where the solver began, and its end: the simulation's own arrays, which hold until the next
+  ! step. NSDAE_E_STATE where there was none.
+  integer(c_int) function nsdae_sim_get_friction(sim, friction) result(status)
+    type(nsdae_sim), intent(in) :: sim
+    type(nsdae_step_friction), intent(out) :: friction
+    type(nsdae_c_step_friction) :: c
+    integer :: m
+    status = c_get_friction(sim%handle, c)
+    if (status /= NSDAE_OK) return
+    call problem_from_c(c%problem, friction%problem)
+    friction%options = c%options
+    m = rows_of_problem(friction%problem)
+    call c_f_pointer(c%guess, friction%guess, [m])
+    call c_f_pointer(c%r, friction%r, [m])
+    call c_f_pointer(c%u, friction%u, [m])
   end function
 
   ! The system that it was made of.

@@ -17,7 +17,7 @@ enum { BETWEEN = 20, FEW = 100, WARM = 2000, TRAPPED = 600, MANY = 20000 };
 enum { SMALL = 24 };
 
 /* Newton steps of one attempt, and along a curve with folds. */
-enum { STEPS = 300, FOLDED = 10000 };
+enum { STEPS = 300, FOLDED = 4000 };
 
 /* Newton steps times items that further paths may take, and one curve. */
 static const double WORK = 2e6, CURVE = 3e6;
@@ -149,7 +149,7 @@ static int exhausted(const nsdae_fc_chain *c)
   double most = 0;
   for (int i = 0; i < 3 * c->fc.n; i++)
     most = fmax(most, c->fc.weight[i / 3] * c->fc.rho[i / 3] * fabs(c->best[i]));
-  return c->info.residual <= DBL_EPSILON / 4 * most;
+  return c->info.residual <= fmin(DBL_EPSILON / 4 * most, ROUGH * ROUGH);
 }
 
 static int gauss_seidel(nsdae_fc_chain *c)

@@ -45,6 +45,8 @@ void nsdae_fc_layout(void *object, nsdae_arena *arena)
   const nsdae_friction_problem *p = c->whole->view.p;
   c->local = p->form == NSDAE_FRICTION_LOCAL;
   c->compliant = p->compliance != NULL;
+  c->all_listed =
+      (double)c->whole->view.entries >= (double)c->whole->view.items * c->whole->view.items;
   count(c);
   int n = c->n;
   c->item = NSDAE_ARENA_INTS(arena, n);

@@ -19,6 +19,7 @@ typedef struct nsdae_fc {
   int n, blocks, ny, entries; /* items, blocks of y, entries of y, parts of J */
   int local;                  /* y is r and J is W */
   int compliant;
+  int all_listed; /* of the local form: every pair of items, zeros too */
   size_t values;
   double D_whole; /* D */
   int *item;      /* n: its number in the whole */

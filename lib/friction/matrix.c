@@ -109,7 +109,7 @@ int nsdae_fc_matrix_analyse(nsdae_fc_matrix *m, const nsdae_fc *c)
   size_t used = 0;
   int row, column;
   m->fc = c;
-  m->dense = c->local && (m->dense_always || c->n <= DENSE);
+  m->dense = c->local && (c->all_listed || c->n <= DENSE);
   if (nsdae_arena_fit(&m->memory, lay_out, m) != NSDAE_OK) return NSDAE_E_MEMORY;
   if (m->dense) return NSDAE_OK;
   collect(m);

@@ -4,10 +4,10 @@
 
 #include <nsdae/friction.h>
 
-/* From here on the solver allocates nothing for a problem in the local form that is no larger than
- * this one, which must pass nsdae_friction_check: its equations are solved by dense factorisations,
- * since the analysis of sparse ones takes memory. NSDAE_OK, or status as of nsdae_friction_check.
- */
+/* From here on the solver allocates nothing for a problem in the local form that lists every pair
+ * of its items, as this one does, and is no larger; this one must pass nsdae_friction_check.
+ * Equations of such problems are solved by dense factorisations: the analysis of sparse ones takes
+ * memory. NSDAE_OK, or status as of nsdae_friction_check. */
 int nsdae_fc_reserve(nsdae_friction_solver *solver, const nsdae_friction_problem *largest);
 
 #endif

@@ -95,7 +95,6 @@ static int reserve(nsdae_friction_solver *s)
 int nsdae_fc_reserve(nsdae_friction_solver *s, const nsdae_friction_problem *largest)
 {
   int status = prepare(s, largest, NULL);
-  s->matrix.dense_always = 1;
   for (int island = 0; island < s->whole.islands && status == NSDAE_OK; island++) {
     status = lay_out(s, island);
     if (status != NSDAE_OK) return status;

@@ -320,7 +320,10 @@ static int read_problem(nsdae_h5 *h5, nsdae_friction_file *out)
   if (status == NSDAE_OK)
     status = out->problem.form == NSDAE_FRICTION_LOCAL ? read_local(&r) : read_global(&r);
   if (status == NSDAE_OK) status = read_vectors(&r);
+  double refine = 0;
   if (status == NSDAE_OK) status = nsdae_h5_get_real(h5, h5->file, "tol", &out->tol);
+  if (status == NSDAE_OK) status = nsdae_h5_get_real(h5, h5->file, "refine", &refine);
+  out->refine = refine >= 0 && refine <= 1000 ? (int)refine : 0;
   if (status == NSDAE_OK) finish(&r);
   free(r.rows);
   nsdae_triplets_release(&r.A);

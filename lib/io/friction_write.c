@@ -269,6 +269,7 @@ static int write_origin(nsdae_h5 *h5, const nsdae_friction_origin *origin)
   status = nsdae_h5_set_real(h5, h5->file, "time", origin->time);
   if (status == NSDAE_OK) status = nsdae_h5_set_int(h5, h5->file, "step", (int)origin->step);
   if (status == NSDAE_OK) status = nsdae_h5_set_real(h5, h5->file, "tol", origin->tol);
+  if (status == NSDAE_OK) status = nsdae_h5_set_int(h5, h5->file, "refine", origin->refine);
   if (status == NSDAE_OK && origin->method)
     status = nsdae_h5_set_text(h5, h5->file, "method", origin->method);
   return status;

@@ -24,7 +24,7 @@ program friction_file
   r = 0
   call is_int(nsdae_friction_solve(problem, r, u), NSDAE_OK, 'solved')
   status = nsdae_friction_write(path, problem, r=r, u=u, &
-                                origin=nsdae_friction_origin(0.5d0, 7_c_long, 1d-9, 'moreau'), error=error)
+                                origin=nsdae_friction_origin(0.5d0, 7_c_long, 1d-9, 2, 'moreau'), error=error)
   if (status == NSDAE_E_UNSUPPORTED) stop
   call is_int(status, NSDAE_OK, 'written')
   call is_int(nsdae_friction_read(path, file, error), NSDAE_OK, 'read')
@@ -33,7 +33,7 @@ program friction_file
   call is_true(all(file%problem%w == q) .and. all(file%problem%mu == mu), 'q and mu')
   call is_true(associated(file%r) .and. .not. associated(file%guess), 'points')
   call is_true(all(file%r == r), 'r')
-  call is_true(file%tol == 1d-9 .and. file%asymmetry == 0, 'tol')
+  call is_true(file%tol == 1d-9 .and. file%refine == 2 .and. file%asymmetry == 0, 'tol')
   r = 0
   call is_int(nsdae_friction_solve(file%problem, r, u), NSDAE_OK, 'solved again')
   call is_true(all(r == file%r), 'the same bits')

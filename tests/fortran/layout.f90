@@ -57,6 +57,7 @@ program layout
   call lcp_file_fields
   call friction_problem_fields
   call friction_file_fields
+  call step_friction_fields
   call friction_options_fields
   call friction_info_fields
   ! nothing that C has is missing here
@@ -560,6 +561,7 @@ contains
     call same_size('nsdae_friction_origin', c_sizeof(from))
     call same_place('nsdae_friction_origin%step', c_loc(from), c_loc(from%step))
     call same_place('nsdae_friction_origin%tol', c_loc(from), c_loc(from%tol))
+    call same_place('nsdae_friction_origin%refine', c_loc(from), c_loc(from%refine))
     call same_place('nsdae_friction_origin%method', c_loc(from), c_loc(from%method))
     call same_size('nsdae_friction_points', c_sizeof(points))
     call same_place('nsdae_friction_points%r', c_loc(points), c_loc(points%r))
@@ -568,8 +570,18 @@ contains
     call same_place('nsdae_friction_file%guess', c_loc(x), c_loc(x%guess))
     call same_place('nsdae_friction_file%r', c_loc(x), c_loc(x%r))
     call same_place('nsdae_friction_file%tol', c_loc(x), c_loc(x%tol))
+    call same_place('nsdae_friction_file%refine', c_loc(x), c_loc(x%refine))
     call same_place('nsdae_friction_file%asymmetry', c_loc(x), c_loc(x%asymmetry))
     call same_place('nsdae_friction_file%velocity', c_loc(x), c_loc(x%velocity))
+  end subroutine
+
+  subroutine step_friction_fields()
+    type(nsdae_c_step_friction), target :: x
+    call same_size('nsdae_step_friction', c_sizeof(x))
+    call same_place('nsdae_step_friction%options', c_loc(x), c_loc(x%options))
+    call same_place('nsdae_step_friction%guess', c_loc(x), c_loc(x%guess))
+    call same_place('nsdae_step_friction%r', c_loc(x), c_loc(x%r))
+    call same_place('nsdae_step_friction%u', c_loc(x), c_loc(x%u))
   end subroutine
 
   subroutine friction_options_fields()

@@ -297,12 +297,31 @@ contains
     type(bead), target :: bb
     type(nsdae_system) :: system
     type(nsdae_sim) :: sim
+    type(nsdae_step_friction) :: friction
     real(c_double), pointer :: step_A(:, :), step_b(:)
+    real(c_double), allocatable :: r(:), u(:)
+    real(c_double) :: q0(3), v0(3)
+    integer :: step, status
+    call bead_start(bb, q0, v0)
     call is_int(nsdae_sim_get_failed_lcp(sim, step_A, step_b), NSDAE_E_ARGUMENT, 'no simulation')
     call is_int(bead_system(bb, system), NSDAE_OK, 'the bead')
     call is_int(nsdae_sim_create(system, sim), NSDAE_OK, 'create')
     call is_int(nsdae_sim_get_failed_lcp(sim, step_A, step_b), NSDAE_E_STATE, 'no failed step')
     call is_true(.not. associated(step_A) .and. .not. associated(step_b), 'nothing to see')
+    call is_int(nsdae_sim_get_friction(sim, friction), NSDAE_E_STATE, 'not started')
+    call is_int(nsdae_sim_init(sim, 0d0, q0, v0), NSDAE_OK, 'init')
+    status = NSDAE_E_STATE
+    do step = 1, 400
+      call is_int(nsdae_sim_step(sim), NSDAE_OK, 'step')
+      status = nsdae_sim_get_friction(sim, friction)
+      if (status == NSDAE_OK) exit
+    end do
+    call is_int(status, NSDAE_OK, 'a step with a contact')
+    call is_int(friction%problem%contacts, 1, 'its contact')
+    allocate (r(size(friction%r)), u(size(friction%r)))
+    r = 0
+    call is_int(nsdae_friction_solve(friction%problem, r, u, friction%options), NSDAE_OK, 'again')
+    call is_true(maxval(abs(r - friction%r)) <= 1d-9 * maxval(abs(friction%r)), 'the same impulses')
     call nsdae_sim_destroy(sim)
     call nsdae_system_destroy(system)
   end subroutine

@@ -43,6 +43,26 @@ gives() {
   IFS=$oldifs
 }
 
+# the problem of any step of an example, solved again from where its step began: the same bits
+bin=$(dirname "$friction")
+"$bin/nsdae-rolling-ball" --quiet --no-output --t-end 0.05 --dt 0.001 --method moreau \
+  --set friction_dump=ball.h5 --set friction_step=20 || complain "no dump of the ball"
+gives 0 'outcome: solved;form: local;contacts: 1;tol: 1e-10' --output again.h5 ball.h5
+for at in r u; do
+  h5dump -d /solution/$at -b LE -o then.bin ball.h5 >/dev/null || complain "no $at in ball.h5"
+  h5dump -d /solution/$at -b LE -o now.bin again.h5 >/dev/null || complain "no $at in again.h5"
+  [ -s then.bin ] && cmp then.bin now.bin || complain "another $at than the step's"
+done
+h5dump -a step ball.h5 | grep -q '(0): 20$' || complain "not step 20"
+# that of a planar step, which was a complementarity problem: the same impulses but for the tolerance
+"$bin/nsdae-woodpecker" --no-output --t-end 0.3 --method moreau --set friction_dump=bird.h5 >out ||
+  complain "no dump of the woodpecker: $(cat out)"
+if grep -q 'bird.h5: nsdae-friction' out; then gives 0 'outcome: solved;form: local' bird.h5; fi
+# where there is none that is said, and the run goes on
+"$bin/nsdae-bouncing-ball" --quiet --no-output --t-end 0.1 --set friction_dump=no.h5 2>err ||
+  complain "the ball's run"
+grep -q 'friction_dump: step .* has no problem' err && [ ! -e no.h5 ] || complain "no.h5: $(cat err)"
+
 # spheres of 60 contacts or so, global and local
 "$write" spheres.h5 local.h5 || complain "no sample"
 gives 0 'outcome: solved;form: global;tol: 1e-10' spheres.h5

@@ -83,7 +83,8 @@ static void there_and_back(const nsdae_friction_problem *p)
   double *r = calloc(4 * m + 1, sizeof *r), *u = r + m, *x = u + m, *y = x + m;
   for (size_t i = 0; i < m; i++) r[i] = 0.5 + (double)i;
   const nsdae_friction_points points = {.guess = r, .r = r, .u = r};
-  const nsdae_friction_origin origin = {.time = 0.25, .step = 3, .tol = 1e-9, .method = "moreau"};
+  const nsdae_friction_origin origin = {
+      .time = 0.25, .step = 3, .tol = 1e-9, .refine = 2, .method = "moreau"};
   int status = nsdae_friction_write(path, p, &points, &origin, &error);
   if (status < 0) fail_msg("%s", error.text);
   status = nsdae_friction_read(path, &file, &error);
@@ -91,7 +92,7 @@ static void there_and_back(const nsdae_friction_problem *p)
   same_problem(p, &file.problem);
   same_reals(m, r, file.guess);
   same_reals(m, r, file.r);
-  assert_true(file.tol == 1e-9 && file.asymmetry == 0);
+  assert_true(file.tol == 1e-9 && file.refine == 2 && file.asymmetry == 0);
   memcpy(x, r, m * sizeof *x);
   status = nsdae_friction_solve(p, NULL, r, u, &first);
   assert_int_equal(nsdae_friction_solve(&file.problem, NULL, x, y, &second), status);

@@ -1,0 +1,17 @@
+/* The problem of a step into a file, so that it can be looked at without the model. */
+#ifndef NSDAE_DRIVER_DUMP_H
+#define NSDAE_DRIVER_DUMP_H
+
+#include "settings.h"
+
+typedef struct dump {
+  nsdae_sim *sim;
+  const settings *settings;
+} dump;
+
+/* Before the run: looks out for the step that was asked for. After it: the last or the failed one.
+ * A file that cannot be written is told, and does not end the run. */
+void dump_begin(dump *d, nsdae_sim *sim, const settings *s);
+void dump_end(dump *d, int status);
+
+#endif
