@@ -8,7 +8,7 @@
 
 #include "hdf5_data.h"
 
-enum { NSDAE_CHECKPOINT_TABLES = 3 };
+enum { NSDAE_CHECKPOINT_TABLES = 4 };
 
 typedef struct nsdae_checkpoint {
   hid_t set;            /* < 0: none */
