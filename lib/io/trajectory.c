@@ -619,6 +619,7 @@ static int flush_last(nsdae_trajectory *t)
   if (status == NSDAE_OK) status = flush(t, NSDAE_SERIES_ALL);
   if (status == NSDAE_OK)
     status = write_state(t); /* both places: the same bytes whenever the flushes were */
+  if (status == NSDAE_OK) status = nsdae_checkpoint_trim(&t->checkpoint, &t->h5);
   for (int i = 0; i < TABLES && status == NSDAE_OK && t->resumed; i++)
     if (nsdae_series_exists(&t->series[i])) status = nsdae_series_cut(&t->series[i], &t->h5);
   return status;
