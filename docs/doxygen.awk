@@ -50,9 +50,9 @@ function finish(out) {
 # what a generator or the formatter is told
 /^ *\/\* (callbacks\.list: [a-z_]+|clang-format (on|off)) \*\/$/ { next }
 
-/^#define NSDAE_CALLBACK/ { undocumented = 1 }
+/^#define NSDAE_(CALLBACK|OWN)/ { undocumented = 1 }
 undocumented { undocumented = /\\$/; next }
-/^#undef NSDAE_CALLBACK/ { next }
+/^#undef NSDAE_(CALLBACK|OWN)|^  NSDAE_OWN\(/ { next }
 
 # what nsdae.hpp has for itself
 /^namespace detail/ { private = 1 }

@@ -164,6 +164,7 @@ struct bodies_guts {
   nsdae_bodies *c = nullptr;
   std::list<drive> drives;
   std::list<load> loads;
+  std::shared_ptr<system_guts> own; /* callbacks alone */
 
   bodies_guts() = default;
   bodies_guts(const bodies_guts &) = delete;
@@ -522,6 +523,48 @@ private:
   }
 };
 
+/* nsdae_own: coordinates and rows of one's own beside bodies. Its callbacks are those of system. */
+class own
+{
+public:
+  /* Of these sizes, one's own alone. */
+  explicit own(const nsdae_dims &dims)
+      : c_(nsdae_own()), guts_(std::make_shared<detail::system_guts>())
+  {
+    c_.dims = dims;
+    c_.user = guts_.get();
+  }
+
+#define NSDAE_OWN(name)                                                                            \
+  template <class F> own &name(F f)                                                                \
+  {                                                                                                \
+    typedef decltype(detail::system_guts::name) callback;                                          \
+    guts_->name = callback(std::move(f));                                                          \
+    c_.name =                                                                                      \
+        detail::trampoline<decltype(&detail::system_guts::name), &detail::system_guts::name>::run; \
+    return *this;                                                                                  \
+  }
+  NSDAE_OWN(mass)
+  NSDAE_OWN(force)
+  NSDAE_OWN(constraint)
+  NSDAE_OWN(constraint_jacobian)
+  NSDAE_OWN(constraint_bias)
+  NSDAE_OWN(gap)
+  NSDAE_OWN(gap_normal)
+  NSDAE_OWN(gap_tangent)
+  NSDAE_OWN(contact_bias)
+  NSDAE_OWN(contact_acceleration)
+  NSDAE_OWN(slide_tangent)
+  NSDAE_OWN(kinematics)
+  NSDAE_OWN(potential)
+#undef NSDAE_OWN
+
+private:
+  friend class bodies;
+  nsdae_own c_;
+  std::shared_ptr<detail::system_guts> guts_;
+};
+
 /* nsdae_bodies: members that add something return its number, or throw. A copy is the same
  * mechanism. */
 class bodies
@@ -583,6 +626,14 @@ public:
   {
     const double g[3] = {x, y, z};
     demand(nsdae_bodies_set_gravity(c(), g));
+    return *this;
+  }
+
+  /* nsdae_bodies_set_own. */
+  bodies &own(const nsdae::own &part)
+  {
+    demand(nsdae_bodies_set_own(c(), &part.c_));
+    guts_->own = part.guts_;
     return *this;
   }
 

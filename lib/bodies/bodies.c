@@ -267,12 +267,14 @@ void nsdae_bodies_scatter(const nsdae_bodies *b, const int *body, const nsdae_po
 int nsdae_bodies_get_dims(const nsdae_bodies *b, nsdae_dims *dims)
 {
   if (!b || !dims) return NSDAE_E_ARGUMENT;
-  *dims = (nsdae_dims){.nq = b->body.count * nsdae_body_nq(b),
-                       .nv = b->body.count * nsdae_body_nv(b),
-                       .m = b->element.count,
-                       .k = b->feature.count,
-                       .nt = b->feature.count > 0 ? b->dimension - 1 : 0,
-                       .f = b->slide.count};
+  const nsdae_dims *own = &b->own.dims;
+  int k = b->feature.count + own->k;
+  *dims = (nsdae_dims){.nq = b->body.count * nsdae_body_nq(b) + own->nq,
+                       .nv = b->body.count * nsdae_body_nv(b) + own->nv,
+                       .m = b->element.count + own->m,
+                       .k = k,
+                       .nt = k > 0 ? b->dimension - 1 : 0,
+                       .f = b->slide.count + own->f};
   return NSDAE_OK;
 }
 
@@ -281,6 +283,8 @@ int nsdae_bodies_get_start(const nsdae_bodies *b, double *q, double *v)
   if (!b || !q || !v) return NSDAE_E_ARGUMENT;
   for (int i = 0; i < b->body.count; i++)
     start(b, i, q + i * nsdae_body_nq(b), v + i * nsdae_body_nv(b));
+  for (int i = 0; i < b->own.dims.nq; i++) q[b->body.count * nsdae_body_nq(b) + i] = 0;
+  for (int i = 0; i < b->own.dims.nv; i++) v[b->body.count * nsdae_body_nv(b) + i] = 0;
   return NSDAE_OK;
 }
 
@@ -301,7 +305,7 @@ int nsdae_bodies_system(nsdae_bodies *b, nsdae_system **system)
   if (system) *system = NULL;
   int status = nsdae_bodies_open(b, system, "system");
   if (status < 0) return status;
-  if (b->body.count == 0)
+  if (b->body.count + b->own.dims.nq == 0)
     return nsdae_error_set(&b->error, NSDAE_E_STATE, "nsdae_bodies_system", "body",
                            "there is no body: call nsdae_bodies_add first");
   nsdae_bodies_get_dims(b, &dims);

@@ -1,5 +1,6 @@
 /* What a mechanism is made of: bodies in order, and for each row of constraints, contacts and
- * slides what gives it. Filled by bodies.c, joint.c, solid.c and load.c, read by callbacks.c. */
+ * slides what gives it. Filled by bodies.c, joint.c, solid.c and load.c, read by callbacks.c,
+ * constraints.c and contacts.c. */
 #ifndef NSDAE_BODIES_WORLD_H
 #define NSDAE_BODIES_WORLD_H
 
@@ -55,6 +56,7 @@ struct nsdae_bodies {
   nsdae_list torsion; /* nsdae_bodies_torsion */
   nsdae_list load;    /* nsdae_load */
   int joints;         /* added so far */
+  nsdae_own own;      /* beside the bodies; nv filled in */
 };
 
 static inline const nsdae_rigid_body *nsdae_body_at(const nsdae_bodies *b, int i)
@@ -114,7 +116,14 @@ double nsdae_bodies_energy(const nsdae_bodies *bodies, const double *q);
 /* Adds to the system what files of its trajectories show. */
 int nsdae_bodies_show(const nsdae_bodies *bodies, nsdae_system *system);
 
-/* Sets every callback and coefficient. */
+/* An element where it is: the poses of its bodies and its value; 0 or what a drive returned. */
+int nsdae_bodies_element(const nsdae_bodies *bodies, const nsdae_element *element, double t,
+                         const double *q, const double *v, nsdae_pose pose[2],
+                         nsdae_element_value *value);
+
+/* Sets every callback and coefficient; those of constraints and slides, and of contacts. */
 int nsdae_bodies_set_callbacks(nsdae_bodies *bodies, nsdae_system *system);
+int nsdae_bodies_set_constraints(const nsdae_bodies *bodies, nsdae_system *system);
+int nsdae_bodies_set_contacts(const nsdae_bodies *bodies, nsdae_system *system);
 
 #endif

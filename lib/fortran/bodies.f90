@@ -92,6 +92,27 @@ module nsdae_f_bodies
     real(c_double) :: rest = 0  ! angle without torque
   end type
 
+  ! Coordinates and rows of one's own beside the bodies: the comment of the C header says how they
+  ! follow those of the bodies. Callbacks are interoperable procedures (c_funloc) with the arguments
+  ! of the types of nsdae/system.h, arrays of assumed size.
+  type, bind(C), public :: nsdae_own
+    type(nsdae_dims) :: dims = nsdae_dims(0, 0, 0, 0, 0, 0)  ! one's own alone
+    type(c_funptr) :: mass = c_null_funptr
+    type(c_funptr) :: force = c_null_funptr
+    type(c_funptr) :: constraint = c_null_funptr
+    type(c_funptr) :: constraint_jacobian = c_null_funptr
+    type(c_funptr) :: constraint_bias = c_null_funptr
+    type(c_funptr) :: gap = c_null_funptr
+    type(c_funptr) :: gap_normal = c_null_funptr
+    type(c_funptr) :: gap_tangent = c_null_funptr
+    type(c_funptr) :: contact_bias = c_null_funptr
+    type(c_funptr) :: contact_acceleration = c_null_funptr
+    type(c_funptr) :: slide_tangent = c_null_funptr
+    type(c_funptr) :: kinematics = c_null_funptr
+    type(c_funptr) :: potential = c_null_funptr
+    type(c_ptr) :: user = c_null_ptr
+  end type
+
   ! A mechanism; nothing until nsdae_bodies_create. Copies are the same mechanism.
   type, public :: nsdae_bodies
     private
@@ -120,7 +141,7 @@ module nsdae_f_bodies
   public :: nsdae_bodies_create, nsdae_bodies_destroy, nsdae_bodies_add, nsdae_bodies_add_joint, &
             nsdae_bodies_add_spring, nsdae_bodies_add_torsion, nsdae_bodies_add_load, &
             nsdae_bodies_add_solid, nsdae_bodies_add_contact, nsdae_bodies_set_gravity, &
-            nsdae_bodies_system, nsdae_bodies_get_dims, nsdae_bodies_get_start, &
+            nsdae_bodies_set_own, nsdae_bodies_system, nsdae_bodies_get_dims, nsdae_bodies_get_start, &
             nsdae_bodies_locate, nsdae_bodies_error, nsdae_solid_inertia
 
   interface
@@ -180,6 +201,11 @@ module nsdae_f_bodies
       import
       type(c_ptr), value :: bodies
       real(c_double), intent(in) :: gravity(3)
+    end function
+    integer(c_int) function c_set_own(bodies, own) bind(C, name='nsdae_bodies_set_own')
+      import
+      type(c_ptr), value :: bodies
+      type(nsdae_own), intent(in) :: own
     end function
     integer(c_int) function c_system(bodies, system) bind(C, name='nsdae_bodies_system')
       import
@@ -295,6 +321,14 @@ contains
     type(nsdae_bodies), intent(in) :: bodies
     real(c_double), intent(in) :: gravity(3)
     status = c_set_gravity(bodies%handle, gravity)
+  end function
+
+  ! Coordinates and rows of one's own beside the bodies, once. NSDAE_E_ARGUMENT: the text names a
+  ! callback that is missing, or that nothing calls; NSDAE_E_STATE.
+  integer(c_int) function nsdae_bodies_set_own(bodies, own) result(status)
+    type(nsdae_bodies), intent(in) :: bodies
+    type(nsdae_own), intent(in) :: own
+    status = c_set_own(bodies%handle, own)
   end function
 
   ! The system of it all; the first failure of any call before. bodies must outlive it.

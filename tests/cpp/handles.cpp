@@ -388,6 +388,48 @@ void test_check()
 
 } // namespace
 
+/* A body of 2 kg hangs on a rope around a drum of 0.5 kg m^2 and 1 m that is written by hand: it
+ * falls with 2 g / (2 + 0.5), and an exception of the drum comes out of the run. */
+static void test_own()
+{
+  nsdae::bodies world(2);
+  nsdae_rigid_body body = nsdae_rigid_body();
+  body.mass = 2;
+  body.inertia[2] = 1;
+  world.gravity(0, -10);
+  world.add(body);
+  nsdae_dims dims = nsdae_dims();
+  dims.nq = dims.m = 1;
+  bool broken = false;
+  nsdae::own drum(dims);
+  drum.mass([](double, const double *, double *M, int) { M[0] = 0.5; })
+      .constraint([](double, const double *q, double *phi) { phi[0] = q[1] + q[3]; })
+      .constraint_jacobian(
+          [](double, const double *, double *J, int ldj) { J[ldj] = J[3 * ldj] = 1; })
+      .constraint_bias(
+          [&broken](double, const double *, const double *, double *phi_t, double *omega) {
+            if (broken) throw std::runtime_error("broken");
+            phi_t[0] = omega[0] = 0;
+          });
+  world.own(drum);
+  nsdae::system made = world.system();
+  EXPECT(throws_status(NSDAE_E_STATE, [&] { world.own(drum); }));
+  drum = nsdae::own(dims); /* the world has its own copy */
+  nsdae::sim sim(made);
+  sim.init(0, world.start().first, world.start().second);
+  sim.run(1);
+  EXPECT(std::fabs(sim.record().q[1] + 4) < 1e-12 && std::fabs(sim.record().q[3] - 4) < 1e-12);
+  broken = true;
+  bool thrown = false;
+  try {
+    sim.run(2);
+  } catch (const std::runtime_error &e) {
+    thrown = std::string(e.what()) == "broken";
+  }
+  EXPECT(thrown);
+  EXPECT(throws_status(NSDAE_E_ARGUMENT, [&] { nsdae::bodies(2).own(drum); }));
+}
+
 /* A ball on a string against the ground, described by bodies: what C throws away comes as an
  * exception, what a load throws comes out of the run, and the system keeps its world. */
 static void test_bodies()
@@ -469,6 +511,7 @@ int main(int argc, char **argv)
   test_trajectory(argc > 1 ? argv[1] : "handles.h5");
   test_check();
   test_bodies();
+  test_own();
   test_drive();
   std::printf("%d failures\n", failures);
   return failures ? EXIT_FAILURE : EXIT_SUCCESS;

@@ -24,6 +24,37 @@ contains
     carrying = 0
   end function
 
+  ! A drum of one's own with the rope that carries body 0: rows over all velocities.
+  integer(c_int) function drum_mass(t, q, M, ldm, user) bind(C)
+    real(c_double), value :: t
+    real(c_double), intent(in) :: q(*)
+    integer(c_int), value :: ldm
+    real(c_double), intent(inout) :: M(ldm, *)
+    type(c_ptr), value :: user
+    M(1, 1) = 0.5d0
+    drum_mass = 0
+  end function
+
+  integer(c_int) function rope(t, q, phi, user) bind(C)
+    real(c_double), value :: t
+    real(c_double), intent(in) :: q(*)
+    real(c_double), intent(inout) :: phi(*)
+    type(c_ptr), value :: user
+    phi(1) = q(2) + q(4)
+    rope = 0
+  end function
+
+  integer(c_int) function rope_jacobian(t, q, J, ldj, user) bind(C)
+    real(c_double), value :: t
+    real(c_double), intent(in) :: q(*)
+    integer(c_int), value :: ldj
+    real(c_double), intent(inout) :: J(ldj, *)
+    type(c_ptr), value :: user
+    J(1, 2) = 1
+    J(1, 4) = 1
+    rope_jacobian = 0
+  end function
+
 end module
 
 ! The kit from Fortran: a driven crank turns as it is told, a carried body stays, a box rests on the
@@ -37,6 +68,7 @@ program mechanism
   call driven_crank
   call carried_body
   call box_on_floor
+  call rope_on_drum
   call refused
   call check_done
 
@@ -133,6 +165,37 @@ contains
     call is_true(all(record%v == 0), 'a box at rest has no velocity at all')
     call nsdae_sim_destroy(sim)
     call nsdae_system_destroy(system)
+    call nsdae_bodies_destroy(bodies)
+  end subroutine
+
+  ! 2 kg on a drum of 0.5 kg m^2 and 1 m fall with 2 g / 2.5.
+  subroutine rope_on_drum()
+    type(nsdae_bodies) :: bodies
+    type(nsdae_rigid_body) :: body
+    type(nsdae_own) :: drum
+    type(nsdae_system) :: system
+    type(nsdae_sim) :: sim
+    type(nsdae_record) :: record
+    call is_int(nsdae_bodies_create(2_c_int, bodies), NSDAE_OK, 'create')
+    body%mass = 2
+    body%inertia = 1
+    call is_int(nsdae_bodies_set_gravity(bodies, [0d0, -10d0, 0d0]), NSDAE_OK, 'gravity')
+    call is_int(nsdae_bodies_add(bodies, body), 0_c_int, 'body')
+    drum%dims = nsdae_dims(nq=1, nv=1, m=1, k=0, nt=0, f=0)
+    drum%mass = c_funloc(drum_mass)
+    drum%constraint = c_funloc(rope)
+    drum%constraint_jacobian = c_funloc(rope_jacobian)
+    call is_int(nsdae_bodies_set_own(bodies, drum), NSDAE_OK, 'own')
+    call start(bodies, system, sim)
+    call is_int(nsdae_sim_run(sim, 1d0), NSDAE_OK, 'run')
+    call is_int(nsdae_sim_get_record(sim, record), NSDAE_OK, 'record')
+    call is_true(abs(record%q(2) + 4) < 1d-9 .and. abs(record%q(4) - 4) < 1d-9, 'both fall and turn')
+    call nsdae_sim_destroy(sim)
+    call nsdae_system_destroy(system)
+    call nsdae_bodies_destroy(bodies)
+    call is_int(nsdae_bodies_create(2_c_int, bodies), NSDAE_OK, 'create')
+    drum%mass = c_null_funptr
+    call is_int(nsdae_bodies_set_own(bodies, drum), NSDAE_E_ARGUMENT, 'no mass')
     call nsdae_bodies_destroy(bodies)
   end subroutine
 

@@ -47,6 +47,7 @@ program layout
   call torsion_fields
   call trajectory_info_fields
   call body_fields
+  call own_fields
   call lcp_problem_fields
   call lcp_options_fields
   call lcp_info_fields
@@ -410,6 +411,25 @@ contains
     call same_place('nsdae_torsion%stiffness', c_loc(x), c_loc(x%stiffness))
     call same_place('nsdae_torsion%damping', c_loc(x), c_loc(x%damping))
     call same_place('nsdae_torsion%rest', c_loc(x), c_loc(x%rest))
+  end subroutine
+
+  subroutine own_fields()
+    type(nsdae_own), target :: x
+    call same_size('nsdae_own', c_sizeof(x))
+    call same_place('nsdae_own%mass', c_loc(x), c_loc(x%mass))
+    call same_place('nsdae_own%force', c_loc(x), c_loc(x%force))
+    call same_place('nsdae_own%constraint', c_loc(x), c_loc(x%constraint))
+    call same_place('nsdae_own%constraint_jacobian', c_loc(x), c_loc(x%constraint_jacobian))
+    call same_place('nsdae_own%constraint_bias', c_loc(x), c_loc(x%constraint_bias))
+    call same_place('nsdae_own%gap', c_loc(x), c_loc(x%gap))
+    call same_place('nsdae_own%gap_normal', c_loc(x), c_loc(x%gap_normal))
+    call same_place('nsdae_own%gap_tangent', c_loc(x), c_loc(x%gap_tangent))
+    call same_place('nsdae_own%contact_bias', c_loc(x), c_loc(x%contact_bias))
+    call same_place('nsdae_own%contact_acceleration', c_loc(x), c_loc(x%contact_acceleration))
+    call same_place('nsdae_own%slide_tangent', c_loc(x), c_loc(x%slide_tangent))
+    call same_place('nsdae_own%kinematics', c_loc(x), c_loc(x%kinematics))
+    call same_place('nsdae_own%potential', c_loc(x), c_loc(x%potential))
+    call same_place('nsdae_own%user', c_loc(x), c_loc(x%user))
   end subroutine
 
   subroutine trajectory_info_fields()

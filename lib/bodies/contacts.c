@@ -1,0 +1,188 @@
+/* Contacts as callbacks: each walks the features; contacts of one's own follow. */
+#include "world.h"
+
+static const nsdae_feature *feature_of(const nsdae_bodies *b, int i)
+{
+  return (const nsdae_feature *)b->feature.at + i;
+}
+
+/* Two solids with the poses of their bodies. */
+typedef struct couple {
+  int solid[2], body[2];
+  nsdae_pose pose[2];
+} couple;
+
+enum { NO_SOLID = -1 };
+
+/* The contact of feature i. A couple that is the last feature's is kept: two boxes have 160. */
+static nsdae_touch touch_at(const nsdae_bodies *b, int i, const double *q, const double *v,
+                            couple *c)
+{
+  const nsdae_feature *f = feature_of(b, i);
+  const nsdae_solid_of *solid = b->solid.at;
+  for (int j = 0; j < 2; j++) {
+    if (c->solid[j] == f->solid[j]) continue;
+    c->solid[j] = f->solid[j];
+    c->body[j] = solid[f->solid[j]].body;
+    c->pose[j] = nsdae_bodies_pose(b, c->body[j], q, v);
+  }
+  return nsdae_feature_touch(f, &solid[f->solid[0]], &solid[f->solid[1]], &c->pose[0], &c->pose[1]);
+}
+
+static int gap(double t, const double *q, double *g, void *user)
+{
+  const nsdae_bodies *b = user;
+  const nsdae_own *own = &b->own;
+  couple c = {.solid = {NO_SOLID, NO_SOLID}};
+  for (int i = 0; i < b->feature.count; i++) g[i] = touch_at(b, i, q, NULL, &c).gap.x;
+  return own->gap ? own->gap(t, q, g + b->feature.count, own->user) : 0;
+}
+
+/* The row of n . xi or t . xi, into a column. */
+static void put_column(const nsdae_bodies *b, const nsdae_touch *touch, const couple *c,
+                       nsdae_jet3 direction, double *column)
+{
+  double x[2][3], n[3];
+  for (int i = 0; i < 3; i++) {
+    x[0][i] = touch->at[0].at[i].x;
+    x[1][i] = touch->at[1].at[i].x;
+    n[i] = direction.at[i].x;
+  }
+  nsdae_velocity_row row = nsdae_relative_row(&c->pose[0], &c->pose[1], x[0], x[1], n);
+  nsdae_bodies_scatter(b, c->body, &c->pose[0], &c->pose[1], &row, 1, column, 1);
+}
+
+static int gap_normal(double t, const double *q, double *W, int ldw, void *user)
+{
+  const nsdae_bodies *b = user;
+  const nsdae_own *own = &b->own;
+  couple c = {.solid = {NO_SOLID, NO_SOLID}};
+  for (int i = 0; i < b->feature.count; i++) {
+    nsdae_touch touch = touch_at(b, i, q, NULL, &c);
+    if (!touch.far) put_column(b, &touch, &c, touch.normal, W + (size_t)i * (size_t)ldw);
+  }
+  W += (size_t)b->feature.count * (size_t)ldw;
+  return own->gap_normal ? own->gap_normal(t, q, W, ldw, own->user) : 0;
+}
+
+/* t_1 (and in space t_2 = n x t_1) at right angles to n: in the plane n turned to the left, in
+ * space e x n of the coordinate axis e that n is least along. */
+static void tangents(int dimension, nsdae_jet3 n, nsdae_jet3 t[2])
+{
+  double e[3] = {0, 0, 0};
+  int least = 2;
+  for (int i = 0; i < 3 && dimension == 3; i++)
+    if (fabs(n.at[i].x) < fabs(n.at[least].x)) least = i;
+  e[least] = 1;
+  t[0] = nsdae_jet3_cross(nsdae_jet3_of(e), n);
+  t[0] = nsdae_jet3_times(nsdae_jet_inverse(nsdae_jet3_length(t[0])), t[0]);
+  t[1] = nsdae_jet3_cross(n, t[0]);
+}
+
+static int gap_tangent(double t, const double *q, double *W, int ldw, void *user)
+{
+  const nsdae_bodies *b = user;
+  const nsdae_own *own = &b->own;
+  int nt = b->dimension - 1;
+  couple c = {.solid = {NO_SOLID, NO_SOLID}};
+  for (int i = 0; i < b->feature.count; i++) {
+    nsdae_touch touch = touch_at(b, i, q, NULL, &c);
+    nsdae_jet3 direction[2];
+    tangents(b->dimension, touch.normal, direction);
+    for (int j = 0; j < nt; j++)
+      put_column(b, &touch, &c, direction[j],
+                 W + ((size_t)i * (size_t)nt + (size_t)j) * (size_t)ldw);
+  }
+  W += (size_t)b->feature.count * (size_t)nt * (size_t)ldw;
+  return own->gap_tangent ? own->gap_tangent(t, q, W, ldw, own->user) : 0;
+}
+
+/* Solids move with their bodies alone: their part stays zero. */
+static int contact_bias(double t, const double *q, double *w_n, double *w_t, void *user)
+{
+  const nsdae_bodies *b = user;
+  const nsdae_own *own = &b->own;
+  int k = b->feature.count, nt = b->dimension - 1;
+  return own->contact_bias ? own->contact_bias(t, q, w_n + k, w_t + k * nt, own->user) : 0;
+}
+
+/* xi, and its rate with v' = 0: see feature.h. */
+static nsdae_jet3 relative_velocity(const nsdae_touch *touch, const nsdae_pose pose[2])
+{
+  nsdae_jet3 xi = {{{0, 0, 0}}};
+  for (int i = 0; i < 2; i++) {
+    double arm[3], wander[3], turning[3], rate[3], sign = i ? 1 : -1;
+    for (int j = 0; j < 3; j++) arm[j] = touch->at[i].at[j].x - pose[i].r[j];
+    nsdae_cross3(pose[i].w, arm, turning);
+    for (int j = 0; j < 3; j++) wander[j] = touch->at[i].at[j].d - pose[i].v[j];
+    nsdae_cross3(pose[i].w, wander, rate);
+    for (int j = 0; j < 3; j++) {
+      xi.at[j].x += sign * (pose[i].v[j] + turning[j]);
+      xi.at[j].d += sign * rate[j];
+    }
+  }
+  return xi;
+}
+
+/* Of the slides: their coordinates' second rates. */
+static void slide_acceleration(const nsdae_bodies *b, double t, const double *q, const double *v,
+                               double *omega_s)
+{
+  for (int i = 0; i < b->slide.count; i++) {
+    nsdae_element_value value;
+    nsdae_pose pose[2];
+    const nsdae_element *e = &((const nsdae_bodies_slide *)b->slide.at + i)->along;
+    nsdae_bodies_element(b, e, t, q, v, pose, &value);
+    omega_s[i] = value.phi.dd;
+  }
+}
+
+static int contact_acceleration(double t, const double *q, const double *v, double *omega_n,
+                                double *omega_t, double *omega_s, void *user)
+{
+  const nsdae_bodies *b = user;
+  const nsdae_own *own = &b->own;
+  int k = b->feature.count, f = b->slide.count, nt = b->dimension - 1;
+  couple c = {.solid = {NO_SOLID, NO_SOLID}};
+  for (int i = 0; i < k; i++) {
+    nsdae_touch touch = touch_at(b, i, q, v, &c);
+    nsdae_jet3 direction[2];
+    omega_n[i] = touch.gap.dd;
+    tangents(b->dimension, touch.normal, direction);
+    nsdae_jet3 xi = relative_velocity(&touch, c.pose);
+    for (int j = 0; j < nt; j++) omega_t[i * nt + j] = nsdae_jet3_dot(direction[j], xi).d;
+  }
+  slide_acceleration(b, t, q, v, omega_s);
+  if (!own->contact_acceleration) return 0;
+  int some = own->dims.k > 0;
+  return own->contact_acceleration(t, q, v, some ? omega_n + k : NULL,
+                                   some ? omega_t + k * nt : NULL,
+                                   own->dims.f > 0 ? omega_s + f : NULL, own->user);
+}
+
+static int set_coefficients(const nsdae_bodies *b, nsdae_system *system)
+{
+  int status = NSDAE_OK;
+  for (int i = 0; i < b->feature.count && status == NSDAE_OK; i++) {
+    const nsdae_feature *f = feature_of(b, i);
+    status = nsdae_system_set_contact(system, i, f->mu, f->e_n, f->e_t);
+  }
+  return status;
+}
+
+int nsdae_bodies_set_contacts(const nsdae_bodies *b, nsdae_system *system)
+{
+  const nsdae_own *own = &b->own;
+  int k = b->feature.count + own->dims.k, none = own->dims.k == 0, status = NSDAE_OK;
+  if (k > 0) status = nsdae_system_set_gap(system, gap);
+  if (k > 0 && status == NSDAE_OK && (none || own->gap_normal))
+    status = nsdae_system_set_gap_normal(system, gap_normal);
+  if (k > 0 && status == NSDAE_OK) status = nsdae_system_set_gap_tangent(system, gap_tangent);
+  if (k > 0 && status == NSDAE_OK && (none || own->contact_bias))
+    status = nsdae_system_set_contact_bias(system, contact_bias);
+  none = own->dims.k + own->dims.f == 0;
+  if (k + b->slide.count + own->dims.f > 0 && status == NSDAE_OK &&
+      (none || own->contact_acceleration))
+    status = nsdae_system_set_contact_acceleration(system, contact_acceleration);
+  return status < 0 ? status : set_coefficients(b, system);
+}
