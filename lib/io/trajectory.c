@@ -10,8 +10,10 @@
 #include "errors.h"
 #include "checkpoint.h"
 #include "description.h"
+#include "names.h"
 #include "series.h"
 #include "setting.h"
+#include "system_impl.h"
 
 /* A killed run loses at most what came after the last flush; flushing four times a second keeps
  * that below the second that is promised. */
@@ -150,35 +152,44 @@ static int make_restart(nsdae_trajectory *t, const nsdae_trajectory_info *info)
   return status;
 }
 
-/* Against the names that its formulas may use. */
-static int check_bodies(const nsdae_trajectory *t, int n, const nsdae_body *body,
-                        nsdae_error *error)
+/* Checks the bodies against the names that their formulas may use, then writes them. */
+static int write_bodies(nsdae_trajectory *t, int n, const nsdae_body *body)
 {
-  nsdae_dims dims;
-  const nsdae_system *system = nsdae_sim_get_system(t->sim);
-  nsdae_sim_get_dims(t->sim, &dims);
-  const char **name = malloc((size_t)dims.nq * sizeof *name);
-  if (!name)
-    return nsdae_error_set(error, NSDAE_E_MEMORY, "nsdae_trajectory_set_bodies", "",
-                           "out of memory");
-  for (int i = 0; i < dims.nq; i++)
-    name[i] = nsdae_system_get_name(system, NSDAE_NAME_COORDINATE, i);
-  const nsdae_formula_names names = {dims.nq, name, &t->parameters};
-  int status = nsdae_bodies_check(n, body, &names, error);
-  free(name);
+  nsdae_sizes sizes;
+  nsdae_formula_names names;
+  nsdae_sizes_of(&sizes, t->sim);
+  if (nsdae_names_make(&names, t->sim, &t->parameters) < 0)
+    return no_memory(t->h5.error, "nsdae_trajectory_set_bodies");
+  int status = nsdae_bodies_check(n, body, &names, t->h5.error);
+  if (status == NSDAE_OK) status = nsdae_h5_remove(&t->h5, "/bodies");
+  if (status == NSDAE_OK) status = nsdae_h5_remove(&t->h5, "/shapes");
+  if (status == NSDAE_OK) status = nsdae_bodies_write(&t->h5, n, body, &names, sizes.listed);
+  nsdae_names_release(&names);
   return status;
 }
 
 /* What the system itself has to show. */
-static int write_bodies(nsdae_trajectory *t)
+static int write_own_bodies(nsdae_trajectory *t)
 {
   int n;
   nsdae_error *error = t->h5.error;
   const nsdae_body *body = nsdae_system_get_bodies(nsdae_sim_get_system(t->sim), &n);
-  int status = n > 0 ? check_bodies(t, n, body, error) : NSDAE_OK;
-  if (status == NSDAE_OK) return nsdae_bodies_write(&t->h5, n, body);
-  snprintf(error->where, sizeof error->where, "nsdae_trajectory_create");
+  int status = n > 0 ? write_bodies(t, n, body) : NSDAE_OK;
+  if (status < 0) snprintf(error->where, sizeof error->where, "nsdae_trajectory_create");
   return status;
+}
+
+/* Where the blocks of a large system begin, for whoever reads whose contacts they are. */
+static int write_blocks(nsdae_trajectory *t)
+{
+  const nsdae_system *system = nsdae_sim_get_system(t->sim);
+  if (!system->by_list) return NSDAE_OK;
+  hsize_t n = (hsize_t)system->blocks.count;
+  int status = nsdae_h5_vector(&t->h5, "/blocks/q", H5T_NATIVE_INT, n, system->coordinates.first,
+                               "1", "first coordinate of each block");
+  if (status < 0) return status;
+  return nsdae_h5_vector(&t->h5, "/blocks/v", H5T_NATIVE_INT, n, system->blocks.first, "1",
+                         "first velocity of each block");
 }
 
 static int make_file(nsdae_trajectory *t, const nsdae_trajectory_info *info)
@@ -191,7 +202,8 @@ static int make_file(nsdae_trajectory *t, const nsdae_trajectory_info *info)
   if (status == NSDAE_OK) status = make_groups(h5, &sizes);
   if (status == NSDAE_OK) status = nsdae_axes_create(&t->axes, h5, t->sim);
   if (status == NSDAE_OK && !t->live) status = make_restart(t, info);
-  if (status == NSDAE_OK) status = write_bodies(t);
+  if (status == NSDAE_OK) status = write_own_bodies(t);
+  if (status == NSDAE_OK) status = write_blocks(t);
   for (int i = 0; i < TABLES && status == NSDAE_OK; i++)
     status = nsdae_series_create(&t->series[i], h5, &sizes, &t->axes, tables[i].scale,
                                  is_packed(i) ? t->compress : 0);
@@ -545,12 +557,10 @@ int nsdae_trajectory_set_bodies(nsdae_trajectory *trajectory, int n, const nsdae
   nsdae_trajectory *t = trajectory;
   nsdae_error_clear(error);
   int status = refuse_bodies(t, n, body, error);
-  if (status == NSDAE_OK) status = check_bodies(t, n, body, error);
   if (status < 0) return status;
-  t->bodies = 1;
   t->h5.error = error ? error : &own;
-  NSDAE_H5_QUIETLY(status, nsdae_h5_remove(&t->h5, "/bodies"))
-  if (status == NSDAE_OK) NSDAE_H5_QUIETLY(status, nsdae_bodies_write(&t->h5, n, body))
+  NSDAE_H5_QUIETLY(status, write_bodies(t, n, body))
+  t->bodies = status == NSDAE_OK;
   return status;
 }
 
