@@ -69,7 +69,7 @@ static int potential(double t, const double *q, double *V, void *user)
  * or of n has the lever -sign r. */
 static void set_side(nsdae_contact *c, int side, double x, double y, double radius)
 {
-  double sign = side == 0 ? -1 : 1, (*W)[NSDAE_CONTACT_WIDTH] = c->W[side];
+  double sign = side == 0 ? -1 : 1, (*W)[NSDAE_CONTACT_WIDTH] = c->direction[side];
   W[0][0] = sign * x;
   W[0][1] = sign * y;
   W[1][0] = -sign * y;
