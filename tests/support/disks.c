@@ -10,8 +10,9 @@ void disks_create(disks *d, int n, int columns)
 {
   *d = (disks){.n = n, .columns = columns, .radius = 0.05, .mass = 1, .mu = 0.4, .e = 0.3};
   d->width = 2.4 * d->radius * columns;
-  d->cells = (int)(2 * sqrt((double)n)) + 4;
-  d->first = malloc((size_t)d->cells * (size_t)d->cells * sizeof *d->first);
+  d->cells[0] = (int)(d->width / (2 * d->radius)) + 2;
+  d->cells[1] = 2 * (n / columns) + 8;
+  d->first = malloc((size_t)d->cells[0] * (size_t)d->cells[1] * sizeof *d->first);
   d->next = malloc((size_t)n * sizeof *d->next);
   if (!d->first || !d->next) abort();
 }
@@ -103,17 +104,18 @@ static int add_pair(const disks *d, nsdae_contact_list *list, int i, int j, cons
 }
 
 /* The cell along an axis; what is outside is in the outermost. */
-static int cell_of(const disks *d, double x, double edge)
+static int cell_of(const disks *d, int axis, const double *q, double edge)
 {
-  int cell = (int)floor(x / edge);
-  return cell < 0 ? 0 : cell < d->cells ? cell : d->cells - 1;
+  int cell = (int)floor(q[axis] / edge);
+  return cell < 0 ? 0 : cell < d->cells[axis] ? cell : d->cells[axis] - 1;
 }
 
 static void sort_into_cells(disks *d, const double *q, double edge)
 {
-  for (int c = 0; c < d->cells * d->cells; c++) d->first[c] = -1;
+  for (int c = 0; c < d->cells[0] * d->cells[1]; c++) d->first[c] = -1;
   for (int i = d->n - 1; i >= 0; i--) {
-    int *cell = &d->first[cell_of(d, q[3 * i + 1], edge) * d->cells + cell_of(d, q[3 * i], edge)];
+    int *cell =
+        &d->first[cell_of(d, 1, q + 3 * i, edge) * d->cells[0] + cell_of(d, 0, q + 3 * i, edge)];
     d->next[i] = *cell;
     *cell = i;
   }
@@ -123,10 +125,10 @@ static void sort_into_cells(disks *d, const double *q, double edge)
 static int add_pairs(const disks *d, nsdae_contact_list *list, int i, const double *q, double edge,
                      double reach)
 {
-  int x = cell_of(d, q[3 * i], edge), y = cell_of(d, q[3 * i + 1], edge), status = 0;
-  for (int row = y > 0 ? y - 1 : 0; row <= y + 1 && row < d->cells; row++)
-    for (int column = x > 0 ? x - 1 : 0; column <= x + 1 && column < d->cells; column++)
-      for (int j = d->first[row * d->cells + column]; j >= 0 && status == 0; j = d->next[j])
+  int x = cell_of(d, 0, q + 3 * i, edge), y = cell_of(d, 1, q + 3 * i, edge), status = 0;
+  for (int row = y > 0 ? y - 1 : 0; row <= y + 1 && row < d->cells[1]; row++)
+    for (int column = x > 0 ? x - 1 : 0; column <= x + 1 && column < d->cells[0]; column++)
+      for (int j = d->first[row * d->cells[0] + column]; j >= 0 && status == 0; j = d->next[j])
         if (j > i) status = add_pair(d, list, i, j, q, reach);
   return status;
 }

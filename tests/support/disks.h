@@ -9,7 +9,8 @@ typedef struct disks {
   int n, columns;             /* so many beside each other at the start, the others above them */
   double radius, mass, mu, e; /* [m], [kg], 1, 1 */
   double width;               /* between the walls, at x = 0 and there [m] */
-  int cells, *first, *next;   /* a grid over x, y of cells x cells; lists of the disks in a cell */
+  int cells[2];               /* of a grid over x and y */
+  int *first, *next;          /* lists of the disks in each cell */
 } disks;
 
 /* Radii of 0.05 m, 1 kg, mu = 0.4, e = 0.3. */
