@@ -24,10 +24,11 @@ nsdae_unit_test(smooth ode)
 
 foreach(name derivatives distance own refused)
   nsdae_unit_test(bodies ${name})
-  target_include_directories(test_unit_bodies_${name} PRIVATE ${PROJECT_SOURCE_DIR}/lib/system)
+  target_include_directories(test_unit_bodies_${name} PRIVATE ${PROJECT_SOURCE_DIR}/lib/system ${PROJECT_SOURCE_DIR}/lib/linalg)
 endforeach()
 
 nsdae_test(anomaly arguments LINKS test_support)
 nsdae_test(anomaly kinematics)
+nsdae_test(system blocks LINKS test_support test_allocator)
 nsdae_test(anomaly blas LINKS test_allocator test_process_allocator)
 nsdae_test(anomaly certificate)

@@ -243,7 +243,8 @@ static int read_state(event *e, double t)
   return *e->base.steps > 0 ? nsdae_event_integrator_read(g, t, g->y) : NSDAE_OK;
 }
 
-/* From the base to the state again; 0 where callbacks do not give the same numbers as then. */
+/* From the base to the state again: 1; 0 where callbacks do not give the same numbers as then; < 0
+ * where one fails, as in any step. */
 static int replay(event *e, const nsdae_terms *to)
 {
   nsdae_event_integrator *g = &e->integrator;
@@ -252,6 +253,7 @@ static int replay(event *e, const nsdae_terms *to)
   nsdae_event_restore(&e->base, g);
   int status = nsdae_event_integrator_start(g, *e->base.t);
   for (int i = 0; i < steps && status == NSDAE_OK; i++) status = step(e);
+  if (status < 0 && e->setting.error->status == NSDAE_E_CALLBACK) return NSDAE_E_CALLBACK;
   if (status < 0 || to->t > g->ahead) return 0;
   return read_state(e, to->t) == NSDAE_OK &&
          memcmp(g->y, to->q, (size_t)d->nq * sizeof *g->y) == 0 &&
@@ -263,8 +265,9 @@ static int arrive(event *e, const nsdae_state *state)
 {
   nsdae_counters *counters = &e->setting.result->counters, counted = *counters;
   if (state->memory->stamp > 0 && state->memory->stamp == e->stamp) return NSDAE_OK;
-  int stands = state->memory->stamp != 0 && replay(e, state->terms);
+  int stands = state->memory->stamp != 0 ? replay(e, state->terms) : 0;
   *counters = counted;
+  if (stands < 0) return stands;
   nsdae_error_clear(e->setting.error);
   return stands ? NSDAE_OK : begin(e, state->terms);
 }

@@ -73,6 +73,8 @@ static const nsdae_param entries[] = {
      NSDAE_PARAM_INT, AT(inner_steps_max), 100000, 1, 1e9, 0, NULL},
     {"start_check", "", "whether a start looks for derivatives that are grossly wrong",
      NSDAE_PARAM_CHOICE, AT(start_check), 1, 0, 1, 0, no_yes},
+    {"contacts_max", "1", "most contacts of a list", NSDAE_PARAM_INT, AT(contacts_max), 1 << 20, 1,
+     1 << 28, 0, NULL},
 };
 
 static const nsdae_params table = {entries, (int)(sizeof entries / sizeof *entries)};
@@ -100,7 +102,13 @@ int nsdae_sim_options_check(const nsdae_sim_options *options, nsdae_error *error
   if (options->initialised != INITIALISED)
     return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_sim_create", "options",
                            "options were not initialised: call nsdae_sim_options_default first");
-  return nsdae_params_check(&table, options, error);
+  int status = nsdae_params_check(&table, options, error);
+  if (status < 0 || options->projection == NSDAE_PROJECTION_NONE) return status;
+  if (nsdae_sim_option_matters("projection", options->method)) return status;
+  return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_sim_create", "projection",
+                         "projection = %s is for the time-stepping methods, and method is %s, "
+                         "which keeps its constraints by itself: take projection = none",
+                         projections[options->projection], methods[options->method]);
 }
 
 double nsdae_sim_option_value(const nsdae_sim_options *options, const nsdae_param *param)
@@ -133,9 +141,11 @@ static const struct {
     {"accumulation_time", 1u << NSDAE_METHOD_EVENT},
     {"events_max", 1u << NSDAE_METHOD_EVENT},
     {"inner_steps_max", 1u << NSDAE_METHOD_PENALTY | 1u << NSDAE_METHOD_EVENT},
-    {"projection", ~(1u << NSDAE_METHOD_PENALTY)}, /* of event: where implicit steps in */
+    {"projection",
+     1u << NSDAE_METHOD_IMPLICIT | 1u << NSDAE_METHOD_IMPLICIT_PRINTED | 1u << NSDAE_METHOD_MOREAU},
     {"start_tol", 0},
     {"start_check", 0},
+    {"contacts_max", 0},
 };
 
 int nsdae_sim_option_matters(const char *key, int method)
