@@ -288,12 +288,12 @@ static void test_killed(void **state)
 {
   (void)state;
   for (int i = 0; i < 4; i++) {
-    int every = i & 1 ? 5 : 1, compress = i & 2 ? 4 : 0, left;
-    write_whole(every, compress, STEPS / 2);
+    int every = i & 1 ? 5 : 1, left;
+    write_whole(every, 0, STEPS / 2);
     pid_t child = fork();
     if (child == 0) {
       fixture f;
-      create(&f, path, NSDAE_METHOD_MOREAU, every, compress);
+      create(&f, path, NSDAE_METHOD_MOREAU, every, 0);
       for (int step = 0; step < 20 + 21 * i; step++) nsdae_sim_step(f.sim);
       nsdae_trajectory_flush(f.trajectory, NULL);
       for (int step = 0; step < 13; step++) nsdae_sim_step(f.sim);
