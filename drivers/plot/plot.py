@@ -5,15 +5,13 @@ import os
 import sys
 
 import matplotlib
+import matplotlib.pyplot as plt
+import numpy as np
 
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402  (the backend must be chosen first)
-import numpy as np  # noqa: E402
-
-from bodies import WHOLE, read_rows  # noqa: E402
-from contacts import contacts_of, has_list, step_length  # noqa: E402
-from modes import MODE_COLOURS, MODES, strips  # noqa: E402
-from trajectory import Parser, Problem, names_of_rows, open_trajectory, replace, tell, text  # noqa: E402
+from bodies import WHOLE, read_rows
+from contacts import contacts_of, has_list, step_length
+from modes import MODE_COLOURS, MODES, strips
+from trajectory import Parser, Problem, names_of_rows, open_trajectory, replace, tell, text
 
 FORMATS = (".png", ".svg", ".pdf")
 NEEDED = ("v", "energy/kinetic", "energy/dissipated", "certificate", "impact/time")
@@ -391,6 +389,7 @@ def panels(file, only):
 
 def main(argv):
     arguments = parse(argv)
+    matplotlib.use("Agg")  # no window, whatever the user's own choice is
     try:
         with open_trajectory(arguments.file, *NEEDED) as file:
             figure = draw(file, panels(file, arguments.only), arguments.title or title_of(file))
