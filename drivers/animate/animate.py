@@ -22,7 +22,7 @@ from trajectory import Parser, Problem, open_trajectory, replace, tell, text
 FORMATS = (".gif", ".mp4", ".html")
 LONGEST = 8.0  # of a GIF by default [s]
 PAGE_FRAMES = 1500
-PAGE_POSES, PICTURE_POSES = 150000, 400000  # bodies by frames: what a page holds, and is drawn in a minute or two
+PAGE_POSES, PICTURE_POSES = 300000, 400000  # bodies by frames: what a page holds, and is drawn in a minute or two
 HOLD = 1.0  # on the last frame of a GIF, before it begins again [s]
 LADDER = (1, 2, 5)
 

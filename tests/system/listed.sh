@@ -49,6 +49,13 @@ for compress in 0 3; do
   "$python" -B "$check" disks$compress.h5 disks$compress.vtkhdf disks$compress.html || fail "disks$compress"
 done
 
+# hundreds of balls in space
+space=$(dirname "$check")/listed_space.py
+"$python" -B "$space" make balls.h5 || fail "balls.h5"
+"$bin/nsdae-vtk" balls.h5 >out 2>err || fail "nsdae-vtk: $(cat err)"
+"$bin/nsdae-animate" --forces -o balls.html -o balls.gif balls.h5 >out 2>err || fail "nsdae-animate: $(cat err)"
+"$python" -B "$space" check balls.h5 balls.vtkhdf balls.html || fail "balls"
+
 # what does not fit together is said, in one line
 spoil() {
   cp disks0.h5 bad.h5
