@@ -156,6 +156,7 @@ static int run_listed(open_fn open, long at)
   int status = open(sim, path, &info, &t, NULL);
   for (int i = 0; i < FALL && status == NSDAE_OK; i++) {
     status = nsdae_sim_step(sim);
+    if (status == NSDAE_EVENT) status = NSDAE_OK;
     if (status == NSDAE_OK && i % 40 == 0) status = nsdae_trajectory_flush(t, NULL);
   }
   int closed = nsdae_trajectory_close(&t, status, NULL);
