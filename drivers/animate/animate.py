@@ -13,7 +13,8 @@ import sys
 import numpy as np
 from PIL import Image
 
-from bodies import columns_of, read_motion
+from bodies import WHOLE, columns_of, count_of, read_motion, times_of
+from contacts import force_lines, has_list
 from raster import Drawing
 from scene import scene
 from trajectory import Parser, Problem, open_trajectory, replace, tell, text
@@ -21,6 +22,7 @@ from trajectory import Parser, Problem, open_trajectory, replace, tell, text
 FORMATS = (".gif", ".mp4", ".html")
 LONGEST = 8.0  # of a GIF by default [s]
 PAGE_FRAMES = 1500
+PAGE_POSES, PICTURE_POSES = 300000, 400000  # bodies by frames: what a page holds, and is drawn in a minute or two
 HOLD = 1.0  # on the last frame of a GIF, before it begins again [s]
 LADDER = (1, 2, 5)
 
@@ -41,6 +43,25 @@ def shown(time, start, end, path):
     if first > last:
         raise Problem(f"'{path}' has no records between --from and --to: it goes from {time[0]:g} to {time[-1]:g} s")
     return first, last
+
+
+def frames_of_page(first, last, bodies):
+    most = int(np.clip(PAGE_POSES // max(bodies, 1), 2, PAGE_FRAMES))
+    return np.unique(np.linspace(first, last, most).round().astype(int))
+
+
+def step_of(span, step, bodies):
+    """A longer one where so many bodies would take too long to draw."""
+    most = max(PICTURE_POSES // max(bodies, 1), 20)
+    return max(step, span / most)
+
+
+def read_frames(file, arguments, frames):
+    """The bodies, and which of the records they were read at the frames are: all, or of a long motion of
+    many the frames alone."""
+    records = np.arange(frames[-1] + 1) if file["q"].size <= WHOLE else frames
+    bodies, q = read_motion(file, arguments.file, arguments.point, records)
+    return bodies, q, np.searchsorted(records, frames)
 
 
 def records_at(time, first, last, step):
@@ -131,6 +152,8 @@ def parse(argv):
     parser.add_argument("--width", type=number(160, 3840, whole=True), default=480, metavar="N",
                         help="of the picture, 160 to 3840 pixels (default 480)")
     parser.add_argument("--title", help="instead of model and method")
+    parser.add_argument("--forces", action="store_true",
+                        help="of contacts by list: lines from body to body, as wide as the force is large")
     parser.add_argument("--point", metavar="X,Y,Z", action="append", type=columns_of,
                         help="instead of the file's bodies a point at these coordinates of q, counted from 0, "
                         "- for none; repeatable")
@@ -144,33 +167,43 @@ def parse(argv):
     return arguments
 
 
-def write(output, file, time, bodies, first, last, arguments):
-    """One animation; how many frames it has."""
+def write(output, file, time, first, last, arguments):
+    """One animation; how many frames and bodies it has."""
     speed = arguments.speed or chosen_speed(time[last] - time[first])
     attrs = {name: text(file.attrs.get(name, "")) for name in ("model", "method")}
     title = arguments.title if arguments.title is not None else "{model}, {method}".format(**attrs)
-    if output.lower().endswith(".html"):
-        frames = np.unique(np.linspace(first, last, PAGE_FRAMES).round().astype(int))
-        replace(output, page(scene(file, time, bodies, frames), title, speed))
-        return len(frames)
+    count, on_page = count_of(file, arguments.point), output.lower().endswith(".html")
     delay = max(round(100 / arguments.fps), 2)  # what a GIF counts in
-    frames = records_at(time, first, last, speed * delay / 100)
-    drawing = Drawing(scene(file, time, bodies, frames), arguments.width, title, speed)
+    if on_page:
+        frames = frames_of_page(first, last, count)
+    else:
+        step = step_of(time[last] - time[first], speed * delay / 100, count)
+        delay = max(round(100 * step / speed), delay)
+        frames = records_at(time, first, last, step)
+    bodies, q, at = read_frames(file, arguments, frames)
+    forces = force_lines(file, bodies, q[at], frames) if arguments.forces else []
+    shown_scene = scene(file, time, bodies, frames, at, forces)
+    if on_page:
+        replace(output, page(shown_scene, title, speed))
+        return len(frames), len(bodies)
+    drawing = Drawing(shown_scene, arguments.width, title, speed)
     whole = gif(drawing, len(frames), delay) if output.lower().endswith(".gif") else \
         mp4(drawing, len(frames), 100 / delay, output)
     replace(output, whole)
-    return len(frames)
+    return len(frames), len(bodies)
 
 
 def main(argv):
     arguments = parse(argv)
     try:
         with open_trajectory(arguments.file) as file:
-            time, bodies = read_motion(file, arguments.file, arguments.point)
+            if arguments.forces and not has_list(file):
+                raise Problem(f"'{arguments.file}' has no contacts by list, which --forces shows")
+            time = times_of(file)
             first, last = shown(time, arguments.start, arguments.end, arguments.file)
             for output in arguments.output:
-                frames = write(output, file, time, bodies, first, last, arguments)
-                tell(f"{frames} frames of {len(bodies)} bodies in {output}")
+                frames, bodies = write(output, file, time, first, last, arguments)
+                tell(f"{frames} frames of {bodies} bodies in {output}")
     except Problem as problem:
         print(f"nsdae-animate: error: {problem}", file=sys.stderr)
         return 1

@@ -14,6 +14,7 @@ STRIP, STRIP_GAP, STRIPS_MAX = 7, 3, 8
 INK, PALE = "#30353b", "#8b9198"
 BACKGROUND = "#ffffff"
 GROUND = "#dfe2e6"
+FORCE, FORCE_WIDTH = "#b0161c", 3  # pixels of a strength of 1
 AZIMUTH, ELEVATION = np.radians(-60), np.radians(20)
 LIGHT = np.array([0.3, -0.5, 0.8]) / np.linalg.norm([0.3, -0.5, 0.8])
 
@@ -85,6 +86,8 @@ class Drawing:
         middle = (self.size[0] * FINE, self.area[1] * FINE)
         bodies = Image.new("RGB", middle, BACKGROUND)
         (self.spatial if self.scene["spatial"] else self.planar)(ImageDraw.Draw(bodies), number)
+        if self.scene["forces"]:
+            self.forces(ImageDraw.Draw(bodies), number)
         image.paste(bodies, (0, self.top * FINE))
         self.clock(ImageDraw.Draw(image), number)
         return image.reduce(FINE)
@@ -142,6 +145,10 @@ class Drawing:
         faces = []
         for body in self.scene["bodies"]:
             pose = np.array(body["pose"][min(number, len(body["pose"]) - 1)])
+            if body["kind"] == "ball":
+                seen = self.axes @ pose
+                faces.append((True, seen[2], self.pixels(seen[:2]), (body["colour"], body["radius"] * self.scale * FINE)))
+                continue
             points = (pose[:3] + np.array(body["points"]) @ pose[3:].reshape(3, 3).T) @ self.axes.T
             flat = self.pixels(points[:, :2])
             for i, face in enumerate(body["faces"]):
@@ -150,8 +157,25 @@ class Drawing:
                     light = 0.6 + 0.4 * max(0.0, float(normal @ (self.axes @ LIGHT)))
                     dark = 0.6 if body["dark"] and body["dark"][i] else 1.0
                     faces.append((not body["plane"], points[face, 2].mean(), flat[face], shaded(body["colour"], light * dark)))
-        for _, _, corners, colour in sorted(faces, key=lambda f: f[:2]):
-            draw.polygon([tuple(p) for p in corners], fill=colour)
+        for _, _, corners, look in sorted(faces, key=lambda f: f[:2]):
+            if np.ndim(corners) == 1:
+                self.ball(draw, corners, *look)
+            else:
+                draw.polygon([tuple(p) for p in corners], fill=look)
+
+    def ball(self, draw, centre, colour, radius):
+        """A disc with a lighter one where the light comes from."""
+        radius = max(radius, FINE)
+        disc(draw, centre, radius, fill=shaded(colour, 0.75), outline=shaded(colour, 0.5))
+        disc(draw, centre + 0.3 * radius * (self.axes[:2] @ LIGHT) * [1, -1], 0.55 * radius, fill=colour)
+
+    def forces(self, draw, number):
+        """Of contacts by list, over all else."""
+        for *ends, weight in self.scene["forces"][number]:
+            points = np.reshape(ends, (2, 3))
+            flat = points @ self.axes[:2].T if self.scene["spatial"] else points[:, :2]
+            width = min(max(FORCE_WIDTH * weight, 0.5), 2 * FORCE_WIDTH) * FINE
+            draw.line([tuple(p) for p in self.pixels(flat)], fill=FORCE, width=round(width))
 
     def clock(self, draw, number):
         time = self.scene["time"]

@@ -2,8 +2,9 @@
 read alike: bodies with a pose per frame, the modes of the contacts over the time, impacts.
 
 Planar, a pose is [x, y, a, b]: the body's point p is at (x + a p_x - b p_y, y + b p_x + a p_y).
-In space it is [x, y, z] and the nine numbers of a matrix, row by row. A body that never moves has
-one pose. Positions are those of the file's records, never between them."""
+In space it is [x, y, z] and the nine numbers of a matrix, row by row; of a ball among many [x, y, z].
+A body that never moves has one pose. Positions are those of the file's records, never between them.
+Forces are lines [x0, y0, z0, x1, y1, z1, w] of each frame, w their strength."""
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from trajectory import text
 COLOURS = ["#3b6ea5", "#d1792f", "#4f9d5b", "#b0483f", "#7d67a8", "#8a6d4f", "#c66fa1", "#3f9ea3"]
 FIXED, GROUND, THREAD = "#a9aeb5", "#dfe2e6", "#6b7178"
 IMPACTS_MAX = 2000
+MESHES_MAX = 300  # where there are more bodies balls are drawn as discs
 
 
 def rounded(values, scale):
@@ -61,21 +63,29 @@ def spatial_pose(solid):
     return pose.reshape(-1, 12)
 
 
+def is_ball(body, count):
+    return body.shape == "sphere" and count > MESHES_MAX
+
+
 def mesh(shape, scale):
     return {"kind": "mesh", "points": rounded(shape.points, scale), "faces": [list(map(int, f)) for f in shape.polygons],
             "dark": [int(d) for d in shape.dark or []]}
 
 
 def drawn_bodies(bodies, frames, spatial, scale):
-    """In the order of drawing: what is fixed is behind what moves."""
+    """In the order of drawing: what is fixed is behind what moves. frames: among the records of the bodies."""
     moved = [at_records(body, frames) for body in bodies]
     solids = solids_of(bodies) if spatial else [None] * len(bodies)
     drawn, colour = [], 0
     for whole, body, solid in zip(bodies, moved, solids):
         fixed = is_fixed(whole)
-        pose = spatial_pose(solid._replace(position=body.position, matrix=at_frames(solid.matrix, frames))) if spatial \
-            else planar_pose(body)
-        shape = mesh(solid.shape, scale) if spatial else outline(body)
+        if spatial and is_ball(body, len(bodies)):
+            pose, shape = body.position.reshape(-1, 3), {"kind": "ball", "radius": body.size[0]}
+        elif spatial:
+            pose = spatial_pose(solid._replace(position=body.position, matrix=at_frames(solid.matrix, frames)))
+            shape = mesh(solid.shape, scale)
+        else:
+            pose, shape = planar_pose(body), outline(body)
         thread = body.shape in ("segment", "path") and body.size[0] == 0
         grey = GROUND if body.shape == "plane" else THREAD if thread else FIXED if fixed else None
         drawn.append({"name": body.name, "fixed": bool(grey), "colour": grey or COLOURS[colour % len(COLOURS)],
@@ -90,8 +100,8 @@ def at_frames(matrix, frames):
 
 def impacts(file, start, end):
     """[time, contact] of those in the times shown, the strongest of them where there are many."""
-    if "impact/time" not in file:
-        return []
+    if "impact/time" not in file or "impact/contact" not in file:
+        return []  # by list: a contact has no strip
     time, contact, impulse = (file[f"impact/{name}"][...] for name in ("time", "contact", "normal_impulse"))
     shown = np.flatnonzero((time >= start) & (time <= end))
     shown = np.sort(shown[np.argsort(-impulse[shown], kind="stable")[:IMPACTS_MAX]])
@@ -108,10 +118,10 @@ def bounds(bodies, spatial):
     return [(low - margin - grow).tolist(), (high + margin + grow).tolist()]
 
 
-def scene(file, time, bodies, frames):
-    """Of these records (numbers, ascending)."""
+def scene(file, time, bodies, frames, at, forces):
+    """Of these records (numbers, ascending), which are those at `at` of the bodies'; forces: of each frame."""
     spatial = is_spatial(bodies)
-    seen = [at_records(body, slice(frames[0], frames[-1] + 1)) for body in bodies]
+    seen = [at_records(body, slice(at[0], at[-1] + 1)) for body in bodies]
     box = bounds(seen, spatial)
     scale = float(np.max(np.subtract(box[1], box[0])))
     attrs = {name: text(file.attrs.get(name, "")) for name in ("model", "method", "status")}
@@ -121,9 +131,10 @@ def scene(file, time, bodies, frames):
         "low": box[0],
         "high": box[1],
         "time": [float(t) for t in time[frames]],
-        "bodies": drawn_bodies(bodies, frames, spatial, scale),
+        "bodies": drawn_bodies(bodies, at, spatial, scale),
         "strips": strips(file, time[frames[0] : frames[-1] + 1], frames),
         "impacts": impacts(file, time[frames[0]], time[frames[-1]]),
+        "forces": [rounded(lines, scale) for lines in forces],
         "modes": MODES,
         "mode_colours": MODE_COLOURS,
     }

@@ -9,6 +9,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import sweeps
+from bodies import WHOLE, read_rows
+from contacts import contacts_of, has_list, step_length
 from modes import MODE_COLOURS, MODES, strips
 from trajectory import Parser, Problem, names_of_rows, open_file, open_trajectory, reason, replace, tell, text
 
@@ -18,6 +20,9 @@ POINTS_MAX = 20000  # more than this of a line are drawn as an image within an S
 LEGEND_MAX = 12  # more lines than this say nothing in a legend
 STRIPS_MAX = 24
 IMPACTS_MAX = 100  # more of them are a grey wall
+LINES_MAX = 48  # more of them are a tangle
+RECORDS_MAX = 240  # of a large system's
+DOTS_MAX = 20000
 ROUNDING = np.finfo(float).eps
 HEIGHT, LOW, STRIP_HEIGHT = 1.8, 1.2, 0.26  # inches
 
@@ -42,18 +47,36 @@ def line(axes, time, values, name, **look):
     axes.plot(time, values, label=plain(name), **{"linewidth": 1.2, **look})
 
 
+def some(dataset, time):
+    """Records that are shown of a dataset: all, or some hundred where it is large."""
+    n = len(time)
+    return np.arange(n) if dataset.size <= WHOLE else np.unique(np.linspace(0, n - 1, RECORDS_MAX).round().astype(int))
+
+
+def band(axes, time, values, kind):
+    """Of many columns [n, c] what they lie between, and in the midst."""
+    axes.fill_between(time, values.min(axis=1), values.max(axis=1), color="0.9", linewidth=0,
+                      label=f"all {values.shape[1]}")
+    axes.fill_between(time, *np.quantile(values, (0.25, 0.75), axis=1), color="0.75", linewidth=0, label="half of them")
+    line(axes, time, np.median(values, axis=1), f"median {kind}")
+
+
 def by_unit(file, time, kind, path, title):
     """A row for each unit of the columns of a dataset."""
-    values = file[path][: len(time)]
+    records = some(file[path], time)
+    values, when = read_rows(file[path], records), time[records]
     names = names_of_rows(file, kind, values.shape[1])
     units = [text(u) for u in file.get(f"{kind}_unit", [])][: len(names)]
     units += [text(file[path].attrs.get("units", ""))] * (len(names) - len(units))
 
     def draw(unit):
+        mine = [i for i in range(len(names)) if units[i] == unit]
+
         def lines(axes):
-            for i, name in enumerate(names):
-                if units[i] == unit:
-                    line(axes, time, values[:, i], name)
+            if len(mine) > LINES_MAX:
+                return band(axes, when, values[:, mine], kind)
+            for i in mine:
+                line(axes, when, values[:, i], names[i])
 
         return lines
 
@@ -76,12 +99,16 @@ def struck(file, time):
 
 def multipliers(file, time):
     """Without the steps that had an impact, in which they stand for impulses."""
-    values = np.where(struck(file, time)[:, None], np.nan, file["multiplier"][: len(time)])
+    records = some(file["multiplier"], time)
+    records = records[~struck(file, time)[records]] if file["multiplier"].shape[1] > LINES_MAX else records
+    values = np.where(struck(file, time)[records, None], np.nan, read_rows(file["multiplier"], records))
     names = names_of_rows(file, "constraint", values.shape[1])
 
     def draw(axes):
+        if len(names) > LINES_MAX:
+            return band(axes, time[records], values, "constraint")
         for i, name in enumerate(names):
-            line(axes, time, values[:, i], name)
+            line(axes, time[records], values[:, i], name)
 
     return [Row("mean forces of\nconstraints", draw)]
 
@@ -151,8 +178,42 @@ def forces(file, time):
     return [Row("mean contact\nforces [N]", draw)] if lines else []
 
 
+def listed(file, time):
+    """Of contacts by list how many are closed, and the forces in them: means over a step."""
+    records, dt = some(file["contacts/id"], time), step_length(file)
+    found = [contacts_of(file, int(record)) for record in records]
+    counts = np.array([[np.count_nonzero(c.mode == mode) for mode in range(len(MODES))] for c in found])
+    force = np.array([[np.max(c.normal, initial=0), np.median(c.normal) if len(c.normal) else 0] for c in found]) / dt
+
+    def number(axes):
+        axes.stackplot(time[records], counts[:, ::-1].T, labels=[MODES[2], MODES[1], "without force"],
+                       colors=[MODE_COLOURS[2], MODE_COLOURS[1], "0.8"])
+        axes.set_ylim(bottom=0)
+
+    def largest(axes):
+        line(axes, time[records], force[:, 0], "largest normal")
+        line(axes, time[records], force[:, 1], "median normal")
+        axes.set_ylim(bottom=0)
+
+    return [Row("closed\ncontacts", number), Row("mean contact\nforces [N]", largest)]
+
+
+def listed_impulses(file, time):
+    """Of all impacts, the strongest ones where they are many."""
+    when, values = file["impact/time"][...], file["impact/normal_impulse"][...]
+    strongest = np.argsort(-values, kind="stable")[:DOTS_MAX]
+
+    def draw(axes):
+        axes.plot(when[strongest], values[strongest], ".", markersize=2, label="normal", rasterized=True)
+        axes.set_ylim(bottom=0)
+
+    return [Row("impulses of\nimpacts [N s]", draw)]
+
+
 def impulses(file, time):
     """Of impacts, as they are."""
+    if has_list(file):
+        return listed_impulses(file, time)
     when, which = file["impact/time"][...], file["impact/contact"][...]
     names = names_of_rows(file, "contact", int(which.max()) + 1)
     tangential = file["impact/tangential_impulse"][...].reshape(len(when), -1) if "impact/tangential_impulse" in file \
@@ -193,7 +254,7 @@ def energy(file, time):
 def certificate(file, time):
     """What rounding alone explains is drawn at rounding."""
     group = file["certificate"]
-    reach = max(float(np.max(np.abs(file["q"][: len(time)]), initial=0)), 1e-300)
+    reach = max(float(np.max(np.abs(read_rows(file["q"], some(file["q"], time))), initial=0)), 1e-300)
     shown_as = {"lcp_residual": "LCP residual"}
     shown = {name: group[name][: len(time)] for name in ("lcp_residual", "constraint_drift", "penetration") if name in group}
 
@@ -231,6 +292,7 @@ PANELS = {
     "multipliers": (multipliers, lambda file: "multiplier" in file),
     "modes": (modes, lambda file: "contact" in file or "slide" in file),
     "forces": (forces, lambda file: "contact" in file or "slide" in file),
+    "contacts": (listed, has_list),
     "impulses": (impulses, lambda file: len(file["impact/time"]) > 0),
     "energy": (energy, always),
     "certificate": (certificate, always),

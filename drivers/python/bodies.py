@@ -9,6 +9,8 @@ import numpy as np
 from formula import evaluate
 from trajectory import Problem, text
 
+WHOLE = 4 << 20  # so many numbers of a dataset are read at once
+
 SHAPES = ("point", "disc", "segment", "polygon", "path", "sphere", "capsule", "box", "plane")
 
 # size [3] and points [p, 3] in the body's own frame; position [n, 3] or, where it never moves, [3];
@@ -94,6 +96,30 @@ def named(file, time, q):
             for i in range(len(table["name"]))]
 
 
+def shaped(file, q):
+    """What is placed by coordinates alone, all at once: bodies by the thousand."""
+    group = file["shapes"]
+    kind, dimension, position, turn, size, count = (group[name][...] for name in (
+        "shape", "dimension", "position", "turn", "size", "points"))
+    name, first = [text(n) for n in group["name"]], np.cumsum([0, *count])
+    point = group["point"][...] if "point" in group else np.zeros((0, 3))
+    far = np.maximum(position + dimension, turn + np.where(dimension == 2, 1, 4))
+    if not len(name) == len(kind) == len(dimension) == len(position) == len(turn) == len(size) == len(count) or \
+            first[-1] > len(point) or np.any(far > q.shape[1]) or np.any(position < 0) or \
+            np.any((kind < 0) | (kind >= len(SHAPES)) | (kind == SHAPES.index("segment"))):
+        raise Problem("its /shapes do not fit together")
+    where = np.zeros((len(q), len(name), 3))
+    for d in (2, 3):
+        mine = dimension == d
+        where[:, mine, :d] = q[:, position[mine, None] + np.arange(d)]
+    rotation = np.zeros((len(q), len(name), 3, 3))
+    flat, spatial = (dimension == 2) & (turn >= 0), (dimension == 3) & (turn >= 0)
+    rotation[:, flat] = about_z(q[:, turn[flat]])
+    rotation[:, spatial] = by_quaternion(q[:, turn[spatial, None] + np.arange(4)])
+    return [Body(name[i], SHAPES[kind[i]], size[i], point[first[i] : first[i + 1]], where[:, i],
+                 rotation[:, i] if turn[i] >= 0 else None) for i in range(len(name))]
+
+
 def columns_of(word):
     """The columns of "0,1,-": None where there is no coordinate."""
     if not re.fullmatch(r"(\d+|-),(\d+|-),(\d+|-)", word):
@@ -117,21 +143,38 @@ def bodies_of(file, path, columns, time, q):
     try:
         if columns:
             return [point(i, c, q) for i, c in enumerate(columns)]
-        if "bodies" in file:
-            return named(file, time, q)
+        found = (named(file, time, q) if "bodies" in file else []) + (shaped(file, q) if "shapes" in file else [])
+        if found:
+            return found
     except Problem as problem:
         raise Problem(f"'{path}': {problem}") from problem
     raise Problem(f"'{path}' names no bodies (nsdae_trajectory_set_bodies does): name what moves with --point, "
                   "e.g. --point 0,1,- for a point at (q0, q1, 0)")
 
 
-def read_motion(file, path, columns):
-    """Times [n], and the bodies at them."""
-    n = min(len(file["time"]), len(file["q"]))  # one may be ahead while a run writes along
-    time, q = file["time"][:n], file["q"][:n]
+def count_of(file, columns):
+    """How many bodies read_motion will find."""
+    return len(columns) if columns else sum(len(file[f"{group}/name"]) for group in ("bodies", "shapes") if group in file)
+
+
+def times_of(file):
+    """Of the records that are whole: one dataset may be ahead while a run writes along."""
+    return file["time"][: min(len(file["time"]), len(file["q"]))]
+
+
+def read_rows(dataset, records):
+    """Those rows, ascending; no more than they are in memory where all are many."""
+    if dataset.size <= WHOLE:
+        return dataset[...][records]
+    return np.stack([dataset[int(record)] for record in records])
+
+
+def read_motion(file, path, columns, records):
+    """The bodies at these records (numbers, ascending), and their coordinates q."""
+    q = read_rows(file["q"], records)
     if not np.isfinite(q).all():
         raise Problem(f"'{path}' has coordinates that are not finite")
-    return time, bodies_of(file, path, columns, time, q)
+    return bodies_of(file, path, columns, file["time"][...][records], q), q
 
 
 def at(values, least, records):

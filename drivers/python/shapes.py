@@ -1,6 +1,7 @@
 """Bodies as surfaces in space: polygons in a body's own frame, and where that is at each record.
 What a planar shape does not have, a thickness, is a fraction of how far all bodies go."""
 
+import functools
 from collections import namedtuple
 
 import numpy as np
@@ -112,27 +113,37 @@ def slab(body, low, high, depth):
     return one._replace(points=middle - normal * (middle @ normal) + (one.points - [0, 0, depth / 2]) @ basis.T)
 
 
-def shape_of(body, low, high):
+@functools.lru_cache(maxsize=1024)
+def round_shape(radius, length, facets):
+    return globe(radius, length, 2 * facets, facets)
+
+
+def facets_of(count):
+    """From pole to pole of a ball, of so many: all of them together are no more than some 100 000."""
+    return 12 if count <= 300 else 6 if count <= 2000 else 4
+
+
+def shape_of(body, low, high, facets=12):
     size = body.size
     scale = np.linalg.norm(high - low) or 1.0
     thickness, thin = scale / 30, scale / 400
     if body.shape == "disc":
-        return ring(size[0], size[1], thickness) if size[1] > 0 else prism(circle(size[0]), thickness)
+        return ring(size[0], size[1], thickness) if size[1] > 0 else prism(circle(size[0], 4 * facets), thickness)
     if body.shape == "polygon":
         return prism(body.points if area(body.points) > 0 else body.points[::-1], thickness)
     if body.shape == "plane":
         return slab(body, low, high, thickness)
     return {"point": lambda: globe(scale / 50)._replace(dark=None), "segment": lambda: rod(size[0] / 2 or thin),
-            "path": lambda: tube(body.points, size[0] / 2 or thin), "sphere": lambda: globe(size[0]),
-            "capsule": lambda: globe(size[0], size[1]), "box": lambda: box(size)}[body.shape]()
+            "path": lambda: tube(body.points, size[0] / 2 or thin), "sphere": lambda: round_shape(size[0], 0.0, facets),
+            "capsule": lambda: round_shape(size[0], size[1], facets), "box": lambda: box(size)}[body.shape]()
 
 
 def solids_of(bodies):
     low, high = extent(bodies)
-    solids = []
+    facets, solids = facets_of(len(bodies)), []
     for body in bodies:
         matrix = body.rotation if body.end is None else frame_along(body.end - body.position)
-        solids.append(Solid(body.name, shape_of(body, low, high), body.position, matrix, is_fixed(body)))
+        solids.append(Solid(body.name, shape_of(body, low, high, facets), body.position, matrix, is_fixed(body)))
     return solids
 
 

@@ -9,7 +9,7 @@ import sys
 
 import h5py
 
-VERSION = 1  # of the format, the newest that is read here
+VERSION = 2  # of the format, the newest that is read here
 
 
 class Problem(Exception):

@@ -2,7 +2,9 @@
 
 One VTKHDF 2.0 PolyData of one part: the polygons once, the points of every step after each other,
 and in the group Steps the times and where each step's points begin
-(https://docs.vtk.org/en/latest/vtk_file_formats/vtkhdf_file_format)."""
+(https://docs.vtk.org/en/latest/vtk_file_formats/vtkhdf_file_format). Contacts by list go to a second
+file of the kind: a line for each, along which its force goes, with the force and the mode as data; every
+step has as many lines as the one with the most, those without a contact of no length and id -1."""
 
 import io
 import os
@@ -11,11 +13,13 @@ import sys
 import h5py
 import numpy as np
 
-from bodies import columns_of, read_motion
+from bodies import columns_of, read_motion, times_of
+from contacts import Origins, contacts_of, has_list, step_length
 from shapes import placed, solids_of
 from trajectory import Parser, Problem, open_trajectory, replace, tell
 
-BLOCK = 512  # steps in memory at a time
+BLOCK = 1 << 20  # points in memory at a time
+MOST = 1 << 31  # bytes of a file's points
 
 
 def topology(bodies):
@@ -27,10 +31,10 @@ def topology(bodies):
     return np.concatenate(polygons), offsets, np.array(number)
 
 
-def write_cells(root, connectivity, offsets):
-    """The four kinds of cells that the format wants, all empty but for the polygons."""
+def write_cells(root, filled, connectivity, offsets):
+    """The four kinds of cells that the format wants, all empty but for one."""
     for kind in ("Vertices", "Lines", "Polygons", "Strips"):
-        mine = (connectivity, offsets) if kind == "Polygons" else ([], [0])
+        mine = (connectivity, offsets) if kind == filled else ([], [0])
         group = root.create_group(kind)
         group["NumberOfConnectivityIds"] = np.array([len(mine[0])], "i8")
         group["NumberOfCells"] = np.array([len(mine[1]) - 1], "i8")
@@ -38,8 +42,9 @@ def write_cells(root, connectivity, offsets):
         group["Offsets"] = np.array(mine[1], "i8")
 
 
-def write_steps(root, time, size):
-    """Every step has the one part and its cells; only its points begin where the last ones end."""
+def write_steps(root, time, size, **data):
+    """Every step has the one part and its cells; only its points begin where the last ones end, and its
+    data: how many values a step has of each of them, 0: the same ones at all steps."""
     n = len(time)
     steps = root.create_group("Steps")
     steps.attrs["NSteps"] = np.int64(n)
@@ -49,34 +54,92 @@ def write_steps(root, time, size):
     steps["PointOffsets"] = size * np.arange(n, dtype="i8")
     for name in ("CellOffsets", "ConnectivityIdOffsets"):
         steps[name] = np.zeros((n, 4), "i8")
-    for name in ("body", "dark"):
-        steps[f"CellDataOffsets/{name}"] = np.zeros(n, "i8")
+    for name, values in data.items():
+        steps[f"CellDataOffsets/{name}"] = values * np.arange(n, dtype="i8")
 
 
-def write_points(root, bodies, records, size):
-    points = root.create_dataset("Points", (len(records) * size, 3), "f8")
-    for start in range(0, len(records), BLOCK):
-        some = records[start : start + BLOCK]
-        block = np.concatenate([placed(b, some) for b in bodies], axis=1)
-        points[start * size : (start + len(some)) * size] = block.reshape(-1, 3)
+def write_points(root, bodies, steps, size):
+    points = root.create_dataset("Points", (steps * size, 3), "f8")
+    block = max(BLOCK // size, 1)
+    for start in range(0, steps, block):
+        some = np.arange(start, min(start + block, steps))
+        rows = np.concatenate([placed(b, some) for b in bodies], axis=1)
+        points[start * size : (start + len(some)) * size] = rows.reshape(-1, 3)
 
 
-def image(time, bodies, records):
+def check_size(path, every, steps, size):
+    """All is made in memory."""
+    if 24 * steps * size > MOST:
+        more = every * int(np.ceil(24 * steps * size / MOST))
+        raise Problem(f"'{path}' has {steps} steps of {size} points: {24e-9 * steps * size:.1f} GB; "
+                      f"take fewer, with --every {more}")
+
+
+def begin(file, size):
+    root = file.create_group("VTKHDF")
+    root.attrs["Version"] = np.array([2, 0], "i8")
+    root.attrs.create("Type", b"PolyData", dtype=h5py.string_dtype("ascii", len("PolyData")))
+    root["NumberOfPoints"] = np.array([size], "i8")
+    return root
+
+
+def image(time, bodies):
     """The file's bytes. Made in memory: HDF5 itself crashes after a write that found the disk full."""
-    size = sum(len(b.shape.points) for b in bodies)
+    size = points_of(bodies)
     connectivity, offsets, number = topology(bodies)
     whole = io.BytesIO()
     with h5py.File(whole, "w") as file:
-        root = file.create_group("VTKHDF")
-        root.attrs["Version"] = np.array([2, 0], "i8")
-        root.attrs.create("Type", b"PolyData", dtype=h5py.string_dtype("ascii", len("PolyData")))
-        root["NumberOfPoints"] = np.array([size], "i8")
-        write_points(root, bodies, records, size)
-        write_cells(root, connectivity, offsets)
+        root = begin(file, size)
+        write_points(root, bodies, len(time), size)
+        write_cells(root, "Polygons", connectivity, offsets)
         data = root.create_group("CellData")
-        data.create_dataset("body", data=number, dtype="i4").attrs["names"] = [b.name for b in bodies]
+        data.create_dataset("body", data=number, dtype="i4")
+        name_bodies(data, [b.name for b in bodies])
         data["dark"] = np.concatenate([np.array(b.shape.dark or [0] * len(b.shape.polygons), "i4") for b in bodies])
-        write_steps(root, time[records], size)
+        write_steps(root, time, size, body=0, dark=0)
+    return whole.getbuffer()
+
+
+def name_bodies(data, names):
+    """As an attribute, which has room for so much and no more."""
+    if sum(len(name.encode()) + 32 for name in names) < 60000:
+        data["body"].attrs["names"] = names
+
+
+def points_of(bodies):
+    return sum(len(b.shape.points) for b in bodies)
+
+
+def contact_lines(file, bodies, q, records):
+    """Of each record its contacts and their lines."""
+    origins = Origins(file, bodies)
+    for row, record in zip(q, records):
+        contacts = contacts_of(file, int(record))
+        yield contacts, origins.lines(row, contacts)
+
+
+def contact_image(file, time, records, found):
+    """The bytes of the file of contacts."""
+    most, n, dt = max((len(lines.number) for _, lines in found), default=0), len(records), step_length(file)
+    points, data = np.zeros((n, most, 2, 3)), {"normal_force": np.zeros((n, most)), "friction_force": np.zeros((n, most)),
+                                               "gap": np.zeros((n, most)), "mode": np.zeros((n, most), "i4"),
+                                               "id": np.full((n, most), -1, "i8")}
+    for i, (contacts, lines) in enumerate(found):
+        used, of = slice(0, len(lines.number)), lines.number
+        points[i, used] = lines.ends
+        points[i, len(of) :] = lines.ends[0, 0] if len(of) else 0
+        data["normal_force"][i, used] = contacts.normal[of] / dt
+        data["friction_force"][i, used] = np.linalg.norm(contacts.tangential[of], axis=1) / dt
+        for name in ("gap", "mode", "id"):
+            data[name][i, used] = getattr(contacts, name)[of]
+    whole = io.BytesIO()
+    with h5py.File(whole, "w") as target:
+        root = begin(target, 2 * most)
+        root["Points"] = points.reshape(-1, 3)
+        write_cells(root, "Lines", np.arange(2 * most), 2 * np.arange(most + 1))
+        for name, values in data.items():
+            root[f"CellData/{name}"] = values.reshape(-1)
+        write_steps(root, time, 2 * most, **dict.fromkeys(data, most))
     return whole.getbuffer()
 
 
@@ -98,14 +161,26 @@ def parse(argv):
     return arguments
 
 
+def convert(file, arguments):
+    time = times_of(file)
+    records = np.arange(0, len(time), arguments.every)
+    bodies, q = read_motion(file, arguments.file, arguments.point, records)
+    solids = solids_of(bodies)
+    check_size(arguments.file, arguments.every, len(records), points_of(solids))
+    replace(arguments.output, image(time[records], solids))
+    tell(f"{len(records)} steps of {len(bodies)} bodies in {arguments.output}")
+    if has_list(file) and not arguments.point:
+        found = list(contact_lines(file, bodies, q, records))
+        path = os.path.splitext(arguments.output)[0] + ".contacts.vtkhdf"
+        replace(path, contact_image(file, time[records], records, found))
+        tell(f"their contacts in {path}")
+
+
 def main(argv):
     arguments = parse(argv)
     try:
         with open_trajectory(arguments.file) as file:
-            time, bodies = read_motion(file, arguments.file, arguments.point)
-        records = np.arange(0, len(time), arguments.every)
-        replace(arguments.output, image(time, solids_of(bodies), records))
-        tell(f"{len(records)} steps of {len(bodies)} bodies in {arguments.output}")
+            convert(file, arguments)
     except Problem as problem:
         print(f"nsdae-vtk: error: {problem}", file=sys.stderr)
         return 1

@@ -5,7 +5,7 @@
 
 #include "errors.h"
 
-enum { COORDINATE, VELOCITY, CONSTRAINT, CONTACT, TANGENT, SLIDE };
+enum { COORDINATE, VELOCITY, CONSTRAINT, CONTACT, TANGENT, SLIDE, SIDE };
 
 static const struct axis {
   const char *path, *name; /* the dimension has the dataset's name */
@@ -25,15 +25,19 @@ static const struct axis {
     [TANGENT] = {"/tangent", "tangent", "tangent", "tangential directions of a contact", -1, NULL},
     [SLIDE] = {"/slide/slide", "slide", "slide", "names of the bilateral constraints with friction",
                NSDAE_NAME_SLIDE, NULL},
+    [SIDE] = {"/contacts/side", "side", "side", "sides of a contact", -1, NULL},
 };
 
 /* Past so many, one that has no name is its number: a text each costs more than the data. */
 enum { NAMED_MOST = 4096, NAME_SIZE = 64 };
 
-static int length_of(int i, const nsdae_dims *dims)
+static int length_of(int i, const nsdae_sizes *sizes)
 {
-  const int length[NSDAE_AXES] = {dims->nq, dims->nv, dims->m, dims->k, dims->nt, dims->f};
-  return i == TANGENT && dims->k == 0 ? 0 : length[i];
+  const nsdae_dims *dims = &sizes->dims;
+  int contacts = dims->k > 0 || sizes->listed;
+  const int length[NSDAE_AXES] = {
+      dims->nq, dims->nv, dims->m, dims->k, contacts ? dims->nt : 0, dims->f, 2 * sizes->listed};
+  return length[i];
 }
 
 static void write_name(const nsdae_system *system, int i, int number, char text[NAME_SIZE])
@@ -112,12 +116,12 @@ void nsdae_axes_init(nsdae_axes *axes)
 
 int nsdae_axes_create(nsdae_axes *axes, nsdae_h5 *h5, const nsdae_sim *sim)
 {
-  nsdae_dims dims;
+  nsdae_sizes sizes;
   int status = NSDAE_OK;
   const nsdae_system *system = nsdae_sim_get_system(sim);
-  nsdae_sim_get_dims(sim, &dims);
+  nsdae_sizes_of(&sizes, sim);
   for (int i = 0; i < NSDAE_AXES && status == NSDAE_OK; i++) {
-    int n = length_of(i, &dims);
+    int n = length_of(i, &sizes);
     if (n == 0) continue;
     status = create_scale(axes, h5, system, i, n);
     if (status == NSDAE_OK) status = create_units(axes, h5, system, i, n);
@@ -128,9 +132,9 @@ int nsdae_axes_create(nsdae_axes *axes, nsdae_h5 *h5, const nsdae_sim *sim)
 hid_t nsdae_axes_of(const nsdae_axes *axes, nsdae_width width, int i)
 {
   static const int first[] = {
-      [NSDAE_WIDTH_Q] = COORDINATE, [NSDAE_WIDTH_V] = VELOCITY, [NSDAE_WIDTH_M] = CONSTRAINT,
-      [NSDAE_WIDTH_K] = CONTACT,    [NSDAE_WIDTH_KT] = CONTACT, [NSDAE_WIDTH_T] = TANGENT,
-      [NSDAE_WIDTH_F] = SLIDE};
+      [NSDAE_WIDTH_PAIR] = SIDE,  [NSDAE_WIDTH_LISTED_T] = TANGENT, [NSDAE_WIDTH_Q] = COORDINATE,
+      [NSDAE_WIDTH_V] = VELOCITY, [NSDAE_WIDTH_M] = CONSTRAINT,     [NSDAE_WIDTH_K] = CONTACT,
+      [NSDAE_WIDTH_KT] = CONTACT, [NSDAE_WIDTH_T] = TANGENT,        [NSDAE_WIDTH_F] = SLIDE};
   return axes->scale[i == 1 ? TANGENT : first[width]];
 }
 

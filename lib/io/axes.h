@@ -1,6 +1,6 @@
 /* The second dimensions of a trajectory: which coordinate, velocity, constraint, contact, tangent,
- * slide. Each is a dataset of the names, a dimension scale of HDF5, so that tools select by name
- * (in xarray q.sel(coordinate="theta")). */
+ * slide, side of a listed contact. Each is a dataset of the names, a dimension scale of HDF5, so
+ * that tools select by name (in xarray q.sel(coordinate="theta")). */
 #ifndef NSDAE_IO_AXES_H
 #define NSDAE_IO_AXES_H
 
@@ -9,7 +9,7 @@
 #include "hdf5_data.h"
 #include "table.h"
 
-enum { NSDAE_AXES = 6 };
+enum { NSDAE_AXES = 7 };
 
 typedef struct nsdae_axes {
   hid_t scale[NSDAE_AXES]; /* < 0: the model has none of it */

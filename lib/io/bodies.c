@@ -1,7 +1,9 @@
-/* A row of /bodies for each body: texts, sizes, and its number of rows in the table of points. */
+/* A row of /bodies for each body: texts, sizes, and its number of rows in the table of points; or,
+ * of what is placed by coordinates alone, a row of /shapes: their numbers in place of formulas. */
 #include "bodies.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -199,61 +201,173 @@ static const char *text_of(const nsdae_body *b, int column)
   return or_else(b->end[column - 10], b->shape == NSDAE_SHAPE_SEGMENT ? "0" : "");
 }
 
-static int write_texts(nsdae_h5 *h5, int n, const nsdae_body *body, const char **text)
-{
-  int status = NSDAE_OK;
-  for (int c = 0; c < TEXTS && status == NSDAE_OK; c++) {
-    for (int i = 0; i < n; i++) text[i] = text_of(&body[i], c);
-    status = nsdae_h5_vector(h5, columns[c].path, H5T_C_S1, (hsize_t)n, text, columns[c].units,
-                             columns[c].description);
-  }
-  return status;
-}
-
-static size_t all_points(int n, const nsdae_body *body)
+static size_t all_points(int n, const nsdae_body *const *body)
 {
   size_t all = 0;
-  for (int i = 0; i < n; i++) all += (size_t)body[i].points;
+  for (int i = 0; i < n; i++) all += (size_t)body[i]->points;
   return all;
 }
 
-static int write_numbers(nsdae_h5 *h5, int n, const nsdae_body *body, double *rows, int *count)
+/* Bodies of one of the two groups, and memory for their columns. */
+typedef struct column_set {
+  nsdae_h5 *h5;
+  const char *group;
+  int n;
+  const nsdae_body *const *body;
+  const char **text; /* n */
+  int *number;       /* n */
+  double *row;       /* 3 of n, or of all points */
+} column_set;
+
+static int write_matrix(const column_set *s, const char *name, hsize_t rows, const char *what)
 {
-  double *at = rows;
-  for (int i = 0; i < n; i++) {
-    memcpy(rows + 3 * i, body[i].size, sizeof body[i].size);
-    count[i] = body[i].points;
+  char path[48];
+  snprintf(path, sizeof path, "%s/%s", s->group, name);
+  return nsdae_h5_matrix(s->h5, path, rows, 3, s->row, "m", what);
+}
+
+static int write_ints(const column_set *s, const char *name, const char *what)
+{
+  char path[48];
+  snprintf(path, sizeof path, "%s/%s", s->group, name);
+  return nsdae_h5_vector(s->h5, path, H5T_NATIVE_INT, (hsize_t)s->n, s->number, "1", what);
+}
+
+static int write_sizes(column_set *s)
+{
+  for (int i = 0; i < s->n; i++)
+    memcpy(s->row + 3 * (size_t)i, s->body[i]->size, sizeof s->body[i]->size);
+  return write_matrix(s, "size", (hsize_t)s->n, "by the shape");
+}
+
+/* How many each body has, and all of them one after another. */
+static int write_points(column_set *s)
+{
+  double *at = s->row;
+  for (int i = 0; i < s->n; i++) s->number[i] = s->body[i]->points;
+  int status = write_ints(s, "points", "rows of point in this group that each has, in order");
+  for (int i = 0; i < s->n; i++) {
+    if (s->body[i]->points == 0) continue;
+    memcpy(at, s->body[i]->point, 3 * sizeof *at * (size_t)s->body[i]->points);
+    at += 3 * s->body[i]->points;
   }
-  int status = nsdae_h5_matrix(h5, "/bodies/size", (hsize_t)n, 3, rows, "m", "by the shape");
-  if (status == NSDAE_OK)
-    status = nsdae_h5_vector(h5, "/bodies/points", H5T_NATIVE_INT, (hsize_t)n, count, "1",
-                             "rows of /bodies/point that each body has, in order");
-  for (int i = 0; i < n; i++) {
-    if (body[i].points == 0) continue;
-    memcpy(at, body[i].point, 3 * sizeof *at * (size_t)body[i].points);
-    at += 3 * body[i].points;
+  if (status < 0 || at == s->row) return status;
+  return write_matrix(s, "point", (hsize_t)(at - s->row) / 3,
+                      "corners of polygons and paths in their bodies' frames");
+}
+
+static int write_texts(column_set *s)
+{
+  int status = NSDAE_OK;
+  for (int c = 0; c < TEXTS && status == NSDAE_OK; c++) {
+    for (int i = 0; i < s->n; i++) s->text[i] = text_of(s->body[i], c);
+    status = nsdae_h5_vector(s->h5, columns[c].path, H5T_C_S1, (hsize_t)s->n, s->text,
+                             columns[c].units, columns[c].description);
   }
-  if (status == NSDAE_OK && at > rows)
-    status = nsdae_h5_matrix(h5, "/bodies/point", (hsize_t)(at - rows) / 3, 3, rows, "m",
-                             "corners of polygons and paths in their bodies' frames");
   return status;
 }
 
-int nsdae_bodies_write(nsdae_h5 *h5, int n, const nsdae_body *body)
+/* ---- what is placed by coordinates alone */
+
+/* Numbers of coordinates: of x, the next ones being y (and z); of the angle, or of w, the next ones
+ * being x, y, z of the quaternion. */
+typedef struct placed {
+  int dimension, position, turn; /* 2 or 3; turn -1: none */
+} placed;
+
+/* Whether the texts are coordinates one after another; the number of the first in *first. */
+static int in_a_row(const char *const *text, int n, const nsdae_formula_names *names, int *first)
 {
-  size_t points = all_points(n, body), count = (size_t)n;
+  if (!is_given(text[0])) return 0;
+  *first = nsdae_formula_coordinate(text[0], names);
+  for (int i = 1; i < n; i++)
+    if (!is_given(text[i]) || nsdae_formula_coordinate(text[i], names) != *first + i) return 0;
+  return *first >= 0;
+}
+
+static int find_place(const nsdae_body *b, const nsdae_formula_names *names, placed *p)
+{
+  *p = (placed){.dimension = is_given(b->position[2]) ? 3 : 2, .turn = -1};
+  if (b->shape == NSDAE_SHAPE_SEGMENT || !in_a_row(b->position, p->dimension, names, &p->position))
+    return 0;
+  if (is_given(b->angle)) return p->dimension == 2 && in_a_row(&b->angle, 1, names, &p->turn);
+  if (!is_given(b->quaternion[0])) return 1;
+  return p->dimension == 3 && in_a_row(b->quaternion, 4, names, &p->turn);
+}
+
+static int write_places(column_set *s, const nsdae_formula_names *names)
+{
+  static const char
+      *const name[] = {"dimension", "position", "turn"},
+             *const what[] = {"2: in the plane, 3: in space",
+                              "coordinate, from 0, that is x of the origin; y, z come after it",
+                              "coordinate, from 0, that is the angle about z, or in space w of the "
+                              "quaternion, whose x, y, z come after it; -1: not turned"};
+  int status = NSDAE_OK;
+  for (int c = 0; c < 3 && status == NSDAE_OK; c++) {
+    for (int i = 0; i < s->n; i++) {
+      placed p;
+      find_place(s->body[i], names, &p);
+      s->number[i] = c == 0 ? p.dimension : c == 1 ? p.position : p.turn;
+    }
+    status = write_ints(s, name[c], what[c]);
+  }
+  return status;
+}
+
+static int write_shapes(column_set *s, const nsdae_formula_names *names)
+{
+  for (int i = 0; i < s->n; i++) s->text[i] = s->body[i]->name;
+  int status = nsdae_h5_vector(s->h5, "/shapes/name", H5T_C_S1, (hsize_t)s->n, s->text, "",
+                               "names of what is placed by coordinates alone");
+  for (int i = 0; i < s->n; i++) s->number[i] = s->body[i]->shape;
+  if (status == NSDAE_OK)
+    status = write_ints(s, "shape",
+                        "0 point, 1 disc, 3 polygon, 4 path, 5 sphere, 6 capsule, 7 box, 8 plane");
+  return status < 0 ? status : write_places(s, names);
+}
+
+/* names: of formulas, for /shapes; NULL: /bodies. */
+static int write_group(nsdae_h5 *h5, int n, const nsdae_body *const *body,
+                       const nsdae_formula_names *names)
+{
   if (n == 0) return NSDAE_OK;
-  const char **text = malloc(count * sizeof *text);
-  int *numbers = malloc(count * sizeof *numbers);
-  double *rows = malloc(3 * (points > count ? points : count) * sizeof *rows);
+  size_t points = all_points(n, body), count = (size_t)n;
+  column_set s = {.h5 = h5, .group = names ? "/shapes" : "/bodies", .n = n, .body = body};
+  s.text = malloc(count * sizeof *s.text);
+  s.number = malloc(count * sizeof *s.number);
+  s.row = malloc(3 * (points > count ? points : count) * sizeof *s.row);
   int status = NSDAE_E_MEMORY;
-  if (text && numbers && rows) {
-    status = write_texts(h5, n, body, text);
-    if (status == NSDAE_OK) status = write_numbers(h5, n, body, rows, numbers);
+  if (s.text && s.number && s.row) {
+    status = names ? write_shapes(&s, names) : write_texts(&s);
+    if (status == NSDAE_OK) status = write_sizes(&s);
+    if (status == NSDAE_OK) status = write_points(&s);
   } else
     nsdae_error_set(h5->error, status, "nsdae_trajectory_set_bodies", "", "out of memory");
-  free(text);
-  free(numbers);
-  free(rows);
+  free(s.text);
+  free(s.number);
+  free(s.row);
+  return status;
+}
+
+int nsdae_bodies_write(nsdae_h5 *h5, int n, const nsdae_body *body,
+                       const nsdae_formula_names *names, int apart)
+{
+  int in_shapes = 0, in_bodies = n;
+  const nsdae_body **sorted = malloc(((size_t)n + 1) * sizeof *sorted);
+  if (!sorted)
+    return nsdae_error_set(h5->error, NSDAE_E_MEMORY, "nsdae_trajectory_set_bodies", "",
+                           "out of memory");
+  for (int i = n - 1; i >= 0; i--) { /* in order: /bodies at the end */
+    placed p;
+    if (!apart || !find_place(&body[i], names, &p)) sorted[--in_bodies] = &body[i];
+  }
+  for (int i = 0; i < n && apart; i++) {
+    placed p;
+    if (find_place(&body[i], names, &p)) sorted[in_shapes++] = &body[i];
+  }
+  int status = write_group(h5, n - in_bodies, sorted + in_bodies, NULL);
+  if (status == NSDAE_OK) status = write_group(h5, in_shapes, sorted, names);
+  free(sorted);
   return status;
 }

@@ -1,4 +1,4 @@
-/* The bodies that a trajectory file names, and its group /bodies. */
+/* The bodies that a trajectory file names, and its groups /bodies and /shapes. */
 #ifndef NSDAE_IO_BODIES_H
 #define NSDAE_IO_BODIES_H
 
@@ -11,7 +11,9 @@
 int nsdae_bodies_check(int n, const nsdae_body *body, const nsdae_formula_names *names,
                        nsdae_error *error);
 
-/* Writes those that passed the check. */
-int nsdae_bodies_write(nsdae_h5 *h5, int n, const nsdae_body *body);
+/* Writes those that passed the check; apart: what is placed by coordinates alone goes to the group
+ * /shapes, in numbers. */
+int nsdae_bodies_write(nsdae_h5 *h5, int n, const nsdae_body *body,
+                       const nsdae_formula_names *names, int apart);
 
 #endif

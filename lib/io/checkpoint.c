@@ -6,6 +6,7 @@
 
 #include "errors.h"
 #include "hdf5_read.h"
+#include "table.h"
 
 static const char dataset[] = "/restart/state";
 
@@ -36,13 +37,30 @@ static uint64_t sum_of(const head *h, const unsigned char *state, size_t size)
   return add_up(sum, state, size);
 }
 
+/* Memory for a place of so many bytes; half as much again where it must grow, so that it seldom
+ * does. */
+static int make_room(nsdae_checkpoint *c, size_t bytes)
+{
+  if (bytes <= c->room) return NSDAE_OK;
+  size_t room = c->room > 0 ? bytes + bytes / 2 : bytes;
+  unsigned char *place = realloc(c->place, room);
+  if (!place) return NSDAE_E_MEMORY;
+  memset(place + c->room, 0, room - c->room);
+  c->place = place;
+  c->room = room;
+  return NSDAE_OK;
+}
+
 int nsdae_checkpoint_init(nsdae_checkpoint *checkpoint, const nsdae_sim *sim)
 {
-  *checkpoint = (nsdae_checkpoint){.set = -1};
-  int status = nsdae_sim_state_size(sim, &checkpoint->size);
+  nsdae_sizes sizes;
+  size_t size;
+  nsdae_sizes_of(&sizes, sim);
+  *checkpoint = (nsdae_checkpoint){.set = -1, .grows = sizes.listed};
+  int status = nsdae_sim_state_size(sim, &size);
   if (status < 0) return status;
-  checkpoint->place = calloc(1, sizeof(head) + checkpoint->size);
-  return checkpoint->place ? NSDAE_OK : NSDAE_E_MEMORY;
+  checkpoint->width = sizeof(head) + size;
+  return make_room(checkpoint, sizeof(head) + size);
 }
 
 void nsdae_checkpoint_release(nsdae_checkpoint *checkpoint)
@@ -53,8 +71,8 @@ void nsdae_checkpoint_release(nsdae_checkpoint *checkpoint)
 
 int nsdae_checkpoint_create(nsdae_checkpoint *checkpoint, nsdae_h5 *h5)
 {
-  const hsize_t size[2] = {PLACES, sizeof(head) + checkpoint->size};
-  return nsdae_h5_bytes(h5, dataset, size,
+  const hsize_t size[2] = {PLACES, checkpoint->width};
+  return nsdae_h5_bytes(h5, dataset, size, checkpoint->grows,
                         "states to go on from, the last two in turn; of this library alone",
                         &checkpoint->set);
 }
@@ -64,21 +82,55 @@ static unsigned char *state_of(const nsdae_checkpoint *c)
   return c->place + sizeof(head);
 }
 
+/* The state as it is now, behind the room for the head. */
+static int read_state(nsdae_checkpoint *c, nsdae_h5 *h5, nsdae_sim *sim, size_t *size)
+{
+  int status = nsdae_sim_state_size(sim, size);
+  if (status == NSDAE_OK) status = make_room(c, sizeof(head) + *size);
+  if (status == NSDAE_E_MEMORY)
+    return nsdae_error_set(h5->error, status, "nsdae_trajectory", "", "out of memory");
+  return status < 0 ? status : nsdae_sim_get_state(sim, state_of(c), *size);
+}
+
+/* The places of the file, where a state is too long for them. */
+static int widen(nsdae_checkpoint *c, nsdae_h5 *h5, hsize_t bytes)
+{
+  const hsize_t size[2] = {PLACES, bytes + bytes / 2};
+  if (bytes <= c->width) return NSDAE_OK;
+  int status = nsdae_h5_resize(h5, c->set, size);
+  if (status == NSDAE_OK) c->width = size[1];
+  return status;
+}
+
 int nsdae_checkpoint_write(nsdae_checkpoint *checkpoint, nsdae_h5 *h5, nsdae_sim *sim,
                            const nsdae_checkpoint_mark *mark)
 {
-  head h = {.step = mark->step, .size = (int64_t)checkpoint->size};
+  size_t size;
+  head h = {.step = mark->step};
   int next = (checkpoint->newest + 1) % PLACES;
-  int status = nsdae_sim_get_state(sim, state_of(checkpoint), checkpoint->size);
+  int status = read_state(checkpoint, h5, sim, &size);
   if (status < 0) return status;
   memcpy(h.magic, magic, sizeof magic);
+  h.size = (int64_t)size;
   for (int i = 0; i < NSDAE_CHECKPOINT_TABLES; i++) h.rows[i] = (int64_t)mark->rows[i];
-  h.sum = sum_of(&h, state_of(checkpoint), checkpoint->size);
+  h.sum = sum_of(&h, state_of(checkpoint), size);
   memcpy(checkpoint->place, &h, sizeof h);
-  status = nsdae_h5_write_row(h5, checkpoint->set, (hsize_t)next, sizeof h + checkpoint->size,
-                              checkpoint->place);
-  if (status == NSDAE_OK) checkpoint->newest = next;
-  return status;
+  status = widen(checkpoint, h5, sizeof h + size);
+  if (status == NSDAE_OK)
+    status =
+        nsdae_h5_write_row(h5, checkpoint->set, (hsize_t)next, sizeof h + size, checkpoint->place);
+  if (status < 0) return status;
+  checkpoint->newest = next;
+  checkpoint->used = sizeof h + size;
+  return NSDAE_OK;
+}
+
+int nsdae_checkpoint_trim(nsdae_checkpoint *checkpoint, nsdae_h5 *h5)
+{
+  const hsize_t size[2] = {PLACES, checkpoint->used};
+  if (!checkpoint->grows || checkpoint->set < 0 || checkpoint->used == 0) return NSDAE_OK;
+  checkpoint->width = checkpoint->used;
+  return nsdae_h5_resize(h5, checkpoint->set, size);
 }
 
 static int unusable(nsdae_h5 *h5, const char *why)
@@ -92,10 +144,15 @@ int nsdae_checkpoint_open(nsdae_checkpoint *checkpoint, nsdae_h5 *h5)
   hsize_t size[2];
   int status = nsdae_h5_shape(h5, dataset, 2, size);
   if (status < 0) return unusable(h5, "it has no state to go on from (/restart/state)");
-  if (size[0] != PLACES || size[1] != sizeof(head) + checkpoint->size)
+  int wide = checkpoint->grows ? size[1] >= sizeof(head) : size[1] == checkpoint->width;
+  if (size[0] != PLACES || !wide)
     return unusable(h5, "its state is of another size: another version of the library wrote it");
   status = nsdae_h5_fits(h5, dataset, 2, size);
-  return status < 0 ? status : nsdae_h5_open_dataset(h5, dataset, &checkpoint->set);
+  if (status == NSDAE_OK && make_room(checkpoint, size[1]) < 0)
+    return nsdae_error_set(h5->error, NSDAE_E_MEMORY, "nsdae_trajectory_resume", "",
+                           "out of memory");
+  checkpoint->width = size[1];
+  return status < 0 ? status : nsdae_h5_open_series(h5, dataset, &checkpoint->set);
 }
 
 /* What is at the place is whole, and the file has the rows that belong to it. */
@@ -103,8 +160,9 @@ static int is_good(const nsdae_checkpoint *c, const hsize_t rows[NSDAE_CHECKPOIN
 {
   head h;
   memcpy(&h, c->place, sizeof h);
-  if (memcmp(h.magic, magic, sizeof magic) != 0 || h.size != (int64_t)c->size) return 0;
-  if (h.sum != sum_of(&h, state_of(c), c->size)) return 0;
+  if (memcmp(h.magic, magic, sizeof magic) != 0) return 0;
+  if (h.size < 0 || h.size > (int64_t)(c->width - sizeof h)) return 0;
+  if (h.sum != sum_of(&h, state_of(c), (size_t)h.size)) return 0;
   for (int i = 0; i < NSDAE_CHECKPOINT_TABLES; i++)
     if (h.rows[i] < 0 || (hsize_t)h.rows[i] > rows[i]) return 0;
   return 1;
@@ -116,7 +174,7 @@ static int read_place(nsdae_checkpoint *c, nsdae_h5 *h5, int place, const hsize_
 {
   head h;
   *step = -1;
-  int status = nsdae_h5_read_row(h5, c->set, (hsize_t)place, sizeof h + c->size, c->place);
+  int status = nsdae_h5_read_row(h5, c->set, (hsize_t)place, c->width, c->place);
   if (status < 0 || !is_good(c, rows)) return status;
   memcpy(&h, c->place, sizeof h);
   *step = h.step;
@@ -140,7 +198,7 @@ int nsdae_checkpoint_take(nsdae_checkpoint *checkpoint, nsdae_h5 *h5, nsdae_sim 
   memcpy(&h, checkpoint->place, sizeof h);
   mark->step = (long)h.step;
   for (int i = 0; i < NSDAE_CHECKPOINT_TABLES; i++) mark->rows[i] = (hsize_t)h.rows[i];
-  status = nsdae_sim_set_state(sim, state_of(checkpoint), checkpoint->size);
+  status = nsdae_sim_set_state(sim, state_of(checkpoint), (size_t)h.size);
   if (status < 0 && h5->error) *h5->error = *nsdae_sim_error(sim);
   return status;
 }

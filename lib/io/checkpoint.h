@@ -1,6 +1,7 @@
 /* The state of a simulation in a trajectory file, and how many rows belong to it. Two places are
  * written in turn, so that one of them is whole at any moment: the newest whose checksum is right
- * and whose rows are in the file is where the run goes on. */
+ * and whose rows are in the file is where the run goes on. A state with contacts by list has as
+ * many bytes as it takes; the places grow with it. */
 #ifndef NSDAE_IO_CHECKPOINT_H
 #define NSDAE_IO_CHECKPOINT_H
 
@@ -8,13 +9,15 @@
 
 #include "hdf5_data.h"
 
-enum { NSDAE_CHECKPOINT_TABLES = 3 };
+enum { NSDAE_CHECKPOINT_TABLES = 4 };
 
 typedef struct nsdae_checkpoint {
   hid_t set;            /* < 0: none */
-  size_t size;          /* of a state */
+  int grows;            /* states are of different sizes */
+  hsize_t width, used;  /* of a place in the file; of the last state in it */
   int newest;           /* place of the last one written or found */
   unsigned char *place; /* memory of one place */
+  size_t room;          /* its bytes */
 } nsdae_checkpoint;
 
 /* Rows of the tables and the number of the step at a state. */
@@ -31,6 +34,10 @@ int nsdae_checkpoint_create(nsdae_checkpoint *checkpoint, nsdae_h5 *h5);
 /* The state of sim as it is now, in the place of the older one. */
 int nsdae_checkpoint_write(nsdae_checkpoint *checkpoint, nsdae_h5 *h5, nsdae_sim *sim,
                            const nsdae_checkpoint_mark *mark);
+
+/* Takes from the places what the last two states, which must have the same size, have no use for.
+ */
+int nsdae_checkpoint_trim(nsdae_checkpoint *checkpoint, nsdae_h5 *h5);
 
 /* Opens those of a file. */
 int nsdae_checkpoint_open(nsdae_checkpoint *checkpoint, nsdae_h5 *h5);

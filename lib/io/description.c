@@ -3,7 +3,10 @@
 #include <stdio.h>
 #include <time.h>
 
-enum { FORMAT_VERSION = 1 };
+#include "table.h"
+
+/* The oldest that has all that is in a file, so that older programs read what they can. */
+enum { FORMAT_NUMBERED = 1, FORMAT_LISTED = 2 };
 
 /* Room for six numbers of any length, as the compiler sees them. */
 enum { DATE_LENGTH = 160 };
@@ -27,8 +30,10 @@ static void creation_time(char text[DATE_LENGTH])
 static int write_root(nsdae_h5 *h5, const nsdae_sim *sim, const char *model)
 {
   nsdae_sim_options options;
+  nsdae_sizes sizes;
   char created[DATE_LENGTH];
   nsdae_sim_get_options(sim, &options);
+  nsdae_sizes_of(&sizes, sim);
   creation_time(created);
   const char *const text[][2] = {{"format", "nsdae-trajectory"},
                                  {"status", "running"},
@@ -36,7 +41,8 @@ static int write_root(nsdae_h5 *h5, const nsdae_sim *sim, const char *model)
                                  {"model", model},
                                  {"method", nsdae_method_name(options.method)},
                                  {"created", created}};
-  int status = nsdae_h5_set_int(h5, h5->file, "format_version", FORMAT_VERSION);
+  int status = nsdae_h5_set_int(h5, h5->file, "format_version",
+                                sizes.listed ? FORMAT_LISTED : FORMAT_NUMBERED);
   for (size_t i = 0; i < sizeof text / sizeof *text && status == NSDAE_OK; i++)
     status = nsdae_h5_set_text(h5, h5->file, text[i][0], text[i][1]);
   return status;

@@ -102,11 +102,43 @@ static int is_numeric(const nsdae_param *p)
   return p->type == NSDAE_PARAM_REAL || p->type == NSDAE_PARAM_INT;
 }
 
+/* Place in the order of the first name that is not before this one: bisection. */
+static int place_of(const nsdae_formula_names *n, const char *name)
+{
+  int low = 0, high = n->nq;
+  while (low < high) {
+    int middle = low + (high - low) / 2;
+    if (strcmp(n->coordinate[n->order[middle]], name) < 0)
+      low = middle + 1;
+    else
+      high = middle;
+  }
+  return low;
+}
+
+static int find_coordinate(const nsdae_formula_names *n, const char *name)
+{
+  if (!n->coordinate) return -1;
+  if (n->order) {
+    int at = place_of(n, name);
+    return at < n->nq && strcmp(n->coordinate[n->order[at]], name) == 0 ? n->order[at] : -1;
+  }
+  for (int i = 0; i < n->nq; i++)
+    if (n->coordinate[i] && strcmp(name, n->coordinate[i]) == 0) return i;
+  return -1;
+}
+
+int nsdae_formula_coordinate(const char *text, const nsdae_formula_names *names)
+{
+  if (!*text) return -1;
+  if (!is_column(text)) return find_coordinate(names, text);
+  return strlen(text) < 10 && atoi(text + 1) < names->nq ? atoi(text + 1) : -1;
+}
+
 static int is_quantity(const nsdae_formula_names *n, const char *name)
 {
   if (strcmp(name, "pi") == 0 || strcmp(name, "t") == 0) return 1;
-  for (int i = 0; n->coordinate && i < n->nq; i++)
-    if (n->coordinate[i] && strcmp(name, n->coordinate[i]) == 0) return 1;
+  if (find_coordinate(n, name) >= 0) return 1;
   const nsdae_param *p = n->parameters ? nsdae_params_find(n->parameters, name) : NULL;
   return p && is_numeric(p);
 }

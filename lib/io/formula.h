@@ -9,8 +9,13 @@
 typedef struct nsdae_formula_names {
   int nq;
   const char *const *coordinate;  /* [nq] names, or NULL */
+  const int *order;               /* [nq] their numbers, the names ascending; NULL: not sorted */
   const nsdae_params *parameters; /* of which the numbers count, or NULL */
 } nsdae_formula_names;
+
+/* The number of the coordinate that is all of the text, by its name or as q<number>; -1: the text
+ * is something else. */
+int nsdae_formula_coordinate(const char *text, const nsdae_formula_names *names);
 
 enum { NSDAE_FORMULA_LENGTH = 256, NSDAE_FORMULA_REASON = 160 };
 

@@ -179,25 +179,34 @@ int nsdae_h5_open_series(nsdae_h5 *h5, const char *path, hid_t *set)
 }
 
 /* Its space is taken at once: later only bytes change. */
-static hid_t taken_at_once(void)
+static hid_t taken_at_once(int grows)
 {
+  const hsize_t chunk[2] = {1, 1 << 16};
   hid_t layout = H5Pcreate(H5P_DATASET_CREATE);
+  if (grows) H5Pset_chunk(layout, 2, chunk);
   H5Pset_alloc_time(layout, H5D_ALLOC_TIME_EARLY);
   return layout;
 }
 
-int nsdae_h5_bytes(nsdae_h5 *h5, const char *path, const hsize_t size[2], const char *description,
-                   hid_t *set)
+int nsdae_h5_bytes(nsdae_h5 *h5, const char *path, const hsize_t size[2], int grows,
+                   const char *description, hid_t *set)
 {
-  hid_t links = H5Pcreate(H5P_LINK_CREATE), layout = taken_at_once();
-  hid_t space = H5Screate_simple(2, size, NULL);
+  const hsize_t most[2] = {size[0], grows ? H5S_UNLIMITED : size[1]};
+  hid_t links = H5Pcreate(H5P_LINK_CREATE), layout = taken_at_once(grows), access = uncached();
+  hid_t space = H5Screate_simple(2, size, most);
   H5Pset_create_intermediate_group(links, 1);
-  *set = H5Dcreate2(h5->file, path, H5T_NATIVE_UCHAR, space, links, layout, H5P_DEFAULT);
+  *set = H5Dcreate2(h5->file, path, H5T_NATIVE_UCHAR, space, links, layout, access);
   int status = nsdae_h5_result(h5, *set, "make a dataset in");
+  H5Pclose(access);
   H5Sclose(space);
   H5Pclose(layout);
   H5Pclose(links);
   return status < 0 ? status : nsdae_h5_describe(h5, *set, "1", description);
+}
+
+int nsdae_h5_resize(nsdae_h5 *h5, hid_t set, const hsize_t *size)
+{
+  return nsdae_h5_result(h5, H5Dset_extent(set, size), "write to");
 }
 
 typedef enum direction { WRITE, READ } direction;

@@ -37,9 +37,11 @@ int nsdae_h5_open_dataset(nsdae_h5 *h5, const char *path, hid_t *set);
 /* To write more rows into it. */
 int nsdae_h5_open_series(nsdae_h5 *h5, const char *path, hid_t *set);
 
-/* A dataset of size[0] rows of size[1] bytes, which are written and read one by one. */
-int nsdae_h5_bytes(nsdae_h5 *h5, const char *path, const hsize_t size[2], const char *description,
-                   hid_t *set);
+/* A dataset of size[0] rows of size[1] bytes, which are written and read one by one. grows: rows
+ * may become longer (nsdae_h5_resize). */
+int nsdae_h5_bytes(nsdae_h5 *h5, const char *path, const hsize_t size[2], int grows,
+                   const char *description, hid_t *set);
+int nsdae_h5_resize(nsdae_h5 *h5, hid_t set, const hsize_t *size);
 int nsdae_h5_write_row(nsdae_h5 *h5, hid_t set, hsize_t row, hsize_t width, const void *bytes);
 int nsdae_h5_read_row(nsdae_h5 *h5, hid_t set, hsize_t row, hsize_t width, void *bytes);
 

@@ -6,42 +6,46 @@
 #include "hdf5_data.h"
 #include "table.h"
 
-/* Rows in a chunk of a dataset, and so many are kept of a column; of the first column more, for it
- * is written at flushes only. */
-enum { NSDAE_SERIES_CHUNK = 1024, NSDAE_SERIES_ROWS_MAX = 16 * NSDAE_SERIES_CHUNK };
+/* Rows that are kept of a first column that counts, for it is written at flushes only; of the
+ * others as many as a chunk of the datasets has. */
+enum { NSDAE_SERIES_ROWS_MAX = 16 * 1024 };
 
 typedef struct nsdae_series {
   const nsdae_table *table;
   hid_t *set;            /* per column; < 0: left out, because its rows are empty */
   size_t *bytes;         /* of a row, per column */
+  hsize_t chunk;         /* rows, so that no column has a chunk of more than some MiB */
   char **buffer;         /* per column */
-  hsize_t written, held; /* rows in the file, rows in the buffers; but for the first column */
+  hsize_t written, held; /* rows in the file, rows in the buffers; but for a column that counts */
   int packed;
-  hsize_t counted; /* of the first column in the file: its length is the number of rows */
+  hsize_t counted; /* rows of the first column in the file, where it counts, else 0 */
 } nsdae_series;
 
-/* Allocates for the table's rows; NSDAE_E_MEMORY. Columns that `leave_out` names stay out.
- * packed: rows are compressed, by whole chunks. */
-int nsdae_series_init(nsdae_series *series, const nsdae_table *table, const nsdae_dims *dims,
-                      const char *leave_out, int packed);
+/* Allocates for the table's rows; NSDAE_E_MEMORY. Columns whose rows are empty stay out. packed:
+ * rows are compressed, by whole chunks. */
+int nsdae_series_init(nsdae_series *series, const nsdae_table *table, const nsdae_sizes *sizes,
+                      int packed);
 void nsdae_series_release(nsdae_series *series);
 
 /* Makes the datasets, the first of them the dimension scale of all, named scale; the others' second
  * dimensions are the axes. deflate: as in nsdae_h5_series. */
-int nsdae_series_create(nsdae_series *series, nsdae_h5 *h5, const nsdae_dims *dims,
+int nsdae_series_create(nsdae_series *series, nsdae_h5 *h5, const nsdae_sizes *sizes,
                         const nsdae_axes *axes, const char *scale, int deflate);
 
 /* Opens the datasets of a file, which must have the table's shapes; rows: of the shortest. */
-int nsdae_series_open(nsdae_series *series, nsdae_h5 *h5, const nsdae_dims *dims, hsize_t *rows);
+int nsdae_series_open(nsdae_series *series, nsdae_h5 *h5, const nsdae_sizes *sizes, hsize_t *rows);
 /* Goes on behind so many rows, whatever the file has. */
 void nsdae_series_resume(nsdae_series *series, hsize_t rows);
 /* Drops what the file has behind the rows that are written, of the first column and then of the
  * others. */
 int nsdae_series_cut(nsdae_series *series, nsdae_h5 *h5);
 
-/* Adds the row at `row` (an nsdae_record or nsdae_impact) to the buffers, which must not be full.
- */
-void nsdae_series_append(nsdae_series *series, const void *row);
+/* Whether it has any column. */
+int nsdae_series_exists(const nsdae_series *series);
+/* Adds rows `from` and on of those at `row`, a struct of the table, to the buffers; as many as
+ * given, or those up to the end of a chunk, where that is less: how many they were. A struct whose
+ * fields are the row itself has the one, 0. */
+int nsdae_series_append(nsdae_series *series, const void *row, int from, int rows);
 /* Whether the rows so far end where a chunk does. */
 int nsdae_series_ends_chunk(const nsdae_series *series);
 

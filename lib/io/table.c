@@ -2,9 +2,19 @@
 
 #include <stddef.h>
 
-#define FIELD(field)   offsetof(nsdae_record, field), 0, 0
-#define ROW(field)     offsetof(nsdae_record, field), 1, 0
-#define INT_ROW(field) offsetof(nsdae_record, field), 1, 1
+#include "system_impl.h"
+
+enum { ROWS = 1024, CONTACTS = 16 * ROWS };
+
+#define TABLE(column, counts, chunk)                                    \
+  {                                                                     \
+    column, (int)(sizeof(column) / sizeof *(column)), (counts), (chunk) \
+  }
+
+#define FIELD(field)     offsetof(nsdae_record_row, record.field), 0, NSDAE_VALUE_REAL
+#define INT_FIELD(field) offsetof(nsdae_record_row, record.field), 0, NSDAE_VALUE_INT
+#define ROW(field)       offsetof(nsdae_record_row, record.field), 1, NSDAE_VALUE_REAL
+#define INT_ROW(field)   offsetof(nsdae_record_row, record.field), 1, NSDAE_VALUE_INT
 
 static const nsdae_column record_columns[] = {
     {"/time", FIELD(time), NSDAE_WIDTH_ONE, "s", "simulated time"},
@@ -19,11 +29,15 @@ static const nsdae_column record_columns[] = {
     {"/contact/tangential_impulse", ROW(tangential_impulse), NSDAE_WIDTH_KT, "N s",
      "tangential impulse of the step that ends here"},
     {"/contact/mode", INT_ROW(mode), NSDAE_WIDTH_K, "1", "0 open, 1 slide, 2 stick"},
+    {"/contacts/first", offsetof(nsdae_record_row, first), 0, NSDAE_VALUE_LONG, NSDAE_WIDTH_LISTED,
+     "1", "row of the lists below at which the closed contacts of this record begin"},
+    {"/contacts/count", INT_FIELD(contacts.count), NSDAE_WIDTH_LISTED, "1",
+     "how many they are: contacts that were closed in the step that ends here"},
     {"/slide/impulse", ROW(slide_impulse), NSDAE_WIDTH_F, "N s",
      "friction impulse on each bilateral constraint with friction, of the step that ends here"},
     {"/slide/mode", INT_ROW(slide_mode), NSDAE_WIDTH_F, "1", "0 frictionless, 1 slide, 2 stick"},
     {"/energy/kinetic", FIELD(kinetic), NSDAE_WIDTH_ONE, "J", "v^T M v / 2"},
-    {"/energy/potential", FIELD(potential), NSDAE_WIDTH_ONE, "J",
+    {"/energy/potential", FIELD(potential), NSDAE_WIDTH_POTENTIAL, "J",
      "potential energy of the model; zero where it gives none"},
     {"/energy/dissipated", FIELD(dissipated), NSDAE_WIDTH_ONE, "J",
      "work taken by contact and friction impulses so far"},
@@ -35,56 +49,97 @@ static const nsdae_column record_columns[] = {
      "largest overlap over the contacts"},
 };
 
-const nsdae_table nsdae_record_table = {record_columns,
-                                        (int)(sizeof record_columns / sizeof *record_columns)};
+const nsdae_table nsdae_record_table = TABLE(record_columns, 1, ROWS);
 
 #undef FIELD
-#define FIELD(field) offsetof(nsdae_impact, field), 0
+#undef INT_FIELD
+#define FIELD(field)     offsetof(nsdae_impact_row, impact.field), 0, NSDAE_VALUE_REAL
+#define INT_FIELD(field) offsetof(nsdae_impact_row, impact.field), 0, NSDAE_VALUE_INT
 
 static const nsdae_column impact_columns[] = {
-    {"/impact/time", FIELD(time), 0, NSDAE_WIDTH_ONE, "s",
+    {"/impact/time", FIELD(time), NSDAE_WIDTH_ONE, "s",
      "time of the impact; with a time-stepping method the end of its step"},
-    {"/impact/contact", FIELD(contact), 1, NSDAE_WIDTH_ONE, "1", "contact, from 0"},
-    {"/impact/normal_impulse", FIELD(normal_impulse), 0, NSDAE_WIDTH_ONE, "N s", "normal impulse"},
-    {"/impact/tangential_impulse", FIELD(tangential_impulse), 0, NSDAE_WIDTH_T, "N s",
+    {"/impact/contact", INT_FIELD(contact), NSDAE_WIDTH_NUMBERED, "1", "contact, from 0"},
+    {"/impact/id", offsetof(nsdae_impact_row, id), 0, NSDAE_VALUE_LONG, NSDAE_WIDTH_LISTED, "1",
+     "id of the contact"},
+    {"/impact/block", offsetof(nsdae_impact_row, block), 0, NSDAE_VALUE_INT, NSDAE_WIDTH_PAIR, "1",
+     "blocks of the contact; -1: the ground"},
+    {"/impact/normal_impulse", FIELD(normal_impulse), NSDAE_WIDTH_ONE, "N s", "normal impulse"},
+    {"/impact/tangential_impulse", FIELD(tangential_impulse), NSDAE_WIDTH_T, "N s",
      "tangential impulse"},
-    {"/impact/velocity_before", FIELD(velocity_before), 0, NSDAE_WIDTH_ONE, "m/s",
+    {"/impact/velocity_before", FIELD(velocity_before), NSDAE_WIDTH_ONE, "m/s",
      "normal velocity before"},
-    {"/impact/velocity_after", FIELD(velocity_after), 0, NSDAE_WIDTH_ONE, "m/s",
+    {"/impact/velocity_after", FIELD(velocity_after), NSDAE_WIDTH_ONE, "m/s",
      "normal velocity after"},
-    {"/impact/peak_force", FIELD(peak_force), 0, NSDAE_WIDTH_ONE, "N",
+    {"/impact/peak_force", FIELD(peak_force), NSDAE_WIDTH_ONE, "N",
      "largest normal force of a continuous contact; 0 for a rigid one"},
-    {"/impact/accumulation", FIELD(accumulation), 1, NSDAE_WIDTH_ONE, "1",
+    {"/impact/accumulation", INT_FIELD(accumulation), NSDAE_WIDTH_ONE, "1",
      "1 where the entry stands for infinitely many impacts that end at its time in rest"},
 };
 
-const nsdae_table nsdae_impact_table = {impact_columns,
-                                        (int)(sizeof impact_columns / sizeof *impact_columns)};
+const nsdae_table nsdae_impact_table = TABLE(impact_columns, 1, ROWS);
 
 #undef FIELD
-#define FIELD(field) offsetof(nsdae_change, field), 0
+#undef INT_FIELD
+#define FIELD(field)     offsetof(nsdae_change, field), 0, NSDAE_VALUE_REAL
+#define INT_FIELD(field) offsetof(nsdae_change, field), 0, NSDAE_VALUE_INT
 
 static const nsdae_column change_columns[] = {
-    {"/change/time", FIELD(time), 0, NSDAE_WIDTH_ONE, "s", "instant of a change of mode"},
-    {"/change/contact", FIELD(contact), 1, NSDAE_WIDTH_ONE, "1", "contact, from 0; -1: a slide"},
-    {"/change/slide", FIELD(slide), 1, NSDAE_WIDTH_ONE, "1", "slide, from 0; -1: a contact"},
-    {"/change/mode_before", FIELD(mode_before), 1, NSDAE_WIDTH_ONE, "1",
+    {"/change/time", FIELD(time), NSDAE_WIDTH_ONE, "s", "instant of a change of mode"},
+    {"/change/contact", INT_FIELD(contact), NSDAE_WIDTH_ONE, "1", "contact, from 0; -1: a slide"},
+    {"/change/slide", INT_FIELD(slide), NSDAE_WIDTH_ONE, "1", "slide, from 0; -1: a contact"},
+    {"/change/mode_before", INT_FIELD(mode_before), NSDAE_WIDTH_ONE, "1",
      "0 open, 1 slide, 2 stick"},
-    {"/change/mode_after", FIELD(mode_after), 1, NSDAE_WIDTH_ONE, "1", "0 open, 1 slide, 2 stick"},
+    {"/change/mode_after", INT_FIELD(mode_after), NSDAE_WIDTH_ONE, "1", "0 open, 1 slide, 2 stick"},
 };
 
-const nsdae_table nsdae_change_table = {change_columns,
-                                        (int)(sizeof change_columns / sizeof *change_columns)};
+const nsdae_table nsdae_change_table = TABLE(change_columns, 1, ROWS);
 
-int nsdae_width_shape(nsdae_width width, const nsdae_dims *dims, int shape[2])
+#define LIST(field)     offsetof(nsdae_contact_set, field), 1, NSDAE_VALUE_REAL
+#define INT_LIST(field) offsetof(nsdae_contact_set, field), 1, NSDAE_VALUE_INT
+
+static const nsdae_column contact_columns[] = {
+    {"/contacts/id", offsetof(nsdae_contact_set, id), 1, NSDAE_VALUE_LONG, NSDAE_WIDTH_LISTED, "1",
+     "which contact, the same at all times"},
+    {"/contacts/block", INT_LIST(block), NSDAE_WIDTH_PAIR, "1",
+     "the blocks that touch; -1: the ground"},
+    {"/contacts/gap", LIST(gap), NSDAE_WIDTH_LISTED, "m",
+     "normal distance where the method looked last, negative where bodies overlap"},
+    {"/contacts/normal_impulse", LIST(normal_impulse), NSDAE_WIDTH_LISTED, "N s",
+     "normal impulse of the step"},
+    {"/contacts/tangential_impulse", LIST(tangential_impulse), NSDAE_WIDTH_LISTED_T, "N s",
+     "tangential impulse of the step"},
+    {"/contacts/mode", INT_LIST(mode), NSDAE_WIDTH_LISTED, "1", "0 open, 1 slide, 2 stick"},
+};
+
+const nsdae_table nsdae_contact_table = TABLE(contact_columns, 0, CONTACTS);
+
+void nsdae_sizes_of(nsdae_sizes *sizes, const nsdae_sim *sim)
 {
-  const int one[] = {
-      [NSDAE_WIDTH_Q] = dims->nq, [NSDAE_WIDTH_V] = dims->nv, [NSDAE_WIDTH_M] = dims->m,
-      [NSDAE_WIDTH_K] = dims->k,  [NSDAE_WIDTH_KT] = dims->k, [NSDAE_WIDTH_T] = dims->nt,
-      [NSDAE_WIDTH_F] = dims->f};
-  shape[0] = shape[1] = 1;
-  if (width == NSDAE_WIDTH_ONE) return 0;
+  *sizes = (nsdae_sizes){.potential = nsdae_sim_has_potential(sim),
+                         .listed = nsdae_sim_get_system(sim)->by_list};
+  nsdae_sim_get_dims(sim, &sizes->dims);
+}
+
+int nsdae_width_shape(nsdae_width width, const nsdae_sizes *sizes, int shape[2])
+{
+  const nsdae_dims *dims = &sizes->dims;
+  const int one[] = {[NSDAE_WIDTH_ONE] = 1,
+                     [NSDAE_WIDTH_POTENTIAL] = sizes->potential,
+                     [NSDAE_WIDTH_NUMBERED] = !sizes->listed,
+                     [NSDAE_WIDTH_LISTED] = sizes->listed,
+                     [NSDAE_WIDTH_PAIR] = 2 * sizes->listed,
+                     [NSDAE_WIDTH_LISTED_T] = sizes->listed * dims->nt,
+                     [NSDAE_WIDTH_Q] = dims->nq,
+                     [NSDAE_WIDTH_V] = dims->nv,
+                     [NSDAE_WIDTH_M] = dims->m,
+                     [NSDAE_WIDTH_K] = dims->k,
+                     [NSDAE_WIDTH_KT] = dims->k,
+                     [NSDAE_WIDTH_T] = dims->nt,
+                     [NSDAE_WIDTH_F] = dims->f};
   shape[0] = one[width];
+  shape[1] = 1;
+  if (width < NSDAE_WIDTH_PAIR) return 0;
   if (width != NSDAE_WIDTH_KT) return 1;
   shape[1] = dims->nt;
   return 2;

@@ -10,8 +10,10 @@
 #include "errors.h"
 #include "checkpoint.h"
 #include "description.h"
+#include "names.h"
 #include "series.h"
 #include "setting.h"
+#include "system_impl.h"
 
 /* A killed run loses at most what came after the last flush; flushing four times a second keeps
  * that below the second that is promised. */
@@ -23,14 +25,15 @@ static int no_memory(nsdae_error *error, const char *where)
 }
 
 /* The tables of a file. */
-enum { RECORDS, IMPACTS, CHANGES, TABLES };
+enum { RECORDS, IMPACTS, CHANGES, CONTACTS, TABLES };
 
 static const struct {
   const nsdae_table *table;
   const char *scale; /* name of its first column as a dimension */
 } tables[TABLES] = {{&nsdae_record_table, "time"},
                     {&nsdae_impact_table, "impact time"},
-                    {&nsdae_change_table, "change time"}};
+                    {&nsdae_change_table, "change time"},
+                    {&nsdae_contact_table, "id"}};
 
 struct nsdae_trajectory {
   nsdae_sim *sim;
@@ -49,19 +52,22 @@ struct nsdae_trajectory {
   nsdae_checkpoint checkpoint;
   int resumed;
   int extra; /* 1: the last row is the end of a run whose step would not have been kept */
+  hsize_t extra_contacts;   /* that it has in the list */
   double flushed, appended; /* when */
   long committed;           /* records that the file has whatever happens now */
   int failed;               /* status of a write that failed: nothing is written any more */
 };
 
-static int make_groups(nsdae_h5 *h5, const nsdae_dims *dims)
+static int make_groups(nsdae_h5 *h5, const nsdae_sizes *sizes)
 {
+  const nsdae_dims *dims = &sizes->dims;
   int status = nsdae_h5_group(h5, "/energy");
   if (status == NSDAE_OK) status = nsdae_h5_group(h5, "/certificate");
   if (status == NSDAE_OK) status = nsdae_h5_group(h5, "/impact");
   if (status == NSDAE_OK) status = nsdae_h5_group(h5, "/change");
   if (status == NSDAE_OK && dims->k > 0) status = nsdae_h5_group(h5, "/contact");
   if (status == NSDAE_OK && dims->f > 0) status = nsdae_h5_group(h5, "/slide");
+  if (status == NSDAE_OK && sizes->listed) status = nsdae_h5_group(h5, "/contacts");
   return status;
 }
 
@@ -94,7 +100,9 @@ static nsdae_checkpoint_mark mark_of(const nsdae_trajectory *t)
   if (dropped) mark.step = now.step;
   for (int i = 0; i < TABLES; i++)
     mark.rows[i] = dropped ? t->before[i] : nsdae_series_rows(&t->series[i]);
-  if (!dropped) mark.rows[RECORDS] -= (hsize_t)t->extra;
+  if (dropped) return mark;
+  mark.rows[RECORDS] -= (hsize_t)t->extra;
+  mark.rows[CONTACTS] -= t->extra_contacts;
   return mark;
 }
 
@@ -111,13 +119,20 @@ static int write_state(nsdae_trajectory *t)
 static int flush(nsdae_trajectory *t, nsdae_series_part part)
 {
   int status = prepare(t);
+  /* records that are written have their contacts in the file */
   for (int i = 0; i < TABLES && status == NSDAE_OK; i++)
-    status = nsdae_series_write(&t->series[i], &t->h5, part);
+    status = nsdae_series_write(&t->series[i], &t->h5, i == CONTACTS ? NSDAE_SERIES_ALL : part);
   if (status == NSDAE_OK) status = write_state(t);
   if (status == NSDAE_OK) status = nsdae_h5_flush(&t->h5);
   if (status == NSDAE_OK) status = count(t);
   t->flushed = nsdae_wall_clock();
   return status;
+}
+
+/* Tables that the option compress is for; the others are short. */
+static int is_packed(int table)
+{
+  return table == RECORDS || table == CONTACTS;
 }
 
 static nsdae_h5_kind kind_of(const nsdae_trajectory *t)
@@ -137,51 +152,61 @@ static int make_restart(nsdae_trajectory *t, const nsdae_trajectory_info *info)
   return status;
 }
 
-/* Against the names that its formulas may use. */
-static int check_bodies(const nsdae_trajectory *t, int n, const nsdae_body *body,
-                        nsdae_error *error)
+/* Checks the bodies against the names that their formulas may use, then writes them. */
+static int write_bodies(nsdae_trajectory *t, int n, const nsdae_body *body)
 {
-  nsdae_dims dims;
-  const nsdae_system *system = nsdae_sim_get_system(t->sim);
-  nsdae_sim_get_dims(t->sim, &dims);
-  const char **name = malloc((size_t)dims.nq * sizeof *name);
-  if (!name)
-    return nsdae_error_set(error, NSDAE_E_MEMORY, "nsdae_trajectory_set_bodies", "",
-                           "out of memory");
-  for (int i = 0; i < dims.nq; i++)
-    name[i] = nsdae_system_get_name(system, NSDAE_NAME_COORDINATE, i);
-  const nsdae_formula_names names = {dims.nq, name, &t->parameters};
-  int status = nsdae_bodies_check(n, body, &names, error);
-  free(name);
+  nsdae_sizes sizes;
+  nsdae_formula_names names;
+  nsdae_sizes_of(&sizes, t->sim);
+  if (nsdae_names_make(&names, t->sim, &t->parameters) < 0)
+    return no_memory(t->h5.error, "nsdae_trajectory_set_bodies");
+  int status = nsdae_bodies_check(n, body, &names, t->h5.error);
+  if (status == NSDAE_OK) status = nsdae_h5_remove(&t->h5, "/bodies");
+  if (status == NSDAE_OK) status = nsdae_h5_remove(&t->h5, "/shapes");
+  if (status == NSDAE_OK) status = nsdae_bodies_write(&t->h5, n, body, &names, sizes.listed);
+  nsdae_names_release(&names);
   return status;
 }
 
 /* What the system itself has to show. */
-static int write_bodies(nsdae_trajectory *t)
+static int write_own_bodies(nsdae_trajectory *t)
 {
   int n;
   nsdae_error *error = t->h5.error;
   const nsdae_body *body = nsdae_system_get_bodies(nsdae_sim_get_system(t->sim), &n);
-  int status = n > 0 ? check_bodies(t, n, body, error) : NSDAE_OK;
-  if (status == NSDAE_OK) return nsdae_bodies_write(&t->h5, n, body);
-  snprintf(error->where, sizeof error->where, "nsdae_trajectory_create");
+  int status = n > 0 ? write_bodies(t, n, body) : NSDAE_OK;
+  if (status < 0) snprintf(error->where, sizeof error->where, "nsdae_trajectory_create");
   return status;
+}
+
+/* Where the blocks of a large system begin, for whoever reads whose contacts they are. */
+static int write_blocks(nsdae_trajectory *t)
+{
+  const nsdae_system *system = nsdae_sim_get_system(t->sim);
+  if (!system->by_list) return NSDAE_OK;
+  hsize_t n = (hsize_t)system->blocks.count;
+  int status = nsdae_h5_vector(&t->h5, "/blocks/q", H5T_NATIVE_INT, n, system->coordinates.first,
+                               "1", "first coordinate of each block");
+  if (status < 0) return status;
+  return nsdae_h5_vector(&t->h5, "/blocks/v", H5T_NATIVE_INT, n, system->blocks.first, "1",
+                         "first velocity of each block");
 }
 
 static int make_file(nsdae_trajectory *t, const nsdae_trajectory_info *info)
 {
   nsdae_h5 *h5 = &t->h5;
-  nsdae_dims dims;
-  nsdae_sim_get_dims(t->sim, &dims);
+  nsdae_sizes sizes;
+  nsdae_sizes_of(&sizes, t->sim);
   int status = nsdae_h5_create(h5, kind_of(t));
   if (status == NSDAE_OK) status = nsdae_description_write(h5, t->sim, info);
-  if (status == NSDAE_OK) status = make_groups(h5, &dims);
+  if (status == NSDAE_OK) status = make_groups(h5, &sizes);
   if (status == NSDAE_OK) status = nsdae_axes_create(&t->axes, h5, t->sim);
   if (status == NSDAE_OK && !t->live) status = make_restart(t, info);
-  if (status == NSDAE_OK) status = write_bodies(t);
+  if (status == NSDAE_OK) status = write_own_bodies(t);
+  if (status == NSDAE_OK) status = write_blocks(t);
   for (int i = 0; i < TABLES && status == NSDAE_OK; i++)
-    status = nsdae_series_create(&t->series[i], h5, &dims, &t->axes, tables[i].scale,
-                                 i == RECORDS ? t->compress : 0);
+    status = nsdae_series_create(&t->series[i], h5, &sizes, &t->axes, tables[i].scale,
+                                 is_packed(i) ? t->compress : 0);
   return status < 0 ? status : nsdae_h5_flush(h5);
 }
 
@@ -194,24 +219,48 @@ static int let_readers_in(nsdae_trajectory *t)
   return status < 0 ? status : nsdae_h5_start_swmr(&t->h5);
 }
 
-static int append_row(nsdae_trajectory *t, int table, const void *row)
+static int append_rows(nsdae_trajectory *t, int table, const void *rows, int count)
 {
   nsdae_series *series = &t->series[table];
-  nsdae_series_append(series, row);
-  if (nsdae_series_is_full(series)) return flush(t, NSDAE_SERIES_CHUNKS);
-  if (!nsdae_series_ends_chunk(series)) return NSDAE_OK;
-  int status = prepare(t);
-  return status < 0 ? status : nsdae_series_write(series, &t->h5, NSDAE_SERIES_CHUNKS);
+  int status = NSDAE_OK;
+  for (int i = 0; i < count && status == NSDAE_OK;) {
+    i += nsdae_series_append(series, rows, i, count - i);
+    if (nsdae_series_is_full(series)) return flush(t, NSDAE_SERIES_CHUNKS); /* rows of one alone */
+    if (!nsdae_series_ends_chunk(series)) continue;
+    status = prepare(t);
+    if (status == NSDAE_OK) status = nsdae_series_write(series, &t->h5, NSDAE_SERIES_CHUNKS);
+  }
+  return status;
+}
+
+/* The contacts first: a record is never without them. */
+static int append_record(nsdae_trajectory *t, const nsdae_record *record)
+{
+  const nsdae_record_row row = {*record, (long)nsdae_series_rows(&t->series[CONTACTS])};
+  int status = append_rows(t, CONTACTS, &record->contacts, record->contacts.count);
+  return status < 0 ? status : append_rows(t, RECORDS, &row, 1);
+}
+
+static int append_impact(nsdae_trajectory *t, const nsdae_record *record, int i)
+{
+  const nsdae_contact_set *all = &record->contacts;
+  int at = record->impact[i].contact;
+  nsdae_impact_row row = {.impact = record->impact[i]};
+  if (all->count > 0) {
+    row.id = all->id[at];
+    memcpy(row.block, all->block + 2 * at, sizeof row.block);
+  }
+  return append_rows(t, IMPACTS, &row, 1);
 }
 
 static int append(nsdae_trajectory *t, const nsdae_record *record)
 {
   int status = NSDAE_OK;
-  if (record->step % t->every == 0) status = append_row(t, RECORDS, record);
+  if (record->step % t->every == 0) status = append_record(t, record);
   for (int i = 0; i < record->impacts && status == NSDAE_OK; i++)
-    status = append_row(t, IMPACTS, &record->impact[i]);
+    status = append_impact(t, record, i);
   for (int i = 0; i < record->changes && status == NSDAE_OK; i++)
-    status = append_row(t, CHANGES, &record->change[i]);
+    status = append_rows(t, CHANGES, &record->change[i], 1);
   return status;
 }
 
@@ -281,8 +330,8 @@ static void set_info(nsdae_trajectory *t, const nsdae_trajectory_info *info)
 static nsdae_trajectory *allocate(nsdae_sim *sim, const char *path,
                                   const nsdae_trajectory_info *info)
 {
-  nsdae_dims dims;
-  nsdae_sim_get_dims(sim, &dims);
+  nsdae_sizes sizes;
+  nsdae_sizes_of(&sizes, sim);
   nsdae_trajectory *t = calloc(1, sizeof *t);
   if (!t) return NULL;
   t->sim = sim;
@@ -290,11 +339,10 @@ static nsdae_trajectory *allocate(nsdae_sim *sim, const char *path,
   nsdae_axes_init(&t->axes);
   t->h5.file = -1;
   t->path = malloc(strlen(path) + 1);
-  const char *leave_out = nsdae_sim_has_potential(sim) ? NULL : "/energy/potential";
   int status = nsdae_checkpoint_init(&t->checkpoint, sim);
   for (int i = 0; i < TABLES && status == NSDAE_OK; i++)
-    status = nsdae_series_init(&t->series[i], tables[i].table, &dims, leave_out,
-                               i == RECORDS && info->compress > 0);
+    status = nsdae_series_init(&t->series[i], tables[i].table, &sizes,
+                               is_packed(i) && info->compress > 0);
   if (!t->path || status < 0) {
     release(t);
     return NULL;
@@ -386,7 +434,7 @@ static int compare(nsdae_trajectory *t, const nsdae_trajectory_info *info)
     status = adopt(t, &file, "every", info->every > 1 ? info->every : 1, 1, &every);
   if (status == NSDAE_OK) status = adopt(t, &file, "compress", info->compress, 0, &t->compress);
   t->every = every > 0 ? every : 1;
-  t->series[RECORDS].packed = t->compress > 0;
+  for (int i = 0; i < TABLES; i++) t->series[i].packed = is_packed(i) && t->compress > 0;
   nsdae_setting_release(&own);
   nsdae_setting_release(&file);
   return status;
@@ -394,11 +442,11 @@ static int compare(nsdae_trajectory *t, const nsdae_trajectory_info *info)
 
 static int open_tables(nsdae_trajectory *t, hsize_t rows[TABLES])
 {
-  nsdae_dims dims;
+  nsdae_sizes sizes;
   int status = NSDAE_OK;
-  nsdae_sim_get_dims(t->sim, &dims);
+  nsdae_sizes_of(&sizes, t->sim);
   for (int i = 0; i < TABLES && status == NSDAE_OK; i++)
-    status = nsdae_series_open(&t->series[i], &t->h5, &dims, &rows[i]);
+    status = nsdae_series_open(&t->series[i], &t->h5, &sizes, &rows[i]);
   return status;
 }
 
@@ -509,12 +557,10 @@ int nsdae_trajectory_set_bodies(nsdae_trajectory *trajectory, int n, const nsdae
   nsdae_trajectory *t = trajectory;
   nsdae_error_clear(error);
   int status = refuse_bodies(t, n, body, error);
-  if (status == NSDAE_OK) status = check_bodies(t, n, body, error);
   if (status < 0) return status;
-  t->bodies = 1;
   t->h5.error = error ? error : &own;
-  NSDAE_H5_QUIETLY(status, nsdae_h5_remove(&t->h5, "/bodies"))
-  if (status == NSDAE_OK) NSDAE_H5_QUIETLY(status, nsdae_bodies_write(&t->h5, n, body))
+  NSDAE_H5_QUIETLY(status, write_bodies(t, n, body))
+  t->bodies = status == NSDAE_OK;
   return status;
 }
 
@@ -570,8 +616,9 @@ static int append_last(nsdae_trajectory *t)
   nsdae_record last;
   if (t->step < 0 || t->step % t->every == 0) return NSDAE_OK;
   if (nsdae_sim_get_record(t->sim, &last) != NSDAE_OK || last.step != t->step) return NSDAE_OK;
-  int status = append_row(t, RECORDS, &last);
+  int status = append_record(t, &last);
   t->extra = 1;
+  t->extra_contacts = (hsize_t)last.contacts.count;
   return status;
 }
 
@@ -582,8 +629,9 @@ static int flush_last(nsdae_trajectory *t)
   if (status == NSDAE_OK) status = flush(t, NSDAE_SERIES_ALL);
   if (status == NSDAE_OK)
     status = write_state(t); /* both places: the same bytes whenever the flushes were */
+  if (status == NSDAE_OK) status = nsdae_checkpoint_trim(&t->checkpoint, &t->h5);
   for (int i = 0; i < TABLES && status == NSDAE_OK && t->resumed; i++)
-    status = nsdae_series_cut(&t->series[i], &t->h5);
+    if (nsdae_series_exists(&t->series[i])) status = nsdae_series_cut(&t->series[i], &t->h5);
   return status;
 }
 

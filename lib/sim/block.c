@@ -282,6 +282,8 @@ int nsdae_sim_get_state(nsdae_sim *sim, void *block, size_t size)
   int status = check_size(sim, "nsdae_sim_get_state", block, size, closed);
   if (status < 0) return status;
   nsdae_point shown = *nsdae_sim_shown(sim); /* what is visited is not changed */
+  if (!(shown.result.end.have & NSDAE_TERM_CONTACTS))
+    shown.result.end.by.reach = 0; /* of no list */
   double t = shown.result.end.t;
   unsigned have = shown.result.end.have;
   head h = make_head(sim, size);

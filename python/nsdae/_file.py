@@ -199,6 +199,8 @@ def _read_names(file: Any, counts: dict[str, int]) -> dict[str, list[tuple[str, 
 def _read_events(file: Any, group: str, of: np.dtype) -> np.ndarray:
     n = len(file[f"{group}/time"]) if f"{group}/time" in file else 0
     rows = np.zeros(n, dtype=of)
+    if f"{group}/contact" not in file and "contact" in (of.names or ()):
+        rows["contact"] = -1  # by list: they have no number
     for name in of.names or ():
         if f"{group}/{name}" in file:
             values = file[f"{group}/{name}"][:n]
@@ -209,7 +211,29 @@ def _read_events(file: Any, group: str, of: np.dtype) -> np.ndarray:
     return rows
 
 
+def _read_placed(file: Any, shape: Any) -> list[Any]:
+    """What a large system's file says is placed by coordinates alone, in formulas as the other bodies are."""
+    from .pictures.bodies import SHAPES
+    if "shapes" not in file:
+        return []
+    group = file["shapes"]
+    first = np.concatenate([[0], np.cumsum(group["points"][...])])
+    point = group["point"][...] if "point" in group else np.zeros((0, 3))
+    columns = zip(*(group[name][...].tolist() for name in ("name", "shape", "size", "dimension", "position", "turn")))
+    made = []
+    for i, (name, kind, size, dimension, position, turn) in enumerate(columns):
+        where = [f"q{position + j}" for j in range(dimension)]
+        made.append(shape(str(_str(name)), SHAPES[kind], size, where, f"q{turn}" if dimension == 2 and turn >= 0 else "",
+                          [f"q{turn + j}" for j in range(4)] if dimension == 3 and turn >= 0 else [], [],
+                          points=point[first[i] : first[i + 1]].tolist()))
+    return made
+
+
 def _read_shapes(file: Any, shape: Any) -> list[Any]:
+    return _read_named(file, shape) + _read_placed(file, shape)
+
+
+def _read_named(file: Any, shape: Any) -> list[Any]:
     if "bodies" not in file:
         return []
     group = file["bodies"]

@@ -186,9 +186,10 @@ class Trajectory:
             try:
                 with animate.open_trajectory(whole) as file:
                     name = self.model or "the trajectory"
-                    time, bodies = animate.read_motion(file, name, told.point)
+                    told.file = name
+                    time = animate.times_of(file)
                     first, last = animate.shown(time, told.start, told.end, name)
-                    animate.write(path, file, time, bodies, first, last, told)
+                    animate.write(path, file, time, first, last, told)
             except animate.Problem as problem:
                 raise ValueError(str(problem)) from problem
 

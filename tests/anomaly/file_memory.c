@@ -8,6 +8,7 @@
 
 #include "allocator.h"
 #include "bead.h"
+#include "disks.h"
 
 static const char path[] = "test_file_memory.h5";
 
@@ -133,10 +134,64 @@ static void test_read_params(void **state)
   assert_true(at > 0);
 }
 
+/* Disks that fall on each other: lists, shapes, a state that grows. */
+static int run_listed(open_fn open, long at)
+{
+  enum { DISKS = 6, FALL = 130 };
+  disks d;
+  double q0[3 * DISKS], v0[3 * DISKS];
+  nsdae_sim_options options;
+  nsdae_sim *sim;
+  nsdae_trajectory *t;
+  const nsdae_trajectory_info info = {.model = "disks"};
+  nsdae_sim_options_default(&options);
+  options.method = NSDAE_METHOD_MOREAU;
+  options.dt = 1e-3;
+  disks_create(&d, DISKS, 3);
+  disks_start(&d, q0, v0);
+  nsdae_system *system = disks_system(&d);
+  assert_int_equal(nsdae_sim_create(system, &options, &sim, NULL), NSDAE_OK);
+  assert_int_equal(nsdae_sim_init(sim, 0, q0, v0), NSDAE_OK);
+  allocator_reset(at);
+  int status = open(sim, path, &info, &t, NULL);
+  for (int i = 0; i < FALL && status == NSDAE_OK; i++) {
+    status = nsdae_sim_step(sim);
+    if (status == NSDAE_EVENT) status = NSDAE_OK;
+    if (status == NSDAE_OK && i % 40 == 0) status = nsdae_trajectory_flush(t, NULL);
+  }
+  int closed = nsdae_trajectory_close(&t, status, NULL);
+  if (status == NSDAE_OK) status = closed;
+  assert_int_equal(the_allocator.live, 0);
+  allocator_reset(-1);
+  nsdae_sim_destroy(&sim);
+  nsdae_system_destroy(&system);
+  disks_destroy(&d);
+  return status;
+}
+
+static void test_listed(void **state)
+{
+  (void)state;
+  static const open_fn open[] = {nsdae_trajectory_create, nsdae_trajectory_resume};
+  for (int i = 0; i < 2; i++) {
+    long at = 0;
+    for (;; at += getenv("NSDAE_LONG") || i == 0 ? 1 : 3) {
+      remove(path);
+      if (i > 0) assert_int_equal(run_listed(nsdae_trajectory_create, -1), NSDAE_OK);
+      int status = run_listed(open[i], at);
+      if (status == NSDAE_OK) break;
+      assert_int_equal(status, NSDAE_E_MEMORY);
+    }
+    print_message("by list: %ld allocations\n", at);
+    assert_true(at > 40);
+  }
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {cmocka_unit_test(test_create), cmocka_unit_test(test_resume),
-                                     cmocka_unit_test(test_read_params)};
+                                     cmocka_unit_test(test_read_params),
+                                     cmocka_unit_test(test_listed)};
   H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
   int failed = cmocka_run_group_tests(tests, NULL, NULL);
   remove(path);

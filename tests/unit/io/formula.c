@@ -20,8 +20,8 @@ static const nsdae_param entries[] = {
 };
 static const nsdae_params parameters = {entries, 4};
 static const char *const coordinates[] = {"x", NULL, "theta"};
-static const nsdae_formula_names names = {3, coordinates, &parameters};
-static const nsdae_formula_names bare = {2, NULL, NULL};
+static const nsdae_formula_names names = {3, coordinates, NULL, &parameters};
+static const nsdae_formula_names bare = {2, NULL, NULL, NULL};
 
 static int accepted(const char *text)
 {

@@ -1,0 +1,111 @@
+"""Contacts by list: those of a record, and the lines along which their forces go.
+
+A line joins the origins of the two blocks that touch, or of one and the place of the nearest fixed plane
+that is next to it: a chain of forces. Only blocks that a shape of the file is placed by have an origin."""
+
+from collections import namedtuple
+
+import numpy as np
+
+from trajectory import Problem
+
+# Of one record: id [c], block [c, 2] with -1 for the ground, gap [c], normal and tangential impulse [c],
+# [c, nt], mode [c].
+Contacts = namedtuple("Contacts", "id block gap normal tangential mode")
+
+# Lines of one record: contact numbers [c], ends [c, 2, 3].
+Lines = namedtuple("Lines", "number ends")
+
+
+def has_list(file):
+    return "contacts" in file
+
+
+def rows_of(file, record):
+    """Where a record's contacts are in the list."""
+    first, count = int(file["contacts/first"][record]), int(file["contacts/count"][record])
+    if first < 0 or count < 0 or first + count > len(file["contacts/id"]):
+        raise Problem(f"record {record} has contacts that are not in its list")
+    return slice(first, first + count)
+
+
+def contacts_of(file, record):
+    rows, group = rows_of(file, record), file["contacts"]
+    count = rows.stop - rows.start
+    tangential = group["tangential_impulse"][rows] if "tangential_impulse" in group else np.zeros((count, 0))
+    return Contacts(group["id"][rows], group["block"][rows], group["gap"][rows], group["normal_impulse"][rows],
+                    tangential, group["mode"][rows])
+
+
+class Origins:
+    """Where the blocks are: their first coordinates, where a shape is placed by those."""
+
+    def __init__(self, file, bodies):
+        first = file["blocks/q"][...]
+        placed = {}
+        if "shapes" in file:
+            placed = dict(zip(file["shapes/position"][...].tolist(), file["shapes/dimension"][...].tolist()))
+        self.first = first
+        self.dimension = np.array([placed.get(int(q), 0) for q in first])
+        self.planes = [(b.position, b.size / np.linalg.norm(b.size)) for b in bodies
+                       if b.shape == "plane" and b.position.ndim == 1 and b.rotation is None]
+
+    def at(self, q):
+        """[blocks, 3] for the coordinates q of one record; NaN where there is none."""
+        where = np.full((len(self.first), 3), np.nan)
+        for dimension in (2, 3):
+            mine = np.flatnonzero(self.dimension == dimension)
+            where[mine] = 0
+            where[mine, :dimension] = q[self.first[mine, None] + np.arange(dimension)]
+        return where
+
+    def feet(self, points):
+        """The nearest place [c, 3] of a plane, or the points themselves where there is no plane."""
+        best, foot = np.full(len(points), np.inf), points.copy()
+        for at, normal in self.planes:
+            distance = (points - at) @ normal
+            nearer = np.abs(distance) < best
+            best[nearer] = np.abs(distance[nearer])
+            foot[nearer] = points[nearer] - distance[nearer, None] * normal
+        return foot
+
+    def lines(self, q, contacts):
+        where = self.at(q)
+        block = contacts.block
+        if len(block) and (block.max(initial=-1) >= len(where) or block.min(initial=0) < -1):
+            raise Problem("a contact is of a block that is not there")
+        ends = np.where((block >= 0)[..., None], where[block], np.nan)
+        for side in (0, 1):
+            ground = block[:, side] < 0
+            ends[ground, side] = self.feet(ends[ground, 1 - side])
+        shown = np.flatnonzero(np.isfinite(ends).all(axis=(1, 2)))
+        return Lines(shown, ends[shown])
+
+
+def step_length(file):
+    """What an impulse is divided by for a mean force [s]."""
+    return float(file["options/dt"][()]) if "options/dt" in file else 1.0
+
+
+FORCES_MAX = 4000  # lines of a frame; the strongest
+
+
+def by_pair(contacts, lines):
+    """A line for each pair of blocks with the sum of its normal impulses: contacts of two faces are one."""
+    pair = np.sort(contacts.block[lines.number], axis=1)
+    _, first, which = np.unique(pair, axis=0, return_index=True, return_inverse=True)
+    impulse = np.bincount(which.reshape(-1), contacts.normal[lines.number], len(first))
+    strongest = np.argsort(-impulse, kind="stable")[:FORCES_MAX]
+    return lines.ends[first[strongest]], impulse[strongest]
+
+
+def force_lines(file, bodies, q, records):
+    """Of each record [[x0, y0, z0, x1, y1, z1, w], ...]: w is 1 for the force that one in twenty is larger
+    than, of all records."""
+    origins, found = Origins(file, bodies), []
+    for row, record in zip(q, records):
+        contacts = contacts_of(file, int(record))
+        found.append(by_pair(contacts, origins.lines(row, contacts)))
+    impulses = np.concatenate([impulse[impulse > 0] for _, impulse in found] or [[]])
+    scale = np.quantile(impulses, 0.95) if len(impulses) else 1.0
+    return [np.column_stack([ends.reshape(-1, 6), impulse / scale])[impulse > 0] for ends, impulse in found]
