@@ -1,9 +1,9 @@
 """Callbacks of Python and of numba beside the same in C, in one run: python python/tests/bench.py
 
-The ball, method moreau, with all of its callbacks given; medians of interleaved runs.
+The ball (one coordinate, the least that a system can be) and a rod on a hinge (three coordinates, two constraints), method
+moreau, with all of their callbacks given. Time is that of the processor; medians of interleaved runs.
 """
 
-import os
 import statistics
 import subprocess
 import sys
@@ -14,35 +14,33 @@ import numba
 
 import nsdae
 
-SOURCE = """
-int mass(double t, const double *q, double *M, int ldm, void *user) { M[0] = 0.1; return 0; }
-int force(double t, const double *q, const double *v, double *F, void *user) { F[0] = -0.981; return 0; }
-int gap(double t, const double *q, double *g, void *user) { g[0] = q[0]; return 0; }
-int gap_normal(double t, const double *q, double *W, int ldw, void *user) { W[0] = 1; return 0; }
-int contact_bias(double t, const double *q, double *w_n, double *w_t, void *user) { w_n[0] = 0; return 0; }
-"""
-NAMES = ("mass", "force", "gap", "gap_normal", "contact_bias")
+# arguments that are written, and what is written into them; the same statements in C and in Python
+BALL = {"mass": "M[0] = 0.1", "force": "F[0] = -0.981", "gap": "g[0] = q[0]", "gap_normal": "W[0] = 1.0",
+        "contact_bias": "w_n[0] = 0.0"}
+ROD = {"mass": "M[0] = 1.0; M[4] = 1.0; M[8] = 0.083", "force": "F[0] = 0.0; F[1] = -9.81; F[2] = 0.0",
+       "constraint": "phi[0] = q[0] - 0.5 * cos(q[2]); phi[1] = q[1] - 0.5 * sin(q[2])",
+       "constraint_jacobian": "J[0] = 1.0; J[3] = 1.0; J[4] = 0.5 * sin(q[2]); J[5] = -0.5 * cos(q[2])",
+       "constraint_bias": "phi_t[0] = 0.0; phi_t[1] = 0.0; omega[0] = 0.5 * cos(q[2]) * v[2] * v[2]; "
+                          "omega[1] = 0.5 * sin(q[2]) * v[2] * v[2]"}
 
 
-def in_c(folder):
+def in_c(system, folder):
     import ctypes
-    with open(os.path.join(folder, "ball.c"), "w") as file:
-        file.write(SOURCE)
-    built = os.path.join(folder, "ball.so")
-    subprocess.run(["cc", "-O2", "-w", "-shared", "-fPIC", file.name, "-o", built], check=True)
-    library = ctypes.CDLL(built)
-    return {name: ctypes.cast(getattr(library, name), nsdae.signature(name, "ctypes")) for name in NAMES}
+    source = "#include <math.h>\n" + "".join(f"{nsdae.signature(name, 'c')} {{ {text}; return 0; }}\n"
+                                             for name, text in system.items())
+    subprocess.run(["cc", "-O2", "-w", "-shared", "-fPIC", "-x", "c", "-", "-o", f"{folder}/{len(system)}{id(system)}.so", "-lm"],
+                   input=source, text=True, check=True)
+    library = ctypes.CDLL(f"{folder}/{len(system)}{id(system)}.so")
+    return {name: ctypes.cast(getattr(library, name), nsdae.signature(name, "ctypes")) for name in system}
 
 
-def in_numba():
-    bodies = {"mass": "t, q, M, ldm, user: M[0] = 0.1", "force": "t, q, v, F, user: F[0] = -0.981",
-              "gap": "t, q, g, user: g[0] = q[0]", "gap_normal": "t, q, W, ldw, user: W[0] = 1.0",
-              "contact_bias": "t, q, w_n, w_t, user: w_n[0] = 0.0"}
+def in_numba(system):
     made = {}
-    for name, text in bodies.items():
-        arguments, statement = text.split(": ")
+    for name, text in system.items():
+        arguments = ", ".join(word.split()[-1].lstrip("*") for word in
+                              nsdae.signature(name, "c").split("(")[1].rstrip(")").split(","))
         scope = {}
-        exec(f"def {name}({arguments}):\n    {statement}\n    return 0", scope)
+        exec(f"from math import sin, cos\ndef {name}({arguments}):\n    {text}\n    return 0", scope)
         made[name] = numba.cfunc(nsdae.signature(name))(scope[name])
     return made
 
@@ -78,25 +76,32 @@ def counted(callbacks, calls):
     return {name: of(function) for name, function in callbacks.items()}
 
 
-def seconds(callbacks, steps):
-    sim = nsdae.Sim(nsdae.System(nq=1, k=1, e_n=0.5, **callbacks), method="moreau", dt=1e-3)
-    sim.init([1])
-    begin = time.perf_counter()
+def seconds(callbacks, steps, q0=(1,), **sizes):
+    sim = nsdae.Sim(nsdae.System(nq=len(q0), e_n=0.5 if sizes else 0, **(sizes or {"m": 2}), **callbacks), method="moreau",
+                    dt=1e-3)
+    sim.init(q0)
+    begin = time.thread_time()
     sim.run(steps * 1e-3)
-    return time.perf_counter() - begin
+    return time.thread_time() - begin
+
+
+def compare(name, system, q0, **sizes):
+    """Median seconds of a step in C; numba's ratio to it is printed."""
+    steps, repeats = 20000, 31
+    with tempfile.TemporaryDirectory() as folder:
+        compiled, jitted = in_c(system, folder), in_numba(system)
+        rows = [(seconds(compiled, steps, q0, **sizes), seconds(jitted, steps, q0, **sizes)) for _ in range(repeats)]
+    base = statistics.median(a for a, _ in rows) / steps
+    print(f"{name}: {1e6 * base:.2f} us a step with callbacks in C; numba to C: {statistics.median(b / a for a, b in rows):.3f}")
+    return base
 
 
 def main():
-    steps, repeats = 200000, 11
-    with tempfile.TemporaryDirectory() as folder:
-        compiled, jitted, plain = in_c(folder), in_numba(), in_python()
-        rows = [(seconds(compiled, steps), seconds(jitted, steps)) for _ in range(repeats)]
-    ratio = statistics.median(b / a for a, b in rows)
-    base = statistics.median(a for a, _ in rows) / steps
-    few, calls = 20000, [0]
-    seconds(counted(plain, calls), few)
-    slow = statistics.median(seconds(plain, few) for _ in range(5)) / few
-    print(f"a step of the ball, callbacks in C: {1e6 * base:.2f} us; numba to C: {ratio:.3f}")
+    base = compare("ball", BALL, (1,), k=1)
+    compare("rod on a hinge", ROD, (0.5, 0, 0))
+    plain, few, calls = in_python(), 20000, [0]
+    seconds(counted(plain, calls), few, k=1)
+    slow = statistics.median(seconds(plain, few, k=1) for _ in range(5)) / few
     print(f"callbacks in Python: {calls[0] / few:.1f} a step, {1e6 * (slow - base) * few / calls[0]:.2f} us each")
     return 0
 
