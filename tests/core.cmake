@@ -24,7 +24,7 @@ nsdae_unit_test(smooth ode)
 
 foreach(name derivatives distance own refused)
   nsdae_unit_test(bodies ${name})
-  target_include_directories(test_unit_bodies_${name} PRIVATE ${PROJECT_SOURCE_DIR}/lib/system)
+  target_include_directories(test_unit_bodies_${name} PRIVATE ${PROJECT_SOURCE_DIR}/lib/system ${PROJECT_SOURCE_DIR}/lib/linalg)
 endforeach()
 
 nsdae_test(anomaly arguments LINKS test_support)

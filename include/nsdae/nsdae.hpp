@@ -131,6 +131,9 @@ template <class Call> int shield(int code, Call call) noexcept
 
 struct system_guts {
   nsdae_system *c = nullptr;
+  callback<double, const double *, double *> mass_blocks;
+  callback<double, const double *, nsdae_row_list *> constraint_rows;
+  callback<double, const double *, const double *, double, nsdae_contact_list *> contacts;
   /* callbacks.list: holders */
   /* clang-format off */
   callback<double, const double *, double *, int> mass;
@@ -413,6 +416,37 @@ public:
     return keep(NSDAE_CALLBACK(potential), std::move(f));
   }
   /* callbacks.list: end */
+
+  /* nsdae_system_set_blocks: block b has nq[b] coordinates and nv[b] velocities. */
+  system &blocks(const std::vector<int> &nq, const std::vector<int> &nv)
+  {
+    if (nq.size() != nv.size())
+      throw error(detail::make_record(NSDAE_E_ARGUMENT, "nv", "nq and nv differ in size"));
+    return took(nsdae_system_set_blocks(c(), static_cast<int>(nq.size()), nq.data(), nv.data()));
+  }
+  /* How many there are: 1 where none were set. */
+  int blocks() const noexcept
+  {
+    return nsdae_system_get_blocks(c());
+  }
+  /* The diagonal blocks of M(t,q), one after another.
+   *   f(double t, const double *q, double *M) */
+  template <class F> system &mass_blocks(F f)
+  {
+    return keep(NSDAE_CALLBACK(mass_blocks), std::move(f));
+  }
+  /* Phi_q(t,q): nsdae_row_add for every block that a row touches.
+   *   f(double t, const double *q, nsdae_row_list *rows) */
+  template <class F> system &constraint_rows(F f)
+  {
+    return keep(NSDAE_CALLBACK(constraint_rows), std::move(f));
+  }
+  /* nsdae_contact_add for every contact with a gap of at most reach.
+   *   f(double t, const double *q, const double *v, double reach, nsdae_contact_list *list) */
+  template <class F> system &contacts(F f)
+  {
+    return keep(NSDAE_CALLBACK(contacts), std::move(f));
+  }
 #undef NSDAE_CALLBACK
 
   /* nsdae_system_set_contact: coefficients of contact i, from 0. */

@@ -64,6 +64,7 @@ typedef struct nsdae_sim_options {
   double start_tol;                       /* relative error of the numbers of a start */
   int inner_steps_max;                    /* of the integrator of penalty and event in one dt */
   int start_check;                        /* 1: a start looks for gross errors of derivatives */
+  int contacts_max;                       /* most contacts of a list */
   unsigned initialised;                   /* set by nsdae_sim_options_default */
 } nsdae_sim_options;
 
@@ -84,7 +85,7 @@ NSDAE_API const char *nsdae_method_summary(int method);
 typedef struct nsdae_impact {
   double time;                  /* of the instant (penalty: of the first touch, which may be
                                    in an earlier step), or the end of the step [s] */
-  int contact;                  /* from 0 */
+  int contact;                  /* from 0; by list: its place in the record's contacts */
   double normal_impulse;        /* [N s]; with a time-stepping method the step's force is in it */
   double tangential_impulse[2]; /* [N s], the first nt of them */
   double velocity_before, velocity_after; /* normal, of the contact [m/s] */
@@ -99,6 +100,18 @@ typedef struct nsdae_change {
   int slide;                   /* from 0; -1: a contact */
   int mode_before, mode_after; /* enum nsdae_mode */
 } nsdae_change;
+
+/* Contacts by list that were closed in a step, in the order of the callback. */
+typedef struct nsdae_contact_set {
+  int count;                        /* 0 of a system whose contacts are numbered */
+  const long *id;                   /* [count] */
+  const int *block;                 /* [2 count] */
+  const double *gap;                /* [count] where the method looked last: moreau in the middle of
+                                       the step, implicit and implicit-printed at its end */
+  const double *normal_impulse;     /* [count] of the step */
+  const double *tangential_impulse; /* [count nt] */
+  const int *mode;                  /* [count] enum nsdae_mode */
+} nsdae_contact_set;
 
 /* The state after a step (or at the start, step = 0) and its certificate. Everything points into
  * the simulation and holds until the next step. */
@@ -119,6 +132,7 @@ typedef struct nsdae_record {
   const double *slide_force;        /* [f] its mean force */
   const int
       *slide_mode; /* [f] NSDAE_MODE_SLIDE or NSDAE_MODE_STICK; NSDAE_MODE_OPEN: frictionless */
+  nsdae_contact_set contacts; /* those by list; of numbered ones tell the arrays above */
   double kinetic, potential;  /* [J]; potential is 0 where no callback gives it */
   double dissipated;          /* work taken by all contact impulses so far [J] */
   double lcp_residual;        /* scaled natural residual, 0 where there was no LCP */
@@ -162,6 +176,10 @@ typedef struct nsdae_stats {
                             potential do their work here */
   int warnings;          /* 1: energy, 2: penetration, 4: drift, see NSDAE_WARN_ENERGY and below */
   double wall_time;      /* spent in nsdae_sim_run and nsdae_sim_step [s] */
+  int contact_capacity;  /* room in a list of contacts, which grows between steps */
+  int contact_growths;   /* how often it grew */
+  int islands;           /* parts of the last step that contacts and constraints join */
+  int island_contacts;   /* contacts of the largest of them */
 } nsdae_stats;
 
 /* Makes a simulation; this is where memory is allocated, once. The system must be complete, and is

@@ -18,6 +18,7 @@
 #ifndef NSDAE_SYSTEM_H
 #define NSDAE_SYSTEM_H
 
+#include <nsdae/contact.h>
 #include <nsdae/shape.h>
 #include <nsdae/status.h>
 
@@ -137,6 +138,47 @@ NSDAE_API int nsdae_system_set_contact(nsdae_system *system, int i, double mu, d
  * The constraint (its number, 0 .. m-1) must be scaled as a length, so that its multiplier lambda
  * is the normal force. mu >= 0; with mu = 0, as at first, it has no friction. */
 NSDAE_API int nsdae_system_set_slide(nsdae_system *system, int j, int constraint, double mu);
+
+/* ---- large systems: v in blocks, contacts by list
+ *
+ * q and v are split into blocks, such as bodies. M is block diagonal, a row of Phi_q and a
+ * direction of a contact touch few blocks, and only contacts that are near are spoken of, in a
+ * list. A step then costs what is there: parts that no closed contact and no constraint joins are
+ * solved one by one. The methods are implicit, implicit-printed and moreau; penalty and event, the
+ * option projection and nsdae_sim_project refuse such a system. */
+
+/* Block b has nq[b] coordinates and nv[b] velocities, 1 <= nv[b] <= nq[b], behind those of block
+ * b - 1; the sums are dims.nq and dims.nv. Such a system has dims.k = dims.f = 0; dims.nt is that
+ * of every contact. In place of the callbacks mass, constraint_jacobian and those of numbered
+ * contacts it takes the three below; all others are of the whole vectors as in any system, and the
+ * kinematics must take dq/dt of a block from v of that block. */
+NSDAE_API int nsdae_system_set_blocks(nsdae_system *system, int count, const int *nq,
+                                      const int *nv);
+/* How many there are: 1 where none were set, 0 of NULL. */
+NSDAE_API int nsdae_system_get_blocks(const nsdae_system *system);
+
+/* The diagonal blocks of M(t,q), nv[b] x nv[b] each, column-major, one after another; both
+ * triangles. M comes zeroed. Always needed. */
+typedef int (*nsdae_mass_blocks_fn)(double t, const double *q, double *M, void *user);
+NSDAE_API int nsdae_system_set_mass_blocks(nsdae_system *system, nsdae_mass_blocks_fn callback);
+
+/* The rows of Phi_q that a callback fills; they live as long as the call. */
+typedef struct nsdae_row_list nsdae_row_list;
+/* Phi_q(t,q): nsdae_row_add for every block that a row touches. Needed where m > 0. */
+typedef int (*nsdae_constraint_rows_fn)(double t, const double *q, nsdae_row_list *rows,
+                                        void *user);
+NSDAE_API int nsdae_system_set_constraint_rows(nsdae_system *system,
+                                               nsdae_constraint_rows_fn callback);
+/* value [nv of the block]: the entries of row 0 <= row < m over that block. Rows come in ascending
+ * order, each block once. Returns as nsdae_contact_add does. */
+NSDAE_API int nsdae_row_add(nsdae_row_list *rows, int row, int block, const double *value);
+
+/* nsdae_contact_add for every contact with a gap of at most reach >= 0 at (t,q); more do no harm.
+ * v is that of the point, for what is swept: gaps and directions must not depend on it. Without
+ * this callback there are no contacts. */
+typedef int (*nsdae_contacts_fn)(double t, const double *q, const double *v, double reach,
+                                 nsdae_contact_list *list, void *user);
+NSDAE_API int nsdae_system_set_contacts(nsdae_system *system, nsdae_contacts_fn callback);
 
 /* What can have a name: each has as many as the system's sizes say, numbered from 0. */
 enum nsdae_name_kind {

@@ -73,6 +73,7 @@ module nsdae_f_sim
     real(c_double) :: start_tol                         ! relative error of the numbers of a start
     integer(c_int) :: inner_steps_max                ! of the integrator in one dt
     integer(c_int) :: start_check                       ! 1: looks for gross errors of derivatives
+    integer(c_int) :: contacts_max                      ! most contacts of a list
     integer(c_int) :: initialised = 0                   ! set by nsdae_sim_options_default
   end type
 
@@ -95,6 +96,28 @@ module nsdae_f_sim
     integer(c_int) :: mode_before, mode_after           ! NSDAE_MODE_OPEN, NSDAE_MODE_SLIDE, NSDAE_MODE_STICK
   end type
 
+  ! Contacts by list that were closed in a step; block(:, i) of contact i, numbered from 0.
+  type, public :: nsdae_contact_set
+    integer(c_int) :: count = 0
+    integer(c_long), pointer :: id(:) => null()
+    integer(c_int), pointer :: block(:, :) => null()                ! [2, count]
+    real(c_double), pointer :: gap(:) => null()                    ! [count] where the method looked last
+    real(c_double), pointer :: normal_impulse(:) => null()         ! [count] of the step
+    real(c_double), pointer :: tangential_impulse(:, :) => null()  ! [nt, count]
+    integer(c_int), pointer :: mode(:) => null()
+  end type
+
+  ! The struct of the C header.
+  type, bind(C), public :: nsdae_c_contact_set
+    integer(c_int) :: count
+    type(c_ptr) :: id
+    type(c_ptr) :: block
+    type(c_ptr) :: gap
+    type(c_ptr) :: normal_impulse
+    type(c_ptr) :: tangential_impulse
+    type(c_ptr) :: mode
+  end type
+
   ! The state after a step (or at the start, step = 0) and its certificate. The arrays are the
   ! simulation's own and hold until the next step; they are to be read only.
   type, public :: nsdae_record
@@ -113,6 +136,7 @@ module nsdae_f_sim
     real(c_double), pointer :: slide_impulse(:) => null()       ! [f]
     real(c_double), pointer :: slide_force(:) => null()         ! [f] its mean force
     integer(c_int), pointer :: slide_mode(:) => null()          ! [f]
+    type(nsdae_contact_set) :: contacts                         ! those by list
     real(c_double) :: kinetic = 0, potential = 0                ! [J]
     real(c_double) :: dissipated = 0     ! work taken by all contact impulses so far [J]
     real(c_double) :: lcp_residual = 0   ! scaled natural residual
@@ -141,6 +165,7 @@ module nsdae_f_sim
     type(c_ptr) :: slide_impulse
     type(c_ptr) :: slide_force
     type(c_ptr) :: slide_mode
+    type(nsdae_c_contact_set) :: contacts
     real(c_double) :: kinetic, potential
     real(c_double) :: dissipated
     real(c_double) :: lcp_residual
@@ -167,6 +192,10 @@ module nsdae_f_sim
     real(c_double) :: energy_balance     ! energy now + dissipated - energy_start [J]
     integer(c_int) :: warnings           ! 1: energy, 2: penetration, 4: drift
     real(c_double) :: wall_time          ! in nsdae_sim_run and nsdae_sim_step [s]
+    integer(c_int) :: contact_capacity   ! room in a list of contacts, which grows between steps
+    integer(c_int) :: contact_growths    ! how often it grew
+    integer(c_int) :: islands            ! parts of the last step that contacts and constraints join
+    integer(c_int) :: island_contacts    ! contacts of the largest of them
   end type
 
   abstract interface
@@ -782,6 +811,7 @@ contains
     call c_f_pointer(from%slide_impulse, record%slide_impulse, [dims%f])
     call c_f_pointer(from%slide_force, record%slide_force, [dims%f])
     call c_f_pointer(from%slide_mode, record%slide_mode, [dims%f])
+    call shape_contacts(from%contacts, dims%nt, record%contacts)
     record%kinetic = from%kinetic
     record%potential = from%potential
     record%dissipated = from%dissipated
@@ -792,6 +822,19 @@ contains
     record%impacts = from%impacts
     call c_f_pointer(from%change, record%change, [from%changes])
     record%changes = from%changes
+  end subroutine
+
+  subroutine shape_contacts(from, nt, contacts)
+    type(nsdae_c_contact_set), intent(in) :: from
+    integer(c_int), intent(in) :: nt
+    type(nsdae_contact_set), intent(inout) :: contacts
+    contacts%count = from%count
+    call c_f_pointer(from%id, contacts%id, [from%count])
+    call c_f_pointer(from%block, contacts%block, [2_c_int, from%count])
+    call c_f_pointer(from%gap, contacts%gap, [from%count])
+    call c_f_pointer(from%normal_impulse, contacts%normal_impulse, [from%count])
+    call c_f_pointer(from%tangential_impulse, contacts%tangential_impulse, [nt, from%count])
+    call c_f_pointer(from%mode, contacts%mode, [from%count])
   end subroutine
 
 end module

@@ -36,6 +36,33 @@ module nsdae_f_system
       NSDAE_NAME_SIZE = 48, &
       NSDAE_UNIT_SIZE = 24
 
+  integer(c_int), parameter, public :: NSDAE_CONTACT_WIDTH = 6
+
+  ! A contact by list: two blocks of v, or a block and the ground. Blocks are numbered from 0; id is
+  ! the same of the same pair of features at all times.
+  type, bind(C), public :: nsdae_contact
+    integer(c_long) :: id = 0
+    integer(c_int) :: block(2) = [0, -1]          ! -1: the ground
+    real(c_double) :: gap = 0                     ! g_N, negative where they overlap
+    real(c_double) :: mu = 0, e_n = 0, e_t = 0    ! friction, restitution, tangential restitution
+    real(c_double) :: w(3) = 0                    ! velocity along each direction with v = 0
+    real(c_double) :: omega(3) = 0                ! acceleration along each with v' = 0
+    ! direction(:, d, s): direction d (the normal, then tangents) over the velocities of block(s)
+    real(c_double) :: direction(NSDAE_CONTACT_WIDTH, 3, 2) = 0
+    ! of a block with more velocities the address of its directions (nv, 1 + nt)
+    type(c_ptr) :: wide(2) = c_null_ptr
+  end type
+
+  ! The lists that callbacks fill; they live as long as the call.
+  type, public :: nsdae_contact_list
+    private
+    type(c_ptr) :: handle = c_null_ptr
+  end type
+  type, public :: nsdae_row_list
+    private
+    type(c_ptr) :: handle = c_null_ptr
+  end type
+
   ! Worst disagreement that nsdae_system_check found.
   type, public :: nsdae_check
     character(len=32) :: term = ''               ! callback, e.g. "constraint_jacobian"
@@ -149,6 +176,29 @@ module nsdae_f_system
       class(*), intent(inout) :: user
     end function
     ! callbacks.list: end
+
+    ! The diagonal blocks of M(t,q) [nv of the block squared each], column by column, one after
+    ! another.
+    integer(c_int) function nsdae_mass_blocks_fn(t, q, M, user)
+      import
+      real(c_double), intent(in) :: t, q(:)
+      real(c_double), intent(inout) :: M(:)
+      class(*), intent(inout) :: user
+    end function
+    ! Phi_q(t,q): nsdae_row_add for every block that a row touches.
+    integer(c_int) function nsdae_constraint_rows_fn(t, q, rows, user)
+      import
+      real(c_double), intent(in) :: t, q(:)
+      type(nsdae_row_list), intent(in) :: rows
+      class(*), intent(inout) :: user
+    end function
+    ! nsdae_contact_add for every contact with a gap of at most reach at (t,q).
+    integer(c_int) function nsdae_contacts_fn(t, q, v, reach, list, user)
+      import
+      real(c_double), intent(in) :: t, q(:), v(:), reach
+      type(nsdae_contact_list), intent(in) :: list
+      class(*), intent(inout) :: user
+    end function
   end interface
 
   ! What the C library hands back to the callbacks below: the sizes, the user's procedures and the
@@ -171,6 +221,10 @@ module nsdae_f_system
     procedure(nsdae_kinematics_fn), pointer, nopass :: kinematics => null()
     procedure(nsdae_potential_fn), pointer, nopass :: potential => null()
     ! callbacks.list: end
+    integer(c_int) :: squares = 0  ! entries of M by blocks
+    procedure(nsdae_mass_blocks_fn), pointer, nopass :: mass_blocks => null()
+    procedure(nsdae_constraint_rows_fn), pointer, nopass :: constraint_rows => null()
+    procedure(nsdae_contacts_fn), pointer, nopass :: contacts => null()
     type(nsdae_error) :: refusal  ! by the module itself, of the last call; C keeps the others
   end type
 
@@ -208,6 +262,10 @@ module nsdae_f_system
             nsdae_system_get_dims, nsdae_system_differences, nsdae_system_check, &
             nsdae_system_handle, nsdae_system_clear_error, nsdae_system_simulations, &
             nsdae_system_unseen, nsdae_system_set_name, nsdae_system_get_name, nsdae_system_get_unit
+  public :: nsdae_mass_blocks_fn, nsdae_constraint_rows_fn, nsdae_contacts_fn, &
+            nsdae_system_set_blocks, nsdae_system_get_blocks, nsdae_system_set_mass_blocks, &
+            nsdae_system_set_constraint_rows, nsdae_system_set_contacts, nsdae_contact_add, &
+            nsdae_row_add
   ! callbacks.list: public_setters
   public :: nsdae_system_set_mass
   public :: nsdae_system_set_force
@@ -384,6 +442,46 @@ module nsdae_f_system
       type(c_funptr), value :: callback
     end function
     ! callbacks.list: end
+    integer(c_int) function c_set_blocks(system, count, nq, nv) &
+        bind(C, name='nsdae_system_set_blocks')
+      import
+      type(c_ptr), value :: system
+      integer(c_int), value :: count
+      integer(c_int), intent(in) :: nq(*), nv(*)
+    end function
+    integer(c_int) function c_get_blocks(system) bind(C, name='nsdae_system_get_blocks')
+      import
+      type(c_ptr), value :: system
+    end function
+    integer(c_int) function c_set_mass_blocks(system, callback) &
+        bind(C, name='nsdae_system_set_mass_blocks')
+      import
+      type(c_ptr), value :: system
+      type(c_funptr), value :: callback
+    end function
+    integer(c_int) function c_set_constraint_rows(system, callback) &
+        bind(C, name='nsdae_system_set_constraint_rows')
+      import
+      type(c_ptr), value :: system
+      type(c_funptr), value :: callback
+    end function
+    integer(c_int) function c_set_contacts(system, callback) &
+        bind(C, name='nsdae_system_set_contacts')
+      import
+      type(c_ptr), value :: system
+      type(c_funptr), value :: callback
+    end function
+    integer(c_int) function c_contact_add(list, contact) bind(C, name='nsdae_contact_add')
+      import
+      type(c_ptr), value :: list
+      type(nsdae_contact), intent(in) :: contact
+    end function
+    integer(c_int) function c_row_add(rows, row, block, values) bind(C, name='nsdae_row_add')
+      import
+      type(c_ptr), value :: rows
+      integer(c_int), value :: row, block
+      real(c_double), intent(in) :: values(*)
+    end function
   end interface
 
 contains
@@ -706,6 +804,62 @@ contains
 
   ! callbacks.list: end
 
+  ! Splits q and v into blocks: block b has nq(b + 1) coordinates and nv(b + 1) velocities. The
+  ! system takes the callbacks mass_blocks, constraint_rows and contacts then.
+  integer(c_int) function nsdae_system_set_blocks(system, nq, nv) result(status)
+    type(nsdae_system), intent(in) :: system
+    integer(c_int), intent(in), contiguous :: nq(:), nv(:)
+    status = NSDAE_E_ARGUMENT
+    if (.not. associated(system%model)) return
+    status = check_size('nv', size(nv), size(nq), system%model%refusal)
+    if (status < 0) return
+    status = c_set_blocks(at(system), size(nq), nq, nv)
+    if (status == NSDAE_OK) system%model%squares = sum(nv * nv)
+  end function
+
+  ! How many there are: 1 where none were set.
+  integer(c_int) function nsdae_system_get_blocks(system) result(count)
+    type(nsdae_system), intent(in) :: system
+    count = c_get_blocks(system%handle)
+  end function
+
+  integer(c_int) function nsdae_system_set_mass_blocks(system, mass_blocks) result(status)
+    type(nsdae_system), intent(in) :: system
+    procedure(nsdae_mass_blocks_fn) :: mass_blocks
+    status = c_set_mass_blocks(at(system), c_funloc(call_mass_blocks))
+    if (status == NSDAE_OK) system%model%mass_blocks => mass_blocks
+  end function
+
+  integer(c_int) function nsdae_system_set_constraint_rows(system, constraint_rows) result(status)
+    type(nsdae_system), intent(in) :: system
+    procedure(nsdae_constraint_rows_fn) :: constraint_rows
+    status = c_set_constraint_rows(at(system), c_funloc(call_constraint_rows))
+    if (status == NSDAE_OK) system%model%constraint_rows => constraint_rows
+  end function
+
+  integer(c_int) function nsdae_system_set_contacts(system, contacts) result(status)
+    type(nsdae_system), intent(in) :: system
+    procedure(nsdae_contacts_fn) :: contacts
+    status = c_set_contacts(at(system), c_funloc(call_contacts))
+    if (status == NSDAE_OK) system%model%contacts => contacts
+  end function
+
+  ! Adds a copy to the list of the callback contacts. NSDAE_OK, NSDAE_E_ARGUMENT, NSDAE_E_NONFINITE.
+  integer(c_int) function nsdae_contact_add(list, contact) result(status)
+    type(nsdae_contact_list), intent(in) :: list
+    type(nsdae_contact), intent(in) :: contact
+    status = c_contact_add(list%handle, contact)
+  end function
+
+  ! values [nv of the block]: the entries of row 0 <= row < m over a block (from 0). Rows come in
+  ! ascending order, each block once.
+  integer(c_int) function nsdae_row_add(rows, row, block, values) result(status)
+    type(nsdae_row_list), intent(in) :: rows
+    integer(c_int), intent(in) :: row, block
+    real(c_double), intent(in), contiguous :: values(:)
+    status = c_row_add(rows%handle, row, block, values)
+  end function
+
   ! What C calls: each finds the user's procedure and gives its arrays their shapes. Nothing is
   ! copied.
 
@@ -901,5 +1055,40 @@ contains
   end function
 
   ! callbacks.list: end
+
+  integer(c_int) function call_mass_blocks(t, q, M, user) result(status) bind(C, name='')
+    real(c_double), value :: t
+    real(c_double), intent(in) :: q(*)
+    real(c_double), intent(inout) :: M(*)
+    type(c_ptr), value :: user
+    type(model), pointer :: here
+    here => model_at(user)
+    status = here%mass_blocks(t, q(:here%dims%nq), M(:here%squares), here%user)
+  end function
+
+  integer(c_int) function call_constraint_rows(t, q, rows, user) result(status) bind(C, name='')
+    real(c_double), value :: t
+    real(c_double), intent(in) :: q(*)
+    type(c_ptr), value :: rows, user
+    type(model), pointer :: here
+    type(nsdae_row_list) :: list
+    here => model_at(user)
+    list%handle = rows
+    status = here%constraint_rows(t, q(:here%dims%nq), list, here%user)
+  end function
+
+  integer(c_int) function call_contacts(t, q, v, reach, contacts, user) &
+      result(status) bind(C, name='')
+    real(c_double), value :: t, reach
+    real(c_double), intent(in) :: q(*), v(*)
+    type(c_ptr), value :: contacts, user
+    type(model), pointer :: here
+    type(nsdae_contact_list) :: list
+    here => model_at(user)
+    list%handle = contacts
+    associate (d => here%dims)
+      status = here%contacts(t, q(:d%nq), v(:d%nv), reach, list, here%user)
+    end associate
+  end function
 
 end module

@@ -31,6 +31,7 @@ typedef struct nsdae_stepping {
   int (*advance)(void *own, const nsdae_state *state, double t_end, nsdae_result *result);
 
   int in_steps; /* of the time-stepping ones: the state alone is where the next step begins */
+  int by_list;  /* goes with systems by blocks */
 } nsdae_stepping;
 
 #endif

@@ -2,6 +2,9 @@
 
 #include <string.h>
 
+#include "grow.h"
+#include "listed.h"
+
 void nsdae_memory_copy(nsdae_memory *to, const nsdae_memory *from)
 {
   memcpy(to->real, from->real, from->reals * sizeof *from->real);
@@ -19,11 +22,13 @@ void nsdae_result_layout(nsdae_result *r, nsdae_arena *arena)
 {
   const nsdae_dims *dims = &r->end.system->dims;
   nsdae_terms_layout(&r->end, arena);
-  nsdae_impulses_layout(&r->impulses, dims, arena);
+  r->closed.nt = dims->nt;
+  if (!r->end.system->by_list) nsdae_impulses_layout(&r->impulses, dims, arena);
   r->multiplier = NSDAE_ARENA_DOUBLES(arena, dims->m);
-  r->impacts_max = 64 + 2 * dims->k;
-  r->changes_max = r->impacts_max + 2 * dims->f;
-  r->impact = nsdae_arena_take(arena, r->impacts_max, sizeof *r->impact);
+  int listed = r->end.system->by_list;
+  if (!listed) r->impacts_max = 64 + 2 * dims->k; /* else they grow with the lists */
+  r->changes_max = listed ? 0 : r->impacts_max + 2 * dims->f;
+  if (!listed) r->impact = nsdae_arena_take(arena, r->impacts_max, sizeof *r->impact);
   r->change = nsdae_arena_take(arena, r->changes_max, sizeof *r->change);
   r->memory.real = NSDAE_ARENA_DOUBLES(arena, r->memory.reals);
   r->memory.whole = NSDAE_ARENA_INTS(arena, r->memory.wholes);
@@ -33,10 +38,33 @@ void nsdae_result_clear(nsdae_result *r)
 {
   const nsdae_dims *dims = &r->end.system->dims;
   memset(r->multiplier, 0, (size_t)dims->m * sizeof *r->multiplier);
-  nsdae_impulses_clear(&r->impulses, dims);
+  if (r->end.system->by_list)
+    r->closed.count = 0;
+  else
+    nsdae_impulses_clear(&r->impulses, dims);
   r->impacts = r->changes = 0;
-  r->work = r->worst_residual = 0;
+  r->work = r->worst_residual = r->carried = 0;
   r->smooth = r->located = r->given_up = 0;
   r->problem = NULL;
   r->counters = (nsdae_counters){.rank = dims->m};
+}
+
+int nsdae_result_grow(nsdae_result *r, const nsdae_room *contacts, const nsdae_room *rows)
+{
+  int room = (int)contacts->entries;
+  const nsdae_grown impacts[] = {NSDAE_GROWN(r->impact, 1)};
+  int status = nsdae_terms_grow(&r->end, contacts, rows);
+  if (status == NSDAE_OK) status = nsdae_closed_grow(&r->closed, &r->impulses, room);
+  if (status == NSDAE_OK) status = nsdae_grow(impacts, 1, contacts->entries);
+  if (status == NSDAE_OK) r->impacts_max = room;
+  return status;
+}
+
+void nsdae_result_release(nsdae_result *r)
+{
+  const nsdae_grown impacts[] = {NSDAE_GROWN(r->impact, 1)};
+  if (!r->end.system || !r->end.system->by_list) return;
+  nsdae_terms_release(&r->end);
+  nsdae_closed_release(&r->closed, &r->impulses);
+  nsdae_grown_release(impacts, 1);
 }

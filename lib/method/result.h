@@ -9,9 +9,10 @@
 /* Of one step. */
 typedef struct nsdae_counters {
   long lcps, lcp_pivots, iterations;
-  long events, accumulations; /* instants; accumulations closed */
-  long fallbacks;             /* 1: by implicit in place of the method */
-  int rank, rank_most;        /* smallest and largest rank of Phi_q; m, 0 where there was none */
+  long events, accumulations;   /* instants; accumulations closed */
+  long fallbacks;               /* 1: by implicit in place of the method */
+  int rank, rank_most;          /* smallest and largest rank of Phi_q; m, 0 where there was none */
+  int islands, island_contacts; /* how many; contacts of the largest */
   nsdae_evals evals;
 } nsdae_counters;
 
@@ -20,10 +21,12 @@ typedef struct nsdae_result {
                               end before the time asked for */
   double *multiplier;      /* m: mean bilateral force */
   nsdae_impulses impulses; /* by contact and slide */
-  int given_up;            /* not a step of this method's: implicit is to do it instead */
-  int located;             /* the lists below are the method's; else impacts are found from the
-                              impulses, and happen at the end */
-  nsdae_impact *impact;    /* impacts_max */
+  nsdae_closed closed;     /* who they are, by list */
+  double carried;       /* of contacts by list: sum of Lambda w, the work of what moves by itself */
+  int given_up;         /* not a step of this method's: implicit is to do it instead */
+  int located;          /* the lists below are the method's; else impacts are found from the
+                           impulses, and happen at the end */
+  nsdae_impact *impact; /* impacts_max */
   int impacts, impacts_max;
   nsdae_change *change; /* changes_max: changes of mode */
   int changes, changes_max;
@@ -40,6 +43,10 @@ void nsdae_count_rank(nsdae_counters *counters, int rank);
 
 /* Takes the arrays; system, differences and error of end and the sizes of memory are set before. */
 void nsdae_result_layout(nsdae_result *result, nsdae_arena *arena);
+
+/* Of a system by blocks: room in its lists; NSDAE_OK or NSDAE_E_MEMORY. */
+int nsdae_result_grow(nsdae_result *result, const nsdae_room *contacts, const nsdae_room *rows);
+void nsdae_result_release(nsdae_result *result);
 
 /* A step that did nothing yet; end and memory are not touched. */
 void nsdae_result_clear(nsdae_result *result);

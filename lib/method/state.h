@@ -12,7 +12,7 @@
 
 #include <nsdae/sim.h>
 
-#include "terms.h"
+#include "closed.h"
 
 typedef struct nsdae_memory {
   size_t reals, wholes; /* sizes, fixed by the method */
@@ -25,6 +25,8 @@ typedef struct nsdae_memory {
 typedef struct nsdae_state {
   nsdae_terms *terms; /* at t, q, v, which no method moves; evaluated as far as needed */
   const nsdae_memory *memory;
+  const nsdae_closed *closed;     /* contacts by list of the step before, */
+  const nsdae_impulses *impulses; /* and what they did */
 } nsdae_state;
 
 /* The start of every advance: the result's memory is what the state's is. */

@@ -27,25 +27,30 @@ void nsdae_stepper_prepare(nsdae_stepper *s)
   s->iteration_tol = settled(s->system, o->iteration_tol);
   s->differences.system = s->system;
   nsdae_stepper_prepare_terms(s, &s->middle);
-  s->kkt.n = s->system->dims.nv;
-  s->kkt.m = s->system->dims.m;
+  s->kkt.n = s->world ? 0 : s->system->dims.nv;
+  s->kkt.m = s->world ? 0 : s->system->dims.m;
   s->kkt.rank_tol = o->rank_tol;
   s->contacts.system = s->system;
   s->contacts.error = s->error;
   nsdae_lcp_options_default(&s->contacts.lcp.options);
   s->contacts.lcp.options.tol = o->lcp_tol;
   nsdae_contacts_laws(&s->contacts, o->polygon);
+  if (s->world)
+    nsdae_world_prepare(s->world, &s->contacts.lcp.options, o->rank_tol,
+                        o->redundant == NSDAE_REDUNDANT_LEAST_NORM);
 }
 
 void nsdae_stepper_layout(nsdae_stepper *s, nsdae_arena *arena)
 {
   const nsdae_dims *dims = &s->system->dims;
+  const nsdae_blocks *blocks = &s->system->blocks;
   long n = dims->nv;
+  if (s->world) nsdae_world_layout(s->world, arena);
   nsdae_differences_layout(&s->differences, arena);
   nsdae_terms_layout(&s->middle, arena);
   nsdae_kkt_layout(&s->kkt, arena);
   nsdae_contacts_layout(&s->contacts, arena);
-  s->M = NSDAE_ARENA_DOUBLES(arena, n * n);
+  s->M = NSDAE_ARENA_DOUBLES(arena, blocks->square[blocks->count]);
   s->q = NSDAE_ARENA_DOUBLES(arena, dims->nq);
   s->v = NSDAE_ARENA_DOUBLES(arena, n);
   s->r = NSDAE_ARENA_DOUBLES(arena, n);
@@ -75,6 +80,7 @@ nsdae_step nsdae_step_begin(nsdae_stepper *s, const nsdae_state *state, double t
 {
   nsdae_contacts_remember(&s->contacts, result->memory.whole);
   return (nsdae_step){.tools = s,
+                      .state = state,
                       .start = state->terms,
                       .end = &result->end,
                       .result = result,
@@ -87,9 +93,9 @@ void nsdae_step_end(const nsdae_step *step)
   const nsdae_stepper *s = step->tools;
   nsdae_result *result = step->result;
   for (int i = 0; i < s->system->dims.m; i++) result->multiplier[i] = s->impulse[i] / step->h;
-  result->smooth = !nsdae_contacts_any(&s->contacts);
-  result->work = nsdae_contacts_work(&s->contacts);
-  result->worst_residual = s->contacts.lcp.info.residual;
+  result->smooth = !nsdae_step_any(step);
+  result->work = s->world ? nsdae_world_work(s->world) : nsdae_contacts_work(&s->contacts);
+  result->worst_residual = s->world ? s->world->solved.residual : s->contacts.lcp.info.residual;
 }
 
 int nsdae_stepper_factor(nsdae_stepper *s, nsdae_terms *terms, const double *M)
@@ -126,9 +132,9 @@ int nsdae_stepper_kinematics(nsdae_stepper *s, double t, const double *q, const 
   return nsdae_system_finite(qdot, s->system->dims.nq, 1, "kinematics", t, s->error);
 }
 
-void nsdae_stepper_momentum(const double *M, const double *v, double h, const double *F, int nv,
-                            double *r)
+void nsdae_stepper_momentum(const nsdae_blocks *blocks, const double *M, const double *v, double h,
+                            const double *F, double *r)
 {
-  for (int i = 0; i < nv; i++) r[i] = h * F[i];
-  nsdae_add_product(nv, nv, M, v, r);
+  for (int i = 0; i < blocks->first[blocks->count]; i++) r[i] = h * F[i];
+  nsdae_blocks_add_product(blocks, M, v, r);
 }

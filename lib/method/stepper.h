@@ -6,6 +6,7 @@
 #include "kkt.h"
 #include "method.h"
 #include "system_impl.h"
+#include "world.h"
 
 typedef struct nsdae_stepper {
   const nsdae_system *system;
@@ -18,7 +19,8 @@ typedef struct nsdae_stepper {
   nsdae_terms middle;
   nsdae_kkt kkt;
   nsdae_contacts contacts;
-  double *M, *F;         /* nv x nv, nv: a mean mass matrix, a mean force */
+  nsdae_world *world;    /* of a system by blocks, in place of kkt and contacts; else NULL */
+  double *M, *F;         /* as in the terms; nv: a mean mass matrix, a mean force */
   double *q, *v, *r;     /* nq, nv, nv */
   double *v_other;       /* nv: a velocity in between */
   double *size;          /* nv: how large the terms of a velocity are */
@@ -30,6 +32,7 @@ typedef struct nsdae_stepper {
 /* A step in work, of a method that solves one contact problem for it. */
 typedef struct nsdae_step {
   nsdae_stepper *tools;
+  const nsdae_state *state;
   nsdae_terms *start, *end; /* of the state and the result */
   nsdae_result *result;
   double h, t_end; /* t_end is start.t + h but for rounding */
@@ -53,6 +56,37 @@ nsdae_step nsdae_step_begin(nsdae_stepper *stepper, const nsdae_state *state, do
                             nsdae_result *result);
 void nsdae_step_end(const nsdae_step *step);
 
+/* What is closed in a step, numbered or by list, and its equations. The terms named have what they
+ * need, but for lists, which come with closing and meeting.
+ *
+ * close: the contacts with a gap that is not above zero at the terms' point; meet: the same at
+ * another one. before: their velocities along v, of all or of those that hit. */
+int nsdae_step_close(const nsdae_step *step, nsdae_terms *terms);
+int nsdae_step_any(const nsdae_step *step);
+int nsdae_step_meet(const nsdae_step *step, nsdae_terms *terms);
+void nsdae_step_before(const nsdae_step *step, const nsdae_terms *terms, const double *v,
+                       int impacts_only);
+/* How many are closed, and the number of the a-th, its place in the impulses. */
+int nsdae_step_closed(const nsdae_step *step);
+int nsdae_step_contact(const nsdae_step *step, int a);
+/* Prepares the equations with M and the terms' Phi_q; where impacts are marked, mark_hit follows.
+ */
+int nsdae_step_factor(const nsdae_step *step, nsdae_terms *terms, const double *M);
+void nsdae_step_mark_hit(const nsdae_step *step);
+/* v and the stepper's impulse from r, see nsdae_stepper_impact; v and lambda from r without
+ * contacts, lambda comes as the rates Phi_q v. */
+int nsdae_step_impact(const nsdae_step *step, nsdae_terms *terms, const double *M, const double *r,
+                      double *v);
+int nsdae_step_free(const nsdae_step *step, const nsdae_terms *terms, const double *M,
+                    const double *r, double *v, double *lambda);
+/* r += scale Phi_q^T impulse, only where nothing hits; r += scale W Lambda, likewise with
+ * skip_impacts; r := M^-1 r. */
+void nsdae_step_add_constraints(const nsdae_step *step, const nsdae_terms *terms, double scale,
+                                int impact, double *r);
+void nsdae_step_add_impulse(const nsdae_step *step, const nsdae_terms *terms, double scale,
+                            int skip_impacts, double *r);
+int nsdae_step_solve_mass(const nsdae_step *step, const double *M, double *r);
+
 /* The parts that methods share. */
 
 /* Factors [M Phi_q^T; Phi_q 0] with the given M and Phi_q of the terms; counts the rank. */
@@ -69,7 +103,7 @@ int nsdae_stepper_kinematics(nsdae_stepper *stepper, double t, const double *q, 
                              double *qdot);
 
 /* r [nv] := M v + h F. */
-void nsdae_stepper_momentum(const double *M, const double *v, double h, const double *F, int nv,
-                            double *r);
+void nsdae_stepper_momentum(const nsdae_blocks *blocks, const double *M, const double *v, double h,
+                            const double *F, double *r);
 
 #endif

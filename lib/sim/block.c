@@ -5,6 +5,7 @@
  *             mu, e_N, e_T of the contacts, mu of the slides
  *   accounts  number of the step, grid, work taken by contacts, statistics but for the clock
  *   state     t, q, v, what is evaluated there; multipliers, impulses and modes of the last step
+ *             (by list: of as many contacts as were closed, with their ids, blocks and gaps)
  *   memory    what the method keeps: its numbers, its integers
  *   units     groups of coordinates of constant length, their lengths (where nv < nq)
  *
@@ -28,7 +29,7 @@ typedef struct head {
   uint64_t size, checksum;
   uint64_t reals, wholes;
   int32_t dims[6], method;
-  int32_t unused;
+  int32_t closed; /* contacts by list */
 } head;
 
 static const char MAGIC[8] = "nsdaest";
@@ -72,6 +73,8 @@ static void visit_stats(cursor *c, nsdae_stats *s)
   visit(c, &s->rank, sizeof s->rank);
   visit(c, &s->rank_most, sizeof s->rank_most);
   visit(c, &s->warnings, sizeof s->warnings);
+  visit(c, &s->islands, sizeof s->islands);
+  visit(c, &s->island_contacts, sizeof s->island_contacts);
 }
 
 static void visit_accounts(cursor *c, nsdae_accounts *a)
@@ -82,6 +85,22 @@ static void visit_accounts(cursor *c, nsdae_accounts *a)
   visit(c, &a->dissipated, sizeof a->dissipated);
   visit_stats(c, &a->stats);
   visit(c, &a->watch, sizeof a->watch);
+}
+
+/* Contacts by list, and the reach within which the next step finds them. */
+static void visit_closed(cursor *c, nsdae_result *r)
+{
+  nsdae_closed *closed = &r->closed;
+  int k = closed->count;
+  visit_doubles(c, &r->end.by.reach, 1);
+  visit(c, closed->id, (size_t)k * sizeof *closed->id);
+  visit_ints(c, closed->block, 2 * k);
+  visit_ints(c, closed->fresh, k);
+  visit_ints(c, closed->basis, NSDAE_CLOSED_BASIS * k);
+  visit_ints(c, r->impulses.mode, k);
+  visit_doubles(c, closed->gap, k);
+  visit_doubles(c, r->impulses.normal, k);
+  visit_doubles(c, r->impulses.tangential, k * closed->nt);
 }
 
 /* have: which terms the next step finds there. */
@@ -102,6 +121,7 @@ static void visit_point(cursor *c, nsdae_point *p, double *t, unsigned *have)
   visit_doubles(c, r->impulses.slide_impulse, d->f);
   visit_ints(c, r->impulses.mode, d->k);
   visit_ints(c, r->impulses.slide_mode, d->f);
+  if (r->end.system->by_list) visit_closed(c, r);
   visit(c, r->memory.real, r->memory.reals * sizeof(double));
   visit(c, r->memory.whole, r->memory.wholes * sizeof(int));
 }
@@ -181,7 +201,8 @@ static head make_head(const nsdae_sim *sim, size_t size)
             .reals = m->reals,
             .wholes = m->wholes,
             .dims = {d->nq, d->nv, d->m, d->k, d->nt, d->f},
-            .method = sim->options.method};
+            .method = sim->options.method,
+            .closed = nsdae_sim_shown(sim)->result.closed.count};
   memcpy(h.magic, MAGIC, sizeof h.magic);
   return h;
 }
@@ -201,14 +222,17 @@ static uint64_t checksum_of(const char *block, size_t size)
   return checksum(block, at) ^ checksum(block + after, size - after);
 }
 
-static size_t size_of(const nsdae_sim *sim)
+/* With so many contacts by list. */
+static size_t size_of(const nsdae_sim *sim, int closed)
 {
+  nsdae_point measured = *sim->now;
   cursor c = {0};
   unsigned have = 0;
   double t = 0;
   c.at = sizeof(head);
+  measured.result.closed.count = closed;
   visit_settings(&c, sim);
-  visit_point(&c, sim->now, &t, &have);
+  visit_point(&c, &measured, &t, &have);
   visit_units(&c, &sim->system->dims, &(nsdae_units){0});
   return c.at;
 }
@@ -216,13 +240,13 @@ static size_t size_of(const nsdae_sim *sim)
 int nsdae_sim_state_size(const nsdae_sim *sim, size_t *size)
 {
   if (!sim || !size) return NSDAE_E_ARGUMENT;
-  *size = size_of(sim);
+  *size = size_of(sim, nsdae_sim_shown(sim)->result.closed.count);
   return NSDAE_OK;
 }
 
-static int check_size(nsdae_sim *sim, const char *where, const void *block, size_t size)
+static int check_size(nsdae_sim *sim, const char *where, const void *block, size_t size, int closed)
 {
-  size_t needed = size_of(sim);
+  size_t needed = size_of(sim, closed);
   if (!block)
     return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, where, "block", "block is NULL");
   if (size == needed) return NSDAE_OK;
@@ -239,7 +263,8 @@ int nsdae_sim_get_state(nsdae_sim *sim, void *block, size_t size)
   if (!sim->started)
     return nsdae_error_set(&sim->error, NSDAE_E_STATE, "nsdae_sim_get_state", "",
                            "the simulation has no state: call nsdae_sim_init first");
-  int status = check_size(sim, "nsdae_sim_get_state", block, size);
+  int closed = nsdae_sim_shown(sim)->result.closed.count;
+  int status = check_size(sim, "nsdae_sim_get_state", block, size, closed);
   if (status < 0) return status;
   nsdae_point shown = *nsdae_sim_shown(sim); /* what is visited is not changed */
   double t = shown.result.end.t;
@@ -292,8 +317,11 @@ static int check_head(nsdae_sim *sim, const char *block, size_t size)
     return refuse(sim, "block", "the state is of another version of this library");
   int status = check_dims(sim, &h, &ours);
   if (status < 0) return status;
-  if (h.size != size || h.reals != ours.reals || h.wholes != ours.wholes)
-    return check_size(sim, "nsdae_sim_set_state", block, size) < 0
+  if (h.closed < 0 || h.closed > sim->options.contacts_max || (h.closed > 0 && !sim->stepper.world))
+    return refuse(sim, "block", "the state has a number of contacts by list that cannot be");
+  if (h.size != size || h.reals != ours.reals || h.wholes != ours.wholes ||
+      size != size_of(sim, h.closed))
+    return check_size(sim, "nsdae_sim_set_state", block, size, h.closed) < 0
                ? NSDAE_E_ARGUMENT
                : refuse(sim, "size", "the state has other sizes");
   if (h.checksum != checksum_of(block, size))
@@ -316,6 +344,17 @@ static int all_finite(const double *a, int n)
   return 1;
 }
 
+/* Contacts by list that were read. */
+static int check_closed(const nsdae_sim *sim)
+{
+  const nsdae_result *r = &sim->next->result;
+  int k = r->closed.count, blocks = sim->system->blocks.count;
+  for (int i = 0; i < 2 * k; i++)
+    if (r->closed.block[i] < -1 || r->closed.block[i] >= blocks) return 0;
+  return k == 0 || (all_finite(r->impulses.normal, k) && all_finite(r->closed.gap, k) &&
+                    all_finite(r->impulses.tangential, k * r->closed.nt) && r->end.by.reach >= 0);
+}
+
 /* What was read into next. */
 static int check_values(nsdae_sim *sim)
 {
@@ -327,7 +366,7 @@ static int check_values(nsdae_sim *sim)
                          s->energy_balance};
   if (all_finite(sums, 5) && all_finite(r->end.q, d->nq) && all_finite(r->end.v, d->nv) &&
       all_finite(r->multiplier, d->m) && all_finite(r->impulses.normal, d->k) &&
-      !any_nan(r->memory.real, r->memory.reals))
+      check_closed(sim) && !any_nan(r->memory.real, r->memory.reals))
     return NSDAE_OK;
   return nsdae_error_set(&sim->error, NSDAE_E_NONFINITE, "nsdae_sim_set_state", "block",
                          "the state has a number that is not finite");
@@ -338,10 +377,13 @@ static int read_block(nsdae_sim *sim, const void *block)
 {
   nsdae_point *p = sim->next;
   nsdae_result *r = &p->result;
-  const nsdae_state state = {&r->end, &r->memory};
+  const nsdae_state state = {.terms = &r->end, .memory = &r->memory};
   cursor c = {.from = block, .at = sizeof(head)};
   unsigned have = 0;
+  head h;
+  memcpy(&h, block, sizeof h);
   nsdae_result_clear(r);
+  r->closed.count = h.closed;
   int status = check_settings(sim, &c);
   visit_point(&c, p, &r->end.t, &have);
   visit_units(&c, &sim->system->dims, &sim->projection.other);
@@ -352,6 +394,16 @@ static int read_block(nsdae_sim *sim, const void *block)
   return status < 0 ? status : nsdae_point_show(p, have);
 }
 
+/* For the contacts by list that it has. */
+static int make_room(nsdae_sim *sim, const void *block)
+{
+  head h;
+  memcpy(&h, block, sizeof h);
+  const nsdae_room contacts = {(size_t)h.closed, 0}, rows = {0};
+  return (size_t)h.closed > sim->contacts.entries ? nsdae_sim_make_room(sim, &contacts, &rows)
+                                                  : NSDAE_OK;
+}
+
 int nsdae_sim_set_state(nsdae_sim *sim, const void *block, size_t size)
 {
   if (!sim) return NSDAE_E_ARGUMENT;
@@ -360,7 +412,9 @@ int nsdae_sim_set_state(nsdae_sim *sim, const void *block, size_t size)
   int status = block ? check_head(sim, block, size) : refuse(sim, "block", "block is NULL");
   if (status < 0) return status;
   sim->waiting = sim->between = 0;
-  status = read_block(sim, block);
+  status = make_room(sim, block);
+  while (status == NSDAE_OK && (status = read_block(sim, block)) == NSDAE_GROW)
+    status = nsdae_sim_grow(sim);
   if (status < 0) return status;
   nsdae_sim_commit(sim);
   nsdae_units_swap(&sim->projection);

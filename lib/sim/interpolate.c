@@ -38,7 +38,7 @@ static void copy(const nsdae_terms *at, double *q, double *v)
 static int by_integration(nsdae_sim *sim, nsdae_result *before, double t, double *q, double *v)
 {
   nsdae_result *r = &sim->aside->result;
-  const nsdae_state state = {&before->end, &before->memory};
+  const nsdae_state state = {.terms = &before->end, .memory = &before->memory};
   unsigned have = before->end.have;
   nsdae_result_clear(r);
   nsdae_memory_copy(&r->memory, &before->memory);

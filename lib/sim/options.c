@@ -72,6 +72,8 @@ static const nsdae_param entries[] = {
      NSDAE_PARAM_INT, AT(inner_steps_max), 100000, 1, 1e9, 0, NULL},
     {"start_check", "", "whether a start looks for derivatives that are grossly wrong",
      NSDAE_PARAM_CHOICE, AT(start_check), 1, 0, 1, 0, no_yes},
+    {"contacts_max", "1", "most contacts of a list", NSDAE_PARAM_INT, AT(contacts_max), 1 << 20, 1,
+     1 << 28, 0, NULL},
 };
 
 static const nsdae_params table = {entries, (int)(sizeof entries / sizeof *entries)};
@@ -135,6 +137,7 @@ static const struct {
     {"projection", ~(1u << NSDAE_METHOD_PENALTY)}, /* of event: where implicit steps in */
     {"start_tol", 0},
     {"start_check", 0},
+    {"contacts_max", 0},
 };
 
 int nsdae_sim_option_matters(const char *key, int method)

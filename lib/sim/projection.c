@@ -16,7 +16,9 @@ enum {
 void nsdae_projector_layout(nsdae_projector *p, nsdae_arena *arena)
 {
   const nsdae_dims *d = &p->tools->system->dims;
-  p->kkt = (nsdae_kkt){.n = d->nv, .m = p->rows_most, .rank_tol = p->tools->options->rank_tol};
+  int listed = p->tools->system->by_list; /* nothing is projected */
+  p->kkt = (nsdae_kkt){
+      .n = listed ? 0 : d->nv, .m = p->rows_most, .rank_tol = p->tools->options->rank_tol};
   nsdae_kkt_layout(&p->kkt, arena);
   nsdae_units *const units[] = {&p->units, &p->other};
   for (int i = 0; i < 2; i++) {
@@ -30,7 +32,8 @@ void nsdae_projector_layout(nsdae_projector *p, nsdae_arena *arena)
   p->q = NSDAE_ARENA_DOUBLES(arena, d->nq);
   p->v = NSDAE_ARENA_DOUBLES(arena, d->nv);
   p->qdot = NSDAE_ARENA_DOUBLES(arena, d->nq);
-  p->H = NSDAE_ARENA_DOUBLES(arena, p->tools->system->kinematics ? (long)d->nq * d->nv : 0);
+  p->H =
+      NSDAE_ARENA_DOUBLES(arena, p->tools->system->kinematics && !listed ? (long)d->nq * d->nv : 0);
   p->start = NSDAE_ARENA_DOUBLES(arena, 3L * d->m);
   p->contact = NSDAE_ARENA_INTS(arena, p->rows_most);
   p->closed = NSDAE_ARENA_INTS(arena, d->k);
@@ -114,7 +117,8 @@ void nsdae_units_find(nsdae_projector *p, double t, const double *q)
   nsdae_units *u = &p->units;
   u->count = 0;
   for (int i = 0; i < nq; i++) u->of[i] = -1;
-  if (nq == p->tools->system->dims.nv || read_kinematics(p, t, q, 0.11)) return;
+  if (nq == p->tools->system->dims.nv || p->tools->system->by_list) return;
+  if (read_kinematics(p, t, q, 0.11)) return;
   group_coordinates(p);
   for (int g = 0; g < nq; g++)
     if (!keeps_length(p, g))

@@ -12,8 +12,26 @@ enum {
   EVERY_TERM = ALL_TERMS | NSDAE_TERM_ACCELERATION
 };
 
-static void show_arrays(nsdae_point *p)
+static void show_numbers(nsdae_record *to, const nsdae_record *from)
 {
+  to->step = from->step;
+  to->time = from->time;
+  to->duration = from->duration;
+  to->contacts.count = from->contacts.count;
+  to->kinetic = from->kinetic;
+  to->potential = from->potential;
+  to->dissipated = from->dissipated;
+  to->lcp_residual = from->lcp_residual;
+  to->constraint_drift = from->constraint_drift;
+  to->penetration = from->penetration;
+  to->impacts = from->impacts;
+  to->changes = from->changes;
+}
+
+/* Where the arrays are: made anew when lists grew. */
+void nsdae_point_show_arrays(nsdae_point *p)
+{
+  const nsdae_record was = p->record;
   const nsdae_result *r = &p->result;
   p->record = (nsdae_record){.q = r->end.q,
                              .v = r->end.v,
@@ -28,8 +46,15 @@ static void show_arrays(nsdae_point *p)
                              .slide_impulse = r->impulses.slide_impulse,
                              .slide_force = p->slide_force,
                              .slide_mode = r->impulses.slide_mode,
+                             .contacts = {.id = r->closed.id,
+                                          .block = r->closed.block,
+                                          .gap = r->closed.gap,
+                                          .normal_impulse = r->impulses.normal,
+                                          .tangential_impulse = r->impulses.tangential,
+                                          .mode = r->impulses.mode},
                              .impact = r->impact,
                              .change = r->change};
+  show_numbers(&p->record, &was);
 }
 
 void nsdae_point_layout(nsdae_point *p, nsdae_arena *arena)
@@ -40,7 +65,7 @@ void nsdae_point_layout(nsdae_point *p, nsdae_arena *arena)
   p->normal_force = NSDAE_ARENA_DOUBLES(arena, d->k);
   p->tangential_force = NSDAE_ARENA_DOUBLES(arena, (long)d->k * d->nt);
   p->slide_force = NSDAE_ARENA_DOUBLES(arena, d->f);
-  show_arrays(p);
+  nsdae_point_show_arrays(p);
 }
 
 static inline void scale(double *restrict to, const double *restrict a, int n, double factor)
@@ -61,6 +86,15 @@ static void fill_means(nsdae_point *p, const nsdae_terms *from, double h)
   p->record.duration = h;
 }
 
+/* By list: of what was closed, where the method looked last. */
+static double penetration(const nsdae_result *r)
+{
+  double most = 0;
+  if (!r->end.system->by_list) return nsdae_terms_penetration(&r->end);
+  for (int a = 0; a < r->closed.count; a++) most = fmax(most, -r->closed.gap[a]);
+  return most;
+}
+
 /* The numbers of the record; its arrays are the point's. */
 static void fill_record(nsdae_point *p)
 {
@@ -74,7 +108,8 @@ static void fill_record(nsdae_point *p)
   record->dissipated = p->accounts.dissipated;
   record->lcp_residual = r->worst_residual;
   record->constraint_drift = nsdae_terms_drift(end);
-  record->penetration = nsdae_terms_penetration(end);
+  record->penetration = penetration(r);
+  record->contacts.count = r->closed.count;
   record->impacts = r->impacts;
   record->changes = r->changes;
 }
@@ -92,6 +127,8 @@ static void count(nsdae_stats *stats, const nsdae_counters *c)
   stats->jacobian_evals += c->evals.jacobian;
   if (c->rank < stats->rank) stats->rank = c->rank;
   if (c->rank_most > stats->rank_most) stats->rank_most = c->rank_most;
+  stats->islands = c->islands;
+  stats->island_contacts = c->island_contacts;
 }
 
 static void certify(nsdae_stats *stats, const nsdae_record *r)
@@ -108,8 +145,10 @@ static void find_impacts(const nsdae_impulses *before, nsdae_result *result, dou
 {
   const nsdae_impulses *r = &result->impulses;
   const nsdae_dims *dims = &result->end.system->dims;
-  for (int i = 0; i < dims->k; i++) {
-    int fresh = before->normal[i] == 0 || r->impact[i];
+  int listed = result->end.system->by_list, count = listed ? result->closed.count : dims->k;
+  for (int i = 0; i < count; i++) {
+    int idle = listed ? result->closed.fresh[i] : before->normal[i] == 0;
+    int fresh = idle || r->impact[i];
     if (!(r->normal[i] > 0) || !fresh || !(r->before[i] < -slow)) continue;
     nsdae_impact *impact = &result->impact[result->impacts++];
     *impact = (nsdae_impact){.time = result->end.t,
@@ -122,16 +161,32 @@ static void find_impacts(const nsdae_impulses *before, nsdae_result *result, dou
   }
 }
 
+/* What touches at the start, and whether the equations can be solved there. */
+static int try_equations(nsdae_sim *sim, nsdae_result *r)
+{
+  const nsdae_state state = {.terms = &r->end, .closed = &r->closed, .impulses = &r->impulses};
+  const nsdae_step step = {
+      .tools = &sim->stepper, .state = &state, .start = &r->end, .end = &r->end, .result = r};
+  nsdae_stepper *s = &sim->stepper;
+  if (!s->world) return nsdae_stepper_factor(s, &r->end, r->end.M);
+  int status = nsdae_step_close(&step, &r->end);
+  if (status == NSDAE_OK) status = nsdae_step_factor(&step, &r->end, r->end.M);
+  if (status < 0) return status;
+  memset(s->impulse, 0, (size_t)sim->system->dims.m * sizeof *s->impulse);
+  return nsdae_step_free(&step, &r->end, r->end.M, r->end.F, s->v, s->impulse);
+}
+
 int nsdae_point_start(nsdae_sim *sim, nsdae_point *point)
 {
   nsdae_terms *start = &point->result.end;
   nsdae_stats *stats = &point->accounts.stats;
   int status = nsdae_terms_need(start, ALL_TERMS);
   if (status == NSDAE_OK) status = nsdae_terms_symmetric(start);
-  if (status == NSDAE_OK) status = nsdae_stepper_factor(&sim->stepper, start, start->M);
+  if (status == NSDAE_OK) status = try_equations(sim, &point->result);
   if (status < 0) return status;
   point->accounts = (nsdae_accounts){.grid_start = start->t};
   fill_record(point);
+  point->result.closed.count = point->record.contacts.count = 0; /* none did anything yet */
   fill_means(point, start, 0);
   stats->energy_start = point->record.kinetic + point->record.potential;
   stats->rank = sim->system->dims.m;
@@ -147,6 +202,8 @@ int nsdae_point_show(nsdae_point *point, unsigned have)
 {
   nsdae_terms *end = &point->result.end;
   int status = nsdae_terms_need(end, (have & EVERY_TERM) | RECORD_TERMS);
+  if (status == NSDAE_OK && (have & NSDAE_TERM_CONTACTS))
+    status = nsdae_terms_contacts(end, end->by.reach);
   if (status < 0) return status;
   end->have &= have | RECORD_TERMS; /* some callbacks give two */
   fill_record(point);

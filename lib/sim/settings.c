@@ -23,7 +23,7 @@ static int settle(nsdae_sim *sim)
 {
   nsdae_result *r = &sim->next->result;
   nsdae_memory *memory = &sim->now->result.memory;
-  const nsdae_state state = {&sim->now->result.end, memory};
+  const nsdae_state state = {.terms = &sim->now->result.end, .memory = memory};
   sim->waiting = 0;
   if (!sim->started || !sim->method->settle || memory->stamp == 0) return NSDAE_OK;
   sim->between = 0;

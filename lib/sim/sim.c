@@ -30,6 +30,7 @@ static int check_rows(const nsdae_system *system, const nsdae_sim_options *optio
 {
   nsdae_sim_options defaults;
   nsdae_sim_options_default(&defaults);
+  if (system->by_list) return NSDAE_OK;
   int edges = options ? options->polygon : defaults.polygon, limit = nsdae_contacts_rows_limit();
   long rows = nsdae_contacts_rows(system, edges);
   if (rows <= limit) return NSDAE_OK;
@@ -38,6 +39,21 @@ static int check_rows(const nsdae_system *system, const nsdae_sim_options *optio
                          "problem, which may have %d: take fewer, or a polygon of fewer edges (%d "
                          "now, %d rows for a spatial contact with friction)",
                          system->dims.k, system->dims.f, rows, limit, edges, edges + 2);
+}
+
+/* What a system of blocks does without. */
+static int check_blocks(const nsdae_system *system, const nsdae_sim_options *options,
+                        nsdae_error *error)
+{
+  if (!system->by_list || !options) return NSDAE_OK;
+  if (!nsdae_stepping_of(options->method)->by_list)
+    return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_sim_create", "method",
+                           "method = %s is for systems without blocks: take implicit, "
+                           "implicit-printed or moreau",
+                           nsdae_method_name(options->method));
+  if (options->projection == NSDAE_PROJECTION_NONE) return NSDAE_OK;
+  return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_sim_create", "projection",
+                         "projection is for systems without blocks: set it to none");
 }
 
 static int check_create(const nsdae_system *system, const nsdae_sim_options *options,
@@ -50,6 +66,7 @@ static int check_create(const nsdae_system *system, const nsdae_sim_options *opt
   *sim = NULL;
   int status = options ? nsdae_sim_options_check(options, error) : NSDAE_OK;
   if (status == NSDAE_OK) status = nsdae_system_complete(system, error);
+  if (status == NSDAE_OK) status = check_blocks(system, options, error);
   return status < 0 ? status : check_rows(system, options, error);
 }
 
@@ -69,6 +86,23 @@ static int copy_system(nsdae_sim *sim)
   return NSDAE_OK;
 }
 
+static int out_of_memory(nsdae_sim *sim)
+{
+  return nsdae_error_set(&sim->error, NSDAE_E_MEMORY, "nsdae_sim_create", "",
+                         "out of memory for a simulation of this size");
+}
+
+/* Lists begin with room for a contact and for the rows of a joint of each block. */
+static int first_room(nsdae_sim *sim)
+{
+  const nsdae_dims *d = &sim->system->dims;
+  size_t blocks = (size_t)sim->system->blocks.count, columns = (size_t)(1 + d->nt);
+  size_t most = (size_t)sim->options.contacts_max, pairs = blocks < most ? blocks : most;
+  const nsdae_room contacts = {pairs, 2 * columns * (size_t)d->nv};
+  const nsdae_room rows = {2 * (size_t)d->m, 12 * (size_t)d->m};
+  return nsdae_sim_make_room(sim, &contacts, &rows);
+}
+
 /* Everything that has a size, and the method. */
 static int build(nsdae_sim *sim)
 {
@@ -77,6 +111,10 @@ static int build(nsdae_sim *sim)
   stepper->options = &sim->options;
   stepper->error = &sim->error;
   stepper->contacts.law = sim->law;
+  if (sim->system->by_list) {
+    stepper->world = nsdae_world_make(&sim->model, &sim->error);
+    if (!stepper->world) return out_of_memory(sim);
+  }
   nsdae_stepper_prepare(stepper);
   sim->method = nsdae_stepping_of(sim->options.method);
   sim->projection.tools = stepper;
@@ -89,9 +127,9 @@ static int build(nsdae_sim *sim)
     nsdae_stepper_prepare_terms(stepper, &r->end);
     sim->method->sizes(stepper, &r->memory.reals, &r->memory.wholes);
   }
-  if (nsdae_arena_build(&sim->arena, layout, sim) < 0)
-    return nsdae_error_set(&sim->error, NSDAE_E_MEMORY, "nsdae_sim_create", "",
-                           "out of memory for a simulation of this size");
+  if (nsdae_arena_build(&sim->arena, layout, sim) < 0) return out_of_memory(sim);
+  int status = stepper->world ? first_room(sim) : NSDAE_OK;
+  if (status < 0) return status;
   if (sim->method->create) return sim->method->create(stepper, &sim->own);
   sim->own = stepper;
   return NSDAE_OK;
@@ -127,6 +165,7 @@ void nsdae_sim_destroy(nsdae_sim **sim)
   if (!sim || !*sim) return;
   const nsdae_stepping *method = (*sim)->method;
   if (method && method->destroy) method->destroy((*sim)->own);
+  nsdae_sim_release_lists(*sim);
   nsdae_arena_release(&(*sim)->arena);
   free((*sim)->law);
   free((*sim)->model.contact);
@@ -167,7 +206,7 @@ int nsdae_sim_check_state(nsdae_sim *sim, const char *where, double t0, const do
 static int start_at(nsdae_sim *sim, double t0, const double *q0, const double *v0)
 {
   nsdae_result *r = &sim->next->result;
-  const nsdae_state state = {&r->end, &r->memory};
+  const nsdae_state state = {.terms = &r->end, .memory = &r->memory};
   nsdae_result_clear(r);
   memset(r->memory.real, 0, r->memory.reals * sizeof *r->memory.real);
   memset(r->memory.whole, 0, r->memory.wholes * sizeof *r->memory.whole);
@@ -187,7 +226,8 @@ int nsdae_sim_init(nsdae_sim *sim, double t0, const double *q0, const double *v0
   nsdae_error_clear(&sim->error);
   sim->started = sim->failed = sim->waiting = sim->between = 0;
   int status = nsdae_sim_check_state(sim, "nsdae_sim_init", t0, q0, v0);
-  if (status == NSDAE_OK) status = start_at(sim, t0, q0, v0);
+  while (status == NSDAE_OK && (status = start_at(sim, t0, q0, v0)) == NSDAE_GROW)
+    status = nsdae_sim_grow(sim);
   if (status < 0) return status;
   nsdae_sim_commit(sim);
   sim->wall_time = 0;
@@ -225,6 +265,8 @@ int nsdae_sim_get_stats(const nsdae_sim *sim, nsdae_stats *stats)
   if (!sim || !stats) return NSDAE_E_ARGUMENT;
   *stats = nsdae_sim_shown(sim)->accounts.stats;
   stats->wall_time = sim->wall_time;
+  stats->contact_capacity = (int)sim->contacts.entries;
+  stats->contact_growths = sim->growths;
   return NSDAE_OK;
 }
 

@@ -41,6 +41,8 @@ typedef struct nsdae_point {
 } nsdae_point;
 
 void nsdae_point_layout(nsdae_point *point, nsdae_arena *arena);
+/* Where the arrays of its record are: again after lists grew. */
+void nsdae_point_show_arrays(nsdae_point *point);
 
 struct nsdae_sim {
   const nsdae_system *system; /* held while the simulation lives */
@@ -65,7 +67,16 @@ struct nsdae_sim {
   int between;         /* next is the step before the state */
   int waiting;         /* next is whole, and is the state as soon as the observers have seen it */
   int failed;          /* the last step ended on the complementarity problem of next */
+  nsdae_room contacts, rows; /* room in every list */
+  int growths;
 };
+
+/* More room in every list, as the one that was full calls for. NSDAE_OK, NSDAE_E_MEMORY, and
+ * NSDAE_E_ARGUMENT where contacts_max is met: everything is as before. */
+int nsdae_sim_grow(nsdae_sim *sim);
+/* Room for at least as much. */
+int nsdae_sim_make_room(nsdae_sim *sim, const nsdae_room *contacts, const nsdae_room *rows);
+void nsdae_sim_release_lists(nsdae_sim *sim);
 
 /* What an observer sees: the step that waits for it, else the state. */
 static inline const nsdae_point *nsdae_sim_shown(const nsdae_sim *sim)

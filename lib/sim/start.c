@@ -27,13 +27,6 @@ static double largest(const double *a, int n)
   return most;
 }
 
-static double row_sum(const double *a, int n, size_t stride)
-{
-  double sum = 0;
-  for (int j = 0; j < n; j++) sum += fabs(a[(size_t)j * stride]);
-  return sum;
-}
-
 static int refuse(const nsdae_terms *T, const char *argument, int kind, int i, const char *what,
                   double value, double bound)
 {
@@ -50,13 +43,14 @@ static int refuse(const nsdae_terms *T, const char *argument, int kind, int i, c
 static int check_constraints(const nsdae_terms *T, double tol)
 {
   const nsdae_dims *d = &T->system->dims;
+  const nsdae_blocks *blocks = &T->system->blocks;
+  const nsdae_rows *J = &T->by.jacobian;
   double q = largest(T->q, d->nq), v = largest(T->v, d->nv);
   for (int i = 0; i < d->m; i++) {
-    double sum = row_sum(T->J + i, d->nv, (size_t)d->m), bound = tol * (1 + sum * q);
+    double sum = nsdae_rows_sum(blocks, J, i), bound = tol * (1 + sum * q);
     if (fabs(T->phi[i]) > bound)
       return refuse(T, "q0", NSDAE_NAME_CONSTRAINT, i, "is off by", fabs(T->phi[i]), bound);
-    double rate = T->phi_t[i];
-    for (int j = 0; j < d->nv; j++) rate += T->J[(size_t)j * (size_t)d->m + (size_t)i] * T->v[j];
+    double rate = nsdae_rows_add_dot(blocks, J, i, T->v, T->phi_t[i]);
     bound = tol * (1 + sum * v + fabs(T->phi_t[i]));
     if (fabs(rate) > bound)
       return refuse(T, "v0", NSDAE_NAME_CONSTRAINT, i, "is violated at the rate", fabs(rate),
@@ -65,12 +59,31 @@ static int check_constraints(const nsdae_terms *T, double tol)
   return NSDAE_OK;
 }
 
+/* Of a list: what is closed at the start, by its id. */
+static int check_list(const nsdae_terms *T, double tol)
+{
+  double q = largest(T->q, T->system->dims.nq);
+  for (int i = 0; i < T->by.normal.count; i++) {
+    double bound = tol * (1 + q * nsdae_rows_sum(&T->system->blocks, &T->by.normal, i));
+    if (!(-T->gap[i] > bound)) continue;
+    nsdae_error_set(T->error, NSDAE_E_ARGUMENT, "nsdae_sim_init", "q0",
+                    "contact of id %ld overlaps by %.6g at the start: it must be at most %.3g (see "
+                    "start_tol)",
+                    T->by.list.id[i], -T->gap[i], bound);
+    T->error->index = i;
+    T->error->time = T->t;
+    return NSDAE_E_ARGUMENT;
+  }
+  return NSDAE_OK;
+}
+
 static int check_gaps(const nsdae_terms *T, double tol)
 {
   const nsdae_dims *d = &T->system->dims;
   double q = largest(T->q, d->nq);
+  if (T->system->by_list) return check_list(T, tol);
   for (int i = 0; i < d->k; i++) {
-    double bound = tol * (1 + q * row_sum(T->W_N + (size_t)i * (size_t)d->nv, d->nv, 1));
+    double bound = tol * (1 + q * nsdae_rows_sum(&T->system->blocks, &T->by.normal, i));
     if (-T->gap[i] > bound)
       return refuse(T, "q0", NSDAE_NAME_CONTACT, i, "overlaps by", -T->gap[i], bound);
   }
@@ -108,8 +121,7 @@ typedef struct relation {
   int kind, rows;
   nsdae_position_fn position;
   const double *value; /* rows: at the start */
-  const double *rate;  /* rows x nv, by rows or by columns */
-  int by_columns;
+  const nsdae_rows *rate;
   const double *bias; /* rows: the rate with v = 0 */
 } relation;
 
@@ -119,15 +131,18 @@ static void trial_velocity(int n, int number, double *v)
 }
 
 /* W v + w of a row, and the sum of its terms. */
-static double given_rate(const relation *r, int n, int i, const double *v, double *size)
+static double given_rate(const relation *r, const nsdae_blocks *blocks, int i, const double *v,
+                         double *size)
 {
   double rate = r->bias[i];
   *size = fabs(rate);
-  for (int j = 0; j < n; j++) {
-    double w = r->by_columns ? r->rate[(size_t)i * (size_t)n + (size_t)j]
-                             : r->rate[(size_t)j * (size_t)r->rows + (size_t)i];
-    rate += w * v[j];
-    *size += fabs(w * v[j]);
+  for (int p = r->rate->first[i]; p < r->rate->first[i + 1]; p++) {
+    const double *value = r->rate->value + r->rate->at[p];
+    int b = r->rate->block[p];
+    for (int j = blocks->first[b]; j < blocks->first[b + 1]; j++, value += r->rate->stride) {
+      rate += *value * v[j];
+      *size += fabs(*value * v[j]);
+    }
   }
   return rate;
 }
@@ -153,7 +168,7 @@ static int judge_rates(const nsdae_terms *T, const relation *r, const double *v,
 {
   const nsdae_differences *d = T->differences;
   for (int i = 0; i < r->rows; i++) {
-    double size, given = given_rate(r, T->system->dims.nv, i, v, &size);
+    double size, given = given_rate(r, &T->system->blocks, i, v, &size);
     double ahead = (d->plus[i] - r->value[i]) / s, back = (r->value[i] - d->minus[i]) / s;
     double middle = (ahead + back) / 2;
     if (!isfinite(middle)) continue; /* the end of where it is defined */
@@ -244,12 +259,18 @@ static int check_derivatives(nsdae_projector *p, const nsdae_terms *T)
 {
   const nsdae_system *s = T->system;
   const nsdae_dims *d = &s->dims;
-  const relation constraints = {
-      "constraint_jacobian", NSDAE_NAME_CONSTRAINT, d->m, s->constraint, T->phi, T->J, 0, T->phi_t};
-  const relation gaps = {"gap_normal", NSDAE_NAME_CONTACT, d->k, s->gap, T->gap, T->W_N, 1, T->w_N};
+  const relation constraints = {s->by_list ? "constraint_rows" : "constraint_jacobian",
+                                NSDAE_NAME_CONSTRAINT,
+                                d->m,
+                                s->constraint,
+                                T->phi,
+                                &T->by.jacobian,
+                                T->phi_t};
+  const relation gaps = {"gap_normal", NSDAE_NAME_CONTACT, d->k,  s->gap,
+                         T->gap,       &T->by.normal,      T->w_N};
   int status = NSDAE_OK;
   if (!p->tools->options->start_check || fabs(T->t) > 1e4) return NSDAE_OK;
-  if (d->m > 0 && (s->constraint_jacobian || s->constraint_bias))
+  if (d->m > 0 && (s->constraint_jacobian || s->constraint_rows || s->constraint_bias))
     status = check_rates(p, T, &constraints);
   if (status == NSDAE_OK) status = check_omega(p, T);
   if (status == NSDAE_OK) status = check_tangents(T);
@@ -307,6 +328,9 @@ int nsdae_sim_project(nsdae_sim *sim, double t0, double *q0, double *v0)
   if (!sim) return NSDAE_E_ARGUMENT;
   if (nsdae_observers_quiet(sim, "nsdae_sim_project") < 0) return NSDAE_E_STATE;
   nsdae_error_clear(&sim->error);
+  if (sim->system->by_list)
+    return nsdae_error_set(&sim->error, NSDAE_E_UNSUPPORTED, "nsdae_sim_project", "blocks",
+                           "a system of blocks is not projected: put its start right yourself");
   int status = nsdae_sim_check_state(sim, "nsdae_sim_project", t0, q0, v0);
   if (status < 0) return status;
   bench b = {.evals = {0}};

@@ -19,7 +19,8 @@ static int advance(nsdae_sim *sim, double t1)
 {
   nsdae_result *result = &sim->next->result;
   const nsdae_memory *memory = &sim->now->result.memory;
-  const nsdae_state state = {&sim->now->result.end, memory};
+  const nsdae_state state = {&sim->now->result.end, memory, &sim->now->result.closed,
+                             &sim->now->result.impulses};
   nsdae_result_clear(result);
   nsdae_memory_copy(&result->memory, memory);
   nsdae_stepper_count(&sim->stepper, &state, result);
@@ -89,7 +90,8 @@ static int prepare(nsdae_sim *sim, double t1)
                            sim->options.dt, t0);
   unsigned have = sim->now->result.end.have;
   int status = nsdae_interrupted(&sim->stepper.interrupt, &sim->error, t0);
-  if (status == NSDAE_OK) status = advance(sim, t1);
+  while (status == NSDAE_OK && (status = advance(sim, t1)) == NSDAE_GROW)
+    status = nsdae_sim_grow(sim); /* and once more */
   sim->failed = is_problem(status) && sim->next->result.problem;
   if (status == NSDAE_OK) status = project(sim);
   if (status == NSDAE_OK)

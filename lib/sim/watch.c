@@ -9,21 +9,24 @@ static const double watch_ways = 10;       /* of a step, or overlaps of penalty 
 static const double watch_share = 0.1;     /* of the largest kinetic energy */
 static const double watch_turnover = 0.02; /* of the work that forces did and took */
 
-static double largest(const double *a, long n)
+static double largest_entry(const nsdae_blocks *blocks, const nsdae_rows *rows)
 {
   double most = 0;
-  for (long i = 0; i < n; i++) most = fmax(most, fabs(a[i]));
+  for (int i = 0; i < rows->count; i++) most = fmax(most, nsdae_rows_largest(blocks, rows, i));
   return most;
 }
 
 /* The way that the forces lead to in a step from rest: h^2 F / M. */
 static double way_from_rest(const nsdae_terms *T, double h)
 {
-  const nsdae_dims *d = &T->system->dims;
-  double rows = fmax(largest(T->J, (long)d->m * d->nv), largest(T->W_N, (long)d->k * d->nv));
+  const nsdae_blocks *blocks = &T->system->blocks;
+  double rows = fmax(largest_entry(blocks, &T->by.jacobian), largest_entry(blocks, &T->by.normal));
   double most = 0;
-  for (int j = 0; j < d->nv; j++)
-    most = fmax(most, fabs(T->F[j]) / T->M[(size_t)j * (size_t)(d->nv + 1)]);
+  for (int b = 0; b < blocks->count; b++) {
+    size_t n = (size_t)nsdae_blocks_size(blocks, b);
+    const double *F = T->F + blocks->first[b], *M = T->M + blocks->square[b];
+    for (size_t j = 0; j < n; j++) most = fmax(most, fabs(F[j]) / M[j * (n + 1)]);
+  }
   return h * h * rows * most;
 }
 
@@ -32,13 +35,14 @@ void nsdae_watch_start(const nsdae_sim *sim, nsdae_point *point)
   const nsdae_terms *start = &point->result.end;
   const nsdae_dims *d = &start->system->dims;
   double from_rest = way_from_rest(start, sim->options.dt);
-  point->accounts.watch = (nsdae_watch){.change = from_rest,
-                                        .row = largest(start->J, (long)d->m * d->nv),
-                                        .way = from_rest,
-                                        .scale = point->record.kinetic,
-                                        .kinetic = point->record.kinetic,
-                                        .t = start->t,
-                                        .power = nsdae_dot(d->nv, start->F, start->v)};
+  point->accounts.watch =
+      (nsdae_watch){.change = from_rest,
+                    .row = largest_entry(&start->system->blocks, &start->by.jacobian),
+                    .way = from_rest,
+                    .scale = point->record.kinetic,
+                    .kinetic = point->record.kinetic,
+                    .t = start->t,
+                    .power = nsdae_dot(d->nv, start->F, start->v)};
 }
 
 /* One array of a record. */
@@ -64,19 +68,23 @@ int nsdae_watch_finite(const nsdae_point *point)
   const nsdae_result *result = &point->result;
   const nsdae_record *r = &point->record;
   const nsdae_dims *d = &result->end.system->dims;
-  const part parts[] = {{"time", &r->time, 1},
-                        {"q", r->q, d->nq},
-                        {"v", r->v, d->nv},
-                        {"kinetic", &r->kinetic, 1},
-                        {"potential", &r->potential, 1},
-                        {"dissipated", &r->dissipated, 1},
-                        {"multiplier", r->multiplier, d->m},
-                        {"gap", r->gap, d->k},
-                        {"normal_impulse", r->normal_impulse, d->k},
-                        {"tangential_impulse", r->tangential_impulse, d->k * d->nt},
-                        {"slide_impulse", r->slide_impulse, d->f},
-                        {"lcp_residual", &r->lcp_residual, 1},
-                        {"constraint_drift", &r->constraint_drift, 1}};
+  const part parts[] = {
+      {"time", &r->time, 1},
+      {"q", r->q, d->nq},
+      {"v", r->v, d->nv},
+      {"kinetic", &r->kinetic, 1},
+      {"potential", &r->potential, 1},
+      {"dissipated", &r->dissipated, 1},
+      {"multiplier", r->multiplier, d->m},
+      {"gap", r->gap, d->k},
+      {"normal_impulse", r->normal_impulse, d->k},
+      {"tangential_impulse", r->tangential_impulse, d->k * d->nt},
+      {"slide_impulse", r->slide_impulse, d->f},
+      {"contacts.gap", r->contacts.gap, r->contacts.count},
+      {"contacts.normal_impulse", r->contacts.normal_impulse, r->contacts.count},
+      {"contacts.tangential_impulse", r->contacts.tangential_impulse, r->contacts.count * d->nt},
+      {"lcp_residual", &r->lcp_residual, 1},
+      {"constraint_drift", &r->constraint_drift, 1}};
   for (size_t p = 0; p < sizeof parts / sizeof *parts; p++)
     for (int i = 0; i < parts[p].count; i++)
       if (!isfinite(parts[p].value[i])) return refuse(result, parts[p].name, i, parts[p].value[i]);
@@ -92,25 +100,29 @@ int nsdae_watch_finite(const nsdae_point *point)
 }
 
 /* Lengths: how far gaps and rows of constraints go in a step. */
-static void measure(nsdae_watch *w, const nsdae_terms *from, const nsdae_terms *to)
+static void measure(nsdae_watch *w, const nsdae_terms *from, const nsdae_result *result)
 {
+  const nsdae_terms *to = &result->end;
   const nsdae_dims *d = &to->system->dims;
-  double speed = 0;
+  const nsdae_impulses *r = &result->impulses;
+  double speed = 0, h = to->t - from->t;
   for (int i = 0; i < d->k; i++) w->change = fmax(w->change, fabs(to->gap[i] - from->gap[i]));
+  for (int a = 0; a < result->closed.count; a++)
+    w->change = fmax(w->change, h * fmax(fabs(r->before[a]), fabs(r->after[a])));
   for (int j = 0; j < d->nv; j++) speed += fmax(fabs(from->v[j]), fabs(to->v[j]));
-  w->way = fmax(w->way, (to->t - from->t) * w->row * speed);
+  w->way = fmax(w->way, h * w->row * speed);
 }
 
 /* vm^T (M_1 - M_0) vm / 2, vm = (v_0 + v_1) / 2 */
 static double turned(const nsdae_terms *from, const nsdae_terms *to)
 {
-  int n = to->system->dims.nv;
+  const nsdae_blocks *blocks = &to->system->blocks;
   double sum = 0;
-  for (int j = 0; j < n; j++)
-    for (int i = 0; i < n; i++) {
-      size_t at = (size_t)j * (size_t)n + (size_t)i;
-      sum += (to->M[at] - from->M[at]) * (from->v[i] + to->v[i]) * (from->v[j] + to->v[j]);
-    }
+  size_t at = 0;
+  for (int b = 0; b < blocks->count; b++)
+    for (int j = blocks->first[b]; j < blocks->first[b + 1]; j++)
+      for (int i = blocks->first[b]; i < blocks->first[b + 1]; i++, at++)
+        sum += (to->M[at] - from->M[at]) * (from->v[i] + to->v[i]) * (from->v[j] + to->v[j]);
   return sum / 8;
 }
 
@@ -133,7 +145,7 @@ static int add_work(nsdae_watch *w, nsdae_result *at)
   w->t = T->t;
   if (at->smooth) return NSDAE_OK;
   w->work -= nsdae_dot(d->k, p->normal, T->w_N) + nsdae_dot(d->k * d->nt, p->tangential, T->w_T) +
-             nsdae_dot(d->f, p->slide_impulse, T->w_S);
+             nsdae_dot(d->f, p->slide_impulse, T->w_S) + at->carried;
   return NSDAE_OK;
 }
 
@@ -201,7 +213,7 @@ int nsdae_watch_step(const nsdae_sim *sim, nsdae_point *before, nsdae_point *poi
 {
   nsdae_watch *w = &point->accounts.watch;
   double gain;
-  measure(w, &before->result.end, &point->result.end);
+  measure(w, &before->result.end, &point->result);
   int status = find_gain(w, before, point, &gain);
   return status < 0 ? status : judge(sim, point, gain);
 }

@@ -29,22 +29,16 @@ void nsdae_newmark_layout(nsdae_newmark *newmark, nsdae_arena *arena)
  * bound h. a holds a_last on entry where s > 0. */
 static int acceleration(nsdae_newmark *N, nsdae_terms *T, double s, double *a, double *lambda)
 {
-  int n = N->system->dims.nv, m = N->system->dims.m;
+  const nsdae_blocks *blocks = &N->system->blocks;
   int status = nsdae_terms_need(T, NEWMARK_TERMS);
-  if (status == NSDAE_OK) status = nsdae_terms_factor(T, T->M, N->kkt, N->least_norm);
   if (status < 0) return status;
-  for (int i = 0; i < m; i++) {
-    double rate = T->phi_t[i], last = 0;
-    for (int j = 0; j < n; j++) {
-      rate += T->J[(size_t)j * (size_t)m + (size_t)i] * T->v[j];
-      last += T->J[(size_t)j * (size_t)m + (size_t)i] * a[j];
-    }
+  for (int i = 0; i < N->system->dims.m; i++) {
+    double rate = nsdae_rows_add_dot(blocks, &T->by.jacobian, i, T->v, T->phi_t[i]);
+    double last = nsdae_rows_dot(blocks, &T->by.jacobian, i, a);
     double target = -T->omega[i] - 2 * N->alpha * rate - N->beta * N->beta * T->phi[i];
     lambda[i] = s > 0 ? (target + s * last) / (1 + s) : target;
   }
-  memcpy(a, T->F, (size_t)n * sizeof *a);
-  nsdae_kkt_solve(N->kkt, 1, a, n, lambda, m);
-  return NSDAE_OK;
+  return N->solve(N->of, T, T->F, a, lambda);
 }
 
 static int kinematics(nsdae_newmark *N, double t, const double *q, const double *v, double *qdot)

@@ -10,15 +10,16 @@
 #ifndef NSDAE_NEWMARK_H
 #define NSDAE_NEWMARK_H
 
-#include "kkt.h"
 #include "terms.h"
 
 typedef struct nsdae_newmark {
   const nsdae_system *system;
   nsdae_error *error;
-  nsdae_kkt *kkt;
+  /* M a + Phi_q^T lambda = r, Phi_q a = c at the terms' point, with c in lambda; a status */
+  int (*solve)(void *of, nsdae_terms *terms, const double *r, double *a, double *lambda);
+  void *of;
   double alpha, beta, tol;
-  int iteration_max, least_norm;
+  int iteration_max;
   int iterations;                /* of the last step */
   int have_start;                /* a0 and lambda0 belong to the start of the next step */
   double *a0, *lambda0;          /* nv, m: the caller's, who keeps them from step to step */
@@ -26,7 +27,7 @@ typedef struct nsdae_newmark {
   double *q, *v, *qdot0, *qdot1; /* nq, nv, nq, nq */
 } nsdae_newmark;
 
-/* system, error and kkt are set before; the numbers, a0 and lambda0 before a step. */
+/* system and error are set before; solve, the numbers, a0 and lambda0 before a step. */
 void nsdae_newmark_layout(nsdae_newmark *newmark, nsdae_arena *arena);
 
 /* One step from start into end, at t_end. multiplier [m]: mean lambda. NSDAE_OK;

@@ -31,20 +31,20 @@ enum {
 
 static int need(const nsdae_step *step, nsdae_terms *terms)
 {
-  int any = nsdae_contacts_any(&step->tools->contacts);
-  return nsdae_terms_need(terms, any ? STEP_TERMS | CLOSED_TERMS : STEP_TERMS);
+  int status =
+      nsdae_terms_need(terms, nsdae_step_any(step) ? STEP_TERMS | CLOSED_TERMS : STEP_TERMS);
+  return status < 0 ? status : nsdae_step_meet(step, terms);
 }
 
 /* Marks the impacts; end is at q_0 + h v_0. Returns whether there is one. */
 static int mark_impacts(const nsdae_step *step, int all)
 {
-  const nsdae_contacts *c = &step->tools->contacts;
   nsdae_impulses *r = &step->result->impulses;
   double slow = step->tools->options->impact_velocity;
   int any = 0;
-  for (int a = 0; a < c->active_count; a++) {
-    int i = c->active[a];
-    double turned = nsdae_terms_rate(step->end, step->end->W_N, step->end->w_N, i, step->start->v);
+  for (int a = 0; a < nsdae_step_closed(step); a++) {
+    int i = nsdae_step_contact(step, a);
+    double turned = nsdae_terms_normal_rate(step->end, i, step->start->v);
     r->impact[i] = all || r->before[i] < -2 * fabs(turned - r->before[i]) - slow;
     any |= r->impact[i];
   }
@@ -52,15 +52,16 @@ static int mark_impacts(const nsdae_step *step, int all)
 }
 
 /* v(-) of the impacts, from v_p: M_h v_p + J_1^T (.) = M_h v_0, J_1 v_p = -Phi_t. */
-static void impact_velocities(const nsdae_step *step)
+static int impact_velocities(const nsdae_step *step)
 {
   nsdae_stepper *s = step->tools;
-  int n = s->system->dims.nv, m = s->system->dims.m;
-  memset(s->v_other, 0, (size_t)n * sizeof *s->v_other);
-  nsdae_add_product(n, n, s->M, step->start->v, s->v_other);
-  for (int i = 0; i < m; i++) s->rate[i] = -step->end->phi_t[i];
-  nsdae_kkt_solve(&s->kkt, 1, s->v_other, n, s->rate, m);
-  nsdae_contacts_before(&s->contacts, step->end, s->v_other, 1);
+  nsdae_step_mark_hit(step);
+  memset(s->r, 0, (size_t)s->system->dims.nv * sizeof *s->r);
+  nsdae_blocks_add_product(&s->system->blocks, s->M, step->start->v, s->r);
+  for (int i = 0; i < s->system->dims.m; i++) s->rate[i] = -step->end->phi_t[i];
+  int status = nsdae_step_free(step, step->end, s->M, s->r, s->v_other, s->rate);
+  if (status == NSDAE_OK) nsdae_step_before(step, step->end, s->v_other, 1);
+  return status;
 }
 
 /* r = M_h v_0 + h/2 (F_0 + F_1) + (J_1 - J_0)^T Lambda / 2 - (W_1 - W_0) Lambda_c / 2, the last two
@@ -71,21 +72,19 @@ static void right_hand_side(const nsdae_step *step, int impact)
   const nsdae_terms *start = step->start, *end = step->end;
   const nsdae_dims *dims = &s->system->dims;
   for (int i = 0; i < dims->nv; i++) s->F[i] = (start->F[i] + end->F[i]) / 2;
-  nsdae_stepper_momentum(s->M, start->v, step->h, s->F, dims->nv, s->r);
-  if (!impact) {
-    nsdae_add_transposed(dims->m, dims->nv, 0.5, end->J, s->impulse, s->r);
-    nsdae_add_transposed(dims->m, dims->nv, -0.5, start->J, s->impulse, s->r);
-  }
-  nsdae_contacts_add_impulse(&s->contacts, end, -0.5, 1, s->r);
-  nsdae_contacts_add_impulse(&s->contacts, start, 0.5, 1, s->r);
+  nsdae_stepper_momentum(&s->system->blocks, s->M, start->v, step->h, s->F, s->r);
+  nsdae_step_add_constraints(step, end, 0.5, impact, s->r);
+  nsdae_step_add_constraints(step, start, -0.5, impact, s->r);
+  nsdae_step_add_impulse(step, end, -0.5, 1, s->r);
+  nsdae_step_add_impulse(step, start, 0.5, 1, s->r);
 }
 
 static int factor_mean_mass(const nsdae_step *step)
 {
   nsdae_stepper *s = step->tools;
-  size_t size = (size_t)s->system->dims.nv * (size_t)s->system->dims.nv;
+  size_t size = s->system->blocks.square[s->system->blocks.count];
   for (size_t i = 0; i < size; i++) s->M[i] = (step->start->M[i] + step->end->M[i]) / 2;
-  return nsdae_stepper_factor(s, step->end, s->M);
+  return nsdae_step_factor(step, step->end, s->M);
 }
 
 /* q_1 = q_0 + h/2 (H_0 v_0 + H_1 v_1) into s->q, of the velocity s->v; H_1 = H(q_1 of end). */
@@ -107,9 +106,10 @@ static int iterate(const nsdae_step *step, int first, int all_impacts, int *impa
   if (status == NSDAE_OK) status = factor_mean_mass(step);
   if (status < 0) return status;
   if (first) *impact = mark_impacts(step, all_impacts);
-  if (*impact) impact_velocities(step);
+  if (*impact) status = impact_velocities(step);
+  if (status < 0) return status;
   right_hand_side(step, *impact);
-  status = nsdae_stepper_impact(s, step->result, step->end, s->r, s->v);
+  status = nsdae_step_impact(step, step->end, s->M, s->r, s->v);
   return status < 0 ? status : positions(step);
 }
 
@@ -140,11 +140,12 @@ static int attempt(const nsdae_step *step, int all_impacts)
   const nsdae_dims *dims = &s->system->dims;
   int impact = 0;
   double moved = INFINITY;
-  nsdae_contacts_close(&s->contacts, step->start, &step->result->impulses);
-  nsdae_contacts_before(&s->contacts, step->start, step->start->v, 0);
+  int status = nsdae_step_close(step, step->start);
+  if (status < 0) return status;
+  nsdae_step_before(step, step->start, step->start->v, 0);
   first_guess(step);
   for (int i = 0; i < s->options->iteration_max; i++) {
-    int status = iterate(step, i == 0, all_impacts, &impact);
+    status = iterate(step, i == 0, all_impacts, &impact);
     if (status < 0) return status;
     step->result->counters.iterations++;
     moved = nsdae_relative_change(dims->nq, s->q, step->end->q) +
@@ -158,7 +159,7 @@ static int attempt(const nsdae_step *step, int all_impacts)
 
 static int worth_another_attempt(const nsdae_step *step, int status)
 {
-  return step->tools->contacts.active_count > 0 &&
+  return nsdae_step_closed(step) > 0 &&
          (status == NSDAE_E_LCP || status == NSDAE_E_INFEASIBLE || status == NSDAE_E_CONVERGENCE);
 }
 
@@ -171,8 +172,8 @@ static int advance(void *own, const nsdae_state *state, double t_end, nsdae_resu
   if (status == NSDAE_OK)
     status = nsdae_stepper_kinematics(s, start->t, start->q, start->v, s->qdot0);
   if (status < 0) return status;
-  nsdae_contacts_close(&s->contacts, start, &result->impulses);
-  status = need(&step, start);
+  status = nsdae_step_close(&step, start);
+  if (status == NSDAE_OK) status = need(&step, start);
   if (status == NSDAE_OK) status = attempt(&step, 0);
   if (worth_another_attempt(&step, status)) status = attempt(&step, 1);
   if (status < 0) return status;
@@ -185,4 +186,5 @@ const nsdae_stepping nsdae_stepping_implicit = {
     .summary = "the scheme iterated to the end of the step: second order between impacts",
     .sizes = nsdae_stepper_sizes,
     .advance = advance,
-    .in_steps = 1};
+    .in_steps = 1,
+    .by_list = 1};

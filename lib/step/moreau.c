@@ -27,11 +27,11 @@ static int to_middle(const nsdae_step *step)
 
 static int close_contacts(const nsdae_step *step)
 {
-  nsdae_stepper *s = step->tools;
-  nsdae_contacts_close(&s->contacts, &s->middle, &step->result->impulses);
-  if (!nsdae_contacts_any(&s->contacts)) return NSDAE_OK;
-  int status = nsdae_terms_need(&s->middle, CLOSED_TERMS);
-  if (status == NSDAE_OK) nsdae_contacts_before(&s->contacts, &s->middle, step->start->v, 0);
+  nsdae_terms *middle = &step->tools->middle;
+  int status = nsdae_step_close(step, middle);
+  if (status < 0 || !nsdae_step_any(step)) return status;
+  status = nsdae_terms_need(middle, CLOSED_TERMS);
+  if (status == NSDAE_OK) nsdae_step_before(step, middle, step->start->v, 0);
   return status;
 }
 
@@ -52,11 +52,11 @@ static int advance(void *own, const nsdae_state *state, double t_end, nsdae_resu
   nsdae_terms *middle = &s->middle;
   const nsdae_step step = nsdae_step_begin(s, state, t_end, result);
   int status = to_middle(&step);
-  if (status == NSDAE_OK) status = nsdae_stepper_factor(s, middle, middle->M);
   if (status == NSDAE_OK) status = close_contacts(&step);
+  if (status == NSDAE_OK) status = nsdae_step_factor(&step, middle, middle->M);
   if (status < 0) return status;
-  nsdae_stepper_momentum(middle->M, step.start->v, step.h, middle->F, s->system->dims.nv, s->r);
-  status = nsdae_stepper_impact(s, result, middle, s->r, s->v);
+  nsdae_stepper_momentum(&s->system->blocks, middle->M, step.start->v, step.h, middle->F, s->r);
+  status = nsdae_step_impact(&step, middle, middle->M, s->r, s->v);
   return status < 0 ? status : to_end(&step);
 }
 
@@ -65,4 +65,5 @@ const nsdae_stepping nsdae_stepping_moreau = {.name = "moreau",
                                                   "Moreau's midpoint rule: first order, explicit",
                                               .sizes = nsdae_stepper_sizes,
                                               .advance = advance,
-                                              .in_steps = 1};
+                                              .in_steps = 1,
+                                              .by_list = 1};

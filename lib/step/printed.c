@@ -45,7 +45,7 @@ static int create(nsdae_stepper *s, void **own)
   *own = p;
   if (!p) return nsdae_error_set(s->error, NSDAE_E_MEMORY, "nsdae_sim_create", "", "out of memory");
   p->stepper = s;
-  p->newmark = (nsdae_newmark){.system = s->system, .error = s->error, .kkt = &s->kkt};
+  p->newmark = (nsdae_newmark){.system = s->system, .error = s->error};
   if (nsdae_arena_build(&p->arena, layout, p) == NSDAE_OK) return NSDAE_OK;
   return nsdae_error_set(s->error, NSDAE_E_MEMORY, "nsdae_sim_create", "", "out of memory");
 }
@@ -67,10 +67,17 @@ static void prepare_newmark(printed *p, nsdae_memory *memory)
   N->beta = s->options->baumgarte_beta;
   N->tol = s->iteration_tol;
   N->iteration_max = s->options->iteration_max;
-  N->least_norm = s->options->redundant == NSDAE_REDUNDANT_LEAST_NORM;
   N->a0 = memory->real;
   N->lambda0 = memory->real + s->system->dims.nv;
   N->have_start = memory->whole[memory->wholes - 1];
+}
+
+/* M a + Phi_q^T lambda = r, Phi_q a = c, with c in lambda. */
+static int solve_smooth(void *of, nsdae_terms *terms, const double *r, double *a, double *lambda)
+{
+  const nsdae_step *step = of;
+  int status = nsdae_step_factor(step, terms, terms->M);
+  return status < 0 ? status : nsdae_step_free(step, terms, terms->M, r, a, lambda);
 }
 
 static int smooth_step(printed *p, const nsdae_step *step)
@@ -78,12 +85,13 @@ static int smooth_step(printed *p, const nsdae_step *step)
   nsdae_result *result = step->result;
   nsdae_memory *memory = &result->memory;
   prepare_newmark(p, memory);
+  p->newmark.solve = solve_smooth;
+  p->newmark.of = (void *)step;
   int status =
       nsdae_newmark_step(&p->newmark, step->start, step->end, step->t_end, result->multiplier);
   memory->whole[memory->wholes - 1] = p->newmark.have_start;
   result->counters.iterations += p->newmark.iterations;
   result->smooth = 1;
-  nsdae_count_rank(&result->counters, p->stepper->kkt.rank);
   return status;
 }
 
@@ -93,11 +101,11 @@ static int solve_at_start(const nsdae_step *step)
   nsdae_stepper *s = step->tools;
   nsdae_terms *start = step->start;
   int status = nsdae_terms_need(start, CONTACT_TERMS);
-  if (status == NSDAE_OK) status = nsdae_stepper_factor(s, start, start->M);
+  if (status == NSDAE_OK) status = nsdae_step_factor(step, start, start->M);
   if (status < 0) return status;
-  nsdae_contacts_before(&s->contacts, start, start->v, 0);
-  nsdae_stepper_momentum(start->M, start->v, step->h, start->F, s->system->dims.nv, s->r);
-  return nsdae_stepper_impact(s, step->result, start, s->r, s->v);
+  nsdae_step_before(step, start, start->v, 0);
+  nsdae_stepper_momentum(&s->system->blocks, start->M, start->v, step->h, start->F, s->r);
+  return nsdae_step_impact(step, start, start->M, s->r, s->v);
 }
 
 static int positions(const nsdae_step *step)
@@ -109,22 +117,24 @@ static int positions(const nsdae_step *step)
   int status = nsdae_stepper_kinematics(s, start->t, start->q, s->v_other, s->qdot0);
   for (int i = 0; i < dims->nq; i++) s->q[i] = start->q[i] + step->h * s->qdot0[i];
   nsdae_terms_at(step->end, step->t_end, s->q, s->v);
-  return status < 0 ? status : nsdae_terms_need(step->end, END_TERMS);
+  if (status == NSDAE_OK) status = nsdae_terms_need(step->end, END_TERMS);
+  return status < 0 ? status : nsdae_step_meet(step, step->end);
 }
 
 /* v_1 = M(q_0)^-1 (M v_0 + h F - Phi_q(q_1)^T Lambda + W(q_1) Lambda_c); s->r holds M v_0 + h F. */
-static void velocity_at_end(const nsdae_step *step)
+static int velocity_at_end(const nsdae_step *step)
 {
   nsdae_stepper *s = step->tools;
   const nsdae_dims *dims = &s->system->dims;
-  nsdae_add_transposed(dims->m, dims->nv, -1, step->end->J, s->impulse, s->r);
-  nsdae_contacts_add_impulse(&s->contacts, step->end, 1, 0, s->r);
-  nsdae_kkt_solve_mass(&s->kkt, s->r);
+  nsdae_step_add_constraints(step, step->end, -1, 0, s->r);
+  nsdae_step_add_impulse(step, step->end, 1, 0, s->r);
+  int status = nsdae_step_solve_mass(step, step->start->M, s->r);
   /* where the matrices did not change, v_1 is v~ and not its rounding: what rests, rests */
   for (int i = 0; i < dims->nv; i++)
     if (fabs(s->r[i] - s->v[i]) <= 64 * DBL_EPSILON * (fabs(s->size[i]) + fabs(s->v[i])))
       s->r[i] = s->v[i];
   nsdae_terms_set_velocity(step->end, s->r);
+  return status;
 }
 
 static int contact_step(const nsdae_step *step)
@@ -134,20 +144,19 @@ static int contact_step(const nsdae_step *step)
   int status = solve_at_start(step);
   if (status == NSDAE_OK) status = positions(step);
   if (status < 0) return status;
-  velocity_at_end(step);
+  status = velocity_at_end(step);
   nsdae_step_end(step);
-  return NSDAE_OK;
+  return status;
 }
 
 static int advance(void *own, const nsdae_state *state, double t_end, nsdae_result *result)
 {
   printed *p = own;
-  nsdae_contacts *c = &p->stepper->contacts;
   const nsdae_step step = nsdae_step_begin(p->stepper, state, t_end, result);
   int status = nsdae_terms_need(step.start, NSDAE_TERM_GAP);
+  if (status == NSDAE_OK) status = nsdae_step_close(&step, step.start);
   if (status < 0) return status;
-  nsdae_contacts_close(c, step.start, &result->impulses);
-  return nsdae_contacts_any(c) ? contact_step(&step) : smooth_step(p, &step);
+  return nsdae_step_any(&step) ? contact_step(&step) : smooth_step(p, &step);
 }
 
 const nsdae_stepping nsdae_stepping_printed = {
@@ -157,4 +166,5 @@ const nsdae_stepping nsdae_stepping_printed = {
     .destroy = destroy,
     .sizes = sizes,
     .advance = advance,
-    .in_steps = 1};
+    .in_steps = 1,
+    .by_list = 1};

@@ -39,12 +39,14 @@ int nsdae_system_create(const nsdae_dims *dims, nsdae_system **system, nsdae_err
   if (made) atomic_init(&made->owners, 1);
   if (made) made->contact = calloc((size_t)dims->k + 1, sizeof *made->contact);
   if (made) made->slide = calloc((size_t)dims->f + 1, sizeof *made->slide);
-  if (!made || !made->contact || !made->slide) {
+  int nv = dims->nv == 0 ? dims->nq : dims->nv;
+  if (!made || !made->contact || !made->slide || nsdae_blocks_make(&made->blocks, 1, &nv) < 0 ||
+      nsdae_blocks_make(&made->coordinates, 1, &dims->nq) < 0) {
     nsdae_system_destroy(&made);
     return nsdae_error_set(error, NSDAE_E_MEMORY, "nsdae_system_create", "", "out of memory");
   }
   made->dims = *dims;
-  if (dims->nv == 0) made->dims.nv = dims->nq;
+  made->dims.nv = nv;
   nsdae_error_clear(&made->error);
   nsdae_error_clear(&made->refused);
   *system = made;
@@ -58,6 +60,8 @@ static void release(nsdae_system *system)
   nsdae_system_release_bodies(system);
   free(system->contact);
   free(system->slide);
+  nsdae_blocks_release(&system->blocks);
+  nsdae_blocks_release(&system->coordinates);
   free(system);
 }
 
@@ -270,7 +274,7 @@ const char *nsdae_system_differences(nsdae_system *system)
   if (!system) return "";
   const nsdae_dims *d = &system->dims;
   const remark filled[] = {
-      {"constraint_jacobian", d->m > 0 && !system->constraint_jacobian},
+      {"constraint_jacobian", d->m > 0 && !system->constraint_jacobian && !system->by_list},
       {"constraint_bias", d->m > 0 && !system->constraint_bias},
       {"gap_normal", d->k > 0 && !system->gap_normal},
       {"contact_bias", d->k > 0 && !system->contact_bias},
@@ -321,7 +325,9 @@ int nsdae_system_complete(const nsdae_system *system, nsdae_error *error)
   if (refused->status < 0)
     return nsdae_error_set(error, refused->status, refused->where, refused->argument,
                            "%s was refused: %s", refused->where, refused->text);
-  if (!system->mass) missing = "mass";
+  int status = nsdae_system_check_blocks(system, &missing, error);
+  if (status < 0) return status;
+  if (!system->by_list && !system->mass) missing = "mass";
   if (!system->force) missing = "force";
   if (dims->m > 0 && !system->constraint) missing = "constraint";
   if (dims->k > 0 && !system->gap) missing = "gap";

@@ -6,6 +6,8 @@
 
 #include <nsdae/system.h>
 
+#include "blocks.h"
+
 typedef struct nsdae_coefficients {
   double mu, e_n, e_t;
 } nsdae_coefficients;
@@ -40,6 +42,11 @@ struct nsdae_system {
   nsdae_kinematics_fn kinematics;
   nsdae_potential_fn potential;
   /* callbacks.list: end */
+  nsdae_mass_blocks_fn mass_blocks;
+  nsdae_constraint_rows_fn constraint_rows;
+  nsdae_contacts_fn contacts;
+  int by_list;                          /* blocks were set: those three in place of dense ones */
+  nsdae_blocks blocks, coordinates;     /* of v and q; one of all where none were set */
   nsdae_coefficients *contact;          /* k */
   nsdae_slide *slide;                   /* f */
   nsdae_label *label[NSDAE_NAME_KINDS]; /* as many as there are of that kind; NULL: no names */
@@ -54,6 +61,15 @@ struct nsdae_system {
 /* NSDAE_OK when every callback that is needed is there, no setter was refused and names are
  * distinct; else NSDAE_E_STATE naming the callback, or what was refused. */
 int nsdae_system_complete(const nsdae_system *system, nsdae_error *error);
+
+/* Partitions: of count parts of these sizes, in place of what was there; NSDAE_OK or
+ * NSDAE_E_MEMORY. */
+int nsdae_blocks_make(nsdae_blocks *blocks, int count, const int *size);
+void nsdae_blocks_release(nsdae_blocks *blocks);
+
+/* Whether the callbacks fit the blocks: missing is set to one that is not there, or untouched;
+ * NSDAE_E_STATE where one is there that does not belong. */
+int nsdae_system_check_blocks(const nsdae_system *system, const char **missing, nsdae_error *error);
 
 /* A simulation of the system begins and ends; in between no setter is accepted. Thread-safe. */
 void nsdae_system_hold(const nsdae_system *system);

@@ -5,26 +5,68 @@
 #include <string.h>
 
 #include "errors.h"
+#include "listed.h"
 #include "system_impl.h"
 #include "vector.h"
 
-void nsdae_terms_layout(nsdae_terms *terms, nsdae_arena *arena)
+/* Rows of a dense array, each over the one block: begin is how far apart they are. */
+static void dense_rows(nsdae_rows *rows, long count, double *value, long begin, long stride,
+                       nsdae_arena *arena)
+{
+  *rows = (nsdae_rows){.count = (int)count, .value = value, .stride = (size_t)stride};
+  rows->first = NSDAE_ARENA_INTS(arena, count + 1);
+  rows->block = NSDAE_ARENA_INTS(arena, count);
+  rows->at = nsdae_arena_take(arena, count, sizeof *rows->at);
+  if (!rows->first) return; /* measuring */
+  for (long i = 0; i < count; i++) {
+    rows->first[i + 1] = (int)i + 1;
+    rows->at[i] = (size_t)(i * begin);
+  }
+}
+
+static void lay_out_lists(nsdae_terms *terms, nsdae_arena *arena)
+{
+  const nsdae_system *s = terms->system;
+  terms->by.list.blocks = terms->by.rows.blocks = &s->blocks;
+  terms->by.list.nt = s->dims.nt;
+  terms->by.rows.rows.count = s->dims.m;
+  terms->by.rows.rows.first = NSDAE_ARENA_INTS(arena, s->dims.m + 1L);
+  terms->by.rows.rows.stride = terms->by.normal.stride = terms->by.tangent.stride = 1;
+}
+
+/* What is numbered: dense, and seen by rows. */
+static void lay_out_dense(nsdae_terms *terms, nsdae_arena *arena)
 {
   const nsdae_dims *dims = &terms->system->dims;
   long n = dims->nv, m = dims->m, k = dims->k, nt = dims->nt;
-  terms->q = NSDAE_ARENA_DOUBLES(arena, dims->nq);
-  terms->v = NSDAE_ARENA_DOUBLES(arena, n);
-  terms->M = NSDAE_ARENA_DOUBLES(arena, n * n);
-  terms->F = NSDAE_ARENA_DOUBLES(arena, n);
-  terms->phi = NSDAE_ARENA_DOUBLES(arena, m);
   terms->J = NSDAE_ARENA_DOUBLES(arena, m * n);
-  terms->phi_t = NSDAE_ARENA_DOUBLES(arena, m);
-  terms->omega = NSDAE_ARENA_DOUBLES(arena, m);
   terms->gap = NSDAE_ARENA_DOUBLES(arena, k);
   terms->W_N = NSDAE_ARENA_DOUBLES(arena, n * k);
   terms->W_T = NSDAE_ARENA_DOUBLES(arena, n * k * nt);
   terms->w_N = NSDAE_ARENA_DOUBLES(arena, k);
   terms->w_T = NSDAE_ARENA_DOUBLES(arena, k * nt);
+  dense_rows(&terms->by.jacobian, m, terms->J, 1, m, arena);
+  dense_rows(&terms->by.normal, k, terms->W_N, n, 1, arena);
+  dense_rows(&terms->by.tangent, k * nt, terms->W_T, n, 1, arena);
+}
+
+void nsdae_terms_layout(nsdae_terms *terms, nsdae_arena *arena)
+{
+  const nsdae_dims *dims = &terms->system->dims;
+  const nsdae_blocks *blocks = &terms->system->blocks;
+  long n = dims->nv, m = dims->m, k = dims->k, nt = dims->nt;
+  terms->q = NSDAE_ARENA_DOUBLES(arena, dims->nq);
+  terms->v = NSDAE_ARENA_DOUBLES(arena, n);
+  terms->M = NSDAE_ARENA_DOUBLES(arena, blocks->square[blocks->count]);
+  terms->F = NSDAE_ARENA_DOUBLES(arena, n);
+  terms->phi = NSDAE_ARENA_DOUBLES(arena, m);
+  terms->phi_t = NSDAE_ARENA_DOUBLES(arena, m);
+  terms->omega = NSDAE_ARENA_DOUBLES(arena, m);
+  terms->by.work = NSDAE_ARENA_DOUBLES(arena, n);
+  if (terms->system->by_list)
+    lay_out_lists(terms, arena);
+  else
+    lay_out_dense(terms, arena);
   terms->W_S = NSDAE_ARENA_DOUBLES(arena, n * dims->f);
   terms->w_S = NSDAE_ARENA_DOUBLES(arena, dims->f);
   terms->omega_N = NSDAE_ARENA_DOUBLES(arena, k);
@@ -78,6 +120,7 @@ static int mass(nsdae_terms *T)
 {
   const nsdae_system *s = T->system;
   int n = s->dims.nv;
+  if (s->by_list) return nsdae_terms_mass_blocks(T);
   zero(T->M, (long)n * n);
   T->evals->mass++;
   return outcome(T, s->mass(T->t, T->q, T->M, n, s->user), "mass", T->M, n, n);
@@ -102,6 +145,7 @@ static int jacobian(nsdae_terms *T)
 {
   const nsdae_system *s = T->system;
   int m = s->dims.m, n = s->dims.nv, code;
+  if (s->by_list) return nsdae_terms_constraint_rows(T);
   zero(T->J, (long)m * n);
   T->evals->jacobian++;
   if (!s->constraint_jacobian) {
@@ -273,42 +317,49 @@ int nsdae_terms_need(nsdae_terms *terms, unsigned which)
   return NSDAE_OK;
 }
 
-static int not_symmetric(const nsdae_terms *terms, int i, int j)
+/* Entries (i, j) and (j, i) of block b. */
+static int not_symmetric(const nsdae_terms *terms, int b, size_t i, size_t j)
 {
   const nsdae_system *system = terms->system;
-  size_t n = (size_t)system->dims.nv, row = (size_t)i, column = (size_t)j;
-  char a[NSDAE_CALLED_SIZE], b[NSDAE_CALLED_SIZE];
+  size_t n = (size_t)nsdae_blocks_size(&system->blocks, b), at = system->blocks.square[b];
+  int row = system->blocks.first[b] + (int)i, column = system->blocks.first[b] + (int)j;
+  char a[NSDAE_CALLED_SIZE], c[NSDAE_CALLED_SIZE];
   nsdae_error_set(terms->error, NSDAE_E_MASS, "nsdae_terms", "mass",
                   "the mass matrix is not symmetric at t = %.17g: M(%d, %d) = %g, M(%d, %d) = %g: "
                   "fill both triangles (%s, %s)",
-                  terms->t, i, j, terms->M[column * n + row], j, i, terms->M[row * n + column],
-                  nsdae_system_called(system, NSDAE_NAME_VELOCITY, i, a),
-                  nsdae_system_called(system, NSDAE_NAME_VELOCITY, j, b));
+                  terms->t, row, column, terms->M[at + j * n + i], column, row,
+                  terms->M[at + i * n + j],
+                  nsdae_system_called(system, NSDAE_NAME_VELOCITY, row, a),
+                  nsdae_system_called(system, NSDAE_NAME_VELOCITY, column, c));
   terms->error->time = terms->t;
-  terms->error->index = (int)(column * n + row);
+  terms->error->index = (int)(at + j * n + i);
   return NSDAE_E_MASS;
 }
 
-int nsdae_terms_symmetric(const nsdae_terms *terms)
+static int block_symmetric(const nsdae_terms *terms, int b)
 {
-  const double *M = terms->M, roundings = 1e4 * DBL_EPSILON;
-  size_t n = (size_t)terms->system->dims.nv;
+  const double *M = terms->M + terms->system->blocks.square[b], roundings = 1e4 * DBL_EPSILON;
+  size_t n = (size_t)nsdae_blocks_size(&terms->system->blocks, b);
   for (size_t j = 0; j < n; j++)
     for (size_t i = j + 1; i < n; i++) {
       double scale = sqrt(fabs(M[i * n + i])) * sqrt(fabs(M[j * n + j]));
       if (fabs(M[j * n + i] - M[i * n + j]) > roundings * scale)
-        return not_symmetric(terms, (int)i, (int)j);
+        return not_symmetric(terms, b, i, j);
     }
   return NSDAE_OK;
 }
 
+int nsdae_terms_symmetric(const nsdae_terms *terms)
+{
+  int status = NSDAE_OK;
+  for (int b = 0; b < terms->system->blocks.count && status == NSDAE_OK; b++)
+    status = block_symmetric(terms, b);
+  return status;
+}
+
 double nsdae_terms_kinetic(const nsdae_terms *terms)
 {
-  int n = terms->system->dims.nv;
-  double twice = 0;
-  for (int j = 0; j < n; j++)
-    twice += terms->v[j] * nsdae_dot(n, terms->M + (size_t)j * (size_t)n, terms->v);
-  return twice / 2;
+  return nsdae_blocks_square(&terms->system->blocks, terms->M, terms->v) / 2;
 }
 
 double nsdae_terms_touch(const nsdae_terms *terms)

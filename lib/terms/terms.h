@@ -8,6 +8,7 @@
 #include "arena.h"
 #include "differences.h"
 #include "kkt.h"
+#include "lists.h"
 #include "system_impl.h"
 #include "vector.h"
 
@@ -24,9 +25,20 @@ enum {
   NSDAE_TERM_TANGENT = 256,
   NSDAE_TERM_BIAS = 512, /* w_N, w_T */
   NSDAE_TERM_POTENTIAL = 1024,
-  NSDAE_TERM_SLIDE = 2048,       /* W_S, w_S */
-  NSDAE_TERM_ACCELERATION = 4096 /* omega_N, omega_T, omega_S; depends on v */
+  NSDAE_TERM_SLIDE = 2048,        /* W_S, w_S */
+  NSDAE_TERM_ACCELERATION = 4096, /* omega_N, omega_T, omega_S; depends on v */
+  NSDAE_TERM_CONTACTS = 8192      /* the list, see nsdae_terms_contacts */
 };
+
+/* The same by blocks: see listed.h. */
+typedef struct nsdae_by_blocks {
+  nsdae_rows jacobian;        /* m */
+  nsdae_rows normal, tangent; /* k, k nt; by list: of the contacts that the step selected */
+  nsdae_row_list rows;
+  nsdae_contact_list list;
+  double reach; /* of the list */
+  double *work; /* nv */
+} nsdae_by_blocks;
 
 typedef struct nsdae_evals {
   long mass, force, jacobian;
@@ -39,7 +51,7 @@ typedef struct nsdae_terms {
   nsdae_evals *evals;
   unsigned have; /* the terms that are up to date */
   double t, *q, *v;
-  double *M;                           /* nv x nv */
+  double *M;                           /* nv x nv, its blocks one after another */
   double *F;                           /* nv */
   double *phi;                         /* m */
   double *J;                           /* m x nv */
@@ -51,6 +63,7 @@ typedef struct nsdae_terms {
   double *W_S, *w_S;                   /* nv x f, f */
   double *omega_N, *omega_T, *omega_S; /* k, k nt, f */
   double potential;
+  nsdae_by_blocks by;
 } nsdae_terms;
 
 /* Takes the arrays; system, differences, error and evals are set before. */

@@ -40,6 +40,8 @@ program layout
   call change_fields
   call record_fields
   call stats_fields
+  call contact_set_fields
+  call contact_fields
   call rigid_body_fields
   call solid_fields
   call joint_fields
@@ -160,6 +162,7 @@ contains
     call same('NSDAE_NAME_CONTACT', NSDAE_NAME_CONTACT)
     call same('NSDAE_NAME_SLIDE', NSDAE_NAME_SLIDE)
     call same('NSDAE_NAME_SIZE', NSDAE_NAME_SIZE)
+    call same('NSDAE_CONTACT_WIDTH', NSDAE_CONTACT_WIDTH)
     call same('NSDAE_UNIT_SIZE', NSDAE_UNIT_SIZE)
     call same('NSDAE_PARAM_REAL', NSDAE_PARAM_REAL)
     call same('NSDAE_PARAM_INT', NSDAE_PARAM_INT)
@@ -275,6 +278,7 @@ contains
     call same_place('nsdae_sim_options%start_tol', c_loc(x), c_loc(x%start_tol))
     call same_place('nsdae_sim_options%inner_steps_max', c_loc(x), c_loc(x%inner_steps_max))
     call same_place('nsdae_sim_options%start_check', c_loc(x), c_loc(x%start_check))
+    call same_place('nsdae_sim_options%contacts_max', c_loc(x), c_loc(x%contacts_max))
     call same_place('nsdae_sim_options%initialised', c_loc(x), c_loc(x%initialised))
   end subroutine
 
@@ -317,6 +321,7 @@ contains
     call same_place('nsdae_record%mode', c_loc(x), c_loc(x%mode))
     call same_place('nsdae_record%slide_impulse', c_loc(x), c_loc(x%slide_impulse))
     call same_place('nsdae_record%slide_mode', c_loc(x), c_loc(x%slide_mode))
+    call same_place('nsdae_record%contacts', c_loc(x), c_loc(x%contacts))
     call same_place('nsdae_record%kinetic', c_loc(x), c_loc(x%kinetic))
     call same_place('nsdae_record%potential', c_loc(x), c_loc(x%potential))
     call same_place('nsdae_record%dissipated', c_loc(x), c_loc(x%dissipated))
@@ -353,6 +358,35 @@ contains
     call same_place('nsdae_stats%energy_balance', c_loc(x), c_loc(x%energy_balance))
     call same_place('nsdae_stats%warnings', c_loc(x), c_loc(x%warnings))
     call same_place('nsdae_stats%wall_time', c_loc(x), c_loc(x%wall_time))
+    call same_place('nsdae_stats%contact_capacity', c_loc(x), c_loc(x%contact_capacity))
+    call same_place('nsdae_stats%contact_growths', c_loc(x), c_loc(x%contact_growths))
+    call same_place('nsdae_stats%islands', c_loc(x), c_loc(x%islands))
+    call same_place('nsdae_stats%island_contacts', c_loc(x), c_loc(x%island_contacts))
+  end subroutine
+
+  subroutine contact_set_fields()
+    type(nsdae_c_contact_set), target :: x
+    call same_size('nsdae_contact_set', c_sizeof(x))
+    call same_place('nsdae_contact_set%id', c_loc(x), c_loc(x%id))
+    call same_place('nsdae_contact_set%block', c_loc(x), c_loc(x%block))
+    call same_place('nsdae_contact_set%gap', c_loc(x), c_loc(x%gap))
+    call same_place('nsdae_contact_set%normal_impulse', c_loc(x), c_loc(x%normal_impulse))
+    call same_place('nsdae_contact_set%tangential_impulse', c_loc(x), c_loc(x%tangential_impulse))
+    call same_place('nsdae_contact_set%mode', c_loc(x), c_loc(x%mode))
+  end subroutine
+
+  subroutine contact_fields()
+    type(nsdae_contact), target :: x
+    call same_size('nsdae_contact', c_sizeof(x))
+    call same_place('nsdae_contact%block', c_loc(x), c_loc(x%block))
+    call same_place('nsdae_contact%gap', c_loc(x), c_loc(x%gap))
+    call same_place('nsdae_contact%mu', c_loc(x), c_loc(x%mu))
+    call same_place('nsdae_contact%e_n', c_loc(x), c_loc(x%e_n))
+    call same_place('nsdae_contact%e_t', c_loc(x), c_loc(x%e_t))
+    call same_place('nsdae_contact%w', c_loc(x), c_loc(x%w))
+    call same_place('nsdae_contact%omega', c_loc(x), c_loc(x%omega))
+    call same_place('nsdae_contact%direction', c_loc(x), c_loc(x%direction))
+    call same_place('nsdae_contact%wide', c_loc(x), c_loc(x%wide))
   end subroutine
 
   subroutine rigid_body_fields()

@@ -1,0 +1,241 @@
+#include "local.h"
+
+#include <string.h>
+
+#include "errors.h"
+
+void nsdae_local_prepare(nsdae_local *l, const nsdae_system *system, nsdae_error *error,
+                         const nsdae_lcp_options *options, double rank_tol)
+{
+  l->model.dims.nt = system->dims.nt;
+  l->model.blocks = system->blocks; /* how many: the island at hand is one */
+  l->terms.system = l->contacts.system = &l->model;
+  l->terms.error = l->contacts.error = error;
+  l->contacts.lcp.options = *options;
+  l->contacts.rows_most = NSDAE_CLOSED_BASIS;
+  l->kkt.rank_tol = rank_tol;
+}
+
+static void most_dims(nsdae_local *l)
+{
+  int planar = l->model.dims.nt == 1 ? 3 : 1;
+  l->model.dims.nv = l->kkt.n = NSDAE_LOCAL_V;
+  l->model.dims.m = l->kkt.m = NSDAE_LOCAL_M;
+  l->model.dims.k = NSDAE_LOCAL_ROWS / planar;
+}
+
+/* The arrays that a gathered island fills. */
+static void lay_out_terms(nsdae_terms *T, const nsdae_dims *d, nsdae_arena *arena)
+{
+  long n = d->nv, k = d->k, nt = d->nt;
+  T->M = NSDAE_ARENA_DOUBLES(arena, n * n);
+  T->J = NSDAE_ARENA_DOUBLES(arena, d->m * n);
+  T->W_N = NSDAE_ARENA_DOUBLES(arena, n * k);
+  T->W_T = NSDAE_ARENA_DOUBLES(arena, n * k * nt);
+  T->w_N = NSDAE_ARENA_DOUBLES(arena, k);
+  T->w_T = NSDAE_ARENA_DOUBLES(arena, k * nt);
+}
+
+void nsdae_local_layout(nsdae_local *l, nsdae_arena *arena)
+{
+  most_dims(l);
+  const nsdae_dims *d = &l->model.dims;
+  long k = d->k;
+  lay_out_terms(&l->terms, d, arena);
+  l->coefficient = nsdae_arena_take(arena, k, sizeof *l->coefficient);
+  l->memory = NSDAE_ARENA_INTS(arena, k * NSDAE_CLOSED_BASIS);
+  l->all = NSDAE_ARENA_INTS(arena, k);
+  l->r = NSDAE_ARENA_DOUBLES(arena, d->nv);
+  l->v = NSDAE_ARENA_DOUBLES(arena, d->nv);
+  l->size = NSDAE_ARENA_DOUBLES(arena, d->nv);
+  l->lambda = NSDAE_ARENA_DOUBLES(arena, d->m);
+  l->place = NSDAE_ARENA_INTS(arena, l->model.blocks.count);
+  l->real_part = NSDAE_ARENA_DOUBLES(arena, 3 * k * (1 + d->nt));
+  l->whole_part = NSDAE_ARENA_INTS(arena, 2 * k);
+  nsdae_kkt_layout(&l->kkt, arena);
+  l->model.contact = l->coefficient;
+  l->contacts.law = l->law;
+  for (int i = 0; i < d->k; i++) l->law[i] = nsdae_law_make(d->nt == 1, d->nt == 1, 3);
+  for (int i = 0; l->all && i < d->k; i++) l->all[i] = 1;
+  nsdae_contacts_layout(&l->contacts, arena);
+}
+
+int nsdae_local_fits(const nsdae_whole *w, int island)
+{
+  const nsdae_graph *is = w->islands;
+  int k = nsdae_members_count(&is->contact, island), nt = w->system->dims.nt, n = 0;
+  if (nsdae_members_count(&is->row, island) > NSDAE_LOCAL_M) return 0;
+  if (k * (nt == 1 ? 3 : 1) > NSDAE_LOCAL_ROWS) return 0;
+  for (int i = is->block.first[island]; i < is->block.first[island + 1]; i++)
+    n += nsdae_blocks_size(&w->system->blocks, is->block.of[i]);
+  if (n > NSDAE_LOCAL_V) return 0;
+  for (int i = is->contact.first[island]; nt == 2 && i < is->contact.first[island + 1]; i++)
+    if (w->law[is->contact.of[i]].mu > 0) return 0; /* a true cone */
+  return 1;
+}
+
+/* ---- gathering */
+
+static void place_impulses(nsdae_local *l)
+{
+  const nsdae_dims *d = &l->model.dims;
+  size_t k = (size_t)d->k, kt = k * (size_t)d->nt;
+  nsdae_impulses *r = &l->impulses;
+  r->before = l->real_part;
+  r->before_t = r->before + k;
+  r->after = r->before_t + kt;
+  r->after_t = r->after + k;
+  r->normal = r->after_t + kt;
+  r->tangential = r->normal + k;
+  r->impact = l->whole_part;
+  r->mode = r->impact + k;
+}
+
+static void gather_blocks(nsdae_local *l, const nsdae_whole *w, int island)
+{
+  const nsdae_graph *is = w->islands;
+  const nsdae_blocks *blocks = &w->system->blocks;
+  int n = 0;
+  for (int i = is->block.first[island]; i < is->block.first[island + 1]; i++) {
+    l->place[is->block.of[i]] = n;
+    n += nsdae_blocks_size(blocks, is->block.of[i]);
+  }
+  l->model.dims.nv = l->kkt.n = n;
+  memset(l->terms.M, 0, (size_t)n * (size_t)n * sizeof *l->terms.M);
+  for (int i = is->block.first[island]; i < is->block.first[island + 1]; i++) {
+    int b = is->block.of[i], at = l->place[b], size = nsdae_blocks_size(blocks, b);
+    for (int j = 0; j < size; j++)
+      memcpy(l->terms.M + (size_t)(at + j) * (size_t)n + at,
+             w->M + blocks->square[b] + (size_t)j * (size_t)size, (size_t)size * sizeof *w->M);
+    memcpy(l->r + at, w->r + blocks->first[b], (size_t)size * sizeof *w->r);
+  }
+}
+
+static void gather_rows(nsdae_local *l, const nsdae_whole *w, int island)
+{
+  const nsdae_graph *is = w->islands;
+  const int *row = is->row.of + is->row.first[island];
+  int m = nsdae_members_count(&is->row, island), n = l->model.dims.nv;
+  l->model.dims.m = l->kkt.m = m;
+  memset(l->terms.J, 0, (size_t)m * (size_t)n * sizeof *l->terms.J);
+  for (int i = 0; i < m; i++) {
+    nsdae_rows_gather(&w->system->blocks, &w->terms->by.jacobian, row[i], l->place, l->terms.J + i,
+                      (size_t)m);
+    l->lambda[i] = w->lambda[row[i]];
+  }
+}
+
+static int same_law(const nsdae_law *law, int nt, double mu)
+{
+  int friction = nt == 1 && mu > 0;
+  return (law->kind == NSDAE_PLANAR) == friction && (!friction || law->mu == mu);
+}
+
+static void gather_contact(nsdae_local *l, const nsdae_whole *w, int i, int a)
+{
+  const nsdae_terms *T = w->terms;
+  const nsdae_blocks *blocks = &w->system->blocks;
+  int nt = l->model.dims.nt;
+  size_t n = (size_t)l->model.dims.nv;
+  nsdae_rows_gather(blocks, &T->by.normal, a, l->place, l->terms.W_N + (size_t)i * n, 1);
+  l->terms.w_N[i] = T->w_N[a];
+  l->impulses.before[i] = w->results->before[a];
+  for (int d = 0; d < nt; d++) {
+    int to = i * nt + d, from = a * nt + d;
+    nsdae_rows_gather(blocks, &T->by.tangent, from, l->place, l->terms.W_T + (size_t)to * n, 1);
+    l->terms.w_T[to] = T->w_T[from];
+    l->impulses.before_t[to] = w->results->before_t[from];
+  }
+  l->coefficient[i] = w->law[a];
+  if (!same_law(&l->law[i], nt, w->law[a].mu)) l->law[i] = nsdae_law_make(nt, w->law[a].mu, 3);
+  memcpy(l->memory + (size_t)i * NSDAE_CLOSED_BASIS,
+         w->closed->basis + (size_t)a * NSDAE_CLOSED_BASIS, NSDAE_CLOSED_BASIS * sizeof(int));
+}
+
+static void gather_contacts(nsdae_local *l, const nsdae_whole *w, int island, int with_contacts)
+{
+  const nsdae_graph *is = w->islands;
+  int k = with_contacts ? nsdae_members_count(&is->contact, island) : 0;
+  const int *contact = is->contact.of + is->contact.first[island];
+  size_t n = (size_t)l->model.dims.nv;
+  l->model.dims.k = k;
+  place_impulses(l);
+  nsdae_contacts_remember(&l->contacts, l->memory);
+  nsdae_contacts_close_marked(&l->contacts, l->all, &l->impulses);
+  memset(l->terms.W_N, 0, n * (size_t)k * sizeof *l->terms.W_N);
+  memset(l->terms.W_T, 0, n * (size_t)k * (size_t)l->model.dims.nt * sizeof *l->terms.W_T);
+  for (int i = 0; i < k; i++) gather_contact(l, w, i, contact[i]);
+}
+
+/* ---- and back */
+
+static void scatter_blocks(const nsdae_local *l, const nsdae_whole *w, int island)
+{
+  const nsdae_graph *is = w->islands;
+  const nsdae_blocks *blocks = &w->system->blocks;
+  for (int i = is->block.first[island]; i < is->block.first[island + 1]; i++) {
+    int b = is->block.of[i];
+    size_t bytes = (size_t)nsdae_blocks_size(blocks, b) * sizeof *w->v;
+    memcpy(w->v + blocks->first[b], l->v + l->place[b], bytes);
+    memcpy(w->size + blocks->first[b], l->size + l->place[b], bytes);
+  }
+  for (int i = 0; i < l->model.dims.m; i++)
+    w->lambda[is->row.of[is->row.first[island] + i]] = l->lambda[i];
+}
+
+static void scatter_contact(const nsdae_local *l, const nsdae_whole *w, int i, int a)
+{
+  const nsdae_impulses *from = &l->impulses;
+  nsdae_impulses *to = w->results;
+  size_t nt = (size_t)l->model.dims.nt, t = (size_t)i * nt, u = (size_t)a * nt;
+  to->normal[a] = from->normal[i];
+  to->after[a] = from->after[i];
+  to->mode[a] = from->mode[i];
+  memcpy(to->tangential + u, from->tangential + t, nt * sizeof *to->tangential);
+  memcpy(to->after_t + u, from->after_t + t, nt * sizeof *to->after_t);
+  memcpy(w->closed->basis + (size_t)a * NSDAE_CLOSED_BASIS,
+         l->memory + (size_t)i * NSDAE_CLOSED_BASIS, NSDAE_CLOSED_BASIS * sizeof(int));
+}
+
+/* The text speaks of an island's own numbers: ids go before them. */
+static int failed(nsdae_local *l, const nsdae_whole *w, int island, int status)
+{
+  nsdae_error *error = l->terms.error;
+  const nsdae_graph *is = w->islands;
+  nsdae_error was = *error;
+  int contacts = nsdae_members_count(&is->contact, island),
+      b = is->block.of[is->block.first[island]];
+  if (contacts > 0)
+    nsdae_error_set(error, status, was.where, was.argument,
+                    "in the island of block %d (%d contacts, first id %ld): %.150s", b, contacts,
+                    w->closed->id[is->contact.of[is->contact.first[island]]], was.text);
+  else
+    nsdae_error_set(error, status, was.where, was.argument, "in the island of block %d: %.200s", b,
+                    was.text);
+  error->time = was.time;
+  error->index = b;
+  return status;
+}
+
+int nsdae_local_solve(nsdae_local *l, const nsdae_whole *w, int island, int with_contacts,
+                      int least_norm)
+{
+  const nsdae_graph *is = w->islands;
+  gather_blocks(l, w, island);
+  gather_rows(l, w, island);
+  gather_contacts(l, w, island, with_contacts);
+  int n = l->kkt.n, m = l->kkt.m;
+  l->terms.t = w->terms->t;
+  int status = nsdae_terms_factor(&l->terms, l->terms.M, &l->kkt, least_norm);
+  if (status < 0) return failed(l, w, island, status);
+  memcpy(l->v, l->r, (size_t)n * sizeof *l->v);
+  memcpy(l->size, l->r, (size_t)n * sizeof *l->size);
+  nsdae_kkt_solve(&l->kkt, 1, l->v, n, l->lambda, m);
+  nsdae_kkt_solve_mass(&l->kkt, l->size);
+  status = nsdae_contacts_solve(&l->contacts, &l->terms, &l->kkt, l->size, l->v, l->lambda);
+  if (status < 0) return failed(l, w, island, status);
+  scatter_blocks(l, w, island);
+  for (int i = 0; i < l->model.dims.k; i++)
+    scatter_contact(l, w, i, is->contact.of[is->contact.first[island] + i]);
+  return NSDAE_OK;
+}

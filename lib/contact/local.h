@@ -1,0 +1,54 @@
+/* A small island as a system of its own, dense: its blocks, rows and contacts are gathered, and
+ * solved by what solves a small system as a whole (kkt.h, contacts.h), with its proofs. */
+#ifndef NSDAE_LOCAL_H
+#define NSDAE_LOCAL_H
+
+#include "closed.h"
+#include "contacts.h"
+#include "graph.h"
+
+enum { NSDAE_LOCAL_V = 48, NSDAE_LOCAL_M = 36, NSDAE_LOCAL_ROWS = 48 };
+
+typedef struct nsdae_local {
+  nsdae_system model; /* sizes and coefficients of the island at hand */
+  nsdae_terms terms;
+  nsdae_kkt kkt;
+  nsdae_contacts contacts;
+  nsdae_impulses impulses;
+  nsdae_coefficients *coefficient;
+  nsdae_law law[NSDAE_LOCAL_ROWS];
+  int *memory, *all;    /* bases; ones */
+  double *r, *v, *size; /* NSDAE_LOCAL_V */
+  double *lambda;       /* NSDAE_LOCAL_M */
+  int *place;           /* blocks of the system: where each begins in the island at hand */
+  double *real_part;    /* what impulses are placed in */
+  int *whole_part;
+} nsdae_local;
+
+/* What an island is gathered from and scattered to. */
+typedef struct nsdae_whole {
+  const nsdae_system *system;
+  const nsdae_graph *islands;
+  const nsdae_terms *terms;      /* rows of Phi_q and of the closed contacts */
+  const nsdae_coefficients *law; /* of the closed contacts */
+  const double *M, *r;           /* by blocks; nv */
+  nsdae_closed *closed;
+  nsdae_impulses *results;
+  double *v, *size, *lambda; /* nv, nv, m */
+} nsdae_whole;
+
+/* model.dims.nt, terms' error and evals, kkt.rank_tol are set before. blocks: of the system. */
+void nsdae_local_prepare(nsdae_local *local, const nsdae_system *system, nsdae_error *error,
+                         const nsdae_lcp_options *options, double rank_tol);
+void nsdae_local_layout(nsdae_local *local, nsdae_arena *arena);
+
+/* Whether an island fits. */
+int nsdae_local_fits(const nsdae_whole *whole, int island);
+
+/* v and lambda of the island's blocks and rows from r and lambda = -Phi_t, without contacts or
+ * with them and their impulses, modes and velocities after. NSDAE_OK, NSDAE_E_MASS, NSDAE_E_RANK,
+ * NSDAE_E_LCP, NSDAE_E_INFEASIBLE, NSDAE_E_NONFINITE with the record. */
+int nsdae_local_solve(nsdae_local *local, const nsdae_whole *whole, int island, int with_contacts,
+                      int least_norm);
+
+#endif

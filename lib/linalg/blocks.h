@@ -1,0 +1,32 @@
+/* A partition of v into blocks, one of all nv where nothing else is said, and block diagonal
+ * matrices over it: dense blocks, column-major, one after another. */
+#ifndef NSDAE_LINALG_BLOCKS_H
+#define NSDAE_LINALG_BLOCKS_H
+
+#include <stddef.h>
+
+typedef struct nsdae_blocks {
+  int count;
+  int *first;     /* count + 1: where the velocities of each begin */
+  size_t *square; /* count + 1: where its entries of a matrix begin */
+} nsdae_blocks;
+
+static inline int nsdae_blocks_size(const nsdae_blocks *blocks, int b)
+{
+  return blocks->first[b + 1] - blocks->first[b];
+}
+
+/* y [nv] += M x */
+void nsdae_blocks_add_product(const nsdae_blocks *blocks, const double *M, const double *x,
+                              double *y);
+
+/* x^T M x */
+double nsdae_blocks_square(const nsdae_blocks *blocks, const double *M, const double *x);
+
+/* L := Cholesky factor of block b of M, by itself at L [size x size]. Returns 0, or the pivot from
+ * 1 that is not positive. */
+int nsdae_blocks_factor(const nsdae_blocks *blocks, int b, const double *M, double *L);
+/* x [size of the block] := M_b^-1 x with that factor. */
+void nsdae_blocks_solve(int size, const double *L, double *x);
+
+#endif

@@ -1,0 +1,233 @@
+#include "saddle.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <nsdae/status.h>
+
+#include "grow.h"
+
+enum { ROUNDS = 60 };
+
+/* What is looked at in one call. */
+typedef struct part {
+  const nsdae_blocks *blocks;
+  const nsdae_rows *J;
+  const double *M, *r;
+  const int *block, *row;
+  int blocks_count, rows_count;
+  double scale; /* s */
+} part;
+
+static int reserve(nsdae_saddle *s, const part *p)
+{
+  int all = p->blocks->count, order = p->blocks->first[all];
+  const nsdae_grown by_block[] = {NSDAE_GROWN(s->number, 1), NSDAE_GROWN(s->size, 1),
+                                  NSDAE_GROWN(s->begin, 1),  NSDAE_GROWN(s->first, 1),
+                                  NSDAE_GROWN(s->mark, 1),   NSDAE_GROWN(s->by_block, 1)};
+  const nsdae_grown by_entry[] = {NSDAE_GROWN(s->x, 1)};
+  const nsdae_grown by_row[] = {NSDAE_GROWN(s->rest, 2)};
+  const nsdae_grown by_part[] = {NSDAE_GROWN(s->of_block, 1)};
+  if (s->blocks >= all && s->rows >= p->J->count) return NSDAE_OK;
+  int status = nsdae_grow(by_block, sizeof by_block / sizeof *by_block, (size_t)all + 2);
+  if (status == NSDAE_OK) status = nsdae_grow(by_entry, 1, (size_t)order);
+  if (status == NSDAE_OK) status = nsdae_grow(by_row, 1, (size_t)p->J->count);
+  if (status == NSDAE_OK) status = nsdae_grow(by_part, 1, (size_t)p->J->first[p->J->count]);
+  if (status < 0) return status;
+  s->blocks = all;
+  s->rows = p->J->count;
+  return NSDAE_OK;
+}
+
+void nsdae_saddle_release(nsdae_saddle *s)
+{
+  const nsdae_grown all[] = {NSDAE_GROWN(s->number, 1),   NSDAE_GROWN(s->size, 1),
+                             NSDAE_GROWN(s->begin, 1),    NSDAE_GROWN(s->first, 1),
+                             NSDAE_GROWN(s->mark, 1),     NSDAE_GROWN(s->by_block, 1),
+                             NSDAE_GROWN(s->x, 1),        NSDAE_GROWN(s->rest, 1),
+                             NSDAE_GROWN(s->of_block, 1), NSDAE_GROWN(s->index, 1)};
+  nsdae_grown_release(all, sizeof all / sizeof *all);
+  nsdae_fronts_release(&s->fronts);
+}
+
+/* Rows (their places in the part's list) by the blocks that they touch. */
+static void rows_by_block(nsdae_saddle *s, const part *p)
+{
+  memset(s->by_block, 0, ((size_t)p->blocks_count + 2) * sizeof *s->by_block);
+  for (int i = 0; i < p->rows_count; i++)
+    for (int e = p->J->first[p->row[i]]; e < p->J->first[p->row[i] + 1]; e++)
+      s->by_block[s->number[p->J->block[e]] + 2]++;
+  for (int b = 0; b < p->blocks_count; b++) s->by_block[b + 2] += s->by_block[b + 1];
+  for (int i = 0; i < p->rows_count; i++)
+    for (int e = p->J->first[p->row[i]]; e < p->J->first[p->row[i] + 1]; e++)
+      s->of_block[s->by_block[s->number[p->J->block[e]] + 1]++] = i;
+}
+
+static int ascending(const void *a, const void *b)
+{
+  int x = *(const int *)a, y = *(const int *)b;
+  return (x > y) - (x < y);
+}
+
+static int push(nsdae_saddle *s, int at, int value)
+{
+  if (at >= s->index_room) {
+    const nsdae_grown index[] = {NSDAE_GROWN(s->index, 1)};
+    int room = at < 64 ? 128 : 2 * at;
+    if (nsdae_grow(index, 1, (size_t)room) < 0) return NSDAE_E_MEMORY;
+    s->index_room = room;
+  }
+  s->index[at] = value;
+  return NSDAE_OK;
+}
+
+/* The neighbours of each block: those of the rows that touch it. */
+static int graph(nsdae_saddle *s, const part *p)
+{
+  int count = 0;
+  for (int b = 0; b < p->blocks_count; b++) s->mark[b] = -1;
+  for (int b = 0; b < p->blocks_count; b++) {
+    s->first[b] = count;
+    s->mark[b] = b;
+    for (int l = s->by_block[b]; l < s->by_block[b + 1]; l++) {
+      int row = p->row[s->of_block[l]];
+      for (int e = p->J->first[row]; e < p->J->first[row + 1]; e++) {
+        int other = s->number[p->J->block[e]];
+        if (s->mark[other] == b) continue;
+        s->mark[other] = b;
+        if (push(s, count++, other) < 0) return NSDAE_E_MEMORY;
+      }
+    }
+    qsort(s->index + s->first[b], (size_t)(count - s->first[b]), sizeof *s->index, ascending);
+  }
+  s->first[p->blocks_count] = count;
+  return NSDAE_OK;
+}
+
+/* Entry of the graph: the place of block `to` among the neighbours of `from`. */
+static size_t place(const nsdae_saddle *s, int from, int to)
+{
+  if (from == to) return s->fronts.diagonal[from];
+  int low = s->first[from], high = s->first[from + 1] - 1;
+  while (low < high) {
+    int middle = (low + high) / 2;
+    if (s->index[middle] < to)
+      low = middle + 1;
+    else
+      high = middle;
+  }
+  return s->fronts.at[low];
+}
+
+/* The block of A in block row `a`, block column `b` gets s J_a^T J_b of one row. */
+static void add_outer(nsdae_saddle *s, const part *p, int row)
+{
+  const nsdae_rows *J = p->J;
+  for (int e = J->first[row]; e < J->first[row + 1]; e++)
+    for (int g = J->first[row]; g < J->first[row + 1]; g++) {
+      int a = s->number[J->block[e]], b = s->number[J->block[g]];
+      double *A = s->fronts.A + place(s, b, a);
+      const double *left = J->value + J->at[e], *right = J->value + J->at[g];
+      for (int j = 0; j < s->size[b]; j++)
+        for (int i = 0; i < s->size[a]; i++)
+          A[(size_t)j * (size_t)s->size[a] + (size_t)i] +=
+              p->scale * left[(size_t)i * J->stride] * right[(size_t)j * J->stride];
+    }
+}
+
+static int factor(nsdae_saddle *s, const part *p)
+{
+  memset(s->fronts.A, 0, s->fronts.values * sizeof *s->fronts.A);
+  for (int i = 0; i < p->blocks_count; i++) {
+    size_t square = (size_t)s->size[i] * (size_t)s->size[i];
+    memcpy(s->fronts.A + s->fronts.diagonal[i], p->M + p->blocks->square[p->block[i]],
+           square * sizeof *p->M);
+  }
+  for (int i = 0; i < p->rows_count; i++) add_outer(s, p, p->row[i]);
+  return nsdae_fronts_factor(&s->fronts, 1) == 0 ? NSDAE_OK : NSDAE_E_MASS;
+}
+
+/* s: 1e7 over the mean of the diagonal of J M^-1 J^T, by the diagonal of M. */
+static double scale_of(const part *p)
+{
+  double sum = 0;
+  for (int i = 0; i < p->rows_count; i++)
+    for (int e = p->J->first[p->row[i]]; e < p->J->first[p->row[i] + 1]; e++) {
+      int b = p->J->block[e], n = nsdae_blocks_size(p->blocks, b);
+      for (int j = 0; j < n; j++) {
+        double entry = p->J->value[p->J->at[e] + (size_t)j * p->J->stride];
+        sum += entry * entry / p->M[p->blocks->square[b] + (size_t)j * (size_t)(n + 1)];
+      }
+    }
+  return sum > 0 ? 1e7 * p->rows_count / sum : 1;
+}
+
+/* x of the multipliers l: the right-hand side r - J^T l + s J^T c in v, then x there. */
+static void solve_for_velocity(nsdae_saddle *s, const part *p, const double *c, const double *l,
+                               double *v)
+{
+  for (int i = 0; i < p->blocks_count; i++) {
+    int at = p->blocks->first[p->block[i]];
+    memcpy(v + at, p->r + at, (size_t)s->size[i] * sizeof *v);
+  }
+  for (int i = 0; i < p->rows_count; i++)
+    nsdae_rows_add(p->blocks, p->J, p->row[i], p->scale * c[i] - l[i], v);
+  for (int i = 0; i < p->blocks_count; i++)
+    memcpy(s->x + s->begin[i], v + p->blocks->first[p->block[i]], (size_t)s->size[i] * sizeof *v);
+  nsdae_fronts_solve(&s->fronts, s->x);
+  for (int i = 0; i < p->blocks_count; i++)
+    memcpy(v + p->blocks->first[p->block[i]], s->x + s->begin[i], (size_t)s->size[i] * sizeof *v);
+}
+
+/* Rounds until what J x misses c by no longer falls. */
+static int iterate(nsdae_saddle *s, const part *p, double *v, double *lambda)
+{
+  double last = INFINITY, *c = s->rest, *l = s->rest + p->rows_count;
+  for (int i = 0; i < p->rows_count; i++) {
+    c[i] = lambda[p->row[i]];
+    l[i] = 0;
+  }
+  for (int round = 0; round < ROUNDS; round++) {
+    double worst = 0, size = 0;
+    solve_for_velocity(s, p, c, l, v);
+    for (int i = 0; i < p->rows_count; i++) {
+      double rate = nsdae_rows_dot(p->blocks, p->J, p->row[i], v), miss = rate - c[i];
+      worst = fmax(worst, fabs(miss));
+      size = fmax(size, fmax(fabs(c[i]), fabs(rate)));
+      l[i] += p->scale * miss;
+    }
+    if (!isfinite(worst)) return NSDAE_E_CONVERGENCE;
+    if (round > 1 && (worst >= last / 2 || worst <= DBL_EPSILON * size)) break;
+    last = worst;
+  }
+  for (int i = 0; i < p->rows_count; i++) lambda[p->row[i]] = l[i];
+  return NSDAE_OK;
+}
+
+static int analyse(nsdae_saddle *s, const part *p)
+{
+  for (int i = 0, at = 0; i < p->blocks_count; i++) {
+    s->number[p->block[i]] = i;
+    s->size[i] = nsdae_blocks_size(p->blocks, p->block[i]);
+    s->begin[i] = at;
+    at += s->size[i];
+  }
+  rows_by_block(s, p);
+  if (push(s, 0, 0) < 0 || graph(s, p) < 0) return NSDAE_E_MEMORY;
+  return nsdae_fronts_analyse(&s->fronts, p->blocks_count, s->size, s->first, s->index);
+}
+
+int nsdae_saddle_solve(nsdae_saddle *s, const nsdae_blocks *blocks, const nsdae_rows *J,
+                       const double *M, int block_count, const int *block, int row_count,
+                       const int *row, const double *r, double *v, double *lambda)
+{
+  part p = {blocks, J, M, r, block, row, block_count, row_count, 0};
+  int status = reserve(s, &p);
+  if (status == NSDAE_OK) status = analyse(s, &p);
+  if (status < 0) return status;
+  p.scale = scale_of(&p);
+  status = factor(s, &p);
+  return status < 0 ? status : iterate(s, &p, v, lambda);
+}

@@ -1,0 +1,34 @@
+/* The saddle-point equations of kkt.h where they are large and sparse: M by blocks, Phi_q by rows,
+ * over the blocks of one part. By the method of multipliers (Hestenes, J. Optim. Theory Appl. 4
+ * (1969) 303; of linear equations it is refinement):
+ *
+ *   (M + s J^T J) x = r - J^T l + s J^T c,   l += s (J x - c),   until J x = c to rounding
+ *
+ * The matrix is positive definite whatever the rank of J, and sparse as the blocks that share a row
+ * are few; l is of the range of J, the least norm of those that serve. Each round multiplies J x -
+ * c by about 1 / (s |S|), S = J M^-1 J^T. */
+#ifndef NSDAE_LINALG_SADDLE_H
+#define NSDAE_LINALG_SADDLE_H
+
+#include "fronts.h"
+#include "rows.h"
+
+typedef struct nsdae_saddle {
+  nsdae_fronts fronts;
+  int blocks, rows;          /* room */
+  int *number;               /* blocks of the system: in the part */
+  int *size, *begin;         /* blocks of the part; their first entry in x */
+  int *first, *index, *mark; /* the graph of blocks that share a row */
+  int index_room;
+  int *by_block, *of_block; /* rows that touch a block */
+  double *x, *rest;
+} nsdae_saddle;
+
+/* v [nv] and lambda [m] of the blocks and rows listed: on entry lambda holds c and r the right-hand
+ * side, on return v x and lambda l. NSDAE_OK; NSDAE_E_MEMORY, NSDAE_E_MASS, NSDAE_E_CONVERGENCE. */
+int nsdae_saddle_solve(nsdae_saddle *saddle, const nsdae_blocks *blocks, const nsdae_rows *J,
+                       const double *M, int block_count, const int *block, int row_count,
+                       const int *row, const double *r, double *v, double *lambda);
+void nsdae_saddle_release(nsdae_saddle *saddle);
+
+#endif

@@ -1,0 +1,72 @@
+/* Room in the lists of a system by blocks: it grows between steps, by half as much again as was
+ * called for, in every list at once. */
+#include "errors.h"
+#include "sim_impl.h"
+
+static nsdae_room larger(const nsdae_room *a, const nsdae_room *b)
+{
+  return (nsdae_room){a->entries > b->entries ? a->entries : b->entries,
+                      a->values > b->values ? a->values : b->values};
+}
+
+static int no_memory(nsdae_sim *sim)
+{
+  return nsdae_error_set(&sim->error, NSDAE_E_MEMORY, "nsdae_sim", "contacts",
+                         "out of memory for lists of %zu contacts", sim->contacts.entries);
+}
+
+int nsdae_sim_make_room(nsdae_sim *sim, const nsdae_room *contacts, const nsdae_room *rows)
+{
+  const nsdae_room c = larger(&sim->contacts, contacts), r = larger(&sim->rows, rows);
+  int status = nsdae_terms_grow(&sim->stepper.middle, &c, &r);
+  for (int i = 0; i < 2 && status == NSDAE_OK; i++) {
+    status = nsdae_result_grow(&sim->point[i].result, &c, &r);
+    nsdae_point_show_arrays(&sim->point[i]);
+  }
+  if (status == NSDAE_OK) status = nsdae_world_grow(sim->stepper.world, &c, &r);
+  if (status < 0) return no_memory(sim);
+  sim->contacts = c;
+  sim->rows = r;
+  return NSDAE_OK;
+}
+
+static nsdae_room half_more(const nsdae_room *room, const nsdae_room *taken)
+{
+  if (nsdae_room_enough(room, taken)) return *room;
+  return (nsdae_room){taken->entries + taken->entries / 2, taken->values + taken->values / 2};
+}
+
+static int limit_met(nsdae_sim *sim, size_t wanted)
+{
+  return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, "nsdae_sim", "contacts_max",
+                         "a list of %zu contacts at t = %.17g, and contacts_max = %d: set it "
+                         "higher, or look at the callback contacts",
+                         wanted, sim->now->result.end.t, sim->options.contacts_max);
+}
+
+int nsdae_sim_grow(nsdae_sim *sim)
+{
+  const nsdae_terms *const all[] = {&sim->stepper.middle, &sim->point[0].result.end,
+                                    &sim->point[1].result.end};
+  nsdae_room contacts = {0}, rows = {0};
+  for (int i = 0; i < 3; i++) {
+    contacts = larger(&contacts, &all[i]->by.list.taken);
+    rows = larger(&rows, &all[i]->by.rows.taken);
+  }
+  size_t most = (size_t)sim->options.contacts_max;
+  if (contacts.entries > most) return limit_met(sim, contacts.entries);
+  contacts = half_more(&sim->contacts, &contacts);
+  rows = half_more(&sim->rows, &rows);
+  if (contacts.entries > most) contacts.entries = most;
+  int status = nsdae_sim_make_room(sim, &contacts, &rows);
+  if (status == NSDAE_OK) sim->growths++;
+  return status;
+}
+
+void nsdae_sim_release_lists(nsdae_sim *sim)
+{
+  if (!sim->stepper.world) return;
+  nsdae_terms_release(&sim->stepper.middle);
+  for (int i = 0; i < 2; i++) nsdae_result_release(&sim->point[i].result);
+  nsdae_world_release(sim->stepper.world);
+}

@@ -1,0 +1,249 @@
+#include "lists.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "errors.h"
+#include "grow.h"
+
+void nsdae_contact_list_clear(nsdae_contact_list *list)
+{
+  list->status = NSDAE_OK;
+  list->count = 0;
+  list->taken = (nsdae_room){0};
+}
+
+static int refuse(nsdae_contact_list *list, const nsdae_contact *c, int status, const char *field,
+                  double value, const char *range)
+{
+  if (list->status < 0) return status; /* the first is told */
+  list->status = status;
+  return nsdae_error_set(list->error, status, "nsdae_contact_add", field,
+                         "contact of id %ld: %s = %g is outside its range: it must be %s", c->id,
+                         field, value, range);
+}
+
+static int check_blocks(nsdae_contact_list *list, const nsdae_contact *c)
+{
+  for (int s = 0; s < 2; s++) {
+    int b = c->block[s];
+    if (b < -1 || b >= list->blocks->count)
+      return refuse(list, c, NSDAE_E_ARGUMENT, "block", b, "a block, or -1: the ground");
+    if (b >= 0 && nsdae_blocks_size(list->blocks, b) > NSDAE_CONTACT_WIDTH && !c->wide[s])
+      return refuse(list, c, NSDAE_E_ARGUMENT, "wide", 0,
+                    "the directions of a block of more than 6 velocities");
+  }
+  if (c->block[0] == c->block[1])
+    return refuse(list, c, NSDAE_E_ARGUMENT, "block", c->block[1], "another block than the first");
+  return NSDAE_OK;
+}
+
+/* Conditions are written so that NaN fails. */
+static int check(nsdae_contact_list *list, const nsdae_contact *c)
+{
+  if (!isfinite(c->gap)) return refuse(list, c, NSDAE_E_NONFINITE, "gap", c->gap, "finite");
+  if (!(c->mu >= 0 && c->mu <= 1e300))
+    return refuse(list, c, NSDAE_E_ARGUMENT, "mu", c->mu, "at least 0, finite");
+  if (c->mu > 0 && list->nt == 0)
+    return refuse(list, c, NSDAE_E_ARGUMENT, "mu", c->mu,
+                  "0 where dims.nt = 0: there is no tangential direction");
+  if (!(c->e_n >= 0 && c->e_n <= 1))
+    return refuse(list, c, NSDAE_E_ARGUMENT, "e_n", c->e_n, "0 .. 1");
+  if (!(c->e_t >= 0 && c->e_t <= 1))
+    return refuse(list, c, NSDAE_E_ARGUMENT, "e_t", c->e_t, "0 .. 1");
+  for (int d = 0; d <= list->nt; d++)
+    if (!isfinite(c->w[d])) return refuse(list, c, NSDAE_E_NONFINITE, "w", c->w[d], "finite");
+  return check_blocks(list, c);
+}
+
+/* Directions of one block: size x (1 + nt). The sum of products with zero is NaN where one is not
+ * finite. */
+static int copy_part(nsdae_contact_list *list, const nsdae_contact *c, int s, size_t at)
+{
+  size_t n = (size_t)nsdae_blocks_size(list->blocks, c->block[s]);
+  double *to = list->value + at, sum = 0;
+  for (int d = 0; d <= list->nt; d++, to += n) {
+    const double *from = c->wide[s] ? c->wide[s] + (size_t)d * n : c->direction[s][d];
+    for (size_t j = 0; j < n; j++) {
+      to[j] = from[j];
+      sum += 0 * from[j];
+    }
+  }
+  return sum == 0 ? NSDAE_OK : refuse(list, c, NSDAE_E_NONFINITE, "W", sum, "finite");
+}
+
+/* Counts a contact; where it goes in value, or SIZE_MAX where there is no room. */
+static size_t take(nsdae_contact_list *list, const int *block)
+{
+  size_t at = list->taken.values;
+  for (int s = 0; s < 2; s++)
+    if (block[s] >= 0)
+      list->taken.values +=
+          (size_t)nsdae_blocks_size(list->blocks, block[s]) * (size_t)(1 + list->nt);
+  list->taken.entries++;
+  return nsdae_room_enough(&list->room, &list->taken) ? at : (size_t)-1;
+}
+
+/* Where the parts of the last contact begin. */
+static void place_parts(nsdae_contact_list *list, int i, size_t at)
+{
+  for (int s = 0; s < 2; s++) {
+    int b = list->block[2 * i + s];
+    list->at[2 * i + s] = at;
+    if (b >= 0) at += (size_t)nsdae_blocks_size(list->blocks, b) * (size_t)(1 + list->nt);
+  }
+}
+
+int nsdae_contact_add(nsdae_contact_list *list, const nsdae_contact *c)
+{
+  if (!list || !c) return NSDAE_E_ARGUMENT;
+  int status = check(list, c);
+  if (status < 0) return status;
+  size_t at = take(list, c->block);
+  if (at == (size_t)-1) return NSDAE_OK;
+  int i = list->count++;
+  list->id[i] = c->id;
+  list->gap[i] = c->gap;
+  list->law[i] = (nsdae_coefficients){c->mu, c->e_n, c->e_t};
+  memcpy(list->block + 2 * (size_t)i, c->block, sizeof c->block);
+  memcpy(list->w + (size_t)i * (size_t)(1 + list->nt), c->w, (size_t)(1 + list->nt) * sizeof *c->w);
+  place_parts(list, i, at);
+  for (int s = 0; s < 2 && status == NSDAE_OK; s++)
+    if (c->block[s] >= 0) status = copy_part(list, c, s, list->at[2 * (size_t)i + (size_t)s]);
+  return status;
+}
+
+void nsdae_contact_list_copy(nsdae_contact_list *list, const nsdae_contact_list *from, int i,
+                             double gap)
+{
+  size_t at = list->taken.values, begin = from->at[2 * (size_t)i], columns = (size_t)(1 + list->nt);
+  if (take(list, from->block + 2 * (size_t)i) == (size_t)-1) return;
+  int new = list->count++;
+  list->id[new] = from->id[i];
+  list->gap[new] = gap;
+  list->law[new] = from->law[i];
+  memcpy(list->block + 2 * (size_t) new, from->block + 2 * (size_t)i, 2 * sizeof *list->block);
+  memcpy(list->w + (size_t) new *columns, from->w + (size_t)i * columns, columns * sizeof *list->w);
+  place_parts(list, new, at);
+  memcpy(list->value + at, from->value + begin, (list->taken.values - at) * sizeof *list->value);
+}
+
+enum { CONTACT_ARRAYS = 6, ROW_ARRAYS = 2 };
+
+static int grow_contacts(nsdae_contact_list *l, size_t entries, size_t values)
+{
+  const nsdae_grown each[] = {NSDAE_GROWN(l->id, 1),  NSDAE_GROWN(l->block, 2),
+                              NSDAE_GROWN(l->gap, 1), NSDAE_GROWN(l->law, 1),
+                              NSDAE_GROWN(l->at, 2),  NSDAE_GROWN(l->w, 1 + l->nt)};
+  const nsdae_grown value[] = {NSDAE_GROWN(l->value, 1)};
+  int status = nsdae_grow(each, CONTACT_ARRAYS, entries);
+  return status < 0 ? status : nsdae_grow(value, 1, values);
+}
+
+static size_t larger(size_t a, size_t b)
+{
+  return a > b ? a : b;
+}
+
+int nsdae_contact_list_grow(nsdae_contact_list *l, const nsdae_room *room)
+{
+  const nsdae_room new = {larger(l->room.entries, room->entries),
+                          larger(l->room.values, room->values)};
+  int status = grow_contacts(l, new.entries, new.values);
+  if (status == NSDAE_OK) l->room = new;
+  return status;
+}
+
+void nsdae_contact_list_release(nsdae_contact_list *l)
+{
+  const nsdae_grown all[] = {NSDAE_GROWN(l->id, 1),   NSDAE_GROWN(l->block, 2),
+                             NSDAE_GROWN(l->gap, 1),  NSDAE_GROWN(l->law, 1),
+                             NSDAE_GROWN(l->at, 2),   NSDAE_GROWN(l->w, 1),
+                             NSDAE_GROWN(l->value, 1)};
+  nsdae_grown_release(all, sizeof all / sizeof *all);
+  l->room = (nsdae_room){0};
+}
+
+/* ---- rows of Phi_q */
+
+void nsdae_row_list_clear(nsdae_row_list *list)
+{
+  list->status = NSDAE_OK;
+  list->last = -1;
+  list->taken = (nsdae_room){0};
+}
+
+static int refuse_row(nsdae_row_list *list, int status, const char *argument, int row,
+                      const char *what)
+{
+  if (list->status < 0) return status;
+  list->status = status;
+  nsdae_error_set(list->error, status, "nsdae_row_add", argument, "row %d of Phi_q: %s", row, what);
+  if (list->error) list->error->index = row;
+  return status;
+}
+
+/* Rows up to and with this one begin here. */
+static void open_rows(nsdae_row_list *list, int row)
+{
+  for (; list->last < row; list->last++)
+    list->rows.first[list->last + 1] = (int)list->taken.entries;
+}
+
+static int check_row(nsdae_row_list *l, int row, int block, const double *value)
+{
+  if (row < 0 || row >= l->rows.count || row < l->last)
+    return refuse_row(l, NSDAE_E_ARGUMENT, "row", row, "rows are 0 .. m-1, in ascending order");
+  if (block < 0 || block >= l->blocks->count)
+    return refuse_row(l, NSDAE_E_ARGUMENT, "block", row, "there is no such block");
+  if (!value) return refuse_row(l, NSDAE_E_ARGUMENT, "value", row, "value is NULL");
+  for (int j = 0; j < nsdae_blocks_size(l->blocks, block); j++)
+    if (!isfinite(value[j]))
+      return refuse_row(l, NSDAE_E_NONFINITE, "value", row, "an entry is not finite");
+  return NSDAE_OK;
+}
+
+int nsdae_row_add(nsdae_row_list *l, int row, int block, const double *value)
+{
+  if (!l) return NSDAE_E_ARGUMENT;
+  int status = check_row(l, row, block, value);
+  if (status < 0) return status;
+  open_rows(l, row);
+  size_t at = l->taken.values, part = l->taken.entries;
+  size_t n = (size_t)nsdae_blocks_size(l->blocks, block);
+  l->taken.values += n;
+  l->taken.entries++;
+  if (!nsdae_room_enough(&l->room, &l->taken)) return NSDAE_OK;
+  for (int p = l->rows.first[row]; p < (int)part; p++)
+    if (l->rows.block[p] == block)
+      return refuse_row(l, NSDAE_E_ARGUMENT, "block", row, "a block comes twice");
+  l->rows.block[part] = block;
+  l->rows.at[part] = at;
+  memcpy(l->rows.value + at, value, n * sizeof *value);
+  return NSDAE_OK;
+}
+
+void nsdae_row_list_close(nsdae_row_list *list)
+{
+  open_rows(list, list->rows.count);
+}
+
+int nsdae_row_list_grow(nsdae_row_list *l, const nsdae_room *room)
+{
+  const nsdae_room new = {larger(l->room.entries, room->entries),
+                          larger(l->room.values, room->values)};
+  const nsdae_grown each[] = {NSDAE_GROWN(l->rows.block, 1), NSDAE_GROWN(l->rows.at, 1)};
+  const nsdae_grown value[] = {NSDAE_GROWN(l->rows.value, 1)};
+  int status = nsdae_grow(each, ROW_ARRAYS, new.entries);
+  if (status == NSDAE_OK) status = nsdae_grow(value, 1, new.values);
+  if (status == NSDAE_OK) l->room = new;
+  return status;
+}
+
+void nsdae_row_list_release(nsdae_row_list *l)
+{
+  const nsdae_grown all[] = {NSDAE_GROWN(l->rows.block, 1), NSDAE_GROWN(l->rows.at, 1),
+                             NSDAE_GROWN(l->rows.value, 1)};
+  nsdae_grown_release(all, sizeof all / sizeof *all);
+  l->room = (nsdae_room){0};
+}

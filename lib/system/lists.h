@@ -1,0 +1,63 @@
+/* What callbacks of large systems fill: contacts, and rows of Phi_q, in the order in which they
+ * come. Where there is no room left an entry is counted and dropped: the list grows between steps,
+ * and the step is done again. */
+#ifndef NSDAE_SYSTEM_LISTS_H
+#define NSDAE_SYSTEM_LISTS_H
+
+#include <nsdae/system.h>
+
+#include "rows.h"
+#include "system_impl.h"
+
+/* Room in a list, or what it would have taken: contacts or parts of rows, and their values. */
+typedef struct nsdae_room {
+  size_t entries, values;
+} nsdae_room;
+
+struct nsdae_contact_list {
+  const nsdae_blocks *blocks;
+  nsdae_error *error;
+  int nt, status; /* the first refusal, with its record in error */
+  int count;
+  nsdae_room room, taken;
+  long *id;
+  int *block;              /* 2 count */
+  double *gap;             /* count */
+  nsdae_coefficients *law; /* count */
+  double *w;               /* (1 + nt) count: normal, tangents */
+  size_t *at;              /* 2 count: part of each block in value, size x (1 + nt) */
+  double *value;
+};
+
+struct nsdae_row_list {
+  const nsdae_blocks *blocks;
+  nsdae_error *error;
+  int status;
+  int last; /* the row at hand */
+  nsdae_room room, taken;
+  nsdae_rows rows; /* first: m + 1, not ours */
+};
+
+/* Empty lists, before the callback. */
+void nsdae_contact_list_clear(nsdae_contact_list *list);
+void nsdae_row_list_clear(nsdae_row_list *list);
+/* After it: the rows up to m have their places. */
+void nsdae_row_list_close(nsdae_row_list *list);
+
+/* Whether all that was added is there. */
+static inline int nsdae_room_enough(const nsdae_room *room, const nsdae_room *taken)
+{
+  return taken->entries <= room->entries && taken->values <= room->values;
+}
+
+/* Room for at least as much; NSDAE_OK or NSDAE_E_MEMORY. */
+int nsdae_contact_list_grow(nsdae_contact_list *list, const nsdae_room *room);
+int nsdae_row_list_grow(nsdae_row_list *list, const nsdae_room *room);
+void nsdae_contact_list_release(nsdae_contact_list *list);
+void nsdae_row_list_release(nsdae_row_list *list);
+
+/* Appends a copy of entry i of another list, with this gap; there is room. */
+void nsdae_contact_list_copy(nsdae_contact_list *list, const nsdae_contact_list *from, int i,
+                             double gap);
+
+#endif

@@ -1,0 +1,145 @@
+/* The part of a description that large systems have: blocks, and the callbacks by blocks and by
+ * list. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "errors.h"
+#include "system_impl.h"
+
+int nsdae_blocks_make(nsdae_blocks *made, int count, const int *size)
+{
+  nsdae_blocks blocks = {count, malloc(((size_t)count + 1) * sizeof *blocks.first),
+                         malloc(((size_t)count + 1) * sizeof *blocks.square)};
+  if (!blocks.first || !blocks.square) {
+    nsdae_blocks_release(&blocks);
+    return NSDAE_E_MEMORY;
+  }
+  blocks.first[0] = 0;
+  blocks.square[0] = 0;
+  for (int b = 0; b < count; b++) {
+    blocks.first[b + 1] = blocks.first[b] + size[b];
+    blocks.square[b + 1] = blocks.square[b] + (size_t)size[b] * (size_t)size[b];
+  }
+  nsdae_blocks_release(made);
+  *made = blocks;
+  return NSDAE_OK;
+}
+
+void nsdae_blocks_release(nsdae_blocks *blocks)
+{
+  free(blocks->first);
+  free(blocks->square);
+  *blocks = (nsdae_blocks){0};
+}
+
+static int refuse(nsdae_system *s, const char *argument, const char *why)
+{
+  return nsdae_system_refuse(s, NSDAE_E_ARGUMENT, "blocks", argument, why);
+}
+
+static int check_sizes(nsdae_system *s, int count, const int *nq, const int *nv)
+{
+  char why[160];
+  long sum_q = 0, sum_v = 0;
+  for (int b = 0; b < count; b++) {
+    if (nv[b] < 1 || nv[b] > nq[b]) {
+      snprintf(why, sizeof why, "block %d has nq = %d, nv = %d: it must be 1 <= nv <= nq", b, nq[b],
+               nv[b]);
+      return refuse(s, "nv", why);
+    }
+    sum_q += nq[b];
+    sum_v += nv[b];
+  }
+  if (sum_q == s->dims.nq && sum_v == s->dims.nv) return NSDAE_OK;
+  snprintf(why, sizeof why, "the blocks have %ld coordinates and %ld velocities, the system %d, %d",
+           sum_q, sum_v, s->dims.nq, s->dims.nv);
+  return refuse(s, sum_q == s->dims.nq ? "nv" : "nq", why);
+}
+
+int nsdae_system_set_blocks(nsdae_system *s, int count, const int *nq, const int *nv)
+{
+  if (!s) return NSDAE_E_ARGUMENT;
+  if (!nq || !nv) return refuse(s, nq ? "nv" : "nq", nq ? "nv is NULL" : "nq is NULL");
+  if (count < 1) return refuse(s, "count", "there must be at least one block");
+  if (s->dims.k > 0 || s->dims.f > 0)
+    return refuse(s, s->dims.k > 0 ? "k" : "f",
+                  "a system of blocks has its contacts by list: dims.k and dims.f must be 0");
+  int status = check_sizes(s, count, nq, nv);
+  if (status == NSDAE_OK) status = nsdae_system_open(s, "blocks");
+  if (status < 0) return status;
+  nsdae_blocks blocks = {0}, coordinates = {0};
+  status = nsdae_blocks_make(&blocks, count, nv);
+  if (status == NSDAE_OK) status = nsdae_blocks_make(&coordinates, count, nq);
+  if (status < 0) {
+    nsdae_blocks_release(&blocks);
+    return nsdae_system_refuse(s, status, "blocks", "", "out of memory");
+  }
+  nsdae_blocks_release(&s->blocks);
+  nsdae_blocks_release(&s->coordinates);
+  s->blocks = blocks;
+  s->coordinates = coordinates;
+  s->by_list = 1;
+  return NSDAE_OK;
+}
+
+int nsdae_system_get_blocks(const nsdae_system *s)
+{
+  return s ? s->blocks.count : 0;
+}
+
+static int may_set(nsdae_system *s, const char *name, int given)
+{
+  if (!given) return nsdae_system_refuse(s, NSDAE_E_ARGUMENT, name, name, "it is NULL");
+  return nsdae_system_open(s, name);
+}
+
+int nsdae_system_set_mass_blocks(nsdae_system *s, nsdae_mass_blocks_fn callback)
+{
+  if (!s) return NSDAE_E_ARGUMENT;
+  int status = may_set(s, "mass_blocks", callback != NULL);
+  if (status == NSDAE_OK) s->mass_blocks = callback;
+  return status;
+}
+
+int nsdae_system_set_constraint_rows(nsdae_system *s, nsdae_constraint_rows_fn callback)
+{
+  if (!s) return NSDAE_E_ARGUMENT;
+  if (s->dims.m == 0)
+    return nsdae_system_refuse(s, NSDAE_E_ARGUMENT, "constraint_rows", "constraint_rows",
+                               "the system has no constraints (m = 0)");
+  int status = may_set(s, "constraint_rows", callback != NULL);
+  if (status == NSDAE_OK) s->constraint_rows = callback;
+  return status;
+}
+
+int nsdae_system_set_contacts(nsdae_system *s, nsdae_contacts_fn callback)
+{
+  if (!s) return NSDAE_E_ARGUMENT;
+  int status = may_set(s, "contacts", callback != NULL);
+  if (status == NSDAE_OK) s->contacts = callback;
+  return status;
+}
+
+/* What goes by blocks is not given for all velocities at once, and the other way round. */
+static const char *misplaced(const nsdae_system *s)
+{
+  if (s->by_list) return s->mass ? "mass" : s->constraint_jacobian ? "constraint_jacobian" : NULL;
+  return s->mass_blocks       ? "mass_blocks"
+         : s->constraint_rows ? "constraint_rows"
+         : s->contacts        ? "contacts"
+                              : NULL;
+}
+
+int nsdae_system_check_blocks(const nsdae_system *s, const char **missing, nsdae_error *error)
+{
+  const char *wrong = misplaced(s);
+  if (s->by_list && !s->mass_blocks) *missing = "mass_blocks";
+  if (s->by_list && s->dims.m > 0 && !s->constraint_rows) *missing = "constraint_rows";
+  if (!wrong) return NSDAE_OK;
+  return nsdae_error_set(error, NSDAE_E_STATE, "nsdae_system", wrong,
+                         s->by_list ? "%s is of all velocities: a system of blocks takes "
+                                      "mass_blocks, constraint_rows and contacts"
+                                    : "%s needs blocks: call nsdae_system_set_blocks",
+                         wrong);
+}

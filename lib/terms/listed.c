@@ -1,0 +1,139 @@
+#include "listed.h"
+
+#include <string.h>
+
+#include "errors.h"
+#include "grow.h"
+
+/* A callback's code, what it was refused with, whether there was room. */
+static int listed(nsdae_terms *T, int code, int refused, const char *callback,
+                  const nsdae_room *room, const nsdae_room *taken)
+{
+  if (refused < 0) {
+    if (T->error) T->error->time = T->t;
+    return refused;
+  }
+  int status = nsdae_system_callback_status(code, callback, T->t, T->error);
+  if (status < 0) return status;
+  return nsdae_room_enough(room, taken) ? NSDAE_OK : NSDAE_GROW;
+}
+
+int nsdae_terms_mass_blocks(nsdae_terms *T)
+{
+  const nsdae_system *s = T->system;
+  size_t squares = s->blocks.square[s->blocks.count];
+  memset(T->M, 0, squares * sizeof *T->M);
+  T->evals->mass++;
+  int status = nsdae_system_callback_status(s->mass_blocks(T->t, T->q, T->M, s->user),
+                                            "mass_blocks", T->t, T->error);
+  if (status < 0) return status;
+  return nsdae_system_finite(T->M, (int)squares, 1, "mass_blocks", T->t, T->error);
+}
+
+int nsdae_terms_constraint_rows(nsdae_terms *T)
+{
+  const nsdae_system *s = T->system;
+  nsdae_row_list *list = &T->by.rows;
+  list->error = T->error;
+  nsdae_row_list_clear(list);
+  T->evals->jacobian++;
+  int code = s->constraint_rows(T->t, T->q, list, s->user);
+  nsdae_row_list_close(list);
+  T->by.jacobian = list->rows;
+  return listed(T, code, list->status, "constraint_rows", &list->room, &list->taken);
+}
+
+int nsdae_terms_contacts(nsdae_terms *T, double reach)
+{
+  const nsdae_system *s = T->system;
+  nsdae_contact_list *list = &T->by.list;
+  if ((T->have & NSDAE_TERM_CONTACTS) && T->by.reach >= reach) return NSDAE_OK;
+  T->have &= ~(unsigned)NSDAE_TERM_CONTACTS;
+  list->error = T->error;
+  nsdae_contact_list_clear(list);
+  int code = s->contacts ? s->contacts(T->t, T->q, T->v, reach, list, s->user) : 0;
+  int status = listed(T, code, list->status, "contacts", &list->room, &list->taken);
+  if (status < 0) return status;
+  T->by.reach = reach;
+  T->have |= NSDAE_TERM_CONTACTS;
+  return NSDAE_OK;
+}
+
+/* The parts of entry i are those of one more row, of its direction d. */
+static void add_row(nsdae_rows *rows, const nsdae_contact_list *list, int i, size_t d)
+{
+  int part = rows->first[rows->count];
+  for (size_t s = 2 * (size_t)i; s < 2 * (size_t)i + 2; s++) {
+    int b = list->block[s];
+    if (b < 0) continue;
+    rows->block[part] = b;
+    rows->at[part++] = list->at[s] + d * (size_t)nsdae_blocks_size(list->blocks, b);
+  }
+  rows->first[++rows->count] = part;
+}
+
+void nsdae_terms_select(nsdae_terms *T, int count, const int *item)
+{
+  nsdae_by_blocks *by = &T->by;
+  const nsdae_contact_list *list = &by->list;
+  size_t nt = (size_t)list->nt;
+  by->normal.count = by->tangent.count = 0;
+  by->normal.value = by->tangent.value = list->value;
+  by->normal.first[0] = by->tangent.first[0] = 0;
+  for (int a = 0; a < count; a++) {
+    int i = item[a];
+    const double *w = list->w + (size_t)i * (1 + nt);
+    T->gap[a] = list->gap[i];
+    T->w_N[a] = w[0];
+    memcpy(T->w_T + (size_t)a * nt, w + 1, nt * sizeof *w);
+    add_row(&by->normal, list, i, 0);
+    for (size_t d = 1; d <= nt; d++) add_row(&by->tangent, list, i, d);
+  }
+}
+
+enum { ARRAYS = 9 };
+
+static int grow_rows(nsdae_terms *T, size_t room, int nt)
+{
+  nsdae_by_blocks *by = &T->by;
+  const nsdae_grown each[ARRAYS] = {NSDAE_GROWN(T->gap, 1),
+                                    NSDAE_GROWN(T->w_N, 1),
+                                    NSDAE_GROWN(T->w_T, nt),
+                                    NSDAE_GROWN(by->normal.first, 1),
+                                    NSDAE_GROWN(by->normal.block, 2),
+                                    NSDAE_GROWN(by->normal.at, 2),
+                                    NSDAE_GROWN(by->tangent.first, 1 + nt),
+                                    NSDAE_GROWN(by->tangent.block, 2 * nt),
+                                    NSDAE_GROWN(by->tangent.at, 2 * nt)};
+  return nsdae_grow(each, ARRAYS, room);
+}
+
+/* One row more has its end. */
+int nsdae_terms_grow(nsdae_terms *T, const nsdae_room *contacts, const nsdae_room *rows)
+{
+  int status = nsdae_contact_list_grow(&T->by.list, contacts);
+  if (status == NSDAE_OK) status = grow_rows(T, contacts->entries + 1, T->by.list.nt);
+  if (status == NSDAE_OK) status = nsdae_row_list_grow(&T->by.rows, rows);
+  if (status < 0) return status;
+  T->by.jacobian = T->by.rows.rows; /* what moved has its place again */
+  T->by.normal.value = T->by.tangent.value = T->by.list.value;
+  return NSDAE_OK;
+}
+
+void nsdae_terms_release(nsdae_terms *T)
+{
+  nsdae_by_blocks *by = &T->by;
+  if (!T->system || !T->system->by_list) return;
+  const nsdae_grown each[ARRAYS] = {NSDAE_GROWN(T->gap, 1),
+                                    NSDAE_GROWN(T->w_N, 1),
+                                    NSDAE_GROWN(T->w_T, 1),
+                                    NSDAE_GROWN(by->normal.first, 1),
+                                    NSDAE_GROWN(by->normal.block, 2),
+                                    NSDAE_GROWN(by->normal.at, 2),
+                                    NSDAE_GROWN(by->tangent.first, 1),
+                                    NSDAE_GROWN(by->tangent.block, 2),
+                                    NSDAE_GROWN(by->tangent.at, 2)};
+  nsdae_grown_release(each, ARRAYS);
+  nsdae_contact_list_release(&by->list);
+  nsdae_row_list_release(&by->rows);
+}

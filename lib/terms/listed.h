@@ -1,0 +1,48 @@
+/* The terms of a system by blocks: M by blocks, rows of Phi_q, contacts by list. Of a system
+ * without blocks the rows are those of its dense arrays.
+ *
+ * A list at a point is what the callback says within its reach. The contacts that a step closes are
+ * selected from it: contact a of the step has row a of normal, gap[a] and w_N[a], and its tangents
+ * the rows a nt .. of tangent, at every point that the step evaluates. */
+#ifndef NSDAE_TERMS_LISTED_H
+#define NSDAE_TERMS_LISTED_H
+
+#include "terms.h"
+
+/* Not for users: a list has not enough room. It grows between steps, and the step is done again. */
+enum { NSDAE_GROW = -1000 };
+
+/* Brings the list up to date, with every contact of a gap up to reach. NSDAE_OK, NSDAE_GROW, what
+ * the callback failed with or was refused with. */
+int nsdae_terms_contacts(nsdae_terms *terms, double reach);
+
+/* Contact a of the step is entry item[a] of the list. */
+void nsdae_terms_select(nsdae_terms *terms, int count, const int *item);
+
+/* The callbacks of terms.c. */
+int nsdae_terms_mass_blocks(nsdae_terms *terms);
+int nsdae_terms_constraint_rows(nsdae_terms *terms);
+
+/* Room for lists of contacts and of rows of Phi_q; NSDAE_OK or NSDAE_E_MEMORY. */
+int nsdae_terms_grow(nsdae_terms *terms, const nsdae_room *contacts, const nsdae_room *rows);
+void nsdae_terms_release(nsdae_terms *terms);
+
+/* Velocity along the normal of contact i, along tangent j. */
+static inline double nsdae_terms_normal_rate(const nsdae_terms *T, int i, const double *v)
+{
+  return nsdae_rows_dot(&T->system->blocks, &T->by.normal, i, v) + T->w_N[i];
+}
+
+static inline double nsdae_terms_tangent_rate(const nsdae_terms *T, int j, const double *v)
+{
+  return nsdae_rows_dot(&T->system->blocks, &T->by.tangent, j, v) + T->w_T[j];
+}
+
+/* y [nv] += scale Phi_q^T x */
+static inline void nsdae_terms_add_constraints(const nsdae_terms *T, double scale, const double *x,
+                                               double *y)
+{
+  nsdae_rows_times_transposed(&T->system->blocks, &T->by.jacobian, scale, x, T->by.work, y);
+}
+
+#endif
