@@ -1,4 +1,5 @@
 #include "feature.h"
+#include "touch.h"
 
 static int is_rod(const nsdae_solid_of *s)
 {
@@ -26,19 +27,6 @@ double nsdae_solid_size(const nsdae_solid_of *s)
   return most + s->radius;
 }
 
-/* n and g of a distance vector d; side = -1 where the solid lies outside. With d = 0 any direction
- * is as good as another. */
-static nsdae_jet3 direction(nsdae_jet3 d, double side, nsdae_jet *length)
-{
-  const double x[3] = {side, 0, 0};
-  if (nsdae_jet3_dot(d, d).x == 0) {
-    *length = nsdae_jet_of(0);
-    return nsdae_jet3_of(x);
-  }
-  *length = nsdae_jet3_length(d);
-  return nsdae_jet3_scale(side, nsdae_jet3_times(nsdae_jet_inverse(*length), d));
-}
-
 /* A contact that another feature stands for: the gap is constant; directions are those between the
  * solids' origins, so that there are some. */
 static nsdae_touch far_away(const nsdae_solid_of *const s[2], const nsdae_pose *const pose[2])
@@ -47,40 +35,8 @@ static nsdae_touch far_away(const nsdae_solid_of *const s[2], const nsdae_pose *
   nsdae_jet length;
   double size = nsdae_solid_size(s[0]) + nsdae_solid_size(s[1]);
   for (int i = 0; i < 2; i++) touch.at[i] = nsdae_pose_point(pose[i], s[i]->origin);
-  touch.normal = direction(nsdae_jet3_sub(touch.at[1], touch.at[0]), 1, &length);
+  touch.normal = nsdae_direction(nsdae_jet3_sub(touch.at[1], touch.at[0]), 1, &length);
   touch.gap = nsdae_jet_of(size);
-  return touch;
-}
-
-/* x_0 rounded by r_0 (side -1: a hole of that radius), x_1 by r_1:
- * g = side (|x_1 - x_0| - r_0) - r_1,  n = side (x_1 - x_0) / |x_1 - x_0| */
-static nsdae_touch point_point(nsdae_jet3 x0, double r0, double side, nsdae_jet3 x1, double r1)
-{
-  nsdae_touch touch = {.far = 0};
-  nsdae_jet length;
-  touch.normal = direction(nsdae_jet3_sub(x1, x0), side, &length);
-  touch.gap = nsdae_jet_scale(side, length);
-  touch.gap.x -= side * r0 + r1;
-  touch.at[0] = nsdae_jet3_add(x0, nsdae_jet3_scale(side * r0, touch.normal));
-  touch.at[1] = nsdae_jet3_sub(x1, nsdae_jet3_scale(r1, touch.normal));
-  return touch;
-}
-
-/* The line through x_0 along the unit vector u: from its foot f = x_0 + (u . d) u, d = x_1 - x_0 */
-static nsdae_touch line_point(nsdae_jet3 x0, nsdae_jet3 u, double r0, nsdae_jet3 x1, double r1)
-{
-  nsdae_jet s = nsdae_jet3_dot(u, nsdae_jet3_sub(x1, x0));
-  return point_point(nsdae_jet3_add(x0, nsdae_jet3_times(s, u)), r0, 1, x1, r1);
-}
-
-/* The plane through x_0 with the unit normal n: g = n . (x_1 - x_0) - r_1 */
-static nsdae_touch plane_point(nsdae_jet3 x0, nsdae_jet3 n, nsdae_jet3 x1, double r1)
-{
-  nsdae_jet height = nsdae_jet3_dot(n, nsdae_jet3_sub(x1, x0));
-  nsdae_touch touch = {.gap = height, .normal = n};
-  touch.gap.x -= r1;
-  touch.at[0] = nsdae_jet3_sub(x1, nsdae_jet3_times(height, n));
-  touch.at[1] = nsdae_jet3_sub(x1, nsdae_jet3_scale(r1, n));
   return touch;
 }
 
@@ -125,62 +81,21 @@ static nsdae_touch line_line(const two_lines *l, const double *hint, double r0, 
   return touch;
 }
 
-static const double *corner(const nsdae_solid_of *s, int i)
-{
-  return s->point + 3 * i;
-}
-
 /* A segment or capsule: its ends, or between them its line; a segment without rounding is solid on
  * one side. */
 static nsdae_touch against_rod(const nsdae_solid_of *s, const nsdae_pose *pose, nsdae_jet3 x1,
                                double r1)
 {
   int axis = s->shape == NSDAE_SHAPE_SEGMENT ? 0 : 2;
-  nsdae_jet3 end[2] = {nsdae_pose_point(pose, corner(s, 0)), nsdae_pose_point(pose, corner(s, 1))};
+  nsdae_jet3 end[2] = {nsdae_pose_point(pose, nsdae_solid_corner(s, 0)),
+                       nsdae_pose_point(pose, nsdae_solid_corner(s, 1))};
   nsdae_jet3 u = nsdae_pose_direction(pose, s->R + 3 * axis);
   double along = nsdae_jet3_dot(u, nsdae_jet3_sub(x1, end[0])).x;
   if (along < 0 || along > 2 * s->half[axis])
-    return point_point(end[along > 0], s->radius, 1, x1, r1);
+    return nsdae_touch_point_point(end[along > 0], s->radius, 1, x1, r1);
   if (s->shape == NSDAE_SHAPE_SEGMENT && s->radius == 0)
-    return plane_point(end[0], nsdae_pose_direction(pose, s->R + 3), x1, r1);
-  return line_point(end[0], u, s->radius, x1, r1);
-}
-
-/* Outer unit normal of the edge from corner i, in the body's frame. */
-static void edge_normal(const nsdae_solid_of *s, int i, double *n)
-{
-  const double *p = corner(s, i), *next = corner(s, (i + 1) % s->points);
-  double x = next[0] - p[0], y = next[1] - p[1], length = sqrt(x * x + y * y);
-  n[0] = y / length;
-  n[1] = -x / length;
-  n[2] = 0;
-}
-
-/* Whether corner, edge or inside: the nearest corner of the polygon where x lies beyond both its
- * edges, else the edge of the largest height, which inside is the nearest as well. */
-static nsdae_touch against_polygon(const nsdae_solid_of *s, const nsdae_pose *pose, nsdae_jet3 x1,
-                                   double r1)
-{
-  double x[3], from[3], n[3], highest = -INFINITY;
-  int edge = 0;
-  for (int i = 0; i < 3; i++) from[i] = x1.at[i].x - pose->r[i];
-  nsdae_turn_back(pose->R, from, x);
-  for (int i = 0; i < s->points; i++) {
-    const double *p = corner(s, i);
-    edge_normal(s, i, n);
-    double height = n[0] * (x[0] - p[0]) + n[1] * (x[1] - p[1]);
-    if (height > highest) {
-      highest = height;
-      edge = i;
-    }
-  }
-  const double *p = corner(s, edge), *next = corner(s, (edge + 1) % s->points);
-  edge_normal(s, edge, n);
-  double along = -n[1] * (x[0] - p[0]) + n[0] * (x[1] - p[1]);
-  double length = -n[1] * (next[0] - p[0]) + n[0] * (next[1] - p[1]);
-  if (highest > 0 && (along < 0 || along > length))
-    return point_point(nsdae_pose_point(pose, along < 0 ? p : next), 0, 1, x1, r1);
-  return plane_point(nsdae_pose_point(pose, p), nsdae_pose_direction(pose, n), x1, r1);
+    return nsdae_touch_plane_point(end[0], nsdae_pose_direction(pose, s->R + 3), x1, r1);
+  return nsdae_touch_line_point(end[0], u, s->radius, x1, r1);
 }
 
 /* In the box's frame: one coordinate beyond its half edge is a face, two an edge, three a corner;
@@ -206,23 +121,23 @@ static nsdae_touch against_box(const nsdae_solid_of *s, const nsdae_pose *pose, 
   nsdae_jet3 corner_of = nsdae_pose_point(pose, spot);
   if (inside) {
     for (int i = 0; i < 3; i++) n[i] = (place[deepest] < 0 ? -1 : 1) * s->R[3 * deepest + i];
-    return plane_point(corner_of, nsdae_pose_direction(pose, n), x1, r1);
+    return nsdae_touch_plane_point(corner_of, nsdae_pose_direction(pose, n), x1, r1);
   }
   if (beyond == 2)
-    return line_point(corner_of, nsdae_pose_direction(pose, s->R + 3 * within), 0, x1, r1);
-  return point_point(corner_of, 0, 1, x1, r1);
+    return nsdae_touch_line_point(corner_of, nsdae_pose_direction(pose, s->R + 3 * within), 0, x1,
+                                  r1);
+  return nsdae_touch_point_point(corner_of, 0, 1, x1, r1);
 }
 
 static nsdae_touch against_corner(const nsdae_solid_of *s0, const nsdae_pose *pose0, nsdae_jet3 x1,
                                   double r1)
 {
   if (is_rod(s0)) return against_rod(s0, pose0, x1, r1);
-  if (s0->shape == NSDAE_SHAPE_POLYGON) return against_polygon(s0, pose0, x1, r1);
   if (s0->shape == NSDAE_SHAPE_BOX) return against_box(s0, pose0, x1, r1);
   nsdae_jet3 x0 = nsdae_pose_point(pose0, s0->origin);
   if (s0->shape == NSDAE_SHAPE_PLANE)
-    return plane_point(x0, nsdae_pose_direction(pose0, s0->R + 6), x1, r1);
-  return point_point(x0, s0->radius, s0->hollow ? -1 : 1, x1, r1);
+    return nsdae_touch_plane_point(x0, nsdae_pose_direction(pose0, s0->R + 6), x1, r1);
+  return nsdae_touch_point_point(x0, s0->radius, s0->hollow ? -1 : 1, x1, r1);
 }
 
 /* Edge i of a box or capsule: the axis along which it runs and the signs of its place on the other
@@ -263,7 +178,7 @@ static double reach(const nsdae_solid_of *s, const nsdae_pose *pose, const doubl
 {
   double own[3], most = -INFINITY, from[3];
   nsdae_turn_back(pose->R, m, own);
-  for (int i = 0; i < s->points; i++) most = fmax(most, nsdae_dot3(own, corner(s, i)));
+  for (int i = 0; i < s->points; i++) most = fmax(most, nsdae_dot3(own, nsdae_solid_corner(s, i)));
   for (int i = 0; i < 3; i++) from[i] = pose->r[i] - x[i];
   return most + s->radius + nsdae_dot3(m, from);
 }
@@ -324,5 +239,8 @@ nsdae_touch nsdae_feature_touch(const nsdae_feature *f, const nsdae_solid_of *s0
                                 const nsdae_pose *pose1)
 {
   if (f->edges) return edges(f, s0, s1, pose0, pose1);
-  return against_corner(s0, pose0, nsdae_pose_point(pose1, corner(s1, f->part[1])), s1->radius);
+  if (s0->shape == NSDAE_SHAPE_POLYGON)
+    return nsdae_polygon_touch(s0, s1, f->part[1], pose0, pose1);
+  return against_corner(s0, pose0, nsdae_pose_point(pose1, nsdae_solid_corner(s1, f->part[1])),
+                        s1->radius);
 }

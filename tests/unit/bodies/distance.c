@@ -180,9 +180,8 @@ static int compare(const couple *c, double *q)
     assert_near(pushed, -overlap, found_to * 1e3);
   else if (left > found_to) /* a point went past a sharp corner */
     assert_near(pushed, left, found_to * 1e3);
-  else if (left >=
-           0) /* of two sharp corners in the plane neither need be inside of the other yet */
-    assert_true(pushed <= (c->d == 2 ? overlap : found_to) && pushed >= -overlap * (1 + 1e-6));
+  else if (left >= 0)
+    assert_true(pushed <= found_to && pushed >= -overlap * (1 + 1e-6));
   return 1;
 }
 

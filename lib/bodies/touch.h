@@ -1,0 +1,27 @@
+/* The geometries of contact between points, lines and planes that feature.h speaks of. */
+#ifndef NSDAE_BODIES_TOUCH_H
+#define NSDAE_BODIES_TOUCH_H
+
+#include "feature.h"
+
+/* n and g of a distance vector d; side = -1 where the solid lies outside. */
+nsdae_jet3 nsdae_direction(nsdae_jet3 d, double side, nsdae_jet *length);
+
+/* A point x_1 with the rounding r_1 against a point with the rounding r_0 (side -1: a hole), a line
+ * along the unit vector u, a plane with the unit normal n. */
+nsdae_touch nsdae_touch_point_point(nsdae_jet3 x0, double r0, double side, nsdae_jet3 x1,
+                                    double r1);
+nsdae_touch nsdae_touch_line_point(nsdae_jet3 x0, nsdae_jet3 u, double r0, nsdae_jet3 x1,
+                                   double r1);
+nsdae_touch nsdae_touch_plane_point(nsdae_jet3 x0, nsdae_jet3 n, nsdae_jet3 x1, double r1);
+
+/* The contact of a corner of solid s1 against the polygon s0. */
+nsdae_touch nsdae_polygon_touch(const nsdae_solid_of *s0, const nsdae_solid_of *s1, int corner,
+                                const nsdae_pose *pose0, const nsdae_pose *pose1);
+
+static inline const double *nsdae_solid_corner(const nsdae_solid_of *s, int i)
+{
+  return s->point + 3 * i;
+}
+
+#endif
