@@ -28,6 +28,8 @@ typedef struct nsdae_bodies nsdae_bodies;
 
 enum { NSDAE_GROUND = -1 }; /* in place of a body's number */
 
+enum { NSDAE_MATERIALS = 64 }; /* how many materials solids can be of */
+
 /* A rigid body at the start. */
 typedef struct nsdae_rigid_body {
   double mass;          /* > 0 [kg] */
@@ -59,6 +61,7 @@ typedef struct nsdae_solid {
   double position[3];   /* in the body's frame [m] */
   double angle;         /* planar: against the body's [rad] */
   double quaternion[4]; /* spatial: against the body's; all zero: none */
+  int material;         /* 0 .. NSDAE_MATERIALS - 1, for nsdae_bodies_set_pair */
 } nsdae_solid;
 
 /* Mass and inertia[3] (own principal axes) about its centre, of a solid of uniform density [kg/m^3;
@@ -150,8 +153,12 @@ typedef struct nsdae_own {
   nsdae_contact_acceleration_fn contact_acceleration; /* theirs, and that of one's own slides */
   nsdae_slide_fn slide_tangent;                       /* W_S and w_S of one's own slides */
   nsdae_kinematics_fn kinematics;                     /* rates of one's own coordinates */
-  nsdae_potential_fn potential;                       /* added to that of the bodies */
-  void *user;                                         /* handed to each */
+  nsdae_constraint_rows_fn constraint_rows;           /* contacts by list: Phi_q in place of
+                                                         constraint_jacobian; row 0 of one's own is dims.m - m
+                                                         of the whole, the block the last */
+  nsdae_contacts_fn contacts;   /* contacts by list: more of them, with ids below 0 */
+  nsdae_potential_fn potential; /* added to that of the bodies */
+  void *user;                   /* handed to each */
 } nsdae_own;
 
 /* Makes an empty world of dimension 2 or 3. error may be NULL. NSDAE_E_ARGUMENT, NSDAE_E_MEMORY. */
@@ -177,6 +184,15 @@ NSDAE_API int nsdae_bodies_add_solid(nsdae_bodies *bodies, int body, const nsdae
  * one for each pair of edges. mu >= 0, e_n and e_t 0 .. 1 as nsdae_system_set_contact. */
 NSDAE_API int nsdae_bodies_add_contact(nsdae_bodies *bodies, int solid0, int solid1, double mu,
                                        double e_n, double e_t);
+
+/* Lets every two solids of these materials touch that belong to different bodies; the last call for
+ * a pair counts. From then on contacts are by list: those that may be near are found anew in every
+ * step, in time that grows with the number of solids where these are of similar size, and a body is
+ * a block (nsdae/system.h: large systems), so that there can be many of them. No contact is named
+ * then by nsdae_bodies_add_contact, no slot has friction, and the methods are implicit,
+ * implicit-printed and moreau. NSDAE_OK or < 0. */
+NSDAE_API int nsdae_bodies_set_pair(nsdae_bodies *bodies, int material0, int material1, double mu,
+                                    double e_n, double e_t);
 
 /* Gravity [3] [m/s^2]; none at first. */
 NSDAE_API int nsdae_bodies_set_gravity(nsdae_bodies *bodies, const double *gravity);

@@ -590,6 +590,8 @@ public:
   NSDAE_OWN(contact_acceleration)
   NSDAE_OWN(slide_tangent)
   NSDAE_OWN(kinematics)
+  NSDAE_OWN(constraint_rows)
+  NSDAE_OWN(contacts)
   NSDAE_OWN(potential)
 #undef NSDAE_OWN
 
@@ -654,6 +656,12 @@ public:
   int contact(int solid0, int solid1, double mu, double e_n, double e_t = 0)
   {
     return demand(nsdae_bodies_add_contact(c(), solid0, solid1, mu, e_n, e_t));
+  }
+  /* nsdae_bodies_set_pair. */
+  bodies &pair(int material0, int material1, double mu, double e_n, double e_t = 0)
+  {
+    demand(nsdae_bodies_set_pair(c(), material0, material1, mu, e_n, e_t));
+    return *this;
   }
   /* nsdae_bodies_set_gravity. */
   bodies &gravity(double x, double y, double z = 0)

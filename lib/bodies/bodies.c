@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "broad.h"
 #include "errors.h"
 #include "world.h"
 
@@ -32,8 +33,9 @@ void nsdae_bodies_destroy(nsdae_bodies **bodies)
   if (!bodies || !*bodies) return;
   nsdae_bodies *b = *bodies;
   for (int i = 0; i < b->solid.count; i++) free(((nsdae_solid_of *)b->solid.at)[i].point);
-  nsdae_list *lists[] = {&b->body,    &b->element, &b->slide,   &b->solid,
-                         &b->feature, &b->spring,  &b->torsion, &b->load};
+  nsdae_list *lists[] = {&b->body,   &b->element, &b->slide, &b->solid, &b->feature,
+                         &b->spring, &b->torsion, &b->load,  &b->pair};
+  for (int i = 0; i < NSDAE_BROADS; i++) nsdae_broad_release(b->broad[i]);
   for (size_t i = 0; i < sizeof lists / sizeof *lists; i++) free(lists[i]->at);
   free(b);
   *bodies = NULL;
@@ -247,18 +249,24 @@ void nsdae_bodies_own_direction(const nsdae_bodies *b, int body, const double *x
   nsdae_turn_back(pose.R, x, s);
 }
 
+void nsdae_bodies_part(const nsdae_bodies *b, const nsdae_velocity_row *row, int i,
+                       const nsdae_pose *pose, double part[6])
+{
+  part[0] = row->linear[i][0];
+  part[1] = row->linear[i][1];
+  part[2] = b->dimension == 2 ? row->angular[i][2] : row->linear[i][2];
+  if (b->dimension == 3) nsdae_turn_back(pose->R, row->angular[i], part + 3);
+}
+
 void nsdae_bodies_scatter(const nsdae_bodies *b, const int *body, const nsdae_pose *pose0,
                           const nsdae_pose *pose1, const nsdae_velocity_row *row, double scale,
                           double *out, int stride)
 {
   const nsdae_pose *pose[2] = {pose0, pose1};
   for (int i = 0; i < 2; i++) {
+    double part[6];
     if (body[i] == NSDAE_GROUND) continue;
-    double part[6] = {row->linear[i][0], row->linear[i][1], row->angular[i][2]};
-    if (b->dimension == 3) {
-      part[2] = row->linear[i][2];
-      nsdae_turn_back(pose[i]->R, row->angular[i], part + 3);
-    }
+    nsdae_bodies_part(b, row, i, pose[i], part);
     size_t nv = (size_t)nsdae_body_nv(b), first = (size_t)body[i] * nv;
     for (size_t j = 0; j < nv; j++) out[(first + j) * (size_t)stride] += scale * part[j];
   }
@@ -273,7 +281,7 @@ int nsdae_bodies_get_dims(const nsdae_bodies *b, nsdae_dims *dims)
                        .nv = b->body.count * nsdae_body_nv(b) + own->nv,
                        .m = b->element.count + own->m,
                        .k = k,
-                       .nt = k > 0 ? b->dimension - 1 : 0,
+                       .nt = k + b->pair.count > 0 ? b->dimension - 1 : 0,
                        .f = b->slide.count + own->f};
   return NSDAE_OK;
 }
@@ -299,6 +307,24 @@ int nsdae_bodies_locate(const nsdae_bodies *b, const double *q, int body, const 
   return NSDAE_OK;
 }
 
+/* What cannot be with contacts by list. */
+static int check_form(nsdae_bodies *b)
+{
+  const nsdae_own *own = &b->own;
+  const char *what = b->feature.count > 0 ? "contacts that are named (nsdae_bodies_add_contact)"
+                     : b->slide.count > 0 ? "friction of a slot"
+                     : own->dims.k + own->dims.f > 0 ? "numbered contacts and slides of one's own"
+                     : own->constraint_jacobian
+                         ? "constraint_jacobian of one's own (constraint_rows is)"
+                         : NULL;
+  if (b->pair.count == 0 || !what) return NSDAE_OK;
+  return nsdae_error_set(
+      &b->error, NSDAE_E_STATE, "nsdae_bodies_system", "pair",
+      "contacts are found by materials (nsdae_bodies_set_pair): then there can be "
+      "no %s",
+      what);
+}
+
 int nsdae_bodies_system(nsdae_bodies *b, nsdae_system **system)
 {
   nsdae_dims dims;
@@ -308,6 +334,8 @@ int nsdae_bodies_system(nsdae_bodies *b, nsdae_system **system)
   if (b->body.count + b->own.dims.nq == 0)
     return nsdae_error_set(&b->error, NSDAE_E_STATE, "nsdae_bodies_system", "body",
                            "there is no body: call nsdae_bodies_add first");
+  status = check_form(b);
+  if (status < 0) return status;
   nsdae_bodies_get_dims(b, &dims);
   status = nsdae_system_create(&dims, system, &b->error);
   if (status < 0) return status;

@@ -89,11 +89,13 @@ int nsdae_bodies_set_callbacks(nsdae_bodies *b, nsdae_system *system)
 {
   int status = nsdae_system_set_user(system, b);
   if (status == NSDAE_OK) status = set_names(b, system);
-  if (status == NSDAE_OK) status = nsdae_system_set_mass(system, mass);
+  if (status == NSDAE_OK && b->pair.count > 0) status = nsdae_bodies_set_blocks(b, system);
+  if (status == NSDAE_OK && b->pair.count == 0) status = nsdae_system_set_mass(system, mass);
   if (status == NSDAE_OK) status = nsdae_system_set_force(system, force);
   if (status == NSDAE_OK) status = nsdae_system_set_potential(system, potential);
   if (status == NSDAE_OK && (b->dimension == 3 || b->own.kinematics))
     status = nsdae_system_set_kinematics(system, kinematics);
   if (status == NSDAE_OK) status = nsdae_bodies_set_constraints(b, system);
-  return status < 0 ? status : nsdae_bodies_set_contacts(b, system);
+  if (status == NSDAE_OK && b->pair.count == 0) status = nsdae_bodies_set_contacts(b, system);
+  return status;
 }

@@ -86,7 +86,7 @@ static int set_rows(const nsdae_bodies *b, nsdae_system *system)
   const nsdae_own *own = &b->own;
   if (b->element.count + own->dims.m == 0) return NSDAE_OK;
   int status = nsdae_system_set_constraint(system, constraint);
-  if (status == NSDAE_OK && (own->dims.m == 0 || own->constraint_jacobian))
+  if (status == NSDAE_OK && b->pair.count == 0 && (own->dims.m == 0 || own->constraint_jacobian))
     status = nsdae_system_set_constraint_jacobian(system, constraint_jacobian);
   if (status == NSDAE_OK && (own->dims.m == 0 || own->constraint_bias))
     status = nsdae_system_set_constraint_bias(system, constraint_bias);

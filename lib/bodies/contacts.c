@@ -38,9 +38,8 @@ static int gap(double t, const double *q, double *g, void *user)
   return own->gap ? own->gap(t, q, g + b->feature.count, own->user) : 0;
 }
 
-/* The row of n . xi or t . xi, into a column. */
-static void put_column(const nsdae_bodies *b, const nsdae_touch *touch, const couple *c,
-                       nsdae_jet3 direction, double *column)
+nsdae_velocity_row nsdae_contact_row(const nsdae_touch *touch, const nsdae_pose pose[2],
+                                     nsdae_jet3 direction)
 {
   double x[2][3], n[3];
   for (int i = 0; i < 3; i++) {
@@ -48,7 +47,13 @@ static void put_column(const nsdae_bodies *b, const nsdae_touch *touch, const co
     x[1][i] = touch->at[1].at[i].x;
     n[i] = direction.at[i].x;
   }
-  nsdae_velocity_row row = nsdae_relative_row(&c->pose[0], &c->pose[1], x[0], x[1], n);
+  return nsdae_relative_row(&pose[0], &pose[1], x[0], x[1], n);
+}
+
+static void put_column(const nsdae_bodies *b, const nsdae_touch *touch, const couple *c,
+                       nsdae_jet3 direction, double *column)
+{
+  nsdae_velocity_row row = nsdae_contact_row(touch, c->pose, direction);
   nsdae_bodies_scatter(b, c->body, &c->pose[0], &c->pose[1], &row, 1, column, 1);
 }
 
@@ -67,7 +72,7 @@ static int gap_normal(double t, const double *q, double *W, int ldw, void *user)
 
 /* t_1 (and in space t_2 = n x t_1) at right angles to n: in the plane n turned to the left, in
  * space e x n of the coordinate axis e that n is least along. */
-static void tangents(int dimension, nsdae_jet3 n, nsdae_jet3 t[2])
+void nsdae_contact_tangents(int dimension, nsdae_jet3 n, nsdae_jet3 t[2])
 {
   double e[3] = {0, 0, 0};
   int least = 2;
@@ -88,7 +93,7 @@ static int gap_tangent(double t, const double *q, double *W, int ldw, void *user
   for (int i = 0; i < b->feature.count; i++) {
     nsdae_touch touch = touch_at(b, i, q, NULL, &c);
     nsdae_jet3 direction[2];
-    tangents(b->dimension, touch.normal, direction);
+    nsdae_contact_tangents(b->dimension, touch.normal, direction);
     for (int j = 0; j < nt; j++)
       put_column(b, &touch, &c, direction[j],
                  W + ((size_t)i * (size_t)nt + (size_t)j) * (size_t)ldw);
@@ -148,7 +153,7 @@ static int contact_acceleration(double t, const double *q, const double *v, doub
     nsdae_touch touch = touch_at(b, i, q, v, &c);
     nsdae_jet3 direction[2];
     omega_n[i] = touch.gap.dd;
-    tangents(b->dimension, touch.normal, direction);
+    nsdae_contact_tangents(b->dimension, touch.normal, direction);
     nsdae_jet3 xi = relative_velocity(&touch, c.pose);
     for (int j = 0; j < nt; j++) omega_t[i * nt + j] = nsdae_jet3_dot(direction[j], xi).d;
   }

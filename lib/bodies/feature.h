@@ -17,7 +17,7 @@
 
 /* A solid as the world keeps it: in its body's frame. */
 typedef struct nsdae_solid_of {
-  int body, shape, hollow, points;
+  int body, shape, hollow, points, material;
   double radius, half[3]; /* half edges; segment: half[0]; capsule: half[2] */
   double origin[3], R[9]; /* its frame in the body's; of a plane column 2 is the normal */
   double turn[4];         /* spatial: the same as a unit quaternion */

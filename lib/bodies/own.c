@@ -34,6 +34,7 @@ static int check_callbacks(nsdae_bodies *b, const nsdae_own *o)
       {"constraint", o->constraint != NULL, d->m > 0, d->m > 0},
       {"constraint_jacobian", o->constraint_jacobian != NULL, 0, d->m > 0},
       {"constraint_bias", o->constraint_bias != NULL, 0, d->m > 0},
+      {"constraint_rows", o->constraint_rows != NULL, 0, d->m > 0},
       {"gap", o->gap != NULL, d->k > 0, d->k > 0},
       {"gap_normal", o->gap_normal != NULL, 0, d->k > 0},
       {"gap_tangent", o->gap_tangent != NULL, d->k > 0, d->k > 0},
@@ -56,7 +57,7 @@ static int check_callbacks(nsdae_bodies *b, const nsdae_own *o)
 
 static int is_set(const nsdae_own *o)
 {
-  return o->dims.nq + o->dims.m + o->dims.k > 0 || o->force || o->potential;
+  return o->dims.nq + o->dims.m + o->dims.k > 0 || o->force || o->contacts || o->potential;
 }
 
 int nsdae_bodies_set_own(nsdae_bodies *b, const nsdae_own *own)

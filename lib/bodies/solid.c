@@ -182,6 +182,10 @@ int nsdae_bodies_add_solid(nsdae_bodies *b, int body, const nsdae_solid *s)
     return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, "solid", "body", index,
                                "body = %d is not a body: there are %d, from 0, and the ground (%d)",
                                body, b->body.count, NSDAE_GROUND);
+  if (s->material < 0 || s->material >= NSDAE_MATERIALS)
+    return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, "solid", "material", index,
+                               "material = %d is outside its range: it must be 0 .. %d",
+                               s->material, NSDAE_MATERIALS - 1);
   status = check_solid(s, &b->error);
   if (status == NSDAE_OK)
     status = nsdae_bodies_check_vector(b, "solid", "position", index, s->position, 1);
@@ -199,6 +203,7 @@ int nsdae_bodies_add_solid(nsdae_bodies *b, int body, const nsdae_solid *s)
                            .shape = s->shape,
                            .hollow = s->shape == NSDAE_SHAPE_DISC && s->hollow,
                            .points = points,
+                           .material = s->material,
                            .radius = s->radius,
                            .point = corners};
   place(b, s, made);
@@ -222,35 +227,77 @@ static int is_base(const nsdae_solid_of *s)
   return s->shape == NSDAE_SHAPE_PLANE || s->hollow;
 }
 
+/* Where the features of a pair go. */
+typedef struct sink {
+  nsdae_feature_fn add;
+  void *to;
+  int status;
+} sink;
+
+static void add_feature(sink *s, int edges, int solid0, int solid1, int part0, int part1)
+{
+  const nsdae_feature f = {.edges = edges, .solid = {solid0, solid1}, .part = {part0, part1}};
+  if (s->status >= 0) s->status = s->add(s->to, &f);
+}
+
+static void add_corners(sink *s, const nsdae_solid_of *solids, int base, int other)
+{
+  int count = nsdae_solid_corners(&solids[other]);
+  for (int i = 0; i < count; i++) add_feature(s, 0, base, other, 0, i);
+}
+
+static void add_edges(sink *s, const nsdae_solid_of *solids, int i, int j)
+{
+  int first = nsdae_solid_edges(&solids[i]), second = nsdae_solid_edges(&solids[j]);
+  for (int k = 0; k < first; k++)
+    for (int l = 0; l < second; l++) add_feature(s, 1, i, j, k, l);
+}
+
+int nsdae_pair_features(const nsdae_solid_of *solids, int solid0, int solid1, nsdae_feature_fn add,
+                        void *to)
+{
+  const nsdae_solid_of *s0 = &solids[solid0], *s1 = &solids[solid1];
+  sink s = {add, to, 0};
+  if (is_base(s0) || (is_round(s1) && !is_base(s1)))
+    add_corners(&s, solids, solid0, solid1);
+  else if (is_base(s1) || is_round(s0))
+    add_corners(&s, solids, solid1, solid0);
+  else {
+    add_corners(&s, solids, solid0, solid1);
+    add_corners(&s, solids, solid1, solid0);
+    add_edges(&s, solids, solid0, solid1);
+  }
+  return s.status;
+}
+
 typedef struct pairing {
   nsdae_bodies *bodies;
   double mu, e_n, e_t;
 } pairing;
 
-static void add_feature(const pairing *p, int edges, int solid0, int solid1, int part0, int part1)
+static int keep_feature(void *to, const nsdae_feature *feature)
 {
+  const pairing *p = to;
   nsdae_feature *f = nsdae_list_add(p->bodies, &p->bodies->feature, sizeof *f);
-  if (!f) return;
-  *f = (nsdae_feature){.edges = edges,
-                       .solid = {solid0, solid1},
-                       .part = {part0, part1},
-                       .mu = p->mu,
-                       .e_n = p->e_n,
-                       .e_t = p->e_t};
+  if (!f) return NSDAE_E_MEMORY;
+  *f = *feature;
+  f->mu = p->mu;
+  f->e_n = p->e_n;
+  f->e_t = p->e_t;
+  return NSDAE_OK;
 }
 
-static void add_corners(const pairing *p, int base, int other)
+/* mu >= 0, restitutions 0 .. 1 */
+static int check_coefficients(nsdae_bodies *b, const char *what, int index, double mu, double e_n,
+                              double e_t)
 {
-  int count = nsdae_solid_corners(solid_of(p->bodies, other));
-  for (int i = 0; i < count; i++) add_feature(p, 0, base, other, 0, i);
-}
-
-static void add_edges(const pairing *p, int i, int j)
-{
-  int first = nsdae_solid_edges(solid_of(p->bodies, i));
-  int second = nsdae_solid_edges(solid_of(p->bodies, j));
-  for (int k = 0; k < first; k++)
-    for (int l = 0; l < second; l++) add_feature(p, 1, i, j, k, l);
+  nsdae_bodies_check_least(b, what, "mu", index, mu, 0, 0);
+  nsdae_bodies_check_least(b, what, "e_n", index, e_n, 0, 0);
+  nsdae_bodies_check_least(b, what, "e_t", index, e_t, 0, 0);
+  if (e_n > 1 || e_t > 1)
+    nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, e_n > 1 ? "e_n" : "e_t", index,
+                        "e_n = %g, e_t = %g: a restitution is at most 1", e_n, e_t);
+  return b->error.status;
 }
 
 static int check_contact(nsdae_bodies *b, int i, int j, const pairing *p)
@@ -267,13 +314,27 @@ static int check_contact(nsdae_bodies *b, int i, int j, const pairing *p)
   if (is_base(solid_of(b, i)) && is_base(solid_of(b, j)))
     return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "solid", index,
                                "solids %d and %d are both without corners", i, j);
-  nsdae_bodies_check_least(b, what, "mu", index, p->mu, 0, 0);
-  nsdae_bodies_check_least(b, what, "e_n", index, p->e_n, 0, 0);
-  nsdae_bodies_check_least(b, what, "e_t", index, p->e_t, 0, 0);
-  if (p->e_n > 1 || p->e_t > 1)
-    nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, p->e_n > 1 ? "e_n" : "e_t", index,
-                        "e_n = %g, e_t = %g: a restitution is at most 1", p->e_n, p->e_t);
-  return b->error.status;
+  return check_coefficients(b, what, index, p->mu, p->e_n, p->e_t);
+}
+
+int nsdae_bodies_set_pair(nsdae_bodies *b, int material0, int material1, double mu, double e_n,
+                          double e_t)
+{
+  int status = nsdae_bodies_open(b, b, "bodies");
+  if (status < 0) return status;
+  int index = b->pair.count;
+  const int material[2] = {material0, material1};
+  for (int i = 0; i < 2; i++)
+    if (material[i] < 0 || material[i] >= NSDAE_MATERIALS)
+      return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, "pair", "material", index,
+                                 "material = %d is outside its range: it must be 0 .. %d",
+                                 material[i], NSDAE_MATERIALS - 1);
+  status = check_coefficients(b, "pair", index, mu, e_n, e_t);
+  if (status < 0) return status;
+  nsdae_bodies_pair *pair = nsdae_list_add(b, &b->pair, sizeof *pair);
+  if (!pair) return NSDAE_E_MEMORY;
+  *pair = (nsdae_bodies_pair){{material0, material1}, mu, e_n, e_t};
+  return NSDAE_OK;
 }
 
 int nsdae_bodies_add_contact(nsdae_bodies *b, int solid0, int solid1, double mu, double e_n,
@@ -285,16 +346,7 @@ int nsdae_bodies_add_contact(nsdae_bodies *b, int solid0, int solid1, double mu,
   int index = b->feature.count;
   status = check_contact(b, solid0, solid1, &p);
   if (status < 0) return status;
-  const nsdae_solid_of *s0 = solid_of(b, solid0), *s1 = solid_of(b, solid1);
-  if (is_base(s0) || (is_round(s1) && !is_base(s1)))
-    add_corners(&p, solid0, solid1);
-  else if (is_base(s1) || is_round(s0))
-    add_corners(&p, solid1, solid0);
-  else {
-    add_corners(&p, solid0, solid1);
-    add_corners(&p, solid1, solid0);
-    add_edges(&p, solid0, solid1);
-  }
+  nsdae_pair_features(b->solid.at, solid0, solid1, keep_feature, &p);
   return b->error.status < 0 ? b->error.status : index;
 }
 

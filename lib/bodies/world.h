@@ -6,6 +6,7 @@
 
 #include <nsdae/bodies.h>
 
+#include <stdatomic.h>
 #include <stddef.h>
 
 #include "element.h"
@@ -42,6 +43,15 @@ typedef struct nsdae_bodies_torsion {
   double stiffness, damping, rest, offset;
 } nsdae_bodies_torsion;
 
+typedef struct nsdae_bodies_pair {
+  int material[2];
+  double mu, e_n, e_t;
+} nsdae_bodies_pair;
+
+/* What a callback of contacts by list works with, kept from call to call; see broad.h. */
+typedef struct nsdae_broad nsdae_broad;
+enum { NSDAE_BROADS = 16 };
+
 struct nsdae_bodies {
   int dimension;
   int made;          /* the system was */
@@ -55,8 +65,10 @@ struct nsdae_bodies {
   nsdae_list spring;  /* nsdae_bodies_spring */
   nsdae_list torsion; /* nsdae_bodies_torsion */
   nsdae_list load;    /* nsdae_load */
-  int joints;         /* added so far */
-  nsdae_own own;      /* beside the bodies; nv filled in */
+  nsdae_list pair;    /* nsdae_bodies_pair: contacts are by list where there is any */
+  _Atomic(nsdae_broad *) broad[NSDAE_BROADS]; /* those that no call uses now */
+  int joints;                                 /* added so far */
+  nsdae_own own;                              /* beside the bodies; nv filled in */
 };
 
 static inline const nsdae_rigid_body *nsdae_body_at(const nsdae_bodies *b, int i)
@@ -103,6 +115,10 @@ nsdae_pose nsdae_bodies_start_pose(const nsdae_bodies *bodies, int body);
 void nsdae_bodies_own_point(const nsdae_bodies *bodies, int body, const double *x, double *s);
 void nsdae_bodies_own_direction(const nsdae_bodies *bodies, int body, const double *x, double *s);
 
+/* The part of a row of velocities that is of body i = 0, 1 with this pose: 3 or 6 numbers. */
+void nsdae_bodies_part(const nsdae_bodies *bodies, const nsdae_velocity_row *row, int i,
+                       const nsdae_pose *pose, double part[6]);
+
 /* Adds scale times a row of velocities to the places of its bodies, stride apart. */
 void nsdae_bodies_scatter(const nsdae_bodies *bodies, const int *body, const nsdae_pose *pose0,
                           const nsdae_pose *pose1, const nsdae_velocity_row *row, double scale,
@@ -125,5 +141,18 @@ int nsdae_bodies_element(const nsdae_bodies *bodies, const nsdae_element *elemen
 int nsdae_bodies_set_callbacks(nsdae_bodies *bodies, nsdae_system *system);
 int nsdae_bodies_set_constraints(const nsdae_bodies *bodies, nsdae_system *system);
 int nsdae_bodies_set_contacts(const nsdae_bodies *bodies, nsdae_system *system);
+/* In place of the last for contacts by list, with mass and rows by blocks. */
+int nsdae_bodies_set_blocks(nsdae_bodies *bodies, nsdae_system *system);
+
+/* The features of two solids in order, each handed to add until that returns < 0. */
+typedef int (*nsdae_feature_fn)(void *to, const nsdae_feature *feature);
+int nsdae_pair_features(const nsdae_solid_of *solids, int solid0, int solid1, nsdae_feature_fn add,
+                        void *to);
+
+/* Unit vectors t_1 (and in space t_2) at right angles to n. */
+void nsdae_contact_tangents(int dimension, nsdae_jet3 n, nsdae_jet3 t[2]);
+/* The row of n . xi for a direction of a contact. */
+nsdae_velocity_row nsdae_contact_row(const nsdae_touch *touch, const nsdae_pose pose[2],
+                                     nsdae_jet3 direction);
 
 #endif

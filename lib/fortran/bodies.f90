@@ -15,6 +15,7 @@ module nsdae_f_bodies
   private
 
   integer(c_int), parameter, public :: NSDAE_GROUND = -1
+  integer(c_int), parameter, public :: NSDAE_MATERIALS = 64  ! materials are 0 .. NSDAE_MATERIALS - 1
 
   integer(c_int), parameter, public :: &
       NSDAE_JOINT_REVOLUTE = 0, &
@@ -47,6 +48,7 @@ module nsdae_f_bodies
     real(c_double), allocatable :: point(:, :)     ! [2, corners] of a polygon, anticlockwise
     real(c_double) :: position(3) = 0, angle = 0   ! in the body's frame
     real(c_double) :: quaternion(4) = 0
+    integer(c_int) :: material = 0                 ! for nsdae_bodies_set_pair
   end type
 
   ! The struct of the C header.
@@ -60,6 +62,7 @@ module nsdae_f_bodies
     real(c_double) :: position(3) = 0
     real(c_double) :: angle = 0
     real(c_double) :: quaternion(4) = 0
+    integer(c_int) :: material = 0
   end type
 
   ! A joint, as it stands at the start; points and axes in space.
@@ -109,6 +112,8 @@ module nsdae_f_bodies
     type(c_funptr) :: contact_acceleration = c_null_funptr
     type(c_funptr) :: slide_tangent = c_null_funptr
     type(c_funptr) :: kinematics = c_null_funptr
+    type(c_funptr) :: constraint_rows = c_null_funptr
+    type(c_funptr) :: contacts = c_null_funptr
     type(c_funptr) :: potential = c_null_funptr
     type(c_ptr) :: user = c_null_ptr
   end type
@@ -140,7 +145,7 @@ module nsdae_f_bodies
   public :: nsdae_drive_fn, nsdae_load_fn
   public :: nsdae_bodies_create, nsdae_bodies_destroy, nsdae_bodies_add, nsdae_bodies_add_joint, &
             nsdae_bodies_add_spring, nsdae_bodies_add_torsion, nsdae_bodies_add_load, &
-            nsdae_bodies_add_solid, nsdae_bodies_add_contact, nsdae_bodies_set_gravity, &
+            nsdae_bodies_add_solid, nsdae_bodies_add_contact, nsdae_bodies_set_pair, nsdae_bodies_set_gravity, &
             nsdae_bodies_set_own, nsdae_bodies_system, nsdae_bodies_get_dims, nsdae_bodies_get_start, &
             nsdae_bodies_locate, nsdae_bodies_error, nsdae_solid_inertia
 
@@ -194,6 +199,13 @@ module nsdae_f_bodies
       import
       type(c_ptr), value :: bodies
       integer(c_int), value :: solid0, solid1
+      real(c_double), value :: mu, e_n, e_t
+    end function
+    integer(c_int) function c_set_pair(bodies, material0, material1, mu, e_n, e_t) &
+        bind(C, name='nsdae_bodies_set_pair')
+      import
+      type(c_ptr), value :: bodies
+      integer(c_int), value :: material0, material1
       real(c_double), value :: mu, e_n, e_t
     end function
     integer(c_int) function c_set_gravity(bodies, gravity) &
@@ -317,6 +329,16 @@ contains
     number = c_add_contact(bodies%handle, solid0, solid1, mu, e_n, e_t)
   end function
 
+  ! Lets every two solids of these materials touch that belong to different bodies: contacts are by
+  ! list from then on, and there can be many.
+  integer(c_int) function nsdae_bodies_set_pair(bodies, material0, material1, mu, e_n, e_t) &
+      result(status)
+    type(nsdae_bodies), intent(in) :: bodies
+    integer(c_int), intent(in) :: material0, material1
+    real(c_double), intent(in) :: mu, e_n, e_t
+    status = c_set_pair(bodies%handle, material0, material1, mu, e_n, e_t)
+  end function
+
   integer(c_int) function nsdae_bodies_set_gravity(bodies, gravity) result(status)
     type(nsdae_bodies), intent(in) :: bodies
     real(c_double), intent(in) :: gravity(3)
@@ -412,6 +434,7 @@ contains
     to%position = solid%position
     to%angle = solid%angle
     to%quaternion = solid%quaternion
+    to%material = solid%material
   end function
 
 end module

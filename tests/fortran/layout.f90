@@ -117,6 +117,7 @@ contains
     call same('NSDAE_VERSION_MINOR', NSDAE_VERSION_MINOR)
     call same('NSDAE_VERSION_PATCH', NSDAE_VERSION_PATCH)
     call same('NSDAE_GROUND', NSDAE_GROUND)
+    call same('NSDAE_MATERIALS', NSDAE_MATERIALS)
     call same('NSDAE_SHAPE_POINT', NSDAE_SHAPE_POINT)
     call same('NSDAE_SHAPE_DISC', NSDAE_SHAPE_DISC)
     call same('NSDAE_SHAPE_SEGMENT', NSDAE_SHAPE_SEGMENT)
@@ -411,6 +412,7 @@ contains
     call same_place('nsdae_solid%position', c_loc(x), c_loc(x%position))
     call same_place('nsdae_solid%angle', c_loc(x), c_loc(x%angle))
     call same_place('nsdae_solid%quaternion', c_loc(x), c_loc(x%quaternion))
+    call same_place('nsdae_solid%material', c_loc(x), c_loc(x%material))
   end subroutine
 
   subroutine joint_fields()
@@ -461,6 +463,8 @@ contains
     call same_place('nsdae_own%contact_acceleration', c_loc(x), c_loc(x%contact_acceleration))
     call same_place('nsdae_own%slide_tangent', c_loc(x), c_loc(x%slide_tangent))
     call same_place('nsdae_own%kinematics', c_loc(x), c_loc(x%kinematics))
+    call same_place('nsdae_own%constraint_rows', c_loc(x), c_loc(x%constraint_rows))
+    call same_place('nsdae_own%contacts', c_loc(x), c_loc(x%contacts))
     call same_place('nsdae_own%potential', c_loc(x), c_loc(x%potential))
     call same_place('nsdae_own%user', c_loc(x), c_loc(x%user))
   end subroutine

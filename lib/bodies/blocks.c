@@ -1,0 +1,131 @@
+/* The mechanism by blocks: a body is one, coordinates of one's own are the last; rows over them;
+ * and contacts by list, found by the broad phase. */
+#include <stdlib.h>
+
+#include "broad.h"
+#include "errors.h"
+
+static int mass_blocks(double t, const double *q, double *M, void *user)
+{
+  const nsdae_bodies *b = user;
+  int nv = nsdae_body_nv(b);
+  for (int i = 0; i < b->body.count; i++, M += nv * nv) {
+    const nsdae_rigid_body *body = nsdae_body_at(b, i);
+    for (int j = 0; j < b->dimension; j++) M[j * (nv + 1)] = body->mass;
+    for (int j = b->dimension; j < nv; j++)
+      M[j * (nv + 1)] = body->inertia[b->dimension == 2 ? 2 : j - 3];
+  }
+  return b->own.mass ? b->own.mass(t, q, M, b->own.dims.nv, b->own.user) : 0;
+}
+
+static int constraint_rows(double t, const double *q, nsdae_row_list *rows, void *user)
+{
+  const nsdae_bodies *b = user;
+  for (int i = 0; i < b->element.count; i++) {
+    const nsdae_element *e = (const nsdae_element *)b->element.at + i;
+    nsdae_element_value value;
+    nsdae_pose pose[2];
+    int code = nsdae_bodies_element(b, e, t, q, NULL, pose, &value);
+    for (int j = 0; j < 2 && code == 0; j++) {
+      double part[6];
+      if (e->body[j] == NSDAE_GROUND) continue;
+      nsdae_bodies_part(b, &value.row, j, &pose[j], part);
+      code = nsdae_row_add(rows, i, e->body[j], part);
+    }
+    if (code) return code;
+  }
+  return b->own.constraint_rows ? b->own.constraint_rows(t, q, rows, b->own.user) : 0;
+}
+
+/* A pair on its way into the list. */
+typedef struct listing {
+  const nsdae_bodies *bodies;
+  const nsdae_broad *broad;
+  nsdae_contact_list *list;
+  double reach;
+  long id; /* of the next feature */
+  const nsdae_bodies_pair *pair;
+} listing;
+
+static void set_direction(const listing *l, const nsdae_touch *touch, const nsdae_pose pose[2],
+                          nsdae_jet3 direction, int number, nsdae_contact *c)
+{
+  nsdae_velocity_row row = nsdae_contact_row(touch, pose, direction);
+  for (int i = 0; i < 2; i++)
+    nsdae_bodies_part(l->bodies, &row, i, &pose[i], c->direction[i][number]);
+}
+
+static int list_feature(void *to, const nsdae_feature *f)
+{
+  listing *l = to;
+  const nsdae_solid_of *solid = l->bodies->solid.at, *s[2];
+  nsdae_pose pose[2];
+  nsdae_contact c = {.id = l->id++, .mu = l->pair->mu, .e_n = l->pair->e_n, .e_t = l->pair->e_t};
+  for (int i = 0; i < 2; i++) {
+    s[i] = &solid[f->solid[i]];
+    c.block[i] = s[i]->body;
+    pose[i] = *nsdae_broad_pose(l->broad, s[i]->body);
+  }
+  nsdae_touch touch = nsdae_feature_touch(f, s[0], s[1], &pose[0], &pose[1]);
+  if (touch.far || touch.gap.x > l->reach) return 0;
+  nsdae_jet3 tangent[2];
+  nsdae_contact_tangents(l->bodies->dimension, touch.normal, tangent);
+  c.gap = touch.gap.x;
+  set_direction(l, &touch, pose, touch.normal, 0, &c);
+  for (int i = 1; i < l->bodies->dimension; i++)
+    set_direction(l, &touch, pose, tangent[i - 1], i, &c);
+  return nsdae_contact_add(l->list, &c);
+}
+
+static int list_pair(void *to, nsdae_broad *broad, int i, int j)
+{
+  listing *l = to;
+  const nsdae_solid_of *solid = l->bodies->solid.at;
+  l->pair = broad->pair[solid[i].material][solid[j].material];
+  l->id = ((long)i * broad->solids + j) * broad->features;
+  return nsdae_pair_features(solid, i, j, list_feature, l);
+}
+
+static int contacts(double t, const double *q, const double *v, double reach,
+                    nsdae_contact_list *list, void *user)
+{
+  nsdae_bodies *b = user;
+  nsdae_broad *broad = nsdae_broad_take(b);
+  if (!broad) return -1;
+  listing l = {.bodies = b, .broad = broad, .list = list, .reach = reach};
+  int status = nsdae_broad_pairs(broad, b, q, reach, list_pair, &l);
+  nsdae_broad_give_back(b, broad);
+  if (status < 0) return -1;
+  return b->own.contacts ? b->own.contacts(t, q, v, reach, list, b->own.user) : 0;
+}
+
+static int set_partition(const nsdae_bodies *b, nsdae_system *system)
+{
+  int own = b->own.dims.nq > 0, count = b->body.count + own;
+  int *sizes = calloc(2 * (size_t)count, sizeof *sizes);
+  if (!sizes) return NSDAE_E_MEMORY;
+  for (int i = 0; i < b->body.count; i++) {
+    sizes[i] = nsdae_body_nq(b);
+    sizes[count + i] = nsdae_body_nv(b);
+  }
+  if (own) {
+    sizes[count - 1] = b->own.dims.nq;
+    sizes[2 * count - 1] = b->own.dims.nv;
+  }
+  int status = nsdae_system_set_blocks(system, count, sizes, sizes + count);
+  free(sizes);
+  return status;
+}
+
+int nsdae_bodies_set_blocks(nsdae_bodies *b, nsdae_system *system)
+{
+  int status = set_partition(b, system);
+  if (status == NSDAE_OK) status = nsdae_system_set_mass_blocks(system, mass_blocks);
+  if (status == NSDAE_OK && b->element.count + b->own.dims.m > 0)
+    status = nsdae_system_set_constraint_rows(system, constraint_rows);
+  if (status == NSDAE_OK) status = nsdae_system_set_contacts(system, contacts);
+  nsdae_broad *broad = status == NSDAE_OK ? nsdae_broad_take(b) : NULL;
+  if (status == NSDAE_OK && !broad) status = NSDAE_E_MEMORY;
+  if (broad) nsdae_broad_give_back(b, broad); /* the first simulation allocates none */
+  return status;
+}

@@ -1,0 +1,359 @@
+/* Contacts by materials: the broad phase against every pair by force, the systems against those
+ * with numbered contacts, coordinates of one's own and joints by blocks. */
+#include "check.h"
+
+#include <nsdae/nsdae.h>
+
+#include "broad.h"
+
+enum { NQ_MAX = 80, SOLIDS_MAX = 120 };
+
+static uint64_t seed;
+
+static double uniform(double low, double high)
+{
+  seed = seed * 6364136223846793005u + 1442695040888963407u;
+  return low + (high - low) * (double)(seed >> 11) / 9007199254740992.0;
+}
+
+static const double corners[8] = {-0.5, -0.4, 0.6, -0.3, 0.5, 0.5, -0.4, 0.3};
+
+/* A solid of any shape: most of size one, some ten times that. */
+static nsdae_solid random_solid(int d)
+{
+  static const int planar[5] = {NSDAE_SHAPE_POINT, NSDAE_SHAPE_DISC, NSDAE_SHAPE_SEGMENT,
+                                NSDAE_SHAPE_POLYGON, NSDAE_SHAPE_PLANE};
+  static const int spatial[5] = {NSDAE_SHAPE_POINT, NSDAE_SHAPE_SPHERE, NSDAE_SHAPE_CAPSULE,
+                                 NSDAE_SHAPE_BOX, NSDAE_SHAPE_PLANE};
+  double size = uniform(0, 1) < 0.1 ? 10 : 1;
+  int shape = (int)uniform(0, uniform(0, 1) < 0.1 ? 5 : 4);
+  nsdae_solid s = {.shape = (d == 2 ? planar : spatial)[shape],
+                   .radius = size * uniform(0.1, 0.5),
+                   .length = {size * uniform(0.5, 2), uniform(0.5, 2), uniform(0.5, 2)},
+                   .hollow = uniform(0, 1) < 0.1,
+                   .points = 4,
+                   .point = corners,
+                   .material = (int)uniform(0, 3)};
+  if (shape == 0 || shape == 3) s.radius = 0;
+  for (int i = 0; i < d; i++) s.position[i] = uniform(-0.5, 0.5);
+  for (int i = 0; i < 4; i++) s.quaternion[i] = uniform(-1, 1);
+  return s;
+}
+
+/* Bodies with up to three solids each, the ground among them; materials 0 and 0, 0 and 2, 1 and 2
+ * touch. */
+static nsdae_bodies *scene(int d, int bodies)
+{
+  nsdae_bodies *b;
+  assert_int_equal(nsdae_bodies_create(d, &b, NULL), NSDAE_OK);
+  for (int i = 0; i < bodies; i++) {
+    nsdae_rigid_body body = {.mass = 1, .inertia = {1, 1, 1}, .angle = uniform(-3, 3)};
+    for (int j = 0; j < d; j++) body.position[j] = uniform(-4, 4);
+    for (int j = 0; j < 4; j++) body.quaternion[j] = uniform(-1, 1);
+    assert_int_equal(nsdae_bodies_add(b, &body), i);
+  }
+  for (int i = -1; i < bodies; i++)
+    for (int j = (int)uniform(0, 4); j > 0; j--) {
+      nsdae_solid s = random_solid(d);
+      assert_true(nsdae_bodies_add_solid(b, i, &s) >= 0);
+    }
+  const int pair[3][2] = {{0, 0}, {2, 0}, {1, 2}};
+  for (int i = 0; i < 3; i++)
+    assert_int_equal(nsdae_bodies_set_pair(b, pair[i][0], pair[i][1], 0.3, 0, 0), NSDAE_OK);
+  return b;
+}
+
+typedef struct nearest_gap {
+  const nsdae_bodies *bodies;
+  const double *q;
+  double least;
+} nearest_gap;
+
+static int look(void *to, const nsdae_feature *f)
+{
+  nearest_gap *n = to;
+  const nsdae_solid_of *s = n->bodies->solid.at;
+  nsdae_pose pose[2];
+  for (int i = 0; i < 2; i++)
+    pose[i] = nsdae_bodies_pose(n->bodies, s[f->solid[i]].body, n->q, NULL);
+  nsdae_touch touch = nsdae_feature_touch(f, &s[f->solid[0]], &s[f->solid[1]], &pose[0], &pose[1]);
+  if (!touch.far) n->least = fmin(n->least, touch.gap.x);
+  return 0;
+}
+
+typedef struct visits {
+  int times[SOLIDS_MAX][SOLIDS_MAX], count, order[20000];
+} visits;
+
+static int visit(void *to, nsdae_broad *broad, int i, int j)
+{
+  visits *v = to;
+  (void)broad;
+  assert_true(i < j);
+  v->times[i][j]++;
+  if (v->count < 20000) v->order[v->count++] = i * SOLIDS_MAX + j;
+  return 0;
+}
+
+/* Every pair within reach is visited, once; no other of materials or bodies that do not touch. */
+static void check_scene(int d, int bodies)
+{
+  static visits seen, again;
+  nsdae_bodies *b = scene(d, bodies);
+  const nsdae_solid_of *s = b->solid.at;
+  double q[NQ_MAX * 7], v[NQ_MAX * 6], reach = uniform(0, 0.5);
+  int touching = 0;
+  assert_true(b->solid.count <= SOLIDS_MAX);
+  nsdae_bodies_get_start(b, q, v);
+  nsdae_broad *broad = nsdae_broad_take(b);
+  assert_non_null(broad);
+  memset(&seen, 0, sizeof seen);
+  memset(&again, 0, sizeof again);
+  assert_int_equal(nsdae_broad_pairs(broad, b, q, reach, visit, &seen), 0);
+  assert_int_equal(nsdae_broad_pairs(broad, b, q, reach, visit, &again), 0);
+  assert_memory_equal(&seen, &again, sizeof seen);
+  for (int i = 0; i < b->solid.count; i++)
+    for (int j = i + 1; j < b->solid.count; j++) {
+      int m = s[i].material * 3 + s[j].material;
+      int may = s[i].body != s[j].body && (m == 0 || m == 2 || m == 6 || m == 5 || m == 7);
+      int endless = (s[i].shape == NSDAE_SHAPE_PLANE || s[i].hollow) &&
+                    (s[j].shape == NSDAE_SHAPE_PLANE || s[j].hollow);
+      nearest_gap near = {b, q, INFINITY};
+      assert_true(seen.times[i][j] <= (may && !endless));
+      if (!may || endless) continue;
+      nsdae_pair_features(s, i, j, look, &near);
+      if (near.least <= reach) assert_int_equal(seen.times[i][j], 1);
+      touching += near.least <= reach;
+    }
+  assert_true(touching == 0 || seen.count >= touching);
+  nsdae_broad_give_back(b, broad);
+  nsdae_bodies_destroy(&b);
+}
+
+static void test_broad(void **state)
+{
+  (void)state;
+  seed = 5;
+  for (int i = 0; i < 200; i++) check_scene(2 + i % 2, 1 + i % 40);
+}
+
+/* Balls (or discs) that fall into a corner of planes: with their contacts numbered, or by list. */
+static void fall(int d, int by_list, double mu, double *q, int *contacts)
+{
+  enum { BALLS = 8 };
+  nsdae_bodies *b;
+  nsdae_system *system;
+  nsdae_sim *sim;
+  nsdae_record r;
+  nsdae_dims dims;
+  nsdae_error error;
+  double q0[NQ_MAX], v0[NQ_MAX], gravity[3] = {0, 0, 0};
+  gravity[d - 1] = -9.81;
+  seed = 99;
+  assert_int_equal(nsdae_bodies_create(d, &b, NULL), NSDAE_OK);
+  nsdae_bodies_set_gravity(b, gravity);
+  for (int i = 0; i < BALLS; i++) {
+    nsdae_rigid_body body = {.mass = 1, .inertia = {0.1, 0.1, 0.1}};
+    for (int j = 0; j < d; j++) body.position[j] = uniform(-0.05, 0.05);
+    body.position[d - 1] = 0.6 + 1.1 * i;
+    nsdae_bodies_add(b, &body);
+    nsdae_bodies_add_solid(b, i,
+                           &(nsdae_solid){.shape = d == 2 ? NSDAE_SHAPE_DISC : NSDAE_SHAPE_SPHERE,
+                                          .radius = 0.5,
+                                          .material = 1});
+  }
+  int floor = nsdae_bodies_add_solid(b, NSDAE_GROUND, &(nsdae_solid){.shape = NSDAE_SHAPE_PLANE});
+  for (int i = 0; i < BALLS && !by_list; i++) {
+    nsdae_bodies_add_contact(b, floor, i, mu, 0.2, 0);
+    for (int j = 0; j < i; j++) nsdae_bodies_add_contact(b, j, i, mu, 0.2, 0);
+  }
+  if (by_list) {
+    nsdae_bodies_set_pair(b, 1, 1, mu, 0.2, 0);
+    nsdae_bodies_set_pair(b, 0, 1, mu, 0.2, 0);
+  }
+  int status = nsdae_bodies_system(b, &system);
+  if (status < 0) print_error("%s\n", nsdae_bodies_error(b)->text);
+  assert_int_equal(status, NSDAE_OK);
+  nsdae_bodies_get_dims(b, &dims);
+  assert_int_equal(dims.k, by_list ? 0 : BALLS * (BALLS + 1) / 2);
+  assert_int_equal(dims.nt, d - 1);
+  nsdae_bodies_get_start(b, q0, v0);
+  nsdae_sim_options options;
+  nsdae_sim_options_default(&options);
+  options.method = NSDAE_METHOD_MOREAU;
+  options.dt = 2e-3;
+  assert_int_equal(nsdae_sim_create(system, &options, &sim, &error), NSDAE_OK);
+  assert_int_equal(nsdae_sim_init(sim, 0, q0, v0), NSDAE_OK);
+  status = nsdae_sim_run(sim, 0.3);
+  if (status < 0) print_error("%s\n", nsdae_sim_error(sim)->text);
+  assert_true(status >= 0);
+  nsdae_sim_get_record(sim, &r);
+  memcpy(q, r.q, (size_t)dims.nq * sizeof *q);
+  *contacts = by_list ? r.contacts.count : 0;
+  nsdae_sim_destroy(&sim);
+  nsdae_system_destroy(&system);
+  nsdae_bodies_destroy(&b);
+}
+
+static void test_same_as_numbered(void **state)
+{
+  (void)state;
+  for (int d = 2; d <= 3; d++)
+    for (int i = 0; i < 2; i++) {
+      double numbered[NQ_MAX], listed[NQ_MAX];
+      int none, closed;
+      fall(d, 0, 0.3 * i, numbered, &none);
+      fall(d, 1, 0.3 * i, listed, &closed);
+      assert_true(closed >= 2);
+      for (int j = 0; j < 8 * (d == 2 ? 3 : 7); j++) assert_near(listed[j], numbered[j], 1e-7);
+    }
+}
+
+/* A drum of one's own by blocks: see the guide; the load hangs beside a heap that it never meets.
+ */
+static int drum_mass(double t, const double *q, double *M, int ldm, void *user)
+{
+  (void)t;
+  (void)q;
+  (void)user;
+  assert_int_equal(ldm, 1);
+  M[0] = 0.5;
+  return 0;
+}
+
+static int rope(double t, const double *q, double *phi, void *user)
+{
+  (void)t;
+  (void)user;
+  phi[0] = q[1] + q[6];
+  return 0;
+}
+
+static int rope_rows(double t, const double *q, nsdae_row_list *rows, void *user)
+{
+  const double load[3] = {0, 1, 0}, drum[1] = {1};
+  (void)t;
+  (void)q;
+  (void)user;
+  int status = nsdae_row_add(rows, 2, 0, load); /* behind the two of the hinge */
+  return status < 0 ? status : nsdae_row_add(rows, 2, 2, drum);
+}
+
+static int rope_bias(double t, const double *q, const double *v, double *phi_t, double *omega,
+                     void *user)
+{
+  (void)t;
+  (void)q;
+  (void)v;
+  (void)user;
+  phi_t[0] = omega[0] = 0;
+  return 0;
+}
+
+static nsdae_bodies *load_and_pendulum(const nsdae_own *own)
+{
+  nsdae_bodies *b;
+  const double gravity[3] = {0, -10, 0};
+  assert_int_equal(nsdae_bodies_create(2, &b, NULL), NSDAE_OK);
+  nsdae_bodies_set_gravity(b, gravity);
+  nsdae_bodies_add(b, &(nsdae_rigid_body){.mass = 2, .inertia = {0, 0, 1}});
+  nsdae_bodies_add(b, &(nsdae_rigid_body){.mass = 1, .inertia = {0, 0, 1}, .position = {50}});
+  nsdae_bodies_add_joint(
+      b, &(nsdae_joint){.kind = NSDAE_JOINT_REVOLUTE, .body = {NSDAE_GROUND, 1}, .point = {50, 1}});
+  nsdae_bodies_add_solid(b, 0, &(nsdae_solid){.shape = NSDAE_SHAPE_POINT});
+  nsdae_bodies_add_solid(b, NSDAE_GROUND,
+                         &(nsdae_solid){.shape = NSDAE_SHAPE_PLANE, .position = {0, -100}});
+  assert_int_equal(nsdae_bodies_set_pair(b, 0, 0, 0.5, 0, 0), NSDAE_OK);
+  assert_int_equal(nsdae_bodies_set_own(b, own), NSDAE_OK);
+  return b;
+}
+
+static void test_own_by_blocks(void **state)
+{
+  const nsdae_own own = {.dims = {.nq = 1, .m = 1},
+                         .mass = drum_mass,
+                         .constraint = rope,
+                         .constraint_rows = rope_rows,
+                         .constraint_bias = rope_bias};
+  nsdae_bodies *b = load_and_pendulum(&own);
+  nsdae_system *system;
+  nsdae_sim *sim;
+  nsdae_record r;
+  double q[7], v[7];
+  (void)state;
+  assert_int_equal(nsdae_bodies_system(b, &system), NSDAE_OK);
+  assert_int_equal(nsdae_system_get_blocks(system), 3);
+  nsdae_bodies_get_start(b, q, v);
+  assert_int_equal(nsdae_sim_create(system, NULL, &sim, NULL), NSDAE_OK);
+  assert_int_equal(nsdae_sim_init(sim, 0, q, v), NSDAE_OK);
+  int status = nsdae_sim_run(sim, 1);
+  if (status < 0) print_error("%s\n", nsdae_sim_error(sim)->text);
+  assert_true(status >= 0);
+  nsdae_sim_get_record(sim, &r);
+  assert_near(r.q[1], -4, 1e-10); /* 2 g / 2.5 */
+  assert_near(r.q[6], 4, 1e-10);
+  assert_near(hypot(r.q[3] - 50, r.q[4] - 1), 1, 1e-6);
+  nsdae_sim_destroy(&sim);
+  nsdae_system_destroy(&system);
+  nsdae_bodies_destroy(&b);
+}
+
+static void refused(nsdae_bodies *b, int status, const char *argument)
+{
+  nsdae_system *system;
+  assert_int_equal(nsdae_bodies_system(b, &system), status);
+  assert_string_equal(nsdae_bodies_error(b)->argument, argument);
+  nsdae_bodies_destroy(&b);
+}
+
+static nsdae_bodies *two_points(void)
+{
+  nsdae_bodies *b;
+  assert_int_equal(nsdae_bodies_create(2, &b, NULL), NSDAE_OK);
+  for (int i = 0; i < 2; i++) {
+    nsdae_bodies_add(b, &(nsdae_rigid_body){.mass = 1, .inertia = {0, 0, 1}, .position = {i}});
+    nsdae_bodies_add_solid(b, i, &(nsdae_solid){.shape = NSDAE_SHAPE_POINT});
+  }
+  return b;
+}
+
+static void test_refused(void **state)
+{
+  const nsdae_own own = {.dims = {.nq = 1, .m = 1},
+                         .mass = drum_mass,
+                         .constraint = rope,
+                         .constraint_jacobian = (nsdae_constraint_jacobian_fn)drum_mass};
+  (void)state;
+  nsdae_bodies *b = two_points();
+  assert_true(nsdae_bodies_set_pair(b, 0, NSDAE_MATERIALS, 0, 0, 0) == NSDAE_E_ARGUMENT);
+  refused(b, NSDAE_E_ARGUMENT, "material");
+  b = two_points();
+  assert_true(nsdae_bodies_set_pair(b, -1, 0, 0, 0, 0) == NSDAE_E_ARGUMENT);
+  refused(b, NSDAE_E_ARGUMENT, "material");
+  b = two_points();
+  assert_true(nsdae_bodies_set_pair(b, 0, 0, 0, 2, 0) == NSDAE_E_ARGUMENT);
+  refused(b, NSDAE_E_ARGUMENT, "e_n");
+  b = two_points();
+  assert_true(
+      nsdae_bodies_add_solid(b, 0, &(nsdae_solid){.shape = NSDAE_SHAPE_POINT, .material = -1}) ==
+      NSDAE_E_ARGUMENT);
+  refused(b, NSDAE_E_ARGUMENT, "material");
+  b = two_points();
+  nsdae_bodies_add_contact(b, 0, 1, 0, 0, 0);
+  nsdae_bodies_set_pair(b, 0, 0, 0, 0, 0);
+  refused(b, NSDAE_E_STATE, "pair");
+  b = two_points();
+  nsdae_bodies_set_pair(b, 0, 0, 0, 0, 0);
+  nsdae_bodies_add_joint(
+      b, &(nsdae_joint){.kind = NSDAE_JOINT_SLOT, .body = {0, 1}, .axis = {1}, .mu = 0.1});
+  refused(b, NSDAE_E_STATE, "pair");
+  refused(load_and_pendulum(&own), NSDAE_E_STATE, "pair");
+}
+
+int main(void)
+{
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_broad), cmocka_unit_test(test_same_as_numbered),
+      cmocka_unit_test(test_own_by_blocks), cmocka_unit_test(test_refused)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
