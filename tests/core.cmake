@@ -29,5 +29,6 @@ endforeach()
 
 nsdae_test(anomaly arguments LINKS test_support)
 nsdae_test(anomaly kinematics)
+nsdae_test(system blocks LINKS test_support test_allocator)
 nsdae_test(anomaly blas LINKS test_allocator test_process_allocator)
 nsdae_test(anomaly certificate)

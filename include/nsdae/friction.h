@@ -77,6 +77,8 @@ typedef struct nsdae_friction_options {
   int stages;     /* sum of enum nsdae_friction_stage; default NSDAE_FRICTION_ALL */
   int max_sweeps; /* of block Gauss-Seidel over an island, >= 0; 0: as many as the chain sees fit */
   int max_iterations; /* Newton steps of an attempt on an island, >= 0; 0: as above */
+  int refine; /* Newton steps from a solution on, while its residual falls, >= 0; then r is in the
+                 cones to the last bit. Default 0: neither */
 } nsdae_friction_options;
 
 /* How a problem was solved, or was not. */

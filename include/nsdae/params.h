@@ -22,8 +22,8 @@ enum nsdae_param_type {
 
 enum { NSDAE_PARAM_TEXT_SIZE = 256 };
 
-/* Which bound of a range is itself excluded. */
-enum { NSDAE_OPEN_MIN = 1, NSDAE_OPEN_MAX = 2 };
+/* Which bound of a range is itself excluded; whether zero is allowed beside the range. */
+enum { NSDAE_OPEN_MIN = 1, NSDAE_OPEN_MAX = 2, NSDAE_OR_ZERO = 4 };
 
 /* One field of a struct. */
 typedef struct nsdae_param {
@@ -34,7 +34,7 @@ typedef struct nsdae_param {
   size_t offset;              /* offsetof the field */
   double initial;             /* default; of a choice its index */
   double min, max;            /* range */
-  int open;                   /* NSDAE_OPEN_MIN | NSDAE_OPEN_MAX */
+  int open;                   /* NSDAE_OPEN_MIN | NSDAE_OPEN_MAX | NSDAE_OR_ZERO */
   const char *const *choices; /* ends with NULL; for NSDAE_PARAM_CHOICE */
 } nsdae_param;
 

@@ -33,7 +33,8 @@ enum nsdae_redundant { NSDAE_REDUNDANT_ERROR, NSDAE_REDUNDANT_LEAST_NORM };
 
 /* What a step of a time-stepping method ends with: its end is moved to the constraints (coordinates
  * of unit length, such as quaternions, keep it); with contacts also to touching, where a contact
- * was closed in the step and overlaps. */
+ * was closed in the step and overlaps. With penalty and event anything but none is refused: event
+ * keeps both by its own, and penalty's contacts overlap by their law. */
 enum nsdae_projection {
   NSDAE_PROJECTION_NONE,
   NSDAE_PROJECTION_CONSTRAINTS,
@@ -50,22 +51,22 @@ typedef struct nsdae_sim_options {
   int redundant;                          /* enum nsdae_redundant */
   double rank_tol;                        /* below it a constraint depends on the others */
   double lcp_tol;                         /* scaled natural residual of a solved LCP */
-  int polygon;                            /* edges of the friction polygon where nt = 2: 3 .. 32 */
-  double impact_velocity;                 /* slower closings are no impacts [m/s] */
-  double rtol, atol;                      /* of the integrator of penalty and event */
-  int penalty_law;                        /* enum nsdae_penalty_law */
-  double penalty_stiffness;               /* K [N/m^n] */
-  double penalty_exponent;                /* n */
-  double friction_velocity;               /* regularisation of friction in penalty [m/s] */
-  int linear_solver;                      /* enum nsdae_linear_solver, of event */
-  double accumulation_time;               /* shorter rests of accumulations are closed [s] */
-  int events_max;                         /* of event in one dt; past it the step is implicit */
-  int projection;                         /* enum nsdae_projection */
-  double start_tol;                       /* relative error of the numbers of a start */
-  int inner_steps_max;                    /* of the integrator of penalty and event in one dt */
-  int start_check;                        /* 1: a start looks for gross errors of derivatives */
-  int contacts_max;                       /* most contacts of a list */
-  unsigned initialised;                   /* set by nsdae_sim_options_default */
+  int polygon; /* edges of the friction polygon where nt = 2: 3 .. 32; 0: Coulomb's cone itself */
+  double impact_velocity;   /* slower closings are no impacts [m/s] */
+  double rtol, atol;        /* of the integrator of penalty and event */
+  int penalty_law;          /* enum nsdae_penalty_law */
+  double penalty_stiffness; /* K [N/m^n] */
+  double penalty_exponent;  /* n */
+  double friction_velocity; /* regularisation of friction in penalty [m/s] */
+  int linear_solver;        /* enum nsdae_linear_solver, of event */
+  double accumulation_time; /* shorter rests of accumulations are closed [s] */
+  int events_max;           /* of event in one dt; past it the step is implicit */
+  int projection;           /* enum nsdae_projection */
+  double start_tol;         /* relative error of the numbers of a start */
+  int inner_steps_max;      /* of the integrator of penalty and event in one dt */
+  int start_check;          /* 1: a start looks for gross errors of derivatives */
+  int contacts_max;         /* most contacts of a list */
+  unsigned initialised;     /* set by nsdae_sim_options_default */
 } nsdae_sim_options;
 
 /* Every option at its default. */

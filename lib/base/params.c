@@ -84,11 +84,13 @@ void nsdae_params_range(const nsdae_param *param, char *text, size_t size)
   else if (isinf(param->min))
     snprintf(text, size, "%s %g", high, param->max);
   else
-    snprintf(text, size, "%s %g and %s %g", low, param->min, high, param->max);
+    snprintf(text, size, "%s%s %g and %s %g", param->open & NSDAE_OR_ZERO ? "0, or " : "", low,
+             param->min, high, param->max);
 }
 
 static int check_number(const nsdae_param *param, double value, nsdae_error *error)
 {
+  if (value == 0 && param->open & NSDAE_OR_ZERO) return NSDAE_OK;
   /* written so that NaN fails */
   if (isfinite(value) && above_min(param, value) && below_max(param, value)) return NSDAE_OK;
   int one_bound = !isinf(param->max) != !isinf(param->min);

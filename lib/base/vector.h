@@ -12,6 +12,12 @@ static inline double nsdae_dot(int n, const double *a, const double *b)
   return sum;
 }
 
+/* y += scale x */
+static inline void nsdae_add(int n, double scale, const double *x, double *y)
+{
+  for (int i = 0; i < n; i++) y[i] += scale * x[i];
+}
+
 /* y [rows] += A [rows x columns] x */
 static inline void nsdae_add_product(int rows, int columns, const double *A, const double *x,
                                      double *y)

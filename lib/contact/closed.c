@@ -27,7 +27,6 @@ int nsdae_closed_grow(nsdae_closed *c, nsdae_impulses *r, int room)
 
 void nsdae_closed_release(nsdae_closed *c, nsdae_impulses *r)
 {
-  if (c->room == 0) return; /* those of numbered contacts are in an arena */
   const nsdae_grown all[] = {
       NSDAE_GROWN(c->id, 1),        NSDAE_GROWN(c->block, 1),   NSDAE_GROWN(c->gap, 1),
       NSDAE_GROWN(c->fresh, 1),     NSDAE_GROWN(c->basis, 1),   NSDAE_GROWN(r->impact, 1),

@@ -1,257 +1,236 @@
 #include "cones.h"
 
-#include <float.h>
 #include <math.h>
 #include <string.h>
 
 #include <nsdae/sim.h>
 
-#include "errors.h"
-#include "grow.h"
-#include "listed.h"
+#include "contacts.h"
+#include "reserve.h"
+#include "slides.h"
+#include "vector.h"
 
-/* What is below the residual of a solution, but for those that ask for few digits. */
-static const double least_digits = 1e-9;
+/* Newton steps after the solution; rounds of contacts and slides. */
+enum { REFINE = 4, ROUNDS = 500 };
 
-void nsdae_cones_layout(nsdae_cones *c, const nsdae_system *system, nsdae_arena *arena)
+void nsdae_cones_layout(nsdae_cones *s, long columns, long m, nsdae_arena *arena)
 {
-  const nsdae_blocks *blocks = &system->blocks;
-  size_t most = 0;
-  for (int b = 0; b < blocks->count; b++) {
-    size_t square = blocks->square[b + 1] - blocks->square[b];
-    if (square > most) most = square;
-  }
-  c->number = NSDAE_ARENA_INTS(arena, blocks->count);
-  c->member = NSDAE_ARENA_INTS(arena, blocks->count);
-  c->size = NSDAE_ARENA_INTS(arena, blocks->count);
-  c->M = NSDAE_ARENA_DOUBLES(arena, blocks->square[blocks->count]);
-  c->f = NSDAE_ARENA_DOUBLES(arena, system->dims.nv);
-  c->L = NSDAE_ARENA_DOUBLES(arena, most);
+  long n = s->most;
+  s->rows = NSDAE_ARENA_INTS(arena, n);
+  s->first = NSDAE_ARENA_INTS(arena, n + 1);
+  s->block = NSDAE_ARENA_INTS(arena, n * n);
+  s->mu = NSDAE_ARENA_DOUBLES(arena, n);
+  s->q = NSDAE_ARENA_DOUBLES(arena, 3 * n);
+  s->W = NSDAE_ARENA_DOUBLES(arena, 9 * n * n);
+  s->r = NSDAE_ARENA_DOUBLES(arena, 3 * n);
+  s->u = NSDAE_ARENA_DOUBLES(arena, 3 * n);
+  s->guess = NSDAE_ARENA_DOUBLES(arena, 3 * n);
+  s->free = NSDAE_ARENA_DOUBLES(arena, n > 0 ? columns : 0);
+  s->held = NSDAE_ARENA_DOUBLES(arena, n > 0 ? columns : 0);
+  s->lambda = NSDAE_ARENA_DOUBLES(arena, n > 0 ? m : 0);
 }
 
-int nsdae_cones_grow(nsdae_cones *c, const nsdae_system *system, const nsdae_room *contacts,
-                     const nsdae_room *rows)
+/* The problem of so many contacts, each of which touches all. */
+static void set_pattern(nsdae_cones *s, int contacts)
 {
-  size_t m = (size_t)system->dims.m, columns = (size_t)(1 + system->dims.nt);
-  size_t items = contacts->entries + m;
-  const nsdae_grown by_item[] = {NSDAE_GROWN(c->item, 1),    NSDAE_GROWN(c->rows, 1),
-                                 NSDAE_GROWN(c->mu, 1),      NSDAE_GROWN(c->w, columns),
-                                 NSDAE_GROWN(c->r, columns), NSDAE_GROWN(c->u, columns),
-                                 NSDAE_GROWN(c->first, 1)};
-  const nsdae_grown by_part[] = {NSDAE_GROWN(c->block, 1)};
-  const nsdae_grown by_value[] = {NSDAE_GROWN(c->value, 1)};
-  int status = c->solver ? NSDAE_OK : nsdae_friction_create(&c->solver);
-  if (status == NSDAE_OK) status = nsdae_grow(by_item, sizeof by_item / sizeof *by_item, items + 1);
-  if (status == NSDAE_OK) status = nsdae_grow(by_part, 1, 2 * contacts->entries + rows->entries);
-  return status < 0 ? status : nsdae_grow(by_value, 1, contacts->values + rows->values);
+  s->problem = (nsdae_friction_problem){.form = NSDAE_FRICTION_LOCAL,
+                                        .contacts = contacts,
+                                        .rows = s->rows,
+                                        .mu = s->mu,
+                                        .w = s->q,
+                                        .first = s->first,
+                                        .block = s->block,
+                                        .value = s->W};
+  for (int a = 0; a <= contacts; a++) s->first[a] = a * contacts;
+  for (size_t e = 0; e < (size_t)contacts * (size_t)contacts; e++)
+    s->block[e] = (int)(e % (size_t)contacts);
 }
 
-void nsdae_cones_release(nsdae_cones *c)
+int nsdae_cones_open(nsdae_cones *s)
 {
-  const nsdae_grown all[] = {
-      NSDAE_GROWN(c->item, 1),  NSDAE_GROWN(c->rows, 1),  NSDAE_GROWN(c->mu, 1),
-      NSDAE_GROWN(c->w, 1),     NSDAE_GROWN(c->r, 1),     NSDAE_GROWN(c->u, 1),
-      NSDAE_GROWN(c->first, 1), NSDAE_GROWN(c->block, 1), NSDAE_GROWN(c->value, 1)};
-  nsdae_grown_release(all, sizeof all / sizeof *all);
-  nsdae_friction_destroy(&c->solver);
+  size_t n = (size_t)s->most;
+  if (n == 0) return NSDAE_OK;
+  if (!s->solver && nsdae_friction_create(&s->solver) < 0) return NSDAE_E_MEMORY;
+  set_pattern(s, s->most);
+  for (size_t a = 0; a < n; a++) s->rows[a] = 3;
+  for (size_t i = 0; i < 9 * n * n; i++) s->W[i] = 1; /* one island of all */
+  return nsdae_fc_reserve(s->solver, &s->problem);
 }
 
-void nsdae_cones_begin(nsdae_cones *c)
+void nsdae_cones_close(nsdae_cones *s)
 {
-  c->problem = (nsdae_friction_problem){.form = NSDAE_FRICTION_GLOBAL};
-  c->items = c->m = c->parts = 0;
-  c->values = c->squares = 0;
-  c->first[0] = 0;
+  nsdae_friction_destroy(&s->solver);
 }
 
-/* Blocks of an island that has one in the problem are all there. */
-static void add_blocks(nsdae_cones *c, const nsdae_whole *w, int island)
+int nsdae_cones_any(const nsdae_contacts *c)
 {
-  const nsdae_blocks *blocks = &w->system->blocks;
-  const nsdae_members *members = &w->islands->block;
-  int at = 0; /* of f */
-  for (int i = 0; i < c->problem.blocks; i++) at += c->size[i];
-  for (int i = members->first[island]; i < members->first[island + 1]; i++) {
-    int b = members->of[i], n = nsdae_blocks_size(blocks, b), number = c->problem.blocks++;
-    size_t square = (size_t)n * (size_t)n;
-    c->number[b] = number;
-    c->member[number] = b;
-    c->size[number] = n;
-    memcpy(c->M + c->squares, w->M + blocks->square[b], square * sizeof *c->M);
-    memcpy(c->f + at, w->r + blocks->first[b], (size_t)n * sizeof *c->f);
-    c->squares += square;
-    at += n;
-  }
+  for (int a = 0; a < c->active_count; a++)
+    if (c->law[c->active[a]].kind == NSDAE_CONE) return 1;
+  return 0;
 }
 
-/* Part p of row i, of so many columns one behind the other. */
-static void add_part(nsdae_cones *c, const nsdae_whole *w, const nsdae_rows *rows, int p,
-                     int columns)
+static double delassus_at(const nsdae_contacts *c, int row, int column)
 {
-  int b = rows->block[p];
-  size_t count = (size_t)nsdae_blocks_size(&w->system->blocks, b) * (size_t)columns;
-  c->block[c->parts++] = c->number[b];
-  memcpy(c->value + c->values, rows->value + rows->at[p], count * sizeof *c->value);
-  c->values += count;
+  return c->delassus.G[(size_t)column * (size_t)c->columns + (size_t)row];
 }
 
-static void add_item(nsdae_cones *c, const nsdae_whole *w, const nsdae_rows *rows, int i,
-                     int columns)
+/* G is symmetric but for rounding, and zero where the constraints leave a column no motion. */
+static double symmetric_at(const nsdae_contacts *c, int i, int j)
 {
-  for (int p = rows->first[i]; p < rows->first[i + 1]; p++) add_part(c, w, rows, p, columns);
-  c->item[c->items++] = i;
-  c->first[c->items] = c->parts;
-  c->m += columns;
+  if (!(delassus_at(c, i, i) > 0) || !(delassus_at(c, j, j) > 0)) return 0;
+  return (delassus_at(c, i, j) + delassus_at(c, j, i)) / 2;
 }
 
-/* The directions of a contact are one behind the other in its list. */
-static void add_contact(nsdae_cones *c, const nsdae_whole *w, int a)
+static void set_values(nsdae_contacts *c)
 {
-  const nsdae_coefficients *law = &w->law[a];
-  const nsdae_terms *T = w->terms;
-  const nsdae_impulses *r = w->results;
-  int nt = w->system->dims.nt, columns = law->mu > 0 ? 1 + nt : 1;
-  c->rows[c->problem.contacts] = columns;
-  c->mu[c->problem.contacts++] = law->mu;
-  c->w[c->m] = T->w_N[a] + law->e_n * r->before[a];
-  c->r[c->m] = r->normal[a];
-  for (int d = 1; d < columns; d++) {
-    int j = a * nt + d - 1;
-    c->w[c->m + d] = T->w_T[j] + law->e_t * r->before_t[j];
-    c->r[c->m + d] = r->tangential[j];
-  }
-  add_item(c, w, &T->by.normal, a, columns);
-}
-
-void nsdae_cones_add_contacts(nsdae_cones *c, const nsdae_whole *w, int island)
-{
-  const nsdae_members *members = &w->islands->contact;
-  add_blocks(c, w, island);
-  for (int i = members->first[island]; i < members->first[island + 1]; i++)
-    add_contact(c, w, members->of[i]);
-}
-
-void nsdae_cones_add_rows(nsdae_cones *c, const nsdae_whole *w, int island)
-{
-  const nsdae_members *members = &w->islands->row;
-  for (int i = members->first[island]; i < members->first[island + 1]; i++) {
-    int row = members->of[i];
-    c->w[c->m] = -w->lambda[row];
-    c->r[c->m] = 0;
-    c->problem.bilateral++;
-    add_item(c, w, &w->terms->by.jacobian, row, 1);
+  nsdae_cones *s = &c->cones;
+  double *W = s->W;
+  for (int a = 0; a < c->active_count; a++) {
+    s->rows[a] = c->law[c->active[a]].columns;
+    s->mu[a] = c->law[c->active[a]].mu;
+    for (int b = 0; b < c->active_count; b++)
+      for (int j = c->first_column[a]; j < c->first_column[a + 1]; j++)
+        for (int i = c->first_column[b]; i < c->first_column[b + 1]; i++)
+          *W++ = symmetric_at(c, i, j);
   }
 }
 
-static int unsolved(const nsdae_cones *c, const nsdae_whole *w, int status, nsdae_error *error)
+static double *warm_of(const nsdae_contacts *c, int a)
 {
-  long id = c->problem.contacts > 0 ? w->closed->id[c->item[0]] : -1;
-  nsdae_error_set(error, status, "nsdae_contacts", "",
-                  "contact problem of %d contacts (first id %ld) and %d constraints at t = %.17g: "
-                  "%s, residual %.3g above %.3g; a smaller dt or less friction may help",
-                  c->problem.contacts, id, c->problem.bilateral, w->terms->t,
-                  nsdae_status_message(status), c->info.residual, c->options.tol);
-  error->time = w->terms->t;
+  return c->warm + (size_t)c->active[a] * (size_t)(1 + c->system->dims.nt);
+}
+
+static size_t bytes_of(const nsdae_contacts *c, int a)
+{
+  return (size_t)c->law[c->active[a]].columns * sizeof *c->warm;
+}
+
+static void recall(nsdae_contacts *c)
+{
+  for (int a = 0; a < c->active_count; a++)
+    memcpy(c->cones.r + c->first_column[a], warm_of(c, a), bytes_of(c, a));
+}
+
+static void keep(nsdae_contacts *c)
+{
+  for (int a = 0; a < c->active_count; a++)
+    memcpy(warm_of(c, a), c->cones.r + c->first_column[a], bytes_of(c, a));
+}
+
+/* Number of the closed contacts' columns, which are also their rows. */
+static int contact_columns(const nsdae_contacts *c)
+{
+  return c->first_column[c->active_count];
+}
+
+/* From s->r on. */
+static int solve_contacts(nsdae_contacts *c)
+{
+  nsdae_cones *s = &c->cones;
+  size_t bytes = (size_t)contact_columns(c) * sizeof *s->q;
+  memcpy(s->q, c->delassus.offset, bytes);
+  memcpy(s->guess, s->r, bytes);
+  s->options.tol = c->lcp.options.tol;
+  int status =
+      nsdae_friction_solver_solve(s->solver, &s->problem, &s->options, s->r, s->u, &s->info);
+  c->lcp.info.outcome = s->info.outcome;
+  c->lcp.info.residual = s->info.residual;
   return status;
 }
 
-static int mode_of(const nsdae_cones *c, int contact, int row, double slow)
+/* offset := free + G impulse, of the columns from first on. */
+static void hold(nsdae_contacts *c, int first, int count, const double *impulse)
 {
-  double slip = 0;
-  if (!(c->r[row] > 0)) return NSDAE_MODE_OPEN;
-  for (int d = 1; d < c->rows[contact]; d++) slip = hypot(slip, c->u[row + d]);
-  return c->rows[contact] > 1 && !(slip > slow) ? NSDAE_MODE_STICK : NSDAE_MODE_SLIDE;
+  size_t n = (size_t)c->columns;
+  memcpy(c->delassus.offset, c->cones.free, n * sizeof *c->delassus.offset);
+  nsdae_add_product(c->columns, count, c->delassus.G + (size_t)first * n, impulse,
+                    c->delassus.offset);
 }
 
-/* Momentum f + H r in f, and in u (whose place is free then) nothing; sizes of its terms in size
- * of the whole. */
-static void add_impulses(nsdae_cones *c, const nsdae_whole *w)
+/* The slides with the contacts' impulses held: then there are no other rows. */
+static int solve_slides(nsdae_contacts *c, const double *lambda)
 {
-  const nsdae_blocks *blocks = &w->system->blocks;
-  size_t at = 0;
-  for (int i = 0, row = 0; i < c->items; i++) {
-    int columns = i < c->problem.contacts ? c->rows[i] : 1;
-    for (int e = c->first[i]; e < c->first[i + 1]; e++) {
-      int b = c->member[c->block[e]], n = nsdae_blocks_size(blocks, b);
-      double *v = w->v + blocks->first[b], *size = w->size + blocks->first[b];
-      for (int d = 0; d < columns; d++, at += (size_t)n)
-        for (int j = 0; j < n; j++) {
-          double term = c->value[at + (size_t)j] * c->r[row + d];
-          v[j] += term;
-          size[j] += fabs(term);
-        }
-    }
-    row += columns;
-  }
+  nsdae_cones *s = &c->cones;
+  int contacts = c->active_count, columns = contact_columns(c), m = c->system->dims.m;
+  hold(c, 0, columns, s->r);
+  memcpy(s->lambda, lambda, (size_t)m * sizeof *lambda);
+  nsdae_add_product(m, columns, c->delassus.D, s->r, s->lambda);
+  c->active_count = 0;
+  nsdae_contacts_place_slides(c, 0);
+  int status = nsdae_slides_assemble(c, s->lambda);
+  if (status == NSDAE_OK) status = nsdae_contacts_solve_lcp(c);
+  if (status == NSDAE_OK) nsdae_slides_scatter(c);
+  c->active_count = contacts;
+  nsdae_contacts_place_slides(c, c->first_row[contacts]);
+  return status;
 }
 
-/* |M^-1| times sizes, by the diagonal. */
-static void sizes_of_velocity(const double *M, int n, double *size)
+/* Largest entry of G (impulse - held) in the contacts' rows, relative to their offsets. */
+static double moved(const nsdae_contacts *c, const double *impulse)
 {
-  for (int j = 0; j < n; j++) size[j] /= M[(size_t)j * (size_t)(n + 1)];
+  int columns = contact_columns(c);
+  double most = 0, size = 0;
+  for (int i = 0; i < columns; i++) {
+    double sum = 0;
+    for (int j = 0; j < c->slide_count; j++)
+      sum += delassus_at(c, i, columns + j) * (impulse[j] - c->cones.held[j]);
+    most = fmax(most, fabs(sum));
+    size = fmax(size, fabs(c->cones.free[i]));
+  }
+  return size > 0 ? most / size : most;
 }
 
-static int velocities(nsdae_cones *c, const nsdae_whole *w)
+static int solve_in_turn(nsdae_contacts *c, const double *lambda)
 {
-  const nsdae_blocks *blocks = &w->system->blocks;
-  const double rounding = 32 * DBL_EPSILON + fmin(c->info.residual, least_digits);
-  const double *M = c->M, *f = c->f;
-  for (int i = 0; i < c->problem.blocks; i++) {
-    int at = blocks->first[c->member[i]], n = c->size[i];
-    for (int j = 0; j < n; j++) {
-      w->v[at + j] = f[j];
-      w->size[at + j] = fabs(f[j]);
-    }
-    f += n;
+  nsdae_cones *s = &c->cones;
+  double *impulse = c->delassus.impulse + contact_columns(c), worst = 0, change = INFINITY;
+  double enough = 0.1 * c->lcp.options.tol;
+  size_t bytes = (size_t)c->slide_count * sizeof *impulse;
+  memcpy(s->free, c->delassus.offset, (size_t)c->columns * sizeof *s->free);
+  memset(impulse, 0, bytes);
+  for (int round = 0; round < ROUNDS && !(change <= enough); round++) {
+    hold(c, contact_columns(c), c->slide_count, impulse);
+    int status = solve_contacts(c);
+    if (status < 0) return status;
+    worst = s->info.residual;
+    memcpy(s->held, impulse, bytes);
+    status = solve_slides(c, lambda);
+    if (status < 0) return status;
+    change = moved(c, impulse);
   }
-  add_impulses(c, w);
-  for (int i = 0; i < c->problem.blocks; i++) {
-    int b = c->member[i], at = blocks->first[b], n = c->size[i];
-    if (nsdae_blocks_factor(blocks, b, w->M, c->L) != 0) return NSDAE_E_MASS;
-    nsdae_blocks_solve(n, c->L, w->v + at);
-    sizes_of_velocity(M, n, w->size + at);
-    for (int j = at; j < at + n; j++)
-      if (fabs(w->v[j]) <= rounding * w->size[j]) w->v[j] = 0;
-    M += (size_t)n * (size_t)n;
-  }
+  c->lcp.info.residual = fmax(worst + change, c->lcp.info.residual);
+  return change <= enough ? NSDAE_OK : NSDAE_E_LCP;
+}
+
+int nsdae_cones_solve(nsdae_contacts *c, const double *lambda)
+{
+  nsdae_cones *s = &c->cones;
+  set_pattern(s, c->active_count);
+  set_values(c);
+  nsdae_friction_options_default(&s->options);
+  s->options.refine = REFINE;
+  recall(c);
+  int status = c->slide_count > 0 ? solve_in_turn(c, lambda) : solve_contacts(c);
+  if (status < 0) return status;
+  memcpy(c->lcp.x, s->r, (size_t)contact_columns(c) * sizeof *s->r);
+  keep(c);
   return NSDAE_OK;
 }
 
-static void scatter(const nsdae_cones *c, const nsdae_whole *w, double slow)
+/* Where the slip is nearer to zero than the impulse to the edge of the cone, it sticks; so it does
+ * with a slip of rounding size. */
+int nsdae_cones_mode(const nsdae_contacts *c, int a)
 {
-  nsdae_impulses *to = w->results;
-  const nsdae_terms *T = w->terms;
-  int nt = w->system->dims.nt, row = 0;
-  for (int i = 0; i < c->problem.contacts; row += c->rows[i++]) {
-    int a = c->item[i];
-    to->normal[a] = c->r[row];
-    to->mode[a] = mode_of(c, i, row, slow);
-    to->after[a] = nsdae_terms_normal_rate(T, a, w->v);
-    for (int d = 1; d <= nt; d++) {
-      int j = a * nt + d - 1;
-      to->tangential[j] = d < c->rows[i] ? c->r[row + d] : 0;
-      to->after_t[j] = nsdae_terms_tangent_rate(T, j, w->v);
-    }
+  const nsdae_cones *s = &c->cones;
+  int first = c->first_column[a], columns = c->law[c->active[a]].columns;
+  const double *r = s->r + first, *u = s->u + first;
+  double size = 0, d = 0;
+  if (!(r[0] > 0)) return NSDAE_MODE_OPEN;
+  if (columns == 1) return NSDAE_MODE_SLIDE;
+  for (int j = 0; j < columns; j++) {
+    size = fmax(size, fabs(c->delassus.offset[first + j]));
+    d += delassus_at(c, first + j, first + j) / columns;
   }
-  for (int i = c->problem.contacts; i < c->items; i++) w->lambda[c->item[i]] = -c->r[row++];
-}
-
-int nsdae_cones_solve(nsdae_cones *c, const nsdae_whole *w, double tol, nsdae_error *error)
-{
-  double slow = 0;
-  c->info = (nsdae_friction_info){.residual = 0};
-  if (c->items == 0) return NSDAE_OK;
-  nsdae_friction_problem *p = &c->problem;
-  p->rows = c->rows, p->mu = c->mu, p->w = c->w;
-  p->size = c->size, p->M = c->M, p->f = c->f;
-  p->first = c->first, p->block = c->block, p->value = c->value;
-  nsdae_friction_options_default(&c->options);
-  c->options.tol = tol;
-  int status = nsdae_friction_solver_solve(c->solver, p, &c->options, c->r, c->u, &c->info);
-  if (status < 0) return unsolved(c, w, status, error);
-  for (int i = 0; i < c->m; i++) slow = fmax(slow, fabs(c->w[i]));
-  status = velocities(c, w);
-  for (int j = 0; j < w->system->dims.nv; j++) slow = fmax(slow, fabs(w->v[j]));
-  if (status == NSDAE_OK) scatter(c, w, fmax(tol, c->info.residual) * slow);
-  return status;
+  double slip = hypot(u[1], u[2]), margin = d * (s->mu[a] * r[0] - hypot(r[1], r[2]));
+  return slip > fmax(margin, s->options.tol * size) ? NSDAE_MODE_SLIDE : NSDAE_MODE_STICK;
 }

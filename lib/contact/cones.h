@@ -1,46 +1,53 @@
-/* The large islands, and those of true cones: one problem of impulses by blocks, in its global form
+/* Contacts in two tangential directions with Coulomb's cone itself: the closed ones as a problem of
+ * nsdae/friction.h in the local form, with the Delassus matrix G for W,
  *
- *   M v = r + [W, -Phi_q^T] (Lambda, .),  u = W^T v + w + e v(-),  Phi_q v + Phi_t = 0
+ *   xi = G Lambda + offset,   K* contains xi + mu |xi_T| e_N,  orthogonal to Lambda in K,
  *
- * (see nsdae/friction.h), warm from the last impulses. v is formed again from the impulses; what of
- * it is smaller than the certificate can tell from zero, is zero. */
+ * solved from the impulses of the step before and then refined until rounding rules, so that what
+ * sticks does not creep. Nothing is allocated after nsdae_cones_open.
+ *
+ * Slides (slides.h), whose friction is bounded by |lambda|, are no part of such a problem: contacts
+ * and slides are solved in turn, each with the impulses of the others held, until those stand
+ * (block Gauss-Seidel: Jean, "The non-smooth contact dynamics method", 1999). */
 #ifndef NSDAE_CONES_H
 #define NSDAE_CONES_H
 
 #include <nsdae/friction.h>
 
-#include "local.h"
+#include "arena.h"
+
+struct nsdae_contacts;
 
 typedef struct nsdae_cones {
+  int most; /* contacts that a problem may have; 0: no contact of the system has a cone */
   nsdae_friction_solver *solver;
   nsdae_friction_options options;
-  nsdae_friction_info info; /* of the last problem */
-  nsdae_friction_problem problem;
-  int items, m, parts;
-  size_t values, squares;
-  int *number; /* blocks of the system: its number in the problem */
-  int *member; /* blocks of the problem: that of the system */
-  int *size;   /* blocks */
-  double *M, *f;
-  int *item; /* contact or row of each item */
-  int *rows; /* contacts */
-  double *mu, *w, *r, *u;
-  int *first, *block;
-  double *value;
-  double *L; /* of the largest block */
+  nsdae_friction_info info;
+  nsdae_friction_problem problem; /* the last one, of the arrays that follow */
+  int *rows, *first, *block;      /* most, most + 1, most^2 */
+  double *mu, *q, *W;             /* most, 3 most, 9 most^2 */
+  double *r, *u;                  /* 3 most: impulses and velocities of the closed contacts */
+  double *guess;                  /* 3 most: where the solver began */
+  double *free, *held, *lambda;   /* columns, columns, m: with slides, the offset without contacts
+                                     and slides, the slides' impulses, lambda */
 } nsdae_cones;
 
-/* system: sizes; then room for contacts, for their values and those of rows of Phi_q. */
-void nsdae_cones_layout(nsdae_cones *cones, const nsdae_system *system, nsdae_arena *arena);
-int nsdae_cones_grow(nsdae_cones *cones, const nsdae_system *system, const nsdae_room *contacts,
-                     const nsdae_room *rows);
-void nsdae_cones_release(nsdae_cones *cones);
+/* Takes the arrays; most is set before. */
+void nsdae_cones_layout(nsdae_cones *cones, long columns, long m, nsdae_arena *arena);
 
-/* An empty problem; an island more; the solution of all. NSDAE_OK, NSDAE_E_MASS, NSDAE_E_LCP,
- * NSDAE_E_INFEASIBLE, NSDAE_E_NONFINITE, NSDAE_E_MEMORY with the record. */
-void nsdae_cones_begin(nsdae_cones *cones);
-void nsdae_cones_add_contacts(nsdae_cones *cones, const nsdae_whole *whole, int island);
-void nsdae_cones_add_rows(nsdae_cones *cones, const nsdae_whole *whole, int island);
-int nsdae_cones_solve(nsdae_cones *cones, const nsdae_whole *whole, double tol, nsdae_error *error);
+/* A solver with memory for the largest problem: NSDAE_OK or NSDAE_E_MEMORY. */
+int nsdae_cones_open(nsdae_cones *cones);
+void nsdae_cones_close(nsdae_cones *cones);
+
+/* Whether a closed contact has a cone. */
+int nsdae_cones_any(const struct nsdae_contacts *contacts);
+
+/* Impulses of the closed contacts into lcp.x, from G and the offsets, and what the solver says of
+ * them into lcp.info; with slides, their impulses and modes into the results too. lambda [m] is
+ * that without contacts and slides. NSDAE_OK, NSDAE_E_LCP or NSDAE_E_INFEASIBLE. */
+int nsdae_cones_solve(struct nsdae_contacts *contacts, const double *lambda);
+
+/* enum nsdae_mode of the a-th closed contact. */
+int nsdae_cones_mode(const struct nsdae_contacts *contacts, int a);
 
 #endif

@@ -19,10 +19,12 @@ void nsdae_contacts_laws(nsdae_contacts *contacts, int polygon_edges)
   const nsdae_system *s = contacts->system;
   if (contacts->rows_most < 1) contacts->rows_most = 1; /* never less: memory is laid by it */
   contacts->slide_count = 0;
+  contacts->cones.most = contacts->cones.most > 0 ? s->dims.k : 0;
   for (int j = 0; j < s->dims.f; j++) contacts->slide_count += s->slide[j].mu > 0;
   for (int i = 0; i < s->dims.k; i++) {
     contacts->law[i] = nsdae_law_make(s->dims.nt, s->contact[i].mu, polygon_edges);
     if (contacts->law[i].rows > contacts->rows_most) contacts->rows_most = contacts->law[i].rows;
+    if (contacts->law[i].kind == NSDAE_CONE) contacts->cones.most = s->dims.k;
   }
 }
 
@@ -91,6 +93,7 @@ void nsdae_contacts_layout(nsdae_contacts *c, nsdae_arena *arena)
   c->map.D_S = NSDAE_ARENA_DOUBLES(arena, f * columns);
   c->map.pivot = NSDAE_ARENA_INTS(arena, f);
   c->slide_row = NSDAE_ARENA_INTS(arena, f + 1);
+  nsdae_cones_layout(&c->cones, columns, dims->m, arena);
   for (int j = 0, count = 0; c->slide && j < dims->f; j++)
     if (c->system->slide[j].mu > 0) c->slide[count++] = j;
 }
@@ -100,21 +103,25 @@ size_t nsdae_contacts_memory_size(const nsdae_contacts *c)
   return (size_t)c->system->dims.k * (size_t)c->rows_most + 3 * (size_t)c->slide_count;
 }
 
-void nsdae_contacts_remember(nsdae_contacts *c, int *memory)
+size_t nsdae_contacts_warm_size(const nsdae_contacts *c)
+{
+  return (size_t)c->cones.most * (size_t)(1 + c->system->dims.nt);
+}
+
+void nsdae_contacts_remember(nsdae_contacts *c, int *memory, double *warm)
 {
   c->memory = memory;
+  c->warm = warm;
   c->slide_memory = memory + (size_t)c->system->dims.k * (size_t)c->rows_most;
 }
 
-/* Columns and rows of the slides after those of the contacts. */
-static void close_slides(nsdae_contacts *c, int columns, int rows)
+void nsdae_contacts_place_slides(nsdae_contacts *c, int first)
 {
+  c->rows = first;
   for (int j = 0; j < c->slide_count; j++) {
-    c->slide_row[j] = rows;
-    rows += nsdae_slides_rows(c, j);
+    c->slide_row[j] = c->rows;
+    c->rows += nsdae_slides_rows(c, j);
   }
-  c->columns = columns + c->slide_count;
-  c->rows = rows;
 }
 
 static void close_contacts(nsdae_contacts *c, const double *gap, double touch, const int *closed,
@@ -136,7 +143,8 @@ static void close_contacts(nsdae_contacts *c, const double *gap, double touch, c
   c->first_column[count] = columns;
   c->first_row[count] = rows;
   c->active_count = count;
-  close_slides(c, columns, rows);
+  c->columns = columns + c->slide_count; /* those of the slides come last */
+  nsdae_contacts_place_slides(c, rows);
 }
 
 void nsdae_contacts_close(nsdae_contacts *c, const nsdae_terms *terms, nsdae_impulses *results)
@@ -323,18 +331,15 @@ static int unsolved(nsdae_contacts *c, double t, int status)
   return status;
 }
 
-static int solve_lcp(nsdae_contacts *c, double t)
+int nsdae_contacts_solve_lcp(nsdae_contacts *c)
 {
   nsdae_lcp_problem problem = {.n = c->rows, .A = c->lcp.A, .lda = c->rows, .b = c->lcp.b};
   recall_basis(c);
   int status =
       nsdae_lcp_solve_in(&problem, &c->lcp.options, c->lcp.basis, c->lcp.x, c->lcp.y, &c->lcp.info,
                          c->lcp.work, c->lcp.lwork, c->lcp.iwork, c->lcp.liwork);
-  if (status == NSDAE_OK) {
-    keep_basis(c);
-    return NSDAE_OK;
-  }
-  return unsolved(c, t, status);
+  if (status == NSDAE_OK) keep_basis(c);
+  return status;
 }
 
 /* A polygon's gamma is the slip speed; one of rounding size is none. */
@@ -342,6 +347,7 @@ static int mode_of(const nsdae_contacts *c, int a)
 {
   const nsdae_law *law = &c->law[c->active[a]];
   const double *x = c->lcp.x + c->first_row[a], *offset = c->delassus.offset + c->first_column[a];
+  if (law->kind == NSDAE_CONE) return nsdae_cones_mode(c, a);
   int mode = nsdae_law_mode(law, x);
   double speed = 0;
   if (law->kind != NSDAE_POLYGON || mode != NSDAE_MODE_SLIDE) return mode;
@@ -373,7 +379,6 @@ static void scatter(nsdae_contacts *c)
     for (int l = 1; l < law->columns; l++) c->results->tangential[i * nt + l - 1] = impulse[l];
     c->results->mode[i] = mode_of(c, a);
   }
-  nsdae_slides_scatter(c);
 }
 
 /* v += U Lambda, and to size how large the terms are. What cancels to rounding is zero: a body that
@@ -393,6 +398,23 @@ static void add_velocity(const nsdae_contacts *c, int n, double *restrict size, 
   for (int i = 0; i < n; i++) v[i] = fabs(v[i]) <= rounding * size[i] ? 0 : v[i];
 }
 
+/* Lambda, and what each contact and slide does, from G and the offsets. */
+static int solve_impulses(nsdae_contacts *c, const double *lambda)
+{
+  int status = NSDAE_OK, cones = nsdae_cones_any(c);
+  if (cones)
+    status = nsdae_cones_solve(c, lambda);
+  else if (c->slide_count > 0)
+    status = nsdae_slides_assemble(c, lambda);
+  else
+    assemble(c);
+  if (status == NSDAE_OK && !cones) status = nsdae_contacts_solve_lcp(c);
+  if (status < 0) return status;
+  scatter(c);
+  if (!cones) nsdae_slides_scatter(c);
+  return NSDAE_OK;
+}
+
 int nsdae_contacts_solve(nsdae_contacts *c, const nsdae_terms *terms, const nsdae_kkt *kkt,
                          double *size, double *v, double *lambda)
 {
@@ -400,15 +422,8 @@ int nsdae_contacts_solve(nsdae_contacts *c, const nsdae_terms *terms, const nsda
   gather_columns(c, terms);
   delassus(c, terms, kkt);
   offsets(c, terms, v);
-  int status = NSDAE_OK;
-  if (c->slide_count > 0)
-    status = nsdae_slides_assemble(c, lambda);
-  else
-    assemble(c);
+  int status = solve_impulses(c, lambda);
   if (status < 0) return unsolved(c, terms->t, status);
-  status = solve_lcp(c, terms->t);
-  if (status < 0) return status;
-  scatter(c);
   add_velocity(c, kkt->n, size, v);
   nsdae_add_product(kkt->m, c->columns, c->delassus.D, c->delassus.impulse, lambda);
   velocities_after(c, terms, v);

@@ -7,13 +7,16 @@
  *     G = W^T U                                           Delassus matrix
  *     xi = G Lambda + W^T v_free + w(+) + e v(-)          v(-): the contacts' velocity before
  *     y = A x + b,  A = E_P^T G E_Q + N                   see law.h; Eq. (33)
- *     v(+) = v_free + U Lambda,  lambda = lambda_free + D Lambda      Eqs. (31, 32) */
+ *     v(+) = v_free + U Lambda,  lambda = lambda_free + D Lambda      Eqs. (31, 32)
+ *
+ * Where a closed contact has the cone for its law, cones.h finds Lambda in place of y = A x + b. */
 #ifndef NSDAE_CONTACTS_H
 #define NSDAE_CONTACTS_H
 
 #include <nsdae/lcp.h>
 
 #include "arena.h"
+#include "cones.h"
 #include "impulses.h"
 #include "law.h"
 #include "terms.h"
@@ -64,8 +67,10 @@ typedef struct nsdae_contacts {
   nsdae_delassus delassus;
   nsdae_slide_map map;
   nsdae_contact_lcp lcp;
+  nsdae_cones cones;
   nsdae_impulses *results;    /* where those of the problem go */
   int *memory, *slide_memory; /* k x rows_most, 3 slide_count: the last basis of each, not ours */
+  double *warm;               /* with cones, k (1 + nt): the last impulses of each, not ours */
 } nsdae_contacts;
 
 /* Takes the arrays; system, error and law (see nsdae_contacts_laws) are set before. */
@@ -79,10 +84,17 @@ void nsdae_contacts_laws(nsdae_contacts *contacts, int polygon_edges);
 long nsdae_contacts_rows(const nsdae_system *system, int polygon_edges);
 int nsdae_contacts_rows_limit(void);
 
-/* The warm start that problems read and leave is the caller's: so many integers, zero where there
- * is none yet. */
+/* The warm start that problems read and leave is the caller's: so many integers and so many reals,
+ * zero where there is none yet. */
 size_t nsdae_contacts_memory_size(const nsdae_contacts *contacts);
-void nsdae_contacts_remember(nsdae_contacts *contacts, int *memory);
+size_t nsdae_contacts_warm_size(const nsdae_contacts *contacts);
+void nsdae_contacts_remember(nsdae_contacts *contacts, int *memory, double *warm);
+
+/* Slides take rows from first on, and are the last of them. */
+void nsdae_contacts_place_slides(nsdae_contacts *contacts, int first);
+
+/* The complementarity problem as it is assembled; status of nsdae_lcp_solve. */
+int nsdae_contacts_solve_lcp(nsdae_contacts *contacts);
 
 /* A new problem: closes the contacts with a gap that is not above zero; the others are open. The
  * results go to the given place, which is cleared. The terms must have the gap. */

@@ -38,16 +38,24 @@ static nsdae_law polygon(double mu, int edges)
   return law;
 }
 
+static nsdae_law cone(double mu)
+{
+  nsdae_law law = {.kind = NSDAE_CONE, .columns = 3, .rows = 3, .mu = mu};
+  for (int j = 0; j < 3; j++) law.E_Q[j][j] = law.E_P[j][j] = 1;
+  return law;
+}
+
 int nsdae_law_rows(int nt, double mu, int edges)
 {
   if (nt == 0 || mu == 0) return 1;
-  return nt == 1 ? 3 : edges + 2;
+  return nt == 1 || edges == 0 ? 3 : edges + 2;
 }
 
 nsdae_law nsdae_law_make(int nt, double mu, int edges)
 {
   if (nt == 0 || mu == 0) return frictionless();
-  return nt == 1 ? planar(mu) : polygon(mu, edges);
+  if (nt == 1) return planar(mu);
+  return edges == 0 ? cone(mu) : polygon(mu, edges);
 }
 
 nsdae_law nsdae_law_sliding(int nt, double mu, const double *d)

@@ -13,17 +13,23 @@
  *   polygon (r = p + 2)    x = [Lambda_N, Lambda_D, gamma],
  *                          y = [xi_N, gamma 1 + D^T xi_T, mu Lambda_N - 1^T Lambda_D]
  *       Lambda_T = D Lambda_D, the columns of D being p directions around the circle
- *                                              (Eqs. 20-23; Stewart and Trinkle 1996) */
+ *                                              (Eqs. 20-23; Stewart and Trinkle 1996)
+ *   cone (3)               Coulomb's cone itself, no complementarity problem: x = Lambda, y = xi;
+ *                          see cones.h */
 #ifndef NSDAE_CONTACT_LAW_H
 #define NSDAE_CONTACT_LAW_H
 
 enum { NSDAE_LAW_COLUMNS = 3, NSDAE_POLYGON_MAX = 32, NSDAE_LAW_ROWS = NSDAE_POLYGON_MAX + 2 };
 
+/* Edges where a polygon is only where the way to the cone begins. */
+enum { NSDAE_POLYGON_START = 8 };
+
 typedef enum nsdae_law_kind {
   NSDAE_FRICTIONLESS,
   NSDAE_PLANAR,
   NSDAE_POLYGON,
-  NSDAE_SLIDING
+  NSDAE_SLIDING,
+  NSDAE_CONE
 } nsdae_law_kind;
 
 typedef struct nsdae_law {
@@ -34,9 +40,15 @@ typedef struct nsdae_law {
   double E_P[NSDAE_LAW_COLUMNS][NSDAE_LAW_ROWS]; /* columns x rows */
 } nsdae_law;
 
-/* Law of a contact with nt tangential directions: frictionless where nt = 0 or mu = 0; a polygon
- * of edges directions where nt = 2. */
+/* Law of a contact with nt tangential directions: frictionless where nt = 0 or mu = 0; where nt = 2
+ * a polygon of edges directions, or with edges = 0 the cone. */
 nsdae_law nsdae_law_make(int nt, double mu, int edges);
+
+/* The edges of a polygon that is the start alone. */
+static inline int nsdae_law_edges_to_start(int edges)
+{
+  return edges > 0 ? edges : NSDAE_POLYGON_START;
+}
 
 /* Its rows. */
 int nsdae_law_rows(int nt, double mu, int edges);
@@ -47,7 +59,7 @@ nsdae_law nsdae_law_sliding(int nt, double mu, const double *d);
 /* Adds N to the r x r diagonal block of A. */
 void nsdae_law_add_coupling(const nsdae_law *law, double *A, int lda);
 
-/* enum nsdae_mode of the contact from its part x of a solution. */
+/* enum nsdae_mode of the contact from its part x of a solution; not of a cone. */
 int nsdae_law_mode(const nsdae_law *law, const double *x);
 
 #endif

@@ -131,6 +131,17 @@ static int same_law(const nsdae_law *law, int nt, double mu)
   return (law->kind == NSDAE_PLANAR) == friction && (!friction || law->mu == mu);
 }
 
+/* Laws are large: one that stands there already is left. */
+static void gather_laws(nsdae_local *l, const nsdae_whole *w, const int *contact)
+{
+  int nt = l->model.dims.nt;
+  for (int i = 0; i < l->model.dims.k; i++) {
+    double mu = w->law[contact[i]].mu;
+    l->coefficient[i] = w->law[contact[i]];
+    if (!same_law(&l->law[i], nt, mu)) l->law[i] = nsdae_law_make(nt, mu, 3);
+  }
+}
+
 static void gather_contact(nsdae_local *l, const nsdae_whole *w, int i, int a)
 {
   const nsdae_terms *T = w->terms;
@@ -146,8 +157,6 @@ static void gather_contact(nsdae_local *l, const nsdae_whole *w, int i, int a)
     l->terms.w_T[to] = T->w_T[from];
     l->impulses.before_t[to] = w->results->before_t[from];
   }
-  l->coefficient[i] = w->law[a];
-  if (!same_law(&l->law[i], nt, w->law[a].mu)) l->law[i] = nsdae_law_make(nt, w->law[a].mu, 3);
   memcpy(l->memory + (size_t)i * NSDAE_CLOSED_BASIS,
          w->closed->basis + (size_t)a * NSDAE_CLOSED_BASIS, NSDAE_CLOSED_BASIS * sizeof(int));
 }
@@ -159,8 +168,9 @@ static void gather_contacts(nsdae_local *l, const nsdae_whole *w, int island, in
   const int *contact = is->contact.of + is->contact.first[island];
   size_t n = (size_t)l->model.dims.nv;
   l->model.dims.k = k;
+  gather_laws(l, w, contact);
   place_impulses(l);
-  nsdae_contacts_remember(&l->contacts, l->memory);
+  nsdae_contacts_remember(&l->contacts, l->memory, NULL);
   nsdae_contacts_close_marked(&l->contacts, l->all, &l->impulses);
   memset(l->terms.W_N, 0, n * (size_t)k * sizeof *l->terms.W_N);
   memset(l->terms.W_T, 0, n * (size_t)k * (size_t)l->model.dims.nt * sizeof *l->terms.W_T);

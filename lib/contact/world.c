@@ -25,7 +25,7 @@ void nsdae_world_release(nsdae_world *w)
                              NSDAE_GROWN(w->law, 1), NSDAE_GROWN(w->islands.contact.of, 1)};
   nsdae_grown_release(all, sizeof all / sizeof *all);
   nsdae_ids_release(&w->ids);
-  nsdae_cones_release(&w->cones);
+  nsdae_pile_release(&w->cones);
   nsdae_saddle_release(&w->saddle);
   free(w);
 }
@@ -43,7 +43,7 @@ void nsdae_world_layout(nsdae_world *w, nsdae_arena *arena)
   w->hit = NSDAE_ARENA_INTS(arena, w->islands.blocks);
   nsdae_graph_layout(&w->islands, arena);
   nsdae_local_layout(&w->local, arena);
-  nsdae_cones_layout(&w->cones, w->system, arena);
+  nsdae_pile_layout(&w->cones, w->system, arena);
 }
 
 int nsdae_world_grow(nsdae_world *w, const nsdae_room *contacts, const nsdae_room *rows)
@@ -52,7 +52,7 @@ int nsdae_world_grow(nsdae_world *w, const nsdae_room *contacts, const nsdae_roo
                              NSDAE_GROWN(w->law, 1), NSDAE_GROWN(w->islands.contact.of, 1)};
   int status = nsdae_grow(all, sizeof all / sizeof *all, contacts->entries);
   if (status == NSDAE_OK) status = nsdae_ids_grow(&w->ids, (int)contacts->entries);
-  return status < 0 ? status : nsdae_cones_grow(&w->cones, w->system, contacts, rows);
+  return status < 0 ? status : nsdae_pile_grow(&w->cones, w->system, contacts, rows);
 }
 
 /* ---- what is closed */
@@ -305,17 +305,18 @@ static int has_contacts(const nsdae_world *w, int island, int with_contacts)
 
 static int solve_cones(nsdae_world *w, const nsdae_whole *whole, const int *large, int count)
 {
-  nsdae_cones *c = &w->cones;
+  nsdae_pile *c = &w->cones;
   nsdae_solved *s = &w->solved;
-  nsdae_cones_begin(c);
-  for (int i = 0; i < count; i++) nsdae_cones_add_contacts(c, whole, large[i]);
-  for (int i = 0; i < count; i++) nsdae_cones_add_rows(c, whole, large[i]);
-  int status = nsdae_cones_solve(c, whole, w->tol, w->error);
+  nsdae_pile_begin(c);
+  for (int i = 0; i < count; i++) nsdae_pile_add_contacts(c, whole, large[i]);
+  for (int i = 0; i < count; i++) nsdae_pile_add_rows(c, whole, large[i]);
+  int status = nsdae_pile_solve(c, whole, w->tol, w->error);
   if (count == 0) return status;
   s->lcps++;
   s->pivots += c->info.sweeps + c->info.iterations;
   s->rank += c->problem.bilateral;
   s->residual = fmax(s->residual, c->info.residual);
+  s->noise = 1e2 * fmax(c->info.residual, w->tol);
   return status;
 }
 

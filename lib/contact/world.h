@@ -3,19 +3,20 @@
  *   M v + Phi_q^T Lambda = r + W Lambda_c,   Phi_q v = -Phi_t,   contact laws
  *
  * solved island by island, each by what fits it: what is free by its mass alone, small ones as
- * dense systems (local.h), large ones and true cones as one problem by blocks (cones.h), large ones
+ * dense systems (local.h), large ones and true cones as one problem by blocks (pile.h), large ones
  * without contacts as sparse equations (saddle.h). Each contact begins with what it did in the step
  * before, by its id. */
 #ifndef NSDAE_WORLD_H
 #define NSDAE_WORLD_H
 
-#include "cones.h"
+#include "pile.h"
 #include "listed.h"
 #include "saddle.h"
 
 typedef struct nsdae_solved {
   double residual; /* the worst */
   long pivots;
+  double noise; /* relative error that the cones leave in velocities; 0: none were solved */
   int lcps, rank, islands, contacts; /* contacts of the largest island */
   const nsdae_contacts *problem;     /* that failed; NULL: none, or not of this kind */
 } nsdae_solved;
@@ -32,7 +33,7 @@ typedef struct nsdae_world {
   nsdae_graph islands;
   int *hit; /* islands with an impact */
   nsdae_local local;
-  nsdae_cones cones;
+  nsdae_pile cones;
   nsdae_saddle saddle;
   double tol;
   int least_norm;

@@ -48,7 +48,7 @@ void nsdae_event_acceleration_prepare(nsdae_event_acceleration *p)
 {
   const nsdae_event_setting *s = p->phase->setting;
   const nsdae_dims *d = &s->system->dims;
-  int edges = s->options->polygon;
+  int edges = nsdae_law_edges_to_start(s->options->polygon);
   p->problem.system = s->system;
   p->problem.error = s->error;
   p->problem.law = p->law;

@@ -1,23 +1,27 @@
-/* What the forces do between instants: their impulses and the friction's work, as Gauss' integrals
- * of the integrator's polynomials, three points to a piece, which is exact for its highest order.
- */
+/* What the forces do between instants: their impulses and the friction's work, integrated with the
+ * motion, so that they are as accurate as its velocities and balance with them. In place of
+ * y = [q, v, lambda, F] the integrators have z = [q, v, int lambda, int F, W], n + 1 of them. */
 #ifndef NSDAE_EVENT_ACCOUNT_H
 #define NSDAE_EVENT_ACCOUNT_H
 
-#include "integrator.h"
+#include "phase.h"
 
 typedef struct nsdae_event_account {
-  nsdae_event_integrator *integrator;
-  double *reaction; /* nv: Phi_q^T lambda */
+  nsdae_event_phase *phase;
+  double *y, *reaction; /* n + 1, nv: of the point at work; Phi_q^T lambda */
 } nsdae_event_account;
 
 void nsdae_event_account_layout(nsdae_event_account *account, nsdae_arena *arena);
 
-/* Adds a piece of one step of the integrator to the step's result. */
-int nsdae_event_account_phase(nsdae_event_account *account, double from, double to);
+/* z' [n + 1] at z. 0; > 0: a smaller step may help; < 0: a callback gave up. */
+int nsdae_event_account_rate(nsdae_event_account *account, double t, const double *z, double *rate);
+
+/* Adds what is between two z of the same phase to the step's result. */
+void nsdae_event_account_phase(const nsdae_event_account *account, const double *from,
+                               const double *to);
 
 /* Adds impulses of contacts and slides, and bilateral ones [m]. */
-void nsdae_event_account_impact(nsdae_event_account *account, const nsdae_impulses *impulses,
+void nsdae_event_account_impact(const nsdae_event_account *account, const nsdae_impulses *impulses,
                                 const double *multiplier);
 
 #endif

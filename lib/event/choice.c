@@ -41,6 +41,16 @@ static int resting_mode(nsdae_event_acceleration *p, int a)
   return mode;
 }
 
+/* What touches without a force may get one by its neighbours: the way that it begins to slide. */
+static void point_along(nsdae_event_acceleration *p, int i)
+{
+  const nsdae_contacts *c = &p->problem;
+  int nt = c->system->dims.nt;
+  double speed = slip_rate(c, i);
+  for (int l = 0; l < nt && speed > nsdae_event_acceleration_size(p) && !p->is.moving[i]; l++)
+    p->phase->modes.direction[i * nt + l] = c->results->after_t[i * nt + l] / speed;
+}
+
 static void read_contacts(nsdae_event_acceleration *p)
 {
   const nsdae_contacts *c = &p->problem;
@@ -53,7 +63,9 @@ static void read_contacts(nsdae_event_acceleration *p)
     int i = c->active[a];
     if (!(c->results->normal[i] > 0) && c->results->after[i] > size) continue;
     mode[i] = NSDAE_MODE_SLIDE; /* also where it touches without a force */
-    if (c->results->normal[i] > none && c->law[i].kind != NSDAE_SLIDING && c->law[i].columns > 1)
+    if (!(c->results->normal[i] > none))
+      point_along(p, i);
+    else if (c->law[i].kind != NSDAE_SLIDING && c->law[i].columns > 1)
       mode[i] = resting_mode(p, a);
   }
 }

@@ -1,4 +1,4 @@
-/* Event-driven integration: smooth phases by SUNDIALS IDA up to the instants where a contact
+/* Event-driven integration: smooth phases with error control up to the instants where a contact
  * closes, opens, sticks or slips, which its root functions find; there the laws of impact and
  * contact decide how it goes on. dt is how often the state is recorded, by the integrator's own
  * interpolation, and its longest step. */
@@ -11,7 +11,7 @@
 
 /* Instants in one dt without an impact or a change of mode; steps of the integrator after which it
  * starts anew, so that a way back is not longer. */
-enum { IDLE_MAX = 100, STEPS_MAX = 5000 };
+enum { IDLE_MAX = 100, STEPS_MAX = 5000, STIFF_STEPS = 300 };
 
 /* Steps shorter than this part of dt lead nowhere: so many in one dt, and at each start. */
 static const double TINY = 1e-6;
@@ -55,12 +55,14 @@ static void connect(event *e, nsdae_stepper *s)
                                      .error = s->error,
                                      .interrupt = &s->interrupt,
                                      .here = &s->middle,
-                                     .kkt = &s->kkt};
+                                     .kkt = &s->kkt,
+                                     .warm = nsdae_contacts_warm_size(&s->contacts)};
   nsdae_event_set_places(&e->setting);
   e->phase.setting = &e->setting;
   e->roots.phase = &e->phase;
   e->integrator.roots = &e->roots;
-  e->account.integrator = &e->integrator;
+  e->account.phase = &e->phase;
+  e->integrator.account = &e->account;
   e->instant.roots = &e->roots;
   e->instant.acceleration.phase = &e->phase;
   e->instant.sharing.acceleration = &e->instant.acceleration;
@@ -102,7 +104,7 @@ static void destroy(void *own)
 {
   event *e = own;
   if (!e) return;
-  nsdae_dae_destroy(&e->integrator.dae);
+  nsdae_ode_destroy(&e->integrator.stiff);
   nsdae_arena_release(&e->arena);
   nsdae_event_acceleration_release(&e->instant.acceleration);
   nsdae_event_impacts_release(&e->instant.impacts);
@@ -118,8 +120,8 @@ static int integrator_failed(event *e, int status, double t)
       nsdae_event_outgrown(&e->instant.acceleration, t, e->integrator.y) < 0)
     return NSDAE_E_PAINLEVE;
   nsdae_error_set(error, status, "nsdae_event", "rtol",
-                  "the integrator failed at t = %.17g with IDA's code %d: try a larger rtol, or "
-                  "method = implicit",
+                  "the integrator failed at t = %.17g, as no step is short enough (code %d): try a "
+                  "larger rtol, or method = implicit",
                   t, e->integrator.code);
   error->code = e->integrator.code;
   error->time = t;
@@ -137,7 +139,8 @@ static int start(event *e, double t)
 /* The instant t at the state of the integrator's y, and the start of the next phase. */
 static int restart(event *e, double t)
 {
-  int status = nsdae_event_pass(&e->instant, t, e->integrator.y, e->integrator.yp);
+  int status = nsdae_event_pass(&e->instant, t, e->integrator.y);
+  *e->integrator.is_stiff = 0;
   e->setting.result->counters.events++;
   ++*e->base.instants;
   return status < 0 ? status : start(e, t);
@@ -164,7 +167,9 @@ static int jammed(event *e, double t)
 /* The same in the middle of a run, where a change of mode is told. */
 static int go_through(event *e, double t)
 {
+  int solved = nsdae_event_forces(&e->phase, t, e->integrator.y);
   if (jammed(e, t)) return NSDAE_E_PAINLEVE;
+  if (solved < 0) return integrator_failed(e, solved, t);
   nsdae_result *r = e->setting.result;
   const nsdae_dims *d = &e->setting.system->dims;
   const nsdae_event_modes *m = &e->phase.modes;
@@ -220,7 +225,12 @@ static int integrate(event *e)
 {
   double from = e->integrator.ahead;
   int status = step(e);
-  if (status < 0) nsdae_event_integrator_read(&e->integrator, from, e->integrator.y);
+  if (status < 0 &&
+      nsdae_event_integrator_read(&e->integrator, from, e->integrator.y) == NSDAE_OK) {
+    nsdae_error kept = *e->setting.error;
+    nsdae_event_forces(&e->phase, from, e->integrator.y); /* for what tells why */
+    *e->setting.error = kept;
+  }
   ++*e->base.steps;
   *e->base.tiny += e->integrator.ahead - from < TINY * e->setting.options->dt;
   return status < 0 ? integrator_failed(e, status, from) : status;
@@ -233,7 +243,8 @@ static int read_state(event *e, double t)
   return *e->base.steps > 0 ? nsdae_event_integrator_read(g, t, g->y) : NSDAE_OK;
 }
 
-/* From the base to the state again; 0 where callbacks do not give the same numbers as then. */
+/* From the base to the state again: 1; 0 where callbacks do not give the same numbers as then; < 0
+ * where one fails, as in any step. */
 static int replay(event *e, const nsdae_terms *to)
 {
   nsdae_event_integrator *g = &e->integrator;
@@ -242,6 +253,7 @@ static int replay(event *e, const nsdae_terms *to)
   nsdae_event_restore(&e->base, g);
   int status = nsdae_event_integrator_start(g, *e->base.t);
   for (int i = 0; i < steps && status == NSDAE_OK; i++) status = step(e);
+  if (status < 0 && e->setting.error->status == NSDAE_E_CALLBACK) return NSDAE_E_CALLBACK;
   if (status < 0 || to->t > g->ahead) return 0;
   return read_state(e, to->t) == NSDAE_OK &&
          memcmp(g->y, to->q, (size_t)d->nq * sizeof *g->y) == 0 &&
@@ -253,8 +265,9 @@ static int arrive(event *e, const nsdae_state *state)
 {
   nsdae_counters *counters = &e->setting.result->counters, counted = *counters;
   if (state->memory->stamp > 0 && state->memory->stamp == e->stamp) return NSDAE_OK;
-  int stands = state->memory->stamp != 0 && replay(e, state->terms);
+  int stands = state->memory->stamp != 0 ? replay(e, state->terms) : 0;
   *counters = counted;
+  if (stands < 0) return stands;
   nsdae_error_clear(e->setting.error);
   return stands ? NSDAE_OK : begin(e, state->terms);
 }
@@ -271,9 +284,10 @@ static int advance_from(event *e)
 {
   nsdae_event_integrator *g = &e->integrator;
   if (g->ahead > e->reached) return NSDAE_OK;
-  if (*e->base.steps < STEPS_MAX) return integrate(e);
+  int stiff = !*g->is_stiff && nsdae_runge_kutta_stiff(&g->steps);
+  if (!stiff && *e->base.steps < (*g->is_stiff ? STIFF_STEPS : STEPS_MAX)) return integrate(e);
   int status = nsdae_event_integrator_read(g, g->ahead, g->y);
-  if (status == NSDAE_OK) status = nsdae_dae_interpolate(g->dae, g->ahead, 1, g->yp);
+  *g->is_stiff = stiff;
   return status < 0 ? status : start(e, g->ahead);
 }
 
@@ -303,7 +317,7 @@ static int run_to(event *e, double t_end)
     if (status == NSDAE_OK) status = may_go_on(e, t_end);
     if (status < 0) break;
     double to = fmin(g->ahead, t_end);
-    if (to > e->reached) status = nsdae_event_account_phase(&e->account, e->reached, to);
+    if (to > e->reached) status = nsdae_event_integrator_account(g, e->reached, to);
     e->reached = to;
     if (status < 0 || !g->pending || to < g->ahead) continue;
     status = nsdae_event_integrator_read(g, to, g->y);
@@ -332,10 +346,9 @@ static int read_results(event *e, double from)
 static int prepare(void *own)
 {
   event *e = own;
-  const nsdae_sim_options *o = e->setting.options;
   nsdae_event_acceleration_prepare(&e->instant.acceleration);
   nsdae_event_impacts_prepare(&e->instant.impacts);
-  nsdae_dae_tolerances(e->integrator.dae, o->rtol, o->atol, o->dt);
+  nsdae_event_integrator_prepare(&e->integrator);
   return NSDAE_OK;
 }
 
@@ -345,12 +358,11 @@ static int settle(void *own, const nsdae_state *state, nsdae_result *result)
   nsdae_event_integrator *g = &e->integrator;
   double t = state->terms->t;
   e->setting.result = result;
-  nsdae_event_lay(&e->base, &e->instant, &result->memory);
+  nsdae_event_lay(&e->base, &e->integrator, &e->instant, &result->memory);
   int status = arrive(e, state);
   e->stamp = 0;
   if (status < 0 || *e->base.steps == 0) return status;
   status = read_state(e, t);
-  if (status == NSDAE_OK) status = nsdae_dae_interpolate(g->dae, t, 1, g->yp);
   if (status == NSDAE_OK) nsdae_event_save(&e->base, g, t);
   return status;
 }
@@ -374,7 +386,7 @@ static int advance(void *own, const nsdae_state *state, double t_end, nsdae_resu
   e->setting.result = result;
   e->reached = state->terms->t;
   e->instant.impacts.endless = 0;
-  nsdae_event_lay(&e->base, &e->instant, &result->memory);
+  nsdae_event_lay(&e->base, &e->integrator, &e->instant, &result->memory);
   int status = arrive(e, state);
   e->stamp = 0;
   if (*e->base.goal != t_end) *e->base.instants = *e->base.idle = *e->base.tiny = 0;
@@ -393,7 +405,8 @@ static int advance(void *own, const nsdae_state *state, double t_end, nsdae_resu
 
 const nsdae_stepping nsdae_stepping_event = {
     .name = "event",
-    .summary = "event-driven on SUNDIALS IDA: impacts, stick and slip located exactly",
+    .summary =
+        "event-driven, smooth phases with error control: impacts, stick and slip located exactly",
     .create = create,
     .destroy = destroy,
     .sizes = nsdae_event_memory_sizes,

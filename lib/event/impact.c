@@ -46,7 +46,7 @@ void nsdae_event_impacts_prepare(nsdae_event_impacts *p)
   p->problem.law = p->law;
   nsdae_lcp_options_default(&p->problem.lcp.options);
   p->problem.lcp.options.tol = s->options->lcp_tol;
-  nsdae_contacts_laws(&p->problem, s->options->polygon);
+  nsdae_contacts_laws(&p->problem, nsdae_law_edges_to_start(s->options->polygon));
 }
 
 void nsdae_event_impacts_release(nsdae_event_impacts *p)

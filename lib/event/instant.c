@@ -12,6 +12,10 @@ static const double TURNED = 0.25;
 /* Of what counts as zero for a position: where it is brought back, and what nothing explains. */
 static const double STRAYED = 10, LOST = 1e5;
 
+/* Of what counts as zero for a velocity: up to there a body that begins to slide keeps its
+ * direction, which would turn within its velocity's error. */
+static const double HARDLY = 100;
+
 static int is_found(const nsdae_event_roots *roots, nsdae_root_kind kind, int i)
 {
   return nsdae_event_root_of(roots, kind, i)->found;
@@ -94,27 +98,6 @@ static void find_range(nsdae_event_phase *phase)
     }
 }
 
-/* y' and the forces of the new phase. */
-static int fill_state(const nsdae_event_instant *p, const double *a, double *y, double *yp)
-{
-  const nsdae_event_phase *phase = p->roots->phase;
-  const nsdae_event_places *at = &phase->setting->at;
-  const nsdae_dims *d = &phase->setting->system->dims;
-  const nsdae_contacts *c = &p->acceleration.problem;
-  memset(yp, 0, (size_t)at->n * sizeof *yp);
-  memset(y + at->lambda, 0, (size_t)(at->n - at->lambda) * sizeof *y);
-  memcpy(yp + at->v, a, (size_t)d->nv * sizeof *a);
-  memcpy(y + at->lambda, p->acceleration.lambda, (size_t)d->m * sizeof *y);
-  for (int i = 0; i < d->k; i++) {
-    if (phase->modes.contact[i] == NSDAE_MODE_OPEN) continue;
-    y[at->normal + i] = c->results->normal[i];
-    for (int j = i * d->nt; j < (i + 1) * d->nt; j++)
-      y[at->tangential + j] = c->results->tangential[j];
-  }
-  for (int j = 0; j < d->f; j++) y[at->slide + j] = c->results->slide_impulse[j];
-  return nsdae_event_kinematics(phase->setting, y + at->v, yp);
-}
-
 /* Positions to what stays closed; everything at the point of y, with the matrices factored. */
 static int bring(nsdae_event_instant *p, double t, double *y)
 {
@@ -144,7 +127,20 @@ static int arrive(nsdae_event_instant *p, double t, double *y)
   return bring(p, t, y);
 }
 
-int nsdae_event_pass(nsdae_event_instant *p, double t, double *y, double *yp)
+/* Slower than this a body keeps the direction it slides in. */
+static double hardly_sliding(const nsdae_event_phase *p)
+{
+  const nsdae_terms *T = p->setting->here;
+  double size = nsdae_event_velocity_size(p->setting);
+  int begins = 0, nt = T->system->dims.nt;
+  for (int i = 0; i < T->system->dims.k && nt == 2; i++)
+    begins |= p->modes.contact[i] == NSDAE_MODE_SLIDE &&
+              hypot(nsdae_terms_rate(T, T->W_T, T->w_T, 2 * i, T->v),
+                    nsdae_terms_rate(T, T->W_T, T->w_T, 2 * i + 1, T->v)) <= size;
+  return (begins ? HARDLY : 1) * size;
+}
+
+int nsdae_event_pass(nsdae_event_instant *p, double t, double *y)
 {
   nsdae_event_phase *phase = p->roots->phase;
   sort_found(p, y);
@@ -157,8 +153,7 @@ int nsdae_event_pass(nsdae_event_instant *p, double t, double *y, double *yp)
   if (counters->accumulations > ended) status = bring(p, t, y);
   if (status == NSDAE_OK) status = nsdae_event_choose_modes(&p->sharing, impacts > 0);
   if (status == NSDAE_OK) status = nsdae_event_project_velocities(&p->projection, y);
-  if (status == NSDAE_OK) status = fill_state(p, p->acceleration.a, y, yp);
-  phase->modes.slow = nsdae_event_velocity_size(phase->setting);
+  phase->modes.slow = hardly_sliding(phase);
   return status;
 }
 

@@ -8,6 +8,7 @@
 #include "choice.h"
 #include "impact.h"
 #include "projection.h"
+#include "roots.h"
 
 typedef struct nsdae_event_instant {
   nsdae_event_roots *roots;
@@ -17,9 +18,9 @@ typedef struct nsdae_event_instant {
   nsdae_event_projection projection;
 } nsdae_event_instant;
 
-/* At t, with the roots that were found, from the state of y to that of the next phase: new modes;
- * y and yp [n] are then consistent but for what the integrator's start still does. */
-int nsdae_event_pass(nsdae_event_instant *instant, double t, double *y, double *yp);
+/* At t, with the roots that were found, from the state and forces of y [n] to the state of the next
+ * phase, and its modes. */
+int nsdae_event_pass(nsdae_event_instant *instant, double t, double *y);
 
 /* Whether constraints or what is closed have left zero by more than the integrator's error, as over
  * a long phase they do: then they are to be brought back. 0, 1, or a status; so far that no such

@@ -8,86 +8,85 @@
 /* Of a time in a step: to the last digits. */
 enum { BISECTIONS = 60 };
 
+/* Backward differences lose that much more over many steps than the other method. */
+static const double STIFF_TOLERANCE = 0.1;
+
 /* Of what counts as zero for a position: less deep between two steps a contact is none. */
 static const double DEEP = 0.1;
+
+/* The callbacks of the integrators, and of the search for falls. */
+static int rate(double t, const double *state, double *ydot, void *user)
+{
+  nsdae_event_integrator *e = user;
+  return nsdae_event_account_rate(e->account, t, state, ydot);
+}
+
+static int near(double t, const double *from, const double *state, double *ydot, void *user)
+{
+  nsdae_event_integrator *e = user;
+  nsdae_event_phase *p = e->roots->phase;
+  int status = nsdae_event_linearise(p, t, from);
+  int code = status < 0 ? nsdae_event_code(p->setting, status) : rate(t, state, ydot, e);
+  p->linear = 0;
+  return code;
+}
+
+static int values(double t, double *g, void *user)
+{
+  nsdae_event_integrator *e = user;
+  int status = nsdae_event_integrator_read(e, t, e->y);
+  return status < 0 ? status : nsdae_event_root_values(e->roots, t, e->y, g);
+}
 
 void nsdae_event_integrator_layout(nsdae_event_integrator *e, nsdae_arena *arena)
 {
   const nsdae_event_setting *s = e->roots->phase->setting;
+  e->steps =
+      (nsdae_runge_kutta){.n = s->at.n + 1, .controlled = s->at.lambda, .rate = rate, .user = e};
+  e->fall = (nsdae_fall){.count = e->roots->count, .values = values, .user = e};
+  nsdae_runge_kutta_layout(&e->steps, arena);
+  nsdae_fall_layout(&e->fall, arena);
   e->y = NSDAE_ARENA_DOUBLES(arena, s->at.n);
-  e->yp = NSDAE_ARENA_DOUBLES(arena, s->at.n);
-  e->order = NSDAE_ARENA_DOUBLES(arena, s->at.n);
+  e->z = NSDAE_ARENA_DOUBLES(arena, s->at.n + 1L);
+  e->end = NSDAE_ARENA_DOUBLES(arena, s->at.n + 1L);
   e->fallen = NSDAE_ARENA_INTS(arena, e->roots->count);
   e->gap = NSDAE_ARENA_DOUBLES(arena, 4L * s->system->dims.k);
   e->rate = NSDAE_ARENA_DOUBLES(arena, 4L * s->system->dims.k);
 }
 
-/* The callbacks of the integrator. */
-static int residual(double t, const double *y, const double *yp, double *r, void *user)
-{
-  nsdae_event_integrator *e = user;
-  return nsdae_event_residual(e->roots->phase, t, y, yp, r);
-}
-
-static int jacobian(double t, double c, const double *y, const double *yp, const double *r,
-                    double *J, void *user)
-{
-  nsdae_event_integrator *e = user;
-  return nsdae_event_jacobian(e->roots->phase, t, c, y, yp, r, J);
-}
-
-static int root(double t, const double *y, const double *yp, double *g, void *user)
-{
-  nsdae_event_integrator *e = user;
-  (void)yp;
-  return nsdae_event_root_values(e->roots, t, y, g);
-}
-
 int nsdae_event_integrator_make(nsdae_event_integrator *e)
 {
   const nsdae_event_setting *s = e->roots->phase->setting;
-  const nsdae_sim_options *o = s->options;
-  for (int i = 0; i < s->at.lambda; i++) e->order[i] = 1;
-  const nsdae_dae_problem problem = {.n = s->at.n,
-                                     .roots = e->roots->count,
-                                     .sparse = o->linear_solver == NSDAE_LINEAR_SPARSE,
-                                     .order = e->order,
-                                     .residual = residual,
-                                     .jacobian = jacobian,
-                                     .root = root,
-                                     .user = e};
-  return nsdae_dae_create(&problem, o->rtol, o->atol, o->dt, &e->dae);
+  const nsdae_ode_problem problem = {
+      .n = s->at.n + 1, .controlled = s->at.lambda, .rate = rate, .near = near, .user = e};
+  int status = nsdae_ode_create(&problem, s->options->rtol, s->options->atol, &e->stiff);
+  if (status == NSDAE_OK) nsdae_event_integrator_prepare(e);
+  return status;
 }
 
-/* Accelerations and forces of the new phase at its start, of its own equations. Where these are
- * singular the integrator starts with those of the instant, and says so if it cannot. */
-static int solve_start(nsdae_event_integrator *e, double t)
+void nsdae_event_integrator_prepare(nsdae_event_integrator *e)
 {
-  nsdae_event_phase *p = e->roots->phase;
-  const nsdae_event_places *at = &p->setting->at;
-  double *y = e->roots->at;
-  memcpy(y, e->y, (size_t)at->n * sizeof *y);
-  int status = nsdae_event_forces(p, t, y);
-  if (status == NSDAE_E_CONVERGENCE) return NSDAE_OK;
-  if (status < 0) return status;
-  memcpy(e->y, y, (size_t)at->n * sizeof *y);
-  for (int i = at->v; i < at->lambda; i++) e->yp[i] = -p->r[i];
-  return NSDAE_OK;
+  const nsdae_sim_options *o = e->roots->phase->setting->options;
+  e->steps.rtol = o->rtol;
+  e->steps.atol = o->atol;
+  e->steps.max_step = o->dt;
+  nsdae_ode_tolerances(e->stiff, STIFF_TOLERANCE * o->rtol, STIFF_TOLERANCE * o->atol);
 }
 
 int nsdae_event_integrator_start(nsdae_event_integrator *e, double t)
 {
-  nsdae_event_setting *s = e->roots->phase->setting;
-  nsdae_event_set_terms(e->roots->phase);
-  nsdae_error_clear(s->error);
-  int status = solve_start(e, t);
-  if (status == NSDAE_OK)
-    status = nsdae_dae_start(e->dae, t, t + s->options->dt, e->y, e->yp, &e->code);
-  if (status == NSDAE_OK) status = nsdae_event_set_roots(e->roots, t, e->y, e->yp + s->at.v);
+  nsdae_event_phase *p = e->roots->phase;
+  nsdae_event_begin_phase(p);
+  nsdae_error_clear(p->setting->error);
+  memset(e->end, 0, (size_t)e->steps.n * sizeof *e->end);
+  memcpy(e->end, e->y, (size_t)e->steps.controlled * sizeof *e->y);
   e->ahead = t;
   e->known = NAN;
   e->pending = 0;
-  return status;
+  int status = *e->is_stiff ? nsdae_ode_start(e->stiff, t, e->end)
+                            : nsdae_runge_kutta_start(&e->steps, t, e->end);
+  if (status == NSDAE_OK) status = nsdae_event_forces(p, t, e->y);
+  return status < 0 ? status : nsdae_event_set_roots(e->roots, t, e->y, p->x);
 }
 
 /* Gaps and their rates at t in the last step, as the point number of it. */
@@ -193,27 +192,71 @@ static double find_hidden(nsdae_event_integrator *e, double from, int *contact, 
   return first;
 }
 
+/* A step of the integrator at work; its end is in `end`. */
+static int step(nsdae_event_integrator *e)
+{
+  int what = NSDAE_ODE_STEP;
+  if (*e->is_stiff)
+    return nsdae_ode_advance(e->stiff, e->ahead + e->steps.max_step, &e->ahead, e->end, &what, NULL,
+                             &e->code);
+  int status = nsdae_runge_kutta_advance(&e->steps);
+  if (status < 0) return status;
+  e->ahead = e->steps.t;
+  nsdae_runge_kutta_read(&e->steps, e->ahead, e->end);
+  return NSDAE_OK;
+}
+
+/* A step that ends at the first fall of a root; returns how many fell, or a status. */
+static int step_to_fall(nsdae_event_integrator *e)
+{
+  double from = e->ahead;
+  memcpy(e->y, e->end, (size_t)e->steps.controlled * sizeof *e->y);
+  if (e->fall.count > 0 && nsdae_event_root_values(e->roots, from, e->y, e->fall.low) < 0)
+    return NSDAE_E_CONVERGENCE;
+  int status = step(e);
+  int fell =
+      status < 0 || e->fall.count == 0 ? 0 : nsdae_fall_find(&e->fall, from, &e->ahead, e->fallen);
+  return status < 0 ? status : fell < 0 ? NSDAE_E_CONVERGENCE : fell;
+}
+
 int nsdae_event_integrator_advance(nsdae_event_integrator *e)
 {
-  int fell = 0, contact = -1, found = NSDAE_OK;
+  int contact = -1, found = NSDAE_OK;
   double from = e->ahead;
   nsdae_error_clear(e->roots->phase->setting->error);
-  int status = nsdae_dae_advance(e->dae, &e->ahead, &fell, e->fallen, &e->code);
-  if (status < 0) return status;
+  int fell = step_to_fall(e);
+  if (fell < 0) return fell;
   double hidden = find_hidden(e, from, &contact, &found);
   if (found < 0) return found;
   if (contact >= 0) e->ahead = hidden, fell = 0;
-  status = nsdae_event_integrator_read(e, e->ahead, e->y);
+  int status = nsdae_event_integrator_read(e, e->ahead, e->y);
   int watched = status < 0 ? status : nsdae_event_watch_roots(e->roots, e->ahead, e->y);
   if (watched < 0) return watched;
   e->roots->phase->setting->result->counters.iterations++;
-  for (int i = 0; fell && i < e->roots->count; i++) e->roots->entry[i].found |= e->fallen[i] != 0;
+  for (int i = 0; fell && i < e->roots->count; i++) e->roots->entry[i].found |= e->fallen[i];
   if (contact >= 0) nsdae_event_root_of(e->roots, NSDAE_ROOT_NORMAL, contact)->found = 1;
   e->pending = fell || watched > 0 || contact >= 0;
   return NSDAE_OK;
 }
 
+static int read_all(nsdae_event_integrator *e, double t, double *z)
+{
+  if (*e->is_stiff) return nsdae_ode_read(e->stiff, t, z);
+  nsdae_runge_kutta_read(&e->steps, t, z);
+  return NSDAE_OK;
+}
+
 int nsdae_event_integrator_read(nsdae_event_integrator *e, double t, double *y)
 {
-  return nsdae_dae_interpolate(e->dae, t, 0, y);
+  int status = read_all(e, t, e->z);
+  memcpy(y, e->z, (size_t)e->steps.controlled * sizeof *y);
+  return status;
+}
+
+int nsdae_event_integrator_account(nsdae_event_integrator *e, double from, double to)
+{
+  int status = read_all(e, from, e->z);
+  if (status == NSDAE_OK) status = read_all(e, to, e->account->y);
+  if (status == NSDAE_OK) nsdae_event_account_phase(e->account, e->z, e->account->y);
+  return status;
 }

@@ -1,5 +1,6 @@
 /* The equations between two instants. There the modes of the contacts and slides are fixed and the
- * motion is the index-1 problem in y = [q, v, lambda, F_N, F_T, F_S]
+ * motion is the index-1 problem in y = [q, v, lambda, F_N, F_T, F_S], linear in v' and the forces:
+ * these are solved for at every point, and q' and v' integrated
  *
  *   q' = H v
  *   M v' + Phi_q^T lambda - W_N F_N - W_T F_T - W_S F_S = F
@@ -20,6 +21,7 @@
 #define NSDAE_EVENT_PHASE_H
 
 #include "setting.h"
+#include "sparse_lu.h"
 
 /* What holds from an instant to the next. */
 typedef struct nsdae_event_modes {
@@ -34,39 +36,36 @@ typedef struct nsdae_event_modes {
   double *range;      /* m x m: B = Z Z^T, see above */
   int *related;       /* k + k nt: a relation stands in place of the row of this force */
   double *relation;   /* k + k nt squared, by rows: r of those that are */
-  double slow;        /* what counted as zero for a velocity at the phase's start */
+  double slow;        /* slower than this a body hardly slides, in this phase */
 } nsdae_event_modes;
 
 typedef struct nsdae_event_phase {
   nsdae_event_setting *setting;
   nsdae_event_modes modes;
-  unsigned terms;          /* what the equations of the modes need */
-  double *other, *r;       /* n: a displaced y and its residual */
-  double *K, *zero, *unit; /* n x n, n, n: equations for the forces; no accelerations; a row */
-  int *unknown, unknowns;  /* n: of these equations, in y */
-  int *pivot;              /* n */
-  double *rates;           /* m: of the constraints, before they are combined */
-  double *slip;            /* k nt: v_T where the residual is differenced */
-  int differencing;        /* now */
+  unsigned terms; /* what the equations of the modes need */
+  double *K, *x;  /* unknowns squared, unknowns: the equations; v', lambda and forces */
+  int *place;     /* forces: in x, -1 for one that is zero anyway */
+  int unknowns, *pivot;
+  nsdae_sparse_lu lu; /* of K, where its factors are to be sparse */
+  double *unit,
+      *rates;   /* unknowns, m: a right side; of the constraints, before they are combined */
+  double *slip; /* k nt: v_T around which directions of sliding are linear */
+  int linear;   /* now */
 } nsdae_event_phase;
 
 void nsdae_event_phase_layout(nsdae_event_phase *phase, nsdae_arena *arena);
 
 /* Brings `terms` to what the modes need. */
-void nsdae_event_set_terms(nsdae_event_phase *phase);
+void nsdae_event_begin_phase(nsdae_event_phase *phase);
 
-/* r [n] and J [n x n] = dr/dy + c dr/dy', where J comes zeroed. 0; > 0: a callback asks for a
- * smaller step; < 0: it gave up. */
-int nsdae_event_residual(nsdae_event_phase *phase, double t, const double *y, const double *yp,
-                         double *r);
-int nsdae_event_jacobian(nsdae_event_phase *phase, double t, double c, const double *y,
-                         const double *yp, const double *r, double *J);
-
-/* The forces of y [n] from its q and v, at time t: the equations are linear in them. The
- * integrator's own are as good as a Newton iteration, and between its steps only as good as its
- * order. v' is in -r then, and the terms are there. NSDAE_E_CONVERGENCE: the equations are
- * singular; or a callback's status. */
+/* The forces of y [n] from its q and v, at time t; v' [nv] is in x then, and the terms are there.
+ * NSDAE_E_CONVERGENCE: the equations are singular; or a callback's status. */
 int nsdae_event_forces(nsdae_event_phase *phase, double t, double *y);
+
+/* From now on directions of sliding are linear around those at the state of y, until `from` is
+ * NULL: where a body hardly slides they turn within less than a difference can see. A callback's
+ * status. */
+int nsdae_event_linearise(nsdae_event_phase *phase, double t, const double *from);
 
 /* With the equations that nsdae_event_forces factored last: the acceleration along the normal of
  * contact i, which has a row, that a unit of F_N makes there with all that else holds. */

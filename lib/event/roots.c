@@ -189,7 +189,9 @@ static void start_sliding(const nsdae_event_phase *p, nsdae_event_root *root, do
     return;
   }
   double rate = along_direction(p, T, root->index, T->omega_T, a);
-  start_root(root, t, value, rate, T->system->dims.nt == 2 ? TURNING * size : size, 0);
+  /* what slides already and is braked will stop, however soon */
+  int turning = T->system->dims.nt == 2 && !(value > size && rate < 0);
+  start_root(root, t, value, rate, turning ? TURNING * size : size, 0);
   /* so slow a start is no rate to divide by */
   if (root->state == NSDAE_ROOT_RISING && !(rate > size)) root->state = NSDAE_ROOT_MASKED;
 }

@@ -56,6 +56,13 @@ int nsdae_event_solve(nsdae_event_setting *s, nsdae_contacts *c, const nsdae_ter
   return status;
 }
 
+int nsdae_event_code(const nsdae_event_setting *s, int status)
+{
+  if (status == NSDAE_OK) return 0;
+  if (status == NSDAE_E_CALLBACK) return s->error->code < 0 ? -1 : 1;
+  return status == NSDAE_E_NONFINITE ? -1 : 1;
+}
+
 double nsdae_event_largest(int n, const double *a)
 {
   double most = 0;

@@ -4,8 +4,8 @@
  *   setting        this
  *   phase          the equations between two instants, for the modes that hold there
  *   roots          the functions whose zeros end a phase
- *   integrator     a phase from its start on, by SUNDIALS IDA
- *   account        what the forces do in a phase: impulses and work
+ *   account        what the forces do in it: impulses and work
+ *   integrator     a phase from its start on
  *   acceleration   the problem of accelerations, cone its friction, sharing its dependent rows
  *   choice         the modes of the next phase, from that problem
  *   projection     back to the constraints and to what is closed
@@ -31,6 +31,7 @@ typedef struct nsdae_event_setting {
   nsdae_terms *here; /* at the point in work */
   nsdae_kkt *kkt;    /* of M and Phi_q where they were last factored */
   nsdae_event_places at;
+  size_t warm; /* reals that lead the memory: the warm start of implicit, which may step in */
   nsdae_result *result; /* of the step in work */
 } nsdae_event_setting;
 
@@ -50,6 +51,9 @@ int nsdae_event_kinematics(nsdae_event_setting *setting, const double *v, double
  * arguments are those of nsdae_contacts_solve. */
 int nsdae_event_solve(nsdae_event_setting *setting, nsdae_contacts *contacts,
                       const nsdae_terms *terms, double *size, double *v, double *lambda);
+
+/* A status as a code of the integrators: what a smaller step may help is above zero. */
+int nsdae_event_code(const nsdae_event_setting *setting, int status);
 
 /* What counts as zero for positions and for velocities at the point: the integrator's accuracy. */
 double nsdae_event_position_size(const nsdae_event_setting *setting);

@@ -39,6 +39,7 @@ module nsdae_f_friction
     integer(c_int) :: stages
     integer(c_int) :: max_sweeps      ! 0: as many as the chain sees fit
     integer(c_int) :: max_iterations  ! 0: as many as the chain sees fit
+    integer(c_int) :: refine          ! Newton steps from a solution on, while its residual falls
   end type
 
   type, bind(C), public :: nsdae_friction_info

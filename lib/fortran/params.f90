@@ -18,7 +18,7 @@ module nsdae_f_params
   integer(c_int), parameter, public :: NSDAE_PARAM_TEXT_SIZE = 256
 
   ! Which bound of a range is itself excluded.
-  integer(c_int), parameter, public :: NSDAE_OPEN_MIN = 1, NSDAE_OPEN_MAX = 2
+  integer(c_int), parameter, public :: NSDAE_OPEN_MIN = 1, NSDAE_OPEN_MAX = 2, NSDAE_OR_ZERO = 4
 
   ! The structs of the C header.
   type, bind(C), public :: nsdae_c_param

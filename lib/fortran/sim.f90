@@ -59,7 +59,7 @@ module nsdae_f_sim
     integer(c_int) :: redundant
     real(c_double) :: rank_tol
     real(c_double) :: lcp_tol
-    integer(c_int) :: polygon                           ! edges where nt = 2: 3 .. 32
+    integer(c_int) :: polygon                           ! edges where nt = 2: 3 .. 32, or 0: the cone
     real(c_double) :: impact_velocity                   ! slower closings are no impacts [m/s]
     real(c_double) :: rtol, atol                        ! of the integrator of penalty and event
     integer(c_int) :: penalty_law

@@ -4,8 +4,12 @@
 #include <nsdae/status.h>
 #include <string.h>
 
+#include "dense.h"
 #include "small.h"
 #include "vector.h"
+
+/* Contacts of a local form up to which dense algebra is the faster. */
+enum { DENSE = 24 };
 
 /* Number of the pairs of item k. */
 static size_t pairs_of(const nsdae_fc *c, int k)
@@ -19,7 +23,9 @@ static void lay_out(void *object, nsdae_arena *arena)
   nsdae_fc_matrix *m = object;
   const nsdae_fc *c = m->fc;
   m->pairs = 0;
-  for (int k = 0; k < c->n; k++) m->pairs += pairs_of(c, k);
+  for (int k = 0; k < c->n && !m->dense; k++) m->pairs += pairs_of(c, k);
+  m->lu = NSDAE_ARENA_DOUBLES(arena, m->dense ? 9L * c->n * c->n : 0);
+  m->pivot = NSDAE_ARENA_INTS(arena, m->dense ? 3L * c->n : 0);
   m->first = NSDAE_ARENA_INTS(arena, c->blocks + 1L);
   m->at = NSDAE_ARENA_INTS(arena, c->blocks + 1L);
   m->index = NSDAE_ARENA_INTS(arena, 2 * m->pairs);
@@ -103,7 +109,9 @@ int nsdae_fc_matrix_analyse(nsdae_fc_matrix *m, const nsdae_fc *c)
   size_t used = 0;
   int row, column;
   m->fc = c;
+  m->dense = c->local && (m->dense_always || c->n <= DENSE);
   if (nsdae_arena_fit(&m->memory, lay_out, m) != NSDAE_OK) return NSDAE_E_MEMORY;
+  if (m->dense) return NSDAE_OK;
   collect(m);
   sort_graph(m);
   if (nsdae_fronts_analyse(&m->fronts, c->blocks, c->size, m->first, m->index) != NSDAE_OK)
@@ -145,22 +153,24 @@ static void assemble_global(nsdae_fc_matrix *m)
                     m->K + 9 * (size_t)k, nsdae_fc_part(c, f), T + *place++);
 }
 
-/* E + A W. W_kj row-major is the part of item k. */
+/* E + A W, into the fronts or the dense matrix. W_kj row-major is the part of item k. */
 static void assemble_local(nsdae_fc_matrix *m)
 {
   const nsdae_fc *c = m->fc;
+  size_t ld = m->dense ? 3 * (size_t)c->n : 3;
   for (int k = 0; k < c->n; k++) {
     const double *A = m->K + 9 * (size_t)k, *E = m->E + 9 * (size_t)k;
-    double *D = m->fronts.A + m->fronts.diagonal[k];
+    double *row = m->lu + 3 * k; /* of the dense matrix */
+    double *D = m->dense ? row + 3 * (size_t)k * ld : m->fronts.A + m->fronts.diagonal[k];
     for (int e = c->first[k]; e < c->first[k + 1]; e++) {
-      double *T = m->fronts.A + m->place[e];
+      double *T = m->dense ? row + 3 * (size_t)c->block[e] * ld : m->fronts.A + m->place[e];
       const double *W = nsdae_fc_part(c, e);
-      for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++)
-          T[3 * j + i] += A[3 * i] * W[j] + A[3 * i + 1] * W[3 + j] + A[3 * i + 2] * W[6 + j];
+      for (size_t i = 0; i < 3; i++)
+        for (size_t l = 0; l < 3; l++)
+          T[ld * l + i] += A[3 * i] * W[l] + A[3 * i + 1] * W[3 + l] + A[3 * i + 2] * W[6 + l];
     }
-    for (int i = 0; i < 3; i++)
-      for (int j = 0; j < 3; j++) D[3 * j + i] += E[3 * i + j];
+    for (size_t i = 0; i < 3; i++)
+      for (size_t l = 0; l < 3; l++) D[ld * l + i] += E[3 * i + l];
   }
 }
 
@@ -168,7 +178,8 @@ int nsdae_fc_matrix_factor(nsdae_fc_matrix *m, const double *E, const double *A,
 {
   static const double one[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
   const nsdae_fc *c = m->fc;
-  memset(m->fronts.A, 0, m->fronts.values * sizeof *m->fronts.A);
+  size_t values = m->dense ? 9 * (size_t)c->n * (size_t)c->n : m->fronts.values;
+  memset(m->dense ? m->lu : m->fronts.A, 0, values * sizeof *m->lu);
   memcpy(m->E, E, 9 * (size_t)c->n * sizeof *E);
   for (int k = 0; k < c->n; k++) {
     const double *block = A ? A + 9 * (size_t)k : one;
@@ -184,6 +195,7 @@ int nsdae_fc_matrix_factor(nsdae_fc_matrix *m, const double *E, const double *A,
     assemble_local(m);
   else
     assemble_global(m);
+  if (m->dense) return nsdae_la_lu(3 * c->n, m->lu, 3 * c->n, m->pivot);
   return nsdae_fronts_factor(&m->fronts, symmetric);
 }
 
@@ -215,7 +227,10 @@ void nsdae_fc_matrix_solve(nsdae_fc_matrix *m, const double *b, double *dr)
     return;
   }
   memcpy(dr, b, 3 * (size_t)m->fc->n * sizeof *dr);
-  nsdae_fronts_solve(&m->fronts, dr);
+  if (m->dense)
+    nsdae_la_lu_solve(3 * m->fc->n, m->lu, 3 * m->fc->n, m->pivot, dr);
+  else
+    nsdae_fronts_solve(&m->fronts, dr);
 }
 
 void nsdae_fc_matrix_release(nsdae_fc_matrix *m)

@@ -6,7 +6,8 @@
  *
  *   (1 + J K J^T) dy = J E^-1 b,   K = E^-1 A,   dr = E^-1 b - K J^T dy,
  *
- * with the graph of blocks of y that share an item; the local form has that of W. */
+ * with the graph of blocks of y that share an item; the local form has that of W, or where it is
+ * small is dense. */
 #ifndef NSDAE_FRICTION_MATRIX_H
 #define NSDAE_FRICTION_MATRIX_H
 
@@ -16,6 +17,10 @@
 typedef struct nsdae_fc_matrix {
   const nsdae_fc *fc;
   nsdae_fronts fronts;
+  int dense_always; /* local forms of any size */
+  int dense;        /* this one: lu [9 n^2], column-major, and pivot [3 n] are for it */
+  double *lu;
+  int *pivot;
   size_t pairs; /* of blocks that share an item, in both directions and with themselves */
   int *first;   /* blocks + 1: the graph; local form: items */
   int *index;

@@ -35,6 +35,10 @@ double nsdae_fc_newton_step(nsdae_fc_newton *newton, double before);
  * is that of fc->r then; ends below tol, or after most steps. */
 double nsdae_fc_proximal(nsdae_fc_newton *newton, double alpha, double tol);
 
+/* At most so many steps from the solution fc->r on. Each of them that brings the residual down is
+ * kept; returns that of fc->r then. */
+double nsdae_fc_refine(nsdae_fc_newton *newton, int steps);
+
 /* Follows the path of the smoothed maps from fc->r, epsilon from 1 on down to 1e-6; loose is how
  * far from the path a point may be, relative to epsilon. Ends where the residual is below tol,
  * which is returned. */

@@ -14,6 +14,10 @@ enum { INNER = 30, FAILURES = 20 };
 /* A problem counts as solved where its map has lost this factor, squared. */
 static const double GAIN = 1e-4;
 
+/* A proximal term that leaves of an error in the velocities as good as nothing, and keeps the
+ * matrix from what rounding makes of a singular one. */
+static const double SLIGHT = 1e-10;
+
 static void velocities(nsdae_fc *c)
 {
   nsdae_fc_velocities(c, c->r, c->y, c->u);
@@ -70,4 +74,28 @@ double nsdae_fc_proximal(nsdae_fc_newton *s, double alpha, double tol)
     residual = best;
   }
   return residual;
+}
+
+double nsdae_fc_refine(nsdae_fc_newton *s, int steps)
+{
+  nsdae_fc *c = s->fc;
+  size_t bytes = 3 * (size_t)c->n * sizeof *c->r;
+  double residual, best;
+  s->alpha = SLIGHT;
+  s->epsilon = 0;
+  s->search = 0;
+  velocities(c);
+  best = nsdae_fc_residual(c, c->r, c->u);
+  memcpy(s->best, c->r, bytes);
+  for (int k = 0; k < steps && best > 0; k++) {
+    memcpy(s->centre, c->r, bytes);
+    if (isnan(nsdae_fc_newton_step(s, INFINITY))) break;
+    residual = nsdae_fc_residual(c, c->r, c->u);
+    if (!(residual < best)) break;
+    best = residual;
+    memcpy(s->best, c->r, bytes);
+  }
+  memcpy(c->r, s->best, bytes);
+  velocities(c);
+  return best;
 }

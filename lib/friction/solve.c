@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "chain.h"
+#include "reserve.h"
 
 struct nsdae_friction_solver {
   nsdae_arena whole_memory, island_memory;
@@ -53,7 +54,7 @@ void nsdae_friction_destroy(nsdae_friction_solver **solver)
 static int in_range(const nsdae_friction_options *o)
 {
   return o->tol > 0 && o->tol <= 1 && o->stages >= 0 && o->stages <= NSDAE_FRICTION_ALL &&
-         o->max_sweeps >= 0 && o->max_iterations >= 0;
+         o->max_sweeps >= 0 && o->max_iterations >= 0 && o->refine >= 0;
 }
 
 /* The problem checked and without its masses. */
@@ -89,6 +90,19 @@ static int reserve(nsdae_friction_solver *s)
   for (int island = 0; island < s->whole.islands; island++)
     if (lay_out(s, island) != NSDAE_OK) return NSDAE_E_MEMORY;
   return NSDAE_OK;
+}
+
+int nsdae_fc_reserve(nsdae_friction_solver *s, const nsdae_friction_problem *largest)
+{
+  int status = prepare(s, largest, NULL);
+  s->matrix.dense_always = 1;
+  for (int island = 0; island < s->whole.islands && status == NSDAE_OK; island++) {
+    status = lay_out(s, island);
+    if (status != NSDAE_OK) return status;
+    nsdae_fc_fill(&s->chain.fc, s->whole.q);
+    status = nsdae_fc_matrix_analyse(&s->matrix, &s->chain.fc);
+  }
+  return status;
 }
 
 /* Items that nothing moves get r = 0, all others the answer of their island, in whole.r. */

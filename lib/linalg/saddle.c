@@ -8,8 +8,11 @@
 #include <nsdae/status.h>
 
 #include "grow.h"
+#include "vector.h"
 
-enum { ROUNDS = 60 };
+enum { ROUNDS = 200 };
+
+static const double enough = 1e-9; /* of a residual, to be a solution at all */
 
 /* What is looked at in one call. */
 typedef struct part {
@@ -27,12 +30,12 @@ static int reserve(nsdae_saddle *s, const part *p)
   const nsdae_grown by_block[] = {NSDAE_GROWN(s->number, 1), NSDAE_GROWN(s->size, 1),
                                   NSDAE_GROWN(s->begin, 1),  NSDAE_GROWN(s->first, 1),
                                   NSDAE_GROWN(s->mark, 1),   NSDAE_GROWN(s->by_block, 1)};
-  const nsdae_grown by_entry[] = {NSDAE_GROWN(s->x, 1)};
-  const nsdae_grown by_row[] = {NSDAE_GROWN(s->rest, 2)};
+  const nsdae_grown by_entry[] = {NSDAE_GROWN(s->x, 1), NSDAE_GROWN(s->g, 1)};
+  const nsdae_grown by_row[] = {NSDAE_GROWN(s->rest, 3)};
   const nsdae_grown by_part[] = {NSDAE_GROWN(s->of_block, 1)};
   if (s->blocks >= all && s->rows >= p->J->count) return NSDAE_OK;
   int status = nsdae_grow(by_block, sizeof by_block / sizeof *by_block, (size_t)all + 2);
-  if (status == NSDAE_OK) status = nsdae_grow(by_entry, 1, (size_t)order);
+  if (status == NSDAE_OK) status = nsdae_grow(by_entry, 2, (size_t)order);
   if (status == NSDAE_OK) status = nsdae_grow(by_row, 1, (size_t)p->J->count);
   if (status == NSDAE_OK) status = nsdae_grow(by_part, 1, (size_t)p->J->first[p->J->count]);
   if (status < 0) return status;
@@ -149,7 +152,7 @@ static int factor(nsdae_saddle *s, const part *p)
   return nsdae_fronts_factor(&s->fronts, 1) == 0 ? NSDAE_OK : NSDAE_E_MASS;
 }
 
-/* s: 1e7 over the mean of the diagonal of J M^-1 J^T, by the diagonal of M. */
+/* s: 1e5 over the mean of the diagonal of J M^-1 J^T, by the diagonal of M. */
 static double scale_of(const part *p)
 {
   double sum = 0;
@@ -161,27 +164,71 @@ static double scale_of(const part *p)
         sum += entry * entry / p->M[p->blocks->square[b] + (size_t)j * (size_t)(n + 1)];
       }
     }
-  return sum > 0 ? 1e7 * p->rows_count / sum : 1;
+  return sum > 0 ? 1e5 * p->rows_count / sum : 1;
 }
 
-/* x of the multipliers l: the right-hand side r - J^T l + s J^T c in v, then x there. */
-static void solve_for_velocity(nsdae_saddle *s, const part *p, const double *c, const double *l,
-                               double *v)
+/* sum |J_ij x_j| */
+static double size_of_terms(const part *p, int row, const double *x)
 {
+  double sum = 0;
+  for (int e = p->J->first[row]; e < p->J->first[row + 1]; e++) {
+    const double *value = p->J->value + p->J->at[e], *at = x + p->blocks->first[p->J->block[e]];
+    for (int j = 0; j < nsdae_blocks_size(p->blocks, p->J->block[e]); j++)
+      sum += fabs(value[(size_t)j * p->J->stride] * at[j]);
+  }
+  return sum;
+}
+
+/* g := r - M x - J^T l and d := c - J x; returns the larger of the two, each relative to the terms
+ * that it is a sum of. */
+static double residual(nsdae_saddle *s, const part *p, const double *c, const double *l,
+                       const double *x)
+{
+  double worst = 0, size = 0, worst_row = 0, size_row = 0, *d = s->rest + 2 * p->rows_count;
+  for (int i = 0; i < p->blocks_count; i++) {
+    int b = p->block[i], at = p->blocks->first[b], n = s->size[i];
+    for (int j = 0; j < n; j++) s->g[at + j] = -x[at + j];
+    memset(s->x, 0, (size_t)n * sizeof *s->x);
+    nsdae_add_product(n, n, p->M + p->blocks->square[b], s->g + at, s->x);
+    for (int j = 0; j < n; j++) {
+      size = fmax(size, fmax(fabs(p->r[at + j]), fabs(s->x[j])));
+      s->g[at + j] = p->r[at + j] + s->x[j];
+    }
+  }
+  for (int i = 0; i < p->rows_count; i++) {
+    double rate = nsdae_rows_dot(p->blocks, p->J, p->row[i], x);
+    nsdae_rows_add(p->blocks, p->J, p->row[i], -l[i], s->g);
+    d[i] = c[i] - rate;
+    worst_row = fmax(worst_row, fabs(d[i]));
+    size_row = fmax(size_row, fmax(fabs(c[i]), size_of_terms(p, p->row[i], x)));
+  }
+  for (int i = 0; i < p->blocks_count; i++)
+    for (int j = p->blocks->first[p->block[i]]; j < p->blocks->first[p->block[i] + 1]; j++)
+      worst = fmax(worst, fabs(s->g[j]));
+  worst = size > 0 ? worst / size : worst;
+  return fmax(worst, size_row > 0 ? worst_row / size_row : worst_row);
+}
+
+/* x += A^-1 (g + s J^T d) = x + y,  l += s (J y - d). */
+static void correct(nsdae_saddle *s, const part *p, double *l, double *x)
+{
+  const double *d = s->rest + 2 * p->rows_count;
+  for (int i = 0; i < p->rows_count; i++)
+    nsdae_rows_add(p->blocks, p->J, p->row[i], p->scale * d[i], s->g);
+  for (int i = 0; i < p->blocks_count; i++)
+    memcpy(s->x + s->begin[i], s->g + p->blocks->first[p->block[i]],
+           (size_t)s->size[i] * sizeof *x);
+  nsdae_fronts_solve(&s->fronts, s->x);
   for (int i = 0; i < p->blocks_count; i++) {
     int at = p->blocks->first[p->block[i]];
-    memcpy(v + at, p->r + at, (size_t)s->size[i] * sizeof *v);
+    memcpy(s->g + at, s->x + s->begin[i], (size_t)s->size[i] * sizeof *x);
+    for (int j = 0; j < s->size[i]; j++) x[at + j] += s->g[at + j];
   }
   for (int i = 0; i < p->rows_count; i++)
-    nsdae_rows_add(p->blocks, p->J, p->row[i], p->scale * c[i] - l[i], v);
-  for (int i = 0; i < p->blocks_count; i++)
-    memcpy(s->x + s->begin[i], v + p->blocks->first[p->block[i]], (size_t)s->size[i] * sizeof *v);
-  nsdae_fronts_solve(&s->fronts, s->x);
-  for (int i = 0; i < p->blocks_count; i++)
-    memcpy(v + p->blocks->first[p->block[i]], s->x + s->begin[i], (size_t)s->size[i] * sizeof *v);
+    l[i] += p->scale * (nsdae_rows_dot(p->blocks, p->J, p->row[i], s->g) - d[i]);
 }
 
-/* Rounds until what J x misses c by no longer falls. */
+/* Rounds until the residual no longer falls, from zero. */
 static int iterate(nsdae_saddle *s, const part *p, double *v, double *lambda)
 {
   double last = INFINITY, *c = s->rest, *l = s->rest + p->rows_count;
@@ -189,19 +236,16 @@ static int iterate(nsdae_saddle *s, const part *p, double *v, double *lambda)
     c[i] = lambda[p->row[i]];
     l[i] = 0;
   }
+  for (int i = 0; i < p->blocks_count; i++)
+    memset(v + p->blocks->first[p->block[i]], 0, (size_t)s->size[i] * sizeof *v);
   for (int round = 0; round < ROUNDS; round++) {
-    double worst = 0, size = 0;
-    solve_for_velocity(s, p, c, l, v);
-    for (int i = 0; i < p->rows_count; i++) {
-      double rate = nsdae_rows_dot(p->blocks, p->J, p->row[i], v), miss = rate - c[i];
-      worst = fmax(worst, fabs(miss));
-      size = fmax(size, fmax(fabs(c[i]), fabs(rate)));
-      l[i] += p->scale * miss;
-    }
-    if (!isfinite(worst)) return NSDAE_E_CONVERGENCE;
-    if (round > 1 && (worst >= last / 2 || worst <= DBL_EPSILON * size)) break;
-    last = worst;
+    double now = residual(s, p, c, l, v);
+    if (!(now < INFINITY)) return NSDAE_E_CONVERGENCE;
+    if (now <= DBL_EPSILON || (round > 2 && now >= last / 2 && now < enough)) break;
+    last = now;
+    correct(s, p, l, v);
   }
+  if (!(residual(s, p, c, l, v) < enough)) return NSDAE_E_CONVERGENCE;
   for (int i = 0; i < p->rows_count; i++) lambda[p->row[i]] = l[i];
   return NSDAE_OK;
 }

@@ -1,12 +1,13 @@
 /* The saddle-point equations of kkt.h where they are large and sparse: M by blocks, Phi_q by rows,
  * over the blocks of one part. By the method of multipliers (Hestenes, J. Optim. Theory Appl. 4
- * (1969) 303; of linear equations it is refinement):
+ * (1969) 303), which of linear equations is refinement: with the residuals g = r - M x - J^T l and
+ * d = c - J x,
  *
- *   (M + s J^T J) x = r - J^T l + s J^T c,   l += s (J x - c),   until J x = c to rounding
+ *   (M + s J^T J) y = g + s J^T d,   x += y,   l += s (J y - d),   until they no longer fall.
  *
- * The matrix is positive definite whatever the rank of J, and sparse as the blocks that share a row
- * are few; l is of the range of J, the least norm of those that serve. Each round multiplies J x -
- * c by about 1 / (s |S|), S = J M^-1 J^T. */
+ * The matrix is positive definite whatever the rank of J, and sparse where few blocks share a row;
+ * l is in the range of J, the least of those that serve. A round multiplies d by about 1 / (s |S|),
+ * S = J M^-1 J^T, and leaves no more of g than rounding. */
 #ifndef NSDAE_LINALG_SADDLE_H
 #define NSDAE_LINALG_SADDLE_H
 
@@ -21,7 +22,7 @@ typedef struct nsdae_saddle {
   int *first, *index, *mark; /* the graph of blocks that share a row */
   int index_room;
   int *by_block, *of_block; /* rows that touch a block */
-  double *x, *rest;
+  double *x, *g, *rest;     /* nv: of the part, by blocks; nv; 3 rows: c, l, d */
 } nsdae_saddle;
 
 /* v [nv] and lambda [m] of the blocks and rows listed: on entry lambda holds c and r the right-hand

@@ -220,7 +220,7 @@ int nsdae_sparse_lu_factor(nsdae_sparse_lu *lu, const double *A, int lda)
   return lu->factored && !lost ? 0 : factor_anew(lu, A, lda);
 }
 
-void nsdae_sparse_lu_solve(nsdae_sparse_lu *lu, double *b)
+void nsdae_sparse_lu_solve(const nsdae_sparse_lu *lu, double *b)
 {
   int n = lu->n;
   double *x = lu->x;

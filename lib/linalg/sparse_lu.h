@@ -41,6 +41,6 @@ void nsdae_sparse_lu_forget(nsdae_sparse_lu *lu);
 int nsdae_sparse_lu_factor(nsdae_sparse_lu *lu, const double *A, int lda);
 
 /* b [n] := A^-1 b. */
-void nsdae_sparse_lu_solve(nsdae_sparse_lu *lu, double *b);
+void nsdae_sparse_lu_solve(const nsdae_sparse_lu *lu, double *b);
 
 #endif

@@ -141,3 +141,9 @@ int nsdae_step_solve_mass(const nsdae_step *step, const double *M, double *r)
   nsdae_kkt_solve_mass(&s->kkt, r);
   return NSDAE_OK;
 }
+
+double nsdae_step_settled(const nsdae_step *step)
+{
+  const nsdae_stepper *s = step->tools;
+  return s->world ? fmax(s->iteration_tol, s->world->solved.noise) : s->iteration_tol;
+}

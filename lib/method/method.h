@@ -14,8 +14,8 @@ typedef struct nsdae_stepping {
   int (*create)(struct nsdae_stepper *stepper, void **own);
   void (*destroy)(void *own);
 
-  /* Sizes of what it keeps between steps, asked before create. The first integers are the contacts'
-   * warm start (nsdae_stepper_sizes), so that implicit can step in. */
+  /* Sizes of what it keeps between steps, asked before create. The first reals and integers are the
+   * contacts' warm start (nsdae_stepper_sizes), so that implicit can step in. */
   void (*sizes)(const struct nsdae_stepper *stepper, size_t *reals, size_t *wholes);
 
   /* Settings or coefficients changed; NULL where nothing is made of them beside the stepper. */
@@ -30,8 +30,7 @@ typedef struct nsdae_stepping {
    * status < 0 drops the result; the error record says why. */
   int (*advance)(void *own, const nsdae_state *state, double t_end, nsdae_result *result);
 
-  int in_steps; /* of the time-stepping ones: the state alone is where the next step begins */
-  int by_list;  /* goes with systems by blocks */
+  int by_list; /* goes with systems by blocks */
 } nsdae_stepping;
 
 #endif

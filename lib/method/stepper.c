@@ -16,7 +16,8 @@ void nsdae_stepper_prepare_terms(nsdae_stepper *s, nsdae_terms *terms)
 static double settled(const nsdae_system *system, double tol)
 {
   const nsdae_dims *d = &system->dims;
-  int differs = (d->m > 0 && (!system->constraint_jacobian || !system->constraint_bias)) ||
+  int differs = (d->m > 0 && ((!system->constraint_jacobian && !system->by_list) ||
+                              !system->constraint_bias)) ||
                 (d->k > 0 && (!system->gap_normal || !system->contact_bias));
   return differs ? fmax(tol, 1e-9) : tol;
 }
@@ -34,6 +35,9 @@ void nsdae_stepper_prepare(nsdae_stepper *s)
   s->contacts.error = s->error;
   nsdae_lcp_options_default(&s->contacts.lcp.options);
   s->contacts.lcp.options.tol = o->lcp_tol;
+  /* of event: the larger of its laws and of implicit's, which may step in */
+  if (o->method == NSDAE_METHOD_EVENT)
+    nsdae_contacts_laws(&s->contacts, nsdae_law_edges_to_start(o->polygon));
   nsdae_contacts_laws(&s->contacts, o->polygon);
   if (s->world)
     nsdae_world_prepare(s->world, &s->contacts.lcp.options, o->rank_tol,
@@ -71,14 +75,14 @@ void nsdae_stepper_count(nsdae_stepper *s, const nsdae_state *state, nsdae_resul
 
 void nsdae_stepper_sizes(const nsdae_stepper *s, size_t *reals, size_t *wholes)
 {
-  *reals = 0;
+  *reals = nsdae_contacts_warm_size(&s->contacts);
   *wholes = nsdae_contacts_memory_size(&s->contacts);
 }
 
 nsdae_step nsdae_step_begin(nsdae_stepper *s, const nsdae_state *state, double t_end,
                             nsdae_result *result)
 {
-  nsdae_contacts_remember(&s->contacts, result->memory.whole);
+  nsdae_contacts_remember(&s->contacts, result->memory.whole, result->memory.real);
   return (nsdae_step){.tools = s,
                       .state = state,
                       .start = state->terms,

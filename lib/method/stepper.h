@@ -85,6 +85,8 @@ void nsdae_step_add_constraints(const nsdae_step *step, const nsdae_terms *terms
                                 int impact, double *r);
 void nsdae_step_add_impulse(const nsdae_step *step, const nsdae_terms *terms, double scale,
                             int skip_impacts, double *r);
+/* The relative change below which an iteration cannot settle. */
+double nsdae_step_settled(const nsdae_step *step);
 int nsdae_step_solve_mass(const nsdae_step *step, const double *M, double *r);
 
 /* The parts that methods share. */

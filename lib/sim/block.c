@@ -68,6 +68,12 @@ static void visit_stats(cursor *c, nsdae_stats *s)
       &s->events,     &s->accumulations, &s->fallback_steps};
   double *const worst[] = {&s->worst_residual, &s->worst_drift, &s->worst_penetration,
                            &s->energy_start, &s->energy_balance};
+  /* all of them, and the clock; room in lists is the simulation's */
+  _Static_assert(sizeof *s - sizeof counts / sizeof *counts * sizeof(long) -
+                         sizeof worst / sizeof *worst * sizeof(double) - 7 * sizeof(int) -
+                         sizeof s->wall_time <
+                     sizeof(double),
+                 "a statistic that the state does not keep");
   for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) visit(c, counts[i], sizeof(long));
   for (size_t i = 0; i < sizeof worst / sizeof *worst; i++) visit(c, worst[i], sizeof(double));
   visit(c, &s->rank, sizeof s->rank);
@@ -79,6 +85,9 @@ static void visit_stats(cursor *c, nsdae_stats *s)
 
 static void visit_accounts(cursor *c, nsdae_accounts *a)
 {
+  _Static_assert(sizeof *a ==
+                     2 * sizeof(long) + 2 * sizeof(double) + sizeof a->stats + sizeof a->watch,
+                 "an account that the state does not keep");
   visit(c, &a->step, sizeof a->step);
   visit(c, &a->grid_count, sizeof a->grid_count);
   visit(c, &a->grid_start, sizeof a->grid_start);
@@ -364,8 +373,12 @@ static int check_values(nsdae_sim *sim)
   const nsdae_stats *s = &p->accounts.stats;
   const double sums[] = {r->end.t, p->accounts.grid_start, p->accounts.dissipated, s->energy_start,
                          s->energy_balance};
+  const double certificate[] = {r->worst_residual, s->worst_residual, s->worst_drift,
+                                s->worst_penetration};
   if (all_finite(sums, 5) && all_finite(r->end.q, d->nq) && all_finite(r->end.v, d->nv) &&
       all_finite(r->multiplier, d->m) && all_finite(r->impulses.normal, d->k) &&
+      all_finite(r->impulses.tangential, d->k * d->nt) &&
+      all_finite(r->impulses.slide_impulse, d->f) && !any_nan(certificate, 4) &&
       check_closed(sim) && !any_nan(r->memory.real, r->memory.reals))
     return NSDAE_OK;
   return nsdae_error_set(&sim->error, NSDAE_E_NONFINITE, "nsdae_sim_set_state", "block",

@@ -41,8 +41,9 @@ static const nsdae_param entries[] = {
      NSDAE_PARAM_REAL, AT(rank_tol), 1e-8, 0, 1, NSDAE_OPEN_MAX, NULL},
     {"lcp_tol", "1", "scaled natural residual of a solved LCP", NSDAE_PARAM_REAL, AT(lcp_tol),
      1e-10, DBL_EPSILON, 1e-2, 0, NULL},
-    {"polygon", "1", "edges of the friction polygon of contacts with two tangential directions",
-     NSDAE_PARAM_INT, AT(polygon), 8, 3, 32, 0, NULL},
+    {"polygon", "1",
+     "edges of the friction polygon of contacts with two tangential directions; 0: the cone itself",
+     NSDAE_PARAM_INT, AT(polygon), 0, 3, 32, NSDAE_OR_ZERO, NULL},
     {"impact_velocity", "m/s", "closings slower than this are no impacts", NSDAE_PARAM_REAL,
      AT(impact_velocity), 1e-9, 0, INFINITY, 0, NULL},
     {"rtol", "1", "relative tolerance of penalty and event", NSDAE_PARAM_REAL, AT(rtol), 1e-8,
@@ -101,7 +102,13 @@ int nsdae_sim_options_check(const nsdae_sim_options *options, nsdae_error *error
   if (options->initialised != INITIALISED)
     return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_sim_create", "options",
                            "options were not initialised: call nsdae_sim_options_default first");
-  return nsdae_params_check(&table, options, error);
+  int status = nsdae_params_check(&table, options, error);
+  if (status < 0 || options->projection == NSDAE_PROJECTION_NONE) return status;
+  if (nsdae_sim_option_matters("projection", options->method)) return status;
+  return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_sim_create", "projection",
+                         "projection = %s is for the time-stepping methods, and method is %s, "
+                         "which keeps its constraints by itself: take projection = none",
+                         projections[options->projection], methods[options->method]);
 }
 
 double nsdae_sim_option_value(const nsdae_sim_options *options, const nsdae_param *param)
@@ -134,7 +141,8 @@ static const struct {
     {"accumulation_time", 1u << NSDAE_METHOD_EVENT},
     {"events_max", 1u << NSDAE_METHOD_EVENT},
     {"inner_steps_max", 1u << NSDAE_METHOD_PENALTY | 1u << NSDAE_METHOD_EVENT},
-    {"projection", ~(1u << NSDAE_METHOD_PENALTY)}, /* of event: where implicit steps in */
+    {"projection",
+     1u << NSDAE_METHOD_IMPLICIT | 1u << NSDAE_METHOD_IMPLICIT_PRINTED | 1u << NSDAE_METHOD_MOREAU},
     {"start_tol", 0},
     {"start_check", 0},
     {"contacts_max", 0},

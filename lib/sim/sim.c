@@ -1,5 +1,6 @@
 /* A simulation: its making, its start and what can be asked of it. */
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -31,14 +32,20 @@ static int check_rows(const nsdae_system *system, const nsdae_sim_options *optio
   nsdae_sim_options defaults;
   nsdae_sim_options_default(&defaults);
   if (system->by_list) return NSDAE_OK;
-  int edges = options ? options->polygon : defaults.polygon, limit = nsdae_contacts_rows_limit();
+  if (!options) options = &defaults;
+  int edges = options->polygon, limit = nsdae_contacts_rows_limit();
+  if (options->method == NSDAE_METHOD_EVENT) edges = nsdae_law_edges_to_start(edges);
   long rows = nsdae_contacts_rows(system, edges);
   if (rows <= limit) return NSDAE_OK;
+  char fewer_edges[128] = "";
+  if (edges > 0)
+    snprintf(fewer_edges, sizeof fewer_edges,
+             ", or a polygon of fewer edges (%d now, %d rows for a spatial contact with friction)",
+             edges, edges + 2);
   return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_sim_create", "k",
                          "k = %d contacts and f = %d slides have %ld rows of the complementarity "
-                         "problem, which may have %d: take fewer, or a polygon of fewer edges (%d "
-                         "now, %d rows for a spatial contact with friction)",
-                         system->dims.k, system->dims.f, rows, limit, edges, edges + 2);
+                         "problem, which may have %d: take fewer%s",
+                         system->dims.k, system->dims.f, rows, limit, fewer_edges);
 }
 
 /* What a system of blocks does without. */
@@ -127,7 +134,9 @@ static int build(nsdae_sim *sim)
     nsdae_stepper_prepare_terms(stepper, &r->end);
     sim->method->sizes(stepper, &r->memory.reals, &r->memory.wholes);
   }
-  if (nsdae_arena_build(&sim->arena, layout, sim) < 0) return out_of_memory(sim);
+  if (nsdae_arena_build(&sim->arena, layout, sim) < 0 ||
+      nsdae_cones_open(&stepper->contacts.cones) < 0)
+    return out_of_memory(sim);
   int status = stepper->world ? first_room(sim) : NSDAE_OK;
   if (status < 0) return status;
   if (sim->method->create) return sim->method->create(stepper, &sim->own);
@@ -165,6 +174,7 @@ void nsdae_sim_destroy(nsdae_sim **sim)
   if (!sim || !*sim) return;
   const nsdae_stepping *method = (*sim)->method;
   if (method && method->destroy) method->destroy((*sim)->own);
+  nsdae_cones_close(&(*sim)->stepper.contacts.cones);
   nsdae_sim_release_lists(*sim);
   nsdae_arena_release(&(*sim)->arena);
   free((*sim)->law);

@@ -58,8 +58,6 @@ static int project(nsdae_sim *sim)
   nsdae_result *r = &sim->next->result;
   nsdae_projector *p = &sim->projection;
   double before, after;
-  int in_steps = sim->method->in_steps || r->given_up;
-  if (sim->options.projection == NSDAE_PROJECTION_NONE || !in_steps) return NSDAE_OK;
   int status = energy(&r->end, &before);
   if (status == NSDAE_OK) status = nsdae_terms_need(&r->end, NSDAE_TERM_GAP);
   if (status < 0) return status;
@@ -93,7 +91,7 @@ static int prepare(nsdae_sim *sim, double t1)
   while (status == NSDAE_OK && (status = advance(sim, t1)) == NSDAE_GROW)
     status = nsdae_sim_grow(sim); /* and once more */
   sim->failed = is_problem(status) && sim->next->result.problem;
-  if (status == NSDAE_OK) status = project(sim);
+  if (status == NSDAE_OK && sim->options.projection != NSDAE_PROJECTION_NONE) status = project(sim);
   if (status == NSDAE_OK)
     status = nsdae_point_follow(sim->now, sim->next, sim->options.impact_velocity);
   if (status == NSDAE_OK) status = nsdae_watch_step(sim, sim->now, sim->next);

@@ -14,8 +14,8 @@ enum { NSDAE_CONTEXT_RESERVE = 65536 };
  * integrator, which is silenced by its SetErrFile. Returns 0 when it was made.
  *
  * Up to 6.4 SUNContext_Create does not survive a table of its logger that finds no memory, and
- * IDACreate and CVodeCreate have no one yet to be silenced by: where the reserve is not to be had,
- * they are not called. */
+ * CVodeCreate has no one yet to be silenced by: where the reserve is not to be had, it is not
+ * called. */
 static inline int nsdae_make_context(SUNContext *context)
 {
   void *reserve = malloc(NSDAE_CONTEXT_RESERVE);

@@ -10,7 +10,11 @@ typedef struct nsdae_ode nsdae_ode;
 /* f and the root functions g: 0 done, > 0 try a smaller step, < 0 give up. */
 typedef struct nsdae_ode_problem {
   int n, roots;
+  int controlled; /* the error is controlled of the first of y, and f depends on no others; 0: all
+                   */
   int (*rate)(double t, const double *y, double *ydot, void *user);
+  /* in place of f in differences around y_0, where f bends too much for them; NULL: f itself */
+  int (*near)(double t, const double *y_0, const double *y, double *ydot, void *user);
   int (*root)(double t, const double *y, double *g, void *user);
   void *user;
 } nsdae_ode_problem;
@@ -32,6 +36,9 @@ enum { NSDAE_ODE_STEP, NSDAE_ODE_ROOT, NSDAE_ODE_END };
  * *code; NSDAE_E_CALLBACK. */
 int nsdae_ode_advance(nsdae_ode *ode, double t_end, double *t, double *y, int *what, int *found,
                       int *code);
+
+/* y [n] at t within the last step. NSDAE_OK or NSDAE_E_CONVERGENCE. */
+int nsdae_ode_read(nsdae_ode *ode, double t, double *y);
 
 /* Evaluations of f so far. */
 long nsdae_ode_rates(const nsdae_ode *ode);

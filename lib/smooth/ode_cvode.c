@@ -17,7 +17,7 @@ struct nsdae_ode {
   SUNContext context;
   nsdae_pool pool;
   void *cvode;
-  N_Vector y;
+  N_Vector y, between, atol;  /* where it is; where it is read */
   SUNMatrix matrix, jacobian; /* I - gamma J, J */
   SUNLinearSolver solver;
   long rates; /* evaluations of f */
@@ -41,6 +41,16 @@ static int root(sunrealtype t, N_Vector y, sunrealtype *g, void *user)
   return code;
 }
 
+static int rate_near(nsdae_ode *ode, double t, N_Vector y_0, N_Vector y, N_Vector ydot)
+{
+  const nsdae_ode_problem *p = &ode->problem;
+  if (!p->near) return rate(t, y, ydot, ode);
+  ode->rates++;
+  int code =
+      p->near(t, N_VGetArrayPointer(y_0), N_VGetArrayPointer(y), N_VGetArrayPointer(ydot), p->user);
+  return nsdae_progress_note(&ode->progress, code);
+}
+
 /* sigma_0 of differentiate */
 static double least_increment(const nsdae_ode *ode, double gamma, N_Vector f, N_Vector weights)
 {
@@ -60,11 +70,12 @@ static int differentiate(nsdae_ode *ode, double t, double gamma, N_Vector y, N_V
   double least = least_increment(ode, gamma, f, weights), root_of_u = sqrt(SUN_UNIT_ROUNDOFF);
   double *x = N_VGetArrayPointer(moved), *W = N_VGetArrayPointer(weights);
   const double *f_0 = N_VGetArrayPointer(f), *f_1 = N_VGetArrayPointer(f_there);
-  for (int j = 0; j < ode->problem.n; j++) {
+  SUNMatZero(ode->jacobian);
+  for (int j = 0; j < ode->problem.controlled; j++) {
     double here = x[j], increment = fmax(root_of_u * fabs(here), least / W[j]);
     double *column = SUNDenseMatrix_Column(ode->jacobian, j), inverse = 1 / increment;
     x[j] = here + increment;
-    int code = rate(t, moved, f_there, ode);
+    int code = rate_near(ode, t, y, moved, f_there);
     if (code != 0) return code;
     for (int i = 0; i < ode->problem.n; i++) column[i] = inverse * (f_1[i] - f_0[i]);
     x[j] = here;
@@ -99,7 +110,11 @@ static int make_objects(nsdae_ode *ode)
   int n = ode->problem.n;
   if (nsdae_make_context(&ode->context) != 0) return NSDAE_E_MEMORY;
   ode->y = nsdae_pool_vector(&ode->pool, n, ode->context);
-  if (!ode->y || nsdae_pool_fill(&ode->pool, ode->y) != 0) return NSDAE_E_MEMORY;
+  if (!ode->y) return NSDAE_E_MEMORY;
+  ode->between = nsdae_pool_vector(&ode->pool, n, ode->context);
+  ode->atol = nsdae_pool_vector(&ode->pool, n, ode->context);
+  if (!ode->between || !ode->atol || nsdae_pool_fill(&ode->pool, ode->y) != 0)
+    return NSDAE_E_MEMORY;
   ode->matrix = SUNDenseMatrix(n, n, ode->context);
   ode->jacobian = SUNDenseMatrix(n, n, ode->context);
   if (!ode->matrix || !ode->jacobian) return NSDAE_E_MEMORY;
@@ -108,12 +123,22 @@ static int make_objects(nsdae_ode *ode)
   return ode->solver && ode->cvode ? NSDAE_OK : NSDAE_E_MEMORY;
 }
 
+/* What is not controlled has a weight of nothing, and no part in the mean of CVODE's norm. */
+static int set_tolerances(nsdae_ode *ode, double rtol, double atol)
+{
+  double share = sqrt((double)ode->problem.controlled / ode->problem.n);
+  double *of = N_VGetArrayPointer(ode->atol);
+  for (int i = 0; i < ode->problem.n; i++)
+    of[i] = i < ode->problem.controlled ? share * atol : 1e150;
+  return CVodeSVtolerances(ode->cvode, share * rtol, ode->atol);
+}
+
 static int set_up(nsdae_ode *ode, double rtol, double atol)
 {
   void *cvode = ode->cvode;
   silence(cvode);
   int bad = CVodeInit(cvode, rate, 0, ode->y);
-  if (!bad) bad = CVodeSStolerances(cvode, rtol, atol);
+  if (!bad) bad = set_tolerances(ode, rtol, atol);
   if (!bad) bad = CVodeSetUserData(cvode, ode);
   if (!bad) bad = CVodeSetLinearSolver(cvode, ode->solver, ode->matrix);
   if (!bad) bad = CVodeSetLinSysFn(cvode, linear_system);
@@ -129,6 +154,7 @@ int nsdae_ode_create(const nsdae_ode_problem *problem, double rtol, double atol,
   nsdae_ode *made = calloc(1, sizeof *made);
   if (!made) return NSDAE_E_MEMORY;
   made->problem = *problem;
+  if (problem->controlled == 0) made->problem.controlled = problem->n;
   int status = make_objects(made);
   if (status == NSDAE_OK) status = set_up(made, rtol, atol);
   if (status < 0)
@@ -140,7 +166,7 @@ int nsdae_ode_create(const nsdae_ode_problem *problem, double rtol, double atol,
 
 void nsdae_ode_tolerances(nsdae_ode *ode, double rtol, double atol)
 {
-  CVodeSStolerances(ode->cvode, rtol, atol);
+  set_tolerances(ode, rtol, atol);
 }
 
 void nsdae_ode_destroy(nsdae_ode **ode)
@@ -151,6 +177,8 @@ void nsdae_ode_destroy(nsdae_ode **ode)
   if (old->solver) SUNLinSolFree(old->solver);
   if (old->matrix) SUNMatDestroy(old->matrix);
   if (old->jacobian) SUNMatDestroy(old->jacobian);
+  if (old->between) N_VDestroy(old->between);
+  if (old->atol) N_VDestroy(old->atol);
   if (old->y) N_VDestroy(old->y);
   nsdae_pool_close(&old->pool);
   if (old->context) SUNContext_Free(&old->context);
@@ -180,6 +208,13 @@ int nsdae_ode_advance(nsdae_ode *ode, double t_end, double *t, double *y, int *w
           : *code == CV_TSTOP_RETURN ? NSDAE_ODE_END
                                      : NSDAE_ODE_STEP;
   if (*what == NSDAE_ODE_ROOT) CVodeGetRootInfo(ode->cvode, found);
+  return NSDAE_OK;
+}
+
+int nsdae_ode_read(nsdae_ode *ode, double t, double *y)
+{
+  if (CVodeGetDky(ode->cvode, t, 0, ode->between) != 0) return NSDAE_E_CONVERGENCE;
+  memcpy(y, N_VGetArrayPointer(ode->between), (size_t)ode->problem.n * sizeof *y);
   return NSDAE_OK;
 }
 

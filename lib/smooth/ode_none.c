@@ -45,6 +45,14 @@ int nsdae_ode_advance(nsdae_ode *ode, double t_end, double *t, double *y, int *w
   return NSDAE_E_UNSUPPORTED;
 }
 
+int nsdae_ode_read(nsdae_ode *ode, double t, double *y)
+{
+  (void)ode;
+  (void)t;
+  (void)y;
+  return NSDAE_E_UNSUPPORTED;
+}
+
 long nsdae_ode_rates(const nsdae_ode *ode)
 {
   (void)ode;

@@ -1,7 +1,7 @@
-/* Vectors whose clones come from a pool: IDACalcIC clones two at every start, and nothing is to be
- * allocated after creation. The pool is large enough for all that an integrator clones when it is
- * made, too: N_VClone does not survive a clone that fails. And its vectors live until it is closed,
- * so that one may be destroyed twice: CVodeInit that finds no memory does so. */
+/* Vectors whose clones come from a pool: nothing is to be allocated after creation. The pool is
+ * large enough for all that an integrator clones when it is made, too: N_VClone does not survive a
+ * clone that fails. And its vectors live until it is closed, so that one may be destroyed twice:
+ * CVodeInit that finds no memory does so. */
 #ifndef NSDAE_SMOOTH_POOL_H
 #define NSDAE_SMOOTH_POOL_H
 

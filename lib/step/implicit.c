@@ -150,7 +150,7 @@ static int attempt(const nsdae_step *step, int all_impacts)
     step->result->counters.iterations++;
     moved = nsdae_relative_change(dims->nq, s->q, step->end->q) +
             nsdae_relative_change(dims->nv, s->v, step->end->v);
-    if (!(moved <= s->iteration_tol)) continue; /* NaN goes on, to be reported */
+    if (!(moved <= nsdae_step_settled(step))) continue; /* NaN goes on, to be reported */
     nsdae_terms_set_velocity(step->end, s->v);
     return NSDAE_OK;
   }
@@ -186,5 +186,4 @@ const nsdae_stepping nsdae_stepping_implicit = {
     .summary = "the scheme iterated to the end of the step: second order between impacts",
     .sizes = nsdae_stepper_sizes,
     .advance = advance,
-    .in_steps = 1,
     .by_list = 1};

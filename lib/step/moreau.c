@@ -65,5 +65,4 @@ const nsdae_stepping nsdae_stepping_moreau = {.name = "moreau",
                                                   "Moreau's midpoint rule: first order, explicit",
                                               .sizes = nsdae_stepper_sizes,
                                               .advance = advance,
-                                              .in_steps = 1,
                                               .by_list = 1};

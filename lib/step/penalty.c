@@ -285,7 +285,8 @@ static int create(nsdae_stepper *s, void **own)
   if (!p) return nsdae_error_set(s->error, NSDAE_E_MEMORY, "nsdae_sim_create", "", "out of memory");
   p->stepper = s;
   p->n = at_work(&s->system->dims) + 1;
-  const nsdae_ode_problem problem = {p->n, s->system->dims.k, rate, gaps, p};
+  const nsdae_ode_problem problem = {
+      .n = p->n, .roots = s->system->dims.k, .rate = rate, .root = gaps, .user = p};
   int status = nsdae_arena_build(&p->arena, layout, p);
   if (status == NSDAE_OK)
     status = nsdae_ode_create(&problem, s->options->rtol, s->options->atol, &p->ode);

@@ -30,8 +30,9 @@ typedef struct printed {
  * there. */
 static void sizes(const nsdae_stepper *s, size_t *reals, size_t *wholes)
 {
-  *reals = (size_t)s->system->dims.nv + (size_t)s->system->dims.m;
-  *wholes = nsdae_contacts_memory_size(&s->contacts) + 1;
+  nsdae_stepper_sizes(s, reals, wholes);
+  *reals += (size_t)s->system->dims.nv + (size_t)s->system->dims.m;
+  *wholes += 1;
 }
 
 static void layout(void *object, nsdae_arena *arena)
@@ -67,8 +68,8 @@ static void prepare_newmark(printed *p, nsdae_memory *memory)
   N->beta = s->options->baumgarte_beta;
   N->tol = s->iteration_tol;
   N->iteration_max = s->options->iteration_max;
-  N->a0 = memory->real;
-  N->lambda0 = memory->real + s->system->dims.nv;
+  N->a0 = memory->real + nsdae_contacts_warm_size(&s->contacts);
+  N->lambda0 = N->a0 + s->system->dims.nv;
   N->have_start = memory->whole[memory->wholes - 1];
 }
 
@@ -166,5 +167,4 @@ const nsdae_stepping nsdae_stepping_printed = {
     .destroy = destroy,
     .sizes = sizes,
     .advance = advance,
-    .in_steps = 1,
     .by_list = 1};

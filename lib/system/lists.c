@@ -69,7 +69,7 @@ static int copy_part(nsdae_contact_list *list, const nsdae_contact *c, int s, si
       sum += 0 * from[j];
     }
   }
-  return sum == 0 ? NSDAE_OK : refuse(list, c, NSDAE_E_NONFINITE, "W", sum, "finite");
+  return sum == 0 ? NSDAE_OK : refuse(list, c, NSDAE_E_NONFINITE, "direction", sum, "finite");
 }
 
 /* Counts a contact; where it goes in value, or SIZE_MAX where there is no room. */

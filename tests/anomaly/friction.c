@@ -138,6 +138,7 @@ static void test_options(void **state)
     if (k == 4) o.stages = NSDAE_FRICTION_ALL + 1;
     if (k == 5) o.max_sweeps = -1;
     if (k == 6) o.max_iterations = -1;
+    if (k == 7) o.refine = -1;
     assert_int_equal(nsdae_friction_solve(&s.p, &o, r, u, NULL), NSDAE_E_ARGUMENT);
   }
   const nsdae_friction_options zeros = {0};

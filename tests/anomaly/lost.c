@@ -24,8 +24,6 @@ int main(void)
 int __real_SUNContext_Create(void *comm, void *context);
 int __wrap_SUNContext_Create(void *comm, void *context);
 
-void *__real_IDACreate(void *context);
-void *__wrap_IDACreate(void *context);
 void *__real_CVodeCreate(int lmm, void *context);
 void *__wrap_CVodeCreate(int lmm, void *context);
 
@@ -37,13 +35,6 @@ int __wrap_SUNContext_Create(void *comm, void *context)
   int status = __real_SUNContext_Create(comm, context);
   the_process.exempt = 0;
   return status;
-}
-
-void *__wrap_IDACreate(void *context)
-{
-  void *made = __real_IDACreate(context);
-  may_print |= !made;
-  return made;
 }
 
 void *__wrap_CVodeCreate(int lmm, void *context)

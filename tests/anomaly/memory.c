@@ -91,6 +91,103 @@ static void test_none_after_creation(void **state)
   }
 }
 
+/* Three masses that hang together by their inertia, thrown obliquely on a floor: q = x, y, z of
+ * each. The number of contacts with the cone changes from step to step. */
+static int masses(double t, const double *q, double *M, int ldm, void *user)
+{
+  (void)t;
+  (void)q;
+  (void)user;
+  for (int j = 0; j < 9; j++)
+    for (int i = 0; i < 9; i++) M[j * ldm + i] = (i == j) + (i % 3 == j % 3 ? 0.1 : 0);
+  return 0;
+}
+
+static int weight(double t, const double *q, const double *v, double *F, void *user)
+{
+  (void)t;
+  (void)q;
+  (void)v;
+  (void)user;
+  for (int i = 2; i < 9; i += 3) F[i] = -9.81;
+  return 0;
+}
+
+static int heights(double t, const double *q, double *gap, void *user)
+{
+  (void)t;
+  (void)user;
+  for (int i = 0; i < 3; i++) gap[i] = q[3 * i + 2];
+  return 0;
+}
+
+static int upwards(double t, const double *q, double *W, int ldw, void *user)
+{
+  (void)t;
+  (void)q;
+  (void)user;
+  for (int i = 0; i < 3; i++) W[i * ldw + 3 * i + 2] = 1;
+  return 0;
+}
+
+static int sideways(double t, const double *q, double *W, int ldw, void *user)
+{
+  (void)t;
+  (void)q;
+  (void)user;
+  for (int i = 0; i < 6; i++) W[i * ldw + 3 * (i / 2) + i % 2] = 1;
+  return 0;
+}
+
+static int create_masses(int method, nsdae_system **system, nsdae_sim **sim)
+{
+  const nsdae_dims dims = {.nq = 9, .k = 3, .nt = 2};
+  nsdae_sim_options options;
+  nsdae_sim_options_default(&options);
+  options.method = method;
+  options.dt = 0.01;
+  if (nsdae_system_create(&dims, system, NULL) < 0) return NSDAE_E_MEMORY;
+  nsdae_system_set_mass(*system, masses);
+  nsdae_system_set_force(*system, weight);
+  nsdae_system_set_gap(*system, heights);
+  nsdae_system_set_gap_normal(*system, upwards);
+  nsdae_system_set_gap_tangent(*system, sideways);
+  for (int i = 0; i < 3; i++) nsdae_system_set_contact(*system, i, 0.3, 0.5, 0);
+  return nsdae_sim_create(*system, &options, sim, NULL);
+}
+
+static void test_cones(void **state)
+{
+  (void)state;
+  const double q0[9] = {[2] = 0.1, [5] = 0.3, [8] = 0.5}, v0[9] = {1, 2, 0, -1, 0.3, 0, 0.2, 0, 0};
+  int status = NSDAE_E_MEMORY;
+  for (int method = 0; method < METHODS; method++) {
+    nsdae_system *system;
+    nsdae_sim *sim;
+    nsdae_stats stats;
+    assert_int_equal(create_masses(method, &system, &sim), NSDAE_OK);
+    allocator_reset(-1);
+    assert_int_equal(nsdae_sim_init(sim, 0, q0, v0), NSDAE_OK);
+    assert_true(nsdae_sim_run(sim, 3) >= 0);
+    assert_int_equal(the_allocator.calls, 0);
+    nsdae_sim_get_stats(sim, &stats);
+    assert_true(stats.impacts > 3 && stats.lcps > 10);
+    nsdae_sim_destroy(&sim);
+    nsdae_system_destroy(&system);
+  }
+  for (long tried = 0; status < 0; tried++) {
+    nsdae_system *system = NULL;
+    nsdae_sim *sim = NULL;
+    allocator_reset(tried);
+    status = create_masses(0, &system, &sim);
+    assert_true(status == NSDAE_OK || status == NSDAE_E_MEMORY);
+    nsdae_sim_destroy(&sim);
+    nsdae_system_destroy(&system);
+    assert_int_equal(the_allocator.live, 0);
+  }
+  allocator_reset(-1);
+}
+
 static void test_same_bytes(void **state)
 {
   (void)state;
@@ -142,6 +239,7 @@ int main(void)
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_every_lost_allocation),
       cmocka_unit_test(test_none_after_creation),
+      cmocka_unit_test(test_cones),
       cmocka_unit_test(test_same_bytes),
       cmocka_unit_test(test_one_system_two_simulations),
   };

@@ -5,18 +5,23 @@
 
 #include <stdlib.h>
 
+#include "bouncing_ball.h"
 #include "clearance_hinge.h"
 #include "crank_slider.h"
+#include "falling_rod.h"
 #include "incline.h"
 #include "newtons_cradle.h"
 #include "pendulum.h"
 #include "random_system.h"
+#include "rolling_ball.h"
+#include "woodpecker.h"
 
 enum { STEPS = 60, TAKEN = 20, NQ = 8, SYSTEMS = 6, OBSERVERS = 3 };
 
-static const driver_model *const models[] = {&pendulum_model, &clearance_hinge_model,
-                                             &crank_slider_model, &newtons_cradle_model,
-                                             &incline_model};
+static const driver_model *const models[] = {
+    &bouncing_ball_model, &clearance_hinge_model, &crank_slider_model,
+    &falling_rod_model,   &incline_model,         &newtons_cradle_model,
+    &pendulum_model,      &rolling_ball_model,    &woodpecker_model};
 enum { MODELS = sizeof models / sizeof *models };
 
 /* A system to run, an example or a random one. */
@@ -218,71 +223,6 @@ static void test_elsewhere(void **state)
   each(elsewhere);
 }
 
-/* The last steps of a random system with one call of a callback spoiled; a step that fails is tried
- * again. Returns whether one did. */
-static int run_spoiled(bench *b, int method, int steps, nsdae_sim **sim, transcript *t)
-{
-  int failed = 0;
-  random_system_rewind(&b->random);
-  *sim = make(b, method);
-  open_transcript(t, b, -1);
-  nsdae_sim_observe(*sim, write_down, t);
-  while (nsdae_sim_init(*sim, 0, b->q0, b->v0) < 0) assert_int_equal(failed++, 0);
-  for (int s = 0; s < steps; s++) {
-    int status = nsdae_sim_step(*sim);
-    if (status >= 0) continue;
-    assert_int_equal(status, NSDAE_E_CALLBACK);
-    assert_int_equal(failed++, 0);
-    s--;
-  }
-  return failed;
-}
-
-/* Every callback fails at every call in turn: code > 0 can be met by a smaller step inside. */
-static void spoil(bench *b, int method, int code)
-{
-  enum { SOME = 12 };
-  static transcript whole, other;
-  size_t size;
-  nsdae_sim *sim = NULL, *spoiled = NULL;
-  b->random.fault.term = -1;
-  run_spoiled(b, method, SOME, &sim, &whole);
-  unsigned char *last = state_of(sim, &size);
-  long calls[RANDOM_TERMS];
-  memcpy(calls, b->random.calls, sizeof calls);
-  for (int term = 0; term < RANDOM_TERMS; term++) {
-    long stride = 1 + calls[term] / 12;
-    for (long at = 0; at < calls[term]; at += stride) {
-      b->random.fault = (random_fault){.term = term, .at = at, .code = code};
-      int failed = run_spoiled(b, method, SOME, &spoiled, &other);
-      int absorbed = code > 0 && !failed;
-      if (!absorbed) expect_state(spoiled, last);
-      if (!absorbed && memcmp(whole.sum, other.sum, sizeof whole.sum) != 0)
-        fail_msg("method %d, term %d, call %ld: other records", method, term, at);
-      nsdae_sim_destroy(&spoiled);
-    }
-  }
-  free(last);
-  nsdae_sim_destroy(&sim);
-}
-
-static void test_callbacks(void **state)
-{
-  static bench b;
-  (void)state;
-  for (int method = 0; nsdae_method_name(method); method++)
-    for (uint64_t seed = 1; seed <= SYSTEMS; seed++) {
-      use_random(&b, seed);
-      nsdae_sim *sim = make(&b, method);
-      if (sim) {
-        nsdae_sim_destroy(&sim);
-        spoil(&b, method, 1);
-        spoil(&b, method, -1);
-      }
-      done(&b);
-    }
-}
-
 /* Observers that fail once each, at a step of their own. */
 typedef struct failing {
   long at;
@@ -308,7 +248,7 @@ static void observed(bench *b, int method)
   for (int s = 0; s < STEPS; s++) assert_true(nsdae_sim_step(sim) >= 0);
   unsigned char *last = state_of(sim, &size);
   nsdae_sim_destroy(&sim);
-  for (long at = 0; at < STEPS; at += 9) {
+  for (long at = 0; at < STEPS; at++) {
     failing f[OBSERVERS];
     int failures = 0;
     sim = make(b, method);
@@ -405,6 +345,7 @@ static void test_refused(void **state)
   refuse(sim, block, size + 1, "size");
   refuse(sim, NULL, size, "block");
   const double nan_ = NAN;
+  int refused = 0;
   for (size_t i = size - sizeof nan_; i > 300; i -= 8) {
     unsigned char *bad = malloc(size);
     assert_non_null(bad);
@@ -414,10 +355,12 @@ static void test_refused(void **state)
     int status = nsdae_sim_set_state(sim, bad, size);
     nsdae_record r;
     nsdae_sim_get_record(sim, &r);
+    refused += status == NSDAE_E_NONFINITE;
     assert_true(status == NSDAE_OK || status == NSDAE_E_NONFINITE);
     assert_true(isfinite(r.q[0]) && isfinite(r.v[0]) && isfinite(r.time));
     free(bad);
   }
+  assert_true(refused >= 2 * b.dims.nq + b.dims.m + b.dims.k);
   refuse_in(NSDAE_METHOD_MOREAU, "dt", "0.003", block, size);
   refuse_in(NSDAE_METHOD_MOREAU, "lcp_tol", "1e-9", block, size);
   refuse_in(NSDAE_METHOD_IMPLICIT, NULL, NULL, block, size);
@@ -435,6 +378,111 @@ static void test_refused(void **state)
   free(block);
   nsdae_sim_destroy(&sim);
   done(&b);
+}
+
+/* A number that is none, in each array of the last step's impulses. */
+static void test_refused_impulses(void **state)
+{
+  static bench b;
+  size_t size;
+  nsdae_record r;
+  (void)state;
+  const driver_model *const rubbing[] = {&incline_model, &crank_slider_model};
+  for (int model = 0; model < 2; model++) {
+    use_model(&b, rubbing[model]);
+    nsdae_sim *sim = make(&b, NSDAE_METHOD_MOREAU);
+    assert_int_equal(nsdae_sim_init(sim, 0, b.q0, b.v0), NSDAE_OK);
+    for (int s = 0; s < 20; s++) assert_true(nsdae_sim_step(sim) >= 0);
+    nsdae_sim_get_record(sim, &r);
+    double impulse = model == 0 ? r.tangential_impulse[0] : r.slide_impulse[0],
+           infinite = -INFINITY;
+    assert_true(impulse != 0);
+    unsigned char *block = state_of(sim, &size);
+    int found = 0;
+    for (size_t i = 0; i + sizeof impulse <= size; i++) {
+      if (memcmp(block + i, &impulse, sizeof impulse) != 0) continue;
+      memcpy(block + i, &infinite, sizeof infinite);
+      put_checksum(block, size);
+      found += nsdae_sim_set_state(sim, block, size) == NSDAE_E_NONFINITE;
+      memcpy(block + i, &impulse, sizeof impulse);
+    }
+    assert_true(found >= 1);
+    free(block);
+    nsdae_sim_destroy(&sim);
+    done(&b);
+  }
+}
+
+static int is_an_option(const char *key)
+{
+  return nsdae_params_find(nsdae_sim_options_table(), key) != NULL;
+}
+
+/* Another value of an option than its own, as text; 0: there is none. */
+static int another(const nsdae_param *p, const nsdae_sim_options *o, char *text)
+{
+  double value;
+  int whole;
+  if (p->type == NSDAE_PARAM_REAL) {
+    memcpy(&value, (const char *)o + p->offset, sizeof value);
+    double half = value > 0 ? value / 2 : 1;
+    return snprintf(text, 32, "%.17g", half > p->min ? half : 1.5 * value);
+  }
+  memcpy(&whole, (const char *)o + p->offset, sizeof whole);
+  if (p->type == NSDAE_PARAM_CHOICE) return snprintf(text, 32, "%s", p->choices[whole == 0]);
+  return snprintf(text, 32, "%d", whole + 4);
+}
+
+/* Every option: where it matters to the method a state is refused by its name; where it does not,
+ * the run has the same bytes. Every field of the struct is in the table. */
+static void test_options(void **state)
+{
+  const nsdae_params *table = nsdae_sim_options_table();
+  static bench b, other;
+  size_t bytes = sizeof(unsigned), size;
+  char text[32];
+  (void)state;
+  for (int i = 0; i < table->n; i++)
+    bytes += table->entry[i].type == NSDAE_PARAM_REAL ? sizeof(double) : sizeof(int);
+  assert_true(sizeof(nsdae_sim_options) - bytes < 4 * sizeof(double)); /* padding */
+  assert_true(is_an_option("dt") && !is_an_option("nothing"));
+  for (int method = 0; nsdae_method_name(method); method++)
+    for (int i = 0; i < table->n; i++) {
+      const nsdae_param *p = &table->entry[i];
+      nsdae_sim *sim = swing(&b, method, NULL, NULL);
+      if (!sim || strcmp(p->key, "method") == 0 || !another(p, &b.options, text)) {
+        nsdae_sim_destroy(&sim);
+        done(&b);
+        continue;
+      }
+      unsigned char *block = state_of(sim, &size);
+      use_model(&other, &pendulum_model);
+      if (nsdae_sim_options_set(&other.options, p->key, text, NULL) < 0)
+        fail_msg("%s = %s was refused", p->key, text);
+      other.options.method = method;
+      nsdae_sim *changed = NULL;
+      int status = nsdae_sim_create(other.system, &other.options, &changed, NULL);
+      if (status == NSDAE_OK) {
+        status = nsdae_sim_set_state(changed, block, size);
+        if (status < 0) assert_string_equal(nsdae_sim_error(changed)->argument, p->key);
+        for (int s = 0; s < 20 && status == NSDAE_OK; s++) {
+          assert_int_equal(nsdae_sim_step(sim), nsdae_sim_step(changed));
+          nsdae_record r, q;
+          nsdae_sim_get_record(sim, &r);
+          nsdae_sim_get_record(changed, &q);
+          if (memcmp(r.q, q.q, (size_t)b.dims.nq * sizeof *r.q) != 0)
+            fail_msg("%s: %s was said not to matter", nsdae_method_name(method), p->key);
+        }
+      } else { /* refused from the start, by name */
+        assert_string_equal(p->key, "projection");
+        assert_true(method >= NSDAE_METHOD_PENALTY);
+      }
+      free(block);
+      nsdae_sim_destroy(&sim);
+      nsdae_sim_destroy(&changed);
+      done(&b);
+      done(&other);
+    }
 }
 
 /* So many steps that an integrator starts anew for the length of its replay alone. */
@@ -471,9 +519,9 @@ static void test_long(void **state)
 int main(void)
 {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_elsewhere), cmocka_unit_test(test_callbacks),
-      cmocka_unit_test(test_observers), cmocka_unit_test(test_refused),
-      cmocka_unit_test(test_long),
+      cmocka_unit_test(test_elsewhere), cmocka_unit_test(test_observers),
+      cmocka_unit_test(test_refused),   cmocka_unit_test(test_refused_impulses),
+      cmocka_unit_test(test_options),   cmocka_unit_test(test_long),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

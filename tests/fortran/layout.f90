@@ -172,6 +172,7 @@ contains
     call same('NSDAE_PARAM_TEXT_SIZE', NSDAE_PARAM_TEXT_SIZE)
     call same('NSDAE_OPEN_MIN', NSDAE_OPEN_MIN)
     call same('NSDAE_OPEN_MAX', NSDAE_OPEN_MAX)
+    call same('NSDAE_OR_ZERO', NSDAE_OR_ZERO)
     call same('NSDAE_FRICTION_GLOBAL', NSDAE_FRICTION_GLOBAL)
     call same('NSDAE_FRICTION_LOCAL', NSDAE_FRICTION_LOCAL)
     call same('NSDAE_FRICTION_NONE', NSDAE_FRICTION_NONE)
@@ -578,6 +579,7 @@ contains
     call same_place('nsdae_friction_options%stages', c_loc(x), c_loc(x%stages))
     call same_place('nsdae_friction_options%max_sweeps', c_loc(x), c_loc(x%max_sweeps))
     call same_place('nsdae_friction_options%max_iterations', c_loc(x), c_loc(x%max_iterations))
+    call same_place('nsdae_friction_options%refine', c_loc(x), c_loc(x%refine))
   end subroutine
 
   subroutine friction_info_fields()

@@ -1,4 +1,4 @@
-/* Spatial friction: the friction polygon against Coulomb's cone. */
+/* Spatial friction: Coulomb's cone (polygon = 0), and the friction polygon against it. */
 #include "check.h"
 
 #include "incline.h"
@@ -121,7 +121,7 @@ static void test_ball(void **state)
   (void)state;
   rolling_ball *p = rolling_ball_model.base;
   for (int method = 0; method < METHODS; method++)
-    for (int edges = 4; edges <= 32; edges *= 2) {
+    for (int edges = 0; edges <= 32; edges = edges == 0 ? 4 : 2 * edges) {
       last l = {0};
       const double dt = 0.001;
       nsdae_params_default(rolling_ball_model.parameters, p);
@@ -134,7 +134,75 @@ static void test_ball(void **state)
       assert_at_most(l.worst_friction, p->mu * (1 + 1e-10));
       /* rolling begins on time but for the polygon, whose friction is mu cos(pi/p) .. mu */
       double begins = 2 * slip / (7 * p->mu * p->g);
-      assert_true(l.rolling >= begins - dt && l.rolling <= begins / cos(pi / edges) + 2 * dt);
+      double least = edges > 0 ? cos(pi / edges) : 1;
+      assert_true(l.rolling >= begins - dt && l.rolling <= begins / least + 2 * dt);
+    }
+}
+
+/* With the cone a block stays below the angle of friction itself, in every direction. */
+static void test_block_stays_in_cone(void **state)
+{
+  (void)state;
+  incline *p = incline_model.base;
+  for (int method = 0; method < METHODS; method++)
+    for (double turn = 0; turn < 6.3; turn += 0.37) {
+      last l = {0};
+      nsdae_params_default(incline_model.parameters, p);
+      p->vx = p->vy = 0;
+      p->turn = turn;
+      p->slope = atan(p->mu * (1 - 1e-9));
+      integrate(&incline_model, method, 0, 0.01, 1, keep, &l);
+      if (method == NSDAE_METHOD_IMPLICIT_PRINTED)
+        assert_at_most(l.fastest, 1e-15);
+      else
+        assert_true(l.fastest == 0);
+      assert_int_equal(l.modes[NSDAE_MODE_STICK], 100);
+    }
+}
+
+/* Down the fall line, whatever its direction: the block keeps it, and has the acceleration of
+ * Coulomb's law. */
+static void test_block_keeps_direction(void **state)
+{
+  (void)state;
+  incline *p = incline_model.base;
+  for (int method = 0; method < METHODS; method++)
+    for (double turn = 0; turn < 6.3; turn += 0.31) {
+      last l = {0};
+      nsdae_params_default(incline_model.parameters, p);
+      p->slope = 0.6;
+      p->turn = turn;
+      p->vx = 0.5 * cos(turn);
+      p->vy = 0.5 * sin(turn);
+      integrate(&incline_model, method, 0, 0.01, 1, keep, &l);
+      double along = cos(turn) * l.v[0] + sin(turn) * l.v[1];
+      double across = cos(turn) * l.v[1] - sin(turn) * l.v[0];
+      assert_near(across / along, 0, 1e-10);
+      assert_near(along, 0.5 + p->g * (sin(p->slope) - p->mu * cos(p->slope)), 1e-10);
+      assert_near(l.worst_friction, p->mu, 1e-12);
+      assert_int_equal(l.modes[NSDAE_MODE_SLIDE], 100);
+    }
+}
+
+/* Thrown obliquely on a level plane it goes straight on until it stops, after v^2 / (2 mu g). */
+static void test_block_goes_straight(void **state)
+{
+  (void)state;
+  incline *p = incline_model.base;
+  for (int method = 0; method < METHODS; method++)
+    for (double turn = 0.1; turn < 6.3; turn += 0.7) {
+      last l = {0};
+      const double speed = 0.5, dt = 1e-3;
+      nsdae_params_default(incline_model.parameters, p);
+      p->slope = 0;
+      p->vx = speed * cos(turn);
+      p->vy = speed * sin(turn);
+      integrate(&incline_model, method, 0, dt, 0.5, keep, &l);
+      double way = hypot(l.q[0], l.q[1]), across = cos(turn) * l.q[1] - sin(turn) * l.q[0];
+      assert_near(across / way, 0, 1e-10);
+      assert_near(way, speed * speed / (2 * p->mu * p->g), speed * dt);
+      assert_true(method == NSDAE_METHOD_IMPLICIT_PRINTED || (l.v[0] == 0 && l.v[1] == 0));
+      assert_int_equal(l.modes[NSDAE_MODE_OPEN], 0);
     }
 }
 
@@ -144,6 +212,9 @@ int main(void)
       cmocka_unit_test(test_block_stays),
       cmocka_unit_test(test_block_slides),
       cmocka_unit_test(test_ball),
+      cmocka_unit_test(test_block_stays_in_cone),
+      cmocka_unit_test(test_block_keeps_direction),
+      cmocka_unit_test(test_block_goes_straight),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -32,6 +32,7 @@ typedef struct fixture {
   nsdae_contacts contacts;
   nsdae_impulses impulses;
   int *memory;
+  double *warm;
   nsdae_arena arena;
 } fixture;
 
@@ -134,6 +135,7 @@ static inline void fixture_layout(void *object, nsdae_arena *arena)
   nsdae_contacts_layout(&f->contacts, arena);
   nsdae_impulses_layout(&f->impulses, &f->dims, arena);
   f->memory = NSDAE_ARENA_INTS(arena, nsdae_contacts_memory_size(&f->contacts));
+  f->warm = NSDAE_ARENA_DOUBLES(arena, nsdae_contacts_warm_size(&f->contacts));
 }
 
 /* The sizes; M is the identity and the rest zero. */
@@ -168,17 +170,20 @@ static inline void fixture_build(fixture *f, int polygon)
   nsdae_lcp_options_default(&f->contacts.lcp.options);
   nsdae_contacts_laws(&f->contacts, polygon);
   assert_int_equal(nsdae_arena_build(&f->arena, fixture_layout, f), NSDAE_OK);
-  nsdae_contacts_remember(&f->contacts, f->memory);
+  nsdae_contacts_remember(&f->contacts, f->memory, f->warm);
+  assert_int_equal(nsdae_cones_open(&f->contacts.cones), NSDAE_OK);
 }
 
 /* The next problem starts cold. */
 static inline void fixture_forget(fixture *f)
 {
   memset(f->memory, 0, nsdae_contacts_memory_size(&f->contacts) * sizeof *f->memory);
+  memset(f->warm, 0, nsdae_contacts_warm_size(&f->contacts) * sizeof *f->warm);
 }
 
 static inline void fixture_end(fixture *f)
 {
+  nsdae_cones_close(&f->contacts.cones);
   nsdae_arena_release(&f->arena);
   nsdae_system_destroy(&f->system);
 }

@@ -97,6 +97,13 @@ static void test_polygon(void **state)
   impacts(2, 4);
 }
 
+static void test_cone(void **state)
+{
+  (void)state;
+  r.seed = 36;
+  impacts(2, 0);
+}
+
 /* G of one planar contact: [W_N W_T]^T M^-1 [W_N W_T], and b = W^T free + w + e before. */
 static void reduced(fixture *f, double G[3], double b[2])
 {
@@ -208,7 +215,7 @@ int main(void)
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_frictionless), cmocka_unit_test(test_planar),
       cmocka_unit_test(test_polygon),      cmocka_unit_test(test_coupled),
-      cmocka_unit_test(test_units),
+      cmocka_unit_test(test_cone),         cmocka_unit_test(test_units),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

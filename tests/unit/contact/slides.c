@@ -1,6 +1,8 @@
 /* Friction on bilateral constraints against closed forms. */
 #include "fixture.h"
 
+#include "../linalg/random.h"
+
 static const double rounding = 1e-12;
 
 /* A slider of mass m on the line y = 0:  q = [x, y], Phi = y. */
@@ -132,12 +134,92 @@ static void test_second_slide(void **state)
   fixture_end(&f);
 }
 
+/* A sledge on the floor z = 0 that a rail keeps at y = 0 and presses upon: the cone's friction and
+ * the rail's both act against its motion along x. */
+static void test_beside_cone(void **state)
+{
+  (void)state;
+  const double m = 2, mu = 0.4, mu_rail = 0.3, down = -0.5, press = 0.7;
+  for (int i = -8; i <= 8; i++) {
+    fixture f;
+    fixture_begin(&f, (nsdae_dims){.nq = 3, .m = 1, .k = 1, .nt = 2, .f = 1});
+    f.M[0] = f.M[4] = f.M[8] = m;
+    f.J[1] = 1;
+    f.W_S[0] = 1;
+    f.W_N[2] = f.W_T[0] = f.W_T[3 + 1] = 1;
+    nsdae_system_set_contact(f.system, 0, mu, 0, 0);
+    nsdae_system_set_slide(f.system, 0, 0, mu_rail);
+    fixture_build(&f, 0);
+    f.free[0] = 0.13 * i;
+    f.free[2] = down;
+    f.lambda_free[0] = press;
+    assert_int_equal(fixture_solve(&f), NSDAE_OK);
+    double most = (mu * -m * down + mu_rail * press) / m, v = fmax(0, fabs(f.free[0]) - most);
+    assert_near(f.v[0], copysign(v, f.free[0]), rounding);
+    assert_near(f.v[1], 0, rounding);
+    assert_near(f.impulses.normal[0], -m * down, rounding);
+    assert_near(f.lambda[0], press, rounding);
+    if (v > 0) {
+      assert_int_equal(f.impulses.mode[0], NSDAE_MODE_SLIDE);
+      assert_int_equal(f.impulses.slide_mode[0], NSDAE_MODE_SLIDE);
+    }
+    fixture_expect_laws(&f, 1e-10);
+    fixture_end(&f);
+  }
+}
+
+/* Friction of slide j: |Lambda_T| <= mu |lambda|, and against the slip as far as it can. */
+static void expect_slide_law(const fixture *f, int j, double tol)
+{
+  double most = f->system->slide[j].mu * fabs(f->lambda[j]),
+         friction = f->impulses.slide_impulse[j];
+  double slip = fixture_dot(f->dims.nv, f->W_S + j * f->dims.nv, f->v);
+  assert_at_most(fabs(friction), most + tol);
+  assert_at_most(friction * slip, -most * fabs(slip) + tol);
+}
+
+/* Slides and cones coupled at random, with friction small enough for solutions. */
+static void test_with_cones(void **state)
+{
+  (void)state;
+  random_state r = {.seed = 41};
+  for (int i = 0; i < 300; i++) {
+    fixture f;
+    fixture_begin(&f, (nsdae_dims){.nq = 6, .m = 2, .k = 2, .nt = 2, .f = 2});
+    random_matrix(&r, 2, 6, f.J, 2);
+    random_matrix(&r, 6, 2, f.W_N, 6);
+    random_matrix(&r, 6, 4, f.W_T, 6);
+    random_matrix(&r, 6, 2, f.W_S, 6);
+    for (int j = 0; j < 2; j++) {
+      nsdae_system_set_slide(f.system, j, j, 0.05);
+      nsdae_system_set_contact(f.system, j, 0.3, 0, 0);
+    }
+    fixture_build(&f, 0);
+    for (int repeat = 0; repeat < 2; repeat++) {
+      random_matrix(&r, 6, 1, f.free, MOST_V);
+      random_matrix(&r, 2, 1, f.lambda_free, MOST_M);
+      memcpy(f.v, f.free, sizeof f.v);
+      double rhs[MOST_V], lambda[MOST_M] = {0}; /* J free = 0 */
+      memcpy(rhs, f.free, sizeof rhs);
+      assert_int_equal(nsdae_kkt_factor(&f.kkt, f.M, 6, f.J, 2), NSDAE_OK);
+      nsdae_kkt_solve(&f.kkt, 1, rhs, 6, lambda, 2);
+      memcpy(f.free, rhs, sizeof rhs);
+      assert_int_equal(fixture_solve(&f), NSDAE_OK);
+      fixture_expect_laws(&f, 1e-9);
+      double largest = fmax(1, fmax(fabs(f.lambda[0]), fabs(f.lambda[1])));
+      for (int j = 0; j < 2; j++) expect_slide_law(&f, j, 1e-9 * largest);
+    }
+    fixture_end(&f);
+  }
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_slider),       cmocka_unit_test(test_moving_rail),
       cmocka_unit_test(test_stop),         cmocka_unit_test(test_frictionless),
-      cmocka_unit_test(test_second_slide),
+      cmocka_unit_test(test_second_slide), cmocka_unit_test(test_beside_cone),
+      cmocka_unit_test(test_with_cones),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,69 @@
+#include "failing_system.h"
+
+#include <string.h>
+
+static int turn(failing_system *f, int term, int code)
+{
+  long call = f->calls[term]++;
+  return code == 0 && term == f->term && call == f->at ? f->code : code;
+}
+
+/* name, its place, parameters after q, arguments after q */
+#define CALLBACKS(C)                                                                              \
+  C(mass, 0, (double t, const double *q, double *M, int ld, void *user), M, ld)                   \
+  C(force, 1, (double t, const double *q, const double *v, double *F, void *user), v, F)          \
+  C(constraint, 2, (double t, const double *q, double *phi, void *user), phi)                     \
+  C(constraint_jacobian, 3, (double t, const double *q, double *J, int ld, void *user), J, ld)    \
+  C(constraint_bias, 4,                                                                           \
+    (double t, const double *q, const double *v, double *phi_t, double *omega, void *user), v,    \
+    phi_t, omega)                                                                                 \
+  C(gap, 5, (double t, const double *q, double *g, void *user), g)                                \
+  C(gap_normal, 6, (double t, const double *q, double *W, int ld, void *user), W, ld)             \
+  C(gap_tangent, 7, (double t, const double *q, double *W, int ld, void *user), W, ld)            \
+  C(contact_bias, 8, (double t, const double *q, double *w_n, double *w_t, void *user), w_n, w_t) \
+  C(contact_acceleration, 9,                                                                      \
+    (double t, const double *q, const double *v, double *n, double *l, double *s, void *user), v, \
+    n, l, s)                                                                                      \
+  C(slide_tangent, 10, (double t, const double *q, double *W, int ld, double *w, void *user), W,  \
+    ld, w)                                                                                        \
+  C(kinematics, 11, (double t, const double *q, const double *v, double *qdot, void *user), v,    \
+    qdot)                                                                                         \
+  C(potential, 12, (double t, const double *q, double *energy, void *user), energy)
+
+#define DEFINE(name, term, parameters, ...)                                  \
+  static int name parameters                                                 \
+  {                                                                          \
+    failing_system *f = user;                                                \
+    return turn(f, term, f->inner->name(t, q, __VA_ARGS__, f->inner->user)); \
+  }
+CALLBACKS(DEFINE)
+
+nsdae_system *failing_system_make(failing_system *f, const nsdae_system *inner)
+{
+  nsdae_system *made = NULL;
+  *f = (failing_system){.inner = inner, .term = -1};
+  if (nsdae_system_create(&inner->dims, &made, NULL) < 0) return NULL;
+  nsdae_system_set_user(made, f);
+#define SET(name, ...) \
+  if (inner->name) nsdae_system_set_##name(made, name);
+  CALLBACKS(SET)
+  for (int i = 0; i < inner->dims.k; i++) {
+    const nsdae_coefficients *c = &inner->contact[i];
+    nsdae_system_set_contact(made, i, c->mu, c->e_n, c->e_t);
+  }
+  for (int j = 0; j < inner->dims.f; j++)
+    nsdae_system_set_slide(made, j, inner->slide[j].constraint, inner->slide[j].mu);
+  return made;
+}
+
+void failing_system_rewind(failing_system *f)
+{
+  memset(f->calls, 0, sizeof f->calls);
+}
+
+const char *failing_name(int term)
+{
+#define NAME(name, ...) #name,
+  static const char *const names[] = {CALLBACKS(NAME)};
+  return names[term];
+}
