@@ -1,12 +1,12 @@
 /* Spheres in a loose column that collapses to a heap. Known of it:
  *
- *   momentum   what the floor gave is the weight times the time and the momentum of the spheres,
- *              Lambda = g t sum m + sum m z'
- *   volume     spheres do not go into each other: their lenses of overlap are little of their
- * volume slope      that of a cone with the heap's centre of mass and mean square of the distance
- * from the axis: of a cone of height H and radius R these are H / 4 and 3 R^2 / 10. Monosized
- * spheres that roll freely come to rest at some 15 to 25 degrees (Y. C. Zhou, B. H. Xu, A. B. Yu,
- *              P. Zulli, Powder Technology 125, 2002, without rolling friction) */
+ *   momentum   what a floor that is a plane gave is the weight times the time and the momentum of
+ * the spheres, Lambda = g t sum m + sum m z' volume     spheres do not go into each other: their
+ * lenses of overlap are little of their volume slope      that of a cone with the heap's centre of
+ * mass and mean square of the distance from the axis: of a cone of height H and radius R these are
+ * H / 4 and 3 R^2 / 10. Monosized spheres that roll freely come to rest at some 15 to 25 degrees
+ * (Y. C. Zhou, B. H. Xu, A. B. Yu, P. Zulli, Powder Technology 125, 2002, without rolling friction)
+ */
 #include "heap.h"
 
 #include <math.h>
@@ -26,6 +26,20 @@ static double scatter(uint32_t i)
   return (double)(i ^ i >> 16) / 2147483648.0 - 1;
 }
 
+/* A rough floor: spheres side by side that stand still, far wider than the column; on a plane those
+ * that roll freely would all part. */
+static void add_grit(heap *p, int side)
+{
+  int wide = 6 * side;
+  for (int i = 0; i < wide * wide; i++) {
+    const double at[2] = {i % wide - (wide - 1) / 2.0, i / wide - (wide - 1) / 2.0};
+    nsdae_bodies_add_solid(p->world, NSDAE_GROUND,
+                           &(nsdae_solid){.shape = NSDAE_SHAPE_SPHERE,
+                                          .radius = p->r,
+                                          .position = {2 * p->r * at[0], 2 * p->r * at[1], 0}});
+  }
+}
+
 /* Layers of square grids, about twice as high as wide, off by up to a tenth of the radius. */
 static int build(void *base, nsdae_system **system, nsdae_error *error)
 {
@@ -34,6 +48,7 @@ static int build(void *base, nsdae_system **system, nsdae_error *error)
   double m = 4 * pi / 3 * p->r * p->r * p->r * 1000, J = 0.4 * m * p->r * p->r, step = 2.25 * p->r;
   int status = world_begin(&p->world, 3, p->g, p->mu, p->e_N, error);
   if (status < 0) return status;
+  if (p->rough) add_grit(p, side);
   p->mass = m;
   p->weight = m * p->g * p->spheres;
   p->impulse = p->worst_momentum = 0;
@@ -41,7 +56,10 @@ static int build(void *base, nsdae_system **system, nsdae_error *error)
     const int at[3] = {i % side, i / side % side, i / (side * side)};
     nsdae_rigid_body body = {.mass = m, .inertia = {J, J, J}};
     for (int j = 0; j < 3; j++)
-      body.position[j] = (at[j] - (j < 2 ? (side - 1) / 2.0 : -0.5)) * step +
+      body.position[j] = (at[j] - (j < 2      ? (side - 1) / 2.0
+                                   : p->rough ? -1
+                                              : -0.5)) *
+                             step +
                          0.1 * p->r * scatter((uint32_t)(3 * i + j));
     nsdae_bodies_add(p->world, &body);
     nsdae_bodies_add_solid(
@@ -85,8 +103,12 @@ static void follow(void *base, const nsdae_record *r)
 static void conclude(const void *base)
 {
   const heap *p = base;
-  printf("momentum balance %.1e of the floor's impulse; %.1e of the volume lies in other spheres\n",
-         p->impulse > 0 ? p->worst_momentum / p->impulse : p->worst_momentum, p->filled);
+  printf("%.1e of the volume lies in other spheres\n", p->filled);
+  if (!p->rough) {
+    printf("momentum balance %.1e of the floor's impulse\n",
+           p->impulse > 0 ? p->worst_momentum / p->impulse : p->worst_momentum);
+    return;
+  }
   printf("slope of the heap %.1f degrees (15 .. 25 without rolling friction, Zhou et al. 2002)\n",
          p->angle * 180 / pi);
 }
@@ -96,6 +118,8 @@ static void conclude(const void *base)
 static const nsdae_param entries[] = {
     {"spheres", "1", "how many", NSDAE_PARAM_INT, AT(spheres), 300, 1, 1e6, 0, NULL},
     {"r", "m", "radius", NSDAE_PARAM_REAL, AT(r), 0.01, 0, INFINITY, NSDAE_OPEN_MIN, NULL},
+    {"rough", "1", "1: the floor is of spheres, 0: a plane, on which they part", NSDAE_PARAM_INT,
+     AT(rough), 1, 0, 1, 0, NULL},
     {"mu", "1", "friction", NSDAE_PARAM_REAL, AT(mu), 0.5, 0, INFINITY, 0, NULL},
     {"e_N", "1", "restitution", NSDAE_PARAM_REAL, AT(e_N), 0, 0, 1, 0, NULL},
     {"g", "m/s^2", "gravity", NSDAE_PARAM_REAL, AT(g), 9.81, 0, INFINITY, 0, NULL},
@@ -111,6 +135,7 @@ const driver_model heap_model = {.name = "heap",
                                  .t_end = 1,
                                  .dt = 1e-3,
                                  .method = NSDAE_METHOD_MOREAU,
+                                 .lcp_tol = 1e-4,
                                  .build = build,
                                  .start = start,
                                  .follow = follow,

@@ -5,7 +5,7 @@
 #include "driver.h"
 
 typedef struct heap {
-  int spheres;
+  int spheres, rough;
   double r, mu, e_N, g;
   nsdae_bodies *world;
   double weight, mass, impulse,
