@@ -20,6 +20,14 @@ function(nsdae_static_library)
   set(NSDAE_STATIC_LIBRARIES ${NSDAE_STATIC_LIBRARIES} PARENT_SCOPE)
 endfunction()
 
+# A file that carries everything in it: archives are found first.
+if(NSDAE_STATIC_DEPENDENCIES)
+  list(PREPEND CMAKE_FIND_LIBRARY_SUFFIXES .a)
+  set(nsdae_sundials_kinds static shared)
+else()
+  set(nsdae_sundials_kinds shared static)
+endif()
+
 # LAPACKE and CBLAS: the C faces of LAPACK and BLAS. OpenBLAS brings both, but for Debian's, whose
 # LAPACKE is a library of its own, as it is where BLAS is a plain reference.
 find_path(NSDAE_LAPACKE_INCLUDE lapacke.h PATH_SUFFIXES openblas lapacke)
@@ -47,6 +55,18 @@ add_library(nsdae_lapack INTERFACE)
 target_include_directories(nsdae_lapack SYSTEM INTERFACE
   ${NSDAE_LAPACKE_INCLUDE} ${NSDAE_CBLAS_INCLUDE})
 target_link_libraries(nsdae_lapack INTERFACE ${libraries} m)
+if(NSDAE_CBLAS_LIBRARY MATCHES "\\.a$") # parts of it are Fortran, and it has threads
+  find_package(Threads REQUIRED)
+  foreach(part gfortran quadmath)
+    execute_process(COMMAND ${CMAKE_C_COMPILER} -print-file-name=lib${part}.a
+                    OUTPUT_VARIABLE path OUTPUT_STRIP_TRAILING_WHITESPACE)
+    if(NOT EXISTS "${path}")
+      set(path ${part})
+    endif()
+    target_link_libraries(nsdae_lapack INTERFACE ${path})
+  endforeach()
+  target_link_libraries(nsdae_lapack INTERFACE Threads::Threads)
+endif()
 
 # AMD: the order that keeps sparse factors sparse. SuiteSparse 5 has no configuration
 # for CMake.
@@ -59,6 +79,10 @@ endif()
 add_library(nsdae_amd INTERFACE)
 target_include_directories(nsdae_amd SYSTEM INTERFACE ${NSDAE_AMD_INCLUDE})
 target_link_libraries(nsdae_amd INTERFACE ${NSDAE_AMD_LIBRARY})
+if(NSDAE_AMD_LIBRARY MATCHES "\\.a$")
+  find_library(NSDAE_SUITESPARSECONFIG_LIBRARY suitesparseconfig REQUIRED)
+  target_link_libraries(nsdae_amd INTERFACE ${NSDAE_SUITESPARSECONFIG_LIBRARY})
+endif()
 nsdae_static_library(${NSDAE_AMD_LIBRARY})
 
 set(NSDAE_HDF5_VERSION none)
@@ -92,7 +116,7 @@ if(NSDAE_SUNDIALS)
   set(NSDAE_SUNDIALS_VERSION ${SUNDIALS_VERSION})
   add_library(nsdae_sundials INTERFACE)
   foreach(module ${modules} core)
-    foreach(kind shared static)
+    foreach(kind ${nsdae_sundials_kinds})
       if(TARGET SUNDIALS::${module}_${kind})
         target_link_libraries(nsdae_sundials INTERFACE SUNDIALS::${module}_${kind})
         list(APPEND NSDAE_STATIC_LIBRARIES sundials_${module})

@@ -5,13 +5,11 @@ import os
 import sys
 
 import matplotlib
+import matplotlib.pyplot as plt
+import numpy as np
 
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402  (the backend must be chosen first)
-import numpy as np  # noqa: E402
-
-from modes import MODE_COLOURS, MODES, strips  # noqa: E402
-from trajectory import Parser, Problem, names_of_rows, open_trajectory, replace, tell, text  # noqa: E402
+from modes import MODE_COLOURS, MODES, strips
+from trajectory import Parser, Problem, names_of_rows, open_trajectory, replace, tell, text
 
 FORMATS = (".png", ".svg", ".pdf")
 NEEDED = ("v", "energy/kinetic", "energy/dissipated", "certificate", "impact/time")
@@ -329,6 +327,7 @@ def panels(file, only):
 
 def main(argv):
     arguments = parse(argv)
+    matplotlib.use("Agg")  # no window, whatever the user's own choice is
     try:
         with open_trajectory(arguments.file, *NEEDED) as file:
             figure = draw(file, panels(file, arguments.only), arguments.title or title_of(file))

@@ -160,6 +160,7 @@ NSDAE_API int nsdae_system_get_blocks(const nsdae_system *system);
 /* The diagonal blocks of M(t,q), nv[b] x nv[b] each, column-major, one after another; both
  * triangles. M comes zeroed. Always needed. */
 typedef int (*nsdae_mass_blocks_fn)(double t, const double *q, double *M, void *user);
+/* Setters as those above: NSDAE_OK, NSDAE_E_ARGUMENT, NSDAE_E_STATE. */
 NSDAE_API int nsdae_system_set_mass_blocks(nsdae_system *system, nsdae_mass_blocks_fn callback);
 
 /* The rows of Phi_q that a callback fills; they live as long as the call. */
@@ -167,6 +168,7 @@ typedef struct nsdae_row_list nsdae_row_list;
 /* Phi_q(t,q): nsdae_row_add for every block that a row touches. Needed where m > 0. */
 typedef int (*nsdae_constraint_rows_fn)(double t, const double *q, nsdae_row_list *rows,
                                         void *user);
+/* The same. NSDAE_E_ARGUMENT also where the system has no constraints. */
 NSDAE_API int nsdae_system_set_constraint_rows(nsdae_system *system,
                                                nsdae_constraint_rows_fn callback);
 /* value [nv of the block]: the entries of row 0 <= row < m over that block. Rows come in ascending
@@ -178,6 +180,7 @@ NSDAE_API int nsdae_row_add(nsdae_row_list *rows, int row, int block, const doub
  * this callback there are no contacts. */
 typedef int (*nsdae_contacts_fn)(double t, const double *q, const double *v, double reach,
                                  nsdae_contact_list *list, void *user);
+/* The same. */
 NSDAE_API int nsdae_system_set_contacts(nsdae_system *system, nsdae_contacts_fn callback);
 
 /* What can have a name: each has as many as the system's sizes say, numbered from 0. */

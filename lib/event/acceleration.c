@@ -11,7 +11,7 @@
 static const double SINGULAR = 1e-10, NEARLY = 1e-3;
 
 /* Of the forces applied, a contact force that is without bound. */
-static const double OUTGROWN = 1e6;
+static const double OUTGROWN = 1e4;
 
 void nsdae_event_acceleration_layout(nsdae_event_acceleration *p, nsdae_arena *arena)
 {

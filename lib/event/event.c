@@ -116,12 +116,14 @@ static int integrator_failed(event *e, int status, double t)
 {
   nsdae_error *error = e->setting.error;
   if (error->status != NSDAE_OK) return error->status;
+  status = status == NSDAE_E_CALLBACK ? NSDAE_E_CONVERGENCE : status; /* none failed */
   if (nsdae_event_diagnose(&e->instant.acceleration, t, e->integrator.y) < 0 ||
       nsdae_event_outgrown(&e->instant.acceleration, t, e->integrator.y) < 0)
     return NSDAE_E_PAINLEVE;
   nsdae_error_set(error, status, "nsdae_event", "rtol",
-                  "the integrator failed at t = %.17g, as no step is short enough (code %d): try a "
-                  "larger rtol, or method = implicit",
+                  "the integrator failed at t = %.17g, as no step is short enough (code %d): the "
+                  "equations may have no solution just after it; try a larger rtol, or method = "
+                  "implicit",
                   t, e->integrator.code);
   error->code = e->integrator.code;
   error->time = t;
@@ -221,19 +223,28 @@ static int step(event *e)
   return due < 0 ? due : NSDAE_OK;
 }
 
+/* Why no step succeeds: at the end of the last one that did, with the forces there. */
+static int explain(event *e, int status)
+{
+  nsdae_error kept = *e->setting.error;
+  nsdae_event_forces(&e->phase, e->integrator.ahead, e->integrator.y);
+  *e->setting.error = kept;
+  return integrator_failed(e, status, e->integrator.ahead);
+}
+
 static int integrate(event *e)
 {
-  double from = e->integrator.ahead;
+  nsdae_event_integrator *g = &e->integrator;
+  double from = g->ahead;
   int status = step(e);
-  if (status < 0 &&
-      nsdae_event_integrator_read(&e->integrator, from, e->integrator.y) == NSDAE_OK) {
-    nsdae_error kept = *e->setting.error;
-    nsdae_event_forces(&e->phase, from, e->integrator.y); /* for what tells why */
-    *e->setting.error = kept;
-  }
   ++*e->base.steps;
-  *e->base.tiny += e->integrator.ahead - from < TINY * e->setting.options->dt;
-  return status < 0 ? integrator_failed(e, status, from) : status;
+  *e->base.tiny += g->ahead - from < TINY * e->setting.options->dt;
+  if (status == NSDAE_OK) return NSDAE_OK;
+  g->ahead = from;
+  if (nsdae_event_integrator_read(g, from, g->y) < 0) return integrator_failed(e, status, from);
+  if (!*g->is_stiff) return explain(e, status);
+  *g->is_stiff = 0; /* what backward differences do not solve, the other may */
+  return start(e, from);
 }
 
 /* The integrator's y at t, which it has reached. Where it has just started that is the state. */
@@ -385,7 +396,7 @@ static int advance(void *own, const nsdae_state *state, double t_end, nsdae_resu
   event *e = own;
   e->setting.result = result;
   e->reached = state->terms->t;
-  e->instant.impacts.endless = 0;
+  e->instant.impacts.endless = e->instant.impacts.together = 0;
   nsdae_event_lay(&e->base, &e->integrator, &e->instant, &result->memory);
   int status = arrive(e, state);
   e->stamp = 0;

@@ -7,6 +7,9 @@
 #include "cone.h"
 #include "errors.h"
 
+/* One after the other in an instant. */
+enum { IMPACTS_MAX = 2000 };
+
 /* Of the energy before an impact, a gain that is none. */
 static const double ROUNDING = 1e-12;
 
@@ -80,12 +83,15 @@ static int solve(nsdae_event_impacts *p)
   return status;
 }
 
-/* The contacts' velocities before, zero where the integrator's errors could be all of it. */
+/* The contacts' velocities before, zero where the integrator's errors could be all of it; and where
+ * they part, in an impact that drives none together. */
 static void approach(nsdae_event_impacts *p)
 {
   double size = nsdae_event_velocity_size(p->acceleration->phase->setting);
-  for (int i = 0; i < p->problem.system->dims.k; i++)
-    p->problem.results->before[i] = fabs(p->velocity[i]) <= size ? 0 : p->velocity[i];
+  for (int i = 0; i < p->problem.system->dims.k; i++) {
+    double v = p->velocity[i];
+    p->problem.results->before[i] = v < -size || (v > size && !p->together) ? v : 0;
+  }
 }
 
 /* to := to + share (from - to) */
@@ -140,6 +146,14 @@ static void take_share(nsdae_event_impacts *p, double gained, double lost)
   blend(d->f, 1 - share, from->slide_after, to->slide_after);
 }
 
+static int loses_nothing(const nsdae_event_impacts *p)
+{
+  int all = 1;
+  for (int i = 0; i < p->problem.system->dims.k; i++)
+    all &= !p->acceleration->is.touching[i] || p->problem.system->contact[i].e_n == 1;
+  return all;
+}
+
 /* v+ with the e_N that is possible. */
 static int restitute(nsdae_event_impacts *p, const double *before)
 {
@@ -147,6 +161,7 @@ static int restitute(nsdae_event_impacts *p, const double *before)
   int status = solve(p);
   if (status == NSDAE_E_LCP || status == NSDAE_E_INFEASIBLE) {
     memset(p->solution.before, 0, (size_t)s->system->dims.k * sizeof *p->solution.before);
+    p->endless |= p->together && loses_nothing(p);
     nsdae_error_clear(s->error);
     return solve(p);
   }
@@ -263,19 +278,33 @@ static int approaching(const nsdae_event_impacts *p)
   return 0;
 }
 
+/* What touches: all that was closed and all that does not part; with `together` what parts, too. */
+static void find_touching(nsdae_event_impacts *p)
+{
+  const nsdae_event_setting *s = p->acceleration->phase->setting;
+  const int *mode = p->acceleration->phase->modes.contact;
+  for (int i = 0; i < s->system->dims.k; i++)
+    p->acceleration->is.touching[i] =
+        mode[i] != NSDAE_MODE_OPEN || nsdae_event_touches(s, i) ||
+        (p->together && s->here->gap[i] <= nsdae_event_position_size(s));
+}
+
 /* An impact may drive another contact that touches, and parted or rested before it, together: then
- * that is the next, at the same time. A body that just fits between two others, and loses nothing,
- * goes on so for ever: past events_max the step is not the method's any more. */
+ * that is the next, at the same time. A light body between heavy ones goes to and fro so for as
+ * long as it takes to turn them: past IMPACTS_MAX all that touch have one impact together, with its
+ * e_N, that drives none together. A body that just fits between two others, and loses nothing, has
+ * none: the step is not the method's any more. */
 int nsdae_event_collide(nsdae_event_impacts *p, double *y)
 {
   const nsdae_event_setting *s = p->acceleration->phase->setting;
-  int *touching = p->acceleration->is.touching, *mode = p->acceleration->phase->modes.contact;
-  int count = 0;
-  while (approaching(p) && count < s->options->events_max) {
+  int count = 0, most = s->options->events_max < IMPACTS_MAX ? s->options->events_max : IMPACTS_MAX;
+  while (approaching(p) && count <= most) {
+    p->together = count == most;
+    if (p->together) find_touching(p);
     int status = impact(p, y);
     if (status < 0) return status;
-    for (int i = 0; i < s->system->dims.k; i++)
-      touching[i] = mode[i] != NSDAE_MODE_OPEN || nsdae_event_touches(s, i);
+    p->together = 0;
+    find_touching(p);
     count++;
   }
   p->endless |= approaching(p);

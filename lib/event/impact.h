@@ -25,7 +25,8 @@ typedef struct nsdae_event_impacts {
   double *elastic, *reaction;       /* nv, m: v+ and the bilateral impulses with e_N */
   double *velocity;                 /* k: normal, of the contacts before */
   double *force, *xi;               /* columns: for cones */
-  int endless;                      /* impacts of one instant that do not end */
+  int together;                     /* what parts already is to go on parting */
+  int endless;                      /* impacts of one instant that nothing ends */
 } nsdae_event_impacts;
 
 void nsdae_event_impacts_layout(nsdae_event_impacts *impacts, nsdae_arena *arena);

@@ -9,12 +9,15 @@
 /* Of the squared sines between the range of the constraints and that of the phase, the most. */
 static const double TURNED = 0.25;
 
-/* Of what counts as zero for a position: where it is brought back, and what nothing explains. */
+/* Of what counts as zero: where it is brought back, and what nothing explains. */
 static const double STRAYED = 10, LOST = 1e5;
 
 /* Of what counts as zero for a velocity: up to there a body that begins to slide keeps its
  * direction, which would turn within its velocity's error. */
 static const double HARDLY = 100;
+
+/* Of the friction that there can be: shared friction is not told apart from all of it. */
+static const double NEARLY_ALL = 0.01;
 
 static int is_found(const nsdae_event_roots *roots, nsdae_root_kind kind, int i)
 {
@@ -33,7 +36,10 @@ static int breaks_away(const nsdae_event_roots *roots, const double *y, int i)
     const nsdae_event_root *root = nsdae_event_root_of(roots, NSDAE_ROOT_TANGENT, j);
     if (m->contact[j] != NSDAE_MODE_STICK) continue;
     for (int l = 0; l < d->nt; l++) shared |= m->related[d->k + j * d->nt + l];
-    all &= root->found || nsdae_event_stick_margin(roots->phase, y, j) <= root->size;
+    double most =
+        roots->phase->setting->system->contact[j].mu * y[roots->phase->setting->at.normal + j];
+    all &= root->found ||
+           nsdae_event_stick_margin(roots->phase, y, j) <= fmax(root->size, NEARLY_ALL * most);
   }
   return shared ? all : is_found(roots, NSDAE_ROOT_TANGENT, i);
 }
@@ -179,35 +185,38 @@ int nsdae_event_turned(const nsdae_event_instant *p, double t, const double *y)
   return kkt->rank < kkt->m && common < kkt->rank - TURNED;
 }
 
-/* The most that a constraint or a closed contact with a row of its own is away from zero. */
+/* What a constraint, or a closed contact with a row of its own, is away from zero, in what counts
+ * as zero: the most, of positions and of velocities. */
 static double away(const nsdae_event_phase *phase)
 {
   const nsdae_terms *T = phase->setting->here;
-  double most = nsdae_event_largest(T->system->dims.m, T->phi);
-  for (int i = 0; i < T->system->dims.k; i++)
-    if (phase->modes.contact[i] != NSDAE_MODE_OPEN && !phase->modes.related[i])
-      most = fmax(most, fabs(T->gap[i]));
-  return most;
+  const nsdae_dims *d = &T->system->dims;
+  double far = nsdae_event_largest(d->m, T->phi), fast = 0;
+  for (int i = 0; i < d->m; i++) fast = fmax(fast, fabs(nsdae_terms_constraint_rate(T, i, T->v)));
+  for (int i = 0; i < d->k; i++) {
+    if (phase->modes.contact[i] == NSDAE_MODE_OPEN || phase->modes.related[i]) continue;
+    far = fmax(far, fabs(T->gap[i]));
+    fast = fmax(fast, fabs(nsdae_terms_rate(T, T->W_N, T->w_N, i, T->v)));
+  }
+  return fmax(far / nsdae_event_position_size(phase->setting),
+              fast / nsdae_event_velocity_size(phase->setting));
 }
 
 int nsdae_event_strayed(const nsdae_event_instant *p, double t, const double *y)
 {
   nsdae_event_setting *s = p->roots->phase->setting;
-  const nsdae_dims *d = &s->system->dims;
   int closed = (p->roots->phase->terms & NSDAE_TERM_NORMAL) != 0;
-  if (d->m == 0 && !closed) return 0;
+  if (s->system->dims.m == 0 && !closed) return 0;
   nsdae_event_move(s, t, y);
-  int status =
-      nsdae_terms_need(s->here, (d->m > 0 ? NSDAE_TERM_PHI : 0u) | (closed ? NSDAE_TERM_GAP : 0u));
+  int status = nsdae_terms_need(s->here, p->roots->phase->terms);
   if (status < 0) return status;
-  double most = away(p->roots->phase), size = nsdae_event_position_size(s);
-  if (!(most > LOST * size)) return most > STRAYED * size;
-  nsdae_error_set(
-      s->error, NSDAE_E_CONVERGENCE, "nsdae_event", "rtol",
-      "constraints or closed contacts are off by %.3g at t = %.17g, which rtol = %g does "
-      "not explain: their derivatives may be wrong (nsdae_system_check), or take a "
-      "larger rtol",
-      most, t, s->options->rtol);
+  double most = away(p->roots->phase);
+  if (!(most > LOST)) return most > STRAYED;
+  nsdae_error_set(s->error, NSDAE_E_CONVERGENCE, "nsdae_event", "rtol",
+                  "constraints or closed contacts, or their velocities, are off by %.3g times what "
+                  "rtol = %g explains at t = %.17g: their derivatives may be wrong "
+                  "(nsdae_system_check), or take a larger rtol",
+                  most, s->options->rtol, t);
   s->error->time = t;
   return NSDAE_E_CONVERGENCE;
 }

@@ -165,11 +165,9 @@ static void inertia_rows(nsdae_event_phase *p, const nsdae_terms *T)
     for (int i = 0; i < n; i++) *entry(p, i, j) = AT(T->M, n, i, j);
     for (int i = 0; i < m; i++) *entry(p, j, n + i) = *entry(p, n + i, j) = AT(T->J, m, i, j);
   }
-  for (int i = 0; i < m; i++) {
-    double rate = T->phi_t[i];
-    for (int j = 0; j < n; j++) rate += AT(T->J, m, i, j) * T->v[j];
-    p->x[n + i] = -T->omega[i] - alpha2 * rate - beta2 * T->phi[i];
-  }
+  for (int i = 0; i < m; i++)
+    p->x[n + i] =
+        -T->omega[i] - alpha2 * nsdae_terms_constraint_rate(T, i, T->v) - beta2 * T->phi[i];
 }
 
 /* Of redundant constraints: Z Z^T of the rows, and (1 - Z Z^T) lambda. */

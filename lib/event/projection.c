@@ -89,13 +89,9 @@ int nsdae_event_project_positions(nsdae_event_projection *p, double t, const int
 static void append_rates(nsdae_event_projection *p, const double *v)
 {
   const nsdae_terms *T = p->phase->setting->here;
-  size_t n = (size_t)p->kkt.n, m = (size_t)T->system->dims.m;
+  int m = T->system->dims.m;
   p->rows = 0;
-  for (size_t i = 0; i < m; i++) {
-    double rate = T->phi_t[i];
-    for (size_t j = 0; j < n; j++) rate += T->J[j * m + i] * v[j];
-    append(p, T->J + i, (int)m, rate);
-  }
+  for (int i = 0; i < m; i++) append(p, T->J + i, m, nsdae_terms_constraint_rate(T, i, v));
 }
 
 static void append_velocities(nsdae_event_projection *p)
@@ -116,15 +112,40 @@ static void append_velocities(nsdae_event_projection *p)
       append(p, T->W_S + (size_t)j * n, 1, nsdae_terms_rate(T, T->W_S, T->w_S, j, T->v));
 }
 
+/* The impulses that did it, in the order of the rows; and their work, the change of v^T M v / 2. */
+static void account(const nsdae_event_projection *p)
+{
+  const nsdae_event_setting *s = p->phase->setting;
+  const nsdae_terms *T = s->here;
+  const nsdae_event_modes *m = &p->phase->modes;
+  const nsdae_dims *d = &T->system->dims;
+  nsdae_impulses *to = &s->result->impulses;
+  int n = d->nv, row = d->m;
+  nsdae_add(d->m, 1, p->c, s->result->multiplier);
+  for (int i = 0; i < d->k; i++) {
+    if (m->contact[i] == NSDAE_MODE_OPEN) continue;
+    to->normal[i] -= p->c[row++];
+    for (int j = i * d->nt; m->contact[i] == NSDAE_MODE_STICK && j < (i + 1) * d->nt; j++)
+      to->tangential[j] -= p->c[row++];
+  }
+  for (int j = 0; j < d->f; j++)
+    if (m->slide[j] == NSDAE_MODE_STICK) to->slide_impulse[j] -= p->c[row++];
+  for (int j = 0; j < n; j++)
+    s->result->work +=
+        nsdae_dot(n, T->M + (size_t)j * (size_t)n, p->change) * (T->v[j] + p->change[j] / 2);
+}
+
 int nsdae_event_project_velocities(nsdae_event_projection *p, double *y)
 {
   nsdae_event_setting *s = p->phase->setting;
   append_velocities(p);
   if (p->rows == 0) return NSDAE_OK;
   int status = project(p);
-  for (int i = 0; i < p->kkt.n && status == NSDAE_OK; i++) y[s->at.v + i] += p->change[i];
+  if (status < 0) return status;
+  account(p);
+  nsdae_add(p->kkt.n, 1, p->change, y + s->at.v);
   nsdae_terms_set_velocity(s->here, y + s->at.v);
-  return status;
+  return NSDAE_OK;
 }
 
 int nsdae_event_close(nsdae_event_projection *p, const int *closed, const int *sticks, double *v,

@@ -52,7 +52,7 @@ int nsdae_event_solve(nsdae_event_setting *s, nsdae_contacts *c, const nsdae_ter
   int status = nsdae_contacts_solve(c, terms, s->kkt, size, v, lambda);
   r->counters.lcps++;
   r->counters.lcp_pivots += c->lcp.info.pivots;
-  r->worst_residual = fmax(r->worst_residual, c->lcp.info.residual);
+  if (status == NSDAE_OK) r->worst_residual = fmax(r->worst_residual, c->lcp.info.residual);
   return status;
 }
 

@@ -11,6 +11,9 @@ enum { ROUNDS = 50 };
 /* Of the friction there can be: more than that is nearly all. */
 static const double NEARLY_ALL = 0.99;
 
+/* Of the largest weight. */
+static const double LEAST_WEIGHT = 1e-6;
+
 /* The Delassus matrix has squared what rank_tol is meant for. */
 static const double LEAST_SINE = 1e-6;
 
@@ -287,6 +290,24 @@ static int relate(nsdae_event_sharing *s, int even_normal, int even_friction)
   return fulfil_relations(s) && pushes(s);
 }
 
+/* Friction that is used of what there can be, of the a-th closed contact. */
+static double share_used(const nsdae_event_sharing *s, int a)
+{
+  double most = most_friction(s, a);
+  return sticks(s, a) && most > 0 ? friction_of(s, a) / most : 0;
+}
+
+/* Each weight times what its contact uses, the largest 1. Those that get none would leave relations
+ * that rounding rules. */
+static void emphasise(nsdae_event_sharing *s)
+{
+  double most = 0;
+  int count = problem_of(s)->active_count;
+  for (int a = 0; a < count; a++) most = fmax(most, s->emphasis[a] *= share_used(s, a));
+  for (int a = 0; a < count && most > 0; a++)
+    s->emphasis[a] = fmax(s->emphasis[a] / most, LEAST_WEIGHT);
+}
+
 /* Where friction is nearly used up somewhere, weights that ask for the least |F_T| / (mu F_N) of
  * the largest: each times that of its contact (Lawson 1961). So that no contact is at its limit
  * before all must be. */
@@ -296,13 +317,10 @@ static int relate_friction(nsdae_event_sharing *s, int even_normal)
   double worst = 1;
   for (int round = 0; round < ROUNDS && worst > NEARLY_ALL; round++) {
     related = relate(s, even_normal, 1);
+    if (!related) break;
     worst = 0;
-    for (int a = 0; a < problem_of(s)->active_count && related; a++) {
-      double most = most_friction(s, a), used = 0;
-      if (sticks(s, a) && most > 0) used = friction_of(s, a) / most;
-      s->emphasis[a] *= fmax(used, 1e-3);
-      worst = fmax(worst, used);
-    }
+    for (int a = 0; a < problem_of(s)->active_count; a++) worst = fmax(worst, share_used(s, a));
+    emphasise(s);
   }
   return related;
 }

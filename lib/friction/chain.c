@@ -1,5 +1,6 @@
 #include "chain.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -15,11 +16,11 @@ enum { BETWEEN = 20, FEW = 100, WARM = 2000, TRAPPED = 600, MANY = 20000 };
 /* Contacts up to which a factorisation costs less than the sweeps that it saves. */
 enum { SMALL = 24 };
 
-/* Newton steps of one attempt. */
-enum { STEPS = 300 };
+/* Newton steps of one attempt, and along a curve with folds. */
+enum { STEPS = 300, FOLDED = 10000 };
 
-/* Newton steps times items that further paths may take. */
-static const double WORK = 2e6;
+/* Newton steps times items that further paths may take, and one curve. */
+static const double WORK = 2e6, CURVE = 3e6;
 
 /* Tolerances that sweeps are likely to reach. */
 static const double ROUGH = 1e-6;
@@ -32,6 +33,7 @@ void nsdae_fc_chain_layout(void *object, nsdae_arena *arena)
   c->slip = NSDAE_ARENA_DOUBLES(arena, c->fc.n);
   c->newton.fc = &c->fc;
   nsdae_fc_newton_layout(&c->newton, arena);
+  nsdae_fc_curve_layout(&c->curve, &c->fc, arena);
 }
 
 static size_t bytes(const nsdae_fc_chain *c)
@@ -140,6 +142,16 @@ static int warm(nsdae_fc_chain *c)
   return sweeps(c, WARM, TRAPPED, NSDAE_FRICTION_WARM) || proximal(c, 1e-3, NSDAE_FRICTION_WARM);
 }
 
+/* Whether the residual is what rounding r to doubles leaves: half a unit in the last place of the
+ * largest impulse moves the velocities by as much, and others may make up for half of that. */
+static int exhausted(const nsdae_fc_chain *c)
+{
+  double most = 0;
+  for (int i = 0; i < 3 * c->fc.n; i++)
+    most = fmax(most, c->fc.weight[i / 3] * c->fc.rho[i / 3] * fabs(c->best[i]));
+  return c->info.residual <= DBL_EPSILON / 4 * most;
+}
+
 static int gauss_seidel(nsdae_fc_chain *c)
 {
   start_cold(c);
@@ -160,19 +172,39 @@ static int patience(nsdae_fc_chain *c, int most)
 
 /* Which items stand where a path ends depends on how closely it is followed; so others are tried,
  * fewer of larger islands. */
-static int paths(nsdae_fc_chain *c)
+static int paths(nsdae_fc_chain *c, int from, int to)
 {
+  int before = c->info.iterations;
   static const double loose[] = {1e-5, 1e-2, 1e-4, 0.1, 3e-3, 1e-6, 3e-4, 3e-2, 3e-5, 3e-6};
-  for (int k = 0; k < 10 && (double)c->info.iterations * c->fc.n < WORK; k++)
+  for (int k = from; k < to && ((double)c->info.iterations - before) * c->fc.n < WORK; k++) {
     if (path(c, loose[k], NSDAE_FRICTION_FURTHER)) return 1;
+    if (exhausted(c)) return 1;
+  }
   return 0;
 }
 
-/* Sweeps reach a few digits, paths many. */
+/* Curves of more and less compliance, followed more and less closely. */
+static int curves(nsdae_fc_chain *c)
+{
+  static const struct {
+    double stiffness, close;
+  } all[] = {{0.1, 1e-3}, {1, 1e-3}, {0.1, 1e-5}, {1, 1e-5}, {0.3, 1e-4}};
+  for (int k = 0; k < 5; k++) {
+    if (!ready(c)) return 0;
+    if (c->options->max_iterations == 0) c->newton.most = (int)fmin(FOLDED, CURVE / c->fc.n);
+    nsdae_fc_continue(&c->curve, &c->newton, all[k].stiffness, all[k].close, c->tol);
+    if (count(c, NSDAE_FRICTION_FURTHER) || exhausted(c)) return 1;
+  }
+  return 0;
+}
+
+/* Sweeps reach a few digits, paths many, and curves get round what stops both. */
 static int further(nsdae_fc_chain *c)
 {
-  if (c->tol >= ROUGH) return patience(c, MANY) || paths(c);
-  return patience(c, MANY / 10) || paths(c) || patience(c, MANY);
+  if (exhausted(c)) return 1;
+  if (c->tol >= ROUGH) return patience(c, MANY) || paths(c, 0, 10) || curves(c);
+  return patience(c, MANY / 10) || paths(c, 0, 2) || curves(c) || paths(c, 2, 10) ||
+         patience(c, MANY);
 }
 
 /* The solution better still, where that was asked for, and inside the cones to the last bit: their

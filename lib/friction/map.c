@@ -71,28 +71,44 @@ static double plus(double l, double e, double *slope)
   return value;
 }
 
+/* a - plus(a - b), which is also b - plus(b - a): the one without cancellation. */
+static double smooth_min(double a, double b, double e, double *slope)
+{
+  double l = a - b, ignored;
+  (void)plus(l, e, slope);
+  return l > 0 ? b - plus(-l, e, &ignored) : a - plus(l, e, &ignored);
+}
+
 static void smooth_normal(double e, const double *r, const double *u, double *F, double *B,
                           double *A)
 {
-  double slope, value = plus(r[0] - u[0], e, &slope);
+  double slope;
   nothing(1, r, F, B, A);
-  F[0] = r[0] - value;
+  F[0] = smooth_min(r[0], u[0], e, &slope);
   B[0] = 1 - slope;
   A[0] = slope;
 }
 
-/* Smoothed projection onto the second-order cone {|x_T| <= x_N}: with the eigenvalues x_N +- |x_T|,
- * and its derivative. */
-static void smooth_project(double e, const double *x, double *P, double *G)
+/* a - P(a - b), P the smoothed projection onto the second-order cone {|x_T| <= x_N}, and the
+ * derivative of P: by the eigenvalues x_N +- |x_T| of x = a - b, those of a and b along the same
+ * vectors, and what both have across them, where x has nothing: as the smaller has it. */
+static void smooth_cone(double e, const double *a, const double *b, double *F, double *G)
 {
-  double t = nsdae_fc_length(x[1], x[2]), d[2] = {t > 0 ? x[1] / t : 1, t > 0 ? x[2] / t : 0};
-  double slope[2], high = plus(x[0] + t, e, slope), low = plus(x[0] - t, e, slope + 1);
+  double x[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]}, t = nsdae_fc_length(x[1], x[2]), slope[2];
+  double d[2] = {t > 0 ? x[1] / t : 1, t > 0 ? x[2] / t : 0};
+  double at = d[0] * a[1] + d[1] * a[2], bt = d[0] * b[1] + d[1] * b[2];
+  double high = smooth_min(a[0] + at, b[0] + bt, e, slope);
+  double low = smooth_min(a[0] - at, b[0] - bt, e, slope + 1), ignored;
   double mean = (slope[0] + slope[1]) / 2, half = (slope[0] - slope[1]) / 2;
-  double bend = t > 1e-8 * e ? (high - low) / (2 * t) : slope[0];
-  P[0] = (high + low) / 2;
+  double spread = plus(x[0] + t, e, &ignored) - plus(x[0] - t, e, &ignored);
+  double bend = t > 1e-8 * e ? spread / (2 * t) : slope[0];
+  int of_a = fabs(a[1]) + fabs(a[2]) < fabs(b[1]) + fabs(b[2]);
+  const double *small = of_a ? a : b;
+  double along = of_a ? at : bt;
+  F[0] = (high + low) / 2;
   G[0] = mean;
   for (int i = 0; i < 2; i++) {
-    P[i + 1] = (high - low) / 2 * d[i];
+    F[i + 1] = (high - low) / 2 * d[i] + (small[i + 1] - along * d[i]);
     G[i + 1] = G[3 * i + 3] = half * d[i];
     for (int j = 0; j < 2; j++)
       G[3 * i + j + 4] = mean * d[i] * d[j] + bend * ((i == j) - d[i] * d[j]);
@@ -112,17 +128,15 @@ void nsdae_fc_smooth_map(int kind, double mu, double e, const double *r, const d
     smooth_normal(e, r, u, F, B, A);
     return;
   }
-  double S[3] = {sqrt(mu), 1 / sqrt(mu), 1 / sqrt(mu)}, P[3], G[9];
-  double slip = sqrt(u[1] * u[1] + u[2] * u[2] + e * e);
-  double x[3] = {S[0] * r[0] - (u[0] + mu * (slip - e)) / S[0], S[1] * r[1] - u[1] / S[1],
-                 S[2] * r[2] - u[2] / S[2]};
-  smooth_project(e, x, P, G);
-  for (int i = 0; i < 3; i++) {
-    F[i] = S[i] * r[i] - P[i];
+  double S[3] = {sqrt(mu), 1 / sqrt(mu), 1 / sqrt(mu)}, G[9];
+  double square = u[1] * u[1] + u[2] * u[2], slip = sqrt(square + e * e);
+  double a[3] = {S[0] * r[0], S[1] * r[1], S[2] * r[2]};
+  double b[3] = {(u[0] + mu * (square / (slip + e))) / S[0], u[1] / S[1], u[2] / S[2]};
+  smooth_cone(e, a, b, F, G);
+  for (int i = 0; i < 3; i++)
     for (int j = 0; j < 3; j++) {
       B[3 * i + j] = ((i == j) - G[3 * i + j]) * S[j];
       A[3 * i + j] = G[3 * i + j] / S[j];
       if (j > 0) A[3 * i + j] += G[3 * i] / S[0] * mu * (u[j] / slip);
     }
-  }
 }

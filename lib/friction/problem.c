@@ -37,12 +37,12 @@ static int missing(nsdae_error *error, const char *argument)
   return nsdae_fc_refuse(error, NSDAE_E_ARGUMENT, argument, -1, text);
 }
 
-/* NSDAE_OK where all entries are finite and not below least. */
-static int check_values(nsdae_error *error, const char *argument, size_t n, const double *a,
-                        double least)
+/* NSDAE_OK where entries first to n - 1 are finite and not below least. */
+static int check_values(nsdae_error *error, const char *argument, size_t first, size_t n,
+                        const double *a, double least)
 {
   char text[200];
-  for (size_t i = 0; i < n; i++) {
+  for (size_t i = first; i < n; i++) {
     if (fabs(a[i]) <= DBL_MAX && a[i] >= least) continue;
     int status = fabs(a[i]) <= DBL_MAX ? NSDAE_E_ARGUMENT : NSDAE_E_NONFINITE;
     snprintf(text, sizeof text, "%s[%zu] = %g: must be %s", argument, i, a[i],
@@ -160,17 +160,16 @@ static int check_data(const nsdae_friction_problem *p, nsdae_error *error)
   for (int i = 0; i < p->contacts + p->bilateral; i++) m += (size_t)nsdae_fc_rows(p, i);
   for (int i = 0; i < p->contacts; i++) {
     if (nsdae_fc_rows(p, i) == 1) continue;
-    int status = check_values(error, "mu", 1, p->mu + i, 0);
-    if (status != NSDAE_OK && error) error->index = i;
+    int status = check_values(error, "mu", (size_t)i, (size_t)i + 1, p->mu, 0);
     if (status != NSDAE_OK) return status;
   }
-  int status = check_values(error, "w", m, p->w, -INFINITY);
+  int status = check_values(error, "w", 0, m, p->w, -INFINITY);
   if (status == NSDAE_OK && p->compliance)
-    status = check_values(error, "compliance", m, p->compliance, 0);
-  if (status == NSDAE_OK) status = check_values(error, "f", nv, p->f, -INFINITY);
-  if (status == NSDAE_OK) status = check_values(error, "M", count_mass(p), p->M, -INFINITY);
+    status = check_values(error, "compliance", 0, m, p->compliance, 0);
+  if (status == NSDAE_OK) status = check_values(error, "f", 0, nv, p->f, -INFINITY);
+  if (status == NSDAE_OK) status = check_values(error, "M", 0, count_mass(p), p->M, -INFINITY);
   if (status != NSDAE_OK || m == 0) return status;
-  return check_values(error, "value", count_values(p), p->value, -INFINITY);
+  return check_values(error, "value", 0, count_values(p), p->value, -INFINITY);
 }
 
 int nsdae_fc_problem_check(const nsdae_friction_problem *p, nsdae_error *error)

@@ -102,7 +102,7 @@ static void diagonals(nsdae_fc_whole *c)
     for (int e = p->first[i]; e < p->first[i + 1]; e++) {
       const double *J = c->J + c->view.at[e], *W = p->value + c->view.at[e];
       if (p->form == NSDAE_FRICTION_GLOBAL)
-        sum += nsdae_dot(rows * p->size[p->block[e]], J, J);
+        for (size_t k = 0; k < (size_t)rows * (size_t)p->size[p->block[e]]; k++) sum += J[k] * J[k];
       else if (p->block[e] == i)
         for (int k = 0; k < rows; k++) sum += W[k * rows + k];
     }

@@ -13,12 +13,13 @@ int nsdae_h5_group(nsdae_h5 *h5, const char *name)
   return status;
 }
 
+/* < 0 where it cannot be made: another size would take the texts' addresses for their letters. */
 static hid_t text_type(void)
 {
   hid_t type = H5Tcopy(H5T_C_S1);
-  H5Tset_size(type, H5T_VARIABLE);
-  H5Tset_cset(type, H5T_CSET_UTF8);
-  return type;
+  if (H5Tset_size(type, H5T_VARIABLE) >= 0 && H5Tset_cset(type, H5T_CSET_UTF8) >= 0) return type;
+  H5Tclose(type);
+  return -1;
 }
 
 static int set_attribute(nsdae_h5 *h5, hid_t object, const char *name, hid_t type,

@@ -93,6 +93,15 @@ static inline double nsdae_terms_rate(const nsdae_terms *T, const double *W, con
   return nsdae_dot(T->system->dims.nv, W + (size_t)j * n, v) + w[j];
 }
 
+/* d Phi_i / dt = (Phi_q v)_i + Phi_t */
+static inline double nsdae_terms_constraint_rate(const nsdae_terms *T, int i, const double *v)
+{
+  size_t m = (size_t)T->system->dims.m, n = (size_t)T->system->dims.nv;
+  double rate = T->phi_t[i];
+  for (size_t j = 0; j < n; j++) rate += T->J[j * m + (size_t)i] * v[j];
+  return rate;
+}
+
 /* T = v^T M v / 2; the mass matrix must be there. */
 double nsdae_terms_kinetic(const nsdae_terms *terms);
 

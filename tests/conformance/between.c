@@ -320,6 +320,224 @@ static void test_settings(void **state)
   each(settings);
 }
 
+/* Settings that the method cannot take, and a state that cannot be settled, leave the old ones. */
+static void refused_settings(nsdae_system *system, ball *b, nsdae_sim_options o)
+{
+  size_t size;
+  (void)b;
+  nsdae_sim *sim = make(system, &o, 0.5, 1);
+  if (!sim) return;
+  assert_int_equal(nsdae_sim_run(sim, 0.35), NSDAE_OK);
+  nsdae_sim_state_size(sim, &size);
+  unsigned char *before = malloc(size), *after = malloc(size);
+  assert_true(before && after);
+  if (o.method == NSDAE_METHOD_PENALTY) { /* the law flores divides by e_N */
+    nsdae_sim_options flores = o;
+    flores.penalty_law = NSDAE_PENALTY_FLORES;
+    assert_int_equal(nsdae_sim_set_options(sim, &flores), NSDAE_OK);
+    nsdae_sim_get_state(sim, before, size);
+    assert_int_equal(nsdae_sim_set_contact(sim, 0, 0.1, 0, 0), NSDAE_E_ARGUMENT);
+    assert_string_equal(nsdae_sim_error(sim)->argument, "e_n");
+    assert_int_equal(nsdae_sim_set_options(sim, &o), NSDAE_OK);
+    assert_int_equal(nsdae_sim_set_contact(sim, 0, 0.1, 0, 0), NSDAE_OK);
+    assert_int_equal(nsdae_sim_set_options(sim, &flores), NSDAE_E_ARGUMENT);
+    assert_string_equal(nsdae_sim_error(sim)->argument, "e_n");
+  }
+  nsdae_sim_get_state(sim, before, size);
+  nsdae_sim_options same = o;
+  assert_int_equal(nsdae_sim_set_contact(sim, -1, 0, 0, 0), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_sim_set_contact(sim, 0, INFINITY, 0, 0), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_sim_set_contact(sim, 0, -0.1, 0, 0), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_sim_set_contact(sim, 0, 0.1, -1, 0), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_sim_set_contact(sim, 0, 0.1, 0, -1), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_sim_set_contact(sim, 0, 0.1, 0, 1.5), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_sim_set_slide(sim, -1, 0.1), NSDAE_E_ARGUMENT);
+  same.method = o.method == NSDAE_METHOD_MOREAU ? NSDAE_METHOD_IMPLICIT : NSDAE_METHOD_MOREAU;
+  assert_int_equal(nsdae_sim_set_options(sim, &same), NSDAE_E_ARGUMENT);
+  assert_string_equal(nsdae_sim_error(sim)->argument, "method");
+  nsdae_sim_get_state(sim, after, size);
+  assert_memory_equal(before, after, size);
+  assert_true(nsdae_sim_step(sim) >= 0);
+  free(before);
+  free(after);
+  nsdae_sim_destroy(&sim);
+}
+
+/* None of these is for an observer, nor for no simulation at all. */
+static int meddle(const nsdae_record *r, nsdae_error *error, void *user)
+{
+  nsdae_sim *sim = user;
+  nsdae_sim_options o = options_of(NSDAE_METHOD_MOREAU);
+  double q[2] = {0, 1}, v[2] = {0, 0};
+  (void)r;
+  (void)error;
+  assert_int_equal(nsdae_sim_set_user(sim, NULL), NSDAE_E_STATE);
+  assert_int_equal(nsdae_sim_set_options(sim, &o), NSDAE_E_STATE);
+  assert_int_equal(nsdae_sim_set_contact(sim, 0, 0, 0, 0), NSDAE_E_STATE);
+  assert_int_equal(nsdae_sim_set_slide(sim, 0, 0), NSDAE_E_STATE);
+  assert_int_equal(nsdae_sim_set_state(sim, q, sizeof q), NSDAE_E_STATE);
+  assert_int_equal(nsdae_sim_init(sim, 0, q, v), NSDAE_E_STATE);
+  assert_int_equal(nsdae_sim_run(sim, 9), NSDAE_E_STATE);
+  return 0;
+}
+
+static void test_refused_settings(void **state)
+{
+  (void)state;
+  double q[2], v[2];
+  size_t size;
+  each(refused_settings);
+  assert_int_equal(nsdae_sim_set_user(NULL, NULL), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_sim_set_options(NULL, NULL), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_sim_set_contact(NULL, 0, 0, 0, 0), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_sim_set_slide(NULL, 0, 0), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_sim_interpolate(NULL, 0, q, v), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_sim_state_size(NULL, &size), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_sim_get_state(NULL, q, sizeof q), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_sim_set_state(NULL, q, sizeof q), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_sim_run_to_event(NULL, 1), NSDAE_E_ARGUMENT);
+  ball b = {.gravity = 9.81};
+  nsdae_system *system = make_system(&b);
+  nsdae_sim_options o = options_of(NSDAE_METHOD_MOREAU);
+  nsdae_sim *sim = make(system, &o, 1, 0);
+  assert_int_equal(nsdae_sim_observe(sim, meddle, sim), NSDAE_OK);
+  for (int s = 0; s < 2; s++) assert_true(nsdae_sim_step(sim) >= 0);
+  assert_int_equal(nsdae_sim_interpolate(sim, 0, NULL, v), NSDAE_E_ARGUMENT);
+  assert_string_equal(nsdae_sim_error(sim)->argument, "q");
+  assert_int_equal(nsdae_sim_interpolate(sim, 0, q, NULL), NSDAE_E_ARGUMENT);
+  assert_string_equal(nsdae_sim_error(sim)->argument, "v");
+  nsdae_sim_destroy(&sim);
+  nsdae_system_destroy(&system);
+}
+
+/* A slide in this simulation: its friction is another, or stays out. */
+static int slot(double t, const double *q, double *phi, void *user)
+{
+  (void)t;
+  (void)user;
+  phi[0] = q[1];
+  return 0;
+}
+
+static int along(double t, const double *q, double *W, int ldw, double *w, void *user)
+{
+  (void)t;
+  (void)q;
+  (void)ldw;
+  (void)user;
+  (void)w;
+  W[0] = 1;
+  return 0;
+}
+
+static void test_slides(void **state)
+{
+  const nsdae_dims dims = {.nq = 2, .m = 1, .f = 1};
+  const double q0[] = {0, 0}, v0[] = {3, 0};
+  (void)state;
+  for (int method = 0; nsdae_method_name(method); method++) {
+    ball b = {.gravity = 9.81};
+    nsdae_system *system = NULL;
+    nsdae_sim *sim = NULL;
+    nsdae_record r;
+    nsdae_sim_options o = options_of(method);
+    assert_int_equal(nsdae_system_create(&dims, &system, NULL), NSDAE_OK);
+    nsdae_system_set_user(system, &b);
+    nsdae_system_set_mass(system, mass);
+    nsdae_system_set_force(system, force);
+    nsdae_system_set_constraint(system, slot);
+    nsdae_system_set_slide_tangent(system, along);
+    nsdae_system_set_slide(system, 0, 0, 0.2);
+    if (nsdae_sim_create(system, &o, &sim, NULL) == NSDAE_OK) {
+      assert_int_equal(nsdae_sim_set_slide(sim, 1, 0.1), NSDAE_E_ARGUMENT);
+      assert_int_equal(nsdae_sim_set_slide(sim, 0, 0), NSDAE_E_ARGUMENT);
+      assert_int_equal(nsdae_sim_set_slide(sim, 0, NAN), NSDAE_E_ARGUMENT);
+      assert_int_equal(nsdae_sim_init(sim, 0, q0, v0), NSDAE_OK);
+      assert_int_equal(nsdae_sim_run(sim, 0.3), NSDAE_OK);
+      assert_int_equal(nsdae_sim_set_slide(sim, 0, 0.1), NSDAE_OK);
+      assert_int_equal(nsdae_sim_run(sim, 0.6), NSDAE_OK);
+      nsdae_sim_get_record(sim, &r); /* braked by 0.2 g, then by 0.1 g */
+      assert_near(r.v[0], 3 - 0.3 * 9.81 * (0.2 + 0.1), 1e-3);
+      nsdae_sim_destroy(&sim);
+    }
+    nsdae_system_destroy(&system);
+  }
+}
+
+/* Between impacts the parabola through a step is of third order in q and of second in v
+ * (the straight line), the integrators' own solution is to their tolerance: a pendulum's swing. */
+static int swing_force(double t, const double *q, const double *v, double *F, void *user)
+{
+  (void)t;
+  (void)v;
+  (void)user;
+  F[0] = -2 * 9.0 * q[0]; /* M = 2: q = cos 3 t */
+  F[1] = -2 * 9.0 * q[1];
+  return 0;
+}
+
+static void worst_between(nsdae_sim *sim, double worst[2])
+{
+  const double q0[] = {1, 0}, v0[] = {0, 3};
+  nsdae_record r;
+  worst[0] = worst[1] = 0;
+  assert_int_equal(nsdae_sim_init(sim, 0, q0, v0), NSDAE_OK);
+  while (nsdae_sim_get_record(sim, &r), r.time < 0.5) {
+    assert_int_equal(nsdae_sim_step(sim), NSDAE_OK);
+    nsdae_sim_get_record(sim, &r);
+    double start = r.time - r.duration, q[2], v[2], h = r.duration;
+    double at[2], left[2]; /* errors of the ends, which are the method's, taken off by lines */
+    for (int e = 0; e < 2; e++) {
+      double t = e ? r.time : start;
+      assert_int_equal(nsdae_sim_interpolate(sim, t, q, v), NSDAE_OK);
+      (e ? left : at)[0] = q[0] - cos(3 * t);
+      (e ? left : at)[1] = v[0] + 3 * sin(3 * t);
+    }
+    for (int i = 1; i < 8; i++) {
+      double s = i / 8.0, t = start + s * h;
+      assert_int_equal(nsdae_sim_interpolate(sim, t, q, v), NSDAE_OK);
+      double of_q = q[0] - cos(3 * t) - (1 - s) * at[0] - s * left[0];
+      double of_v = v[0] + 3 * sin(3 * t) - (1 - s) * at[1] - s * left[1];
+      worst[0] = fmax(worst[0], fabs(of_q));
+      worst[1] = fmax(worst[1], fabs(of_v));
+    }
+  }
+}
+
+static void test_order_between(void **state)
+{
+  const nsdae_dims dims = {.nq = 2};
+  (void)state;
+  for (int method = 0; nsdae_method_name(method); method++) {
+    double coarse[2], fine[2];
+    nsdae_system *system = NULL;
+    nsdae_sim *sim = NULL;
+    nsdae_sim_options o = options_of(method);
+    assert_int_equal(nsdae_system_create(&dims, &system, NULL), NSDAE_OK);
+    nsdae_system_set_mass(system, mass);
+    nsdae_system_set_force(system, swing_force);
+    o.dt = 0.02;
+    if (nsdae_sim_create(system, &o, &sim, NULL) == NSDAE_OK) {
+      worst_between(sim, coarse);
+      o.dt = 0.01;
+      assert_int_equal(nsdae_sim_set_options(sim, &o), NSDAE_OK);
+      worst_between(sim, fine);
+      nsdae_sim_destroy(&sim);
+      print_message("%s: %.2g %.2g, %.2g %.2g\n", nsdae_method_name(method), coarse[0], fine[0],
+                    coarse[1], fine[1]);
+      if (method >= NSDAE_METHOD_PENALTY) {
+        assert_at_most(fine[0], 100 * o.rtol);
+        assert_at_most(fine[1], 300 * o.rtol);
+      } else {
+        double order_q = log2(coarse[0] / fine[0]), order_v = log2(coarse[1] / fine[1]);
+        assert_near(order_v, 2, 0.1);
+        assert_near(order_q, 3, 0.2);
+      }
+    }
+    nsdae_system_destroy(&system);
+  }
+}
+
 /* Forces are the impulses over the step, accelerations what they do: m a = F + W f. */
 static void means(nsdae_system *system, ball *b, nsdae_sim_options o)
 {
@@ -486,7 +704,8 @@ int main(void)
       cmocka_unit_test(test_to_event), cmocka_unit_test(test_user),
       cmocka_unit_test(test_settings), cmocka_unit_test(test_means),
       cmocka_unit_test(test_leaving),  cmocka_unit_test(test_limit),
-      cmocka_unit_test(test_rank),
+      cmocka_unit_test(test_rank),     cmocka_unit_test(test_refused_settings),
+      cmocka_unit_test(test_slides),   cmocka_unit_test(test_order_between),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -93,7 +93,8 @@ for chapter in first-program bodies model methods trajectory animation paraview 
 done
 for page in "$source"/docs/guide/*.md; do
   name=$(basename "$page" .md)
-  [ "$name" = README ] || [ -e "$work/$name.sh" ] || { echo "FAILED: $name.md is not tested"; exit 1; }
+  case $name in README | python) continue ;; esac # the package's own tests run python's, in an environment that has it
+  [ -e "$work/$name.sh" ] || { echo "FAILED: $name.md is not tested"; exit 1; }
 done
 
 # every status of the list is in the table, with its value, and nothing else is

@@ -522,6 +522,115 @@ static void test_no_room(void **state)
   }
 }
 
+/* ---- a light ball between a wall and a heavy one ---- */
+
+typedef struct squeezed {
+  double light, heavy, g;
+} squeezed;
+
+static int squeezed_mass(double t, const double *q, double *M, int ldm, void *user)
+{
+  const squeezed *p = user;
+  (void)t;
+  (void)q;
+  M[0] = p->light;
+  M[ldm + 1] = p->heavy;
+  return 0;
+}
+
+static int squeezed_force(double t, const double *q, const double *v, double *F, void *user)
+{
+  const squeezed *p = user;
+  (void)t;
+  (void)q;
+  (void)v;
+  F[0] = -p->light * p->g;
+  F[1] = -p->heavy * p->g;
+  return 0;
+}
+
+static int squeezed_potential(double t, const double *q, double *V, void *user)
+{
+  const squeezed *p = user;
+  (void)t;
+  *V = p->g * (p->light * q[0] + p->heavy * q[1]);
+  return 0;
+}
+
+static int squeezed_gap(double t, const double *q, double *gap, void *user)
+{
+  (void)t;
+  (void)user;
+  gap[0] = q[0];
+  gap[1] = q[1] - q[0];
+  return 0;
+}
+
+static long squeezed_impacts;
+
+static int count_impacts(const nsdae_record *record, nsdae_error *error, void *user)
+{
+  (void)error;
+  (void)user;
+  squeezed_impacts += record->impacts;
+  return 0;
+}
+
+static void squeeze(squeezed *p, double e, const double *q0, const double *v0, double t_end)
+{
+  const nsdae_dims dims = {.nq = 2, .k = 2};
+  nsdae_system *system;
+  assert_int_equal(nsdae_system_create(&dims, &system, NULL), NSDAE_OK);
+  nsdae_system_set_user(system, p);
+  nsdae_system_set_mass(system, squeezed_mass);
+  nsdae_system_set_force(system, squeezed_force);
+  nsdae_system_set_potential(system, squeezed_potential);
+  nsdae_system_set_gap(system, squeezed_gap);
+  for (int i = 0; i < 2; i++) nsdae_system_set_contact(system, i, 0, e, 0);
+  event_run_default(&r);
+  r.t_end = t_end;
+  r.look = count_impacts;
+  squeezed_impacts = 0;
+  event_run_do(&r, system, q0, v0);
+  nsdae_system_destroy(&system);
+  assert_int_equal(r.status, NSDAE_OK);
+  assert_int_equal(r.stats.fallback_steps, 0);
+}
+
+/* A heavy ball that meets a light one at rest before a wall, without loss and gravity: with a ratio
+ * of masses of 100^n there are as many impacts as the first n + 1 digits of pi say (Galperin,
+ * "Playing pool with pi", 2003). */
+static void test_pool_with_pi(void **state)
+{
+  (void)state;
+  const long impacts[] = {3, 31, 314, 3141};
+  for (int n = 0; n < 4; n++) {
+    squeezed p = {1, pow(100, n), 0};
+    double q0[2] = {1, 2}, v0[2] = {0, -1};
+    squeeze(&p, 1, q0, v0, 50);
+    assert_int_equal(squeezed_impacts, impacts[n]);
+    assert_near(r.stats.energy_balance / p.heavy, 0, 1e-9);
+    assert_true(r.q[0] > 0 && r.v[1] > r.v[0] && r.v[0] > -1e-9);
+  }
+}
+
+/* Dropped together, the heavy one 1e6 times as heavy: thousands of impacts at a time. None
+ * overlaps, none gains, and what is lost is said. */
+static void test_mass_ratio(void **state)
+{
+  (void)state;
+  const double e[] = {0, 0.3, 0.5, 0.8, 0.95, 1};
+  for (int i = 0; i < 6; i++)
+    for (int turned = 0; turned < 2; turned++) {
+      squeezed p = {turned ? 1e6 : 1, turned ? 1 : 1e6, 9.81};
+      double q0[2] = {0.1, 0.2}, v0[2] = {0};
+      squeeze(&p, e[i], q0, v0, 1.5);
+      double start = p.g * (p.light * q0[0] + p.heavy * q0[1]);
+      assert_at_most(fabs(r.stats.energy_balance), 1e-8 * start);
+      if (e[i] <= 0.5) assert_near(fmax(fabs(r.v[0]), fabs(r.v[1])), 0, 1e-8);
+    }
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
@@ -530,6 +639,7 @@ int main(void)
       cmocka_unit_test(test_least_atol),   cmocka_unit_test(test_event_at_an_end),
       cmocka_unit_test(test_starts),       cmocka_unit_test(test_stabilisation),
       cmocka_unit_test(test_slot),         cmocka_unit_test(test_no_room),
+      cmocka_unit_test(test_pool_with_pi), cmocka_unit_test(test_mass_ratio),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

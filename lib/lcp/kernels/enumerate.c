@@ -66,7 +66,7 @@ int nsdae_dlcpenum(int n, const double *a, int lda, const double *b, double tol,
   }
   enumeration e = {.n = n, .lda = lda, .a = a, .b = b, .lu = work};
   e.x = x;
-  e.y = work + n * n;
+  e.y = work + (size_t)n * (size_t)n;
   e.sizes = e.y + n;
   e.basis = iwork;
   e.pivot = e.basis + n;

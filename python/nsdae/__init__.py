@@ -1,0 +1,32 @@
+"""Non-smooth multibody dynamics: mechanisms whose parts hit, slide and stick.
+
+>>> import nsdae
+>>> def mass(t, q, M): M[0, 0] = 0.1
+>>> def force(t, q, v, F): F[0] = -0.1 * 9.81
+>>> def gap(t, q, g): g[0] = q[0]
+>>> ball = nsdae.System(nq=1, k=1, mass=mass, force=force, gap=gap, e_n=0.5)
+>>> nsdae.solve(ball, 3, q0=[1]).plot()
+
+Options of solve() and Sim(), each with its range; METHODS says what the methods are:
+
+"""
+
+from . import _core
+from ._bodies import GROUND, Bodies, Solid
+from ._errors import ArgumentError, CallbackError, Error, ProblemError, Status
+from ._pointers import signature
+from ._problems import FrictionResult, LcpResult, friction, friction_local, lcp
+from ._records import OPEN, SLIDE, STICK, LcpProblem, Record
+from ._sim import METHODS, Sim, solve
+from ._system import Dims, System, Worst
+from ._trajectory import Shape, Trajectory, load
+
+__version__: str = _core.VERSION
+build_info: str = _core.BUILD_INFO
+__doc__ += "".join(f"    {key:<18}{what}{f' [{unit}]' if unit not in ('', '1') else ''}: {values}\n"
+                   for key, unit, what, values in _core.OPTIONS)
+
+__all__ = ["ArgumentError", "Bodies", "CallbackError", "Dims", "Error", "FrictionResult", "GROUND", "LcpProblem",
+           "LcpResult", "METHODS", "OPEN", "ProblemError", "Record", "SLIDE", "STICK", "Shape", "Sim", "Solid", "Status",
+           "System", "Trajectory", "Worst", "build_info", "friction", "friction_local", "lcp", "load", "signature",
+           "solve"]

@@ -1,0 +1,218 @@
+"""Rigid bodies, joints, loads and contacts between shapes, as a system."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, Callable, NamedTuple, Sequence
+
+import numpy as np
+
+from . import _core, _pointers
+from ._system import System
+from ._trajectory import Shape
+
+GROUND = -1
+JOINTS = ("revolute", "prismatic", "weld", "distance", "slot", "gear", "spherical", "cylindrical", "universal")
+SHAPES = ("point", "disc", "segment", "polygon", "path", "sphere", "capsule", "box", "plane")
+
+
+def _numbers(name: str, values: Any, n: int) -> list[float]:
+    """n numbers, zeros where fewer are given."""
+    row = [float(v) for v in np.atleast_1d(np.asarray(values, dtype=float))] if len(np.shape(values)) else [float(values)]
+    if len(row) > n:
+        raise ValueError(f"{name} has {len(row)} numbers; it has at most {n}")
+    return row + [0.0] * (n - len(row))
+
+
+def _one_of(name: str, word: str, words: Sequence[str]) -> int:
+    if word not in words:
+        raise ValueError(f"{name} is '{word}'; it must be one of {', '.join(words)}")
+    return words.index(word)
+
+
+class Solid(NamedTuple):
+    """The shape of a body, or a part of it; see nsdae/bodies.h.
+
+    shape   "point", "disc", "segment", "polygon" (planar), "sphere", "capsule", "box" (spatial), "plane"
+    radius  of a disc, sphere, capsule; of a segment half its thickness [m]
+    length  of a segment; of a capsule between its centres; a box has three [m]
+    hollow  the solid is outside of the disc;  points [p, 2] corners of a polygon, anticlockwise
+    position, angle, quaternion   in the body's frame
+    """
+
+    shape: str
+    radius: float = 0
+    length: Any = ()
+    hollow: bool = False
+    points: Any = ()
+    position: Any = ()
+    angle: float = 0
+    quaternion: Any = ()
+
+    def _given(self) -> dict[str, Any]:
+        length = self.length
+        if not len(np.shape(length)):  # a segment's is along x, a capsule's along z
+            length = [0, 0, length] if self.shape == "capsule" else [length]
+        return {"shape": _one_of("shape", self.shape, SHAPES), "radius": float(self.radius), "hollow": bool(self.hollow),
+                "angle": float(self.angle), "length": _numbers("length", length, 3),
+                "position": _numbers("position", self.position, 3),
+                "quaternion": _numbers("quaternion", self.quaternion, 4),
+                "points": np.ascontiguousarray(self.points, dtype=float).reshape(-1)}
+
+    def inertia(self, density: float) -> tuple[float, list[float]]:
+        """Mass and inertia about its centre, of uniform density."""
+        return _core.solid_inertia(self._given(), float(density))
+
+
+class Bodies:
+    """A mechanism without a derivation: bodies, joints, springs, loads and contacts, named by points and axes in space
+    at the start. dimension 2: q = x, y, theta of each; 3: x, y, z and a quaternion. GROUND stands for no body.
+
+    >>> world = nsdae.Bodies(2, gravity=(0, -9.81))
+    >>> rod = world.add(mass=1, inertia=1 / 12, position=(0.5, 0))
+    >>> world.add_joint("revolute", nsdae.GROUND, rod, point=(0, 0))
+    >>> nsdae.solve(world, 2)
+    """
+
+    def __init__(self, dimension: int = 2, gravity: Sequence[float] = ()):
+        self._core = _core.Bodies(dimension)
+        self.dimension = dimension
+        self._solids: list[tuple[int, Solid]] = []
+        self._kept: list[Any] = []
+        self._system: System | None = None
+        if len(gravity):
+            self._core.set_gravity(_numbers("gravity", gravity, 3))
+
+    def add(self, mass: float, inertia: Any, position: Any = (), *, angle: float = 0, quaternion: Any = (),
+            velocity: Any = (), spin: Any = ()) -> int:
+        """A body: its number. inertia about its centre of mass: one number in the plane, three in space."""
+        def turning(name: str, values: Any) -> list[float]:
+            """In the plane the third one alone."""
+            planar = self.dimension == 2 and np.size(values) == 1
+            return [0.0, 0.0, float(np.ravel(values)[0])] if planar else _numbers(name, values, 3)
+
+        return self._core.add(float(mass), turning("inertia", inertia), _numbers("position", position, 3), float(angle),
+                              _numbers("quaternion", quaternion, 4), _numbers("velocity", velocity, 3),
+                              turning("spin", spin))
+
+    def add_joint(self, kind: str, body0: int, body1: int, *, point: Any = (), end: Any = (), axis: Any = (),
+                  cross: Any = (), ratio: float = 0, mu: float = 0, drive: Callable[..., Any] | None = None,
+                  user: Any = None) -> int:
+        """A joint between two bodies: its number. kind: "revolute", "prismatic", "weld", "distance", "slot", "gear",
+        "spherical", "cylindrical", "universal". drive(t, f) writes the prescribed motion and its two rates into f [3];
+        or a compiled function of signature("drive")."""
+        function, pointer = self._callback("drive", drive, user)
+        return self._core.add_joint(_one_of("kind", kind, JOINTS), body0, body1, _numbers("point", point, 3),
+                                    _numbers("end", end, 3), _numbers("axis", axis, 3), _numbers("cross", cross, 3),
+                                    float(ratio), float(mu), function, *pointer)
+
+    def _callback(self, name: str, function: Any, user: Any) -> tuple[Any, tuple[int, int]]:
+        if function is None:
+            return None, (0, 0)
+        self._kept += [function, user]
+        pointer = _pointers.compiled(name, function, user)
+        return (function, (0, 0)) if pointer is None else (None, pointer)
+
+    def add_spring(self, body0: int, body1: int, *, point: Any, end: Any, stiffness: float = 0, damping: float = 0,
+                   rest: float = 0) -> int:
+        """A spring and damper between point (of body0) and end (of body1): its number."""
+        return self._core.add_spring(body0, body1, _numbers("point", point, 3), _numbers("end", end, 3),
+                                     float(stiffness), float(damping), float(rest))
+
+    def add_torsion(self, body0: int, body1: int, *, axis: Any = (), stiffness: float = 0, damping: float = 0,
+                    rest: float = 0) -> int:
+        """The same about an axis: its number."""
+        return self._core.add_torsion(body0, body1, _numbers("axis", axis, 3), float(stiffness), float(damping),
+                                      float(rest))
+
+    def add_load(self, body: int, load: Callable[..., Any], point: Any = (), user: Any = None) -> int:
+        """A load on a point of a body: its number. load(t, position, velocity, force, torque) writes into the last
+        two [3]; or a compiled function of signature("load")."""
+        function, pointer = self._callback("load", load, user)
+        return self._core.add_load(body, _numbers("point", point, 3), function, *pointer)
+
+    def add_solid(self, body: int, solid: Solid) -> int:
+        """A solid of a body, or of GROUND: its number."""
+        number = self._core.add_solid(body, solid._given())
+        self._solids.append((body, solid))
+        return number
+
+    def add_contact(self, solid0: int, solid1: int, *, mu: float = 0, e_n: float = 0, e_t: float = 0) -> int:
+        """Lets two solids touch: the number of the first of its contacts."""
+        return self._core.add_contact(solid0, solid1, float(mu), float(e_n), float(e_t))
+
+    def system(self) -> System:
+        """The system of it all; nothing can be added from then on."""
+        if self._system is None:
+            made = System._of(self._core.system())
+            made._kept["bodies"] = self  # its functions live as long as the system
+            self._system = made
+        return self._system
+
+    def start(self) -> tuple[np.ndarray, np.ndarray]:
+        """q and v at the start."""
+        self.system()
+        return self._core.start()
+
+    def locate(self, q: Any, body: int, local: Any = ()) -> np.ndarray:
+        """Where a point of a body's own frame is."""
+        return np.array(self._core.locate(np.ascontiguousarray(q, dtype=float), body, _numbers("local", local, 3)))
+
+    def shapes(self) -> list[Shape]:
+        """The solids for animations."""
+        place = _planar if self.dimension == 2 else _spatial
+        return [place(f"{solid.shape} {i}", body, solid) for i, (body, solid) in enumerate(self._solids)]
+
+
+def _planar(name: str, body: int, solid: Solid) -> Shape:
+    fields = solid._given()
+    position, angle, length = fields["position"], fields["angle"], fields["length"][0]
+
+    def place(x: float, y: float) -> list[str]:
+        """Of a point in the body's frame."""
+        if body == GROUND:
+            return [repr(x), repr(y)]
+        return [f"x{body}+({x!r})*cos(theta{body})-({y!r})*sin(theta{body})",
+                f"y{body}+({x!r})*sin(theta{body})+({y!r})*cos(theta{body})"]
+
+    turn = repr(angle) if body == GROUND else f"theta{body}+({angle!r})"
+    if solid.shape == "segment":
+        half = [length / 2 * math.cos(angle), length / 2 * math.sin(angle)]
+        ends = [place(position[0] + s * half[0], position[1] + s * half[1]) for s in (-1, 1)]
+        return Shape(name, "segment", (2 * solid.radius,), ends[0], end=ends[1])
+    if solid.shape == "plane":
+        return Shape(name, "plane", (0, 1, 0), place(*position[:2]), turn if body != GROUND or angle else "") \
+            if body != GROUND else Shape(name, "plane", (-math.sin(angle), math.cos(angle)), place(*position[:2]))
+    size = (1.15 * solid.radius, solid.radius) if solid.hollow else (solid.radius,)
+    points = np.reshape(fields["points"], (-1, 2)).tolist()
+    return Shape(name, solid.shape, size, place(*position[:2]), turn, points=points)
+
+
+def _product(a: Sequence[str], b: Sequence[float]) -> list[str]:
+    """Of the quaternions a (formulas) and b."""
+    w, x, y, z = (f"({c!r})" for c in b)
+    return [f"{a[0]}*{w}-{a[1]}*{x}-{a[2]}*{y}-{a[3]}*{z}", f"{a[0]}*{x}+{a[1]}*{w}+{a[2]}*{z}-{a[3]}*{y}",
+            f"{a[0]}*{y}-{a[1]}*{z}+{a[2]}*{w}+{a[3]}*{x}", f"{a[0]}*{z}+{a[1]}*{y}-{a[2]}*{x}+{a[3]}*{w}"]
+
+
+def _turned(q: Sequence[str], p: Sequence[float]) -> list[str]:
+    """The point p turned by the unit quaternion q (formulas): p + 2 w (u x p) + 2 u x (u x p)."""
+    w, x, y, z = q
+    a, b, c = (f"({number!r})" for number in p)
+    return [f"(1-2*{y}*{y}-2*{z}*{z})*{a}+2*({x}*{y}-{w}*{z})*{b}+2*({x}*{z}+{w}*{y})*{c}",
+            f"2*({x}*{y}+{w}*{z})*{a}+(1-2*{x}*{x}-2*{z}*{z})*{b}+2*({y}*{z}-{w}*{x})*{c}",
+            f"2*({x}*{z}-{w}*{y})*{a}+2*({y}*{z}+{w}*{x})*{b}+(1-2*{x}*{x}-2*{y}*{y})*{c}"]
+
+
+def _spatial(name: str, body: int, solid: Solid) -> Shape:
+    fields = solid._given()
+    position, own = fields["position"], fields["quaternion"]
+    own = own if any(own) else [1.0, 0.0, 0.0, 0.0]
+    quaternion = [f"q{axis}{body}" for axis in "wxyz"] if body != GROUND else ["1", "0", "0", "0"]
+    place = [repr(p) for p in position]
+    if body != GROUND:
+        moved = _turned(quaternion, position) if any(position) else ["0", "0", "0"]
+        place = [f"{axis}{body}+{way}" for axis, way in zip("xyz", moved)]
+    size = {"sphere": (solid.radius,), "capsule": (solid.radius, fields["length"][2]), "box": fields["length"],
+            "plane": (0, 0, 1)}.get(solid.shape, ())
+    return Shape(name, solid.shape, size, place, quaternion=_product(quaternion, own))

@@ -1,0 +1,121 @@
+"""Addresses of compiled callbacks: numba, ctypes, cffi, scipy."""
+
+from __future__ import annotations
+
+import ctypes
+from typing import Any
+
+# C types of the arguments of each callback; M, J and W come with their leading dimension.
+_ARGUMENTS = {
+    "mass": "double t, const double *q, double *M, int ldm, void *user",
+    "force": "double t, const double *q, const double *v, double *F, void *user",
+    "constraint": "double t, const double *q, double *phi, void *user",
+    "constraint_jacobian": "double t, const double *q, double *J, int ldj, void *user",
+    "constraint_bias": "double t, const double *q, const double *v, double *phi_t, double *omega, void *user",
+    "gap": "double t, const double *q, double *g, void *user",
+    "gap_normal": "double t, const double *q, double *W, int ldw, void *user",
+    "gap_tangent": "double t, const double *q, double *W, int ldw, void *user",
+    "contact_bias": "double t, const double *q, double *w_n, double *w_t, void *user",
+    "contact_acceleration": "double t, const double *q, const double *v, double *omega_n, double *omega_t, "
+                            "double *omega_s, void *user",
+    "slide_tangent": "double t, const double *q, double *W, int ldw, double *w_s, void *user",
+    "kinematics": "double t, const double *q, const double *v, double *qdot, void *user",
+    "potential": "double t, const double *q, double *energy, void *user",
+    "drive": "double t, double *drive, void *user",
+    "load": "double t, const double *position, const double *velocity, double *force, double *torque, void *user",
+}
+
+
+def _kind(argument: str) -> str:
+    return "user" if "void" in argument else "array" if "*" in argument else argument.split()[0]
+
+
+def _kinds(name: str) -> list[str]:
+    if name not in _ARGUMENTS:
+        raise ValueError(f"no callback is called '{name}': they are {', '.join(_ARGUMENTS)}")
+    return [_kind(argument) for argument in _ARGUMENTS[name].split(", ")]
+
+
+def signature(name: str, kind: str = "numba") -> Any:
+    """Signature of a compiled callback.
+
+    kind  "numba": text for numba.cfunc; "ctypes": the function type; "c": the C declaration, for cffi
+
+    >>> @numba.cfunc(nsdae.signature("force"))
+    ... def force(t, q, v, F, user):
+    ...     F[0] = -0.981
+    ...     return 0
+    """
+    kinds = _kinds(name)
+    if kind == "numba":
+        types = {"double": "float64", "int": "int32", "array": "CPointer(float64)", "user": "voidptr"}
+        return f"int32({', '.join(types[k] for k in kinds)})"
+    if kind == "ctypes":
+        of = {"double": ctypes.c_double, "int": ctypes.c_int, "array": ctypes.POINTER(ctypes.c_double),
+              "user": ctypes.c_void_p}
+        return ctypes.CFUNCTYPE(ctypes.c_int, *(of[k] for k in kinds))
+    if kind == "c":
+        return f"int {name}({_ARGUMENTS[name]})"
+    raise ValueError(f"kind is '{kind}'; it must be 'numba', 'ctypes' or 'c'")
+
+
+def _of_numba(name: str, function: Any) -> int:
+    """Its address; a signature that differs is found here and not in a crash."""
+    has = getattr(function, "_sig", None)
+    if has is not None:
+        from numba.core import sigutils  # it is there, for the function is numba's
+        arguments, result = sigutils.normalize_signature(signature(name))
+        if tuple(has.args) != tuple(arguments) or has.return_type != result:
+            raise TypeError(f"{name} is a numba.cfunc of the signature {has}; it must be '{signature(name)}', which "
+                            f"nsdae.signature('{name}') returns")
+    return function.address
+
+
+def _capsule(capsule: Any) -> int:
+    api = ctypes.pythonapi
+    api.PyCapsule_GetName.restype, api.PyCapsule_GetName.argtypes = ctypes.c_char_p, [ctypes.py_object]
+    api.PyCapsule_GetPointer.restype = ctypes.c_void_p
+    api.PyCapsule_GetPointer.argtypes = [ctypes.py_object, ctypes.c_char_p]
+    return api.PyCapsule_GetPointer(capsule, api.PyCapsule_GetName(capsule))
+
+
+def _of_cffi(pointer: Any) -> int:
+    import cffi  # it is there, for the pointer is cffi's
+    return int(cffi.FFI().cast("uintptr_t", pointer))
+
+
+def address(thing: Any) -> int:
+    """Of what user may be: None, a number, an array, ctypes, cffi, a capsule."""
+    if thing is None:
+        return 0
+    if isinstance(thing, int):
+        return thing
+    if hasattr(thing, "ctypes") and hasattr(thing.ctypes, "data"):  # an array of NumPy
+        return thing.ctypes.data
+    if type(thing).__name__ == "PyCapsule":
+        return _capsule(thing)
+    if type(thing).__module__ == "_cffi_backend":
+        return _of_cffi(thing)
+    if isinstance(thing, ctypes.c_void_p):
+        return thing.value or 0
+    if isinstance(thing, (ctypes._Pointer, ctypes._SimpleCData, ctypes.Structure, ctypes.Array)):
+        pointer = isinstance(thing, ctypes._Pointer)
+        return ctypes.cast(thing, ctypes.c_void_p).value if pointer else ctypes.addressof(thing)
+    raise TypeError(f"user is a {type(thing).__name__}; it must be an array, a number, or a pointer of ctypes or cffi")
+
+
+def compiled(name: str, function: Any, user: Any) -> tuple[int, int] | None:
+    """(address, user) of a compiled callback; None of a function of Python."""
+    if hasattr(function, "address") and hasattr(function, "native_name"):
+        return _of_numba(name, function), address(user)
+    if isinstance(function, tuple) and type(function).__name__ == "LowLevelCallable":
+        own = function.user_data
+        return _capsule(tuple.__getitem__(function, 0)), address(user if own is None else own)
+    if isinstance(function, ctypes._CFuncPtr):
+        return ctypes.cast(function, ctypes.c_void_p).value or 0, address(user)
+    if type(function).__module__ == "_cffi_backend" and not isinstance(function, type):
+        return _of_cffi(function), address(user)
+    if callable(function):
+        return None
+    raise TypeError(f"{name} is a {type(function).__name__}; it must be a function, a numba.cfunc, a function pointer of "
+                    "ctypes or cffi, or a scipy.LowLevelCallable")

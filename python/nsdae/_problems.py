@@ -1,0 +1,206 @@
+"""Complementarity and friction problems by themselves."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from . import _core
+from ._errors import ProblemError, Status
+from ._records import LcpProblem
+
+
+class LcpResult(NamedTuple):
+    """x and y = A x + b, and how they were found.
+
+    outcome   "solved" (residual below tol, computed afresh), "infeasible" (proved) or "unsolved"
+    residual  scaled natural residual
+    stage     of the chain that ended it; proof: "none", "farkas" (y is the vector that proves it) or "enumerated"
+    """
+
+    x: np.ndarray
+    y: np.ndarray
+    outcome: str
+    residual: float
+    stage: str
+    proof: str
+    ray: str
+    pivots: int
+
+
+class FrictionResult(NamedTuple):
+    """Impulses r and velocities u, and how they were found; fields as of LcpResult."""
+
+    r: np.ndarray
+    u: np.ndarray
+    outcome: str
+    residual: float
+    stage: str
+    proof: str
+    islands: int
+    sweeps: int
+    iterations: int
+    factorisations: int
+
+
+def _judge(result: Any, problem: Any, check: bool) -> Any:
+    if not check or result.outcome == "solved":
+        return result
+    infeasible = result.outcome == "infeasible"
+    error = ProblemError(f"the problem has no solution: proved ({result.proof})" if infeasible else
+                         f"no solution was found: residual {result.residual:.1e}",
+                         Status.E_INFEASIBLE if infeasible else Status.E_LCP)
+    error.problem, error.result = problem, result  # type: ignore[attr-defined]
+    raise error
+
+
+def _dense(matrix: Any) -> np.ndarray:
+    return matrix.toarray() if hasattr(matrix, "toarray") else np.asarray(matrix, dtype=float)
+
+
+def lcp(A: Any, b: Any, x0: Any = None, *, tol: float = 1e-10, max_pivots: int = 0, enumerate_max: int = 12,
+        check: bool = True) -> LcpResult:
+    """Finds x >= 0 with y = A x + b >= 0 and x y = 0.
+
+    A      [n, n], an array or a sparse matrix; b [n]
+    x0     a guess: its positive entries are tried first
+    check  True: raises ProblemError where there is no solution or none was found; False: outcome says so
+
+    >>> nsdae.lcp([[2, 1], [1, 2]], [-1, 1]).x
+    array([0.5, 0. ])
+    """
+    A = np.asfortranarray(_dense(A), dtype=float)
+    b = np.ascontiguousarray(b, dtype=float)
+    guess = None if x0 is None else np.ascontiguousarray(x0, dtype=float)
+    x, y, how = _core.lcp(A, b, guess, float(tol), max_pivots, enumerate_max)
+    return _judge(LcpResult(x, y, **how), LcpProblem(A, b), check)
+
+
+def _entries(matrix: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray, tuple[int, int]]:
+    """Rows, columns, values and shape; those that stand twice are summed."""
+    if hasattr(matrix, "tocoo"):
+        coo = matrix.tocsr().tocoo()
+        return coo.row.astype(np.int64), coo.col.astype(np.int64), coo.data.astype(float), coo.shape
+    dense = np.atleast_2d(np.asarray(matrix, dtype=float))
+    row, column = np.nonzero(dense)
+    return row, column, dense[row, column], dense.shape
+
+
+def _components(n: int, row: np.ndarray, column: np.ndarray) -> np.ndarray:
+    """The part that each of n belongs to where entries join them: each takes the least label that it sees, and that
+    one's label, until nothing changes."""
+    label = np.arange(n)
+    while True:
+        before = label.copy()
+        least = np.minimum(label[row], label[column])
+        np.minimum.at(label, row, least)
+        np.minimum.at(label, column, least)
+        label = label[label]
+        if np.array_equal(label, before):
+            return np.unique(label, return_inverse=True)[1]
+
+
+def _spans(sizes: np.ndarray) -> np.ndarray:
+    return np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64)
+
+
+def _by_items(rows_block: np.ndarray, rows_at: np.ndarray, size: np.ndarray, entries: Any,
+              items: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """A matrix [., m] by items: first, block and value of nsdae_friction_problem. rows_block and rows_at say where a
+    row stands: in which block, at which place of it; items are the numbers of columns of each item."""
+    row, column, value, _ = entries
+    start = _spans(items)
+    item = np.searchsorted(start, column, side="right") - 1
+    key = item * len(size) + rows_block[row]
+    parts, part = np.unique(key, return_inverse=True)
+    owner, block = parts // max(len(size), 1), parts % max(len(size), 1)
+    at = _spans(size[block] * items[owner])
+    dense = np.zeros(at[-1])
+    np.add.at(dense, at[part] + (column - start[item]) * size[block[part]] + rows_at[row], value)
+    first = np.searchsorted(owner, np.arange(len(items) + 1))
+    return first.astype(np.intc), block.astype(np.intc), dense
+
+
+def _within(label: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Size of each block, the place of each row in its block, and the rows block by block."""
+    size = np.bincount(label, minlength=count)
+    order = np.argsort(label, kind="stable")
+    place = np.empty(len(label), dtype=np.int64)
+    place[order] = np.arange(len(label)) - np.repeat(_spans(size)[:-1], size)
+    return size, place, order
+
+
+def _counts(mu: np.ndarray, rows: Any, m: int) -> tuple[np.ndarray, int]:
+    """Rows of each contact, and how many bilateral rows follow."""
+    rows = np.broadcast_to(np.asarray(rows, dtype=np.intc), mu.shape)
+    bilateral = m - int(rows.sum())
+    if bilateral < 0:
+        raise ValueError(f"{len(mu)} contacts have {int(rows.sum())} rows, more than the {m} of the problem")
+    return np.ascontiguousarray(rows), bilateral
+
+
+def _solve_friction(arrays: dict[str, Any], problem: Any, r0: Any, tol: float, max_sweeps: int, max_iterations: int,
+                    check: bool) -> FrictionResult:
+    guess = None if r0 is None else np.ascontiguousarray(r0, dtype=float)
+    r, u, how = _core.friction(arrays, guess, float(tol), max_sweeps, max_iterations)
+    return _judge(FrictionResult(r, u, **how), problem, check)
+
+
+def _vector(name: str, values: Any, n: int) -> np.ndarray:
+    array = np.zeros(n) if values is None else np.ascontiguousarray(values, dtype=float).reshape(-1)
+    if len(array) != n:
+        raise ValueError(f"{name} has {len(array)} numbers; it must have {n}")
+    return array
+
+
+def friction(H: Any, M: Any, f: Any, mu: Any, w: Any = None, *, rows: Any = 3, compliance: Any = None, r0: Any = None,
+             tol: float = 1e-10, max_sweeps: int = 0, max_iterations: int = 0, check: bool = True) -> FrictionResult:
+    """Coulomb's friction in its global form: M v = f + H r, u = H^T v + w + C r, with for each contact u + mu |u_T| e_N
+    in the dual cone, r in the cone |r_T| <= mu r_N, and both at right angles; u = 0 in the bilateral rows.
+
+    H     [nv, m], an array or a sparse matrix: a column for each direction, of each contact the normal one first; after
+          all contacts the bilateral ones
+    M     [nv, nv], symmetric positive definite, an array or a sparse matrix; its blocks are found
+    f     [nv];  w [m] (default zero);  compliance [m]: the diagonal of C >= 0 (default zero)
+    mu    of each contact
+    rows  of each contact, or of all: 1 (frictionless), 2 (planar) or 3 (spatial)
+    r0    a guess; check as of lcp()
+    """
+    of_H, of_M = _entries(H), _entries(M)
+    nv, m = of_H[3]
+    if of_M[3] != (nv, nv):
+        raise ValueError(f"M is {of_M[3][0]} x {of_M[3][1]}; H has {nv} rows, so it must be {nv} x {nv}")
+    mu = np.ascontiguousarray(np.atleast_1d(np.asarray(mu, dtype=float)))
+    count, bilateral = _counts(mu, rows, m)
+    label = _components(nv, of_M[0], of_M[1])
+    size, place, order = _within(label, label.max(initial=-1) + 1)
+    dense = np.zeros(int(np.sum(size * size)))
+    at = _spans(size * size)[:-1][label[of_M[0]]]
+    np.add.at(dense, at + place[of_M[1]] * size[label[of_M[1]]] + place[of_M[0]], of_M[2])
+    items = np.concatenate([count, np.ones(bilateral, dtype=np.intc)]).astype(np.int64)
+    first, block, value = _by_items(label, place, size, of_H, items)
+    arrays = {"form": 0, "contacts": len(mu), "bilateral": bilateral, "rows": count, "mu": mu,
+              "w": _vector("w", w, m), "compliance": _vector("compliance", compliance, m),
+              "size": size.astype(np.intc), "M": dense, "f": _vector("f", f, nv)[order],
+              "first": first, "block": block, "value": value}
+    return _solve_friction(arrays, (H, M, f, mu, w), r0, tol, max_sweeps, max_iterations, check)
+
+
+def friction_local(W: Any, q: Any, mu: Any, *, rows: Any = 3, compliance: Any = None, r0: Any = None, tol: float = 1e-10,
+                   max_sweeps: int = 0, max_iterations: int = 0, check: bool = True) -> FrictionResult:
+    """The same in its local form, u = W r + q + C r, W [m, m] symmetric positive semidefinite."""
+    of_W = _entries(W)
+    m = of_W[3][0]
+    if of_W[3] != (m, m):
+        raise ValueError(f"W is {m} x {of_W[3][1]}; it must be square")
+    mu = np.ascontiguousarray(np.atleast_1d(np.asarray(mu, dtype=float)))
+    count, bilateral = _counts(mu, rows, m)
+    items = np.concatenate([count, np.ones(bilateral, dtype=np.intc)]).astype(np.int64)
+    item_of_row = np.repeat(np.arange(len(items)), items)
+    place = np.arange(m) - _spans(items)[:-1][item_of_row]
+    first, block, value = _by_items(item_of_row, place, items, of_W, items)
+    arrays = {"form": 1, "contacts": len(mu), "bilateral": bilateral, "rows": count, "mu": mu, "w": _vector("q", q, m),
+              "compliance": _vector("compliance", compliance, m), "size": np.zeros(0, dtype=np.intc), "M": np.zeros(0),
+              "f": np.zeros(0), "first": first, "block": block, "value": value}
+    return _solve_friction(arrays, (W, q, mu), r0, tol, max_sweeps, max_iterations, check)

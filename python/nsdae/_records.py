@@ -1,0 +1,76 @@
+"""Records, impacts and statistics as a user sees them."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from . import _core
+
+# the structs of src/sim.hpp
+IMPACT = np.dtype([("time", "f8"), ("contact", "i4"), ("accumulation", "i4"), ("normal_impulse", "f8"),
+                   ("tangential_impulse", "f8", 2), ("velocity_before", "f8"), ("velocity_after", "f8"),
+                   ("peak_force", "f8")])
+CHANGE = np.dtype({"names": ["time", "contact", "slide", "mode_before", "mode_after"],
+                   "formats": ["f8", "i4", "i4", "i4", "i4"], "offsets": [0, 8, 12, 16, 20], "itemsize": 24})
+assert IMPACT.itemsize == _core.IMPACT_SIZE and CHANGE.itemsize == _core.CHANGE_SIZE
+
+OPEN, SLIDE, STICK = 0, 1, 2  # modes of contacts and slides
+
+
+class LcpProblem(NamedTuple):
+    """Find x >= 0 with y = A x + b >= 0 and x y = 0."""
+
+    A: np.ndarray
+    b: np.ndarray
+
+
+class Record:
+    """The state after a step and its certificate.
+
+    step, time [s], duration [s] of the step; q [nq], v [nv], acceleration [nv] (mean over the step);
+    multiplier [m]; gap, normal_impulse, mode [k]; tangential_impulse [k, nt]; slide_impulse, slide_mode [f];
+    kinetic, potential, dissipated [J]; lcp_residual, constraint_drift, penetration; impacts and changes of the step
+    as structured arrays. Its arrays are its own.
+    """
+
+    step: int
+    time: float
+    duration: float
+    q: np.ndarray
+    v: np.ndarray
+    acceleration: np.ndarray
+    multiplier: np.ndarray
+    gap: np.ndarray
+    normal_impulse: np.ndarray
+    tangential_impulse: np.ndarray
+    mode: np.ndarray
+    slide_impulse: np.ndarray
+    slide_mode: np.ndarray
+    kinetic: float
+    potential: float
+    dissipated: float
+    lcp_residual: float
+    constraint_drift: float
+    penetration: float
+    impacts: np.ndarray
+    changes: np.ndarray
+
+    def __init__(self, arrays: dict[str, Any]):
+        self.impacts, self.changes = events(arrays)
+        for name, values in arrays.items():
+            if name not in ("impacts", "changes"):
+                row = values[0] if isinstance(values, np.ndarray) else values
+                setattr(self, name, row.item() if isinstance(row, np.generic) else row)
+
+    def __repr__(self) -> str:
+        return f"nsdae.Record(step={self.step}, time={self.time!r}, q={self.q!r}, v={self.v!r})"
+
+
+def events(arrays: dict[str, Any]) -> tuple[np.ndarray, np.ndarray]:
+    """Impacts and changes from their bytes."""
+    def rows(name: str, of: np.dtype) -> np.ndarray:
+        return arrays[name].reshape(-1).view(of)
+
+    return rows("impacts", IMPACT), rows("changes", CHANGE)

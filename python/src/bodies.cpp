@@ -1,0 +1,258 @@
+#include "bodies.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/string.h>
+
+#include "failure.hpp"
+#include "system.hpp"
+
+namespace nsdae_python
+{
+
+namespace
+{
+
+int drive_in_python(double t, double drive[3], void *user)
+{
+  call c(*static_cast<callback *>(user));
+  c.put(t);
+  c.put(drive);
+  return c.run();
+}
+
+int load_in_python(double t, const double position[3], const double velocity[3], double force[3],
+                   double torque[3], void *user)
+{
+  call c(*static_cast<callback *>(user));
+  c.put(t);
+  c.put(position);
+  c.put(velocity);
+  c.put(force);
+  c.put(torque);
+  return c.run();
+}
+
+template <std::size_t n> void fill(double (&to)[n], const std::array<double, n> &from)
+{
+  std::copy(from.begin(), from.end(), to);
+}
+
+// The solid of a dict with the fields of nsdae_solid; point stays the caller's.
+nsdae_solid solid_of(nb::dict d, vector &points)
+{
+  nsdae_solid s = {};
+  s.shape = nb::cast<int>(d["shape"]);
+  s.radius = nb::cast<double>(d["radius"]);
+  s.hollow = nb::cast<bool>(d["hollow"]) ? 1 : 0;
+  s.angle = nb::cast<double>(d["angle"]);
+  fill(s.length, nb::cast<triple>(d["length"]));
+  fill(s.position, nb::cast<triple>(d["position"]));
+  fill(s.quaternion, nb::cast<quadruple>(d["quaternion"]));
+  points = nb::cast<vector>(d["points"]);
+  s.points = static_cast<int>(points.shape(0) / 2);
+  s.point = points.data();
+  return s;
+}
+
+} // namespace
+
+bodies::bodies(int dimension)
+{
+  nsdae_error error;
+  check(nsdae_bodies_create(dimension, &handle, &error), &error);
+}
+
+bodies::~bodies()
+{
+  nsdae_bodies_destroy(&handle);
+}
+
+int bodies::demand(int status) const
+{
+  check(status, nsdae_bodies_error(handle));
+  return status;
+}
+
+int bodies::add(double mass, triple inertia, triple position, double angle, quadruple quaternion,
+                triple velocity, triple spin)
+{
+  nsdae_rigid_body b = {};
+  b.mass = mass;
+  b.angle = angle;
+  fill(b.inertia, inertia);
+  fill(b.position, position);
+  fill(b.quaternion, quaternion);
+  fill(b.velocity, velocity);
+  fill(b.spin, spin);
+  return demand(nsdae_bodies_add(handle, &b));
+}
+
+int bodies::add_joint(int kind, int body0, int body1, triple point, triple end, triple axis,
+                      triple cross, double ratio, double mu, nb::object drive,
+                      std::uintptr_t address, std::uintptr_t user)
+{
+  nsdae_joint j = {};
+  j.kind = kind;
+  j.body[0] = body0;
+  j.body[1] = body1;
+  j.ratio = ratio;
+  j.mu = mu;
+  fill(j.point, point);
+  fill(j.end, end);
+  fill(j.axis, axis);
+  fill(j.cross, cross);
+  if (!drive.is_none()) {
+    functions.emplace_back().set_function(drive.ptr(), {{3, 0, true}}, false);
+    j.drive = drive_in_python;
+    j.user = &functions.back();
+  } else if (address) {
+    j.drive = reinterpret_cast<nsdae_drive_fn>(address);
+    j.user = reinterpret_cast<void *>(user);
+  }
+  return demand(nsdae_bodies_add_joint(handle, &j));
+}
+
+int bodies::add_spring(int body0, int body1, triple point, triple end, double stiffness,
+                       double damping, double rest)
+{
+  nsdae_spring s = {};
+  s.body[0] = body0;
+  s.body[1] = body1;
+  s.stiffness = stiffness;
+  s.damping = damping;
+  s.rest = rest;
+  fill(s.point, point);
+  fill(s.end, end);
+  return demand(nsdae_bodies_add_spring(handle, &s));
+}
+
+int bodies::add_torsion(int body0, int body1, triple axis, double stiffness, double damping,
+                        double rest)
+{
+  nsdae_torsion s = {};
+  s.body[0] = body0;
+  s.body[1] = body1;
+  s.stiffness = stiffness;
+  s.damping = damping;
+  s.rest = rest;
+  fill(s.axis, axis);
+  return demand(nsdae_bodies_add_torsion(handle, &s));
+}
+
+int bodies::add_load(int body, triple point, nb::object load, std::uintptr_t address,
+                     std::uintptr_t user)
+{
+  if (load.is_none())
+    return demand(nsdae_bodies_add_load(handle, body, point.data(),
+                                        reinterpret_cast<nsdae_load_fn>(address),
+                                        reinterpret_cast<void *>(user)));
+  const slot in = {3, 0, false}, out = {3, 0, true};
+  functions.emplace_back().set_function(load.ptr(), {in, in, out, out}, false);
+  return demand(
+      nsdae_bodies_add_load(handle, body, point.data(), load_in_python, &functions.back()));
+}
+
+int bodies::add_solid(int body, nb::dict d)
+{
+  vector points;
+  const nsdae_solid s = solid_of(d, points);
+  return demand(nsdae_bodies_add_solid(handle, body, &s));
+}
+
+int bodies::add_contact(int solid0, int solid1, double mu, double e_n, double e_t)
+{
+  return demand(nsdae_bodies_add_contact(handle, solid0, solid1, mu, e_n, e_t));
+}
+
+void bodies::set_gravity(triple g)
+{
+  demand(nsdae_bodies_set_gravity(handle, g.data()));
+}
+
+// For the caller to own; the bodies must outlive it.
+system *bodies::make_system()
+{
+  nsdae_system *made = nullptr;
+  demand(nsdae_bodies_system(handle, &made));
+  return new system(made);
+}
+
+nb::tuple bodies::start() const
+{
+  nsdae_dims d;
+  demand(nsdae_bodies_get_dims(handle, &d));
+  std::vector<double> q(static_cast<std::size_t>(d.nq)), v(static_cast<std::size_t>(d.nv));
+  demand(nsdae_bodies_get_start(handle, q.data(), v.data()));
+  return nb::make_tuple(array_of(q.data(), q.size()), array_of(v.data(), v.size()));
+}
+
+triple bodies::locate(vector q, int body, triple local) const
+{
+  nsdae_dims d;
+  triple point;
+  demand(nsdae_bodies_get_dims(handle, &d));
+  if (q.shape(0) != static_cast<std::size_t>(d.nq))
+    throw std::invalid_argument("q must have the size of the system");
+  demand(nsdae_bodies_locate(handle, q.data(), body, local.data(), point.data()));
+  return point;
+}
+
+namespace
+{
+
+int traverse(PyObject *self, visitproc visit, void *arg)
+{
+  Py_VISIT(Py_TYPE(self));
+  if (!nb::inst_ready(self)) return 0;
+  for (const callback &c : nb::inst_ptr<bodies>(self)->functions) Py_VISIT(c.function);
+  return 0;
+}
+
+int clear(PyObject *self)
+{
+  if (nb::inst_ready(self))
+    for (callback &c : nb::inst_ptr<bodies>(self)->functions) c.clear();
+  return 0;
+}
+
+PyType_Slot slots[] = {{Py_tp_traverse, reinterpret_cast<void *>(traverse)},
+                       {Py_tp_clear, reinterpret_cast<void *>(clear)},
+                       {0, nullptr}};
+
+// (mass, inertia)
+nb::tuple solid_inertia(nb::dict d, double density)
+{
+  vector points;
+  const nsdae_solid s = solid_of(d, points);
+  double mass, inertia[3];
+  nsdae_error error;
+  check(nsdae_solid_inertia(&s, density, &mass, inertia, &error), &error);
+  return nb::make_tuple(mass, triple{inertia[0], inertia[1], inertia[2]});
+}
+
+} // namespace
+
+void bind_bodies(nb::module_ &m)
+{
+  nb::class_<bodies>(m, "Bodies", nb::type_slots(slots))
+      .def(nb::init<int>())
+      .def("add", &bodies::add)
+      .def("add_joint", &bodies::add_joint, nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg(),
+           nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg().none(), nb::arg(), nb::arg())
+      .def("add_spring", &bodies::add_spring)
+      .def("add_torsion", &bodies::add_torsion)
+      .def("add_load", &bodies::add_load, nb::arg(), nb::arg(), nb::arg().none(), nb::arg(),
+           nb::arg())
+      .def("add_solid", &bodies::add_solid)
+      .def("add_contact", &bodies::add_contact)
+      .def("set_gravity", &bodies::set_gravity)
+      .def("system", &bodies::make_system, nb::rv_policy::take_ownership, nb::keep_alive<0, 1>())
+      .def("start", &bodies::start)
+      .def("locate", &bodies::locate);
+  m.def("solid_inertia", &solid_inertia);
+}
+
+} // namespace nsdae_python

@@ -1,0 +1,57 @@
+// nsdae_bodies with drives and loads of Python.
+#ifndef NSDAE_PYTHON_BODIES_HPP
+#define NSDAE_PYTHON_BODIES_HPP
+
+#include <array>
+#include <deque>
+#include <string>
+
+#include <nsdae/nsdae.h>
+
+#include "callbacks.hpp"
+#include "system.hpp"
+#include "view.hpp"
+
+namespace nsdae_python
+{
+
+using triple = std::array<double, 3>;
+using quadruple = std::array<double, 4>;
+
+class bodies
+{
+public:
+  explicit bodies(int dimension);
+  ~bodies();
+  bodies(const bodies &) = delete;
+  bodies &operator=(const bodies &) = delete;
+
+  int add(double mass, triple inertia, triple position, double angle, quadruple quaternion,
+          triple velocity, triple spin);
+  int add_joint(int kind, int body0, int body1, triple point, triple end, triple axis, triple cross,
+                double ratio, double mu, nb::object drive, std::uintptr_t address,
+                std::uintptr_t user);
+  int add_spring(int body0, int body1, triple point, triple end, double stiffness, double damping,
+                 double rest);
+  int add_torsion(int body0, int body1, triple axis, double stiffness, double damping, double rest);
+  int add_load(int body, triple point, nb::object load, std::uintptr_t address,
+               std::uintptr_t user);
+  int add_solid(int body, nb::dict solid);
+  int add_contact(int solid0, int solid1, double mu, double e_n, double e_t);
+  void set_gravity(triple g);
+  system *make_system();
+  nb::tuple start() const;
+  triple locate(vector q, int body, triple local) const;
+
+  nsdae_bodies *handle = nullptr;
+  std::deque<callback> functions; // their addresses stay
+
+private:
+  int demand(int status) const;
+};
+
+void bind_bodies(nb::module_ &m);
+
+} // namespace nsdae_python
+
+#endif

@@ -1,0 +1,198 @@
+#include "callbacks.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+#include "failure.hpp"
+#include "view.hpp"
+
+namespace nsdae_python
+{
+
+namespace
+{
+
+thread_local PyObject *pending = nullptr;
+
+std::size_t length(const slot &s)
+{
+  return static_cast<std::size_t>(s.rows) * static_cast<std::size_t>(s.columns ? s.columns : 1);
+}
+
+frame make_frame(const std::vector<slot> &slots)
+{
+  frame made;
+  for (const slot &s : slots) {
+    double *memory = new double[length(s) + 1]();
+    made.memory.push_back(memory);
+    made.array.push_back(view(memory, s.rows, s.columns, s.written).release().ptr());
+  }
+  return made;
+}
+
+void release(frame &f)
+{
+  for (PyObject *array : f.array) Py_XDECREF(array);
+  f.array.clear();
+  f.memory.clear();
+}
+
+} // namespace
+
+void callback::set_function(PyObject *f, const std::vector<slot> &of, bool returns)
+{
+  clear();
+  slots = of;
+  arrays = make_frame(of);
+  value = returns;
+  Py_INCREF(f);
+  function = f;
+}
+
+void callback::set_pointer(void *address, void *with)
+{
+  clear();
+  pointer = address;
+  user = with;
+}
+
+void callback::clear()
+{
+  PyObject *f = function;
+  function = nullptr;
+  pointer = user = nullptr;
+  release(arrays);
+  Py_XDECREF(f);
+}
+
+void remember_exception()
+{
+  PyObject *type, *value, *trace;
+  PyErr_Fetch(&type, &value, &trace);
+  PyErr_NormalizeException(&type, &value, &trace);
+  if (trace) PyException_SetTraceback(value, trace);
+  Py_XDECREF(type);
+  Py_XDECREF(trace);
+  Py_XDECREF(pending); // the last one is what the library gave up on
+  pending = value;
+}
+
+bool exception_pending()
+{
+  return pending != nullptr;
+}
+
+// What asks to end the program is raised as it is, all else as the cause of a CallbackError.
+void raise_pending()
+{
+  PyObject *value = pending;
+  pending = nullptr;
+  if (PyErr_GivenExceptionMatches(value, PyExc_Exception)) {
+    nb::object error = make_callback_error(nb::borrow(value));
+    PyException_SetCause(error.ptr(), value);
+    PyErr_SetObject(reinterpret_cast<PyObject *>(Py_TYPE(error.ptr())), error.ptr());
+  } else {
+    PyErr_SetObject(reinterpret_cast<PyObject *>(Py_TYPE(value)), value);
+    Py_DECREF(value);
+  }
+  throw nb::python_error();
+}
+
+// Two threads may be inside of one function, which may give the GIL away in the middle: the second
+// gets arrays of its own.
+call::call(callback &c) : of(c), in_use(&c.arrays), taken(!c.busy)
+{
+  if (taken) {
+    c.busy = true;
+    return;
+  }
+  own = make_frame(c.slots);
+  in_use = &own;
+}
+
+call::~call()
+{
+  if (taken)
+    of.busy = false;
+  else
+    release(own);
+  if (arguments > 0) Py_XDECREF(argument[0]); // the time; the arrays are the frame's
+}
+
+void call::put(double t)
+{
+  argument[arguments++] = PyFloat_FromDouble(t);
+}
+
+void call::put(const double *in)
+{
+  const slot &s = of.slots[static_cast<std::size_t>(used)];
+  double *memory = in_use->memory[static_cast<std::size_t>(used)];
+  if (in) std::memcpy(memory, in, length(s) * sizeof *memory);
+  argument[arguments++] = in_use->array[static_cast<std::size_t>(used)];
+  to[used++] = {nullptr, 0};
+}
+
+// What the library has there already is shown too: zeros, or the marks of what was never written.
+void call::put(double *out)
+{
+  const slot &s = of.slots[static_cast<std::size_t>(used)];
+  to[used] = {out, s.rows};
+  if (!of.value) argument[arguments++] = in_use->array[static_cast<std::size_t>(used)];
+  double *memory = in_use->memory[static_cast<std::size_t>(used++)];
+  if (out && !s.columns) std::memcpy(memory, out, length(s) * sizeof *memory);
+}
+
+// Follows the matrix that it belongs to.
+void call::put(int ld)
+{
+  target &t = to[used - 1];
+  const slot &s = of.slots[static_cast<std::size_t>(used - 1)];
+  double *memory = in_use->memory[static_cast<std::size_t>(used - 1)];
+  t.ld = ld;
+  for (int j = 0; j < s.columns; j++)
+    std::memcpy(memory + j * s.rows, t.at + j * ld,
+                static_cast<std::size_t>(s.rows) * sizeof *memory);
+}
+
+void call::copy_out()
+{
+  for (int i = 0; i < used; i++) {
+    const slot &s = of.slots[static_cast<std::size_t>(i)];
+    const double *memory = in_use->memory[static_cast<std::size_t>(i)];
+    for (int j = 0; to[i].at && j < std::max(s.columns, s.columns ? 0 : 1); j++)
+      std::memcpy(to[i].at + j * to[i].ld, memory + j * s.rows,
+                  static_cast<std::size_t>(s.rows) * sizeof *memory);
+  }
+}
+
+// None: done; a whole number: the status of a callback; of one that returns its result, that.
+int call::judge(PyObject *result)
+{
+  if (of.value) {
+    *in_use->memory[static_cast<std::size_t>(used - 1)] = PyFloat_AsDouble(result);
+    return PyErr_Occurred() ? -1 : 0;
+  }
+  if (result == Py_None) return 0;
+  if (PyLong_Check(result)) return static_cast<int>(PyLong_AsLong(result));
+  PyErr_SetString(PyExc_TypeError, "a callback writes into its last arrays and returns None, or a "
+                                   "whole number: > 0 a failure that a smaller step may avoid, "
+                                   "< 0 one that nothing helps");
+  return -1;
+}
+
+int call::run()
+{
+  PyObject *result =
+      PyObject_Vectorcall(of.function, argument, static_cast<std::size_t>(arguments), nullptr);
+  int code = result ? judge(result) : -1;
+  Py_XDECREF(result);
+  if (PyErr_Occurred()) {
+    remember_exception();
+    return -1;
+  }
+  if (code == 0) copy_out();
+  return code;
+}
+
+} // namespace nsdae_python

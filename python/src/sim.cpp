@@ -1,0 +1,475 @@
+#include "sim.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <stdexcept>
+
+#include <nanobind/stl/string.h>
+
+#include "failure.hpp"
+
+namespace nsdae_python
+{
+
+namespace
+{
+
+void set_option(nsdae_sim_options &options, const std::string &key, const std::string &value)
+{
+  nsdae_error error;
+  check(nsdae_sim_options_set(&options, key.c_str(), value.c_str(), &error), &error);
+}
+
+void set_options_of(nsdae_sim_options &options, nb::dict changes)
+{
+  for (auto [key, value] : changes)
+    set_option(options, nb::cast<std::string>(key), nb::cast<std::string>(nb::str(value)));
+}
+
+void append(std::vector<double> &to, const double *values, int n)
+{
+  if (n > 0) to.insert(to.end(), values, values + n);
+}
+
+} // namespace
+
+int watch::asked(void *self)
+{
+  watch *w = static_cast<watch *>(self);
+  return --w->left > 0 ? 0 : w->look();
+}
+
+// How many calls go by between two looks at the clock follows their speed; Python is asked at most
+// every 50 ms, for that takes the GIL.
+int watch::look()
+{
+  const auto now = clock::now();
+  const auto since = now - last;
+  using std::chrono::milliseconds;
+  if (since < milliseconds(10))
+    count = std::min(2 * count, 1 << 20);
+  else if (since > milliseconds(50))
+    count = std::max(count / 2, 1);
+  left = count;
+  if (since < milliseconds(50)) return 0;
+  last = now;
+  nb::gil_scoped_acquire gil;
+  if (PyErr_CheckSignals() == 0) return 0;
+  remember_exception();
+  return 1;
+}
+
+void columns::add_events(const nsdae_record &r)
+{
+  for (int i = 0; i < r.impacts; i++) {
+    const nsdae_impact &p = r.impact[i];
+    impacts.push_back({p.time,
+                       p.contact,
+                       p.accumulation,
+                       p.normal_impulse,
+                       {p.tangential_impulse[0], p.tangential_impulse[1]},
+                       p.velocity_before,
+                       p.velocity_after,
+                       p.peak_force});
+  }
+  for (int i = 0; i < r.changes; i++) {
+    const nsdae_change &c = r.change[i];
+    changes.push_back({c.time, c.contact, c.slide, c.mode_before, c.mode_after});
+  }
+}
+
+void columns::add(const nsdae_record &r, const nsdae_dims &d)
+{
+  time.push_back(r.time);
+  append(q, r.q, d.nq);
+  append(v, r.v, d.nv);
+  append(acceleration, r.acceleration, d.nv);
+  append(multiplier, r.multiplier, d.m);
+  append(gap, r.gap, d.k);
+  append(normal_impulse, r.normal_impulse, d.k);
+  append(tangential_impulse, r.tangential_impulse, d.k * d.nt);
+  append(slide_impulse, r.slide_impulse, d.f);
+  if (d.k > 0) mode.insert(mode.end(), r.mode, r.mode + d.k);
+  if (d.f > 0) slide_mode.insert(slide_mode.end(), r.slide_mode, r.slide_mode + d.f);
+  kinetic.push_back(r.kinetic);
+  potential.push_back(r.potential);
+  dissipated.push_back(r.dissipated);
+  lcp_residual.push_back(r.lcp_residual);
+  constraint_drift.push_back(r.constraint_drift);
+  penetration.push_back(r.penetration);
+}
+
+namespace
+{
+
+// Rows of a struct as bytes [n, size].
+template <class T> nb::object bytes_of(const std::vector<T> &rows)
+{
+  const auto *first = reinterpret_cast<const std::uint8_t *>(rows.data());
+  std::vector<std::uint8_t> copy(first, first + rows.size() * sizeof(T));
+  return array_of(copy, {rows.size(), sizeof(T)});
+}
+
+} // namespace
+
+nb::dict columns::arrays(const nsdae_dims &d)
+{
+  const std::size_t n = time.size();
+  const auto size = [](int i) { return static_cast<std::size_t>(i); };
+  nb::dict a;
+  a["impacts"] = bytes_of(impacts);
+  a["changes"] = bytes_of(changes);
+  a["q"] = array_of(q, {n, size(d.nq)});
+  a["v"] = array_of(v, {n, size(d.nv)});
+  a["acceleration"] = array_of(acceleration, {n, size(d.nv)});
+  a["multiplier"] = array_of(multiplier, {n, size(d.m)});
+  a["gap"] = array_of(gap, {n, size(d.k)});
+  a["normal_impulse"] = array_of(normal_impulse, {n, size(d.k)});
+  a["tangential_impulse"] = array_of(tangential_impulse, {n, size(d.k), size(d.nt)});
+  a["mode"] = array_of(mode, {n, size(d.k)});
+  a["slide_impulse"] = array_of(slide_impulse, {n, size(d.f)});
+  a["slide_mode"] = array_of(slide_mode, {n, size(d.f)});
+  struct {
+    const char *name;
+    std::vector<double> &values;
+  } scalars[] = {{"kinetic", kinetic},
+                 {"potential", potential},
+                 {"dissipated", dissipated},
+                 {"lcp_residual", lcp_residual},
+                 {"penetration", penetration},
+                 {"constraint_drift", constraint_drift},
+                 {"time", time}};
+  for (auto &s : scalars) a[s.name] = array_of(s.values, {n});
+  impacts.clear();
+  changes.clear();
+  return a;
+}
+
+sim::sim(nb::object of, nb::dict options) : owner(of)
+{
+  nsdae_sim_options told;
+  nsdae_error error;
+  nsdae_sim_options_default(&told);
+  set_options_of(told, options);
+  const system &s = nb::cast<const system &>(of);
+  int status;
+  {
+    nb::gil_scoped_release free;
+    status = nsdae_sim_create(s.handle, &told, &handle, &error);
+  }
+  check(status, &error);
+  nsdae_sim_get_dims(handle, &dims);
+  nsdae_sim_set_interrupt(handle, watch::asked, &ctrl_c);
+}
+
+sim::~sim()
+{
+  nsdae_sim_destroy(&handle);
+}
+
+// What a callback raised counts, also where the library could do without it (a smaller step, a
+// start that failed elsewhere).
+int sim::checked(int status)
+{
+  if (status < 0 || exception_pending()) raise(*nsdae_sim_error(handle));
+  return status;
+}
+
+void sim::check_size(const char *name, vector a, int n) const
+{
+  if (a.shape(0) == static_cast<std::size_t>(n)) return;
+  throw std::invalid_argument(std::string(name) + " has " + std::to_string(a.shape(0)) +
+                              " numbers, not " + std::to_string(n));
+}
+
+void sim::init(double t0, vector q0, vector v0)
+{
+  check_size("q0", q0, dims.nq);
+  check_size("v0", v0, dims.nv);
+  int status;
+  {
+    nb::gil_scoped_release free;
+    status = nsdae_sim_init(handle, t0, q0.data(), v0.data());
+  }
+  checked(status);
+}
+
+nb::tuple sim::project(double t0, vector q0, vector v0)
+{
+  check_size("q0", q0, dims.nq);
+  check_size("v0", v0, dims.nv);
+  std::vector<double> q(q0.data(), q0.data() + dims.nq), v(v0.data(), v0.data() + dims.nv);
+  int status;
+  {
+    nb::gil_scoped_release free;
+    status = nsdae_sim_project(handle, t0, q.data(), v.data());
+  }
+  checked(status);
+  return nb::make_tuple(array_of(q.data(), q.size()), array_of(v.data(), v.size()));
+}
+
+int sim::step()
+{
+  int status;
+  {
+    nb::gil_scoped_release free;
+    status = nsdae_sim_step(handle);
+  }
+  return checked(status);
+}
+
+int sim::run(double t_end, bool to_event)
+{
+  int status;
+  {
+    nb::gil_scoped_release free;
+    status = to_event ? nsdae_sim_run_to_event(handle, t_end) : nsdae_sim_run(handle, t_end);
+  }
+  return checked(status);
+}
+
+int sim::observe(const nsdae_record *record, nsdae_error *error, void *self)
+{
+  sim *s = static_cast<sim *>(self);
+  try {
+    s->kept.add_events(*record);
+    s->last_kept = record->step % s->every == 0;
+    if (s->last_kept) s->kept.add(*record, s->dims);
+  } catch (const std::bad_alloc &) {
+    snprintf(error->text, sizeof error->text, "out of memory for the records");
+    return error->status = NSDAE_E_MEMORY;
+  }
+  return 0;
+}
+
+// Keeps the start and each every-th record, and the last one; recorded() hands them over, also
+// after a failure.
+int sim::record_run(double t_end, int each)
+{
+  if (each < 1) throw std::invalid_argument("every must be at least 1");
+  every = each;
+  last_kept = true;
+  kept = columns();
+  int status;
+  {
+    nb::gil_scoped_release free;
+    status = nsdae_sim_observe(handle, observe, this);
+    if (status >= 0) status = nsdae_sim_run(handle, t_end);
+    nsdae_sim_unobserve(handle, observe, this);
+  }
+  nsdae_record now;
+  if (!last_kept && nsdae_sim_get_record(handle, &now) == NSDAE_OK) kept.add(now, dims);
+  return checked(status);
+}
+
+nb::dict sim::recorded()
+{
+  return kept.arrays(dims);
+}
+
+// Without the sizes in front.
+nb::dict sim::record() const
+{
+  nsdae_record now;
+  columns one;
+  check(nsdae_sim_get_record(handle, &now), nsdae_sim_error(handle));
+  one.add(now, dims);
+  one.add_events(now);
+  nb::dict a = one.arrays(dims);
+  a["step"] = now.step;
+  a["duration"] = now.duration;
+  return a;
+}
+
+nb::dict sim::stats() const
+{
+  nsdae_stats s;
+  check(nsdae_sim_get_stats(handle, &s), nsdae_sim_error(handle));
+  nb::dict d;
+#define NSDAE_PYTHON_STAT(name) d[#name] = s.name;
+  NSDAE_PYTHON_STAT(steps)
+  NSDAE_PYTHON_STAT(smooth_steps)
+  NSDAE_PYTHON_STAT(contact_steps)
+  NSDAE_PYTHON_STAT(lcps)
+  NSDAE_PYTHON_STAT(lcp_pivots)
+  NSDAE_PYTHON_STAT(iterations)
+  NSDAE_PYTHON_STAT(mass_evals)
+  NSDAE_PYTHON_STAT(force_evals)
+  NSDAE_PYTHON_STAT(jacobian_evals)
+  NSDAE_PYTHON_STAT(impacts)
+  NSDAE_PYTHON_STAT(events)
+  NSDAE_PYTHON_STAT(accumulations)
+  NSDAE_PYTHON_STAT(fallback_steps)
+  NSDAE_PYTHON_STAT(rank)
+  NSDAE_PYTHON_STAT(rank_most)
+  NSDAE_PYTHON_STAT(worst_residual)
+  NSDAE_PYTHON_STAT(worst_drift)
+  NSDAE_PYTHON_STAT(worst_penetration)
+  NSDAE_PYTHON_STAT(energy_start)
+  NSDAE_PYTHON_STAT(energy_balance)
+  NSDAE_PYTHON_STAT(warnings)
+  NSDAE_PYTHON_STAT(wall_time)
+#undef NSDAE_PYTHON_STAT
+  return d;
+}
+
+namespace
+{
+
+nb::object value_of(const nsdae_param &p, const nsdae_sim_options &options)
+{
+  const char *at = reinterpret_cast<const char *>(&options) + p.offset;
+  char text[NSDAE_PARAM_TEXT_SIZE];
+  if (p.type == NSDAE_PARAM_REAL) return nb::float_(*reinterpret_cast<const double *>(at));
+  if (p.type == NSDAE_PARAM_INT) return nb::int_(*reinterpret_cast<const int *>(at));
+  nsdae_params_format(&p, &options, text, sizeof text);
+  return nb::str(text);
+}
+
+} // namespace
+
+nb::dict sim::options() const
+{
+  nsdae_sim_options now;
+  nb::dict d;
+  nsdae_sim_get_options(handle, &now);
+  const nsdae_params *table = nsdae_sim_options_table();
+  for (int i = 0; i < table->n; i++) d[table->entry[i].key] = value_of(table->entry[i], now);
+  return d;
+}
+
+void sim::set_options(nb::dict changes)
+{
+  nsdae_sim_options now;
+  nsdae_sim_get_options(handle, &now);
+  set_options_of(now, changes);
+  checked(nsdae_sim_set_options(handle, &now));
+}
+
+void sim::set_contact(int i, double mu, double e_n, double e_t)
+{
+  checked(nsdae_sim_set_contact(handle, i, mu, e_n, e_t));
+}
+
+void sim::set_slide(int j, double mu)
+{
+  checked(nsdae_sim_set_slide(handle, j, mu));
+}
+
+nb::tuple sim::interpolate(double t)
+{
+  std::vector<double> q(static_cast<std::size_t>(dims.nq)), v(static_cast<std::size_t>(dims.nv));
+  int status;
+  {
+    nb::gil_scoped_release free;
+    status = nsdae_sim_interpolate(handle, t, q.data(), v.data());
+  }
+  checked(status);
+  return nb::make_tuple(array_of(q.data(), q.size()), array_of(v.data(), v.size()));
+}
+
+// (A, b), copied; None where the last step did not fail on one.
+nb::object sim::failed_lcp() const
+{
+  nsdae_lcp_problem p;
+  if (nsdae_sim_get_failed_lcp(handle, &p) != NSDAE_OK) return nb::none();
+  const std::size_t n = static_cast<std::size_t>(p.n);
+  double *A = new double[n * n + 1];
+  for (std::size_t j = 0; j < n; j++)
+    std::copy(p.A + j * static_cast<std::size_t>(p.lda),
+              p.A + j * static_cast<std::size_t>(p.lda) + n, A + j * n);
+  return nb::make_tuple(view(A, p.n, p.n, true), array_of(p.b, n));
+}
+
+bool sim::has_potential() const
+{
+  return nsdae_sim_has_potential(handle) == 1;
+}
+
+nb::bytes sim::state()
+{
+  std::size_t size = 0;
+  nsdae_sim_state_size(handle, &size);
+  std::vector<char> block(size);
+  checked(nsdae_sim_get_state(handle, block.data(), size));
+  return nb::bytes(block.data(), size);
+}
+
+void sim::set_state(nb::bytes block)
+{
+  checked(nsdae_sim_set_state(handle, block.data(), block.size()));
+}
+
+namespace
+{
+
+int traverse(PyObject *self, visitproc visit, void *arg)
+{
+  Py_VISIT(Py_TYPE(self));
+  if (!nb::inst_ready(self)) return 0;
+  Py_VISIT(nb::inst_ptr<sim>(self)->owner.ptr());
+  return 0;
+}
+
+int clear(PyObject *self)
+{
+  if (nb::inst_ready(self)) nb::inst_ptr<sim>(self)->owner.reset();
+  return 0;
+}
+
+PyType_Slot slots[] = {{Py_tp_traverse, reinterpret_cast<void *>(traverse)},
+                       {Py_tp_clear, reinterpret_cast<void *>(clear)},
+                       {0, nullptr}};
+
+nb::list methods()
+{
+  nb::list names;
+  for (int i = 0; nsdae_method_name(i); i++)
+    names.append(nb::make_tuple(nsdae_method_name(i), nsdae_method_summary(i)));
+  return names;
+}
+
+// Key, unit, help and range of every option.
+nb::list option_table()
+{
+  nb::list rows;
+  const nsdae_params *table = nsdae_sim_options_table();
+  for (int i = 0; i < table->n; i++) {
+    const nsdae_param &p = table->entry[i];
+    char range[NSDAE_PARAM_TEXT_SIZE];
+    nsdae_params_range(&p, range, sizeof range);
+    rows.append(nb::make_tuple(p.key, p.unit, p.help, range));
+  }
+  return rows;
+}
+
+} // namespace
+
+void bind_sim(nb::module_ &m)
+{
+  m.attr("METHODS") = methods();
+  m.attr("OPTIONS") = option_table();
+  m.attr("IMPACT_SIZE") = sizeof(impact_row);
+  m.attr("CHANGE_SIZE") = sizeof(change_row);
+  nb::class_<sim>(m, "Sim", nb::type_slots(slots))
+      .def(nb::init<nb::object, nb::dict>())
+      .def("init", &sim::init)
+      .def("project", &sim::project)
+      .def("step", &sim::step)
+      .def("run", &sim::run)
+      .def("record_run", &sim::record_run)
+      .def("recorded", &sim::recorded)
+      .def("record", &sim::record)
+      .def("stats", &sim::stats)
+      .def("options", &sim::options)
+      .def("set_options", &sim::set_options)
+      .def("set_contact", &sim::set_contact)
+      .def("set_slide", &sim::set_slide)
+      .def("interpolate", &sim::interpolate)
+      .def("failed_lcp", &sim::failed_lcp)
+      .def("has_potential", &sim::has_potential)
+      .def("state", &sim::state)
+      .def("set_state", &sim::set_state);
+}
+
+} // namespace nsdae_python

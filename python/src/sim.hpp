@@ -1,0 +1,98 @@
+// nsdae_sim with its records as arrays.
+#ifndef NSDAE_PYTHON_SIM_HPP
+#define NSDAE_PYTHON_SIM_HPP
+
+#include <chrono>
+#include <string>
+#include <vector>
+
+#include <nsdae/nsdae.h>
+
+#include "system.hpp"
+#include "view.hpp"
+
+namespace nsdae_python
+{
+
+// Looks for Ctrl-C some twenty times a second, however long or short the steps are.
+class watch
+{
+public:
+  static int asked(void *self);
+
+private:
+  using clock = std::chrono::steady_clock;
+  int look();
+  int left = 0, count = 1;
+  clock::time_point last = clock::now();
+};
+
+// An impact and a change of mode as rows of structured arrays; the same fields are in _records.py.
+struct impact_row {
+  double time;
+  int contact, accumulation;
+  double normal_impulse, tangential_impulse[2], velocity_before, velocity_after, peak_force;
+};
+
+struct change_row {
+  double time;
+  int contact, slide, mode_before, mode_after;
+};
+
+// Records of a run, in columns.
+struct columns {
+  std::vector<double> time, q, v, acceleration, multiplier, gap, normal_impulse, tangential_impulse,
+      slide_impulse, kinetic, potential, dissipated, lcp_residual, constraint_drift, penetration;
+  std::vector<int> mode, slide_mode;
+  std::vector<impact_row> impacts;
+  std::vector<change_row> changes;
+  void add(const nsdae_record &r, const nsdae_dims &d);
+  void add_events(const nsdae_record &r);
+  nb::dict arrays(const nsdae_dims &d);
+};
+
+class sim
+{
+public:
+  sim(nb::object of, nb::dict options);
+  ~sim();
+  sim(const sim &) = delete;
+  sim &operator=(const sim &) = delete;
+
+  void init(double t0, vector q0, vector v0);
+  nb::tuple project(double t0, vector q0, vector v0);
+  int step();
+  int run(double t_end, bool to_event);
+  int record_run(double t_end, int every);
+  nb::dict recorded();
+  nb::dict record() const;
+  nb::dict stats() const;
+  nb::dict options() const;
+  void set_options(nb::dict changes);
+  void set_contact(int i, double mu, double e_n, double e_t);
+  void set_slide(int j, double mu);
+  nb::tuple interpolate(double t);
+  nb::object failed_lcp() const;
+  bool has_potential() const;
+  nb::bytes state();
+  void set_state(nb::bytes block);
+
+  nb::object owner; // the system
+  nsdae_dims dims = {};
+
+private:
+  static int observe(const nsdae_record *record, nsdae_error *error, void *self);
+  int checked(int status);
+  void check_size(const char *name, vector a, int n) const;
+  nsdae_sim *handle = nullptr;
+  watch ctrl_c;
+  columns kept;
+  int every = 1;
+  bool last_kept = false;
+};
+
+void bind_sim(nb::module_ &m);
+
+} // namespace nsdae_python
+
+#endif

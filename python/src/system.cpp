@@ -1,0 +1,253 @@
+#include "system.hpp"
+
+#include <stdexcept>
+#include <tuple>
+
+#include <nanobind/stl/string.h>
+
+#include "failure.hpp"
+
+namespace nsdae_python
+{
+
+namespace
+{
+
+const char *const role_name[] = {
+#define NSDAE_PYTHON_ROLE(name) #name,
+    NSDAE_PYTHON_ROLES(NSDAE_PYTHON_ROLE)
+#undef NSDAE_PYTHON_ROLE
+};
+
+// The arrays of a callback, in the order of its arguments.
+std::vector<slot> slots_of(role r, const nsdae_dims &d)
+{
+  const slot q = {d.nq, 0, false}, v = {d.nv, 0, false};
+  const auto out = [](int rows) { return slot{rows, 0, true}; };
+  const auto matrix = [](int rows, int columns) { return slot{rows, columns, true}; };
+  switch (r) {
+  case role_mass:
+    return {q, matrix(d.nv, d.nv)};
+  case role_force:
+    return {q, v, out(d.nv)};
+  case role_constraint:
+    return {q, out(d.m)};
+  case role_constraint_jacobian:
+    return {q, matrix(d.m, d.nv)};
+  case role_constraint_bias:
+    return {q, v, out(d.m), out(d.m)};
+  case role_gap:
+    return {q, out(d.k)};
+  case role_gap_normal:
+    return {q, matrix(d.nv, d.k)};
+  case role_gap_tangent:
+    return {q, matrix(d.nv, d.k * d.nt)};
+  case role_contact_bias:
+    return {q, out(d.k), out(d.k * d.nt)};
+  case role_contact_acceleration:
+    return {q, v, out(d.k), out(d.k * d.nt), out(d.f)};
+  case role_slide_tangent:
+    return {q, matrix(d.nv, d.f), out(d.f)};
+  case role_kinematics:
+    return {q, v, out(d.nq)};
+  default:
+    return {q, out(1)}; // potential: its value
+  }
+}
+
+role role_of(const std::string &name)
+{
+  for (int r = 0; r < roles; r++)
+    if (name == role_name[r]) return static_cast<role>(r);
+  throw std::invalid_argument("no callback is called '" + name + "'");
+}
+
+// The last argument is the table of callbacks.
+template <int R, class... A> int to_python(A... a)
+{
+  void *table = std::get<sizeof...(A) - 1>(std::tie(a...));
+  call c((*static_cast<std::array<callback, roles> *>(table))[R]);
+  (c.put(a), ...);
+  return c.run();
+}
+
+template <int R, class... A> int to_compiled(A... a)
+{
+  auto arguments = std::make_tuple(a...);
+  void *&user = std::get<sizeof...(A) - 1>(arguments);
+  const callback &c = (*static_cast<std::array<callback, roles> *>(user))[R];
+  user = c.user;
+  return std::apply(reinterpret_cast<int (*)(A...)>(c.pointer), arguments);
+}
+
+template <int R, class... A>
+int install_one(system &s, bool direct, int (*set)(nsdae_system *, int (*)(A...)))
+{
+  const callback &c = s.callbacks[R];
+  if (!c.given()) return NSDAE_OK;
+  if (c.function) return set(s.handle, to_python<R, A...>);
+  return set(s.handle, direct ? reinterpret_cast<int (*)(A...)>(c.pointer) : to_compiled<R, A...>);
+}
+
+} // namespace
+
+system::system(int nq, int nv, int m, int k, int nt, int f)
+{
+  nsdae_error error;
+  dims = {nq, nv, m, k, nt, f};
+  check(nsdae_system_create(&dims, &handle, &error), &error);
+  nsdae_system_get_dims(handle, &dims);
+}
+
+system::system(nsdae_system *made) : handle(made)
+{
+  nsdae_system_get_dims(handle, &dims);
+}
+
+system::~system()
+{
+  nsdae_system_destroy(&handle);
+}
+
+void system::demand(int status)
+{
+  if (status >= 0) return;
+  const nsdae_error error = *nsdae_system_error(handle);
+  nsdae_system_clear_error(handle); // the exception says it
+  check(status, &error);
+}
+
+int system::install()
+{
+  bool direct = true;
+  void *user = nullptr;
+  for (const callback &c : callbacks) {
+    direct = direct && !c.function && (!c.pointer || !user || c.user == user);
+    if (c.pointer && !user) user = c.user;
+  }
+  for (const callback &c : callbacks) direct = direct && (!c.pointer || c.user == user);
+  int status = nsdae_system_set_user(handle, direct ? user : &callbacks);
+#define NSDAE_PYTHON_ROLE(name) \
+  if (status == NSDAE_OK) status = install_one<role_##name>(*this, direct, nsdae_system_set_##name);
+  NSDAE_PYTHON_ROLES(NSDAE_PYTHON_ROLE)
+#undef NSDAE_PYTHON_ROLE
+  return status;
+}
+
+void system::install_or_drop(role r)
+{
+  int status = install();
+  if (status < 0 && nsdae_system_simulations(handle) == 0) callbacks[r].clear();
+  demand(status);
+}
+
+void system::set_function(const std::string &name, nb::object function)
+{
+  role r = role_of(name);
+  if (nsdae_system_simulations(handle) == 0)
+    callbacks[r].set_function(function.ptr(), slots_of(r, dims), r == role_potential);
+  install_or_drop(r);
+}
+
+void system::set_pointer(const std::string &name, std::uintptr_t address, std::uintptr_t user)
+{
+  role r = role_of(name);
+  if (nsdae_system_simulations(handle) == 0)
+    callbacks[r].set_pointer(reinterpret_cast<void *>(address), reinterpret_cast<void *>(user));
+  install_or_drop(r);
+}
+
+void system::set_contact(int i, double mu, double e_n, double e_t)
+{
+  demand(nsdae_system_set_contact(handle, i, mu, e_n, e_t));
+}
+
+void system::set_slide(int j, int constraint, double mu)
+{
+  demand(nsdae_system_set_slide(handle, j, constraint, mu));
+}
+
+void system::set_name(int kind, int i, const std::string &name, const std::string &unit)
+{
+  demand(nsdae_system_set_name(handle, kind, i, name.c_str(), unit.c_str()));
+}
+
+nb::tuple system::name(int kind, int i) const
+{
+  return nb::make_tuple(nb::str(nsdae_system_get_name(handle, kind, i)),
+                        nb::str(nsdae_system_get_unit(handle, kind, i)));
+}
+
+nb::dict system::check_at(double t, vector q, vector v, double tol)
+{
+  nsdae_check found;
+  if (q.shape(0) != static_cast<std::size_t>(dims.nq) ||
+      v.shape(0) != static_cast<std::size_t>(dims.nv))
+    throw std::invalid_argument("q and v must have the sizes of the system");
+  int status;
+  {
+    nb::gil_scoped_release free;
+    status = nsdae_system_check(handle, t, q.data(), v.data(), tol, &found);
+  }
+  const nsdae_error error = *nsdae_system_error(handle);
+  nsdae_system_clear_error(handle);
+  check(status, &error);
+  nb::dict said;
+  said["term"] = nb::str(found.term);
+  said["row"] = found.row;
+  said["column"] = found.column;
+  said["given"] = found.given;
+  said["difference"] = found.difference;
+  said["error"] = found.error;
+  return said;
+}
+
+namespace
+{
+
+// The functions may refer to what holds the system: the garbage collector has to see them.
+int traverse(PyObject *self, visitproc visit, void *arg)
+{
+  Py_VISIT(Py_TYPE(self));
+  if (!nb::inst_ready(self)) return 0;
+  for (const callback &c : nb::inst_ptr<system>(self)->callbacks) Py_VISIT(c.function);
+  return 0;
+}
+
+int clear(PyObject *self)
+{
+  if (nb::inst_ready(self))
+    for (callback &c : nb::inst_ptr<system>(self)->callbacks) c.clear();
+  return 0;
+}
+
+PyType_Slot slots[] = {{Py_tp_traverse, reinterpret_cast<void *>(traverse)},
+                       {Py_tp_clear, reinterpret_cast<void *>(clear)},
+                       {0, nullptr}};
+
+} // namespace
+
+void bind_system(nb::module_ &m)
+{
+  nb::list names;
+  for (const char *name : role_name) names.append(name);
+  m.attr("CALLBACKS") = nb::tuple(names);
+  nb::class_<system>(m, "System", nb::type_slots(slots))
+      .def(nb::init<int, int, int, int, int, int>())
+      .def("set_function", &system::set_function)
+      .def("set_pointer", &system::set_pointer)
+      .def("set_contact", &system::set_contact)
+      .def("set_slide", &system::set_slide)
+      .def("set_name", &system::set_name)
+      .def("name", &system::name)
+      .def("check", &system::check_at)
+      .def("simulations", [](const system &s) { return nsdae_system_simulations(s.handle); })
+      .def("unseen", [](const system &s) { return nb::str(nsdae_system_unseen(s.handle)); })
+      .def("differences",
+           [](const system &s) { return nb::str(nsdae_system_differences(s.handle)); })
+      .def("dims", [](const system &s) {
+        return nb::make_tuple(s.dims.nq, s.dims.nv, s.dims.m, s.dims.k, s.dims.nt, s.dims.f);
+      });
+}
+
+} // namespace nsdae_python

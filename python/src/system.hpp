@@ -1,0 +1,63 @@
+// nsdae_system with callbacks of Python.
+#ifndef NSDAE_PYTHON_SYSTEM_HPP
+#define NSDAE_PYTHON_SYSTEM_HPP
+
+#include <array>
+#include <string>
+
+#include <nsdae/nsdae.h>
+
+#include "callbacks.hpp"
+#include "view.hpp"
+
+namespace nsdae_python
+{
+
+// In the order of nsdae/system.h.
+// clang-format off
+#define NSDAE_PYTHON_ROLES(X) \
+  X(mass) X(force) X(constraint) X(constraint_jacobian) X(constraint_bias) X(gap) X(gap_normal) \
+  X(gap_tangent) X(contact_bias) X(contact_acceleration) X(slide_tangent) X(kinematics) X(potential)
+// clang-format on
+
+enum role {
+#define NSDAE_PYTHON_ROLE(name) role_##name,
+  NSDAE_PYTHON_ROLES(NSDAE_PYTHON_ROLE)
+#undef NSDAE_PYTHON_ROLE
+      roles
+};
+
+// A description. Its user pointer is the table of its callbacks, but where all of them are compiled
+// and want the same one: then the library calls them without a detour.
+class system
+{
+public:
+  system(int nq, int nv, int m, int k, int nt, int f);
+  explicit system(nsdae_system *made); // takes it over
+  ~system();
+  system(const system &) = delete;
+  system &operator=(const system &) = delete;
+
+  void set_function(const std::string &name, nb::object function);
+  void set_pointer(const std::string &name, std::uintptr_t address, std::uintptr_t user);
+  void set_contact(int i, double mu, double e_n, double e_t);
+  void set_slide(int j, int constraint, double mu);
+  void set_name(int kind, int i, const std::string &name, const std::string &unit);
+  nb::dict check_at(double t, vector q, vector v, double tol);
+  nb::tuple name(int kind, int i) const;
+
+  nsdae_system *handle = nullptr;
+  nsdae_dims dims = {};
+  std::array<callback, roles> callbacks;
+
+private:
+  int install();
+  void install_or_drop(role r);
+  void demand(int status);
+};
+
+void bind_system(nb::module_ &m);
+
+} // namespace nsdae_python
+
+#endif

@@ -1,0 +1,139 @@
+"""Mechanisms of bodies from Python."""
+
+import math
+
+import numpy as np
+import pytest
+
+import nsdae
+from nsdae import GROUND, Bodies, Shape, Solid
+
+G = 9.81
+
+
+def test_physical_pendulum_against_its_equation():
+    """A rod on a hinge: theta'' = -3 g / (2 l) cos(theta), integrated by the classical Runge-Kutta method."""
+    world = Bodies(2, gravity=(0, -G))
+    rod = world.add(mass=1, inertia=1 / 12, position=(0.5, 0))
+    world.add_joint("revolute", GROUND, rod, point=(0, 0))
+    run = nsdae.solve(world, 1, method="event", rtol=1e-10, atol=1e-12)
+
+    def rate(y):
+        return np.array([y[1], -1.5 * G * math.cos(y[0])])
+
+    y, h = np.zeros(2), 1e-3
+    for _ in range(1000):
+        k1 = rate(y)
+        k2, k3 = rate(y + h / 2 * k1), None
+        k3 = rate(y + h / 2 * k2)
+        y = y + h / 6 * (k1 + 2 * k2 + 2 * k3 + rate(y + h * k3))
+    assert run["theta0"][-1] == pytest.approx(y[0], abs=1e-7)
+
+
+@pytest.mark.parametrize("compiled", [False, True])
+def test_a_driven_crank(library, compiled):
+    """The angle that is prescribed is the angle that comes out."""
+    def turn(t, f):
+        f[:] = 2 * t, 2, 0
+
+    import ctypes
+    drive = ctypes.cast(library.drive, nsdae.signature("drive", "ctypes")) if compiled else turn
+    world = Bodies(2)
+    crank = world.add(mass=1, inertia=0.1, position=(1, 0), spin=2, velocity=(0, 2))
+    world.add_joint("revolute", GROUND, crank, point=(0, 0), drive=drive)
+    run = nsdae.solve(world, 1, dt=0.001)
+    assert run["theta0"][-1] == pytest.approx(2, abs=1e-5)
+
+
+def test_a_load_of_python():
+    """A constant thrust on the centre: x = F t^2 / (2 m)."""
+    def thrust(t, position, velocity, force, torque):
+        assert position.shape == velocity.shape == (3,)
+        force[0] = 3
+
+    world = Bodies(2)
+    cart = world.add(mass=2, inertia=1)
+    world.add_load(cart, thrust)
+    assert nsdae.solve(world, 2, dt=0.01)["x0"][-1] == pytest.approx(3.0, abs=1e-9)
+
+
+def test_a_disc_rolls_down():
+    """Rolling without slip: s'' = 2/3 g sin(a)."""
+    slope = 0.2
+    solid = Solid("disc", radius=0.1)
+    mass, inertia = solid.inertia(density=100)
+    world = Bodies(2, gravity=(G * math.sin(slope), -G * math.cos(slope)))
+    disc = world.add(mass=mass, inertia=inertia, position=(0, 0.1))
+    ground = world.add_solid(GROUND, Solid("plane"))
+    world.add_contact(ground, world.add_solid(disc, solid), mu=0.5)
+    run = nsdae.solve(world, 1, dt=0.001)
+    assert run["x0"][-1] == pytest.approx(G * math.sin(slope) / 3, rel=2e-3)
+    assert run["theta0"][-1] == pytest.approx(-run["x0"][-1] / 0.1, rel=2e-3)
+
+
+def test_a_sphere_in_space_falls_and_bounces():
+    world = Bodies(3, gravity=(0, 0, -G))
+    solid = Solid("sphere", radius=0.1)
+    mass, inertia = solid.inertia(1000)
+    ball = world.add(mass=mass, inertia=inertia, position=(0, 0, 1.1))
+    world.add_contact(world.add_solid(GROUND, Solid("plane")), world.add_solid(ball, solid), e_n=0.5)
+    run = nsdae.solve(world, 1, method="event", rtol=1e-9, atol=1e-11)
+    assert run.impacts["time"][0] == pytest.approx(math.sqrt(2 / G), rel=1e-7)
+    q, _ = world.start()
+    assert np.allclose(world.locate(q, ball, (0, 0, 0.5)), [0, 0, 1.6])
+
+
+def test_refusals():
+    world = Bodies(2)
+    with pytest.raises(ValueError, match="kind"):
+        world.add_joint("hinge", GROUND, 0)
+    with pytest.raises(ValueError, match="shape"):
+        Solid("blob").inertia(1)
+    with pytest.raises(ValueError, match="position"):
+        world.add(1, 1, position=(1, 2, 3, 4))
+    with pytest.raises(nsdae.ArgumentError, match="mass"):
+        world.add(mass=-1, inertia=1)
+    with pytest.raises(nsdae.Error):
+        Bodies(4)
+
+
+def pose(shape, run, record):
+    """Place and turn of a shape as the formulas of its file say."""
+    from nsdae.pictures import bodies
+    with run._opened() as file:
+        named = bodies.named(file, run.time, run.q)
+    body = next(b for b in named if b.name == shape.name)
+    return body.position[record], body.rotation[record]
+
+
+def test_shapes_are_where_the_bodies_are():
+    """The formulas for animations against locate(), of a solid that is off its body's frame in place and turn."""
+    random = np.random.default_rng(1)
+    world = Bodies(3, gravity=(0, 0, -G))
+    q = random.normal(size=4)
+    own = random.normal(size=4)
+    own /= np.linalg.norm(own)
+    body = world.add(mass=1, inertia=(1, 2, 3), position=(1, 2, 3), quaternion=q, spin=(1, -2, 0.5), velocity=(1, 0, 2))
+    world.add_solid(body, Solid("box", length=(0.1, 0.2, 0.3), position=(0.3, -0.2, 0.1), quaternion=own))
+    run = nsdae.solve(world, 0.5)
+    (shape,) = world.shapes()
+    for record in (0, len(run) // 2, len(run) - 1):
+        place, turn = pose(shape, run, record)
+        assert np.allclose(place, world.locate(run.q[record], body, (0.3, -0.2, 0.1)), atol=1e-12)
+        w, x, y, z = own
+        axis = np.array([1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)])  # own x in the body
+        end = world.locate(run.q[record], body, np.array([0.3, -0.2, 0.1]) + axis)
+        assert np.allclose(turn[:, 0], end - place, atol=1e-12)
+
+
+def test_planar_shapes_are_where_the_bodies_are():
+    world = Bodies(2)
+    body = world.add(mass=1, inertia=1, position=(1, 2), angle=0.3, spin=2, velocity=(1, -1))
+    world.add_solid(body, Solid("disc", radius=0.1, position=(0.4, 0.2), angle=0.5))
+    run = nsdae.solve(world, 0.5)
+    place, turn = pose(world.shapes()[0], run, -1)
+    assert np.allclose(place, world.locate(run.q[-1], body, (0.4, 0.2)), atol=1e-12)
+    assert math.atan2(turn[1, 0], turn[0, 0]) == pytest.approx(run["theta0"][-1] + 0.5)
+
+
+__all__ = ["Shape"]

@@ -1,0 +1,164 @@
+"""Trajectories in files, pictures and animations; the programs' own files where they are built (NSDAE_BIN)."""
+
+import os
+import subprocess
+
+import h5py
+import numpy as np
+import pytest
+
+import nsdae
+from conftest import G, block
+
+BIN = os.environ.get("NSDAE_BIN")
+needs_programs = pytest.mark.skipif(not BIN, reason="NSDAE_BIN does not say where the programs are")
+
+
+def program(name, *arguments):
+    return subprocess.run([os.path.join(BIN, name), *map(str, arguments)], check=True, capture_output=True, text=True)
+
+
+def same(a, b):
+    for name, value in vars(a).items():
+        other = getattr(b, name)
+        if isinstance(value, np.ndarray):
+            assert value.dtype == other.dtype and np.array_equal(value, other), name
+        elif name not in ("stats", "shapes"):
+            assert value == other, name
+
+
+@pytest.mark.parametrize("spatial", [False, True])
+def test_what_is_saved_is_loaded(ball, tmp_path, spatial):
+    if spatial:
+        run = nsdae.solve(block(0.5, 0.7), 0.2, [0, 0, 0.001], method="event", dt=0.01, model="block")
+    else:
+        run = nsdae.solve(ball, 1, [1], model="ball", parameters={"m": 0.1, "e_N": 0.5},
+                          shapes=[nsdae.Shape("ball", "sphere", (0.05,), (0, "y+0.05")),
+                                  nsdae.Shape("floor", "plane", (0, 1, 0)),
+                                  nsdae.Shape("mark", "polygon", points=[(0, 0), (1, 0), (0, 1)])])
+    path = tmp_path / "run.h5"
+    run.save(path)
+    back = nsdae.load(path)
+    same(run, back)
+    assert [s.name for s in back.shapes] == [s.name for s in run.shapes]
+    again = tmp_path / "again.h5"
+    back.save(again)
+    same(nsdae.load(again), run)
+
+
+def test_load_refuses_in_one_line(tmp_path, ball):
+    with pytest.raises(FileNotFoundError, match="missing.h5"):
+        nsdae.load(tmp_path / "missing.h5")
+    other = tmp_path / "other.h5"
+    other.write_bytes(b"no HDF5 at all")
+    with pytest.raises(OSError, match="other.h5"):
+        nsdae.load(other)
+    with h5py.File(tmp_path / "empty.h5", "w"):
+        pass
+    with pytest.raises(ValueError, match="not an nsdae trajectory"):
+        nsdae.load(tmp_path / "empty.h5")
+    with pytest.raises(OSError):
+        nsdae.solve(ball, 0.1, [1]).save(tmp_path / "no" / "such" / "folder.h5")
+
+
+def layout(path):
+    """Shape, type, scales and attributes of every dataset."""
+    found = {}
+
+    def visit(name, item):
+        if isinstance(item, h5py.Dataset):
+            scales = [[s.name for s in d.values()] for d in item.dims] if "DIMENSION_LIST" in item.attrs else []
+            found[name] = (item.shape, item.dtype.kind, item.maxshape, scales, item.attrs["units"], item.is_scale)
+
+    with h5py.File(path) as file:
+        file.visititems(lambda name, item: visit(name, item) if name.split("/")[0] not in (
+            "options", "parameters", "restart", "bodies") else None)
+        return found, sorted(file.attrs)
+
+
+@needs_programs
+def test_a_saved_run_is_laid_out_as_the_programs_lay_it_out(tmp_path):
+    """The bouncing ball by its program and by Python: the same bytes in every dataset."""
+    path = tmp_path / "c.h5"
+    program("nsdae-bouncing-ball", "--t-end", 1.5, "--quiet", "--output", path)
+    theirs = nsdae.load(path)
+
+    def mass(t, q, M):
+        M[0, 0] = 1
+
+    def force(t, q, v, F):
+        F[0] = -G
+
+    def gap(t, q, g):
+        g[0] = q[0]
+
+    def gap_normal(t, q, W):
+        W[0, 0] = 1
+
+    def contact_bias(t, q, w_n, w_t):
+        w_n[0] = 0
+
+    def contact_acceleration(t, q, v, omega_n, omega_t, omega_s):
+        omega_n[0] = 0
+
+    ball = nsdae.System(nq=1, k=1, e_n=0.9, mass=mass, force=force, gap=gap, gap_normal=gap_normal,
+                        contact_bias=contact_bias, contact_acceleration=contact_acceleration,
+                        potential=lambda t, q: G * q[0], names={"coordinate": [("y", "m")], "contact": ["floor"],
+                                                                "velocity": [theirs.names["velocity"][0]]})
+    own = nsdae.solve(ball, 1.5, [1], model="bouncing-ball", parameters=theirs.parameters, dt=theirs.options["dt"],
+                      shapes=theirs.shapes)
+    same(own, theirs)
+    saved = tmp_path / "python.h5"
+    own.save(saved)
+    assert layout(saved) == layout(path)
+
+
+@needs_programs
+def test_the_tools_read_what_is_saved(tmp_path):
+    from test_bodies import Bodies, Solid
+    world = Bodies(2, gravity=(0, -G))
+    disc = world.add(mass=1, inertia=0.01, position=(0, 0.5), velocity=(1, 0))
+    world.add_contact(world.add_solid(nsdae.GROUND, Solid("plane")), world.add_solid(disc, Solid("disc", radius=0.1)),
+                      e_n=0.5, mu=0.3)
+    path = tmp_path / "disc.h5"
+    nsdae.solve(world, 0.5, model="disc").save(path)
+    assert "2 bodies" in program("nsdae-animate", path, "-o", tmp_path / "disc.gif").stdout
+    assert "picture" in program("nsdae-plot", path, "-o", tmp_path / "disc.png").stdout
+    program("nsdae-vtk", path, "--output", tmp_path / "disc.vtkhdf")
+
+
+@needs_programs
+@pytest.mark.parametrize("name", ["crank-slider", "woodpecker", "incline", "rolling-ball"])
+def test_files_of_the_programs_survive(tmp_path, name):
+    """Slides, two tangential directions, shapes: loaded, saved, loaded."""
+    path = tmp_path / "c.h5"
+    program(f"nsdae-{name}", "--t-end", 0.2, "--quiet", "--output", path)
+    theirs = nsdae.load(path)
+    theirs.save(tmp_path / "python.h5")
+    same(nsdae.load(tmp_path / "python.h5"), theirs)
+    mine, _ = layout(tmp_path / "python.h5")
+    assert mine == layout(path)[0]
+
+
+def test_plot(ball):
+    run = nsdae.solve(ball, 1, [1])
+    figure = run.plot()
+    titles = [axes.get_ylabel() for axes in figure.axes]
+    assert any("y [m]" in t or "[m]" in t for t in titles) and figure.axes[-1].get_xlabel() == "time [s]"
+    drawn = run.plot(only=["coordinates"]).axes[0].lines
+    assert any(len(line.get_ydata()) == len(run) and np.array_equal(line.get_ydata(), run["y"]) for line in drawn)
+    with pytest.raises(ValueError, match="panel"):
+        run.plot(only=["colours"])
+
+
+def test_animate(ball, tmp_path):
+    run = nsdae.solve(ball, 0.5, [1], shapes=[nsdae.Shape("ball", "sphere", (0.05,), (0, "y+0.05"))])
+    run.animate(tmp_path / "ball.gif", speed=0.5, width=200)
+    assert (tmp_path / "ball.gif").read_bytes()[:6] == b"GIF89a"
+    page = run.animate()
+    assert "<iframe" in page._repr_html_() and "ball" in page.html
+    nsdae.solve(ball, 0.1, [1]).animate(tmp_path / "point.html", point=(None, 0, None))
+    with pytest.raises(ValueError, match="no bodies|names no"):
+        nsdae.solve(ball, 0.1, [1]).animate()
+    with pytest.raises(ValueError, match="speeed"):
+        run.animate(tmp_path / "ball.gif", speeed=1)

@@ -1,0 +1,88 @@
+"""Step by step, the state as a value, options on the way."""
+
+import numpy as np
+import pytest
+
+import nsdae
+
+
+def started(system, **options):
+    sim = nsdae.Sim(system, **options)
+    sim.init([1])
+    return sim
+
+
+def test_steps_and_a_run_are_the_same(ball):
+    whole = nsdae.solve(ball, 1.003, [1])
+    sim = started(ball)
+    records = [sim.record] + list(sim.steps(1.003))
+    assert np.array_equal([r.time for r in records], whole.time)
+    assert np.array_equal([r.q for r in records], whole.q)
+    assert sum(len(r.impacts) for r in records) == len(whole.impacts)
+    assert records[3].q is not records[4].q
+
+
+def test_step_tells_of_an_impact(ball):
+    sim = started(ball)
+    statuses = [sim.step() for _ in range(100)]
+    assert nsdae.Status.EVENT in statuses and nsdae.Status.OK in statuses
+    hit = started(ball)
+    assert hit.run_to_event(5) == nsdae.Status.EVENT
+    assert hit.time == pytest.approx(np.sqrt(2 / 9.81), abs=0.0051 * 3)
+    assert len(hit.record.impacts) == 1
+
+
+def test_state_is_a_value(ball):
+    sim = started(ball)
+    sim.run(0.7)
+    kept = sim.state
+    sim.run(1.5)
+    there = sim.record.q, sim.state
+    other = started(ball)
+    other.state = kept
+    other.run(1.5)
+    assert np.array_equal(other.record.q, there[0]) and other.state == there[1]
+    with pytest.raises(nsdae.ArgumentError):
+        sim.state = kept[:-1]
+    with pytest.raises(nsdae.ArgumentError):
+        sim.state = bytes(len(kept))
+
+
+def test_options_and_coefficients_on_the_way(ball):
+    sim = started(ball)
+    sim.run(0.3)
+    sim.set_options(dt=1e-3)
+    assert sim.options["dt"] == 1e-3
+    sim.set_contact(0, e_n=0)
+    sim.run(2)
+    assert abs(sim.record.v[0]) < 1e-12 and sim.stats["impacts"] == 1
+    with pytest.raises(nsdae.ArgumentError, match="method"):
+        sim.set_options(method="moreau")
+
+
+def test_interpolation_meets_the_ends(ball):
+    sim = started(ball)
+    sim.step()
+    q, v = sim.interpolate(sim.time)
+    assert np.array_equal(q, sim.record.q) and np.array_equal(v, sim.record.v)
+    with pytest.raises(nsdae.ArgumentError):
+        sim.interpolate(7)
+
+
+def test_projection_of_a_start(pendulum):
+    q0, v0 = nsdae.Sim(pendulum).project([1.1, 0.1], [0.2, 1])
+    assert q0 @ q0 == pytest.approx(1, abs=1e-12) and abs(q0 @ v0) < 1e-12
+    assert nsdae.solve(pendulum, 0.1, [1.1, 0.1], project=True).status == "complete"
+
+
+def test_every_keeps_the_last(ball):
+    run = nsdae.solve(ball, 1.0, [1], every=7)
+    whole = nsdae.solve(ball, 1.0, [1])
+    assert np.array_equal(run.time, np.append(whole.time[::7], whole.time[-1]))
+    assert np.array_equal(run.impacts, whole.impacts)
+
+
+def test_not_started(ball):
+    with pytest.raises(nsdae.Error) as caught:
+        nsdae.Sim(ball).run(1)
+    assert caught.value.status == nsdae.Status.E_STATE

@@ -1,0 +1,348 @@
+/* Each call of lib/io to HDF5 in turn fails, and each of its allocations, in everything that reads
+ * or writes a file: a status with a text comes back, nothing stays open or allocated, and where the
+ * status says that all went well what was written is there. */
+#include "check.h"
+
+#include <hdf5.h>
+#include <stdlib.h>
+
+#include "allocator.h"
+#include "bead.h"
+#include "friction_families.h"
+#include "hdf5_calls.h"
+
+static const char path[] = "test_hdf5.h5";
+
+enum { STEPS = 6 };
+
+/* One thing that is done to a file: what it needs is made before, without failures. Of long ones
+ * every so-manieth place is tried; all of them with NSDAE_LONG (minutes). */
+typedef struct task {
+  const char *name;
+  int stride;
+  void (*before)(void);
+  int (*act)(nsdae_error *error);
+} task;
+
+static nsdae_sim *sim;
+static nsdae_system *model;
+static bead body;
+
+static void start_sim(void)
+{
+  double q0[3], v0[3];
+  nsdae_sim_destroy(&sim);
+  nsdae_system_destroy(&model);
+  bead_default(&body);
+  bead_start(&body, q0, v0);
+  model = bead_system(&body);
+  nsdae_system_set_name(model, NSDAE_NAME_COORDINATE, 0, "x", "m");
+  assert_int_equal(nsdae_sim_create(model, NULL, &sim, NULL), NSDAE_OK);
+  assert_int_equal(nsdae_sim_init(sim, 0, q0, v0), NSDAE_OK);
+}
+
+/* The first failure of what is written between opening and closing. */
+static int write_run(nsdae_trajectory *t, nsdae_error *error)
+{
+  const double mine[] = {1, 2, 3};
+  const char *const texts[] = {"one", "two"};
+  int status = NSDAE_OK;
+  for (int i = 0; i < STEPS && status >= 0; i++) {
+    status = nsdae_sim_step(sim);
+    if (status < 0) *error = *nsdae_sim_error(sim);
+    if (status >= 0 && i == STEPS / 2) status = nsdae_trajectory_flush(t, error);
+  }
+  if (status >= 0) status = nsdae_trajectory_put(t, "/own/mine", 3, mine, "1", "mine", error);
+  if (status >= 0) status = nsdae_trajectory_put_texts(t, "/own/texts", 2, texts, "texts", error);
+  return status < 0 ? status : NSDAE_OK;
+}
+
+/* After every kind of opening: writes, closes; the first failure of all. */
+static int finish(int opened, nsdae_trajectory *t, nsdae_error *error)
+{
+  nsdae_error of_close;
+  if (opened < 0) {
+    assert_null(t);
+    return opened;
+  }
+  int status = write_run(t, error), closed = nsdae_trajectory_close(&t, status, &of_close);
+  assert_null(t);
+  if (status == NSDAE_OK && closed < 0) *error = of_close;
+  return status == NSDAE_OK ? closed : status;
+}
+
+static const nsdae_trajectory_info plain = {.model = "bead"},
+                                   packed = {.model = "bead", .compress = 3},
+                                   alive = {.model = "bead", .live = 1};
+
+static int create(const nsdae_trajectory_info *info, nsdae_error *error)
+{
+  static const double corners[] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+  static const nsdae_body bodies[] = {
+      {.name = "bead", .shape = NSDAE_SHAPE_SPHERE, .size = {0.1}, .position = {"x", "q1"}},
+      {.name = "wing",
+       .shape = NSDAE_SHAPE_POLYGON,
+       .points = 3,
+       .point = corners,
+       .position = {"q0", "q1"},
+       .angle = "q2"}};
+  nsdae_trajectory *t = NULL;
+  int status = nsdae_trajectory_create(sim, path, info, &t, error);
+  if (status < 0) return finish(status, t, error);
+  nsdae_error of_close;
+  status = nsdae_trajectory_set_bodies(t, 2, bodies, error);
+  if (status == NSDAE_OK) return finish(status, t, error);
+  nsdae_trajectory_close(&t, status, &of_close);
+  return status;
+}
+
+static int create_plain(nsdae_error *error)
+{
+  return create(&plain, error);
+}
+
+static int create_packed(nsdae_error *error)
+{
+  return create(&packed, error);
+}
+
+static int create_live(nsdae_error *error)
+{
+  nsdae_trajectory *t = NULL;
+  int status = nsdae_trajectory_create(sim, path, &alive, &t, error);
+  if (status < 0) return status;
+  for (int i = 0; i < STEPS && status >= 0; i++) {
+    status = nsdae_sim_step(sim);
+    if (status < 0) *error = *nsdae_sim_error(sim);
+    if (status >= 0) status = nsdae_trajectory_flush(t, error);
+  }
+  nsdae_error of_close;
+  int closed = nsdae_trajectory_close(&t, status < 0 ? status : NSDAE_OK, &of_close);
+  if (status >= 0 && closed < 0) *error = of_close;
+  return status < 0 ? status : closed;
+}
+
+static void written(const nsdae_trajectory_info *info)
+{
+  nsdae_error error;
+  remove(path);
+  start_sim();
+  assert_int_equal(create(info, &error), NSDAE_OK);
+  start_sim();
+}
+
+static void written_plain(void)
+{
+  written(&plain);
+}
+
+static void written_packed(void)
+{
+  written(&packed);
+}
+
+static int resume(const nsdae_trajectory_info *info, nsdae_error *error)
+{
+  nsdae_trajectory *t = NULL;
+  int status = nsdae_trajectory_resume(sim, path, info, &t, error);
+  return finish(status, t, error);
+}
+
+static int resume_plain(nsdae_error *error)
+{
+  return resume(&plain, error);
+}
+
+static int resume_packed(nsdae_error *error)
+{
+  return resume(&packed, error);
+}
+
+static int read_params(nsdae_error *error)
+{
+  nsdae_sim_options options;
+  nsdae_sim_options_default(&options);
+  return nsdae_trajectory_read_params(path, "options", nsdae_sim_options_table(), &options, error);
+}
+
+static const double A[] = {2, 1, 1, 3}, b[] = {-1, 2};
+static const nsdae_lcp_problem lcp = {.n = 2, .A = A, .lda = 2, .b = b};
+static const nsdae_lcp_origin of_lcp = {.time = 0.25, .step = 50, .tol = 1e-9, .method = "moreau"};
+
+static int write_lcp(nsdae_error *error)
+{
+  return nsdae_lcp_write(path, &lcp, &of_lcp, error);
+}
+
+static void written_lcp(void)
+{
+  remove(path);
+  assert_int_equal(write_lcp(NULL), NSDAE_OK);
+}
+
+static int read_lcp(nsdae_error *error)
+{
+  nsdae_lcp_file file;
+  int status = nsdae_lcp_read(path, &file, error);
+  if (status == NSDAE_OK) assert_true(file.n == 2 && file.b[1] == 2);
+  nsdae_lcp_file_release(&file);
+  return status;
+}
+
+static friction_sample drawn;
+static friction_local local;
+
+static int write_friction_problem(const nsdae_friction_problem *p, nsdae_error *error)
+{
+  static double r[2000];
+  const nsdae_friction_points points = {.guess = r, .r = r, .u = r};
+  const nsdae_friction_origin origin = {.time = 0.25, .step = 3, .tol = 1e-9, .method = "moreau"};
+  return nsdae_friction_write(path, p, &points, &origin, error);
+}
+
+static int write_global(nsdae_error *error)
+{
+  return write_friction_problem(&drawn.problem, error);
+}
+
+static int write_local(nsdae_error *error)
+{
+  return write_friction_problem(&local.problem, error);
+}
+
+static void written_global(void)
+{
+  remove(path);
+  assert_int_equal(write_global(NULL), NSDAE_OK);
+}
+
+static void written_local(void)
+{
+  remove(path);
+  assert_int_equal(write_local(NULL), NSDAE_OK);
+}
+
+static int read_friction(nsdae_error *error)
+{
+  nsdae_friction_file file;
+  int status = nsdae_friction_read(path, &file, error);
+  nsdae_friction_file_release(&file);
+  return status;
+}
+
+static void nothing(void)
+{
+  remove(path);
+}
+
+static void fresh(void)
+{
+  remove(path);
+  start_sim();
+}
+
+static const task tasks[] = {
+    {"create", 7, fresh, create_plain},
+    {"create packed", 31, fresh, create_packed},
+    {"create live", 11, fresh, create_live},
+    {"resume", 11, written_plain, resume_plain},
+    {"resume packed", 31, written_packed, resume_packed},
+    {"read options", 1, written_plain, read_params},
+    {"write LCP", 1, nothing, write_lcp},
+    {"read LCP", 1, written_lcp, read_lcp},
+    {"write friction", 1, nothing, write_global},
+    {"read friction", 1, written_global, read_friction},
+    {"write friction, local", 1, nothing, write_local},
+    {"read friction, local", 1, written_local, read_friction},
+};
+
+static void expect_told(const task *t, const char *failed, long at, int status,
+                        const nsdae_error *error)
+{
+  if (status < 0 && (error->status != status || !error->text[0]))
+    fail_msg("%s: %s, number %ld: status %d, record %d '%s'", t->name, failed, at, status,
+             error->status, error->text);
+  if (H5Fget_obj_count(H5F_OBJ_ALL, H5F_OBJ_ALL) > 0)
+    fail_msg("%s: %s, number %ld: %d objects stay open", t->name, failed, at,
+             (int)H5Fget_obj_count(H5F_OBJ_ALL, H5F_OBJ_ALL));
+}
+
+/* Once a call failed and the status is OK: it must not have mattered. Then all is there. */
+static void expect_written(const task *t, const char *failed, long at)
+{
+  nsdae_error error;
+  int status = NSDAE_OK;
+  if (t->act == create_plain || t->act == create_packed || t->act == resume_plain ||
+      t->act == resume_packed) /* one that is live keeps no options */
+    status = read_params(&error);
+  if (t->act == write_lcp) status = read_lcp(&error);
+  if (t->act == write_global || t->act == write_local) status = read_friction(&error);
+  if (status < 0) fail_msg("%s: %s, number %ld: OK, and then %s", t->name, failed, at, error.text);
+}
+
+static void test_calls(void **state)
+{
+  (void)state;
+  for (size_t i = 0; i < sizeof tasks / sizeof *tasks; i++) {
+    const task *t = &tasks[i];
+    long at = 0, borne = 0, stride = getenv("NSDAE_LONG") ? 1 : t->stride;
+    for (;; at += stride) {
+      nsdae_error error = {0};
+      t->before();
+      hdf5_calls_reset(at);
+      int status = t->act(&error);
+      const char *failed = the_hdf5.failed;
+      hdf5_calls_reset(-1);
+      expect_told(t, failed, at, status, &error);
+      if (!failed) {
+        assert_int_equal(status, NSDAE_OK);
+        break;
+      }
+      if (status < 0) continue;
+      borne++;
+      expect_written(t, failed, at);
+      if (getenv("NSDAE_VERBOSE"))
+        print_message("%s: %s, number %ld: borne\n", t->name, failed, at);
+    }
+    print_message("%s: %ld calls, %ld of them borne\n", t->name, at, borne);
+    assert_true(at > 10);
+  }
+}
+
+static void test_allocations(void **state)
+{
+  (void)state;
+  for (size_t i = 0; i < sizeof tasks / sizeof *tasks; i++) {
+    const task *t = &tasks[i];
+    long at = 0, stride = getenv("NSDAE_LONG") ? 1 : t->stride;
+    for (;; at += stride) {
+      nsdae_error error = {0};
+      t->before();
+      allocator_reset(at);
+      int status = t->act(&error);
+      long live = the_allocator.live, calls = the_allocator.calls;
+      allocator_reset(-1);
+      expect_told(t, "an allocation", at, status, &error);
+      if (calls <= at) break;
+      if (status != NSDAE_E_MEMORY || live != 0)
+        fail_msg("%s, allocation %ld: status %d, %ld left", t->name, at, status, live);
+    }
+    print_message("%s: %ld allocations\n", t->name, at);
+  }
+}
+
+int main(void)
+{
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_calls),
+                                     cmocka_unit_test(test_allocations)};
+  H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
+  friction_sample_draw(&drawn, 0, 10, 11);
+  friction_sample_local(&drawn, &local);
+  int failed = cmocka_run_group_tests(tests, NULL, NULL);
+  friction_local_release(&local);
+  friction_sample_release(&drawn);
+  nsdae_sim_destroy(&sim);
+  nsdae_system_destroy(&model);
+  remove(path);
+  return failed;
+}

@@ -1,0 +1,49 @@
+#!/bin/sh
+# The package for Python as a user gets it: a wheel of this source, installed into an empty environment, its first
+# picture, then its own tests there. usage: package.sh SOURCE_DIR BIN_DIR WORK_DIR
+set -eu
+source=$1 bin=$2 work=$3
+python=${NSDAE_PYTHON:-python3}
+skip() {
+  echo "skipped: $1"
+  exit 77
+}
+"$python" -c 'import sys, ensurepip; sys.exit(sys.version_info < (3, 9))' 2>/dev/null ||
+  skip "no Python 3.9 or later that makes environments (python3-venv)"
+"$python" -c 'import os, sysconfig as s, sys; sys.exit(not os.path.exists(os.path.join(s.get_paths()["include"], "Python.h")))' ||
+  skip "no Python.h (python3-dev)"
+rm -rf "$work"
+mkdir -p "$work"
+"$python" -m venv "$work/make"
+"$work/make/bin/pip" download -q --no-deps -d "$work/probe" nanobind >/dev/null 2>&1 ||
+  skip "no package index to fetch nanobind from"
+seconds() { echo "$1: $(($(date +%s) - begin)) s"; }
+
+begin=$(date +%s)
+"$work/make/bin/pip" wheel -q "$source" --no-deps -w "$work/wheel" --config-settings=build-dir="$work/build"
+seconds "wheel built"
+
+"$python" -m venv "$work/use"
+use="$work/use/bin/python"
+begin=$(date +%s)
+"$work/use/bin/pip" install -q "$work"/wheel/nsdae-*.whl
+cd "$work"
+awk '/<!-- file: ball.py -->/ { on = 1 } on && /^```$/ { exit } on && code { print } on && /^```python/ { code = 1 }' \
+  "$source/docs/guide/python.md" >ball.py
+MPLBACKEND=Agg "$use" ball.py
+[ -s ball.png ]
+seconds "installed into an empty environment, first picture drawn"
+
+# nothing of this system but libc and the loader
+needed=$(objdump -p "$work"/use/lib/python3*/site-packages/nsdae/_core*.so | awk '$1 == "NEEDED" { print $2 }')
+for library in $needed; do
+  case $library in libc.so* | libm.so* | libstdc++.so* | libgcc_s.so* | libpthread.so* | libdl.so* | ld-linux* | linux-vdso*) ;;
+  *) echo "FAILED: the module needs $library of the system" && exit 1 ;;
+  esac
+done
+
+"$work/use/bin/pip" install -q pytest
+for optional in scipy cffi numba; do
+  "$work/use/bin/pip" install -q --only-binary :all: $optional || echo "left out: no $optional here"
+done
+NSDAE_BIN=$bin PYTHONDONTWRITEBYTECODE=1 "$use" -m pytest -q -p no:cacheprovider "$source/python/tests"
