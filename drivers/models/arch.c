@@ -6,7 +6,7 @@
  * Of n blocks hinges open at joints alone. With the thrust H at the crown, at the height y, the
  * moment of half the arch about a point (a_x, a_y) of a joint is
  *
- *   H (y - a_y) - W (x_W - a_x),   W and x_W: weight and centre of the blocks from crown to joint
+ *   W (a_x - x_W) - H (y - a_y),   W and x_W: weight and centre of the blocks from crown to joint
  *
  * >= 0 about the outer end of every joint and <= 0 about the inner one: straight lines in the plane
  * of (H, H y). The arch stands where they leave a point. */

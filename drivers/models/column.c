@@ -3,8 +3,7 @@
  *
  *   F = g sum m_i
  *
- * whatever the ratio: with 1000 balls of a ratio of 1000 the lowest contact carries 10^6 times what
- * the highest does. */
+ * whatever the ratio. */
 #include "column.h"
 
 #include <math.h>

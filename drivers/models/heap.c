@@ -1,12 +1,14 @@
-/* Spheres in a loose column that collapses to a heap. Known of it:
+/* Spheres in a loose column that collapses to a heap.
  *
- *   momentum   what a floor that is a plane gave is the weight times the time and the momentum of
- * the spheres, Lambda = g t sum m + sum m z' volume     spheres do not go into each other: their
- * lenses of overlap are little of their volume slope      that of a cone with the heap's centre of
- * mass and mean square of the distance from the axis: of a cone of height H and radius R these are
- * H / 4 and 3 R^2 / 10. Monosized spheres that roll freely come to rest at some 15 to 25 degrees
- * (Y. C. Zhou, B. H. Xu, A. B. Yu, P. Zulli, Powder Technology 125, 2002, without rolling friction)
- */
+ * Momentum: what a floor that is a plane gave is the weight times the time and the momentum of the
+ * spheres, Lambda = g t sum m + sum m z'.
+ *
+ * Volume: spheres do not go into each other; their lenses of overlap are little of their volume.
+ *
+ * Slope: that of a cone with the heap's centre of mass and mean square of the distance from the
+ * axis, which are H / 4 and 3 R^2 / 10 of a cone of height H and radius R. It grows with friction
+ * (Y. C. Zhou, B. H. Xu, A. B. Yu, P. Zulli, Numerical investigation of the angle of repose of
+ * monosized spheres, Phys. Rev. E 64, 021301, 2001). */
 #include "heap.h"
 
 #include <math.h>
@@ -109,14 +111,14 @@ static void conclude(const void *base)
            p->impulse > 0 ? p->worst_momentum / p->impulse : p->worst_momentum);
     return;
   }
-  printf("slope of the heap %.1f degrees (15 .. 25 without rolling friction, Zhou et al. 2002)\n",
+  printf("slope of the heap %.1f degrees; it grows with friction (Zhou et al. 2001)\n",
          p->angle * 180 / pi);
 }
 
 #define AT(field) offsetof(heap, field)
 
 static const nsdae_param entries[] = {
-    {"spheres", "1", "how many", NSDAE_PARAM_INT, AT(spheres), 300, 1, 1e6, 0, NULL},
+    {"spheres", "1", "how many", NSDAE_PARAM_INT, AT(spheres), 100, 1, 1e6, 0, NULL},
     {"r", "m", "radius", NSDAE_PARAM_REAL, AT(r), 0.01, 0, INFINITY, NSDAE_OPEN_MIN, NULL},
     {"rough", "1", "1: the floor is of spheres, 0: a plane, on which they part", NSDAE_PARAM_INT,
      AT(rough), 1, 0, 1, 0, NULL},
@@ -132,8 +134,8 @@ const driver_model heap_model = {.name = "heap",
                                  .summary = "a loose column of spheres collapses to a heap",
                                  .parameters = &table,
                                  .base = &parameters,
-                                 .t_end = 1,
-                                 .dt = 1e-3,
+                                 .t_end = 0.5,
+                                 .dt = 2e-3,
                                  .method = NSDAE_METHOD_MOREAU,
                                  .lcp_tol = 1e-4,
                                  .build = build,
