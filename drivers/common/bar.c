@@ -29,13 +29,20 @@ static void print_left(double passed, double part)
 
 void bar_move(bar *b, double part, double time)
 {
+  char what[48];
+  snprintf(what, sizeof what, "t = %.4g s", time);
+  bar_show(b, part, what);
+}
+
+void bar_show(bar *b, double part, const char *what)
+{
   enum { WIDTH = 40 };
   static const char full[] = "########################################";
   if (!b->terminal) return;
   double now = clock_now();
   if (now - b->started < 1 || now - b->shown < 0.1) return;
   int cells = (int)(part * (double)WIDTH);
-  fprintf(stderr, "\r[%-*.*s] %3.0f %%  t = %.4g s", WIDTH, cells, full, 100 * part, time);
+  fprintf(stderr, "\r[%-*.*s] %3.0f %%  %s", WIDTH, cells, full, 100 * part, what);
   print_left(now - b->started, part);
   fprintf(stderr, "\033[K");
   b->visible = 1;

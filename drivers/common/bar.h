@@ -14,6 +14,9 @@ void bar_begin(bar *b, int quiet);
 /* part: 0 .. 1; time: of the run [s]. Redrawn ten times a second. */
 void bar_move(bar *b, double part, double time);
 
+/* The same, with what else there is to say. */
+void bar_show(bar *b, double part, const char *what);
+
 /* Takes it off the terminal, so that a line can be printed. */
 void bar_clear(bar *b);
 

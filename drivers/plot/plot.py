@@ -1,4 +1,4 @@
-"""Pictures of an nsdae trajectory: coordinates, velocities, modes of contacts, forces, impulses, energy, certificate."""
+"""Pictures of an nsdae trajectory or sweep: coordinates, velocities, modes of contacts, forces, impulses, energy, certificate."""
 
 import io
 import os
@@ -8,8 +8,9 @@ import matplotlib
 import matplotlib.pyplot as plt
 import numpy as np
 
+import sweeps
 from modes import MODE_COLOURS, MODES, strips
-from trajectory import Parser, Problem, names_of_rows, open_trajectory, replace, tell, text
+from trajectory import Parser, Problem, names_of_rows, open_file, open_trajectory, reason, replace, tell, text
 
 FORMATS = (".png", ".svg", ".pdf")
 NEEDED = ("v", "energy/kinetic", "energy/dissipated", "certificate", "impact/time")
@@ -293,17 +294,31 @@ def draw(file, names, title):
     return figure
 
 
+def parameter_at(word):
+    name, value = word.split("=")
+    return name, float(value)
+
+
+parameter_at.__name__ = "value of a parameter (NAME=VALUE)"  # argparse quotes it
+
+
 def parse(argv):
     parser = Parser(prog="nsdae-plot", description=__doc__)
     parser.add_argument("file", help="trajectory, e.g. pendulum.h5")
     parser.add_argument("-o", "--output", help="picture (.png, .svg or .pdf); default FILE.png")
-    parser.add_argument("--only", action="append", choices=list(PANELS), help="this panel; repeatable")
+    parser.add_argument("--only", action="append", metavar="PANEL",
+                        help=f"this panel ({', '.join(PANELS)}), or of a sweep this quantity, e.g. final/q; repeatable")
+    parser.add_argument("--at", action="append", default=[], type=parameter_at, metavar="NAME=VALUE",
+                        help="of a sweep the runs with the nearest value of this parameter; repeatable")
     parser.add_argument("--title", help="instead of model, method and step")
     parser.add_argument("--dpi", type=int, default=150, help="of a PNG, 20 to 1200 (default 150)")
     parser.add_argument("--version", action="version", version="nsdae-plot @PROJECT_VERSION@")
     arguments = parser.parse_args(argv)
     if not 20 <= arguments.dpi <= 1200:
         parser.error(f"--dpi {arguments.dpi} is outside its range: it must be 20 to 1200")
+    unknown = [name for name in arguments.only or () if name not in PANELS and "/" not in name]
+    if unknown:
+        parser.error(f"--only '{unknown[0]}': a panel is one of {', '.join(PANELS)}; a sweep's quantity has a '/'")
     if arguments.output is None:
         arguments.output = os.path.splitext(arguments.file)[0] + ".png"
     elif not arguments.output.lower().endswith(FORMATS):
@@ -325,12 +340,22 @@ def panels(file, only):
     return names
 
 
+def figure_of(arguments):
+    with open_file(arguments.file) as file:
+        if sweeps.is_sweep(file):
+            try:
+                return sweeps.draw(file, arguments.only, arguments.title, arguments.at)
+            except (OSError, KeyError, RuntimeError) as error:
+                raise Problem(f"'{arguments.file}' is damaged: {reason(error)}") from error
+    with open_trajectory(arguments.file, *NEEDED) as file:
+        return draw(file, panels(file, arguments.only), arguments.title or title_of(file))
+
+
 def main(argv):
     arguments = parse(argv)
     matplotlib.use("Agg")  # no window, whatever the user's own choice is
     try:
-        with open_trajectory(arguments.file, *NEEDED) as file:
-            figure = draw(file, panels(file, arguments.only), arguments.title or title_of(file))
+        figure = figure_of(arguments)
         replace(arguments.output, picture(figure, arguments))
         tell(f"picture in {arguments.output}")
     except Problem as problem:

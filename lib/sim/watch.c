@@ -149,10 +149,18 @@ static int add_work(nsdae_watch *w, nsdae_result *at)
   return NSDAE_OK;
 }
 
-/* Energy that came from nowhere, up to the point before. */
-static int find_gain(nsdae_watch *w, nsdae_point *before, const nsdae_point *point, double *gain)
+static double energy_bound(const nsdae_watch *w)
 {
-  *gain = 0;
+  return watch_share * w->scale + watch_turnover * w->turnover;
+}
+
+/* Energy that came from nowhere, and its bound: of the quadrature up to the point before, with what
+ * was known there (where each step multiplies the energy the next one hides it), of contacts up to
+ * this one. The one that is further beyond. */
+static int find_gain(nsdae_watch *w, nsdae_point *before, const nsdae_point *point, double *gain,
+                     double *bound)
+{
+  *gain = *bound = 0;
   if (before->result.located || point->result.located) {
     w->gained = fmax(w->gained, -point->record.dissipated);
   } else {
@@ -161,9 +169,10 @@ static int find_gain(nsdae_watch *w, nsdae_point *before, const nsdae_point *poi
     w->turned = turned(&before->result.end, &point->result.end);
     w->gained += fmax(point->result.work, 0);
     *gain = before->record.kinetic + before->record.dissipated - w->kinetic - w->work;
+    *bound = energy_bound(w);
   }
-  *gain = fmax(*gain, w->gained);
   w->scale = fmax(w->scale, point->record.kinetic);
+  if (w->gained - energy_bound(w) > *gain - *bound) *gain = w->gained, *bound = energy_bound(w);
   return NSDAE_OK;
 }
 
@@ -190,12 +199,11 @@ static double depth_of(const nsdae_sim *sim, const nsdae_watch *w)
 }
 
 /* What is beyond its bound and was not said yet, the gravest first. */
-static int judge(const nsdae_sim *sim, nsdae_point *point, double gain)
+static int judge(const nsdae_sim *sim, nsdae_point *point, double gain, double energy)
 {
   const nsdae_watch *w = &point->accounts.watch;
   const nsdae_record *r = &point->record;
   int new = ~point->accounts.stats.warnings;
-  double energy = watch_share * w->scale + watch_turnover * w->turnover;
   double depth = watch_ways * depth_of(sim, w), way = watch_ways * w->way;
   if ((new &NSDAE_WATCH_ENERGY) && gain > energy)
     return say(point, NSDAE_WATCH_ENERGY, NSDAE_WARN_ENERGY, "kinetic",
@@ -212,8 +220,8 @@ static int judge(const nsdae_sim *sim, nsdae_point *point, double gain)
 int nsdae_watch_step(const nsdae_sim *sim, nsdae_point *before, nsdae_point *point)
 {
   nsdae_watch *w = &point->accounts.watch;
-  double gain;
+  double gain, bound;
   measure(w, &before->result.end, &point->result);
-  int status = find_gain(w, before, point, &gain);
-  return status < 0 ? status : judge(sim, point, gain);
+  int status = find_gain(w, before, point, &gain, &bound);
+  return status < 0 ? status : judge(sim, point, gain, bound);
 }

@@ -8,6 +8,7 @@
 #include "errors.h"
 #include "probe.h"
 #include "system_impl.h"
+#include "tangents.h"
 
 typedef struct check {
   nsdae_system *system;
@@ -15,6 +16,7 @@ typedef struct check {
   double t, tol;
   const double *q, *v;
   double *given, *differenced, *spare; /* one matrix each */
+  double *mass, *velocity, *moved;     /* nv x nv, nv, nq */
   int code;                            /* of a callback that failed, and its name */
   const char *callback;
   nsdae_check worst;
@@ -36,6 +38,9 @@ static void layout(void *object, nsdae_arena *arena)
   c->given = NSDAE_ARENA_DOUBLES(arena, size);
   c->differenced = NSDAE_ARENA_DOUBLES(arena, size);
   c->spare = NSDAE_ARENA_DOUBLES(arena, size);
+  c->mass = NSDAE_ARENA_DOUBLES(arena, (long)c->system->dims.nv * c->system->dims.nv);
+  c->velocity = NSDAE_ARENA_DOUBLES(arena, c->system->dims.nv);
+  c->moved = NSDAE_ARENA_DOUBLES(arena, c->system->dims.nq);
 }
 
 static int failed(check *c, int code, const char *callback)
@@ -159,18 +164,6 @@ static void check_contact_acceleration(check *c)
     compare(c, "contact_acceleration", k + kt + f, 1);
 }
 
-/* Directions that friction cannot act along as they stand: all zero, the normal itself, or one
- * direction twice. Whether they are the contact's, with the right arms, the gap does not tell. */
-static int same_column(int n, const double *a, const double *b)
-{
-  int same = 1, opposite = 1;
-  for (int i = 0; i < n; i++) {
-    same = same && a[i] == b[i];
-    opposite = opposite && a[i] == -b[i];
-  }
-  return same || opposite;
-}
-
 static int bad_tangent(check *c, int contact, int column, const char *why)
 {
   nsdae_system *s = c->system;
@@ -181,40 +174,47 @@ static int bad_tangent(check *c, int contact, int column, const char *why)
                          nsdae_system_called(s, NSDAE_NAME_CONTACT, contact, called), why);
 }
 
-/* W_T is in given, W_N in differenced. */
-static int judge_tangents(check *c, int i)
+/* W_N here and, a little along the motion of some velocity, elsewhere. */
+static int find_normals(check *c, double *here, double *elsewhere)
 {
-  const nsdae_system *s = c->system;
-  int n = s->dims.nv, nt = s->dims.nt;
-  const double *normal = c->differenced + (size_t)i * (size_t)n;
-  for (int j = i * nt; j < (i + 1) * nt; j++) {
-    const double *tangent = c->given + (size_t)j * (size_t)n;
-    int row = 0;
-    while (row < n && tangent[row] == 0) row++;
-    if (row == n) return bad_tangent(c, i, j, "is all zero: friction has nothing to act on");
-    if (n > 1 && same_column(n, tangent, normal))
-      return bad_tangent(c, i, j,
-                         "is the normal's, gap_normal: the slip needs a direction of its own");
-    if (j > i * nt && n > 1 && same_column(n, tangent, tangent - n))
-      return bad_tangent(c, i, j,
-                         "is the one before it: two directions at right angles are needed");
-  }
-  return NSDAE_OK;
+  nsdae_differences *d = &c->differences;
+  const nsdae_dims *dims = &c->system->dims;
+  for (int i = 0; i < dims->nv; i++) c->velocity[i] = 0.1 / (2 + i);
+  int code = nsdae_kinematics(c->system, c->t, c->q, c->velocity, c->moved);
+  if (failed(c, code, "kinematics")) return code;
+  for (int i = 0; i < dims->nq; i++) c->moved[i] += c->q[i];
+  code = nsdae_differences_velocity(d, c->system->gap, dims->k, c->t, c->q, here, dims->nv, 1);
+  if (code == 0)
+    code = nsdae_differences_velocity(d, c->system->gap, dims->k, c->t, c->moved, elsewhere,
+                                      dims->nv, 1);
+  difference_failed(c, code, "gap");
+  return code;
 }
 
+/* W_T in given, W_N in differenced and, of the other place, in spare, M in mass. */
 static int check_tangents(check *c)
 {
   nsdae_system *s = c->system;
-  int k = s->dims.k, n = s->dims.nv, status = NSDAE_OK;
+  int k = s->dims.k, n = s->dims.nv, nt = s->dims.nt, status = NSDAE_OK;
   if (!s->gap_tangent || c->code) return NSDAE_OK;
-  zero(c->given, n, k * s->dims.nt);
-  zero(c->differenced, n, k);
+  zero(c->given, n, k * nt);
+  zero(c->mass, n, n);
   if (failed(c, s->gap_tangent(c->t, c->q, c->given, n, s->user), "gap_tangent") ||
-      (s->gap_normal &&
-       failed(c, s->gap_normal(c->t, c->q, c->differenced, n, s->user), "gap_normal")))
-    return NSDAE_OK;
-  for (int i = 0; i < k && status == NSDAE_OK; i++)
-    if (s->contact[i].mu > 0) status = judge_tangents(c, i);
+      failed(c, s->mass(c->t, c->q, c->mass, n, s->user), "mass") ||
+      find_normals(c, c->differenced, c->spare) != 0)
+    return nsdae_system_callback_status(c->code, c->callback, c->t, &s->error);
+  for (int j = 0; j < k * nt && status == NSDAE_OK; j++) {
+    char why[NSDAE_TANGENT_TEXT];
+    size_t i = (size_t)(j / nt), size = (size_t)n;
+    const nsdae_contact_directions of = {n,
+                                         nt,
+                                         c->mass,
+                                         c->differenced + i * size,
+                                         c->spare + i * size,
+                                         c->given + i * (size_t)nt * size};
+    if (s->contact[i].mu > 0 && nsdae_tangent_wrong(&of, j % nt, c->tol, why))
+      status = bad_tangent(c, (int)i, j, why);
+  }
   return status;
 }
 

@@ -292,8 +292,9 @@ const char *nsdae_system_unseen(nsdae_system *system)
       {"force: its values and signs", system->force != NULL},
       {"constraint: whether it is the one that is meant", system->constraint != NULL},
       {"gap: whether it is the distance, its sign and its unit", system->gap != NULL},
-      {"gap_tangent: whether its directions lie in the contact, at right angles and of length one, "
-       "and the arms and signs of its rotations",
+      {"gap_tangent: the arms and signs of its rotations; length and right angles of its "
+       "directions "
+       "where no body moves freely in M",
        system->gap_tangent != NULL},
       {"contact_bias: w_t", system->contact_bias && system->dims.nt > 0},
       {"slide_tangent: its values", system->slide_tangent != NULL},

@@ -18,6 +18,7 @@ from ._pointers import signature
 from ._problems import FrictionResult, LcpResult, friction, friction_local, lcp
 from ._records import OPEN, SLIDE, STICK, LcpProblem, Record
 from ._sim import METHODS, Sim, solve
+from ._sweep import Sweep, load_sweep, sweep
 from ._system import Dims, System, Worst
 from ._trajectory import Shape, Trajectory, load
 
@@ -28,5 +29,5 @@ __doc__ += "".join(f"    {key:<18}{what}{f' [{unit}]' if unit not in ('', '1') e
 
 __all__ = ["ArgumentError", "Bodies", "CallbackError", "Dims", "Error", "FrictionResult", "GROUND", "LcpProblem",
            "LcpResult", "METHODS", "OPEN", "ProblemError", "Record", "SLIDE", "STICK", "Shape", "Sim", "Solid", "Status",
-           "System", "Trajectory", "Worst", "build_info", "friction", "friction_local", "lcp", "load", "signature",
-           "solve"]
+           "Sweep", "System", "Trajectory", "Worst", "build_info", "friction", "friction_local", "lcp", "load", "load_sweep",
+           "signature", "solve", "sweep"]

@@ -307,13 +307,108 @@ static void test_unseen(void **state)
   nsdae_system_destroy(&s);
 }
 
+/* Directions of a body that is free: each of its entries wrong in turn is seen; the rotations,
+ * where there are some, and what moves only other bodies, are left alone. user: W_T of the contact,
+ * 2 nv. */
+typedef struct puck {
+  double M[16], W[8], arm;
+  int n, nt;
+} puck;
+
+static int puck_mass(double t, const double *q, double *M, int ldm, void *user)
+{
+  const puck *p = user;
+  (void)t, (void)q;
+  for (int i = 0; i < p->n; i++) M[i * ldm + i] = p->M[i];
+  return 0;
+}
+
+static int puck_force(double t, const double *q, const double *v, double *F, void *user)
+{
+  (void)t, (void)q, (void)v, (void)F, (void)user;
+  return 0;
+}
+
+/* Above a slope, by an arm that turns with the third coordinate. */
+static int puck_gap(double t, const double *q, double *g, void *user)
+{
+  const puck *p = user;
+  (void)t;
+  g[0] = 0.6 * q[0] + 0.8 * q[1] + p->arm * sin(q[2]);
+  return 0;
+}
+
+static int puck_tangent(double t, const double *q, double *W, int ldw, void *user)
+{
+  const puck *p = user;
+  (void)t, (void)q;
+  for (int j = 0; j < p->nt; j++)
+    for (int i = 0; i < p->n; i++) W[j * ldw + i] = p->W[j * p->n + i];
+  return 0;
+}
+
+static int check_puck(puck *p)
+{
+  const nsdae_dims dims = {.nq = p->n, .k = 1, .nt = p->nt};
+  const double q[4] = {0.3, 0.2, 0.9, -0.4}, v[4] = {1, 2, 3, 4};
+  nsdae_system *s = NULL;
+  nsdae_system_create(&dims, &s, NULL);
+  nsdae_system_set_user(s, p);
+  nsdae_system_set_mass(s, puck_mass);
+  nsdae_system_set_force(s, puck_force);
+  nsdae_system_set_gap(s, puck_gap);
+  nsdae_system_set_gap_tangent(s, puck_tangent);
+  nsdae_system_set_contact(s, 0, 0.3, 0, 0);
+  int status = nsdae_system_check(s, 0, q, v, 1e-5, NULL);
+  if (status < 0) assert_string_equal(nsdae_system_error(s)->argument, "gap_tangent");
+  nsdae_system_destroy(&s);
+  return status;
+}
+
+static void test_free_bodies(void **state)
+{
+  (void)state;
+  const puck flat = {{2, 2, 0.7, 5}, {0.8, -0.6, 0.4, 0}, 0.5, 4, 1};
+  const puck solid = {{2, 2, 2, 5}, {0.8, -0.6, 0, 0, 0, 0, 1, 0.3}, 0, 4, 2};
+  puck p = flat;
+  assert_int_equal(check_puck(&p), NSDAE_OK);
+  for (int i = 0; i < 4; i++) { /* x and y are seen, the rotation and another body are not */
+    p = flat;
+    p.W[i] += 0.01;
+    assert_int_equal(check_puck(&p), i < 2 ? NSDAE_E_DERIVATIVE : NSDAE_OK);
+    p = flat;
+    p.W[i] = -p.W[i];
+    assert_int_equal(check_puck(&p), i < 2 ? NSDAE_E_DERIVATIVE : NSDAE_OK);
+  }
+  p = solid;
+  assert_int_equal(check_puck(&p), NSDAE_OK);
+  for (int i = 0; i < 8; i++) {
+    p = solid;
+    p.W[i] += 0.01;
+    assert_int_equal(check_puck(&p), i % 4 < 3 ? NSDAE_E_DERIVATIVE : NSDAE_OK);
+  }
+  p = solid; /* two unit vectors in the contact that are not at right angles */
+  p.W[4] = 0.8 * 0.6, p.W[5] = -0.6 * 0.6, p.W[6] = 0.8;
+  assert_int_equal(check_puck(&p), NSDAE_E_DERIVATIVE);
+  /* masses that say nothing: a rotation's is that of the translations, or x and y are of two bodies
+   */
+  p = flat;
+  p.M[2] = 2, p.W[0] = 3;
+  assert_int_equal(check_puck(&p), NSDAE_OK);
+  p.M[1] = 3;
+  assert_int_equal(check_puck(&p), NSDAE_OK);
+  /* the arm of a rotation, of length one here by chance */
+  p = (puck){{3, 4, 2, 2}, {1, 1, 0.5, 0}, 1, 4, 1};
+  assert_int_equal(check_puck(&p), NSDAE_OK);
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_right),      cmocka_unit_test(test_beyond),
       cmocka_unit_test(test_not_finite), cmocka_unit_test(test_never_set),
       cmocka_unit_test(test_tangents),   cmocka_unit_test(test_copied_tangents),
-      cmocka_unit_test(test_unseen),
+      cmocka_unit_test(test_unseen),     cmocka_unit_test(test_free_bodies),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,119 @@
+/* Nothing but W_T itself says where a contact slides to. But the translations of a body that is
+ * free in M are known there: two velocities, in space three, and no others, with one mass m and no
+ * coupling,
+ *
+ *   T = m |x'|^2 / 2 + ...,
+ *
+ * where the part of W_N along them has length one, here and elsewhere: a distance has
+ * g' = n . x' + (r x n) . w with |n| = 1 everywhere, while arms r change with q. The slip is
+ * v_T = t . x' + (r x t) . w: the parts of the directions t along them have length one, too, and
+ * are at right angles to n and to each other; or they are zero, where other bodies slide. The parts
+ * of rotations, r x t, depend on the arm, which a gap does not tell: that of a disc does not see
+ * its angle at all. */
+#include "tangents.h"
+
+#include <math.h>
+#include <stdio.h>
+
+typedef nsdae_contact_directions directions;
+
+static double mass_of(const directions *c, int i)
+{
+  return c->M[(size_t)i * (size_t)(c->nv + 1)];
+}
+
+static int is_free(const directions *c, int i)
+{
+  size_t n = (size_t)c->nv, row = (size_t)i;
+  for (size_t j = 0; j < n; j++)
+    if (j != row && (c->M[row * n + j] != 0 || c->M[j * n + row] != 0)) return 0;
+  return mass_of(c, i) > 0;
+}
+
+static int same_set(const directions *c, int of, int i)
+{
+  return mass_of(c, i) == mass_of(c, of) && is_free(c, i);
+}
+
+/* The product of two columns along the set of velocity `of`. */
+static double along(const directions *c, int of, const double *a, const double *b)
+{
+  double sum = 0;
+  for (int i = 0; i < c->nv; i++)
+    if (same_set(c, of, i)) sum += a[i] * b[i];
+  return sum;
+}
+
+/* Whether velocity `of` is the first of a set that translates a body, as the normal shows. */
+static int translates(const directions *c, int of, double tol)
+{
+  int count = 0;
+  if (!is_free(c, of)) return 0;
+  for (int i = 0; i < c->nv; i++) {
+    if (!same_set(c, of, i)) continue;
+    if (i < of) return 0;
+    count++;
+  }
+  return count == c->nt + 1 && fabs(along(c, of, c->normal, c->normal) - 1) <= tol &&
+         fabs(along(c, of, c->other, c->other) - 1) <= tol;
+}
+
+/* By the set of velocity `of`. */
+static int wrong_along(const directions *c, int of, int j, double tol, char *why)
+{
+  static const char *const where = "along the translations of the body that velocity";
+  const double *t = c->tangent + (size_t)j * (size_t)c->nv;
+  double squared = along(c, of, t, t), across = along(c, of, t, c->normal);
+  double both = j > 0 ? along(c, of, t, t - c->nv) : 0;
+  if (squared == 0) return 0;
+  if (fabs(squared - 1) > tol)
+    return snprintf(why, NSDAE_TANGENT_TEXT,
+                    "has length %.6g %s %d moves: take unit vectors, as the normal is one",
+                    sqrt(squared), where, of);
+  if (fabs(across) > tol)
+    return snprintf(why, NSDAE_TANGENT_TEXT,
+                    "is not at right angles to the normal: %.3g %s %d moves", across, where, of);
+  if (fabs(both) <= tol) return 0;
+  return snprintf(why, NSDAE_TANGENT_TEXT,
+                  "is not at right angles to the one before it: %.3g %s %d moves", both, where, of);
+}
+
+static int same_column(int n, const double *a, const double *b)
+{
+  int same = 1, opposite = 1;
+  for (int i = 0; i < n; i++) {
+    same = same && a[i] == b[i];
+    opposite = opposite && a[i] == -b[i];
+  }
+  return same || opposite;
+}
+
+/* The same but for the rounding of differences, up to the sign. */
+static int near_column(int n, const double *a, const double *b, double tol)
+{
+  double plus = 0, minus = 0;
+  for (int i = 0; i < n; i++) {
+    plus = fmax(plus, fabs(a[i] - b[i]));
+    minus = fmax(minus, fabs(a[i] + b[i]));
+  }
+  return fmin(plus, minus) <= tol;
+}
+
+int nsdae_tangent_wrong(const nsdae_contact_directions *c, int j, double tol,
+                        char why[NSDAE_TANGENT_TEXT])
+{
+  int n = c->nv, row = 0;
+  const double *t = c->tangent + (size_t)j * (size_t)n;
+  while (row < n && t[row] == 0) row++;
+  if (row == n)
+    return snprintf(why, NSDAE_TANGENT_TEXT, "is all zero: friction has nothing to act on");
+  if (n > 1 && near_column(n, t, c->normal, tol))
+    return snprintf(why, NSDAE_TANGENT_TEXT,
+                    "is the normal's, gap_normal: the slip needs a direction of its own");
+  if (j > 0 && n > 1 && same_column(n, t, t - n))
+    return snprintf(why, NSDAE_TANGENT_TEXT,
+                    "is the one before it: two directions at right angles are needed");
+  for (int i = 0; i < n; i++)
+    if (translates(c, i, tol) && wrong_along(c, i, j, tol, why)) return 1;
+  return 0;
+}

@@ -1,0 +1,322 @@
+"""Many runs of one model, in the file format of nsdae-sweep."""
+
+from __future__ import annotations
+
+import contextlib
+import fcntl
+import itertools
+import os
+import sys
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
+from typing import Any, Callable, Iterator, Mapping, Sequence
+
+import numpy as np
+
+from . import _core
+from ._errors import Error
+
+NOT_DONE = 1
+REASON_SIZE = 160
+
+
+class Sweep:
+    """The results of a sweep, from memory or a file.
+
+    dimensions  for each dimension of the runs its parameters: [{"r": values}, {"mu": values}]
+    status      [runs...] 0 done, < 0 failed, 1 not done yet
+    failures    {number of the run, counted with the last dimension fastest: why}
+    and what each run gave, by its path: sweep["final/q"] [runs..., nq], sweep["result/height"] [runs...]
+    """
+
+    def __init__(self, dimensions: list[dict[str, np.ndarray]], status: np.ndarray, results: dict[str, np.ndarray],
+                 failures: dict[int, str], path: str | None):
+        self.dimensions, self.status, self.results, self.failures, self.path = dimensions, status, results, failures, path
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        for known in (name, f"result/{name}"):
+            if known in self.results:
+                return self.results[known]
+        for dimension in self.dimensions:
+            if name in dimension:
+                return dimension[name]
+        raise KeyError(f"the sweep has no '{name}': it has {', '.join([*self.results, *itertools.chain(*self.dimensions)])}")
+
+    def plot(self, only: Sequence[str] | None = None, title: str | None = None, at: Mapping[str, float] | None = None) -> Any:
+        """A figure: curves over one parameter, diagrams of several values a run, maps over two. only: some quantities;
+        at: {"mu": 0.1}, the runs with the nearest value."""
+        import h5py
+        from .pictures import sweeps, trajectory
+        if self.path is None:
+            raise ValueError("the sweep is in no file: sweep(..., output='name.h5')")
+        try:
+            with h5py.File(self.path, "r") as file:
+                return sweeps.draw(file, only, title, list((at or {}).items()))
+        except trajectory.Problem as problem:
+            raise ValueError(str(problem)) from None
+
+    def __repr__(self) -> str:
+        names = " x ".join(f"{', '.join(d)} ({len(next(iter(d.values())))})" for d in self.dimensions)
+        return f"nsdae.Sweep({names}; {int(np.sum(self.status == 0))} of {self.status.size} runs done)"
+
+
+def load_sweep(path: str | os.PathLike[str]) -> Sweep:
+    """Reads the file of sweep() or of nsdae-sweep, also one that is not complete."""
+    import h5py
+    from .pictures import sweeps
+    with h5py.File(path, "r") as file:
+        if not sweeps.is_sweep(file):
+            raise ValueError(f"'{os.fspath(path)}' is not an nsdae sweep")
+        failures = {}
+        if "failure" in file:
+            failures = {int(run): sweeps.text(reason) for run, reason in zip(file["failure/run"], file["failure/reason"])}
+        return Sweep([dict(of) for of in sweeps.dimensions(file)], file["status"][...],
+                     {name: dataset[...] for name, dataset in sweeps.results(file).items()}, failures, os.fspath(path))
+
+
+def _dimensions(grid: Mapping[str, Any], random: int, seed: int) -> list[dict[str, np.ndarray]]:
+    """A pair (low, high) is drawn where random > 0; anything else are the values themselves."""
+    drawn = {name: of for name, of in grid.items() if random and isinstance(of, tuple) and len(of) == 2}
+    found = []
+    for name, values in grid.items():
+        if name not in drawn:
+            array = np.atleast_1d(np.asarray(values, dtype=float))
+            if array.ndim != 1 or not len(array) or not np.isfinite(array).all():
+                raise ValueError(f"grid: the values of {name} must be finite numbers, one at least")
+            found.append({name: array})
+    if drawn:
+        source = np.random.default_rng(seed)
+        found.append({name: source.uniform(low, high, random) for name, (low, high) in drawn.items()})
+    elif random:
+        raise ValueError("random: nothing is drawn: a parameter that is has a pair (low, high)")
+    if not found:
+        raise ValueError("grid is empty: {'name': values}")
+    return found
+
+
+def _values(dimensions: list[dict[str, np.ndarray]], run: int) -> dict[str, float]:
+    index = np.unravel_index(run, [len(next(iter(d.values()))) for d in dimensions])
+    return {name: float(values[i]) for d, i in zip(dimensions, index) for name, values in d.items()}
+
+
+def _row(result: Any) -> dict[str, np.ndarray]:
+    """What a run returned, as arrays by path."""
+    if not isinstance(result, Mapping):
+        result = {"value": result}
+    return {name if "/" in name else f"result/{name}": np.asarray(value, dtype=float) for name, value in result.items()}
+
+
+class _File:
+    """Made whole at once, then filled in place, the status of a run last: so it is whole at any instant, and its bytes do
+    not depend on the order of the runs."""
+
+    def __init__(self, path: str, dimensions: list[dict[str, np.ndarray]], model: str, first: Mapping[str, np.ndarray]):
+        self.path, self.shape = path, tuple(len(next(iter(d.values()))) for d in dimensions)
+        setting = self._setting(dimensions, model, first)
+        if os.path.exists(path):
+            self._compare(setting)
+        else:
+            self._create(dimensions, model, first, setting)
+        self._open(first)
+
+    @staticmethod
+    def _setting(dimensions: Any, model: str, first: Mapping[str, np.ndarray]) -> str:
+        lines = [f"library={_core.VERSION}", f"model={model}", "made by=python"]
+        lines += [f"grid={name},{len(v)},{v.tobytes().hex() if len(v) < 64 else hash_of(v)}" for d in dimensions
+                  for name, v in d.items()]
+        return "\n".join(lines + [f"{name}={of.shape}" for name, of in first.items()]) + "\n"
+
+    def _compare(self, setting: str) -> None:
+        import h5py
+        with h5py.File(self.path, "r") as file:
+            if "setting" not in file or file.attrs.get("format") not in ("nsdae-sweep", b"nsdae-sweep"):
+                raise ValueError(f"'{self.path}' is there and is no sweep: give another output, or remove it")
+            has = file["setting"][...].tobytes().decode().splitlines()
+        differ = next((f"'{a}' where this one has '{b}'" for a, b in itertools.zip_longest(has, setting.splitlines())
+                       if a != b), None)
+        if differ:
+            raise ValueError(f"'{self.path}' is another sweep's: it has {differ}; give another output, or remove it")
+
+    def _create(self, dimensions: Any, model: str, first: Mapping[str, np.ndarray], setting: str) -> None:
+        import h5py
+        part = f"{self.path}.part"
+        with h5py.File(part, "w") as file:
+            for name, word in (("format", "nsdae-sweep"), ("status", "running"), ("library_version", _core.VERSION),
+                               ("model", model), ("method", "")):
+                file.attrs.create(name, np.bytes_(word.ljust(9, "\0") if name == "status" else word or "\0"),
+                                  dtype="S9" if name == "status" else None)
+            file.attrs["format_version"] = np.int32(1)
+            self._put(file, "setting", np.frombuffer(setting.encode(), dtype="u1"), "1", "what the runs were told, as text")
+            for d in dimensions:
+                for name, values in d.items():
+                    self._put(file, f"grid/{name}", values, "", "values").make_scale(name)
+            for name, of in first.items():
+                self._axes(file, self._put(file, name, None, "", "what each run gave", self.shape + of.shape), dimensions)
+            self._axes(file, self._put(file, "status", None, "1", "0 done, < 0 failed (status of the library), 1 not done yet",
+                                       self.shape), dimensions)
+        os.replace(part, self.path)
+
+    @staticmethod
+    def _put(file: Any, path: str, values: Any, unit: str, said: str, shape: Any = None) -> Any:
+        import h5py
+        kind = {"data": values} if values is not None else \
+            {"shape": shape, "dtype": "i4" if path == "status" else "f8",
+             "fillvalue": np.int32(NOT_DONE) if path == "status" else np.nan}
+        how = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+        how.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
+        made = file.create_dataset(path, track_times=False, dcpl=how, **kind)
+        made.attrs["units"], made.attrs["description"] = unit, said
+        return made
+
+    @staticmethod
+    def _axes(file: Any, dataset: Any, dimensions: Any) -> None:
+        for i, d in enumerate(dimensions):
+            for name in d:
+                dataset.dims[i].attach_scale(file[f"grid/{name}"])
+
+    def _open(self, first: Mapping[str, np.ndarray]) -> None:
+        import h5py
+        with h5py.File(self.path, "r") as file:
+            self.status = file["status"][...].reshape(-1)
+            word = file.attrs["status"]
+            self.complete = (word if isinstance(word, bytes) else word.encode()).rstrip(b"\0") == b"complete"
+            self.at = {name: file[name].id.get_offset() for name in [*first, "status"]}
+        self.raw = os.open(self.path, os.O_RDWR)
+        try:
+            fcntl.lockf(self.raw, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            os.close(self.raw)
+            raise BlockingIOError(f"another sweep is writing '{self.path}'") from None
+
+    def put(self, run: int, status: int, row: Mapping[str, np.ndarray]) -> None:
+        for name, values in row.items():
+            content = np.ascontiguousarray(values).tobytes()
+            os.pwrite(self.raw, content, self.at[name] + run * len(content))
+        os.pwrite(self.raw, np.int32(status).tobytes(), self.at["status"] + 4 * run)
+
+    def finish(self, failures: Mapping[int, str]) -> None:
+        import h5py
+        with h5py.File(self.path, "r+") as file:
+            if "failure" in file:
+                del file["failure"]
+            if failures:
+                runs = sorted(failures)
+                file.create_dataset("failure/run", data=np.array(runs, dtype="i8"), track_times=False)
+                file.create_dataset("failure/reason", track_times=False, data=np.array(
+                    [failures[run].encode()[: REASON_SIZE - 1] for run in runs], dtype=f"S{REASON_SIZE}"))
+            file.attrs.modify("status", np.bytes_(b"complete"))
+
+    def close(self) -> None:
+        os.close(self.raw)
+
+
+def hash_of(values: np.ndarray) -> str:
+    """A checksum of its bytes."""
+    import hashlib
+    return hashlib.sha256(values.tobytes()).hexdigest()
+
+
+@contextlib.contextmanager
+def _workers(workers: int, mpi: bool) -> Iterator[Executor | None]:
+    """Threads, or the ranks of MPI: of those all but the first work here and come out with None."""
+    if not mpi:
+        with ThreadPoolExecutor(workers) as pool:
+            yield pool
+        return
+    from mpi4py import MPI
+    from mpi4py.futures import MPICommExecutor
+    with MPICommExecutor(MPI.COMM_WORLD, root=0) as pool:
+        yield pool
+
+
+def _attempt(run: Callable[..., Any], values: dict[str, float]) -> tuple[int, Any]:
+    """(0, row) or (status, reason)."""
+    try:
+        return 0, _row(run(**values))
+    except Error as error:
+        return int(error.status), str(error)
+
+
+def sweep(run: Callable[..., Any], grid: Mapping[str, Any], *, output: str | os.PathLike[str], random: int = 0, seed: int = 0,
+          workers: int = 1, mpi: bool = False, model: str = "", progress: bool | None = None) -> Sweep | None:
+    """Runs a function with every combination of parameters and keeps what it returns, in a file that nsdae-plot reads.
+
+    run      run(**parameters) returns a number, an array, or {name: number or array}, of the same shapes every time.
+             What it raises ends the sweep, but an nsdae.Error is a run that failed, whose reason is kept
+    grid     {"r": values, "mu": values}: a grid. With random > 0 a pair (low, high) is drawn uniformly, so many times
+    output   file. One that is there is taken up: what is in it is not done again, and its bytes are at the end those of
+             a sweep that was never interrupted. Another sweep's is refused
+    workers  threads: they help where runs are compiled callbacks. mpi: True under mpirun: the ranks of mpi4py (run must
+             be what pickle can send); None is returned on all but the first
+    progress a bar on the terminal; by default where that is one
+    """
+    dimensions = _dimensions(grid, random, seed)
+    total = int(np.prod([len(next(iter(d.values()))) for d in dimensions]))
+    with _workers(workers, mpi) as pool:
+        if pool is None:
+            return None
+        outcome = next((o for o in (_attempt(run, _values(dimensions, i)) for i in range(total)) if o[0] == 0), None)
+        if outcome is None:
+            raise ValueError("every run of the sweep failed; the first: " + _attempt(run, _values(dimensions, 0))[1])
+        file = _File(os.fspath(output), dimensions, model, outcome[1])
+        try:
+            if not file.complete:
+                _go(pool, run, dimensions, file, outcome[1], progress)
+        finally:
+            file.close()
+    return load_sweep(output)
+
+
+def _go(pool: Executor, run: Callable[..., Any], dimensions: Any, file: _File, like: Mapping[str, np.ndarray],
+        progress: bool | None) -> None:
+    todo = [i for i in range(file.status.size) if file.status[i] != 0]
+    failures: dict[int, str] = {}
+    waiting: dict[Future[Any], int] = {}
+    bar = _Bar(len(todo), sys.stderr.isatty() if progress is None else progress)
+    nothing = {name: np.full(of.shape, np.nan) for name, of in like.items()}
+    ahead = iter(todo)
+
+    def hand_out(count: int) -> None:
+        for i in itertools.islice(ahead, count):
+            waiting[pool.submit(_attempt, run, _values(dimensions, i))] = i
+
+    hand_out(64)
+    try:
+        while waiting:
+            done, _ = wait(waiting, return_when=FIRST_COMPLETED)
+            for future in done:
+                i = waiting.pop(future)
+                status, result = future.result()
+                if status == 0 and {n: v.shape for n, v in result.items()} != {n: v.shape for n, v in like.items()}:
+                    raise ValueError(f"run {i} ({_values(dimensions, i)}) gave other names or shapes than the first")
+                if status != 0:
+                    failures[i] = result
+                file.put(i, status, result if status == 0 else nothing)
+                bar.step()
+            hand_out(len(done))
+    finally:
+        for future in waiting:
+            future.cancel()
+        bar.clear()
+    file.finish(failures)
+
+
+class _Bar:
+    """Done, and the time left."""
+
+    def __init__(self, total: int, shown: bool):
+        import time
+        self.total, self.shown, self.done, self.clock = total, shown, 0, time.monotonic
+        self.begin = self.last = self.clock()
+
+    def step(self) -> None:
+        self.done += 1
+        now = self.clock()
+        if not self.shown or now - self.last < 0.1 or now - self.begin < 1:
+            return
+        self.last = now
+        left = round((now - self.begin) * (self.total - self.done) / self.done)
+        print(f"\r{self.done} of {self.total} runs, {left // 60}:{left % 60:02d} left\033[K", end="", file=sys.stderr, flush=True)
+
+    def clear(self) -> None:
+        if self.shown:
+            print("\r\033[K", end="", file=sys.stderr, flush=True)
