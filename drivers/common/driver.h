@@ -24,7 +24,9 @@ typedef struct driver_model {
   const nsdae_params *parameters;
   void *base; /* the struct that the table describes; user pointer of the callbacks */
   double t_end;
-  double dt; /* the step by default; 0: the library's */
+  double dt;      /* the step by default; 0: the library's */
+  int method;     /* by default; enum nsdae_method */
+  double lcp_tol; /* by default; 0: the library's */
   /* Makes the system from the parameters at base. */
   int (*build)(void *base, nsdae_system **system, nsdae_error *error);
   /* Fills the start state; both come zeroed. */
@@ -37,6 +39,10 @@ typedef struct driver_model {
   int (*exact)(const void *base, int number, driver_exact *impact);
   /* Reference state of that number, in the order of time; returns 0 past the last. NULL: none. */
   int (*state)(const void *base, int number, driver_state *state);
+  /* Sees every record of a run; NULL: need not. */
+  void (*follow)(void *base, const nsdae_record *record);
+  /* Prints behind the summary what came out beside what is known of it; NULL: nothing. */
+  void (*conclude)(const void *base);
   int coordinates; /* how many coordinates the reference states may speak of, at most 8 */
   /* What --compare has to add for this model, printed and put into the trajectory (or NULL). */
   int (*compare_more)(const struct settings *settings, nsdae_trajectory *trajectory,

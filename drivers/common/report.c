@@ -58,7 +58,7 @@ static void print_exact(const report *r, double impulse)
 
 static void print_impact(report *r, const nsdae_impact *impact)
 {
-  if (r->rows < ROWS_MAX) {
+  if (r->contacts > 0 && r->rows < ROWS_MAX) {
     printf("%6d %12.6f", r->rows + 1, impact->time);
     if (r->contacts > 1) printf(" %8d", impact->contact);
     printf(" %14.7f", impact->normal_impulse);
@@ -75,7 +75,9 @@ static void print_impact(report *r, const nsdae_impact *impact)
 int report_observe(const nsdae_record *record, nsdae_error *error, void *user)
 {
   report *r = user;
+  const driver_model *model = r->settings->model;
   (void)error;
+  if (model->follow) model->follow(model->base, record);
   if (r->settings->quiet) return 0;
   if (record->impacts > 0) bar_clear(&r->bar);
   for (int i = 0; i < record->impacts; i++) {
@@ -112,7 +114,7 @@ static void print_remarks(const report *r, const nsdae_stats *stats)
   const nsdae_sim_options *options = &r->settings->options;
   const char *remark = model->remark ? model->remark(model->base) : NULL;
   if (remark) printf("%s\n", remark);
-  if (!steps_blindly(options->method) || r->rows == 0) return;
+  if (!steps_blindly(options->method) || r->rows == 0 || r->contacts == 0) return;
   printf("impacts come up to a step late in this method%s\n",
          r->exact ? ", hence the errors: they grow where one soon follows another" : "");
   if (stats->worst_penetration > 0)
@@ -129,7 +131,7 @@ void report_end(report *r, const nsdae_sim *sim)
   nsdae_sim_get_dims(sim, &dims);
   bar_clear(&r->bar);
   if (r->settings->quiet) return;
-  if (r->rows > ROWS_MAX) printf("  ... and %d more\n", r->rows - ROWS_MAX);
+  if (r->contacts > 0 && r->rows > ROWS_MAX) printf("  ... and %d more\n", r->rows - ROWS_MAX);
   if (r->contacts > 0 && r->rows == 0) printf("  none\n");
   printf("\n%ld steps (%ld smooth, %ld with contact), %ld LCPs, %ld iterations, %ld impacts\n",
          stats.steps, stats.smooth_steps, stats.contact_steps, stats.lcps, stats.iterations,
@@ -160,5 +162,6 @@ void report_end(report *r, const nsdae_sim *sim)
   printf("energy balance %+.3e J (energy + dissipated - start)\n", stats.energy_balance);
   printf("time %.3g s, %.3g us a step\n", stats.wall_time,
          stats.steps ? 1e6 * stats.wall_time / (double)stats.steps : 0);
+  if (r->settings->model->conclude) r->settings->model->conclude(r->settings->model->base);
   fflush(stdout); /* a comparison may follow, and take its time */
 }

@@ -37,6 +37,8 @@ void settings_default(settings *s, const driver_model *model)
   nsdae_params_default(model->parameters, model->base);
   nsdae_sim_options_default(&s->options);
   if (model->dt > 0) s->options.dt = model->dt;
+  s->options.method = model->method;
+  if (model->lcp_tol > 0) s->options.lcp_tol = model->lcp_tol;
   s->t_end = model->t_end;
   s->every = 1;
   snprintf(s->output, sizeof s->output, "%s.h5", model->name);

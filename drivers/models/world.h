@@ -1,0 +1,22 @@
+/* What the models of many bodies share: one world each, and what the ground carries. */
+#ifndef NSDAE_MODEL_WORLD_H
+#define NSDAE_MODEL_WORLD_H
+
+#include "driver.h"
+
+/* Empties *world and begins it anew, with gravity g downwards and a floor (solid 0, material 0), a
+ * half of the plane (y <= 0) or of space (z <= 0); materials 0 and 1 touch each other and 1 itself.
+ */
+int world_begin(nsdae_bodies **world, int dimension, double g, double mu, double e_N,
+                nsdae_error *error);
+/* Its system, which the world outlives. */
+int world_end(nsdae_bodies *world, nsdae_system **system, nsdae_error *error);
+
+/* Normal impulse between the bodies and the ground in the step of the record. */
+double world_ground_impulse(const nsdae_record *record);
+
+/* Adds a planar block: corners [points x 2] in space, anticlockwise; density 1 kg/m^2 and
+ * material 1. Its number, or < 0. */
+int world_add_block(nsdae_bodies *world, int points, const double *corner);
+
+#endif
