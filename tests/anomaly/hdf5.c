@@ -331,9 +331,43 @@ static void test_allocations(void **state)
   }
 }
 
+/* Each argument that is none, and calls at the wrong time, by name. */
+static void test_arguments(void **state)
+{
+  const double values[] = {1, 2};
+  const char *const texts[] = {"a", "b"};
+  const nsdae_body dot = {.name = "dot"};
+  nsdae_trajectory *t = NULL;
+  nsdae_error error;
+  (void)state;
+  fresh();
+  assert_int_equal(nsdae_trajectory_put(NULL, "/x", 1, values, "", "", &error), NSDAE_E_ARGUMENT);
+  assert_string_equal(error.argument, "trajectory");
+  assert_int_equal(nsdae_trajectory_flush(NULL, &error), NSDAE_E_ARGUMENT);
+  assert_string_equal(error.argument, "trajectory");
+  assert_int_equal(nsdae_trajectory_flush(NULL, NULL), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_trajectory_create(sim, path, &plain, &t, &error), NSDAE_OK);
+  assert_int_equal(nsdae_trajectory_put(t, NULL, 1, values, "", "", &error), NSDAE_E_ARGUMENT);
+  assert_string_equal(error.argument, "path");
+  assert_int_equal(nsdae_trajectory_put(t, "/x", -1, values, "", "", NULL), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_trajectory_put(t, "/x", 1, NULL, "", "", &error), NSDAE_E_ARGUMENT);
+  assert_string_equal(error.argument, "values");
+  assert_int_equal(nsdae_trajectory_put_texts(t, "/t", 2, NULL, "", &error), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_trajectory_put(t, "/x", 2, values, NULL, NULL, NULL), NSDAE_OK);
+  assert_int_equal(nsdae_trajectory_put_texts(t, "/t", 2, texts, NULL, NULL), NSDAE_OK);
+  assert_true(nsdae_sim_step(sim) >= 0);
+  assert_int_equal(nsdae_trajectory_set_bodies(t, 1, &dot, &error), NSDAE_E_STATE);
+  assert_int_equal(nsdae_trajectory_set_bodies(t, 1, &dot, NULL), NSDAE_E_STATE);
+  assert_int_equal(nsdae_trajectory_flush(t, NULL), NSDAE_OK);
+  assert_int_equal(nsdae_trajectory_close(&t, NSDAE_STOPPED, NULL), NSDAE_OK);
+  assert_int_equal(nsdae_trajectory_resume(sim, path, &alive, &t, &error), NSDAE_E_ARGUMENT);
+  assert_string_equal(error.argument, "live");
+  assert_null(t);
+}
+
 int main(void)
 {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_calls),
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_arguments), cmocka_unit_test(test_calls),
                                      cmocka_unit_test(test_allocations)};
   H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
   friction_sample_draw(&drawn, 0, 10, 11);

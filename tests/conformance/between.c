@@ -538,6 +538,72 @@ static void test_order_between(void **state)
   }
 }
 
+/* Ball A falls onto the floor and its accumulation is closed at once; in the next dt ball B, kicked
+ * then, hits two walls by turns more often than events_max allows, and the step is implicit's: what
+ * is told of it is nothing of the step before. */
+static int push(double t, const double *q, const double *v, double *F, void *user)
+{
+  (void)q;
+  (void)v;
+  (void)user;
+  F[0] = -2 * 9.81;
+  F[1] = 2e6 * fmin(1, fmax(0, (t - 0.02) / 0.001));
+  return 0;
+}
+
+static int three_gaps(double t, const double *q, double *g, void *user)
+{
+  (void)t;
+  (void)user;
+  g[0] = q[0];
+  g[1] = 0.25 - q[1];
+  g[2] = 0.25 + q[1];
+  return 0;
+}
+
+static int plain_mass(double t, const double *q, double *M, int ldm, void *user)
+{
+  (void)t;
+  (void)q;
+  (void)user;
+  M[0] = M[ldm + 1] = 2;
+  return 0;
+}
+
+static void test_no_false_accumulation(void **state)
+{
+  const nsdae_dims dims = {.nq = 2, .k = 3};
+  const double q0[] = {1e-3, 0}, v0[] = {0, 0};
+  nsdae_system *system = NULL;
+  nsdae_sim *sim = NULL;
+  nsdae_stats stats;
+  nsdae_sim_options o = options_of(NSDAE_METHOD_EVENT);
+  (void)state;
+  o.dt = 0.02;
+  o.events_max = 1;
+  o.accumulation_time = 0.5;
+  assert_int_equal(nsdae_system_create(&dims, &system, NULL), NSDAE_OK);
+  nsdae_system_set_mass(system, plain_mass);
+  nsdae_system_set_force(system, push);
+  nsdae_system_set_gap(system, three_gaps);
+  nsdae_system_set_contact(system, 0, 0, 0.5, 0);
+  nsdae_system_set_contact(system, 1, 0, 1, 0);
+  nsdae_system_set_contact(system, 2, 0, 1, 0);
+  if (nsdae_sim_create(system, &o, &sim, NULL) == NSDAE_OK) {
+    assert_int_equal(nsdae_sim_init(sim, 0, q0, v0), NSDAE_OK);
+    assert_int_equal(nsdae_sim_step(sim), NSDAE_ZENO);
+    for (int i = 1; i < 4; i++) {
+      int status = nsdae_sim_step(sim);
+      assert_true(status >= 0 && status != NSDAE_ZENO);
+    }
+    nsdae_sim_get_stats(sim, &stats);
+    assert_int_equal(stats.accumulations, 1);
+    assert_true(stats.fallback_steps >= 1);
+    nsdae_sim_destroy(&sim);
+  }
+  nsdae_system_destroy(&system);
+}
+
 /* Forces are the impulses over the step, accelerations what they do: m a = F + W f. */
 static void means(nsdae_system *system, ball *b, nsdae_sim_options o)
 {
@@ -701,12 +767,19 @@ static void test_rank(void **state)
 int main(void)
 {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_fall),     cmocka_unit_test(test_undisturbed),
-      cmocka_unit_test(test_to_event), cmocka_unit_test(test_user),
-      cmocka_unit_test(test_settings), cmocka_unit_test(test_means),
-      cmocka_unit_test(test_leaving),  cmocka_unit_test(test_limit),
-      cmocka_unit_test(test_rank),     cmocka_unit_test(test_refused_settings),
-      cmocka_unit_test(test_slides),   cmocka_unit_test(test_order_between),
+      cmocka_unit_test(test_fall),
+      cmocka_unit_test(test_undisturbed),
+      cmocka_unit_test(test_to_event),
+      cmocka_unit_test(test_user),
+      cmocka_unit_test(test_settings),
+      cmocka_unit_test(test_means),
+      cmocka_unit_test(test_leaving),
+      cmocka_unit_test(test_limit),
+      cmocka_unit_test(test_rank),
+      cmocka_unit_test(test_refused_settings),
+      cmocka_unit_test(test_slides),
+      cmocka_unit_test(test_order_between),
+      cmocka_unit_test(test_no_false_accumulation),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

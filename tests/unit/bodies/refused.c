@@ -321,13 +321,43 @@ static void test_inertia(void **state)
   assert_int_equal(nsdae_solid_inertia(&s, 1, &mass, inertia, NULL), NSDAE_E_ARGUMENT);
 }
 
+/* nsdae_solid_inertia has no handle: its record is the last argument, which may be NULL. */
+static void test_inertia_refused(void **state)
+{
+  const double off[] = {1, 0, 2, 0, 1, 1};
+  const nsdae_solid ball = {.shape = NSDAE_SHAPE_SPHERE, .radius = 0.2};
+  nsdae_solid hollow = {.shape = NSDAE_SHAPE_DISC, .radius = 0.2, .hollow = 1};
+  const nsdae_solid away = {.shape = NSDAE_SHAPE_POLYGON, .points = 3, .point = off};
+  const double densities[] = {0, -1, NAN, INFINITY};
+  double mass, inertia[3];
+  nsdae_error error;
+  (void)state;
+  assert_int_equal(nsdae_solid_inertia(NULL, 1, &mass, inertia, &error), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_solid_inertia(&ball, 1, NULL, inertia, &error), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_solid_inertia(&ball, 1, &mass, NULL, NULL), NSDAE_E_ARGUMENT);
+  for (int i = 0; i < 4; i++) {
+    assert_int_equal(nsdae_solid_inertia(&ball, densities[i], &mass, inertia, &error),
+                     NSDAE_E_ARGUMENT);
+    assert_string_equal(error.argument, "density");
+  }
+  assert_int_equal(nsdae_solid_inertia(&away, 1, &mass, inertia, &error), NSDAE_E_ARGUMENT);
+  assert_string_equal(error.argument, "point");
+  assert_int_equal(nsdae_solid_inertia(&hollow, 1, &mass, inertia, &error), NSDAE_E_ARGUMENT);
+  hollow.shape = -1;
+  assert_int_equal(nsdae_solid_inertia(&hollow, 1, &mass, inertia, &error), NSDAE_E_ARGUMENT);
+  hollow.shape = NSDAE_SHAPE_PLANE + 1;
+  assert_int_equal(nsdae_solid_inertia(&hollow, 1, &mass, inertia, &error), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_solid_inertia(&ball, 1000, &mass, inertia, &error), NSDAE_OK);
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_create),   cmocka_unit_test(test_bodies),
-      cmocka_unit_test(test_joints),   cmocka_unit_test(test_solids),
-      cmocka_unit_test(test_polygons), cmocka_unit_test(test_endless),
-      cmocka_unit_test(test_contacts), cmocka_unit_test(test_forces),
-      cmocka_unit_test(test_made),     cmocka_unit_test(test_inertia)};
+      cmocka_unit_test(test_inertia_refused), cmocka_unit_test(test_create),
+      cmocka_unit_test(test_bodies),          cmocka_unit_test(test_joints),
+      cmocka_unit_test(test_solids),          cmocka_unit_test(test_polygons),
+      cmocka_unit_test(test_endless),         cmocka_unit_test(test_contacts),
+      cmocka_unit_test(test_forces),          cmocka_unit_test(test_made),
+      cmocka_unit_test(test_inertia)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
