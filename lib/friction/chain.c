@@ -175,7 +175,8 @@ static int patience(nsdae_fc_chain *c, int most)
 static int paths(nsdae_fc_chain *c, int from, int to)
 {
   int before = c->info.iterations;
-  static const double loose[] = {1e-5, 1e-2, 1e-4, 0.1, 3e-3, 1e-6, 3e-4, 3e-2, 3e-5, 3e-6};
+  static const double loose[] = {1e-5, 1e-2, 1e-4, 0.1,  3e-3, 1e-6, 3e-4, 3e-2, 3e-5, 3e-6,
+                                 5e-2, 2e-3, 2e-4, 2e-5, 5e-3, 0.2,  5e-4, 2e-2, 5e-5, 1e-7};
   for (int k = from; k < to && ((double)c->info.iterations - before) * c->fc.n < WORK; k++) {
     if (path(c, loose[k], NSDAE_FRICTION_FURTHER)) return 1;
     if (exhausted(c)) return 1;
@@ -202,8 +203,8 @@ static int curves(nsdae_fc_chain *c)
 static int further(nsdae_fc_chain *c)
 {
   if (exhausted(c)) return 1;
-  if (c->tol >= ROUGH) return patience(c, MANY) || paths(c, 0, 10) || curves(c);
-  return patience(c, MANY / 10) || paths(c, 0, 2) || curves(c) || paths(c, 2, 10) ||
+  if (c->tol >= ROUGH) return patience(c, MANY) || paths(c, 0, 20) || curves(c);
+  return patience(c, MANY / 10) || paths(c, 0, 2) || curves(c) || paths(c, 2, 20) ||
          patience(c, MANY);
 }
 
