@@ -63,12 +63,12 @@ static int difference_failed(check *c, int code, const char *callback)
 /* Keeps the worst entry of given - differenced, [rows x columns]. */
 static void compare(check *c, const char *term, int rows, int columns)
 {
-  for (int i = 0; i < rows * columns; i++) {
+  for (long i = 0; i < (long)rows * columns; i++) {
     double given = c->given[i], difference = c->differenced[i];
     double error = fabs(given - difference) / (1 + fabs(difference));
     if (error <= c->worst.error) continue; /* so that NaN is kept as the worst */
-    c->worst = (nsdae_check){.row = i % rows,
-                             .column = i / rows,
+    c->worst = (nsdae_check){.row = (int)(i % rows),
+                             .column = (int)(i / rows),
                              .given = given,
                              .difference = difference,
                              .error = isnan(error) ? INFINITY : error};
