@@ -290,6 +290,16 @@ static void scatter(const nsdae_pile *c, const nsdae_whole *w)
   for (int i = c->problem.contacts; i < c->items; i++) w->lambda[c->item[i]] = -c->r[row++];
 }
 
+/* From the best point on: a solution of fewer digits, refined as far as it goes. */
+static int polish(nsdae_pile *c)
+{
+  nsdae_friction_options loose = c->options;
+  loose.tol = fmin(1e4 * c->options.tol, 1e-5);
+  loose.refine = 30;
+  int status = nsdae_friction_solver_solve(c->solver, &c->problem, &loose, c->r, c->u, &c->info);
+  return status == NSDAE_OK && !(c->info.residual <= c->options.tol) ? NSDAE_E_LCP : status;
+}
+
 int nsdae_pile_solve(nsdae_pile *c, const nsdae_whole *w, double tol, nsdae_error *error)
 {
   c->info = (nsdae_friction_info){.residual = 0};
@@ -301,6 +311,7 @@ int nsdae_pile_solve(nsdae_pile *c, const nsdae_whole *w, double tol, nsdae_erro
   nsdae_friction_options_default(&c->options);
   c->options.tol = tol;
   int status = nsdae_friction_solver_solve(c->solver, p, &c->options, c->r, c->u, &c->info);
+  if (status == NSDAE_E_LCP) status = polish(c);
   if (status < 0) return unsolved(c, w, status, error);
   status = velocities(c, w);
   if (status == NSDAE_OK) scatter(c, w);

@@ -13,6 +13,7 @@ void nsdae_rows_times_transposed(const nsdae_blocks *blocks, const nsdae_rows *r
                                  const double *x, double *work, double *y)
 {
   int nv = blocks->first[blocks->count];
+  if (rows->count == 0) return;
   memset(work, 0, (size_t)nv * sizeof *work);
   for (int i = 0; i < rows->count; i++) nsdae_rows_add(blocks, rows, i, x[i], work);
   for (int j = 0; j < nv; j++) y[j] += scale * work[j];

@@ -97,11 +97,13 @@ static void visit_accounts(cursor *c, nsdae_accounts *a)
 }
 
 /* Contacts by list, and the reach within which the next step finds them. */
-static void visit_closed(cursor *c, nsdae_result *r)
+static void visit_closed(cursor *c, nsdae_result *r, unsigned have)
 {
   nsdae_closed *closed = &r->closed;
   int k = closed->count;
-  visit_doubles(c, &r->end.by.reach, 1);
+  double reach = have & NSDAE_TERM_CONTACTS ? r->end.by.reach : 0;
+  visit_doubles(c, &reach, 1);
+  if (c->from) r->end.by.reach = reach;
   visit(c, closed->id, (size_t)k * sizeof *closed->id);
   visit_ints(c, closed->block, 2 * k);
   visit_ints(c, closed->fresh, k);
@@ -130,7 +132,7 @@ static void visit_point(cursor *c, nsdae_point *p, double *t, unsigned *have)
   visit_doubles(c, r->impulses.slide_impulse, d->f);
   visit_ints(c, r->impulses.mode, d->k);
   visit_ints(c, r->impulses.slide_mode, d->f);
-  if (r->end.system->by_list) visit_closed(c, r);
+  if (r->end.system->by_list) visit_closed(c, r, *have);
   visit(c, r->memory.real, r->memory.reals * sizeof(double));
   visit(c, r->memory.whole, r->memory.wholes * sizeof(int));
 }

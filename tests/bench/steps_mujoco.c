@@ -24,7 +24,7 @@ static int write_model(const column *c, char *xml, int room)
 
 static mjModel *load(const column *c)
 {
-  static char xml[1 << 16], text[1000];
+  static char xml[1 << 18], text[1000];
   mjVFS files;
   int n = write_model(c, xml, sizeof xml);
   mj_defaultVFS(&files);
