@@ -3,7 +3,7 @@ foreach(name arena nearest params status)
   nsdae_unit_test(base ${name})
 endforeach()
 
-foreach(name dense fronts kkt sparse_lu)
+foreach(name dense fronts kkt rows sparse_lu)
   nsdae_unit_test(linalg ${name})
   target_link_libraries(test_unit_linalg_${name} PRIVATE nsdae_lapack)
 endforeach()
@@ -16,7 +16,7 @@ add_test(NAME unit/system/callbacks COMMAND sh ${PROJECT_SOURCE_DIR}/lib/system/
 
 nsdae_unit_test(terms terms)
 
-foreach(name law contacts random slides)
+foreach(name graph law contacts random slides)
   nsdae_unit_test(contact ${name})
 endforeach()
 

@@ -10,7 +10,8 @@
 #include "grow.h"
 #include "listed.h"
 
-/* What is below the residual of a solution, but for those that ask for few digits. */
+/* A velocity below the tolerance of its terms is none; where few digits are asked for, below this.
+ */
 static const double least_digits = 1e-9;
 
 void nsdae_pile_layout(nsdae_pile *c, const nsdae_system *system, nsdae_arena *arena)
@@ -27,6 +28,7 @@ void nsdae_pile_layout(nsdae_pile *c, const nsdae_system *system, nsdae_arena *a
   c->M = NSDAE_ARENA_DOUBLES(arena, blocks->square[blocks->count]);
   c->f = NSDAE_ARENA_DOUBLES(arena, system->dims.nv);
   c->L = NSDAE_ARENA_DOUBLES(arena, most);
+  c->lever = NSDAE_ARENA_DOUBLES(arena, system->dims.nv);
 }
 
 int nsdae_pile_grow(nsdae_pile *c, const nsdae_system *system, const nsdae_room *contacts,
@@ -155,12 +157,16 @@ static int unsolved(const nsdae_pile *c, const nsdae_whole *w, int status, nsdae
   return status;
 }
 
-static int mode_of(const nsdae_pile *c, int contact, int row, double slow)
+/* Of contact i of the problem, whose velocities after are known. */
+static int mode_of(const nsdae_pile *c, const nsdae_whole *w, int i, int row)
 {
+  const nsdae_impulses *r = w->results;
+  int a = c->item[i], nt = w->system->dims.nt;
   double slip = 0;
   if (!(c->r[row] > 0)) return NSDAE_MODE_OPEN;
-  for (int d = 1; d < c->rows[contact]; d++) slip = hypot(slip, c->u[row + d]);
-  return c->rows[contact] > 1 && !(slip > slow) ? NSDAE_MODE_STICK : NSDAE_MODE_SLIDE;
+  for (int j = a * nt; j < (a + 1) * nt; j++)
+    slip = hypot(slip, r->after_t[j] + w->law[a].e_t * r->before_t[j]);
+  return c->rows[i] > 1 && !(slip > c->slow) ? NSDAE_MODE_STICK : NSDAE_MODE_SLIDE;
 }
 
 /* Momentum f + H r in f, and in u (whose place is free then) nothing; sizes of its terms in size
@@ -191,33 +197,81 @@ static void sizes_of_velocity(const double *M, int n, double *size)
   for (int j = 0; j < n; j++) size[j] /= M[(size_t)j * (size_t)(n + 1)];
 }
 
-static int velocities(nsdae_pile *c, const nsdae_whole *w)
+/* v := M^-1 v over the blocks of the problem. */
+static int solve_masses(nsdae_pile *c, const nsdae_whole *w)
 {
-  const nsdae_blocks *blocks = &w->system->blocks;
-  const double rounding = 32 * DBL_EPSILON + fmin(c->info.residual, least_digits);
-  const double *M = c->M, *f = c->f;
+  nsdae_block_factor factor = {.L = c->L};
   for (int i = 0; i < c->problem.blocks; i++) {
-    int at = blocks->first[c->member[i]], n = c->size[i];
-    for (int j = 0; j < n; j++) {
-      w->v[at + j] = f[j];
-      w->size[at + j] = fabs(f[j]);
-    }
-    f += n;
-  }
-  add_impulses(c, w);
-  for (int i = 0; i < c->problem.blocks; i++) {
-    int b = c->member[i], at = blocks->first[b], n = c->size[i];
-    if (nsdae_blocks_factor(blocks, b, w->M, c->L) != 0) return NSDAE_E_MASS;
-    nsdae_blocks_solve(n, c->L, w->v + at);
-    sizes_of_velocity(M, n, w->size + at);
-    for (int j = at; j < at + n; j++)
-      if (fabs(w->v[j]) <= rounding * w->size[j]) w->v[j] = 0;
-    M += (size_t)n * (size_t)n;
+    int b = c->member[i];
+    if (nsdae_blocks_factor(&w->system->blocks, b, w->M, &factor) != 0) return NSDAE_E_MASS;
+    nsdae_blocks_solve(&factor, w->v + w->system->blocks.first[b]);
   }
   return NSDAE_OK;
 }
 
-static void scatter(const nsdae_pile *c, const nsdae_whole *w, double slow)
+/* v := f, and the sizes of its terms. */
+static void begin_velocities(const nsdae_pile *c, const nsdae_whole *w)
+{
+  const double *f = c->f;
+  for (int i = 0; i < c->problem.blocks; f += c->size[i++]) {
+    int at = w->system->blocks.first[c->member[i]];
+    for (int j = 0; j < c->size[i]; j++) {
+      w->v[at + j] = f[j];
+      w->size[at + j] = fabs(f[j]);
+    }
+  }
+}
+
+/* The largest velocity of an item without impulses, |H^T v + w|, for which all are scaled; and the
+ * largest entry of H along each velocity. */
+static double speed_without(nsdae_pile *c, const nsdae_whole *w)
+{
+  const nsdae_blocks *blocks = &w->system->blocks;
+  double fastest = 0;
+  size_t at = 0;
+  memset(c->lever, 0, (size_t)w->system->dims.nv * sizeof *c->lever);
+  memcpy(c->u, c->w, (size_t)c->m * sizeof *c->u);
+  for (int i = 0, row = 0; i < c->items; i++) {
+    int columns = i < c->problem.contacts ? c->rows[i] : 1;
+    for (int e = c->first[i]; e < c->first[i + 1]; e++) {
+      int b = c->member[c->block[e]], n = nsdae_blocks_size(blocks, b), first = blocks->first[b];
+      for (int d = 0; d < columns; d++, at += (size_t)n) {
+        c->u[row + d] += nsdae_dot(n, c->value + at, w->v + first);
+        for (int j = 0; j < n; j++)
+          c->lever[first + j] = fmax(c->lever[first + j], fabs(c->value[at + (size_t)j]));
+      }
+    }
+    for (int d = 0; d < columns; d++) fastest = fmax(fastest, fabs(c->u[row + d]));
+    row += columns;
+  }
+  return fastest;
+}
+
+/* v = M^-1 (f + H r). An entry that moves no item by more than the tolerance of the problem is
+ * zero: what stands, stands. */
+static int velocities(nsdae_pile *c, const nsdae_whole *w)
+{
+  const nsdae_blocks *blocks = &w->system->blocks;
+  const double *M = c->M;
+  begin_velocities(c, w);
+  int status = solve_masses(c, w);
+  double speed = speed_without(c, w), slow = fmin(c->options.tol, least_digits) * speed;
+  c->slow = c->options.tol * speed;
+  begin_velocities(c, w);
+  add_impulses(c, w);
+  if (status == NSDAE_OK) status = solve_masses(c, w);
+  for (int i = 0; i < c->problem.blocks && status == NSDAE_OK; i++) {
+    int at = blocks->first[c->member[i]], n = c->size[i];
+    sizes_of_velocity(M, n, w->size + at);
+    for (int j = at; j < at + n; j++)
+      if (fabs(w->v[j]) * c->lever[j] <= slow || fabs(w->v[j]) <= 32 * DBL_EPSILON * w->size[j])
+        w->v[j] = 0;
+    M += (size_t)n * (size_t)n;
+  }
+  return status;
+}
+
+static void scatter(const nsdae_pile *c, const nsdae_whole *w)
 {
   nsdae_impulses *to = w->results;
   const nsdae_terms *T = w->terms;
@@ -225,20 +279,19 @@ static void scatter(const nsdae_pile *c, const nsdae_whole *w, double slow)
   for (int i = 0; i < c->problem.contacts; row += c->rows[i++]) {
     int a = c->item[i];
     to->normal[a] = c->r[row];
-    to->mode[a] = mode_of(c, i, row, slow);
     to->after[a] = nsdae_terms_normal_rate(T, a, w->v);
     for (int d = 1; d <= nt; d++) {
       int j = a * nt + d - 1;
       to->tangential[j] = d < c->rows[i] ? c->r[row + d] : 0;
       to->after_t[j] = nsdae_terms_tangent_rate(T, j, w->v);
     }
+    to->mode[a] = mode_of(c, w, i, row);
   }
   for (int i = c->problem.contacts; i < c->items; i++) w->lambda[c->item[i]] = -c->r[row++];
 }
 
 int nsdae_pile_solve(nsdae_pile *c, const nsdae_whole *w, double tol, nsdae_error *error)
 {
-  double slow = 0;
   c->info = (nsdae_friction_info){.residual = 0};
   if (c->items == 0) return NSDAE_OK;
   nsdae_friction_problem *p = &c->problem;
@@ -249,9 +302,7 @@ int nsdae_pile_solve(nsdae_pile *c, const nsdae_whole *w, double tol, nsdae_erro
   c->options.tol = tol;
   int status = nsdae_friction_solver_solve(c->solver, p, &c->options, c->r, c->u, &c->info);
   if (status < 0) return unsolved(c, w, status, error);
-  for (int i = 0; i < c->m; i++) slow = fmax(slow, fabs(c->w[i]));
   status = velocities(c, w);
-  for (int j = 0; j < w->system->dims.nv; j++) slow = fmax(slow, fabs(w->v[j]));
-  if (status == NSDAE_OK) scatter(c, w, fmax(tol, c->info.residual) * slow);
+  if (status == NSDAE_OK) scatter(c, w);
   return status;
 }

@@ -27,7 +27,9 @@ typedef struct nsdae_pile {
   double *mu, *w, *r, *u;
   int *first, *block;
   double *value;
-  double *L; /* of the largest block */
+  double *L;     /* of the largest block */
+  double slow;   /* velocities of contacts below it are none */
+  double *lever; /* nv of the system: the largest entry of H along each velocity */
 } nsdae_pile;
 
 /* system: sizes; then room for contacts, for their values and those of rows of Phi_q. */

@@ -6,6 +6,7 @@
 
 #include "errors.h"
 #include "grow.h"
+#include "single.h"
 
 nsdae_world *nsdae_world_make(const nsdae_system *system, nsdae_error *error)
 {
@@ -25,7 +26,8 @@ void nsdae_world_release(nsdae_world *w)
                              NSDAE_GROWN(w->law, 1), NSDAE_GROWN(w->islands.contact.of, 1)};
   nsdae_grown_release(all, sizeof all / sizeof *all);
   nsdae_ids_release(&w->ids);
-  nsdae_pile_release(&w->cones);
+  nsdae_stack_release(&w->stack);
+  nsdae_pile_release(&w->pile);
   nsdae_saddle_release(&w->saddle);
   free(w);
 }
@@ -43,7 +45,8 @@ void nsdae_world_layout(nsdae_world *w, nsdae_arena *arena)
   w->hit = NSDAE_ARENA_INTS(arena, w->islands.blocks);
   nsdae_graph_layout(&w->islands, arena);
   nsdae_local_layout(&w->local, arena);
-  nsdae_pile_layout(&w->cones, w->system, arena);
+  nsdae_stack_layout(&w->stack, w->system, arena);
+  nsdae_pile_layout(&w->pile, w->system, arena);
 }
 
 int nsdae_world_grow(nsdae_world *w, const nsdae_room *contacts, const nsdae_room *rows)
@@ -51,8 +54,9 @@ int nsdae_world_grow(nsdae_world *w, const nsdae_room *contacts, const nsdae_roo
   const nsdae_grown all[] = {NSDAE_GROWN(w->item, 1), NSDAE_GROWN(w->place, 1),
                              NSDAE_GROWN(w->law, 1), NSDAE_GROWN(w->islands.contact.of, 1)};
   int status = nsdae_grow(all, sizeof all / sizeof *all, contacts->entries);
+  if (status == NSDAE_OK) status = nsdae_stack_grow(&w->stack, contacts);
   if (status == NSDAE_OK) status = nsdae_ids_grow(&w->ids, (int)contacts->entries);
-  return status < 0 ? status : nsdae_pile_grow(&w->cones, w->system, contacts, rows);
+  return status < 0 ? status : nsdae_pile_grow(&w->pile, w->system, contacts, rows);
 }
 
 /* ---- what is closed */
@@ -234,9 +238,10 @@ static int bad_mass(nsdae_world *w, int b, int pivot)
 static int solve_block(nsdae_world *w, const double *M, int b, double *x)
 {
   const nsdae_blocks *blocks = &w->system->blocks;
-  int pivot = nsdae_blocks_factor(blocks, b, M, w->cones.L);
+  nsdae_block_factor factor = {.L = w->pile.L};
+  int pivot = nsdae_blocks_factor(blocks, b, M, &factor);
   if (pivot) return bad_mass(w, b, pivot);
-  nsdae_blocks_solve(nsdae_blocks_size(blocks, b), w->cones.L, x);
+  nsdae_blocks_solve(&factor, x);
   return NSDAE_OK;
 }
 
@@ -262,6 +267,27 @@ static int solve_free(nsdae_world *w, const nsdae_whole *whole)
     memcpy(whole->size + at, whole->v + at, bytes);
   }
   return status;
+}
+
+/* One contact in closed form; 0 where it is not of that kind, or more than rounding is left. */
+static int solve_single(nsdae_world *w, const nsdae_whole *whole, int island)
+{
+  double residual;
+  if (!nsdae_single_fits(whole, island) || !nsdae_single_solve(whole, island, &residual)) return 0;
+  w->solved.lcps++;
+  w->solved.residual = fmax(w->solved.residual, residual);
+  return 1;
+}
+
+/* A large island without friction; 0 where another way must be found. */
+static int solve_stack(nsdae_world *w, const nsdae_whole *whole, int island)
+{
+  nsdae_stack *c = &w->stack;
+  if (!nsdae_stack_solve(c, whole, island, w->tol, w->pile.L)) return 0;
+  w->solved.lcps++;
+  w->solved.pivots += c->rounds;
+  w->solved.residual = fmax(w->solved.residual, c->residual);
+  return 1;
 }
 
 static int solve_local(nsdae_world *w, const nsdae_whole *whole, int island, int with_contacts)
@@ -303,9 +329,9 @@ static int has_contacts(const nsdae_world *w, int island, int with_contacts)
   return with_contacts && nsdae_members_count(&w->islands.contact, island) > 0;
 }
 
-static int solve_cones(nsdae_world *w, const nsdae_whole *whole, const int *large, int count)
+static int solve_pile(nsdae_world *w, const nsdae_whole *whole, const int *large, int count)
 {
-  nsdae_pile *c = &w->cones;
+  nsdae_pile *c = &w->pile;
   nsdae_solved *s = &w->solved;
   nsdae_pile_begin(c);
   for (int i = 0; i < count; i++) nsdae_pile_add_contacts(c, whole, large[i]);
@@ -328,14 +354,18 @@ static int solve_islands(nsdae_world *w, const nsdae_whole *whole, int with_cont
   for (int i = 0; i < w->islands.count && status == NSDAE_OK; i++) {
     int contacts = nsdae_members_count(&w->islands.contact, i);
     if (contacts > w->solved.contacts) w->solved.contacts = contacts;
+    if (with_contacts && solve_single(w, whole, i)) continue;
     if (nsdae_local_fits(whole, i))
       status = solve_local(w, whole, i, with_contacts);
     else if (has_contacts(w, i, with_contacts))
-      large[count++] = i;
+      if (solve_stack(w, whole, i))
+        continue;
+      else
+        large[count++] = i;
     else
       status = solve_sparse(w, whole, i);
   }
-  return status < 0 ? status : solve_cones(w, whole, large, count);
+  return status < 0 ? status : solve_pile(w, whole, large, count);
 }
 
 int nsdae_world_solve(nsdae_world *w, const nsdae_terms *terms, const double *M, const double *r,

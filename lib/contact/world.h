@@ -9,6 +9,7 @@
 #ifndef NSDAE_WORLD_H
 #define NSDAE_WORLD_H
 
+#include "stack.h"
 #include "pile.h"
 #include "listed.h"
 #include "saddle.h"
@@ -33,7 +34,8 @@ typedef struct nsdae_world {
   nsdae_graph islands;
   int *hit; /* islands with an impact */
   nsdae_local local;
-  nsdae_pile cones;
+  nsdae_stack stack;
+  nsdae_pile pile;
   nsdae_saddle saddle;
   double tol;
   int least_norm;

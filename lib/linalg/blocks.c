@@ -1,5 +1,6 @@
 #include "blocks.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "dense.h"
@@ -25,15 +26,39 @@ double nsdae_blocks_square(const nsdae_blocks *blocks, const double *M, const do
   return sum;
 }
 
-int nsdae_blocks_factor(const nsdae_blocks *blocks, int b, const double *M, double *L)
+static int is_diagonal(size_t n, const double *M)
 {
-  int n = nsdae_blocks_size(blocks, b);
-  memcpy(L, M + blocks->square[b], (size_t)n * (size_t)n * sizeof *L);
-  return nsdae_la_cholesky(n, L, n);
+  for (size_t j = 0; j < n; j++)
+    for (size_t i = j + 1; i < n; i++)
+      if (M[j * n + i] != 0) return 0;
+  return 1;
 }
 
-void nsdae_blocks_solve(int size, const double *L, double *x)
+int nsdae_blocks_factor(const nsdae_blocks *blocks, int b, const double *M,
+                        nsdae_block_factor *factor)
 {
-  nsdae_la_solve_lower(size, 1, L, size, x, size);
-  nsdae_la_solve_lower_transposed(size, 1, L, size, x, size);
+  size_t n = (size_t)nsdae_blocks_size(blocks, b);
+  const double *block = M + blocks->square[b];
+  factor->size = (int)n;
+  factor->diagonal = is_diagonal(n, block);
+  if (!factor->diagonal) {
+    memcpy(factor->L, block, n * n * sizeof *block);
+    return nsdae_la_cholesky((int)n, factor->L, (int)n);
+  }
+  for (size_t j = 0; j < n; j++) {
+    factor->L[j] = block[j * (n + 1)];
+    if (!(factor->L[j] > 0) || !isfinite(factor->L[j])) return (int)j + 1;
+  }
+  return 0;
+}
+
+void nsdae_blocks_solve(const nsdae_block_factor *factor, double *x)
+{
+  int n = factor->size;
+  if (!factor->diagonal) {
+    nsdae_la_solve_lower(n, 1, factor->L, n, x, n);
+    nsdae_la_solve_lower_transposed(n, 1, factor->L, n, x, n);
+    return;
+  }
+  for (int j = 0; j < n; j++) x[j] /= factor->L[j];
 }

@@ -23,10 +23,17 @@ void nsdae_blocks_add_product(const nsdae_blocks *blocks, const double *M, const
 /* x^T M x */
 double nsdae_blocks_square(const nsdae_blocks *blocks, const double *M, const double *x);
 
-/* L := Cholesky factor of block b of M, by itself at L [size x size]. Returns 0, or the pivot from
- * 1 that is not positive. */
-int nsdae_blocks_factor(const nsdae_blocks *blocks, int b, const double *M, double *L);
-/* x [size of the block] := M_b^-1 x with that factor. */
-void nsdae_blocks_solve(int size, const double *L, double *x);
+/* A block of M factored, in an array [size x size] of its own: L L^T, or where it is diagonal, as
+ * often in absolute coordinates, its diagonal. */
+typedef struct nsdae_block_factor {
+  int size, diagonal;
+  double *L;
+} nsdae_block_factor;
+
+/* L is set before. Returns 0, or the pivot from 1 that is not positive. */
+int nsdae_blocks_factor(const nsdae_blocks *blocks, int b, const double *M,
+                        nsdae_block_factor *factor);
+/* x [size of the block] := M_b^-1 x. */
+void nsdae_blocks_solve(const nsdae_block_factor *factor, double *x);
 
 #endif

@@ -33,14 +33,18 @@ static int reserve(nsdae_saddle *s, const part *p)
   const nsdae_grown by_entry[] = {NSDAE_GROWN(s->x, 1), NSDAE_GROWN(s->g, 1)};
   const nsdae_grown by_row[] = {NSDAE_GROWN(s->rest, 3)};
   const nsdae_grown by_part[] = {NSDAE_GROWN(s->of_block, 1)};
-  if (s->blocks >= all && s->rows >= p->J->count) return NSDAE_OK;
+  int parts = p->J->first[p->J->count];
+  if (s->blocks >= all && s->rows >= p->J->count && s->parts >= parts && s->order >= order)
+    return NSDAE_OK;
   int status = nsdae_grow(by_block, sizeof by_block / sizeof *by_block, (size_t)all + 2);
   if (status == NSDAE_OK) status = nsdae_grow(by_entry, 2, (size_t)order);
   if (status == NSDAE_OK) status = nsdae_grow(by_row, 1, (size_t)p->J->count);
-  if (status == NSDAE_OK) status = nsdae_grow(by_part, 1, (size_t)p->J->first[p->J->count]);
+  if (status == NSDAE_OK) status = nsdae_grow(by_part, 1, (size_t)parts);
   if (status < 0) return status;
   s->blocks = all;
   s->rows = p->J->count;
+  s->parts = parts;
+  s->order = order;
   return NSDAE_OK;
 }
 

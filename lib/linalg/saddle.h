@@ -16,10 +16,10 @@
 
 typedef struct nsdae_saddle {
   nsdae_fronts fronts;
-  int blocks, rows;          /* room */
-  int *number;               /* blocks of the system: in the part */
-  int *size, *begin;         /* blocks of the part; their first entry in x */
-  int *first, *index, *mark; /* the graph of blocks that share a row */
+  int blocks, rows, parts, order; /* room */
+  int *number;                    /* blocks of the system: in the part */
+  int *size, *begin;              /* blocks of the part; their first entry in x */
+  int *first, *index, *mark;      /* the graph of blocks that share a row */
   int index_room;
   int *by_block, *of_block; /* rows that touch a block */
   double *x, *g, *rest;     /* nv: of the part, by blocks; nv; 3 rows: c, l, d */

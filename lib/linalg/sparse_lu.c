@@ -78,8 +78,10 @@ static void order(nsdae_sparse_lu *lu)
       if (i != j && (lu->seen[j * n + i] || lu->seen[i * n + j])) pattern[count++] = (int)i;
     length[j] = count - start[j];
   }
-  amd_2(lu->n, start, pattern, length, lu->n * lu->n + lu->n, count, length + n, length + 2 * n,
-        lu->column, length + 3 * n, length + 4 * n, length + 5 * n, length + 6 * n, NULL, NULL);
+  size_t room = n * n + n; /* of the pattern */
+  amd_2(lu->n, start, pattern, length, room < INT_MAX ? (int)room : INT_MAX, count, length + n,
+        length + 2 * n, lu->column, length + 3 * n, length + 4 * n, length + 5 * n, length + 6 * n,
+        NULL, NULL);
   lu->ordered = 1;
 }
 

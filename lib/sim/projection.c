@@ -41,8 +41,8 @@ void nsdae_projector_layout(nsdae_projector *p, nsdae_arena *arena)
 
 /* ---- coordinates of unit length */
 
-/* H at a point beside q that is nothing special; nonzero where the kinematics refuses it. */
-static int read_kinematics(nsdae_projector *p, double t, const double *q, double away)
+/* H at a point beside q that is nothing special; a callback's code. */
+static int read_beside(nsdae_projector *p, double t, const double *q, double away)
 {
   const nsdae_system *s = p->tools->system;
   int nq = s->dims.nq, nv = s->dims.nv, code = 0;
@@ -55,6 +55,14 @@ static int read_kinematics(nsdae_projector *p, double t, const double *q, double
     memset(column, 0, (size_t)nq * sizeof *column);
     code = nsdae_kinematics(s, t, p->q, p->v, column);
   }
+  return code;
+}
+
+/* The same nearer where it refuses one so far away; > 0 where it refuses that, too. */
+static int read_kinematics(nsdae_projector *p, double t, const double *q, double away)
+{
+  int code = read_beside(p, t, q, away);
+  for (int nearer = 0; nearer < 2 && code > 0; nearer++) code = read_beside(p, t, q, away *= 0.1);
   return code;
 }
 
@@ -111,28 +119,31 @@ double nsdae_units_length(const nsdae_units *units, int nq, const double *q, int
 }
 
 /* Groups that keep their length at one point and at another get the numbers 0, 1, ... */
-void nsdae_units_find(nsdae_projector *p, double t, const double *q)
+int nsdae_units_find(nsdae_projector *p, double t, const double *q)
 {
   int nq = p->tools->system->dims.nq;
   nsdae_units *u = &p->units;
   u->count = 0;
   for (int i = 0; i < nq; i++) u->of[i] = -1;
-  if (nq == p->tools->system->dims.nv || p->tools->system->by_list) return;
-  if (read_kinematics(p, t, q, 0.11)) return;
+  if (nq == p->tools->system->dims.nv || p->tools->system->by_list) return NSDAE_OK;
+  int code = read_kinematics(p, t, q, 0.11);
+  if (code < 0) return nsdae_system_callback_status(code, "kinematics", t, p->tools->error);
+  if (code > 0) return NSDAE_OK;
   group_coordinates(p);
   for (int g = 0; g < nq; g++)
     if (!keeps_length(p, g))
       for (int i = 0; i < nq; i++)
         if (u->of[i] == g) u->of[i] = nq; /* none of them */
-  int again = read_kinematics(p, t, q, -0.07);
+  code = read_kinematics(p, t, q, -0.07);
   for (int g = 0; g < nq; g++) {
-    int keeps = !again && keeps_length(p, g);
+    int keeps = code == 0 && keeps_length(p, g);
     for (int i = 0; i < nq; i++)
       if (u->of[i] == g) u->of[i] = keeps ? -2 - u->count : nq;
     u->count += keeps;
   }
   for (int i = 0; i < nq; i++) u->of[i] = u->of[i] < 0 ? -2 - u->of[i] : -1;
   for (int i = 0; i < u->count; i++) u->length[i] = nsdae_units_length(u, nq, q, i);
+  return code < 0 ? nsdae_system_callback_status(code, "kinematics", t, p->tools->error) : NSDAE_OK;
 }
 
 static void restore_lengths(nsdae_projector *p)

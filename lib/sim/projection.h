@@ -40,8 +40,9 @@ typedef struct nsdae_projector {
 /* tools and rows_most are set before. */
 void nsdae_projector_layout(nsdae_projector *projection, nsdae_arena *arena);
 
-/* Looks for the groups at (t, q) and keeps their lengths. */
-void nsdae_units_find(nsdae_projector *projection, double t, const double *q);
+/* Looks for the groups at (t, q) and keeps their lengths. NSDAE_OK, or what the kinematics returns.
+ */
+int nsdae_units_find(nsdae_projector *projection, double t, const double *q);
 /* Puts other in the place of units. */
 void nsdae_units_swap(nsdae_projector *projection);
 /* Length of group i of q. */

@@ -313,9 +313,10 @@ static int put_right(bench *b, double t0, double *q0, double *v0)
 {
   const nsdae_dims *d = &b->terms.system->dims;
   nsdae_terms_at(&b->terms, t0, q0, v0);
-  nsdae_units_find(&b->projection, t0, q0);
+  int status = nsdae_units_find(&b->projection, t0, q0);
+  if (status < 0) return status;
   aim_at_unit_length(&b->projection, d->nq);
-  int status = nsdae_project_positions(&b->projection, &b->terms, 1);
+  status = nsdae_project_positions(&b->projection, &b->terms, 1);
   if (status == NSDAE_OK) status = nsdae_project_velocities(&b->projection, &b->terms);
   if (status < 0) return status;
   memcpy(q0, b->terms.q, (size_t)d->nq * sizeof *q0);

@@ -30,6 +30,19 @@ static double way_from_rest(const nsdae_terms *T, double h)
   return h * h * rows * most;
 }
 
+/* The kinetic energy that the forces lead to in a step from rest: less of it nobody can tell. */
+static double energy_from_rest(const nsdae_terms *T, double h)
+{
+  const nsdae_blocks *blocks = &T->system->blocks;
+  double sum = 0;
+  for (int b = 0; b < blocks->count; b++) {
+    size_t n = (size_t)nsdae_blocks_size(blocks, b);
+    const double *F = T->F + blocks->first[b], *M = T->M + blocks->square[b];
+    for (size_t j = 0; j < n; j++) sum += F[j] * F[j] / M[j * (n + 1)];
+  }
+  return h * h * sum / 2;
+}
+
 void nsdae_watch_start(const nsdae_sim *sim, nsdae_point *point)
 {
   const nsdae_terms *start = &point->result.end;
@@ -39,7 +52,7 @@ void nsdae_watch_start(const nsdae_sim *sim, nsdae_point *point)
       (nsdae_watch){.change = from_rest,
                     .row = largest_entry(&start->system->blocks, &start->by.jacobian),
                     .way = from_rest,
-                    .scale = point->record.kinetic,
+                    .scale = fmax(point->record.kinetic, energy_from_rest(start, sim->options.dt)),
                     .kinetic = point->record.kinetic,
                     .t = start->t,
                     .power = nsdae_dot(d->nv, start->F, start->v)};

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "arena.h"
+#include "check_blocks.h"
 #include "differences.h"
 #include "errors.h"
 #include "probe.h"
@@ -22,8 +23,10 @@ typedef struct check {
   nsdae_check worst;
 } check;
 
-static long largest(const nsdae_dims *dims)
+static long largest(const nsdae_system *system)
 {
+  const nsdae_dims *dims = &system->dims;
+  if (system->by_list) return dims->m; /* the bias alone */
   long columns = dims->nv, k = (long)dims->k * (1 + dims->nt) + dims->f;
   if (dims->m > columns) columns = dims->m;
   if (k > columns) columns = k;
@@ -33,12 +36,13 @@ static long largest(const nsdae_dims *dims)
 static void layout(void *object, nsdae_arena *arena)
 {
   check *c = object;
-  long size = largest(&c->system->dims);
+  long size = largest(c->system);
   nsdae_differences_layout(&c->differences, arena);
   c->given = NSDAE_ARENA_DOUBLES(arena, size);
   c->differenced = NSDAE_ARENA_DOUBLES(arena, size);
   c->spare = NSDAE_ARENA_DOUBLES(arena, size);
-  c->mass = NSDAE_ARENA_DOUBLES(arena, (long)c->system->dims.nv * c->system->dims.nv);
+  long dense = c->system->by_list ? 0 : c->system->dims.nv;
+  c->mass = NSDAE_ARENA_DOUBLES(arena, dense * dense);
   c->velocity = NSDAE_ARENA_DOUBLES(arena, c->system->dims.nv);
   c->moved = NSDAE_ARENA_DOUBLES(arena, c->system->dims.nq);
 }
@@ -59,12 +63,12 @@ static int difference_failed(check *c, int code, const char *callback)
 /* Keeps the worst entry of given - differenced, [rows x columns]. */
 static void compare(check *c, const char *term, int rows, int columns)
 {
-  for (int i = 0; i < rows * columns; i++) {
+  for (long i = 0; i < (long)rows * columns; i++) {
     double given = c->given[i], difference = c->differenced[i];
     double error = fabs(given - difference) / (1 + fabs(difference));
     if (error <= c->worst.error) continue; /* so that NaN is kept as the worst */
-    c->worst = (nsdae_check){.row = i % rows,
-                             .column = i / rows,
+    c->worst = (nsdae_check){.row = (int)(i % rows),
+                             .column = (int)(i / rows),
                              .given = given,
                              .difference = difference,
                              .error = isnan(error) ? INFINITY : error};
@@ -81,6 +85,7 @@ static void check_mass(check *c)
 {
   nsdae_system *s = c->system;
   int n = s->dims.nv;
+  if (s->by_list) return; /* see check_blocks.h */
   zero(c->given, n, n);
   if (failed(c, s->mass(c->t, c->q, c->given, n, s->user), "mass")) return;
   for (int j = 0; j < n; j++)
@@ -261,7 +266,9 @@ int nsdae_system_check(nsdae_system *system, double t, const double *q, const do
     return nsdae_error_set(&system->error, NSDAE_E_MEMORY, "nsdae_system_check", "",
                            "out of memory");
   for (size_t i = 0; i < sizeof all / sizeof *all && !c.code; i++) all[i](&c);
-  status = verdict(&c, tol);
+  if (system->by_list && !c.code)
+    status = nsdae_system_check_lists(system, &c.differences, t, q, v, &c.worst);
+  if (status == NSDAE_OK) status = verdict(&c, tol);
   nsdae_arena_release(&arena);
   if (worst) *worst = c.worst;
   return status;

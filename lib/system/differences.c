@@ -88,6 +88,14 @@ int nsdae_differences_velocity(nsdae_differences *d, nsdae_position_fn f, int ro
   return code;
 }
 
+int nsdae_differences_along(nsdae_differences *d, nsdae_position_fn f, int rows, double t,
+                            const double *q, const double *v, double *along)
+{
+  d->failed = NULL;
+  int code = kinematics(d, t, q, v, d->qdot);
+  return code ? code : rate(d, f, rows, t, q, cbrt(DBL_EPSILON), 0, along);
+}
+
 int nsdae_differences_time(nsdae_differences *d, nsdae_position_fn f, int rows, double t,
                            const double *q, double *f_t)
 {

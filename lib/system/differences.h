@@ -34,6 +34,10 @@ void nsdae_differences_layout(nsdae_differences *differences, nsdae_arena *arena
 int nsdae_differences_velocity(nsdae_differences *differences, nsdae_position_fn f, int rows,
                                double t, const double *q, double *D, int ldd, int transposed);
 
+/* f' - f_t [rows] along v. */
+int nsdae_differences_along(nsdae_differences *differences, nsdae_position_fn f, int rows, double t,
+                            const double *q, const double *v, double *along);
+
 /* f_t [rows]. */
 int nsdae_differences_time(nsdae_differences *differences, nsdae_position_fn f, int rows, double t,
                            const double *q, double *f_t);

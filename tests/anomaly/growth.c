@@ -74,6 +74,18 @@ static void look(account *a, const random_system *r, const nsdae_record *now)
   }
 }
 
+/* What the forces of the start lead to in a step from rest, h^2 F / M. */
+static double from_rest(const random_system *r, double dt)
+{
+  double most = 0;
+  for (int i = 0; i < r->dims.nq; i++) {
+    double force = fabs(r->g[i]) + r->s[i] * fabs(r->q0[i]) + r->damp[i] * fabs(r->v0[i]) +
+                   r->m[i] * fabs(r->a[i]) * r->v0[i] * r->v0[i] / 2;
+    most = fmax(most, fmax(1, fabs(r->h[i])) * force / (r->m[i] * (1 - fabs(r->a[i]))));
+  }
+  return 2 * dt * dt * most; /* rows and h are up to 2 */
+}
+
 /* Beyond twice the bounds, and not said. */
 static int judge(const account *a, const random_system *r, const nsdae_sim_options *o,
                  const nsdae_record *now, int warnings, int extreme)
@@ -81,18 +93,21 @@ static int judge(const account *a, const random_system *r, const nsdae_sim_optio
   /* steps that are far too long for extreme data go by many waves of a force: their quadrature,
    * which is all that a method knows of its work, is then the method's own, but not without bound
    */
-  double share = extreme ? 1 : 0.2, grown = a->energy - a->start, depth = 20 * a->change;
+  double share = extreme ? 1 : 0.2, grown = a->energy - a->start, depth;
+  depth = 20 * fmax(a->change, from_rest(r, o->dt));
   if (o->method == NSDAE_METHOD_PENALTY) /* K d^(n+1) / (n+1) <= T, n = 1 .. 1.5 */
     depth = 20 * fmax(pow(2.5 * a->kinetic / o->penalty_stiffness, 0.4),
                       sqrt(2 * a->kinetic / o->penalty_stiffness));
-  if (!r->rheonomic && grown > share * a->kinetic + 0.04 * a->turnover + 1e-9 && !(warnings & 1))
+  /* forces that are 10^16 apart lose this much of each other */
+  double lost = 1e-9 + (extreme ? 1e-4 * fabs(a->potential) : 0);
+  if (!r->rheonomic && grown > share * a->kinetic + 0.04 * a->turnover + lost && !(warnings & 1))
     return GREW;
   if (now->penetration > depth + 1e-9 && !(warnings & 2)) return SANK;
   return FINE;
 }
 
 /* Energy is added up one step behind, and one that is multiplied in each step has any sign in one
- * of them: what grew is to be said in the third step after at the latest. */
+ * of them: what grew is to be said some steps after, or ends by what overflows. */
 static int go(const random_system *r, nsdae_sim *sim, const nsdae_sim_options *o, int extreme,
               double *value)
 {
@@ -111,7 +126,7 @@ static int go(const random_system *r, nsdae_sim *sim, const nsdae_sim_options *o
     int outcome = judge(&a, r, o, &now, stats.warnings, extreme);
     *value = outcome == GREW ? a.energy - a.start : now.penetration;
     growing = outcome == GREW ? growing + 1 : 0;
-    if (outcome == SANK || growing > 3) return outcome;
+    if (outcome == SANK || growing > 6) return outcome;
   }
   return stats.warnings ? WARNED : FINE;
 }

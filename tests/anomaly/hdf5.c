@@ -242,11 +242,11 @@ static void fresh(void)
 }
 
 static const task tasks[] = {
-    {"create", 7, fresh, create_plain},
-    {"create packed", 31, fresh, create_packed},
-    {"create live", 11, fresh, create_live},
-    {"resume", 11, written_plain, resume_plain},
-    {"resume packed", 31, written_packed, resume_packed},
+    {"create", 29, fresh, create_plain},
+    {"create packed", 97, fresh, create_packed},
+    {"create live", 31, fresh, create_live},
+    {"resume", 41, written_plain, resume_plain},
+    {"resume packed", 97, written_packed, resume_packed},
     {"read options", 1, written_plain, read_params},
     {"write LCP", 1, nothing, write_lcp},
     {"read LCP", 1, written_lcp, read_lcp},

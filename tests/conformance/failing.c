@@ -229,6 +229,106 @@ static void attack_all(int method)
   print_message("%s: %ld calls\n", nsdae_method_name(method), tried);
 }
 
+/* The same with the end of each step moved to constraints and contacts. */
+static void test_projected(void **state)
+{
+  static bench b;
+  (void)state;
+  for (int method = NSDAE_METHOD_IMPLICIT; method <= NSDAE_METHOD_MOREAU; method++) {
+    for (int i = 0; i < MODELS; i++) {
+      use_model(&b, models[i]);
+      b.options.projection = NSDAE_PROJECTION_CONTACTS;
+      attack(&b, method);
+      done(&b);
+    }
+    for (uint64_t seed = 1; seed <= SYSTEMS; seed++) {
+      use_random(&b, seed);
+      b.options.projection = NSDAE_PROJECTION_CONTACTS;
+      attack(&b, method);
+      done(&b);
+    }
+  }
+}
+
+/* What is done once: a start, a start that is put right, a check of the derivatives. */
+typedef int (*once_fn)(bench *b, nsdae_sim *sim, const nsdae_error **error);
+
+static int start_once(bench *b, nsdae_sim *sim, const nsdae_error **error)
+{
+  *error = nsdae_sim_error(sim);
+  return nsdae_sim_init(sim, 0, b->q0, b->v0);
+}
+
+static int project_once(bench *b, nsdae_sim *sim, const nsdae_error **error)
+{
+  double q[NQ], v[NQ];
+  *error = nsdae_sim_error(sim);
+  memcpy(q, b->q0, sizeof q);
+  memcpy(v, b->v0, sizeof v);
+  for (int i = 0; i < b->dims.nq; i++) q[i] += 1e-3 * (i + 1);
+  int status = nsdae_sim_project(sim, 0, q, v);
+  if (status < 0) /* as it was */
+    for (int i = 0; i < b->dims.nq; i++) assert_true(q[i] == b->q0[i] + 1e-3 * (i + 1));
+  return status;
+}
+
+static int check_once(bench *b, nsdae_sim *sim, const nsdae_error **error)
+{
+  (void)sim;
+  *error = nsdae_system_error(b->system);
+  return nsdae_system_check(b->system, 0.1, b->q0, b->v0, 1e-4, NULL);
+}
+
+static void attack_once(bench *b, once_fn act)
+{
+  failing_system *f = &b->failing;
+  long calls[FAILING_TERMS];
+  const nsdae_error *error;
+  b->options.method = NSDAE_METHOD_MOREAU;
+  nsdae_sim *sim = make(b);
+  assert_non_null(sim);
+  f->term = -1;
+  failing_system_rewind(f);
+  int status = act(b, sim, &error);
+  memcpy(calls, f->calls, sizeof calls);
+  for (f->term = 0; f->term < FAILING_TERMS; f->term++)
+    for (f->at = 0; f->at < calls[f->term]; f->at++)
+      for (f->code = -2; f->code <= 2; f->code += 4) {
+        failing_system_rewind(f);
+        int now = act(b, sim, &error);
+        /* where groups of unit length are looked for, nearer points do */
+        if (now == status && f->code > 0 && strcmp(failing_name(f->term), "kinematics") == 0)
+          continue;
+        if (now != NSDAE_E_CALLBACK)
+          fail_msg("%s: %s at call %ld with %d", b->name, failing_name(f->term), f->at, f->code);
+        assert_string_equal(error->argument, failing_name(f->term));
+        assert_int_equal(error->code, f->code);
+      }
+  f->term = -1;
+  failing_system_rewind(f);
+  assert_int_equal(act(b, sim, &error), status);
+  nsdae_sim_destroy(&sim);
+}
+
+static void test_once(void **state)
+{
+  static const once_fn acts[] = {start_once, project_once, check_once};
+  static bench b;
+  (void)state;
+  for (int a = 0; a < 3; a++) {
+    for (int i = 0; i < MODELS; i++) {
+      use_model(&b, models[i]);
+      attack_once(&b, acts[a]);
+      done(&b);
+    }
+    for (uint64_t seed = 1; seed <= SYSTEMS; seed++) {
+      use_random(&b, seed);
+      attack_once(&b, acts[a]);
+      done(&b);
+    }
+  }
+}
+
 static void test_implicit(void **state)
 {
   (void)state;
@@ -262,6 +362,7 @@ static void test_event(void **state)
 int main(void)
 {
   const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_once),     cmocka_unit_test(test_projected),
       cmocka_unit_test(test_implicit), cmocka_unit_test(test_printed),
       cmocka_unit_test(test_moreau),   cmocka_unit_test(test_penalty),
       cmocka_unit_test(test_event),

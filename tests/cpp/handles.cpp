@@ -386,6 +386,46 @@ void test_check()
   EXPECT(worst.row == 1 && worst.column == 2);
 }
 
+/* Two balls on one another, by blocks and by list, with lambdas; what one throws comes out. */
+void test_blocks()
+{
+  nsdae_dims dims = nsdae_dims();
+  dims.nq = 2;
+  bool spoil = false;
+  nsdae::system system(dims);
+  system.blocks({1, 1}, {1, 1})
+      .mass_blocks([](double, const double *, double *M) { M[0] = 1, M[1] = 1000; })
+      .force([](double, const double *, const double *, double *F) { F[0] = -10, F[1] = -1e4; })
+      .contacts([&spoil](double, const double *q, const double *, double reach,
+                         nsdae_contact_list *list) {
+        if (spoil) throw std::runtime_error("no list");
+        for (int i = 0; i < 2; i++) {
+          nsdae_contact contact = nsdae_contact();
+          contact.id = 10 + i;
+          contact.block[0] = i;
+          contact.block[1] = i - 1;
+          contact.gap = i > 0 ? q[1] - q[0] - 1 : q[0];
+          contact.direction[0][0][0] = 1;
+          contact.direction[1][0][0] = -1;
+          if (contact.gap <= reach) nsdae_contact_add(list, &contact);
+        }
+      });
+  EXPECT(system.blocks() == 2);
+  EXPECT(throws_status(NSDAE_E_ARGUMENT, [&] { system.blocks({1, 1}, {1}); }));
+  EXPECT(throws_status(NSDAE_E_ARGUMENT, [&] { system.blocks({1}, {1}); }));
+  nsdae::sim sim(system, nsdae::options().set("method", "moreau").set("dt", "0.01"));
+  sim.init(0, {0, 1}, {0, 0});
+  for (int i = 0; i < 5; i++) sim.step();
+  const nsdae_contact_set contacts = sim.record().contacts;
+  EXPECT(contacts.count == 2 && contacts.id[1] == 11 && contacts.block[3] == 0);
+  EXPECT(std::fabs(contacts.normal_impulse[0] - 100.1) < 1e-9);
+  EXPECT(std::fabs(contacts.normal_impulse[1] - 100) < 1e-9);
+  spoil = true;
+  EXPECT(throws<std::runtime_error>(
+      [&] { sim.step(); },
+      [](const std::runtime_error &e) { return !std::strcmp(e.what(), "no list"); }));
+}
+
 } // namespace
 
 /* A body of 2 kg hangs on a rope around a drum of 0.5 kg m^2 and 1 m that is written by hand: it
@@ -513,6 +553,7 @@ int main(int argc, char **argv)
   test_bodies();
   test_own();
   test_drive();
+  test_blocks();
   std::printf("%d failures\n", failures);
   return failures ? EXIT_FAILURE : EXIT_SUCCESS;
 }

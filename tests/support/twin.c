@@ -97,7 +97,7 @@ void twin_draw(twin *t, uint64_t seed, const twin_kind *kind)
   }
   for (int i = 0; i < t->k; i++) draw_contact(t, &state, i, kind);
   t->id_of_first = 1000;
-  t->fail_at = -1;
+  t->fail_at = t->wrong_row = t->wrong_contact = -1;
 }
 
 /* ---- what both share */
@@ -254,6 +254,7 @@ static int constraint_rows(double time, const double *q, nsdae_row_list *rows, v
   for (int i = 0; i < t->m; i++)
     for (int s = 0; s < 2; s++) {
       gradient(t, &t->phi[i], q, s, part);
+      if (s == 0 && i == t->wrong_row) part[0] += 1e-3;
       nsdae_row_add(rows, i, t->phi[i].block[s], part);
     }
   return 0;
@@ -269,6 +270,7 @@ static void add_contact(const twin *t, int i, double g, const double *q, nsdae_c
     if (n < 0) continue;
     n = t->size[n];
     gradient(t, N, q, s, wide[s]);
+    if (i == t->wrong_contact) wide[s][0] += 1e-3;
     for (int d = 0; d < t->nt; d++)
       for (int j = 0; j < n; j++) wide[s][(1 + d) * n + j] = d == 0 ? T->a[s][j] : T->a[1 - s][j];
     if (n > NSDAE_CONTACT_WIDTH) c.wide[s] = wide[s];

@@ -29,7 +29,8 @@ typedef struct twin {
   /* of the list: a call that fails, from 0 (-1: none), with this code; calls so far */
   long fail_at, calls;
   int fail_code;
-  nsdae_contact spoil; /* added by the call that fails where its mu is not 0 */
+  int wrong_row, wrong_contact; /* whose first entry is off by 1e-3; -1: none */
+  nsdae_contact spoil;          /* added by the call that fails where its mu is not 0 */
 } twin;
 
 /* What is drawn. */

@@ -300,6 +300,220 @@ static void test_large_both_ways(void **state)
     }
 }
 
+/* ---- balances */
+
+enum { DISKS = 40 };
+
+/* Disks of mass m and radius 1/2 in the plane, not pulled by anything. */
+static int disk_mass(double t, const double *q, double *M, void *user)
+{
+  (void)t;
+  (void)q;
+  (void)user;
+  for (int i = 0; i < DISKS; i++) {
+    M[9 * i] = M[9 * i + 4] = 1 + i % 3;
+    M[9 * i + 8] = (1 + i % 3) / 8.0;
+  }
+  return 0;
+}
+
+static int nothing(double t, const double *q, const double *v, double *F, void *user)
+{
+  (void)t;
+  (void)q;
+  (void)v;
+  (void)F;
+  (void)user;
+  return 0;
+}
+
+static int disk_contacts(double t, const double *q, const double *v, double reach,
+                         nsdae_contact_list *list, void *user)
+{
+  const double *mu_and_e = user;
+  (void)t;
+  (void)v;
+  for (int a = 0; a < DISKS; a++)
+    for (int b = a + 1; b < DISKS; b++) {
+      double x = q[3 * a] - q[3 * b], y = q[3 * a + 1] - q[3 * b + 1], d = hypot(x, y);
+      if (d - 1 > reach) continue;
+      nsdae_contact c = {.id = a * DISKS + b,
+                         .block = {a, b},
+                         .gap = d - 1,
+                         .mu = mu_and_e[0],
+                         .e_n = mu_and_e[1],
+                         .direction = {{{x / d, y / d, 0}, {-y / d, x / d, -0.5}},
+                                       {{-x / d, -y / d, 0}, {y / d, -x / d, -0.5}}}};
+      nsdae_contact_add(list, &c);
+    }
+  return 0;
+}
+
+/* Momentum stays, and kinetic energy is what the contacts have not taken: to rounding, over 10^4
+ * steps with impacts of one, two and many at once. */
+static void expect_balances(int method, double mu, double e)
+{
+  double user[] = {mu, e}, q0[3 * DISKS], v0[3 * DISKS], p[2] = {0}, now[2] = {0};
+  int threes[DISKS];
+  nsdae_system *s;
+  nsdae_stats stats;
+  nsdae_record r;
+  const nsdae_dims dims = {.nq = 3 * DISKS, .nt = 1};
+  for (int i = 0; i < DISKS; i++) threes[i] = 3;
+  assert_int_equal(nsdae_system_create(&dims, &s, NULL), NSDAE_OK);
+  nsdae_system_set_user(s, user);
+  nsdae_system_set_blocks(s, DISKS, threes, threes);
+  nsdae_system_set_mass_blocks(s, disk_mass);
+  nsdae_system_set_force(s, nothing);
+  nsdae_system_set_contacts(s, disk_contacts);
+  for (int i = 0; i < DISKS; i++) { /* a ring of rings that closes in on itself */
+    double angle = 2.4 * i, radius = 1.5 + 0.6 * i;
+    q0[3 * i] = radius * cos(angle), q0[3 * i + 1] = radius * sin(angle), q0[3 * i + 2] = 0;
+    v0[3 * i] = -2 * cos(angle + 0.1 * (i % 5)), v0[3 * i + 1] = -2 * sin(angle + 0.1 * (i % 7));
+    v0[3 * i + 2] = i % 4;
+    for (int d = 0; d < 2; d++) p[d] += (1 + i % 3) * v0[3 * i + d];
+  }
+  nsdae_sim *sim = make(s, method, 2e-3);
+  start(sim, q0, v0);
+  for (int n = 0; n < 10000; n++) advance(sim);
+  nsdae_sim_get_record(sim, &r);
+  nsdae_sim_get_stats(sim, &stats);
+  for (int i = 0; i < DISKS; i++)
+    for (int d = 0; d < 2; d++) now[d] += (1 + i % 3) * r.v[3 * i + d];
+  for (int d = 0; d < 2; d++) assert_near(now[d], p[d], 1e-10);
+  assert_near(stats.energy_balance, 0, 1e-10 * stats.energy_start);
+  if (e == 1 && mu == 0) assert_near(r.kinetic, stats.energy_start, 1e-10 * stats.energy_start);
+  assert_true(stats.impacts > 20);
+  nsdae_sim_destroy(&sim);
+  nsdae_system_destroy(&s);
+}
+
+static void test_balances(void **state)
+{
+  (void)state;
+  expect_balances(NSDAE_METHOD_MOREAU, 0, 1);
+  expect_balances(NSDAE_METHOD_MOREAU, 0.4, 0.5);
+  expect_balances(NSDAE_METHOD_MOREAU, 0.4, 0);
+}
+
+/* ---- a wall: bricks 2 x 1 in running bond, two contacts where one lies on another */
+
+typedef struct wall {
+  int rows, width;
+} wall;
+
+static int wall_mass(double t, const double *q, double *M, void *user)
+{
+  const wall *w = user;
+  (void)t;
+  (void)q;
+  for (int i = 0; i < w->rows * w->width; i++) {
+    M[9 * i] = M[9 * i + 4] = 2;
+    M[9 * i + 8] = 2 * 5.0 / 12;
+  }
+  return 0;
+}
+
+static int wall_force(double t, const double *q, const double *v, double *F, void *user)
+{
+  const wall *w = user;
+  (void)t;
+  (void)q;
+  (void)v;
+  for (int i = 0; i < w->rows * w->width; i++) F[3 * i + 1] = -2 * 9.81;
+  return 0;
+}
+
+/* Point (rx, ry) of brick i. */
+static void corner(const double *q, int i, double rx, double ry, double *x, double *y)
+{
+  double c = cos(q[3 * i + 2]), s = sin(q[3 * i + 2]);
+  *x = q[3 * i] + c * rx - s * ry;
+  *y = q[3 * i + 1] + s * rx + c * ry;
+}
+
+static void lie(const double *q, long id, int a, int b, double rx, double reach,
+                nsdae_contact_list *list)
+{
+  double x, y, below = 0, unused;
+  corner(q, a, rx, -0.5, &x, &y);
+  if (b >= 0) corner(q, b, x - q[3 * b], 0.5, &unused, &below);
+  nsdae_contact c = {.id = id, .block = {a, b}, .gap = y - below, .mu = 0.5};
+  for (int s = 0; s < 2; s++) {
+    int i = s == 0 ? a : b;
+    double sign = s == 0 ? 1 : -1;
+    if (i < 0) continue;
+    c.direction[s][0][1] = c.direction[s][1][0] = sign;
+    c.direction[s][0][2] = sign * (x - q[3 * i]);
+    c.direction[s][1][2] = -sign * (y - q[3 * i + 1]);
+  }
+  if (c.gap <= reach) nsdae_contact_add(list, &c);
+}
+
+static int wall_contacts(double t, const double *q, const double *v, double reach,
+                         nsdae_contact_list *list, void *user)
+{
+  const wall *w = user;
+  (void)t;
+  (void)v;
+  for (int i = 0; i < w->rows * w->width; i++) {
+    int row = i / w->width, place = i % w->width;
+    for (int k = 0; k < 4; k++) {
+      int half = k / 2, under = place + (row % 2 ? half : half - 1);
+      if (row > 0 && (under < 0 || under >= w->width)) continue;
+      if (row == 0 && half == 1) continue;
+      double rx = row == 0 ? 2 * k - 1 : half - 1 + k % 2;
+      lie(q, 8L * i + k, i, row > 0 ? (row - 1) * w->width + under : -1, rx, reach, list);
+    }
+  }
+  return 0;
+}
+
+/* What stands still has velocities 0.0, and stays where it is to the last bit. */
+static void expect_still(int rows, int width, int steps)
+{
+  wall w = {rows, width};
+  int bricks = rows * width;
+  const nsdae_dims dims = {.nq = 3 * bricks, .nt = 1};
+  nsdae_system *s;
+  nsdae_record r;
+  double *q0 = calloc((size_t)bricks * 3, sizeof *q0), *v0 = calloc((size_t)bricks * 3, sizeof *v0);
+  int *threes = malloc((size_t)bricks * sizeof *threes);
+  double floor = 0;
+  for (int i = 0; i < bricks; i++) {
+    threes[i] = 3;
+    q0[3 * i] = 2 * (i % width) + i / width % 2;
+    q0[3 * i + 1] = i / width + 0.5;
+  }
+  assert_int_equal(nsdae_system_create(&dims, &s, NULL), NSDAE_OK);
+  nsdae_system_set_user(s, &w);
+  nsdae_system_set_blocks(s, bricks, threes, threes);
+  nsdae_system_set_mass_blocks(s, wall_mass);
+  nsdae_system_set_force(s, wall_force);
+  nsdae_system_set_contacts(s, wall_contacts);
+  nsdae_sim *sim = make(s, NSDAE_METHOD_MOREAU, 1e-3);
+  start(sim, q0, v0);
+  for (int i = 0; i < steps; i++) assert_int_equal(nsdae_sim_step(sim), NSDAE_OK);
+  nsdae_sim_get_record(sim, &r);
+  for (int j = 0; j < 3 * bricks; j++) assert_true(r.v[j] == 0);
+  assert_memory_equal(r.q, q0, (size_t)bricks * 3 * sizeof *q0);
+  for (int i = 0; i < r.contacts.count; i++)
+    if (r.contacts.block[2 * i + 1] < 0) floor += r.contacts.normal_impulse[i];
+  assert_near(floor, bricks * 2 * 9.81 * 1e-3, 1e-9 * bricks);
+  free(q0);
+  free(v0);
+  free(threes);
+  nsdae_sim_destroy(&sim);
+  nsdae_system_destroy(&s);
+}
+
+static void test_walls_stand_still(void **state)
+{
+  (void)state;
+  expect_still(3, 3, 20);
+  expect_still(40, 25, 20);
+}
+
 /* ---- what can go wrong with a list */
 
 static const twin_kind plain = {
@@ -421,6 +635,45 @@ static void test_refusals(void **state)
   assert_int_equal(nsdae_system_create(&dims, &s, NULL), NSDAE_OK);
   assert_int_equal(nsdae_system_set_blocks(s, 2, sizes, sizes), NSDAE_E_ARGUMENT);
   nsdae_system_destroy(&s);
+}
+
+/* Right descriptions pass; one wrong entry is found, wherever it is. */
+static void test_check(void **state)
+{
+  static const twin_kind kinds[] = {
+      {.blocks = 5, .largest = 7, .joined = 1, .k = 9, .nt = 1, .friction = 0.3},
+      {.blocks = 3, .largest = 3, .joined = 1},
+      {.blocks = 3, .largest = 6, .k = 5, .nt = 2}};
+  nsdae_check worst;
+  (void)state;
+  for (size_t kind = 0; kind < sizeof kinds / sizeof *kinds; kind++)
+    for (uint64_t seed = 0; seed < 5; seed++) {
+      twin t;
+      twin_draw(&t, 3000 + 10 * kind + seed, &kinds[kind]);
+      nsdae_system *s = twin_blocks(&t);
+      if (nsdae_system_check(s, 0.1, t.q0, t.v0, 1e-6, &worst) < 0)
+        fail_msg("%s", nsdae_system_error(s)->text);
+      t.M[1][t.size[1] * t.size[1] > 1 ? 1 : 0] += 0.01;
+      if (t.size[1] > 1) {
+        assert_int_equal(nsdae_system_check(s, 0.1, t.q0, t.v0, 1e-6, &worst), NSDAE_E_DERIVATIVE);
+        assert_string_equal(worst.term, "mass_blocks");
+        t.M[1][1] -= 0.01;
+      }
+      if (t.m > 0) {
+        t.wrong_row = 1;
+        assert_int_equal(nsdae_system_check(s, 0.1, t.q0, t.v0, 1e-6, &worst), NSDAE_E_DERIVATIVE);
+        assert_string_equal(worst.term, "constraint_rows");
+        assert_int_equal(worst.row, 1);
+        assert_int_equal(worst.column, t.first[1]);
+        t.wrong_row = -1;
+      }
+      if (t.k > 0) {
+        t.wrong_contact = 2;
+        assert_int_equal(nsdae_system_check(s, 0.1, t.q0, t.v0, 1e-6, &worst), NSDAE_E_DERIVATIVE);
+        assert_string_equal(worst.term, "contacts");
+      }
+      nsdae_system_destroy(&s);
+    }
 }
 
 /* One id twice is an error where both are closed. */
@@ -570,11 +823,13 @@ static void test_state_goes_on(void **state)
 int main(void)
 {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_small_both_ways), cmocka_unit_test(test_islands_both_ways),
-      cmocka_unit_test(test_large_both_ways), cmocka_unit_test(test_failing_lists),
-      cmocka_unit_test(test_refusals),        cmocka_unit_test(test_ids_are_distinct),
-      cmocka_unit_test(test_lists_grow),      cmocka_unit_test(test_allocations),
-      cmocka_unit_test(test_state_goes_on),   cmocka_unit_test(test_columns_stand),
+      cmocka_unit_test(test_small_both_ways),   cmocka_unit_test(test_islands_both_ways),
+      cmocka_unit_test(test_large_both_ways),   cmocka_unit_test(test_balances),
+      cmocka_unit_test(test_walls_stand_still), cmocka_unit_test(test_failing_lists),
+      cmocka_unit_test(test_refusals),          cmocka_unit_test(test_check),
+      cmocka_unit_test(test_ids_are_distinct),  cmocka_unit_test(test_lists_grow),
+      cmocka_unit_test(test_allocations),       cmocka_unit_test(test_state_goes_on),
+      cmocka_unit_test(test_columns_stand),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -316,18 +316,39 @@ static void test_both_triangles(void **state)
   nsdae_system_destroy(&s);
 }
 
+/* Of no system each says so. */
+static void test_no_system(void **state)
+{
+  nsdae_body body = {.name = "none"};
+  (void)state;
+  assert_int_equal(nsdae_system_set_user(NULL, NULL), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_system_set_mass(NULL, NULL), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_system_set_force(NULL, NULL), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_system_set_constraint(NULL, NULL), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_system_set_constraint_jacobian(NULL, NULL), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_system_set_constraint_bias(NULL, NULL), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_system_set_gap(NULL, NULL), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_system_set_gap_normal(NULL, NULL), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_system_set_gap_tangent(NULL, NULL), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_system_set_contact_bias(NULL, NULL), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_system_set_contact_acceleration(NULL, NULL), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_system_set_slide_tangent(NULL, NULL), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_system_set_kinematics(NULL, NULL), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_system_set_potential(NULL, NULL), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_system_set_contact(NULL, 0, 0, 0, 0), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_system_set_slide(NULL, 0, 0, 0), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_system_set_name(NULL, 0, 0, "a", "m"), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_system_add_body(NULL, &body), NSDAE_E_ARGUMENT);
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_first_refusal),
-      cmocka_unit_test(test_every_refusal),
-      cmocka_unit_test(test_directions),
-      cmocka_unit_test(test_frozen),
-      cmocka_unit_test(test_failed_creation_holds_nothing),
-      cmocka_unit_test(test_destroyed_first),
-      cmocka_unit_test(test_names),
-      cmocka_unit_test(test_names_refused),
-      cmocka_unit_test(test_names_differ),
+      cmocka_unit_test(test_no_system),       cmocka_unit_test(test_first_refusal),
+      cmocka_unit_test(test_every_refusal),   cmocka_unit_test(test_directions),
+      cmocka_unit_test(test_frozen),          cmocka_unit_test(test_failed_creation_holds_nothing),
+      cmocka_unit_test(test_destroyed_first), cmocka_unit_test(test_names),
+      cmocka_unit_test(test_names_refused),   cmocka_unit_test(test_names_differ),
       cmocka_unit_test(test_both_triangles),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,0 +1,171 @@
+#include "single.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include <nsdae/sim.h>
+
+#include "dense.h"
+#include "listed.h"
+
+enum { WIDTH = NSDAE_CONTACT_WIDTH, COLUMNS = 2 };
+
+/* One block: its factor, its directions W, U = M^-1 W, the velocity without impulse. */
+typedef struct side {
+  int b, n, at;
+  nsdae_block_factor factor;
+  double L[WIDTH * WIDTH], U[COLUMNS][WIDTH], v[WIDTH];
+} side;
+
+typedef struct single {
+  int sides, columns;
+  side side[2];
+  double mu, G[COLUMNS][COLUMNS], b[COLUMNS]; /* columns by rows; offsets */
+  double x[COLUMNS];                          /* Lambda */
+} single;
+
+int nsdae_single_fits(const nsdae_whole *w, int island)
+{
+  const nsdae_graph *is = w->islands;
+  if (nsdae_members_count(&is->contact, island) != 1) return 0;
+  if (nsdae_members_count(&is->row, island) != 0) return 0;
+  int a = is->contact.of[is->contact.first[island]];
+  if (w->system->dims.nt == 2 && w->law[a].mu > 0) return 0;
+  for (int i = is->block.first[island]; i < is->block.first[island + 1]; i++)
+    if (nsdae_blocks_size(&w->system->blocks, is->block.of[i]) > WIDTH) return 0;
+  return 1;
+}
+
+/* The factor of M_b and the velocity without impulse; 0 where M_b is not positive definite. */
+static int gather_side(const nsdae_whole *w, side *s, int b)
+{
+  const nsdae_blocks *blocks = &w->system->blocks;
+  s->b = b;
+  s->n = nsdae_blocks_size(blocks, b);
+  s->at = blocks->first[b];
+  for (int j = 0; j < s->n; j++) s->v[j] = w->r[s->at + j];
+  s->factor.L = s->L;
+  if (nsdae_blocks_factor(blocks, b, w->M, &s->factor)) return 0;
+  nsdae_blocks_solve(&s->factor, s->v);
+  return 1;
+}
+
+/* Direction d of contact a on its blocks: U, and its part of G and b. */
+static void gather_direction(single *c, const nsdae_rows *rows, int row, int d)
+{
+  for (int p = rows->first[row]; p < rows->first[row + 1]; p++) {
+    side *s = &c->side[rows->block[p] == c->side[0].b ? 0 : 1];
+    const double *W = rows->value + rows->at[p];
+    for (int j = 0; j < s->n; j++) {
+      s->U[d][j] = W[j];
+      c->b[d] += W[j] * s->v[j];
+    }
+    nsdae_blocks_solve(&s->factor, s->U[d]);
+    for (int e = 0; e <= d; e++) {
+      double sum = 0;
+      for (int j = 0; j < s->n; j++) sum += W[j] * s->U[e][j];
+      c->G[d][e] += sum;
+    }
+  }
+}
+
+static int gather(const nsdae_whole *w, single *c, int island, int a)
+{
+  const nsdae_graph *is = w->islands;
+  const nsdae_terms *T = w->terms;
+  const nsdae_coefficients *law = &w->law[a];
+  c->mu = law->mu;
+  c->sides = 0;
+  memset(c->G, 0, sizeof c->G);
+  memset(c->b, 0, sizeof c->b);
+  c->columns = law->mu > 0 ? 2 : 1;
+  for (int i = is->block.first[island]; i < is->block.first[island + 1]; i++)
+    if (!gather_side(w, &c->side[c->sides++], is->block.of[i])) return 0;
+  gather_direction(c, &T->by.normal, a, 0);
+  c->b[0] += T->w_N[a] + law->e_n * w->results->before[a];
+  if (c->columns == 1) return 1;
+  gather_direction(c, &T->by.tangent, a, 1);
+  c->b[1] += T->w_T[a] + law->e_t * w->results->before_t[a];
+  c->G[0][1] = c->G[1][0];
+  return 1;
+}
+
+static int stick(single *c)
+{
+  double det = c->G[0][0] * c->G[1][1] - c->G[0][1] * c->G[1][0];
+  if (!(det > 16 * DBL_EPSILON * c->G[0][0] * c->G[1][1])) return 0;
+  c->x[0] = (c->G[0][1] * c->b[1] - c->G[1][1] * c->b[0]) / det;
+  c->x[1] = (c->G[1][0] * c->b[0] - c->G[0][0] * c->b[1]) / det;
+  return c->x[0] > 0 && fabs(c->x[1]) <= c->mu * c->x[0];
+}
+
+static int slide(single *c, double s)
+{
+  double normal = c->G[0][0] - s * c->mu * c->G[0][1];
+  if (!(normal > 16 * DBL_EPSILON * c->G[0][0])) return 0;
+  c->x[0] = -c->b[0] / normal;
+  c->x[1] = -s * c->mu * c->x[0];
+  return s * (c->b[1] + c->G[1][0] * c->x[0] + c->G[1][1] * c->x[1]) >= 0;
+}
+
+/* enum nsdae_mode; -1: in none. */
+static int solve(single *c)
+{
+  c->x[0] = c->x[1] = 0;
+  if (c->b[0] >= 0) return NSDAE_MODE_OPEN;
+  if (!(c->G[0][0] > 0)) return -1;
+  if (c->columns == 1) {
+    c->x[0] = -c->b[0] / c->G[0][0];
+    return NSDAE_MODE_SLIDE;
+  }
+  if (stick(c)) return NSDAE_MODE_STICK;
+  return slide(c, 1) || slide(c, -1) ? NSDAE_MODE_SLIDE : -1;
+}
+
+/* v(+) of a side. What cancels to rounding is zero, as in contacts.c. */
+static void scatter_side(const nsdae_whole *w, const single *c, const side *s)
+{
+  const double rounding = 32 * DBL_EPSILON;
+  double size_x = fmax(fabs(c->x[0]), fabs(c->x[1]));
+  for (int j = 0; j < s->n; j++) {
+    double v = s->v[j], size = 2 * fabs(v);
+    for (int d = 0; d < c->columns; d++) {
+      v += s->U[d][j] * c->x[d];
+      size += fabs(s->U[d][j]) * size_x;
+    }
+    w->v[s->at + j] = fabs(v) <= rounding * size ? 0 : v;
+    w->size[s->at + j] = size;
+  }
+}
+
+/* |xi_N|, of what sticks |xi_T|, by the velocities that v has now. */
+static double left_over(int mode, double xi_n, double xi_t, double scale)
+{
+  double worst = mode == NSDAE_MODE_OPEN ? fmax(0, -xi_n) : fabs(xi_n);
+  if (mode == NSDAE_MODE_STICK) worst = fmax(worst, fabs(xi_t));
+  return scale > 0 ? worst / scale : worst;
+}
+
+int nsdae_single_solve(const nsdae_whole *w, int island, double *residual)
+{
+  const double most = 1e-13;
+  single c;
+  int a = w->islands->contact.of[w->islands->contact.first[island]], nt = w->system->dims.nt;
+  nsdae_impulses *to = w->results;
+  int mode = gather(w, &c, island, a) ? solve(&c) : -1;
+  if (mode < 0 || !isfinite(c.x[0]) || !isfinite(c.x[1])) return 0;
+  for (int i = 0; i < c.sides; i++) scatter_side(w, &c, &c.side[i]);
+  to->normal[a] = c.x[0];
+  to->mode[a] = mode;
+  to->after[a] = nsdae_terms_normal_rate(w->terms, a, w->v);
+  for (int j = a * nt; j < (a + 1) * nt; j++) {
+    to->tangential[j] = j == a * nt && c.columns == 2 ? c.x[1] : 0;
+    to->after_t[j] = nsdae_terms_tangent_rate(w->terms, j, w->v);
+  }
+  double xi_n = to->after[a] + w->law[a].e_n * to->before[a];
+  double xi_t = nt > 0 ? to->after_t[a * nt] + w->law[a].e_t * to->before_t[a * nt] : 0;
+  double scale = fmax(fabs(c.b[0]), c.columns == 2 ? fabs(c.b[1]) : 0);
+  *residual = left_over(mode, xi_n, xi_t, scale);
+  return *residual <= most;
+}

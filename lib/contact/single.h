@@ -1,0 +1,22 @@
+/* An island of one contact, frictionless or planar, without constraints: in closed form. With the
+ * Delassus matrix G [2 x 2] and the velocities b without impulse,
+ *
+ *   open    b_N >= 0,                     Lambda = 0
+ *   stick   G Lambda = -b,                Lambda_N > 0,  |Lambda_T| <= mu Lambda_N
+ *   slide   Lambda_T = -s mu Lambda_N,    xi_N = 0,  s xi_T >= 0,    s = +-1
+ *
+ * the first of these that holds. Where none does, or more than rounding is left of a law, the
+ * complementarity problem is asked (local.h). */
+#ifndef NSDAE_SINGLE_H
+#define NSDAE_SINGLE_H
+
+#include "local.h"
+
+/* Whether an island is of this kind. */
+int nsdae_single_fits(const nsdae_whole *whole, int island);
+
+/* v of its blocks, impulse, mode and velocities after. 1 where it is solved, else 0; residual: what
+ * is left of the laws, scaled as by nsdae_friction_residual. */
+int nsdae_single_solve(const nsdae_whole *whole, int island, double *residual);
+
+#endif
