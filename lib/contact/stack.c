@@ -218,32 +218,44 @@ static void solve(const nsdae_stack *c, double *y)
   }
 }
 
-/* u := A x + b, in the order. */
-static void velocities(nsdae_stack *c)
+/* u := W^T (M^-1 W x) + b, in the order: block by block and not by A, so that what presses from
+ * both sides of a light block cancels where it is exact, and errors do not add up along a column.
+ */
+static void velocities(nsdae_stack *c, const nsdae_whole *w, int island)
 {
-  for (int i = 0; i < c->count; i++) c->u[i] = c->b[c->order[i]];
-  for (int i = 0; i < c->count; i++) {
-    const double *row = c->A + c->at[i] - (size_t)(i - c->low[i]);
-    for (int j = c->low[i]; j < i; j++) {
-      c->u[i] += row[j - c->low[i]] * c->x[j];
-      c->u[j] += row[j - c->low[i]] * c->x[i];
-    }
-    c->u[i] += c->A[c->at[i]] * c->x[i];
+  const nsdae_members *members = &w->islands->block;
+  const nsdae_blocks *blocks = &w->system->blocks;
+  const nsdae_rows *N = normals(w);
+  double *v = w->size; /* of the impulses alone */
+  for (int m = members->first[island]; m < members->first[island + 1]; m++) {
+    int b = members->of[m];
+    memset(v + blocks->first[b], 0, (size_t)nsdae_blocks_size(blocks, b) * sizeof *v);
   }
+  for (int i = 0; i < c->count; i++) {
+    int k = c->order[i], a = c->contact[k];
+    for (int p = N->first[a]; p < N->first[a + 1]; p++) {
+      int b = N->block[p];
+      const double *U = c->U + c->part[2 * (size_t)k + (size_t)(p - N->first[a])];
+      for (int j = 0; j < nsdae_blocks_size(blocks, b); j++)
+        v[blocks->first[b] + j] += U[j] * c->x[i];
+    }
+  }
+  for (int i = 0; i < c->count; i++)
+    c->u[i] = c->b[c->order[i]] + nsdae_rows_dot(blocks, N, c->contact[c->order[i]], v);
 }
 
 /* x of the set, refined once. */
-static int solve_set(nsdae_stack *c)
+static int solve_set(nsdae_stack *c, const nsdae_whole *w, int island)
 {
   if (!factor(c)) return 0;
   memset(c->x, 0, (size_t)c->count * sizeof *c->x);
   for (int round = 0; round < 2; round++) {
-    velocities(c);
+    velocities(c, w, island);
     for (int i = 0; i < c->count; i++) c->rest[i] = c->active[i] ? -c->u[i] : 0;
     solve(c, c->rest);
     for (int i = 0; i < c->count; i++) c->x[i] += c->rest[i];
   }
-  velocities(c);
+  velocities(c, w, island);
   return 1;
 }
 
@@ -270,14 +282,14 @@ static double residual(const nsdae_stack *c)
 }
 
 /* The last set settles, or what it leaves is within rounding. */
-static int settle(nsdae_stack *c, const nsdae_whole *w, double tol)
+static int settle(nsdae_stack *c, const nsdae_whole *w, int island, double tol)
 {
   for (int i = 0; i < c->count; i++) {
     int a = c->contact[c->order[i]];
     c->active[i] = w->results->normal[a] > 0 || (w->closed->fresh[a] && c->b[c->order[i]] < 0);
   }
   for (c->rounds = 0; c->rounds < ROUNDS; c->rounds++) {
-    if (!solve_set(c)) return 0;
+    if (!solve_set(c, w, island)) return 0;
     c->residual = residual(c);
     if (!next_set(c) || c->residual <= 64 * DBL_EPSILON) break;
   }
@@ -347,7 +359,7 @@ int nsdae_stack_solve(nsdae_stack *c, const nsdae_whole *w, int island, double t
   sort(c, w, island);
   if (!lay_out(c, w) || !gather(c, w, island, L_block)) return 0;
   assemble(c, w);
-  if (!settle(c, w, tol)) return 0;
+  if (!settle(c, w, island, tol)) return 0;
   scatter(c, w, island);
   velocities_after(c, w);
   return 1;

@@ -87,7 +87,7 @@ run() {
   fi
 }
 
-for chapter in first-program bodies model methods states trajectory animation paraview errors mistakes; do
+for chapter in first-program bodies model large methods states trajectory animation paraview errors mistakes; do
   awk -f "$here/guide.awk" "$source/docs/guide/$chapter.md" >"$work/$chapter.sh" || exit 1
   . "$work/$chapter.sh"
 done
