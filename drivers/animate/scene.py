@@ -16,7 +16,7 @@ from trajectory import text
 COLOURS = ["#3b6ea5", "#d1792f", "#4f9d5b", "#b0483f", "#7d67a8", "#8a6d4f", "#c66fa1", "#3f9ea3"]
 FIXED, GROUND, THREAD = "#a9aeb5", "#dfe2e6", "#6b7178"
 IMPACTS_MAX = 2000
-MESHES_MAX = 300  # where there are more bodies balls are drawn as discs
+MESHES_MAX = 30   # where there are more bodies balls are drawn as discs
 
 
 def rounded(values, scale):

@@ -49,9 +49,13 @@ class Animation:
             self.dark = root["CellData/dark"][...]
             self.names = [str(name) for name in root["CellData/body"].attrs["names"]]
             expect("a body for each polygon", len(self.number) == len(self.polygons))
+            expect("names", len(set(self.names)) == len(self.names))
+            self.of = {name: [] for name in self.names}
+            for polygon, i in zip(self.polygons, self.number):
+                self.of[self.names[i]].append(polygon)
 
     def polygons_of(self, name):
-        return [p for p, i in zip(self.polygons, self.number) if self.names[i] == name]
+        return self.of[name]
 
     def body(self, name):
         """Its points [n, p, 3]."""
@@ -69,9 +73,9 @@ def volume(points, polygons):
 
 def check_surfaces(a):
     """Every edge is met once in each direction: closed and oriented; the volume is positive."""
+    shift = list(map(tuple, np.round(a.points[0], 9).tolist()))
     for name in a.names:
         polygons = a.polygons_of(name)
-        shift = {j: tuple(np.round(x, 9)) for j, x in enumerate(a.points[0])}
         edges = [(shift[x], shift[y]) for p in polygons for x, y in zip(p, np.roll(p, -1)) if shift[x] != shift[y]]
         expect(f"{name} is closed", sorted(edges) == sorted((y, x) for x, y in edges))
         expect(f"{name} looks outwards", volume(a.points[0] - a.points[0, polygons[0][0]], polygons) > 0)
@@ -155,6 +159,13 @@ def bouncing_ball(a, f, p):
     close("potential", U - U[0], f["energy/potential"][...] - f["energy/potential"][0], U.max())
 
 
+def shaken_ball(a, f, p):
+    ball, table = a.body("ball"), a.body("table")
+    close("gap", ball[..., 1].min(axis=1) - table[..., 1].max(axis=1), f["contact/gap"][:, 0])
+    U = p["m"] * p["g"] * a.centre("ball")[:, 1]
+    close("potential", U - U[0], f["energy/potential"][...] - f["energy/potential"][0])
+
+
 def falling_rod(a, f, p):
     q, rod = f["q"][...], a.body("rod")
     half = along(a, "rod", q, q[:, 2] + np.pi / 2)
@@ -195,9 +206,91 @@ def woodpecker(a, f, p):
     close("potential", U, f["energy/potential"][...])
 
 
+def blocks(a, f, p, corners):
+    """Each block's corners [blocks, 4, 2] at the start, moved as q says; of density 1 kg/m^2."""
+    q = f["q"][...].reshape(a.n, -1, 3)
+    expect("number of blocks", q.shape[1] == len(corners) == len(a.names) - 1)
+    expect("turned at the start", not np.any(q[0, :, 2]))
+    U = 0
+    for i, corner in enumerate(corners):
+        out, x = corner - q[0, i, :2], q[:, i, None]
+        c, s = np.cos(x[..., 2]), np.sin(x[..., 2])
+        face = np.stack([x[..., 0] + c * out[:, 0] - s * out[:, 1], x[..., 1] + s * out[:, 0] + c * out[:, 1]], axis=-1)
+        points = a.body(f"polygon {i + 1}")  # its front and its back
+        close("corners", points[..., :2], np.concatenate([face, face], axis=1))
+        close("faces", points[..., 2], points[0, -1, 2] * np.repeat([-1, 1], 4))
+        d, e = corner[2] - corner[0], corner[3] - corner[1]
+        U = U + p["g"] * (d[0] * e[1] - d[1] * e[0]) / 2 * q[:, i, 1]
+    energy = f["energy/potential"][...]
+    close("potential", U - U[0], energy - energy[0], np.abs(U).max())
+    close("floor", a.body("plane 0")[..., 1].max(), 0)
+
+
+def arch(a, f, p):
+    angle = np.linspace(0, np.pi, p["blocks"] + 1)
+    inner, outer = (p["R"] * (1 + side * p["t"] / 2) * np.column_stack([np.cos(angle), np.sin(angle)]) for side in (-1, 1))
+    blocks(a, f, p, np.stack([inner[:-1], outer[:-1], outer[1:], inner[1:]], axis=1))
+
+
+def rectangles(left, right, low, high):
+    left, right, low, high = np.broadcast_arrays(left, right, low, high)
+    return np.stack([np.column_stack(corner) for corner in ((left, low), (right, low), (right, high), (left, high))], axis=1)
+
+
+def dominoes(a, f, p):
+    front = np.arange(p["n"]) * (p["s"] + p["d"])
+    blocks(a, f, p, rectangles(front - p["d"], front, 0, p["h"]))
+
+
+def wall(a, f, p):
+    """Joints of every second course are in the middle between those of the others."""
+    end, corners = p["length"] * p["width"], []
+    for course in range(p["courses"]):
+        joint = np.arange(p["length"] + 1) * p["width"]
+        if course % 2:
+            joint = np.concatenate([[0], joint[:-1] + p["width"] / 2, [end]])
+        corners.append(rectangles(joint[:-1] + p["gap"] / 2, joint[1:] - p["gap"] / 2,
+                                  course * p["height"], (course + 1) * p["height"]))
+    blocks(a, f, p, np.concatenate(corners))
+
+
+def spheres(a, f, p, names, mass):
+    q = f["q"][...].reshape(a.n, -1, 7)
+    expect("number of spheres", q.shape[1] == len(names) == len(mass))
+    for i, name in enumerate(names):
+        out = a.body(name) - q[:, i, None, :3]
+        close("radius", np.linalg.norm(out, axis=2), p["r"])
+        close("both poles", np.abs(out.sum(axis=1)), 0)
+        close("orientation", out, turned(q[:, i, 3:], turned(q[:1, i, 3:] * [1, -1, -1, -1], out[0])[0]))
+    U, energy = p["g"] * q[..., 2] @ mass, f["energy/potential"][...]
+    close("potential", U - U[0], energy - energy[0], np.abs(U).max())
+    close("floor", a.body("plane 0")[..., 2].max(), 0)
+
+
+def column(a, f, p):
+    n = p["balls"]
+    expect("number of bodies", len(a.names) == 1 + n)
+    spheres(a, f, p, [f"sphere {i + 1}" for i in range(n)], p["m"] * np.where(np.arange(n) % 2, p["ratio"], 1))
+    close("place", f["q"][0].reshape(n, 7)[:, :3], np.outer(2 * np.arange(n) + 1, [0, 0, p["r"]]), 2 * n * p["r"])
+
+
+def heap(a, f, p):
+    n = p["spheres"]
+    side = int(np.ceil(np.cbrt(n / 2) - 1e-9))
+    grit = (6 * side) ** 2 if p["rough"] else 0
+    expect("number of bodies", len(a.names) == 1 + grit + n)
+    place = 2 * p["r"] * (np.arange(6 * side) - (6 * side - 1) / 2)
+    for i in range(grit):  # row by row
+        out = a.body(f"sphere {i + 1}") - [place[i % (6 * side)], place[i // (6 * side)], 0]
+        close("grit", np.linalg.norm(out, axis=2), p["r"])
+    mass = np.full(n, 1000 * 4 / 3 * np.pi * p["r"] ** 3)
+    spheres(a, f, p, [f"sphere {grit + i + 1}" for i in range(n)], mass)
+
+
 CHECKS = {"bouncing-ball": bouncing_ball, "falling-rod": falling_rod, "newtons-cradle": newtons_cradle,
           "woodpecker": woodpecker, "pendulum": pendulum, "clearance-hinge": clearance_hinge, "crank-slider": crank_slider,
-          "incline": incline, "rolling-ball": rolling_ball}
+          "incline": incline, "rolling-ball": rolling_ball, "arch": arch, "dominoes": dominoes, "wall": wall, "column": column,
+          "heap": heap, "shaken-ball": shaken_ball}
 
 
 def check_with_vtk(a):
