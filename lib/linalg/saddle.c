@@ -50,11 +50,11 @@ static int reserve(nsdae_saddle *s, const part *p)
 
 void nsdae_saddle_release(nsdae_saddle *s)
 {
-  const nsdae_grown all[] = {NSDAE_GROWN(s->number, 1),   NSDAE_GROWN(s->size, 1),
-                             NSDAE_GROWN(s->begin, 1),    NSDAE_GROWN(s->first, 1),
-                             NSDAE_GROWN(s->mark, 1),     NSDAE_GROWN(s->by_block, 1),
-                             NSDAE_GROWN(s->x, 1),        NSDAE_GROWN(s->rest, 1),
-                             NSDAE_GROWN(s->of_block, 1), NSDAE_GROWN(s->index, 1)};
+  const nsdae_grown all[] = {
+      NSDAE_GROWN(s->number, 1),   NSDAE_GROWN(s->size, 1), NSDAE_GROWN(s->begin, 1),
+      NSDAE_GROWN(s->first, 1),    NSDAE_GROWN(s->mark, 1), NSDAE_GROWN(s->by_block, 1),
+      NSDAE_GROWN(s->x, 1),        NSDAE_GROWN(s->g, 1),    NSDAE_GROWN(s->rest, 1),
+      NSDAE_GROWN(s->of_block, 1), NSDAE_GROWN(s->index, 1)};
   nsdae_grown_release(all, sizeof all / sizeof *all);
   nsdae_fronts_release(&s->fronts);
 }

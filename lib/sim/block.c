@@ -35,7 +35,8 @@ typedef struct head {
 static const char MAGIC[8] = "nsdaest";
 enum { BYTE_ORDER_MARK = 0x01020304, BLOCK_VERSION = 1 };
 
-/* A place in a block: nothing is moved where both are NULL. */
+/* A place in a block: nothing is moved where both are NULL. Arrays may be NULL where they are
+ * empty. */
 typedef struct cursor {
   char *to;
   const char *from;
@@ -44,6 +45,7 @@ typedef struct cursor {
 
 static void visit(cursor *c, void *data, size_t bytes)
 {
+  if (bytes == 0) return;
   if (c->to) memcpy(c->to + c->at, data, bytes);
   if (c->from) memcpy(data, c->from + c->at, bytes);
   c->at += bytes;
