@@ -236,10 +236,11 @@ int nsdae_h5_read_row(nsdae_h5 *h5, hid_t set, hsize_t row, hsize_t width, void 
 
 int nsdae_h5_cut(nsdae_h5 *h5, hid_t series, hsize_t rows)
 {
-  hsize_t size[RANK_MAX];
+  hsize_t size[RANK_MAX] = {0};
   hid_t space = H5Dget_space(series);
-  H5Sget_simple_extent_dims(space, size, NULL);
+  int rank = H5Sget_simple_extent_dims(space, size, NULL);
   H5Sclose(space);
+  if (rank < 0) return nsdae_h5_result(h5, rank, "read the size of");
   if (size[0] <= rows) return NSDAE_OK;
   size[0] = rows;
   return nsdae_h5_result(h5, H5Dset_extent(series, size), "shorten");
@@ -248,11 +249,12 @@ int nsdae_h5_cut(nsdae_h5 *h5, hid_t series, hsize_t rows)
 int nsdae_h5_append(nsdae_h5 *h5, hid_t series, hid_t type, hsize_t from, hsize_t count,
                     const void *rows)
 {
-  hsize_t size[RANK_MAX], start[RANK_MAX] = {from};
+  hsize_t size[RANK_MAX] = {0}, start[RANK_MAX] = {from};
   hid_t file_space = H5Dget_space(series);
   int rank = H5Sget_simple_extent_dims(file_space, size, NULL);
   H5Sclose(file_space);
-  int status = NSDAE_OK;
+  int status = nsdae_h5_result(h5, rank, "read the size of");
+  if (status < 0) return status;
   if (size[0] < from + count) {
     size[0] = from + count;
     status = nsdae_h5_result(h5, H5Dset_extent(series, size), "write to");

@@ -79,8 +79,8 @@ static const char *look_at(hid_t set, int rank, hsize_t *length)
     wrong = "is not of numbers";
   else if (found != rank)
     wrong = rank == 1 ? "is not a vector" : rank == 2 ? "is not a matrix" : "has another shape";
-  else
-    H5Sget_simple_extent_dims(space, length, NULL);
+  else if (H5Sget_simple_extent_dims(space, length, NULL) < 0)
+    wrong = "has a shape that cannot be read";
   H5Sclose(space);
   H5Tclose(type);
   return wrong;
