@@ -274,10 +274,13 @@ static int next_set(nsdae_stack *c)
 static double residual(const nsdae_stack *c)
 {
   double worst = 0, scale = 0;
+  int finite = 1;
   for (int i = 0; i < c->count; i++) {
     scale = fmax(scale, fabs(c->b[i]));
     worst = fmax(worst, fabs(fmin(c->x[i] * c->A[c->at[i]], c->u[i])));
+    finite = finite && isfinite(c->x[i]) && isfinite(c->u[i]);
   }
+  if (!finite || !isfinite(scale)) return HUGE_VAL; /* fmax and fmin pass over NaN */
   return scale > 0 ? worst / scale : worst;
 }
 

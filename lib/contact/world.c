@@ -357,13 +357,10 @@ static int solve_islands(nsdae_world *w, const nsdae_whole *whole, int with_cont
     if (with_contacts && solve_single(w, whole, i)) continue;
     if (nsdae_local_fits(whole, i))
       status = solve_local(w, whole, i, with_contacts);
-    else if (has_contacts(w, i, with_contacts))
-      if (solve_stack(w, whole, i))
-        continue;
-      else
-        large[count++] = i;
-    else
+    else if (!has_contacts(w, i, with_contacts))
       status = solve_sparse(w, whole, i);
+    else if (!solve_stack(w, whole, i))
+      large[count++] = i;
   }
   return status < 0 ? status : solve_pile(w, whole, large, count);
 }

@@ -208,7 +208,10 @@ static double residual(nsdae_saddle *s, const part *p, const double *c, const do
   }
   for (int i = 0; i < p->blocks_count; i++)
     for (int j = p->blocks->first[p->block[i]]; j < p->blocks->first[p->block[i] + 1]; j++)
-      worst = fmax(worst, fabs(s->g[j]));
+      worst = fmax(worst, isfinite(s->g[j]) ? fabs(s->g[j]) : HUGE_VAL);
+  for (int i = 0; i < p->rows_count; i++)
+    if (!isfinite(d[i])) worst = HUGE_VAL; /* fmax passes over NaN */
+  if (!(worst < HUGE_VAL)) return worst;
   worst = size > 0 ? worst / size : worst;
   return fmax(worst, size_row > 0 ? worst_row / size_row : worst_row);
 }

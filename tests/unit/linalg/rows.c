@@ -179,6 +179,10 @@ static void test_saddle(void **state)
       for (int j = 0; j < s.n; j++) assert_near(v[j], x[j], 1e-11 * size);
       for (int i = 0; i < s.rows.count; i++) assert_near(l[i], k[i], 1e-10 * size * size);
       solved++;
+      *(solved % 2 ? r : l) = NAN; /* in the forces, in the constraints */
+      assert_int_equal(nsdae_saddle_solve(&saddle, &s.blocks, &s.rows, s.M, s.blocks.count,
+                                          all_blocks, s.rows.count, all_rows, r, v, l),
+                       NSDAE_E_CONVERGENCE);
     }
     nsdae_arena_release(&arena);
   }
