@@ -329,6 +329,17 @@ static int has_contacts(const nsdae_world *w, int island, int with_contacts)
   return with_contacts && nsdae_members_count(&w->islands.contact, island) > 0;
 }
 
+/* What stopped the problem: a mass, where one is not positive definite. */
+static int cause_of(nsdae_world *w, const double *M, int status)
+{
+  nsdae_block_factor factor = {.L = w->pile.L};
+  for (int i = 0; i < w->pile.problem.blocks; i++) {
+    int b = w->pile.member[i], pivot = nsdae_blocks_factor(&w->system->blocks, b, M, &factor);
+    if (pivot) return bad_mass(w, b, pivot);
+  }
+  return status;
+}
+
 static int solve_pile(nsdae_world *w, const nsdae_whole *whole, const int *large, int count)
 {
   nsdae_pile *c = &w->pile;
@@ -338,6 +349,7 @@ static int solve_pile(nsdae_world *w, const nsdae_whole *whole, const int *large
   for (int i = 0; i < count; i++) nsdae_pile_add_rows(c, whole, large[i]);
   int status = nsdae_pile_solve(c, whole, w->tol, w->error);
   if (count == 0) return status;
+  if (status < 0) status = cause_of(w, whole->M, status);
   s->lcps++;
   s->pivots += c->info.sweeps + c->info.iterations;
   s->rank += c->problem.bilateral;

@@ -400,6 +400,7 @@ static void test_balances(void **state)
 
 typedef struct wall {
   int rows, width;
+  int bad; /* this brick's inertia is negative; 0: of none */
 } wall;
 
 static int wall_mass(double t, const double *q, double *M, void *user)
@@ -411,6 +412,7 @@ static int wall_mass(double t, const double *q, double *M, void *user)
     M[9 * i] = M[9 * i + 4] = 2;
     M[9 * i + 8] = 2 * 5.0 / 12;
   }
+  if (w->bad > 0) M[9 * w->bad + 8] = -1;
   return 0;
 }
 
@@ -472,7 +474,7 @@ static int wall_contacts(double t, const double *q, const double *v, double reac
 /* What stands still has velocities 0.0, and stays where it is to the last bit. */
 static void expect_still(int rows, int width, int steps)
 {
-  wall w = {rows, width};
+  wall w = {rows, width, 0};
   int bricks = rows * width;
   const nsdae_dims dims = {.nq = 3 * bricks, .nt = 1};
   nsdae_system *s;
@@ -494,6 +496,10 @@ static void expect_still(int rows, int width, int steps)
   nsdae_sim *sim = make(s, NSDAE_METHOD_MOREAU, 1e-3);
   start(sim, q0, v0);
   for (int i = 0; i < steps; i++) assert_int_equal(nsdae_sim_step(sim), NSDAE_OK);
+  nsdae_sim_get_record(sim, &r);
+  w.bad = bricks / 2;
+  assert_int_equal(nsdae_sim_step(sim), NSDAE_E_MASS);
+  assert_int_equal(nsdae_sim_error(sim)->index, 3 * w.bad + 2);
   nsdae_sim_get_record(sim, &r);
   for (int j = 0; j < 3 * bricks; j++) assert_true(r.v[j] == 0);
   assert_memory_equal(r.q, q0, (size_t)bricks * 3 * sizeof *q0);
