@@ -19,8 +19,9 @@
 
 #include "interrupt.h"
 
-/* A portion must be small enough for MPI to buffer it: two that wait to be heard by each other
- * would wait for ever. */
+/* Nothing is sent that is waited for: a send may end only when it is heard (Open MPI's shared
+ * memory does so from 2 kB on), and the other is in the middle of a portion then, or sends as well.
+ */
 enum { TAG_PORTION = 1, TAG_RESULT, AHEAD = 2, PORTION_MAX = 256 };
 static const double portion_time = 0.05, listen_time = 1e-3; /* [s] */
 
@@ -52,9 +53,14 @@ static struct {
   int status;
   double seconds, heard; /* spent on the runs that are back; when it last listened */
   char *bytes;
-  int closed; /* ranks that were told that there is no more */
-  int *owed;  /* [size] portions that each has */
+  int closed;        /* ranks that were told that there is no more */
+  int *owed;         /* [size] portions that each has */
+  MPI_Request *sent; /* [size, AHEAD] of them on their way, in turn */
+  int *turn;         /* [size] */
 } desk;
+
+/* Of the others: results on their way to rank 0. */
+static MPI_Request reply[2] = {MPI_REQUEST_NULL, MPI_REQUEST_NULL};
 
 static double now(void)
 {
@@ -163,11 +169,15 @@ static long portion(void)
   return count < 1 ? 1 : count;
 }
 
-/* An empty portion says that there is no more. */
+/* An empty portion says that there is no more. The one that went AHEAD portions before has come,
+ * for the rank owes fewer: its request is free. */
 static void hand_out(int rank)
 {
   long left = desk.status < 0 ? 0 : desk.n - desk.next, count = left > 0 ? portion() : 0;
-  MPI_Send(desk.todo + desk.next, (int)count, MPI_LONG, rank, TAG_PORTION, MPI_COMM_WORLD);
+  MPI_Request *sent = &desk.sent[rank * AHEAD + desk.turn[rank]];
+  desk.turn[rank] = (desk.turn[rank] + 1) % AHEAD;
+  MPI_Wait(sent, MPI_STATUS_IGNORE);
+  MPI_Isend(desk.todo + desk.next, (int)count, MPI_LONG, rank, TAG_PORTION, MPI_COMM_WORLD, sent);
   desk.next += count;
   desk.owed[rank]++;
   if (count == 0) desk.closed++;
@@ -201,14 +211,22 @@ static int serve(void)
   return served;
 }
 
+/* Some transports move what was sent only where the sender calls MPI again. */
+static void push_replies(void)
+{
+  int all;
+  MPI_Testall(2, reply, &all, MPI_STATUSES_IGNORE);
+}
+
 int ranks_listen(void *user)
 {
   (void)user;
-  if (world.rank != 0 || world.size == 1 || !desk.job) return interrupt_came();
+  if (world.size == 1) return interrupt_came();
   double t = now();
   if (t - desk.heard < listen_time) return interrupt_came();
   desk.heard = t;
-  serve();
+  if (desk.job) serve();
+  if (world.rank != 0) push_replies();
   return interrupt_came();
 }
 
@@ -242,15 +260,36 @@ static void tell_who_is_gone(const ranks_job *job)
   fflush(stderr);
 }
 
-static int lead(const ranks_job *job, const long *todo, long n)
+static void open_desk(const ranks_job *job, const long *todo, long n)
 {
-  char *own = malloc(parcel_size(job));
+  size_t size = (size_t)world.size;
   desk.job = job;
   desk.todo = todo;
   desk.n = n;
   desk.bytes = malloc(sizeof(double) + PORTION_MAX * parcel_size(job));
-  desk.owed = calloc((size_t)world.size, sizeof *desk.owed);
-  if (!own || !desk.bytes || !desk.owed) MPI_Abort(MPI_COMM_WORLD, 1);
+  desk.owed = calloc(size, sizeof *desk.owed);
+  desk.sent = malloc(size * AHEAD * sizeof *desk.sent);
+  desk.turn = calloc(size, sizeof *desk.turn);
+  if (!desk.bytes || !desk.owed || !desk.sent || !desk.turn) MPI_Abort(MPI_COMM_WORLD, 1);
+  for (size_t i = 0; i < size * AHEAD; i++) desk.sent[i] = MPI_REQUEST_NULL;
+}
+
+static void close_desk(void)
+{
+  if (world.size > 1 && !interrupt_came())
+    MPI_Waitall(world.size * AHEAD, desk.sent, MPI_STATUSES_IGNORE);
+  free(desk.bytes);
+  free(desk.owed);
+  free(desk.sent);
+  free(desk.turn);
+  desk.job = NULL;
+}
+
+static int lead(const ranks_job *job, const long *todo, long n)
+{
+  char *own = malloc(parcel_size(job));
+  if (!own) MPI_Abort(MPI_COMM_WORLD, 1);
+  open_desk(job, todo, n);
   for (int ahead = 0; ahead < AHEAD; ahead++)
     for (int rank = 1; rank < world.size; rank++)
       if (desk.owed[rank] == ahead && (ahead == 0 || desk.next < desk.n)) hand_out(rank);
@@ -267,39 +306,58 @@ static int lead(const ranks_job *job, const long *todo, long n)
       rest(1e-5);
   }
   free(own);
-  free(desk.bytes);
-  free(desk.owed);
-  desk.job = NULL;
+  close_desk();
   return desk.status;
 }
 
+/* The next portion: how many runs; 0: no more; -1: interrupted. */
+static int await_portion(long run[PORTION_MAX])
+{
+  MPI_Status from;
+  int count, there = 0;
+  while (!there) {
+    if (interrupt_came()) return -1;
+    MPI_Iprobe(0, TAG_PORTION, MPI_COMM_WORLD, &there, &from);
+    if (!there) rest(1e-5);
+  }
+  MPI_Get_count(&from, MPI_LONG, &count);
+  MPI_Recv(run, count, MPI_LONG, 0, TAG_PORTION, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
+  return count;
+}
+
+/* Does a portion into bytes: the seconds that it took, and its parcels. Not 0: interrupted. */
+static int do_portion(const ranks_job *job, const long *run, int count, char *bytes)
+{
+  double begin = now(), seconds;
+  for (int i = 0; i < count; i++) {
+    if (interrupt_came()) return NSDAE_E_INTERRUPTED;
+    fill_parcel(job, run[i], bytes + sizeof seconds + (size_t)i * parcel_size(job));
+  }
+  seconds = now() - begin;
+  memcpy(bytes, &seconds, sizeof seconds);
+  return interrupt_came() ? NSDAE_E_INTERRUPTED : NSDAE_OK;
+}
+
+/* Two replies in turn: one is filled while the other travels. */
 static int follow(const ranks_job *job)
 {
   long run[PORTION_MAX];
-  char *bytes = malloc(sizeof(double) + PORTION_MAX * parcel_size(job));
+  size_t room = sizeof(double) + PORTION_MAX * parcel_size(job);
+  char *bytes = malloc(2 * room);
   if (!bytes) MPI_Abort(MPI_COMM_WORLD, 1);
-  for (;;) {
-    MPI_Status from;
-    int count, there = 0;
-    while (!there && !interrupt_came()) {
-      MPI_Iprobe(0, TAG_PORTION, MPI_COMM_WORLD, &there, &from);
-      if (!there) rest(1e-5);
-    }
-    if (interrupt_came()) break;
-    MPI_Get_count(&from, MPI_LONG, &count);
-    MPI_Recv(run, count, MPI_LONG, 0, TAG_PORTION, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
-    if (count == 0) break;
-    double begin = now();
-    for (int i = 0; i < count && !interrupt_came(); i++)
-      fill_parcel(job, run[i], bytes + sizeof begin + (size_t)i * parcel_size(job));
-    if (interrupt_came()) break;
-    begin = now() - begin;
-    memcpy(bytes, &begin, sizeof begin);
-    MPI_Send(bytes, (int)(sizeof begin + (size_t)count * parcel_size(job)), MPI_BYTE, 0, TAG_RESULT,
-             MPI_COMM_WORLD);
+  int count, turn = 0;
+  while ((count = await_portion(run)) > 0) {
+    char *mine = bytes + (size_t)turn * room;
+    MPI_Wait(&reply[turn], MPI_STATUS_IGNORE);
+    if (do_portion(job, run, count, mine) != NSDAE_OK) break;
+    MPI_Isend(mine, (int)(sizeof(double) + (size_t)count * parcel_size(job)), MPI_BYTE, 0,
+              TAG_RESULT, MPI_COMM_WORLD, &reply[turn]);
+    turn = 1 - turn;
   }
+  if (interrupt_came()) return NSDAE_E_INTERRUPTED; /* what travels keeps its memory */
+  MPI_Waitall(2, reply, MPI_STATUSES_IGNORE);
   free(bytes);
-  return interrupt_came() ? NSDAE_E_INTERRUPTED : NSDAE_OK;
+  return NSDAE_OK;
 }
 
 int ranks_go(const ranks_job *job, const long *todo, long n)
