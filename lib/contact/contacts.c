@@ -319,15 +319,17 @@ static void keep_basis(nsdae_contacts *c)
 
 static int unsolved(nsdae_contacts *c, double t, int status)
 {
-  char first[48] = "a slide";
-  if (c->active_count > 0) snprintf(first, sizeof first, "first closed contact %d", c->active[0]);
-  nsdae_error_set(c->error, status, "nsdae_contacts", "",
-                  "contact problem of %d rows (%s) at t = %.17g: %s, residual %.3g above %.3g; a "
-                  "smaller dt or less friction may help",
-                  c->rows, first, t, nsdae_status_message(status), c->lcp.info.residual,
-                  c->lcp.options.tol);
+  char first[NSDAE_CALLED_SIZE];
+  int contact = c->active_count > 0;
+  nsdae_system_called(c->system, contact ? NSDAE_NAME_CONTACT : NSDAE_NAME_SLIDE,
+                      contact ? c->active[0] : 0, first);
+  nsdae_error_set(
+      c->error, status, "nsdae_contacts", "",
+      "contact problem of %d rows (first %s) at t = %.17g: %s, residual %.3g above %.3g; a "
+      "smaller dt or less friction may help",
+      c->rows, first, t, nsdae_status_message(status), c->lcp.info.residual, c->lcp.options.tol);
   c->error->time = t;
-  c->error->index = c->active_count > 0 ? c->active[0] : -1;
+  c->error->index = contact ? c->active[0] : -1;
   return status;
 }
 

@@ -230,7 +230,8 @@ static int bad_mass(nsdae_world *w, int b, int pivot)
                   "the mass matrix of block %d is not positive definite: pivot %d of %d is not "
                   "above rounding; check the callback mass_blocks",
                   b, pivot, nsdae_blocks_size(&w->system->blocks, b));
-  w->error->index = w->system->blocks.first[b] + pivot - 1;
+  nsdae_system_name_item(w->system, NSDAE_NAME_VELOCITY, w->system->blocks.first[b] + pivot - 1,
+                         w->error);
   return NSDAE_E_MASS;
 }
 

@@ -130,18 +130,21 @@ static int solve(nsdae_event_acceleration *p)
   nsdae_kkt_solve(s->kkt, 1, p->a, n, p->lambda, m);
   nsdae_kkt_solve_mass(s->kkt, p->size);
   int status = nsdae_event_solve(s, &p->problem, &T, p->size, p->a, p->lambda);
-  if (status == NSDAE_OK) status = nsdae_event_finite(s, "acceleration", n, p->a);
-  return status < 0 ? status : nsdae_event_finite(s, "multiplier", m, p->lambda);
+  if (status == NSDAE_OK) status = nsdae_event_finite(s, "acceleration", NSDAE_NAME_VELOCITY, p->a);
+  return status < 0 ? status
+                    : nsdae_event_finite(s, "multiplier", NSDAE_NAME_CONSTRAINT, p->lambda);
 }
 
 static int tell_paradox(const nsdae_event_setting *s, int contact, double t, const char *what,
                         double coefficient)
 {
+  char called[NSDAE_CALLED_SIZE];
   nsdae_error_set(s->error, NSDAE_E_PAINLEVE, "nsdae_event", "mu",
-                  "contact %d has %s at t = %.17g (Painleve's paradox: its friction feeds its "
+                  "%s has %s at t = %.17g (Painleve's paradox: its friction feeds its "
                   "normal force, coefficient %.3g): take less friction, or method = implicit, "
                   "which resolves it by an impulse",
-                  contact, what, t, coefficient);
+                  nsdae_system_called(s->system, NSDAE_NAME_CONTACT, contact, called), what, t,
+                  coefficient);
   s->error->index = contact;
   s->error->time = t;
   return NSDAE_E_PAINLEVE;

@@ -258,9 +258,11 @@ static int impact(nsdae_event_impacts *p, double *y)
   approach(p);
   int status = restitute(p, v);
   if (status == NSDAE_OK) status = settle(p, v);
-  if (status == NSDAE_OK) status = nsdae_event_finite(s, "velocity", d->nv, p->v);
-  if (status == NSDAE_OK) status = nsdae_event_finite(s, "impulse", d->k, p->solution.normal);
-  if (status == NSDAE_OK) status = nsdae_event_finite(s, "multiplier", d->m, p->multiplier);
+  if (status == NSDAE_OK) status = nsdae_event_finite(s, "velocity", NSDAE_NAME_VELOCITY, p->v);
+  if (status == NSDAE_OK)
+    status = nsdae_event_finite(s, "impulse", NSDAE_NAME_CONTACT, p->solution.normal);
+  if (status == NSDAE_OK)
+    status = nsdae_event_finite(s, "multiplier", NSDAE_NAME_CONSTRAINT, p->multiplier);
   if (status < 0) return status;
   keep(p);
   memcpy(v, p->v, (size_t)d->nv * sizeof *v);

@@ -42,12 +42,7 @@ static int project(nsdae_event_projection *p)
   kkt.m = rows;
   const nsdae_terms *T = p->phase->setting->here;
   int status = nsdae_kkt_factor(&kkt, T->M, n, p->Jt, rows);
-  if (status < 0)
-    return nsdae_error_set(
-        T->error, status, "nsdae_event", "mass",
-        "the mass matrix is not positive definite at t = %.17g: pivot %d of %d is "
-        "not above rounding; check the callback mass",
-        T->t, kkt.pivot, n);
+  if (status < 0) return nsdae_terms_bad_mass(T, &kkt);
   memset(p->change, 0, (size_t)n * sizeof *p->change);
   nsdae_kkt_solve(&kkt, 1, p->change, n, p->c, rows);
   return NSDAE_OK;

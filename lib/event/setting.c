@@ -40,7 +40,8 @@ int nsdae_event_kinematics(nsdae_event_setting *s, const double *v, double *qdot
   int code = nsdae_kinematics(s->system, s->here->t, s->here->q, v, qdot);
   int status = nsdae_system_callback_status(code, "kinematics", s->here->t, s->error);
   if (status < 0) return status;
-  return nsdae_system_finite(qdot, s->system->dims.nq, 1, "kinematics", s->here->t, s->error);
+  return nsdae_system_finite(s->system, qdot, s->system->dims.nq, 1, "kinematics", s->here->t,
+                             s->error);
 }
 
 int nsdae_event_solve(nsdae_event_setting *s, nsdae_contacts *c, const nsdae_terms *terms,
@@ -82,8 +83,9 @@ double nsdae_event_velocity_size(const nsdae_event_setting *s)
   return fmax(s->options->impact_velocity, 10 * (s->options->rtol * most + s->options->atol));
 }
 
-int nsdae_event_finite(const nsdae_event_setting *s, const char *what, int n, const double *a)
+int nsdae_event_finite(const nsdae_event_setting *s, const char *what, int kind, const double *a)
 {
+  int n = nsdae_system_count(s->system, kind);
   for (int i = 0; i < n; i++) {
     if (isfinite(a[i])) continue;
     nsdae_error_set(
@@ -91,8 +93,8 @@ int nsdae_event_finite(const nsdae_event_setting *s, const char *what, int n, co
         "%s %d is %g at t = %.17g: a callback gives numbers near the largest there are, "
         "or mass and forces are too far apart",
         what, i, a[i], s->here->t);
-    s->error->index = i;
     s->error->time = s->here->t;
+    nsdae_system_name_item(s->system, kind, i, s->error);
     return NSDAE_E_NONFINITE;
   }
   return NSDAE_OK;

@@ -59,8 +59,9 @@ int nsdae_event_code(const nsdae_event_setting *setting, int status);
 double nsdae_event_position_size(const nsdae_event_setting *setting);
 double nsdae_event_velocity_size(const nsdae_event_setting *setting);
 
-/* NSDAE_OK, or NSDAE_E_NONFINITE with the record, where `what` [n] is not finite. */
-int nsdae_event_finite(const nsdae_event_setting *setting, const char *what, int n,
+/* NSDAE_OK, or NSDAE_E_NONFINITE with the record, where `what`, one for each of a kind
+ * (enum nsdae_name_kind), is not finite. */
+int nsdae_event_finite(const nsdae_event_setting *setting, const char *what, int kind,
                        const double *a);
 
 /* max |a_i| */

@@ -133,7 +133,7 @@ int nsdae_stepper_kinematics(nsdae_stepper *s, double t, const double *q, const 
   int code = nsdae_kinematics(s->system, t, q, v, qdot);
   int status = nsdae_system_callback_status(code, "kinematics", t, s->error);
   if (status < 0) return status;
-  return nsdae_system_finite(qdot, s->system->dims.nq, 1, "kinematics", t, s->error);
+  return nsdae_system_finite(s->system, qdot, s->system->dims.nq, 1, "kinematics", t, s->error);
 }
 
 void nsdae_stepper_momentum(const nsdae_blocks *blocks, const double *M, const double *v, double h,

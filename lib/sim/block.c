@@ -154,7 +154,7 @@ static void visit_units(cursor *c, const nsdae_dims *d, nsdae_units *units)
 /* The i-th setting: an option, a coefficient. 0 past the last. */
 typedef struct setting {
   const char *name;
-  int index; /* of the contact or slide, -1: an option */
+  int kind, index; /* of the contact or slide, -1: an option */
   int matters;
   double value;
 } setting;
@@ -166,7 +166,7 @@ static int setting_at(const nsdae_sim *sim, int i, setting *s)
   const nsdae_dims *d = &sim->system->dims;
   if (i < table->n) {
     const nsdae_param *p = &table->entry[i];
-    *s = (setting){p->key, -1, nsdae_sim_option_matters(p->key, sim->options.method),
+    *s = (setting){p->key, -1, -1, nsdae_sim_option_matters(p->key, sim->options.method),
                    nsdae_sim_option_value(&sim->options, p)};
     return 1;
   }
@@ -174,12 +174,12 @@ static int setting_at(const nsdae_sim *sim, int i, setting *s)
   if (i < 3 * d->k) {
     const nsdae_coefficients *c = &sim->model.contact[i / 3];
     const double values[] = {c->mu, c->e_n, c->e_t};
-    *s = (setting){coefficients[i % 3], i / 3, 1, values[i % 3]};
+    *s = (setting){coefficients[i % 3], NSDAE_NAME_CONTACT, i / 3, 1, values[i % 3]};
     return 1;
   }
   i -= 3 * d->k;
   if (i >= d->f) return 0;
-  *s = (setting){"mu of a slide", i, 1, sim->model.slide[i].mu};
+  *s = (setting){"mu", NSDAE_NAME_SLIDE, i, 1, sim->model.slide[i].mu};
   return 1;
 }
 
@@ -194,10 +194,11 @@ static int check_settings(nsdae_sim *sim, cursor *c)
   setting s;
   for (int i = 0; setting_at(sim, i, &s); i++) {
     double theirs = 0;
-    char of[48] = "";
+    char of[NSDAE_CALLED_SIZE + 4] = "", called[NSDAE_CALLED_SIZE];
     visit_doubles(c, &theirs, 1);
     if (!s.matters || theirs == s.value) continue;
-    if (s.index >= 0) snprintf(of, sizeof of, " %d", s.index);
+    if (s.index >= 0)
+      snprintf(of, sizeof of, " of %s", nsdae_system_called(sim->system, s.kind, s.index, called));
     nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, "nsdae_sim_set_state", s.name,
                     "%s%s is %.17g here and %.17g in the block: a run goes on with the same "
                     "settings",

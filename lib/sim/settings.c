@@ -89,12 +89,13 @@ int nsdae_sim_set_options(nsdae_sim *sim, const nsdae_sim_options *options)
   return NSDAE_OK;
 }
 
-static int bad_coefficient(nsdae_sim *sim, const char *where, const char *name, int i, double value,
-                           const char *range)
+/* Of a contact or a slide. */
+static int bad_coefficient(nsdae_sim *sim, const char *where, const char *name, int kind, int i,
+                           double value, const char *range)
 {
   nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, where, name,
-                  "%s = %g of %d is outside its range: it must be %s", name, value, i, range);
-  sim->error.index = i;
+                  "%s = %g is outside its range: it must be %s", name, value, range);
+  nsdae_system_name_item(sim->system, kind, i, &sim->error);
   return NSDAE_E_ARGUMENT;
 }
 
@@ -110,9 +111,9 @@ static int bad_index(nsdae_sim *sim, const char *where, const char *name, int i,
 static int check_mu(nsdae_sim *sim, const char *where, int i, double made, double mu)
 {
   if (!(mu >= 0) || isinf(mu))
-    return bad_coefficient(sim, where, "mu", i, mu, "at least 0, finite");
+    return bad_coefficient(sim, where, "mu", NSDAE_NAME_CONTACT, i, mu, "at least 0, finite");
   if (made == 0 && mu > 0)
-    return bad_coefficient(sim, where, "mu", i, mu,
+    return bad_coefficient(sim, where, "mu", NSDAE_NAME_CONTACT, i, mu,
                            "0, as in the system that the simulation was made of");
   return NSDAE_OK;
 }
@@ -126,8 +127,10 @@ int nsdae_sim_set_contact(nsdae_sim *sim, int i, double mu, double e_n, double e
   if (i < 0 || i >= sim->model.dims.k) return bad_index(sim, where, "i", i, sim->model.dims.k);
   int status = check_mu(sim, where, i, sim->system->contact[i].mu, mu);
   if (status < 0) return status;
-  if (!(e_n >= 0 && e_n <= 1)) return bad_coefficient(sim, where, "e_n", i, e_n, "0 to 1");
-  if (!(e_t >= 0 && e_t <= 1)) return bad_coefficient(sim, where, "e_t", i, e_t, "0 to 1");
+  if (!(e_n >= 0 && e_n <= 1))
+    return bad_coefficient(sim, where, "e_n", NSDAE_NAME_CONTACT, i, e_n, "0 to 1");
+  if (!(e_t >= 0 && e_t <= 1))
+    return bad_coefficient(sim, where, "e_t", NSDAE_NAME_CONTACT, i, e_t, "0 to 1");
   status = settle(sim);
   if (status < 0) return status;
   const nsdae_coefficients before = sim->model.contact[i];
@@ -150,7 +153,7 @@ int nsdae_sim_set_slide(nsdae_sim *sim, int j, double mu)
   if (j < 0 || j >= sim->model.dims.f) return bad_index(sim, where, "j", j, sim->model.dims.f);
   int status = check_mu(sim, where, j, sim->system->slide[j].mu, mu);
   if (status == NSDAE_OK && mu == 0 && sim->system->slide[j].mu > 0)
-    status = bad_coefficient(sim, where, "mu", j, mu,
+    status = bad_coefficient(sim, where, "mu", NSDAE_NAME_SLIDE, j, mu,
                              "above 0, as in the system that the simulation was made of");
   if (status == NSDAE_OK) status = settle(sim);
   if (status < 0) return status;

@@ -1,5 +1,6 @@
 /* See watch.h. */
 #include <math.h>
+#include <stdio.h>
 
 #include "errors.h"
 #include "sim_impl.h"
@@ -58,22 +59,34 @@ void nsdae_watch_start(const nsdae_sim *sim, nsdae_point *point)
                     .power = nsdae_dot(d->nv, start->F, start->v)};
 }
 
-/* One array of a record. */
+/* One array of a record, `each` numbers for every item of a kind (-1: of none). */
 typedef struct part {
   const char *name;
   const double *value;
-  int count;
+  int count, kind, each;
 } part;
 
-static int refuse(const nsdae_result *result, const char *name, int index, double value)
+enum { OF_NONE = -1, OF_ONE = -2 }; /* kinds of what has numbers and no names, and of one number */
+
+/* item: of a kind that entry index belongs to. */
+static int refuse(const nsdae_result *result, const char *name, int index, double value, int kind,
+                  int item)
 {
   const nsdae_terms *end = &result->end;
+  char place[16] = "";
+  if (kind != OF_ONE) snprintf(place, sizeof place, "[%d]", index);
   nsdae_error_set(end->error, NSDAE_E_NONFINITE, "nsdae_sim", name,
-                  "%s[%d] is %g at t = %.17g: the values overflow, and the step was dropped", name,
-                  index, value, end->t);
+                  "%s%s is %g at t = %.17g: the values overflow, and the step was dropped", name,
+                  place, value, end->t);
+  if (kind >= 0) nsdae_system_name_item(end->system, kind, item, end->error);
   end->error->index = index;
   end->error->time = end->t;
   return NSDAE_E_NONFINITE;
+}
+
+static int refuse_part(const nsdae_result *result, const part *p, int index)
+{
+  return refuse(result, p->name, index, p->value[index], p->kind, index / p->each);
 }
 
 int nsdae_watch_finite(const nsdae_point *point)
@@ -82,32 +95,34 @@ int nsdae_watch_finite(const nsdae_point *point)
   const nsdae_record *r = &point->record;
   const nsdae_dims *d = &result->end.system->dims;
   const part parts[] = {
-      {"time", &r->time, 1},
-      {"q", r->q, d->nq},
-      {"v", r->v, d->nv},
-      {"kinetic", &r->kinetic, 1},
-      {"potential", &r->potential, 1},
-      {"dissipated", &r->dissipated, 1},
-      {"multiplier", r->multiplier, d->m},
-      {"gap", r->gap, d->k},
-      {"normal_impulse", r->normal_impulse, d->k},
-      {"tangential_impulse", r->tangential_impulse, d->k * d->nt},
-      {"slide_impulse", r->slide_impulse, d->f},
-      {"contacts.gap", r->contacts.gap, r->contacts.count},
-      {"contacts.normal_impulse", r->contacts.normal_impulse, r->contacts.count},
-      {"contacts.tangential_impulse", r->contacts.tangential_impulse, r->contacts.count * d->nt},
-      {"lcp_residual", &r->lcp_residual, 1},
-      {"constraint_drift", &r->constraint_drift, 1}};
+      {"time", &r->time, 1, OF_ONE, 1},
+      {"q", r->q, d->nq, NSDAE_NAME_COORDINATE, 1},
+      {"v", r->v, d->nv, NSDAE_NAME_VELOCITY, 1},
+      {"kinetic", &r->kinetic, 1, OF_ONE, 1},
+      {"potential", &r->potential, 1, OF_ONE, 1},
+      {"dissipated", &r->dissipated, 1, OF_ONE, 1},
+      {"multiplier", r->multiplier, d->m, NSDAE_NAME_CONSTRAINT, 1},
+      {"gap", r->gap, d->k, NSDAE_NAME_CONTACT, 1},
+      {"normal_impulse", r->normal_impulse, d->k, NSDAE_NAME_CONTACT, 1},
+      {"tangential_impulse", r->tangential_impulse, d->k * d->nt, NSDAE_NAME_CONTACT, d->nt},
+      {"slide_impulse", r->slide_impulse, d->f, NSDAE_NAME_SLIDE, 1},
+      {"contacts.gap", r->contacts.gap, r->contacts.count, OF_NONE, 1},
+      {"contacts.normal_impulse", r->contacts.normal_impulse, r->contacts.count, OF_NONE, 1},
+      {"contacts.tangential_impulse", r->contacts.tangential_impulse, r->contacts.count * d->nt,
+       OF_NONE, 1},
+      {"lcp_residual", &r->lcp_residual, 1, OF_ONE, 1},
+      {"constraint_drift", &r->constraint_drift, 1, OF_ONE, 1}};
   for (size_t p = 0; p < sizeof parts / sizeof *parts; p++)
     for (int i = 0; i < parts[p].count; i++)
-      if (!isfinite(parts[p].value[i])) return refuse(result, parts[p].name, i, parts[p].value[i]);
+      if (!isfinite(parts[p].value[i])) return refuse_part(result, &parts[p], i);
   double energy = r->kinetic + r->potential + r->dissipated;
-  if (!isfinite(energy)) return refuse(result, "energy", 0, energy);
+  if (!isfinite(energy)) return refuse(result, "energy", 0, energy, OF_ONE, 0);
   for (int i = 0; i < r->impacts; i++) {
     const nsdae_impact *p = &r->impact[i];
     double sum = p->normal_impulse + p->tangential_impulse[0] + p->tangential_impulse[1] +
                  p->velocity_before + p->velocity_after + p->peak_force;
-    if (!isfinite(sum)) return refuse(result, "impact", i, sum);
+    if (!isfinite(sum))
+      return refuse(result, "impact", i, sum, d->k > 0 ? NSDAE_NAME_CONTACT : OF_NONE, p->contact);
   }
   return NSDAE_OK;
 }
@@ -167,13 +182,18 @@ static double energy_bound(const nsdae_watch *w)
   return watch_share * w->scale + watch_turnover * w->turnover;
 }
 
-/* Energy that came from nowhere, and its bound: of the quadrature up to the point before, with what
- * was known there (where each step multiplies the energy the next one hides it), of contacts up to
- * this one. The one that is further beyond. */
-static int find_gain(nsdae_watch *w, nsdae_point *before, const nsdae_point *point, double *gain,
-                     double *bound)
+/* Energy that came from nowhere, and its bound. */
+typedef struct gain {
+  double energy, bound;
+  int by_contacts;
+} gain;
+
+/* That of the quadrature up to the point before, with what was known there (where each step
+ * multiplies the energy the next one hides it), of contacts up to this one. The one that is further
+ * beyond. */
+static int find_gain(nsdae_watch *w, nsdae_point *before, const nsdae_point *point, gain *found)
 {
-  *gain = *bound = 0;
+  *found = (gain){0};
   if (before->result.located || point->result.located) {
     w->gained = fmax(w->gained, -point->record.dissipated);
   } else {
@@ -181,60 +201,129 @@ static int find_gain(nsdae_watch *w, nsdae_point *before, const nsdae_point *poi
     if (status < 0) return status;
     w->turned = turned(&before->result.end, &point->result.end);
     w->gained += fmax(point->result.work, 0);
-    *gain = before->record.kinetic + before->record.dissipated - w->kinetic - w->work;
-    *bound = energy_bound(w);
+    found->energy = before->record.kinetic + before->record.dissipated - w->kinetic - w->work;
+    found->bound = energy_bound(w);
   }
   w->scale = fmax(w->scale, point->record.kinetic);
-  if (w->gained - energy_bound(w) > *gain - *bound) *gain = w->gained, *bound = energy_bound(w);
+  double bound = energy_bound(w);
+  if (w->gained - bound > found->energy - found->bound) *found = (gain){w->gained, bound, 1};
   return NSDAE_OK;
 }
 
-static int say(nsdae_point *point, int bit, int status, const char *argument, const char *what,
-               double value, double bound)
+/* What is said, and of what of a kind (-1: of none). */
+typedef struct warning {
+  int bit, status;
+  const char *argument, *what;
+  double value, bound;
+  const char *advice;
+  int kind, item;
+} warning;
+
+static int say(nsdae_point *point, const warning *of)
 {
   const nsdae_terms *end = &point->result.end;
-  point->accounts.stats.warnings |= bit;
-  nsdae_error_set(end->error, status, "nsdae_sim", argument,
-                  "at t = %.6g %s %.3g, more than the method explains (%.3g): make dt smaller%s",
-                  end->t, what, value, bound,
-                  bit == NSDAE_WATCH_PENETRATION ? ", and check gap and gap_normal" : "");
+  point->accounts.stats.warnings |= of->bit;
+  nsdae_error_set(end->error, of->status, "nsdae_sim", of->argument,
+                  "at t = %.6g %s %.3g, more than the method explains (%.3g): %s", end->t, of->what,
+                  of->value, of->bound, of->advice);
   if (end->error) end->error->time = end->t;
-  return status;
+  if (of->kind >= 0) nsdae_system_name_item(end->system, of->kind, of->item, end->error);
+  return of->status;
 }
 
-/* The overlap that the method explains, but for the factor. */
-static double depth_of(const nsdae_sim *sim, const nsdae_watch *w)
+/* A law's gain is there at every dt. */
+static int say_energy(nsdae_point *point, const gain *g)
 {
+  const warning by_contacts = {NSDAE_WATCH_ENERGY,
+                               NSDAE_WARN_ENERGY,
+                               "kinetic",
+                               "the energy that contact impulses gave is",
+                               g->energy,
+                               g->bound,
+                               "their law does where e_N > 0 meets friction or another contact; "
+                               "take a smaller e_N or mu, or "
+                               "method = event, which bounds it",
+                               -1,
+                               0};
+  const warning by_steps = {NSDAE_WATCH_ENERGY,
+                            NSDAE_WARN_ENERGY,
+                            "kinetic",
+                            "the energy that came from nowhere is",
+                            g->energy,
+                            g->bound,
+                            "make dt smaller",
+                            -1,
+                            0};
+  return say(point, g->by_contacts ? &by_contacts : &by_steps);
+}
+
+static int say_penetration(nsdae_point *point, double bound)
+{
+  const nsdae_record *r = &point->record;
+  int k = point->result.end.system->dims.k, deepest = 0;
+  for (int i = 1; i < k; i++)
+    if (r->gap[i] < r->gap[deepest]) deepest = i;
+  const warning of = {NSDAE_WATCH_PENETRATION,
+                      NSDAE_WARN_PENETRATION,
+                      "gap",
+                      "bodies overlap by",
+                      r->penetration,
+                      bound,
+                      "make dt smaller, set projection = contacts, and check gap and gap_normal",
+                      k > 0 ? NSDAE_NAME_CONTACT : -1,
+                      deepest};
+  return say(point, &of);
+}
+
+static int say_drift(nsdae_point *point, double bound)
+{
+  const nsdae_terms *end = &point->result.end;
+  int worst = 0;
+  for (int i = 1; i < end->system->dims.m; i++)
+    if (fabs(end->phi[i]) > fabs(end->phi[worst])) worst = i;
+  const warning of = {NSDAE_WATCH_DRIFT,
+                      NSDAE_WARN_DRIFT,
+                      "constraint",
+                      "constraints are violated by",
+                      point->record.constraint_drift,
+                      bound,
+                      "make dt smaller, or set projection = constraints",
+                      NSDAE_NAME_CONSTRAINT,
+                      worst};
+  return say(point, &of);
+}
+
+/* The overlap that the method explains, but for the factor. A spring has stored no more than its
+ * contact has taken: of what was in motion, or, where a wall moves by itself or a load rests on it,
+ * of their work. */
+static double depth_of(const nsdae_sim *sim, const nsdae_point *point)
+{
+  const nsdae_watch *w = &point->accounts.watch;
   const nsdae_sim_options *o = &sim->options;
   if (o->method != NSDAE_METHOD_PENALTY) return w->change;
   double n = o->penalty_law == NSDAE_PENALTY_KELVIN_VOIGT ? 1 : o->penalty_exponent;
-  return pow((n + 1) * w->scale / o->penalty_stiffness, 1 / (n + 1));
+  double stored = fmax(w->scale, point->record.dissipated);
+  return pow((n + 1) * stored / o->penalty_stiffness, 1 / (n + 1));
 }
 
 /* What is beyond its bound and was not said yet, the gravest first. */
-static int judge(const nsdae_sim *sim, nsdae_point *point, double gain, double energy)
+static int judge(const nsdae_sim *sim, nsdae_point *point, const gain *g)
 {
-  const nsdae_watch *w = &point->accounts.watch;
   const nsdae_record *r = &point->record;
   int new = ~point->accounts.stats.warnings;
-  double depth = watch_ways * depth_of(sim, w), way = watch_ways * w->way;
-  if ((new &NSDAE_WATCH_ENERGY) && gain > energy)
-    return say(point, NSDAE_WATCH_ENERGY, NSDAE_WARN_ENERGY, "kinetic",
-               "the energy that came from nowhere is", gain, energy);
+  double depth = watch_ways * depth_of(sim, point), way = watch_ways * point->accounts.watch.way;
+  if ((new &NSDAE_WATCH_ENERGY) && g->energy > g->bound) return say_energy(point, g);
   if ((new &NSDAE_WATCH_PENETRATION) && r->penetration > depth)
-    return say(point, NSDAE_WATCH_PENETRATION, NSDAE_WARN_PENETRATION, "gap", "bodies overlap by",
-               r->penetration, depth);
-  if ((new &NSDAE_WATCH_DRIFT) && r->constraint_drift > way)
-    return say(point, NSDAE_WATCH_DRIFT, NSDAE_WARN_DRIFT, "constraint",
-               "constraints are violated by", r->constraint_drift, way);
+    return say_penetration(point, depth);
+  if ((new &NSDAE_WATCH_DRIFT) && r->constraint_drift > way) return say_drift(point, way);
   return NSDAE_OK;
 }
 
 int nsdae_watch_step(const nsdae_sim *sim, nsdae_point *before, nsdae_point *point)
 {
   nsdae_watch *w = &point->accounts.watch;
-  double gain, bound;
+  gain found;
   measure(w, &before->result.end, &point->result);
-  int status = find_gain(w, before, point, &gain, &bound);
-  return status < 0 ? status : judge(sim, point, gain, bound);
+  int status = find_gain(w, before, point, &found);
+  return status < 0 ? status : judge(sim, point, &found);
 }

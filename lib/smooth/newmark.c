@@ -46,7 +46,7 @@ static int kinematics(nsdae_newmark *N, double t, const double *q, const double 
   int code = nsdae_kinematics(N->system, t, q, v, qdot);
   int status = nsdae_system_callback_status(code, "kinematics", t, N->error);
   if (status < 0) return status;
-  return nsdae_system_finite(qdot, N->system->dims.nq, 1, "kinematics", t, N->error);
+  return nsdae_system_finite(N->system, qdot, N->system->dims.nq, 1, "kinematics", t, N->error);
 }
 
 /* q1 and v1 of a0 and a1 into N->q, N->v. With dq/dt = H v the positions take the mean of both

@@ -260,12 +260,13 @@ static void find_base(penalty *p, nsdae_memory *memory)
 static int check_law(const nsdae_stepper *s)
 {
   if (s->options->penalty_law != NSDAE_PENALTY_FLORES) return NSDAE_OK;
-  for (int i = 0; i < s->system->dims.k; i++)
-    if (!(s->system->contact[i].e_n > 0))
-      return nsdae_error_set(s->error, NSDAE_E_ARGUMENT, "nsdae_sim_create", "e_n",
-                             "e_n = 0 of contact %d is outside its range: the law flores needs it "
-                             "greater than 0",
-                             i);
+  for (int i = 0; i < s->system->dims.k; i++) {
+    if (s->system->contact[i].e_n > 0) continue;
+    nsdae_error_set(s->error, NSDAE_E_ARGUMENT, "nsdae_sim_create", "e_n",
+                    "e_n = 0 is outside its range: the law flores needs it greater than 0");
+    nsdae_system_name_item(s->system, NSDAE_NAME_CONTACT, i, s->error);
+    return NSDAE_E_ARGUMENT;
+  }
   return NSDAE_OK;
 }
 

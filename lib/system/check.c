@@ -21,6 +21,7 @@ typedef struct check {
   int code;                            /* of a callback that failed, and its name */
   const char *callback;
   nsdae_check worst;
+  int worst_rows; /* of its matrix */
 } check;
 
 static long largest(const nsdae_system *system)
@@ -73,6 +74,7 @@ static void compare(check *c, const char *term, int rows, int columns)
                              .difference = difference,
                              .error = isnan(error) ? INFINITY : error};
     snprintf(c->worst.term, sizeof c->worst.term, "%s", term);
+    c->worst_rows = rows;
   }
 }
 
@@ -223,16 +225,39 @@ static int check_tangents(check *c)
   return status;
 }
 
+/* What the worst entry belongs to. The rows of contact_acceleration are those of all its outputs,
+ * one behind the other; those of a list are its places. */
+static void name_worst(const check *c, nsdae_error *error)
+{
+  const nsdae_dims *d = &c->system->dims;
+  int row = c->worst.row, column = c->worst.column, kt = d->k * d->nt;
+  char callback[sizeof c->worst.term];
+  snprintf(callback, sizeof callback, "%.*s", (int)strcspn(c->worst.term, " "), c->worst.term);
+  if (strcmp(callback, "constraint_rows") == 0)
+    nsdae_system_name_entry(c->system, "constraint_jacobian", d->m, row, column, error);
+  else if (strcmp(callback, "mass_blocks") == 0)
+    nsdae_system_name_entry(c->system, "mass", d->nv, row, column, error);
+  else if (strcmp(callback, "contact_acceleration") != 0)
+    nsdae_system_name_entry(c->system, callback, c->worst_rows, row, column, error);
+  else if (row < d->k)
+    nsdae_system_name_item(c->system, NSDAE_NAME_CONTACT, row, error);
+  else if (row < d->k + kt)
+    nsdae_system_name_item(c->system, NSDAE_NAME_CONTACT, (row - d->k) / d->nt, error);
+  else
+    nsdae_system_name_item(c->system, NSDAE_NAME_SLIDE, row - d->k - kt, error);
+}
+
 static int verdict(check *c, double tol)
 {
   nsdae_error *error = &c->system->error;
   const nsdae_check *w = &c->worst;
   if (c->code) return nsdae_system_callback_status(c->code, c->callback, c->t, error);
   if (w->error <= tol) return check_tangents(c);
-  return nsdae_error_set(error, NSDAE_E_DERIVATIVE, "nsdae_system_check", w->term,
-                         "%s: entry (%d, %d) is %.10g, differences say %.10g (off by %.3g, "
-                         "tol %.3g)",
-                         w->term, w->row, w->column, w->given, w->difference, w->error, tol);
+  nsdae_error_set(error, NSDAE_E_DERIVATIVE, "nsdae_system_check", w->term,
+                  "%s: entry (%d, %d) is %.10g, differences say %.10g (off by %.3g, tol %.3g)",
+                  w->term, w->row, w->column, w->given, w->difference, w->error, tol);
+  name_worst(c, error);
+  return NSDAE_E_DERIVATIVE;
 }
 
 static int check_arguments(nsdae_system *system, const double *q, const double *v, double tol)

@@ -199,6 +199,7 @@ static void prepare(context *c)
     lists[i]->nt = c->s->dims.nt;
     lists[i]->error = &c->s->error;
   }
+  c->rows.system = c->s;
   c->rows.blocks = &c->s->blocks;
   c->rows.error = &c->s->error;
   c->rows.rows.count = c->s->dims.m;

@@ -179,7 +179,7 @@ static int refuse_row(nsdae_row_list *list, int status, const char *argument, in
   if (list->status < 0) return status;
   list->status = status;
   nsdae_error_set(list->error, status, "nsdae_row_add", argument, "row %d of Phi_q: %s", row, what);
-  if (list->error) list->error->index = row;
+  nsdae_system_name_item(list->system, NSDAE_NAME_CONSTRAINT, row, list->error);
   return status;
 }
 

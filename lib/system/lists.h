@@ -30,6 +30,7 @@ struct nsdae_contact_list {
 };
 
 struct nsdae_row_list {
+  const nsdae_system *system; /* for names */
   const nsdae_blocks *blocks;
   nsdae_error *error;
   int status;

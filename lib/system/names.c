@@ -133,17 +133,45 @@ void nsdae_output_name_entry(const nsdae_system *system, const nsdae_output *out
   append(system, output, output->column, column, output->row < 0 ? ": " : ", ", error);
 }
 
-/* Outputs of one callback are told apart by their sizes; those of one size belong to the same. */
+void nsdae_system_name_item(const nsdae_system *system, int kind, int i, nsdae_error *error)
+{
+  const nsdae_output item = {.row = kind, .column = -1};
+  if (!error) return;
+  append(system, &item, kind, i, ": ", error);
+  error->index = i;
+}
+
+/* What an output is about: of W_N, its contacts. */
+static int about(const nsdae_output *o)
+{
+  return o->column >= 0 && o->column != NSDAE_NAME_VELOCITY ? o->column : o->row;
+}
+
+/* The output of the callback with so many rows; of differences of it the one that they replace: one
+ * of another callback, about the same. Outputs of one size belong to the same. */
+static const nsdae_output *find_output(const nsdae_system *system, const nsdae_callback *of,
+                                       int rows)
+{
+  for (int own = 1; own >= 0; own--)
+    for (int c = 0; c < nsdae_callbacks_count; c++) {
+      const nsdae_callback *callback = &nsdae_callbacks[c];
+      if (own && callback != of) continue;
+      for (int i = 0; i < callback->outputs; i++)
+        if ((own || about(&callback->output[i]) == about(&of->output[0])) &&
+            nsdae_output_extent(system, &callback->output[i], callback->output[i].row) == rows)
+          return &callback->output[i];
+    }
+  return NULL;
+}
+
 void nsdae_system_name_entry(const nsdae_system *system, const char *callback, int rows, int row,
                              int column, nsdae_error *error)
 {
   const nsdae_callback *c = nsdae_callbacks, *end = c + nsdae_callbacks_count;
-  int i = 0;
   while (c < end && strcmp(c->name, callback) != 0) c++;
   if (!error || c == end) return;
-  while (i < c->outputs && nsdae_output_extent(system, &c->output[i], c->output[i].row) != rows)
-    i++;
-  if (i < c->outputs) nsdae_output_name_entry(system, &c->output[i], row, column, error);
+  const nsdae_output *output = find_output(system, c, rows);
+  if (output) nsdae_output_name_entry(system, output, row, column, error);
 }
 
 static int by_name(const void *a, const void *b)

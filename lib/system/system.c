@@ -355,8 +355,8 @@ int nsdae_system_callback_status(int code, const char *callback, double t, nsdae
   return NSDAE_E_CALLBACK;
 }
 
-int nsdae_system_finite(const double *a, int rows, int columns, const char *callback, double t,
-                        nsdae_error *error)
+int nsdae_system_finite(const nsdae_system *system, const double *a, int rows, int columns,
+                        const char *callback, double t, nsdae_error *error)
 {
   size_t n = (size_t)rows, count = n * (size_t)columns, i = 0;
   while (i < count && isfinite(a[i])) i++;
@@ -364,6 +364,7 @@ int nsdae_system_finite(const double *a, int rows, int columns, const char *call
   nsdae_error_set(error, NSDAE_E_NONFINITE, callback, callback,
                   "callback %s gave %g in entry (%zu, %zu) at t = %.17g", callback,
                   isnan(a[i]) ? fabs(a[i]) : a[i], i % n, i / n, t);
+  nsdae_system_name_entry(system, callback, rows, (int)(i % n), (int)(i / n), error);
   if (error) {
     error->index = i > INT_MAX ? INT_MAX : (int)i;
     error->time = t;

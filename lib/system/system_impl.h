@@ -91,6 +91,10 @@ enum { NSDAE_CALLED_SIZE = 32 + NSDAE_NAME_SIZE };
 const char *nsdae_system_called(const nsdae_system *system, int kind, int i,
                                 char text[NSDAE_CALLED_SIZE]);
 
+/* Gives the error an index, that of an item, and ends its text with what that is called:
+ * ': contact 3 "stop"'. Nothing where error is NULL. */
+void nsdae_system_name_item(const nsdae_system *system, int kind, int i, nsdae_error *error);
+
 /* Ends the error's text with what entry (row, column) of the callback's output [rows x columns]
  * belongs to: ', of contact 3 "stop"'. */
 void nsdae_system_name_entry(const nsdae_system *system, const char *callback, int rows, int row,
@@ -106,7 +110,7 @@ void nsdae_system_release_bodies(nsdae_system *system);
 int nsdae_system_callback_status(int code, const char *callback, double t, nsdae_error *error);
 
 /* NSDAE_OK, or NSDAE_E_NONFINITE naming the first entry of a [rows x columns] that is none. */
-int nsdae_system_finite(const double *a, int rows, int columns, const char *callback, double t,
-                        nsdae_error *error);
+int nsdae_system_finite(const nsdae_system *system, const double *a, int rows, int columns,
+                        const char *callback, double t, nsdae_error *error);
 
 #endif

@@ -18,6 +18,20 @@ static int listed(nsdae_terms *T, int code, int refused, const char *callback,
   return nsdae_room_enough(room, taken) ? NSDAE_OK : NSDAE_GROW;
 }
 
+/* The velocity whose column in its block the error's entry of M is in. */
+static int name_column(const nsdae_terms *T, int status)
+{
+  const nsdae_blocks *blocks = &T->system->blocks;
+  if (!T->error) return status;
+  size_t at = (size_t)T->error->index;
+  int b = 0;
+  while (blocks->square[b + 1] <= at) b++;
+  int column = (int)(at - blocks->square[b]) / nsdae_blocks_size(blocks, b);
+  nsdae_system_name_item(T->system, NSDAE_NAME_VELOCITY, blocks->first[b] + column, T->error);
+  T->error->index = (int)at;
+  return status;
+}
+
 int nsdae_terms_mass_blocks(nsdae_terms *T)
 {
   const nsdae_system *s = T->system;
@@ -27,7 +41,8 @@ int nsdae_terms_mass_blocks(nsdae_terms *T)
   int status = nsdae_system_callback_status(s->mass_blocks(T->t, T->q, T->M, s->user),
                                             "mass_blocks", T->t, T->error);
   if (status < 0) return status;
-  return nsdae_system_finite(T->M, (int)squares, 1, "mass_blocks", T->t, T->error);
+  status = nsdae_system_finite(s, T->M, (int)squares, 1, "mass_blocks", T->t, T->error);
+  return status < 0 ? name_column(T, status) : NSDAE_OK;
 }
 
 int nsdae_terms_constraint_rows(nsdae_terms *T)

@@ -27,6 +27,7 @@ static void dense_rows(nsdae_rows *rows, long count, double *value, long begin, 
 static void lay_out_lists(nsdae_terms *terms, nsdae_arena *arena)
 {
   const nsdae_system *s = terms->system;
+  terms->by.rows.system = s;
   terms->by.list.blocks = terms->by.rows.blocks = &s->blocks;
   terms->by.list.nt = s->dims.nt;
   terms->by.rows.rows.count = s->dims.m;
@@ -100,12 +101,7 @@ static int outcome(nsdae_terms *terms, int code, const char *callback, const dou
 {
   int status = nsdae_system_callback_status(code, callback, terms->t, terms->error);
   if (status < 0) return status;
-  status = nsdae_system_finite(a, rows, columns, callback, terms->t, terms->error);
-  if (status < 0 && terms->error) {
-    int i = terms->error->index;
-    nsdae_system_name_entry(terms->system, callback, rows, i % rows, i / rows, terms->error);
-  }
-  return status;
+  return nsdae_system_finite(terms->system, a, rows, columns, callback, terms->t, terms->error);
 }
 
 /* The same of differences of a callback. */
@@ -383,27 +379,34 @@ double nsdae_terms_penetration(const nsdae_terms *terms)
   return most;
 }
 
-static int bad_factor(nsdae_terms *terms, const nsdae_kkt *kkt, int status)
+int nsdae_terms_bad_mass(const nsdae_terms *terms, const nsdae_kkt *kkt)
 {
-  if (status == NSDAE_E_MASS)
-    nsdae_error_set(terms->error, status, "nsdae_terms", "mass",
-                    "the mass matrix is not positive definite at t = %.17g: pivot %d of %d is not "
-                    "above rounding; check the callback mass",
-                    terms->t, kkt->pivot, kkt->n);
-  else
-    nsdae_error_set(terms->error, status, "nsdae_terms", "constraint_jacobian",
-                    "Phi_q has rank %d of %d at t = %.17g: leave out the redundant constraints or "
-                    "set redundant = least-norm",
-                    kkt->rank, kkt->m, terms->t);
+  nsdae_error_set(terms->error, NSDAE_E_MASS, "nsdae_terms", "mass",
+                  "the mass matrix is not positive definite at t = %.17g: pivot %d of %d is not "
+                  "above rounding; check the callback mass",
+                  terms->t, kkt->pivot, kkt->n);
   terms->error->time = terms->t;
-  terms->error->index = status == NSDAE_E_MASS ? kkt->pivot - 1 : kkt->rank;
-  return status;
+  nsdae_system_name_item(terms->system, NSDAE_NAME_VELOCITY, kkt->pivot - 1, terms->error);
+  return NSDAE_E_MASS;
+}
+
+/* The first of those that are left when the independent ones are taken, best first. */
+static int bad_rank(const nsdae_terms *terms, const nsdae_kkt *kkt)
+{
+  nsdae_error_set(terms->error, NSDAE_E_RANK, "nsdae_terms", "constraint_jacobian",
+                  "Phi_q has rank %d of %d at t = %.17g: leave out the redundant constraints or "
+                  "set redundant = least-norm; the first that depends on others",
+                  kkt->rank, kkt->m, terms->t);
+  terms->error->time = terms->t;
+  nsdae_system_name_item(terms->system, NSDAE_NAME_CONSTRAINT, kkt->column[kkt->rank] - 1,
+                         terms->error);
+  return NSDAE_E_RANK;
 }
 
 int nsdae_terms_factor(nsdae_terms *terms, const double *M, nsdae_kkt *kkt, int least_norm)
 {
   const nsdae_dims *dims = &terms->system->dims;
-  int status = nsdae_kkt_factor(kkt, M, dims->nv, terms->J, dims->m);
-  if (status == NSDAE_OK && kkt->rank < kkt->m && !least_norm) status = NSDAE_E_RANK;
-  return status < 0 ? bad_factor(terms, kkt, status) : NSDAE_OK;
+  if (nsdae_kkt_factor(kkt, M, dims->nv, terms->J, dims->m) < 0)
+    return nsdae_terms_bad_mass(terms, kkt);
+  return kkt->rank < kkt->m && !least_norm ? bad_rank(terms, kkt) : NSDAE_OK;
 }

@@ -115,6 +115,8 @@ double nsdae_terms_penetration(const nsdae_terms *terms);
 
 /* Factors M and Phi_q (M [nv x nv] may be another than that of the point). NSDAE_E_MASS, and
  * NSDAE_E_RANK unless least_norm allows a deficient rank; the record names pivot or rank. */
+/* NSDAE_E_MASS with the record, where the mass matrix in kkt has no factor. */
+int nsdae_terms_bad_mass(const nsdae_terms *terms, const nsdae_kkt *kkt);
 int nsdae_terms_factor(nsdae_terms *terms, const double *M, nsdae_kkt *kkt, int least_norm);
 
 #endif

@@ -7,6 +7,7 @@
  * Energy is T + U of the system's own data, which no constraint, contact or damper of a system
  * without moving parts adds to. The bounds here are twice those of docs/methods/warnings.md, so
  * that what is not said is within twice what the documentation promises, whoever adds it up.
+ * And nobody cries wolf: energy of a method's steps that is told of is not there in shorter ones.
  *
  * NSDAE_GROWTH_RUNS and NSDAE_GROWTH_SEED make it longer, or start elsewhere. */
 #define _XOPEN_SOURCE 700 /* setitimer, siglongjmp */
@@ -18,11 +19,11 @@
 
 #include "random_system.h"
 
-enum { STEPS = 100, SECONDS = 5, RUNS = 750 };
+enum { STEPS = 100, SECONDS = 5, RUNS = 750, SHORTER = 16 };
 
-enum outcome { FINE, WARNED, ENDED, GREW, SANK, STRAYED, HANG, OUTCOMES };
-static const char *const outcome_names[OUTCOMES] = {"fine", "warned",  "ended", "grew",
-                                                    "sank", "strayed", "hang"};
+enum outcome { FINE, WARNED, ENDED, GREW, SANK, WOLF, HANG, OUTCOMES };
+static const char *const outcome_names[OUTCOMES] = {"fine", "warned", "ended", "grew",
+                                                    "sank", "wolf",   "hang"};
 
 /* What is known of a run so far, from the records alone. */
 typedef struct account {
@@ -95,9 +96,11 @@ static int judge(const account *a, const random_system *r, const nsdae_sim_optio
    */
   double share = extreme ? 1 : 0.2, grown = a->energy - a->start, depth;
   depth = 20 * fmax(a->change, from_rest(r, o->dt));
-  if (o->method == NSDAE_METHOD_PENALTY) /* K d^(n+1) / (n+1) <= T, n = 1 .. 1.5 */
-    depth = 20 * fmax(pow(2.5 * a->kinetic / o->penalty_stiffness, 0.4),
-                      sqrt(2 * a->kinetic / o->penalty_stiffness));
+  if (o->method == NSDAE_METHOD_PENALTY) { /* K d^(n+1) / (n+1) is what the contact took, n = 1 ..
+                                              1.5: of T, of a load or of a wall that moves */
+    double stored = fmax(a->kinetic, now->dissipated) / o->penalty_stiffness;
+    depth = 20 * fmax(pow(2.5 * stored, 0.4), sqrt(2 * stored));
+  }
   /* forces that are 10^16 apart lose this much of each other */
   double lost = 1e-9 + (extreme ? 1e-4 * fabs(a->potential) : 0);
   if (!r->rheonomic && grown > share * a->kinetic + 0.04 * a->turnover + lost && !(warnings & 1))
@@ -106,10 +109,17 @@ static int judge(const account *a, const random_system *r, const nsdae_sim_optio
   return FINE;
 }
 
+/* What was amiss, and the first warning; in how many steps. */
+typedef struct finding {
+  int steps;
+  double value;
+  char said[256];
+} finding;
+
 /* Energy is added up one step behind, and one that is multiplied in each step has any sign in one
  * of them: what grew is to be said some steps after, or ends by what overflows. */
 static int go(const random_system *r, nsdae_sim *sim, const nsdae_sim_options *o, int extreme,
-              double *value)
+              finding *f)
 {
   account a = {0};
   int growing = 0;
@@ -118,20 +128,23 @@ static int go(const random_system *r, nsdae_sim *sim, const nsdae_sim_options *o
   if (nsdae_sim_init(sim, 0, r->q0, r->v0) < 0) return ENDED;
   nsdae_sim_get_record(sim, &now);
   look(&a, r, &now);
-  for (int i = 0; i < STEPS; i++) {
-    if (nsdae_sim_step(sim) < 0) return ENDED;
+  for (int i = 0; i < f->steps; i++) {
+    int status = nsdae_sim_step(sim);
+    if (status < 0) return ENDED;
+    if (status >= NSDAE_WARN_ENERGY && !f->said[0])
+      snprintf(f->said, sizeof f->said, "%s", nsdae_sim_error(sim)->text);
     nsdae_sim_get_record(sim, &now);
     nsdae_sim_get_stats(sim, &stats);
     look(&a, r, &now);
     int outcome = judge(&a, r, o, &now, stats.warnings, extreme);
-    *value = outcome == GREW ? a.energy - a.start : now.penetration;
+    f->value = outcome == GREW ? a.energy - a.start : now.penetration;
     growing = outcome == GREW ? growing + 1 : 0;
     if (outcome == SANK || growing > 6) return outcome;
   }
   return stats.warnings ? WARNED : FINE;
 }
 
-static int one(random_system *r, const nsdae_sim_options *o, int extreme, double *value)
+static int one(random_system *r, const nsdae_sim_options *o, int extreme, finding *f)
 {
   nsdae_sim *sim = NULL;
   nsdae_system *system = random_system_make(r);
@@ -140,7 +153,7 @@ static int one(random_system *r, const nsdae_sim_options *o, int extreme, double
     outcome = FINE; /* a law that the method refuses, or a method that is not built */
   } else if (sigsetjmp(out_of_time, 1) == 0) {
     set_alarm(SECONDS);
-    outcome = go(r, sim, o, extreme, value);
+    outcome = go(r, sim, o, extreme, f);
   } else {
     return HANG;
   }
@@ -148,6 +161,23 @@ static int one(random_system *r, const nsdae_sim_options *o, int extreme, double
   nsdae_sim_destroy(&sim);
   nsdae_system_destroy(&system);
   return outcome;
+}
+
+static int by_steps(const finding *f)
+{
+  return strstr(f->said, "came from nowhere") != NULL;
+}
+
+/* Energy that a method's steps made is its error: in steps a sixteenth as long there is none to be
+ * told of, or it was no error. (What an impact's law gives is there in any.) */
+static int cries_wolf(random_system *r, const nsdae_sim_options *o, const finding *f)
+{
+  nsdae_sim_options shorter = *o;
+  finding again = {.steps = SHORTER * STEPS};
+  if (!by_steps(f)) return 0;
+  shorter.dt /= SHORTER;
+  random_system_rewind(r);
+  return one(r, &shorter, 0, &again) == WARNED && by_steps(&again);
 }
 
 static int draw(random_system *r, nsdae_sim_options *o, uint64_t seed, int method)
@@ -183,14 +213,16 @@ static void test_growth(void **state)
   signal(SIGVTALRM, on_alarm);
   for (long i = 0; i < runs; i++) {
     int method = (int)(i % 5);
-    double value = 0;
+    finding f = {.steps = STEPS};
     int extreme = draw(&r, &o, (uint64_t)(first + i / 5), method);
-    int outcome = one(&r, &o, extreme, &value);
+    int outcome = one(&r, &o, extreme, &f);
+    if (outcome == WARNED && !extreme && cries_wolf(&r, &o, &f)) outcome = WOLF;
     count[extreme][method][outcome]++;
     bad += outcome >= GREW;
     if (outcome >= GREW || (outcome == WARNED && getenv("NSDAE_VERBOSE")))
-      print_message("%s: %s, seed %ld%s: %g\n", outcome_names[outcome], nsdae_method_name(method),
-                    first + i / 5, extreme ? ", extreme" : "", value);
+      print_message("%s: %s, seed %ld%s: %g %s\n", outcome_names[outcome],
+                    nsdae_method_name(method), first + i / 5, extreme ? ", extreme" : "", f.value,
+                    f.said);
   }
   for (int extreme = 0; extreme < 2; extreme++)
     for (int method = 0; method < 5; method++) {

@@ -2,6 +2,7 @@
 
 #include <float.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 /* splitmix64: S. Vigna's public-domain generator, one state word, no seed is a bad one. */
@@ -398,6 +399,18 @@ static void set_constraints(nsdae_system *s, const random_system *r)
   for (int j = 0; j < r->dims.f; j++) nsdae_system_set_slide(s, j, j, r->slide_mu[j]);
 }
 
+static void set_names(nsdae_system *s, const nsdae_dims *d)
+{
+  static const char letter[] = "qvcks"; /* in the order of enum nsdae_name_kind */
+  const int count[] = {d->nq, d->nv, d->m, d->k, d->f};
+  for (int kind = 0; kind < 5; kind++)
+    for (int i = 0; i < count[kind]; i++) {
+      char name[16];
+      snprintf(name, sizeof name, "%c_%d", letter[kind], i);
+      nsdae_system_set_name(s, kind, i, name, "");
+    }
+}
+
 nsdae_system *random_system_make(random_system *r)
 {
   nsdae_system *s;
@@ -410,5 +423,6 @@ nsdae_system *random_system_make(random_system *r)
   if (has(r, RANDOM_ACCELERATION)) nsdae_system_set_contact_acceleration(s, acceleration);
   if (r->dims.m > 0) set_constraints(s, r);
   if (r->dims.k > 0) set_contacts(s, r);
+  set_names(s, &r->dims);
   return s;
 }
