@@ -29,19 +29,6 @@ double nsdae_solid_size(const nsdae_solid_of *s)
   return most + s->radius;
 }
 
-/* A contact that another feature stands for: the gap is constant; directions are those between the
- * solids' origins, so that there are some. */
-static nsdae_touch far_away(const nsdae_solid_of *const s[2], const nsdae_pose *const pose[2])
-{
-  nsdae_touch touch = {.far = 1};
-  nsdae_jet length;
-  double size = nsdae_solid_size(s[0]) + nsdae_solid_size(s[1]);
-  for (int i = 0; i < 2; i++) touch.at[i] = nsdae_pose_point(pose[i], s[i]->origin);
-  touch.normal = nsdae_direction(nsdae_jet3_sub(touch.at[1], touch.at[0]), 1, &length);
-  touch.gap = nsdae_jet_of(size);
-  return touch;
-}
-
 /* Two lines through x_i along unit vectors u, w, with d = x_1 - x_0 and m = u x w:
  * a = m . (d x w) / m^2,  b = m . (d x u) / m^2 are the places of their nearest points along u and
  * w;  n = +-m / |m|, towards line 1. (Written with scalar products alone the same cancels where the
@@ -171,9 +158,9 @@ static nsdae_touch corner_on_box(const nsdae_feature *f, const nsdae_solid_of *s
   own_place(s0, pose0, x1, place);
   if (s1->points == 1) return nearest_on_box(s0, pose0, place, x1, s1->radius);
   nsdae_overlap o = nsdae_find_overlap(s0, s1, pose0, pose1);
-  if (o.most > o.slack || !is_over(s0, place, o.axis, o.slack))
+  if (o.most > o.slack || !is_over(s0, place, o.axis, o.beside))
     return nearest_on_box(s0, pose0, place, x1, s1->radius);
-  if (o.side * place[o.axis] - s0->half[o.axis] < o.most - o.slack) return far_away(s, pose);
+  if (o.side * place[o.axis] - s0->half[o.axis] < o.most - o.slack) return nsdae_touch_far(s, pose);
   return on_face(s0, pose0, o.axis, o.side, x1, s1->radius);
 }
 
@@ -209,7 +196,7 @@ static int edge_of(const nsdae_solid_of *s, int i, double *sign, double *middle)
 static int leaves_by(const nsdae_solid_of *s, const nsdae_pose *pose, const double *sign,
                      double orientation, nsdae_jet3 n)
 {
-  const double rounding = 1e-12;
+  const double rounding = 1e-4;
   double in_space[3], own[3], in_solid[3];
   for (int i = 0; i < 3; i++) in_space[i] = orientation * n.at[i].x;
   nsdae_turn_back(pose->R, in_space, own);
@@ -240,17 +227,17 @@ static nsdae_touch edges(const nsdae_feature *f, const nsdae_solid_of *s0, const
   }
   nearest(&l);
   if (l.sine2 < parallel || fabs(l.a.x) > s0->half[axis[0]] || fabs(l.b.x) > s1->half[axis[1]])
-    return far_away(s, pose);
+    return nsdae_touch_far(s, pose);
   nsdae_jet3 from = nsdae_pose_point(pose0, s0->origin), to = nsdae_pose_point(pose1, s1->origin);
   for (int i = 0; i < 3; i++) hint[i] = to.at[i].x - from.at[i].x;
   nsdae_touch touch = line_line(&l, hint, s0->radius, s1->radius);
   if (!leaves_by(s0, pose0, sign[0], 1, touch.normal) ||
       !leaves_by(s1, pose1, sign[1], -1, touch.normal))
-    return far_away(s, pose);
+    return nsdae_touch_far(s, pose);
   if (touch.gap.x >= -s0->radius - s1->radius) return touch;
   nsdae_overlap o = nsdae_find_overlap(s0, s1, pose0, pose1);
   double depth = touch.gap.x + s0->radius + s1->radius;
-  return depth < o.most - o.slack ? far_away(s, pose) : touch;
+  return depth < o.most - o.slack ? nsdae_touch_far(s, pose) : touch;
 }
 
 nsdae_touch nsdae_feature_touch(const nsdae_feature *f, const nsdae_solid_of *s0,
@@ -258,7 +245,8 @@ nsdae_touch nsdae_feature_touch(const nsdae_feature *f, const nsdae_solid_of *s0
                                 const nsdae_pose *pose1)
 {
   if (f->edges) return edges(f, s0, s1, pose0, pose1);
-  if (s0->shape == NSDAE_SHAPE_POLYGON)
+  int rounded = s0->shape == NSDAE_SHAPE_SEGMENT && s0->radius > 0 && s1->points > 1;
+  if (s0->shape == NSDAE_SHAPE_POLYGON || rounded)
     return nsdae_polygon_touch(s0, s1, f->part[1], pose0, pose1);
   if (s0->shape == NSDAE_SHAPE_BOX) return corner_on_box(f, s0, s1, pose0, pose1);
   return against_corner(s0, pose0, nsdae_pose_point(pose1, nsdae_solid_corner(s1, f->part[1])),

@@ -70,6 +70,7 @@ nsdae_overlap nsdae_find_overlap(const nsdae_solid_of *s0, const nsdae_solid_of 
   }
   separate_faces(&c0, &c1, apart, &o);
   o.slack = 1e-6 * size;
+  o.beside = 100 * o.slack;
   o.most = o.face;
   if (o.face > o.slack) return o;
   separate_faces(&c1, &c0, back, &there);

@@ -9,11 +9,12 @@
 #include "feature.h"
 
 typedef struct nsdae_overlap {
-  double most;  /* separation of the cores along the best axis, negative where they overlap */
-  double face;  /* the same along the best outer normal of a face of solid 0; -INFINITY: none */
-  int axis;     /* which: an axis of the box */
-  double side;  /* 1 or -1: along it or back */
-  double slack; /* what counts as nothing: drift and rounding of blocks that lie flush */
+  double most;   /* separation of the cores along the best axis, negative where they overlap */
+  double face;   /* the same along the best outer normal of a face of solid 0; -INFINITY: none */
+  int axis;      /* which: an axis of the box */
+  double side;   /* 1 or -1: along it or back */
+  double slack;  /* what counts as nothing: drift and rounding of blocks that lie flush */
+  double beside; /* how far beside a face what overlaps is still over it */
 } nsdae_overlap;
 
 /* Of boxes and capsules. most is that of the faces of solid 0 alone where these are apart by more

@@ -1,7 +1,7 @@
-/* Gaps through degenerate poses: edges and faces parallel, corner on corner, corner on edge, edge on
- * edge, apart and overlapping. The distance of two bodies, and the least depth of their overlap,
- * changes by no more than the farthest that a point of one moves against the other; so does the least
- * gap over a pair's contacts, on a path through each such pose. */
+/* Gaps through degenerate poses: edges and faces parallel, corner on corner, corner on edge, edge
+ * on edge, apart and overlapping. The distance of two bodies, and the least depth of their overlap,
+ * changes by no more than the farthest that a point of one moves against the other; so does the
+ * least gap over a pair's contacts, on a path through each such pose. */
 #include "check.h"
 
 #include <nsdae/nsdae.h>
@@ -67,8 +67,7 @@ static double least_gap(const couple *c, const double *q)
   for (int i = 0; i < c->bodies->feature.count; i++) {
     const nsdae_feature *f = (const nsdae_feature *)c->bodies->feature.at + i;
     const int *of = f->solid;
-    nsdae_touch touch =
-        nsdae_feature_touch(f, s + of[0], s + of[1], &pose[of[0]], &pose[of[1]]);
+    nsdae_touch touch = nsdae_feature_touch(f, s + of[0], s + of[1], &pose[of[0]], &pose[of[1]]);
     if (!touch.far) least = fmin(least, touch.gap.x);
   }
   return least;
@@ -140,7 +139,8 @@ static double speed_bound(const couple *c, const double *q, const double *w)
     /* |omega| <= 2 |p'| / |p| */
     double omega = c->d == 2 ? sqrt(turn) : 2 * sqrt(turn / square);
     double arm = 0;
-    for (int j = 0; j < 2; j++) arm += s[j].shape == NSDAE_SHAPE_PLANE ? 0 : nsdae_solid_size(s + j);
+    for (int j = 0; j < 2; j++)
+      arm += s[j].shape == NSDAE_SHAPE_PLANE ? 0 : nsdae_solid_size(s + j);
     double apart = 0;
     for (int j = 0; j < c->d; j++) apart += pow(q[c->nq + j] - q[j], 2);
     bound += sqrt(linear) + omega * (arm + sqrt(apart));
@@ -148,68 +148,140 @@ static double speed_bound(const couple *c, const double *q, const double *w)
   return bound;
 }
 
-static double worst_of_pair;
+/* Places that are beside an edge or above it by less than a millionth of a length count as on it,
+ * so that blocks which drift by rounding keep lying flush: gaps change there by that. */
+static const double drift = 3e-6;
 
+/* From -1e-2 to 1e-2 of a direction, ever finer towards the pose itself, down to 1e-15. */
 static void follow_path(const couple *c, const double *q)
 {
-  double w[14], last = 0, s_last = 0, at[14];
+  double w[14], at[14], last = 0, before = 0;
   for (int j = 0; j < 2 * c->nq; j++) w[j] = uniform(-1, 1);
-  double bound = 1.1 * speed_bound(c, q, w);
-  for (int k = -60; k <= 60; k++) { /* -1e-2 .. -1e-15, 0, 1e-15 .. 1e-2 */
+  double bound = 1.1 * speed_bound(c, q, w); /* at q, and it changes by less on the path */
+  for (int k = -60; k <= 60; k++) {
     double s = k == 0 ? 0 : (k < 0 ? -1 : 1) * 1e-2 * pow(10, -13. * (60 - abs(k)) / 59);
     for (int j = 0; j < 2 * c->nq; j++) at[j] = q[j] + s * w[j];
     double gap = least_gap(c, at);
-    if (k > -60) {
-      double excess = fabs(gap - last) - bound * (s - s_last);
-      if (excess > worst_of_pair) {
-        worst_of_pair = excess;
-        if (getenv("NSDAE_VERBOSE")) printf("   k %d s %g gap %.12g %.12g excess %g\n", k, s, last, gap, excess);
-      }
-    }
+    if (k > -60) assert_at_most(fabs(gap - last), bound * (s - before) + drift);
     last = gap;
-    s_last = s;
+    before = s;
   }
 }
 
-static void follow_all(int d, const int *shapes, int count, int last_is_base)
+/* Every pair of these kinds, but for the last with itself. */
+static void follow_all(int d, const int *shapes, int count, int hollow)
 {
-  int poses = getenv("NSDAE_LONG") ? 20000 : 300;
+  int poses = getenv("NSDAE_LONG") ? 20000 : 150;
   for (int i = 0; i < count; i++)
-    for (int j = 0; j < count; j++) {
-      if (i == j && i == count - 1 && last_is_base) continue;
-      worst_of_pair = 0;
-      for (int k = 0; k < poses; k++) {
-        nsdae_solid first = solid_of(shapes[i], i == count - 1 && last_is_base == 2), second = solid_of(shapes[j], j == count - 1 && last_is_base == 2);
+    for (int j = 0; j < count; j++)
+      for (int k = 0; k < poses && i + j < 2 * count - 2; k++) {
+        nsdae_solid first = solid_of(shapes[i], hollow && i == count - 1);
+        nsdae_solid second = solid_of(shapes[j], hollow && j == count - 1);
         double q[14];
         couple c = make(d, &first, &second);
         degenerate_pose(&c, q);
         follow_path(&c, q);
         nsdae_bodies_destroy(&c.bodies);
       }
-      printf("shapes %d %d%s: worst %g\n", shapes[i], shapes[j], last_is_base == 2 && (i == count - 1 || j == count -1) ? " hole" : "", worst_of_pair);
-    }
 }
 
 static void test_planar(void **state)
 {
   const int shapes[] = {NSDAE_SHAPE_POINT, NSDAE_SHAPE_DISC, NSDAE_SHAPE_SEGMENT,
-                        NSDAE_SHAPE_POLYGON, NSDAE_SHAPE_PLANE}, hole[] = {NSDAE_SHAPE_POINT, NSDAE_SHAPE_DISC, NSDAE_SHAPE_SEGMENT,
-                        NSDAE_SHAPE_POLYGON, NSDAE_SHAPE_DISC};
+                        NSDAE_SHAPE_POLYGON, NSDAE_SHAPE_PLANE};
+  const int hole[] = {NSDAE_SHAPE_POINT, NSDAE_SHAPE_DISC, NSDAE_SHAPE_SEGMENT, NSDAE_SHAPE_POLYGON,
+                      NSDAE_SHAPE_DISC};
   (void)state;
-  follow_all(2, shapes, 5, 1);
-  follow_all(2, hole, 5, 2);
+  follow_all(2, shapes, 5, 0);
+  follow_all(2, hole, 5, 1);
 }
 
 static void test_spatial(void **state)
 {
-  const int shapes[] = {NSDAE_SHAPE_POINT, NSDAE_SHAPE_SPHERE, NSDAE_SHAPE_CAPSULE,
-                        NSDAE_SHAPE_BOX, NSDAE_SHAPE_PLANE};
+  const int shapes[] = {NSDAE_SHAPE_POINT, NSDAE_SHAPE_SPHERE, NSDAE_SHAPE_CAPSULE, NSDAE_SHAPE_BOX,
+                        NSDAE_SHAPE_PLANE};
   (void)state;
-  follow_all(3, shapes, 5, 1);
+  follow_all(3, shapes, 5, 0);
+}
+
+/* ---- forces: a block that falls on another for one step of Moreau's scheme */
+
+static const double g = 10, dt = 1e-2;
+
+/* Velocities after the step. Without friction they are unique, whatever the forces are. */
+static void fall(int d, double turn, const double *q, double *v_end)
+{
+  static const double square[8] = {-0.5, -0.5, 0.5, -0.5, 0.5, 0.5, -0.5, 0.5};
+  const nsdae_solid block = {.shape = d == 2 ? NSDAE_SHAPE_POLYGON : NSDAE_SHAPE_BOX,
+                             .length = {1, d == 3 && turn > 0 ? 3 : 1, 1},
+                             .points = 4,
+                             .point = square};
+  const double down[3] = {0, d == 2 ? -g : 0, d == 3 ? -g : 0}, v[6] = {0};
+  nsdae_bodies *b;
+  nsdae_system *system;
+  nsdae_sim *sim;
+  nsdae_record r;
+  nsdae_sim_options options;
+  nsdae_sim_options_default(&options);
+  options.method = NSDAE_METHOD_MOREAU;
+  options.dt = dt;
+  options.start_tol = 1e-2; /* it overlaps */
+  assert_int_equal(nsdae_bodies_create(d, &b, NULL), NSDAE_OK);
+  nsdae_bodies_set_gravity(b, down);
+  nsdae_bodies_add(b, &(nsdae_rigid_body){.mass = 1, .inertia = {1, 1, 1}});
+  nsdae_bodies_add_solid(b, NSDAE_GROUND, &block);
+  nsdae_bodies_add_solid(b, 0, &block);
+  nsdae_bodies_add_contact(b, 0, 1, 0, 0, 0);
+  assert_int_equal(nsdae_bodies_system(b, &system), NSDAE_OK);
+  assert_int_equal(nsdae_sim_create(system, &options, &sim, NULL), NSDAE_OK);
+  int status = nsdae_sim_init(sim, 0, q, v);
+  if (status >= 0) status = nsdae_sim_step(sim);
+  if (status < 0)
+    print_error("%d: %g %g %g %g, %g: %s\n", d, q[0], q[1], q[2], q[3], turn,
+                nsdae_sim_error(sim)->text);
+  assert_true(status >= 0);
+  nsdae_sim_get_record(sim, &r);
+  memcpy(v_end, r.v, (d == 2 ? 3 : 6) * sizeof *v_end);
+  nsdae_sim_destroy(&sim);
+  nsdae_system_destroy(&system);
+  nsdae_bodies_destroy(&b);
+}
+
+/* Squarely on the other, shifted by quarters of its edge, up to where it just tips, and crosswise;
+ * overlapping by 1e-4, so that all that lies flush is closed also where it is turned by 1e-6. */
+static void lay(int d, int number, double *turn, double *q)
+{
+  memset(q, 0, 7 * sizeof *q);
+  *turn = 0;
+  q[d - 1] = 1 - 1e-4;
+  q[0] = 0.25 * (number % 5 - 2);
+  if (d == 2) return;
+  q[1] = 0.25 * (number / 5 % 5 - 2);
+  *turn = number / 25 % 2;
+  q[3] = q[6] = sqrt(0.5); /* a quarter about z: a cross of two long blocks */
+}
+
+static void test_forces(void **state)
+{
+  (void)state;
+  for (int d = 2; d <= 3; d++)
+    for (int i = 0; i < (d == 2 ? 5 : 50); i++) {
+      double turn, q[7], at[7], still[6], moved[6];
+      lay(d, i, &turn, q);
+      fall(d, turn, q, still);
+      for (int j = 0; j < 6; j++) {
+        double size = pow(10, -6 - 2 * (j / 2)); /* 1e-6, 1e-8, 1e-10 */
+        for (int k = 0; k < (d == 2 ? 3 : 7); k++) at[k] = q[k] + size * uniform(-1, 1);
+        fall(d, turn, at, moved);
+        for (int k = 0; k < (d == 2 ? 3 : 6); k++)
+          assert_near(moved[k], still[k], 20 * size * g * dt);
+      }
+    }
 }
 
 int main(void)
 {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_planar), cmocka_unit_test(test_spatial)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_planar), cmocka_unit_test(test_spatial),
+                                     cmocka_unit_test(test_forces)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
