@@ -150,7 +150,7 @@ static double speed_bound(const couple *c, const double *q, const double *w)
 
 /* Places that are beside an edge or above it by less than a millionth of a length count as on it,
  * so that blocks which drift by rounding keep lying flush: gaps change there by that. */
-static const double drift = 3e-6;
+static const double drift = 5e-6;
 
 /* From -1e-2 to 1e-2 of a direction, ever finer towards the pose itself, down to 1e-15. */
 static void follow_path(const couple *c, const double *q)
@@ -171,7 +171,7 @@ static void follow_path(const couple *c, const double *q)
 /* Every pair of these kinds, but for the last with itself. */
 static void follow_all(int d, const int *shapes, int count, int hollow)
 {
-  int poses = getenv("NSDAE_LONG") ? 20000 : 150;
+  int poses = getenv("NSDAE_LONG") ? 20000 : 60;
   for (int i = 0; i < count; i++)
     for (int j = 0; j < count; j++)
       for (int k = 0; k < poses && i + j < 2 * count - 2; k++) {
