@@ -237,17 +237,19 @@ typedef struct nsdae_check {
 /* Looks at every callback that is given, at (t, q [nq], v [nv]); q need not satisfy the
  * constraints. First each alone: what it writes beyond its arrays (seen as far as the array's own
  * size and 64 entries more to either side), entries of Phi, g_N, dq/dt and U that it never writes,
- * and what is NaN or infinite. Then every derivative against central differences of what it derives
- * from, and the mass matrix against its transpose; then directions of friction that are all zero,
- * the normal's, or one twice, and, along the translations of a body that M and the gap show to be
- * free, not of length one or not at right angles to the normal and to each other. Differences are
- * good to about 1e-7 where the values are of order one: tol of 1e-5 is a fair bound. Of a system of
- * blocks the rows of Phi_q are compared entry by entry, the gaps of contacts listed nearby by their
- * rates along two trial velocities (row is the place in the list). What cannot be seen says
- * nsdae_system_unseen. NSDAE_OK; NSDAE_E_DERIVATIVE with the wrong entry in worst and in the error
- * record (a NaN in a derivative counts as wrong); NSDAE_E_CALLBACK (it failed, or the text says
- * what it writes); NSDAE_E_NONFINITE; NSDAE_E_STATE (a callback that is needed is missing),
- * NSDAE_E_MEMORY, and what a setter was refused with. worst may be NULL. */
+ * and what is NaN or infinite. Then every derivative against central differences of what it
+ * derives from, and the mass matrix against its transpose; then directions of friction that are
+ * all zero, the normal's, or one twice, and, along the translations of a body that M and the gap
+ * show to be free, not of length one or not at right angles to the normal and to each other, or,
+ * on two bodies that touch each other, not opposite. Differences are good to about 1e-7 where the
+ * values are of order one: tol of 1e-5 is a fair bound. Of a system of blocks the rows of Phi_q
+ * are compared entry by entry, the gaps of contacts listed nearby by their rates along two trial
+ * velocities (row is the place in the list). What cannot be seen says nsdae_system_unseen, and
+ * what is doubtful: in the plane, an arm of W_T about which a turn would open the gap, or whose
+ * sign is not that of the body's other contacts. NSDAE_OK; NSDAE_E_DERIVATIVE with the wrong entry
+ * in worst and in the error record (a NaN in a derivative counts as wrong); NSDAE_E_CALLBACK (it
+ * failed, or the text says what it writes); NSDAE_E_NONFINITE; NSDAE_E_STATE (a callback that is
+ * needed is missing), NSDAE_E_MEMORY, and what a setter was refused with. worst may be NULL. */
 NSDAE_API int nsdae_system_check(nsdae_system *system, double t, const double *q, const double *v,
                                  double tol, nsdae_check *worst);
 

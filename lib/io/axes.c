@@ -25,7 +25,7 @@ static const struct axis {
     [TANGENT] = {"/tangent", "tangent", "tangent", "tangential directions of a contact", -1, NULL},
     [SLIDE] = {"/slide/slide", "slide", "slide", "names of the bilateral constraints with friction",
                NSDAE_NAME_SLIDE, NULL},
-    [SIDE] = {"/contacts/side", "side", "side", "sides of a contact", -1, NULL},
+    [SIDE] = {"/side", "side", "side", "sides of a contact", -1, NULL},
 };
 
 /* Past so many, one that has no name is its number: a text each costs more than the data. */

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "arena.h"
+#include "arms.h"
 #include "check_blocks.h"
 #include "differences.h"
 #include "errors.h"
@@ -18,6 +19,7 @@ typedef struct check {
   const double *q, *v;
   double *given, *differenced, *spare; /* one matrix each */
   double *mass, *velocity, *moved;     /* nv x nv, nv, nq */
+  double *bend;                        /* 2 k */
   int code;                            /* of a callback that failed, and its name */
   const char *callback;
   nsdae_check worst;
@@ -45,6 +47,7 @@ static void layout(void *object, nsdae_arena *arena)
   long dense = c->system->by_list ? 0 : c->system->dims.nv;
   c->mass = NSDAE_ARENA_DOUBLES(arena, dense * dense);
   c->velocity = NSDAE_ARENA_DOUBLES(arena, c->system->dims.nv);
+  c->bend = NSDAE_ARENA_DOUBLES(arena, 2L * c->system->dims.k);
   c->moved = NSDAE_ARENA_DOUBLES(arena, c->system->dims.nq);
 }
 
@@ -198,6 +201,21 @@ static int find_normals(check *c, double *here, double *elsewhere)
   return code;
 }
 
+/* What of the arms of rotations in W_T is doubtful. */
+static int doubt_arms(check *c)
+{
+  nsdae_arms arms = {
+      {c->system, c->system->dims.nv, 1, c->mass, c->differenced, c->spare, c->given},
+      &c->differences,
+      c->t,
+      c->q,
+      c->velocity,
+      c->bend};
+  int code = nsdae_arms_doubt(&arms, c->tol, c->system->doubt, sizeof c->system->doubt);
+  difference_failed(c, code, "gap");
+  return code ? nsdae_system_callback_status(code, c->callback, c->t, &c->system->error) : NSDAE_OK;
+}
+
 /* W_T in given, W_N in differenced and, of the other place, in spare, M in mass. */
 static int check_tangents(check *c)
 {
@@ -213,7 +231,8 @@ static int check_tangents(check *c)
   for (int j = 0; j < k * nt && status == NSDAE_OK; j++) {
     char why[NSDAE_TANGENT_TEXT];
     size_t i = (size_t)(j / nt), size = (size_t)n;
-    const nsdae_contact_directions of = {n,
+    const nsdae_contact_directions of = {s,
+                                         n,
                                          nt,
                                          c->mass,
                                          c->differenced + i * size,
@@ -222,7 +241,7 @@ static int check_tangents(check *c)
     if (s->contact[i].mu > 0 && nsdae_tangent_wrong(&of, j % nt, c->tol, why))
       status = bad_tangent(c, (int)i, j, why);
   }
-  return status;
+  return status < 0 || nt != 1 ? status : doubt_arms(c);
 }
 
 /* What the worst entry belongs to. The rows of contact_acceleration are those of all its outputs,
@@ -282,6 +301,7 @@ int nsdae_system_check(nsdae_system *system, double t, const double *q, const do
   nsdae_error_clear(&system->error);
   int status = check_arguments(system, q, v, tol);
   if (worst) *worst = (nsdae_check){0};
+  system->doubt[0] = '\0';
   if (status == NSDAE_OK) status = nsdae_system_probe(system, &(nsdae_point){t, q, v});
   if (status < 0) return status;
   check c = {.system = system, .t = t, .tol = tol, .q = q, .v = v};

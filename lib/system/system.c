@@ -292,14 +292,15 @@ const char *nsdae_system_unseen(nsdae_system *system)
       {"force: its values and signs", system->force != NULL},
       {"constraint: whether it is the one that is meant", system->constraint != NULL},
       {"gap: whether it is the distance, its sign and its unit", system->gap != NULL},
-      {"gap_tangent: the arms and signs of its rotations; length and right angles of its "
-       "directions "
-       "where no body moves freely in M",
+      {"gap_tangent: the arms and signs of its rotations, but for what the last check doubts; "
+       "length "
+       "and right angles of its directions where no body moves freely in M",
        system->gap_tangent != NULL},
       {"contact_bias: w_t", system->contact_bias && system->dims.nt > 0},
       {"slide_tangent: its values", system->slide_tangent != NULL},
       {"potential: whether the force is its gradient (the energy balance of a run shows that)",
        system->potential != NULL},
+      {system->doubt, system->doubt[0] != '\0'},
   };
   return join(system->unseen, sizeof system->unseen, unseen, sizeof unseen / sizeof *unseen, "; ");
 }

@@ -7,13 +7,15 @@
  * where the part of W_N along them has length one, here and elsewhere: a distance has
  * g' = n . x' + (r x n) . w with |n| = 1 everywhere, while arms r change with q. The slip is
  * v_T = t . x' + (r x t) . w: the parts of the directions t along them have length one, too, and
- * are at right angles to n and to each other; or they are zero, where other bodies slide. The parts
- * of rotations, r x t, depend on the arm, which a gap does not tell: that of a disc does not see
- * its angle at all. */
+ * are at right angles to n and to each other; or they are zero, where other bodies slide. Of two
+ * bodies that touch each other, n and -n, they are opposite. For the parts of rotations see arms.h.
+ */
 #include "tangents.h"
 
 #include <math.h>
 #include <stdio.h>
+
+#include "system_impl.h"
 
 typedef nsdae_contact_directions directions;
 
@@ -35,12 +37,30 @@ static int same_set(const directions *c, int of, int i)
   return mass_of(c, i) == mass_of(c, of) && is_free(c, i);
 }
 
+static int count_same(const directions *c, int of)
+{
+  int count = 0;
+  for (int i = 0; i < c->nv; i++) count += same_set(c, of, i);
+  return count;
+}
+
+/* Whether i moves the body that `of` moves: all of that mass are as many as there are directions,
+ * or those of them that stand side by side are (of bodies that are alike). */
+static int together(const directions *c, int of, int i)
+{
+  int from = i < of ? i : of, to = i < of ? of : i;
+  if (!same_set(c, of, i) || count_same(c, of) == c->nt + 1) return same_set(c, of, i);
+  for (int j = from; j <= to; j++)
+    if (!same_set(c, of, j)) return 0;
+  return 1;
+}
+
 /* The product of two columns along the set of velocity `of`. */
 static double along(const directions *c, int of, const double *a, const double *b)
 {
   double sum = 0;
   for (int i = 0; i < c->nv; i++)
-    if (same_set(c, of, i)) sum += a[i] * b[i];
+    if (together(c, of, i)) sum += a[i] * b[i];
   return sum;
 }
 
@@ -50,7 +70,7 @@ static int translates(const directions *c, int of, double tol)
   int count = 0;
   if (!is_free(c, of)) return 0;
   for (int i = 0; i < c->nv; i++) {
-    if (!same_set(c, of, i)) continue;
+    if (!together(c, of, i)) continue;
     if (i < of) return 0;
     count++;
   }
@@ -58,24 +78,64 @@ static int translates(const directions *c, int of, double tol)
          fabs(along(c, of, c->other, c->other) - 1) <= tol;
 }
 
+int nsdae_tangent_translates(const directions *c, int i, int j, double tol)
+{
+  return translates(c, i, tol) && together(c, i, j);
+}
+
+/* max |a_i + a_j| over velocities i of the set of `of` and j of that of `to`, in their order */
+static double sum_of(const directions *c, int of, int to, const double *a)
+{
+  double most = 0;
+  for (int i = of, j = to; i < c->nv && j < c->nv; i++, j++) {
+    while (i < c->nv && !together(c, of, i)) i++;
+    while (j < c->nv && !together(c, to, j)) j++;
+    if (i < c->nv && j < c->nv) most = fmax(most, fabs(a[i] + a[j]));
+  }
+  return most;
+}
+
+/* Two bodies that move alike keep their gap where they touch each other, here and elsewhere: then
+ * they do not slip either, and what the one feels the other feels against it. */
+static int wrong_between(const directions *c, int of, int j, double tol, char *why)
+{
+  const double *t = c->tangent + (size_t)j * (size_t)c->nv;
+  char a[NSDAE_CALLED_SIZE], b[NSDAE_CALLED_SIZE];
+  for (int to = of + 1; to < c->nv; to++) {
+    if (!translates(c, to, tol) || along(c, of, t, t) == 0 || along(c, to, t, t) == 0) continue;
+    if (sum_of(c, of, to, c->normal) > tol || sum_of(c, of, to, c->other) > tol) continue;
+    if (sum_of(c, of, to, t) <= tol) continue;
+    return snprintf(why, NSDAE_TANGENT_TEXT,
+                    "is not opposite on the two bodies that %s and %s move, as the normal is: "
+                    "together they do not slip",
+                    nsdae_system_called(c->system, NSDAE_NAME_VELOCITY, of, a),
+                    nsdae_system_called(c->system, NSDAE_NAME_VELOCITY, to, b));
+  }
+  return 0;
+}
+
 /* By the set of velocity `of`. */
 static int wrong_along(const directions *c, int of, int j, double tol, char *why)
 {
-  static const char *const where = "along the translations of the body that velocity";
+  static const char *const where = "along the translations of the body that";
+  char called[NSDAE_CALLED_SIZE];
+  const char *velocity = nsdae_system_called(c->system, NSDAE_NAME_VELOCITY, of, called);
   const double *t = c->tangent + (size_t)j * (size_t)c->nv;
   double squared = along(c, of, t, t), across = along(c, of, t, c->normal);
   double both = j > 0 ? along(c, of, t, t - c->nv) : 0;
   if (squared == 0) return 0;
   if (fabs(squared - 1) > tol)
     return snprintf(why, NSDAE_TANGENT_TEXT,
-                    "has length %.6g %s %d moves: take unit vectors, as the normal is one",
-                    sqrt(squared), where, of);
+                    "has length %.6g %s %s moves: take unit vectors, as the normal is one",
+                    sqrt(squared), where, velocity);
   if (fabs(across) > tol)
     return snprintf(why, NSDAE_TANGENT_TEXT,
-                    "is not at right angles to the normal: %.3g %s %d moves", across, where, of);
-  if (fabs(both) <= tol) return 0;
+                    "is not at right angles to the normal: %.3g %s %s moves", across, where,
+                    velocity);
+  if (fabs(both) <= tol) return wrong_between(c, of, j, tol, why);
   return snprintf(why, NSDAE_TANGENT_TEXT,
-                  "is not at right angles to the one before it: %.3g %s %d moves", both, where, of);
+                  "is not at right angles to the one before it: %.3g %s %s moves", both, where,
+                  velocity);
 }
 
 static int same_column(int n, const double *a, const double *b)

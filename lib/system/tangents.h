@@ -4,6 +4,7 @@
 
 /* Of one contact. */
 typedef struct nsdae_contact_directions {
+  const struct nsdae_system *system; /* for names */
   int nv, nt;
   const double *M;              /* nv x nv */
   const double *normal, *other; /* nv: its column of W_N here, and at another place */
@@ -12,8 +13,11 @@ typedef struct nsdae_contact_directions {
 
 /* Whether anything is wrong with direction j < nt, and what, as text. tol: of what differences
  * give. */
-enum { NSDAE_TANGENT_TEXT = 160 };
+enum { NSDAE_TANGENT_TEXT = 200 };
 int nsdae_tangent_wrong(const nsdae_contact_directions *contact, int j, double tol,
                         char why[NSDAE_TANGENT_TEXT]);
+
+/* Whether velocities i and j are two of those that translate one body, and i the first of them. */
+int nsdae_tangent_translates(const nsdae_contact_directions *contact, int i, int j, double tol);
 
 #endif

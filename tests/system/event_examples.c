@@ -231,7 +231,7 @@ static void test_painleve(void **state)
   assert_int_equal(slide(p, 5.0 / 3, 60), NSDAE_E_PAINLEVE);
   assert_int_equal(r.error.index, 0);
   assert_true(r.error.time == 0);
-  assert_non_null(strstr(r.error.text, "contact 0 has no "));
+  assert_non_null(strstr(r.error.text, "contact 0 \"first_end\" has no "));
   p->omega = 5;
   assert_true(falling_rod_free(p, p->p0, p->omega) > 0);
   assert_int_equal(slide(p, 5.0 / 3, 60), NSDAE_E_PAINLEVE);

@@ -19,5 +19,6 @@ look() {
 }
 
 look pendulum "x y theta" --t-end 1
+look column "$(for i in 0 1 2; do for q in x y z qw qx qy qz; do echo "$q$i"; done; done)" --set balls=3 --t-end 0.05
 look woodpecker "y phi_M phi_S" --t-end 0.3 --every 7 --compress 4
 look rolling-ball "x y z e_0 e_x e_y e_z" --t-end 0.2

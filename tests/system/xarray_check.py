@@ -39,6 +39,13 @@ def look(engine, file):
         assert np.array_equal(contact.gap.sel(contact=first).values, file["contact/gap"][:, 0])
         if "tangential_impulse" in contact:
             assert contact.tangential_impulse.dims == ("time", "contact", "tangent")
+    if "contacts" in file:  # by list: one row for each contact of each record
+        contacts = xarray.open_dataset(path, engine=engine, group="contacts")
+        assert contacts.gap.dims == ("id",) and contacts.block.dims == ("id", "side"), contacts
+        assert contacts["count"].dims == ("time",) and contacts.tangential_impulse.dims == ("id", "tangent")
+        assert np.array_equal(contacts.gap.values, file["contacts/gap"][:])
+        last = slice(int(contacts["first"][-1]), int(contacts["first"][-1] + contacts["count"][-1]))
+        assert np.array_equal(contacts.id.values[last], file["contacts/id"][last]) and contacts.sizes["id"] > 0
 
 
 with h5py.File(path) as file:

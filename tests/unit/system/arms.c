@@ -1,0 +1,161 @@
+/* W_T against the geometry: two bodies in the plane, alike, one with two corners and a rim over a
+ * slope and a wall, both with rims that touch. Right ones at random are left alone; an arm that is
+ * left out or too short at a corner, a sign of one arm, a force without its reaction are told. */
+#include "check.h"
+
+#include <stdint.h>
+
+#include <nsdae/nsdae.h>
+
+enum { NQ = 6 };
+
+enum wrong { RIGHT, NO_ARM, SHORT_ARM, OTHER_SIGN, RIM_SIGN, NO_REACTION, WRONGS };
+
+typedef struct pair {
+  int wrong;
+  double corner[2][2], rim[2], slope, wall;
+} pair;
+
+static double uniform(uint64_t *seed, double from, double to)
+{
+  *seed = *seed * 6364136223846793005u + 1442695040888963407u; /* Knuth's */
+  return from + (to - from) * (double)(*seed >> 11) / 9007199254740992.0;
+}
+
+static int mass(double t, const double *q, double *M, int ldm, void *user)
+{
+  (void)t, (void)q, (void)user;
+  for (int i = 0; i < NQ; i++) M[i * ldm + i] = i % 3 == 2 ? 0.4 : 2;
+  return 0;
+}
+
+static int force(double t, const double *q, const double *v, double *F, void *user)
+{
+  (void)t, (void)q, (void)v, (void)user;
+  F[1] = F[4] = -9.81;
+  return 0;
+}
+
+/* From the centre to a corner, in space. */
+static void arm_of(const pair *p, const double *q, int i, double r[2])
+{
+  double c = cos(q[2]), s = sin(q[2]);
+  r[0] = c * p->corner[i][0] - s * p->corner[i][1];
+  r[1] = s * p->corner[i][0] + c * p->corner[i][1];
+}
+
+static int gap(double t, const double *q, double *g, void *user)
+{
+  const pair *p = user;
+  (void)t;
+  double n[2] = {-sin(p->slope), cos(p->slope)}, w[2] = {cos(p->wall), sin(p->wall)}, r[2];
+  for (int i = 0; i < 2; i++) {
+    arm_of(p, q, i, r);
+    g[i] = n[0] * (q[0] + r[0]) + n[1] * (q[1] + r[1]);
+  }
+  g[2] = w[0] * q[0] + w[1] * q[1] + 3 - p->rim[0];
+  g[3] = hypot(q[3] - q[0], q[4] - q[1]) - p->rim[0] - p->rim[1];
+  return 0;
+}
+
+/* t (v + omega x r) of body b, into column. */
+static void add(double *column, int b, double sign, const double t[2], const double r[2])
+{
+  column[3 * b] += sign * t[0];
+  column[3 * b + 1] += sign * t[1];
+  column[3 * b + 2] += sign * (t[1] * r[0] - t[0] * r[1]);
+}
+
+static int tangent(double t, const double *q, double *W, int ldw, void *user)
+{
+  const pair *p = user;
+  (void)t;
+  double n[2] = {-sin(p->slope), cos(p->slope)}, w[2] = {cos(p->wall), sin(p->wall)}, r[2];
+  for (int i = 0; i < 2; i++) {
+    arm_of(p, q, i, r);
+    add(W + i * ldw, 0, 1, (double[2]){n[1], -n[0]}, r);
+  }
+  add(W + 2 * ldw, 0, 1, (double[2]){-w[1], w[0]},
+      (double[2]){-p->rim[0] * w[0], -p->rim[0] * w[1]});
+  double d = hypot(q[3] - q[0], q[4] - q[1]), u[2] = {(q[3] - q[0]) / d, (q[4] - q[1]) / d};
+  const double along[2] = {-u[1], u[0]};
+  add(W + 3 * ldw, 0, -1, along, (double[2]){p->rim[0] * u[0], p->rim[0] * u[1]});
+  add(W + 3 * ldw, 1, p->wrong == NO_REACTION ? -1 : 1, along,
+      (double[2]){-p->rim[1] * u[0], -p->rim[1] * u[1]});
+  if (p->wrong == NO_ARM) W[2] = 0;
+  if (p->wrong == SHORT_ARM) W[2] *= 0.5;
+  if (p->wrong == OTHER_SIGN) W[ldw + 2] = -W[ldw + 2];
+  if (p->wrong == RIM_SIGN) W[2 * ldw + 2] = -W[2 * ldw + 2];
+  return 0;
+}
+
+/* A body whose corners are below its centre, in any turn of the whole. */
+static void draw(pair *p, double q[NQ], uint64_t seed)
+{
+  *p = (pair){.slope = uniform(&seed, -3, 3), .wall = uniform(&seed, -3, 3)};
+  for (int i = 0; i < 2; i++) {
+    p->corner[i][0] = (i ? 1 : -1) * uniform(&seed, 0.1, 0.6);
+    p->corner[i][1] = -uniform(&seed, 0.2, 0.6);
+    p->rim[i] = uniform(&seed, 0.2, 0.6);
+  }
+  for (int i = 0; i < NQ; i++) q[i] = uniform(&seed, -1, 1) + (i == 3 ? 3 : 0);
+  q[2] = p->slope + uniform(&seed, -0.1, 0.1);
+}
+
+static nsdae_system *make(pair *p)
+{
+  const nsdae_dims dims = {.nq = NQ, .k = 4, .nt = 1};
+  nsdae_system *s;
+  assert_int_equal(nsdae_system_create(&dims, &s, NULL), NSDAE_OK);
+  nsdae_system_set_user(s, p);
+  nsdae_system_set_mass(s, mass);
+  nsdae_system_set_force(s, force);
+  nsdae_system_set_gap(s, gap);
+  nsdae_system_set_gap_tangent(s, tangent);
+  for (int i = 0; i < 4; i++) nsdae_system_set_contact(s, i, 0.3, 0, 0);
+  nsdae_system_set_name(s, NSDAE_NAME_CONTACT, 0, "toe", "m");
+  nsdae_system_set_name(s, NSDAE_NAME_CONTACT, 1, "heel", "m");
+  nsdae_system_set_name(s, NSDAE_NAME_CONTACT, 2, "rim", "m");
+  nsdae_system_set_name(s, NSDAE_NAME_COORDINATE, 2, "theta", "rad");
+  nsdae_system_set_name(s, NSDAE_NAME_COORDINATE, 3, "x_2", "m");
+  return s;
+}
+
+static void test_family(void **state)
+{
+  (void)state;
+  static const char *const said[WRONGS] = {NULL,
+                                           "\"toe\" along velocity 2 \"theta\"",
+                                           "\"toe\" along velocity 2 \"theta\"",
+                                           "the sign of its arm of contact 1 \"heel\"",
+                                           "the sign of its arm of contact 2 \"rim\"",
+                                           NULL};
+  for (uint64_t seed = 1; seed <= 200; seed++)
+    for (int wrong = 0; wrong < WRONGS; wrong++) {
+      const double v[NQ] = {1, -2, 0.5, 0.3, 2, -1};
+      double q[NQ];
+      pair p;
+      draw(&p, q, seed);
+      p.wrong = wrong;
+      nsdae_system *s = make(&p);
+      int status = nsdae_system_check(s, 0, q, v, 1e-5, NULL);
+      const char *unseen = nsdae_system_unseen(s);
+      if (status < 0 && wrong != NO_REACTION) fail_msg("%s", nsdae_system_error(s)->text);
+      if (wrong == NO_REACTION) {
+        assert_int_equal(status, NSDAE_E_DERIVATIVE);
+        assert_non_null(strstr(nsdae_system_error(s)->text, "velocity 3 \"x_2\" move"));
+      } else if (wrong == RIGHT) {
+        if (strstr(unseen, "gap_tangent: its arm") || strstr(unseen, "gap_tangent: the sign"))
+          fail_msg("seed %d: %s", (int)seed, unseen);
+      } else if (!strstr(unseen, said[wrong])) {
+        fail_msg("seed %d, wrong %d: %s", (int)seed, wrong, unseen);
+      }
+      nsdae_system_destroy(&s);
+    }
+}
+
+int main(void)
+{
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_family)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
