@@ -235,7 +235,7 @@ static void test_painleve(void **state)
   p->omega = 5;
   assert_true(falling_rod_free(p, p->p0, p->omega) > 0);
   assert_int_equal(slide(p, 5.0 / 3, 60), NSDAE_E_PAINLEVE);
-  assert_non_null(strstr(r.error.text, "contact 0 has two "));
+  assert_non_null(strstr(r.error.text, "contact 0 \"first_end\" has two "));
   p->omega = 0;
   p->v_T = 1; /* the other way friction takes from the normal force */
   assert_int_equal(slide(p, 5.0 / 3, 60), NSDAE_OK);
