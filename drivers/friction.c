@@ -8,6 +8,8 @@
 
 #include <nsdae/nsdae.h>
 
+#include "probe.h"
+
 enum { SOLVED, NOT_SOLVED, USAGE };
 
 /* What --set sets. */
@@ -173,11 +175,21 @@ static int parse(job *j, int argc, char **argv)
   return set_stages(j);
 }
 
+static int try_file(const char *path, void *user, nsdae_error *error)
+{
+  nsdae_friction_file file;
+  (void)user;
+  int status = nsdae_friction_read(path, &file, error);
+  nsdae_friction_file_release(&file);
+  return status;
+}
+
 static int read_file(job *j)
 {
   nsdae_error error;
   const nsdae_friction_problem *p = &j->file.problem;
-  if (nsdae_friction_read(j->path, &j->file, &error) < 0)
+  if (probe(j->path, try_file, NULL, &error) < 0 ||
+      nsdae_friction_read(j->path, &j->file, &error) < 0)
     return complain("%s; --help says what a file may be", error.text);
   for (int c = 0; c < p->contacts; c++) j->rows += p->rows ? p->rows[c] : 3;
   j->rows += p->bilateral;

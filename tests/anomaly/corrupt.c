@@ -133,6 +133,18 @@ static void test_lcp(void **state)
   attack(NSDAE_BIN_DIR "/nsdae-lcp", "nsdae-lcp: error: ", 2, argument);
 }
 
+static void test_friction(void **state)
+{
+  (void)state;
+  char dump[64];
+  snprintf(dump, sizeof dump, "friction_dump=%s", good);
+  const char *const make[] = {"nsdae-incline", "--quiet", "--no-output", "--t-end",
+                              "0.1",           "--set",   dump,          NULL};
+  const char *const argument[] = {"nsdae-friction", bad, NULL};
+  assert_int_equal(run(NSDAE_BIN_DIR "/nsdae-incline", make), 0);
+  attack(NSDAE_BIN_DIR "/nsdae-friction", "nsdae-friction: error: ", 2, argument);
+}
+
 /* A driver that goes on in the file of a run of the same example. */
 static void restart(const char *made_by, const char *driver)
 {
@@ -161,7 +173,8 @@ static void test_restart_fortran(void **state)
 
 int main(void)
 {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_lcp), cmocka_unit_test(test_restart),
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_lcp), cmocka_unit_test(test_friction),
+                                     cmocka_unit_test(test_restart),
                                      cmocka_unit_test(test_restart_fortran)};
   int failed = cmocka_run_group_tests(tests, NULL, NULL);
   if (failed) return failed;
