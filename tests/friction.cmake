@@ -1,5 +1,5 @@
 # Tests of the frictional contact problems.
-foreach(name contact map)
+foreach(name contact kernels map)
   nsdae_unit_test(friction ${name})
 endforeach()
 
