@@ -28,7 +28,8 @@ void nsdae_contacts_laws(nsdae_contacts *contacts, int polygon_edges)
 {
   const nsdae_system *s = contacts->system;
   if (contacts->rows_most < 1) contacts->rows_most = 1; /* never less: memory is laid by it */
-  contacts->slide_count = contacts->rows_in_all = 0;
+  contacts->slide_count = 0;
+  contacts->rows_in_all = 0;
   contacts->cones.most = contacts->cones.most > 0 ? s->dims.k : 0;
   for (int j = 0; j < s->dims.f; j++) contacts->slide_count += s->slide[j].mu > 0;
   for (int i = 0; i < s->dims.k; i++) {
