@@ -74,7 +74,7 @@ typedef struct nsdae_contacts {
   double *warm;               /* with cones, k (1 + nt): the last impulses of each, not ours */
 } nsdae_contacts;
 
-/* Takes the arrays; nsdae_contacts_set comes before. */
+/* Takes the arrays; system, error, rows_most and rows_in_all are set before: nsdae_contacts_set. */
 void nsdae_contacts_layout(nsdae_contacts *contacts, nsdae_arena *arena);
 
 /* Fills the laws [k], where there are any yet, and rows_most from the system's coefficients, and
