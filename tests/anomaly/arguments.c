@@ -337,7 +337,8 @@ int main(void)
       cmocka_unit_test(test_create),          cmocka_unit_test(test_options_not_initialised),
       cmocka_unit_test(test_options_outside), cmocka_unit_test(test_options_table),
       cmocka_unit_test(test_methods),         cmocka_unit_test(test_null_sim),
-      cmocka_unit_test(test_null_arguments),  cmocka_unit_test(test_state_arguments), cmocka_unit_test(test_unobserve), cmocka_unit_test(test_trajectory),
+      cmocka_unit_test(test_null_arguments),  cmocka_unit_test(test_state_arguments),
+      cmocka_unit_test(test_unobserve),       cmocka_unit_test(test_trajectory),
       cmocka_unit_test(test_null_structs),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -116,7 +116,7 @@ static void test_arguments(void **state)
   REFUSED((s.compliance[0] = -1, s.p.compliance = s.compliance), NSDAE_E_ARGUMENT, "compliance");
   REFUSED(s.p.form = NSDAE_FRICTION_LOCAL, NSDAE_E_ARGUMENT, "blocks");
   REFUSED(s.p.form = -1, NSDAE_E_ARGUMENT, "form");
-  REFUSED(s.size[1] = 1 << 30, NSDAE_E_ARGUMENT, "size"); /* M */
+  REFUSED(s.size[1] = 1000000000, NSDAE_E_ARGUMENT, "size"); /* its mass in bytes */
   REFUSED(s.p.mu = NULL, NSDAE_E_ARGUMENT, "mu");
   REFUSED(s.p.w = NULL, NSDAE_E_ARGUMENT, "w");
   REFUSED(s.p.M = NULL, NSDAE_E_ARGUMENT, "M");
