@@ -17,10 +17,11 @@ add_test(NAME install/first_program
 add_test(NAME install/variants
   COMMAND ${install_dir}/variants.sh ${PROJECT_SOURCE_DIR}
     -DSUNDIALS_DIR=${SUNDIALS_DIR} -DHDF5_DIR=${HDF5_DIR} "-DCMAKE_PREFIX_PATH=${CMAKE_PREFIX_PATH}")
-set_tests_properties(install/consumers install/first_program install/variants PROPERTIES
+add_test(NAME install/run COMMAND ${install_dir}/run.sh ${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR})
+set_tests_properties(install/consumers install/first_program install/run install/variants PROPERTIES
   ENVIRONMENT "OPENBLAS_NUM_THREADS=1;CMAKE_GENERATOR=${CMAKE_GENERATOR}" TIMEOUT 600)
 if(NSDAE_SANITIZE) # cc has no sanitizer
-  set_tests_properties(install/consumers install/first_program PROPERTIES DISABLED TRUE)
+  set_tests_properties(install/consumers install/first_program install/run PROPERTIES DISABLED TRUE)
 endif()
 add_test(NAME install/exports
   COMMAND ${install_dir}/exports.sh $<TARGET_FILE:nsdae_lib_shared> ${PROJECT_SOURCE_DIR}/include)

@@ -4,6 +4,7 @@ program pendulum_driver
   use nsdae
   use pendulum_model
   use pendulum_report
+  use pendulum_restart
   use pendulum_settings
   implicit none
   type(settings), target, save :: s
@@ -45,7 +46,9 @@ contains
   integer(c_int) function resume(info) result(status)
     type(nsdae_trajectory_info), intent(in) :: info
     type(nsdae_record) :: record
-    status = nsdae_trajectory_resume(sim, s%restart, info, trajectory, error)
+    writes = .false.
+    status = restart_probe(sim, s%restart, info, error)
+    if (status == NSDAE_OK) status = nsdae_trajectory_resume(sim, s%restart, info, trajectory, error)
     writes = status == NSDAE_OK
     if (.not. writes) return
     status = nsdae_sim_get_record(sim, record)

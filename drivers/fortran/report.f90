@@ -88,11 +88,27 @@ contains
     print '(6a)', 'worst LCP residual ', number(stats%worst_residual, '(es8.2)'), &
         ', constraint drift ', number(stats%worst_drift, '(es8.2)'), ' m, penetration ', &
         number(stats%worst_penetration, '(es8.2)') // ' m'
+    call say_warnings(sim, stats)
     call print_remarks(r, stats)
     print '(3a)', 'energy balance ', number(stats%energy_balance, '(sp, es10.3)'), &
         ' J (energy + dissipated - start)'
     print '(5a)', 'time ', number(stats%wall_time, '(es8.2)'), ' s, ', &
         number(1d6 * stats%wall_time / max(1_c_long, stats%steps), '(es8.2)'), ' us a step'
+  end subroutine
+
+  ! What exceeds what the method explains; the first of them with its numbers.
+  subroutine say_warnings(sim, stats)
+    type(nsdae_sim), intent(in) :: sim
+    type(nsdae_stats), intent(in) :: stats
+    character(len=*), parameter :: kinds(0:2) = [character(len=11) :: 'energy', 'penetration', 'drift']
+    type(nsdae_error) :: first
+    integer :: i
+    first = nsdae_sim_error(sim)
+    if (first%status > 0) print '(2a)', 'warning: ', trim(first%text)
+    do i = 0, size(kinds) - 1
+      if (btest(stats%warnings, i)) &
+          print '(3a)', 'warning: ', trim(kinds(i)), ' of this run exceeds what the method explains'
+    end do
   end subroutine
 
   ! A time-stepping method looks at the end of a step whether a contact has closed, and leaves it

@@ -2,6 +2,7 @@
 module pendulum_settings
   use nsdae
   use pendulum_model
+  use pendulum_probe
   implicit none
   private
   public :: settings, settings_default, settings_parse, settings_usage, settings_release
@@ -184,17 +185,29 @@ contains
     end if
   end function
 
-  ! What the run that made the file was told.
+  ! What the run that made the file was told. user is the settings.
+  integer(c_int) function read_told(path, user, error) result(status)
+    character(len=*), intent(in) :: path
+    class(*), intent(inout) :: user
+    type(nsdae_error), intent(inout) :: error
+    status = NSDAE_E_STATE
+    select type (user)
+    type is (settings)
+      status = nsdae_trajectory_read_params(path, 'options', user%library, error)
+      if (status == NSDAE_OK) &
+          status = nsdae_trajectory_read_params(path, 'parameters', user%parameters, error)
+      if (status == NSDAE_OK) status = nsdae_trajectory_read_params(path, 'run', user%run, error)
+    end select
+  end function
+
   integer(c_int) function read_restart(s, path, error) result(status)
     type(settings), intent(inout) :: s
     character(len=*), intent(in) :: path
     type(nsdae_error), intent(inout) :: error
     s%restart = path
     s%output = path
-    status = nsdae_trajectory_read_params(path, 'options', s%library, error)
-    if (status == NSDAE_OK) &
-        status = nsdae_trajectory_read_params(path, 'parameters', s%parameters, error)
-    if (status == NSDAE_OK) status = nsdae_trajectory_read_params(path, 'run', s%run, error)
+    status = probe(s%restart, read_told, s, error)
+    if (status == NSDAE_OK) status = read_told(trim(s%restart), s, error)
   end function
 
   ! The command line: the file of --restart first, then parameter files, whatever their place, then

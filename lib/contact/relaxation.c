@@ -6,7 +6,7 @@
 #include "system_impl.h"
 #include "vector.h"
 
-enum { SWEEPS = 20000 };
+enum { SWEEPS = 20000, LOOK = 500 };
 
 /* Below it, of the largest force, a change is none. */
 static const double CONVERGED = 1e-14;
@@ -62,10 +62,19 @@ static double relax_friction(const relaxation *r, int a)
   return most;
 }
 
+/* Whether sweeps that converge linearly come to the end within twice those that are left: the
+ * changes of one and of that LOOK sweeps earlier, over the largest force. */
+static int comes_to_an_end(int sweep, double change, double earlier)
+{
+  double wanted = log(change / CONVERGED), gained = log(earlier / change);
+  return gained > 0 && wanted / gained * LOOK <= 2 * (SWEEPS - sweep);
+}
+
 /* 1 where a sweep changes nothing any more. */
 static int relax(const relaxation *r)
 {
   const nsdae_contacts *c = r->c;
+  double earlier = INFINITY;
   for (int sweep = 0; sweep < SWEEPS; sweep++) {
     double most = 0, size = 0;
     for (int a = 0; a < c->active_count; a++) {
@@ -76,6 +85,9 @@ static int relax(const relaxation *r)
     }
     for (int l = 0; l < c->columns; l++) size = fmax(size, fabs(r->force[l]));
     if (most <= CONVERGED * size) return 1;
+    if (sweep % LOOK != LOOK - 1) continue;
+    if (!comes_to_an_end(sweep, most / size, earlier)) return 0;
+    earlier = most / size;
   }
   return 0;
 }

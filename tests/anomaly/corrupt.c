@@ -133,20 +133,36 @@ static void test_lcp(void **state)
   attack(NSDAE_BIN_DIR "/nsdae-lcp", "nsdae-lcp: error: ", 2, argument);
 }
 
+/* A driver that goes on in the file of a run of the same example. */
+static void restart(const char *made_by, const char *driver)
+{
+  char maker[256], program[256], name[64];
+  snprintf(maker, sizeof maker, "%s/%s", NSDAE_BIN_DIR, made_by);
+  snprintf(program, sizeof program, "%s/%s", NSDAE_BIN_DIR, driver);
+  snprintf(name, sizeof name, "%s: error: ", driver);
+  const char *const make[] = {made_by, "--quiet", "--t-end", "0.2", "--output", good, NULL};
+  const char *const argument[] = {driver, "--quiet", "--restart", bad, "--t-end", "0.3", NULL};
+  assert_int_equal(run(maker, make), 0);
+  attack(program, name, 1, argument);
+}
+
 static void test_restart(void **state)
 {
   (void)state;
-  const char *const make[] = {
-      "nsdae-bouncing-ball", "--quiet", "--t-end", "0.2", "--output", good, NULL};
-  const char *const argument[] = {
-      "nsdae-bouncing-ball", "--quiet", "--restart", bad, "--t-end", "0.3", NULL};
-  assert_int_equal(run(NSDAE_BIN_DIR "/nsdae-bouncing-ball", make), 0);
-  attack(NSDAE_BIN_DIR "/nsdae-bouncing-ball", "nsdae-bouncing-ball: error: ", 1, argument);
+  restart("nsdae-bouncing-ball", "nsdae-bouncing-ball");
+}
+
+static void test_restart_fortran(void **state)
+{
+  (void)state;
+  if (access(NSDAE_BIN_DIR "/nsdae-pendulum-fortran", X_OK) != 0) skip();
+  restart("nsdae-pendulum", "nsdae-pendulum-fortran");
 }
 
 int main(void)
 {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_lcp), cmocka_unit_test(test_restart)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_lcp), cmocka_unit_test(test_restart),
+                                     cmocka_unit_test(test_restart_fortran)};
   int failed = cmocka_run_group_tests(tests, NULL, NULL);
   if (failed) return failed;
   remove(good);

@@ -259,6 +259,18 @@ static long from_environment(const char *name, long otherwise)
   return text ? strtol(text, NULL, 10) : otherwise;
 }
 
+static int try_seed(run *r, uint64_t seed, int method)
+{
+  draw(r, seed, method);
+  const random_fault f = r->system.fault;
+  int outcome = one(r);
+  if (outcome != FINE)
+    print_message("%s: %s, seed %ld, term %d call %ld%s code %d entry %d value %g: %s\n",
+                  outcome_names[outcome], nsdae_method_name(method), (long)seed, f.term, f.at,
+                  f.for_ever ? "+" : "", f.code, f.entry, f.value, r->what);
+  return outcome;
+}
+
 static void test_faults(void **state)
 {
   (void)state;
@@ -266,23 +278,28 @@ static void test_faults(void **state)
   long count[OUTCOMES] = {0}, runs = from_environment("NSDAE_FAULT_RUNS", RUNS);
   long first = from_environment("NSDAE_FAULT_SEED", 1);
   signal(SIGVTALRM, on_alarm);
-  for (long i = 0; i < runs; i++) {
-    int method = (int)(i % 5);
-    draw(&r, (uint64_t)(first + i / 5), method);
-    const random_fault f = r.system.fault;
-    int outcome = one(&r);
-    count[outcome]++;
-    if (outcome != FINE)
-      print_message("%s: %s, seed %ld, term %d call %ld%s code %d entry %d value %g: %s\n",
-                    outcome_names[outcome], nsdae_method_name(method), first + i / 5, f.term, f.at,
-                    f.for_ever ? "+" : "", f.code, f.entry, f.value, r.what);
-  }
+  for (long i = 0; i < runs; i++) count[try_seed(&r, (uint64_t)(first + i / 5), (int)(i % 5))]++;
   for (int i = 0; i < OUTCOMES; i++) print_message("%s %ld\n", outcome_names[i], count[i]);
   assert_int_equal(count[FINE], runs);
 }
 
+/* Seeds that once did not end well, of the method they did it in. */
+static void test_remembered(void **state)
+{
+  (void)state;
+  static run r;
+  static const struct {
+    uint64_t seed;
+    int method;
+  } remembered[] = {{203603, NSDAE_METHOD_EVENT}};
+  signal(SIGVTALRM, on_alarm);
+  for (size_t i = 0; i < sizeof remembered / sizeof *remembered; i++)
+    assert_int_equal(try_seed(&r, remembered[i].seed, remembered[i].method), FINE);
+}
+
 int main(void)
 {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_faults)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_faults),
+                                     cmocka_unit_test(test_remembered)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
