@@ -80,7 +80,8 @@ class System:
 
     def __init__(self, nq: int = 0, nv: int = 0, m: int = 0, k: int = 0, nt: int = 0, f: int = 0, *, user: Any = None,
                  blocks: Any = None, mu: float | Sequence[float] = 0, e_n: float | Sequence[float] = 0,
-                 e_t: float | Sequence[float] = 0, names: dict[str, Sequence[str | tuple[str, str]]] | None = None, **callbacks: Callable[..., Any]):
+                 e_t: float | Sequence[float] = 0, names: dict[str, Sequence[str | tuple[str, str]]] | None = None,
+                 **callbacks: Callable[..., Any]):
         sizes = None if blocks is None else _lists.sizes_of(blocks)
         if sizes:
             nq, nv = nq or int(sizes[0].sum()), nv or int(sizes[1].sum())

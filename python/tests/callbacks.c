@@ -36,7 +36,8 @@ int drive(double t, double *f, void *user)
   return 0;
 }
 
-/* Balls on one another, one block each. user: the address of nsdae_contact_add, how many they are. */
+/* Balls on one another, one block each. user: the address of nsdae_contact_add, how many they are.
+ */
 typedef struct column {
   int (*add)(void *list, const void *contact);
   long n;
@@ -66,7 +67,8 @@ int column_force(double t, const double *q, const double *v, double *F, void *us
   return 0;
 }
 
-int column_contacts(double t, const double *q, const double *v, double reach, void *list, void *user)
+int column_contacts(double t, const double *q, const double *v, double reach, void *list,
+                    void *user)
 {
   const column *c = user;
   (void)t, (void)v;
