@@ -158,13 +158,18 @@ static void on_term(int signal_number)
   int error = errno;
   tell_who_is_gone();
   errno = error;
-  if (world.before.sa_handler != SIG_DFL && world.before.sa_handler != SIG_IGN)
+  if (world.before.sa_handler == SIG_DFL) { /* nobody notices it: it ends the program */
+    signal(signal_number, SIG_DFL);
+    raise(signal_number);
+  } else if (world.before.sa_handler != SIG_IGN)
     world.before.sa_handler(signal_number);
 }
 
 void places_watch(void)
 {
   struct sigaction action = {.sa_handler = on_term, .sa_flags = SA_RESTART};
+  struct sigaction before;
   sigemptyset(&action.sa_mask);
-  sigaction(SIGTERM, &action, &world.before);
+  if (sigaction(SIGTERM, &action, &before) == 0 && before.sa_handler != on_term)
+    world.before = before;
 }

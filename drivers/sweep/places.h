@@ -15,7 +15,7 @@ void places_leave(void);
 
 /* From here on SIGTERM, which mpirun sends to the others when one is killed, has one of those that
  * are left write who is gone and at what, at once, whatever it waits for; then comes the handler
- * that was there. */
+ * that was there. To be called again when another handler was set. */
 void places_watch(void);
 
 #endif

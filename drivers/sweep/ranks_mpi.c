@@ -82,6 +82,7 @@ void ranks_begin(int *argc, char ***argv)
   MPI_Comm_size(MPI_COMM_WORLD, &world.size);
   world.launched = 1;
   places_share(world.rank);
+  places_watch();
 }
 
 int ranks_rank(void)

@@ -74,7 +74,7 @@ expect 2 "it has 'e_N=0.9" "$sweep" bouncing-ball --grid h0=1,2 --t-end 0.1 --se
 # one process of two or three is killed, in a long run and in short ones: which run it was in
 killed_rank() { # PROCESSES RANK STEP
   rm -f rank.h5
-  "$sweep" bouncing-ball --grid h0=0.5:2:1000000 --dt "$3" --t-end 2.5 --processes "$1" --output rank.h5 >out 2>err &
+  "$sweep" bouncing-ball --grid h0=0.5:2:100000 --dt "$3" --t-end 2.5 --processes "$1" --output rank.h5 >out 2>err &
   pid=$!
   victim=
   while kill -0 $pid 2>/dev/null && [ -z "$victim" ]; do
@@ -83,7 +83,7 @@ killed_rank() { # PROCESSES RANK STEP
     done
     sleep 0.1
   done
-  while kill -0 $pid 2>/dev/null && ! [ -e rank.h5 ]; do sleep 0.1; done
+  while kill -0 $pid 2>/dev/null && ! grep -q processes out; do sleep 0.1; done # the runs begin
   sleep 0.5
   if [ "$victim" ]; then
     kill -KILL "$victim"
