@@ -55,7 +55,11 @@ void nsdae_local_layout(nsdae_local *l, nsdae_arena *arena)
   nsdae_kkt_layout(&l->kkt, arena);
   l->model.contact = l->coefficient;
   l->contacts.law = l->law;
-  for (int i = 0; i < d->k; i++) l->law[i] = nsdae_law_make(d->nt == 1, d->nt == 1, 3);
+  l->contacts.rows_in_all = 0;
+  for (int i = 0; i < d->k; i++) {
+    l->law[i] = nsdae_law_make(d->nt == 1, d->nt == 1, 3);
+    l->contacts.rows_in_all += l->law[i].rows;
+  }
   for (int i = 0; l->all && i < d->k; i++) l->all[i] = 1;
   nsdae_contacts_layout(&l->contacts, arena);
 }
@@ -207,7 +211,7 @@ static void scatter_contact(const nsdae_local *l, const nsdae_whole *w, int i, i
          l->memory + (size_t)i * NSDAE_CLOSED_BASIS, NSDAE_CLOSED_BASIS * sizeof(int));
 }
 
-/* The text speaks of an island's own numbers: ids go before them. */
+/* The place goes before the text. */
 static int failed(nsdae_local *l, const nsdae_whole *w, int island, int status)
 {
   nsdae_error *error = l->terms.error;
@@ -231,6 +235,12 @@ int nsdae_local_solve(nsdae_local *l, const nsdae_whole *w, int island, int with
                       int least_norm)
 {
   const nsdae_graph *is = w->islands;
+  l->model.part = (nsdae_part_of){w->system,
+                                  is->block.of + is->block.first[island],
+                                  is->row.of + is->row.first[island],
+                                  is->contact.of + is->contact.first[island],
+                                  w->closed->id,
+                                  nsdae_members_count(&is->block, island)};
   gather_blocks(l, w, island);
   gather_rows(l, w, island);
   gather_contacts(l, w, island, with_contacts);

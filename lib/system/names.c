@@ -106,9 +106,34 @@ const char *nsdae_system_get_unit(const nsdae_system *system, int kind, int i)
   return !label ? "" : rate ? label->rate : label->unit;
 }
 
+/* Velocity i of an island. */
+static int velocity_in_whole(const nsdae_part_of *part, int i)
+{
+  const nsdae_blocks *blocks = &part->whole->blocks;
+  for (int p = 0; p < part->blocks; p++) {
+    int b = part->block[p], size = nsdae_blocks_size(blocks, b);
+    if (i < size) return blocks->first[b] + i;
+    i -= size;
+  }
+  return -1;
+}
+
+static const char *called_in_whole(const nsdae_part_of *part, int kind, int i,
+                                   char text[NSDAE_CALLED_SIZE])
+{
+  if (kind == NSDAE_NAME_CONTACT)
+    snprintf(text, NSDAE_CALLED_SIZE, "contact of id %ld", part->id[part->contact[i]]);
+  else
+    nsdae_system_called(part->whole, kind,
+                        kind == NSDAE_NAME_VELOCITY ? velocity_in_whole(part, i) : part->row[i],
+                        text);
+  return text;
+}
+
 const char *nsdae_system_called(const nsdae_system *system, int kind, int i,
                                 char text[NSDAE_CALLED_SIZE])
 {
+  if (system && system->part.whole) return called_in_whole(&system->part, kind, i, text);
   const char *name = nsdae_system_get_name(system, kind, i);
   snprintf(text, NSDAE_CALLED_SIZE, *name ? "%s %d \"%s\"" : "%s %d%s", kinds[kind], i, name);
   return text;

@@ -24,8 +24,18 @@ typedef struct nsdae_label {
   char rate[NSDAE_UNIT_SIZE + 2]; /* unit/s: what a velocity has that is a coordinate's rate */
 } nsdae_label;
 
+/* What a system that is an island of another has of it: its blocks, rows and contacts there, and
+ * the contacts' ids. whole is NULL of one that is none. */
+typedef struct nsdae_part_of {
+  const nsdae_system *whole;
+  const int *block, *row, *contact;
+  const long *id;
+  int blocks;
+} nsdae_part_of;
+
 struct nsdae_system {
   nsdae_dims dims;
+  nsdae_part_of part;
   void *user;
   /* callbacks.list: fields */
   nsdae_mass_fn mass;
@@ -87,7 +97,8 @@ int nsdae_system_open(nsdae_system *system, const char *setter);
 /* How many there are of a kind (enum nsdae_name_kind); 0 of one that is none. */
 int nsdae_system_count(const nsdae_system *system, int kind);
 
-/* 'contact 3', or 'contact 3 "stop"' where it has a name; in text, which is returned. */
+/* 'contact 3', or 'contact 3 "stop"' where it has a name; in text, which is returned. Of an island
+ * in the numbers of the whole; contacts by their ids. */
 enum { NSDAE_CALLED_SIZE = 32 + NSDAE_NAME_SIZE };
 const char *nsdae_system_called(const nsdae_system *system, int kind, int i,
                                 char text[NSDAE_CALLED_SIZE]);
