@@ -11,7 +11,7 @@
 
 /* Sweeps between two looks at the residual; at the beginning; of a warm start, which is trapped
  * where so many have not halved the residual; of the last resort. */
-enum { BETWEEN = 20, FEW = 100, WARM = 2000, TRAPPED = 600, MANY = 20000 };
+enum { BETWEEN = 20, FEW = 100, WARM = 2000, TRAPPED = 600, SOON = 20, MANY = 20000 };
 
 /* Contacts up to which a factorisation costs less than the sweeps that it saves. */
 enum { SMALL = 24 };
@@ -163,11 +163,12 @@ static int warm(nsdae_fc_chain *c)
   memset(c->slip, 0, (size_t)c->fc.n * sizeof *c->slip);
   if (judge(c, NSDAE_FRICTION_WARM)) return 1;
   if (c->fc.n <= SMALL) {
-    if (proximal(c, 1e-3, NSDAE_FRICTION_WARM)) return 1;
+    if (proximal(c, 1e-5, NSDAE_FRICTION_WARM)) return 1;
     memcpy(c->fc.r, c->best, bytes(c));
     nsdae_fc_velocities(&c->fc, c->fc.r, c->fc.y, c->fc.u);
   }
-  return conjugate(c, WARM, TRAPPED, NSDAE_FRICTION_WARM) || proximal(c, 1e-3, NSDAE_FRICTION_WARM);
+  if (conjugate(c, WARM, c->tol < ROUGH ? SOON : TRAPPED, NSDAE_FRICTION_WARM)) return 1;
+  return proximal(c, 1e-5, NSDAE_FRICTION_WARM);
 }
 
 /* Whether the residual is what rounding r to doubles leaves: half a unit in the last place of the
