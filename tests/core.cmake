@@ -3,6 +3,8 @@ foreach(name arena crew nearest params status)
   nsdae_unit_test(base ${name})
 endforeach()
 
+target_compile_definitions(test_unit_base_params PRIVATE _POSIX_C_SOURCE=200809L)
+
 foreach(name dense fronts kkt rows sparse_lu)
   nsdae_unit_test(linalg ${name})
   target_link_libraries(test_unit_linalg_${name} PRIVATE nsdae_lapack)
@@ -29,6 +31,7 @@ endforeach()
 
 nsdae_test(anomaly arguments LINKS test_support)
 nsdae_test(anomaly kinematics)
+nsdae_test(anomaly lists)
 nsdae_test(system blocks LINKS test_support test_allocator)
 nsdae_test(system threads LINKS test_support)
 nsdae_test(anomaly blas LINKS test_allocator test_process_allocator)
