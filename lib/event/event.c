@@ -84,7 +84,9 @@ static int make(event *e)
   if (status < 0) return status;
   prepare_problems(e);
   nsdae_event_roots_name(&e->roots);
-  return nsdae_event_integrator_make(&e->integrator);
+  status = nsdae_cones_open(&e->instant.acceleration.problem.cones);
+  if (status == NSDAE_OK) status = nsdae_cones_open(&e->instant.impacts.problem.cones);
+  return status < 0 ? status : nsdae_event_integrator_make(&e->integrator);
 }
 
 static int create(nsdae_stepper *s, void **own)
@@ -109,6 +111,8 @@ static void destroy(void *own)
   event *e = own;
   if (!e) return;
   nsdae_ode_destroy(&e->integrator.stiff);
+  nsdae_cones_close(&e->instant.acceleration.problem.cones);
+  nsdae_cones_close(&e->instant.impacts.problem.cones);
   nsdae_arena_release(&e->arena);
   free(e);
 }
