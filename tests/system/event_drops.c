@@ -59,7 +59,7 @@ static int judge_failure(const drop *d, nsdae_system *system, const nsdae_sim *s
   if (status != NSDAE_E_PAINLEVE) print_message("%s\n", error->text);
   if (is_bad(status == NSDAE_E_PAINLEVE, d, "status", status)) return 1;
   nsdae_sim *again = start(d, system, &unused);
-  int until = nsdae_sim_run(again, error->time * (1 - 1e-7));
+  int until = nsdae_sim_run(again, error->time * (1 - 1e-11));
   nsdae_sim_get_record(again, &record);
   int jams = until >= 0 && drop_may_jam(d, record.q, record.v, record.mode, 1e-4 * d->size);
   nsdae_sim_destroy(&again);
