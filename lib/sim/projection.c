@@ -152,6 +152,23 @@ static void restore_lengths(nsdae_projector *p)
   }
 }
 
+int nsdae_units_strayed(const nsdae_projector *p, const nsdae_terms *T)
+{
+  for (int g = 0; g < p->units.count; g++) {
+    double length = nsdae_units_length(&p->units, T->system->dims.nq, T->q, g);
+    if (length > 2 * p->units.length[g] || length < p->units.length[g] / 2) return 1;
+  }
+  return 0;
+}
+
+void nsdae_units_restore(nsdae_projector *p, nsdae_terms *T)
+{
+  memcpy(p->q, T->q, (size_t)T->system->dims.nq * sizeof *p->q);
+  memcpy(p->v, T->v, (size_t)T->system->dims.nv * sizeof *p->v);
+  restore_lengths(p);
+  nsdae_terms_at(T, T->t, p->q, p->v);
+}
+
 /* ---- constraints and contacts */
 
 /* Appends W^T d = -c; W has the stride given. Returns |c| in units of its rounding, that of the

@@ -48,6 +48,11 @@ void nsdae_units_swap(nsdae_projector *projection);
 /* Length of group i of q. */
 double nsdae_units_length(const nsdae_units *units, int nq, const double *q, int i);
 
+/* 1 where a group of the terms' point is twice as long as it was, or half as long: then its length
+ * is put back. What is near stays as the method left it. */
+int nsdae_units_strayed(const nsdae_projector *projection, const nsdae_terms *terms);
+void nsdae_units_restore(nsdae_projector *projection, nsdae_terms *terms);
+
 /* Moves the terms' point to the constraints and to the closed contacts; penetrating: contacts that
  * overlap join them. NSDAE_OK, NSDAE_E_CONVERGENCE naming the worst row, and what the terms return.
  */
