@@ -65,8 +65,8 @@ static void start_cold(nsdae_fc_chain *c)
 static int trivial(nsdae_fc_chain *c)
 {
   for (int k = 0; k < c->fc.n; k++) {
-    double gap = c->fc.q[3 * k];
-    if (!(gap >= 0) || (c->fc.kind[k] == NSDAE_FC_BILATERAL && gap != 0)) return 0;
+    double gap = c->fc.items.q[3 * k];
+    if (!(gap >= 0) || (c->fc.items.kind[k] == NSDAE_FC_BILATERAL && gap != 0)) return 0;
   }
   start_cold(c);
   return judge(c, NSDAE_FRICTION_TRIVIAL);
@@ -149,7 +149,7 @@ static int exhausted(const nsdae_fc_chain *c)
 {
   double most = 0;
   for (int i = 0; i < 3 * c->fc.n; i++)
-    most = fmax(most, c->fc.weight[i / 3] * c->fc.rho[i / 3] * fabs(c->best[i]));
+    most = fmax(most, c->fc.items.weight[i / 3] * c->fc.items.rho[i / 3] * fabs(c->best[i]));
   return c->info.residual <= fmin(DBL_EPSILON / 4 * most, ROUGH * ROUGH);
 }
 
@@ -239,7 +239,7 @@ static void refine(nsdae_fc_chain *c)
   count(c, c->info.stage);
   memcpy(fc->r, c->best, bytes(c));
   for (int k = 0; k < fc->n; k++)
-    if (fc->kind[k] != NSDAE_FC_BILATERAL) nsdae_fc_project(fc->mu[k], fc->r + 3 * k);
+    if (fc->items.kind[k] != NSDAE_FC_BILATERAL) nsdae_fc_project(fc->items.mu[k], fc->r + 3 * k);
   nsdae_fc_velocities(fc, fc->r, fc->y, fc->u);
   double residual = nsdae_fc_residual(fc, fc->r, fc->u);
   if (!(residual <= c->tol)) return;
