@@ -36,10 +36,10 @@ int nsdae_pile_grow(nsdae_pile *c, const nsdae_system *system, const nsdae_room 
 {
   size_t m = (size_t)system->dims.m, columns = (size_t)(1 + system->dims.nt);
   size_t items = contacts->entries + m;
-  const nsdae_grown by_item[] = {NSDAE_GROWN(c->item, 1),    NSDAE_GROWN(c->rows, 1),
-                                 NSDAE_GROWN(c->mu, 1),      NSDAE_GROWN(c->w, columns),
-                                 NSDAE_GROWN(c->r, columns), NSDAE_GROWN(c->u, columns),
-                                 NSDAE_GROWN(c->first, 1)};
+  const nsdae_grown by_item[] = {NSDAE_GROWN(c->item, 1),        NSDAE_GROWN(c->rows, 1),
+                                 NSDAE_GROWN(c->mu, 1),          NSDAE_GROWN(c->w, columns),
+                                 NSDAE_GROWN(c->r, columns),     NSDAE_GROWN(c->u, columns),
+                                 NSDAE_GROWN(c->guess, columns), NSDAE_GROWN(c->first, 1)};
   const nsdae_grown by_part[] = {NSDAE_GROWN(c->block, 1)};
   const nsdae_grown by_value[] = {NSDAE_GROWN(c->value, 1)};
   int status = c->solver ? NSDAE_OK : nsdae_friction_create(&c->solver);
@@ -50,10 +50,11 @@ int nsdae_pile_grow(nsdae_pile *c, const nsdae_system *system, const nsdae_room 
 
 void nsdae_pile_release(nsdae_pile *c)
 {
-  const nsdae_grown all[] = {
-      NSDAE_GROWN(c->item, 1),  NSDAE_GROWN(c->rows, 1),  NSDAE_GROWN(c->mu, 1),
-      NSDAE_GROWN(c->w, 1),     NSDAE_GROWN(c->r, 1),     NSDAE_GROWN(c->u, 1),
-      NSDAE_GROWN(c->first, 1), NSDAE_GROWN(c->block, 1), NSDAE_GROWN(c->value, 1)};
+  const nsdae_grown all[] = {NSDAE_GROWN(c->item, 1),  NSDAE_GROWN(c->rows, 1),
+                             NSDAE_GROWN(c->mu, 1),    NSDAE_GROWN(c->w, 1),
+                             NSDAE_GROWN(c->r, 1),     NSDAE_GROWN(c->u, 1),
+                             NSDAE_GROWN(c->guess, 1), NSDAE_GROWN(c->first, 1),
+                             NSDAE_GROWN(c->block, 1), NSDAE_GROWN(c->value, 1)};
   nsdae_grown_release(all, sizeof all / sizeof *all);
   nsdae_friction_destroy(&c->solver);
 }
@@ -97,10 +98,24 @@ static void add_part(nsdae_pile *c, const nsdae_whole *w, const nsdae_rows *rows
   c->values += count;
 }
 
+/* Part of row i whose block has the least number above last. */
+static int next_part(const nsdae_pile *c, const nsdae_rows *rows, int i, int last)
+{
+  int next = -1;
+  for (int p = rows->first[i]; p < rows->first[i + 1]; p++) {
+    int number = c->number[rows->block[p]];
+    if (number > last && (next < 0 || number < c->number[rows->block[next]])) next = p;
+  }
+  return next;
+}
+
+/* Its parts in the order of their blocks, as files have them: sums then round alike. */
 static void add_item(nsdae_pile *c, const nsdae_whole *w, const nsdae_rows *rows, int i,
                      int columns)
 {
-  for (int p = rows->first[i]; p < rows->first[i + 1]; p++) add_part(c, w, rows, p, columns);
+  for (int p = next_part(c, rows, i, -1); p >= 0;
+       p = next_part(c, rows, i, c->number[rows->block[p]]))
+    add_part(c, w, rows, p, columns);
   c->item[c->items++] = i;
   c->first[c->items] = c->parts;
   c->m += columns;
@@ -177,6 +192,8 @@ static void add_impulses(nsdae_pile *c, const nsdae_whole *w)
   size_t at = 0;
   for (int i = 0, row = 0; i < c->items; i++) {
     int columns = i < c->problem.contacts ? c->rows[i] : 1;
+    double u[3] = {0};
+    for (int d = 0; d < columns; d++) u[d] = c->w[row + d];
     for (int e = c->first[i]; e < c->first[i + 1]; e++) {
       int b = c->member[c->block[e]], n = nsdae_blocks_size(blocks, b);
       double *v = w->v + blocks->first[b], *size = w->size + blocks->first[b];
@@ -230,18 +247,19 @@ static double speed_without(nsdae_pile *c, const nsdae_whole *w)
   double fastest = 0;
   size_t at = 0;
   memset(c->lever, 0, (size_t)w->system->dims.nv * sizeof *c->lever);
-  memcpy(c->u, c->w, (size_t)c->m * sizeof *c->u);
   for (int i = 0, row = 0; i < c->items; i++) {
     int columns = i < c->problem.contacts ? c->rows[i] : 1;
+    double u[3] = {0};
+    for (int d = 0; d < columns; d++) u[d] = c->w[row + d];
     for (int e = c->first[i]; e < c->first[i + 1]; e++) {
       int b = c->member[c->block[e]], n = nsdae_blocks_size(blocks, b), first = blocks->first[b];
       for (int d = 0; d < columns; d++, at += (size_t)n) {
-        c->u[row + d] += nsdae_dot(n, c->value + at, w->v + first);
+        u[d] += nsdae_dot(n, c->value + at, w->v + first);
         for (int j = 0; j < n; j++)
           c->lever[first + j] = fmax(c->lever[first + j], fabs(c->value[at + (size_t)j]));
       }
     }
-    for (int d = 0; d < columns; d++) fastest = fmax(fastest, fabs(c->u[row + d]));
+    for (int d = 0; d < columns; d++) fastest = fmax(fastest, fabs(u[d]));
     row += columns;
   }
   return fastest;
@@ -290,13 +308,21 @@ static void scatter(const nsdae_pile *c, const nsdae_whole *w)
   for (int i = c->problem.contacts; i < c->items; i++) w->lambda[c->item[i]] = -c->r[row++];
 }
 
+/* Solves it, and keeps with what and from where. */
+static int solve_with(nsdae_pile *c, const nsdae_friction_options *options)
+{
+  c->last = *options;
+  memcpy(c->guess, c->r, (size_t)c->m * sizeof *c->guess);
+  return nsdae_friction_solver_solve(c->solver, &c->problem, options, c->r, c->u, &c->info);
+}
+
 /* From the best point on: a solution of fewer digits, refined as far as it goes. */
 static int polish(nsdae_pile *c)
 {
   nsdae_friction_options loose = c->options;
   loose.tol = fmin(1e4 * c->options.tol, 1e-5);
   loose.refine = 30;
-  int status = nsdae_friction_solver_solve(c->solver, &c->problem, &loose, c->r, c->u, &c->info);
+  int status = solve_with(c, &loose);
   return status == NSDAE_OK && !(c->info.residual <= c->options.tol) ? NSDAE_E_LCP : status;
 }
 
@@ -310,7 +336,7 @@ int nsdae_pile_solve(nsdae_pile *c, const nsdae_whole *w, double tol, nsdae_erro
   p->first = c->first, p->block = c->block, p->value = c->value;
   nsdae_friction_options_default(&c->options);
   c->options.tol = tol;
-  int status = nsdae_friction_solver_solve(c->solver, p, &c->options, c->r, c->u, &c->info);
+  int status = solve_with(c, &c->options);
   if (status == NSDAE_E_LCP) status = polish(c);
   if (status < 0) return unsolved(c, w, status, error);
   status = velocities(c, w);

@@ -14,7 +14,8 @@
 typedef struct nsdae_pile {
   nsdae_friction_solver *solver;
   nsdae_friction_options options;
-  nsdae_friction_info info; /* of the last problem */
+  nsdae_friction_options last; /* those that the last problem was solved with */
+  nsdae_friction_info info;    /* of the last problem */
   nsdae_friction_problem problem;
   int items, m, parts;
   size_t values, squares;
@@ -22,9 +23,9 @@ typedef struct nsdae_pile {
   int *member; /* blocks of the problem: that of the system */
   int *size;   /* blocks */
   double *M, *f;
-  int *item; /* contact or row of each item */
-  int *rows; /* contacts */
-  double *mu, *w, *r, *u;
+  int *item;                      /* contact or row of each item */
+  int *rows;                      /* contacts */
+  double *mu, *w, *r, *u, *guess; /* guess: where the solver began */
   int *first, *block;
   double *value;
   double *L;     /* of the largest block */

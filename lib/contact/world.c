@@ -344,11 +344,12 @@ static int solve_pile(nsdae_world *w, const nsdae_whole *whole, const int *large
 {
   nsdae_pile *c = &w->pile;
   nsdae_solved *s = &w->solved;
+  if (count == 0) return NSDAE_OK; /* that of the step before an instant stays */
+  s->pile = c;
   nsdae_pile_begin(c);
   for (int i = 0; i < count; i++) nsdae_pile_add_contacts(c, whole, large[i]);
   for (int i = 0; i < count; i++) nsdae_pile_add_rows(c, whole, large[i]);
   int status = nsdae_pile_solve(c, whole, w->tol, w->error);
-  if (count == 0) return status;
   if (status < 0) status = cause_of(w, whole->M, status);
   s->lcps++;
   s->pivots += c->info.sweeps + c->info.iterations;

@@ -263,8 +263,8 @@ int nsdae_sim_get_record(const nsdae_sim *sim, nsdae_record *record)
 int nsdae_sim_get_failed_lcp(const nsdae_sim *sim, nsdae_lcp_problem *problem)
 {
   if (!sim || !problem) return NSDAE_E_ARGUMENT;
-  if (!sim->failed) return NSDAE_E_STATE;
   const nsdae_contacts *c = sim->next->result.problem;
+  if (!sim->failed || !c) return NSDAE_E_STATE;
   if (nsdae_cones_any(c)) return NSDAE_E_STATE; /* see nsdae_sim_get_friction */
   *problem = (nsdae_lcp_problem){.n = c->rows, .A = c->lcp.A, .lda = c->rows, .b = c->lcp.b};
   return NSDAE_OK;
@@ -276,6 +276,11 @@ int nsdae_sim_get_friction(nsdae_sim *sim, nsdae_step_friction *friction)
   if (!sim->started) return NSDAE_E_STATE;
   nsdae_contacts *c = &sim->stepper.contacts;
   const nsdae_point *last = sim->failed ? sim->next : sim->now;
+  const nsdae_pile *pile = last->result.pile;
+  if (pile) {
+    *friction = (nsdae_step_friction){pile->problem, pile->last, pile->guess, pile->r, pile->u};
+    return NSDAE_OK;
+  }
   if (last->result.problem != c || c->active_count == 0 || nsdae_cones_describe(c) < 0)
     return NSDAE_E_STATE;
   *friction = (nsdae_step_friction){c->cones.problem, c->cones.options, c->cones.guess, c->cones.r,
