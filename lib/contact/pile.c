@@ -192,8 +192,6 @@ static void add_impulses(nsdae_pile *c, const nsdae_whole *w)
   size_t at = 0;
   for (int i = 0, row = 0; i < c->items; i++) {
     int columns = i < c->problem.contacts ? c->rows[i] : 1;
-    double u[3] = {0};
-    for (int d = 0; d < columns; d++) u[d] = c->w[row + d];
     for (int e = c->first[i]; e < c->first[i + 1]; e++) {
       int b = c->member[c->block[e]], n = nsdae_blocks_size(blocks, b);
       double *v = w->v + blocks->first[b], *size = w->size + blocks->first[b];

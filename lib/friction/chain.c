@@ -19,8 +19,9 @@ enum { SMALL = 24 };
 /* Newton steps of one attempt, and along a curve with folds. */
 enum { STEPS = 300, FOLDED = 4000 };
 
-/* Newton steps times items that further paths may take, and one curve. */
-static const double WORK = 2e6, CURVE = 3e6;
+/* Newton steps times items that an island may take in all its further attempts, and one curve: ten
+ * seconds or so, after which what is not solved is said not to be. */
+static const double BUDGET = 5e6, CURVE = 2e6;
 
 /* Tolerances that sweeps are likely to reach. */
 static const double ROUGH = 1e-6;
@@ -190,14 +191,19 @@ static int patience(nsdae_fc_chain *c, int most)
   return sweeps(c, most, 0, NSDAE_FRICTION_FURTHER) || proximal(c, 1e-2, NSDAE_FRICTION_FURTHER);
 }
 
+/* Newton steps that the budget leaves. */
+static int steps_left(const nsdae_fc_chain *c)
+{
+  return (int)fmax(0, BUDGET / c->fc.n - c->info.iterations);
+}
+
 /* Which items stand where a path ends depends on how closely it is followed; so others are tried,
  * fewer of larger islands. */
 static int paths(nsdae_fc_chain *c, int from, int to)
 {
-  int before = c->info.iterations;
   static const double loose[] = {1e-5, 1e-2, 1e-4, 0.1,  3e-3, 1e-6, 3e-4, 3e-2, 3e-5, 3e-6,
                                  5e-2, 2e-3, 2e-4, 2e-5, 5e-3, 0.2,  5e-4, 2e-2, 5e-5, 1e-7};
-  for (int k = from; k < to && ((double)c->info.iterations - before) * c->fc.n < WORK; k++) {
+  for (int k = from; k < to && steps_left(c) > 0; k++) {
     if (path(c, loose[k], NSDAE_FRICTION_FURTHER)) return 1;
     if (exhausted(c)) return 1;
   }
@@ -210,9 +216,10 @@ static int curves(nsdae_fc_chain *c)
   static const struct {
     double stiffness, close;
   } all[] = {{0.1, 1e-3}, {1, 1e-3}, {0.1, 1e-5}, {1, 1e-5}, {0.3, 1e-4}};
-  for (int k = 0; k < 5; k++) {
+  for (int k = 0; k < 5 && steps_left(c) > 0; k++) {
     if (!ready(c)) return 0;
-    if (c->options->max_iterations == 0) c->newton.most = (int)fmin(FOLDED, CURVE / c->fc.n);
+    if (c->options->max_iterations == 0)
+      c->newton.most = (int)fmin(fmin(FOLDED, CURVE / c->fc.n), steps_left(c));
     nsdae_fc_continue(&c->curve, &c->newton, all[k].stiffness, all[k].close, c->tol);
     if (count(c, NSDAE_FRICTION_FURTHER) || exhausted(c)) return 1;
   }
