@@ -16,7 +16,7 @@
 #include "vector.h"
 
 /* Unknowns up to which pivoting costs no more than the sweeps that it saves. */
-enum { LARGEST = 64 };
+enum { LARGEST = 48 };
 
 /* Unknowns of item i of the whole; -1 where its cone is no polyhedron. */
 static int unknowns(const nsdae_friction_problem *p, int i)
@@ -40,18 +40,21 @@ static void count(nsdae_fc_polyhedral *s, const nsdae_fc *fc)
   }
 }
 
+/* Room goes with the number of items, not with what they are: a solver that has memory for so many
+ * has it for these. */
 void nsdae_fc_polyhedral_layout(nsdae_fc_polyhedral *s, const nsdae_fc *fc, nsdae_arena *arena)
 {
+  int n = 4 * fc->n < LARGEST ? 4 * fc->n : LARGEST,
+      m = 2 * fc->n < 2 * LARGEST ? 2 * fc->n : 2 * LARGEST;
   count(s, fc);
-  nsdae_lcp_workspace(s->n, &s->lwork, &s->liwork);
-  if (s->m == 0) return;
-  s->row = NSDAE_ARENA_INTS(arena, s->m);
-  s->W = NSDAE_ARENA_DOUBLES(arena, s->m * (s->m + 1L));
-  s->A = NSDAE_ARENA_DOUBLES(arena, (long)s->n * s->n);
-  s->b = NSDAE_ARENA_DOUBLES(arena, s->n);
-  s->x = NSDAE_ARENA_DOUBLES(arena, s->n);
-  s->y = NSDAE_ARENA_DOUBLES(arena, s->n);
-  s->basis = NSDAE_ARENA_INTS(arena, s->n);
+  nsdae_lcp_workspace(n, &s->lwork, &s->liwork);
+  s->row = NSDAE_ARENA_INTS(arena, m);
+  s->W = NSDAE_ARENA_DOUBLES(arena, m * (m + 1L));
+  s->A = NSDAE_ARENA_DOUBLES(arena, (long)n * n);
+  s->b = NSDAE_ARENA_DOUBLES(arena, n);
+  s->x = NSDAE_ARENA_DOUBLES(arena, n);
+  s->y = NSDAE_ARENA_DOUBLES(arena, n);
+  s->basis = NSDAE_ARENA_INTS(arena, n);
   s->work = NSDAE_ARENA_DOUBLES(arena, s->lwork);
   s->iwork = NSDAE_ARENA_INTS(arena, s->liwork);
 }
