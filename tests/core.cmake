@@ -1,7 +1,9 @@
 # Unit tests of base, linalg, system, terms, contact, smooth, and the anomaly tests.
-foreach(name arena nearest params status)
+foreach(name arena crew nearest params status)
   nsdae_unit_test(base ${name})
 endforeach()
+
+target_compile_definitions(test_unit_base_params PRIVATE _POSIX_C_SOURCE=200809L)
 
 foreach(name dense fronts kkt rows sparse_lu)
   nsdae_unit_test(linalg ${name})
@@ -22,13 +24,15 @@ endforeach()
 
 nsdae_unit_test(smooth ode)
 
-foreach(name derivatives distance listed own refused)
+foreach(name continuity derivatives distance listed own refused)
   nsdae_unit_test(bodies ${name})
   target_include_directories(test_unit_bodies_${name} PRIVATE ${PROJECT_SOURCE_DIR}/lib/system ${PROJECT_SOURCE_DIR}/lib/linalg)
 endforeach()
 
 nsdae_test(anomaly arguments LINKS test_support)
 nsdae_test(anomaly kinematics)
+nsdae_test(anomaly lists)
 nsdae_test(system blocks LINKS test_support test_allocator)
+nsdae_test(system threads LINKS test_support)
 nsdae_test(anomaly blas LINKS test_allocator test_process_allocator)
 nsdae_test(anomaly certificate)

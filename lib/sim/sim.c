@@ -99,6 +99,13 @@ static int out_of_memory(nsdae_sim *sim)
                          "out of memory for a simulation of this size");
 }
 
+static int no_threads(nsdae_sim *sim)
+{
+  return nsdae_error_set(&sim->error, NSDAE_E_MEMORY, "nsdae_sim_create", "threads",
+                         "out of memory, or of threads of the system, for threads = %d",
+                         sim->options.threads);
+}
+
 /* Lists begin with room for a contact and for the rows of a joint of each block. */
 static int first_room(nsdae_sim *sim)
 {
@@ -119,8 +126,8 @@ static int build(nsdae_sim *sim)
   stepper->error = &sim->error;
   stepper->contacts.law = sim->law;
   if (sim->system->by_list) {
-    stepper->world = nsdae_world_make(&sim->model, &sim->error);
-    if (!stepper->world) return out_of_memory(sim);
+    stepper->world = nsdae_world_make(&sim->model, sim->options.threads, &sim->error);
+    if (!stepper->world) return no_threads(sim);
   }
   nsdae_stepper_prepare(stepper);
   sim->method = nsdae_stepping_of(sim->options.method);
@@ -276,9 +283,9 @@ int nsdae_sim_get_friction(nsdae_sim *sim, nsdae_step_friction *friction)
   if (!sim->started) return NSDAE_E_STATE;
   nsdae_contacts *c = &sim->stepper.contacts;
   const nsdae_point *last = sim->failed ? sim->next : sim->now;
-  const nsdae_pile *pile = last->result.pile;
-  if (pile) {
-    *friction = (nsdae_step_friction){pile->problem, pile->last, pile->guess, pile->r, pile->u};
+  if (last->result.pile) {
+    const nsdae_pile_last l = nsdae_pile_largest(last->result.pile);
+    *friction = (nsdae_step_friction){l.problem, l.options, l.guess, l.r, l.u};
     return NSDAE_OK;
   }
   if (last->result.problem != c || c->active_count == 0 || nsdae_cones_describe(c) < 0)

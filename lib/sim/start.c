@@ -20,13 +20,6 @@
 #include "system_impl.h"
 #include "vector.h"
 
-static double largest(const double *a, int n)
-{
-  double most = 0;
-  for (int i = 0; i < n; i++) most = fmax(most, fabs(a[i]));
-  return most;
-}
-
 static int refuse(const nsdae_terms *T, const char *argument, int kind, int i, const char *what,
                   double value, double bound)
 {
@@ -45,7 +38,7 @@ static int check_constraints(const nsdae_terms *T, double tol)
   const nsdae_dims *d = &T->system->dims;
   const nsdae_blocks *blocks = &T->system->blocks;
   const nsdae_rows *J = &T->by.jacobian;
-  double q = largest(T->q, d->nq), v = largest(T->v, d->nv);
+  double q = nsdae_largest(d->nq, T->q), v = nsdae_largest(d->nv, T->v);
   for (int i = 0; i < d->m; i++) {
     double sum = nsdae_rows_sum(blocks, J, i), bound = tol * (1 + sum * q);
     if (fabs(T->phi[i]) > bound)
@@ -62,7 +55,7 @@ static int check_constraints(const nsdae_terms *T, double tol)
 /* Of a list: what is closed at the start, by its id. */
 static int check_list(const nsdae_terms *T, double tol)
 {
-  double q = largest(T->q, T->system->dims.nq);
+  double q = nsdae_largest(T->system->dims.nq, T->q);
   for (int i = 0; i < T->by.normal.count; i++) {
     double bound = tol * (1 + q * nsdae_rows_sum(&T->system->blocks, &T->by.normal, i));
     if (!(-T->gap[i] > bound)) continue;
@@ -80,7 +73,7 @@ static int check_list(const nsdae_terms *T, double tol)
 static int check_gaps(const nsdae_terms *T, double tol)
 {
   const nsdae_dims *d = &T->system->dims;
-  double q = largest(T->q, d->nq);
+  double q = nsdae_largest(d->nq, T->q);
   if (T->system->by_list) return check_list(T, tol);
   for (int i = 0; i < d->k; i++) {
     double bound = tol * (1 + q * nsdae_rows_sum(&T->system->blocks, &T->by.normal, i));
@@ -161,9 +154,9 @@ static int wrong_rate(const nsdae_terms *T, const relation *r, int i, double giv
   return NSDAE_E_DERIVATIVE;
 }
 
-/* Where a relation has a kink at the start its derivative is that of one side. Gross errors are
- * what is looked for, signs and places: 1e-3 of the terms, above the rounding of the differences.
- */
+/* Where a relation has a kink at the start its derivative is that of one side; of what jumps, as
+ * the gap of two edges where they are parallel, differences say nothing. Gross errors are what is
+ * looked for, signs and places: 1e-3 of the terms, above the rounding of the differences. */
 static int judge_rates(const nsdae_terms *T, const relation *r, const double *v, double s)
 {
   const nsdae_differences *d = T->differences;
@@ -171,7 +164,8 @@ static int judge_rates(const nsdae_terms *T, const relation *r, const double *v,
     double size, given = given_rate(r, &T->system->blocks, i, v, &size);
     double ahead = (d->plus[i] - r->value[i]) / s, back = (r->value[i] - d->minus[i]) / s;
     double middle = (ahead + back) / 2;
-    if (!isfinite(middle)) continue; /* the end of where it is defined */
+    if (!isfinite(middle)) continue;                     /* the end of where it is defined */
+    if (fabs(ahead - back) > 1e3 * (size + 1)) continue; /* a jump, over the step */
     double tol = 1e-3 * (size + fabs(middle)) + 1e-9 * (1 + fabs(r->value[i]));
     if (fabs(given - middle) <= tol || fabs(given - ahead) <= tol || fabs(given - back) <= tol)
       continue;
@@ -197,7 +191,7 @@ static int check_rates(nsdae_projector *p, const nsdae_terms *T, const relation 
   const nsdae_dims *dims = &T->system->dims;
   for (int number = 0; number < 2; number++) {
     trial_velocity(dims->nv, number, p->v);
-    int status = nsdae_stepper_kinematics(p->tools, T->t, T->q, p->v, d->qdot);
+    int status = nsdae_kinematics_at(T, p->v, d->qdot);
     if (status < 0) return status;
     double s = nsdae_differences_step(dims->nq, T->t, T->q, d->qdot, cbrt(DBL_EPSILON));
     status = displaced(T, r, s, d->plus);

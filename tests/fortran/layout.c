@@ -84,7 +84,7 @@ static const entry entries[] = {
     AT(nsdae_sim_options, accumulation_time) AT(nsdae_sim_options, events_max)
     AT(nsdae_sim_options, projection) AT(nsdae_sim_options, start_tol)
     AT(nsdae_sim_options, inner_steps_max) AT(nsdae_sim_options, start_check)
-    AT(nsdae_sim_options, contacts_max)
+    AT(nsdae_sim_options, contacts_max) AT(nsdae_sim_options, threads)
     AT(nsdae_sim_options, initialised)
     SIZE(nsdae_impact)
     AT(nsdae_impact, contact) AT(nsdae_impact, normal_impulse)

@@ -284,6 +284,7 @@ contains
     call same_place('nsdae_sim_options%inner_steps_max', c_loc(x), c_loc(x%inner_steps_max))
     call same_place('nsdae_sim_options%start_check', c_loc(x), c_loc(x%start_check))
     call same_place('nsdae_sim_options%contacts_max', c_loc(x), c_loc(x%contacts_max))
+    call same_place('nsdae_sim_options%threads', c_loc(x), c_loc(x%threads))
     call same_place('nsdae_sim_options%initialised', c_loc(x), c_loc(x%initialised))
   end subroutine
 
