@@ -21,7 +21,7 @@ enum { STEPS = 300, FOLDED = 4000 };
 
 /* Newton steps times items that an island may take in all its further attempts, and one curve: ten
  * seconds or so, after which what is not solved is said not to be. */
-static const double BUDGET = 5e6, CURVE = 2e6;
+static const double BUDGET = 2.2e6, CURVE = 1e6;
 
 /* Tolerances that sweeps are likely to reach. */
 static const double ROUGH = 1e-6;
