@@ -61,7 +61,7 @@ if grep -q 'bird.h5: nsdae-friction' out; then gives 0 'outcome: solved;form: lo
 # contacts by list in one large island: the same bits
 "$bin/nsdae-wall" --quiet --no-output --set courses=3 --set length=4 --set friction_dump=wall.h5 \
   --set friction_step=15 || complain "no dump of the wall"
-gives 0 'outcome: solved;form: global;contacts: 46;islands: 1' --output again.h5 wall.h5
+gives 0 'outcome: solved;form: global;islands: 1' --output again.h5 wall.h5
 for at in r u; do
   h5dump -d /solution/$at -b LE -o then.bin wall.h5 >/dev/null || complain "no $at in wall.h5"
   h5dump -d /solution/$at -b LE -o now.bin again.h5 >/dev/null || complain "no $at in again.h5"
