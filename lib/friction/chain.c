@@ -19,8 +19,8 @@ enum { SMALL = 24 };
 /* Newton steps of one attempt, and along a curve with folds. */
 enum { STEPS = 300, FOLDED = 4000 };
 
-/* Newton steps times items that an island may take in all its further attempts, and one curve: ten
- * seconds or so, after which what is not solved is said not to be. */
+/* Newton steps times items that an island may take until its curves end, half as many for a row of
+ * paths, and one curve: fifteen seconds or so, after which what is not solved is said not to be. */
 static const double BUDGET = 2.2e6, CURVE = 1e6;
 
 /* Tolerances that sweeps are likely to reach. */
@@ -230,9 +230,10 @@ static int steps_left(const nsdae_fc_chain *c)
  * fewer of larger islands. */
 static int paths(nsdae_fc_chain *c, int from, int to)
 {
+  int before = c->info.iterations;
   static const double loose[] = {1e-5, 1e-2, 1e-4, 0.1,  3e-3, 1e-6, 3e-4, 3e-2, 3e-5, 3e-6,
                                  5e-2, 2e-3, 2e-4, 2e-5, 5e-3, 0.2,  5e-4, 2e-2, 5e-5, 1e-7};
-  for (int k = from; k < to && steps_left(c) > 0; k++) {
+  for (int k = from; k < to && (c->info.iterations - before) * 2.0 * c->fc.n < BUDGET; k++) {
     if (path(c, loose[k], NSDAE_FRICTION_FURTHER)) return 1;
     if (exhausted(c)) return 1;
   }
