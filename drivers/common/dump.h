@@ -7,6 +7,8 @@
 typedef struct dump {
   nsdae_sim *sim;
   const settings *settings;
+  long step;           /* of the record before the step that is to be kept, or the last one */
+  double time, *q, *v; /* the same; NULL: none yet */
 } dump;
 
 /* Before the run: looks out for the step that was asked for. After it: the last or the failed one.

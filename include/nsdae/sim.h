@@ -267,10 +267,11 @@ NSDAE_API int nsdae_sim_set_slide(nsdae_sim *sim, int j, double mu);
  * where the last step did not fail so, or had contacts with the cone: nsdae_sim_get_friction. */
 NSDAE_API int nsdae_sim_get_failed_lcp(const nsdae_sim *sim, nsdae_lcp_problem *problem);
 
-/* The contact problem of a step, in the local form of nsdae/friction.h: contacts in their order,
- * impulses [N s], velocities [m/s]. */
+/* The contact problem of a step, of nsdae/friction.h: contacts in their order, impulses [N s],
+ * velocities [m/s]. In the local form; of contacts by list in the global one, with the contacts and
+ * constraints of the large islands. */
 typedef struct nsdae_step_friction {
-  nsdae_friction_problem problem; /* local form */
+  nsdae_friction_problem problem;
   nsdae_friction_options options; /* as it was solved */
   const double *guess;            /* rows: where the solver began */
   const double *r, *u;            /* rows: impulses and velocities that it ended with */
@@ -279,9 +280,10 @@ typedef struct nsdae_step_friction {
 /* That of the last step of a time-stepping method, done or failed; of an iterated one, of its last
  * iteration. The arrays are the simulation's and hold until the next step. Where contacts have the
  * cone (two tangential directions, polygon = 0), nsdae_friction_solve with these options and from
- * this guess gives r again to the last bit; other problems were solved as complementarity problems.
- * NSDAE_E_STATE where the last step had no such problem: no closed contact, slides without a cone,
- * contacts by list, another method. */
+ * this guess gives r again to the last bit, and so it does of contacts by list; other problems were
+ * solved as complementarity problems. NSDAE_E_STATE where the last step had no such problem: no
+ * closed contact, contacts by list in small islands alone, slides without a cone (the friction of a
+ * slide goes with a bilateral force, which has no cone), methods event and penalty. */
 NSDAE_API int nsdae_sim_get_friction(nsdae_sim *sim, nsdae_step_friction *friction);
 /* Steps of dt from the start's time to t_end; the last one is shortened to end there. NSDAE_OK; the
  * first NSDAE_WARN_... of its steps, which does not end the run;

@@ -41,9 +41,10 @@ int nsdae_pile_grow(nsdae_pile *c, const nsdae_system *system, const nsdae_room 
   nsdae_pile_arrays *at = &c->at;
   size_t m = (size_t)system->dims.m, columns = (size_t)(1 + system->dims.nt);
   size_t items = contacts->entries + m;
-  const nsdae_grown by_item[] = {NSDAE_GROWN(at->item, 1),    NSDAE_GROWN(at->rows, 1),
-                                 NSDAE_GROWN(at->mu, 1),      NSDAE_GROWN(at->w, columns),
-                                 NSDAE_GROWN(at->r, columns), NSDAE_GROWN(at->u, columns)};
+  const nsdae_grown by_item[] = {NSDAE_GROWN(at->item, 1),       NSDAE_GROWN(at->rows, 1),
+                                 NSDAE_GROWN(at->mu, 1),         NSDAE_GROWN(at->w, columns),
+                                 NSDAE_GROWN(at->r, columns),    NSDAE_GROWN(at->u, columns),
+                                 NSDAE_GROWN(at->guess, columns)};
   const nsdae_grown by_end[] = {NSDAE_GROWN(at->first, 1)};
   const nsdae_grown by_part[] = {NSDAE_GROWN(at->block, 1)};
   const nsdae_grown by_value[] = {NSDAE_GROWN(at->value, 1)};
@@ -56,10 +57,11 @@ int nsdae_pile_grow(nsdae_pile *c, const nsdae_system *system, const nsdae_room 
 void nsdae_pile_release(nsdae_pile *c)
 {
   nsdae_pile_arrays *at = &c->at;
-  const nsdae_grown all[] = {
-      NSDAE_GROWN(at->item, 1),  NSDAE_GROWN(at->rows, 1),  NSDAE_GROWN(at->mu, 1),
-      NSDAE_GROWN(at->w, 1),     NSDAE_GROWN(at->r, 1),     NSDAE_GROWN(at->u, 1),
-      NSDAE_GROWN(at->first, 1), NSDAE_GROWN(at->block, 1), NSDAE_GROWN(at->value, 1)};
+  const nsdae_grown all[] = {NSDAE_GROWN(at->item, 1),  NSDAE_GROWN(at->rows, 1),
+                             NSDAE_GROWN(at->mu, 1),    NSDAE_GROWN(at->w, 1),
+                             NSDAE_GROWN(at->r, 1),     NSDAE_GROWN(at->u, 1),
+                             NSDAE_GROWN(at->guess, 1), NSDAE_GROWN(at->first, 1),
+                             NSDAE_GROWN(at->block, 1), NSDAE_GROWN(at->value, 1)};
   nsdae_grown_release(all, sizeof all / sizeof *all);
 }
 
@@ -105,11 +107,25 @@ static int *first_of(const nsdae_pile *c, int number)
   return c->at.first + c->part[number].item + number;
 }
 
+/* Entry of row i whose block has the least number above last. */
+static int next_entry(const nsdae_pile *c, const nsdae_rows *rows, int i, int last)
+{
+  int next = -1;
+  for (int p = rows->first[i]; p < rows->first[i + 1]; p++) {
+    int number = c->number[rows->block[p]];
+    if (number > last && (next < 0 || number < c->number[rows->block[next]])) next = p;
+  }
+  return next;
+}
+
+/* Its entries in the order of their blocks, as files have them: sums then round alike. */
 static void add_item(nsdae_pile *c, nsdae_pile_part *end, const nsdae_whole *w,
                      const nsdae_rows *rows, int i, int columns)
 {
   const nsdae_pile_part *begin = &c->part[c->parts];
-  for (int p = rows->first[i]; p < rows->first[i + 1]; p++) add_entry(c, end, w, rows, p, columns);
+  for (int p = next_entry(c, rows, i, -1); p >= 0;
+       p = next_entry(c, rows, i, c->number[rows->block[p]]))
+    add_entry(c, end, w, rows, p, columns);
   c->at.item[end->item++] = i;
   first_of(c, c->parts)[end->item - begin->item] = end->entry - begin->entry;
   end->m += columns;
@@ -169,6 +185,7 @@ static nsdae_pile_arrays arrays_from(const nsdae_pile *c, int number)
                              .w = at->w + p->m,
                              .r = at->r + p->m,
                              .u = at->u + p->m,
+                             .guess = at->guess + p->m,
                              .first = first_of(c, number),
                              .block = at->block + p->entry,
                              .value = at->value + p->value};
@@ -288,19 +305,20 @@ static double speed_without(part *c, const nsdae_whole *w)
   size_t at = 0;
   for (int i = 0; i < c->problem.blocks; i++)
     memset(c->lever + blocks->first[c->at.member[i]], 0, (size_t)c->at.size[i] * sizeof *c->lever);
-  memcpy(c->at.u, c->at.w, (size_t)c->m * sizeof *c->at.u);
   for (int i = 0, row = 0; i < c->items; i++) {
     int columns = i < c->problem.contacts ? c->at.rows[i] : 1;
+    double u[3] = {0};
+    for (int d = 0; d < columns; d++) u[d] = c->at.w[row + d];
     for (int e = c->at.first[i]; e < c->at.first[i + 1]; e++) {
       int b = c->at.member[c->at.block[e]], n = nsdae_blocks_size(blocks, b),
           first = blocks->first[b];
       for (int d = 0; d < columns; d++, at += (size_t)n) {
-        c->at.u[row + d] += nsdae_dot(n, c->at.value + at, w->v + first);
+        u[d] += nsdae_dot(n, c->at.value + at, w->v + first);
         for (int j = 0; j < n; j++)
           c->lever[first + j] = fmax(c->lever[first + j], fabs(c->at.value[at + (size_t)j]));
       }
     }
-    for (int d = 0; d < columns; d++) fastest = fmax(fastest, fabs(c->at.u[row + d]));
+    for (int d = 0; d < columns; d++) fastest = fmax(fastest, fabs(u[d]));
     row += columns;
   }
   return fastest;
@@ -349,14 +367,25 @@ static void scatter(const part *c, const nsdae_whole *w)
   for (int i = c->problem.contacts; i < c->items; i++) w->lambda[c->at.item[i]] = -c->at.r[row++];
 }
 
+/* Solves it, and keeps with what and from where. */
+static int solve_with(const part *c, nsdae_pile_part *p, nsdae_pile_work *work,
+                      const nsdae_friction_options *options)
+{
+  p->tol = options->tol;
+  p->refine = options->refine;
+  memcpy(c->at.guess, c->at.r, (size_t)c->m * sizeof *c->at.guess);
+  return nsdae_friction_solver_solve(work->solver, &c->problem, options, c->at.r, c->at.u,
+                                     &work->info);
+}
+
 /* From the best point on: a solution of fewer digits, refined as far as it goes. */
-static int polish(part *c, nsdae_pile_work *work, const nsdae_friction_options *options)
+static int polish(const part *c, nsdae_pile_part *p, nsdae_pile_work *work,
+                  const nsdae_friction_options *options)
 {
   nsdae_friction_options loose = *options;
   loose.tol = fmin(1e4 * options->tol, 1e-5);
   loose.refine = 30;
-  int status =
-      nsdae_friction_solver_solve(work->solver, &c->problem, &loose, c->at.r, c->at.u, &work->info);
+  int status = solve_with(c, p, work, &loose);
   return status == NSDAE_OK && !(work->info.residual <= options->tol) ? NSDAE_E_LCP : status;
 }
 
@@ -368,11 +397,24 @@ int nsdae_pile_solve(const nsdae_pile *pile, const nsdae_whole *w, int number,
   nsdae_friction_options_default(&options);
   options.tol = work->tol;
   work->bilateral = c.problem.bilateral;
-  int status =
-      nsdae_friction_solver_solve(work->solver, &c.problem, &options, c.at.r, c.at.u, &work->info);
-  if (status == NSDAE_E_LCP) status = polish(&c, work, &options);
+  nsdae_pile_part *p = &pile->part[number];
+  int status = solve_with(&c, p, work, &options);
+  if (status == NSDAE_E_LCP) status = polish(&c, p, work, &options);
   if (status < 0) return unsolved(&c, w, status, work);
   status = velocities(&c, w);
   if (status == NSDAE_OK) scatter(&c, w);
   return status;
+}
+
+nsdae_pile_last nsdae_pile_largest(const nsdae_pile *pile)
+{
+  int best = 0;
+  for (int k = 1; k < pile->parts; k++)
+    if (pile->part[k].contacts > pile->part[best].contacts) best = k;
+  part c = part_of(pile, best, &(nsdae_pile_work){.tol = pile->part[best].tol});
+  nsdae_pile_last last = {.problem = c.problem, .guess = c.at.guess, .r = c.at.r, .u = c.at.u};
+  nsdae_friction_options_default(&last.options);
+  last.options.tol = pile->part[best].tol;
+  last.options.refine = pile->part[best].refine;
+  return last;
 }

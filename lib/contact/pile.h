@@ -22,6 +22,7 @@ typedef struct nsdae_pile_arrays {
   int *item; /* contact or row of each item */
   int *rows; /* contacts */
   double *mu, *w, *r, *u;
+  double *guess;      /* r before it was solved */
   int *first, *block; /* first: items + 1, of each island from 0 */
   double *value;
 } nsdae_pile_arrays;
@@ -31,7 +32,16 @@ typedef struct nsdae_pile_part {
   int island, contacts;
   int block, velocity, item, m, entry;
   size_t square, value;
+  double tol; /* that it was solved with last */
+  int refine;
 } nsdae_pile_part;
+
+/* A part's problem as it was solved last. */
+typedef struct nsdae_pile_last {
+  nsdae_friction_problem problem;
+  nsdae_friction_options options;
+  const double *guess, *r, *u;
+} nsdae_pile_last;
 
 typedef struct nsdae_pile {
   nsdae_pile_arrays at;
@@ -63,5 +73,8 @@ typedef struct nsdae_pile_work {
 } nsdae_pile_work;
 int nsdae_pile_solve(const nsdae_pile *pile, const nsdae_whole *whole, int part,
                      nsdae_pile_work *work);
+
+/* The part of most contacts, as it was solved. */
+nsdae_pile_last nsdae_pile_largest(const nsdae_pile *pile);
 
 #endif

@@ -18,6 +18,7 @@ typedef struct nsdae_solved {
   double noise; /* relative error that the cones leave in velocities; 0: none were solved */
   int lcps, rank, islands, contacts; /* contacts of the largest island */
   const nsdae_contacts *problem;     /* that failed; NULL: none, or not of this kind */
+  const nsdae_pile *pile;            /* of the islands with cones; NULL: there was none */
 } nsdae_solved;
 
 typedef struct nsdae_worker {

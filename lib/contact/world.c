@@ -304,12 +304,18 @@ static int share(nsdae_world *w, shared *s, int count, int portion, nsdae_crew_p
   return carry_out(w, &w->worker[by]);
 }
 
-/* Those that have cones or are large, one part each. */
-static void gather_pile(nsdae_world *w, const nsdae_whole *whole, const int *cones)
+/* Those that have cones or are large, one part each; how many. Without any the last pile of the
+ * step stays as it was. */
+static int gather_pile(nsdae_world *w, const nsdae_whole *whole, const int *cones)
 {
+  int first = 0;
+  while (first < w->islands.count && !cones[first]) first++;
+  if (first == w->islands.count) return 0;
   nsdae_pile_begin(&w->pile);
-  for (int i = 0; i < w->islands.count; i++)
+  for (int i = first; i < w->islands.count; i++)
     if (cones[i]) nsdae_pile_add(&w->pile, whole, i);
+  w->solved.pile = &w->pile;
+  return w->pile.parts;
 }
 
 /* Every island by what fits it. The marks are in place of the parents, which nobody asks any more.
@@ -319,10 +325,7 @@ static int solve_islands(nsdae_world *w, const nsdae_whole *whole, int with_cont
   shared s = {w, whole, with_contacts, w->islands.parent};
   for (int i = 0; i < w->workers; i++) nsdae_worker_begin(&w->worker[i]);
   int status = share(w, &s, w->islands.count, PORTION, solve_island);
-  if (status == NSDAE_OK) {
-    gather_pile(w, whole, s.cones);
-    status = share(w, &s, w->pile.parts, 1, solve_part);
-  }
+  if (status == NSDAE_OK) status = share(w, &s, gather_pile(w, whole, s.cones), 1, solve_part);
   for (int i = 0; i < w->workers; i++) nsdae_solved_add(&w->solved, &w->worker[i].solved);
   return status;
 }

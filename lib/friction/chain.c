@@ -19,8 +19,9 @@ enum { SMALL = 24 };
 /* Newton steps of one attempt, and along a curve with folds. */
 enum { STEPS = 300, FOLDED = 4000 };
 
-/* Newton steps times items that further paths may take, and one curve. */
-static const double WORK = 2e6, CURVE = 3e6;
+/* Newton steps times items that an island may take until its curves end, half as many for a row of
+ * paths, and one curve: fifteen seconds or so, after which what is not solved is said not to be. */
+static const double BUDGET = 2.2e6, CURVE = 1e6;
 
 /* Tolerances that sweeps are likely to reach. */
 static const double ROUGH = 1e-6;
@@ -66,8 +67,8 @@ static void start_cold(nsdae_fc_chain *c)
 static int trivial(nsdae_fc_chain *c)
 {
   for (int k = 0; k < c->fc.n; k++) {
-    double gap = c->fc.q[3 * k];
-    if (!(gap >= 0) || (c->fc.kind[k] == NSDAE_FC_BILATERAL && gap != 0)) return 0;
+    double gap = c->fc.items.q[3 * k];
+    if (!(gap >= 0) || (c->fc.items.kind[k] == NSDAE_FC_BILATERAL && gap != 0)) return 0;
   }
   start_cold(c);
   return judge(c, NSDAE_FRICTION_TRIVIAL);
@@ -178,7 +179,7 @@ static int exhausted(const nsdae_fc_chain *c)
 {
   double most = 0;
   for (int i = 0; i < 3 * c->fc.n; i++)
-    most = fmax(most, c->fc.weight[i / 3] * c->fc.rho[i / 3] * fabs(c->best[i]));
+    most = fmax(most, c->fc.items.weight[i / 3] * c->fc.items.rho[i / 3] * fabs(c->best[i]));
   return c->info.residual <= fmin(DBL_EPSILON / 4 * most, ROUGH * ROUGH);
 }
 
@@ -219,6 +220,12 @@ static int patience(nsdae_fc_chain *c, int most)
   return sweeps(c, most, 0, NSDAE_FRICTION_FURTHER) || proximal(c, 1e-2, NSDAE_FRICTION_FURTHER);
 }
 
+/* Newton steps that the budget leaves. */
+static int steps_left(const nsdae_fc_chain *c)
+{
+  return (int)fmax(0, BUDGET / c->fc.n - c->info.iterations);
+}
+
 /* Which items stand where a path ends depends on how closely it is followed; so others are tried,
  * fewer of larger islands. */
 static int paths(nsdae_fc_chain *c, int from, int to)
@@ -226,7 +233,7 @@ static int paths(nsdae_fc_chain *c, int from, int to)
   int before = c->info.iterations;
   static const double loose[] = {1e-5, 1e-2, 1e-4, 0.1,  3e-3, 1e-6, 3e-4, 3e-2, 3e-5, 3e-6,
                                  5e-2, 2e-3, 2e-4, 2e-5, 5e-3, 0.2,  5e-4, 2e-2, 5e-5, 1e-7};
-  for (int k = from; k < to && ((double)c->info.iterations - before) * c->fc.n < WORK; k++) {
+  for (int k = from; k < to && (c->info.iterations - before) * 2.0 * c->fc.n < BUDGET; k++) {
     if (path(c, loose[k], NSDAE_FRICTION_FURTHER)) return 1;
     if (exhausted(c)) return 1;
   }
@@ -239,9 +246,10 @@ static int curves(nsdae_fc_chain *c)
   static const struct {
     double stiffness, close;
   } all[] = {{0.1, 1e-3}, {1, 1e-3}, {0.1, 1e-5}, {1, 1e-5}, {0.3, 1e-4}};
-  for (int k = 0; k < 5; k++) {
+  for (int k = 0; k < 5 && steps_left(c) > 0; k++) {
     if (!ready(c)) return 0;
-    if (c->options->max_iterations == 0) c->newton.most = (int)fmin(FOLDED, CURVE / c->fc.n);
+    if (c->options->max_iterations == 0)
+      c->newton.most = (int)fmin(fmin(FOLDED, CURVE / c->fc.n), steps_left(c));
     nsdae_fc_continue(&c->curve, &c->newton, all[k].stiffness, all[k].close, c->tol);
     if (count(c, NSDAE_FRICTION_FURTHER) || exhausted(c)) return 1;
   }
@@ -268,7 +276,7 @@ static void refine(nsdae_fc_chain *c)
   count(c, c->info.stage);
   memcpy(fc->r, c->best, bytes(c));
   for (int k = 0; k < fc->n; k++)
-    if (fc->kind[k] != NSDAE_FC_BILATERAL) nsdae_fc_project(fc->mu[k], fc->r + 3 * k);
+    if (fc->items.kind[k] != NSDAE_FC_BILATERAL) nsdae_fc_project(fc->items.mu[k], fc->r + 3 * k);
   nsdae_fc_velocities(fc, fc->r, fc->y, fc->u);
   double residual = nsdae_fc_residual(fc, fc->r, fc->u);
   if (!(residual <= c->tol)) return;

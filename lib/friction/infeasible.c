@@ -21,10 +21,8 @@
 #include <math.h>
 #include <string.h>
 
-#include "separation.h"
 #include "dense.h"
 #include "exact.h"
-#include "separation.h"
 #include "twice.h"
 #include "vector.h"
 
@@ -80,23 +78,23 @@ static int count_columns(const nsdae_fc *c)
 static void lay_out(void *object, nsdae_arena *arena)
 {
   nsdae_fc_proof *f = object;
-  long n = f->n, m = f->m;
+  long n = f->cone.n, m = f->cone.m;
   f->item = NSDAE_ARENA_INTS(arena, m);
   f->sign = NSDAE_ARENA_DOUBLES(arena, m);
   f->columns = NSDAE_ARENA_DOUBLES(arena, n * m);
-  f->scaled = NSDAE_ARENA_DOUBLES(arena, n * m);
+  f->cone.C = f->scaled = NSDAE_ARENA_DOUBLES(arena, n * m);
   f->row = NSDAE_ARENA_DOUBLES(arena, n);
-  f->size = NSDAE_ARENA_DOUBLES(arena, m);
+  f->by = NSDAE_ARENA_DOUBLES(arena, m);
   f->target = NSDAE_ARENA_DOUBLES(arena, n);
-  f->l = NSDAE_ARENA_DOUBLES(arena, m);
-  f->rest = NSDAE_ARENA_DOUBLES(arena, n);
-  f->gram = NSDAE_ARENA_DOUBLES(arena, n * n);
-  f->factor = NSDAE_ARENA_DOUBLES(arena, n * n);
+  f->cone.z = NSDAE_ARENA_DOUBLES(arena, m);
+  f->cone.w = NSDAE_ARENA_DOUBLES(arena, n);
+  f->cone.gram = NSDAE_ARENA_DOUBLES(arena, n * n);
+  f->cone.factor = NSDAE_ARENA_DOUBLES(arena, n * n);
   f->inverse = NSDAE_ARENA_DOUBLES(arena, n * n);
-  f->s = NSDAE_ARENA_DOUBLES(arena, n);
-  f->allowed = NSDAE_ARENA_INTS(arena, m);
-  f->order = NSDAE_ARENA_INTS(arena, n);
-  f->state = NSDAE_ARENA_INTS(arena, m);
+  f->cone.s = NSDAE_ARENA_DOUBLES(arena, n);
+  f->cone.allowed = NSDAE_ARENA_INTS(arena, m);
+  f->cone.order = NSDAE_ARENA_INTS(arena, n);
+  f->cone.state = NSDAE_ARENA_INTS(arena, m);
   f->chosen = NSDAE_ARENA_INTS(arena, n);
   f->exact = NSDAE_ARENA_DOUBLES(arena, 2 * n);
   f->pivot = NSDAE_ARENA_INTS(arena, n);
@@ -106,7 +104,7 @@ static void lay_out(void *object, nsdae_arena *arena)
 /* The numbers of block b of the whole in its island: entries of v of the blocks before it. */
 static int place_of(const nsdae_fc *c, int b)
 {
-  return c->offset[c->whole->number[b]];
+  return c->parts.offset[c->whole->number[b]];
 }
 
 /* The column of direction e, sign +-1: the normal row's parts, and w below. */
@@ -115,18 +113,18 @@ static void fill_column(nsdae_fc_proof *f, int e, int i, double sign)
   const nsdae_fc *c = f->fc;
   const nsdae_fc_view *view = &c->whole->view;
   const nsdae_friction_problem *p = view->p;
-  double *column = f->columns + (size_t)e * (size_t)f->n;
-  memset(column, 0, (size_t)f->n * sizeof *column);
+  double *column = f->columns + (size_t)e * (size_t)f->cone.n;
+  memset(column, 0, (size_t)f->cone.n * sizeof *column);
   for (int k = p->first[i]; k < p->first[i + 1]; k++) {
     if (!nsdae_fc_touches(c->whole, k)) continue;
     int b = p->block[k], size = c->local ? nsdae_fc_rows(p, b) : p->size[b];
     for (int d = 0; d < size; d++)
       column[place_of(c, b) + d] = sign * p->value[view->at[k] + (size_t)d];
   }
-  column[f->n - 1] = sign * velocity(c, i);
+  column[f->cone.n - 1] = sign * velocity(c, i);
   f->item[e] = i;
   f->sign[e] = sign;
-  f->allowed[e] = 1;
+  f->cone.allowed[e] = 1;
 }
 
 static void fill(nsdae_fc_proof *f)
@@ -148,7 +146,7 @@ static double power_of_two(double x)
 /* Rows to entries of about one, then columns to lengths of about one; by powers of two. */
 static void scale(nsdae_fc_proof *f)
 {
-  size_t n = (size_t)f->n, m = (size_t)f->m;
+  size_t n = (size_t)f->cone.n, m = (size_t)f->cone.m;
   for (size_t i = 0; i < n; i++) {
     double most = 0;
     for (size_t j = 0; j < m; j++) most = fmax(most, fabs(f->columns[j * n + i]));
@@ -157,8 +155,8 @@ static void scale(nsdae_fc_proof *f)
   for (size_t j = 0; j < m; j++) {
     double *to = f->scaled + j * n;
     for (size_t i = 0; i < n; i++) to[i] = f->row[i] * f->columns[j * n + i];
-    f->size[j] = 1 / power_of_two(sqrt(nsdae_dot(f->n, to, to)));
-    for (size_t i = 0; i < n; i++) to[i] *= f->size[j];
+    f->by[j] = 1 / power_of_two(sqrt(nsdae_dot(f->cone.n, to, to)));
+    for (size_t i = 0; i < n; i++) to[i] *= f->by[j];
   }
   memset(f->target, 0, n * sizeof *f->target);
   f->target[n - 1] = -1;
@@ -167,38 +165,27 @@ static void scale(nsdae_fc_proof *f)
 /* The combination of scaled columns, in l; how many directions it takes, or 0: there is none. */
 static int combine(nsdae_fc_proof *f)
 {
-  const nsdae_cone cone = {.n = f->n,
-                           .m = f->m,
-                           .C = f->scaled,
-                           .allowed = f->allowed,
-                           .z = f->l,
-                           .w = f->rest,
-                           .gram = f->gram,
-                           .factor = f->factor,
-                           .s = f->s,
-                           .order = f->order,
-                           .state = f->state};
   int k = 0;
-  if (nsdae_cone_separate(&cone, f->target) != 0) return 0;
-  if (!(sqrt(nsdae_dot(f->n, f->rest, f->rest)) < OUTSIDE)) return 0;
-  for (int j = 0; j < f->m; j++)
-    if (f->l[j] > 0 && k < f->n) f->chosen[k++] = j;
+  if (nsdae_cone_separate(&f->cone, f->target) != 0) return 0;
+  if (!(sqrt(nsdae_dot(f->cone.n, f->cone.w, f->cone.w)) < OUTSIDE)) return 0;
+  for (int j = 0; j < f->cone.m; j++)
+    if (f->cone.z[j] > 0 && k < f->cone.n) f->chosen[k++] = j;
   return k;
 }
 
 /* Entry i of the chosen columns, into a. */
 static void gather(const nsdae_fc_proof *f, const double *from, int i, int k, double *a)
 {
-  for (int e = 0; e < k; e++) a[e] = from[(size_t)f->chosen[e] * (size_t)f->n + (size_t)i];
+  for (int e = 0; e < k; e++) a[e] = from[(size_t)f->chosen[e] * (size_t)f->cone.n + (size_t)i];
 }
 
 /* Whether the l of the chosen directions, in exact + n, is a proof to the last bit. */
 static int holds(nsdae_fc_proof *f, int k)
 {
-  double *a = f->exact, *l = f->exact + f->n;
-  for (int i = 0; i < f->n; i++) {
+  double *a = f->exact, *l = f->exact + f->cone.n;
+  for (int i = 0; i < f->cone.n; i++) {
     gather(f, f->columns, i, k, a);
-    if (nsdae_exact_sign(k, a, 1, l) != (i < f->n - 1 ? 0 : -1)) return 0;
+    if (nsdae_exact_sign(k, a, 1, l) != (i < f->cone.n - 1 ? 0 : -1)) return 0;
   }
   return 1;
 }
@@ -223,8 +210,8 @@ static int simplify(double *l, int k)
 
 static int is_exact(nsdae_fc_proof *f, int k)
 {
-  double *l = f->exact + f->n;
-  for (int e = 0; e < k; e++) l[e] = f->l[f->chosen[e]] * f->size[f->chosen[e]];
+  double *l = f->exact + f->cone.n;
+  for (int e = 0; e < k; e++) l[e] = f->cone.z[f->chosen[e]] * f->by[f->chosen[e]];
   return holds(f, k) || (simplify(l, k) && holds(f, k));
 }
 
@@ -232,9 +219,9 @@ static int is_exact(nsdae_fc_proof *f, int k)
 static int keep_rows(nsdae_fc_proof *f, int k)
 {
   int rows = 0;
-  for (int i = 0; i < f->n; i++)
+  for (int i = 0; i < f->cone.n; i++)
     for (int e = 0; e < k; e++)
-      if (f->columns[(size_t)f->chosen[e] * (size_t)f->n + (size_t)i] != 0) {
+      if (f->columns[(size_t)f->chosen[e] * (size_t)f->cone.n + (size_t)i] != 0) {
         f->kept[rows++] = i;
         break;
       }
@@ -245,8 +232,8 @@ static int keep_rows(nsdae_fc_proof *f, int k)
 static int is_scaled_exactly(const nsdae_fc_proof *f, int k)
 {
   for (int e = 0; e < k; e++)
-    for (int i = 0; i < f->n; i++) {
-      size_t at = (size_t)f->chosen[e] * (size_t)f->n + (size_t)i;
+    for (int i = 0; i < f->cone.n; i++) {
+      size_t at = (size_t)f->chosen[e] * (size_t)f->cone.n + (size_t)i;
       if (f->columns[at] != 0 && !(fabs(f->scaled[at]) > 1e-290)) return 0;
     }
   return 1;
@@ -258,13 +245,14 @@ static int invert(nsdae_fc_proof *f, int k)
   size_t n = (size_t)k;
   for (size_t e = 0; e < n; e++)
     for (size_t i = 0; i < n; i++)
-      f->gram[e * n + i] = f->scaled[(size_t)f->chosen[e] * (size_t)f->n + (size_t)f->kept[i]];
-  memcpy(f->factor, f->gram, n * n * sizeof *f->factor);
-  if (nsdae_la_lu(k, f->factor, k, f->pivot) != 0) return 1;
+      f->cone.gram[e * n + i] =
+          f->scaled[(size_t)f->chosen[e] * (size_t)f->cone.n + (size_t)f->kept[i]];
+  memcpy(f->cone.factor, f->cone.gram, n * n * sizeof *f->cone.factor);
+  if (nsdae_la_lu(k, f->cone.factor, k, f->pivot) != 0) return 1;
   memset(f->inverse, 0, n * n * sizeof *f->inverse);
   for (size_t j = 0; j < n; j++) {
     f->inverse[j * n + j] = 1;
-    nsdae_la_lu_solve(k, f->factor, k, f->pivot, f->inverse + j * n);
+    nsdae_la_lu_solve(k, f->cone.factor, k, f->pivot, f->inverse + j * n);
   }
   return 0;
 }
@@ -279,7 +267,7 @@ static double bound_defect(const nsdae_fc_proof *f, int k)
     for (size_t j = 0; j < n; j++) {
       double defect = i == j ? -1 : 0, size = 1;
       for (size_t e = 0; e < n; e++) {
-        double term = f->inverse[e * n + i] * f->gram[j * n + e];
+        double term = f->inverse[e * n + i] * f->cone.gram[j * n + e];
         defect += term;
         size += fabs(term);
       }
@@ -294,10 +282,10 @@ static double bound_defect(const nsdae_fc_proof *f, int k)
 static void residual(const nsdae_fc_proof *f, int k, double *s, double *size)
 {
   for (int i = 0; i < k; i++) {
-    double high = f->kept[i] == f->n - 1 ? 1 : 0, low = 0;
+    double high = f->kept[i] == f->cone.n - 1 ? 1 : 0, low = 0;
     size[i] = high;
     for (int e = 0; e < k; e++) {
-      double g = f->gram[(size_t)e * (size_t)k + (size_t)i];
+      double g = f->cone.gram[(size_t)e * (size_t)k + (size_t)i];
       nsdae_twice_add(g, f->target[e], &high, &low);
       size[i] += fabs(g * f->target[e]);
     }
@@ -308,21 +296,23 @@ static void residual(const nsdae_fc_proof *f, int k, double *s, double *size)
 /* l, in target, to rounding: normal equations left it with half the digits. */
 static void improve(nsdae_fc_proof *f, int k)
 {
-  for (int e = 0; e < k; e++) f->target[e] = f->l[f->chosen[e]];
-  residual(f, k, f->s, f->exact);
-  nsdae_la_lu_solve(k, f->factor, k, f->pivot, f->s);
-  for (int e = 0; e < k; e++) f->target[e] -= f->s[e];
+  for (int e = 0; e < k; e++) f->target[e] = f->cone.z[f->chosen[e]];
+  residual(f, k, f->cone.s, f->exact);
+  nsdae_la_lu_solve(k, f->cone.factor, k, f->pivot, f->cone.s);
+  for (int e = 0; e < k; e++) f->target[e] -= f->cone.s[e];
 }
 
 /* A bound on |R| |G l - b| / (1 - defect), the largest entry. */
 static double bound_distance(nsdae_fc_proof *f, int k, double defect)
 {
   double worst = 0, unit = (k + 4) * DBL_EPSILON;
-  residual(f, k, f->s, f->exact);
-  for (int i = 0; i < k; i++) f->s[i] = fabs(f->s[i]) * (1 + unit) + unit * unit * f->exact[i];
+  residual(f, k, f->cone.s, f->exact);
+  for (int i = 0; i < k; i++)
+    f->cone.s[i] = fabs(f->cone.s[i]) * (1 + unit) + unit * unit * f->exact[i];
   for (size_t i = 0; i < (size_t)k; i++) {
     double sum = 0;
-    for (size_t j = 0; j < (size_t)k; j++) sum += fabs(f->inverse[j * (size_t)k + i]) * f->s[j];
+    for (size_t j = 0; j < (size_t)k; j++)
+      sum += fabs(f->inverse[j * (size_t)k + i]) * f->cone.s[j];
     if (!(sum <= worst)) worst = sum;
   }
   return worst * (1 + unit) / (1 - defect);
@@ -331,7 +321,7 @@ static double bound_distance(nsdae_fc_proof *f, int k, double defect)
 /* Whether the exact combination near l is positive where it must be. */
 static int is_verified(nsdae_fc_proof *f, int k)
 {
-  if (keep_rows(f, k) != k || f->kept[k - 1] != f->n - 1 || !is_scaled_exactly(f, k)) return 0;
+  if (keep_rows(f, k) != k || f->kept[k - 1] != f->cone.n - 1 || !is_scaled_exactly(f, k)) return 0;
   if (invert(f, k) != 0) return 0;
   double defect = bound_defect(f, k);
   if (!(defect < 0.5)) return 0;
@@ -340,7 +330,7 @@ static int is_verified(nsdae_fc_proof *f, int k)
   for (int e = 0; e < k; e++) {
     int free = is_bilateral(f->fc, f->item[f->chosen[e]]);
     if (!(f->target[e] > 2 * distance) && !(free && distance < 1)) return 0;
-    f->exact[f->n + e] = f->target[e] * f->size[f->chosen[e]];
+    f->exact[f->cone.n + e] = f->target[e] * f->by[f->chosen[e]];
   }
   return 1;
 }
@@ -350,20 +340,20 @@ static void hand_over(const nsdae_fc_proof *f, int k, double *l)
 {
   double most = 0;
   memset(l, 0, (size_t)f->fc->whole->view.m * sizeof *l);
-  for (int e = 0; e < k; e++) most = fmax(most, fabs(f->exact[f->n + e]));
+  for (int e = 0; e < k; e++) most = fmax(most, fabs(f->exact[f->cone.n + e]));
   most = power_of_two(most);
   for (int e = 0; e < k; e++) {
     int j = f->chosen[e];
-    l[f->fc->whole->view.row[f->item[j]]] += f->sign[j] * (f->exact[f->n + e] / most);
+    l[f->fc->whole->view.row[f->item[j]]] += f->sign[j] * (f->exact[f->cone.n + e] / most);
   }
 }
 
 int nsdae_fc_prove(nsdae_fc_proof *f, const nsdae_fc *fc, double *l)
 {
   f->fc = fc;
-  f->n = fc->ny + 1;
-  f->m = count_columns(fc);
-  if (f->n > MOST_ROWS || f->m > MOST_COLUMNS || rests(fc)) return NSDAE_FC_NOT_PROVED;
+  f->cone.n = fc->ny + 1;
+  f->cone.m = count_columns(fc);
+  if (f->cone.n > MOST_ROWS || f->cone.m > MOST_COLUMNS || rests(fc)) return NSDAE_FC_NOT_PROVED;
   if (nsdae_arena_fit(&f->memory, lay_out, f) != NSDAE_OK) return NSDAE_FC_NO_MEMORY;
   fill(f);
   scale(f);

@@ -3,19 +3,17 @@
 #define NSDAE_FRICTION_INFEASIBLE_H
 
 #include "island.h"
+#include "separation.h"
 
 typedef struct nsdae_fc_proof {
   const nsdae_fc *fc;
-  int n, m;           /* entries of v (local form: of r) and one; directions */
-  int *item;          /* m: of the whole, whose normal or bilateral row it is */
-  double *sign;       /* m: 1, or -1 where a bilateral row counts the other way */
-  double *columns;    /* n x m: (H e; w) of each, as given */
-  double *scaled;     /* the same, by powers of two */
-  double *row, *size; /* n, m: those of rows and columns */
-  double *target;     /* n */
-  double *l, *rest;   /* m, n: the combination, what it leaves */
-  double *gram, *factor, *s;
-  int *allowed, *order, *state;
+  nsdae_cone cone;   /* of the scaled columns; n: entries of v (local form: of r) and one */
+  int *item;         /* m: of the whole, whose normal or bilateral row it is */
+  double *sign;      /* m: 1, or -1 where a bilateral row counts the other way */
+  double *columns;   /* n x m: (H e; w) of each, as given */
+  double *scaled;    /* the same, by powers of two */
+  double *row, *by;  /* n, m: those of rows and columns */
+  double *target;    /* n */
   int *chosen;       /* n: the directions of the combination */
   double *exact;     /* 2 n: work of the check: a row and its factors */
   double *inverse;   /* n x n */

@@ -23,15 +23,15 @@ static void count(nsdae_fc *c)
   const nsdae_friction_problem *p = w->view.p;
   c->start = w->start[c->label];
   c->n = w->start[c->label + 1] - c->start;
-  c->entries = c->blocks = c->ny = 0;
-  c->values = 0;
+  c->parts.entries = c->blocks = c->ny = 0;
+  c->parts.values = 0;
   for (int k = 0; k < c->n; k++) {
     int i = w->member[c->start + k];
     for (int e = p->first[i]; e < p->first[i + 1]; e++) {
       int b = p->block[e];
       if (!belongs(c, i, e)) continue;
-      c->entries++;
-      c->values += 3 * (size_t)(c->local ? 3 : p->size[b]);
+      c->parts.entries++;
+      c->parts.values += 3 * (size_t)(c->local ? 3 : p->size[b]);
       if (c->local || w->number[b] != c->blocks) continue;
       c->blocks++;
       c->ny += p->size[b];
@@ -50,22 +50,22 @@ void nsdae_fc_layout(void *object, nsdae_arena *arena)
       (double)c->whole->view.entries >= (double)c->whole->view.items * c->whole->view.items;
   count(c);
   int n = c->n;
-  c->item = NSDAE_ARENA_INTS(arena, n);
-  c->kind = NSDAE_ARENA_INTS(arena, n);
-  c->mu = NSDAE_ARENA_DOUBLES(arena, n);
-  c->weight = NSDAE_ARENA_DOUBLES(arena, n);
-  c->rho = NSDAE_ARENA_DOUBLES(arena, n);
-  c->factor = NSDAE_ARENA_DOUBLES(arena, n);
-  c->turn = NSDAE_ARENA_DOUBLES(arena, 2L * n);
-  c->q = NSDAE_ARENA_DOUBLES(arena, 3L * n);
-  c->C = NSDAE_ARENA_DOUBLES(arena, 3L * n);
-  c->D = NSDAE_ARENA_DOUBLES(arena, 9L * n);
-  c->first = NSDAE_ARENA_INTS(arena, n + 1L);
-  c->block = NSDAE_ARENA_INTS(arena, c->entries);
-  c->at = nsdae_arena_take(arena, c->entries + 1L, sizeof(size_t));
-  c->J = NSDAE_ARENA_DOUBLES(arena, c->values);
-  c->size = NSDAE_ARENA_INTS(arena, c->blocks);
-  c->offset = NSDAE_ARENA_INTS(arena, c->blocks + 1L);
+  c->items.item = NSDAE_ARENA_INTS(arena, n);
+  c->items.kind = NSDAE_ARENA_INTS(arena, n);
+  c->items.mu = NSDAE_ARENA_DOUBLES(arena, n);
+  c->items.weight = NSDAE_ARENA_DOUBLES(arena, n);
+  c->items.rho = NSDAE_ARENA_DOUBLES(arena, n);
+  c->items.factor = NSDAE_ARENA_DOUBLES(arena, n);
+  c->items.turn = NSDAE_ARENA_DOUBLES(arena, 2L * n);
+  c->items.q = NSDAE_ARENA_DOUBLES(arena, 3L * n);
+  c->items.C = NSDAE_ARENA_DOUBLES(arena, 3L * n);
+  c->items.D = NSDAE_ARENA_DOUBLES(arena, 9L * n);
+  c->parts.first = NSDAE_ARENA_INTS(arena, n + 1L);
+  c->parts.block = NSDAE_ARENA_INTS(arena, c->parts.entries);
+  c->parts.at = nsdae_arena_take(arena, c->parts.entries + 1L, sizeof(size_t));
+  c->parts.J = NSDAE_ARENA_DOUBLES(arena, c->parts.values);
+  c->parts.size = NSDAE_ARENA_INTS(arena, c->blocks);
+  c->parts.offset = NSDAE_ARENA_INTS(arena, c->blocks + 1L);
   c->r = NSDAE_ARENA_DOUBLES(arena, 3L * n);
   c->u = NSDAE_ARENA_DOUBLES(arena, 3L * n);
   c->low = NSDAE_ARENA_DOUBLES(arena, c->ny);
@@ -90,18 +90,19 @@ static void fill_item(nsdae_fc *c, int k, int i)
   const nsdae_friction_problem *p = w->view.p;
   int rows = nsdae_fc_rows(p, i), row = w->view.row[i];
   double size = size_of(c, i), s = power_of_two(w->scale);
-  c->item[k] = i;
-  c->mu[k] = i < p->contacts && rows > 1 ? p->mu[i] : 0;
-  c->kind[k] = i >= p->contacts ? NSDAE_FC_BILATERAL
-               : c->mu[k] > 0   ? NSDAE_FC_CONE
-                                : NSDAE_FC_NORMAL;
-  c->rho[k] = w->d[i] / c->D_whole / size / size;
-  c->weight[k] = size * (s / w->scale);
-  c->factor[k] = s / size / c->D_whole;
+  c->items.item[k] = i;
+  c->items.mu[k] = i < p->contacts && rows > 1 ? p->mu[i] : 0;
+  c->items.kind[k] = i >= p->contacts     ? NSDAE_FC_BILATERAL
+                     : c->items.mu[k] > 0 ? NSDAE_FC_CONE
+                                          : NSDAE_FC_NORMAL;
+  c->items.rho[k] = w->d[i] / c->D_whole / size / size;
+  c->items.weight[k] = size * (s / w->scale);
+  c->items.factor[k] = s / size / c->D_whole;
   for (int j = 0; j < 3; j++) {
     int has = j < rows;
-    c->q[3 * k + j] = has ? w->q[row + j] / s / size : 0;
-    c->C[3 * k + j] = has && c->compliant ? p->compliance[row + j] / c->D_whole / size / size : 0;
+    c->items.q[3 * k + j] = has ? w->q[row + j] / s / size : 0;
+    c->items.C[3 * k + j] =
+        has && c->compliant ? p->compliance[row + j] / c->D_whole / size / size : 0;
   }
 }
 
@@ -110,12 +111,13 @@ static void fill_sizes(nsdae_fc *c)
   const nsdae_fc_whole *w = c->whole;
   const nsdae_friction_problem *p = w->view.p;
   for (int k = 0; k < c->n; k++)
-    for (int e = p->first[c->item[k]]; e < p->first[c->item[k] + 1]; e++)
-      if (belongs(c, c->item[k], e))
-        c->size[w->number[p->block[e]]] = c->local ? 3 : p->size[p->block[e]];
-  for (int b = 0; b < c->blocks && c->local; b++) c->size[b] = 3;
-  c->offset[0] = 0;
-  for (int b = 0; b < c->blocks; b++) c->offset[b + 1] = c->offset[b] + c->size[b];
+    for (int e = p->first[c->items.item[k]]; e < p->first[c->items.item[k] + 1]; e++)
+      if (belongs(c, c->items.item[k], e))
+        c->parts.size[w->number[p->block[e]]] = c->local ? 3 : p->size[p->block[e]];
+  for (int b = 0; b < c->blocks && c->local; b++) c->parts.size[b] = 3;
+  c->parts.offset[0] = 0;
+  for (int b = 0; b < c->blocks; b++)
+    c->parts.offset[b + 1] = c->parts.offset[b] + c->parts.size[b];
 }
 
 /* J' = J / (e sqrt(D)) of part e of the whole; local: W' = W / (e_i e_j D). */
@@ -123,7 +125,7 @@ static void fill_part(const nsdae_fc *c, int k, int e, double *J)
 {
   const nsdae_fc_whole *w = c->whole;
   const nsdae_friction_problem *p = w->view.p;
-  int i = c->item[k], b = p->block[e], rows = nsdae_fc_rows(p, i);
+  int i = c->items.item[k], b = p->block[e], rows = nsdae_fc_rows(p, i);
   int n = c->local ? 3 : p->size[b], have = c->local ? nsdae_fc_rows(p, b) : n;
   const double *from = (c->local ? p->value : w->J) + w->view.at[e];
   double scale = 1 / size_of(c, i);
@@ -137,31 +139,31 @@ static void fill_parts(nsdae_fc *c)
 {
   const nsdae_friction_problem *p = c->whole->view.p;
   int f = 0;
-  c->at[0] = 0;
-  c->first[0] = 0;
+  c->parts.at[0] = 0;
+  c->parts.first[0] = 0;
   for (int k = 0; k < c->n; k++) {
-    int i = c->item[k];
+    int i = c->items.item[k];
     for (int e = p->first[i]; e < p->first[i + 1]; e++) {
       int b = c->whole->number[p->block[e]];
       if (!belongs(c, i, e)) continue;
-      c->block[f] = b;
-      c->at[f + 1] = c->at[f] + 3 * (size_t)c->size[b];
-      fill_part(c, k, e, c->J + c->at[f]);
+      c->parts.block[f] = b;
+      c->parts.at[f + 1] = c->parts.at[f] + 3 * (size_t)c->parts.size[b];
+      fill_part(c, k, e, c->parts.J + c->parts.at[f]);
       f++;
     }
-    c->first[k + 1] = f;
+    c->parts.first[k + 1] = f;
   }
 }
 
 static void diagonal(nsdae_fc *c, int k)
 {
-  double *D = c->D + 9 * (size_t)k;
+  double *D = c->items.D + 9 * (size_t)k;
   memset(D, 0, 9 * sizeof *D);
-  for (int j = 0; j < 3; j++) D[4 * j] = c->C[3 * k + j];
-  for (int e = c->first[k]; e < c->first[k + 1]; e++) {
+  for (int j = 0; j < 3; j++) D[4 * j] = c->items.C[3 * k + j];
+  for (int e = c->parts.first[k]; e < c->parts.first[k + 1]; e++) {
     const double *J = nsdae_fc_part(c, e);
-    int n = c->size[c->block[e]];
-    if (c->local && c->block[e] != k) continue;
+    int n = c->parts.size[c->parts.block[e]];
+    if (c->local && c->parts.block[e] != k) continue;
     for (int j = 0; j < 3; j++)
       for (int l = 0; l < 3; l++)
         D[3 * j + l] +=
@@ -183,11 +185,11 @@ void nsdae_fc_fill(nsdae_fc *c, const double *r)
   fill_sizes(c);
   fill_parts(c);
   for (int k = 0; k < c->n; k++) {
-    int rows = nsdae_fc_rows(w->view.p, c->item[k]), row = w->view.row[c->item[k]];
+    int rows = nsdae_fc_rows(w->view.p, c->items.item[k]), row = w->view.row[c->items.item[k]];
     diagonal(c, k);
-    nsdae_fc_turn_matrix(c->D + 9 * (size_t)k, c->turn + 2 * k);
+    nsdae_fc_turn_matrix(c->items.D + 9 * (size_t)k, c->items.turn + 2 * k);
     for (int j = 0; j < 3; j++)
-      c->r[3 * k + j] = j < rows ? finite_part(r[row + j] / c->factor[k]) : 0;
+      c->r[3 * k + j] = j < rows ? finite_part(r[row + j] / c->items.factor[k]) : 0;
   }
 }
 
@@ -195,8 +197,8 @@ void nsdae_fc_scatter(const nsdae_fc *c, const double *from, double *r)
 {
   const nsdae_fc_whole *w = c->whole;
   for (int k = 0; k < c->n; k++)
-    for (int j = 0; j < nsdae_fc_rows(w->view.p, c->item[k]); j++)
-      r[w->view.row[c->item[k]] + j] = c->factor[k] * from[3 * k + j];
+    for (int j = 0; j < nsdae_fc_rows(w->view.p, c->items.item[k]); j++)
+      r[w->view.row[c->items.item[k]] + j] = c->items.factor[k] * from[3 * k + j];
 }
 
 /* y = J r */
@@ -205,10 +207,10 @@ static void sum_impulses(const nsdae_fc *c, const double *r, double *y)
   memset(y, 0, (size_t)c->ny * sizeof *y);
   memset(c->low, 0, (size_t)c->ny * sizeof *y);
   for (int k = 0; k < c->n; k++)
-    for (int e = c->first[k]; e < c->first[k + 1]; e++) {
-      int at = c->offset[c->block[e]];
-      nsdae_twice_add_product(c->size[c->block[e]], 3, nsdae_fc_part(c, e), r + 3 * k, y + at,
-                              c->low + at);
+    for (int e = c->parts.first[k]; e < c->parts.first[k + 1]; e++) {
+      int at = c->parts.offset[c->parts.block[e]];
+      nsdae_twice_add_product(c->parts.size[c->parts.block[e]], 3, nsdae_fc_part(c, e), r + 3 * k,
+                              y + at, c->low + at);
     }
   for (int i = 0; i < c->ny; i++) y[i] += c->low[i];
 }
@@ -217,11 +219,11 @@ static void sum_impulses(const nsdae_fc *c, const double *r, double *y)
 static void relative_velocity(const nsdae_fc *c, int k, const double *r, const double *y, double *u)
 {
   for (int j = 0; j < 3; j++) {
-    double high = c->q[3 * k + j], low = 0;
-    nsdae_twice_add(c->C[3 * k + j], r[3 * k + j], &high, &low);
-    for (int e = c->first[k]; e < c->first[k + 1]; e++) {
-      int n = c->size[c->block[e]];
-      const double *J = nsdae_fc_part(c, e) + j * n, *part = y + c->offset[c->block[e]];
+    double high = c->items.q[3 * k + j], low = 0;
+    nsdae_twice_add(c->items.C[3 * k + j], r[3 * k + j], &high, &low);
+    for (int e = c->parts.first[k]; e < c->parts.first[k + 1]; e++) {
+      int n = c->parts.size[c->parts.block[e]];
+      const double *J = nsdae_fc_part(c, e) + j * n, *part = y + c->parts.offset[c->parts.block[e]];
       if (!c->local)
         high += nsdae_dot(n, J, part);
       else
@@ -241,8 +243,10 @@ double nsdae_fc_residual(const nsdae_fc *c, const double *r, const double *u)
 {
   double most = 0;
   for (int k = 0; k < c->n; k++) {
-    double x[3] = {c->rho[k] * r[3 * k], c->rho[k] * r[3 * k + 1], c->rho[k] * r[3 * k + 2]};
-    double one = c->weight[k] * nsdae_fc_natural(c->kind[k], c->mu[k], x, u + 3 * k);
+    double x[3] = {c->items.rho[k] * r[3 * k], c->items.rho[k] * r[3 * k + 1],
+                   c->items.rho[k] * r[3 * k + 2]};
+    double one =
+        c->items.weight[k] * nsdae_fc_natural(c->items.kind[k], c->items.mu[k], x, u + 3 * k);
     if (!(one <= most)) most = one;
     if (most != most) return NAN;
   }

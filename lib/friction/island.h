@@ -13,15 +13,8 @@
 
 #include "whole.h"
 
-typedef struct nsdae_fc {
-  const nsdae_fc_whole *whole;
-  int label, start;           /* its number in the whole; where its items begin in member */
-  int n, blocks, ny, entries; /* items, blocks of y, entries of y, parts of J */
-  int local;                  /* y is r and J is W */
-  int compliant;
-  int all_listed; /* of the local form: every pair of items, zeros too */
-  size_t values;
-  double D_whole; /* D */
+/* What each item asks for, and how it is scaled. */
+typedef struct nsdae_fc_items {
   int *item;      /* n: its number in the whole */
   int *kind;      /* n: enum nsdae_fc_kind */
   double *mu;     /* n */
@@ -33,15 +26,33 @@ typedef struct nsdae_fc {
   double *D;      /* 9 n: diagonal blocks of W + C, symmetric, in a frame turned about the normal
                      where D[5] = D[7] = 0 */
   double *turn;   /* 2 n: cosine and sine of that */
-  int *first;     /* n + 1 */
-  int *block;     /* entries */
-  size_t *at;     /* entries + 1 */
-  double *J;      /* parts, size x 3 column-major */
-  int *size;      /* blocks */
-  int *offset;    /* blocks + 1: of y */
-  double *r, *u;  /* 3 n */
-  double *y;      /* ny; of the local form r itself */
-  double *low;    /* ny: work, what y does not hold of the sum */
+} nsdae_fc_items;
+
+/* J by parts: item k has parts first[k] .. first[k + 1] - 1, part e the columns of block[e]. */
+typedef struct nsdae_fc_parts {
+  int entries;   /* parts */
+  size_t values; /* of all */
+  int *first;    /* n + 1 */
+  int *block;    /* entries */
+  size_t *at;    /* entries + 1 */
+  double *J;     /* size x 3 each, column-major */
+  int *size;     /* blocks */
+  int *offset;   /* blocks + 1: of y */
+} nsdae_fc_parts;
+
+typedef struct nsdae_fc {
+  const nsdae_fc_whole *whole;
+  int label, start;  /* its number in the whole; where its items begin in member */
+  int n, blocks, ny; /* items, blocks of y, entries of y */
+  int local;         /* y is r and J is W */
+  int compliant;
+  int all_listed; /* of the local form: every pair of items, zeros too */
+  double D_whole; /* D */
+  nsdae_fc_items items;
+  nsdae_fc_parts parts;
+  double *r, *u; /* 3 n */
+  double *y;     /* ny; of the local form r itself */
+  double *low;   /* ny: work, what y does not hold of the sum */
 } nsdae_fc;
 
 /* Takes the arrays of the island fc->label of fc->whole. */
@@ -62,7 +73,7 @@ double nsdae_fc_residual(const nsdae_fc *fc, const double *r, const double *u);
 /* y of item i's part e */
 static inline const double *nsdae_fc_part(const nsdae_fc *fc, int e)
 {
-  return fc->J + fc->at[e];
+  return fc->parts.J + fc->parts.at[e];
 }
 
 #endif

@@ -14,7 +14,7 @@ enum { DENSE = 24 };
 /* Number of the pairs of item k. */
 static size_t pairs_of(const nsdae_fc *c, int k)
 {
-  size_t n = (size_t)(c->first[k + 1] - c->first[k]);
+  size_t n = (size_t)(c->parts.first[k + 1] - c->parts.first[k]);
   return c->local ? n : n * n;
 }
 
@@ -42,9 +42,9 @@ static void lay_out(void *object, nsdae_arena *arena)
  * each. */
 static void pair_at(const nsdae_fc *c, int k, size_t pair, int *row, int *column)
 {
-  size_t n = (size_t)(c->first[k + 1] - c->first[k]);
-  *row = c->local ? k : c->block[c->first[k] + (int)(pair / n)];
-  *column = c->block[c->first[k] + (int)(pair % n)];
+  size_t n = (size_t)(c->parts.first[k + 1] - c->parts.first[k]);
+  *row = c->local ? k : c->parts.block[c->parts.first[k] + (int)(pair / n)];
+  *column = c->parts.block[c->parts.first[k] + (int)(pair % n)];
 }
 
 /* Lists of neighbours, with repetitions and in any order. */
@@ -93,7 +93,7 @@ static void sort_graph(nsdae_fc_matrix *m)
 static size_t find(const nsdae_fc_matrix *m, int row, int column)
 {
   int low = m->first[column], high = m->first[column + 1];
-  if (row == column) return m->fronts.diagonal[row];
+  if (row == column) return m->fronts.graph.diagonal[row];
   while (high - low > 1) {
     int middle = (low + high) / 2;
     if (m->index[middle] <= row)
@@ -101,7 +101,7 @@ static size_t find(const nsdae_fc_matrix *m, int row, int column)
     else
       high = middle;
   }
-  return m->fronts.at[low];
+  return m->fronts.graph.at[low];
 }
 
 int nsdae_fc_matrix_analyse(nsdae_fc_matrix *m, const nsdae_fc *c)
@@ -114,7 +114,7 @@ int nsdae_fc_matrix_analyse(nsdae_fc_matrix *m, const nsdae_fc *c)
   if (m->dense) return NSDAE_OK;
   collect(m);
   sort_graph(m);
-  if (nsdae_fronts_analyse(&m->fronts, c->blocks, c->size, m->first, m->index) != NSDAE_OK)
+  if (nsdae_fronts_analyse(&m->fronts, c->blocks, c->parts.size, m->first, m->index) != NSDAE_OK)
     return NSDAE_E_MEMORY;
   for (int k = 0; k < c->n; k++)
     for (size_t p = 0; p < pairs_of(c, k); p++) {
@@ -144,13 +144,13 @@ static void assemble_global(nsdae_fc_matrix *m)
   const size_t *place = m->place;
   double *T = m->fronts.A;
   for (int b = 0; b < c->blocks; b++)
-    for (int j = 0; j < c->size[b]; j++)
-      T[m->fronts.diagonal[b] + (size_t)j * ((size_t)c->size[b] + 1)] = 1;
+    for (int j = 0; j < c->parts.size[b]; j++)
+      T[m->fronts.graph.diagonal[b] + (size_t)j * ((size_t)c->parts.size[b] + 1)] = 1;
   for (int k = 0; k < c->n; k++)
-    for (int e = c->first[k]; e < c->first[k + 1]; e++)
-      for (int f = c->first[k]; f < c->first[k + 1]; f++)
-        add_product(c->size[c->block[e]], c->size[c->block[f]], nsdae_fc_part(c, e),
-                    m->K + 9 * (size_t)k, nsdae_fc_part(c, f), T + *place++);
+    for (int e = c->parts.first[k]; e < c->parts.first[k + 1]; e++)
+      for (int f = c->parts.first[k]; f < c->parts.first[k + 1]; f++)
+        add_product(c->parts.size[c->parts.block[e]], c->parts.size[c->parts.block[f]],
+                    nsdae_fc_part(c, e), m->K + 9 * (size_t)k, nsdae_fc_part(c, f), T + *place++);
 }
 
 /* E + A W, into the fronts or the dense matrix. W_kj row-major is the part of item k. */
@@ -161,9 +161,9 @@ static void assemble_local(nsdae_fc_matrix *m)
   for (int k = 0; k < c->n; k++) {
     const double *A = m->K + 9 * (size_t)k, *E = m->E + 9 * (size_t)k;
     double *row = m->lu + 3 * k; /* of the dense matrix */
-    double *D = m->dense ? row + 3 * (size_t)k * ld : m->fronts.A + m->fronts.diagonal[k];
-    for (int e = c->first[k]; e < c->first[k + 1]; e++) {
-      double *T = m->dense ? row + 3 * (size_t)c->block[e] * ld : m->fronts.A + m->place[e];
+    double *D = m->dense ? row + 3 * (size_t)k * ld : m->fronts.A + m->fronts.graph.diagonal[k];
+    for (int e = c->parts.first[k]; e < c->parts.first[k + 1]; e++) {
+      double *T = m->dense ? row + 3 * (size_t)c->parts.block[e] * ld : m->fronts.A + m->place[e];
       const double *W = nsdae_fc_part(c, e);
       for (size_t i = 0; i < 3; i++)
         for (size_t l = 0; l < 3; l++)
@@ -205,16 +205,16 @@ static void solve_global(nsdae_fc_matrix *m, const double *b, double *dr)
   memset(m->dy, 0, (size_t)c->ny * sizeof *m->dy);
   for (int k = 0; k < c->n; k++) {
     nsdae_apply3(m->E_inverse + 9 * (size_t)k, b + 3 * k, dr + 3 * k);
-    for (int e = c->first[k]; e < c->first[k + 1]; e++)
-      nsdae_add_product(c->size[c->block[e]], 3, nsdae_fc_part(c, e), dr + 3 * k,
-                        m->dy + c->offset[c->block[e]]);
+    for (int e = c->parts.first[k]; e < c->parts.first[k + 1]; e++)
+      nsdae_add_product(c->parts.size[c->parts.block[e]], 3, nsdae_fc_part(c, e), dr + 3 * k,
+                        m->dy + c->parts.offset[c->parts.block[e]]);
   }
   nsdae_fronts_solve(&m->fronts, m->dy);
   for (int k = 0; k < c->n; k++) {
     double u[3] = {0}, x[3];
-    for (int e = c->first[k]; e < c->first[k + 1]; e++)
-      nsdae_add_transposed(c->size[c->block[e]], 3, 1, nsdae_fc_part(c, e),
-                           m->dy + c->offset[c->block[e]], u);
+    for (int e = c->parts.first[k]; e < c->parts.first[k + 1]; e++)
+      nsdae_add_transposed(c->parts.size[c->parts.block[e]], 3, 1, nsdae_fc_part(c, e),
+                           m->dy + c->parts.offset[c->parts.block[e]], u);
     nsdae_apply3(m->K + 9 * (size_t)k, u, x);
     for (int j = 0; j < 3; j++) dr[3 * k + j] -= x[j];
   }

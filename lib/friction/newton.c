@@ -32,13 +32,13 @@ double nsdae_fc_newton_map(nsdae_fc_newton *s, const double *r, const double *u,
     for (int j = 0; j < 3; j++)
       v[j] = u[3 * k + j] + s->alpha * (r[3 * k + j] - s->centre[3 * k + j]);
     if (s->epsilon > 0)
-      nsdae_fc_smooth_map(c->kind[k], c->mu[k], s->epsilon, r + 3 * k, v, F, B, A);
+      nsdae_fc_smooth_map(c->items.kind[k], c->items.mu[k], s->epsilon, r + 3 * k, v, F, B, A);
     else
-      nsdae_fc_map(c->kind[k], c->mu[k], r + 3 * k, v, F, B, A);
+      nsdae_fc_map(c->items.kind[k], c->items.mu[k], r + 3 * k, v, F, B, A);
     for (int j = 0; j < 3; j++) sum += F[j] * F[j] / 2;
     if (!derivatives) continue;
     memcpy(s->A + 9 * (size_t)k, A, sizeof A);
-    for (int i = 0; i < 9; i++) E[i] = B[i] + A[i] * (s->alpha + c->C[3 * k + i % 3]);
+    for (int i = 0; i < 9; i++) E[i] = B[i] + A[i] * (s->alpha + c->items.C[3 * k + i % 3]);
   }
   return sum;
 }

@@ -16,7 +16,7 @@
 #include "vector.h"
 
 /* Unknowns up to which pivoting costs no more than the sweeps that it saves. */
-enum { LARGEST = 64 };
+enum { LARGEST = 48 };
 
 /* Unknowns of item i of the whole; -1 where its cone is no polyhedron. */
 static int unknowns(const nsdae_friction_problem *p, int i)
@@ -40,18 +40,21 @@ static void count(nsdae_fc_polyhedral *s, const nsdae_fc *fc)
   }
 }
 
+/* Room goes with the number of items, not with what they are: a solver that has memory for so many
+ * has it for these. */
 void nsdae_fc_polyhedral_layout(nsdae_fc_polyhedral *s, const nsdae_fc *fc, nsdae_arena *arena)
 {
+  int n = 4 * fc->n < LARGEST ? 4 * fc->n : LARGEST,
+      m = 2 * fc->n < 2 * LARGEST ? 2 * fc->n : 2 * LARGEST;
   count(s, fc);
-  nsdae_lcp_workspace(s->n, &s->lwork, &s->liwork);
-  if (s->m == 0) return;
-  s->row = NSDAE_ARENA_INTS(arena, s->m);
-  s->W = NSDAE_ARENA_DOUBLES(arena, s->m * (s->m + 1L));
-  s->A = NSDAE_ARENA_DOUBLES(arena, (long)s->n * s->n);
-  s->b = NSDAE_ARENA_DOUBLES(arena, s->n);
-  s->x = NSDAE_ARENA_DOUBLES(arena, s->n);
-  s->y = NSDAE_ARENA_DOUBLES(arena, s->n);
-  s->basis = NSDAE_ARENA_INTS(arena, s->n);
+  nsdae_lcp_workspace(n, &s->lwork, &s->liwork);
+  s->row = NSDAE_ARENA_INTS(arena, m);
+  s->W = NSDAE_ARENA_DOUBLES(arena, m * (m + 1L));
+  s->A = NSDAE_ARENA_DOUBLES(arena, (long)n * n);
+  s->b = NSDAE_ARENA_DOUBLES(arena, n);
+  s->x = NSDAE_ARENA_DOUBLES(arena, n);
+  s->y = NSDAE_ARENA_DOUBLES(arena, n);
+  s->basis = NSDAE_ARENA_INTS(arena, n);
   s->work = NSDAE_ARENA_DOUBLES(arena, s->lwork);
   s->iwork = NSDAE_ARENA_INTS(arena, s->liwork);
 }
@@ -61,11 +64,11 @@ static void list_rows(nsdae_fc_polyhedral *s, const nsdae_fc *fc)
 {
   int at = 0;
   for (int k = 0; k < fc->n; k++)
-    if (fc->kind[k] == NSDAE_FC_BILATERAL) s->row[at++] = 3 * k;
+    if (fc->items.kind[k] == NSDAE_FC_BILATERAL) s->row[at++] = 3 * k;
   for (int k = 0; k < fc->n; k++) {
-    if (fc->kind[k] == NSDAE_FC_BILATERAL) continue;
+    if (fc->items.kind[k] == NSDAE_FC_BILATERAL) continue;
     s->row[at++] = 3 * k;
-    if (fc->kind[k] == NSDAE_FC_CONE) s->row[at++] = 3 * k + 1;
+    if (fc->items.kind[k] == NSDAE_FC_CONE) s->row[at++] = 3 * k + 1;
   }
 }
 
@@ -73,9 +76,10 @@ static void list_rows(nsdae_fc_polyhedral *s, const nsdae_fc *fc)
 static void impulse(const nsdae_fc *fc, int row, double *y)
 {
   memset(y, 0, (size_t)fc->ny * sizeof *y);
-  for (int e = fc->first[row / 3]; e < fc->first[row / 3 + 1]; e++) {
-    int n = fc->size[fc->block[e]];
-    memcpy(y + fc->offset[fc->block[e]], nsdae_fc_part(fc, e) + row % 3 * n, (size_t)n * sizeof *y);
+  for (int e = fc->parts.first[row / 3]; e < fc->parts.first[row / 3 + 1]; e++) {
+    int n = fc->parts.size[fc->parts.block[e]];
+    memcpy(y + fc->parts.offset[fc->parts.block[e]], nsdae_fc_part(fc, e) + row % 3 * n,
+           (size_t)n * sizeof *y);
   }
 }
 
@@ -83,9 +87,10 @@ static double velocity(const nsdae_fc *fc, int row, const double *y)
 {
   double sum = 0;
   if (fc->local) return y[row];
-  for (int e = fc->first[row / 3]; e < fc->first[row / 3 + 1]; e++) {
-    int n = fc->size[fc->block[e]];
-    sum += nsdae_dot(n, nsdae_fc_part(fc, e) + row % 3 * n, y + fc->offset[fc->block[e]]);
+  for (int e = fc->parts.first[row / 3]; e < fc->parts.first[row / 3 + 1]; e++) {
+    int n = fc->parts.size[fc->parts.block[e]];
+    sum +=
+        nsdae_dot(n, nsdae_fc_part(fc, e) + row % 3 * n, y + fc->parts.offset[fc->parts.block[e]]);
   }
   return sum;
 }
@@ -96,8 +101,8 @@ static void fill_W(nsdae_fc_polyhedral *s, const nsdae_fc *fc, double *y)
     double *column = s->W + (size_t)j * (size_t)s->m;
     impulse(fc, s->row[j], y);
     for (int i = 0; i < s->m; i++) column[i] = velocity(fc, s->row[i], y);
-    column[j] += fc->C[s->row[j]];
-    s->W[(size_t)s->m * (size_t)s->m + (size_t)j] = fc->q[s->row[j]];
+    column[j] += fc->items.C[s->row[j]];
+    s->W[(size_t)s->m * (size_t)s->m + (size_t)j] = fc->items.q[s->row[j]];
   }
 }
 
@@ -141,7 +146,7 @@ static void fill_problem(nsdae_fc_polyhedral *s, const nsdae_fc *fc)
     int k = s->row[j] / 3;
     s->b[at] = q[j];
     put(s, (int)at, j, 1);
-    if (fc->kind[k] != NSDAE_FC_CONE) {
+    if (fc->items.kind[k] != NSDAE_FC_CONE) {
       at++;
       continue;
     }
@@ -150,7 +155,7 @@ static void fill_problem(nsdae_fc_polyhedral *s, const nsdae_fc *fc)
     s->b[at + 2] = -q[j];
     put(s, (int)at + 1, j, 1);
     put(s, (int)at + 2, j, -1);
-    s->A[at * n + at + 3] = fc->mu[k];
+    s->A[at * n + at + 3] = fc->items.mu[k];
     s->A[(at + 1) * n + at + 3] = s->A[(at + 2) * n + at + 3] = -1;
     s->A[(at + 3) * n + at + 1] = s->A[(at + 3) * n + at + 2] = 1;
     at += 4;
@@ -164,7 +169,7 @@ static void read_solution(nsdae_fc_polyhedral *s, nsdae_fc *fc)
   double *X = s->W + m * m; /* becomes r_B */
   memset(fc->r, 0, 3 * (size_t)fc->n * sizeof *fc->r);
   for (size_t j = nb; j < m; j++) {
-    int row = s->row[j], cone = fc->kind[row / 3] == NSDAE_FC_CONE;
+    int row = s->row[j], cone = fc->items.kind[row / 3] == NSDAE_FC_CONE;
     fc->r[row] = row % 3 == 0 ? s->x[at] : s->x[at + 1] - s->x[at + 2];
     at += !cone ? 1 : row % 3 == 0 ? 0 : 4;
     for (size_t i = 0; i < nb; i++) X[i] += s->W[j * m + i] * fc->r[row];

@@ -19,7 +19,7 @@ typedef struct nsdae_fc_polyhedral {
   int lwork, liwork;
 } nsdae_fc_polyhedral;
 
-/* Takes the arrays for the island, where it is one; fc has its numbers of items. */
+/* Takes the arrays for an island of so many items; fc has its numbers. */
 void nsdae_fc_polyhedral_layout(nsdae_fc_polyhedral *s, const nsdae_fc *fc, nsdae_arena *arena);
 
 /* Solves the island into fc->r; y [ny] is work. Returns 0 where there is nothing to be had: it is

@@ -35,10 +35,10 @@ enum { BODY = 6 }; /* the size of most blocks: its loops are laid out flat */
 static inline void gather(const nsdae_fc *c, int k, double *u)
 {
   const double *r = c->r + 3 * k;
-  for (int j = 0; j < 3; j++) u[j] = c->q[3 * k + j] + c->C[3 * k + j] * r[j];
-  for (int e = c->first[k]; e < c->first[k + 1]; e++) {
-    const double *J = nsdae_fc_part(c, e), *y = c->y + c->offset[c->block[e]];
-    int n = c->size[c->block[e]];
+  for (int j = 0; j < 3; j++) u[j] = c->items.q[3 * k + j] + c->items.C[3 * k + j] * r[j];
+  for (int e = c->parts.first[k]; e < c->parts.first[k + 1]; e++) {
+    const double *J = nsdae_fc_part(c, e), *y = c->y + c->parts.offset[c->parts.block[e]];
+    int n = c->parts.size[c->parts.block[e]];
     if (n == BODY)
       gather_part(BODY, J, y, u);
     else
@@ -51,10 +51,10 @@ static inline void apply(nsdae_fc *c, int k, const double *dr)
 {
   for (int j = 0; j < 3; j++) c->r[3 * k + j] += dr[j];
   if (c->local) return;
-  for (int e = c->first[k]; e < c->first[k + 1]; e++) {
+  for (int e = c->parts.first[k]; e < c->parts.first[k + 1]; e++) {
     const double *J = nsdae_fc_part(c, e);
-    double *y = c->y + c->offset[c->block[e]];
-    int n = c->size[c->block[e]];
+    double *y = c->y + c->parts.offset[c->parts.block[e]];
+    int n = c->parts.size[c->parts.block[e]];
     if (n == BODY)
       apply_part(BODY, J, dr, y);
     else
@@ -66,21 +66,21 @@ static inline void apply(nsdae_fc *c, int k, const double *dr)
 static void solve_item(const nsdae_fc *c, int k, const double *u, double *slip, double *r)
 {
   double D[9], q[3] = {u[0], u[1], u[2]}, old[3];
-  memcpy(D, c->D + 9 * (size_t)k, sizeof D);
+  memcpy(D, c->items.D + 9 * (size_t)k, sizeof D);
   memcpy(old, c->r + 3 * k, sizeof old);
   for (int j = 0; j < 3; j++) D[4 * j] += PROXIMAL;
   r[1] = r[2] = 0;
-  if (c->kind[k] != NSDAE_FC_CONE) {
+  if (c->items.kind[k] != NSDAE_FC_CONE) {
     r[0] = old[0] - u[0] / D[0];
-    if (c->kind[k] == NSDAE_FC_NORMAL && !(r[0] > 0)) r[0] = 0;
+    if (c->items.kind[k] == NSDAE_FC_NORMAL && !(r[0] > 0)) r[0] = 0;
     return;
   }
-  nsdae_fc_turn(c->turn + 2 * k, 1, q);
-  nsdae_fc_turn(c->turn + 2 * k, 1, old);
+  nsdae_fc_turn(c->items.turn + 2 * k, 1, q);
+  nsdae_fc_turn(c->items.turn + 2 * k, 1, old);
   for (int j = 0; j < 3; j++)
     q[j] -= D[3 * j] * old[0] + D[3 * j + 1] * old[1] + D[3 * j + 2] * old[2];
-  nsdae_fc_solve_contact(D, q, c->mu[k], slip + k, r);
-  nsdae_fc_turn(c->turn + 2 * k, -1, r);
+  nsdae_fc_solve_contact(D, q, c->items.mu[k], slip + k, r);
+  nsdae_fc_turn(c->items.turn + 2 * k, -1, r);
 }
 
 double nsdae_fc_sweep(nsdae_fc *c, int sweeps, double *slip)
@@ -95,7 +95,7 @@ double nsdae_fc_sweep(nsdae_fc *c, int sweeps, double *slip)
       for (int j = 0; j < 3; j++) r[j] -= c->r[3 * k + j];
       double most = fmax(fabs(r[0]), fmax(fabs(r[1]), fabs(r[2])));
       if (most == 0) continue;
-      change = fmax(change, c->weight[k] * most);
+      change = fmax(change, c->items.weight[k] * most);
       apply(c, k, r);
     }
   }

@@ -12,47 +12,48 @@ static const double RELAXED = 0.15;
 static void lay_out_graph(void *object, nsdae_arena *arena)
 {
   nsdae_fronts *f = object;
-  int n = f->n;
-  f->size = NSDAE_ARENA_INTS(arena, n);
-  f->first = NSDAE_ARENA_INTS(arena, n + 1L);
-  f->index = NSDAE_ARENA_INTS(arena, f->supernodes); /* here the number of entries */
-  f->at = nsdae_arena_take(arena, f->supernodes, sizeof(size_t));
-  f->twin = NSDAE_ARENA_INTS(arena, f->supernodes);
-  f->diagonal = nsdae_arena_take(arena, n, sizeof(size_t));
+  int n = f->graph.n;
+  f->graph.size = NSDAE_ARENA_INTS(arena, n);
+  f->graph.first = NSDAE_ARENA_INTS(arena, n + 1L);
+  f->graph.index = NSDAE_ARENA_INTS(arena, f->super.count); /* here the number of entries */
+  f->graph.at = nsdae_arena_take(arena, f->super.count, sizeof(size_t));
+  f->graph.twin = NSDAE_ARENA_INTS(arena, f->super.count);
+  f->graph.diagonal = nsdae_arena_take(arena, n, sizeof(size_t));
   f->place = NSDAE_ARENA_INTS(arena, n + 1L);
-  f->begin = NSDAE_ARENA_INTS(arena, n + 1L);
-  f->pivots = NSDAE_ARENA_INTS(arena, n);
-  f->rest = NSDAE_ARENA_INTS(arena, n);
-  f->children = NSDAE_ARENA_INTS(arena, n);
+  f->super.begin = NSDAE_ARENA_INTS(arena, n + 1L);
+  f->super.pivots = NSDAE_ARENA_INTS(arena, n);
+  f->super.rest = NSDAE_ARENA_INTS(arena, n);
+  f->super.children = NSDAE_ARENA_INTS(arena, n);
   f->local = NSDAE_ARENA_INTS(arena, n);
   f->waiting = NSDAE_ARENA_INTS(arena, n);
-  f->factor = nsdae_arena_take(arena, n + 1L, sizeof(size_t));
+  f->super.factor = nsdae_arena_take(arena, n + 1L, sizeof(size_t));
 }
 
 static void lay_out_numbers(void *object, nsdae_arena *arena)
 {
   nsdae_fronts *f = object;
   f->A = NSDAE_ARENA_DOUBLES(arena, f->values);
-  f->F = NSDAE_ARENA_DOUBLES(arena, f->factor[f->supernodes]);
-  f->front = NSDAE_ARENA_DOUBLES(arena, f->most_front);
-  f->stack = NSDAE_ARENA_DOUBLES(arena, f->most_stack);
+  f->F = NSDAE_ARENA_DOUBLES(arena, f->super.factor[f->super.count]);
+  f->front = NSDAE_ARENA_DOUBLES(arena, f->super.most_front);
+  f->stack = NSDAE_ARENA_DOUBLES(arena, f->super.most_stack);
   f->vector = NSDAE_ARENA_DOUBLES(arena, f->order);
-  f->gather = NSDAE_ARENA_DOUBLES(arena, f->most_rest);
+  f->gather = NSDAE_ARENA_DOUBLES(arena, f->super.most_rest);
   f->exchange = NSDAE_ARENA_INTS(arena, f->order);
 }
 
 static int block_size(const nsdae_fronts *f, int number)
 {
-  return f->size[f->tree.node[number]];
+  return f->graph.size[f->tree.node[number]];
 }
 
 static int is_same(const nsdae_fronts *f, int n, const int *size, const int *first,
                    const int *index)
 {
   size_t count = (size_t)n;
-  return f->of_numbers.base && f->n == n && memcmp(f->size, size, count * sizeof *size) == 0 &&
-         memcmp(f->first, first, (count + 1) * sizeof *first) == 0 &&
-         memcmp(f->index, index, (size_t)first[n] * sizeof *index) == 0;
+  return f->of_numbers.base && f->graph.n == n &&
+         memcmp(f->graph.size, size, count * sizeof *size) == 0 &&
+         memcmp(f->graph.first, first, (count + 1) * sizeof *first) == 0 &&
+         memcmp(f->graph.index, index, (size_t)first[n] * sizeof *index) == 0;
 }
 
 /* Where the blocks of A lie. */
@@ -60,23 +61,24 @@ static void place_blocks(nsdae_fronts *f)
 {
   size_t used = 0;
   f->order = 0;
-  for (int k = 0; k < f->n; k++) {
+  for (int k = 0; k < f->graph.n; k++) {
     f->place[k] = f->order;
     f->order += block_size(f, k);
   }
-  for (int i = 0; i < f->n; i++) {
-    size_t n = (size_t)f->size[i];
-    f->diagonal[i] = used;
+  for (int i = 0; i < f->graph.n; i++) {
+    size_t n = (size_t)f->graph.size[i];
+    f->graph.diagonal[i] = used;
     used += n * n;
-    for (int a = f->first[i]; a < f->first[i + 1]; a++) {
-      f->at[a] = used;
-      used += n * (size_t)f->size[f->index[a]];
+    for (int a = f->graph.first[i]; a < f->graph.first[i + 1]; a++) {
+      f->graph.at[a] = used;
+      used += n * (size_t)f->graph.size[f->graph.index[a]];
     }
   }
   f->values = used;
-  for (int i = 0; i < f->n; i++) f->local[i] = f->first[i];
-  for (int i = 0; i < f->n; i++) /* lists ascend: those of j meet their twins in order */
-    for (int a = f->first[i]; a < f->first[i + 1]; a++) f->twin[a] = f->local[f->index[a]]++;
+  for (int i = 0; i < f->graph.n; i++) f->local[i] = f->graph.first[i];
+  for (int i = 0; i < f->graph.n; i++) /* lists ascend: those of j meet their twins in order */
+    for (int a = f->graph.first[i]; a < f->graph.first[i + 1]; a++)
+      f->graph.twin[a] = f->local[f->graph.index[a]]++;
 }
 
 /* Runs of columns, each the parent of the one before. The last column of a run has the rows of all
@@ -86,53 +88,53 @@ static void find_supernodes(nsdae_fronts *f)
   const nsdae_elimination *t = &f->tree;
   int s = 0;
   double stored = 0, zeros = 0;
-  for (int k = 0; k < f->n; k++) {
+  for (int k = 0; k < f->graph.n; k++) {
     int open = k > 0 && t->parent[k - 1] == k;
-    double columns = open ? k - f->begin[s - 1] : 0;
+    double columns = open ? k - f->super.begin[s - 1] : 0;
     double more = open ? columns * (t->count[k] + 1 - t->count[k - 1]) : 0;
     if (open && zeros + more <= RELAXED * (stored + columns + t->count[k] + 1)) {
       zeros += more;
       stored += t->count[k] + 1;
       continue;
     }
-    f->begin[s++] = k;
+    f->super.begin[s++] = k;
     zeros = 0;
     stored = t->count[k] + 1;
   }
-  f->begin[s] = f->n;
-  f->supernodes = s;
+  f->super.begin[s] = f->graph.n;
+  f->super.count = s;
 }
 
 /* Rows below supernode s are those of its last column. */
 static int last_of(const nsdae_fronts *f, int s)
 {
-  return f->begin[s + 1] - 1;
+  return f->super.begin[s + 1] - 1;
 }
 
 static void measure_supernodes(nsdae_fronts *f)
 {
   const nsdae_elimination *t = &f->tree;
   int *owner = f->local;
-  f->factor[0] = 0;
-  f->most_front = 0;
-  f->most_rest = 0;
-  for (int s = 0; s < f->supernodes; s++) {
+  f->super.factor[0] = 0;
+  f->super.most_front = 0;
+  f->super.most_rest = 0;
+  for (int s = 0; s < f->super.count; s++) {
     int last = last_of(f, s);
-    f->pivots[s] = f->rest[s] = f->children[s] = 0;
-    for (int k = f->begin[s]; k <= last; k++) {
-      f->pivots[s] += block_size(f, k);
+    f->super.pivots[s] = f->super.rest[s] = f->super.children[s] = 0;
+    for (int k = f->super.begin[s]; k <= last; k++) {
+      f->super.pivots[s] += block_size(f, k);
       owner[k] = s;
     }
     for (size_t a = t->start[last]; a < t->start[last + 1]; a++)
-      f->rest[s] += block_size(f, t->row[a]);
-    size_t p = (size_t)f->pivots[s], r = (size_t)f->rest[s];
-    f->factor[s + 1] = f->factor[s] + p * (p + 2 * r);
-    if ((p + r) * (p + r) > f->most_front) f->most_front = (p + r) * (p + r);
-    if (f->rest[s] > f->most_rest) f->most_rest = f->rest[s];
+      f->super.rest[s] += block_size(f, t->row[a]);
+    size_t p = (size_t)f->super.pivots[s], r = (size_t)f->super.rest[s];
+    f->super.factor[s + 1] = f->super.factor[s] + p * (p + 2 * r);
+    if ((p + r) * (p + r) > f->super.most_front) f->super.most_front = (p + r) * (p + r);
+    if (f->super.rest[s] > f->super.most_rest) f->super.most_rest = f->super.rest[s];
   }
-  for (int s = 0; s < f->supernodes; s++) {
+  for (int s = 0; s < f->super.count; s++) {
     int above = t->parent[last_of(f, s)];
-    if (above < f->n) f->children[owner[above]]++;
+    if (above < f->graph.n) f->super.children[owner[above]]++;
   }
 }
 
@@ -141,15 +143,15 @@ static void measure_stack(nsdae_fronts *f)
 {
   size_t used = 0;
   int *waiting = f->waiting, top = 0;
-  f->most_stack = 0;
-  for (int s = 0; s < f->supernodes; s++) {
-    for (int c = 0; c < f->children[s]; c++) {
+  f->super.most_stack = 0;
+  for (int s = 0; s < f->super.count; s++) {
+    for (int c = 0; c < f->super.children[s]; c++) {
       int child = waiting[--top];
-      used -= (size_t)f->rest[child] * (size_t)f->rest[child];
+      used -= (size_t)f->super.rest[child] * (size_t)f->super.rest[child];
     }
-    used += (size_t)f->rest[s] * (size_t)f->rest[s];
-    if (used > f->most_stack) f->most_stack = used;
-    if (f->rest[s] > 0) waiting[top++] = s;
+    used += (size_t)f->super.rest[s] * (size_t)f->super.rest[s];
+    if (used > f->super.most_stack) f->super.most_stack = used;
+    if (f->super.rest[s] > 0) waiting[top++] = s;
   }
 }
 
@@ -158,18 +160,18 @@ int nsdae_fronts_analyse(nsdae_fronts *f, int n, const int *size, const int *fir
 {
   if (is_same(f, n, size, first, index)) return NSDAE_OK;
   if (nsdae_elimination_analyse(&f->tree, n, first, index) != NSDAE_OK) return NSDAE_E_MEMORY;
-  f->n = n;
-  f->supernodes = first[n];
+  f->graph.n = n;
+  f->super.count = first[n];
   if (nsdae_arena_fit(&f->of_graph, lay_out_graph, f) != NSDAE_OK) return NSDAE_E_MEMORY;
-  memcpy(f->size, size, (size_t)n * sizeof *size);
-  memcpy(f->first, first, ((size_t)n + 1) * sizeof *first);
-  memcpy(f->index, index, (size_t)first[n] * sizeof *index);
+  memcpy(f->graph.size, size, (size_t)n * sizeof *size);
+  memcpy(f->graph.first, first, ((size_t)n + 1) * sizeof *first);
+  memcpy(f->graph.index, index, (size_t)first[n] * sizeof *index);
   place_blocks(f);
   find_supernodes(f);
   measure_supernodes(f);
   measure_stack(f);
   int status = nsdae_arena_fit(&f->of_numbers, lay_out_numbers, f);
-  if (status != NSDAE_OK) f->n = 0;
+  if (status != NSDAE_OK) f->graph.n = 0;
   return status;
 }
 
@@ -189,15 +191,15 @@ static void add_block(const nsdae_fronts *f, double *F, int lda, size_t from, in
 static void add_entries(const nsdae_fronts *f, int s, double *F, int lda)
 {
   const nsdae_elimination *t = &f->tree;
-  for (int k = f->begin[s]; k < f->begin[s + 1]; k++) {
+  for (int k = f->super.begin[s]; k < f->super.begin[s + 1]; k++) {
     int i = t->node[k];
-    add_block(f, F, lda, f->diagonal[i], k, k);
-    for (int a = f->first[i]; a < f->first[i + 1]; a++) {
-      int other = t->number[f->index[a]];
-      if (other < f->begin[s]) continue;
-      add_block(f, F, lda, f->at[a], other, k);
-      if (other >= f->begin[s + 1] && !f->symmetric)
-        add_block(f, F, lda, f->at[f->twin[a]], k, other);
+    add_block(f, F, lda, f->graph.diagonal[i], k, k);
+    for (int a = f->graph.first[i]; a < f->graph.first[i + 1]; a++) {
+      int other = t->number[f->graph.index[a]];
+      if (other < f->super.begin[s]) continue;
+      add_block(f, F, lda, f->graph.at[a], other, k);
+      if (other >= f->super.begin[s + 1] && !f->symmetric)
+        add_block(f, F, lda, f->graph.at[f->graph.twin[a]], k, other);
     }
   }
 }
@@ -206,7 +208,7 @@ static void add_entries(const nsdae_fronts *f, int s, double *F, int lda)
 static void add_child(const nsdae_fronts *f, int child, const double *left, double *F, int lda)
 {
   const nsdae_elimination *t = &f->tree;
-  int last = last_of(f, child), rest = f->rest[child];
+  int last = last_of(f, child), rest = f->super.rest[child];
   const double *column = left;
   for (size_t b = t->start[last]; b < t->start[last + 1]; b++)
     for (int c = 0; c < block_size(f, t->row[b]); c++, column += rest) {
@@ -228,7 +230,7 @@ static void place_front(nsdae_fronts *f, int s)
 {
   const nsdae_elimination *t = &f->tree;
   int at = 0, last = last_of(f, s);
-  for (int k = f->begin[s]; k <= last; k++) {
+  for (int k = f->super.begin[s]; k <= last; k++) {
     f->local[k] = at;
     at += block_size(f, k);
   }
@@ -285,18 +287,18 @@ static int factor_general(int p, int r, double *F, int lda, int *exchange)
  */
 static int factor_one(nsdae_fronts *f, int s, int *waiting, int *count, size_t *top)
 {
-  int p = f->pivots[s], r = f->rest[s], n = p + r;
-  double *F = f->front, *to = f->F + f->factor[s];
+  int p = f->super.pivots[s], r = f->super.rest[s], n = p + r;
+  double *F = f->front, *to = f->F + f->super.factor[s];
   memset(F, 0, (size_t)n * (size_t)n * sizeof *F);
   place_front(f, s);
   add_entries(f, s, F, n);
-  for (int c = 0; c < f->children[s]; c++) {
+  for (int c = 0; c < f->super.children[s]; c++) {
     int child = waiting[--*count];
-    *top -= (size_t)f->rest[child] * (size_t)f->rest[child];
+    *top -= (size_t)f->super.rest[child] * (size_t)f->super.rest[child];
     add_child(f, child, f->stack + *top, F, n);
   }
   int info = f->symmetric ? factor_symmetric(p, r, F, n)
-                          : factor_general(p, r, F, n, f->exchange + f->place[f->begin[s]]);
+                          : factor_general(p, r, F, n, f->exchange + f->place[f->super.begin[s]]);
   if (info != 0) return info;
   copy(p, p, F, n, to, p);
   copy(r, p, F + p, n, to + (size_t)p * (size_t)p, r);
@@ -313,7 +315,7 @@ int nsdae_fronts_factor(nsdae_fronts *f, int symmetric)
   int count = 0;
   size_t top = 0;
   f->symmetric = symmetric;
-  for (int s = 0; s < f->supernodes; s++)
+  for (int s = 0; s < f->super.count; s++)
     if (factor_one(f, s, f->waiting, &count, &top) != 0) return s + 1;
   return 0;
 }
@@ -336,8 +338,8 @@ static void gather(const nsdae_fronts *f, int s, int add)
 
 static void forward(nsdae_fronts *f, int s)
 {
-  int p = f->pivots[s], r = f->rest[s], at = f->place[f->begin[s]];
-  const double *P = f->F + f->factor[s], *R = P + (size_t)p * (size_t)p;
+  int p = f->super.pivots[s], r = f->super.rest[s], at = f->place[f->super.begin[s]];
+  const double *P = f->F + f->super.factor[s], *R = P + (size_t)p * (size_t)p;
   double *x = f->vector + at;
   if (!f->symmetric) LAPACKE_dlaswp_work(LAPACK_COL_MAJOR, 1, x, p, 1, p, f->exchange + at, 1);
   cblas_dtrsv(CblasColMajor, CblasLower, CblasNoTrans, f->symmetric ? CblasNonUnit : CblasUnit, p,
@@ -349,10 +351,10 @@ static void forward(nsdae_fronts *f, int s)
 
 static void backward(nsdae_fronts *f, int s)
 {
-  int p = f->pivots[s], r = f->rest[s];
-  const double *P = f->F + f->factor[s], *R = P + (size_t)p * (size_t)p,
+  int p = f->super.pivots[s], r = f->super.rest[s];
+  const double *P = f->F + f->super.factor[s], *R = P + (size_t)p * (size_t)p,
                *U = R + (size_t)p * (size_t)r;
-  double *x = f->vector + f->place[f->begin[s]];
+  double *x = f->vector + f->place[f->super.begin[s]];
   if (r > 0) gather(f, s, 0);
   if (r > 0 && f->symmetric)
     cblas_dgemv(CblasColMajor, CblasTrans, r, p, -1, R, r, f->gather, 1, 1, x, 1);
@@ -367,18 +369,18 @@ static void backward(nsdae_fronts *f, int s)
 /* x in the order of the blocks into the permuted vector (in), or back. */
 static void permute(nsdae_fronts *f, double *x, int in)
 {
-  for (int i = 0; i < f->n; i++) {
+  for (int i = 0; i < f->graph.n; i++) {
     double *y = f->vector + f->place[f->tree.number[i]];
-    memcpy(in ? y : x, in ? x : y, (size_t)f->size[i] * sizeof *x);
-    x += f->size[i];
+    memcpy(in ? y : x, in ? x : y, (size_t)f->graph.size[i] * sizeof *x);
+    x += f->graph.size[i];
   }
 }
 
 void nsdae_fronts_solve(nsdae_fronts *f, double *x)
 {
   permute(f, x, 1);
-  for (int s = 0; s < f->supernodes; s++) forward(f, s);
-  for (int s = f->supernodes - 1; s >= 0; s--) backward(f, s);
+  for (int s = 0; s < f->super.count; s++) forward(f, s);
+  for (int s = f->super.count - 1; s >= 0; s--) backward(f, s);
   permute(f, x, 0);
 }
 
@@ -387,5 +389,5 @@ void nsdae_fronts_release(nsdae_fronts *f)
   nsdae_elimination_release(&f->tree);
   nsdae_arena_release(&f->of_graph);
   nsdae_arena_release(&f->of_numbers);
-  f->n = 0;
+  f->graph.n = 0;
 }

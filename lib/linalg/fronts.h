@@ -8,41 +8,52 @@
 
 #include "elimination.h"
 
-typedef struct nsdae_fronts {
-  nsdae_elimination tree;
-  int n, order;  /* blocks; rows */
-  int symmetric; /* of the last factorisation */
-  int supernodes;
-  int *size;  /* n: rows of each block */
-  int *first; /* n + 1, index: the graph, kept to see whether the next one is the same */
-  int *index;
+/* The matrix: its blocks, kept to see whether the next one has the same. */
+typedef struct nsdae_fronts_graph {
+  int n;            /* blocks */
+  int *size;        /* n: rows of each */
+  int *first;       /* n + 1: where the neighbours of each begin in index */
+  int *index;       /* first[n] */
   size_t *at;       /* first[n]: in A, the block in row index[a] of column i, column-major */
   int *twin;        /* first[n]: the entry of the transposed block */
   size_t *diagonal; /* n: the block (i, i) */
-  double *A;        /* the matrix, to be filled by the caller */
-  size_t values;    /* of A */
-  int *place;       /* n: first row of number k in the permuted vectors */
-  int *begin;       /* supernodes + 1: first number of each */
-  int *pivots;      /* supernodes: its columns */
-  int *rest;        /* supernodes: its rows below */
-  size_t *factor;   /* supernodes + 1: where its part of F begins: pivot block, rows, columns */
-  int *children;    /* supernodes: how many leave something to it */
-  double *F;        /* the factors */
-  double *front;    /* largest front */
-  double *stack;    /* what children leave */
-  double *vector;   /* order: permuted right-hand side */
-  double *gather;   /* largest rest */
-  int *exchange;    /* order: of rows */
-  int *local;       /* n: where a number begins in the front at hand */
-  int *waiting;     /* n: supernodes whose rest is on the stack */
+} nsdae_fronts_graph;
+
+/* The supernodes of its tree. */
+typedef struct nsdae_supernodes {
+  int count;
+  int *begin;     /* count + 1: first number of each */
+  int *pivots;    /* count: its columns */
+  int *rest;      /* count: its rows below */
+  size_t *factor; /* count + 1: where its part of F begins: pivot block, rows, columns */
+  int *children;  /* count: how many leave something to it */
   size_t most_front, most_stack;
   int most_rest;
+} nsdae_supernodes;
+
+typedef struct nsdae_fronts {
+  nsdae_elimination tree;
+  nsdae_fronts_graph graph;
+  nsdae_supernodes super;
+  int order;      /* rows */
+  int symmetric;  /* of the last factorisation */
+  double *A;      /* the matrix, to be filled by the caller */
+  size_t values;  /* of A */
+  int *place;     /* n: first row of number k in the permuted vectors */
+  double *F;      /* the factors */
+  double *front;  /* largest front */
+  double *stack;  /* what children leave */
+  double *vector; /* order: permuted right-hand side */
+  double *gather; /* largest rest */
+  int *exchange;  /* order: of rows */
+  int *local;     /* n: where a number begins in the front at hand */
+  int *waiting;   /* n: supernodes whose rest is on the stack */
   nsdae_arena of_graph, of_numbers;
 } nsdae_fronts;
 
 /* Analyses the graph (neighbours of block i, without i, ascending, in both directions) of n blocks
- * of these sizes; nothing is done where it is the one of the last call. Then A holds at[] and
- * diagonal[]. NSDAE_OK or NSDAE_E_MEMORY. A struct of zeros is one without memory. */
+ * of these sizes; nothing is done where it is the one of the last call. Then A holds graph.at[] and
+ * graph.diagonal[]. NSDAE_OK or NSDAE_E_MEMORY. A struct of zeros is one without memory. */
 int nsdae_fronts_analyse(nsdae_fronts *f, int n, const int *size, const int *first,
                          const int *index);
 

@@ -116,7 +116,7 @@ static int graph(nsdae_saddle *s, const part *p)
 /* Entry of the graph: the place of block `to` among the neighbours of `from`. */
 static size_t place(const nsdae_saddle *s, int from, int to)
 {
-  if (from == to) return s->fronts.diagonal[from];
+  if (from == to) return s->fronts.graph.diagonal[from];
   int low = s->first[from], high = s->first[from + 1] - 1;
   while (low < high) {
     int middle = (low + high) / 2;
@@ -125,7 +125,7 @@ static size_t place(const nsdae_saddle *s, int from, int to)
     else
       high = middle;
   }
-  return s->fronts.at[low];
+  return s->fronts.graph.at[low];
 }
 
 /* The block of A in block row `a`, block column `b` gets s J_a^T J_b of one row. */
@@ -149,7 +149,7 @@ static int factor(nsdae_saddle *s, const part *p)
   memset(s->fronts.A, 0, s->fronts.values * sizeof *s->fronts.A);
   for (int i = 0; i < p->blocks_count; i++) {
     size_t square = (size_t)s->size[i] * (size_t)s->size[i];
-    memcpy(s->fronts.A + s->fronts.diagonal[i], p->M + p->blocks->square[p->block[i]],
+    memcpy(s->fronts.A + s->fronts.graph.diagonal[i], p->M + p->blocks->square[p->block[i]],
            square * sizeof *p->M);
   }
   for (int i = 0; i < p->rows_count; i++) add_outer(s, p, p->row[i]);

@@ -80,6 +80,7 @@ static void count(nsdae_result *result, const nsdae_solved *solved)
   c->islands = solved->islands;
   c->island_contacts = solved->contacts;
   result->problem = solved->problem;
+  if (solved->pile) result->pile = solved->pile;
   nsdae_count_rank(c, solved->rank);
 }
 

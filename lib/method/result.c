@@ -54,6 +54,7 @@ void nsdae_result_clear(nsdae_result *r)
   r->work = r->worst_residual = r->carried = 0;
   r->smooth = r->located = r->given_up = 0;
   r->problem = NULL;
+  r->pile = NULL;
   r->counters = (nsdae_counters){.rank = dims->m, .rank_kept = 1};
 }
 

@@ -4,6 +4,7 @@
 #define NSDAE_RESULT_H
 
 #include "contacts.h"
+#include "pile.h"
 #include "state.h"
 
 /* Of one step. */
@@ -36,6 +37,7 @@ typedef struct nsdae_result {
   double worst_residual;         /* of its complementarity problems */
   int smooth;                    /* nothing was closed */
   const nsdae_contacts *problem; /* the one that was asked last, for who wants to see it fail */
+  const nsdae_pile *pile;        /* of contacts by list: that of the large islands; NULL: none */
   nsdae_counters counters;
   nsdae_memory memory; /* for the next step */
 } nsdae_result;

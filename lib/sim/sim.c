@@ -270,8 +270,8 @@ int nsdae_sim_get_record(const nsdae_sim *sim, nsdae_record *record)
 int nsdae_sim_get_failed_lcp(const nsdae_sim *sim, nsdae_lcp_problem *problem)
 {
   if (!sim || !problem) return NSDAE_E_ARGUMENT;
-  if (!sim->failed) return NSDAE_E_STATE;
   const nsdae_contacts *c = sim->next->result.problem;
+  if (!sim->failed || !c) return NSDAE_E_STATE;
   if (nsdae_cones_any(c)) return NSDAE_E_STATE; /* see nsdae_sim_get_friction */
   *problem = (nsdae_lcp_problem){.n = c->rows, .A = c->lcp.A, .lda = c->rows, .b = c->lcp.b};
   return NSDAE_OK;
@@ -283,6 +283,11 @@ int nsdae_sim_get_friction(nsdae_sim *sim, nsdae_step_friction *friction)
   if (!sim->started) return NSDAE_E_STATE;
   nsdae_contacts *c = &sim->stepper.contacts;
   const nsdae_point *last = sim->failed ? sim->next : sim->now;
+  if (last->result.pile) {
+    const nsdae_pile_last l = nsdae_pile_largest(last->result.pile);
+    *friction = (nsdae_step_friction){l.problem, l.options, l.guess, l.r, l.u};
+    return NSDAE_OK;
+  }
   if (last->result.problem != c || c->active_count == 0 || nsdae_cones_describe(c) < 0)
     return NSDAE_E_STATE;
   *friction = (nsdae_step_friction){c->cones.problem, c->cones.options, c->cones.guess, c->cones.r,

@@ -106,7 +106,7 @@ static int prepare(nsdae_sim *sim, double t1)
   int status = nsdae_interrupted(&sim->stepper.interrupt, &sim->error, t0);
   while (status == NSDAE_OK && (status = advance(sim, t1)) == NSDAE_GROW)
     status = nsdae_sim_grow(sim); /* and once more */
-  sim->failed = is_problem(status) && sim->next->result.problem;
+  sim->failed = is_problem(status) && (sim->next->result.problem || sim->next->result.pile);
   if (status == NSDAE_OK)
     status = sim->options.projection == NSDAE_PROJECTION_NONE ? keep_lengths(sim) : project(sim);
   if (status == NSDAE_OK)

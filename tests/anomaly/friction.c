@@ -364,6 +364,36 @@ static void test_memory(void **state)
   nsdae_friction_destroy(&solver);
 }
 
+/* The same of a proof: two rows that close in on each other. */
+static void test_memory_of_proofs(void **state)
+{
+  (void)state;
+  const int rows[] = {1, 1}, first[] = {0, 2, 4}, block[] = {0, 1, 0, 1};
+  const double W[] = {1, -1, -1, 1}, mu[2] = {0}, q[] = {-1, -1};
+  const nsdae_friction_problem p = {.form = NSDAE_FRICTION_LOCAL,
+                                    .contacts = 2,
+                                    .rows = rows,
+                                    .mu = mu,
+                                    .w = q,
+                                    .first = first,
+                                    .block = block,
+                                    .value = W};
+  double r[2] = {0}, u[2];
+  for (long lost = 0;; lost++) {
+    r[0] = 7;
+    allocator_reset(lost);
+    int status = nsdae_friction_solve(&p, NULL, r, u, NULL);
+    assert_int_equal(the_allocator.live, 0);
+    long calls = the_allocator.calls;
+    allocator_reset(-1);
+    if (status == NSDAE_E_INFEASIBLE && lost >= calls) break;
+    if (status == NSDAE_E_INFEASIBLE) continue; /* what another stage had wanted */
+    assert_int_equal(status, NSDAE_E_MEMORY);
+    assert_true(r[0] == 7);
+  }
+  assert_true(r[0] > 0 && r[0] == r[1]);
+}
+
 enum { ROW = 120 };
 
 /* A row of masses that are pressed together and on the ground, and one more on the ground alone,
@@ -503,7 +533,7 @@ int main(void)
       cmocka_unit_test(test_coefficients),   cmocka_unit_test(test_fixed),
       cmocka_unit_test(test_jammed),         cmocka_unit_test(test_not_symmetric),
       cmocka_unit_test(test_parts_of_zeros), cmocka_unit_test(test_every_pair_listed),
-      cmocka_unit_test(test_memory),
+      cmocka_unit_test(test_memory),         cmocka_unit_test(test_memory_of_proofs),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -19,8 +19,9 @@
 
 #include "friction_families.h"
 #include "friction_rival.h"
+#include "ratio.h"
 
-enum { LEVELS = 3, MOST_PEERS = 4, PEER_MOST = 3000, GENERATED = 12, NAMES = 200 };
+enum { LEVELS = 3, SIZES = 3, MOST_PEERS = 4, PEER_MOST = 3000, GENERATED = 12, NAMES = 200 };
 
 static const double level[LEVELS] = {1e-4, 1e-8, 1e-12};
 
@@ -32,7 +33,22 @@ typedef struct score {
       theirs[LEVELS]; /* over what it solved, over what both did */
 } score;
 
-static score scores[MOST_PEERS + 1];
+/* By the number of contacts: below 1000, to 3000, above. */
+static const struct {
+  const char *name;
+  int below;
+} sizes[SIZES] = {{"below 1000 contacts", 1000},
+                  {"1000 to 3000 contacts", 3000},
+                  {"above 3000 contacts", 1 << 30}};
+
+static score scores[SIZES][MOST_PEERS + 1];
+
+static int size_class(const nsdae_friction_problem *p)
+{
+  int k = 0;
+  while (p->contacts >= sizes[k].below) k++;
+  return k;
+}
 
 static double now(void)
 {
@@ -277,7 +293,7 @@ static double time_peer(int peer, const nsdae_friction_problem *p, const local_f
     for (size_t i = 0; i < m; i++) r[i] *= unit;
     *worst = residual_of(p, r);
     reached = *worst <= tol;
-    if (says && *worst > 100 * tol) scores[peer + 1].claimed++;
+    if (says && *worst > 100 * tol) scores[size_class(p)][peer + 1].claimed++;
   }
   munmap(r, m * sizeof *r + 1);
   return reached ? took : -1;
@@ -296,14 +312,14 @@ static double time_ours(const nsdae_friction_problem *p, double tol, double *wor
   double took = now() - start;
   *worst = residual_of(p, r);
   *by = nsdae_friction_stage_name(info.stage);
-  if (status == NSDAE_OK && *worst > tol) scores[0].claimed++;
+  if (status == NSDAE_OK && *worst > tol) scores[size_class(p)][0].claimed++;
   free(r);
   return status == NSDAE_OK && *worst <= tol ? took : -1;
 }
 
-static void count(int who, int k, double ours, double theirs)
+static void count(score *of_size, int who, int k, double ours, double theirs)
 {
-  score *s = &scores[who];
+  score *s = &of_size[who];
   double own = who == 0 ? ours : theirs;
   if (own < 0) return;
   s->solved[k]++;
@@ -337,14 +353,14 @@ static void bench(const char *name, const nsdae_friction_problem *p)
     printf("%-34.34s %5d  %.0e  %-12s", k == 0 ? name : "", p->contacts, level[k],
            ours >= 0 ? by : "unsolved");
     print_time(ours, worst);
-    count(0, k, ours, ours);
+    count(scores[size_class(p)], 0, k, ours, ours);
     for (int peer = 0; peer < peers; peer++) {
       double theirs = -1;
       worst = NAN;
       if (!given_up[peer]) theirs = time_peer(peer, p, &l, unit, level[k], &worst);
       given_up[peer] |= theirs < 0;
       print_time(theirs, worst);
-      count(peer + 1, k, ours, theirs);
+      count(scores[size_class(p)], peer + 1, k, ours, theirs);
     }
     printf("\n");
   }
@@ -395,22 +411,35 @@ static void bench_generated(void)
   }
 }
 
-/* Solved and seconds of each, and the ratio over those that both solve. */
-static void summary(void)
+/* The mean times over what both solved, for programs to read. */
+static void add_ratios(const char *size, const score *s, const char *peer)
 {
-  printf("\n%-14s", "");
+  for (int k = 0; k < LEVELS; k++) {
+    char title[120];
+    if (s->both[k] == 0) continue;
+    snprintf(title, sizeof title, "friction, %s, to %.0e: mean of %d", size, level[k], s->both[k]);
+    ratio_add(title, s->ours[k] / s->both[k], peer, s->theirs[k] / s->both[k]);
+  }
+}
+
+/* Solved and seconds of each, and the ratio over those that both solve. */
+static void summary(int size)
+{
+  printf("\n%-22s", sizes[size].name);
   for (int k = 0; k < LEVELS; k++) printf("  %18.0e", level[k]);
   printf("   false\n");
   for (int who = 0; who <= friction_rivals(); who++) {
-    const score *s = &scores[who];
-    printf("%-14s", who == 0 ? "nsdae" : friction_rival_name(who - 1));
+    const score *s = &scores[size][who];
+    const char *name = who == 0 ? "nsdae" : friction_rival_name(who - 1);
+    printf("%-22s", name);
     for (int k = 0; k < LEVELS; k++) printf("  %4d in %9.3f s", s->solved[k], s->seconds[k]);
     printf("   %5d\n", s->claimed);
     if (who == 0) continue;
-    printf("%-14s", "  ours / its");
+    printf("%-22s", "  ours / its");
     for (int k = 0; k < LEVELS; k++)
       printf("  %4d:   %9.4f  ", s->both[k], s->theirs[k] > 0 ? s->ours[k] / s->theirs[k] : NAN);
     printf("\n");
+    add_ratios(sizes[size].name, s, name);
   }
 }
 
@@ -421,6 +450,6 @@ int main(int argc, char **argv)
   printf("\n");
   if (argc > 1) bench_folder(argv[1]);
   bench_generated();
-  summary();
+  for (int size = 0; size < SIZES; size++) summary(size);
   return 0;
 }

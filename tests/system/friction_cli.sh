@@ -58,6 +58,23 @@ h5dump -a step ball.h5 | grep -q '(0): 20$' || complain "not step 20"
 "$bin/nsdae-woodpecker" --no-output --t-end 0.3 --method moreau --set friction_dump=bird.h5 >out ||
   complain "no dump of the woodpecker: $(cat out)"
 if grep -q 'bird.h5: nsdae-friction' out; then gives 0 'outcome: solved;form: local' bird.h5; fi
+# contacts by list in one large island: the same bits
+"$bin/nsdae-wall" --quiet --no-output --set courses=3 --set length=4 --set friction_dump=wall.h5 \
+  --set friction_step=15 || complain "no dump of the wall"
+gives 0 'outcome: solved;form: global;islands: 1' --output again.h5 wall.h5
+for at in r u; do
+  h5dump -d /solution/$at -b LE -o then.bin wall.h5 >/dev/null || complain "no $at in wall.h5"
+  h5dump -d /solution/$at -b LE -o now.bin again.h5 >/dev/null || complain "no $at in again.h5"
+  [ -s then.bin ] && cmp then.bin now.bin || complain "another $at than the wall's"
+done
+# methods that solve no such problem: that of a step of moreau from the record before
+for method in event penalty; do
+  "$bin/nsdae-incline" --no-output --method $method --t-end 0.05 --set friction_dump=$method.h5 \
+    --set friction_step=8 >out || complain "no run of $method"
+  grep -q "problem of step 8 in $method.h5" out || complain "no dump of $method: $(cat out)"
+  gives 0 'outcome: solved;form: local;contacts: 1' $method.h5
+  h5dump -a method $method.h5 | grep -q moreau || complain "$method.h5 does not say moreau"
+done
 # where there is none that is said, and the run goes on
 "$bin/nsdae-bouncing-ball" --quiet --no-output --t-end 0.1 --set friction_dump=no.h5 2>err ||
   complain "the ball's run"

@@ -63,9 +63,9 @@ static void draw_values(sample *s, nsdae_fronts *f, int symmetric)
 {
   memset(s->A, 0, sizeof s->A);
   for (int i = 0; i < s->n; i++) {
-    draw_block(s, i, i, f->A + f->diagonal[i]);
+    draw_block(s, i, i, f->A + f->graph.diagonal[i]);
     for (int a = s->first[i]; a < s->first[i + 1]; a++)
-      draw_block(s, s->index[a], i, f->A + f->at[a]);
+      draw_block(s, s->index[a], i, f->A + f->graph.at[a]);
   }
   for (int j = 0; j < s->order; j++)
     for (int i = 0; i <= j; i++) {
@@ -75,9 +75,9 @@ static void draw_values(sample *s, nsdae_fronts *f, int symmetric)
       if (i == j) *upper += s->order;
     }
   for (int i = 0; i < s->n; i++) {
-    copy_block(s, i, i, f->A + f->diagonal[i]);
+    copy_block(s, i, i, f->A + f->graph.diagonal[i]);
     for (int a = s->first[i]; a < s->first[i + 1]; a++)
-      copy_block(s, s->index[a], i, f->A + f->at[a]);
+      copy_block(s, s->index[a], i, f->A + f->graph.at[a]);
   }
 }
 
@@ -119,7 +119,7 @@ static void test_singular(void **state)
   memset(f.A, 0, f.values * sizeof *f.A);
   assert_true(nsdae_fronts_factor(&f, 0) > 0);
   assert_true(nsdae_fronts_factor(&f, 1) > 0);
-  f.A[f.diagonal[0]] = NAN;
+  f.A[f.graph.diagonal[0]] = NAN;
   assert_true(nsdae_fronts_factor(&f, 1) > 0);
   nsdae_fronts_release(&f);
 }
