@@ -87,6 +87,10 @@ else()
 endif()
 nsdae_bench(steps SOURCES ${steps_sources} LINKS ${steps_peers})
 
+# A heap written with the kit of bodies beside the same by hand.
+nsdae_bench(kit)
+target_compile_definitions(bench_kit PRIVATE _POSIX_C_SOURCE=200809L)
+
 # Contacts of boxes beside libccd and ODE's collision part, where both are (libccd-dev, libode-dev).
 find_path(CCD_INCLUDE_DIR ccd/ccd.h)
 find_library(CCD_LIBRARY ccd)
