@@ -94,6 +94,22 @@ nsdae_bench(steps SOURCES ${steps_sources} LINKS ${steps_peers})
 nsdae_bench(heaps ${heaps_peer})
 target_compile_definitions(bench_heaps PRIVATE _DEFAULT_SOURCE _POSIX_C_SOURCE=200809L)
 
+# A heap written with the kit of bodies beside the same by hand.
+nsdae_bench(kit)
+target_compile_definitions(bench_kit PRIVATE _POSIX_C_SOURCE=200809L)
+
+# Contacts of boxes beside libccd and ODE's collision part, where both are (libccd-dev, libode-dev).
+find_path(CCD_INCLUDE_DIR ccd/ccd.h)
+find_library(CCD_LIBRARY ccd)
+find_path(ODE_INCLUDE_DIR ode/ode.h)
+find_library(ODE_LIBRARY ode)
+if(CCD_INCLUDE_DIR AND CCD_LIBRARY AND ODE_INCLUDE_DIR AND ODE_LIBRARY)
+  nsdae_bench(shapes LINKS ${CCD_LIBRARY} ${ODE_LIBRARY})
+  target_include_directories(bench_shapes SYSTEM PRIVATE ${CCD_INCLUDE_DIR} ${ODE_INCLUDE_DIR})
+  target_include_directories(bench_shapes PRIVATE ${PROJECT_SOURCE_DIR}/lib/bodies ${PROJECT_SOURCE_DIR}/lib/base)
+  target_compile_definitions(bench_shapes PRIVATE _POSIX_C_SOURCE=200809L)
+endif()
+
 if(NSDAE_DRIVERS)
   # 667 planar contacts of a granular flow on a wall, a problem of the Siconos project
   set(granular ${NSDAE_SHARED_DIR}/lcp_problems/fc2d_granularflowonwall_00667_00000.dat)

@@ -2,10 +2,11 @@
 #ifndef NSDAE_MODEL_BOUNCING_BALL_H
 #define NSDAE_MODEL_BOUNCING_BALL_H
 
-#include "driver.h"
+#include "table_ball.h"
 
 typedef struct bouncing_ball {
-  double h0, m, e_N, g;
+  table_ball ball;
+  double h0;
 } bouncing_ball;
 
 extern const driver_model bouncing_ball_model;

@@ -24,8 +24,6 @@
 #include <math.h>
 #include <stddef.h>
 
-#include "names.h"
-
 static const double pi = 3.14159265358979323846;
 
 static double frequency(const shaken_ball *p)
@@ -49,103 +47,31 @@ static double angle(const shaken_ball *p, double t)
 
 double shaken_ball_amplitude(const shaken_ball *p)
 {
-  return p->gamma * p->g / (frequency(p) * frequency(p));
+  return p->gamma * p->ball.g / (frequency(p) * frequency(p));
 }
 
 void shaken_ball_stable(const shaken_ball *p, double *low, double *high)
 {
-  double e = p->e_N, second = 2 * (1 + e * e) / ((1 + e) * (1 + e));
+  double e = p->ball.e_N, second = 2 * (1 + e * e) / ((1 + e) * (1 + e));
   *low = pi * (1 - e) / (1 + e);
   *high = sqrt(*low * *low + second * second);
 }
 
-static int mass(double t, const double *q, double *M, int ldm, void *user)
+/* h = A sin(angle); the ball is the first member of its parameters. */
+static void move_table(const table_ball *b, double t, double h[3])
 {
-  const shaken_ball *p = user;
-  (void)t;
-  (void)q;
-  (void)ldm;
-  M[0] = p->m;
-  return 0;
+  const shaken_ball *p = (const shaken_ball *)(const void *)b;
+  double A = shaken_ball_amplitude(p);
+  h[0] = A * sin(angle(p, t));
+  h[1] = A * frequency(p) * cos(angle(p, t));
+  h[2] = -p->gamma * p->ball.g * sin(angle(p, t));
 }
-
-static int force(double t, const double *q, const double *v, double *F, void *user)
-{
-  const shaken_ball *p = user;
-  (void)t;
-  (void)q;
-  (void)v;
-  F[0] = -p->m * p->g;
-  return 0;
-}
-
-static int gap(double t, const double *q, double *g_N, void *user)
-{
-  const shaken_ball *p = user;
-  g_N[0] = q[0] - shaken_ball_amplitude(p) * sin(angle(p, t));
-  return 0;
-}
-
-static int gap_normal(double t, const double *q, double *W, int ldw, void *user)
-{
-  (void)t;
-  (void)q;
-  (void)ldw;
-  (void)user;
-  W[0] = 1;
-  return 0;
-}
-
-static int contact_bias(double t, const double *q, double *w_n, double *w_t, void *user)
-{
-  const shaken_ball *p = user;
-  (void)q;
-  (void)w_t;
-  w_n[0] = -shaken_ball_amplitude(p) * frequency(p) * cos(angle(p, t));
-  return 0;
-}
-
-static int contact_acceleration(double t, const double *q, const double *v, double *omega_n,
-                                double *omega_t, double *omega_s, void *user)
-{
-  const shaken_ball *p = user;
-  (void)q;
-  (void)v;
-  (void)omega_t;
-  (void)omega_s;
-  omega_n[0] = p->gamma * p->g * sin(angle(p, t));
-  return 0;
-}
-
-static int potential(double t, const double *q, double *energy, void *user)
-{
-  const shaken_ball *p = user;
-  (void)t;
-  *energy = p->m * p->g * q[0];
-  return 0;
-}
-
-static const model_name names[] = {
-    {NSDAE_NAME_COORDINATE, "y", "m"},
-    {NSDAE_NAME_CONTACT, "table", "m"},
-};
 
 static int build(void *base, nsdae_system **system, nsdae_error *error)
 {
-  const shaken_ball *p = base;
-  const nsdae_dims dims = {.nq = 1, .k = 1};
-  int status = nsdae_system_create(&dims, system, error);
-  if (status < 0) return status;
-  nsdae_system_set_user(*system, base);
-  MODEL_NAMES(*system, names);
-  nsdae_system_set_mass(*system, mass);
-  nsdae_system_set_force(*system, force);
-  nsdae_system_set_gap(*system, gap);
-  nsdae_system_set_gap_normal(*system, gap_normal);
-  nsdae_system_set_contact_bias(*system, contact_bias);
-  nsdae_system_set_contact_acceleration(*system, contact_acceleration);
-  nsdae_system_set_potential(*system, potential);
-  return nsdae_system_set_contact(*system, 0, 0, p->e_N, 0);
+  shaken_ball *p = base;
+  p->ball.table = move_table;
+  return table_ball_build(&p->ball, "table", system, error);
 }
 
 /* On the table, as an impact of the orbit leaves it, but for the kick that shows whether it is
@@ -154,13 +80,13 @@ static void start(const void *base, double *q0, double *v0)
 {
   const shaken_ball *p = base;
   q0[0] = shaken_ball_amplitude(p) * sin(phase(p));
-  v0[0] = p->g * p->T / 2 * p->kick;
+  v0[0] = p->ball.g * p->T / 2 * p->kick;
 }
 
 static int bodies(const void *base, nsdae_trajectory *file, nsdae_error *error)
 {
   const shaken_ball *p = base;
-  const double size = p->g * p->T * p->T / 50;
+  const double size = p->ball.g * p->T * p->T / 50;
   const nsdae_body body[] = {
       {.name = "table",
        .shape = NSDAE_SHAPE_BOX,
@@ -181,11 +107,12 @@ static int bodies(const void *base, nsdae_trajectory *file, nsdae_error *error)
 static const nsdae_param entries[] = {
     {"gamma", "1", "acceleration of the table over gravity", NSDAE_PARAM_REAL, AT(gamma), 1.2, 0,
      INFINITY, 0, NULL},
-    {"e_N", "1", "restitution of the table", NSDAE_PARAM_REAL, AT(e_N), 0.5, 0, 1, 0, NULL},
+    {"e_N", "1", "restitution of the table", NSDAE_PARAM_REAL, AT(ball.e_N), 0.5, 0, 1, 0, NULL},
     {"T", "s", "period of the table", NSDAE_PARAM_REAL, AT(T), 0.02, 0, INFINITY, NSDAE_OPEN_MIN,
      NULL},
-    {"m", "kg", "mass", NSDAE_PARAM_REAL, AT(m), 0.001, 0, INFINITY, NSDAE_OPEN_MIN, NULL},
-    {"g", "m/s^2", "gravity", NSDAE_PARAM_REAL, AT(g), 9.81, 0, INFINITY, NSDAE_OPEN_MIN, NULL},
+    {"m", "kg", "mass", NSDAE_PARAM_REAL, AT(ball.m), 0.001, 0, INFINITY, NSDAE_OPEN_MIN, NULL},
+    {"g", "m/s^2", "gravity", NSDAE_PARAM_REAL, AT(ball.g), 9.81, 0, INFINITY, NSDAE_OPEN_MIN,
+     NULL},
     {"kick", "1", "velocity at the start over that of the orbit of one bounce a period",
      NSDAE_PARAM_REAL, AT(kick), 1.01, 0, INFINITY, 0, NULL},
 };

@@ -2,10 +2,11 @@
 #ifndef NSDAE_MODEL_SHAKEN_BALL_H
 #define NSDAE_MODEL_SHAKEN_BALL_H
 
-#include "driver.h"
+#include "table_ball.h"
 
 typedef struct shaken_ball {
-  double gamma, e_N, T, m, g, kick;
+  table_ball ball;
+  double gamma, T, kick;
 } shaken_ball;
 
 extern const driver_model shaken_ball_model;

@@ -43,7 +43,7 @@ typedef struct listing {
   const nsdae_broad *broad;
   nsdae_contact_list *list;
   double reach;
-  long id; /* of the next feature */
+  long id; /* of the pair's first feature */
   const nsdae_bodies_pair *pair;
 } listing;
 
@@ -60,7 +60,8 @@ static int list_feature(void *to, const nsdae_feature *f)
   listing *l = to;
   const nsdae_solid_of *solid = l->bodies->solid.at, *s[2];
   nsdae_pose pose[2];
-  nsdae_contact c = {.id = l->id++, .mu = l->pair->mu, .e_n = l->pair->e_n, .e_t = l->pair->e_t};
+  nsdae_contact c = {
+      .id = l->id + f->number, .mu = l->pair->mu, .e_n = l->pair->e_n, .e_t = l->pair->e_t};
   for (int i = 0; i < 2; i++) {
     s[i] = &solid[f->solid[i]];
     c.block[i] = s[i]->body;
@@ -83,7 +84,9 @@ static int list_pair(void *to, nsdae_broad *broad, int i, int j)
   const nsdae_solid_of *solid = l->bodies->solid.at;
   l->pair = broad->pair[solid[i].material][solid[j].material];
   l->id = ((long)i * broad->solids + j) * broad->features;
-  return nsdae_pair_features(solid, i, j, list_feature, l);
+  const nsdae_pose *const pose[2] = {nsdae_broad_pose(broad, solid[i].body),
+                                     nsdae_broad_pose(broad, solid[j].body)};
+  return nsdae_pair_features(solid, i, j, pose, list_feature, l);
 }
 
 static int contacts(double t, const double *q, const double *v, double reach,

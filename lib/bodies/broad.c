@@ -27,7 +27,7 @@ static void sort_out(nsdae_broad *p, const nsdae_bodies *b)
 {
   int finite = 0;
   for (int i = 0; i < p->solids; i++) {
-    p->radius[i] = is_endless(&solids_of(b)[i]) ? INFINITY : nsdae_solid_size(&solids_of(b)[i]);
+    p->radius[i] = is_endless(&solids_of(b)[i]) ? INFINITY : solids_of(b)[i].size;
     if (isfinite(p->radius[i])) p->centre[finite++] = p->radius[i];
   }
   qsort(p->centre, (size_t)finite, sizeof *p->centre, by_value);

@@ -1,4 +1,5 @@
 /* Contacts as callbacks: each walks the features; contacts of one's own follow. */
+#include "touch.h"
 #include "world.h"
 
 static const nsdae_feature *feature_of(const nsdae_bodies *b, int i)
@@ -14,6 +15,16 @@ typedef struct couple {
 
 enum { NO_SOLID = -1 };
 
+/* What there is of a contact that is far: places and directions between the solids' origins, so
+ * that there are some. */
+static void direct(nsdae_touch *touch, const nsdae_solid_of *solid, const couple *c)
+{
+  nsdae_jet length;
+  for (int i = 0; i < 2; i++)
+    touch->at[i] = nsdae_pose_point(&c->pose[i], solid[c->solid[i]].origin);
+  touch->normal = nsdae_direction(nsdae_jet3_sub(touch->at[1], touch->at[0]), 1, &length);
+}
+
 /* The contact of feature i. A couple that is the last feature's is kept: two boxes have 160. */
 static nsdae_touch touch_at(const nsdae_bodies *b, int i, const double *q, const double *v,
                             couple *c)
@@ -26,7 +37,10 @@ static nsdae_touch touch_at(const nsdae_bodies *b, int i, const double *q, const
     c->body[j] = solid[f->solid[j]].body;
     c->pose[j] = nsdae_bodies_pose(b, c->body[j], q, v);
   }
-  return nsdae_feature_touch(f, &solid[f->solid[0]], &solid[f->solid[1]], &c->pose[0], &c->pose[1]);
+  nsdae_touch touch =
+      nsdae_feature_touch(f, &solid[f->solid[0]], &solid[f->solid[1]], &c->pose[0], &c->pose[1]);
+  if (touch.far) direct(&touch, solid, c);
+  return touch;
 }
 
 static int gap(double t, const double *q, double *g, void *user)

@@ -18,17 +18,6 @@ int nsdae_solid_edges(const nsdae_solid_of *s)
   return s->shape == NSDAE_SHAPE_CAPSULE ? 1 : s->shape == NSDAE_SHAPE_BOX ? 12 : 0;
 }
 
-double nsdae_solid_size(const nsdae_solid_of *s)
-{
-  double most = 0;
-  for (int i = 0; i < s->points; i++) {
-    double d[3];
-    for (int j = 0; j < 3; j++) d[j] = s->point[3 * i + j] - s->origin[j];
-    most = fmax(most, sqrt(nsdae_dot3(d, d)));
-  }
-  return most + s->radius;
-}
-
 /* Two lines through x_i along unit vectors u, w, with d = x_1 - x_0 and m = u x w:
  * a = m . (d x w) / m^2,  b = m . (d x u) / m^2 are the places of their nearest points along u and
  * w;  n = +-m / |m|, towards line 1. (Written with scalar products alone the same cancels where the
@@ -36,17 +25,13 @@ double nsdae_solid_size(const nsdae_solid_of *s)
 typedef struct two_lines {
   nsdae_jet3 x[2], u[2], m;
   nsdae_jet a, b;
-  double sine2; /* m^2 */
 } two_lines;
 
 static void nearest(two_lines *l)
 {
   nsdae_jet3 d = nsdae_jet3_sub(l->x[1], l->x[0]);
   l->m = nsdae_jet3_cross(l->u[0], l->u[1]);
-  nsdae_jet square = nsdae_jet3_dot(l->m, l->m);
-  l->sine2 = square.x;
-  if (!(square.x > 0)) return;
-  nsdae_jet inverse = nsdae_jet_inverse(square);
+  nsdae_jet inverse = nsdae_jet_inverse(nsdae_jet3_dot(l->m, l->m));
   l->a = nsdae_jet_mul(inverse, nsdae_jet3_dot(l->m, nsdae_jet3_cross(d, l->u[1])));
   l->b = nsdae_jet_mul(inverse, nsdae_jet3_dot(l->m, nsdae_jet3_cross(d, l->u[0])));
 }
@@ -144,6 +129,23 @@ static int is_over(const nsdae_solid_of *s, const double *place, int axis, doubl
   return 1;
 }
 
+/* Whether the face that is the least deep can be another than the nearest one to a corner: it is
+ * within the box, or came out on the side that is away from its solid. */
+static int may_be_over(const nsdae_solid_of *s0, const nsdae_solid_of *s1, const nsdae_pose *pose0,
+                       const nsdae_pose *pose1, const double *place)
+{
+  double beside = NSDAE_BESIDE * (s0->size + s1->size), middle[3];
+  int out = 0, axis = 0;
+  for (int i = 0; i < 3; i++) {
+    if (fabs(place[i]) <= s0->half[i] + beside) continue;
+    axis = i;
+    out++;
+  }
+  if (out != 1) return out == 0;
+  own_place(s0, pose0, nsdae_pose_point(pose1, s1->origin), middle);
+  return place[axis] * middle[axis] < 0;
+}
+
 /* Corners of what overlaps a box touch the face that is the least deep in it, not each the face
  * that is nearest to it: blocks that lie flush keep the common face, though at their corners others
  * are as near. None is deeper than the overlap. */
@@ -151,16 +153,15 @@ static nsdae_touch corner_on_box(const nsdae_feature *f, const nsdae_solid_of *s
                                  const nsdae_solid_of *s1, const nsdae_pose *pose0,
                                  const nsdae_pose *pose1)
 {
-  const nsdae_solid_of *const s[2] = {s0, s1};
-  const nsdae_pose *const pose[2] = {pose0, pose1};
   nsdae_jet3 x1 = nsdae_pose_point(pose1, nsdae_solid_corner(s1, f->part[1]));
   double place[3];
   own_place(s0, pose0, x1, place);
-  if (s1->points == 1) return nearest_on_box(s0, pose0, place, x1, s1->radius);
+  if (s1->points == 1 || !may_be_over(s0, s1, pose0, pose1, place))
+    return nearest_on_box(s0, pose0, place, x1, s1->radius);
   nsdae_overlap o = nsdae_find_overlap(s0, s1, pose0, pose1);
   if (o.most > o.slack || !is_over(s0, place, o.axis, o.beside))
     return nearest_on_box(s0, pose0, place, x1, s1->radius);
-  if (o.side * place[o.axis] - s0->half[o.axis] < o.most - o.slack) return nsdae_touch_far(s, pose);
+  if (o.side * place[o.axis] - s0->half[o.axis] < o.most - o.slack) return nsdae_touch_far(s0, s1);
   return on_face(s0, pose0, o.axis, o.side, x1, s1->radius);
 }
 
@@ -174,36 +175,101 @@ static nsdae_touch against_corner(const nsdae_solid_of *s0, const nsdae_pose *po
   return nsdae_touch_point_point(x0, s0->radius, s0->hollow ? -1 : 1, x1, r1);
 }
 
-/* Edge i of a box or capsule: the axis along which it runs and the signs of its place on the other
- * two; its middle in the body's frame. */
-static int edge_of(const nsdae_solid_of *s, int i, double *sign, double *middle)
+/* The axis along which edge i of a box or capsule runs, and the signs of its place on the others.
+ */
+static int edge_of(const nsdae_solid_of *s, int i, double *sign)
 {
   int axis = s->shape == NSDAE_SHAPE_BOX ? i / 4 : 2;
   for (int j = 0; j < 3; j++) sign[j] = 0;
-  if (s->shape == NSDAE_SHAPE_BOX) {
-    sign[(axis + 1) % 3] = i % 2 ? 1 : -1;
-    sign[(axis + 2) % 3] = i / 2 % 2 ? 1 : -1;
-  }
+  if (s->shape != NSDAE_SHAPE_BOX) return axis;
+  sign[(axis + 1) % 3] = i % 2 ? 1 : -1;
+  sign[(axis + 2) % 3] = i / 2 % 2 ? 1 : -1;
+  return axis;
+}
+
+/* Its middle in the body's frame. */
+static void middle_of(const nsdae_solid_of *s, const double *sign, double *middle)
+{
   for (int j = 0; j < 3; j++) {
     middle[j] = s->origin[j];
     for (int l = 0; l < 3; l++) middle[j] += s->R[3 * l + j] * sign[l] * s->half[l];
   }
-  return axis;
 }
 
-/* Whether the direction n (in space) leaves a box between the two faces of the edge, or along one
- * of them but for rounding; a capsule's line is round. */
-static int leaves_by(const nsdae_solid_of *s, const nsdae_pose *pose, const double *sign,
-                     double orientation, nsdae_jet3 n)
+/* Two solids in space: their axes (columns), and the way from the one's origin to the other's. */
+typedef struct two_solids {
+  double axes[2][9], way[3];
+} two_solids;
+
+static two_solids in_space(const nsdae_solid_of *s0, const nsdae_solid_of *s1,
+                           const nsdae_pose *pose0, const nsdae_pose *pose1)
+{
+  const nsdae_solid_of *const s[2] = {s0, s1};
+  const nsdae_pose *const pose[2] = {pose0, pose1};
+  two_solids two;
+  double at[2][3];
+  for (int i = 0; i < 2; i++) {
+    for (int j = 0; j < 3; j++) nsdae_turn(pose[i]->R, s[i]->R + 3 * j, two.axes[i] + 3 * j);
+    nsdae_turn(pose[i]->R, s[i]->origin, at[i]);
+  }
+  for (int i = 0; i < 3; i++) two.way[i] = at[1][i] + pose1->r[i] - at[0][i] - pose0->r[i];
+  return two;
+}
+
+/* The unit vector at right angles to an axis of each, from 0 to 1, in the frame of solid 0, and its
+ * opposite in that of solid 1; 0 where the axes are parallel. */
+static int between_axes(const two_solids *two, int axis0, int axis1, double n[2][3])
+{
+  /* edges nearer to parallel than this, as the square of their angle, touch by their corners as
+   * well: there these are as near but for 1e-8 of their length, and of places eight digits are left
+   */
+  const double parallel = 1e-16;
+  double m[3];
+  nsdae_cross3(two->axes[0] + 3 * axis0, two->axes[1] + 3 * axis1, m);
+  double square = nsdae_dot3(m, m);
+  if (square < parallel) return 0;
+  double scale = (nsdae_dot3(m, two->way) < 0 ? -1 : 1) / sqrt(square);
+  for (int side = 0; side < 2; side++, scale = -scale)
+    for (int i = 0; i < 3; i++) n[side][i] = scale * nsdae_dot3(m, two->axes[side] + 3 * i);
+  return 1;
+}
+
+/* Whether the direction n (in the solid's frame) leaves a box between the two faces of the edge, or
+ * along one of them but for rounding; a capsule's line is round. */
+static int leaves_by(const double *sign, const double *n)
 {
   const double rounding = 1e-4;
-  double in_space[3], own[3], in_solid[3];
-  for (int i = 0; i < 3; i++) in_space[i] = orientation * n.at[i].x;
-  nsdae_turn_back(pose->R, in_space, own);
-  nsdae_turn_back(s->R, own, in_solid);
   for (int i = 0; i < 3; i++)
-    if (sign[i] * in_solid[i] < -rounding) return 0;
+    if (sign[i] * n[i] < -rounding) return 0;
   return 1;
+}
+
+/* The edges of a box along an axis, or of a capsule, that a direction leaves: bit i for edge i. */
+static unsigned leaving(const nsdae_solid_of *s, int axis, const double *n)
+{
+  int box = s->shape == NSDAE_SHAPE_BOX, first = box ? 4 * axis : 0;
+  unsigned mask = 0;
+  for (int i = first; i < first + (box ? 4 : 1); i++) {
+    double sign[3];
+    edge_of(s, i, sign);
+    if (leaves_by(sign, n)) mask |= 1u << i;
+  }
+  return mask;
+}
+
+void nsdae_find_facing(const nsdae_solid_of *s0, const nsdae_solid_of *s1, const nsdae_pose *pose0,
+                       const nsdae_pose *pose1, nsdae_facing *facing)
+{
+  two_solids two = in_space(s0, s1, pose0, pose1);
+  *facing = (nsdae_facing){{0}};
+  for (int i = s0->shape == NSDAE_SHAPE_BOX ? 0 : 2; i < 3; i++)
+    for (int j = s1->shape == NSDAE_SHAPE_BOX ? 0 : 2; j < 3; j++) {
+      double n[2][3];
+      if (!between_axes(&two, i, j, n)) continue;
+      unsigned first = leaving(s0, i, n[0]), second = leaving(s1, j, n[1]);
+      for (int k = 0; k < NSDAE_EDGES_MAX; k++)
+        if (first >> k & 1) facing->of[k] |= second;
+    }
 }
 
 /* Of solids that overlap only the edges of the axis of least depth touch; see overlap.h. Lines
@@ -211,33 +277,29 @@ static int leaves_by(const nsdae_solid_of *s, const nsdae_pose *pose, const doub
 static nsdae_touch edges(const nsdae_feature *f, const nsdae_solid_of *s0, const nsdae_solid_of *s1,
                          const nsdae_pose *pose0, const nsdae_pose *pose1)
 {
-  /* lines nearer to parallel than this, as the square of their angle, touch by their corners as
-   * well: there these are as near but for 1e-8 of their length, and of places eight digits are left
-   */
-  const double parallel = 1e-16;
   const nsdae_solid_of *const s[2] = {s0, s1};
   const nsdae_pose *const pose[2] = {pose0, pose1};
-  two_lines l = {.sine2 = 0};
-  double sign[2][3], middle[3], hint[3];
+  two_solids two = in_space(s0, s1, pose0, pose1);
+  two_lines l = {.a = {0}};
+  double sign[2][3], n[2][3], middle[3];
   int axis[2];
+  for (int i = 0; i < 2; i++) axis[i] = edge_of(s[i], f->part[i], sign[i]);
+  if (!between_axes(&two, axis[0], axis[1], n) || !leaves_by(sign[0], n[0]) ||
+      !leaves_by(sign[1], n[1]))
+    return nsdae_touch_far(s0, s1);
   for (int i = 0; i < 2; i++) {
-    axis[i] = edge_of(s[i], f->part[i], sign[i], middle);
+    middle_of(s[i], sign[i], middle);
     l.x[i] = nsdae_pose_point(pose[i], middle);
     l.u[i] = nsdae_pose_direction(pose[i], s[i]->R + 3 * axis[i]);
   }
   nearest(&l);
-  if (l.sine2 < parallel || fabs(l.a.x) > s0->half[axis[0]] || fabs(l.b.x) > s1->half[axis[1]])
-    return nsdae_touch_far(s, pose);
-  nsdae_jet3 from = nsdae_pose_point(pose0, s0->origin), to = nsdae_pose_point(pose1, s1->origin);
-  for (int i = 0; i < 3; i++) hint[i] = to.at[i].x - from.at[i].x;
-  nsdae_touch touch = line_line(&l, hint, s0->radius, s1->radius);
-  if (!leaves_by(s0, pose0, sign[0], 1, touch.normal) ||
-      !leaves_by(s1, pose1, sign[1], -1, touch.normal))
-    return nsdae_touch_far(s, pose);
-  if (touch.gap.x >= -s0->radius - s1->radius) return touch;
+  if (fabs(l.a.x) > s0->half[axis[0]] || fabs(l.b.x) > s1->half[axis[1]])
+    return nsdae_touch_far(s0, s1);
+  nsdae_touch touch = line_line(&l, two.way, s0->radius, s1->radius);
+  double apart = touch.gap.x + s0->radius + s1->radius;
+  if (apart >= 0) return touch;
   nsdae_overlap o = nsdae_find_overlap(s0, s1, pose0, pose1);
-  double depth = touch.gap.x + s0->radius + s1->radius;
-  return depth < o.most - o.slack ? nsdae_touch_far(s, pose) : touch;
+  return apart < o.most - o.slack ? nsdae_touch_far(s0, s1) : touch;
 }
 
 nsdae_touch nsdae_feature_touch(const nsdae_feature *f, const nsdae_solid_of *s0,

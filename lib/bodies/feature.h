@@ -19,13 +19,16 @@
 typedef struct nsdae_solid_of {
   int body, shape, hollow, points, material;
   double radius, half[3]; /* half edges; segment: half[0]; capsule: half[2] */
+  double
+      size; /* largest distance of its corners from its origin, with the rounding; 0 of a plane */
   double origin[3], R[9]; /* its frame in the body's; of a plane column 2 is the normal */
   double turn[4];         /* spatial: the same as a unit quaternion */
   double *point;          /* points x 3: its corners in the body's frame */
 } nsdae_solid_of;
 
 typedef struct nsdae_feature {
-  int edges; /* 0: a corner of solid[1] against solid[0]; 1: an edge of each */
+  int number; /* in order among those of the pair */
+  int edges;  /* 0: a corner of solid[1] against solid[0]; 1: an edge of each */
   int solid[2];
   int part[2]; /* the corner in part[1]; the edges */
   double mu, e_n, e_t;
@@ -35,7 +38,7 @@ typedef struct nsdae_feature {
 typedef struct nsdae_touch {
   nsdae_jet gap;
   nsdae_jet3 normal, at[2]; /* n, c_i */
-  int far;                  /* another feature is nearer: the gap is positive and constant */
+  int far; /* another feature is nearer: the gap is positive and constant, and all there is */
 } nsdae_touch;
 
 /* "disc", "box" */
@@ -44,8 +47,14 @@ const char *nsdae_solid_name(int shape);
 /* Corners of a solid: one where it has no extent but its rounding; and its edges (in space). */
 int nsdae_solid_corners(const nsdae_solid_of *solid);
 int nsdae_solid_edges(const nsdae_solid_of *solid);
-/* Largest distance of its corners from its frame's origin, with the rounding; 0 of a plane. */
-double nsdae_solid_size(const nsdae_solid_of *solid);
+/* Which edges of two solids can be the nearest of both: bit j of of[i] for edge i of solid 0 and j
+ * of solid 1. Of the 144 pairs of two boxes these are few, for nine directions. */
+enum { NSDAE_EDGES_MAX = 12 };
+typedef struct nsdae_facing {
+  unsigned of[NSDAE_EDGES_MAX];
+} nsdae_facing;
+void nsdae_find_facing(const nsdae_solid_of *solid0, const nsdae_solid_of *solid1,
+                       const nsdae_pose *pose0, const nsdae_pose *pose1, nsdae_facing *facing);
 
 /* The contact of a feature between two solids with these poses of their bodies. */
 nsdae_touch nsdae_feature_touch(const nsdae_feature *feature, const nsdae_solid_of *solid0,

@@ -61,16 +61,15 @@ nsdae_overlap nsdae_find_overlap(const nsdae_solid_of *s0, const nsdae_solid_of 
                                  const nsdae_pose *pose0, const nsdae_pose *pose1)
 {
   core c0 = core_of(s0, pose0), c1 = core_of(s1, pose1);
-  double apart[3], back[3], size = 0;
+  double apart[3], back[3];
   nsdae_overlap o, there;
   for (int i = 0; i < 3; i++) {
     apart[i] = c1.centre[i] - c0.centre[i];
     back[i] = -apart[i];
-    size += c0.half[i] + c1.half[i];
   }
   separate_faces(&c0, &c1, apart, &o);
-  o.slack = 1e-6 * size;
-  o.beside = 100 * o.slack;
+  o.slack = NSDAE_SLACK * (s0->size + s1->size);
+  o.beside = NSDAE_BESIDE * (s0->size + s1->size);
   o.most = o.face;
   if (o.face > o.slack) return o;
   separate_faces(&c1, &c0, back, &there);

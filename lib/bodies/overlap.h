@@ -8,13 +8,17 @@
 
 #include "feature.h"
 
+/* In parts of the sizes of both: what counts as nothing, rounding and the drift of blocks that lie
+ * flush; and how far beside a face what overlaps is still over it. */
+#define NSDAE_SLACK  1e-6
+#define NSDAE_BESIDE 1e-4
+
 typedef struct nsdae_overlap {
-  double most;   /* separation of the cores along the best axis, negative where they overlap */
-  double face;   /* the same along the best outer normal of a face of solid 0; -INFINITY: none */
-  int axis;      /* which: an axis of the box */
-  double side;   /* 1 or -1: along it or back */
-  double slack;  /* what counts as nothing: drift and rounding of blocks that lie flush */
-  double beside; /* how far beside a face what overlaps is still over it */
+  double most; /* separation of the cores along the best axis, negative where they overlap */
+  double face; /* the same along the best outer normal of a face of solid 0; -INFINITY: none */
+  int axis;    /* which: an axis of the box */
+  double side; /* 1 or -1: along it or back */
+  double slack, beside; /* [m] */
 } nsdae_overlap;
 
 /* Of boxes and capsules. most is that of the faces of solid 0 alone where these are apart by more

@@ -125,8 +125,6 @@ static int overlapped_edge(placed polygon, placed other, const double *x, place 
 nsdae_touch nsdae_polygon_touch(const nsdae_solid_of *s0, const nsdae_solid_of *s1, int corner,
                                 const nsdae_pose *pose0, const nsdae_pose *pose1)
 {
-  const nsdae_solid_of *const s[2] = {s0, s1};
-  const nsdae_pose *const pose[2] = {pose0, pose1};
   placed polygon = {s0, pose0}, other = {s1, pose1};
   nsdae_jet3 x1 = nsdae_pose_point(pose1, nsdae_solid_corner(s1, corner));
   double x[3], from[3];
@@ -136,7 +134,7 @@ nsdae_touch nsdae_polygon_touch(const nsdae_solid_of *s0, const nsdae_solid_of *
   int edge = s1->points > 1   ? overlapped_edge(polygon, other, x, at)
              : at.height <= 0 ? at.edge
                               : NONE;
-  if (edge == FAR) return nsdae_touch_far(s, pose);
+  if (edge == FAR) return nsdae_touch_far(s0, s1);
   if (edge == NONE && at.along >= 0 && at.along <= at.length) edge = at.edge;
   if (edge != NONE) return on_edge(polygon, edge, x1, s1->radius);
   int end = (at.edge + (at.along > 0)) % s0->points;

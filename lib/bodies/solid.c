@@ -150,6 +150,17 @@ static void own_corner(const nsdae_solid *s, int i, double *x)
     x[j] = (i >> j & 1 ? 0.5 : -0.5) * s->length[j];
 }
 
+static double size_of(const nsdae_solid_of *s)
+{
+  double most = 0;
+  for (int i = 0; i < s->points; i++) {
+    double d[3];
+    for (int j = 0; j < 3; j++) d[j] = s->point[3 * i + j] - s->origin[j];
+    most = fmax(most, sqrt(nsdae_dot3(d, d)));
+  }
+  return most + s->radius;
+}
+
 static void place(const nsdae_bodies *b, const nsdae_solid *s, nsdae_solid_of *made)
 {
   memcpy(made->turn, s->quaternion, sizeof made->turn);
@@ -165,6 +176,7 @@ static void place(const nsdae_bodies *b, const nsdae_solid *s, nsdae_solid_of *m
     nsdae_turn(made->R, x, corner);
     for (int j = 0; j < 3; j++) corner[j] += made->origin[j];
   }
+  made->size = size_of(made);
   for (int j = 0; j < 3; j++) made->half[j] = s->length[j] / 2;
   if (s->shape != NSDAE_SHAPE_PLANE || b->dimension == 3) return;
   for (int j = 0; j < 3; j++) made->R[6 + j] = made->R[3 + j]; /* the normal, as in space */
@@ -231,12 +243,14 @@ static int is_base(const nsdae_solid_of *s)
 typedef struct sink {
   nsdae_feature_fn add;
   void *to;
-  int status;
+  int status, number;
 } sink;
 
 static void add_feature(sink *s, int edges, int solid0, int solid1, int part0, int part1)
 {
-  const nsdae_feature f = {.edges = edges, .solid = {solid0, solid1}, .part = {part0, part1}};
+  const nsdae_feature f = {
+      .number = s->number, .edges = edges, .solid = {solid0, solid1}, .part = {part0, part1}};
+  s->number++;
   if (s->status >= 0) s->status = s->add(s->to, &f);
 }
 
@@ -246,18 +260,27 @@ static void add_corners(sink *s, const nsdae_solid_of *solids, int base, int oth
   for (int i = 0; i < count; i++) add_feature(s, 0, base, other, 0, i);
 }
 
-static void add_edges(sink *s, const nsdae_solid_of *solids, int i, int j)
+static void add_edges(sink *s, const nsdae_solid_of *solids, int i, int j,
+                      const nsdae_pose *const pose[2])
 {
   int first = nsdae_solid_edges(&solids[i]), second = nsdae_solid_edges(&solids[j]);
+  nsdae_facing facing = {{0}};
+  if (pose && first > 0 && second > 0)
+    nsdae_find_facing(&solids[i], &solids[j], pose[0], pose[1], &facing);
   for (int k = 0; k < first; k++)
-    for (int l = 0; l < second; l++) add_feature(s, 1, i, j, k, l);
+    for (int l = 0; l < second; l++) {
+      if (!pose || facing.of[k] >> l & 1)
+        add_feature(s, 1, i, j, k, l);
+      else
+        s->number++;
+    }
 }
 
-int nsdae_pair_features(const nsdae_solid_of *solids, int solid0, int solid1, nsdae_feature_fn add,
-                        void *to)
+int nsdae_pair_features(const nsdae_solid_of *solids, int solid0, int solid1,
+                        const nsdae_pose *const pose[2], nsdae_feature_fn add, void *to)
 {
   const nsdae_solid_of *s0 = &solids[solid0], *s1 = &solids[solid1];
-  sink s = {add, to, 0};
+  sink s = {.add = add, .to = to};
   if (is_base(s0) || (is_round(s1) && !is_base(s1)))
     add_corners(&s, solids, solid0, solid1);
   else if (is_base(s1) || is_round(s0))
@@ -265,7 +288,7 @@ int nsdae_pair_features(const nsdae_solid_of *solids, int solid0, int solid1, ns
   else {
     add_corners(&s, solids, solid0, solid1);
     add_corners(&s, solids, solid1, solid0);
-    add_edges(&s, solids, solid0, solid1);
+    add_edges(&s, solids, solid0, solid1, pose);
   }
   return s.status;
 }
@@ -346,7 +369,7 @@ int nsdae_bodies_add_contact(nsdae_bodies *b, int solid0, int solid1, double mu,
   int index = b->feature.count;
   status = check_contact(b, solid0, solid1, &p);
   if (status < 0) return status;
-  nsdae_pair_features(b->solid.at, solid0, solid1, keep_feature, &p);
+  nsdae_pair_features(b->solid.at, solid0, solid1, NULL, keep_feature, &p);
   return b->error.status < 0 ? b->error.status : index;
 }
 

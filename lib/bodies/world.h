@@ -144,10 +144,11 @@ int nsdae_bodies_set_contacts(const nsdae_bodies *bodies, nsdae_system *system);
 /* In place of the last for contacts by list, with mass and rows by blocks. */
 int nsdae_bodies_set_blocks(nsdae_bodies *bodies, nsdae_system *system);
 
-/* The features of two solids in order, each handed to add until that returns < 0. */
+/* The features of two solids in order, each handed to add until that returns < 0. With the poses of
+ * their bodies those edges are left out that face no other; NULL: all are there. */
 typedef int (*nsdae_feature_fn)(void *to, const nsdae_feature *feature);
-int nsdae_pair_features(const nsdae_solid_of *solids, int solid0, int solid1, nsdae_feature_fn add,
-                        void *to);
+int nsdae_pair_features(const nsdae_solid_of *solids, int solid0, int solid1,
+                        const nsdae_pose *const pose[2], nsdae_feature_fn add, void *to);
 
 /* Unit vectors t_1 (and in space t_2) at right angles to n. */
 void nsdae_contact_tangents(int dimension, nsdae_jet3 n, nsdae_jet3 t[2]);

@@ -32,6 +32,7 @@ void nsdae_kkt_layout(nsdae_kkt *kkt, nsdae_arena *arena)
   kkt->norm = NSDAE_ARENA_DOUBLES(arena, m);
   kkt->work = NSDAE_ARENA_DOUBLES(arena, m + kkt->lwork);
   kkt->column = NSDAE_ARENA_INTS(arena, m);
+  kkt->held = NSDAE_ARENA_INTS(arena, m);
   kkt->order = NSDAE_ARENA_INTS(arena, m);
 }
 
@@ -112,28 +113,41 @@ static double smallest_sine(size_t m, const double *factor)
   return smallest;
 }
 
-/* Pivoted QR of Y with its columns at unit length; returns the rank. */
-static int pivoted_rank(nsdae_kkt *kkt)
+/* Pivoted QR of Y with its columns at unit length, those that are held before all others; returns
+ * the rank. */
+static int pivoted_rank(nsdae_kkt *kkt, int hold)
 {
   int n = kkt->n, m = kkt->m, most = smaller(n, m), rank = 0;
   memcpy(kkt->Q, kkt->Y, (size_t)n * (size_t)m * sizeof *kkt->Q);
   for (int j = 0; j < m; j++) {
     double *column = kkt->Q + (size_t)j * (size_t)n;
-    kkt->column[j] = 0;
+    kkt->column[j] = hold ? kkt->held[j] : 0;
     kkt->norm[j] = cblas_dnrm2(n, column, 1);
     if (kkt->norm[j] > 0) cblas_dscal(n, 1 / kkt->norm[j], column, 1);
   }
   LAPACKE_dgeqp3_work(LAPACK_COL_MAJOR, n, m, kkt->Q, n, kkt->column, kkt->tau, kkt->work,
                       kkt->lwork);
   kkt->left = 0;
+  kkt->kept = 1;
   for (; rank < most; rank++) {
     double sine = fabs(kkt->Q[(size_t)rank * (size_t)n + (size_t)rank]);
     if (!(sine > kkt->rank_tol)) {
       kkt->left = sine;
       break;
     }
-    kkt->kept = sine;
+    kkt->kept = fmin(kkt->kept, sine);
   }
+  return rank;
+}
+
+/* The same with those held that the factorisation before found independent, as long as they are. */
+static int find_rank(nsdae_kkt *kkt)
+{
+  int rank = pivoted_rank(kkt, kkt->hold), held = 0;
+  for (int j = 0; j < kkt->m && kkt->hold; j++) held += kkt->held[j];
+  if (rank < held) rank = pivoted_rank(kkt, 0);
+  memset(kkt->held, 0, (size_t)kkt->m * sizeof *kkt->held);
+  for (int i = 0; i < rank; i++) kkt->held[kkt->column[i] - 1] = 1;
   return rank;
 }
 
@@ -166,7 +180,7 @@ static void independent_rows(nsdae_kkt *kkt, int r)
 
 static void factor_by_rank(nsdae_kkt *kkt)
 {
-  int n = kkt->n, m = kkt->m, r = pivoted_rank(kkt);
+  int n = kkt->n, m = kkt->m, r = find_rank(kkt);
   kkt->rank = r;
   kkt->factored_by_rank = 1;
   if (r == 0) return;

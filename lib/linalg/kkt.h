@@ -33,7 +33,9 @@ typedef struct nsdae_kkt {
   double *tau, *norm;   /* min(n, m), m */
   double *work;         /* m: one right-hand side; lwork: LAPACK's */
   int *column;          /* m: column order of the pivoted QR */
-  int *order;           /* m: constraints by decreasing length, the order of the rows of Z */
+  int hold;   /* the independent constraints of the factorisation before stay, if they can */
+  int *held;  /* m: 1 for each of those */
+  int *order; /* m: constraints by decreasing length, the order of the rows of Z */
   int lwork;
 } nsdae_kkt;
 

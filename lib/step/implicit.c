@@ -103,7 +103,11 @@ static int iterate(const nsdae_step *step, int first, int all_impacts, int *impa
   nsdae_stepper *s = step->tools;
   nsdae_terms_at(step->end, step->t_end, s->q, s->v);
   int status = need(step, step->end);
+  /* of redundant constraints the same are left out in all iterates: which these are is decided by
+   * rounding, and they differ by the drift, so that the iteration would go to and fro */
+  s->kkt.hold = !first;
   if (status == NSDAE_OK) status = factor_mean_mass(step);
+  s->kkt.hold = 0;
   if (status < 0) return status;
   if (first) *impact = mark_impacts(step, all_impacts);
   if (*impact) status = impact_velocities(step);
@@ -113,13 +117,24 @@ static int iterate(const nsdae_step *step, int first, int all_impacts, int *impa
   return status < 0 ? status : positions(step);
 }
 
-static int no_convergence(const nsdae_step *step, double moved)
+/* rank: the least and largest of the constraints in the iterates; redundant ones that drift apart
+ * by about rank_tol count in one iterate and not in the next. */
+static int no_convergence(const nsdae_step *step, double moved, const int rank[2])
 {
   const nsdae_stepper *s = step->tools;
-  nsdae_error_set(s->error, NSDAE_E_CONVERGENCE, "nsdae_implicit", "dt",
-                  "the step from t = %.17g did not converge in %d iterations (change %.3g, wanted "
-                  "%.3g): make dt smaller",
-                  step->start->t, s->options->iteration_max, moved, s->iteration_tol);
+  if (rank[0] < rank[1])
+    nsdae_error_set(s->error, NSDAE_E_CONVERGENCE, "nsdae_implicit", "rank_tol",
+                    "the step from t = %.17g did not converge in %d iterations (change %.3g): the "
+                    "rank of Phi_q is %d in one and %d in another, as redundant constraints drift "
+                    "by about rank_tol = %g: make it larger than the drift, or dt smaller",
+                    step->start->t, s->options->iteration_max, moved, rank[0], rank[1],
+                    s->options->rank_tol);
+  else
+    nsdae_error_set(
+        s->error, NSDAE_E_CONVERGENCE, "nsdae_implicit", "dt",
+        "the step from t = %.17g did not converge in %d iterations (change %.3g, wanted "
+        "%.3g): make dt smaller",
+        step->start->t, s->options->iteration_max, moved, s->iteration_tol);
   s->error->time = step->start->t;
   return NSDAE_E_CONVERGENCE;
 }
@@ -138,7 +153,7 @@ static int attempt(const nsdae_step *step, int all_impacts)
 {
   nsdae_stepper *s = step->tools;
   const nsdae_dims *dims = &s->system->dims;
-  int impact = 0;
+  int impact = 0, rank[2] = {dims->m, 0};
   double moved = INFINITY;
   int status = nsdae_step_close(step, step->start);
   if (status < 0) return status;
@@ -148,13 +163,15 @@ static int attempt(const nsdae_step *step, int all_impacts)
     status = iterate(step, i == 0, all_impacts, &impact);
     if (status < 0) return status;
     step->result->counters.iterations++;
+    if (s->kkt.rank < rank[0]) rank[0] = s->kkt.rank;
+    if (s->kkt.rank > rank[1]) rank[1] = s->kkt.rank;
     moved = nsdae_relative_change(dims->nq, s->q, step->end->q) +
             nsdae_relative_change(dims->nv, s->v, step->end->v);
     if (!(moved <= nsdae_step_settled(step))) continue; /* NaN goes on, to be reported */
     nsdae_terms_set_velocity(step->end, s->v);
     return NSDAE_OK;
   }
-  return no_convergence(step, moved);
+  return no_convergence(step, moved, rank);
 }
 
 static int worth_another_attempt(const nsdae_step *step, int status)

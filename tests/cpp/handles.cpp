@@ -604,6 +604,94 @@ static void test_drive()
   EXPECT(std::fabs(sim.record().q[0] - std::cos(1.5)) < 1e-5);
 }
 
+/* 2 kg on a spring of 18 N/m, 0.1 m too long, that turns against 4 N m/rad with its zero at 0.2. */
+static void test_springs()
+{
+  nsdae::bodies world(2);
+  nsdae_rigid_body body = nsdae_rigid_body();
+  body.mass = 2;
+  body.inertia[2] = 1;
+  body.position[0] = 1.1;
+  nsdae_spring spring = nsdae_spring();
+  spring.body[0] = NSDAE_GROUND;
+  spring.body[1] = world.add(body);
+  spring.end[0] = 1.1;
+  spring.stiffness = 18;
+  spring.rest = 1;
+  EXPECT(world.spring(spring) == 0);
+  nsdae_torsion torsion = nsdae_torsion();
+  torsion.body[0] = NSDAE_GROUND;
+  torsion.stiffness = 4;
+  torsion.rest = 0.2;
+  EXPECT(world.torsion(torsion) == 0);
+  nsdae::system made = world.system();
+  nsdae::sim sim(made);
+  sim.init(0, world.start().first, world.start().second);
+  sim.run(1);
+  EXPECT(std::fabs(sim.record().q[0] - 1 - 0.1 * std::cos(3)) < 1e-5);
+  EXPECT(std::fabs(sim.record().q[2] - 0.2 * (1 - std::cos(2))) < 1e-5);
+}
+
+/* Squares on a floor, one on the other, with contacts by number and by material: both rest. */
+static void test_solids(bool by_material)
+{
+  const double corners[8] = {-0.5, -0.5, 0.5, -0.5, 0.5, 0.5, -0.5, 0.5};
+  nsdae::bodies world(2);
+  nsdae_solid floor = nsdae_solid(), square = nsdae_solid();
+  nsdae_rigid_body body = nsdae_rigid_body();
+  floor.shape = NSDAE_SHAPE_PLANE;
+  square.shape = NSDAE_SHAPE_POLYGON;
+  square.points = 4;
+  square.point = corners;
+  square.material = 1;
+  EXPECT(nsdae_solid_inertia(&square, 3, &body.mass, body.inertia, nullptr) == NSDAE_OK);
+  EXPECT(body.mass == 3 && std::fabs(body.inertia[2] - 0.5) < 1e-15);
+  world.gravity(0, -10);
+  int last = world.solid(NSDAE_GROUND, floor);
+  for (int i = 0; i < 2; i++) {
+    body.position[1] = 0.5 + i;
+    int next = world.solid(world.add(body), square);
+    if (!by_material) EXPECT(world.contact(last, next, 0.5, 0) >= 0);
+    last = next;
+  }
+  if (by_material) world.pair(0, 1, 0.5, 0).pair(1, 1, 0.5, 0);
+  nsdae::system made = world.system();
+  nsdae::sim sim(made);
+  sim.init(0, world.start().first, world.start().second);
+  sim.run(0.1);
+  for (int i = 0; i < 6; i++) EXPECT(std::fabs(sim.record().v[i]) < 1e-13);
+  EXPECT(throws_status(NSDAE_E_STATE, [&] { world.pair(0, 1, 0, 0); }));
+}
+
+/* A rod on a free pin swings with the rate of a physical pendulum of small angle; where its end is.
+ */
+static void test_joint()
+{
+  nsdae::bodies world(2);
+  nsdae_rigid_body rod = nsdae_rigid_body();
+  rod.mass = 1;
+  rod.inertia[2] = 1. / 12;
+  rod.position[1] = -0.5;
+  rod.spin[2] = 1e-3;
+  rod.velocity[0] = 0.5e-3;
+  nsdae_joint pin = nsdae_joint();
+  pin.kind = NSDAE_JOINT_REVOLUTE;
+  pin.body[0] = NSDAE_GROUND;
+  pin.body[1] = world.add(rod);
+  EXPECT(world.gravity(0, -10).joint(pin) == 0);
+  nsdae::system made = world.system();
+  nsdae::sim sim(made);
+  sim.init(0, world.start().first, world.start().second);
+  sim.run(1);
+  const double rate = std::sqrt(15.0), end[3] = {0, -0.5, 0}; /* w^2 = m g L / 2 / (m L^2 / 3) */
+  double angle = sim.record().q[2], point[3];
+  EXPECT(std::fabs(angle - 1e-3 / rate * std::sin(rate)) < 1e-7);
+  EXPECT(nsdae_bodies_locate(world.c(), sim.record().q, 0, end, point) == NSDAE_OK);
+  EXPECT(std::fabs(point[0] - std::sin(angle)) < 1e-7 &&
+         std::fabs(point[1] + std::cos(angle)) < 1e-7);
+  EXPECT(nsdae_bodies_error(world.c())->status == NSDAE_OK);
+}
+
 int main(int argc, char **argv)
 {
   test_same_bytes();
@@ -622,6 +710,10 @@ int main(int argc, char **argv)
   test_trajectory(argc > 1 ? argv[1] : "handles.h5");
   test_check();
   test_bodies();
+  test_springs();
+  test_solids(false);
+  test_solids(true);
+  test_joint();
   test_own();
   test_drive();
   test_blocks();

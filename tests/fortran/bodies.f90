@@ -68,6 +68,8 @@ program mechanism
   call driven_crank
   call carried_body
   call box_on_floor
+  call spring_and_torsion
+  call discs_by_material
   call rope_on_drum
   call refused
   call check_done
@@ -163,6 +165,74 @@ contains
     call is_int(nsdae_sim_run(sim, 1d0), NSDAE_OK, 'run')
     call is_int(nsdae_sim_get_record(sim, record), NSDAE_OK, 'record')
     call is_true(all(record%v == 0), 'a box at rest has no velocity at all')
+    call nsdae_sim_destroy(sim)
+    call nsdae_system_destroy(system)
+    call nsdae_bodies_destroy(bodies)
+  end subroutine
+
+  ! 2 kg on a spring of 18 N/m, 0.1 m too long, that turns against 4 N m/rad with its zero at 0.2.
+  subroutine spring_and_torsion()
+    type(nsdae_bodies) :: bodies
+    type(nsdae_rigid_body) :: body
+    type(nsdae_spring) :: spring
+    type(nsdae_torsion) :: torsion
+    type(nsdae_system) :: system
+    type(nsdae_sim) :: sim
+    type(nsdae_record) :: record
+    call is_int(nsdae_bodies_create(2_c_int, bodies), NSDAE_OK, 'create')
+    body%mass = 2
+    body%inertia = 1
+    body%position(1) = 1.1d0
+    call is_int(nsdae_bodies_add(bodies, body), 0_c_int, 'body')
+    spring%body(2) = 0
+    spring%end(1) = 1.1d0
+    spring%stiffness = 18
+    spring%rest = 1
+    call is_int(nsdae_bodies_add_spring(bodies, spring), 0_c_int, 'spring')
+    torsion%body(2) = 0
+    torsion%stiffness = 4
+    torsion%rest = 0.2d0
+    call is_int(nsdae_bodies_add_torsion(bodies, torsion), 0_c_int, 'torsion')
+    call start(bodies, system, sim)
+    call is_int(nsdae_sim_run(sim, 1d0), NSDAE_OK, 'run')
+    call is_int(nsdae_sim_get_record(sim, record), NSDAE_OK, 'record')
+    call is_true(abs(record%q(1) - 1 - 0.1d0 * cos(3d0)) < 1d-5, 'the spring swings')
+    call is_true(abs(record%q(3) - 0.2d0 * (1 - cos(2d0))) < 1d-5, 'and turns')
+    call nsdae_sim_destroy(sim)
+    call nsdae_system_destroy(system)
+    call nsdae_bodies_destroy(bodies)
+  end subroutine
+
+  ! Two discs, one on the other on a floor, found by their materials: what carries them is their weight.
+  subroutine discs_by_material()
+    type(nsdae_bodies) :: bodies
+    type(nsdae_rigid_body) :: body
+    type(nsdae_solid) :: floor, disc
+    type(nsdae_system) :: system
+    type(nsdae_sim) :: sim
+    type(nsdae_record) :: record
+    integer(c_int) :: i
+    call is_int(nsdae_bodies_create(2_c_int, bodies), NSDAE_OK, 'create')
+    call is_int(nsdae_bodies_set_gravity(bodies, [0d0, -10d0, 0d0]), NSDAE_OK, 'gravity')
+    floor%shape = NSDAE_SHAPE_PLANE
+    call is_int(nsdae_bodies_add_solid(bodies, NSDAE_GROUND, floor), 0_c_int, 'floor')
+    disc%shape = NSDAE_SHAPE_DISC
+    disc%radius = 0.5d0
+    disc%material = 1
+    body%mass = 1
+    body%inertia = 0.125d0
+    do i = 0, 1
+      body%position(2) = 0.5d0 + i
+      call is_int(nsdae_bodies_add(bodies, body), i, 'body')
+      call is_int(nsdae_bodies_add_solid(bodies, i, disc), i + 1_c_int, 'disc')
+    end do
+    call is_int(nsdae_bodies_set_pair(bodies, 0_c_int, 1_c_int, 0.5d0, 0d0, 0d0), NSDAE_OK, 'on the floor')
+    call is_int(nsdae_bodies_set_pair(bodies, 1_c_int, 1_c_int, 0.5d0, 0d0, 0d0), NSDAE_OK, 'on a disc')
+    call start(bodies, system, sim)
+    call is_int(nsdae_sim_run(sim, 0.1d0), NSDAE_OK, 'run')
+    call is_int(nsdae_sim_get_record(sim, record), NSDAE_OK, 'record')
+    call is_true(all(abs(record%v) < 1d-14), 'both rest')
+    call is_int(nsdae_bodies_set_pair(bodies, 0_c_int, 1_c_int, 0d0, 0d0, 0d0), NSDAE_E_STATE, 'too late')
     call nsdae_sim_destroy(sim)
     call nsdae_system_destroy(system)
     call nsdae_bodies_destroy(bodies)

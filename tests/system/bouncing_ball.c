@@ -74,18 +74,19 @@ static void test_closed_form(void **state)
   (void)state;
   const bouncing_ball *p = bouncing_ball_model.base;
   driver_exact impact = {0};
-  double y, v, last = sqrt(2 * p->h0 * p->g) / p->e_N;
+  double y, v, last = sqrt(2 * p->h0 * p->ball.g) / p->ball.e_N;
   int count;
   for (int i = 0; i < 44; i++) {
     assert_int_equal(bouncing_ball_model.exact(p, i, &impact), 1);
-    assert_near(impact.normal_impulse, p->m * (1 + p->e_N) * p->e_N * last, 1e-14 * 16);
-    last *= p->e_N;
+    assert_near(impact.normal_impulse, p->ball.m * (1 + p->ball.e_N) * p->ball.e_N * last,
+                1e-14 * 16);
+    last *= p->ball.e_N;
     bouncing_ball_exact(p, impact.time - 1e-12, &y, &v, &count);
     assert_int_equal(count, i);
     assert_near(v, -last, 2e-11);
     bouncing_ball_exact(p, impact.time + 1e-12, &y, &v, &count);
     assert_int_equal(count, i + 1);
-    assert_near(v, p->e_N * last, 2e-11);
+    assert_near(v, p->ball.e_N * last, 2e-11);
     assert_near(y, 0, 1e-11);
   }
   /* ten digits are given; the sum of 44 flights rounds to 44 ulp of 8 s at most */
@@ -93,7 +94,7 @@ static void test_closed_form(void **state)
   bouncing_ball_exact(p, 8.5, &y, &v, &count);
   assert_int_equal(count, 44);
   assert_near(y, 5.565551009e-6, 0.5e-15 + 0.042 * rounding);
-  assert_near(v, -4.166519581e-2, 0.5e-11 + p->g * rounding);
+  assert_near(v, -4.166519581e-2, 0.5e-11 + p->ball.g * rounding);
   assert_near(bouncing_ball_rest(p), 8.578949178728887, 1e-14);
   bouncing_ball_exact(p, 8.58, &y, &v, &count);
   assert_true(y == 0 && v == 0 && count > 1000000);
@@ -122,7 +123,7 @@ static void test_first_impact(void **state)
       double more = r.impact[0].normal_impulse - exact.normal_impulse;
       assert_true(r.impacts >= 1);
       assert_true(late >= (method == NSDAE_METHOD_MOREAU ? 0 : dt) && late <= 2 * dt);
-      assert_near(more, 0, (2 + p->e_N) * p->m * p->g * dt);
+      assert_near(more, 0, (2 + p->ball.e_N) * p->ball.m * p->ball.g * dt);
     }
 }
 
@@ -166,7 +167,7 @@ static void test_energy(void **state)
 {
   (void)state;
   bouncing_ball *p = bouncing_ball_model.base;
-  p->e_N = 1;
+  p->ball.e_N = 1;
   for (int method = 0; method < METHODS; method++) {
     run r = integrate(method, 0.001, 20);
     print_message("%-17s energy change %.2e J, %d impacts\n", nsdae_method_name(method),

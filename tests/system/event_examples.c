@@ -116,7 +116,7 @@ static void test_ball(void **state)
   assert_at_most(worst_impulse, accuracy);
   assert_near(v, -4.166519581e-2, 1e-11);
   /* an impact that is off by t moves the velocity by (1 + e) g t, the height by v t */
-  assert_near(r.v[0], v, (1 + p->e_N) * p->g * accuracy);
+  assert_near(r.v[0], v, (1 + p->ball.e_N) * p->ball.g * accuracy);
   assert_near(r.q[0], y, 0.1 * accuracy);
 }
 

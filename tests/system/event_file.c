@@ -69,7 +69,7 @@ static void test_impacts(void **state)
 {
   const bouncing_ball *ball = *state;
   double time[MOST], impulse[MOST], before[MOST], after[MOST], accumulation[MOST];
-  double e = ball->e_N, v = sqrt(2 * ball->g * ball->h0), t = v / ball->g;
+  double e = ball->ball.e_N, v = sqrt(2 * ball->ball.g * ball->h0), t = v / ball->ball.g;
   hid_t file = open_file();
   int n = read(file, "/impact/time", MOST, time);
   assert_int_equal(read(file, "/impact/normal_impulse", MOST, impulse), n);
@@ -82,10 +82,10 @@ static void test_impacts(void **state)
     assert_near(time[i], t, 1e-9 * t);
     assert_near(before[i], -v, 1e-9);
     assert_near(after[i], e * v, 1e-9);
-    assert_near(impulse[i], ball->m * (1 + e) * v, 1e-9);
+    assert_near(impulse[i], ball->ball.m * (1 + e) * v, 1e-9);
     assert_true(accumulation[i] == 0);
     v *= e;
-    t += 2 * v / ball->g;
+    t += 2 * v / ball->ball.g;
   }
   assert_true(accumulation[n - 1] == 1);
   assert_near(time[n - 1], bouncing_ball_rest(ball), 1e-8);
@@ -108,7 +108,7 @@ static void test_samples(void **state)
     requested += fabs(t[i] - requested * DT) < 1e-14;
     bouncing_ball_exact(ball, t[i], &height, &velocity, NULL);
     /* within accumulation_time, 1e-5 s, of the end of the accumulation it is taken for ended */
-    double closed = fabs(t[i] - bouncing_ball_rest(ball)) <= 1e-5 ? 1e-5 * ball->g : 1e-8;
+    double closed = fabs(t[i] - bouncing_ball_rest(ball)) <= 1e-5 ? 1e-5 * ball->ball.g : 1e-8;
     assert_near(q[i], height, 1e-9);
     assert_near(v[i], velocity, closed);
     assert_true((mode[i] != NSDAE_MODE_OPEN) == (t[i] > bouncing_ball_rest(ball) - 1e-5));
@@ -129,7 +129,8 @@ static void test_certificate(void **state)
   assert_int_equal(read(file, "/certificate/lcp_residual", ROWS, residual), rows);
   assert_int_equal(read(file, "/certificate/penetration", ROWS, penetration), rows);
   for (int i = 0; i < rows; i++) {
-    assert_near(kinetic[i] + potential[i] + dissipated[i], ball->m * ball->g * ball->h0, 1e-8);
+    assert_near(kinetic[i] + potential[i] + dissipated[i], ball->ball.m * ball->ball.g * ball->h0,
+                1e-8);
     assert_true(i == 0 || dissipated[i] >= dissipated[i - 1]);
     assert_at_most(residual[i], 1e-10);
     assert_at_most(penetration[i], 1e-10);

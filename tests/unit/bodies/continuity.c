@@ -139,8 +139,7 @@ static double speed_bound(const couple *c, const double *q, const double *w)
     /* |omega| <= 2 |p'| / |p| */
     double omega = c->d == 2 ? sqrt(turn) : 2 * sqrt(turn / square);
     double arm = 0;
-    for (int j = 0; j < 2; j++)
-      arm += s[j].shape == NSDAE_SHAPE_PLANE ? 0 : nsdae_solid_size(s + j);
+    for (int j = 0; j < 2; j++) arm += s[j].shape == NSDAE_SHAPE_PLANE ? 0 : s[j].size;
     double apart = 0;
     for (int j = 0; j < c->d; j++) apart += pow(q[c->nq + j] - q[j], 2);
     bound += sqrt(linear) + omega * (arm + sqrt(apart));

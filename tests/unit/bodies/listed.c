@@ -121,7 +121,7 @@ static void check_scene(int d, int bodies)
       nearest_gap near = {b, q, INFINITY};
       assert_true(seen.times[i][j] <= (may && !endless));
       if (!may || endless) continue;
-      nsdae_pair_features(s, i, j, look, &near);
+      nsdae_pair_features(s, i, j, NULL, look, &near);
       if (near.least <= reach) assert_int_equal(seen.times[i][j], 1);
       touching += near.least <= reach;
     }
