@@ -1,15 +1,9 @@
 /* The ranks of MPI. Rank 0 hands runs out in portions, does runs itself meanwhile, and takes what
  * the others send; it hears them between its runs and, where those are long, inside of them. A
  * portion is about a twentieth of a second of work, and a rank has one in work and one ahead.
- *
- * Each rank shows in memory that the ranks of a machine share which run it does. When one of them
- * is killed, mpirun ends the others with SIGTERM: the first that is left says which run that was.
  */
 #include "ranks.h"
 
-#include <errno.h>
-#include <signal.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
@@ -18,6 +12,7 @@
 #include <mpi.h>
 
 #include "interrupt.h"
+#include "places.h"
 
 /* Nothing is sent that is waited for: a send may end only when it is heard (Open MPI's shared
  * memory does so from 2 kB on), and the other is in the middle of a portion then, or sends as well.
@@ -32,18 +27,9 @@ typedef struct parcel {
   char reason[TABLE_REASON_SIZE];
 } parcel;
 
-/* What a rank of this machine does. */
-typedef struct place {
-  int rank;
-  long pid, run; /* run < 0: none */
-} place;
-
 static struct {
-  int rank, size, launched, places;
-  place *place; /* of this machine's ranks */
-  int mine;
-  MPI_Win window;
-} world = {0, 1, 0, 0, NULL, 0, MPI_WIN_NULL};
+  int rank, size, launched;
+} world = {0, 1, 0};
 
 /* Of rank 0. */
 static struct {
@@ -88,24 +74,6 @@ int ranks_available(void)
   return 1;
 }
 
-/* One place for each rank of this machine, all in the memory of the first. */
-static void share_places(void)
-{
-  MPI_Comm machine;
-  MPI_Aint size;
-  int unit;
-  MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine);
-  MPI_Comm_rank(machine, &world.mine);
-  MPI_Comm_size(machine, &world.places);
-  MPI_Win_allocate_shared(world.mine == 0 ? (MPI_Aint)((size_t)world.places * sizeof *world.place)
-                                          : 0,
-                          1, MPI_INFO_NULL, machine, &world.place, &world.window);
-  MPI_Win_shared_query(world.window, 0, &size, &unit, &world.place);
-  world.place[world.mine] = (place){.rank = world.rank, .pid = (long)getpid(), .run = -1};
-  MPI_Barrier(machine);
-  MPI_Comm_free(&machine);
-}
-
 void ranks_begin(int *argc, char ***argv)
 {
   if (!ranks_launched()) return;
@@ -113,7 +81,8 @@ void ranks_begin(int *argc, char ***argv)
   MPI_Comm_rank(MPI_COMM_WORLD, &world.rank);
   MPI_Comm_size(MPI_COMM_WORLD, &world.size);
   world.launched = 1;
-  share_places();
+  places_share(world.rank);
+  places_watch();
 }
 
 int ranks_rank(void)
@@ -142,9 +111,11 @@ static void fill_parcel(const ranks_job *job, long run, char *bytes)
 {
   parcel p = {.run = run};
   double *row = (double *)(void *)(bytes + sizeof p);
-  if (world.place) world.place[world.mine].run = run;
+  char what[256] = "";
+  job->describe(job->user, run, what, sizeof what);
+  places_begin(run, what);
   p.status = job->work(job->user, run, row, p.reason);
-  if (world.place) world.place[world.mine].run = -1;
+  places_end();
   memcpy(bytes, &p, sizeof p);
 }
 
@@ -228,36 +199,6 @@ int ranks_listen(void *user)
   if (desk.job) serve();
   if (world.rank != 0) push_replies();
   return interrupt_came();
-}
-
-/* A killed one is gone; each other one that was told to end waits a while before it does. */
-static int is_gone(const place *p)
-{
-  return kill((pid_t)p->pid, 0) != 0 && errno == ESRCH;
-}
-
-/* After SIGTERM: the first that lives says who does not, and at what. */
-static void tell_who_is_gone(const ranks_job *job)
-{
-  int first = 1;
-  for (int i = 0; world.place && i < world.mine; i++) first &= is_gone(&world.place[i]);
-  for (int i = 0; world.place && first && i < world.places; i++) {
-    char what[256] = "";
-    const place *p = &world.place[i];
-    if (!is_gone(p)) continue;
-    if (p->run >= 0) job->describe(job->user, p->run, what, sizeof what);
-    if (p->run >= 0)
-      fprintf(stderr,
-              "nsdae-sweep: error: rank %d was killed in run %ld (%s); the same command takes the "
-              "sweep up again\n",
-              p->rank, p->run, what);
-    else
-      fprintf(stderr,
-              "nsdae-sweep: error: rank %d was killed between two runs; the same command takes the "
-              "sweep up again\n",
-              p->rank);
-  }
-  fflush(stderr);
 }
 
 static void open_desk(const ranks_job *job, const long *todo, long n)
@@ -362,20 +303,17 @@ static int follow(const ranks_job *job)
 
 int ranks_go(const ranks_job *job, const long *todo, long n)
 {
-  int status = world.rank == 0 ? lead(job, todo, n) : follow(job);
-  if (interrupt_came() && world.launched) tell_who_is_gone(job);
-  return status;
+  if (world.launched) places_watch();
+  return world.rank == 0 ? lead(job, todo, n) : follow(job);
 }
 
 void ranks_end(int status)
 {
   if (!world.launched) return;
-  if (interrupt_came()) { /* the others may be gone: nothing is said to them any more */
-    rest(0.4);
-    _exit(1);
-  }
+  places_leave();
+  if (interrupt_came()) _exit(1); /* the others may be gone: nothing is said to them any more */
   if (status >= 0) {
-    MPI_Win_free(&world.window);
+    places_release();
     MPI_Finalize();
   }
 }

@@ -1,4 +1,6 @@
 #include "feature.h"
+
+#include "overlap.h"
 #include "touch.h"
 
 static int is_rod(const nsdae_solid_of *s)
@@ -27,50 +29,36 @@ double nsdae_solid_size(const nsdae_solid_of *s)
   return most + s->radius;
 }
 
-/* A contact that another feature stands for: the gap is constant; directions are those between the
- * solids' origins, so that there are some. */
-static nsdae_touch far_away(const nsdae_solid_of *const s[2], const nsdae_pose *const pose[2])
-{
-  nsdae_touch touch = {.far = 1};
-  nsdae_jet length;
-  double size = nsdae_solid_size(s[0]) + nsdae_solid_size(s[1]);
-  for (int i = 0; i < 2; i++) touch.at[i] = nsdae_pose_point(pose[i], s[i]->origin);
-  touch.normal = nsdae_direction(nsdae_jet3_sub(touch.at[1], touch.at[0]), 1, &length);
-  touch.gap = nsdae_jet_of(size);
-  return touch;
-}
-
-/* Two lines through x_i along unit vectors u, w, with d = x_1 - x_0 and c = u . w:
- * a = (u . d - c (w . d)) / (1 - c^2),  b = (c (u . d) - w . d) / (1 - c^2) are the places of their
- * nearest points along u and w;  n = +-(u x w) / |u x w|, towards line 1. */
+/* Two lines through x_i along unit vectors u, w, with d = x_1 - x_0 and m = u x w:
+ * a = m . (d x w) / m^2,  b = m . (d x u) / m^2 are the places of their nearest points along u and
+ * w;  n = +-m / |m|, towards line 1. (Written with scalar products alone the same cancels where the
+ * lines are near parallel, as the square of their angle.) */
 typedef struct two_lines {
-  nsdae_jet3 x[2], u[2];
+  nsdae_jet3 x[2], u[2], m;
   nsdae_jet a, b;
-  double sine2; /* 1 - c^2 */
+  double sine2; /* m^2 */
 } two_lines;
 
 static void nearest(two_lines *l)
 {
   nsdae_jet3 d = nsdae_jet3_sub(l->x[1], l->x[0]);
-  nsdae_jet c = nsdae_jet3_dot(l->u[0], l->u[1]);
-  nsdae_jet ud = nsdae_jet3_dot(l->u[0], d), wd = nsdae_jet3_dot(l->u[1], d);
-  nsdae_jet sine2 = nsdae_jet_sub(nsdae_jet_of(1), nsdae_jet_mul(c, c));
-  l->sine2 = sine2.x;
-  if (!(sine2.x > 0)) return;
-  nsdae_jet inverse = nsdae_jet_inverse(sine2);
-  l->a = nsdae_jet_mul(inverse, nsdae_jet_sub(ud, nsdae_jet_mul(c, wd)));
-  l->b = nsdae_jet_mul(inverse, nsdae_jet_sub(nsdae_jet_mul(c, ud), wd));
+  l->m = nsdae_jet3_cross(l->u[0], l->u[1]);
+  nsdae_jet square = nsdae_jet3_dot(l->m, l->m);
+  l->sine2 = square.x;
+  if (!(square.x > 0)) return;
+  nsdae_jet inverse = nsdae_jet_inverse(square);
+  l->a = nsdae_jet_mul(inverse, nsdae_jet3_dot(l->m, nsdae_jet3_cross(d, l->u[1])));
+  l->b = nsdae_jet_mul(inverse, nsdae_jet3_dot(l->m, nsdae_jet3_cross(d, l->u[0])));
 }
 
 /* hint: a vector that n is to point along. */
 static nsdae_touch line_line(const two_lines *l, const double *hint, double r0, double r1)
 {
   nsdae_touch touch = {.far = 0};
-  nsdae_jet3 cross = nsdae_jet3_cross(l->u[0], l->u[1]);
   double along = 0;
-  for (int i = 0; i < 3; i++) along += hint[i] * cross.at[i].x;
+  for (int i = 0; i < 3; i++) along += hint[i] * l->m.at[i].x;
   nsdae_jet3 n = nsdae_jet3_scale(
-      along < 0 ? -1 : 1, nsdae_jet3_times(nsdae_jet_inverse(nsdae_jet3_length(cross)), cross));
+      along < 0 ? -1 : 1, nsdae_jet3_times(nsdae_jet_inverse(nsdae_jet3_length(l->m)), l->m));
   nsdae_jet3 x0 = nsdae_jet3_add(l->x[0], nsdae_jet3_times(l->a, l->u[0]));
   nsdae_jet3 x1 = nsdae_jet3_add(l->x[1], nsdae_jet3_times(l->b, l->u[1]));
   touch.gap = nsdae_jet3_dot(n, nsdae_jet3_sub(l->x[1], l->x[0]));
@@ -98,42 +86,88 @@ static nsdae_touch against_rod(const nsdae_solid_of *s, const nsdae_pose *pose, 
   return nsdae_touch_line_point(end[0], u, s->radius, x1, r1);
 }
 
-/* In the box's frame: one coordinate beyond its half edge is a face, two an edge, three a corner;
- * none is inside, where the nearest face counts. */
-static nsdae_touch against_box(const nsdae_solid_of *s, const nsdae_pose *pose, nsdae_jet3 x1,
-                               double r1)
+/* Where a point in space is in a box's own frame. */
+static void own_place(const nsdae_solid_of *s, const nsdae_pose *pose, nsdae_jet3 x1, double *place)
 {
-  double x[3], from[3], place[3], spot[3], n[3];
-  int beyond = 0, inside = 0, deepest = 0, within = 0;
+  double x[3], from[3];
   for (int i = 0; i < 3; i++) from[i] = x1.at[i].x - pose->r[i];
   nsdae_turn_back(pose->R, from, x);
   for (int i = 0; i < 3; i++) x[i] -= s->origin[i];
   nsdae_turn_back(s->R, x, place);
+}
+
+/* The corner of a box on whose sides a place lies. */
+static nsdae_jet3 box_corner(const nsdae_solid_of *s, const nsdae_pose *pose, const double *place)
+{
+  double from[3], spot[3];
+  for (int i = 0; i < 3; i++) from[i] = place[i] < 0 ? -s->half[i] : s->half[i];
+  nsdae_turn(s->R, from, spot);
+  for (int i = 0; i < 3; i++) spot[i] += s->origin[i];
+  return nsdae_pose_point(pose, spot);
+}
+
+/* The face of a box across an axis, on its side 1 or -1. */
+static nsdae_touch on_face(const nsdae_solid_of *s, const nsdae_pose *pose, int axis, double side,
+                           nsdae_jet3 x1, double r1)
+{
+  double n[3], on[3];
+  for (int i = 0; i < 3; i++) {
+    n[i] = side * s->R[3 * axis + i];
+    on[i] = side; /* any corner of that face */
+  }
+  return nsdae_touch_plane_point(box_corner(s, pose, on), nsdae_pose_direction(pose, n), x1, r1);
+}
+
+/* One coordinate beyond its half edge is a face, two an edge, three a corner; none is inside, where
+ * the nearest face counts. */
+static nsdae_touch nearest_on_box(const nsdae_solid_of *s, const nsdae_pose *pose,
+                                  const double *place, nsdae_jet3 x1, double r1)
+{
+  int beyond = 0, deepest = 0, within = 0;
   for (int i = 0; i < 3; i++) {
     beyond += fabs(place[i]) > s->half[i];
     if (fabs(place[i]) <= s->half[i]) within = i;
     if (fabs(place[i]) - s->half[i] > fabs(place[deepest]) - s->half[deepest]) deepest = i;
   }
-  inside = beyond <= 1; /* face, from in or out */
-  for (int i = 0; i < 3; i++) from[i] = place[i] < 0 ? -s->half[i] : s->half[i];
-  nsdae_turn(s->R, from, spot);
-  for (int i = 0; i < 3; i++) spot[i] += s->origin[i];
-  nsdae_jet3 corner_of = nsdae_pose_point(pose, spot);
-  if (inside) {
-    for (int i = 0; i < 3; i++) n[i] = (place[deepest] < 0 ? -1 : 1) * s->R[3 * deepest + i];
-    return nsdae_touch_plane_point(corner_of, nsdae_pose_direction(pose, n), x1, r1);
-  }
+  if (beyond <= 1) return on_face(s, pose, deepest, place[deepest] < 0 ? -1 : 1, x1, r1);
+  nsdae_jet3 corner = box_corner(s, pose, place);
   if (beyond == 2)
-    return nsdae_touch_line_point(corner_of, nsdae_pose_direction(pose, s->R + 3 * within), 0, x1,
-                                  r1);
-  return nsdae_touch_point_point(corner_of, 0, 1, x1, r1);
+    return nsdae_touch_line_point(corner, nsdae_pose_direction(pose, s->R + 3 * within), 0, x1, r1);
+  return nsdae_touch_point_point(corner, 0, 1, x1, r1);
+}
+
+/* Whether a place is beside the face across an axis by no more than slack. */
+static int is_over(const nsdae_solid_of *s, const double *place, int axis, double slack)
+{
+  for (int i = 0; i < 3; i++)
+    if (i != axis && fabs(place[i]) > s->half[i] + slack) return 0;
+  return 1;
+}
+
+/* Corners of what overlaps a box touch the face that is the least deep in it, not each the face
+ * that is nearest to it: blocks that lie flush keep the common face, though at their corners others
+ * are as near. None is deeper than the overlap. */
+static nsdae_touch corner_on_box(const nsdae_feature *f, const nsdae_solid_of *s0,
+                                 const nsdae_solid_of *s1, const nsdae_pose *pose0,
+                                 const nsdae_pose *pose1)
+{
+  const nsdae_solid_of *const s[2] = {s0, s1};
+  const nsdae_pose *const pose[2] = {pose0, pose1};
+  nsdae_jet3 x1 = nsdae_pose_point(pose1, nsdae_solid_corner(s1, f->part[1]));
+  double place[3];
+  own_place(s0, pose0, x1, place);
+  if (s1->points == 1) return nearest_on_box(s0, pose0, place, x1, s1->radius);
+  nsdae_overlap o = nsdae_find_overlap(s0, s1, pose0, pose1);
+  if (o.most > o.slack || !is_over(s0, place, o.axis, o.beside))
+    return nearest_on_box(s0, pose0, place, x1, s1->radius);
+  if (o.side * place[o.axis] - s0->half[o.axis] < o.most - o.slack) return nsdae_touch_far(s, pose);
+  return on_face(s0, pose0, o.axis, o.side, x1, s1->radius);
 }
 
 static nsdae_touch against_corner(const nsdae_solid_of *s0, const nsdae_pose *pose0, nsdae_jet3 x1,
                                   double r1)
 {
   if (is_rod(s0)) return against_rod(s0, pose0, x1, r1);
-  if (s0->shape == NSDAE_SHAPE_BOX) return against_box(s0, pose0, x1, r1);
   nsdae_jet3 x0 = nsdae_pose_point(pose0, s0->origin);
   if (s0->shape == NSDAE_SHAPE_PLANE)
     return nsdae_touch_plane_point(x0, nsdae_pose_direction(pose0, s0->R + 6), x1, r1);
@@ -162,7 +196,7 @@ static int edge_of(const nsdae_solid_of *s, int i, double *sign, double *middle)
 static int leaves_by(const nsdae_solid_of *s, const nsdae_pose *pose, const double *sign,
                      double orientation, nsdae_jet3 n)
 {
-  const double rounding = 1e-12;
+  const double rounding = 1e-4;
   double in_space[3], own[3], in_solid[3];
   for (int i = 0; i < 3; i++) in_space[i] = orientation * n.at[i].x;
   nsdae_turn_back(pose->R, in_space, own);
@@ -172,43 +206,15 @@ static int leaves_by(const nsdae_solid_of *s, const nsdae_pose *pose, const doub
   return 1;
 }
 
-/* How far solid s reaches in the direction m (in space) from the point x. */
-static double reach(const nsdae_solid_of *s, const nsdae_pose *pose, const double *m,
-                    const double *x)
-{
-  double own[3], most = -INFINITY, from[3];
-  nsdae_turn_back(pose->R, m, own);
-  for (int i = 0; i < s->points; i++) most = fmax(most, nsdae_dot3(own, nsdae_solid_corner(s, i)));
-  for (int i = 0; i < 3; i++) from[i] = pose->r[i] - x[i];
-  return most + s->radius + nsdae_dot3(m, from);
-}
-
-/* The least depth of overlap along a face's normal of either; without bound for two capsules. */
-static double face_depth(const nsdae_solid_of *const s[2], const nsdae_pose *const pose[2])
-{
-  double least = INFINITY;
-  for (int side = 0; side < 2; side++)
-    for (int i = 0; i < 6 && s[side]->shape == NSDAE_SHAPE_BOX; i++) {
-      double m[3], back[3], sign = i % 2 ? 1 : -1;
-      nsdae_turn(pose[side]->R, s[side]->R + 3 * (i / 2), m);
-      for (int j = 0; j < 3; j++) {
-        m[j] *= sign;
-        back[j] = -m[j];
-      }
-      least = fmin(least, reach(s[side], pose[side], m, pose[0]->r) +
-                              reach(s[!side], pose[!side], back, pose[0]->r));
-    }
-  return least;
-}
-
-/* Deep in each other solids overlap along every direction: the one that counts is that of the least
- * depth, and where it is a face's the corners touch and the edges do not. */
+/* Of solids that overlap only the edges of the axis of least depth touch; see overlap.h. Lines
+ * along a face are as deep as the face but for rounding, and do. */
 static nsdae_touch edges(const nsdae_feature *f, const nsdae_solid_of *s0, const nsdae_solid_of *s1,
                          const nsdae_pose *pose0, const nsdae_pose *pose1)
 {
-  /* lines nearer to parallel than this touch by their corners as well: the sine's square keeps five
-   * digits of the place */
-  const double parallel = 1e-10;
+  /* lines nearer to parallel than this, as the square of their angle, touch by their corners as
+   * well: there these are as near but for 1e-8 of their length, and of places eight digits are left
+   */
+  const double parallel = 1e-16;
   const nsdae_solid_of *const s[2] = {s0, s1};
   const nsdae_pose *const pose[2] = {pose0, pose1};
   two_lines l = {.sine2 = 0};
@@ -221,17 +227,17 @@ static nsdae_touch edges(const nsdae_feature *f, const nsdae_solid_of *s0, const
   }
   nearest(&l);
   if (l.sine2 < parallel || fabs(l.a.x) > s0->half[axis[0]] || fabs(l.b.x) > s1->half[axis[1]])
-    return far_away(s, pose);
+    return nsdae_touch_far(s, pose);
   nsdae_jet3 from = nsdae_pose_point(pose0, s0->origin), to = nsdae_pose_point(pose1, s1->origin);
   for (int i = 0; i < 3; i++) hint[i] = to.at[i].x - from.at[i].x;
   nsdae_touch touch = line_line(&l, hint, s0->radius, s1->radius);
   if (!leaves_by(s0, pose0, sign[0], 1, touch.normal) ||
       !leaves_by(s1, pose1, sign[1], -1, touch.normal))
-    return far_away(s, pose);
-  /* lines along a face are as deep as the face but for rounding, and do touch */
-  double rounding = 1e-12 * (nsdae_solid_size(s0) + nsdae_solid_size(s1));
-  int deeper = touch.gap.x < 0 && -touch.gap.x > face_depth(s, pose) + rounding;
-  return deeper ? far_away(s, pose) : touch;
+    return nsdae_touch_far(s, pose);
+  if (touch.gap.x >= -s0->radius - s1->radius) return touch;
+  nsdae_overlap o = nsdae_find_overlap(s0, s1, pose0, pose1);
+  double depth = touch.gap.x + s0->radius + s1->radius;
+  return depth < o.most - o.slack ? nsdae_touch_far(s, pose) : touch;
 }
 
 nsdae_touch nsdae_feature_touch(const nsdae_feature *f, const nsdae_solid_of *s0,
@@ -239,8 +245,10 @@ nsdae_touch nsdae_feature_touch(const nsdae_feature *f, const nsdae_solid_of *s0
                                 const nsdae_pose *pose1)
 {
   if (f->edges) return edges(f, s0, s1, pose0, pose1);
-  if (s0->shape == NSDAE_SHAPE_POLYGON)
+  int rounded = s0->shape == NSDAE_SHAPE_SEGMENT && s0->radius > 0 && s1->points > 1;
+  if (s0->shape == NSDAE_SHAPE_POLYGON || rounded)
     return nsdae_polygon_touch(s0, s1, f->part[1], pose0, pose1);
+  if (s0->shape == NSDAE_SHAPE_BOX) return corner_on_box(f, s0, s1, pose0, pose1);
   return against_corner(s0, pose0, nsdae_pose_point(pose1, nsdae_solid_corner(s1, f->part[1])),
                         s1->radius);
 }

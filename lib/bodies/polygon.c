@@ -1,13 +1,17 @@
-/* A corner against a convex polygon. Outside, the nearest edge or corner of the polygon counts.
- * Inside or on it the edge that separates the two solids best (the axis of least overlap): of
- * blocks that lie flush the common face, though at their corners another one is as near.
+/* A corner against a convex polygon, or against a rounded segment, which is one of two corners.
+ * Outside, the nearest edge or corner counts. Of solids that overlap each corner touches the edge
+ * that separates the two best: of blocks that lie flush the common one, though at their corners
+ * another is as near. None is deeper than the overlap, which is the best separation by an edge of
+ * either (see overlap.h: the axis of least depth). The corner that is the lowest there lies over
+ * that edge, and touches though it came out on the other side, as of two that cross as swords.
  *
- *   separation of an edge with the outer normal n at x:  s = min_i n . (p_i - x), p_i the other's
+ *   separation by an edge with the outer normal n at x:  s = min_i n . (p_i - x), p_i the other's
  *   corners; two convex polygons overlap where no edge of either has s > 0 */
 #include "touch.h"
 
-/* Places along an edge that are at its end but for rounding and drift, in parts of its length. */
-static const double at_end = 1e-6;
+/* What counts as nothing, rounding and drift, and how far beside an edge what overlaps is still
+ * over it, in parts of the edge's length. */
+static const double drift = 1e-6, beside = 1e-4;
 
 /* Outer unit normal of the edge from corner i, in the body's frame; its length. */
 static double edge_normal(const nsdae_solid_of *s, int i, double *n)
@@ -50,67 +54,92 @@ static separation separate(placed polygon, placed other)
         lowest = i;
       }
     }
-    double s = least + nsdae_dot3(in_space, apart) -
-               nsdae_dot3(n, nsdae_solid_corner(polygon.solid, e)) - other.solid->radius;
+    double s =
+        least + nsdae_dot3(in_space, apart) - nsdae_dot3(n, nsdae_solid_corner(polygon.solid, e));
     if (s > best.value) best = (separation){s, e, lowest};
   }
   return best;
 }
 
+/* The line of an edge, r_0 above it. */
 static nsdae_touch on_edge(placed polygon, int edge, nsdae_jet3 x1, double r1)
 {
   double n[3];
   edge_normal(polygon.solid, edge, n);
+  nsdae_jet3 normal = nsdae_pose_direction(polygon.pose, n);
+  nsdae_jet3 x0 = nsdae_pose_point(polygon.pose, nsdae_solid_corner(polygon.solid, edge));
   return nsdae_touch_plane_point(
-      nsdae_pose_point(polygon.pose, nsdae_solid_corner(polygon.solid, edge)),
-      nsdae_pose_direction(polygon.pose, n), x1, r1);
+      nsdae_jet3_add(x0, nsdae_jet3_scale(polygon.solid->radius, normal)), normal, x1, r1);
 }
 
-/* Which edge of the polygon is the highest under the point x of its frame, and where along it. */
+/* Where a point is along an edge and how high above it. */
 typedef struct place {
   int edge;
   double height, along, length;
 } place;
 
+static place place_on(const nsdae_solid_of *s, int edge, const double *x)
+{
+  double n[3], length = edge_normal(s, edge, n);
+  const double *p = nsdae_solid_corner(s, edge);
+  return (place){edge, n[0] * (x[0] - p[0]) + n[1] * (x[1] - p[1]),
+                 -n[1] * (x[0] - p[0]) + n[0] * (x[1] - p[1]), length};
+}
+
+/* On the edge that is the highest under the point x of the polygon's frame. */
 static place find_place(const nsdae_solid_of *s, const double *x)
 {
   place highest = {.height = -INFINITY};
   for (int i = 0; i < s->points; i++) {
-    double n[3], length = edge_normal(s, i, n);
-    const double *p = nsdae_solid_corner(s, i);
-    double height = n[0] * (x[0] - p[0]) + n[1] * (x[1] - p[1]);
-    double along = -n[1] * (x[0] - p[0]) + n[0] * (x[1] - p[1]);
-    if (height > highest.height) highest = (place){i, height, along, length};
+    place on = place_on(s, i, x);
+    if (on.height > highest.height) highest = on;
   }
   return highest;
 }
 
-/* Two that cross as swords do overlap though no corner is inside: the corner that is the lowest
- * under the edge that separates best stands for that. The edge, or -1. */
-static int crossed_edge(placed polygon, placed other, int corner)
+/* Whether a solid has edges of its own that can separate: a segment without rounding is a side. */
+static int has_edges(const nsdae_solid_of *s)
 {
-  if (other.solid->shape != NSDAE_SHAPE_POLYGON) return -1;
+  return s->shape == NSDAE_SHAPE_POLYGON || (s->points > 1 && s->radius > 0);
+}
+
+/* The edge that a corner at x touches where the two overlap; NONE where they do not, or it is
+ * aside; FAR where it is deeper than they overlap. */
+enum { NONE = -1, FAR = -2 };
+
+static int overlapped_edge(placed polygon, placed other, const double *x, place at)
+{
+  double slack = drift * at.length;
   separation here = separate(polygon, other);
-  if (here.value >= 0 || here.corner != corner) return -1;
-  double there = separate(other, polygon).value;
-  return there >= 0 || there > here.value ? -1 : here.edge;
+  if (here.value > slack) return NONE;
+  double most = here.value;
+  if (has_edges(other.solid)) most = fmax(most, separate(other, polygon).value);
+  if (most > slack) return NONE;
+  place on = place_on(polygon.solid, here.edge, x);
+  int over = fabs(on.along - on.length / 2) <= (0.5 + beside) * on.length;
+  int inside = at.height <= slack && polygon.solid->points > 2; /* a line has no inside */
+  if (!inside && !over) return NONE;
+  return on.height < most - slack ? FAR : here.edge;
 }
 
 nsdae_touch nsdae_polygon_touch(const nsdae_solid_of *s0, const nsdae_solid_of *s1, int corner,
                                 const nsdae_pose *pose0, const nsdae_pose *pose1)
 {
+  const nsdae_solid_of *const s[2] = {s0, s1};
+  const nsdae_pose *const pose[2] = {pose0, pose1};
   placed polygon = {s0, pose0}, other = {s1, pose1};
   nsdae_jet3 x1 = nsdae_pose_point(pose1, nsdae_solid_corner(s1, corner));
   double x[3], from[3];
   for (int i = 0; i < 3; i++) from[i] = x1.at[i].x - pose0->r[i];
   nsdae_turn_back(pose0->R, from, x);
   place at = find_place(s0, x);
-  double slack = at_end * at.length;
-  if (at.height <= slack) return on_edge(polygon, separate(polygon, other).edge, x1, s1->radius);
-  int crossed = crossed_edge(polygon, other, corner);
-  if (crossed >= 0) return on_edge(polygon, crossed, x1, 0);
-  if (at.along >= 0 && at.along <= at.length) return on_edge(polygon, at.edge, x1, s1->radius);
+  int edge = s1->points > 1   ? overlapped_edge(polygon, other, x, at)
+             : at.height <= 0 ? at.edge
+                              : NONE;
+  if (edge == FAR) return nsdae_touch_far(s, pose);
+  if (edge == NONE && at.along >= 0 && at.along <= at.length) edge = at.edge;
+  if (edge != NONE) return on_edge(polygon, edge, x1, s1->radius);
   int end = (at.edge + (at.along > 0)) % s0->points;
-  return nsdae_touch_point_point(nsdae_pose_point(pose0, nsdae_solid_corner(s0, end)), 0, 1, x1,
-                                 s1->radius);
+  return nsdae_touch_point_point(nsdae_pose_point(pose0, nsdae_solid_corner(s0, end)), s0->radius,
+                                 1, x1, s1->radius);
 }

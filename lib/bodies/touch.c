@@ -44,3 +44,14 @@ nsdae_touch nsdae_touch_plane_point(nsdae_jet3 x0, nsdae_jet3 n, nsdae_jet3 x1, 
   touch.at[1] = nsdae_jet3_sub(x1, nsdae_jet3_scale(r1, n));
   return touch;
 }
+
+nsdae_touch nsdae_touch_far(const nsdae_solid_of *const s[2], const nsdae_pose *const pose[2])
+{
+  nsdae_touch touch = {.far = 1};
+  nsdae_jet length;
+  double size = nsdae_solid_size(s[0]) + nsdae_solid_size(s[1]);
+  for (int i = 0; i < 2; i++) touch.at[i] = nsdae_pose_point(pose[i], s[i]->origin);
+  touch.normal = nsdae_direction(nsdae_jet3_sub(touch.at[1], touch.at[0]), 1, &length);
+  touch.gap = nsdae_jet_of(size);
+  return touch;
+}

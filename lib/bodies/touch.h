@@ -15,7 +15,11 @@ nsdae_touch nsdae_touch_line_point(nsdae_jet3 x0, nsdae_jet3 u, double r0, nsdae
                                    double r1);
 nsdae_touch nsdae_touch_plane_point(nsdae_jet3 x0, nsdae_jet3 n, nsdae_jet3 x1, double r1);
 
-/* The contact of a corner of solid s1 against the polygon s0. */
+/* A contact that another feature stands for: the gap is constant; directions are those between the
+ * solids' origins, so that there are some. */
+nsdae_touch nsdae_touch_far(const nsdae_solid_of *const s[2], const nsdae_pose *const pose[2]);
+
+/* The contact of a corner of solid s1 against the polygon or rounded segment s0. */
 nsdae_touch nsdae_polygon_touch(const nsdae_solid_of *s0, const nsdae_solid_of *s1, int corner,
                                 const nsdae_pose *pose0, const nsdae_pose *pose1);
 

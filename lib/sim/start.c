@@ -161,9 +161,9 @@ static int wrong_rate(const nsdae_terms *T, const relation *r, int i, double giv
   return NSDAE_E_DERIVATIVE;
 }
 
-/* Where a relation has a kink at the start its derivative is that of one side. Gross errors are
- * what is looked for, signs and places: 1e-3 of the terms, above the rounding of the differences.
- */
+/* Where a relation has a kink at the start its derivative is that of one side; of what jumps, as
+ * the gap of two edges where they are parallel, differences say nothing. Gross errors are what is
+ * looked for, signs and places: 1e-3 of the terms, above the rounding of the differences. */
 static int judge_rates(const nsdae_terms *T, const relation *r, const double *v, double s)
 {
   const nsdae_differences *d = T->differences;
@@ -171,7 +171,8 @@ static int judge_rates(const nsdae_terms *T, const relation *r, const double *v,
     double size, given = given_rate(r, &T->system->blocks, i, v, &size);
     double ahead = (d->plus[i] - r->value[i]) / s, back = (r->value[i] - d->minus[i]) / s;
     double middle = (ahead + back) / 2;
-    if (!isfinite(middle)) continue; /* the end of where it is defined */
+    if (!isfinite(middle)) continue;                     /* the end of where it is defined */
+    if (fabs(ahead - back) > 1e3 * (size + 1)) continue; /* a jump, over the step */
     double tol = 1e-3 * (size + fabs(middle)) + 1e-9 * (1 + fabs(r->value[i]));
     if (fabs(given - middle) <= tol || fabs(given - ahead) <= tol || fabs(given - back) <= tol)
       continue;

@@ -14,6 +14,7 @@ Options of solve() and Sim(), each with its range; METHODS says what the methods
 from . import _core
 from ._bodies import GROUND, Bodies, Solid
 from ._errors import ArgumentError, CallbackError, Error, ProblemError, Status
+from ._lists import CONTACT, ContactList, RowList, contact_add, row_add
 from ._pointers import signature
 from ._problems import FrictionResult, LcpResult, friction, friction_local, lcp
 from ._records import OPEN, SLIDE, STICK, LcpProblem, Record
@@ -27,7 +28,8 @@ build_info: str = _core.BUILD_INFO
 __doc__ += "".join(f"    {key:<18}{what}{f' [{unit}]' if unit not in ('', '1') else ''}: {values}\n"
                    for key, unit, what, values in _core.OPTIONS)
 
-__all__ = ["ArgumentError", "Bodies", "CallbackError", "Dims", "Error", "FrictionResult", "GROUND", "LcpProblem",
-           "LcpResult", "METHODS", "OPEN", "ProblemError", "Record", "SLIDE", "STICK", "Shape", "Sim", "Solid", "Status",
-           "Sweep", "System", "Trajectory", "Worst", "build_info", "friction", "friction_local", "lcp", "load", "load_sweep",
-           "signature", "solve", "sweep"]
+__all__ = ["ArgumentError", "Bodies", "CONTACT", "CallbackError", "ContactList", "Dims", "Error", "FrictionResult",
+           "GROUND", "LcpProblem", "LcpResult", "METHODS", "OPEN", "ProblemError", "Record", "RowList", "SLIDE",
+           "STICK", "Shape", "Sim", "Solid", "Status", "Sweep", "System", "Trajectory", "Worst", "build_info",
+           "contact_add", "friction", "friction_local", "lcp", "load", "load_sweep", "row_add", "signature", "solve",
+           "sweep"]

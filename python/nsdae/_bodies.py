@@ -38,6 +38,7 @@ class Solid(NamedTuple):
     length  of a segment; of a capsule between its centres; a box has three [m]
     hollow  the solid is outside of the disc;  points [p, 2] corners of a polygon, anticlockwise
     position, angle, quaternion   in the body's frame
+    material  0 .. 63, which set_pair() goes by
     """
 
     shape: str
@@ -48,13 +49,14 @@ class Solid(NamedTuple):
     position: Any = ()
     angle: float = 0
     quaternion: Any = ()
+    material: int = 0
 
     def _given(self) -> dict[str, Any]:
         length = self.length
         if not len(np.shape(length)):  # a segment's is along x, a capsule's along z
             length = [0, 0, length] if self.shape == "capsule" else [length]
         return {"shape": _one_of("shape", self.shape, SHAPES), "radius": float(self.radius), "hollow": bool(self.hollow),
-                "angle": float(self.angle), "length": _numbers("length", length, 3),
+                "angle": float(self.angle), "material": int(self.material), "length": _numbers("length", length, 3),
                 "position": _numbers("position", self.position, 3),
                 "quaternion": _numbers("quaternion", self.quaternion, 4),
                 "points": np.ascontiguousarray(self.points, dtype=float).reshape(-1)}
@@ -140,6 +142,11 @@ class Bodies:
     def add_contact(self, solid0: int, solid1: int, *, mu: float = 0, e_n: float = 0, e_t: float = 0) -> int:
         """Lets two solids touch: the number of the first of its contacts."""
         return self._core.add_contact(solid0, solid1, float(mu), float(e_n), float(e_t))
+
+    def set_pair(self, material0: int, material1: int, *, mu: float = 0, e_n: float = 0, e_t: float = 0) -> None:
+        """Lets every two solids of these materials touch that belong to different bodies: many bodies, whose contacts
+        are found anew in every step and are by list (Record.contacts). Methods implicit, implicit-printed, moreau."""
+        self._core.set_pair(material0, material1, float(mu), float(e_n), float(e_t))
 
     def system(self) -> System:
         """The system of it all; nothing can be added from then on."""

@@ -45,9 +45,17 @@ IMPACTS = (
     ("peak_force", "N", "largest normal force of a continuous contact; 0 for a rigid one"),
     ("accumulation", "1", "1 where the entry stands for infinitely many impacts that end at its time in rest"),
 )
+LISTED = (("id", "1", "id of the contact"), ("block", "1", "blocks of the contact; -1: the ground"))
 CHANGES = (
     ("contact", "1", "contact, from 0; -1: a slide"), ("slide", "1", "slide, from 0; -1: a contact"),
     ("mode_before", "1", "0 open, 1 slide, 2 stick"), ("mode_after", "1", "0 open, 1 slide, 2 stick"),
+)
+CONTACTS = (
+    ("block", "1", "the blocks that touch; -1: the ground", ("contacts/id", "contacts/side")),
+    ("gap", "m", "normal distance where the method looked last, negative where bodies overlap", ("contacts/id",)),
+    ("normal_impulse", "N s", "normal impulse of the step", ("contacts/id",)),
+    ("tangential_impulse", "N s", "tangential impulse of the step", ("contacts/id", "tangent")),
+    ("mode", "1", "0 open, 1 slide, 2 stick", ("contacts/id",)),
 )
 NAMES = {"coordinate": "coordinate", "velocity": "velocity", "constraint": "constraint", "contact": "contact/contact",
          "slide": "slide/slide"}
@@ -76,10 +84,10 @@ def _put(file: Any, path: str, values: Any, unit: str, description: str, scales:
     import h5py
     values = np.asarray(values)
     kind = h5py.string_dtype() if values.dtype == object else values.dtype
-    grows = scales and scales[0].endswith("time")
+    rows = 1024 if scales and scales[0].endswith("time") else 16384 if scales[:1] == ("contacts/id",) else 0
     made = file.create_dataset(path, data=values, dtype=kind,
-                               maxshape=(None,) + values.shape[1:] if grows else None,
-                               chunks=(1024,) + values.shape[1:] if grows else None)
+                               maxshape=(None,) + values.shape[1:] if rows else None,
+                               chunks=(rows,) + values.shape[1:] if rows else None)
     made.attrs["units"], made.attrs["description"] = unit, description
     for dimension, scale in enumerate(scales):
         if scale != path:
@@ -114,18 +122,77 @@ def _put_events(file: Any, group: str, rows: np.ndarray, table: Any, said: str, 
                 continue
         made = _put(file, f"{group}/{name}", np.ascontiguousarray(values), unit, description, (time,))
         if values.ndim == 2:
-            made.dims[1].attach_scale(file["tangent"])
+            made.dims[1].attach_scale(file["contacts/side" if name == "block" else "tangent"])
 
 
-def _put_shapes(file: Any, shapes: list[Any]) -> None:
-    def formulas(name: str, number: int) -> Any:
-        return _text((list(getattr(s, name)) + [""] * 4)[number] for s in shapes)
+def _put_contacts(file: Any, trajectory: Trajectory, nt: int) -> None:
+    """Those by list: the rows of all records one after another."""
+    rows, count = trajectory.contacts, np.asarray(trajectory.contact_count, dtype="i4")
+    _put(file, "contacts/first", np.cumsum(count, dtype="i8") - count, "1",
+         "row of the lists below at which the closed contacts of this record begin", ("time",))
+    _put(file, "contacts/count", count, "1", "how many they are: contacts that were closed in the step that ends here",
+         ("time",))
+    _put(file, "contacts/id", rows["id"], "1", "which contact, the same at all times", ("contacts/id",))
+    _put(file, "contacts/side", _text(["first", "second"]), "", "sides of a contact", ("contacts/side",))
+    for name, unit, description, scales in CONTACTS:
+        values = rows[name][:, :nt] if name == "tangential_impulse" else rows[name]
+        if all(values.shape[1:]):
+            _put(file, f"contacts/{name}", np.ascontiguousarray(values), unit, description, scales)
 
+
+def _put_blocks(file: Any, blocks: np.ndarray) -> None:
+    first = np.cumsum(blocks, axis=0, dtype="i4") - blocks
+    _put(file, "blocks/q", first[:, 0].astype("i4"), "1", "first coordinate of each block")
+    _put(file, "blocks/v", first[:, 1].astype("i4"), "1", "first velocity of each block")
+
+
+def _place_of(shape: Any, number: dict[str, int]) -> tuple[int, int, int] | None:
+    """(dimension, first coordinate of its position, of its turn or -1) of what is placed by coordinates alone."""
+    def first(formulas: Any) -> int:
+        found = [number.get(str(f), -9) for f in formulas]
+        return found[0] if found == list(range(found[0], found[0] + len(found))) else -9
+
+    position = [f for f in shape.position if f != ""]
+    at, turn = first(position) if len(position) in (2, 3) else -9, -1
+    if shape.angle != "":
+        turn = first([shape.angle]) if len(position) == 2 else -9
+    elif any(shape.quaternion):
+        turn = first(shape.quaternion) if len(position) == 3 else -9
+    return None if shape.shape == "segment" or at < 0 or turn < -1 else (len(position), at, turn)
+
+
+def _put_placed(file: Any, shapes: list[Any], places: list[tuple[int, int, int]]) -> None:
+    from .pictures.bodies import SHAPES
+    _put(file, "shapes/name", _text(s.name for s in shapes), "", "names of what is placed by coordinates alone")
+    _put(file, "shapes/shape", np.array([SHAPES.index(s.shape) for s in shapes], dtype="i4"), "1",
+         "0 point, 1 disc, 3 polygon, 4 path, 5 sphere, 6 capsule, 7 box, 8 plane")
+    for i, (name, said) in enumerate((
+            ("dimension", "2: in the plane, 3: in space"),
+            ("position", "coordinate, from 0, that is x of the origin; y, z come after it"),
+            ("turn", "coordinate, from 0, that is the angle about z, or in space w of the quaternion, whose x, y, z come "
+             "after it; -1: not turned"))):
+        _put(file, f"shapes/{name}", np.array([place[i] for place in places], dtype="i4"), "1", said)
+    _put_sizes(file, "shapes", shapes)
+
+
+def _put_sizes(file: Any, group: str, shapes: list[Any]) -> None:
     def padded(values: Any, what: str) -> np.ndarray:
         row = [float(v) for v in values]
         if len(row) > 3:
             raise ValueError(f"{what} has {len(row)} numbers; it has at most 3")
         return np.array(row + [0.0] * (3 - len(row)))
+
+    _put(file, f"{group}/size", np.array([padded(s.size, "size") for s in shapes]), "m", "by the shape")
+    points = [padded(p, "a point") for s in shapes for p in s.points]
+    _put(file, f"{group}/points", np.array([len(s.points) for s in shapes], dtype="i4"), "1",
+         "rows of point in this group that each has, in order")
+    if points:
+        _put(file, f"{group}/point", np.array(points), "m", "corners of polygons and paths in their bodies' frames")
+
+
+def _put_shapes(file: Any, shapes: list[Any]) -> None:
+    def formulas(name: str, number: int) -> Any:
+        return _text((list(getattr(s, name)) + [""] * 4)[number] for s in shapes)
 
     said = "formula of the place of the body's origin"
     _put(file, "bodies/name", _text(s.name for s in shapes), "", "names of the bodies")
@@ -138,12 +205,7 @@ def _put_shapes(file: Any, shapes: list[Any]) -> None:
              "formula: the quaternion that turns the body's frame; empty: none")
     _put(file, "bodies/angle", _text(s.angle for s in shapes), "rad",
          "formula of the angle of the body's frame about z; empty: none")
-    _put(file, "bodies/size", np.array([padded(s.size, "size") for s in shapes]), "m", "by the shape")
-    points = [padded(p, "a point") for s in shapes for p in s.points]
-    _put(file, "bodies/points", np.array([len(s.points) for s in shapes], dtype="i4"), "1",
-         "rows of /bodies/point that each body has, in order")
-    if points:
-        _put(file, "bodies/point", np.array(points), "m", "corners of polygons and paths in their bodies' frames")
+    _put_sizes(file, "bodies", shapes)
 
 
 def _put_values(file: Any, group: str, values: dict[str, Any]) -> None:
@@ -158,7 +220,8 @@ def fill(trajectory: Trajectory, file: Any) -> None:
     for name, text in {**TEXTS, "status": trajectory.status, "model": trajectory.model, "method": trajectory.method,
                        "created": now}.items():
         file.attrs[name] = text
-    file.attrs["format_version"] = np.int32(1)
+    listed = trajectory.blocks is not None
+    file.attrs["format_version"] = np.int32(2 if listed else 1)
     _put_values(file, "options", trajectory.options)
     _put_values(file, "parameters", trajectory.parameters)
     _put(file, "time", trajectory.time, "s", "simulated time", ("time",))
@@ -168,11 +231,19 @@ def fill(trajectory: Trajectory, file: Any) -> None:
         if values is not None and all(values.shape[1:]):
             _put(file, path, values, unit, description, scales)
     nt = trajectory.tangential_impulse.shape[2]
-    _put_events(file, "impact", trajectory.impacts, IMPACTS, "time of the impact; with a time-stepping method the end "
-                "of its step", nt)
+    if listed:
+        _put_blocks(file, trajectory.blocks)
+        _put_contacts(file, trajectory, nt)
+    _put_events(file, "impact", trajectory.impacts, LISTED + IMPACTS[1:] if listed else IMPACTS,
+                "time of the impact; with a time-stepping method the end of its step", nt)
     _put_events(file, "change", trajectory.changes, CHANGES, "instant of a change of mode", nt)
-    if trajectory.shapes:
-        _put_shapes(file, trajectory.shapes)
+    number = {name: i for i, (name, _) in enumerate(trajectory.names["coordinate"])} if listed else {}
+    number.update({f"q{i}": i for i in range(trajectory.q.shape[1])} if listed else {})
+    places = [_place_of(s, number) for s in trajectory.shapes]
+    if any(place is None for place in places):
+        _put_shapes(file, [s for s, place in zip(trajectory.shapes, places) if place is None])
+    if any(places):
+        _put_placed(file, [s for s, place in zip(trajectory.shapes, places) if place], [place for place in places if place])
 
 
 def _str(value: Any) -> Any:
@@ -187,9 +258,11 @@ def _read_values(file: Any, group: str) -> dict[str, Any]:
 
 
 def _read_names(file: Any, counts: dict[str, int]) -> dict[str, list[tuple[str, str]]]:
-    names = {}
+    names, numbered = {}, {"coordinate": "q", "velocity": "v"}
     for kind, path in NAMES.items():
         has = [str(_str(name)) for name in file[path][...]] if path in file else []
+        if path in file and file[path].dtype.kind in "iu":  # of many that nobody named the numbers alone
+            has = [f"{numbered.get(kind, kind)}{i}" for i in range(len(has))]
         units = [_str(unit) for unit in file[f"{path}_unit"][...]] if f"{path}_unit" in file else []
         has += [f"{kind} {i}" for i in range(len(has), counts[kind])]
         names[kind] = list(zip(has, units + [""] * (len(has) - len(units))))
@@ -201,6 +274,8 @@ def _read_events(file: Any, group: str, of: np.dtype) -> np.ndarray:
     rows = np.zeros(n, dtype=of)
     if f"{group}/contact" not in file and "contact" in (of.names or ()):
         rows["contact"] = -1  # by list: they have no number
+    if "id" in (of.names or ()) and f"{group}/id" not in file:
+        rows["block"] = -1
     for name in of.names or ():
         if f"{group}/{name}" in file:
             values = file[f"{group}/{name}"][:n]
@@ -208,7 +283,31 @@ def _read_events(file: Any, group: str, of: np.dtype) -> np.ndarray:
                 rows[name][:, : values.shape[1]] = values
             else:
                 rows[name] = values
+    if "id" in (of.names or ()) and f"{group}/id" not in file:
+        rows["id"] = rows["contact"]
     return rows
+
+
+def _read_contacts(file: Any, n: int, of: np.dtype) -> dict[str, Any]:
+    """Those by list of the n records; of a run that was killed the list may be longer."""
+    if "contacts" not in file:
+        return {}
+    first, count = file["contacts/first"][:n], file["contacts/count"][:n]
+    if (count < 0).any() or not np.array_equal(first, np.cumsum(count, dtype="i8") - count):
+        raise ValueError("its /contacts do not follow one another")
+    rows = np.zeros(int(count.sum()), dtype=of)
+    if len(rows) > len(file["contacts/id"]):
+        raise ValueError("it has records whose contacts are not in its list")
+    for name in of.names or ():
+        if f"contacts/{name}" in file:
+            values = file[f"contacts/{name}"][: len(rows)]
+            if values.ndim == 2:
+                rows[name][:, : values.shape[1]] = values
+            else:
+                rows[name] = values
+    q, v = file["blocks/q"][...], file["blocks/v"][...]
+    ends = [[*q[1:], file["q"].shape[1]], [*v[1:], file["v"].shape[1]]]
+    return {"contacts": rows, "contact_count": count, "blocks": np.array(ends).T.astype("i4") - np.column_stack([q, v])}
 
 
 def _read_placed(file: Any, shape: Any) -> list[Any]:
@@ -254,7 +353,7 @@ def _read_named(file: Any, shape: Any) -> list[Any]:
 
 def read(file: Any, shape: Any) -> dict[str, Any]:
     """The fields of Trajectory."""
-    from ._records import CHANGE, IMPACT
+    from ._records import CHANGE, CLOSED, IMPACT
     n = len(file["time"])
     columns = {"time": file["time"][:n]}
     nt = file["tangent"].shape[0] if "tangent" in file else 0
@@ -270,7 +369,7 @@ def read(file: Any, shape: Any) -> dict[str, Any]:
     counts = {kind: columns[name].shape[1] for kind, name in
               (("coordinate", "q"), ("velocity", "v"), ("constraint", "multiplier"), ("contact", "gap"),
                ("slide", "slide_impulse"))}
-    return {**columns, "impacts": _read_events(file, "impact", IMPACT),
+    return {**columns, **_read_contacts(file, n, CLOSED), "impacts": _read_events(file, "impact", IMPACT),
             "changes": _read_events(file, "change", CHANGE), "names": _read_names(file, counts),
             "options": _read_values(file, "options"), "parameters": _read_values(file, "parameters"),
             "model": _str(file.attrs.get("model", "")), "status": _str(file.attrs.get("status", "")),

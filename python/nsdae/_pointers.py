@@ -21,13 +21,16 @@ _ARGUMENTS = {
     "slide_tangent": "double t, const double *q, double *W, int ldw, double *w_s, void *user",
     "kinematics": "double t, const double *q, const double *v, double *qdot, void *user",
     "potential": "double t, const double *q, double *energy, void *user",
+    "mass_blocks": "double t, const double *q, double *M, void *user",
+    "constraint_rows": "double t, const double *q, nsdae_row_list *rows, void *user",
+    "contacts": "double t, const double *q, const double *v, double reach, nsdae_contact_list *list, void *user",
     "drive": "double t, double *drive, void *user",
     "load": "double t, const double *position, const double *velocity, double *force, double *torque, void *user",
 }
 
 
 def _kind(argument: str) -> str:
-    return "user" if "void" in argument else "array" if "*" in argument else argument.split()[0]
+    return "pointer" if "void" in argument or "_list" in argument else "array" if "*" in argument else argument.split()[0]
 
 
 def _kinds(name: str) -> list[str]:
@@ -48,11 +51,11 @@ def signature(name: str, kind: str = "numba") -> Any:
     """
     kinds = _kinds(name)
     if kind == "numba":
-        types = {"double": "float64", "int": "int32", "array": "CPointer(float64)", "user": "voidptr"}
+        types = {"double": "float64", "int": "int32", "array": "CPointer(float64)", "pointer": "voidptr"}
         return f"int32({', '.join(types[k] for k in kinds)})"
     if kind == "ctypes":
         of = {"double": ctypes.c_double, "int": ctypes.c_int, "array": ctypes.POINTER(ctypes.c_double),
-              "user": ctypes.c_void_p}
+              "pointer": ctypes.c_void_p}
         return ctypes.CFUNCTYPE(ctypes.c_int, *(of[k] for k in kinds))
     if kind == "c":
         return f"int {name}({_ARGUMENTS[name]})"

@@ -11,10 +11,14 @@ from . import _core
 # the structs of src/sim.hpp
 IMPACT = np.dtype([("time", "f8"), ("contact", "i4"), ("accumulation", "i4"), ("normal_impulse", "f8"),
                    ("tangential_impulse", "f8", 2), ("velocity_before", "f8"), ("velocity_after", "f8"),
-                   ("peak_force", "f8")])
+                   ("peak_force", "f8"), ("id", "i8"), ("block", "i4", 2)])
 CHANGE = np.dtype({"names": ["time", "contact", "slide", "mode_before", "mode_after"],
                    "formats": ["f8", "i4", "i4", "i4", "i4"], "offsets": [0, 8, 12, 16, 20], "itemsize": 24})
+CLOSED = np.dtype({"names": ["id", "block", "gap", "normal_impulse", "tangential_impulse", "mode"],
+                   "formats": ["i8", ("i4", 2), "f8", "f8", ("f8", 2), "i4"], "offsets": [0, 8, 16, 24, 32, 48],
+                   "itemsize": 56})
 assert IMPACT.itemsize == _core.IMPACT_SIZE and CHANGE.itemsize == _core.CHANGE_SIZE
+assert CLOSED.itemsize == _core.CONTACT_ROW_SIZE
 
 OPEN, SLIDE, STICK = 0, 1, 2  # modes of contacts and slides
 
@@ -32,7 +36,8 @@ class Record:
     step, time [s], duration [s] of the step; q [nq], v [nv], acceleration [nv] (mean over the step);
     multiplier [m]; gap, normal_impulse, mode [k]; tangential_impulse [k, nt]; slide_impulse, slide_mode [f];
     kinetic, potential, dissipated [J]; lcp_residual, constraint_drift, penetration; impacts and changes of the step
-    as structured arrays. Its arrays are its own.
+    as structured arrays; contacts, those by list that were closed in it: id, block [2] (-1: the ground), gap,
+    normal_impulse, tangential_impulse [2], mode. Its arrays are its own.
     """
 
     step: int
@@ -56,11 +61,12 @@ class Record:
     penetration: float
     impacts: np.ndarray
     changes: np.ndarray
+    contacts: np.ndarray
 
     def __init__(self, arrays: dict[str, Any]):
-        self.impacts, self.changes = events(arrays)
+        self.impacts, self.changes, self.contacts = events(arrays)
         for name, values in arrays.items():
-            if name not in ("impacts", "changes"):
+            if name not in EVENTS and name != "contact_count":
                 row = values[0] if isinstance(values, np.ndarray) else values
                 setattr(self, name, row.item() if isinstance(row, np.generic) else row)
 
@@ -68,9 +74,12 @@ class Record:
         return f"nsdae.Record(step={self.step}, time={self.time!r}, q={self.q!r}, v={self.v!r})"
 
 
-def events(arrays: dict[str, Any]) -> tuple[np.ndarray, np.ndarray]:
-    """Impacts and changes from their bytes."""
+EVENTS = ("impacts", "changes", "contacts")
+
+
+def events(arrays: dict[str, Any]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Impacts, changes and contacts by list from their bytes."""
     def rows(name: str, of: np.dtype) -> np.ndarray:
         return arrays[name].reshape(-1).view(of)
 
-    return rows("impacts", IMPACT), rows("changes", CHANGE)
+    return rows("impacts", IMPACT), rows("changes", CHANGE), rows("contacts", CLOSED)

@@ -6,7 +6,7 @@ from typing import Any, Callable, NamedTuple, Sequence
 
 import numpy as np
 
-from . import _core, _pointers
+from . import _core, _lists, _pointers
 from ._errors import Error
 
 KINDS = ("coordinate", "velocity", "constraint", "contact", "slide")
@@ -52,6 +52,7 @@ class System:
     mu, e_n, e_t   friction and restitution of the contacts: a number for all of them or one for each
     names   {"coordinate": ["x", ("theta", "rad")], ...}: names, with units where wanted, of "coordinate",
             "velocity", "constraint", "contact", "slide"
+    blocks   of a large system: [blocks] sizes of each, or [nq, nv]; their sums are nq and nv, k = f = 0
     All else are callbacks by name. A function of Python gets the time, read-only arrays, and the arrays that it
     writes its results into, matrices zeroed before:
 
@@ -63,6 +64,13 @@ class System:
         slide_tangent(t, q, W, w_s)                kinematics(t, q, v, qdot)  [nq]
         potential(t, q) -> energy
 
+    A large system has in place of mass, constraint_jacobian and all of gaps and contacts
+
+        mass_blocks(t, q, M)   M[b] [nv, nv] of block b; where they are of one size M is an array [blocks, nv, nv]
+        constraint_rows(t, q, rows)                rows.add(row, block, value), see RowList
+        contacts(t, q, v, reach, found)            found.add(id, block, gap, direction, mu=..., e_n=...), see
+                                                   ContactList: every contact with a gap of at most reach, or more
+
     and returns None, or a whole number: > 0 for a failure that a smaller step may avoid. The arrays are made once
     and hold until the call returns; copy what is to be kept. mass and force are needed, constraint where m > 0,
     gap where k > 0, gap_tangent where there is friction; the library fills the rest by differences. In place of a
@@ -70,10 +78,16 @@ class System:
     signature that signature(name) says; they run without the GIL.
     """
 
-    def __init__(self, nq: int, nv: int = 0, m: int = 0, k: int = 0, nt: int = 0, f: int = 0, *, user: Any = None,
-                 mu: float | Sequence[float] = 0, e_n: float | Sequence[float] = 0, e_t: float | Sequence[float] = 0,
-                 names: dict[str, Sequence[str | tuple[str, str]]] | None = None, **callbacks: Callable[..., Any]):
+    def __init__(self, nq: int = 0, nv: int = 0, m: int = 0, k: int = 0, nt: int = 0, f: int = 0, *, user: Any = None,
+                 blocks: Any = None, mu: float | Sequence[float] = 0, e_n: float | Sequence[float] = 0,
+                 e_t: float | Sequence[float] = 0, names: dict[str, Sequence[str | tuple[str, str]]] | None = None,
+                 **callbacks: Callable[..., Any]):
+        sizes = None if blocks is None else _lists.sizes_of(blocks)
+        if sizes:
+            nq, nv = nq or int(sizes[0].sum()), nv or int(sizes[1].sum())
         self._core = _core.System(nq, nv, m, k, nt, f)
+        if sizes:
+            self._core.set_blocks(*sizes)
         self._user = user
         self._kept: dict[str, Any] = {}
         self.set(**callbacks)
@@ -97,7 +111,7 @@ class System:
                 raise TypeError(f"no callback is called '{name}': they are {', '.join(_core.CALLBACKS)}")
             pointer = _pointers.compiled(name, function, self._user)
             if pointer is None:
-                self._core.set_function(name, function)
+                self._core.set_function(name, _lists.wrapped(name, function, self._core.blocks()[1]))
             else:
                 self._core.set_pointer(name, *pointer)
             self._kept[name] = function  # a compiled function lives as long as the system
@@ -128,6 +142,12 @@ class System:
     def dims(self) -> Dims:
         """Its sizes."""
         return Dims(*self._core.dims())
+
+    @property
+    def blocks(self) -> np.ndarray | None:
+        """[blocks, 2] nq and nv of each block; None where there are none."""
+        sizes = np.column_stack(self._core.blocks())
+        return sizes if len(sizes) else None
 
     @property
     def differences(self) -> list[str]:

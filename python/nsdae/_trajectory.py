@@ -11,7 +11,7 @@ from typing import Any, Iterator, Sequence
 import numpy as np
 
 from . import _file
-from ._records import events
+from ._records import CLOSED, EVENTS, events
 from ._system import KINDS, System
 
 _AXES = {"coordinate": "q", "velocity": "v", "constraint": "multiplier", "contact": "gap", "slide": "slide_impulse"}
@@ -60,9 +60,13 @@ class Trajectory:
     kinetic, dissipated [n] [J];  potential [n], None where the model gives none
     lcp_residual, constraint_drift, penetration [n]  the certificate of each step
     impacts   structured array: time, contact, normal_impulse, tangential_impulse [2], velocity_before, velocity_after,
-              peak_force, accumulation (1: stands for infinitely many that end at its time)
+              peak_force, accumulation (1: stands for infinitely many that end at its time), and of contacts by list,
+              whose contact is -1, id and block [2]
     changes   structured array: time, contact, slide, mode_before, mode_after (method event)
     names     {"coordinate": [(name, unit), ...], "velocity", "constraint", "contact", "slide"}
+    contacts  of contacts by list those closed in the steps of all records, one after another: structured array: id,
+              block [2], gap, normal_impulse, tangential_impulse [2], mode; contacts_at(i) are those of record i
+    contact_count [n]  how many each record has;  blocks [blocks, 2]  nq and nv of each, None where there are none
     options, stats, parameters, model, status, shapes   what the run was told and how it ended
     """
 
@@ -91,20 +95,33 @@ class Trajectory:
     model: str = ""
     status: str = "complete"
     shapes: list[Shape] = field(default_factory=list)
+    contacts: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=CLOSED))
+    contact_count: np.ndarray | None = None
+    blocks: np.ndarray | None = None
+
+    def __post_init__(self) -> None:
+        if self.contact_count is None:
+            self.contact_count = np.zeros(len(self.time), dtype="i4")
 
     @classmethod
     def _of_run(cls, arrays: dict[str, Any], names: dict[str, list[tuple[str, str]]], *, has_potential: bool,
                 **told: Any) -> Trajectory:
-        impacts, changes = events(arrays)
+        impacts, changes, contacts = events(arrays)
         columns = {name: values for name, values in arrays.items()
-                   if name not in ("impacts", "changes", "acceleration", "potential")}
+                   if name not in (*EVENTS, "acceleration", "potential")}
         return cls(**columns, potential=arrays["potential"] if has_potential else None, impacts=impacts, changes=changes,
-                   names=names, **told)
+                   contacts=contacts, names=names, **told)
 
     @property
     def method(self) -> str:
         """The method's name."""
         return str(self.options.get("method", ""))
+
+    def contacts_at(self, record: int) -> np.ndarray:
+        """The contacts by list that were closed in the step that ends at a record."""
+        ends = np.cumsum(self.contact_count)
+        i = range(len(self))[record]
+        return self.contacts[ends[i] - self.contact_count[i] : ends[i]]
 
     def __len__(self) -> int:
         return len(self.time)
@@ -157,7 +174,8 @@ class Trajectory:
         """The bodies in motion, as nsdae-animate draws them: into a file that ends with .gif, .mp4 or .html, or
         without a path as something that a notebook shows. Needs shapes, or point=(0, 1, None): a point at (q0, q1, 0).
 
-        options: speed (0.1: a tenth of real time), fps, start, end [s], width [pixels], title, point
+        options: speed (0.1: a tenth of real time), fps, start, end [s], width [pixels], title, point, forces
+        (True: those of contacts by list, as lines from body to body)
         """
         if path is not None:
             self._animate(os.fspath(path), options)
@@ -178,7 +196,8 @@ class Trajectory:
             for name, value in options.items():
                 if name == "point":
                     value = ",".join("-" if c is None else str(c) for c in value)
-                arguments.append(f"--{words.get(name, name)}={value}")
+                if value is not False:
+                    arguments.append(f"--{words.get(name, name)}" + ("" if value is True else f"={value}"))
             try:
                 told = animate.parse(arguments)
             except SystemExit:
@@ -211,6 +230,8 @@ def load(path: str | os.PathLike[str]) -> Trajectory:
     try:
         with tool.open_trajectory(os.fspath(path), "v") as file:
             return Trajectory(**_file.read(file, Shape))
+    except ValueError as error:
+        raise ValueError(f"cannot read '{os.fspath(path)}': {error}") from None
     except tool.Problem as problem:
         cause = problem.__cause__
         raise (type(cause) if isinstance(cause, OSError) else ValueError)(str(problem)) from cause

@@ -47,6 +47,7 @@ nsdae_solid solid_of(nb::dict d, vector &points)
   s.shape = nb::cast<int>(d["shape"]);
   s.radius = nb::cast<double>(d["radius"]);
   s.hollow = nb::cast<bool>(d["hollow"]) ? 1 : 0;
+  s.material = nb::cast<int>(d["material"]);
   s.angle = nb::cast<double>(d["angle"]);
   fill(s.length, nb::cast<triple>(d["length"]));
   fill(s.position, nb::cast<triple>(d["position"]));
@@ -167,6 +168,12 @@ int bodies::add_contact(int solid0, int solid1, double mu, double e_n, double e_
   return demand(nsdae_bodies_add_contact(handle, solid0, solid1, mu, e_n, e_t));
 }
 
+void bodies::set_pair(int material0, int material1, double mu, double e_n, double e_t)
+{
+  demand(nsdae_bodies_set_pair(handle, material0, material1, mu, e_n, e_t));
+  listed = true;
+}
+
 void bodies::set_gravity(triple g)
 {
   demand(nsdae_bodies_set_gravity(handle, g.data()));
@@ -177,7 +184,7 @@ system *bodies::make_system()
 {
   nsdae_system *made = nullptr;
   demand(nsdae_bodies_system(handle, &made));
-  return new system(made);
+  return new system(made, listed);
 }
 
 nb::tuple bodies::start() const
@@ -248,6 +255,7 @@ void bind_bodies(nb::module_ &m)
            nb::arg())
       .def("add_solid", &bodies::add_solid)
       .def("add_contact", &bodies::add_contact)
+      .def("set_pair", &bodies::set_pair)
       .def("set_gravity", &bodies::set_gravity)
       .def("system", &bodies::make_system, nb::rv_policy::take_ownership, nb::keep_alive<0, 1>())
       .def("start", &bodies::start)

@@ -38,6 +38,7 @@ public:
                std::uintptr_t user);
   int add_solid(int body, nb::dict solid);
   int add_contact(int solid0, int solid1, double mu, double e_n, double e_t);
+  void set_pair(int material0, int material1, double mu, double e_n, double e_t);
   void set_gravity(triple g);
   system *make_system();
   nb::tuple start() const;
@@ -48,6 +49,7 @@ public:
 
 private:
   int demand(int status) const;
+  bool listed = false; // contacts by list
 };
 
 void bind_bodies(nb::module_ &m);

@@ -116,13 +116,26 @@ call::~call()
     of.busy = false;
   else
     release(own);
-  if (arguments > 0) Py_XDECREF(argument[0]); // the time; the arrays are the frame's
+  if (contacts) contacts->list = nullptr; // Python may have kept them
+  if (rows) rows->list = nullptr;
+  for (int i = 0; i < arguments; i++)
+    if (is_own[i]) Py_XDECREF(argument[i]);
 }
 
 void call::put(double t)
 {
+  is_own[arguments] = true;
   argument[arguments++] = PyFloat_FromDouble(t);
 }
+
+template <class L> void call::hand(open_list<L> *&made, L *list)
+{
+  made = new open_list<L>{list, of.blocks};
+  is_own[arguments] = true;
+  argument[arguments++] = nb::cast(made, nb::rv_policy::take_ownership).release().ptr();
+}
+template void call::hand(contact_list *&made, nsdae_contact_list *list);
+template void call::hand(row_list *&made, nsdae_row_list *list);
 
 void call::put(const double *in)
 {

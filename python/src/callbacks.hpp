@@ -7,6 +7,8 @@
 
 #include <nanobind/nanobind.h>
 
+#include "lists.hpp"
+
 namespace nsdae_python
 {
 
@@ -38,7 +40,8 @@ public:
   PyObject *function = nullptr;
   void *pointer = nullptr, *user = nullptr;
   std::vector<slot> slots;
-  bool value = false; // the function returns its result, a number
+  bool value = false;                // the function returns its result, a number
+  const partition *blocks = nullptr; // of callbacks that fill a list
   frame arrays;
   bool busy = false; // the arrays are another thread's, or those of a call further up
 };
@@ -56,11 +59,13 @@ public:
   void put(const double *in);
   void put(double *out);
   void put(int ld);
+  void put(nsdae_contact_list *list) { hand(contacts, list); }
+  void put(nsdae_row_list *list) { hand(rows, list); }
   void put(void *) {} // user
   int run();
 
 private:
-  void use(double *from, bool written);
+  template <class L> void hand(open_list<L> *&made, L *list);
   void copy_out();
   int judge(PyObject *result);
 
@@ -69,7 +74,10 @@ private:
   frame own, *in_use;
   bool taken;
   PyObject *argument[8] = {};
+  bool is_own[8] = {}; // of the call; the arrays are the frame's
   int arguments = 0;
+  contact_list *contacts = nullptr; // what Python holds of the lists
+  row_list *rows = nullptr;
   struct target {
     double *at;
     int ld;

@@ -4,6 +4,7 @@
 
 #include "bodies.hpp"
 #include "failure.hpp"
+#include "lists.hpp"
 #include "problems.hpp"
 #include "sim.hpp"
 #include "system.hpp"
@@ -14,6 +15,7 @@ NB_MODULE(_core, m)
   m.attr("VERSION") = nsdae_version();
   m.attr("BUILD_INFO") = nsdae_build_info();
   bind_failure(m);
+  bind_lists(m);
   bind_system(m);
   bind_sim(m);
   bind_bodies(m);

@@ -59,22 +59,51 @@ int watch::look()
   return 1;
 }
 
+namespace
+{
+
+impact_row row_of(const nsdae_impact &p, const nsdae_contact_set &set)
+{
+  impact_row row = {p.time,
+                    p.contact,
+                    p.accumulation,
+                    p.normal_impulse,
+                    {p.tangential_impulse[0], p.tangential_impulse[1]},
+                    p.velocity_before,
+                    p.velocity_after,
+                    p.peak_force,
+                    p.contact,
+                    {-1, -1}};
+  if (set.count == 0) return row;
+  row.contact = -1; // by list they have no number
+  row.id = set.id[p.contact];
+  std::copy(set.block + 2 * p.contact, set.block + 2 * p.contact + 2, row.block);
+  return row;
+}
+
+} // namespace
+
 void columns::add_events(const nsdae_record &r)
 {
-  for (int i = 0; i < r.impacts; i++) {
-    const nsdae_impact &p = r.impact[i];
-    impacts.push_back({p.time,
-                       p.contact,
-                       p.accumulation,
-                       p.normal_impulse,
-                       {p.tangential_impulse[0], p.tangential_impulse[1]},
-                       p.velocity_before,
-                       p.velocity_after,
-                       p.peak_force});
-  }
+  for (int i = 0; i < r.impacts; i++) impacts.push_back(row_of(r.impact[i], r.contacts));
   for (int i = 0; i < r.changes; i++) {
     const nsdae_change &c = r.change[i];
     changes.push_back({c.time, c.contact, c.slide, c.mode_before, c.mode_after});
+  }
+}
+
+void columns::add_contacts(const nsdae_contact_set &set, int nt)
+{
+  contact_count.push_back(set.count);
+  for (int i = 0; i < set.count; i++) {
+    contact_row row = {set.id[i],  {set.block[2 * i], set.block[2 * i + 1]},
+                       set.gap[i], set.normal_impulse[i],
+                       {},         set.mode[i],
+                       0};
+    if (nt > 0)
+      std::copy(set.tangential_impulse + i * nt, set.tangential_impulse + (i + 1) * nt,
+                row.tangential_impulse);
+    contacts.push_back(row);
   }
 }
 
@@ -97,6 +126,7 @@ void columns::add(const nsdae_record &r, const nsdae_dims &d)
   lcp_residual.push_back(r.lcp_residual);
   constraint_drift.push_back(r.constraint_drift);
   penetration.push_back(r.penetration);
+  add_contacts(r.contacts, d.nt);
 }
 
 namespace
@@ -119,6 +149,8 @@ nb::dict columns::arrays(const nsdae_dims &d)
   nb::dict a;
   a["impacts"] = bytes_of(impacts);
   a["changes"] = bytes_of(changes);
+  a["contacts"] = bytes_of(contacts);
+  a["contact_count"] = array_of(contact_count, {n});
   a["q"] = array_of(q, {n, size(d.nq)});
   a["v"] = array_of(v, {n, size(d.nv)});
   a["acceleration"] = array_of(acceleration, {n, size(d.nv)});
@@ -142,6 +174,7 @@ nb::dict columns::arrays(const nsdae_dims &d)
   for (auto &s : scalars) a[s.name] = array_of(s.values, {n});
   impacts.clear();
   changes.clear();
+  contacts.clear();
   return a;
 }
 
@@ -312,6 +345,10 @@ nb::dict sim::stats() const
   NSDAE_PYTHON_STAT(energy_balance)
   NSDAE_PYTHON_STAT(warnings)
   NSDAE_PYTHON_STAT(wall_time)
+  NSDAE_PYTHON_STAT(contact_capacity)
+  NSDAE_PYTHON_STAT(contact_growths)
+  NSDAE_PYTHON_STAT(islands)
+  NSDAE_PYTHON_STAT(island_contacts)
 #undef NSDAE_PYTHON_STAT
   return d;
 }
@@ -454,6 +491,7 @@ void bind_sim(nb::module_ &m)
   m.attr("OPTIONS") = option_table();
   m.attr("IMPACT_SIZE") = sizeof(impact_row);
   m.attr("CHANGE_SIZE") = sizeof(change_row);
+  m.attr("CONTACT_ROW_SIZE") = sizeof(contact_row);
   nb::class_<sim>(m, "Sim", nb::type_slots(slots))
       .def(nb::init<nb::object, nb::dict>())
       .def("init", &sim::init)

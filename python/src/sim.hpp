@@ -3,6 +3,7 @@
 #define NSDAE_PYTHON_SIM_HPP
 
 #include <chrono>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -32,6 +33,16 @@ struct impact_row {
   double time;
   int contact, accumulation;
   double normal_impulse, tangential_impulse[2], velocity_before, velocity_after, peak_force;
+  std::int64_t id; // by list; of a numbered contact its number
+  int block[2];
+};
+
+// A contact by list that was closed in a step.
+struct contact_row {
+  std::int64_t id;
+  int block[2];
+  double gap, normal_impulse, tangential_impulse[2];
+  int mode, nothing;
 };
 
 struct change_row {
@@ -43,11 +54,13 @@ struct change_row {
 struct columns {
   std::vector<double> time, q, v, acceleration, multiplier, gap, normal_impulse, tangential_impulse,
       slide_impulse, kinetic, potential, dissipated, lcp_residual, constraint_drift, penetration;
-  std::vector<int> mode, slide_mode;
+  std::vector<int> mode, slide_mode, contact_count;
+  std::vector<contact_row> contacts;
   std::vector<impact_row> impacts;
   std::vector<change_row> changes;
   void add(const nsdae_record &r, const nsdae_dims &d);
   void add_events(const nsdae_record &r);
+  void add_contacts(const nsdae_contact_set &set, int nt);
   nb::dict arrays(const nsdae_dims &d);
 };
 

@@ -1,5 +1,6 @@
 #include "system.hpp"
 
+#include <climits>
 #include <stdexcept>
 #include <tuple>
 
@@ -19,8 +20,17 @@ const char *const role_name[] = {
 #undef NSDAE_PYTHON_ROLE
 };
 
+// Numbers in the diagonal blocks of M.
+int squares(const partition &blocks)
+{
+  double sum = 0;
+  for (int n : blocks.nv) sum += static_cast<double>(n) * n;
+  if (sum > INT_MAX) throw std::invalid_argument("the blocks of M have more than 2^31 - 1 entries");
+  return static_cast<int>(sum);
+}
+
 // The arrays of a callback, in the order of its arguments.
-std::vector<slot> slots_of(role r, const nsdae_dims &d)
+std::vector<slot> slots_of(role r, const nsdae_dims &d, const partition &blocks)
 {
   const slot q = {d.nq, 0, false}, v = {d.nv, 0, false};
   const auto out = [](int rows) { return slot{rows, 0, true}; };
@@ -50,6 +60,12 @@ std::vector<slot> slots_of(role r, const nsdae_dims &d)
     return {q, matrix(d.nv, d.f), out(d.f)};
   case role_kinematics:
     return {q, v, out(d.nq)};
+  case role_mass_blocks:
+    return {q, out(squares(blocks))};
+  case role_constraint_rows:
+    return {q};
+  case role_contacts:
+    return {q, v};
   default:
     return {q, out(1)}; // potential: its value
   }
@@ -99,9 +115,14 @@ system::system(int nq, int nv, int m, int k, int nt, int f)
   nsdae_system_get_dims(handle, &dims);
 }
 
-system::system(nsdae_system *made) : handle(made)
+system::system(nsdae_system *made, bool listed) : handle(made)
 {
   nsdae_system_get_dims(handle, &dims);
+  int count = listed ? nsdae_system_get_blocks(handle) : 0;
+  for (int b = 0; b < count; b++) {
+    blocks.nq.push_back(dims.nq / count);
+    blocks.nv.push_back(dims.nv / count);
+  }
 }
 
 system::~system()
@@ -144,8 +165,10 @@ void system::install_or_drop(role r)
 void system::set_function(const std::string &name, nb::object function)
 {
   role r = role_of(name);
-  if (nsdae_system_simulations(handle) == 0)
-    callbacks[r].set_function(function.ptr(), slots_of(r, dims), r == role_potential);
+  if (nsdae_system_simulations(handle) == 0) {
+    callbacks[r].set_function(function.ptr(), slots_of(r, dims, blocks), r == role_potential);
+    callbacks[r].blocks = &blocks;
+  }
   install_or_drop(r);
 }
 
@@ -165,6 +188,17 @@ void system::set_contact(int i, double mu, double e_n, double e_t)
 void system::set_slide(int j, int constraint, double mu)
 {
   demand(nsdae_system_set_slide(handle, j, constraint, mu));
+}
+
+// Before the callbacks: their arrays are of these sizes.
+void system::set_blocks(whole_numbers nq, whole_numbers nv)
+{
+  if (nq.shape(0) != nv.shape(0))
+    throw std::invalid_argument("nq and nv of the blocks must be as many");
+  demand(nsdae_system_set_blocks(handle, static_cast<int>(nq.shape(0)), nq.data(), nv.data()));
+  blocks.nq.assign(nq.data(), nq.data() + nq.shape(0));
+  blocks.nv.assign(nv.data(), nv.data() + nv.shape(0));
+  blocks.nt = dims.nt;
 }
 
 void system::set_name(int kind, int i, const std::string &name, const std::string &unit)
@@ -238,6 +272,11 @@ void bind_system(nb::module_ &m)
       .def("set_pointer", &system::set_pointer)
       .def("set_contact", &system::set_contact)
       .def("set_slide", &system::set_slide)
+      .def("set_blocks", &system::set_blocks)
+      .def("blocks",
+           [](const system &s) {
+             return nb::make_tuple(array_of(s.blocks.nq), array_of(s.blocks.nv));
+           })
       .def("set_name", &system::set_name)
       .def("name", &system::name)
       .def("check", &system::check_at)

@@ -17,7 +17,8 @@ namespace nsdae_python
 // clang-format off
 #define NSDAE_PYTHON_ROLES(X) \
   X(mass) X(force) X(constraint) X(constraint_jacobian) X(constraint_bias) X(gap) X(gap_normal) \
-  X(gap_tangent) X(contact_bias) X(contact_acceleration) X(slide_tangent) X(kinematics) X(potential)
+  X(gap_tangent) X(contact_bias) X(contact_acceleration) X(slide_tangent) X(kinematics) X(potential) \
+  X(mass_blocks) X(constraint_rows) X(contacts)
 // clang-format on
 
 enum role {
@@ -33,7 +34,7 @@ class system
 {
 public:
   system(int nq, int nv, int m, int k, int nt, int f);
-  explicit system(nsdae_system *made); // takes it over
+  system(nsdae_system *made, bool listed); // takes it over; listed: every body is a block
   ~system();
   system(const system &) = delete;
   system &operator=(const system &) = delete;
@@ -42,12 +43,14 @@ public:
   void set_pointer(const std::string &name, std::uintptr_t address, std::uintptr_t user);
   void set_contact(int i, double mu, double e_n, double e_t);
   void set_slide(int j, int constraint, double mu);
+  void set_blocks(whole_numbers nq, whole_numbers nv);
   void set_name(int kind, int i, const std::string &name, const std::string &unit);
   nb::dict check_at(double t, vector q, vector v, double tol);
   nb::tuple name(int kind, int i) const;
 
   nsdae_system *handle = nullptr;
   nsdae_dims dims = {};
+  partition blocks;
   std::array<callback, roles> callbacks;
 
 private:

@@ -38,6 +38,12 @@ template <class T> nb::object array_of(std::vector<T> &values, std::vector<std::
   return nb::cast(nb::ndarray<nb::numpy, T>(kept->data(), shape.size(), shape.data(), owner));
 }
 
+template <class T> nb::object array_of(const std::vector<T> &values)
+{
+  std::vector<T> copy(values);
+  return array_of(copy, {copy.size()});
+}
+
 inline nb::object array_of(const double *values, std::size_t n)
 {
   std::vector<double> copy(values, values + n);

@@ -2,6 +2,9 @@
 
 import filecmp
 import os
+import pty
+import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -155,3 +158,77 @@ def test_files_of_the_program(tmp_path):
     assert np.array_equal(own["statistics/impacts"], theirs["statistics/impacts"])
     assert theirs.plot().axes[0].get_xlabel() == "h0"
     assert "picture" in program("nsdae-plot", tmp_path / "p.h5", "-o", tmp_path / "p.png").stdout
+
+
+MPI_PROGRAM = """
+import sys
+sys.path.insert(0, sys.argv[1])
+import nsdae
+from test_sweep import GRID, bounce, stops_once
+
+def main():
+    try:
+        got = nsdae.sweep({"whole": bounce, "stops": stops_once}[sys.argv[3]], GRID, output=sys.argv[2], mpi=True)
+        print("one" if got is None else repr(got))
+    except ZeroDivisionError as error:
+        print("ended:", error)
+
+main()
+"""
+
+
+def stops_once(**values):
+    """Another program's bug: on whichever rank it is, it ends the sweep."""
+    return bounce(**values) if values["h0"] < 1.5 else 1 / 0
+
+
+def mpirun(n, *arguments):
+    allowed = {f"OMPI_{name}": "1" for name in ("ALLOW_RUN_AS_ROOT", "ALLOW_RUN_AS_ROOT_CONFIRM",
+                                                "MCA_rmaps_base_oversubscribe")}
+    return subprocess.run(["mpirun", "-n", str(n), sys.executable, "-c", MPI_PROGRAM, os.path.dirname(__file__), *arguments],
+                          capture_output=True, text=True, timeout=120, env={**os.environ, **allowed})
+
+
+@pytest.mark.skipif(not shutil.which("mpirun"), reason="mpirun is not here")
+def test_ranks_of_mpi(tmp_path):
+    """The same bytes with any number of ranks; what is no failure of a run ends it on all of them; taken up again."""
+    pytest.importorskip("mpi4py", reason="mpi4py is not here")
+    try:
+        from mpi4py import MPI  # noqa: F401
+    except (ImportError, RuntimeError) as error:
+        pytest.skip(f"mpi4py finds no MPI: {error}")
+    nsdae.sweep(bounce, GRID, output=tmp_path / "alone.h5")
+    for n in (1, 3):
+        done = mpirun(n, str(tmp_path / f"{n}.h5"), "whole")
+        assert done.returncode == 0 and "12 of 12 runs done" in done.stdout, done
+        assert done.stdout.splitlines().count("one") == n - 1, done
+        assert filecmp.cmp(tmp_path / "alone.h5", tmp_path / f"{n}.h5", shallow=False)
+    part = tmp_path / "part.h5"
+    done = mpirun(2, str(part), "stops")
+    assert "ended: division by zero" in done.stdout, done
+    left = int(np.sum(nsdae.load_sweep(part).status == 1))
+    assert 0 < left < 12
+    assert mpirun(2, str(part), "whole").returncode == 0
+    assert filecmp.cmp(tmp_path / "alone.h5", part, shallow=False)
+
+
+def test_the_bar_on_a_terminal(tmp_path):
+    """Shown where standard error is a terminal and the sweep lasts, with the time left, and taken away at the end."""
+    master, slave = pty.openpty()
+    code = PROGRAM.replace("time.sleep(0.1)", "time.sleep(0.25)")
+    command = [sys.executable, "-c", code, os.path.dirname(__file__), str(tmp_path / "s.h5")]
+    with subprocess.Popen(command, stderr=slave, stdout=subprocess.PIPE) as run:
+        os.close(slave)
+        shown = b""
+        while True:
+            try:
+                part = os.read(master, 4096)
+            except OSError:  # the other side is closed
+                break
+            if not part:
+                break
+            shown += part
+    os.close(master)
+    text = shown.decode()
+    assert run.returncode == 0 and re.search(r"\r\d+ of 12 runs, 0:\d\d left\x1b\[K", text), text
+    assert text.endswith("\r\x1b[K"), text

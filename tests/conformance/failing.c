@@ -20,6 +20,7 @@
 #include "pendulum.h"
 #include "random_system.h"
 #include "rolling_ball.h"
+#include "shaken_ball.h"
 #include "woodpecker.h"
 
 /* For the integrators a call in so many, as many as a test has time for; NSDAE_EVERY_CALL tries
@@ -27,9 +28,9 @@
 enum { TRIED = 40 };
 
 static const driver_model *const models[] = {
-    &bouncing_ball_model, &clearance_hinge_model, &crank_slider_model,
-    &falling_rod_model,   &incline_model,         &newtons_cradle_model,
-    &pendulum_model,      &rolling_ball_model,    &woodpecker_model};
+    &bouncing_ball_model, &clearance_hinge_model, &crank_slider_model, &falling_rod_model,
+    &incline_model,       &newtons_cradle_model,  &pendulum_model,     &rolling_ball_model,
+    &shaken_ball_model,   &woodpecker_model};
 enum { MODELS = sizeof models / sizeof *models, SYSTEMS = 6, NQ = 8, STEPS = 2 };
 
 /* A system, where its run begins, and what it leads to when nothing fails. */

@@ -245,6 +245,74 @@ void test_state()
   EXPECT(other.state() == sim.state());
 }
 
+/* What a simulation takes between steps, of a ball that falls from 1 m: y = 1 - g t^2 / 2. */
+void test_between()
+{
+  const double g = 9.81;
+  nsdae::system ball(make_ball());
+  nsdae::options options;
+  nsdae::sim sim(ball, options.set("method", "moreau").set("dt", 0.01));
+  std::vector<double> q, v;
+  sim.init(0, {1}, {0});
+  EXPECT(throws_status(NSDAE_E_STATE, [&] { sim.interpolate(0, q, v); }));
+  sim.run(0.2);
+  sim.interpolate(0.193, q, v);
+  EXPECT(std::fabs(q[0] - (1 - g * 0.193 * 0.193 / 2)) < 1e-12 &&
+         std::fabs(v[0] + g * 0.193) < 1e-12);
+  EXPECT(throws_status(NSDAE_E_ARGUMENT, [&] { sim.interpolate(0.1, q, v); }));
+
+  sim.set_options(options.set("dt", 0.04));
+  sim.step();
+  EXPECT(std::fabs(sim.record().duration - 0.04) < 1e-12 &&
+         std::fabs(sim.record().time - 0.24) < 1e-12);
+  EXPECT(throws<nsdae::error>(
+      [&] { sim.set_options(nsdae::options().set("method", "implicit").set("dt", 0.04)); },
+      [](const nsdae::error &e) { return std::strcmp(e.record().argument, "method") == 0; }));
+  sim.set_options(options.set("dt", 0.01));
+
+  EXPECT(sim.run_to_event(3) == NSDAE_EVENT && sim.record().impacts == 1);
+  EXPECT(std::fabs(sim.record().time - std::sqrt(2 / g)) < 0.02 && sim.record().v[0] > 2);
+  sim.set_contact(0, 0, 0); /* from here on without rebound */
+  EXPECT(sim.run_to_event(3) == NSDAE_EVENT && std::fabs(sim.record().v[0]) < 1e-12);
+  EXPECT(sim.try_run_to_event(-1) == NSDAE_E_ARGUMENT);
+  EXPECT(throws_status(NSDAE_E_ARGUMENT, [&] { sim.set_contact(1, 0, 0); }));
+  EXPECT(throws_status(NSDAE_E_ARGUMENT, [&] { sim.set_contact(0, 1, 0); })); /* nt = 0 */
+}
+
+/* A block of 10 N in a slot, drawn with 5 N: v' = 5 - 10 mu. */
+void test_slide()
+{
+  nsdae_dims dims = sizes(2, 1, 0);
+  dims.f = 1;
+  nsdae::system slot(dims);
+  slot.mass([](double, const double *, double *M, int ldm) { M[0] = M[ldm + 1] = 1; });
+  slot.force([](double, const double *, const double *, double *F) {
+    F[0] = 5;
+    F[1] = -10;
+  });
+  slot.constraint([](double, const double *q, double *phi) { phi[0] = q[1]; });
+  slot.slide_tangent([](double, const double *, double *W, int, double *) { W[0] = 1; });
+  slot.slide(0, 0, 0.2);
+  nsdae::sim sim(slot, nsdae::options().set("method", "moreau").set("dt", 0.01));
+  sim.init(0, {0, 0}, {0, 0});
+  sim.run(0.1);
+  EXPECT(std::fabs(sim.record().v[0] - 0.3) < 1e-9);
+  sim.set_slide(0, 0.4);
+  sim.run(0.2);
+  EXPECT(std::fabs(sim.record().v[0] - 0.4) < 1e-9);
+  EXPECT(throws_status(NSDAE_E_ARGUMENT, [&] { sim.set_slide(1, 0.4); }));
+}
+
+/* A start below the floor is put onto it. */
+void test_project()
+{
+  nsdae::sim sim(make_ball());
+  std::vector<double> q(1, -0.3), v(1, 1.0), wrong(2);
+  sim.project(0, q, v);
+  EXPECT(std::fabs(q[0]) < 1e-9 && std::fabs(v[0] - 1) < 1e-9);
+  EXPECT(throws_status(NSDAE_E_ARGUMENT, [&] { sim.project(0, wrong, v); }));
+}
+
 /* A code of its own: > 0 and < 0 both end the run here, and nothing is thrown but error. */
 void test_codes()
 {
@@ -545,6 +613,9 @@ int main(int argc, char **argv)
   test_observers();
   test_interrupt();
   test_state();
+  test_between();
+  test_slide();
+  test_project();
   test_codes();
   test_moves();
   test_threads();

@@ -40,6 +40,7 @@ add_test(NAME fortran/complete
   COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/fortran/complete.sh
           ${PROJECT_SOURCE_DIR}/include ${PROJECT_BINARY_DIR}/modules ${CMAKE_Fortran_COMPILER}
           ${PROJECT_SOURCE_DIR})
+nsdae_fortran_test(between)
 nsdae_fortran_test(blocks)
 nsdae_fortran_test(callbacks)
 nsdae_fortran_test(certificate)

@@ -43,7 +43,7 @@ for library in $needed; do
 done
 
 "$work/use/bin/pip" install -q pytest
-for optional in scipy cffi numba; do
+for optional in scipy cffi numba mpi4py; do
   "$work/use/bin/pip" install -q --only-binary :all: $optional || echo "left out: no $optional here"
 done
 NSDAE_BIN=$bin PYTHONDONTWRITEBYTECODE=1 "$use" -m pytest -q -p no:cacheprovider "$source/python/tests"

@@ -1,10 +1,12 @@
 #!/bin/sh
 # Every example by every method, killed at random and gone on with: the file has the datasets of the
-# run that was left alone, byte for byte. usage: restart.sh BIN_DIR DATA_DIR [KILLS]
+# run that was left alone, byte for byte. usage: restart.sh BIN_DIR DATA_DIR [KILLS [NAME...]]
+# With KILLS, or NSDAE_KILLS=20, these examples, or all, by every method, each killed so often (an hour on one core).
 set -u
 bin=$1
 data=$2
-kills=${3:-${NSDAE_KILLS:-2}}
+kills=${3:-${NSDAE_KILLS:-}}
+[ $# -lt 3 ] && shift 2 || shift 3
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cd "$work" || exit 1
@@ -61,6 +63,19 @@ attack() {
 }
 
 seed=7 kills_done=0
+if [ "$kills" ]; then
+  for name in ${*:-pendulum bouncing-ball clearance-hinge crank-slider falling-rod incline newtons-cradle \
+    rolling-ball shaken-ball woodpecker column arch wall dominoes heap}; do
+    case $name in pendulum) t_end=40 ;; column | arch | wall | dominoes | heap) t_end=0.3 ;; *) t_end=4 ;; esac
+    for method in implicit implicit-printed moreau penalty event; do
+      attack $name $t_end --method $method
+    done
+    echo "$name: $runs runs, $kills_done kills, $failures failures"
+  done
+  [ $failures = 0 ]
+  exit
+fi
+kills=2
 for method in implicit implicit-printed moreau penalty event; do
   attack pendulum 40 --method $method
   attack bouncing-ball 3 --method $method

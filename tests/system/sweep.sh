@@ -71,27 +71,36 @@ expect 2 "it has 't_end=2.5' where this one has 't_end=2'" "$sweep" $ball $grid 
 "$sweep" bouncing-ball --grid h0=1,2 --t-end 0.1 --processes 1 --quiet --output probe.h5
 expect 2 "it has 'e_N=0.9" "$sweep" bouncing-ball --grid h0=1,2 --t-end 0.1 --set e_N=0.1 --output probe.h5
 
-# one process of two is killed: which run it was in
-if [ "$mpi" ] && [ -d /proc/self ]; then
-  "$sweep" bouncing-ball --grid h0=0.5:2:1000 --dt 2e-6 --t-end 2.5 --processes 2 --output rank.h5 >out 2>err &
+# one process of two or three is killed, in a long run and in short ones: which run it was in
+killed_rank() { # PROCESSES RANK STEP
+  rm -f rank.h5
+  "$sweep" bouncing-ball --grid h0=0.5:2:100000 --dt "$3" --t-end 2.5 --processes "$1" --output rank.h5 >out 2>err &
   pid=$!
   victim=
   while kill -0 $pid 2>/dev/null && [ -z "$victim" ]; do
     for child in $(pgrep -P $pid); do
-      tr '\0' '\n' <"/proc/$child/environ" 2>/dev/null | grep -qx 'OMPI_COMM_WORLD_RANK=1' && victim=$child
+      tr '\0' '\n' <"/proc/$child/environ" 2>/dev/null | grep -qx "OMPI_COMM_WORLD_RANK=$2" && victim=$child
     done
     sleep 0.1
   done
-  while kill -0 $pid 2>/dev/null && ! [ -e rank.h5 ]; do sleep 0.1; done
-  sleep 2
+  while kill -0 $pid 2>/dev/null && ! grep -q processes out; do sleep 0.1; done # the runs begin
+  sleep 0.5
   if [ "$victim" ]; then
     kill -KILL "$victim"
     wait $pid && fail "a killed rank is no success"
-    grep -qE 'error: rank 1 was killed in run [0-9]+ \(h0=[0-9.]+\)' err || fail "the killed rank's run: $(cat err)"
+    [ "$(grep -cE "error: rank $2 was killed (in run [0-9]+ \(h0=[0-9.]+\)|between two runs)" err)" = 1 ] ||
+      fail "rank $2 of $1, steps of $3: the run of the one that was killed: $(cat err)"
   else
     kill $pid # a launcher of another kind
     wait $pid
   fi
+}
+if [ "$mpi" ] && [ -d /proc/self ]; then
+  for step in 2e-6 5e-3; do
+    killed_rank 2 0 $step
+    killed_rank 2 1 $step
+  done
+  killed_rank 3 1 5e-3
 fi
 
 # failures are results with a reason: the rod of the clearance hinge does not fit where r > R

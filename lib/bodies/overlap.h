@@ -1,0 +1,25 @@
+/* How far two solids of corners are apart along one axis, and along which the most: of what
+ * overlaps that is the axis of least depth (the separating axes of polyhedra: S. Gottschalk, M. C.
+ * Lin, D. Manocha, SIGGRAPH 1996, for boxes). Of convex solids that overlap the largest of these
+ * separations is minus the least way that parts them, and changes no faster than they move; so the
+ * contacts of a pair are those of that axis, and none is deeper. */
+#ifndef NSDAE_BODIES_OVERLAP_H
+#define NSDAE_BODIES_OVERLAP_H
+
+#include "feature.h"
+
+typedef struct nsdae_overlap {
+  double most;   /* separation of the cores along the best axis, negative where they overlap */
+  double face;   /* the same along the best outer normal of a face of solid 0; -INFINITY: none */
+  int axis;      /* which: an axis of the box */
+  double side;   /* 1 or -1: along it or back */
+  double slack;  /* what counts as nothing: drift and rounding of blocks that lie flush */
+  double beside; /* how far beside a face what overlaps is still over it */
+} nsdae_overlap;
+
+/* Of boxes and capsules. most is that of the faces of solid 0 alone where these are apart by more
+ * than slack. */
+nsdae_overlap nsdae_find_overlap(const nsdae_solid_of *solid0, const nsdae_solid_of *solid1,
+                                 const nsdae_pose *pose0, const nsdae_pose *pose1);
+
+#endif

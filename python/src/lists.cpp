@@ -1,0 +1,97 @@
+#include "lists.hpp"
+
+#include <algorithm>
+#include <climits>
+#include <stdexcept>
+#include <string>
+
+namespace nsdae_python
+{
+
+namespace
+{
+
+// What no int holds is no block and no row either: the library refuses it.
+int whole(std::int64_t number)
+{
+  return number < INT_MIN || number > INT_MAX ? INT_MIN : static_cast<int>(number);
+}
+
+// Directions of side s of a contact, [1 + nt, width] of which the block has n: where they fit into
+// the contact, else packed into wide. A block that is not there is the library's to refuse.
+void put_side(nsdae_contact &c, int s, const double *from, std::size_t width, const partition &of,
+              std::vector<double> &wide)
+{
+  int b = c.block[s];
+  if (b < 0 || static_cast<std::size_t>(b) >= of.nv.size()) return;
+  std::size_t n = static_cast<std::size_t>(of.nv[static_cast<std::size_t>(b)]);
+  if (n > width)
+    throw std::invalid_argument("direction has " + std::to_string(width) + " columns; block " +
+                                std::to_string(b) + " has " + std::to_string(n) + " velocities");
+  std::size_t rows = static_cast<std::size_t>(1 + of.nt);
+  bool fits = n <= NSDAE_CONTACT_WIDTH;
+  if (!fits) wide.resize(rows * n);
+  for (std::size_t d = 0; d < rows; d++)
+    std::copy(from + d * width, from + d * width + n, fits ? c.direction[s][d] : &wide[d * n]);
+  if (!fits) c.wide[s] = wide.data();
+}
+
+// id [n], block [n, 2], gap [n], law [n, 3] = mu, e_n, e_t, w [n, 1 + nt], direction [n, 2, 1 + nt,
+// width]: shapes are Python's to see to. What is refused the library says when the step fails.
+void add_contacts(const contact_list &to, ids<1> id, ids<2> block, reals<1> gap, reals<2> law,
+                  reals<2> w, reals<4> direction)
+{
+  nsdae_contact_list *list = to.opened();
+  std::size_t rows = static_cast<std::size_t>(1 + to.of->nt), width = direction.shape(3);
+  std::vector<double> wide[2];
+  for (std::size_t i = 0; i < id.shape(0); i++) {
+    nsdae_contact c = {};
+    c.id = static_cast<long>(id(i));
+    c.gap = gap(i);
+    c.mu = law(i, 0);
+    c.e_n = law(i, 1);
+    c.e_t = law(i, 2);
+    for (std::size_t d = 0; d < rows; d++) c.w[d] = w(i, d);
+    for (std::size_t s = 0; s < 2; s++) {
+      c.block[s] = whole(block(i, s));
+      put_side(c, static_cast<int>(s), direction.data() + (2 * i + s) * rows * width, width, *to.of,
+               wide[s]);
+    }
+    nsdae_contact_add(list, &c);
+  }
+}
+
+// row [n], block [n], value [n, width].
+void add_rows(const row_list &to, ids<1> row, ids<1> block, reals<2> value)
+{
+  nsdae_row_list *list = to.opened();
+  for (std::size_t i = 0; i < row.shape(0); i++) {
+    std::size_t b = static_cast<std::size_t>(block(i));
+    if (b < to.of->nv.size() && static_cast<std::size_t>(to.of->nv[b]) > value.shape(1))
+      throw std::invalid_argument("value has " + std::to_string(value.shape(1)) +
+                                  " columns; block " + std::to_string(b) + " has " +
+                                  std::to_string(to.of->nv[b]) + " velocities");
+    nsdae_row_add(list, whole(row(i)), whole(block(i)), value.data() + i * value.shape(1));
+  }
+}
+
+} // namespace
+
+template <class L> L *open_list<L>::opened() const
+{
+  if (!list) throw std::invalid_argument("the list holds until the callback returns");
+  return list;
+}
+
+void bind_lists(nb::module_ &m)
+{
+  nb::class_<contact_list>(m, "ContactList")
+      .def("add", &add_contacts)
+      .def_prop_ro("nt", [](const contact_list &l) { return l.of->nt; });
+  nb::class_<row_list>(m, "RowList").def("add", &add_rows);
+  m.attr("CONTACT_SIZE") = sizeof(nsdae_contact);
+  m.attr("CONTACT_ADD") = reinterpret_cast<std::uintptr_t>(&nsdae_contact_add);
+  m.attr("ROW_ADD") = reinterpret_cast<std::uintptr_t>(&nsdae_row_add);
+}
+
+} // namespace nsdae_python

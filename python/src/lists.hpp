@@ -1,0 +1,42 @@
+// What callbacks of large systems fill: contacts by list and rows of Phi_q.
+#ifndef NSDAE_PYTHON_LISTS_HPP
+#define NSDAE_PYTHON_LISTS_HPP
+
+#include <cstdint>
+#include <vector>
+
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <nsdae/nsdae.h>
+
+namespace nsdae_python
+{
+
+namespace nb = nanobind;
+
+template <int N>
+using reals = nb::ndarray<const double, nb::ndim<N>, nb::c_contig, nb::device::cpu>;
+template <int N>
+using ids = nb::ndarray<const std::int64_t, nb::ndim<N>, nb::c_contig, nb::device::cpu>;
+
+// How q and v split; empty: not at all.
+struct partition {
+  std::vector<int> nq, nv;
+  int nt = 0; // tangential directions of a contact
+};
+
+// A list as Python sees it: it ends with the call that it was handed to.
+template <class L> struct open_list {
+  L *list;
+  const partition *of;
+  L *opened() const;
+};
+
+using contact_list = open_list<nsdae_contact_list>;
+using row_list = open_list<nsdae_row_list>;
+
+void bind_lists(nb::module_ &m);
+
+} // namespace nsdae_python
+
+#endif
