@@ -1,5 +1,5 @@
 # Unit tests of base, linalg, system, terms, contact, smooth, and the anomaly tests.
-foreach(name arena nearest params status)
+foreach(name arena crew nearest params status)
   nsdae_unit_test(base ${name})
 endforeach()
 
@@ -34,5 +34,6 @@ nsdae_test(anomaly kinematics)
 nsdae_test(anomaly lists)
 nsdae_test(anomaly bodies LINKS test_allocator)
 nsdae_test(system blocks LINKS test_support test_allocator)
+nsdae_test(system threads LINKS test_support)
 nsdae_test(anomaly blas LINKS test_allocator test_process_allocator)
 nsdae_test(anomaly certificate)

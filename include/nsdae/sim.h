@@ -68,6 +68,7 @@ typedef struct nsdae_sim_options {
   int inner_steps_max;      /* of the integrator of penalty and event in one dt */
   int start_check;          /* 1: a start looks for gross errors of derivatives */
   int contacts_max;         /* most contacts of a list */
+  int threads;              /* that share the islands of a step by blocks: 1 .. 256 */
   unsigned initialised;     /* set by nsdae_sim_options_default */
 } nsdae_sim_options;
 
