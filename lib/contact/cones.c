@@ -218,6 +218,24 @@ int nsdae_cones_solve(nsdae_contacts *c, const double *lambda)
   return NSDAE_OK;
 }
 
+int nsdae_cones_improve(nsdae_contacts *c, double *impulse)
+{
+  nsdae_cones *s = &c->cones;
+  size_t bytes = (size_t)contact_columns(c) * sizeof *impulse;
+  if (!s->solver || c->slide_count > 0) return 0;
+  for (int a = 0; a < c->active_count; a++)
+    if (c->law[c->active[a]].kind == NSDAE_SLIDING) return 0;
+  set_pattern(s, c->active_count);
+  set_values(c);
+  for (int a = 0; a < c->active_count; a++) s->mu[a] = c->system->contact[c->active[a]].mu;
+  nsdae_friction_options_default(&s->options);
+  s->options.refine = REFINE;
+  memcpy(s->r, impulse, bytes);
+  if (solve_contacts(c) < 0) return 0;
+  memcpy(impulse, s->r, bytes);
+  return 1;
+}
+
 /* Of a complementarity problem G and the offset are still there; its velocities are G r + offset.
  */
 int nsdae_cones_describe(nsdae_contacts *c)

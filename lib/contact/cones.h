@@ -49,6 +49,11 @@ int nsdae_cones_any(const struct nsdae_contacts *contacts);
  * that without contacts and slides. NSDAE_OK, NSDAE_E_LCP or NSDAE_E_INFEASIBLE. */
 int nsdae_cones_solve(struct nsdae_contacts *contacts, const double *lambda);
 
+/* Brings impulses [columns] of all closed contacts, such as those of a polygon, to their cones. 1;
+ * 0 where that was not found, or has slides or contacts whose direction is known: then nothing is
+ * changed. */
+int nsdae_cones_improve(struct nsdae_contacts *contacts, double *impulse);
+
 /* The problem that was solved last, whatever the contacts' laws: of those with a cone as it was
  * solved; of others, which were a complementarity problem, as problem says it. NSDAE_OK; or
  * NSDAE_E_STATE where there were slides and no cones, or contacts whose direction was known. */

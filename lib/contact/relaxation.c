@@ -6,7 +6,7 @@
 #include "system_impl.h"
 #include "vector.h"
 
-enum { SWEEPS = 20000, LOOK = 500 };
+enum { FEW = 30, SWEEPS = 20000, LOOK = 500 };
 
 /* Below it, of the largest force, a change is none. */
 static const double CONVERGED = 1e-14;
@@ -64,32 +64,52 @@ static double relax_friction(const relaxation *r, int a)
 
 /* Whether sweeps that converge linearly come to the end within twice those that are left: the
  * changes of one and of that LOOK sweeps earlier, over the largest force. */
-static int comes_to_an_end(int sweep, double change, double earlier)
+static int comes_to_an_end(int left, double change, double earlier)
 {
   double wanted = log(change / CONVERGED), gained = log(earlier / change);
-  return gained > 0 && wanted / gained * LOOK <= 2 * (SWEEPS - sweep);
+  return gained > 0 && wanted / gained * LOOK <= 2 * left;
 }
 
-/* 1 where a sweep changes nothing any more. */
-static int relax(const relaxation *r)
+/* 1 where, of so many, a sweep changes nothing any more; < 0 where there is no fixed point. */
+static int relax(const relaxation *r, int sweeps)
 {
   const nsdae_contacts *c = r->c;
   double earlier = INFINITY;
-  for (int sweep = 0; sweep < SWEEPS; sweep++) {
-    double most = 0, size = 0;
+  for (int sweep = 0; sweep < sweeps; sweep++) {
+    double most = 0;
     for (int a = 0; a < c->active_count; a++) {
       double change = relax_normal(r, a);
-      if (isnan(change)) return 0;
+      if (isnan(change)) return -1;
       most = fmax(most, change);
       if (c->law[c->active[a]].kind == NSDAE_POLYGON) most = fmax(most, relax_friction(r, a));
     }
-    for (int l = 0; l < c->columns; l++) size = fmax(size, fabs(r->force[l]));
+    double size = nsdae_largest(c->columns, r->force);
     if (most <= CONVERGED * size) return 1;
     if (sweep % LOOK != LOOK - 1) continue;
-    if (!comes_to_an_end(sweep, most / size, earlier)) return 0;
+    if (!comes_to_an_end(sweeps - sweep, most / size, earlier)) return 0;
     earlier = most / size;
   }
   return 0;
+}
+
+/* xi of the forces. */
+static void read_xi(const relaxation *r)
+{
+  const nsdae_contacts *c = r->c;
+  memcpy(r->xi, c->delassus.offset, (size_t)c->columns * sizeof *r->xi);
+  nsdae_add_product(c->columns, c->columns, c->delassus.G, r->force, r->xi);
+}
+
+/* Where bodies touch in more points than they have freedoms sweeps go on for thousands of times:
+ * what a few do not settle is the friction chain's, if it can take it. */
+static int settle(nsdae_contacts *c, const relaxation *r)
+{
+  int settled = relax(r, FEW);
+  if (settled == 0 && nsdae_cones_improve(c, r->force)) {
+    read_xi(r);
+    return 1;
+  }
+  return (settled != 0 ? settled : relax(r, SWEEPS)) > 0;
 }
 
 /* The forces, and what their change makes of v, lambda and the contacts' velocities. */
@@ -123,9 +143,8 @@ int nsdae_contacts_relax(nsdae_contacts *c, const double *direction, double *for
   const relaxation r = {c, direction, force, xi};
   if (c->slide_count > 0 || c->system->dims.nt != 2) return 0;
   memcpy(force, c->delassus.impulse, (size_t)c->columns * sizeof *force);
-  memcpy(xi, c->delassus.offset, (size_t)c->columns * sizeof *xi);
-  nsdae_add_product(c->columns, c->columns, c->delassus.G, force, xi);
-  if (!relax(&r)) return 0;
+  read_xi(&r);
+  if (!settle(c, &r)) return 0;
   take_over(c, force, xi, v, lambda);
   return 1;
 }

@@ -42,6 +42,7 @@ void nsdae_event_acceleration_prepare(nsdae_event_acceleration *p)
   const nsdae_dims *d = &s->system->dims;
   int edges = nsdae_law_edges_to_start(s->options->polygon);
   p->problem.law = p->law;
+  p->problem.cones.most = d->nt == 2 ? d->k : 0;
   nsdae_contacts_set(&p->problem, s->system, s->error, s->options->lcp_tol, edges);
   for (int i = 0; p->law && i < d->k; i++)
     if (p->law[i].kind == NSDAE_POLYGON)

@@ -47,7 +47,7 @@ static double slow_for(const nsdae_event_accumulation *p, int i)
 }
 
 /* The candidates; how many of them part. M^-1 F is in `lost`. */
-static int choose_slow(nsdae_event_accumulation *p)
+static int choose_slow(nsdae_event_accumulation *p, double most)
 {
   nsdae_event_setting *s = p->acceleration->phase->setting;
   const nsdae_event_findings *is = &p->acceleration->is;
@@ -59,7 +59,7 @@ static int choose_slow(nsdae_event_accumulation *p)
   for (int i = 0; i < T->system->dims.k; i++) {
     int near = is->touching[i] || T->gap[i] <= nsdae_event_position_size(s);
     p->after[i] = nsdae_terms_rate(T, T->W_N, T->w_N, i, T->v);
-    is->candidate[i] = near && p->after[i] <= slow_for(p, i);
+    is->candidate[i] = near && p->after[i] <= fmin(slow_for(p, i), most);
     if (is->candidate[i]) p->slow = fmax(p->slow, SLOW * p->after[i]);
     part += is->candidate[i] && p->after[i] > nsdae_event_velocity_size(s);
   }
@@ -94,7 +94,7 @@ static int move_to_limit(nsdae_event_accumulation *p)
   return status < 0 ? status : nsdae_terms_need(s->here, NSDAE_EVENT_TERMS);
 }
 
-int nsdae_event_find_set(nsdae_event_accumulation *p, const double *v)
+int nsdae_event_find_set(nsdae_event_accumulation *p, const double *v, double most)
 {
   nsdae_event_setting *s = p->acceleration->phase->setting;
   const nsdae_contacts *held = &p->acceleration->problem;
@@ -102,7 +102,7 @@ int nsdae_event_find_set(nsdae_event_accumulation *p, const double *v)
   memcpy(p->parting, v, (size_t)s->system->dims.nv * sizeof *v);
   nsdae_terms_set_velocity(s->here, v);
   int status = nsdae_terms_need(s->here, NSDAE_EVENT_TERMS);
-  if (status < 0 || choose_slow(p) == 0) return status;
+  if (status < 0 || choose_slow(p, most) == 0) return status;
   status = move_to_limit(p);
   if (status < 0) return status;
   nsdae_event_set_laws(p->acceleration, 1, p->slow);
@@ -152,8 +152,9 @@ int nsdae_event_ends(nsdae_event_accumulation *p, const double *before, const do
   const nsdae_event_setting *s = p->acceleration->phase->setting;
   const nsdae_terms *T = s->here;
   const double *F = p->acceleration->problem.results->normal;
-  double power = 0, height = 0, fastest = 0;
+  double power = 0, height = 0;
   int count = 0;
+  p->fastest = 0;
   for (int i = 0; i < T->system->dims.nv; i++) {
     p->parting[i] -= closed[i];
     p->lost[i] = before[i] - closed[i];
@@ -162,7 +163,7 @@ int nsdae_event_ends(nsdae_event_accumulation *p, const double *before, const do
     if (!p->settles[i]) continue;
     power += F[i] * p->after[i];
     height += F[i] * fmax(T->gap[i], 0);
-    fastest = fmax(fastest, p->after[i]);
+    p->fastest = fmax(p->fastest, p->after[i]);
     count++;
   }
   double left = nsdae_event_energy(T, p->parting) + height,
@@ -170,8 +171,8 @@ int nsdae_event_ends(nsdae_event_accumulation *p, const double *before, const do
   double flight = power > 0 ? 4 * left / power : INFINITY;
   p->rest = left < all ? flight / (1 - sqrt(left / all)) : INFINITY;
   p->early = !(p->rest < s->options->accumulation_time);
-  int ends = !p->early || fastest <= SLOW * nsdae_event_velocity_size(s) ||
-             (count > 1 && fastest * flight / 4 <= nsdae_event_position_size(s));
+  int ends = !p->early || p->fastest <= SLOW * nsdae_event_velocity_size(s) ||
+             (count > 1 && p->fastest * flight / 4 <= nsdae_event_position_size(s));
   if (!isfinite(p->rest) || p->rest > MOST * s->options->accumulation_time) p->rest = 0;
   return ends;
 }

@@ -12,7 +12,9 @@
  *
  * Where T is below accumulation_time, or all that parts is as slow as the integrator's errors, or
  * of several contacts comes no further than they, so that which is hit next cannot be told, the set
- * is closed: v_c in place of v+, and the end is told at t + T. */
+ * is closed: v_c in place of v+, and the end is told at t + T. While one contact is in a long
+ * flight others may come to rest in many short ones: where the set of all does not end, that of
+ * those that part much slower than its fastest is asked. */
 #ifndef NSDAE_EVENT_ACCUMULATION_H
 #define NSDAE_EVENT_ACCUMULATION_H
 
@@ -29,7 +31,7 @@ typedef struct nsdae_event_accumulation {
   double *normal, *tangential; /* k, k nt: impulses of the closing, which may pull */
   double work;                 /* of these */
   double slow;                 /* velocities up to this are none at the limit */
-  double rest;                 /* T */
+  double rest, fastest;        /* T; of the set, the velocity apart */
   int early;                   /* it ends before accumulation_time says */
 } nsdae_event_accumulation;
 
@@ -41,9 +43,9 @@ void nsdae_event_accumulation_layout(nsdae_event_accumulation *accumulation, nsd
 /* Nothing settles. */
 void nsdae_event_unsettle(nsdae_event_accumulation *accumulation);
 
-/* The set at v+ [nv]: of what touches, or has just left, and parts slowly. Returns whether any of
- * it parts; or a callback's status. */
-int nsdae_event_find_set(nsdae_event_accumulation *accumulation, const double *v);
+/* The set at v+ [nv]: of what touches, or has just left, and parts slowly, not faster than `most`.
+ * Returns whether any of it parts; or a callback's status. */
+int nsdae_event_find_set(nsdae_event_accumulation *accumulation, const double *v, double most);
 
 /* v [nv], with e_N = 0 in the set, to v_c: others may have pushed it apart, what follows pushes
  * back. Adds to multiplier [m]. */

@@ -11,7 +11,7 @@
 
 /* Instants in one dt without an impact or a change of mode; steps of the integrator after which it
  * starts anew, so that a way back is not longer. */
-enum { IDLE_MAX = 100, STEPS_MAX = 5000, STIFF_STEPS = 300 };
+enum { IDLE_MAX = 500, CHATTERS = 20, STEPS_MAX = 5000, STIFF_STEPS = 300 };
 
 /* Steps shorter than this part of dt lead nowhere: so many in one dt, and at each start. */
 static const double TINY = 1e-6;
@@ -84,7 +84,9 @@ static int make(event *e)
   if (status < 0) return status;
   prepare_problems(e);
   nsdae_event_roots_name(&e->roots);
-  return nsdae_event_integrator_make(&e->integrator);
+  status = nsdae_cones_open(&e->instant.acceleration.problem.cones);
+  if (status == NSDAE_OK) status = nsdae_cones_open(&e->instant.impacts.problem.cones);
+  return status < 0 ? status : nsdae_event_integrator_make(&e->integrator);
 }
 
 static int create(nsdae_stepper *s, void **own)
@@ -109,6 +111,8 @@ static void destroy(void *own)
   event *e = own;
   if (!e) return;
   nsdae_ode_destroy(&e->integrator.stiff);
+  nsdae_cones_close(&e->instant.acceleration.problem.cones);
+  nsdae_cones_close(&e->instant.impacts.problem.cones);
   nsdae_arena_release(&e->arena);
   free(e);
 }
@@ -168,6 +172,14 @@ static int jammed(event *e, double t)
   return any && nsdae_event_diagnose(&e->instant.acceleration, t, e->integrator.y) < 0;
 }
 
+/* Where friction turns faster than a body gets away from zero, or is at its limit however it
+ * shares, instant follows instant and nothing is decided. Past CHATTERS of them what counts as zero
+ * for friction doubles with every eighth, until time goes on: as Filippov's solution does. */
+static double blur_of(int idle)
+{
+  return idle > CHATTERS ? exp2(fmin((idle - CHATTERS) / 8.0, 20)) : 1;
+}
+
 /* The same in the middle of a run, where a change of mode is told. */
 static int go_through(event *e, double t)
 {
@@ -181,6 +193,7 @@ static int go_through(event *e, double t)
   memcpy(e->slide_mode_before, m->slide, (size_t)d->f * sizeof *m->slide);
   int before = r->impacts + r->changes, found = 0;
   for (int i = 0; i < e->roots.count; i++) found |= e->roots.entry[i].found;
+  e->phase.modes.blur = blur_of(*e->base.idle);
   int status = restart(e, t);
   for (int i = 0; i < d->k && status == NSDAE_OK; i++)
     add_change(r, t, i, -1, e->mode_before[i], m->contact[i]);
@@ -207,6 +220,7 @@ static int begin(event *e, const nsdae_terms *from)
   memset(memory->whole, 0, memory->wholes * sizeof *memory->whole);
   memset(y, 0, (size_t)e->setting.at.n * sizeof *y);
   for (int j = 0; j < d->f; j++) e->phase.modes.normal_sense[j] = 1;
+  e->phase.modes.blur = 1;
   for (int i = 0; i < e->roots.count; i++) e->roots.entry[i].found = 0;
   memcpy(y, from->q, (size_t)d->nq * sizeof *y);
   memcpy(y + d->nq, from->v, (size_t)d->nv * sizeof *y);

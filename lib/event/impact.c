@@ -9,6 +9,9 @@
 /* One after the other in an instant. */
 enum { IMPACTS_MAX = 2000 };
 
+/* Much slower than another. */
+static const double SLOWER = 0.1;
+
 /* Of the energy before an impact, a gain that is none. */
 static const double ROUNDING = 1e-12;
 
@@ -36,6 +39,7 @@ void nsdae_event_impacts_prepare(nsdae_event_impacts *p)
 {
   const nsdae_event_setting *s = p->acceleration->phase->setting;
   p->problem.law = p->law;
+  p->problem.cones.most = s->system->dims.nt == 2 ? s->system->dims.k : 0;
   nsdae_contacts_set(&p->problem, s->system, s->error, s->options->lcp_tol,
                      nsdae_law_edges_to_start(s->options->polygon));
 }
@@ -145,11 +149,12 @@ static int restitute(nsdae_event_impacts *p, const double *before)
 }
 
 /* Whether this impact is the first of an accumulation that ends now: then the solution is that with
- * the set closed; else it is as before. before [nv] is v-. */
-static int settle(nsdae_event_impacts *p, const double *before)
+ * the set closed; else it is as before. before [nv] is v-. 1: this set, of what parts with no more
+ * than `most`, does not end. */
+static int settle_set(nsdae_event_impacts *p, const double *before, double most)
 {
   nsdae_event_accumulation *a = &p->accumulation;
-  int any = nsdae_event_find_set(a, p->v);
+  int any = nsdae_event_find_set(a, p->v, most);
   if (any <= 0) return any;
   for (int i = 0; i < p->problem.system->dims.k; i++)
     if (a->settles[i]) p->problem.results->before[i] = 0;
@@ -158,7 +163,16 @@ static int settle(nsdae_event_impacts *p, const double *before)
   if (status < 0 || nsdae_event_ends(a, before, p->v)) return status;
   nsdae_event_unsettle(a);
   approach(p);
-  return restitute(p, before);
+  status = restitute(p, before);
+  return status < 0 ? status : 1;
+}
+
+/* The same of smaller and smaller sets, until one ends or none is left. */
+static int settle(nsdae_event_impacts *p, const double *before)
+{
+  int again = settle_set(p, before, INFINITY);
+  while (again > 0) again = settle_set(p, before, SLOWER * p->accumulation.fastest);
+  return again;
 }
 
 /* A new record; or, after so many that only one for each contact and the next instant is left, that

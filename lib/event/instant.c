@@ -25,7 +25,7 @@ static int is_found(const nsdae_event_roots *roots, nsdae_root_kind kind, int i)
 }
 
 /* Whether the friction of contact i breaks away. Where how friction shares was chosen, a contact at
- * its limit is no reason to slide until all that stick are. */
+ * its limit is no reason to slide until all that stick are, or sharing anew left it there. */
 static int breaks_away(const nsdae_event_roots *roots, const double *y, int i)
 {
   const nsdae_event_modes *m = &roots->phase->modes;
@@ -41,7 +41,8 @@ static int breaks_away(const nsdae_event_roots *roots, const double *y, int i)
     all &= root->found ||
            nsdae_event_stick_margin(roots->phase, y, j) <= fmax(root->size, NEARLY_ALL * most);
   }
-  return shared ? all : is_found(roots, NSDAE_ROOT_TANGENT, i);
+  const nsdae_event_root *own = nsdae_event_root_of(roots, NSDAE_ROOT_TANGENT, i);
+  return shared ? all || (own->found && own->state == NSDAE_ROOT_MASKED) : own->found;
 }
 
 /* What was found, in terms of the modes so far. */

@@ -22,8 +22,8 @@ static void lay(nsdae_event_base *b, nsdae_event_modes *m, const nsdae_stepper *
   m->range = nsdae_memory_reals(part, rows * rows);
   b->y = nsdae_memory_reals(part, (size_t)d->nq + (size_t)d->nv);
   b->direction = nsdae_memory_reals(part, kt);
-  double **real[] = {&b->t, &b->slow, &b->goal};
-  for (int i = 0; i < 3; i++) *real[i] = nsdae_memory_reals(part, 1);
+  double **real[] = {&b->t, &b->slow, &b->blur, &b->goal};
+  for (int i = 0; i < 4; i++) *real[i] = nsdae_memory_reals(part, 1);
 }
 
 void nsdae_event_memory_sizes(const nsdae_stepper *s, size_t *reals, size_t *wholes)
@@ -53,6 +53,7 @@ void nsdae_event_save(nsdae_event_base *b, const nsdae_event_integrator *g, doub
   *b->t = t;
   *b->steps = 0;
   *b->slow = p->modes.slow;
+  *b->blur = p->modes.blur;
   memcpy(b->y, g->y, n * sizeof *b->y);
   memcpy(b->direction, p->modes.direction, kt * sizeof *b->direction);
 }
@@ -63,6 +64,7 @@ void nsdae_event_restore(const nsdae_event_base *b, nsdae_event_integrator *g)
   const nsdae_dims *d = &p->setting->system->dims;
   size_t n = (size_t)p->setting->at.lambda, kt = (size_t)d->k * (size_t)d->nt;
   p->modes.slow = *b->slow;
+  p->modes.blur = *b->blur;
   memcpy(g->y, b->y, n * sizeof *b->y);
   memcpy(p->modes.direction, b->direction, kt * sizeof *b->direction);
 }

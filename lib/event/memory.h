@@ -7,10 +7,11 @@
 
 /* Over the numbers of a result's memory, as the modes are. */
 typedef struct nsdae_event_base {
-  int *basis[2];                    /* warm starts: of impacts, of accelerations */
-  double *t, *y, *direction, *slow; /* 1, nq + nv, k nt, 1: where the integrator started last */
-  int *steps;                       /* of its own since then */
-  double *goal;                     /* of the dt in work, which may take several steps */
+  int *basis[2];               /* warm starts: of impacts, of accelerations */
+  double *t, *y, *direction;   /* 1, nq + nv, k nt: where the integrator started last, */
+  double *slow, *blur;         /* and the modes' */
+  int *steps;                  /* of its own since then */
+  double *goal;                /* of the dt in work, which may take several steps */
   int *instants, *idle, *tiny; /* in it; of those, without an impact or a change; steps of no use */
 } nsdae_event_base;
 

@@ -5,6 +5,11 @@
 
 enum { PROJECTIONS = 4 };
 
+/* Of what is missing, and of what counts as zero: a way that is so much longer leads elsewhere.
+ * Then rows nearly depend on each other and differ by no more than the integrator's errors: the
+ * positions are as near as they can be. */
+static const double FAR = 100;
+
 void nsdae_event_projection_layout(nsdae_event_projection *p, nsdae_arena *arena)
 {
   const nsdae_dims *d = &p->phase->setting->system->dims;
@@ -47,6 +52,7 @@ int nsdae_event_project_positions(nsdae_event_projection *p, double t, const int
     int status = nsdae_least_solve(&p->least, s->here);
     if (status == NSDAE_OK) status = nsdae_kinematics_at(s->here, p->least.change, p->qdot);
     if (status < 0) return status;
+    if (nsdae_largest(s->at.v, p->qdot) > FAR * (worst + nsdae_event_position_size(s))) break;
     for (int i = 0; i < s->at.v; i++) y[i] += p->qdot[i];
     nsdae_event_move(s, t, y);
     status = nsdae_terms_need(s->here, NSDAE_TERM_MASS | NSDAE_TERM_PHI | NSDAE_TERM_JACOBIAN |

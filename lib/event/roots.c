@@ -152,16 +152,18 @@ static double force_size(const nsdae_event_setting *s, const double *y)
 }
 
 /* Live where it is above zero; with a rate, rising from zero; else masked. */
-static void start_root(nsdae_event_root *root, double t, double value, double rate, double size,
-                       double rate_size)
+static void start_root(const nsdae_event_phase *p, nsdae_event_root *root, double t, double value,
+                       double rate, double size, double rate_size)
 {
+  double blur = root->kind == NSDAE_ROOT_TANGENT ? p->modes.blur : 1;
+  size *= blur;
   root->since = t;
   root->start = value;
   root->rate = rate;
   root->size = size;
   if (value > size)
     root->state = NSDAE_ROOT_LIVE;
-  else if (rate > rate_size && value > -size)
+  else if (rate > rate_size && value > -size && blur == 1)
     root->state = NSDAE_ROOT_RISING;
   else
     root->state = NSDAE_ROOT_MASKED;
@@ -175,13 +177,13 @@ static void start_sliding(const nsdae_event_phase *p, nsdae_event_root *root, do
   double size = nsdae_event_velocity_size(p->setting);
   if (root->kind == NSDAE_ROOT_SLIP) {
     double rate = nsdae_terms_rate(T, T->W_S, T->omega_S, root->index, a);
-    start_root(root, t, value, p->modes.slide_sense[root->index] * rate, size, size);
+    start_root(p, root, t, value, p->modes.slide_sense[root->index] * rate, size, size);
     return;
   }
   double rate = along_direction(p, T, root->index, T->omega_T, a);
   /* what slides already and is braked will stop, however soon */
   int turning = T->system->dims.nt == 2 && !(value > size && rate < 0);
-  start_root(root, t, value, rate, turning ? TURNING * size : size, 0);
+  start_root(p, root, t, value, rate, turning ? TURNING * size : size, 0);
   /* so slow a start is no rate to divide by */
   if (root->state == NSDAE_ROOT_RISING && !(rate > size)) root->state = NSDAE_ROOT_MASKED;
 }
@@ -208,11 +210,11 @@ static void start(const nsdae_event_phase *p, nsdae_event_root *root, double t, 
   if (root->kind == NSDAE_ROOT_JAM)
     root->state = value > 0 ? NSDAE_ROOT_LIVE : NSDAE_ROOT_OFF;
   else if (root->kind == NSDAE_ROOT_NORMAL && mode == NSDAE_MODE_OPEN)
-    start_root(root, t, value, nsdae_terms_rate(T, T->W_N, T->w_N, i, T->v),
+    start_root(p, root, t, value, nsdae_terms_rate(T, T->W_N, T->w_N, i, T->v),
                nsdae_event_position_size(p->setting), nsdae_event_velocity_size(p->setting));
   else if (root->kind == NSDAE_ROOT_NORMAL || root->kind == NSDAE_ROOT_SIGN ||
            mode == NSDAE_MODE_STICK)
-    start_root(root, t, value, 0, force_size(p->setting, y), 0);
+    start_root(p, root, t, value, 0, force_size(p->setting, y), 0);
   else
     start_sliding(p, root, t, value, a);
 }

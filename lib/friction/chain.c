@@ -11,7 +11,7 @@
 
 /* Sweeps between two looks at the residual; at the beginning; of a warm start, which is trapped
  * where so many have not halved the residual; of the last resort. */
-enum { BETWEEN = 20, FEW = 100, WARM = 2000, TRAPPED = 600, MANY = 20000 };
+enum { BETWEEN = 20, FEW = 100, WARM = 2000, TRAPPED = 600, SOON = 20, MANY = 20000 };
 
 /* Contacts up to which a factorisation costs less than the sweeps that it saves. */
 enum { SMALL = 24 };
@@ -31,6 +31,7 @@ void nsdae_fc_chain_layout(void *object, nsdae_arena *arena)
   nsdae_fc_layout(&c->fc, arena);
   c->best = NSDAE_ARENA_DOUBLES(arena, 3L * c->fc.n);
   c->slip = NSDAE_ARENA_DOUBLES(arena, c->fc.n);
+  nsdae_fc_conjugate_layout(&c->conjugate, &c->fc, arena);
   c->newton.fc = &c->fc;
   nsdae_fc_newton_layout(&c->newton, arena);
   nsdae_fc_curve_layout(&c->curve, &c->fc, arena);
@@ -91,6 +92,30 @@ static int sweeps(nsdae_fc_chain *c, int most, int patience, int stage)
   return 0;
 }
 
+/* Sweeps between looks where little changes. */
+enum { CLOSE = 4 };
+
+/* Sweeps by conjugate directions from fc->r on, looked at where they change little, and after every
+ * BETWEEN; they end where so many have not halved the residual. */
+static int conjugate(nsdae_fc_chain *c, int most, int patience, int stage)
+{
+  double mark = c->info.residual;
+  int since = 0, looked = 0;
+  if (c->options->max_sweeps > 0 && c->options->max_sweeps < most) most = c->options->max_sweeps;
+  nsdae_fc_conjugate_begin(&c->conjugate);
+  for (int done = 1; done <= most && since < patience; done++, since++) {
+    double change = nsdae_fc_conjugate_sweep(&c->conjugate, &c->fc, c->slip);
+    c->info.sweeps++;
+    if ((change <= c->tol && done - looked >= CLOSE) || done - looked >= BETWEEN) {
+      if (judge(c, stage)) return 1;
+      looked = done;
+    }
+    if (c->info.residual <= 0.5 * mark) mark = c->info.residual, since = 0;
+    nsdae_fc_conjugate_extrapolate(&c->conjugate, &c->fc);
+  }
+  return 0;
+}
+
 /* Whether there are factorisations for this island. */
 static int ready(nsdae_fc_chain *c)
 {
@@ -138,9 +163,13 @@ static int warm(nsdae_fc_chain *c)
   if (!(most > 0)) return 0;
   memset(c->slip, 0, (size_t)c->fc.n * sizeof *c->slip);
   if (judge(c, NSDAE_FRICTION_WARM)) return 1;
-  if (c->fc.n <= SMALL && proximal(c, 1e-3, NSDAE_FRICTION_WARM)) return 1;
-  memcpy(c->fc.r, c->best, bytes(c));
-  return sweeps(c, WARM, TRAPPED, NSDAE_FRICTION_WARM) || proximal(c, 1e-3, NSDAE_FRICTION_WARM);
+  if (c->fc.n <= SMALL) {
+    if (proximal(c, 1e-5, NSDAE_FRICTION_WARM)) return 1;
+    memcpy(c->fc.r, c->best, bytes(c));
+    nsdae_fc_velocities(&c->fc, c->fc.r, c->fc.y, c->fc.u);
+  }
+  if (conjugate(c, WARM, c->tol < ROUGH ? SOON : TRAPPED, NSDAE_FRICTION_WARM)) return 1;
+  return proximal(c, 1e-5, NSDAE_FRICTION_WARM);
 }
 
 /* Whether the residual is what rounding r to doubles leaves: half a unit in the last place of the

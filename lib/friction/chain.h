@@ -2,6 +2,7 @@
 #ifndef NSDAE_FRICTION_CHAIN_H
 #define NSDAE_FRICTION_CHAIN_H
 
+#include "conjugate.h"
 #include "continuation.h"
 #include "infeasible.h"
 #include "polyhedral.h"
@@ -13,6 +14,7 @@ typedef struct nsdae_fc_chain {
   double tol;
   double *best; /* 3 n: the point of least residual so far */
   double *slip; /* n: see coulomb.h */
+  nsdae_fc_conjugate conjugate;
   nsdae_fc_newton newton;
   nsdae_fc_curve curve;
   nsdae_fc_polyhedral polyhedral;

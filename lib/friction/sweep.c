@@ -10,6 +10,27 @@
  */
 static const double PROXIMAL = 1e-9;
 
+/* u += J^T y of one part, [n x 3] column-major. */
+static inline void gather_part(int n, const double *J, const double *y, double *u)
+{
+  double a = 0, b = 0, d = 0;
+  for (int l = 0; l < n; l++) {
+    a += J[l] * y[l];
+    b += J[n + l] * y[l];
+    d += J[2 * n + l] * y[l];
+  }
+  u[0] += a, u[1] += b, u[2] += d;
+}
+
+/* y += J dr of one part */
+static inline void apply_part(int n, const double *restrict J, const double *restrict dr,
+                              double *restrict y)
+{
+  for (int l = 0; l < n; l++) y[l] += J[l] * dr[0] + J[n + l] * dr[1] + J[2 * n + l] * dr[2];
+}
+
+enum { BODY = 6 }; /* the size of most blocks: its loops are laid out flat */
+
 /* u = J^T y + q + C r of item k */
 static inline void gather(const nsdae_fc *c, int k, double *u)
 {
@@ -18,13 +39,10 @@ static inline void gather(const nsdae_fc *c, int k, double *u)
   for (int e = c->first[k]; e < c->first[k + 1]; e++) {
     const double *J = nsdae_fc_part(c, e), *y = c->y + c->offset[c->block[e]];
     int n = c->size[c->block[e]];
-    double a = 0, b = 0, d = 0;
-    for (int l = 0; l < n; l++) {
-      a += J[l] * y[l];
-      b += J[n + l] * y[l];
-      d += J[2 * n + l] * y[l];
-    }
-    u[0] += a, u[1] += b, u[2] += d;
+    if (n == BODY)
+      gather_part(BODY, J, y, u);
+    else
+      gather_part(n, J, y, u);
   }
 }
 
@@ -37,7 +55,10 @@ static inline void apply(nsdae_fc *c, int k, const double *dr)
     const double *J = nsdae_fc_part(c, e);
     double *y = c->y + c->offset[c->block[e]];
     int n = c->size[c->block[e]];
-    for (int l = 0; l < n; l++) y[l] += J[l] * dr[0] + J[n + l] * dr[1] + J[2 * n + l] * dr[2];
+    if (n == BODY)
+      apply_part(BODY, J, dr, y);
+    else
+      apply_part(n, J, dr, y);
   }
 }
 

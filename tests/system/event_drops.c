@@ -59,7 +59,7 @@ static int judge_failure(const drop *d, nsdae_system *system, const nsdae_sim *s
   if (status != NSDAE_E_PAINLEVE) print_message("%s\n", error->text);
   if (is_bad(status == NSDAE_E_PAINLEVE, d, "status", status)) return 1;
   nsdae_sim *again = start(d, system, &unused);
-  int until = nsdae_sim_run(again, error->time * (1 - 1e-7));
+  int until = nsdae_sim_run(again, error->time * (1 - 1e-11));
   nsdae_sim_get_record(again, &record);
   int jams = until >= 0 && drop_may_jam(d, record.q, record.v, record.mode, 1e-4 * d->size);
   nsdae_sim_destroy(&again);
@@ -111,11 +111,13 @@ static void test_drops(void **state)
 }
 
 /* Those that found what was wrong, each for a reason of its own: steps that shrink to nothing where
- * sliding begins, relations that rounding ruled, thousands of instants. */
+ * sliding begins, relations that rounding ruled, thousands of instants: of friction at its limit,
+ * or of one contact that comes to rest while another is in a long flight. */
 static void test_found(void **state)
 {
-  const unsigned long seeds[] = {46,  63,   136,  222,  297,  419,  423,  505,  954,
-                                 958, 1062, 1217, 1355, 1382, 1570, 2179, 4579, 4843};
+  const unsigned long seeds[] = {46,   63,   136,  222,  297,  419,  423,  439,  487,
+                                 505,  954,  958,  1055, 1062, 1071, 1217, 1355, 1382,
+                                 1570, 1695, 1724, 2179, 2252, 3392, 4579, 4718, 4843};
   (void)state;
   for (size_t i = 0; i < sizeof seeds / sizeof *seeds; i++) {
     drop d;
