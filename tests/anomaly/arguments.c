@@ -269,6 +269,43 @@ static void test_state_arguments(void **state)
   nsdae_system_destroy(&system);
 }
 
+static int leave(const nsdae_record *record, nsdae_error *error, void *user)
+{
+  nsdae_sim *sim = user;
+  (void)error;
+  if (record->step == 3) assert_int_equal(nsdae_sim_unobserve(sim, leave, sim), NSDAE_OK);
+  return 0;
+}
+
+static int count_steps(const nsdae_record *record, nsdae_error *error, void *user)
+{
+  long *steps = user;
+  (void)error;
+  assert_int_equal(record->step, *steps);
+  ++*steps;
+  return 0;
+}
+
+/* One that takes itself out while it is told: those behind it see every record. */
+static void test_leaves(void **state)
+{
+  (void)state;
+  nsdae_system *system = make_system();
+  nsdae_sim *sim;
+  long before = 0, after = 0;
+  double q0[3], v0[3];
+  bead_start(&the_bead, q0, v0);
+  assert_int_equal(nsdae_sim_create(system, NULL, &sim, NULL), NSDAE_OK);
+  assert_int_equal(nsdae_sim_observe(sim, count_steps, &before), NSDAE_OK);
+  assert_int_equal(nsdae_sim_observe(sim, leave, sim), NSDAE_OK);
+  assert_int_equal(nsdae_sim_observe(sim, count_steps, &after), NSDAE_OK);
+  assert_int_equal(nsdae_sim_init(sim, 0, q0, v0), NSDAE_OK);
+  for (int i = 0; i < 6; i++) assert_true(nsdae_sim_step(sim) >= 0);
+  assert_true(before == after && after >= 6);
+  nsdae_sim_destroy(&sim);
+  nsdae_system_destroy(&system);
+}
+
 /* Observers are taken out by function and pointer, both; the others stay. */
 static void test_unobserve(void **state)
 {
@@ -338,8 +375,8 @@ int main(void)
       cmocka_unit_test(test_options_outside), cmocka_unit_test(test_options_table),
       cmocka_unit_test(test_methods),         cmocka_unit_test(test_null_sim),
       cmocka_unit_test(test_null_arguments),  cmocka_unit_test(test_state_arguments),
-      cmocka_unit_test(test_unobserve),       cmocka_unit_test(test_trajectory),
-      cmocka_unit_test(test_null_structs),
+      cmocka_unit_test(test_unobserve),       cmocka_unit_test(test_leaves),
+      cmocka_unit_test(test_trajectory),      cmocka_unit_test(test_null_structs),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -398,6 +398,150 @@ static void test_arguments(void **state)
   assert_null(t);
 }
 
+/* ---- damaged states */
+
+enum { STATE_MOST = 1 << 16 };
+
+/* The bytes of /restart/state with `flip` added to that one, in the places from `from` to `to`; 0
+ * where a place has fewer. */
+static int damage_state(size_t at, unsigned char flip, size_t from, size_t to)
+{
+  static unsigned char bytes[STATE_MOST];
+  hsize_t size[2];
+  hid_t file = H5Fopen(path, H5F_ACC_RDWR, H5P_DEFAULT),
+        set = H5Dopen2(file, "/restart/state", H5P_DEFAULT), space = H5Dget_space(set);
+  assert_int_equal(H5Sget_simple_extent_dims(space, size, NULL), 2);
+  assert_true(size[0] == 2 && size[1] < STATE_MOST / 2);
+  assert_true(H5Dread(set, H5T_NATIVE_UCHAR, H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes) >= 0);
+  for (size_t place = from; place < to && at < size[1]; place++)
+    bytes[place * size[1] + at] = (unsigned char)(bytes[place * size[1] + at] ^ flip);
+  assert_true(H5Dwrite(set, H5T_NATIVE_UCHAR, H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes) >= 0);
+  H5Sclose(space);
+  H5Dclose(set);
+  H5Fclose(file);
+  return at < size[1];
+}
+
+/* Any byte of one state: the run goes on from the other. Of both: it cannot, and says so. */
+static void test_damaged_states(void **state)
+{
+  const unsigned char flips[] = {0x01, 0x40, 0x80};
+  nsdae_error error;
+  (void)state;
+  for (size_t at = 7; at < 400; at += at < 160 ? 8 : 89) { /* a byte of each number of the head */
+    unsigned char flip = flips[at / 8 % 3];
+    for (size_t place = 0; place < 3; place++) { /* the first, the second, both */
+      size_t from = place == 1, to = place == 0 ? 1 : 2;
+      written_plain();
+      if (!damage_state(at, flip, from, to)) return;
+      int status = resume_plain(&error);
+      assert_int_equal(status, place < 2 ? NSDAE_OK : NSDAE_E_IO);
+      if (place == 2) assert_non_null(strstr(error.text, "no state in it is whole"));
+    }
+  }
+}
+
+/* Fewer rows than the states are of. */
+static void test_lost_rows(void **state)
+{
+  const hsize_t one[1] = {1};
+  nsdae_error error;
+  (void)state;
+  written_plain();
+  hid_t file = H5Fopen(path, H5F_ACC_RDWR, H5P_DEFAULT), set = H5Dopen2(file, "/time", H5P_DEFAULT);
+  assert_true(H5Dset_extent(set, one) >= 0);
+  H5Dclose(set);
+  H5Fclose(file);
+  assert_int_equal(resume_plain(&error), NSDAE_E_IO);
+}
+
+/* Something else in the place of a dataset. */
+static void replace(const char *name, int rank, const hsize_t *size, const void *bytes)
+{
+  hid_t file = H5Fopen(path, H5F_ACC_RDWR, H5P_DEFAULT);
+  assert_true(H5Ldelete(file, name, H5P_DEFAULT) >= 0);
+  hid_t space = H5Screate_simple(rank, size, NULL),
+        set =
+            H5Dcreate2(file, name, H5T_NATIVE_UCHAR, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+  if (bytes)
+    assert_true(H5Dwrite(set, H5T_NATIVE_UCHAR, H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes) >= 0);
+  H5Dclose(set);
+  H5Sclose(space);
+  H5Fclose(file);
+}
+
+static void test_other_datasets(void **state)
+{
+  static char endless[4000];
+  const char *const texts[] = {
+      "", "\n", "no such line\n", "run/every=1", "model/name=other\n", "model/name\n=\n", endless};
+  const hsize_t sizes[][2] = {{1, 100}, {2, 100}, {2, 0}, {3, 1000}};
+  nsdae_error error;
+  (void)state;
+  memset(endless, 'x', sizeof endless - 1);
+  for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
+    hsize_t length[1] = {strlen(texts[i])};
+    written_plain();
+    replace("/restart/setting", 1, length, length[0] > 0 ? texts[i] : NULL);
+    int status = resume_plain(&error);
+    assert_true(status == NSDAE_E_ARGUMENT || status == NSDAE_E_IO);
+    assert_true(error.text[0] && !strchr(error.text, '\n'));
+    assert_int_equal(read_params(&error), NSDAE_OK); /* nothing in it is of the options */
+  }
+  for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+    written_plain();
+    replace("/restart/state", 2, sizes[i], NULL);
+    assert_int_equal(resume_plain(&error), NSDAE_E_IO);
+    assert_true(error.text[0]);
+  }
+}
+
+/* ---- a step that comes again */
+
+static int refuse_once(const nsdae_record *record, nsdae_error *error, void *user)
+{
+  long *at = user;
+  (void)error;
+  if (record->step != *at) return 0;
+  *at = -1;
+  return NSDAE_E_IO;
+}
+
+/* An observer behind the trajectory's refuses a step, which then is another one: it stands in the
+ * file once, as the other; whatever of it was flushed before. */
+static void test_step_again(void **state)
+{
+  nsdae_error error;
+  (void)state;
+  for (int flushed = 0; flushed < 2; flushed++) {
+    nsdae_trajectory *t = NULL;
+    nsdae_record r;
+    long at = 4;
+    double times[16];
+    hsize_t rows;
+    fresh();
+    assert_int_equal(nsdae_trajectory_create(sim, path, &plain, &t, &error), NSDAE_OK);
+    assert_int_equal(nsdae_sim_observe(sim, refuse_once, &at), NSDAE_OK);
+    for (int i = 0; i < 3; i++) assert_true(nsdae_sim_step(sim) >= 0);
+    assert_int_equal(nsdae_sim_step(sim), NSDAE_E_IO);
+    if (flushed) assert_int_equal(nsdae_trajectory_flush(t, &error), NSDAE_OK);
+    assert_int_equal(nsdae_sim_get_record(sim, &r), NSDAE_OK);
+    assert_int_equal(r.step, 3);
+    double shorter = r.time + 1e-3;
+    assert_true(nsdae_sim_run(sim, shorter) >= 0);
+    assert_int_equal(nsdae_trajectory_close(&t, NSDAE_OK, &error), NSDAE_OK);
+    hid_t file = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT),
+          set = H5Dopen2(file, "/time", H5P_DEFAULT), space = H5Dget_space(set);
+    H5Sget_simple_extent_dims(space, &rows, NULL);
+    assert_int_equal(rows, 5);
+    assert_true(H5Dread(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, times) >= 0);
+    assert_true(times[4] == shorter && times[3] < shorter);
+    H5Sclose(space);
+    H5Dclose(set);
+    H5Fclose(file);
+  }
+}
+
 /* ---- what a program has HDF5 print */
 
 static int printed;
@@ -468,10 +612,12 @@ static void test_missing(void **state)
 
 int main(void)
 {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_arguments),
-                                     cmocka_unit_test(test_printing),
-                                     cmocka_unit_test(test_missing), cmocka_unit_test(test_calls),
-                                     cmocka_unit_test(test_allocations)};
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_arguments),      cmocka_unit_test(test_printing),
+      cmocka_unit_test(test_damaged_states), cmocka_unit_test(test_lost_rows),
+      cmocka_unit_test(test_other_datasets), cmocka_unit_test(test_step_again),
+      cmocka_unit_test(test_missing),        cmocka_unit_test(test_calls),
+      cmocka_unit_test(test_allocations)};
   H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
   friction_sample_draw(&drawn, 0, 10, 11);
   friction_sample_local(&drawn, &local);

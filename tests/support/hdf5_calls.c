@@ -18,8 +18,8 @@ void hdf5_calls_reset(long fail_at)
 /* A number of the addresses that the call returns to, and the functions that led to it. */
 static unsigned long place(void)
 {
-  void *at[6];
-  int n = backtrace(at, 6);
+  void *at[5];
+  int n = backtrace(at, 5);
   unsigned long sum = 0;
   for (int i = 0; i < n; i++) sum = 31 * sum + (unsigned long)at[i];
   return sum;
