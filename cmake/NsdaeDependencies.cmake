@@ -28,6 +28,12 @@ else()
   set(nsdae_sundials_kinds shared static)
 endif()
 
+# Threads, where they are not the C library's own.
+find_package(Threads REQUIRED)
+if(CMAKE_THREAD_LIBS_INIT)
+  list(APPEND NSDAE_STATIC_LIBRARIES pthread)
+endif()
+
 # LAPACKE and CBLAS: the C faces of LAPACK and BLAS. OpenBLAS brings both, but for Debian's, whose
 # LAPACKE is a library of its own, as it is where BLAS is a plain reference.
 find_path(NSDAE_LAPACKE_INCLUDE lapacke.h PATH_SUFFIXES openblas lapacke)
@@ -56,7 +62,6 @@ target_include_directories(nsdae_lapack SYSTEM INTERFACE
   ${NSDAE_LAPACKE_INCLUDE} ${NSDAE_CBLAS_INCLUDE})
 target_link_libraries(nsdae_lapack INTERFACE ${libraries} m)
 if(NSDAE_CBLAS_LIBRARY MATCHES "\\.a$") # parts of it are Fortran, and it has threads
-  find_package(Threads REQUIRED)
   foreach(part gfortran quadmath)
     execute_process(COMMAND ${CMAKE_C_COMPILER} -print-file-name=lib${part}.a
                     OUTPUT_VARIABLE path OUTPUT_STRIP_TRAILING_WHITESPACE)

@@ -1,7 +1,9 @@
 # Unit tests of base, linalg, system, terms, contact, smooth, and the anomaly tests.
-foreach(name arena nearest params status)
+foreach(name arena crew nearest params status)
   nsdae_unit_test(base ${name})
 endforeach()
+
+target_compile_definitions(test_unit_base_params PRIVATE _POSIX_C_SOURCE=200809L)
 
 foreach(name dense fronts kkt rows sparse_lu)
   nsdae_unit_test(linalg ${name})
@@ -29,6 +31,8 @@ endforeach()
 
 nsdae_test(anomaly arguments LINKS test_support)
 nsdae_test(anomaly kinematics)
+nsdae_test(anomaly lists)
 nsdae_test(system blocks LINKS test_support test_allocator)
+nsdae_test(system threads LINKS test_support)
 nsdae_test(anomaly blas LINKS test_allocator test_process_allocator)
 nsdae_test(anomaly certificate)

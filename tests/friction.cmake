@@ -1,5 +1,5 @@
 # Tests of the frictional contact problems.
-foreach(name contact map)
+foreach(name contact kernels map)
   nsdae_unit_test(friction ${name})
 endforeach()
 
@@ -24,6 +24,7 @@ endif()
 nsdae_test(anomaly friction LINKS test_allocator)
 nsdae_test(system friction_forms LINKS test_friction_families)
 nsdae_test(system friction_families LINKS test_friction_families)
+nsdae_test(system friction_infeasible)
 nsdae_test(system friction_planar)
 nsdae_test(system friction_published)
 target_compile_definitions(test_system_friction_published PRIVATE

@@ -20,6 +20,8 @@ nsdae_test(anomaly kernels)
 
 if(NSDAE_HDF5)
   nsdae_unit_test(io formula)
+  nsdae_unit_test(io pending)
+  target_link_libraries(test_unit_io_pending PRIVATE nsdae_hdf5)
   nsdae_unit_test(io lcp_file)
   target_compile_definitions(test_unit_io_lcp_file PRIVATE _POSIX_C_SOURCE=200809L)
   target_link_libraries(test_unit_io_lcp_file PRIVATE nsdae_hdf5 test_allocator)

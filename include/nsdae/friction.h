@@ -55,17 +55,19 @@ typedef struct nsdae_friction_problem {
 
 /* X(name, value, word, what it does): the stages of the chain in the order in which they are tried,
  * the one list that makes the enum, the names and the order. */
-#define NSDAE_FRICTION_STAGE_LIST(X)                                                             \
-  X(NSDAE_FRICTION_TRIVIAL, 1, "trivial", "every contact opens by itself: r = 0")                \
-  X(NSDAE_FRICTION_WARM, 2, "warm", "r on entry, sweeps and proximal Newton from it")            \
-  X(NSDAE_FRICTION_GAUSS_SEIDEL, 4, "gauss-seidel", "each contact solved exactly in turn")       \
-  X(NSDAE_FRICTION_SMOOTHING, 8, "smoothing", "path of smoothed problems, then proximal Newton") \
-  X(NSDAE_FRICTION_FURTHER, 16, "further", "other paths, then many sweeps and proximal Newton")
+#define NSDAE_FRICTION_STAGE_LIST(X)                                                              \
+  X(NSDAE_FRICTION_TRIVIAL, 1, "trivial", "every contact opens by itself: r = 0")                 \
+  X(NSDAE_FRICTION_WARM, 2, "warm", "r on entry, sweeps and proximal Newton from it")             \
+  X(NSDAE_FRICTION_PIVOTING, 4, "pivoting", "small, frictionless or planar: Lemke's method")      \
+  X(NSDAE_FRICTION_GAUSS_SEIDEL, 8, "gauss-seidel", "each contact solved exactly in turn")        \
+  X(NSDAE_FRICTION_SMOOTHING, 16, "smoothing", "path of smoothed problems, then proximal Newton") \
+  X(NSDAE_FRICTION_PROVE, 32, "prove", "the proof that no u has u_N >= 0, whatever the friction") \
+  X(NSDAE_FRICTION_FURTHER, 64, "further", "other paths, then many sweeps and proximal Newton")
 
 /* options.stages is a sum of these. */
 enum nsdae_friction_stage {
   NSDAE_FRICTION_NONE = 0,
-  NSDAE_FRICTION_ALL = 31,
+  NSDAE_FRICTION_ALL = 127,
 #define NSDAE_FRICTION_STAGE_ENUM(name, value, word, text) name = value,
   NSDAE_FRICTION_STAGE_LIST(NSDAE_FRICTION_STAGE_ENUM)
 #undef NSDAE_FRICTION_STAGE_ENUM
@@ -109,13 +111,15 @@ NSDAE_API int nsdae_friction_check(const nsdae_friction_problem *problem, nsdae_
 /* Solves the problem; allocates its own memory. Parts that share no block are solved one by one.
  *   problem  see above
  *   options  NULL: the defaults
- *   r [m]    in: a guess, with the stage NSDAE_FRICTION_WARM (zero: none; taken as zero where it is
- *            not finite); out: the solution, the best point found, or with NSDAE_PROOF_FARKAS l,
- * zero in the tangential rows and >= 0 in the normal ones, with H l = 0 (W l = 0) and C l = 0 but q
- * . l < 0: then no u with u_N >= 0 and u = 0 in the bilateral rows is reached, whatever r u [m]
- * out: the velocities of r, computed afresh from the data; with a proof those of r = 0 info     may
- * be NULL NSDAE_OK solved; NSDAE_E_INFEASIBLE proved without solution; NSDAE_E_LCP no solution
- * found. With any other status (those of nsdae_friction_check) r and u are as they were. */
+ *   r [m]    in: a guess, with the stage NSDAE_FRICTION_WARM (zero: none; taken as zero where it
+ *            is not finite); out: the solution, or the best point found. With NSDAE_PROOF_FARKAS
+ *            l: zero in tangential rows, >= 0 in normal ones, with H l = 0 (W l = 0), C l = 0 and
+ *            w . l < 0 (local form: q . l), so that no u with u_N >= 0 and bilateral rows at rest
+ * is reached, whatever r: it would have l . u = w . l. That is proved on the data as given, of l in
+ * exact arithmetic, or of an l that l is to rounding (lib/friction/infeasible.c) u [m]    out: the
+ * velocities of r, computed afresh from the data; with a proof those of r = 0 info     may be NULL
+ * NSDAE_OK solved; NSDAE_E_INFEASIBLE proved without solution; NSDAE_E_LCP no solution found. With
+ * any other status (those of nsdae_friction_check) r and u are as they were. */
 NSDAE_API int nsdae_friction_solve(const nsdae_friction_problem *problem,
                                    const nsdae_friction_options *options, double *r, double *u,
                                    nsdae_friction_info *info);
@@ -126,9 +130,11 @@ NSDAE_API int nsdae_friction_solve(const nsdae_friction_problem *problem,
  *   x = r d_c / s,  y = (u + mu |u_T| e_N) / s,  residual = max |x - P_K(x - y)|
  *
  * over all entries of all contacts, and |u| / s over the bilateral rows; u is computed from r.
- * Where s = 0 it is of d_c r and u themselves. NaN where r is not finite or a product overflows. r
- * [m]     a point u [m]     out: its velocities; may be NULL residual  out Status as of
- * nsdae_friction_check. */
+ * Where s = 0 it is of d_c r and u themselves. NaN where r is not finite or a product overflows.
+ *   r [m]     a point
+ *   u [m]     out: its velocities; may be NULL
+ *   residual  out
+ * Status as of nsdae_friction_check. */
 NSDAE_API int nsdae_friction_residual(const nsdae_friction_problem *problem, const double *r,
                                       double *u, double *residual);
 

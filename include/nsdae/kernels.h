@@ -118,6 +118,79 @@ NSDAE_API int nsdae_dlcpppm(int n, const double *a, int lda, const double *b, do
 NSDAE_API int nsdae_dlcpenum(int n, const double *a, int lda, const double *b, double tol, int *set,
                              double *x, double *residual, double *work, int lwork, int *iwork);
 
+/* Kernels of frictional contact (nsdae/friction.h) in the local form, dense:
+ *
+ *   u = W r + q;  per contact  K* contains u + mu |u_T| e_N,  K = {|r_T| <= mu r_N} contains r,
+ *   and their product is zero.
+ *
+ *   nc          contacts, >= 0
+ *   rows [nc]   of each: 1 (frictionless), 2 (planar) or 3, normal first; NULL: all 3; their sum m
+ *   a [lda,m]   W, symmetric positive semidefinite; lda >= max(1, m)
+ *   q [m]
+ *   mu [nc]     coefficients of friction, >= 0 and finite; not read where rows is 1
+ *
+ * With d_c the mean diagonal entry of W of contact c and s = max |q| (1 where that is zero), its
+ * residual is that of nsdae_friction_residual: x = r d_c / s, y = (u + mu |u_T| e_N) / s, the
+ * largest entry of |x - P_K(x - y)| over all contacts.
+ *
+ * nsdae_dfcres: the residual of a point. a and q may have entries that are not finite.
+ *   r [m]       the point
+ *   u [m]       out: its velocities, summed in twice the precision
+ *   residual    out
+ * info 1: the residual is NaN, for something is not finite or overflows. */
+NSDAE_API int nsdae_dfcres(int nc, const int *rows, const double *a, int lda, const double *q,
+                           const double *mu, const double *r, double *u, double *residual);
+
+/* One contact, solved exactly: it opens (q_N >= 0: r = 0), sticks (u = 0) or slides, where
+ * |u_T| / |r_T| is found by a bracketed secant (lib/friction/kernels/coulomb.c).
+ *
+ *   rows        1, 2 or 3
+ *   a, lda, q   as above; finite, W positive definite
+ *   mu          >= 0 and finite
+ *   r, u [rows] out: the solution and its velocities
+ *   residual    out: that of nsdae_dfcres
+ * info 1: W is not positive definite (nothing was done); 2: overflow. */
+NSDAE_API int nsdae_dfccon(int rows, const double *a, int lda, const double *q, double mu,
+                           double *r, double *u, double *residual);
+
+/* Block Gauss-Seidel: sweeps that solve each contact exactly, the others held (Jourdan, Alart,
+ * Jean, Comput. Methods Appl. Mech. Eng. 155 (1998) 31). It need not converge, and where W is
+ * singular does so slowly; few digits come soon.
+ *
+ *   nc .. mu    as above; finite, diagonal blocks positive definite
+ *   tol         >= 0: sweeps end once the residual of nsdae_dfcres is not above it
+ *   max_iter    >= 0
+ *   r [m]       in: the start, finite; out: the last iterate
+ *   iterations  out: sweeps done
+ *   residual    out: that of r
+ *   work [lwork]  lwork >= m + 12 nc, or -1
+ * info 1: max_iter reached; 2: a diagonal block is not positive definite (nothing was done); 3: the
+ * iterates overflowed. r is then not a solution. */
+NSDAE_API int nsdae_dfcbgs(int nc, const int *rows, const double *a, int lda, const double *q,
+                           const double *mu, double tol, int max_iter, double *r, int *iterations,
+                           double *residual, double *work, int lwork);
+
+/* Semismooth Newton on the natural map of all contacts, with a proximal term alpha d_c (r - z), z
+ * the point before, that keeps the equations regular where W is not and vanishes at a solution
+ * (Qi and Sun, Math. Program. 58 (1993) 353; Rockafellar, SIAM J. Control Optim. 14 (1976) 877).
+ * Steps are whole: near a solution a few suffice; from far away it may not converge, so begin where
+ * sweeps end.
+ *
+ *   nc .. mu    as above; finite
+ *   alpha       >= 0; 0: Newton's method itself; 1e-10 does where W is singular
+ *   tol         >= 0: ends once the residual of nsdae_dfcres is not above it
+ *   max_iter    >= 0: most steps, each one factorisation of m rows
+ *   r [m]       in: the start, finite; out: the point of least residual
+ *   iterations  out: steps done
+ *   residual    out: that of r
+ *   work [lwork]  lwork >= m (m + 3), or -1
+ *   iwork [m]
+ * info 1: max_iter reached; 2: the equations were singular; 3: overflow. r is then not a solution.
+ */
+NSDAE_API int nsdae_dfcnwt(int nc, const int *rows, const double *a, int lda, const double *q,
+                           const double *mu, double alpha, double tol, int max_iter, double *r,
+                           int *iterations, double *residual, double *work, int lwork, int *iwork);
+
 #ifdef __cplusplus
 }
 #endif

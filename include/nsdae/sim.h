@@ -33,9 +33,10 @@ enum nsdae_linear_solver { NSDAE_LINEAR_DENSE, NSDAE_LINEAR_SPARSE };
 enum nsdae_redundant { NSDAE_REDUNDANT_ERROR, NSDAE_REDUNDANT_LEAST_NORM };
 
 /* What a step of a time-stepping method ends with: its end is moved to the constraints (coordinates
- * of unit length, such as quaternions, keep it); with contacts also to touching, where a contact
- * was closed in the step and overlaps. With penalty and event anything but none is refused: event
- * keeps both by its own, and penalty's contacts overlap by their law. */
+ * of unit length, such as quaternions, keep it; with none they get it back when it has doubled or
+ * halved); with contacts also to touching, where a contact was closed in the step and overlaps.
+ * With penalty and event anything but none is refused: event keeps both by its own, and penalty's
+ * contacts overlap by their law. */
 enum nsdae_projection {
   NSDAE_PROJECTION_NONE,
   NSDAE_PROJECTION_CONSTRAINTS,
@@ -67,6 +68,7 @@ typedef struct nsdae_sim_options {
   int inner_steps_max;      /* of the integrator of penalty and event in one dt */
   int start_check;          /* 1: a start looks for gross errors of derivatives */
   int contacts_max;         /* most contacts of a list */
+  int threads;              /* that share the islands of a step by blocks: 1 .. 256 */
   unsigned initialised;     /* set by nsdae_sim_options_default */
 } nsdae_sim_options;
 

@@ -12,10 +12,31 @@ static inline double nsdae_dot(int n, const double *a, const double *b)
   return sum;
 }
 
+/* max |a_i|, and sqrt(sum a_i^2) of a few */
+static inline double nsdae_largest(int n, const double *a)
+{
+  double most = 0;
+  for (int i = 0; i < n; i++) most = fmax(most, fabs(a[i]));
+  return most;
+}
+
+static inline double nsdae_norm(int n, const double *a)
+{
+  double norm = 0;
+  for (int i = 0; i < n; i++) norm = hypot(norm, a[i]);
+  return norm;
+}
+
 /* y += scale x */
 static inline void nsdae_add(int n, double scale, const double *x, double *y)
 {
   for (int i = 0; i < n; i++) y[i] += scale * x[i];
+}
+
+/* to += share (from - to) */
+static inline void nsdae_blend(int n, double share, const double *from, double *to)
+{
+  for (int i = 0; i < n; i++) to[i] += share * (from[i] - to[i]);
 }
 
 /* y [rows] += A [rows x columns] x */

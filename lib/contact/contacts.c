@@ -14,18 +14,32 @@
 #include "system_impl.h"
 #include "vector.h"
 
+void nsdae_contacts_set(nsdae_contacts *c, const nsdae_system *system, nsdae_error *error,
+                        double lcp_tol, int polygon_edges)
+{
+  c->system = system;
+  c->error = error;
+  nsdae_lcp_options_default(&c->lcp.options);
+  c->lcp.options.tol = lcp_tol;
+  nsdae_contacts_laws(c, polygon_edges);
+}
+
 void nsdae_contacts_laws(nsdae_contacts *contacts, int polygon_edges)
 {
   const nsdae_system *s = contacts->system;
   if (contacts->rows_most < 1) contacts->rows_most = 1; /* never less: memory is laid by it */
   contacts->slide_count = 0;
+  contacts->rows_in_all = 0;
   contacts->cones.most = contacts->cones.most > 0 ? s->dims.k : 0;
   for (int j = 0; j < s->dims.f; j++) contacts->slide_count += s->slide[j].mu > 0;
   for (int i = 0; i < s->dims.k; i++) {
-    contacts->law[i] = nsdae_law_make(s->dims.nt, s->contact[i].mu, polygon_edges);
-    if (contacts->law[i].rows > contacts->rows_most) contacts->rows_most = contacts->law[i].rows;
-    if (contacts->law[i].kind == NSDAE_CONE) contacts->cones.most = s->dims.k;
+    nsdae_law law = nsdae_law_make(s->dims.nt, s->contact[i].mu, polygon_edges);
+    if (law.rows > contacts->rows_most) contacts->rows_most = law.rows;
+    if (law.kind == NSDAE_CONE) contacts->cones.most = s->dims.k;
+    contacts->rows_in_all += law.rows;
+    if (contacts->law) contacts->law[i] = law;
   }
+  contacts->rows_in_all += 3 * contacts->slide_count;
 }
 
 long nsdae_contacts_rows(const nsdae_system *s, int polygon_edges)
@@ -51,19 +65,11 @@ int nsdae_contacts_rows_limit(void)
   return low;
 }
 
-/* As the laws are now: those of event have rows of their own. */
-static long rows_of_laws(const nsdae_contacts *c)
-{
-  long rows = 3L * c->slide_count;
-  for (int i = 0; i < c->system->dims.k; i++) rows += c->law[i].rows;
-  return rows;
-}
-
 void nsdae_contacts_layout(nsdae_contacts *c, nsdae_arena *arena)
 {
   const nsdae_dims *dims = &c->system->dims;
   long k = dims->k, n = dims->nv, f = c->slide_count;
-  long columns = k * (1 + dims->nt) + f, rows = rows_of_laws(c);
+  long columns = k * (1 + dims->nt) + f, rows = c->rows_in_all;
   if (rows > INT_MAX || nsdae_lcp_workspace((int)rows, &c->lcp.lwork, &c->lcp.liwork) < 0)
     arena->overflow = 1;
   c->active = NSDAE_ARENA_INTS(arena, k);

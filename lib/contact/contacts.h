@@ -55,6 +55,7 @@ typedef struct nsdae_contacts {
   nsdae_error *error;
   nsdae_law *law;                /* k: fixed with the system's coefficients */
   int rows_most;                 /* of any contact */
+  long rows_in_all;              /* of all of them, and of the slides */
   int active_count, *active;     /* the closed contacts */
   int columns, rows;             /* of the problem, over the closed contacts and the slides */
   int *first_column, *first_row; /* per closed contact, with one past the last */
@@ -73,11 +74,16 @@ typedef struct nsdae_contacts {
   double *warm;               /* with cones, k (1 + nt): the last impulses of each, not ours */
 } nsdae_contacts;
 
-/* Takes the arrays; system, error and law (see nsdae_contacts_laws) are set before. */
+/* Takes the arrays; system, error, rows_most and rows_in_all are set before: nsdae_contacts_set. */
 void nsdae_contacts_layout(nsdae_contacts *contacts, nsdae_arena *arena);
 
-/* Fills the laws [k] and rows_most from the system's coefficients, and counts the slides. */
+/* Fills the laws [k], where there are any yet, and rows_most from the system's coefficients, and
+ * counts the slides. */
 void nsdae_contacts_laws(nsdae_contacts *contacts, int polygon_edges);
+
+/* Settings of a problem of the system; then as above. */
+void nsdae_contacts_set(nsdae_contacts *contacts, const nsdae_system *system, nsdae_error *error,
+                        double lcp_tol, int polygon_edges);
 
 /* Number of rows that the contacts and slides of a system can have together, and how many a
  * problem may have. */
@@ -114,6 +120,12 @@ void nsdae_contacts_before(nsdae_contacts *contacts, const nsdae_terms *terms, c
 static inline int nsdae_contacts_any(const nsdae_contacts *contacts)
 {
   return contacts->active_count + contacts->slide_count > 0;
+}
+
+/* Whether friction can move contact or slide in this column of the problem at all. */
+static inline int nsdae_contacts_powerless(const nsdae_contacts *contacts, int column)
+{
+  return contacts->delassus.G[(size_t)column * (size_t)(contacts->columns + 1)] == 0;
 }
 
 /* Solves for the closed contacts and the slides. On entry v [nv] and lambda [m] are free of

@@ -2,6 +2,8 @@
 
 #include <string.h>
 
+#include "vector.h"
+
 /* All doubles and all integers are in one piece each, so that they are cleared at once. */
 static size_t doubles(const nsdae_dims *d)
 {
@@ -37,4 +39,10 @@ void nsdae_impulses_clear(nsdae_impulses *r, const nsdae_dims *dims)
 {
   memset(r->before, 0, doubles(dims) * sizeof *r->before);
   memset(r->impact, 0, wholes(dims) * sizeof *r->impact);
+}
+
+void nsdae_impulses_blend(nsdae_impulses *to, const nsdae_dims *dims, double share,
+                          const nsdae_impulses *from)
+{
+  nsdae_blend((int)doubles(dims), share, from->before, to->before);
 }

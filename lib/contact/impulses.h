@@ -22,4 +22,8 @@ typedef struct nsdae_impulses {
 void nsdae_impulses_layout(nsdae_impulses *impulses, const nsdae_dims *dims, nsdae_arena *arena);
 void nsdae_impulses_clear(nsdae_impulses *impulses, const nsdae_dims *dims);
 
+/* Impulses, and velocities before and after: += share (from - to) */
+void nsdae_impulses_blend(nsdae_impulses *to, const nsdae_dims *dims, double share,
+                          const nsdae_impulses *from);
+
 #endif

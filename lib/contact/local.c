@@ -55,7 +55,11 @@ void nsdae_local_layout(nsdae_local *l, nsdae_arena *arena)
   nsdae_kkt_layout(&l->kkt, arena);
   l->model.contact = l->coefficient;
   l->contacts.law = l->law;
-  for (int i = 0; i < d->k; i++) l->law[i] = nsdae_law_make(d->nt == 1, d->nt == 1, 3);
+  l->contacts.rows_in_all = 0;
+  for (int i = 0; i < d->k; i++) {
+    l->law[i] = nsdae_law_make(d->nt == 1, d->nt == 1, 3);
+    l->contacts.rows_in_all += l->law[i].rows;
+  }
   for (int i = 0; l->all && i < d->k; i++) l->all[i] = 1;
   nsdae_contacts_layout(&l->contacts, arena);
 }

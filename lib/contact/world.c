@@ -6,9 +6,11 @@
 
 #include "errors.h"
 #include "grow.h"
-#include "single.h"
 
-nsdae_world *nsdae_world_make(const nsdae_system *system, nsdae_error *error)
+/* Islands that a worker takes at a time; contacts that are not worth waking others for. */
+enum { PORTION = 16, FEW = 16 };
+
+nsdae_world *nsdae_world_make(const nsdae_system *system, int threads, nsdae_error *error)
 {
   nsdae_world *w = calloc(1, sizeof *w);
   if (!w) return NULL;
@@ -16,7 +18,12 @@ nsdae_world *nsdae_world_make(const nsdae_system *system, nsdae_error *error)
   w->error = error;
   w->islands.blocks = system->blocks.count;
   w->islands.rows = system->dims.m;
-  return w;
+  w->worker = calloc((size_t)threads, sizeof *w->worker);
+  if (w->worker) w->workers = threads;
+  if (w->worker) w->crew = nsdae_crew_make(threads);
+  if (w->crew) return w;
+  nsdae_world_release(w);
+  return NULL;
 }
 
 void nsdae_world_release(nsdae_world *w)
@@ -24,28 +31,27 @@ void nsdae_world_release(nsdae_world *w)
   if (!w) return;
   const nsdae_grown all[] = {NSDAE_GROWN(w->item, 1), NSDAE_GROWN(w->place, 1),
                              NSDAE_GROWN(w->law, 1), NSDAE_GROWN(w->islands.contact.of, 1)};
+  nsdae_crew_release(w->crew);
   nsdae_grown_release(all, sizeof all / sizeof *all);
   nsdae_ids_release(&w->ids);
-  nsdae_stack_release(&w->stack);
+  for (int i = 0; i < w->workers; i++) nsdae_worker_release(&w->worker[i]);
+  free(w->worker);
   nsdae_pile_release(&w->pile);
-  nsdae_saddle_release(&w->saddle);
   free(w);
 }
 
 void nsdae_world_prepare(nsdae_world *w, const nsdae_lcp_options *options, double rank_tol,
                          int least_norm)
 {
-  nsdae_local_prepare(&w->local, w->system, w->error, options, rank_tol);
-  w->tol = options->tol;
-  w->least_norm = least_norm;
+  for (int i = 0; i < w->workers; i++)
+    nsdae_worker_prepare(&w->worker[i], w->system, options, rank_tol, least_norm);
 }
 
 void nsdae_world_layout(nsdae_world *w, nsdae_arena *arena)
 {
   w->hit = NSDAE_ARENA_INTS(arena, w->islands.blocks);
   nsdae_graph_layout(&w->islands, arena);
-  nsdae_local_layout(&w->local, arena);
-  nsdae_stack_layout(&w->stack, w->system, arena);
+  for (int i = 0; i < w->workers; i++) nsdae_worker_layout(&w->worker[i], w->system, arena);
   nsdae_pile_layout(&w->pile, w->system, arena);
 }
 
@@ -54,7 +60,8 @@ int nsdae_world_grow(nsdae_world *w, const nsdae_room *contacts, const nsdae_roo
   const nsdae_grown all[] = {NSDAE_GROWN(w->item, 1), NSDAE_GROWN(w->place, 1),
                              NSDAE_GROWN(w->law, 1), NSDAE_GROWN(w->islands.contact.of, 1)};
   int status = nsdae_grow(all, sizeof all / sizeof *all, contacts->entries);
-  if (status == NSDAE_OK) status = nsdae_stack_grow(&w->stack, contacts);
+  for (int i = 0; i < w->workers && status == NSDAE_OK; i++)
+    status = nsdae_worker_grow(&w->worker[i], contacts);
   if (status == NSDAE_OK) status = nsdae_ids_grow(&w->ids, (int)contacts->entries);
   return status < 0 ? status : nsdae_pile_grow(&w->pile, w->system, contacts, rows);
 }
@@ -224,33 +231,20 @@ void nsdae_world_mark_hit(nsdae_world *w)
     if (w->results->impact[a]) w->hit[island_of(w, a)] = 1;
 }
 
-static int bad_mass(nsdae_world *w, int b, int pivot)
+/* With the record of the worker that failed. */
+static int carry_out(nsdae_world *w, const nsdae_worker *from)
 {
-  nsdae_error_set(w->error, NSDAE_E_MASS, "nsdae_terms", "mass_blocks",
-                  "the mass matrix of block %d is not positive definite: pivot %d of %d is not "
-                  "above rounding; check the callback mass_blocks",
-                  b, pivot, nsdae_blocks_size(&w->system->blocks, b));
-  w->error->index = w->system->blocks.first[b] + pivot - 1;
-  return NSDAE_E_MASS;
-}
-
-/* x [size of the block] := M_b^-1 x */
-static int solve_block(nsdae_world *w, const double *M, int b, double *x)
-{
-  const nsdae_blocks *blocks = &w->system->blocks;
-  nsdae_block_factor factor = {.L = w->pile.L};
-  int pivot = nsdae_blocks_factor(blocks, b, M, &factor);
-  if (pivot) return bad_mass(w, b, pivot);
-  nsdae_blocks_solve(&factor, x);
-  return NSDAE_OK;
+  *w->error = from->error;
+  return from->error.status;
 }
 
 int nsdae_world_solve_mass(nsdae_world *w, const double *M, double *r)
 {
   int status = NSDAE_OK;
   for (int b = 0; b < w->islands.blocks && status == NSDAE_OK; b++)
-    status = solve_block(w, M, b, r + w->system->blocks.first[b]);
-  return status;
+    status =
+        nsdae_worker_solve_block(&w->worker[0], w->system, M, b, r + w->system->blocks.first[b]);
+  return status < 0 ? carry_out(w, &w->worker[0]) : status;
 }
 
 /* What no contact and no constraint holds. */
@@ -263,118 +257,74 @@ static int solve_free(nsdae_world *w, const nsdae_whole *whole)
     int at = blocks->first[b];
     size_t bytes = (size_t)nsdae_blocks_size(blocks, b) * sizeof(double);
     memcpy(whole->v + at, whole->r + at, bytes);
-    status = solve_block(w, whole->M, b, whole->v + at);
+    status = nsdae_worker_solve_block(&w->worker[0], w->system, whole->M, b, whole->v + at);
     memcpy(whole->size + at, whole->v + at, bytes);
   }
+  return status < 0 ? carry_out(w, &w->worker[0]) : status;
+}
+
+/* What the passes over islands share; each writes its own places of them. */
+typedef struct shared {
+  nsdae_world *world;
+  const nsdae_whole *whole;
+  int with_contacts;
+  int *cones; /* islands: left to the pile; then which are, in their order */
+} shared;
+
+static int note(nsdae_worker *worker, int pass, int status)
+{
+  if (status < 0) worker->failed = pass;
   return status;
 }
 
-/* One contact in closed form; 0 where it is not of that kind, or more than rounding is left. */
-static int solve_single(nsdae_world *w, const nsdae_whole *whole, int island)
+static int solve_island(void *object, int worker, int island)
 {
-  double residual;
-  if (!nsdae_single_fits(whole, island) || !nsdae_single_solve(whole, island, &residual)) return 0;
-  w->solved.lcps++;
-  w->solved.residual = fmax(w->solved.residual, residual);
-  return 1;
+  const shared *s = object;
+  nsdae_worker *by = &s->world->worker[worker];
+  return note(by, island,
+              nsdae_worker_solve(by, s->whole, island, s->with_contacts, &s->cones[island]));
 }
 
-/* A large island without friction; 0 where another way must be found. */
-static int solve_stack(nsdae_world *w, const nsdae_whole *whole, int island)
+static int solve_part(void *object, int worker, int part)
 {
-  nsdae_stack *c = &w->stack;
-  if (!nsdae_stack_solve(c, whole, island, w->tol, w->pile.L)) return 0;
-  w->solved.lcps++;
-  w->solved.pivots += c->rounds;
-  w->solved.residual = fmax(w->solved.residual, c->residual);
-  return 1;
+  const shared *s = object;
+  nsdae_worker *by = &s->world->worker[worker];
+  return note(by, part, nsdae_worker_solve_cones(by, &s->world->pile, s->whole, part));
 }
 
-static int solve_local(nsdae_world *w, const nsdae_whole *whole, int island, int with_contacts)
+/* Passes 0 .. count - 1; the first that failed is what is told, as on one thread. */
+static int share(nsdae_world *w, shared *s, int count, int portion, nsdae_crew_pass *pass)
 {
-  nsdae_local *l = &w->local;
-  nsdae_solved *s = &w->solved;
-  int status = nsdae_local_solve(l, whole, island, with_contacts, w->least_norm);
-  const nsdae_lcp_info *info = &l->contacts.lcp.info;
-  s->rank += l->kkt.rank;
-  if (nsdae_contacts_any(&l->contacts)) {
-    s->lcps++;
-    s->pivots += info->pivots;
-    s->residual = fmax(s->residual, info->residual);
-  }
-  if (status < 0 && status != NSDAE_E_MASS && status != NSDAE_E_RANK) s->problem = &l->contacts;
-  return status;
+  int alone = w->closed->count + w->system->dims.m < FEW;
+  int failed = nsdae_crew_run(w->crew, alone, count, portion, pass, s);
+  if (failed < 0) return NSDAE_OK;
+  int by = 0;
+  while (w->worker[by].failed != failed) by++;
+  w->solved.problem = w->worker[by].solved.problem;
+  return carry_out(w, &w->worker[by]);
 }
 
-/* A large island without contacts. */
-static int solve_sparse(nsdae_world *w, const nsdae_whole *whole, int island)
+/* Those that have cones or are large, one part each. */
+static void gather_pile(nsdae_world *w, const nsdae_whole *whole, const int *cones)
 {
-  const nsdae_graph *is = &w->islands;
-  int m = nsdae_members_count(&is->row, island);
-  int status = nsdae_saddle_solve(
-      &w->saddle, &w->system->blocks, &whole->terms->by.jacobian, whole->M,
-      nsdae_members_count(&is->block, island), is->block.of + is->block.first[island], m,
-      is->row.of + is->row.first[island], whole->r, whole->v, whole->lambda);
-  w->solved.rank += m;
-  if (status == NSDAE_OK) return status;
-  return nsdae_error_set(w->error, status, "nsdae_terms", "constraint_rows",
-                         "the equations of the island of block %d, with %d constraints, were not "
-                         "solved at t = %.17g: %s",
-                         is->block.of[is->block.first[island]], m, whole->terms->t,
-                         nsdae_status_message(status));
+  nsdae_pile_begin(&w->pile);
+  for (int i = 0; i < w->islands.count; i++)
+    if (cones[i]) nsdae_pile_add(&w->pile, whole, i);
 }
 
-static int has_contacts(const nsdae_world *w, int island, int with_contacts)
-{
-  return with_contacts && nsdae_members_count(&w->islands.contact, island) > 0;
-}
-
-/* What stopped the problem: a mass, where one is not positive definite. */
-static int cause_of(nsdae_world *w, const double *M, int status)
-{
-  nsdae_block_factor factor = {.L = w->pile.L};
-  for (int i = 0; i < w->pile.problem.blocks; i++) {
-    int b = w->pile.member[i], pivot = nsdae_blocks_factor(&w->system->blocks, b, M, &factor);
-    if (pivot) return bad_mass(w, b, pivot);
-  }
-  return status;
-}
-
-static int solve_pile(nsdae_world *w, const nsdae_whole *whole, const int *large, int count)
-{
-  nsdae_pile *c = &w->pile;
-  nsdae_solved *s = &w->solved;
-  nsdae_pile_begin(c);
-  for (int i = 0; i < count; i++) nsdae_pile_add_contacts(c, whole, large[i]);
-  for (int i = 0; i < count; i++) nsdae_pile_add_rows(c, whole, large[i]);
-  int status = nsdae_pile_solve(c, whole, w->tol, w->error);
-  if (count == 0) return status;
-  if (status < 0) status = cause_of(w, whole->M, status);
-  s->lcps++;
-  s->pivots += c->info.sweeps + c->info.iterations;
-  s->rank += c->problem.bilateral;
-  s->residual = fmax(s->residual, c->info.residual);
-  s->noise = 1e2 * fmax(c->info.residual, w->tol);
-  return status;
-}
-
-/* Every island by what fits it; the large ones are gathered in place of the parents, which nobody
- * asks any more. */
+/* Every island by what fits it. The marks are in place of the parents, which nobody asks any more.
+ */
 static int solve_islands(nsdae_world *w, const nsdae_whole *whole, int with_contacts)
 {
-  int *large = w->islands.parent, count = 0, status = NSDAE_OK;
-  for (int i = 0; i < w->islands.count && status == NSDAE_OK; i++) {
-    int contacts = nsdae_members_count(&w->islands.contact, i);
-    if (contacts > w->solved.contacts) w->solved.contacts = contacts;
-    if (with_contacts && solve_single(w, whole, i)) continue;
-    if (nsdae_local_fits(whole, i))
-      status = solve_local(w, whole, i, with_contacts);
-    else if (!has_contacts(w, i, with_contacts))
-      status = solve_sparse(w, whole, i);
-    else if (!solve_stack(w, whole, i))
-      large[count++] = i;
+  shared s = {w, whole, with_contacts, w->islands.parent};
+  for (int i = 0; i < w->workers; i++) nsdae_worker_begin(&w->worker[i]);
+  int status = share(w, &s, w->islands.count, PORTION, solve_island);
+  if (status == NSDAE_OK) {
+    gather_pile(w, whole, s.cones);
+    status = share(w, &s, w->pile.parts, 1, solve_part);
   }
-  return status < 0 ? status : solve_pile(w, whole, large, count);
+  for (int i = 0; i < w->workers; i++) nsdae_solved_add(&w->solved, &w->worker[i].solved);
+  return status;
 }
 
 int nsdae_world_solve(nsdae_world *w, const nsdae_terms *terms, const double *M, const double *r,

@@ -2,25 +2,14 @@
  *
  *   M v + Phi_q^T Lambda = r + W Lambda_c,   Phi_q v = -Phi_t,   contact laws
  *
- * solved island by island, each by what fits it: what is free by its mass alone, small ones as
- * dense systems (local.h), large ones and true cones as one problem by blocks (pile.h), large ones
- * without contacts as sparse equations (saddle.h). Each contact begins with what it did in the step
- * before, by its id. */
+ * solved island by island (worker.h), on several threads where that is asked for, to the same bits.
+ * Each contact begins with what it did in the step before, by its id. */
 #ifndef NSDAE_WORLD_H
 #define NSDAE_WORLD_H
 
-#include "stack.h"
-#include "pile.h"
+#include "crew.h"
 #include "listed.h"
-#include "saddle.h"
-
-typedef struct nsdae_solved {
-  double residual; /* the worst */
-  long pivots;
-  double noise; /* relative error that the cones leave in velocities; 0: none were solved */
-  int lcps, rank, islands, contacts; /* contacts of the largest island */
-  const nsdae_contacts *problem;     /* that failed; NULL: none, or not of this kind */
-} nsdae_solved;
+#include "worker.h"
 
 typedef struct nsdae_world {
   const nsdae_system *system;
@@ -33,17 +22,15 @@ typedef struct nsdae_world {
   nsdae_ids ids;
   nsdae_graph islands;
   int *hit; /* islands with an impact */
-  nsdae_local local;
-  nsdae_stack stack;
   nsdae_pile pile;
-  nsdae_saddle saddle;
-  double tol;
-  int least_norm;
+  nsdae_crew *crew;
+  nsdae_worker *worker;
+  int workers;
   nsdae_solved solved; /* of the last equations */
 } nsdae_world;
 
-/* NULL without memory. Released as far as it was made. */
-nsdae_world *nsdae_world_make(const nsdae_system *system, nsdae_error *error);
+/* NULL without memory or threads. Released as far as it was made. */
+nsdae_world *nsdae_world_make(const nsdae_system *system, int threads, nsdae_error *error);
 void nsdae_world_release(nsdae_world *world);
 /* Settings, which may change between runs. */
 void nsdae_world_prepare(nsdae_world *world, const nsdae_lcp_options *options, double rank_tol,

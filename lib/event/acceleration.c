@@ -1,7 +1,6 @@
 #include "acceleration.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "errors.h"
@@ -18,6 +17,9 @@ void nsdae_event_acceleration_layout(nsdae_event_acceleration *p, nsdae_arena *a
   const nsdae_dims *d = &p->phase->setting->system->dims;
   long k = d->k, columns = k * (1 + d->nt) + d->f;
   nsdae_contacts_layout(&p->problem, arena);
+  nsdae_sharing_layout(&p->sharing, d, arena);
+  p->law = nsdae_arena_take(arena, k, sizeof *p->law);
+  p->resting = nsdae_arena_take(arena, k, sizeof *p->resting);
   nsdae_impulses_layout(&p->solution, d, arena);
   p->sense = NSDAE_ARENA_INTS(arena, d->f);
   p->a = NSDAE_ARENA_DOUBLES(arena, d->nv);
@@ -34,37 +36,17 @@ void nsdae_event_acceleration_layout(nsdae_event_acceleration *p, nsdae_arena *a
 }
 
 /* A polygon is put around the friction cone, so that a contact that would leave it does slide. */
-int nsdae_event_acceleration_make(nsdae_event_acceleration *p)
-{
-  size_t k = (size_t)p->phase->setting->system->dims.k;
-  p->resting = calloc(k + 1, sizeof *p->resting);
-  p->law = calloc(k + 1, sizeof *p->law);
-  if (!p->resting || !p->law) return NSDAE_E_MEMORY;
-  nsdae_event_acceleration_prepare(p);
-  return NSDAE_OK;
-}
-
 void nsdae_event_acceleration_prepare(nsdae_event_acceleration *p)
 {
   const nsdae_event_setting *s = p->phase->setting;
   const nsdae_dims *d = &s->system->dims;
   int edges = nsdae_law_edges_to_start(s->options->polygon);
-  p->problem.system = s->system;
-  p->problem.error = s->error;
   p->problem.law = p->law;
-  nsdae_lcp_options_default(&p->problem.lcp.options);
-  p->problem.lcp.options.tol = s->options->lcp_tol;
-  nsdae_contacts_laws(&p->problem, edges);
-  for (int i = 0; i < d->k; i++)
+  nsdae_contacts_set(&p->problem, s->system, s->error, s->options->lcp_tol, edges);
+  for (int i = 0; p->law && i < d->k; i++)
     if (p->law[i].kind == NSDAE_POLYGON)
       p->law[i] = nsdae_law_make(d->nt, p->law[i].mu / cos(acos(-1) / edges), edges);
-  memcpy(p->resting, p->law, (size_t)d->k * sizeof *p->law);
-}
-
-void nsdae_event_acceleration_release(nsdae_event_acceleration *p)
-{
-  free(p->resting);
-  free(p->law);
+  if (p->law) memcpy(p->resting, p->law, (size_t)d->k * sizeof *p->law);
 }
 
 /* Fills the direction of sliding of contact i; 0 where it has none. At a slip that was found at
@@ -173,7 +155,7 @@ static int paradox(const nsdae_event_acceleration *p, int status, double least)
 int nsdae_event_outgrown(nsdae_event_acceleration *p, double t, const double *y)
 {
   const nsdae_event_setting *s = p->phase->setting;
-  double most = OUTGROWN * nsdae_event_largest(s->system->dims.nv, s->here->F);
+  double most = OUTGROWN * nsdae_largest(s->system->dims.nv, s->here->F);
   for (int i = 0; i < s->system->dims.k; i++)
     if (p->phase->modes.contact[i] == NSDAE_MODE_SLIDE && y[s->at.normal + i] > most)
       return tell_paradox(s, i, t, without_bound, 0);
@@ -206,5 +188,5 @@ int nsdae_event_diagnose(nsdae_event_acceleration *p, double t, const double *y)
 double nsdae_event_acceleration_size(const nsdae_event_acceleration *p)
 {
   int n = p->phase->setting->system->dims.nv;
-  return 1e-10 * fmax(nsdae_event_largest(n, p->a), nsdae_event_largest(n, p->size));
+  return 1e-10 * fmax(nsdae_largest(n, p->a), nsdae_largest(n, p->size));
 }

@@ -8,6 +8,7 @@
 #define NSDAE_EVENT_ACCELERATION_H
 
 #include "phase.h"
+#include "sharing.h"
 
 /* What an instant knows of each contact and slide. */
 typedef struct nsdae_event_findings {
@@ -27,14 +28,12 @@ typedef struct nsdae_event_acceleration {
   int *sense;                /* f: slides with a known direction in it */
   double *a, *lambda, *size; /* nv, m, nv: of the solution; how large the terms of a are */
   double *force, *xi;        /* columns: for cones */
+  nsdae_sharing sharing;     /* of its forces */
 } nsdae_event_acceleration;
 
 void nsdae_event_acceleration_layout(nsdae_event_acceleration *acceleration, nsdae_arena *arena);
-/* Memory of the laws, before the layout, and its release. NSDAE_OK, NSDAE_E_MEMORY. */
-int nsdae_event_acceleration_make(nsdae_event_acceleration *acceleration);
-/* Again after options or coefficients changed. */
+/* Sizes, before the layout; the laws after it, and again after options or coefficients changed. */
 void nsdae_event_acceleration_prepare(nsdae_event_acceleration *acceleration);
-void nsdae_event_acceleration_release(nsdae_event_acceleration *acceleration);
 
 /* Laws of the candidates, with the velocities of the point, of which those up to size are none;
  * right after an impact nothing is known to have stopped. */
@@ -43,12 +42,6 @@ void nsdae_event_set_laws(nsdae_event_acceleration *acceleration, int impacted, 
 int nsdae_event_accelerate(nsdae_event_acceleration *acceleration);
 /* What counts as zero for an acceleration. */
 double nsdae_event_acceleration_size(const nsdae_event_acceleration *acceleration);
-
-/* Whether friction can move contact or slide in this column of the problem at all. */
-static inline int nsdae_event_powerless(const nsdae_contacts *c, int column)
-{
-  return c->delassus.G[(size_t)column * (size_t)(c->columns + 1)] == 0;
-}
 
 /* Whether the present phase is in Painleve's paradox at t, y: NSDAE_OK or NSDAE_E_PAINLEVE with
  * the record. */

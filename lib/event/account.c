@@ -2,6 +2,8 @@
 
 #include <string.h>
 
+#include "progress.h"
+
 void nsdae_event_account_layout(nsdae_event_account *a, nsdae_arena *arena)
 {
   const nsdae_event_setting *s = a->phase->setting;
@@ -46,9 +48,9 @@ int nsdae_event_account_rate(nsdae_event_account *a, double t, const double *z, 
   double *y = a->y;
   memcpy(y, z, (size_t)at->lambda * sizeof *z);
   int status = nsdae_event_forces(p, t, y);
-  if (status == NSDAE_OK) status = nsdae_event_kinematics(p->setting, y + at->v, rate);
+  if (status == NSDAE_OK) status = nsdae_kinematics_at(p->setting->here, y + at->v, rate);
   if (status == NSDAE_OK) status = least_norm(a, y + at->lambda);
-  if (status < 0) return nsdae_event_code(p->setting, status);
+  if (status < 0) return nsdae_progress_code(status, p->setting->error);
   memcpy(rate + at->v, p->x, (size_t)(at->lambda - at->v) * sizeof *rate);
   memcpy(rate + at->lambda, y + at->lambda, (size_t)(at->n - at->lambda) * sizeof *rate);
   rate[at->n] = friction_power(p, y);

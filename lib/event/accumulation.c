@@ -71,8 +71,7 @@ static int stays(const nsdae_event_accumulation *p, int i)
 {
   const nsdae_contacts *held = &p->acceleration->problem;
   int nt = held->system->dims.nt;
-  double rate = 0;
-  for (int j = i * nt; j < (i + 1) * nt; j++) rate = hypot(rate, held->results->after_t[j]);
+  double rate = nsdae_norm(nt, held->results->after_t + i * nt);
   return held->system->contact[i].mu > 0 && !p->acceleration->is.moving[i] &&
          rate <= nsdae_event_acceleration_size(p->acceleration);
 }
@@ -86,11 +85,8 @@ static int move_to_limit(nsdae_event_accumulation *p)
   const nsdae_dims *d = &T->system->dims;
   memcpy(p->lost, p->parting, (size_t)d->nv * sizeof *p->lost);
   for (int i = 0; i < d->k; i++) {
-    double speed = 0;
-    for (int j = i * d->nt; j < (i + 1) * d->nt; j++)
-      speed = hypot(speed, nsdae_terms_rate(T, T->W_T, T->w_T, j, T->v));
     p->settles[i] = p->acceleration->is.candidate[i];
-    p->sticks[i] = T->system->contact[i].mu > 0 && speed <= p->slow;
+    p->sticks[i] = T->system->contact[i].mu > 0 && nsdae_terms_slip(T, i, T->v) <= p->slow;
   }
   int status = nsdae_event_close(p->projection, p->settles, p->sticks, p->lost, p->reaction,
                                  p->normal, p->tangential);

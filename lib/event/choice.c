@@ -8,17 +8,14 @@ enum { DIRECTIONS = 20 };
 
 void nsdae_event_point_against(double *direction, int nt, const double *force)
 {
-  double size = 0;
-  for (int l = 0; l < nt; l++) size = hypot(size, force[l]);
+  double size = nsdae_norm(nt, force);
   for (int l = 0; l < nt; l++) direction[l] = size > 0 ? -force[l] / size : 0;
 }
 
 static double slip_rate(const nsdae_contacts *c, int i)
 {
   int nt = c->system->dims.nt;
-  double rate = 0;
-  for (int l = 0; l < nt; l++) rate = hypot(rate, c->results->after_t[i * nt + l]);
-  return rate;
+  return nsdae_norm(nt, c->results->after_t + i * nt);
 }
 
 /* Mode of a contact that rests, under friction, from the problem's solution. */
@@ -28,7 +25,7 @@ static int resting_mode(nsdae_event_acceleration *p, int a)
   int i = c->active[a], nt = c->system->dims.nt, mode = c->results->mode[i];
   const double *force = c->results->tangential + i * nt, *rate = c->results->after_t + i * nt;
   double *direction = p->phase->modes.direction + i * nt;
-  if (nsdae_event_powerless(c, c->first_column[a] + 1)) return NSDAE_MODE_SLIDE;
+  if (nsdae_contacts_powerless(c, c->first_column[a] + 1)) return NSDAE_MODE_SLIDE;
   if (nt == 2 && mode == NSDAE_MODE_STICK &&
       hypot(force[0], force[1]) > c->system->contact[i].mu * c->results->normal[i])
     mode = NSDAE_MODE_SLIDE; /* outside the cone though inside the polygon around it */
@@ -57,7 +54,7 @@ static void read_contacts(nsdae_event_acceleration *p)
   int *mode = p->phase->modes.contact;
   double size = nsdae_event_acceleration_size(p);
   /* a force that is the error of a solved problem holds nothing */
-  double none = c->lcp.options.tol * nsdae_event_largest(c->system->dims.k, c->results->normal);
+  double none = c->lcp.options.tol * nsdae_largest(c->system->dims.k, c->results->normal);
   for (int i = 0; i < c->system->dims.k; i++) mode[i] = NSDAE_MODE_OPEN;
   for (int a = 0; a < c->active_count; a++) {
     int i = c->active[a];
@@ -75,7 +72,7 @@ static void read_slides(nsdae_event_acceleration *p)
   const nsdae_contacts *c = &p->problem;
   nsdae_event_modes *m = &p->phase->modes;
   for (int i = 0; i < c->slide_count; i++) {
-    int j = c->slide[i], powerless = nsdae_event_powerless(c, c->columns - c->slide_count + i);
+    int j = c->slide[i], powerless = nsdae_contacts_powerless(c, c->columns - c->slide_count + i);
     double force = powerless ? 0 : c->results->slide_impulse[j], rate = c->results->slide_after[j];
     m->slide[j] = p->sense[j] || !powerless ? c->results->slide_mode[j] : NSDAE_MODE_SLIDE;
     m->slide_sense[j] = p->sense[j];
@@ -188,7 +185,7 @@ static void read_cones(nsdae_event_acceleration *p)
   for (int a = 0; a < c->active_count; a++) {
     int i = c->active[a];
     if (m->contact[i] == NSDAE_MODE_OPEN || c->law[i].kind != NSDAE_POLYGON ||
-        !(c->results->normal[i] > 0) || nsdae_event_powerless(c, c->first_column[a] + 1))
+        !(c->results->normal[i] > 0) || nsdae_contacts_powerless(c, c->first_column[a] + 1))
       continue;
     m->contact[i] = slip_rate(c, i) > size ? NSDAE_MODE_SLIDE : NSDAE_MODE_STICK;
     if (m->contact[i] == NSDAE_MODE_SLIDE)
@@ -196,9 +193,35 @@ static void read_cones(nsdae_event_acceleration *p)
   }
 }
 
-int nsdae_event_choose_modes(nsdae_event_sharing *sharing, int impacted)
+/* How what was solved shares between the contacts, into the modes. */
+static int share(nsdae_event_acceleration *p)
 {
-  nsdae_event_acceleration *p = sharing->acceleration;
+  const nsdae_event_setting *s = p->phase->setting;
+  const nsdae_event_modes *m = &p->phase->modes;
+  const nsdae_shared of = {.problem = &p->problem,
+                           .lambda = p->lambda,
+                           .rank_tol = s->options->rank_tol,
+                           .none = nsdae_event_acceleration_size(p),
+                           .mode = m->contact,
+                           .moving = p->is.moving,
+                           .breakaway = p->is.breakaway,
+                           .slide_mode = m->slide,
+                           .slide_sense = m->slide_sense,
+                           .related = m->related,
+                           .relation = m->relation,
+                           .slide_row = m->slide_row,
+                           .slide_part = m->slide_part};
+  if (nsdae_share(&p->sharing, &of)) return NSDAE_OK;
+  nsdae_error_set(s->error, NSDAE_E_CONVERGENCE, "nsdae_event", "polygon",
+                  "no friction of the contacts that stick at t = %.17g was found that holds "
+                  "them: try more edges of the polygon, or method = implicit",
+                  s->here->t);
+  s->error->time = s->here->t;
+  return NSDAE_E_CONVERGENCE;
+}
+
+int nsdae_event_choose_modes(nsdae_event_acceleration *p, int impacted)
+{
   int status;
   do {
     nsdae_event_set_laws(p, impacted, nsdae_event_velocity_size(p->phase->setting));
@@ -207,11 +230,11 @@ int nsdae_event_choose_modes(nsdae_event_sharing *sharing, int impacted)
   } while (comes_back(p) || (!impacted && sticks_after_all(p)));
   read_contacts(p);
   read_slides(p);
-  if (!begins_to_slide(p) && nsdae_event_share(sharing) == NSDAE_OK) return NSDAE_OK;
+  if (!begins_to_slide(p) && share(p) == NSDAE_OK) return NSDAE_OK;
   if (nsdae_contacts_relax(&p->problem, p->phase->modes.direction, p->force, p->xi, p->a,
                            p->lambda))
     read_cones(p);
   else
     status = settle_directions(p);
-  return status < 0 ? status : nsdae_event_share(sharing);
+  return status < 0 ? status : share(p);
 }

@@ -3,11 +3,11 @@
 #ifndef NSDAE_EVENT_CHOICE_H
 #define NSDAE_EVENT_CHOICE_H
 
-#include "sharing.h"
+#include "acceleration.h"
 
 /* Modes of all, with accelerations and forces. NSDAE_OK; NSDAE_E_PAINLEVE, NSDAE_E_CONVERGENCE, or
  * of the problem, with the record. */
-int nsdae_event_choose_modes(nsdae_event_sharing *sharing, int impacted);
+int nsdae_event_choose_modes(nsdae_event_acceleration *acceleration, int impacted);
 
 /* direction [nt] := -force / |force|, or 0. */
 void nsdae_event_point_against(double *direction, int nt, const double *force);

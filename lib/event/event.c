@@ -18,6 +18,7 @@ static const double TINY = 1e-6;
 enum { TINY_MAX = 1000, STARTS = 50 };
 
 typedef struct event {
+  nsdae_stepper *tools;
   nsdae_arena arena;
   nsdae_event_setting setting;
   nsdae_event_phase phase;
@@ -40,7 +41,6 @@ static void layout(void *object, nsdae_arena *arena)
   nsdae_event_integrator_layout(&e->integrator, arena);
   nsdae_event_account_layout(&e->account, arena);
   nsdae_event_acceleration_layout(&e->instant.acceleration, arena);
-  nsdae_event_sharing_layout(&e->instant.sharing, arena);
   nsdae_event_impacts_layout(&e->instant.impacts, arena);
   nsdae_event_projection_layout(&e->instant.projection, arena);
   e->mode_before = NSDAE_ARENA_INTS(arena, d->k);
@@ -50,13 +50,12 @@ static void layout(void *object, nsdae_arena *arena)
 /* Each part to those that it stands on. */
 static void connect(event *e, nsdae_stepper *s)
 {
+  e->tools = s;
   e->setting = (nsdae_event_setting){.system = s->system,
                                      .options = s->options,
                                      .error = s->error,
-                                     .interrupt = &s->interrupt,
                                      .here = &s->middle,
-                                     .kkt = &s->kkt,
-                                     .warm = nsdae_contacts_warm_size(&s->contacts)};
+                                     .kkt = &s->kkt};
   nsdae_event_set_places(&e->setting);
   e->phase.setting = &e->setting;
   e->roots.phase = &e->phase;
@@ -65,7 +64,6 @@ static void connect(event *e, nsdae_stepper *s)
   e->integrator.account = &e->account;
   e->instant.roots = &e->roots;
   e->instant.acceleration.phase = &e->phase;
-  e->instant.sharing.acceleration = &e->instant.acceleration;
   e->instant.projection.phase = &e->phase;
   e->instant.impacts.acceleration = &e->instant.acceleration;
   e->instant.impacts.account = &e->account;
@@ -73,12 +71,18 @@ static void connect(event *e, nsdae_stepper *s)
   e->instant.impacts.accumulation.projection = &e->instant.projection;
 }
 
+static void prepare_problems(event *e)
+{
+  nsdae_event_acceleration_prepare(&e->instant.acceleration);
+  nsdae_event_impacts_prepare(&e->instant.impacts);
+}
+
 static int make(event *e)
 {
-  int status = nsdae_event_acceleration_make(&e->instant.acceleration);
-  if (status == NSDAE_OK) status = nsdae_event_impacts_make(&e->instant.impacts);
-  if (status == NSDAE_OK) status = nsdae_arena_build(&e->arena, layout, e);
+  prepare_problems(e);
+  int status = nsdae_arena_build(&e->arena, layout, e);
   if (status < 0) return status;
+  prepare_problems(e);
   nsdae_event_roots_name(&e->roots);
   return nsdae_event_integrator_make(&e->integrator);
 }
@@ -106,8 +110,6 @@ static void destroy(void *own)
   if (!e) return;
   nsdae_ode_destroy(&e->integrator.stiff);
   nsdae_arena_release(&e->arena);
-  nsdae_event_acceleration_release(&e->instant.acceleration);
-  nsdae_event_impacts_release(&e->instant.impacts);
   free(e);
 }
 
@@ -142,7 +144,7 @@ static int start(event *e, double t)
 static int restart(event *e, double t)
 {
   int status = nsdae_event_pass(&e->instant, t, e->integrator.y);
-  *e->integrator.is_stiff = 0;
+  *e->phase.modes.is_stiff = 0;
   e->setting.result->counters.events++;
   ++*e->base.instants;
   return status < 0 ? status : start(e, t);
@@ -242,8 +244,8 @@ static int integrate(event *e)
   if (status == NSDAE_OK) return NSDAE_OK;
   g->ahead = from;
   if (nsdae_event_integrator_read(g, from, g->y) < 0) return integrator_failed(e, status, from);
-  if (!*g->is_stiff) return explain(e, status);
-  *g->is_stiff = 0; /* what backward differences do not solve, the other may */
+  if (!*e->phase.modes.is_stiff) return explain(e, status);
+  *e->phase.modes.is_stiff = 0; /* what backward differences do not solve, the other may */
   return start(e, from);
 }
 
@@ -295,28 +297,17 @@ static int advance_from(event *e)
 {
   nsdae_event_integrator *g = &e->integrator;
   if (g->ahead > e->reached) return NSDAE_OK;
-  int stiff = !*g->is_stiff && nsdae_runge_kutta_stiff(&g->steps);
-  if (!stiff && *e->base.steps < (*g->is_stiff ? STIFF_STEPS : STEPS_MAX)) return integrate(e);
+  int stiff = !*e->phase.modes.is_stiff && nsdae_runge_kutta_stiff(&g->steps);
+  if (!stiff && *e->base.steps < (*e->phase.modes.is_stiff ? STIFF_STEPS : STEPS_MAX))
+    return integrate(e);
   int status = nsdae_event_integrator_read(g, g->ahead, g->y);
-  *g->is_stiff = stiff;
+  *e->phase.modes.is_stiff = stiff;
   return status < 0 ? status : start(e, g->ahead);
 }
 
-/* After every step of the integrator: whether it may go on. */
-static int may_go_on(const event *e, double t_end)
-{
-  const nsdae_event_setting *s = &e->setting;
-  double t = e->integrator.ahead;
-  if (s->result->counters.iterations < s->options->inner_steps_max || t >= t_end)
-    return nsdae_interrupted(s->interrupt, s->error, t);
-  nsdae_error_set(
-      s->error, NSDAE_E_CONVERGENCE, "nsdae_event", "inner_steps_max",
-      "the integrator is at t = %.17g after %d steps towards t = %.17g: make dt smaller, "
-      "inner_steps_max or rtol larger, or use method = implicit",
-      t, s->options->inner_steps_max, t_end);
-  s->error->time = t;
-  return NSDAE_E_CONVERGENCE;
-}
+/* What may help where too many steps of the integrator lead to too little. */
+static const char advice[] =
+    "make dt smaller, inner_steps_max or rtol larger, or use method = implicit";
 
 /* To the end of the step, or until a list is nearly full: then the step ends early. */
 static int run_to(event *e, double t_end)
@@ -325,7 +316,8 @@ static int run_to(event *e, double t_end)
   int status = NSDAE_OK;
   while (status == NSDAE_OK && e->reached < t_end && room(e->setting.result) && !too_many(e)) {
     status = advance_from(e);
-    if (status == NSDAE_OK) status = may_go_on(e, t_end);
+    if (status == NSDAE_OK)
+      status = nsdae_stepper_goes_on(e->tools, "nsdae_event", advice, g->ahead, t_end);
     if (status < 0) break;
     double to = fmin(g->ahead, t_end);
     if (to > e->reached) status = nsdae_event_integrator_account(g, e->reached, to);
@@ -357,8 +349,7 @@ static int read_results(event *e, double from)
 static int prepare(void *own)
 {
   event *e = own;
-  nsdae_event_acceleration_prepare(&e->instant.acceleration);
-  nsdae_event_impacts_prepare(&e->instant.impacts);
+  prepare_problems(e);
   nsdae_event_integrator_prepare(&e->integrator);
   return NSDAE_OK;
 }
@@ -369,7 +360,7 @@ static int settle(void *own, const nsdae_state *state, nsdae_result *result)
   nsdae_event_integrator *g = &e->integrator;
   double t = state->terms->t;
   e->setting.result = result;
-  nsdae_event_lay(&e->base, &e->integrator, &e->instant, &result->memory);
+  nsdae_event_lay(&e->base, &e->instant, e->tools, &result->memory);
   int status = arrive(e, state);
   e->stamp = 0;
   if (status < 0 || *e->base.steps == 0) return status;
@@ -397,7 +388,7 @@ static int advance(void *own, const nsdae_state *state, double t_end, nsdae_resu
   e->setting.result = result;
   e->reached = state->terms->t;
   e->instant.impacts.endless = e->instant.impacts.together = 0;
-  nsdae_event_lay(&e->base, &e->integrator, &e->instant, &result->memory);
+  nsdae_event_lay(&e->base, &e->instant, e->tools, &result->memory);
   int status = arrive(e, state);
   e->stamp = 0;
   if (*e->base.goal != t_end) *e->base.instants = *e->base.idle = *e->base.tiny = 0;

@@ -1,11 +1,10 @@
 #include "impact.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
-#include "relaxation.h"
 #include "errors.h"
+#include "relaxation.h"
 
 /* One after the other in an instant. */
 enum { IMPACTS_MAX = 2000 };
@@ -18,6 +17,7 @@ void nsdae_event_impacts_layout(nsdae_event_impacts *p, nsdae_arena *arena)
   const nsdae_dims *d = &p->acceleration->phase->setting->system->dims;
   long columns = (long)d->k * (1 + d->nt) + d->f;
   nsdae_contacts_layout(&p->problem, arena);
+  p->law = nsdae_arena_take(arena, d->k, sizeof *p->law);
   nsdae_impulses_layout(&p->solution, d, arena);
   nsdae_impulses_layout(&p->plastic, d, arena);
   nsdae_event_accumulation_layout(&p->accumulation, arena);
@@ -32,29 +32,12 @@ void nsdae_event_impacts_layout(nsdae_event_impacts *p, nsdae_arena *arena)
   p->xi = NSDAE_ARENA_DOUBLES(arena, columns);
 }
 
-int nsdae_event_impacts_make(nsdae_event_impacts *p)
-{
-  const nsdae_event_setting *s = p->acceleration->phase->setting;
-  p->law = calloc((size_t)s->system->dims.k + 1, sizeof *p->law);
-  if (!p->law) return NSDAE_E_MEMORY;
-  nsdae_event_impacts_prepare(p);
-  return NSDAE_OK;
-}
-
 void nsdae_event_impacts_prepare(nsdae_event_impacts *p)
 {
   const nsdae_event_setting *s = p->acceleration->phase->setting;
-  p->problem.system = s->system;
-  p->problem.error = s->error;
   p->problem.law = p->law;
-  nsdae_lcp_options_default(&p->problem.lcp.options);
-  p->problem.lcp.options.tol = s->options->lcp_tol;
-  nsdae_contacts_laws(&p->problem, nsdae_law_edges_to_start(s->options->polygon));
-}
-
-void nsdae_event_impacts_release(nsdae_event_impacts *p)
-{
-  free(p->law);
+  nsdae_contacts_set(&p->problem, s->system, s->error, s->options->lcp_tol,
+                     nsdae_law_edges_to_start(s->options->polygon));
 }
 
 int nsdae_event_touches(const nsdae_event_setting *s, int i)
@@ -94,12 +77,6 @@ static void approach(nsdae_event_impacts *p)
   }
 }
 
-/* to := to + share (from - to) */
-static void blend(int n, double share, const double *from, double *to)
-{
-  for (int i = 0; i < n; i++) to[i] += share * (from[i] - to[i]);
-}
-
 /* What the solved problem's impulses do. */
 static double work_of(nsdae_event_impacts *p)
 {
@@ -129,21 +106,15 @@ static int solve_plastic(nsdae_event_impacts *p)
 static void take_share(nsdae_event_impacts *p, double gained, double lost)
 {
   const nsdae_dims *d = &p->problem.system->dims;
-  nsdae_impulses *to = &p->solution, *from = &p->plastic;
   for (int i = 0; i < d->nv; i++) p->size[i] = p->elastic[i] - p->v[i];
   double c = nsdae_event_energy(p->acceleration->phase->setting->here, p->size);
   double b = gained - lost - c, root = sqrt(fmax(0, b * b - 4 * c * lost));
   double share = c > 0 ? fmax(0, fmin(1, (root - b) / (2 * c))) : 0;
-  blend(d->nv, 1 - share, p->v, p->elastic);
-  blend(d->m, 1 - share, p->multiplier, p->reaction);
+  nsdae_blend(d->nv, 1 - share, p->v, p->elastic);
+  nsdae_blend(d->m, 1 - share, p->multiplier, p->reaction);
   memcpy(p->v, p->elastic, (size_t)d->nv * sizeof *p->v);
   memcpy(p->multiplier, p->reaction, (size_t)d->m * sizeof *p->multiplier);
-  blend(d->k, 1 - share, from->normal, to->normal);
-  blend(d->k * d->nt, 1 - share, from->tangential, to->tangential);
-  blend(d->k, 1 - share, from->after, to->after);
-  blend(d->k * d->nt, 1 - share, from->after_t, to->after_t);
-  blend(d->f, 1 - share, from->slide_impulse, to->slide_impulse);
-  blend(d->f, 1 - share, from->slide_after, to->slide_after);
+  nsdae_impulses_blend(&p->solution, d, 1 - share, &p->plastic);
 }
 
 static int loses_nothing(const nsdae_event_impacts *p)

@@ -30,10 +30,8 @@ typedef struct nsdae_event_impacts {
 } nsdae_event_impacts;
 
 void nsdae_event_impacts_layout(nsdae_event_impacts *impacts, nsdae_arena *arena);
-int nsdae_event_impacts_make(nsdae_event_impacts *impacts);
-/* Again after options or coefficients changed. */
+/* Sizes, before the layout; the laws after it, and again after options or coefficients changed. */
 void nsdae_event_impacts_prepare(nsdae_event_impacts *impacts);
-void nsdae_event_impacts_release(nsdae_event_impacts *impacts);
 
 /* Impacts of what touches and approaches, until nothing does; y's v is that after them. Returns
  * how many problems there were, or a status. */

@@ -140,9 +140,7 @@ static double hardly_sliding(const nsdae_event_phase *p)
   double size = nsdae_event_velocity_size(p->setting);
   int begins = 0, nt = T->system->dims.nt;
   for (int i = 0; i < T->system->dims.k && nt == 2; i++)
-    begins |= p->modes.contact[i] == NSDAE_MODE_SLIDE &&
-              hypot(nsdae_terms_rate(T, T->W_T, T->w_T, 2 * i, T->v),
-                    nsdae_terms_rate(T, T->W_T, T->w_T, 2 * i + 1, T->v)) <= size;
+    begins |= p->modes.contact[i] == NSDAE_MODE_SLIDE && nsdae_terms_slip(T, i, T->v) <= size;
   return (begins ? HARDLY : 1) * size;
 }
 
@@ -157,7 +155,7 @@ int nsdae_event_pass(nsdae_event_instant *p, double t, double *y)
   if (impacts < 0) return impacts;
   choose_candidates(p, impacts > 0);
   if (counters->accumulations > ended) status = bring(p, t, y);
-  if (status == NSDAE_OK) status = nsdae_event_choose_modes(&p->sharing, impacts > 0);
+  if (status == NSDAE_OK) status = nsdae_event_choose_modes(&p->acceleration, impacts > 0);
   if (status == NSDAE_OK) status = nsdae_event_project_velocities(&p->projection, y);
   phase->modes.slow = hardly_sliding(phase);
   return status;
@@ -191,7 +189,7 @@ static double away(const nsdae_event_phase *phase)
 {
   const nsdae_terms *T = phase->setting->here;
   const nsdae_dims *d = &T->system->dims;
-  double far = nsdae_event_largest(d->m, T->phi), fast = 0;
+  double far = nsdae_largest(d->m, T->phi), fast = 0;
   for (int i = 0; i < d->m; i++) fast = fmax(fast, fabs(nsdae_terms_constraint_rate(T, i, T->v)));
   for (int i = 0; i < d->k; i++) {
     if (phase->modes.contact[i] == NSDAE_MODE_OPEN || phase->modes.related[i]) continue;

@@ -13,7 +13,6 @@
 typedef struct nsdae_event_instant {
   nsdae_event_roots *roots;
   nsdae_event_acceleration acceleration;
-  nsdae_event_sharing sharing;
   nsdae_event_impacts impacts;
   nsdae_event_projection projection;
 } nsdae_event_instant;

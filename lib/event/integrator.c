@@ -5,9 +5,6 @@
 
 #include "errors.h"
 
-/* Of a time in a step: to the last digits. */
-enum { BISECTIONS = 60 };
-
 /* Backward differences lose that much more over many steps than the other method. */
 static const double STIFF_TOLERANCE = 0.1;
 
@@ -26,7 +23,7 @@ static int near(double t, const double *from, const double *state, double *ydot,
   nsdae_event_integrator *e = user;
   nsdae_event_phase *p = e->roots->phase;
   int status = nsdae_event_linearise(p, t, from);
-  int code = status < 0 ? nsdae_event_code(p->setting, status) : rate(t, state, ydot, e);
+  int code = status < 0 ? nsdae_progress_code(status, p->setting->error) : rate(t, state, ydot, e);
   p->linear = 0;
   return code;
 }
@@ -38,20 +35,36 @@ static int values(double t, double *g, void *user)
   return status < 0 ? status : nsdae_event_root_values(e->roots, t, e->y, g);
 }
 
+/* Gaps and their rates at t in the last step. */
+static int look(double t, double *gap, double *rate, void *user)
+{
+  nsdae_event_integrator *e = user;
+  nsdae_event_setting *s = e->roots->phase->setting;
+  nsdae_terms *T = s->here;
+  int k = s->system->dims.k, status = nsdae_event_integrator_read(e, t, e->y);
+  if (status < 0) return status;
+  nsdae_event_move(s, t, e->y);
+  status = nsdae_terms_need(T, NSDAE_TERM_GAP | NSDAE_TERM_NORMAL | NSDAE_TERM_BIAS);
+  if (status < 0) return status;
+  memcpy(gap, T->gap, (size_t)k * sizeof *gap);
+  for (int i = 0; i < k; i++) rate[i] = nsdae_terms_rate(T, T->W_N, T->w_N, i, T->v);
+  return NSDAE_OK;
+}
+
 void nsdae_event_integrator_layout(nsdae_event_integrator *e, nsdae_arena *arena)
 {
   const nsdae_event_setting *s = e->roots->phase->setting;
   e->steps =
       (nsdae_runge_kutta){.n = s->at.n + 1, .controlled = s->at.lambda, .rate = rate, .user = e};
   e->fall = (nsdae_fall){.count = e->roots->count, .values = values, .user = e};
+  e->dip = (nsdae_dip){.count = s->system->dims.k, .look = look, .user = e};
   nsdae_runge_kutta_layout(&e->steps, arena);
   nsdae_fall_layout(&e->fall, arena);
+  nsdae_dip_layout(&e->dip, arena);
   e->y = NSDAE_ARENA_DOUBLES(arena, s->at.n);
   e->z = NSDAE_ARENA_DOUBLES(arena, s->at.n + 1L);
   e->end = NSDAE_ARENA_DOUBLES(arena, s->at.n + 1L);
   e->fallen = NSDAE_ARENA_INTS(arena, e->roots->count);
-  e->gap = NSDAE_ARENA_DOUBLES(arena, 4L * s->system->dims.k);
-  e->rate = NSDAE_ARENA_DOUBLES(arena, 4L * s->system->dims.k);
 }
 
 int nsdae_event_integrator_make(nsdae_event_integrator *e)
@@ -81,122 +94,19 @@ int nsdae_event_integrator_start(nsdae_event_integrator *e, double t)
   memset(e->end, 0, (size_t)e->steps.n * sizeof *e->end);
   memcpy(e->end, e->y, (size_t)e->steps.controlled * sizeof *e->y);
   e->ahead = t;
-  e->known = NAN;
+  nsdae_dip_start(&e->dip);
   e->pending = 0;
-  int status = *e->is_stiff ? nsdae_ode_start(e->stiff, t, e->end)
-                            : nsdae_runge_kutta_start(&e->steps, t, e->end);
+  int status = *e->roots->phase->modes.is_stiff ? nsdae_ode_start(e->stiff, t, e->end)
+                                                : nsdae_runge_kutta_start(&e->steps, t, e->end);
   if (status == NSDAE_OK) status = nsdae_event_forces(p, t, e->y);
   return status < 0 ? status : nsdae_event_set_roots(e->roots, t, e->y, p->x);
-}
-
-/* Gaps and their rates at t in the last step, as the point number of it. */
-static int look(nsdae_event_integrator *e, double t, int point)
-{
-  nsdae_event_setting *s = e->roots->phase->setting;
-  nsdae_terms *T = s->here;
-  int k = s->system->dims.k, status = nsdae_event_integrator_read(e, t, e->y);
-  if (status < 0) return status;
-  nsdae_event_move(s, t, e->y);
-  status = nsdae_terms_need(T, NSDAE_TERM_GAP | NSDAE_TERM_NORMAL | NSDAE_TERM_BIAS);
-  for (int i = 0; i < k && status == NSDAE_OK; i++) {
-    e->gap[point * k + i] = T->gap[i];
-    e->rate[point * k + i] = nsdae_terms_rate(T, T->W_N, T->w_N, i, T->v);
-  }
-  return status;
-}
-
-/* The gap of contact i at t in the last step; its rate in *rate. */
-static double gap_at(nsdae_event_integrator *e, int i, double t, double *rate, int *status)
-{
-  *status = look(e, t, 3);
-  *rate = e->rate[3 * e->roots->phase->setting->system->dims.k + i];
-  return e->gap[3 * e->roots->phase->setting->system->dims.k + i];
-}
-
-/* Where the gap of contact i, above zero and falling at a, is below at b, or, above and rising
- * there, is below zero in between: its fall through zero, or INFINITY. The lowest point is where
- * the rate changes its sign; both by bisection. */
-static double hidden_fall(nsdae_event_integrator *e, int i, double a, double b, int *status)
-{
-  double low = a, rate = 0, gap = gap_at(e, i, b, &rate, status);
-  double deep = -DEEP * nsdae_event_position_size(e->roots->phase->setting);
-  for (int n = 0; n < BISECTIONS && gap > deep && *status == NSDAE_OK; n++) {
-    double t = (a + b) / 2;
-    gap = gap_at(e, i, t, &rate, status);
-    *(rate < 0 ? &a : &b) = t;
-    if (gap <= deep) b = t;
-  }
-  if (gap > deep || *status < 0) return INFINITY;
-  for (int n = 0; n < BISECTIONS && *status == NSDAE_OK; n++) {
-    double t = (low + b) / 2;
-    *(gap_at(e, i, t, &rate, status) > 0 ? &low : &b) = t;
-  }
-  return b;
-}
-
-/* Whether the parabola through what is known at both ends, points first and first + 1 of the step,
- * could come near zero in between. */
-static int may_touch(const nsdae_event_integrator *e, int i, int first, double h)
-{
-  int k = e->roots->phase->setting->system->dims.k;
-  const double *gap = e->gap + first * k + i, *rate = e->rate + first * k + i;
-  if (first == 0 && gap[0] > 0 && gap[k] <= 0) return 1;
-  if (!(gap[0] > 0 && gap[k] > 0 && rate[0] < 0 && rate[k] > 0)) return 0;
-  return fmin(gap[0], gap[k]) < h * fmax(-rate[0], rate[k]);
-}
-
-/* Whether, at the rates of the step's ends, contact i could come to zero within h. */
-static int may_reach(const nsdae_event_integrator *e, int i, double h)
-{
-  int k = e->roots->phase->setting->system->dims.k;
-  double fastest = fmax(fabs(e->rate[i]), fabs(e->rate[2 * k + i]));
-  return fmin(e->gap[i], e->gap[2 * k + i]) < h * fastest;
-}
-
-/* The ends of the last step: its start is where the one before ended, if it is known. */
-static int look_at_ends(nsdae_event_integrator *e, double from)
-{
-  size_t size = (size_t)e->roots->phase->setting->system->dims.k * sizeof *e->gap;
-  int status = NSDAE_OK;
-  if (e->known == from) {
-    memcpy(e->gap, e->gap + 2 * size / sizeof *e->gap, size);
-    memcpy(e->rate, e->rate + 2 * size / sizeof *e->rate, size);
-  } else {
-    status = look(e, from, 0);
-  }
-  e->known = e->ahead;
-  return status < 0 ? status : look(e, e->ahead, 2);
-}
-
-/* A contact that closes and opens again between two steps of the integrator is none of its roots.
- * Returns the first such fall in the last step, from `from` to `ahead`, and its contact; INFINITY
- * where there is none. */
-static double find_hidden(nsdae_event_integrator *e, double from, int *contact, int *status)
-{
-  const nsdae_event_modes *m = &e->roots->phase->modes;
-  double first = INFINITY, h = (e->ahead - from) / 2;
-  int k = e->roots->phase->setting->system->dims.k, any = 0;
-  for (int i = 0; i < k; i++) any |= m->contact[i] == NSDAE_MODE_OPEN;
-  if (any) *status = look_at_ends(e, from);
-  any = 0;
-  for (int i = 0; i < k && *status == NSDAE_OK; i++)
-    any |= m->contact[i] == NSDAE_MODE_OPEN && may_reach(e, i, 2 * h);
-  if (any) *status = look(e, from + h, 1);
-  if (!any || *status < 0) return first;
-  for (int i = 0; i < k && *status == NSDAE_OK; i++)
-    for (int half = 0; half < 2 && m->contact[i] == NSDAE_MODE_OPEN; half++) {
-      if (!may_touch(e, i, half, h)) continue;
-      double a = from + half * h, t = hidden_fall(e, i, a, half ? e->ahead : a + h, status);
-      if (t < first) first = t, *contact = i;
-    }
-  return first;
 }
 
 /* A step of the integrator at work; its end is in `end`. */
 static int step(nsdae_event_integrator *e)
 {
   int what = NSDAE_ODE_STEP;
-  if (*e->is_stiff)
+  if (*e->roots->phase->modes.is_stiff)
     return nsdae_ode_advance(e->stiff, e->ahead + e->steps.max_step, &e->ahead, e->end, &what, NULL,
                              &e->code);
   int status = nsdae_runge_kutta_advance(&e->steps);
@@ -221,18 +131,21 @@ static int step_to_fall(nsdae_event_integrator *e)
 
 int nsdae_event_integrator_advance(nsdae_event_integrator *e)
 {
-  int contact = -1, found = NSDAE_OK;
-  double from = e->ahead;
-  nsdae_error_clear(e->roots->phase->setting->error);
+  nsdae_event_setting *s = e->roots->phase->setting;
+  int contact = -1;
+  double from = e->ahead, hidden;
+  nsdae_error_clear(s->error);
   int fell = step_to_fall(e);
   if (fell < 0) return fell;
-  double hidden = find_hidden(e, from, &contact, &found);
+  /* a contact that closes and opens again between two steps is none of the roots */
+  int found = nsdae_dip_find(&e->dip, from, e->ahead, e->roots->phase->modes.contact,
+                             DEEP * nsdae_event_position_size(s), &hidden, &contact);
   if (found < 0) return found;
   if (contact >= 0) e->ahead = hidden, fell = 0;
   int status = nsdae_event_integrator_read(e, e->ahead, e->y);
   int watched = status < 0 ? status : nsdae_event_watch_roots(e->roots, e->ahead, e->y);
   if (watched < 0) return watched;
-  e->roots->phase->setting->result->counters.iterations++;
+  s->result->counters.iterations++;
   for (int i = 0; fell && i < e->roots->count; i++) e->roots->entry[i].found |= e->fallen[i];
   if (contact >= 0) nsdae_event_root_of(e->roots, NSDAE_ROOT_NORMAL, contact)->found = 1;
   e->pending = fell || watched > 0 || contact >= 0;
@@ -241,7 +154,7 @@ int nsdae_event_integrator_advance(nsdae_event_integrator *e)
 
 static int read_all(nsdae_event_integrator *e, double t, double *z)
 {
-  if (*e->is_stiff) return nsdae_ode_read(e->stiff, t, z);
+  if (*e->roots->phase->modes.is_stiff) return nsdae_ode_read(e->stiff, t, z);
   nsdae_runge_kutta_read(&e->steps, t, z);
   return NSDAE_OK;
 }

@@ -5,6 +5,7 @@
 #define NSDAE_EVENT_INTEGRATOR_H
 
 #include "account.h"
+#include "dip.h"
 #include "fall.h"
 #include "ode.h"
 #include "roots.h"
@@ -14,14 +15,11 @@ typedef struct nsdae_event_integrator {
   nsdae_event_roots *roots;
   nsdae_event_account *account;
   nsdae_runge_kutta steps; /* of z: see account.h */
-  nsdae_ode *stiff;        /* the same */
-  int *is_stiff;           /* 1: the second is at work; in the memory of a step */
+  nsdae_ode *stiff;        /* the same; the modes say which is at work */
   nsdae_fall fall;         /* of the roots, in the last step */
+  nsdae_dip dip;           /* of the gaps, likewise */
   double *y, *z, *end;     /* n, n + 1: where it was last read; where the last step ended */
   int *fallen;             /* roots: in the last step */
-  double *gap, *rate;      /* 4 k: of the contacts at the start, the middle and the end of the
-                              last step, and where they were looked at last */
-  double known;            /* the time of the third, or NaN */
   double ahead;            /* integrated up to here */
   int pending;             /* an instant waits there */
   int code;                /* of backward differences, of their last failure */

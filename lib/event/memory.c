@@ -2,61 +2,47 @@
 
 #include <string.h>
 
-void nsdae_event_memory_sizes(const nsdae_stepper *s, size_t *reals, size_t *wholes)
+/* Base and modes, behind the warm start of implicit, which may step in. */
+static void lay(nsdae_event_base *b, nsdae_event_modes *m, const nsdae_stepper *s,
+                nsdae_memory_part *part)
 {
   const nsdae_dims *d = &s->system->dims;
-  size_t kt = (size_t)d->k * (size_t)d->nt, forces = (size_t)d->k + kt, f = (size_t)d->f,
-         m = (size_t)d->m;
-  *reals = nsdae_contacts_warm_size(&s->contacts) + 3 + (size_t)d->nq + (size_t)d->nv + kt + f +
-           forces * forces + m * m;
-  *wholes = 2 * nsdae_contacts_memory_size(&s->contacts) + (size_t)d->k + 4 * f + 1 + forces + 5;
+  size_t k = (size_t)d->k, kt = k * (size_t)d->nt, f = (size_t)d->f, rows = (size_t)d->m;
+  int **of_slide[] = {&m->slide, &m->slide_sense, &m->normal_sense, &m->slide_row};
+  int **of_one[] = {&m->redundant, &b->steps, &b->instants, &b->idle, &b->tiny, &m->is_stiff};
+  nsdae_memory_reals(part, nsdae_contacts_warm_size(&s->contacts));
+  for (int i = 0; i < 2; i++)
+    b->basis[i] = nsdae_memory_wholes(part, nsdae_contacts_memory_size(&s->contacts));
+  m->contact = nsdae_memory_wholes(part, k);
+  for (int i = 0; i < 4; i++) *of_slide[i] = nsdae_memory_wholes(part, f);
+  m->related = nsdae_memory_wholes(part, k + kt);
+  for (int i = 0; i < 6; i++) *of_one[i] = nsdae_memory_wholes(part, 1);
+  m->slide_part = nsdae_memory_reals(part, f);
+  m->relation = nsdae_memory_reals(part, (k + kt) * (k + kt));
+  m->range = nsdae_memory_reals(part, rows * rows);
+  b->y = nsdae_memory_reals(part, (size_t)d->nq + (size_t)d->nv);
+  b->direction = nsdae_memory_reals(part, kt);
+  double **real[] = {&b->t, &b->slow, &b->goal};
+  for (int i = 0; i < 3; i++) *real[i] = nsdae_memory_reals(part, 1);
 }
 
-static double *reals_of(double **next, size_t count)
+void nsdae_event_memory_sizes(const nsdae_stepper *s, size_t *reals, size_t *wholes)
 {
-  double *at = *next;
-  *next += count;
-  return at;
+  nsdae_event_base base;
+  nsdae_event_modes modes;
+  nsdae_memory_part part = {0};
+  lay(&base, &modes, s, &part);
+  *reals = part.reals;
+  *wholes = part.wholes;
 }
 
-static int *wholes_of(int **next, size_t count)
-{
-  int *at = *next;
-  *next += count;
-  return at;
-}
-
-void nsdae_event_lay(nsdae_event_base *b, nsdae_event_integrator *g, nsdae_event_instant *p,
+void nsdae_event_lay(nsdae_event_base *b, nsdae_event_instant *p, const nsdae_stepper *s,
                      nsdae_memory *memory)
 {
-  nsdae_event_modes *m = &p->roots->phase->modes;
-  const nsdae_dims *d = &p->roots->phase->setting->system->dims;
-  size_t k = (size_t)d->k, kt = k * (size_t)d->nt, f = (size_t)d->f;
-  size_t warm = nsdae_contacts_memory_size(&p->impacts.problem);
-  double *real = memory->real + p->roots->phase->setting->warm;
-  int *whole = memory->whole;
-  nsdae_contacts_remember(&p->impacts.problem, wholes_of(&whole, warm), NULL);
-  nsdae_contacts_remember(&p->acceleration.problem, wholes_of(&whole, warm), NULL);
-  m->contact = wholes_of(&whole, k);
-  m->slide = wholes_of(&whole, f);
-  m->slide_sense = wholes_of(&whole, f);
-  m->normal_sense = wholes_of(&whole, f);
-  m->slide_row = wholes_of(&whole, f);
-  m->redundant = wholes_of(&whole, 1);
-  m->related = wholes_of(&whole, k + kt);
-  b->steps = wholes_of(&whole, 1);
-  b->instants = wholes_of(&whole, 1);
-  b->idle = wholes_of(&whole, 1);
-  b->tiny = wholes_of(&whole, 1);
-  g->is_stiff = wholes_of(&whole, 1);
-  m->slide_part = reals_of(&real, f);
-  m->relation = reals_of(&real, (k + kt) * (k + kt));
-  m->range = reals_of(&real, (size_t)d->m * (size_t)d->m);
-  b->t = reals_of(&real, 1);
-  b->y = reals_of(&real, (size_t)d->nq + (size_t)d->nv);
-  b->direction = reals_of(&real, kt);
-  b->slow = reals_of(&real, 1);
-  b->goal = reals_of(&real, 1);
+  nsdae_memory_part part = {.real = memory->real, .whole = memory->whole};
+  lay(b, &p->roots->phase->modes, s, &part);
+  nsdae_contacts_remember(&p->impacts.problem, b->basis[0], NULL);
+  nsdae_contacts_remember(&p->acceleration.problem, b->basis[1], NULL);
 }
 
 void nsdae_event_save(nsdae_event_base *b, const nsdae_event_integrator *g, double t)

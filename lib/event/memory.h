@@ -7,6 +7,7 @@
 
 /* Over the numbers of a result's memory, as the modes are. */
 typedef struct nsdae_event_base {
+  int *basis[2];                    /* warm starts: of impacts, of accelerations */
   double *t, *y, *direction, *slow; /* 1, nq + nv, k nt, 1: where the integrator started last */
   int *steps;                       /* of its own since then */
   double *goal;                     /* of the dt in work, which may take several steps */
@@ -16,10 +17,9 @@ typedef struct nsdae_event_base {
 /* Numbers that this takes. */
 void nsdae_event_memory_sizes(const nsdae_stepper *stepper, size_t *reals, size_t *wholes);
 
-/* Lays the base, the modes, which integrator is at work and the warm starts of the instant's
- * problems over a memory. */
-void nsdae_event_lay(nsdae_event_base *base, nsdae_event_integrator *integrator,
-                     nsdae_event_instant *instant, nsdae_memory *memory);
+/* Lays the base, the modes and the warm starts of the instant's problems over a memory. */
+void nsdae_event_lay(nsdae_event_base *base, nsdae_event_instant *instant,
+                     const nsdae_stepper *stepper, nsdae_memory *memory);
 
 /* The base is here, where the integrator is about to start; and back to it. */
 void nsdae_event_save(nsdae_event_base *base, const nsdae_event_integrator *integrator, double t);

@@ -69,10 +69,10 @@ void nsdae_event_begin_phase(nsdae_event_phase *p)
 
 double nsdae_event_stick_margin(const nsdae_event_phase *p, const double *y, int i)
 {
+  const nsdae_event_places *at = &p->setting->at;
   int nt = p->setting->system->dims.nt;
-  const double *F_T = y + p->setting->at.tangential + i * nt;
-  double friction = nt == 2 ? hypot(F_T[0], F_T[1]) : fabs(F_T[0]);
-  return p->setting->system->contact[i].mu * y[p->setting->at.normal + i] - friction;
+  return p->setting->system->contact[i].mu * y[at->normal + i] -
+         nsdae_norm(nt, y + at->tangential + i * nt);
 }
 
 /* u = v_T, but along the direction of last at least the size of a velocity: then u / |u| goes

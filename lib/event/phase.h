@@ -37,6 +37,7 @@ typedef struct nsdae_event_modes {
   int *related;       /* k + k nt: a relation stands in place of the row of this force */
   double *relation;   /* k + k nt squared, by rows: r of those that are */
   double slow;        /* slower than this a body hardly slides, in this phase */
+  int *is_stiff;      /* 1: which of its integrators goes through it */
 } nsdae_event_modes;
 
 typedef struct nsdae_event_phase {

@@ -3,16 +3,13 @@
 #ifndef NSDAE_EVENT_PROJECTION_H
 #define NSDAE_EVENT_PROJECTION_H
 
+#include "least.h"
 #include "phase.h"
 
 typedef struct nsdae_event_projection {
   nsdae_event_phase *phase;
-  nsdae_kkt kkt;
-  int rows;       /* that were appended */
-  double *J, *c;  /* nv x rows: as columns; rows: what is missing */
-  double *Jt;     /* rows x nv */
-  double *change; /* nv: of q along H, or of v */
-  double *qdot;   /* nq */
+  nsdae_least least; /* the change of q along H, or of v */
+  double *qdot;      /* nq */
 } nsdae_event_projection;
 
 void nsdae_event_projection_layout(nsdae_event_projection *projection, nsdae_arena *arena);

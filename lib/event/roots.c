@@ -36,16 +36,6 @@ static int contact_rubs(const nsdae_event_phase *p, int i)
   return p->modes.contact[i] == NSDAE_MODE_SLIDE && p->setting->system->contact[i].mu > 0;
 }
 
-/* |v_T|, of contact i */
-static double speed_of(const nsdae_terms *T, int i)
-{
-  int nt = T->system->dims.nt;
-  double speed = 0;
-  for (int j = i * nt; j < (i + 1) * nt; j++)
-    speed = hypot(speed, nsdae_terms_rate(T, T->W_T, T->w_T, j, T->v));
-  return speed;
-}
-
 /* d . v_T of contact i; with an acceleration and omega in their place, its rate. */
 static double along_direction(const nsdae_event_phase *p, const nsdae_terms *T, int i,
                               const double *w, const double *v)
@@ -141,7 +131,7 @@ int nsdae_event_root_values(nsdae_event_roots *r, double t, const double *y, dou
 {
   const nsdae_event_phase *p = r->phase;
   if (evaluate(r, t, y) < 0) return -1;
-  double position = nsdae_event_largest(p->setting->at.lambda, y);
+  double position = nsdae_largest(p->setting->at.lambda, y);
   for (int e = 0; e < r->count; e++) {
     const nsdae_event_root *root = &r->entry[e];
     int out = is_out(p, root);
@@ -156,8 +146,8 @@ int nsdae_event_root_values(nsdae_event_roots *r, double t, const double *y, dou
 static double force_size(const nsdae_event_setting *s, const double *y)
 {
   int first = s->at.lambda;
-  double most = fmax(nsdae_event_largest(s->at.n - first, y + first),
-                     nsdae_event_largest(s->system->dims.nv, s->here->F));
+  double most = fmax(nsdae_largest(s->at.n - first, y + first),
+                     nsdae_largest(s->system->dims.nv, s->here->F));
   return 10 * (fmax(s->options->rtol, 1e-13) * most + s->options->atol);
 }
 
@@ -244,7 +234,7 @@ static double undecided_value(const nsdae_event_phase *p, const double *y,
 {
   const nsdae_terms *T = p->setting->here;
   if (root->kind == NSDAE_ROOT_NORMAL) return y[p->setting->at.normal + root->index];
-  if (root->kind == NSDAE_ROOT_TANGENT) return speed_of(T, root->index);
+  if (root->kind == NSDAE_ROOT_TANGENT) return nsdae_terms_slip(T, root->index, T->v);
   return fabs(nsdae_terms_rate(T, T->W_S, T->w_S, root->index, T->v));
 }
 

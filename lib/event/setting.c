@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include "errors.h"
-#include "system_impl.h"
 
 /* A redundant constraint is one to the integrator's error in positions alone, which must not make
  * it independent. */
@@ -35,14 +34,6 @@ int nsdae_event_factor(nsdae_event_setting *s)
   return status;
 }
 
-int nsdae_event_kinematics(nsdae_event_setting *s, const double *v, double *qdot)
-{
-  int code = nsdae_kinematics(s->system, s->here->t, s->here->q, v, qdot);
-  int status = nsdae_system_callback_status(code, "kinematics", s->here->t, s->error);
-  if (status < 0) return status;
-  return nsdae_system_finite(qdot, s->system->dims.nq, 1, "kinematics", s->here->t, s->error);
-}
-
 int nsdae_event_solve(nsdae_event_setting *s, nsdae_contacts *c, const nsdae_terms *terms,
                       double *size, double *v, double *lambda)
 {
@@ -56,29 +47,15 @@ int nsdae_event_solve(nsdae_event_setting *s, nsdae_contacts *c, const nsdae_ter
   return status;
 }
 
-int nsdae_event_code(const nsdae_event_setting *s, int status)
-{
-  if (status == NSDAE_OK) return 0;
-  if (status == NSDAE_E_CALLBACK) return s->error->code < 0 ? -1 : 1;
-  return status == NSDAE_E_NONFINITE ? -1 : 1;
-}
-
-double nsdae_event_largest(int n, const double *a)
-{
-  double most = 0;
-  for (int i = 0; i < n; i++) most = fmax(most, fabs(a[i]));
-  return most;
-}
-
 double nsdae_event_position_size(const nsdae_event_setting *s)
 {
-  double most = nsdae_event_largest(s->system->dims.nq, s->here->q);
+  double most = nsdae_largest(s->system->dims.nq, s->here->q);
   return 10 * (s->options->rtol * most + s->options->atol);
 }
 
 double nsdae_event_velocity_size(const nsdae_event_setting *s)
 {
-  double most = nsdae_event_largest(s->system->dims.nv, s->here->v);
+  double most = nsdae_largest(s->system->dims.nv, s->here->v);
   return fmax(s->options->impact_velocity, 10 * (s->options->rtol * most + s->options->atol));
 }
 

@@ -15,7 +15,6 @@
 #ifndef NSDAE_EVENT_SETTING_H
 #define NSDAE_EVENT_SETTING_H
 
-#include "interrupt.h"
 #include "stepper.h"
 
 /* Where the unknowns of a phase are in y = [q, v, lambda, F_N, F_T, F_S]; n: its length. */
@@ -27,11 +26,9 @@ typedef struct nsdae_event_setting {
   const nsdae_system *system;
   const nsdae_sim_options *options;
   nsdae_error *error;
-  const nsdae_interrupt *interrupt;
   nsdae_terms *here; /* at the point in work */
   nsdae_kkt *kkt;    /* of M and Phi_q where they were last factored */
   nsdae_event_places at;
-  size_t warm; /* reals that lead the memory: the warm start of implicit, which may step in */
   nsdae_result *result; /* of the step in work */
 } nsdae_event_setting;
 
@@ -44,16 +41,10 @@ void nsdae_event_move(nsdae_event_setting *setting, double t, const double *y);
 /* Factors M and Phi_q of the point, and keeps what rank was met. */
 int nsdae_event_factor(nsdae_event_setting *setting);
 
-/* dq/dt = H v, a callback's failure as a status. */
-int nsdae_event_kinematics(nsdae_event_setting *setting, const double *v, double *qdot);
-
 /* Solves the problem whose contacts are closed with the terms' W and w, and counts it; the
  * arguments are those of nsdae_contacts_solve. */
 int nsdae_event_solve(nsdae_event_setting *setting, nsdae_contacts *contacts,
                       const nsdae_terms *terms, double *size, double *v, double *lambda);
-
-/* A status as a code of the integrators: what a smaller step may help is above zero. */
-int nsdae_event_code(const nsdae_event_setting *setting, int status);
 
 /* What counts as zero for positions and for velocities at the point: the integrator's accuracy. */
 double nsdae_event_position_size(const nsdae_event_setting *setting);
@@ -62,9 +53,6 @@ double nsdae_event_velocity_size(const nsdae_event_setting *setting);
 /* NSDAE_OK, or NSDAE_E_NONFINITE with the record, where `what` [n] is not finite. */
 int nsdae_event_finite(const nsdae_event_setting *setting, const char *what, int n,
                        const double *a);
-
-/* max |a_i| */
-double nsdae_event_largest(int n, const double *a);
 
 /* Everything that an instant asks of its point. */
 enum {

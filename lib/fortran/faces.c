@@ -37,3 +37,27 @@ FACE(nsdae_dlcpenum_,
      (const int *n, const double *a, const int *lda, const double *b, const double *tol, int *set,
       double *x, double *residual, double *work, const int *lwork, int *iwork, int *info),
      nsdae_dlcpenum(*n, a, *lda, b, *tol, set, x, residual, work, *lwork, iwork))
+
+FACE(nsdae_dfcres_,
+     (const int *nc, const int *rows, const double *a, const int *lda, const double *q,
+      const double *mu, const double *r, double *u, double *residual, int *info),
+     nsdae_dfcres(*nc, rows, a, *lda, q, mu, r, u, residual))
+
+FACE(nsdae_dfccon_,
+     (const int *rows, const double *a, const int *lda, const double *q, const double *mu,
+      double *r, double *u, double *residual, int *info),
+     nsdae_dfccon(*rows, a, *lda, q, *mu, r, u, residual))
+
+FACE(nsdae_dfcbgs_,
+     (const int *nc, const int *rows, const double *a, const int *lda, const double *q,
+      const double *mu, const double *tol, const int *max_iter, double *r, int *iterations,
+      double *residual, double *work, const int *lwork, int *info),
+     nsdae_dfcbgs(*nc, rows, a, *lda, q, mu, *tol, *max_iter, r, iterations, residual, work,
+                  *lwork))
+
+FACE(nsdae_dfcnwt_,
+     (const int *nc, const int *rows, const double *a, const int *lda, const double *q,
+      const double *mu, const double *alpha, const double *tol, const int *max_iter, double *r,
+      int *iterations, double *residual, double *work, const int *lwork, int *iwork, int *info),
+     nsdae_dfcnwt(*nc, rows, a, *lda, q, mu, *alpha, *tol, *max_iter, r, iterations, residual, work,
+                  *lwork, iwork))

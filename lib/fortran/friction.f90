@@ -16,10 +16,12 @@ module nsdae_f_friction
       NSDAE_FRICTION_NONE = 0, &
       NSDAE_FRICTION_TRIVIAL = 1, &
       NSDAE_FRICTION_WARM = 2, &
-      NSDAE_FRICTION_GAUSS_SEIDEL = 4, &
-      NSDAE_FRICTION_SMOOTHING = 8, &
-      NSDAE_FRICTION_FURTHER = 16, &
-      NSDAE_FRICTION_ALL = 31
+      NSDAE_FRICTION_PIVOTING = 4, &
+      NSDAE_FRICTION_GAUSS_SEIDEL = 8, &
+      NSDAE_FRICTION_SMOOTHING = 16, &
+      NSDAE_FRICTION_PROVE = 32, &
+      NSDAE_FRICTION_FURTHER = 64, &
+      NSDAE_FRICTION_ALL = 127
 
   ! A problem: the arrays of the C struct, as pointers to arrays of the caller that have the target
   ! attribute. rows, compliance and, in the local form, size, M and f may be left null. first and

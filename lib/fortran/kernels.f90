@@ -4,6 +4,7 @@ module nsdae_f_kernels
   use, intrinsic :: iso_c_binding
   implicit none
   private
+  public :: nsdae_dfcbgs, nsdae_dfccon, nsdae_dfcnwt, nsdae_dfcres
   public :: nsdae_dlcpenum, nsdae_dlcppgs, nsdae_dlcpppm, nsdae_dlcpres, nsdae_dlemke
 
   interface
@@ -54,6 +55,45 @@ module nsdae_f_kernels
       real(c_double), value :: tol
       integer(c_int), intent(inout) :: set, iwork(*)
       real(c_double), intent(inout) :: x(*), residual, work(*)
+    end function
+
+    ! rows may be left out: three each.
+    integer(c_int) function nsdae_dfcres(nc, rows, a, lda, q, mu, r, u, residual) bind(C)
+      import
+      integer(c_int), value :: nc, lda
+      integer(c_int), intent(in), optional :: rows(*)
+      real(c_double), intent(in) :: a(lda, *), q(*), mu(*), r(*)
+      real(c_double), intent(inout) :: u(*), residual
+    end function
+
+    integer(c_int) function nsdae_dfccon(rows, a, lda, q, mu, r, u, residual) bind(C)
+      import
+      integer(c_int), value :: rows, lda
+      real(c_double), intent(in) :: a(lda, *), q(*)
+      real(c_double), value :: mu
+      real(c_double), intent(inout) :: r(*), u(*), residual
+    end function
+
+    integer(c_int) function nsdae_dfcbgs(nc, rows, a, lda, q, mu, tol, max_iter, r, iterations, &
+                                         residual, work, lwork) bind(C)
+      import
+      integer(c_int), value :: nc, lda, max_iter, lwork
+      integer(c_int), intent(in), optional :: rows(*)
+      real(c_double), intent(in) :: a(lda, *), q(*), mu(*)
+      real(c_double), value :: tol
+      real(c_double), intent(inout) :: r(*), residual, work(*)
+      integer(c_int), intent(inout) :: iterations
+    end function
+
+    integer(c_int) function nsdae_dfcnwt(nc, rows, a, lda, q, mu, alpha, tol, max_iter, r, &
+                                         iterations, residual, work, lwork, iwork) bind(C)
+      import
+      integer(c_int), value :: nc, lda, max_iter, lwork
+      integer(c_int), intent(in), optional :: rows(*)
+      real(c_double), intent(in) :: a(lda, *), q(*), mu(*)
+      real(c_double), value :: alpha, tol
+      real(c_double), intent(inout) :: r(*), residual, work(*)
+      integer(c_int), intent(inout) :: iterations, iwork(*)
     end function
   end interface
 

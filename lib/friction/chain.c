@@ -34,6 +34,7 @@ void nsdae_fc_chain_layout(void *object, nsdae_arena *arena)
   c->newton.fc = &c->fc;
   nsdae_fc_newton_layout(&c->newton, arena);
   nsdae_fc_curve_layout(&c->curve, &c->fc, arena);
+  nsdae_fc_polyhedral_layout(&c->polyhedral, &c->fc, arena);
 }
 
 static size_t bytes(const nsdae_fc_chain *c)
@@ -152,6 +153,13 @@ static int exhausted(const nsdae_fc_chain *c)
   return c->info.residual <= fmin(DBL_EPSILON / 4 * most, ROUGH * ROUGH);
 }
 
+/* Exact where it applies, and few unknowns: what iterates would take longer. */
+static int pivoting(nsdae_fc_chain *c)
+{
+  return nsdae_fc_polyhedral_solve(&c->polyhedral, &c->fc, c->tol, c->newton.y) &&
+         judge(c, NSDAE_FRICTION_PIVOTING);
+}
+
 static int gauss_seidel(nsdae_fc_chain *c)
 {
   start_cold(c);
@@ -161,6 +169,18 @@ static int gauss_seidel(nsdae_fc_chain *c)
 static int smoothing(nsdae_fc_chain *c)
 {
   return path(c, 1e-3, NSDAE_FRICTION_SMOOTHING);
+}
+
+/* Before all that takes long. */
+static int prove(nsdae_fc_chain *c)
+{
+  int found = nsdae_fc_prove(c->proof, &c->fc, c->l);
+  c->lost |= found == NSDAE_FC_NO_MEMORY;
+  if (found != NSDAE_FC_PROVED) return 0;
+  c->info.outcome = NSDAE_OUTCOME_INFEASIBLE;
+  c->info.proof = NSDAE_PROOF_FARKAS;
+  c->info.stage = NSDAE_FRICTION_PROVE;
+  return 1;
 }
 
 /* Where much slides, sweeps go on getting better, slowly; and Newton starts elsewhere. */
@@ -232,10 +252,9 @@ static void run_stages(nsdae_fc_chain *c)
   static const struct {
     int stage;
     int (*run)(nsdae_fc_chain *);
-  } all[] = {{NSDAE_FRICTION_TRIVIAL, trivial},
-             {NSDAE_FRICTION_WARM, warm},
-             {NSDAE_FRICTION_GAUSS_SEIDEL, gauss_seidel},
-             {NSDAE_FRICTION_SMOOTHING, smoothing},
+  } all[] = {{NSDAE_FRICTION_TRIVIAL, trivial},     {NSDAE_FRICTION_WARM, warm},
+             {NSDAE_FRICTION_PIVOTING, pivoting},   {NSDAE_FRICTION_GAUSS_SEIDEL, gauss_seidel},
+             {NSDAE_FRICTION_SMOOTHING, smoothing}, {NSDAE_FRICTION_PROVE, prove},
              {NSDAE_FRICTION_FURTHER, further}};
   c->info = (nsdae_friction_info){.residual = INFINITY};
   memset(c->best, 0, bytes(c));

@@ -3,6 +3,8 @@
 #define NSDAE_FRICTION_CHAIN_H
 
 #include "continuation.h"
+#include "infeasible.h"
+#include "polyhedral.h"
 
 typedef struct nsdae_fc_chain {
   nsdae_fc fc;
@@ -10,18 +12,22 @@ typedef struct nsdae_fc_chain {
   nsdae_friction_info info; /* of this island */
   double tol;
   double *best; /* 3 n: the point of least residual so far */
-  double *slip; /* n: see nsdae_fc_solve_contact */
+  double *slip; /* n: see coulomb.h */
   nsdae_fc_newton newton;
   nsdae_fc_curve curve;
+  nsdae_fc_polyhedral polyhedral;
+  nsdae_fc_proof *proof;   /* the solver's, kept between calls */
+  double *l;               /* m of the whole: where a proof goes */
   nsdae_fc_matrix *matrix; /* the solver's, kept between calls */
-  int analysed;            /* 1: it is ready for this island; -1: no memory for it */
+  int analysed;            /* 1: matrix is ready for this island; -1: no memory for it */
   int lost;                /* no memory for what a stage needed */
 } nsdae_fc_chain;
 
 /* Takes the arrays of the chain and its island. */
 void nsdae_fc_chain_layout(void *chain, nsdae_arena *arena);
 
-/* Solves the island from chain->fc.r; the answer is in chain->best and chain->info. */
+/* Solves the island from chain->fc.r; the answer is in chain->best and chain->info; where that is
+ * infeasible, in chain->l. */
 void nsdae_fc_chain_run(nsdae_fc_chain *chain);
 
 #endif

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "cone.h"
+#include "coulomb.h"
 #include "twice.h"
 #include "vector.h"
 
@@ -168,21 +169,6 @@ static void diagonal(nsdae_fc *c, int k)
   }
 }
 
-/* The turn that makes the tangential part of D diagonal (one Jacobi rotation: Golub and Van Loan,
- * Matrix Computations, 8.5), and D turned by it. */
-static void turn(nsdae_fc *c, int k)
-{
-  double *D = c->D + 9 * (size_t)k, *by = c->turn + 2 * k;
-  double angle = D[5] == 0 ? 0 : 0.5 * atan2(2 * D[5], D[4] - D[8]), x = D[1], a = D[4], b = D[8];
-  by[0] = cos(angle);
-  by[1] = sin(angle);
-  D[4] = by[0] * by[0] * a + 2 * by[0] * by[1] * D[5] + by[1] * by[1] * b;
-  D[8] = a + b - D[4];
-  D[1] = D[3] = by[0] * x + by[1] * D[2];
-  D[2] = D[6] = by[0] * D[2] - by[1] * x;
-  D[5] = D[7] = 0;
-}
-
 static double finite_part(double x)
 {
   return isfinite(x) ? x : 0;
@@ -199,7 +185,7 @@ void nsdae_fc_fill(nsdae_fc *c, const double *r)
   for (int k = 0; k < c->n; k++) {
     int rows = nsdae_fc_rows(w->view.p, c->item[k]), row = w->view.row[c->item[k]];
     diagonal(c, k);
-    turn(c, k);
+    nsdae_fc_turn_matrix(c->D + 9 * (size_t)k, c->turn + 2 * k);
     for (int j = 0; j < 3; j++)
       c->r[3 * k + j] = j < rows ? finite_part(r[row + j] / c->factor[k]) : 0;
   }

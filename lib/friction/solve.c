@@ -11,6 +11,7 @@ struct nsdae_friction_solver {
   nsdae_arena whole_memory, island_memory;
   nsdae_fc_whole whole;
   nsdae_fc_matrix matrix;
+  nsdae_fc_proof proof;
   nsdae_fc_chain chain;
 };
 
@@ -47,6 +48,7 @@ void nsdae_friction_destroy(nsdae_friction_solver **solver)
   nsdae_arena_release(&(*solver)->whole_memory);
   nsdae_arena_release(&(*solver)->island_memory);
   nsdae_fc_matrix_release(&(*solver)->matrix);
+  nsdae_fc_proof_release(&(*solver)->proof);
   free(*solver);
   *solver = NULL;
 }
@@ -80,7 +82,8 @@ static void merge(nsdae_friction_info *whole, const nsdae_friction_info *one)
 
 static int lay_out(nsdae_friction_solver *s, int island)
 {
-  s->chain = (nsdae_fc_chain){.fc = {.whole = &s->whole, .label = island}, .matrix = &s->matrix};
+  s->chain = (nsdae_fc_chain){
+      .fc = {.whole = &s->whole, .label = island}, .matrix = &s->matrix, .proof = &s->proof};
   return nsdae_arena_fit(&s->island_memory, nsdae_fc_chain_layout, &s->chain);
 }
 
@@ -104,7 +107,8 @@ int nsdae_fc_reserve(nsdae_friction_solver *s, const nsdae_friction_problem *lar
   return status;
 }
 
-/* Items that nothing moves get r = 0, all others the answer of their island, in whole.r. */
+/* Items that nothing moves get r = 0, all others the answer of their island, in whole.r; or that is
+ * the proof that an island has none. */
 static int solve_islands(nsdae_friction_solver *s, const nsdae_friction_options *options,
                          const double *guess, nsdae_friction_info *info)
 {
@@ -116,25 +120,36 @@ static int solve_islands(nsdae_friction_solver *s, const nsdae_friction_options 
     c->options = options;
     c->tol = 0.8 * options->tol; /* the certificate rounds otherwise */
     nsdae_fc_fill(&c->fc, guess);
+    c->l = w->r;
     nsdae_fc_chain_run(c);
-    if (c->lost && c->info.outcome != NSDAE_OUTCOME_SOLVED) return NSDAE_E_MEMORY;
-    nsdae_fc_scatter(&c->fc, c->best, w->r);
+    if (c->lost && c->info.outcome == NSDAE_OUTCOME_UNSOLVED) return NSDAE_E_MEMORY;
     merge(info, &c->info);
+    if (c->info.outcome == NSDAE_OUTCOME_INFEASIBLE) return NSDAE_E_INFEASIBLE;
+    nsdae_fc_scatter(&c->fc, c->best, w->r);
   }
   return NSDAE_OK;
 }
 
-/* The proof: the item's own direction, against its velocity. */
-static int refute(const nsdae_fc_whole *w, int item, double *r, double *u,
-                  nsdae_friction_info *info)
+/* Hands over the proof in whole.r. */
+static int refute(const nsdae_fc_whole *w, double *r, double *u, nsdae_friction_info *info)
 {
-  int row = w->view.row[item];
   info->outcome = NSDAE_OUTCOME_INFEASIBLE;
   info->proof = NSDAE_PROOF_FARKAS;
+  info->stage = NSDAE_FRICTION_PROVE;
   memset(r, 0, (size_t)w->view.m * sizeof *r);
   info->residual = nsdae_fc_whole_residual(w, r, u);
-  r[row] = w->q[row] < 0 ? 1 : -1;
+  memcpy(r, w->r, (size_t)w->view.m * sizeof *r);
   return NSDAE_E_INFEASIBLE;
+}
+
+/* An item that nothing moves: its own direction, against its velocity. */
+static int refute_blocked(const nsdae_fc_whole *w, int item, double *r, double *u,
+                          nsdae_friction_info *info)
+{
+  int row = w->view.row[item];
+  memset(w->r, 0, (size_t)w->view.m * sizeof *w->r);
+  w->r[row] = w->q[row] < 0 ? 1 : -1;
+  return refute(w, r, u, info);
 }
 
 /* The certificate, of r as it is handed over. */
@@ -167,8 +182,9 @@ int nsdae_friction_solver_solve(nsdae_friction_solver *solver,
   if (solver->whole.view.m > 0 && (!r || !u)) return NSDAE_E_ARGUMENT;
   if (reserve(solver) != NSDAE_OK) return NSDAE_E_MEMORY;
   int blocked = nsdae_fc_whole_blocked(&solver->whole);
-  if (blocked >= 0) return refute(&solver->whole, blocked, r, u, info);
+  if (blocked >= 0) return refute_blocked(&solver->whole, blocked, r, u, info);
   status = solve_islands(solver, options, r, info);
+  if (status == NSDAE_E_INFEASIBLE) return refute(&solver->whole, r, u, info);
   if (status != NSDAE_OK) return status;
   return certify(&solver->whole, options->tol, r, u, info);
 }

@@ -6,6 +6,29 @@
 
 #include "errors.h"
 
+/* A program may have asked in either way: asked in the wrong one, HDF5 fails and says so. */
+nsdae_h5_voice nsdae_h5_hush(void)
+{
+  nsdae_h5_voice voice = {.is_new = 1};
+  H5Eauto_is_v2(H5E_DEFAULT, &voice.is_new);
+  if (voice.is_new) {
+    H5Eget_auto2(H5E_DEFAULT, &voice.print, &voice.user);
+    H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
+  } else {
+    H5Eget_auto1(&voice.print_old, &voice.user);
+    H5Eset_auto1(NULL, NULL);
+  }
+  return voice;
+}
+
+void nsdae_h5_speak(const nsdae_h5_voice *voice)
+{
+  if (voice->is_new)
+    H5Eset_auto2(H5E_DEFAULT, voice->print, voice->user);
+  else
+    H5Eset_auto1(voice->print_old, voice->user);
+}
+
 /* Keeps the innermost message of HDF5's stack. */
 static herr_t innermost(unsigned n, const H5E_error2_t *entry, void *user)
 {

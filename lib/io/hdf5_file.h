@@ -10,13 +10,25 @@
 
 #include "ordered.h"
 
+/* How the program has HDF5 print its errors. */
+typedef struct nsdae_h5_voice {
+  unsigned is_new; /* set by H5Eset_auto2, else by H5Eset_auto1 */
+  H5E_auto2_t print;
+  H5E_auto1_t print_old;
+  void *user;
+} nsdae_h5_voice;
+
+/* Turns it off; puts it back. */
+nsdae_h5_voice nsdae_h5_hush(void);
+void nsdae_h5_speak(const nsdae_h5_voice *voice);
+
 /* status = expression, with HDF5's error printing off and put back after. */
-#define NSDAE_H5_QUIETLY(status, expression) \
-  H5E_BEGIN_TRY                              \
-  {                                          \
-    status = (expression);                   \
-  }                                          \
-  H5E_END_TRY
+#define NSDAE_H5_QUIETLY(status, expression)          \
+  {                                                   \
+    const nsdae_h5_voice voice_was = nsdae_h5_hush(); \
+    status = (expression);                            \
+    nsdae_h5_speak(&voice_was);                       \
+  }
 
 typedef struct nsdae_h5 {
   hid_t file;

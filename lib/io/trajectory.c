@@ -60,14 +60,19 @@ struct nsdae_trajectory {
 
 static int make_groups(nsdae_h5 *h5, const nsdae_sizes *sizes)
 {
-  const nsdae_dims *dims = &sizes->dims;
-  int status = nsdae_h5_group(h5, "/energy");
-  if (status == NSDAE_OK) status = nsdae_h5_group(h5, "/certificate");
-  if (status == NSDAE_OK) status = nsdae_h5_group(h5, "/impact");
-  if (status == NSDAE_OK) status = nsdae_h5_group(h5, "/change");
-  if (status == NSDAE_OK && dims->k > 0) status = nsdae_h5_group(h5, "/contact");
-  if (status == NSDAE_OK && dims->f > 0) status = nsdae_h5_group(h5, "/slide");
-  if (status == NSDAE_OK && sizes->listed) status = nsdae_h5_group(h5, "/contacts");
+  const struct {
+    const char *path;
+    int wanted;
+  } group[] = {{"/energy", 1},
+               {"/certificate", 1},
+               {"/impact", 1},
+               {"/change", 1},
+               {"/contact", sizes->dims.k > 0},
+               {"/slide", sizes->dims.f > 0},
+               {"/contacts", sizes->listed}};
+  int status = NSDAE_OK;
+  for (size_t i = 0; i < sizeof group / sizeof *group && status == NSDAE_OK; i++)
+    if (group[i].wanted) status = nsdae_h5_group(h5, group[i].path);
   return status;
 }
 

@@ -6,6 +6,16 @@
 #include "dense.h"
 #include "vector.h"
 
+size_t nsdae_blocks_largest(const nsdae_blocks *blocks)
+{
+  size_t most = 0;
+  for (int b = 0; b < blocks->count; b++) {
+    size_t square = blocks->square[b + 1] - blocks->square[b];
+    if (square > most) most = square;
+  }
+  return most;
+}
+
 void nsdae_blocks_add_product(const nsdae_blocks *blocks, const double *M, const double *x,
                               double *y)
 {

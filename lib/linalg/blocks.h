@@ -16,6 +16,9 @@ static inline int nsdae_blocks_size(const nsdae_blocks *blocks, int b)
   return blocks->first[b + 1] - blocks->first[b];
 }
 
+/* Entries of the largest square block. */
+size_t nsdae_blocks_largest(const nsdae_blocks *blocks);
+
 /* y [nv] += M x */
 void nsdae_blocks_add_product(const nsdae_blocks *blocks, const double *M, const double *x,
                               double *y);

@@ -22,6 +22,27 @@ typedef struct nsdae_memory {
                  from a block, of which it is no part */
 } nsdae_memory;
 
+/* Arrays in it, taken in turn; without one, how much they take: sizes are written once. */
+typedef struct nsdae_memory_part {
+  double *real; /* NULL: measuring */
+  int *whole;
+  size_t reals, wholes; /* taken */
+} nsdae_memory_part;
+
+static inline double *nsdae_memory_reals(nsdae_memory_part *part, size_t count)
+{
+  double *at = part->real ? part->real + part->reals : NULL;
+  part->reals += count;
+  return at;
+}
+
+static inline int *nsdae_memory_wholes(nsdae_memory_part *part, size_t count)
+{
+  int *at = part->whole ? part->whole + part->wholes : NULL;
+  part->wholes += count;
+  return at;
+}
+
 typedef struct nsdae_state {
   nsdae_terms *terms; /* at t, q, v, which no method moves; evaluated as far as needed */
   const nsdae_memory *memory;

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "errors.h"
 #include "vector.h"
 
 void nsdae_stepper_prepare_terms(nsdae_stepper *s, nsdae_terms *terms)
@@ -31,14 +32,10 @@ void nsdae_stepper_prepare(nsdae_stepper *s)
   s->kkt.n = s->world ? 0 : s->system->dims.nv;
   s->kkt.m = s->world ? 0 : s->system->dims.m;
   s->kkt.rank_tol = o->rank_tol;
-  s->contacts.system = s->system;
-  s->contacts.error = s->error;
-  nsdae_lcp_options_default(&s->contacts.lcp.options);
-  s->contacts.lcp.options.tol = o->lcp_tol;
   /* of event: the larger of its laws and of implicit's, which may step in */
-  if (o->method == NSDAE_METHOD_EVENT)
-    nsdae_contacts_laws(&s->contacts, nsdae_law_edges_to_start(o->polygon));
-  nsdae_contacts_laws(&s->contacts, o->polygon);
+  int edges = o->method == NSDAE_METHOD_EVENT ? nsdae_law_edges_to_start(o->polygon) : o->polygon;
+  nsdae_contacts_set(&s->contacts, s->system, s->error, o->lcp_tol, edges);
+  if (edges != o->polygon) nsdae_contacts_laws(&s->contacts, o->polygon);
   if (s->world)
     nsdae_world_prepare(s->world, &s->contacts.lcp.options, o->rank_tol,
                         o->redundant == NSDAE_REDUNDANT_LEAST_NORM);
@@ -127,13 +124,17 @@ int nsdae_stepper_impact(nsdae_stepper *s, nsdae_result *result, const nsdae_ter
   return status;
 }
 
-int nsdae_stepper_kinematics(nsdae_stepper *s, double t, const double *q, const double *v,
-                             double *qdot)
+int nsdae_stepper_goes_on(const nsdae_stepper *s, const char *method, const char *advice, double t,
+                          double t_end)
 {
-  int code = nsdae_kinematics(s->system, t, q, v, qdot);
-  int status = nsdae_system_callback_status(code, "kinematics", t, s->error);
-  if (status < 0) return status;
-  return nsdae_system_finite(qdot, s->system->dims.nq, 1, "kinematics", t, s->error);
+  int most = s->options->inner_steps_max;
+  if (s->counters->iterations < most || t >= t_end)
+    return nsdae_interrupted(&s->interrupt, s->error, t);
+  nsdae_error_set(s->error, NSDAE_E_CONVERGENCE, method, "inner_steps_max",
+                  "the integrator is at t = %.17g after %d steps towards t = %.17g: %s", t, most,
+                  t_end, advice);
+  s->error->time = t;
+  return NSDAE_E_CONVERGENCE;
 }
 
 void nsdae_stepper_momentum(const nsdae_blocks *blocks, const double *M, const double *v, double h,

@@ -100,9 +100,11 @@ int nsdae_stepper_factor(nsdae_stepper *stepper, nsdae_terms *terms, const doubl
 int nsdae_stepper_impact(nsdae_stepper *stepper, nsdae_result *result, const nsdae_terms *terms,
                          const double *r, double *v);
 
-/* dq/dt, with the callback's failure as a status. */
-int nsdae_stepper_kinematics(nsdae_stepper *stepper, double t, const double *q, const double *v,
-                             double *qdot);
+/* After each step of an integrator inside a dt: whether it may go on, from t towards t_end.
+ * NSDAE_OK; NSDAE_E_CONVERGENCE past inner_steps_max, with the advice of the method; or the
+ * interrupt's. */
+int nsdae_stepper_goes_on(const nsdae_stepper *stepper, const char *method, const char *advice,
+                          double t, double t_end);
 
 /* r [nv] := M v + h F. */
 void nsdae_stepper_momentum(const nsdae_blocks *blocks, const double *M, const double *v, double h,

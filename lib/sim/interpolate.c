@@ -18,9 +18,8 @@ static int by_parabola(nsdae_sim *sim, const nsdae_terms *from, const nsdae_term
 {
   nsdae_stepper *tools = &sim->stepper;
   double h = to->t - from->t, s = (t - from->t) / h;
-  int status = nsdae_stepper_kinematics(tools, from->t, from->q, from->v, tools->qdot0);
-  if (status == NSDAE_OK)
-    status = nsdae_stepper_kinematics(tools, to->t, to->q, to->v, tools->qdot1);
+  int status = nsdae_kinematics_at(from, from->v, tools->qdot0);
+  if (status == NSDAE_OK) status = nsdae_kinematics_at(to, to->v, tools->qdot1);
   if (status < 0) return status;
   for (int i = 0; i < sim->model.dims.nq; i++)
     q[i] = from->q[i] + s * (to->q[i] - from->q[i]) +

@@ -75,6 +75,8 @@ static const nsdae_param entries[] = {
      NSDAE_PARAM_CHOICE, AT(start_check), 1, 0, 1, 0, no_yes},
     {"contacts_max", "1", "most contacts of a list", NSDAE_PARAM_INT, AT(contacts_max), 1 << 20, 1,
      1 << 28, 0, NULL},
+    {"threads", "1", "threads that share the islands of a step", NSDAE_PARAM_INT, AT(threads), 1, 1,
+     256, 0, NULL},
 };
 
 static const nsdae_params table = {entries, (int)(sizeof entries / sizeof *entries)};
@@ -146,6 +148,7 @@ static const struct {
     {"start_tol", 0},
     {"start_check", 0},
     {"contacts_max", 0},
+    {"threads", 0},
 };
 
 int nsdae_sim_option_matters(const char *key, int method)

@@ -17,17 +17,13 @@ void nsdae_projector_layout(nsdae_projector *p, nsdae_arena *arena)
 {
   const nsdae_dims *d = &p->tools->system->dims;
   int listed = p->tools->system->by_list; /* nothing is projected */
-  p->kkt = (nsdae_kkt){
-      .n = listed ? 0 : d->nv, .m = p->rows_most, .rank_tol = p->tools->options->rank_tol};
-  nsdae_kkt_layout(&p->kkt, arena);
+  nsdae_least_layout(&p->least, listed ? 0 : d->nv, p->rows_most, p->tools->options->rank_tol,
+                     arena);
   nsdae_units *const units[] = {&p->units, &p->other};
   for (int i = 0; i < 2; i++) {
     units[i]->of = NSDAE_ARENA_INTS(arena, d->nq);
     units[i]->length = NSDAE_ARENA_DOUBLES(arena, d->nq);
   }
-  p->J = NSDAE_ARENA_DOUBLES(arena, (long)p->rows_most * d->nv);
-  p->c = NSDAE_ARENA_DOUBLES(arena, p->rows_most);
-  p->change = NSDAE_ARENA_DOUBLES(arena, d->nv);
   p->total = NSDAE_ARENA_DOUBLES(arena, d->nv);
   p->q = NSDAE_ARENA_DOUBLES(arena, d->nq);
   p->v = NSDAE_ARENA_DOUBLES(arena, d->nv);
@@ -156,66 +152,61 @@ static void restore_lengths(nsdae_projector *p)
   }
 }
 
-/* ---- constraints and contacts */
-
-static double largest(const double *a, int n)
+int nsdae_units_strayed(const nsdae_projector *p, const nsdae_terms *T)
 {
-  double most = 0;
-  for (int i = 0; i < n; i++) most = fmax(most, fabs(a[i]));
-  return most;
+  for (int g = 0; g < p->units.count; g++) {
+    double length = nsdae_units_length(&p->units, T->system->dims.nq, T->q, g);
+    if (length > 2 * p->units.length[g] || length < p->units.length[g] / 2) return 1;
+  }
+  return 0;
 }
+
+void nsdae_units_restore(nsdae_projector *p, nsdae_terms *T)
+{
+  memcpy(p->q, T->q, (size_t)T->system->dims.nq * sizeof *p->q);
+  memcpy(p->v, T->v, (size_t)T->system->dims.nv * sizeof *p->v);
+  restore_lengths(p);
+  nsdae_terms_at(T, T->t, p->q, p->v);
+}
+
+/* ---- constraints and contacts */
 
 /* Appends W^T d = -c; W has the stride given. Returns |c| in units of its rounding, that of the
  * terms it is made of: eps (1 + |W|_1 max |x|). */
-static double append(nsdae_projector *p, int *rows, const double *W, size_t stride, double c,
-                     double x)
+static double append(nsdae_projector *p, const double *W, int stride, double c, double x)
 {
-  int n = p->tools->system->dims.nv, row = (*rows)++;
-  double sum = 0;
-  for (int j = 0; j < n; j++) {
-    double w = W[(size_t)j * stride];
-    p->J[(size_t)j * (size_t)p->rows_most + (size_t)row] = w;
-    sum += fabs(w);
-  }
-  p->c[row] = -c;
+  double sum = nsdae_least_append(&p->least, W, (size_t)stride, c);
   return fabs(c) / (DBL_EPSILON * (1 + sum * x));
 }
 
 static int position_rows(nsdae_projector *p, const nsdae_terms *T, double *worst, int *worst_row)
 {
   const nsdae_dims *d = &T->system->dims;
-  double x = largest(T->q, d->nq);
-  int rows = 0;
+  double x = nsdae_largest(d->nq, T->q);
+  nsdae_least_start(&p->least);
   *worst = 0;
   for (int i = 0; i < d->m + d->k; i++) {
     int contact = i - d->m;
     if (contact >= 0 && !p->closed[contact]) continue;
-    p->contact[rows] = contact >= 0 ? contact : -1;
-    double off = contact < 0 ? append(p, &rows, T->J + i, (size_t)d->m, T->phi[i], x)
-                             : append(p, &rows, T->W_N + (size_t)contact * (size_t)d->nv, 1,
-                                      T->gap[contact], x);
-    if (off > *worst || rows == 1) *worst_row = rows - 1;
+    p->contact[p->least.rows] = contact >= 0 ? contact : -1;
+    double off = contact < 0
+                     ? append(p, T->J + i, d->m, T->phi[i], x)
+                     : append(p, T->W_N + (size_t)contact * (size_t)d->nv, 1, T->gap[contact], x);
+    if (off > *worst || p->least.rows == 1) *worst_row = p->least.rows - 1;
     *worst = fmax(*worst, off);
   }
-  return rows;
+  return p->least.rows;
 }
 
-/* change := d of the rows, c := l. With least the change since the beginning, total + d, is the
- * least, and l is what it takes: M (total + d) + J^T l = 0. */
-static int solve(nsdae_projector *p, const nsdae_terms *T, int rows, int least)
+/* The change d of the rows. With least the change since the beginning, total + d, is the least, and
+ * l is what it takes: M (total + d) + J^T l = 0. */
+static int solve(nsdae_projector *p, const nsdae_terms *T, int least)
 {
-  nsdae_kkt kkt = p->kkt;
-  int n = kkt.n;
-  kkt.m = rows;
-  int status = nsdae_kkt_factor(&kkt, T->M, n, p->J, p->rows_most > 0 ? p->rows_most : 1);
-  if (status < 0)
-    return nsdae_error_set(T->error, status, "nsdae_sim", "mass",
-                           "the mass matrix is not positive definite where a state is projected");
-  memset(p->change, 0, (size_t)n * sizeof *p->change);
-  if (least) nsdae_add_product(n, n, T->M, p->total, p->change);
-  for (int j = 0; j < n; j++) p->change[j] = -p->change[j];
-  nsdae_kkt_solve(&kkt, 1, p->change, n, p->c, rows);
-  return NSDAE_OK;
+  int n = p->least.kkt.n;
+  double *change = p->least.change;
+  if (least) nsdae_add_product(n, n, T->M, p->total, change);
+  for (int j = 0; j < n; j++) change[j] = -change[j];
+  return nsdae_least_solve(&p->least, T);
 }
 
 /* Contacts that would pull are open; returns how many. */
@@ -223,7 +214,7 @@ static int open_pulling(nsdae_projector *p, int rows)
 {
   int opened = 0;
   for (int i = 0; i < rows; i++) {
-    if (p->contact[i] < 0 || !(p->c[i] > 0)) continue;
+    if (p->contact[i] < 0 || !(p->least.c[i] > 0)) continue;
     p->closed[p->contact[i]] = 0;
     opened++;
   }
@@ -248,10 +239,10 @@ static int close_deepest(nsdae_projector *p, const nsdae_terms *T)
 static int move(nsdae_projector *p, nsdae_terms *T)
 {
   int nq = T->system->dims.nq;
-  int status = nsdae_stepper_kinematics(p->tools, T->t, T->q, p->change, p->qdot);
+  int status = nsdae_kinematics_at(T, p->least.change, p->qdot);
   if (status < 0) return status;
   for (int i = 0; i < nq; i++) p->q[i] = T->q[i] + p->qdot[i];
-  for (int j = 0; j < T->system->dims.nv; j++) p->total[j] += p->change[j];
+  for (int j = 0; j < T->system->dims.nv; j++) p->total[j] += p->least.change[j];
   memcpy(p->v, T->v, (size_t)T->system->dims.nv * sizeof *p->v);
   restore_lengths(p);
   nsdae_terms_at(T, T->t, p->q, p->v);
@@ -281,7 +272,8 @@ static int converged(const nsdae_projector *p, const nsdae_terms *T, int least, 
                      double before)
 {
   const double rounding = 16, still = 16e4, rest = 1e-9;
-  double moved = largest(p->change, p->kkt.n), size = 1 + largest(T->q, T->system->dims.nq);
+  double moved = nsdae_largest(p->least.kkt.n, p->least.change),
+         size = 1 + nsdae_largest(T->system->dims.nq, T->q);
   if (least && moved > rest * size) return 0;
   return worst <= rounding || (worst <= still && worst > before / 2);
 }
@@ -294,8 +286,8 @@ int nsdae_project_positions(nsdae_projector *p, nsdae_terms *T, int penetrating)
   double worst = INFINITY, before = INFINITY;
   int row = 0, rounds = penetrating ? ROUNDS * (1 + T->system->dims.k) : ROUNDS;
   if (p->rows_most > T->system->dims.m) terms |= NSDAE_TERM_GAP | NSDAE_TERM_NORMAL;
-  memset(p->change, 0, (size_t)p->kkt.n * sizeof *p->change);
-  memset(p->total, 0, (size_t)p->kkt.n * sizeof *p->total);
+  memset(p->least.change, 0, (size_t)p->least.kkt.n * sizeof *p->least.change);
+  memset(p->total, 0, (size_t)p->least.kkt.n * sizeof *p->total);
   int status = p->units.count > 0 ? move(p, T) : NSDAE_OK;
   for (int round = 0; round < rounds && status == NSDAE_OK; round++) {
     int least = penetrating && round < rounds / 2;
@@ -308,7 +300,7 @@ int nsdae_project_positions(nsdae_projector *p, nsdae_terms *T, int penetrating)
       rows = position_rows(p, T, &worst, &row);
     }
     before = worst;
-    status = solve(p, T, rows, least);
+    status = solve(p, T, least);
     if (status == NSDAE_OK && open_pulling(p, rows) == 0) status = move(p, T);
   }
   return status < 0 ? status : not_converged(p, T, row);
@@ -317,18 +309,15 @@ int nsdae_project_positions(nsdae_projector *p, nsdae_terms *T, int penetrating)
 int nsdae_project_velocities(nsdae_projector *p, nsdae_terms *T)
 {
   const nsdae_dims *d = &T->system->dims;
-  int rows = 0;
   if (d->m == 0) return NSDAE_OK;
   int status = nsdae_terms_need(T, TERMS | NSDAE_TERM_PHI_T);
   if (status < 0) return status;
-  for (int i = 0; i < d->m; i++) {
-    double rate = T->phi_t[i];
-    for (int j = 0; j < d->nv; j++) rate += T->J[(size_t)j * (size_t)d->m + (size_t)i] * T->v[j];
-    append(p, &rows, T->J + i, (size_t)d->m, rate, 0);
-  }
-  status = solve(p, T, rows, 0);
+  nsdae_least_start(&p->least);
+  for (int i = 0; i < d->m; i++)
+    append(p, T->J + i, d->m, nsdae_terms_constraint_rate(T, i, T->v), 0);
+  status = solve(p, T, 0);
   if (status < 0) return status;
-  for (int j = 0; j < d->nv; j++) p->v[j] = T->v[j] + p->change[j];
+  for (int j = 0; j < d->nv; j++) p->v[j] = T->v[j] + p->least.change[j];
   nsdae_terms_set_velocity(T, p->v);
   return NSDAE_OK;
 }

@@ -14,6 +14,7 @@
 #ifndef NSDAE_SIM_PROJECTION_H
 #define NSDAE_SIM_PROJECTION_H
 
+#include "least.h"
 #include "stepper.h"
 
 /* Groups of coordinates whose length the kinematics keeps. */
@@ -26,15 +27,14 @@ typedef struct nsdae_units {
 typedef struct nsdae_projector {
   nsdae_stepper *tools;
   int rows_most; /* m, and k where contacts are projected */
-  nsdae_kkt kkt;
-  nsdae_units units, other;      /* those of the run; what is read of another one */
-  double *J, *c;                 /* rows x nv; rows: right-hand side, then l */
-  double *total;                 /* nv: the sum of all changes */
-  double *change, *q, *v, *qdot; /* nv, nq, nv, nq */
-  double *H;                     /* nq x nv: of the kinematics, where groups are looked for */
-  double *start;                 /* 3 m: for looking at a start */
-  int *contact;                  /* rows: the contact of a row; -1: a constraint */
-  int *closed;                   /* k: contacts that take part */
+  nsdae_least least;
+  nsdae_units units, other; /* those of the run; what is read of another one */
+  double *total;            /* nv: the sum of all changes */
+  double *q, *v, *qdot;     /* nq, nv, nq */
+  double *H;                /* nq x nv: of the kinematics, where groups are looked for */
+  double *start;            /* 3 m: for looking at a start */
+  int *contact;             /* rows: the contact of a row; -1: a constraint */
+  int *closed;              /* k: contacts that take part */
 } nsdae_projector;
 
 /* tools and rows_most are set before. */
@@ -47,6 +47,11 @@ int nsdae_units_find(nsdae_projector *projection, double t, const double *q);
 void nsdae_units_swap(nsdae_projector *projection);
 /* Length of group i of q. */
 double nsdae_units_length(const nsdae_units *units, int nq, const double *q, int i);
+
+/* 1 where a group of the terms' point is twice as long as it was, or half as long: then its length
+ * is put back. What is near stays as the method left it. */
+int nsdae_units_strayed(const nsdae_projector *projection, const nsdae_terms *terms);
+void nsdae_units_restore(nsdae_projector *projection, nsdae_terms *terms);
 
 /* Moves the terms' point to the constraints and to the closed contacts; penetrating: contacts that
  * overlap join them. NSDAE_OK, NSDAE_E_CONVERGENCE naming the worst row, and what the terms return.

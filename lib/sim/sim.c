@@ -99,6 +99,13 @@ static int out_of_memory(nsdae_sim *sim)
                          "out of memory for a simulation of this size");
 }
 
+static int no_threads(nsdae_sim *sim)
+{
+  return nsdae_error_set(&sim->error, NSDAE_E_MEMORY, "nsdae_sim_create", "threads",
+                         "out of memory, or of threads of the system, for threads = %d",
+                         sim->options.threads);
+}
+
 /* Lists begin with room for a contact and for the rows of a joint of each block. */
 static int first_room(nsdae_sim *sim)
 {
@@ -119,8 +126,8 @@ static int build(nsdae_sim *sim)
   stepper->error = &sim->error;
   stepper->contacts.law = sim->law;
   if (sim->system->by_list) {
-    stepper->world = nsdae_world_make(&sim->model, &sim->error);
-    if (!stepper->world) return out_of_memory(sim);
+    stepper->world = nsdae_world_make(&sim->model, sim->options.threads, &sim->error);
+    if (!stepper->world) return no_threads(sim);
   }
   nsdae_stepper_prepare(stepper);
   sim->method = nsdae_stepping_of(sim->options.method);

@@ -20,13 +20,6 @@
 #include "system_impl.h"
 #include "vector.h"
 
-static double largest(const double *a, int n)
-{
-  double most = 0;
-  for (int i = 0; i < n; i++) most = fmax(most, fabs(a[i]));
-  return most;
-}
-
 static int refuse(const nsdae_terms *T, const char *argument, int kind, int i, const char *what,
                   double value, double bound)
 {
@@ -45,7 +38,7 @@ static int check_constraints(const nsdae_terms *T, double tol)
   const nsdae_dims *d = &T->system->dims;
   const nsdae_blocks *blocks = &T->system->blocks;
   const nsdae_rows *J = &T->by.jacobian;
-  double q = largest(T->q, d->nq), v = largest(T->v, d->nv);
+  double q = nsdae_largest(d->nq, T->q), v = nsdae_largest(d->nv, T->v);
   for (int i = 0; i < d->m; i++) {
     double sum = nsdae_rows_sum(blocks, J, i), bound = tol * (1 + sum * q);
     if (fabs(T->phi[i]) > bound)
@@ -62,7 +55,7 @@ static int check_constraints(const nsdae_terms *T, double tol)
 /* Of a list: what is closed at the start, by its id. */
 static int check_list(const nsdae_terms *T, double tol)
 {
-  double q = largest(T->q, T->system->dims.nq);
+  double q = nsdae_largest(T->system->dims.nq, T->q);
   for (int i = 0; i < T->by.normal.count; i++) {
     double bound = tol * (1 + q * nsdae_rows_sum(&T->system->blocks, &T->by.normal, i));
     if (!(-T->gap[i] > bound)) continue;
@@ -80,7 +73,7 @@ static int check_list(const nsdae_terms *T, double tol)
 static int check_gaps(const nsdae_terms *T, double tol)
 {
   const nsdae_dims *d = &T->system->dims;
-  double q = largest(T->q, d->nq);
+  double q = nsdae_largest(d->nq, T->q);
   if (T->system->by_list) return check_list(T, tol);
   for (int i = 0; i < d->k; i++) {
     double bound = tol * (1 + q * nsdae_rows_sum(&T->system->blocks, &T->by.normal, i));
@@ -198,7 +191,7 @@ static int check_rates(nsdae_projector *p, const nsdae_terms *T, const relation 
   const nsdae_dims *dims = &T->system->dims;
   for (int number = 0; number < 2; number++) {
     trial_velocity(dims->nv, number, p->v);
-    int status = nsdae_stepper_kinematics(p->tools, T->t, T->q, p->v, d->qdot);
+    int status = nsdae_kinematics_at(T, p->v, d->qdot);
     if (status < 0) return status;
     double s = nsdae_differences_step(dims->nq, T->t, T->q, d->qdot, cbrt(DBL_EPSILON));
     status = displaced(T, r, s, d->plus);

@@ -71,6 +71,22 @@ static int project(nsdae_sim *sim)
   return status;
 }
 
+/* Without it: an explicit step makes a quaternion longer by (1 + (h w / 4)^2), to infinity in some
+ * 1e5 steps. It turns as much at any length, so that long ones are put back before; here too what
+ * that does to the energy is work. */
+static int keep_lengths(nsdae_sim *sim)
+{
+  nsdae_result *r = &sim->next->result;
+  double before, after;
+  if (!nsdae_units_strayed(&sim->projection, &r->end)) return NSDAE_OK;
+  int status = energy(&r->end, &before);
+  if (status < 0) return status;
+  nsdae_units_restore(&sim->projection, &r->end);
+  status = energy(&r->end, &after);
+  r->work += after - before;
+  return status;
+}
+
 static int is_problem(int status)
 {
   return status == NSDAE_E_LCP || status == NSDAE_E_INFEASIBLE || status == NSDAE_E_PAINLEVE;
@@ -91,7 +107,8 @@ static int prepare(nsdae_sim *sim, double t1)
   while (status == NSDAE_OK && (status = advance(sim, t1)) == NSDAE_GROW)
     status = nsdae_sim_grow(sim); /* and once more */
   sim->failed = is_problem(status) && sim->next->result.problem;
-  if (status == NSDAE_OK && sim->options.projection != NSDAE_PROJECTION_NONE) status = project(sim);
+  if (status == NSDAE_OK)
+    status = sim->options.projection == NSDAE_PROJECTION_NONE ? keep_lengths(sim) : project(sim);
   if (status == NSDAE_OK)
     status = nsdae_point_follow(sim->now, sim->next, sim->options.impact_velocity);
   if (status == NSDAE_OK) status = nsdae_watch_step(sim, sim->now, sim->next);

@@ -5,6 +5,8 @@
 #ifndef NSDAE_SMOOTH_PROGRESS_H
 #define NSDAE_SMOOTH_PROGRESS_H
 
+#include <nsdae/status.h>
+
 enum { NSDAE_STALLED_MAX = 100 };
 
 typedef struct nsdae_progress {
@@ -12,6 +14,14 @@ typedef struct nsdae_progress {
   int refused; /* a callback asked for a smaller step in it */
   int stalled; /* steps since t went on */
 } nsdae_progress;
+
+/* A status of the library as a callback's code: what a smaller step may help is positive. */
+static inline int nsdae_progress_code(int status, const nsdae_error *error)
+{
+  if (status == NSDAE_OK) return 0;
+  if (status == NSDAE_E_CALLBACK) return error->code < 0 ? -1 : 1;
+  return status == NSDAE_E_NONFINITE ? -1 : 1;
+}
 
 /* Notes a callback's code and hands it on. */
 static inline int nsdae_progress_note(nsdae_progress *progress, int code)

@@ -91,7 +91,7 @@ static int factor_mean_mass(const nsdae_step *step)
 static int positions(const nsdae_step *step)
 {
   nsdae_stepper *s = step->tools;
-  int status = nsdae_stepper_kinematics(s, step->end->t, step->end->q, s->v, s->qdot1);
+  int status = nsdae_kinematics_at(step->end, s->v, s->qdot1);
   for (int i = 0; i < s->system->dims.nq; i++)
     s->q[i] = step->start->q[i] + step->h / 2 * (s->qdot0[i] + s->qdot1[i]);
   return status;
@@ -169,8 +169,7 @@ static int advance(void *own, const nsdae_state *state, double t_end, nsdae_resu
   nsdae_terms *start = state->terms;
   const nsdae_step step = nsdae_step_begin(s, state, t_end, result);
   int status = nsdae_terms_need(start, NSDAE_TERM_GAP);
-  if (status == NSDAE_OK)
-    status = nsdae_stepper_kinematics(s, start->t, start->q, start->v, s->qdot0);
+  if (status == NSDAE_OK) status = nsdae_kinematics_at(start, start->v, s->qdot0);
   if (status < 0) return status;
   status = nsdae_step_close(&step, start);
   if (status == NSDAE_OK) status = need(&step, start);

@@ -357,6 +357,14 @@ int nsdae_terms_symmetric(const nsdae_terms *terms)
   return status;
 }
 
+int nsdae_kinematics_at(const nsdae_terms *T, const double *v, double *qdot)
+{
+  int code = nsdae_kinematics(T->system, T->t, T->q, v, qdot);
+  int status = nsdae_system_callback_status(code, "kinematics", T->t, T->error);
+  if (status < 0) return status;
+  return nsdae_system_finite(qdot, T->system->dims.nq, 1, "kinematics", T->t, T->error);
+}
+
 double nsdae_terms_kinetic(const nsdae_terms *terms)
 {
   return nsdae_blocks_square(&terms->system->blocks, terms->M, terms->v) / 2;

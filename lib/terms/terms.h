@@ -93,6 +93,16 @@ static inline double nsdae_terms_rate(const nsdae_terms *T, const double *W, con
   return nsdae_dot(T->system->dims.nv, W + (size_t)j * n, v) + w[j];
 }
 
+/* |W_T^T v + w_T| of contact i */
+static inline double nsdae_terms_slip(const nsdae_terms *T, int i, const double *v)
+{
+  int nt = T->system->dims.nt;
+  double slip = 0;
+  for (int j = i * nt; j < (i + 1) * nt; j++)
+    slip = hypot(slip, nsdae_terms_rate(T, T->W_T, T->w_T, j, v));
+  return slip;
+}
+
 /* d Phi_i / dt = (Phi_q v)_i + Phi_t */
 static inline double nsdae_terms_constraint_rate(const nsdae_terms *T, int i, const double *v)
 {
@@ -101,6 +111,9 @@ static inline double nsdae_terms_constraint_rate(const nsdae_terms *T, int i, co
   for (size_t j = 0; j < n; j++) rate += T->J[j * m + (size_t)i] * v[j];
   return rate;
 }
+
+/* dq/dt = H v of a velocity at the point; NSDAE_OK, NSDAE_E_CALLBACK, NSDAE_E_NONFINITE. */
+int nsdae_kinematics_at(const nsdae_terms *terms, const double *v, double *qdot);
 
 /* T = v^T M v / 2; the mass matrix must be there. */
 double nsdae_terms_kinetic(const nsdae_terms *terms);

@@ -225,6 +225,68 @@ static void test_null_arguments(void **state)
   nsdae_system_destroy(&system);
 }
 
+/* States, times between, laws and failed problems, of what has none or without room for them. */
+static void test_state_arguments(void **state)
+{
+  (void)state;
+  nsdae_system *system = make_system();
+  nsdae_sim *sim;
+  nsdae_lcp_problem lcp;
+  nsdae_step_friction friction;
+  size_t size;
+  double q0[3], v0[3], block[4096];
+  bead_start(&the_bead, q0, v0);
+  assert_int_equal(nsdae_sim_create(system, NULL, &sim, NULL), NSDAE_OK);
+  assert_int_equal(nsdae_sim_state_size(NULL, &size), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_sim_state_size(sim, NULL), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_sim_get_state(NULL, block, 8), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_sim_set_state(NULL, block, 8), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_sim_get_state(sim, block, 8), NSDAE_E_STATE);
+  assert_int_equal(nsdae_sim_get_friction(NULL, &friction), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_sim_get_friction(sim, NULL), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_sim_get_friction(sim, &friction), NSDAE_E_STATE);
+  assert_int_equal(nsdae_sim_get_failed_lcp(NULL, &lcp), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_sim_get_failed_lcp(sim, NULL), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_sim_get_failed_lcp(sim, &lcp), NSDAE_E_STATE);
+  assert_int_equal(nsdae_sim_interpolate(NULL, 0, q0, v0), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_sim_interpolate(sim, 0, NULL, v0), NSDAE_E_ARGUMENT);
+  assert_string_equal(nsdae_sim_error(sim)->argument, "q");
+  assert_int_equal(nsdae_sim_interpolate(sim, 0, q0, NULL), NSDAE_E_ARGUMENT);
+  assert_string_equal(nsdae_sim_error(sim)->argument, "v");
+  assert_int_equal(nsdae_sim_interpolate(sim, 0, q0, v0), NSDAE_E_STATE);
+  assert_int_equal(nsdae_sim_init(sim, 0, q0, v0), NSDAE_OK);
+  assert_int_equal(nsdae_sim_interpolate(sim, 0, q0, v0), NSDAE_E_STATE);
+  assert_int_equal(nsdae_sim_state_size(sim, &size), NSDAE_OK);
+  assert_true(size <= sizeof block);
+  assert_int_equal(nsdae_sim_get_state(sim, NULL, size), NSDAE_E_ARGUMENT);
+  assert_string_equal(nsdae_sim_error(sim)->argument, "block");
+  assert_int_equal(nsdae_sim_get_state(sim, block, size - 8), NSDAE_E_ARGUMENT);
+  assert_string_equal(nsdae_sim_error(sim)->argument, "size");
+  assert_int_equal(nsdae_sim_set_state(sim, NULL, size), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_sim_get_state(sim, block, size), NSDAE_OK);
+  assert_int_equal(nsdae_sim_set_state(sim, block, size), NSDAE_OK);
+  nsdae_sim_destroy(&sim);
+  nsdae_system_destroy(&system);
+}
+
+/* Observers are taken out by function and pointer, both; the others stay. */
+static void test_unobserve(void **state)
+{
+  (void)state;
+  nsdae_system *system = make_system();
+  nsdae_sim *sim;
+  int one, two;
+  assert_int_equal(nsdae_sim_create(system, NULL, &sim, NULL), NSDAE_OK);
+  for (int i = 0; i < NSDAE_OBSERVERS_MAX; i++)
+    assert_int_equal(nsdae_sim_observe(sim, see, i == 1 ? &one : NULL), NSDAE_OK);
+  assert_int_equal(nsdae_sim_unobserve(sim, see, &two), NSDAE_OK);
+  assert_true(nsdae_sim_observe(sim, see, &two) < 0); /* none went */
+  assert_int_equal(nsdae_sim_unobserve(sim, see, &one), NSDAE_OK);
+  assert_int_equal(nsdae_sim_observe(sim, see, &two), NSDAE_OK);
+  nsdae_sim_destroy(&sim);
+  nsdae_system_destroy(&system);
+}
+
 static void test_trajectory(void **state)
 {
   (void)state;
@@ -275,7 +337,8 @@ int main(void)
       cmocka_unit_test(test_create),          cmocka_unit_test(test_options_not_initialised),
       cmocka_unit_test(test_options_outside), cmocka_unit_test(test_options_table),
       cmocka_unit_test(test_methods),         cmocka_unit_test(test_null_sim),
-      cmocka_unit_test(test_null_arguments),  cmocka_unit_test(test_trajectory),
+      cmocka_unit_test(test_null_arguments),  cmocka_unit_test(test_state_arguments),
+      cmocka_unit_test(test_unobserve),       cmocka_unit_test(test_trajectory),
       cmocka_unit_test(test_null_structs),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -114,6 +114,9 @@ static void test_arguments(void **state)
   REFUSED(s.block[0] = -1, NSDAE_E_ARGUMENT, "block");
   REFUSED(s.block[2] = 1, NSDAE_E_ARGUMENT, "block");
   REFUSED((s.compliance[0] = -1, s.p.compliance = s.compliance), NSDAE_E_ARGUMENT, "compliance");
+  REFUSED(s.p.form = NSDAE_FRICTION_LOCAL, NSDAE_E_ARGUMENT, "blocks");
+  REFUSED(s.p.form = -1, NSDAE_E_ARGUMENT, "form");
+  REFUSED(s.size[1] = 1000000000, NSDAE_E_ARGUMENT, "size"); /* its mass in bytes */
   REFUSED(s.p.mu = NULL, NSDAE_E_ARGUMENT, "mu");
   REFUSED(s.p.w = NULL, NSDAE_E_ARGUMENT, "w");
   REFUSED(s.p.M = NULL, NSDAE_E_ARGUMENT, "M");
@@ -164,6 +167,57 @@ static void test_options(void **state)
   assert_int_equal(nsdae_friction_solve(&s.p, &zeros, r, u, NULL), NSDAE_E_ARGUMENT);
   assert_int_equal(nsdae_friction_solve(&s.p, NULL, NULL, u, NULL), NSDAE_E_ARGUMENT);
   assert_int_equal(nsdae_friction_solve(&s.p, NULL, r, NULL, NULL), NSDAE_E_ARGUMENT);
+}
+
+/* What is not there, of functions that need it; and words for every stage. */
+static void test_missing(void **state)
+{
+  (void)state;
+  stack s;
+  double r[6] = {0}, u[6], residual;
+  nsdae_friction_solver *solver;
+  make_stack(&s);
+  nsdae_friction_options_default(NULL);
+  nsdae_friction_destroy(NULL);
+  assert_int_equal(nsdae_friction_create(NULL), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_friction_solver_solve(NULL, &s.p, NULL, r, u, NULL), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_friction_residual(&s.p, r, u, NULL), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_friction_residual(&s.p, NULL, u, &residual), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_friction_residual(NULL, r, NULL, &residual), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_friction_create(&solver), NSDAE_OK);
+  nsdae_friction_destroy(&solver);
+  assert_null(solver);
+  nsdae_friction_destroy(&solver);
+  assert_string_equal(nsdae_friction_stage_name(NSDAE_FRICTION_NONE), "none");
+  assert_string_equal(nsdae_friction_stage_name(-1), "unknown");
+  assert_string_equal(nsdae_friction_stage_name(1 << 20), "unknown");
+}
+
+/* Each stage alone, with and without bounds of its work and more digits asked for: what is called
+ * solved is, by the certificate, and the bounds are kept. */
+static void test_bounds(void **state)
+{
+  (void)state;
+  for (int stage = 1; stage <= NSDAE_FRICTION_ALL; stage *= 2)
+    for (int k = 0; k < 4; k++)
+      for (int loose = 0; loose < 2; loose++) {
+        stack s;
+        double r[6] = {0}, residual, tol = loose ? 1e-3 : 1e-10;
+        nsdae_friction_info info;
+        nsdae_friction_options o;
+        double u[6];
+        make_stack(&s);
+        nsdae_friction_options_default(&o);
+        o.tol = tol;
+        o.stages = stage;
+        o.max_sweeps = k == 1 ? 3 : 0;
+        o.max_iterations = k == 2 ? 2 : 0;
+        o.refine = k == 3 ? 5 : 0;
+        int status = nsdae_friction_solve(&s.p, &o, r, u, &info);
+        assert_true(status == NSDAE_OK || status == NSDAE_E_LCP);
+        assert_int_equal(nsdae_friction_residual(&s.p, r, NULL, &residual), NSDAE_OK);
+        assert_int_equal(status == NSDAE_OK, residual <= tol);
+      }
 }
 
 static void test_nothing(void **state)
@@ -444,7 +498,8 @@ int main(void)
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_index),          cmocka_unit_test(test_arguments),
       cmocka_unit_test(test_not_finite),     cmocka_unit_test(test_options),
-      cmocka_unit_test(test_nothing),        cmocka_unit_test(test_at_rest),
+      cmocka_unit_test(test_nothing),        cmocka_unit_test(test_missing),
+      cmocka_unit_test(test_bounds),         cmocka_unit_test(test_at_rest),
       cmocka_unit_test(test_coefficients),   cmocka_unit_test(test_fixed),
       cmocka_unit_test(test_jammed),         cmocka_unit_test(test_not_symmetric),
       cmocka_unit_test(test_parts_of_zeros), cmocka_unit_test(test_every_pair_listed),

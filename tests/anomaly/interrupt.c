@@ -3,6 +3,8 @@
  * many steps inside ends with a status. */
 #include "check.h"
 
+#include <limits.h>
+
 #include "bead.h"
 
 /* Interrupts when it was asked so many times. */
@@ -73,6 +75,81 @@ static void test_interrupted(void **state)
   assert_int_equal(nsdae_sim_set_interrupt(NULL, ask, NULL), NSDAE_E_ARGUMENT);
 }
 
+/* Calls of the force, and the most of them between two questions. */
+typedef struct pace {
+  long calls, asked_at, most, questions, stop_after;
+} pace;
+
+static pace the_pace;
+
+static int slow_force(double t, const double *q, const double *v, double *F, void *user)
+{
+  (void)t, (void)v, (void)user;
+  the_pace.calls++;
+  F[0] = -400 * q[0];
+  return 0;
+}
+
+static int identity(double t, const double *q, double *M, int ldm, void *user)
+{
+  (void)t, (void)q, (void)ldm, (void)user;
+  M[0] = 1;
+  return 0;
+}
+
+static int over_zero(double t, const double *q, double *g, void *user)
+{
+  (void)t, (void)user;
+  g[0] = q[0] + 0.01;
+  return 0;
+}
+
+static int asked(void *user)
+{
+  pace *p = user;
+  if (p->calls - p->asked_at > p->most) p->most = p->calls - p->asked_at;
+  p->asked_at = p->calls;
+  return ++p->questions > p->stop_after;
+}
+
+/* An oscillator of 3 Hz that hits a stop, in one step of 20 s: the integrators ask again and again
+ * inside it, however slow a callback is, and are gone at once when they hear so; the state is that
+ * of before the step, to the last bit, and the step can be done. */
+static void test_inside_a_step(void **state)
+{
+  (void)state;
+  const nsdae_dims dims = {.nq = 1, .k = 1};
+  const double q0 = 0.1, v0 = -0.3;
+  nsdae_system *system;
+  assert_int_equal(nsdae_system_create(&dims, &system, NULL), NSDAE_OK);
+  nsdae_system_set_mass(system, identity);
+  nsdae_system_set_force(system, slow_force);
+  nsdae_system_set_gap(system, over_zero);
+  nsdae_system_set_contact(system, 0, 0, 0.9, 0);
+  for (int method = NSDAE_METHOD_PENALTY; method <= NSDAE_METHOD_EVENT; method++)
+    for (long stop_after = 2; stop_after < 200; stop_after += 33) {
+      nsdae_sim *sim = make(system, method, 20);
+      nsdae_record r;
+      if (!sim) continue; /* built without SUNDIALS */
+      the_pace = (pace){.stop_after = stop_after};
+      assert_int_equal(nsdae_sim_init(sim, 0, &q0, &v0), NSDAE_OK);
+      assert_int_equal(nsdae_sim_set_interrupt(sim, asked, &the_pace), NSDAE_OK);
+      assert_int_equal(nsdae_sim_step(sim), NSDAE_E_INTERRUPTED);
+      assert_int_equal(nsdae_sim_error(sim)->status, NSDAE_E_INTERRUPTED);
+      assert_int_equal(the_pace.questions, stop_after + 1);    /* once it has heard, none */
+      assert_true(the_pace.calls == the_pace.asked_at);        /* and no call of the model */
+      assert_true(the_pace.calls > 0 && the_pace.most <= 100); /* a step of CVODE, a search */
+      assert_int_equal(nsdae_sim_get_record(sim, &r), NSDAE_OK);
+      assert_true(r.step == 0 && r.time == 0 && r.q[0] == q0 && r.v[0] == v0);
+      the_pace.stop_after = LONG_MAX;
+      assert_true(nsdae_sim_step(sim) >= 0);
+      nsdae_sim_get_record(sim, &r);
+      assert_true(r.time == 20);
+      nsdae_sim_destroy(&sim);
+    }
+  nsdae_system_destroy(&system);
+}
+
 static void test_too_many_steps(void **state)
 {
   (void)state;
@@ -98,6 +175,7 @@ static void test_too_many_steps(void **state)
 int main(void)
 {
   const struct CMUnitTest tests[] = {cmocka_unit_test(test_interrupted),
+                                     cmocka_unit_test(test_inside_a_step),
                                      cmocka_unit_test(test_too_many_steps)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

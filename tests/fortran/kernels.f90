@@ -38,6 +38,7 @@ program kernels
     if (k > RESIDUAL) call workspace(k)
   end do
   call others
+  call friction
   call check_done
 
 contains
@@ -142,6 +143,51 @@ contains
     call broken(ENUMERATE, call(set=2**N + 1), 6)
     call broken(ENUMERATE, call(lwork=WORK - 1), 10)
     call broken(ENUMERATE, call(lwork=-2), 10)
+  end subroutine
+
+  ! Those of friction, the twin of tests/unit/friction/kernels.c: a contact that slides along
+  ! -(3, 4), r_N = 2, |r_T| = 1, and one without friction; the same in three rows, rows left out.
+  subroutine friction()
+    integer(c_int), parameter :: M = 6, ROWS(2) = [3, 1]
+    real(c_double) :: a(M, M), q(M), mu(2), r(M), u(M), work(M * (M + 12)), residual
+    real(c_double) :: wanted(M), bad(2)
+    integer(c_int) :: iwork(M), count, info
+    integer :: i
+    a = 0
+    do i = 1, M
+      a(i, i) = 1
+    end do
+    a(1, 1) = 2
+    q = [-4d0, 3d0, 4d0, -3d0, 0d0, 0d0]
+    mu = [0.5d0, 0d0]
+    wanted = [2d0, -0.6d0, -0.8d0, 3d0, 0d0, 0d0]
+    call is_int(nsdae_dfccon(3, a, M, q, mu(1), r, u, residual), 0, 'dfccon')
+    call is_near(maxval(abs(r(1:3) - wanted(1:3))), 0d0, 1d-14, 'r of dfccon')
+    r = 0
+    info = nsdae_dfcbgs(2, ROWS, a, M, q, mu, 1d-12, 9, r, count, residual, work, size(work))
+    call is_int(info, 0, 'dfcbgs')
+    call is_near(maxval(abs(r - wanted)), 0d0, 1d-12, 'r of dfcbgs')
+    r = wanted + 1d-2
+    info = nsdae_dfcnwt(2, lda=M, a=a, q=q, mu=mu, alpha=0d0, tol=1d-12, max_iter=9, r=r, &
+                        iterations=count, residual=residual, work=work, lwork=size(work), &
+                        iwork=iwork)
+    call is_int(info, 0, 'dfcnwt')
+    call is_near(maxval(abs(r - wanted)), 0d0, 1d-12, 'r of dfcnwt')
+    info = nsdae_dfcres(2, a=a, lda=M, q=q, mu=mu, r=wanted, u=u, residual=residual)
+    call is_int(info, 0, 'dfcres')
+    call is_near(residual, 0d0, 1d-15, 'residual of dfcres')
+    bad = [-1d0, 0d0]
+    call is_int(nsdae_dfcres(-1, ROWS, a, M, q, mu, r, u, residual), -1, 'nc of dfcres')
+    call is_int(nsdae_dfcres(2, ROWS, a, M, q, bad, r, u, residual), -6, 'mu of dfcres')
+    call is_int(nsdae_dfccon(4, a, M, q, mu(1), r, u, residual), -1, 'rows of dfccon')
+    info = nsdae_dfcbgs(2, ROWS, a, M, q, mu, nan, 9, r, count, residual, work, size(work))
+    call is_int(info, -7, 'tol of dfcbgs')
+    info = nsdae_dfcnwt(2, ROWS, a, M, q, mu, -1d0, 1d-12, 9, r, count, residual, work, &
+                        size(work), iwork)
+    call is_int(info, -7, 'alpha of dfcnwt')
+    info = nsdae_dfcnwt(2, ROWS, a, M, q, mu, 0d0, 1d-12, 9, r, count, residual, work, -1, iwork)
+    call is_int(info, 0, 'query of dfcnwt')
+    call is_int(nint(work(1), c_int), 4 * 7, 'workspace of dfcnwt')
   end subroutine
 
   subroutine workspace(k)

@@ -50,6 +50,48 @@ C
       CALL NSDAE_DLCPPGS(N, A, N, B, 2D0, TOL, 200, X, COUNT, RES,
      $                   WORK, LWORK, INFO)
       CALL EXPECT('omega of NSDAE_DLCPPGS', INFO, -5)
+      CALL FRICT
+      END
+C
+C     Those of friction: a contact that slides along -(3, 4), r_N = 2,
+C     |r_T| = 1; and beside it one without friction, r_N = 3.
+      SUBROUTINE FRICT
+      INTEGER M, LWORK
+      PARAMETER (M = 4, LWORK = M * (M + 12))
+      INTEGER ROWS(2), IWORK(M), COUNT, INFO, I
+      DOUBLE PRECISION A(M, M), Q(M), MU(2), R(M), U(M), WANTED(M)
+      DOUBLE PRECISION WORK(LWORK), RES, TOL
+      DATA ROWS / 3, 1 /, MU / 5D-1, 0D0 /, TOL / 1D-12 /
+      DATA A / 2D0, 4 * 0D0, 1D0, 4 * 0D0, 1D0, 4 * 0D0, 1D0 /
+      DATA Q / -4D0, 3D0, 4D0, -3D0 /
+      DATA WANTED / 2D0, -6D-1, -8D-1, 3D0 /
+      CALL NSDAE_DFCCON(3, A, M, Q, MU, R, U, RES, INFO)
+      CALL EXPECT('NSDAE_DFCCON', INFO, 0)
+      DO 10 I = 1, 3
+        IF (ABS(R(I) - WANTED(I)) .GT. TOL) CALL FAIL('NSDAE_DFCCON')
+        R(I) = 0D0
+   10 CONTINUE
+      R(4) = 0D0
+      CALL NSDAE_DFCBGS(2, ROWS, A, M, Q, MU, TOL, 9, R, COUNT, RES,
+     $                  WORK, LWORK, INFO)
+      CALL EXPECT('NSDAE_DFCBGS', INFO, 0)
+      CALL EXPECT('sweeps of NSDAE_DFCBGS', COUNT, 1)
+      DO 20 I = 1, 4
+        IF (ABS(R(I) - WANTED(I)) .GT. TOL) CALL FAIL('NSDAE_DFCBGS')
+        R(I) = R(I) + 1D-2
+   20 CONTINUE
+      CALL NSDAE_DFCNWT(2, ROWS, A, M, Q, MU, 0D0, TOL, 9, R, COUNT,
+     $                  RES, WORK, LWORK, IWORK, INFO)
+      CALL EXPECT('NSDAE_DFCNWT', INFO, 0)
+      DO 30 I = 1, 4
+        IF (ABS(R(I) - WANTED(I)) .GT. 1D-10) CALL FAIL('NSDAE_DFCNWT')
+   30 CONTINUE
+      CALL NSDAE_DFCRES(2, ROWS, A, M, Q, MU, WANTED, U, RES, INFO)
+      CALL EXPECT('NSDAE_DFCRES', INFO, 0)
+      IF (.NOT. RES .LE. TOL) CALL FAIL('residual of NSDAE_DFCRES')
+      CALL NSDAE_DFCNWT(2, ROWS, A, 3, Q, MU, 0D0, TOL, 9, R, COUNT,
+     $                  RES, WORK, LWORK, IWORK, INFO)
+      CALL EXPECT('lda of NSDAE_DFCNWT', INFO, -4)
       END
 C
       SUBROUTINE EXPECT(WHAT, GOT, WANTED)

@@ -48,7 +48,9 @@ static const entry entries[] = {
     VALUE(NSDAE_FRICTION_TRIVIAL)
     VALUE(NSDAE_FRICTION_WARM)
     VALUE(NSDAE_FRICTION_GAUSS_SEIDEL)
+    VALUE(NSDAE_FRICTION_PIVOTING)
     VALUE(NSDAE_FRICTION_SMOOTHING)
+    VALUE(NSDAE_FRICTION_PROVE)
     VALUE(NSDAE_FRICTION_FURTHER)
     VALUE(NSDAE_FRICTION_ALL)
 
@@ -82,7 +84,7 @@ static const entry entries[] = {
     AT(nsdae_sim_options, accumulation_time) AT(nsdae_sim_options, events_max)
     AT(nsdae_sim_options, projection) AT(nsdae_sim_options, start_tol)
     AT(nsdae_sim_options, inner_steps_max) AT(nsdae_sim_options, start_check)
-    AT(nsdae_sim_options, contacts_max)
+    AT(nsdae_sim_options, contacts_max) AT(nsdae_sim_options, threads)
     AT(nsdae_sim_options, initialised)
     SIZE(nsdae_impact)
     AT(nsdae_impact, contact) AT(nsdae_impact, normal_impulse)

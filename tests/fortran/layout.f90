@@ -180,7 +180,9 @@ contains
     call same('NSDAE_FRICTION_TRIVIAL', NSDAE_FRICTION_TRIVIAL)
     call same('NSDAE_FRICTION_WARM', NSDAE_FRICTION_WARM)
     call same('NSDAE_FRICTION_GAUSS_SEIDEL', NSDAE_FRICTION_GAUSS_SEIDEL)
+    call same('NSDAE_FRICTION_PIVOTING', NSDAE_FRICTION_PIVOTING)
     call same('NSDAE_FRICTION_SMOOTHING', NSDAE_FRICTION_SMOOTHING)
+    call same('NSDAE_FRICTION_PROVE', NSDAE_FRICTION_PROVE)
     call same('NSDAE_FRICTION_FURTHER', NSDAE_FRICTION_FURTHER)
     call same('NSDAE_FRICTION_ALL', NSDAE_FRICTION_ALL)
     call same('NSDAE_OUTCOME_UNSOLVED', NSDAE_OUTCOME_UNSOLVED)
@@ -282,6 +284,7 @@ contains
     call same_place('nsdae_sim_options%inner_steps_max', c_loc(x), c_loc(x%inner_steps_max))
     call same_place('nsdae_sim_options%start_check', c_loc(x), c_loc(x%start_check))
     call same_place('nsdae_sim_options%contacts_max', c_loc(x), c_loc(x%contacts_max))
+    call same_place('nsdae_sim_options%threads', c_loc(x), c_loc(x%threads))
     call same_place('nsdae_sim_options%initialised', c_loc(x), c_loc(x%initialised))
   end subroutine
 

@@ -2,6 +2,7 @@
  * what closes, which closes and fails. */
 #include "hdf5_calls.h"
 
+#include <execinfo.h>
 #include <hdf5.h>
 #include <hdf5_hl.h>
 
@@ -9,11 +10,24 @@ hdf5_calls the_hdf5 = {.fail_at = -1};
 
 void hdf5_calls_reset(long fail_at)
 {
-  the_hdf5 = (hdf5_calls){.fail_at = fail_at};
+  the_hdf5.calls = 0;
+  the_hdf5.fail_at = fail_at;
+  the_hdf5.failed = NULL;
+}
+
+/* A number of the addresses that the call returns to, and the functions that led to it. */
+static unsigned long place(void)
+{
+  void *at[6];
+  int n = backtrace(at, 6);
+  unsigned long sum = 0;
+  for (int i = 0; i < n; i++) sum = 31 * sum + (unsigned long)at[i];
+  return sum;
 }
 
 static int fails(const char *name)
 {
+  if (the_hdf5.listing && the_hdf5.calls < HDF5_CALLS) the_hdf5.place[the_hdf5.calls] = place();
   if (the_hdf5.calls++ != the_hdf5.fail_at) return 0;
   the_hdf5.failed = name;
   return 1;

@@ -216,6 +216,16 @@ static void faults_are_named(void **state)
   WITH(2, end[0], "q", "unknown name 'q'");
   WITH(2, angle, "0", "lies between its ends");
   WITH(0, end[1], "1", "only a segment has one");
+  WITH(4, size[0], 0, "its edges must be greater than 0");
+  WITH(4, size[2], 0, "its edges must be greater than 0");
+  const nsdae_body thin = {.name = "thin", .shape = NSDAE_SHAPE_CAPSULE, .size = {0, 1}};
+  refused(0, thin, "size", "its radius must be greater than 0");
+  WITH(0, name, "", "it has none");
+  const nsdae_body turned = {.name = "turned",
+                             .shape = NSDAE_SHAPE_SEGMENT,
+                             .end = {"1"},
+                             .quaternion = {"1", "0", "0", "0"}};
+  refused(0, turned, "angle", "lies between its ends");
   nsdae_body ring = {.name = "ring", .shape = NSDAE_SHAPE_DISC, .size = {1, 1}};
   refused(0, ring, "size", "the radius of its hole must be less than its own");
 }
@@ -269,11 +279,16 @@ static void faults_of_the_system(void **state)
   begin(&f, 0);
   assert_null(nsdae_system_get_bodies(f.system, &n));
   assert_int_equal(n, 0);
+  assert_null(nsdae_system_get_bodies(f.system, NULL));
+  n = -1;
+  assert_null(nsdae_system_get_bodies(NULL, &n));
+  assert_int_equal(n, 0);
   assert_int_equal(nsdae_trajectory_close(&f.file, NSDAE_OK, NULL), NSDAE_OK);
   nsdae_sim_destroy(&f.sim);
   assert_int_equal(nsdae_system_add_body(NULL, &faulty), NSDAE_E_ARGUMENT);
   assert_int_equal(nsdae_system_add_body(f.system, NULL), NSDAE_E_ARGUMENT);
   assert_int_equal(nsdae_system_add_body(f.system, &(nsdae_body){.points = 2}), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_system_add_body(f.system, &(nsdae_body){.points = -1}), NSDAE_E_ARGUMENT);
   nsdae_system_clear_error(f.system);
   assert_int_equal(nsdae_system_add_body(f.system, &faulty), NSDAE_OK);
   assert_string_equal(nsdae_system_get_bodies(f.system, &n)->position[0], "q7");

@@ -181,6 +181,18 @@ check grep -q 'interrupted at t =' err
 check h5dump -a /status long.h5 >status
 check grep -q interrupted status
 
+# inside a step too, here one that the integrator goes on in for minutes: the step is dropped
+"$pendulum" --quiet --method penalty --set e_N=1 --rtol 1e-12 --dt 1e6 --t-end 1e6 --output inside.h5 2>err &
+sleep 2
+kill -INT $!
+wait $!
+check test $? = 1
+if ! grep -q 'NSDAE_SUNDIALS=OFF' err; then
+  check grep -q 'interrupted at t = .*the step was dropped' err
+  check h5dump -a /status inside.h5 >status
+  check grep -q interrupted status
+fi
+
 # and in the comparison, once the summary of the run itself is out
 "$pendulum" --compare --method moreau --dt 1e-5 --no-output >out 2>err &
 for wait in $(seq 300); do

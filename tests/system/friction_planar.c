@@ -153,8 +153,21 @@ static void to_unknowns(const planar *p, const double *r, const double *u, doubl
 }
 
 typedef struct tally {
-  int both, only_lcp, only_friction, neither;
+  int both, only_lcp, only_friction, neither, pivoted;
 } tally;
+
+/* The friction chain's own way into the other one: solved by its certificate, exactly. */
+static int pivots(const nsdae_friction_problem *p, double *r, double *u)
+{
+  nsdae_friction_options options;
+  nsdae_friction_info info;
+  nsdae_friction_options_default(&options);
+  options.tol = 1e-12;
+  options.stages = NSDAE_FRICTION_TRIVIAL | NSDAE_FRICTION_PIVOTING;
+  if (nsdae_friction_solve(p, &options, r, u, &info) != NSDAE_OK) return 0;
+  assert_int_equal(info.sweeps + info.iterations, 0);
+  return 1;
+}
 
 static void compare(planar *p, int unique, tally *t)
 {
@@ -165,6 +178,7 @@ static void compare(planar *p, int unique, tally *t)
   nsdae_friction_options options;
   nsdae_friction_options_default(&options);
   options.tol = 1e-12;
+  options.stages = NSDAE_FRICTION_ALL & ~NSDAE_FRICTION_PIVOTING; /* which is the other chain */
   int of_lcp = nsdae_lcp_solve(&p->lcp, NULL, x, y, NULL);
   int of_friction = nsdae_friction_solve(&p->friction, &options, r, u, NULL);
   to_impulses(p, x, mapped);
@@ -181,6 +195,10 @@ static void compare(planar *p, int unique, tally *t)
   }
   int both = of_lcp == NSDAE_OK && of_friction == NSDAE_OK;
   for (int i = 0; unique && both && i < p->contacts * p->rows; i++)
+    assert_near(r[i], mapped[i], 1e-8);
+  int pivoted = pivots(&p->friction, mapped, u);
+  t->pivoted += pivoted;
+  for (int i = 0; unique && pivoted && i < p->contacts * p->rows; i++)
     assert_near(r[i], mapped[i], 1e-8);
   t->both += both;
   t->only_lcp += of_lcp == NSDAE_OK && !both;
@@ -202,11 +220,35 @@ static void test_agree(void **state)
         draw(&p, contacts, rows, regular, &seed);
         compare(&p, rows == 1 && regular, &t);
       }
-      print_message("%d rows, %s: %d by both, %d and %d by one, %d by none\n", rows,
+      print_message("%d rows, %s: %d by both, %d and %d by one, %d by none; %d by pivoting\n", rows,
                     regular ? "regular" : "singular", t.both, t.only_lcp, t.only_friction,
-                    t.neither);
-      assert_true(t.both >= 0.98 * ROUNDS);
+                    t.neither, t.pivoted);
+      assert_true(t.both >= 0.98 * ROUNDS && t.pivoted >= 0.98 * ROUNDS);
     }
+}
+
+/* Bilateral rows beside frictionless contacts, W positive definite: one solution. */
+static void test_bilateral(void **state)
+{
+  (void)state;
+  static planar p;
+  unsigned long long seed = 41;
+  for (int k = 0; k < ROUNDS; k++) {
+    double r[MOST], u[MOST], pivoted[MOST];
+    int contacts = 2 + (int)uniform(&seed, 0, MOST - 1), bilateral = 1 + k % (contacts - 1);
+    draw(&p, contacts, 1, 1, &seed);
+    make_friction(&p);
+    p.friction.contacts -= bilateral;
+    p.friction.bilateral = bilateral;
+    nsdae_friction_options options;
+    nsdae_friction_options_default(&options);
+    options.tol = 1e-12;
+    options.stages = NSDAE_FRICTION_ALL & ~NSDAE_FRICTION_PIVOTING;
+    memset(r, 0, sizeof r);
+    assert_int_equal(nsdae_friction_solve(&p.friction, &options, r, u, NULL), NSDAE_OK);
+    assert_true(pivots(&p.friction, pivoted, u));
+    for (int i = 0; i < contacts; i++) assert_near(r[i], pivoted[i], 1e-8);
+  }
 }
 
 /* u_1 + u_2 = -2 < 0 whatever r: neither has a solution. */
@@ -219,11 +261,12 @@ static void test_neither(void **state)
   make_lcp(&p);
   assert_int_equal(nsdae_lcp_solve(&p.lcp, NULL, x, y, NULL), NSDAE_E_INFEASIBLE);
   int status = nsdae_friction_solve(&p.friction, NULL, r, u, NULL);
-  assert_true(status == NSDAE_E_INFEASIBLE || status == NSDAE_E_LCP);
+  assert_int_equal(status, NSDAE_E_INFEASIBLE);
 }
 
 int main(void)
 {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_agree), cmocka_unit_test(test_neither)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_agree), cmocka_unit_test(test_bilateral),
+                                     cmocka_unit_test(test_neither)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -16,7 +16,7 @@
 #include <stddef.h>
 #include <string.h>
 
-#include "cone.h"
+#include "separation.h"
 #include "exact.h"
 #include "judge.h"
 #include "vector.h"

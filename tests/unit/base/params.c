@@ -4,6 +4,7 @@
 #include <float.h>
 #include <limits.h>
 #include <locale.h>
+#include <stdlib.h>
 
 #include <nsdae/params.h>
 
@@ -293,14 +294,29 @@ static void test_format_reads_well(void **state)
   assert_string_equal(text, "where");
 }
 
+/* A locale that has nothing but a decimal comma, made here: few machines have one installed. */
+static const char *comma(void)
+{
+  const char *const names[] = {"de_DE.UTF-8", "fr_FR.UTF-8", "es_ES.UTF-8", "de_DE", "fr_FR"};
+  FILE *source = fopen("comma.src", "w");
+  assert_non_null(source);
+  fputs("LC_NUMERIC\ndecimal_point \",\"\nthousands_sep \"\"\ngrouping -1\nEND LC_NUMERIC\n",
+        source);
+  fclose(source);
+  int made = system("localedef -c -i ./comma.src -f ANSI_X3.4-1968 ./comma_C >/dev/null 2>&1");
+  if (made != -1) setenv("LOCPATH", ".", 1);
+  const char *in = setlocale(LC_NUMERIC, "comma_C");
+  unsetenv("LOCPATH");
+  for (size_t i = 0; i < sizeof names / sizeof *names && !in; i++)
+    in = setlocale(LC_NUMERIC, names[i]);
+  return in;
+}
+
 /* A program in a locale with a decimal comma reads and writes what all others do. */
 static void test_decimal_comma(void **state)
 {
   (void)state;
-  const char *const names[] = {"de_DE.UTF-8", "fr_FR.UTF-8", "es_ES.UTF-8", "de_DE", "fr_FR"};
-  const char *in = NULL;
-  for (size_t i = 0; i < sizeof names / sizeof *names && !in; i++)
-    in = setlocale(LC_NUMERIC, names[i]);
+  const char *in = comma();
   if (!in || strcmp(localeconv()->decimal_point, ",") != 0) {
     print_message("no locale with a decimal comma is installed\n");
     setlocale(LC_NUMERIC, "C");
@@ -313,7 +329,12 @@ static void test_decimal_comma(void **state)
   assert_int_equal(nsdae_params_set(&table, &s, "angle", "0,5", NULL), NSDAE_E_ARGUMENT);
   assert_int_equal(nsdae_params_set(&table, &s, "angle", "0.5.5", NULL), NSDAE_E_ARGUMENT);
   assert_int_equal(nsdae_params_set(&table, &s, "angle", ".", NULL), NSDAE_E_ARGUMENT);
-  assert_true(s.angle == 0.25);
+  char digits[300];
+  memset(digits, '0', sizeof digits);
+  digits[299] = '\0';
+  assert_int_equal(nsdae_params_set(&table, &s, "angle", digits, NULL), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_params_set(&table, &s, "count", "12", NULL), NSDAE_OK);
+  assert_true(s.angle == 0.25 && s.count == 12);
   nsdae_params_format(&entries[1], &s, text, sizeof text);
   assert_string_equal(text, "0.25");
   assert_int_equal(nsdae_params_set(&table, &s, "length", "2.5e-3", NULL), NSDAE_OK);
@@ -321,9 +342,55 @@ static void test_decimal_comma(void **state)
   setlocale(LC_NUMERIC, "C");
 }
 
+/* One bound alone, in words and in a refusal. */
+static void test_one_bound(void **state)
+{
+  (void)state;
+  typedef struct one {
+    double low, high;
+  } one;
+  const nsdae_param bounds[] = {
+      {"low", "", "", NSDAE_PARAM_REAL, offsetof(one, low), 3, 2, INFINITY, 0, NULL},
+      {"high", "", "", NSDAE_PARAM_REAL, offsetof(one, high), 3, -INFINITY, 4, NSDAE_OPEN_MAX,
+       NULL}};
+  const nsdae_params both = {bounds, 2};
+  one o;
+  nsdae_error error;
+  nsdae_params_default(&both, &o);
+  assert_int_equal(nsdae_params_check(&both, &o, &error), NSDAE_OK);
+  o.high = 4;
+  assert_int_equal(nsdae_params_check(&both, &o, &error), NSDAE_E_ARGUMENT);
+  assert_non_null(strstr(error.text, "it must be less than 4"));
+  o.high = -INFINITY;
+  assert_int_equal(nsdae_params_check(&both, &o, &error), NSDAE_E_ARGUMENT);
+  assert_non_null(strstr(error.text, "it must be finite and less than 4"));
+  o.high = 3, o.low = 1;
+  assert_int_equal(nsdae_params_check(&both, &o, &error), NSDAE_E_ARGUMENT);
+  assert_non_null(strstr(error.text, "it must be at least 2"));
+}
+
+/* What is not there is named, and changes nothing. */
+static void test_missing(void **state)
+{
+  (void)state;
+  sample s = filled(), before = s;
+  nsdae_error error;
+  nsdae_params_default(NULL, &s);
+  nsdae_params_default(&table, NULL);
+  assert_memory_equal(&s, &before, sizeof s);
+  assert_null(nsdae_params_find(NULL, "any"));
+  assert_null(nsdae_params_find(&table, NULL));
+  assert_int_equal(nsdae_params_check(NULL, &s, &error), NSDAE_E_ARGUMENT);
+  assert_string_equal(error.argument, "table");
+  assert_int_equal(nsdae_params_check(&table, NULL, &error), NSDAE_E_ARGUMENT);
+  assert_string_equal(error.argument, "base");
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_one_bound),
+      cmocka_unit_test(test_missing),
       cmocka_unit_test(test_defaults),
       cmocka_unit_test(test_range_in_words),
       cmocka_unit_test(test_set_each_type),

@@ -243,6 +243,89 @@ static void test_forces(void **state)
   expect(b, nsdae_bodies_set_gravity(b, gravity), NSDAE_E_NONFINITE, "gravity");
 }
 
+/* Numbers and bodies of springs and torsions, one by one. */
+static void refuse_spring(nsdae_spring s, int status, const char *argument)
+{
+  nsdae_bodies *b = world(3);
+  expect(b, nsdae_bodies_add_spring(b, &s), status, argument);
+}
+
+static void refuse_torsion(nsdae_torsion s, int status, const char *argument)
+{
+  nsdae_bodies *b = world(3);
+  expect(b, nsdae_bodies_add_torsion(b, &s), status, argument);
+}
+
+static void test_springs(void **state)
+{
+  (void)state;
+  refuse_spring((nsdae_spring){.body = {0, 5}}, NSDAE_E_ARGUMENT, "body");
+  refuse_spring((nsdae_spring){.body = {0, 1}, .damping = NAN}, NSDAE_E_ARGUMENT, "damping");
+  refuse_spring((nsdae_spring){.body = {0, 1}, .rest = -1}, NSDAE_E_ARGUMENT, "rest");
+  refuse_spring((nsdae_spring){.body = {0, 1}, .point = {NAN}}, NSDAE_E_NONFINITE, "point");
+  refuse_torsion((nsdae_torsion){.body = {1, 1}, .axis = {1}}, NSDAE_E_ARGUMENT, "body");
+  refuse_torsion((nsdae_torsion){.body = {0, 1}, .axis = {1}, .rest = INFINITY}, NSDAE_E_NONFINITE,
+                 "rest");
+  refuse_torsion((nsdae_torsion){.body = {0, 1}, .axis = {INFINITY}}, NSDAE_E_ARGUMENT, "axis");
+}
+
+static void test_more_solids(void **state)
+{
+  (void)state;
+  refuse_solid(2, -2, (nsdae_solid){.shape = NSDAE_SHAPE_POINT}, "body");
+  refuse_solid(2, 0, (nsdae_solid){.shape = NSDAE_SHAPE_POINT, .material = -1}, "material");
+  refuse_solid(2, 0, (nsdae_solid){.shape = NSDAE_SHAPE_POINT, .material = NSDAE_MATERIALS},
+               "material");
+  refuse_solid(2, 0, (nsdae_solid){.shape = NSDAE_SHAPE_POINT, .radius = -1}, "radius");
+  refuse_solid(2, 0, (nsdae_solid){.shape = NSDAE_SHAPE_SEGMENT, .length = {INFINITY}}, "length");
+  refuse_solid(2, 0, (nsdae_solid){.shape = NSDAE_SHAPE_POLYGON, .points = 3}, "points");
+  refuse_contact(0, -1, 0, 0, "solid");
+  refuse_contact(4, 1, 0, 0, "solid");
+}
+
+static void refuse_pair(int first, int second, double e_n, double e_t, const char *argument)
+{
+  nsdae_bodies *b = world(3);
+  expect(b, nsdae_bodies_set_pair(b, first, second, 0.1, e_n, e_t), NSDAE_E_ARGUMENT, argument);
+}
+
+static void test_pairs(void **state)
+{
+  (void)state;
+  nsdae_bodies *b = world(3);
+  refuse_pair(-1, 0, 0, 0, "material");
+  refuse_pair(0, NSDAE_MATERIALS, 0, 0, "material");
+  refuse_pair(0, 0, 1.5, 0, "e_n");
+  refuse_pair(0, 0, 0, 1.5, "e_t");
+  expect(b, nsdae_bodies_set_pair(b, 0, 0, -1, 0, 0), NSDAE_E_ARGUMENT, "mu");
+  assert_int_equal(nsdae_bodies_set_pair(NULL, 0, 0, 0, 0, 0), NSDAE_E_ARGUMENT);
+}
+
+/* What is asked of no bodies, or without room for the answer. */
+static void test_asked(void **state)
+{
+  (void)state;
+  nsdae_bodies *b = world(2);
+  nsdae_dims dims;
+  double q[6], v[6], point[3];
+  const double local[3] = {0};
+  assert_int_equal(nsdae_bodies_get_dims(NULL, &dims), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_bodies_get_dims(b, NULL), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_bodies_get_start(NULL, q, v), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_bodies_get_start(b, NULL, v), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_bodies_get_start(b, q, NULL), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_bodies_get_start(b, q, v), NSDAE_OK);
+  assert_int_equal(nsdae_bodies_locate(NULL, q, 0, local, point), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_bodies_locate(b, NULL, 0, local, point), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_bodies_locate(b, q, 0, NULL, point), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_bodies_locate(b, q, 0, local, NULL), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_bodies_locate(b, q, -2, local, point), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_bodies_locate(b, q, 2, local, point), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_bodies_locate(b, q, NSDAE_GROUND, local, point), NSDAE_OK);
+  assert_int_equal(nsdae_bodies_system(b, NULL), NSDAE_E_ARGUMENT);
+  nsdae_bodies_destroy(&b);
+}
+
 /* Nothing can be added to what has become a system. */
 static void test_made(void **state)
 {
@@ -358,6 +441,8 @@ int main(void)
       cmocka_unit_test(test_solids),          cmocka_unit_test(test_polygons),
       cmocka_unit_test(test_endless),         cmocka_unit_test(test_contacts),
       cmocka_unit_test(test_forces),          cmocka_unit_test(test_made),
+      cmocka_unit_test(test_springs),         cmocka_unit_test(test_more_solids),
+      cmocka_unit_test(test_pairs),           cmocka_unit_test(test_asked),
       cmocka_unit_test(test_inertia)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -131,6 +131,44 @@ static void test_frozen(void **state)
   nsdae_system_destroy(&s);
 }
 
+static int slide_tangent(double t, const double *q, double *W, int ldw, double *w_s, void *user)
+{
+  (void)t, (void)q, (void)W, (void)ldw, (void)w_s, (void)user;
+  return 0;
+}
+
+/* Every setter, of a system that has all sizes. */
+static void test_all_frozen(void **state)
+{
+  (void)state;
+  const nsdae_dims dims = {
+      .nq = PLANAR_NQ, .nv = PLANAR_NV, .m = PLANAR_M, .k = PLANAR_K, .nt = 1, .f = 1};
+  nsdae_system *s;
+  nsdae_sim *sim;
+  assert_int_equal(nsdae_system_create(&dims, &s, NULL), NSDAE_OK);
+  for (int round = 0; round < 2; round++) { /* open, then not */
+    int wanted = round ? NSDAE_E_STATE : NSDAE_OK;
+    assert_int_equal(nsdae_system_set_kinematics(s, planar_kinematics), wanted);
+    assert_int_equal(nsdae_system_set_mass(s, planar_mass), wanted);
+    assert_int_equal(nsdae_system_set_force(s, planar_force), wanted);
+    assert_int_equal(nsdae_system_set_constraint(s, planar_constraint), wanted);
+    assert_int_equal(nsdae_system_set_constraint_jacobian(s, planar_jacobian), wanted);
+    assert_int_equal(nsdae_system_set_constraint_bias(s, planar_bias), wanted);
+    assert_int_equal(nsdae_system_set_gap(s, planar_gap), wanted);
+    assert_int_equal(nsdae_system_set_gap_normal(s, planar_normal), wanted);
+    assert_int_equal(nsdae_system_set_gap_tangent(s, planar_tangent), wanted);
+    assert_int_equal(nsdae_system_set_contact_bias(s, planar_contact_bias), wanted);
+    assert_int_equal(nsdae_system_set_contact_acceleration(s, planar_acceleration), wanted);
+    assert_int_equal(nsdae_system_set_slide_tangent(s, slide_tangent), wanted);
+    assert_int_equal(nsdae_system_set_slide(s, 0, 1, 0.1), wanted);
+    assert_int_equal(nsdae_system_set_potential(s, planar_potential), wanted);
+    assert_int_equal(nsdae_system_set_contact(s, 1, 0.1, 0.5, 0), wanted);
+    if (round == 0) assert_int_equal(nsdae_sim_create(s, NULL, &sim, NULL), NSDAE_OK);
+  }
+  nsdae_sim_destroy(&sim);
+  nsdae_system_destroy(&s);
+}
+
 /* What was refused a simulation holds no system. */
 static void test_failed_creation_holds_nothing(void **state)
 {
@@ -344,11 +382,17 @@ static void test_no_system(void **state)
 int main(void)
 {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_no_system),       cmocka_unit_test(test_first_refusal),
-      cmocka_unit_test(test_every_refusal),   cmocka_unit_test(test_directions),
-      cmocka_unit_test(test_frozen),          cmocka_unit_test(test_failed_creation_holds_nothing),
-      cmocka_unit_test(test_destroyed_first), cmocka_unit_test(test_names),
-      cmocka_unit_test(test_names_refused),   cmocka_unit_test(test_names_differ),
+      cmocka_unit_test(test_no_system),
+      cmocka_unit_test(test_first_refusal),
+      cmocka_unit_test(test_every_refusal),
+      cmocka_unit_test(test_directions),
+      cmocka_unit_test(test_frozen),
+      cmocka_unit_test(test_all_frozen),
+      cmocka_unit_test(test_failed_creation_holds_nothing),
+      cmocka_unit_test(test_destroyed_first),
+      cmocka_unit_test(test_names),
+      cmocka_unit_test(test_names_refused),
+      cmocka_unit_test(test_names_differ),
       cmocka_unit_test(test_both_triangles),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -16,6 +16,7 @@
 #include "errors.h"
 #include "ode.h"
 #include "penalty_law.h"
+#include "progress.h"
 #include "stepper.h"
 #include "vector.h"
 
@@ -159,20 +160,11 @@ static int accelerations(penalty *p, nsdae_terms *T, double *a)
   nsdae_add_product(d->nv, d->k, T->W_N, at->normal, a);
   nsdae_add_product(d->nv, d->k * d->nt, T->W_T, at->tangential, a);
   for (int i = 0; i < d->m; i++) {
-    double rate = T->phi_t[i];
-    for (int j = 0; j < d->nv; j++) rate += T->J[(size_t)j * (size_t)d->m + (size_t)i] * T->v[j];
+    double rate = nsdae_terms_constraint_rate(T, i, T->v);
     at->lambda[i] = -T->omega[i] - 2 * alpha * rate - beta * beta * T->phi[i];
   }
   nsdae_kkt_solve(&s->kkt, 1, a, d->nv, at->lambda, d->m);
   return d->f > 0 ? slide_forces(p, T, a) : 0;
-}
-
-/* Status of the library as a code of the integrator: what a smaller step may help is positive. */
-static int as_code(const nsdae_stepper *s, int status)
-{
-  if (status == NSDAE_OK) return 0;
-  if (status == NSDAE_E_CALLBACK) return s->error->code < 0 ? -1 : 1;
-  return status == NSDAE_E_NONFINITE ? -1 : 1;
 }
 
 static int rate(double t, const double *y, double *ydot, void *user)
@@ -184,8 +176,8 @@ static int rate(double t, const double *y, double *ydot, void *user)
   nsdae_terms_at(T, t, y, y + d->nq);
   int status = nsdae_terms_need(T, RATE_TERMS);
   if (status == NSDAE_OK) status = nsdae_stepper_factor(s, T, T->M);
-  if (status == NSDAE_OK) status = nsdae_stepper_kinematics(s, t, T->q, T->v, ydot);
-  if (status < 0) return as_code(s, status);
+  if (status == NSDAE_OK) status = nsdae_kinematics_at(T, T->v, ydot);
+  if (status < 0) return nsdae_progress_code(status, s->error);
   int code = accelerations(p, T, ydot + d->nq), kt = d->k * d->nt;
   const penalty_forces *at = &p->at;
   memcpy(ydot + at_lambda(d), at->lambda, (size_t)d->m * sizeof *ydot);
@@ -230,31 +222,36 @@ static void layout(void *object, nsdae_arena *arena)
   at->D = NSDAE_ARENA_DOUBLES(arena, d->m * f);
 }
 
-static void sizes(const nsdae_stepper *s, size_t *reals, size_t *wholes)
+/* The base behind the warm start of the contacts. */
+static void lay(penalty_base *b, const nsdae_stepper *s, nsdae_memory_part *part)
 {
   const nsdae_dims *d = &s->system->dims;
-  size_t k = (size_t)d->k, kt = k * (size_t)d->nt;
-  *reals = 2 + (size_t)at_work(d) + 5 * k + kt + REPLAY_MAX;
-  *wholes = nsdae_contacts_memory_size(&s->contacts) + 1 + k;
+  size_t k = (size_t)d->k;
+  double **of_contact[] = {&b->since, &b->start_rate, &b->mass, &b->impulse, &b->peak};
+  b->t = nsdae_memory_reals(part, 1);
+  b->y = nsdae_memory_reals(part, (size_t)at_work(d) + 1);
+  for (int i = 0; i < 5; i++) *of_contact[i] = nsdae_memory_reals(part, k);
+  b->impulse_t = nsdae_memory_reals(part, k * (size_t)d->nt);
+  b->end = nsdae_memory_reals(part, REPLAY_MAX);
+  nsdae_memory_wholes(part, nsdae_contacts_memory_size(&s->contacts));
+  b->ends = nsdae_memory_wholes(part, 1);
+  b->closed = nsdae_memory_wholes(part, k);
+}
+
+static void sizes(const nsdae_stepper *s, size_t *reals, size_t *wholes)
+{
+  penalty_base base;
+  nsdae_memory_part part = {0};
+  lay(&base, s, &part);
+  *reals = part.reals;
+  *wholes = part.wholes;
 }
 
 /* Lays the base over the memory of a step. */
 static void find_base(penalty *p, nsdae_memory *memory)
 {
-  const nsdae_dims *d = &p->stepper->system->dims;
-  penalty_base *b = &p->base;
-  size_t k = (size_t)d->k;
-  b->t = memory->real;
-  b->y = b->t + 1;
-  b->since = b->y + p->n;
-  b->start_rate = b->since + k;
-  b->mass = b->start_rate + k;
-  b->impulse = b->mass + k;
-  b->peak = b->impulse + k;
-  b->impulse_t = b->peak + k;
-  b->end = b->impulse_t + k * (size_t)d->nt;
-  b->ends = memory->whole + nsdae_contacts_memory_size(&p->stepper->contacts);
-  b->closed = b->ends + 1;
+  nsdae_memory_part part = {.real = memory->real, .whole = memory->whole};
+  lay(&p->base, p->stepper, &part);
 }
 
 static int check_law(const nsdae_stepper *s)
@@ -476,24 +473,9 @@ static int keep_end(penalty *p, double t_end, double t)
   return status;
 }
 
-static int too_many_steps(nsdae_stepper *s, double t, double t_end)
-{
-  nsdae_error_set(s->error, NSDAE_E_CONVERGENCE, "nsdae_penalty", "inner_steps_max",
-                  "the integrator is at t = %.17g after %d steps towards t = %.17g: make dt or "
-                  "penalty_stiffness smaller, or inner_steps_max or rtol larger",
-                  t, s->options->inner_steps_max, t_end);
-  s->error->time = t;
-  return NSDAE_E_CONVERGENCE;
-}
-
-/* After every step of the integrator: whether it may go on. */
-static int may_go_on(penalty *p, const nsdae_result *result, double t, double t_end)
-{
-  nsdae_stepper *s = p->stepper;
-  if (result->counters.iterations >= s->options->inner_steps_max && t < t_end)
-    return too_many_steps(s, t, t_end);
-  return nsdae_interrupted(&s->interrupt, s->error, t);
-}
+/* What may help where too many steps of the integrator lead to too little. */
+static const char advice[] =
+    "make dt or penalty_stiffness smaller, or inner_steps_max or rtol larger";
 
 /* To the end of the step, or until the list of impacts is full: then the step ends early. */
 static int integrate(penalty *p, nsdae_result *result, double t_end, double *t)
@@ -505,7 +487,8 @@ static int integrate(penalty *p, nsdae_result *result, double t_end, double *t)
     if (status < 0) return status;
     result->counters.iterations++;
     status = what == NSDAE_ODE_ROOT ? switch_contacts(p, result, *t) : follow_peaks(p, *t);
-    if (status == NSDAE_OK) status = may_go_on(p, result, *t, t_end);
+    if (status == NSDAE_OK)
+      status = nsdae_stepper_goes_on(p->stepper, "nsdae_penalty", advice, *t, t_end);
     if (status < 0) return status;
   }
   return NSDAE_OK;
@@ -560,9 +543,8 @@ static int switch_at_end(penalty *p, nsdae_result *result, double t)
 
 static int mode_of(const penalty *p, int i, int nt)
 {
-  double speed = 0;
+  double speed = nsdae_norm(nt, p->at.v_t + i * nt);
   if (!p->base.closed[i]) return NSDAE_MODE_OPEN;
-  for (int j = i * nt; j < (i + 1) * nt; j++) speed = hypot(speed, p->at.v_t[j]);
   return nt > 0 && speed <= p->stepper->options->friction_velocity ? NSDAE_MODE_STICK
                                                                    : NSDAE_MODE_SLIDE;
 }

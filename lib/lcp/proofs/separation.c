@@ -1,6 +1,6 @@
 /* Nonnegative least squares by active sets (Lawson and Hanson, "Solving Least Squares Problems",
  * 1974, chapter 23), on the normal equations of the passive columns. */
-#include "cone.h"
+#include "separation.h"
 
 #include <float.h>
 #include <math.h>

@@ -1,6 +1,6 @@
 /* The distance of a point from a polyhedral cone. */
-#ifndef NSDAE_LCP_CONE_H
-#define NSDAE_LCP_CONE_H
+#ifndef NSDAE_LCP_SEPARATION_H
+#define NSDAE_LCP_SEPARATION_H
 
 /* The cone of all C z with z >= 0, and z_j = 0 where j is not allowed; workspace. */
 typedef struct nsdae_cone {

@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "dense.h"
-#include "errors.h"
+#include "vector.h"
 
 enum { ROUNDS = 50 };
 
@@ -17,9 +17,8 @@ static const double LEAST_WEIGHT = 1e-6;
 /* The Delassus matrix has squared what rank_tol is meant for. */
 static const double LEAST_SINE = 1e-6;
 
-void nsdae_event_sharing_layout(nsdae_event_sharing *s, nsdae_arena *arena)
+void nsdae_sharing_layout(nsdae_sharing *s, const nsdae_dims *d, nsdae_arena *arena)
 {
-  const nsdae_dims *d = &s->acceleration->phase->setting->system->dims;
   long k = d->k, n = k * (1 + d->nt) + d->f;
   int **of_column[] = {&s->normal, &s->force_number, &s->pivot};
   double **square[] = {&s->relation, &s->system};
@@ -32,34 +31,29 @@ void nsdae_event_sharing_layout(nsdae_event_sharing *s, nsdae_arena *arena)
   s->emphasis = NSDAE_ARENA_DOUBLES(arena, k);
 }
 
-static const nsdae_contacts *problem_of(const nsdae_event_sharing *s)
+static const nsdae_contacts *problem_of(const nsdae_sharing *s)
 {
-  return &s->acceleration->problem;
+  return s->of->problem;
 }
 
-static nsdae_event_modes *modes_of(const nsdae_event_sharing *s)
+static const nsdae_system *system_of(const nsdae_sharing *s)
 {
-  return &s->acceleration->phase->modes;
+  return s->of->problem->system;
 }
 
-static const nsdae_system *system_of(const nsdae_event_sharing *s)
-{
-  return s->acceleration->phase->setting->system;
-}
-
-static double *row_of(const nsdae_event_sharing *s, double *matrix, int column)
+static double *row_of(const nsdae_sharing *s, double *matrix, int column)
 {
   return matrix + (size_t)column * (size_t)problem_of(s)->columns;
 }
 
 /* Columns of contacts: those of slides come after them. */
-static int contact_columns(const nsdae_event_sharing *s)
+static int contact_columns(const nsdae_sharing *s)
 {
   return problem_of(s)->columns - problem_of(s)->slide_count;
 }
 
 /* r of p, and so the weights of the equation F_p - sum r_l F_l = 0. */
-static void even_relation(nsdae_event_sharing *s, int p)
+static void even_relation(nsdae_sharing *s, int p)
 {
   double *r = row_of(s, s->relation, p), *c = row_of(s, s->rows.combination, p);
   int normal = s->normal[p] == p;
@@ -67,7 +61,7 @@ static void even_relation(nsdae_event_sharing *s, int p)
     r[l] = (s->normal[l] == l) == normal ? c[l] * s->weight[l] / s->weight[p] : 0;
 }
 
-static void kept_relation(nsdae_event_sharing *s, int p)
+static void kept_relation(nsdae_sharing *s, int p)
 {
   double *r = row_of(s, s->relation, p), sum = 0;
   memset(r, 0, (size_t)problem_of(s)->columns * sizeof *r);
@@ -83,7 +77,7 @@ static void kept_relation(nsdae_event_sharing *s, int p)
 
 /* The forces along the columns z of the dependent that fulfil their relations:
  * (F + Z a)_p - sum r_l (F + Z a)_l = 0. */
-static int fulfil_relations(nsdae_event_sharing *s)
+static int fulfil_relations(nsdae_sharing *s)
 {
   int count = s->rows.dependent_count, n = problem_of(s)->columns;
   for (int i = 0; i < count; i++) {
@@ -107,14 +101,13 @@ static int fulfil_relations(nsdae_event_sharing *s)
 }
 
 /* Zero for a force, but for the error of a solved complementarity problem. */
-static double rounding_size(const nsdae_event_sharing *s)
+static double rounding_size(const nsdae_sharing *s)
 {
-  return s->acceleration->phase->setting->options->lcp_tol *
-         nsdae_event_largest(problem_of(s)->columns, s->force);
+  return problem_of(s)->lcp.options.tol * nsdae_largest(problem_of(s)->columns, s->force);
 }
 
 /* Whether no contact pulls. */
-static int pushes(const nsdae_event_sharing *s)
+static int pushes(const nsdae_sharing *s)
 {
   const nsdae_contacts *c = problem_of(s);
   int all = 1;
@@ -124,28 +117,26 @@ static int pushes(const nsdae_event_sharing *s)
 }
 
 /* |F_T|, and the most that there can be, of the a-th closed contact. */
-static double friction_of(const nsdae_event_sharing *s, int a)
+static double friction_of(const nsdae_sharing *s, int a)
 {
   const nsdae_contacts *c = problem_of(s);
-  double friction = 0;
-  for (int l = c->first_column[a] + 1; l < c->first_column[a + 1]; l++)
-    friction = hypot(friction, s->force[l]);
-  return friction;
+  int first = c->first_column[a] + 1;
+  return nsdae_norm(c->first_column[a + 1] - first, s->force + first);
 }
 
-static double most_friction(const nsdae_event_sharing *s, int a)
+static double most_friction(const nsdae_sharing *s, int a)
 {
   const nsdae_contacts *c = problem_of(s);
   return system_of(s)->contact[c->active[a]].mu * s->force[c->first_column[a]];
 }
 
-static int sticks(const nsdae_event_sharing *s, int a)
+static int sticks(const nsdae_sharing *s, int a)
 {
-  return modes_of(s)->contact[problem_of(s)->active[a]] == NSDAE_MODE_STICK;
+  return s->of->mode[problem_of(s)->active[a]] == NSDAE_MODE_STICK;
 }
 
 /* Whether, of what sticks, nothing leaves its cone. */
-static int holds(const nsdae_event_sharing *s)
+static int holds(const nsdae_sharing *s)
 {
   int all = 1;
   for (int a = 0; a < problem_of(s)->active_count; a++)
@@ -153,7 +144,7 @@ static int holds(const nsdae_event_sharing *s)
   return all;
 }
 
-static void gather_forces(nsdae_event_sharing *s)
+static void gather_forces(nsdae_sharing *s)
 {
   const nsdae_contacts *c = problem_of(s);
   const nsdae_dims *d = &system_of(s)->dims;
@@ -169,9 +160,9 @@ static void gather_forces(nsdae_event_sharing *s)
   }
 }
 
-static void scatter_forces(nsdae_event_sharing *s)
+static void scatter_forces(nsdae_sharing *s)
 {
-  nsdae_contacts *c = &s->acceleration->problem;
+  nsdae_contacts *c = s->of->problem;
   int nt = system_of(s)->dims.nt;
   memcpy(c->delassus.impulse, s->force, (size_t)c->columns * sizeof *c->delassus.impulse);
   for (int a = 0; a < c->active_count; a++) {
@@ -183,22 +174,21 @@ static void scatter_forces(nsdae_event_sharing *s)
 }
 
 /* The closed contact with the largest normal force of those not seen; -1 past the last. */
-static int next_normal(const nsdae_event_sharing *s)
+static int next_normal(const nsdae_sharing *s)
 {
   const nsdae_contacts *c = problem_of(s);
   int next = -1;
   for (int a = 0; a < c->active_count; a++) {
     int column = c->first_column[a];
-    if (modes_of(s)->contact[c->active[a]] == NSDAE_MODE_OPEN || s->rows.seen[column]) continue;
+    if (s->of->mode[c->active[a]] == NSDAE_MODE_OPEN || s->rows.seen[column]) continue;
     if (next < 0 || s->force[column] > s->force[next]) next = column;
   }
   return next;
 }
 
-static void take_normals(nsdae_event_sharing *s)
+static void take_normals(nsdae_sharing *s)
 {
-  const nsdae_sim_options *o = s->acceleration->phase->setting->options;
-  s->rows.sine = fmax(o->rank_tol, LEAST_SINE);
+  s->rows.sine = fmax(s->of->rank_tol, LEAST_SINE);
   nsdae_dependence_start(&s->rows, problem_of(s)->columns, problem_of(s)->delassus.G);
   for (int column = next_normal(s); column >= 0; column = next_normal(s))
     nsdae_dependence_take(&s->rows, column);
@@ -206,7 +196,7 @@ static void take_normals(nsdae_event_sharing *s)
 
 /* The column of what sticks that depends least on those taken; -1 past the last. A row that nearly
  * depends, taken early, would make the rounding of the next ones look like rows. */
-static int next_sticking(nsdae_event_sharing *s)
+static int next_sticking(nsdae_sharing *s)
 {
   const nsdae_contacts *c = problem_of(s);
   int next = -1;
@@ -222,23 +212,23 @@ static int next_sticking(nsdae_event_sharing *s)
   return next;
 }
 
-static void take_sticking(nsdae_event_sharing *s)
+static void take_sticking(nsdae_sharing *s)
 {
   for (int column = next_sticking(s); column >= 0; column = next_sticking(s))
     nsdae_dependence_take(&s->rows, column);
 }
 
 /* Friction of what slides is in the columns of normal forces: then their z are others. */
-static int any_sliding(const nsdae_event_sharing *s)
+static int any_sliding(const nsdae_sharing *s)
 {
   int any = 0;
   for (int i = 0; i < system_of(s)->dims.k; i++)
-    any |= modes_of(s)->contact[i] != NSDAE_MODE_OPEN && s->acceleration->is.moving[i];
+    any |= s->of->mode[i] != NSDAE_MODE_OPEN && s->of->moving[i];
   return any;
 }
 
 /* Relations and forces of all that depend: normal forces even or kept, friction even or kept. */
-static int relate(nsdae_event_sharing *s, int even_normal, int even_friction)
+static int relate(nsdae_sharing *s, int even_normal, int even_friction)
 {
   gather_forces(s);
   for (int i = 0; i < s->rows.dependent_count; i++) {
@@ -252,7 +242,7 @@ static int relate(nsdae_event_sharing *s, int even_normal, int even_friction)
 }
 
 /* Friction that is used of what there can be, of the a-th closed contact. */
-static double share_used(const nsdae_event_sharing *s, int a)
+static double share_used(const nsdae_sharing *s, int a)
 {
   double most = most_friction(s, a);
   return sticks(s, a) && most > 0 ? friction_of(s, a) / most : 0;
@@ -260,7 +250,7 @@ static double share_used(const nsdae_event_sharing *s, int a)
 
 /* Each weight times what its contact uses, the largest 1. Those that get none would leave relations
  * that rounding rules. */
-static void emphasise(nsdae_event_sharing *s)
+static void emphasise(nsdae_sharing *s)
 {
   double most = 0;
   int count = problem_of(s)->active_count;
@@ -272,7 +262,7 @@ static void emphasise(nsdae_event_sharing *s)
 /* Where friction is nearly used up somewhere, weights that ask for the least |F_T| / (mu F_N) of
  * the largest: each times that of its contact (Lawson 1961). So that no contact is at its limit
  * before all must be. */
-static int relate_friction(nsdae_event_sharing *s, int even_normal)
+static int relate_friction(nsdae_sharing *s, int even_normal)
 {
   int related = 0;
   double worst = 1;
@@ -286,38 +276,31 @@ static int relate_friction(nsdae_event_sharing *s, int even_normal)
   return related;
 }
 
-static void restore_solution(nsdae_event_sharing *s)
+static void restore_solution(nsdae_sharing *s)
 {
   size_t k = (size_t)system_of(s)->dims.k, columns = (size_t)problem_of(s)->columns;
-  memcpy(modes_of(s)->contact, s->solved_mode, k * sizeof *s->solved_mode);
+  memcpy(s->of->mode, s->solved_mode, k * sizeof *s->solved_mode);
   memcpy(s->force, s->solved, columns * sizeof *s->force);
   scatter_forces(s);
 }
 
-static double slip_rate(const nsdae_contacts *c, int i)
+/* A contact at rest whose friction is all used, and which does not begin to slide, sticks: others
+ * hold it. Where one just broke away its neighbours are about to. */
+static void hold_resting(const nsdae_sharing *s)
 {
-  int nt = c->system->dims.nt;
-  double rate = 0;
-  for (int l = 0; l < nt; l++) rate = hypot(rate, c->results->after_t[i * nt + l]);
-  return rate;
-}
-
-void nsdae_event_hold_resting(nsdae_event_acceleration *p)
-{
-  const nsdae_contacts *c = &p->problem;
-  int *mode = p->phase->modes.contact, any = 0;
-  double size = nsdae_event_acceleration_size(p);
-  for (int i = 0; i < c->system->dims.k; i++) any |= p->is.breakaway[i];
+  const nsdae_contacts *c = problem_of(s);
+  int *mode = s->of->mode, any = 0, nt = system_of(s)->dims.nt;
+  for (int i = 0; i < c->system->dims.k; i++) any |= s->of->breakaway[i];
   for (int a = 0; a < c->active_count && !any; a++) {
     int i = c->active[a];
-    if (mode[i] != NSDAE_MODE_SLIDE || p->is.moving[i] || !(c->results->normal[i] > 0)) continue;
-    if (c->law[i].columns == 1 || nsdae_event_powerless(c, c->first_column[a] + 1)) continue;
-    if (slip_rate(c, i) <= size) mode[i] = NSDAE_MODE_STICK;
+    if (mode[i] != NSDAE_MODE_SLIDE || s->of->moving[i] || !(c->results->normal[i] > 0)) continue;
+    if (c->law[i].columns == 1 || nsdae_contacts_powerless(c, c->first_column[a] + 1)) continue;
+    if (nsdae_norm(nt, c->results->after_t + i * nt) <= s->of->none) mode[i] = NSDAE_MODE_STICK;
   }
 }
 
 /* From the modes and forces of the problem's solution. */
-static int try_forces(nsdae_event_sharing *s, int even_normal, int even_friction)
+static int try_forces(nsdae_sharing *s, int even_normal, int even_friction)
 {
   restore_solution(s);
   for (int a = 0; a < problem_of(s)->active_count; a++) s->emphasis[a] = 1;
@@ -326,7 +309,7 @@ static int try_forces(nsdae_event_sharing *s, int even_normal, int even_friction
   nsdae_dependence_combine(&s->rows);
   if (even_normal && (any_sliding(s) || !relate(s, 1, 0))) return 0;
   scatter_forces(s);
-  nsdae_event_hold_resting(s->acceleration);
+  hold_resting(s);
   gather_forces(s);
   take_normals(s);
   take_sticking(s);
@@ -336,9 +319,9 @@ static int try_forces(nsdae_event_sharing *s, int even_normal, int even_friction
 }
 
 /* The relations by the numbers of the phase's forces. */
-static void hand_over(nsdae_event_sharing *s)
+static void hand_over(nsdae_sharing *s)
 {
-  nsdae_event_modes *m = modes_of(s);
+  const nsdae_shared *m = s->of;
   const nsdae_dims *d = &system_of(s)->dims;
   size_t all = (size_t)(d->k * (1 + d->nt));
   memset(m->related, 0, all * sizeof *m->related);
@@ -353,41 +336,35 @@ static void hand_over(nsdae_event_sharing *s)
 }
 
 /* Slides come last; one that depends keeps its part of |lambda|. */
-static void take_slides(nsdae_event_sharing *s)
+static void take_slides(nsdae_sharing *s)
 {
   const nsdae_contacts *c = problem_of(s);
-  nsdae_event_modes *m = modes_of(s);
-  const double *lambda = s->acceleration->lambda;
+  const nsdae_shared *m = s->of;
   for (int i = 0; i < c->slide_count; i++) {
     int j = c->slide[i];
-    double most = system_of(s)->slide[j].mu * fabs(lambda[system_of(s)->slide[j].constraint]);
+    double most = system_of(s)->slide[j].mu * fabs(m->lambda[system_of(s)->slide[j].constraint]);
     m->slide_part[j] = m->slide_sense[j];
-    if (m->slide[j] != NSDAE_MODE_STICK) continue;
+    if (m->slide_mode[j] != NSDAE_MODE_STICK) continue;
     m->slide_row[j] = nsdae_dependence_take(&s->rows, contact_columns(s) + i);
     m->slide_part[j] = most > 0 ? -c->results->slide_impulse[j] / most : 0;
   }
 }
 
-int nsdae_event_share(nsdae_event_sharing *s)
+int nsdae_share(nsdae_sharing *s, const nsdae_shared *of)
 {
   static const int even[4][2] = {{1, 1}, {1, 0}, {0, 1}, {0, 0}};
-  const nsdae_event_setting *setting = s->acceleration->phase->setting;
-  const nsdae_contacts *c = problem_of(s);
+  const nsdae_contacts *c = of->problem;
   int found = 0;
-  memcpy(s->solved_mode, modes_of(s)->contact, (size_t)c->system->dims.k * sizeof(int));
+  s->of = of;
+  memcpy(s->solved_mode, of->mode, (size_t)c->system->dims.k * sizeof(int));
   memcpy(s->solved, c->delassus.impulse, (size_t)c->columns * sizeof *s->solved);
   for (int i = 0; i < 4 && !found; i++) found = try_forces(s, even[i][0], even[i][1]);
-  if (!found) {
+  if (found) {
+    scatter_forces(s);
+    hand_over(s);
+    take_slides(s);
+  } else {
     restore_solution(s);
-    nsdae_error_set(setting->error, NSDAE_E_CONVERGENCE, "nsdae_event", "polygon",
-                    "no friction of the contacts that stick at t = %.17g was found that holds "
-                    "them: try more edges of the polygon, or method = implicit",
-                    setting->here->t);
-    setting->error->time = setting->here->t;
-    return NSDAE_E_CONVERGENCE;
   }
-  scatter_forces(s);
-  hand_over(s);
-  take_slides(s);
-  return NSDAE_OK;
+  return found;
 }

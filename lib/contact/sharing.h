@@ -13,15 +13,29 @@
  * Even is tried first, and taken if with F + Z a that fulfils it nothing pulls and no friction
  * leaves its cone. Each of them is a solution. Where the dependence ends, the gap of such a contact
  * leaves zero and ends the phase. */
-#ifndef NSDAE_EVENT_SHARING_H
-#define NSDAE_EVENT_SHARING_H
+#ifndef NSDAE_CONTACT_SHARING_H
+#define NSDAE_CONTACT_SHARING_H
 
-#include "acceleration.h"
+#include "contacts.h"
 #include "dependence.h"
 
-/* Rows by the columns of the problem of accelerations, n of them; those of slides come last. */
-typedef struct nsdae_event_sharing {
-  nsdae_event_acceleration *acceleration;
+/* A problem of accelerations that is solved, and what becomes of its forces. */
+typedef struct nsdae_shared {
+  nsdae_contacts *problem;             /* its forces may be shared differently afterwards */
+  const double *lambda;                /* m: of its solution */
+  double rank_tol, none;               /* accelerations up to the second are none */
+  int *mode;                           /* k: of the solution; what others hold is to stick */
+  const int *moving, *breakaway;       /* k: slides already; and just began to */
+  const int *slide_mode, *slide_sense; /* f */
+  int *related;                        /* out, by force i for F_N, k + j for F_T: has a relation */
+  double *relation;                    /* their r, by rows */
+  int *slide_row;                      /* out, f: one that sticks has a row */
+  double *slide_part;                  /* out, f: F_S = -mu |lambda| times this if it has none */
+} nsdae_shared;
+
+/* Rows by the columns of the problem, n of them; those of slides come last. */
+typedef struct nsdae_sharing {
+  const nsdae_shared *of; /* in work */
   nsdae_dependence rows;
   int *normal, *force_number; /* n: column of the same contact's normal; of the phase's forces */
   double *relation;           /* n x n, by rows */
@@ -31,16 +45,12 @@ typedef struct nsdae_event_sharing {
   int *solved_mode;           /* k */
   double *system, *shift;     /* n x n, n: of fulfil_relations */
   int *pivot;                 /* n */
-} nsdae_event_sharing;
+} nsdae_sharing;
 
-void nsdae_event_sharing_layout(nsdae_event_sharing *sharing, nsdae_arena *arena);
+void nsdae_sharing_layout(nsdae_sharing *sharing, const nsdae_dims *dims, nsdae_arena *arena);
 
-/* The modes' rows and relations, from the problem's solution; the forces there may be shared
- * differently afterwards. NSDAE_OK or NSDAE_E_CONVERGENCE with the record. */
-int nsdae_event_share(nsdae_event_sharing *sharing);
-
-/* A contact at rest whose friction is all used, and which does not begin to slide, sticks: others
- * hold it. Where one just broke away its neighbours are about to. */
-void nsdae_event_hold_resting(nsdae_event_acceleration *acceleration);
+/* Rows and relations. 1; 0 where no friction was found that holds what sticks, and all is as it
+ * was. */
+int nsdae_share(nsdae_sharing *sharing, const nsdae_shared *of);
 
 #endif

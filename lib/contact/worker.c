@@ -1,0 +1,167 @@
+#include "worker.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "errors.h"
+#include "single.h"
+
+void nsdae_worker_prepare(nsdae_worker *w, const nsdae_system *system,
+                          const nsdae_lcp_options *options, double rank_tol, int least_norm)
+{
+  nsdae_local_prepare(&w->local, system, &w->error, options, rank_tol);
+  w->tol = options->tol;
+  w->least_norm = least_norm;
+}
+
+void nsdae_worker_layout(nsdae_worker *w, const nsdae_system *system, nsdae_arena *arena)
+{
+  nsdae_local_layout(&w->local, arena);
+  nsdae_stack_layout(&w->stack, system, arena);
+  w->L = NSDAE_ARENA_DOUBLES(arena, nsdae_blocks_largest(&system->blocks));
+}
+
+int nsdae_worker_grow(nsdae_worker *w, const nsdae_room *contacts)
+{
+  int status = w->solver ? NSDAE_OK : nsdae_friction_create(&w->solver);
+  return status < 0 ? status : nsdae_stack_grow(&w->stack, contacts);
+}
+
+void nsdae_worker_release(nsdae_worker *w)
+{
+  nsdae_stack_release(&w->stack);
+  nsdae_saddle_release(&w->saddle);
+  nsdae_friction_destroy(&w->solver);
+}
+
+void nsdae_worker_begin(nsdae_worker *w)
+{
+  nsdae_error_clear(&w->error);
+  w->failed = -1;
+  w->solved = (nsdae_solved){0};
+}
+
+void nsdae_solved_add(nsdae_solved *sum, const nsdae_solved *one)
+{
+  sum->residual = fmax(sum->residual, one->residual);
+  sum->noise = fmax(sum->noise, one->noise);
+  sum->pivots += one->pivots;
+  sum->lcps += one->lcps;
+  sum->rank += one->rank;
+  if (one->contacts > sum->contacts) sum->contacts = one->contacts;
+}
+
+static int bad_mass(nsdae_worker *w, const nsdae_system *system, int b, int pivot)
+{
+  nsdae_error_set(&w->error, NSDAE_E_MASS, "nsdae_terms", "mass_blocks",
+                  "the mass matrix of block %d is not positive definite: pivot %d of %d is not "
+                  "above rounding; check the callback mass_blocks",
+                  b, pivot, nsdae_blocks_size(&system->blocks, b));
+  w->error.index = system->blocks.first[b] + pivot - 1;
+  return NSDAE_E_MASS;
+}
+
+int nsdae_worker_solve_block(nsdae_worker *w, const nsdae_system *system, const double *M, int b,
+                             double *x)
+{
+  nsdae_block_factor factor = {.L = w->L};
+  int pivot = nsdae_blocks_factor(&system->blocks, b, M, &factor);
+  if (pivot) return bad_mass(w, system, b, pivot);
+  nsdae_blocks_solve(&factor, x);
+  return NSDAE_OK;
+}
+
+/* One contact in closed form; 0 where it is not of that kind, or more than rounding is left. */
+static int solve_single(nsdae_worker *w, const nsdae_whole *whole, int island)
+{
+  double residual;
+  if (!nsdae_single_fits(whole, island) || !nsdae_single_solve(whole, island, &residual)) return 0;
+  w->solved.lcps++;
+  w->solved.residual = fmax(w->solved.residual, residual);
+  return 1;
+}
+
+/* A large island without friction; 0 where another way must be found. */
+static int solve_stack(nsdae_worker *w, const nsdae_whole *whole, int island)
+{
+  nsdae_stack *c = &w->stack;
+  if (!nsdae_stack_solve(c, whole, island, w->tol, w->L)) return 0;
+  w->solved.lcps++;
+  w->solved.pivots += c->rounds;
+  w->solved.residual = fmax(w->solved.residual, c->residual);
+  return 1;
+}
+
+static int solve_local(nsdae_worker *w, const nsdae_whole *whole, int island, int with_contacts)
+{
+  nsdae_local *l = &w->local;
+  nsdae_solved *s = &w->solved;
+  int status = nsdae_local_solve(l, whole, island, with_contacts, w->least_norm);
+  const nsdae_lcp_info *info = &l->contacts.lcp.info;
+  s->rank += l->kkt.rank;
+  if (nsdae_contacts_any(&l->contacts)) {
+    s->lcps++;
+    s->pivots += info->pivots;
+    s->residual = fmax(s->residual, info->residual);
+  }
+  if (status < 0 && status != NSDAE_E_MASS && status != NSDAE_E_RANK) s->problem = &l->contacts;
+  return status;
+}
+
+/* A large island without contacts. */
+static int solve_sparse(nsdae_worker *w, const nsdae_whole *whole, int island)
+{
+  const nsdae_graph *is = whole->islands;
+  int m = nsdae_members_count(&is->row, island);
+  int status = nsdae_saddle_solve(
+      &w->saddle, &whole->system->blocks, &whole->terms->by.jacobian, whole->M,
+      nsdae_members_count(&is->block, island), is->block.of + is->block.first[island], m,
+      is->row.of + is->row.first[island], whole->r, whole->v, whole->lambda);
+  w->solved.rank += m;
+  if (status == NSDAE_OK) return status;
+  return nsdae_error_set(&w->error, status, "nsdae_terms", "constraint_rows",
+                         "the equations of the island of block %d, with %d constraints, were not "
+                         "solved at t = %.17g: %s",
+                         is->block.of[is->block.first[island]], m, whole->terms->t,
+                         nsdae_status_message(status));
+}
+
+int nsdae_worker_solve(nsdae_worker *w, const nsdae_whole *whole, int island, int with_contacts,
+                       int *cones)
+{
+  int contacts = nsdae_members_count(&whole->islands->contact, island);
+  *cones = 0;
+  if (contacts > w->solved.contacts) w->solved.contacts = contacts;
+  if (with_contacts && solve_single(w, whole, island)) return NSDAE_OK;
+  if (nsdae_local_fits(whole, island)) return solve_local(w, whole, island, with_contacts);
+  if (!with_contacts || contacts == 0) return solve_sparse(w, whole, island);
+  *cones = !solve_stack(w, whole, island);
+  return NSDAE_OK;
+}
+
+/* What stopped the problem: a mass, where one is not positive definite. */
+static int cause_of(nsdae_worker *w, const nsdae_whole *whole, int island, int status)
+{
+  const nsdae_members *members = &whole->islands->block;
+  nsdae_block_factor factor = {.L = w->L};
+  for (int i = members->first[island]; i < members->first[island + 1]; i++) {
+    int b = members->of[i];
+    int pivot = nsdae_blocks_factor(&whole->system->blocks, b, whole->M, &factor);
+    if (pivot) return bad_mass(w, whole->system, b, pivot);
+  }
+  return status;
+}
+
+int nsdae_worker_solve_cones(nsdae_worker *w, nsdae_pile *pile, const nsdae_whole *whole, int part)
+{
+  nsdae_solved *s = &w->solved;
+  nsdae_pile_work work = {.solver = w->solver, .L = w->L, .tol = w->tol, .error = &w->error};
+  int status = nsdae_pile_solve(pile, whole, part, &work);
+  if (status < 0) status = cause_of(w, whole, pile->part[part].island, status);
+  s->lcps++;
+  s->pivots += work.info.sweeps + work.info.iterations;
+  s->rank += work.bilateral;
+  s->residual = fmax(s->residual, work.info.residual);
+  s->noise = fmax(s->noise, 1e2 * fmax(work.info.residual, w->tol));
+  return status;
+}

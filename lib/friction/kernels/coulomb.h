@@ -1,0 +1,20 @@
+/* One contact with Coulomb's law, u = D r + q, solved exactly. */
+#ifndef NSDAE_FRICTION_COULOMB_H
+#define NSDAE_FRICTION_COULOMB_H
+
+/* D [9], row-major, positive definite, in the frame in which D[5] = D[7] = 0. slip in: a guess at
+ * |u_T| / |r_T| of a contact that slides; out: it, zero where it sticks. */
+void nsdae_fc_solve_contact(const double *D, const double *q, double mu, double *slip, double *r);
+
+/* Turns D, symmetric, about the normal into that frame; by: cosine and sine of the turn. */
+void nsdae_fc_turn_matrix(double *D, double *by);
+
+/* x_T into that frame, or back (sign -1). */
+static inline void nsdae_fc_turn(const double *by, double sign, double *x)
+{
+  double held = x[1];
+  x[1] = by[0] * held + sign * by[1] * x[2];
+  x[2] = by[0] * x[2] - sign * by[1] * held;
+}
+
+#endif

@@ -1,0 +1,119 @@
+/* Kernels that solve one contact at a time. */
+#include <math.h>
+#include <nsdae/kernels.h>
+#include <stddef.h>
+#include <string.h>
+
+#include "cone.h"
+#include "coulomb.h"
+#include "finite.h"
+#include "plain.h"
+
+/* One contact in its own frame. */
+typedef struct own {
+  double D[9], turn[2], slip;
+} own;
+
+enum { OWN = sizeof(own) / sizeof(double) };
+
+/* Whether D, in its frame, is positive definite: both tangents, and the normal that they leave. */
+static int is_definite(const double *D)
+{
+  return D[0] > 0 && D[4] > 0 && D[8] > 0 && D[0] - D[1] * D[1] / D[4] - D[2] * D[2] / D[8] > 0;
+}
+
+/* Returns 0, or 1 where the diagonal block is not positive definite. */
+static int prepare(const nsdae_fc_plain *p, int c, int i, own *o)
+{
+  nsdae_fc_plain_diagonal(p, c, i, o->D);
+  nsdae_fc_turn_matrix(o->D, o->turn);
+  o->slip = 0;
+  return !is_definite(o->D);
+}
+
+/* The r [3] that obeys the law of contact c, if with the impulse old [3] its velocity is u [3]. */
+static void solve(const nsdae_fc_plain *p, int c, own *o, const double *old, const double *u,
+                  double *r)
+{
+  double q[3] = {u[0], u[1], u[2]}, from[3] = {old[0], old[1], old[2]};
+  if (nsdae_fc_plain_kind(p, c) == NSDAE_FC_NORMAL) { /* the rest of its impulse goes */
+    nsdae_fc_turn(o->turn, 1, from);
+    r[0] = fmax(0, old[0] - (u[0] - o->D[1] * from[1] - o->D[2] * from[2]) / o->D[0]);
+    r[1] = r[2] = 0;
+    return;
+  }
+  nsdae_fc_turn(o->turn, 1, q);
+  nsdae_fc_turn(o->turn, 1, from);
+  for (int j = 0; j < 3; j++)
+    for (int k = 0; k < 3; k++) q[j] -= o->D[3 * j + k] * from[k];
+  nsdae_fc_solve_contact(o->D, q, p->mu[c], &o->slip, r);
+  nsdae_fc_turn(o->turn, -1, r);
+}
+
+int nsdae_dfccon(int rows, const double *a, int lda, const double *q, double mu, double *r,
+                 double *u, double *residual)
+{
+  const nsdae_fc_plain p = {1, &rows, a, lda, q, &mu};
+  static const int place[] = {0, 0, -1, -2, -3, -4, -5};
+  int m, info = nsdae_fc_plain_check(&p, 1, &m);
+  if (info != 0) return place[-info];
+  if (!r) return -6;
+  if (!u) return -7;
+  if (!residual) return -8;
+  double zero[3] = {0}, v[3] = {0}, x[3];
+  own o;
+  memcpy(v, q, (size_t)rows * sizeof *v);
+  if (prepare(&p, 0, 0, &o) != 0) return 1;
+  solve(&p, 0, &o, zero, v, x);
+  memcpy(r, x, (size_t)rows * sizeof *r);
+  return nsdae_dfcres(1, &rows, a, lda, q, &mu, r, u, residual) == 0 ? 0 : 2;
+}
+
+/* One sweep; u = W r + q goes along with r. */
+static void sweep(const nsdae_fc_plain *p, int m, own *all, double *r, double *u)
+{
+  for (int c = 0, i = 0; c < p->nc; c++) {
+    int rows = nsdae_fc_plain_rows(p, c);
+    double old[3] = {0}, v[3] = {0}, next[3];
+    memcpy(old, r + i, (size_t)rows * sizeof *old);
+    memcpy(v, u + i, (size_t)rows * sizeof *v);
+    solve(p, c, all + c, old, v, next);
+    for (int k = 0; k < rows; k++, i++) {
+      const double *column = p->a + (size_t)i * (size_t)p->lda;
+      double change = next[k] - old[k];
+      for (int j = 0; j < m && change != 0; j++) u[j] += change * column[j];
+      r[i] = next[k];
+    }
+  }
+}
+
+int nsdae_dfcbgs(int nc, const int *rows, const double *a, int lda, const double *q,
+                 const double *mu, double tol, int max_iter, double *r, int *iterations,
+                 double *residual, double *work, int lwork)
+{
+  const nsdae_fc_plain p = {nc, rows, a, lda, q, mu};
+  int m, info = nsdae_fc_plain_check(&p, lwork != -1, &m);
+  if (info == -1 || info == -2) return info;
+  if (!work) return -12;
+  if (lwork == -1) {
+    work[0] = (double)m + OWN * (double)nc;
+    return 0;
+  }
+  if (info != 0) return info;
+  if (!(tol >= 0)) return -7;
+  if (max_iter < 0) return -8;
+  if (!nsdae_lcp_finite(m, 1, r, m)) return -9;
+  if (!iterations) return -10;
+  if (!residual) return -11;
+  if (lwork < m + OWN * nc) return -13;
+  own *all = (own *)(void *)work;
+  double *u = work + (size_t)OWN * (size_t)nc;
+  for (int c = 0, i = 0; c < nc; i += nsdae_fc_plain_rows(&p, c++))
+    if (prepare(&p, c, i, all + c) != 0) return 2;
+  for (*iterations = 0;; ++*iterations) {
+    if (nsdae_dfcres(nc, rows, a, lda, q, mu, r, u, residual) != 0) return 3;
+    if (*residual <= tol) return 0;
+    if (*iterations == max_iter) return 1;
+    sweep(&p, m, all, r, u);
+  }
+}

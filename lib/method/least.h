@@ -1,0 +1,30 @@
+/* The least change d, in the metric of M, that meets rows:
+ *
+ *   min d^T M d / 2 - r^T d,  J d = c        M d + J^T l = r,  J d = c
+ *
+ * of positions along H, or of velocities (Ascher and Petzold, "Computer Methods for Ordinary
+ * Differential Equations", 1998, section 9.2). Rows may depend on each other. */
+#ifndef NSDAE_METHOD_LEAST_H
+#define NSDAE_METHOD_LEAST_H
+
+#include "terms.h"
+
+typedef struct nsdae_least {
+  nsdae_kkt kkt;
+  int most, rows; /* that there is room for; appended so far */
+  double *J, *c;  /* most x nv; most: right-hand side, then l */
+  double *change; /* nv: r, then d */
+} nsdae_least;
+
+void nsdae_least_layout(nsdae_least *least, int nv, int most, double rank_tol, nsdae_arena *arena);
+
+/* Without rows, and with r = 0. */
+void nsdae_least_start(nsdae_least *least);
+
+/* Appends W^T d = -missing; the entries of W are stride apart. Returns sum |W|. */
+double nsdae_least_append(nsdae_least *least, const double *W, size_t stride, double missing);
+
+/* change and c, with the terms' M. NSDAE_OK, or NSDAE_E_MASS with the record. */
+int nsdae_least_solve(nsdae_least *least, const nsdae_terms *terms);
+
+#endif

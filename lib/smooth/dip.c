@@ -1,0 +1,104 @@
+#include "dip.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Of a time in a step: to the last digits. */
+enum { BISECTIONS = 60 };
+
+void nsdae_dip_layout(nsdae_dip *p, nsdae_arena *arena)
+{
+  p->value = NSDAE_ARENA_DOUBLES(arena, 4L * p->count);
+  p->rate = NSDAE_ARENA_DOUBLES(arena, 4L * p->count);
+}
+
+void nsdae_dip_start(nsdae_dip *p)
+{
+  p->known = NAN;
+}
+
+/* As the point number of the step. */
+static int look(nsdae_dip *p, double t, int point)
+{
+  return p->look(t, p->value + point * p->count, p->rate + point * p->count, p->user);
+}
+
+/* Function i at t; its rate in *rate. */
+static double value_at(nsdae_dip *p, int i, double t, double *rate, int *status)
+{
+  *status = look(p, t, 3);
+  *rate = p->rate[3 * p->count + i];
+  return p->value[3 * p->count + i];
+}
+
+/* Where function i, above zero and falling at a, is below at b, or, above and rising there, is
+ * below zero in between: its fall through zero, or INFINITY. Lowest point and fall by bisection. */
+static double fall_of(nsdae_dip *p, int i, double a, double b, double deep, int *status)
+{
+  double low = a, rate = 0, value = value_at(p, i, b, &rate, status);
+  for (int n = 0; n < BISECTIONS && value > -deep && *status == 0; n++) {
+    double t = (a + b) / 2;
+    value = value_at(p, i, t, &rate, status);
+    *(rate < 0 ? &a : &b) = t;
+    if (value <= -deep) b = t;
+  }
+  if (value > -deep || *status < 0) return INFINITY;
+  for (int n = 0; n < BISECTIONS && *status == 0; n++) {
+    double t = (low + b) / 2;
+    *(value_at(p, i, t, &rate, status) > 0 ? &low : &b) = t;
+  }
+  return b;
+}
+
+/* Whether the parabola through what is known at both ends, points first and first + 1 of the step,
+ * could come near zero in between. */
+static int may_touch(const nsdae_dip *p, int i, int first, double h)
+{
+  int k = p->count;
+  const double *value = p->value + first * k + i, *rate = p->rate + first * k + i;
+  if (first == 0 && value[0] > 0 && value[k] <= 0) return 1;
+  if (!(value[0] > 0 && value[k] > 0 && rate[0] < 0 && rate[k] > 0)) return 0;
+  return fmin(value[0], value[k]) < h * fmax(-rate[0], rate[k]);
+}
+
+/* Whether, at the rates of the step's ends, function i could come to zero within h. */
+static int may_reach(const nsdae_dip *p, int i, double h)
+{
+  double fastest = fmax(fabs(p->rate[i]), fabs(p->rate[2 * p->count + i]));
+  return fmin(p->value[i], p->value[2 * p->count + i]) < h * fastest;
+}
+
+/* Both ends of the step: its start is where the one before ended, if that is known. */
+static int look_at_ends(nsdae_dip *p, double from, double to)
+{
+  size_t size = (size_t)p->count * sizeof *p->value;
+  int status = 0;
+  if (p->known == from) {
+    memcpy(p->value, p->value + 2 * p->count, size);
+    memcpy(p->rate, p->rate + 2 * p->count, size);
+  } else {
+    status = look(p, from, 0);
+  }
+  p->known = to;
+  return status < 0 ? status : look(p, to, 2);
+}
+
+int nsdae_dip_find(nsdae_dip *p, double from, double to, const int *out, double deep, double *when,
+                   int *which)
+{
+  double h = (to - from) / 2;
+  int any = 0, status = 0;
+  *when = INFINITY;
+  for (int i = 0; i < p->count; i++) any |= !out[i];
+  if (any) status = look_at_ends(p, from, to);
+  any = 0;
+  for (int i = 0; i < p->count && status == 0; i++) any |= !out[i] && may_reach(p, i, 2 * h);
+  if (any) status = look(p, from + h, 1);
+  for (int i = 0; i < p->count && any && status == 0; i++)
+    for (int half = 0; half < 2 && !out[i] && status == 0; half++) {
+      if (!may_touch(p, i, half, h)) continue;
+      double a = from + half * h, t = fall_of(p, i, a, half ? to : a + h, deep, &status);
+      if (t < *when) *when = t, *which = i;
+    }
+  return status;
+}
