@@ -309,3 +309,66 @@ def test_lists_in_numba():
         return 0
 
     same(*(nsdae.solve(column(contacts=c), 0.3, HIGH, method="moreau") for c in (contacts, None)))
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_random_columns(seed):
+    """Balls of random masses, starts and restitutions, each with up to eight velocities of which a random mixture is its
+    height: as a list of contacts and as numbered ones, by the same method."""
+    draw = np.random.default_rng(seed)
+    n = int(draw.integers(2, 7))
+    size = draw.integers(1, 9, n)
+    first = np.concatenate([[0], np.cumsum(size)])
+    part = [draw.uniform(-1, 1, s) + np.eye(s)[0] * 2 for s in size]  # height = part . q of the block
+    matrix = [np.diag(draw.uniform(0.5, 5, s)) + 0.2 * np.outer(p, p) for s, p in zip(size, part)]
+    e_n, mass = draw.uniform(0, 0.9, n), draw.uniform(0.5, 5, n)
+
+    def heights(q):
+        return np.array([p @ q[a : a + len(p)] for p, a in zip(part, first)])
+
+    def force(t, q, v, F):
+        for p, a, m in zip(part, first, mass):
+            F[a : a + len(p)] = -G * m * p
+
+    def gaps(q):
+        return np.diff(heights(q), prepend=-0.5) - 1
+
+    def mass_blocks(t, q, M):
+        if size.min() == size.max():
+            M[:] = matrix
+        else:
+            for m, value in zip(M, matrix):
+                m[...] = value
+
+    def dense_mass(t, q, M):
+        for a, m in zip(first, matrix):
+            M[a : a + len(m), a : a + len(m)] = m
+
+    def contacts(t, q, v, reach, found):
+        gap, direction = gaps(q), np.zeros((n, 2, 1, size.max()))
+        for i in range(n):
+            direction[i, 0, 0, : size[i]] = part[i]
+            if i > 0:
+                direction[i, 1, 0, : size[i - 1]] = -part[i - 1]
+        near = gap <= reach
+        block = np.column_stack([np.arange(n), np.arange(n) - 1])
+        found.add(np.flatnonzero(near) * 7 - 3, block[near], gap[near], direction[near], e_n=e_n[near])
+
+    def gap_normal(t, q, W):
+        for i in range(n):
+            W[first[i] : first[i + 1], i] = part[i]
+            if i > 0:
+                W[first[i - 1] : first[i], i] = -part[i - 1]
+
+    def gap(t, q, g):
+        g[:] = gaps(q)
+
+    high = np.cumsum(1 + draw.uniform(0, 0.2, n)) - 0.5
+    q0 = np.concatenate([h * p / (p @ p) for h, p in zip(high, part)])
+    v0 = draw.uniform(-1, 1, len(q0))
+    listed = nsdae.System(blocks=size, mass_blocks=mass_blocks, force=force, contacts=contacts)
+    dense = nsdae.System(nq=len(q0), k=n, e_n=e_n, mass=dense_mass, force=force, gap=gap, gap_normal=gap_normal)
+    assert listed.check(q0).error < 1e-6
+    a, b = (nsdae.solve(s, 0.3, q0, v0, method="moreau", dt=2e-3) for s in (listed, dense))
+    assert np.allclose(a.q, b.q, atol=1e-8) and np.allclose(a.v, b.v, atol=1e-6)
+    assert len(a.impacts) == len(b.impacts) and (a.contacts["mode"] > 0).sum() == (b.mode > 0).sum()

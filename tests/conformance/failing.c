@@ -360,13 +360,42 @@ static void test_event(void **state)
   attack_all(NSDAE_METHOD_EVENT);
 }
 
+/* Far from its start: a motion that is smooth for 70 s, at 250 m/s in the end. A method event that
+ * lets constraints drift finds an impact at 68 s which takes all of its speed: energy and
+ * constraint tell. */
+static void test_far(void **state)
+{
+  static bench b;
+  nsdae_stats stats;
+  nsdae_record r;
+  (void)state;
+  use_random(&b, 6);
+  b.options.method = NSDAE_METHOD_EVENT;
+  b.options.rtol = 1e-6;
+  nsdae_sim *sim = make(&b);
+  if (sim) {
+    b.failing.term = -1;
+    failing_system_rewind(&b.failing);
+    assert_int_equal(nsdae_sim_init(sim, 0, b.q0, b.v0), NSDAE_OK);
+    assert_int_equal(nsdae_sim_run(sim, 70), NSDAE_OK);
+    nsdae_sim_get_stats(sim, &stats);
+    nsdae_sim_get_record(sim, &r);
+    assert_int_equal(stats.impacts, 0);
+    assert_true(r.kinetic > 5e4);
+    assert_at_most(fabs(stats.energy_balance), 100 * b.options.rtol * r.kinetic);
+    assert_at_most(stats.worst_drift, b.options.rtol);
+    nsdae_sim_destroy(&sim);
+  }
+  done(&b);
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_once),     cmocka_unit_test(test_projected),
       cmocka_unit_test(test_implicit), cmocka_unit_test(test_printed),
       cmocka_unit_test(test_moreau),   cmocka_unit_test(test_penalty),
-      cmocka_unit_test(test_event),
+      cmocka_unit_test(test_event),    cmocka_unit_test(test_far),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
