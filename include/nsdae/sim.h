@@ -271,7 +271,7 @@ NSDAE_API int nsdae_sim_get_failed_lcp(const nsdae_sim *sim, nsdae_lcp_problem *
  * velocities [m/s]. In the local form; of contacts by list in the global one, with the contacts and
  * constraints of the large islands. */
 typedef struct nsdae_step_friction {
-  nsdae_friction_problem problem;
+  nsdae_friction_problem problem; /* its arrays are the simulation's */
   nsdae_friction_options options; /* as it was solved */
   const double *guess;            /* rows: where the solver began */
   const double *r, *u;            /* rows: impulses and velocities that it ended with */

@@ -51,7 +51,7 @@ CHANGES = (
     ("mode_before", "1", "0 open, 1 slide, 2 stick"), ("mode_after", "1", "0 open, 1 slide, 2 stick"),
 )
 CONTACTS = (
-    ("block", "1", "the blocks that touch; -1: the ground", ("contacts/id", "contacts/side")),
+    ("block", "1", "the blocks that touch; -1: the ground", ("contacts/id", "side")),
     ("gap", "m", "normal distance where the method looked last, negative where bodies overlap", ("contacts/id",)),
     ("normal_impulse", "N s", "normal impulse of the step", ("contacts/id",)),
     ("tangential_impulse", "N s", "tangential impulse of the step", ("contacts/id", "tangent")),
@@ -122,7 +122,7 @@ def _put_events(file: Any, group: str, rows: np.ndarray, table: Any, said: str, 
                 continue
         made = _put(file, f"{group}/{name}", np.ascontiguousarray(values), unit, description, (time,))
         if values.ndim == 2:
-            made.dims[1].attach_scale(file["contacts/side" if name == "block" else "tangent"])
+            made.dims[1].attach_scale(file["side" if name == "block" else "tangent"])
 
 
 def _put_contacts(file: Any, trajectory: Trajectory, nt: int) -> None:
@@ -133,7 +133,7 @@ def _put_contacts(file: Any, trajectory: Trajectory, nt: int) -> None:
     _put(file, "contacts/count", count, "1", "how many they are: contacts that were closed in the step that ends here",
          ("time",))
     _put(file, "contacts/id", rows["id"], "1", "which contact, the same at all times", ("contacts/id",))
-    _put(file, "contacts/side", _text(["first", "second"]), "", "sides of a contact", ("contacts/side",))
+    _put(file, "side", _text(["first", "second"]), "", "sides of a contact", ("side",))
     for name, unit, description, scales in CONTACTS:
         values = rows[name][:, :nt] if name == "tangential_impulse" else rows[name]
         if all(values.shape[1:]):

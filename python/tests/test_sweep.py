@@ -169,7 +169,7 @@ from test_sweep import GRID, bounce, stops_once
 def main():
     try:
         got = nsdae.sweep({"whole": bounce, "stops": stops_once}[sys.argv[3]], GRID, output=sys.argv[2], mpi=True)
-        print("one" if got is None else repr(got))
+        print("not here" if got is None else repr(got))
     except ZeroDivisionError as error:
         print("ended:", error)
 
@@ -201,7 +201,7 @@ def test_ranks_of_mpi(tmp_path):
     for n in (1, 3):
         done = mpirun(n, str(tmp_path / f"{n}.h5"), "whole")
         assert done.returncode == 0 and "12 of 12 runs done" in done.stdout, done
-        assert done.stdout.splitlines().count("one") == n - 1, done
+        assert done.stdout.count("not here") == n - 1, done  # lines of ranks may run into each other
         assert filecmp.cmp(tmp_path / "alone.h5", tmp_path / f"{n}.h5", shallow=False)
     part = tmp_path / "part.h5"
     done = mpirun(2, str(part), "stops")
