@@ -8,6 +8,7 @@
 #include "bouncing_ball.h"
 #include "clearance_hinge.h"
 #include "crank_slider.h"
+#include "disks.h"
 #include "falling_rod.h"
 #include "incline.h"
 #include "newtons_cradle.h"
@@ -416,6 +417,70 @@ static void test_refused_impulses(void **state)
   }
 }
 
+/* A heap of disks whose contacts come by list, after some steps. */
+static nsdae_sim *heap_of(disks *d, nsdae_system **system)
+{
+  enum { DISKS = 6 };
+  double q0[3 * DISKS], v0[3 * DISKS];
+  nsdae_sim_options o;
+  nsdae_sim *sim;
+  disks_create(d, DISKS, 3);
+  *system = disks_system(d);
+  nsdae_sim_options_default(&o);
+  o.method = NSDAE_METHOD_MOREAU;
+  o.dt = 2e-3;
+  disks_start(d, q0, v0);
+  assert_int_equal(nsdae_sim_create(*system, &o, &sim, NULL), NSDAE_OK);
+  assert_int_equal(nsdae_sim_init(sim, 0, q0, v0), NSDAE_OK);
+  assert_true(nsdae_sim_run(sim, 0.3) >= 0);
+  return sim;
+}
+
+/* Each word of a state with contacts by list in turn made another, with a checksum that fits: the
+ * block is refused and nothing has changed, or it is a state, from which a step ends with a status
+ * and finite numbers. The good one afterwards goes on with the same bytes. */
+static void test_damaged_list(void **state)
+{
+  static const uint32_t hostile[] = {0x7ff80000, 0xfffffffb, 0x7fffffff, 0, 0x40000000};
+  disks d;
+  nsdae_system *system;
+  nsdae_record r;
+  size_t size;
+  int refused = 0;
+  (void)state;
+  nsdae_sim *sim = heap_of(&d, &system);
+  nsdae_sim_get_record(sim, &r);
+  assert_true(r.contacts.count > 3);
+  unsigned char *block = state_of(sim, &size), *bad = malloc(size);
+  assert_non_null(bad);
+  assert_true(nsdae_sim_step(sim) >= 0);
+  size_t length;
+  unsigned char *next = state_of(sim, &length);
+  for (size_t i = 0; i + 4 <= size; i += 4)
+    for (size_t h = 0; h < sizeof hostile / sizeof *hostile; h++) {
+      memcpy(bad, block, size);
+      memcpy(bad + i, &hostile[h], 4);
+      put_checksum(bad, size);
+      assert_int_equal(nsdae_sim_set_state(sim, block, size), NSDAE_OK);
+      if (nsdae_sim_set_state(sim, bad, size) == NSDAE_OK)
+        nsdae_sim_step(sim);
+      else
+        refused++, expect_state(sim, block);
+      nsdae_sim_get_record(sim, &r);
+      assert_true(isfinite(r.time) && isfinite(r.q[0]) && isfinite(r.kinetic));
+    }
+  assert_true(refused > 100);
+  assert_int_equal(nsdae_sim_set_state(sim, block, size), NSDAE_OK);
+  assert_true(nsdae_sim_step(sim) >= 0);
+  expect_state(sim, next);
+  free(next);
+  free(bad);
+  free(block);
+  nsdae_sim_destroy(&sim);
+  nsdae_system_destroy(&system);
+  disks_destroy(&d);
+}
+
 static int is_an_option(const char *key)
 {
   return nsdae_params_find(nsdae_sim_options_table(), key) != NULL;
@@ -522,9 +587,10 @@ static void test_long(void **state)
 int main(void)
 {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_elsewhere), cmocka_unit_test(test_observers),
-      cmocka_unit_test(test_refused),   cmocka_unit_test(test_refused_impulses),
-      cmocka_unit_test(test_options),   cmocka_unit_test(test_long),
+      cmocka_unit_test(test_elsewhere),    cmocka_unit_test(test_observers),
+      cmocka_unit_test(test_refused),      cmocka_unit_test(test_refused_impulses),
+      cmocka_unit_test(test_damaged_list), cmocka_unit_test(test_options),
+      cmocka_unit_test(test_long),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

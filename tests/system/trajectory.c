@@ -266,6 +266,31 @@ static void expect_refused(fixture *f, const char *name, const char *words)
   assert_non_null(strstr(error.text, words));
 }
 
+/* Locking is left to whoever says so, as HDF5's own drivers do. */
+static void test_unlocked(void **state)
+{
+  static const char *const words[] = {"FALSE", "0", "TRUE", "BEST_EFFORT"};
+  (void)state;
+  for (int i = 0; i < 4; i++) {
+    fixture f, other;
+    nsdae_error error;
+    nsdae_trajectory_info info = {.model = "other"};
+    nsdae_trajectory *second = NULL;
+    assert_int_equal(setenv("HDF5_USE_FILE_LOCKING", words[i], 1), 0);
+    open_fixture(&f, 0.01);
+    open_fixture(&other, 0.01);
+    nsdae_trajectory *first = create(&f, path, 0);
+    int status = nsdae_trajectory_create(other.sim, path, &info, &second, &error);
+    assert_int_equal(status == NSDAE_OK, i < 2);
+    if (status == NSDAE_OK)
+      assert_int_equal(nsdae_trajectory_close(&second, NSDAE_OK, NULL), NSDAE_OK);
+    nsdae_trajectory_close(&first, NSDAE_OK, &error);
+    close_fixture(&other);
+    close_fixture(&f);
+  }
+  unsetenv("HDF5_USE_FILE_LOCKING");
+}
+
 static void test_unwritable(void **state)
 {
   (void)state;
@@ -420,9 +445,10 @@ static void test_live(void **state)
 int main(void)
 {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_contract),   cmocka_unit_test(test_failed_run),
-      cmocka_unit_test(test_unwritable), cmocka_unit_test(test_full_disk),
-      cmocka_unit_test(test_killed),     cmocka_unit_test(test_live),
+      cmocka_unit_test(test_contract),  cmocka_unit_test(test_failed_run),
+      cmocka_unit_test(test_unlocked),  cmocka_unit_test(test_unwritable),
+      cmocka_unit_test(test_full_disk), cmocka_unit_test(test_killed),
+      cmocka_unit_test(test_live),
   };
   H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
   int failed = cmocka_run_group_tests(tests, NULL, NULL);

@@ -351,12 +351,73 @@ static void test_numbered(void **state)
   assert_false(has(path, "/contacts") || has(path, "/impact/id") || has(path, "/shapes"));
 }
 
+/* Where bodies of every form of place stand in /shapes: dimension, position, turn; 0: in /bodies.
+ */
+static const struct {
+  nsdae_body body;
+  int place[3];
+} forms[] = {
+    {{.position = {"q3", "q4"}, .angle = "q5"}, {2, 3, 5}},
+    {{.position = {"q3", "q4"}, .angle = "q8"}, {2, 3, 8}},
+    {{.position = {"q3", "q4"}}, {2, 3, -1}},
+    {{.position = {"q0", "q1", "q2"}}, {3, 0, -1}},
+    {{.position = {"q0", "q1", "q2"}, .quaternion = {"q3", "q4", "q5", "q6"}}, {3, 0, 3}},
+    {{.position = {"q0", "q2"}}, {0}},
+    {{.position = {"q0", "q1", "q3"}}, {0}},
+    {{.position = {NULL, "q1"}}, {0}},
+    {{.position = {"q0"}}, {0}},
+    {{.position = {"q0", "q1"}, .angle = "q2/2"}, {0}},
+    {{.position = {"q0", "q1", "q2"}, .angle = "q3"}, {0}},
+    {{.position = {"q0", "q1"}, .quaternion = {"q3", "q4", "q5", "q6"}}, {0}},
+    {{.position = {"q0", "q1", "q2"}, .quaternion = {"q3", "q4", "q5", "q5"}}, {0}},
+    {{.shape = NSDAE_SHAPE_SEGMENT, .position = {"q0", "q1"}, .end = {"q3", "q4"}}, {0}},
+};
+enum { FORMS = sizeof forms / sizeof *forms };
+
+static void test_places(void **state)
+{
+  static const char *const set[3] = {"/shapes/dimension", "/shapes/position", "/shapes/turn"};
+  double q0[3 * DISKS], v0[3 * DISKS];
+  disks d;
+  nsdae_sim *sim;
+  nsdae_trajectory *t;
+  const nsdae_trajectory_info info = {.model = "disks"};
+  char name[FORMS][16];
+  size_t own = 0, n;
+  (void)state;
+  disks_create(&d, DISKS, COLUMNS);
+  nsdae_system *system = disks_system(&d);
+  for (int i = 0; i < FORMS; i++) {
+    nsdae_body b = forms[i].body;
+    snprintf(name[i], sizeof name[i], "more %d", i);
+    b.name = name[i];
+    check_ok(nsdae_system_add_body(system, &b));
+    own += forms[i].place[0] == 0;
+  }
+  disks_start(&d, q0, v0);
+  check_ok(nsdae_sim_create(system, NULL, &sim, NULL));
+  check_ok(nsdae_sim_init(sim, 0, q0, v0));
+  check_ok(nsdae_trajectory_create(sim, path, &info, &t, NULL));
+  check_ok(nsdae_trajectory_close(&t, NSDAE_OK, NULL));
+  for (int c = 0; c < 3; c++) {
+    int *value = values_of(path, set[c], H5T_NATIVE_INT, sizeof *value, &n);
+    assert_true(n >= FORMS - own);
+    for (size_t i = 0, at = n - (FORMS - own); i < FORMS; i++)
+      if (forms[i].place[0] != 0) assert_int_equal(value[at++], forms[i].place[c]);
+    free(value);
+  }
+  assert_true(has(path, "/bodies/name"));
+  nsdae_sim_destroy(&sim);
+  nsdae_system_destroy(&system);
+  disks_destroy(&d);
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_as_seen),  cmocka_unit_test(test_parts),
       cmocka_unit_test(test_killed),   cmocka_unit_test(test_dropped),
-      cmocka_unit_test(test_numbered),
+      cmocka_unit_test(test_numbered), cmocka_unit_test(test_places),
   };
   H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
   int failed = cmocka_run_group_tests(tests, NULL, NULL);
