@@ -14,7 +14,7 @@ static int cholesky_small(int n, double *A, int lda)
   for (int j = 0; j < n; j++) {
     double diagonal = AT(A, lda, j, j), pivot = diagonal;
     for (int k = 0; k < j; k++) pivot -= AT(A, lda, j, k) * AT(A, lda, j, k);
-    if (!(pivot > n * DBL_EPSILON * diagonal) || !isfinite(pivot)) return j + 1;
+    if (!(pivot > n * DBL_EPSILON * diagonal)) return j + 1; /* NaN and infinity, too */
     double root = sqrt(pivot);
     AT(A, lda, j, j) = root;
     for (int i = j + 1; i < n; i++) {
@@ -31,7 +31,7 @@ static int first_rounded_pivot(int n, const double *L, int ldl)
 {
   for (int i = 0; i < n; i++) {
     double norm = cblas_dnrm2(i + 1, L + i, ldl), root = AT(L, ldl, i, i);
-    if (!(root * root > n * DBL_EPSILON * norm * norm) || !isfinite(root)) return i + 1;
+    if (!(root * root > n * DBL_EPSILON * norm * norm)) return i + 1; /* NaN and infinity, too */
   }
   return 0;
 }

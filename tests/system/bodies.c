@@ -208,6 +208,10 @@ static void faults_are_named(void **state)
   WITH(0, position[0], "q3", "there is no q3: the coordinates are q0 to q2, at character 1");
   WITH(0, position[2], "sped", "did you mean 'speed'?");
   WITH(1, angle, "thet", "did you mean 'theta'?");
+  WITH(1, angle, "atan2(q9, q1)", "there is no q9");
+  WITH(1, angle, "atan2(q0 q1)", "atan2 takes 2 values");
+  WITH(1, angle, "q2+\x01", "'?' where a value should stand");
+  WITH(1, angle, "{q2}", "'{' where a value should stand");
   WITH(1, angle, "q2+", "ends where a value should stand, at character 4");
   WITH(4, quaternion[3], "sin(q2", "sin without )");
   WITH(4, quaternion[1], NULL, "it has four parts");

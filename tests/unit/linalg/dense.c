@@ -233,14 +233,36 @@ static void test_product_overwrites(void **state)
   }
 }
 
+/* Products of nothing leave what they are added to as it is, for small matrices and for large. */
+static void test_empty_products(void **state)
+{
+  (void)state;
+  static double A[N * LD], B[N * LD], C[N * LD], before[N * LD];
+  random_state r = {9};
+  random_matrix(&r, N, N, C, LD);
+  copy(N, N, C, before);
+  for (int n = 1; n <= N; n++) {
+    nsdae_la_multiply_transposed(n, 0, 2, A, LD, B, LD, 1, C, LD);
+    nsdae_la_subtract_product(n, 0, 2, A, LD, B, LD, C, LD);
+    nsdae_la_add_outer(n, 2, 0, A, LD, B, LD, C, LD);
+  }
+  assert_memory_equal(C, before, sizeof C);
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_cholesky), cmocka_unit_test(test_not_positive_definite),
-      cmocka_unit_test(test_singular), cmocka_unit_test(test_nan),
-      cmocka_unit_test(test_scaled),   cmocka_unit_test(test_triangular),
-      cmocka_unit_test(test_lu),       cmocka_unit_test(test_lu_singular),
-      cmocka_unit_test(test_products), cmocka_unit_test(test_product_overwrites),
+      cmocka_unit_test(test_cholesky),
+      cmocka_unit_test(test_not_positive_definite),
+      cmocka_unit_test(test_singular),
+      cmocka_unit_test(test_nan),
+      cmocka_unit_test(test_scaled),
+      cmocka_unit_test(test_triangular),
+      cmocka_unit_test(test_lu),
+      cmocka_unit_test(test_lu_singular),
+      cmocka_unit_test(test_products),
+      cmocka_unit_test(test_product_overwrites),
+      cmocka_unit_test(test_empty_products),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

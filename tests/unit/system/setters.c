@@ -5,6 +5,7 @@
 #include <nsdae/nsdae.h>
 
 #include "planar.h"
+#include "system_impl.h"
 
 static nsdae_system *ball(int nt)
 {
@@ -379,6 +380,24 @@ static void test_no_system(void **state)
   assert_int_equal(nsdae_system_add_body(NULL, &body), NSDAE_E_ARGUMENT);
 }
 
+/* What has no name, no kind, or nobody to be told leaves the text as it is. */
+static void test_nothing_to_name(void **state)
+{
+  (void)state;
+  const nsdae_dims dims = {.nq = 1, .nv = 1, .k = 1};
+  nsdae_system *system;
+  nsdae_error error = {.text = "as it was"};
+  assert_int_equal(nsdae_system_create(&dims, &system, NULL), NSDAE_OK);
+  assert_int_equal(nsdae_system_count(system, -1), 0);
+  assert_int_equal(nsdae_system_count(system, NSDAE_NAME_KINDS), 0);
+  nsdae_system_name_item(system, NSDAE_NAME_CONTACT, 0, NULL);
+  nsdae_system_name_entry(system, "gap", 1, 0, 0, NULL);
+  nsdae_system_name_entry(system, "no callback", 1, 0, 0, &error);
+  nsdae_system_name_entry(system, "gap", 77, 0, 0, &error);
+  assert_string_equal(error.text, "as it was");
+  nsdae_system_destroy(&system);
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
@@ -393,6 +412,7 @@ int main(void)
       cmocka_unit_test(test_names),
       cmocka_unit_test(test_names_refused),
       cmocka_unit_test(test_names_differ),
+      cmocka_unit_test(test_nothing_to_name),
       cmocka_unit_test(test_both_triangles),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
