@@ -1,6 +1,7 @@
 #include "kkt.h"
 
 #include <cblas.h>
+#include <float.h>
 #include <lapacke.h>
 #include <math.h>
 #include <stddef.h>
@@ -44,9 +45,10 @@ static void copy_lower(int n, const double *A, int lda, double *L)
 
 static int is_diagonal(int n, const double *A, int lda)
 {
-  for (int j = 0; j < n; j++)
-    for (int i = j + 1; i < n; i++)
-      if (A[(size_t)j * (size_t)lda + (size_t)i] != 0) return 0;
+  const double *diagonal = A;
+  for (int below = n - 1; below > 0; below--, diagonal += lda + 1)
+    for (int i = 1; i <= below; i++)
+      if (diagonal[i] != 0) return 0;
   return 1;
 }
 
@@ -59,20 +61,18 @@ static int factor_mass(nsdae_kkt *kkt, const double *M, int ldm)
     copy_lower(n, M, ldm, kkt->L);
     return nsdae_la_cholesky(n, kkt->L, n);
   }
-  for (int i = 0; i < n; i++) {
-    double entry = M[(size_t)i * (size_t)(ldm + 1)];
-    if (!(entry > 0) || !isfinite(entry)) return i + 1;
+  for (int i = 0; i < n; i++, M += ldm + 1) {
+    double entry = *M;
+    if (!(entry > 0 && entry <= DBL_MAX)) return i + 1;
     kkt->L[i] = sqrt(entry);
   }
   return 0;
 }
 
-static void divide(int n, int nrhs, const double *restrict root, double *B, int ldb)
+static void divide(int n, int nrhs, const double *restrict root, double *restrict B, int ldb)
 {
-  for (int j = 0; j < nrhs; j++) {
-    double *restrict column = B + (size_t)j * (size_t)ldb;
-    for (int i = 0; i < n; i++) column[i] /= root[i];
-  }
+  for (; nrhs > 0; nrhs--, B += ldb)
+    for (int i = 0; i < n; i++) B[i] /= root[i];
 }
 
 /* B [n x nrhs] := L^-1 B. */

@@ -16,12 +16,6 @@ int nsdae_step_close(const nsdae_step *step, nsdae_terms *terms)
   return NSDAE_OK;
 }
 
-int nsdae_step_any(const nsdae_step *step)
-{
-  const nsdae_stepper *s = step->tools;
-  return s->world ? step->result->closed.count > 0 : nsdae_contacts_any(&s->contacts);
-}
-
 int nsdae_step_closed(const nsdae_step *step)
 {
   return step->tools->world ? step->result->closed.count : step->tools->contacts.active_count;

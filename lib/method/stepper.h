@@ -57,8 +57,18 @@ void nsdae_stepper_count(nsdae_stepper *stepper, const nsdae_state *state, nsdae
 void nsdae_stepper_sizes(const nsdae_stepper *stepper, size_t *reals, size_t *wholes);
 
 /* The frame of such a method's advance; the end reads impulse and contacts into the result. */
-nsdae_step nsdae_step_begin(nsdae_stepper *stepper, const nsdae_state *state, double t_end,
-                            nsdae_result *result);
+static inline nsdae_step nsdae_step_begin(nsdae_stepper *stepper, const nsdae_state *state,
+                                          double t_end, nsdae_result *result)
+{
+  nsdae_contacts_remember(&stepper->contacts, result->memory.whole, result->memory.real);
+  return (nsdae_step){.tools = stepper,
+                      .state = state,
+                      .start = state->terms,
+                      .end = &result->end,
+                      .result = result,
+                      .h = t_end - state->terms->t,
+                      .t_end = t_end};
+}
 void nsdae_step_end(const nsdae_step *step);
 
 /* What is closed in a step, numbered or by list, and its equations. The terms named have what they
@@ -67,7 +77,11 @@ void nsdae_step_end(const nsdae_step *step);
  * close: the contacts with a gap that is not above zero at the terms' point; meet: the same at
  * another one. before: their velocities along v, of all or of those that hit. */
 int nsdae_step_close(const nsdae_step *step, nsdae_terms *terms);
-int nsdae_step_any(const nsdae_step *step);
+static inline int nsdae_step_any(const nsdae_step *step)
+{
+  const nsdae_stepper *s = step->tools;
+  return s->world ? step->result->closed.count > 0 : nsdae_contacts_any(&s->contacts);
+}
 int nsdae_step_meet(const nsdae_step *step, nsdae_terms *terms);
 void nsdae_step_before(const nsdae_step *step, const nsdae_terms *terms, const double *v,
                        int impacts_only);

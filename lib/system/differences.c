@@ -25,14 +25,6 @@ void nsdae_differences_layout(nsdae_differences *differences, nsdae_arena *arena
   differences->velocity = NSDAE_ARENA_DOUBLES(arena, k + kt + dims->f);
 }
 
-int nsdae_kinematics(const nsdae_system *system, double t, const double *q, const double *v,
-                     double *qdot)
-{
-  if (system->call.kinematics) return system->call.kinematics(t, q, v, qdot, system->user);
-  memcpy(qdot, v, (size_t)system->dims.nq * sizeof *qdot);
-  return 0;
-}
-
 /* A power of two, so that t + s and t - s are exact. Time has no natural zero, so its step does not
  * grow with it but for rounding. */
 double nsdae_differences_step(int nq, double t, const double *q, const double *qdot, double scale)
