@@ -16,8 +16,12 @@ enum { BETWEEN = 20, FEW = 100, WARM = 2000, TRAPPED = 600, SOON = 20, MANY = 20
 /* Contacts up to which a factorisation costs less than the sweeps that it saves. */
 enum { SMALL = 24 };
 
-/* Newton steps of one attempt, and along a curve with folds. */
-enum { STEPS = 300, FOLDED = 4000 };
+/* Newton steps of one attempt, along a curve with folds, and between conjugate sweeps; those
+ * sweeps, and how many of them see what they are good for. */
+enum { STEPS = 300, FOLDED = 4000, A_FEW = 20, STALLED = 300, ROUNDS = 6 };
+
+/* Where that many sweeps leave more, weights do not get to the ground by sweeps (walls). */
+static const double HYPERSTATIC = 2e-2;
 
 /* Newton steps times items that an island may take until its curves end, half as many for a row of
  * paths, and one curve: fifteen seconds or so, after which what is not solved is said not to be. */
@@ -136,13 +140,31 @@ static int count(nsdae_fc_chain *c, int stage)
   return judge(c, stage);
 }
 
-/* From the best point so far. */
-static int proximal(nsdae_fc_chain *c, double alpha, int stage)
+/* From the best point so far, at most so many steps; 0: as many as one attempt has. */
+static int proximal(nsdae_fc_chain *c, double alpha, int most, int stage)
 {
   if (!ready(c)) return 0;
+  if (most > 0 && most < c->newton.most) c->newton.most = most;
   memcpy(c->fc.r, c->best, bytes(c));
   nsdae_fc_proximal(&c->newton, alpha, c->tol);
   return count(c, stage);
+}
+
+/* Sweeps and Newton's method in turn. Sweeps bring most contacts to rest and drift where few of
+ * them are locked: r grows along what hardly moves u, by as much in each sweep, until one opens.
+ * Newton's method takes that way in a step, but finds it only where little else changes. */
+static int alternate(nsdae_fc_chain *c, int stage)
+{
+  for (int k = 0; k < ROUNDS; k++) {
+    double before = c->info.residual;
+    memcpy(c->fc.r, c->best, bytes(c));
+    nsdae_fc_velocities(&c->fc, c->fc.r, c->fc.y, c->fc.u);
+    if (conjugate(c, MANY, STALLED, stage)) return 1;
+    if (c->info.residual > HYPERSTATIC) return 0;
+    if (proximal(c, 1e-4, A_FEW, stage)) return 1;
+    if (k > 0 && !(c->info.residual < before)) return 0;
+  }
+  return 0;
 }
 
 /* Along the path, cold, and from its end on. */
@@ -165,12 +187,12 @@ static int warm(nsdae_fc_chain *c)
   memset(c->slip, 0, (size_t)c->fc.n * sizeof *c->slip);
   if (judge(c, NSDAE_FRICTION_WARM)) return 1;
   if (c->fc.n <= SMALL) {
-    if (proximal(c, 1e-5, NSDAE_FRICTION_WARM)) return 1;
+    if (proximal(c, 1e-5, 0, NSDAE_FRICTION_WARM)) return 1;
     memcpy(c->fc.r, c->best, bytes(c));
     nsdae_fc_velocities(&c->fc, c->fc.r, c->fc.y, c->fc.u);
   }
   if (conjugate(c, WARM, c->tol < ROUGH ? SOON : TRAPPED, NSDAE_FRICTION_WARM)) return 1;
-  return proximal(c, 1e-5, NSDAE_FRICTION_WARM);
+  return proximal(c, 1e-5, 0, NSDAE_FRICTION_WARM);
 }
 
 /* Whether the residual is what rounding r to doubles leaves: half a unit in the last place of the
@@ -193,7 +215,8 @@ static int pivoting(nsdae_fc_chain *c)
 static int gauss_seidel(nsdae_fc_chain *c)
 {
   start_cold(c);
-  return sweeps(c, FEW, 0, NSDAE_FRICTION_GAUSS_SEIDEL);
+  if (sweeps(c, FEW, 0, NSDAE_FRICTION_GAUSS_SEIDEL)) return 1;
+  return c->tol >= ROUGH && c->fc.n > SMALL && alternate(c, NSDAE_FRICTION_GAUSS_SEIDEL);
 }
 
 static int smoothing(nsdae_fc_chain *c)
@@ -217,7 +240,7 @@ static int prove(nsdae_fc_chain *c)
 static int patience(nsdae_fc_chain *c, int most)
 {
   start_cold(c);
-  return sweeps(c, most, 0, NSDAE_FRICTION_FURTHER) || proximal(c, 1e-2, NSDAE_FRICTION_FURTHER);
+  return sweeps(c, most, 0, NSDAE_FRICTION_FURTHER) || proximal(c, 1e-2, 0, NSDAE_FRICTION_FURTHER);
 }
 
 /* Newton steps that the budget leaves. */
