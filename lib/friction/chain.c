@@ -35,6 +35,7 @@ void nsdae_fc_chain_layout(void *object, nsdae_arena *arena)
   nsdae_fc_chain *c = object;
   nsdae_fc_layout(&c->fc, arena);
   c->best = NSDAE_ARENA_DOUBLES(arena, 3L * c->fc.n);
+  c->trap = NSDAE_ARENA_DOUBLES(arena, 3L * c->fc.n);
   c->slip = NSDAE_ARENA_DOUBLES(arena, c->fc.n);
   nsdae_fc_conjugate_layout(&c->conjugate, &c->fc, arena);
   c->newton.fc = &c->fc;
@@ -179,11 +180,8 @@ static int path(nsdae_fc_chain *c, double loose, int stage)
 }
 
 /* The impulses of the step before are near; where sweeps are trapped, Newton may not be. */
-static int warm(nsdae_fc_chain *c)
+static int from_guess(nsdae_fc_chain *c)
 {
-  double most = 0;
-  for (int k = 0; k < 3 * c->fc.n; k++) most = fmax(most, fabs(c->fc.r[k]));
-  if (!(most > 0)) return 0;
   memset(c->slip, 0, (size_t)c->fc.n * sizeof *c->slip);
   if (judge(c, NSDAE_FRICTION_WARM)) return 1;
   if (c->fc.n <= SMALL) {
@@ -203,6 +201,31 @@ static int exhausted(const nsdae_fc_chain *c)
   for (int i = 0; i < 3 * c->fc.n; i++)
     most = fmax(most, c->fc.items.weight[i / 3] * c->fc.items.rho[i / 3] * fabs(c->best[i]));
   return c->info.residual <= fmin(DBL_EPSILON / 4 * most, ROUGH * ROUGH);
+}
+
+/* A guess that leads nowhere is put aside: what comes next begins as if there had been none, and so
+ * no start is worse than a cold one. */
+static int warm(nsdae_fc_chain *c)
+{
+  double most = 0;
+  for (int k = 0; k < 3 * c->fc.n; k++) most = fmax(most, fabs(c->fc.r[k]));
+  if (!(most > 0)) return 0;
+  if (from_guess(c)) return 1;
+  if (exhausted(c)) return 0;
+  memcpy(c->trap, c->best, bytes(c));
+  c->trapped = c->info.residual;
+  memset(c->best, 0, bytes(c));
+  c->info.residual = INFINITY;
+  return 0;
+}
+
+/* Where nothing was found, the better of the two ends. */
+static void look_back(nsdae_fc_chain *c)
+{
+  if (c->info.outcome != NSDAE_OUTCOME_UNSOLVED || !(c->trapped < c->info.residual)) return;
+  memcpy(c->best, c->trap, bytes(c));
+  c->info.residual = c->trapped;
+  c->info.stage = NSDAE_FRICTION_WARM;
 }
 
 /* Exact where it applies, and few unknowns: what iterates would take longer. */
@@ -317,6 +340,7 @@ static void run_stages(nsdae_fc_chain *c)
              {NSDAE_FRICTION_SMOOTHING, smoothing}, {NSDAE_FRICTION_PROVE, prove},
              {NSDAE_FRICTION_FURTHER, further}};
   c->info = (nsdae_friction_info){.residual = INFINITY};
+  c->trapped = INFINITY;
   memset(c->best, 0, bytes(c));
   for (size_t i = 0; i < sizeof all / sizeof *all; i++)
     if ((c->options->stages & all[i].stage) && all[i].run(c)) return;
@@ -325,5 +349,6 @@ static void run_stages(nsdae_fc_chain *c)
 void nsdae_fc_chain_run(nsdae_fc_chain *c)
 {
   run_stages(c);
+  look_back(c);
   refine(c);
 }
