@@ -42,6 +42,7 @@ void nsdae_projector_layout(nsdae_projector *p, nsdae_arena *arena)
   p->start = NSDAE_ARENA_DOUBLES(arena, 3L * d->m);
   p->contact = NSDAE_ARENA_INTS(arena, p->rows_most);
   p->closed = NSDAE_ARENA_INTS(arena, d->k);
+  p->depth = NSDAE_ARENA_DOUBLES(arena, d->k);
 }
 
 /* ---- coordinates of unit length */
@@ -253,9 +254,9 @@ static int position_rows(nsdae_projector *p, const nsdae_terms *T, double *worst
     int contact = i - d->m;
     if (contact >= 0 && !p->closed[contact]) continue;
     p->contact[p->least.rows] = contact >= 0 ? contact : -1;
-    double off = contact < 0
-                     ? append(p, T->J + i, d->m, T->phi[i], x)
-                     : append(p, T->W_N + (size_t)contact * (size_t)d->nv, 1, T->gap[contact], x);
+    const double *W = contact < 0 ? T->J + i : T->W_N + (size_t)contact * (size_t)d->nv;
+    double missing = contact < 0 ? T->phi[i] : T->gap[contact] - p->depth[contact];
+    double off = append(p, W, contact < 0 ? d->m : 1, missing, x);
     if (off > *worst || p->least.rows == 1) *worst_row = p->least.rows - 1;
     *worst = fmax(*worst, off);
   }
@@ -323,7 +324,7 @@ static int not_converged(const nsdae_projector *p, const nsdae_terms *T, int row
                   "no state on all constraints was found near this one at t = %.17g: %s is off by "
                   "%.3g; do they contradict each other?",
                   T->t, nsdae_system_called(T->system, kind, i, called),
-                  contact < 0 ? T->phi[i] : T->gap[i]);
+                  contact < 0 ? T->phi[i] : T->gap[i] - p->depth[i]);
   T->error->index = i;
   T->error->time = T->t;
   return NSDAE_E_CONVERGENCE;

@@ -1,12 +1,12 @@
 /* Back to the constraints, by the least change in the metric of M.
  *
- *   positions:  min (dq)^T M dq / 2,   Phi + Phi_q dq = 0,  g_N + W_N^T dq = 0      Newton's
+ *   positions:  min (dq)^T M dq / 2,   Phi + Phi_q dq = 0,  g_N + W_N^T dq = g      Newton's
  * method, velocities: min (dv)^T M dv / 2,   Phi_q (v + dv) + Phi_t = 0                  one
  * solution,
  *
  * both M d + J^T l = 0, J d = -c; q moves by H dq, dq/dt = H v (Ascher and Petzold, Computer
  * Methods for Ordinary Differential Equations, 1998, section 9.2; Eich, SIAM J. Numer. Anal. 30,
- * 1993). A contact only pushes: where l > 0 its row is left out.
+ * 1993). A contact only pushes: where l > 0 its row is left out. g is 0, touching, or a depth.
  *
  * Coordinates of unit length, such as quaternions, the kinematics shows: groups of 4 coordinates
  * that 3 velocities move, or of 2 that 1 moves, with q . H = 0 wherever they are. Their length is a
@@ -36,6 +36,7 @@ typedef struct nsdae_projector {
   double *start;            /* 3 m: for looking at a start */
   int *contact;             /* rows: the contact of a row; -1: a constraint */
   int *closed;              /* k: contacts that take part */
+  double *depth;            /* k: their gap in the end, <= 0 */
 } nsdae_projector;
 
 /* tools and rows_most are set before. */

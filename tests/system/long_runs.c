@@ -18,6 +18,7 @@
 #include "newtons_cradle.h"
 #include "pendulum.h"
 #include "rolling_ball.h"
+#include "settings.h"
 #include "shaken_ball.h"
 #include "wall.h"
 #include "woodpecker.h"
@@ -200,7 +201,7 @@ static void run(const driver_model *model, int method_number, double dt, long st
   nsdae_system *system;
   nsdae_sim *sim;
   nsdae_sim_options_default(&options);
-  options.method = method_number;
+  settings_choose_method(&(settings){.model = model}, method_number, &options);
   if (dt > 0) options.dt = dt;
   if (model->lcp_tol > 0) options.lcp_tol = model->lcp_tol;
   assert_int_equal(model->build(model->base, &system, NULL), NSDAE_OK);
