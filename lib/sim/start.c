@@ -84,22 +84,31 @@ static int check_gaps(const nsdae_terms *T, double tol)
   return NSDAE_OK;
 }
 
-/* A quaternion has length one; two coordinates may as well be a point on a circle. */
-static int is_rotation(const nsdae_units *u, int nq, int group)
+/* A quaternion has length one; two coordinates may as well be a point on a circle. The group
+ * is the one that coordinate `first` begins. */
+static int is_rotation(const nsdae_units *u, int nq, int first)
 {
-  int size = 0;
-  for (int i = 0; i < nq; i++) size += u->of[i] == group;
-  return size == 4 || fabs(u->length[group] - 1) < 0.1;
+  int size = 0, group = u->of[first];
+  if (fabs(u->length[group] - 1) < 0.1) return 1;
+  for (int i = first; i < nq && size < 4; i++) size += u->of[i] == group;
+  return size == 4;
+}
+
+/* The coordinate, from `after` on, that begins the group; they are numbered in this order. */
+static int next_group(const nsdae_units *u, int group, int after)
+{
+  int first = after;
+  while (u->of[first] != group) first++;
+  return first;
 }
 
 static int check_units(const nsdae_projector *p, const nsdae_terms *T, double tol)
 {
-  int nq = T->system->dims.nq;
+  int nq = T->system->dims.nq, first = 0;
   for (int g = 0; g < p->units.count; g++) {
-    int first = 0;
-    while (p->units.of[first] != g) first++;
+    first = next_group(&p->units, g, first);
     double off = fabs(p->units.length[g] - 1);
-    if (off > tol && is_rotation(&p->units, nq, g))
+    if (off > tol && is_rotation(&p->units, nq, first))
       return refuse(T, "q0", NSDAE_NAME_COORDINATE, first,
                     "begins a group of unit length (dq/dt shows it) whose length is off by", off,
                     tol);
@@ -302,8 +311,10 @@ static void layout(void *object, nsdae_arena *arena)
 
 static void aim_at_unit_length(nsdae_projector *p, int nq)
 {
-  for (int g = 0; g < p->units.count; g++)
-    if (is_rotation(&p->units, nq, g)) p->units.length[g] = 1;
+  for (int g = 0, first = 0; g < p->units.count; g++) {
+    first = next_group(&p->units, g, first);
+    if (is_rotation(&p->units, nq, first)) p->units.length[g] = 1;
+  }
 }
 
 static int put_right(bench *b, double t0, double *q0, double *v0)

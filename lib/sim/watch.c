@@ -270,7 +270,7 @@ static int say_penetration(nsdae_point *point, double bound)
                       "bodies overlap by",
                       r->penetration,
                       bound,
-                      "make dt smaller, set projection = contacts, and check gap and gap_normal",
+                      "make dt smaller, set projection = depths, and check gap and gap_normal",
                       k > 0 ? NSDAE_NAME_CONTACT : -1,
                       deepest};
   return say(point, &of);
