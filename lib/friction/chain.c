@@ -27,6 +27,10 @@ static const double HYPERSTATIC = 2e-2;
  * paths, and one curve: fifteen seconds or so, after which what is not solved is said not to be. */
 static const double BUDGET = 2.2e6, CURVE = 1e6;
 
+/* The same of a contact by itself, of which there may be many in an instant: what few steps more do
+ * not solve has, but for one in thousands, no solution. */
+static const double ALONE = 1500;
+
 /* Tolerances that sweeps are likely to reach. */
 static const double ROUGH = 1e-6;
 
@@ -194,13 +198,14 @@ static int from_guess(nsdae_fc_chain *c)
 }
 
 /* Whether the residual is what rounding r to doubles leaves: half a unit in the last place of the
- * largest impulse moves the velocities by as much, and others may make up for half of that. */
+ * largest impulse moves the velocities by as much, and others may make up for half of that. Of
+ * several items there may be smaller impulses that do the same, which are looked for. */
 static int exhausted(const nsdae_fc_chain *c)
 {
-  double most = 0;
+  double most = 0, small = c->fc.n > 1 ? ROUGH * ROUGH : INFINITY;
   for (int i = 0; i < 3 * c->fc.n; i++)
     most = fmax(most, c->fc.items.weight[i / 3] * c->fc.items.rho[i / 3] * fabs(c->best[i]));
-  return c->info.residual <= fmin(DBL_EPSILON / 4 * most, ROUGH * ROUGH);
+  return c->info.residual <= fmin(DBL_EPSILON / 4 * most, small);
 }
 
 /* A guess that leads nowhere is put aside: what comes next begins as if there had been none, and so
@@ -266,10 +271,15 @@ static int patience(nsdae_fc_chain *c, int most)
   return sweeps(c, most, 0, NSDAE_FRICTION_FURTHER) || proximal(c, 1e-2, 0, NSDAE_FRICTION_FURTHER);
 }
 
+static double budget(const nsdae_fc_chain *c)
+{
+  return c->fc.n > 1 ? BUDGET : ALONE;
+}
+
 /* Newton steps that the budget leaves. */
 static int steps_left(const nsdae_fc_chain *c)
 {
-  return (int)fmax(0, BUDGET / c->fc.n - c->info.iterations);
+  return (int)fmax(0, budget(c) / c->fc.n - c->info.iterations);
 }
 
 /* Which items stand where a path ends depends on how closely it is followed; so others are tried,
@@ -279,7 +289,7 @@ static int paths(nsdae_fc_chain *c, int from, int to)
   int before = c->info.iterations;
   static const double loose[] = {1e-5, 1e-2, 1e-4, 0.1,  3e-3, 1e-6, 3e-4, 3e-2, 3e-5, 3e-6,
                                  5e-2, 2e-3, 2e-4, 2e-5, 5e-3, 0.2,  5e-4, 2e-2, 5e-5, 1e-7};
-  for (int k = from; k < to && (c->info.iterations - before) * 2.0 * c->fc.n < BUDGET; k++) {
+  for (int k = from; k < to && (c->info.iterations - before) * 2.0 * c->fc.n < budget(c); k++) {
     if (path(c, loose[k], NSDAE_FRICTION_FURTHER)) return 1;
     if (exhausted(c)) return 1;
   }
@@ -302,10 +312,12 @@ static int curves(nsdae_fc_chain *c)
   return 0;
 }
 
-/* Sweeps reach a few digits, paths many, and curves get round what stops both. */
+/* Sweeps reach a few digits, paths many, and curves get round what stops both. Of one contact a
+ * sweep is what the one before was. */
 static int further(nsdae_fc_chain *c)
 {
   if (exhausted(c)) return 1;
+  if (c->fc.n == 1) return paths(c, 0, 2) || curves(c);
   if (c->tol >= ROUGH) return patience(c, MANY) || paths(c, 0, 20) || curves(c);
   return patience(c, MANY / 10) || paths(c, 0, 2) || curves(c) || paths(c, 2, 20) ||
          patience(c, MANY);
