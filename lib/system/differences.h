@@ -61,7 +61,8 @@ static inline int nsdae_kinematics(const nsdae_system *system, double t, const d
   return 0;
 }
 
-/* Step along dq/dt that moves each coordinate by at most scale of its size, and time by scale. */
+/* Step along dq/dt that moves each coordinate, and time, by at most scale, or as much more as their
+ * rounding asks for far from zero. */
 double nsdae_differences_step(int nq, double t, const double *q, const double *qdot, double scale);
 
 #endif
