@@ -61,8 +61,8 @@ static int factor_mass(nsdae_kkt *kkt, const double *M, int ldm)
     copy_lower(n, M, ldm, kkt->L);
     return nsdae_la_cholesky(n, kkt->L, n);
   }
-  for (int i = 0; i < n; i++, M += ldm + 1) {
-    double entry = *M;
+  for (int i = 0; i < n; i++) {
+    double entry = M[(size_t)i * (size_t)(ldm + 1)];
     if (!(entry > 0 && entry <= DBL_MAX)) return i + 1;
     kkt->L[i] = sqrt(entry);
   }
@@ -253,6 +253,10 @@ static void solve_schur(const nsdae_kkt *kkt, int nrhs, double *R, int ldr, doub
 void nsdae_kkt_solve(const nsdae_kkt *kkt, int nrhs, double *R, int ldr, double *C, int ldc)
 {
   int n = kkt->n, m = kkt->m;
+  if (m == 0 && nrhs == 1 && kkt->diagonal) { /* most steps of bodies without joints */
+    for (int i = 0; i < n; i++) R[i] = R[i] / kkt->L[i] / kkt->L[i];
+    return;
+  }
   solve_root(kkt, nrhs, R, ldr);
   if (m > 0) {
     nsdae_la_multiply_transposed(n, m, nrhs, kkt->Y, n, R, ldr, -1, C, ldc);

@@ -94,8 +94,8 @@ int nsdae_step_factor(const nsdae_step *step, nsdae_terms *terms, const double *
 void nsdae_step_mark_hit(const nsdae_step *step);
 /* v and the stepper's impulse from r, see nsdae_stepper_impact; v and lambda from r without
  * contacts, lambda comes as the rates Phi_q v. */
-int nsdae_step_impact(const nsdae_step *step, nsdae_terms *terms, const double *M, const double *r,
-                      double *v);
+static inline int nsdae_step_impact(const nsdae_step *step, nsdae_terms *terms, const double *M,
+                                    const double *r, double *v);
 int nsdae_step_free(const nsdae_step *step, const nsdae_terms *terms, const double *M,
                     const double *r, double *v, double *lambda);
 /* r += scale Phi_q^T impulse, only where nothing hits; r += scale W Lambda, likewise with
@@ -118,6 +118,15 @@ int nsdae_stepper_factor(nsdae_stepper *stepper, nsdae_terms *terms, const doubl
  */
 int nsdae_stepper_impact(nsdae_stepper *stepper, nsdae_result *result, const nsdae_terms *terms,
                          const double *r, double *v);
+
+int nsdae_step_impact_of_world(const nsdae_step *step, nsdae_terms *terms, const double *M,
+                               const double *r, double *v);
+static inline int nsdae_step_impact(const nsdae_step *step, nsdae_terms *terms, const double *M,
+                                    const double *r, double *v)
+{
+  if (step->tools->world) return nsdae_step_impact_of_world(step, terms, M, r, v);
+  return nsdae_stepper_impact(step->tools, step->result, terms, r, v);
+}
 
 /* After each step of an integrator inside a dt: whether it may go on, from t towards t_end.
  * NSDAE_OK; NSDAE_E_CONVERGENCE past inner_steps_max, with the advice of the method; or the

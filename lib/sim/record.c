@@ -92,8 +92,7 @@ static double penetration(const nsdae_result *r)
 {
   double most = 0;
   if (!r->end.system->by_list) return nsdae_terms_penetration(&r->end);
-  for (int a = 0; a < r->closed.count; a++)
-    if (-r->closed.gap[a] >= most) most = -r->closed.gap[a];
+  for (int a = 0; a < r->closed.count; a++) most = nsdae_larger(most, -r->closed.gap[a]);
   return most;
 }
 
@@ -140,7 +139,7 @@ static void certify(nsdae_stats *stats, const nsdae_record *r)
 {
   stats->worst_residual = nsdae_larger(stats->worst_residual, r->lcp_residual);
   stats->worst_drift = nsdae_larger(stats->worst_drift, r->constraint_drift);
-  if (r->penetration >= stats->worst_penetration) stats->worst_penetration = r->penetration;
+  stats->worst_penetration = nsdae_larger(stats->worst_penetration, r->penetration);
   stats->energy_balance = r->kinetic + r->potential + r->dissipated - stats->energy_start;
 }
 

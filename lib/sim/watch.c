@@ -214,14 +214,19 @@ static double turned(const nsdae_terms *from, const nsdae_terms *to)
   return sum / 8;
 }
 
-/* What forces do on the rounding of the coordinates, which each step has anew: less energy than
- * that nobody can tell. */
-static double rounding_of(const nsdae_terms *T)
+/* F v, and what forces do on the rounding of the coordinates, which each step has anew: less energy
+ * than that nobody can tell. */
+static double power_of(const nsdae_terms *T, double *rounding)
 {
   const nsdae_dims *d = &T->system->dims;
-  double sum = 0;
-  for (int j = 0; j < d->nv; j++) sum += fabs(T->F[j]);
-  return DBL_EPSILON * (1 + nsdae_largest(d->nq, T->q)) * sum;
+  const double *F = T->F, *v = T->v;
+  double power = 0, sum = 0;
+  for (int j = 0, n = d->nv; j < n; j++) {
+    power += F[j] * v[j];
+    sum += fabs(F[j]);
+  }
+  *rounding = DBL_EPSILON * (1 + nsdae_largest(d->nq, T->q)) * sum;
+  return power;
 }
 
 /* Work in the step that led to here, by its own quadrature: of forces, and of what moves by
@@ -236,8 +241,8 @@ static int add_work(nsdae_watch *w, nsdae_result *at)
   if (!at->smooth) need |= NSDAE_TERM_BIAS | NSDAE_TERM_SLIDE;
   int status = h > 0 ? nsdae_terms_need(T, need) : NSDAE_OK;
   if (status < 0 || !(h > 0)) return status;
-  double power = nsdae_dot(d->nv, T->F, T->v);
-  w->turnover += h / 2 * fabs(w->power + power) + rounding_of(T) / watch_turnover;
+  double rounding, power = power_of(T, &rounding);
+  w->turnover += h / 2 * fabs(w->power + power) + rounding / watch_turnover;
   w->work += w->turned + h / 2 * (w->power + power) +
              h * nsdae_dot(d->m, at->multiplier, T->constraint.phi_t);
   w->power = power;

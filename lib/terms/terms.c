@@ -414,8 +414,8 @@ double nsdae_terms_drift(const nsdae_terms *terms)
 double nsdae_terms_penetration(const nsdae_terms *terms)
 {
   double most = 0;
-  for (int i = 0; i < terms->system->dims.k; i++)
-    if (-terms->gap[i] >= most) most = -terms->gap[i];
+  const double *gap = terms->gap, *end = gap + terms->system->dims.k;
+  for (; gap < end; gap++) most = nsdae_larger(most, -*gap);
   return most;
 }
 
