@@ -18,7 +18,7 @@ enum { SMALL = 24 };
 
 /* Newton steps of one attempt, along a curve with folds, and between conjugate sweeps; those
  * sweeps, and how many of them see what they are good for. */
-enum { STEPS = 300, FOLDED = 4000, A_FEW = 20, STALLED = 300, ROUNDS = 6 };
+enum { STEPS = 300, FOLDED = 10000, A_FEW = 20, STALLED = 300, ROUNDS = 6 };
 
 /* Where that many sweeps leave more, weights do not get to the ground by sweeps (walls). */
 static const double HYPERSTATIC = 2e-2;
