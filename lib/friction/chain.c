@@ -17,8 +17,8 @@ enum { BETWEEN = 20, FEW = 100, WARM = 2000, TRAPPED = 600, SOON = 20, MANY = 20
 enum { SMALL = 24 };
 
 /* Newton steps of one attempt, along a curve with folds, and between conjugate sweeps; those
- * sweeps, and how many of them see what they are good for. */
-enum { STEPS = 300, FOLDED = 4000, A_FEW = 20, STALLED = 300, ROUNDS = 6 };
+ * sweeps, and how many of them see what they are good for; convex problems. */
+enum { STEPS = 300, FOLDED = 10000, A_FEW = 20, STALLED = 300, ROUNDS = 6, SHIFTS = 3 };
 
 /* Where that many sweeps leave more, weights do not get to the ground by sweeps (walls). */
 static const double HYPERSTATIC = 2e-2;
@@ -247,9 +247,40 @@ static int gauss_seidel(nsdae_fc_chain *c)
   return c->tol >= ROUGH && c->fc.n > SMALL && alternate(c, NSDAE_FRICTION_GAUSS_SEIDEL);
 }
 
+/* mu |u_T| of the point at hand, as the shift of the next convex problem. */
+static void take_shift(nsdae_fc_chain *c)
+{
+  for (int k = 0; k < c->fc.n; k++)
+    c->slip[k] = c->fc.items.mu[k] * nsdae_fc_length(c->fc.u[3 * k + 1], c->fc.u[3 * k + 2]);
+}
+
+/* The problem with its shift mu |u_T| fixed is convex: its path has no folds, and where little
+ * slides few shifts are enough (De Saxce and Feng 1998; Acary, Cadoux, Lemarechal, Malick 2011).
+ * Of bodies that rest the first one is zero: that of the solution. */
+static int conic(nsdae_fc_chain *c, int stage)
+{
+  start_cold(c);
+  for (int k = 0; k < SHIFTS; k++) {
+    if (!ready(c)) return 0;
+    memset(c->fc.r, 0, bytes(c));
+    c->newton.shift = c->slip;
+    nsdae_fc_path(&c->newton, 1e-3, c->tol);
+    c->newton.shift = NULL;
+    nsdae_fc_velocities(&c->fc, c->fc.r, c->fc.y, c->fc.u);
+    take_shift(c);
+    if (!count(c, stage) && c->newton.steps < c->newton.most) {
+      c->newton.steps = 0;
+      nsdae_fc_proximal(&c->newton, 1e-8, c->tol);
+      count(c, stage);
+    }
+    if (c->info.outcome == NSDAE_OUTCOME_SOLVED) return 1;
+  }
+  return 0;
+}
+
 static int smoothing(nsdae_fc_chain *c)
 {
-  return path(c, 1e-3, NSDAE_FRICTION_SMOOTHING);
+  return path(c, 1e-3, NSDAE_FRICTION_SMOOTHING) || conic(c, NSDAE_FRICTION_SMOOTHING);
 }
 
 /* Before all that takes long. */

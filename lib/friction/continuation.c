@@ -22,12 +22,15 @@
 #include <math.h>
 #include <string.h>
 
-enum { TRIES = 25, CORRECTIONS = 7, SETTLE = 60, DOWN = 12, ROUNDS = 20, STRETCH = 20 };
+enum { TRIES = 40, CORRECTIONS = 7, POLISH = 2, SETTLE = 60, DOWN = 12, ROUNDS = 20, STRETCH = 20 };
+
+/* Longest correction relative to the step, and to the one before. */
+static const double AWAY = 0.5, GAIN = 0.5;
 
 /* Relative to epsilon, what rounding leaves of F; where folds are behind, as a rule; the end; least
  * a of the matrix; shortest and longest step; l of a curve that returns to where it came from. */
-static const double ROUNDING = 1e-13, STRAIGHT = 1e-6, END = 1e-15, REGULAR = 1e-7, SHORTEST = 1e-7,
-                    LONGEST = 3, BACK = 0.7;
+static const double ROUNDING = 1e-13, STRAIGHT = 1e-6, END = 1e-15, REGULAR = 1e-7,
+                    SHORTEST = 1e-11, LONGEST = 3, BACK = 0.7;
 
 void nsdae_fc_curve_layout(nsdae_fc_curve *c, const nsdae_fc *fc, nsdae_arena *arena)
 {
@@ -102,40 +105,58 @@ static void move(nsdae_fc_newton *s)
   nsdae_fc_velocities(s->fc, s->fc->r, s->fc->y, s->fc->u);
 }
 
-/* One correction: dr = -F_r^-1 (F + F_l dl), and (dr, dl) leads back to the plane. Returns 0 where
- * it failed. */
-static int correct(nsdae_fc_curve *c, nsdae_fc_newton *s, double aim)
+/* One correction: dr = -F_r^-1 (F + F_l dl), and (dr, dl) leads back to the plane. Returns its
+ * length; NaN where there is none. */
+static double correct(nsdae_fc_curve *c, nsdae_fc_newton *s, double aim)
 {
   nsdae_fc *fc = s->fc;
   size_t m = 3 * (size_t)fc->n;
-  if (factor(c, s) != 0) return 0;
+  if (factor(c, s) != 0) return NAN;
   nsdae_fc_matrix_solve(s->matrix, s->F, s->dr);
   for (size_t i = 0; i < m; i++) s->trial[i] = fc->r[i] - s->dr[i] - c->aim[i];
   double off = product(c, fc->n, c->tangent, s->trial) + c->rate * (c->l - aim);
   double dl = off / (product(c, fc->n, c->tangent, c->turn) - c->rate);
-  if (!(fabs(dl) < 1)) return 0;
-  for (size_t i = 0; i < m; i++) fc->r[i] -= s->dr[i] + c->turn[i] * dl;
+  for (size_t i = 0; i < m; i++) {
+    s->dr[i] += c->turn[i] * dl;
+    fc->r[i] -= s->dr[i];
+  }
   c->l += dl;
   move(s);
-  return 1;
+  return sqrt(product(c, fc->n, s->dr, s->dr) + dl * dl);
 }
 
 /* From c->start along the tangent, and back to the curve; the number of corrections, 0 where it was
- * not found. */
+ * not found. Corrections are compared with the step and with each other, whatever the map's scale
+ * (Deuflhard, "Newton Methods for Nonlinear Problems", 2011): near a kink the map may be as small
+ * as one likes on another branch. */
 static int try(nsdae_fc_curve *c, nsdae_fc_newton *s, double from)
 {
   size_t m = 3 * (size_t)s->fc->n;
-  double aim = c->l = from + c->length * c->rate, before = INFINITY;
+  double aim = c->l = from + c->length * c->rate, before = AWAY * c->length / GAIN;
   for (size_t i = 0; i < m; i++) s->fc->r[i] = c->aim[i] = c->start[i] + c->length * c->tangent[i];
   move(s);
-  for (int k = 0; k < CORRECTIONS; k++) {
-    double distance = map_at(c, s, c->l, 0);
-    if (k > 0 && is_close(c, distance)) return k;
-    if (k > 0 && !(distance < 0.9 * before)) return 0;
-    before = distance;
-    if (!correct(c, s, aim)) return 0;
+  for (int k = 1; k <= CORRECTIONS; k++) {
+    double size = correct(c, s, aim);
+    if (!(size < GAIN * before) || !(size < 1)) return 0;
+    if (size < c->close * fmin(1, c->length) || map_at(c, s, c->l, 0) < ROUNDING * exp(-c->l))
+      return k;
+    before = size;
   }
   return 0;
+}
+
+/* The point where steps begin, once more: short ones are no longer than what was left of it. */
+static double polish(nsdae_fc_curve *c, nsdae_fc_newton *s, double from)
+{
+  size_t bytes = 3 * (size_t)s->fc->n * sizeof *c->start;
+  c->l = from;
+  memcpy(s->fc->r, c->start, bytes);
+  memcpy(c->aim, c->start, bytes);
+  move(s);
+  for (int k = 0; k < POLISH; k++)
+    if (!(correct(c, s, from) < 1)) return from;
+  memcpy(c->start, s->fc->r, bytes);
+  return c->l;
 }
 
 /* The next point of the curve; 0 where none was found. */
@@ -147,10 +168,11 @@ static int advance(nsdae_fc_curve *c, nsdae_fc_newton *s)
   memcpy(c->start, s->fc->r, bytes);
   if (factor(c, s) != 0) return 0;
   find_tangent(c, s->fc);
-  for (int k = 0; k < TRIES && c->length > SHORTEST; k++) {
+  for (int k = 1; k <= TRIES && c->length > SHORTEST; k++) {
     corrections = try(c, s, from);
     if (corrections > 0) break;
     c->length *= 0.4;
+    if (k % 4 == 0) from = polish(c, s, from);
   }
   if (corrections == 0) {
     memcpy(s->fc->r, c->start, bytes);
@@ -158,7 +180,7 @@ static int advance(nsdae_fc_curve *c, nsdae_fc_newton *s)
     move(s);
     return 0;
   }
-  double factor = corrections == 1 ? 2 : corrections == 2 ? 1.4 : corrections > 3 ? 0.7 : 1;
+  double factor = corrections <= 2 ? 2 : corrections == 3 ? 1.4 : corrections > 4 ? 0.7 : 1;
   c->length = fmin(factor * c->length, LONGEST);
   return 1;
 }

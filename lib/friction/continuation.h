@@ -6,7 +6,7 @@
 
 typedef struct nsdae_fc_curve {
   double stiffness;    /* compliance / epsilon */
-  double close;        /* what may be left of the map on the curve, relative to epsilon */
+  double close;        /* length of the last correction relative to the step */
   double l;            /* log(epsilon) of the point */
   double rate;         /* of l along the tangent */
   double length;       /* of the next step */

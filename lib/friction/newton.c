@@ -31,7 +31,10 @@ double nsdae_fc_newton_map(nsdae_fc_newton *s, const double *r, const double *u,
     double v[3], A[9], B[9], *F = s->F + 3 * k, *E = s->E + 9 * (size_t)k;
     for (int j = 0; j < 3; j++)
       v[j] = u[3 * k + j] + s->alpha * (r[3 * k + j] - s->centre[3 * k + j]);
-    if (s->epsilon > 0)
+    if (s->epsilon > 0 && s->shift)
+      nsdae_fc_smooth_conic_map(c->items.kind[k], c->items.mu[k], s->epsilon, s->shift[k],
+                                r + 3 * k, v, F, B, A);
+    else if (s->epsilon > 0)
       nsdae_fc_smooth_map(c->items.kind[k], c->items.mu[k], s->epsilon, r + 3 * k, v, F, B, A);
     else
       nsdae_fc_map(c->items.kind[k], c->items.mu[k], r + 3 * k, v, F, B, A);

@@ -9,6 +9,7 @@ typedef struct nsdae_fc_newton {
   nsdae_fc_matrix *matrix;
   double alpha;          /* of the proximal term alpha (r - centre) that is added to u */
   double epsilon;        /* of the smoothed map; 0: the map as it is */
+  const double *shift;   /* n: of u_N, in place of mu |u_T|, while epsilon > 0; NULL: none */
   int search;            /* steps are cut short until the map decreases */
   double *centre;        /* 3 n */
   double *E, *A;         /* 9 n: derivatives of the map in r and u, both with the proximal term */

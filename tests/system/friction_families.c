@@ -21,15 +21,13 @@
 
 enum { FEW = 48 / NSDAE_TEST_SHARE, SMALLEST = 20, LARGEST = 60 };
 
-static const double tol = 1e-12;
-
 typedef struct tally {
   int count, solved, lies;
   double seconds, worst;
 } tally;
 
 /* The residual asked for, and what an evaluation in double rounds it by. */
-static double allowed(const friction_sample *s, const double *r)
+static double allowed(const friction_sample *s, const double *r, double tol)
 {
   return tol + DBL_EPSILON * friction_sample_largest(s, r);
 }
@@ -41,7 +39,7 @@ static double now(void)
   return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-static void try(int contacts, unsigned long long seed, tally *all)
+static void try(int contacts, unsigned long long seed, double tol, tally *all)
 {
   friction_sample s;
   friction_sample_draw(&s, (int)(seed % FRICTION_FAMILIES), contacts, seed);
@@ -59,7 +57,7 @@ static void try(int contacts, unsigned long long seed, tally *all)
   assert_int_equal(info.outcome == NSDAE_OUTCOME_SOLVED, status == NSDAE_OK);
   double residual = friction_sample_residual(&s, r);
   t->solved += status == NSDAE_OK;
-  t->lies += status == NSDAE_OK && !(residual <= allowed(&s, r));
+  t->lies += status == NSDAE_OK && !(residual <= allowed(&s, r, tol));
   if (status == NSDAE_OK && residual > t->worst) t->worst = residual;
   if (status != NSDAE_OK)
     print_message("seed %llu, %d contacts, %s, %s, mu %s, densities 1:%.0e: unsolved, %.1e\n", seed,
@@ -95,20 +93,24 @@ static void test_families(void **state)
   for (int k = 0; k < count; k++) {
     double share = fmod((double)k * 0.6180339887498949, 1);
     int contacts = more ? 100 + (int)(900 * share) : SMALLEST + (int)((LARGEST - SMALLEST) * share);
-    try(contacts, first + (unsigned long long)k, all);
+    try(contacts, first + (unsigned long long)k, 1e-12, all);
   }
   tally sum = report(all);
   assert_int_equal(sum.lies, 0);
   if (more) assert_true(sum.solved >= 0.999 * count);
 }
 
-/* A tower that is hit: sweeps and paths end at 1e-4, for the path to the solution folds. */
+/* A tower that is hit: sweeps and paths end at 1e-4, for the path to the solution folds. Spheres
+ * that are hit, of densities 1 to 3e5: its curve has twenty folds, some of them sharp, and who
+ * takes another branch at one of those does not arrive. */
 static void test_folded(void **state)
 {
   (void)state;
   tally all[FRICTION_FAMILIES] = {0};
-  try(160, 14, all);
+  try(160, 14, 1e-12, all);
   assert_int_equal(all[14 % FRICTION_FAMILIES].solved, 1);
+  try(51, 33, 1e-10, all);
+  assert_int_equal(all[33 % FRICTION_FAMILIES].solved, 1);
 }
 
 int main(void)

@@ -140,3 +140,21 @@ void nsdae_fc_smooth_map(int kind, double mu, double e, const double *r, const d
       if (j > 0) A[3 * i + j] += G[3 * i] / S[0] * mu * (u[j] / slip);
     }
 }
+
+void nsdae_fc_smooth_conic_map(int kind, double mu, double e, double shift, const double *r,
+                               const double *u, double *F, double *B, double *A)
+{
+  if (kind != NSDAE_FC_CONE) {
+    nsdae_fc_smooth_map(kind, mu, e, r, u, F, B, A);
+    return;
+  }
+  double S[3] = {sqrt(mu), 1 / sqrt(mu), 1 / sqrt(mu)}, G[9];
+  double a[3] = {S[0] * r[0], S[1] * r[1], S[2] * r[2]};
+  double b[3] = {(u[0] + shift) / S[0], u[1] / S[1], u[2] / S[2]};
+  smooth_cone(e, a, b, F, G);
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 3; j++) {
+      B[3 * i + j] = ((i == j) - G[3 * i + j]) * S[j];
+      A[3 * i + j] = G[3 * i + j] / S[j];
+    }
+}
