@@ -37,7 +37,8 @@ void nsdae_projector_layout(nsdae_projector *p, nsdae_arena *arena)
   p->q = NSDAE_ARENA_DOUBLES(arena, d->nq);
   p->v = NSDAE_ARENA_DOUBLES(arena, d->nv);
   p->qdot = NSDAE_ARENA_DOUBLES(arena, d->nq);
-  p->H = NSDAE_ARENA_DOUBLES(arena, p->tools->system->kinematics ? moved(p->tools->system) : 0);
+  p->H =
+      NSDAE_ARENA_DOUBLES(arena, p->tools->system->call.kinematics ? moved(p->tools->system) : 0);
   p->length = NSDAE_ARENA_DOUBLES(arena, d->nq);
   p->start = NSDAE_ARENA_DOUBLES(arena, 3L * d->m);
   p->contact = NSDAE_ARENA_INTS(arena, p->rows_most);
@@ -254,8 +255,8 @@ static int position_rows(nsdae_projector *p, const nsdae_terms *T, double *worst
     int contact = i - d->m;
     if (contact >= 0 && !p->closed[contact]) continue;
     p->contact[p->least.rows] = contact >= 0 ? contact : -1;
-    const double *W = contact < 0 ? T->J + i : T->W_N + (size_t)contact * (size_t)d->nv;
-    double missing = contact < 0 ? T->phi[i] : T->gap[contact] - p->depth[contact];
+    const double *W = contact < 0 ? T->constraint.J + i : T->W_N + (size_t)contact * (size_t)d->nv;
+    double missing = contact < 0 ? T->constraint.phi[i] : T->gap[contact] - p->depth[contact];
     double off = append(p, W, contact < 0 ? d->m : 1, missing, x);
     if (off > *worst || p->least.rows == 1) *worst_row = p->least.rows - 1;
     *worst = fmax(*worst, off);
@@ -324,7 +325,7 @@ static int not_converged(const nsdae_projector *p, const nsdae_terms *T, int row
                   "no state on all constraints was found near this one at t = %.17g: %s is off by "
                   "%.3g; do they contradict each other?",
                   T->t, nsdae_system_called(T->system, kind, i, called),
-                  contact < 0 ? T->phi[i] : T->gap[i] - p->depth[i]);
+                  contact < 0 ? T->constraint.phi[i] : T->gap[i] - p->depth[i]);
   T->error->index = i;
   T->error->time = T->t;
   return NSDAE_E_CONVERGENCE;
@@ -379,7 +380,7 @@ int nsdae_project_velocities(nsdae_projector *p, nsdae_terms *T)
   if (status < 0) return status;
   nsdae_least_start(&p->least);
   for (int i = 0; i < d->m; i++)
-    append(p, T->J + i, d->m, nsdae_terms_constraint_rate(T, i, T->v), 0);
+    append(p, T->constraint.J + i, d->m, nsdae_terms_constraint_rate(T, i, T->v), 0);
   status = solve(p, T, 0);
   if (status < 0) return status;
   for (int j = 0; j < d->nv; j++) p->v[j] = T->v[j] + p->least.change[j];

@@ -41,10 +41,11 @@ static int check_constraints(const nsdae_terms *T, double tol)
   double q = nsdae_largest(d->nq, T->q), v = nsdae_largest(d->nv, T->v);
   for (int i = 0; i < d->m; i++) {
     double sum = nsdae_rows_sum(blocks, J, i), bound = tol * (1 + sum * q);
-    if (fabs(T->phi[i]) > bound)
-      return refuse(T, "q0", NSDAE_NAME_CONSTRAINT, i, "is off by", fabs(T->phi[i]), bound);
-    double rate = nsdae_rows_add_dot(blocks, J, i, T->v, T->phi_t[i]);
-    bound = tol * (1 + sum * v + fabs(T->phi_t[i]));
+    if (fabs(T->constraint.phi[i]) > bound)
+      return refuse(T, "q0", NSDAE_NAME_CONSTRAINT, i, "is off by", fabs(T->constraint.phi[i]),
+                    bound);
+    double rate = nsdae_rows_add_dot(blocks, J, i, T->v, T->constraint.phi_t[i]);
+    bound = tol * (1 + sum * v + fabs(T->constraint.phi_t[i]));
     if (fabs(rate) > bound)
       return refuse(T, "v0", NSDAE_NAME_CONSTRAINT, i, "is violated at the rate", fabs(rate),
                     bound);
@@ -218,19 +219,20 @@ static int check_omega(nsdae_projector *p, const nsdae_terms *T)
   nsdae_differences *d = T->differences;
   int m = s->dims.m;
   double *phi_t = p->start, *omega = p->start + m, *second = p->start + 2 * m;
-  if (m == 0 || !s->constraint_bias) return NSDAE_OK;
+  if (m == 0 || !s->call.constraint_bias) return NSDAE_OK;
   trial_velocity(s->dims.nv, 0, p->v);
   memset(p->start, 0, 3 * (size_t)m * sizeof *p->start);
-  int code = s->constraint_bias(T->t, T->q, p->v, phi_t, omega, s->user);
+  int code = s->call.constraint_bias(T->t, T->q, p->v, phi_t, omega, s->user);
   int status = nsdae_system_callback_status(code, "constraint_bias", T->t, T->error);
   if (status < 0) return status;
-  code = nsdae_differences_second(d, s->constraint, m, T->t, T->q, p->v, second);
+  code = nsdae_differences_second(d, s->call.constraint, m, T->t, T->q, p->v, second);
   status = nsdae_system_callback_status(code, code && d->failed ? d->failed : "constraint", T->t,
                                         T->error);
   if (status < 0) return status;
   const relation accelerations = {.derivative = "constraint_bias", .kind = NSDAE_NAME_CONSTRAINT};
   for (int i = 0; i < m; i++) {
-    double tol = 1e-3 * (fabs(omega[i]) + fabs(second[i])) + 1e-6 * (1 + fabs(T->phi[i]));
+    double tol =
+        1e-3 * (fabs(omega[i]) + fabs(second[i])) + 1e-6 * (1 + fabs(T->constraint.phi[i]));
     if (isfinite(second[i]) && !(fabs(omega[i] - second[i]) <= tol))
       return wrong_rate(T, &accelerations, i, omega[i], second[i]);
   }
@@ -265,19 +267,20 @@ static int check_derivatives(nsdae_projector *p, const nsdae_terms *T)
   const relation constraints = {s->by_list ? "constraint_rows" : "constraint_jacobian",
                                 NSDAE_NAME_CONSTRAINT,
                                 d->m,
-                                s->constraint,
-                                T->phi,
+                                s->call.constraint,
+                                T->constraint.phi,
                                 &T->by.jacobian,
-                                T->phi_t};
-  const relation gaps = {"gap_normal", NSDAE_NAME_CONTACT, d->k,  s->gap,
+                                T->constraint.phi_t};
+  const relation gaps = {"gap_normal", NSDAE_NAME_CONTACT, d->k,  s->call.gap,
                          T->gap,       &T->by.normal,      T->w_N};
   int status = NSDAE_OK;
   if (!p->tools->options->start_check || fabs(T->t) > 1e4) return NSDAE_OK;
-  if (d->m > 0 && (s->constraint_jacobian || s->constraint_rows || s->constraint_bias))
+  if (d->m > 0 &&
+      (s->call.constraint_jacobian || s->call.constraint_rows || s->call.constraint_bias))
     status = check_rates(p, T, &constraints);
   if (status == NSDAE_OK) status = check_omega(p, T);
   if (status == NSDAE_OK) status = check_tangents(T);
-  if (status == NSDAE_OK && d->k > 0 && (s->gap_normal || s->contact_bias))
+  if (status == NSDAE_OK && d->k > 0 && (s->call.gap_normal || s->call.contact_bias))
     status = check_rates(p, T, &gaps);
   return status;
 }

@@ -168,12 +168,13 @@ static int add_work(nsdae_watch *w, nsdae_result *at)
   if (status < 0 || !(h > 0)) return status;
   double power = nsdae_dot(d->nv, T->F, T->v);
   w->turnover += h / 2 * fabs(w->power + power);
-  w->work += w->turned + h / 2 * (w->power + power) + h * nsdae_dot(d->m, at->multiplier, T->phi_t);
+  w->work += w->turned + h / 2 * (w->power + power) +
+             h * nsdae_dot(d->m, at->multiplier, T->constraint.phi_t);
   w->power = power;
   w->t = T->t;
   if (at->smooth) return NSDAE_OK;
   w->work -= nsdae_dot(d->k, p->normal, T->w_N) + nsdae_dot(d->k * d->nt, p->tangential, T->w_T) +
-             nsdae_dot(d->f, p->slide_impulse, T->w_S) + at->carried;
+             nsdae_dot(d->f, p->slide_impulse, T->slide.w) + at->carried;
   return NSDAE_OK;
 }
 
@@ -280,7 +281,7 @@ static int say_drift(nsdae_point *point, double bound)
   const nsdae_terms *end = &point->result.end;
   int worst = 0;
   for (int i = 1; i < end->system->dims.m; i++)
-    if (fabs(end->phi[i]) > fabs(end->phi[worst])) worst = i;
+    if (fabs(end->constraint.phi[i]) > fabs(end->constraint.phi[worst])) worst = i;
   const warning of = {NSDAE_WATCH_DRIFT,
                       NSDAE_WARN_DRIFT,
                       "constraint",
