@@ -69,7 +69,7 @@ typedef struct nsdae_sim_options {
   int projection;           /* enum nsdae_projection */
   double start_tol;         /* relative error of the numbers of a start */
   int inner_steps_max;      /* of the integrator of penalty and event in one dt */
-  int start_check;          /* 1: a start looks for gross errors of derivatives */
+  int start_check;          /* 1: a start looks for gross errors of callbacks */
   int contacts_max;         /* most contacts of a list */
   int threads;              /* that share the islands of a step by blocks: 1 .. 256 */
   unsigned initialised;     /* set by nsdae_sim_options_default */
@@ -216,12 +216,13 @@ NSDAE_API int nsdae_sim_project(nsdae_sim *sim, double t0, double *q0, double *v
  * terms:
  *   |Phi_i|, -g_N,i      <= start_tol (1 + |row|_1 max |q|)            row of Phi_q, column of W_N
  *   |Phi_q v + Phi_t|_i  <= start_tol (1 + |row|_1 max |v| + |Phi_t,i|)
- * NSDAE_E_ARGUMENT names the row, its value and the bound; nsdae_sim_project puts it right. Given
- * derivatives of Phi and g_N are compared with differences along two trial velocities (a few calls,
- * whatever the size): NSDAE_E_DERIVATIVE where one is grossly wrong, as by a sign; not where
- * start_check is 0. nsdae_system_check looks closer.
- * May be called again to start
- * anew. The observers see the start as step 0, at the first step or run. */
+ * NSDAE_E_ARGUMENT names the row, its value and the bound; nsdae_sim_project puts it right. Each
+ * callback is called alone, once or twice: NSDAE_E_CALLBACK where it writes beyond its array, or
+ * leaves an entry of Phi, g_N, dq/dt or U out. Given derivatives of Phi and g_N are compared with
+ * differences, with v = 0 and along two trial velocities (a few calls, whatever the size):
+ * NSDAE_E_DERIVATIVE where one is grossly wrong, as by a sign. Neither where start_check is 0.
+ * nsdae_system_check looks closer. May be called again to start anew. The observers see the start
+ * as step 0, at the first step or run. */
 NSDAE_API int nsdae_sim_init(nsdae_sim *sim, double t0, const double *q0, const double *v0);
 
 /* Adds an observer, at most NSDAE_OBSERVERS_MAX; they are called in this order. */

@@ -18,17 +18,12 @@ void nsdae_event_projection_layout(nsdae_event_projection *p, nsdae_arena *arena
   p->qdot = NSDAE_ARENA_DOUBLES(arena, d->nq);
 }
 
-/* Appends the row of contact or slide j in W, with what it is off by. */
-static void append(nsdae_event_projection *p, const double *W, int j, double missing)
-{
-  nsdae_least_append(&p->least, W + (size_t)j * (size_t)p->least.kkt.n, 1, missing);
-}
-
-/* The same of velocities v. */
+/* Appends the row of contact or slide j in W, with what velocities v are off by. */
 static void append_rate(nsdae_event_projection *p, const double *W, const double *w, int j,
                         const double *v)
 {
-  append(p, W, j, nsdae_terms_rate(p->phase->setting->here, W, w, j, v));
+  double missing = nsdae_terms_rate(p->phase->setting->here, W, w, j, v);
+  nsdae_least_append(&p->least, W + (size_t)j * (size_t)p->least.kkt.n, 1, missing);
 }
 
 /* Appends positions; returns the worst. */
@@ -40,7 +35,7 @@ static double append_positions(nsdae_event_projection *p, const int *closed)
   for (int i = 0; i < d->m; i++)
     nsdae_least_append(&p->least, T->constraint.J + i, (size_t)d->m, T->constraint.phi[i]);
   for (int i = 0; i < d->k; i++)
-    if (closed[i]) append(p, T->W_N, i, T->gap[i]);
+    if (closed[i]) nsdae_least_append(&p->least, T->W_N + (size_t)i * (size_t)d->nv, 1, T->gap[i]);
   return nsdae_largest(p->least.rows, p->least.c);
 }
 

@@ -8,14 +8,10 @@
  * cannot be told at first which way it goes: so many times what counts as zero. */
 static const double TURNING = 100;
 
-int nsdae_event_roots_count(const nsdae_dims *d)
-{
-  return 3 * d->k + 2 * d->f;
-}
-
 void nsdae_event_roots_layout(nsdae_event_roots *r, nsdae_arena *arena)
 {
-  r->count = nsdae_event_roots_count(&r->phase->setting->system->dims);
+  const nsdae_dims *d = &r->phase->setting->system->dims;
+  r->count = 3 * d->k + 2 * d->f;
   r->entry = nsdae_arena_take(arena, r->count, sizeof *r->entry);
   r->at = NSDAE_ARENA_DOUBLES(arena, r->phase->setting->at.n);
 }

@@ -71,7 +71,7 @@ static const nsdae_param entries[] = {
      NSDAE_PARAM_REAL, AT(start_tol), 1e-6, 0, INFINITY, 0, NULL},
     {"inner_steps_max", "1", "most steps of the integrator of penalty and event in one dt",
      NSDAE_PARAM_INT, AT(inner_steps_max), 100000, 1, 1e9, 0, NULL},
-    {"start_check", "", "whether a start looks for derivatives that are grossly wrong",
+    {"start_check", "", "whether a start looks for callbacks that are grossly wrong",
      NSDAE_PARAM_CHOICE, AT(start_check), 1, 0, 1, 0, no_yes},
     {"contacts_max", "1", "most contacts of a list", NSDAE_PARAM_INT, AT(contacts_max), 1 << 20, 1,
      1 << 28, 0, NULL},

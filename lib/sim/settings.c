@@ -135,7 +135,7 @@ int nsdae_sim_set_contact(nsdae_sim *sim, int i, double mu, double e_n, double e
   status = settle(sim);
   if (status < 0) return status;
   const nsdae_coefficients before = sim->model.contact[i];
-  sim->model.contact[i] = (nsdae_coefficients){mu, e_n, e_t};
+  sim->model.contact[i] = (nsdae_coefficients){mu, e_n, e_t, 1};
   status = prepare(sim);
   if (status == NSDAE_OK) return status;
   const nsdae_error why = sim->error;

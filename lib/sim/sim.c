@@ -6,6 +6,7 @@
 
 #include "errors.h"
 #include "options.h"
+#include "probe.h"
 #include "sim_impl.h"
 #include "start.h"
 #include "system_impl.h"
@@ -16,6 +17,7 @@ static void layout(void *object, nsdae_arena *arena)
   nsdae_stepper_layout(&sim->stepper, arena);
   for (int i = 0; i < (sim->aside ? 3 : 2); i++) nsdae_point_layout(&sim->point[i], arena);
   nsdae_projector_layout(&sim->projection, arena);
+  sim->probe = NSDAE_ARENA_DOUBLES(arena, nsdae_probe_size(&sim->model));
 }
 
 static int no_memory(nsdae_sim *sim, nsdae_error *error)
@@ -73,6 +75,7 @@ static int check_create(const nsdae_system *system, const nsdae_sim_options *opt
   *sim = NULL;
   int status = options ? nsdae_sim_options_check(options, error) : NSDAE_OK;
   if (status == NSDAE_OK) status = nsdae_system_complete(system, error);
+  if (status == NSDAE_OK) status = nsdae_system_told(system, error);
   if (status == NSDAE_OK) status = check_blocks(system, options, error);
   return status < 0 ? status : check_rows(system, options, error);
 }
@@ -219,6 +222,13 @@ int nsdae_sim_check_state(nsdae_sim *sim, const char *where, double t0, const do
   return status < 0 ? status : check_vector(sim, where, "v0", NSDAE_NAME_VELOCITY, v0);
 }
 
+/* What the callbacks write beyond their arrays or leave out, before anything stands beside them. */
+static int probe_callbacks(nsdae_sim *sim, double t0, const double *q0, const double *v0)
+{
+  const nsdae_probe probe = {&sim->model, "nsdae_sim_init", t0, q0, v0, sim->probe, &sim->error, 0};
+  return sim->options.start_check ? nsdae_probe_callbacks(&probe) : NSDAE_OK;
+}
+
 /* Every term once, so that what is wrong with a model shows here. */
 static int start_at(nsdae_sim *sim, double t0, const double *q0, const double *v0)
 {
@@ -242,6 +252,7 @@ int nsdae_sim_init(nsdae_sim *sim, double t0, const double *q0, const double *v0
   nsdae_error_clear(&sim->error);
   sim->stage.started = sim->stage.failed = sim->stage.waiting = sim->stage.between = 0;
   int status = nsdae_sim_check_state(sim, "nsdae_sim_init", t0, q0, v0);
+  if (status == NSDAE_OK) status = probe_callbacks(sim, t0, q0, v0);
   while (status == NSDAE_OK && (status = start_at(sim, t0, q0, v0)) == NSDAE_GROW)
     status = nsdae_sim_grow(sim);
   if (status < 0) return status;

@@ -72,6 +72,7 @@ struct nsdae_sim {
   const nsdae_stepping *method;
   void *own; /* the method's */
   nsdae_projector projection;
+  double *probe;           /* nsdae_probe_size: callbacks alone, at the start */
   nsdae_point point[3];    /* those below */
   nsdae_point *now, *next; /* the state; a step in work, or the step before the state */
   nsdae_point *aside;      /* a third, for what is between two, where the method integrates */
@@ -112,8 +113,8 @@ int nsdae_point_follow(nsdae_point *before, nsdae_point *point, double impact_ve
 
 /* NSDAE_OK, or NSDAE_E_NONFINITE with the record that names what of a point is not finite. */
 int nsdae_watch_finite(const nsdae_point *point);
-/* From the start on. */
-void nsdae_watch_start(const nsdae_sim *sim, nsdae_point *point);
+/* From the start on. NSDAE_OK, or what the terms return. */
+int nsdae_watch_start(const nsdae_sim *sim, nsdae_point *point);
 /* After a step: what is to be said now, NSDAE_WARN_... with the error record, NSDAE_OK; or what the
  * terms return. */
 int nsdae_watch_step(const nsdae_sim *sim, nsdae_point *before, nsdae_point *point);

@@ -116,11 +116,12 @@ static int check_units(const nsdae_projector *p, const nsdae_terms *T, double to
   return NSDAE_OK;
 }
 
-/* ---- derivatives along two trial velocities: a few calls, whatever the size */
+/* ---- derivatives with v = 0 and along two trial velocities: a few calls, whatever the size */
 
 /* One of the two relations that derivatives are given of: constraints and gaps. */
 typedef struct relation {
-  const char *derivative; /* the callback that is judged */
+  const char *derivative; /* the callback that is judged, */
+  const char *moving;     /* and that of what moves by itself; NULL: there is none */
   int kind, rows;
   nsdae_position_fn position;
   const double *value; /* rows: at the start */
@@ -128,9 +129,12 @@ typedef struct relation {
   const double *bias; /* rows: the rate with v = 0 */
 } relation;
 
+enum { STILL = -1, TRIALS = 2 };
+
 static void trial_velocity(int n, int number, double *v)
 {
-  for (int j = 0; j < n; j++) v[j] = cos(1 + number + 2.399963 * (j + 1)); /* no two alike */
+  for (int j = 0; j < n; j++)
+    v[j] = number == STILL ? 0 : cos(1 + number + 2.399963 * (j + 1)); /* no two alike */
 }
 
 /* W v + w of a row, and the sum of its terms. */
@@ -150,15 +154,16 @@ static double given_rate(const relation *r, const nsdae_blocks *blocks, int i, c
   return rate;
 }
 
-static int wrong_rate(const nsdae_terms *T, const relation *r, int i, double given,
+static int wrong_rate(const nsdae_terms *T, const relation *r, int i, int number, double given,
                       double difference)
 {
   char called[NSDAE_CALLED_SIZE];
-  nsdae_error_set(T->error, NSDAE_E_DERIVATIVE, "nsdae_sim_init", r->derivative,
-                  "%s: %s has the rate %.6g along a trial velocity, differences say %.6g; "
-                  "nsdae_system_check names the entry (start_check = no takes it)",
-                  r->derivative, nsdae_system_called(T->system, r->kind, i, called), given,
-                  difference);
+  const char *callback = number == STILL ? r->moving : r->derivative;
+  nsdae_error_set(T->error, NSDAE_E_DERIVATIVE, "nsdae_sim_init", callback,
+                  "%s: %s has the rate %.6g %s, differences say %.6g; nsdae_system_check names the "
+                  "entry (start_check = no takes it)",
+                  callback, nsdae_system_called(T->system, r->kind, i, called), given,
+                  number == STILL ? "with v = 0" : "along a trial velocity", difference);
   T->error->index = i;
   T->error->time = T->t;
   return NSDAE_E_DERIVATIVE;
@@ -167,7 +172,8 @@ static int wrong_rate(const nsdae_terms *T, const relation *r, int i, double giv
 /* Where a relation has a kink at the start its derivative is that of one side; of what jumps, as
  * the gap of two edges where they are parallel, differences say nothing. Gross errors are what is
  * looked for, signs and places: 1e-3 of the terms, above the rounding of the differences. */
-static int judge_rates(const nsdae_terms *T, const relation *r, const double *v, double s)
+static int judge_rates(const nsdae_terms *T, const relation *r, int number, const double *v,
+                       double s)
 {
   const nsdae_differences *d = T->differences;
   for (int i = 0; i < r->rows; i++) {
@@ -179,7 +185,7 @@ static int judge_rates(const nsdae_terms *T, const relation *r, const double *v,
     double tol = 1e-3 * (size + fabs(middle)) + 1e-9 * (1 + fabs(r->value[i]));
     if (fabs(given - middle) <= tol || fabs(given - ahead) <= tol || fabs(given - back) <= tol)
       continue;
-    return wrong_rate(T, r, i, given, middle);
+    return wrong_rate(T, r, i, number, given, middle);
   }
   return NSDAE_OK;
 }
@@ -199,14 +205,14 @@ static int check_rates(nsdae_projector *p, const nsdae_terms *T, const relation 
 {
   nsdae_differences *d = T->differences;
   const nsdae_dims *dims = &T->system->dims;
-  for (int number = 0; number < 2; number++) {
+  for (int number = r->moving ? STILL : 0; number < TRIALS; number++) {
     trial_velocity(dims->nv, number, p->v);
     int status = nsdae_kinematics_at(T, p->v, d->qdot);
     if (status < 0) return status;
     double s = nsdae_differences_step(dims->nq, T->t, T->q, d->qdot, cbrt(DBL_EPSILON));
     status = displaced(T, r, s, d->plus);
     if (status == NSDAE_OK) status = displaced(T, r, -s, d->minus);
-    if (status == NSDAE_OK) status = judge_rates(T, r, p->v, s);
+    if (status == NSDAE_OK) status = judge_rates(T, r, number, p->v, s);
     if (status < 0) return status;
   }
   return NSDAE_OK;
@@ -234,7 +240,7 @@ static int check_omega(nsdae_projector *p, const nsdae_terms *T)
     double tol =
         1e-3 * (fabs(omega[i]) + fabs(second[i])) + 1e-6 * (1 + fabs(T->constraint.phi[i]));
     if (isfinite(second[i]) && !(fabs(omega[i] - second[i]) <= tol))
-      return wrong_rate(T, &accelerations, i, omega[i], second[i]);
+      return wrong_rate(T, &accelerations, i, 0, omega[i], second[i]);
   }
   return NSDAE_OK;
 }
@@ -265,14 +271,17 @@ static int check_derivatives(nsdae_projector *p, const nsdae_terms *T)
   const nsdae_system *s = T->system;
   const nsdae_dims *d = &s->dims;
   const relation constraints = {s->by_list ? "constraint_rows" : "constraint_jacobian",
+                                s->call.constraint_bias ? "constraint_bias" : NULL,
                                 NSDAE_NAME_CONSTRAINT,
                                 d->m,
                                 s->call.constraint,
                                 T->constraint.phi,
                                 &T->by.jacobian,
                                 T->constraint.phi_t};
-  const relation gaps = {"gap_normal", NSDAE_NAME_CONTACT, d->k,  s->call.gap,
-                         T->gap,       &T->by.normal,      T->w_N};
+  const relation gaps = {"gap_normal",       s->call.contact_bias ? "contact_bias" : NULL,
+                         NSDAE_NAME_CONTACT, d->k,
+                         s->call.gap,        T->gap,
+                         &T->by.normal,      T->w_N};
   int status = NSDAE_OK;
   if (!p->tools->options->start_check || fabs(T->t) > 1e4) return NSDAE_OK;
   if (d->m > 0 &&

@@ -7,7 +7,7 @@
   {                                                                                        \
     return s->call.name != NULL;                                                           \
   }                                                                                        \
-  static int call_##name(const nsdae_system *s, const nsdae_point *at, double *const *out, \
+  static int call_##name(const nsdae_system *s, const nsdae_place *at, double *const *out, \
                          const int *ld)                                                    \
   {                                                                                        \
     (void)ld;                                                                              \

@@ -33,12 +33,14 @@ int nsdae_kinematics(const nsdae_system *system, double t, const double *q, cons
   return 0;
 }
 
-/* A power of two, so that t + s and t - s are exact. Time has no natural zero, so its step does not
- * grow with it but for rounding. */
+/* A power of two, so that t + s and t - s are exact. Neither time nor place has a natural zero, so
+ * that the step grows with them for rounding alone: scale = eps^p is the best step of a function
+ * with errors eps, and far out they are eps (1 + |q|). */
 double nsdae_differences_step(int nq, double t, const double *q, const double *qdot, double scale)
 {
-  double fastest = 1 / fmax(1, 1e-4 * fabs(t));
-  for (int i = 0; i < nq; i++) fastest = fmax(fastest, fabs(qdot[i]) / (1 + fabs(q[i])));
+  double fastest = 1 / fmax(1, 1e-4 * fabs(t)), p = log(scale) / log(DBL_EPSILON);
+  for (int i = 0; i < nq; i++)
+    fastest = fmax(fastest, ldexp(fabs(qdot[i]), -(int)(p * ilogb(1 + fabs(q[i])))));
   return ldexp(1, ilogb(scale / fastest));
 }
 

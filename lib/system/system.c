@@ -214,7 +214,7 @@ int nsdae_system_set_contact(nsdae_system *system, int i, double mu, double e_n,
   if (i < 0 || i >= system->dims.k) return bad_index(system, "contact", "i", i, system->dims.k);
   int status = check_coefficients(system, i, mu, e_n, e_t);
   if (status == NSDAE_OK) status = nsdae_system_open(system, "contact");
-  if (status == NSDAE_OK) system->contact[i] = (nsdae_coefficients){mu, e_n, e_t};
+  if (status == NSDAE_OK) system->contact[i] = (nsdae_coefficients){mu, e_n, e_t, 1};
   return status;
 }
 
@@ -227,7 +227,7 @@ int nsdae_system_set_slide(nsdae_system *system, int j, int constraint, double m
   if (!(mu >= 0) || isinf(mu))
     return bad_coefficient(system, "slide", "mu", mu, "at least 0, finite");
   int status = nsdae_system_open(system, "slide");
-  if (status == NSDAE_OK) system->slide[j] = (nsdae_slide){constraint, mu};
+  if (status == NSDAE_OK) system->slide[j] = (nsdae_slide){constraint, mu, 1};
   return status;
 }
 
@@ -317,6 +317,28 @@ static int any_slide(const nsdae_system *system)
   for (int j = 0; j < system->dims.f; j++)
     if (system->slide[j].mu > 0) return 1;
   return 0;
+}
+
+static int untold(const nsdae_system *system, const char *setter, const char *callback, int kind,
+                  int i, nsdae_error *error)
+{
+  nsdae_error_set(error, NSDAE_E_STATE, "nsdae_system", setter,
+                  "%s gives the directions of friction, and nothing says how much there is: call "
+                  "nsdae_system_set_%s (mu = 0 is none)",
+                  callback, setter);
+  nsdae_system_name_item(system, kind, i, error);
+  return NSDAE_E_STATE;
+}
+
+int nsdae_system_told(const nsdae_system *system, nsdae_error *error)
+{
+  for (int i = 0; system->call.gap_tangent && i < system->dims.k; i++)
+    if (!system->contact[i].told)
+      return untold(system, "contact", "gap_tangent", NSDAE_NAME_CONTACT, i, error);
+  for (int j = 0; system->call.slide_tangent && j < system->dims.f; j++)
+    if (!system->slide[j].told)
+      return untold(system, "slide", "slide_tangent", NSDAE_NAME_SLIDE, j, error);
+  return NSDAE_OK;
 }
 
 int nsdae_system_complete(const nsdae_system *system, nsdae_error *error)

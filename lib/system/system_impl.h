@@ -10,11 +10,13 @@
 
 typedef struct nsdae_coefficients {
   double mu, e_n, e_t;
+  int told; /* set by somebody, if only to zero */
 } nsdae_coefficients;
 
 typedef struct nsdae_slide {
   int constraint;
   double mu;
+  int told;
 } nsdae_slide;
 
 enum { NSDAE_NAME_KINDS = NSDAE_NAME_SLIDE + 1 };
@@ -77,6 +79,10 @@ struct nsdae_system {
 /* NSDAE_OK when every callback that is needed is there, no setter was refused and names are
  * distinct; else NSDAE_E_STATE naming the callback, or what was refused. */
 int nsdae_system_complete(const nsdae_system *system, nsdae_error *error);
+
+/* NSDAE_OK where friction that has directions has coefficients, too: they are zero until they are
+ * set, which may be a call forgotten. Else NSDAE_E_STATE. */
+int nsdae_system_told(const nsdae_system *system, nsdae_error *error);
 
 /* Partitions: of count parts of these sizes, in place of what was there; NSDAE_OK or
  * NSDAE_E_MEMORY. */

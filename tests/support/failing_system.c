@@ -8,6 +8,13 @@ static int turn(failing_system *f, int term, int code)
   return code == 0 && term == f->term && call == f->at ? f->code : code;
 }
 
+static const double *place(failing_system *f, const double *q)
+{
+  if (f->shift == 0) return q;
+  for (int i = 0; i < f->inner->dims.nq; i++) f->q[i] = q[i] - f->shift;
+  return f->q;
+}
+
 /* name, its place, parameters after q, arguments after q */
 #define CALLBACKS(C)                                                                              \
   C(mass, 0, (double t, const double *q, double *M, int ld, void *user), M, ld)                   \
@@ -30,11 +37,11 @@ static int turn(failing_system *f, int term, int code)
     qdot)                                                                                         \
   C(potential, 12, (double t, const double *q, double *energy, void *user), energy)
 
-#define DEFINE(name, term, parameters, ...)                                       \
-  static int name parameters                                                      \
-  {                                                                               \
-    failing_system *f = user;                                                     \
-    return turn(f, term, f->inner->call.name(t, q, __VA_ARGS__, f->inner->user)); \
+#define DEFINE(name, term, parameters, ...)                                                 \
+  static int name parameters                                                                \
+  {                                                                                         \
+    failing_system *f = user;                                                               \
+    return turn(f, term, f->inner->call.name(t, place(f, q), __VA_ARGS__, f->inner->user)); \
   }
 CALLBACKS(DEFINE)
 
