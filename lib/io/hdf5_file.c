@@ -78,11 +78,26 @@ static hid_t open_disk(nsdae_h5 *h5, nsdae_ordered_mode mode)
   return h5->disk.failure ? -1 : nsdae_ordered_access(&h5->disk);
 }
 
+/* Whether it is one that is read along: it is marked as open until its writer closes it, which a
+ * writer that was killed never did. */
+static int is_live(const nsdae_h5 *h5)
+{
+  hid_t file = H5Fopen(h5->path, H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, H5P_DEFAULT);
+  if (file >= 0) H5Fclose(file);
+  return file >= 0;
+}
+
 static int opened(nsdae_h5 *h5, hid_t access, const char *what)
 {
   int status = nsdae_h5_result(h5, h5->file, what);
   if (access >= 0) H5Pclose(access);
-  if (status < 0) nsdae_ordered_close(&h5->disk);
+  if (status == NSDAE_OK) return NSDAE_OK;
+  int failure = h5->disk.failure;
+  nsdae_ordered_close(&h5->disk); /* and its lock */
+  if (status == NSDAE_E_IO && failure == 0 && is_live(h5))
+    because(h5, what,
+            "it was written live by a run that goes on or was killed: h5clear -s makes it "
+            "readable; a run cannot go on in it");
   return status;
 }
 

@@ -100,6 +100,10 @@ int nsdae_setting_read(nsdae_setting *setting, nsdae_h5 *h5)
 {
   hsize_t length[1];
   *setting = (nsdae_setting){0};
+  if (H5Lexists(h5->file, "/restart", H5P_DEFAULT) == 0)
+    return nsdae_error_set(
+        h5->error, NSDAE_E_IO, h5->where ? h5->where : "nsdae_trajectory", "path",
+        "cannot go on in '%.90s': it keeps no state, as one written live", h5->path);
   int status = nsdae_h5_shape(h5, dataset, 1, length);
   if (status == NSDAE_OK) status = nsdae_h5_fits(h5, dataset, 1, length);
   if (status < 0) return status;

@@ -15,7 +15,7 @@ from . import _core
 from ._bodies import GROUND, Bodies, Solid
 from ._errors import ArgumentError, CallbackError, Error, ProblemError, Status
 from ._lists import CONTACT, ContactList, RowList, contact_add, row_add
-from ._pointers import signature
+from ._pointers import cfunc, signature
 from ._problems import FrictionResult, LcpResult, friction, friction_local, lcp
 from ._records import OPEN, SLIDE, STICK, LcpProblem, Record
 from ._sim import METHODS, Sim, solve
@@ -31,5 +31,5 @@ __doc__ += "".join(f"    {key:<18}{what}{f' [{unit}]' if unit not in ('', '1') e
 __all__ = ["ArgumentError", "Bodies", "CONTACT", "CallbackError", "ContactList", "Dims", "Error", "FrictionResult",
            "GROUND", "LcpProblem", "LcpResult", "METHODS", "OPEN", "ProblemError", "Record", "RowList", "SLIDE",
            "STICK", "Shape", "Sim", "Solid", "Status", "Sweep", "System", "Trajectory", "Worst", "build_info",
-           "contact_add", "friction", "friction_local", "lcp", "load", "load_sweep", "row_add", "signature", "solve",
+           "cfunc", "contact_add", "friction", "friction_local", "lcp", "load", "load_sweep", "row_add", "signature", "solve",
            "sweep"]

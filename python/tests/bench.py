@@ -37,14 +37,14 @@ def in_c(system, folder, *flags):
     return {name: ctypes.cast(getattr(library, name), nsdae.signature(name, "ctypes")) for name in system}
 
 
-def in_numba(system):
+def in_numba(system, compiler=nsdae.cfunc):
     made = {}
     for name, text in system.items():
         arguments = ", ".join(word.split()[-1].lstrip("*") for word in
                               nsdae.signature(name, "c").split("(")[1].rstrip(")").split(","))
         scope = {}
         exec(f"from math import sin, cos\ndef {name}({arguments}):\n    {text}\n    return 0", scope)
-        made[name] = numba.cfunc(nsdae.signature(name))(scope[name])
+        made[name] = compiler(name)(scope[name])
     return made
 
 
@@ -92,12 +92,15 @@ def compare(name, system, q0, **sizes):
     """Seconds of a step in C; numba's ratio to it is printed."""
     steps, repeats = 20000, 31
     with tempfile.TemporaryDirectory() as folder:
-        kinds = (in_c(system, folder), in_c(system, folder, "-fno-builtin"), in_numba(system))
+        kinds = (in_c(system, folder), in_c(system, folder, "-fno-builtin"), in_numba(system),
+                 in_numba(system, lambda name: numba.cfunc(nsdae.signature(name))))
         rows = [[seconds(kind, steps, q0, **sizes) for kind in kinds] for _ in range(repeats)]
-    joined, plain, jitted = (min(column) / steps for column in zip(*rows))
-    print(f"{name}: {1e6 * joined:.2f} us a step with callbacks in C; numba to C: {jitted / joined:.3f}, to C with the calls "
-          f"as written: {jitted / plain:.3f}")
-    return joined
+    joined, plain, jitted, called = zip(*rows)
+    for what, of in (("least", min), ("sums", sum)):
+        print(f"{name}, {what}: nsdae.cfunc to C {of(jitted) / of(joined):.3f}, to C with the calls as written "
+              f"{of(jitted) / of(plain):.3f}; numba.cfunc to C {of(called) / of(joined):.3f}")
+    print(f"{name}: {1e6 * min(joined) / steps:.2f} us a step with callbacks in C")
+    return min(joined) / steps
 
 
 def main():

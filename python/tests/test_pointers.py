@@ -87,6 +87,25 @@ def test_user_of_one_callback_alone(library, reference):
     assert got.v[1, 0] == pytest.approx(reference.v[1, 0] / 4)
 
 
+def test_cfunc_is_that_of_numba():
+    """The same run; what it makes is numba's, with its options; nothing is left changed behind it."""
+    numba = pytest.importorskip("numba", reason="numba is not here")
+    from numba.core import registry
+    conventions = type(registry.cpu_target.target_context.call_conv)
+    before, own = conventions.call_function, numba_ball()
+    made = {name: nsdae.cfunc(name)(function._pyfunc) for name, function in own.items()}
+    assert conventions.call_function is before
+    assert all(type(made[name]) is type(function) for name, function in own.items())
+    same(run(**own), run(**made))
+    with pytest.raises(ValueError, match="mas"):
+        nsdae.cfunc("mas")
+    with pytest.raises(numba.core.errors.NumbaError):
+        nsdae.cfunc("force")(lambda t, q, v, F, user: q.none)
+    assert conventions.call_function is before
+    fast = nsdae.cfunc("force", fastmath=True)(own["force"]._pyfunc)
+    same(run(**own), run(**{**made, "force": fast}))
+
+
 def test_a_numba_signature_that_differs_is_refused():
     numba = pytest.importorskip("numba", reason="numba is not here")
 

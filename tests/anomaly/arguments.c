@@ -395,6 +395,12 @@ static int no_force(double t, const double *q, const double *v, double *F, void 
   return no_vector(t, q, F, user);
 }
 
+static int no_slide(double t, const double *q, double *W, int ldw, double *w_s, void *user)
+{
+  (void)w_s;
+  return no_matrix(t, q, W, ldw, user);
+}
+
 /* What becomes of a simulation of these sizes; that it was not made is said at once. */
 static int create_of_size(const nsdae_dims *d, int method, nsdae_error *error)
 {
@@ -408,7 +414,10 @@ static int create_of_size(const nsdae_dims *d, int method, nsdae_error *error)
   if (d->m > 0) nsdae_system_set_constraint_jacobian(system, no_matrix);
   if (d->k > 0) nsdae_system_set_gap(system, no_vector);
   if (d->k > 0) nsdae_system_set_gap_normal(system, no_matrix);
+  for (int i = 0; i < d->k; i++) nsdae_system_set_contact(system, i, d->nt > 0 ? 0.3 : 0, 0.5, 0);
   if (d->k > 0 && d->nt > 0) nsdae_system_set_gap_tangent(system, no_matrix);
+  if (d->f > 0) nsdae_system_set_slide_tangent(system, no_slide);
+  for (int j = 0; j < d->f; j++) nsdae_system_set_slide(system, j, j, 0.3);
   nsdae_sim_options_default(&options);
   options.method = method;
   clock_t begin = clock();

@@ -24,7 +24,7 @@
 #include "woodpecker.h"
 
 /* For the integrators a call in so many, as many as a test has time for; NSDAE_EVERY_CALL tries
- * each (20 minutes). */
+ * each (half an hour; NSDAE_ONLY names one model and NSDAE_METHOD one method). */
 enum { TRIED = 40 };
 
 static const driver_model *const models[] = {
@@ -184,6 +184,12 @@ static unsigned char *run_whole(bench *b, nsdae_sim *sim)
   return state_of(sim, &b->size);
 }
 
+static int chosen(const char *variable, const char *name)
+{
+  const char *only = getenv(variable);
+  return !only || strcmp(only, name) == 0;
+}
+
 /* Call `at` of every so many; 1: each. */
 static long stride_of(long calls, int method)
 {
@@ -217,11 +223,16 @@ static void attack_all(int method)
 {
   static bench b;
   long tried = 0;
+  if (!chosen("NSDAE_METHOD", nsdae_method_name(method))) return;
   for (int i = 0; i < MODELS; i++) {
+    if (!chosen("NSDAE_ONLY", models[i]->name)) continue;
     use_model(&b, models[i]);
-    tried += attack(&b, method);
+    long calls = attack(&b, method);
+    if (getenv("NSDAE_EVERY_CALL")) print_message("%s: %ld calls\n", b.name, calls);
+    tried += calls;
     done(&b);
   }
+  if (getenv("NSDAE_ONLY")) return;
   for (uint64_t seed = 1; seed <= SYSTEMS; seed++) {
     use_random(&b, seed);
     tried += attack(&b, method);

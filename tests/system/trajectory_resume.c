@@ -1,5 +1,10 @@
 /* Going on in a file: what is refused, by name, and what is the same as without an end between. */
+#define _POSIX_C_SOURCE 200809L /* fork, kill */
 #include "check.h"
+
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <hdf5.h>
 #include <hdf5_hl.h>
@@ -243,6 +248,40 @@ static void test_no_state(void **state)
   leave(&f, NSDAE_OK);
   prepare(&f);
   refuse(&f, "path");
+  assert_non_null(strstr(f.error.text, "live"));
+}
+
+/* Written live and killed: it says so, and what makes it readable; then that it keeps no state. */
+static void test_killed_live(void **state)
+{
+  (void)state;
+  fixture f;
+  nsdae_param none = {"none", "", "", NSDAE_PARAM_REAL, 0, 0, 0, 1, 0, NULL};
+  const nsdae_params table_of_none = {&none, 1};
+  double value = 0;
+  remove(path);
+  pid_t child = fork();
+  assert_true(child >= 0);
+  if (child == 0) {
+    prepare(&f);
+    open_sim(&f);
+    f.info.live = 1;
+    int status = nsdae_trajectory_create(f.sim, path, &f.info, &f.trajectory, NULL);
+    if (status == NSDAE_OK) status = nsdae_sim_run(f.sim, 0.1);
+    if (status == NSDAE_OK) status = nsdae_trajectory_flush(f.trajectory, NULL);
+    if (status == NSDAE_OK) raise(SIGKILL);
+    _exit(1);
+  }
+  int ended = 0;
+  assert_int_equal(waitpid(child, &ended, 0), child);
+  assert_true(WIFSIGNALED(ended) && WTERMSIG(ended) == SIGKILL);
+  prepare(&f);
+  refuse(&f, "path");
+  assert_non_null(strstr(f.error.text, "live"));
+  assert_non_null(strstr(f.error.text, "h5clear"));
+  assert_int_equal(nsdae_trajectory_read_params(path, "options", &table_of_none, &value, &f.error),
+                   NSDAE_E_IO);
+  assert_non_null(strstr(f.error.text, "live"));
 }
 
 /* What the run was told, for a program that goes on with it. */
@@ -278,7 +317,8 @@ int main(void)
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_later_end),    cmocka_unit_test(test_many_parts),
       cmocka_unit_test(test_dropped_step), cmocka_unit_test(test_refused),
-      cmocka_unit_test(test_no_state),     cmocka_unit_test(test_read_params),
+      cmocka_unit_test(test_no_state),     cmocka_unit_test(test_killed_live),
+      cmocka_unit_test(test_read_params),
   };
   H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
   int failed = cmocka_run_group_tests(tests, NULL, NULL);
