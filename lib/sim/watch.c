@@ -11,6 +11,9 @@
 static const double watch_ways = 10;       /* of a step, or overlaps of penalty */
 static const double watch_share = 0.1;     /* of the largest kinetic energy */
 static const double watch_turnover = 0.02; /* of the work that forces did and took */
+static const double watch_soars = 100;     /* times the kinetic energy in a step */
+
+enum { SOARED = 3 }; /* in so many steps */
 
 static double largest_entry(const nsdae_blocks *blocks, const nsdae_rows *rows)
 {
@@ -215,11 +218,18 @@ static double energy_bound(const nsdae_watch *w)
   return watch_share * w->scale + watch_turnover * w->turnover;
 }
 
-/* Energy that came from nowhere, and its bound. */
+/* Energy that came from nowhere, and its bound; why. */
 typedef struct gain {
   double energy, bound;
-  int by_contacts;
+  enum { BY_STEPS, BY_CONTACTS, BY_SOARING } why;
 } gain;
+
+/* Each step multiplies the kinetic energy, whatever the forces' quadrature says of it. */
+static void find_soaring(nsdae_watch *w, double before, double after, gain *found)
+{
+  w->soared = before > 0 && after > watch_soars * fmax(before, w->scale) ? w->soared + 1 : 0;
+  if (w->soared >= SOARED) *found = (gain){after, watch_soars * before, BY_SOARING};
+}
 
 /* That of the quadrature up to the point before, with what was known there (where each step
  * multiplies the energy the next one hides it), of contacts up to this one. The one that is further
@@ -237,9 +247,11 @@ static int find_gain(nsdae_watch *w, nsdae_point *before, const nsdae_point *poi
     found->energy = before->record.kinetic + before->record.dissipated - w->kinetic - w->work;
     found->bound = energy_bound(w);
   }
+  if (!point->result.located) find_soaring(w, before->record.kinetic, point->record.kinetic, found);
   w->scale = fmax(w->scale, point->record.kinetic);
   double bound = energy_bound(w);
-  if (w->gained - bound > found->energy - found->bound) *found = (gain){w->gained, bound, 1};
+  if (w->gained - bound > found->energy - found->bound)
+    *found = (gain){w->gained, bound, BY_CONTACTS};
   return NSDAE_OK;
 }
 
@@ -287,7 +299,17 @@ static int say_energy(nsdae_point *point, const gain *g)
                             "make dt smaller",
                             -1,
                             0};
-  return say(point, g->by_contacts ? &by_contacts : &by_steps);
+  const warning by_soaring = {NSDAE_WATCH_ENERGY,
+                              NSDAE_WARN_ENERGY,
+                              "kinetic",
+                              "the kinetic energy, for the third time in a row, is",
+                              g->energy,
+                              g->bound,
+                              "the step multiplies it, and follows no motion: make dt smaller",
+                              -1,
+                              0};
+  const warning *const all[] = {&by_steps, &by_contacts, &by_soaring};
+  return say(point, all[g->why]);
 }
 
 static int say_penetration(nsdae_point *point, double bound)
