@@ -17,8 +17,7 @@ static nsdae_contact_directions one(const nsdae_arms *arms, int i)
   return c;
 }
 
-/* v^T H v of contact i: the even part of g'' along v, without what moves by itself. */
-static int find_bend(nsdae_arms *arms, int i, double *bend)
+int nsdae_arms_bend(nsdae_arms *arms, int i, double *bend)
 {
   const nsdae_system *s = arms->all.system;
   double *second = arms->bend, *sum = arms->bend + s->dims.k;
@@ -75,7 +74,7 @@ static int doubt_one(nsdae_arms *arms, int i, int of, int j, double tol, sense *
   char contact[NSDAE_CALLED_SIZE], velocity[NSDAE_CALLED_SIZE], other[NSDAE_CALLED_SIZE];
   double bend, b = c.tangent[j], sign = turns(&c, of, tol) * b;
   turn_about(arms, &c, of, j, tol);
-  int code = find_bend(arms, i, &bend);
+  int code = nsdae_arms_bend(arms, i, &bend);
   if (code) return code;
   nsdae_system_called(c.system, NSDAE_NAME_CONTACT, i, contact);
   nsdae_system_called(c.system, NSDAE_NAME_VELOCITY, j, velocity);
