@@ -83,7 +83,7 @@ static int doubt_one(nsdae_arms *arms, int i, int of, int j, double tol, sense *
         text, size,
         "gap_tangent: its arm %.4g of %s along %s, if that turns the body: it should be %.4g or "
         "more, for turning about the contact opens the gap",
-        b, contact, velocity, bend);
+        b + 0.0, contact, velocity, bend); /* no -0 */
   } else if (bend > -fabs(b) * (1 - 1e-3) && fabs(b) > tol) {
     if (seen->sign * sign < 0)
       snprintf(text, size,

@@ -206,6 +206,19 @@ static int find_normals(check *c, double *here, double *elsewhere)
   return code;
 }
 
+/* Whether gap i, which rubs, is a length: impulses along a scaled one are scaled the other way. */
+static void doubt_gap(check *c, int i)
+{
+  nsdae_system *s = c->system;
+  char why[NSDAE_TANGENT_TEXT], called[NSDAE_CALLED_SIZE];
+  size_t n = (size_t)s->dims.nv, at = (size_t)i * n;
+  const nsdae_contact_directions of = {
+      s, s->dims.nv, s->dims.nt, c->mass, c->differenced + at, c->spare + at, c->given};
+  if (s->contact[i].mu > 0 && nsdae_gap_scaled(&of, c->tol, why))
+    snprintf(s->doubt, sizeof s->doubt, "gap: that of %s %s",
+             nsdae_system_called(s, NSDAE_NAME_CONTACT, i, called), why);
+}
+
 /* What of the arms of rotations in W_T is doubtful. */
 static int doubt_arms(check *c)
 {
@@ -222,6 +235,7 @@ static int doubt_arms(check *c)
   int code = nt == 1 ? nsdae_arms_doubt(&arms, c->tol, text, size)
                      : nsdae_levers_doubt(&arms, c->turn, c->turns, c->tol, text, size);
   difference_failed(c, code, "gap");
+  for (int i = 0; i < c->system->dims.k && code == 0 && !*text; i++) doubt_gap(c, i);
   return code ? nsdae_system_callback_status(code, c->callback, c->t, &c->system->error) : NSDAE_OK;
 }
 
