@@ -34,13 +34,16 @@ enum nsdae_redundant { NSDAE_REDUNDANT_ERROR, NSDAE_REDUNDANT_LEAST_NORM };
 
 /* What a step of a time-stepping method ends with: its end is moved to the constraints (coordinates
  * of unit length, such as quaternions, keep it; with none they get it back when it has doubled or
- * halved); with contacts also to touching, where a contact was closed in the step and overlaps.
- * With penalty and event anything but none is refused: event keeps both by its own, and penalty's
- * contacts overlap by their law. */
+ * halved); with contacts also to touching, where a contact was closed in the step and overlaps;
+ * with depths instead no deeper than a contact was that overlapped at the step's begin and stayed
+ * closed: it lasts, and on curved surfaces does not sink in by (1 - e_N) h^2 v^2 / (2 r) in every
+ * step. With penalty and event anything but none is refused: event keeps both by its own, and
+ * penalty's contacts overlap by their law. */
 enum nsdae_projection {
   NSDAE_PROJECTION_NONE,
   NSDAE_PROJECTION_CONSTRAINTS,
-  NSDAE_PROJECTION_CONTACTS
+  NSDAE_PROJECTION_CONTACTS,
+  NSDAE_PROJECTION_DEPTHS
 };
 
 /* Fill with nsdae_sim_options_default first: a struct that was not is refused. */

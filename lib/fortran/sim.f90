@@ -32,7 +32,8 @@ module nsdae_f_sim
   integer(c_int), parameter, public :: &
       NSDAE_PROJECTION_NONE = 0, &
       NSDAE_PROJECTION_CONSTRAINTS = 1, &
-      NSDAE_PROJECTION_CONTACTS = 2
+      NSDAE_PROJECTION_CONTACTS = 2, &
+      NSDAE_PROJECTION_DEPTHS = 3
 
   ! Modes of a contact or slide.
   integer(c_int), parameter, public :: &

@@ -44,6 +44,23 @@ void nsdae_point_layout(nsdae_point *point, nsdae_arena *arena);
 /* Where the arrays of its record are: again after lists grew. */
 void nsdae_point_show_arrays(nsdae_point *point);
 
+/* What was done with the points. */
+typedef struct nsdae_stage {
+  int started;         /* nsdae_sim_init was called */
+  int told;            /* the observers have seen the state */
+  int between;         /* next is the step before the state */
+  int waiting;         /* next is whole, and is the state as soon as the observers have seen it */
+  int failed;          /* the last step ended on the complementarity problem of next */
+  double asked;        /* the time that the step in next was asked for */
+  nsdae_error warning; /* of the last step, to be said when it is done */
+} nsdae_stage;
+
+/* Room in every list. */
+typedef struct nsdae_lists {
+  nsdae_room contacts, rows;
+  int growths;
+} nsdae_lists;
+
 struct nsdae_sim {
   const nsdae_system *system; /* held while the simulation lives */
   nsdae_system model;         /* a copy with user and coefficients of its own */
@@ -59,17 +76,10 @@ struct nsdae_sim {
   nsdae_point point[3];    /* those below */
   nsdae_point *now, *next; /* the state; a step in work, or the step before the state */
   nsdae_point *aside;      /* a third, for what is between two, where the method integrates */
-  double asked;            /* the time that the step in next was asked for */
+  nsdae_stage stage;
   nsdae_observers observers;
   double wall_time;
-  nsdae_error warning; /* of the last step, to be said when it is done */
-  int started;         /* nsdae_sim_init was called */
-  int told;            /* the observers have seen the state */
-  int between;         /* next is the step before the state */
-  int waiting;         /* next is whole, and is the state as soon as the observers have seen it */
-  int failed;          /* the last step ended on the complementarity problem of next */
-  nsdae_room contacts, rows; /* room in every list */
-  int growths;
+  nsdae_lists lists;
 };
 
 /* More room in every list, as the one that was full calls for. NSDAE_OK, NSDAE_E_MEMORY, and
@@ -82,7 +92,7 @@ void nsdae_sim_release_lists(nsdae_sim *sim);
 /* What an observer sees: the step that waits for it, else the state. */
 static inline const nsdae_point *nsdae_sim_shown(const nsdae_sim *sim)
 {
-  return sim->observers.telling && sim->waiting ? sim->next : sim->now;
+  return sim->observers.telling && sim->stage.waiting ? sim->next : sim->now;
 }
 
 /* NSDAE_OK, or NSDAE_E_ARGUMENT, NSDAE_E_NONFINITE naming what is no state; where: the function. */

@@ -42,10 +42,11 @@ static int check_constraints(const nsdae_terms *T, double tol)
   double q = nsdae_largest(d->nq, T->q), v = nsdae_largest(d->nv, T->v);
   for (int i = 0; i < d->m; i++) {
     double sum = nsdae_rows_sum(blocks, J, i), bound = tol * (1 + sum * q);
-    if (fabs(T->phi[i]) > bound)
-      return refuse(T, "q0", NSDAE_NAME_CONSTRAINT, i, "is off by", fabs(T->phi[i]), bound);
-    double rate = nsdae_rows_add_dot(blocks, J, i, T->v, T->phi_t[i]);
-    bound = tol * (1 + sum * v + fabs(T->phi_t[i]));
+    if (fabs(T->constraint.phi[i]) > bound)
+      return refuse(T, "q0", NSDAE_NAME_CONSTRAINT, i, "is off by", fabs(T->constraint.phi[i]),
+                    bound);
+    double rate = nsdae_rows_add_dot(blocks, J, i, T->v, T->constraint.phi_t[i]);
+    bound = tol * (1 + sum * v + fabs(T->constraint.phi_t[i]));
     if (fabs(rate) > bound)
       return refuse(T, "v0", NSDAE_NAME_CONSTRAINT, i, "is violated at the rate", fabs(rate),
                     bound);
@@ -84,22 +85,31 @@ static int check_gaps(const nsdae_terms *T, double tol)
   return NSDAE_OK;
 }
 
-/* A quaternion has length one; two coordinates may as well be a point on a circle. */
-static int is_rotation(const nsdae_units *u, int nq, int group)
+/* A quaternion has length one; two coordinates may as well be a point on a circle. The group
+ * is the one that coordinate `first` begins. */
+static int is_rotation(const nsdae_units *u, int nq, int first)
 {
-  int size = 0;
-  for (int i = 0; i < nq; i++) size += u->of[i] == group;
-  return size == 4 || fabs(u->length[group] - 1) < 0.1;
+  int size = 0, group = u->of[first];
+  if (fabs(u->length[group] - 1) < 0.1) return 1;
+  for (int i = first; i < nq && size < 4; i++) size += u->of[i] == group;
+  return size == 4;
+}
+
+/* The coordinate, from `after` on, that begins the group; they are numbered in this order. */
+static int next_group(const nsdae_units *u, int group, int after)
+{
+  int first = after;
+  while (u->of[first] != group) first++;
+  return first;
 }
 
 static int check_units(const nsdae_projector *p, const nsdae_terms *T, double tol)
 {
-  int nq = T->system->dims.nq;
+  int nq = T->system->dims.nq, first = 0;
   for (int g = 0; g < p->units.count; g++) {
-    int first = 0;
-    while (p->units.of[first] != g) first++;
+    first = next_group(&p->units, g, first);
     double off = fabs(p->units.length[g] - 1);
-    if (off > tol && is_rotation(&p->units, nq, g))
+    if (off > tol && is_rotation(&p->units, nq, first))
       return refuse(T, "q0", NSDAE_NAME_COORDINATE, first,
                     "begins a group of unit length (dq/dt shows it) whose length is off by", off,
                     tol);
@@ -216,19 +226,20 @@ static int check_omega(nsdae_projector *p, const nsdae_terms *T)
   nsdae_differences *d = T->differences;
   int m = s->dims.m;
   double *phi_t = p->start, *omega = p->start + m, *second = p->start + 2 * m;
-  if (m == 0 || !s->constraint_bias) return NSDAE_OK;
+  if (m == 0 || !s->call.constraint_bias) return NSDAE_OK;
   trial_velocity(s->dims.nv, 0, p->v);
   memset(p->start, 0, 3 * (size_t)m * sizeof *p->start);
-  int code = s->constraint_bias(T->t, T->q, p->v, phi_t, omega, s->user);
+  int code = s->call.constraint_bias(T->t, T->q, p->v, phi_t, omega, s->user);
   int status = nsdae_system_callback_status(code, "constraint_bias", T->t, T->error);
   if (status < 0) return status;
-  code = nsdae_differences_second(d, s->constraint, m, T->t, T->q, p->v, second);
+  code = nsdae_differences_second(d, s->call.constraint, m, T->t, T->q, p->v, second);
   status = nsdae_system_callback_status(code, code && d->failed ? d->failed : "constraint", T->t,
                                         T->error);
   if (status < 0) return status;
   const relation accelerations = {.derivative = "constraint_bias", .kind = NSDAE_NAME_CONSTRAINT};
   for (int i = 0; i < m; i++) {
-    double tol = 1e-3 * (fabs(omega[i]) + fabs(second[i])) + 1e-6 * (1 + fabs(T->phi[i]));
+    double tol =
+        1e-3 * (fabs(omega[i]) + fabs(second[i])) + 1e-6 * (1 + fabs(T->constraint.phi[i]));
     if (isfinite(second[i]) && !(fabs(omega[i] - second[i]) <= tol))
       return wrong_rate(T, &accelerations, i, 0, omega[i], second[i]);
   }
@@ -243,11 +254,12 @@ static int check_acceleration(nsdae_projector *p, const nsdae_terms *T, double *
   nsdae_differences *d = T->differences;
   int k = dims->k, kt = k * dims->nt, n = k + kt + dims->f;
   double *given = work, *second = work + n;
-  if (!s->contact_acceleration || p->tools->options->method != NSDAE_METHOD_EVENT) return NSDAE_OK;
+  if (!s->call.contact_acceleration || p->tools->options->method != NSDAE_METHOD_EVENT)
+    return NSDAE_OK;
   trial_velocity(dims->nv, 0, p->v);
   memset(given, 0, (size_t)n * sizeof *given);
-  int code = s->contact_acceleration(T->t, T->q, p->v, k ? given : NULL, kt ? given + k : NULL,
-                                     dims->f ? given + k + kt : NULL, s->user);
+  int code = s->call.contact_acceleration(T->t, T->q, p->v, k ? given : NULL, kt ? given + k : NULL,
+                                          dims->f ? given + k + kt : NULL, s->user);
   int status = nsdae_system_callback_status(code, "contact_acceleration", T->t, T->error);
   if (status < 0) return status;
   code = nsdae_differences_contacts(d, T->t, T->q, p->v, second, second + k, second + k + kt);
@@ -272,7 +284,7 @@ static int check_tangents(const nsdae_terms *T)
   const nsdae_dims *d = &s->dims;
   char called[NSDAE_CALLED_SIZE], why[NSDAE_TANGENT_TEXT];
   size_t n = (size_t)d->nv;
-  for (int j = 0; s->gap_tangent && j < d->k * d->nt; j++) {
+  for (int j = 0; s->call.gap_tangent && j < d->k * d->nt; j++) {
     size_t i = (size_t)(j / d->nt);
     const nsdae_contact_directions c = {
         s, d->nv, d->nt, T->M, T->W_N + i * n, NULL, T->W_T + i * (size_t)d->nt * n};
@@ -290,27 +302,24 @@ static int check_derivatives(nsdae_projector *p, const nsdae_terms *T, double *w
   const nsdae_system *s = T->system;
   const nsdae_dims *d = &s->dims;
   const relation constraints = {s->by_list ? "constraint_rows" : "constraint_jacobian",
-                                s->constraint_bias ? "constraint_bias" : NULL,
+                                s->call.constraint_bias ? "constraint_bias" : NULL,
                                 NSDAE_NAME_CONSTRAINT,
                                 d->m,
-                                s->constraint,
-                                T->phi,
+                                s->call.constraint,
+                                T->constraint.phi,
                                 &T->by.jacobian,
-                                T->phi_t};
-  const relation gaps = {"gap_normal",
-                         s->contact_bias ? "contact_bias" : NULL,
-                         NSDAE_NAME_CONTACT,
-                         d->k,
-                         s->gap,
-                         T->gap,
-                         &T->by.normal,
-                         T->w_N};
+                                T->constraint.phi_t};
+  const relation gaps = {"gap_normal",       s->call.contact_bias ? "contact_bias" : NULL,
+                         NSDAE_NAME_CONTACT, d->k,
+                         s->call.gap,        T->gap,
+                         &T->by.normal,      T->w_N};
   int status = NSDAE_OK;
   if (!p->tools->options->start_check || fabs(T->t) > 1e4) return NSDAE_OK;
-  if (d->m > 0 && (s->constraint_jacobian || s->constraint_rows || s->constraint_bias))
+  if (d->m > 0 &&
+      (s->call.constraint_jacobian || s->call.constraint_rows || s->call.constraint_bias))
     status = check_rates(p, T, &constraints);
   if (status == NSDAE_OK) status = check_omega(p, T);
-  if (status == NSDAE_OK && d->k > 0 && (s->gap_normal || s->contact_bias))
+  if (status == NSDAE_OK && d->k > 0 && (s->call.gap_normal || s->call.contact_bias))
     status = check_rates(p, T, &gaps);
   if (status == NSDAE_OK) status = check_tangents(T);
   return status < 0 ? status : check_acceleration(p, T, work);
@@ -342,8 +351,10 @@ static void layout(void *object, nsdae_arena *arena)
 
 static void aim_at_unit_length(nsdae_projector *p, int nq)
 {
-  for (int g = 0; g < p->units.count; g++)
-    if (is_rotation(&p->units, nq, g)) p->units.length[g] = 1;
+  for (int g = 0, first = 0; g < p->units.count; g++) {
+    first = next_group(&p->units, g, first);
+    if (is_rotation(&p->units, nq, first)) p->units.length[g] = 1;
+  }
 }
 
 static int put_right(bench *b, double t0, double *q0, double *v0)

@@ -32,7 +32,7 @@ static int force_at_rest(const nsdae_terms *T, double *still, double *F)
   if (nsdae_largest(s->dims.nv, T->v) == 0) return NSDAE_OK;
   memset(still, 0, size);
   memset(F, 0, size);
-  int code = s->force(T->t, T->q, still, F, s->user);
+  int code = s->call.force(T->t, T->q, still, F, s->user);
   for (int i = 0; i < s->dims.nv; i++)
     if (!isfinite(F[i])) F[i] = T->F[i];
   return nsdae_system_callback_status(code, "force", T->t, T->error);
@@ -70,7 +70,7 @@ int nsdae_watch_start(const nsdae_sim *sim, nsdae_point *point)
 {
   const nsdae_terms *start = &point->result.end;
   const nsdae_dims *d = &start->system->dims;
-  double *F = sim->stepper.F, h = sim->options.dt;
+  double *F = sim->stepper.mean.F, h = sim->options.dt;
   int status = force_at_rest(start, sim->stepper.v, F);
   if (status < 0) return status;
   double from_rest = way_from_rest(start, F, h);
@@ -204,18 +204,37 @@ static int add_work(nsdae_watch *w, nsdae_result *at)
   if (status < 0 || !(h > 0)) return status;
   double power = nsdae_dot(d->nv, T->F, T->v);
   w->turnover += h / 2 * fabs(w->power + power) + rounding_of(T) / watch_turnover;
-  w->work += w->turned + h / 2 * (w->power + power) + h * nsdae_dot(d->m, at->multiplier, T->phi_t);
+  w->work += w->turned + h / 2 * (w->power + power) +
+             h * nsdae_dot(d->m, at->multiplier, T->constraint.phi_t);
   w->power = power;
   w->t = T->t;
   if (at->smooth) return NSDAE_OK;
   w->work -= nsdae_dot(d->k, p->normal, T->w_N) + nsdae_dot(d->k * d->nt, p->tangential, T->w_T) +
-             nsdae_dot(d->f, p->slide_impulse, T->w_S) + at->carried;
+             nsdae_dot(d->f, p->slide_impulse, T->slide.w) + at->carried;
   return NSDAE_OK;
 }
 
 static double energy_bound(const nsdae_watch *w)
 {
   return watch_share * w->scale + watch_turnover * w->turnover;
+}
+
+/* What contact impulses L do on velocities that are rounded as L / m is, m the lightest: a column
+ * at rest gains and loses that in every step. */
+static double rounding_of_contacts(const nsdae_point *point)
+{
+  const nsdae_terms *T = &point->result.end;
+  const nsdae_blocks *blocks = &T->system->blocks;
+  const nsdae_record *r = &point->record;
+  double sum = 0, lightest = INFINITY;
+  for (int i = 0; i < T->system->dims.k; i++) sum += fabs(r->normal_impulse[i]);
+  for (int i = 0; i < r->contacts.count; i++) sum += fabs(r->contacts.normal_impulse[i]);
+  if (sum == 0) return 0;
+  for (int b = 0; b < blocks->count; b++) {
+    size_t n = (size_t)nsdae_blocks_size(blocks, b);
+    for (size_t j = 0; j < n; j++) lightest = fmin(lightest, T->M[blocks->square[b] + j * (n + 1)]);
+  }
+  return 4 * DBL_EPSILON * sum * sum / lightest;
 }
 
 /* Energy that came from nowhere, and its bound; why. */
@@ -243,7 +262,7 @@ static int find_gain(nsdae_watch *w, nsdae_point *before, const nsdae_point *poi
     int status = add_work(w, &before->result);
     if (status < 0) return status;
     w->turned = turned(&before->result.end, &point->result.end);
-    w->gained += fmax(point->result.work, 0);
+    w->gained += fmax(point->result.work - rounding_of_contacts(point), 0);
     found->energy = before->record.kinetic + before->record.dissipated - w->kinetic - w->work;
     found->bound = energy_bound(w);
   }
@@ -324,7 +343,7 @@ static int say_penetration(nsdae_point *point, double bound)
                       "bodies overlap by",
                       r->penetration,
                       bound,
-                      "make dt smaller, set projection = contacts, and check gap and gap_normal",
+                      "make dt smaller, set projection = depths, and check gap and gap_normal",
                       k > 0 ? NSDAE_NAME_CONTACT : -1,
                       deepest};
   return say(point, &of);
@@ -335,7 +354,7 @@ static int say_drift(nsdae_point *point, double bound)
   const nsdae_terms *end = &point->result.end;
   int worst = 0;
   for (int i = 1; i < end->system->dims.m; i++)
-    if (fabs(end->phi[i]) > fabs(end->phi[worst])) worst = i;
+    if (fabs(end->constraint.phi[i]) > fabs(end->constraint.phi[worst])) worst = i;
   const warning of = {NSDAE_WATCH_DRIFT,
                       NSDAE_WARN_DRIFT,
                       "constraint",

@@ -97,7 +97,7 @@ static void check_mass(check *c)
   int n = s->dims.nv;
   if (s->by_list) return; /* see check_blocks.h */
   zero(c->given, n, n);
-  if (failed(c, s->mass(c->t, c->q, c->given, n, s->user), "mass")) return;
+  if (failed(c, s->call.mass(c->t, c->q, c->given, n, s->user), "mass")) return;
   for (int j = 0; j < n; j++)
     for (int i = 0; i < n; i++)
       c->differenced[(size_t)j * (size_t)n + (size_t)i] =
@@ -109,11 +109,12 @@ static void check_jacobian(check *c)
 {
   nsdae_system *s = c->system;
   int m = s->dims.m, n = s->dims.nv;
-  if (!s->constraint_jacobian) return;
+  if (!s->call.constraint_jacobian) return;
   zero(c->given, m, n);
-  if (failed(c, s->constraint_jacobian(c->t, c->q, c->given, m, s->user), "constraint_jacobian"))
+  if (failed(c, s->call.constraint_jacobian(c->t, c->q, c->given, m, s->user),
+             "constraint_jacobian"))
     return;
-  int code = nsdae_differences_velocity(&c->differences, s->constraint, m, c->t, c->q,
+  int code = nsdae_differences_velocity(&c->differences, s->call.constraint, m, c->t, c->q,
                                         c->differenced, m, 0);
   if (!difference_failed(c, code, "constraint")) compare(c, "constraint_jacobian", m, n);
 }
@@ -123,17 +124,17 @@ static void check_bias(check *c)
   nsdae_system *s = c->system;
   nsdae_differences *d = &c->differences;
   int m = s->dims.m;
-  if (!s->constraint_bias) return;
+  if (!s->call.constraint_bias) return;
   zero(c->given, m, 1);
   zero(c->spare, m, 1);
-  if (failed(c, s->constraint_bias(c->t, c->q, c->v, c->given, c->spare, s->user),
+  if (failed(c, s->call.constraint_bias(c->t, c->q, c->v, c->given, c->spare, s->user),
              "constraint_bias"))
     return;
-  int code = nsdae_differences_time(d, s->constraint, m, c->t, c->q, c->differenced);
+  int code = nsdae_differences_time(d, s->call.constraint, m, c->t, c->q, c->differenced);
   if (difference_failed(c, code, "constraint")) return;
   compare(c, "constraint_bias phi_t", m, 1);
   memcpy(c->given, c->spare, (size_t)m * sizeof *c->given);
-  code = nsdae_differences_second(d, s->constraint, m, c->t, c->q, c->v, c->differenced);
+  code = nsdae_differences_second(d, s->call.constraint, m, c->t, c->q, c->v, c->differenced);
   if (!difference_failed(c, code, "constraint")) compare(c, "constraint_bias omega", m, 1);
 }
 
@@ -141,11 +142,11 @@ static void check_normal(check *c)
 {
   nsdae_system *s = c->system;
   int k = s->dims.k, n = s->dims.nv;
-  if (!s->gap_normal) return;
+  if (!s->call.gap_normal) return;
   zero(c->given, n, k);
-  if (failed(c, s->gap_normal(c->t, c->q, c->given, n, s->user), "gap_normal")) return;
+  if (failed(c, s->call.gap_normal(c->t, c->q, c->given, n, s->user), "gap_normal")) return;
   int code =
-      nsdae_differences_velocity(&c->differences, s->gap, k, c->t, c->q, c->differenced, n, 1);
+      nsdae_differences_velocity(&c->differences, s->call.gap, k, c->t, c->q, c->differenced, n, 1);
   if (!difference_failed(c, code, "gap")) compare(c, "gap_normal", n, k);
 }
 
@@ -153,11 +154,11 @@ static void check_contact_bias(check *c)
 {
   nsdae_system *s = c->system;
   int k = s->dims.k;
-  if (!s->contact_bias) return;
+  if (!s->call.contact_bias) return;
   zero(c->given, k, 1);
   double *w_t = s->dims.nt > 0 ? c->spare : NULL;
-  if (failed(c, s->contact_bias(c->t, c->q, c->given, w_t, s->user), "contact_bias")) return;
-  int code = nsdae_differences_time(&c->differences, s->gap, k, c->t, c->q, c->differenced);
+  if (failed(c, s->call.contact_bias(c->t, c->q, c->given, w_t, s->user), "contact_bias")) return;
+  int code = nsdae_differences_time(&c->differences, s->call.gap, k, c->t, c->q, c->differenced);
   if (!difference_failed(c, code, "gap")) compare(c, "contact_bias w_n", k, 1);
 }
 
@@ -165,12 +166,12 @@ static void check_contact_acceleration(check *c)
 {
   nsdae_system *s = c->system;
   int k = s->dims.k, kt = k * s->dims.nt, f = s->dims.f;
-  if (!s->contact_acceleration || c->worst.error > c->tol) return; /* it rests on the others */
+  if (!s->call.contact_acceleration || c->worst.error > c->tol) return; /* it rests on the others */
   zero(c->given, k + kt + f, 1);
   if (failed(c,
-             s->contact_acceleration(c->t, c->q, c->v, k ? c->given : NULL,
-                                     kt ? c->given + k : NULL, f ? c->given + k + kt : NULL,
-                                     s->user),
+             s->call.contact_acceleration(c->t, c->q, c->v, k ? c->given : NULL,
+                                          kt ? c->given + k : NULL, f ? c->given + k + kt : NULL,
+                                          s->user),
              "contact_acceleration"))
     return;
   int code = nsdae_differences_contacts(&c->differences, c->t, c->q, c->v, c->differenced,
@@ -198,9 +199,9 @@ static int find_normals(check *c, double *here, double *elsewhere)
   int code = nsdae_kinematics(c->system, c->t, c->q, c->velocity, c->moved);
   if (failed(c, code, "kinematics")) return code;
   for (int i = 0; i < dims->nq; i++) c->moved[i] += c->q[i];
-  code = nsdae_differences_velocity(d, c->system->gap, dims->k, c->t, c->q, here, dims->nv, 1);
+  code = nsdae_differences_velocity(d, c->system->call.gap, dims->k, c->t, c->q, here, dims->nv, 1);
   if (code == 0)
-    code = nsdae_differences_velocity(d, c->system->gap, dims->k, c->t, c->moved, elsewhere,
+    code = nsdae_differences_velocity(d, c->system->call.gap, dims->k, c->t, c->moved, elsewhere,
                                       dims->nv, 1);
   difference_failed(c, code, "gap");
   return code;
@@ -244,11 +245,11 @@ static int check_tangents(check *c)
 {
   nsdae_system *s = c->system;
   int k = s->dims.k, n = s->dims.nv, nt = s->dims.nt, status = NSDAE_OK;
-  if (!s->gap_tangent || c->code) return NSDAE_OK;
+  if (!s->call.gap_tangent || c->code) return NSDAE_OK;
   zero(c->given, n, k * nt);
   zero(c->mass, n, n);
-  if (failed(c, s->gap_tangent(c->t, c->q, c->given, n, s->user), "gap_tangent") ||
-      failed(c, s->mass(c->t, c->q, c->mass, n, s->user), "mass") ||
+  if (failed(c, s->call.gap_tangent(c->t, c->q, c->given, n, s->user), "gap_tangent") ||
+      failed(c, s->call.mass(c->t, c->q, c->mass, n, s->user), "mass") ||
       find_normals(c, c->differenced, c->spare) != 0)
     return nsdae_system_callback_status(c->code, c->callback, c->t, &s->error);
   for (int j = 0; j < k * nt && status == NSDAE_OK; j++) {

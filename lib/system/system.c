@@ -145,7 +145,7 @@ static int refuse(nsdae_system *system, const char *callback, const char *why)
     if (!name) return refuse(system, #name, "it is NULL");     \
     if (!(has)) return refuse(system, #name, why);             \
     int status = nsdae_system_open(system, #name);             \
-    if (status == NSDAE_OK) system->name = name;               \
+    if (status == NSDAE_OK) system->call.name = name;          \
     return status;                                             \
   }
 
@@ -274,11 +274,11 @@ const char *nsdae_system_differences(nsdae_system *system)
   if (!system) return "";
   const nsdae_dims *d = &system->dims;
   const remark filled[] = {
-      {"constraint_jacobian", d->m > 0 && !system->constraint_jacobian && !system->by_list},
-      {"constraint_bias", d->m > 0 && !system->constraint_bias},
-      {"gap_normal", d->k > 0 && !system->gap_normal},
-      {"contact_bias", d->k > 0 && !system->contact_bias},
-      {"contact_acceleration", d->k + d->f > 0 && !system->contact_acceleration},
+      {"constraint_jacobian", d->m > 0 && !system->call.constraint_jacobian && !system->by_list},
+      {"constraint_bias", d->m > 0 && !system->call.constraint_bias},
+      {"gap_normal", d->k > 0 && !system->call.gap_normal},
+      {"contact_bias", d->k > 0 && !system->call.contact_bias},
+      {"contact_acceleration", d->k + d->f > 0 && !system->call.contact_acceleration},
   };
   return join(system->differences, sizeof system->differences, filled,
               sizeof filled / sizeof *filled, " ");
@@ -301,24 +301,24 @@ static int any_untold(const nsdae_system *system)
 const char *nsdae_system_unseen(nsdae_system *system)
 {
   if (!system) return "";
-  int moves = system->contact_bias != NULL;
+  int moves = system->call.contact_bias != NULL;
   const remark unseen[] = {
-      {"mass: its values, but for symmetry", system->mass != NULL},
-      {"force: its values and signs", system->force != NULL},
-      {"constraint: whether it is the one that is meant", system->constraint != NULL},
-      {"gap: whether it is the distance, its sign and its unit", system->gap != NULL},
+      {"mass: its values, but for symmetry", system->call.mass != NULL},
+      {"force: its values and signs", system->call.force != NULL},
+      {"constraint: whether it is the one that is meant", system->call.constraint != NULL},
+      {"gap: whether it is the distance, its sign and its unit", system->call.gap != NULL},
       {"gap_tangent: the arms and signs of its rotations, but for what the last check doubts; "
        "length "
        "and right angles of its directions where no body moves freely in M",
-       system->gap_tangent != NULL},
+       system->call.gap_tangent != NULL},
       {"contact_bias: w_t", moves && system->dims.nt > 0},
       {"contact_bias, which is not given: that nothing that is touched moves along by itself",
        !moves && any_friction(system)},
       {"nsdae_system_set_contact: that contacts that it was not called for have e_n = mu = 0",
        any_untold(system)},
-      {"slide_tangent: its values", system->slide_tangent != NULL},
+      {"slide_tangent: its values", system->call.slide_tangent != NULL},
       {"potential: whether the force is its gradient (the energy balance of a run shows that)",
-       system->potential != NULL},
+       system->call.potential != NULL},
       {system->doubt, system->doubt[0] != '\0'},
   };
   return join(system->unseen, sizeof system->unseen, unseen, sizeof unseen / sizeof *unseen, "; ");
@@ -344,10 +344,10 @@ static int untold(const nsdae_system *system, const char *setter, const char *ca
 
 int nsdae_system_told(const nsdae_system *system, nsdae_error *error)
 {
-  for (int i = 0; system->gap_tangent && i < system->dims.k; i++)
+  for (int i = 0; system->call.gap_tangent && i < system->dims.k; i++)
     if (!system->contact[i].told)
       return untold(system, "contact", "gap_tangent", NSDAE_NAME_CONTACT, i, error);
-  for (int j = 0; system->slide_tangent && j < system->dims.f; j++)
+  for (int j = 0; system->call.slide_tangent && j < system->dims.f; j++)
     if (!system->slide[j].told)
       return untold(system, "slide", "slide_tangent", NSDAE_NAME_SLIDE, j, error);
   return NSDAE_OK;
@@ -363,14 +363,14 @@ int nsdae_system_complete(const nsdae_system *system, nsdae_error *error)
                            "%s was refused: %s", refused->where, refused->text);
   int status = nsdae_system_check_blocks(system, &missing, error);
   if (status < 0) return status;
-  if (!system->by_list && !system->mass) missing = "mass";
-  if (!system->force) missing = "force";
-  if (dims->m > 0 && !system->constraint) missing = "constraint";
-  if (dims->k > 0 && !system->gap) missing = "gap";
-  if (dims->k > 0 && dims->nt > 0 && any_friction(system) && !system->gap_tangent)
+  if (!system->by_list && !system->call.mass) missing = "mass";
+  if (!system->call.force) missing = "force";
+  if (dims->m > 0 && !system->call.constraint) missing = "constraint";
+  if (dims->k > 0 && !system->call.gap) missing = "gap";
+  if (dims->k > 0 && dims->nt > 0 && any_friction(system) && !system->call.gap_tangent)
     missing = "gap_tangent";
-  if (any_slide(system) && !system->slide_tangent) missing = "slide_tangent";
-  if (dims->nq != dims->nv && !system->kinematics) missing = "kinematics";
+  if (any_slide(system) && !system->call.slide_tangent) missing = "slide_tangent";
+  if (dims->nq != dims->nv && !system->call.kinematics) missing = "kinematics";
   if (!missing) return nsdae_names_distinct(system, error);
   return nsdae_error_set(error, NSDAE_E_STATE, "nsdae_system", missing,
                          "the system needs the callback %s: call nsdae_system_set_%s", missing,

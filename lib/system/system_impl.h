@@ -35,10 +35,8 @@ typedef struct nsdae_part_of {
   int blocks;
 } nsdae_part_of;
 
-struct nsdae_system {
-  nsdae_dims dims;
-  nsdae_part_of part;
-  void *user;
+/* Those that are not set are NULL. */
+typedef struct nsdae_calls {
   /* callbacks.list: fields */
   nsdae_mass_fn mass;
   nsdae_force_fn force;
@@ -57,6 +55,13 @@ struct nsdae_system {
   nsdae_mass_blocks_fn mass_blocks;
   nsdae_constraint_rows_fn constraint_rows;
   nsdae_contacts_fn contacts;
+} nsdae_calls;
+
+struct nsdae_system {
+  nsdae_dims dims;
+  nsdae_part_of part;
+  void *user;
+  nsdae_calls call;
   int by_list;                          /* blocks were set: those three in place of dense ones */
   nsdae_blocks blocks, coordinates;     /* of v and q; one of all where none were set */
   nsdae_coefficients *contact;          /* k */
