@@ -10,7 +10,7 @@ foreach(name dense fronts kkt rows sparse_lu)
   target_link_libraries(test_unit_linalg_${name} PRIVATE nsdae_lapack)
 endforeach()
 
-foreach(name arms check differences probe setters system)
+foreach(name arms check differences levers probe setters system)
   nsdae_unit_test(system ${name})
 endforeach()
 

@@ -18,6 +18,7 @@
 #include "errors.h"
 #include "sim_impl.h"
 #include "system_impl.h"
+#include "tangents.h"
 #include "vector.h"
 
 static int refuse(const nsdae_terms *T, const char *argument, int kind, int i, const char *what,
@@ -245,28 +246,58 @@ static int check_omega(nsdae_projector *p, const nsdae_terms *T)
   return NSDAE_OK;
 }
 
-/* A direction of friction that is the normal, as a copied callback has it. */
+/* The same of contacts and slides, one behind the other, which only event uses. */
+static int check_acceleration(nsdae_projector *p, const nsdae_terms *T, double *work)
+{
+  const nsdae_system *s = T->system;
+  const nsdae_dims *dims = &s->dims;
+  nsdae_differences *d = T->differences;
+  int k = dims->k, kt = k * dims->nt, n = k + kt + dims->f;
+  double *given = work, *second = work + n;
+  if (!s->call.contact_acceleration || p->tools->options->method != NSDAE_METHOD_EVENT)
+    return NSDAE_OK;
+  trial_velocity(dims->nv, 0, p->v);
+  memset(given, 0, (size_t)n * sizeof *given);
+  int code = s->call.contact_acceleration(T->t, T->q, p->v, k ? given : NULL, kt ? given + k : NULL,
+                                          dims->f ? given + k + kt : NULL, s->user);
+  int status = nsdae_system_callback_status(code, "contact_acceleration", T->t, T->error);
+  if (status < 0) return status;
+  code = nsdae_differences_contacts(d, T->t, T->q, p->v, second, second + k, second + k + kt);
+  status = nsdae_system_callback_status(code, code && d->failed ? d->failed : "contact_bias", T->t,
+                                        T->error);
+  for (int i = 0; i < n && status == NSDAE_OK; i++) {
+    const relation of = {.derivative = "contact_acceleration",
+                         .kind = i < k + kt ? NSDAE_NAME_CONTACT : NSDAE_NAME_SLIDE};
+    int item = i < k ? i : i < k + kt ? (i - k) / dims->nt : i - k - kt;
+    double size = fabs(given[i]) + 1, off = fabs(given[i] - second[i]);
+    if (!isfinite(second[i]) || fabs(second[i]) > 1e3 * size) continue; /* a kink */
+    if (!(off <= 1e-3 * (size - 1 + fabs(second[i])) + 1e-6 * size))
+      status = wrong_rate(T, &of, item, 0, given[i], second[i]);
+  }
+  return status;
+}
+
+/* Directions of friction that nothing can rub along. */
 static int check_tangents(const nsdae_terms *T)
 {
-  const nsdae_dims *d = &T->system->dims;
-  char called[NSDAE_CALLED_SIZE];
-  size_t bytes = (size_t)d->nv * sizeof *T->W_N;
-  for (int j = 0; d->nv > 1 && j < d->k * d->nt; j++) {
-    int i = j / d->nt;
-    if (!(T->system->contact[i].mu > 0)) continue;
-    if (memcmp(T->W_T + (size_t)j * (size_t)d->nv, T->W_N + (size_t)i * (size_t)d->nv, bytes) != 0)
-      continue;
-    return nsdae_error_set(
-        T->error, NSDAE_E_DERIVATIVE, "nsdae_sim_init", "gap_tangent",
-        "gap_tangent: column %d (%s) is the normal's, gap_normal: the slip needs "
-        "a direction of its own (start_check = no takes it)",
-        j, nsdae_system_called(T->system, NSDAE_NAME_CONTACT, i, called));
+  const nsdae_system *s = T->system;
+  const nsdae_dims *d = &s->dims;
+  char called[NSDAE_CALLED_SIZE], why[NSDAE_TANGENT_TEXT];
+  size_t n = (size_t)d->nv;
+  for (int j = 0; s->call.gap_tangent && j < d->k * d->nt; j++) {
+    size_t i = (size_t)(j / d->nt);
+    const nsdae_contact_directions c = {
+        s, d->nv, d->nt, T->M, T->W_N + i * n, NULL, T->W_T + i * (size_t)d->nt * n};
+    if (!(s->contact[i].mu > 0) || !nsdae_tangent_useless(&c, j % d->nt, 0, why)) continue;
+    return nsdae_error_set(T->error, NSDAE_E_DERIVATIVE, "nsdae_sim_init", "gap_tangent",
+                           "gap_tangent: column %d (%s) %s (start_check = no takes it)", j,
+                           nsdae_system_called(s, NSDAE_NAME_CONTACT, (int)i, called), why);
   }
   return NSDAE_OK;
 }
 
 /* Late times leave too few digits to steps in time, so that nothing is said there. */
-static int check_derivatives(nsdae_projector *p, const nsdae_terms *T)
+static int check_derivatives(nsdae_projector *p, const nsdae_terms *T, double *work)
 {
   const nsdae_system *s = T->system;
   const nsdae_dims *d = &s->dims;
@@ -288,19 +319,19 @@ static int check_derivatives(nsdae_projector *p, const nsdae_terms *T)
       (s->call.constraint_jacobian || s->call.constraint_rows || s->call.constraint_bias))
     status = check_rates(p, T, &constraints);
   if (status == NSDAE_OK) status = check_omega(p, T);
-  if (status == NSDAE_OK) status = check_tangents(T);
   if (status == NSDAE_OK && d->k > 0 && (s->call.gap_normal || s->call.contact_bias))
     status = check_rates(p, T, &gaps);
-  return status;
+  if (status == NSDAE_OK) status = check_tangents(T);
+  return status < 0 ? status : check_acceleration(p, T, work);
 }
 
-int nsdae_start_check(nsdae_projector *p, const nsdae_terms *T)
+int nsdae_start_check(nsdae_projector *p, const nsdae_terms *T, double *work)
 {
   const nsdae_sim_options *o = p->tools->options;
   int status = check_units(p, T, o->start_tol);
   if (status == NSDAE_OK) status = check_constraints(T, o->start_tol);
   if (status == NSDAE_OK && o->method != NSDAE_METHOD_PENALTY) status = check_gaps(T, o->start_tol);
-  return status < 0 ? status : check_derivatives(p, T);
+  return status < 0 ? status : check_derivatives(p, T, work);
 }
 
 /* ---- putting one right, beside the state of the simulation */

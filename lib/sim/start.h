@@ -6,7 +6,7 @@
 
 /* Whether the terms' point may be a start: NSDAE_OK, or NSDAE_E_ARGUMENT naming the row, its value
  * and its bound, NSDAE_E_DERIVATIVE where derivatives are grossly wrong. The terms and the groups
- * of unit length are those of the start. */
-int nsdae_start_check(nsdae_projector *projection, const nsdae_terms *start);
+ * of unit length are those of the start; work has nsdae_probe_size numbers. */
+int nsdae_start_check(nsdae_projector *projection, const nsdae_terms *start, double *work);
 
 #endif

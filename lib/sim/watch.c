@@ -11,6 +11,9 @@
 static const double watch_ways = 10;       /* of a step, or overlaps of penalty */
 static const double watch_share = 0.1;     /* of the largest kinetic energy */
 static const double watch_turnover = 0.02; /* of the work that forces did and took */
+static const double watch_soars = 100;     /* times the kinetic energy in a step */
+
+enum { SOARED = 3 }; /* in so many steps */
 
 static double largest_entry(const nsdae_blocks *blocks, const nsdae_rows *rows)
 {
@@ -258,11 +261,36 @@ static double energy_bound(const nsdae_watch *w)
   return watch_share * w->scale + watch_turnover * w->turnover;
 }
 
-/* Energy that came from nowhere, and its bound. */
+/* What contact impulses L do on velocities that are rounded as L / m is, m the lightest: a column
+ * at rest gains and loses that in every step. */
+static double rounding_of_contacts(const nsdae_point *point)
+{
+  const nsdae_terms *T = &point->result.end;
+  const nsdae_blocks *blocks = &T->system->blocks;
+  const nsdae_record *r = &point->record;
+  double sum = 0, lightest = INFINITY;
+  for (int i = 0; i < T->system->dims.k; i++) sum += fabs(r->normal_impulse[i]);
+  for (int i = 0; i < r->contacts.count; i++) sum += fabs(r->contacts.normal_impulse[i]);
+  if (sum == 0) return 0;
+  for (int b = 0; b < blocks->count; b++) {
+    size_t n = (size_t)nsdae_blocks_size(blocks, b);
+    for (size_t j = 0; j < n; j++) lightest = fmin(lightest, T->M[blocks->square[b] + j * (n + 1)]);
+  }
+  return 4 * DBL_EPSILON * sum * sum / lightest;
+}
+
+/* Energy that came from nowhere, and its bound; why. */
 typedef struct gain {
   double energy, bound;
-  int by_contacts;
+  enum { BY_STEPS, BY_CONTACTS, BY_SOARING } why;
 } gain;
+
+/* Each step multiplies the kinetic energy, whatever the forces' quadrature says of it. */
+static void find_soaring(nsdae_watch *w, double before, double after, gain *found)
+{
+  w->soared = before > 0 && after > watch_soars * fmax(before, w->scale) ? w->soared + 1 : 0;
+  if (w->soared >= SOARED) *found = (gain){after, watch_soars * before, BY_SOARING};
+}
 
 /* That of the quadrature up to the point before, with what was known there (where each step
  * multiplies the energy the next one hides it), of contacts up to this one. The one that is further
@@ -276,14 +304,15 @@ static int find_gain(nsdae_watch *w, nsdae_point *before, const nsdae_point *poi
     int status = add_work(w, &before->result);
     if (status < 0) return status;
     w->turned = turned(&before->result.end, &point->result.end);
-    w->gained += nsdae_larger(0, point->result.work);
-    energy = before->record.kinetic + before->record.dissipated - w->kinetic - w->work;
-    known = energy_bound(w);
+    w->gained += nsdae_larger(point->result.work - rounding_of_contacts(point), 0);
+    found->energy = before->record.kinetic + before->record.dissipated - w->kinetic - w->work;
+    found->bound = energy_bound(w);
   }
+  if (!point->result.located) find_soaring(w, before->record.kinetic, point->record.kinetic, found);
   w->scale = nsdae_larger(w->scale, point->record.kinetic);
   double bound = energy_bound(w);
-  int by_contacts = w->gained - bound > energy - known;
-  *found = by_contacts ? (gain){w->gained, bound, 1} : (gain){energy, known, 0};
+  if (w->gained - bound > found->energy - found->bound)
+    *found = (gain){w->gained, bound, BY_CONTACTS};
   return NSDAE_OK;
 }
 
@@ -331,7 +360,17 @@ static int say_energy(nsdae_point *point, const gain *g)
                             "make dt smaller",
                             -1,
                             0};
-  return say(point, g->by_contacts ? &by_contacts : &by_steps);
+  const warning by_soaring = {NSDAE_WATCH_ENERGY,
+                              NSDAE_WARN_ENERGY,
+                              "kinetic",
+                              "the kinetic energy, for the third time in a row, is",
+                              g->energy,
+                              g->bound,
+                              "the step multiplies it, and follows no motion: make dt smaller",
+                              -1,
+                              0};
+  const warning *const all[] = {&by_steps, &by_contacts, &by_soaring};
+  return say(point, all[g->why]);
 }
 
 static int say_penetration(nsdae_point *point, double bound)

@@ -21,7 +21,10 @@
  *     sum h/2 (F_0 v_0 + F_1 v_1) + vm^T (M_1 - M_0) vm / 2,  nor Lambda Phi_t,  nor -Lambda_c w,
  *
  *   nor the work of contacts is its error (the second term: T = v^T M v / 2 changes with M, too).
- * Gains of more than a tenth of the largest kinetic energy so far are said. penalty and event
+ * Gains of more than a tenth of the largest kinetic energy so far are said. Where the forces grow
+ * with the square of the velocities steps that are too long run away before this error has a sign:
+ * three in a row that multiply the kinetic energy by 100 are said, too (that of constant forces
+ * grows fourfold in a second step, of forces that grow with t^2 64-fold). penalty and event
  * control the error of the smooth motion; of them contact work alone is looked at.
  */
 #ifndef NSDAE_WATCH_H
@@ -42,6 +45,7 @@ typedef struct nsdae_watch {
   double turnover; /* of forces, its steps' amounts */
   double turned;   /* work of inertia in the last step, not summed yet */
   double gained;   /* by contact impulses */
+  double soared;   /* steps in a row that multiplied the kinetic energy */
 } nsdae_watch;
 
 #endif

@@ -17,8 +17,7 @@ static nsdae_contact_directions one(const nsdae_arms *arms, int i)
   return c;
 }
 
-/* v^T H v of contact i: the even part of g'' along v, without what moves by itself. */
-static int find_bend(nsdae_arms *arms, int i, double *bend)
+int nsdae_arms_bend(nsdae_arms *arms, int i, double *bend)
 {
   const nsdae_system *s = arms->all.system;
   double *second = arms->bend, *sum = arms->bend + s->dims.k;
@@ -75,7 +74,7 @@ static int doubt_one(nsdae_arms *arms, int i, int of, int j, double tol, sense *
   char contact[NSDAE_CALLED_SIZE], velocity[NSDAE_CALLED_SIZE], other[NSDAE_CALLED_SIZE];
   double bend, b = c.tangent[j], sign = turns(&c, of, tol) * b;
   turn_about(arms, &c, of, j, tol);
-  int code = find_bend(arms, i, &bend);
+  int code = nsdae_arms_bend(arms, i, &bend);
   if (code) return code;
   nsdae_system_called(c.system, NSDAE_NAME_CONTACT, i, contact);
   nsdae_system_called(c.system, NSDAE_NAME_VELOCITY, j, velocity);
@@ -84,7 +83,7 @@ static int doubt_one(nsdae_arms *arms, int i, int of, int j, double tol, sense *
         text, size,
         "gap_tangent: its arm %.4g of %s along %s, if that turns the body: it should be %.4g or "
         "more, for turning about the contact opens the gap",
-        b, contact, velocity, bend);
+        b + 0.0, contact, velocity, bend); /* no -0 */
   } else if (bend > -fabs(b) * (1 - 1e-3) && fabs(b) > tol) {
     if (seen->sign * sign < 0)
       snprintf(text, size,

@@ -34,6 +34,10 @@ typedef struct nsdae_arms {
   double *v, *bend; /* work: nv, 2 k */
 } nsdae_arms;
 
+/* v^T H v of contact i along arms->v: the even part of g'', without what moves by itself. v is used
+ * up. A callback's code. */
+int nsdae_arms_bend(nsdae_arms *arms, int i, double *bend);
+
 /* The first doubt as text of that size, "" where there is none; a callback's code. */
 int nsdae_arms_doubt(nsdae_arms *arms, double tol, char *text, size_t size);
 

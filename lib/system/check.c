@@ -9,6 +9,7 @@
 #include "check_blocks.h"
 #include "differences.h"
 #include "errors.h"
+#include "levers.h"
 #include "probe.h"
 #include "system_impl.h"
 #include "tangents.h"
@@ -20,7 +21,8 @@ typedef struct check {
   const double *q, *v;
   double *given, *differenced, *spare; /* one matrix each */
   double *mass, *velocity, *moved;     /* nv x nv, nv, nq */
-  double *bend;                        /* 2 k */
+  double *bend, *turn;                 /* 2 k, 3 nq */
+  int *turns;                          /* nv */
   int code;                            /* of a callback that failed, and its name */
   const char *callback;
   nsdae_check worst;
@@ -49,6 +51,8 @@ static void layout(void *object, nsdae_arena *arena)
   c->mass = NSDAE_ARENA_DOUBLES(arena, dense * dense);
   c->velocity = NSDAE_ARENA_DOUBLES(arena, c->system->dims.nv);
   c->bend = NSDAE_ARENA_DOUBLES(arena, 2L * c->system->dims.k);
+  c->turn = NSDAE_ARENA_DOUBLES(arena, 3L * c->system->dims.nq);
+  c->turns = NSDAE_ARENA_INTS(arena, c->system->dims.nv);
   c->moved = NSDAE_ARENA_DOUBLES(arena, c->system->dims.nq);
 }
 
@@ -203,18 +207,36 @@ static int find_normals(check *c, double *here, double *elsewhere)
   return code;
 }
 
+/* Whether gap i, which rubs, is a length: impulses along a scaled one are scaled the other way. */
+static void doubt_gap(check *c, int i)
+{
+  nsdae_system *s = c->system;
+  char why[NSDAE_TANGENT_TEXT], called[NSDAE_CALLED_SIZE];
+  size_t n = (size_t)s->dims.nv, at = (size_t)i * n;
+  const nsdae_contact_directions of = {
+      s, s->dims.nv, s->dims.nt, c->mass, c->differenced + at, c->spare + at, c->given};
+  if (s->contact[i].mu > 0 && nsdae_gap_scaled(&of, c->tol, why))
+    snprintf(s->doubt, sizeof s->doubt, "gap: that of %s %s",
+             nsdae_system_called(s, NSDAE_NAME_CONTACT, i, called), why);
+}
+
 /* What of the arms of rotations in W_T is doubtful. */
 static int doubt_arms(check *c)
 {
+  int nt = c->system->dims.nt;
   nsdae_arms arms = {
-      {c->system, c->system->dims.nv, 1, c->mass, c->differenced, c->spare, c->given},
+      {c->system, c->system->dims.nv, nt, c->mass, c->differenced, c->spare, c->given},
       &c->differences,
       c->t,
       c->q,
       c->velocity,
       c->bend};
-  int code = nsdae_arms_doubt(&arms, c->tol, c->system->doubt, sizeof c->system->doubt);
+  char *text = c->system->doubt;
+  size_t size = sizeof c->system->doubt;
+  int code = nt == 1 ? nsdae_arms_doubt(&arms, c->tol, text, size)
+                     : nsdae_levers_doubt(&arms, c->turn, c->turns, c->tol, text, size);
   difference_failed(c, code, "gap");
+  for (int i = 0; i < c->system->dims.k && code == 0 && !*text; i++) doubt_gap(c, i);
   return code ? nsdae_system_callback_status(code, c->callback, c->t, &c->system->error) : NSDAE_OK;
 }
 
@@ -243,7 +265,7 @@ static int check_tangents(check *c)
     if (s->contact[i].mu > 0 && nsdae_tangent_wrong(&of, j % nt, c->tol, why))
       status = bad_tangent(c, (int)i, j, why);
   }
-  return status < 0 || nt != 1 ? status : doubt_arms(c);
+  return status < 0 ? status : doubt_arms(c);
 }
 
 /* What the worst entry belongs to. The rows of contact_acceleration are those of all its outputs,

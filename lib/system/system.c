@@ -284,9 +284,24 @@ const char *nsdae_system_differences(nsdae_system *system)
               sizeof filled / sizeof *filled, " ");
 }
 
+static int any_friction(const nsdae_system *system)
+{
+  for (int i = 0; i < system->dims.k; i++)
+    if (system->contact[i].mu > 0) return 1;
+  return 0;
+}
+
+static int any_untold(const nsdae_system *system)
+{
+  for (int i = 0; i < system->dims.k; i++)
+    if (!system->contact[i].told) return 1;
+  return 0;
+}
+
 const char *nsdae_system_unseen(nsdae_system *system)
 {
   if (!system) return "";
+  int moves = system->call.contact_bias != NULL;
   const remark unseen[] = {
       {"mass: its values, but for symmetry", system->call.mass != NULL},
       {"force: its values and signs", system->call.force != NULL},
@@ -296,20 +311,17 @@ const char *nsdae_system_unseen(nsdae_system *system)
        "length "
        "and right angles of its directions where no body moves freely in M",
        system->call.gap_tangent != NULL},
-      {"contact_bias: w_t", system->call.contact_bias && system->dims.nt > 0},
+      {"contact_bias: w_t", moves && system->dims.nt > 0},
+      {"contact_bias, which is not given: that nothing that is touched moves along by itself",
+       !moves && any_friction(system)},
+      {"nsdae_system_set_contact: that contacts that it was not called for have e_n = mu = 0",
+       any_untold(system)},
       {"slide_tangent: its values", system->call.slide_tangent != NULL},
       {"potential: whether the force is its gradient (the energy balance of a run shows that)",
        system->call.potential != NULL},
       {system->doubt, system->doubt[0] != '\0'},
   };
   return join(system->unseen, sizeof system->unseen, unseen, sizeof unseen / sizeof *unseen, "; ");
-}
-
-static int any_friction(const nsdae_system *system)
-{
-  for (int i = 0; i < system->dims.k; i++)
-    if (system->contact[i].mu > 0) return 1;
-  return 0;
 }
 
 static int any_slide(const nsdae_system *system)

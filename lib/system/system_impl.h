@@ -73,8 +73,8 @@ struct nsdae_system {
   nsdae_error error;
   nsdae_error refused; /* of the first setter that was */
   atomic_int owners;   /* its handle and its simulations; the last one releases it */
-  char differences[128], unseen[960];
-  char doubt[240]; /* of the last check */
+  char differences[128], unseen[1400];
+  char doubt[320]; /* of the last check */
 };
 
 /* NSDAE_OK when every callback that is needed is there, no setter was refused and names are

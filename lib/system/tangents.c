@@ -159,8 +159,17 @@ static int near_column(int n, const double *a, const double *b, double tol)
   return fmin(plus, minus) <= tol;
 }
 
-int nsdae_tangent_wrong(const nsdae_contact_directions *c, int j, double tol,
-                        char why[NSDAE_TANGENT_TEXT])
+/* Two sets that the normal has unit parts along are of two bodies that touch each other, and its
+ * parts are opposite; or else at least one of them, such as rotations whose arms are one long, is
+ * no set of translations. */
+static int contradicted(const directions *c, int of, double tol)
+{
+  for (int to = 0; to < c->nv; to++)
+    if (to != of && translates(c, to, tol) && sum_of(c, of, to, c->normal) > tol) return 1;
+  return 0;
+}
+
+int nsdae_tangent_useless(const directions *c, int j, double tol, char why[NSDAE_TANGENT_TEXT])
 {
   int n = c->nv, row = 0;
   const double *t = c->tangent + (size_t)j * (size_t)n;
@@ -173,7 +182,33 @@ int nsdae_tangent_wrong(const nsdae_contact_directions *c, int j, double tol,
   if (j > 0 && n > 1 && same_column(n, t, t - n))
     return snprintf(why, NSDAE_TANGENT_TEXT,
                     "is the one before it: two directions at right angles are needed");
-  for (int i = 0; i < n; i++)
-    if (translates(c, i, tol) && wrong_along(c, i, j, tol, why)) return 1;
+  return 0;
+}
+
+int nsdae_tangent_wrong(const nsdae_contact_directions *c, int j, double tol,
+                        char why[NSDAE_TANGENT_TEXT])
+{
+  if (nsdae_tangent_useless(c, j, tol, why)) return 1;
+  for (int i = 0; i < c->nv; i++)
+    if (translates(c, i, tol) && !contradicted(c, i, tol) && wrong_along(c, i, j, tol, why))
+      return 1;
+  return 0;
+}
+
+int nsdae_gap_scaled(const directions *c, double tol, char why[NSDAE_TANGENT_TEXT])
+{
+  char called[NSDAE_CALLED_SIZE];
+  for (int of = 0; of < c->nv; of++) {
+    int count = 0;
+    for (int i = 0; i < c->nv && is_free(c, of); i++) count += together(c, of, i);
+    double here = sqrt(along(c, of, c->normal, c->normal));
+    double there = sqrt(along(c, of, c->other, c->other));
+    if (count != c->nt + 1 || !(here > tol) || !(fabs(here - there) <= tol * here)) continue;
+    if (fabs(here - 1) <= tol) continue;
+    return snprintf(why, NSDAE_TANGENT_TEXT,
+                    "has a gradient of length %.6g along the velocities that move as %s does, here "
+                    "and elsewhere: if they are of one body a distance has 1",
+                    here, nsdae_system_called(c->system, NSDAE_NAME_VELOCITY, of, called));
+  }
   return 0;
 }

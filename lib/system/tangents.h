@@ -17,6 +17,15 @@ enum { NSDAE_TANGENT_TEXT = 200 };
 int nsdae_tangent_wrong(const nsdae_contact_directions *contact, int j, double tol,
                         char why[NSDAE_TANGENT_TEXT]);
 
+/* The same of what no body can rub along: zero, the normal, one twice; `other` is not looked at. */
+int nsdae_tangent_useless(const nsdae_contact_directions *contact, int j, double tol,
+                          char why[NSDAE_TANGENT_TEXT]);
+
+/* Whether the gap has a gradient of one length that is not 1, here and elsewhere, along velocities
+ * that may be the translations of one body, and what then. */
+int nsdae_gap_scaled(const nsdae_contact_directions *contact, double tol,
+                     char why[NSDAE_TANGENT_TEXT]);
+
 /* Whether velocities i and j are two of those that translate one body, and i the first of them. */
 int nsdae_tangent_translates(const nsdae_contact_directions *contact, int i, int j, double tol);
 

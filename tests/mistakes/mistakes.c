@@ -31,7 +31,8 @@ enum mistake {
   OPTIONS_NOT_SET,
   COEFFICIENTS_FORGOTTEN,
   SIGN_OF_WALL,
-  MISTAKES = SIGN_OF_WALL
+  TANGENT_LEFT_OUT,
+  MISTAKES = TANGENT_LEFT_OUT
 };
 
 static int mass(double t, const double *q, double *M, int ldm, void *user)
@@ -116,7 +117,7 @@ static int tangent(double t, const double *q, double *W, int ldw, void *user)
 {
   const int w = *(const int *)user;
   if (w == NORMAL_AS_TANGENT) return normal(t, q, W, ldw, user);
-  W[0] = 1;
+  if (w != TANGENT_LEFT_OUT) W[0] = 1;
   return 0;
 }
 

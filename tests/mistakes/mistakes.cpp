@@ -33,7 +33,8 @@ enum mistake {
   OPTIONS_NOT_SET,
   COEFFICIENTS_FORGOTTEN,
   SIGN_OF_WALL,
-  MISTAKES = SIGN_OF_WALL
+  TANGENT_LEFT_OUT,
+  MISTAKES = TANGENT_LEFT_OUT
 };
 
 void set_constraints(nsdae::system &s, int w)
@@ -75,7 +76,7 @@ void set_contact(nsdae::system &s, int w)
   if (w == NORMAL_AS_TANGENT)
     s.gap_tangent(normal);
   else if (w != FRICTION_WITHOUT_DIRECTION)
-    s.gap_tangent([](double, const double *, double *W, int) { W[0] = 1; });
+    s.gap_tangent([w](double, const double *, double *W, int) { W[0] = w != TANGENT_LEFT_OUT; });
   if (w == SIGN_OF_WALL)
     s.contact_bias([](double, const double *, double *w_n, double *) { w_n[0] = -0.1; });
   if (w != COEFFICIENTS_FORGOTTEN)

@@ -10,7 +10,8 @@ module mistakes_model
         ONE_TRIANGLE, MASS_LEFT_OUT, SIGN_OF_NORMAL, SIGN_IN_JACOBIAN, TERM_OF_OMEGA_LOST, &
         INDEX_BEYOND, ENTRY_NEVER_SET, NORMAL_AS_TANGENT, INIT_FORGOTTEN, START_IN_THE_STOP, &
         DEGREES, VELOCITY_OFF, DIVISION_BY_ZERO, RETURNS_A_COUNT, CONSTRAINT_TWICE, &
-        METHOD_MISSPELT, OPTIONS_NOT_SET, COEFFICIENTS_FORGOTTEN, SIGN_OF_WALL
+        METHOD_MISSPELT, OPTIONS_NOT_SET, COEFFICIENTS_FORGOTTEN, SIGN_OF_WALL, &
+        TANGENT_LEFT_OUT
   end enum
 
   type :: wrong
@@ -125,7 +126,7 @@ contains
     if (mistake(user) == NORMAL_AS_TANGENT) then
       status = normal(t, q, W, user)
     else
-      W(1, 1) = 1
+      if (mistake(user) /= TANGENT_LEFT_OUT) W(1, 1) = 1
       status = 0
     end if
   end function
@@ -214,7 +215,7 @@ program mistakes
   use mistakes_model
   implicit none
   integer :: w
-  do w = 1, SIGN_OF_WALL
+  do w = 1, TANGENT_LEFT_OUT
     call make(w, .true.)
   end do
   do w = SIGN_OF_NORMAL, NORMAL_AS_TANGENT  ! without the check

@@ -1,6 +1,8 @@
 /* nsdae_system_check: right derivatives pass, and each one that is wrong is named. */
 #include "check.h"
 
+#include <nsdae/nsdae.h>
+
 #include "planar.h"
 
 enum { POINTS = 40 };
@@ -154,12 +156,41 @@ static void test_nothing_given(void **state)
   nsdae_system_destroy(&system);
 }
 
+/* What only event uses is looked at where event starts, without the check, too. */
+static void test_start_of_event(void **state)
+{
+  (void)state;
+  for (int entry = -1; entry < PLANAR_K; entry++)
+    for (int method = NSDAE_METHOD_IMPLICIT; method <= NSDAE_METHOD_EVENT; method++) {
+      planar wrong = {
+          .term = entry < 0 ? NULL : "contact_acceleration", .entry = entry, .amount = 0.5};
+      nsdae_system *system = planar_system(&wrong);
+      nsdae_sim_options options;
+      nsdae_sim *sim = NULL;
+      double t, q[PLANAR_NQ], v[PLANAR_NV];
+      int seen = entry >= 0 && method == NSDAE_METHOD_EVENT;
+      planar_point(3, &t, q, v);
+      for (int i = 0; i < PLANAR_K; i++) nsdae_system_set_contact(system, i, 0, 0, 0);
+      nsdae_sim_options_default(&options);
+      options.method = method;
+      options.start_tol = 1e300;
+      if (nsdae_sim_create(system, &options, &sim, NULL) == NSDAE_OK) { /* SUNDIALS may be out */
+        assert_int_equal(nsdae_sim_init(sim, t, q, v), seen ? NSDAE_E_DERIVATIVE : NSDAE_OK);
+        if (seen) assert_string_equal(nsdae_sim_error(sim)->argument, "contact_acceleration");
+        if (seen) assert_int_equal(nsdae_sim_error(sim)->index, entry);
+      }
+      nsdae_sim_destroy(&sim);
+      nsdae_system_destroy(&system);
+    }
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_right),
       cmocka_unit_test(test_each_wrong_entry),
       cmocka_unit_test(test_mass_not_symmetric),
+      cmocka_unit_test(test_start_of_event),
       cmocka_unit_test(test_failing_callback),
       cmocka_unit_test(test_arguments),
       cmocka_unit_test(test_nothing_given),
