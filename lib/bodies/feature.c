@@ -143,7 +143,8 @@ static int may_be_over(const nsdae_solid_of *s0, const nsdae_solid_of *s1, const
   }
   if (out != 1) return out == 0;
   own_place(s0, pose0, nsdae_pose_point(pose1, s1->origin), middle);
-  return place[axis] * middle[axis] < 0;
+  /* in the middle rounding says which side that is */
+  return fabs(middle[axis]) <= beside || place[axis] * middle[axis] < 0;
 }
 
 /* Corners of what overlaps a box touch the face that is the least deep in it, not each the face

@@ -32,33 +32,47 @@ typedef struct placed {
 
 typedef struct separation {
   double value;
-  int edge, corner; /* of the polygon; of the other solid */
+  int edge;
 } separation;
 
-/* The largest s of the edges of a polygon, and which corner is the lowest there. */
+/* How high the other solid's lowest corner is above the point x along n, both of the polygon's
+ * frame. */
+static double lowest(placed polygon, placed other, const double *n, const double *x)
+{
+  const nsdae_pose *from = polygon.pose, *to = other.pose;
+  const double apart[3] = {to->r[0] - from->r[0], to->r[1] - from->r[1], 0};
+  double in_space[3], own[3], least = INFINITY;
+  nsdae_turn(from->R, n, in_space);
+  nsdae_turn_back(to->R, in_space, own);
+  for (int i = 0; i < other.solid->points; i++)
+    least = fmin(least, nsdae_dot3(own, nsdae_solid_corner(other.solid, i)));
+  return least + nsdae_dot3(in_space, apart) - nsdae_dot3(n, x);
+}
+
+/* The largest s of the edges of a polygon. */
 static separation separate(placed polygon, placed other)
 {
   separation best = {.value = -INFINITY};
-  const nsdae_pose *from = polygon.pose, *to = other.pose;
-  const double apart[3] = {to->r[0] - from->r[0], to->r[1] - from->r[1], 0};
   for (int e = 0; e < polygon.solid->points; e++) {
-    double n[3], in_space[3], own[3], least = INFINITY;
-    int lowest = 0;
+    double n[3];
     edge_normal(polygon.solid, e, n);
-    nsdae_turn(from->R, n, in_space);
-    nsdae_turn_back(to->R, in_space, own);
-    for (int i = 0; i < other.solid->points; i++) {
-      double height = nsdae_dot3(own, nsdae_solid_corner(other.solid, i));
-      if (height < least) {
-        least = height;
-        lowest = i;
-      }
-    }
-    double s =
-        least + nsdae_dot3(in_space, apart) - nsdae_dot3(n, nsdae_solid_corner(polygon.solid, e));
-    if (s > best.value) best = (separation){s, e, lowest};
+    double s = lowest(polygon, other, n, nsdae_solid_corner(polygon.solid, e));
+    if (s > best.value) best = (separation){s, e};
   }
   return best;
+}
+
+/* Beyond the ends of a line, along it: where two lie in one line its edges separate nothing. */
+static double separate_ends(placed line, placed other)
+{
+  double most = -INFINITY;
+  for (int e = 0; e < 2; e++) {
+    double n[3];
+    edge_normal(line.solid, e, n);
+    const double along[3] = {-n[1], n[0], 0}; /* from corner e to the other */
+    most = fmax(most, lowest(line, other, along, nsdae_solid_corner(line.solid, 1 - e)));
+  }
+  return most;
 }
 
 /* The line of an edge, r_0 above it. */
@@ -112,6 +126,7 @@ static int overlapped_edge(placed polygon, placed other, const double *x, place 
   double slack = drift * at.length;
   separation here = separate(polygon, other);
   if (here.value > slack) return NONE;
+  if (polygon.solid->points == 2 && separate_ends(polygon, other) > slack) return NONE;
   double most = here.value;
   if (has_edges(other.solid)) most = fmax(most, separate(other, polygon).value);
   if (most > slack) return NONE;

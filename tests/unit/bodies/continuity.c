@@ -124,6 +124,7 @@ static void degenerate_pose(const couple *c, double *q)
     for (int j = 0; j < (c->d == 2 ? 1 : 2); j++) q[(c->d == 2 ? 2 : 4) + j] += uniform(-1, 1);
   for (int i = 0; i < 2; i++) place_of(c, i, q, x[i]);
   for (int j = 0; j < c->d; j++) q[c->nq + j] = x[0][j] - x[1][j];
+  if (below(4) == 0) q[c->nq + below(c->d)] = 0; /* in the middle: two sides are as near */
   q[c->nq + below(c->d)] += below(3) * uniform(-0.2, 0.4);
 }
 
@@ -147,8 +148,10 @@ static double speed_bound(const couple *c, const double *q, const double *w)
   return bound;
 }
 
-/* Places that are beside an edge or above it by less than a millionth of a length count as on it,
- * so that blocks which drift by rounding keep lying flush: gaps change there by that. */
+/* Solids that are apart by less than a millionth of their sizes count as flush, so that blocks
+ * which drift by rounding keep lying so: the gap changes there by that, 2e-6 m here, over the
+ * cosine between the normal of an edge and the direction of a corner, of which none here is below
+ * 1/2. */
 static const double drift = 5e-6;
 
 /* From -1e-2 to 1e-2 of a direction, ever finer towards the pose itself, down to 1e-15. */
