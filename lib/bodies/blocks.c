@@ -45,6 +45,9 @@ typedef struct listing {
   double reach;
   long id; /* of the pair's first feature */
   const nsdae_bodies_pair *pair;
+  int first;            /* the pair's first solid */
+  int flat;             /* whether both are of the plane and have corners: met is filled */
+  nsdae_meeting met[2]; /* as seen from the first solid, and from the other */
 } listing;
 
 static void set_direction(const listing *l, const nsdae_touch *touch, const nsdae_pose pose[2],
@@ -58,16 +61,21 @@ static void set_direction(const listing *l, const nsdae_touch *touch, const nsda
 static int list_feature(void *to, const nsdae_feature *f)
 {
   listing *l = to;
-  const nsdae_solid_of *solid = l->bodies->solid.at, *s[2];
-  nsdae_pose pose[2];
-  nsdae_contact c = {
-      .id = l->id + f->number, .mu = l->pair->mu, .e_n = l->pair->e_n, .e_t = l->pair->e_t};
-  for (int i = 0; i < 2; i++) {
-    s[i] = &solid[f->solid[i]];
-    c.block[i] = s[i]->body;
-    pose[i] = *nsdae_broad_pose(l->broad, s[i]->body);
-  }
-  nsdae_touch touch = nsdae_feature_touch(f, s[0], s[1], &pose[0], &pose[1]);
+  const nsdae_solid_of *solid = l->bodies->solid.at;
+  const nsdae_solid_of *const s[2] = {&solid[f->solid[0]], &solid[f->solid[1]]};
+  const nsdae_meeting *met = l->flat ? &l->met[f->solid[0] != l->first] : NULL;
+  if (met && isfinite(met->value[0]) &&
+      nsdae_height_above(met->above[0], s[1]->point + 3 * f->part[1]) >
+          l->reach + s[0]->radius + s[1]->radius)
+    return 0;
+  const nsdae_pose pose[2] = {*nsdae_broad_pose(l->broad, s[0]->body),
+                              *nsdae_broad_pose(l->broad, s[1]->body)};
+  nsdae_contact c = {.id = l->id + f->number,
+                     .block = {s[0]->body, s[1]->body},
+                     .mu = l->pair->mu,
+                     .e_n = l->pair->e_n,
+                     .e_t = l->pair->e_t};
+  nsdae_touch touch = nsdae_feature_touch(f, s[0], s[1], &pose[0], &pose[1], met);
   if (touch.far || touch.gap.x > l->reach) return 0;
   nsdae_jet3 tangent[2];
   nsdae_contact_tangents(l->bodies->dimension, touch.normal, tangent);
@@ -78,6 +86,17 @@ static int list_feature(void *to, const nsdae_feature *f)
   return nsdae_contact_add(l->list, &c);
 }
 
+/* Whether two solids of the plane are apart by more than the reach along a normal of either. */
+static int is_out_of_reach(listing *l, const nsdae_solid_of *s0, const nsdae_solid_of *s1,
+                           const nsdae_pose *const pose[2])
+{
+  l->flat = l->bodies->dimension == 2 && s0->points > 1 && s1->points > 1;
+  if (!l->flat) return 0;
+  nsdae_meeting m = l->met[0] = nsdae_find_meeting(s0, s1, pose[0], pose[1]);
+  l->met[1] = nsdae_meeting_turned(&m);
+  return fmax(m.value[0], m.value[1]) - s0->radius - s1->radius > l->reach;
+}
+
 static int list_pair(void *to, nsdae_broad *broad, int i, int j)
 {
   listing *l = to;
@@ -86,6 +105,8 @@ static int list_pair(void *to, nsdae_broad *broad, int i, int j)
   l->id = ((long)i * broad->solids + j) * broad->features;
   const nsdae_pose *const pose[2] = {nsdae_broad_pose(broad, solid[i].body),
                                      nsdae_broad_pose(broad, solid[j].body)};
+  l->first = i;
+  if (is_out_of_reach(l, &solid[i], &solid[j], pose)) return 0;
   return nsdae_pair_features(solid, i, j, pose, list_feature, l);
 }
 

@@ -67,7 +67,8 @@ static double least_gap(const couple *c, const double *q)
   for (int i = 0; i < c->bodies->feature.count; i++) {
     const nsdae_feature *f = (const nsdae_feature *)c->bodies->feature.at + i;
     const int *of = f->solid;
-    nsdae_touch touch = nsdae_feature_touch(f, s + of[0], s + of[1], &pose[of[0]], &pose[of[1]]);
+    nsdae_touch touch =
+        nsdae_feature_touch(f, s + of[0], s + of[1], &pose[of[0]], &pose[of[1]], NULL);
     if (!touch.far) least = fmin(least, touch.gap.x);
   }
   return least;

@@ -140,7 +140,7 @@ static double least_gap(const couple *c, const double *q)
     for (int j = 0; j < 2; j++)
       pose[j] = nsdae_bodies_pose(c->bodies, s[f->solid[j]].body, q, NULL);
     nsdae_touch touch =
-        nsdae_feature_touch(f, s + f->solid[0], s + f->solid[1], &pose[0], &pose[1]);
+        nsdae_feature_touch(f, s + f->solid[0], s + f->solid[1], &pose[0], &pose[1], NULL);
     assert_true(!touch.far || touch.gap.x > 0);
     if (!touch.far) least = fmin(least, touch.gap.x);
   }
