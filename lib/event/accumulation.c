@@ -40,7 +40,7 @@ static double slow_for(const nsdae_event_accumulation *p, int i)
   const nsdae_event_setting *s = p->acceleration->phase->setting;
   const nsdae_terms *T = s->here;
   int n = T->system->dims.nv;
-  double rate = fabs(T->omega_N[i]);
+  double rate = fabs(T->omega.N[i]);
   for (int j = 0; j < n; j++) rate += fabs(T->W_N[(size_t)i * (size_t)n + (size_t)j] * p->lost[j]);
   double way = sqrt(2 * rate * nsdae_event_position_size(s));
   return fmax(way, fmax(SLOW * nsdae_event_velocity_size(s), s->options->accumulation_time * rate));
@@ -141,10 +141,7 @@ int nsdae_event_close_set(nsdae_event_accumulation *p, double *v, double *multip
 
 double nsdae_event_energy(const nsdae_terms *T, const double *d)
 {
-  int n = T->system->dims.nv;
-  double twice = 0;
-  for (int j = 0; j < n; j++) twice += d[j] * nsdae_dot(n, T->M + (size_t)j * (size_t)n, d);
-  return twice / 2;
+  return nsdae_blocks_square(&T->system->blocks, T->M, d) / 2;
 }
 
 int nsdae_event_ends(nsdae_event_accumulation *p, const double *before, const double *closed)
@@ -171,8 +168,9 @@ int nsdae_event_ends(nsdae_event_accumulation *p, const double *before, const do
   double flight = power > 0 ? 4 * left / power : INFINITY;
   p->rest = left < all ? flight / (1 - sqrt(left / all)) : INFINITY;
   p->early = !(p->rest < s->options->accumulation_time);
+  double told = count > 1 ? nsdae_event_position_size(s) : nsdae_event_rounding(s);
   int ends = !p->early || p->fastest <= SLOW * nsdae_event_velocity_size(s) ||
-             (count > 1 && p->fastest * flight / 4 <= nsdae_event_position_size(s));
+             p->fastest * flight / 4 <= told;
   if (!isfinite(p->rest) || p->rest > MOST * s->options->accumulation_time) p->rest = 0;
   return ends;
 }

@@ -54,8 +54,8 @@ static int look(double t, double *gap, double *rate, void *user)
 void nsdae_event_integrator_layout(nsdae_event_integrator *e, nsdae_arena *arena)
 {
   const nsdae_event_setting *s = e->roots->phase->setting;
-  e->steps =
-      (nsdae_runge_kutta){.n = s->at.n + 1, .controlled = s->at.lambda, .rate = rate, .user = e};
+  e->steps = (nsdae_runge_kutta){
+      .n = s->at.n + 1, .controlled = s->at.lambda, .positions = s->at.v, .rate = rate, .user = e};
   e->fall = (nsdae_fall){.count = e->roots->count, .values = values, .user = e};
   e->dip = (nsdae_dip){.count = s->system->dims.k, .look = look, .user = e};
   nsdae_runge_kutta_layout(&e->steps, arena);
@@ -84,6 +84,7 @@ void nsdae_event_integrator_prepare(nsdae_event_integrator *e)
   e->steps.atol = o->atol;
   e->steps.max_step = o->dt;
   nsdae_ode_tolerances(e->stiff, STIFF_TOLERANCE * o->rtol, STIFF_TOLERANCE * o->atol);
+  nsdae_ode_positions(e->stiff, e->steps.positions, o->dt);
 }
 
 int nsdae_event_integrator_start(nsdae_event_integrator *e, double t)

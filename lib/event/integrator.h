@@ -28,8 +28,6 @@ typedef struct nsdae_event_integrator {
 void nsdae_event_integrator_layout(nsdae_event_integrator *integrator, nsdae_arena *arena);
 /* NSDAE_E_MEMORY, NSDAE_E_UNSUPPORTED. */
 int nsdae_event_integrator_make(nsdae_event_integrator *integrator);
-
-void nsdae_event_integrator_release(nsdae_event_integrator *integrator);
 /* Again after options changed. */
 void nsdae_event_integrator_prepare(nsdae_event_integrator *integrator);
 

@@ -48,7 +48,6 @@ typedef struct nsdae_event_roots {
   double *at;              /* n: y with the forces of its q and v */
 } nsdae_event_roots;
 
-int nsdae_event_roots_count(const nsdae_dims *dims);
 void nsdae_event_roots_layout(nsdae_event_roots *roots, nsdae_arena *arena);
 /* Kind and index of every entry: once. */
 void nsdae_event_roots_name(nsdae_event_roots *roots);

@@ -9,6 +9,9 @@
  * it independent. */
 static const double LEAST_SINE = 1e-6;
 
+/* Of a coordinate, what nobody can tell of a gap. */
+static const double ROUNDING = 2e-14;
+
 void nsdae_event_set_places(nsdae_event_setting *s)
 {
   const nsdae_dims *d = &s->system->dims;
@@ -49,8 +52,14 @@ int nsdae_event_solve(nsdae_event_setting *s, nsdae_contacts *c, const nsdae_ter
 
 double nsdae_event_position_size(const nsdae_event_setting *s)
 {
-  double most = nsdae_largest(s->system->dims.nq, s->here->q);
-  return 10 * (s->options->rtol * most + s->options->atol);
+  double far = nsdae_largest(s->system->dims.nq, s->here->q);
+  double way = s->options->dt * nsdae_largest(s->system->dims.nv, s->here->v);
+  return 10 * (s->options->rtol * fmin(far, way) + s->options->atol) + nsdae_event_rounding(s);
+}
+
+double nsdae_event_rounding(const nsdae_event_setting *s)
+{
+  return ROUNDING * nsdae_largest(s->system->dims.nq, s->here->q);
 }
 
 double nsdae_event_velocity_size(const nsdae_event_setting *s)

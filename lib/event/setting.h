@@ -46,8 +46,11 @@ int nsdae_event_factor(nsdae_event_setting *setting);
 int nsdae_event_solve(nsdae_event_setting *setting, nsdae_contacts *contacts,
                       const nsdae_terms *terms, double *size, double *v, double *lambda);
 
-/* What counts as zero for positions and for velocities at the point: the integrator's accuracy. */
+/* What counts as zero for positions and for velocities at the point: the integrator's accuracy, of
+ * positions relative to the way in a dt, as the origin may be anywhere; and what no method can tell
+ * of a gap, so far from the origin. */
 double nsdae_event_position_size(const nsdae_event_setting *setting);
+double nsdae_event_rounding(const nsdae_event_setting *setting);
 double nsdae_event_velocity_size(const nsdae_event_setting *setting);
 
 /* NSDAE_OK, or NSDAE_E_NONFINITE with the record, where `what`, one for each of a kind

@@ -17,7 +17,10 @@ struct nsdae_ode {
   SUNContext context;
   nsdae_pool pool;
   void *cvode;
-  N_Vector y, between, atol;  /* where it is; where it is read */
+  N_Vector y, between; /* where it is; where it is read */
+  double rtol, atol;
+  int positions;              /* of y: see nsdae_ode_positions */
+  double longest, way;        /* in which; that of the last evaluation of f */
   SUNMatrix matrix, jacobian; /* I - gamma J, J */
   SUNLinearSolver solver;
   long rates; /* evaluations of f */
@@ -27,10 +30,27 @@ struct nsdae_ode {
 static int rate(sunrealtype t, N_Vector y, N_Vector ydot, void *user)
 {
   nsdae_ode *ode = user;
+  double *to = N_VGetArrayPointer(ydot), most = 0;
   ode->rates++;
-  return nsdae_progress_note(
-      &ode->progress,
-      ode->problem.rate(t, N_VGetArrayPointer(y), N_VGetArrayPointer(ydot), ode->problem.user));
+  int code = ode->problem.rate(t, N_VGetArrayPointer(y), to, ode->problem.user);
+  for (int i = 0; i < ode->positions; i++) most = fmax(most, fabs(to[i]));
+  if (code == 0) ode->way = ode->longest * most;
+  return nsdae_progress_note(&ode->progress, code);
+}
+
+/* Error weights 1 / w_i. What is not controlled has a weight of nothing, and no part in the mean of
+ * CVODE's norm. */
+static int weigh(N_Vector y, N_Vector weights, void *user)
+{
+  const nsdae_ode *ode = user;
+  double share = sqrt((double)ode->problem.controlled / ode->problem.n);
+  double *w = N_VGetArrayPointer(weights);
+  const double *at = N_VGetArrayPointer(y);
+  for (int i = 0; i < ode->problem.n; i++) {
+    double scale = i < ode->positions ? fmin(fabs(at[i]), ode->way) : fabs(at[i]);
+    w[i] = i < ode->problem.controlled ? 1 / (share * (ode->rtol * scale + ode->atol)) : 1e-150;
+  }
+  return 0;
 }
 
 static int root(sunrealtype t, N_Vector y, sunrealtype *g, void *user)
@@ -112,9 +132,7 @@ static int make_objects(nsdae_ode *ode)
   ode->y = nsdae_pool_vector(&ode->pool, n, ode->context);
   if (!ode->y) return NSDAE_E_MEMORY;
   ode->between = nsdae_pool_vector(&ode->pool, n, ode->context);
-  ode->atol = nsdae_pool_vector(&ode->pool, n, ode->context);
-  if (!ode->between || !ode->atol || nsdae_pool_fill(&ode->pool, ode->y) != 0)
-    return NSDAE_E_MEMORY;
+  if (!ode->between || nsdae_pool_fill(&ode->pool, ode->y) != 0) return NSDAE_E_MEMORY;
   ode->matrix = SUNDenseMatrix(n, n, ode->context);
   ode->jacobian = SUNDenseMatrix(n, n, ode->context);
   if (!ode->matrix || !ode->jacobian) return NSDAE_E_MEMORY;
@@ -123,22 +141,12 @@ static int make_objects(nsdae_ode *ode)
   return ode->solver && ode->cvode ? NSDAE_OK : NSDAE_E_MEMORY;
 }
 
-/* What is not controlled has a weight of nothing, and no part in the mean of CVODE's norm. */
-static int set_tolerances(nsdae_ode *ode, double rtol, double atol)
-{
-  double share = sqrt((double)ode->problem.controlled / ode->problem.n);
-  double *of = N_VGetArrayPointer(ode->atol);
-  for (int i = 0; i < ode->problem.n; i++)
-    of[i] = i < ode->problem.controlled ? share * atol : 1e150;
-  return CVodeSVtolerances(ode->cvode, share * rtol, ode->atol);
-}
-
-static int set_up(nsdae_ode *ode, double rtol, double atol)
+static int set_up(nsdae_ode *ode)
 {
   void *cvode = ode->cvode;
   silence(cvode);
   int bad = CVodeInit(cvode, rate, 0, ode->y);
-  if (!bad) bad = set_tolerances(ode, rtol, atol);
+  if (!bad) bad = CVodeWFtolerances(cvode, weigh);
   if (!bad) bad = CVodeSetUserData(cvode, ode);
   if (!bad) bad = CVodeSetLinearSolver(cvode, ode->solver, ode->matrix);
   if (!bad) bad = CVodeSetLinSysFn(cvode, linear_system);
@@ -154,9 +162,10 @@ int nsdae_ode_create(const nsdae_ode_problem *problem, double rtol, double atol,
   nsdae_ode *made = calloc(1, sizeof *made);
   if (!made) return NSDAE_E_MEMORY;
   made->problem = *problem;
+  nsdae_ode_tolerances(made, rtol, atol);
   if (problem->controlled == 0) made->problem.controlled = problem->n;
   int status = make_objects(made);
-  if (status == NSDAE_OK) status = set_up(made, rtol, atol);
+  if (status == NSDAE_OK) status = set_up(made);
   if (status < 0)
     nsdae_ode_destroy(&made);
   else
@@ -166,7 +175,14 @@ int nsdae_ode_create(const nsdae_ode_problem *problem, double rtol, double atol,
 
 void nsdae_ode_tolerances(nsdae_ode *ode, double rtol, double atol)
 {
-  set_tolerances(ode, rtol, atol);
+  ode->rtol = rtol;
+  ode->atol = atol;
+}
+
+void nsdae_ode_positions(nsdae_ode *ode, int positions, double longest)
+{
+  ode->positions = positions;
+  ode->longest = longest;
 }
 
 void nsdae_ode_destroy(nsdae_ode **ode)
@@ -178,7 +194,6 @@ void nsdae_ode_destroy(nsdae_ode **ode)
   if (old->matrix) SUNMatDestroy(old->matrix);
   if (old->jacobian) SUNMatDestroy(old->jacobian);
   if (old->between) N_VDestroy(old->between);
-  if (old->atol) N_VDestroy(old->atol);
   if (old->y) N_VDestroy(old->y);
   nsdae_pool_close(&old->pool);
   if (old->context) SUNContext_Free(&old->context);
@@ -190,6 +205,7 @@ int nsdae_ode_start(nsdae_ode *ode, double t, const double *y)
 {
   ode->progress = (nsdae_progress){0};
   memcpy(N_VGetArrayPointer(ode->y), y, (size_t)ode->problem.n * sizeof *y);
+  if (ode->positions > 0 && rate(t, ode->y, ode->between, ode) != 0) return NSDAE_E_CALLBACK;
   return CVodeReInit(ode->cvode, t, ode->y) == 0 ? NSDAE_OK : NSDAE_E_CONVERGENCE;
 }
 

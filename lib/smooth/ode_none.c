@@ -19,6 +19,13 @@ void nsdae_ode_tolerances(nsdae_ode *ode, double rtol, double atol)
   (void)atol;
 }
 
+void nsdae_ode_positions(nsdae_ode *ode, int positions, double longest)
+{
+  (void)ode;
+  (void)positions;
+  (void)longest;
+}
+
 void nsdae_ode_destroy(nsdae_ode **ode)
 {
   *ode = NULL;

@@ -43,12 +43,20 @@ void nsdae_runge_kutta_layout(nsdae_runge_kutta *rk, nsdae_arena *arena)
   rk->sum = NSDAE_ARENA_DOUBLES(arena, rk->n);
 }
 
+/* The way of the positions, at the rates of where it is. */
+static void measure_way(nsdae_runge_kutta *rk)
+{
+  rk->way = 0;
+  for (int i = 0; i < rk->positions; i++) rk->way = fmax(rk->way, rk->max_step * fabs(rk->k[6][i]));
+}
+
 /* ||x|| with the weights of y; NaN and overflow are as large as can be. */
 static double norm(const nsdae_runge_kutta *rk, const double *x)
 {
   double sum = 0;
   for (int i = 0; i < rk->controlled; i++) {
-    double part = x[i] / (rk->rtol * fabs(rk->y[i]) + rk->atol);
+    double scale = i < rk->positions ? fmin(fabs(rk->y[i]), rk->way) : fabs(rk->y[i]);
+    double part = x[i] / (rk->rtol * scale + rk->atol);
     sum += part * part;
   }
   return isfinite(sum) ? sqrt(sum / rk->controlled) : HUGE_VAL;
@@ -93,6 +101,7 @@ int nsdae_runge_kutta_start(nsdae_runge_kutta *rk, double t, const double *y)
   for (int i = 0; i < 5; i++) memset(rk->dense[i], 0, (size_t)rk->n * sizeof *y);
   memcpy(rk->dense[0], y, (size_t)rk->n * sizeof *y);
   if (rate(rk, t, rk->y, rk->k[6]) != 0) return NSDAE_E_CALLBACK;
+  measure_way(rk);
   return first_step(rk);
 }
 
@@ -140,6 +149,7 @@ static void accept(nsdae_runge_kutta *rk, double h)
   memcpy(rk->y, rk->trial, (size_t)rk->n * sizeof *rk->y);
   rk->t += h;
   rk->last = h;
+  measure_way(rk);
 }
 
 int nsdae_runge_kutta_advance(nsdae_runge_kutta *rk)

@@ -5,8 +5,12 @@
  *
  *   k_i = f(t + c_i h, y + h sum_j a_ij k_j),  y_1 = y + h sum_j a_7j k_j,
  *   the error's estimate h sum_j e_j k_j, in the norm of SUNDIALS, sqrt(sum (x_i / w_i)^2 / count)
- * with w_i = rtol |y_i| + atol; accepted below 1
- */
+ * with w_i = rtol |y_i| + atol; accepted below 1. Of positions, the first of y, the error is
+ * relative to the way l that they go in the longest step, where that is less than |y_i|:
+ *
+ *   w_i = rtol min(|y_i|, l) + atol,  l = max_step max |y_j'|,  j among them,
+ *
+ * as a motion is the same wherever its origin is */
 #ifndef NSDAE_RUNGE_KUTTA_H
 #define NSDAE_RUNGE_KUTTA_H
 
@@ -16,6 +20,7 @@
 typedef struct nsdae_runge_kutta {
   int n,
       controlled; /* the error's estimate is of the first of y; f does not depend on the others */
+  int positions;  /* how many there are, or 0 */
   double rtol, atol, max_step;
   /* 0 done, > 0 try a smaller step, < 0 give up */
   int (*rate)(double t, const double *y, double *ydot, void *user);
@@ -25,6 +30,7 @@ typedef struct nsdae_runge_kutta {
   double *k[7];        /* n: k[6] belongs to t */
   double *dense[5];    /* n: of the last step */
   double *trial, *sum; /* n */
+  double way;          /* l */
   int border;          /* steps at the border of stability, less those that were not */
   nsdae_progress progress;
 } nsdae_runge_kutta;

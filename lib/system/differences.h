@@ -56,7 +56,8 @@ int nsdae_differences_contacts(nsdae_differences *differences, double t, const d
 int nsdae_kinematics(const nsdae_system *system, double t, const double *q, const double *v,
                      double *qdot);
 
-/* Step along dq/dt that moves each coordinate by at most scale of its size, and time by scale. */
+/* Step along dq/dt that moves each coordinate, and time, by at most scale, or as much more as their
+ * rounding asks for far from zero. */
 double nsdae_differences_step(int nq, double t, const double *q, const double *qdot, double scale);
 
 #endif

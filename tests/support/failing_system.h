@@ -1,4 +1,5 @@
-/* Any system, each callback counted, and one call of one that fails after it wrote its arrays. */
+/* Any system, each callback counted, and one call of one that fails after it wrote its arrays; or
+ * somewhere else: with coordinates q + shift where it had q. */
 #ifndef NSDAE_TESTS_FAILING_SYSTEM_H
 #define NSDAE_TESTS_FAILING_SYSTEM_H
 
@@ -6,7 +7,7 @@
 
 #include "system_impl.h"
 
-enum { FAILING_TERMS = 13 };
+enum { FAILING_TERMS = 13, FAILING_NQ = 32 };
 
 typedef struct failing_system {
   const nsdae_system *inner;
@@ -14,6 +15,7 @@ typedef struct failing_system {
   long at;  /* the call of it that does, from 0 */
   int code; /* what it returns */
   long calls[FAILING_TERMS];
+  double shift, q[FAILING_NQ]; /* 0 when made; where the inner system is, in work */
 } failing_system;
 
 /* The same description as inner, which must outlive it. */
