@@ -158,23 +158,74 @@ static int overlapped_edge(placed polygon, const nsdae_meeting *met, const doubl
   return on.height < most - slack ? FAR : met->edge[0];
 }
 
+/* Where the corner at p of the other's frame is: in space x_1 and on the polygon at. What it
+ * touches: an edge, NONE: the end of at that is near, FAR. */
+static int touched(placed polygon, placed other, const double *p, const nsdae_meeting *met,
+                   double *x1, place *at)
+{
+  double x[3], from[3];
+  nsdae_turn(other.pose->R, p, x1);
+  for (int i = 0; i < 3; i++) {
+    x1[i] += other.pose->r[i];
+    from[i] = x1[i] - polygon.pose->r[i];
+  }
+  nsdae_turn_back(polygon.pose->R, from, x);
+  *at = find_place(polygon.solid, x);
+  int edge = other.solid->points > 1 ? overlapped_edge(polygon, met, x, *at)
+             : at->height <= 0       ? at->edge
+                                     : NONE;
+  if (edge == NONE && at->along >= 0 && at->along <= at->length) return at->edge;
+  if (edge >= 0) *at = place_on(polygon.solid, edge, x);
+  return edge;
+}
+
+static int near_end(const nsdae_solid_of *s, place at)
+{
+  return (at.edge + (at.along > 0)) % s->points;
+}
+
 nsdae_touch nsdae_polygon_touch(const nsdae_solid_of *s0, const nsdae_solid_of *s1, int corner,
                                 const nsdae_pose *pose0, const nsdae_pose *pose1,
                                 const nsdae_meeting *met)
 {
-  placed polygon = {s0, pose0};
-  nsdae_jet3 x1 = nsdae_pose_point(pose1, nsdae_solid_corner(s1, corner));
-  double x[3], from[3];
-  for (int i = 0; i < 3; i++) from[i] = x1.at[i].x - pose0->r[i];
-  nsdae_turn_back(pose0->R, from, x);
-  place at = find_place(s0, x);
-  int edge = s1->points > 1   ? overlapped_edge(polygon, met, x, at)
-             : at.height <= 0 ? at.edge
-                              : NONE;
+  const placed polygon = {s0, pose0}, other = {s1, pose1};
+  const double *p = nsdae_solid_corner(s1, corner);
+  double now[3];
+  place at;
+  int edge = touched(polygon, other, p, met, now, &at);
   if (edge == FAR) return nsdae_touch_far(s0, s1);
-  if (edge == NONE && at.along >= 0 && at.along <= at.length) edge = at.edge;
+  nsdae_jet3 x1 = nsdae_pose_point(pose1, p);
   if (edge != NONE) return on_edge(polygon, edge, x1, s1->radius);
-  int end = (at.edge + (at.along > 0)) % s0->points;
-  return nsdae_touch_point_point(nsdae_pose_point(pose0, nsdae_solid_corner(s0, end)), s0->radius,
-                                 1, x1, s1->radius);
+  nsdae_jet3 end = nsdae_pose_point(pose0, nsdae_solid_corner(s0, near_end(s0, at)));
+  return nsdae_touch_point_point(end, s0->radius, 1, x1, s1->radius);
+}
+
+nsdae_flat nsdae_polygon_flat(const nsdae_solid_of *s0, const nsdae_solid_of *s1, int corner,
+                              const nsdae_pose *pose0, const nsdae_pose *pose1,
+                              const nsdae_meeting *met)
+{
+  const placed polygon = {s0, pose0}, other = {s1, pose1};
+  nsdae_flat f = {.far = 0};
+  double x1[3], n[3], end[3], height;
+  place at;
+  int edge = touched(polygon, other, nsdae_solid_corner(s1, corner), met, x1, &at);
+  f.far = edge == FAR;
+  if (f.far) return f;
+  if (edge != NONE) {
+    nsdae_turn(pose0->R, edge_normal(s0, edge), n);
+    height = at.height;
+  } else {
+    nsdae_turn(pose0->R, nsdae_solid_corner(s0, near_end(s0, at)), end);
+    for (int i = 0; i < 2; i++) n[i] = x1[i] - pose0->r[i] - end[i];
+    height = sqrt(n[0] * n[0] + n[1] * n[1]);
+    n[0] = height > 0 ? n[0] / height : 1;
+    n[1] = height > 0 ? n[1] / height : 0;
+  }
+  f.gap = height - s0->radius - s1->radius;
+  for (int i = 0; i < 2; i++) {
+    f.normal[i] = n[i];
+    f.at[0][i] = x1[i] - (height - s0->radius) * n[i];
+    f.at[1][i] = x1[i] - s1->radius * n[i];
+  }
+  return f;
 }

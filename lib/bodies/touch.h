@@ -24,6 +24,15 @@ nsdae_touch nsdae_polygon_touch(const nsdae_solid_of *s0, const nsdae_solid_of *
                                 const nsdae_pose *pose0, const nsdae_pose *pose1,
                                 const nsdae_meeting *met);
 
+/* The same as it is now, without rates: lists need no more, and want it for every block of many. */
+typedef struct nsdae_flat {
+  int far;
+  double gap, normal[2], at[2][2]; /* n; c_i */
+} nsdae_flat;
+nsdae_flat nsdae_polygon_flat(const nsdae_solid_of *s0, const nsdae_solid_of *s1, int corner,
+                              const nsdae_pose *pose0, const nsdae_pose *pose1,
+                              const nsdae_meeting *met);
+
 static inline const double *nsdae_solid_corner(const nsdae_solid_of *s, int i)
 {
   return s->point + 3 * i;
