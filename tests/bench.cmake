@@ -122,6 +122,8 @@ if(NSDAE_DRIVERS)
   endif()
   nsdae_bench(lcp_file ARGUMENTS ${granular} LINKS driver_common bench_rival)
   nsdae_bench(orders LINKS driver_common)
+  # the wall, the arch and the dominoes beside the same by hand
+  nsdae_bench(blocks LINKS driver_common)
   if(NSDAE_SUNDIALS AND GSL_FOUND)
     nsdae_bench(precision LINKS driver_common GSL::gsl GSL::gslcblas)
   endif()

@@ -41,9 +41,7 @@ static int build(void *base, nsdae_system **system, nsdae_error *error)
     corners_of(p, i, corner);
     status = world_add_block(p->world, 4, corner);
   }
-  return status < 0 && nsdae_bodies_error(p->world)->status == NSDAE_OK
-             ? status
-             : world_end(p->world, system, error);
+  return world_end(p->world, status, system, error);
 }
 
 static void start(const void *base, double *q0, double *v0)
@@ -58,8 +56,7 @@ static void follow(void *base, const nsdae_record *r)
   int crown = p->blocks / 2;
   if (r->step == 0) p->crown = r->q[3 * crown + 1];
   p->moved = fabs(r->q[3 * crown + 1] - p->crown);
-  p->fastest = 0;
-  for (int i = 0; i < 3 * p->blocks; i++) p->fastest = fmax(p->fastest, fabs(r->v[i]));
+  p->fastest = world_fastest(r, 3 * p->blocks);
 }
 
 static void conclude(const void *base)

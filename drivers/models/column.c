@@ -32,7 +32,7 @@ static int build(void *base, nsdae_system **system, nsdae_error *error)
         p->world, ball, &(nsdae_solid){.shape = NSDAE_SHAPE_SPHERE, .radius = p->r, .material = 1});
     p->weight += m * p->g;
   }
-  return world_end(p->world, system, error);
+  return world_end(p->world, NSDAE_OK, system, error);
 }
 
 static void start(const void *base, double *q0, double *v0)
@@ -46,8 +46,7 @@ static void follow(void *base, const nsdae_record *r)
   column *p = base;
   if (r->step == 0) return;
   p->carried = world_ground_impulse(r) / r->duration;
-  p->fastest = 0;
-  for (int i = 0; i < 6 * p->balls; i++) p->fastest = fmax(p->fastest, fabs(r->v[i]));
+  p->fastest = world_fastest(r, 6 * p->balls);
 }
 
 static void conclude(const void *base)

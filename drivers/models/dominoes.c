@@ -31,7 +31,7 @@ static int build(void *base, nsdae_system **system, nsdae_error *error)
     const double corner[8] = {x - p->d, 0, x, 0, x, p->h, x - p->d, p->h};
     status = world_add_block(p->world, 4, corner);
   }
-  return world_end(p->world, system, error);
+  return world_end(p->world, status, system, error);
 }
 
 /* The first turns about its lower front edge. */

@@ -67,7 +67,7 @@ static int build(void *base, nsdae_system **system, nsdae_error *error)
     nsdae_bodies_add_solid(
         p->world, i, &(nsdae_solid){.shape = NSDAE_SHAPE_SPHERE, .radius = p->r, .material = 1});
   }
-  return world_end(p->world, system, error);
+  return world_end(p->world, NSDAE_OK, system, error);
 }
 
 static void start(const void *base, double *q0, double *v0)

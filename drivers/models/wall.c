@@ -44,9 +44,7 @@ static int build(void *base, nsdae_system **system, nsdae_error *error)
     return error->status = NSDAE_E_ARGUMENT;
   }
   for (int i = 0; i < p->courses && status >= 0; i++) status = add_course(p, i);
-  return status < 0 && nsdae_bodies_error(p->world)->status == NSDAE_OK
-             ? status
-             : world_end(p->world, system, error);
+  return world_end(p->world, status, system, error);
 }
 
 static void start(const void *base, double *q0, double *v0)
@@ -60,7 +58,7 @@ static void follow(void *base, const nsdae_record *r)
   wall *p = base;
   if (r->step == 0) return;
   p->carried = world_ground_impulse(r) / r->duration;
-  for (int i = 0; i < 3 * p->blocks; i++) p->fastest = fmax(p->fastest, fabs(r->v[i]));
+  p->fastest = fmax(p->fastest, world_fastest(r, 3 * p->blocks));
 }
 
 static void conclude(const void *base)

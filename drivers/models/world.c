@@ -20,9 +20,10 @@ int world_begin(nsdae_bodies **world, int dimension, double g, double mu, double
   return NSDAE_OK;
 }
 
-int world_end(nsdae_bodies *world, nsdae_system **system, nsdae_error *error)
+int world_end(nsdae_bodies *world, int status, nsdae_system **system, nsdae_error *error)
 {
-  int status = nsdae_bodies_system(world, system);
+  if (status < 0 && nsdae_bodies_error(world)->status == NSDAE_OK) return status;
+  status = nsdae_bodies_system(world, system);
   if (status < 0) *error = *nsdae_bodies_error(world);
   return status;
 }
@@ -34,6 +35,13 @@ double world_ground_impulse(const nsdae_record *r)
     if (r->contacts.block[2 * i] < 0 || r->contacts.block[2 * i + 1] < 0)
       sum += r->contacts.normal_impulse[i];
   return sum;
+}
+
+double world_fastest(const nsdae_record *r, int n)
+{
+  double most = 0;
+  for (int i = 0; i < n; i++) most = fmax(most, fabs(r->v[i]));
+  return most;
 }
 
 /* Centroid: sum (a x b)(a + b) / 6 over the edges, by the area. */

@@ -9,11 +9,15 @@
  */
 int world_begin(nsdae_bodies **world, int dimension, double g, double mu, double e_N,
                 nsdae_error *error);
-/* Its system, which the world outlives. */
-int world_end(nsdae_bodies *world, nsdae_system **system, nsdae_error *error);
+/* Its system, which the world outlives; status: what the last call said that added to it, which is
+ * returned where it is < 0 and the world knows nothing of it. */
+int world_end(nsdae_bodies *world, int status, nsdae_system **system, nsdae_error *error);
 
 /* Normal impulse between the bodies and the ground in the step of the record. */
 double world_ground_impulse(const nsdae_record *record);
+
+/* The most that any of the record's n velocities is. */
+double world_fastest(const nsdae_record *record, int n);
 
 /* Adds a planar block: corners [points x 2] in space, anticlockwise; density 1 kg/m^2 and
  * material 1. Its number, or < 0. */

@@ -37,8 +37,8 @@ static nsdae_touch touch_at(const nsdae_bodies *b, int i, const double *q, const
     c->body[j] = solid[f->solid[j]].body;
     c->pose[j] = nsdae_bodies_pose(b, c->body[j], q, v);
   }
-  nsdae_touch touch =
-      nsdae_feature_touch(f, &solid[f->solid[0]], &solid[f->solid[1]], &c->pose[0], &c->pose[1]);
+  nsdae_touch touch = nsdae_feature_touch(f, &solid[f->solid[0]], &solid[f->solid[1]], &c->pose[0],
+                                          &c->pose[1], NULL);
   if (touch.far) direct(&touch, solid, c);
   return touch;
 }
@@ -90,7 +90,11 @@ void nsdae_contact_tangents(int dimension, nsdae_jet3 n, nsdae_jet3 t[2])
 {
   double e[3] = {0, 0, 0};
   int least = 2;
-  for (int i = 0; i < 3 && dimension == 3; i++)
+  if (dimension == 2) {
+    t[0] = (nsdae_jet3){{nsdae_jet_scale(-1, n.at[1]), n.at[0], nsdae_jet_of(0)}};
+    return;
+  }
+  for (int i = 0; i < 3; i++)
     if (fabs(n.at[i].x) < fabs(n.at[least].x)) least = i;
   e[least] = 1;
   t[0] = nsdae_jet3_cross(nsdae_jet3_of(e), n);

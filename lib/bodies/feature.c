@@ -143,7 +143,8 @@ static int may_be_over(const nsdae_solid_of *s0, const nsdae_solid_of *s1, const
   }
   if (out != 1) return out == 0;
   own_place(s0, pose0, nsdae_pose_point(pose1, s1->origin), middle);
-  return place[axis] * middle[axis] < 0;
+  /* in the middle rounding says which side that is */
+  return fabs(middle[axis]) <= beside || place[axis] * middle[axis] < 0;
 }
 
 /* Corners of what overlaps a box touch the face that is the least deep in it, not each the face
@@ -304,12 +305,15 @@ static nsdae_touch edges(const nsdae_feature *f, const nsdae_solid_of *s0, const
 
 nsdae_touch nsdae_feature_touch(const nsdae_feature *f, const nsdae_solid_of *s0,
                                 const nsdae_solid_of *s1, const nsdae_pose *pose0,
-                                const nsdae_pose *pose1)
+                                const nsdae_pose *pose1, const nsdae_meeting *met)
 {
   if (f->edges) return edges(f, s0, s1, pose0, pose1);
   int rounded = s0->shape == NSDAE_SHAPE_SEGMENT && s0->radius > 0 && s1->points > 1;
-  if (s0->shape == NSDAE_SHAPE_POLYGON || rounded)
-    return nsdae_polygon_touch(s0, s1, f->part[1], pose0, pose1);
+  if (s0->shape == NSDAE_SHAPE_POLYGON || rounded) {
+    nsdae_meeting own;
+    if (!met && s1->points > 1) own = nsdae_find_meeting(s0, s1, pose0, pose1);
+    return nsdae_polygon_touch(s0, s1, f->part[1], pose0, pose1, met ? met : &own);
+  }
   if (s0->shape == NSDAE_SHAPE_BOX) return corner_on_box(f, s0, s1, pose0, pose1);
   return against_corner(s0, pose0, nsdae_pose_point(pose1, nsdae_solid_corner(s1, f->part[1])),
                         s1->radius);

@@ -24,6 +24,8 @@ typedef struct nsdae_solid_of {
   double origin[3], R[9]; /* its frame in the body's; of a plane column 2 is the normal */
   double turn[4];         /* spatial: the same as a unit quaternion */
   double *point;          /* points x 3: its corners in the body's frame */
+  double *edge; /* planar, of more than one corner: points x 4, the outer unit normal of the edge
+                   from each corner (3) and its length, behind the corners */
 } nsdae_solid_of;
 
 typedef struct nsdae_feature {
@@ -56,9 +58,29 @@ typedef struct nsdae_facing {
 void nsdae_find_facing(const nsdae_solid_of *solid0, const nsdae_solid_of *solid1,
                        const nsdae_pose *pose0, const nsdae_pose *pose1, nsdae_facing *facing);
 
-/* The contact of a feature between two solids with these poses of their bodies. */
+/* How far two planar solids are apart along the best outer normal of an edge of each, and which
+ * edge; of a line also beyond its ends. All its features go by that. -INFINITY: has no edges. */
+typedef struct nsdae_meeting {
+  double value[2], ends[2];
+  int edge[2];
+  double above[2][3]; /* height of the other's points over that edge: see nsdae_height_above */
+} nsdae_meeting;
+nsdae_meeting nsdae_find_meeting(const nsdae_solid_of *solid0, const nsdae_solid_of *solid1,
+                                 const nsdae_pose *pose0, const nsdae_pose *pose1);
+
+/* The same of the solids in the other order. */
+nsdae_meeting nsdae_meeting_turned(const nsdae_meeting *met);
+/* above_x p_x + above_y p_y + above_0. No contact of a corner at p is nearer than this height over
+ * any edge, the roundings apart. */
+static inline double nsdae_height_above(const double *above, const double *p)
+{
+  return above[0] * p[0] + above[1] * p[1] + above[2];
+}
+
+/* The contact of a feature between two solids with these poses of their bodies; met: of planar
+ * solids where it is known, else NULL. */
 nsdae_touch nsdae_feature_touch(const nsdae_feature *feature, const nsdae_solid_of *solid0,
                                 const nsdae_solid_of *solid1, const nsdae_pose *pose0,
-                                const nsdae_pose *pose1);
+                                const nsdae_pose *pose1, const nsdae_meeting *met);
 
 #endif

@@ -182,6 +182,17 @@ static void place(const nsdae_bodies *b, const nsdae_solid *s, nsdae_solid_of *m
   for (int j = 0; j < 3; j++) made->R[6 + j] = made->R[3 + j]; /* the normal, as in space */
 }
 
+/* Outer unit normals, anticlockwise corners being given, and lengths. */
+static void measure_edges(nsdae_solid_of *s)
+{
+  for (int i = 0; i < s->points; i++) {
+    const double *p = s->point + 3 * i, *next = s->point + 3 * ((i + 1) % s->points);
+    double x = next[0] - p[0], y = next[1] - p[1], length = sqrt(x * x + y * y);
+    const double edge[4] = {y / length, -x / length, 0, length};
+    memcpy(s->edge + 4 * i, edge, sizeof edge);
+  }
+}
+
 int nsdae_bodies_add_solid(nsdae_bodies *b, int body, const nsdae_solid *s)
 {
   int status = nsdae_bodies_open(b, s, "solid");
@@ -205,7 +216,7 @@ int nsdae_bodies_add_solid(nsdae_bodies *b, int body, const nsdae_solid *s)
     status = nsdae_bodies_check_turn(b, "solid", index, s->angle, s->quaternion);
   if (status < 0) return status;
   int points = count_corners(s);
-  double *corners = calloc((size_t)points + 1, 3 * sizeof *corners);
+  double *corners = calloc((size_t)points + 1, 7 * sizeof *corners); /* and edges */
   nsdae_solid_of *made = corners ? nsdae_list_add(b, &b->solid, sizeof *made) : NULL;
   if (!made) {
     free(corners);
@@ -217,8 +228,10 @@ int nsdae_bodies_add_solid(nsdae_bodies *b, int body, const nsdae_solid *s)
                            .points = points,
                            .material = s->material,
                            .radius = s->radius,
-                           .point = corners};
+                           .point = corners,
+                           .edge = corners + 3 * points};
   place(b, s, made);
+  if (b->dimension == 2 && points > 1) measure_edges(made);
   return index;
 }
 

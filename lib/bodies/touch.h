@@ -19,9 +19,19 @@ nsdae_touch nsdae_touch_plane_point(nsdae_jet3 x0, nsdae_jet3 n, nsdae_jet3 x1, 
  */
 nsdae_touch nsdae_touch_far(const nsdae_solid_of *s0, const nsdae_solid_of *s1);
 
-/* The contact of a corner of solid s1 against the polygon or rounded segment s0. */
+/* The contact of a corner of solid s1 against the polygon or rounded segment s0; met is theirs. */
 nsdae_touch nsdae_polygon_touch(const nsdae_solid_of *s0, const nsdae_solid_of *s1, int corner,
-                                const nsdae_pose *pose0, const nsdae_pose *pose1);
+                                const nsdae_pose *pose0, const nsdae_pose *pose1,
+                                const nsdae_meeting *met);
+
+/* The same as it is now, without rates: lists need no more, and want it for every block of many. */
+typedef struct nsdae_flat {
+  int far;
+  double gap, normal[2], at[2][2]; /* n; c_i */
+} nsdae_flat;
+nsdae_flat nsdae_polygon_flat(const nsdae_solid_of *s0, const nsdae_solid_of *s1, int corner,
+                              const nsdae_pose *pose0, const nsdae_pose *pose1,
+                              const nsdae_meeting *met);
 
 static inline const double *nsdae_solid_corner(const nsdae_solid_of *s, int i)
 {

@@ -222,7 +222,7 @@ static void check_directions(const nsdae_bodies *b, const nsdae_system *system, 
     nsdae_pose pose[2];
     for (int j = 0; j < 2; j++) pose[j] = nsdae_bodies_pose(b, body[j], q, NULL);
     nsdae_touch touch =
-        nsdae_feature_touch(f, s + f->solid[0], s + f->solid[1], &pose[0], &pose[1]);
+        nsdae_feature_touch(f, s + f->solid[0], s + f->solid[1], &pose[0], &pose[1], NULL);
     if (touch.far) continue;
     double n[3][3];
     const double *column[3] = {W[0] + i * dims.nv, W[1] + i * dims.nt * dims.nv,

@@ -5,6 +5,7 @@
 #include "check.h"
 
 #include <nsdae/nsdae.h>
+#include <stdlib.h>
 
 #include "world.h"
 
@@ -140,7 +141,7 @@ static double least_gap(const couple *c, const double *q)
     for (int j = 0; j < 2; j++)
       pose[j] = nsdae_bodies_pose(c->bodies, s[f->solid[j]].body, q, NULL);
     nsdae_touch touch =
-        nsdae_feature_touch(f, s + f->solid[0], s + f->solid[1], &pose[0], &pose[1]);
+        nsdae_feature_touch(f, s + f->solid[0], s + f->solid[1], &pose[0], &pose[1], NULL);
     assert_true(!touch.far || touch.gap.x > 0);
     if (!touch.far) least = fmin(least, touch.gap.x);
   }
@@ -187,7 +188,7 @@ static int compare(const couple *c, double *q)
 
 static void compare_all(int d, const int *shapes, int count)
 {
-  int poses = 3200, used = 0; /* some 10^5 in all */
+  int poses = getenv("NSDAE_LONG") ? 100000 : 3200, used = 0; /* of each pair; 10^5 in all */
   for (int i = 0; i < count; i++)
     for (int j = 0; j < count; j++) {
       couple c;
