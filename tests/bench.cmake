@@ -46,6 +46,10 @@ if(NSDAE_HDF5)
   target_compile_definitions(bench_friction PRIVATE _DEFAULT_SOURCE _POSIX_C_SOURCE=200809L)
 endif()
 
+# A step of one body beside that of another build, in instructions: bench/cost.sh, by hand.
+add_executable(bench_cost bench/cost.c)
+target_link_libraries(bench_cost PRIVATE nsdae_lib_static)
+
 # Whole steps beside Siconos (libsiconos-kernel-dev) and MuJoCo 3.2 or later: the Python package that
 # python3 finds, or the one in a folder of one's own.
 set(steps_peers)

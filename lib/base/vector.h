@@ -12,12 +12,28 @@ static inline double nsdae_dot(int n, const double *a, const double *b)
   return sum;
 }
 
+/* fmax of a number, most, and of what may be none; of two zeros the first. */
+static inline double nsdae_larger(double most, double a)
+{
+  return a > most ? a : most;
+}
+
 /* max |a_i|, and sqrt(sum a_i^2) of a few */
 static inline double nsdae_largest(int n, const double *a)
 {
   double most = 0;
-  for (int i = 0; i < n; i++) most = fmax(most, fabs(a[i]));
+  for (int i = 0; i < n; i++) most = nsdae_larger(most, fabs(a[i]));
   return most;
+}
+
+/* Whether all are finite: a finite sum has finite terms; where it overflows they are looked at. */
+static inline int nsdae_all_finite(size_t n, const double *a)
+{
+  double sum = 0;
+  for (size_t i = 0; i < n; i++) sum += a[i];
+  if (isfinite(sum)) return 1;
+  while (n > 0 && isfinite(a[n - 1])) n--;
+  return n == 0;
 }
 
 static inline double nsdae_norm(int n, const double *a)
@@ -33,6 +49,13 @@ static inline void nsdae_add(int n, double scale, const double *x, double *y)
   for (int i = 0; i < n; i++) y[i] += scale * x[i];
 }
 
+/* to = from + scale x */
+static inline void nsdae_move(int n, const double *restrict from, double scale,
+                              const double *restrict x, double *restrict to)
+{
+  for (int i = 0; i < n; i++) to[i] = from[i] + scale * x[i];
+}
+
 /* to += share (from - to) */
 static inline void nsdae_blend(int n, double share, const double *from, double *to)
 {
@@ -43,8 +66,7 @@ static inline void nsdae_blend(int n, double share, const double *from, double *
 static inline void nsdae_add_product(int rows, int columns, const double *A, const double *x,
                                      double *y)
 {
-  for (int j = 0; j < columns; j++)
-    for (int i = 0; i < rows; i++) y[i] += A[(size_t)j * (size_t)rows + (size_t)i] * x[j];
+  for (int j = 0; j < columns; j++, A += rows) nsdae_add(rows, x[j], A, y);
 }
 
 /* y [columns] += scale A [rows x columns]^T x */
@@ -62,7 +84,7 @@ static inline double nsdae_relative_change(int n, const double *a, const double 
   for (int i = 0; i < n; i++) {
     double difference = fabs(a[i] - b[i]);
     if (!(difference <= most)) most = difference;
-    size = fmax(size, 1 + fabs(a[i]));
+    size = nsdae_larger(size, 1 + fabs(a[i]));
   }
   return most / size;
 }

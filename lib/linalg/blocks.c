@@ -20,8 +20,12 @@ void nsdae_blocks_add_product(const nsdae_blocks *blocks, const double *M, const
                               double *y)
 {
   for (int b = 0; b < blocks->count; b++) {
-    int n = nsdae_blocks_size(blocks, b), at = blocks->first[b];
-    nsdae_add_product(n, n, M + blocks->square[b], x + at, y + at);
+    size_t n = (size_t)nsdae_blocks_size(blocks, b);
+    const double *block = M + blocks->square[b], *end = x + blocks->first[b + 1];
+    for (const double *from = x + blocks->first[b]; from < end; from++, block += n) {
+      double *restrict to = y + blocks->first[b], by = *from;
+      for (size_t i = 0; i < n; i++) to[i] += block[i] * by;
+    }
   }
 }
 

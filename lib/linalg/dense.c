@@ -86,27 +86,29 @@ static void swap_rows(int n, double *A, int lda, int i, int k)
  * some 45. */
 enum { SMALL_LU = 40 };
 
-/* Gauss elimination (Golub and Van Loan, Alg. 3.4.1). */
-static int lu_small(int n, double *A, int lda, int *pivot)
-{
-  for (int k = 0; k < n; k++) {
-    int p = k;
-    for (int i = k + 1; i < n; i++)
-      if (fabs(AT(A, lda, i, k)) > fabs(AT(A, lda, p, k))) p = i;
-    pivot[k] = p + 1;
-    if (!(fabs(AT(A, lda, p, k)) > 0)) return k + 1;
-    if (p != k) swap_rows(n, A, lda, p, k);
-    for (int i = k + 1; i < n; i++) AT(A, lda, i, k) /= AT(A, lda, k, k);
-    for (int j = k + 1; j < n; j++)
-      for (int i = k + 1; i < n; i++) AT(A, lda, i, j) -= AT(A, lda, i, k) * AT(A, lda, k, j);
-  }
-  return 0;
-}
-
 /* b [n] := b - factor a. */
 static void subtract(int n, double factor, const double *restrict a, double *restrict b)
 {
   for (int i = 0; i < n; i++) b[i] -= factor * a[i];
+}
+
+/* Gauss elimination (Golub and Van Loan, Alg. 3.4.1). */
+static int lu_small(int n, double *A, int lda, int *pivot)
+{
+  double *column = A;
+  for (int k = 0; k < n; k++, column += lda) {
+    int p = k;
+    for (int i = k + 1; i < n; i++)
+      if (fabs(column[i]) > fabs(column[p])) p = i;
+    pivot[k] = p + 1;
+    if (!(fabs(column[p]) > 0)) return k + 1;
+    if (p != k) swap_rows(n, A, lda, p, k);
+    for (int i = k + 1; i < n; i++) column[i] /= column[k];
+    double *other = column + lda;
+    for (int j = k + 1; j < n; j++, other += lda)
+      subtract(n - k - 1, other[k], column + k + 1, other + k + 1);
+  }
+  return 0;
 }
 
 int nsdae_la_lu(int n, double *A, int lda, int *pivot)

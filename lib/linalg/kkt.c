@@ -1,6 +1,7 @@
 #include "kkt.h"
 
 #include <cblas.h>
+#include <float.h>
 #include <lapacke.h>
 #include <math.h>
 #include <stddef.h>
@@ -44,9 +45,10 @@ static void copy_lower(int n, const double *A, int lda, double *L)
 
 static int is_diagonal(int n, const double *A, int lda)
 {
-  for (int j = 0; j < n; j++)
-    for (int i = j + 1; i < n; i++)
-      if (A[(size_t)j * (size_t)lda + (size_t)i] != 0) return 0;
+  const double *diagonal = A;
+  for (int below = n - 1; below > 0; below--, diagonal += lda + 1)
+    for (int i = 1; i <= below; i++)
+      if (diagonal[i] != 0) return 0;
   return 1;
 }
 
@@ -61,18 +63,16 @@ static int factor_mass(nsdae_kkt *kkt, const double *M, int ldm)
   }
   for (int i = 0; i < n; i++) {
     double entry = M[(size_t)i * (size_t)(ldm + 1)];
-    if (!(entry > 0) || !isfinite(entry)) return i + 1;
+    if (!(entry > 0 && entry <= DBL_MAX)) return i + 1;
     kkt->L[i] = sqrt(entry);
   }
   return 0;
 }
 
-static void divide(int n, int nrhs, const double *restrict root, double *B, int ldb)
+static void divide(int n, int nrhs, const double *restrict root, double *restrict B, int ldb)
 {
-  for (int j = 0; j < nrhs; j++) {
-    double *restrict column = B + (size_t)j * (size_t)ldb;
-    for (int i = 0; i < n; i++) column[i] /= root[i];
-  }
+  for (; nrhs > 0; nrhs--, B += ldb)
+    for (int i = 0; i < n; i++) B[i] /= root[i];
 }
 
 /* B [n x nrhs] := L^-1 B. */
@@ -253,6 +253,10 @@ static void solve_schur(const nsdae_kkt *kkt, int nrhs, double *R, int ldr, doub
 void nsdae_kkt_solve(const nsdae_kkt *kkt, int nrhs, double *R, int ldr, double *C, int ldc)
 {
   int n = kkt->n, m = kkt->m;
+  if (m == 0 && nrhs == 1 && kkt->diagonal) { /* most steps of bodies without joints */
+    for (int i = 0; i < n; i++) R[i] = R[i] / kkt->L[i] / kkt->L[i];
+    return;
+  }
   solve_root(kkt, nrhs, R, ldr);
   if (m > 0) {
     nsdae_la_multiply_transposed(n, m, nrhs, kkt->Y, n, R, ldr, -1, C, ldc);

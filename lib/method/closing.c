@@ -16,12 +16,6 @@ int nsdae_step_close(const nsdae_step *step, nsdae_terms *terms)
   return NSDAE_OK;
 }
 
-int nsdae_step_any(const nsdae_step *step)
-{
-  const nsdae_stepper *s = step->tools;
-  return s->world ? step->result->closed.count > 0 : nsdae_contacts_any(&s->contacts);
-}
-
 int nsdae_step_closed(const nsdae_step *step)
 {
   return step->tools->world ? step->result->closed.count : step->tools->contacts.active_count;
@@ -95,11 +89,10 @@ static int solve_world(const nsdae_step *step, const nsdae_terms *terms, const d
   return status;
 }
 
-int nsdae_step_impact(const nsdae_step *step, nsdae_terms *terms, const double *M, const double *r,
-                      double *v)
+int nsdae_step_impact_of_world(const nsdae_step *step, nsdae_terms *terms, const double *M,
+                               const double *r, double *v)
 {
   nsdae_stepper *s = step->tools;
-  if (!s->world) return nsdae_stepper_impact(s, step->result, terms, r, v);
   for (int i = 0; i < s->system->dims.m; i++) s->impulse[i] = -terms->constraint.phi_t[i];
   return solve_world(step, terms, M, r, 1, v, s->impulse);
 }

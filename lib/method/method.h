@@ -31,6 +31,7 @@ typedef struct nsdae_stepping {
   int (*advance)(void *own, const nsdae_state *state, double t_end, nsdae_result *result);
 
   int by_list; /* goes with systems by blocks */
+  int closes;  /* starts with nsdae_step_close, which clears the impulses */
 } nsdae_stepping;
 
 #endif

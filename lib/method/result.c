@@ -1,6 +1,5 @@
 #include "result.h"
 
-#include <math.h>
 #include <string.h>
 
 #include "grow.h"
@@ -8,8 +7,8 @@
 
 void nsdae_memory_copy(nsdae_memory *to, const nsdae_memory *from)
 {
-  memcpy(to->real, from->real, from->reals * sizeof *from->real);
-  memcpy(to->whole, from->whole, from->wholes * sizeof *from->whole);
+  if (from->reals > 0) memcpy(to->real, from->real, from->reals * sizeof *from->real);
+  if (from->wholes > 0) memcpy(to->whole, from->whole, from->wholes * sizeof *from->whole);
   to->stamp = from->stamp;
 }
 
@@ -22,8 +21,8 @@ void nsdae_count_rank(nsdae_counters *counters, int rank)
 void nsdae_count_factors(nsdae_counters *c, const nsdae_kkt *kkt)
 {
   nsdae_count_rank(c, kkt->rank);
-  c->rank_kept = fmin(c->rank_kept, kkt->kept);
-  c->rank_left = fmax(c->rank_left, kkt->left);
+  if (kkt->kept < c->rank_kept) c->rank_kept = kkt->kept;
+  c->rank_left = nsdae_larger(c->rank_left, kkt->left);
 }
 
 void nsdae_result_layout(nsdae_result *r, nsdae_arena *arena)
@@ -44,11 +43,16 @@ void nsdae_result_layout(nsdae_result *r, nsdae_arena *arena)
 
 void nsdae_result_clear(nsdae_result *r)
 {
+  nsdae_result_begin(r, 0);
+}
+
+void nsdae_result_begin(nsdae_result *r, int impulses_follow)
+{
   const nsdae_dims *dims = &r->end.system->dims;
-  memset(r->multiplier, 0, (size_t)dims->m * sizeof *r->multiplier);
+  for (int i = 0; i < dims->m; i++) r->multiplier[i] = 0;
   if (r->end.system->by_list)
     r->closed.count = 0;
-  else
+  else if (!impulses_follow)
     nsdae_impulses_clear(&r->impulses, dims);
   r->impacts = r->changes = 0;
   r->work = r->worst_residual = r->carried = 0;

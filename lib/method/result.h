@@ -57,5 +57,7 @@ void nsdae_result_release(nsdae_result *result);
 
 /* A step that did nothing yet; end and memory are not touched. */
 void nsdae_result_clear(nsdae_result *result);
+/* The same; impulses_follow: those are cleared by who writes them. */
+void nsdae_result_begin(nsdae_result *result, int impulses_follow);
 
 #endif

@@ -76,19 +76,6 @@ void nsdae_stepper_sizes(const nsdae_stepper *s, size_t *reals, size_t *wholes)
   *wholes = nsdae_contacts_memory_size(&s->contacts);
 }
 
-nsdae_step nsdae_step_begin(nsdae_stepper *s, const nsdae_state *state, double t_end,
-                            nsdae_result *result)
-{
-  nsdae_contacts_remember(&s->contacts, result->memory.whole, result->memory.real);
-  return (nsdae_step){.tools = s,
-                      .state = state,
-                      .start = state->terms,
-                      .end = &result->end,
-                      .result = result,
-                      .h = t_end - state->terms->t,
-                      .t_end = t_end};
-}
-
 void nsdae_step_end(const nsdae_step *step)
 {
   const nsdae_stepper *s = step->tools;
@@ -140,6 +127,7 @@ int nsdae_stepper_goes_on(const nsdae_stepper *s, const char *method, const char
 void nsdae_stepper_momentum(const nsdae_blocks *blocks, const double *M, const double *v, double h,
                             const double *F, double *r)
 {
-  for (int i = 0; i < blocks->first[blocks->count]; i++) r[i] = h * F[i];
+  int n = blocks->first[blocks->count];
+  for (int i = 0; i < n; i++) r[i] = h * F[i];
   nsdae_blocks_add_product(blocks, M, v, r);
 }

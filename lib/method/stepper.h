@@ -57,8 +57,18 @@ void nsdae_stepper_count(nsdae_stepper *stepper, const nsdae_state *state, nsdae
 void nsdae_stepper_sizes(const nsdae_stepper *stepper, size_t *reals, size_t *wholes);
 
 /* The frame of such a method's advance; the end reads impulse and contacts into the result. */
-nsdae_step nsdae_step_begin(nsdae_stepper *stepper, const nsdae_state *state, double t_end,
-                            nsdae_result *result);
+static inline nsdae_step nsdae_step_begin(nsdae_stepper *stepper, const nsdae_state *state,
+                                          double t_end, nsdae_result *result)
+{
+  nsdae_contacts_remember(&stepper->contacts, result->memory.whole, result->memory.real);
+  return (nsdae_step){.tools = stepper,
+                      .state = state,
+                      .start = state->terms,
+                      .end = &result->end,
+                      .result = result,
+                      .h = t_end - state->terms->t,
+                      .t_end = t_end};
+}
 void nsdae_step_end(const nsdae_step *step);
 
 /* What is closed in a step, numbered or by list, and its equations. The terms named have what they
@@ -67,7 +77,11 @@ void nsdae_step_end(const nsdae_step *step);
  * close: the contacts with a gap that is not above zero at the terms' point; meet: the same at
  * another one. before: their velocities along v, of all or of those that hit. */
 int nsdae_step_close(const nsdae_step *step, nsdae_terms *terms);
-int nsdae_step_any(const nsdae_step *step);
+static inline int nsdae_step_any(const nsdae_step *step)
+{
+  const nsdae_stepper *s = step->tools;
+  return s->world ? step->result->closed.count > 0 : nsdae_contacts_any(&s->contacts);
+}
 int nsdae_step_meet(const nsdae_step *step, nsdae_terms *terms);
 void nsdae_step_before(const nsdae_step *step, const nsdae_terms *terms, const double *v,
                        int impacts_only);
@@ -80,8 +94,8 @@ int nsdae_step_factor(const nsdae_step *step, nsdae_terms *terms, const double *
 void nsdae_step_mark_hit(const nsdae_step *step);
 /* v and the stepper's impulse from r, see nsdae_stepper_impact; v and lambda from r without
  * contacts, lambda comes as the rates Phi_q v. */
-int nsdae_step_impact(const nsdae_step *step, nsdae_terms *terms, const double *M, const double *r,
-                      double *v);
+static inline int nsdae_step_impact(const nsdae_step *step, nsdae_terms *terms, const double *M,
+                                    const double *r, double *v);
 int nsdae_step_free(const nsdae_step *step, const nsdae_terms *terms, const double *M,
                     const double *r, double *v, double *lambda);
 /* r += scale Phi_q^T impulse, only where nothing hits; r += scale W Lambda, likewise with
@@ -104,6 +118,15 @@ int nsdae_stepper_factor(nsdae_stepper *stepper, nsdae_terms *terms, const doubl
  */
 int nsdae_stepper_impact(nsdae_stepper *stepper, nsdae_result *result, const nsdae_terms *terms,
                          const double *r, double *v);
+
+int nsdae_step_impact_of_world(const nsdae_step *step, nsdae_terms *terms, const double *M,
+                               const double *r, double *v);
+static inline int nsdae_step_impact(const nsdae_step *step, nsdae_terms *terms, const double *M,
+                                    const double *r, double *v)
+{
+  if (step->tools->world) return nsdae_step_impact_of_world(step, terms, M, r, v);
+  return nsdae_stepper_impact(step->tools, step->result, terms, r, v);
+}
 
 /* After each step of an integrator inside a dt: whether it may go on, from t towards t_end.
  * NSDAE_OK; NSDAE_E_CONVERGENCE past inner_steps_max, with the advice of the method; or the

@@ -1,5 +1,4 @@
 /* Records, impacts, certificates and statistics of a point, from its result alone. */
-#include <math.h>
 #include <string.h>
 
 #include "sim_impl.h"
@@ -79,7 +78,9 @@ static void fill_means(nsdae_point *p, const nsdae_terms *from, double h)
   const nsdae_result *r = &p->result;
   const nsdae_dims *d = &r->end.system->dims;
   double rate = h > 0 ? 1 / h : 0;
-  for (int i = 0; i < d->nv; i++) p->acceleration[i] = rate * (r->end.v[i] - from->v[i]);
+  const double *before = from->v, *after = r->end.v;
+  double *a = p->acceleration;
+  for (int i = 0; i < d->nv; i++) a[i] = rate * (after[i] - before[i]);
   scale(p->normal_force, r->impulses.normal, d->k, rate);
   scale(p->tangential_force, r->impulses.tangential, d->k * d->nt, rate);
   scale(p->slide_force, r->impulses.slide_impulse, d->f, rate);
@@ -91,7 +92,7 @@ static double penetration(const nsdae_result *r)
 {
   double most = 0;
   if (!r->end.system->by_list) return nsdae_terms_penetration(&r->end);
-  for (int a = 0; a < r->closed.count; a++) most = fmax(most, -r->closed.gap[a]);
+  for (int a = 0; a < r->closed.count; a++) most = nsdae_larger(most, -r->closed.gap[a]);
   return most;
 }
 
@@ -122,8 +123,8 @@ static void count(nsdae_stats *stats, const nsdae_counters *c)
   stats->events += c->events;
   stats->accumulations += c->accumulations;
   stats->accumulations_early += c->accumulations_early;
-  stats->rank_kept = fmin(stats->rank_kept, c->rank_kept);
-  stats->rank_left = fmax(stats->rank_left, c->rank_left);
+  if (c->rank_kept < stats->rank_kept) stats->rank_kept = c->rank_kept;
+  stats->rank_left = nsdae_larger(stats->rank_left, c->rank_left);
   stats->fallback_steps += c->fallbacks;
   stats->mass_evals += c->evals.mass;
   stats->force_evals += c->evals.force;
@@ -136,9 +137,9 @@ static void count(nsdae_stats *stats, const nsdae_counters *c)
 
 static void certify(nsdae_stats *stats, const nsdae_record *r)
 {
-  stats->worst_residual = fmax(stats->worst_residual, r->lcp_residual);
-  stats->worst_drift = fmax(stats->worst_drift, r->constraint_drift);
-  stats->worst_penetration = fmax(stats->worst_penetration, r->penetration);
+  stats->worst_residual = nsdae_larger(stats->worst_residual, r->lcp_residual);
+  stats->worst_drift = nsdae_larger(stats->worst_drift, r->constraint_drift);
+  stats->worst_penetration = nsdae_larger(stats->worst_penetration, r->penetration);
   stats->energy_balance = r->kinetic + r->potential + r->dissipated - stats->energy_start;
 }
 

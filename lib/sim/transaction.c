@@ -21,7 +21,7 @@ static int advance(nsdae_sim *sim, double t1)
   const nsdae_memory *memory = &sim->now->result.memory;
   const nsdae_state state = {&sim->now->result.end, memory, &sim->now->result.closed,
                              &sim->now->result.impulses};
-  nsdae_result_clear(result);
+  nsdae_result_begin(result, sim->method->closes);
   nsdae_memory_copy(&result->memory, memory);
   nsdae_stepper_count(&sim->stepper, &state, result);
   int status = sim->method->advance(sim->own, &state, t1, result);
@@ -92,7 +92,8 @@ static int keep_lengths(nsdae_sim *sim)
 {
   nsdae_result *r = &sim->next->result;
   double before, after;
-  if (!nsdae_units_strayed(&sim->projection, &r->end)) return NSDAE_OK;
+  if (sim->projection.units.count == 0 || !nsdae_units_strayed(&sim->projection, &r->end))
+    return NSDAE_OK;
   int status = energy(&r->end, &before);
   if (status < 0) return status;
   nsdae_units_restore(&sim->projection, &r->end);
@@ -149,7 +150,8 @@ static int step_to(nsdae_sim *sim, double t1, int off_grid)
     sim->next->accounts.grid_start = t1;
     sim->next->accounts.grid_count = 0;
   }
-  status = nsdae_observers_tell(sim, &sim->next->record);
+  if (sim->observers.count > 0 || sim->observers.stop)
+    status = nsdae_observers_tell(sim, &sim->next->record);
   if (status >= 0) nsdae_sim_commit(sim);
   return status;
 }
@@ -223,7 +225,8 @@ static int run(nsdae_sim *sim, const char *where, double t_end, int to_event)
   int status = begin(sim, where);
   while (status == NSDAE_OK && sim->now->result.end.t < t_end) {
     status = step_towards(sim, t_end);
-    if (status >= 0 && warning.status == NSDAE_OK) warning = sim->stage.warning;
+    if (status >= 0 && sim->stage.warning.status > 0 && warning.status == NSDAE_OK)
+      warning = sim->stage.warning;
     if (status == NSDAE_OK && to_event) status = happened(&sim->now->result);
   }
   sim->wall_time += nsdae_wall_clock() - began;

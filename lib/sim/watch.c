@@ -115,7 +115,8 @@ static int refuse_part(const nsdae_result *result, const part *p, int index)
   return refuse(result, p->name, index, p->value[index], p->kind, index / p->each);
 }
 
-int nsdae_watch_finite(const nsdae_point *point)
+/* Which of the values is not finite; NSDAE_OK where none is. */
+static int find_not_finite(const nsdae_point *point)
 {
   const nsdae_result *result = &point->result;
   const nsdae_record *r = &point->record;
@@ -153,6 +154,40 @@ int nsdae_watch_finite(const nsdae_point *point)
   return NSDAE_OK;
 }
 
+static double sum(const double *a, int n)
+{
+  double s = 0;
+  for (int i = 0; i < n; i++) s += a[i];
+  return s;
+}
+
+static double sum_of_impacts(const nsdae_record *r)
+{
+  double s = 0;
+  for (const nsdae_impact *p = r->impact, *end = p + r->impacts; p < end; p++)
+    s += p->normal_impulse + p->tangential_impulse[0] + p->tangential_impulse[1] +
+         p->velocity_before + p->velocity_after + p->peak_force;
+  return s;
+}
+
+/* A finite sum has finite terms: where it is none they are looked at one by one. In it are not: v,
+ * of which kinetic is none unless all are finite; gaps, which were looked at as they came. */
+int nsdae_watch_finite(const nsdae_point *point)
+{
+  const nsdae_record *r = &point->record;
+  const nsdae_dims *d = &point->result.end.system->dims;
+  int listed = r->contacts.count;
+  double all =
+      r->time + r->kinetic + r->potential + r->dissipated + r->lcp_residual + r->constraint_drift;
+  all += sum(r->q, d->nq) + sum(r->multiplier, d->m) + sum(r->normal_impulse, d->k) +
+         sum(r->tangential_impulse, d->k * d->nt) + sum(r->slide_impulse, d->f);
+  if (listed > 0)
+    all += sum(r->contacts.gap, listed) + sum(r->contacts.normal_impulse, listed) +
+           sum(r->contacts.tangential_impulse, listed * d->nt);
+  if (r->impacts > 0) all += sum_of_impacts(r);
+  return isfinite(all) ? NSDAE_OK : find_not_finite(point);
+}
+
 /* Lengths: how far gaps and rows of constraints go in a step. */
 static void measure(nsdae_watch *w, const nsdae_terms *from, const nsdae_result *result)
 {
@@ -160,11 +195,12 @@ static void measure(nsdae_watch *w, const nsdae_terms *from, const nsdae_result 
   const nsdae_dims *d = &to->system->dims;
   const nsdae_impulses *r = &result->impulses;
   double speed = 0, h = to->t - from->t;
-  for (int i = 0; i < d->k; i++) w->change = fmax(w->change, fabs(to->gap[i] - from->gap[i]));
+  for (int i = 0; i < d->k; i++)
+    w->change = nsdae_larger(w->change, fabs(to->gap[i] - from->gap[i]));
   for (int a = 0; a < result->closed.count; a++)
     w->change = fmax(w->change, h * fmax(fabs(r->before[a]), fabs(r->after[a])));
-  for (int j = 0; j < d->nv; j++) speed += fmax(fabs(from->v[j]), fabs(to->v[j]));
-  w->way = fmax(w->way, h * w->row * speed);
+  for (int j = 0; j < d->nv; j++) speed += nsdae_larger(fabs(from->v[j]), fabs(to->v[j]));
+  w->way = nsdae_larger(w->way, h * w->row * speed);
 }
 
 /* vm^T (M_1 - M_0) vm / 2, vm = (v_0 + v_1) / 2 */
@@ -172,7 +208,8 @@ static double turned(const nsdae_terms *from, const nsdae_terms *to)
 {
   const nsdae_blocks *blocks = &to->system->blocks;
   double sum = 0;
-  size_t at = 0;
+  size_t at = 0, bytes = blocks->square[blocks->count] * sizeof *to->M;
+  if (memcmp(to->M, from->M, bytes) == 0) return 0; /* as often */
   for (int b = 0; b < blocks->count; b++)
     for (int j = blocks->first[b]; j < blocks->first[b + 1]; j++)
       for (int i = blocks->first[b]; i < blocks->first[b + 1]; i++, at++)
@@ -180,14 +217,19 @@ static double turned(const nsdae_terms *from, const nsdae_terms *to)
   return sum / 8;
 }
 
-/* What forces do on the rounding of the coordinates, which each step has anew: less energy than
- * that nobody can tell. */
-static double rounding_of(const nsdae_terms *T)
+/* F v, and what forces do on the rounding of the coordinates, which each step has anew: less energy
+ * than that nobody can tell. */
+static double power_of(const nsdae_terms *T, double *rounding)
 {
   const nsdae_dims *d = &T->system->dims;
-  double sum = 0;
-  for (int j = 0; j < d->nv; j++) sum += fabs(T->F[j]);
-  return DBL_EPSILON * (1 + nsdae_largest(d->nq, T->q)) * sum;
+  const double *F = T->F, *v = T->v;
+  double power = 0, sum = 0;
+  for (int j = 0, n = d->nv; j < n; j++) {
+    power += F[j] * v[j];
+    sum += fabs(F[j]);
+  }
+  *rounding = DBL_EPSILON * (1 + nsdae_largest(d->nq, T->q)) * sum;
+  return power;
 }
 
 /* Work in the step that led to here, by its own quadrature: of forces, and of what moves by
@@ -202,8 +244,8 @@ static int add_work(nsdae_watch *w, nsdae_result *at)
   if (!at->smooth) need |= NSDAE_TERM_BIAS | NSDAE_TERM_SLIDE;
   int status = h > 0 ? nsdae_terms_need(T, need) : NSDAE_OK;
   if (status < 0 || !(h > 0)) return status;
-  double power = nsdae_dot(d->nv, T->F, T->v);
-  w->turnover += h / 2 * fabs(w->power + power) + rounding_of(T) / watch_turnover;
+  double rounding, power = power_of(T, &rounding);
+  w->turnover += h / 2 * fabs(w->power + power) + rounding / watch_turnover;
   w->work += w->turned + h / 2 * (w->power + power) +
              h * nsdae_dot(d->m, at->multiplier, T->constraint.phi_t);
   w->power = power;
@@ -255,19 +297,20 @@ static void find_soaring(nsdae_watch *w, double before, double after, gain *foun
  * beyond. */
 static int find_gain(nsdae_watch *w, nsdae_point *before, const nsdae_point *point, gain *found)
 {
-  *found = (gain){0};
+  double energy = 0, known = 0;
   if (before->result.located || point->result.located) {
-    w->gained = fmax(w->gained, -point->record.dissipated);
+    w->gained = nsdae_larger(w->gained, -point->record.dissipated);
   } else {
     int status = add_work(w, &before->result);
     if (status < 0) return status;
     w->turned = turned(&before->result.end, &point->result.end);
-    w->gained += fmax(point->result.work - rounding_of_contacts(point), 0);
-    found->energy = before->record.kinetic + before->record.dissipated - w->kinetic - w->work;
-    found->bound = energy_bound(w);
+    w->gained += nsdae_larger(0, point->result.work - rounding_of_contacts(point));
+    energy = before->record.kinetic + before->record.dissipated - w->kinetic - w->work;
+    known = energy_bound(w);
   }
+  *found = (gain){energy, known, BY_STEPS};
   if (!point->result.located) find_soaring(w, before->record.kinetic, point->record.kinetic, found);
-  w->scale = fmax(w->scale, point->record.kinetic);
+  w->scale = nsdae_larger(w->scale, point->record.kinetic);
   double bound = energy_bound(w);
   if (w->gained - bound > found->energy - found->bound)
     *found = (gain){w->gained, bound, BY_CONTACTS};
@@ -385,10 +428,12 @@ static int judge(const nsdae_sim *sim, nsdae_point *point, const gain *g)
 {
   const nsdae_record *r = &point->record;
   int new = ~point->accounts.stats.warnings;
-  double depth = watch_ways * depth_of(sim, point), way = watch_ways * point->accounts.watch.way;
+  double way = watch_ways * point->accounts.watch.way;
   if ((new &NSDAE_WATCH_ENERGY) && g->energy > g->bound) return say_energy(point, g);
-  if ((new &NSDAE_WATCH_PENETRATION) && r->penetration > depth)
-    return say_penetration(point, depth);
+  if ((new &NSDAE_WATCH_PENETRATION) && r->penetration > 0) {
+    double depth = watch_ways * depth_of(sim, point);
+    if (r->penetration > depth) return say_penetration(point, depth);
+  }
   if ((new &NSDAE_WATCH_DRIFT) && r->constraint_drift > way) return say_drift(point, way);
   return NSDAE_OK;
 }

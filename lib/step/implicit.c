@@ -143,7 +143,7 @@ static void first_guess(const nsdae_step *step)
 {
   nsdae_stepper *s = step->tools;
   const nsdae_dims *dims = &s->system->dims;
-  for (int i = 0; i < dims->nq; i++) s->q[i] = step->start->q[i] + step->h * s->qdot[0][i];
+  nsdae_move(dims->nq, step->start->q, step->h, s->qdot[0], s->q);
   memcpy(s->v, step->start->v, (size_t)dims->nv * sizeof *s->v);
   memset(s->impulse, 0, (size_t)dims->m * sizeof *s->impulse);
 }
@@ -202,4 +202,5 @@ const nsdae_stepping nsdae_stepping_implicit = {
     .summary = "the scheme iterated to the end of the step: second order between impacts",
     .sizes = nsdae_stepper_sizes,
     .advance = advance,
-    .by_list = 1};
+    .by_list = 1,
+    .closes = 1};

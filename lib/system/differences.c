@@ -25,14 +25,6 @@ void nsdae_differences_layout(nsdae_differences *differences, nsdae_arena *arena
   differences->velocity = NSDAE_ARENA_DOUBLES(arena, k + kt + dims->f);
 }
 
-int nsdae_kinematics(const nsdae_system *system, double t, const double *q, const double *v,
-                     double *qdot)
-{
-  if (system->call.kinematics) return system->call.kinematics(t, q, v, qdot, system->user);
-  memcpy(qdot, v, (size_t)system->dims.nq * sizeof *qdot);
-  return 0;
-}
-
 /* A power of two, so that t + s and t - s are exact. Neither time nor place has a natural zero, so
  * that the step grows with them for rounding alone: scale = eps^p is the best step of a function
  * with errors eps, and far out they are eps (1 + |q|). */

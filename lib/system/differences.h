@@ -7,9 +7,8 @@
 #ifndef NSDAE_SYSTEM_DIFFERENCES_H
 #define NSDAE_SYSTEM_DIFFERENCES_H
 
-#include <nsdae/system.h>
-
 #include "arena.h"
+#include "system_impl.h"
 
 /* f(t,q) [rows]: the form that constraint and gap share. */
 typedef nsdae_constraint_fn nsdae_position_fn;
@@ -53,8 +52,14 @@ int nsdae_differences_contacts(nsdae_differences *differences, double t, const d
                                const double *v, double *omega_n, double *omega_t, double *omega_s);
 
 /* dq/dt [nq]. */
-int nsdae_kinematics(const nsdae_system *system, double t, const double *q, const double *v,
-                     double *qdot);
+static inline int nsdae_kinematics(const nsdae_system *system, double t, const double *q,
+                                   const double *v, double *qdot)
+{
+  if (system->call.kinematics) return system->call.kinematics(t, q, v, qdot, system->user);
+  int nq = system->dims.nq;
+  for (int i = 0; i < nq; i++) qdot[i] = v[i];
+  return 0;
+}
 
 /* Step along dq/dt that moves each coordinate, and time, by at most scale, or as much more as their
  * rounding asks for far from zero. */

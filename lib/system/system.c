@@ -377,9 +377,8 @@ int nsdae_system_complete(const nsdae_system *system, nsdae_error *error)
                          missing);
 }
 
-int nsdae_system_callback_status(int code, const char *callback, double t, nsdae_error *error)
+int nsdae_system_callback_failed(int code, const char *callback, double t, nsdae_error *error)
 {
-  if (code == 0) return NSDAE_OK;
   nsdae_error_set(error, NSDAE_E_CALLBACK, callback, callback,
                   "callback %s returned %d (%s) at t = %.17g", callback, code,
                   code > 0 ? "recoverable: a smaller step may help" : "fatal", t);
@@ -390,12 +389,11 @@ int nsdae_system_callback_status(int code, const char *callback, double t, nsdae
   return NSDAE_E_CALLBACK;
 }
 
-int nsdae_system_finite(const nsdae_system *system, const double *a, int rows, int columns,
-                        const char *callback, double t, nsdae_error *error)
+int nsdae_system_not_finite(const nsdae_system *system, const double *a, int rows,
+                            const char *callback, double t, nsdae_error *error)
 {
-  size_t n = (size_t)rows, count = n * (size_t)columns, i = 0;
-  while (i < count && isfinite(a[i])) i++;
-  if (i == count) return NSDAE_OK;
+  size_t n = (size_t)rows, i = 0;
+  while (isfinite(a[i])) i++;
   nsdae_error_set(error, NSDAE_E_NONFINITE, callback, callback,
                   "callback %s gave %g in entry (%zu, %zu) at t = %.17g", callback,
                   isnan(a[i]) ? fabs(a[i]) : a[i], i % n, i / n, t);

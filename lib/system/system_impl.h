@@ -7,6 +7,7 @@
 #include <nsdae/system.h>
 
 #include "blocks.h"
+#include "vector.h"
 
 typedef struct nsdae_coefficients {
   double mu, e_n, e_t;
@@ -130,10 +131,22 @@ int nsdae_names_distinct(const nsdae_system *system, nsdae_error *error);
 void nsdae_system_release_bodies(nsdae_system *system);
 
 /* A callback's return as a status: NSDAE_OK, or NSDAE_E_CALLBACK with its code in the record. */
-int nsdae_system_callback_status(int code, const char *callback, double t, nsdae_error *error);
+int nsdae_system_callback_failed(int code, const char *callback, double t, nsdae_error *error);
+static inline int nsdae_system_callback_status(int code, const char *callback, double t,
+                                               nsdae_error *error)
+{
+  return code == 0 ? NSDAE_OK : nsdae_system_callback_failed(code, callback, t, error);
+}
 
 /* NSDAE_OK, or NSDAE_E_NONFINITE naming the first entry of a [rows x columns] that is none. */
-int nsdae_system_finite(const nsdae_system *system, const double *a, int rows, int columns,
-                        const char *callback, double t, nsdae_error *error);
+int nsdae_system_not_finite(const nsdae_system *system, const double *a, int rows,
+                            const char *callback, double t, nsdae_error *error);
+static inline int nsdae_system_finite(const nsdae_system *system, const double *a, int rows,
+                                      int columns, const char *callback, double t,
+                                      nsdae_error *error)
+{
+  if (nsdae_all_finite((size_t)rows * (size_t)columns, a)) return NSDAE_OK;
+  return nsdae_system_not_finite(system, a, rows, callback, t, error);
+}
 
 #endif

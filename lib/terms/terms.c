@@ -95,31 +95,49 @@ static void zero(double *a, long count)
   memset(a, 0, (size_t)count * sizeof *a);
 }
 
-/* The outcome of a callback on its output [rows x columns]. */
-static int outcome(nsdae_terms *terms, int code, const char *callback, const double *a, int rows,
-                   int columns)
+/* Why a callback's output [rows x columns] is none. */
+static int refuse(const nsdae_terms *T, int code, const char *callback, const double *a, int rows,
+                  int columns)
 {
-  int status = nsdae_system_callback_status(code, callback, terms->t, terms->error);
+  int status = nsdae_system_callback_status(code, callback, T->t, T->error);
   if (status < 0) return status;
-  return nsdae_system_finite(terms->system, a, rows, columns, callback, terms->t, terms->error);
+  return nsdae_system_finite(T->system, a, rows, columns, callback, T->t, T->error);
+}
+
+/* The outcome of a callback on its output: the term is there, or what is wrong with it. */
+static inline int outcome(nsdae_terms *T, unsigned term, int code, const char *callback,
+                          const double *a, int rows, int columns)
+{
+  if (code || !nsdae_all_finite((size_t)rows * (size_t)columns, a))
+    return refuse(T, code, callback, a, rows, columns);
+  T->have |= term;
+  return NSDAE_OK;
 }
 
 /* The same of differences of a callback. */
-static int difference_outcome(nsdae_terms *T, int code, const char *callback, const double *a,
-                              int rows, int columns)
+static int difference_outcome(nsdae_terms *T, unsigned term, int code, const char *callback,
+                              const double *a, int rows, int columns)
 {
   const char *failed = code ? T->differences->failed : NULL;
-  return outcome(T, code, failed ? failed : callback, a, rows, columns);
+  return outcome(T, term, code, failed ? failed : callback, a, rows, columns);
+}
+
+/* Of what is no dense output: the term is there, unless it failed. */
+static int there(nsdae_terms *T, unsigned term, int status)
+{
+  if (status == NSDAE_OK) T->have |= term;
+  return status;
 }
 
 static int mass(nsdae_terms *T)
 {
   const nsdae_system *s = T->system;
   int n = s->dims.nv;
-  if (s->by_list) return nsdae_terms_mass_blocks(T);
+  if (s->by_list) return there(T, NSDAE_TERM_MASS, nsdae_terms_mass_blocks(T));
   zero(T->M, (long)n * n);
   T->evals->mass++;
-  return outcome(T, s->call.mass(T->t, T->q, T->M, n, s->user), "mass", T->M, n, n);
+  return outcome(T, NSDAE_TERM_MASS, s->call.mass(T->t, T->q, T->M, n, s->user), "mass", T->M, n,
+                 n);
 }
 
 static int force(nsdae_terms *T)
@@ -127,31 +145,32 @@ static int force(nsdae_terms *T)
   const nsdae_system *s = T->system;
   zero(T->F, s->dims.nv);
   T->evals->force++;
-  return outcome(T, s->call.force(T->t, T->q, T->v, T->F, s->user), "force", T->F, s->dims.nv, 1);
+  return outcome(T, NSDAE_TERM_FORCE, s->call.force(T->t, T->q, T->v, T->F, s->user), "force", T->F,
+                 s->dims.nv, 1);
 }
 
 static int phi(nsdae_terms *T)
 {
   const nsdae_system *s = T->system;
   zero(T->constraint.phi, s->dims.m);
-  return outcome(T, s->call.constraint(T->t, T->q, T->constraint.phi, s->user), "constraint",
-                 T->constraint.phi, s->dims.m, 1);
+  return outcome(T, NSDAE_TERM_PHI, s->call.constraint(T->t, T->q, T->constraint.phi, s->user),
+                 "constraint", T->constraint.phi, s->dims.m, 1);
 }
 
 static int jacobian(nsdae_terms *T)
 {
   const nsdae_system *s = T->system;
   int m = s->dims.m, n = s->dims.nv, code;
-  if (s->by_list) return nsdae_terms_constraint_rows(T);
+  if (s->by_list) return there(T, NSDAE_TERM_JACOBIAN, nsdae_terms_constraint_rows(T));
   zero(T->constraint.J, (long)m * n);
   T->evals->jacobian++;
   if (!s->call.constraint_jacobian) {
     code = nsdae_differences_velocity(T->differences, s->call.constraint, m, T->t, T->q,
                                       T->constraint.J, m, 0);
-    return difference_outcome(T, code, "constraint", T->constraint.J, m, n);
+    return difference_outcome(T, NSDAE_TERM_JACOBIAN, code, "constraint", T->constraint.J, m, n);
   }
   code = s->call.constraint_jacobian(T->t, T->q, T->constraint.J, m, s->user);
-  return outcome(T, code, "constraint_jacobian", T->constraint.J, m, n);
+  return outcome(T, NSDAE_TERM_JACOBIAN, code, "constraint_jacobian", T->constraint.J, m, n);
 }
 
 /* The callback gives phi_t and omega together. */
@@ -163,10 +182,10 @@ static int given_bias(nsdae_terms *T)
   zero(T->constraint.omega, m);
   int code =
       s->call.constraint_bias(T->t, T->q, T->v, T->constraint.phi_t, T->constraint.omega, s->user);
-  int status = outcome(T, code, "constraint_bias", T->constraint.phi_t, m, 1);
-  if (status == NSDAE_OK) status = outcome(T, 0, "constraint_bias", T->constraint.omega, m, 1);
-  if (status == NSDAE_OK) T->have |= NSDAE_TERM_PHI_T | NSDAE_TERM_OMEGA;
-  return status;
+  int status = outcome(T, 0, code, "constraint_bias", T->constraint.phi_t, m, 1);
+  if (status < 0) return status;
+  return outcome(T, NSDAE_TERM_PHI_T | NSDAE_TERM_OMEGA, 0, "constraint_bias", T->constraint.omega,
+                 m, 1);
 }
 
 static int phi_t(nsdae_terms *T)
@@ -176,7 +195,7 @@ static int phi_t(nsdae_terms *T)
   if (s->call.constraint_bias) return given_bias(T);
   int code = nsdae_differences_time(T->differences, s->call.constraint, m, T->t, T->q,
                                     T->constraint.phi_t);
-  return difference_outcome(T, code, "constraint", T->constraint.phi_t, m, 1);
+  return difference_outcome(T, NSDAE_TERM_PHI_T, code, "constraint", T->constraint.phi_t, m, 1);
 }
 
 static int omega(nsdae_terms *T)
@@ -186,14 +205,15 @@ static int omega(nsdae_terms *T)
   if (s->call.constraint_bias) return given_bias(T);
   int code = nsdae_differences_second(T->differences, s->call.constraint, m, T->t, T->q, T->v,
                                       T->constraint.omega);
-  return difference_outcome(T, code, "constraint", T->constraint.omega, m, 1);
+  return difference_outcome(T, NSDAE_TERM_OMEGA, code, "constraint", T->constraint.omega, m, 1);
 }
 
 static int gap(nsdae_terms *T)
 {
   const nsdae_system *s = T->system;
   zero(T->gap, s->dims.k);
-  return outcome(T, s->call.gap(T->t, T->q, T->gap, s->user), "gap", T->gap, s->dims.k, 1);
+  return outcome(T, NSDAE_TERM_GAP, s->call.gap(T->t, T->q, T->gap, s->user), "gap", T->gap,
+                 s->dims.k, 1);
 }
 
 static int normal(nsdae_terms *T)
@@ -203,10 +223,10 @@ static int normal(nsdae_terms *T)
   zero(T->W_N, (long)n * k);
   if (!s->call.gap_normal) {
     code = nsdae_differences_velocity(T->differences, s->call.gap, k, T->t, T->q, T->W_N, n, 1);
-    return difference_outcome(T, code, "gap", T->W_N, n, k);
+    return difference_outcome(T, NSDAE_TERM_NORMAL, code, "gap", T->W_N, n, k);
   }
   code = s->call.gap_normal(T->t, T->q, T->W_N, n, s->user);
-  return outcome(T, code, "gap_normal", T->W_N, n, k);
+  return outcome(T, NSDAE_TERM_NORMAL, code, "gap_normal", T->W_N, n, k);
 }
 
 static int tangent(nsdae_terms *T)
@@ -214,9 +234,10 @@ static int tangent(nsdae_terms *T)
   const nsdae_system *s = T->system;
   int columns = s->dims.k * s->dims.nt, n = s->dims.nv;
   zero(T->W_T, (long)n * columns);
-  if (!s->call.gap_tangent) return NSDAE_OK; /* allowed where no contact has friction */
-  return outcome(T, s->call.gap_tangent(T->t, T->q, T->W_T, n, s->user), "gap_tangent", T->W_T, n,
-                 columns);
+  if (!s->call.gap_tangent)
+    return there(T, NSDAE_TERM_TANGENT, NSDAE_OK); /* allowed where no contact has friction */
+  return outcome(T, NSDAE_TERM_TANGENT, s->call.gap_tangent(T->t, T->q, T->W_T, n, s->user),
+                 "gap_tangent", T->W_T, n, columns);
 }
 
 static int bias(nsdae_terms *T)
@@ -227,11 +248,11 @@ static int bias(nsdae_terms *T)
   zero(T->w_T, (long)k * nt);
   if (!s->call.contact_bias) {
     code = nsdae_differences_time(T->differences, s->call.gap, k, T->t, T->q, T->w_N);
-    return outcome(T, code, "gap", T->w_N, k, 1);
+    return outcome(T, NSDAE_TERM_BIAS, code, "gap", T->w_N, k, 1);
   }
   code = s->call.contact_bias(T->t, T->q, T->w_N, nt > 0 ? T->w_T : NULL, s->user);
-  int status = outcome(T, code, "contact_bias", T->w_N, k, 1);
-  return status < 0 ? status : outcome(T, 0, "contact_bias", T->w_T, k * nt, 1);
+  int status = outcome(T, 0, code, "contact_bias", T->w_N, k, 1);
+  return status < 0 ? status : outcome(T, NSDAE_TERM_BIAS, 0, "contact_bias", T->w_T, k * nt, 1);
 }
 
 static int slide(nsdae_terms *T)
@@ -240,10 +261,11 @@ static int slide(nsdae_terms *T)
   int f = s->dims.f, n = s->dims.nv;
   zero(T->slide.W, (long)n * f);
   zero(T->slide.w, f);
-  if (!s->call.slide_tangent) return NSDAE_OK; /* allowed where no slide has friction */
+  if (!s->call.slide_tangent)
+    return there(T, NSDAE_TERM_SLIDE, NSDAE_OK); /* allowed where no slide has friction */
   int code = s->call.slide_tangent(T->t, T->q, T->slide.W, n, T->slide.w, s->user);
-  int status = outcome(T, code, "slide_tangent", T->slide.W, n, f);
-  return status < 0 ? status : outcome(T, 0, "slide_tangent", T->slide.w, f, 1);
+  int status = outcome(T, 0, code, "slide_tangent", T->slide.W, n, f);
+  return status < 0 ? status : outcome(T, NSDAE_TERM_SLIDE, 0, "slide_tangent", T->slide.w, f, 1);
 }
 
 static int acceleration(nsdae_terms *T)
@@ -262,60 +284,63 @@ static int acceleration(nsdae_terms *T)
                                       T->slide.omega);
     if (code || T->differences->bad) callback = code ? T->differences->failed : T->differences->bad;
   }
-  int status = outcome(T, code, callback, T->omega.N, k, 1);
-  if (status == NSDAE_OK) status = outcome(T, 0, callback, T->omega.T, kt, 1);
-  return status < 0 ? status : outcome(T, 0, callback, T->slide.omega, f, 1);
+  int status = outcome(T, 0, code, callback, T->omega.N, k, 1);
+  if (status == NSDAE_OK) status = outcome(T, 0, 0, callback, T->omega.T, kt, 1);
+  return status < 0 ? status
+                    : outcome(T, NSDAE_TERM_ACCELERATION, 0, callback, T->slide.omega, f, 1);
 }
 
 static int potential(nsdae_terms *T)
 {
   const nsdae_system *s = T->system;
   T->potential = 0;
-  if (!s->call.potential) return NSDAE_OK;
-  return outcome(T, s->call.potential(T->t, T->q, &T->potential, s->user), "potential",
-                 &T->potential, 1, 1);
+  if (!s->call.potential) return there(T, NSDAE_TERM_POTENTIAL, NSDAE_OK);
+  return outcome(T, NSDAE_TERM_POTENTIAL, s->call.potential(T->t, T->q, &T->potential, s->user),
+                 "potential", &T->potential, 1, 1);
 }
 
-typedef struct evaluation {
-  unsigned term;
-  int (*evaluate)(nsdae_terms *);
-} evaluation;
-
-static const evaluation all[] = {
-    {NSDAE_TERM_MASS, mass},
-    {NSDAE_TERM_FORCE, force},
-    {NSDAE_TERM_PHI, phi},
-    {NSDAE_TERM_JACOBIAN, jacobian},
-    {NSDAE_TERM_PHI_T, phi_t},
-    {NSDAE_TERM_OMEGA, omega},
-    {NSDAE_TERM_GAP, gap},
-    {NSDAE_TERM_NORMAL, normal},
-    {NSDAE_TERM_TANGENT, tangent},
-    {NSDAE_TERM_BIAS, bias},
-    {NSDAE_TERM_SLIDE, slide},
-    {NSDAE_TERM_POTENTIAL, potential},
-    {NSDAE_TERM_ACCELERATION, acceleration},
-};
-
 enum {
+  KINETIC_TERMS = NSDAE_TERM_MASS | NSDAE_TERM_FORCE,
   CONSTRAINT_TERMS = NSDAE_TERM_PHI | NSDAE_TERM_JACOBIAN | NSDAE_TERM_PHI_T | NSDAE_TERM_OMEGA,
   CONTACT_TERMS = NSDAE_TERM_GAP | NSDAE_TERM_NORMAL | NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS
 };
 
-int nsdae_terms_need(nsdae_terms *terms, unsigned which)
+static int kinetic_terms(nsdae_terms *T, unsigned left)
 {
-  if (terms->system->dims.m == 0) which &= ~(unsigned)CONSTRAINT_TERMS;
-  if (terms->system->dims.k == 0) which &= ~(unsigned)CONTACT_TERMS;
-  if (terms->system->dims.f == 0) which &= ~(unsigned)NSDAE_TERM_SLIDE;
-  if (terms->system->dims.k + terms->system->dims.f == 0)
-    which &= ~(unsigned)NSDAE_TERM_ACCELERATION;
-  for (size_t i = 0; i < sizeof all / sizeof *all; i++) {
-    if (!(which & all[i].term) || (terms->have & all[i].term)) continue;
-    int status = all[i].evaluate(terms);
-    if (status < 0) return status;
-    terms->have |= all[i].term;
-  }
-  return NSDAE_OK;
+  int status = left & NSDAE_TERM_MASS ? mass(T) : NSDAE_OK;
+  return status == NSDAE_OK && (left & NSDAE_TERM_FORCE) ? force(T) : status;
+}
+
+static int constraint_terms(nsdae_terms *T, unsigned left)
+{
+  int status = left & NSDAE_TERM_PHI ? phi(T) : NSDAE_OK;
+  if (status == NSDAE_OK && (left & NSDAE_TERM_JACOBIAN)) status = jacobian(T);
+  if (status == NSDAE_OK && (left & NSDAE_TERM_PHI_T)) status = phi_t(T);
+  return status == NSDAE_OK && (left & ~T->have & NSDAE_TERM_OMEGA) ? omega(T) : status;
+}
+
+static int contact_terms(nsdae_terms *T, unsigned left)
+{
+  int status = left & NSDAE_TERM_GAP ? gap(T) : NSDAE_OK;
+  if (status == NSDAE_OK && (left & NSDAE_TERM_NORMAL)) status = normal(T);
+  if (status == NSDAE_OK && (left & NSDAE_TERM_TANGENT)) status = tangent(T);
+  return status == NSDAE_OK && (left & NSDAE_TERM_BIAS) ? bias(T) : status;
+}
+
+int nsdae_terms_evaluate(nsdae_terms *T, unsigned which)
+{
+  const nsdae_dims *d = &T->system->dims;
+  unsigned left = which & ~T->have;
+  int status = left & KINETIC_TERMS ? kinetic_terms(T, left) : NSDAE_OK;
+  if (!(left & ~(unsigned)KINETIC_TERMS)) return status;
+  if (status == NSDAE_OK && d->m > 0 && (left & CONSTRAINT_TERMS))
+    status = constraint_terms(T, left);
+  if (status == NSDAE_OK && d->k > 0 && (left & CONTACT_TERMS)) status = contact_terms(T, left);
+  if (status == NSDAE_OK && d->f > 0 && (left & NSDAE_TERM_SLIDE)) status = slide(T);
+  if (status == NSDAE_OK && (left & NSDAE_TERM_POTENTIAL)) status = potential(T);
+  if (status == NSDAE_OK && d->k + d->f > 0 && (left & NSDAE_TERM_ACCELERATION))
+    status = acceleration(T);
+  return status;
 }
 
 /* Entries (i, j) and (j, i) of block b. */
@@ -360,10 +385,9 @@ int nsdae_terms_symmetric(const nsdae_terms *terms)
 
 int nsdae_kinematics_at(const nsdae_terms *T, const double *v, double *qdot)
 {
-  int code = nsdae_kinematics(T->system, T->t, T->q, v, qdot);
-  int status = nsdae_system_callback_status(code, "kinematics", T->t, T->error);
-  if (status < 0) return status;
-  return nsdae_system_finite(T->system, qdot, T->system->dims.nq, 1, "kinematics", T->t, T->error);
+  int code = nsdae_kinematics(T->system, T->t, T->q, v, qdot), nq = T->system->dims.nq;
+  if (code == 0 && nsdae_all_finite((size_t)nq, qdot)) return NSDAE_OK;
+  return refuse(T, code, "kinematics", qdot, nq, 1);
 }
 
 double nsdae_terms_kinetic(const nsdae_terms *terms)
@@ -374,21 +398,24 @@ double nsdae_terms_kinetic(const nsdae_terms *terms)
 double nsdae_terms_touch(const nsdae_terms *terms)
 {
   double size = 1;
-  for (int i = 0; i < terms->system->dims.nq; i++) size = fmax(size, 1 + fabs(terms->q[i]));
+  const double *q = terms->q, *end = q + terms->system->dims.nq;
+  for (; q < end; q++) size = nsdae_larger(size, 1 + fabs(*q));
   return 8 * DBL_EPSILON * size;
 }
 
 double nsdae_terms_drift(const nsdae_terms *terms)
 {
   double most = 0;
-  for (int i = 0; i < terms->system->dims.m; i++) most = fmax(most, fabs(terms->constraint.phi[i]));
+  for (int i = 0; i < terms->system->dims.m; i++)
+    most = nsdae_larger(most, fabs(terms->constraint.phi[i]));
   return most;
 }
 
 double nsdae_terms_penetration(const nsdae_terms *terms)
 {
   double most = 0;
-  for (int i = 0; i < terms->system->dims.k; i++) most = fmax(most, -terms->gap[i]);
+  const double *gap = terms->gap, *end = gap + terms->system->dims.k;
+  for (; gap < end; gap++) most = nsdae_larger(most, -*gap);
   return most;
 }
 

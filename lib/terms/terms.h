@@ -92,7 +92,11 @@ void nsdae_terms_set_velocity(nsdae_terms *terms, const double *v);
 
 /* Brings the terms of the sum up to date. NSDAE_OK, NSDAE_E_CALLBACK, NSDAE_E_NONFINITE; a term
  * that failed is not counted as there. */
-int nsdae_terms_need(nsdae_terms *terms, unsigned which);
+int nsdae_terms_evaluate(nsdae_terms *terms, unsigned which);
+static inline int nsdae_terms_need(nsdae_terms *terms, unsigned which)
+{
+  return (which & ~terms->have) == 0 ? NSDAE_OK : nsdae_terms_evaluate(terms, which);
+}
 
 /* Compares both triangles of M, which must be there: only the lower one is factored. Entries are
  * sums of products, m_b J_bi J_bj over the bodies b, and sum |m_b J_bi J_bj| <= sqrt(M_ii M_jj) by

@@ -1,0 +1,185 @@
+/* One body, stepped: what a step costs, in instructions, is counted by valgrind (cost.sh), for
+ * which it is to do nothing else. It goes with the library of any version that has these calls. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <nsdae/nsdae.h>
+
+/* A planar body (x, y, angle) in the air, at rest on a rough floor, sliding on it; a ball that
+ * bounces (y alone); a pendulum in absolute coordinates (x, y). */
+enum { FALLING, CLOSED, SLIDING, BALL, PENDULUM, SCENES };
+static const char *const names[SCENES] = {"falling", "closed", "sliding", "ball", "pendulum"};
+static const nsdae_dims dims[SCENES] = {{.nq = 3, .k = 1, .nt = 1},
+                                        {.nq = 3, .k = 1, .nt = 1},
+                                        {.nq = 3, .k = 1, .nt = 1},
+                                        {.nq = 1, .k = 1},
+                                        {.nq = 2, .m = 1}};
+static const double q0[SCENES][3] = {{0, 1e5}, {0}, {0}, {1}, {1, 0}};
+static const double v0[SCENES][3] = {{0}, {0}, {1e6}, {0}, {0}};
+
+static const double gravity = 9.81, dt = 1e-3;
+
+typedef struct scene {
+  int n, height; /* coordinates, the one that is the height */
+} scene;
+
+static int mass(double t, const double *q, double *M, int ldm, void *user)
+{
+  const double of[3] = {1, 1, 0.1};
+  const scene *s = user;
+  (void)t;
+  (void)q;
+  for (int i = 0; i < s->n; i++) M[i * (ldm + 1)] = of[i];
+  return 0;
+}
+
+static int force(double t, const double *q, const double *v, double *F, void *user)
+{
+  const scene *s = user;
+  (void)t;
+  (void)q;
+  (void)v;
+  F[s->height] = -gravity;
+  return 0;
+}
+
+static int potential(double t, const double *q, double *energy, void *user)
+{
+  const scene *s = user;
+  (void)t;
+  *energy = gravity * q[s->height];
+  return 0;
+}
+
+static int gap(double t, const double *q, double *g, void *user)
+{
+  const scene *s = user;
+  (void)t;
+  g[0] = q[s->height];
+  return 0;
+}
+
+static int normal(double t, const double *q, double *W, int ldw, void *user)
+{
+  const scene *s = user;
+  (void)t;
+  (void)q;
+  (void)ldw;
+  W[s->height] = 1;
+  return 0;
+}
+
+static int tangent(double t, const double *q, double *W, int ldw, void *user)
+{
+  (void)t;
+  (void)q;
+  (void)ldw;
+  (void)user;
+  W[0] = 1;
+  return 0;
+}
+
+static int contact_bias(double t, const double *q, double *w_n, double *w_t, void *user)
+{
+  (void)t;
+  (void)q;
+  (void)user;
+  w_n[0] = 0;
+  if (w_t) w_t[0] = 0;
+  return 0;
+}
+
+static int acceleration(double t, const double *q, const double *v, double *n, double *l, double *s,
+                        void *user)
+{
+  (void)v;
+  (void)s;
+  return contact_bias(t, q, n, l, user);
+}
+
+static int constraint(double t, const double *q, double *phi, void *user)
+{
+  (void)t;
+  (void)user;
+  phi[0] = (q[0] * q[0] + q[1] * q[1] - 1) / 2;
+  return 0;
+}
+
+static int jacobian(double t, const double *q, double *J, int ldj, void *user)
+{
+  (void)t;
+  (void)user;
+  J[0] = q[0];
+  J[ldj] = q[1];
+  return 0;
+}
+
+static int bias(double t, const double *q, const double *v, double *phi_t, double *omega,
+                void *user)
+{
+  (void)t;
+  (void)q;
+  (void)user;
+  phi_t[0] = 0;
+  omega[0] = v[0] * v[0] + v[1] * v[1];
+  return 0;
+}
+
+static nsdae_system *make(const nsdae_dims *d, scene *s)
+{
+  nsdae_system *system;
+  if (nsdae_system_create(d, &system, NULL) < 0) return NULL;
+  nsdae_system_set_user(system, s);
+  nsdae_system_set_mass(system, mass);
+  nsdae_system_set_force(system, force);
+  nsdae_system_set_potential(system, potential);
+  if (d->k > 0) {
+    nsdae_system_set_gap(system, gap);
+    nsdae_system_set_gap_normal(system, normal);
+    if (d->nt > 0) nsdae_system_set_gap_tangent(system, tangent);
+    nsdae_system_set_contact_bias(system, contact_bias);
+    nsdae_system_set_contact_acceleration(system, acceleration);
+    nsdae_system_set_contact(system, 0, d->nt > 0 ? 0.3 : 0, 0.5, 0);
+  }
+  if (d->m > 0) {
+    nsdae_system_set_constraint(system, constraint);
+    nsdae_system_set_constraint_jacobian(system, jacobian);
+    nsdae_system_set_constraint_bias(system, bias);
+  }
+  return system;
+}
+
+static int run(const nsdae_system *system, const char *method, int which, int steps)
+{
+  nsdae_sim_options options;
+  nsdae_sim *sim = NULL;
+  nsdae_error error;
+  nsdae_sim_options_default(&options);
+  options.dt = dt;
+  int status = nsdae_sim_options_set(&options, "method", method, &error);
+  if (status == NSDAE_OK) status = nsdae_sim_create(system, &options, &sim, &error);
+  if (status == NSDAE_OK) {
+    status = nsdae_sim_init(sim, 0, q0[which], v0[which]);
+    if (status == NSDAE_OK) status = nsdae_sim_run(sim, steps * dt);
+    error = *nsdae_sim_error(sim);
+  }
+  if (status < 0) fprintf(stderr, "%s\n", error.text);
+  nsdae_sim_destroy(&sim);
+  return status < 0;
+}
+
+int main(int argc, char **argv)
+{
+  int which = 0;
+  while (which < SCENES && argc > 1 && strcmp(argv[1], names[which]) != 0) which++;
+  if (argc != 4 || which == SCENES) {
+    fprintf(stderr, "usage: %s falling|closed|sliding|ball|pendulum METHOD STEPS\n", argv[0]);
+    return 2;
+  }
+  scene s = {dims[which].nq, which == BALL ? 0 : 1};
+  nsdae_system *system = make(&dims[which], &s);
+  int failed = !system || run(system, argv[2], which, atoi(argv[3]));
+  nsdae_system_destroy(&system);
+  return failed;
+}
