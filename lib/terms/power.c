@@ -1,0 +1,39 @@
+#include "power.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "system_impl.h"
+
+void nsdae_power_layout(nsdae_power *p, const nsdae_dims *d, nsdae_arena *arena)
+{
+  p->q = NSDAE_ARENA_DOUBLES(arena, d->nq);
+  p->M = NSDAE_ARENA_DOUBLES(arena, (long)d->nv * d->nv);
+}
+
+/* M ahead, by s along the motion. */
+static int mass_ahead(nsdae_power *p, const nsdae_terms *T, const double *qdot, double s)
+{
+  const nsdae_system *system = T->system;
+  int n = system->dims.nv;
+  for (int i = 0; i < system->dims.nq; i++) p->q[i] = T->q[i] + s * qdot[i];
+  memset(p->M, 0, (size_t)n * (size_t)n * sizeof *p->M);
+  T->evals->mass++;
+  int code = system->mass(T->t + s, p->q, p->M, n, system->user);
+  int status = nsdae_system_callback_status(code, "mass", T->t, T->error);
+  return status < 0 ? status : nsdae_system_finite(system, p->M, n, n, "mass", T->t, T->error);
+}
+
+int nsdae_power_rate(nsdae_power *p, const nsdae_terms *T, const double *a, const double *qdot,
+                     double *rate)
+{
+  int n = T->system->dims.nv;
+  double s = nsdae_differences_step(T->system->dims.nq, T->t, T->q, qdot, sqrt(DBL_EPSILON));
+  int status = mass_ahead(p, T, qdot, s);
+  *rate = 0;
+  for (size_t j = 0; j < (size_t)n; j++)
+    for (size_t i = 0, at = j * (size_t)n; i < (size_t)n; i++, at++)
+      *rate += T->v[i] * (T->M[at] * a[j] + (p->M[at] - T->M[at]) / (2 * s) * T->v[j]);
+  return status;
+}
