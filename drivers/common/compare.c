@@ -90,7 +90,7 @@ static void run_method(const settings *s, int method, comparison_run *run, progr
   nsdae_error error = {0};
   *run = (comparison_run){.state_error = NAN};
   follower f = {.model = s->model, .run = run, .progress = shown, .t_end = s->t_end};
-  options.method = method;
+  settings_choose_method(s, method, &options);
   run->status = integrate(s, &options, &f, &error);
   snprintf(run->text, sizeof run->text, "%s", error.text);
   judge_impacts(s->model, run);

@@ -27,6 +27,7 @@ typedef struct driver_model {
   double dt;      /* the step by default; 0: the library's */
   int method;     /* by default; enum nsdae_method */
   double lcp_tol; /* by default; 0: the library's */
+  int projection; /* by default, with implicit-printed and moreau; enum nsdae_projection */
   /* Makes the system from the parameters at base. */
   int (*build)(void *base, nsdae_system **system, nsdae_error *error);
   /* Fills the start state; both come zeroed. */

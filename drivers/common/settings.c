@@ -37,11 +37,19 @@ void settings_default(settings *s, const driver_model *model)
   nsdae_params_default(model->parameters, model->base);
   nsdae_sim_options_default(&s->options);
   if (model->dt > 0) s->options.dt = model->dt;
-  s->options.method = model->method;
+  settings_choose_method(s, model->method, &s->options);
   if (model->lcp_tol > 0) s->options.lcp_tol = model->lcp_tol;
   s->t_end = model->t_end;
   s->every = 1;
   snprintf(s->output, sizeof s->output, "%s.h5", model->name);
+}
+
+void settings_choose_method(const settings *s, int method, nsdae_sim_options *options)
+{
+  int by_velocity = method == NSDAE_METHOD_IMPLICIT_PRINTED || method == NSDAE_METHOD_MOREAU;
+  options->method = method;
+  if (!s->projection_named)
+    options->projection = by_velocity ? s->model->projection : NSDAE_PROJECTION_NONE;
 }
 
 static int usage_error(nsdae_error *error, const char *argument, const char *format, ...)
@@ -76,8 +84,12 @@ int settings_set(settings *s, const char *name, const char *value, nsdae_error *
     s->output_named |= strcmp(name, "output") == 0;
     return nsdae_params_set(&settings_run_table, s, name, value, error);
   }
-  if (nsdae_params_find(nsdae_sim_options_table(), name))
-    return nsdae_sim_options_set(&s->options, name, value, error);
+  if (nsdae_params_find(nsdae_sim_options_table(), name)) {
+    s->projection_named |= strcmp(name, "projection") == 0;
+    int status = nsdae_sim_options_set(&s->options, name, value, error);
+    settings_choose_method(s, s->options.method, &s->options);
+    return status;
+  }
   return unknown_name(s, name, error);
 }
 

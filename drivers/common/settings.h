@@ -10,7 +10,7 @@ typedef struct settings {
   nsdae_sim_options options;
   double t_end;
   char output[NSDAE_PARAM_TEXT_SIZE];   /* "": none */
-  int output_named;                     /* by the user, not by default */
+  int output_named, projection_named;   /* by the user, not by default */
   char restart[NSDAE_PARAM_TEXT_SIZE];  /* "": a new run; else the file that it goes on in */
   int every, compress;                  /* of the trajectory */
   char lcp_dump[NSDAE_PARAM_TEXT_SIZE]; /* "": none */
@@ -27,6 +27,10 @@ void settings_default(settings *s, const driver_model *model);
 
 /* Sets a parameter of the model, of the run or of the library, whichever has the name. */
 int settings_set(settings *s, const char *name, const char *value, nsdae_error *error);
+
+/* Puts the method into options, with the projection that the model has for it unless the user named
+ * one. */
+void settings_choose_method(const settings *s, int method, nsdae_sim_options *options);
 
 /* Reads "name = value" lines; '#' and ';' begin comments, [section] lines are for the reader. */
 int settings_read(settings *s, const char *path, nsdae_error *error);

@@ -96,12 +96,9 @@ contains
   integer(c_int) function run() result(status)
     type(nsdae_error) :: why
     integer(c_int) :: closed
-    r%model = s%model
-    r%method = s%options%method
-    r%dt = s%options%dt
     if (.not. s%quiet) then
       status = nsdae_sim_observe(sim, report_observe, r)
-      call report_begin(s)
+      call report_begin(r, s)
     end if
     status = nsdae_sim_run(sim, s%t_end)
     if (.not. s%quiet) call report_end(r, sim)

@@ -1,6 +1,7 @@
 ! What a run prints: parameters, the table of impacts as they come, the summary.
 module pendulum_report
   use nsdae
+  use pendulum_bar
   use pendulum_model
   use pendulum_settings
   implicit none
@@ -15,17 +16,25 @@ module pendulum_report
     integer :: rows = 0
     integer(c_int) :: method = 0
     real(c_double) :: dt = 0, fastest = 0  ! closing velocity of the impacts
+    real(c_double) :: t_end = 1
+    type(bar) :: bar
   end type
 
 contains
 
-  subroutine report_begin(s)
+  subroutine report_begin(r, s)
+    type(report), intent(inout) :: r
     type(settings), intent(in) :: s
     type(nsdae_param) :: param
     character(len=10) :: key
     character(len=12) :: val
     character(len=6) :: unit
     integer(c_int) :: i
+    r%model = s%model
+    r%method = s%options%method
+    r%dt = s%options%dt
+    r%t_end = s%t_end
+    call bar_begin(r%bar, 0)
     print '(a)', 'pendulum: a uniform rod that swings and hits a stop'
     do i = 1, nsdae_params_size(s%parameters)
       param = nsdae_params_entry(s%parameters, i)
@@ -44,7 +53,7 @@ contains
         'before [m/s]', 'after [m/s]', 'exact time', 'exact impulse', 'error'
   end subroutine
 
-  ! Observer: adds impacts to the table. user is the report.
+  ! Observer: adds impacts to the table and moves the bar. user is the report.
   integer(c_int) function report_observe(record, error, user) result(status)
     type(nsdae_record), intent(in) :: record
     type(nsdae_error), intent(inout) :: error
@@ -53,11 +62,13 @@ contains
     status = 0
     select type (user)
     type is (report)
+      if (record%impacts > 0) call bar_clear(user%bar)
       do i = 1, record%impacts
         user%rows = user%rows + 1
         user%fastest = max(user%fastest, -record%impact(i)%velocity_before)
         if (user%rows <= ROWS_MAX) call print_impact(user, record%impact(i))
       end do
+      call bar_move(user%bar, record%time / user%t_end, record%time)
     end select
   end function
 
@@ -74,10 +85,11 @@ contains
   end subroutine
 
   subroutine report_end(r, sim)
-    type(report), intent(in) :: r
+    type(report), intent(inout) :: r
     type(nsdae_sim), intent(in) :: sim
     type(nsdae_stats) :: stats
     integer(c_int) :: status
+    call bar_clear(r%bar)
     status = nsdae_sim_get_stats(sim, stats)
     if (status < 0) return
     if (r%rows > ROWS_MAX) print '(a, i0, a)', '  ... and ', r%rows - ROWS_MAX, ' more'

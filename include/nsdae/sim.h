@@ -34,13 +34,16 @@ enum nsdae_redundant { NSDAE_REDUNDANT_ERROR, NSDAE_REDUNDANT_LEAST_NORM };
 
 /* What a step of a time-stepping method ends with: its end is moved to the constraints (coordinates
  * of unit length, such as quaternions, keep it; with none they get it back when it has doubled or
- * halved); with contacts also to touching, where a contact was closed in the step and overlaps.
- * With penalty and event anything but none is refused: event keeps both by its own, and penalty's
- * contacts overlap by their law. */
+ * halved); with contacts also to touching, where a contact was closed in the step and overlaps;
+ * with depths instead no deeper than a contact was that overlapped at the step's begin and stayed
+ * closed: it lasts, and on curved surfaces does not sink in by (1 - e_N) h^2 v^2 / (2 r) in every
+ * step. With penalty and event anything but none is refused: event keeps both by its own, and
+ * penalty's contacts overlap by their law. */
 enum nsdae_projection {
   NSDAE_PROJECTION_NONE,
   NSDAE_PROJECTION_CONSTRAINTS,
-  NSDAE_PROJECTION_CONTACTS
+  NSDAE_PROJECTION_CONTACTS,
+  NSDAE_PROJECTION_DEPTHS
 };
 
 /* Fill with nsdae_sim_options_default first: a struct that was not is refused. */
@@ -66,7 +69,7 @@ typedef struct nsdae_sim_options {
   int projection;           /* enum nsdae_projection */
   double start_tol;         /* relative error of the numbers of a start */
   int inner_steps_max;      /* of the integrator of penalty and event in one dt */
-  int start_check;          /* 1: a start looks for gross errors of derivatives */
+  int start_check;          /* 1: a start looks for gross errors of callbacks */
   int contacts_max;         /* most contacts of a list */
   int threads;              /* that share the islands of a step by blocks: 1 .. 256 */
   unsigned initialised;     /* set by nsdae_sim_options_default */
@@ -213,12 +216,13 @@ NSDAE_API int nsdae_sim_project(nsdae_sim *sim, double t0, double *q0, double *v
  * terms:
  *   |Phi_i|, -g_N,i      <= start_tol (1 + |row|_1 max |q|)            row of Phi_q, column of W_N
  *   |Phi_q v + Phi_t|_i  <= start_tol (1 + |row|_1 max |v| + |Phi_t,i|)
- * NSDAE_E_ARGUMENT names the row, its value and the bound; nsdae_sim_project puts it right. Given
- * derivatives of Phi and g_N are compared with differences along two trial velocities (a few calls,
- * whatever the size): NSDAE_E_DERIVATIVE where one is grossly wrong, as by a sign; not where
- * start_check is 0. nsdae_system_check looks closer.
- * May be called again to start
- * anew. The observers see the start as step 0, at the first step or run. */
+ * NSDAE_E_ARGUMENT names the row, its value and the bound; nsdae_sim_project puts it right. Each
+ * callback is called alone, once or twice: NSDAE_E_CALLBACK where it writes beyond its array, or
+ * leaves an entry of Phi, g_N, dq/dt or U out. Given derivatives of Phi and g_N are compared with
+ * differences, with v = 0 and along two trial velocities (a few calls, whatever the size):
+ * NSDAE_E_DERIVATIVE where one is grossly wrong, as by a sign. Neither where start_check is 0.
+ * nsdae_system_check looks closer. May be called again to start anew. The observers see the start
+ * as step 0, at the first step or run. */
 NSDAE_API int nsdae_sim_init(nsdae_sim *sim, double t0, const double *q0, const double *v0);
 
 /* Adds an observer, at most NSDAE_OBSERVERS_MAX; they are called in this order. */

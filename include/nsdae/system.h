@@ -129,14 +129,17 @@ NSDAE_API int nsdae_system_set_potential(nsdae_system *system, nsdae_potential_f
 /* Coefficients of contact 0 <= i < k; all zero at first.
  *   mu   friction, >= 0           e_n  normal restitution (Newton), 0 .. 1
  *   e_t  tangential restitution, 0 .. 1
- * mu > 0 needs tangential directions: NSDAE_E_ARGUMENT where nt = 0. */
+ * mu > 0 needs tangential directions: NSDAE_E_ARGUMENT where nt = 0. Where gap_tangent gives
+ * directions every contact must be told of, if only with mu = 0: else nsdae_sim_create returns
+ * NSDAE_E_STATE. */
 NSDAE_API int nsdae_system_set_contact(nsdae_system *system, int i, double mu, double e_n,
                                        double e_t);
 
 /* Slide 0 <= j < f: a bilateral constraint with Coulomb friction, such as a slider in a slot
  * without play: friction of at most mu |lambda| along the direction of the callback slide_tangent.
  * The constraint (its number, 0 .. m-1) must be scaled as a length, so that its multiplier lambda
- * is the normal force. mu >= 0; with mu = 0, as at first, it has no friction. */
+ * is the normal force. mu >= 0; with mu = 0 it has no friction. Where slide_tangent is given every
+ * slide must be told of: else nsdae_sim_create returns NSDAE_E_STATE. */
 NSDAE_API int nsdae_system_set_slide(nsdae_system *system, int j, int constraint, double mu);
 
 /* ---- large systems: v in blocks, contacts by list
@@ -236,13 +239,13 @@ typedef struct nsdae_check {
 
 /* Looks at every callback that is given, at (t, q [nq], v [nv]); q need not satisfy the
  * constraints. First each alone: what it writes beyond its arrays (seen as far as the array's own
- * size and 64 entries more to either side), entries of Phi, g_N, dq/dt and U that it never writes,
- * and what is NaN or infinite. Then every derivative against central differences of what it
- * derives from, and the mass matrix against its transpose; then directions of friction that are
- * all zero, the normal's, or one twice, and, along the translations of a body that M and the gap
- * show to be free, not of length one or not at right angles to the normal and to each other, or,
- * on two bodies that touch each other, not opposite. Differences are good to about 1e-7 where the
- * values are of order one: tol of 1e-5 is a fair bound. Of a system of blocks the rows of Phi_q
+ * size, 8192 at most, and 64 entries more to either side), entries of Phi, g_N, dq/dt and U that it
+ * never writes, and what is NaN or infinite. Then every derivative against central differences of
+ * what it derives from, and the mass matrix against its transpose; then directions of friction that
+ * are all zero, the normal's, or one twice, and, along the translations of a body that M and the
+ * gap show to be free, not of length one or not at right angles to the normal and to each other,
+ * or, on two bodies that touch each other, not opposite. Differences are good to about 1e-7 where
+ * the values are of order one: tol of 1e-5 is a fair bound. Of a system of blocks the rows of Phi_q
  * are compared entry by entry, the gaps of contacts listed nearby by their rates along two trial
  * velocities (row is the place in the list). What cannot be seen says nsdae_system_unseen, and
  * what is doubtful: in the plane, an arm of W_T about which a turn would open the gap, or whose

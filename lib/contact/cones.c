@@ -98,12 +98,12 @@ static void set_values(nsdae_contacts *c)
 
 static double *warm_of(const nsdae_contacts *c, int a)
 {
-  return c->warm + (size_t)c->active[a] * (size_t)(1 + c->system->dims.nt);
+  return c->warm.impulse + (size_t)c->active[a] * (size_t)(1 + c->system->dims.nt);
 }
 
 static size_t bytes_of(const nsdae_contacts *c, int a)
 {
-  return (size_t)c->law[c->active[a]].columns * sizeof *c->warm;
+  return (size_t)c->law[c->active[a]].columns * sizeof *c->warm.impulse;
 }
 
 static void recall(nsdae_contacts *c)
@@ -173,7 +173,7 @@ static double moved(const nsdae_contacts *c, const double *impulse)
   double most = 0, size = 0;
   for (int i = 0; i < columns; i++) {
     double sum = 0;
-    for (int j = 0; j < c->slide_count; j++)
+    for (int j = 0; j < c->slides.count; j++)
       sum += delassus_at(c, i, columns + j) * (impulse[j] - c->cones.held[j]);
     most = fmax(most, fabs(sum));
     size = fmax(size, fabs(c->cones.free[i]));
@@ -186,11 +186,11 @@ static int solve_in_turn(nsdae_contacts *c, const double *lambda)
   nsdae_cones *s = &c->cones;
   double *impulse = c->delassus.impulse + contact_columns(c), worst = 0, change = INFINITY;
   double enough = 0.1 * c->lcp.options.tol;
-  size_t bytes = (size_t)c->slide_count * sizeof *impulse;
+  size_t bytes = (size_t)c->slides.count * sizeof *impulse;
   memcpy(s->free, c->delassus.offset, (size_t)c->columns * sizeof *s->free);
   memset(impulse, 0, bytes);
   for (int round = 0; round < ROUNDS && !(change <= enough); round++) {
-    hold(c, contact_columns(c), c->slide_count, impulse);
+    hold(c, contact_columns(c), c->slides.count, impulse);
     int status = solve_contacts(c);
     if (status < 0) return status;
     worst = s->info.residual;
@@ -211,7 +211,7 @@ int nsdae_cones_solve(nsdae_contacts *c, const double *lambda)
   nsdae_friction_options_default(&s->options);
   s->options.refine = REFINE;
   recall(c);
-  int status = c->slide_count > 0 ? solve_in_turn(c, lambda) : solve_contacts(c);
+  int status = c->slides.count > 0 ? solve_in_turn(c, lambda) : solve_contacts(c);
   if (status < 0) return status;
   memcpy(c->lcp.x, s->r, (size_t)contact_columns(c) * sizeof *s->r);
   keep(c);
@@ -222,7 +222,7 @@ int nsdae_cones_improve(nsdae_contacts *c, double *impulse)
 {
   nsdae_cones *s = &c->cones;
   size_t bytes = (size_t)contact_columns(c) * sizeof *impulse;
-  if (!s->solver || c->slide_count > 0) return 0;
+  if (!s->solver || c->slides.count > 0) return 0;
   for (int a = 0; a < c->active_count; a++)
     if (c->law[c->active[a]].kind == NSDAE_SLIDING) return 0;
   set_pattern(s, c->active_count);
@@ -230,6 +230,7 @@ int nsdae_cones_improve(nsdae_contacts *c, double *impulse)
   for (int a = 0; a < c->active_count; a++) s->mu[a] = c->system->contact[c->active[a]].mu;
   nsdae_friction_options_default(&s->options);
   s->options.refine = REFINE;
+  if (c->active_count == 1) s->options.stages &= ~NSDAE_FRICTION_FURTHER; /* sweeps take less */
   memcpy(s->r, impulse, bytes);
   if (solve_contacts(c) < 0) return 0;
   memcpy(impulse, s->r, bytes);
@@ -242,7 +243,7 @@ int nsdae_cones_describe(nsdae_contacts *c)
 {
   nsdae_cones *s = &c->cones;
   if (nsdae_cones_any(c)) return NSDAE_OK;
-  if (c->slide_count > 0 || c->active_count > s->room) return NSDAE_E_STATE;
+  if (c->slides.count > 0 || c->active_count > s->room) return NSDAE_E_STATE;
   for (int a = 0; a < c->active_count; a++)
     if (c->law[c->active[a]].kind == NSDAE_SLIDING) return NSDAE_E_STATE;
   size_t bytes = (size_t)contact_columns(c) * sizeof *s->q;

@@ -28,10 +28,10 @@ void nsdae_contacts_laws(nsdae_contacts *contacts, int polygon_edges)
 {
   const nsdae_system *s = contacts->system;
   if (contacts->rows_most < 1) contacts->rows_most = 1; /* never less: memory is laid by it */
-  contacts->slide_count = 0;
+  contacts->slides.count = 0;
   contacts->rows_in_all = 0;
   contacts->cones.most = contacts->cones.most > 0 ? s->dims.k : 0;
-  for (int j = 0; j < s->dims.f; j++) contacts->slide_count += s->slide[j].mu > 0;
+  for (int j = 0; j < s->dims.f; j++) contacts->slides.count += s->slide[j].mu > 0;
   for (int i = 0; i < s->dims.k; i++) {
     nsdae_law law = nsdae_law_make(s->dims.nt, s->contact[i].mu, polygon_edges);
     if (law.rows > contacts->rows_most) contacts->rows_most = law.rows;
@@ -39,7 +39,7 @@ void nsdae_contacts_laws(nsdae_contacts *contacts, int polygon_edges)
     contacts->rows_in_all += law.rows;
     if (contacts->law) contacts->law[i] = law;
   }
-  contacts->rows_in_all += 3 * contacts->slide_count;
+  contacts->rows_in_all += 3 * contacts->slides.count;
 }
 
 long nsdae_contacts_rows(const nsdae_system *s, int polygon_edges)
@@ -68,7 +68,7 @@ int nsdae_contacts_rows_limit(void)
 void nsdae_contacts_layout(nsdae_contacts *c, nsdae_arena *arena)
 {
   const nsdae_dims *dims = &c->system->dims;
-  long k = dims->k, n = dims->nv, f = c->slide_count;
+  long k = dims->k, n = dims->nv, f = c->slides.count;
   long columns = k * (1 + dims->nt) + f, rows = c->rows_in_all;
   if (rows > INT_MAX || nsdae_lcp_workspace((int)rows, &c->lcp.lwork, &c->lcp.liwork) < 0)
     arena->overflow = 1;
@@ -89,7 +89,7 @@ void nsdae_contacts_layout(nsdae_contacts *c, nsdae_arena *arena)
   c->delassus.offset = NSDAE_ARENA_DOUBLES(arena, columns);
   c->lcp.work = NSDAE_ARENA_DOUBLES(arena, c->lcp.lwork);
   c->lcp.iwork = NSDAE_ARENA_INTS(arena, c->lcp.liwork);
-  c->slide = NSDAE_ARENA_INTS(arena, f);
+  c->slides.number = NSDAE_ARENA_INTS(arena, f);
   c->map.Z = NSDAE_ARENA_DOUBLES(arena, f ? columns * rows : 0);
   c->map.GZ = NSDAE_ARENA_DOUBLES(arena, f ? columns * rows : 0);
   c->map.z0 = NSDAE_ARENA_DOUBLES(arena, columns);
@@ -98,15 +98,15 @@ void nsdae_contacts_layout(nsdae_contacts *c, nsdae_arena *arena)
   c->map.Q = NSDAE_ARENA_DOUBLES(arena, f * f);
   c->map.D_S = NSDAE_ARENA_DOUBLES(arena, f * columns);
   c->map.pivot = NSDAE_ARENA_INTS(arena, f);
-  c->slide_row = NSDAE_ARENA_INTS(arena, f + 1);
+  c->slides.row = NSDAE_ARENA_INTS(arena, f + 1);
   nsdae_cones_layout(&c->cones, k, columns, dims->m, arena);
-  for (int j = 0, count = 0; c->slide && j < dims->f; j++)
-    if (c->system->slide[j].mu > 0) c->slide[count++] = j;
+  for (int j = 0, count = 0; c->slides.number && j < dims->f; j++)
+    if (c->system->slide[j].mu > 0) c->slides.number[count++] = j;
 }
 
 size_t nsdae_contacts_memory_size(const nsdae_contacts *c)
 {
-  return (size_t)c->system->dims.k * (size_t)c->rows_most + 3 * (size_t)c->slide_count;
+  return (size_t)c->system->dims.k * (size_t)c->rows_most + 3 * (size_t)c->slides.count;
 }
 
 size_t nsdae_contacts_warm_size(const nsdae_contacts *c)
@@ -116,16 +116,16 @@ size_t nsdae_contacts_warm_size(const nsdae_contacts *c)
 
 void nsdae_contacts_remember(nsdae_contacts *c, int *memory, double *warm)
 {
-  c->memory = memory;
-  c->warm = warm;
-  c->slide_memory = memory + (size_t)c->system->dims.k * (size_t)c->rows_most;
+  c->warm.basis = memory;
+  c->warm.impulse = warm;
+  c->warm.slide_basis = memory + (size_t)c->system->dims.k * (size_t)c->rows_most;
 }
 
 void nsdae_contacts_place_slides(nsdae_contacts *c, int first)
 {
   c->rows = first;
-  for (int j = 0; j < c->slide_count; j++) {
-    c->slide_row[j] = c->rows;
+  for (int j = 0; j < c->slides.count; j++) {
+    c->slides.row[j] = c->rows;
     c->rows += nsdae_slides_rows(c, j);
   }
 }
@@ -149,7 +149,7 @@ static void close_contacts(nsdae_contacts *c, const double *gap, double touch, c
   c->first_column[count] = columns;
   c->first_row[count] = rows;
   c->active_count = count;
-  c->columns = columns + c->slide_count; /* those of the slides come last */
+  c->columns = columns + c->slides.count; /* those of the slides come last */
   nsdae_contacts_place_slides(c, rows);
 }
 
@@ -175,9 +175,9 @@ static void contact_velocity(const nsdae_contacts *c, int i, const nsdae_terms *
 static void slide_velocities(const nsdae_contacts *c, const nsdae_terms *T, const double *v,
                              double *velocity)
 {
-  for (int i = 0; i < c->slide_count; i++) {
-    int j = c->slide[i];
-    velocity[j] = nsdae_terms_rate(T, T->W_S, T->w_S, j, v);
+  for (int i = 0; i < c->slides.count; i++) {
+    int j = c->slides.number[i];
+    velocity[j] = nsdae_terms_rate(T, T->slide.W, T->slide.w, j, v);
   }
 }
 
@@ -207,9 +207,10 @@ static void gather_columns(nsdae_contacts *c, const nsdae_terms *terms)
     memcpy(at, terms->W_N + i * n, n * sizeof *at);
     memcpy(at + n, terms->W_T + i * nt * n, tangents * n * sizeof *at);
   }
-  double *slides = c->delassus.W + (size_t)(c->columns - c->slide_count) * n;
-  for (int j = 0; j < c->slide_count; j++)
-    memcpy(slides + (size_t)j * n, terms->W_S + (size_t)c->slide[j] * n, n * sizeof *slides);
+  double *slides = c->delassus.W + (size_t)(c->columns - c->slides.count) * n;
+  for (int j = 0; j < c->slides.count; j++)
+    memcpy(slides + (size_t)j * n, terms->slide.W + (size_t)c->slides.number[j] * n,
+           n * sizeof *slides);
 }
 
 /* Where the constraints leave a column no motion, W_j = Phi_q^T D_j, its U_j = P W_j is rounding
@@ -221,7 +222,7 @@ static void clear_jammed(nsdae_contacts *c, const nsdae_terms *terms, int n, int
                  *D = c->delassus.D + (size_t)j * (size_t)m;
     double largest = 0, left = 0;
     for (int i = 0; i < n; i++) {
-      double rest = W[i] - nsdae_dot(m, terms->J + (size_t)i * (size_t)m, D);
+      double rest = W[i] - nsdae_dot(m, terms->constraint.J + (size_t)i * (size_t)m, D);
       largest = fmax(largest, fabs(W[i]));
       left = fmax(left, fabs(rest));
     }
@@ -254,8 +255,9 @@ static void offsets(nsdae_contacts *c, const nsdae_terms *terms, const double *v
     for (int j = 1; j < c->law[i].columns; j++)
       at[j] = c->results->after_t[i * nt + j - 1] + e->e_t * c->results->before_t[i * nt + j - 1];
   }
-  for (int j = 0; j < c->slide_count; j++)
-    c->delassus.offset[c->columns - c->slide_count + j] = c->results->slide_after[c->slide[j]];
+  for (int j = 0; j < c->slides.count; j++)
+    c->delassus.offset[c->columns - c->slides.count + j] =
+        c->results->slide_after[c->slides.number[j]];
 }
 
 /* E_P^T G E_Q of two contacts into their block of A. */
@@ -300,27 +302,27 @@ static void assemble(nsdae_contacts *c)
 /* The basis between a closed contact's place in the problem and its place in memory. */
 static int *memory_of(const nsdae_contacts *c, int a)
 {
-  return c->memory + (size_t)c->active[a] * (size_t)c->rows_most;
+  return c->warm.basis + (size_t)c->active[a] * (size_t)c->rows_most;
 }
 
 static void recall_basis(nsdae_contacts *c)
 {
   for (int a = 0; a < c->active_count; a++)
     memcpy(c->lcp.basis + c->first_row[a], memory_of(c, a),
-           (size_t)c->law[c->active[a]].rows * sizeof *c->memory);
-  for (int j = 0; j < c->slide_count; j++)
-    memcpy(c->lcp.basis + c->slide_row[j], c->slide_memory + 3 * (size_t)j,
-           (size_t)nsdae_slides_rows(c, j) * sizeof *c->memory);
+           (size_t)c->law[c->active[a]].rows * sizeof *c->warm.basis);
+  for (int j = 0; j < c->slides.count; j++)
+    memcpy(c->lcp.basis + c->slides.row[j], c->warm.slide_basis + 3 * (size_t)j,
+           (size_t)nsdae_slides_rows(c, j) * sizeof *c->warm.basis);
 }
 
 static void keep_basis(nsdae_contacts *c)
 {
   for (int a = 0; a < c->active_count; a++)
     memcpy(memory_of(c, a), c->lcp.basis + c->first_row[a],
-           (size_t)c->law[c->active[a]].rows * sizeof *c->memory);
-  for (int j = 0; j < c->slide_count; j++)
-    memcpy(c->slide_memory + 3 * (size_t)j, c->lcp.basis + c->slide_row[j],
-           (size_t)nsdae_slides_rows(c, j) * sizeof *c->memory);
+           (size_t)c->law[c->active[a]].rows * sizeof *c->warm.basis);
+  for (int j = 0; j < c->slides.count; j++)
+    memcpy(c->warm.slide_basis + 3 * (size_t)j, c->lcp.basis + c->slides.row[j],
+           (size_t)nsdae_slides_rows(c, j) * sizeof *c->warm.basis);
 }
 
 static int unsolved(nsdae_contacts *c, double t, int status)
@@ -412,7 +414,7 @@ static int solve_impulses(nsdae_contacts *c, const double *lambda)
   int status = NSDAE_OK, cones = nsdae_cones_any(c);
   if (cones)
     status = nsdae_cones_solve(c, lambda);
-  else if (c->slide_count > 0)
+  else if (c->slides.count > 0)
     status = nsdae_slides_assemble(c, lambda);
   else
     assemble(c);
@@ -461,9 +463,9 @@ void nsdae_contacts_add_impulse(const nsdae_contacts *c, const nsdae_terms *term
     }
   }
   if (skip_impacts && any_impact(c)) return;
-  for (int j = 0; j < c->slide_count; j++) {
-    double friction = scale * c->results->slide_impulse[c->slide[j]];
-    nsdae_add_product(dims->nv, 1, terms->W_S + (size_t)c->slide[j] * n, &friction, r);
+  for (int j = 0; j < c->slides.count; j++) {
+    double friction = scale * c->results->slide_impulse[c->slides.number[j]];
+    nsdae_add_product(dims->nv, 1, terms->slide.W + (size_t)c->slides.number[j] * n, &friction, r);
   }
 }
 
@@ -477,8 +479,8 @@ double nsdae_contacts_work(const nsdae_contacts *c)
     for (int j = i * nt; j < (i + 1) * nt; j++)
       work += c->results->tangential[j] * (c->results->after_t[j] + c->results->before_t[j]) / 2;
   }
-  for (int i = 0; i < c->slide_count; i++) {
-    int j = c->slide[i];
+  for (int i = 0; i < c->slides.count; i++) {
+    int j = c->slides.number[i];
     work += c->results->slide_impulse[j] *
             (c->results->slide_after[j] + c->results->slide_before[j]) / 2;
   }

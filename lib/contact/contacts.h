@@ -44,11 +44,24 @@ typedef struct nsdae_contact_lcp {
 typedef struct nsdae_slide_map {
   double *Z, *GZ; /* columns x rows: Lambda = Z x + z0, G Z */
   double *z0;     /* columns */
-  double *K, *k0; /* slide_count x rows, slide_count: l- = K x + k0 */
-  double *Q;      /* slide_count x slide_count */
-  double *D_S;    /* slide_count x columns */
-  int *pivot;     /* slide_count */
+  double *K, *k0; /* slides x rows, slides: l- = K x + k0 */
+  double *Q;      /* slides x slides */
+  double *D_S;    /* slides x columns */
+  int *pivot;     /* slides */
 } nsdae_slide_map;
+
+/* Slides with mu > 0: their columns and rows come after those of the contacts. */
+typedef struct nsdae_contact_slides {
+  int count, *number; /* of them; their numbers */
+  int *row;           /* count: first row of each, three or, with a known sense, one */
+  const int *sense;   /* f: +1 or -1 where a slide is known to slide that way; NULL: none */
+} nsdae_contact_slides;
+
+/* The warm start of a problem: the caller's arrays. */
+typedef struct nsdae_contact_warm {
+  int *basis, *slide_basis; /* k x rows_most, 3 slides.count: the last basis of each */
+  double *impulse;          /* with cones, k (1 + nt): the last impulses of each */
+} nsdae_contact_warm;
 
 typedef struct nsdae_contacts {
   const nsdae_system *system;
@@ -59,19 +72,13 @@ typedef struct nsdae_contacts {
   int active_count, *active;     /* the closed contacts */
   int columns, rows;             /* of the problem, over the closed contacts and the slides */
   int *first_column, *first_row; /* per closed contact, with one past the last */
-
-  /* slides with mu > 0: their columns and rows come after those of the contacts */
-  int slide_count, *slide; /* their numbers */
-  int *slide_row;          /* slide_count: first row of each, three or, with a known sense, one */
-  const int *slide_sense;  /* f: +1 or -1 where a slide is known to slide that way; NULL: none */
-
+  nsdae_contact_slides slides;
   nsdae_delassus delassus;
   nsdae_slide_map map;
   nsdae_contact_lcp lcp;
   nsdae_cones cones;
-  nsdae_impulses *results;    /* where those of the problem go */
-  int *memory, *slide_memory; /* k x rows_most, 3 slide_count: the last basis of each, not ours */
-  double *warm;               /* with cones, k (1 + nt): the last impulses of each, not ours */
+  nsdae_impulses *results; /* where those of the problem go */
+  nsdae_contact_warm warm;
 } nsdae_contacts;
 
 /* Takes the arrays; system, error, rows_most and rows_in_all are set before: nsdae_contacts_set. */
@@ -119,7 +126,7 @@ void nsdae_contacts_before(nsdae_contacts *contacts, const nsdae_terms *terms, c
 /* Whether there is anything to solve for. */
 static inline int nsdae_contacts_any(const nsdae_contacts *contacts)
 {
-  return contacts->active_count + contacts->slide_count > 0;
+  return contacts->active_count + contacts->slides.count > 0;
 }
 
 /* Whether friction can move contact or slide in this column of the problem at all. */

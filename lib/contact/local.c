@@ -29,7 +29,7 @@ static void lay_out_terms(nsdae_terms *T, const nsdae_dims *d, nsdae_arena *aren
 {
   long n = d->nv, k = d->k, nt = d->nt;
   T->M = NSDAE_ARENA_DOUBLES(arena, n * n);
-  T->J = NSDAE_ARENA_DOUBLES(arena, d->m * n);
+  T->constraint.J = NSDAE_ARENA_DOUBLES(arena, d->m * n);
   T->W_N = NSDAE_ARENA_DOUBLES(arena, n * k);
   T->W_T = NSDAE_ARENA_DOUBLES(arena, n * k * nt);
   T->w_N = NSDAE_ARENA_DOUBLES(arena, k);
@@ -121,10 +121,10 @@ static void gather_rows(nsdae_local *l, const nsdae_whole *w, int island)
   const int *row = is->row.of + is->row.first[island];
   int m = nsdae_members_count(&is->row, island), n = l->model.dims.nv;
   l->model.dims.m = l->kkt.m = m;
-  memset(l->terms.J, 0, (size_t)m * (size_t)n * sizeof *l->terms.J);
+  memset(l->terms.constraint.J, 0, (size_t)m * (size_t)n * sizeof *l->terms.constraint.J);
   for (int i = 0; i < m; i++) {
-    nsdae_rows_gather(&w->system->blocks, &w->terms->by.jacobian, row[i], l->place, l->terms.J + i,
-                      (size_t)m);
+    nsdae_rows_gather(&w->system->blocks, &w->terms->by.jacobian, row[i], l->place,
+                      l->terms.constraint.J + i, (size_t)m);
     l->lambda[i] = w->lambda[row[i]];
   }
 }

@@ -141,7 +141,7 @@ int nsdae_contacts_relax(nsdae_contacts *c, const double *direction, double *for
                          double *v, double *lambda)
 {
   const relaxation r = {c, direction, force, xi};
-  if (c->slide_count > 0 || c->system->dims.nt != 2) return 0;
+  if (c->slides.count > 0 || c->system->dims.nt != 2) return 0;
   memcpy(force, c->delassus.impulse, (size_t)c->columns * sizeof *force);
   read_xi(&r);
   if (!settle(c, &r)) return 0;

@@ -49,7 +49,7 @@ static double *row_of(const nsdae_sharing *s, double *matrix, int column)
 /* Columns of contacts: those of slides come after them. */
 static int contact_columns(const nsdae_sharing *s)
 {
-  return problem_of(s)->columns - problem_of(s)->slide_count;
+  return problem_of(s)->columns - problem_of(s)->slides.count;
 }
 
 /* r of p, and so the weights of the equation F_p - sum r_l F_l = 0. */
@@ -340,8 +340,8 @@ static void take_slides(nsdae_sharing *s)
 {
   const nsdae_contacts *c = problem_of(s);
   const nsdae_shared *m = s->of;
-  for (int i = 0; i < c->slide_count; i++) {
-    int j = c->slide[i];
+  for (int i = 0; i < c->slides.count; i++) {
+    int j = c->slides.number[i];
     double most = system_of(s)->slide[j].mu * fabs(m->lambda[system_of(s)->slide[j].constraint]);
     m->slide_part[j] = m->slide_sense[j];
     if (m->slide_mode[j] != NSDAE_MODE_STICK) continue;

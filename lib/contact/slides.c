@@ -14,13 +14,13 @@ enum { L_PLUS = 0, LAMBDA_R = 1, XI_L = 2 }; /* rows of a slide */
 
 static const nsdae_slide *slide_of(const nsdae_contacts *c, int j)
 {
-  return &c->system->slide[c->slide[j]];
+  return &c->system->slide[c->slides.number[j]];
 }
 
 /* The known direction of sliding, +1 or -1; 0: not known. */
 static int sense_of(const nsdae_contacts *c, int j)
 {
-  return c->slide_sense ? c->slide_sense[c->slide[j]] : 0;
+  return c->slides.sense ? c->slides.sense[c->slides.number[j]] : 0;
 }
 
 /* mu, or s mu where the direction is known. */
@@ -36,12 +36,12 @@ int nsdae_slides_rows(const nsdae_contacts *c, int j)
 
 static int row_of(const nsdae_contacts *c, int j, int which)
 {
-  return c->slide_row[j] + which;
+  return c->slides.row[j] + which;
 }
 
 static int column_of(const nsdae_contacts *c, int j)
 {
-  return c->columns - c->slide_count + j;
+  return c->columns - c->slides.count + j;
 }
 
 /* Z_b: E_Q of the contacts, Lambda_T = Lambda_R - mu l+ of the slides. */
@@ -54,7 +54,7 @@ static void basic_map(nsdae_contacts *c)
       for (int l = 0; l < law->columns; l++)
         AT(c->map.Z, c->columns, c->first_column[a] + l, c->first_row[a] + j) = law->E_Q[l][j];
   }
-  for (int j = 0; j < c->slide_count; j++) {
+  for (int j = 0; j < c->slides.count; j++) {
     AT(c->map.Z, c->columns, column_of(c, j), row_of(c, j, L_PLUS)) = -signed_mu(c, j);
     if (!sense_of(c, j)) AT(c->map.Z, c->columns, column_of(c, j), row_of(c, j, LAMBDA_R)) = 1;
   }
@@ -63,7 +63,7 @@ static void basic_map(nsdae_contacts *c)
 /* Q = 1 - D_SS mu, K := S - D_S Z_b, k0 := -lambda_free. */
 static void constraint_rows(nsdae_contacts *c, const double *lambda)
 {
-  int f = c->slide_count, m = c->system->dims.m;
+  int f = c->slides.count, m = c->system->dims.m;
   for (int i = 0; i < f; i++) {
     for (int j = 0; j < c->columns; j++)
       AT(c->map.D_S, f, i, j) = AT(c->delassus.D, m, slide_of(c, i)->constraint, j);
@@ -83,7 +83,7 @@ static void constraint_rows(nsdae_contacts *c, const double *lambda)
 /* Q^-1 on K and k0. */
 static int eliminate(nsdae_contacts *c)
 {
-  int f = c->slide_count;
+  int f = c->slides.count;
   double largest = 0;
   for (size_t i = 0; i < (size_t)f * (size_t)f; i++) largest = fmax(largest, fabs(c->map.Q[i]));
   if (nsdae_la_lu(f, c->map.Q, f, c->map.pivot) != 0) return NSDAE_E_LCP;
@@ -99,10 +99,10 @@ static int eliminate(nsdae_contacts *c)
 static void whole_map(nsdae_contacts *c)
 {
   memset(c->map.z0, 0, (size_t)c->columns * sizeof *c->map.z0);
-  for (int i = 0; i < c->slide_count; i++) {
+  for (int i = 0; i < c->slides.count; i++) {
     double mu = signed_mu(c, i);
     for (int j = 0; j < c->rows; j++)
-      AT(c->map.Z, c->columns, column_of(c, i), j) -= mu * AT(c->map.K, c->slide_count, i, j);
+      AT(c->map.Z, c->columns, column_of(c, i), j) -= mu * AT(c->map.K, c->slides.count, i, j);
     c->map.z0[column_of(c, i)] = -mu * c->map.k0[i];
   }
   /* G = W^T P W is symmetric */
@@ -136,7 +136,7 @@ static void slide_rows(nsdae_contacts *c, int i)
   double mu = slide_of(c, i)->mu;
   c->lcp.b[row + L_PLUS] = c->map.k0[i];
   for (int j = 0; j < c->rows; j++) {
-    double K = AT(c->map.K, c->slide_count, i, j);
+    double K = AT(c->map.K, c->slides.count, i, j);
     AT(c->lcp.A, c->rows, row + L_PLUS, j) = K;
     if (sense_of(c, i)) continue;
     AT(c->lcp.A, c->rows, row + LAMBDA_R, j) =
@@ -157,14 +157,14 @@ int nsdae_slides_assemble(nsdae_contacts *c, const double *lambda)
   if (status < 0) return status;
   whole_map(c);
   for (int a = 0; a < c->active_count; a++) contact_rows(c, a);
-  for (int i = 0; i < c->slide_count; i++) slide_rows(c, i);
+  for (int i = 0; i < c->slides.count; i++) slide_rows(c, i);
   return NSDAE_OK;
 }
 
 /* Lambda = Z x + z0. */
 void nsdae_slides_scatter(nsdae_contacts *c)
 {
-  for (int i = 0; i < c->slide_count; i++) {
+  for (int i = 0; i < c->slides.count; i++) {
     int row = row_of(c, i, 0), column = column_of(c, i);
     double sum = c->map.z0[column], size = fabs(c->map.z0[column]);
     for (int j = 0; j < c->rows; j++) {
@@ -175,7 +175,7 @@ void nsdae_slides_scatter(nsdae_contacts *c)
     c->delassus.impulse_size[column] = size;
     int sticking = !sense_of(c, i) && c->lcp.x[row + LAMBDA_R] > 0 && c->lcp.x[row + XI_L] == 0;
     c->delassus.impulse[column] = sum;
-    c->results->slide_impulse[c->slide[i]] = sum;
-    c->results->slide_mode[c->slide[i]] = sticking ? NSDAE_MODE_STICK : NSDAE_MODE_SLIDE;
+    c->results->slide_impulse[c->slides.number[i]] = sum;
+    c->results->slide_mode[c->slides.number[i]] = sticking ? NSDAE_MODE_STICK : NSDAE_MODE_SLIDE;
   }
 }

@@ -32,7 +32,7 @@ void nsdae_event_acceleration_layout(nsdae_event_acceleration *p, nsdae_arena *a
   int **of_slide[] = {&p->is.slide_breakaway, &p->is.slide_stopped, &p->is.slide_turned};
   for (int i = 0; i < 6; i++) *of_contact[i] = NSDAE_ARENA_INTS(arena, k);
   for (int i = 0; i < 3; i++) *of_slide[i] = NSDAE_ARENA_INTS(arena, d->f);
-  p->problem.slide_sense = p->sense;
+  p->problem.slides.sense = p->sense;
 }
 
 /* A polygon is put around the friction cone, so that a contact that would leave it does slide. */
@@ -77,7 +77,7 @@ static int slide_sense(const nsdae_event_acceleration *p, int j, int impacted, d
   const nsdae_event_setting *s = p->phase->setting;
   const nsdae_event_modes *m = &p->phase->modes;
   if (p->is.slide_breakaway[j] && !impacted) return m->slide_sense[j];
-  double speed = nsdae_terms_rate(s->here, s->here->W_S, s->here->w_S, j, s->here->v);
+  double speed = nsdae_terms_rate(s->here, s->here->slide.W, s->here->slide.w, j, s->here->v);
   int stopped = !impacted && p->is.slide_stopped[j] && m->slide[j] == NSDAE_MODE_SLIDE &&
                 m->slide_sense[j] != 0;
   if (stopped || !(fabs(speed) > size)) return 0;
@@ -103,13 +103,13 @@ static int solve(nsdae_event_acceleration *p)
   nsdae_event_setting *s = p->phase->setting;
   nsdae_terms T = *s->here;
   int n = s->system->dims.nv, m = s->system->dims.m;
-  T.w_N = T.omega_N;
-  T.w_T = T.omega_T;
-  T.w_S = T.omega_S;
+  T.w_N = T.omega.N;
+  T.w_T = T.omega.T;
+  T.slide.w = T.slide.omega;
   nsdae_contacts_close_marked(&p->problem, p->is.candidate, &p->solution);
   memcpy(p->a, T.F, (size_t)n * sizeof *p->a);
   memcpy(p->size, T.F, (size_t)n * sizeof *p->size);
-  for (int i = 0; i < m; i++) p->lambda[i] = -T.omega[i];
+  for (int i = 0; i < m; i++) p->lambda[i] = -T.constraint.omega[i];
   nsdae_kkt_solve(s->kkt, 1, p->a, n, p->lambda, m);
   nsdae_kkt_solve_mass(s->kkt, p->size);
   int status = nsdae_event_solve(s, &p->problem, &T, p->size, p->a, p->lambda);

@@ -24,7 +24,7 @@ static double friction_power(const nsdae_event_phase *p, const double *y)
       power += y[p->setting->at.tangential + j] * nsdae_terms_rate(T, T->W_T, T->w_T, j, T->v);
   for (int j = 0; j < d->f; j++)
     if (p->modes.slide[j] == NSDAE_MODE_SLIDE)
-      power += y[p->setting->at.slide + j] * nsdae_terms_rate(T, T->W_S, T->w_S, j, T->v);
+      power += y[p->setting->at.slide + j] * nsdae_terms_rate(T, T->slide.W, T->slide.w, j, T->v);
   return power;
 }
 
@@ -37,7 +37,7 @@ static int least_norm(nsdae_event_account *a, double *lambda)
   int status = nsdae_event_factor(s);
   if (status < 0) return status;
   memset(a->reaction, 0, (size_t)d->nv * sizeof *a->reaction);
-  nsdae_add_transposed(d->m, d->nv, 1, s->here->J, lambda, a->reaction);
+  nsdae_add_transposed(d->m, d->nv, 1, s->here->constraint.J, lambda, a->reaction);
   memset(lambda, 0, (size_t)d->m * sizeof *lambda);
   nsdae_kkt_solve(s->kkt, 1, a->reaction, d->nv, lambda, d->m);
   return NSDAE_OK;

@@ -40,7 +40,7 @@ static double slow_for(const nsdae_event_accumulation *p, int i)
   const nsdae_event_setting *s = p->acceleration->phase->setting;
   const nsdae_terms *T = s->here;
   int n = T->system->dims.nv;
-  double rate = fabs(T->omega_N[i]);
+  double rate = fabs(T->omega.N[i]);
   for (int j = 0; j < n; j++) rate += fabs(T->W_N[(size_t)i * (size_t)n + (size_t)j] * p->lost[j]);
   double way = sqrt(2 * rate * nsdae_event_position_size(s));
   return fmax(way, fmax(SLOW * nsdae_event_velocity_size(s), s->options->accumulation_time * rate));

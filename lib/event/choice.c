@@ -71,8 +71,9 @@ static void read_slides(nsdae_event_acceleration *p)
 {
   const nsdae_contacts *c = &p->problem;
   nsdae_event_modes *m = &p->phase->modes;
-  for (int i = 0; i < c->slide_count; i++) {
-    int j = c->slide[i], powerless = nsdae_contacts_powerless(c, c->columns - c->slide_count + i);
+  for (int i = 0; i < c->slides.count; i++) {
+    int j = c->slides.number[i], column = c->columns - c->slides.count + i;
+    int powerless = nsdae_contacts_powerless(c, column);
     double force = powerless ? 0 : c->results->slide_impulse[j], rate = c->results->slide_after[j];
     m->slide[j] = p->sense[j] || !powerless ? c->results->slide_mode[j] : NSDAE_MODE_SLIDE;
     m->slide_sense[j] = p->sense[j];
@@ -90,7 +91,7 @@ static int comes_back(nsdae_event_acceleration *p)
   int any = 0;
   for (int i = 0; i < T->system->dims.k; i++) {
     if (!p->is.released[i]) continue;
-    double rate = nsdae_terms_rate(T, T->W_N, T->omega_N, i, p->a);
+    double rate = nsdae_terms_rate(T, T->W_N, T->omega.N, i, p->a);
     if (rate >= -nsdae_event_acceleration_size(p)) continue;
     p->is.released[i] = 0;
     p->is.candidate[i] = 1;

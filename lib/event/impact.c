@@ -60,7 +60,7 @@ static int solve(nsdae_event_impacts *p)
   size_t size = (size_t)d->nv * sizeof *p->v;
   memcpy(p->v, p->momentum, size);
   memcpy(p->size, p->momentum, size);
-  for (int i = 0; i < d->m; i++) p->multiplier[i] = -s->here->phi_t[i];
+  for (int i = 0; i < d->m; i++) p->multiplier[i] = -s->here->constraint.phi_t[i];
   nsdae_kkt_solve(s->kkt, 1, p->v, d->nv, p->multiplier, d->m);
   nsdae_kkt_solve_mass(s->kkt, p->size);
   int status = nsdae_event_solve(s, &p->problem, s->here, p->size, p->v, p->multiplier);

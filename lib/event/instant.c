@@ -83,21 +83,11 @@ static void choose_candidates(nsdae_event_instant *p, int impacted)
   }
 }
 
-/* B = Z Z^T of the factorisation, whose rows of Z have an order of their own. */
 static void find_range(nsdae_event_phase *phase)
 {
   const nsdae_kkt *kkt = phase->setting->kkt;
-  nsdae_event_modes *m = &phase->modes;
-  size_t n = (size_t)kkt->m;
-  *m->redundant = kkt->rank < kkt->m;
-  if (!*m->redundant) return;
-  memset(m->range, 0, n * n * sizeof *m->range);
-  for (size_t a = 0; a < n; a++)
-    for (size_t b = 0; b < n; b++) {
-      size_t i = (size_t)kkt->column[kkt->order[a]] - 1, j = (size_t)kkt->column[kkt->order[b]] - 1;
-      for (size_t l = 0; l < (size_t)kkt->rank; l++)
-        m->range[j * n + i] += kkt->Z[l * n + a] * kkt->Z[l * n + b];
-    }
+  *phase->modes.redundant = kkt->rank < kkt->m;
+  if (*phase->modes.redundant) nsdae_kkt_range(kkt, phase->modes.range);
 }
 
 /* Positions to what stays closed; everything at the point of y, with the matrices factored. */
@@ -161,22 +151,12 @@ int nsdae_event_turned(const nsdae_event_instant *p, double t, const double *y)
 {
   nsdae_event_setting *s = p->roots->phase->setting;
   const nsdae_event_modes *m = &p->roots->phase->modes;
-  const nsdae_kkt *kkt = s->kkt;
-  size_t n = (size_t)kkt->m;
-  double common = 0;
   if (!*m->redundant) return 0;
   nsdae_event_move(s, t, y);
   int status = nsdae_terms_need(s->here, NSDAE_TERM_MASS | NSDAE_TERM_JACOBIAN);
   if (status == NSDAE_OK) status = nsdae_event_factor(s);
   if (status < 0) return status;
-  for (size_t l = 0; l < (size_t)kkt->rank; l++)
-    for (size_t a = 0; a < n; a++)
-      for (size_t b = 0; b < n; b++) {
-        size_t i = (size_t)kkt->column[kkt->order[a]] - 1;
-        size_t j = (size_t)kkt->column[kkt->order[b]] - 1;
-        common += kkt->Z[l * n + a] * m->range[j * n + i] * kkt->Z[l * n + b];
-      }
-  return kkt->rank < kkt->m && common < kkt->rank - TURNED;
+  return s->kkt->rank < s->kkt->m && nsdae_kkt_common(s->kkt, m->range) < s->kkt->rank - TURNED;
 }
 
 /* What a constraint, or a closed contact with a row of its own, is away from zero, in what counts
@@ -185,7 +165,7 @@ static double away(const nsdae_event_phase *phase)
 {
   const nsdae_terms *T = phase->setting->here;
   const nsdae_dims *d = &T->system->dims;
-  double far = nsdae_largest(d->m, T->phi), fast = 0;
+  double far = nsdae_largest(d->m, T->constraint.phi), fast = 0;
   for (int i = 0; i < d->m; i++) fast = fmax(fast, fabs(nsdae_terms_constraint_rate(T, i, T->v)));
   for (int i = 0; i < d->k; i++) {
     if (phase->modes.contact[i] == NSDAE_MODE_OPEN || phase->modes.related[i]) continue;

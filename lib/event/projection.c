@@ -32,7 +32,8 @@ static double append_positions(nsdae_event_projection *p, const int *closed)
   const nsdae_terms *T = p->phase->setting->here;
   const nsdae_dims *d = &T->system->dims;
   nsdae_least_start(&p->least);
-  for (int i = 0; i < d->m; i++) nsdae_least_append(&p->least, T->J + i, (size_t)d->m, T->phi[i]);
+  for (int i = 0; i < d->m; i++)
+    nsdae_least_append(&p->least, T->constraint.J + i, (size_t)d->m, T->constraint.phi[i]);
   for (int i = 0; i < d->k; i++)
     if (closed[i]) nsdae_least_append(&p->least, T->W_N + (size_t)i * (size_t)d->nv, 1, T->gap[i]);
   return nsdae_largest(p->least.rows, p->least.c);
@@ -64,7 +65,8 @@ static void append_rates(nsdae_event_projection *p, const double *v)
   int m = T->system->dims.m;
   nsdae_least_start(&p->least);
   for (int i = 0; i < m; i++)
-    nsdae_least_append(&p->least, T->J + i, (size_t)m, nsdae_terms_constraint_rate(T, i, v));
+    nsdae_least_append(&p->least, T->constraint.J + i, (size_t)m,
+                       nsdae_terms_constraint_rate(T, i, v));
 }
 
 static void append_velocities(nsdae_event_projection *p)
@@ -80,7 +82,7 @@ static void append_velocities(nsdae_event_projection *p)
       append_rate(p, T->W_T, T->w_T, j, T->v);
   }
   for (int j = 0; j < d->f; j++)
-    if (m->slide[j] == NSDAE_MODE_STICK) append_rate(p, T->W_S, T->w_S, j, T->v);
+    if (m->slide[j] == NSDAE_MODE_STICK) append_rate(p, T->slide.W, T->slide.w, j, T->v);
 }
 
 /* The impulses that did it, in the order of the rows; and their work, the change of v^T M v / 2. */

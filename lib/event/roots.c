@@ -60,7 +60,7 @@ static double value_of(const nsdae_event_phase *p, const nsdae_terms *T, const d
   double normal = m->normal_sense[i] * y[at->lambda + s->slide[i].constraint];
   if (root->kind == NSDAE_ROOT_SIGN) return normal;
   if (m->slide[i] == NSDAE_MODE_STICK) return s->slide[i].mu * normal - fabs(y[at->slide + i]);
-  return m->slide_sense[i] * nsdae_terms_rate(T, T->W_S, T->w_S, i, T->v);
+  return m->slide_sense[i] * nsdae_terms_rate(T, T->slide.W, T->slide.w, i, T->v);
 }
 
 /* Terms that the functions in the set need. */
@@ -172,11 +172,11 @@ static void start_sliding(const nsdae_event_phase *p, nsdae_event_root *root, do
   const nsdae_terms *T = p->setting->here;
   double size = nsdae_event_velocity_size(p->setting);
   if (root->kind == NSDAE_ROOT_SLIP) {
-    double rate = nsdae_terms_rate(T, T->W_S, T->omega_S, root->index, a);
+    double rate = nsdae_terms_rate(T, T->slide.W, T->slide.omega, root->index, a);
     start_root(p, root, t, value, p->modes.slide_sense[root->index] * rate, size, size);
     return;
   }
-  double rate = along_direction(p, T, root->index, T->omega_T, a);
+  double rate = along_direction(p, T, root->index, T->omega.T, a);
   /* what slides already and is braked will stop, however soon */
   int turning = T->system->dims.nt == 2 && !(value > size && rate < 0);
   start_root(p, root, t, value, rate, turning ? TURNING * size : size, 0);
@@ -233,7 +233,7 @@ static double undecided_value(const nsdae_event_phase *p, const double *y,
   const nsdae_terms *T = p->setting->here;
   if (root->kind == NSDAE_ROOT_NORMAL) return y[p->setting->at.normal + root->index];
   if (root->kind == NSDAE_ROOT_TANGENT) return nsdae_terms_slip(T, root->index, T->v);
-  return fabs(nsdae_terms_rate(T, T->W_S, T->w_S, root->index, T->v));
+  return fabs(nsdae_terms_rate(T, T->slide.W, T->slide.w, root->index, T->v));
 }
 
 /* A masked function after a step: 1 where it asks for an instant. */

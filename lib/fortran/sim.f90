@@ -32,7 +32,8 @@ module nsdae_f_sim
   integer(c_int), parameter, public :: &
       NSDAE_PROJECTION_NONE = 0, &
       NSDAE_PROJECTION_CONSTRAINTS = 1, &
-      NSDAE_PROJECTION_CONTACTS = 2
+      NSDAE_PROJECTION_CONTACTS = 2, &
+      NSDAE_PROJECTION_DEPTHS = 3
 
   ! Modes of a contact or slide.
   integer(c_int), parameter, public :: &
@@ -73,7 +74,7 @@ module nsdae_f_sim
     integer(c_int) :: projection                        ! NSDAE_PROJECTION_NONE and so on
     real(c_double) :: start_tol                         ! relative error of the numbers of a start
     integer(c_int) :: inner_steps_max                ! of the integrator in one dt
-    integer(c_int) :: start_check                       ! 1: looks for gross errors of derivatives
+    integer(c_int) :: start_check                       ! 1: looks for gross errors of callbacks
     integer(c_int) :: contacts_max                      ! most contacts of a list
     integer(c_int) :: threads                           ! that share the islands of a step
     integer(c_int) :: initialised = 0                   ! set by nsdae_sim_options_default

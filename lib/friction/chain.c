@@ -16,12 +16,20 @@ enum { BETWEEN = 20, FEW = 100, WARM = 2000, TRAPPED = 600, SOON = 20, MANY = 20
 /* Contacts up to which a factorisation costs less than the sweeps that it saves. */
 enum { SMALL = 24 };
 
-/* Newton steps of one attempt, and along a curve with folds. */
-enum { STEPS = 300, FOLDED = 4000 };
+/* Newton steps of one attempt, along a curve with folds, and between conjugate sweeps; those
+ * sweeps, and how many of them see what they are good for. */
+enum { STEPS = 300, FOLDED = 4000, A_FEW = 20, STALLED = 300, ROUNDS = 6 };
+
+/* Where that many sweeps leave more, weights do not get to the ground by sweeps (walls). */
+static const double HYPERSTATIC = 2e-2;
 
 /* Newton steps times items that an island may take until its curves end, half as many for a row of
  * paths, and one curve: fifteen seconds or so, after which what is not solved is said not to be. */
 static const double BUDGET = 2.2e6, CURVE = 1e6;
+
+/* The same of a contact by itself, of which there may be many in an instant: what few steps more do
+ * not solve has, but for one in thousands, no solution. */
+static const double ALONE = 1500;
 
 /* Tolerances that sweeps are likely to reach. */
 static const double ROUGH = 1e-6;
@@ -31,6 +39,7 @@ void nsdae_fc_chain_layout(void *object, nsdae_arena *arena)
   nsdae_fc_chain *c = object;
   nsdae_fc_layout(&c->fc, arena);
   c->best = NSDAE_ARENA_DOUBLES(arena, 3L * c->fc.n);
+  c->trap = NSDAE_ARENA_DOUBLES(arena, 3L * c->fc.n);
   c->slip = NSDAE_ARENA_DOUBLES(arena, c->fc.n);
   nsdae_fc_conjugate_layout(&c->conjugate, &c->fc, arena);
   c->newton.fc = &c->fc;
@@ -136,13 +145,31 @@ static int count(nsdae_fc_chain *c, int stage)
   return judge(c, stage);
 }
 
-/* From the best point so far. */
-static int proximal(nsdae_fc_chain *c, double alpha, int stage)
+/* From the best point so far, at most so many steps; 0: as many as one attempt has. */
+static int proximal(nsdae_fc_chain *c, double alpha, int most, int stage)
 {
   if (!ready(c)) return 0;
+  if (most > 0 && most < c->newton.most) c->newton.most = most;
   memcpy(c->fc.r, c->best, bytes(c));
   nsdae_fc_proximal(&c->newton, alpha, c->tol);
   return count(c, stage);
+}
+
+/* Sweeps and Newton's method in turn. Sweeps bring most contacts to rest and drift where few of
+ * them are locked: r grows along what hardly moves u, by as much in each sweep, until one opens.
+ * Newton's method takes that way in a step, but finds it only where little else changes. */
+static int alternate(nsdae_fc_chain *c, int stage)
+{
+  for (int k = 0; k < ROUNDS; k++) {
+    double before = c->info.residual;
+    memcpy(c->fc.r, c->best, bytes(c));
+    nsdae_fc_velocities(&c->fc, c->fc.r, c->fc.y, c->fc.u);
+    if (conjugate(c, MANY, STALLED, stage)) return 1;
+    if (c->info.residual > HYPERSTATIC) return 0;
+    if (proximal(c, 1e-4, A_FEW, stage)) return 1;
+    if (k > 0 && !(c->info.residual < before)) return 0;
+  }
+  return 0;
 }
 
 /* Along the path, cold, and from its end on. */
@@ -157,30 +184,53 @@ static int path(nsdae_fc_chain *c, double loose, int stage)
 }
 
 /* The impulses of the step before are near; where sweeps are trapped, Newton may not be. */
+static int from_guess(nsdae_fc_chain *c)
+{
+  memset(c->slip, 0, (size_t)c->fc.n * sizeof *c->slip);
+  if (judge(c, NSDAE_FRICTION_WARM)) return 1;
+  if (c->fc.n <= SMALL) {
+    if (proximal(c, 1e-5, 0, NSDAE_FRICTION_WARM)) return 1;
+    memcpy(c->fc.r, c->best, bytes(c));
+    nsdae_fc_velocities(&c->fc, c->fc.r, c->fc.y, c->fc.u);
+  }
+  if (conjugate(c, WARM, c->tol < ROUGH ? SOON : TRAPPED, NSDAE_FRICTION_WARM)) return 1;
+  return proximal(c, 1e-5, 0, NSDAE_FRICTION_WARM);
+}
+
+/* Whether the residual is what rounding r to doubles leaves: half a unit in the last place of the
+ * largest impulse moves the velocities by as much, and others may make up for half of that. Of
+ * several items there may be smaller impulses that do the same, which are looked for. */
+static int exhausted(const nsdae_fc_chain *c)
+{
+  double most = 0, small = c->fc.n > 1 ? ROUGH * ROUGH : INFINITY;
+  for (int i = 0; i < 3 * c->fc.n; i++)
+    most = fmax(most, c->fc.items.weight[i / 3] * c->fc.items.rho[i / 3] * fabs(c->best[i]));
+  return c->info.residual <= fmin(DBL_EPSILON / 4 * most, small);
+}
+
+/* A guess that leads nowhere is put aside: what comes next begins as if there had been none, and so
+ * no start is worse than a cold one. */
 static int warm(nsdae_fc_chain *c)
 {
   double most = 0;
   for (int k = 0; k < 3 * c->fc.n; k++) most = fmax(most, fabs(c->fc.r[k]));
   if (!(most > 0)) return 0;
-  memset(c->slip, 0, (size_t)c->fc.n * sizeof *c->slip);
-  if (judge(c, NSDAE_FRICTION_WARM)) return 1;
-  if (c->fc.n <= SMALL) {
-    if (proximal(c, 1e-5, NSDAE_FRICTION_WARM)) return 1;
-    memcpy(c->fc.r, c->best, bytes(c));
-    nsdae_fc_velocities(&c->fc, c->fc.r, c->fc.y, c->fc.u);
-  }
-  if (conjugate(c, WARM, c->tol < ROUGH ? SOON : TRAPPED, NSDAE_FRICTION_WARM)) return 1;
-  return proximal(c, 1e-5, NSDAE_FRICTION_WARM);
+  if (from_guess(c)) return 1;
+  if (exhausted(c)) return 0;
+  memcpy(c->trap, c->best, bytes(c));
+  c->trapped = c->info.residual;
+  memset(c->best, 0, bytes(c));
+  c->info.residual = INFINITY;
+  return 0;
 }
 
-/* Whether the residual is what rounding r to doubles leaves: half a unit in the last place of the
- * largest impulse moves the velocities by as much, and others may make up for half of that. */
-static int exhausted(const nsdae_fc_chain *c)
+/* Where nothing was found, the better of the two ends. */
+static void look_back(nsdae_fc_chain *c)
 {
-  double most = 0;
-  for (int i = 0; i < 3 * c->fc.n; i++)
-    most = fmax(most, c->fc.items.weight[i / 3] * c->fc.items.rho[i / 3] * fabs(c->best[i]));
-  return c->info.residual <= fmin(DBL_EPSILON / 4 * most, ROUGH * ROUGH);
+  if (c->info.outcome != NSDAE_OUTCOME_UNSOLVED || !(c->trapped < c->info.residual)) return;
+  memcpy(c->best, c->trap, bytes(c));
+  c->info.residual = c->trapped;
+  c->info.stage = NSDAE_FRICTION_WARM;
 }
 
 /* Exact where it applies, and few unknowns: what iterates would take longer. */
@@ -193,7 +243,8 @@ static int pivoting(nsdae_fc_chain *c)
 static int gauss_seidel(nsdae_fc_chain *c)
 {
   start_cold(c);
-  return sweeps(c, FEW, 0, NSDAE_FRICTION_GAUSS_SEIDEL);
+  if (sweeps(c, FEW, 0, NSDAE_FRICTION_GAUSS_SEIDEL)) return 1;
+  return c->tol >= ROUGH && c->fc.n > SMALL && alternate(c, NSDAE_FRICTION_GAUSS_SEIDEL);
 }
 
 static int smoothing(nsdae_fc_chain *c)
@@ -217,13 +268,18 @@ static int prove(nsdae_fc_chain *c)
 static int patience(nsdae_fc_chain *c, int most)
 {
   start_cold(c);
-  return sweeps(c, most, 0, NSDAE_FRICTION_FURTHER) || proximal(c, 1e-2, NSDAE_FRICTION_FURTHER);
+  return sweeps(c, most, 0, NSDAE_FRICTION_FURTHER) || proximal(c, 1e-2, 0, NSDAE_FRICTION_FURTHER);
+}
+
+static double budget(const nsdae_fc_chain *c)
+{
+  return c->fc.n > 1 ? BUDGET : ALONE;
 }
 
 /* Newton steps that the budget leaves. */
 static int steps_left(const nsdae_fc_chain *c)
 {
-  return (int)fmax(0, BUDGET / c->fc.n - c->info.iterations);
+  return (int)fmax(0, budget(c) / c->fc.n - c->info.iterations);
 }
 
 /* Which items stand where a path ends depends on how closely it is followed; so others are tried,
@@ -233,7 +289,7 @@ static int paths(nsdae_fc_chain *c, int from, int to)
   int before = c->info.iterations;
   static const double loose[] = {1e-5, 1e-2, 1e-4, 0.1,  3e-3, 1e-6, 3e-4, 3e-2, 3e-5, 3e-6,
                                  5e-2, 2e-3, 2e-4, 2e-5, 5e-3, 0.2,  5e-4, 2e-2, 5e-5, 1e-7};
-  for (int k = from; k < to && (c->info.iterations - before) * 2.0 * c->fc.n < BUDGET; k++) {
+  for (int k = from; k < to && (c->info.iterations - before) * 2.0 * c->fc.n < budget(c); k++) {
     if (path(c, loose[k], NSDAE_FRICTION_FURTHER)) return 1;
     if (exhausted(c)) return 1;
   }
@@ -256,10 +312,12 @@ static int curves(nsdae_fc_chain *c)
   return 0;
 }
 
-/* Sweeps reach a few digits, paths many, and curves get round what stops both. */
+/* Sweeps reach a few digits, paths many, and curves get round what stops both. Of one contact a
+ * sweep is what the one before was. */
 static int further(nsdae_fc_chain *c)
 {
   if (exhausted(c)) return 1;
+  if (c->fc.n == 1) return paths(c, 0, 2) || curves(c);
   if (c->tol >= ROUGH) return patience(c, MANY) || paths(c, 0, 20) || curves(c);
   return patience(c, MANY / 10) || paths(c, 0, 2) || curves(c) || paths(c, 2, 20) ||
          patience(c, MANY);
@@ -294,6 +352,7 @@ static void run_stages(nsdae_fc_chain *c)
              {NSDAE_FRICTION_SMOOTHING, smoothing}, {NSDAE_FRICTION_PROVE, prove},
              {NSDAE_FRICTION_FURTHER, further}};
   c->info = (nsdae_friction_info){.residual = INFINITY};
+  c->trapped = INFINITY;
   memset(c->best, 0, bytes(c));
   for (size_t i = 0; i < sizeof all / sizeof *all; i++)
     if ((c->options->stages & all[i].stage) && all[i].run(c)) return;
@@ -302,5 +361,6 @@ static void run_stages(nsdae_fc_chain *c)
 void nsdae_fc_chain_run(nsdae_fc_chain *c)
 {
   run_stages(c);
+  look_back(c);
   refine(c);
 }

@@ -13,6 +13,8 @@ typedef struct nsdae_fc_chain {
   nsdae_friction_info info; /* of this island */
   double tol;
   double *best; /* 3 n: the point of least residual so far */
+  double *trap; /* 3 n: where a warm start got stuck, and its residual: no other stage sees it */
+  double trapped;
   double *slip; /* n: see coulomb.h */
   nsdae_fc_conjugate conjugate;
   nsdae_fc_newton newton;

@@ -25,15 +25,15 @@ void nsdae_kkt_layout(nsdae_kkt *kkt, nsdae_arena *arena)
   kkt->L = NSDAE_ARENA_DOUBLES(arena, (long)n * n);
   kkt->Y = NSDAE_ARENA_DOUBLES(arena, (long)n * m);
   kkt->S = NSDAE_ARENA_DOUBLES(arena, (long)m * m);
-  kkt->Q = NSDAE_ARENA_DOUBLES(arena, (long)n * m);
-  kkt->Z = NSDAE_ARENA_DOUBLES(arena, (long)m * m);
-  kkt->T = NSDAE_ARENA_DOUBLES(arena, (long)m * m);
-  kkt->tau = NSDAE_ARENA_DOUBLES(arena, m);
-  kkt->norm = NSDAE_ARENA_DOUBLES(arena, m);
+  kkt->pivoted.Q = NSDAE_ARENA_DOUBLES(arena, (long)n * m);
+  kkt->pivoted.Z = NSDAE_ARENA_DOUBLES(arena, (long)m * m);
+  kkt->pivoted.T = NSDAE_ARENA_DOUBLES(arena, (long)m * m);
+  kkt->pivoted.tau = NSDAE_ARENA_DOUBLES(arena, m);
+  kkt->pivoted.norm = NSDAE_ARENA_DOUBLES(arena, m);
   kkt->work = NSDAE_ARENA_DOUBLES(arena, m + kkt->lwork);
-  kkt->column = NSDAE_ARENA_INTS(arena, m);
-  kkt->held = NSDAE_ARENA_INTS(arena, m);
-  kkt->order = NSDAE_ARENA_INTS(arena, m);
+  kkt->pivoted.column = NSDAE_ARENA_INTS(arena, m);
+  kkt->pivoted.held = NSDAE_ARENA_INTS(arena, m);
+  kkt->pivoted.order = NSDAE_ARENA_INTS(arena, m);
 }
 
 static void copy_lower(int n, const double *A, int lda, double *L)
@@ -118,19 +118,19 @@ static double smallest_sine(size_t m, const double *factor)
 static int pivoted_rank(nsdae_kkt *kkt, int hold)
 {
   int n = kkt->n, m = kkt->m, most = smaller(n, m), rank = 0;
-  memcpy(kkt->Q, kkt->Y, (size_t)n * (size_t)m * sizeof *kkt->Q);
+  memcpy(kkt->pivoted.Q, kkt->Y, (size_t)n * (size_t)m * sizeof *kkt->pivoted.Q);
   for (int j = 0; j < m; j++) {
-    double *column = kkt->Q + (size_t)j * (size_t)n;
-    kkt->column[j] = hold ? kkt->held[j] : 0;
-    kkt->norm[j] = cblas_dnrm2(n, column, 1);
-    if (kkt->norm[j] > 0) cblas_dscal(n, 1 / kkt->norm[j], column, 1);
+    double *column = kkt->pivoted.Q + (size_t)j * (size_t)n;
+    kkt->pivoted.column[j] = hold ? kkt->pivoted.held[j] : 0;
+    kkt->pivoted.norm[j] = cblas_dnrm2(n, column, 1);
+    if (kkt->pivoted.norm[j] > 0) cblas_dscal(n, 1 / kkt->pivoted.norm[j], column, 1);
   }
-  LAPACKE_dgeqp3_work(LAPACK_COL_MAJOR, n, m, kkt->Q, n, kkt->column, kkt->tau, kkt->work,
-                      kkt->lwork);
+  LAPACKE_dgeqp3_work(LAPACK_COL_MAJOR, n, m, kkt->pivoted.Q, n, kkt->pivoted.column,
+                      kkt->pivoted.tau, kkt->work, kkt->lwork);
   kkt->left = 0;
   kkt->kept = 1;
   for (; rank < most; rank++) {
-    double sine = fabs(kkt->Q[(size_t)rank * (size_t)n + (size_t)rank]);
+    double sine = fabs(kkt->pivoted.Q[(size_t)rank * (size_t)n + (size_t)rank]);
     if (!(sine > kkt->rank_tol)) {
       kkt->left = sine;
       break;
@@ -144,10 +144,10 @@ static int pivoted_rank(nsdae_kkt *kkt, int hold)
 static int find_rank(nsdae_kkt *kkt)
 {
   int rank = pivoted_rank(kkt, kkt->hold), held = 0;
-  for (int j = 0; j < kkt->m && kkt->hold; j++) held += kkt->held[j];
+  for (int j = 0; j < kkt->m && kkt->hold; j++) held += kkt->pivoted.held[j];
   if (rank < held) rank = pivoted_rank(kkt, 0);
-  memset(kkt->held, 0, (size_t)kkt->m * sizeof *kkt->held);
-  for (int i = 0; i < rank; i++) kkt->held[kkt->column[i] - 1] = 1;
+  memset(kkt->pivoted.held, 0, (size_t)kkt->m * sizeof *kkt->pivoted.held);
+  for (int i = 0; i < rank; i++) kkt->pivoted.held[kkt->pivoted.column[i] - 1] = 1;
   return rank;
 }
 
@@ -157,10 +157,12 @@ static void sort_by_length(nsdae_kkt *kkt)
 {
   for (int i = 0; i < kkt->m; i++) {
     int at = i;
-    double length = kkt->norm[kkt->column[i] - 1];
-    for (; at > 0 && kkt->norm[kkt->column[kkt->order[at - 1]] - 1] < length; at--)
-      kkt->order[at] = kkt->order[at - 1];
-    kkt->order[at] = i;
+    double length = kkt->pivoted.norm[kkt->pivoted.column[i] - 1];
+    for (;
+         at > 0 && kkt->pivoted.norm[kkt->pivoted.column[kkt->pivoted.order[at - 1]] - 1] < length;
+         at--)
+      kkt->pivoted.order[at] = kkt->pivoted.order[at - 1];
+    kkt->pivoted.order[at] = i;
   }
 }
 
@@ -171,9 +173,9 @@ static void independent_rows(nsdae_kkt *kkt, int r)
   sort_by_length(kkt);
   for (size_t i = 0; i < (size_t)r; i++)
     for (size_t row = 0; row < m; row++) {
-      size_t j = (size_t)kkt->order[row];
-      double entry = j >= i ? kkt->Q[j * n + i] : 0;
-      kkt->Z[i * m + row] = entry * kkt->norm[kkt->column[j] - 1];
+      size_t j = (size_t)kkt->pivoted.order[row];
+      double entry = j >= i ? kkt->pivoted.Q[j * n + i] : 0;
+      kkt->pivoted.Z[i * m + row] = entry * kkt->pivoted.norm[kkt->pivoted.column[j] - 1];
       if (j < (size_t)r) kkt->S[j * m + i] = entry;
     }
 }
@@ -185,10 +187,13 @@ static void factor_by_rank(nsdae_kkt *kkt)
   kkt->factored_by_rank = 1;
   if (r == 0) return;
   independent_rows(kkt, r);
-  LAPACKE_dorgqr_work(LAPACK_COL_MAJOR, n, r, r, kkt->Q, n, kkt->tau, kkt->work, kkt->lwork);
-  LAPACKE_dgeqrf_work(LAPACK_COL_MAJOR, m, r, kkt->Z, m, kkt->tau, kkt->work, kkt->lwork);
-  memcpy(kkt->T, kkt->Z, (size_t)m * (size_t)r * sizeof *kkt->T);
-  LAPACKE_dorgqr_work(LAPACK_COL_MAJOR, m, r, r, kkt->Z, m, kkt->tau, kkt->work, kkt->lwork);
+  LAPACKE_dorgqr_work(LAPACK_COL_MAJOR, n, r, r, kkt->pivoted.Q, n, kkt->pivoted.tau, kkt->work,
+                      kkt->lwork);
+  LAPACKE_dgeqrf_work(LAPACK_COL_MAJOR, m, r, kkt->pivoted.Z, m, kkt->pivoted.tau, kkt->work,
+                      kkt->lwork);
+  memcpy(kkt->pivoted.T, kkt->pivoted.Z, (size_t)m * (size_t)r * sizeof *kkt->pivoted.T);
+  LAPACKE_dorgqr_work(LAPACK_COL_MAJOR, m, r, r, kkt->pivoted.Z, m, kkt->pivoted.tau, kkt->work,
+                      kkt->lwork);
 }
 
 int nsdae_kkt_factor(nsdae_kkt *kkt, const double *M, int ldm, const double *J, int ldj)
@@ -220,14 +225,15 @@ static void solve_by_rank(const nsdae_kkt *kkt, double *z, double *g)
 {
   int n = kkt->n, m = kkt->m, r = kkt->rank;
   double *w = kkt->work, *l = kkt->work + m;
-  for (int i = 0; i < r; i++) w[i] = g[kkt->column[i] - 1] / kkt->norm[kkt->column[i] - 1];
+  for (int i = 0; i < r; i++)
+    w[i] = g[kkt->pivoted.column[i] - 1] / kkt->pivoted.norm[kkt->pivoted.column[i] - 1];
   memset(g, 0, (size_t)m * sizeof *g);
   if (r == 0) return;
   cblas_dtrsv(CblasColMajor, CblasUpper, CblasTrans, CblasNonUnit, r, kkt->S, m, w, 1);
-  cblas_dgemv(CblasColMajor, CblasNoTrans, n, r, -1.0, kkt->Q, n, w, 1, 1.0, z, 1);
-  cblas_dtrsv(CblasColMajor, CblasUpper, CblasTrans, CblasNonUnit, r, kkt->T, m, w, 1);
-  cblas_dgemv(CblasColMajor, CblasNoTrans, m, r, 1.0, kkt->Z, m, w, 1, 0.0, l, 1);
-  for (int row = 0; row < m; row++) g[kkt->column[kkt->order[row]] - 1] = l[row];
+  cblas_dgemv(CblasColMajor, CblasNoTrans, n, r, -1.0, kkt->pivoted.Q, n, w, 1, 1.0, z, 1);
+  cblas_dtrsv(CblasColMajor, CblasUpper, CblasTrans, CblasNonUnit, r, kkt->pivoted.T, m, w, 1);
+  cblas_dgemv(CblasColMajor, CblasNoTrans, m, r, 1.0, kkt->pivoted.Z, m, w, 1, 0.0, l, 1);
+  for (int row = 0; row < m; row++) g[kkt->pivoted.column[kkt->pivoted.order[row]] - 1] = l[row];
 }
 
 /* R [n x nrhs] holds z on entry and z - Y l on return, C [m x nrhs] Y^T z - c and l. */
@@ -259,4 +265,35 @@ void nsdae_kkt_solve_mass(const nsdae_kkt *kkt, double *r)
 {
   solve_root(kkt, 1, r, kkt->n);
   solve_root_transposed(kkt, 1, r, kkt->n);
+}
+
+/* The constraint that row a of Z is of. */
+static size_t constraint_of(const nsdae_kkt *kkt, size_t a)
+{
+  return (size_t)kkt->pivoted.column[kkt->pivoted.order[a]] - 1;
+}
+
+void nsdae_kkt_range(const nsdae_kkt *kkt, double *B)
+{
+  size_t m = (size_t)kkt->m;
+  const double *Z = kkt->pivoted.Z;
+  memset(B, 0, m * m * sizeof *B);
+  for (size_t a = 0; a < m; a++)
+    for (size_t b = 0; b < m; b++) {
+      double *entry = B + constraint_of(kkt, b) * m + constraint_of(kkt, a);
+      for (size_t l = 0; l < (size_t)kkt->rank; l++) *entry += Z[l * m + a] * Z[l * m + b];
+    }
+}
+
+double nsdae_kkt_common(const nsdae_kkt *kkt, const double *B)
+{
+  size_t m = (size_t)kkt->m;
+  const double *Z = kkt->pivoted.Z;
+  double common = 0;
+  for (size_t l = 0; l < (size_t)kkt->rank; l++)
+    for (size_t a = 0; a < m; a++)
+      for (size_t b = 0; b < m; b++)
+        common +=
+            Z[l * m + a] * B[constraint_of(kkt, b) * m + constraint_of(kkt, a)] * Z[l * m + b];
+  return common;
 }

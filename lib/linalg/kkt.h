@@ -19,6 +19,16 @@
 
 #include "arena.h"
 
+/* The rank-revealing factorisation. */
+typedef struct nsdae_kkt_pivoted {
+  double *Q;          /* n x m: Q of the pivoted QR; R_11 is in S then */
+  double *Z, *T;      /* m x rank, rank x rank (leading dimension m) */
+  double *tau, *norm; /* min(n, m), m */
+  int *column;        /* m: column order of the QR */
+  int *held;          /* m: 1 for each constraint that it found independent */
+  int *order;         /* m: constraints by decreasing length, the order of the rows of Z */
+} nsdae_kkt_pivoted;
+
 typedef struct nsdae_kkt {
   int n, m;
   double rank_tol;   /* sine of the angle below which a constraint depends on the others */
@@ -27,15 +37,10 @@ typedef struct nsdae_kkt {
   int pivot;         /* of M that failed, from 1 */
   int diagonal;      /* M is, as often in absolute coordinates: no product is spent on it */
   int factored_by_rank; /* the last factorisation is the rank-revealing one */
-  double *L, *Y, *S;    /* n x n, n x m, m x m */
-  double *Q;            /* n x m: Q of the pivoted QR; R_11 is in S then */
-  double *Z, *T;        /* m x rank, rank x rank (leading dimension m) */
-  double *tau, *norm;   /* min(n, m), m */
-  double *work;         /* m: one right-hand side; lwork: LAPACK's */
-  int *column;          /* m: column order of the pivoted QR */
-  int hold;   /* the independent constraints of the factorisation before stay, if they can */
-  int *held;  /* m: 1 for each of those */
-  int *order; /* m: constraints by decreasing length, the order of the rows of Z */
+  int hold;          /* the independent constraints of the factorisation before stay, if they can */
+  double *L, *Y, *S; /* n x n, n x m, m x m */
+  nsdae_kkt_pivoted pivoted;
+  double *work; /* m: one right-hand side; lwork: LAPACK's */
   int lwork;
 } nsdae_kkt;
 
@@ -48,6 +53,11 @@ int nsdae_kkt_factor(nsdae_kkt *kkt, const double *M, int ldm, const double *J, 
 
 /* R [n x nrhs] := x, C [m x nrhs] := l. */
 void nsdae_kkt_solve(const nsdae_kkt *kkt, int nrhs, double *R, int ldr, double *C, int ldc);
+
+/* Of a deficient rank: B [m x m] := Z Z^T, the projector to the independent combinations of the
+ * constraints, and trace(B Z Z^T), the dimension that a B has in common with the one of now. */
+void nsdae_kkt_range(const nsdae_kkt *kkt, double *B);
+double nsdae_kkt_common(const nsdae_kkt *kkt, const double *B);
 
 /* r [n] := M^-1 r, as if there were no constraints. */
 void nsdae_kkt_solve_mass(const nsdae_kkt *kkt, double *r);

@@ -100,7 +100,7 @@ int nsdae_step_impact(const nsdae_step *step, nsdae_terms *terms, const double *
 {
   nsdae_stepper *s = step->tools;
   if (!s->world) return nsdae_stepper_impact(s, step->result, terms, r, v);
-  for (int i = 0; i < s->system->dims.m; i++) s->impulse[i] = -terms->phi_t[i];
+  for (int i = 0; i < s->system->dims.m; i++) s->impulse[i] = -terms->constraint.phi_t[i];
   return solve_world(step, terms, M, r, 1, v, s->impulse);
 }
 

@@ -17,9 +17,9 @@ void nsdae_stepper_prepare_terms(nsdae_stepper *s, nsdae_terms *terms)
 static double settled(const nsdae_system *system, double tol)
 {
   const nsdae_dims *d = &system->dims;
-  int differs = (d->m > 0 && ((!system->constraint_jacobian && !system->by_list) ||
-                              !system->constraint_bias)) ||
-                (d->k > 0 && (!system->gap_normal || !system->contact_bias));
+  int differs = (d->m > 0 && ((!system->call.constraint_jacobian && !system->by_list) ||
+                              !system->call.constraint_bias)) ||
+                (d->k > 0 && (!system->call.gap_normal || !system->call.contact_bias));
   return differs ? fmax(tol, 1e-9) : tol;
 }
 
@@ -51,15 +51,15 @@ void nsdae_stepper_layout(nsdae_stepper *s, nsdae_arena *arena)
   nsdae_terms_layout(&s->middle, arena);
   nsdae_kkt_layout(&s->kkt, arena);
   nsdae_contacts_layout(&s->contacts, arena);
-  s->M = NSDAE_ARENA_DOUBLES(arena, blocks->square[blocks->count]);
+  s->mean.M = NSDAE_ARENA_DOUBLES(arena, blocks->square[blocks->count]);
   s->q = NSDAE_ARENA_DOUBLES(arena, dims->nq);
   s->v = NSDAE_ARENA_DOUBLES(arena, n);
   s->r = NSDAE_ARENA_DOUBLES(arena, n);
-  s->F = NSDAE_ARENA_DOUBLES(arena, n);
+  s->mean.F = NSDAE_ARENA_DOUBLES(arena, n);
   s->v_other = NSDAE_ARENA_DOUBLES(arena, n);
   s->size = NSDAE_ARENA_DOUBLES(arena, n);
-  s->qdot0 = NSDAE_ARENA_DOUBLES(arena, dims->nq);
-  s->qdot1 = NSDAE_ARENA_DOUBLES(arena, dims->nq);
+  s->qdot[0] = NSDAE_ARENA_DOUBLES(arena, dims->nq);
+  s->qdot[1] = NSDAE_ARENA_DOUBLES(arena, dims->nq);
   s->impulse = NSDAE_ARENA_DOUBLES(arena, dims->m);
   s->rate = NSDAE_ARENA_DOUBLES(arena, dims->m);
 }
@@ -112,7 +112,7 @@ int nsdae_stepper_impact(nsdae_stepper *s, nsdae_result *result, const nsdae_ter
 {
   int n = s->system->dims.nv, m = s->system->dims.m;
   memcpy(v, r, (size_t)n * sizeof *v);
-  for (int i = 0; i < m; i++) s->impulse[i] = -terms->phi_t[i];
+  for (int i = 0; i < m; i++) s->impulse[i] = -terms->constraint.phi_t[i];
   nsdae_kkt_solve(&s->kkt, 1, v, n, s->impulse, m);
   if (!nsdae_contacts_any(&s->contacts)) return NSDAE_OK;
   result->problem = &s->contacts;

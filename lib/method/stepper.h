@@ -8,6 +8,11 @@
 #include "system_impl.h"
 #include "world.h"
 
+/* Of the two ends of a step, as in the terms. */
+typedef struct nsdae_means {
+  double *M, *F;
+} nsdae_means;
+
 typedef struct nsdae_stepper {
   const nsdae_system *system;
   const nsdae_sim_options *options;
@@ -19,14 +24,14 @@ typedef struct nsdae_stepper {
   nsdae_terms middle;
   nsdae_kkt kkt;
   nsdae_contacts contacts;
-  nsdae_world *world;    /* of a system by blocks, in place of kkt and contacts; else NULL */
-  double *M, *F;         /* as in the terms; nv: a mean mass matrix, a mean force */
-  double *q, *v, *r;     /* nq, nv, nv */
-  double *v_other;       /* nv: a velocity in between */
-  double *size;          /* nv: how large the terms of a velocity are */
-  double *qdot0, *qdot1; /* nq */
-  double *impulse;       /* m: Lambda of the bilateral constraints over the step */
-  double *rate;          /* m: rates of the bilateral constraints, then what is not asked for */
+  nsdae_world *world; /* of a system by blocks, in place of kkt and contacts; else NULL */
+  nsdae_means mean;
+  double *q, *v, *r; /* nq, nv, nv */
+  double *v_other;   /* nv: a velocity in between */
+  double *size;      /* nv: how large the terms of a velocity are */
+  double *qdot[2];   /* nq: at both ends of a way */
+  double *impulse;   /* m: Lambda of the bilateral constraints over the step */
+  double *rate;      /* m: rates of the bilateral constraints, then what is not asked for */
 } nsdae_stepper;
 
 /* A step in work, of a method that solves one contact problem for it. */

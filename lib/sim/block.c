@@ -278,7 +278,7 @@ int nsdae_sim_get_state(nsdae_sim *sim, void *block, size_t size)
 {
   if (!sim) return NSDAE_E_ARGUMENT;
   if (!sim->observers.telling) nsdae_error_clear(&sim->error);
-  if (!sim->started)
+  if (!sim->stage.started)
     return nsdae_error_set(&sim->error, NSDAE_E_STATE, "nsdae_sim_get_state", "",
                            "the simulation has no state: call nsdae_sim_init first");
   int closed = nsdae_sim_shown(sim)->result.closed.count;
@@ -424,8 +424,8 @@ static int make_room(nsdae_sim *sim, const void *block)
   head h;
   memcpy(&h, block, sizeof h);
   const nsdae_room contacts = {(size_t)h.closed, 0}, rows = {0};
-  return (size_t)h.closed > sim->contacts.entries ? nsdae_sim_make_room(sim, &contacts, &rows)
-                                                  : NSDAE_OK;
+  return (size_t)h.closed > sim->lists.contacts.entries ? nsdae_sim_make_room(sim, &contacts, &rows)
+                                                        : NSDAE_OK;
 }
 
 int nsdae_sim_set_state(nsdae_sim *sim, const void *block, size_t size)
@@ -435,15 +435,15 @@ int nsdae_sim_set_state(nsdae_sim *sim, const void *block, size_t size)
   nsdae_error_clear(&sim->error);
   int status = block ? check_head(sim, block, size) : refuse(sim, "block", "block is NULL");
   if (status < 0) return status;
-  sim->waiting = sim->between = 0;
+  sim->stage.waiting = sim->stage.between = 0;
   status = make_room(sim, block);
   while (status == NSDAE_OK && (status = read_block(sim, block)) == NSDAE_GROW)
     status = nsdae_sim_grow(sim);
   if (status < 0) return status;
   nsdae_sim_commit(sim);
   nsdae_units_swap(&sim->projection);
-  sim->started = sim->told = 1;
-  sim->failed = 0;
+  sim->stage.started = sim->stage.told = 1;
+  sim->stage.failed = 0;
   sim->observers.turn = sim->observers.stop = 0;
   return NSDAE_OK;
 }

@@ -18,12 +18,12 @@ static int by_parabola(nsdae_sim *sim, const nsdae_terms *from, const nsdae_term
 {
   nsdae_stepper *tools = &sim->stepper;
   double h = to->t - from->t, s = (t - from->t) / h;
-  int status = nsdae_kinematics_at(from, from->v, tools->qdot0);
-  if (status == NSDAE_OK) status = nsdae_kinematics_at(to, to->v, tools->qdot1);
+  int status = nsdae_kinematics_at(from, from->v, tools->qdot[0]);
+  if (status == NSDAE_OK) status = nsdae_kinematics_at(to, to->v, tools->qdot[1]);
   if (status < 0) return status;
   for (int i = 0; i < sim->model.dims.nq; i++)
     q[i] = from->q[i] + s * (to->q[i] - from->q[i]) +
-           h / 2 * (s * s - s) * (tools->qdot1[i] - tools->qdot0[i]);
+           h / 2 * (s * s - s) * (tools->qdot[1][i] - tools->qdot[0][i]);
   for (int i = 0; i < sim->model.dims.nv; i++) v[i] = from->v[i] + s * (to->v[i] - from->v[i]);
   return NSDAE_OK;
 }
@@ -68,7 +68,7 @@ int nsdae_sim_interpolate(nsdae_sim *sim, double t, double *q, double *v)
                            q ? "v" : "q");
   const nsdae_point *shown = nsdae_sim_shown(sim);
   nsdae_point *before = shown == sim->next ? sim->now : sim->next;
-  if (!sim->started || (shown == sim->now && !sim->between))
+  if (!sim->stage.started || (shown == sim->now && !sim->stage.between))
     return nsdae_error_set(&sim->error, NSDAE_E_STATE, where, "",
                            "there is no last step: none was done since the start, or it failed");
   const nsdae_terms *from = &before->result.end, *to = &shown->result.end;

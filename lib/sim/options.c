@@ -15,7 +15,7 @@ static const char *const solvers[] = {"dense", "sparse", NULL};
 static const char *const redundant[] = {"error", "least-norm", NULL};
 
 static const char *const no_yes[] = {"no", "yes", NULL};
-static const char *const projections[] = {"none", "constraints", "contacts", NULL};
+static const char *const projections[] = {"none", "constraints", "contacts", "depths", NULL};
 
 enum { INITIALISED = 0x6e736461 };
 
@@ -66,12 +66,12 @@ static const nsdae_param entries[] = {
     {"events_max", "1", "most instants of event in one dt; past it the step is implicit's",
      NSDAE_PARAM_INT, AT(events_max), 10000, 1, 1e9, 0, NULL},
     {"projection", "", "what the end of a step of a time-stepping method is moved to",
-     NSDAE_PARAM_CHOICE, AT(projection), NSDAE_PROJECTION_NONE, 0, 2, 0, projections},
+     NSDAE_PARAM_CHOICE, AT(projection), NSDAE_PROJECTION_NONE, 0, 3, 0, projections},
     {"start_tol", "1", "relative error of the numbers of a start, which must be consistent",
      NSDAE_PARAM_REAL, AT(start_tol), 1e-6, 0, INFINITY, 0, NULL},
     {"inner_steps_max", "1", "most steps of the integrator of penalty and event in one dt",
      NSDAE_PARAM_INT, AT(inner_steps_max), 100000, 1, 1e9, 0, NULL},
-    {"start_check", "", "whether a start looks for derivatives that are grossly wrong",
+    {"start_check", "", "whether a start looks for callbacks that are grossly wrong",
      NSDAE_PARAM_CHOICE, AT(start_check), 1, 0, 1, 0, no_yes},
     {"contacts_max", "1", "most contacts of a list", NSDAE_PARAM_INT, AT(contacts_max), 1 << 20, 1,
      1 << 28, 0, NULL},

@@ -13,6 +13,15 @@ enum {
   TERMS = NSDAE_TERM_MASS | NSDAE_TERM_PHI | NSDAE_TERM_JACOBIAN
 };
 
+/* Entries of H by blocks. */
+static long moved(const nsdae_system *s)
+{
+  long sum = 0;
+  for (int b = 0; b < s->blocks.count; b++)
+    sum += (long)nsdae_blocks_size(&s->coordinates, b) * nsdae_blocks_size(&s->blocks, b);
+  return sum;
+}
+
 void nsdae_projector_layout(nsdae_projector *p, nsdae_arena *arena)
 {
   const nsdae_dims *d = &p->tools->system->dims;
@@ -29,28 +38,66 @@ void nsdae_projector_layout(nsdae_projector *p, nsdae_arena *arena)
   p->v = NSDAE_ARENA_DOUBLES(arena, d->nv);
   p->qdot = NSDAE_ARENA_DOUBLES(arena, d->nq);
   p->H =
-      NSDAE_ARENA_DOUBLES(arena, p->tools->system->kinematics && !listed ? (long)d->nq * d->nv : 0);
+      NSDAE_ARENA_DOUBLES(arena, p->tools->system->call.kinematics ? moved(p->tools->system) : 0);
+  p->length = NSDAE_ARENA_DOUBLES(arena, d->nq);
   p->start = NSDAE_ARENA_DOUBLES(arena, 3L * d->m);
   p->contact = NSDAE_ARENA_INTS(arena, p->rows_most);
   p->closed = NSDAE_ARENA_INTS(arena, d->k);
+  p->depth = NSDAE_ARENA_DOUBLES(arena, d->k);
 }
 
 /* ---- coordinates of unit length */
+
+/* Block b of q and v: what its kinematics is looked at by itself, for dq/dt of a block is of v of
+ * that block. One of all where no blocks were set. */
+typedef struct part {
+  int first, nq, nv; /* where its coordinates begin */
+  double *H;         /* nq x nv */
+} part;
+
+static part part_before_all(const nsdae_projector *p)
+{
+  return (part){.H = p->H};
+}
+
+/* The block behind, or 0. */
+static int next_part(const nsdae_projector *p, part *b, int number)
+{
+  const nsdae_system *s = p->tools->system;
+  if (number >= s->blocks.count) return 0;
+  b->H += (size_t)b->nq * (size_t)b->nv;
+  b->first = s->coordinates.first[number];
+  b->nq = nsdae_blocks_size(&s->coordinates, number);
+  b->nv = nsdae_blocks_size(&s->blocks, number);
+  return 1;
+}
+
+/* H e_j of every block at p->q, in as many calls as the widest has velocities. */
+static int read_column(nsdae_projector *p, double t, int j)
+{
+  const nsdae_system *s = p->tools->system;
+  memset(p->v, 0, (size_t)s->dims.nv * sizeof *p->v);
+  memset(p->qdot, 0, (size_t)s->dims.nq * sizeof *p->qdot);
+  for (int b = 0; b < s->blocks.count; b++)
+    if (j < nsdae_blocks_size(&s->blocks, b)) p->v[s->blocks.first[b] + j] = 1;
+  int code = nsdae_kinematics(s, t, p->q, p->v, p->qdot);
+  part b = part_before_all(p);
+  for (int i = 0; next_part(p, &b, i); i++)
+    if (j < b.nv)
+      memcpy(b.H + (size_t)j * (size_t)b.nq, p->qdot + b.first, (size_t)b.nq * sizeof *b.H);
+  return code;
+}
 
 /* H at a point beside q that is nothing special; a callback's code. */
 static int read_beside(nsdae_projector *p, double t, const double *q, double away)
 {
   const nsdae_system *s = p->tools->system;
-  int nq = s->dims.nq, nv = s->dims.nv, code = 0;
-  for (int i = 0; i < nq; i++)
+  int widest = 0, code = 0;
+  for (int i = 0; i < s->dims.nq; i++)
     p->q[i] = q[i] + away * (0.3 + fmod(0.618034 * (i + 1), 1)) * (1 + fabs(q[i]));
-  for (int j = 0; j < nv && !code; j++) {
-    memset(p->v, 0, (size_t)nv * sizeof *p->v);
-    p->v[j] = 1;
-    double *column = p->H + (size_t)j * (size_t)nq;
-    memset(column, 0, (size_t)nq * sizeof *column);
-    code = nsdae_kinematics(s, t, p->q, p->v, column);
-  }
+  for (int b = 0; b < s->blocks.count; b++)
+    if (nsdae_blocks_size(&s->blocks, b) > widest) widest = nsdae_blocks_size(&s->blocks, b);
+  for (int j = 0; j < widest && !code; j++) code = read_column(p, t, j);
   return code;
 }
 
@@ -62,34 +109,34 @@ static int read_kinematics(nsdae_projector *p, double t, const double *q, double
   return code;
 }
 
-/* of[i]: the first coordinate that is moved together with i. */
-static void group_coordinates(nsdae_projector *p)
+/* of[i]: the first coordinate of the block that is moved together with i. */
+static void group_coordinates(const part *b, int *of)
 {
-  int nq = p->tools->system->dims.nq, nv = p->tools->system->dims.nv, *of = p->units.of;
-  for (int i = 0; i < nq; i++) of[i] = i;
-  for (int j = 0; j < nv; j++) {
+  for (int i = 0; i < b->nq; i++) of[i] = i;
+  for (int j = 0; j < b->nv; j++) {
     int first = -1;
-    for (int i = 0; i < nq; i++) {
-      if (p->H[(size_t)j * (size_t)nq + (size_t)i] == 0) continue;
+    for (int i = 0; i < b->nq; i++) {
+      if (b->H[(size_t)j * (size_t)b->nq + (size_t)i] == 0) continue;
       if (first < 0) first = of[i];
       int from = of[i] > first ? of[i] : first, to = of[i] > first ? first : of[i];
-      for (int l = 0; l < nq; l++)
+      for (int l = 0; l < b->nq; l++)
         if (of[l] == from) of[l] = to;
       first = to;
     }
   }
 }
 
-/* Whether group g at the point p->q keeps its length and has the sizes of a rotation. */
-static int keeps_length(const nsdae_projector *p, int g)
+/* Whether group g at the point q, of the block, keeps its length and has the sizes of a rotation.
+ */
+static int keeps_length(const part *b, const int *of, const double *q, int g)
 {
-  int nq = p->tools->system->dims.nq, nv = p->tools->system->dims.nv, size = 0, movers = 0;
-  for (int i = 0; i < nq; i++) size += p->units.of[i] == g;
-  for (int j = 0; j < nv; j++) {
+  int size = 0, movers = 0;
+  for (int i = 0; i < b->nq; i++) size += of[i] == g;
+  for (int j = 0; j < b->nv; j++) {
     double along = 0, terms = 0;
-    for (int i = 0; i < nq; i++) {
-      if (p->units.of[i] != g) continue;
-      double term = p->q[i] * p->H[(size_t)j * (size_t)nq + (size_t)i];
+    for (int i = 0; i < b->nq; i++) {
+      if (of[i] != g) continue;
+      double term = q[i] * b->H[(size_t)j * (size_t)b->nq + (size_t)i];
       along += term;
       terms += fabs(term);
     }
@@ -99,6 +146,31 @@ static int keeps_length(const nsdae_projector *p, int g)
   return (size == 4 && movers == 3) || (size == 2 && movers == 1);
 }
 
+/* Groups of the block that keep their length here; the others are numbered nq. */
+static void keep_here(nsdae_projector *p, const part *b)
+{
+  int *of = p->units.of + b->first;
+  group_coordinates(b, of);
+  for (int g = 0; g < b->nq; g++)
+    if (!keeps_length(b, of, p->q + b->first, g))
+      for (int i = 0; i < b->nq; i++)
+        if (of[i] == g) of[i] = b->nq; /* none of them */
+}
+
+/* Those that do so here, too, get the numbers that come next; all others -1. */
+static void keep_there(nsdae_projector *p, const part *b, int same)
+{
+  nsdae_units *u = &p->units;
+  int *of = u->of + b->first;
+  for (int g = 0; g < b->nq; g++) {
+    int keeps = same && keeps_length(b, of, p->q + b->first, g);
+    for (int i = 0; i < b->nq; i++)
+      if (of[i] == g) of[i] = keeps ? -2 - u->count : b->nq;
+    u->count += keeps;
+  }
+  for (int i = 0; i < b->nq; i++) of[i] = of[i] < 0 ? -2 - of[i] : -1;
+}
+
 void nsdae_units_swap(nsdae_projector *p)
 {
   nsdae_units units = p->units;
@@ -106,12 +178,12 @@ void nsdae_units_swap(nsdae_projector *p)
   p->other = units;
 }
 
-double nsdae_units_length(const nsdae_units *units, int nq, const double *q, int i)
+void nsdae_units_measure(const nsdae_units *units, int nq, const double *q, double *length)
 {
-  double sum = 0;
-  for (int j = 0; j < nq; j++)
-    if (units->of[j] == i) sum += q[j] * q[j];
-  return sqrt(sum);
+  memset(length, 0, (size_t)units->count * sizeof *length);
+  for (int i = 0; i < nq; i++)
+    if (units->of[i] >= 0) length[units->of[i]] += q[i] * q[i];
+  for (int g = 0; g < units->count; g++) length[g] = sqrt(length[g]);
 }
 
 /* Groups that keep their length at one point and at another get the numbers 0, 1, ... */
@@ -119,45 +191,39 @@ int nsdae_units_find(nsdae_projector *p, double t, const double *q)
 {
   int nq = p->tools->system->dims.nq;
   nsdae_units *u = &p->units;
+  part b = part_before_all(p);
   u->count = 0;
   for (int i = 0; i < nq; i++) u->of[i] = -1;
-  if (nq == p->tools->system->dims.nv || p->tools->system->by_list) return NSDAE_OK;
+  if (nq == p->tools->system->dims.nv) return NSDAE_OK;
   int code = read_kinematics(p, t, q, 0.11);
   if (code < 0) return nsdae_system_callback_status(code, "kinematics", t, p->tools->error);
   if (code > 0) return NSDAE_OK;
-  group_coordinates(p);
-  for (int g = 0; g < nq; g++)
-    if (!keeps_length(p, g))
-      for (int i = 0; i < nq; i++)
-        if (u->of[i] == g) u->of[i] = nq; /* none of them */
+  for (int i = 0; next_part(p, &b, i); i++) keep_here(p, &b);
   code = read_kinematics(p, t, q, -0.07);
-  for (int g = 0; g < nq; g++) {
-    int keeps = code == 0 && keeps_length(p, g);
-    for (int i = 0; i < nq; i++)
-      if (u->of[i] == g) u->of[i] = keeps ? -2 - u->count : nq;
-    u->count += keeps;
-  }
-  for (int i = 0; i < nq; i++) u->of[i] = u->of[i] < 0 ? -2 - u->of[i] : -1;
-  for (int i = 0; i < u->count; i++) u->length[i] = nsdae_units_length(u, nq, q, i);
+  b = part_before_all(p);
+  for (int i = 0; next_part(p, &b, i); i++) keep_there(p, &b, code == 0);
+  nsdae_units_measure(u, nq, q, u->length);
   return code < 0 ? nsdae_system_callback_status(code, "kinematics", t, p->tools->error) : NSDAE_OK;
 }
 
 static void restore_lengths(nsdae_projector *p)
 {
   int nq = p->tools->system->dims.nq;
-  for (int g = 0; g < p->units.count; g++) {
-    double length = nsdae_units_length(&p->units, nq, p->q, g);
-    for (int i = 0; i < nq && length > 0; i++)
-      if (p->units.of[i] == g) p->q[i] *= p->units.length[g] / length;
+  const nsdae_units *u = &p->units;
+  if (u->count > 0) nsdae_units_measure(u, nq, p->q, p->length);
+  for (int i = 0; i < nq && u->count > 0; i++) {
+    int g = u->of[i];
+    if (g >= 0 && p->length[g] > 0) p->q[i] *= u->length[g] / p->length[g];
   }
 }
 
-int nsdae_units_strayed(const nsdae_projector *p, const nsdae_terms *T)
+int nsdae_units_strayed(nsdae_projector *p, const nsdae_terms *T)
 {
-  for (int g = 0; g < p->units.count; g++) {
-    double length = nsdae_units_length(&p->units, T->system->dims.nq, T->q, g);
-    if (length > 2 * p->units.length[g] || length < p->units.length[g] / 2) return 1;
-  }
+  const nsdae_units *u = &p->units;
+  if (u->count == 0) return 0;
+  nsdae_units_measure(u, T->system->dims.nq, T->q, p->length);
+  for (int g = 0; g < u->count; g++)
+    if (p->length[g] > 2 * u->length[g] || p->length[g] < u->length[g] / 2) return 1;
   return 0;
 }
 
@@ -189,9 +255,9 @@ static int position_rows(nsdae_projector *p, const nsdae_terms *T, double *worst
     int contact = i - d->m;
     if (contact >= 0 && !p->closed[contact]) continue;
     p->contact[p->least.rows] = contact >= 0 ? contact : -1;
-    double off = contact < 0
-                     ? append(p, T->J + i, d->m, T->phi[i], x)
-                     : append(p, T->W_N + (size_t)contact * (size_t)d->nv, 1, T->gap[contact], x);
+    const double *W = contact < 0 ? T->constraint.J + i : T->W_N + (size_t)contact * (size_t)d->nv;
+    double missing = contact < 0 ? T->constraint.phi[i] : T->gap[contact] - p->depth[contact];
+    double off = append(p, W, contact < 0 ? d->m : 1, missing, x);
     if (off > *worst || p->least.rows == 1) *worst_row = p->least.rows - 1;
     *worst = fmax(*worst, off);
   }
@@ -259,7 +325,7 @@ static int not_converged(const nsdae_projector *p, const nsdae_terms *T, int row
                   "no state on all constraints was found near this one at t = %.17g: %s is off by "
                   "%.3g; do they contradict each other?",
                   T->t, nsdae_system_called(T->system, kind, i, called),
-                  contact < 0 ? T->phi[i] : T->gap[i]);
+                  contact < 0 ? T->constraint.phi[i] : T->gap[i] - p->depth[i]);
   T->error->index = i;
   T->error->time = T->t;
   return NSDAE_E_CONVERGENCE;
@@ -314,7 +380,7 @@ int nsdae_project_velocities(nsdae_projector *p, nsdae_terms *T)
   if (status < 0) return status;
   nsdae_least_start(&p->least);
   for (int i = 0; i < d->m; i++)
-    append(p, T->J + i, d->m, nsdae_terms_constraint_rate(T, i, T->v), 0);
+    append(p, T->constraint.J + i, d->m, nsdae_terms_constraint_rate(T, i, T->v), 0);
   status = solve(p, T, 0);
   if (status < 0) return status;
   for (int j = 0; j < d->nv; j++) p->v[j] = T->v[j] + p->least.change[j];

@@ -1,16 +1,16 @@
 /* Back to the constraints, by the least change in the metric of M.
  *
- *   positions:  min (dq)^T M dq / 2,   Phi + Phi_q dq = 0,  g_N + W_N^T dq = 0      Newton's
+ *   positions:  min (dq)^T M dq / 2,   Phi + Phi_q dq = 0,  g_N + W_N^T dq = g      Newton's
  * method, velocities: min (dv)^T M dv / 2,   Phi_q (v + dv) + Phi_t = 0                  one
  * solution,
  *
  * both M d + J^T l = 0, J d = -c; q moves by H dq, dq/dt = H v (Ascher and Petzold, Computer
  * Methods for Ordinary Differential Equations, 1998, section 9.2; Eich, SIAM J. Numer. Anal. 30,
- * 1993). A contact only pushes: where l > 0 its row is left out.
+ * 1993). A contact only pushes: where l > 0 its row is left out. g is 0, touching, or a depth.
  *
  * Coordinates of unit length, such as quaternions, the kinematics shows: groups of 4 coordinates
  * that 3 velocities move, or of 2 that 1 moves, with q . H = 0 wherever they are. Their length is a
- * constant of the motion that dq does not change. */
+ * constant of the motion that dq does not change. Blocks are looked at one by one. */
 #ifndef NSDAE_SIM_PROJECTION_H
 #define NSDAE_SIM_PROJECTION_H
 
@@ -31,10 +31,12 @@ typedef struct nsdae_projector {
   nsdae_units units, other; /* those of the run; what is read of another one */
   double *total;            /* nv: the sum of all changes */
   double *q, *v, *qdot;     /* nq, nv, nq */
-  double *H;                /* nq x nv: of the kinematics, where groups are looked for */
+  double *H;                /* nq x nv, by blocks: the kinematics, where groups are looked for */
+  double *length;           /* of the groups, at most nq: now */
   double *start;            /* 3 m: for looking at a start */
   int *contact;             /* rows: the contact of a row; -1: a constraint */
   int *closed;              /* k: contacts that take part */
+  double *depth;            /* k: their gap in the end, <= 0 */
 } nsdae_projector;
 
 /* tools and rows_most are set before. */
@@ -45,12 +47,12 @@ void nsdae_projector_layout(nsdae_projector *projection, nsdae_arena *arena);
 int nsdae_units_find(nsdae_projector *projection, double t, const double *q);
 /* Puts other in the place of units. */
 void nsdae_units_swap(nsdae_projector *projection);
-/* Length of group i of q. */
-double nsdae_units_length(const nsdae_units *units, int nq, const double *q, int i);
+/* length [count]: of the groups of q. */
+void nsdae_units_measure(const nsdae_units *units, int nq, const double *q, double *length);
 
 /* 1 where a group of the terms' point is twice as long as it was, or half as long: then its length
  * is put back. What is near stays as the method left it. */
-int nsdae_units_strayed(const nsdae_projector *projection, const nsdae_terms *terms);
+int nsdae_units_strayed(nsdae_projector *projection, const nsdae_terms *terms);
 void nsdae_units_restore(nsdae_projector *projection, nsdae_terms *terms);
 
 /* Moves the terms' point to the constraints and to the closed contacts; penetrating: contacts that

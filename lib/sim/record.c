@@ -196,7 +196,8 @@ int nsdae_point_start(nsdae_sim *sim, nsdae_point *point)
   stats->rank_kept = 1;
   status = nsdae_watch_finite(point);
   if (status < 0) return status;
-  nsdae_watch_start(sim, point);
+  status = nsdae_watch_start(sim, point);
+  if (status < 0) return status;
   count(stats, &point->result.counters);
   certify(stats, &point->record);
   return NSDAE_OK;

@@ -12,12 +12,12 @@ static nsdae_room larger(const nsdae_room *a, const nsdae_room *b)
 static int no_memory(nsdae_sim *sim)
 {
   return nsdae_error_set(&sim->error, NSDAE_E_MEMORY, "nsdae_sim", "contacts",
-                         "out of memory for lists of %zu contacts", sim->contacts.entries);
+                         "out of memory for lists of %zu contacts", sim->lists.contacts.entries);
 }
 
 int nsdae_sim_make_room(nsdae_sim *sim, const nsdae_room *contacts, const nsdae_room *rows)
 {
-  const nsdae_room c = larger(&sim->contacts, contacts), r = larger(&sim->rows, rows);
+  const nsdae_room c = larger(&sim->lists.contacts, contacts), r = larger(&sim->lists.rows, rows);
   int status = nsdae_terms_grow(&sim->stepper.middle, &c, &r);
   for (int i = 0; i < 2 && status == NSDAE_OK; i++) {
     status = nsdae_result_grow(&sim->point[i].result, &c, &r);
@@ -25,8 +25,8 @@ int nsdae_sim_make_room(nsdae_sim *sim, const nsdae_room *contacts, const nsdae_
   }
   if (status == NSDAE_OK) status = nsdae_world_grow(sim->stepper.world, &c, &r);
   if (status < 0) return no_memory(sim);
-  sim->contacts = c;
-  sim->rows = r;
+  sim->lists.contacts = c;
+  sim->lists.rows = r;
   return NSDAE_OK;
 }
 
@@ -55,11 +55,11 @@ int nsdae_sim_grow(nsdae_sim *sim)
   }
   size_t most = (size_t)sim->options.contacts_max;
   if (contacts.entries > most) return limit_met(sim, contacts.entries);
-  contacts = half_more(&sim->contacts, &contacts);
-  rows = half_more(&sim->rows, &rows);
+  contacts = half_more(&sim->lists.contacts, &contacts);
+  rows = half_more(&sim->lists.rows, &rows);
   if (contacts.entries > most) contacts.entries = most;
   int status = nsdae_sim_make_room(sim, &contacts, &rows);
-  if (status == NSDAE_OK) sim->growths++;
+  if (status == NSDAE_OK) sim->lists.growths++;
   return status;
 }
 

@@ -13,7 +13,7 @@ int nsdae_sim_set_user(nsdae_sim *sim, void *user)
   if (!sim) return NSDAE_E_ARGUMENT;
   if (nsdae_observers_quiet(sim, "nsdae_sim_set_user") < 0) return NSDAE_E_STATE;
   nsdae_error_clear(&sim->error);
-  sim->waiting = 0;
+  sim->stage.waiting = 0;
   sim->model.user = user;
   return NSDAE_OK;
 }
@@ -24,9 +24,9 @@ static int settle(nsdae_sim *sim)
   nsdae_result *r = &sim->next->result;
   nsdae_memory *memory = &sim->now->result.memory;
   const nsdae_state state = {.terms = &sim->now->result.end, .memory = memory};
-  sim->waiting = 0;
-  if (!sim->started || !sim->method->settle || memory->stamp == 0) return NSDAE_OK;
-  sim->between = 0;
+  sim->stage.waiting = 0;
+  if (!sim->stage.started || !sim->method->settle || memory->stamp == 0) return NSDAE_OK;
+  sim->stage.between = 0;
   nsdae_result_clear(r);
   nsdae_memory_copy(&r->memory, memory);
   nsdae_stepper_count(&sim->stepper, &state, r);
@@ -86,7 +86,7 @@ int nsdae_sim_set_options(nsdae_sim *sim, const nsdae_sim_options *options)
     sim->error = why;
     return status;
   }
-  if (sim->started && before.dt != options->dt) start_grid(sim);
+  if (sim->stage.started && before.dt != options->dt) start_grid(sim);
   return NSDAE_OK;
 }
 
@@ -135,7 +135,7 @@ int nsdae_sim_set_contact(nsdae_sim *sim, int i, double mu, double e_n, double e
   status = settle(sim);
   if (status < 0) return status;
   const nsdae_coefficients before = sim->model.contact[i];
-  sim->model.contact[i] = (nsdae_coefficients){mu, e_n, e_t};
+  sim->model.contact[i] = (nsdae_coefficients){mu, e_n, e_t, 1};
   status = prepare(sim);
   if (status == NSDAE_OK) return status;
   const nsdae_error why = sim->error;

@@ -6,6 +6,7 @@
 
 #include "errors.h"
 #include "options.h"
+#include "probe.h"
 #include "sim_impl.h"
 #include "start.h"
 #include "system_impl.h"
@@ -16,6 +17,7 @@ static void layout(void *object, nsdae_arena *arena)
   nsdae_stepper_layout(&sim->stepper, arena);
   for (int i = 0; i < (sim->aside ? 3 : 2); i++) nsdae_point_layout(&sim->point[i], arena);
   nsdae_projector_layout(&sim->projection, arena);
+  sim->probe = NSDAE_ARENA_DOUBLES(arena, nsdae_probe_size(&sim->model));
 }
 
 static int no_memory(nsdae_sim *sim, nsdae_error *error)
@@ -73,6 +75,7 @@ static int check_create(const nsdae_system *system, const nsdae_sim_options *opt
   *sim = NULL;
   int status = options ? nsdae_sim_options_check(options, error) : NSDAE_OK;
   if (status == NSDAE_OK) status = nsdae_system_complete(system, error);
+  if (status == NSDAE_OK) status = nsdae_system_told(system, error);
   if (status == NSDAE_OK) status = check_blocks(system, options, error);
   return status < 0 ? status : check_rows(system, options, error);
 }
@@ -219,6 +222,13 @@ int nsdae_sim_check_state(nsdae_sim *sim, const char *where, double t0, const do
   return status < 0 ? status : check_vector(sim, where, "v0", NSDAE_NAME_VELOCITY, v0);
 }
 
+/* What the callbacks write beyond their arrays or leave out, before anything stands beside them. */
+static int probe_callbacks(nsdae_sim *sim, double t0, const double *q0, const double *v0)
+{
+  const nsdae_probe probe = {&sim->model, "nsdae_sim_init", t0, q0, v0, sim->probe, &sim->error, 0};
+  return sim->options.start_check ? nsdae_probe_callbacks(&probe) : NSDAE_OK;
+}
+
 /* Every term once, so that what is wrong with a model shows here. */
 static int start_at(nsdae_sim *sim, double t0, const double *q0, const double *v0)
 {
@@ -240,15 +250,16 @@ int nsdae_sim_init(nsdae_sim *sim, double t0, const double *q0, const double *v0
   if (!sim) return NSDAE_E_ARGUMENT;
   if (nsdae_observers_quiet(sim, "nsdae_sim_init") < 0) return NSDAE_E_STATE;
   nsdae_error_clear(&sim->error);
-  sim->started = sim->failed = sim->waiting = sim->between = 0;
+  sim->stage.started = sim->stage.failed = sim->stage.waiting = sim->stage.between = 0;
   int status = nsdae_sim_check_state(sim, "nsdae_sim_init", t0, q0, v0);
+  if (status == NSDAE_OK) status = probe_callbacks(sim, t0, q0, v0);
   while (status == NSDAE_OK && (status = start_at(sim, t0, q0, v0)) == NSDAE_GROW)
     status = nsdae_sim_grow(sim);
   if (status < 0) return status;
   nsdae_sim_commit(sim);
   sim->wall_time = 0;
-  sim->observers.turn = sim->observers.stop = sim->told = 0;
-  sim->started = 1;
+  sim->observers.turn = sim->observers.stop = sim->stage.told = 0;
+  sim->stage.started = 1;
   return NSDAE_OK;
 }
 
@@ -262,7 +273,7 @@ int nsdae_sim_set_interrupt(nsdae_sim *sim, nsdae_interrupt_fn asked, void *user
 int nsdae_sim_get_record(const nsdae_sim *sim, nsdae_record *record)
 {
   if (!sim || !record) return NSDAE_E_ARGUMENT;
-  if (!sim->started) return NSDAE_E_STATE;
+  if (!sim->stage.started) return NSDAE_E_STATE;
   *record = nsdae_sim_shown(sim)->record;
   return NSDAE_OK;
 }
@@ -271,7 +282,7 @@ int nsdae_sim_get_failed_lcp(const nsdae_sim *sim, nsdae_lcp_problem *problem)
 {
   if (!sim || !problem) return NSDAE_E_ARGUMENT;
   const nsdae_contacts *c = sim->next->result.problem;
-  if (!sim->failed || !c) return NSDAE_E_STATE;
+  if (!sim->stage.failed || !c) return NSDAE_E_STATE;
   if (nsdae_cones_any(c)) return NSDAE_E_STATE; /* see nsdae_sim_get_friction */
   *problem = (nsdae_lcp_problem){.n = c->rows, .A = c->lcp.A, .lda = c->rows, .b = c->lcp.b};
   return NSDAE_OK;
@@ -280,9 +291,9 @@ int nsdae_sim_get_failed_lcp(const nsdae_sim *sim, nsdae_lcp_problem *problem)
 int nsdae_sim_get_friction(nsdae_sim *sim, nsdae_step_friction *friction)
 {
   if (!sim || !friction) return NSDAE_E_ARGUMENT;
-  if (!sim->started) return NSDAE_E_STATE;
+  if (!sim->stage.started) return NSDAE_E_STATE;
   nsdae_contacts *c = &sim->stepper.contacts;
-  const nsdae_point *last = sim->failed ? sim->next : sim->now;
+  const nsdae_point *last = sim->stage.failed ? sim->next : sim->now;
   if (last->result.pile) {
     const nsdae_pile_last l = nsdae_pile_largest(last->result.pile);
     *friction = (nsdae_step_friction){l.problem, l.options, l.guess, l.r, l.u};
@@ -300,8 +311,8 @@ int nsdae_sim_get_stats(const nsdae_sim *sim, nsdae_stats *stats)
   if (!sim || !stats) return NSDAE_E_ARGUMENT;
   *stats = nsdae_sim_shown(sim)->accounts.stats;
   stats->wall_time = sim->wall_time;
-  stats->contact_capacity = (int)sim->contacts.entries;
-  stats->contact_growths = sim->growths;
+  stats->contact_capacity = (int)sim->lists.contacts.entries;
+  stats->contact_growths = sim->lists.growths;
   return NSDAE_OK;
 }
 
@@ -314,7 +325,7 @@ int nsdae_sim_get_dims(const nsdae_sim *sim, nsdae_dims *dims)
 
 int nsdae_sim_has_potential(const nsdae_sim *sim)
 {
-  return sim && sim->system->potential;
+  return sim && sim->system->call.potential;
 }
 
 int nsdae_sim_get_options(const nsdae_sim *sim, nsdae_sim_options *options)

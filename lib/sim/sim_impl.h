@@ -44,6 +44,23 @@ void nsdae_point_layout(nsdae_point *point, nsdae_arena *arena);
 /* Where the arrays of its record are: again after lists grew. */
 void nsdae_point_show_arrays(nsdae_point *point);
 
+/* What was done with the points. */
+typedef struct nsdae_stage {
+  int started;         /* nsdae_sim_init was called */
+  int told;            /* the observers have seen the state */
+  int between;         /* next is the step before the state */
+  int waiting;         /* next is whole, and is the state as soon as the observers have seen it */
+  int failed;          /* the last step ended on the complementarity problem of next */
+  double asked;        /* the time that the step in next was asked for */
+  nsdae_error warning; /* of the last step, to be said when it is done */
+} nsdae_stage;
+
+/* Room in every list. */
+typedef struct nsdae_lists {
+  nsdae_room contacts, rows;
+  int growths;
+} nsdae_lists;
+
 struct nsdae_sim {
   const nsdae_system *system; /* held while the simulation lives */
   nsdae_system model;         /* a copy with user and coefficients of its own */
@@ -55,20 +72,14 @@ struct nsdae_sim {
   const nsdae_stepping *method;
   void *own; /* the method's */
   nsdae_projector projection;
+  double *probe;           /* nsdae_probe_size: callbacks alone, at the start */
   nsdae_point point[3];    /* those below */
   nsdae_point *now, *next; /* the state; a step in work, or the step before the state */
   nsdae_point *aside;      /* a third, for what is between two, where the method integrates */
-  double asked;            /* the time that the step in next was asked for */
+  nsdae_stage stage;
   nsdae_observers observers;
   double wall_time;
-  nsdae_error warning; /* of the last step, to be said when it is done */
-  int started;         /* nsdae_sim_init was called */
-  int told;            /* the observers have seen the state */
-  int between;         /* next is the step before the state */
-  int waiting;         /* next is whole, and is the state as soon as the observers have seen it */
-  int failed;          /* the last step ended on the complementarity problem of next */
-  nsdae_room contacts, rows; /* room in every list */
-  int growths;
+  nsdae_lists lists;
 };
 
 /* More room in every list, as the one that was full calls for. NSDAE_OK, NSDAE_E_MEMORY, and
@@ -81,7 +92,7 @@ void nsdae_sim_release_lists(nsdae_sim *sim);
 /* What an observer sees: the step that waits for it, else the state. */
 static inline const nsdae_point *nsdae_sim_shown(const nsdae_sim *sim)
 {
-  return sim->observers.telling && sim->waiting ? sim->next : sim->now;
+  return sim->observers.telling && sim->stage.waiting ? sim->next : sim->now;
 }
 
 /* NSDAE_OK, or NSDAE_E_ARGUMENT, NSDAE_E_NONFINITE naming what is no state; where: the function. */
@@ -102,8 +113,8 @@ int nsdae_point_follow(nsdae_point *before, nsdae_point *point, double impact_ve
 
 /* NSDAE_OK, or NSDAE_E_NONFINITE with the record that names what of a point is not finite. */
 int nsdae_watch_finite(const nsdae_point *point);
-/* From the start on. */
-void nsdae_watch_start(const nsdae_sim *sim, nsdae_point *point);
+/* From the start on. NSDAE_OK, or what the terms return. */
+int nsdae_watch_start(const nsdae_sim *sim, nsdae_point *point);
 /* After a step: what is to be said now, NSDAE_WARN_... with the error record, NSDAE_OK; or what the
  * terms return. */
 int nsdae_watch_step(const nsdae_sim *sim, nsdae_point *before, nsdae_point *point);

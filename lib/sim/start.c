@@ -41,10 +41,11 @@ static int check_constraints(const nsdae_terms *T, double tol)
   double q = nsdae_largest(d->nq, T->q), v = nsdae_largest(d->nv, T->v);
   for (int i = 0; i < d->m; i++) {
     double sum = nsdae_rows_sum(blocks, J, i), bound = tol * (1 + sum * q);
-    if (fabs(T->phi[i]) > bound)
-      return refuse(T, "q0", NSDAE_NAME_CONSTRAINT, i, "is off by", fabs(T->phi[i]), bound);
-    double rate = nsdae_rows_add_dot(blocks, J, i, T->v, T->phi_t[i]);
-    bound = tol * (1 + sum * v + fabs(T->phi_t[i]));
+    if (fabs(T->constraint.phi[i]) > bound)
+      return refuse(T, "q0", NSDAE_NAME_CONSTRAINT, i, "is off by", fabs(T->constraint.phi[i]),
+                    bound);
+    double rate = nsdae_rows_add_dot(blocks, J, i, T->v, T->constraint.phi_t[i]);
+    bound = tol * (1 + sum * v + fabs(T->constraint.phi_t[i]));
     if (fabs(rate) > bound)
       return refuse(T, "v0", NSDAE_NAME_CONSTRAINT, i, "is violated at the rate", fabs(rate),
                     bound);
@@ -83,22 +84,31 @@ static int check_gaps(const nsdae_terms *T, double tol)
   return NSDAE_OK;
 }
 
-/* A quaternion has length one; two coordinates may as well be a point on a circle. */
-static int is_rotation(const nsdae_units *u, int nq, int group)
+/* A quaternion has length one; two coordinates may as well be a point on a circle. The group
+ * is the one that coordinate `first` begins. */
+static int is_rotation(const nsdae_units *u, int nq, int first)
 {
-  int size = 0;
-  for (int i = 0; i < nq; i++) size += u->of[i] == group;
-  return size == 4 || fabs(u->length[group] - 1) < 0.1;
+  int size = 0, group = u->of[first];
+  if (fabs(u->length[group] - 1) < 0.1) return 1;
+  for (int i = first; i < nq && size < 4; i++) size += u->of[i] == group;
+  return size == 4;
+}
+
+/* The coordinate, from `after` on, that begins the group; they are numbered in this order. */
+static int next_group(const nsdae_units *u, int group, int after)
+{
+  int first = after;
+  while (u->of[first] != group) first++;
+  return first;
 }
 
 static int check_units(const nsdae_projector *p, const nsdae_terms *T, double tol)
 {
-  int nq = T->system->dims.nq;
+  int nq = T->system->dims.nq, first = 0;
   for (int g = 0; g < p->units.count; g++) {
-    int first = 0;
-    while (p->units.of[first] != g) first++;
+    first = next_group(&p->units, g, first);
     double off = fabs(p->units.length[g] - 1);
-    if (off > tol && is_rotation(&p->units, nq, g))
+    if (off > tol && is_rotation(&p->units, nq, first))
       return refuse(T, "q0", NSDAE_NAME_COORDINATE, first,
                     "begins a group of unit length (dq/dt shows it) whose length is off by", off,
                     tol);
@@ -106,11 +116,12 @@ static int check_units(const nsdae_projector *p, const nsdae_terms *T, double to
   return NSDAE_OK;
 }
 
-/* ---- derivatives along two trial velocities: a few calls, whatever the size */
+/* ---- derivatives with v = 0 and along two trial velocities: a few calls, whatever the size */
 
 /* One of the two relations that derivatives are given of: constraints and gaps. */
 typedef struct relation {
-  const char *derivative; /* the callback that is judged */
+  const char *derivative; /* the callback that is judged, */
+  const char *moving;     /* and that of what moves by itself; NULL: there is none */
   int kind, rows;
   nsdae_position_fn position;
   const double *value; /* rows: at the start */
@@ -118,9 +129,12 @@ typedef struct relation {
   const double *bias; /* rows: the rate with v = 0 */
 } relation;
 
+enum { STILL = -1, TRIALS = 2 };
+
 static void trial_velocity(int n, int number, double *v)
 {
-  for (int j = 0; j < n; j++) v[j] = cos(1 + number + 2.399963 * (j + 1)); /* no two alike */
+  for (int j = 0; j < n; j++)
+    v[j] = number == STILL ? 0 : cos(1 + number + 2.399963 * (j + 1)); /* no two alike */
 }
 
 /* W v + w of a row, and the sum of its terms. */
@@ -140,15 +154,16 @@ static double given_rate(const relation *r, const nsdae_blocks *blocks, int i, c
   return rate;
 }
 
-static int wrong_rate(const nsdae_terms *T, const relation *r, int i, double given,
+static int wrong_rate(const nsdae_terms *T, const relation *r, int i, int number, double given,
                       double difference)
 {
   char called[NSDAE_CALLED_SIZE];
-  nsdae_error_set(T->error, NSDAE_E_DERIVATIVE, "nsdae_sim_init", r->derivative,
-                  "%s: %s has the rate %.6g along a trial velocity, differences say %.6g; "
-                  "nsdae_system_check names the entry (start_check = no takes it)",
-                  r->derivative, nsdae_system_called(T->system, r->kind, i, called), given,
-                  difference);
+  const char *callback = number == STILL ? r->moving : r->derivative;
+  nsdae_error_set(T->error, NSDAE_E_DERIVATIVE, "nsdae_sim_init", callback,
+                  "%s: %s has the rate %.6g %s, differences say %.6g; nsdae_system_check names the "
+                  "entry (start_check = no takes it)",
+                  callback, nsdae_system_called(T->system, r->kind, i, called), given,
+                  number == STILL ? "with v = 0" : "along a trial velocity", difference);
   T->error->index = i;
   T->error->time = T->t;
   return NSDAE_E_DERIVATIVE;
@@ -157,7 +172,8 @@ static int wrong_rate(const nsdae_terms *T, const relation *r, int i, double giv
 /* Where a relation has a kink at the start its derivative is that of one side; of what jumps, as
  * the gap of two edges where they are parallel, differences say nothing. Gross errors are what is
  * looked for, signs and places: 1e-3 of the terms, above the rounding of the differences. */
-static int judge_rates(const nsdae_terms *T, const relation *r, const double *v, double s)
+static int judge_rates(const nsdae_terms *T, const relation *r, int number, const double *v,
+                       double s)
 {
   const nsdae_differences *d = T->differences;
   for (int i = 0; i < r->rows; i++) {
@@ -169,7 +185,7 @@ static int judge_rates(const nsdae_terms *T, const relation *r, const double *v,
     double tol = 1e-3 * (size + fabs(middle)) + 1e-9 * (1 + fabs(r->value[i]));
     if (fabs(given - middle) <= tol || fabs(given - ahead) <= tol || fabs(given - back) <= tol)
       continue;
-    return wrong_rate(T, r, i, given, middle);
+    return wrong_rate(T, r, i, number, given, middle);
   }
   return NSDAE_OK;
 }
@@ -189,14 +205,14 @@ static int check_rates(nsdae_projector *p, const nsdae_terms *T, const relation 
 {
   nsdae_differences *d = T->differences;
   const nsdae_dims *dims = &T->system->dims;
-  for (int number = 0; number < 2; number++) {
+  for (int number = r->moving ? STILL : 0; number < TRIALS; number++) {
     trial_velocity(dims->nv, number, p->v);
     int status = nsdae_kinematics_at(T, p->v, d->qdot);
     if (status < 0) return status;
     double s = nsdae_differences_step(dims->nq, T->t, T->q, d->qdot, cbrt(DBL_EPSILON));
     status = displaced(T, r, s, d->plus);
     if (status == NSDAE_OK) status = displaced(T, r, -s, d->minus);
-    if (status == NSDAE_OK) status = judge_rates(T, r, p->v, s);
+    if (status == NSDAE_OK) status = judge_rates(T, r, number, p->v, s);
     if (status < 0) return status;
   }
   return NSDAE_OK;
@@ -209,21 +225,22 @@ static int check_omega(nsdae_projector *p, const nsdae_terms *T)
   nsdae_differences *d = T->differences;
   int m = s->dims.m;
   double *phi_t = p->start, *omega = p->start + m, *second = p->start + 2 * m;
-  if (m == 0 || !s->constraint_bias) return NSDAE_OK;
+  if (m == 0 || !s->call.constraint_bias) return NSDAE_OK;
   trial_velocity(s->dims.nv, 0, p->v);
   memset(p->start, 0, 3 * (size_t)m * sizeof *p->start);
-  int code = s->constraint_bias(T->t, T->q, p->v, phi_t, omega, s->user);
+  int code = s->call.constraint_bias(T->t, T->q, p->v, phi_t, omega, s->user);
   int status = nsdae_system_callback_status(code, "constraint_bias", T->t, T->error);
   if (status < 0) return status;
-  code = nsdae_differences_second(d, s->constraint, m, T->t, T->q, p->v, second);
+  code = nsdae_differences_second(d, s->call.constraint, m, T->t, T->q, p->v, second);
   status = nsdae_system_callback_status(code, code && d->failed ? d->failed : "constraint", T->t,
                                         T->error);
   if (status < 0) return status;
   const relation accelerations = {.derivative = "constraint_bias", .kind = NSDAE_NAME_CONSTRAINT};
   for (int i = 0; i < m; i++) {
-    double tol = 1e-3 * (fabs(omega[i]) + fabs(second[i])) + 1e-6 * (1 + fabs(T->phi[i]));
+    double tol =
+        1e-3 * (fabs(omega[i]) + fabs(second[i])) + 1e-6 * (1 + fabs(T->constraint.phi[i]));
     if (isfinite(second[i]) && !(fabs(omega[i] - second[i]) <= tol))
-      return wrong_rate(T, &accelerations, i, omega[i], second[i]);
+      return wrong_rate(T, &accelerations, i, 0, omega[i], second[i]);
   }
   return NSDAE_OK;
 }
@@ -254,21 +271,25 @@ static int check_derivatives(nsdae_projector *p, const nsdae_terms *T)
   const nsdae_system *s = T->system;
   const nsdae_dims *d = &s->dims;
   const relation constraints = {s->by_list ? "constraint_rows" : "constraint_jacobian",
+                                s->call.constraint_bias ? "constraint_bias" : NULL,
                                 NSDAE_NAME_CONSTRAINT,
                                 d->m,
-                                s->constraint,
-                                T->phi,
+                                s->call.constraint,
+                                T->constraint.phi,
                                 &T->by.jacobian,
-                                T->phi_t};
-  const relation gaps = {"gap_normal", NSDAE_NAME_CONTACT, d->k,  s->gap,
-                         T->gap,       &T->by.normal,      T->w_N};
+                                T->constraint.phi_t};
+  const relation gaps = {"gap_normal",       s->call.contact_bias ? "contact_bias" : NULL,
+                         NSDAE_NAME_CONTACT, d->k,
+                         s->call.gap,        T->gap,
+                         &T->by.normal,      T->w_N};
   int status = NSDAE_OK;
   if (!p->tools->options->start_check || fabs(T->t) > 1e4) return NSDAE_OK;
-  if (d->m > 0 && (s->constraint_jacobian || s->constraint_rows || s->constraint_bias))
+  if (d->m > 0 &&
+      (s->call.constraint_jacobian || s->call.constraint_rows || s->call.constraint_bias))
     status = check_rates(p, T, &constraints);
   if (status == NSDAE_OK) status = check_omega(p, T);
   if (status == NSDAE_OK) status = check_tangents(T);
-  if (status == NSDAE_OK && d->k > 0 && (s->gap_normal || s->contact_bias))
+  if (status == NSDAE_OK && d->k > 0 && (s->call.gap_normal || s->call.contact_bias))
     status = check_rates(p, T, &gaps);
   return status;
 }
@@ -299,8 +320,10 @@ static void layout(void *object, nsdae_arena *arena)
 
 static void aim_at_unit_length(nsdae_projector *p, int nq)
 {
-  for (int g = 0; g < p->units.count; g++)
-    if (is_rotation(&p->units, nq, g)) p->units.length[g] = 1;
+  for (int g = 0, first = 0; g < p->units.count; g++) {
+    first = next_group(&p->units, g, first);
+    if (is_rotation(&p->units, nq, first)) p->units.length[g] = 1;
+  }
 }
 
 static int put_right(bench *b, double t0, double *q0, double *v0)

@@ -10,8 +10,8 @@ void nsdae_sim_commit(nsdae_sim *sim)
   nsdae_point *old = sim->now;
   sim->now = sim->next;
   sim->next = old;
-  sim->between = sim->waiting;
-  sim->waiting = 0;
+  sim->stage.between = sim->stage.waiting;
+  sim->stage.waiting = 0;
 }
 
 /* The method's step; where it gives up, implicit's from the same state. */
@@ -40,7 +40,7 @@ int nsdae_projected_rows(const nsdae_sim *sim)
 {
   const nsdae_dims *d = &sim->system->dims;
   if (sim->options.projection == NSDAE_PROJECTION_NONE) return 0;
-  return d->m + (sim->options.projection == NSDAE_PROJECTION_CONTACTS ? d->k : 0);
+  return d->m + (sim->options.projection >= NSDAE_PROJECTION_CONTACTS ? d->k : 0);
 }
 
 static int energy(nsdae_terms *T, double *value)
@@ -50,9 +50,25 @@ static int energy(nsdae_terms *T, double *value)
   return status;
 }
 
+/* Which contacts that were closed in the step are moved, and how deep they may be. One that is
+ * found in it stays where it was found. That it sinks in from there is Newton's law: on a surface
+ * of radius r the normal turns, so that it comes at u = -h v^2 / r and leaves at -e_N u, and gets
+ * h (1 - e_N) |u| / 2 deeper. */
+static void choose_contacts(const nsdae_sim *sim, const nsdae_result *r, nsdae_projector *p)
+{
+  const double *before = sim->now->record.gap;
+  int lasting = sim->options.projection == NSDAE_PROJECTION_DEPTHS;
+  int any = sim->options.projection >= NSDAE_PROJECTION_CONTACTS;
+  for (int i = 0; i < sim->system->dims.k; i++) {
+    p->depth[i] = lasting ? fmin(before[i], 0) : 0;
+    p->closed[i] = any && r->impulses.mode[i] != NSDAE_MODE_OPEN && r->end.gap[i] < p->depth[i] &&
+                   !(lasting && before[i] > 0);
+  }
+}
+
 /* The option projection, of the time-stepping methods: the end of the step is moved to the
- * constraints, and the contacts that were closed in it and overlap to touching; what that does to
- * the energy is work on the system. */
+ * constraints, and the contacts that were closed in it to touching, or to the depth that they had;
+ * what that does to the energy is work on the system. */
 static int project(nsdae_sim *sim)
 {
   nsdae_result *r = &sim->next->result;
@@ -61,9 +77,7 @@ static int project(nsdae_sim *sim)
   int status = energy(&r->end, &before);
   if (status == NSDAE_OK) status = nsdae_terms_need(&r->end, NSDAE_TERM_GAP);
   if (status < 0) return status;
-  for (int i = 0; i < sim->system->dims.k; i++)
-    p->closed[i] = sim->options.projection == NSDAE_PROJECTION_CONTACTS &&
-                   r->impulses.mode[i] != NSDAE_MODE_OPEN && r->end.gap[i] < 0;
+  choose_contacts(sim, r, p);
   status = nsdae_project_positions(p, &r->end, 0);
   if (status == NSDAE_OK) status = nsdae_project_velocities(p, &r->end);
   if (status == NSDAE_OK) status = energy(&r->end, &after);
@@ -96,8 +110,8 @@ static int is_problem(int status)
 static int prepare(nsdae_sim *sim, double t1)
 {
   double t0 = sim->now->result.end.t;
-  if (sim->waiting && sim->asked == t1) return NSDAE_OK;
-  sim->waiting = sim->between = 0;
+  if (sim->stage.waiting && sim->stage.asked == t1) return NSDAE_OK;
+  sim->stage.waiting = sim->stage.between = 0;
   if (!(t1 > t0))
     return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, "nsdae_sim", "dt",
                            "dt = %g is lost in rounding at t = %.17g: make it larger",
@@ -106,7 +120,7 @@ static int prepare(nsdae_sim *sim, double t1)
   int status = nsdae_interrupted(&sim->stepper.interrupt, &sim->error, t0);
   while (status == NSDAE_OK && (status = advance(sim, t1)) == NSDAE_GROW)
     status = nsdae_sim_grow(sim); /* and once more */
-  sim->failed = is_problem(status) && (sim->next->result.problem || sim->next->result.pile);
+  sim->stage.failed = is_problem(status) && (sim->next->result.problem || sim->next->result.pile);
   if (status == NSDAE_OK)
     status = sim->options.projection == NSDAE_PROJECTION_NONE ? keep_lengths(sim) : project(sim);
   if (status == NSDAE_OK)
@@ -116,12 +130,12 @@ static int prepare(nsdae_sim *sim, double t1)
     sim->now->result.end.have = have; /* what a dropped step evaluated is not counted either */
     return status;
   }
-  sim->warning.status = NSDAE_OK;
-  if (status > 0) sim->warning = sim->error; /* which observers clear */
+  sim->stage.warning.status = NSDAE_OK;
+  if (status > 0) sim->stage.warning = sim->error; /* which observers clear */
   sim->next->accounts.grid_count += sim->next->result.end.t >= t1;
-  sim->asked = t1;
+  sim->stage.asked = t1;
   sim->observers.turn = sim->observers.stop = 0;
-  sim->waiting = 1;
+  sim->stage.waiting = 1;
   return NSDAE_OK;
 }
 
@@ -145,12 +159,12 @@ static int begin(nsdae_sim *sim, const char *where)
   int status = nsdae_observers_quiet(sim, where);
   if (status < 0) return status;
   nsdae_error_clear(&sim->error);
-  if (!sim->started)
+  if (!sim->stage.started)
     return nsdae_error_set(&sim->error, NSDAE_E_STATE, "nsdae_sim", "",
                            "the simulation has no state: call nsdae_sim_init first");
-  if (sim->told) return NSDAE_OK;
+  if (sim->stage.told) return NSDAE_OK;
   status = nsdae_observers_tell(sim, &sim->now->record);
-  sim->told = status >= 0;
+  sim->stage.told = status >= 0;
   return status;
 }
 
@@ -170,9 +184,9 @@ static int happened(const nsdae_result *result)
 /* What a step that was done is to be told of. */
 static int outcome(nsdae_sim *sim)
 {
-  if (sim->warning.status <= 0) return happened(&sim->now->result);
-  sim->error = sim->warning;
-  return sim->warning.status;
+  if (sim->stage.warning.status <= 0) return happened(&sim->now->result);
+  sim->error = sim->stage.warning;
+  return sim->stage.warning.status;
 }
 
 int nsdae_sim_step(nsdae_sim *sim)
@@ -198,9 +212,9 @@ static int step_towards(nsdae_sim *sim, double t_end)
 /* to_event: until one happens. */
 static int run(nsdae_sim *sim, const char *where, double t_end, int to_event)
 {
-  double began = nsdae_wall_clock(), t = sim->started ? sim->now->result.end.t : 0;
+  double began = nsdae_wall_clock(), t = sim->stage.started ? sim->now->result.end.t : 0;
   if (!sim->observers.telling) nsdae_error_clear(&sim->error);
-  if (!isfinite(t_end) || (sim->started && t_end < t))
+  if (!isfinite(t_end) || (sim->stage.started && t_end < t))
     return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, where, "t_end",
                            "t_end = %g is outside its range: it must be finite and at least the "
                            "time reached, %g",
@@ -209,7 +223,7 @@ static int run(nsdae_sim *sim, const char *where, double t_end, int to_event)
   int status = begin(sim, where);
   while (status == NSDAE_OK && sim->now->result.end.t < t_end) {
     status = step_towards(sim, t_end);
-    if (status >= 0 && warning.status == NSDAE_OK) warning = sim->warning;
+    if (status >= 0 && warning.status == NSDAE_OK) warning = sim->stage.warning;
     if (status == NSDAE_OK && to_event) status = happened(&sim->now->result);
   }
   sim->wall_time += nsdae_wall_clock() - began;

@@ -1,6 +1,8 @@
 /* See watch.h. */
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 #include "errors.h"
 #include "sim_impl.h"
@@ -20,46 +22,67 @@ static double largest_entry(const nsdae_blocks *blocks, const nsdae_rows *rows)
   return most;
 }
 
-/* The way that the forces lead to in a step from rest: h^2 F / M. */
-static double way_from_rest(const nsdae_terms *T, double h)
+/* The forces at the start's place with v = 0: a damper that brakes what is fast leads nothing that
+ * rests anywhere. What is not defined there is as it is at the start. */
+static int force_at_rest(const nsdae_terms *T, double *still, double *F)
+{
+  const nsdae_system *s = T->system;
+  size_t size = (size_t)s->dims.nv * sizeof *F;
+  memcpy(F, T->F, size);
+  if (nsdae_largest(s->dims.nv, T->v) == 0) return NSDAE_OK;
+  memset(still, 0, size);
+  memset(F, 0, size);
+  int code = s->call.force(T->t, T->q, still, F, s->user);
+  for (int i = 0; i < s->dims.nv; i++)
+    if (!isfinite(F[i])) F[i] = T->F[i];
+  return nsdae_system_callback_status(code, "force", T->t, T->error);
+}
+
+/* The way that the forces F lead to in a step from rest: h^2 F / M. */
+static double way_from_rest(const nsdae_terms *T, const double *F, double h)
 {
   const nsdae_blocks *blocks = &T->system->blocks;
   double rows = fmax(largest_entry(blocks, &T->by.jacobian), largest_entry(blocks, &T->by.normal));
   double most = 0;
   for (int b = 0; b < blocks->count; b++) {
     size_t n = (size_t)nsdae_blocks_size(blocks, b);
-    const double *F = T->F + blocks->first[b], *M = T->M + blocks->square[b];
-    for (size_t j = 0; j < n; j++) most = fmax(most, fabs(F[j]) / M[j * (n + 1)]);
+    const double *f = F + blocks->first[b], *M = T->M + blocks->square[b];
+    for (size_t j = 0; j < n; j++) most = fmax(most, fabs(f[j]) / M[j * (n + 1)]);
   }
   return h * h * rows * most;
 }
 
-/* The kinetic energy that the forces lead to in a step from rest: less of it nobody can tell. */
-static double energy_from_rest(const nsdae_terms *T, double h)
+/* The rounding of the kinetic energy that the forces F lead to in a step from rest: what is held
+ * has none of it, and is not told of that. */
+static double rounding_from_rest(const nsdae_terms *T, const double *F, double h)
 {
   const nsdae_blocks *blocks = &T->system->blocks;
   double sum = 0;
   for (int b = 0; b < blocks->count; b++) {
     size_t n = (size_t)nsdae_blocks_size(blocks, b);
-    const double *F = T->F + blocks->first[b], *M = T->M + blocks->square[b];
-    for (size_t j = 0; j < n; j++) sum += F[j] * F[j] / M[j * (n + 1)];
+    const double *f = F + blocks->first[b], *M = T->M + blocks->square[b];
+    for (size_t j = 0; j < n; j++) sum += f[j] * f[j] / M[j * (n + 1)];
   }
-  return h * h * sum / 2;
+  return DBL_EPSILON * h * h * sum / 2;
 }
 
-void nsdae_watch_start(const nsdae_sim *sim, nsdae_point *point)
+int nsdae_watch_start(const nsdae_sim *sim, nsdae_point *point)
 {
   const nsdae_terms *start = &point->result.end;
   const nsdae_dims *d = &start->system->dims;
-  double from_rest = way_from_rest(start, sim->options.dt);
+  double *F = sim->stepper.mean.F, h = sim->options.dt;
+  int status = force_at_rest(start, sim->stepper.v, F);
+  if (status < 0) return status;
+  double from_rest = way_from_rest(start, F, h);
   point->accounts.watch =
       (nsdae_watch){.change = from_rest,
                     .row = largest_entry(&start->system->blocks, &start->by.jacobian),
                     .way = from_rest,
-                    .scale = fmax(point->record.kinetic, energy_from_rest(start, sim->options.dt)),
+                    .scale = fmax(point->record.kinetic, rounding_from_rest(start, F, h)),
                     .kinetic = point->record.kinetic,
                     .t = start->t,
                     .power = nsdae_dot(d->nv, start->F, start->v)};
+  return NSDAE_OK;
 }
 
 /* One array of a record, `each` numbers for every item of a kind (-1: of none). */
@@ -157,6 +180,16 @@ static double turned(const nsdae_terms *from, const nsdae_terms *to)
   return sum / 8;
 }
 
+/* What forces do on the rounding of the coordinates, which each step has anew: less energy than
+ * that nobody can tell. */
+static double rounding_of(const nsdae_terms *T)
+{
+  const nsdae_dims *d = &T->system->dims;
+  double sum = 0;
+  for (int j = 0; j < d->nv; j++) sum += fabs(T->F[j]);
+  return DBL_EPSILON * (1 + nsdae_largest(d->nq, T->q)) * sum;
+}
+
 /* Work in the step that led to here, by its own quadrature: of forces, and of what moves by
  * itself. */
 static int add_work(nsdae_watch *w, nsdae_result *at)
@@ -170,13 +203,14 @@ static int add_work(nsdae_watch *w, nsdae_result *at)
   int status = h > 0 ? nsdae_terms_need(T, need) : NSDAE_OK;
   if (status < 0 || !(h > 0)) return status;
   double power = nsdae_dot(d->nv, T->F, T->v);
-  w->turnover += h / 2 * fabs(w->power + power);
-  w->work += w->turned + h / 2 * (w->power + power) + h * nsdae_dot(d->m, at->multiplier, T->phi_t);
+  w->turnover += h / 2 * fabs(w->power + power) + rounding_of(T) / watch_turnover;
+  w->work += w->turned + h / 2 * (w->power + power) +
+             h * nsdae_dot(d->m, at->multiplier, T->constraint.phi_t);
   w->power = power;
   w->t = T->t;
   if (at->smooth) return NSDAE_OK;
   w->work -= nsdae_dot(d->k, p->normal, T->w_N) + nsdae_dot(d->k * d->nt, p->tangential, T->w_T) +
-             nsdae_dot(d->f, p->slide_impulse, T->w_S) + at->carried;
+             nsdae_dot(d->f, p->slide_impulse, T->slide.w) + at->carried;
   return NSDAE_OK;
 }
 
@@ -277,7 +311,7 @@ static int say_penetration(nsdae_point *point, double bound)
                       "bodies overlap by",
                       r->penetration,
                       bound,
-                      "make dt smaller, set projection = contacts, and check gap and gap_normal",
+                      "make dt smaller, set projection = depths, and check gap and gap_normal",
                       k > 0 ? NSDAE_NAME_CONTACT : -1,
                       deepest};
   return say(point, &of);
@@ -288,7 +322,7 @@ static int say_drift(nsdae_point *point, double bound)
   const nsdae_terms *end = &point->result.end;
   int worst = 0;
   for (int i = 1; i < end->system->dims.m; i++)
-    if (fabs(end->phi[i]) > fabs(end->phi[worst])) worst = i;
+    if (fabs(end->constraint.phi[i]) > fabs(end->constraint.phi[worst])) worst = i;
   const warning of = {NSDAE_WATCH_DRIFT,
                       NSDAE_WARN_DRIFT,
                       "constraint",

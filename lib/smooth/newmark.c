@@ -33,9 +33,10 @@ static int acceleration(nsdae_newmark *N, nsdae_terms *T, double s, double *a, d
   int status = nsdae_terms_need(T, NEWMARK_TERMS);
   if (status < 0) return status;
   for (int i = 0; i < N->system->dims.m; i++) {
-    double rate = nsdae_rows_add_dot(blocks, &T->by.jacobian, i, T->v, T->phi_t[i]);
+    double rate = nsdae_rows_add_dot(blocks, &T->by.jacobian, i, T->v, T->constraint.phi_t[i]);
     double last = nsdae_rows_dot(blocks, &T->by.jacobian, i, a);
-    double target = -T->omega[i] - 2 * N->alpha * rate - N->beta * N->beta * T->phi[i];
+    double target =
+        -T->constraint.omega[i] - 2 * N->alpha * rate - N->beta * N->beta * T->constraint.phi[i];
     lambda[i] = s > 0 ? (target + s * last) / (1 + s) : target;
   }
   return N->solve(N->of, T, T->F, a, lambda);

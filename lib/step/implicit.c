@@ -57,9 +57,9 @@ static int impact_velocities(const nsdae_step *step)
   nsdae_stepper *s = step->tools;
   nsdae_step_mark_hit(step);
   memset(s->r, 0, (size_t)s->system->dims.nv * sizeof *s->r);
-  nsdae_blocks_add_product(&s->system->blocks, s->M, step->start->v, s->r);
-  for (int i = 0; i < s->system->dims.m; i++) s->rate[i] = -step->end->phi_t[i];
-  int status = nsdae_step_free(step, step->end, s->M, s->r, s->v_other, s->rate);
+  nsdae_blocks_add_product(&s->system->blocks, s->mean.M, step->start->v, s->r);
+  for (int i = 0; i < s->system->dims.m; i++) s->rate[i] = -step->end->constraint.phi_t[i];
+  int status = nsdae_step_free(step, step->end, s->mean.M, s->r, s->v_other, s->rate);
   if (status == NSDAE_OK) nsdae_step_before(step, step->end, s->v_other, 1);
   return status;
 }
@@ -71,8 +71,8 @@ static void right_hand_side(const nsdae_step *step, int impact)
   nsdae_stepper *s = step->tools;
   const nsdae_terms *start = step->start, *end = step->end;
   const nsdae_dims *dims = &s->system->dims;
-  for (int i = 0; i < dims->nv; i++) s->F[i] = (start->F[i] + end->F[i]) / 2;
-  nsdae_stepper_momentum(&s->system->blocks, s->M, start->v, step->h, s->F, s->r);
+  for (int i = 0; i < dims->nv; i++) s->mean.F[i] = (start->F[i] + end->F[i]) / 2;
+  nsdae_stepper_momentum(&s->system->blocks, s->mean.M, start->v, step->h, s->mean.F, s->r);
   nsdae_step_add_constraints(step, end, 0.5, impact, s->r);
   nsdae_step_add_constraints(step, start, -0.5, impact, s->r);
   nsdae_step_add_impulse(step, end, -0.5, 1, s->r);
@@ -83,17 +83,17 @@ static int factor_mean_mass(const nsdae_step *step)
 {
   nsdae_stepper *s = step->tools;
   size_t size = s->system->blocks.square[s->system->blocks.count];
-  for (size_t i = 0; i < size; i++) s->M[i] = (step->start->M[i] + step->end->M[i]) / 2;
-  return nsdae_step_factor(step, step->end, s->M);
+  for (size_t i = 0; i < size; i++) s->mean.M[i] = (step->start->M[i] + step->end->M[i]) / 2;
+  return nsdae_step_factor(step, step->end, s->mean.M);
 }
 
 /* q_1 = q_0 + h/2 (H_0 v_0 + H_1 v_1) into s->q, of the velocity s->v; H_1 = H(q_1 of end). */
 static int positions(const nsdae_step *step)
 {
   nsdae_stepper *s = step->tools;
-  int status = nsdae_kinematics_at(step->end, s->v, s->qdot1);
+  int status = nsdae_kinematics_at(step->end, s->v, s->qdot[1]);
   for (int i = 0; i < s->system->dims.nq; i++)
-    s->q[i] = step->start->q[i] + step->h / 2 * (s->qdot0[i] + s->qdot1[i]);
+    s->q[i] = step->start->q[i] + step->h / 2 * (s->qdot[0][i] + s->qdot[1][i]);
   return status;
 }
 
@@ -113,7 +113,7 @@ static int iterate(const nsdae_step *step, int first, int all_impacts, int *impa
   if (*impact) status = impact_velocities(step);
   if (status < 0) return status;
   right_hand_side(step, *impact);
-  status = nsdae_step_impact(step, step->end, s->M, s->r, s->v);
+  status = nsdae_step_impact(step, step->end, s->mean.M, s->r, s->v);
   return status < 0 ? status : positions(step);
 }
 
@@ -143,7 +143,7 @@ static void first_guess(const nsdae_step *step)
 {
   nsdae_stepper *s = step->tools;
   const nsdae_dims *dims = &s->system->dims;
-  for (int i = 0; i < dims->nq; i++) s->q[i] = step->start->q[i] + step->h * s->qdot0[i];
+  for (int i = 0; i < dims->nq; i++) s->q[i] = step->start->q[i] + step->h * s->qdot[0][i];
   memcpy(s->v, step->start->v, (size_t)dims->nv * sizeof *s->v);
   memset(s->impulse, 0, (size_t)dims->m * sizeof *s->impulse);
 }
@@ -186,7 +186,7 @@ static int advance(void *own, const nsdae_state *state, double t_end, nsdae_resu
   nsdae_terms *start = state->terms;
   const nsdae_step step = nsdae_step_begin(s, state, t_end, result);
   int status = nsdae_terms_need(start, NSDAE_TERM_GAP);
-  if (status == NSDAE_OK) status = nsdae_kinematics_at(start, start->v, s->qdot0);
+  if (status == NSDAE_OK) status = nsdae_kinematics_at(start, start->v, s->qdot[0]);
   if (status < 0) return status;
   status = nsdae_step_close(&step, start);
   if (status == NSDAE_OK) status = need(&step, start);

@@ -18,8 +18,8 @@ static int to_middle(const nsdae_step *step)
 {
   nsdae_stepper *s = step->tools;
   const nsdae_terms *start = step->start;
-  int status = nsdae_kinematics_at(start, start->v, s->qdot0);
-  for (int i = 0; i < s->system->dims.nq; i++) s->q[i] = start->q[i] + step->h / 2 * s->qdot0[i];
+  int status = nsdae_kinematics_at(start, start->v, s->qdot[0]);
+  for (int i = 0; i < s->system->dims.nq; i++) s->q[i] = start->q[i] + step->h / 2 * s->qdot[0][i];
   nsdae_terms_at(&s->middle, start->t + step->h / 2, s->q, start->v);
   if (status == NSDAE_OK) status = nsdae_terms_need(&s->middle, FREE_TERMS);
   return status;
@@ -39,8 +39,8 @@ static int to_end(const nsdae_step *step)
 {
   nsdae_stepper *s = step->tools;
   const nsdae_terms *middle = &s->middle;
-  int status = nsdae_kinematics_at(middle, s->v, s->qdot1);
-  for (int i = 0; i < s->system->dims.nq; i++) s->q[i] = middle->q[i] + step->h / 2 * s->qdot1[i];
+  int status = nsdae_kinematics_at(middle, s->v, s->qdot[1]);
+  for (int i = 0; i < s->system->dims.nq; i++) s->q[i] = middle->q[i] + step->h / 2 * s->qdot[1][i];
   nsdae_terms_at(step->end, step->t_end, s->q, s->v);
   nsdae_step_end(step);
   return status;

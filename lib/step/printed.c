@@ -115,8 +115,8 @@ static int positions(const nsdae_step *step)
   const nsdae_terms *start = step->start;
   const nsdae_dims *dims = &s->system->dims;
   for (int i = 0; i < dims->nv; i++) s->v_other[i] = (start->v[i] + s->v[i]) / 2;
-  int status = nsdae_kinematics_at(start, s->v_other, s->qdot0);
-  for (int i = 0; i < dims->nq; i++) s->q[i] = start->q[i] + step->h * s->qdot0[i];
+  int status = nsdae_kinematics_at(start, s->v_other, s->qdot[0]);
+  for (int i = 0; i < dims->nq; i++) s->q[i] = start->q[i] + step->h * s->qdot[0][i];
   nsdae_terms_at(step->end, step->t_end, s->q, s->v);
   if (status == NSDAE_OK) status = nsdae_terms_need(step->end, END_TERMS);
   return status < 0 ? status : nsdae_step_meet(step, step->end);

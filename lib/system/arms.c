@@ -26,7 +26,7 @@ static int find_bend(nsdae_arms *arms, int i, double *bend)
   memset(sum, 0, (size_t)s->dims.k * sizeof *sum);
   for (int part = 0; part < 3; part++) {
     for (int j = 0; j < arms->all.nv; j++) arms->v[j] *= times[part];
-    int code = nsdae_differences_second(arms->differences, s->gap, s->dims.k, arms->t, arms->q,
+    int code = nsdae_differences_second(arms->differences, s->call.gap, s->dims.k, arms->t, arms->q,
                                         arms->v, second);
     if (code) return code;
     sum[i] += weight[part] * second[i];

@@ -5,13 +5,13 @@
 #define CALL(name, ...)                                                                    \
   static int has_##name(const nsdae_system *s)                                             \
   {                                                                                        \
-    return s->name != NULL;                                                                \
+    return s->call.name != NULL;                                                           \
   }                                                                                        \
-  static int call_##name(const nsdae_system *s, const nsdae_point *at, double *const *out, \
+  static int call_##name(const nsdae_system *s, const nsdae_place *at, double *const *out, \
                          const int *ld)                                                    \
   {                                                                                        \
     (void)ld;                                                                              \
-    return s->name(at->t, at->q, __VA_ARGS__, s->user);                                    \
+    return s->call.name(at->t, at->q, __VA_ARGS__, s->user);                               \
   }
 
 /* callbacks.list: calls_in_c */

@@ -6,10 +6,10 @@
 
 enum { NSDAE_OUTPUTS_MAX = 3 };
 
-typedef struct nsdae_point {
+typedef struct nsdae_place {
   double t;
   const double *q, *v;
-} nsdae_point;
+} nsdae_place;
 
 /* One array of a callback; rows and columns are of enum nsdae_name_kind, -1 where it has none. */
 typedef struct nsdae_output {
@@ -22,7 +22,7 @@ typedef struct nsdae_output {
 typedef struct nsdae_callback {
   const char *name;
   int (*given)(const nsdae_system *system);
-  int (*call)(const nsdae_system *system, const nsdae_point *at, double *const *out, const int *ld);
+  int (*call)(const nsdae_system *system, const nsdae_place *at, double *const *out, const int *ld);
   int outputs;
   nsdae_output output[NSDAE_OUTPUTS_MAX];
 } nsdae_callback;

@@ -1,6 +1,7 @@
 /* Given derivatives against differences: see nsdae_system_check. */
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "arena.h"
@@ -92,7 +93,7 @@ static void check_mass(check *c)
   int n = s->dims.nv;
   if (s->by_list) return; /* see check_blocks.h */
   zero(c->given, n, n);
-  if (failed(c, s->mass(c->t, c->q, c->given, n, s->user), "mass")) return;
+  if (failed(c, s->call.mass(c->t, c->q, c->given, n, s->user), "mass")) return;
   for (int j = 0; j < n; j++)
     for (int i = 0; i < n; i++)
       c->differenced[(size_t)j * (size_t)n + (size_t)i] =
@@ -104,11 +105,12 @@ static void check_jacobian(check *c)
 {
   nsdae_system *s = c->system;
   int m = s->dims.m, n = s->dims.nv;
-  if (!s->constraint_jacobian) return;
+  if (!s->call.constraint_jacobian) return;
   zero(c->given, m, n);
-  if (failed(c, s->constraint_jacobian(c->t, c->q, c->given, m, s->user), "constraint_jacobian"))
+  if (failed(c, s->call.constraint_jacobian(c->t, c->q, c->given, m, s->user),
+             "constraint_jacobian"))
     return;
-  int code = nsdae_differences_velocity(&c->differences, s->constraint, m, c->t, c->q,
+  int code = nsdae_differences_velocity(&c->differences, s->call.constraint, m, c->t, c->q,
                                         c->differenced, m, 0);
   if (!difference_failed(c, code, "constraint")) compare(c, "constraint_jacobian", m, n);
 }
@@ -118,17 +120,17 @@ static void check_bias(check *c)
   nsdae_system *s = c->system;
   nsdae_differences *d = &c->differences;
   int m = s->dims.m;
-  if (!s->constraint_bias) return;
+  if (!s->call.constraint_bias) return;
   zero(c->given, m, 1);
   zero(c->spare, m, 1);
-  if (failed(c, s->constraint_bias(c->t, c->q, c->v, c->given, c->spare, s->user),
+  if (failed(c, s->call.constraint_bias(c->t, c->q, c->v, c->given, c->spare, s->user),
              "constraint_bias"))
     return;
-  int code = nsdae_differences_time(d, s->constraint, m, c->t, c->q, c->differenced);
+  int code = nsdae_differences_time(d, s->call.constraint, m, c->t, c->q, c->differenced);
   if (difference_failed(c, code, "constraint")) return;
   compare(c, "constraint_bias phi_t", m, 1);
   memcpy(c->given, c->spare, (size_t)m * sizeof *c->given);
-  code = nsdae_differences_second(d, s->constraint, m, c->t, c->q, c->v, c->differenced);
+  code = nsdae_differences_second(d, s->call.constraint, m, c->t, c->q, c->v, c->differenced);
   if (!difference_failed(c, code, "constraint")) compare(c, "constraint_bias omega", m, 1);
 }
 
@@ -136,11 +138,11 @@ static void check_normal(check *c)
 {
   nsdae_system *s = c->system;
   int k = s->dims.k, n = s->dims.nv;
-  if (!s->gap_normal) return;
+  if (!s->call.gap_normal) return;
   zero(c->given, n, k);
-  if (failed(c, s->gap_normal(c->t, c->q, c->given, n, s->user), "gap_normal")) return;
+  if (failed(c, s->call.gap_normal(c->t, c->q, c->given, n, s->user), "gap_normal")) return;
   int code =
-      nsdae_differences_velocity(&c->differences, s->gap, k, c->t, c->q, c->differenced, n, 1);
+      nsdae_differences_velocity(&c->differences, s->call.gap, k, c->t, c->q, c->differenced, n, 1);
   if (!difference_failed(c, code, "gap")) compare(c, "gap_normal", n, k);
 }
 
@@ -148,11 +150,11 @@ static void check_contact_bias(check *c)
 {
   nsdae_system *s = c->system;
   int k = s->dims.k;
-  if (!s->contact_bias) return;
+  if (!s->call.contact_bias) return;
   zero(c->given, k, 1);
   double *w_t = s->dims.nt > 0 ? c->spare : NULL;
-  if (failed(c, s->contact_bias(c->t, c->q, c->given, w_t, s->user), "contact_bias")) return;
-  int code = nsdae_differences_time(&c->differences, s->gap, k, c->t, c->q, c->differenced);
+  if (failed(c, s->call.contact_bias(c->t, c->q, c->given, w_t, s->user), "contact_bias")) return;
+  int code = nsdae_differences_time(&c->differences, s->call.gap, k, c->t, c->q, c->differenced);
   if (!difference_failed(c, code, "gap")) compare(c, "contact_bias w_n", k, 1);
 }
 
@@ -160,12 +162,12 @@ static void check_contact_acceleration(check *c)
 {
   nsdae_system *s = c->system;
   int k = s->dims.k, kt = k * s->dims.nt, f = s->dims.f;
-  if (!s->contact_acceleration || c->worst.error > c->tol) return; /* it rests on the others */
+  if (!s->call.contact_acceleration || c->worst.error > c->tol) return; /* it rests on the others */
   zero(c->given, k + kt + f, 1);
   if (failed(c,
-             s->contact_acceleration(c->t, c->q, c->v, k ? c->given : NULL,
-                                     kt ? c->given + k : NULL, f ? c->given + k + kt : NULL,
-                                     s->user),
+             s->call.contact_acceleration(c->t, c->q, c->v, k ? c->given : NULL,
+                                          kt ? c->given + k : NULL, f ? c->given + k + kt : NULL,
+                                          s->user),
              "contact_acceleration"))
     return;
   int code = nsdae_differences_contacts(&c->differences, c->t, c->q, c->v, c->differenced,
@@ -193,9 +195,9 @@ static int find_normals(check *c, double *here, double *elsewhere)
   int code = nsdae_kinematics(c->system, c->t, c->q, c->velocity, c->moved);
   if (failed(c, code, "kinematics")) return code;
   for (int i = 0; i < dims->nq; i++) c->moved[i] += c->q[i];
-  code = nsdae_differences_velocity(d, c->system->gap, dims->k, c->t, c->q, here, dims->nv, 1);
+  code = nsdae_differences_velocity(d, c->system->call.gap, dims->k, c->t, c->q, here, dims->nv, 1);
   if (code == 0)
-    code = nsdae_differences_velocity(d, c->system->gap, dims->k, c->t, c->moved, elsewhere,
+    code = nsdae_differences_velocity(d, c->system->call.gap, dims->k, c->t, c->moved, elsewhere,
                                       dims->nv, 1);
   difference_failed(c, code, "gap");
   return code;
@@ -221,11 +223,11 @@ static int check_tangents(check *c)
 {
   nsdae_system *s = c->system;
   int k = s->dims.k, n = s->dims.nv, nt = s->dims.nt, status = NSDAE_OK;
-  if (!s->gap_tangent || c->code) return NSDAE_OK;
+  if (!s->call.gap_tangent || c->code) return NSDAE_OK;
   zero(c->given, n, k * nt);
   zero(c->mass, n, n);
-  if (failed(c, s->gap_tangent(c->t, c->q, c->given, n, s->user), "gap_tangent") ||
-      failed(c, s->mass(c->t, c->q, c->mass, n, s->user), "mass") ||
+  if (failed(c, s->call.gap_tangent(c->t, c->q, c->given, n, s->user), "gap_tangent") ||
+      failed(c, s->call.mass(c->t, c->q, c->mass, n, s->user), "mass") ||
       find_normals(c, c->differenced, c->spare) != 0)
     return nsdae_system_callback_status(c->code, c->callback, c->t, &s->error);
   for (int j = 0; j < k * nt && status == NSDAE_OK; j++) {
@@ -291,6 +293,22 @@ static int check_arguments(nsdae_system *system, const double *q, const double *
   return nsdae_system_complete(system, &system->error);
 }
 
+static int no_memory(nsdae_system *system)
+{
+  return nsdae_error_set(&system->error, NSDAE_E_MEMORY, "nsdae_system_check", "", "out of memory");
+}
+
+/* Each callback alone. */
+static int check_alone(nsdae_system *system, double t, const double *q, const double *v)
+{
+  double *work = malloc((nsdae_probe_size(system) + 1) * sizeof *work);
+  if (!work) return no_memory(system);
+  int status = nsdae_probe_callbacks(
+      &(nsdae_probe){system, "nsdae_system_check", t, q, v, work, &system->error, 1});
+  free(work);
+  return status;
+}
+
 int nsdae_system_check(nsdae_system *system, double t, const double *q, const double *v, double tol,
                        nsdae_check *worst)
 {
@@ -302,14 +320,12 @@ int nsdae_system_check(nsdae_system *system, double t, const double *q, const do
   int status = check_arguments(system, q, v, tol);
   if (worst) *worst = (nsdae_check){0};
   system->doubt[0] = '\0';
-  if (status == NSDAE_OK) status = nsdae_system_probe(system, &(nsdae_point){t, q, v});
+  if (status == NSDAE_OK) status = check_alone(system, t, q, v);
   if (status < 0) return status;
   check c = {.system = system, .t = t, .tol = tol, .q = q, .v = v};
   c.differences.system = system;
   nsdae_arena arena;
-  if (nsdae_arena_build(&arena, layout, &c) < 0)
-    return nsdae_error_set(&system->error, NSDAE_E_MEMORY, "nsdae_system_check", "",
-                           "out of memory");
+  if (nsdae_arena_build(&arena, layout, &c) < 0) return no_memory(system);
   for (size_t i = 0; i < sizeof all / sizeof *all && !c.code; i++) all[i](&c);
   if (system->by_list && !c.code)
     status = nsdae_system_check_lists(system, &c.differences, t, q, v, &c.worst);

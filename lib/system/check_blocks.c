@@ -44,7 +44,7 @@ static int failed(context *c, int code, const char *callback)
 static int check_mass(context *c)
 {
   const nsdae_blocks *blocks = &c->s->blocks;
-  int status = failed(c, c->s->mass_blocks(c->t, c->q, c->M, c->s->user), "mass_blocks");
+  int status = failed(c, c->s->call.mass_blocks(c->t, c->q, c->M, c->s->user), "mass_blocks");
   for (int b = 0; b < blocks->count && status == NSDAE_OK; b++) {
     int n = nsdae_blocks_size(blocks, b), at = blocks->first[b];
     const double *M = c->M + blocks->square[b];
@@ -60,7 +60,7 @@ static int list_rows(context *c)
 {
   for (int round = 0; round < 2; round++) {
     nsdae_row_list_clear(&c->rows);
-    int code = c->s->constraint_rows(c->t, c->q, &c->rows, c->s->user);
+    int code = c->s->call.constraint_rows(c->t, c->q, &c->rows, c->s->user);
     nsdae_row_list_close(&c->rows);
     if (c->rows.status < 0) return c->rows.status;
     int status = failed(c, code, "constraint_rows");
@@ -93,8 +93,8 @@ static int check_rows(context *c)
   for (int j = 0; j < c->s->dims.nv && status == NSDAE_OK; j++) {
     memset(c->trial, 0, (size_t)c->s->dims.nv * sizeof *c->trial);
     c->trial[j] = 1;
-    int code = nsdae_differences_along(c->d, c->s->constraint, c->s->dims.m, c->t, c->q, c->trial,
-                                       c->rate);
+    int code = nsdae_differences_along(c->d, c->s->call.constraint, c->s->dims.m, c->t, c->q,
+                                       c->trial, c->rate);
     status = failed(c, code, code && c->d->failed ? c->d->failed : "constraint");
     gather_column(c, j);
     for (int i = 0; i < c->s->dims.m && status == NSDAE_OK; i++)
@@ -109,7 +109,7 @@ static int list_contacts(context *c, nsdae_contact_list *list, double t, const d
 {
   for (int round = 0; round < 2; round++) {
     nsdae_contact_list_clear(list);
-    int code = c->s->contacts(t, q, c->v, reach, list, c->s->user);
+    int code = c->s->call.contacts(t, q, c->v, reach, list, c->s->user);
     if (list->status < 0) return list->status;
     int status = failed(c, code, "contacts");
     if (status < 0 || nsdae_room_enough(&list->room, &list->taken)) return status;
@@ -217,7 +217,7 @@ int nsdae_system_check_lists(nsdae_system *system, nsdae_differences *difference
   prepare(&c);
   int status = check_mass(&c);
   if (status == NSDAE_OK && system->dims.m > 0) status = check_rows(&c);
-  if (status == NSDAE_OK && system->contacts) status = check_contacts(&c);
+  if (status == NSDAE_OK && system->call.contacts) status = check_contacts(&c);
   if (status == NSDAE_E_MEMORY)
     nsdae_error_set(&system->error, status, "nsdae_system_check", "", "out of memory");
   nsdae_contact_list_release(&c.list);

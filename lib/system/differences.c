@@ -28,7 +28,7 @@ void nsdae_differences_layout(nsdae_differences *differences, nsdae_arena *arena
 int nsdae_kinematics(const nsdae_system *system, double t, const double *q, const double *v,
                      double *qdot)
 {
-  if (system->kinematics) return system->kinematics(t, q, v, qdot, system->user);
+  if (system->call.kinematics) return system->call.kinematics(t, q, v, qdot, system->user);
   memcpy(qdot, v, (size_t)system->dims.nq * sizeof *qdot);
   return 0;
 }
@@ -111,7 +111,7 @@ int nsdae_differences_time(nsdae_differences *d, nsdae_position_fn f, int rows, 
 static int carry(nsdae_differences *d, double t, const double *q, const double *v, double s)
 {
   static const double at[4] = {0, 0.5, 0.5, 1}, weight[4] = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6};
-  int nq = d->system->dims.nq, stages = d->system->kinematics ? 4 : 1, code = 0;
+  int nq = d->system->dims.nq, stages = d->system->call.kinematics ? 4 : 1, code = 0;
   memcpy(d->moved, q, (size_t)nq * sizeof *q);
   for (int stage = 0; stage < stages && !code; stage++) {
     double ahead = at[stage] * s, part = stages == 1 ? s : weight[stage] * s;
@@ -166,10 +166,10 @@ static int contact_offsets(nsdae_differences *d, double t, const double *q, doub
 {
   const nsdae_system *s = d->system;
   int k = s->dims.k, nt = s->dims.nt;
-  if (!s->contact_bias && !s->gap_normal) return 0;
-  if (!s->contact_bias)
-    return judge(d, nsdae_differences_time(d, s->gap, k, t, q, u_n), "gap", k, u_n);
-  int code = s->contact_bias(t, q, u_n, nt > 0 ? u_t : NULL, s->user);
+  if (!s->call.contact_bias && !s->call.gap_normal) return 0;
+  if (!s->call.contact_bias)
+    return judge(d, nsdae_differences_time(d, s->call.gap, k, t, q, u_n), "gap", k, u_n);
+  int code = s->call.contact_bias(t, q, u_n, nt > 0 ? u_t : NULL, s->user);
   judge(d, code, "contact_bias", k * nt, u_t);
   return judge(d, code, "contact_bias", k, u_n);
 }
@@ -179,9 +179,9 @@ static int normal_velocities(nsdae_differences *d, double t, const double *q, co
 {
   const nsdae_system *s = d->system;
   int k = s->dims.k;
-  if (!s->gap_normal) return 0; /* normal_accelerations */
+  if (!s->call.gap_normal) return 0; /* normal_accelerations */
   zero_directions(d, k);
-  int code = s->gap_normal(t, q, d->W, s->dims.nv, s->user);
+  int code = s->call.gap_normal(t, q, d->W, s->dims.nv, s->user);
   if (!code) add_velocities(d, k, v, u_n);
   return judge(d, code, "gap_normal", k, u_n);
 }
@@ -193,8 +193,8 @@ static int normal_accelerations(nsdae_differences *d, double t, const double *q,
 {
   const nsdae_system *s = d->system;
   int k = s->dims.k;
-  if (k == 0 || s->gap_normal) return 0;
-  return judge(d, nsdae_differences_second(d, s->gap, k, t, q, v, omega_n), "gap", k, omega_n);
+  if (k == 0 || s->call.gap_normal) return 0;
+  return judge(d, nsdae_differences_second(d, s->call.gap, k, t, q, v, omega_n), "gap", k, omega_n);
 }
 
 static int tangential_velocities(nsdae_differences *d, double t, const double *q, const double *v,
@@ -202,9 +202,9 @@ static int tangential_velocities(nsdae_differences *d, double t, const double *q
 {
   const nsdae_system *s = d->system;
   int columns = s->dims.k * s->dims.nt;
-  if (columns == 0 || !s->gap_tangent) return 0;
+  if (columns == 0 || !s->call.gap_tangent) return 0;
   zero_directions(d, columns);
-  int code = s->gap_tangent(t, q, d->W, s->dims.nv, s->user);
+  int code = s->call.gap_tangent(t, q, d->W, s->dims.nv, s->user);
   if (!code) add_velocities(d, columns, v, u_t);
   return judge(d, code, "gap_tangent", columns, u_t);
 }
@@ -222,9 +222,9 @@ static int slide_velocities(nsdae_differences *d, double t, const double *q, con
                             double *u_s)
 {
   const nsdae_system *s = d->system;
-  if (s->dims.f == 0 || !s->slide_tangent) return 0;
+  if (s->dims.f == 0 || !s->call.slide_tangent) return 0;
   zero_directions(d, s->dims.f);
-  int code = s->slide_tangent(t, q, d->W, s->dims.nv, u_s, s->user);
+  int code = s->call.slide_tangent(t, q, d->W, s->dims.nv, u_s, s->user);
   if (!code) add_velocities(d, s->dims.f, v, u_s);
   return judge(d, code, "slide_tangent", s->dims.f, u_s);
 }

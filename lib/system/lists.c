@@ -104,7 +104,7 @@ int nsdae_contact_add(nsdae_contact_list *list, const nsdae_contact *c)
   int i = list->count++;
   list->id[i] = c->id;
   list->gap[i] = c->gap;
-  list->law[i] = (nsdae_coefficients){c->mu, c->e_n, c->e_t};
+  list->law[i] = (nsdae_coefficients){c->mu, c->e_n, c->e_t, 1};
   memcpy(list->block + 2 * (size_t)i, c->block, sizeof c->block);
   memcpy(list->w + (size_t)i * (size_t)(1 + list->nt), c->w, (size_t)(1 + list->nt) * sizeof *c->w);
   place_parts(list, i, at);

@@ -87,7 +87,7 @@ static const nsdae_label *find(const nsdae_system *system, int kind, int i, int 
   if (!system || i < 0 || i >= nsdae_system_count(system, kind)) return NULL;
   const nsdae_label *label = system->label[kind];
   if (label && label[i].name[0]) return &label[i];
-  if (kind != NSDAE_NAME_VELOCITY || system->kinematics) return NULL;
+  if (kind != NSDAE_NAME_VELOCITY || system->call.kinematics) return NULL;
   *rate = 1;
   return find(system, NSDAE_NAME_COORDINATE, i, &(int){0});
 }

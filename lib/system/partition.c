@@ -98,7 +98,7 @@ int nsdae_system_set_mass_blocks(nsdae_system *s, nsdae_mass_blocks_fn callback)
 {
   if (!s) return NSDAE_E_ARGUMENT;
   int status = may_set(s, "mass_blocks", callback != NULL);
-  if (status == NSDAE_OK) s->mass_blocks = callback;
+  if (status == NSDAE_OK) s->call.mass_blocks = callback;
   return status;
 }
 
@@ -109,7 +109,7 @@ int nsdae_system_set_constraint_rows(nsdae_system *s, nsdae_constraint_rows_fn c
     return nsdae_system_refuse(s, NSDAE_E_ARGUMENT, "constraint_rows", "constraint_rows",
                                "the system has no constraints (m = 0)");
   int status = may_set(s, "constraint_rows", callback != NULL);
-  if (status == NSDAE_OK) s->constraint_rows = callback;
+  if (status == NSDAE_OK) s->call.constraint_rows = callback;
   return status;
 }
 
@@ -117,25 +117,26 @@ int nsdae_system_set_contacts(nsdae_system *s, nsdae_contacts_fn callback)
 {
   if (!s) return NSDAE_E_ARGUMENT;
   int status = may_set(s, "contacts", callback != NULL);
-  if (status == NSDAE_OK) s->contacts = callback;
+  if (status == NSDAE_OK) s->call.contacts = callback;
   return status;
 }
 
 /* What goes by blocks is not given for all velocities at once, and the other way round. */
 static const char *misplaced(const nsdae_system *s)
 {
-  if (s->by_list) return s->mass ? "mass" : s->constraint_jacobian ? "constraint_jacobian" : NULL;
-  return s->mass_blocks       ? "mass_blocks"
-         : s->constraint_rows ? "constraint_rows"
-         : s->contacts        ? "contacts"
-                              : NULL;
+  if (s->by_list)
+    return s->call.mass ? "mass" : s->call.constraint_jacobian ? "constraint_jacobian" : NULL;
+  return s->call.mass_blocks       ? "mass_blocks"
+         : s->call.constraint_rows ? "constraint_rows"
+         : s->call.contacts        ? "contacts"
+                                   : NULL;
 }
 
 int nsdae_system_check_blocks(const nsdae_system *s, const char **missing, nsdae_error *error)
 {
   const char *wrong = misplaced(s);
-  if (s->by_list && !s->mass_blocks) *missing = "mass_blocks";
-  if (s->by_list && s->dims.m > 0 && !s->constraint_rows) *missing = "constraint_rows";
+  if (s->by_list && !s->call.mass_blocks) *missing = "mass_blocks";
+  if (s->by_list && s->dims.m > 0 && !s->call.constraint_rows) *missing = "constraint_rows";
   if (!wrong) return NSDAE_OK;
   return nsdae_error_set(error, NSDAE_E_STATE, "nsdae_system", wrong,
                          s->by_list ? "%s is of all velocities: a system of blocks takes "

@@ -1,18 +1,18 @@
 /* Arrays between guards. The guards and, in the second call, the arrays themselves hold a
  * signalling NaN of a payload of its own: no arithmetic makes that pattern, so that a write is
- * seen, and an entry that still holds it was never written. Guards are as long as the array and
- * GUARD more on either side, so that an index that is one row or column off stays inside of them.
- */
+ * seen, and an entry that still holds it was never written. Guards are as long as the array,
+ * GUARD_MOST at most, and GUARD more on either side, so that an index that is one row or column off
+ * stays inside of them. */
 #include "probe.h"
 
 #include <math.h>
 #include <stdint.h>
-#include <stdlib.h>
 #include <string.h>
 
+#include "callbacks.h"
 #include "errors.h"
 
-enum { GUARD = 64 };
+enum { GUARD = 64, GUARD_MOST = 8192 };
 
 static const uint64_t mark = 0x7ff4c0dedeadbeefULL;
 
@@ -23,9 +23,8 @@ typedef struct array {
 } array;
 
 typedef struct probe {
-  nsdae_system *system;
+  const nsdae_probe *of;
   const nsdae_callback *callback;
-  const nsdae_point *at;
   array array[NSDAE_OUTPUTS_MAX];
 } probe;
 
@@ -42,16 +41,31 @@ static size_t find(const double *a, size_t count, int marked)
   return i;
 }
 
-static int make(probe *p, int i)
+static array measure(const nsdae_system *system, const nsdae_output *o)
 {
-  const nsdae_output *o = &p->callback->output[i];
-  array *a = &p->array[i];
-  a->rows = nsdae_output_extent(p->system, o, o->row);
-  a->size = (size_t)a->rows * (size_t)nsdae_output_extent(p->system, o, o->column);
-  a->guard = a->size + GUARD;
-  a->block = calloc(a->size + 2 * a->guard, sizeof *a->block);
-  a->first = a->block ? a->block + a->guard : NULL;
-  return a->block ? NSDAE_OK : NSDAE_E_MEMORY;
+  array a = {.rows = nsdae_output_extent(system, o, o->row)};
+  a.size = (size_t)a.rows * (size_t)nsdae_output_extent(system, o, o->column);
+  a.guard = (a.size < GUARD_MOST ? a.size : GUARD_MOST) + GUARD;
+  return a;
+}
+
+static size_t whole(const array *a)
+{
+  return a->size + 2 * a->guard;
+}
+
+size_t nsdae_probe_size(const nsdae_system *system)
+{
+  size_t most = 0;
+  for (int c = 0; c < nsdae_callbacks_count; c++) {
+    size_t sum = 0;
+    for (int i = 0; i < nsdae_callbacks[c].outputs; i++) {
+      const array a = measure(system, &nsdae_callbacks[c].output[i]);
+      sum += whole(&a);
+    }
+    if (nsdae_callbacks[c].given(system) && sum > most) most = sum;
+  }
+  return most;
 }
 
 static int call(probe *p, int marked)
@@ -61,13 +75,15 @@ static int call(probe *p, int marked)
   int ld[NSDAE_OUTPUTS_MAX] = {0};
   for (int i = 0; i < c->outputs; i++) {
     array *a = &p->array[i];
-    set_marks(a->block, a->size + 2 * a->guard);
+    set_marks(a->block, whole(a));
     if (!marked) memset(a->first, 0, a->size * sizeof *a->first);
     out[i] = a->size > 0 || !c->output[i].nullable ? a->first : NULL;
     ld[i] = a->rows > 0 ? a->rows : 1;
   }
-  int code = c->call(p->system, p->at, out, ld);
-  return nsdae_system_callback_status(code, c->name, p->at->t, &p->system->error);
+  const nsdae_probe *of = p->of;
+  const nsdae_place at = {of->t, of->q, of->v};
+  int code = c->call(of->system, &at, out, ld);
+  return nsdae_system_callback_status(code, c->name, of->t, of->error);
 }
 
 /* Entry i of an output, counted from its first; also before and behind it. */
@@ -75,21 +91,21 @@ static int found(probe *p, int output, long i, int status, const char *what)
 {
   const nsdae_output *o = &p->callback->output[output];
   const array *a = &p->array[output];
-  nsdae_error *error = &p->system->error;
+  nsdae_error *error = p->of->error;
   int inside = i >= 0 && (size_t)i < a->size;
   int row = inside ? (int)i % a->rows : 0, column = inside ? (int)i / a->rows : 0;
   if (inside)
-    nsdae_error_set(error, status, "nsdae_system_check", p->callback->name,
+    nsdae_error_set(error, status, p->of->where, p->callback->name,
                     "callback %s %s entry (%d, %d) of %s", p->callback->name, what, row, column,
                     o->name);
   else
-    nsdae_error_set(error, status, "nsdae_system_check", p->callback->name,
+    nsdae_error_set(error, status, p->of->where, p->callback->name,
                     "callback %s wrote beyond its array: at %s[%ld], which has %zu entries%s",
                     p->callback->name, o->name, i, a->size,
                     o->column < 0 ? "" : " by columns: entry (i, j) is at i + j ld");
-  if (inside) nsdae_output_name_entry(p->system, o, row, column, error);
+  if (inside) nsdae_output_name_entry(p->of->system, o, row, column, error);
   error->index = (int)i;
-  error->time = p->at->t;
+  error->time = p->of->t;
   return status;
 }
 
@@ -149,24 +165,26 @@ static int check_written(probe *p)
 
 static int run(probe *p)
 {
-  int status = NSDAE_OK;
-  for (int i = 0; i < p->callback->outputs && status == NSDAE_OK; i++) status = make(p, i);
-  if (status < 0)
-    return nsdae_error_set(&p->system->error, status, "nsdae_system_check", "", "out of memory");
-  status = call(p, 0);
+  double *next = p->of->work;
+  for (int i = 0; i < p->callback->outputs; i++) {
+    array *a = &p->array[i];
+    *a = measure(p->of->system, &p->callback->output[i]);
+    a->block = next;
+    a->first = next + a->guard;
+    next += whole(a);
+  }
+  int status = call(p, 0);
   if (status == NSDAE_OK) status = check_guards(p);
-  if (status == NSDAE_OK) status = check_finite(p);
+  if (status == NSDAE_OK && p->of->finite) status = check_finite(p);
   return status < 0 ? status : check_written(p);
 }
 
-int nsdae_system_probe(nsdae_system *system, const nsdae_point *at)
+int nsdae_probe_callbacks(const nsdae_probe *of)
 {
   int status = NSDAE_OK;
   for (int c = 0; c < nsdae_callbacks_count && status == NSDAE_OK; c++) {
-    probe p = {.system = system, .callback = &nsdae_callbacks[c], .at = at};
-    if (!p.callback->given(system)) continue;
-    status = run(&p);
-    for (int i = 0; i < NSDAE_OUTPUTS_MAX; i++) free(p.array[i].block);
+    probe p = {.of = of, .callback = &nsdae_callbacks[c]};
+    if (p.callback->given(of->system)) status = run(&p);
   }
   return status;
 }

@@ -3,11 +3,23 @@
 #ifndef NSDAE_SYSTEM_PROBE_H
 #define NSDAE_SYSTEM_PROBE_H
 
-#include "callbacks.h"
+#include "system_impl.h"
 
-/* Calls every callback that is given, at one point; the error of the system says what was found.
- * NSDAE_OK; NSDAE_E_CALLBACK (it failed, wrote beyond an array, or never wrote an entry that has no
- * value of its own), NSDAE_E_NONFINITE, NSDAE_E_MEMORY. */
-int nsdae_system_probe(nsdae_system *system, const nsdae_point *at);
+typedef struct nsdae_probe {
+  const nsdae_system *system;
+  const char *where; /* the function that asks */
+  double t;
+  const double *q, *v;
+  double *work; /* nsdae_probe_size */
+  nsdae_error *error;
+  int finite; /* whether a value that is none is told */
+} nsdae_probe;
+
+/* Numbers of work that the largest of the callbacks needs. */
+size_t nsdae_probe_size(const nsdae_system *system);
+
+/* Calls every callback that is given, at one point. NSDAE_OK; NSDAE_E_CALLBACK (it failed, wrote
+ * beyond an array, or never wrote an entry that has no value of its own), NSDAE_E_NONFINITE. */
+int nsdae_probe_callbacks(const nsdae_probe *probe);
 
 #endif

@@ -145,7 +145,7 @@ static int refuse(nsdae_system *system, const char *callback, const char *why)
     if (!name) return refuse(system, #name, "it is NULL");     \
     if (!(has)) return refuse(system, #name, why);             \
     int status = nsdae_system_open(system, #name);             \
-    if (status == NSDAE_OK) system->name = name;               \
+    if (status == NSDAE_OK) system->call.name = name;          \
     return status;                                             \
   }
 
@@ -214,7 +214,7 @@ int nsdae_system_set_contact(nsdae_system *system, int i, double mu, double e_n,
   if (i < 0 || i >= system->dims.k) return bad_index(system, "contact", "i", i, system->dims.k);
   int status = check_coefficients(system, i, mu, e_n, e_t);
   if (status == NSDAE_OK) status = nsdae_system_open(system, "contact");
-  if (status == NSDAE_OK) system->contact[i] = (nsdae_coefficients){mu, e_n, e_t};
+  if (status == NSDAE_OK) system->contact[i] = (nsdae_coefficients){mu, e_n, e_t, 1};
   return status;
 }
 
@@ -227,7 +227,7 @@ int nsdae_system_set_slide(nsdae_system *system, int j, int constraint, double m
   if (!(mu >= 0) || isinf(mu))
     return bad_coefficient(system, "slide", "mu", mu, "at least 0, finite");
   int status = nsdae_system_open(system, "slide");
-  if (status == NSDAE_OK) system->slide[j] = (nsdae_slide){constraint, mu};
+  if (status == NSDAE_OK) system->slide[j] = (nsdae_slide){constraint, mu, 1};
   return status;
 }
 
@@ -274,11 +274,11 @@ const char *nsdae_system_differences(nsdae_system *system)
   if (!system) return "";
   const nsdae_dims *d = &system->dims;
   const remark filled[] = {
-      {"constraint_jacobian", d->m > 0 && !system->constraint_jacobian && !system->by_list},
-      {"constraint_bias", d->m > 0 && !system->constraint_bias},
-      {"gap_normal", d->k > 0 && !system->gap_normal},
-      {"contact_bias", d->k > 0 && !system->contact_bias},
-      {"contact_acceleration", d->k + d->f > 0 && !system->contact_acceleration},
+      {"constraint_jacobian", d->m > 0 && !system->call.constraint_jacobian && !system->by_list},
+      {"constraint_bias", d->m > 0 && !system->call.constraint_bias},
+      {"gap_normal", d->k > 0 && !system->call.gap_normal},
+      {"contact_bias", d->k > 0 && !system->call.contact_bias},
+      {"contact_acceleration", d->k + d->f > 0 && !system->call.contact_acceleration},
   };
   return join(system->differences, sizeof system->differences, filled,
               sizeof filled / sizeof *filled, " ");
@@ -288,18 +288,18 @@ const char *nsdae_system_unseen(nsdae_system *system)
 {
   if (!system) return "";
   const remark unseen[] = {
-      {"mass: its values, but for symmetry", system->mass != NULL},
-      {"force: its values and signs", system->force != NULL},
-      {"constraint: whether it is the one that is meant", system->constraint != NULL},
-      {"gap: whether it is the distance, its sign and its unit", system->gap != NULL},
+      {"mass: its values, but for symmetry", system->call.mass != NULL},
+      {"force: its values and signs", system->call.force != NULL},
+      {"constraint: whether it is the one that is meant", system->call.constraint != NULL},
+      {"gap: whether it is the distance, its sign and its unit", system->call.gap != NULL},
       {"gap_tangent: the arms and signs of its rotations, but for what the last check doubts; "
        "length "
        "and right angles of its directions where no body moves freely in M",
-       system->gap_tangent != NULL},
-      {"contact_bias: w_t", system->contact_bias && system->dims.nt > 0},
-      {"slide_tangent: its values", system->slide_tangent != NULL},
+       system->call.gap_tangent != NULL},
+      {"contact_bias: w_t", system->call.contact_bias && system->dims.nt > 0},
+      {"slide_tangent: its values", system->call.slide_tangent != NULL},
       {"potential: whether the force is its gradient (the energy balance of a run shows that)",
-       system->potential != NULL},
+       system->call.potential != NULL},
       {system->doubt, system->doubt[0] != '\0'},
   };
   return join(system->unseen, sizeof system->unseen, unseen, sizeof unseen / sizeof *unseen, "; ");
@@ -319,6 +319,28 @@ static int any_slide(const nsdae_system *system)
   return 0;
 }
 
+static int untold(const nsdae_system *system, const char *setter, const char *callback, int kind,
+                  int i, nsdae_error *error)
+{
+  nsdae_error_set(error, NSDAE_E_STATE, "nsdae_system", setter,
+                  "%s gives the directions of friction, and nothing says how much there is: call "
+                  "nsdae_system_set_%s (mu = 0 is none)",
+                  callback, setter);
+  nsdae_system_name_item(system, kind, i, error);
+  return NSDAE_E_STATE;
+}
+
+int nsdae_system_told(const nsdae_system *system, nsdae_error *error)
+{
+  for (int i = 0; system->call.gap_tangent && i < system->dims.k; i++)
+    if (!system->contact[i].told)
+      return untold(system, "contact", "gap_tangent", NSDAE_NAME_CONTACT, i, error);
+  for (int j = 0; system->call.slide_tangent && j < system->dims.f; j++)
+    if (!system->slide[j].told)
+      return untold(system, "slide", "slide_tangent", NSDAE_NAME_SLIDE, j, error);
+  return NSDAE_OK;
+}
+
 int nsdae_system_complete(const nsdae_system *system, nsdae_error *error)
 {
   const nsdae_dims *dims = &system->dims;
@@ -329,14 +351,14 @@ int nsdae_system_complete(const nsdae_system *system, nsdae_error *error)
                            "%s was refused: %s", refused->where, refused->text);
   int status = nsdae_system_check_blocks(system, &missing, error);
   if (status < 0) return status;
-  if (!system->by_list && !system->mass) missing = "mass";
-  if (!system->force) missing = "force";
-  if (dims->m > 0 && !system->constraint) missing = "constraint";
-  if (dims->k > 0 && !system->gap) missing = "gap";
-  if (dims->k > 0 && dims->nt > 0 && any_friction(system) && !system->gap_tangent)
+  if (!system->by_list && !system->call.mass) missing = "mass";
+  if (!system->call.force) missing = "force";
+  if (dims->m > 0 && !system->call.constraint) missing = "constraint";
+  if (dims->k > 0 && !system->call.gap) missing = "gap";
+  if (dims->k > 0 && dims->nt > 0 && any_friction(system) && !system->call.gap_tangent)
     missing = "gap_tangent";
-  if (any_slide(system) && !system->slide_tangent) missing = "slide_tangent";
-  if (dims->nq != dims->nv && !system->kinematics) missing = "kinematics";
+  if (any_slide(system) && !system->call.slide_tangent) missing = "slide_tangent";
+  if (dims->nq != dims->nv && !system->call.kinematics) missing = "kinematics";
   if (!missing) return nsdae_names_distinct(system, error);
   return nsdae_error_set(error, NSDAE_E_STATE, "nsdae_system", missing,
                          "the system needs the callback %s: call nsdae_system_set_%s", missing,

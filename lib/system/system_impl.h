@@ -10,11 +10,13 @@
 
 typedef struct nsdae_coefficients {
   double mu, e_n, e_t;
+  int told; /* set by somebody, if only to zero */
 } nsdae_coefficients;
 
 typedef struct nsdae_slide {
   int constraint;
   double mu;
+  int told;
 } nsdae_slide;
 
 enum { NSDAE_NAME_KINDS = NSDAE_NAME_SLIDE + 1 };
@@ -33,10 +35,8 @@ typedef struct nsdae_part_of {
   int blocks;
 } nsdae_part_of;
 
-struct nsdae_system {
-  nsdae_dims dims;
-  nsdae_part_of part;
-  void *user;
+/* Those that are not set are NULL. */
+typedef struct nsdae_calls {
   /* callbacks.list: fields */
   nsdae_mass_fn mass;
   nsdae_force_fn force;
@@ -55,6 +55,13 @@ struct nsdae_system {
   nsdae_mass_blocks_fn mass_blocks;
   nsdae_constraint_rows_fn constraint_rows;
   nsdae_contacts_fn contacts;
+} nsdae_calls;
+
+struct nsdae_system {
+  nsdae_dims dims;
+  nsdae_part_of part;
+  void *user;
+  nsdae_calls call;
   int by_list;                          /* blocks were set: those three in place of dense ones */
   nsdae_blocks blocks, coordinates;     /* of v and q; one of all where none were set */
   nsdae_coefficients *contact;          /* k */
@@ -72,6 +79,10 @@ struct nsdae_system {
 /* NSDAE_OK when every callback that is needed is there, no setter was refused and names are
  * distinct; else NSDAE_E_STATE naming the callback, or what was refused. */
 int nsdae_system_complete(const nsdae_system *system, nsdae_error *error);
+
+/* NSDAE_OK where friction that has directions has coefficients, too: they are zero until they are
+ * set, which may be a call forgotten. Else NSDAE_E_STATE. */
+int nsdae_system_told(const nsdae_system *system, nsdae_error *error);
 
 /* Partitions: of count parts of these sizes, in place of what was there; NSDAE_OK or
  * NSDAE_E_MEMORY. */

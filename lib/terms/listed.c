@@ -38,7 +38,7 @@ int nsdae_terms_mass_blocks(nsdae_terms *T)
   size_t squares = s->blocks.square[s->blocks.count];
   memset(T->M, 0, squares * sizeof *T->M);
   T->evals->mass++;
-  int status = nsdae_system_callback_status(s->mass_blocks(T->t, T->q, T->M, s->user),
+  int status = nsdae_system_callback_status(s->call.mass_blocks(T->t, T->q, T->M, s->user),
                                             "mass_blocks", T->t, T->error);
   if (status < 0) return status;
   status = nsdae_system_finite(s, T->M, (int)squares, 1, "mass_blocks", T->t, T->error);
@@ -52,7 +52,7 @@ int nsdae_terms_constraint_rows(nsdae_terms *T)
   list->error = T->error;
   nsdae_row_list_clear(list);
   T->evals->jacobian++;
-  int code = s->constraint_rows(T->t, T->q, list, s->user);
+  int code = s->call.constraint_rows(T->t, T->q, list, s->user);
   nsdae_row_list_close(list);
   T->by.jacobian = list->rows;
   return listed(T, code, list->status, "constraint_rows", &list->room, &list->taken);
@@ -66,7 +66,7 @@ int nsdae_terms_contacts(nsdae_terms *T, double reach)
   T->have &= ~(unsigned)NSDAE_TERM_CONTACTS;
   list->error = T->error;
   nsdae_contact_list_clear(list);
-  int code = s->contacts ? s->contacts(T->t, T->q, T->v, reach, list, s->user) : 0;
+  int code = s->call.contacts ? s->call.contacts(T->t, T->q, T->v, reach, list, s->user) : 0;
   int status = listed(T, code, list->status, "contacts", &list->room, &list->taken);
   if (status < 0) return status;
   T->by.reach = reach;

@@ -40,13 +40,13 @@ static void lay_out_dense(nsdae_terms *terms, nsdae_arena *arena)
 {
   const nsdae_dims *dims = &terms->system->dims;
   long n = dims->nv, m = dims->m, k = dims->k, nt = dims->nt;
-  terms->J = NSDAE_ARENA_DOUBLES(arena, m * n);
+  terms->constraint.J = NSDAE_ARENA_DOUBLES(arena, m * n);
   terms->gap = NSDAE_ARENA_DOUBLES(arena, k);
   terms->W_N = NSDAE_ARENA_DOUBLES(arena, n * k);
   terms->W_T = NSDAE_ARENA_DOUBLES(arena, n * k * nt);
   terms->w_N = NSDAE_ARENA_DOUBLES(arena, k);
   terms->w_T = NSDAE_ARENA_DOUBLES(arena, k * nt);
-  dense_rows(&terms->by.jacobian, m, terms->J, 1, m, arena);
+  dense_rows(&terms->by.jacobian, m, terms->constraint.J, 1, m, arena);
   dense_rows(&terms->by.normal, k, terms->W_N, n, 1, arena);
   dense_rows(&terms->by.tangent, k * nt, terms->W_T, n, 1, arena);
 }
@@ -60,19 +60,19 @@ void nsdae_terms_layout(nsdae_terms *terms, nsdae_arena *arena)
   terms->v = NSDAE_ARENA_DOUBLES(arena, n);
   terms->M = NSDAE_ARENA_DOUBLES(arena, blocks->square[blocks->count]);
   terms->F = NSDAE_ARENA_DOUBLES(arena, n);
-  terms->phi = NSDAE_ARENA_DOUBLES(arena, m);
-  terms->phi_t = NSDAE_ARENA_DOUBLES(arena, m);
-  terms->omega = NSDAE_ARENA_DOUBLES(arena, m);
+  terms->constraint.phi = NSDAE_ARENA_DOUBLES(arena, m);
+  terms->constraint.phi_t = NSDAE_ARENA_DOUBLES(arena, m);
+  terms->constraint.omega = NSDAE_ARENA_DOUBLES(arena, m);
   terms->by.work = NSDAE_ARENA_DOUBLES(arena, n);
   if (terms->system->by_list)
     lay_out_lists(terms, arena);
   else
     lay_out_dense(terms, arena);
-  terms->W_S = NSDAE_ARENA_DOUBLES(arena, n * dims->f);
-  terms->w_S = NSDAE_ARENA_DOUBLES(arena, dims->f);
-  terms->omega_N = NSDAE_ARENA_DOUBLES(arena, k);
-  terms->omega_T = NSDAE_ARENA_DOUBLES(arena, k * nt);
-  terms->omega_S = NSDAE_ARENA_DOUBLES(arena, dims->f);
+  terms->slide.W = NSDAE_ARENA_DOUBLES(arena, n * dims->f);
+  terms->slide.w = NSDAE_ARENA_DOUBLES(arena, dims->f);
+  terms->omega.N = NSDAE_ARENA_DOUBLES(arena, k);
+  terms->omega.T = NSDAE_ARENA_DOUBLES(arena, k * nt);
+  terms->slide.omega = NSDAE_ARENA_DOUBLES(arena, dims->f);
 }
 
 void nsdae_terms_at(nsdae_terms *terms, double t, const double *q, const double *v)
@@ -119,7 +119,7 @@ static int mass(nsdae_terms *T)
   if (s->by_list) return nsdae_terms_mass_blocks(T);
   zero(T->M, (long)n * n);
   T->evals->mass++;
-  return outcome(T, s->mass(T->t, T->q, T->M, n, s->user), "mass", T->M, n, n);
+  return outcome(T, s->call.mass(T->t, T->q, T->M, n, s->user), "mass", T->M, n, n);
 }
 
 static int force(nsdae_terms *T)
@@ -127,14 +127,15 @@ static int force(nsdae_terms *T)
   const nsdae_system *s = T->system;
   zero(T->F, s->dims.nv);
   T->evals->force++;
-  return outcome(T, s->force(T->t, T->q, T->v, T->F, s->user), "force", T->F, s->dims.nv, 1);
+  return outcome(T, s->call.force(T->t, T->q, T->v, T->F, s->user), "force", T->F, s->dims.nv, 1);
 }
 
 static int phi(nsdae_terms *T)
 {
   const nsdae_system *s = T->system;
-  zero(T->phi, s->dims.m);
-  return outcome(T, s->constraint(T->t, T->q, T->phi, s->user), "constraint", T->phi, s->dims.m, 1);
+  zero(T->constraint.phi, s->dims.m);
+  return outcome(T, s->call.constraint(T->t, T->q, T->constraint.phi, s->user), "constraint",
+                 T->constraint.phi, s->dims.m, 1);
 }
 
 static int jacobian(nsdae_terms *T)
@@ -142,14 +143,15 @@ static int jacobian(nsdae_terms *T)
   const nsdae_system *s = T->system;
   int m = s->dims.m, n = s->dims.nv, code;
   if (s->by_list) return nsdae_terms_constraint_rows(T);
-  zero(T->J, (long)m * n);
+  zero(T->constraint.J, (long)m * n);
   T->evals->jacobian++;
-  if (!s->constraint_jacobian) {
-    code = nsdae_differences_velocity(T->differences, s->constraint, m, T->t, T->q, T->J, m, 0);
-    return difference_outcome(T, code, "constraint", T->J, m, n);
+  if (!s->call.constraint_jacobian) {
+    code = nsdae_differences_velocity(T->differences, s->call.constraint, m, T->t, T->q,
+                                      T->constraint.J, m, 0);
+    return difference_outcome(T, code, "constraint", T->constraint.J, m, n);
   }
-  code = s->constraint_jacobian(T->t, T->q, T->J, m, s->user);
-  return outcome(T, code, "constraint_jacobian", T->J, m, n);
+  code = s->call.constraint_jacobian(T->t, T->q, T->constraint.J, m, s->user);
+  return outcome(T, code, "constraint_jacobian", T->constraint.J, m, n);
 }
 
 /* The callback gives phi_t and omega together. */
@@ -157,11 +159,12 @@ static int given_bias(nsdae_terms *T)
 {
   const nsdae_system *s = T->system;
   int m = s->dims.m;
-  zero(T->phi_t, m);
-  zero(T->omega, m);
-  int code = s->constraint_bias(T->t, T->q, T->v, T->phi_t, T->omega, s->user);
-  int status = outcome(T, code, "constraint_bias", T->phi_t, m, 1);
-  if (status == NSDAE_OK) status = outcome(T, 0, "constraint_bias", T->omega, m, 1);
+  zero(T->constraint.phi_t, m);
+  zero(T->constraint.omega, m);
+  int code =
+      s->call.constraint_bias(T->t, T->q, T->v, T->constraint.phi_t, T->constraint.omega, s->user);
+  int status = outcome(T, code, "constraint_bias", T->constraint.phi_t, m, 1);
+  if (status == NSDAE_OK) status = outcome(T, 0, "constraint_bias", T->constraint.omega, m, 1);
   if (status == NSDAE_OK) T->have |= NSDAE_TERM_PHI_T | NSDAE_TERM_OMEGA;
   return status;
 }
@@ -170,25 +173,27 @@ static int phi_t(nsdae_terms *T)
 {
   const nsdae_system *s = T->system;
   int m = s->dims.m;
-  if (s->constraint_bias) return given_bias(T);
-  int code = nsdae_differences_time(T->differences, s->constraint, m, T->t, T->q, T->phi_t);
-  return difference_outcome(T, code, "constraint", T->phi_t, m, 1);
+  if (s->call.constraint_bias) return given_bias(T);
+  int code = nsdae_differences_time(T->differences, s->call.constraint, m, T->t, T->q,
+                                    T->constraint.phi_t);
+  return difference_outcome(T, code, "constraint", T->constraint.phi_t, m, 1);
 }
 
 static int omega(nsdae_terms *T)
 {
   const nsdae_system *s = T->system;
   int m = s->dims.m;
-  if (s->constraint_bias) return given_bias(T);
-  int code = nsdae_differences_second(T->differences, s->constraint, m, T->t, T->q, T->v, T->omega);
-  return difference_outcome(T, code, "constraint", T->omega, m, 1);
+  if (s->call.constraint_bias) return given_bias(T);
+  int code = nsdae_differences_second(T->differences, s->call.constraint, m, T->t, T->q, T->v,
+                                      T->constraint.omega);
+  return difference_outcome(T, code, "constraint", T->constraint.omega, m, 1);
 }
 
 static int gap(nsdae_terms *T)
 {
   const nsdae_system *s = T->system;
   zero(T->gap, s->dims.k);
-  return outcome(T, s->gap(T->t, T->q, T->gap, s->user), "gap", T->gap, s->dims.k, 1);
+  return outcome(T, s->call.gap(T->t, T->q, T->gap, s->user), "gap", T->gap, s->dims.k, 1);
 }
 
 static int normal(nsdae_terms *T)
@@ -196,11 +201,11 @@ static int normal(nsdae_terms *T)
   const nsdae_system *s = T->system;
   int k = s->dims.k, n = s->dims.nv, code;
   zero(T->W_N, (long)n * k);
-  if (!s->gap_normal) {
-    code = nsdae_differences_velocity(T->differences, s->gap, k, T->t, T->q, T->W_N, n, 1);
+  if (!s->call.gap_normal) {
+    code = nsdae_differences_velocity(T->differences, s->call.gap, k, T->t, T->q, T->W_N, n, 1);
     return difference_outcome(T, code, "gap", T->W_N, n, k);
   }
-  code = s->gap_normal(T->t, T->q, T->W_N, n, s->user);
+  code = s->call.gap_normal(T->t, T->q, T->W_N, n, s->user);
   return outcome(T, code, "gap_normal", T->W_N, n, k);
 }
 
@@ -209,8 +214,8 @@ static int tangent(nsdae_terms *T)
   const nsdae_system *s = T->system;
   int columns = s->dims.k * s->dims.nt, n = s->dims.nv;
   zero(T->W_T, (long)n * columns);
-  if (!s->gap_tangent) return NSDAE_OK; /* allowed where no contact has friction */
-  return outcome(T, s->gap_tangent(T->t, T->q, T->W_T, n, s->user), "gap_tangent", T->W_T, n,
+  if (!s->call.gap_tangent) return NSDAE_OK; /* allowed where no contact has friction */
+  return outcome(T, s->call.gap_tangent(T->t, T->q, T->W_T, n, s->user), "gap_tangent", T->W_T, n,
                  columns);
 }
 
@@ -220,11 +225,11 @@ static int bias(nsdae_terms *T)
   int k = s->dims.k, nt = s->dims.nt, code;
   zero(T->w_N, k);
   zero(T->w_T, (long)k * nt);
-  if (!s->contact_bias) {
-    code = nsdae_differences_time(T->differences, s->gap, k, T->t, T->q, T->w_N);
+  if (!s->call.contact_bias) {
+    code = nsdae_differences_time(T->differences, s->call.gap, k, T->t, T->q, T->w_N);
     return outcome(T, code, "gap", T->w_N, k, 1);
   }
-  code = s->contact_bias(T->t, T->q, T->w_N, nt > 0 ? T->w_T : NULL, s->user);
+  code = s->call.contact_bias(T->t, T->q, T->w_N, nt > 0 ? T->w_T : NULL, s->user);
   int status = outcome(T, code, "contact_bias", T->w_N, k, 1);
   return status < 0 ? status : outcome(T, 0, "contact_bias", T->w_T, k * nt, 1);
 }
@@ -233,12 +238,12 @@ static int slide(nsdae_terms *T)
 {
   const nsdae_system *s = T->system;
   int f = s->dims.f, n = s->dims.nv;
-  zero(T->W_S, (long)n * f);
-  zero(T->w_S, f);
-  if (!s->slide_tangent) return NSDAE_OK; /* allowed where no slide has friction */
-  int code = s->slide_tangent(T->t, T->q, T->W_S, n, T->w_S, s->user);
-  int status = outcome(T, code, "slide_tangent", T->W_S, n, f);
-  return status < 0 ? status : outcome(T, 0, "slide_tangent", T->w_S, f, 1);
+  zero(T->slide.W, (long)n * f);
+  zero(T->slide.w, f);
+  if (!s->call.slide_tangent) return NSDAE_OK; /* allowed where no slide has friction */
+  int code = s->call.slide_tangent(T->t, T->q, T->slide.W, n, T->slide.w, s->user);
+  int status = outcome(T, code, "slide_tangent", T->slide.W, n, f);
+  return status < 0 ? status : outcome(T, 0, "slide_tangent", T->slide.w, f, 1);
 }
 
 static int acceleration(nsdae_terms *T)
@@ -246,29 +251,29 @@ static int acceleration(nsdae_terms *T)
   const nsdae_system *s = T->system;
   int k = s->dims.k, kt = k * s->dims.nt, f = s->dims.f, code;
   const char *callback = "contact_acceleration";
-  zero(T->omega_N, k);
-  zero(T->omega_T, kt);
-  zero(T->omega_S, f);
-  if (s->contact_acceleration) {
-    code = s->contact_acceleration(T->t, T->q, T->v, k ? T->omega_N : NULL, kt ? T->omega_T : NULL,
-                                   f ? T->omega_S : NULL, s->user);
+  zero(T->omega.N, k);
+  zero(T->omega.T, kt);
+  zero(T->slide.omega, f);
+  if (s->call.contact_acceleration) {
+    code = s->call.contact_acceleration(T->t, T->q, T->v, k ? T->omega.N : NULL,
+                                        kt ? T->omega.T : NULL, f ? T->slide.omega : NULL, s->user);
   } else {
-    code = nsdae_differences_contacts(T->differences, T->t, T->q, T->v, T->omega_N, T->omega_T,
-                                      T->omega_S);
+    code = nsdae_differences_contacts(T->differences, T->t, T->q, T->v, T->omega.N, T->omega.T,
+                                      T->slide.omega);
     if (code || T->differences->bad) callback = code ? T->differences->failed : T->differences->bad;
   }
-  int status = outcome(T, code, callback, T->omega_N, k, 1);
-  if (status == NSDAE_OK) status = outcome(T, 0, callback, T->omega_T, kt, 1);
-  return status < 0 ? status : outcome(T, 0, callback, T->omega_S, f, 1);
+  int status = outcome(T, code, callback, T->omega.N, k, 1);
+  if (status == NSDAE_OK) status = outcome(T, 0, callback, T->omega.T, kt, 1);
+  return status < 0 ? status : outcome(T, 0, callback, T->slide.omega, f, 1);
 }
 
 static int potential(nsdae_terms *T)
 {
   const nsdae_system *s = T->system;
   T->potential = 0;
-  if (!s->potential) return NSDAE_OK;
-  return outcome(T, s->potential(T->t, T->q, &T->potential, s->user), "potential", &T->potential, 1,
-                 1);
+  if (!s->call.potential) return NSDAE_OK;
+  return outcome(T, s->call.potential(T->t, T->q, &T->potential, s->user), "potential",
+                 &T->potential, 1, 1);
 }
 
 typedef struct evaluation {
@@ -381,7 +386,7 @@ double nsdae_terms_touch(const nsdae_terms *terms)
 double nsdae_terms_drift(const nsdae_terms *terms)
 {
   double most = 0;
-  for (int i = 0; i < terms->system->dims.m; i++) most = fmax(most, fabs(terms->phi[i]));
+  for (int i = 0; i < terms->system->dims.m; i++) most = fmax(most, fabs(terms->constraint.phi[i]));
   return most;
 }
 
@@ -411,7 +416,7 @@ static int bad_rank(const nsdae_terms *terms, const nsdae_kkt *kkt)
                   "set redundant = least-norm; the first that depends on others",
                   kkt->rank, kkt->m, terms->t);
   terms->error->time = terms->t;
-  nsdae_system_name_item(terms->system, NSDAE_NAME_CONSTRAINT, kkt->column[kkt->rank] - 1,
+  nsdae_system_name_item(terms->system, NSDAE_NAME_CONSTRAINT, kkt->pivoted.column[kkt->rank] - 1,
                          terms->error);
   return NSDAE_E_RANK;
 }
@@ -419,7 +424,7 @@ static int bad_rank(const nsdae_terms *terms, const nsdae_kkt *kkt)
 int nsdae_terms_factor(nsdae_terms *terms, const double *M, nsdae_kkt *kkt, int least_norm)
 {
   const nsdae_dims *dims = &terms->system->dims;
-  if (nsdae_kkt_factor(kkt, M, dims->nv, terms->J, dims->m) < 0)
+  if (nsdae_kkt_factor(kkt, M, dims->nv, terms->constraint.J, dims->m) < 0)
     return nsdae_terms_bad_mass(terms, kkt);
   return kkt->rank < kkt->m && !least_norm ? bad_rank(terms, kkt) : NSDAE_OK;
 }

@@ -25,8 +25,8 @@ enum {
   NSDAE_TERM_TANGENT = 256,
   NSDAE_TERM_BIAS = 512, /* w_N, w_T */
   NSDAE_TERM_POTENTIAL = 1024,
-  NSDAE_TERM_SLIDE = 2048,        /* W_S, w_S */
-  NSDAE_TERM_ACCELERATION = 4096, /* omega_N, omega_T, omega_S; depends on v */
+  NSDAE_TERM_SLIDE = 2048,        /* W and w of the slides */
+  NSDAE_TERM_ACCELERATION = 4096, /* omega of contacts and slides; depends on v */
   NSDAE_TERM_CONTACTS = 8192      /* the list, see nsdae_terms_contacts */
 };
 
@@ -44,6 +44,24 @@ typedef struct nsdae_evals {
   long mass, force, jacobian;
 } nsdae_evals;
 
+/* Of the bilateral constraints. */
+typedef struct nsdae_constraint_terms {
+  double *phi;           /* m */
+  double *J;             /* m x nv */
+  double *phi_t, *omega; /* m */
+} nsdae_constraint_terms;
+
+/* What the contacts' rates have beside W^T v': of N and T. */
+typedef struct nsdae_contact_turns {
+  double *N, *T; /* k, k nt */
+} nsdae_contact_turns;
+
+/* Of the slides. */
+typedef struct nsdae_slide_terms {
+  double *W;         /* nv x f */
+  double *w, *omega; /* f */
+} nsdae_slide_terms;
+
 typedef struct nsdae_terms {
   const nsdae_system *system;
   nsdae_differences *differences;
@@ -51,17 +69,15 @@ typedef struct nsdae_terms {
   nsdae_evals *evals;
   unsigned have; /* the terms that are up to date */
   double t, *q, *v;
-  double *M;                           /* nv x nv, its blocks one after another */
-  double *F;                           /* nv */
-  double *phi;                         /* m */
-  double *J;                           /* m x nv */
-  double *phi_t, *omega;               /* m */
-  double *gap;                         /* k */
-  double *W_N;                         /* nv x k */
-  double *W_T;                         /* nv x k nt */
-  double *w_N, *w_T;                   /* k, k nt */
-  double *W_S, *w_S;                   /* nv x f, f */
-  double *omega_N, *omega_T, *omega_S; /* k, k nt, f */
+  double *M; /* nv x nv, its blocks one after another */
+  double *F; /* nv */
+  nsdae_constraint_terms constraint;
+  double *gap;       /* k */
+  double *W_N;       /* nv x k */
+  double *W_T;       /* nv x k nt */
+  double *w_N, *w_T; /* k, k nt */
+  nsdae_contact_turns omega;
+  nsdae_slide_terms slide;
   double potential;
   nsdae_by_blocks by;
 } nsdae_terms;
@@ -84,8 +100,8 @@ int nsdae_terms_need(nsdae_terms *terms, unsigned which);
  * that. With p = 10^4, NSDAE_E_MASS names the first two that differ by more. */
 int nsdae_terms_symmetric(const nsdae_terms *terms);
 
-/* W_j^T v + w_j: the velocity along column j of W_N, W_T or W_S, or with omega in place of w and an
- * acceleration in place of v, its rate. */
+/* W_j^T v + w_j: the velocity along column j of W_N, W_T or of the slides' W, or with omega in
+ * place of w and an acceleration in place of v, its rate. */
 static inline double nsdae_terms_rate(const nsdae_terms *T, const double *W, const double *w, int j,
                                       const double *v)
 {
@@ -107,8 +123,8 @@ static inline double nsdae_terms_slip(const nsdae_terms *T, int i, const double 
 static inline double nsdae_terms_constraint_rate(const nsdae_terms *T, int i, const double *v)
 {
   size_t m = (size_t)T->system->dims.m, n = (size_t)T->system->dims.nv;
-  double rate = T->phi_t[i];
-  for (size_t j = 0; j < n; j++) rate += T->J[j * m + (size_t)i] * v[j];
+  double rate = T->constraint.phi_t[i];
+  for (size_t j = 0; j < n; j++) rate += T->constraint.J[j * m + (size_t)i] * v[j];
   return rate;
 }
 

@@ -1,6 +1,8 @@
 /* Every public function with what is missing or outside its range: the documented status. */
 #include "check.h"
 
+#include <time.h>
+
 #include "bead.h"
 
 static bead the_bead;
@@ -368,15 +370,116 @@ static void test_null_structs(void **state)
   nsdae_sim_options_default(NULL);
 }
 
+static int no_matrix(double t, const double *q, double *M, int ldm, void *user)
+{
+  (void)t;
+  (void)q;
+  (void)M;
+  (void)ldm;
+  (void)user;
+  return -1;
+}
+
+static int no_vector(double t, const double *q, double *g, void *user)
+{
+  (void)t;
+  (void)q;
+  (void)g;
+  (void)user;
+  return -1;
+}
+
+static int no_force(double t, const double *q, const double *v, double *F, void *user)
+{
+  (void)v;
+  return no_vector(t, q, F, user);
+}
+
+/* What becomes of a simulation of these sizes; that it was not made is said at once. */
+static int create_of_size(const nsdae_dims *d, int method, nsdae_error *error)
+{
+  nsdae_sim_options options;
+  nsdae_system *system;
+  nsdae_sim *sim = NULL;
+  assert_int_equal(nsdae_system_create(d, &system, NULL), NSDAE_OK);
+  nsdae_system_set_mass(system, no_matrix);
+  nsdae_system_set_force(system, no_force);
+  if (d->m > 0) nsdae_system_set_constraint(system, no_vector);
+  if (d->m > 0) nsdae_system_set_constraint_jacobian(system, no_matrix);
+  if (d->k > 0) nsdae_system_set_gap(system, no_vector);
+  if (d->k > 0) nsdae_system_set_gap_normal(system, no_matrix);
+  if (d->k > 0 && d->nt > 0) nsdae_system_set_gap_tangent(system, no_matrix);
+  nsdae_sim_options_default(&options);
+  options.method = method;
+  clock_t begin = clock();
+  int status = nsdae_sim_create(system, &options, &sim, error);
+  assert_true(clock() - begin < CLOCKS_PER_SEC); /* seconds once, to assemble what cannot be */
+  assert_true(status < 0 ? sim == NULL : sim != NULL);
+  nsdae_sim_destroy(&sim);
+  nsdae_system_destroy(&system);
+  return status;
+}
+
+/* More numbered contacts than an LCP may have rows, by one and by far. */
+static void test_too_many_contacts(void **state)
+{
+  static const int k[] = {20001, 1 << 20};
+  nsdae_error error;
+  (void)state;
+  for (int method = 0; method <= NSDAE_METHOD_EVENT; method++)
+    for (int i = 0; i < 2; i++)
+      for (int nt = 0; nt <= 1; nt++) {
+        const nsdae_dims d = {.nq = 1, .k = k[i], .nt = nt};
+        char rows[32];
+        int status = create_of_size(&d, method, &error);
+        if (status == NSDAE_E_UNSUPPORTED) continue; /* built without SUNDIALS */
+        assert_int_equal(status, NSDAE_E_ARGUMENT);
+        assert_string_equal(error.argument, "k");
+        snprintf(rows, sizeof rows, "k = %d contacts", k[i]);
+        assert_non_null(strstr(error.text, rows));
+        assert_non_null(strstr(error.text, "20000"));
+      }
+}
+
+/* Sizes whose products are beyond int, and their squares: nv nv, m nv, k nv, m m. What there is no
+ * memory for is said; nothing overflows on the way there (UBSan looks). */
+static void test_products_of_sizes(void **state)
+{
+  static const nsdae_dims sizes[] = {
+      {.nq = 1 << 20},
+      {.nq = 1 << 20, .m = 1 << 20},
+      {.nq = 1 << 20, .k = 5000, .nt = 1},
+      {.nq = 1 << 20, .m = 3000, .k = 3000, .nt = 2},
+      {.nq = 1 << 20, .m = 1 << 20, .f = 5000},
+  };
+  nsdae_error error;
+  (void)state;
+  for (int method = 0; method <= NSDAE_METHOD_EVENT; method++)
+    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+      int status = create_of_size(&sizes[i], method, &error);
+      if (status >= 0 || status == NSDAE_E_UNSUPPORTED) continue; /* terabytes, or no SUNDIALS */
+      assert_true(status == NSDAE_E_MEMORY || status == NSDAE_E_ARGUMENT);
+      assert_true(strlen(error.text) > 0);
+    }
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_create),          cmocka_unit_test(test_options_not_initialised),
-      cmocka_unit_test(test_options_outside), cmocka_unit_test(test_options_table),
-      cmocka_unit_test(test_methods),         cmocka_unit_test(test_null_sim),
-      cmocka_unit_test(test_null_arguments),  cmocka_unit_test(test_state_arguments),
-      cmocka_unit_test(test_unobserve),       cmocka_unit_test(test_leaves),
-      cmocka_unit_test(test_trajectory),      cmocka_unit_test(test_null_structs),
+      cmocka_unit_test(test_create),
+      cmocka_unit_test(test_options_not_initialised),
+      cmocka_unit_test(test_options_outside),
+      cmocka_unit_test(test_options_table),
+      cmocka_unit_test(test_methods),
+      cmocka_unit_test(test_null_sim),
+      cmocka_unit_test(test_null_arguments),
+      cmocka_unit_test(test_state_arguments),
+      cmocka_unit_test(test_too_many_contacts),
+      cmocka_unit_test(test_products_of_sizes),
+      cmocka_unit_test(test_unobserve),
+      cmocka_unit_test(test_leaves),
+      cmocka_unit_test(test_trajectory),
+      cmocka_unit_test(test_null_structs),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -80,8 +80,7 @@ static double from_rest(const random_system *r, double dt)
 {
   double most = 0;
   for (int i = 0; i < r->dims.nq; i++) {
-    double force = fabs(r->g[i]) + r->s[i] * fabs(r->q0[i]) + r->damp[i] * fabs(r->v0[i]) +
-                   r->m[i] * fabs(r->a[i]) * r->v0[i] * r->v0[i] / 2;
+    double force = fabs(r->g[i]) + r->s[i] * fabs(r->q0[i]);
     most = fmax(most, fmax(1, fabs(r->h[i])) * force / (r->m[i] * (1 - fabs(r->a[i]))));
   }
   return 2 * dt * dt * most; /* rows and h are up to 2 */

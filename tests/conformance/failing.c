@@ -238,13 +238,13 @@ static void test_projected(void **state)
   for (int method = NSDAE_METHOD_IMPLICIT; method <= NSDAE_METHOD_MOREAU; method++) {
     for (int i = 0; i < MODELS; i++) {
       use_model(&b, models[i]);
-      b.options.projection = NSDAE_PROJECTION_CONTACTS;
+      b.options.projection = i % 2 ? NSDAE_PROJECTION_DEPTHS : NSDAE_PROJECTION_CONTACTS;
       attack(&b, method);
       done(&b);
     }
-    for (uint64_t seed = 1; seed <= SYSTEMS; seed++) {
-      use_random(&b, seed);
-      b.options.projection = NSDAE_PROJECTION_CONTACTS;
+    for (uint64_t seed = 1; seed <= 2 * SYSTEMS; seed++) {
+      use_random(&b, (seed + 1) / 2);
+      b.options.projection = seed % 2 ? NSDAE_PROJECTION_DEPTHS : NSDAE_PROJECTION_CONTACTS;
       attack(&b, method);
       done(&b);
     }

@@ -194,6 +194,11 @@ contains
     if (number /= 7) status(9) = nsdae_system_set_kinematics(s, kinematics)
     call is_true(all(status == NSDAE_OK), 'setters')
     call is_int(nsdae_system_set_slide(s, 0, 0, 0.1d0), NSDAE_OK, 'slide')
+    if (number == 0) then
+      call is_int(nsdae_sim_create(s, sim, error=error), NSDAE_E_STATE, 'a contact not told of')
+      call contains_text(error%text, 'nsdae_system_set_contact', 'what to call')
+    end if
+    call is_int(nsdae_system_set_contact(s, 1, 0d0, 0d0, 0d0), NSDAE_OK, 'the other contact')
     call is_int(nsdae_sim_create(s, sim, error=error), &
                 merge(NSDAE_OK, NSDAE_E_STATE, number == 0), 'without ' // name)
     call is_text(error%argument, name, 'error%argument')

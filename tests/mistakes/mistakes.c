@@ -29,7 +29,9 @@ enum mistake {
   CONSTRAINT_TWICE,
   METHOD_MISSPELT,
   OPTIONS_NOT_SET,
-  MISTAKES = OPTIONS_NOT_SET
+  COEFFICIENTS_FORGOTTEN,
+  SIGN_OF_WALL,
+  MISTAKES = SIGN_OF_WALL
 };
 
 static int mass(double t, const double *q, double *M, int ldm, void *user)
@@ -91,8 +93,14 @@ static int bias(double t, const double *q, const double *v, double *phi_t, doubl
 static int gap(double t, const double *q, double *g, void *user)
 {
   const int w = *(const int *)user;
-  (void)t;
-  g[w == INDEX_BEYOND] = sin(q[2]);
+  g[w == INDEX_BEYOND] = sin(q[2]) + (w == SIGN_OF_WALL ? 0.1 * t : 0);
+  return 0;
+}
+
+static int wall(double t, const double *q, double *w_n, double *w_t, void *user)
+{
+  (void)t, (void)q, (void)w_t, (void)user;
+  w_n[0] = -0.1;
   return 0;
 }
 
@@ -129,8 +137,10 @@ static nsdae_system *describe(int *w)
   if (*w != GAP_FORGOTTEN) nsdae_system_set_gap(s, gap);
   nsdae_system_set_gap_normal(s, normal);
   if (*w != FRICTION_WITHOUT_DIRECTION) nsdae_system_set_gap_tangent(s, tangent);
-  nsdae_system_set_contact(s, *w == CONTACT_OFF_BY_ONE, 0.3,
-                           *w == RESTITUTION_ABOVE_ONE ? 1.5 : 0.5, 0);
+  if (*w == SIGN_OF_WALL) nsdae_system_set_contact_bias(s, wall);
+  if (*w != COEFFICIENTS_FORGOTTEN)
+    nsdae_system_set_contact(s, *w == CONTACT_OFF_BY_ONE, 0.3,
+                             *w == RESTITUTION_ABOVE_ONE ? 1.5 : 0.5, 0);
   if (*w == SLIDE_OF_NO_CONSTRAINT) nsdae_system_set_slide(s, 0, 2, 0.1);
   nsdae_system_set_name(s, NSDAE_NAME_COORDINATE, 2, "theta", "rad");
   nsdae_system_set_name(s, NSDAE_NAME_CONSTRAINT, 1, "pivot_y", "m");
@@ -192,6 +202,6 @@ int main(void)
 {
   for (int w = 1; w <= MISTAKES; w++) make(w, 1);
   for (int w = SIGN_OF_NORMAL; w <= NORMAL_AS_TANGENT; w++) /* without the check */
-    if (w != INDEX_BEYOND) make(w, 0);
+    make(w, 0);
   return 0;
 }

@@ -31,7 +31,9 @@ enum mistake {
   CONSTRAINT_TWICE,
   METHOD_MISSPELT,
   OPTIONS_NOT_SET,
-  MISTAKES = OPTIONS_NOT_SET
+  COEFFICIENTS_FORGOTTEN,
+  SIGN_OF_WALL,
+  MISTAKES = SIGN_OF_WALL
 };
 
 void set_constraints(nsdae::system &s, int w)
@@ -66,13 +68,18 @@ void set_contact(nsdae::system &s, int w)
     W[2] = w == SIGN_OF_NORMAL ? -std::cos(q[2]) : std::cos(q[2]);
   };
   if (w != GAP_FORGOTTEN)
-    s.gap([w](double, const double *q, double *g) { g[w == INDEX_BEYOND] = std::sin(q[2]); });
+    s.gap([w](double t, const double *q, double *g) {
+      g[w == INDEX_BEYOND] = std::sin(q[2]) + (w == SIGN_OF_WALL ? 0.1 * t : 0);
+    });
   s.gap_normal(normal);
   if (w == NORMAL_AS_TANGENT)
     s.gap_tangent(normal);
   else if (w != FRICTION_WITHOUT_DIRECTION)
     s.gap_tangent([](double, const double *, double *W, int) { W[0] = 1; });
-  s.contact(w == CONTACT_OFF_BY_ONE, 0.3, w == RESTITUTION_ABOVE_ONE ? 1.5 : 0.5);
+  if (w == SIGN_OF_WALL)
+    s.contact_bias([](double, const double *, double *w_n, double *) { w_n[0] = -0.1; });
+  if (w != COEFFICIENTS_FORGOTTEN)
+    s.contact(w == CONTACT_OFF_BY_ONE, 0.3, w == RESTITUTION_ABOVE_ONE ? 1.5 : 0.5);
 }
 
 nsdae::system describe(int w)
@@ -148,5 +155,5 @@ int main()
 {
   for (int w = 1; w <= MISTAKES; w++) make(w, true);
   for (int w = SIGN_OF_NORMAL; w <= NORMAL_AS_TANGENT; w++) /* without the check */
-    if (w != INDEX_BEYOND) make(w, false);
+    make(w, false);
 }

@@ -10,7 +10,7 @@ module mistakes_model
         ONE_TRIANGLE, MASS_LEFT_OUT, SIGN_OF_NORMAL, SIGN_IN_JACOBIAN, TERM_OF_OMEGA_LOST, &
         INDEX_BEYOND, ENTRY_NEVER_SET, NORMAL_AS_TANGENT, INIT_FORGOTTEN, START_IN_THE_STOP, &
         DEGREES, VELOCITY_OFF, DIVISION_BY_ZERO, RETURNS_A_COUNT, CONSTRAINT_TWICE, &
-        METHOD_MISSPELT, OPTIONS_NOT_SET
+        METHOD_MISSPELT, OPTIONS_NOT_SET, COEFFICIENTS_FORGOTTEN, SIGN_OF_WALL
   end enum
 
   type :: wrong
@@ -96,7 +96,16 @@ contains
     real(c_double), intent(in) :: t, q(:)
     real(c_double), intent(inout) :: g(:)
     class(*), intent(inout) :: user
-    g(merge(2, 1, mistake(user) == INDEX_BEYOND)) = sin(q(3))
+    g(merge(2, 1, mistake(user) == INDEX_BEYOND)) = &
+        sin(q(3)) + merge(0.1d0, 0d0, mistake(user) == SIGN_OF_WALL) * t
+    status = 0
+  end function
+
+  integer(c_int) function wall(t, q, w_n, w_t, user) result(status)
+    real(c_double), intent(in) :: t, q(:)
+    real(c_double), intent(inout) :: w_n(:), w_t(:)
+    class(*), intent(inout) :: user
+    w_n(1) = -0.1d0
     status = 0
   end function
 
@@ -140,8 +149,10 @@ contains
     if (w /= GAP_FORGOTTEN) status = nsdae_system_set_gap(system, gap)
     status = nsdae_system_set_gap_normal(system, normal)
     if (w /= FRICTION_WITHOUT_DIRECTION) status = nsdae_system_set_gap_tangent(system, tangent)
-    status = nsdae_system_set_contact(system, merge(1, 0, w == CONTACT_OFF_BY_ONE), 0.3d0, &
-                                      merge(1.5d0, 0.5d0, w == RESTITUTION_ABOVE_ONE), 0d0)
+    if (w == SIGN_OF_WALL) status = nsdae_system_set_contact_bias(system, wall)
+    if (w /= COEFFICIENTS_FORGOTTEN) &
+        status = nsdae_system_set_contact(system, merge(1, 0, w == CONTACT_OFF_BY_ONE), 0.3d0, &
+                                          merge(1.5d0, 0.5d0, w == RESTITUTION_ABOVE_ONE), 0d0)
     if (w == SLIDE_OF_NO_CONSTRAINT) status = nsdae_system_set_slide(system, 0, 2, 0.1d0)
     status = nsdae_system_set_name(system, NSDAE_NAME_COORDINATE, 2, 'theta', 'rad')
     status = nsdae_system_set_name(system, NSDAE_NAME_CONSTRAINT, 1, 'pivot_y', 'm')
@@ -203,10 +214,10 @@ program mistakes
   use mistakes_model
   implicit none
   integer :: w
-  do w = 1, OPTIONS_NOT_SET
+  do w = 1, SIGN_OF_WALL
     call make(w, .true.)
   end do
   do w = SIGN_OF_NORMAL, NORMAL_AS_TANGENT  ! without the check
-    if (w /= INDEX_BEYOND) call make(w, .false.)
+    call make(w, .false.)
   end do
 end program

@@ -37,11 +37,11 @@ static const double *place(failing_system *f, const double *q)
     qdot)                                                                                         \
   C(potential, 12, (double t, const double *q, double *energy, void *user), energy)
 
-#define DEFINE(name, term, parameters, ...)                                            \
-  static int name parameters                                                           \
-  {                                                                                    \
-    failing_system *f = user;                                                          \
-    return turn(f, term, f->inner->name(t, place(f, q), __VA_ARGS__, f->inner->user)); \
+#define DEFINE(name, term, parameters, ...)                                                 \
+  static int name parameters                                                                \
+  {                                                                                         \
+    failing_system *f = user;                                                               \
+    return turn(f, term, f->inner->call.name(t, place(f, q), __VA_ARGS__, f->inner->user)); \
   }
 CALLBACKS(DEFINE)
 
@@ -52,7 +52,7 @@ nsdae_system *failing_system_make(failing_system *f, const nsdae_system *inner)
   if (nsdae_system_create(&inner->dims, &made, NULL) < 0) return NULL;
   nsdae_system_set_user(made, f);
 #define SET(name, ...) \
-  if (inner->name) nsdae_system_set_##name(made, name);
+  if (inner->call.name) nsdae_system_set_##name(made, name);
   CALLBACKS(SET)
   for (int i = 0; i < inner->dims.k; i++) {
     const nsdae_coefficients *c = &inner->contact[i];

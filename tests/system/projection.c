@@ -139,7 +139,7 @@ static void test_integrators(void **state)
   nsdae_system *system = rod_system(&r);
   (void)state;
   for (int i = 0; i < 2; i++)
-    for (int projection = 0; projection < 3; projection++) {
+    for (int projection = 0; projection <= NSDAE_PROJECTION_DEPTHS; projection++) {
       nsdae_sim_options options;
       nsdae_sim *sim = NULL;
       nsdae_error error;

@@ -211,10 +211,10 @@ static void check_directions(const nsdae_bodies *b, const nsdae_system *system, 
   nsdae_bodies_get_dims(b, &dims);
   assert_true(dims.k <= K_MAX);
   memset(W, 0, sizeof W);
-  system->gap_normal(0, q, W[0], dims.nv, system->user);
-  system->gap_tangent(0, q, W[1], dims.nv, system->user);
+  system->call.gap_normal(0, q, W[0], dims.nv, system->user);
+  system->call.gap_tangent(0, q, W[1], dims.nv, system->user);
   memcpy(qdot, v, (size_t)dims.nv * sizeof *v);
-  if (system->kinematics) system->kinematics(0, q, v, qdot, system->user);
+  if (system->call.kinematics) system->call.kinematics(0, q, v, qdot, system->user);
   for (int i = 0; i < dims.k; i++) {
     const nsdae_feature *f = (const nsdae_feature *)b->feature.at + i;
     const nsdae_solid_of *s = b->solid.at;
@@ -281,7 +281,7 @@ static void check_list(const nsdae_bodies *b, const nsdae_system *system, const 
   nsdae_contact_list list = {.blocks = &system->blocks, .nt = b->dimension - 1, .error = &error};
   assert_int_equal(nsdae_contact_list_grow(&list, &room), NSDAE_OK);
   nsdae_contact_list_clear(&list);
-  assert_int_equal(system->contacts(0.4, q, v, 0.3, &list, system->user), 0);
+  assert_int_equal(system->call.contacts(0.4, q, v, 0.3, &list, system->user), 0);
   assert_true(nsdae_room_enough(&list.room, &list.taken));
   for (int i = 0; i < list.count; i++) {
     double n[2][3][3], x[2][3] = {{0}}, apart[3];

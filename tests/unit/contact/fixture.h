@@ -147,15 +147,15 @@ static inline void fixture_begin(fixture *f, nsdae_dims dims)
   for (int i = 0; i < dims.nq; i++) f->M[i * dims.nq + i] = 1;
   assert_int_equal(nsdae_system_create(&dims, &f->system, NULL), NSDAE_OK);
   f->system->user = f;
-  f->system->mass = fixture_mass;
-  f->system->force = fixture_force;
-  f->system->constraint = fixture_zero;
-  f->system->constraint_jacobian = fixture_jacobian;
-  f->system->gap = fixture_gap;
-  f->system->gap_normal = fixture_normal;
-  f->system->gap_tangent = fixture_tangent;
-  f->system->contact_bias = fixture_bias;
-  f->system->slide_tangent = fixture_slide;
+  f->system->call.mass = fixture_mass;
+  f->system->call.force = fixture_force;
+  f->system->call.constraint = fixture_zero;
+  f->system->call.constraint_jacobian = fixture_jacobian;
+  f->system->call.gap = fixture_gap;
+  f->system->call.gap_normal = fixture_normal;
+  f->system->call.gap_tangent = fixture_tangent;
+  f->system->call.contact_bias = fixture_bias;
+  f->system->call.slide_tangent = fixture_slide;
 }
 
 /* After the model and the coefficients are set. */

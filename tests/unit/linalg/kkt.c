@@ -517,6 +517,44 @@ static void test_nan_does_not_hang(void **state)
   }
 }
 
+/* B J = J for the range of J, trace B = rank, and a range has all its dimensions in common with
+ * itself; with one that lost a direction, one less. */
+static void test_range(void **state)
+{
+  static double B[M * M];
+  (void)state;
+  for (int rank = 2; rank <= 6; rank++) {
+    begin(10, 9, 1e-8);
+    random_mass();
+    random_rows(rank, p.J, LDJ);
+    for (int i = rank; i < p.m; i++) {
+      double share[2];
+      random_matrix(&p.random, 2, 1, share, 2);
+      for (int j = 0; j < p.n; j++)
+        p.J[j * LDJ + i] = share[0] * at_J(i % rank, j) + share[1] * at_J((i + 1) % rank, j);
+    }
+    assert_int_equal(nsdae_kkt_factor(&p.kkt, p.mass, LDM, p.J, LDJ), NSDAE_OK);
+    assert_int_equal(p.kkt.rank, rank);
+    nsdae_kkt_range(&p.kkt, B);
+    for (int j = 0; j < p.n; j++)
+      for (int i = 0; i < p.m; i++) {
+        double sum = 0;
+        for (int l = 0; l < p.m; l++) sum += B[l * p.m + i] * at_J(l, j);
+        assert_near(sum, at_J(i, j), 1e-12);
+      }
+    double trace = 0;
+    for (int i = 0; i < p.m; i++) trace += B[i * p.m + i];
+    assert_near(trace, rank, 1e-12);
+    assert_near(nsdae_kkt_common(&p.kkt, B), rank, 1e-12);
+    for (int j = 0; j < p.n; j++) /* columns 1 .. rank-1 alone */
+      for (int i = 0; i < p.m && (j == 0 || j >= rank); i++) p.J[j * LDJ + i] = 0;
+    assert_int_equal(nsdae_kkt_factor(&p.kkt, p.mass, LDM, p.J, LDJ), NSDAE_OK);
+    assert_int_equal(p.kkt.rank, rank - 1);
+    assert_near(nsdae_kkt_common(&p.kkt, B), rank - 1, 1e-12);
+    end();
+  }
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
@@ -534,6 +572,7 @@ int main(void)
       cmocka_unit_test(test_diagonal_mass),
       cmocka_unit_test(test_diagonal_mass_not_positive),
       cmocka_unit_test(test_nan_does_not_hang),
+      cmocka_unit_test(test_range),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -17,6 +17,7 @@ static nsdae_system *ball(int nt)
   nsdae_system_set_force(s, planar_force);
   nsdae_system_set_gap(s, planar_gap);
   if (nt > 0) nsdae_system_set_gap_tangent(s, planar_tangent);
+  for (int i = 0; nt > 0 && i < PLANAR_K; i++) nsdae_system_set_contact(s, i, 0, 0, 0);
   return s;
 }
 
@@ -163,10 +164,55 @@ static void test_all_frozen(void **state)
     assert_int_equal(nsdae_system_set_slide_tangent(s, slide_tangent), wanted);
     assert_int_equal(nsdae_system_set_slide(s, 0, 1, 0.1), wanted);
     assert_int_equal(nsdae_system_set_potential(s, planar_potential), wanted);
+    assert_int_equal(nsdae_system_set_contact(s, 0, 0, 0, 0), wanted);
     assert_int_equal(nsdae_system_set_contact(s, 1, 0.1, 0.5, 0), wanted);
     if (round == 0) assert_int_equal(nsdae_sim_create(s, NULL, &sim, NULL), NSDAE_OK);
   }
   nsdae_sim_destroy(&sim);
+  nsdae_system_destroy(&s);
+}
+
+static nsdae_system *friction(int contacts, int slides)
+{
+  const nsdae_dims dims = {
+      .nq = PLANAR_NQ, .nv = PLANAR_NV, .m = PLANAR_M, .k = PLANAR_K, .nt = 1, .f = 1};
+  nsdae_system *s = NULL;
+  assert_int_equal(nsdae_system_create(&dims, &s, NULL), NSDAE_OK);
+  nsdae_system_set_kinematics(s, planar_kinematics);
+  nsdae_system_set_mass(s, planar_mass);
+  nsdae_system_set_force(s, planar_force);
+  nsdae_system_set_constraint(s, planar_constraint);
+  nsdae_system_set_gap(s, planar_gap);
+  nsdae_system_set_gap_tangent(s, planar_tangent);
+  nsdae_system_set_slide_tangent(s, slide_tangent);
+  for (int i = 0; i < contacts; i++) nsdae_system_set_contact(s, i, 0, 0, 0);
+  for (int j = 0; j < slides; j++) nsdae_system_set_slide(s, j, 0, 0);
+  return s;
+}
+
+/* Directions of friction without a coefficient, if only zero, are a call forgotten; the check of
+ * derivatives goes without it, and where nothing rubs there is nothing to be told. */
+static void test_untold(void **state)
+{
+  (void)state;
+  const double q[PLANAR_NQ] = {0, 0.5, 1, 0}, v[PLANAR_NV] = {0.3, 0.2, 0.1};
+  for (int contacts = 0; contacts <= PLANAR_K; contacts++)
+    for (int slides = 0; slides <= 1; slides++) {
+      nsdae_system *s = friction(contacts, slides);
+      nsdae_sim *sim = NULL;
+      nsdae_error error;
+      int all = contacts == PLANAR_K && slides == 1;
+      assert_int_equal(nsdae_sim_create(s, NULL, &sim, &error), all ? NSDAE_OK : NSDAE_E_STATE);
+      assert_int_equal(nsdae_system_check(s, 0, q, v, 1e-5, NULL), NSDAE_OK);
+      if (!all) {
+        assert_string_equal(error.argument, contacts < PLANAR_K ? "contact" : "slide");
+        assert_int_equal(error.index, contacts < PLANAR_K ? contacts : 0);
+      }
+      nsdae_sim_destroy(&sim);
+      nsdae_system_destroy(&s);
+    }
+  nsdae_system *s = ball(0); /* no directions: coefficients are zero unless set */
+  made(s);
   nsdae_system_destroy(&s);
 }
 
@@ -401,19 +447,13 @@ static void test_nothing_to_name(void **state)
 int main(void)
 {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_no_system),
-      cmocka_unit_test(test_first_refusal),
-      cmocka_unit_test(test_every_refusal),
-      cmocka_unit_test(test_directions),
-      cmocka_unit_test(test_frozen),
-      cmocka_unit_test(test_all_frozen),
-      cmocka_unit_test(test_failed_creation_holds_nothing),
-      cmocka_unit_test(test_destroyed_first),
-      cmocka_unit_test(test_names),
-      cmocka_unit_test(test_names_refused),
-      cmocka_unit_test(test_names_differ),
-      cmocka_unit_test(test_nothing_to_name),
-      cmocka_unit_test(test_both_triangles),
+      cmocka_unit_test(test_no_system),       cmocka_unit_test(test_first_refusal),
+      cmocka_unit_test(test_every_refusal),   cmocka_unit_test(test_directions),
+      cmocka_unit_test(test_frozen),          cmocka_unit_test(test_all_frozen),
+      cmocka_unit_test(test_untold),          cmocka_unit_test(test_failed_creation_holds_nothing),
+      cmocka_unit_test(test_destroyed_first), cmocka_unit_test(test_names),
+      cmocka_unit_test(test_names_refused),   cmocka_unit_test(test_names_differ),
+      cmocka_unit_test(test_nothing_to_name), cmocka_unit_test(test_both_triangles),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -209,18 +209,18 @@ static void test_missing_callbacks(void **state)
   nsdae_system_create(&dims, &s, NULL);
   nsdae_system_set_contact(s, 0, 0.1, 0, 0);
   nsdae_system_set_slide(s, 0, 0, 0.1);
-  s->mass = planar_mass;
-  s->force = planar_force;
-  s->constraint = planar_constraint;
-  s->gap = planar_gap;
-  s->gap_tangent = planar_tangent;
-  s->slide_tangent = slide;
-  s->kinematics = planar_kinematics;
+  s->call.mass = planar_mass;
+  s->call.force = planar_force;
+  s->call.constraint = planar_constraint;
+  s->call.gap = planar_gap;
+  s->call.gap_tangent = planar_tangent;
+  s->call.slide_tangent = slide;
+  s->call.kinematics = planar_kinematics;
   missing(s, NULL);
 #define WITHOUT(name)                 \
   do {                                \
     struct nsdae_system without = *s; \
-    without.name = NULL;              \
+    without.call.name = NULL;         \
     missing(&without, #name);         \
   } while (0)
   WITHOUT(mass);
@@ -234,8 +234,8 @@ static void test_missing_callbacks(void **state)
   /* without friction no directions are needed for it */
   nsdae_system_set_contact(s, 0, 0, 0, 0);
   nsdae_system_set_slide(s, 0, 0, 0);
-  s->gap_tangent = NULL;
-  s->slide_tangent = NULL;
+  s->call.gap_tangent = NULL;
+  s->call.slide_tangent = NULL;
   missing(s, NULL);
   nsdae_system_destroy(&s);
 }

@@ -112,10 +112,10 @@ static void test_values(void **state)
   planar_contact_bias(t0, q0, w_n, w_t, NULL);
   assert_memory_equal(f.terms.M, M, sizeof M);
   assert_memory_equal(f.terms.F, F, sizeof F);
-  assert_memory_equal(f.terms.phi, phi, sizeof phi);
-  assert_memory_equal(f.terms.J, J, sizeof J);
-  assert_memory_equal(f.terms.phi_t, phi_t, sizeof phi_t);
-  assert_memory_equal(f.terms.omega, omega, sizeof omega);
+  assert_memory_equal(f.terms.constraint.phi, phi, sizeof phi);
+  assert_memory_equal(f.terms.constraint.J, J, sizeof J);
+  assert_memory_equal(f.terms.constraint.phi_t, phi_t, sizeof phi_t);
+  assert_memory_equal(f.terms.constraint.omega, omega, sizeof omega);
   assert_memory_equal(f.terms.gap, gap, sizeof gap);
   assert_memory_equal(f.terms.W_N, W, sizeof W);
   assert_memory_equal(f.terms.W_T, T, sizeof T);
@@ -134,7 +134,7 @@ static void test_zeroed(void **state)
   fixture f;
   begin(&f, 1);
   assert_int_equal(nsdae_terms_need(&f.terms, ALL), NSDAE_OK);
-  double *arrays[] = {f.terms.M, f.terms.F, f.terms.W_T, f.terms.w_T, f.terms.W_S};
+  double *arrays[] = {f.terms.M, f.terms.F, f.terms.W_T, f.terms.w_T, f.terms.slide.W};
   const size_t counts[] = {9, 3, 6, 2, 3};
   double before[5][9];
   for (int i = 0; i < 5; i++) {
@@ -161,7 +161,7 @@ static void test_new_velocity(void **state)
     assert_int_equal(f.user.calls[c], c == COUNTED_KINEMATICS ? 0 : 1 + again);
   }
   planar_bias(t0, q0, v, phi_t, omega, NULL);
-  assert_memory_equal(f.terms.omega, omega, sizeof omega);
+  assert_memory_equal(f.terms.constraint.omega, omega, sizeof omega);
   assert_memory_equal(f.terms.v, v, sizeof v);
   end(&f);
 }
@@ -180,7 +180,8 @@ static void test_new_velocity_by_differences(void **state)
   assert_int_equal(f.user.calls[COUNTED_CONSTRAINT], calls + 5); /* five points */
   planar_bias(t0, q0, v, phi_t, omega, NULL);
   /* as in the test of the differences */
-  for (int i = 0; i < 2; i++) assert_near(f.terms.omega[i], omega[i], 1e-9 * (1 + fabs(omega[i])));
+  for (int i = 0; i < 2; i++)
+    assert_near(f.terms.constraint.omega[i], omega[i], 1e-9 * (1 + fabs(omega[i])));
   end(&f);
 }
 

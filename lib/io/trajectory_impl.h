@@ -1,0 +1,85 @@
+/* What a trajectory is made of. */
+#ifndef NSDAE_IO_TRAJECTORY_IMPL_H
+#define NSDAE_IO_TRAJECTORY_IMPL_H
+
+#include <nsdae/trajectory.h>
+
+#include "checkpoint.h"
+#include "errors.h"
+#include "series.h"
+
+/* The tables of a file. */
+enum { NSDAE_RECORDS, NSDAE_IMPACTS, NSDAE_CHANGES, NSDAE_CONTACTS, NSDAE_TABLES };
+
+typedef struct nsdae_trajectory_table {
+  const nsdae_table *table;
+  const char *scale; /* name of its first column as a dimension */
+} nsdae_trajectory_table;
+
+extern const nsdae_trajectory_table nsdae_trajectory_tables[NSDAE_TABLES];
+
+/* The rows of a file. */
+typedef struct nsdae_trajectory_rows {
+  nsdae_series series[NSDAE_TABLES];
+  long every;                   /* records of such steps are kept */
+  long step;                    /* of the last record that was seen */
+  hsize_t before[NSDAE_TABLES]; /* rows without it */
+  int extra;                /* 1: the last row is the end of a run whose step would not be kept */
+  hsize_t extra_contacts;   /* that it has in the list */
+  double flushed, appended; /* when */
+  long committed;           /* records that the file has whatever happens now */
+} nsdae_trajectory_rows;
+
+struct nsdae_trajectory {
+  nsdae_sim *sim;
+  nsdae_h5 h5;
+  char *path;
+  nsdae_params parameters; /* the model's */
+  int live, compress;
+  int begun;  /* a record came: what is made in a file is made before */
+  int bodies; /* were named in place of the system's */
+  int resumed;
+  nsdae_trajectory_rows rows;
+  nsdae_axes axes;
+  nsdae_checkpoint checkpoint;
+  int failed; /* status of a write that failed: nothing is written any more */
+};
+
+static inline int nsdae_trajectory_no_memory(nsdae_error *error, const char *where)
+{
+  return nsdae_error_set(error, NSDAE_E_MEMORY, where, "", "out of memory");
+}
+
+/* ---- trajectory.c: what creating and resuming share */
+
+/* NSDAE_OK, or NSDAE_E_ARGUMENT naming what is missing or outside its range. */
+int nsdae_trajectory_check(nsdae_sim *sim, const char *path, const nsdae_trajectory_info *info,
+                           nsdae_trajectory **trajectory, const char *where, nsdae_error *error);
+/* NULL: out of memory. */
+nsdae_trajectory *nsdae_trajectory_allocate(nsdae_sim *sim, const char *path,
+                                            const nsdae_trajectory_info *info);
+/* What was made, to the observers and the caller; or away again, and its status. */
+int nsdae_trajectory_hand_over(nsdae_trajectory *t, int status, nsdae_trajectory **trajectory);
+
+/* ---- trajectory_rows.c */
+
+/* Tables that the option compress is for; the others are short. */
+int nsdae_trajectory_is_packed(int table);
+/* A record as it comes. */
+int nsdae_trajectory_take(nsdae_trajectory *t, const nsdae_record *record);
+/* The last state is kept in any case; a run that goes on from it has its row where it belongs. */
+int nsdae_trajectory_append_last(nsdae_trajectory *t);
+/* The state of the simulation, where all its records are in the file. */
+int nsdae_trajectory_write_state(nsdae_trajectory *t);
+/* The rows, and then how many there are: killed in between, a program leaves columns that are
+ * longer than the first of their table, never shorter. */
+int nsdae_trajectory_write_rows(nsdae_trajectory *t, nsdae_series_part part);
+/* All rows that are written, as rows of the file. */
+int nsdae_trajectory_count_rows(nsdae_trajectory *t);
+
+/* ---- trajectory_file.c */
+
+/* A new file, but for its rows. */
+int nsdae_trajectory_make_file(nsdae_trajectory *t, const nsdae_trajectory_info *info);
+
+#endif

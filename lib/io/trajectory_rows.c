@@ -1,0 +1,172 @@
+/* The rows of a trajectory: records, impacts, changes and contacts, as they come and as they go
+ * into the file. */
+#include <string.h>
+
+#include "clock.h"
+#include "trajectory_impl.h"
+
+const nsdae_trajectory_table nsdae_trajectory_tables[NSDAE_TABLES] = {
+    {&nsdae_record_table, "time"},
+    {&nsdae_impact_table, "impact time"},
+    {&nsdae_change_table, "change time"},
+    {&nsdae_contact_table, "id"}};
+
+/* A killed run loses at most what came after the last flush; flushing four times a second keeps
+ * that below the second that is promised. */
+static const double flush_interval = 0.25;
+
+/* Room for what is held and for what HDF5 keeps of it. */
+static int prepare(nsdae_trajectory *t)
+{
+  long bytes = 0;
+  for (int i = 0; i < NSDAE_TABLES; i++) bytes += nsdae_series_held_bytes(&t->rows.series[i]);
+  return nsdae_h5_prepare(&t->h5, bytes);
+}
+
+int nsdae_trajectory_count_rows(nsdae_trajectory *t)
+{
+  int status = NSDAE_OK;
+  for (int i = 0; i < NSDAE_TABLES && status == NSDAE_OK; i++)
+    status = nsdae_series_count(&t->rows.series[i], &t->h5);
+  if (status == NSDAE_OK) status = nsdae_h5_flush(&t->h5);
+  if (status == NSDAE_OK) t->rows.committed = (long)t->rows.series[NSDAE_RECORDS].counted;
+  return status;
+}
+
+/* The rows that belong to the state of the simulation: a record that an observer after this one
+ * refused was seen here, but the state is the one before it. */
+static nsdae_checkpoint_mark mark_of(const nsdae_trajectory *t)
+{
+  nsdae_record now;
+  nsdae_checkpoint_mark mark = {.step = t->rows.step};
+  int dropped = nsdae_sim_get_record(t->sim, &now) == NSDAE_OK && now.step < t->rows.step;
+  if (dropped) mark.step = now.step;
+  for (int i = 0; i < NSDAE_TABLES; i++)
+    mark.rows[i] = dropped ? t->rows.before[i] : nsdae_series_rows(&t->rows.series[i]);
+  if (dropped) return mark;
+  mark.rows[NSDAE_RECORDS] -= (hsize_t)t->rows.extra;
+  mark.rows[NSDAE_CONTACTS] -= t->rows.extra_contacts;
+  return mark;
+}
+
+int nsdae_trajectory_write_state(nsdae_trajectory *t)
+{
+  nsdae_checkpoint_mark mark = mark_of(t);
+  if (t->checkpoint.set < 0 || t->rows.step < 0 || t->rows.series[NSDAE_RECORDS].held > 0)
+    return NSDAE_OK;
+  return nsdae_checkpoint_write(&t->checkpoint, &t->h5, t->sim, &mark);
+}
+
+int nsdae_trajectory_write_rows(nsdae_trajectory *t, nsdae_series_part part)
+{
+  int status = prepare(t);
+  /* records that are written have their contacts in the file */
+  for (int i = 0; i < NSDAE_TABLES && status == NSDAE_OK; i++)
+    status = nsdae_series_write(&t->rows.series[i], &t->h5,
+                                i == NSDAE_CONTACTS ? NSDAE_SERIES_ALL : part);
+  if (status == NSDAE_OK) status = nsdae_trajectory_write_state(t);
+  if (status == NSDAE_OK) status = nsdae_h5_flush(&t->h5);
+  if (status == NSDAE_OK) status = nsdae_trajectory_count_rows(t);
+  t->rows.flushed = nsdae_wall_clock();
+  return status;
+}
+
+int nsdae_trajectory_is_packed(int table)
+{
+  return table == NSDAE_RECORDS || table == NSDAE_CONTACTS;
+}
+
+/* From the first record on readers may come. */
+static int let_readers_in(nsdae_trajectory *t)
+{
+  t->begun = 1;
+  if (!t->live) return NSDAE_OK;
+  int status = nsdae_h5_flush(&t->h5);
+  return status < 0 ? status : nsdae_h5_start_swmr(&t->h5);
+}
+
+static int append_rows(nsdae_trajectory *t, int table, const void *rows, int count)
+{
+  nsdae_series *series = &t->rows.series[table];
+  int status = NSDAE_OK;
+  for (int i = 0; i < count && status == NSDAE_OK;) {
+    i += nsdae_series_append(series, rows, i, count - i);
+    if (nsdae_series_is_full(series))
+      return nsdae_trajectory_write_rows(t, NSDAE_SERIES_CHUNKS); /* rows of one alone */
+    if (!nsdae_series_ends_chunk(series)) continue;
+    status = prepare(t);
+    if (status == NSDAE_OK) status = nsdae_series_write(series, &t->h5, NSDAE_SERIES_CHUNKS);
+  }
+  return status;
+}
+
+/* The contacts first: a record is never without them. */
+static int append_record(nsdae_trajectory *t, const nsdae_record *record)
+{
+  const nsdae_record_row row = {*record, (long)nsdae_series_rows(&t->rows.series[NSDAE_CONTACTS])};
+  int status = append_rows(t, NSDAE_CONTACTS, &record->contacts, record->contacts.count);
+  return status < 0 ? status : append_rows(t, NSDAE_RECORDS, &row, 1);
+}
+
+static int append_impact(nsdae_trajectory *t, const nsdae_record *record, int i)
+{
+  const nsdae_contact_set *all = &record->contacts;
+  int at = record->impact[i].contact;
+  nsdae_impact_row row = {.impact = record->impact[i]};
+  if (all->count > 0) {
+    row.id = all->id[at];
+    memcpy(row.block, all->block + 2 * at, sizeof row.block);
+  }
+  return append_rows(t, NSDAE_IMPACTS, &row, 1);
+}
+
+static int append(nsdae_trajectory *t, const nsdae_record *record)
+{
+  int status = NSDAE_OK;
+  if (record->step % t->rows.every == 0) status = append_record(t, record);
+  for (int i = 0; i < record->impacts && status == NSDAE_OK; i++)
+    status = append_impact(t, record, i);
+  for (int i = 0; i < record->changes && status == NSDAE_OK; i++)
+    status = append_rows(t, NSDAE_CHANGES, &record->change[i], 1);
+  return status;
+}
+
+/* A step that comes again takes the place of the one that was dropped. */
+static void mark(nsdae_trajectory *t, const nsdae_record *record)
+{
+  if (record->step == t->rows.step)
+    for (int i = 0; i < NSDAE_TABLES; i++)
+      nsdae_series_rewind(&t->rows.series[i], t->rows.before[i]);
+  for (int i = 0; i < NSDAE_TABLES; i++) t->rows.before[i] = nsdae_series_rows(&t->rows.series[i]);
+  t->rows.step = record->step;
+}
+
+static int is_due(nsdae_trajectory *t)
+{
+  double now = nsdae_wall_clock();
+  /* a slow run flushes every record: the next may be long in coming */
+  int due = now - t->rows.flushed > flush_interval || now - t->rows.appended > flush_interval ||
+            now < t->rows.flushed;
+  t->rows.appended = now;
+  return due && (!t->compress || nsdae_series_ends_chunk(&t->rows.series[NSDAE_RECORDS]));
+}
+
+int nsdae_trajectory_take(nsdae_trajectory *t, const nsdae_record *record)
+{
+  int status = t->begun ? NSDAE_OK : let_readers_in(t);
+  mark(t, record);
+  if (status == NSDAE_OK) status = append(t, record);
+  return status == NSDAE_OK && is_due(t) ? nsdae_trajectory_write_rows(t, NSDAE_SERIES_CHUNKS)
+                                         : status;
+}
+
+int nsdae_trajectory_append_last(nsdae_trajectory *t)
+{
+  nsdae_record last;
+  if (t->rows.step < 0 || t->rows.step % t->rows.every == 0) return NSDAE_OK;
+  if (nsdae_sim_get_record(t->sim, &last) != NSDAE_OK || last.step != t->rows.step) return NSDAE_OK;
+  int status = append_record(t, &last);
+  t->rows.extra = 1;
+  t->rows.extra_contacts = (hsize_t)last.contacts.count;
+  return status;
+}

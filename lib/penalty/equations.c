@@ -1,0 +1,153 @@
+#include "equations.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "errors.h"
+#include "progress.h"
+#include "vector.h"
+
+enum {
+  RATE_TERMS = NSDAE_TERM_MASS | NSDAE_TERM_FORCE | NSDAE_TERM_PHI | NSDAE_TERM_JACOBIAN |
+               NSDAE_TERM_PHI_T | NSDAE_TERM_OMEGA | NSDAE_TERM_GAP | NSDAE_TERM_NORMAL |
+               NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS | NSDAE_TERM_SLIDE
+};
+
+enum { SLIDE_ROUNDS = 50 }; /* friction on the slides feeds their normal force: of substitution */
+
+static void contact_forces(nsdae_penalty_equations *p, const nsdae_terms *T)
+{
+  const nsdae_system *s = T->system;
+  const nsdae_penalty_forces *at = &p->at;
+  double regular = p->stepper->options->friction_velocity;
+  int nt = s->dims.nt;
+  for (int i = 0; i < s->dims.k; i++) {
+    const nsdae_coefficients *c = &s->contact[i];
+    double speed = 0;
+    at->v_n[i] = nsdae_terms_rate(T, T->W_N, T->w_N, i, T->v);
+    at->normal[i] = nsdae_penalty_normal(&p->law, -T->gap[i], -at->v_n[i], p->base.start_rate[i],
+                                         c->e_n, p->base.mass[i]);
+    for (int j = i * nt; j < (i + 1) * nt; j++) {
+      at->v_t[j] = nsdae_terms_rate(T, T->W_T, T->w_T, j, T->v);
+      speed = hypot(speed, at->v_t[j]);
+    }
+    double per_speed = nsdae_penalty_friction(c->mu, at->normal[i], speed, regular);
+    for (int j = i * nt; j < (i + 1) * nt; j++) at->tangential[j] = per_speed * at->v_t[j];
+  }
+}
+
+/* One round of substitution for the friction on the slides; how far it moved. */
+static double relax_slides(nsdae_penalty_equations *p, const nsdae_terms *T)
+{
+  const nsdae_system *s = T->system;
+  const nsdae_penalty_forces *at = &p->at;
+  double moved = 0, regular = p->stepper->options->friction_velocity;
+  size_t m = (size_t)s->dims.m;
+  for (int j = 0; j < s->dims.f; j++) {
+    size_t row = (size_t)s->slide[j].constraint;
+    double normal = at->lambda[row], v = nsdae_terms_rate(T, T->slide.W, T->slide.w, j, T->v);
+    for (int l = 0; l < s->dims.f; l++) normal += at->D[(size_t)l * m + row] * at->slide[l];
+    double force = v * nsdae_penalty_friction(s->slide[j].mu, fabs(normal), v, regular);
+    moved = fmax(moved, fabs(force - at->slide[j]) / (1 + fabs(force)));
+    at->v_s[j] = v;
+    at->slide[j] = force;
+  }
+  return moved;
+}
+
+/* Friction on the slides, with U and D of their directions; a and lambda are free of it before. */
+static int slide_forces(nsdae_penalty_equations *p, const nsdae_terms *T, double *a)
+{
+  const nsdae_penalty_forces *at = &p->at;
+  int n = T->system->dims.nv, m = T->system->dims.m, f = T->system->dims.f;
+  double moved = 1;
+  memcpy(at->U, T->slide.W, (size_t)n * (size_t)f * sizeof *at->U);
+  memset(at->D, 0, (size_t)m * (size_t)f * sizeof *at->D);
+  nsdae_kkt_solve(&p->stepper->kkt, f, at->U, n, at->D, m);
+  memset(at->slide, 0, (size_t)f * sizeof *at->slide);
+  for (int round = 0; moved > 1e-14 && round < SLIDE_ROUNDS; round++) moved = relax_slides(p, T);
+  nsdae_add_product(n, f, at->U, at->slide, a);
+  nsdae_add_product(m, f, at->D, at->slide, at->lambda);
+  return moved > 1e-8 ? 1 : 0; /* no convergence: a smaller step */
+}
+
+/* a [nv] and lambda of the forces at the terms' point. */
+static int accelerations(nsdae_penalty_equations *p, nsdae_terms *T, double *a)
+{
+  nsdae_stepper *s = p->stepper;
+  const nsdae_dims *d = &s->system->dims;
+  const nsdae_penalty_forces *at = &p->at;
+  double alpha = s->options->baumgarte_alpha, beta = s->options->baumgarte_beta;
+  contact_forces(p, T);
+  memcpy(a, T->F, (size_t)d->nv * sizeof *a);
+  nsdae_add_product(d->nv, d->k, T->W_N, at->normal, a);
+  nsdae_add_product(d->nv, d->k * d->nt, T->W_T, at->tangential, a);
+  for (int i = 0; i < d->m; i++) {
+    double rate = nsdae_terms_constraint_rate(T, i, T->v);
+    at->lambda[i] = -T->constraint.omega[i] - 2 * alpha * rate - beta * beta * T->constraint.phi[i];
+  }
+  nsdae_kkt_solve(&s->kkt, 1, a, d->nv, at->lambda, d->m);
+  return d->f > 0 ? slide_forces(p, T, a) : 0;
+}
+
+int nsdae_penalty_rate(double t, const double *y, double *ydot, void *user)
+{
+  nsdae_penalty_equations *p = user;
+  nsdae_stepper *s = p->stepper;
+  nsdae_terms *T = &s->middle;
+  const nsdae_dims *d = &s->system->dims;
+  nsdae_terms_at(T, t, y, y + d->nq);
+  int status = nsdae_terms_need(T, RATE_TERMS);
+  if (status == NSDAE_OK) status = nsdae_stepper_factor(s, T, T->M);
+  if (status == NSDAE_OK) status = nsdae_kinematics_at(T, T->v, ydot);
+  if (status < 0) return nsdae_progress_code(status, s->error);
+  int code = accelerations(p, T, ydot + d->nq), kt = d->k * d->nt;
+  const nsdae_penalty_forces *at = &p->at;
+  memcpy(ydot + nsdae_penalty_at_lambda(d), at->lambda, (size_t)d->m * sizeof *ydot);
+  memcpy(ydot + nsdae_penalty_at_normal(d), at->normal, (size_t)d->k * sizeof *ydot);
+  memcpy(ydot + nsdae_penalty_at_tangential(d), at->tangential, (size_t)kt * sizeof *ydot);
+  memcpy(ydot + nsdae_penalty_at_slide(d), at->slide, (size_t)d->f * sizeof *ydot);
+  ydot[nsdae_penalty_at_work(d)] = -nsdae_dot(d->k, at->normal, at->v_n) -
+                                   nsdae_dot(kt, at->tangential, at->v_t) -
+                                   nsdae_dot(d->f, at->slide, at->v_s);
+  return code;
+}
+
+int nsdae_penalty_gaps(double t, const double *y, double *g, void *user)
+{
+  nsdae_penalty_equations *p = user;
+  nsdae_terms *T = &p->stepper->middle;
+  nsdae_terms_at(T, t, y, y + p->stepper->system->dims.nq);
+  int status = nsdae_terms_need(T, NSDAE_TERM_GAP);
+  if (status < 0) return -1;
+  for (int i = 0; i < p->stepper->system->dims.k; i++) g[i] = T->gap[i] - p->shift[i];
+  return 0;
+}
+
+int nsdae_penalty_evaluate(nsdae_penalty_equations *p, double t, const double *y)
+{
+  nsdae_stepper *s = p->stepper;
+  nsdae_terms *T = &s->middle;
+  nsdae_terms_at(T, t, y, y + s->system->dims.nq);
+  int status = nsdae_terms_need(T, RATE_TERMS);
+  if (status == NSDAE_OK) status = nsdae_stepper_factor(s, T, T->M);
+  if (status == NSDAE_OK) contact_forces(p, T);
+  return status;
+}
+
+void nsdae_penalty_equations_layout(nsdae_penalty_equations *p, nsdae_arena *arena)
+{
+  const nsdae_dims *d = &p->stepper->system->dims;
+  nsdae_penalty_forces *at = &p->at;
+  long k = d->k, kt = k * d->nt, f = d->f;
+  p->shift = NSDAE_ARENA_DOUBLES(arena, k);
+  at->normal = NSDAE_ARENA_DOUBLES(arena, k);
+  at->tangential = NSDAE_ARENA_DOUBLES(arena, kt);
+  at->slide = NSDAE_ARENA_DOUBLES(arena, f);
+  at->v_n = NSDAE_ARENA_DOUBLES(arena, k);
+  at->v_t = NSDAE_ARENA_DOUBLES(arena, kt);
+  at->v_s = NSDAE_ARENA_DOUBLES(arena, f);
+  at->lambda = NSDAE_ARENA_DOUBLES(arena, d->m);
+  at->U = NSDAE_ARENA_DOUBLES(arena, d->nv * f);
+  at->D = NSDAE_ARENA_DOUBLES(arena, d->m * f);
+}
