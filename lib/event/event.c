@@ -11,7 +11,7 @@
 
 /* Instants in one dt without an impact or a change of mode; steps of the integrator after which it
  * starts anew, so that a way back is not longer. */
-enum { IDLE_MAX = 500, CHATTERS = 20, RATTLES = 512, STEPS_MAX = 5000, STIFF_STEPS = 300 };
+enum { IDLE_MAX = 500, CHATTERS = 20, RATTLES = 2000, STEPS_MAX = 5000, STIFF_STEPS = 300 };
 
 /* Steps shorter than this part of dt lead nowhere: so many in one dt, and at each start. */
 static const double TINY = 1e-6;

@@ -300,11 +300,6 @@ static int say_penetration(nsdae_point *point, double bound)
   int k = point->result.end.system->dims.k, deepest = 0;
   for (int i = 1; i < k; i++)
     if (r->gap[i] < r->gap[deepest]) deepest = i;
-  const char *otherwise =
-      "make dt smaller, set projection = contacts, and check gap and gap_normal";
-  const char *after_implicit =
-      "a step of implicit, which stands in where instants have no end (fallback_steps), is not to "
-      "rtol: make dt smaller, or events_max larger";
   const warning of = {NSDAE_WATCH_PENETRATION,
                       NSDAE_WARN_PENETRATION,
                       "gap",

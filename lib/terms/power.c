@@ -20,7 +20,7 @@ static int mass_ahead(nsdae_power *p, const nsdae_terms *T, const double *qdot, 
   for (int i = 0; i < system->dims.nq; i++) p->q[i] = T->q[i] + s * qdot[i];
   memset(p->M, 0, (size_t)n * (size_t)n * sizeof *p->M);
   T->evals->mass++;
-  int code = system->mass(T->t + s, p->q, p->M, n, system->user);
+  int code = system->call.mass(T->t + s, p->q, p->M, n, system->user);
   int status = nsdae_system_callback_status(code, "mass", T->t, T->error);
   return status < 0 ? status : nsdae_system_finite(system, p->M, n, n, "mass", T->t, T->error);
 }
