@@ -1,6 +1,5 @@
 #include "power.h"
 
-#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -21,19 +20,23 @@ static int mass_ahead(nsdae_power *p, const nsdae_terms *T, const double *qdot, 
   memset(p->M, 0, (size_t)n * (size_t)n * sizeof *p->M);
   T->evals->mass++;
   int code = system->call.mass(T->t + s, p->q, p->M, n, system->user);
-  int status = nsdae_system_callback_status(code, "mass", T->t, T->error);
-  return status < 0 ? status : nsdae_system_finite(system, p->M, n, n, "mass", T->t, T->error);
+  return nsdae_system_callback_status(code, "mass", T->t, T->error);
 }
 
 int nsdae_power_rate(nsdae_power *p, const nsdae_terms *T, const double *a, const double *qdot,
                      double *rate)
 {
   int n = T->system->dims.nv;
-  double s = nsdae_differences_step(T->system->dims.nq, T->t, T->q, qdot, sqrt(DBL_EPSILON));
+  double fastest = 1;
+  for (int i = 0; i < T->system->dims.nq; i++)
+    if (fabs(qdot[i]) > fastest * (1 + fabs(T->q[i])))
+      fastest = fabs(qdot[i]) / (1 + fabs(T->q[i]));
+  double s = 0x1p-26 * fmax(1, 1e-4 * fabs(T->t)) / fastest;
   int status = mass_ahead(p, T, qdot, s);
   *rate = 0;
   for (size_t j = 0; j < (size_t)n; j++)
     for (size_t i = 0, at = j * (size_t)n; i < (size_t)n; i++, at++)
       *rate += T->v[i] * (T->M[at] * a[j] + (p->M[at] - T->M[at]) / (2 * s) * T->v[j]);
-  return status;
+  if (status < 0 || isfinite(*rate)) return status;
+  return nsdae_system_finite(T->system, p->M, n, n, "mass", T->t, T->error);
 }
