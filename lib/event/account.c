@@ -1,5 +1,6 @@
 #include "account.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "progress.h"
@@ -7,7 +8,8 @@
 void nsdae_event_account_layout(nsdae_event_account *a, nsdae_arena *arena)
 {
   const nsdae_event_setting *s = a->phase->setting;
-  a->y = NSDAE_ARENA_DOUBLES(arena, s->at.n + 1L);
+  a->y = NSDAE_ARENA_DOUBLES(arena, s->at.n + 2L);
+  nsdae_power_layout(&a->power, &s->system->dims, arena);
   a->reaction = NSDAE_ARENA_DOUBLES(arena, s->system->dims.nv);
 }
 
@@ -49,6 +51,8 @@ int nsdae_event_account_rate(nsdae_event_account *a, double t, const double *z, 
   memcpy(y, z, (size_t)at->lambda * sizeof *z);
   int status = nsdae_event_forces(p, t, y);
   if (status == NSDAE_OK) status = nsdae_kinematics_at(p->setting->here, y + at->v, rate);
+  if (status == NSDAE_OK)
+    status = nsdae_power_rate(&a->power, p->setting->here, p->x, rate, &rate[at->n + 1]);
   if (status == NSDAE_OK) status = least_norm(a, y + at->lambda);
   if (status < 0) return nsdae_progress_code(status, p->setting->error);
   memcpy(rate + at->v, p->x, (size_t)(at->lambda - at->v) * sizeof *rate);
@@ -75,6 +79,8 @@ void nsdae_event_account_phase(const nsdae_event_account *a, const double *from,
   add_change(d->k * d->nt, from + at->tangential, to + at->tangential, sum->tangential);
   add_change(d->f, from + at->slide, to + at->slide, sum->slide_impulse);
   r->work += to[at->n] - from[at->n];
+  r->gain += *a->phase->modes.is_stiff ? NAN : to[at->n + 1] - from[at->n + 1];
+  r->turnover += fabs(to[at->n + 1] - from[at->n + 1]);
 }
 
 void nsdae_event_account_impact(const nsdae_event_account *a, const nsdae_impulses *from,

@@ -1,19 +1,22 @@
 /* What the forces do between instants: their impulses and the friction's work, integrated with the
  * motion, so that they are as accurate as its velocities and balance with them. In place of
- * y = [q, v, lambda, F] the integrators have z = [q, v, int lambda, int F, W], n + 1 of them. */
+ * y = [q, v, lambda, F] the integrators have z = [q, v, int lambda, int F, W, int T'], n + 2 of
+ * them: what the kinetic energy should gain by the equations of motion, to be held against it. */
 #ifndef NSDAE_EVENT_ACCOUNT_H
 #define NSDAE_EVENT_ACCOUNT_H
 
 #include "phase.h"
+#include "power.h"
 
 typedef struct nsdae_event_account {
   nsdae_event_phase *phase;
-  double *y, *reaction; /* n + 1, nv: of the point at work; Phi_q^T lambda */
+  double *y, *reaction; /* n + 2, nv: of the point at work; Phi_q^T lambda */
+  nsdae_power power;
 } nsdae_event_account;
 
 void nsdae_event_account_layout(nsdae_event_account *account, nsdae_arena *arena);
 
-/* z' [n + 1] at z. 0; > 0: a smaller step may help; < 0: a callback gave up. */
+/* z' [n + 2] at z. 0; > 0: a smaller step may help; < 0: a callback gave up. */
 int nsdae_event_account_rate(nsdae_event_account *account, double t, const double *z, double *rate);
 
 /* Adds what is between two z of the same phase to the step's result. */

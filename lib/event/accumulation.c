@@ -139,11 +139,6 @@ int nsdae_event_close_set(nsdae_event_accumulation *p, double *v, double *multip
   return status;
 }
 
-double nsdae_event_energy(const nsdae_terms *T, const double *d)
-{
-  return nsdae_blocks_square(&T->system->blocks, T->M, d) / 2;
-}
-
 int nsdae_event_ends(nsdae_event_accumulation *p, const double *before, const double *closed)
 {
   const nsdae_event_setting *s = p->acceleration->phase->setting;
@@ -157,14 +152,17 @@ int nsdae_event_ends(nsdae_event_accumulation *p, const double *before, const do
     p->lost[i] = before[i] - closed[i];
   }
   for (int i = 0; i < T->system->dims.k; i++) {
+    if (!p->settles[i] && p->acceleration->is.touching[i] && /* a closing that drives it in */
+        nsdae_terms_rate(T, T->W_N, T->w_N, i, closed) < -nsdae_event_velocity_size(s))
+      return 0;
     if (!p->settles[i]) continue;
     power += F[i] * p->after[i];
     height += F[i] * fmax(T->gap[i], 0);
     p->fastest = fmax(p->fastest, p->after[i]);
     count++;
   }
-  double left = nsdae_event_energy(T, p->parting) + height,
-         all = nsdae_event_energy(T, p->lost) + height;
+  double left = nsdae_terms_energy(T, p->parting) + height,
+         all = nsdae_terms_energy(T, p->lost) + height;
   double flight = power > 0 ? 4 * left / power : INFINITY;
   p->rest = left < all ? flight / (1 - sqrt(left / all)) : INFINITY;
   p->early = !(p->rest < s->options->accumulation_time);

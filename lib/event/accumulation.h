@@ -35,9 +35,6 @@ typedef struct nsdae_event_accumulation {
   int early;                   /* it ends before accumulation_time says */
 } nsdae_event_accumulation;
 
-/* d^T M d / 2 of a velocity [nv] */
-double nsdae_event_energy(const nsdae_terms *terms, const double *d);
-
 void nsdae_event_accumulation_layout(nsdae_event_accumulation *accumulation, nsdae_arena *arena);
 
 /* Nothing settles. */

@@ -11,7 +11,7 @@
 
 /* Instants in one dt without an impact or a change of mode; steps of the integrator after which it
  * starts anew, so that a way back is not longer. */
-enum { IDLE_MAX = 500, CHATTERS = 20, STEPS_MAX = 5000, STIFF_STEPS = 300 };
+enum { IDLE_MAX = 500, CHATTERS = 20, RATTLES = 2000, STEPS_MAX = 5000, STIFF_STEPS = 300 };
 
 /* Steps shorter than this part of dt lead nowhere: so many in one dt, and at each start. */
 static const double TINY = 1e-6;
@@ -174,10 +174,11 @@ static int jammed(event *e, double t)
 
 /* Where friction turns faster than a body gets away from zero, or is at its limit however it
  * shares, instant follows instant and nothing is decided. Past CHATTERS of them what counts as zero
- * for friction doubles with every eighth, until time goes on: as Filippov's solution does. */
-static double blur_of(int idle)
+ * for friction doubles with every eighth, until time goes on: as Filippov's solution does. The same
+ * of impacts, where friction throws back what bounces: past RATTLES, with every 64th, e_N = 0. */
+static double blur_of(int count, int few, double each)
 {
-  return idle > CHATTERS ? exp2(fmin((idle - CHATTERS) / 8.0, 20)) : 1;
+  return exp2(fmin(fmax(count - few, 0) / each, 20));
 }
 
 /* The same in the middle of a run, where a change of mode is told. */
@@ -193,7 +194,8 @@ static int go_through(event *e, double t)
   memcpy(e->slide_mode_before, m->slide, (size_t)d->f * sizeof *m->slide);
   int before = r->impacts + r->changes, found = 0;
   for (int i = 0; i < e->roots.count; i++) found |= e->roots.entry[i].found;
-  e->phase.modes.blur = blur_of(*e->base.idle);
+  e->phase.modes.blur = blur_of(*e->base.idle, CHATTERS, 8);
+  e->instant.impacts.blur = blur_of(*e->base.instants, RATTLES, 64);
   int status = restart(e, t);
   for (int i = 0; i < d->k && status == NSDAE_OK; i++)
     add_change(r, t, i, -1, e->mode_before[i], m->contact[i]);
@@ -220,7 +222,7 @@ static int begin(event *e, const nsdae_terms *from)
   memset(memory->whole, 0, memory->wholes * sizeof *memory->whole);
   memset(y, 0, (size_t)e->setting.at.n * sizeof *y);
   for (int j = 0; j < d->f; j++) e->phase.modes.normal_sense[j] = 1;
-  e->phase.modes.blur = 1;
+  e->phase.modes.blur = e->instant.impacts.blur = 1;
   for (int i = 0; i < e->roots.count; i++) e->roots.entry[i].found = 0;
   memcpy(y, from->q, (size_t)d->nq * sizeof *y);
   memcpy(y + d->nq, from->v, (size_t)d->nv * sizeof *y);
@@ -319,10 +321,6 @@ static int advance_from(event *e)
   return status < 0 ? status : start(e, g->ahead);
 }
 
-/* What may help where too many steps of the integrator lead to too little. */
-static const char advice[] =
-    "make dt smaller, inner_steps_max or rtol larger, or use method = implicit";
-
 /* To the end of the step, or until a list is nearly full: then the step ends early. */
 static int run_to(event *e, double t_end)
 {
@@ -331,7 +329,10 @@ static int run_to(event *e, double t_end)
   while (status == NSDAE_OK && e->reached < t_end && room(e->setting.result) && !too_many(e)) {
     status = advance_from(e);
     if (status == NSDAE_OK)
-      status = nsdae_stepper_goes_on(e->tools, "nsdae_event", advice, g->ahead, t_end);
+      status = nsdae_stepper_goes_on(
+          e->tools, "nsdae_event",
+          "make dt smaller, inner_steps_max or rtol larger, or use method = implicit", g->ahead,
+          t_end);
     if (status < 0) break;
     double to = fmin(g->ahead, t_end);
     if (to > e->reached) status = nsdae_event_integrator_account(g, e->reached, to);

@@ -74,7 +74,7 @@ static int solve(nsdae_event_impacts *p)
  * they part, in an impact that drives none together. */
 static void approach(nsdae_event_impacts *p)
 {
-  double size = nsdae_event_velocity_size(p->acceleration->phase->setting);
+  double size = p->blur * nsdae_event_velocity_size(p->acceleration->phase->setting);
   for (int i = 0; i < p->problem.system->dims.k; i++) {
     double v = p->velocity[i];
     p->problem.results->before[i] = v < -size || (v > size && !p->together) ? v : 0;
@@ -111,7 +111,7 @@ static void take_share(nsdae_event_impacts *p, double gained, double lost)
 {
   const nsdae_dims *d = &p->problem.system->dims;
   for (int i = 0; i < d->nv; i++) p->size[i] = p->elastic[i] - p->v[i];
-  double c = nsdae_event_energy(p->acceleration->phase->setting->here, p->size);
+  double c = nsdae_terms_energy(p->acceleration->phase->setting->here, p->size);
   double b = gained - lost - c, root = sqrt(fmax(0, b * b - 4 * c * lost));
   double share = c > 0 ? fmax(0, fmin(1, (root - b) / (2 * c))) : 0;
   nsdae_blend(d->nv, 1 - share, p->v, p->elastic);
@@ -141,7 +141,7 @@ static int restitute(nsdae_event_impacts *p, const double *before)
     return solve(p);
   }
   double gained = status < 0 ? 0 : work_of(p);
-  if (!(gained > ROUNDING * nsdae_event_energy(s->here, before))) return status;
+  if (!(gained > ROUNDING * nsdae_terms_energy(s->here, before))) return status;
   status = solve_plastic(p);
   if (status == NSDAE_OK) take_share(p, gained, work_of(p));
   p->problem.results = &p->solution;
@@ -250,6 +250,7 @@ static int impact(nsdae_event_impacts *p, double *y)
     status = nsdae_event_finite(s, "multiplier", NSDAE_NAME_CONSTRAINT, p->multiplier);
   if (status < 0) return status;
   keep(p);
+  s->result->gain += nsdae_terms_energy(T, p->v) - nsdae_terms_energy(T, v);
   memcpy(v, p->v, (size_t)d->nv * sizeof *v);
   nsdae_terms_set_velocity(T, v);
   return nsdae_terms_need(T, NSDAE_EVENT_TERMS);

@@ -25,6 +25,7 @@ typedef struct nsdae_event_impacts {
   double *elastic, *reaction;       /* nv, m: v+ and the bilateral impulses with e_N */
   double *velocity;                 /* k: normal, of the contacts before */
   double *force, *xi;               /* columns: for cones */
+  double blur;                      /* so many times slower than what counts is plastic */
   int together;                     /* what parts already is to go on parting */
   int endless;                      /* impacts of one instant that nothing ends */
 } nsdae_event_impacts;

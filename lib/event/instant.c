@@ -19,11 +19,6 @@ static const double HARDLY = 100;
 /* Of the friction that there can be: shared friction is not told apart from all of it. */
 static const double NEARLY_ALL = 0.01;
 
-static int is_found(const nsdae_event_roots *roots, nsdae_root_kind kind, int i)
-{
-  return nsdae_event_root_of(roots, kind, i)->found;
-}
-
 /* Whether the friction of contact i breaks away. Where how friction shares was chosen, a contact at
  * its limit is no reason to slide until all that stick are, or sharing anew left it there. */
 static int breaks_away(const nsdae_event_roots *roots, const double *y, int i)
@@ -60,15 +55,15 @@ static void sort_found(nsdae_event_instant *p, const double *y)
     is->touching[i] = closed || root->found;
     is->candidate[i] = closed;
     is->released[i] = closed && root->found && !undecided;
-    is->stopped[i] = is_found(p->roots, NSDAE_ROOT_TANGENT, i);
+    is->stopped[i] = nsdae_event_root_of(p->roots, NSDAE_ROOT_TANGENT, i)->found;
     is->breakaway[i] = breaks_away(p->roots, y, i);
     if (is->breakaway[i])
       nsdae_event_point_against(m->direction + i * d->nt, d->nt, y + at->tangential + i * d->nt);
   }
   for (int j = 0; j < d->f; j++) {
     double force = y[at->slide + j];
-    is->slide_stopped[j] = is_found(p->roots, NSDAE_ROOT_SLIP, j);
-    is->slide_turned[j] = is_found(p->roots, NSDAE_ROOT_SIGN, j);
+    is->slide_stopped[j] = nsdae_event_root_of(p->roots, NSDAE_ROOT_SLIP, j)->found;
+    is->slide_turned[j] = nsdae_event_root_of(p->roots, NSDAE_ROOT_SIGN, j)->found;
     is->slide_breakaway[j] = is->slide_stopped[j] && m->slide[j] == NSDAE_MODE_STICK;
     if (is->slide_breakaway[j]) m->slide_sense[j] = (force < 0) - (force > 0);
   }

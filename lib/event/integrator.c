@@ -55,15 +55,15 @@ void nsdae_event_integrator_layout(nsdae_event_integrator *e, nsdae_arena *arena
 {
   const nsdae_event_setting *s = e->roots->phase->setting;
   e->steps = (nsdae_runge_kutta){
-      .n = s->at.n + 1, .controlled = s->at.lambda, .positions = s->at.v, .rate = rate, .user = e};
+      .n = s->at.n + 2, .controlled = s->at.lambda, .positions = s->at.v, .rate = rate, .user = e};
   e->fall = (nsdae_fall){.count = e->roots->count, .values = values, .user = e};
   e->dip = (nsdae_dip){.count = s->system->dims.k, .look = look, .user = e};
   nsdae_runge_kutta_layout(&e->steps, arena);
   nsdae_fall_layout(&e->fall, arena);
   nsdae_dip_layout(&e->dip, arena);
   e->y = NSDAE_ARENA_DOUBLES(arena, s->at.n);
-  e->z = NSDAE_ARENA_DOUBLES(arena, s->at.n + 1L);
-  e->end = NSDAE_ARENA_DOUBLES(arena, s->at.n + 1L);
+  e->z = NSDAE_ARENA_DOUBLES(arena, s->at.n + 2L);
+  e->end = NSDAE_ARENA_DOUBLES(arena, s->at.n + 2L);
   e->fallen = NSDAE_ARENA_INTS(arena, e->roots->count);
 }
 
@@ -71,7 +71,7 @@ int nsdae_event_integrator_make(nsdae_event_integrator *e)
 {
   const nsdae_event_setting *s = e->roots->phase->setting;
   const nsdae_ode_problem problem = {
-      .n = s->at.n + 1, .controlled = s->at.lambda, .rate = rate, .near = near, .user = e};
+      .n = s->at.n + 2, .controlled = s->at.lambda, .rate = rate, .near = near, .user = e};
   int status = nsdae_ode_create(&problem, s->options->rtol, s->options->atol, &e->stiff);
   if (status == NSDAE_OK) nsdae_event_integrator_prepare(e);
   return status;

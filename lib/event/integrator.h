@@ -18,7 +18,7 @@ typedef struct nsdae_event_integrator {
   nsdae_ode *stiff;        /* the same; the modes say which is at work */
   nsdae_fall fall;         /* of the roots, in the last step */
   nsdae_dip dip;           /* of the gaps, likewise */
-  double *y, *z, *end;     /* n, n + 1: where it was last read; where the last step ended */
+  double *y, *z, *end;     /* n, n + 2: where it was last read; where the last step ended */
   int *fallen;             /* roots: in the last step */
   double ahead;            /* integrated up to here */
   int pending;             /* an instant waits there */
@@ -28,7 +28,6 @@ typedef struct nsdae_event_integrator {
 void nsdae_event_integrator_layout(nsdae_event_integrator *integrator, nsdae_arena *arena);
 /* NSDAE_E_MEMORY, NSDAE_E_UNSUPPORTED. */
 int nsdae_event_integrator_make(nsdae_event_integrator *integrator);
-/* Again after options changed. */
 void nsdae_event_integrator_prepare(nsdae_event_integrator *integrator);
 
 /* Starts at t from q and v of y, whose forces are then those of the modes' own equations; sets the

@@ -5,9 +5,9 @@
 
 enum { PROJECTIONS = 4 };
 
-/* Of what is missing, and of what counts as zero: a way that is so much longer leads elsewhere.
- * Then rows nearly depend on each other and differ by no more than the integrator's errors: the
- * positions are as near as they can be. */
+/* Of what is missing, and of what counts as zero: a change that is so much larger leads elsewhere.
+ * Then rows nearly depend on each other and differ by no more than the integrator's errors:
+ * positions and velocities are as near as they can be. */
 static const double FAR = 100;
 
 void nsdae_event_projection_layout(nsdae_event_projection *p, nsdae_arena *arena)
@@ -114,8 +114,11 @@ int nsdae_event_project_velocities(nsdae_event_projection *p, double *y)
   nsdae_event_setting *s = p->phase->setting;
   append_velocities(p);
   if (p->least.rows == 0) return NSDAE_OK;
+  double worst = nsdae_largest(p->least.rows, p->least.c);
   int status = nsdae_least_solve(&p->least, s->here);
   if (status < 0) return status;
+  double size = FAR * (worst + nsdae_event_velocity_size(s));
+  if (nsdae_largest(p->least.kkt.n, p->least.change) > size) return NSDAE_OK;
   account(p);
   nsdae_add(p->least.kkt.n, 1, p->least.change, y + s->at.v);
   nsdae_terms_set_velocity(s->here, y + s->at.v);

@@ -1,7 +1,6 @@
 #include "setting.h"
 
 #include <math.h>
-#include <string.h>
 
 #include "errors.h"
 

@@ -1,7 +1,5 @@
 /* What every part of the event-driven method stands on: the system, the point in work and the
  * places of the unknowns. The parts, each of which sees only those before it:
- *
- *   setting        this
  *   phase          the equations between two instants, for the modes that hold there
  *   roots          the functions whose zeros end a phase
  *   account        what the forces do in it: impulses and work
@@ -46,9 +44,8 @@ int nsdae_event_factor(nsdae_event_setting *setting);
 int nsdae_event_solve(nsdae_event_setting *setting, nsdae_contacts *contacts,
                       const nsdae_terms *terms, double *size, double *v, double *lambda);
 
-/* What counts as zero for positions and for velocities at the point: the integrator's accuracy, of
- * positions relative to the way in a dt, as the origin may be anywhere; and what no method can tell
- * of a gap, so far from the origin. */
+/* What counts as zero for positions (relative to the way in a dt: the origin may be anywhere) and
+ * for velocities, the integrator's accuracy; and what nobody can tell of a gap, so far out. */
 double nsdae_event_position_size(const nsdae_event_setting *setting);
 double nsdae_event_rounding(const nsdae_event_setting *setting);
 double nsdae_event_velocity_size(const nsdae_event_setting *setting);

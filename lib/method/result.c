@@ -55,7 +55,7 @@ void nsdae_result_begin(nsdae_result *r, int impulses_follow)
   else if (!impulses_follow)
     nsdae_impulses_clear(&r->impulses, dims);
   r->impacts = r->changes = 0;
-  r->work = r->worst_residual = r->carried = 0;
+  r->work = r->gain = r->turnover = r->worst_residual = r->carried = 0;
   r->smooth = r->located = r->given_up = 0;
   r->problem = NULL;
   r->pile = NULL;

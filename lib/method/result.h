@@ -34,6 +34,9 @@ typedef struct nsdae_result {
   nsdae_change *change; /* changes_max: changes of mode */
   int changes, changes_max;
   double work;                   /* of contact and friction impulses on the system */
+  double gain, turnover;         /* of event: what T = v^T M v / 2 gained by the equations of motion
+                                    and by impacts, NAN where backward differences do not control
+                                    it; its amounts */
   double worst_residual;         /* of its complementarity problems */
   int smooth;                    /* nothing was closed */
   const nsdae_contacts *problem; /* the one that was asked last, for who wants to see it fail */

@@ -12,6 +12,9 @@ static const double watch_ways = 10;       /* of a step, or overlaps of penalty 
 static const double watch_share = 0.1;     /* of the largest kinetic energy */
 static const double watch_turnover = 0.02; /* of the work that forces did and took */
 static const double watch_soars = 100;     /* times the kinetic energy in a step */
+static const double watch_steps = 100;     /* of the integrator's tolerance, in a step */
+static const double watch_instants = 1e3;  /* the same, at an instant */
+static const double watch_inertia = 1e-5;  /* of T' by differences */
 
 enum { SOARED = 3 }; /* in so many steps */
 
@@ -304,10 +307,11 @@ static int find_gain(nsdae_watch *w, nsdae_point *before, const nsdae_point *poi
     int status = add_work(w, &before->result);
     if (status < 0) return status;
     w->turned = turned(&before->result.end, &point->result.end);
-    w->gained += nsdae_larger(point->result.work - rounding_of_contacts(point), 0);
-    found->energy = before->record.kinetic + before->record.dissipated - w->kinetic - w->work;
-    found->bound = energy_bound(w);
+    w->gained += nsdae_larger(0, point->result.work - rounding_of_contacts(point));
+    energy = before->record.kinetic + before->record.dissipated - w->kinetic - w->work;
+    known = energy_bound(w);
   }
+  *found = (gain){energy, known, BY_STEPS};
   if (!point->result.located) find_soaring(w, before->record.kinetic, point->record.kinetic, found);
   w->scale = nsdae_larger(w->scale, point->record.kinetic);
   double bound = energy_bound(w);
@@ -437,9 +441,51 @@ static int judge(const nsdae_sim *sim, nsdae_point *point, const gain *g)
   return NSDAE_OK;
 }
 
+/* sum |M_ij| times the square of the largest velocity, as tolerances see it */
+static double energy_size(const nsdae_sim *sim, const nsdae_terms *T)
+{
+  const nsdae_blocks *blocks = &T->system->blocks;
+  const nsdae_sim_options *o = &sim->options;
+  double speed = fmax(nsdae_largest(T->system->dims.nv, T->v) + o->atol / o->rtol,
+                      o->impact_velocity / o->rtol);
+  double sum = 0;
+  for (size_t i = 0; i < blocks->square[blocks->count]; i++) sum += fabs(T->M[i]);
+  return sum * speed * speed;
+}
+
+/* What rtol explains of a difference between T and what the equations of motion gave to it. */
+static double explained(const nsdae_sim *sim, const nsdae_point *before, const nsdae_point *point)
+{
+  const nsdae_result *r = &point->result;
+  const nsdae_counters *c = &r->counters;
+  double size = energy_size(sim, &before->result.end);
+  size = fmax(size, energy_size(sim, &r->end)) + r->turnover;
+  double tolerances =
+      watch_steps * (double)(c->iterations + 1) + watch_instants * (double)c->events;
+  return sim->options.rtol * tolerances * size + watch_inertia * (size + r->turnover);
+}
+
+static int keeps_energy(const nsdae_sim *sim, const nsdae_point *before, const nsdae_point *point)
+{
+  const nsdae_result *r = &point->result;
+  double off = point->record.kinetic - before->record.kinetic - r->gain;
+  double bound = explained(sim, before, point);
+  int asked = r->located && sim->options.method == NSDAE_METHOD_EVENT;
+  if (!asked || !(fabs(off) > bound)) return NSDAE_OK;
+  nsdae_error_set(r->end.error, NSDAE_E_CONVERGENCE, "nsdae_sim", "rtol",
+                  "the kinetic energy changed by %.3g up to t = %.17g that no force and no impact "
+                  "did, more than rtol = %g explains (%.3g): make rtol smaller, or use method = "
+                  "implicit",
+                  off, r->end.t, sim->options.rtol, bound);
+  r->end.error->time = r->end.t;
+  return NSDAE_E_CONVERGENCE;
+}
+
 int nsdae_watch_step(const nsdae_sim *sim, nsdae_point *before, nsdae_point *point)
 {
   nsdae_watch *w = &point->accounts.watch;
+  int kept = keeps_energy(sim, before, point);
+  if (kept < 0) return kept;
   gain found;
   measure(w, &before->result.end, &point->result);
   int status = find_gain(w, before, point, &found);

@@ -30,7 +30,7 @@ void nsdae_differences_layout(nsdae_differences *differences, nsdae_arena *arena
  * with errors eps, and far out they are eps (1 + |q|). */
 double nsdae_differences_step(int nq, double t, const double *q, const double *qdot, double scale)
 {
-  double fastest = 1 / fmax(1, 1e-4 * fabs(t)), p = log(scale) / log(DBL_EPSILON);
+  double fastest = 1 / fmax(1, 1e-4 * fabs(t)), p = ilogb(scale) / (1.0 - DBL_MANT_DIG);
   for (int i = 0; i < nq; i++)
     fastest = fmax(fastest, ldexp(fabs(qdot[i]), -(int)(p * ilogb(1 + fabs(q[i])))));
   return ldexp(1, ilogb(scale / fastest));

@@ -390,9 +390,14 @@ int nsdae_kinematics_at(const nsdae_terms *T, const double *v, double *qdot)
   return refuse(T, code, "kinematics", qdot, nq, 1);
 }
 
+double nsdae_terms_energy(const nsdae_terms *terms, const double *v)
+{
+  return nsdae_blocks_square(&terms->system->blocks, terms->M, v) / 2;
+}
+
 double nsdae_terms_kinetic(const nsdae_terms *terms)
 {
-  return nsdae_blocks_square(&terms->system->blocks, terms->M, terms->v) / 2;
+  return nsdae_terms_energy(terms, terms->v);
 }
 
 double nsdae_terms_touch(const nsdae_terms *terms)

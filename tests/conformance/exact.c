@@ -290,13 +290,19 @@ static void test_block(void **state)
     block b;
     read_block(line, &b);
     double event = block_error(&b, "event", 5e-3), implicit = block_error(&b, "implicit", 1e-4),
-           moreau = block_error(&b, "moreau", 1e-4), jam = isnan(b.t_jam) ? 0 : jam_error(&b);
-    print_message("%-30s event %.1e, dt 1e-4: implicit %.1e, moreau %.1e", b.name, event, implicit,
-                  moreau);
+           moreau = block_error(&b, "moreau", 1e-4), jam = isnan(b.t_jam) ? 0 : jam_error(&b),
+           printed = block_error(&b, "implicit-printed", 1e-4),
+           penalty = block_error(&b, "penalty", 1e-3);
+    print_message("%-30s event %.1e, dt 1e-4: implicit %.1e, printed %.1e, moreau %.1e; penalty "
+                  "%.1e",
+                  b.name, event, implicit, printed, moreau, penalty);
     print_message(isnan(b.t_jam) ? "\n" : ", jams %.1e\n", jam);
     assert_at_most(event, 1e-9); /* ten times rtol */
     assert_at_most(implicit, 100 * 1e-4);
     assert_at_most(moreau, 100 * 1e-4);
+    assert_at_most(printed, 100 * 1e-4);
+    /* friction that holds creeps by up to friction_velocity, an impact lasts a millisecond of g */
+    assert_at_most(penalty, 1e-3 * b.t_end + 1e-3 * b.g);
     assert_at_most(jam, 1e-8);
   }
   fclose(file);

@@ -57,6 +57,52 @@ static void fail_at(nsdae_sim *sim, bead *b, int term, int at, int fault)
   if (b->code) assert_int_equal(error->code, b->code);
 }
 
+/* A mass that depends on t alone, as kind says, and moves on without force. */
+static int mass_of(double t, const double *q, double *M, int ldm, void *user)
+{
+  const int *jumps = user;
+  (void)q;
+  (void)ldm;
+  M[0] = *jumps && t > 0.503 ? 3 : 1 + t;
+  return 0;
+}
+
+static int no_force(double t, const double *q, const double *v, double *F, void *user)
+{
+  (void)t;
+  (void)q;
+  (void)v;
+  (void)user;
+  F[0] = 0;
+  return 0;
+}
+
+/* T = M v^2 / 2 grows with M by M' v^2 / 2, which is seen; where M jumps T has changed by nothing
+ * that the equations of motion know, and the run ends there, the state being that of before. */
+static void test_energy(void **state)
+{
+  const nsdae_dims dims = {.nq = 1};
+  const double q0 = 0, v0 = 2;
+  nsdae_record r;
+  (void)state;
+  for (int jumps = 0; jumps < 2; jumps++) {
+    nsdae_system *system;
+    assert_int_equal(nsdae_system_create(&dims, &system, NULL), NSDAE_OK);
+    nsdae_system_set_user(system, &jumps);
+    nsdae_system_set_mass(system, mass_of);
+    nsdae_system_set_force(system, no_force);
+    nsdae_sim *sim = make(system);
+    assert_int_equal(nsdae_sim_init(sim, 0, &q0, &v0), NSDAE_OK);
+    assert_int_equal(nsdae_sim_run(sim, 1), jumps ? NSDAE_E_CONVERGENCE : NSDAE_OK);
+    nsdae_sim_get_record(sim, &r);
+    assert_near(r.time, jumps ? 0.5 : 1, 1e-12);
+    assert_near(r.kinetic, (1 + r.time) * v0 * v0 / 2, 1e-12);
+    if (jumps) assert_string_equal(nsdae_sim_error(sim)->argument, "rtol");
+    nsdae_sim_destroy(&sim);
+    nsdae_system_destroy(&system);
+  }
+}
+
 static void test_every_call(void **state)
 {
   (void)state;
@@ -125,6 +171,7 @@ static void test_going_on(void **state)
 int main(void)
 {
   const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_energy),
       cmocka_unit_test(test_every_call),
       cmocka_unit_test(test_going_on),
   };

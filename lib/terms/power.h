@@ -1,0 +1,22 @@
+/* The rate of the kinetic energy T = v^T M v / 2 by the equations of motion: with v' = a
+ *
+ *   T' = v^T M a + v^T M' v / 2,   M' = (M(t + s, q + s q') - M(t, q)) / s,  s ~ eps^(1/2)
+ *
+ * by one evaluation of M more, the second term to some 1e-8 of itself. */
+#ifndef NSDAE_TERMS_POWER_H
+#define NSDAE_TERMS_POWER_H
+
+#include "terms.h"
+
+typedef struct nsdae_power {
+  double *q, *M; /* nq, nv x nv: ahead */
+} nsdae_power;
+
+void nsdae_power_layout(nsdae_power *power, const nsdae_dims *dims, nsdae_arena *arena);
+
+/* *rate = T' at the terms' point, whose M is there, with accelerations a [nv] and q' [nq].
+ * NSDAE_OK, NSDAE_E_CALLBACK, NSDAE_E_NONFINITE. */
+int nsdae_power_rate(nsdae_power *power, const nsdae_terms *terms, const double *a,
+                     const double *qdot, double *rate);
+
+#endif
