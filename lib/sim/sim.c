@@ -17,7 +17,9 @@ static void layout(void *object, nsdae_arena *arena)
   nsdae_stepper_layout(&sim->stepper, arena);
   for (int i = 0; i < (sim->aside ? 3 : 2); i++) nsdae_point_layout(&sim->point[i], arena);
   nsdae_projector_layout(&sim->projection, arena);
-  sim->probe = NSDAE_ARENA_DOUBLES(arena, nsdae_probe_size(&sim->model));
+  const nsdae_dims *d = &sim->model.dims;
+  long probe = (long)nsdae_probe_size(&sim->model), thrice = 3L * ((long)d->k * (1 + d->nt) + d->f);
+  sim->probe = NSDAE_ARENA_DOUBLES(arena, probe > thrice ? probe : thrice); /* start_check's too */
 }
 
 static int no_memory(nsdae_sim *sim, nsdae_error *error)

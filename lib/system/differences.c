@@ -11,6 +11,7 @@ void nsdae_differences_layout(nsdae_differences *differences, nsdae_arena *arena
 {
   const nsdae_dims *dims = &differences->system->dims;
   int rows = dims->m > dims->k ? dims->m : dims->k;
+  differences->finer = 0;
   differences->q = NSDAE_ARENA_DOUBLES(arena, dims->nq);
   differences->qdot = NSDAE_ARENA_DOUBLES(arena, dims->nq);
   differences->centre = NSDAE_ARENA_DOUBLES(arena, dims->nq);
@@ -122,7 +123,7 @@ int nsdae_differences_second(nsdae_differences *d, nsdae_position_fn f, int rows
   static const double at[5] = {0, -2, -1, 1, 2}, weight[5] = {-30, -1, 16, 16, -1};
   d->failed = NULL;
   int code = kinematics(d, t, q, v, d->qdot);
-  double s = nsdae_differences_step(d->system->dims.nq, t, q, d->qdot, 5e-3);
+  double s = nsdae_differences_step(d->system->dims.nq, t, q, d->qdot, ldexp(5e-3, -d->finer));
   memset(omega, 0, (size_t)rows * sizeof *omega);
   for (int j = 0; j < 5 && !code; j++) {
     code = carry(d, t, q, v, at[j] * s);
@@ -250,7 +251,7 @@ int nsdae_differences_contacts(nsdae_differences *d, double t, const double *q, 
   memset(omega_t, 0, (size_t)(dims->k * dims->nt) * sizeof *omega_t);
   memset(omega_s, 0, (size_t)dims->f * sizeof *omega_s);
   int code = kinematics(d, t, q, v, d->qdot);
-  double s = nsdae_differences_step(dims->nq, t, q, d->qdot, 7.4e-4);
+  double s = nsdae_differences_step(dims->nq, t, q, d->qdot, ldexp(7.4e-4, -d->finer));
   for (int i = 0; i < 4 && !code; i++)
     code = add_displaced(d, t, q, v, at[i] * s, weight[i] / (12 * s), omega);
   return code ? code : normal_accelerations(d, t, q, v, omega_n);

@@ -17,6 +17,7 @@ typedef struct nsdae_differences {
   const nsdae_system *system;
   const char *failed;   /* callback that failed where it was not f; else NULL */
   const char *bad;      /* callback of the contacts that first gave what is not finite; else NULL */
+  int finer;            /* powers of two by which accelerations have shorter steps; as a rule 0 */
   double *q, *qdot;     /* nq: a displaced point, its rate */
   double *centre;       /* nq: a point on the way to a displaced one */
   double *unit;         /* nv */
