@@ -60,6 +60,7 @@ static int read_turner(const nsdae_arms *arms, int j, double *H, turner *t, int 
     arms->v[j + l] = 1;
     *code = nsdae_kinematics(s, arms->t, arms->q, arms->v, H + l * nq);
   }
+  if (*code) arms->differences->failed = "kinematics";
   if (*code || !four_of(nq, H, at)) return 0;
   for (int i = 0; i < 4; i++) {
     column[3][i] = arms->q[at[i]];
