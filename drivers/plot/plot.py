@@ -113,10 +113,16 @@ def multipliers(file, time):
     return [Row("mean forces of\nconstraints", draw)]
 
 
+def impacts(file, *names):
+    """Datasets of the impacts, as long as the shortest: a file that is being written grows between two readings."""
+    columns = [file[f"impact/{name}"][...] for name in names]
+    return [column[:min(map(len, columns))] for column in columns]
+
+
 def modes(file, time):
     """Stick, slip and open as a strip for each contact; impacts are ticks in it."""
     shown = strips(file, time, np.unique(np.linspace(0, len(time) - 1, 2000).astype(int)))[:STRIPS_MAX]
-    when, which = file["impact/time"][...], file["impact/contact"][...]
+    when, which = impacts(file, "time", "contact")
 
     def draw(axes):
         for row, strip in enumerate(shown):
@@ -144,9 +150,8 @@ def steps(file, time):
 def of_impacts(file, time, step, name, like):
     """The part of a step's impulses [n, k, ...] that came in impacts."""
     total = np.zeros_like(like)
-    when, which = file["impact/time"][...], file["impact/contact"][...]
-    at = np.searchsorted(time, when)
-    for i, contact, t, impulse in zip(at, which, when, file[f"impact/{name}"][...]):
+    when, which, of = impacts(file, "time", "contact", name)
+    for i, contact, t, impulse in zip(np.searchsorted(time, when), which, when, of):
         if i < len(time) and t > time[i] - step[i] * (1 + 1e-9):
             total[i, contact] += impulse
     return total
@@ -200,7 +205,7 @@ def listed(file, time):
 
 def listed_impulses(file, time):
     """Of all impacts, the strongest ones where they are many."""
-    when, values = file["impact/time"][...], file["impact/normal_impulse"][...]
+    when, values = impacts(file, "time", "normal_impulse")
     strongest = np.argsort(-values, kind="stable")[:DOTS_MAX]
 
     def draw(axes):
@@ -214,10 +219,10 @@ def impulses(file, time):
     """Of impacts, as they are."""
     if has_list(file):
         return listed_impulses(file, time)
-    when, which = file["impact/time"][...], file["impact/contact"][...]
+    rubs = ["tangential_impulse"] if "impact/tangential_impulse" in file else []
+    when, which, normal, *tangential = impacts(file, "time", "contact", "normal_impulse", *rubs)
     names = names_of_rows(file, "contact", int(which.max()) + 1)
-    tangential = file["impact/tangential_impulse"][...].reshape(len(when), -1) if "impact/tangential_impulse" in file \
-        else np.zeros((len(when), 0))
+    tangential = tangential[0].reshape(len(when), -1) if rubs else np.zeros((len(when), 0))
 
     def stems(axes, t, values, name, marker):
         if np.any(values != 0):
@@ -227,7 +232,7 @@ def impulses(file, time):
     def draw(axes):
         for i, name in enumerate(names):
             mine = which == i
-            stems(axes, when[mine], file["impact/normal_impulse"][...][mine], f"{name}, normal", "o")
+            stems(axes, when[mine], normal[mine], f"{name}, normal", "o")
             for j in range(tangential.shape[1]):
                 number = f" {j}" if tangential.shape[1] > 1 else ""
                 stems(axes, when[mine], tangential[mine, j], f"{name}, friction{number}", "x")

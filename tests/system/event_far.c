@@ -22,7 +22,7 @@ typedef struct end {
 static void read(nsdae_sim *sim, const nsdae_dims *d, double shift, end *e)
 {
   nsdae_record r;
-  nsdae_sim_get_record(sim, &r);
+  if (nsdae_sim_get_record(sim, &r) < 0) return; /* a start that was refused has none */
   nsdae_sim_get_stats(sim, &e->stats);
   for (int i = 0; i < d->nq; i++) e->q[i] = r.q[i] - shift;
   for (int i = 0; i < d->nv; i++) e->v[i] = r.v[i];
