@@ -17,9 +17,8 @@ static void layout(void *object, nsdae_arena *arena)
   nsdae_stepper_layout(&sim->stepper, arena);
   for (int i = 0; i < (sim->aside ? 3 : 2); i++) nsdae_point_layout(&sim->point[i], arena);
   nsdae_projector_layout(&sim->projection, arena);
-  const nsdae_dims *d = &sim->model.dims;
-  long probe = (long)nsdae_probe_size(&sim->model), thrice = 3L * ((long)d->k * (1 + d->nt) + d->f);
-  sim->probe = NSDAE_ARENA_DOUBLES(arena, probe > thrice ? probe : thrice); /* start_check's too */
+  size_t probe = nsdae_probe_size(&sim->model), start = nsdae_start_size(&sim->model.dims);
+  sim->probe = NSDAE_ARENA_DOUBLES(arena, probe > start ? probe : start);
 }
 
 static int no_memory(nsdae_sim *sim, nsdae_error *error)

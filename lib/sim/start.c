@@ -249,9 +249,9 @@ static int agree(double given, double second, double rounding)
 static int first_wrong(int n, const double *given, const double *second, const double *finer)
 {
   for (int i = 0; i < n; i++) {
-    double off = fabs(given[i] - finer[i]);
+    double off = fabs(given[i] - finer[i]); /* NaN: wrong */
     if (agree(given[i], second[i], 1e-6) || agree(given[i], finer[i], 1e-3)) continue;
-    if (fabs(second[i] - finer[i]) <= 0.1 * off) return i;
+    if (!(fabs(second[i] - finer[i]) > 0.1 * off)) return i;
   }
   return -1;
 }
@@ -362,6 +362,11 @@ static int check_derivatives(nsdae_projector *p, const nsdae_terms *T, double *w
     status = check_rates(p, T, &gaps);
   if (status == NSDAE_OK) status = check_tangents(T);
   return status < 0 ? status : check_acceleration(p, T, work);
+}
+
+size_t nsdae_start_size(const nsdae_dims *d)
+{
+  return 3 * ((size_t)d->k * (size_t)(1 + d->nt) + (size_t)d->f);
 }
 
 int nsdae_start_check(nsdae_projector *p, const nsdae_terms *T, double *work)

@@ -6,7 +6,10 @@
 
 /* Whether the terms' point may be a start: NSDAE_OK, or NSDAE_E_ARGUMENT naming the row, its value
  * and its bound, NSDAE_E_DERIVATIVE where derivatives are grossly wrong. The terms and the groups
- * of unit length are those of the start; work has nsdae_probe_size numbers. */
+ * of unit length are those of the start; work has nsdae_start_size numbers. */
 int nsdae_start_check(nsdae_projector *projection, const nsdae_terms *start, double *work);
+
+/* Numbers that the check works on: accelerations of contacts and slides, given and differenced. */
+size_t nsdae_start_size(const nsdae_dims *dims);
 
 #endif
