@@ -168,8 +168,8 @@ static void contact_velocity(const nsdae_contacts *c, int i, const nsdae_terms *
                              double *v_n, double *v_t)
 {
   int nt = c->system->dims.nt;
-  v_n[i] = nsdae_terms_rate(T, T->W_N, T->w_N, i, v);
-  for (int j = i * nt; j < (i + 1) * nt; j++) v_t[j] = nsdae_terms_rate(T, T->W_T, T->w_T, j, v);
+  v_n[i] = nsdae_terms_normal_rate(T, i, v);
+  for (int j = i * nt; j < (i + 1) * nt; j++) v_t[j] = nsdae_terms_tangent_rate(T, j, v);
 }
 
 static void slide_velocities(const nsdae_contacts *c, const nsdae_terms *T, const double *v,
@@ -177,7 +177,7 @@ static void slide_velocities(const nsdae_contacts *c, const nsdae_terms *T, cons
 {
   for (int i = 0; i < c->slides.count; i++) {
     int j = c->slides.number[i];
-    velocity[j] = nsdae_terms_rate(T, T->slide.W, T->slide.w, j, v);
+    velocity[j] = nsdae_terms_slide_rate(T, j, v);
   }
 }
 

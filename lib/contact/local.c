@@ -8,7 +8,8 @@ void nsdae_local_prepare(nsdae_local *l, const nsdae_system *system, nsdae_error
                          const nsdae_lcp_options *options, double rank_tol)
 {
   l->model.dims.nt = system->dims.nt;
-  l->model.blocks = system->blocks; /* how many: the island at hand is one */
+  l->model.blocks = (nsdae_blocks){1, l->ends, l->squares};
+  l->blocks = system->blocks.count;
   l->terms.system = l->contacts.system = &l->model;
   l->terms.error = l->contacts.error = error;
   l->contacts.lcp.options = *options;
@@ -34,6 +35,8 @@ static void lay_out_terms(nsdae_terms *T, const nsdae_dims *d, nsdae_arena *aren
   T->W_T = NSDAE_ARENA_DOUBLES(arena, n * k * nt);
   T->w_N = NSDAE_ARENA_DOUBLES(arena, k);
   T->w_T = NSDAE_ARENA_DOUBLES(arena, k * nt);
+  nsdae_terms_layout_rows(&T->by.normal, k, T->W_N, n, 1, arena);
+  nsdae_terms_layout_rows(&T->by.tangent, k * nt, T->W_T, n, 1, arena);
 }
 
 void nsdae_local_layout(nsdae_local *l, nsdae_arena *arena)
@@ -49,7 +52,7 @@ void nsdae_local_layout(nsdae_local *l, nsdae_arena *arena)
   l->v = NSDAE_ARENA_DOUBLES(arena, d->nv);
   l->size = NSDAE_ARENA_DOUBLES(arena, d->nv);
   l->lambda = NSDAE_ARENA_DOUBLES(arena, d->m);
-  l->place = NSDAE_ARENA_INTS(arena, l->model.blocks.count);
+  l->place = NSDAE_ARENA_INTS(arena, l->blocks);
   l->real_part = NSDAE_ARENA_DOUBLES(arena, 3 * k * (1 + d->nt));
   l->whole_part = NSDAE_ARENA_INTS(arena, 2 * k);
   nsdae_kkt_layout(&l->kkt, arena);
@@ -104,7 +107,8 @@ static void gather_blocks(nsdae_local *l, const nsdae_whole *w, int island)
     l->place[is->block.of[i]] = n;
     n += nsdae_blocks_size(blocks, is->block.of[i]);
   }
-  l->model.dims.nv = l->kkt.n = n;
+  l->model.dims.nv = l->kkt.n = l->ends[1] = n;
+  l->squares[1] = (size_t)n * (size_t)n;
   memset(l->terms.M, 0, (size_t)n * (size_t)n * sizeof *l->terms.M);
   for (int i = is->block.first[island]; i < is->block.first[island + 1]; i++) {
     int b = is->block.of[i], at = l->place[b], size = nsdae_blocks_size(blocks, b);
@@ -152,11 +156,13 @@ static void gather_contact(nsdae_local *l, const nsdae_whole *w, int i, int a)
   const nsdae_blocks *blocks = &w->system->blocks;
   int nt = l->model.dims.nt;
   size_t n = (size_t)l->model.dims.nv;
+  l->terms.by.normal.at[i] = (size_t)i * n;
   nsdae_rows_gather(blocks, &T->by.normal, a, l->place, l->terms.W_N + (size_t)i * n, 1);
   l->terms.w_N[i] = T->w_N[a];
   l->impulses.before[i] = w->results->before[a];
   for (int d = 0; d < nt; d++) {
     int to = i * nt + d, from = a * nt + d;
+    l->terms.by.tangent.at[to] = (size_t)to * n;
     nsdae_rows_gather(blocks, &T->by.tangent, from, l->place, l->terms.W_T + (size_t)to * n, 1);
     l->terms.w_T[to] = T->w_T[from];
     l->impulses.before_t[to] = w->results->before_t[from];

@@ -48,7 +48,7 @@ int nsdae_event_touches(const nsdae_event_setting *s, int i)
 {
   const nsdae_terms *T = s->here;
   return T->gap[i] <= nsdae_event_position_size(s) &&
-         nsdae_terms_rate(T, T->W_N, T->w_N, i, T->v) <= nsdae_event_velocity_size(s);
+         nsdae_terms_normal_rate(T, i, T->v) <= nsdae_event_velocity_size(s);
 }
 
 /* v+ of the momentum before, with v-_N of the contacts: M v + Phi_q^T Lambda = M v- + W Lambda_c,
@@ -262,7 +262,7 @@ static int approaching(const nsdae_event_impacts *p)
   const nsdae_terms *T = s->here;
   for (int i = 0; i < T->system->dims.k; i++)
     if (p->acceleration->is.touching[i] &&
-        nsdae_terms_rate(T, T->W_N, T->w_N, i, T->v) < -nsdae_event_velocity_size(s))
+        nsdae_terms_normal_rate(T, i, T->v) < -nsdae_event_velocity_size(s))
       return 1;
   return 0;
 }

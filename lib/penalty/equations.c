@@ -24,11 +24,11 @@ static void contact_forces(nsdae_penalty_equations *p, const nsdae_terms *T)
   for (int i = 0; i < s->dims.k; i++) {
     const nsdae_coefficients *c = &s->contact[i];
     double speed = 0;
-    at->v_n[i] = nsdae_terms_rate(T, T->W_N, T->w_N, i, T->v);
+    at->v_n[i] = nsdae_terms_normal_rate(T, i, T->v);
     at->normal[i] = nsdae_penalty_normal(&p->law, -T->gap[i], -at->v_n[i], p->base.start_rate[i],
                                          c->e_n, p->base.mass[i]);
     for (int j = i * nt; j < (i + 1) * nt; j++) {
-      at->v_t[j] = nsdae_terms_rate(T, T->W_T, T->w_T, j, T->v);
+      at->v_t[j] = nsdae_terms_tangent_rate(T, j, T->v);
       speed = hypot(speed, at->v_t[j]);
     }
     double per_speed = nsdae_penalty_friction(c->mu, at->normal[i], speed, regular);
@@ -45,7 +45,7 @@ static double relax_slides(nsdae_penalty_equations *p, const nsdae_terms *T)
   size_t m = (size_t)s->dims.m;
   for (int j = 0; j < s->dims.f; j++) {
     size_t row = (size_t)s->slide[j].constraint;
-    double normal = at->lambda[row], v = nsdae_terms_rate(T, T->slide.W, T->slide.w, j, T->v);
+    double normal = at->lambda[row], v = nsdae_terms_slide_rate(T, j, T->v);
     for (int l = 0; l < s->dims.f; l++) normal += at->D[(size_t)l * m + row] * at->slide[l];
     double force = v * nsdae_penalty_friction(s->slide[j].mu, fabs(normal), v, regular);
     moved = fmax(moved, fabs(force - at->slide[j]) / (1 + fabs(force)));

@@ -9,9 +9,8 @@
 #include "system_impl.h"
 #include "vector.h"
 
-/* Rows of a dense array, each over the one block: begin is how far apart they are. */
-static void dense_rows(nsdae_rows *rows, long count, double *value, long begin, long stride,
-                       nsdae_arena *arena)
+void nsdae_terms_layout_rows(nsdae_rows *rows, long count, double *value, long begin, long stride,
+                             nsdae_arena *arena)
 {
   *rows = (nsdae_rows){.count = (int)count, .value = value, .stride = (size_t)stride};
   rows->first = NSDAE_ARENA_INTS(arena, count + 1);
@@ -46,9 +45,9 @@ static void lay_out_dense(nsdae_terms *terms, nsdae_arena *arena)
   terms->W_T = NSDAE_ARENA_DOUBLES(arena, n * k * nt);
   terms->w_N = NSDAE_ARENA_DOUBLES(arena, k);
   terms->w_T = NSDAE_ARENA_DOUBLES(arena, k * nt);
-  dense_rows(&terms->by.jacobian, m, terms->constraint.J, 1, m, arena);
-  dense_rows(&terms->by.normal, k, terms->W_N, n, 1, arena);
-  dense_rows(&terms->by.tangent, k * nt, terms->W_T, n, 1, arena);
+  nsdae_terms_layout_rows(&terms->by.jacobian, m, terms->constraint.J, 1, m, arena);
+  nsdae_terms_layout_rows(&terms->by.normal, k, terms->W_N, n, 1, arena);
+  nsdae_terms_layout_rows(&terms->by.tangent, k * nt, terms->W_T, n, 1, arena);
 }
 
 void nsdae_terms_layout(nsdae_terms *terms, nsdae_arena *arena)
@@ -69,6 +68,7 @@ void nsdae_terms_layout(nsdae_terms *terms, nsdae_arena *arena)
   else
     lay_out_dense(terms, arena);
   terms->slide.W = NSDAE_ARENA_DOUBLES(arena, n * dims->f);
+  nsdae_terms_layout_rows(&terms->by.slide, dims->f, terms->slide.W, n, 1, arena);
   terms->slide.w = NSDAE_ARENA_DOUBLES(arena, dims->f);
   terms->omega.N = NSDAE_ARENA_DOUBLES(arena, k);
   terms->omega.T = NSDAE_ARENA_DOUBLES(arena, k * nt);
