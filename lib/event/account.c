@@ -42,7 +42,7 @@ static int least_norm(nsdae_event_account *a, double *lambda)
   int status = nsdae_event_factor(s);
   if (status < 0) return status;
   memset(a->reaction, 0, (size_t)d->nv * sizeof *a->reaction);
-  nsdae_add_transposed(d->m, d->nv, 1, s->here->constraint.J, lambda, a->reaction);
+  nsdae_add_transposed(d->m, d->nv, 1, s->here->by.jacobian.value, lambda, a->reaction);
   memset(lambda, 0, (size_t)d->m * sizeof *lambda);
   nsdae_kkt_solve(s->kkt, 1, a->reaction, d->nv, lambda, d->m);
   return NSDAE_OK;

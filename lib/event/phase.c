@@ -120,12 +120,13 @@ static column column_of(const nsdae_terms *T, int force)
   size_t n = (size_t)d->nv, j;
   if (force < d->k) {
     j = (size_t)force;
-    return (column){T->W_N + j * n, T->w_N[j], T->omega.N[j], T->gap[j]};
+    return (column){T->by.normal.value + j * n, T->w_N[j], T->omega.N[j], T->gap[j]};
   }
   j = (size_t)(force - d->k);
-  if (force < d->k * (1 + d->nt)) return (column){T->W_T + j * n, T->w_T[j], T->omega.T[j], 0};
+  if (force < d->k * (1 + d->nt))
+    return (column){T->by.tangent.value + j * n, T->w_T[j], T->omega.T[j], 0};
   j = (size_t)(force - d->k * (1 + d->nt));
-  return (column){T->slide.W + j * n, T->slide.w[j], T->slide.omega[j], 0};
+  return (column){T->by.slide.value + j * n, T->slide.w[j], T->slide.omega[j], 0};
 }
 
 /* Entry of K: rows and columns are nv accelerations, m multipliers, then the forces by place. */
@@ -156,7 +157,7 @@ static void inertia_rows(nsdae_event_phase *p, const nsdae_terms *T)
     p->x[j] = T->F[j];
     for (int i = 0; i < n; i++) *entry(p, i, j) = AT(T->M, n, i, j);
     for (int i = 0; i < m; i++)
-      *entry(p, j, n + i) = *entry(p, n + i, j) = AT(T->constraint.J, m, i, j);
+      *entry(p, j, n + i) = *entry(p, n + i, j) = AT(T->by.jacobian.value, m, i, j);
   }
   for (int i = 0; i < m; i++)
     p->x[n + i] = -T->constraint.omega[i] - alpha2 * nsdae_terms_constraint_rate(T, i, T->v) -
@@ -174,7 +175,7 @@ static void combine_rows(nsdae_event_phase *p, const nsdae_terms *T)
   for (int j = 0; j < n; j++) {
     double *combined = entry(p, n, j);
     memset(combined, 0, (size_t)m * sizeof *combined);
-    nsdae_add_product(m, m, B, T->constraint.J + (size_t)j * (size_t)m, combined);
+    nsdae_add_product(m, m, B, T->by.jacobian.value + (size_t)j * (size_t)m, combined);
   }
   for (int l = 0; l < m; l++)
     for (int i = 0; i < m; i++) *entry(p, n + i, n + l) = (i == l) - AT(B, m, i, l);

@@ -33,9 +33,10 @@ static double append_positions(nsdae_event_projection *p, const int *closed)
   const nsdae_dims *d = &T->system->dims;
   nsdae_least_start(&p->least);
   for (int i = 0; i < d->m; i++)
-    nsdae_least_append(&p->least, T->constraint.J + i, (size_t)d->m, T->constraint.phi[i]);
+    nsdae_least_append(&p->least, T->by.jacobian.value + i, (size_t)d->m, T->constraint.phi[i]);
   for (int i = 0; i < d->k; i++)
-    if (closed[i]) nsdae_least_append(&p->least, T->W_N + (size_t)i * (size_t)d->nv, 1, T->gap[i]);
+    if (closed[i])
+      nsdae_least_append(&p->least, T->by.normal.value + (size_t)i * (size_t)d->nv, 1, T->gap[i]);
   return nsdae_largest(p->least.rows, p->least.c);
 }
 

@@ -61,7 +61,7 @@ static int slide_forces(nsdae_penalty_equations *p, const nsdae_terms *T, double
   const nsdae_penalty_forces *at = &p->at;
   int n = T->system->dims.nv, m = T->system->dims.m, f = T->system->dims.f;
   double moved = 1;
-  memcpy(at->U, T->slide.W, (size_t)n * (size_t)f * sizeof *at->U);
+  memcpy(at->U, T->by.slide.value, (size_t)n * (size_t)f * sizeof *at->U);
   memset(at->D, 0, (size_t)m * (size_t)f * sizeof *at->D);
   nsdae_kkt_solve(&p->stepper->kkt, f, at->U, n, at->D, m);
   memset(at->slide, 0, (size_t)f * sizeof *at->slide);
@@ -80,8 +80,8 @@ static int accelerations(nsdae_penalty_equations *p, nsdae_terms *T, double *a)
   double alpha = s->options->baumgarte_alpha, beta = s->options->baumgarte_beta;
   contact_forces(p, T);
   memcpy(a, T->F, (size_t)d->nv * sizeof *a);
-  nsdae_add_product(d->nv, d->k, T->W_N, at->normal, a);
-  nsdae_add_product(d->nv, d->k * d->nt, T->W_T, at->tangential, a);
+  nsdae_add_product(d->nv, d->k, T->by.normal.value, at->normal, a);
+  nsdae_add_product(d->nv, d->k * d->nt, T->by.tangent.value, at->tangential, a);
   for (int i = 0; i < d->m; i++) {
     double rate = nsdae_terms_constraint_rate(T, i, T->v);
     at->lambda[i] = -T->constraint.omega[i] - 2 * alpha * rate - beta * beta * T->constraint.phi[i];

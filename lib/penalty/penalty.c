@@ -136,10 +136,10 @@ static void close_contact(penalty *p, int i, double t)
   const nsdae_dims *d = &s->system->dims;
   nsdae_penalty_base *b = &p->equations.base;
   size_t n = (size_t)d->nv, nt = (size_t)d->nt, first = (size_t)i * nt;
-  memcpy(s->r, T->W_N + (size_t)i * n, n * sizeof *s->r);
+  memcpy(s->r, T->by.normal.value + (size_t)i * n, n * sizeof *s->r);
   memset(s->impulse, 0, (size_t)d->m * sizeof *s->impulse);
   nsdae_kkt_solve(&s->kkt, 1, s->r, d->nv, s->impulse, d->m);
-  double inverse = nsdae_dot(d->nv, T->W_N + (size_t)i * n, s->r);
+  double inverse = nsdae_dot(d->nv, T->by.normal.value + (size_t)i * n, s->r);
   b->mass[i] = inverse > 0 ? 1 / inverse : 0;
   b->closed[i] = 1;
   b->since[i] = t;

@@ -30,7 +30,8 @@ enum {
   NSDAE_TERM_CONTACTS = 8192      /* the list, see nsdae_terms_contacts */
 };
 
-/* The same by blocks: see listed.h. */
+/* By rows over blocks. Of a system without blocks they are those of a dense array, Phi_q [m x nv],
+ * W_N [nv x k], W_T [nv x k nt] and W of the slides [nv x f]; else see listed.h. */
 typedef struct nsdae_by_blocks {
   nsdae_rows jacobian;        /* m */
   nsdae_rows normal, tangent; /* k, k nt; by list: of the contacts that the step selected */
@@ -48,7 +49,6 @@ typedef struct nsdae_evals {
 /* Of the bilateral constraints. */
 typedef struct nsdae_constraint_terms {
   double *phi;           /* m */
-  double *J;             /* m x nv */
   double *phi_t, *omega; /* m */
 } nsdae_constraint_terms;
 
@@ -59,7 +59,6 @@ typedef struct nsdae_contact_turns {
 
 /* Of the slides. */
 typedef struct nsdae_slide_terms {
-  double *W;         /* nv x f */
   double *w, *omega; /* f */
 } nsdae_slide_terms;
 
@@ -74,8 +73,6 @@ typedef struct nsdae_terms {
   double *F; /* nv */
   nsdae_constraint_terms constraint;
   double *gap;       /* k */
-  double *W_N;       /* nv x k */
-  double *W_T;       /* nv x k nt */
   double *w_N, *w_T; /* k, k nt */
   nsdae_contact_turns omega;
   nsdae_slide_terms slide;
@@ -85,9 +82,9 @@ typedef struct nsdae_terms {
 
 /* Takes the arrays; system, differences, error and evals are set before. */
 void nsdae_terms_layout(nsdae_terms *terms, nsdae_arena *arena);
-/* Rows of a dense array, each over the one block: begin is how far apart they are, stride that of
+/* Rows of n values, each over the one block: begin is how far apart they are, stride the same of
  * the values of one. */
-void nsdae_terms_layout_rows(nsdae_rows *rows, long count, double *value, long begin, long stride,
+void nsdae_terms_layout_rows(nsdae_rows *rows, long count, long n, long begin, long stride,
                              nsdae_arena *arena);
 
 /* Moves to a new point: every term is out of date. */
