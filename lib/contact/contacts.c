@@ -197,6 +197,16 @@ void nsdae_contacts_before(nsdae_contacts *c, const nsdae_terms *terms, const do
   if (!impacts_only) slide_velocities(c, terms, v, c->results->slide_before);
 }
 
+void nsdae_contacts_come(nsdae_contacts *c, const double *before)
+{
+  memcpy(c->results->before, before, (size_t)c->system->dims.k * sizeof *before);
+}
+
+void nsdae_contacts_turn_to(nsdae_contacts *c, nsdae_impulses *results)
+{
+  c->results = results;
+}
+
 /* W, one block of columns per closed contact: normal, then tangential where it has friction. */
 static void gather_columns(nsdae_contacts *c, const nsdae_terms *terms)
 {

@@ -17,8 +17,11 @@ static void layout(void *object, nsdae_arena *arena)
   nsdae_stepper_layout(&sim->stepper, arena);
   for (int i = 0; i < (sim->aside ? 3 : 2); i++) nsdae_point_layout(&sim->point[i], arena);
   nsdae_projector_layout(&sim->projection, arena);
-  size_t probe = nsdae_probe_size(&sim->model), start = nsdae_start_size(&sim->model.dims);
-  sim->probe = NSDAE_ARENA_DOUBLES(arena, probe > start ? probe : start);
+  size_t size = nsdae_probe_size(&sim->model), start = nsdae_start_size(&sim->model.dims),
+         watch = 2 * (size_t)sim->model.dims.nv;
+  if (size < start) size = start;
+  if (size < watch) size = watch;
+  sim->probe = NSDAE_ARENA_DOUBLES(arena, size);
 }
 
 static int no_memory(nsdae_sim *sim, nsdae_error *error)
