@@ -6,8 +6,6 @@
 #include <stdio.h>
 #include <string.h>
 
-#include <nsdae/sim.h>
-
 #include "dense.h"
 #include "errors.h"
 #include "slides.h"

@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-#include "equations.h"
+#include "places.h"
 
 int nsdae_stretches_add(nsdae_stretches *s, double grid, double dt, double t_end)
 {
