@@ -48,7 +48,8 @@ static int least_norm(nsdae_event_account *a, double *lambda)
   return NSDAE_OK;
 }
 
-int nsdae_event_account_rate(nsdae_event_account *a, double t, const double *z, double *rate)
+int nsdae_event_account_rate(nsdae_event_account *a, double t, const double *z, int integrals,
+                             double *rate)
 {
   nsdae_event_phase *p = a->phase;
   const nsdae_event_places *at = &p->setting->at;
@@ -56,11 +57,12 @@ int nsdae_event_account_rate(nsdae_event_account *a, double t, const double *z, 
   memcpy(y, z, (size_t)at->lambda * sizeof *z);
   int status = nsdae_event_forces(p, t, y);
   if (status == NSDAE_OK) status = nsdae_kinematics_at(p->setting->here, y + at->v, rate);
-  if (status == NSDAE_OK)
+  if (status == NSDAE_OK && integrals)
     status = nsdae_power_rate(&a->power, p->setting->here, p->x, rate, &rate[at->n + 1]);
-  if (status == NSDAE_OK) status = least_norm(a, y + at->lambda);
+  if (status == NSDAE_OK && integrals) status = least_norm(a, y + at->lambda);
   if (status < 0) return nsdae_progress_code(status, p->setting->error);
   memcpy(rate + at->v, p->x, (size_t)(at->lambda - at->v) * sizeof *rate);
+  if (!integrals) return 0;
   memcpy(rate + at->lambda, y + at->lambda, (size_t)(at->n - at->lambda) * sizeof *rate);
   rate[at->n] = friction_power(p, y);
   return 0;
