@@ -1,6 +1,7 @@
 /* The mechanism by blocks: a body is one, coordinates of one's own are the last; rows over them;
  * and contacts by list, found by the broad phase. */
 #include <stdlib.h>
+#include <string.h>
 
 #include "broad.h"
 #include "errors.h"
@@ -51,68 +52,88 @@ typedef struct listing {
   nsdae_meeting met[2]; /* as seen from the first solid, and from the other */
 } listing;
 
-static void set_direction(const listing *l, const nsdae_touch *touch, const nsdae_pose pose[2],
-                          nsdae_jet3 direction, int number, nsdae_contact *c)
+/* d[0] = n, and the tangents of contacts.c: n turned to the left; in space e x n of the coordinate
+ * axis e that n is least along, and n x that. */
+static void set_frame(int dimension, const double *n, double d[3][3])
 {
-  nsdae_velocity_row row = nsdae_contact_row(touch, pose, direction);
-  for (int i = 0; i < 2; i++)
-    nsdae_bodies_part(l->bodies, &row, i, &pose[i], c->direction[i][number]);
+  double e[3] = {0, 0, 0};
+  int least = 2;
+  memcpy(d[0], n, sizeof d[0]);
+  if (dimension == 2) {
+    d[1][0] = -n[1], d[1][1] = n[0];
+    return;
+  }
+  for (int i = 0; i < 3; i++)
+    if (fabs(n[i]) < fabs(n[least])) least = i;
+  e[least] = 1;
+  nsdae_cross3(e, n, d[1]);
+  double length = sqrt(nsdae_dot3(d[1], d[1]));
+  for (int i = 0; i < 3; i++) d[1][i] /= length;
+  nsdae_cross3(n, d[1], d[2]);
 }
 
-static nsdae_contact begin(const listing *l, const nsdae_feature *f)
+/* What a unit impulse along sign d at the place c does to a body: sign d, and arm x sign d about
+ * its centre, in space in the body's own axes. */
+static void set_part(int dimension, const nsdae_pose *pose, const double *place, const double *d,
+                     double sign, double part[6])
+{
+  double arm[3], turning[3];
+  for (int i = 0; i < 3; i++) arm[i] = sign * (place[i] - pose->r[i]);
+  for (int i = 0; i < dimension; i++) part[i] = sign * d[i];
+  if (dimension == 2) {
+    part[2] = arm[0] * d[1] - arm[1] * d[0];
+    return;
+  }
+  nsdae_cross3(arm, d, turning);
+  nsdae_turn_back(pose->R, turning, part + 3);
+}
+
+/* Directions push body 1 and hold body 0. */
+static int add_contact(const listing *l, const nsdae_feature *f, const nsdae_pose *const pose[2],
+                       const nsdae_still *still)
 {
   const nsdae_solid_of *solid = l->bodies->solid.at;
-  return (nsdae_contact){.id = l->id + f->number,
-                         .block = {solid[f->solid[0]].body, solid[f->solid[1]].body},
-                         .mu = l->pair->mu,
-                         .e_n = l->pair->e_n,
-                         .e_t = l->pair->e_t};
+  int dimension = l->bodies->dimension;
+  double d[3][3];
+  nsdae_contact c = {.id = l->id + f->number,
+                     .block = {solid[f->solid[0]].body, solid[f->solid[1]].body},
+                     .gap = still->gap,
+                     .mu = l->pair->mu,
+                     .e_n = l->pair->e_n,
+                     .e_t = l->pair->e_t};
+  set_frame(dimension, still->normal, d);
+  for (int i = 0; i < 2; i++)
+    for (int k = 0; k < dimension && c.block[i] != NSDAE_GROUND; k++)
+      set_part(dimension, pose[i], still->at[i], d[k], i ? 1 : -1, c.direction[i][k]);
+  return nsdae_contact_add(l->list, &c);
 }
 
-/* n and t = (-n_y, n_x), which push body 1 and hold body 0: d, and arm x d about its centre. */
-static int list_flat(listing *l, const nsdae_feature *f, const nsdae_solid_of *const s[2],
-                     const nsdae_meeting *met)
+/* A feature of two solids with these poses. met: NULL, or of planar ones. */
+static nsdae_still find_still(const listing *l, const nsdae_feature *f,
+                              const nsdae_solid_of *const s[2], const nsdae_pose *const pose[2],
+                              const nsdae_meeting *met)
 {
-  if (nsdae_height_above(met->above[0], s[1]->point + 3 * f->part[1]) >
-      l->reach + s[0]->radius + s[1]->radius)
-    return 0;
-  const nsdae_pose *pose[2] = {nsdae_broad_pose(l->broad, s[0]->body),
-                               nsdae_broad_pose(l->broad, s[1]->body)};
-  nsdae_flat flat = nsdae_polygon_flat(s[0], s[1], f->part[1], pose[0], pose[1], met);
-  if (flat.far || flat.gap > l->reach) return 0;
-  nsdae_contact c = begin(l, f);
-  const double d[2][2] = {{flat.normal[0], flat.normal[1]}, {-flat.normal[1], flat.normal[0]}};
-  c.gap = flat.gap;
-  for (int i = 0; i < 2; i++)
-    for (int k = 0; k < 2; k++) {
-      double sign = i ? 1 : -1, *row = c.direction[i][k];
-      row[0] = sign * d[k][0];
-      row[1] = sign * d[k][1];
-      row[2] = sign * ((flat.at[i][0] - pose[i]->r[0]) * d[k][1] -
-                       (flat.at[i][1] - pose[i]->r[1]) * d[k][0]);
-    }
-  return nsdae_contact_add(l->list, &c);
+  if (met && isfinite(met->value[0])) {
+    double height = nsdae_height_above(met->above[0], s[1]->point + 3 * f->part[1]);
+    if (height > l->reach + s[0]->radius + s[1]->radius) return (nsdae_still){.far = 1};
+    return nsdae_polygon_still(s[0], s[1], f->part[1], pose[0], pose[1], met);
+  }
+  if (!f->edges && s[0]->points <= 1)
+    return nsdae_round_still(s[0], s[1], f->part[1], pose[0], pose[1]);
+  nsdae_touch touch = nsdae_feature_touch(f, s[0], s[1], pose[0], pose[1], met);
+  return nsdae_still_of(&touch);
 }
 
 static int list_feature(void *to, const nsdae_feature *f)
 {
-  listing *l = to;
+  const listing *l = to;
   const nsdae_solid_of *solid = l->bodies->solid.at;
   const nsdae_solid_of *const s[2] = {&solid[f->solid[0]], &solid[f->solid[1]]};
+  const nsdae_pose *const pose[2] = {nsdae_broad_pose(l->broad, s[0]->body),
+                                     nsdae_broad_pose(l->broad, s[1]->body)};
   const nsdae_meeting *met = l->flat ? &l->met[f->solid[0] != l->first] : NULL;
-  if (met && isfinite(met->value[0])) return list_flat(l, f, s, met);
-  const nsdae_pose pose[2] = {*nsdae_broad_pose(l->broad, s[0]->body),
-                              *nsdae_broad_pose(l->broad, s[1]->body)};
-  nsdae_touch touch = nsdae_feature_touch(f, s[0], s[1], &pose[0], &pose[1], met);
-  if (touch.far || touch.gap.x > l->reach) return 0;
-  nsdae_contact c = begin(l, f);
-  nsdae_jet3 tangent[2];
-  nsdae_contact_tangents(l->bodies->dimension, touch.normal, tangent);
-  c.gap = touch.gap.x;
-  set_direction(l, &touch, pose, touch.normal, 0, &c);
-  for (int i = 1; i < l->bodies->dimension; i++)
-    set_direction(l, &touch, pose, tangent[i - 1], i, &c);
-  return nsdae_contact_add(l->list, &c);
+  nsdae_still still = find_still(l, f, s, pose, met);
+  return still.far || still.gap > l->reach ? 0 : add_contact(l, f, pose, &still);
 }
 
 /* Whether two solids of the plane are apart by more than the reach along a normal of either. */
@@ -121,9 +142,11 @@ static int is_out_of_reach(listing *l, const nsdae_solid_of *s0, const nsdae_sol
 {
   l->flat = l->bodies->dimension == 2 && s0->points > 1 && s1->points > 1;
   if (!l->flat) return 0;
-  nsdae_meeting m = l->met[0] = nsdae_find_meeting(s0, s1, pose[0], pose[1]);
-  l->met[1] = nsdae_meeting_turned(&m);
-  return fmax(m.value[0], m.value[1]) - s0->radius - s1->radius > l->reach;
+  double enough = l->reach + s0->radius + s1->radius;
+  l->met[0] = nsdae_find_meeting(s0, s1, pose[0], pose[1], enough);
+  if (l->met[0].value[0] > enough || l->met[0].value[1] > enough) return 1;
+  l->met[1] = nsdae_meeting_turned(&l->met[0]);
+  return 0;
 }
 
 static int list_pair(void *to, nsdae_broad *broad, int i, int j)
