@@ -58,6 +58,10 @@ typedef struct nsdae_facing {
 void nsdae_find_facing(const nsdae_solid_of *solid0, const nsdae_solid_of *solid1,
                        const nsdae_pose *pose0, const nsdae_pose *pose1, nsdae_facing *facing);
 
+/* Whether a solid of the plane has edges that can separate: a segment without rounding is a side.
+ */
+int nsdae_has_edges(const nsdae_solid_of *solid);
+
 /* How far two planar solids are apart along the best outer normal of an edge of each, and which
  * edge; of a line also beyond its ends. All its features go by that. -INFINITY: has no edges. Where
  * one edge separates them by more than enough that is all it says. */

@@ -84,7 +84,7 @@ static double separate_ends(placed line, placed other, const view *w)
     const double *n = edge_normal(line.solid, e);
     const double along[2] = {-n[1], n[0]}; /* from corner e to the other */
     heights(w, along, nsdae_solid_corner(line.solid, 1 - e), above);
-    most = fmax(most, lowest(other.solid, above));
+    most = nsdae_more_of(most, lowest(other.solid, above));
   }
   return most;
 }
@@ -124,10 +124,10 @@ static place find_place(const nsdae_solid_of *s, const double *x)
   return highest;
 }
 
-/* Whether a solid has edges of its own that can separate: a segment without rounding is a side. */
-static int has_edges(const nsdae_solid_of *s)
+int nsdae_has_edges(const nsdae_solid_of *s)
 {
-  return s->shape == NSDAE_SHAPE_POLYGON || (s->points > 1 && s->radius > 0);
+  return s->shape == NSDAE_SHAPE_POLYGON ||
+         (s->shape == NSDAE_SHAPE_SEGMENT && s->points > 1 && s->radius > 0);
 }
 
 nsdae_meeting nsdae_find_meeting(const nsdae_solid_of *s0, const nsdae_solid_of *s1,
@@ -136,7 +136,7 @@ nsdae_meeting nsdae_find_meeting(const nsdae_solid_of *s0, const nsdae_solid_of 
   const placed solid[2] = {{s0, pose0}, {s1, pose1}};
   nsdae_meeting met = {.value = {-INFINITY, -INFINITY}, .ends = {-INFINITY, -INFINITY}};
   for (int i = 0; i < 2 && met.value[0] <= enough; i++) {
-    if (!has_edges(solid[i].solid) || solid[1 - i].solid->points == 0) continue;
+    if (!nsdae_has_edges(solid[i].solid) || solid[1 - i].solid->points == 0) continue;
     view w = view_of(solid[i], solid[1 - i]);
     separate(solid[i], solid[1 - i], &w, i, enough, &met);
     if (solid[i].solid->points == 2) met.ends[i] = separate_ends(solid[i], solid[1 - i], &w);
@@ -173,7 +173,7 @@ static int is_above(place at)
 /* In an overlap a corner on the edge that separates best touches it, where none is deeper. */
 static int unless_deeper(const nsdae_meeting *met, place on)
 {
-  return on.height < fmax(met->value[0], met->value[1]) - slack_of(on) ? FAR : on.edge;
+  return on.height < nsdae_more_of(met->value[0], met->value[1]) - slack_of(on) ? FAR : on.edge;
 }
 
 /* The edge that a corner at x of a solid with edges touches, and its place on it; NONE and its
@@ -184,8 +184,8 @@ static int touched_by_corner(const nsdae_solid_of *s, const nsdae_meeting *met, 
                              place *at)
 {
   place on = *at = place_on(s, met->edge[0], x);
-  double slack = slack_of(on), most = fmax(met->value[0], met->value[1]);
-  int overlap = fmax(most, met->ends[0]) <= slack;
+  double slack = slack_of(on), most = nsdae_more_of(met->value[0], met->value[1]);
+  int overlap = nsdae_more_of(most, met->ends[0]) <= slack;
   int over = fabs(on.along - on.length / 2) <= (0.5 + beside) * on.length;
   if (overlap && over) return unless_deeper(met, on);
   if (!overlap && on.height >= 0 && is_above(on)) return on.edge;
