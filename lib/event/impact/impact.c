@@ -52,23 +52,41 @@ int nsdae_event_touches(const nsdae_event_setting *s, int i)
          nsdae_terms_normal_rate(T, i, T->v) <= nsdae_event_velocity_size(s);
 }
 
-/* v+ of the momentum before, with v-_N of the contacts: M v + Phi_q^T Lambda = M v- + W Lambda_c,
- * Phi_q v = -Phi_t. */
-static int solve(nsdae_event_impacts *p)
+/* v and Lambda without contacts: M v + Phi_q^T Lambda = M v-, Phi_q v = -Phi_t. */
+static void solve_free(nsdae_event_impacts *p)
 {
   nsdae_event_setting *s = p->acceleration->phase->setting;
   const nsdae_dims *d = &s->system->dims;
-  size_t size = (size_t)d->nv * sizeof *p->v;
-  memcpy(p->v, p->momentum, size);
-  memcpy(p->size, p->momentum, size);
+  memcpy(p->v, p->momentum, (size_t)d->nv * sizeof *p->v);
   for (int i = 0; i < d->m; i++) p->multiplier[i] = -s->here->constraint.phi_t[i];
   nsdae_kkt_solve(s->kkt, 1, p->v, d->nv, p->multiplier, d->m);
+}
+
+/* With the contacts' v-_N and polygons. */
+static int solve_polygons(nsdae_event_impacts *p)
+{
+  nsdae_event_setting *s = p->acceleration->phase->setting;
+  solve_free(p);
+  memcpy(p->size, p->momentum, (size_t)s->system->dims.nv * sizeof *p->v);
   nsdae_kkt_solve_mass(s->kkt, p->size);
-  int status = nsdae_event_solve(s, &p->problem, s->here, p->size, p->v, p->multiplier);
-  if (status == NSDAE_OK)
-    nsdae_contacts_relax(&p->problem, p->acceleration->phase->modes.direction, p->force, p->xi,
-                         p->v, p->multiplier);
-  return status;
+  return nsdae_event_solve(s, &p->problem, s->here, p->size, p->v, p->multiplier);
+}
+
+/* v+ of the momentum before: the cones from the polygons' solution or, where there is none or one
+ * of no use, anew. */
+static int solve(nsdae_event_impacts *p)
+{
+  const double *d = p->acceleration->phase->modes.direction;
+  int status = solve_polygons(p);
+  int pressed = status == NSDAE_OK && nsdae_contacts_pressed(&p->problem);
+  if (status == NSDAE_OK && !pressed)
+    nsdae_contacts_relax(&p->problem, d, p->force, p->xi, p->v, p->multiplier);
+  if (status != NSDAE_E_LCP && !pressed) return status;
+  solve_free(p);
+  if (!nsdae_contacts_relax_anew(&p->problem, d, p->force, p->xi, p->v, p->multiplier))
+    return pressed ? solve_polygons(p) : status;
+  nsdae_error_clear(p->acceleration->phase->setting->error);
+  return NSDAE_OK;
 }
 
 /* The contacts' velocities before, zero where the integrator's errors could be all of it; and where

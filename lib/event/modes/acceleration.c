@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "errors.h"
+#include "relaxation.h"
 
 /* Relative to W_N^T P W_N, the coefficient of a sliding contact that is none; and one that explains
  * why the integrator failed. */
@@ -166,9 +167,21 @@ int nsdae_event_outgrown(nsdae_event_acceleration *p, double t, const double *y)
   return NSDAE_OK;
 }
 
+/* Where the polygons' problem was not solved, the cones' may be. */
+static int solve_cones(nsdae_event_acceleration *p)
+{
+  p->by_cones = nsdae_contacts_relax_anew(&p->problem, p->phase->modes.direction, p->force, p->xi,
+                                          p->a, p->lambda);
+  if (p->by_cones) nsdae_error_clear(p->phase->setting->error);
+  return p->by_cones ? NSDAE_OK : NSDAE_E_LCP;
+}
+
 int nsdae_event_accelerate(nsdae_event_acceleration *p)
 {
-  return paradox(p, solve(p), SINGULAR);
+  int status = solve(p);
+  p->by_cones = 0;
+  if (status == NSDAE_E_LCP) status = solve_cones(p);
+  return paradox(p, status, SINGULAR);
 }
 
 int nsdae_event_diagnose(nsdae_event_acceleration *p, double t, const double *y)

@@ -231,9 +231,9 @@ int nsdae_event_choose_modes(nsdae_event_acceleration *p, int impacted)
   } while (comes_back(p) || (!impacted && sticks_after_all(p)));
   read_contacts(p);
   read_slides(p);
-  if (!begins_to_slide(p) && share(p) == NSDAE_OK) return NSDAE_OK;
-  if (nsdae_contacts_relax(&p->problem, p->phase->modes.direction, p->force, p->xi, p->a,
-                           p->lambda))
+  if (!p->by_cones && !begins_to_slide(p) && share(p) == NSDAE_OK) return NSDAE_OK;
+  if (p->by_cones || nsdae_contacts_relax(&p->problem, p->phase->modes.direction, p->force, p->xi,
+                                          p->a, p->lambda))
     read_cones(p);
   else
     status = settle_directions(p);
