@@ -20,8 +20,11 @@ static void layout(void *object, nsdae_arena *arena)
   sim->directions.differences = &sim->stepper.differences;
   if (sim->model.call.gap_tangent && !sim->model.by_list)
     nsdae_directions_layout(&sim->directions, arena);
-  size_t probe = nsdae_probe_size(&sim->model), start = nsdae_start_size(&sim->model.dims);
-  sim->probe = NSDAE_ARENA_DOUBLES(arena, probe > start ? probe : start);
+  size_t size = nsdae_probe_size(&sim->model), start = nsdae_start_size(&sim->model.dims),
+         watch = 2 * (size_t)sim->model.dims.nv;
+  if (size < start) size = start;
+  if (size < watch) size = watch;
+  sim->probe = NSDAE_ARENA_DOUBLES(arena, size);
 }
 
 static int no_memory(nsdae_sim *sim, nsdae_error *error)

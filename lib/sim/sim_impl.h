@@ -74,7 +74,7 @@ struct nsdae_sim {
   void *own; /* the method's */
   nsdae_projector projection;
   nsdae_directions directions; /* where there is friction and no list */
-  double *probe;               /* nsdae_probe_size: callbacks alone, at the start; accelerations */
+  double *probe;               /* at the start: callbacks alone, accelerations, what is watched */
   nsdae_point point[3];        /* those below */
   nsdae_point *now, *next;     /* the state; a step in work, or the step before the state */
   nsdae_point *aside;          /* a third, for what is between two, where the method integrates */

@@ -325,8 +325,13 @@ static int check_tangents(const nsdae_terms *T)
   size_t n = (size_t)d->nv;
   for (int j = 0; s->call.gap_tangent && j < d->k * d->nt; j++) {
     size_t i = (size_t)(j / d->nt);
-    const nsdae_contact_directions c = {
-        s, d->nv, d->nt, NULL, T->W_N + i * n, NULL, T->W_T + i * (size_t)d->nt * n};
+    const nsdae_contact_directions c = {s,
+                                        d->nv,
+                                        d->nt,
+                                        NULL,
+                                        T->by.normal.value + i * n,
+                                        NULL,
+                                        T->by.tangent.value + i * (size_t)d->nt * n};
     if (!(s->contact[i].mu > 0) || !nsdae_tangent_useless(&c, j % d->nt, 0, why)) continue;
     return nsdae_error_set(T->error, NSDAE_E_DERIVATIVE, "nsdae_sim_init", "gap_tangent",
                            "gap_tangent: column %d (%s) %s (start_check = no takes it)", j,

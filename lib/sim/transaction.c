@@ -20,7 +20,7 @@ static int advance(nsdae_sim *sim, double t1)
   nsdae_result *result = &sim->next->result;
   const nsdae_memory *memory = &sim->now->result.memory;
   const nsdae_state state = {&sim->now->result.end, memory, &sim->now->result.closed,
-                             &sim->now->result.impulses};
+                             &sim->now->result.impulses, sim->now->accounts.grid_start};
   nsdae_result_begin(result, sim->method->closes);
   nsdae_memory_copy(&result->memory, memory);
   nsdae_stepper_count(&sim->stepper, &state, result);

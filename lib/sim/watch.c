@@ -75,8 +75,8 @@ int nsdae_watch_start(const nsdae_sim *sim, nsdae_point *point)
 {
   const nsdae_terms *start = &point->result.end;
   const nsdae_dims *d = &start->system->dims;
-  double *F = sim->stepper.mean.F, h = sim->options.dt;
-  int status = force_at_rest(start, sim->stepper.v, F);
+  double *still = sim->probe, *F = still + d->nv, h = sim->options.dt;
+  int status = force_at_rest(start, still, F);
   if (status < 0) return status;
   double from_rest = way_from_rest(start, F, h);
   point->accounts.watch =
