@@ -76,7 +76,7 @@ static void combine(nsdae_runge_kutta *rk, int n, int count, const double *weigh
     const double x = weight[j], y = j + 1 < count ? weight[j + 1] : 0;
     k = rk->k[j];
     if (y != 0) l = rk->k[j + 1];
-    for (int i = 0; i < n; i++) sum[i] += x * k[i] + y * l[i];
+    for (int i = 0; i < n; i++) sum[i] = sum[i] + x * k[i] + y * l[i];
   }
 }
 

@@ -37,15 +37,11 @@ static double friction_power(const nsdae_event_phase *p, const double *y)
 static int least_norm(nsdae_event_account *a, double *lambda)
 {
   nsdae_event_setting *s = a->phase->setting;
-  const nsdae_dims *d = &s->system->dims;
   if (!*a->phase->modes.redundant) return NSDAE_OK;
   int status = nsdae_event_factor(s);
-  if (status < 0) return status;
-  memset(a->reaction, 0, (size_t)d->nv * sizeof *a->reaction);
-  nsdae_add_transposed(d->m, d->nv, 1, s->here->by.jacobian.value, lambda, a->reaction);
-  memset(lambda, 0, (size_t)d->m * sizeof *lambda);
-  nsdae_kkt_solve(s->kkt, 1, a->reaction, d->nv, lambda, d->m);
-  return NSDAE_OK;
+  if (status == NSDAE_OK)
+    nsdae_kkt_least_norm(s->kkt, s->here->by.jacobian.value, lambda, a->reaction);
+  return status;
 }
 
 int nsdae_event_account_rate(nsdae_event_account *a, double t, const double *z, int integrals,
@@ -68,12 +64,6 @@ int nsdae_event_account_rate(nsdae_event_account *a, double t, const double *z, 
   return 0;
 }
 
-/* sum += to - from */
-static void add_change(int n, const double *from, const double *to, double *sum)
-{
-  for (int i = 0; i < n; i++) sum[i] += to[i] - from[i];
-}
-
 void nsdae_event_account_phase(const nsdae_event_account *a, const double *from, const double *to)
 {
   const nsdae_event_setting *s = a->phase->setting;
@@ -81,10 +71,10 @@ void nsdae_event_account_phase(const nsdae_event_account *a, const double *from,
   const nsdae_dims *d = &s->system->dims;
   nsdae_result *r = s->result;
   nsdae_impulses *sum = &r->impulses;
-  add_change(d->m, from + at->lambda, to + at->lambda, r->multiplier);
-  add_change(d->k, from + at->normal, to + at->normal, sum->normal);
-  add_change(d->k * d->nt, from + at->tangential, to + at->tangential, sum->tangential);
-  add_change(d->f, from + at->slide, to + at->slide, sum->slide_impulse);
+  nsdae_add_change(d->m, from + at->lambda, to + at->lambda, r->multiplier);
+  nsdae_add_change(d->k, from + at->normal, to + at->normal, sum->normal);
+  nsdae_add_change(d->k * d->nt, from + at->tangential, to + at->tangential, sum->tangential);
+  nsdae_add_change(d->f, from + at->slide, to + at->slide, sum->slide_impulse);
   r->work += to[at->n] - from[at->n];
   r->gain += *a->phase->modes.is_stiff ? NAN : to[at->n + 1] - from[at->n + 1];
   r->turnover += fabs(to[at->n + 1] - from[at->n + 1]);
