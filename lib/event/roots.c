@@ -8,9 +8,11 @@
  * cannot be told at first which way it goes: so many times what counts as zero. */
 static const double TURNING = 100;
 
-/* There too what slid comes to a stop in ever shorter steps, and turns within them: slower than so
- * many times what counts as zero it has stopped. */
+/* There too what comes to a stop may turn within its velocity's error in ever shorter steps, which
+ * may go on without end: after so many it has stopped where it is slower than so many times what
+ * counts as zero. */
 static const double STOPPED = 4;
+enum { SHORT_STEPS = 50 };
 
 void nsdae_event_roots_layout(nsdae_event_roots *r, nsdae_arena *arena)
 {
@@ -264,8 +266,8 @@ static int follow_directions(nsdae_event_roots *r, double t, const double *y)
     if (!contact_rubs(p, i)) continue;
     double along = along_direction(p, T, i, T->w_T, T->v);
     nsdae_event_root *root = nsdae_event_root_of(r, NSDAE_ROOT_TANGENT, i);
-    root->found =
-        root->state == NSDAE_ROOT_LIVE && along <= STOPPED * nsdae_event_velocity_size(p->setting);
+    root->found = r->short_steps > SHORT_STEPS && root->state == NSDAE_ROOT_LIVE &&
+                  along <= STOPPED * nsdae_event_velocity_size(p->setting);
     if (!(along > p->modes.slow)) continue;
     for (int j = 2 * i; j < 2 * i + 2; j++)
       p->modes.direction[j] = nsdae_terms_rate(T, T->W_T, T->w_T, j, T->v);

@@ -46,6 +46,7 @@ typedef struct nsdae_event_roots {
   int count;
   nsdae_event_root *entry; /* count: kind by kind */
   double *at;              /* n: y with the forces of its q and v */
+  int short_steps;         /* of the phase up to here */
 } nsdae_event_roots;
 
 void nsdae_event_roots_layout(nsdae_event_roots *roots, nsdae_arena *arena);
