@@ -10,6 +10,8 @@ foreach(name dense fronts kkt rows sparse_lu)
   target_link_libraries(test_unit_linalg_${name} PRIVATE nsdae_lapack)
 endforeach()
 
+target_link_libraries(test_unit_linalg_fronts PRIVATE test_allocator)
+
 foreach(name arms check differences levers probe setters system)
   nsdae_unit_test(system ${name})
 endforeach()
@@ -24,7 +26,7 @@ endforeach()
 
 nsdae_unit_test(smooth ode)
 
-foreach(name continuity derivatives distance listed own refused)
+foreach(name continuity derivatives distance driven listed own refused)
   nsdae_unit_test(bodies ${name})
   target_include_directories(test_unit_bodies_${name} PRIVATE ${PROJECT_SOURCE_DIR}/lib/system ${PROJECT_SOURCE_DIR}/lib/linalg
                              ${PROJECT_SOURCE_DIR}/lib/base)

@@ -98,8 +98,9 @@ typedef struct nsdae_joint {
   double cross[3];      /* UNIVERSAL: at right angles to axis */
   double ratio;         /* GEAR */
   nsdae_drive_fn drive; /* NULL: free. REVOLUTE: the angle of body 1 against body 0 from the start
-                           on is f [rad]; PRISMATIC: the way along axis [m]; DISTANCE: the distance
-                           [m] */
+                           on is f [rad]; PRISMATIC, SLOT (mu = 0), CYLINDRICAL: the way along axis
+                           [m]; DISTANCE: the distance [m]; GEAR: theta_1 turns by f further than
+                           the gear has it [rad]. The others have no single motion to drive */
   void *user;           /* handed to drive */
   double mu;            /* SLOT: friction, >= 0; else 0 */
 } nsdae_joint;

@@ -38,7 +38,7 @@ static int constraint_rows(double t, const double *q, nsdae_row_list *rows, void
   return b->own.constraint_rows ? b->own.constraint_rows(t, q, rows, b->own.user) : 0;
 }
 
-/* A pair on its way into the list. */
+/* Pairs on their way into the list. */
 typedef struct listing {
   const nsdae_bodies *bodies;
   const nsdae_broad *broad;
@@ -46,97 +46,167 @@ typedef struct listing {
   double reach;
   long id; /* of the pair's first feature */
   const nsdae_bodies_pair *pair;
-  int first;            /* the pair's first solid */
-  int flat;             /* whether both are of the plane and have corners: met is filled */
-  nsdae_meeting met[2]; /* as seen from the first solid, and from the other */
 } listing;
 
-static void set_direction(const listing *l, const nsdae_touch *touch, const nsdae_pose pose[2],
-                          nsdae_jet3 direction, int number, nsdae_contact *c)
+/* Two solids with the poses of their bodies; features of the first touch corners of the second. */
+typedef struct couple {
+  const nsdae_solid_of *solid[2];
+  const nsdae_pose *pose[2];
+} couple;
+
+static couple couple_of(const listing *l, int i, int j)
 {
-  nsdae_velocity_row row = nsdae_contact_row(touch, pose, direction);
-  for (int i = 0; i < 2; i++)
-    nsdae_bodies_part(l->bodies, &row, i, &pose[i], c->direction[i][number]);
+  const nsdae_solid_of *s = (const nsdae_solid_of *)l->bodies->solid.at;
+  return (couple){{s + i, s + j},
+                  {nsdae_broad_pose(l->broad, s[i].body), nsdae_broad_pose(l->broad, s[j].body)}};
 }
 
-static nsdae_contact begin(const listing *l, const nsdae_feature *f)
+static couple turned(const couple *two)
 {
-  const nsdae_solid_of *solid = l->bodies->solid.at;
-  return (nsdae_contact){.id = l->id + f->number,
-                         .block = {solid[f->solid[0]].body, solid[f->solid[1]].body},
-                         .mu = l->pair->mu,
-                         .e_n = l->pair->e_n,
-                         .e_t = l->pair->e_t};
+  return (couple){{two->solid[1], two->solid[0]}, {two->pose[1], two->pose[0]}};
 }
 
-/* n and t = (-n_y, n_x), which push body 1 and hold body 0: d, and arm x d about its centre. */
-static int list_flat(listing *l, const nsdae_feature *f, const nsdae_solid_of *const s[2],
-                     const nsdae_meeting *met)
+/* What a unit impulse along n and along t, n turned to the left, does to a body: +-d, and arm x +-d
+ * about its centre. Directions push body 1 and hold body 0. */
+static void set_planar(const nsdae_still *still, const couple *two, nsdae_contact *c)
 {
-  if (nsdae_height_above(met->above[0], s[1]->point + 3 * f->part[1]) >
-      l->reach + s[0]->radius + s[1]->radius)
-    return 0;
-  const nsdae_pose *pose[2] = {nsdae_broad_pose(l->broad, s[0]->body),
-                               nsdae_broad_pose(l->broad, s[1]->body)};
-  nsdae_flat flat = nsdae_polygon_flat(s[0], s[1], f->part[1], pose[0], pose[1], met);
-  if (flat.far || flat.gap > l->reach) return 0;
-  nsdae_contact c = begin(l, f);
-  const double d[2][2] = {{flat.normal[0], flat.normal[1]}, {-flat.normal[1], flat.normal[0]}};
-  c.gap = flat.gap;
-  for (int i = 0; i < 2; i++)
-    for (int k = 0; k < 2; k++) {
-      double sign = i ? 1 : -1, *row = c.direction[i][k];
-      row[0] = sign * d[k][0];
-      row[1] = sign * d[k][1];
-      row[2] = sign * ((flat.at[i][0] - pose[i]->r[0]) * d[k][1] -
-                       (flat.at[i][1] - pose[i]->r[1]) * d[k][0]);
+  for (int i = 0; i < 2; i++) {
+    double sign = i ? 1 : -1, x = sign * still->normal[0], y = sign * still->normal[1];
+    const double *at = still->at[i], *r = two->pose[i]->r, arm[2] = {at[0] - r[0], at[1] - r[1]};
+    double *n = c->direction[i][0], *t = c->direction[i][1];
+    if (c->block[i] == NSDAE_GROUND) continue;
+    n[0] = x, n[1] = y, n[2] = arm[0] * y - arm[1] * x;
+    t[0] = -y, t[1] = x, t[2] = arm[0] * x + arm[1] * y;
+  }
+}
+
+/* d_0 = n, and the tangents of contacts.c: e x n of the coordinate axis e that n is least along,
+ * and n x that. */
+static void find_directions(const double *n, double d[3][3])
+{
+  double e[3] = {0, 0, 0};
+  int least = 2;
+  for (int i = 0; i < 3; i++) {
+    d[0][i] = n[i];
+    if (fabs(n[i]) < fabs(n[least])) least = i;
+  }
+  e[least] = 1;
+  nsdae_cross3(e, n, d[1]);
+  double length = sqrt(nsdae_dot3(d[1], d[1]));
+  for (int i = 0; i < 3; i++) d[1][i] /= length;
+  nsdae_cross3(n, d[1], d[2]);
+}
+
+/* The same in space, the moment in the body's own axes. */
+static void set_spatial(const nsdae_still *still, const couple *two, nsdae_contact *c)
+{
+  double d[3][3], arm[3], moment[3];
+  find_directions(still->normal, d);
+  for (int i = 0; i < 2; i++) {
+    double sign = i ? 1 : -1;
+    if (c->block[i] == NSDAE_GROUND) continue;
+    for (int j = 0; j < 3; j++) arm[j] = sign * (still->at[i][j] - two->pose[i]->r[j]);
+    for (int k = 0; k < 3; k++) {
+      for (int j = 0; j < 3; j++) c->direction[i][k][j] = sign * d[k][j];
+      nsdae_cross3(arm, d[k], moment);
+      nsdae_turn_back(two->pose[i]->R, moment, c->direction[i][k] + 3);
     }
+  }
+}
+
+static int add_contact(const listing *l, int number, const couple *two, const nsdae_still *still)
+{
+  nsdae_contact c = {.id = l->id + number,
+                     .block = {two->solid[0]->body, two->solid[1]->body},
+                     .gap = still->gap,
+                     .mu = l->pair->mu,
+                     .e_n = l->pair->e_n,
+                     .e_t = l->pair->e_t};
+  if (l->bodies->dimension == 2)
+    set_planar(still, two, &c);
+  else
+    set_spatial(still, two, &c);
   return nsdae_contact_add(l->list, &c);
 }
 
 static int list_feature(void *to, const nsdae_feature *f)
 {
-  listing *l = to;
-  const nsdae_solid_of *solid = l->bodies->solid.at;
-  const nsdae_solid_of *const s[2] = {&solid[f->solid[0]], &solid[f->solid[1]]};
-  const nsdae_meeting *met = l->flat ? &l->met[f->solid[0] != l->first] : NULL;
-  if (met && isfinite(met->value[0])) return list_flat(l, f, s, met);
-  const nsdae_pose pose[2] = {*nsdae_broad_pose(l->broad, s[0]->body),
-                              *nsdae_broad_pose(l->broad, s[1]->body)};
-  nsdae_touch touch = nsdae_feature_touch(f, s[0], s[1], &pose[0], &pose[1], met);
-  if (touch.far || touch.gap.x > l->reach) return 0;
-  nsdae_contact c = begin(l, f);
-  nsdae_jet3 tangent[2];
-  nsdae_contact_tangents(l->bodies->dimension, touch.normal, tangent);
-  c.gap = touch.gap.x;
-  set_direction(l, &touch, pose, touch.normal, 0, &c);
-  for (int i = 1; i < l->bodies->dimension; i++)
-    set_direction(l, &touch, pose, tangent[i - 1], i, &c);
-  return nsdae_contact_add(l->list, &c);
+  const listing *l = to;
+  const couple two = couple_of(l, f->solid[0], f->solid[1]);
+  nsdae_still still;
+  if (!f->edges && two.solid[0]->points <= 1) {
+    still = nsdae_round_still(two.solid[0], two.solid[1], f->part[1], two.pose[0], two.pose[1]);
+  } else {
+    nsdae_touch touch =
+        nsdae_feature_touch(f, two.solid[0], two.solid[1], two.pose[0], two.pose[1], NULL);
+    still = nsdae_still_of(&touch);
+  }
+  return still.far || still.gap > l->reach ? 0 : add_contact(l, f->number, &two, &still);
 }
 
-/* Whether two solids of the plane are apart by more than the reach along a normal of either. */
-static int is_out_of_reach(listing *l, const nsdae_solid_of *s0, const nsdae_solid_of *s1,
-                           const nsdae_pose *const pose[2])
+/* Corners of the second solid against edges of the first, numbered from first on. */
+static int list_corners(const listing *l, int first, const couple *two, const nsdae_meeting *met)
 {
-  l->flat = l->bodies->dimension == 2 && s0->points > 1 && s1->points > 1;
-  if (!l->flat) return 0;
-  nsdae_meeting m = l->met[0] = nsdae_find_meeting(s0, s1, pose[0], pose[1]);
-  l->met[1] = nsdae_meeting_turned(&m);
-  return fmax(m.value[0], m.value[1]) - s0->radius - s1->radius > l->reach;
+  double most = l->reach + two->solid[0]->radius + two->solid[1]->radius;
+  int status = 0;
+  for (int i = 0; i < two->solid[1]->points && status >= 0; i++) {
+    if (nsdae_height_above(met->above[0], two->solid[1]->point + 3 * i) > most) continue;
+    nsdae_still still =
+        nsdae_polygon_still(two->solid[0], two->solid[1], i, two->pose[0], two->pose[1], met);
+    if (!still.far && still.gap <= l->reach) status = add_contact(l, first + i, two, &still);
+  }
+  return status;
+}
+
+/* Two solids of the plane with edges, whose features nsdae_pair_features has in this order. Nothing
+ * where they are apart by more than the reach along a normal of either. */
+static int list_planar(const listing *l, const couple *two)
+{
+  const couple other = turned(two);
+  double enough = l->reach + two->solid[0]->radius + two->solid[1]->radius;
+  const nsdae_meeting met =
+      nsdae_find_meeting(two->solid[0], two->solid[1], two->pose[0], two->pose[1], enough);
+  if (met.value[0] > enough || met.value[1] > enough) return 0;
+  const nsdae_meeting turned = nsdae_meeting_turned(&met);
+  int status = list_corners(l, 0, two, &met);
+  return status < 0 ? status : list_corners(l, two->solid[1]->points, &other, &turned);
+}
+
+/* Corners of the second solid against a plane; most of a body's are too high. */
+static int list_plane(const listing *l, const couple *two)
+{
+  const nsdae_solid_of *plane = two->solid[0], *solid = two->solid[1];
+  const nsdae_pose *from = two->pose[0], *to = two->pose[1];
+  double n[3], x[3], above[3], height = 0;
+  int status = 0;
+  nsdae_turn(from->R, plane->R + 6, n);
+  nsdae_turn(from->R, plane->origin, x);
+  nsdae_turn_back(to->R, n, above);
+  for (int i = 0; i < 3; i++) height += n[i] * (to->r[i] - from->r[i] - x[i]);
+  for (int i = 0; i < solid->points && status >= 0; i++) {
+    if (height + nsdae_dot3(above, solid->point + 3 * i) - solid->radius > l->reach) continue;
+    nsdae_still still = nsdae_round_still(plane, solid, i, from, to);
+    status = add_contact(l, i, two, &still);
+  }
+  return status;
+}
+
+static int is_plane(const nsdae_solid_of *s)
+{
+  return s->shape == NSDAE_SHAPE_PLANE;
 }
 
 static int list_pair(void *to, nsdae_broad *broad, int i, int j)
 {
   listing *l = to;
-  const nsdae_solid_of *solid = l->bodies->solid.at;
-  l->pair = broad->pair[solid[i].material][solid[j].material];
+  const couple two = couple_of(l, i, j);
+  l->pair = broad->pair[two.solid[0]->material][two.solid[1]->material];
   l->id = ((long)i * broad->solids + j) * broad->features;
-  const nsdae_pose *const pose[2] = {nsdae_broad_pose(broad, solid[i].body),
-                                     nsdae_broad_pose(broad, solid[j].body)};
-  l->first = i;
-  if (is_out_of_reach(l, &solid[i], &solid[j], pose)) return 0;
-  return nsdae_pair_features(solid, i, j, pose, list_feature, l);
+  const couple other = turned(&two);
+  if (nsdae_has_edges(two.solid[0]) && nsdae_has_edges(two.solid[1])) return list_planar(l, &two);
+  if (is_plane(two.solid[0])) return list_plane(l, &two);
+  if (is_plane(two.solid[1])) return list_plane(l, &other);
+  return nsdae_pair_features(l->bodies->solid.at, i, j, two.pose, list_feature, l);
 }
 
 static int contacts(double t, const double *q, const double *v, double reach,

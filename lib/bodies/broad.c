@@ -173,39 +173,45 @@ static int bucket_of(const nsdae_broad *p, const int *cell)
   return (int)(hash & (uint32_t)(p->buckets - 1));
 }
 
-/* Solid i with those before it in a cell. */
-static int visit_cell(nsdae_broad *p, const nsdae_bodies *b, int i, const int *cell, double reach,
-                      nsdae_broad_fn visit, void *to)
+/* Solid i with those from j on in the bucket of a cell. */
+static int visit_cell(nsdae_broad *p, const nsdae_bodies *b, int i, int j, const int *cell,
+                      double reach, nsdae_broad_fn visit, void *to)
 {
   int status = 0;
-  for (int j = p->head[bucket_of(p, cell)]; j >= 0 && status >= 0; j = p->next[j]) {
+  for (; j >= 0 && status >= 0; j = p->next[j]) {
     const int *other = p->cell + 3 * j;
     if (other[0] != cell[0] || other[1] != cell[1] || other[2] != cell[2]) continue;
-    if (may_touch(p, b, i, j) && are_near(p, i, j, reach)) status = visit(to, p, j, i);
+    if (may_touch(p, b, i, j) && are_near(p, i, j, reach))
+      status = visit(to, p, i < j ? i : j, i < j ? j : i);
   }
   return status;
 }
 
 /* Cells are as wide as two of the largest radius and reach, so that only neighbours can touch. */
-static int visit_usual(nsdae_broad *p, const nsdae_bodies *b, int i, double reach,
-                       nsdae_broad_fn visit, void *to)
+static void put_usual(nsdae_broad *p, int i, double width)
 {
-  double width = 2 * p->usual + reach;
-  int *cell = p->cell + 3 * i, status = 0;
-  if (!(width > 0)) width = 1; /* points alone */
+  int *cell = p->cell + 3 * i;
   for (int l = 0; l < 3; l++) {
     double at = floor(p->centre[3 * i + l] / width);
-    cell[l] = (int)fmin(fmax(at, -1e9), 1e9);
-  }
-  int flat = b->dimension == 2;
-  for (int n = 0; n < (flat ? 9 : 27) && status >= 0; n++) {
-    const int beside[3] = {cell[0] + n % 3 - 1, cell[1] + n / 3 % 3 - 1,
-                           flat ? cell[2] : cell[2] + n / 9 - 1};
-    status = visit_cell(p, b, i, beside, reach, visit, to);
+    cell[l] = (int)(at < -1e9 ? -1e9 : at > 1e9 ? 1e9 : at);
   }
   int *head = &p->head[bucket_of(p, cell)];
   p->next[i] = *head;
   *head = i;
+}
+
+/* With those put before it into its own cell, and with all of the neighbours on one side: the other
+ * side's look at it. */
+static int visit_usual(nsdae_broad *p, const nsdae_bodies *b, int i, double reach,
+                       nsdae_broad_fn visit, void *to)
+{
+  const int *cell = p->cell + 3 * i, all = b->dimension == 2 ? 9 : 27;
+  int status = visit_cell(p, b, i, p->next[i], cell, reach, visit, to);
+  for (int n = all / 2 + 1; n < all && status >= 0; n++) {
+    const int beside[3] = {cell[0] + n % 3 - 1, cell[1] + n / 3 % 3 - 1,
+                           all == 9 ? cell[2] : cell[2] + n / 9 - 1};
+    status = visit_cell(p, b, i, p->head[bucket_of(p, beside)], beside, reach, visit, to);
+  }
   return status;
 }
 
@@ -217,6 +223,10 @@ int nsdae_broad_pairs(nsdae_broad *p, const nsdae_bodies *b, const double *q, do
   for (int i = 0; i < p->buckets; i++) p->head[i] = -1;
   for (int i = 0; i < p->larges && status >= 0; i++)
     status = visit_large(p, b, p->large[i], reach, visit, to);
+  double width = 2 * p->usual + reach;
+  if (!(width > 0)) width = 1; /* points alone */
+  for (int i = 0; i < p->solids; i++)
+    if (p->radius[i] <= p->usual) put_usual(p, i, width);
   for (int i = 0; i < p->solids && status >= 0; i++)
     if (p->radius[i] <= p->usual) status = visit_usual(p, b, i, reach, visit, to);
   return status;

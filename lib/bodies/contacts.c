@@ -52,8 +52,9 @@ static int gap(double t, const double *q, double *g, void *user)
   return own->gap ? own->gap(t, q, g + b->feature.count, own->user) : 0;
 }
 
-nsdae_velocity_row nsdae_contact_row(const nsdae_touch *touch, const nsdae_pose pose[2],
-                                     nsdae_jet3 direction)
+/* The row of n . xi for a direction of a contact. */
+static nsdae_velocity_row contact_row(const nsdae_touch *touch, const nsdae_pose pose[2],
+                                      nsdae_jet3 direction)
 {
   double x[2][3], n[3];
   for (int i = 0; i < 3; i++) {
@@ -67,7 +68,7 @@ nsdae_velocity_row nsdae_contact_row(const nsdae_touch *touch, const nsdae_pose 
 static void put_column(const nsdae_bodies *b, const nsdae_touch *touch, const couple *c,
                        nsdae_jet3 direction, double *column)
 {
-  nsdae_velocity_row row = nsdae_contact_row(touch, c->pose, direction);
+  nsdae_velocity_row row = contact_row(touch, c->pose, direction);
   nsdae_bodies_scatter(b, c->body, &c->pose[0], &c->pose[1], &row, 1, column, 1);
 }
 
@@ -86,7 +87,7 @@ static int gap_normal(double t, const double *q, double *W, int ldw, void *user)
 
 /* t_1 (and in space t_2 = n x t_1) at right angles to n: in the plane n turned to the left, in
  * space e x n of the coordinate axis e that n is least along. */
-void nsdae_contact_tangents(int dimension, nsdae_jet3 n, nsdae_jet3 t[2])
+static void tangents(int dimension, nsdae_jet3 n, nsdae_jet3 t[2])
 {
   double e[3] = {0, 0, 0};
   int least = 2;
@@ -111,7 +112,7 @@ static int gap_tangent(double t, const double *q, double *W, int ldw, void *user
   for (int i = 0; i < b->feature.count; i++) {
     nsdae_touch touch = touch_at(b, i, q, NULL, &c);
     nsdae_jet3 direction[2];
-    nsdae_contact_tangents(b->dimension, touch.normal, direction);
+    tangents(b->dimension, touch.normal, direction);
     for (int j = 0; j < nt; j++)
       put_column(b, &touch, &c, direction[j],
                  W + ((size_t)i * (size_t)nt + (size_t)j) * (size_t)ldw);
@@ -171,7 +172,7 @@ static int contact_acceleration(double t, const double *q, const double *v, doub
     nsdae_touch touch = touch_at(b, i, q, v, &c);
     nsdae_jet3 direction[2];
     omega_n[i] = touch.gap.dd;
-    nsdae_contact_tangents(b->dimension, touch.normal, direction);
+    tangents(b->dimension, touch.normal, direction);
     nsdae_jet3 xi = relative_velocity(&touch, c.pose);
     for (int j = 0; j < nt; j++) omega_t[i * nt + j] = nsdae_jet3_dot(direction[j], xi).d;
   }

@@ -311,7 +311,7 @@ nsdae_touch nsdae_feature_touch(const nsdae_feature *f, const nsdae_solid_of *s0
   int rounded = s0->shape == NSDAE_SHAPE_SEGMENT && s0->radius > 0 && s1->points > 1;
   if (s0->shape == NSDAE_SHAPE_POLYGON || rounded) {
     nsdae_meeting own;
-    if (!met && s1->points > 1) own = nsdae_find_meeting(s0, s1, pose0, pose1);
+    if (!met && s1->points > 1) own = nsdae_find_meeting(s0, s1, pose0, pose1, INFINITY);
     return nsdae_polygon_touch(s0, s1, f->part[1], pose0, pose1, met ? met : &own);
   }
   if (s0->shape == NSDAE_SHAPE_BOX) return corner_on_box(f, s0, s1, pose0, pose1);

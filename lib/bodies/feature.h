@@ -58,15 +58,20 @@ typedef struct nsdae_facing {
 void nsdae_find_facing(const nsdae_solid_of *solid0, const nsdae_solid_of *solid1,
                        const nsdae_pose *pose0, const nsdae_pose *pose1, nsdae_facing *facing);
 
+/* Whether a solid of the plane has edges that can separate: a segment without rounding is a side.
+ */
+int nsdae_has_edges(const nsdae_solid_of *solid);
+
 /* How far two planar solids are apart along the best outer normal of an edge of each, and which
- * edge; of a line also beyond its ends. All its features go by that. -INFINITY: has no edges. */
+ * edge; of a line also beyond its ends. All its features go by that. -INFINITY: has no edges. Where
+ * one edge separates them by more than enough that is all it says. */
 typedef struct nsdae_meeting {
   double value[2], ends[2];
   int edge[2];
   double above[2][3]; /* height of the other's points over that edge: see nsdae_height_above */
 } nsdae_meeting;
 nsdae_meeting nsdae_find_meeting(const nsdae_solid_of *solid0, const nsdae_solid_of *solid1,
-                                 const nsdae_pose *pose0, const nsdae_pose *pose1);
+                                 const nsdae_pose *pose0, const nsdae_pose *pose1, double enough);
 
 /* The same of the solids in the other order. */
 nsdae_meeting nsdae_meeting_turned(const nsdae_meeting *met);

@@ -13,10 +13,10 @@ static const struct {
     [NSDAE_JOINT_PRISMATIC] = {"prismatic", 1, 1, 1, 1},
     [NSDAE_JOINT_WELD] = {"weld", 1, 1, 0, 0},
     [NSDAE_JOINT_DISTANCE] = {"distance", 1, 1, 0, 1},
-    [NSDAE_JOINT_SLOT] = {"slot", 1, 0, 1, 0},
-    [NSDAE_JOINT_GEAR] = {"gear", 1, 0, 0, 0},
+    [NSDAE_JOINT_SLOT] = {"slot", 1, 0, 1, 1},
+    [NSDAE_JOINT_GEAR] = {"gear", 1, 0, 0, 1},
     [NSDAE_JOINT_SPHERICAL] = {"spherical", 0, 1, 0, 0},
-    [NSDAE_JOINT_CYLINDRICAL] = {"cylindrical", 0, 1, 1, 0},
+    [NSDAE_JOINT_CYLINDRICAL] = {"cylindrical", 0, 1, 1, 1},
     [NSDAE_JOINT_UNIVERSAL] = {"universal", 0, 1, 1, 0},
 };
 
@@ -142,6 +142,7 @@ static void slot(const assembly *s)
   nsdae_bodies *b = s->bodies;
   int constraint = b->element.count;
   keep_along(s, 1);
+  if (s->joint->drive) set_drive(s, keep_along(s, 0));
   if (!(s->joint->mu > 0)) return;
   nsdae_element *along = keep_along(s, 0);
   nsdae_bodies_slide *slide = nsdae_list_add(b, &b->slide, sizeof *slide);
@@ -152,7 +153,7 @@ static void slot(const assembly *s)
 
 static void gear(const assembly *s)
 {
-  keep_angle(s, s->joint->ratio);
+  set_drive(s, keep_angle(s, s->joint->ratio));
 }
 
 static void cylindrical(const assembly *s)
@@ -161,6 +162,7 @@ static void cylindrical(const assembly *s)
   keep_along(s, 2);
   keep_square(s, 1, 0);
   keep_square(s, 2, 0);
+  if (s->joint->drive) set_drive(s, keep_along(s, 0));
 }
 
 static void universal(const assembly *s)
@@ -230,6 +232,11 @@ static int check_kind(nsdae_bodies *b, int index, const nsdae_joint *j)
                                "mu = %g, but a %s joint has no friction: no single force presses "
                                "it (a slot has)",
                                j->mu, name);
+  if (j->mu > 0 && j->drive)
+    return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, "joint", "mu", index,
+                               "mu = %g of a slot that is driven: friction does not move what "
+                               "drive moves",
+                               j->mu);
   return NSDAE_OK;
 }
 

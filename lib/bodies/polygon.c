@@ -25,36 +25,48 @@ typedef struct placed {
   const nsdae_pose *pose;
 } placed;
 
+/* How a polygon sees a point p of the other's frame: turned and moved, x = (c, s) p + r. */
+typedef struct view {
+  double c, s, r[2];
+} view;
+
+static view view_of(placed polygon, placed other)
+{
+  const double *R = polygon.pose->R, *Q = other.pose->R;
+  const double x = other.pose->r[0] - polygon.pose->r[0], y = other.pose->r[1] - polygon.pose->r[1];
+  return (view){R[0] * Q[0] + R[1] * Q[1],
+                R[0] * Q[1] - R[1] * Q[0],
+                {R[0] * x + R[1] * y, R[3] * x + R[4] * y}};
+}
+
 /* Height of the other solid's points p above the point x along n, both of the polygon's frame:
  * above[0] p_x + above[1] p_y + above[2]. */
-static void heights(placed polygon, placed other, const double *n, const double *x, double *above)
+static void heights(const view *w, const double *n, const double *x, double *above)
 {
-  const nsdae_pose *from = polygon.pose, *to = other.pose;
-  double in_space[3], own[3];
-  nsdae_turn(from->R, n, in_space);
-  nsdae_turn_back(to->R, in_space, own);
-  above[0] = own[0];
-  above[1] = own[1];
-  above[2] = in_space[0] * (to->r[0] - from->r[0]) + in_space[1] * (to->r[1] - from->r[1]) -
-             n[0] * x[0] - n[1] * x[1];
+  above[0] = n[0] * w->c + n[1] * w->s;
+  above[1] = n[1] * w->c - n[0] * w->s;
+  above[2] = n[0] * (w->r[0] - x[0]) + n[1] * (w->r[1] - x[1]);
 }
 
 /* That of its lowest corner. */
 static double lowest(const nsdae_solid_of *s, const double *above)
 {
   double least = INFINITY;
-  for (int i = 0; i < s->points; i++)
-    least = fmin(least, nsdae_height_above(above, nsdae_solid_corner(s, i)));
+  for (int i = 0; i < s->points; i++) {
+    double height = nsdae_height_above(above, nsdae_solid_corner(s, i));
+    if (height < least) least = height;
+  }
   return least;
 }
 
-/* The largest s of the edges of a polygon. */
-static void separate(placed polygon, placed other, int side, nsdae_meeting *met)
+/* The largest s of the edges of a polygon; of one that is enough no larger one is looked for. */
+static void separate(placed polygon, placed other, const view *w, int side, double enough,
+                     nsdae_meeting *met)
 {
-  for (int e = 0; e < polygon.solid->points; e++) {
+  for (int e = 0; e < polygon.solid->points && met->value[side] <= enough; e++) {
     double above[3];
     const double *n = edge_normal(polygon.solid, e);
-    heights(polygon, other, n, nsdae_solid_corner(polygon.solid, e), above);
+    heights(w, n, nsdae_solid_corner(polygon.solid, e), above);
     double s = lowest(other.solid, above);
     if (s <= met->value[side]) continue;
     met->value[side] = s;
@@ -64,15 +76,15 @@ static void separate(placed polygon, placed other, int side, nsdae_meeting *met)
 }
 
 /* Beyond the ends of a line, along it: where two lie in one line its edges separate nothing. */
-static double separate_ends(placed line, placed other)
+static double separate_ends(placed line, placed other, const view *w)
 {
   double most = -INFINITY;
   for (int e = 0; e < 2; e++) {
     double above[3];
     const double *n = edge_normal(line.solid, e);
-    const double along[3] = {-n[1], n[0], 0}; /* from corner e to the other */
-    heights(line, other, along, nsdae_solid_corner(line.solid, 1 - e), above);
-    most = fmax(most, lowest(other.solid, above));
+    const double along[2] = {-n[1], n[0]}; /* from corner e to the other */
+    heights(w, along, nsdae_solid_corner(line.solid, 1 - e), above);
+    most = nsdae_more_of(most, lowest(other.solid, above));
   }
   return most;
 }
@@ -112,21 +124,22 @@ static place find_place(const nsdae_solid_of *s, const double *x)
   return highest;
 }
 
-/* Whether a solid has edges of its own that can separate: a segment without rounding is a side. */
-static int has_edges(const nsdae_solid_of *s)
+int nsdae_has_edges(const nsdae_solid_of *s)
 {
-  return s->shape == NSDAE_SHAPE_POLYGON || (s->points > 1 && s->radius > 0);
+  return s->shape == NSDAE_SHAPE_POLYGON ||
+         (s->shape == NSDAE_SHAPE_SEGMENT && s->points > 1 && s->radius > 0);
 }
 
 nsdae_meeting nsdae_find_meeting(const nsdae_solid_of *s0, const nsdae_solid_of *s1,
-                                 const nsdae_pose *pose0, const nsdae_pose *pose1)
+                                 const nsdae_pose *pose0, const nsdae_pose *pose1, double enough)
 {
   const placed solid[2] = {{s0, pose0}, {s1, pose1}};
   nsdae_meeting met = {.value = {-INFINITY, -INFINITY}, .ends = {-INFINITY, -INFINITY}};
-  for (int i = 0; i < 2; i++) {
-    if (!has_edges(solid[i].solid) || solid[1 - i].solid->points == 0) continue;
-    separate(solid[i], solid[1 - i], i, &met);
-    if (solid[i].solid->points == 2) met.ends[i] = separate_ends(solid[i], solid[1 - i]);
+  for (int i = 0; i < 2 && met.value[0] <= enough; i++) {
+    if (!nsdae_has_edges(solid[i].solid) || solid[1 - i].solid->points == 0) continue;
+    view w = view_of(solid[i], solid[1 - i]);
+    separate(solid[i], solid[1 - i], &w, i, enough, &met);
+    if (solid[i].solid->points == 2) met.ends[i] = separate_ends(solid[i], solid[1 - i], &w);
   }
   return met;
 }
@@ -143,40 +156,65 @@ nsdae_meeting nsdae_meeting_turned(const nsdae_meeting *met)
   return other;
 }
 
-/* The edge that a corner at x touches where the two overlap; NONE where they do not, or it is
- * aside; FAR where it is deeper than they overlap. */
+/* What a corner touches beside an edge: NONE: the edge's end that is near; FAR: another feature
+ * stands for it, since it is deeper than the two overlap. */
 enum { NONE = -1, FAR = -2 };
 
-static int overlapped_edge(placed polygon, const nsdae_meeting *met, const double *x, place at)
+static double slack_of(place on)
 {
-  double slack = drift * at.length, most = fmax(met->value[0], met->value[1]);
-  if (fmax(most, met->ends[0]) > slack) return NONE;
-  place on = place_on(polygon.solid, met->edge[0], x);
-  int over = fabs(on.along - on.length / 2) <= (0.5 + beside) * on.length;
-  int inside = at.height <= slack && polygon.solid->points > 2; /* a line has no inside */
-  if (!inside && !over) return NONE;
-  return on.height < most - slack ? FAR : met->edge[0];
+  return drift * on.length;
 }
 
-/* Where the corner at p of the other's frame is: in space x_1 and on the polygon at. What it
- * touches: an edge, NONE: the end of at that is near, FAR. */
+static int is_above(place at)
+{
+  return at.along >= 0 && at.along <= at.length;
+}
+
+/* In an overlap a corner on the edge that separates best touches it, where none is deeper. */
+static int unless_deeper(const nsdae_meeting *met, place on)
+{
+  return on.height < nsdae_more_of(met->value[0], met->value[1]) - slack_of(on) ? FAR : on.edge;
+}
+
+/* The edge that a corner at x of a solid with edges touches, and its place on it; NONE and its
+ * place on the nearest edge's line; FAR. Where the solids are apart and the corner is above the
+ * edge that separates best, none is nearer: a convex polygon lies behind that edge's line. Where
+ * they overlap it touches that edge if it lies over it or inside. */
+static int touched_by_corner(const nsdae_solid_of *s, const nsdae_meeting *met, const double *x,
+                             place *at)
+{
+  place on = *at = place_on(s, met->edge[0], x);
+  double slack = slack_of(on), most = nsdae_more_of(met->value[0], met->value[1]);
+  int overlap = nsdae_more_of(most, met->ends[0]) <= slack;
+  int over = fabs(on.along - on.length / 2) <= (0.5 + beside) * on.length;
+  if (overlap && over) return unless_deeper(met, on);
+  if (!overlap && on.height >= 0 && is_above(on)) return on.edge;
+  *at = find_place(s, x);
+  int inside = at->height <= slack && s->points > 2; /* a line has no inside */
+  if (!overlap || !inside) return is_above(*at) ? at->edge : NONE;
+  *at = on;
+  return unless_deeper(met, on);
+}
+
+/* The same of a point, or the centre of what is round. */
+static int touched_by_point(const nsdae_solid_of *s, const double *x, place *at)
+{
+  *at = find_place(s, x);
+  return at->height <= 0 || is_above(*at) ? at->edge : NONE;
+}
+
+/* Where the corner at p of the other's frame is: in space x_1 and on the polygon at; and what it
+ * touches. */
 static int touched(placed polygon, placed other, const double *p, const nsdae_meeting *met,
                    double *x1, place *at)
 {
-  double x[3], from[3];
-  nsdae_turn(other.pose->R, p, x1);
-  for (int i = 0; i < 3; i++) {
-    x1[i] += other.pose->r[i];
-    from[i] = x1[i] - polygon.pose->r[i];
-  }
-  nsdae_turn_back(polygon.pose->R, from, x);
-  *at = find_place(polygon.solid, x);
-  int edge = other.solid->points > 1 ? overlapped_edge(polygon, met, x, *at)
-             : at->height <= 0       ? at->edge
-                                     : NONE;
-  if (edge == NONE && at->along >= 0 && at->along <= at->length) return at->edge;
-  if (edge >= 0) *at = place_on(polygon.solid, edge, x);
-  return edge;
+  const double *Q = other.pose->R, *R = polygon.pose->R;
+  x1[0] = other.pose->r[0] + Q[0] * p[0] + Q[3] * p[1];
+  x1[1] = other.pose->r[1] + Q[1] * p[0] + Q[4] * p[1];
+  const double from[2] = {x1[0] - polygon.pose->r[0], x1[1] - polygon.pose->r[1]};
+  const double x[2] = {R[0] * from[0] + R[1] * from[1], R[3] * from[0] + R[4] * from[1]};
+  return other.solid->points > 1 ? touched_by_corner(polygon.solid, met, x, at)
+                                 : touched_by_point(polygon.solid, x, at);
 }
 
 static int near_end(const nsdae_solid_of *s, place at)
@@ -190,7 +228,7 @@ nsdae_touch nsdae_polygon_touch(const nsdae_solid_of *s0, const nsdae_solid_of *
 {
   const placed polygon = {s0, pose0}, other = {s1, pose1};
   const double *p = nsdae_solid_corner(s1, corner);
-  double now[3];
+  double now[2];
   place at;
   int edge = touched(polygon, other, p, met, now, &at);
   if (edge == FAR) return nsdae_touch_far(s0, s1);
@@ -200,32 +238,26 @@ nsdae_touch nsdae_polygon_touch(const nsdae_solid_of *s0, const nsdae_solid_of *
   return nsdae_touch_point_point(end, s0->radius, 1, x1, s1->radius);
 }
 
-nsdae_flat nsdae_polygon_flat(const nsdae_solid_of *s0, const nsdae_solid_of *s1, int corner,
-                              const nsdae_pose *pose0, const nsdae_pose *pose1,
-                              const nsdae_meeting *met)
+nsdae_still nsdae_polygon_still(const nsdae_solid_of *s0, const nsdae_solid_of *s1, int corner,
+                                const nsdae_pose *pose0, const nsdae_pose *pose1,
+                                const nsdae_meeting *met)
 {
   const placed polygon = {s0, pose0}, other = {s1, pose1};
-  nsdae_flat f = {.far = 0};
-  double x1[3], n[3], end[3], height;
+  const double *R = pose0->R;
+  nsdae_still still = {.far = 0};
+  double x1[3] = {0, 0, 0}, d[3] = {0, 0, 0};
   place at;
   int edge = touched(polygon, other, nsdae_solid_corner(s1, corner), met, x1, &at);
-  f.far = edge == FAR;
-  if (f.far) return f;
+  still.far = edge == FAR;
+  if (still.far) return still;
   if (edge != NONE) {
-    nsdae_turn(pose0->R, edge_normal(s0, edge), n);
-    height = at.height;
+    const double *n = edge_normal(s0, edge);
+    for (int i = 0; i < 2; i++) still.normal[i] = R[i] * n[0] + R[3 + i] * n[1];
   } else {
-    nsdae_turn(pose0->R, nsdae_solid_corner(s0, near_end(s0, at)), end);
-    for (int i = 0; i < 2; i++) n[i] = x1[i] - pose0->r[i] - end[i];
-    height = sqrt(n[0] * n[0] + n[1] * n[1]);
-    n[0] = height > 0 ? n[0] / height : 1;
-    n[1] = height > 0 ? n[1] / height : 0;
+    const double *end = nsdae_solid_corner(s0, near_end(s0, at));
+    for (int i = 0; i < 2; i++) d[i] = x1[i] - pose0->r[i] - (R[i] * end[0] + R[3 + i] * end[1]);
+    at.height = nsdae_still_direct(&still, d);
   }
-  f.gap = height - s0->radius - s1->radius;
-  for (int i = 0; i < 2; i++) {
-    f.normal[i] = n[i];
-    f.at[0][i] = x1[i] - (height - s0->radius) * n[i];
-    f.at[1][i] = x1[i] - s1->radius * n[i];
-  }
-  return f;
+  nsdae_still_place(&still, x1, at.height, s0->radius, s1->radius);
+  return still;
 }

@@ -9,6 +9,12 @@ static inline double nsdae_dot3(const double *a, const double *b)
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
+/* fmax, which is a call. */
+static inline double nsdae_more_of(double a, double b)
+{
+  return a > b ? a : b;
+}
+
 static inline void nsdae_cross3(const double *a, const double *b, double *c)
 {
   c[0] = a[1] * b[2] - a[2] * b[1];

@@ -49,3 +49,36 @@ nsdae_touch nsdae_touch_far(const nsdae_solid_of *s0, const nsdae_solid_of *s1)
 {
   return (nsdae_touch){.far = 1, .gap = nsdae_jet_of(s0->size + s1->size)};
 }
+
+nsdae_still nsdae_still_of(const nsdae_touch *touch)
+{
+  nsdae_still still = {.far = touch->far, .gap = touch->gap.x};
+  for (int i = 0; i < 3; i++) {
+    still.normal[i] = touch->normal.at[i].x;
+    for (int j = 0; j < 2; j++) still.at[j][i] = touch->at[j].at[i].x;
+  }
+  return still;
+}
+
+nsdae_still nsdae_round_still(const nsdae_solid_of *s0, const nsdae_solid_of *s1, int corner,
+                              const nsdae_pose *pose0, const nsdae_pose *pose1)
+{
+  nsdae_still still = {.far = 0};
+  double x0[3], x1[3], d[3], h;
+  nsdae_turn(pose0->R, s0->origin, x0);
+  nsdae_turn(pose1->R, nsdae_solid_corner(s1, corner), x1);
+  for (int i = 0; i < 3; i++) {
+    x1[i] += pose1->r[i];
+    d[i] = x1[i] - (x0[i] + pose0->r[i]);
+  }
+  if (s0->shape == NSDAE_SHAPE_PLANE) {
+    nsdae_turn(pose0->R, s0->R + 6, still.normal);
+    h = nsdae_dot3(still.normal, d);
+  } else {
+    h = nsdae_still_direct(&still, d);
+  }
+  double side = s0->hollow ? -1 : 1, r0 = s0->shape == NSDAE_SHAPE_PLANE ? 0 : s0->radius;
+  for (int i = 0; i < 3; i++) still.normal[i] *= side;
+  nsdae_still_place(&still, x1, side * h, side * r0, s1->radius);
+  return still;
+}

@@ -24,14 +24,40 @@ nsdae_touch nsdae_polygon_touch(const nsdae_solid_of *s0, const nsdae_solid_of *
                                 const nsdae_pose *pose0, const nsdae_pose *pose1,
                                 const nsdae_meeting *met);
 
-/* The same as it is now, without rates: lists need no more, and want it for every block of many. */
-typedef struct nsdae_flat {
+/* A contact as it is now, without rates: lists need no more, and want it for each of many. */
+typedef struct nsdae_still {
   int far;
-  double gap, normal[2], at[2][2]; /* n; c_i */
-} nsdae_flat;
-nsdae_flat nsdae_polygon_flat(const nsdae_solid_of *s0, const nsdae_solid_of *s1, int corner,
-                              const nsdae_pose *pose0, const nsdae_pose *pose1,
-                              const nsdae_meeting *met);
+  double gap, normal[3], at[2][3]; /* n; c_i */
+} nsdae_still;
+
+nsdae_still nsdae_still_of(const nsdae_touch *touch);
+/* The corner of solid s1 against a plane, or against what is round or a hole, s0. */
+nsdae_still nsdae_round_still(const nsdae_solid_of *s0, const nsdae_solid_of *s1, int corner,
+                              const nsdae_pose *pose0, const nsdae_pose *pose1);
+/* As nsdae_polygon_touch. */
+nsdae_still nsdae_polygon_still(const nsdae_solid_of *s0, const nsdae_solid_of *s1, int corner,
+                                const nsdae_pose *pose0, const nsdae_pose *pose1,
+                                const nsdae_meeting *met);
+
+/* The gap and the places of the point x_1, at the height h along n over what is rounded by r_0; it
+ * is rounded by r_1. */
+static inline void nsdae_still_place(nsdae_still *still, const double *x1, double h, double r0,
+                                     double r1)
+{
+  still->gap = h - r0 - r1;
+  for (int i = 0; i < 3; i++) {
+    still->at[0][i] = x1[i] - (h - r0) * still->normal[i];
+    still->at[1][i] = x1[i] - r1 * still->normal[i];
+  }
+}
+
+/* n := d / |d|, which is returned; along x where d = 0. */
+static inline double nsdae_still_direct(nsdae_still *still, const double *d)
+{
+  double length = sqrt(nsdae_dot3(d, d));
+  for (int i = 0; i < 3; i++) still->normal[i] = length > 0 ? d[i] / length : i == 0;
+  return length;
+}
 
 static inline const double *nsdae_solid_corner(const nsdae_solid_of *s, int i)
 {

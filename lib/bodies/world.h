@@ -150,10 +150,4 @@ typedef int (*nsdae_feature_fn)(void *to, const nsdae_feature *feature);
 int nsdae_pair_features(const nsdae_solid_of *solids, int solid0, int solid1,
                         const nsdae_pose *const pose[2], nsdae_feature_fn add, void *to);
 
-/* Unit vectors t_1 (and in space t_2) at right angles to n. */
-void nsdae_contact_tangents(int dimension, nsdae_jet3 n, nsdae_jet3 t[2]);
-/* The row of n . xi for a direction of a contact. */
-nsdae_velocity_row nsdae_contact_row(const nsdae_touch *touch, const nsdae_pose pose[2],
-                                     nsdae_jet3 direction);
-
 #endif

@@ -3,8 +3,6 @@
 #include <math.h>
 #include <string.h>
 
-#include <nsdae/sim.h>
-
 #include "contacts.h"
 #include "reserve.h"
 #include "slides.h"

@@ -155,10 +155,8 @@ static void measure_stack(nsdae_fronts *f)
   }
 }
 
-int nsdae_fronts_analyse(nsdae_fronts *f, int n, const int *size, const int *first,
-                         const int *index)
+static int analyse(nsdae_fronts *f, int n, const int *size, const int *first, const int *index)
 {
-  if (is_same(f, n, size, first, index)) return NSDAE_OK;
   if (nsdae_elimination_analyse(&f->tree, n, first, index) != NSDAE_OK) return NSDAE_E_MEMORY;
   f->graph.n = n;
   f->super.count = first[n];
@@ -170,8 +168,15 @@ int nsdae_fronts_analyse(nsdae_fronts *f, int n, const int *size, const int *fir
   find_supernodes(f);
   measure_supernodes(f);
   measure_stack(f);
-  int status = nsdae_arena_fit(&f->of_numbers, lay_out_numbers, f);
-  if (status != NSDAE_OK) f->graph.n = 0;
+  return nsdae_arena_fit(&f->of_numbers, lay_out_numbers, f);
+}
+
+int nsdae_fronts_analyse(nsdae_fronts *f, int n, const int *size, const int *first,
+                         const int *index)
+{
+  if (is_same(f, n, size, first, index)) return NSDAE_OK;
+  int status = analyse(f, n, size, first, index);
+  if (status != NSDAE_OK) f->graph.n = 0; /* no graph is known any more */
   return status;
 }
 

@@ -44,9 +44,12 @@ void *__wrap_CVodeCreate(int lmm, void *context)
   return made;
 }
 
+enum { BALLS = 8 };
+
 typedef struct life {
   int method, linear_solver;
-  long made, ran; /* allocations until the simulation was made, and after */
+  long made, ran;    /* allocations until the simulation was made, and after */
+  int spare, spared; /* a run may end well without one of them; how many times it did */
 } life;
 
 /* Makes, runs and releases everything; the first status below zero. */
@@ -92,20 +95,67 @@ static long release_stderr(void)
   return bytes;
 }
 
+/* The same of balls that fall into a heap: contacts by list, which grows in the run, islands on two
+ * threads. */
+static int live_in_heap(life *l, random_system *unused)
+{
+  const double J = 0.004;
+  nsdae_sim_options options;
+  nsdae_sim *sim = NULL;
+  nsdae_bodies *heap = NULL;
+  nsdae_system *system = NULL;
+  double q0[7 * BALLS], v0[6 * BALLS];
+  (void)unused;
+  nsdae_sim_options_default(&options);
+  options.method = l->method;
+  options.threads = 2;
+  int status = nsdae_bodies_create(3, &heap, NULL);
+  nsdae_bodies_set_gravity(heap, (const double[]){0, 0, -9.81});
+  nsdae_bodies_add_solid(heap, NSDAE_GROUND, &(nsdae_solid){.shape = NSDAE_SHAPE_PLANE});
+  nsdae_bodies_set_pair(heap, 0, 0, 0.5, 0, 0);
+  for (int i = 0; i < BALLS; i++) {
+    nsdae_rigid_body ball = {.mass = 1,
+                             .inertia = {J, J, J},
+                             .position = {0.05 * (i % 3), 0.04 * (i % 2), 0.1 + 0.21 * (i / 2)}};
+    ball.position[i % 2] += 0.15;
+    nsdae_bodies_add(heap, &ball);
+    nsdae_bodies_add_solid(heap, i, &(nsdae_solid){.shape = NSDAE_SHAPE_SPHERE, .radius = 0.1});
+  }
+  if (status == NSDAE_OK) status = nsdae_bodies_system(heap, &system);
+  if (status == NSDAE_OK) status = nsdae_sim_create(system, &options, &sim, NULL);
+  l->made = the_process.calls;
+  if (status == NSDAE_OK) status = nsdae_bodies_get_start(heap, q0, v0);
+  if (status == NSDAE_OK) status = nsdae_sim_init(sim, 0, q0, v0);
+  if (status == NSDAE_OK) {
+    status = nsdae_sim_run(sim, 0.15);
+    if (status < 0 && nsdae_sim_run(sim, 0.15) < 0) status = NSDAE_E_STATE; /* it is to go on */
+  }
+  l->ran = the_process.calls - l->made;
+  nsdae_sim_destroy(&sim);
+  nsdae_system_destroy(&system);
+  nsdae_bodies_destroy(&heap);
+  return status < 0 ? status : NSDAE_OK;
+}
+
+typedef int (*life_fn)(life *, random_system *);
+
 /* Returns how many places there are. */
-static long every_place(life *l, random_system *r, uint64_t seed)
+static long every_place(life_fn of, life *l, random_system *r, uint64_t seed)
 {
   long place = 0, failed = 1;
   while (failed) {
     catch_stderr();
     may_print = 0;
     process_allocator_reset(place);
-    int status = live(l, r);
+    int status = of(l, r);
     long left = the_process.live;
     failed = the_process.failed;
     process_allocator_reset(-1);
     long bytes = release_stderr();
-    if (status != (failed ? NSDAE_E_MEMORY : NSDAE_OK) || left != 0 || (bytes != 0 && !may_print))
+    int well = l->spare && failed && status == NSDAE_OK;
+    l->spared += well;
+    if ((!well && status != (failed ? NSDAE_E_MEMORY : NSDAE_OK)) || left != 0 ||
+        (bytes != 0 && !may_print))
       fail_msg("%s, %s, seed %d, place %ld: status %d, %ld blocks left, %ld bytes on stderr",
                nsdae_method_name(l->method), l->linear_solver ? "sparse" : "dense", (int)seed,
                place, status, left, bytes);
@@ -135,7 +185,7 @@ static void test_every_place(void **state)
       life l = {.method = method, .linear_solver = solver};
       random_system r;
       uint64_t seed = seed_of(&r, 1, method);
-      long places = every_place(&l, &r, seed);
+      long places = every_place(live, &l, &r, seed);
       print_message("%s %d: %ld places, %ld in the run\n", nsdae_method_name(method), solver,
                     places, l.ran);
       assert_true(places > 5);
@@ -143,9 +193,26 @@ static void test_every_place(void **state)
     }
 }
 
+static void test_heap(void **state)
+{
+  const int methods[] = {NSDAE_METHOD_IMPLICIT, NSDAE_METHOD_MOREAU};
+  (void)state;
+  for (int i = 0; i < 2; i++) {
+    /* friction is solved without a stage that there is no memory for, to the same tolerance */
+    life l = {.method = methods[i], .spare = 1};
+    /* glibc keeps the stack of a thread that ended, and a block for it, for the next one */
+    assert_int_equal(live_in_heap(&l, NULL), NSDAE_OK);
+    long places = every_place(live_in_heap, &l, NULL, 0);
+    print_message("heap by %s: %ld places, %ld in the run, %d to spare\n",
+                  nsdae_method_name(methods[i]), places, l.ran, l.spared);
+    assert_true(places > 20);
+  }
+}
+
 int main(void)
 {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_every_place)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_every_place),
+                                     cmocka_unit_test(test_heap)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
 

@@ -1,7 +1,13 @@
-/* Long runs of every example by every time-stepping method end well: 20 000 steps here, so many as
- * NSDAE_LONG says elsewhere (1e8 take minutes each; NSDAE_ONLY names one example). Motions decay to
- * rest and far below, or never end; whatever they do, each step has a status that is none of a
- * failure, its contact problem is solved, and the state is finite. */
+/* Long runs of every example by every time-stepping method end well: motions decay to rest and far
+ * below, or never end; whatever they do, each step has a status that is none of a failure, its
+ * contact problem is solved, and the state is finite.
+ *
+ * As it is: 20 000 steps, of models of hundreds of contacts 20, and 2000 of the same with few
+ * bodies. NSDAE_LONG says how many instead, of those with few bodies (NSDAE_ONLY names one example,
+ * NSDAE_METHOD one method; 1e8 steps take minutes to hours). A motion that has come to a rest of
+ * which every further step would give the same bytes is not followed further. What can go wrong
+ * late alone is tried from the start on: times so large that dt is a few units of their last digit,
+ * and velocities where doubles lose digits. */
 #include "check.h"
 
 #include <stdlib.h>
@@ -30,7 +36,7 @@ enum { LARGE = 1, DRIVEN = 2 };
 static const struct {
   const driver_model *model;
   int kind;
-  const char *few[2][2]; /* parameters of a LARGE one that is small, for NSDAE_LONG */
+  const char *few[2][2]; /* parameters of a LARGE one of few bodies */
 } all[] = {{&bouncing_ball_model, 0, {{0}}},
            {&clearance_hinge_model, 0, {{0}}},
            {&crank_slider_model, DRIVEN, {{0}}},
@@ -50,18 +56,15 @@ static const struct {
 static const int method[] = {NSDAE_METHOD_IMPLICIT, NSDAE_METHOD_IMPLICIT_PRINTED,
                              NSDAE_METHOD_MOREAU};
 
-/* How many steps of the i-th example, whose parameters are set. */
-static long make_ready(size_t i)
+/* Sets the i-th example's parameters, of a LARGE one of few bodies or as they are. */
+static void make_ready(size_t i, int few)
 {
   const driver_model *model = all[i].model;
-  const char *many = getenv("NSDAE_LONG");
   nsdae_params_default(model->parameters, model->base);
-  if (!many) return all[i].kind & LARGE ? 20 : 20000;
-  for (int k = 0; k < 2 && all[i].few[k][0]; k++)
+  for (int k = 0; k < 2 && few && all[i].few[k][0]; k++)
     assert_int_equal(
         nsdae_params_set(model->parameters, model->base, all[i].few[k][0], all[i].few[k][1], NULL),
         NSDAE_OK);
-  return (long)strtod(many, NULL);
 }
 
 static int chosen(const char *variable, const char *name)
@@ -245,16 +248,116 @@ static void run(const driver_model *model, int method_number, double dt, long st
 
 static void test_examples(void **state)
 {
+  const char *many = getenv("NSDAE_LONG");
   (void)state;
   for (size_t i = 0; i < sizeof all / sizeof *all; i++)
     for (size_t k = 0; k < sizeof method / sizeof *method; k++) {
       const driver_model *model = all[i].model;
+      int large = all[i].kind & LARGE;
       if (!chosen("NSDAE_ONLY", model->name) ||
           !chosen("NSDAE_METHOD", nsdae_method_name(method[k])))
         continue;
-      long steps = make_ready(i);
-      run(model, method[k], model->dt, steps, all[i].kind);
+      make_ready(i, 1);
+      run(model, method[k], model->dt,
+          many    ? (long)strtod(many, NULL)
+          : large ? 2000
+                  : 20000,
+          all[i].kind);
+      if (!large || many) continue;
+      make_ready(i, 0);
+      run(model, method[k], model->dt, 20, all[i].kind);
     }
+}
+
+/* A simulation of the model made ready at t0, started with velocities of this size at random in
+ * place of its own where size > 0; the last status of so many steps. */
+static int start_and_step(const driver_model *model, int method_number, double t0, double size,
+                          int steps, nsdae_sim **sim, nsdae_system **system)
+{
+  static double q0[NQ], v0[NQ];
+  uint64_t seed = 7;
+  nsdae_sim_options options;
+  nsdae_dims d;
+  nsdae_sim_options_default(&options);
+  settings_choose_method(&(settings){.model = model}, method_number, &options);
+  if (model->dt > 0) options.dt = model->dt;
+  if (model->lcp_tol > 0) options.lcp_tol = model->lcp_tol;
+  options.start_tol = 1; /* what is driven is elsewhere at t0 */
+  options.start_check = 0;
+  assert_int_equal(model->build(model->base, system, NULL), NSDAE_OK);
+  memset(q0, 0, sizeof q0);
+  memset(v0, 0, sizeof v0);
+  model->start(model->base, q0, v0);
+  assert_int_equal(nsdae_sim_create(*system, &options, sim, NULL), NSDAE_OK);
+  nsdae_sim_get_dims(*sim, &d);
+  for (int i = 0; i < d.nv && size > 0; i++) {
+    seed = seed * 6364136223846793005u + 1442695040888963407u;
+    v0[i] = size * ((double)(seed >> 11) / 9007199254740992.0 - 0.5);
+  }
+  int status = nsdae_sim_init(*sim, t0 * options.dt, q0, v0);
+  for (int i = 0; i < steps && status >= 0; i++) status = nsdae_sim_step(*sim);
+  return status;
+}
+
+/* The lengths of steps are differences of rounded times: after 1e8 of them they have 8 digits,
+ * after 2^50 two bits, of which every further step is another. After 2^55 there is none: said so.
+ */
+static void test_late(void **state)
+{
+  const double begin[] = {1e8, exp2(40), exp2(50), exp2(55)};
+  (void)state;
+  for (size_t i = 0; i < sizeof all / sizeof *all; i++)
+    for (size_t k = 0; k < sizeof method / sizeof *method; k++)
+      for (int j = 0; j < 4; j++) {
+        const driver_model *model = all[i].model;
+        nsdae_system *system;
+        nsdae_sim *sim;
+        int steps = all[i].kind & LARGE ? 200 : 1000;
+        if (!chosen("NSDAE_ONLY", model->name)) continue;
+        make_ready(i, 1);
+        int status = start_and_step(model, method[k], begin[j], 0, steps, &sim, &system);
+        if (j == 3) {
+          assert_int_equal(status, NSDAE_E_ARGUMENT);
+          assert_non_null(strstr(nsdae_sim_error(sim)->text, "lost in rounding"));
+        } else {
+          nsdae_sim_options options;
+          nsdae_sim_get_options(sim, &options);
+          if (status < 0)
+            fail_msg("%s by %s from step %g on: %s", model->name, nsdae_method_name(method[k]),
+                     begin[j], nsdae_sim_error(sim)->text);
+          expect_well(sim, steps, options.lcp_tol);
+          if (!(all[i].kind & DRIVEN)) expect_bounded(sim, all[i].kind);
+        }
+        nsdae_sim_destroy(&sim);
+        nsdae_system_destroy(&system);
+      }
+}
+
+/* Velocities from where the squares vanish to where there is one bit left. */
+static void test_slow(void **state)
+{
+  const double size[] = {1e-150, 1e-200, 1e-290, 1e-308, 1e-313, 1e-322};
+  (void)state;
+  for (size_t i = 0; i < sizeof all / sizeof *all; i++)
+    for (size_t k = 0; k < sizeof method / sizeof *method; k++)
+      for (size_t j = 0; j < sizeof size / sizeof *size; j++) {
+        const driver_model *model = all[i].model;
+        nsdae_system *system;
+        nsdae_sim *sim;
+        nsdae_sim_options options;
+        int steps = all[i].kind & LARGE ? 100 : 1000;
+        if (!chosen("NSDAE_ONLY", model->name)) continue;
+        make_ready(i, 1);
+        int status = start_and_step(model, method[k], 0, size[j], steps, &sim, &system);
+        if (status < 0)
+          fail_msg("%s by %s from velocities of %g on: %s", model->name,
+                   nsdae_method_name(method[k]), size[j], nsdae_sim_error(sim)->text);
+        nsdae_sim_get_options(sim, &options);
+        expect_well(sim, steps, options.lcp_tol);
+        if (!(all[i].kind & DRIVEN)) expect_bounded(sim, all[i].kind);
+        nsdae_sim_destroy(&sim);
+        nsdae_system_destroy(&system);
+      }
 }
 
 /* An explicit step makes the quaternion of a ball that spins longer, by 1 + (h w / 4)^2: at 50 000
@@ -320,8 +423,8 @@ static void test_quaternions_listed(void **state)
 
 int main(void)
 {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_examples),
-                                     cmocka_unit_test(test_quaternions),
-                                     cmocka_unit_test(test_quaternions_listed)};
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_examples), cmocka_unit_test(test_late), cmocka_unit_test(test_slow),
+      cmocka_unit_test(test_quaternions), cmocka_unit_test(test_quaternions_listed)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

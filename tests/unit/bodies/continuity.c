@@ -59,29 +59,40 @@ static couple make(int d, const nsdae_solid *first, const nsdae_solid *second)
   return c;
 }
 
-/* What lists take of polygons and rounded segments is the same contact, but for rounding. */
+static void expect_still(const nsdae_still *still, const nsdae_touch *touch, double length)
+{
+  assert_int_equal(still->far, touch->far);
+  if (still->far) return;
+  assert_near(still->gap, touch->gap.x, 1e-14);
+  /* of points that are 1e-15 apart the direction is rounding */
+  for (int j = 0; j < 3 && length > 1e-3; j++) {
+    assert_near(still->normal[j], touch->normal.at[j].x, 1e-12);
+    for (int i = 0; i < 2; i++) assert_near(still->at[i][j], touch->at[i].at[j].x, 1e-12);
+  }
+}
+
+/* What lists take of planes and what is round, and of polygons and rounded segments, is the same
+ * contact, but for rounding. */
 static void expect_same(const nsdae_feature *f, const nsdae_solid_of *s, const nsdae_pose *pose,
                         const nsdae_touch *touch)
 {
   const nsdae_solid_of *s0 = s + f->solid[0], *s1 = s + f->solid[1];
   const nsdae_pose *pose0 = pose + f->solid[0], *pose1 = pose + f->solid[1];
+  if (!f->edges && s0->points <= 1) {
+    nsdae_still still = nsdae_round_still(s0, s1, f->part[1], pose0, pose1);
+    expect_still(&still, touch, s0->points == 0 ? 1 : fabs(still.gap + s0->radius + s1->radius));
+    return;
+  }
   if (s0->shape != NSDAE_SHAPE_POLYGON && (s0->shape != NSDAE_SHAPE_SEGMENT || s0->radius == 0))
     return;
   if (s0->shape == NSDAE_SHAPE_SEGMENT && s1->points == 1) return; /* by its line: see feature.c */
-  nsdae_meeting met = nsdae_find_meeting(s0, s1, pose0, pose1);
-  nsdae_flat flat = nsdae_polygon_flat(s0, s1, f->part[1], pose0, pose1, &met);
-  assert_int_equal(flat.far, touch->far);
-  if (flat.far) return;
-  assert_near(flat.gap, touch->gap.x, 1e-14);
+  nsdae_meeting met = nsdae_find_meeting(s0, s1, pose0, pose1, INFINITY);
+  nsdae_still still = nsdae_polygon_still(s0, s1, f->part[1], pose0, pose1, &met);
+  double length = fabs(still.gap + s0->radius + s1->radius);
+  expect_still(&still, touch, length);
+  if (still.far) return;
   assert_true(nsdae_height_above(met.above[0], s1->point + 3 * f->part[1]) <=
-              flat.gap + s0->radius + s1->radius + 1e-14);
-  for (int j = 0; j < 2; j++) {
-    /* of points that are 1e-15 apart the direction is rounding */
-    if (fabs(flat.gap + s0->radius + s1->radius) > 1e-3)
-      assert_near(flat.normal[j], touch->normal.at[j].x, 1e-12);
-    for (int i = 0; i < 2 && fabs(flat.gap + s0->radius + s1->radius) > 1e-3; i++)
-      assert_near(flat.at[i][j], touch->at[i].at[j].x, 1e-12);
-  }
+              still.gap + s0->radius + s1->radius + 1e-14);
 }
 
 static double least_gap(const couple *c, const double *q)
@@ -95,7 +106,7 @@ static double least_gap(const couple *c, const double *q)
     const int *of = f->solid;
     nsdae_touch touch =
         nsdae_feature_touch(f, s + of[0], s + of[1], &pose[of[0]], &pose[of[1]], NULL);
-    if (c->d == 2) expect_same(f, s, pose, &touch);
+    expect_same(f, s, pose, &touch);
     if (!touch.far) least = fmin(least, touch.gap.x);
   }
   return least;

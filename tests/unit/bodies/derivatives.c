@@ -82,10 +82,10 @@ static void add_joint(nsdae_bodies *b, int d, int bodies, int kind, double mu, d
     int k = (i + 1) % 3, l = (i + 2) % 3;
     j.cross[i] = d == 2 ? 0 : j.axis[k] * other[l] - j.axis[l] * other[k];
   }
-  int drivable =
-      kind == NSDAE_JOINT_REVOLUTE || kind == NSDAE_JOINT_PRISMATIC || kind == NSDAE_JOINT_DISTANCE;
-  if (drivable && below(2)) j.drive = drive;
-  if (kind == NSDAE_JOINT_SLOT) j.mu = mu;
+  int fixed =
+      kind == NSDAE_JOINT_WELD || kind == NSDAE_JOINT_SPHERICAL || kind == NSDAE_JOINT_UNIVERSAL;
+  if (!fixed && below(2)) j.drive = drive;
+  if (kind == NSDAE_JOINT_SLOT && !j.drive) j.mu = mu;
   assert_true(nsdae_bodies_add_joint(b, &j) >= 0);
 }
 

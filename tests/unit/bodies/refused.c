@@ -103,6 +103,13 @@ static void test_joints(void **state)
   refuse_joint(2, (nsdae_joint){.kind = NSDAE_JOINT_REVOLUTE, .body = {-2, 1}}, "body");
   refuse_joint(2, (nsdae_joint){.kind = NSDAE_JOINT_REVOLUTE, .body = {1, 1}}, "body");
   refuse_joint(2, (nsdae_joint){.kind = NSDAE_JOINT_WELD, .body = {0, 1}, .drive = drive}, "drive");
+  refuse_joint(3, (nsdae_joint){.kind = NSDAE_JOINT_SPHERICAL, .body = {0, 1}, .drive = drive},
+               "drive");
+  refuse_joint(
+      2,
+      (nsdae_joint){
+          .kind = NSDAE_JOINT_SLOT, .body = {0, 1}, .axis = {1, 0}, .mu = 0.1, .drive = drive},
+      "mu");
   refuse_joint(2, (nsdae_joint){.kind = NSDAE_JOINT_PRISMATIC, .body = {0, 1}}, "axis");
   refuse_joint(3, (nsdae_joint){.kind = NSDAE_JOINT_REVOLUTE, .body = {0, 1}}, "axis");
   refuse_joint(2, (nsdae_joint){.kind = NSDAE_JOINT_GEAR, .body = {0, 1}}, "ratio");

@@ -1,6 +1,7 @@
 /* Factorisations by fronts against dense ones: random graphs of blocks of random sizes. */
 #include "check.h"
 
+#include "allocator.h"
 #include "dense.h"
 #include "fronts.h"
 #include "random.h"
@@ -124,9 +125,33 @@ static void test_singular(void **state)
   nsdae_fronts_release(&f);
 }
 
+/* An analysis that lost an allocation knows no graph: neither that of the call before nor its own,
+ * of which it has parts. */
+static void test_lost(void **state)
+{
+  (void)state;
+  static sample s[2];
+  for (int j = 0; j < 2; j++) draw_graph(&s[j], MOST, 0.6 + 0.2 * j);
+  for (long lost = 0, failed = 1; failed; lost++) {
+    nsdae_fronts f = {0};
+    check(&s[0], &f, 1);
+    allocator_reset(lost);
+    failed = nsdae_fronts_analyse(&f, s[1].n, s[1].size, s[1].first, s[1].index) != 0;
+    allocator_reset(-1);
+    check(&s[lost % 2], &f, 1);
+    check(&s[1 - lost % 2], &f, 0);
+    nsdae_fronts_release(&f);
+    allocator_reset(lost); /* and of the first */
+    failed |= nsdae_fronts_analyse(&f, s[0].n, s[0].size, s[0].first, s[0].index) != 0;
+    allocator_reset(-1);
+    check(&s[0], &f, 1);
+    nsdae_fronts_release(&f);
+  }
+}
+
 int main(void)
 {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_random),
-                                     cmocka_unit_test(test_singular)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_random), cmocka_unit_test(test_singular),
+                                     cmocka_unit_test(test_lost)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -91,7 +91,7 @@ static int comes_back(nsdae_event_acceleration *p)
   int any = 0;
   for (int i = 0; i < T->system->dims.k; i++) {
     if (!p->is.released[i]) continue;
-    double rate = nsdae_terms_rate(T, T->W_N, T->omega.N, i, p->a);
+    double rate = nsdae_terms_rate(T, &T->by.normal, T->omega.N, i, p->a);
     if (rate >= -nsdae_event_acceleration_size(p)) continue;
     p->is.released[i] = 0;
     p->is.candidate[i] = 1;

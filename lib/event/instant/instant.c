@@ -78,8 +78,8 @@ static void choose_candidates(nsdae_event_instant *p, int impacted)
   double size = nsdae_event_velocity_size(s);
   for (int i = 0; i < T->system->dims.k; i++) {
     if (impacted) is->released[i] = 0;
-    is->candidate[i] = is->touching[i] && !is->released[i] &&
-                       !(nsdae_terms_rate(T, T->W_N, T->w_N, i, T->v) > size);
+    is->candidate[i] =
+        is->touching[i] && !is->released[i] && !(nsdae_terms_normal_rate(T, i, T->v) > size);
   }
 }
 
@@ -111,7 +111,7 @@ static int arrive(nsdae_event_instant *p, double t, double *y)
   const nsdae_terms *T = s->here;
   double size = nsdae_event_position_size(s);
   for (int i = 0; i < s->system->dims.k; i++) {
-    double gap = T->gap[i], rate = nsdae_terms_rate(T, T->W_N, T->w_N, i, T->v);
+    double gap = T->gap[i], rate = nsdae_terms_normal_rate(T, i, T->v);
     double rounding = 1e3 * DBL_EPSILON * fabs(t * rate); /* of the time where it was found */
     is->touching[i] |= nsdae_event_touches(s, i);
     is->candidate[i] |= is->touching[i] && (fabs(gap) <= 2 * size || gap < -2 * size - rounding);
@@ -189,7 +189,7 @@ static double away(const nsdae_event_phase *phase)
   for (int i = 0; i < d->k; i++) {
     if (phase->modes.contact[i] == NSDAE_MODE_OPEN || phase->modes.related[i]) continue;
     far = fmax(far, fabs(T->gap[i]));
-    fast = fmax(fast, fabs(nsdae_terms_rate(T, T->W_N, T->w_N, i, T->v)));
+    fast = fmax(fast, fabs(nsdae_terms_normal_rate(T, i, T->v)));
   }
   return fmax(far / nsdae_event_position_size(phase->setting),
               fast / nsdae_event_velocity_size(phase->setting));

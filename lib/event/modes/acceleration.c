@@ -63,7 +63,7 @@ static int slides(nsdae_event_acceleration *p, int i, int impacted, double size)
   if (!(T->system->contact[i].mu > 0)) return 0;
   if (p->is.breakaway[i] && !impacted) return 1;
   for (int l = 0; l < nt; l++) {
-    v_t[l] = nsdae_terms_rate(T, T->W_T, T->w_T, i * nt + l, T->v);
+    v_t[l] = nsdae_terms_tangent_rate(T, i * nt + l, T->v);
     speed = hypot(speed, v_t[l]);
     slid |= p->phase->modes.contact[i] == NSDAE_MODE_SLIDE && direction[l] != 0;
   }
@@ -78,7 +78,7 @@ static int slide_sense(const nsdae_event_acceleration *p, int j, int impacted, d
   const nsdae_event_setting *s = p->phase->setting;
   const nsdae_event_modes *m = &p->phase->modes;
   if (p->is.slide_breakaway[j] && !impacted) return m->slide_sense[j];
-  double speed = nsdae_terms_rate(s->here, s->here->slide.W, s->here->slide.w, j, s->here->v);
+  double speed = nsdae_terms_slide_rate(s->here, j, s->here->v);
   int stopped = !impacted && p->is.slide_stopped[j] && m->slide[j] == NSDAE_MODE_SLIDE &&
                 m->slide_sense[j] != 0;
   if (stopped || !(fabs(speed) > size)) return 0;

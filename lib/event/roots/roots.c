@@ -44,7 +44,7 @@ static double along_direction(const nsdae_event_phase *p, const nsdae_terms *T, 
   int nt = T->system->dims.nt;
   double along = 0;
   for (int j = i * nt; j < (i + 1) * nt; j++)
-    along += p->modes.direction[j] * nsdae_terms_rate(T, T->W_T, w, j, v);
+    along += p->modes.direction[j] * nsdae_terms_rate(T, &T->by.tangent, w, j, v);
   return along;
 }
 
@@ -65,7 +65,7 @@ static double value_of(const nsdae_event_phase *p, const nsdae_terms *T, const d
   double normal = m->normal_sense[i] * y[at->lambda + s->slide[i].constraint];
   if (root->kind == NSDAE_ROOT_SIGN) return normal;
   if (m->slide[i] == NSDAE_MODE_STICK) return s->slide[i].mu * normal - fabs(y[at->slide + i]);
-  return m->slide_sense[i] * nsdae_terms_rate(T, T->slide.W, T->slide.w, i, T->v);
+  return m->slide_sense[i] * nsdae_terms_slide_rate(T, i, T->v);
 }
 
 /* Terms that the functions in the set need. */
@@ -177,7 +177,7 @@ static void start_sliding(const nsdae_event_phase *p, nsdae_event_root *root, do
   const nsdae_terms *T = p->setting->here;
   double size = nsdae_event_velocity_size(p->setting);
   if (root->kind == NSDAE_ROOT_SLIP) {
-    double rate = nsdae_terms_rate(T, T->slide.W, T->slide.omega, root->index, a);
+    double rate = nsdae_terms_rate(T, &T->by.slide, T->slide.omega, root->index, a);
     start_root(p, root, t, value, p->modes.slide_sense[root->index] * rate, size, size);
     return;
   }
@@ -211,7 +211,7 @@ static void start(const nsdae_event_phase *p, nsdae_event_root *root, double t, 
   if (root->kind == NSDAE_ROOT_JAM)
     root->state = value > 0 ? NSDAE_ROOT_LIVE : NSDAE_ROOT_OFF;
   else if (root->kind == NSDAE_ROOT_NORMAL && mode == NSDAE_MODE_OPEN)
-    start_root(p, root, t, value, nsdae_terms_rate(T, T->W_N, T->w_N, i, T->v),
+    start_root(p, root, t, value, nsdae_terms_normal_rate(T, i, T->v),
                nsdae_event_position_size(p->setting), nsdae_event_velocity_size(p->setting));
   else if (root->kind == NSDAE_ROOT_NORMAL || root->kind == NSDAE_ROOT_SIGN ||
            mode == NSDAE_MODE_STICK)
@@ -238,7 +238,7 @@ static double undecided_value(const nsdae_event_phase *p, const double *y,
   const nsdae_terms *T = p->setting->here;
   if (root->kind == NSDAE_ROOT_NORMAL) return y[p->setting->at.normal + root->index];
   if (root->kind == NSDAE_ROOT_TANGENT) return nsdae_terms_slip(T, root->index, T->v);
-  return fabs(nsdae_terms_rate(T, T->slide.W, T->slide.w, root->index, T->v));
+  return fabs(nsdae_terms_slide_rate(T, root->index, T->v));
 }
 
 /* A masked function after a step: 1 where it asks for an instant. */
@@ -262,7 +262,7 @@ static int follow_directions(nsdae_event_phase *p, double t, const double *y)
   for (int i = 0; i < k && status == NSDAE_OK; i++) {
     if (!contact_rubs(p, i) || !(along_direction(p, T, i, T->w_T, T->v) > p->modes.slow)) continue;
     for (int j = 2 * i; j < 2 * i + 2; j++)
-      p->modes.direction[j] = nsdae_terms_rate(T, T->W_T, T->w_T, j, T->v);
+      p->modes.direction[j] = nsdae_terms_tangent_rate(T, j, T->v);
     double *d = p->modes.direction + 2 * i, speed = hypot(d[0], d[1]);
     for (int l = 0; l < 2; l++) d[l] /= speed;
   }
