@@ -166,7 +166,8 @@ static int jammed(event *e, double t)
     any |= jam->state != NSDAE_ROOT_OFF &&
            (jam->found || nsdae_event_root_of(&e->roots, NSDAE_ROOT_NORMAL, i)->found);
   }
-  return any && nsdae_event_diagnose(&e->instant.acceleration, t, e->integrator.y) < 0;
+  if (!any || nsdae_event_stop_slow(&e->roots, t, e->integrator.y) > 0) return 0;
+  return nsdae_event_diagnose(&e->instant.acceleration, t, e->integrator.y) < 0;
 }
 
 /* Where friction turns faster than a body gets away from zero, or is at its limit however it
@@ -250,7 +251,10 @@ static int integrate(event *e)
   if (status == NSDAE_OK) return NSDAE_OK;
   g->ahead = from;
   if (nsdae_event_integrator_read(g, from, g->y) < 0) return integrator_failed(e, status, from);
-  if (!*e->phase.modes.is_stiff) return explain(e, status);
+  if (!*e->phase.modes.is_stiff) {
+    g->pending = nsdae_event_stop_slow(&e->roots, from, g->y) > 0;
+    return g->pending ? NSDAE_OK : explain(e, status);
+  }
   *e->phase.modes.is_stiff = 0; /* what backward differences do not solve, the other may */
   return start(e, from);
 }

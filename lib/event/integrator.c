@@ -11,6 +11,9 @@ static const double STIFF_TOLERANCE = 0.1;
 /* Of what counts as zero for a position: less deep between two steps a contact is none. */
 static const double DEEP = 0.1;
 
+/* Of dt: a step that leads nowhere. */
+static const double SHORT = 1e-6;
+
 /* The callbacks of the integrators, and of the search for falls. */
 static int rate(double t, const double *state, double *ydot, int whole, void *user)
 {
@@ -104,7 +107,7 @@ int nsdae_event_integrator_start(nsdae_event_integrator *e, double t)
   memcpy(e->end, e->y, (size_t)e->steps.controlled * sizeof *e->y);
   e->ahead = t;
   nsdae_dip_start(&e->dip);
-  e->pending = 0;
+  e->pending = e->roots->short_steps = 0;
   int status = *e->roots->phase->modes.is_stiff ? nsdae_ode_start(e->stiff, t, e->end)
                                                 : nsdae_runge_kutta_start(&e->steps, t, e->end);
   if (status == NSDAE_OK) status = nsdae_event_forces(p, t, e->y);
@@ -152,6 +155,7 @@ int nsdae_event_integrator_advance(nsdae_event_integrator *e)
   if (found < 0) return found;
   if (contact >= 0) e->ahead = hidden, fell = 0;
   int status = nsdae_event_integrator_read(e, e->ahead, e->y);
+  e->roots->short_steps += e->ahead - from < SHORT * s->options->dt;
   int watched = status < 0 ? status : nsdae_event_watch_roots(e->roots, e->ahead, e->y);
   if (watched < 0) return watched;
   s->result->counters.iterations++;

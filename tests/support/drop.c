@@ -23,9 +23,15 @@ static int one_of(drop *d, int n)
   return (int)(next(d) % (unsigned long)n);
 }
 
-/* R of the unit quaternion along p [4], columns of body axes. */
-static void rotation(const double *p, double R[3][3])
+/* R of body coordinates q: of an angle, or of the unit quaternion along q [3 .. 6]. */
+static void rotation(const drop *of, const double *q, double R[3][3])
 {
+  if (!of->space) {
+    double c = cos(q[2]), s = sin(q[2]), r[3][3] = {{c, -s, 0}, {s, c, 0}, {0, 0, 1}};
+    memcpy(R, r, sizeof r);
+    return;
+  }
+  const double *p = q + 3;
   double n = sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2] + p[3] * p[3]);
   double a = p[0] / n, b = p[1] / n, c = p[2] / n, d = p[3] / n;
   double r[3][3] = {{a * a + b * b - c * c - d * d, 2 * (b * c - a * d), 2 * (b * d + a * c)},
@@ -35,18 +41,9 @@ static void rotation(const double *p, double R[3][3])
 }
 
 /* The point in space from the centre. */
-static void arm(const drop *d, const double *q, int point, double *r)
+static void arm(const drop *d, double R[3][3], int point, double *r)
 {
   const double *p = d->point[point];
-  if (!d->space) {
-    double c = cos(q[2]), s = sin(q[2]);
-    r[0] = c * p[0] - s * p[1];
-    r[1] = s * p[0] + c * p[1];
-    r[2] = 0;
-    return;
-  }
-  double R[3][3];
-  rotation(q + 3, R);
   for (int i = 0; i < 3; i++) r[i] = R[i][0] * p[0] + R[i][1] * p[1] + R[i][2] * p[2];
 }
 
@@ -106,25 +103,27 @@ static int gap(double t, const double *q, double *g, void *user)
   const drop *d = user;
   int c = 0;
   (void)t;
-  for (int b = 0; b < d->bodies; b++)
+  for (int b = 0; b < d->bodies; b++) {
+    double r[3], R[3][3];
+    rotation(d, q + 3 * b, R);
     for (int p = 0; p < d->points; p++) {
-      double r[3];
-      arm(d, q + 3 * b, p, r);
+      arm(d, R, p, r);
       for (int w = 0; w < d->walls; w++, c++) {
         g[c] = -d->radius;
         for (int i = 0; i < (d->space ? 3 : 2); i++)
           g[c] += d->normal[w][i] * (q[3 * b + i] + r[i]);
       }
     }
+  }
   for (int a = 0; a < d->bodies; a++)
     for (int b = a + 1; b < d->bodies; b++)
       g[c++] = hypot(q[3 * a] - q[3 * b], q[3 * a + 1] - q[3 * b + 1]) - 2 * d->radius;
   return 0;
 }
 
-/* Row of direction n at the arm r of body b. */
-static void row(const drop *d, const double *q, int b, const double *n, const double *r,
-                double sign, double *W)
+/* Row of direction n at the arm r of body b, which has turned by R. */
+static void row(const drop *d, double R[3][3], int b, const double *n, const double *r, double sign,
+                double *W)
 {
   if (!d->space) {
     W[3 * b] += sign * n[0];
@@ -132,9 +131,7 @@ static void row(const drop *d, const double *q, int b, const double *n, const do
     W[3 * b + 2] += sign * (r[0] * n[1] - r[1] * n[0]);
     return;
   }
-  double R[3][3];
   double m[3] = {r[1] * n[2] - r[2] * n[1], r[2] * n[0] - r[0] * n[2], r[0] * n[1] - r[1] * n[0]};
-  rotation(q + 3, R);
   for (int i = 0; i < 3; i++) {
     W[i] = n[i];
     W[3 + i] = R[0][i] * m[0] + R[1][i] * m[1] + R[2][i] * m[2];
@@ -158,19 +155,21 @@ static void tangents(const drop *d, const double *n, double t[2][3])
 static void rows(const drop *d, const double *q, int tangential, double *W, int ldw)
 {
   int c = 0, nt = d->space ? 2 : 1;
-  for (int b = 0; b < d->bodies; b++)
+  double R[3][3];
+  for (int b = 0; b < d->bodies; b++) {
+    rotation(d, q + 3 * b, R);
     for (int p = 0; p < d->points; p++) {
-      double r[3], t[2][3];
-      arm(d, q + 3 * b, p, r);
+      double r[3];
+      arm(d, R, p, r);
       for (int w = 0; w < d->walls; w++) {
         double at[3];
         for (int i = 0; i < 3; i++) at[i] = r[i] - d->radius * d->normal[w][i];
-        tangents(d, d->normal[w], t);
-        if (!tangential) row(d, q, b, d->normal[w], at, 1, W + (size_t)c++ * (size_t)ldw);
+        if (!tangential) row(d, R, b, d->normal[w], at, 1, W + (size_t)c++ * (size_t)ldw);
         for (int l = 0; l < nt && tangential; l++)
-          row(d, q, b, t[l], at, 1, W + (size_t)c++ * (size_t)ldw);
+          row(d, R, b, d->tangent[w][l], at, 1, W + (size_t)c++ * (size_t)ldw);
       }
     }
+  }
   for (int a = 0; a < d->bodies; a++)
     for (int b = a + 1; b < d->bodies; b++, c++) {
       double n[3] = {q[3 * a] - q[3 * b], q[3 * a + 1] - q[3 * b + 1], 0}, t[2][3];
@@ -179,8 +178,8 @@ static void rows(const drop *d, const double *q, int tangential, double *W, int 
       tangents(d, n, t);
       double ra[3] = {-d->radius * n[0], -d->radius * n[1], 0}, rb[3] = {-ra[0], -ra[1], 0};
       double *to = W + (size_t)c * (size_t)ldw;
-      row(d, q, a, tangential ? t[0] : n, ra, 1, to);
-      row(d, q, b, tangential ? t[0] : n, rb, -1, to);
+      row(d, R, a, tangential ? t[0] : n, ra, 1, to);
+      row(d, R, b, tangential ? t[0] : n, rb, -1, to);
     }
 }
 
@@ -199,12 +198,11 @@ static int tangent(double t, const double *q, double *W, int ldw, void *user)
 }
 
 /* Centripetal: a point at r from the centre of body b has omega x (omega x r). */
-static void centripetal(const drop *d, const double *q, const double *v, int b, const double *r,
+static void centripetal(const drop *d, double R[3][3], const double *v, int b, const double *r,
                         double *a)
 {
-  double w[3] = {0, 0, d->space ? 0 : v[3 * b + 2]}, R[3][3];
+  double w[3] = {0, 0, d->space ? 0 : v[3 * b + 2]};
   if (d->space) {
-    rotation(q + 3, R);
     for (int i = 0; i < 3; i++) w[i] = R[i][0] * v[3] + R[i][1] * v[4] + R[i][2] * v[5];
   }
   double along = w[0] * r[0] + w[1] * r[1] + w[2] * r[2];
@@ -219,19 +217,22 @@ static int acceleration(double t, const double *q, const double *v, double *omeg
   int c = 0, nt = d->space ? 2 : 1;
   (void)t;
   (void)omega_s;
-  for (int b = 0; b < d->bodies; b++)
+  double R[3][3];
+  for (int b = 0; b < d->bodies; b++) {
+    rotation(d, q + 3 * b, R);
     for (int p = 0; p < d->points; p++) {
-      double r[3], a[3], dir[2][3];
-      arm(d, q + 3 * b, p, r);
-      centripetal(d, q, v, b, r, a);
+      double r[3], a[3];
+      arm(d, R, p, r);
+      centripetal(d, R, v, b, r, a);
       for (int w = 0; w < d->walls; w++, c++) {
         const double *n = d->normal[w];
-        tangents(d, n, dir);
+        const double(*dir)[3] = (const double(*)[3])d->tangent[w];
         omega_n[c] = a[0] * n[0] + a[1] * n[1] + a[2] * n[2];
         for (int l = 0; l < nt; l++)
           omega_t[c * nt + l] = a[0] * dir[l][0] + a[1] * dir[l][1] + a[2] * dir[l][2];
       }
     }
+  }
   for (int a = 0; a < d->bodies; a++)
     for (int b = a + 1; b < d->bodies; b++, c++) { /* n' = (1 - n n^T) dv / |dx| */
       double n[2] = {q[3 * a] - q[3 * b], q[3 * a + 1] - q[3 * b + 1]}, s = hypot(n[0], n[1]);
@@ -255,6 +256,7 @@ static void make_walls(drop *d)
     d->normal[w][up] = cos(tilt);
     d->normal[w][0] = sin(tilt) * cos(turn);
     if (d->space) d->normal[w][1] = sin(tilt) * sin(turn);
+    tangents(d, d->normal[w], d->tangent[w]);
   }
 }
 
@@ -476,7 +478,7 @@ int drop_may_jam(const drop *d, const double *q, const double *v, const int *mod
         p.tangent[l][i * p.count + j] = mobility(d, W_N + at[i] * n, W_T + (at[j] * p.nt + l) * n);
     }
   for (int j = 0; j < p.count; j++)
-    direct(&p, j, W_T + at[j] * p.nt * n, n, v, hit ? INFINITY : 1e-8);
+    direct(&p, j, W_T + at[j] * p.nt * n, n, v, hit ? INFINITY : 1e-2);
   for (unsigned set = 1; set < 1u << p.count; set++) {
     double scale = 1;
     for (int i = 0; i < p.count; i++)

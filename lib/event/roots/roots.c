@@ -8,9 +8,10 @@
  * cannot be told at first which way it goes: so many times what counts as zero. */
 static const double TURNING = 100;
 
-/* There too what slid comes to a stop in ever shorter steps, and turns within them: slower than so
- * many times what counts as zero it has stopped. */
-static const double STOPPED = 4;
+/* There too what comes to a stop may turn within its velocity's error in ever shorter steps: after
+ * so many it has stopped where it is slower than so many times what counts as zero. */
+static const double STOPPED = 10;
+enum { SHORT_STEPS = 50 };
 
 void nsdae_event_roots_layout(nsdae_event_roots *r, nsdae_arena *arena)
 {
@@ -249,11 +250,9 @@ static int watch(const nsdae_event_phase *p, const double *y, nsdae_event_root *
   return value < -root->size;
 }
 
-/* With two directions of friction a contact goes on in that of its velocity, while it has one;
- * marks as found what has stopped. */
-static int follow_directions(nsdae_event_roots *r, double t, const double *y)
+/* With two directions of friction a contact goes on in that of its velocity, while it has one. */
+static int follow_directions(nsdae_event_phase *p, double t, const double *y)
 {
-  nsdae_event_phase *p = r->phase;
   nsdae_terms *T = p->setting->here;
   int any = 0, k = T->system->dims.k;
   for (int i = 0; i < k; i++) any |= T->system->dims.nt == 2 && contact_rubs(p, i);
@@ -261,12 +260,7 @@ static int follow_directions(nsdae_event_roots *r, double t, const double *y)
   nsdae_event_move(p->setting, t, y);
   int status = nsdae_terms_need(T, NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS);
   for (int i = 0; i < k && status == NSDAE_OK; i++) {
-    if (!contact_rubs(p, i)) continue;
-    double along = along_direction(p, T, i, T->w_T, T->v);
-    nsdae_event_root *root = nsdae_event_root_of(r, NSDAE_ROOT_TANGENT, i);
-    root->found =
-        root->state == NSDAE_ROOT_LIVE && along <= STOPPED * nsdae_event_velocity_size(p->setting);
-    if (!(along > p->modes.slow)) continue;
+    if (!contact_rubs(p, i) || !(along_direction(p, T, i, T->w_T, T->v) > p->modes.slow)) continue;
     for (int j = 2 * i; j < 2 * i + 2; j++)
       p->modes.direction[j] = nsdae_terms_tangent_rate(T, j, T->v);
     double *d = p->modes.direction + 2 * i, speed = hypot(d[0], d[1]);
@@ -286,7 +280,8 @@ int nsdae_event_watch_roots(nsdae_event_roots *r, double t, const double *y)
   nsdae_event_phase *p = r->phase;
   int any = 0, count = 0;
   for (int e = 0; e < r->count; e++) r->entry[e].found = 0;
-  int status = follow_directions(r, t, y);
+  int status = follow_directions(p, t, y);
+  if (status == NSDAE_OK && r->short_steps > SHORT_STEPS) status = nsdae_event_stop_slow(r, t, y);
   for (int e = 0; e < r->count; e++) {
     const nsdae_event_root *root = &r->entry[e];
     any |= root->found || root->state == NSDAE_ROOT_MASKED ||
@@ -300,6 +295,21 @@ int nsdae_event_watch_roots(nsdae_event_roots *r, double t, const double *y)
     if (root->kind == NSDAE_ROOT_NORMAL && is_held(p, root->index) && !root->found)
       root->found =
           fabs(p->setting->here->gap[root->index]) > nsdae_event_position_size(p->setting);
+    count += root->found;
+  }
+  return status < 0 ? status : count;
+}
+
+int nsdae_event_stop_slow(nsdae_event_roots *r, double t, const double *y)
+{
+  nsdae_event_phase *p = r->phase;
+  nsdae_event_move(p->setting, t, y);
+  const nsdae_terms *T = p->setting->here;
+  int count = 0, status = nsdae_terms_need(p->setting->here, NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS);
+  for (int i = 0; i < T->system->dims.k && status == NSDAE_OK; i++) {
+    nsdae_event_root *root = nsdae_event_root_of(r, NSDAE_ROOT_TANGENT, i);
+    if (root->state != NSDAE_ROOT_LIVE || !contact_rubs(p, i)) continue;
+    root->found |= nsdae_terms_slip(T, i, T->v) <= STOPPED * nsdae_event_velocity_size(p->setting);
     count += root->found;
   }
   return status < 0 ? status : count;

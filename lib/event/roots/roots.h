@@ -46,6 +46,7 @@ typedef struct nsdae_event_roots {
   int count;
   nsdae_event_root *entry; /* count: kind by kind */
   double *at;              /* n: y with the forces of its q and v */
+  int short_steps;         /* of the phase up to here */
 } nsdae_event_roots;
 
 void nsdae_event_roots_layout(nsdae_event_roots *roots, nsdae_arena *arena);
@@ -69,5 +70,9 @@ int nsdae_event_set_roots(nsdae_event_roots *roots, double t, const double *y, c
 /* After a step to t, y: turns the directions of sliding, makes those live that left zero, and marks
  * as found what fell below it or asks for an instant. Returns how many, or a status. */
 int nsdae_event_watch_roots(nsdae_event_roots *roots, double t, const double *y);
+
+/* Marks as found, of what slides and did so faster before, what hardly does at t, y: where its
+ * direction leads no further it has stopped. Returns how many, or a status. */
+int nsdae_event_stop_slow(nsdae_event_roots *roots, double t, const double *y);
 
 #endif
