@@ -214,6 +214,12 @@ static const nsdae_param entries[] = {
      0.3, 0, INFINITY, 0, NULL},
 };
 
+static const char *remark(const void *base)
+{
+  const crank_slider *p = base;
+  return p->P0 != 0 ? "the torque on the crank does work: the energy balance is what it did" : NULL;
+}
+
 static const nsdae_params table = {entries, (int)(sizeof entries / sizeof *entries)};
 static crank_slider parameters;
 
@@ -224,6 +230,7 @@ const driver_model crank_slider_model = {.name = "crank-slider",
                                          .t_end = 12,
                                          .build = build,
                                          .start = start,
+                                         .remark = remark,
                                          .bodies = bodies,
                                          .state = state,
                                          .coordinates = 1};

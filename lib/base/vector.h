@@ -49,6 +49,12 @@ static inline void nsdae_add(int n, double scale, const double *x, double *y)
   for (int i = 0; i < n; i++) y[i] += scale * x[i];
 }
 
+/* sum += to - from */
+static inline void nsdae_add_change(int n, const double *from, const double *to, double *sum)
+{
+  for (int i = 0; i < n; i++) sum[i] += to[i] - from[i];
+}
+
 /* to = from + scale x */
 static inline void nsdae_move(int n, const double *restrict from, double scale,
                               const double *restrict x, double *restrict to)

@@ -103,12 +103,7 @@ static int create(nsdae_stepper *s, void **own)
     connect(e, s);
     status = make(e);
   }
-  if (status == NSDAE_E_UNSUPPORTED)
-    return nsdae_error_set(s->error, status, "nsdae_sim_create", "method",
-                           "method event needs SUNDIALS, and this library was built without it "
-                           "(NSDAE_SUNDIALS=OFF)");
-  if (status < 0) nsdae_error_set(s->error, status, "nsdae_sim_create", "", "out of memory");
-  return status;
+  return nsdae_stepper_made(s, status, "event");
 }
 
 static void destroy(void *own)
@@ -161,11 +156,6 @@ static int restart(event *e, double t)
   return status < 0 ? status : start(e, t);
 }
 
-static void add_change(nsdae_result *r, double t, int contact, int slide, int before, int after)
-{
-  if (before != after) r->change[r->changes++] = (nsdae_change){t, contact, slide, before, after};
-}
-
 /* Whether a force that slides has met its pole: see nsdae_root_kind. Where it jumps from one end of
  * the doubles to the other, that looks like a contact that lets go. */
 static int jammed(event *e, double t)
@@ -206,18 +196,11 @@ static int go_through(event *e, double t)
   e->phase.modes.blur = fmax(blur_of(*e->base.idle, CHATTERS, 8), e->instant.impacts.blur);
   int status = restart(e, t);
   for (int i = 0; i < d->k && status == NSDAE_OK; i++)
-    add_change(r, t, i, -1, e->mode_before[i], m->contact[i]);
+    nsdae_result_change(r, t, i, -1, e->mode_before[i], m->contact[i]);
   for (int j = 0; j < d->f && status == NSDAE_OK; j++)
-    add_change(r, t, -1, j, e->slide_mode_before[j], m->slide[j]);
+    nsdae_result_change(r, t, -1, j, e->slide_mode_before[j], m->slide[j]);
   *e->base.idle += found && r->impacts + r->changes == before;
   return status;
-}
-
-/* Whether the lists of impacts and changes hold what one more instant may add. */
-static int room(const nsdae_result *r)
-{
-  const nsdae_dims *d = &r->end.system->dims;
-  return r->impacts + d->k <= r->impacts_max && r->changes + d->k + d->f <= r->changes_max;
 }
 
 /* From a state that this method did not lead to. */
@@ -337,7 +320,8 @@ static int run_to(event *e, double t_end)
 {
   nsdae_event_integrator *g = &e->integrator;
   int status = NSDAE_OK;
-  while (status == NSDAE_OK && e->reached < t_end && room(e->setting.result) && !too_many(e)) {
+  while (status == NSDAE_OK && e->reached < t_end && nsdae_result_room(e->setting.result) &&
+         !too_many(e)) {
     status = advance_from(e);
     if (status == NSDAE_OK)
       status = nsdae_stepper_goes_on(

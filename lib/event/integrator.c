@@ -15,10 +15,15 @@ static const double DEEP = 0.1;
 static const double SHORT = 1e-6;
 
 /* The callbacks of the integrators, and of the search for falls. */
-static int rate(double t, const double *state, double *ydot, void *user)
+static int rate(double t, const double *state, double *ydot, int whole, void *user)
 {
   nsdae_event_integrator *e = user;
-  return nsdae_event_account_rate(e->account, t, state, ydot);
+  return nsdae_event_account_rate(e->account, t, state, whole, ydot);
+}
+
+static int whole_rate(double t, const double *state, double *ydot, void *user)
+{
+  return rate(t, state, ydot, 1, user);
 }
 
 static int near(double t, const double *from, const double *state, double *ydot, void *user)
@@ -26,7 +31,8 @@ static int near(double t, const double *from, const double *state, double *ydot,
   nsdae_event_integrator *e = user;
   nsdae_event_phase *p = e->roots->phase;
   int status = nsdae_event_linearise(p, t, from);
-  int code = status < 0 ? nsdae_progress_code(status, p->setting->error) : rate(t, state, ydot, e);
+  int code =
+      status < 0 ? nsdae_progress_code(status, p->setting->error) : rate(t, state, ydot, 1, e);
   p->linear = 0;
   return code;
 }
@@ -75,7 +81,7 @@ int nsdae_event_integrator_make(nsdae_event_integrator *e)
 {
   const nsdae_event_setting *s = e->roots->phase->setting;
   const nsdae_ode_problem problem = {
-      .n = s->at.n + 2, .controlled = s->at.lambda, .rate = rate, .near = near, .user = e};
+      .n = s->at.n + 2, .controlled = s->at.lambda, .rate = whole_rate, .near = near, .user = e};
   int status = nsdae_ode_create(&problem, s->options->rtol, s->options->atol, &e->stiff);
   if (status == NSDAE_OK) nsdae_event_integrator_prepare(e);
   return status;

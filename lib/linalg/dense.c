@@ -106,7 +106,7 @@ static int lu_small(int n, double *A, int lda, int *pivot)
     for (int i = k + 1; i < n; i++) column[i] /= column[k];
     double *other = column + lda;
     for (int j = k + 1; j < n; j++, other += lda)
-      subtract(n - k - 1, other[k], column + k + 1, other + k + 1);
+      if (other[k] != 0) subtract(n - k - 1, other[k], column + k + 1, other + k + 1);
   }
   return 0;
 }

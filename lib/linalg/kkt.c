@@ -10,6 +10,7 @@
 #include <nsdae/status.h>
 
 #include "dense.h"
+#include "vector.h"
 
 /* Block size that LAPACK's QR gets workspace for. */
 enum { BLOCK = 32 };
@@ -269,6 +270,15 @@ void nsdae_kkt_solve_mass(const nsdae_kkt *kkt, double *r)
 {
   solve_root(kkt, 1, r, kkt->n);
   solve_root_transposed(kkt, 1, r, kkt->n);
+}
+
+/* J^T l is M x + J^T l' with x = 0: what is left of l' is least. */
+void nsdae_kkt_least_norm(const nsdae_kkt *kkt, const double *J, double *l, double *r)
+{
+  size_t n = (size_t)kkt->n, m = (size_t)kkt->m;
+  for (size_t j = 0; j < n; j++) r[j] = nsdae_dot(kkt->m, J + j * m, l);
+  memset(l, 0, m * sizeof *l);
+  nsdae_kkt_solve(kkt, 1, r, kkt->n, l, kkt->m);
 }
 
 /* The constraint that row a of Z is of. */

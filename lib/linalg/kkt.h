@@ -59,6 +59,9 @@ void nsdae_kkt_solve(const nsdae_kkt *kkt, int nrhs, double *R, int ldr, double 
 void nsdae_kkt_range(const nsdae_kkt *kkt, double *B);
 double nsdae_kkt_common(const nsdae_kkt *kkt, const double *B);
 
+/* l [m] := of least norm with the same J^T l; J as it was factored, r [n]: room. */
+void nsdae_kkt_least_norm(const nsdae_kkt *kkt, const double *J, double *l, double *r);
+
 /* r [n] := M^-1 r, as if there were no constraints. */
 void nsdae_kkt_solve_mass(const nsdae_kkt *kkt, double *r);
 

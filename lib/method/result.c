@@ -62,6 +62,30 @@ void nsdae_result_begin(nsdae_result *r, int impulses_follow)
   r->counters = (nsdae_counters){.rank = dims->m, .rank_kept = 1};
 }
 
+int nsdae_result_room(const nsdae_result *r)
+{
+  const nsdae_dims *d = &r->end.system->dims;
+  return r->impacts + d->k <= r->impacts_max && r->changes + d->k + d->f <= r->changes_max;
+}
+
+nsdae_impact *nsdae_result_impact(nsdae_result *r, double t, int contact, double before)
+{
+  int last = r->impacts - 1, at = r->impacts;
+  int full = r->impacts + 2 * r->end.system->dims.k >= r->impacts_max;
+  while (full && last >= 0 && (r->impact[last].contact != contact || r->impact[last].time != t))
+    last--;
+  if (full && last >= 0) return &r->impact[last];
+  for (; at > 0 && r->impact[at - 1].time > t; at--) r->impact[at] = r->impact[at - 1];
+  r->impacts++;
+  r->impact[at] = (nsdae_impact){.time = t, .contact = contact, .velocity_before = before};
+  return &r->impact[at];
+}
+
+void nsdae_result_change(nsdae_result *r, double t, int contact, int slide, int before, int after)
+{
+  if (before != after) r->change[r->changes++] = (nsdae_change){t, contact, slide, before, after};
+}
+
 int nsdae_result_grow(nsdae_result *r, const nsdae_room *contacts, const nsdae_room *rows)
 {
   int room = (int)contacts->entries;

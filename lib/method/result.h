@@ -54,6 +54,17 @@ void nsdae_count_factors(nsdae_counters *counters, const nsdae_kkt *kkt);
 /* Takes the arrays; system, differences and error of end and the sizes of memory are set before. */
 void nsdae_result_layout(nsdae_result *result, nsdae_arena *arena);
 
+/* Whether the lists hold what one more instant may add: an impact and a change of each contact. */
+int nsdae_result_room(const nsdae_result *result);
+
+/* A new impact of the contact, in order of time; or, after so many that only one for each contact
+ * and the next instant is left, that of the same contact and time. */
+nsdae_impact *nsdae_result_impact(nsdae_result *result, double t, int contact, double before);
+
+/* Of a contact or a slide, -1: of none; where there is one. */
+void nsdae_result_change(nsdae_result *result, double t, int contact, int slide, int before,
+                         int after);
+
 /* Of a system by blocks: room in its lists; NSDAE_OK or NSDAE_E_MEMORY. */
 int nsdae_result_grow(nsdae_result *result, const nsdae_room *contacts, const nsdae_room *rows);
 void nsdae_result_release(nsdae_result *result);

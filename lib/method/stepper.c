@@ -131,3 +131,14 @@ void nsdae_stepper_momentum(const nsdae_blocks *blocks, const double *M, const d
   for (int i = 0; i < n; i++) r[i] = h * F[i];
   nsdae_blocks_add_product(blocks, M, v, r);
 }
+
+int nsdae_stepper_made(const nsdae_stepper *s, int status, const char *method)
+{
+  if (status == NSDAE_OK) return status;
+  if (status == NSDAE_E_MEMORY)
+    return nsdae_error_set(s->error, status, "nsdae_sim_create", "", "out of memory");
+  return nsdae_error_set(s->error, status, "nsdae_sim_create", "method",
+                         "method %s needs SUNDIALS, and this library was built without it "
+                         "(NSDAE_SUNDIALS=OFF)",
+                         method);
+}

@@ -50,6 +50,10 @@ void nsdae_stepper_layout(nsdae_stepper *stepper, nsdae_arena *arena);
 /* The terms of a result belong to the same description. */
 void nsdae_stepper_prepare_terms(nsdae_stepper *stepper, nsdae_terms *terms);
 
+/* Why a method was not made, status: NSDAE_E_UNSUPPORTED without SUNDIALS, NSDAE_E_MEMORY; or
+ * NSDAE_OK, and it was. */
+int nsdae_stepper_made(const nsdae_stepper *stepper, int status, const char *method);
+
 /* Where the evaluations of the step from state into result are counted. */
 void nsdae_stepper_count(nsdae_stepper *stepper, const nsdae_state *state, nsdae_result *result);
 

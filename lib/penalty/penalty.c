@@ -64,7 +64,7 @@ static int create(nsdae_stepper *s, void **own)
 {
   penalty *p = calloc(1, sizeof *p);
   *own = p;
-  if (!p) return nsdae_error_set(s->error, NSDAE_E_MEMORY, "nsdae_sim_create", "", "out of memory");
+  if (!p) return nsdae_stepper_made(s, NSDAE_E_MEMORY, "penalty");
   p->equations.stepper = s;
   p->n = nsdae_penalty_size(&s->system->dims);
   const nsdae_ode_problem problem = {.n = p->n,
@@ -75,12 +75,7 @@ static int create(nsdae_stepper *s, void **own)
   int status = nsdae_arena_build(&p->arena, layout, p);
   if (status == NSDAE_OK)
     status = nsdae_ode_create(&problem, s->options->rtol, s->options->atol, &p->ode);
-  if (status == NSDAE_E_UNSUPPORTED)
-    return nsdae_error_set(s->error, status, "nsdae_sim_create", "method",
-                           "method penalty needs SUNDIALS, and this library was built without it "
-                           "(NSDAE_SUNDIALS=OFF)");
-  if (status < 0) return nsdae_error_set(s->error, status, "nsdae_sim_create", "", "out of memory");
-  return prepare(p);
+  return status < 0 ? nsdae_stepper_made(s, status, "penalty") : prepare(p);
 }
 
 static void destroy(void *own)

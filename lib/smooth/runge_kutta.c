@@ -6,6 +6,8 @@
 
 #include <nsdae/status.h>
 
+#include "vector.h"
+
 enum { STAGES = 7, REFUSALS = 100 };
 
 static const double c[STAGES] = {0, 0.2, 0.3, 0.8, 8.0 / 9, 1, 1};
@@ -46,8 +48,7 @@ void nsdae_runge_kutta_layout(nsdae_runge_kutta *rk, nsdae_arena *arena)
 /* The way of the positions, at the rates of where it is. */
 static void measure_way(nsdae_runge_kutta *rk)
 {
-  rk->way = 0;
-  for (int i = 0; i < rk->positions; i++) rk->way = fmax(rk->way, rk->max_step * fabs(rk->k[6][i]));
+  rk->way = rk->max_step * nsdae_largest(rk->positions, rk->k[6]);
 }
 
 /* ||x|| with the weights of y; NaN and overflow are as large as can be. */
@@ -55,27 +56,33 @@ static double norm(const nsdae_runge_kutta *rk, const double *x)
 {
   double sum = 0;
   for (int i = 0; i < rk->controlled; i++) {
-    double scale = i < rk->positions ? fmin(fabs(rk->y[i]), rk->way) : fabs(rk->y[i]);
+    double scale = fabs(rk->y[i]);
+    if (i < rk->positions && rk->way < scale) scale = rk->way;
     double part = x[i] / (rk->rtol * scale + rk->atol);
     sum += part * part;
   }
   return isfinite(sum) ? sqrt(sum / rk->controlled) : HUGE_VAL;
 }
 
-/* sum := sum_j weight_j k_j, of the first n */
+/* sum := sum_j weight_j k_j, of the first n, two terms at a time; the weight of k_2 is zero, and
+ * that may not be there, where n is all */
 static void combine(nsdae_runge_kutta *rk, int n, int count, const double *weight)
 {
-  double *sum = rk->sum;
-  for (int i = 0; i < n; i++) sum[i] = weight[0] * rk->k[0][i];
-  for (int j = 1; j < count; j++) {
-    const double w = weight[j], *k = rk->k[j];
-    for (int i = 0; i < n && w != 0; i++) sum[i] += w * k[i];
+  double *restrict sum = rk->sum;
+  const double *k = rk->k[0], *l = k, w = weight[0];
+  int j = count > 1 && weight[1] == 0 ? 2 : 1;
+  for (int i = 0; i < n; i++) sum[i] = w * k[i];
+  for (; j < count; j += 2) {
+    const double x = weight[j], y = j + 1 < count ? weight[j + 1] : 0;
+    k = rk->k[j];
+    if (y != 0) l = rk->k[j + 1];
+    for (int i = 0; i < n; i++) sum[i] = sum[i] + x * k[i] + y * l[i];
   }
 }
 
-static int rate(nsdae_runge_kutta *rk, double t, const double *y, double *ydot)
+static int rate(nsdae_runge_kutta *rk, double t, const double *y, int whole, double *ydot)
 {
-  return nsdae_progress_note(&rk->progress, rk->rate(t, y, ydot, rk->user));
+  return nsdae_progress_note(&rk->progress, rk->rate(t, y, ydot, whole, rk->user));
 }
 
 /* The first step's length (Hairer, Norsett and Wanner, II.4), with k[1] for f after a short one. */
@@ -84,9 +91,10 @@ static int first_step(nsdae_runge_kutta *rk)
   double size = norm(rk, rk->y), slope = norm(rk, rk->k[6]);
   double h = size < 1e-5 || slope < 1e-5 ? 1e-6 : 0.01 * size / slope;
   h = fmin(fmax(h, 64 * DBL_EPSILON * fabs(rk->t)), rk->max_step);
-  for (int i = 0; i < rk->n; i++) rk->trial[i] = rk->y[i] + h * rk->k[6][i];
-  int code = rate(rk, rk->t + h, rk->trial, rk->k[1]);
-  for (int i = 0; i < rk->n && code == 0; i++) rk->sum[i] = (rk->k[1][i] - rk->k[6][i]) / h;
+  nsdae_move(rk->controlled, rk->y, h, rk->k[6], rk->trial);
+  int code = rate(rk, rk->t + h, rk->trial, 0, rk->k[1]);
+  for (int i = 0; i < rk->controlled && code == 0; i++)
+    rk->sum[i] = (rk->k[1][i] - rk->k[6][i]) / h;
   double curve = code == 0 ? fmax(slope, norm(rk, rk->sum)) : HUGE_VAL;
   rk->h = fmin(rk->max_step, fmin(100 * h, curve <= 1e-15    ? fmax(1e-6, h * 1e-3)
                                            : isfinite(curve) ? pow(0.01 / curve, 0.2)
@@ -103,7 +111,7 @@ int nsdae_runge_kutta_start(nsdae_runge_kutta *rk, double t, const double *y)
   memcpy(rk->y, y, (size_t)rk->n * sizeof *y);
   for (int i = 0; i < 5; i++) memset(rk->dense[i], 0, (size_t)rk->n * sizeof *y);
   memcpy(rk->dense[0], y, (size_t)rk->n * sizeof *y);
-  if (rate(rk, t, rk->y, rk->k[6]) != 0) return NSDAE_E_CALLBACK;
+  if (rate(rk, t, rk->y, 1, rk->k[6]) != 0) return NSDAE_E_CALLBACK;
   measure_way(rk);
   return first_step(rk);
 }
@@ -117,8 +125,8 @@ static int stages(nsdae_runge_kutta *rk, double h)
     int last = s == STAGES - 1, n = last ? rk->n : rk->controlled; /* what f depends on */
     if (last) memcpy(rk->dense[4], rk->trial, (size_t)rk->controlled * sizeof *rk->sum);
     combine(rk, n, s, a[s]);
-    for (int i = 0; i < n; i++) rk->trial[i] = rk->y[i] + h * rk->sum[i];
-    code = rate(rk, rk->t + c[s] * h, rk->trial, rk->k[s]);
+    nsdae_move(n, rk->y, h, rk->sum, rk->trial);
+    code = rate(rk, rk->t + c[s] * h, rk->trial, s != 1, rk->k[s]); /* k_2 has no weight in y_1 */
   }
   return code;
 }

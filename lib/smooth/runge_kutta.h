@@ -22,8 +22,8 @@ typedef struct nsdae_runge_kutta {
       controlled; /* the error's estimate is of the first of y; f does not depend on the others */
   int positions;  /* how many there are, or 0 */
   double rtol, atol, max_step;
-  /* 0 done, > 0 try a smaller step, < 0 give up */
-  int (*rate)(double t, const double *y, double *ydot, void *user);
+  /* 0 done, > 0 try a smaller step, < 0 give up; whole: not only of what is controlled */
+  int (*rate)(double t, const double *y, double *ydot, int whole, void *user);
   void *user;
   double t, h, last;   /* where it is; the next step; the last one, which the extension is of */
   double *y;           /* n: at t */

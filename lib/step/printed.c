@@ -44,11 +44,10 @@ static int create(nsdae_stepper *s, void **own)
 {
   printed *p = calloc(1, sizeof *p);
   *own = p;
-  if (!p) return nsdae_error_set(s->error, NSDAE_E_MEMORY, "nsdae_sim_create", "", "out of memory");
+  if (!p) return nsdae_stepper_made(s, NSDAE_E_MEMORY, "implicit-printed");
   p->stepper = s;
   p->newmark = (nsdae_newmark){.system = s->system, .error = s->error};
-  if (nsdae_arena_build(&p->arena, layout, p) == NSDAE_OK) return NSDAE_OK;
-  return nsdae_error_set(s->error, NSDAE_E_MEMORY, "nsdae_sim_create", "", "out of memory");
+  return nsdae_stepper_made(s, nsdae_arena_build(&p->arena, layout, p), "implicit-printed");
 }
 
 static void destroy(void *own)

@@ -307,9 +307,9 @@ const char *nsdae_system_unseen(nsdae_system *system)
       {"force: its values and signs", system->call.force != NULL},
       {"constraint: whether it is the one that is meant", system->call.constraint != NULL},
       {"gap: whether it is the distance, its sign and its unit", system->call.gap != NULL},
-      {"gap_tangent: the sign of all arms of a body, a constant in them, but for what the last "
-       "check doubts; length "
-       "and right angles of its directions where no body moves freely in M",
+      {"gap_tangent: of its arms and signs those of all arms of a body together, and a constant in "
+       "them, but for what the last check doubts; length and right angles of its directions where "
+       "no body moves freely in M",
        system->call.gap_tangent != NULL},
       {"contact_bias: w_t", moves && system->dims.nt > 0},
       {"contact_bias, which is not given: that nothing that is touched moves along by itself",

@@ -194,6 +194,8 @@ int nsdae_tangent_wrong(const nsdae_contact_directions *c, int j, double tol,
 int nsdae_gap_scaled(const directions *c, double tol, char why[NSDAE_TANGENT_TEXT])
 {
   char called[NSDAE_CALLED_SIZE];
+  for (int of = 0; of < c->nv; of++) /* as long as one body says: others are no translations, as */
+    if (translates(c, of, tol)) return 0; /* small rotations, whose arms do not change */
   for (int of = 0; of < c->nv; of++) {
     if (c->set[of] != of) continue;
     double here = sqrt(along(c, of, c->normal, c->normal));

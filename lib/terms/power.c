@@ -47,25 +47,18 @@ static int mass_ahead(nsdae_power *p, const nsdae_terms *T, const double *qdot, 
   return nsdae_system_callback_status(code, "mass", T->t, T->error);
 }
 
-/* v^T M b */
-static double product(int n, const double *v, const double *M, const double *b)
-{
-  double sum = 0;
-  for (int j = 0; j < n; j++, M += n) sum += nsdae_dot(n, v, M) * b[j];
-  return sum;
-}
-
 int nsdae_power_rate(nsdae_power *p, const nsdae_terms *T, const double *a, const double *qdot,
                      double *rate)
 {
-  int n = T->system->dims.nv;
-  const double *v = T->v;
-  *rate = product(n, v, T->M, a);
-  if (stands_still(p, T)) return NSDAE_OK;
-  double s;
-  int status = mass_ahead(p, T, qdot, &s);
-  for (size_t i = 0; i < (size_t)n * (size_t)n; i++) p->M[i] -= T->M[i];
-  *rate += product(n, v, p->M, v) / (2 * s);
-  if (status < 0 || isfinite(*rate)) return status;
+  int n = T->system->dims.nv, moves = !stands_still(p, T);
+  const double *v = T->v, *M = T->M, *ahead = moves ? p->M : T->M;
+  double s = 1, sum = 0;
+  int status = moves ? mass_ahead(p, T, qdot, &s) : NSDAE_OK;
+  for (int j = 0; j < n; j++, M += n, ahead += n) {
+    double turns = v[j] / (2 * s);
+    for (int i = 0; i < n; i++) sum += v[i] * (M[i] * a[j] + (ahead[i] - M[i]) * turns);
+  }
+  *rate = sum;
+  if (status < 0 || isfinite(sum) || !moves) return status;
   return nsdae_system_finite(T->system, p->M, n, n, "mass", T->t, T->error);
 }

@@ -391,6 +391,23 @@ int nsdae_kinematics_at(const nsdae_terms *T, const double *v, double *qdot)
   return refuse(T, code, "kinematics", qdot, nq, 1);
 }
 
+int nsdae_terms_finite(const nsdae_terms *T, const char *what, int kind, const double *a)
+{
+  int n = nsdae_system_count(T->system, kind);
+  for (int i = 0; i < n; i++) {
+    if (isfinite(a[i])) continue;
+    nsdae_error_set(
+        T->error, NSDAE_E_NONFINITE, "nsdae_terms", what,
+        "%s %d is %g at t = %.17g: a callback gives numbers near the largest there are, "
+        "or mass and forces are too far apart",
+        what, i, a[i], T->t);
+    T->error->time = T->t;
+    nsdae_system_name_item(T->system, kind, i, T->error);
+    return NSDAE_E_NONFINITE;
+  }
+  return NSDAE_OK;
+}
+
 double nsdae_terms_energy(const nsdae_terms *terms, const double *v)
 {
   return nsdae_blocks_square(&terms->system->blocks, terms->M, v) / 2;

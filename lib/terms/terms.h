@@ -106,6 +106,10 @@ static inline int nsdae_terms_need(nsdae_terms *terms, unsigned which)
  * that. With p = 10^4, NSDAE_E_MASS names the first two that differ by more. */
 int nsdae_terms_symmetric(const nsdae_terms *terms);
 
+/* NSDAE_OK, or NSDAE_E_NONFINITE with the record, where `what`, one for each of a kind (enum
+ * nsdae_name_kind), computed at the point, is not finite. */
+int nsdae_terms_finite(const nsdae_terms *terms, const char *what, int kind, const double *a);
+
 /* W_i^T v + w_i: the velocity along row i of those by blocks, or with omega in place of w and an
  * acceleration in place of v, its rate. */
 static inline double nsdae_terms_rate(const nsdae_terms *T, const nsdae_rows *rows, const double *w,

@@ -13,7 +13,7 @@ Options of solve() and Sim(), each with its range; METHODS says what the methods
 
 from . import _core
 from ._bodies import GROUND, Bodies, Solid
-from ._errors import ArgumentError, CallbackError, Error, ProblemError, Status
+from ._errors import ArgumentError, CallbackError, Error, ProblemError, RunWarning, Status
 from ._lists import CONTACT, ContactList, RowList, contact_add, row_add
 from ._pointers import cfunc, signature
 from ._problems import FrictionResult, LcpResult, friction, friction_local, lcp
@@ -29,7 +29,7 @@ __doc__ += "".join(f"    {key:<18}{what}{f' [{unit}]' if unit not in ('', '1') e
                    for key, unit, what, values in _core.OPTIONS)
 
 __all__ = ["ArgumentError", "Bodies", "CONTACT", "CallbackError", "ContactList", "Dims", "Error", "FrictionResult",
-           "GROUND", "LcpProblem", "LcpResult", "METHODS", "OPEN", "ProblemError", "Record", "RowList", "SLIDE",
-           "STICK", "Shape", "Sim", "Solid", "Status", "Sweep", "System", "Trajectory", "Worst", "build_info",
+           "GROUND", "LcpProblem", "LcpResult", "METHODS", "OPEN", "ProblemError", "Record", "RowList", "RunWarning",
+           "SLIDE", "STICK", "Shape", "Sim", "Solid", "Status", "Sweep", "System", "Trajectory", "Worst", "build_info",
            "cfunc", "contact_add", "friction", "friction_local", "lcp", "load", "load_sweep", "row_add", "signature", "solve",
            "sweep"]

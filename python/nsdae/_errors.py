@@ -44,6 +44,11 @@ class ProblemError(Error):
     """A complementarity or friction problem was not solved, or has no solution; .problem has it."""
 
 
+class RunWarning(UserWarning):
+    """What a run is warned of: energy, overlap or drift beyond what the method explains, directions of friction that
+    are not those of the gap. The run goes on."""
+
+
 class CallbackError(Error):
     """A callback raised the exception in __cause__."""
 

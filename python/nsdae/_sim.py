@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import Any, Iterator
 
 import numpy as np
 
 from . import _core
 from ._bodies import Bodies
-from ._errors import Error, Status
+from ._errors import Error, RunWarning, Status
 from ._records import LcpProblem, Record
 from ._system import System, vector
 from ._trajectory import Shape, Trajectory, names_of
@@ -41,9 +42,10 @@ class Sim:
         self.system = system
         self._core = _core.Sim(system._core, _texts(options))
 
-    def init(self, q0: Any, v0: Any = None, t0: float = 0) -> None:
-        """Starts at t0 with q0 [nq] and v0 [nv] (default: at rest), which must satisfy the constraints."""
-        self._core.init(float(t0), *self._start(q0, v0))
+    def init(self, q0: Any, v0: Any = None, t0: float = 0) -> Status:
+        """Starts at t0 with q0 [nq] and v0 [nv] (default: at rest), which must satisfy the constraints: OK, or
+        WARN_DIRECTIONS (the first step or run says it again)."""
+        return Status(self._core.init(float(t0), *self._start(q0, v0)))
 
     def _start(self, q0: Any, v0: Any) -> tuple[np.ndarray, np.ndarray]:
         d = self.system.dims
@@ -143,10 +145,13 @@ class Sim:
 
     def record_run(self, t_end: float, every: int = 1, *, model: str = "", parameters: dict[str, Any] | None = None,
                    shapes: list[Shape] | None = None) -> Trajectory:
-        """Steps to t_end and returns the records: the first one now, each every-th step, and the last."""
+        """Steps to t_end and returns the records: the first one now, each every-th step, and the last.
+        Warns (RunWarning) of what the method does not explain."""
         status = "complete"
         try:
             self._core.record_run(float(t_end), every)
+            if said := self._core.said():
+                warnings.warn(said, RunWarning, stacklevel=3)  # where solve() or its like was called
         except Error as error:
             self._complete(error)
             error.trajectory = self._trajectory("failed", model, parameters, shapes)
@@ -176,7 +181,7 @@ def solve(system: System | Bodies, t_end: float, q0: Any = None, v0: Any = None,
 
     Raises ArgumentError, CallbackError (its __cause__ is what the callback raised), ProblemError (.problem has the
     complementarity problem) and Error, each with .record, the state before the step that failed, and .trajectory, what
-    there is until then. Ctrl-C ends the run with KeyboardInterrupt.
+    there is until then. RunWarning says what the method does not explain. Ctrl-C ends the run with KeyboardInterrupt.
     """
     if isinstance(system, Bodies):
         shapes = system.shapes() if shapes is None else shapes

@@ -215,7 +215,7 @@ void sim::check_size(const char *name, vector a, int n) const
                               " numbers, not " + std::to_string(n));
 }
 
-void sim::init(double t0, vector q0, vector v0)
+int sim::init(double t0, vector q0, vector v0)
 {
   check_size("q0", q0, dims.nq);
   check_size("v0", v0, dims.nv);
@@ -224,7 +224,14 @@ void sim::init(double t0, vector q0, vector v0)
     nb::gil_scoped_release free;
     status = nsdae_sim_init(handle, t0, q0.data(), v0.data());
   }
-  checked(status);
+  return checked(status);
+}
+
+// What the last call was warned of; "" of nothing.
+std::string sim::said() const
+{
+  const nsdae_error *e = nsdae_sim_error(handle);
+  return e->status > 0 ? e->text : "";
 }
 
 nb::tuple sim::project(double t0, vector q0, vector v0)
@@ -495,6 +502,7 @@ void bind_sim(nb::module_ &m)
   nb::class_<sim>(m, "Sim", nb::type_slots(slots))
       .def(nb::init<nb::object, nb::dict>())
       .def("init", &sim::init)
+      .def("said", &sim::said)
       .def("project", &sim::project)
       .def("step", &sim::step)
       .def("run", &sim::run)

@@ -72,7 +72,8 @@ public:
   sim(const sim &) = delete;
   sim &operator=(const sim &) = delete;
 
-  void init(double t0, vector q0, vector v0);
+  int init(double t0, vector q0, vector v0);
+  std::string said() const;
   nb::tuple project(double t0, vector q0, vector v0);
   int step();
   int run(double t_end, bool to_event);

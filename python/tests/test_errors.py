@@ -6,6 +6,7 @@ import subprocess
 import sys
 import threading
 import time
+import warnings
 
 import numpy as np
 import pytest
@@ -135,3 +136,31 @@ def test_failures_of_two_threads_stay_apart():
     for thread in threads:
         thread.join()
     assert said == {"one": "one", "two": "two"}
+
+
+def test_what_a_run_is_warned_of():
+    """A rod falls on its ends; the directions of friction are twice as long as they should be."""
+    def mass(t, q, M):
+        M[0, 0] = M[1, 1] = 1
+        M[2, 2] = 1 / 12
+
+    def force(t, q, v, F):
+        F[1] = -9.81
+
+    def gap(t, q, g):
+        g[0] = q[1] - np.cos(q[2]) / 2
+
+    def rod(length):
+        def tangent(t, q, W):
+            W[0, 0] = length
+            W[2, 0] = length * np.cos(q[2]) / 2
+        return nsdae.System(nq=3, k=1, nt=1, mu=0.3, mass=mass, force=force, gap=gap, gap_tangent=tangent)
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        nsdae.solve(rod(1), 0.1, [0, 1, 0.7])
+    with pytest.warns(nsdae.RunWarning, match="has length 2 along the translations"):
+        nsdae.solve(rod(2), 0.1, [0, 1, 0.7])
+    sim = nsdae.Sim(rod(2))
+    assert sim.init([0, 1, 0.7]) == nsdae.Status.WARN_DIRECTIONS
+    assert sim.run(0.1) == nsdae.Status.WARN_DIRECTIONS

@@ -1,5 +1,6 @@
 /* One body, stepped: what a step costs, in instructions, is counted by valgrind (cost.sh), for
  * which it is to do nothing else. It goes with the library of any version that has these calls. */
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -7,18 +8,18 @@
 #include <nsdae/nsdae.h>
 
 /* A planar body (x, y, angle) in the air, at rest on a rough floor, sliding on it; a ball that
- * bounces (y alone); a pendulum in absolute coordinates (x, y). */
-enum { FALLING, CLOSED, SLIDING, BALL, PENDULUM, SCENES };
-static const char *const names[SCENES] = {"falling", "closed", "sliding", "ball", "pendulum"};
-static const nsdae_dims dims[SCENES] = {{.nq = 3, .k = 1, .nt = 1},
-                                        {.nq = 3, .k = 1, .nt = 1},
-                                        {.nq = 3, .k = 1, .nt = 1},
-                                        {.nq = 1, .k = 1},
-                                        {.nq = 2, .m = 1}};
-static const double q0[SCENES][3] = {{0, 1e5}, {0}, {0}, {1}, {1, 0}};
-static const double v0[SCENES][3] = {{0}, {0}, {1e6}, {0}, {0}};
+ * bounces (y alone); a pendulum in absolute coordinates (x, y); the body in the air again, turning,
+ * with the coordinates of a point at c from its centre: its mass moves. */
+enum { FALLING, CLOSED, SLIDING, BALL, PENDULUM, TURNING, SCENES };
+static const char *const names[SCENES] = {"falling", "closed",   "sliding",
+                                          "ball",    "pendulum", "turning"};
+static const nsdae_dims dims[SCENES] = {{.nq = 3, .k = 1, .nt = 1}, {.nq = 3, .k = 1, .nt = 1},
+                                        {.nq = 3, .k = 1, .nt = 1}, {.nq = 1, .k = 1},
+                                        {.nq = 2, .m = 1},          {.nq = 3}};
+static const double q0[SCENES][3] = {{0, 1e5}, {0}, {0}, {1}, {1, 0}, {0}};
+static const double v0[SCENES][3] = {{0}, {0}, {1e6}, {0}, {0}, {0, 0, 5}};
 
-static const double gravity = 9.81, dt = 1e-3;
+static const double gravity = 9.81, dt = 1e-3, c = 0.2;
 
 typedef struct scene {
   int n, height; /* coordinates, the one that is the height */
@@ -41,6 +42,26 @@ static int force(double t, const double *q, const double *v, double *F, void *us
   (void)q;
   (void)v;
   F[s->height] = -gravity;
+  return 0;
+}
+
+/* The centre is at (x, y) + c (cos, sin). */
+static int turning_mass(double t, const double *q, double *M, int ldm, void *user)
+{
+  mass(t, q, M, ldm, user);
+  M[2] = M[2 * ldm] = -c * sin(q[2]);
+  M[2 + ldm] = M[1 + 2 * ldm] = c * cos(q[2]);
+  M[2 + 2 * ldm] += c * c;
+  return 0;
+}
+
+static int turning_force(double t, const double *q, const double *v, double *F, void *user)
+{
+  (void)t;
+  (void)user;
+  F[0] = c * v[2] * v[2] * cos(q[2]);
+  F[1] = c * v[2] * v[2] * sin(q[2]) - gravity;
+  F[2] = -c * gravity * cos(q[2]);
   return 0;
 }
 
@@ -126,14 +147,14 @@ static int bias(double t, const double *q, const double *v, double *phi_t, doubl
   return 0;
 }
 
-static nsdae_system *make(const nsdae_dims *d, scene *s)
+static nsdae_system *make(const nsdae_dims *d, scene *s, int turning)
 {
   nsdae_system *system;
   if (nsdae_system_create(d, &system, NULL) < 0) return NULL;
   nsdae_system_set_user(system, s);
-  nsdae_system_set_mass(system, mass);
-  nsdae_system_set_force(system, force);
-  nsdae_system_set_potential(system, potential);
+  nsdae_system_set_mass(system, turning ? turning_mass : mass);
+  nsdae_system_set_force(system, turning ? turning_force : force);
+  if (!turning) nsdae_system_set_potential(system, potential);
   if (d->k > 0) {
     nsdae_system_set_gap(system, gap);
     nsdae_system_set_gap_normal(system, normal);
@@ -174,11 +195,12 @@ int main(int argc, char **argv)
   int which = 0;
   while (which < SCENES && argc > 1 && strcmp(argv[1], names[which]) != 0) which++;
   if (argc != 4 || which == SCENES) {
-    fprintf(stderr, "usage: %s falling|closed|sliding|ball|pendulum METHOD STEPS\n", argv[0]);
+    fprintf(stderr, "usage: %s falling|closed|sliding|ball|pendulum|turning METHOD STEPS\n",
+            argv[0]);
     return 2;
   }
   scene s = {dims[which].nq, which == BALL ? 0 : 1};
-  nsdae_system *system = make(&dims[which], &s);
+  nsdae_system *system = make(&dims[which], &s, which == TURNING);
   int failed = !system || run(system, argv[2], which, atoi(argv[3]));
   nsdae_system_destroy(&system);
   return failed;

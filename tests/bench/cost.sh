@@ -4,7 +4,7 @@
 #
 # OLD: cost.c compiled and linked with another build, as in
 #   git worktree add /tmp/old COMMIT && cmake --preset release -S /tmp/old -B /tmp/old/build && cmake --build /tmp/old/build
-#   cc -O2 -I/tmp/old/include tests/bench/cost.c -o /tmp/cost -L/tmp/old/build/lib -lnsdae -Wl,-rpath,/tmp/old/build/lib
+#   cc -O2 -I/tmp/old/include tests/bench/cost.c -o /tmp/cost -L/tmp/old/build/lib -lnsdae -lm -Wl,-rpath,/tmp/old/build/lib
 set -eu
 old=$1 new=$2
 shift 2
@@ -21,7 +21,7 @@ instructions() {
 
 printf "%-17s %-9s %9s %9s  ratio\n" method scene old new
 for method in "$@"; do
-  for scene in falling closed sliding ball pendulum; do
+  for scene in falling closed sliding ball pendulum turning; do
     before=$(instructions "$old" $scene "$method")
     after=$(instructions "$new" $scene "$method")
     awk -v m="$method" -v s="$scene" -v a="$before" -v b="$after" \

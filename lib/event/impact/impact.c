@@ -195,30 +195,14 @@ static int settle(nsdae_event_impacts *p, const double *before)
   return again;
 }
 
-/* A new record; or, after so many that only one for each contact and the next instant is left, that
- * of the same contact in this instant. In order of time: the end of an accumulation comes later. */
-static nsdae_impact *place_for(nsdae_event_impacts *p, int contact, double t)
-{
-  nsdae_result *r = p->acceleration->phase->setting->result;
-  int last = r->impacts - 1, at = r->impacts;
-  int full = r->impacts + 2 * p->problem.system->dims.k >= r->impacts_max;
-  while (full && last >= 0 && (r->impact[last].contact != contact || r->impact[last].time != t))
-    last--;
-  if (full && last >= 0) return &r->impact[last];
-  for (; at > 0 && r->impact[at - 1].time > t; at--) r->impact[at] = r->impact[at - 1];
-  r->impacts++;
-  r->impact[at] =
-      (nsdae_impact){.time = t, .contact = contact, .velocity_before = p->velocity[contact]};
-  return &r->impact[at];
-}
-
 static void record(nsdae_event_impacts *p, int i)
 {
   const nsdae_impulses *c = &p->solution;
   const nsdae_event_accumulation *a = &p->accumulation;
   int nt = p->problem.system->dims.nt, ends = a->settles[i];
-  double t = p->acceleration->phase->setting->here->t;
-  nsdae_impact *impact = place_for(p, i, ends ? t + a->rest : t);
+  const nsdae_event_setting *s = p->acceleration->phase->setting;
+  nsdae_impact *impact =
+      nsdae_result_impact(s->result, s->here->t + (ends ? a->rest : 0), i, p->velocity[i]);
   impact->normal_impulse += c->normal[i] + a->normal[i];
   impact->velocity_after = ends ? 0 : c->after[i];
   impact->accumulation |= ends;
@@ -264,11 +248,12 @@ static int impact(nsdae_event_impacts *p, double *y)
   approach(p);
   int status = restitute(p, v);
   if (status == NSDAE_OK) status = settle(p, v);
-  if (status == NSDAE_OK) status = nsdae_event_finite(s, "velocity", NSDAE_NAME_VELOCITY, p->v);
   if (status == NSDAE_OK)
-    status = nsdae_event_finite(s, "impulse", NSDAE_NAME_CONTACT, p->solution.normal);
+    status = nsdae_terms_finite(s->here, "velocity", NSDAE_NAME_VELOCITY, p->v);
   if (status == NSDAE_OK)
-    status = nsdae_event_finite(s, "multiplier", NSDAE_NAME_CONSTRAINT, p->multiplier);
+    status = nsdae_terms_finite(s->here, "impulse", NSDAE_NAME_CONTACT, p->solution.normal);
+  if (status == NSDAE_OK)
+    status = nsdae_terms_finite(s->here, "multiplier", NSDAE_NAME_CONSTRAINT, p->multiplier);
   if (status < 0) return status;
   keep(p);
   s->result->gain += nsdae_terms_energy(T, p->v) - nsdae_terms_energy(T, v);

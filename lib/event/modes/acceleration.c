@@ -114,9 +114,10 @@ static int solve(nsdae_event_acceleration *p)
   nsdae_kkt_solve(s->kkt, 1, p->a, n, p->lambda, m);
   nsdae_kkt_solve_mass(s->kkt, p->size);
   int status = nsdae_event_solve(s, &p->problem, &T, p->size, p->a, p->lambda);
-  if (status == NSDAE_OK) status = nsdae_event_finite(s, "acceleration", NSDAE_NAME_VELOCITY, p->a);
+  if (status == NSDAE_OK)
+    status = nsdae_terms_finite(s->here, "acceleration", NSDAE_NAME_VELOCITY, p->a);
   return status < 0 ? status
-                    : nsdae_event_finite(s, "multiplier", NSDAE_NAME_CONSTRAINT, p->lambda);
+                    : nsdae_terms_finite(s->here, "multiplier", NSDAE_NAME_CONSTRAINT, p->lambda);
 }
 
 static int tell_paradox(const nsdae_event_setting *s, int contact, double t, const char *what,

@@ -2,15 +2,10 @@
 
 #include <math.h>
 
+#include "direction.h"
 #include "relaxation.h"
 
 enum { DIRECTIONS = 20 };
-
-void nsdae_event_point_against(double *direction, int nt, const double *force)
-{
-  double size = nsdae_norm(nt, force);
-  for (int l = 0; l < nt; l++) direction[l] = size > 0 ? -force[l] / size : 0;
-}
 
 static double slip_rate(const nsdae_contacts *c, int i)
 {
@@ -29,7 +24,7 @@ static int resting_mode(nsdae_event_acceleration *p, int a)
   if (nt == 2 && mode == NSDAE_MODE_STICK &&
       hypot(force[0], force[1]) > c->system->contact[i].mu * c->results->normal[i])
     mode = NSDAE_MODE_SLIDE; /* outside the cone though inside the polygon around it */
-  if (mode == NSDAE_MODE_SLIDE) nsdae_event_point_against(direction, nt, force);
+  if (mode == NSDAE_MODE_SLIDE) nsdae_direction_against(direction, nt, force);
   if (mode == NSDAE_MODE_SLIDE && nt == 2) {
     double speed = slip_rate(c, i);
     for (int l = 0; l < nt && speed > nsdae_event_acceleration_size(p); l++)
@@ -190,7 +185,7 @@ static void read_cones(nsdae_event_acceleration *p)
       continue;
     m->contact[i] = slip_rate(c, i) > size ? NSDAE_MODE_SLIDE : NSDAE_MODE_STICK;
     if (m->contact[i] == NSDAE_MODE_SLIDE)
-      nsdae_event_point_against(m->direction + 2 * i, 2, c->results->tangential + 2 * i);
+      nsdae_direction_against(m->direction + 2 * i, 2, c->results->tangential + 2 * i);
   }
 }
 

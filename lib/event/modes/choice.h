@@ -9,7 +9,4 @@
  * of the problem, with the record. */
 int nsdae_event_choose_modes(nsdae_event_acceleration *acceleration, int impacted);
 
-/* direction [nt] := -force / |force|, or 0. */
-void nsdae_event_point_against(double *direction, int nt, const double *force);
-
 #endif

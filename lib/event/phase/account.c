@@ -37,18 +37,15 @@ static double friction_power(const nsdae_event_phase *p, const double *y)
 static int least_norm(nsdae_event_account *a, double *lambda)
 {
   nsdae_event_setting *s = a->phase->setting;
-  const nsdae_dims *d = &s->system->dims;
   if (!*a->phase->modes.redundant) return NSDAE_OK;
   int status = nsdae_event_factor(s);
-  if (status < 0) return status;
-  memset(a->reaction, 0, (size_t)d->nv * sizeof *a->reaction);
-  nsdae_add_transposed(d->m, d->nv, 1, s->here->by.jacobian.value, lambda, a->reaction);
-  memset(lambda, 0, (size_t)d->m * sizeof *lambda);
-  nsdae_kkt_solve(s->kkt, 1, a->reaction, d->nv, lambda, d->m);
-  return NSDAE_OK;
+  if (status == NSDAE_OK)
+    nsdae_kkt_least_norm(s->kkt, s->here->by.jacobian.value, lambda, a->reaction);
+  return status;
 }
 
-int nsdae_event_account_rate(nsdae_event_account *a, double t, const double *z, double *rate)
+int nsdae_event_account_rate(nsdae_event_account *a, double t, const double *z, int integrals,
+                             double *rate)
 {
   nsdae_event_phase *p = a->phase;
   const nsdae_event_places *at = &p->setting->at;
@@ -56,20 +53,15 @@ int nsdae_event_account_rate(nsdae_event_account *a, double t, const double *z, 
   memcpy(y, z, (size_t)at->lambda * sizeof *z);
   int status = nsdae_event_forces(p, t, y);
   if (status == NSDAE_OK) status = nsdae_kinematics_at(p->setting->here, y + at->v, rate);
-  if (status == NSDAE_OK)
+  if (status == NSDAE_OK && integrals)
     status = nsdae_power_rate(&a->power, p->setting->here, p->x, rate, &rate[at->n + 1]);
-  if (status == NSDAE_OK) status = least_norm(a, y + at->lambda);
+  if (status == NSDAE_OK && integrals) status = least_norm(a, y + at->lambda);
   if (status < 0) return nsdae_progress_code(status, p->setting->error);
   memcpy(rate + at->v, p->x, (size_t)(at->lambda - at->v) * sizeof *rate);
+  if (!integrals) return 0;
   memcpy(rate + at->lambda, y + at->lambda, (size_t)(at->n - at->lambda) * sizeof *rate);
   rate[at->n] = friction_power(p, y);
   return 0;
-}
-
-/* sum += to - from */
-static void add_change(int n, const double *from, const double *to, double *sum)
-{
-  for (int i = 0; i < n; i++) sum[i] += to[i] - from[i];
 }
 
 void nsdae_event_account_phase(const nsdae_event_account *a, const double *from, const double *to)
@@ -79,10 +71,10 @@ void nsdae_event_account_phase(const nsdae_event_account *a, const double *from,
   const nsdae_dims *d = &s->system->dims;
   nsdae_result *r = s->result;
   nsdae_impulses *sum = &r->impulses;
-  add_change(d->m, from + at->lambda, to + at->lambda, r->multiplier);
-  add_change(d->k, from + at->normal, to + at->normal, sum->normal);
-  add_change(d->k * d->nt, from + at->tangential, to + at->tangential, sum->tangential);
-  add_change(d->f, from + at->slide, to + at->slide, sum->slide_impulse);
+  nsdae_add_change(d->m, from + at->lambda, to + at->lambda, r->multiplier);
+  nsdae_add_change(d->k, from + at->normal, to + at->normal, sum->normal);
+  nsdae_add_change(d->k * d->nt, from + at->tangential, to + at->tangential, sum->tangential);
+  nsdae_add_change(d->f, from + at->slide, to + at->slide, sum->slide_impulse);
   r->work += to[at->n] - from[at->n];
   r->gain += *a->phase->modes.is_stiff ? NAN : to[at->n + 1] - from[at->n + 1];
   r->turnover += fabs(to[at->n + 1] - from[at->n + 1]);

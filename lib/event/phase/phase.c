@@ -3,6 +3,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "direction.h"
+
 #define AT(A, n, i, j) (A)[(size_t)(j) * (size_t)(n) + (size_t)(i)]
 
 /* What stands in the row of a force. */
@@ -67,35 +69,15 @@ double nsdae_event_stick_margin(const nsdae_event_phase *p, const double *y, int
          nsdae_norm(nt, y + at->tangential + i * nt);
 }
 
-/* u = v_T, but along the direction of last at least the size of a velocity: then u / |u| goes
- * smoothly through the stop, where the root function d . v_T ends the phase. Returns what was
- * added.
- */
-static double slip_ahead(const nsdae_event_phase *p, int i, const double *v_t, double *u)
-{
-  const double *last = p->modes.direction + 2 * i;
-  double more = fmax(p->modes.slow - last[0] * v_t[0] - last[1] * v_t[1], 0);
-  for (int l = 0; l < 2; l++) u[l] = v_t[l] + more * last[l];
-  return more;
-}
-
-/* Unit vector of sliding, with two directions u / |u|; linear around u it is
- * d + (1 - d d^T) du / |u|. */
 static void sliding_direction(const nsdae_event_phase *p, const nsdae_terms *T, int i, double *d)
 {
   int nt = T->system->dims.nt;
-  const double *last = p->modes.direction + i * nt, *base = p->slip + i * nt;
-  double v_t[2], u[2], du[2], along = 0;
+  const double *last = p->modes.direction + i * nt;
+  double v_t[2];
   for (int l = 0; l < nt; l++) d[l] = last[l];
   if (nt < 2 || (last[0] == 0 && last[1] == 0)) return;
   for (int l = 0; l < 2; l++) v_t[l] = nsdae_terms_tangent_rate(T, 2 * i + l, T->v);
-  double more = slip_ahead(p, i, p->linear ? base : v_t, u), size = hypot(u[0], u[1]);
-  for (int l = 0; l < 2; l++) d[l] = u[l] / size;
-  if (!p->linear) return;
-  for (int l = 0; l < 2; l++) du[l] = v_t[l] - base[l];
-  double lost = more > 0 ? last[0] * du[0] + last[1] * du[1] : 0;
-  for (int l = 0; l < 2; l++) along += d[l] * (du[l] - lost * last[l]);
-  for (int l = 0; l < 2; l++) d[l] += (du[l] - lost * last[l] - along * u[l] / size) / size;
+  nsdae_direction_ahead(last, p->modes.slow, v_t, p->linear ? p->slip + 2 * i : NULL, d);
 }
 
 static row_kind kind_of(const nsdae_event_phase *p, int force)

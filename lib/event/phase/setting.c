@@ -2,8 +2,6 @@
 
 #include <math.h>
 
-#include "errors.h"
-
 /* A redundant constraint is one to the integrator's error in positions alone, which must not make
  * it independent. */
 static const double LEAST_SINE = 1e-6;
@@ -65,21 +63,4 @@ double nsdae_event_velocity_size(const nsdae_event_setting *s)
 {
   double most = nsdae_largest(s->system->dims.nv, s->here->v);
   return fmax(s->options->impact_velocity, 10 * (s->options->rtol * most + s->options->atol));
-}
-
-int nsdae_event_finite(const nsdae_event_setting *s, const char *what, int kind, const double *a)
-{
-  int n = nsdae_system_count(s->system, kind);
-  for (int i = 0; i < n; i++) {
-    if (isfinite(a[i])) continue;
-    nsdae_error_set(
-        s->error, NSDAE_E_NONFINITE, "nsdae_event", what,
-        "%s %d is %g at t = %.17g: a callback gives numbers near the largest there are, "
-        "or mass and forces are too far apart",
-        what, i, a[i], s->here->t);
-    s->error->time = s->here->t;
-    nsdae_system_name_item(s->system, kind, i, s->error);
-    return NSDAE_E_NONFINITE;
-  }
-  return NSDAE_OK;
 }

@@ -49,11 +49,6 @@ double nsdae_event_position_size(const nsdae_event_setting *setting);
 double nsdae_event_rounding(const nsdae_event_setting *setting);
 double nsdae_event_velocity_size(const nsdae_event_setting *setting);
 
-/* NSDAE_OK, or NSDAE_E_NONFINITE with the record, where `what`, one for each of a kind
- * (enum nsdae_name_kind), is not finite. */
-int nsdae_event_finite(const nsdae_event_setting *setting, const char *what, int kind,
-                       const double *a);
-
 /* Everything that an instant asks of its point. */
 enum {
   NSDAE_EVENT_TERMS = NSDAE_TERM_MASS | NSDAE_TERM_FORCE | NSDAE_TERM_PHI | NSDAE_TERM_JACOBIAN |
