@@ -256,7 +256,6 @@ static void make_walls(drop *d)
     d->normal[w][up] = cos(tilt);
     d->normal[w][0] = sin(tilt) * cos(turn);
     if (d->space) d->normal[w][1] = sin(tilt) * sin(turn);
-    tangents(d, d->normal[w], d->tangent[w]);
   }
 }
 
@@ -341,6 +340,7 @@ nsdae_system *drop_system(drop *d)
   nsdae_dims dims = {
       .nq = d->space ? 7 : 3 * n, .nv = d->space ? 6 : 3 * n, .k = k, .nt = d->space ? 2 : 1};
   nsdae_system *s = NULL;
+  for (int w = 0; w < d->walls; w++) tangents(d, d->normal[w], d->tangent[w]);
   if (nsdae_system_create(&dims, &s, NULL) < 0) return NULL;
   nsdae_system_set_user(s, d);
   nsdae_system_set_mass(s, mass);

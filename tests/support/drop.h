@@ -12,7 +12,8 @@ typedef struct drop {
   int space, bodies, points, walls;
   double m, J[3], half[3];              /* of each body; of a box or rod: half its edges */
   double point[DROP_POINTS][3], radius; /* of the body; of a point, or of each disc */
-  double normal[DROP_WALLS][3], tangent[DROP_WALLS][2][3], g;
+  double normal[DROP_WALLS][3], g;
+  double tangent[DROP_WALLS][2][3]; /* of the walls, for the system */
   double mu, e, rtol;
   double q0[DROP_NQ], v0[DROP_NV], size; /* the start; the largest length */
   char name[160];

@@ -11,7 +11,7 @@ static const double TURNING = 100;
 /* There too what comes to a stop may turn within its velocity's error in ever shorter steps: after
  * so many it has stopped where it is slower than so many times what counts as zero. */
 static const double STOPPED = 10;
-enum { SHORT_STEPS = 50 };
+enum { SHORT_STEPS = 20 };
 
 void nsdae_event_roots_layout(nsdae_event_roots *r, nsdae_arena *arena)
 {
