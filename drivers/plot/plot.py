@@ -91,10 +91,18 @@ def velocities(file, time):
     return by_unit(file, time, "velocity", "v", "velocities")
 
 
+def steps(file, time):
+    """How long the step was that ends at each record [n]: where only every N-th was kept, the last of them."""
+    length = np.diff(time, prepend=time[0])
+    return np.minimum(length, file["options/dt"][()]) if "options/dt" in file else length
+
+
 def struck(file, time):
     """Of each record [n] whether the step that ends there had an impact."""
-    at = np.searchsorted(time, file["impact/time"][...])
-    return np.isin(np.arange(len(time)), at)
+    when = file["impact/time"][...]
+    at = np.searchsorted(time, when)
+    when, at = when[at < len(time)], at[at < len(time)]
+    return np.isin(np.arange(len(time)), at[when > time[at] - steps(file, time)[at] * (1 + 1e-9)])
 
 
 def multipliers(file, time):
@@ -141,33 +149,17 @@ def modes(file, time):
     return [Row("", draw, max(STRIP_HEIGHT * (len(shown) + 1), 0.9))]
 
 
-def steps(file, time):
-    """How long the step was that ends at each record [n]: where only every N-th was kept, the last of them."""
-    length = np.diff(time, prepend=time[0])
-    return np.minimum(length, file["options/dt"][()]) if "options/dt" in file else length
-
-
-def of_impacts(file, time, step, name, like):
-    """The part of a step's impulses [n, k, ...] that came in impacts."""
-    total = np.zeros_like(like)
-    when, which, of = impacts(file, "time", "contact", name)
-    for i, contact, t, impulse in zip(np.searchsorted(time, when), which, when, of):
-        if i < len(time) and t > time[i] - step[i] * (1 + 1e-9):
-            total[i, contact] += impulse
-    return total
-
-
 def forces(file, time):
-    """What contacts and slides carry between impacts: the rest of each step's impulse over its length."""
-    step = steps(file, time)
+    """What contacts and slides carry between impacts: each step's impulse over its length. Steps that had an impact are
+    left out: a contact that was closed answers to one elsewhere, with an impulse too."""
+    step, hit = steps(file, time), struck(file, time)
     lines = []
     for group, name, symbol in (("contact", "normal_impulse", "normal"), ("contact", "tangential_impulse", "friction"),
                                 ("slide", "impulse", "friction")):
         if f"{group}/{name}" not in file:
             continue
         impulse = file[f"{group}/{name}"][: len(time)]
-        rest = impulse - of_impacts(file, time, step, name, impulse) if group == "contact" else impulse
-        rest = np.where(np.abs(rest) > 1e-9 * np.abs(impulse), rest, 0).reshape(len(time), impulse.shape[1], -1)
+        rest = impulse.reshape(len(time), impulse.shape[1], -1)
         for i, row in enumerate(names_of_rows(file, group, impulse.shape[1])):
             for j in range(rest.shape[2]):
                 number = f" {j}" if rest.shape[2] > 1 else ""
@@ -175,11 +167,11 @@ def forces(file, time):
 
     def draw(axes):
         for values, name, style in lines:
-            mean = np.divide(values, step, out=np.full(len(time), np.nan), where=step > 0)
+            mean = np.divide(values, step, out=np.full(len(time), np.nan), where=(step > 0) & ~hit)
             line(axes, time, mean, name, linestyle=style, linewidth=1)
         axes.axhline(0, color="0.8", linewidth=0.6, zorder=0)
 
-    lines = [one for one in lines if np.any(one[0] != 0)]
+    lines = [one for one in lines if np.any(one[0][~hit] != 0)]
     return [Row("mean contact\nforces [N]", draw)] if lines else []
 
 

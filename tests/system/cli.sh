@@ -119,6 +119,7 @@ if "$bin/nsdae-plot" a.h5 >out 2>err; then
   # what is in the pictures
   check "$bin/nsdae-incline" --quiet --output incline.h5
   check "$pendulum" --quiet --output pendulum.h5
+  check "$bin/nsdae-falling-rod" --quiet --output falling-rod.h5
   for candidate in ${NSDAE_PYTHON:+"$NSDAE_PYTHON"} python3 /usr/bin/python3; do
     "$candidate" -c "import h5py, matplotlib" 2>/dev/null || continue
     check "$candidate" -B "$here/plot_check.py" "$bin/../share/nsdae" .

@@ -1,6 +1,6 @@
 """What nsdae-plot draws, against what is known: units have axes of their own, the normal force on an
 incline is m g cos(slope), impulses are those of the file, strips are the file's modes, and no number
-of the certificate is below rounding. usage: plot_check.py SHARE_DIR FOLDER (of incline.h5, pendulum.h5)"""
+of the certificate is below rounding. usage: plot_check.py SHARE_DIR FOLDER (of incline.h5, pendulum.h5, falling-rod.h5)"""
 
 import sys
 
@@ -69,6 +69,18 @@ def pendulum():
     expect("drift ends at rounding", np.array_equal(errors, np.maximum(drift[drift > 0], floor)))
 
 
+def falling_rod():
+    """The end that it slides on answers to the impact of the other: no force. Then both carry half its weight."""
+    with h5py.File(f"{sys.argv[2]}/falling-rod.h5") as f:
+        weight = f["parameters/m"][()] * f["parameters/g"][()]
+    shown = lines(axes_of("falling-rod"), "mean contact forces [N]")
+    normal = shown["first_end, normal"][1:, 1]
+    expect("the step of the impact", np.isnan(normal).sum() == 1)
+    expect("no impulse in a force", np.nanmax(normal) < weight, f"{np.nanmax(normal)}")
+    expect("half the weight", abs(normal[-1] - weight / 2) < 1e-2 * weight, f"{normal[-1]}")
+
+
 incline()
 pendulum()
+falling_rod()
 print("units, forces, impulses, strips and certificate are what they are")
