@@ -555,6 +555,38 @@ static void test_range(void **state)
   }
 }
 
+/* The multipliers of least norm have the same J^T l, and are shortest: adding what J^T takes to
+ * nothing, l - l', to them makes them longer as in a right angle. */
+static void test_least_norm(void **state)
+{
+  static double J[N * M], r[N], given[M], l[M];
+  (void)state;
+  for (int rank = 2; rank <= 6; rank++) {
+    begin(12, 9, 1e-8);
+    random_mass();
+    random_rows(rank, p.J, LDJ);
+    for (int i = rank; i < p.m; i++)
+      for (int j = 0; j < p.n; j++)
+        p.J[j * LDJ + i] = at_J(i % rank, j) - 0.5 * at_J((i + 1) % rank, j);
+    for (int i = 0; i < p.m; i++)
+      for (int j = 0; j < p.n; j++) J[j * p.m + i] = at_J(i, j);
+    assert_int_equal(nsdae_kkt_factor(&p.kkt, p.mass, LDM, p.J, LDJ), NSDAE_OK);
+    assert_int_equal(p.kkt.rank, rank);
+    random_matrix(&p.random, p.m, 1, given, M);
+    memcpy(l, given, sizeof l);
+    nsdae_kkt_least_norm(&p.kkt, J, l, r);
+    for (int j = 0; j < p.n; j++) {
+      double before = 0, after = 0;
+      for (int i = 0; i < p.m; i++) before += at_J(i, j) * given[i], after += at_J(i, j) * l[i];
+      assert_near(after, before, 1e-12);
+    }
+    double angle = 0;
+    for (int i = 0; i < p.m; i++) angle += l[i] * (given[i] - l[i]);
+    assert_near(angle, 0, 1e-12);
+    end();
+  }
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
@@ -573,6 +605,7 @@ int main(void)
       cmocka_unit_test(test_diagonal_mass_not_positive),
       cmocka_unit_test(test_nan_does_not_hang),
       cmocka_unit_test(test_range),
+      cmocka_unit_test(test_least_norm),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
