@@ -45,7 +45,7 @@ program ball
   status = nsdae_sim_create(system, sim, error=error)
   if (status < 0) error stop trim(error%text)
   status = nsdae_sim_init(sim, 0d0, [1d0], [0d0])  ! at 1 m, at rest
-  if (status == NSDAE_OK) status = nsdae_sim_run(sim, 3d0)
+  if (status >= 0) status = nsdae_sim_run(sim, 3d0)
   error = nsdae_sim_error(sim)
   if (status < 0) error stop trim(error%text)
   status = nsdae_sim_get_record(sim, now)

@@ -3,8 +3,6 @@
 #include <math.h>
 #include <string.h>
 
-#include <nsdae/sim.h>
-
 #include "contacts.h"
 #include "reserve.h"
 #include "slides.h"
@@ -230,7 +228,7 @@ int nsdae_cones_improve(nsdae_contacts *c, double *impulse)
   for (int a = 0; a < c->active_count; a++) s->mu[a] = c->system->contact[c->active[a]].mu;
   nsdae_friction_options_default(&s->options);
   s->options.refine = REFINE;
-  if (c->active_count == 1) s->options.stages &= ~NSDAE_FRICTION_FURTHER; /* sweeps take less */
+  if (c->active_count <= 3) s->options.stages &= ~NSDAE_FRICTION_FURTHER; /* sweeps take less */
   memcpy(s->r, impulse, bytes);
   if (solve_contacts(c) < 0) return 0;
   memcpy(impulse, s->r, bytes);

@@ -6,8 +6,6 @@
 #include <stdio.h>
 #include <string.h>
 
-#include <nsdae/sim.h>
-
 #include "dense.h"
 #include "errors.h"
 #include "slides.h"
@@ -168,8 +166,8 @@ static void contact_velocity(const nsdae_contacts *c, int i, const nsdae_terms *
                              double *v_n, double *v_t)
 {
   int nt = c->system->dims.nt;
-  v_n[i] = nsdae_terms_rate(T, T->W_N, T->w_N, i, v);
-  for (int j = i * nt; j < (i + 1) * nt; j++) v_t[j] = nsdae_terms_rate(T, T->W_T, T->w_T, j, v);
+  v_n[i] = nsdae_terms_normal_rate(T, i, v);
+  for (int j = i * nt; j < (i + 1) * nt; j++) v_t[j] = nsdae_terms_tangent_rate(T, j, v);
 }
 
 static void slide_velocities(const nsdae_contacts *c, const nsdae_terms *T, const double *v,
@@ -177,7 +175,7 @@ static void slide_velocities(const nsdae_contacts *c, const nsdae_terms *T, cons
 {
   for (int i = 0; i < c->slides.count; i++) {
     int j = c->slides.number[i];
-    velocity[j] = nsdae_terms_rate(T, T->slide.W, T->slide.w, j, v);
+    velocity[j] = nsdae_terms_slide_rate(T, j, v);
   }
 }
 
@@ -197,6 +195,16 @@ void nsdae_contacts_before(nsdae_contacts *c, const nsdae_terms *terms, const do
   if (!impacts_only) slide_velocities(c, terms, v, c->results->slide_before);
 }
 
+void nsdae_contacts_come(nsdae_contacts *c, const double *before)
+{
+  memcpy(c->results->before, before, (size_t)c->system->dims.k * sizeof *before);
+}
+
+void nsdae_contacts_turn_to(nsdae_contacts *c, nsdae_impulses *results)
+{
+  c->results = results;
+}
+
 /* W, one block of columns per closed contact: normal, then tangential where it has friction. */
 static void gather_columns(nsdae_contacts *c, const nsdae_terms *terms)
 {
@@ -204,12 +212,12 @@ static void gather_columns(nsdae_contacts *c, const nsdae_terms *terms)
   for (int a = 0; a < c->active_count; a++) {
     size_t i = (size_t)c->active[a], tangents = (size_t)c->law[i].columns - 1;
     double *at = c->delassus.W + (size_t)c->first_column[a] * n;
-    memcpy(at, terms->W_N + i * n, n * sizeof *at);
-    memcpy(at + n, terms->W_T + i * nt * n, tangents * n * sizeof *at);
+    memcpy(at, terms->by.normal.value + i * n, n * sizeof *at);
+    memcpy(at + n, terms->by.tangent.value + i * nt * n, tangents * n * sizeof *at);
   }
   double *slides = c->delassus.W + (size_t)(c->columns - c->slides.count) * n;
   for (int j = 0; j < c->slides.count; j++)
-    memcpy(slides + (size_t)j * n, terms->slide.W + (size_t)c->slides.number[j] * n,
+    memcpy(slides + (size_t)j * n, terms->by.slide.value + (size_t)c->slides.number[j] * n,
            n * sizeof *slides);
 }
 
@@ -222,7 +230,7 @@ static void clear_jammed(nsdae_contacts *c, const nsdae_terms *terms, int n, int
                  *D = c->delassus.D + (size_t)j * (size_t)m;
     double largest = 0, left = 0;
     for (int i = 0; i < n; i++) {
-      double rest = W[i] - nsdae_dot(m, terms->constraint.J + (size_t)i * (size_t)m, D);
+      double rest = W[i] - nsdae_dot(m, terms->by.jacobian.value + (size_t)i * (size_t)m, D);
       largest = fmax(largest, fabs(W[i]));
       left = fmax(left, fabs(rest));
     }
@@ -456,16 +464,17 @@ void nsdae_contacts_add_impulse(const nsdae_contacts *c, const nsdae_terms *term
     int i = c->active[a];
     if (skip_impacts && c->results->impact[i]) continue;
     double normal = scale * c->results->normal[i];
-    nsdae_add_product(dims->nv, 1, terms->W_N + (size_t)i * n, &normal, r);
+    nsdae_add_product(dims->nv, 1, terms->by.normal.value + (size_t)i * n, &normal, r);
     for (int j = i * dims->nt; j < (i + 1) * dims->nt; j++) {
       double tangential = scale * c->results->tangential[j];
-      nsdae_add_product(dims->nv, 1, terms->W_T + (size_t)j * n, &tangential, r);
+      nsdae_add_product(dims->nv, 1, terms->by.tangent.value + (size_t)j * n, &tangential, r);
     }
   }
   if (skip_impacts && any_impact(c)) return;
   for (int j = 0; j < c->slides.count; j++) {
     double friction = scale * c->results->slide_impulse[c->slides.number[j]];
-    nsdae_add_product(dims->nv, 1, terms->slide.W + (size_t)c->slides.number[j] * n, &friction, r);
+    nsdae_add_product(dims->nv, 1, terms->by.slide.value + (size_t)c->slides.number[j] * n,
+                      &friction, r);
   }
 }
 

@@ -123,6 +123,12 @@ void nsdae_contacts_close_marked(nsdae_contacts *contacts, const int *closed,
 void nsdae_contacts_before(nsdae_contacts *contacts, const nsdae_terms *terms, const double *v,
                            int impacts_only);
 
+/* v_N(-) [k] is this instead, as where a part of it is the errors of an integration. */
+void nsdae_contacts_come(nsdae_contacts *contacts, const double *before);
+
+/* The results go there from now on; what is there stays. */
+void nsdae_contacts_turn_to(nsdae_contacts *contacts, nsdae_impulses *results);
+
 /* Whether there is anything to solve for. */
 static inline int nsdae_contacts_any(const nsdae_contacts *contacts)
 {

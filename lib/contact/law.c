@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-#include <nsdae/sim.h>
+#include <nsdae/contact.h>
 
 static nsdae_law frictionless(void)
 {

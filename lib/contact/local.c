@@ -8,7 +8,8 @@ void nsdae_local_prepare(nsdae_local *l, const nsdae_system *system, nsdae_error
                          const nsdae_lcp_options *options, double rank_tol)
 {
   l->model.dims.nt = system->dims.nt;
-  l->model.blocks = system->blocks; /* how many: the island at hand is one */
+  l->model.blocks = (nsdae_blocks){1, l->ends, l->squares};
+  l->blocks = system->blocks.count;
   l->terms.system = l->contacts.system = &l->model;
   l->terms.error = l->contacts.error = error;
   l->contacts.lcp.options = *options;
@@ -29,11 +30,11 @@ static void lay_out_terms(nsdae_terms *T, const nsdae_dims *d, nsdae_arena *aren
 {
   long n = d->nv, k = d->k, nt = d->nt;
   T->M = NSDAE_ARENA_DOUBLES(arena, n * n);
-  T->constraint.J = NSDAE_ARENA_DOUBLES(arena, d->m * n);
-  T->W_N = NSDAE_ARENA_DOUBLES(arena, n * k);
-  T->W_T = NSDAE_ARENA_DOUBLES(arena, n * k * nt);
+  nsdae_terms_layout_rows(&T->by.jacobian, d->m, n, 1, d->m, arena);
   T->w_N = NSDAE_ARENA_DOUBLES(arena, k);
   T->w_T = NSDAE_ARENA_DOUBLES(arena, k * nt);
+  nsdae_terms_layout_rows(&T->by.normal, k, n, n, 1, arena);
+  nsdae_terms_layout_rows(&T->by.tangent, k * nt, n, n, 1, arena);
 }
 
 void nsdae_local_layout(nsdae_local *l, nsdae_arena *arena)
@@ -49,7 +50,7 @@ void nsdae_local_layout(nsdae_local *l, nsdae_arena *arena)
   l->v = NSDAE_ARENA_DOUBLES(arena, d->nv);
   l->size = NSDAE_ARENA_DOUBLES(arena, d->nv);
   l->lambda = NSDAE_ARENA_DOUBLES(arena, d->m);
-  l->place = NSDAE_ARENA_INTS(arena, l->model.blocks.count);
+  l->place = NSDAE_ARENA_INTS(arena, l->blocks);
   l->real_part = NSDAE_ARENA_DOUBLES(arena, 3 * k * (1 + d->nt));
   l->whole_part = NSDAE_ARENA_INTS(arena, 2 * k);
   nsdae_kkt_layout(&l->kkt, arena);
@@ -104,7 +105,8 @@ static void gather_blocks(nsdae_local *l, const nsdae_whole *w, int island)
     l->place[is->block.of[i]] = n;
     n += nsdae_blocks_size(blocks, is->block.of[i]);
   }
-  l->model.dims.nv = l->kkt.n = n;
+  l->model.dims.nv = l->kkt.n = l->ends[1] = n;
+  l->squares[1] = (size_t)n * (size_t)n;
   memset(l->terms.M, 0, (size_t)n * (size_t)n * sizeof *l->terms.M);
   for (int i = is->block.first[island]; i < is->block.first[island + 1]; i++) {
     int b = is->block.of[i], at = l->place[b], size = nsdae_blocks_size(blocks, b);
@@ -121,10 +123,10 @@ static void gather_rows(nsdae_local *l, const nsdae_whole *w, int island)
   const int *row = is->row.of + is->row.first[island];
   int m = nsdae_members_count(&is->row, island), n = l->model.dims.nv;
   l->model.dims.m = l->kkt.m = m;
-  memset(l->terms.constraint.J, 0, (size_t)m * (size_t)n * sizeof *l->terms.constraint.J);
+  memset(l->terms.by.jacobian.value, 0, (size_t)m * (size_t)n * sizeof *l->terms.by.jacobian.value);
   for (int i = 0; i < m; i++) {
     nsdae_rows_gather(&w->system->blocks, &w->terms->by.jacobian, row[i], l->place,
-                      l->terms.constraint.J + i, (size_t)m);
+                      l->terms.by.jacobian.value + i, (size_t)m);
     l->lambda[i] = w->lambda[row[i]];
   }
 }
@@ -152,12 +154,16 @@ static void gather_contact(nsdae_local *l, const nsdae_whole *w, int i, int a)
   const nsdae_blocks *blocks = &w->system->blocks;
   int nt = l->model.dims.nt;
   size_t n = (size_t)l->model.dims.nv;
-  nsdae_rows_gather(blocks, &T->by.normal, a, l->place, l->terms.W_N + (size_t)i * n, 1);
+  l->terms.by.normal.at[i] = (size_t)i * n;
+  nsdae_rows_gather(blocks, &T->by.normal, a, l->place, l->terms.by.normal.value + (size_t)i * n,
+                    1);
   l->terms.w_N[i] = T->w_N[a];
   l->impulses.before[i] = w->results->before[a];
   for (int d = 0; d < nt; d++) {
     int to = i * nt + d, from = a * nt + d;
-    nsdae_rows_gather(blocks, &T->by.tangent, from, l->place, l->terms.W_T + (size_t)to * n, 1);
+    l->terms.by.tangent.at[to] = (size_t)to * n;
+    nsdae_rows_gather(blocks, &T->by.tangent, from, l->place,
+                      l->terms.by.tangent.value + (size_t)to * n, 1);
     l->terms.w_T[to] = T->w_T[from];
     l->impulses.before_t[to] = w->results->before_t[from];
   }
@@ -176,8 +182,9 @@ static void gather_contacts(nsdae_local *l, const nsdae_whole *w, int island, in
   place_impulses(l);
   nsdae_contacts_remember(&l->contacts, l->memory, NULL);
   nsdae_contacts_close_marked(&l->contacts, l->all, &l->impulses);
-  memset(l->terms.W_N, 0, n * (size_t)k * sizeof *l->terms.W_N);
-  memset(l->terms.W_T, 0, n * (size_t)k * (size_t)l->model.dims.nt * sizeof *l->terms.W_T);
+  memset(l->terms.by.normal.value, 0, n * (size_t)k * sizeof *l->terms.by.normal.value);
+  memset(l->terms.by.tangent.value, 0,
+         n * (size_t)k * (size_t)l->model.dims.nt * sizeof *l->terms.by.tangent.value);
   for (int i = 0; i < k; i++) gather_contact(l, w, i, contact[i]);
 }
 

@@ -20,7 +20,9 @@ typedef struct nsdae_local {
   int *memory, *all;    /* bases; ones */
   double *r, *v, *size; /* NSDAE_LOCAL_V */
   double *lambda;       /* NSDAE_LOCAL_M */
-  int *place;           /* blocks of the system: where each begins in the island at hand */
+  int blocks, *place;   /* of the system: where each begins in the island at hand */
+  int ends[2];          /* the island is one block, from 0 */
+  size_t squares[2];    /* likewise, of M */
   double *real_part;    /* what impulses are placed in */
   int *whole_part;
 } nsdae_local;

@@ -4,8 +4,6 @@
 #include <math.h>
 #include <string.h>
 
-#include <nsdae/sim.h>
-
 #include "errors.h"
 #include "grow.h"
 #include "listed.h"

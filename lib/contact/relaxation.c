@@ -11,6 +11,10 @@ enum { FEW = 30, SWEEPS = 20000, LOOK = 500 };
 /* Below it, of the largest force, a change is none. */
 static const double CONVERGED = 1e-14;
 
+/* Of what a force alone takes to stop its contact: more is bodies pressed against each other, of
+ * which the rounding is felt. */
+static const double PRESSED = 1e6;
+
 typedef struct relaxation {
   const nsdae_contacts *c;
   const double *direction;
@@ -147,4 +151,21 @@ int nsdae_contacts_relax(nsdae_contacts *c, const double *direction, double *for
   if (!settle(c, &r)) return 0;
   take_over(c, force, xi, v, lambda);
   return 1;
+}
+
+int nsdae_contacts_relax_anew(nsdae_contacts *c, const double *direction, double *force, double *xi,
+                              double *v, double *lambda)
+{
+  memset(c->delassus.impulse, 0, (size_t)c->columns * sizeof *c->delassus.impulse);
+  for (int a = 0; a < c->active_count; a++) c->results->mode[c->active[a]] = NSDAE_MODE_STICK;
+  return nsdae_contacts_relax(c, direction, force, xi, v, lambda);
+}
+
+int nsdae_contacts_pressed(const nsdae_contacts *c)
+{
+  double most = PRESSED * nsdae_largest(c->columns, c->delassus.offset);
+  for (int l = 0; l < c->columns; l++)
+    if (fabs(c->delassus.impulse[l]) * c->delassus.G[(size_t)l * (size_t)(c->columns + 1)] > most)
+      return 1;
+  return 0;
 }

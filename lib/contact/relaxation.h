@@ -19,4 +19,13 @@
 int nsdae_contacts_relax(nsdae_contacts *contacts, const double *direction, double *force,
                          double *xi, double *v, double *lambda);
 
+/* The same from no impulse on, with v and lambda without any: where the problem was not solved, or
+ * its contacts are pressed. The modes are then for the cones to say. */
+int nsdae_contacts_relax_anew(nsdae_contacts *contacts, const double *direction, double *force,
+                              double *xi, double *v, double *lambda);
+
+/* Whether the solution presses bodies against each other out of all proportion, which a problem
+ * near one without a solution allows. */
+int nsdae_contacts_pressed(const nsdae_contacts *contacts);
+
 #endif

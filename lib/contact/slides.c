@@ -2,7 +2,6 @@
 
 #include <float.h>
 #include <math.h>
-#include <nsdae/sim.h>
 #include <string.h>
 
 #include "dense.h"

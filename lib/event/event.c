@@ -11,7 +11,12 @@
 
 /* Instants in one dt without an impact or a change of mode; steps of the integrator after which it
  * starts anew, so that a way back is not longer. */
-enum { IDLE_MAX = 500, CHATTERS = 20, RATTLES = 2000, STEPS_MAX = 5000, STIFF_STEPS = 300 };
+enum { IDLE_MAX = 500, CHATTERS = 20, STEPS_MAX = 5000, STIFF_STEPS = 300 };
+
+/* Instants that come sooner than this part of dt after another; one in FORGETS of them is forgotten
+ * in every dt. */
+static const double SOON = 0.01;
+enum { RATTLES = 2000, RATTLES_EACH = 64, RATTLES_MAX = RATTLES + 20 * RATTLES_EACH, FORGETS = 50 };
 
 /* Steps shorter than this part of dt lead nowhere: so many in one dt, and at each start. */
 static const double TINY = 1e-6;
@@ -151,6 +156,8 @@ static int restart(event *e, double t)
   *e->phase.modes.is_stiff = 0;
   e->setting.result->counters.events++;
   ++*e->base.instants;
+  *e->base.rattles +=
+      t - *e->base.t < SOON * e->setting.options->dt && *e->base.rattles < RATTLES_MAX;
   return status < 0 ? status : start(e, t);
 }
 
@@ -194,8 +201,8 @@ static int go_through(event *e, double t)
   memcpy(e->slide_mode_before, m->slide, (size_t)d->f * sizeof *m->slide);
   int before = r->impacts + r->changes, found = 0;
   for (int i = 0; i < e->roots.count; i++) found |= e->roots.entry[i].found;
-  e->phase.modes.blur = blur_of(*e->base.idle, CHATTERS, 8);
-  e->instant.impacts.blur = blur_of(*e->base.instants, RATTLES, 64);
+  e->instant.impacts.blur = blur_of(*e->base.rattles, RATTLES, RATTLES_EACH);
+  e->phase.modes.blur = fmax(blur_of(*e->base.idle, CHATTERS, 8), e->instant.impacts.blur);
   int status = restart(e, t);
   for (int i = 0; i < d->k && status == NSDAE_OK; i++)
     add_change(r, t, i, -1, e->mode_before[i], m->contact[i]);
@@ -406,7 +413,10 @@ static int advance(void *own, const nsdae_state *state, double t_end, nsdae_resu
   nsdae_event_lay(&e->base, &e->instant, e->tools, &result->memory);
   int status = arrive(e, state);
   e->stamp = 0;
-  if (*e->base.goal != t_end) *e->base.instants = *e->base.idle = *e->base.tiny = 0;
+  if (*e->base.goal != t_end) {
+    *e->base.instants = *e->base.idle = *e->base.tiny = 0;
+    *e->base.rattles -= *e->base.rattles / FORGETS;
+  }
   *e->base.goal = t_end;
   if (status == NSDAE_OK) status = run_to(e, t_end);
   if (status < 0) return tell(e, status);

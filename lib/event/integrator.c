@@ -47,7 +47,7 @@ static int look(double t, double *gap, double *rate, void *user)
   status = nsdae_terms_need(T, NSDAE_TERM_GAP | NSDAE_TERM_NORMAL | NSDAE_TERM_BIAS);
   if (status < 0) return status;
   memcpy(gap, T->gap, (size_t)k * sizeof *gap);
-  for (int i = 0; i < k; i++) rate[i] = nsdae_terms_rate(T, T->W_N, T->w_N, i, T->v);
+  for (int i = 0; i < k; i++) rate[i] = nsdae_terms_normal_rate(T, i, T->v);
   return NSDAE_OK;
 }
 
@@ -63,6 +63,7 @@ void nsdae_event_integrator_layout(nsdae_event_integrator *e, nsdae_arena *arena
   nsdae_dip_layout(&e->dip, arena);
   e->y = NSDAE_ARENA_DOUBLES(arena, s->at.n);
   e->z = NSDAE_ARENA_DOUBLES(arena, s->at.n + 2L);
+  e->later = NSDAE_ARENA_DOUBLES(arena, s->at.n + 2L);
   e->end = NSDAE_ARENA_DOUBLES(arena, s->at.n + 2L);
   e->fallen = NSDAE_ARENA_INTS(arena, e->roots->count);
 }
@@ -92,6 +93,7 @@ int nsdae_event_integrator_start(nsdae_event_integrator *e, double t)
   nsdae_event_phase *p = e->roots->phase;
   nsdae_event_begin_phase(p);
   nsdae_error_clear(p->setting->error);
+  nsdae_event_account_start(e->account);
   memset(e->end, 0, (size_t)e->steps.n * sizeof *e->end);
   memcpy(e->end, e->y, (size_t)e->steps.controlled * sizeof *e->y);
   e->ahead = t;
@@ -113,7 +115,7 @@ static int step(nsdae_event_integrator *e)
   int status = nsdae_runge_kutta_advance(&e->steps);
   if (status < 0) return status;
   e->ahead = e->steps.t;
-  nsdae_runge_kutta_read(&e->steps, e->ahead, e->end);
+  nsdae_runge_kutta_read(&e->steps, e->ahead, e->steps.controlled, e->end);
   return NSDAE_OK;
 }
 
@@ -153,24 +155,25 @@ int nsdae_event_integrator_advance(nsdae_event_integrator *e)
   return NSDAE_OK;
 }
 
-static int read_all(nsdae_event_integrator *e, double t, double *z)
+/* The first `count` of z; backward differences have all of them at once, in e->z. */
+static int read_some(nsdae_event_integrator *e, double t, int count, double *z)
 {
-  if (*e->roots->phase->modes.is_stiff) return nsdae_ode_read(e->stiff, t, z);
-  nsdae_runge_kutta_read(&e->steps, t, z);
-  return NSDAE_OK;
+  int status = NSDAE_OK, stiff = *e->roots->phase->modes.is_stiff;
+  if (!stiff) nsdae_runge_kutta_read(&e->steps, t, count, z);
+  if (stiff) status = nsdae_ode_read(e->stiff, t, e->z);
+  if (stiff && z != e->z) memcpy(z, e->z, (size_t)count * sizeof *z);
+  return status;
 }
 
 int nsdae_event_integrator_read(nsdae_event_integrator *e, double t, double *y)
 {
-  int status = read_all(e, t, e->z);
-  memcpy(y, e->z, (size_t)e->steps.controlled * sizeof *y);
-  return status;
+  return read_some(e, t, e->steps.controlled, y);
 }
 
 int nsdae_event_integrator_account(nsdae_event_integrator *e, double from, double to)
 {
-  int status = read_all(e, from, e->z);
-  if (status == NSDAE_OK) status = read_all(e, to, e->account->y);
-  if (status == NSDAE_OK) nsdae_event_account_phase(e->account, e->z, e->account->y);
+  int n = e->steps.n, status = read_some(e, to, n, e->later);
+  if (status == NSDAE_OK) status = read_some(e, from, n, e->z);
+  if (status == NSDAE_OK) nsdae_event_account_phase(e->account, e->z, e->later);
   return status;
 }

@@ -18,7 +18,8 @@ typedef struct nsdae_event_integrator {
   nsdae_ode *stiff;        /* the same; the modes say which is at work */
   nsdae_fall fall;         /* of the roots, in the last step */
   nsdae_dip dip;           /* of the gaps, likewise */
-  double *y, *z, *end;     /* n, n + 2: where it was last read; where the last step ended */
+  double *y, *z, *later;   /* n, n + 2: where it was last read */
+  double *end;             /* n + 2: where the last step ended */
   int *fallen;             /* roots: in the last step */
   double ahead;            /* integrated up to here */
   int pending;             /* an instant waits there */

@@ -13,6 +13,7 @@ typedef struct nsdae_event_base {
   int *steps;                  /* of its own since then */
   double *goal;                /* of the dt in work, which may take several steps */
   int *instants, *idle, *tiny; /* in it; of those, without an impact or a change; steps of no use */
+  int *rattles;                /* instants not forgotten yet */
 } nsdae_event_base;
 
 /* Numbers that this takes. */

@@ -48,6 +48,7 @@ typedef struct nsdae_state {
   const nsdae_memory *memory;
   const nsdae_closed *closed;     /* contacts by list of the step before, */
   const nsdae_impulses *impulses; /* and what they did */
+  double grid;                    /* steps end at this time and whole numbers of dt, mostly */
 } nsdae_state;
 
 /* The start of every advance: the result's memory is what the state's is. */

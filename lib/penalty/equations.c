@@ -24,11 +24,11 @@ static void contact_forces(nsdae_penalty_equations *p, const nsdae_terms *T)
   for (int i = 0; i < s->dims.k; i++) {
     const nsdae_coefficients *c = &s->contact[i];
     double speed = 0;
-    at->v_n[i] = nsdae_terms_rate(T, T->W_N, T->w_N, i, T->v);
+    at->v_n[i] = nsdae_terms_normal_rate(T, i, T->v);
     at->normal[i] = nsdae_penalty_normal(&p->law, -T->gap[i], -at->v_n[i], p->base.start_rate[i],
                                          c->e_n, p->base.mass[i]);
     for (int j = i * nt; j < (i + 1) * nt; j++) {
-      at->v_t[j] = nsdae_terms_rate(T, T->W_T, T->w_T, j, T->v);
+      at->v_t[j] = nsdae_terms_tangent_rate(T, j, T->v);
       speed = hypot(speed, at->v_t[j]);
     }
     double per_speed = nsdae_penalty_friction(c->mu, at->normal[i], speed, regular);
@@ -45,7 +45,7 @@ static double relax_slides(nsdae_penalty_equations *p, const nsdae_terms *T)
   size_t m = (size_t)s->dims.m;
   for (int j = 0; j < s->dims.f; j++) {
     size_t row = (size_t)s->slide[j].constraint;
-    double normal = at->lambda[row], v = nsdae_terms_rate(T, T->slide.W, T->slide.w, j, T->v);
+    double normal = at->lambda[row], v = nsdae_terms_slide_rate(T, j, T->v);
     for (int l = 0; l < s->dims.f; l++) normal += at->D[(size_t)l * m + row] * at->slide[l];
     double force = v * nsdae_penalty_friction(s->slide[j].mu, fabs(normal), v, regular);
     moved = fmax(moved, fabs(force - at->slide[j]) / (1 + fabs(force)));
@@ -61,7 +61,7 @@ static int slide_forces(nsdae_penalty_equations *p, const nsdae_terms *T, double
   const nsdae_penalty_forces *at = &p->at;
   int n = T->system->dims.nv, m = T->system->dims.m, f = T->system->dims.f;
   double moved = 1;
-  memcpy(at->U, T->slide.W, (size_t)n * (size_t)f * sizeof *at->U);
+  memcpy(at->U, T->by.slide.value, (size_t)n * (size_t)f * sizeof *at->U);
   memset(at->D, 0, (size_t)m * (size_t)f * sizeof *at->D);
   nsdae_kkt_solve(&p->stepper->kkt, f, at->U, n, at->D, m);
   memset(at->slide, 0, (size_t)f * sizeof *at->slide);
@@ -80,8 +80,8 @@ static int accelerations(nsdae_penalty_equations *p, nsdae_terms *T, double *a)
   double alpha = s->options->baumgarte_alpha, beta = s->options->baumgarte_beta;
   contact_forces(p, T);
   memcpy(a, T->F, (size_t)d->nv * sizeof *a);
-  nsdae_add_product(d->nv, d->k, T->W_N, at->normal, a);
-  nsdae_add_product(d->nv, d->k * d->nt, T->W_T, at->tangential, a);
+  nsdae_add_product(d->nv, d->k, T->by.normal.value, at->normal, a);
+  nsdae_add_product(d->nv, d->k * d->nt, T->by.tangent.value, at->tangential, a);
   for (int i = 0; i < d->m; i++) {
     double rate = nsdae_terms_constraint_rate(T, i, T->v);
     at->lambda[i] = -T->constraint.omega[i] - 2 * alpha * rate - beta * beta * T->constraint.phi[i];

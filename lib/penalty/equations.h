@@ -9,37 +9,7 @@
 
 #include "base.h"
 #include "penalty_law.h"
-
-/* Offsets in y. */
-static inline int nsdae_penalty_at_lambda(const nsdae_dims *d)
-{
-  return d->nq + d->nv;
-}
-
-static inline int nsdae_penalty_at_normal(const nsdae_dims *d)
-{
-  return nsdae_penalty_at_lambda(d) + d->m;
-}
-
-static inline int nsdae_penalty_at_tangential(const nsdae_dims *d)
-{
-  return nsdae_penalty_at_normal(d) + d->k;
-}
-
-static inline int nsdae_penalty_at_slide(const nsdae_dims *d)
-{
-  return nsdae_penalty_at_tangential(d) + d->k * d->nt;
-}
-
-static inline int nsdae_penalty_at_work(const nsdae_dims *d)
-{
-  return nsdae_penalty_at_slide(d) + d->f;
-}
-
-static inline int nsdae_penalty_size(const nsdae_dims *d)
-{
-  return nsdae_penalty_at_work(d) + 1;
-}
+#include "places.h"
 
 /* Forces at the last evaluation. */
 typedef struct nsdae_penalty_forces {

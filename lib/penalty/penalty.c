@@ -22,6 +22,7 @@ typedef struct penalty {
   double *y, *y_start; /* n: now, at the start of the step */
   double *peak;        /* k: largest force of each contact until now */
   int *found;          /* k: roots */
+  double grid;         /* of the ends of steps, of the step in work */
   long stamp, stamps;  /* of the memory that the integrator stands at, 0: none; given so far */
 } penalty;
 
@@ -115,7 +116,7 @@ static void move_base(penalty *p, double t)
 {
   nsdae_penalty_base *b = &p->equations.base;
   *b->t = t;
-  *b->ends = 0;
+  *b->since_then.count = *b->since_then.ends = 0;
   memcpy(b->y, p->y, (size_t)p->n * sizeof *b->y);
   memcpy(b->peak, p->peak, (size_t)p->equations.stepper->system->dims.k * sizeof *b->peak);
 }
@@ -135,15 +136,14 @@ static void close_contact(penalty *p, int i, double t)
   const nsdae_dims *d = &s->system->dims;
   nsdae_penalty_base *b = &p->equations.base;
   size_t n = (size_t)d->nv, nt = (size_t)d->nt, first = (size_t)i * nt;
-  memcpy(s->r, T->W_N + (size_t)i * n, n * sizeof *s->r);
+  memcpy(s->r, T->by.normal.value + (size_t)i * n, n * sizeof *s->r);
   memset(s->impulse, 0, (size_t)d->m * sizeof *s->impulse);
   nsdae_kkt_solve(&s->kkt, 1, s->r, d->nv, s->impulse, d->m);
-  double inverse = nsdae_dot(d->nv, T->W_N + (size_t)i * n, s->r);
+  double inverse = nsdae_dot(d->nv, T->by.normal.value + (size_t)i * n, s->r);
   b->mass[i] = inverse > 0 ? 1 / inverse : 0;
   b->closed[i] = 1;
   b->since[i] = t;
-  b->start_rate[i] =
-      fmax(-nsdae_terms_rate(T, T->W_N, T->w_N, i, T->v), s->options->friction_velocity);
+  b->start_rate[i] = fmax(-nsdae_terms_normal_rate(T, i, T->v), s->options->friction_velocity);
   b->impulse[i] = p->y[nsdae_penalty_at_normal(d) + i];
   memcpy(b->impulse_t + first, p->y + (size_t)nsdae_penalty_at_tangential(d) + first,
          nt * sizeof *p->y);
@@ -242,10 +242,11 @@ static int one_step(penalty *p, double t_end, double *t, int *what)
 /* The end of a step, for a replay; after too many the integrator starts anew. */
 static int keep_end(penalty *p, double t_end, double t)
 {
-  const nsdae_penalty_base *b = &p->equations.base;
-  if (*b->ends > 0 && b->end[*b->ends - 1] == t_end) return NSDAE_OK;
-  int status = *b->ends == NSDAE_REPLAY_MAX ? start(p, t) : NSDAE_OK;
-  b->end[(*b->ends)++] = t_end;
+  nsdae_stretches *s = &p->equations.base.since_then;
+  double dt = p->equations.stepper->options->dt;
+  if (nsdae_stretches_add(s, p->grid, dt, t_end)) return NSDAE_OK;
+  int status = start(p, t);
+  nsdae_stretches_add(s, p->grid, dt, t_end);
   return status;
 }
 
@@ -278,6 +279,22 @@ static int stands_at(const penalty *p, const nsdae_terms *to, double t)
          memcmp(p->y + d->nq, to->v, (size_t)d->nv * sizeof *p->y) == 0;
 }
 
+/* All steps of a stretch again, from t on. */
+static int replay_stretch(penalty *p, int stretch, double *t)
+{
+  const nsdae_stretches *s = &p->equations.base.since_then;
+  int status = NSDAE_OK;
+  for (int i = 0; i < s->steps[stretch] && status == NSDAE_OK; i++) {
+    double end = nsdae_stretches_end(s, stretch, i, p->equations.stepper->options->dt);
+    int what = NSDAE_ODE_STEP;
+    while (status == NSDAE_OK && what != NSDAE_ODE_END && *t < end) {
+      status = one_step(p, end, t, &what);
+      if (status == NSDAE_OK) status = follow_peaks(p, *t);
+    }
+  }
+  return status;
+}
+
 /* From the base to the state again. Where callbacks do not give the same numbers as then, it is
  * the state that holds, and the integrator starts anew there. */
 static int replay(penalty *p, const nsdae_terms *to)
@@ -288,13 +305,8 @@ static int replay(penalty *p, const nsdae_terms *to)
   memcpy(p->y, b->y, (size_t)p->n * sizeof *p->y);
   memcpy(p->peak, b->peak, (size_t)d->k * sizeof *p->peak);
   int status = start_integrator(p, t);
-  for (int i = 0; i < *b->ends && status == NSDAE_OK; i++) {
-    int what = NSDAE_ODE_STEP;
-    while (status == NSDAE_OK && what != NSDAE_ODE_END && t < b->end[i]) {
-      status = one_step(p, b->end[i], &t, &what);
-      if (status == NSDAE_OK) status = follow_peaks(p, t);
-    }
-  }
+  for (int i = 0; i < *b->since_then.count && status == NSDAE_OK; i++)
+    status = replay_stretch(p, i, &t);
   if (status < 0 || stands_at(p, to, t)) return status;
   memcpy(p->y, to->q, (size_t)d->nq * sizeof *p->y);
   memcpy(p->y + d->nq, to->v, (size_t)d->nv * sizeof *p->y);
@@ -344,7 +356,7 @@ static void read_results(const penalty *p, nsdae_result *result, double t, doubl
   integrals(p, nsdae_penalty_at_slide(d), d->f, to->slide_impulse);
   for (int i = 0; i < d->k; i++) to->mode[i] = mode_of(p, i, d->nt);
   for (int j = 0; j < d->f; j++) {
-    double slip = fabs(nsdae_terms_rate(T, T->slide.W, T->slide.w, j, T->v));
+    double slip = fabs(nsdae_terms_slide_rate(T, j, T->v));
     int sticks = slip <= p->equations.stepper->options->friction_velocity;
     to->slide_mode[j] = sticks ? NSDAE_MODE_STICK : NSDAE_MODE_SLIDE;
   }
@@ -379,6 +391,7 @@ static int advance(void *own, const nsdae_state *state, double t_end, nsdae_resu
 {
   penalty *p = own;
   double t = state->terms->t;
+  p->grid = state->grid;
   nsdae_penalty_base_find(&p->equations.base, p->equations.stepper, &result->memory);
   int status = arrive(p, state, &result->counters);
   p->stamp = 0;

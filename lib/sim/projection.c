@@ -255,7 +255,8 @@ static int position_rows(nsdae_projector *p, const nsdae_terms *T, double *worst
     int contact = i - d->m;
     if (contact >= 0 && !p->closed[contact]) continue;
     p->contact[p->least.rows] = contact >= 0 ? contact : -1;
-    const double *W = contact < 0 ? T->constraint.J + i : T->W_N + (size_t)contact * (size_t)d->nv;
+    const double *W = contact < 0 ? T->by.jacobian.value + i
+                                  : T->by.normal.value + (size_t)contact * (size_t)d->nv;
     double missing = contact < 0 ? T->constraint.phi[i] : T->gap[contact] - p->depth[contact];
     double off = append(p, W, contact < 0 ? d->m : 1, missing, x);
     if (off > *worst || p->least.rows == 1) *worst_row = p->least.rows - 1;
@@ -380,7 +381,7 @@ int nsdae_project_velocities(nsdae_projector *p, nsdae_terms *T)
   if (status < 0) return status;
   nsdae_least_start(&p->least);
   for (int i = 0; i < d->m; i++)
-    append(p, T->constraint.J + i, d->m, nsdae_terms_constraint_rate(T, i, T->v), 0);
+    append(p, T->by.jacobian.value + i, d->m, nsdae_terms_constraint_rate(T, i, T->v), 0);
   status = solve(p, T, 0);
   if (status < 0) return status;
   for (int j = 0; j < d->nv; j++) p->v[j] = T->v[j] + p->least.change[j];

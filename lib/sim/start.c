@@ -325,8 +325,13 @@ static int check_tangents(const nsdae_terms *T)
   size_t n = (size_t)d->nv;
   for (int j = 0; s->call.gap_tangent && j < d->k * d->nt; j++) {
     size_t i = (size_t)(j / d->nt);
-    const nsdae_contact_directions c = {
-        s, d->nv, d->nt, T->M, T->W_N + i * n, NULL, T->W_T + i * (size_t)d->nt * n};
+    const nsdae_contact_directions c = {s,
+                                        d->nv,
+                                        d->nt,
+                                        NULL,
+                                        T->by.normal.value + i * n,
+                                        NULL,
+                                        T->by.tangent.value + i * (size_t)d->nt * n};
     if (!(s->contact[i].mu > 0) || !nsdae_tangent_useless(&c, j % d->nt, 0, why)) continue;
     return nsdae_error_set(T->error, NSDAE_E_DERIVATIVE, "nsdae_sim_init", "gap_tangent",
                            "gap_tangent: column %d (%s) %s (start_check = no takes it)", j,
@@ -376,6 +381,23 @@ int nsdae_start_check(nsdae_projector *p, const nsdae_terms *T, double *work)
   if (status == NSDAE_OK) status = check_constraints(T, o->start_tol);
   if (status == NSDAE_OK && o->method != NSDAE_METHOD_PENALTY) status = check_gaps(T, o->start_tol);
   return status < 0 ? status : check_derivatives(p, T, work);
+}
+
+/* What a callback refuses near the start is no doubt. Impulses of penalty are of gaps that are
+ * lengths with and without friction. */
+int nsdae_start_doubt(nsdae_directions *d, const nsdae_sim_options *o, const nsdae_terms *T)
+{
+  const double tol = 1e-6;
+  char text[sizeof T->error->text - sizeof " (start_check = no takes it)"] = "";
+  if (!d->M || !o->start_check || fabs(T->t) > 1e4) return NSDAE_OK;
+  d->any = o->method == NSDAE_METHOD_PENALTY;
+  int code = nsdae_directions_look(d, T->t, T->q, tol, text, sizeof text);
+  if (code < 0) return nsdae_system_callback_status(code, d->callback, T->t, T->error);
+  if (code > 0 || !*text) return NSDAE_OK;
+  nsdae_error_set(T->error, NSDAE_WARN_DIRECTIONS, "nsdae_sim_init", "gap_tangent",
+                  "%s (start_check = no takes it)", text);
+  T->error->time = T->t;
+  return NSDAE_WARN_DIRECTIONS;
 }
 
 /* ---- putting one right, beside the state of the simulation */

@@ -20,7 +20,7 @@ static int advance(nsdae_sim *sim, double t1)
   nsdae_result *result = &sim->next->result;
   const nsdae_memory *memory = &sim->now->result.memory;
   const nsdae_state state = {&sim->now->result.end, memory, &sim->now->result.closed,
-                             &sim->now->result.impulses};
+                             &sim->now->result.impulses, sim->now->accounts.grid_start};
   nsdae_result_begin(result, sim->method->closes);
   nsdae_memory_copy(&result->memory, memory);
   nsdae_stepper_count(&sim->stepper, &state, result);
@@ -131,8 +131,11 @@ static int prepare(nsdae_sim *sim, double t1)
     sim->now->result.end.have = have; /* what a dropped step evaluated is not counted either */
     return status;
   }
-  sim->stage.warning.status = NSDAE_OK;
-  if (status > 0) sim->stage.warning = sim->error; /* which observers clear */
+  /* the first step says what is to be said of the start */
+  if (sim->now->accounts.step > 0 || sim->stage.warning.status <= 0) {
+    sim->stage.warning.status = NSDAE_OK;
+    if (status > 0) sim->stage.warning = sim->error; /* which observers clear */
+  }
   sim->next->accounts.grid_count += sim->next->result.end.t >= t1;
   sim->stage.asked = t1;
   sim->observers.turn = sim->observers.stop = 0;

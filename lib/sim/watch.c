@@ -8,13 +8,15 @@
 #include "sim_impl.h"
 #include "vector.h"
 
-static const double watch_ways = 10;       /* of a step, or overlaps of penalty */
-static const double watch_share = 0.1;     /* of the largest kinetic energy */
-static const double watch_turnover = 0.02; /* of the work that forces did and took */
-static const double watch_soars = 100;     /* times the kinetic energy in a step */
-static const double watch_steps = 100;     /* of the integrator's tolerance, in a step */
-static const double watch_instants = 1e3;  /* the same, at an instant */
-static const double watch_inertia = 1e-5;  /* of T' by differences */
+static const double watch_ways = 10;   /* of a step, or overlaps of penalty */
+static const double watch_share = 0.1; /* of the largest kinetic energy */
+static const double watch_turnover =
+    0.02;                                 /* of the work that forces, or what moves, did and took */
+static const double watch_half = 0.5;     /* of the largest that came from somewhere */
+static const double watch_soars = 100;    /* times the kinetic energy in a step */
+static const double watch_steps = 100;    /* of the integrator's tolerance, in a step */
+static const double watch_instants = 1e3; /* the same, at an instant */
+static const double watch_inertia = 1e-5; /* of T' by differences */
 
 enum { SOARED = 3 }; /* in so many steps */
 
@@ -73,8 +75,8 @@ int nsdae_watch_start(const nsdae_sim *sim, nsdae_point *point)
 {
   const nsdae_terms *start = &point->result.end;
   const nsdae_dims *d = &start->system->dims;
-  double *F = sim->stepper.mean.F, h = sim->options.dt;
-  int status = force_at_rest(start, sim->stepper.v, F);
+  double *still = sim->probe, *F = still + d->nv, h = sim->options.dt;
+  int status = force_at_rest(start, still, F);
   if (status < 0) return status;
   double from_rest = way_from_rest(start, F, h);
   point->accounts.watch =
@@ -83,8 +85,10 @@ int nsdae_watch_start(const nsdae_sim *sim, nsdae_point *point)
                     .way = from_rest,
                     .scale = fmax(point->record.kinetic, rounding_from_rest(start, F, h)),
                     .kinetic = point->record.kinetic,
+                    .known = point->record.kinetic,
                     .t = start->t,
                     .power = nsdae_dot(d->nv, start->F, start->v)};
+  point->accounts.watch.earlier = point->accounts.watch.power;
   return NSDAE_OK;
 }
 
@@ -235,51 +239,91 @@ static double power_of(const nsdae_terms *T, double *rounding)
   return power;
 }
 
+/* Work of what moves by itself in a step that did `of`, by the velocities w and Phi_t at T, one of
+ * its ends: half of each. Lists know theirs. */
+static double half_driven(const nsdae_terms *T, const nsdae_result *of, double h)
+{
+  const nsdae_dims *d = &T->system->dims;
+  const nsdae_impulses *p = &of->impulses;
+  double sum = h * nsdae_dot(d->m, of->multiplier, T->constraint.phi_t);
+  if (!of->smooth)
+    sum -= nsdae_dot(d->k, p->normal, T->w_N) + nsdae_dot(d->k * d->nt, p->tangential, T->w_T) +
+           nsdae_dot(d->f, p->slide_impulse, T->slide.w) + of->carried;
+  return sum / 2;
+}
+
+static unsigned what_drives(const nsdae_result *of)
+{
+  return NSDAE_TERM_PHI_T | (of->smooth ? 0u : NSDAE_TERM_BIAS | NSDAE_TERM_SLIDE);
+}
+
 /* Work in the step that led to here, by its own quadrature: of forces, and of what moves by
  * itself. */
 static int add_work(nsdae_watch *w, nsdae_result *at)
 {
   nsdae_terms *T = &at->end;
-  const nsdae_dims *d = &T->system->dims;
-  const nsdae_impulses *p = &at->impulses;
   double h = T->t - w->t;
-  unsigned need = NSDAE_TERM_FORCE | NSDAE_TERM_PHI_T;
-  if (!at->smooth) need |= NSDAE_TERM_BIAS | NSDAE_TERM_SLIDE;
-  int status = h > 0 ? nsdae_terms_need(T, need) : NSDAE_OK;
+  int status = h > 0 ? nsdae_terms_need(T, NSDAE_TERM_FORCE | what_drives(at)) : NSDAE_OK;
   if (status < 0 || !(h > 0)) return status;
   double rounding, power = power_of(T, &rounding);
-  w->turnover += h / 2 * fabs(w->power + power) + rounding / watch_turnover;
-  w->work += w->turned + h / 2 * (w->power + power) +
-             h * nsdae_dot(d->m, at->multiplier, T->constraint.phi_t);
+  double driven = w->leaving + half_driven(T, at, h);
+  w->rounding += rounding;
+  w->turnover += h / 2 * fabs(w->power + power);
+  w->unsure += h / 4 * fabs(power - 2 * w->power + w->earlier);
+  w->driven += fabs(driven);
+  w->work += w->turned + h / 2 * (w->power + power) + driven;
+  w->earlier = w->power;
   w->power = power;
   w->t = T->t;
-  if (at->smooth) return NSDAE_OK;
-  w->work -= nsdae_dot(d->k, p->normal, T->w_N) + nsdae_dot(d->k * d->nt, p->tangential, T->w_T) +
-             nsdae_dot(d->f, p->slide_impulse, T->slide.w) + at->carried;
   return NSDAE_OK;
+}
+
+/* What of the step from here to next is known now. */
+static int leave(nsdae_watch *w, nsdae_terms *T, const nsdae_result *next)
+{
+  int status = nsdae_terms_need(T, what_drives(next));
+  w->turned = turned(T, &next->end);
+  w->leaving = half_driven(T, next, next->end.t - T->t);
+  return status;
 }
 
 static double energy_bound(const nsdae_watch *w)
 {
-  return watch_share * w->scale + watch_turnover * w->turnover;
+  double soon = watch_share * w->scale + watch_turnover * w->turnover;
+  double ever = watch_half * w->known + watch_turnover * w->spent + w->unsure;
+  return fmin(soon, ever) + watch_turnover * w->driven + w->rounding;
 }
 
-/* What contact impulses L do on velocities that are rounded as L / m is, m the lightest: a column
- * at rest gains and loses that in every step. */
+/* The lightest diagonal entry of M among those of a block; INFINITY of the ground. */
+static double lightest(const nsdae_terms *T, int block)
+{
+  const nsdae_blocks *blocks = &T->system->blocks;
+  double least = INFINITY;
+  size_t n = block < 0 ? 0 : (size_t)nsdae_blocks_size(blocks, block);
+  for (size_t j = 0; j < n; j++) least = fmin(least, T->M[blocks->square[block] + j * (n + 1)]);
+  return least;
+}
+
+/* What contact impulses L do on velocities that are rounded as those that they give are: a column
+ * at rest gains and loses that in every step. L_i turns its contact's velocity by G_ii L_i, with
+ * the Delassus matrix G, and that of j by sqrt(G_ii G_jj) L_i at most. Of lists 1 / G_ii is the
+ * lightest that the two blocks have. */
 static double rounding_of_contacts(const nsdae_point *point)
 {
   const nsdae_terms *T = &point->result.end;
-  const nsdae_blocks *blocks = &T->system->blocks;
   const nsdae_record *r = &point->record;
-  double sum = 0, lightest = INFINITY;
-  for (int i = 0; i < T->system->dims.k; i++) sum += fabs(r->normal_impulse[i]);
-  for (int i = 0; i < r->contacts.count; i++) sum += fabs(r->contacts.normal_impulse[i]);
-  if (sum == 0) return 0;
-  for (int b = 0; b < blocks->count; b++) {
-    size_t n = (size_t)nsdae_blocks_size(blocks, b);
-    for (size_t j = 0; j < n; j++) lightest = fmin(lightest, T->M[blocks->square[b] + j * (n + 1)]);
+  const nsdae_contacts *c = point->result.problem;
+  double sum = 0;
+  for (int a = 0; c && !T->system->by_list && a < c->active_count; a++) {
+    size_t diagonal = (size_t)c->first_column[a] * (size_t)(c->columns + 1);
+    sum += fabs(r->normal_impulse[c->active[a]]) * sqrt(c->delassus.G[diagonal]);
   }
-  return 4 * DBL_EPSILON * sum * sum / lightest;
+  for (int i = 0; i < r->contacts.count; i++) {
+    const int *block = r->contacts.block + 2 * (size_t)i;
+    double m = fmin(lightest(T, block[0]), lightest(T, block[1]));
+    sum += fabs(r->contacts.normal_impulse[i]) / sqrt(m);
+  }
+  return 4 * DBL_EPSILON * sum * sum;
 }
 
 /* Energy that came from nowhere, and its bound; why. */
@@ -305,15 +349,18 @@ static int find_gain(nsdae_watch *w, nsdae_point *before, const nsdae_point *poi
     w->gained = nsdae_larger(w->gained, -point->record.dissipated);
   } else {
     int status = add_work(w, &before->result);
+    if (status == NSDAE_OK) status = leave(w, &before->result.end, &point->result);
     if (status < 0) return status;
-    w->turned = turned(&before->result.end, &point->result.end);
     w->gained += nsdae_larger(0, point->result.work - rounding_of_contacts(point));
     energy = before->record.kinetic + before->record.dissipated - w->kinetic - w->work;
+    w->spent += fabs(point->result.work);
     known = energy_bound(w);
   }
   *found = (gain){energy, known, BY_STEPS};
   if (!point->result.located) find_soaring(w, before->record.kinetic, point->record.kinetic, found);
   w->scale = nsdae_larger(w->scale, point->record.kinetic);
+  double from_nowhere = nsdae_larger(w->gained, nsdae_larger(0, energy));
+  w->known = nsdae_larger(w->known, point->record.kinetic - from_nowhere);
   double bound = energy_bound(w);
   if (w->gained - bound > found->energy - found->bound)
     *found = (gain){w->gained, bound, BY_CONTACTS};

@@ -21,7 +21,12 @@
  *     sum h/2 (F_0 v_0 + F_1 v_1) + vm^T (M_1 - M_0) vm / 2,  nor Lambda Phi_t,  nor -Lambda_c w,
  *
  *   nor the work of contacts is its error (the second term: T = v^T M v / 2 changes with M, too).
- * Gains of more than a tenth of the largest kinetic energy so far are said. Where the forces grow
+ * Gains are said of more than a tenth of the largest kinetic energy so far and a fiftieth of the
+ * turnover sum h/2 |P_0 + P_1|, P = F v, or, as the turnover has no end, of more than half of the
+ * largest kinetic energy that came from somewhere (T less what did not), a fiftieth of what
+ * contacts did and took, and what the quadrature may have missed: sum h/4 |P_1 - 2 P_0 + P_-1|,
+ * three times its error where P is smooth and the error of a jump. To both comes a fiftieth of the
+ * work of what moves by itself. Where the forces grow
  * with the square of the velocities steps that are too long run away before this error has a sign:
  * three in a row that multiply the kinetic energy by 100 are said, too (that of constant forces
  * grows fourfold in a second step, of forces that grow with t^2 64-fold). penalty and event
@@ -31,19 +36,31 @@
 #define NSDAE_WATCH_H
 
 /* Bits of nsdae_stats.warnings, in the order in which they are said. */
-enum { NSDAE_WATCH_ENERGY = 1, NSDAE_WATCH_PENETRATION = 2, NSDAE_WATCH_DRIFT = 4 };
+enum {
+  NSDAE_WATCH_ENERGY = 1,
+  NSDAE_WATCH_PENETRATION = 2,
+  NSDAE_WATCH_DRIFT = 4,
+  NSDAE_WATCH_DIRECTIONS = 8 /* of the start */
+};
 
 /* What is kept of the run so far: doubles alone, see block.c. */
 typedef struct nsdae_watch {
   double change;   /* g */
   double row, way; /* c, l */
   double scale;    /* largest kinetic energy so far */
+  double known;    /* the largest that came from somewhere */
   double kinetic;  /* of the start */
   double t;        /* up to here the work is summed, one step behind */
-  double power;    /* F v there */
+  double power;    /* F v there, */
+  double earlier;  /* and a step before */
   double work;     /* of forces, inertia, moving constraints and moving contacts */
-  double turnover; /* of forces, its steps' amounts */
-  double turned;   /* work of inertia in the last step, not summed yet */
+  double turnover; /* of forces, its steps' amounts; */
+  double unsure;   /* what the quadrature may miss of it */
+  double spent;    /* by contacts, amounts; */
+  double driven;   /* of what moves by itself, amounts */
+  double rounding; /* of the work of forces */
+  double turned;   /* work of inertia in the last step, not summed yet, */
+  double leaving;  /* and of what moves by itself at its begin */
   double gained;   /* by contact impulses */
   double soared;   /* steps in a row that multiplied the kinetic energy */
 } nsdae_watch;

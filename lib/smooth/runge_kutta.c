@@ -62,12 +62,15 @@ static double norm(const nsdae_runge_kutta *rk, const double *x)
   return isfinite(sum) ? sqrt(sum / rk->controlled) : HUGE_VAL;
 }
 
-/* sum := sum_j weight_j k_j */
-static void combine(nsdae_runge_kutta *rk, int count, const double *weight)
+/* sum := sum_j weight_j k_j, of the first n */
+static void combine(nsdae_runge_kutta *rk, int n, int count, const double *weight)
 {
-  memset(rk->sum, 0, (size_t)rk->n * sizeof *rk->sum);
-  for (int j = 0; j < count; j++)
-    for (int i = 0; i < rk->n && weight[j] != 0; i++) rk->sum[i] += weight[j] * rk->k[j][i];
+  double *sum = rk->sum;
+  for (int i = 0; i < n; i++) sum[i] = weight[0] * rk->k[0][i];
+  for (int j = 1; j < count; j++) {
+    const double w = weight[j], *k = rk->k[j];
+    for (int i = 0; i < n && w != 0; i++) sum[i] += w * k[i];
+  }
 }
 
 static int rate(nsdae_runge_kutta *rk, double t, const double *y, double *ydot)
@@ -111,9 +114,10 @@ static int stages(nsdae_runge_kutta *rk, double h)
   int code = 0;
   memcpy(rk->k[0], rk->k[6], (size_t)rk->n * sizeof *rk->sum);
   for (int s = 1; s < STAGES && code == 0; s++) {
-    if (s == STAGES - 1) memcpy(rk->dense[4], rk->trial, (size_t)rk->n * sizeof *rk->sum);
-    combine(rk, s, a[s]);
-    for (int i = 0; i < rk->n; i++) rk->trial[i] = rk->y[i] + h * rk->sum[i];
+    int last = s == STAGES - 1, n = last ? rk->n : rk->controlled; /* what f depends on */
+    if (last) memcpy(rk->dense[4], rk->trial, (size_t)rk->controlled * sizeof *rk->sum);
+    combine(rk, n, s, a[s]);
+    for (int i = 0; i < n; i++) rk->trial[i] = rk->y[i] + h * rk->sum[i];
     code = rate(rk, rk->t + c[s] * h, rk->trial, rk->k[s]);
   }
   return code;
@@ -137,7 +141,7 @@ static void watch_stability(nsdae_runge_kutta *rk, double h)
 static void accept(nsdae_runge_kutta *rk, double h)
 {
   watch_stability(rk, h);
-  combine(rk, STAGES, d);
+  combine(rk, rk->n, STAGES, d);
   for (int i = 0; i < rk->n; i++) {
     double change = rk->trial[i] - rk->y[i], bend = h * rk->k[0][i] - change;
     rk->dense[0][i] = rk->y[i];
@@ -162,7 +166,7 @@ int nsdae_runge_kutta_advance(nsdae_runge_kutta *rk)
     int code = stages(rk, h);
     if (code < 0) return NSDAE_E_CALLBACK;
     if (code == 0) {
-      combine(rk, STAGES, e);
+      combine(rk, rk->controlled, STAGES, e);
       error = h * norm(rk, rk->sum);
     }
     double factor = error > 0 ? SAFETY * pow(error, -0.2) : MOST;
@@ -177,14 +181,16 @@ int nsdae_runge_kutta_advance(nsdae_runge_kutta *rk)
   return rk->progress.refused ? NSDAE_E_CALLBACK : NSDAE_E_CONVERGENCE;
 }
 
-void nsdae_runge_kutta_read(const nsdae_runge_kutta *rk, double t, double *y)
+void nsdae_runge_kutta_read(const nsdae_runge_kutta *rk, double t, int count, double *y)
 {
   double x = rk->last > 0 ? (t - (rk->t - rk->last)) / rk->last : 0, z = 1 - x;
-  for (int i = 0; i < rk->n; i++) {
-    const double *const *r = (const double *const *)rk->dense;
-    y[i] = t == rk->t ? rk->y[i]
-                      : r[0][i] + x * (r[1][i] + z * (r[2][i] + x * (r[3][i] + z * r[4][i])));
+  const double *const *r = (const double *const *)rk->dense;
+  if (t == rk->t) {
+    memcpy(y, rk->y, (size_t)count * sizeof *y);
+    return;
   }
+  for (int i = 0; i < count; i++)
+    y[i] = r[0][i] + x * (r[1][i] + z * (r[2][i] + x * (r[3][i] + z * r[4][i])));
 }
 
 int nsdae_runge_kutta_stiff(const nsdae_runge_kutta *rk)

@@ -45,8 +45,8 @@ int nsdae_runge_kutta_start(nsdae_runge_kutta *rk, double t, const double *y);
  * NSDAE_E_CALLBACK. */
 int nsdae_runge_kutta_advance(nsdae_runge_kutta *rk);
 
-/* y [n] at t within the last step; before the first, where it started. */
-void nsdae_runge_kutta_read(const nsdae_runge_kutta *rk, double t, double *y);
+/* The first `count` of y at t within the last step; before the first, where it started. */
+void nsdae_runge_kutta_read(const nsdae_runge_kutta *rk, double t, int count, double *y);
 
 /* Whether steps have for long been held back by stability, not by accuracy: f is stiff. */
 int nsdae_runge_kutta_stiff(const nsdae_runge_kutta *rk);

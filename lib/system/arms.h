@@ -1,25 +1,30 @@
 /* Arms of rotations in W_T, in the plane, as far as the gap tells.
  *
- * A body's point of contact stays where it is while the body turns about it, and the gap, which is
- * the least distance, does not become larger than there. With n and t along the translations of the
- * body, a = W_N and b = W_T along a rotation theta, that turn begins with
+ * A body's point of contact stays where it is while the body turns about it. With n and t along the
+ * translations of the body, a = W_N and b = W_T along a rotation theta, that turn begins with
  *
  *   v = e_theta - a n - b t,   W_N v = W_T v = 0,
  *
- * and goes on with the centripetal acceleration theta'^2 r of the arm r, whose part along n is b
- * or -b, as theta turns with the axes of n and t or against them. So, with H the gap's second
- * derivatives,
+ * and what touches rolls. Let r be from the centre to the point of contact, s = +-1 the sense of
+ * theta, p = n x t: a = s r x n, b = s r x t. While theta grows by one the point of contact moves
+ * by rho t, rho the joint radius of curvature of what touches, n and t turn by alpha = t . n', and
+ * r changes by rho t and by the turn. So
  *
- *   v^T H v <= |b|,
+ *   b' = (s p - alpha) a        the rate of b along v,                                         (1)
+ *   v^T H v = |b| - rho <= |b|  where r points away from n; H: second derivatives of the gap.  (2)
  *
- * with equality at a corner; the difference is the joint radius of curvature of what touches.
- * A b that is left out, or too short, breaks it where the gap bends by more. Which sense theta has
- * no gap can tell: seen in a mirror it is the same. But all contacts of a body have one sense:
- * where the gap bends (v^T H v > -|b|, so that the arm points away from n), the sign of b (n x t)
- * is the same.
+ * (On a plane alpha = 0; where a corner of what is touched carries an edge of the body rho = 0,
+ * |alpha| = 1 and b' = 0.) Everything but s is given or seen from the gap, so that an arm that is
+ * left out or scaled breaks (1) where a is not zero, and (2) where it becomes too short for a
+ * corner. s is one for all contacts of a body: the sign of one arm among several is seen, too.
  *
- * Not every coordinate that bends a gap is a rotation of a rigid body: a lift's platform rises by
- * l sin q and does not slip. So this is a doubt, not an error. */
+ * What is left no gap tells. A body that is grown by c all around, before a wall that is moved back
+ * by c, has the same gap in every place, and arms that are longer by c: (1) gives b but for a
+ * constant. And seen in a mirror the gap is the same, so that nothing gives the sign of all arms.
+ *
+ * Not every velocity alone in M is a rotation of a rigid body. One without a constant inertia is
+ * none, nor is one that leaves gap and directions as they are; others may yet break (1): so this is
+ * a doubt, not an error. */
 #ifndef NSDAE_SYSTEM_ARMS_H
 #define NSDAE_SYSTEM_ARMS_H
 
@@ -31,7 +36,7 @@ typedef struct nsdae_arms {
   nsdae_differences *differences;
   double t;
   const double *q;
-  double *v, *bend; /* work: nv, 2 k */
+  double *v, *rate, *bend; /* work: nv, nq, 2 k */
 } nsdae_arms;
 
 /* v^T H v of contact i along arms->v: the even part of g'', without what moves by itself. v is used

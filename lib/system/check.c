@@ -5,14 +5,12 @@
 #include <string.h>
 
 #include "arena.h"
-#include "arms.h"
 #include "check_blocks.h"
 #include "differences.h"
+#include "directions.h"
 #include "errors.h"
-#include "levers.h"
 #include "probe.h"
 #include "system_impl.h"
-#include "tangents.h"
 
 typedef struct check {
   nsdae_system *system;
@@ -20,9 +18,7 @@ typedef struct check {
   double t, tol;
   const double *q, *v;
   double *given, *differenced, *spare; /* one matrix each */
-  double *mass, *velocity, *moved;     /* nv x nv, nv, nq */
-  double *bend, *turn;                 /* 2 k, 3 nq */
-  int *turns;                          /* nv */
+  nsdae_directions directions;         /* where there is friction */
   int code;                            /* of a callback that failed, and its name */
   const char *callback;
   nsdae_check worst;
@@ -47,13 +43,8 @@ static void layout(void *object, nsdae_arena *arena)
   c->given = NSDAE_ARENA_DOUBLES(arena, size);
   c->differenced = NSDAE_ARENA_DOUBLES(arena, size);
   c->spare = NSDAE_ARENA_DOUBLES(arena, size);
-  long dense = c->system->by_list ? 0 : c->system->dims.nv;
-  c->mass = NSDAE_ARENA_DOUBLES(arena, dense * dense);
-  c->velocity = NSDAE_ARENA_DOUBLES(arena, c->system->dims.nv);
-  c->bend = NSDAE_ARENA_DOUBLES(arena, 2L * c->system->dims.k);
-  c->turn = NSDAE_ARENA_DOUBLES(arena, 3L * c->system->dims.nq);
-  c->turns = NSDAE_ARENA_INTS(arena, c->system->dims.nv);
-  c->moved = NSDAE_ARENA_DOUBLES(arena, c->system->dims.nq);
+  c->directions.differences = &c->differences;
+  if (c->system->call.gap_tangent) nsdae_directions_layout(&c->directions, arena);
 }
 
 static int failed(check *c, int code, const char *callback)
@@ -190,82 +181,20 @@ static int bad_tangent(check *c, int contact, int column, const char *why)
                          nsdae_system_called(s, NSDAE_NAME_CONTACT, contact, called), why);
 }
 
-/* W_N here and, a little along the motion of some velocity, elsewhere. */
-static int find_normals(check *c, double *here, double *elsewhere)
-{
-  nsdae_differences *d = &c->differences;
-  const nsdae_dims *dims = &c->system->dims;
-  for (int i = 0; i < dims->nv; i++) c->velocity[i] = 0.1 / (2 + i);
-  int code = nsdae_kinematics(c->system, c->t, c->q, c->velocity, c->moved);
-  if (failed(c, code, "kinematics")) return code;
-  for (int i = 0; i < dims->nq; i++) c->moved[i] += c->q[i];
-  code = nsdae_differences_velocity(d, c->system->call.gap, dims->k, c->t, c->q, here, dims->nv, 1);
-  if (code == 0)
-    code = nsdae_differences_velocity(d, c->system->call.gap, dims->k, c->t, c->moved, elsewhere,
-                                      dims->nv, 1);
-  difference_failed(c, code, "gap");
-  return code;
-}
-
-/* Whether gap i, which rubs, is a length: impulses along a scaled one are scaled the other way. */
-static void doubt_gap(check *c, int i)
-{
-  nsdae_system *s = c->system;
-  char why[NSDAE_TANGENT_TEXT], called[NSDAE_CALLED_SIZE];
-  size_t n = (size_t)s->dims.nv, at = (size_t)i * n;
-  const nsdae_contact_directions of = {
-      s, s->dims.nv, s->dims.nt, c->mass, c->differenced + at, c->spare + at, c->given};
-  if (s->contact[i].mu > 0 && nsdae_gap_scaled(&of, c->tol, why))
-    snprintf(s->doubt, sizeof s->doubt, "gap: that of %s %s",
-             nsdae_system_called(s, NSDAE_NAME_CONTACT, i, called), why);
-}
-
-/* What of the arms of rotations in W_T is doubtful. */
-static int doubt_arms(check *c)
-{
-  int nt = c->system->dims.nt;
-  nsdae_arms arms = {
-      {c->system, c->system->dims.nv, nt, c->mass, c->differenced, c->spare, c->given},
-      &c->differences,
-      c->t,
-      c->q,
-      c->velocity,
-      c->bend};
-  char *text = c->system->doubt;
-  size_t size = sizeof c->system->doubt;
-  int code = nt == 1 ? nsdae_arms_doubt(&arms, c->tol, text, size)
-                     : nsdae_levers_doubt(&arms, c->turn, c->turns, c->tol, text, size);
-  difference_failed(c, code, "gap");
-  for (int i = 0; i < c->system->dims.k && code == 0 && !*text; i++) doubt_gap(c, i);
-  return code ? nsdae_system_callback_status(code, c->callback, c->t, &c->system->error) : NSDAE_OK;
-}
-
-/* W_T in given, W_N in differenced and, of the other place, in spare, M in mass. */
+/* Directions of friction, and what of them is doubtful. */
 static int check_tangents(check *c)
 {
   nsdae_system *s = c->system;
-  int k = s->dims.k, n = s->dims.nv, nt = s->dims.nt, status = NSDAE_OK;
+  nsdae_directions *d = &c->directions;
+  char why[NSDAE_TANGENT_TEXT];
   if (!s->call.gap_tangent || c->code) return NSDAE_OK;
-  zero(c->given, n, k * nt);
-  zero(c->mass, n, n);
-  if (failed(c, s->call.gap_tangent(c->t, c->q, c->given, n, s->user), "gap_tangent") ||
-      failed(c, s->call.mass(c->t, c->q, c->mass, n, s->user), "mass") ||
-      find_normals(c, c->differenced, c->spare) != 0)
-    return nsdae_system_callback_status(c->code, c->callback, c->t, &s->error);
-  for (int j = 0; j < k * nt && status == NSDAE_OK; j++) {
-    char why[NSDAE_TANGENT_TEXT];
-    size_t i = (size_t)(j / nt), size = (size_t)n;
-    const nsdae_contact_directions of = {s,
-                                         n,
-                                         nt,
-                                         c->mass,
-                                         c->differenced + i * size,
-                                         c->spare + i * size,
-                                         c->given + i * (size_t)nt * size};
-    if (s->contact[i].mu > 0 && nsdae_tangent_wrong(&of, j % nt, c->tol, why))
-      status = bad_tangent(c, (int)i, j, why);
-  }
-  return status < 0 ? status : doubt_arms(c);
+  int code = nsdae_directions_at(d, c->t, c->q), column = -1;
+  if (!code) column = nsdae_directions_wrong(d, c->tol, why);
+  if (column >= 0) return bad_tangent(c, column / s->dims.nt, column, why);
+  if (!code) code = nsdae_directions_doubt(d, c->tol, s->doubt, sizeof s->doubt);
+  if (failed(c, code, d->callback))
+    return nsdae_system_callback_status(code, c->callback, c->t, &s->error);
+  return NSDAE_OK;
 }
 
 /* What the worst entry belongs to. The rows of contact_acceleration are those of all its outputs,

@@ -19,7 +19,8 @@ typedef struct context {
   double t;
   const double *q, *v;
   nsdae_check *worst;
-  nsdae_row_list rows;
+  nsdae_row_list rows; /* into */
+  nsdae_rows jacobian;
   nsdae_contact_list list, ahead, back;
   double *M, *column, *rate, *trial, *moved;
 } context;
@@ -75,7 +76,7 @@ static int list_rows(context *c)
 /* Column j of Phi_q, dense. */
 static void gather_column(context *c, int j)
 {
-  const nsdae_rows *rows = &c->rows.rows;
+  const nsdae_rows *rows = &c->jacobian;
   const int *first = c->s->blocks.first;
   for (int i = 0; i < rows->count; i++) {
     c->column[i] = 0;
@@ -188,7 +189,7 @@ static void layout(void *object, nsdae_arena *arena)
   c->rate = NSDAE_ARENA_DOUBLES(arena, d->m);
   c->trial = NSDAE_ARENA_DOUBLES(arena, d->nv);
   c->moved = NSDAE_ARENA_DOUBLES(arena, d->nq);
-  c->rows.rows.first = NSDAE_ARENA_INTS(arena, d->m + 1L);
+  c->jacobian.first = NSDAE_ARENA_INTS(arena, d->m + 1L);
 }
 
 static void prepare(context *c)
@@ -202,8 +203,9 @@ static void prepare(context *c)
   c->rows.system = c->s;
   c->rows.blocks = &c->s->blocks;
   c->rows.error = &c->s->error;
-  c->rows.rows.count = c->s->dims.m;
-  c->rows.rows.stride = 1;
+  c->rows.rows = &c->jacobian;
+  c->jacobian.count = c->s->dims.m;
+  c->jacobian.stride = 1;
 }
 
 int nsdae_system_check_lists(nsdae_system *system, nsdae_differences *differences, double t,

@@ -187,12 +187,12 @@ static int refuse_row(nsdae_row_list *list, int status, const char *argument, in
 static void open_rows(nsdae_row_list *list, int row)
 {
   for (; list->last < row; list->last++)
-    list->rows.first[list->last + 1] = (int)list->taken.entries;
+    list->rows->first[list->last + 1] = (int)list->taken.entries;
 }
 
 static int check_row(nsdae_row_list *l, int row, int block, const double *value)
 {
-  if (row < 0 || row >= l->rows.count || row < l->last)
+  if (row < 0 || row >= l->rows->count || row < l->last)
     return refuse_row(l, NSDAE_E_ARGUMENT, "row", row, "rows are 0 .. m-1, in ascending order");
   if (block < 0 || block >= l->blocks->count)
     return refuse_row(l, NSDAE_E_ARGUMENT, "block", row, "there is no such block");
@@ -214,26 +214,26 @@ int nsdae_row_add(nsdae_row_list *l, int row, int block, const double *value)
   l->taken.values += n;
   l->taken.entries++;
   if (!nsdae_room_enough(&l->room, &l->taken)) return NSDAE_OK;
-  for (int p = l->rows.first[row]; p < (int)part; p++)
-    if (l->rows.block[p] == block)
+  for (int p = l->rows->first[row]; p < (int)part; p++)
+    if (l->rows->block[p] == block)
       return refuse_row(l, NSDAE_E_ARGUMENT, "block", row, "a block comes twice");
-  l->rows.block[part] = block;
-  l->rows.at[part] = at;
-  memcpy(l->rows.value + at, value, n * sizeof *value);
+  l->rows->block[part] = block;
+  l->rows->at[part] = at;
+  memcpy(l->rows->value + at, value, n * sizeof *value);
   return NSDAE_OK;
 }
 
 void nsdae_row_list_close(nsdae_row_list *list)
 {
-  open_rows(list, list->rows.count);
+  open_rows(list, list->rows->count);
 }
 
 int nsdae_row_list_grow(nsdae_row_list *l, const nsdae_room *room)
 {
   const nsdae_room new = {larger(l->room.entries, room->entries),
                           larger(l->room.values, room->values)};
-  const nsdae_grown each[] = {NSDAE_GROWN(l->rows.block, 1), NSDAE_GROWN(l->rows.at, 1)};
-  const nsdae_grown value[] = {NSDAE_GROWN(l->rows.value, 1)};
+  const nsdae_grown each[] = {NSDAE_GROWN(l->rows->block, 1), NSDAE_GROWN(l->rows->at, 1)};
+  const nsdae_grown value[] = {NSDAE_GROWN(l->rows->value, 1)};
   int status = nsdae_grow(each, ROW_ARRAYS, new.entries);
   if (status == NSDAE_OK) status = nsdae_grow(value, 1, new.values);
   if (status == NSDAE_OK) l->room = new;
@@ -242,8 +242,9 @@ int nsdae_row_list_grow(nsdae_row_list *l, const nsdae_room *room)
 
 void nsdae_row_list_release(nsdae_row_list *l)
 {
-  const nsdae_grown all[] = {NSDAE_GROWN(l->rows.block, 1), NSDAE_GROWN(l->rows.at, 1),
-                             NSDAE_GROWN(l->rows.value, 1)};
+  if (!l->rows) return;
+  const nsdae_grown all[] = {NSDAE_GROWN(l->rows->block, 1), NSDAE_GROWN(l->rows->at, 1),
+                             NSDAE_GROWN(l->rows->value, 1)};
   nsdae_grown_release(all, sizeof all / sizeof *all);
   l->room = (nsdae_room){0};
 }

@@ -36,7 +36,7 @@ struct nsdae_row_list {
   int status;
   int last; /* the row at hand */
   nsdae_room room, taken;
-  nsdae_rows rows; /* first: m + 1, not ours */
+  nsdae_rows *rows; /* to be filled; its count, first and stride are set before */
 };
 
 /* Empty lists, before the callback. */

@@ -307,8 +307,8 @@ const char *nsdae_system_unseen(nsdae_system *system)
       {"force: its values and signs", system->call.force != NULL},
       {"constraint: whether it is the one that is meant", system->call.constraint != NULL},
       {"gap: whether it is the distance, its sign and its unit", system->call.gap != NULL},
-      {"gap_tangent: the arms and signs of its rotations, but for what the last check doubts; "
-       "length "
+      {"gap_tangent: the sign of all arms of a body, a constant in them, but for what the last "
+       "check doubts; length "
        "and right angles of its directions where no body moves freely in M",
        system->call.gap_tangent != NULL},
       {"contact_bias: w_t", moves && system->dims.nt > 0},

@@ -19,40 +19,43 @@
 
 typedef nsdae_contact_directions directions;
 
-static double mass_of(const directions *c, int i)
+enum { COUPLED = NSDAE_TANGENT_COUPLED, ALONE = NSDAE_TANGENT_ALONE, UNDECIDED = -3 };
+
+static int is_free(int n, const double *M, int i)
 {
-  return c->M[(size_t)i * (size_t)(c->nv + 1)];
+  for (int j = 0; j < n; j++)
+    if (j != i && (M[i * n + j] != 0 || M[j * n + i] != 0)) return 0;
+  return M[i * (n + 1)] > 0;
 }
 
-static int is_free(const directions *c, int i)
+static int same_mass(int n, const double *M, const int *set, int i, int j)
 {
-  size_t n = (size_t)c->nv, row = (size_t)i;
-  for (size_t j = 0; j < n; j++)
-    if (j != row && (c->M[row * n + j] != 0 || c->M[j * n + row] != 0)) return 0;
-  return mass_of(c, i) > 0;
+  return set[i] != COUPLED && set[j] != COUPLED && M[i * (n + 1)] == M[j * (n + 1)];
 }
 
-static int same_set(const directions *c, int of, int i)
+/* What moves as `first` does: all of that mass where they are as many as there are directions, or
+ * else, of bodies that are alike, those that stand side by side. */
+static void decide(int n, int nt, const double *M, int *set, int first)
 {
-  return mass_of(c, i) == mass_of(c, of) && is_free(c, i);
+  int all = 0, end = first, count = 0;
+  for (int i = 0; i < n; i++) all += same_mass(n, M, set, first, i);
+  while (end < n && same_mass(n, M, set, first, end)) end++;
+  if (all == nt + 1) end = n;
+  for (int i = first; i < end; i++) count += same_mass(n, M, set, first, i);
+  for (int i = end - 1; i >= first; i--)
+    if (same_mass(n, M, set, first, i)) set[i] = count == nt + 1 ? first : ALONE;
 }
 
-static int count_same(const directions *c, int of)
+void nsdae_tangent_sets(int n, int nt, const double *M, int *set)
 {
-  int count = 0;
-  for (int i = 0; i < c->nv; i++) count += same_set(c, of, i);
-  return count;
+  for (int i = 0; i < n; i++) set[i] = is_free(n, M, i) ? UNDECIDED : COUPLED;
+  for (int i = 0; i < n; i++)
+    if (set[i] == UNDECIDED) decide(n, nt, M, set, i);
 }
 
-/* Whether i moves the body that `of` moves: all of that mass are as many as there are directions,
- * or those of them that stand side by side are (of bodies that are alike). */
 static int together(const directions *c, int of, int i)
 {
-  int from = i < of ? i : of, to = i < of ? of : i;
-  if (!same_set(c, of, i) || count_same(c, of) == c->nt + 1) return same_set(c, of, i);
-  for (int j = from; j <= to; j++)
-    if (!same_set(c, of, j)) return 0;
-  return 1;
+  return c->set[of] >= 0 && c->set[i] == c->set[of];
 }
 
 /* The product of two columns along the set of velocity `of`. */
@@ -67,14 +70,7 @@ static double along(const directions *c, int of, const double *a, const double *
 /* Whether velocity `of` is the first of a set that translates a body, as the normal shows. */
 static int translates(const directions *c, int of, double tol)
 {
-  int count = 0;
-  if (!is_free(c, of)) return 0;
-  for (int i = 0; i < c->nv; i++) {
-    if (!together(c, of, i)) continue;
-    if (i < of) return 0;
-    count++;
-  }
-  return count == c->nt + 1 && fabs(along(c, of, c->normal, c->normal) - 1) <= tol &&
+  return c->set[of] == of && fabs(along(c, of, c->normal, c->normal) - 1) <= tol &&
          fabs(along(c, of, c->other, c->other) - 1) <= tol;
 }
 
@@ -199,11 +195,10 @@ int nsdae_gap_scaled(const directions *c, double tol, char why[NSDAE_TANGENT_TEX
 {
   char called[NSDAE_CALLED_SIZE];
   for (int of = 0; of < c->nv; of++) {
-    int count = 0;
-    for (int i = 0; i < c->nv && is_free(c, of); i++) count += together(c, of, i);
+    if (c->set[of] != of) continue;
     double here = sqrt(along(c, of, c->normal, c->normal));
     double there = sqrt(along(c, of, c->other, c->other));
-    if (count != c->nt + 1 || !(here > tol) || !(fabs(here - there) <= tol * here)) continue;
+    if (!(here > tol) || !(fabs(here - there) <= tol * here)) continue;
     if (fabs(here - 1) <= tol) continue;
     return snprintf(why, NSDAE_TANGENT_TEXT,
                     "has a gradient of length %.6g along the velocities that move as %s does, here "

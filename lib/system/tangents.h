@@ -2,11 +2,16 @@
 #ifndef NSDAE_SYSTEM_TANGENTS_H
 #define NSDAE_SYSTEM_TANGENTS_H
 
+/* set [nv]: of the velocities that move alike in M [nv x nv], nt + 1 of one mass without coupling,
+ * which may be the translations of one body, the first; of others one of these. */
+enum { NSDAE_TANGENT_COUPLED = -1, NSDAE_TANGENT_ALONE = -2 };
+void nsdae_tangent_sets(int nv, int nt, const double *M, int *set);
+
 /* Of one contact. */
 typedef struct nsdae_contact_directions {
   const struct nsdae_system *system; /* for names */
   int nv, nt;
-  const double *M;              /* nv x nv */
+  const int *set;               /* nv: see nsdae_tangent_sets */
   const double *normal, *other; /* nv: its column of W_N here, and at another place */
   const double *tangent;        /* nv x nt: its directions */
 } nsdae_contact_directions;
@@ -26,7 +31,7 @@ int nsdae_tangent_useless(const nsdae_contact_directions *contact, int j, double
 int nsdae_gap_scaled(const nsdae_contact_directions *contact, double tol,
                      char why[NSDAE_TANGENT_TEXT]);
 
-/* Whether velocities i and j are two of those that translate one body, and i the first of them. */
+/* Whether velocities i and j are two of those that translate one body, and i is the first. */
 int nsdae_tangent_translates(const nsdae_contact_directions *contact, int i, int j, double tol);
 
 #endif

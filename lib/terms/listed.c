@@ -54,7 +54,6 @@ int nsdae_terms_constraint_rows(nsdae_terms *T)
   T->evals->jacobian++;
   int code = s->call.constraint_rows(T->t, T->q, list, s->user);
   nsdae_row_list_close(list);
-  T->by.jacobian = list->rows;
   return listed(T, code, list->status, "constraint_rows", &list->room, &list->taken);
 }
 
@@ -130,8 +129,7 @@ int nsdae_terms_grow(nsdae_terms *T, const nsdae_room *contacts, const nsdae_roo
   if (status == NSDAE_OK) status = grow_rows(T, contacts->entries + 1, T->by.list.nt);
   if (status == NSDAE_OK) status = nsdae_row_list_grow(&T->by.rows, rows);
   if (status < 0) return status;
-  T->by.jacobian = T->by.rows.rows; /* what moved has its place again */
-  T->by.normal.value = T->by.tangent.value = T->by.list.value;
+  T->by.normal.value = T->by.tangent.value = T->by.list.value; /* what moved has its place again */
   return NSDAE_OK;
 }
 

@@ -27,17 +27,6 @@ int nsdae_terms_constraint_rows(nsdae_terms *terms);
 int nsdae_terms_grow(nsdae_terms *terms, const nsdae_room *contacts, const nsdae_room *rows);
 void nsdae_terms_release(nsdae_terms *terms);
 
-/* Velocity along the normal of contact i, along tangent j. */
-static inline double nsdae_terms_normal_rate(const nsdae_terms *T, int i, const double *v)
-{
-  return nsdae_rows_dot(&T->system->blocks, &T->by.normal, i, v) + T->w_N[i];
-}
-
-static inline double nsdae_terms_tangent_rate(const nsdae_terms *T, int j, const double *v)
-{
-  return nsdae_rows_dot(&T->system->blocks, &T->by.tangent, j, v) + T->w_T[j];
-}
-
 /* y [nv] += scale Phi_q^T x */
 static inline void nsdae_terms_add_constraints(const nsdae_terms *T, double scale, const double *x,
                                                double *y)

@@ -9,34 +9,63 @@ void nsdae_power_layout(nsdae_power *p, const nsdae_dims *d, nsdae_arena *arena)
 {
   p->q = NSDAE_ARENA_DOUBLES(arena, d->nq);
   p->M = NSDAE_ARENA_DOUBLES(arena, (long)d->nv * d->nv);
+  p->first = NSDAE_ARENA_DOUBLES(arena, (long)d->nv * d->nv);
 }
 
-/* M ahead, by s along the motion. */
-static int mass_ahead(nsdae_power *p, const nsdae_terms *T, const double *qdot, double s)
+void nsdae_power_start(nsdae_power *p)
+{
+  p->any = p->moves = 0;
+}
+
+/* Whether M has been the same since the first point; that point itself says nothing. */
+static int stands_still(nsdae_power *p, const nsdae_terms *T)
+{
+  size_t n = (size_t)T->system->dims.nv, size = n * n * sizeof *p->first;
+  if (!p->any) {
+    memcpy(p->first, T->M, size);
+    p->any = 1;
+    return 0;
+  }
+  if (!p->moves) p->moves = memcmp(p->first, T->M, size) != 0;
+  return !p->moves;
+}
+
+/* M ahead, by *s along the motion. */
+static int mass_ahead(nsdae_power *p, const nsdae_terms *T, const double *qdot, double *s)
 {
   const nsdae_system *system = T->system;
-  int n = system->dims.nv;
-  for (int i = 0; i < system->dims.nq; i++) p->q[i] = T->q[i] + s * qdot[i];
+  int n = system->dims.nv, nq = system->dims.nq;
+  double fastest = 1;
+  for (int i = 0; i < nq; i++)
+    if (fabs(qdot[i]) > fastest * (1 + fabs(T->q[i])))
+      fastest = fabs(qdot[i]) / (1 + fabs(T->q[i]));
+  *s = 0x1p-26 * fmax(1, 1e-4 * fabs(T->t)) / fastest;
+  for (int i = 0; i < nq; i++) p->q[i] = T->q[i] + *s * qdot[i];
   memset(p->M, 0, (size_t)n * (size_t)n * sizeof *p->M);
   T->evals->mass++;
-  int code = system->call.mass(T->t + s, p->q, p->M, n, system->user);
+  int code = system->call.mass(T->t + *s, p->q, p->M, n, system->user);
   return nsdae_system_callback_status(code, "mass", T->t, T->error);
+}
+
+/* v^T M b */
+static double product(int n, const double *v, const double *M, const double *b)
+{
+  double sum = 0;
+  for (int j = 0; j < n; j++, M += n) sum += nsdae_dot(n, v, M) * b[j];
+  return sum;
 }
 
 int nsdae_power_rate(nsdae_power *p, const nsdae_terms *T, const double *a, const double *qdot,
                      double *rate)
 {
   int n = T->system->dims.nv;
-  double fastest = 1;
-  for (int i = 0; i < T->system->dims.nq; i++)
-    if (fabs(qdot[i]) > fastest * (1 + fabs(T->q[i])))
-      fastest = fabs(qdot[i]) / (1 + fabs(T->q[i]));
-  double s = 0x1p-26 * fmax(1, 1e-4 * fabs(T->t)) / fastest;
-  int status = mass_ahead(p, T, qdot, s);
-  *rate = 0;
-  for (size_t j = 0; j < (size_t)n; j++)
-    for (size_t i = 0, at = j * (size_t)n; i < (size_t)n; i++, at++)
-      *rate += T->v[i] * (T->M[at] * a[j] + (p->M[at] - T->M[at]) / (2 * s) * T->v[j]);
+  const double *v = T->v;
+  *rate = product(n, v, T->M, a);
+  if (stands_still(p, T)) return NSDAE_OK;
+  double s;
+  int status = mass_ahead(p, T, qdot, &s);
+  for (size_t i = 0; i < (size_t)n * (size_t)n; i++) p->M[i] -= T->M[i];
+  *rate += product(n, v, p->M, v) / (2 * s);
   if (status < 0 || isfinite(*rate)) return status;
   return nsdae_system_finite(T->system, p->M, n, n, "mass", T->t, T->error);
 }

@@ -2,17 +2,24 @@
  *
  *   T' = v^T M a + v^T M' v / 2,   M' = (M(t + s, q + s q') - M(t, q)) / s,  s ~ eps^(1/2)
  *
- * by one evaluation of M more, the second term to some 1e-8 of itself. */
+ * by one evaluation of M more, the second term to some 1e-8 of itself. While M is to the last bit
+ * what it was at the first point M' is zero, and nothing is evaluated: as of most bodies, whose
+ * coordinates are those of their centre of mass. */
 #ifndef NSDAE_TERMS_POWER_H
 #define NSDAE_TERMS_POWER_H
 
 #include "terms.h"
 
 typedef struct nsdae_power {
-  double *q, *M; /* nq, nv x nv: ahead */
+  double *q, *M;  /* nq, nv x nv: ahead */
+  double *first;  /* nv x nv: M at the first point */
+  int any, moves; /* there is one; M was another since then */
 } nsdae_power;
 
 void nsdae_power_layout(nsdae_power *power, const nsdae_dims *dims, nsdae_arena *arena);
+
+/* The next point is the first. */
+void nsdae_power_start(nsdae_power *power);
 
 /* *rate = T' at the terms' point, whose M is there, with accelerations a [nv] and q' [nq].
  * NSDAE_OK, NSDAE_E_CALLBACK, NSDAE_E_NONFINITE. */

@@ -9,11 +9,11 @@
 #include "system_impl.h"
 #include "vector.h"
 
-/* Rows of a dense array, each over the one block: begin is how far apart they are. */
-static void dense_rows(nsdae_rows *rows, long count, double *value, long begin, long stride,
-                       nsdae_arena *arena)
+void nsdae_terms_layout_rows(nsdae_rows *rows, long count, long n, long begin, long stride,
+                             nsdae_arena *arena)
 {
-  *rows = (nsdae_rows){.count = (int)count, .value = value, .stride = (size_t)stride};
+  *rows = (nsdae_rows){.count = (int)count, .stride = (size_t)stride};
+  rows->value = NSDAE_ARENA_DOUBLES(arena, count * n);
   rows->first = NSDAE_ARENA_INTS(arena, count + 1);
   rows->block = NSDAE_ARENA_INTS(arena, count);
   rows->at = nsdae_arena_take(arena, count, sizeof *rows->at);
@@ -30,9 +30,10 @@ static void lay_out_lists(nsdae_terms *terms, nsdae_arena *arena)
   terms->by.rows.system = s;
   terms->by.list.blocks = terms->by.rows.blocks = &s->blocks;
   terms->by.list.nt = s->dims.nt;
-  terms->by.rows.rows.count = s->dims.m;
-  terms->by.rows.rows.first = NSDAE_ARENA_INTS(arena, s->dims.m + 1L);
-  terms->by.rows.rows.stride = terms->by.normal.stride = terms->by.tangent.stride = 1;
+  terms->by.rows.rows = &terms->by.jacobian;
+  terms->by.jacobian.count = s->dims.m;
+  terms->by.jacobian.first = NSDAE_ARENA_INTS(arena, s->dims.m + 1L);
+  terms->by.jacobian.stride = terms->by.normal.stride = terms->by.tangent.stride = 1;
 }
 
 /* What is numbered: dense, and seen by rows. */
@@ -40,15 +41,12 @@ static void lay_out_dense(nsdae_terms *terms, nsdae_arena *arena)
 {
   const nsdae_dims *dims = &terms->system->dims;
   long n = dims->nv, m = dims->m, k = dims->k, nt = dims->nt;
-  terms->constraint.J = NSDAE_ARENA_DOUBLES(arena, m * n);
   terms->gap = NSDAE_ARENA_DOUBLES(arena, k);
-  terms->W_N = NSDAE_ARENA_DOUBLES(arena, n * k);
-  terms->W_T = NSDAE_ARENA_DOUBLES(arena, n * k * nt);
   terms->w_N = NSDAE_ARENA_DOUBLES(arena, k);
   terms->w_T = NSDAE_ARENA_DOUBLES(arena, k * nt);
-  dense_rows(&terms->by.jacobian, m, terms->constraint.J, 1, m, arena);
-  dense_rows(&terms->by.normal, k, terms->W_N, n, 1, arena);
-  dense_rows(&terms->by.tangent, k * nt, terms->W_T, n, 1, arena);
+  nsdae_terms_layout_rows(&terms->by.jacobian, m, n, 1, m, arena);
+  nsdae_terms_layout_rows(&terms->by.normal, k, n, n, 1, arena);
+  nsdae_terms_layout_rows(&terms->by.tangent, k * nt, n, n, 1, arena);
 }
 
 void nsdae_terms_layout(nsdae_terms *terms, nsdae_arena *arena)
@@ -68,7 +66,7 @@ void nsdae_terms_layout(nsdae_terms *terms, nsdae_arena *arena)
     lay_out_lists(terms, arena);
   else
     lay_out_dense(terms, arena);
-  terms->slide.W = NSDAE_ARENA_DOUBLES(arena, n * dims->f);
+  nsdae_terms_layout_rows(&terms->by.slide, dims->f, n, n, 1, arena);
   terms->slide.w = NSDAE_ARENA_DOUBLES(arena, dims->f);
   terms->omega.N = NSDAE_ARENA_DOUBLES(arena, k);
   terms->omega.T = NSDAE_ARENA_DOUBLES(arena, k * nt);
@@ -162,15 +160,16 @@ static int jacobian(nsdae_terms *T)
   const nsdae_system *s = T->system;
   int m = s->dims.m, n = s->dims.nv, code;
   if (s->by_list) return there(T, NSDAE_TERM_JACOBIAN, nsdae_terms_constraint_rows(T));
-  zero(T->constraint.J, (long)m * n);
+  zero(T->by.jacobian.value, (long)m * n);
   T->evals->jacobian++;
   if (!s->call.constraint_jacobian) {
     code = nsdae_differences_velocity(T->differences, s->call.constraint, m, T->t, T->q,
-                                      T->constraint.J, m, 0);
-    return difference_outcome(T, NSDAE_TERM_JACOBIAN, code, "constraint", T->constraint.J, m, n);
+                                      T->by.jacobian.value, m, 0);
+    return difference_outcome(T, NSDAE_TERM_JACOBIAN, code, "constraint", T->by.jacobian.value, m,
+                              n);
   }
-  code = s->call.constraint_jacobian(T->t, T->q, T->constraint.J, m, s->user);
-  return outcome(T, NSDAE_TERM_JACOBIAN, code, "constraint_jacobian", T->constraint.J, m, n);
+  code = s->call.constraint_jacobian(T->t, T->q, T->by.jacobian.value, m, s->user);
+  return outcome(T, NSDAE_TERM_JACOBIAN, code, "constraint_jacobian", T->by.jacobian.value, m, n);
 }
 
 /* The callback gives phi_t and omega together. */
@@ -220,24 +219,26 @@ static int normal(nsdae_terms *T)
 {
   const nsdae_system *s = T->system;
   int k = s->dims.k, n = s->dims.nv, code;
-  zero(T->W_N, (long)n * k);
+  zero(T->by.normal.value, (long)n * k);
   if (!s->call.gap_normal) {
-    code = nsdae_differences_velocity(T->differences, s->call.gap, k, T->t, T->q, T->W_N, n, 1);
-    return difference_outcome(T, NSDAE_TERM_NORMAL, code, "gap", T->W_N, n, k);
+    code = nsdae_differences_velocity(T->differences, s->call.gap, k, T->t, T->q,
+                                      T->by.normal.value, n, 1);
+    return difference_outcome(T, NSDAE_TERM_NORMAL, code, "gap", T->by.normal.value, n, k);
   }
-  code = s->call.gap_normal(T->t, T->q, T->W_N, n, s->user);
-  return outcome(T, NSDAE_TERM_NORMAL, code, "gap_normal", T->W_N, n, k);
+  code = s->call.gap_normal(T->t, T->q, T->by.normal.value, n, s->user);
+  return outcome(T, NSDAE_TERM_NORMAL, code, "gap_normal", T->by.normal.value, n, k);
 }
 
 static int tangent(nsdae_terms *T)
 {
   const nsdae_system *s = T->system;
   int columns = s->dims.k * s->dims.nt, n = s->dims.nv;
-  zero(T->W_T, (long)n * columns);
+  zero(T->by.tangent.value, (long)n * columns);
   if (!s->call.gap_tangent)
     return there(T, NSDAE_TERM_TANGENT, NSDAE_OK); /* allowed where no contact has friction */
-  return outcome(T, NSDAE_TERM_TANGENT, s->call.gap_tangent(T->t, T->q, T->W_T, n, s->user),
-                 "gap_tangent", T->W_T, n, columns);
+  return outcome(T, NSDAE_TERM_TANGENT,
+                 s->call.gap_tangent(T->t, T->q, T->by.tangent.value, n, s->user), "gap_tangent",
+                 T->by.tangent.value, n, columns);
 }
 
 static int bias(nsdae_terms *T)
@@ -259,12 +260,12 @@ static int slide(nsdae_terms *T)
 {
   const nsdae_system *s = T->system;
   int f = s->dims.f, n = s->dims.nv;
-  zero(T->slide.W, (long)n * f);
+  zero(T->by.slide.value, (long)n * f);
   zero(T->slide.w, f);
   if (!s->call.slide_tangent)
     return there(T, NSDAE_TERM_SLIDE, NSDAE_OK); /* allowed where no slide has friction */
-  int code = s->call.slide_tangent(T->t, T->q, T->slide.W, n, T->slide.w, s->user);
-  int status = outcome(T, 0, code, "slide_tangent", T->slide.W, n, f);
+  int code = s->call.slide_tangent(T->t, T->q, T->by.slide.value, n, T->slide.w, s->user);
+  int status = outcome(T, 0, code, "slide_tangent", T->by.slide.value, n, f);
   return status < 0 ? status : outcome(T, NSDAE_TERM_SLIDE, 0, "slide_tangent", T->slide.w, f, 1);
 }
 
@@ -451,7 +452,7 @@ static int bad_rank(const nsdae_terms *terms, const nsdae_kkt *kkt)
 int nsdae_terms_factor(nsdae_terms *terms, const double *M, nsdae_kkt *kkt, int least_norm)
 {
   const nsdae_dims *dims = &terms->system->dims;
-  if (nsdae_kkt_factor(kkt, M, dims->nv, terms->constraint.J, dims->m) < 0)
+  if (nsdae_kkt_factor(kkt, M, dims->nv, terms->by.jacobian.value, dims->m) < 0)
     return nsdae_terms_bad_mass(terms, kkt);
   return kkt->rank < kkt->m && !least_norm ? bad_rank(terms, kkt) : NSDAE_OK;
 }

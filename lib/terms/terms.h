@@ -30,10 +30,12 @@ enum {
   NSDAE_TERM_CONTACTS = 8192      /* the list, see nsdae_terms_contacts */
 };
 
-/* The same by blocks: see listed.h. */
+/* By rows over blocks. Of a system without blocks they are those of a dense array, Phi_q [m x nv],
+ * W_N [nv x k], W_T [nv x k nt] and W of the slides [nv x f]; else see listed.h. */
 typedef struct nsdae_by_blocks {
   nsdae_rows jacobian;        /* m */
   nsdae_rows normal, tangent; /* k, k nt; by list: of the contacts that the step selected */
+  nsdae_rows slide;           /* f */
   nsdae_row_list rows;
   nsdae_contact_list list;
   double reach; /* of the list */
@@ -47,7 +49,6 @@ typedef struct nsdae_evals {
 /* Of the bilateral constraints. */
 typedef struct nsdae_constraint_terms {
   double *phi;           /* m */
-  double *J;             /* m x nv */
   double *phi_t, *omega; /* m */
 } nsdae_constraint_terms;
 
@@ -58,7 +59,6 @@ typedef struct nsdae_contact_turns {
 
 /* Of the slides. */
 typedef struct nsdae_slide_terms {
-  double *W;         /* nv x f */
   double *w, *omega; /* f */
 } nsdae_slide_terms;
 
@@ -73,8 +73,6 @@ typedef struct nsdae_terms {
   double *F; /* nv */
   nsdae_constraint_terms constraint;
   double *gap;       /* k */
-  double *W_N;       /* nv x k */
-  double *W_T;       /* nv x k nt */
   double *w_N, *w_T; /* k, k nt */
   nsdae_contact_turns omega;
   nsdae_slide_terms slide;
@@ -84,6 +82,10 @@ typedef struct nsdae_terms {
 
 /* Takes the arrays; system, differences, error and evals are set before. */
 void nsdae_terms_layout(nsdae_terms *terms, nsdae_arena *arena);
+/* Rows of n values, each over the one block: begin is how far apart they are, stride the same of
+ * the values of one. */
+void nsdae_terms_layout_rows(nsdae_rows *rows, long count, long n, long begin, long stride,
+                             nsdae_arena *arena);
 
 /* Moves to a new point: every term is out of date. */
 void nsdae_terms_at(nsdae_terms *terms, double t, const double *q, const double *v);
@@ -104,13 +106,33 @@ static inline int nsdae_terms_need(nsdae_terms *terms, unsigned which)
  * that. With p = 10^4, NSDAE_E_MASS names the first two that differ by more. */
 int nsdae_terms_symmetric(const nsdae_terms *terms);
 
-/* W_j^T v + w_j: the velocity along column j of W_N, W_T or of the slides' W, or with omega in
- * place of w and an acceleration in place of v, its rate. */
-static inline double nsdae_terms_rate(const nsdae_terms *T, const double *W, const double *w, int j,
-                                      const double *v)
+/* W_i^T v + w_i: the velocity along row i of those by blocks, or with omega in place of w and an
+ * acceleration in place of v, its rate. */
+static inline double nsdae_terms_rate(const nsdae_terms *T, const nsdae_rows *rows, const double *w,
+                                      int i, const double *v)
 {
-  size_t n = (size_t)T->system->dims.nv;
-  return nsdae_dot(T->system->dims.nv, W + (size_t)j * n, v) + w[j];
+  return nsdae_rows_add_dot(&T->system->blocks, rows, i, v, w[i]);
+}
+
+/* Of the normal of contact i, tangent i, slide i; d Phi_i / dt = (Phi_q v)_i + Phi_t. */
+static inline double nsdae_terms_normal_rate(const nsdae_terms *T, int i, const double *v)
+{
+  return nsdae_terms_rate(T, &T->by.normal, T->w_N, i, v);
+}
+
+static inline double nsdae_terms_tangent_rate(const nsdae_terms *T, int i, const double *v)
+{
+  return nsdae_terms_rate(T, &T->by.tangent, T->w_T, i, v);
+}
+
+static inline double nsdae_terms_slide_rate(const nsdae_terms *T, int i, const double *v)
+{
+  return nsdae_terms_rate(T, &T->by.slide, T->slide.w, i, v);
+}
+
+static inline double nsdae_terms_constraint_rate(const nsdae_terms *T, int i, const double *v)
+{
+  return nsdae_terms_rate(T, &T->by.jacobian, T->constraint.phi_t, i, v);
 }
 
 /* |W_T^T v + w_T| of contact i */
@@ -118,18 +140,8 @@ static inline double nsdae_terms_slip(const nsdae_terms *T, int i, const double 
 {
   int nt = T->system->dims.nt;
   double slip = 0;
-  for (int j = i * nt; j < (i + 1) * nt; j++)
-    slip = hypot(slip, nsdae_terms_rate(T, T->W_T, T->w_T, j, v));
+  for (int j = i * nt; j < (i + 1) * nt; j++) slip = hypot(slip, nsdae_terms_tangent_rate(T, j, v));
   return slip;
-}
-
-/* d Phi_i / dt = (Phi_q v)_i + Phi_t */
-static inline double nsdae_terms_constraint_rate(const nsdae_terms *T, int i, const double *v)
-{
-  size_t m = (size_t)T->system->dims.m, n = (size_t)T->system->dims.nv;
-  double rate = T->constraint.phi_t[i];
-  for (size_t j = 0; j < n; j++) rate += T->constraint.J[j * m + (size_t)i] * v[j];
-  return rate;
 }
 
 /* dq/dt = H v of a velocity at the point; NSDAE_OK, NSDAE_E_CALLBACK, NSDAE_E_NONFINITE. */

@@ -8,6 +8,7 @@
  * tolerances allow. */
 #include "check.h"
 
+#include <limits.h>
 #include <stdlib.h>
 
 #include "bouncing_ball.h"
@@ -23,8 +24,10 @@
 #include "shaken_ball.h"
 #include "woodpecker.h"
 
-/* For the integrators a call in so many, as many as a test has time for; NSDAE_EVERY_CALL tries
- * each (half an hour; NSDAE_ONLY names one model and NSDAE_METHOD one method). */
+/* The integrators begin at a state where they start anew, and each call fails in turn (under the
+ * sanitizers, and of random systems, one in so many); and at one that they come to by doing the
+ * steps before again, whose calls are many: one in so many fails. NSDAE_ONLY names one model and
+ * NSDAE_METHOD one method. */
 enum { TRIED = 40 };
 
 static const driver_model *const models[] = {
@@ -171,11 +174,16 @@ static void attack_call(bench *b, nsdae_sim *sim, unsigned char *now)
 }
 
 /* A run without a failure, for its end and how often each callback is called. */
-static unsigned char *run_whole(bench *b, nsdae_sim *sim)
+static unsigned char *run_whole(bench *b, nsdae_sim *sim, int anew)
 {
   nsdae_record r;
   b->failing.term = -1;
   find_from(b, sim);
+  if (anew) { /* as after settings that changed */
+    assert_int_equal(nsdae_sim_set_state(sim, b->from, b->size), NSDAE_OK);
+    assert_int_equal(nsdae_sim_set_options(sim, &b->options), NSDAE_OK);
+    assert_int_equal(nsdae_sim_get_state(sim, b->from, b->size), NSDAE_OK);
+  }
   run(b, sim);
   nsdae_sim_get_record(sim, &r);
   memcpy(b->q, r.q, (size_t)b->dims.nq * sizeof *b->q);
@@ -191,30 +199,46 @@ static int chosen(const char *variable, const char *name)
 }
 
 /* Call `at` of every so many; 1: each. */
-static long stride_of(long calls, int method)
+static long stride_of(long calls, int method, int anew)
 {
-  return method < NSDAE_METHOD_PENALTY || getenv("NSDAE_EVERY_CALL") ? 1 : 1 + calls / TRIED;
+#ifdef __SANITIZE_ADDRESS__
+  anew = 0;
+#endif
+  return method < NSDAE_METHOD_PENALTY || anew ? 1 : 1 + calls / TRIED;
 }
 
-static long attack(bench *b, int method)
+static long attack_from(bench *b, nsdae_sim *sim, int anew)
 {
   failing_system *f = &b->failing;
   long calls[FAILING_TERMS], tried = 0;
-  b->options.method = method;
-  b->options.rtol = 1e-6;
-  if (method == NSDAE_METHOD_PENALTY) b->options.dt /= 20;
-  nsdae_sim *sim = make(b);
-  if (!sim) return 0;
-  unsigned char *now = run_whole(b, sim);
+  unsigned char *now = run_whole(b, sim, anew);
   memcpy(calls, f->calls, sizeof calls);
-  for (f->term = 0; f->term < FAILING_TERMS; f->term++)
-    for (f->at = 0; f->at < calls[f->term]; f->at += stride_of(calls[f->term], method), tried++) {
+  for (f->term = 0; f->term < FAILING_TERMS; f->term++) {
+    long stride = stride_of(calls[f->term], b->options.method, anew);
+    for (f->at = 0; f->at < calls[f->term]; f->at += stride, tried++) {
       f->code = -1;
       attack_call(b, sim, now);
       f->code = 1;
       attack_call(b, sim, now);
     }
+  }
   free(now);
+  free(b->from);
+  free(b->to);
+  b->from = b->to = NULL;
+  return tried;
+}
+
+/* every: of the integrators too. */
+static long attack(bench *b, int method, int every)
+{
+  b->options.method = method;
+  b->options.rtol = 1e-6;
+  if (method == NSDAE_METHOD_PENALTY) b->options.dt /= 20;
+  nsdae_sim *sim = make(b);
+  if (!sim) return 0;
+  long tried = attack_from(b, sim, 0);
+  if (method >= NSDAE_METHOD_PENALTY && every) tried += attack_from(b, sim, 1);
   nsdae_sim_destroy(&sim);
   return tried;
 }
@@ -227,15 +251,13 @@ static void attack_all(int method)
   for (int i = 0; i < MODELS; i++) {
     if (!chosen("NSDAE_ONLY", models[i]->name)) continue;
     use_model(&b, models[i]);
-    long calls = attack(&b, method);
-    if (getenv("NSDAE_EVERY_CALL")) print_message("%s: %ld calls\n", b.name, calls);
-    tried += calls;
+    tried += attack(&b, method, 1);
     done(&b);
   }
   if (getenv("NSDAE_ONLY")) return;
   for (uint64_t seed = 1; seed <= SYSTEMS; seed++) {
     use_random(&b, seed);
-    tried += attack(&b, method);
+    tried += attack(&b, method, 0);
     done(&b);
   }
   print_message("%s: %ld calls\n", nsdae_method_name(method), tried);
@@ -246,17 +268,18 @@ static void test_projected(void **state)
 {
   static bench b;
   (void)state;
+  if (getenv("NSDAE_METHOD")) skip();
   for (int method = NSDAE_METHOD_IMPLICIT; method <= NSDAE_METHOD_MOREAU; method++) {
     for (int i = 0; i < MODELS; i++) {
       use_model(&b, models[i]);
       b.options.projection = i % 2 ? NSDAE_PROJECTION_DEPTHS : NSDAE_PROJECTION_CONTACTS;
-      attack(&b, method);
+      attack(&b, method, 1);
       done(&b);
     }
     for (uint64_t seed = 1; seed <= 2 * SYSTEMS; seed++) {
       use_random(&b, (seed + 1) / 2);
       b.options.projection = seed % 2 ? NSDAE_PROJECTION_DEPTHS : NSDAE_PROJECTION_CONTACTS;
-      attack(&b, method);
+      attack(&b, method, 1);
       done(&b);
     }
   }
@@ -291,10 +314,27 @@ static int check_once(bench *b, nsdae_sim *sim, const nsdae_error **error)
   return nsdae_system_check(b->system, 0.1, b->q0, b->v0, 1e-4, NULL);
 }
 
+/* How often a start without its check calls each term: the first of those that it needs. Where it
+ * looks at directions near by, which comes last, it does without what a callback refuses there. */
+static void count_needed(bench *b, once_fn act, long needed[FAILING_TERMS])
+{
+  const nsdae_error *error;
+  failing_system *f = &b->failing;
+  b->options.start_check = 0;
+  nsdae_sim *sim = make(b);
+  b->options.start_check = 1;
+  f->term = -1;
+  failing_system_rewind(f);
+  act(b, sim, &error);
+  for (int term = 0; term < FAILING_TERMS; term++)
+    needed[term] = act == start_once ? f->calls[term] : LONG_MAX;
+  nsdae_sim_destroy(&sim);
+}
+
 static void attack_once(bench *b, once_fn act)
 {
   failing_system *f = &b->failing;
-  long calls[FAILING_TERMS];
+  long calls[FAILING_TERMS], needed[FAILING_TERMS];
   const nsdae_error *error;
   b->options.method = NSDAE_METHOD_MOREAU;
   nsdae_sim *sim = make(b);
@@ -303,6 +343,7 @@ static void attack_once(bench *b, once_fn act)
   failing_system_rewind(f);
   int status = act(b, sim, &error);
   memcpy(calls, f->calls, sizeof calls);
+  count_needed(b, act, needed);
   for (f->term = 0; f->term < FAILING_TERMS; f->term++)
     for (f->at = 0; f->at < calls[f->term]; f->at++)
       for (f->code = -2; f->code <= 2; f->code += 4) {
@@ -311,6 +352,7 @@ static void attack_once(bench *b, once_fn act)
         /* where groups of unit length are looked for, nearer points do */
         if (now == status && f->code > 0 && strcmp(failing_name(f->term), "kinematics") == 0)
           continue;
+        if (now == status && f->code > 0 && f->at >= needed[f->term]) continue;
         if (now != NSDAE_E_CALLBACK)
           fail_msg("%s: %s at call %ld with %d", b->name, failing_name(f->term), f->at, f->code);
         assert_string_equal(error->argument, failing_name(f->term));
@@ -327,6 +369,7 @@ static void test_once(void **state)
   static const once_fn acts[] = {start_once, project_once, check_once};
   static bench b;
   (void)state;
+  if (getenv("NSDAE_METHOD")) skip();
   for (int a = 0; a < 3; a++) {
     for (int i = 0; i < MODELS; i++) {
       use_model(&b, models[i]);

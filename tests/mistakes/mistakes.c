@@ -1,5 +1,6 @@
 /* The mistakes of docs/guide/mistakes.md, each made once, in C: what is said to each, line by line.
- * The model is a rod of 1 m and 1 kg on a pivot, q = (x, y, theta), with a stop below. */
+ * The model is a rod of 1 m and 1 kg on a pivot, q = (x, y, theta), with a stop below; from
+ * TANGENT_TWICE on it falls, and its ends touch the floor. */
 #include <math.h>
 #include <nsdae/nsdae.h>
 #include <stdio.h>
@@ -32,7 +33,11 @@ enum mistake {
   COEFFICIENTS_FORGOTTEN,
   SIGN_OF_WALL,
   TANGENT_LEFT_OUT,
-  MISTAKES = TANGENT_LEFT_OUT
+  TANGENT_TWICE,
+  ARM_LEFT_OUT,
+  SIGN_OF_ARM,
+  MILLIMETRES,
+  MISTAKES = MILLIMETRES
 };
 
 static int mass(double t, const double *q, double *M, int ldm, void *user)
@@ -121,10 +126,51 @@ static int tangent(double t, const double *q, double *W, int ldw, void *user)
   return 0;
 }
 
+/* The lower end and the upper one, above the floor. */
+static int ends(double t, const double *q, double *g, void *user)
+{
+  const double unit = *(const int *)user == MILLIMETRES ? 1000 : 1;
+  (void)t;
+  g[0] = unit * (q[1] - cos(q[2]) / 2);
+  g[1] = unit * (q[1] + cos(q[2]) / 2);
+  return 0;
+}
+
+static int ends_tangent(double t, const double *q, double *W, int ldw, void *user)
+{
+  const int w = *(const int *)user;
+  const double arm = cos(q[2]) / 2, scale = w == TANGENT_TWICE ? 2 : 1;
+  (void)t;
+  W[0] = scale;
+  W[2] = w == ARM_LEFT_OUT ? 0 : scale * arm;
+  W[ldw] = scale;
+  W[ldw + 2] = w == SIGN_OF_ARM ? arm : -scale * arm;
+  return 0;
+}
+
+static nsdae_system *describe_falling(int *w)
+{
+  const nsdae_dims dims = {.nq = 3, .k = 2, .nt = 1};
+  nsdae_system *s = NULL;
+  nsdae_system_create(&dims, &s, NULL);
+  nsdae_system_set_user(s, w);
+  nsdae_system_set_mass(s, mass);
+  nsdae_system_set_force(s, force);
+  nsdae_system_set_gap(s, ends);
+  nsdae_system_set_gap_tangent(s, ends_tangent);
+  for (int i = 0; i < 2; i++) nsdae_system_set_contact(s, i, 0.3, 0.5, 0);
+  nsdae_system_set_name(s, NSDAE_NAME_COORDINATE, 0, "x", "m");
+  nsdae_system_set_name(s, NSDAE_NAME_COORDINATE, 2, "theta", "rad");
+  nsdae_system_set_name(s, NSDAE_NAME_CONTACT, 0, "foot", "m");
+  nsdae_system_set_name(s, NSDAE_NAME_CONTACT, 1, "head", "m");
+  return s;
+}
+
 static nsdae_system *describe(int *w)
 {
   nsdae_dims dims = {.nq = 3, .m = 2, .k = 1, .nt = 1};
   nsdae_system *s = NULL;
+  if (*w >= TANGENT_TWICE) return describe_falling(w);
   if (*w == FRICTION_WITHOUT_DIRECTION) dims.nt = 0;
   if (*w == SLIDE_OF_NO_CONSTRAINT) dims.f = 1;
   if (*w == KINEMATICS_FORGOTTEN) dims.nv = 2;
@@ -160,7 +206,8 @@ static int check(nsdae_system *s, int w)
 static int start(nsdae_sim *sim, int w)
 {
   const double theta = w == START_IN_THE_STOP ? -0.1 : 0.7, omega = w == VELOCITY_OFF;
-  const double q0[3] = {sin(theta) / 2, -cos(theta) / 2, w == DEGREES ? 40 : theta};
+  const double y = w >= TANGENT_TWICE ? 1 : -cos(theta) / 2;
+  const double q0[3] = {sin(theta) / 2, y, w == DEGREES ? 40 : theta};
   const double v0[3] = {0, 0, omega};
   return w == INIT_FORGOTTEN ? NSDAE_OK : nsdae_sim_init(sim, 0, q0, v0);
 }

@@ -34,7 +34,11 @@ enum mistake {
   COEFFICIENTS_FORGOTTEN,
   SIGN_OF_WALL,
   TANGENT_LEFT_OUT,
-  MISTAKES = TANGENT_LEFT_OUT
+  TANGENT_TWICE,
+  ARM_LEFT_OUT,
+  SIGN_OF_ARM,
+  MILLIMETRES,
+  MISTAKES = MILLIMETRES
 };
 
 void set_constraints(nsdae::system &s, int w)
@@ -83,13 +87,33 @@ void set_contact(nsdae::system &s, int w)
     s.contact(w == CONTACT_OFF_BY_ONE, 0.3, w == RESTITUTION_ABOVE_ONE ? 1.5 : 0.5);
 }
 
+void set_ends(nsdae::system &s, int w)
+{
+  const double unit = w == MILLIMETRES ? 1000 : 1, scale = w == TANGENT_TWICE ? 2 : 1;
+  s.gap([unit](double, const double *q, double *g) {
+    g[0] = unit * (q[1] - std::cos(q[2]) / 2);
+    g[1] = unit * (q[1] + std::cos(q[2]) / 2);
+  });
+  s.gap_tangent([w, scale](double, const double *q, double *W, int ldw) {
+    const double arm = std::cos(q[2]) / 2;
+    W[0] = W[ldw] = scale;
+    W[2] = w == ARM_LEFT_OUT ? 0 : scale * arm;
+    W[ldw + 2] = w == SIGN_OF_ARM ? arm : -scale * arm;
+  });
+  for (int i = 0; i < 2; i++) s.contact(i, 0.3, 0.5);
+  s.name(NSDAE_NAME_COORDINATE, 0, "x", "m");
+  s.name(NSDAE_NAME_COORDINATE, 2, "theta", "rad");
+  s.name(NSDAE_NAME_CONTACT, 0, "foot", "m");
+  s.name(NSDAE_NAME_CONTACT, 1, "head", "m");
+}
+
 nsdae::system describe(int w)
 {
   nsdae_dims dims = nsdae_dims();
   dims.nq = 3;
   dims.nv = w == KINEMATICS_FORGOTTEN ? 2 : 3;
-  dims.m = 2;
-  dims.k = 1;
+  dims.m = w < TANGENT_TWICE ? 2 : 0;
+  dims.k = w < TANGENT_TWICE ? 1 : 2;
   dims.nt = w != FRICTION_WITHOUT_DIRECTION;
   dims.f = w == SLIDE_OF_NO_CONSTRAINT;
   nsdae::system s(dims);
@@ -103,6 +127,10 @@ nsdae::system describe(int w)
     if (w == DIVISION_BY_ZERO && t > 0.1) F[2] = 0 / (t - t);
     return w == RETURNS_A_COUNT ? 3 : 0;
   });
+  if (w >= TANGENT_TWICE) {
+    set_ends(s, w);
+    return s;
+  }
   set_constraints(s, w);
   set_contact(s, w);
   if (w == SLIDE_OF_NO_CONSTRAINT) s.slide(0, 2, 0.1);
@@ -134,17 +162,18 @@ void run(int w, bool checked)
   nsdae::sim sim = make_sim(s, w);
   if (w == CHANGED_WHILE_IT_RUNS) s.contact(0, 0.6, 0.5);
   const double theta = w == START_IN_THE_STOP ? -0.1 : 0.7;
+  const double y = w >= TANGENT_TWICE ? 1 : -std::cos(theta) / 2;
   if (w != INIT_FORGOTTEN)
-    sim.init(0, {std::sin(theta) / 2, -std::cos(theta) / 2, w == DEGREES ? 40 : theta},
+    sim.init(0, {std::sin(theta) / 2, y, w == DEGREES ? 40 : theta},
              {0, 0, w == VELOCITY_OFF ? 1.0 : 0.0});
-  sim.run(0.5);
+  const int status = sim.run(0.5);
+  std::printf("%s: %s\n", nsdae_status_name(status), sim.last_error()->text);
 }
 
 void make(int w, bool checked)
 {
   try {
     run(w, checked);
-    std::printf("NSDAE_OK: \n");
   } catch (const nsdae::error &error) {
     std::printf("%s: %s\n", nsdae_status_name(error.status()), error.what());
   }

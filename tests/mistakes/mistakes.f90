@@ -11,7 +11,7 @@ module mistakes_model
         INDEX_BEYOND, ENTRY_NEVER_SET, NORMAL_AS_TANGENT, INIT_FORGOTTEN, START_IN_THE_STOP, &
         DEGREES, VELOCITY_OFF, DIVISION_BY_ZERO, RETURNS_A_COUNT, CONSTRAINT_TWICE, &
         METHOD_MISSPELT, OPTIONS_NOT_SET, COEFFICIENTS_FORGOTTEN, SIGN_OF_WALL, &
-        TANGENT_LEFT_OUT
+        TANGENT_LEFT_OUT, TANGENT_TWICE, ARM_LEFT_OUT, SIGN_OF_ARM, MILLIMETRES
   end enum
 
   type :: wrong
@@ -131,6 +131,46 @@ contains
     end if
   end function
 
+  integer(c_int) function ends(t, q, g, user) result(status)
+    real(c_double), intent(in) :: t, q(:)
+    real(c_double), intent(inout) :: g(:)
+    class(*), intent(inout) :: user
+    g = merge(1d3, 1d0, mistake(user) == MILLIMETRES) * (q(2) + [-0.5d0, 0.5d0] * cos(q(3)))
+    status = 0
+  end function
+
+  integer(c_int) function ends_tangent(t, q, W, user) result(status)
+    real(c_double), intent(in) :: t, q(:)
+    real(c_double), intent(inout) :: W(:, :)
+    class(*), intent(inout) :: user
+    W(1, :) = 1
+    W(3, :) = [0.5d0, -0.5d0] * cos(q(3))
+    if (mistake(user) == TANGENT_TWICE) W = 2 * W
+    if (mistake(user) == ARM_LEFT_OUT) W(3, 1) = 0
+    if (mistake(user) == SIGN_OF_ARM) W(3, 2) = -W(3, 2)
+    status = 0
+  end function
+
+  subroutine describe_falling(user, system)
+    type(wrong), target, intent(inout) :: user
+    type(nsdae_system), intent(out) :: system
+    integer(c_int) :: status
+    integer :: i
+    status = nsdae_system_create(nsdae_dims(nq=3, nv=3, m=0, k=2, nt=1, f=0), system)
+    status = nsdae_system_set_user(system, user)
+    status = nsdae_system_set_mass(system, mass)
+    status = nsdae_system_set_force(system, force)
+    status = nsdae_system_set_gap(system, ends)
+    status = nsdae_system_set_gap_tangent(system, ends_tangent)
+    do i = 0, 1
+      status = nsdae_system_set_contact(system, i, 0.3d0, 0.5d0, 0d0)
+    end do
+    status = nsdae_system_set_name(system, NSDAE_NAME_COORDINATE, 0, 'x', 'm')
+    status = nsdae_system_set_name(system, NSDAE_NAME_COORDINATE, 2, 'theta', 'rad')
+    status = nsdae_system_set_name(system, NSDAE_NAME_CONTACT, 0, 'foot', 'm')
+    status = nsdae_system_set_name(system, NSDAE_NAME_CONTACT, 1, 'head', 'm')
+  end subroutine
+
   subroutine describe(user, system)
     type(wrong), target, intent(inout) :: user
     type(nsdae_system), intent(out) :: system
@@ -180,7 +220,8 @@ contains
       error = nsdae_system_error(system)
     else
       theta = merge(-0.1d0, 0.7d0, w == START_IN_THE_STOP)
-      q0 = [sin(theta) / 2, -cos(theta) / 2, merge(40d0, theta, w == DEGREES)]
+      q0 = [sin(theta) / 2, merge(1d0, -cos(theta) / 2, w >= TANGENT_TWICE), &
+            merge(40d0, theta, w == DEGREES)]
       if (w /= INIT_FORGOTTEN) &
           status = nsdae_sim_init(sim, 0d0, q0, [0d0, 0d0, merge(1d0, 0d0, w == VELOCITY_OFF)])
       if (status >= 0) status = nsdae_sim_run(sim, 0.5d0)
@@ -197,7 +238,11 @@ contains
     type(nsdae_error) :: error
     integer(c_int) :: status
     user%w = w
-    call describe(user, system)
+    if (w < TANGENT_TWICE) then
+      call describe(user, system)
+    else
+      call describe_falling(user, system)
+    end if
     status = NSDAE_OK
     if (checked .and. w >= SIGN_OF_NORMAL .and. w <= NORMAL_AS_TANGENT) then
       status = nsdae_system_check(system, 0d0, [0.3d0, -0.4d0, 0.7d0], [0.5d0, 0.6d0, -0.8d0], &
@@ -215,7 +260,7 @@ program mistakes
   use mistakes_model
   implicit none
   integer :: w
-  do w = 1, TANGENT_LEFT_OUT
+  do w = 1, MILLIMETRES
     call make(w, .true.)
   end do
   do w = SIGN_OF_NORMAL, NORMAL_AS_TANGENT  ! without the check

@@ -382,68 +382,106 @@ static double minor_of(const double *A, int n, unsigned set)
   return det;
 }
 
-/* W_N, and M^-1 (W_N - mu W_T d) into R, of contact c. */
-static void slide_columns(const drop *d, const double *v, int slides, const double *W_N,
-                          const double *W_T, int c, double *R)
-{
-  int n = d->space ? 6 : 3 * d->bodies, nt = d->space ? 2 : 1;
-  double slip[2] = {0}, feed[2] = {0}, speed = 0, most = 0, M[DROP_NV];
-  for (int i = 0; i < n; i++) {
-    M[i] = d->space ? (i < 3 ? d->m : d->J[i - 3]) : (i % 3 < 2 ? d->m : d->J[2]);
-    for (int l = 0; l < nt; l++) {
-      const double *t = W_T + (size_t)(c * nt + l) * (size_t)n;
-      slip[l] += t[i] * v[i];
-      feed[l] += t[i] * W_N[(size_t)c * (size_t)n + (size_t)i] / M[i];
-    }
-  }
-  for (int l = 0; l < nt; l++) speed = hypot(speed, slip[l]), most = hypot(most, feed[l]);
-  for (int i = 0; i < n; i++) {
-    double row = W_N[(size_t)c * (size_t)n + (size_t)i];
-    for (int l = 0; l < nt; l++) {
-      double along = slides && speed > 1e-2 ? slip[l] / speed : most > 0 ? feed[l] / most : 0;
-      row -= d->mu * W_T[(size_t)(c * nt + l) * (size_t)n + (size_t)i] * along;
-    }
-    R[i] = row / M[i];
-  }
-}
+/* Of what touches, count of them: W_N^T M^-1 W_N, W_N^T M^-1 W_T, and the directions of sliding,
+ * those that are free to be the worst. */
+typedef struct jam {
+  int count, nt, free[JAM_MOST];
+  double normal[JAM_MOST * JAM_MOST], tangent[2][JAM_MOST * JAM_MOST], d[JAM_MOST][2];
+} jam;
 
-/* W_N^T M^-1 W_N of a column */
-static double inverse_mass(const drop *d, const double *W)
+/* a^T M^-1 b */
+static double mobility(const drop *d, const double *a, const double *b)
 {
   double sum = 0;
   for (int i = 0; i < (d->space ? 6 : 3 * d->bodies); i++)
-    sum += W[i] * W[i] / (d->space ? (i < 3 ? d->m : d->J[i - 3]) : (i % 3 < 2 ? d->m : d->J[2]));
+    sum += a[i] * b[i] / (d->space ? (i < 3 ? d->m : d->J[i - 3]) : (i % 3 < 2 ? d->m : d->J[2]));
   return sum;
+}
+
+/* Where contact j slides faster than `slow` its direction is known. */
+static void direct(jam *p, int j, const double *W_T, int n, const double *v, double slow)
+{
+  double slip[2] = {0}, most = 0, speed = 0;
+  for (int l = 0; l < p->nt; l++) {
+    for (int i = 0; i < n; i++) slip[l] += W_T[l * n + i] * v[i];
+    speed = hypot(speed, slip[l]);
+    most = hypot(most, p->tangent[l][j * p->count + j]);
+  }
+  p->free[j] = !(speed > slow);
+  for (int l = 0; l < p->nt; l++)
+    p->d[j][l] = !p->free[j] ? slip[l] / speed
+                 : most > 0  ? p->tangent[l][j * p->count + j] / most
+                             : 0;
+}
+
+/* The minor of the set, of W_N^T M^-1 (W_N - mu W_T d). */
+static double jam_minor(const jam *p, double mu, unsigned set)
+{
+  double A[JAM_MOST * JAM_MOST];
+  for (int i = 0; i < p->count; i++)
+    for (int j = 0; j < p->count; j++) {
+      A[i * p->count + j] = p->normal[i * p->count + j];
+      for (int l = 0; l < p->nt; l++)
+        A[i * p->count + j] -= mu * p->tangent[l][i * p->count + j] * p->d[j][l];
+    }
+  return minor_of(A, p->count, set);
+}
+
+/* The least of the directions that are free: in each of them it is affine, so that one after the
+ * other is turned to where it falls. */
+static double worst_minor(jam p, double mu, unsigned set)
+{
+  for (int round = 0; round < 4; round++)
+    for (int j = 0; j < p.count; j++) {
+      double slope[2] = {0}, steepest = 0;
+      if (!p.free[j] || !(set >> j & 1)) continue;
+      for (int l = 0; l < p.nt; l++) {
+        p.d[j][0] = l == 0, p.d[j][1] = l == 1;
+        slope[l] = jam_minor(&p, mu, set);
+      }
+      p.d[j][0] = p.d[j][1] = 0;
+      double still = jam_minor(&p, mu, set);
+      for (int l = 0; l < p.nt; l++) steepest = hypot(steepest, slope[l] - still);
+      for (int l = 0; l < p.nt && steepest > 0; l++) p.d[j][l] = (still - slope[l]) / steepest;
+    }
+  return jam_minor(&p, mu, set);
+}
+
+/* The contacts within `near` into at; whether something is still open there. */
+static int find_near(const drop *d, const double *q, const int *mode, double near, jam *p, int *at)
+{
+  double g[JAM_CONTACTS];
+  int k = d->bodies * d->points * d->walls + d->bodies * (d->bodies - 1) / 2, hit = 0;
+  gap(0, q, g, (void *)d);
+  for (int c = 0; c < k && p->count < JAM_MOST; c++) {
+    if (g[c] > near) continue;
+    hit |= mode[c] == NSDAE_MODE_OPEN; /* an impact turns what slides */
+    at[p->count++] = c;
+  }
+  return hit;
 }
 
 int drop_may_jam(const drop *d, const double *q, const double *v, const int *mode, double near)
 {
-  double g[JAM_CONTACTS], A[JAM_MOST * JAM_MOST], R[DROP_NV], size[JAM_MOST];
   double W_N[JAM_CONTACTS * DROP_NV] = {0}, W_T[2 * JAM_CONTACTS * DROP_NV] = {0};
-  int n = d->space ? 6 : 3 * d->bodies, at[JAM_MOST], count = 0, slide = 1;
-  int k = d->bodies * d->points * d->walls + d->bodies * (d->bodies - 1) / 2;
-  gap(0, q, g, (void *)d);
+  int n = d->space ? 6 : 3 * d->bodies, at[JAM_MOST];
+  jam p = {.nt = d->space ? 2 : 1};
+  int hit = find_near(d, q, mode, near, &p, at);
   rows(d, q, 0, W_N, n);
   rows(d, q, 1, W_T, n);
-  for (int c = 0; c < k && count < JAM_MOST; c++) {
-    if (g[c] > near) continue;
-    slide &= mode[c] != NSDAE_MODE_OPEN; /* an impact turns what slides */
-    at[count++] = c;
-  }
-  for (int j = 0; j < count; j++) {
-    slide_columns(d, v, slide, W_N, W_T, at[j], R);
-    size[j] = inverse_mass(d, W_N + (size_t)at[j] * (size_t)n);
-    for (int i = 0; i < count; i++) {
-      double sum = 0;
-      for (int l = 0; l < n; l++) sum += W_N[(size_t)at[i] * (size_t)n + (size_t)l] * R[l];
-      A[i * count + j] = sum;
+  for (int i = 0; i < p.count; i++)
+    for (int j = 0; j < p.count; j++) {
+      p.normal[i * p.count + j] = mobility(d, W_N + at[i] * n, W_N + at[j] * n);
+      for (int l = 0; l < p.nt; l++)
+        p.tangent[l][i * p.count + j] = mobility(d, W_N + at[i] * n, W_T + (at[j] * p.nt + l) * n);
     }
-  }
-  for (unsigned set = 1; set < 1u << count; set++) {
+  for (int j = 0; j < p.count; j++)
+    direct(&p, j, W_T + at[j] * p.nt * n, n, v, hit ? INFINITY : 1e-8);
+  for (unsigned set = 1; set < 1u << p.count; set++) {
     double scale = 1;
-    for (int i = 0; i < count; i++)
-      if (set >> i & 1) scale *= size[i];
-    if (minor_of(A, count, set) <= 1e-3 * scale) return 1;
+    for (int i = 0; i < p.count; i++)
+      if (set >> i & 1) scale *= p.normal[i * p.count + i];
+    if (worst_minor(p, d->mu, set) <= 1e-3 * scale) return 1;
   }
   return 0;
 }

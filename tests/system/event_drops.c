@@ -115,9 +115,10 @@ static void test_drops(void **state)
  * or of one contact that comes to rest while another is in a long flight. */
 static void test_found(void **state)
 {
-  const unsigned long seeds[] = {46,   63,   136,  222,  297,  419,  423,  439,  487,
-                                 505,  954,  958,  1055, 1062, 1071, 1217, 1355, 1382,
-                                 1570, 1695, 1724, 2179, 2252, 3392, 4579, 4718, 4843};
+  const unsigned long seeds[] = {46,   63,   136,  222,  297,  419,  423,  439,  487,  505,  954,
+                                 958,  1055, 1062, 1071, 1217, 1355, 1382, 1570, 1695, 1724, 2179,
+                                 2252, 3392, 4579, 4718, 4843, 98,   229,  850,  1320, 3429, 3653,
+                                 4237, 5394, 5769, 6881, 6994, 8550, 8654, 8688, 9196};
   (void)state;
   for (size_t i = 0; i < sizeof seeds / sizeof *seeds; i++) {
     drop d;

@@ -113,12 +113,12 @@ static void test_values(void **state)
   assert_memory_equal(f.terms.M, M, sizeof M);
   assert_memory_equal(f.terms.F, F, sizeof F);
   assert_memory_equal(f.terms.constraint.phi, phi, sizeof phi);
-  assert_memory_equal(f.terms.constraint.J, J, sizeof J);
+  assert_memory_equal(f.terms.by.jacobian.value, J, sizeof J);
   assert_memory_equal(f.terms.constraint.phi_t, phi_t, sizeof phi_t);
   assert_memory_equal(f.terms.constraint.omega, omega, sizeof omega);
   assert_memory_equal(f.terms.gap, gap, sizeof gap);
-  assert_memory_equal(f.terms.W_N, W, sizeof W);
-  assert_memory_equal(f.terms.W_T, T, sizeof T);
+  assert_memory_equal(f.terms.by.normal.value, W, sizeof W);
+  assert_memory_equal(f.terms.by.tangent.value, T, sizeof T);
   assert_memory_equal(f.terms.w_N, w_n, sizeof w_n);
   assert_memory_equal(f.terms.w_T, w_t, sizeof w_t);
   assert_true(f.terms.potential == 9.81 * q0[1]);
@@ -134,7 +134,8 @@ static void test_zeroed(void **state)
   fixture f;
   begin(&f, 1);
   assert_int_equal(nsdae_terms_need(&f.terms, ALL), NSDAE_OK);
-  double *arrays[] = {f.terms.M, f.terms.F, f.terms.W_T, f.terms.w_T, f.terms.slide.W};
+  double *arrays[] = {f.terms.M, f.terms.F, f.terms.by.tangent.value, f.terms.w_T,
+                      f.terms.by.slide.value};
   const size_t counts[] = {9, 3, 6, 2, 3};
   double before[5][9];
   for (int i = 0; i < 5; i++) {

@@ -91,7 +91,7 @@ static int comes_back(nsdae_event_acceleration *p)
   int any = 0;
   for (int i = 0; i < T->system->dims.k; i++) {
     if (!p->is.released[i]) continue;
-    double rate = nsdae_terms_rate(T, T->W_N, T->omega.N, i, p->a);
+    double rate = nsdae_terms_rate(T, &T->by.normal, T->omega.N, i, p->a);
     if (rate >= -nsdae_event_acceleration_size(p)) continue;
     p->is.released[i] = 0;
     p->is.candidate[i] = 1;
@@ -231,9 +231,9 @@ int nsdae_event_choose_modes(nsdae_event_acceleration *p, int impacted)
   } while (comes_back(p) || (!impacted && sticks_after_all(p)));
   read_contacts(p);
   read_slides(p);
-  if (!begins_to_slide(p) && share(p) == NSDAE_OK) return NSDAE_OK;
-  if (nsdae_contacts_relax(&p->problem, p->phase->modes.direction, p->force, p->xi, p->a,
-                           p->lambda))
+  if (!p->by_cones && !begins_to_slide(p) && share(p) == NSDAE_OK) return NSDAE_OK;
+  if (p->by_cones || nsdae_contacts_relax(&p->problem, p->phase->modes.direction, p->force, p->xi,
+                                          p->a, p->lambda))
     read_cones(p);
   else
     status = settle_directions(p);

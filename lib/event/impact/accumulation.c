@@ -41,7 +41,8 @@ static double slow_for(const nsdae_event_accumulation *p, int i)
   const nsdae_terms *T = s->here;
   int n = T->system->dims.nv;
   double rate = fabs(T->omega.N[i]);
-  for (int j = 0; j < n; j++) rate += fabs(T->W_N[(size_t)i * (size_t)n + (size_t)j] * p->lost[j]);
+  for (int j = 0; j < n; j++)
+    rate += fabs(T->by.normal.value[(size_t)i * (size_t)n + (size_t)j] * p->lost[j]);
   double way = sqrt(2 * rate * nsdae_event_position_size(s));
   return fmax(way, fmax(SLOW * nsdae_event_velocity_size(s), s->options->accumulation_time * rate));
 }
@@ -58,7 +59,7 @@ static int choose_slow(nsdae_event_accumulation *p, double most)
   nsdae_kkt_solve_mass(s->kkt, p->lost);
   for (int i = 0; i < T->system->dims.k; i++) {
     int near = is->touching[i] || T->gap[i] <= nsdae_event_position_size(s);
-    p->after[i] = nsdae_terms_rate(T, T->W_N, T->w_N, i, T->v);
+    p->after[i] = nsdae_terms_normal_rate(T, i, T->v);
     is->candidate[i] = near && p->after[i] <= fmin(slow_for(p, i), most);
     if (is->candidate[i]) p->slow = fmax(p->slow, SLOW * p->after[i]);
     part += is->candidate[i] && p->after[i] > nsdae_event_velocity_size(s);
@@ -108,8 +109,10 @@ int nsdae_event_find_set(nsdae_event_accumulation *p, const double *v, double mo
   nsdae_event_set_laws(p->acceleration, 1, p->slow);
   int solved = nsdae_event_accelerate(p->acceleration) == NSDAE_OK;
   nsdae_error_clear(s->error);
+  double none = nsdae_event_acceleration_size(p->acceleration); /* others carry what has no force */
   for (int i = 0; i < s->system->dims.k; i++) {
-    p->settles[i] = solved && p->acceleration->is.candidate[i] && held->results->normal[i] > 0;
+    p->settles[i] = solved && p->acceleration->is.candidate[i] &&
+                    (held->results->normal[i] > 0 || !(held->results->after[i] > none));
     p->sticks[i] = p->settles[i] && stays(p, i);
     any |= p->settles[i];
   }
@@ -123,9 +126,9 @@ static double half_work(const nsdae_event_accumulation *p, const double *v)
   const nsdae_terms *T = p->acceleration->phase->setting->here;
   const nsdae_dims *d = &T->system->dims;
   double sum = 0;
-  for (int i = 0; i < d->k; i++) sum += p->normal[i] * nsdae_terms_rate(T, T->W_N, T->w_N, i, v);
+  for (int i = 0; i < d->k; i++) sum += p->normal[i] * nsdae_terms_normal_rate(T, i, v);
   for (int j = 0; j < d->k * d->nt; j++)
-    sum += p->tangential[j] * nsdae_terms_rate(T, T->W_T, T->w_T, j, v);
+    sum += p->tangential[j] * nsdae_terms_tangent_rate(T, j, v);
   return sum / 2;
 }
 
@@ -153,7 +156,7 @@ int nsdae_event_ends(nsdae_event_accumulation *p, const double *before, const do
   }
   for (int i = 0; i < T->system->dims.k; i++) {
     if (!p->settles[i] && p->acceleration->is.touching[i] && /* a closing that drives it in */
-        nsdae_terms_rate(T, T->W_N, T->w_N, i, closed) < -nsdae_event_velocity_size(s))
+        nsdae_terms_normal_rate(T, i, closed) < -nsdae_event_velocity_size(s))
       return 0;
     if (!p->settles[i]) continue;
     power += F[i] * p->after[i];

@@ -28,6 +28,7 @@ typedef struct nsdae_event_acceleration {
   int *sense;                /* f: slides with a known direction in it */
   double *a, *lambda, *size; /* nv, m, nv: of the solution; how large the terms of a are */
   double *force, *xi;        /* columns: for cones */
+  int by_cones;              /* the solution is theirs */
   nsdae_sharing sharing;     /* of its forces */
 } nsdae_event_acceleration;
 

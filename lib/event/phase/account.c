@@ -8,9 +8,14 @@
 void nsdae_event_account_layout(nsdae_event_account *a, nsdae_arena *arena)
 {
   const nsdae_event_setting *s = a->phase->setting;
-  a->y = NSDAE_ARENA_DOUBLES(arena, s->at.n + 2L);
+  a->y = NSDAE_ARENA_DOUBLES(arena, s->at.n);
   nsdae_power_layout(&a->power, &s->system->dims, arena);
   a->reaction = NSDAE_ARENA_DOUBLES(arena, s->system->dims.nv);
+}
+
+void nsdae_event_account_start(nsdae_event_account *a)
+{
+  nsdae_power_start(&a->power);
 }
 
 /* Power of the friction of what slides, at the state y and the terms there. */
@@ -21,10 +26,10 @@ static double friction_power(const nsdae_event_phase *p, const double *y)
   double power = 0;
   for (int j = 0; j < d->k * d->nt && (p->terms & NSDAE_TERM_TANGENT); j++)
     if (p->modes.contact[j / d->nt] == NSDAE_MODE_SLIDE)
-      power += y[p->setting->at.tangential + j] * nsdae_terms_rate(T, T->W_T, T->w_T, j, T->v);
+      power += y[p->setting->at.tangential + j] * nsdae_terms_tangent_rate(T, j, T->v);
   for (int j = 0; j < d->f; j++)
     if (p->modes.slide[j] == NSDAE_MODE_SLIDE)
-      power += y[p->setting->at.slide + j] * nsdae_terms_rate(T, T->slide.W, T->slide.w, j, T->v);
+      power += y[p->setting->at.slide + j] * nsdae_terms_slide_rate(T, j, T->v);
   return power;
 }
 
@@ -37,7 +42,7 @@ static int least_norm(nsdae_event_account *a, double *lambda)
   int status = nsdae_event_factor(s);
   if (status < 0) return status;
   memset(a->reaction, 0, (size_t)d->nv * sizeof *a->reaction);
-  nsdae_add_transposed(d->m, d->nv, 1, s->here->constraint.J, lambda, a->reaction);
+  nsdae_add_transposed(d->m, d->nv, 1, s->here->by.jacobian.value, lambda, a->reaction);
   memset(lambda, 0, (size_t)d->m * sizeof *lambda);
   nsdae_kkt_solve(s->kkt, 1, a->reaction, d->nv, lambda, d->m);
   return NSDAE_OK;

@@ -10,11 +10,14 @@
 
 typedef struct nsdae_event_account {
   nsdae_event_phase *phase;
-  double *y, *reaction; /* n + 2, nv: of the point at work; Phi_q^T lambda */
+  double *y, *reaction; /* n, nv: of the point at work; Phi_q^T lambda */
   nsdae_power power;
 } nsdae_event_account;
 
 void nsdae_event_account_layout(nsdae_event_account *account, nsdae_arena *arena);
+
+/* A phase begins. */
+void nsdae_event_account_start(nsdae_event_account *account);
 
 /* z' [n + 2] at z. 0; > 0: a smaller step may help; < 0: a callback gave up. */
 int nsdae_event_account_rate(nsdae_event_account *account, double t, const double *z, double *rate);

@@ -20,8 +20,8 @@
 #ifndef NSDAE_EVENT_PHASE_H
 #define NSDAE_EVENT_PHASE_H
 
+#include "lu.h"
 #include "setting.h"
-#include "sparse_lu.h"
 
 /* What holds from an instant to the next. */
 typedef struct nsdae_event_modes {
@@ -45,14 +45,13 @@ typedef struct nsdae_event_phase {
   nsdae_event_setting *setting;
   nsdae_event_modes modes;
   unsigned terms; /* what the equations of the modes need */
-  double *K, *x;  /* unknowns squared, unknowns: the equations; v', lambda and forces */
+  nsdae_lu K;     /* the equations, of K.n unknowns */
+  double *x;      /* unknowns: v', lambda and forces */
   int *place;     /* forces: in x, -1 for one that is zero anyway */
-  int unknowns, *pivot;
-  nsdae_sparse_lu lu; /* of K, where its factors are to be sparse */
-  double *unit,
-      *rates;   /* unknowns, m: a right side; of the constraints, before they are combined */
-  double *slip; /* k nt: v_T around which directions of sliding are linear */
-  int linear;   /* now */
+  double *unit;   /* unknowns: a right side */
+  double *rates;  /* m: of the constraints, before they are combined */
+  double *slip;   /* k nt: v_T around which directions of sliding are linear */
+  int linear;     /* now */
 } nsdae_event_phase;
 
 void nsdae_event_phase_layout(nsdae_event_phase *phase, nsdae_arena *arena);

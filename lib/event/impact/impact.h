@@ -23,7 +23,7 @@ typedef struct nsdae_event_impacts {
   double *momentum, *multiplier;    /* nv, m: M v-; the bilateral impulses */
   double *v, *size;                 /* nv: v+; how large its terms are */
   double *elastic, *reaction;       /* nv, m: v+ and the bilateral impulses with e_N */
-  double *velocity;                 /* k: normal, of the contacts before */
+  double *velocity, *coming;        /* k: normal, of the contacts before; as the problem has it */
   double *force, *xi;               /* columns: for cones */
   double blur;                      /* so many times slower than what counts is plastic */
   int together;                     /* what parts already is to go on parting */

@@ -78,8 +78,8 @@ static void choose_candidates(nsdae_event_instant *p, int impacted)
   double size = nsdae_event_velocity_size(s);
   for (int i = 0; i < T->system->dims.k; i++) {
     if (impacted) is->released[i] = 0;
-    is->candidate[i] = is->touching[i] && !is->released[i] &&
-                       !(nsdae_terms_rate(T, T->W_N, T->w_N, i, T->v) > size);
+    is->candidate[i] =
+        is->touching[i] && !is->released[i] && !(nsdae_terms_normal_rate(T, i, T->v) > size);
   }
 }
 
@@ -111,7 +111,7 @@ static int arrive(nsdae_event_instant *p, double t, double *y)
   const nsdae_terms *T = s->here;
   double size = nsdae_event_position_size(s);
   for (int i = 0; i < s->system->dims.k; i++) {
-    double gap = T->gap[i], rate = nsdae_terms_rate(T, T->W_N, T->w_N, i, T->v);
+    double gap = T->gap[i], rate = nsdae_terms_normal_rate(T, i, T->v);
     double rounding = 1e3 * DBL_EPSILON * fabs(t * rate); /* of the time where it was found */
     is->touching[i] |= nsdae_event_touches(s, i);
     is->candidate[i] |= is->touching[i] && (fabs(gap) <= 2 * size || gap < -2 * size - rounding);
@@ -126,8 +126,27 @@ static double hardly_sliding(const nsdae_event_phase *p)
   double size = nsdae_event_velocity_size(p->setting);
   int begins = 0, nt = T->system->dims.nt;
   for (int i = 0; i < T->system->dims.k && nt == 2; i++)
-    begins |= p->modes.contact[i] == NSDAE_MODE_SLIDE && nsdae_terms_slip(T, i, T->v) <= size;
+    begins |= p->modes.contact[i] == NSDAE_MODE_SLIDE && nsdae_terms_slip(T, i, T->v) <= 10 * size;
   return (begins ? HARDLY : 1) * size;
+}
+
+/* Modes of the next phase. Velocities that only errors tell from rest may have accelerations that
+ * contradict each other, as of a rod that spins, wedged: where there is no solution, they are asked
+ * of those at rest. */
+static int choose(nsdae_event_instant *p, int impacted, double *y)
+{
+  nsdae_event_phase *phase = p->roots->phase;
+  const nsdae_event_findings *is = &p->acceleration.is;
+  int status = nsdae_event_choose_modes(&p->acceleration, impacted);
+  if (status != NSDAE_E_LCP && status != NSDAE_E_PAINLEVE) return status;
+  for (int i = 0; i < phase->setting->system->dims.k; i++)
+    phase->modes.contact[i] = !is->candidate[i] ? NSDAE_MODE_OPEN
+                              : is->moving[i]   ? NSDAE_MODE_SLIDE
+                                                : NSDAE_MODE_STICK;
+  nsdae_error_clear(phase->setting->error);
+  status = nsdae_event_project_velocities(&p->projection, y);
+  if (status == NSDAE_OK) status = nsdae_terms_need(phase->setting->here, NSDAE_EVENT_TERMS);
+  return status < 0 ? status : nsdae_event_choose_modes(&p->acceleration, impacted);
 }
 
 int nsdae_event_pass(nsdae_event_instant *p, double t, double *y)
@@ -141,7 +160,7 @@ int nsdae_event_pass(nsdae_event_instant *p, double t, double *y)
   if (impacts < 0) return impacts;
   choose_candidates(p, impacts > 0);
   if (counters->accumulations > ended) status = bring(p, t, y);
-  if (status == NSDAE_OK) status = nsdae_event_choose_modes(&p->acceleration, impacts > 0);
+  if (status == NSDAE_OK) status = choose(p, impacts > 0, y);
   if (status == NSDAE_OK) status = nsdae_event_project_velocities(&p->projection, y);
   phase->modes.slow = hardly_sliding(phase);
   return status;
@@ -170,7 +189,7 @@ static double away(const nsdae_event_phase *phase)
   for (int i = 0; i < d->k; i++) {
     if (phase->modes.contact[i] == NSDAE_MODE_OPEN || phase->modes.related[i]) continue;
     far = fmax(far, fabs(T->gap[i]));
-    fast = fmax(fast, fabs(nsdae_terms_rate(T, T->W_N, T->w_N, i, T->v)));
+    fast = fmax(fast, fabs(nsdae_terms_normal_rate(T, i, T->v)));
   }
   return fmax(far / nsdae_event_position_size(phase->setting),
               fast / nsdae_event_velocity_size(phase->setting));

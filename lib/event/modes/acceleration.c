@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "errors.h"
+#include "relaxation.h"
 
 /* Relative to W_N^T P W_N, the coefficient of a sliding contact that is none; and one that explains
  * why the integrator failed. */
@@ -62,7 +63,7 @@ static int slides(nsdae_event_acceleration *p, int i, int impacted, double size)
   if (!(T->system->contact[i].mu > 0)) return 0;
   if (p->is.breakaway[i] && !impacted) return 1;
   for (int l = 0; l < nt; l++) {
-    v_t[l] = nsdae_terms_rate(T, T->W_T, T->w_T, i * nt + l, T->v);
+    v_t[l] = nsdae_terms_tangent_rate(T, i * nt + l, T->v);
     speed = hypot(speed, v_t[l]);
     slid |= p->phase->modes.contact[i] == NSDAE_MODE_SLIDE && direction[l] != 0;
   }
@@ -77,7 +78,7 @@ static int slide_sense(const nsdae_event_acceleration *p, int j, int impacted, d
   const nsdae_event_setting *s = p->phase->setting;
   const nsdae_event_modes *m = &p->phase->modes;
   if (p->is.slide_breakaway[j] && !impacted) return m->slide_sense[j];
-  double speed = nsdae_terms_rate(s->here, s->here->slide.W, s->here->slide.w, j, s->here->v);
+  double speed = nsdae_terms_slide_rate(s->here, j, s->here->v);
   int stopped = !impacted && p->is.slide_stopped[j] && m->slide[j] == NSDAE_MODE_SLIDE &&
                 m->slide_sense[j] != 0;
   if (stopped || !(fabs(speed) > size)) return 0;
@@ -166,9 +167,21 @@ int nsdae_event_outgrown(nsdae_event_acceleration *p, double t, const double *y)
   return NSDAE_OK;
 }
 
+/* Where the polygons' problem was not solved, the cones' may be. */
+static int solve_cones(nsdae_event_acceleration *p)
+{
+  p->by_cones = nsdae_contacts_relax_anew(&p->problem, p->phase->modes.direction, p->force, p->xi,
+                                          p->a, p->lambda);
+  if (p->by_cones) nsdae_error_clear(p->phase->setting->error);
+  return p->by_cones ? NSDAE_OK : NSDAE_E_LCP;
+}
+
 int nsdae_event_accelerate(nsdae_event_acceleration *p)
 {
-  return paradox(p, solve(p), SINGULAR);
+  int status = solve(p);
+  p->by_cones = 0;
+  if (status == NSDAE_E_LCP) status = solve_cones(p);
+  return paradox(p, status, SINGULAR);
 }
 
 int nsdae_event_diagnose(nsdae_event_acceleration *p, double t, const double *y)

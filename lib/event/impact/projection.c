@@ -18,12 +18,12 @@ void nsdae_event_projection_layout(nsdae_event_projection *p, nsdae_arena *arena
   p->qdot = NSDAE_ARENA_DOUBLES(arena, d->nq);
 }
 
-/* Appends the row of contact or slide j in W, with what velocities v are off by. */
-static void append_rate(nsdae_event_projection *p, const double *W, const double *w, int j,
+/* Appends row j, with what velocities v are off by. */
+static void append_rate(nsdae_event_projection *p, const nsdae_rows *rows, const double *w, int j,
                         const double *v)
 {
-  double missing = nsdae_terms_rate(p->phase->setting->here, W, w, j, v);
-  nsdae_least_append(&p->least, W + (size_t)j * (size_t)p->least.kkt.n, 1, missing);
+  double missing = nsdae_terms_rate(p->phase->setting->here, rows, w, j, v);
+  nsdae_least_append(&p->least, rows->value + rows->at[j], rows->stride, missing);
 }
 
 /* Appends positions; returns the worst. */
@@ -33,9 +33,10 @@ static double append_positions(nsdae_event_projection *p, const int *closed)
   const nsdae_dims *d = &T->system->dims;
   nsdae_least_start(&p->least);
   for (int i = 0; i < d->m; i++)
-    nsdae_least_append(&p->least, T->constraint.J + i, (size_t)d->m, T->constraint.phi[i]);
+    nsdae_least_append(&p->least, T->by.jacobian.value + i, (size_t)d->m, T->constraint.phi[i]);
   for (int i = 0; i < d->k; i++)
-    if (closed[i]) nsdae_least_append(&p->least, T->W_N + (size_t)i * (size_t)d->nv, 1, T->gap[i]);
+    if (closed[i])
+      nsdae_least_append(&p->least, T->by.normal.value + (size_t)i * (size_t)d->nv, 1, T->gap[i]);
   return nsdae_largest(p->least.rows, p->least.c);
 }
 
@@ -64,9 +65,7 @@ static void append_rates(nsdae_event_projection *p, const double *v)
   const nsdae_terms *T = p->phase->setting->here;
   int m = T->system->dims.m;
   nsdae_least_start(&p->least);
-  for (int i = 0; i < m; i++)
-    nsdae_least_append(&p->least, T->constraint.J + i, (size_t)m,
-                       nsdae_terms_constraint_rate(T, i, v));
+  for (int i = 0; i < m; i++) append_rate(p, &T->by.jacobian, T->constraint.phi_t, i, v);
 }
 
 static void append_velocities(nsdae_event_projection *p)
@@ -77,12 +76,12 @@ static void append_velocities(nsdae_event_projection *p)
   append_rates(p, T->v);
   for (int i = 0; i < d->k; i++) {
     if (m->contact[i] == NSDAE_MODE_OPEN) continue;
-    append_rate(p, T->W_N, T->w_N, i, T->v);
+    append_rate(p, &T->by.normal, T->w_N, i, T->v);
     for (int j = i * d->nt; m->contact[i] == NSDAE_MODE_STICK && j < (i + 1) * d->nt; j++)
-      append_rate(p, T->W_T, T->w_T, j, T->v);
+      append_rate(p, &T->by.tangent, T->w_T, j, T->v);
   }
   for (int j = 0; j < d->f; j++)
-    if (m->slide[j] == NSDAE_MODE_STICK) append_rate(p, T->slide.W, T->slide.w, j, T->v);
+    if (m->slide[j] == NSDAE_MODE_STICK) append_rate(p, &T->by.slide, T->slide.w, j, T->v);
 }
 
 /* The impulses that did it, in the order of the rows; and their work, the change of v^T M v / 2. */
@@ -132,9 +131,9 @@ int nsdae_event_close(nsdae_event_projection *p, const int *closed, const int *s
   const nsdae_dims *d = &T->system->dims;
   append_rates(p, v);
   for (int i = 0; i < d->k; i++) {
-    if (closed[i]) append_rate(p, T->W_N, T->w_N, i, v);
+    if (closed[i]) append_rate(p, &T->by.normal, T->w_N, i, v);
     for (int j = i * d->nt; closed[i] && sticks[i] && j < (i + 1) * d->nt; j++)
-      append_rate(p, T->W_T, T->w_T, j, v);
+      append_rate(p, &T->by.tangent, T->w_T, j, v);
   }
   int status = nsdae_least_solve(&p->least, T), row = d->m;
   if (status < 0) return status;

@@ -3,8 +3,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "dense.h"
-
 #define AT(A, n, i, j) (A)[(size_t)(j) * (size_t)(n) + (size_t)(i)]
 
 /* What stands in the row of a force. */
@@ -28,25 +26,19 @@ static int forces_of(const nsdae_dims *d)
   return d->k * (1 + d->nt) + d->f;
 }
 
-static int is_sparse(const nsdae_event_phase *p)
-{
-  return p->setting->options->linear_solver == NSDAE_LINEAR_SPARSE;
-}
-
 void nsdae_event_phase_layout(nsdae_event_phase *p, nsdae_arena *arena)
 {
   const nsdae_dims *d = &p->setting->system->dims;
   long n = (long)d->nv + d->m + forces_of(d);
-  p->K = NSDAE_ARENA_DOUBLES(arena, n * n);
   p->x = NSDAE_ARENA_DOUBLES(arena, n);
   p->unit = NSDAE_ARENA_DOUBLES(arena, n);
-  p->pivot = NSDAE_ARENA_INTS(arena, n);
   p->place = NSDAE_ARENA_INTS(arena, forces_of(d));
   p->rates = NSDAE_ARENA_DOUBLES(arena, d->m);
   p->modes.direction = NSDAE_ARENA_DOUBLES(arena, (long)d->k * d->nt);
   p->slip = NSDAE_ARENA_DOUBLES(arena, (long)d->k * d->nt);
-  p->lu.n = (int)n;
-  if (is_sparse(p)) nsdae_sparse_lu_layout(&p->lu, arena);
+  p->K.most = (int)n;
+  p->K.is_sparse = p->setting->options->linear_solver == NSDAE_LINEAR_SPARSE;
+  nsdae_lu_layout(&p->K, arena);
 }
 
 void nsdae_event_begin_phase(nsdae_event_phase *p)
@@ -64,7 +56,7 @@ void nsdae_event_begin_phase(nsdae_event_phase *p)
     if (p->modes.slide[j] == NSDAE_MODE_STICK) terms |= NSDAE_TERM_ACCELERATION;
   }
   p->terms = terms;
-  if (is_sparse(p)) nsdae_sparse_lu_forget(&p->lu);
+  nsdae_lu_forget(&p->K);
 }
 
 double nsdae_event_stick_margin(const nsdae_event_phase *p, const double *y, int i)
@@ -96,7 +88,7 @@ static void sliding_direction(const nsdae_event_phase *p, const nsdae_terms *T, 
   double v_t[2], u[2], du[2], along = 0;
   for (int l = 0; l < nt; l++) d[l] = last[l];
   if (nt < 2 || (last[0] == 0 && last[1] == 0)) return;
-  for (int l = 0; l < 2; l++) v_t[l] = nsdae_terms_rate(T, T->W_T, T->w_T, 2 * i + l, T->v);
+  for (int l = 0; l < 2; l++) v_t[l] = nsdae_terms_tangent_rate(T, 2 * i + l, T->v);
   double more = slip_ahead(p, i, p->linear ? base : v_t, u), size = hypot(u[0], u[1]);
   for (int l = 0; l < 2; l++) d[l] = u[l] / size;
   if (!p->linear) return;
@@ -128,29 +120,30 @@ static column column_of(const nsdae_terms *T, int force)
   size_t n = (size_t)d->nv, j;
   if (force < d->k) {
     j = (size_t)force;
-    return (column){T->W_N + j * n, T->w_N[j], T->omega.N[j], T->gap[j]};
+    return (column){T->by.normal.value + j * n, T->w_N[j], T->omega.N[j], T->gap[j]};
   }
   j = (size_t)(force - d->k);
-  if (force < d->k * (1 + d->nt)) return (column){T->W_T + j * n, T->w_T[j], T->omega.T[j], 0};
+  if (force < d->k * (1 + d->nt))
+    return (column){T->by.tangent.value + j * n, T->w_T[j], T->omega.T[j], 0};
   j = (size_t)(force - d->k * (1 + d->nt));
-  return (column){T->slide.W + j * n, T->slide.w[j], T->slide.omega[j], 0};
+  return (column){T->by.slide.value + j * n, T->slide.w[j], T->slide.omega[j], 0};
 }
 
 /* Entry of K: rows and columns are nv accelerations, m multipliers, then the forces by place. */
 static double *entry(const nsdae_event_phase *p, int row, int col)
 {
-  return p->K + (size_t)col * (size_t)p->unknowns + (size_t)row;
+  return p->K.A + (size_t)col * (size_t)p->K.n + (size_t)row;
 }
 
 /* The unknowns; what is zero anyway is none. */
 static void place_forces(nsdae_event_phase *p)
 {
   const nsdae_dims *d = &p->setting->system->dims;
-  p->unknowns = d->nv + d->m;
+  p->K.n = d->nv + d->m;
   for (int force = 0; force < forces_of(d); force++)
-    p->place[force] = kind_of(p, force) == ROW_NONE ? -1 : p->unknowns++;
-  memset(p->K, 0, (size_t)p->unknowns * (size_t)p->unknowns * sizeof *p->K);
-  memset(p->x, 0, (size_t)p->unknowns * sizeof *p->x);
+    p->place[force] = kind_of(p, force) == ROW_NONE ? -1 : p->K.n++;
+  memset(p->K.A, 0, (size_t)p->K.n * (size_t)p->K.n * sizeof *p->K.A);
+  memset(p->x, 0, (size_t)p->K.n * sizeof *p->x);
 }
 
 /* M v' + Phi_q^T lambda = F, and the rows (6). */
@@ -164,7 +157,7 @@ static void inertia_rows(nsdae_event_phase *p, const nsdae_terms *T)
     p->x[j] = T->F[j];
     for (int i = 0; i < n; i++) *entry(p, i, j) = AT(T->M, n, i, j);
     for (int i = 0; i < m; i++)
-      *entry(p, j, n + i) = *entry(p, n + i, j) = AT(T->constraint.J, m, i, j);
+      *entry(p, j, n + i) = *entry(p, n + i, j) = AT(T->by.jacobian.value, m, i, j);
   }
   for (int i = 0; i < m; i++)
     p->x[n + i] = -T->constraint.omega[i] - alpha2 * nsdae_terms_constraint_rate(T, i, T->v) -
@@ -182,7 +175,7 @@ static void combine_rows(nsdae_event_phase *p, const nsdae_terms *T)
   for (int j = 0; j < n; j++) {
     double *combined = entry(p, n, j);
     memset(combined, 0, (size_t)m * sizeof *combined);
-    nsdae_add_product(m, m, B, T->constraint.J + (size_t)j * (size_t)m, combined);
+    nsdae_add_product(m, m, B, T->by.jacobian.value + (size_t)j * (size_t)m, combined);
   }
   for (int l = 0; l < m; l++)
     for (int i = 0; i < m; i++) *entry(p, n + i, n + l) = (i == l) - AT(B, m, i, l);
@@ -230,26 +223,6 @@ static void force_row(nsdae_event_phase *p, const nsdae_terms *T, int force)
     following_row(p, T, force, kind);
 }
 
-/* The LU factors of K. */
-static int factor(nsdae_event_phase *p)
-{
-  if (!is_sparse(p)) return nsdae_la_lu(p->unknowns, p->K, p->unknowns, p->pivot);
-  if (p->lu.n != p->unknowns) {
-    nsdae_sparse_lu_forget(&p->lu);
-    p->lu.n = p->unknowns;
-    nsdae_sparse_lu_forget(&p->lu);
-  }
-  return nsdae_sparse_lu_factor(&p->lu, p->K, p->unknowns);
-}
-
-static void solve(const nsdae_event_phase *p, double *x)
-{
-  if (is_sparse(p))
-    nsdae_sparse_lu_solve(&p->lu, x);
-  else
-    nsdae_la_lu_solve(p->unknowns, p->K, p->unknowns, p->pivot, x);
-}
-
 int nsdae_event_forces(nsdae_event_phase *p, double t, double *y)
 {
   nsdae_terms *T = p->setting->here;
@@ -263,8 +236,8 @@ int nsdae_event_forces(nsdae_event_phase *p, double t, double *y)
   inertia_rows(p, T);
   if (*p->modes.redundant) combine_rows(p, T);
   for (int force = 0; force < forces_of(d); force++) force_row(p, T, force);
-  if (factor(p) != 0) return NSDAE_E_CONVERGENCE;
-  solve(p, p->x);
+  if (nsdae_lu_factor(&p->K) != 0) return NSDAE_E_CONVERGENCE;
+  nsdae_lu_solve(&p->K, p->x);
   memcpy(y + at->lambda, p->x + d->nv, (size_t)d->m * sizeof *y);
   for (int force = 0; force < forces_of(d); force++)
     if (p->place[force] >= 0) y[at->normal + force] = p->x[p->place[force]];
@@ -280,7 +253,7 @@ int nsdae_event_linearise(nsdae_event_phase *p, double t, const double *from)
   nsdae_event_move(p->setting, t, from);
   int status = nsdae_terms_need(T, p->terms);
   if (status < 0) return status;
-  for (int j = 0; j < d->k * d->nt; j++) p->slip[j] = nsdae_terms_rate(T, T->W_T, T->w_T, j, T->v);
+  for (int j = 0; j < d->k * d->nt; j++) p->slip[j] = nsdae_terms_tangent_rate(T, j, T->v);
   p->linear = 1;
   return NSDAE_OK;
 }
@@ -288,8 +261,8 @@ int nsdae_event_linearise(nsdae_event_phase *p, double t, const double *from)
 double nsdae_event_yield(const nsdae_event_phase *p, int i)
 {
   int row = p->place[i];
-  memset(p->unit, 0, (size_t)p->unknowns * sizeof *p->unit);
+  memset(p->unit, 0, (size_t)p->K.n * sizeof *p->unit);
   p->unit[row] = 1;
-  solve(p, p->unit);
+  nsdae_lu_solve(&p->K, p->unit);
   return 1 / p->unit[row];
 }

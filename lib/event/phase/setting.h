@@ -1,15 +1,14 @@
 /* What every part of the event-driven method stands on: the system, the point in work and the
- * places of the unknowns. The parts, each of which sees only those before it:
- *   phase          the equations between two instants, for the modes that hold there
- *   roots          the functions whose zeros end a phase
- *   account        what the forces do in it: impulses and work
- *   integrator     a phase from its start on
- *   acceleration   the problem of accelerations, sharing its dependent rows
- *   choice         the modes of the next phase, from that problem
- *   projection     back to the constraints and to what is closed
- *   accumulation   impacts without end that come to rest;   impact   the problem of velocities
- *   instant        all of these in their order
- *   event          from instant to instant: the method */
+ * places of the unknowns. The folders, each of which sees only those that it links:
+ *   phase     the equations between two instants, for the modes that hold there, and what the
+ *             forces do: impulses and work
+ *   roots     the functions whose zeros end a phase
+ *   modes     those of the next phase, from the problem of accelerations, sharing its dependent
+ *             rows
+ *   impact    the problem of velocities; impacts without end that come to rest; back to the
+ *             constraints and to what is closed
+ *   instant   all of these in their order
+ *   event     a phase from its start on, and from instant to instant: the method */
 #ifndef NSDAE_EVENT_SETTING_H
 #define NSDAE_EVENT_SETTING_H
 

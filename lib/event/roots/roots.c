@@ -8,6 +8,10 @@
  * cannot be told at first which way it goes: so many times what counts as zero. */
 static const double TURNING = 100;
 
+/* There too what slid comes to a stop in ever shorter steps, and turns within them: slower than so
+ * many times what counts as zero it has stopped. */
+static const double STOPPED = 4;
+
 void nsdae_event_roots_layout(nsdae_event_roots *r, nsdae_arena *arena)
 {
   const nsdae_dims *d = &r->phase->setting->system->dims;
@@ -39,7 +43,7 @@ static double along_direction(const nsdae_event_phase *p, const nsdae_terms *T, 
   int nt = T->system->dims.nt;
   double along = 0;
   for (int j = i * nt; j < (i + 1) * nt; j++)
-    along += p->modes.direction[j] * nsdae_terms_rate(T, T->W_T, w, j, v);
+    along += p->modes.direction[j] * nsdae_terms_rate(T, &T->by.tangent, w, j, v);
   return along;
 }
 
@@ -60,7 +64,7 @@ static double value_of(const nsdae_event_phase *p, const nsdae_terms *T, const d
   double normal = m->normal_sense[i] * y[at->lambda + s->slide[i].constraint];
   if (root->kind == NSDAE_ROOT_SIGN) return normal;
   if (m->slide[i] == NSDAE_MODE_STICK) return s->slide[i].mu * normal - fabs(y[at->slide + i]);
-  return m->slide_sense[i] * nsdae_terms_rate(T, T->slide.W, T->slide.w, i, T->v);
+  return m->slide_sense[i] * nsdae_terms_slide_rate(T, i, T->v);
 }
 
 /* Terms that the functions in the set need. */
@@ -172,7 +176,7 @@ static void start_sliding(const nsdae_event_phase *p, nsdae_event_root *root, do
   const nsdae_terms *T = p->setting->here;
   double size = nsdae_event_velocity_size(p->setting);
   if (root->kind == NSDAE_ROOT_SLIP) {
-    double rate = nsdae_terms_rate(T, T->slide.W, T->slide.omega, root->index, a);
+    double rate = nsdae_terms_rate(T, &T->by.slide, T->slide.omega, root->index, a);
     start_root(p, root, t, value, p->modes.slide_sense[root->index] * rate, size, size);
     return;
   }
@@ -206,7 +210,7 @@ static void start(const nsdae_event_phase *p, nsdae_event_root *root, double t, 
   if (root->kind == NSDAE_ROOT_JAM)
     root->state = value > 0 ? NSDAE_ROOT_LIVE : NSDAE_ROOT_OFF;
   else if (root->kind == NSDAE_ROOT_NORMAL && mode == NSDAE_MODE_OPEN)
-    start_root(p, root, t, value, nsdae_terms_rate(T, T->W_N, T->w_N, i, T->v),
+    start_root(p, root, t, value, nsdae_terms_normal_rate(T, i, T->v),
                nsdae_event_position_size(p->setting), nsdae_event_velocity_size(p->setting));
   else if (root->kind == NSDAE_ROOT_NORMAL || root->kind == NSDAE_ROOT_SIGN ||
            mode == NSDAE_MODE_STICK)
@@ -233,7 +237,7 @@ static double undecided_value(const nsdae_event_phase *p, const double *y,
   const nsdae_terms *T = p->setting->here;
   if (root->kind == NSDAE_ROOT_NORMAL) return y[p->setting->at.normal + root->index];
   if (root->kind == NSDAE_ROOT_TANGENT) return nsdae_terms_slip(T, root->index, T->v);
-  return fabs(nsdae_terms_rate(T, T->slide.W, T->slide.w, root->index, T->v));
+  return fabs(nsdae_terms_slide_rate(T, root->index, T->v));
 }
 
 /* A masked function after a step: 1 where it asks for an instant. */
@@ -245,9 +249,11 @@ static int watch(const nsdae_event_phase *p, const double *y, nsdae_event_root *
   return value < -root->size;
 }
 
-/* With two directions of friction a contact goes on in that of its velocity, while it has one. */
-static int follow_directions(nsdae_event_phase *p, double t, const double *y)
+/* With two directions of friction a contact goes on in that of its velocity, while it has one;
+ * marks as found what has stopped. */
+static int follow_directions(nsdae_event_roots *r, double t, const double *y)
 {
+  nsdae_event_phase *p = r->phase;
   nsdae_terms *T = p->setting->here;
   int any = 0, k = T->system->dims.k;
   for (int i = 0; i < k; i++) any |= T->system->dims.nt == 2 && contact_rubs(p, i);
@@ -255,9 +261,14 @@ static int follow_directions(nsdae_event_phase *p, double t, const double *y)
   nsdae_event_move(p->setting, t, y);
   int status = nsdae_terms_need(T, NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS);
   for (int i = 0; i < k && status == NSDAE_OK; i++) {
-    if (!contact_rubs(p, i) || !(along_direction(p, T, i, T->w_T, T->v) > p->modes.slow)) continue;
+    if (!contact_rubs(p, i)) continue;
+    double along = along_direction(p, T, i, T->w_T, T->v);
+    nsdae_event_root *root = nsdae_event_root_of(r, NSDAE_ROOT_TANGENT, i);
+    root->found =
+        root->state == NSDAE_ROOT_LIVE && along <= STOPPED * nsdae_event_velocity_size(p->setting);
+    if (!(along > p->modes.slow)) continue;
     for (int j = 2 * i; j < 2 * i + 2; j++)
-      p->modes.direction[j] = nsdae_terms_rate(T, T->W_T, T->w_T, j, T->v);
+      p->modes.direction[j] = nsdae_terms_tangent_rate(T, j, T->v);
     double *d = p->modes.direction + 2 * i, speed = hypot(d[0], d[1]);
     for (int l = 0; l < 2; l++) d[l] /= speed;
   }
@@ -273,11 +284,12 @@ static int is_held(const nsdae_event_phase *p, int i)
 int nsdae_event_watch_roots(nsdae_event_roots *r, double t, const double *y)
 {
   nsdae_event_phase *p = r->phase;
-  int any = 0, count = 0, status = follow_directions(p, t, y);
+  int any = 0, count = 0;
+  for (int e = 0; e < r->count; e++) r->entry[e].found = 0;
+  int status = follow_directions(r, t, y);
   for (int e = 0; e < r->count; e++) {
-    nsdae_event_root *root = &r->entry[e];
-    root->found = 0;
-    any |= root->state == NSDAE_ROOT_MASKED ||
+    const nsdae_event_root *root = &r->entry[e];
+    any |= root->found || root->state == NSDAE_ROOT_MASKED ||
            (root->kind == NSDAE_ROOT_NORMAL && is_held(p, root->index));
   }
   if (status < 0 || !any) return status;

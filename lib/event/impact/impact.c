@@ -29,6 +29,7 @@ void nsdae_event_impacts_layout(nsdae_event_impacts *p, nsdae_arena *arena)
   p->v = NSDAE_ARENA_DOUBLES(arena, d->nv);
   p->size = NSDAE_ARENA_DOUBLES(arena, d->nv);
   p->velocity = NSDAE_ARENA_DOUBLES(arena, d->k);
+  p->coming = NSDAE_ARENA_DOUBLES(arena, d->k);
   p->elastic = NSDAE_ARENA_DOUBLES(arena, d->nv);
   p->reaction = NSDAE_ARENA_DOUBLES(arena, d->m);
   p->force = NSDAE_ARENA_DOUBLES(arena, columns);
@@ -48,26 +49,44 @@ int nsdae_event_touches(const nsdae_event_setting *s, int i)
 {
   const nsdae_terms *T = s->here;
   return T->gap[i] <= nsdae_event_position_size(s) &&
-         nsdae_terms_rate(T, T->W_N, T->w_N, i, T->v) <= nsdae_event_velocity_size(s);
+         nsdae_terms_normal_rate(T, i, T->v) <= nsdae_event_velocity_size(s);
 }
 
-/* v+ of the momentum before, with v-_N of the contacts: M v + Phi_q^T Lambda = M v- + W Lambda_c,
- * Phi_q v = -Phi_t. */
-static int solve(nsdae_event_impacts *p)
+/* v and Lambda without contacts: M v + Phi_q^T Lambda = M v-, Phi_q v = -Phi_t. */
+static void solve_free(nsdae_event_impacts *p)
 {
   nsdae_event_setting *s = p->acceleration->phase->setting;
   const nsdae_dims *d = &s->system->dims;
-  size_t size = (size_t)d->nv * sizeof *p->v;
-  memcpy(p->v, p->momentum, size);
-  memcpy(p->size, p->momentum, size);
+  memcpy(p->v, p->momentum, (size_t)d->nv * sizeof *p->v);
   for (int i = 0; i < d->m; i++) p->multiplier[i] = -s->here->constraint.phi_t[i];
   nsdae_kkt_solve(s->kkt, 1, p->v, d->nv, p->multiplier, d->m);
+}
+
+/* With the contacts' v-_N and polygons. */
+static int solve_polygons(nsdae_event_impacts *p)
+{
+  nsdae_event_setting *s = p->acceleration->phase->setting;
+  solve_free(p);
+  memcpy(p->size, p->momentum, (size_t)s->system->dims.nv * sizeof *p->v);
   nsdae_kkt_solve_mass(s->kkt, p->size);
-  int status = nsdae_event_solve(s, &p->problem, s->here, p->size, p->v, p->multiplier);
-  if (status == NSDAE_OK)
-    nsdae_contacts_relax(&p->problem, p->acceleration->phase->modes.direction, p->force, p->xi,
-                         p->v, p->multiplier);
-  return status;
+  return nsdae_event_solve(s, &p->problem, s->here, p->size, p->v, p->multiplier);
+}
+
+/* v+ of the momentum before: the cones from the polygons' solution or, where there is none or one
+ * of no use, anew. */
+static int solve(nsdae_event_impacts *p)
+{
+  const double *d = p->acceleration->phase->modes.direction;
+  int status = solve_polygons(p);
+  int pressed = status == NSDAE_OK && nsdae_contacts_pressed(&p->problem);
+  if (status == NSDAE_OK && !pressed)
+    nsdae_contacts_relax(&p->problem, d, p->force, p->xi, p->v, p->multiplier);
+  if (status != NSDAE_E_LCP && !pressed) return status;
+  solve_free(p);
+  if (!nsdae_contacts_relax_anew(&p->problem, d, p->force, p->xi, p->v, p->multiplier))
+    return pressed ? solve_polygons(p) : status;
+  nsdae_error_clear(p->acceleration->phase->setting->error);
+  return NSDAE_OK;
 }
 
 /* The contacts' velocities before, zero where the integrator's errors could be all of it; and where
@@ -77,18 +96,17 @@ static void approach(nsdae_event_impacts *p)
   double size = p->blur * nsdae_event_velocity_size(p->acceleration->phase->setting);
   for (int i = 0; i < p->problem.system->dims.k; i++) {
     double v = p->velocity[i];
-    p->problem.results->before[i] = v < -size || (v > size && !p->together) ? v : 0;
+    p->coming[i] = v < -size || (v > size && !p->together) ? v : 0;
   }
+  nsdae_contacts_come(&p->problem, p->coming);
 }
 
 /* What the solved problem's impulses do. */
 static double work_of(nsdae_event_impacts *p)
 {
-  nsdae_impulses *of = p->problem.results;
-  int k = p->problem.system->dims.k;
-  memcpy(of->before, p->velocity, (size_t)k * sizeof *of->before);
+  nsdae_contacts_come(&p->problem, p->velocity);
   double work = nsdae_contacts_work(&p->problem);
-  approach(p);
+  nsdae_contacts_come(&p->problem, p->coming);
   return work;
 }
 
@@ -101,7 +119,7 @@ static int solve_plastic(nsdae_event_impacts *p)
   nsdae_impulses_clear(&p->plastic, d);
   memcpy(p->plastic.before_t, p->solution.before_t,
          (size_t)(d->k * d->nt) * sizeof *p->plastic.before_t);
-  p->problem.results = &p->plastic;
+  nsdae_contacts_turn_to(&p->problem, &p->plastic);
   return solve(p);
 }
 
@@ -135,7 +153,8 @@ static int restitute(nsdae_event_impacts *p, const double *before)
   nsdae_event_setting *s = p->acceleration->phase->setting;
   int status = solve(p);
   if (status == NSDAE_E_LCP || status == NSDAE_E_INFEASIBLE) {
-    memset(p->solution.before, 0, (size_t)s->system->dims.k * sizeof *p->solution.before);
+    memset(p->coming, 0, (size_t)s->system->dims.k * sizeof *p->coming);
+    nsdae_contacts_come(&p->problem, p->coming);
     p->endless |= p->together && loses_nothing(p);
     nsdae_error_clear(s->error);
     return solve(p);
@@ -144,7 +163,7 @@ static int restitute(nsdae_event_impacts *p, const double *before)
   if (!(gained > ROUNDING * nsdae_terms_energy(s->here, before))) return status;
   status = solve_plastic(p);
   if (status == NSDAE_OK) take_share(p, gained, work_of(p));
-  p->problem.results = &p->solution;
+  nsdae_contacts_turn_to(&p->problem, &p->solution);
   return status;
 }
 
@@ -157,7 +176,8 @@ static int settle_set(nsdae_event_impacts *p, const double *before, double most)
   int any = nsdae_event_find_set(a, p->v, most);
   if (any <= 0) return any;
   for (int i = 0; i < p->problem.system->dims.k; i++)
-    if (a->settles[i]) p->problem.results->before[i] = 0;
+    if (a->settles[i]) p->coming[i] = 0;
+  nsdae_contacts_come(&p->problem, p->coming);
   int status = solve(p);
   if (status == NSDAE_OK) status = nsdae_event_close_set(a, p->v, p->multiplier);
   if (status < 0 || nsdae_event_ends(a, before, p->v)) return status;
@@ -195,33 +215,34 @@ static nsdae_impact *place_for(nsdae_event_impacts *p, int contact, double t)
 static void record(nsdae_event_impacts *p, int i)
 {
   const nsdae_impulses *c = &p->solution;
-  int nt = p->problem.system->dims.nt, ends = p->accumulation.settles[i];
+  const nsdae_event_accumulation *a = &p->accumulation;
+  int nt = p->problem.system->dims.nt, ends = a->settles[i];
   double t = p->acceleration->phase->setting->here->t;
-  nsdae_impact *impact = place_for(p, i, ends ? t + p->accumulation.rest : t);
-  impact->normal_impulse += c->normal[i];
+  nsdae_impact *impact = place_for(p, i, ends ? t + a->rest : t);
+  impact->normal_impulse += c->normal[i] + a->normal[i];
   impact->velocity_after = ends ? 0 : c->after[i];
   impact->accumulation |= ends;
-  for (int l = 0; l < nt; l++) impact->tangential_impulse[l] += c->tangential[i * nt + l];
+  for (int l = 0, j = i * nt; l < nt; l++, j++)
+    impact->tangential_impulse[l] += c->tangential[j] + a->tangential[j];
 }
 
 /* What the impact did, with what closed a set, for the step. */
 static void keep(nsdae_event_impacts *p)
 {
-  nsdae_impulses *c = &p->solution;
+  const nsdae_impulses *c = &p->solution;
   const nsdae_event_accumulation *a = &p->accumulation;
   const nsdae_dims *d = &p->problem.system->dims;
   nsdae_result *r = p->acceleration->phase->setting->result;
   int ends = 0;
-  memcpy(c->before, p->velocity, (size_t)d->k * sizeof *c->before);
+  nsdae_contacts_come(&p->problem, p->velocity);
   r->work += nsdae_contacts_work(&p->problem) + a->work;
-  for (int j = 0; j < d->k * d->nt; j++) c->tangential[j] += a->tangential[j];
   for (int i = 0; i < d->k; i++) {
-    int hit = c->normal[i] > 0;
-    c->normal[i] += a->normal[i];
-    if (hit && c->normal[i] > 0) record(p, i);
+    if (c->normal[i] > 0 && c->normal[i] + a->normal[i] > 0) record(p, i);
     ends |= a->settles[i];
   }
   nsdae_event_account_impact(p->account, c, p->multiplier);
+  nsdae_add(d->k, 1, a->normal, r->impulses.normal);
+  nsdae_add(d->k * d->nt, 1, a->tangential, r->impulses.tangential);
   r->counters.accumulations += ends;
   r->counters.accumulations_early += ends && a->early;
 }
@@ -262,7 +283,7 @@ static int approaching(const nsdae_event_impacts *p)
   const nsdae_terms *T = s->here;
   for (int i = 0; i < T->system->dims.k; i++)
     if (p->acceleration->is.touching[i] &&
-        nsdae_terms_rate(T, T->W_N, T->w_N, i, T->v) < -nsdae_event_velocity_size(s))
+        nsdae_terms_normal_rate(T, i, T->v) < -nsdae_event_velocity_size(s))
       return 1;
   return 0;
 }
