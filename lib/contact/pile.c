@@ -322,7 +322,15 @@ static double speed_without(part *c, const nsdae_whole *w)
   return fastest;
 }
 
-/* v = M^-1 (f + H r). An entry that moves no item by more than the tolerance of the problem is
+/* Whether entry j of v moves its items by no more than slow, or cancels to rounding. One that moves
+ * no item at all, such as the spin of a ball about the normal of its contact, goes on as it is. */
+static int stands(const part *c, const nsdae_whole *w, int j, double slow)
+{
+  double v = fabs(w->v[j]);
+  return (c->lever[j] > 0 && v * c->lever[j] <= slow) || v <= 32 * DBL_EPSILON * w->size[j];
+}
+
+/* v = M^-1 (f + H r). An entry that moves its items by no more than the tolerance of the problem is
  * zero: what stands, stands. */
 static int velocities(part *c, const nsdae_whole *w)
 {
@@ -339,8 +347,7 @@ static int velocities(part *c, const nsdae_whole *w)
     int at = blocks->first[c->at.member[i]], n = c->at.size[i];
     sizes_of_velocity(M, n, w->size + at);
     for (int j = at; j < at + n; j++)
-      if (fabs(w->v[j]) * c->lever[j] <= slow || fabs(w->v[j]) <= 32 * DBL_EPSILON * w->size[j])
-        w->v[j] = 0;
+      if (stands(c, w, j, slow)) w->v[j] = 0;
     M += (size_t)n * (size_t)n;
   }
   return status;
