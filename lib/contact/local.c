@@ -1,5 +1,6 @@
 #include "local.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "errors.h"
@@ -188,21 +189,18 @@ static void gather_contacts(nsdae_local *l, const nsdae_whole *w, int island, in
   for (int i = 0; i < k; i++) gather_contact(l, w, i, contact[i]);
 }
 
-/* An entry of v that moves its contacts by no more than the tolerance of the problem, in parts of
- * their largest velocity without impulses, is zero, as in pile.c: what stands, stands. */
-static void settle(nsdae_local *l)
+/* Whether no entry moves a contact by more than the digits of the solution, in parts of the largest
+ * velocity of a contact without impulses; each as if by the largest lever. */
+static int stands(const nsdae_local *l)
 {
   const nsdae_contacts *c = &l->contacts;
-  const double *offset = c->delassus.offset, least_digits = 1e-9;
-  double speed = 0;
-  for (int j = 0; j < c->columns; j++) speed = fmax(speed, fabs(offset[j]));
-  double slow = fmin(c->lcp.options.tol, least_digits) * speed;
-  for (int i = 0; i < l->kkt.n; i++) {
-    double lever = 0;
-    for (int j = 0; j < c->columns; j++)
-      lever = fmax(lever, fabs(c->delassus.W[(size_t)j * (size_t)l->kkt.n + (size_t)i]));
-    if (lever > 0 && fabs(l->v[i]) * lever <= slow) l->v[i] = 0;
-  }
+  const double *W = c->delassus.W, digits = fmin(c->lcp.options.tol, 1e-9);
+  double speed = 0, fastest = 0, lever = 0;
+  for (int i = 0; i < l->kkt.n; i++) fastest = fmax(fastest, fabs(l->v[i]));
+  for (int j = 0; j < c->columns; j++) speed = fmax(speed, fabs(c->delassus.offset[j]));
+  if (!(fastest <= digits * speed)) return 0;
+  for (int i = 0; i < c->columns * l->kkt.n; i++) lever = fmax(lever, fabs(W[i]));
+  return fastest * lever <= digits * speed;
 }
 
 /* ---- and back */
@@ -278,7 +276,8 @@ int nsdae_local_solve(nsdae_local *l, const nsdae_whole *w, int island, int with
   nsdae_kkt_solve_mass(&l->kkt, l->size);
   status = nsdae_contacts_solve(&l->contacts, &l->terms, &l->kkt, l->size, l->v, l->lambda);
   if (status < 0) return failed(l, w, island, status);
-  if (nsdae_contacts_any(&l->contacts)) settle(l);
+  /* an island that stands does so exactly: it does not creep */
+  if (nsdae_contacts_any(&l->contacts) && stands(l)) memset(l->v, 0, (size_t)n * sizeof *l->v);
   scatter_blocks(l, w, island);
   for (int i = 0; i < l->model.dims.k; i++)
     scatter_contact(l, w, i, is->contact.of[is->contact.first[island] + i]);

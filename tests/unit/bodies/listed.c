@@ -357,7 +357,9 @@ static void test_spin_stays(void **state)
 {
   (void)state;
   for (int count = 2; count <= 24; count += 11)
-    for (int rough = 0; rough <= 2; rough++) {
+    for (int form = 0; form < 6; form++) {
+      int rough = form % 3, slide = rough == 0;
+      double tilt = form < 3 ? 0 : 1e-14;
       nsdae_bodies *b;
       nsdae_system *system;
       nsdae_sim *sim;
@@ -366,13 +368,16 @@ static void test_spin_stays(void **state)
       double q0[7 * 24], v0[6 * 24];
       nsdae_bodies_create(3, &b, NULL);
       nsdae_bodies_set_gravity(b, (const double[]){0, 0, -9.81});
-      nsdae_bodies_add_solid(b, NSDAE_GROUND, &(nsdae_solid){.shape = NSDAE_SHAPE_PLANE});
+      nsdae_bodies_add_solid(
+          b, NSDAE_GROUND,
+          &(nsdae_solid){.shape = NSDAE_SHAPE_PLANE, .quaternion = {1, tilt / 2, 0, 0}});
       nsdae_bodies_set_pair(b, 0, 0, rough > 0 ? 0.5 : 0, 0, 0);
       nsdae_bodies_set_pair(b, 0, 1, rough > 1 ? 0.5 : 0, 0, 0);
       for (int i = 0; i < count; i++) {
         nsdae_bodies_add(b, &(nsdae_rigid_body){.mass = 1,
                                                 .inertia = {0.004, 0.004, 0.004},
                                                 .position = {0, 0, 0.1 + 0.2 * i},
+                                                .velocity = {0, slide, 0},
                                                 .spin = {0, 0, i % 2 ? 10 : -3}});
         nsdae_bodies_add_solid(
             b, i,
@@ -390,7 +395,11 @@ static void test_spin_stays(void **state)
       assert_int_equal(r.contacts.count, count);
       for (int i = 0; i < count; i++)
         for (int j = 0; j < 6; j++)
-          assert_near(r.v[6 * i + j], j == 5 ? (i % 2 ? 10 : -3) : 0, j == 5 ? 1e-12 : 0);
+          assert_near(r.v[6 * i + j],
+                      j == 5   ? (i % 2 ? 10 : -3)
+                      : j == 1 ? slide
+                               : 0,
+                      j == 5 || tilt > 0 ? 1e-12 : 0);
       nsdae_sim_destroy(&sim);
       nsdae_system_destroy(&system);
       nsdae_bodies_destroy(&b);
