@@ -26,7 +26,7 @@ endforeach()
 
 nsdae_unit_test(smooth ode)
 
-foreach(name continuity derivatives distance driven listed own refused)
+foreach(name continuity derivatives distance joints listed own refused)
   nsdae_unit_test(bodies ${name})
   target_include_directories(test_unit_bodies_${name} PRIVATE ${PROJECT_SOURCE_DIR}/lib/system ${PROJECT_SOURCE_DIR}/lib/linalg
                              ${PROJECT_SOURCE_DIR}/lib/base)

@@ -6,17 +6,35 @@
 #include "errors.h"
 #include "touch.h"
 
+static void mass_planar(const nsdae_bodies *b, double *M)
+{
+  const nsdae_rigid_body *body = b->body.at;
+  for (int i = 0; i < b->body.count; i++, M += 9) {
+    M[0] = M[4] = body[i].mass;
+    M[8] = body[i].inertia[2];
+  }
+}
+
+static void mass_spatial(const nsdae_bodies *b, double *M)
+{
+  const nsdae_rigid_body *body = b->body.at;
+  for (int i = 0; i < b->body.count; i++, M += 36)
+    for (int j = 0; j < 3; j++) {
+      M[7 * j] = body[i].mass;
+      M[7 * (j + 3)] = body[i].inertia[j];
+    }
+}
+
 static int mass_blocks(double t, const double *q, double *M, void *user)
 {
   const nsdae_bodies *b = user;
-  int nv = nsdae_body_nv(b);
-  for (int i = 0; i < b->body.count; i++, M += nv * nv) {
-    const nsdae_rigid_body *body = nsdae_body_at(b, i);
-    for (int j = 0; j < b->dimension; j++) M[j * (nv + 1)] = body->mass;
-    for (int j = b->dimension; j < nv; j++)
-      M[j * (nv + 1)] = body->inertia[b->dimension == 2 ? 2 : j - 3];
-  }
-  return b->own.mass ? b->own.mass(t, q, M, b->own.dims.nv, b->own.user) : 0;
+  size_t nv = (size_t)nsdae_body_nv(b);
+  if (b->dimension == 2)
+    mass_planar(b, M);
+  else
+    mass_spatial(b, M);
+  if (!b->own.mass) return 0;
+  return b->own.mass(t, q, M + (size_t)b->body.count * nv * nv, b->own.dims.nv, b->own.user);
 }
 
 static int constraint_rows(double t, const double *q, nsdae_row_list *rows, void *user)
@@ -184,8 +202,12 @@ static int list_plane(const listing *l, const couple *two)
   nsdae_turn_back(to->R, n, above);
   for (int i = 0; i < 3; i++) height += n[i] * (to->r[i] - from->r[i] - x[i]);
   for (int i = 0; i < solid->points && status >= 0; i++) {
-    if (height + nsdae_dot3(above, solid->point + 3 * i) - solid->radius > l->reach) continue;
-    nsdae_still still = nsdae_round_still(plane, solid, i, from, to);
+    const double *p = solid->point + 3 * i, h = height + nsdae_dot3(above, p);
+    if (h - solid->radius > l->reach) continue;
+    nsdae_still still = {.normal = {n[0], n[1], n[2]}};
+    nsdae_turn(to->R, p, x);
+    for (int j = 0; j < 3; j++) x[j] += to->r[j];
+    nsdae_still_place(&still, x, h, 0, solid->radius);
     status = add_contact(l, i, two, &still);
   }
   return status;

@@ -70,6 +70,7 @@ static nsdae_broad *make(const nsdae_bodies *b)
     nsdae_broad_release(p);
     return NULL;
   }
+  p->pose[p->bodies] = nsdae_pose_ground();
   sort_out(p, b);
   p->features = most_features(b);
   for (int i = 0; i < b->pair.count; i++) {
@@ -115,8 +116,8 @@ void nsdae_broad_give_back(nsdae_bodies *b, nsdae_broad *p)
 /* Poses, and where the solids are. */
 static void place_all(nsdae_broad *p, const nsdae_bodies *b, const double *q)
 {
-  for (int i = 0; i < p->bodies; i++) p->pose[i] = nsdae_bodies_pose(b, i, q, NULL);
-  p->pose[p->bodies] = nsdae_pose_ground();
+  int nq = nsdae_body_nq(b);
+  for (int i = 0; i < p->bodies; i++) nsdae_pose_place(b->dimension, q + i * nq, &p->pose[i]);
   for (int i = 0; i < p->solids; i++) {
     const nsdae_solid_of *s = &solids_of(b)[i];
     const nsdae_pose *pose = nsdae_broad_pose(p, s->body);

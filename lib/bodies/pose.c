@@ -5,10 +5,23 @@ nsdae_pose nsdae_pose_ground(void)
   return (nsdae_pose){.R = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
 }
 
+void nsdae_pose_place(int dimension, const double *q, nsdae_pose *pose)
+{
+  pose->r[0] = q[0];
+  pose->r[1] = q[1];
+  if (dimension == 2) {
+    pose->angle = q[2];
+    nsdae_rotation_planar(q[2], pose->R);
+  } else {
+    pose->r[2] = q[2];
+    nsdae_rotation_spatial(q + 3, pose->R);
+  }
+}
+
 nsdae_pose nsdae_pose_planar(const double *q, const double *v)
 {
-  nsdae_pose pose = {.r = {q[0], q[1], 0}, .angle = q[2]};
-  nsdae_rotation_planar(q[2], pose.R);
+  nsdae_pose pose = {.angle = 0};
+  nsdae_pose_place(2, q, &pose);
   if (!v) return pose;
   pose.v[0] = v[0];
   pose.v[1] = v[1];
@@ -18,8 +31,8 @@ nsdae_pose nsdae_pose_planar(const double *q, const double *v)
 
 nsdae_pose nsdae_pose_spatial(const double *q, const double *v)
 {
-  nsdae_pose pose = {.r = {q[0], q[1], q[2]}};
-  nsdae_rotation_spatial(q + 3, pose.R);
+  nsdae_pose pose = {.angle = 0};
+  nsdae_pose_place(3, q, &pose);
   if (!v) return pose;
   for (int i = 0; i < 3; i++) pose.v[i] = v[i];
   nsdae_turn(pose.R, v + 3, pose.w);

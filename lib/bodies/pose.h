@@ -15,6 +15,8 @@ typedef struct nsdae_pose {
 nsdae_pose nsdae_pose_ground(void);
 nsdae_pose nsdae_pose_planar(const double *q, const double *v);
 nsdae_pose nsdae_pose_spatial(const double *q, const double *v);
+/* Where it is alone, of one at rest. */
+void nsdae_pose_place(int dimension, const double *q, nsdae_pose *pose);
 
 /* A point s and a direction a of the body's own frame, with v' = 0:
  *   x'' = w x (w x (x - r)),   u' = w x u,   u'' = w x (w x u) */

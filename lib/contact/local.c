@@ -1,5 +1,6 @@
 #include "local.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "errors.h"
@@ -188,6 +189,20 @@ static void gather_contacts(nsdae_local *l, const nsdae_whole *w, int island, in
   for (int i = 0; i < k; i++) gather_contact(l, w, i, contact[i]);
 }
 
+/* Whether no entry moves a contact by more than the digits of the solution, in parts of the largest
+ * velocity of a contact without impulses; each as if by the largest lever. */
+static int stands(const nsdae_local *l)
+{
+  const nsdae_contacts *c = &l->contacts;
+  const double *W = c->delassus.W, digits = fmin(c->lcp.options.tol, 1e-9);
+  double speed = 0, fastest = 0, lever = 0;
+  for (int i = 0; i < l->kkt.n; i++) fastest = fmax(fastest, fabs(l->v[i]));
+  for (int j = 0; j < c->columns; j++) speed = fmax(speed, fabs(c->delassus.offset[j]));
+  if (!(fastest <= digits * speed)) return 0;
+  for (int i = 0; i < c->columns * l->kkt.n; i++) lever = fmax(lever, fabs(W[i]));
+  return fastest * lever <= digits * speed;
+}
+
 /* ---- and back */
 
 static void scatter_blocks(const nsdae_local *l, const nsdae_whole *w, int island)
@@ -261,6 +276,8 @@ int nsdae_local_solve(nsdae_local *l, const nsdae_whole *w, int island, int with
   nsdae_kkt_solve_mass(&l->kkt, l->size);
   status = nsdae_contacts_solve(&l->contacts, &l->terms, &l->kkt, l->size, l->v, l->lambda);
   if (status < 0) return failed(l, w, island, status);
+  /* an island that stands does so exactly: it does not creep */
+  if (nsdae_contacts_any(&l->contacts) && stands(l)) memset(l->v, 0, (size_t)n * sizeof *l->v);
   scatter_blocks(l, w, island);
   for (int i = 0; i < l->model.dims.k; i++)
     scatter_contact(l, w, i, is->contact.of[is->contact.first[island] + i]);

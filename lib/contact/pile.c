@@ -8,10 +8,6 @@
 #include "grow.h"
 #include "listed.h"
 
-/* A velocity below the tolerance of its terms is none; where few digits are asked for, below this.
- */
-static const double least_digits = 1e-9;
-
 /* One island at work. */
 typedef struct part {
   nsdae_pile_arrays at;
@@ -322,15 +318,36 @@ static double speed_without(part *c, const nsdae_whole *w)
   return fastest;
 }
 
-/* v = M^-1 (f + H r). An entry that moves no item by more than the tolerance of the problem is
- * zero: what stands, stands. */
+/* Whether entry j of v is none: it cancels to the rounding of its terms; or it moves no item of its
+ * body by more than the digits of the solution times speed, and is no free motion, that moves none:
+ * a spin about a contact's normal, a slide without friction, of which rounding leaves a lever. Its
+ * own lever is its largest entry in a direction of an item, most that of all entries of its body.
+ */
+static int stands(const part *c, const nsdae_whole *w, int j, double most, double speed)
+{
+  const double few = 1e-9; /* the most that counts as none where few digits are asked for */
+  double v = fabs(w->v[j]), digits = fmin(c->tol, few);
+  if (v <= 32 * DBL_EPSILON * w->size[j]) return 1;
+  return v * c->lever[j] <= digits * speed &&
+         (v * most <= digits * speed || v <= digits * w->size[j]);
+}
+
+static void settle(const part *c, const nsdae_whole *w, int at, int n, double speed)
+{
+  double most = 0;
+  for (int j = at; j < at + n; j++) most = fmax(most, c->lever[j]);
+  for (int j = at; j < at + n; j++)
+    if (stands(c, w, j, most, speed)) w->v[j] = 0;
+}
+
+/* v = M^-1 (f + H r), and what stands. */
 static int velocities(part *c, const nsdae_whole *w)
 {
   const nsdae_blocks *blocks = &w->system->blocks;
   const double *M = c->at.M;
   begin_velocities(c, w);
   int status = solve_masses(c, w);
-  double speed = speed_without(c, w), slow = fmin(c->tol, least_digits) * speed;
+  double speed = speed_without(c, w);
   c->slow = c->tol * speed;
   begin_velocities(c, w);
   add_impulses(c, w);
@@ -338,9 +355,7 @@ static int velocities(part *c, const nsdae_whole *w)
   for (int i = 0; i < c->problem.blocks && status == NSDAE_OK; i++) {
     int at = blocks->first[c->at.member[i]], n = c->at.size[i];
     sizes_of_velocity(M, n, w->size + at);
-    for (int j = at; j < at + n; j++)
-      if (fabs(w->v[j]) * c->lever[j] <= slow || fabs(w->v[j]) <= 32 * DBL_EPSILON * w->size[j])
-        w->v[j] = 0;
+    settle(c, w, at, n, speed);
     M += (size_t)n * (size_t)n;
   }
   return status;

@@ -9,21 +9,25 @@
 
 enum { MOST = 32 };
 
-/* The call of the user's callbacks, counted over all of them, that returns code. */
+/* The call of the user's callbacks, counted over all of them, that returns code, or leaves a value.
+ */
 typedef struct faults {
   long calls, at;
-  int code, first_own, d;
+  int code, first_own, d, spoils;
+  double value;
 } faults;
 
-static int fails(faults *f)
+/* out: what the callback gives. */
+static int fails(faults *f, double *out)
 {
+  if (f->spoils && f->calls == f->at) *out = f->value;
   return f->calls++ == f->at ? f->code : 0;
 }
 
 static int drive(double t, double motion[3], void *user)
 {
   motion[0] = sqrt(2) + 0.05 * t * t, motion[1] = 0.1 * t, motion[2] = 0.1;
-  return fails(user);
+  return fails(user, &motion[0]);
 }
 
 static int load(double t, const double x[3], const double v[3], double F[3], double T[3],
@@ -31,14 +35,14 @@ static int load(double t, const double x[3], const double v[3], double F[3], dou
 {
   (void)t, (void)x, (void)T;
   for (int i = 0; i < 3; i++) F[i] = -0.1 * v[i];
-  return fails(user);
+  return fails(user, &F[0]);
 }
 
 static int own_mass(double t, const double *q, double *M, int ldm, void *user)
 {
   (void)t, (void)q, (void)ldm;
   M[0] = 1;
-  return fails(user);
+  return fails(user, &M[0]);
 }
 
 static int own_force(double t, const double *q, const double *v, double *F, void *user)
@@ -46,7 +50,7 @@ static int own_force(double t, const double *q, const double *v, double *F, void
   faults *f = user;
   (void)t, (void)q, (void)v;
   F[f->first_own] -= 1;
-  return fails(f);
+  return fails(f, &F[f->first_own]);
 }
 
 /* One's own coordinate is held, by a row of one's own. */
@@ -55,7 +59,7 @@ static int own_constraint(double t, const double *q, double *phi, void *user)
   const faults *f = user;
   (void)t;
   phi[0] = q[f->d == 2 ? 6 : 14];
-  return fails(user);
+  return fails(user, &phi[0]);
 }
 
 static int own_jacobian(double t, const double *q, double *J, int ldj, void *user)
@@ -63,22 +67,23 @@ static int own_jacobian(double t, const double *q, double *J, int ldj, void *use
   const faults *f = user;
   (void)t, (void)q;
   J[(size_t)f->first_own * (size_t)ldj] = 1;
-  return fails(user);
+  return fails(user, &J[(size_t)f->first_own * (size_t)ldj]);
 }
 
 static int own_rows(double t, const double *q, nsdae_row_list *rows, void *user)
 {
-  static const double one = 1;
+  double one = 1;
   (void)t, (void)q;
+  int code = fails(user, &one);
   nsdae_row_add(rows, 1, 2, &one); /* behind the drive's */
-  return fails(user);
+  return code;
 }
 
 static int own_bias(double t, const double *q, const double *v, double *phi_t, double *omega,
                     void *user)
 {
   (void)t, (void)q, (void)v, (void)phi_t, (void)omega;
-  return fails(user);
+  return fails(user, &omega[0]);
 }
 
 static int own_kinematics(double t, const double *q, const double *v, double *qdot, void *user)
@@ -86,14 +91,14 @@ static int own_kinematics(double t, const double *q, const double *v, double *qd
   const faults *f = user;
   (void)t, (void)q;
   qdot[0] = v[f->first_own];
-  return fails(user);
+  return fails(user, &qdot[0]);
 }
 
 static int own_potential(double t, const double *q, double *energy, void *user)
 {
   (void)t, (void)q;
   *energy += 0;
-  return fails(user);
+  return fails(user, energy);
 }
 
 /* Two balls, one driven along a guide's length from the ground and the other falling to the ground
@@ -240,9 +245,66 @@ static void test_failing_callbacks(void **state)
       for (long at = 0; fail_call(form, method, at, at % 2 ? 2 : -2); at += 1 + at / 8) continue;
 }
 
+static int all_finite(const double *x, int n)
+{
+  for (int i = 0; i < n; i++)
+    if (!isfinite(x[i])) return 0;
+  return 1;
+}
+
+/* What a record has, listed contacts included. */
+static int is_finite(const nsdae_record *r, const nsdae_dims *d)
+{
+  const double energies[] = {r->kinetic, r->potential, r->dissipated, r->constraint_drift,
+                             r->penetration};
+  return all_finite(r->q, d->nq) && all_finite(r->v, d->nv) && all_finite(r->multiplier, d->m) &&
+         all_finite(energies, 5) && all_finite(r->contacts.normal_impulse, r->contacts.count) &&
+         all_finite(r->gap, d->k) && all_finite(r->normal_impulse, d->k);
+}
+
+/* Call `at` leaves a value that is not to be: an error with a text and the state of before, or a
+ * finite record (where nothing came of the value). */
+static int spoil_call(int form, int method, long at, double value)
+{
+  int d = form & 1 ? 3 : 2, listed = form >> 1 & 1, own = form >> 2;
+  faults f = {.at = at, .spoils = 1, .value = value};
+  nsdae_record r;
+  nsdae_dims dims;
+  world w;
+  double q[MOST];
+  int status = make(&w, &f, d, listed, own, method);
+  if (w.sim) nsdae_sim_get_dims(w.sim, &dims);
+  for (int steps = 0; steps < 40 && status >= 0; steps++) {
+    nsdae_sim_get_record(w.sim, &r);
+    if (!is_finite(&r, &dims))
+      fail_msg("form %d, method %d, call %ld, %g: not finite", form, method, at, value);
+    memcpy(q, r.q, (size_t)dims.nq * sizeof *q);
+    status = nsdae_sim_step(w.sim);
+    if (status >= 0) continue;
+    nsdae_sim_get_record(w.sim, &r);
+    assert_int_equal(r.step, steps);
+    assert_memory_equal(r.q, q, (size_t)dims.nq * sizeof *q);
+  }
+  if (status < 0 && w.sim &&
+      (nsdae_sim_error(w.sim)->status != status || !nsdae_sim_error(w.sim)->text[0]))
+    fail_msg("form %d, method %d, call %ld, %g: no text", form, method, at, value);
+  drop(&w);
+  return f.calls > at;
+}
+
+static void test_spoiled_callbacks(void **state)
+{
+  const double value[] = {NAN, INFINITY, 1e308, -1e308, 1e-310};
+  (void)state;
+  for (int form = 0; form < 8; form++)
+    for (int method = NSDAE_METHOD_IMPLICIT; method <= NSDAE_METHOD_MOREAU; method++)
+      for (long at = 0; spoil_call(form, method, at, value[at % 5]); at += 1 + at / 8) continue;
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {cmocka_unit_test(test_lost_allocations),
-                                     cmocka_unit_test(test_failing_callbacks)};
+                                     cmocka_unit_test(test_failing_callbacks),
+                                     cmocka_unit_test(test_spoiled_callbacks)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -64,6 +64,16 @@ static int force(double t, const double *q, const double *v, double *F, void *us
   return 0;
 }
 
+static int potential(double t, const double *q, double *energy, void *user)
+{
+  const blocks *p = user;
+  double sum = 0;
+  (void)t;
+  for (int i = 0; i < p->count; i++) sum += p->m[i] * p->g * q[3 * i + 1];
+  *energy = sum;
+  return 0;
+}
+
 /* Block i above the normal n of block j (or the floor), with the point x in common. */
 static int touch(const blocks *p, nsdae_contact_list *list, const double *q, int i, int j, int part,
                  double gap, const double *n, const double *x)
@@ -163,6 +173,7 @@ static int by_hand(blocks *p, nsdae_system **system)
   nsdae_system_set_blocks(*system, p->count, sizes, sizes);
   nsdae_system_set_mass_blocks(*system, mass);
   nsdae_system_set_force(*system, force);
+  nsdae_system_set_potential(*system, potential);
   return nsdae_system_set_contacts(*system, contacts);
 }
 

@@ -351,10 +351,66 @@ static void test_refused(void **state)
   refused(load_and_pendulum(&own), NSDAE_E_STATE, "pair");
 }
 
+/* A ball on a ball, or on a column of them: what spins about the normals of its contacts goes on,
+ * with friction (a point has none against that) and without, and stands otherwise. */
+static void test_spin_stays(void **state)
+{
+  (void)state;
+  for (int count = 2; count <= 24; count += 11)
+    for (int form = 0; form < 6; form++) {
+      int rough = form % 3, slide = rough == 0;
+      double tilt = form < 3 ? 0 : 1e-14;
+      nsdae_bodies *b;
+      nsdae_system *system;
+      nsdae_sim *sim;
+      nsdae_record r;
+      nsdae_sim_options options;
+      double q0[7 * 24], v0[6 * 24];
+      nsdae_bodies_create(3, &b, NULL);
+      nsdae_bodies_set_gravity(b, (const double[]){0, 0, -9.81});
+      nsdae_bodies_add_solid(
+          b, NSDAE_GROUND,
+          &(nsdae_solid){.shape = NSDAE_SHAPE_PLANE, .quaternion = {1, tilt / 2, 0, 0}});
+      nsdae_bodies_set_pair(b, 0, 0, rough > 0 ? 0.5 : 0, 0, 0);
+      nsdae_bodies_set_pair(b, 0, 1, rough > 1 ? 0.5 : 0, 0, 0);
+      for (int i = 0; i < count; i++) {
+        nsdae_bodies_add(b, &(nsdae_rigid_body){.mass = 1,
+                                                .inertia = {0.004, 0.004, 0.004},
+                                                .position = {0, 0, 0.1 + 0.2 * i},
+                                                .velocity = {0, slide, 0},
+                                                .spin = {0, 0, i % 2 ? 10 : -3}});
+        nsdae_bodies_add_solid(
+            b, i,
+            &(nsdae_solid){.shape = NSDAE_SHAPE_SPHERE, .radius = 0.1, .material = i == count - 1});
+      }
+      assert_int_equal(nsdae_bodies_system(b, &system), NSDAE_OK);
+      nsdae_bodies_get_start(b, q0, v0);
+      nsdae_sim_options_default(&options);
+      options.method = NSDAE_METHOD_MOREAU;
+      options.dt = 1e-3;
+      assert_int_equal(nsdae_sim_create(system, &options, &sim, NULL), NSDAE_OK);
+      assert_int_equal(nsdae_sim_init(sim, 0, q0, v0), NSDAE_OK);
+      for (int n = 0; n < 20; n++) assert_true(nsdae_sim_step(sim) >= 0);
+      nsdae_sim_get_record(sim, &r);
+      assert_int_equal(r.contacts.count, count);
+      for (int i = 0; i < count; i++)
+        for (int j = 0; j < 6; j++)
+          assert_near(r.v[6 * i + j],
+                      j == 5   ? (i % 2 ? 10 : -3)
+                      : j == 1 ? slide
+                               : 0,
+                      j == 5 || tilt > 0 ? 1e-12 : 0);
+      nsdae_sim_destroy(&sim);
+      nsdae_system_destroy(&system);
+      nsdae_bodies_destroy(&b);
+    }
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_broad), cmocka_unit_test(test_same_as_numbered),
-      cmocka_unit_test(test_own_by_blocks), cmocka_unit_test(test_refused)};
+      cmocka_unit_test(test_own_by_blocks), cmocka_unit_test(test_spin_stays),
+      cmocka_unit_test(test_refused)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
