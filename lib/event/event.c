@@ -156,8 +156,8 @@ static int restart(event *e, double t)
   return status < 0 ? status : start(e, t);
 }
 
-/* Whether a force that slides has met its pole: see nsdae_root_kind. Where it jumps from one end of
- * the doubles to the other, that looks like a contact that lets go. */
+/* NSDAE_E_PAINLEVE where a force that slides has met its pole: see nsdae_root_kind. Where it jumps
+ * from one end of the doubles to the other, that looks like a contact that lets go. */
 static int jammed(event *e, double t)
 {
   int any = 0;
@@ -166,8 +166,9 @@ static int jammed(event *e, double t)
     any |= jam->state != NSDAE_ROOT_OFF &&
            (jam->found || nsdae_event_root_of(&e->roots, NSDAE_ROOT_NORMAL, i)->found);
   }
-  if (!any || nsdae_event_stop_slow(&e->roots, t, e->integrator.y) > 0) return 0;
-  return nsdae_event_diagnose(&e->instant.acceleration, t, e->integrator.y) < 0;
+  int slow = any ? nsdae_event_stop_slow(&e->roots, t, e->integrator.y) : 1;
+  if (slow != 0) return slow < 0 ? slow : NSDAE_OK;
+  return nsdae_event_diagnose(&e->instant.acceleration, t, e->integrator.y);
 }
 
 /* Where friction turns faster than a body gets away from zero, or is at its limit however it
@@ -182,8 +183,8 @@ static double blur_of(int count, int few, double each)
 /* The same in the middle of a run, where a change of mode is told. */
 static int go_through(event *e, double t)
 {
-  int solved = nsdae_event_forces(&e->phase, t, e->integrator.y);
-  if (jammed(e, t)) return NSDAE_E_PAINLEVE;
+  int solved = nsdae_event_forces(&e->phase, t, e->integrator.y), jam = jammed(e, t);
+  if (jam < 0) return jam;
   if (solved < 0) return integrator_failed(e, solved, t);
   nsdae_result *r = e->setting.result;
   const nsdae_dims *d = &e->setting.system->dims;
@@ -252,7 +253,8 @@ static int integrate(event *e)
   g->ahead = from;
   if (nsdae_event_integrator_read(g, from, g->y) < 0) return integrator_failed(e, status, from);
   if (!*e->phase.modes.is_stiff) {
-    g->pending = nsdae_event_stop_slow(&e->roots, from, g->y) > 0;
+    int refused = e->setting.error->status != NSDAE_OK; /* by a callback: no stop */
+    g->pending = !refused && nsdae_event_stop_slow(&e->roots, from, g->y) > 0;
     return g->pending ? NSDAE_OK : explain(e, status);
   }
   *e->phase.modes.is_stiff = 0; /* what backward differences do not solve, the other may */
