@@ -160,7 +160,8 @@ static nsdae_touch corner_on_box(const nsdae_feature *f, const nsdae_solid_of *s
   if (s1->points == 1 || !may_be_over(s0, s1, pose0, pose1, place))
     return nearest_on_box(s0, pose0, place, x1, s1->radius);
   nsdae_overlap o = nsdae_find_overlap(s0, s1, pose0, pose1);
-  if (o.most > o.slack || !is_over(s0, place, o.axis, o.beside))
+  int by_edges = o.face < o.most - o.slack; /* then no corner in the box is deeper than they are */
+  if (o.most > o.slack || by_edges || !is_over(s0, place, o.axis, o.beside))
     return nearest_on_box(s0, pose0, place, x1, s1->radius);
   if (o.side * place[o.axis] - s0->half[o.axis] < o.most - o.slack) return nsdae_touch_far(s0, s1);
   return on_face(s0, pose0, o.axis, o.side, x1, s1->radius);
