@@ -60,6 +60,7 @@ void nsdae_fc_layout(void *object, nsdae_arena *arena)
   c->items.q = NSDAE_ARENA_DOUBLES(arena, 3L * n);
   c->items.C = NSDAE_ARENA_DOUBLES(arena, 3L * n);
   c->items.D = NSDAE_ARENA_DOUBLES(arena, 9L * n);
+  c->items.S = NSDAE_ARENA_DOUBLES(arena, 6L * n);
   c->parts.first = NSDAE_ARENA_INTS(arena, n + 1L);
   c->parts.block = NSDAE_ARENA_INTS(arena, c->parts.entries);
   c->parts.at = nsdae_arena_take(arena, c->parts.entries + 1L, sizeof(size_t));
@@ -187,6 +188,7 @@ void nsdae_fc_fill(nsdae_fc *c, const double *r)
   for (int k = 0; k < c->n; k++) {
     int rows = nsdae_fc_rows(w->view.p, c->items.item[k]), row = w->view.row[c->items.item[k]];
     diagonal(c, k);
+    nsdae_fc_invert(c->items.D + 9 * (size_t)k, c->items.S + 6 * (size_t)k);
     nsdae_fc_turn_matrix(c->items.D + 9 * (size_t)k, c->items.turn + 2 * k);
     for (int j = 0; j < 3; j++)
       c->r[3 * k + j] = j < rows ? finite_part(r[row + j] / c->items.factor[k]) : 0;
@@ -202,7 +204,7 @@ void nsdae_fc_scatter(const nsdae_fc *c, const double *from, double *r)
 }
 
 /* y = J r */
-static void sum_impulses(const nsdae_fc *c, const double *r, double *y)
+static inline NSDAE_TWICE void sum_parts(const nsdae_fc *c, const double *r, double *y)
 {
   memset(y, 0, (size_t)c->ny * sizeof *y);
   memset(c->low, 0, (size_t)c->ny * sizeof *y);
@@ -214,6 +216,9 @@ static void sum_impulses(const nsdae_fc *c, const double *r, double *y)
     }
   for (int i = 0; i < c->ny; i++) y[i] += c->low[i];
 }
+
+NSDAE_TWICE_DISPATCH(sum_impulses, sum_parts, (const nsdae_fc *c, const double *r, double *y),
+                     (c, r, y))
 
 /* u = J^T y + q + C r of item k; in the local form the sum is that of impulses */
 static void relative_velocity(const nsdae_fc *c, int k, const double *r, const double *y, double *u)

@@ -85,3 +85,19 @@ void nsdae_fc_turn_matrix(double *D, double *by)
   D[2] = D[6] = by[0] * D[2] - by[1] * x;
   D[5] = D[7] = 0;
 }
+
+/* Adjugate over determinant; the leading minors say whether it is positive definite. */
+void nsdae_fc_invert(const double *D, double *S)
+{
+  const double e = NSDAE_FC_PROXIMAL, a = D[0] + e, b = D[4] + e, c = D[8] + e;
+  const double minor = a * b - D[1] * D[1];
+  S[0] = b * c - D[5] * D[5];
+  S[1] = D[2] * D[5] - D[1] * c;
+  S[2] = D[1] * D[5] - D[2] * b;
+  S[3] = a * c - D[2] * D[2];
+  S[4] = D[1] * D[2] - a * D[5];
+  S[5] = minor;
+  const double determinant = a * S[0] + D[1] * S[1] + D[2] * S[2];
+  for (int k = 0; k < 6; k++) S[k] /= determinant;
+  if (!(a > 0 && minor > 0 && determinant > 0)) S[0] = NAN;
+}
