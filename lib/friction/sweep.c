@@ -6,6 +6,9 @@
 #include "cone.h"
 #include "coulomb.h"
 
+/* Its square is a normal number. */
+static const double TINY = 1e-150;
+
 enum { BODY = 6 }; /* the size of most blocks: its loops are laid out flat */
 
 /* u += J^T y of one part, [n x 3] column-major. */
@@ -76,7 +79,8 @@ static inline int sticks(const nsdae_fc *c, int k, const double *u, double *r)
   r[0] = old[0] - (S[0] * u[0] + S[1] * u[1] + S[2] * u[2]);
   r[1] = old[1] - (S[1] * u[0] + S[3] * u[1] + S[4] * u[2]);
   r[2] = old[2] - (S[2] * u[0] + S[4] * u[1] + S[5] * u[2]);
-  return nsdae_fc_length(r[1], r[2]) <= c->items.mu[k] * r[0];
+  const double most = c->items.mu[k] * r[0]; /* so that no root is needed; whose square is not 0 */
+  return most > TINY && r[1] * r[1] + r[2] * r[2] <= most * most;
 }
 
 /* The new r of item k, of which u are the velocities. */

@@ -76,9 +76,10 @@ void nsdae_fc_solve_contact(const double *D, const double *q, double mu, double 
  * Matrix Computations, 8.5), and D turned by it. */
 void nsdae_fc_turn_matrix(double *D, double *by)
 {
-  double angle = D[5] == 0 ? 0 : 0.5 * atan2(2 * D[5], D[4] - D[8]), x = D[1], a = D[4], b = D[8];
-  by[0] = cos(angle);
-  by[1] = sin(angle);
+  double x = D[1], a = D[4], b = D[8], c = (a - b) / 2;
+  double tangent = D[5] == 0 ? 0 : D[5] / (c + copysign(nsdae_fc_length(c, D[5]), c));
+  by[0] = 1 / sqrt(1 + tangent * tangent);
+  by[1] = tangent * by[0];
   D[4] = by[0] * by[0] * a + 2 * by[0] * by[1] * D[5] + by[1] * by[1] * b;
   D[8] = a + b - D[4];
   D[1] = D[3] = by[0] * x + by[1] * D[2];
