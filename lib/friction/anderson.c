@@ -8,6 +8,10 @@
 
 enum { WINDOW = NSDAE_FC_WINDOW };
 
+/* |f|^2 of a sweep to that of the one before, above which the method begins anew: some growth
+ * passes. */
+static const double GROWN = 2;
+
 /* A column that those before it make up to so much of its square says nothing new. */
 static const double DEPENDENT = 1e-10;
 
@@ -87,7 +91,7 @@ void nsdae_fc_anderson_extrapolate(nsdae_fc_anderson *s, nsdae_fc *c)
   double *f = s->before, product[WINDOW] = {0};
   for (int i = 0; i < n; i++) f[i] = c->r[i] - s->before[i];
   double square = nsdae_dot(n, f, f);
-  if (s->begun && square <= s->square) {
+  if (s->begun && square <= GROWN * s->square) {
     remember(s, c, f);
   } else {
     s->held = s->next = 0;

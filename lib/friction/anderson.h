@@ -7,7 +7,7 @@
  * with the differences of g and of f between sweeps for columns. Where contacts stay as they are,
  * stuck or open, a sweep is affine, and this is GMRES with the sweep for preconditioner: what
  * carries over through many contacts, as a weight does through a heap, moves in some sweeps where
- * it crept in hundreds. Where |f| grows, contacts have changed, and the method begins anew. */
+ * it crept in hundreds. Where |f| grows much, contacts have changed, and the method begins anew. */
 #ifndef NSDAE_FRICTION_ANDERSON_H
 #define NSDAE_FRICTION_ANDERSON_H
 
