@@ -16,7 +16,7 @@ enum { BETWEEN = 20, FEW = 100, WARM = 2000, TRAPPED = 600, SOON = 20, MANY = 20
 /* Contacts up to which a factorisation costs less than the sweeps that it saves. */
 enum { SMALL = 24 };
 
-/* Newton steps of one attempt, along a curve with folds, and between conjugate sweeps; those
+/* Newton steps of one attempt, along a curve with folds, and between accelerated sweeps; those
  * sweeps, and how many of them see what they are good for; convex problems. */
 enum { STEPS = 300, FOLDED = 10000, A_FEW = 20, STALLED = 300, ROUNDS = 6, SHIFTS = 3 };
 
@@ -41,7 +41,7 @@ void nsdae_fc_chain_layout(void *object, nsdae_arena *arena)
   c->best = NSDAE_ARENA_DOUBLES(arena, 3L * c->fc.n);
   c->trap = NSDAE_ARENA_DOUBLES(arena, 3L * c->fc.n);
   c->slip = NSDAE_ARENA_DOUBLES(arena, c->fc.n);
-  nsdae_fc_conjugate_layout(&c->conjugate, &c->fc, arena);
+  nsdae_fc_anderson_layout(&c->anderson, &c->fc, arena);
   c->newton.fc = &c->fc;
   nsdae_fc_newton_layout(&c->newton, arena);
   nsdae_fc_curve_layout(&c->curve, &c->fc, arena);
@@ -102,28 +102,25 @@ static int sweeps(nsdae_fc_chain *c, int most, int patience, int stage)
   return 0;
 }
 
-/* Sweeps between looks where little changes. */
-enum { CLOSE = 4 };
-
-/* Sweeps by conjugate directions from fc->r on, looked at where they change little, and after every
- * BETWEEN; they end where so many have not halved the residual. */
-static int conjugate(nsdae_fc_chain *c, int most, int patience, int stage)
+/* Sweeps by Anderson's method from fc->r on, judged where they seem to have got there, and now and
+ * then; they end where so many have not halved what a sweep changes. */
+static int accelerated(nsdae_fc_chain *c, int most, int patience, int stage)
 {
-  double mark = c->info.residual;
-  int since = 0, looked = 0;
+  double mark = INFINITY;
+  int since = 0, judged = 0, seen = 0;
   if (c->options->max_sweeps > 0 && c->options->max_sweeps < most) most = c->options->max_sweeps;
-  nsdae_fc_conjugate_begin(&c->conjugate);
+  nsdae_fc_anderson_begin(&c->anderson);
   for (int done = 1; done <= most && since < patience; done++, since++) {
-    double change = nsdae_fc_conjugate_sweep(&c->conjugate, &c->fc, c->slip);
+    double change = nsdae_fc_anderson_sweep(&c->anderson, &c->fc, c->slip);
     c->info.sweeps++;
-    if ((change <= c->tol && done - looked >= CLOSE) || done - looked >= BETWEEN) {
+    if (nsdae_fc_sweep_arrived(&c->fc, c->tol, &seen) || done - judged >= FEW) {
       if (judge(c, stage)) return 1;
-      looked = done;
+      judged = done;
     }
-    if (c->info.residual <= 0.5 * mark) mark = c->info.residual, since = 0;
-    nsdae_fc_conjugate_extrapolate(&c->conjugate, &c->fc);
+    if (change <= 0.5 * mark) mark = change, since = 0;
+    if (done < most && since < patience - 1) nsdae_fc_anderson_extrapolate(&c->anderson, &c->fc);
   }
-  return 0;
+  return judge(c, stage);
 }
 
 /* Whether there are factorisations for this island. */
@@ -164,7 +161,7 @@ static int alternate(nsdae_fc_chain *c, int stage)
     double before = c->info.residual;
     memcpy(c->fc.r, c->best, bytes(c));
     nsdae_fc_velocities(&c->fc, c->fc.r, c->fc.y, c->fc.u);
-    if (conjugate(c, MANY, STALLED, stage)) return 1;
+    if (accelerated(c, MANY, STALLED, stage)) return 1;
     if (c->info.residual > HYPERSTATIC) return 0;
     if (proximal(c, 1e-4, A_FEW, stage)) return 1;
     if (k > 0 && !(c->info.residual < before)) return 0;
@@ -193,7 +190,7 @@ static int from_guess(nsdae_fc_chain *c)
     memcpy(c->fc.r, c->best, bytes(c));
     nsdae_fc_velocities(&c->fc, c->fc.r, c->fc.y, c->fc.u);
   }
-  if (conjugate(c, WARM, c->tol < ROUGH ? SOON : TRAPPED, NSDAE_FRICTION_WARM)) return 1;
+  if (accelerated(c, WARM, c->tol < ROUGH ? SOON : TRAPPED, NSDAE_FRICTION_WARM)) return 1;
   return proximal(c, 1e-5, 0, NSDAE_FRICTION_WARM);
 }
 

@@ -2,7 +2,7 @@
 #ifndef NSDAE_FRICTION_CHAIN_H
 #define NSDAE_FRICTION_CHAIN_H
 
-#include "conjugate.h"
+#include "anderson.h"
 #include "continuation.h"
 #include "infeasible.h"
 #include "polyhedral.h"
@@ -16,7 +16,7 @@ typedef struct nsdae_fc_chain {
   double *trap; /* 3 n: where a warm start got stuck, and its residual: no other stage sees it */
   double trapped;
   double *slip; /* n: see coulomb.h */
-  nsdae_fc_conjugate conjugate;
+  nsdae_fc_anderson anderson;
   nsdae_fc_newton newton;
   nsdae_fc_curve curve;
   nsdae_fc_polyhedral polyhedral;

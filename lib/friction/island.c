@@ -60,6 +60,7 @@ void nsdae_fc_layout(void *object, nsdae_arena *arena)
   c->items.q = NSDAE_ARENA_DOUBLES(arena, 3L * n);
   c->items.C = NSDAE_ARENA_DOUBLES(arena, 3L * n);
   c->items.D = NSDAE_ARENA_DOUBLES(arena, 9L * n);
+  c->items.S = NSDAE_ARENA_DOUBLES(arena, 6L * n);
   c->parts.first = NSDAE_ARENA_INTS(arena, n + 1L);
   c->parts.block = NSDAE_ARENA_INTS(arena, c->parts.entries);
   c->parts.at = nsdae_arena_take(arena, c->parts.entries + 1L, sizeof(size_t));
@@ -72,10 +73,12 @@ void nsdae_fc_layout(void *object, nsdae_arena *arena)
   c->y = c->local ? c->r : NSDAE_ARENA_DOUBLES(arena, c->ny);
 }
 
-/* The nearest power of two. */
+/* The power of two nearest by ratio, x > 0. */
 static double power_of_two(double x)
 {
-  return exp2(round(log2(x)));
+  int exponent;
+  double part = frexp(x, &exponent); /* in [1/2, 1) */
+  return ldexp(1, part * part < 0.5 ? exponent - 1 : exponent);
 }
 
 /* e of item number k of the whole */
@@ -121,14 +124,14 @@ static void fill_sizes(nsdae_fc *c)
 }
 
 /* J' = J / (e sqrt(D)) of part e of the whole; local: W' = W / (e_i e_j D). */
-static void fill_part(const nsdae_fc *c, int k, int e, double *J)
+static void fill_part(const nsdae_fc *c, int k, int e, double size, double *J)
 {
   const nsdae_fc_whole *w = c->whole;
   const nsdae_friction_problem *p = w->view.p;
   int i = c->items.item[k], b = p->block[e], rows = nsdae_fc_rows(p, i);
   int n = c->local ? 3 : p->size[b], have = c->local ? nsdae_fc_rows(p, b) : n;
   const double *from = (c->local ? p->value : w->J) + w->view.at[e];
-  double scale = 1 / size_of(c, i);
+  double scale = 1 / size;
   scale /= c->local ? size_of(c, b) * c->D_whole : sqrt(c->D_whole);
   for (int j = 0; j < 3; j++)
     for (int l = 0; l < n; l++)
@@ -143,12 +146,13 @@ static void fill_parts(nsdae_fc *c)
   c->parts.first[0] = 0;
   for (int k = 0; k < c->n; k++) {
     int i = c->items.item[k];
+    double size = size_of(c, i);
     for (int e = p->first[i]; e < p->first[i + 1]; e++) {
       int b = c->whole->number[p->block[e]];
       if (!belongs(c, i, e)) continue;
       c->parts.block[f] = b;
       c->parts.at[f + 1] = c->parts.at[f] + 3 * (size_t)c->parts.size[b];
-      fill_part(c, k, e, c->parts.J + c->parts.at[f]);
+      fill_part(c, k, e, size, c->parts.J + c->parts.at[f]);
       f++;
     }
     c->parts.first[k + 1] = f;
@@ -187,6 +191,7 @@ void nsdae_fc_fill(nsdae_fc *c, const double *r)
   for (int k = 0; k < c->n; k++) {
     int rows = nsdae_fc_rows(w->view.p, c->items.item[k]), row = w->view.row[c->items.item[k]];
     diagonal(c, k);
+    nsdae_fc_invert(c->items.D + 9 * (size_t)k, c->items.S + 6 * (size_t)k);
     nsdae_fc_turn_matrix(c->items.D + 9 * (size_t)k, c->items.turn + 2 * k);
     for (int j = 0; j < 3; j++)
       c->r[3 * k + j] = j < rows ? finite_part(r[row + j] / c->items.factor[k]) : 0;
@@ -202,7 +207,7 @@ void nsdae_fc_scatter(const nsdae_fc *c, const double *from, double *r)
 }
 
 /* y = J r */
-static void sum_impulses(const nsdae_fc *c, const double *r, double *y)
+static inline NSDAE_TWICE void sum_parts(const nsdae_fc *c, const double *r, double *y)
 {
   memset(y, 0, (size_t)c->ny * sizeof *y);
   memset(c->low, 0, (size_t)c->ny * sizeof *y);
@@ -214,6 +219,9 @@ static void sum_impulses(const nsdae_fc *c, const double *r, double *y)
     }
   for (int i = 0; i < c->ny; i++) y[i] += c->low[i];
 }
+
+NSDAE_TWICE_DISPATCH(sum_impulses, sum_parts, (const nsdae_fc *c, const double *r, double *y),
+                     (c, r, y))
 
 /* u = J^T y + q + C r of item k; in the local form the sum is that of impulses */
 static void relative_velocity(const nsdae_fc *c, int k, const double *r, const double *y, double *u)

@@ -26,6 +26,8 @@ typedef struct nsdae_fc_items {
   double *D;      /* 9 n: diagonal blocks of W + C, symmetric, in a frame turned about the normal
                      where D[5] = D[7] = 0 */
   double *turn;   /* 2 n: cosine and sine of that */
+  double *S;      /* 6 n: inverse of D in its own frame, its lower triangle by columns; NaN where
+                     there is none */
 } nsdae_fc_items;
 
 /* J by parts: item k has parts first[k] .. first[k + 1] - 1, part e the columns of block[e]. */

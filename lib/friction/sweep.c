@@ -6,9 +6,10 @@
 #include "cone.h"
 #include "coulomb.h"
 
-/* A proximal term that leaves fixed points where they are makes singular diagonal blocks regular.
- */
-static const double PROXIMAL = 1e-9;
+/* Its square is a normal number. */
+static const double TINY = 1e-150;
+
+enum { BODY = 6 }; /* the size of most blocks: its loops are laid out flat */
 
 /* u += J^T y of one part, [n x 3] column-major. */
 static inline void gather_part(int n, const double *J, const double *y, double *u)
@@ -22,14 +23,22 @@ static inline void gather_part(int n, const double *J, const double *y, double *
   u[0] += a, u[1] += b, u[2] += d;
 }
 
+/* The same of a body: sums of every other term, so that two can be made at a time. */
+static inline void gather_body(const double *J, const double *y, double *u)
+{
+  for (int j = 0; j < 3; j++, J += BODY) {
+    double even = J[0] * y[0] + J[2] * y[2] + J[4] * y[4];
+    double odd = J[1] * y[1] + J[3] * y[3] + J[5] * y[5];
+    u[j] += even + odd;
+  }
+}
+
 /* y += J dr of one part */
 static inline void apply_part(int n, const double *restrict J, const double *restrict dr,
                               double *restrict y)
 {
   for (int l = 0; l < n; l++) y[l] += J[l] * dr[0] + J[n + l] * dr[1] + J[2 * n + l] * dr[2];
 }
-
-enum { BODY = 6 }; /* the size of most blocks: its loops are laid out flat */
 
 /* u = J^T y + q + C r of item k */
 static inline void gather(const nsdae_fc *c, int k, double *u)
@@ -40,7 +49,7 @@ static inline void gather(const nsdae_fc *c, int k, double *u)
     const double *J = nsdae_fc_part(c, e), *y = c->y + c->parts.offset[c->parts.block[e]];
     int n = c->parts.size[c->parts.block[e]];
     if (n == BODY)
-      gather_part(BODY, J, y, u);
+      gather_body(J, y, u);
     else
       gather_part(n, J, y, u);
   }
@@ -62,13 +71,29 @@ static inline void apply(nsdae_fc *c, int k, const double *dr)
   }
 }
 
+/* Whether item k, of which u are the velocities, sticks: with u_T = 0 and u_N = 0, r - (D + e)^-1 u
+ * is inside its cone. The usual case, and cheap. */
+static inline int sticks(const nsdae_fc *c, int k, const double *u, double *r)
+{
+  const double *S = c->items.S + 6 * (size_t)k, *old = c->r + 3 * k;
+  r[0] = old[0] - (S[0] * u[0] + S[1] * u[1] + S[2] * u[2]);
+  r[1] = old[1] - (S[1] * u[0] + S[3] * u[1] + S[4] * u[2]);
+  r[2] = old[2] - (S[2] * u[0] + S[4] * u[1] + S[5] * u[2]);
+  const double most = c->items.mu[k] * r[0]; /* so that no root is needed; whose square is not 0 */
+  return most > TINY && r[1] * r[1] + r[2] * r[2] <= most * most;
+}
+
 /* The new r of item k, of which u are the velocities. */
 static void solve_item(const nsdae_fc *c, int k, const double *u, double *slip, double *r)
 {
   double D[9], q[3] = {u[0], u[1], u[2]}, old[3];
+  if (c->items.kind[k] == NSDAE_FC_CONE && sticks(c, k, u, r)) {
+    slip[k] = 0;
+    return;
+  }
   memcpy(D, c->items.D + 9 * (size_t)k, sizeof D);
   memcpy(old, c->r + 3 * k, sizeof old);
-  for (int j = 0; j < 3; j++) D[4 * j] += PROXIMAL;
+  for (int j = 0; j < 3; j++) D[4 * j] += NSDAE_FC_PROXIMAL;
   r[1] = r[2] = 0;
   if (c->items.kind[k] != NSDAE_FC_CONE) {
     r[0] = old[0] - u[0] / D[0];
@@ -100,4 +125,23 @@ double nsdae_fc_sweep(nsdae_fc *c, int sweeps, double *slip)
     }
   }
   return change;
+}
+
+static double item_residual(const nsdae_fc *c, int k)
+{
+  const double *r = c->r + 3 * k, rho = c->items.rho[k];
+  double u[3], x[3] = {rho * r[0], rho * r[1], rho * r[2]};
+  gather(c, k, u);
+  return c->items.weight[k] * nsdae_fc_natural(c->items.kind[k], c->items.mu[k], x, u);
+}
+
+int nsdae_fc_sweep_arrived(const nsdae_fc *c, double tol, int *seen)
+{
+  for (int i = 0; i < c->n; i++) {
+    int k = *seen + i < c->n ? *seen + i : *seen + i - c->n;
+    if (item_residual(c, k) <= tol) continue;
+    *seen = k;
+    return 0;
+  }
+  return 1;
 }

@@ -8,4 +8,8 @@
  * zero at first. Returns the largest weighted change of r in the last sweep. */
 double nsdae_fc_sweep(nsdae_fc *fc, int sweeps, double *slip);
 
+/* Whether no item's residual is above tol, fc->y being current, to plain rounding. Looks at item
+ * *seen first, and leaves there the one that was above: most looks end with it. */
+int nsdae_fc_sweep_arrived(const nsdae_fc *fc, double tol, int *seen);
+
 #endif

@@ -287,7 +287,7 @@ int nsdae_fc_whole_fill(nsdae_fc_whole *c, nsdae_error *error)
 }
 
 /* v = M^-1 (f + H r) */
-static void velocity(const nsdae_fc_whole *c, const double *r)
+static inline NSDAE_TWICE void velocity(const nsdae_fc_whole *c, const double *r)
 {
   const nsdae_friction_problem *p = c->view.p;
   memcpy(c->v, p->f, (size_t)c->view.nv * sizeof *c->v);
@@ -308,7 +308,7 @@ static void velocity(const nsdae_fc_whole *c, const double *r)
 }
 
 /* Row k of item i: of the global form H^T v + w + C r, of the local one W r + q + C r. */
-static double row_velocity(const nsdae_fc_whole *c, int i, int k, const double *r)
+static inline NSDAE_TWICE double row_velocity(const nsdae_fc_whole *c, int i, int k, const double *r)
 {
   const nsdae_friction_problem *p = c->view.p;
   int row = c->view.row[i] + k, global = p->form == NSDAE_FRICTION_GLOBAL;
@@ -323,13 +323,16 @@ static double row_velocity(const nsdae_fc_whole *c, int i, int k, const double *
   return high + low;
 }
 
-static void relative_velocity(const nsdae_fc_whole *c, const double *r, double *u)
+static inline NSDAE_TWICE void all_velocities(const nsdae_fc_whole *c, const double *r, double *u)
 {
   if (c->view.p->form == NSDAE_FRICTION_GLOBAL && c->view.p->blocks > 0) velocity(c, r);
   for (int i = 0; i < c->view.items; i++)
     for (int k = 0; k < nsdae_fc_rows(c->view.p, i); k++)
       u[c->view.row[i] + k] = row_velocity(c, i, k, r);
 }
+
+NSDAE_TWICE_DISPATCH(relative_velocity, all_velocities,
+                     (const nsdae_fc_whole *c, const double *r, double *u), (c, r, u))
 
 /* That of one item; frictionless ones have a residual of their one row. */
 static double item_residual(const nsdae_fc_whole *c, int i, const double *r, const double *u)

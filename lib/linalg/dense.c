@@ -139,6 +139,10 @@ void nsdae_la_multiply_transposed(int n, int p, int r, const double *A, int lda,
                                   int ldb, double beta, double *C, int ldc)
 {
   if (p == 0 || r == 0) return;
+  if (n >= NSDAE_SMALL && r == 1) {
+    cblas_dgemv(CblasColMajor, CblasTrans, n, p, 1.0, A, lda, B, 1, beta, C, 1);
+    return;
+  }
   if (n >= NSDAE_SMALL) {
     cblas_dgemm(CblasColMajor, CblasTrans, CblasNoTrans, p, r, n, 1.0, A, lda, B, ldb, beta, C,
                 ldc);

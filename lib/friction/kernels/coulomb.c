@@ -76,12 +76,29 @@ void nsdae_fc_solve_contact(const double *D, const double *q, double mu, double 
  * Matrix Computations, 8.5), and D turned by it. */
 void nsdae_fc_turn_matrix(double *D, double *by)
 {
-  double angle = D[5] == 0 ? 0 : 0.5 * atan2(2 * D[5], D[4] - D[8]), x = D[1], a = D[4], b = D[8];
-  by[0] = cos(angle);
-  by[1] = sin(angle);
+  double x = D[1], a = D[4], b = D[8], c = (a - b) / 2;
+  double tangent = D[5] == 0 ? 0 : D[5] / (c + copysign(nsdae_fc_length(c, D[5]), c));
+  by[0] = 1 / sqrt(1 + tangent * tangent);
+  by[1] = tangent * by[0];
   D[4] = by[0] * by[0] * a + 2 * by[0] * by[1] * D[5] + by[1] * by[1] * b;
   D[8] = a + b - D[4];
   D[1] = D[3] = by[0] * x + by[1] * D[2];
   D[2] = D[6] = by[0] * D[2] - by[1] * x;
   D[5] = D[7] = 0;
+}
+
+/* Adjugate over determinant; the leading minors say whether it is positive definite. */
+void nsdae_fc_invert(const double *D, double *S)
+{
+  const double e = NSDAE_FC_PROXIMAL, a = D[0] + e, b = D[4] + e, c = D[8] + e;
+  const double minor = a * b - D[1] * D[1];
+  S[0] = b * c - D[5] * D[5];
+  S[1] = D[2] * D[5] - D[1] * c;
+  S[2] = D[1] * D[5] - D[2] * b;
+  S[3] = a * c - D[2] * D[2];
+  S[4] = D[1] * D[2] - a * D[5];
+  S[5] = minor;
+  const double determinant = a * S[0] + D[1] * S[1] + D[2] * S[2];
+  for (int k = 0; k < 6; k++) S[k] /= determinant;
+  if (!(a > 0 && minor > 0 && determinant > 0)) S[0] = NAN;
 }

@@ -1,0 +1,110 @@
+#include "anderson.h"
+
+#include <string.h>
+
+#include "dense.h"
+#include "sweep.h"
+#include "vector.h"
+
+enum { WINDOW = NSDAE_FC_WINDOW };
+
+/* |f|^2 of a sweep to that of the one before, above which the method begins anew: some growth
+ * passes. */
+static const double GROWN = 2;
+
+/* A column that those before it make up to so much of its square says nothing new. */
+static const double DEPENDENT = 1e-10;
+
+void nsdae_fc_anderson_layout(nsdae_fc_anderson *s, const nsdae_fc *c, nsdae_arena *arena)
+{
+  long n = 3L * c->n, ny = c->local ? 0 : c->ny;
+  s->before = NSDAE_ARENA_DOUBLES(arena, n);
+  s->f = NSDAE_ARENA_DOUBLES(arena, n);
+  s->g = NSDAE_ARENA_DOUBLES(arena, n);
+  s->y = NSDAE_ARENA_DOUBLES(arena, ny);
+  s->F = NSDAE_ARENA_DOUBLES(arena, WINDOW * n);
+  s->G = NSDAE_ARENA_DOUBLES(arena, WINDOW * n);
+  s->Y = NSDAE_ARENA_DOUBLES(arena, WINDOW * ny);
+}
+
+void nsdae_fc_anderson_begin(nsdae_fc_anderson *s)
+{
+  s->held = s->next = s->begun = 0;
+}
+
+double nsdae_fc_anderson_sweep(nsdae_fc_anderson *s, nsdae_fc *c, double *slip)
+{
+  memcpy(s->before, c->r, 3 * (size_t)c->n * sizeof *c->r);
+  return nsdae_fc_sweep(c, 1, slip);
+}
+
+/* column := now - before,  before := now */
+static void take_difference(int n, const double *now, double *before, double *column)
+{
+  for (int i = 0; i < n; i++) {
+    column[i] = now[i] - before[i];
+    before[i] = now[i];
+  }
+}
+
+/* The differences between this sweep, which changed r by f, and the one before. */
+static void remember(nsdae_fc_anderson *s, const nsdae_fc *c, const double *f)
+{
+  int n = 3 * c->n, ny = c->local ? 0 : c->ny, j = s->next;
+  double product[WINDOW];
+  double *F = s->F + (size_t)j * (size_t)n;
+  take_difference(n, f, s->f, F);
+  take_difference(n, c->r, s->g, s->G + (size_t)j * (size_t)n);
+  take_difference(ny, c->y, s->y, s->Y + (size_t)j * (size_t)ny);
+  if (s->held < WINDOW) s->held++;
+  s->next = (j + 1) % WINDOW;
+  nsdae_la_multiply_transposed(n, s->held, 1, s->F, n, F, n, 0, product, WINDOW);
+  for (int k = 0; k < s->held; k++)
+    s->gram[j * WINDOW + k] = s->gram[k * WINDOW + j] = product[k];
+}
+
+/* x := A^-1 x of A positive semidefinite, of which it keeps no more than it must: what depends on
+ * the columns before has no part (LDL^T without exchanges). */
+static void solve_gram(int m, const double *gram, double *x)
+{
+  double A[WINDOW * WINDOW];
+  memcpy(A, gram, sizeof A);
+  for (int k = 0; k < m; k++) {
+    double pivot = A[k * WINDOW + k];
+    int use = pivot > DEPENDENT * gram[k * WINDOW + k];
+    for (int i = k + 1; i < m; i++) {
+      double by = use ? A[i * WINDOW + k] / pivot : 0;
+      for (int j = k + 1; j < m; j++) A[i * WINDOW + j] -= by * A[k * WINDOW + j];
+      x[i] -= by * x[k];
+    }
+    A[k * WINDOW + k] = use ? pivot : 0;
+  }
+  for (int k = m - 1; k >= 0; k--) {
+    for (int j = k + 1; j < m; j++) x[k] -= A[k * WINDOW + j] * x[j];
+    x[k] = A[k * WINDOW + k] > 0 ? x[k] / A[k * WINDOW + k] : 0;
+  }
+}
+
+void nsdae_fc_anderson_extrapolate(nsdae_fc_anderson *s, nsdae_fc *c)
+{
+  int n = 3 * c->n, ny = c->local ? 0 : c->ny;
+  double *f = s->before, product[WINDOW] = {0};
+  for (int i = 0; i < n; i++) f[i] = c->r[i] - s->before[i];
+  double square = nsdae_dot(n, f, f);
+  if (s->begun && square <= GROWN * s->square) {
+    remember(s, c, f);
+  } else {
+    s->held = s->next = 0;
+    memcpy(s->f, f, (size_t)n * sizeof *f);
+    memcpy(s->g, c->r, (size_t)n * sizeof *f);
+    memcpy(s->y, c->y, (size_t)ny * sizeof *f);
+  }
+  s->begun = 1;
+  s->square = square;
+  if (s->held == 0) return;
+  nsdae_la_multiply_transposed(n, s->held, 1, s->F, n, f, n, 0, product, WINDOW);
+  solve_gram(s->held, s->gram, product);
+  for (int k = 0; k < s->held; k++) product[k] = -product[k];
+  nsdae_la_add_product(n, s->held, s->G, n, product, c->r);
+  if (ny > 0) nsdae_la_add_product(ny, s->held, s->Y, ny, product, c->y);
+}
