@@ -1,12 +1,8 @@
-#define _POSIX_C_SOURCE 200809L
 #include "pile.h"
 
 #include <float.h>
 #include <math.h>
 #include <string.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <time.h>
 
 #include "errors.h"
 #include "grow.h"
@@ -415,10 +411,7 @@ int nsdae_pile_solve(const nsdae_pile *pile, const nsdae_whole *w, int number,
   options.tol = work->tol;
   work->bilateral = c.problem.bilateral;
   nsdae_pile_part *p = &pile->part[number];
-  struct timespec t0, t1; clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t0);
   int status = solve_with(&c, p, work, &options);
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t1);
-  if (getenv("DBG") && c.problem.contacts > 100) fprintf(stderr, "n %d stage %d sweeps %ld it %ld res %.1e ms %.3f\n", c.problem.contacts, work->info.stage, (long)work->info.sweeps, (long)work->info.iterations, work->info.residual, 1e3*(double)(t1.tv_sec-t0.tv_sec)+1e-6*(double)(t1.tv_nsec-t0.tv_nsec));
   if (status == NSDAE_E_LCP) status = polish(&c, p, work, &options);
   if (status < 0) return unsolved(&c, w, status, work);
   status = velocities(&c, w);
