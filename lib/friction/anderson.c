@@ -59,8 +59,7 @@ static void remember(nsdae_fc_anderson *s, const nsdae_fc *c, const double *f)
   if (s->held < WINDOW) s->held++;
   s->next = (j + 1) % WINDOW;
   nsdae_la_multiply_transposed(n, s->held, 1, s->F, n, F, n, 0, product, WINDOW);
-  for (int k = 0; k < s->held; k++)
-    s->gram[j * WINDOW + k] = s->gram[k * WINDOW + j] = product[k];
+  for (int k = 0; k < s->held; k++) s->gram[j * WINDOW + k] = s->gram[k * WINDOW + j] = product[k];
 }
 
 /* x := A^-1 x of A positive semidefinite, of which it keeps no more than it must: what depends on

@@ -7,24 +7,33 @@
 #include <math.h>
 
 /* fma() is a call where the processor that is compiled for need not have it, and one instruction
- * where the one that runs does: NSDAE_TWICE_DISPATCH(f, body, parameters, arguments) defines f, which
- * runs body, a function marked NSDAE_TWICE, compiled for either. Both round alike. */
+ * where the one that runs does: NSDAE_TWICE_DISPATCH(f, body, parameters, arguments) defines f,
+ * which runs body, a function marked NSDAE_TWICE, compiled for either. Both round alike. */
 #if defined(__GNUC__) && defined(__x86_64__) && !defined(__FMA__)
 #define NSDAE_TWICE __attribute__((always_inline))
-#define NSDAE_TWICE_DISPATCH(f, body, parameters, arguments)                                       \
-  __attribute__((target("fma"))) static void f##_fma parameters { body arguments; }                \
-  static void f##_any parameters { body arguments; }                                               \
-  static void f parameters                                                                         \
-  {                                                                                                \
-    if (__builtin_cpu_supports("fma"))                                                             \
-      f##_fma arguments;                                                                           \
-    else                                                                                           \
-      f##_any arguments;                                                                           \
+#define NSDAE_TWICE_DISPATCH(f, body, parameters, arguments)    \
+  __attribute__((target("fma"))) static void f##_fma parameters \
+  {                                                             \
+    body arguments;                                             \
+  }                                                             \
+  static void f##_any parameters                                \
+  {                                                             \
+    body arguments;                                             \
+  }                                                             \
+  static void f parameters                                      \
+  {                                                             \
+    if (__builtin_cpu_supports("fma"))                          \
+      f##_fma arguments;                                        \
+    else                                                        \
+      f##_any arguments;                                        \
   }
 #else
 #define NSDAE_TWICE
-#define NSDAE_TWICE_DISPATCH(f, body, parameters, arguments)                                       \
-  static void f parameters { body arguments; }
+#define NSDAE_TWICE_DISPATCH(f, body, parameters, arguments) \
+  static void f parameters                                   \
+  {                                                          \
+    body arguments;                                          \
+  }
 #endif
 
 /* high + low += a b */
@@ -36,8 +45,8 @@ static inline NSDAE_TWICE void nsdae_twice_add(double a, double b, double *high,
 }
 
 /* y [rows] += A [rows x columns] x, with low [rows] what high does not hold */
-static inline NSDAE_TWICE void nsdae_twice_add_product(int rows, int columns, const double *A, const double *x,
-                                           double *high, double *low)
+static inline NSDAE_TWICE void nsdae_twice_add_product(int rows, int columns, const double *A,
+                                                       const double *x, double *high, double *low)
 {
   for (int j = 0; j < columns; j++)
     for (int i = 0; i < rows && x[j] != 0; i++)
