@@ -308,7 +308,8 @@ static inline NSDAE_TWICE void velocity(const nsdae_fc_whole *c, const double *r
 }
 
 /* Row k of item i: of the global form H^T v + w + C r, of the local one W r + q + C r. */
-static inline NSDAE_TWICE double row_velocity(const nsdae_fc_whole *c, int i, int k, const double *r)
+static inline NSDAE_TWICE double row_velocity(const nsdae_fc_whole *c, int i, int k,
+                                              const double *r)
 {
   const nsdae_friction_problem *p = c->view.p;
   int row = c->view.row[i] + k, global = p->form == NSDAE_FRICTION_GLOBAL;
