@@ -32,6 +32,13 @@ static void print_header(const report *r)
   printf("\n");
 }
 
+/* What of the run is behind it where it goes on. */
+static double part_of(const settings *s, const nsdae_sim *sim)
+{
+  nsdae_record now;
+  return nsdae_sim_get_record(sim, &now) == NSDAE_OK ? now.time / s->t_end : 0;
+}
+
 void report_begin(report *r, const settings *s, const nsdae_sim *sim)
 {
   nsdae_dims dims;
@@ -42,6 +49,7 @@ void report_begin(report *r, const settings *s, const nsdae_sim *sim)
                 .tangents = dims.nt,
                 .exact = s->model->exact && s->model->exact(s->model->base, 0, &first)};
   bar_begin(&r->bar, s->quiet);
+  r->bar.begin = part_of(s, sim);
   if (s->quiet) return;
   print_parameters(s);
   if (dims.k > 0) print_header(r);

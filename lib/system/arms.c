@@ -20,18 +20,27 @@ static nsdae_contact_directions one(const nsdae_arms *arms, int i)
 int nsdae_arms_bend(nsdae_arms *arms, int i, double *bend)
 {
   const nsdae_system *s = arms->all.system;
-  double *second = arms->bend, *sum = arms->bend + s->dims.k;
   static const double weight[] = {0.5, 0.5, -1}, times[] = {1, -1, 0};
-  memset(sum, 0, (size_t)s->dims.k * sizeof *sum);
+  double *second = arms->bend, *v = arms->bend + s->dims.k;
+  *bend = 0;
   for (int part = 0; part < 3; part++) {
-    for (int j = 0; j < arms->all.nv; j++) arms->v[j] *= times[part];
+    for (int j = 0; j < arms->all.nv; j++) v[j] = times[part] * arms->v[j];
     int code = nsdae_differences_second(arms->differences, s->call.gap, s->dims.k, arms->t, arms->q,
-                                        arms->v, second);
+                                        v, second);
     if (code) return code;
-    sum[i] += weight[part] * second[i];
+    *bend += weight[part] * second[i];
   }
-  *bend = sum[i];
   return 0;
+}
+
+int nsdae_arms_bends(nsdae_arms *arms, int i, double bend, double tol, int *bends)
+{
+  double finer = NAN;
+  arms->differences->finer = 1;
+  int code = nsdae_arms_bend(arms, i, &finer);
+  arms->differences->finer = 0;
+  *bends = fabs(finer - bend) <= tol;
+  return code;
 }
 
 /* v = e_j - a n - b t, of the translations of velocity `of`. */
@@ -159,10 +168,16 @@ static int find_sense(const arm *x, double *s)
   return fabs(x->a) > 0.05 * (fabs(x->b) + fabs(x->bend)) && isfinite(*s);
 }
 
+/* What differences may be off. */
+static double small_of(const arm *x, double tol)
+{
+  return 100 * tol * (1 + fabs(x->bend));
+}
+
 static void judge(const nsdae_system *s, const arm *x, double tol, sense *seen, char *text,
                   size_t size)
 {
-  double small = 100 * tol * (1 + fabs(x->bend)), sign = 0, found;
+  double small = small_of(x, tol), sign = 0, found;
   if (!isfinite(x->bend) || moves_along(x, small)) return;
   if (x->bend > fabs(x->b) + small) {
     too_short(s, x, text, size);
@@ -181,11 +196,17 @@ static int doubt_one(nsdae_arms *arms, int i, int of, int j, double tol, sense *
                      size_t size)
 {
   const nsdae_contact_directions c = one(arms, i);
+  const sense before = *seen;
   arm x = {i, j, .a = c.normal[j], .b = c.tangent[j], .turns = turns(&c, of, tol)};
+  int bends = 1;
   turn_about(arms, &c, of, j, tol);
   int code = nsdae_arms_bend(arms, i, &x.bend);
   if (!code) code = find_turning(arms, &c, i, of, j, tol, &x.rate);
   if (!code) judge(c.system, &x, tol, seen, text, size);
+  if (!code && *text) code = nsdae_arms_bends(arms, i, x.bend, small_of(&x, tol), &bends);
+  if (bends) return code;
+  *text = '\0';
+  *seen = before;
   return code;
 }
 

@@ -23,7 +23,7 @@ void nsdae_directions_layout(nsdae_directions *d, nsdae_arena *arena)
   d->set = NSDAE_ARENA_INTS(arena, dims->nv);
   d->arms.v = NSDAE_ARENA_DOUBLES(arena, n);
   d->arms.rate = NSDAE_ARENA_DOUBLES(arena, dims->nq);
-  d->arms.bend = NSDAE_ARENA_DOUBLES(arena, 2 * k);
+  d->arms.bend = NSDAE_ARENA_DOUBLES(arena, k + n);
 }
 
 static int failed(nsdae_directions *d, int code, const char *callback)

@@ -160,11 +160,10 @@ static double read_radius(const lever *l, double r[3])
   return most / (1 + nsdae_largest(3, r));
 }
 
-/* How much more a turn about the contact along direction j opens the gap than r lets it. */
-static int find_excess(nsdae_arms *arms, const lever *l, const double r[3], int j, double tol,
-                       double *excess)
+/* A turn about the contact along direction j, into arms->v. */
+static void turn_about(nsdae_arms *arms, const lever *l, int j, double tol)
 {
-  double w[3] = {0}, bend;
+  double w[3] = {0};
   for (int k = 0; k < 3; k++)
     for (int i = 0; i < 3; i++) w[k] += l->C[i][k] * l->along[j][i];
   const nsdae_contact_directions c = one(arms, l->contact);
@@ -174,9 +173,17 @@ static int find_excess(nsdae_arms *arms, const lever *l, const double r[3], int 
       if (nsdae_tangent_translates(&c, l->of, i, tol))
         arms->v[i] -= nsdae_dot(3, l->about[k], w) * column_of(&c, k)[i];
   memcpy(arms->v + l->first, w, sizeof w);
+}
+
+/* Whether such a turn opens the gap more than r lets it. */
+static int find_excess(nsdae_arms *arms, const lever *l, const double r[3], int j, double tol,
+                       int *any)
+{
+  double small = 100 * tol * (1 + nsdae_largest(3, r)), bend;
+  turn_about(arms, l, j, tol);
   int code = nsdae_arms_bend(arms, l->contact, &bend);
-  *excess = bend + nsdae_dot(3, r, l->along[0]);
-  return code;
+  *any = bend + nsdae_dot(3, r, l->along[0]) > small;
+  return code || !*any ? code : nsdae_arms_bends(arms, l->contact, bend, small, any);
 }
 
 static int doubt_sense(nsdae_arms *arms, const lever *l, const double r[3], double tol, char *text,
@@ -184,10 +191,10 @@ static int doubt_sense(nsdae_arms *arms, const lever *l, const double r[3], doub
 {
   char contact[NSDAE_CALLED_SIZE], velocity[NSDAE_CALLED_SIZE];
   for (int j = 1; j < 3; j++) {
-    double excess;
-    int code = find_excess(arms, l, r, j, tol, &excess);
+    int any;
+    int code = find_excess(arms, l, r, j, tol, &any);
     if (code) return code;
-    if (!(excess > 100 * tol * (1 + nsdae_largest(3, r)))) continue;
+    if (!any) continue;
     snprintf(
         text, size,
         "gap_tangent: the signs of its arms of %s along %s and the two after it, if those turn "
