@@ -18,6 +18,7 @@ typedef struct nsdae_fc_items {
   int *item;      /* n: its number in the whole */
   int *kind;      /* n: enum nsdae_fc_kind */
   double *mu;     /* n */
+  double *size;   /* n: e */
   double *weight; /* n */
   double *rho;    /* n */
   double *factor; /* n: r = factor r' */
@@ -50,6 +51,7 @@ typedef struct nsdae_fc {
   int compliant;
   int all_listed; /* of the local form: every pair of items, zeros too */
   double D_whole; /* D */
+  double exact;   /* how closely a sweep solves a contact: of |r_T| to mu r_N where it slides */
   nsdae_fc_items items;
   nsdae_fc_parts parts;
   double *r, *u; /* 3 n */

@@ -5,6 +5,7 @@
 
 #include "cone.h"
 #include "coulomb.h"
+#include "vector.h"
 
 /* Its square is a normal number. */
 static const double TINY = 1e-150;
@@ -23,13 +24,22 @@ static inline void gather_part(int n, const double *J, const double *y, double *
   u[0] += a, u[1] += b, u[2] += d;
 }
 
-/* The same of a body: sums of every other term, so that two can be made at a time. */
+/* Two numbers that are worked on at once: of every other term, so that the sums do not depend on
+ * how many a processor takes. */
+typedef double pair __attribute__((vector_size(2 * sizeof(double)), aligned(sizeof(double))));
+
+static inline pair load(const double *x)
+{
+  return *(const pair *)x;
+}
+
+/* The same of a body. */
 static inline void gather_body(const double *J, const double *y, double *u)
 {
+  pair y0 = load(y), y2 = load(y + 2), y4 = load(y + 4);
   for (int j = 0; j < 3; j++, J += BODY) {
-    double even = J[0] * y[0] + J[2] * y[2] + J[4] * y[4];
-    double odd = J[1] * y[1] + J[3] * y[3] + J[5] * y[5];
-    u[j] += even + odd;
+    pair sum = load(J) * y0 + load(J + 2) * y2 + load(J + 4) * y4;
+    u[j] += sum[0] + sum[1];
   }
 }
 
@@ -55,11 +65,9 @@ static inline void gather(const nsdae_fc *c, int k, double *u)
   }
 }
 
-/* r += dr, y += J dr */
-static inline void apply(nsdae_fc *c, int k, const double *dr)
+/* y += J dr of item k */
+static inline void add_parts(nsdae_fc *c, int k, const double *dr)
 {
-  for (int j = 0; j < 3; j++) c->r[3 * k + j] += dr[j];
-  if (c->local) return;
   for (int e = c->parts.first[k]; e < c->parts.first[k + 1]; e++) {
     const double *J = nsdae_fc_part(c, e);
     double *y = c->y + c->parts.offset[c->parts.block[e]];
@@ -69,6 +77,13 @@ static inline void apply(nsdae_fc *c, int k, const double *dr)
     else
       apply_part(n, J, dr, y);
   }
+}
+
+/* r += dr, y += J dr */
+static inline void apply(nsdae_fc *c, int k, const double *dr)
+{
+  for (int j = 0; j < 3; j++) c->r[3 * k + j] += dr[j];
+  if (!c->local) add_parts(c, k, dr);
 }
 
 /* Whether item k, of which u are the velocities, sticks: with u_T = 0 and u_N = 0, r - (D + e)^-1 u
@@ -83,12 +98,22 @@ static inline int sticks(const nsdae_fc *c, int k, const double *u, double *r)
   return most > TINY && r[1] * r[1] + r[2] * r[2] <= most * most;
 }
 
+/* Nothing presses and it does not approach. */
+static inline int stays_open(const double *r, const double *u)
+{
+  return r[0] == 0 && r[1] == 0 && r[2] == 0 && u[0] >= 0;
+}
+
 /* The new r of item k, of which u are the velocities. */
 static void solve_item(const nsdae_fc *c, int k, const double *u, double *slip, double *r)
 {
   double D[9], q[3] = {u[0], u[1], u[2]}, old[3];
   if (c->items.kind[k] == NSDAE_FC_CONE && sticks(c, k, u, r)) {
     slip[k] = 0;
+    return;
+  }
+  if (c->items.kind[k] == NSDAE_FC_CONE && stays_open(c->r + 3 * k, u)) {
+    r[0] = r[1] = r[2] = 0;
     return;
   }
   memcpy(D, c->items.D + 9 * (size_t)k, sizeof D);
@@ -104,8 +129,15 @@ static void solve_item(const nsdae_fc *c, int k, const double *u, double *slip, 
   nsdae_fc_turn(c->items.turn + 2 * k, 1, old);
   for (int j = 0; j < 3; j++)
     q[j] -= D[3 * j] * old[0] + D[3 * j + 1] * old[1] + D[3 * j + 2] * old[2];
-  nsdae_fc_solve_contact(D, q, c->items.mu[k], slip + k, r);
+  nsdae_fc_solve_contact(D, q, c->items.mu[k], c->exact, slip + k, r);
   nsdae_fc_turn(c->items.turn + 2 * k, -1, r);
+}
+
+void nsdae_fc_sweep_begin(nsdae_fc *c)
+{
+  if (c->local) return;
+  memset(c->y, 0, (size_t)c->ny * sizeof *c->y);
+  for (int k = 0; k < c->n; k++) add_parts(c, k, c->r + 3 * k);
 }
 
 double nsdae_fc_sweep(nsdae_fc *c, int sweeps, double *slip)
@@ -118,9 +150,9 @@ double nsdae_fc_sweep(nsdae_fc *c, int sweeps, double *slip)
       gather(c, k, u);
       solve_item(c, k, u, slip, r);
       for (int j = 0; j < 3; j++) r[j] -= c->r[3 * k + j];
-      double most = fmax(fabs(r[0]), fmax(fabs(r[1]), fabs(r[2])));
+      double most = nsdae_larger(nsdae_larger(fabs(r[0]), fabs(r[1])), fabs(r[2]));
       if (most == 0) continue;
-      change = fmax(change, c->items.weight[k] * most);
+      change = nsdae_larger(change, c->items.weight[k] * most);
       apply(c, k, r);
     }
   }

@@ -46,7 +46,7 @@ static void solve(const nsdae_fc_plain *p, int c, own *o, const double *old, con
   nsdae_fc_turn(o->turn, 1, from);
   for (int j = 0; j < 3; j++)
     for (int k = 0; k < 3; k++) q[j] -= o->D[3 * j + k] * from[k];
-  nsdae_fc_solve_contact(o->D, q, p->mu[c], &o->slip, r);
+  nsdae_fc_solve_contact(o->D, q, p->mu[c], 1e-15, &o->slip, r);
   nsdae_fc_turn(o->turn, -1, r);
 }
 
