@@ -8,6 +8,7 @@
 #include "grow.h"
 #include "listed.h"
 #include "solver.h"
+#include "vector.h"
 
 /* One island at work. */
 typedef struct part {
@@ -16,6 +17,7 @@ typedef struct part {
   int items, m;
   double tol, *L, *lever;
   double slow; /* velocities of contacts below it are none */
+  int driven;  /* a velocity is asked of a row */
 } part;
 
 void nsdae_pile_layout(nsdae_pile *c, const nsdae_system *system, nsdae_arena *arena)
@@ -312,6 +314,13 @@ static void levers(part *c, const nsdae_whole *w)
   }
 }
 
+/* Whether a velocity is asked of a row: w of a contact holds that, too, but of impacts as well. */
+static int is_driven(const part *c)
+{
+  int rows = c->problem.bilateral;
+  return nsdae_largest(rows, c->at.w + c->m - rows) > 0;
+}
+
 /* Whether entry j of v is none: it cancels to the rounding of its terms; or it moves no item of its
  * body by more than the digits of the solution times speed, and is no free motion, that moves none:
  * a spin about a contact's normal, a slide without friction, of which rounding leaves a lever. Its
@@ -319,10 +328,9 @@ static void levers(part *c, const nsdae_whole *w)
  */
 static int stands(const part *c, const nsdae_whole *w, int j, double most, double speed)
 {
-  const double few = 1e-9; /* the most that counts as none where few digits are asked for */
-  double v = fabs(w->v[j]), digits = fmin(c->tol, few);
+  double v = fabs(w->v[j]), digits = fmin(c->tol, NSDAE_STILL);
   if (v <= 32 * DBL_EPSILON * w->size[j]) return 1;
-  return v * c->lever[j] <= digits * speed &&
+  return !c->driven && v * c->lever[j] <= digits * speed &&
          (v * most <= digits * speed || v <= digits * w->size[j]);
 }
 
@@ -341,6 +349,7 @@ static int velocities(part *c, const nsdae_whole *w, double speed)
   const nsdae_blocks *blocks = &w->system->blocks;
   const double *M = c->at.M;
   c->slow = c->tol * speed;
+  c->driven = is_driven(c);
   levers(c, w);
   begin_velocities(c, w);
   add_impulses(c, w);

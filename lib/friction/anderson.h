@@ -5,9 +5,10 @@
  *   r := g(r) - G c,   c least of |f - F c|,
  *
  * with the differences of g and of f between sweeps for columns. Where contacts stay as they are,
- * stuck or open, a sweep is affine, and this is GMRES with the sweep for preconditioner: what
- * carries over through many contacts, as a weight does through a heap, moves in some sweeps where
- * it crept in hundreds. Where |f| grows much, contacts have changed, and the method begins anew. */
+ * stuck or open, a sweep is affine, and this is GMRES with the sweep for preconditioner, but that
+ * it forgets (Walker and Ni): what carries over through many contacts, as a weight does through a
+ * heap, moves in some sweeps where it crept in hundreds. Where |f| grows much, contacts have
+ * changed, and the method begins anew. */
 #ifndef NSDAE_FRICTION_ANDERSON_H
 #define NSDAE_FRICTION_ANDERSON_H
 

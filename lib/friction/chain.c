@@ -103,7 +103,7 @@ static int sweeps(nsdae_fc_chain *c, int most, int patience, int stage)
 }
 
 /* Sweeps by Anderson's method from fc->r on, judged where they seem to have got there, and now and
- * then; they end where so many have not halved what a sweep changes. */
+ * then; they end where so many have not halved what a sweep changes, or one changes nothing. */
 static int accelerated(nsdae_fc_chain *c, int most, int patience, int stage)
 {
   double mark = INFINITY;
@@ -117,6 +117,7 @@ static int accelerated(nsdae_fc_chain *c, int most, int patience, int stage)
       if (judge(c, stage)) return 1;
       judged = done;
     }
+    if (!(change > 0)) break;
     if (change <= 0.5 * mark) mark = change, since = 0;
     if (done < most && since < patience - 1) nsdae_fc_anderson_extrapolate(&c->anderson, &c->fc);
   }

@@ -61,7 +61,7 @@ void nsdae_fc_layout(void *object, nsdae_arena *arena)
   c->items.q = NSDAE_ARENA_DOUBLES(arena, 3L * n);
   c->items.C = NSDAE_ARENA_DOUBLES(arena, 3L * n);
   c->items.D = NSDAE_ARENA_DOUBLES(arena, 9L * n);
-  c->items.S = NSDAE_ARENA_DOUBLES(arena, 6L * n);
+  c->items.S = NSDAE_ARENA_DOUBLES(arena, 9L * n);
   c->parts.first = NSDAE_ARENA_INTS(arena, n + 1L);
   c->parts.block = NSDAE_ARENA_INTS(arena, c->parts.entries);
   c->parts.at = nsdae_arena_take(arena, c->parts.entries + 1L, sizeof(size_t));
@@ -160,20 +160,31 @@ static void fill_parts(nsdae_fc *c)
   }
 }
 
+/* Symmetric part of W_kk of the local form */
+static void add_listed(const double *W, double *D)
+{
+  for (int j = 0; j < 3; j++)
+    for (int l = 0; l < 3; l++) D[3 * j + l] += (W[3 * j + l] + W[3 * l + j]) / 2;
+}
+
+/* D += J^T J */
+static void add_square(int n, const double *J, double *D)
+{
+  for (int j = 0; j < 3; j++)
+    for (int l = 0; l <= j; l++) D[3 * j + l] += nsdae_dot(n, J + j * n, J + l * n);
+}
+
 static void diagonal(nsdae_fc *c, int k)
 {
   double *D = c->items.D + 9 * (size_t)k;
   memset(D, 0, 9 * sizeof *D);
   for (int j = 0; j < 3; j++) D[4 * j] = c->items.C[3 * k + j];
-  for (int e = c->parts.first[k]; e < c->parts.first[k + 1]; e++) {
-    const double *J = nsdae_fc_part(c, e);
-    int n = c->parts.size[c->parts.block[e]];
-    if (c->local && c->parts.block[e] != k) continue;
-    for (int j = 0; j < 3; j++)
-      for (int l = 0; l < 3; l++)
-        D[3 * j + l] +=
-            c->local ? (J[3 * j + l] + J[3 * l + j]) / 2 : nsdae_dot(n, J + j * n, J + l * n);
-  }
+  for (int e = c->parts.first[k]; e < c->parts.first[k + 1]; e++)
+    if (!c->local)
+      add_square(c->parts.size[c->parts.block[e]], nsdae_fc_part(c, e), D);
+    else if (c->parts.block[e] == k)
+      add_listed(nsdae_fc_part(c, e), D);
+  D[1] = D[3], D[2] = D[6], D[5] = D[7];
 }
 
 static double finite_part(double x)
@@ -192,9 +203,11 @@ void nsdae_fc_fill(nsdae_fc *c, const double *r)
   fill_parts(c);
   for (int k = 0; k < c->n; k++) {
     int rows = nsdae_fc_rows(w->view.p, c->items.item[k]), row = w->view.row[c->items.item[k]];
+    double *D = c->items.D + 9 * (size_t)k, *S = c->items.S + 9 * (size_t)k;
     diagonal(c, k);
-    nsdae_fc_invert(c->items.D + 9 * (size_t)k, c->items.S + 6 * (size_t)k);
-    nsdae_fc_turn_matrix(c->items.D + 9 * (size_t)k, c->items.turn + 2 * k);
+    nsdae_fc_invert(D, S);
+    memcpy(S + 6, D, 3 * sizeof *S);
+    nsdae_fc_turn_matrix(D, c->items.turn + 2 * k);
     for (int j = 0; j < 3; j++)
       c->r[3 * k + j] = j < rows ? finite_part(r[row + j] / c->items.factor[k]) : 0;
   }

@@ -5,6 +5,7 @@
 
 #include "cone.h"
 #include "coulomb.h"
+#include "lanes.h"
 #include "vector.h"
 
 /* Its square is a normal number. */
@@ -24,21 +25,12 @@ static inline void gather_part(int n, const double *J, const double *y, double *
   u[0] += a, u[1] += b, u[2] += d;
 }
 
-/* Two numbers that are worked on at once: of every other term, so that the sums do not depend on
- * how many a processor takes. */
-typedef double pair __attribute__((vector_size(2 * sizeof(double)), aligned(sizeof(double))));
-
-static inline pair load(const double *x)
-{
-  return *(const pair *)x;
-}
-
-/* The same of a body. */
+/* The same of a body: sums of every other term. */
 static inline void gather_body(const double *J, const double *y, double *u)
 {
-  pair y0 = load(y), y2 = load(y + 2), y4 = load(y + 4);
+  nsdae_pair y0 = nsdae_pair_of(y), y2 = nsdae_pair_of(y + 2), y4 = nsdae_pair_of(y + 4);
   for (int j = 0; j < 3; j++, J += BODY) {
-    pair sum = load(J) * y0 + load(J + 2) * y2 + load(J + 4) * y4;
+    nsdae_pair sum = nsdae_pair_of(J) * y0 + nsdae_pair_of(J + 2) * y2 + nsdae_pair_of(J + 4) * y4;
     u[j] += sum[0] + sum[1];
   }
 }
@@ -86,16 +78,18 @@ static inline void apply(nsdae_fc *c, int k, const double *dr)
   if (!c->local) add_parts(c, k, dr);
 }
 
-/* Whether item k, of which u are the velocities, sticks: with u_T = 0 and u_N = 0, r - (D + e)^-1 u
- * is inside its cone. The usual case, and cheap. */
+/* Whether item k, of which u are the velocities, sticks: it closes without an impulse, and with
+ * u_T = 0 and u_N = 0, r - (D + e)^-1 u is inside its cone. The usual case, and cheap. */
 static inline int sticks(const nsdae_fc *c, int k, const double *u, double *r)
 {
-  const double *S = c->items.S + 6 * (size_t)k, *old = c->r + 3 * k;
+  const double *S = c->items.S + 9 * (size_t)k, *D = S + 6, *old = c->r + 3 * k;
   r[0] = old[0] - (S[0] * u[0] + S[1] * u[1] + S[2] * u[2]);
   r[1] = old[1] - (S[1] * u[0] + S[3] * u[1] + S[4] * u[2]);
   r[2] = old[2] - (S[2] * u[0] + S[4] * u[1] + S[5] * u[2]);
   const double most = c->items.mu[k] * r[0]; /* so that no root is needed; whose square is not 0 */
-  return most > TINY && r[1] * r[1] + r[2] * r[2] <= most * most;
+  const double closing = D[0] * old[0] + D[1] * old[1] + D[2] * old[2] - u[0];
+  return closing + NSDAE_FC_PROXIMAL * old[0] > 0 && most > TINY &&
+         r[1] * r[1] + r[2] * r[2] <= most * most;
 }
 
 /* Nothing presses and it does not approach. */

@@ -58,11 +58,13 @@ static int is_symmetric(int n, const double *M)
   return 1;
 }
 
-static int is_diagonal(int n, const double *L)
+/* Inverts L, lower, where it is diagonal; returns whether it is. */
+static int invert_diagonal(int n, double *L)
 {
   for (int j = 0; j < n; j++)
     for (int i = j + 1; i < n; i++)
       if (L[(size_t)j * (size_t)n + (size_t)i] != 0) return 0;
+  for (int j = 0; j < n; j++) L[(size_t)j * (size_t)(n + 1)] = 1 / L[(size_t)j * (size_t)(n + 1)];
   return 1;
 }
 
@@ -75,7 +77,7 @@ static int factor_masses(nsdae_fc_whole *c, nsdae_error *error)
     double *L = c->L + c->view.mass_at[b];
     int n = p->size[b], symmetric = is_symmetric(n, L);
     if (symmetric && nsdae_la_cholesky(n, L, n) == 0) {
-      c->diagonal[b] = is_diagonal(n, L);
+      c->diagonal[b] = invert_diagonal(n, L);
       continue;
     }
     snprintf(text, sizeof text, "block %d of M is not %s", b,
@@ -94,7 +96,7 @@ static void solve_lower(const nsdae_fc_whole *c, int b, int columns, double *B)
     nsdae_la_solve_lower(n, columns, L, n, B, n);
   else
     for (int j = 0; j < columns; j++, B += n)
-      for (int i = 0; i < n; i++) B[i] /= L[(size_t)i * (size_t)(n + 1)];
+      for (int i = 0; i < n; i++) B[i] *= L[(size_t)i * (size_t)(n + 1)];
 }
 
 /* J = L^-1 H, L^-1 f in v, and q. */
@@ -123,8 +125,9 @@ static void diagonals(nsdae_fc_whole *c)
     for (int k = 0; k < rows && p->compliance; k++) sum += p->compliance[c->view.row[i] + k];
     for (int e = p->first[i]; e < p->first[i + 1]; e++) {
       const double *J = c->J + c->view.at[e], *W = p->value + c->view.at[e];
+      int n = p->form == NSDAE_FRICTION_GLOBAL ? p->size[p->block[e]] : 0;
       if (p->form == NSDAE_FRICTION_GLOBAL)
-        for (size_t k = 0; k < (size_t)rows * (size_t)p->size[p->block[e]]; k++) sum += J[k] * J[k];
+        for (int k = 0; k < rows; k++, J += n) sum += nsdae_dot(n, J, J);
       else if (p->block[e] == i)
         for (int k = 0; k < rows; k++) sum += W[k * rows + k];
     }
@@ -141,7 +144,7 @@ static const double *find(const nsdae_fc_view *view, int i, int j)
 }
 
 /* |W_jk - W_kj| <= 1e-10 sqrt(d_j d_k), as rounding leaves it; a zero d needs zeros, or W would not
- * be positive semidefinite. */
+ * be positive semidefinite: there the entries themselves are what is off. */
 static int check_symmetry(const nsdae_fc_whole *c, nsdae_error *error)
 {
   const nsdae_friction_problem *p = c->view.p;
@@ -151,11 +154,12 @@ static int check_symmetry(const nsdae_fc_whole *c, nsdae_error *error)
       int j = p->block[e], ni = nsdae_fc_rows(p, i), nj = nsdae_fc_rows(p, j);
       const double *W = p->value + c->view.at[e], *T = find(&c->view, j, i);
       double off = 0, bound = 1e-10 * sqrt(fmax(c->d[i], 0)) * sqrt(fmax(c->d[j], 0));
+      int fixed = !(c->d[i] > 0 && c->d[j] > 0);
       for (int k = 0; k < ni * nj; k++)
-        off = fmax(off, fabs(W[k] - (T ? T[k % nj * ni + k / nj] : 0)));
+        off = fmax(off, fabs(W[k] - (T && !fixed ? T[k % nj * ni + k / nj] : 0)));
       if (off <= bound && c->d[i] >= 0) continue;
-      snprintf(text, sizeof text, "W of items %d and %d: off symmetry by %g, bound %g", i, j, off,
-               bound);
+      snprintf(text, sizeof text, "W of items %d and %d: off %s by %g, bound %g", i, j,
+               fixed ? "zero, as the diagonal is zero," : "symmetry", off, bound);
       return nsdae_fc_refuse(error, NSDAE_E_ARGUMENT, "value", e, text);
     }
   return NSDAE_OK;

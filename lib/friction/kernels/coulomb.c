@@ -80,7 +80,7 @@ void nsdae_fc_solve_contact(const double *D, const double *q, double mu, double 
 void nsdae_fc_turn_matrix(double *D, double *by)
 {
   double x = D[1], a = D[4], b = D[8], c = (a - b) / 2;
-  double tangent = D[5] == 0 ? 0 : D[5] / (c + copysign(nsdae_fc_length(c, D[5]), c));
+  double tangent = D[5] == 0 ? 0 : D[5] / (c + copysign(hypot(c, D[5]), c));
   by[0] = 1 / sqrt(1 + tangent * tangent);
   by[1] = tangent * by[0];
   D[4] = by[0] * by[0] * a + 2 * by[0] * by[1] * D[5] + by[1] * by[1] * b;
@@ -90,10 +90,12 @@ void nsdae_fc_turn_matrix(double *D, double *by)
   D[5] = D[7] = 0;
 }
 
-/* Adjugate over determinant; the leading minors say whether it is positive definite. */
+/* Adjugate over determinant, pivot by pivot: each is what is left of its diagonal entry, and keeps
+ * ten digits where it is no less than 1e-6 of it. */
 void nsdae_fc_invert(const double *D, double *S)
 {
-  const double e = NSDAE_FC_PROXIMAL, a = D[0] + e, b = D[4] + e, c = D[8] + e;
+  const double e = NSDAE_FC_PROXIMAL, least = 1e-6;
+  const double a = D[0] + e, b = D[4] + e, c = D[8] + e;
   const double minor = a * b - D[1] * D[1];
   S[0] = b * c - D[5] * D[5];
   S[1] = D[2] * D[5] - D[1] * c;
@@ -103,5 +105,5 @@ void nsdae_fc_invert(const double *D, double *S)
   S[5] = minor;
   const double determinant = a * S[0] + D[1] * S[1] + D[2] * S[2];
   for (int k = 0; k < 6; k++) S[k] /= determinant;
-  if (!(a > 0 && minor > 0 && determinant > 0)) S[0] = NAN;
+  if (!(a > 0 && minor > least * a * b && determinant > least * minor * c)) S[0] = NAN;
 }

@@ -16,7 +16,7 @@ void nsdae_fc_solve_contact(const double *D, const double *q, double mu, double 
 void nsdae_fc_turn_matrix(double *D, double *by);
 
 /* S := the inverse of D + NSDAE_FC_PROXIMAL, its lower triangle by columns; S[0] is NaN where that
- * is not positive definite. */
+ * is not positive definite, or too near to what is not. */
 void nsdae_fc_invert(const double *D, double *S);
 
 /* x_T into that frame, or back (sign -1). */
