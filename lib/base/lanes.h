@@ -6,12 +6,15 @@
 typedef double nsdae_pair __attribute__((vector_size(2 * sizeof(double)), aligned(sizeof(double))));
 typedef double nsdae_four __attribute__((vector_size(4 * sizeof(double)), aligned(sizeof(double))));
 
-/* Marks a function that is compiled twice, and taken as the processor at hand has it. */
+/* Marks a function that is compiled twice, and taken as the processor at hand has it; and those
+ * that it calls, which go with it. */
 #if defined(__GNUC__) && defined(__x86_64__) && defined(__gnu_linux__) && !defined(__AVX2__) && \
     !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#define NSDAE_WIDE __attribute__((target_clones("avx2", "default")))
+#define NSDAE_WIDE      __attribute__((target_clones("avx2", "default")))
+#define NSDAE_WIDE_PART static inline __attribute__((always_inline))
 #else
 #define NSDAE_WIDE
+#define NSDAE_WIDE_PART static inline
 #endif
 
 static inline nsdae_pair nsdae_pair_of(const double *x)
@@ -20,7 +23,7 @@ static inline nsdae_pair nsdae_pair_of(const double *x)
 }
 
 /* y += scale x, of many */
-static inline void nsdae_lanes_add(int n, double scale, const double *x, double *y)
+NSDAE_WIDE_PART void nsdae_lanes_add(int n, double scale, const double *x, double *y)
 {
   int i = 0;
   for (; i + 4 <= n; i += 4) *(nsdae_four *)(y + i) += scale * *(const nsdae_four *)(x + i);
@@ -28,7 +31,7 @@ static inline void nsdae_lanes_add(int n, double scale, const double *x, double 
 }
 
 /* to = a - b, of many */
-static inline void nsdae_lanes_subtract(int n, const double *a, const double *b, double *to)
+NSDAE_WIDE_PART void nsdae_lanes_subtract(int n, const double *a, const double *b, double *to)
 {
   int i = 0;
   for (; i + 4 <= n; i += 4)
@@ -37,7 +40,7 @@ static inline void nsdae_lanes_subtract(int n, const double *a, const double *b,
 }
 
 /* a b, of many */
-static inline double nsdae_lanes_dot(int n, const double *a, const double *b)
+NSDAE_WIDE_PART double nsdae_lanes_dot(int n, const double *a, const double *b)
 {
   nsdae_four s = {0}, t = {0};
   int i = 0;

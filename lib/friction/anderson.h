@@ -22,6 +22,7 @@ typedef struct nsdae_fc_anderson {
   double *f, *g, *y; /* 3 n, 3 n, ny: of the sweep before; y of g */
   double *F, *G, *Y; /* their differences, a column each of NSDAE_FC_WINDOW */
   double gram[NSDAE_FC_WINDOW * NSDAE_FC_WINDOW]; /* F^T F */
+  double product[NSDAE_FC_WINDOW];                /* F^T f */
   double square;                                  /* |f|^2 of the sweep before */
   int held, next;                                 /* columns; the one to be overwritten */
   int begun;                                      /* there was a sweep before */
