@@ -5,11 +5,16 @@
 #include <math.h>
 #include <stddef.h>
 
-static inline double nsdae_dot(int n, const double *a, const double *b)
+/* sum + a . b, in this order */
+static inline double nsdae_dot_from(double sum, int n, const double *a, const double *b)
 {
-  double sum = 0;
   for (int i = 0; i < n; i++) sum += a[i] * b[i];
   return sum;
+}
+
+static inline double nsdae_dot(int n, const double *a, const double *b)
+{
+  return nsdae_dot_from(0, n, a, b);
 }
 
 /* fmax of a number, most, and of what may be none; of two zeros the first. */

@@ -153,7 +153,8 @@ static void close_contacts(nsdae_contacts *c, const double *gap, double touch, c
 
 void nsdae_contacts_close(nsdae_contacts *c, const nsdae_terms *terms, nsdae_impulses *results)
 {
-  close_contacts(c, terms->gap, nsdae_terms_touch(terms), NULL, results);
+  double touch = c->system->dims.k > 0 ? nsdae_terms_touch(terms) : 0;
+  close_contacts(c, terms->gap, touch, NULL, results);
 }
 
 void nsdae_contacts_close_marked(nsdae_contacts *c, const int *closed, nsdae_impulses *results)
@@ -161,13 +162,15 @@ void nsdae_contacts_close_marked(nsdae_contacts *c, const int *closed, nsdae_imp
   close_contacts(c, NULL, 0, closed, results);
 }
 
-/* Velocity W^T v + w of contact i. */
+/* Velocity W^T v + w of contact i; W is dense here. */
 static void contact_velocity(const nsdae_contacts *c, int i, const nsdae_terms *T, const double *v,
                              double *v_n, double *v_t)
 {
-  int nt = c->system->dims.nt;
-  v_n[i] = nsdae_terms_normal_rate(T, i, v);
-  for (int j = i * nt; j < (i + 1) * nt; j++) v_t[j] = nsdae_terms_tangent_rate(T, j, v);
+  int n = c->system->dims.nv, nt = c->system->dims.nt;
+  size_t size = (size_t)n;
+  v_n[i] = nsdae_dot_from(T->w_N[i], n, T->by.normal.value + (size_t)i * size, v);
+  for (int j = i * nt; j < (i + 1) * nt; j++)
+    v_t[j] = nsdae_dot_from(T->w_T[j], n, T->by.tangent.value + (size_t)j * size, v);
 }
 
 static void slide_velocities(const nsdae_contacts *c, const nsdae_terms *T, const double *v,
