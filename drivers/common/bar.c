@@ -17,11 +17,11 @@ void bar_begin(bar *b, int quiet)
   b->started = b->shown = clock_now();
 }
 
-/* "1:02:03", "2:03": as long as what went on so far stands to what is done. */
-static void print_left(double passed, double part)
+/* "1:02:03", "2:03": as long as what went on so far stands to what was done in it. */
+static void print_left(double passed, double done, double part)
 {
-  double left = part > 0 ? passed * (1 - part) / part : 0;
-  if (part <= 0 || left >= 360000) return; /* 100 hours: nobody knows */
+  double left = done > 0 ? passed * (1 - part) / done : 0;
+  if (done <= 0 || left >= 360000) return; /* 100 hours: nobody knows */
   int seconds = (int)(left + 0.5), hours = seconds / 3600;
   if (hours > 0) fprintf(stderr, ", %d:%02d:%02d left", hours, seconds / 60 % 60, seconds % 60);
   if (hours == 0) fprintf(stderr, ", %d:%02d left", seconds / 60, seconds % 60);
@@ -43,7 +43,7 @@ void bar_show(bar *b, double part, const char *what)
   if (now - b->started < 1 || now - b->shown < 0.1) return;
   int cells = (int)(part * (double)WIDTH);
   fprintf(stderr, "\r[%-*.*s] %3.0f %%  %s", WIDTH, cells, full, 100 * part, what);
-  print_left(now - b->started, part);
+  print_left(now - b->started, part - b->begin, part);
   fprintf(stderr, "\033[K");
   b->visible = 1;
   b->shown = now;

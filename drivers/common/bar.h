@@ -5,13 +5,14 @@
 
 typedef struct bar {
   double started, shown; /* clock [s] */
+  double begin;          /* the part that was done before, as by a run that goes on: 0 .. 1 */
   int terminal;          /* stderr is one, and nobody asked for quiet */
   int visible;
 } bar;
 
 void bar_begin(bar *b, int quiet);
 
-/* part: 0 .. 1; time: of the run [s]. Redrawn ten times a second. */
+/* part: 0 .. 1, what was done before included; time: of the run [s]. Redrawn ten times a second. */
 void bar_move(bar *b, double part, double time);
 
 /* The same, with what else there is to say. */

@@ -32,6 +32,13 @@ static void print_header(const report *r)
   printf("\n");
 }
 
+/* What of the run is behind it where it goes on. */
+static double part_of(const settings *s, const nsdae_sim *sim)
+{
+  nsdae_record now;
+  return nsdae_sim_get_record(sim, &now) == NSDAE_OK ? now.time / s->t_end : 0;
+}
+
 void report_begin(report *r, const settings *s, const nsdae_sim *sim)
 {
   nsdae_dims dims;
@@ -42,6 +49,7 @@ void report_begin(report *r, const settings *s, const nsdae_sim *sim)
                 .tangents = dims.nt,
                 .exact = s->model->exact && s->model->exact(s->model->base, 0, &first)};
   bar_begin(&r->bar, s->quiet);
+  r->bar.begin = part_of(s, sim);
   if (s->quiet) return;
   print_parameters(s);
   if (dims.k > 0) print_header(r);
@@ -97,7 +105,6 @@ static void say_warnings(const nsdae_sim *sim, const nsdae_stats *stats)
   for (int i = 0; i < 3; i++)
     if (stats->warnings & 1 << i)
       printf("warning: %s of this run exceeds what the method explains\n", kinds[i]);
-  if (stats->warnings & 8) printf("warning: directions of contacts are not those of the gap\n");
 }
 
 /* A time-stepping method looks at the end of a step whether a contact has closed, and leaves it

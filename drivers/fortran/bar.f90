@@ -6,7 +6,7 @@ module pendulum_bar
   public :: bar, bar_begin, bar_move, bar_clear
 
   type, bind(C) :: bar
-    real(c_double) :: started = 0, shown = 0
+    real(c_double) :: started = 0, shown = 0, begin = 0
     integer(c_int) :: terminal = 0, visible = 0
   end type
 

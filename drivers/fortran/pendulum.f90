@@ -98,7 +98,7 @@ contains
     integer(c_int) :: closed
     if (.not. s%quiet) then
       status = nsdae_sim_observe(sim, report_observe, r)
-      call report_begin(r, s)
+      call report_begin(r, s, sim)
     end if
     status = nsdae_sim_run(sim, s%t_end)
     if (.not. s%quiet) call report_end(r, sim)

@@ -22,9 +22,11 @@ module pendulum_report
 
 contains
 
-  subroutine report_begin(r, s)
+  subroutine report_begin(r, s, sim)
     type(report), intent(inout) :: r
     type(settings), intent(in) :: s
+    type(nsdae_sim), intent(in) :: sim
+    type(nsdae_record) :: now
     type(nsdae_param) :: param
     character(len=10) :: key
     character(len=12) :: val
@@ -35,6 +37,7 @@ contains
     r%dt = s%options%dt
     r%t_end = s%t_end
     call bar_begin(r%bar, 0)
+    if (nsdae_sim_get_record(sim, now) == NSDAE_OK) r%bar%begin = now%time / r%t_end
     print '(a)', 'pendulum: a uniform rod that swings and hits a stop'
     do i = 1, nsdae_params_size(s%parameters)
       param = nsdae_params_entry(s%parameters, i)
@@ -121,8 +124,6 @@ contains
       if (btest(stats%warnings, i)) &
           print '(3a)', 'warning: ', trim(kinds(i)), ' of this run exceeds what the method explains'
     end do
-    if (btest(stats%warnings, 3)) &
-        print '(a)', 'warning: directions of contacts are not those of the gap'
   end subroutine
 
   ! A time-stepping method looks at the end of a step whether a contact has closed, and leaves it

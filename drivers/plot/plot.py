@@ -105,20 +105,32 @@ def struck(file, time):
     return np.isin(np.arange(len(time)), at[when > time[at] - steps(file, time)[at] * (1 + 1e-9)])
 
 
+FORCE = {"m": "N", "rad": "N m", "1": "N m"}  # of a constraint of that unit: their product is a work
+
+
 def multipliers(file, time):
-    """Without the steps that had an impact, in which they stand for impulses."""
+    """A row for each unit, without the steps that had an impact, in which they stand for impulses, and without the
+    start, which no step led to."""
     records = some(file["multiplier"], time)
-    records = records[~struck(file, time)[records]] if file["multiplier"].shape[1] > LINES_MAX else records
-    values = np.where(struck(file, time)[records, None], np.nan, read_rows(file["multiplier"], records))
+    left_out = struck(file, time) | (steps(file, time) <= 0)
+    records = records[~left_out[records]] if file["multiplier"].shape[1] > LINES_MAX else records
+    values = np.where(left_out[records, None], np.nan, read_rows(file["multiplier"], records))
     names = names_of_rows(file, "constraint", values.shape[1])
+    units = [FORCE.get(text(u), "") for u in file.get("constraint_unit", [])][: len(names)]
+    units += [""] * (len(names) - len(units))
 
-    def draw(axes):
-        if len(names) > LINES_MAX:
-            return band(axes, time[records], values, "constraint")
-        for i, name in enumerate(names):
-            line(axes, time[records], values[:, i], name)
+    def draw(unit):
+        mine = [i for i in range(len(names)) if units[i] == unit]
 
-    return [Row("mean forces of\nconstraints", draw)]
+        def lines(axes):
+            if len(mine) > LINES_MAX:
+                return band(axes, time[records], values[:, mine], "constraint")
+            for i in mine:
+                line(axes, time[records], values[:, i], names[i])
+
+        return lines
+
+    return [Row(titled("mean forces of\nconstraints", unit), draw(unit)) for unit in dict.fromkeys(units)]
 
 
 def impacts(file, *names):

@@ -6,6 +6,8 @@ import matplotlib.pyplot as plt
 from trajectory import Problem, text
 
 OWN = ("grid", "failure")  # groups that hold no results
+CALLED = {"extreme/q_min": "least", "extreme/q_max": "largest", "final/v": "final velocity", "sample/v": "sample velocity",
+          "extreme/v_min": "least velocity", "extreme/v_max": "largest velocity"}
 HEIGHT, MAP_HEIGHT = 2.2, 3.4  # inches
 ROWS_MAX = 12
 DOTS_AS_IMAGE = 20000  # more of them are drawn as an image within an SVG or PDF
@@ -16,9 +18,19 @@ def is_sweep(file):
     return text(file.attrs.get("format", "")) == "nsdae-sweep"
 
 
+def with_unit(name, unit):
+    """Names of parameters are not formulas."""
+    return name.replace("$", r"\$") + ("" if unit in ("", "1") or unit.startswith("of the model") else f" [{unit}]")
+
+
 def dimensions(file):
     """For each dimension of the runs its parameters, as (name, values)."""
     return [[(scale.name.split("/")[-1], scale[...]) for scale in dimension.values()] for dimension in file["status"].dims]
+
+
+def titles(file):
+    """Of each parameter, with its unit."""
+    return {name: with_unit(name, text(scale.attrs.get("units", ""))) for name, scale in file["grid"].items()}
 
 
 def results(file):
@@ -47,18 +59,19 @@ def chosen(file, only):
 def components(path, dataset, rank):
     """(title, values [runs..., points]) of each component of a quantity; points: samples of one run, or one."""
     values = dataset[...]
-    names = [None]
+    unit = text(dataset.attrs.get("units", ""))
+    names, units = [path.replace("_", " ")], [unit]
     scales = dataset.dims[len(dataset.shape) - 1] if dataset.ndim > rank else ()
     if len(scales):
-        names = [text(name) for name in scales[0][...]]
+        kind, file = scales[0].name, dataset.file
+        what = CALLED.get(path, path.split("/")[0])
+        names = [f"{what} {text(name)}" for name in scales[0][...]]
+        units = [text(u) for u in file[f"{kind}_unit"]] if f"{kind}_unit" in file else [unit] * len(names)
         values = np.moveaxis(values, -1, 0)
     else:
         values = values[None]
-    unit = text(dataset.attrs.get("units", ""))
-    unit = "" if unit in ("", "1") or unit.startswith("of the model") else f" [{unit}]"
-    for name, of in zip(names, values):
-        title = path.replace("_", " ") if name is None else f"{path.split('/')[0]} {name}"
-        yield title + unit, of.reshape(*of.shape[:rank], -1)
+    for name, of_name, of in zip(names, units, values):
+        yield with_unit(name, of_name), of.reshape(*of.shape[:rank], -1)
 
 
 def slice_at(file, rank, at):
@@ -135,6 +148,7 @@ def draw(file, only=None, title=None, at=()):
     if not 1 <= len(free) <= 2:
         raise Problem(f"the sweep varies {len(free)} dimensions ({'; '.join(', '.join(n for n, _ in of) for of in free)}): "
                       "fix all but one or two with --at NAME=VALUE")
+    free = [[(titles(file)[name], values) for name, values in of] for of in free]
     rows = [(name, values[index]) for path, dataset in chosen(file, only).items()
             for name, values in components(path, dataset, rank)]
     if len(rows) > ROWS_MAX:

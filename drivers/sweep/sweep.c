@@ -152,7 +152,8 @@ static int open_table(sweep *s)
   const table_about about = {.model = j->settings.model->name,
                              .method = nsdae_method_name(j->settings.options.method),
                              .setting = setting,
-                             .system = system};
+                             .system = system,
+                             .parameters = j->settings.model->parameters};
   if (status == NSDAE_OK)
     status = table_open(j->settings.output, &j->plan, &j->keep, &about, &s->table, &s->error);
   if (status == NSDAE_OK && !table_complete(s->table)) status = list_todo(s);

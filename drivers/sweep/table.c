@@ -105,45 +105,75 @@ static int make_texts(hid_t file, const char *path, hsize_t n, const char *texts
   return failed;
 }
 
-static int make_names(hid_t file, const char *path, int kind, int n, char letter,
-                      const nsdae_system *system)
+static int attach(hid_t file, hid_t dataset, const char *scale, unsigned dimension)
 {
-  enum { WIDTH = NSDAE_NAME_SIZE };
+  hid_t of = H5Dopen2(file, scale, H5P_DEFAULT);
+  int failed = H5DSattach_scale(dataset, of, dimension) < 0;
+  H5Dclose(of);
+  return failed;
+}
+
+enum { WIDTH = NSDAE_NAME_SIZE };
+
+static void name_of(const nsdae_system *system, int kind, int i, char text[WIDTH])
+{
+  const char *name = nsdae_system_get_name(system, kind, i);
+  if (*name)
+    snprintf(text, WIDTH, "%s", name);
+  else
+    snprintf(text, WIDTH, "%c%d", kind == NSDAE_NAME_COORDINATE ? 'q' : 'v', i);
+}
+
+static void unit_of(const nsdae_system *system, int kind, int i, char text[WIDTH])
+{
+  snprintf(text, WIDTH, "%s", nsdae_system_get_unit(system, kind, i));
+}
+
+/* A text for each of n coordinates or velocities. */
+static int make_list(hid_t file, const char *path, int kind, int n, const nsdae_system *system,
+                     void (*write)(const nsdae_system *, int, int, char *))
+{
   char *texts = calloc((size_t)n, WIDTH);
   if (!texts) return 1;
-  for (int i = 0; i < n; i++) {
-    const char *name = nsdae_system_get_name(system, kind, i);
-    if (*name)
-      snprintf(texts + (size_t)i * WIDTH, WIDTH, "%s", name);
-    else
-      snprintf(texts + (size_t)i * WIDTH, WIDTH, "%c%d", letter, i);
-  }
+  for (int i = 0; i < n; i++) write(system, kind, i, texts + (size_t)i * WIDTH);
   int failed = make_texts(file, path, (hsize_t)n, texts, WIDTH);
   free(texts);
-  hid_t made = H5Dopen2(file, path, H5P_DEFAULT);
+  return failed;
+}
+
+/* A scale of names, and a list of their units beside it. */
+static int make_names(hid_t file, const char *path, const char *unit_path, int kind, int n,
+                      const nsdae_system *system)
+{
+  int failed = make_list(file, path, kind, n, system, name_of) ||
+               make_list(file, unit_path, kind, n, system, unit_of);
+  hid_t made = H5Dopen2(file, path, H5P_DEFAULT), units = H5Dopen2(file, unit_path, H5P_DEFAULT);
   failed |= describe(made, "", "names") | (H5DSset_scale(made, path + 1) < 0);
+  failed |= describe(units, "", "units of these") | (H5DSattach_scale(units, made, 0) < 0);
+  H5Dclose(units);
   H5Dclose(made);
   return failed;
 }
 
-static int make_axes(hid_t file, const sweep_plan *plan)
+/* The unit of a parameter of the model or of an option. */
+static const char *unit_of_parameter(const table_about *about, const char *name)
+{
+  const nsdae_param *p = nsdae_params_find(about->parameters, name);
+  if (!p) p = nsdae_params_find(nsdae_sim_options_table(), name);
+  return p ? p->unit : "";
+}
+
+static int make_axes(hid_t file, const sweep_plan *plan, const table_about *about)
 {
   char path[PLAN_NAME_SIZE + 8];
   int failed = 0;
   for (int i = 0; i < plan->parameters; i++) {
     const plan_parameter *p = &plan->parameter[i];
     snprintf(path, sizeof path, "/grid/%s", p->name);
-    failed |= make_scale(file, path, (hsize_t)plan->length[p->dimension], p->value, "",
+    failed |= make_scale(file, path, (hsize_t)plan->length[p->dimension], p->value,
+                         unit_of_parameter(about, p->name),
                          p->drawn ? "values drawn at random" : "values");
   }
-  return failed;
-}
-
-static int attach(hid_t file, hid_t dataset, const char *scale, unsigned dimension)
-{
-  hid_t of = H5Dopen2(file, scale, H5P_DEFAULT);
-  int failed = H5DSattach_scale(dataset, of, dimension) < 0;
-  H5Dclose(of);
   return failed;
 }
 
@@ -204,11 +234,11 @@ static int make_root(hid_t file, const table_about *about)
 
 static int fill_file(hid_t file, const sweep_table *t, const table_about *about)
 {
-  int failed =
-      make_root(file, about) || make_axes(file, t->plan) ||
-      make_names(file, "/coordinate", NSDAE_NAME_COORDINATE, t->keep->dims.nq, 'q',
-                 about->system) ||
-      make_names(file, "/velocity", NSDAE_NAME_VELOCITY, t->keep->dims.nv, 'v', about->system);
+  int failed = make_root(file, about) || make_axes(file, t->plan, about) ||
+               make_names(file, "/coordinate", "/coordinate_unit", NSDAE_NAME_COORDINATE,
+                          t->keep->dims.nq, about->system) ||
+               make_names(file, "/velocity", "/velocity_unit", NSDAE_NAME_VELOCITY,
+                          t->keep->dims.nv, about->system);
   for (int i = 0; i < t->keep->columns && !failed; i++)
     failed = make_column(file, t->plan, &t->keep->column[i]);
   return failed || make_status(file, t->plan);

@@ -14,8 +14,9 @@ enum { TABLE_REASON_SIZE = 160, TABLE_NOT_DONE = 1 };
 /* What the file says of itself. */
 typedef struct table_about {
   const char *model, *method;
-  const char *setting;        /* all that the results depend on, as text: lines "key=value" */
-  const nsdae_system *system; /* for names */
+  const char *setting;            /* all that the results depend on, as text: lines "key=value" */
+  const nsdae_system *system;     /* for names and units */
+  const nsdae_params *parameters; /* of the model, for units */
 } table_about;
 
 /* A run that failed. */

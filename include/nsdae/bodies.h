@@ -48,9 +48,12 @@ typedef struct nsdae_rigid_body {
  *   POINT
  *   DISC      planar: radius; hollow: the solid is outside of the circle
  *   SEGMENT   planar: from (-length[0]/2, 0) to (length[0]/2, 0); radius > 0: rounded to both
- * sides, 0: solid below (its own y < 0) POLYGON   planar: its corners, anticlockwise SPHERE
- * spatial: radius CAPSULE   spatial: radius; length[2] between its centres, along its own z BOX
- * spatial: edges length[0..2] PLANE     solid below: y <= 0 in the plane, z <= 0 in space */
+ *             sides, 0: solid below (its own y < 0)
+ *   POLYGON   planar: its corners, anticlockwise
+ *   SPHERE    spatial: radius
+ *   CAPSULE   spatial: radius; length[2] between its centres, along its own z
+ *   BOX       spatial: edges length[0..2]
+ *   PLANE     solid below: y <= 0 in the plane, z <= 0 in space */
 typedef struct nsdae_solid {
   int shape;            /* enum nsdae_shape, but for PATH */
   double radius;        /* >= 0 [m] */

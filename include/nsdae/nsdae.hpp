@@ -767,16 +767,16 @@ public:
     return detail::attempt([&] { return nsdae_sim_init(c(), t0, q0, v0); });
   }
   /* q0 [nq], v0 [nv]: std::vector, std::array, or whatever has data() and size(). */
-  template <class Q, class V> int init(double t0, const Q &q0, const V &v0)
+  template <class Q, class V> void init(double t0, const Q &q0, const V &v0)
   {
     const nsdae_dims size = dims();
     const double *q = detail::sized(q0, size.nq, "q0"), *v = detail::sized(v0, size.nv, "v0");
-    return detail::demand_run(try_init(t0, q, v), last_error());
+    detail::demand_run(try_init(t0, q, v), last_error());
   }
   /* The same of lists: sim.init(0, {1, 2}, {0, 0}). */
-  int init(double t0, const std::vector<double> &q0, const std::vector<double> &v0)
+  void init(double t0, const std::vector<double> &q0, const std::vector<double> &v0)
   {
-    return init<std::vector<double>, std::vector<double>>(t0, q0, v0);
+    init<std::vector<double>, std::vector<double>>(t0, q0, v0);
   }
 
   /* f(const nsdae_record &): returns nothing, or 0 to go on, > 0 to stop, < 0 to fail. */

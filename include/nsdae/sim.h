@@ -185,12 +185,12 @@ typedef struct nsdae_stats {
   double energy_start;      /* kinetic + potential at the start [J] */
   double energy_balance; /* energy now + dissipated - energy_start [J]; forces that are not in the
                             potential do their work here */
-  int warnings; /* 1: energy, 2: penetration, 4: drift, 8: directions; see NSDAE_WARN_ENERGY etc. */
-  double wall_time;     /* spent in nsdae_sim_run and nsdae_sim_step [s] */
-  int contact_capacity; /* room in a list of contacts, which grows between steps */
-  int contact_growths;  /* how often it grew */
-  int islands;          /* parts of the last step that contacts and constraints join */
-  int island_contacts;  /* contacts of the largest of them */
+  int warnings;          /* 1: energy, 2: penetration, 4: drift; see NSDAE_WARN_ENERGY etc. */
+  double wall_time;      /* spent in nsdae_sim_run and nsdae_sim_step [s] */
+  int contact_capacity;  /* room in a list of contacts, which grows between steps */
+  int contact_growths;   /* how often it grew */
+  int islands;           /* parts of the last step that contacts and constraints join */
+  int island_contacts;   /* contacts of the largest of them */
 } nsdae_stats;
 
 /* Makes a simulation; this is where memory is allocated, once. The system must be complete, and is
@@ -220,11 +220,9 @@ NSDAE_API int nsdae_sim_project(nsdae_sim *sim, double t0, double *q0, double *v
  * callback is called alone, once or twice: NSDAE_E_CALLBACK where it writes beyond its array, or
  * leaves an entry of Phi, g_N, dq/dt or U out. Given derivatives of Phi and g_N are compared with
  * differences, with v = 0 and along two trial velocities (a few calls, whatever the size):
- * NSDAE_E_DERIVATIVE where one is grossly wrong, as by a sign. NSDAE_WARN_DIRECTIONS: started, but
- * directions of friction are not those of the gap, as far as that and M tell (scaled ones, arms
- * that are left out, gaps in other units; the error record says which); the first step or run says
- * it again. None of these where start_check is 0. nsdae_system_check looks closer. May be called
- * again to start anew. The observers see the start as step 0, at the first step or run. */
+ * NSDAE_E_DERIVATIVE where one is grossly wrong, as by a sign. None of these where start_check is
+ * 0. nsdae_system_check looks closer. May be called again to start anew. The observers see the
+ * start as step 0, at the first step or run. */
 NSDAE_API int nsdae_sim_init(nsdae_sim *sim, double t0, const double *q0, const double *v0);
 
 /* Adds an observer, at most NSDAE_OBSERVERS_MAX; they are called in this order. */
@@ -240,8 +238,8 @@ NSDAE_API int nsdae_sim_set_interrupt(nsdae_sim *sim, nsdae_interrupt_fn asked, 
 /* One step of dt. NSDAE_OK; NSDAE_EVENT when there was an impact in it, or with method event a
  * change of contact mode; NSDAE_ZENO when event closed an accumulation of impacts in it;
  * NSDAE_WARN_ENERGY, _PENETRATION or _DRIFT, once each, where these exceed what the method explains
- * (the error record says by how much; bounds in docs/methods/warnings.md), _DIRECTIONS of the
- * start; NSDAE_STOPPED; < 0: the step was not done and the state is the one before it. */
+ * (the error record says by how much; bounds in docs/methods/warnings.md);
+ * NSDAE_STOPPED; < 0: the step was not done and the state is the one before it. */
 NSDAE_API int nsdae_sim_step(nsdae_sim *sim);
 /* The same, but back after the first step in which nsdae_sim_step would return NSDAE_EVENT or
  * NSDAE_ZENO, with that status. */

@@ -19,7 +19,6 @@ extern "C" {
   X(NSDAE_WARN_ENERGY, 5, "more energy was gained than the method explains")       \
   X(NSDAE_WARN_PENETRATION, 6, "bodies overlap more than the method explains")     \
   X(NSDAE_WARN_DRIFT, 7, "constraints are violated more than the method explains") \
-  X(NSDAE_WARN_DIRECTIONS, 8, "directions of contacts are not those of the gap")   \
   X(NSDAE_E_MEMORY, -1, "out of memory")                                           \
   X(NSDAE_E_ARGUMENT, -2, "an argument is missing or out of its range")            \
   X(NSDAE_E_OPTION, -3, "unknown option or parameter")                             \

@@ -247,7 +247,8 @@ typedef struct nsdae_check {
  * or, on two bodies that touch each other, not opposite. Differences are good to about 1e-7 where
  * the values are of order one: tol of 1e-5 is a fair bound. Of a system of blocks the rows of Phi_q
  * are compared entry by entry, the gaps of contacts listed nearby by their rates along two trial
- * velocities (row is the place in the list). What cannot be seen says nsdae_system_unseen, and
+ * velocities (row is the place in the list). Velocities whose units are named and differ are not
+ * taken for the translations of one body. What cannot be seen says nsdae_system_unseen, and
  * what is doubtful: in the plane, an arm of W_T about which a turn would open the gap, or whose
  * sign is not that of the body's other contacts; in space, of a body with a quaternion, arms that
  * are not r x t of the point whose r x n the gap has, or about which a turn would open the gap.

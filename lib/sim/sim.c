@@ -17,9 +17,6 @@ static void layout(void *object, nsdae_arena *arena)
   nsdae_stepper_layout(&sim->stepper, arena);
   for (int i = 0; i < (sim->aside ? 3 : 2); i++) nsdae_point_layout(&sim->point[i], arena);
   nsdae_projector_layout(&sim->projection, arena);
-  sim->directions.differences = &sim->stepper.differences;
-  if (sim->model.call.gap_tangent && !sim->model.by_list)
-    nsdae_directions_layout(&sim->directions, arena);
   size_t size = nsdae_probe_size(&sim->model), start = nsdae_start_size(&sim->model.dims),
          watch = 2 * (size_t)sim->model.dims.nv;
   if (size < start) size = start;
@@ -262,19 +259,13 @@ int nsdae_sim_init(nsdae_sim *sim, double t0, const double *q0, const double *v0
   if (status == NSDAE_OK) status = probe_callbacks(sim, t0, q0, v0);
   while (status == NSDAE_OK && (status = start_at(sim, t0, q0, v0)) == NSDAE_GROW)
     status = nsdae_sim_grow(sim);
-  if (status == NSDAE_OK)
-    status = nsdae_start_doubt(&sim->directions, &sim->options, &sim->next->result.end);
   if (status < 0) return status;
   sim->stage.warning.status = NSDAE_OK;
-  if (status > 0) {
-    sim->stage.warning = sim->error;
-    sim->next->accounts.stats.warnings |= NSDAE_WATCH_DIRECTIONS;
-  }
   nsdae_sim_commit(sim);
   sim->wall_time = 0;
   sim->observers.turn = sim->observers.stop = sim->stage.told = 0;
   sim->stage.started = 1;
-  return status;
+  return NSDAE_OK;
 }
 
 int nsdae_sim_set_interrupt(nsdae_sim *sim, nsdae_interrupt_fn asked, void *user)

@@ -4,7 +4,6 @@
 
 #include <nsdae/sim.h>
 
-#include "directions.h"
 #include "methods.h"
 #include "projection.h"
 #include "stepper.h"
@@ -53,7 +52,7 @@ typedef struct nsdae_stage {
   int waiting;         /* next is whole, and is the state as soon as the observers have seen it */
   int failed;          /* the last step ended on the complementarity problem of next */
   double asked;        /* the time that the step in next was asked for */
-  nsdae_error warning; /* of the last step, or of the start, to be said when it is done */
+  nsdae_error warning; /* of the last step, to be said when it is done */
 } nsdae_stage;
 
 /* Room in every list. */
@@ -73,11 +72,10 @@ struct nsdae_sim {
   const nsdae_stepping *method;
   void *own; /* the method's */
   nsdae_projector projection;
-  nsdae_directions directions; /* where there is friction and no list */
-  double *probe;               /* at the start: callbacks alone, accelerations, what is watched */
-  nsdae_point point[3];        /* those below */
-  nsdae_point *now, *next;     /* the state; a step in work, or the step before the state */
-  nsdae_point *aside;          /* a third, for what is between two, where the method integrates */
+  double *probe;           /* at the start: callbacks alone, accelerations, what is watched */
+  nsdae_point point[3];    /* those below */
+  nsdae_point *now, *next; /* the state; a step in work, or the step before the state */
+  nsdae_point *aside;      /* a third, for what is between two, where the method integrates */
   nsdae_stage stage;
   nsdae_observers observers;
   double wall_time;

@@ -383,23 +383,6 @@ int nsdae_start_check(nsdae_projector *p, const nsdae_terms *T, double *work)
   return status < 0 ? status : check_derivatives(p, T, work);
 }
 
-/* What a callback refuses near the start is no doubt. Impulses of penalty are of gaps that are
- * lengths with and without friction. */
-int nsdae_start_doubt(nsdae_directions *d, const nsdae_sim_options *o, const nsdae_terms *T)
-{
-  const double tol = 1e-6;
-  char text[sizeof T->error->text - sizeof " (start_check = no takes it)"] = "";
-  if (!d->M || !o->start_check || fabs(T->t) > 1e4) return NSDAE_OK;
-  d->any = o->method == NSDAE_METHOD_PENALTY;
-  int code = nsdae_directions_look(d, T->t, T->q, tol, text, sizeof text);
-  if (code < 0) return nsdae_system_callback_status(code, d->callback, T->t, T->error);
-  if (code > 0 || !*text) return NSDAE_OK;
-  nsdae_error_set(T->error, NSDAE_WARN_DIRECTIONS, "nsdae_sim_init", "gap_tangent",
-                  "%s (start_check = no takes it)", text);
-  T->error->time = T->t;
-  return NSDAE_WARN_DIRECTIONS;
-}
-
 /* ---- putting one right, beside the state of the simulation */
 
 typedef struct bench {

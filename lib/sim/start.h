@@ -2,18 +2,12 @@
 #ifndef NSDAE_SIM_START_H
 #define NSDAE_SIM_START_H
 
-#include "directions.h"
 #include "projection.h"
 
 /* Whether the terms' point may be a start: NSDAE_OK, or NSDAE_E_ARGUMENT naming the row, its value
  * and its bound, NSDAE_E_DERIVATIVE where derivatives are grossly wrong. The terms and the groups
  * of unit length are those of the start; work has nsdae_start_size numbers. */
 int nsdae_start_check(nsdae_projector *projection, const nsdae_terms *start, double *work);
-
-/* Directions of contacts near the start: NSDAE_OK, or NSDAE_WARN_DIRECTIONS with what is doubtful
- * about them as the error record. directions is not laid out where there are none. */
-int nsdae_start_doubt(nsdae_directions *directions, const nsdae_sim_options *options,
-                      const nsdae_terms *start);
 
 /* Numbers that the check works on: accelerations of contacts and slides, given and differenced. */
 size_t nsdae_start_size(const nsdae_dims *dims);

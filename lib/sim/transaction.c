@@ -130,11 +130,8 @@ static int prepare(nsdae_sim *sim, double t1)
     sim->now->result.end.have = have; /* what a dropped step evaluated is not counted either */
     return status;
   }
-  /* the first step says what is to be said of the start */
-  if (sim->now->accounts.step > 0 || sim->stage.warning.status <= 0) {
-    sim->stage.warning.status = NSDAE_OK;
-    if (status > 0) sim->stage.warning = sim->error; /* which observers clear */
-  }
+  sim->stage.warning.status = NSDAE_OK;
+  if (status > 0) sim->stage.warning = sim->error; /* which observers clear */
   sim->next->accounts.grid_count += sim->next->result.end.t >= t1;
   sim->stage.asked = t1;
   sim->observers.turn = sim->observers.stop = 0;

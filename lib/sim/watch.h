@@ -36,12 +36,7 @@
 #define NSDAE_WATCH_H
 
 /* Bits of nsdae_stats.warnings, in the order in which they are said. */
-enum {
-  NSDAE_WATCH_ENERGY = 1,
-  NSDAE_WATCH_PENETRATION = 2,
-  NSDAE_WATCH_DRIFT = 4,
-  NSDAE_WATCH_DIRECTIONS = 8 /* of the start */
-};
+enum { NSDAE_WATCH_ENERGY = 1, NSDAE_WATCH_PENETRATION = 2, NSDAE_WATCH_DRIFT = 4 };
 
 /* What is kept of the run so far: doubles alone, see block.c. */
 typedef struct nsdae_watch {

@@ -20,18 +20,27 @@ static nsdae_contact_directions one(const nsdae_arms *arms, int i)
 int nsdae_arms_bend(nsdae_arms *arms, int i, double *bend)
 {
   const nsdae_system *s = arms->all.system;
-  double *second = arms->bend, *sum = arms->bend + s->dims.k;
   static const double weight[] = {0.5, 0.5, -1}, times[] = {1, -1, 0};
-  memset(sum, 0, (size_t)s->dims.k * sizeof *sum);
+  double *second = arms->bend, *v = arms->bend + s->dims.k;
+  *bend = 0;
   for (int part = 0; part < 3; part++) {
-    for (int j = 0; j < arms->all.nv; j++) arms->v[j] *= times[part];
+    for (int j = 0; j < arms->all.nv; j++) v[j] = times[part] * arms->v[j];
     int code = nsdae_differences_second(arms->differences, s->call.gap, s->dims.k, arms->t, arms->q,
-                                        arms->v, second);
+                                        v, second);
     if (code) return code;
-    sum[i] += weight[part] * second[i];
+    *bend += weight[part] * second[i];
   }
-  *bend = sum[i];
   return 0;
+}
+
+int nsdae_arms_bends(nsdae_arms *arms, int i, double bend, double tol, int *bends)
+{
+  double finer = NAN;
+  arms->differences->finer = 1;
+  int code = nsdae_arms_bend(arms, i, &finer);
+  arms->differences->finer = 0;
+  *bends = fabs(finer - bend) <= tol;
+  return code;
 }
 
 /* v = e_j - a n - b t, of the translations of velocity `of`. */
@@ -59,29 +68,36 @@ typedef struct turning {
   double arm, normal;
 } turning;
 
+/* t . n at d->moved, t the translations of the direction here: the rate of gap i along them. */
+static int normal_along(nsdae_arms *arms, const nsdae_contact_directions *c, int i, int of,
+                        double tol, double *normal)
+{
+  nsdae_differences *d = arms->differences;
+  const nsdae_system *system = c->system;
+  double *along = arms->bend + system->dims.k;
+  for (int l = 0; l < c->nv; l++)
+    along[l] = nsdae_tangent_translates(c, of, l, tol) ? c->tangent[l] : 0;
+  int code = nsdae_differences_along(d, system->call.gap, system->dims.k, arms->t, d->moved, along,
+                                     arms->bend);
+  *normal = arms->bend[i];
+  return code;
+}
+
 /* Adds those of one side, of displacement and weight +-s. */
 static int add_side(nsdae_arms *arms, const nsdae_contact_directions *c, int i, int of, int j,
                     double s, double tol, turning *sum)
 {
   nsdae_differences *d = arms->differences;
   const nsdae_system *system = c->system;
-  int n = c->nv, k = system->dims.k;
-  size_t column = (size_t)i * (size_t)n, bytes = (size_t)n * (size_t)k * sizeof *d->W;
+  int n = c->nv;
+  double normal = 0;
   for (int l = 0; l < system->dims.nq; l++) d->moved[l] = arms->q[l] + s * arms->rate[l];
-  memset(d->W, 0, bytes);
+  memset(d->W, 0, (size_t)n * (size_t)system->dims.k * sizeof *d->W);
   int code = system->call.gap_tangent(arms->t, d->moved, d->W, n, system->user);
   if (code) d->failed = "gap_tangent";
-  sum->arm += d->W[column + (size_t)j] / (2 * s);
-  memset(d->W, 0, bytes);
-  if (!code && system->call.gap_normal) {
-    code = system->call.gap_normal(arms->t, d->moved, d->W, n, system->user);
-    if (code) d->failed = "gap_normal";
-  } else if (!code) {
-    code = nsdae_differences_velocity(d, system->call.gap, k, arms->t, d->moved, d->W, n, 1);
-  }
-  for (int l = 0; l < n; l++)
-    if (nsdae_tangent_translates(c, of, l, tol))
-      sum->normal += c->tangent[l] * d->W[column + (size_t)l] / (2 * s);
+  sum->arm += d->W[(size_t)i * (size_t)n + (size_t)j] / (2 * s);
+  if (!code) code = normal_along(arms, c, i, of, tol, &normal);
+  sum->normal += normal / (2 * s);
   return code;
 }
 
@@ -159,10 +175,16 @@ static int find_sense(const arm *x, double *s)
   return fabs(x->a) > 0.05 * (fabs(x->b) + fabs(x->bend)) && isfinite(*s);
 }
 
+/* What differences may be off. */
+static double small_of(const arm *x, double tol)
+{
+  return 100 * tol * (1 + fabs(x->bend));
+}
+
 static void judge(const nsdae_system *s, const arm *x, double tol, sense *seen, char *text,
                   size_t size)
 {
-  double small = 100 * tol * (1 + fabs(x->bend)), sign = 0, found;
+  double small = small_of(x, tol), sign = 0, found;
   if (!isfinite(x->bend) || moves_along(x, small)) return;
   if (x->bend > fabs(x->b) + small) {
     too_short(s, x, text, size);
@@ -181,12 +203,25 @@ static int doubt_one(nsdae_arms *arms, int i, int of, int j, double tol, sense *
                      size_t size)
 {
   const nsdae_contact_directions c = one(arms, i);
+  const sense before = *seen;
   arm x = {i, j, .a = c.normal[j], .b = c.tangent[j], .turns = turns(&c, of, tol)};
+  int bends = 1;
   turn_about(arms, &c, of, j, tol);
   int code = nsdae_arms_bend(arms, i, &x.bend);
   if (!code) code = find_turning(arms, &c, i, of, j, tol, &x.rate);
   if (!code) judge(c.system, &x, tol, seen, text, size);
+  if (!code && *text) code = nsdae_arms_bends(arms, i, x.bend, small_of(&x, tol), &bends);
+  if (bends) return code;
+  *text = '\0';
+  *seen = before;
   return code;
+}
+
+/* Whether velocity j may turn something, as far as its unit says. */
+static int may_turn(const nsdae_system *s, int j)
+{
+  const char *unit = nsdae_system_get_unit(s, NSDAE_NAME_VELOCITY, j);
+  return !*unit || strcmp(unit, "rad/s") == 0;
 }
 
 /* Whether contact i has to do with velocity j, which moves alone, beside the body that `of` moves,
@@ -194,6 +229,7 @@ static int doubt_one(nsdae_arms *arms, int i, int of, int j, double tol, sense *
 static int concerns(const nsdae_contact_directions *c, int i, int of, int j, double tol)
 {
   if (!(c->system->contact[i].mu > 0) || c->set[j] == NSDAE_TANGENT_COUPLED) return 0;
+  if (!may_turn(c->system, j)) return 0;
   if (c->normal[j] == 0 && c->other[j] == 0 && c->tangent[j] == 0) return 0;
   if (!nsdae_tangent_translates(c, of, of, tol) || nsdae_tangent_translates(c, of, j, tol))
     return 0;
@@ -205,6 +241,7 @@ int nsdae_arms_doubt(nsdae_arms *arms, double tol, char *text, size_t size)
   const nsdae_system *s = arms->all.system;
   int n = arms->all.nv, code = 0;
   *text = '\0';
+  if (s->call.contact_bias) return 0; /* what moves by itself has other second derivatives */
   for (int of = 0; of < n; of++)
     for (int j = 0; j < n && arms->all.set[of] == of; j++) {
       sense seen = {0};

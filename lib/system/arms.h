@@ -36,12 +36,16 @@ typedef struct nsdae_arms {
   nsdae_differences *differences;
   double t;
   const double *q;
-  double *v, *rate, *bend; /* work: nv, nq, 2 k */
+  double *v, *rate, *bend; /* work: nv, nq, k + nv */
 } nsdae_arms;
 
-/* v^T H v of contact i along arms->v: the even part of g'', without what moves by itself. v is used
- * up. A callback's code. */
+/* v^T H v of contact i along arms->v: the even part of g'', without what moves by itself. A
+ * callback's code. */
 int nsdae_arms_bend(nsdae_arms *arms, int i, double *bend);
+
+/* Whether differences of half the step give this bend too, to tol: where another edge or corner
+ * comes to touch within a step, or bodies overlap by more than one, they are no derivative. */
+int nsdae_arms_bends(nsdae_arms *arms, int i, double bend, double tol, int *bends);
 
 /* The first doubt as text of that size, "" where there is none; a callback's code. */
 int nsdae_arms_doubt(nsdae_arms *arms, double tol, char *text, size_t size);

@@ -17,13 +17,13 @@ void nsdae_directions_layout(nsdae_directions *d, nsdae_arena *arena)
   d->tangent = NSDAE_ARENA_DOUBLES(arena, n * k * dims->nt);
   d->mass = NSDAE_ARENA_DOUBLES(arena, n);
   d->place = NSDAE_ARENA_DOUBLES(arena, dims->nq);
-  d->from = NSDAE_ARENA_DOUBLES(arena, dims->nq);
+  d->q = NSDAE_ARENA_DOUBLES(arena, dims->nq);
   d->turn = NSDAE_ARENA_DOUBLES(arena, 3L * dims->nq);
   d->turns = NSDAE_ARENA_INTS(arena, dims->nv);
   d->set = NSDAE_ARENA_INTS(arena, dims->nv);
   d->arms.v = NSDAE_ARENA_DOUBLES(arena, n);
   d->arms.rate = NSDAE_ARENA_DOUBLES(arena, dims->nq);
-  d->arms.bend = NSDAE_ARENA_DOUBLES(arena, 2 * k);
+  d->arms.bend = NSDAE_ARENA_DOUBLES(arena, k + n);
 }
 
 static int failed(nsdae_directions *d, int code, const char *callback)
@@ -38,13 +38,13 @@ static int difference_failed(nsdae_directions *d, int code, const char *callback
   return failed(d, code, code && d->differences->failed ? d->differences->failed : callback);
 }
 
-/* place [nq]: a little from q along a motion, `away` times as far as usual. */
-static int leave(nsdae_directions *d, double t, const double *q, double away, double *place)
+/* place [nq]: a little from q along a motion. */
+static int leave(nsdae_directions *d, double t, const double *q)
 {
   const nsdae_system *s = d->differences->system;
-  for (int i = 0; i < s->dims.nv; i++) d->arms.v[i] = away * 0.1 / (2 + i);
-  int code = nsdae_kinematics(s, t, q, d->arms.v, place);
-  for (int i = 0; i < s->dims.nq; i++) place[i] += q[i];
+  for (int i = 0; i < s->dims.nv; i++) d->arms.v[i] = 0.1 / (2 + i);
+  int code = nsdae_kinematics(s, t, q, d->arms.v, d->place);
+  for (int i = 0; i < s->dims.nq; i++) d->place[i] += q[i];
   return failed(d, code, "kinematics");
 }
 
@@ -66,6 +66,21 @@ static int normals_at(nsdae_directions *d, double t, const double *q, double *W)
   return difference_failed(d, code, "gap");
 }
 
+/* Units that are given and differ are not of one body's translations. */
+static void part_units(nsdae_directions *d)
+{
+  const nsdae_system *s = d->differences->system;
+  for (int i = 0; i < s->dims.nv; i++) {
+    int of = d->set[i];
+    if (of < 0) continue;
+    const char *a = nsdae_system_get_unit(s, NSDAE_NAME_VELOCITY, of),
+               *b = nsdae_system_get_unit(s, NSDAE_NAME_VELOCITY, i);
+    if (*a && *b && strcmp(a, b) != 0)
+      for (int j = 0; j < s->dims.nv; j++)
+        if (d->set[j] == of) d->set[j] = NSDAE_TANGENT_ALONE;
+  }
+}
+
 /* A body's mass is what it is everywhere, and so is the inertia of one that turns in the plane. */
 static void find_sets(nsdae_directions *d)
 {
@@ -75,6 +90,7 @@ static void find_sets(nsdae_directions *d)
     if (!(fabs(*here - d->mass[i]) <= 1e-9 * fabs(*here))) *here = 0;
   }
   nsdae_tangent_sets(dims->nv, dims->nt, d->M, d->set);
+  part_units(d);
 }
 
 int nsdae_directions_at(nsdae_directions *d, double t, const double *q)
@@ -84,20 +100,23 @@ int nsdae_directions_at(nsdae_directions *d, double t, const double *q)
   d->arms = (nsdae_arms){{s, n, s->dims.nt, d->set, d->normal, d->other, d->tangent},
                          d->differences,
                          t,
-                         q,
+                         d->q,
                          d->arms.v,
                          d->arms.rate,
                          d->arms.bend};
-  int code = leave(d, t, q, 1, d->place);
-  if (!code) code = normals_at(d, t, q, d->normal);
+  memcpy(d->q, q, (size_t)s->dims.nq * sizeof *q);
+  int code =
+      failed(d, s->dims.nt == 2 ? nsdae_levers_unit(&d->arms, d->turn, d->q) : 0, "kinematics");
+  if (!code) code = leave(d, t, d->q);
+  if (!code) code = normals_at(d, t, d->q, d->normal);
   if (!code) code = normals_at(d, t, d->place, d->other);
   if (!code) code = mass_at(d, t, d->place);
   for (int i = 0; i < n && !code; i++) d->mass[i] = d->M[i * (n + 1)];
-  if (!code) code = mass_at(d, t, q);
+  if (!code) code = mass_at(d, t, d->q);
   if (code) return code;
   find_sets(d);
   memset(d->tangent, 0, (size_t)n * (size_t)columns * sizeof *d->tangent);
-  return failed(d, s->call.gap_tangent(t, q, d->tangent, n, s->user), "gap_tangent");
+  return failed(d, s->call.gap_tangent(t, d->q, d->tangent, n, s->user), "gap_tangent");
 }
 
 static nsdae_contact_directions one(const nsdae_directions *d, int i)
@@ -108,11 +127,6 @@ static nsdae_contact_directions one(const nsdae_directions *d, int i)
   c.other += column;
   c.tangent += column * (size_t)c.nt;
   return c;
-}
-
-static int looked_at(const nsdae_directions *d, int i)
-{
-  return d->any || d->differences->system->contact[i].mu > 0;
 }
 
 int nsdae_directions_wrong(const nsdae_directions *d, double tol, char why[NSDAE_TANGENT_TEXT])
@@ -132,7 +146,7 @@ static void doubt_gap(const nsdae_directions *d, int i, double tol, char *text, 
 {
   char why[NSDAE_TANGENT_TEXT], called[NSDAE_CALLED_SIZE];
   const nsdae_contact_directions c = one(d, i);
-  if (looked_at(d, i) && nsdae_gap_scaled(&c, tol, why))
+  if (c.system->contact[i].mu > 0 && nsdae_gap_scaled(&c, tol, why))
     snprintf(text, size, "gap: that of %s %s",
              nsdae_system_called(c.system, NSDAE_NAME_CONTACT, i, called), why);
 }
@@ -144,40 +158,4 @@ int nsdae_directions_doubt(nsdae_directions *d, double tol, char *text, size_t s
                            : nsdae_levers_doubt(&d->arms, d->turn, d->turns, tol, text, size);
   for (int i = 0; i < dims->k && code == 0 && !*text; i++) doubt_gap(d, i, tol, text, size);
   return difference_failed(d, code, "gap");
-}
-
-static int all_finite(const nsdae_directions *d)
-{
-  const nsdae_dims *dims = &d->differences->system->dims;
-  int n = dims->nv * dims->k;
-  double sum = 0;
-  for (int i = 0; i < n; i++) sum += d->normal[i] + d->other[i];
-  for (int i = 0; i < n * dims->nt; i++) sum += d->tangent[i];
-  return isfinite(sum);
-}
-
-/* At one place. */
-static int look_once(nsdae_directions *d, double t, const double *q, double away, double tol,
-                     char *text, size_t size)
-{
-  const nsdae_system *s = d->differences->system;
-  char why[NSDAE_TANGENT_TEXT], called[NSDAE_CALLED_SIZE];
-  *text = '\0';
-  int code = leave(d, t, q, away, d->from);
-  if (!code) code = nsdae_directions_at(d, t, d->from);
-  if (code || !all_finite(d)) return code; /* the end of where it is defined */
-  int column = nsdae_directions_wrong(d, tol, why);
-  if (column < 0) return nsdae_directions_doubt(d, tol, text, size);
-  snprintf(text, size, "gap_tangent: column %d (%s) %s", column,
-           nsdae_system_called(s, NSDAE_NAME_CONTACT, column / s->dims.nt, called), why);
-  return 0;
-}
-
-/* What bends or jumps at one place, as where another corner comes to touch, is not wrong. */
-int nsdae_directions_look(nsdae_directions *d, double t, const double *q, double tol, char *text,
-                          size_t size)
-{
-  int code = look_once(d, t, q, -0.6, tol, text, size);
-  if (!code && *text) code = look_once(d, t, q, 1, tol, text, size);
-  return code;
 }

@@ -7,10 +7,9 @@
 
 typedef struct nsdae_directions {
   nsdae_differences *differences; /* whose system it is; set before */
-  int any;                        /* gaps of contacts without friction are to be lengths, too */
   nsdae_arms arms;
   double *M, *normal, *other, *tangent; /* nv x nv, nv x k, nv x k, nv x k nt */
-  double *mass, *place, *from;          /* nv: of M elsewhere; nq: elsewhere, and where from */
+  double *mass, *place, *q;             /* nv: of M elsewhere; nq: elsewhere, and here */
   double *turn;                         /* 3 nq */
   int *turns, *set;                     /* nv */
   const char *callback;                 /* the one that failed */
@@ -30,10 +29,5 @@ int nsdae_directions_wrong(const nsdae_directions *directions, double tol,
 /* The first doubt, of arms and of gaps that are no lengths, as text; "": none. A callback's code.
  */
 int nsdae_directions_doubt(nsdae_directions *directions, double tol, char *text, size_t size);
-
-/* Whether both of two places near (t, q), which are nothing special, show the same that is wrong or
- * doubtful, as text; "": nothing. A callback's code. */
-int nsdae_directions_look(nsdae_directions *directions, double t, const double *q, double tol,
-                          char *text, size_t size);
 
 #endif

@@ -48,11 +48,12 @@ static int four_of(int nq, const double *H, int at[4])
   return count == 4;
 }
 
-/* Whether velocities j, j + 1, j + 2 turn a body; a callback's code is kept. */
-static int read_turner(const nsdae_arms *arms, int j, double *H, turner *t, int *code)
+/* Whether velocities j, j + 1, j + 2 turn a body, and the coordinates that they move; a callback's
+ * code is kept. */
+static int find_turned(const nsdae_arms *arms, int j, double *H, int at[4], int *code)
 {
   const nsdae_system *s = arms->all.system;
-  int nq = s->dims.nq, at[4];
+  int nq = s->dims.nq;
   double column[4][4]; /* of 2 H, and e */
   for (int l = 0; l < 3 && *code == 0; l++) {
     memset(arms->v, 0, (size_t)s->dims.nv * sizeof *arms->v);
@@ -71,9 +72,30 @@ static int read_turner(const nsdae_arms *arms, int j, double *H, turner *t, int 
     for (int l = 0; l < 4; l++)
       if (!(fabs(nsdae_dot(4, column[k], column[l]) - (k == l ? size : 0)) <= 1e-9 * size))
         return 0;
-  t->first = j;
-  if (size > 0) find_frames(column[3], t);
   return size > 0;
+}
+
+static int read_turner(const nsdae_arms *arms, int j, double *H, turner *t, int *code)
+{
+  int at[4];
+  if (!find_turned(arms, j, H, at, code)) return 0;
+  const double e[4] = {arms->q[at[0]], arms->q[at[1]], arms->q[at[2]], arms->q[at[3]]};
+  t->first = j;
+  find_frames(e, t);
+  return 1;
+}
+
+int nsdae_levers_unit(const nsdae_arms *arms, double *H, double *q)
+{
+  const nsdae_dims *d = &arms->all.system->dims;
+  int at[4], code = 0;
+  for (int j = 0; j + 2 < d->nv && d->nq > d->nv && code == 0; j++) {
+    if (!find_turned(arms, j, H, at, &code)) continue;
+    double sum = 0;
+    for (int i = 0; i < 4; i++) sum += q[at[i]] * q[at[i]];
+    for (int i = 0; i < 4; i++) q[at[i]] /= sqrt(sum);
+  }
+  return code;
 }
 
 static nsdae_contact_directions one(const nsdae_arms *arms, int i)
@@ -160,11 +182,10 @@ static double read_radius(const lever *l, double r[3])
   return most / (1 + nsdae_largest(3, r));
 }
 
-/* How much more a turn about the contact along direction j opens the gap than r lets it. */
-static int find_excess(nsdae_arms *arms, const lever *l, const double r[3], int j, double tol,
-                       double *excess)
+/* A turn about the contact along direction j, into arms->v. */
+static void turn_about(nsdae_arms *arms, const lever *l, int j, double tol)
 {
-  double w[3] = {0}, bend;
+  double w[3] = {0};
   for (int k = 0; k < 3; k++)
     for (int i = 0; i < 3; i++) w[k] += l->C[i][k] * l->along[j][i];
   const nsdae_contact_directions c = one(arms, l->contact);
@@ -174,9 +195,17 @@ static int find_excess(nsdae_arms *arms, const lever *l, const double r[3], int 
       if (nsdae_tangent_translates(&c, l->of, i, tol))
         arms->v[i] -= nsdae_dot(3, l->about[k], w) * column_of(&c, k)[i];
   memcpy(arms->v + l->first, w, sizeof w);
+}
+
+/* Whether such a turn opens the gap more than r lets it. */
+static int find_excess(nsdae_arms *arms, const lever *l, const double r[3], int j, double tol,
+                       int *any)
+{
+  double small = 100 * tol * (1 + nsdae_largest(3, r)), bend;
+  turn_about(arms, l, j, tol);
   int code = nsdae_arms_bend(arms, l->contact, &bend);
-  *excess = bend + nsdae_dot(3, r, l->along[0]);
-  return code;
+  *any = bend + nsdae_dot(3, r, l->along[0]) > small;
+  return code || !*any ? code : nsdae_arms_bends(arms, l->contact, bend, small, any);
 }
 
 static int doubt_sense(nsdae_arms *arms, const lever *l, const double r[3], double tol, char *text,
@@ -184,10 +213,10 @@ static int doubt_sense(nsdae_arms *arms, const lever *l, const double r[3], doub
 {
   char contact[NSDAE_CALLED_SIZE], velocity[NSDAE_CALLED_SIZE];
   for (int j = 1; j < 3; j++) {
-    double excess;
-    int code = find_excess(arms, l, r, j, tol, &excess);
+    int any;
+    int code = find_excess(arms, l, r, j, tol, &any);
     if (code) return code;
-    if (!(excess > 100 * tol * (1 + nsdae_largest(3, r)))) continue;
+    if (!any) continue;
     snprintf(
         text, size,
         "gap_tangent: the signs of its arms of %s along %s and the two after it, if those turn "

@@ -20,6 +20,11 @@
 
 #include "arms.h"
 
+/* Brings the quaternions in q, which is arms->q, to length one: for others R(e) need be no
+ * rotation.
+ */
+int nsdae_levers_unit(const nsdae_arms *arms, double *H, double *q);
+
 /* As nsdae_arms_doubt, where nt = 2; H [3 nq] and turns [nv] are work. */
 int nsdae_levers_doubt(nsdae_arms *arms, double *H, int *turns, double tol, char *text,
                        size_t size);

@@ -191,6 +191,17 @@ int nsdae_tangent_wrong(const nsdae_contact_directions *c, int j, double tol,
   return 0;
 }
 
+/* Directions as long as the normal: a gap and its W_T that are scaled alike are the same contact,
+ * with other impulses. */
+static int scaled_alike(const directions *c, int of, double length, double tol)
+{
+  for (int j = 0; j < c->nt; j++) {
+    const double *t = c->tangent + (size_t)j * (size_t)c->nv;
+    if (fabs(sqrt(along(c, of, t, t)) - length) > tol * length) return 0;
+  }
+  return 1;
+}
+
 int nsdae_gap_scaled(const directions *c, double tol, char why[NSDAE_TANGENT_TEXT])
 {
   char called[NSDAE_CALLED_SIZE];
@@ -201,7 +212,7 @@ int nsdae_gap_scaled(const directions *c, double tol, char why[NSDAE_TANGENT_TEX
     double here = sqrt(along(c, of, c->normal, c->normal));
     double there = sqrt(along(c, of, c->other, c->other));
     if (!(here > tol) || !(fabs(here - there) <= tol * here)) continue;
-    if (fabs(here - 1) <= tol) continue;
+    if (fabs(here - 1) <= tol || scaled_alike(c, of, here, tol)) continue;
     return snprintf(why, NSDAE_TANGENT_TEXT,
                     "has a gradient of length %.6g along the velocities that move as %s does, here "
                     "and elsewhere: if they are of one body a distance has 1",

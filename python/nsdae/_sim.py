@@ -43,8 +43,7 @@ class Sim:
         self._core = _core.Sim(system._core, _texts(options))
 
     def init(self, q0: Any, v0: Any = None, t0: float = 0) -> Status:
-        """Starts at t0 with q0 [nq] and v0 [nv] (default: at rest), which must satisfy the constraints: OK, or
-        WARN_DIRECTIONS (the first step or run says it again)."""
+        """Starts at t0 with q0 [nq] and v0 [nv] (default: at rest), which must satisfy the constraints."""
         return Status(self._core.init(float(t0), *self._start(q0, v0)))
 
     def _start(self, q0: Any, v0: Any) -> tuple[np.ndarray, np.ndarray]:
@@ -144,14 +143,15 @@ class Sim:
         self._told(self._core.set_state, block)
 
     def record_run(self, t_end: float, every: int = 1, *, model: str = "", parameters: dict[str, Any] | None = None,
-                   shapes: list[Shape] | None = None) -> Trajectory:
+                   shapes: list[Shape] | None = None, stacklevel: int = 2) -> Trajectory:
         """Steps to t_end and returns the records: the first one now, each every-th step, and the last.
-        Warns (RunWarning) of what the method does not explain."""
+        Warns (RunWarning) of what the method does not explain, as said where this was called (stacklevel as that of
+        warnings.warn)."""
         status = "complete"
         try:
             self._core.record_run(float(t_end), every)
             if said := self._core.said():
-                warnings.warn(said, RunWarning, stacklevel=3)  # where solve() or its like was called
+                warnings.warn(said, RunWarning, stacklevel=stacklevel)
         except Error as error:
             self._complete(error)
             error.trajectory = self._trajectory("failed", model, parameters, shapes)
@@ -194,4 +194,4 @@ def solve(system: System | Bodies, t_end: float, q0: Any = None, v0: Any = None,
     if project:
         q0, v0 = sim.project(q0, v0, t0)
     sim.init(q0, v0, t0)
-    return sim.record_run(t_end, every, model=model, parameters=parameters, shapes=shapes)
+    return sim.record_run(t_end, every, model=model, parameters=parameters, shapes=shapes, stacklevel=3)

@@ -156,7 +156,7 @@ def test_files_of_the_program(tmp_path):
     assert np.array_equal(own["h0"], theirs["h0"]) and G == 9.81
     assert np.allclose(own["final/q"], theirs["final/q"], atol=1e-12)
     assert np.array_equal(own["statistics/impacts"], theirs["statistics/impacts"])
-    assert theirs.plot().axes[0].get_xlabel() == "h0"
+    assert theirs.plot().axes[0].get_xlabel() == "h0 [m]"
     assert "picture" in program("nsdae-plot", tmp_path / "p.h5", "-o", tmp_path / "p.png").stdout
 
 

@@ -111,7 +111,6 @@ contains
     call same('NSDAE_WARN_ENERGY', NSDAE_WARN_ENERGY)
     call same('NSDAE_WARN_PENETRATION', NSDAE_WARN_PENETRATION)
     call same('NSDAE_WARN_DRIFT', NSDAE_WARN_DRIFT)
-    call same('NSDAE_WARN_DIRECTIONS', NSDAE_WARN_DIRECTIONS)
   end subroutine
 
   subroutine constants()

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <nsdae/nsdae.h>
 #include <stdio.h>
+#include <string.h>
 
 enum mistake {
   CONTACT_OFF_BY_ONE = 1,
@@ -199,15 +200,14 @@ static nsdae_system *describe(int *w)
 static int check(nsdae_system *s, int w)
 {
   const double q[3] = {0.3, -0.4, 0.7}, v[3] = {0.5, 0.6, -0.8};
-  return w >= SIGN_OF_NORMAL && w <= NORMAL_AS_TANGENT ? nsdae_system_check(s, 0, q, v, 1e-5, NULL)
-                                                       : NSDAE_OK;
+  int checked = (w >= SIGN_OF_NORMAL && w <= NORMAL_AS_TANGENT) || w >= TANGENT_TWICE;
+  return checked ? nsdae_system_check(s, 0, q, v, 1e-5, NULL) : NSDAE_OK;
 }
 
 static int start(nsdae_sim *sim, int w)
 {
   const double theta = w == START_IN_THE_STOP ? -0.1 : 0.7, omega = w == VELOCITY_OFF;
-  const double y = w >= TANGENT_TWICE ? 1 : -cos(theta) / 2;
-  const double q0[3] = {sin(theta) / 2, y, w == DEGREES ? 40 : theta};
+  const double q0[3] = {sin(theta) / 2, -cos(theta) / 2, w == DEGREES ? 40 : theta};
   const double v0[3] = {0, 0, omega};
   return w == INIT_FORGOTTEN ? NSDAE_OK : nsdae_sim_init(sim, 0, q0, v0);
 }
@@ -240,9 +240,12 @@ static void make(int w, int checked)
   int status = checked ? check(s, w) : NSDAE_OK;
   if (status < 0)
     error = *nsdae_system_error(s);
-  else
+  else if (w < ARM_LEFT_OUT)
     status = run(s, w, &error);
-  printf("%s: %s\n", nsdae_status_name(status), error.text);
+  if (w < ARM_LEFT_OUT)
+    printf("%s: %s\n", nsdae_status_name(status), error.text);
+  else
+    printf("doubted: %s\n", strrchr(nsdae_system_unseen(s), ';') + 2); /* the last of them */
   nsdae_system_destroy(&s);
 }
 

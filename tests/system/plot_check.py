@@ -51,13 +51,16 @@ def incline():
 def pendulum():
     axes = axes_of("pendulum")
     titles = [a.get_ylabel().replace("\n", " ") for a in axes]
-    for title in ("coordinates [m]", "coordinates [rad]", "velocities [m/s]", "velocities [rad/s]"):
+    for title in ("coordinates [m]", "coordinates [rad]", "velocities [m/s]", "velocities [rad/s]",
+                  "mean forces of constraints [N]"):
         expect("an axis for each unit", title in titles, f"lacks {title}: {titles}")
     expect("no forces where there are only impacts", "mean contact forces [N]" not in titles)
     with h5py.File(f"{sys.argv[2]}/pendulum.h5") as f:
         impulses, q = f["impact/normal_impulse"][...], f["q"][...]
         drift = f["certificate/constraint_drift"][...]
         energy = f["energy/kinetic"][...] + f["energy/potential"][...] - f["energy/potential"][0]
+    mean = lines(axes, "mean forces of constraints [N]")["pivot_y"][:, 1]
+    expect("no force before the first step", np.isnan(mean[0]) and np.isfinite(mean[1]))
     expect("coordinates", list(lines(axes, "coordinates [m]")) == ["x", "y"])
     expect("theta", np.array_equal(lines(axes, "coordinates [rad]")["theta"][:, 1], q[:, 2]))
     expect("impulses", np.array_equal(lines(axes, "impulses of impacts [N s]")["stop, normal"][:, 1], impulses))

@@ -15,6 +15,10 @@ def expect(what, holds):
         failures.append(what)
 
 
+def text(value):
+    return value.decode() if isinstance(value, bytes) else str(value)
+
+
 def scales(dataset):
     return [[s.name for s in d.values()] for d in dataset.dims]
 
@@ -24,6 +28,8 @@ def check_grid(grid, single):
     q = grid["final/q"]
     expect("shape", q.shape == (600, 2, 1) and h0[0] == 0.5 and h0[-1] == 2 and np.allclose(np.diff(h0), 1.5 / 599))
     expect("scales", scales(q) == [["/grid/h0"], ["/grid/e_N"], ["/coordinate"]])
+    units = [text(grid[f"grid/{name}"].attrs["units"]) for name in ("h0", "e_N")] + [text(u) for u in grid["coordinate_unit"]]
+    expect("units", units == ["m", "1", "m"] and [text(u) for u in grid["velocity_unit"]] == ["m/s"])
     expect("status", not grid["status"][...].any() and grid.attrs["status"] in (b"complete", "complete"))
     expect("the run by itself has the same end", q[-1, 0, 0] == single["q"][-1, 0] and
            grid["final/v"][-1, 0, 0] == single["v"][-1, 0])
