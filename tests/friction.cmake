@@ -1,5 +1,5 @@
 # Tests of the frictional contact problems.
-foreach(name contact kernels map)
+foreach(name contact kernels map sweeps)
   nsdae_unit_test(friction ${name})
 endforeach()
 

@@ -5,11 +5,16 @@
 #include <math.h>
 #include <stddef.h>
 
-static inline double nsdae_dot(int n, const double *a, const double *b)
+/* sum + a . b, in this order */
+static inline double nsdae_dot_from(double sum, int n, const double *a, const double *b)
 {
-  double sum = 0;
   for (int i = 0; i < n; i++) sum += a[i] * b[i];
   return sum;
+}
+
+static inline double nsdae_dot(int n, const double *a, const double *b)
+{
+  return nsdae_dot_from(0, n, a, b);
 }
 
 /* fmax of a number, most, and of what may be none; of two zeros the first. */
@@ -29,9 +34,12 @@ static inline double nsdae_largest(int n, const double *a)
 /* Whether all are finite: a finite sum has finite terms; where it overflows they are looked at. */
 static inline int nsdae_all_finite(size_t n, const double *a)
 {
-  double sum = 0;
-  for (size_t i = 0; i < n; i++) sum += a[i];
-  if (isfinite(sum)) return 1;
+  double sum[4] = {0}; /* so that one addition need not wait for the one before */
+  size_t i = 0;
+  for (; i + 4 <= n; i += 4)
+    sum[0] += a[i], sum[1] += a[i + 1], sum[2] += a[i + 2], sum[3] += a[i + 3];
+  for (; i < n; i++) sum[0] += a[i];
+  if (isfinite((sum[0] + sum[1]) + (sum[2] + sum[3]))) return 1;
   while (n > 0 && isfinite(a[n - 1])) n--;
   return n == 0;
 }

@@ -194,7 +194,7 @@ static void put_usual(nsdae_broad *p, int i, double width)
   int *cell = p->cell + 3 * i;
   for (int l = 0; l < 3; l++) {
     double at = floor(p->centre[3 * i + l] / width);
-    cell[l] = (int)(at < -1e9 ? -1e9 : at > 1e9 ? 1e9 : at);
+    cell[l] = (int)(at > -1e9 ? (at < 1e9 ? at : 1e9) : -1e9); /* NaN too */
   }
   int *head = &p->head[bucket_of(p, cell)];
   p->next[i] = *head;

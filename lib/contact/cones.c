@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "contacts.h"
-#include "reserve.h"
+#include "solver.h"
 #include "slides.h"
 #include "vector.h"
 

@@ -153,7 +153,8 @@ static void close_contacts(nsdae_contacts *c, const double *gap, double touch, c
 
 void nsdae_contacts_close(nsdae_contacts *c, const nsdae_terms *terms, nsdae_impulses *results)
 {
-  close_contacts(c, terms->gap, nsdae_terms_touch(terms), NULL, results);
+  double touch = c->system->dims.k > 0 ? nsdae_terms_touch(terms) : 0;
+  close_contacts(c, terms->gap, touch, NULL, results);
 }
 
 void nsdae_contacts_close_marked(nsdae_contacts *c, const int *closed, nsdae_impulses *results)
@@ -161,13 +162,15 @@ void nsdae_contacts_close_marked(nsdae_contacts *c, const int *closed, nsdae_imp
   close_contacts(c, NULL, 0, closed, results);
 }
 
-/* Velocity W^T v + w of contact i. */
+/* Velocity W^T v + w of contact i; W is dense here. */
 static void contact_velocity(const nsdae_contacts *c, int i, const nsdae_terms *T, const double *v,
                              double *v_n, double *v_t)
 {
-  int nt = c->system->dims.nt;
-  v_n[i] = nsdae_terms_normal_rate(T, i, v);
-  for (int j = i * nt; j < (i + 1) * nt; j++) v_t[j] = nsdae_terms_tangent_rate(T, j, v);
+  int n = c->system->dims.nv, nt = c->system->dims.nt;
+  size_t size = (size_t)n;
+  v_n[i] = nsdae_dot_from(T->w_N[i], n, T->by.normal.value + (size_t)i * size, v);
+  for (int j = i * nt; j < (i + 1) * nt; j++)
+    v_t[j] = nsdae_dot_from(T->w_T[j], n, T->by.tangent.value + (size_t)j * size, v);
 }
 
 static void slide_velocities(const nsdae_contacts *c, const nsdae_terms *T, const double *v,
@@ -494,4 +497,25 @@ double nsdae_contacts_work(const nsdae_contacts *c)
             (c->results->slide_after[j] + c->results->slide_before[j]) / 2;
   }
   return work;
+}
+
+double nsdae_contacts_yield(const nsdae_contacts *c, int row)
+{
+  const nsdae_contact_lcp *lcp = &c->lcp;
+  int n = c->rows, count = 0, *pressed = lcp->iwork, *pivot = pressed + n;
+  double *A = lcp->work, *unit = A + (size_t)n * (size_t)n;
+  if (lcp->liwork < 2 * n || lcp->lwork < n * (n + 1)) return 0;
+  for (int i = 0; i < n; i++)
+    if (i == row || lcp->x[i] > lcp->y[i]) pressed[count++] = i;
+  for (int j = 0; j < count; j++) {
+    unit[j] = pressed[j] == row;
+    for (int i = 0; i < count; i++)
+      A[(size_t)j * (size_t)count + (size_t)i] =
+          lcp->A[(size_t)pressed[j] * (size_t)n + (size_t)pressed[i]];
+  }
+  if (nsdae_la_lu(count, A, count, pivot) != 0) return 0;
+  nsdae_la_lu_solve(count, A, count, pivot, unit);
+  for (int i = 0; i < count; i++)
+    if (pressed[i] == row) return 1 / unit[i];
+  return 0;
 }

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "errors.h"
+#include "vector.h"
 
 void nsdae_local_prepare(nsdae_local *l, const nsdae_system *system, nsdae_error *error,
                          const nsdae_lcp_options *options, double rank_tol)
@@ -124,6 +125,7 @@ static void gather_rows(nsdae_local *l, const nsdae_whole *w, int island)
   const int *row = is->row.of + is->row.first[island];
   int m = nsdae_members_count(&is->row, island), n = l->model.dims.nv;
   l->model.dims.m = l->kkt.m = m;
+  l->terms.by.jacobian.stride = (size_t)m;
   memset(l->terms.by.jacobian.value, 0, (size_t)m * (size_t)n * sizeof *l->terms.by.jacobian.value);
   for (int i = 0; i < m; i++) {
     nsdae_rows_gather(&w->system->blocks, &w->terms->by.jacobian, row[i], l->place,
@@ -189,18 +191,34 @@ static void gather_contacts(nsdae_local *l, const nsdae_whole *w, int island, in
   for (int i = 0; i < k; i++) gather_contact(l, w, i, contact[i]);
 }
 
+/* Whether something drives the island: a velocity is asked of a row or a contact. */
+static int driven(const nsdae_local *l)
+{
+  int k = l->model.dims.k, kt = k * l->model.dims.nt;
+  return nsdae_largest(l->kkt.m, l->lambda) > 0 || nsdae_largest(k, l->terms.w_N) > 0 ||
+         nsdae_largest(kt, l->terms.w_T) > 0;
+}
+
 /* Whether no entry moves a contact by more than the digits of the solution, in parts of the largest
  * velocity of a contact without impulses; each as if by the largest lever. */
 static int stands(const nsdae_local *l)
 {
   const nsdae_contacts *c = &l->contacts;
-  const double *W = c->delassus.W, digits = fmin(c->lcp.options.tol, 1e-9);
-  double speed = 0, fastest = 0, lever = 0;
-  for (int i = 0; i < l->kkt.n; i++) fastest = fmax(fastest, fabs(l->v[i]));
-  for (int j = 0; j < c->columns; j++) speed = fmax(speed, fabs(c->delassus.offset[j]));
+  const double *W = c->delassus.W, digits = fmin(c->lcp.options.tol, NSDAE_STILL);
+  double fastest = nsdae_largest(l->kkt.n, l->v),
+         speed = nsdae_largest(c->columns, c->delassus.offset);
   if (!(fastest <= digits * speed)) return 0;
-  for (int i = 0; i < c->columns * l->kkt.n; i++) lever = fmax(lever, fabs(W[i]));
+  double lever = nsdae_largest(c->columns * l->kkt.n, W);
   return fastest * lever <= digits * speed;
+}
+
+/* Exactly: it does not creep. */
+static void stand(nsdae_local *l)
+{
+  size_t k = (size_t)l->model.dims.k, kt = k * (size_t)l->model.dims.nt;
+  memset(l->v, 0, (size_t)l->kkt.n * sizeof *l->v);
+  memset(l->impulses.after, 0, k * sizeof *l->impulses.after);
+  memset(l->impulses.after_t, 0, kt * sizeof *l->impulses.after_t);
 }
 
 /* ---- and back */
@@ -270,14 +288,14 @@ int nsdae_local_solve(nsdae_local *l, const nsdae_whole *w, int island, int with
   l->terms.t = w->terms->t;
   int status = nsdae_terms_factor(&l->terms, l->terms.M, &l->kkt, least_norm);
   if (status < 0) return failed(l, w, island, status);
+  int still = !driven(l); /* lambda is what is asked, until it is solved for */
   memcpy(l->v, l->r, (size_t)n * sizeof *l->v);
   memcpy(l->size, l->r, (size_t)n * sizeof *l->size);
   nsdae_kkt_solve(&l->kkt, 1, l->v, n, l->lambda, m);
   nsdae_kkt_solve_mass(&l->kkt, l->size);
   status = nsdae_contacts_solve(&l->contacts, &l->terms, &l->kkt, l->size, l->v, l->lambda);
   if (status < 0) return failed(l, w, island, status);
-  /* an island that stands does so exactly: it does not creep */
-  if (nsdae_contacts_any(&l->contacts) && stands(l)) memset(l->v, 0, (size_t)n * sizeof *l->v);
+  if (still && nsdae_contacts_any(&l->contacts) && stands(l)) stand(l);
   scatter_blocks(l, w, island);
   for (int i = 0; i < l->model.dims.k; i++)
     scatter_contact(l, w, i, is->contact.of[is->contact.first[island] + i]);

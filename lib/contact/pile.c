@@ -7,6 +7,8 @@
 #include "errors.h"
 #include "grow.h"
 #include "listed.h"
+#include "solver.h"
+#include "vector.h"
 
 /* One island at work. */
 typedef struct part {
@@ -15,6 +17,7 @@ typedef struct part {
   int items, m;
   double tol, *L, *lever;
   double slow; /* velocities of contacts below it are none */
+  int driven;  /* a velocity is asked of a row */
 } part;
 
 void nsdae_pile_layout(nsdae_pile *c, const nsdae_system *system, nsdae_arena *arena)
@@ -230,11 +233,13 @@ static int mode_of(const part *c, const nsdae_whole *w, int i, int row)
 {
   const nsdae_impulses *r = w->results;
   int a = c->at.item[i], nt = w->system->dims.nt;
-  double slip = 0;
+  double square = 0;
   if (!(c->at.r[row] > 0)) return NSDAE_MODE_OPEN;
-  for (int j = a * nt; j < (a + 1) * nt; j++)
-    slip = hypot(slip, r->after_t[j] + w->law[a].e_t * r->before_t[j]);
-  return c->at.rows[i] > 1 && !(slip > c->slow) ? NSDAE_MODE_STICK : NSDAE_MODE_SLIDE;
+  for (int j = a * nt; j < (a + 1) * nt; j++) {
+    double slip = r->after_t[j] + w->law[a].e_t * r->before_t[j];
+    square += slip * slip;
+  }
+  return c->at.rows[i] > 1 && !(sqrt(square) > c->slow) ? NSDAE_MODE_STICK : NSDAE_MODE_SLIDE;
 }
 
 /* Momentum f + H r in f, and in u (whose place is free then) nothing; sizes of its terms in size
@@ -290,32 +295,30 @@ static void begin_velocities(const part *c, const nsdae_whole *w)
   }
 }
 
-/* The largest velocity of an item without impulses, |H^T v + w|, for which all are scaled; and the
- * largest entry of H along each velocity. */
-static double speed_without(part *c, const nsdae_whole *w)
+/* The largest entry of H along each velocity. */
+static void levers(part *c, const nsdae_whole *w)
 {
   const nsdae_blocks *blocks = &w->system->blocks;
-  double fastest = 0;
-  size_t at = 0;
+  const double *value = c->at.value;
   for (int i = 0; i < c->problem.blocks; i++)
     memset(c->lever + blocks->first[c->at.member[i]], 0, (size_t)c->at.size[i] * sizeof *c->lever);
-  for (int i = 0, row = 0; i < c->items; i++) {
+  for (int i = 0; i < c->items; i++) {
     int columns = i < c->problem.contacts ? c->at.rows[i] : 1;
-    double u[3] = {0};
-    for (int d = 0; d < columns; d++) u[d] = c->at.w[row + d];
     for (int e = c->at.first[i]; e < c->at.first[i + 1]; e++) {
-      int b = c->at.member[c->at.block[e]], n = nsdae_blocks_size(blocks, b),
-          first = blocks->first[b];
-      for (int d = 0; d < columns; d++, at += (size_t)n) {
-        u[d] += nsdae_dot(n, c->at.value + at, w->v + first);
+      int b = c->at.block[e], n = c->at.size[b];
+      double *lever = c->lever + blocks->first[c->at.member[b]];
+      for (int d = 0; d < columns; d++, value += n)
         for (int j = 0; j < n; j++)
-          c->lever[first + j] = fmax(c->lever[first + j], fabs(c->at.value[at + (size_t)j]));
-      }
+          lever[j] = fabs(value[j]) > lever[j] ? fabs(value[j]) : lever[j];
     }
-    for (int d = 0; d < columns; d++) fastest = fmax(fastest, fabs(u[d]));
-    row += columns;
   }
-  return fastest;
+}
+
+/* Whether a velocity is asked of a row: w of a contact holds that, too, but of impacts as well. */
+static int is_driven(const part *c)
+{
+  int rows = c->problem.bilateral;
+  return nsdae_largest(rows, c->at.w + c->m - rows) > 0;
 }
 
 /* Whether entry j of v is none: it cancels to the rounding of its terms; or it moves no item of its
@@ -325,10 +328,9 @@ static double speed_without(part *c, const nsdae_whole *w)
  */
 static int stands(const part *c, const nsdae_whole *w, int j, double most, double speed)
 {
-  const double few = 1e-9; /* the most that counts as none where few digits are asked for */
-  double v = fabs(w->v[j]), digits = fmin(c->tol, few);
+  double v = fabs(w->v[j]), digits = fmin(c->tol, NSDAE_STILL);
   if (v <= 32 * DBL_EPSILON * w->size[j]) return 1;
-  return v * c->lever[j] <= digits * speed &&
+  return !c->driven && v * c->lever[j] <= digits * speed &&
          (v * most <= digits * speed || v <= digits * w->size[j]);
 }
 
@@ -340,18 +342,18 @@ static void settle(const part *c, const nsdae_whole *w, int at, int n, double sp
     if (stands(c, w, j, most, speed)) w->v[j] = 0;
 }
 
-/* v = M^-1 (f + H r), and what stands. */
-static int velocities(part *c, const nsdae_whole *w)
+/* v = M^-1 (f + H r), and what stands; speed: of the fastest item without impulses, for which all
+ * are scaled. */
+static int velocities(part *c, const nsdae_whole *w, double speed)
 {
   const nsdae_blocks *blocks = &w->system->blocks;
   const double *M = c->at.M;
-  begin_velocities(c, w);
-  int status = solve_masses(c, w);
-  double speed = speed_without(c, w);
   c->slow = c->tol * speed;
+  c->driven = is_driven(c);
+  levers(c, w);
   begin_velocities(c, w);
   add_impulses(c, w);
-  if (status == NSDAE_OK) status = solve_masses(c, w);
+  int status = solve_masses(c, w);
   for (int i = 0; i < c->problem.blocks && status == NSDAE_OK; i++) {
     int at = blocks->first[c->at.member[i]], n = c->at.size[i];
     sizes_of_velocity(M, n, w->size + at);
@@ -414,7 +416,7 @@ int nsdae_pile_solve(const nsdae_pile *pile, const nsdae_whole *w, int number,
   int status = solve_with(&c, p, work, &options);
   if (status == NSDAE_E_LCP) status = polish(&c, p, work, &options);
   if (status < 0) return unsolved(&c, w, status, work);
-  status = velocities(&c, w);
+  status = velocities(&c, w, nsdae_fc_speed(work->solver));
   if (status == NSDAE_OK) scatter(&c, w);
   return status;
 }

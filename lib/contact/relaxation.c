@@ -132,6 +132,7 @@ static void take_over(nsdae_contacts *c, const double *force, const double *xi, 
     int column = c->first_column[a], i = c->active[a];
     const nsdae_coefficients *e = &c->system->contact[i];
     c->results->normal[i] = force[column];
+    c->results->mode[i] = NSDAE_MODE_STICK; /* no longer what the polygons said */
     c->results->after[i] = xi[column] - e->e_n * c->results->before[i];
     for (int l = 0; l < c->law[i].columns - 1; l++) {
       c->results->tangential[2 * i + l] = force[column + 1 + l];
@@ -157,7 +158,6 @@ int nsdae_contacts_relax_anew(nsdae_contacts *c, const double *direction, double
                               double *v, double *lambda)
 {
   memset(c->delassus.impulse, 0, (size_t)c->columns * sizeof *c->delassus.impulse);
-  for (int a = 0; a < c->active_count; a++) c->results->mode[c->active[a]] = NSDAE_MODE_STICK;
   return nsdae_contacts_relax(c, direction, force, xi, v, lambda);
 }
 

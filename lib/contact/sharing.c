@@ -11,6 +11,9 @@ enum { ROUNDS = 50 };
 /* Of the friction there can be: more than that is nearly all. */
 static const double NEARLY_ALL = 0.99;
 
+/* Of a combination of rows with entries of 1: less of one is rounding. */
+static const double LEANS = 1e-9;
+
 /* Of the largest weight. */
 static const double LEAST_WEIGHT = 1e-6;
 
@@ -218,12 +221,35 @@ static void take_sticking(nsdae_sharing *s)
     nsdae_dependence_take(&s->rows, column);
 }
 
-/* Friction of what slides is in the columns of normal forces: then their z are others. */
+/* Whether the a-th closed contact slides, or begins to, with friction. */
+static int slides(const nsdae_sharing *s, int a)
+{
+  const nsdae_contacts *c = problem_of(s);
+  int i = c->active[a], nt = system_of(s)->dims.nt;
+  if (s->of->mode[i] == NSDAE_MODE_OPEN || s->of->moving[i])
+    return s->of->mode[i] != NSDAE_MODE_OPEN;
+  return s->of->mode[i] == NSDAE_MODE_SLIDE && friction_of(s, a) > 0 &&
+         nsdae_norm(nt, c->results->after_t + i * nt) > s->of->none;
+}
+
 static int any_sliding(const nsdae_sharing *s)
 {
   int any = 0;
-  for (int i = 0; i < system_of(s)->dims.k; i++)
-    any |= s->of->mode[i] != NSDAE_MODE_OPEN && s->of->moving[i];
+  for (int a = 0; a < problem_of(s)->active_count; a++) any |= slides(s, a);
+  return any;
+}
+
+/* Whether a force that depends changes the normal force of what slides, whose friction would follow
+ * it: then the forces z move something. */
+static int leans_on_sliding(const nsdae_sharing *s)
+{
+  const nsdae_contacts *c = problem_of(s);
+  int any = 0;
+  for (int i = 0; i < s->rows.dependent_count; i++)
+    for (int a = 0; a < c->active_count; a++) {
+      double part = row_of(s, s->rows.combination, s->rows.dependent[i])[c->first_column[a]];
+      any |= fabs(part) > LEANS && slides(s, a);
+    }
   return any;
 }
 
@@ -314,6 +340,7 @@ static int try_forces(nsdae_sharing *s, int even_normal, int even_friction)
   take_normals(s);
   take_sticking(s);
   nsdae_dependence_combine(&s->rows);
+  if (even_friction && leans_on_sliding(s)) return 0;
   int related = even_friction ? relate_friction(s, even_normal) : relate(s, even_normal, 0);
   return related && holds(s);
 }

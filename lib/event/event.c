@@ -166,9 +166,9 @@ static int jammed(event *e, double t)
     any |= jam->state != NSDAE_ROOT_OFF &&
            (jam->found || nsdae_event_root_of(&e->roots, NSDAE_ROOT_NORMAL, i)->found);
   }
-  int slow = any ? nsdae_event_stop_slow(&e->roots, t, e->integrator.y) : 1;
+  int slow = any ? nsdae_event_stop_slow(&e->roots, t, e->integrator.y, 1) : 1;
   if (slow != 0) return slow < 0 ? slow : NSDAE_OK;
-  return nsdae_event_diagnose(&e->instant.acceleration, t, e->integrator.y);
+  return nsdae_event_outgrown(&e->instant.acceleration, t, e->integrator.y);
 }
 
 /* Where friction turns faster than a body gets away from zero, or is at its limit however it
@@ -254,7 +254,7 @@ static int integrate(event *e)
   if (nsdae_event_integrator_read(g, from, g->y) < 0) return integrator_failed(e, status, from);
   if (!*e->phase.modes.is_stiff) {
     int refused = e->setting.error->status != NSDAE_OK; /* by a callback: no stop */
-    g->pending = !refused && nsdae_event_stop_slow(&e->roots, from, g->y) > 0;
+    g->pending = !refused && nsdae_event_stop_slow(&e->roots, from, g->y, 0) > 0;
     return g->pending ? NSDAE_OK : explain(e, status);
   }
   *e->phase.modes.is_stiff = 0; /* what backward differences do not solve, the other may */

@@ -2,9 +2,8 @@
 
 #include <string.h>
 
-#include "dense.h"
+#include "lanes.h"
 #include "sweep.h"
-#include "vector.h"
 
 enum { WINDOW = NSDAE_FC_WINDOW };
 
@@ -38,28 +37,46 @@ double nsdae_fc_anderson_sweep(nsdae_fc_anderson *s, nsdae_fc *c, double *slip)
   return nsdae_fc_sweep(c, 1, slip);
 }
 
-/* column := now - before,  before := now */
-static void take_difference(int n, const double *now, double *before, double *column)
+NSDAE_WIDE_PART double *column(double *A, int rows, int k)
 {
-  for (int i = 0; i < n; i++) {
-    column[i] = now[i] - before[i];
-    before[i] = now[i];
-  }
+  return A + (size_t)k * (size_t)rows;
+}
+
+/* to := now - before,  before := now */
+NSDAE_WIDE_PART void take_difference(int n, const double *now, double *before, double *to)
+{
+  nsdae_lanes_subtract(n, now, before, to);
+  memcpy(before, now, (size_t)n * sizeof *to);
+}
+
+/* x -= A c */
+NSDAE_WIDE_PART void subtract(int n, double *A, int held, const double *c, double *x)
+{
+  for (int k = 0; k < held; k++) nsdae_lanes_add(n, -c[k], column(A, n, k), x);
 }
 
 /* The differences between this sweep, which changed r by f, and the one before. */
-static void remember(nsdae_fc_anderson *s, const nsdae_fc *c, const double *f)
+NSDAE_WIDE_PART void remember(nsdae_fc_anderson *s, const nsdae_fc *c, const double *f)
 {
   int n = 3 * c->n, ny = c->local ? 0 : c->ny, j = s->next;
-  double product[WINDOW];
-  double *F = s->F + (size_t)j * (size_t)n;
+  double *F = column(s->F, n, j);
   take_difference(n, f, s->f, F);
-  take_difference(n, c->r, s->g, s->G + (size_t)j * (size_t)n);
-  take_difference(ny, c->y, s->y, s->Y + (size_t)j * (size_t)ny);
+  take_difference(n, c->r, s->g, column(s->G, n, j));
+  take_difference(ny, c->y, s->y, column(s->Y, ny, j));
   if (s->held < WINDOW) s->held++;
   s->next = (j + 1) % WINDOW;
-  nsdae_la_multiply_transposed(n, s->held, 1, s->F, n, F, n, 0, product, WINDOW);
-  for (int k = 0; k < s->held; k++) s->gram[j * WINDOW + k] = s->gram[k * WINDOW + j] = product[k];
+}
+
+/* F^T f, and what the newest column, a difference of f, adds to F^T F. */
+NSDAE_WIDE_PART void take_products(nsdae_fc_anderson *s, int n, const double *f)
+{
+  int j = (s->next + WINDOW - 1) % WINDOW;
+  for (int k = 0; k < s->held; k++) {
+    double before = s->product[k];
+    s->product[k] = nsdae_lanes_dot(n, column(s->F, n, k), f);
+    s->gram[j * WINDOW + k] = s->gram[k * WINDOW + j] = s->product[k] - before;
+  }
+  s->gram[j * WINDOW + j] = nsdae_lanes_dot(n, column(s->F, n, j), column(s->F, n, j));
 }
 
 /* x := A^-1 x of A positive semidefinite, of which it keeps no more than it must: what depends on
@@ -84,12 +101,12 @@ static void solve_gram(int m, const double *gram, double *x)
   }
 }
 
-void nsdae_fc_anderson_extrapolate(nsdae_fc_anderson *s, nsdae_fc *c)
+NSDAE_WIDE void nsdae_fc_anderson_extrapolate(nsdae_fc_anderson *s, nsdae_fc *c)
 {
   int n = 3 * c->n, ny = c->local ? 0 : c->ny;
-  double *f = s->before, product[WINDOW] = {0};
-  for (int i = 0; i < n; i++) f[i] = c->r[i] - s->before[i];
-  double square = nsdae_dot(n, f, f);
+  double *f = s->before, product[WINDOW];
+  nsdae_lanes_subtract(n, c->r, f, f);
+  double square = nsdae_lanes_dot(n, f, f);
   if (s->begun && square <= GROWN * s->square) {
     remember(s, c, f);
   } else {
@@ -101,9 +118,9 @@ void nsdae_fc_anderson_extrapolate(nsdae_fc_anderson *s, nsdae_fc *c)
   s->begun = 1;
   s->square = square;
   if (s->held == 0) return;
-  nsdae_la_multiply_transposed(n, s->held, 1, s->F, n, f, n, 0, product, WINDOW);
+  take_products(s, n, f);
+  memcpy(product, s->product, sizeof product);
   solve_gram(s->held, s->gram, product);
-  for (int k = 0; k < s->held; k++) product[k] = -product[k];
-  nsdae_la_add_product(n, s->held, s->G, n, product, c->r);
-  if (ny > 0) nsdae_la_add_product(ny, s->held, s->Y, ny, product, c->y);
+  subtract(n, s->G, s->held, product, c->r);
+  subtract(ny, s->Y, s->held, product, c->y);
 }

@@ -5,9 +5,10 @@
  *   r := g(r) - G c,   c least of |f - F c|,
  *
  * with the differences of g and of f between sweeps for columns. Where contacts stay as they are,
- * stuck or open, a sweep is affine, and this is GMRES with the sweep for preconditioner: what
- * carries over through many contacts, as a weight does through a heap, moves in some sweeps where
- * it crept in hundreds. Where |f| grows much, contacts have changed, and the method begins anew. */
+ * stuck or open, a sweep is affine, and this is GMRES with the sweep for preconditioner, but that
+ * it forgets (Walker and Ni): what carries over through many contacts, as a weight does through a
+ * heap, moves in some sweeps where it crept in hundreds. Where |f| grows much, contacts have
+ * changed, and the method begins anew. */
 #ifndef NSDAE_FRICTION_ANDERSON_H
 #define NSDAE_FRICTION_ANDERSON_H
 
@@ -21,6 +22,7 @@ typedef struct nsdae_fc_anderson {
   double *f, *g, *y; /* 3 n, 3 n, ny: of the sweep before; y of g */
   double *F, *G, *Y; /* their differences, a column each of NSDAE_FC_WINDOW */
   double gram[NSDAE_FC_WINDOW * NSDAE_FC_WINDOW]; /* F^T F */
+  double product[NSDAE_FC_WINDOW];                /* F^T f */
   double square;                                  /* |f|^2 of the sweep before */
   int held, next;                                 /* columns; the one to be overwritten */
   int begun;                                      /* there was a sweep before */

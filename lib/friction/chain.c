@@ -103,7 +103,7 @@ static int sweeps(nsdae_fc_chain *c, int most, int patience, int stage)
 }
 
 /* Sweeps by Anderson's method from fc->r on, judged where they seem to have got there, and now and
- * then; they end where so many have not halved what a sweep changes. */
+ * then; they end where so many have not halved what a sweep changes, or one changes nothing. */
 static int accelerated(nsdae_fc_chain *c, int most, int patience, int stage)
 {
   double mark = INFINITY;
@@ -117,6 +117,7 @@ static int accelerated(nsdae_fc_chain *c, int most, int patience, int stage)
       if (judge(c, stage)) return 1;
       judged = done;
     }
+    if (!(change > 0)) break;
     if (change <= 0.5 * mark) mark = change, since = 0;
     if (done < most && since < patience - 1) nsdae_fc_anderson_extrapolate(&c->anderson, &c->fc);
   }
@@ -180,18 +181,29 @@ static int path(nsdae_fc_chain *c, double loose, int stage)
   return count(c, stage);
 }
 
+/* Sweeps from fc->r on, the guess, whose y is current; it is looked at where they fail. */
+static int sweep_guess(nsdae_fc_chain *c)
+{
+  memcpy(c->trap, c->fc.r, bytes(c));
+  if (accelerated(c, WARM, c->tol < ROUGH ? SOON : TRAPPED, NSDAE_FRICTION_WARM)) return 1;
+  memcpy(c->fc.r, c->trap, bytes(c));
+  return judge(c, NSDAE_FRICTION_WARM);
+}
+
 /* The impulses of the step before are near; where sweeps are trapped, Newton may not be. */
 static int from_guess(nsdae_fc_chain *c)
 {
+  int seen = 0;
   memset(c->slip, 0, (size_t)c->fc.n * sizeof *c->slip);
-  if (judge(c, NSDAE_FRICTION_WARM)) return 1;
+  nsdae_fc_sweep_begin(&c->fc);
+  int look = c->fc.n <= SMALL || nsdae_fc_sweep_arrived(&c->fc, c->tol, &seen);
+  if (look && judge(c, NSDAE_FRICTION_WARM)) return 1;
   if (c->fc.n <= SMALL) {
     if (proximal(c, 1e-5, 0, NSDAE_FRICTION_WARM)) return 1;
     memcpy(c->fc.r, c->best, bytes(c));
-    nsdae_fc_velocities(&c->fc, c->fc.r, c->fc.y, c->fc.u);
+    nsdae_fc_sweep_begin(&c->fc);
   }
-  if (accelerated(c, WARM, c->tol < ROUGH ? SOON : TRAPPED, NSDAE_FRICTION_WARM)) return 1;
-  return proximal(c, 1e-5, 0, NSDAE_FRICTION_WARM);
+  return sweep_guess(c) || proximal(c, 1e-5, 0, NSDAE_FRICTION_WARM);
 }
 
 /* Whether the residual is what rounding r to doubles leaves: half a unit in the last place of the

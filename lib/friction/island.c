@@ -53,6 +53,7 @@ void nsdae_fc_layout(void *object, nsdae_arena *arena)
   c->items.item = NSDAE_ARENA_INTS(arena, n);
   c->items.kind = NSDAE_ARENA_INTS(arena, n);
   c->items.mu = NSDAE_ARENA_DOUBLES(arena, n);
+  c->items.size = NSDAE_ARENA_DOUBLES(arena, n);
   c->items.weight = NSDAE_ARENA_DOUBLES(arena, n);
   c->items.rho = NSDAE_ARENA_DOUBLES(arena, n);
   c->items.factor = NSDAE_ARENA_DOUBLES(arena, n);
@@ -60,7 +61,7 @@ void nsdae_fc_layout(void *object, nsdae_arena *arena)
   c->items.q = NSDAE_ARENA_DOUBLES(arena, 3L * n);
   c->items.C = NSDAE_ARENA_DOUBLES(arena, 3L * n);
   c->items.D = NSDAE_ARENA_DOUBLES(arena, 9L * n);
-  c->items.S = NSDAE_ARENA_DOUBLES(arena, 6L * n);
+  c->items.S = NSDAE_ARENA_DOUBLES(arena, 9L * n);
   c->parts.first = NSDAE_ARENA_INTS(arena, n + 1L);
   c->parts.block = NSDAE_ARENA_INTS(arena, c->parts.entries);
   c->parts.at = nsdae_arena_take(arena, c->parts.entries + 1L, sizeof(size_t));
@@ -87,13 +88,14 @@ static double size_of(const nsdae_fc *c, int i)
   return power_of_two(sqrt(c->whole->d[i] / c->D_whole));
 }
 
-static void fill_item(nsdae_fc *c, int k, int i)
+static void fill_item(nsdae_fc *c, int k, int i, double s)
 {
   const nsdae_fc_whole *w = c->whole;
   const nsdae_friction_problem *p = w->view.p;
   int rows = nsdae_fc_rows(p, i), row = w->view.row[i];
-  double size = size_of(c, i), s = power_of_two(w->scale);
+  double size = size_of(c, i);
   c->items.item[k] = i;
+  c->items.size[k] = size;
   c->items.mu[k] = i < p->contacts && rows > 1 ? p->mu[i] : 0;
   c->items.kind[k] = i >= p->contacts     ? NSDAE_FC_BILATERAL
                      : c->items.mu[k] > 0 ? NSDAE_FC_CONE
@@ -124,18 +126,18 @@ static void fill_sizes(nsdae_fc *c)
 }
 
 /* J' = J / (e sqrt(D)) of part e of the whole; local: W' = W / (e_i e_j D). */
-static void fill_part(const nsdae_fc *c, int k, int e, double size, double *J)
+static void fill_part(const nsdae_fc *c, int k, int e, double *J)
 {
   const nsdae_fc_whole *w = c->whole;
   const nsdae_friction_problem *p = w->view.p;
   int i = c->items.item[k], b = p->block[e], rows = nsdae_fc_rows(p, i);
   int n = c->local ? 3 : p->size[b], have = c->local ? nsdae_fc_rows(p, b) : n;
   const double *from = (c->local ? p->value : w->J) + w->view.at[e];
-  double scale = 1 / size;
+  double scale = 1 / c->items.size[k];
   scale /= c->local ? size_of(c, b) * c->D_whole : sqrt(c->D_whole);
-  for (int j = 0; j < 3; j++)
-    for (int l = 0; l < n; l++)
-      J[j * n + l] = j < rows && l < have ? scale * from[j * have + l] : 0;
+  if (rows < 3 || have < n) memset(J, 0, 3 * (size_t)n * sizeof *J);
+  for (int j = 0; j < rows; j++)
+    for (int l = 0; l < have; l++) J[j * n + l] = scale * from[j * have + l];
 }
 
 static void fill_parts(nsdae_fc *c)
@@ -146,17 +148,30 @@ static void fill_parts(nsdae_fc *c)
   c->parts.first[0] = 0;
   for (int k = 0; k < c->n; k++) {
     int i = c->items.item[k];
-    double size = size_of(c, i);
     for (int e = p->first[i]; e < p->first[i + 1]; e++) {
       int b = c->whole->number[p->block[e]];
       if (!belongs(c, i, e)) continue;
       c->parts.block[f] = b;
       c->parts.at[f + 1] = c->parts.at[f] + 3 * (size_t)c->parts.size[b];
-      fill_part(c, k, e, size, c->parts.J + c->parts.at[f]);
+      fill_part(c, k, e, c->parts.J + c->parts.at[f]);
       f++;
     }
     c->parts.first[k + 1] = f;
   }
+}
+
+/* Symmetric part of W_kk of the local form */
+static void add_listed(const double *W, double *D)
+{
+  for (int j = 0; j < 3; j++)
+    for (int l = 0; l < 3; l++) D[3 * j + l] += (W[3 * j + l] + W[3 * l + j]) / 2;
+}
+
+/* D += J^T J */
+static void add_square(int n, const double *J, double *D)
+{
+  for (int j = 0; j < 3; j++)
+    for (int l = 0; l <= j; l++) D[3 * j + l] += nsdae_dot(n, J + j * n, J + l * n);
 }
 
 static void diagonal(nsdae_fc *c, int k)
@@ -164,15 +179,12 @@ static void diagonal(nsdae_fc *c, int k)
   double *D = c->items.D + 9 * (size_t)k;
   memset(D, 0, 9 * sizeof *D);
   for (int j = 0; j < 3; j++) D[4 * j] = c->items.C[3 * k + j];
-  for (int e = c->parts.first[k]; e < c->parts.first[k + 1]; e++) {
-    const double *J = nsdae_fc_part(c, e);
-    int n = c->parts.size[c->parts.block[e]];
-    if (c->local && c->parts.block[e] != k) continue;
-    for (int j = 0; j < 3; j++)
-      for (int l = 0; l < 3; l++)
-        D[3 * j + l] +=
-            c->local ? (J[3 * j + l] + J[3 * l + j]) / 2 : nsdae_dot(n, J + j * n, J + l * n);
-  }
+  for (int e = c->parts.first[k]; e < c->parts.first[k + 1]; e++)
+    if (!c->local)
+      add_square(c->parts.size[c->parts.block[e]], nsdae_fc_part(c, e), D);
+    else if (c->parts.block[e] == k)
+      add_listed(nsdae_fc_part(c, e), D);
+  D[1] = D[3], D[2] = D[6], D[5] = D[7];
 }
 
 static double finite_part(double x)
@@ -185,14 +197,17 @@ void nsdae_fc_fill(nsdae_fc *c, const double *r)
   const nsdae_fc_whole *w = c->whole;
   c->D_whole = power_of_two(sqrt(w->most_d));
   c->D_whole *= c->D_whole;
-  for (int k = 0; k < c->n; k++) fill_item(c, k, w->member[c->start + k]);
+  const double s = power_of_two(w->scale);
+  for (int k = 0; k < c->n; k++) fill_item(c, k, w->member[c->start + k], s);
   fill_sizes(c);
   fill_parts(c);
   for (int k = 0; k < c->n; k++) {
     int rows = nsdae_fc_rows(w->view.p, c->items.item[k]), row = w->view.row[c->items.item[k]];
+    double *D = c->items.D + 9 * (size_t)k, *S = c->items.S + 9 * (size_t)k;
     diagonal(c, k);
-    nsdae_fc_invert(c->items.D + 9 * (size_t)k, c->items.S + 6 * (size_t)k);
-    nsdae_fc_turn_matrix(c->items.D + 9 * (size_t)k, c->items.turn + 2 * k);
+    nsdae_fc_invert(D, S);
+    memcpy(S + 6, D, 3 * sizeof *S);
+    nsdae_fc_turn_matrix(D, c->items.turn + 2 * k);
     for (int j = 0; j < 3; j++)
       c->r[3 * k + j] = j < rows ? finite_part(r[row + j] / c->items.factor[k]) : 0;
   }

@@ -18,6 +18,7 @@ typedef struct nsdae_fc_items {
   int *item;      /* n: its number in the whole */
   int *kind;      /* n: enum nsdae_fc_kind */
   double *mu;     /* n */
+  double *size;   /* n: e */
   double *weight; /* n */
   double *rho;    /* n */
   double *factor; /* n: r = factor r' */
@@ -26,8 +27,8 @@ typedef struct nsdae_fc_items {
   double *D;      /* 9 n: diagonal blocks of W + C, symmetric, in a frame turned about the normal
                      where D[5] = D[7] = 0 */
   double *turn;   /* 2 n: cosine and sine of that */
-  double *S;      /* 6 n: inverse of D in its own frame, its lower triangle by columns; NaN where
-                     there is none */
+  double *S;      /* 9 n: inverse of D + NSDAE_FC_PROXIMAL in its own frame, its lower triangle by
+                     columns, S[0] NaN where there is none; and the first row of D there */
 } nsdae_fc_items;
 
 /* J by parts: item k has parts first[k] .. first[k + 1] - 1, part e the columns of block[e]. */
@@ -50,6 +51,7 @@ typedef struct nsdae_fc {
   int compliant;
   int all_listed; /* of the local form: every pair of items, zeros too */
   double D_whole; /* D */
+  double exact;   /* how closely a sweep solves a contact: of |r_T| to mu r_N where it slides */
   nsdae_fc_items items;
   nsdae_fc_parts parts;
   double *r, *u; /* 3 n */
@@ -72,7 +74,7 @@ void nsdae_fc_velocities(const nsdae_fc *fc, const double *r, double *y, double 
 /* Largest entry of the natural map, weighted: the residual of the public header. */
 double nsdae_fc_residual(const nsdae_fc *fc, const double *r, const double *u);
 
-/* y of item i's part e */
+/* J of part e */
 static inline const double *nsdae_fc_part(const nsdae_fc *fc, int e)
 {
   return fc->parts.J + fc->parts.at[e];

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "chain.h"
-#include "reserve.h"
+#include "solver.h"
 
 struct nsdae_friction_solver {
   nsdae_arena whole_memory, island_memory;
@@ -107,6 +107,13 @@ int nsdae_fc_reserve(nsdae_friction_solver *s, const nsdae_friction_problem *lar
   return status;
 }
 
+double nsdae_fc_speed(const nsdae_friction_solver *s)
+{
+  double most = 0;
+  for (int k = 0; k < s->whole.view.m; k++) most = fmax(most, fabs(s->whole.q[k]));
+  return most;
+}
+
 /* Items that nothing moves get r = 0, all others the answer of their island, in whole.r; or that is
  * the proof that an island has none. */
 static int solve_islands(nsdae_friction_solver *s, const nsdae_friction_options *options,
@@ -119,6 +126,7 @@ static int solve_islands(nsdae_friction_solver *s, const nsdae_friction_options 
     lay_out(s, island);
     c->options = options;
     c->tol = 0.8 * options->tol; /* the certificate rounds otherwise */
+    c->fc.exact = fmax(1e-15, 1e-4 * options->tol);
     nsdae_fc_fill(&c->fc, guess);
     c->l = w->r;
     nsdae_fc_chain_run(c);

@@ -5,6 +5,8 @@
 
 #include "cone.h"
 #include "coulomb.h"
+#include "lanes.h"
+#include "vector.h"
 
 /* Its square is a normal number. */
 static const double TINY = 1e-150;
@@ -23,13 +25,13 @@ static inline void gather_part(int n, const double *J, const double *y, double *
   u[0] += a, u[1] += b, u[2] += d;
 }
 
-/* The same of a body: sums of every other term, so that two can be made at a time. */
+/* The same of a body: sums of every other term. */
 static inline void gather_body(const double *J, const double *y, double *u)
 {
+  nsdae_pair y0 = nsdae_pair_of(y), y2 = nsdae_pair_of(y + 2), y4 = nsdae_pair_of(y + 4);
   for (int j = 0; j < 3; j++, J += BODY) {
-    double even = J[0] * y[0] + J[2] * y[2] + J[4] * y[4];
-    double odd = J[1] * y[1] + J[3] * y[3] + J[5] * y[5];
-    u[j] += even + odd;
+    nsdae_pair sum = nsdae_pair_of(J) * y0 + nsdae_pair_of(J + 2) * y2 + nsdae_pair_of(J + 4) * y4;
+    u[j] += sum[0] + sum[1];
   }
 }
 
@@ -55,11 +57,9 @@ static inline void gather(const nsdae_fc *c, int k, double *u)
   }
 }
 
-/* r += dr, y += J dr */
-static inline void apply(nsdae_fc *c, int k, const double *dr)
+/* y += J dr of item k */
+static inline void add_parts(nsdae_fc *c, int k, const double *dr)
 {
-  for (int j = 0; j < 3; j++) c->r[3 * k + j] += dr[j];
-  if (c->local) return;
   for (int e = c->parts.first[k]; e < c->parts.first[k + 1]; e++) {
     const double *J = nsdae_fc_part(c, e);
     double *y = c->y + c->parts.offset[c->parts.block[e]];
@@ -71,16 +71,31 @@ static inline void apply(nsdae_fc *c, int k, const double *dr)
   }
 }
 
-/* Whether item k, of which u are the velocities, sticks: with u_T = 0 and u_N = 0, r - (D + e)^-1 u
- * is inside its cone. The usual case, and cheap. */
+/* r += dr, y += J dr */
+static inline void apply(nsdae_fc *c, int k, const double *dr)
+{
+  for (int j = 0; j < 3; j++) c->r[3 * k + j] += dr[j];
+  if (!c->local) add_parts(c, k, dr);
+}
+
+/* Whether item k, of which u are the velocities, sticks: it closes without an impulse, and with
+ * u_T = 0 and u_N = 0, r - (D + e)^-1 u is inside its cone. The usual case, and cheap. */
 static inline int sticks(const nsdae_fc *c, int k, const double *u, double *r)
 {
-  const double *S = c->items.S + 6 * (size_t)k, *old = c->r + 3 * k;
+  const double *S = c->items.S + 9 * (size_t)k, *D = S + 6, *old = c->r + 3 * k;
   r[0] = old[0] - (S[0] * u[0] + S[1] * u[1] + S[2] * u[2]);
   r[1] = old[1] - (S[1] * u[0] + S[3] * u[1] + S[4] * u[2]);
   r[2] = old[2] - (S[2] * u[0] + S[4] * u[1] + S[5] * u[2]);
   const double most = c->items.mu[k] * r[0]; /* so that no root is needed; whose square is not 0 */
-  return most > TINY && r[1] * r[1] + r[2] * r[2] <= most * most;
+  const double closing = D[0] * old[0] + D[1] * old[1] + D[2] * old[2] - u[0];
+  return closing + NSDAE_FC_PROXIMAL * old[0] > 0 && most > TINY &&
+         r[1] * r[1] + r[2] * r[2] <= most * most;
+}
+
+/* Nothing presses and it does not approach. */
+static inline int stays_open(const double *r, const double *u)
+{
+  return r[0] == 0 && r[1] == 0 && r[2] == 0 && u[0] >= 0;
 }
 
 /* The new r of item k, of which u are the velocities. */
@@ -89,6 +104,10 @@ static void solve_item(const nsdae_fc *c, int k, const double *u, double *slip, 
   double D[9], q[3] = {u[0], u[1], u[2]}, old[3];
   if (c->items.kind[k] == NSDAE_FC_CONE && sticks(c, k, u, r)) {
     slip[k] = 0;
+    return;
+  }
+  if (c->items.kind[k] == NSDAE_FC_CONE && stays_open(c->r + 3 * k, u)) {
+    r[0] = r[1] = r[2] = 0;
     return;
   }
   memcpy(D, c->items.D + 9 * (size_t)k, sizeof D);
@@ -104,8 +123,15 @@ static void solve_item(const nsdae_fc *c, int k, const double *u, double *slip, 
   nsdae_fc_turn(c->items.turn + 2 * k, 1, old);
   for (int j = 0; j < 3; j++)
     q[j] -= D[3 * j] * old[0] + D[3 * j + 1] * old[1] + D[3 * j + 2] * old[2];
-  nsdae_fc_solve_contact(D, q, c->items.mu[k], slip + k, r);
+  nsdae_fc_solve_contact(D, q, c->items.mu[k], c->exact, slip + k, r);
   nsdae_fc_turn(c->items.turn + 2 * k, -1, r);
+}
+
+void nsdae_fc_sweep_begin(nsdae_fc *c)
+{
+  if (c->local) return;
+  memset(c->y, 0, (size_t)c->ny * sizeof *c->y);
+  for (int k = 0; k < c->n; k++) add_parts(c, k, c->r + 3 * k);
 }
 
 double nsdae_fc_sweep(nsdae_fc *c, int sweeps, double *slip)
@@ -118,9 +144,9 @@ double nsdae_fc_sweep(nsdae_fc *c, int sweeps, double *slip)
       gather(c, k, u);
       solve_item(c, k, u, slip, r);
       for (int j = 0; j < 3; j++) r[j] -= c->r[3 * k + j];
-      double most = fmax(fabs(r[0]), fmax(fabs(r[1]), fabs(r[2])));
+      double most = nsdae_larger(nsdae_larger(fabs(r[0]), fabs(r[1])), fabs(r[2]));
       if (most == 0) continue;
-      change = fmax(change, c->items.weight[k] * most);
+      change = nsdae_larger(change, c->items.weight[k] * most);
       apply(c, k, r);
     }
   }

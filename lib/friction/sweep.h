@@ -1,8 +1,11 @@
-/* Block Gauss-Seidel: one item after the other solved exactly, the others held. */
+/* Block Gauss-Seidel: one item after the other solved by itself, the others held. */
 #ifndef NSDAE_FRICTION_SWEEP_H
 #define NSDAE_FRICTION_SWEEP_H
 
 #include "island.h"
+
+/* fc->y := J fc->r, to plain rounding. */
+void nsdae_fc_sweep_begin(nsdae_fc *fc);
 
 /* Sweeps over the island from fc->r, fc->y of which is current; slip [n] is kept between calls,
  * zero at first. Returns the largest weighted change of r in the last sweep. */

@@ -32,6 +32,7 @@ void nsdae_fc_whole_layout(void *object, nsdae_arena *arena)
       values += (long)nsdae_fc_rows(p, i) * p->size[p->block[e]];
   }
   c->L = NSDAE_ARENA_DOUBLES(arena, mass);
+  c->diagonal = NSDAE_ARENA_INTS(arena, p->blocks);
   c->J = NSDAE_ARENA_DOUBLES(arena, values);
   c->q = NSDAE_ARENA_DOUBLES(arena, m);
   c->d = NSDAE_ARENA_DOUBLES(arena, c->view.items);
@@ -57,6 +58,16 @@ static int is_symmetric(int n, const double *M)
   return 1;
 }
 
+/* Inverts L, lower, where it is diagonal; returns whether it is. */
+static int invert_diagonal(int n, double *L)
+{
+  for (int j = 0; j < n; j++)
+    for (int i = j + 1; i < n; i++)
+      if (L[(size_t)j * (size_t)n + (size_t)i] != 0) return 0;
+  for (int j = 0; j < n; j++) L[(size_t)j * (size_t)(n + 1)] = 1 / L[(size_t)j * (size_t)(n + 1)];
+  return 1;
+}
+
 static int factor_masses(nsdae_fc_whole *c, nsdae_error *error)
 {
   const nsdae_friction_problem *p = c->view.p;
@@ -65,12 +76,27 @@ static int factor_masses(nsdae_fc_whole *c, nsdae_error *error)
   for (int b = 0; b < p->blocks; b++) {
     double *L = c->L + c->view.mass_at[b];
     int n = p->size[b], symmetric = is_symmetric(n, L);
-    if (symmetric && nsdae_la_cholesky(n, L, n) == 0) continue;
+    if (symmetric && nsdae_la_cholesky(n, L, n) == 0) {
+      c->diagonal[b] = invert_diagonal(n, L);
+      continue;
+    }
     snprintf(text, sizeof text, "block %d of M is not %s", b,
              symmetric ? "positive definite" : "symmetric to 1e-10 of its diagonal");
     return nsdae_fc_refuse(error, NSDAE_E_MASS, "M", b, text);
   }
   return NSDAE_OK;
+}
+
+/* B := L^-1 B of block b; most masses are diagonal. */
+static void solve_lower(const nsdae_fc_whole *c, int b, int columns, double *B)
+{
+  const double *L = c->L + c->view.mass_at[b];
+  int n = c->view.p->size[b];
+  if (!c->diagonal[b])
+    nsdae_la_solve_lower(n, columns, L, n, B, n);
+  else
+    for (int j = 0; j < columns; j++, B += n)
+      for (int i = 0; i < n; i++) B[i] *= L[(size_t)i * (size_t)(n + 1)];
 }
 
 /* J = L^-1 H, L^-1 f in v, and q. */
@@ -79,14 +105,12 @@ static void free_velocity(nsdae_fc_whole *c)
   const nsdae_friction_problem *p = c->view.p;
   memcpy(c->J, p->value, c->view.at[c->view.entries] * sizeof *c->J);
   memcpy(c->v, p->f, (size_t)c->view.nv * sizeof *c->v);
-  for (int b = 0; b < p->blocks; b++)
-    nsdae_la_solve_lower(p->size[b], 1, c->L + c->view.mass_at[b], p->size[b],
-                         c->v + c->view.offset[b], p->size[b]);
+  for (int b = 0; b < p->blocks; b++) solve_lower(c, b, 1, c->v + c->view.offset[b]);
   for (int i = 0; i < c->view.items; i++)
     for (int e = p->first[i]; e < p->first[i + 1]; e++) {
       int b = p->block[e], n = p->size[b], rows = nsdae_fc_rows(p, i);
       double *J = c->J + c->view.at[e];
-      nsdae_la_solve_lower(n, rows, c->L + c->view.mass_at[b], n, J, n);
+      solve_lower(c, b, rows, J);
       nsdae_add_transposed(n, rows, 1, J, c->v + c->view.offset[b], c->q + c->view.row[i]);
     }
 }
@@ -101,8 +125,9 @@ static void diagonals(nsdae_fc_whole *c)
     for (int k = 0; k < rows && p->compliance; k++) sum += p->compliance[c->view.row[i] + k];
     for (int e = p->first[i]; e < p->first[i + 1]; e++) {
       const double *J = c->J + c->view.at[e], *W = p->value + c->view.at[e];
+      int n = p->form == NSDAE_FRICTION_GLOBAL ? p->size[p->block[e]] : 0;
       if (p->form == NSDAE_FRICTION_GLOBAL)
-        for (size_t k = 0; k < (size_t)rows * (size_t)p->size[p->block[e]]; k++) sum += J[k] * J[k];
+        for (int k = 0; k < rows; k++, J += n) sum += nsdae_dot(n, J, J);
       else if (p->block[e] == i)
         for (int k = 0; k < rows; k++) sum += W[k * rows + k];
     }
@@ -119,7 +144,7 @@ static const double *find(const nsdae_fc_view *view, int i, int j)
 }
 
 /* |W_jk - W_kj| <= 1e-10 sqrt(d_j d_k), as rounding leaves it; a zero d needs zeros, or W would not
- * be positive semidefinite. */
+ * be positive semidefinite: there the entries themselves are what is off. */
 static int check_symmetry(const nsdae_fc_whole *c, nsdae_error *error)
 {
   const nsdae_friction_problem *p = c->view.p;
@@ -129,11 +154,12 @@ static int check_symmetry(const nsdae_fc_whole *c, nsdae_error *error)
       int j = p->block[e], ni = nsdae_fc_rows(p, i), nj = nsdae_fc_rows(p, j);
       const double *W = p->value + c->view.at[e], *T = find(&c->view, j, i);
       double off = 0, bound = 1e-10 * sqrt(fmax(c->d[i], 0)) * sqrt(fmax(c->d[j], 0));
+      int fixed = !(c->d[i] > 0 && c->d[j] > 0);
       for (int k = 0; k < ni * nj; k++)
-        off = fmax(off, fabs(W[k] - (T ? T[k % nj * ni + k / nj] : 0)));
+        off = fmax(off, fabs(W[k] - (T && !fixed ? T[k % nj * ni + k / nj] : 0)));
       if (off <= bound && c->d[i] >= 0) continue;
-      snprintf(text, sizeof text, "W of items %d and %d: off symmetry by %g, bound %g", i, j, off,
-               bound);
+      snprintf(text, sizeof text, "W of items %d and %d: off %s by %g, bound %g", i, j,
+               fixed ? "zero, as the diagonal is zero," : "symmetry", off, bound);
       return nsdae_fc_refuse(error, NSDAE_E_ARGUMENT, "value", e, text);
     }
   return NSDAE_OK;
@@ -302,34 +328,45 @@ static inline NSDAE_TWICE void velocity(const nsdae_fc_whole *c, const double *r
   for (int b = 0; b < p->blocks; b++) {
     int n = p->size[b];
     double *v = c->v + c->view.offset[b];
-    nsdae_la_solve_lower(n, 1, c->L + c->view.mass_at[b], n, v, n);
-    nsdae_la_solve_lower_transposed(n, 1, c->L + c->view.mass_at[b], n, v, n);
+    solve_lower(c, b, 1, v);
+    if (c->diagonal[b])
+      solve_lower(c, b, 1, v);
+    else
+      nsdae_la_solve_lower_transposed(n, 1, c->L + c->view.mass_at[b], n, v, n);
   }
 }
 
-/* Row k of item i: of the global form H^T v + w + C r, of the local one W r + q + C r. */
-static inline NSDAE_TWICE double row_velocity(const nsdae_fc_whole *c, int i, int k,
-                                              const double *r)
+/* Rows of item i: of the global form H^T v + w + C r, of the local one W r + q + C r; their sums
+ * side by side, as each addition waits for the one before. */
+static inline NSDAE_TWICE void item_velocity(const nsdae_fc_whole *c, int i, int rows,
+                                             const double *r, double *u)
 {
   const nsdae_friction_problem *p = c->view.p;
-  int row = c->view.row[i] + k, global = p->form == NSDAE_FRICTION_GLOBAL;
-  double high = p->w[row], low = 0;
-  if (p->compliance) nsdae_twice_add(p->compliance[row], r[row], &high, &low);
+  int row = c->view.row[i], global = p->form == NSDAE_FRICTION_GLOBAL;
+  double high[3] = {0}, low[3] = {0};
+  for (int k = 0; k < rows; k++) high[k] = p->w[row + k];
+  for (int k = 0; k < rows && p->compliance; k++)
+    nsdae_twice_add(p->compliance[row + k], r[row + k], high + k, low + k);
   for (int e = p->first[i]; e < p->first[i + 1]; e++) {
     int b = p->block[e], n = global ? p->size[b] : nsdae_fc_rows(p, b);
-    const double *column = p->value + c->view.at[e] + (size_t)k * (size_t)n;
+    const double *value = p->value + c->view.at[e];
     const double *x = global ? c->v + c->view.offset[b] : r + c->view.row[b];
-    for (int l = 0; l < n; l++) nsdae_twice_add(column[l], x[l], &high, &low);
+    for (int l = 0; l < n; l++)
+      for (int k = 0; k < rows; k++) nsdae_twice_add(value[k * n + l], x[l], high + k, low + k);
   }
-  return high + low;
+  for (int k = 0; k < rows; k++) u[row + k] = high[k] + low[k];
 }
 
 static inline NSDAE_TWICE void all_velocities(const nsdae_fc_whole *c, const double *r, double *u)
 {
   if (c->view.p->form == NSDAE_FRICTION_GLOBAL && c->view.p->blocks > 0) velocity(c, r);
-  for (int i = 0; i < c->view.items; i++)
-    for (int k = 0; k < nsdae_fc_rows(c->view.p, i); k++)
-      u[c->view.row[i] + k] = row_velocity(c, i, k, r);
+  for (int i = 0; i < c->view.items; i++) {
+    int rows = nsdae_fc_rows(c->view.p, i);
+    if (rows == 3)
+      item_velocity(c, i, 3, r, u); /* laid out flat */
+    else
+      item_velocity(c, i, rows, r, u);
+  }
 }
 
 NSDAE_TWICE_DISPATCH(relative_velocity, all_velocities,

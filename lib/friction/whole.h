@@ -11,6 +11,7 @@
 typedef struct nsdae_fc_whole {
   nsdae_fc_view view;
   double *L;     /* Cholesky factors, in the layout of M */
+  int *diagonal; /* blocks: whether that of the block is, which then is inverted */
   double *J;     /* in the layout of value */
   double *q;     /* m */
   double *d;     /* items: mean of the diagonal entries of W + C */

@@ -26,6 +26,10 @@ void nsdae_blocks_add_product(const nsdae_blocks *blocks, const double *M, const
 /* x^T M x */
 double nsdae_blocks_square(const nsdae_blocks *blocks, const double *M, const double *x);
 
+/* (v + u)^T (M - from) (v + u) */
+double nsdae_blocks_change(const nsdae_blocks *blocks, const double *M, const double *from,
+                           const double *v, const double *u);
+
 /* A block of M factored, in an array [size x size] of its own: L L^T, or where it is diagonal, as
  * often in absolute coordinates, its diagonal. */
 typedef struct nsdae_block_factor {

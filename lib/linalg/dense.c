@@ -6,21 +6,29 @@
 #include <math.h>
 #include <stddef.h>
 
+#include "vector.h"
+
+/* A body in the plane: loops of known length vanish, and with them most of the instructions. */
+enum { BODY = 3 };
+
 #define AT(A, lda, i, j) (A)[(size_t)(j) * (size_t)(lda) + (size_t)(i)]
 
 /* Left-looking Cholesky by columns (Golub and Van Loan, Matrix Computations, Alg. 4.2.1). */
-static int cholesky_small(int n, double *A, int lda)
+static inline int cholesky_small(int n, double *A, size_t lda)
 {
-  for (int j = 0; j < n; j++) {
-    double diagonal = AT(A, lda, j, j), pivot = diagonal;
-    for (int k = 0; k < j; k++) pivot -= AT(A, lda, j, k) * AT(A, lda, j, k);
-    if (!(pivot > n * DBL_EPSILON * diagonal)) return j + 1; /* NaN and infinity, too */
+  double *column = A;
+  for (int j = 0; j < n; j++, column += lda) {
+    double pivot = column[j];
+    const double *row = A + j;
+    for (int k = 0; k < j; k++, row += lda) pivot -= *row * *row;
+    if (!(pivot > n * DBL_EPSILON * column[j])) return j + 1; /* NaN and infinity, too */
     double root = sqrt(pivot);
-    AT(A, lda, j, j) = root;
+    column[j] = root;
     for (int i = j + 1; i < n; i++) {
-      double sum = AT(A, lda, i, j);
-      for (int k = 0; k < j; k++) sum -= AT(A, lda, i, k) * AT(A, lda, j, k);
-      AT(A, lda, i, j) = sum / root;
+      double sum = column[i];
+      const double *a = A + i, *c = A + j;
+      for (int k = 0; k < j; k++, a += lda, c += lda) sum -= *a * *c;
+      column[i] = sum / root;
     }
   }
   return 0;
@@ -38,9 +46,30 @@ static int first_rounded_pivot(int n, const double *L, int ldl)
 
 int nsdae_la_cholesky(int n, double *A, int lda)
 {
-  if (n < NSDAE_SMALL) return cholesky_small(n, A, lda);
+  if (n == BODY && lda == BODY) return cholesky_small(BODY, A, BODY);
+  if (n < NSDAE_SMALL) return cholesky_small(n, A, (size_t)lda);
   int info = LAPACKE_dpotrf_work(LAPACK_COL_MAJOR, 'L', n, A, lda);
   return info ? info : first_rounded_pivot(n, A, lda);
+}
+
+static inline void solve_lower_small(int n, const double *L, size_t ldl, double *b)
+{
+  for (int i = 0; i < n; i++) {
+    double sum = b[i];
+    const double *row = L + i;
+    for (int k = 0; k < i; k++, row += ldl) sum -= *row * b[k];
+    b[i] = sum / *row;
+  }
+}
+
+static inline void solve_lower_transposed_small(int n, const double *L, size_t ldl, double *b)
+{
+  for (int i = n - 1; i >= 0; i--) {
+    const double *column = L + (size_t)i * ldl;
+    double sum = b[i];
+    for (int k = i + 1; k < n; k++) sum -= column[k] * b[k];
+    b[i] = sum / column[i];
+  }
 }
 
 void nsdae_la_solve_lower(int n, int nrhs, const double *L, int ldl, double *B, int ldb)
@@ -50,12 +79,11 @@ void nsdae_la_solve_lower(int n, int nrhs, const double *L, int ldl, double *B, 
                 ldl, B, ldb);
     return;
   }
-  for (int j = 0; j < nrhs; j++)
-    for (int i = 0; i < n; i++) {
-      double sum = AT(B, ldb, i, j);
-      for (int k = 0; k < i; k++) sum -= AT(L, ldl, i, k) * AT(B, ldb, k, j);
-      AT(B, ldb, i, j) = sum / AT(L, ldl, i, i);
-    }
+  for (int j = 0; j < nrhs; j++, B += ldb)
+    if (n == BODY && ldl == BODY)
+      solve_lower_small(BODY, L, BODY, B);
+    else
+      solve_lower_small(n, L, (size_t)ldl, B);
 }
 
 void nsdae_la_solve_lower_transposed(int n, int nrhs, const double *L, int ldl, double *B, int ldb)
@@ -65,15 +93,25 @@ void nsdae_la_solve_lower_transposed(int n, int nrhs, const double *L, int ldl, 
                 ldl, B, ldb);
     return;
   }
-  for (int j = 0; j < nrhs; j++)
-    for (int i = n - 1; i >= 0; i--) {
-      double sum = AT(B, ldb, i, j);
-      for (int k = i + 1; k < n; k++) sum -= AT(L, ldl, k, i) * AT(B, ldb, k, j);
-      AT(B, ldb, i, j) = sum / AT(L, ldl, i, i);
-    }
+  for (int j = 0; j < nrhs; j++, B += ldb)
+    if (n == BODY && ldl == BODY)
+      solve_lower_transposed_small(BODY, L, BODY, B);
+    else
+      solve_lower_transposed_small(n, L, (size_t)ldl, B);
 }
 
-static void swap_rows(int n, double *A, int lda, int i, int k)
+void nsdae_la_solve_cholesky(int n, const double *L, double *b)
+{
+  if (n == BODY) {
+    solve_lower_small(BODY, L, BODY, b);
+    solve_lower_transposed_small(BODY, L, BODY, b);
+    return;
+  }
+  nsdae_la_solve_lower(n, 1, L, n, b, n);
+  nsdae_la_solve_lower_transposed(n, 1, L, n, b, n);
+}
+
+static inline void swap_rows(int n, double *A, int lda, int i, int k)
 {
   for (int j = 0; j < n; j++) {
     double held = AT(A, lda, i, j);
@@ -87,13 +125,13 @@ static void swap_rows(int n, double *A, int lda, int i, int k)
 enum { SMALL_LU = 40 };
 
 /* b [n] := b - factor a. */
-static void subtract(int n, double factor, const double *restrict a, double *restrict b)
+static inline void subtract(int n, double factor, const double *restrict a, double *restrict b)
 {
   for (int i = 0; i < n; i++) b[i] -= factor * a[i];
 }
 
 /* Gauss elimination (Golub and Van Loan, Alg. 3.4.1). */
-static int lu_small(int n, double *A, int lda, int *pivot)
+static inline int lu_small(int n, double *A, int lda, int *pivot)
 {
   double *column = A;
   for (int k = 0; k < n; k++, column += lda) {
@@ -113,16 +151,13 @@ static int lu_small(int n, double *A, int lda, int *pivot)
 
 int nsdae_la_lu(int n, double *A, int lda, int *pivot)
 {
+  if (n == BODY && lda == BODY) return lu_small(BODY, A, BODY, pivot);
   if (n < SMALL_LU) return lu_small(n, A, lda, pivot);
   return LAPACKE_dgetrf_work(LAPACK_COL_MAJOR, n, n, A, lda, pivot);
 }
 
-void nsdae_la_lu_solve(int n, const double *A, int lda, const int *pivot, double *b)
+static inline void lu_solve_small(int n, const double *A, int lda, const int *pivot, double *b)
 {
-  if (n >= SMALL_LU) {
-    LAPACKE_dgetrs_work(LAPACK_COL_MAJOR, 'N', n, 1, A, lda, pivot, b, n);
-    return;
-  }
   for (int k = 0; k < n; k++) {
     double held = b[k];
     b[k] = b[pivot[k] - 1];
@@ -133,6 +168,16 @@ void nsdae_la_lu_solve(int n, const double *A, int lda, const int *pivot, double
     b[k] /= AT(A, lda, k, k);
     subtract(k, b[k], &AT(A, lda, 0, k), b);
   }
+}
+
+void nsdae_la_lu_solve(int n, const double *A, int lda, const int *pivot, double *b)
+{
+  if (n == BODY && lda == BODY)
+    lu_solve_small(BODY, A, BODY, pivot, b);
+  else if (n < SMALL_LU)
+    lu_solve_small(n, A, lda, pivot, b);
+  else
+    LAPACKE_dgetrs_work(LAPACK_COL_MAJOR, 'N', n, 1, A, lda, pivot, b, n);
 }
 
 void nsdae_la_multiply_transposed(int n, int p, int r, const double *A, int lda, const double *B,
@@ -148,12 +193,13 @@ void nsdae_la_multiply_transposed(int n, int p, int r, const double *A, int lda,
                 ldc);
     return;
   }
-  for (int j = 0; j < r; j++)
-    for (int i = 0; i < p; i++) {
-      double sum = 0;
-      for (int k = 0; k < n; k++) sum += AT(A, lda, k, i) * AT(B, ldb, k, j);
-      AT(C, ldc, i, j) = beta == 0 ? sum : sum + beta * AT(C, ldc, i, j);
+  for (int j = 0; j < r; j++, B += ldb, C += ldc) {
+    const double *column = A;
+    for (int i = 0; i < p; i++, column += lda) {
+      double sum = nsdae_dot(n, column, B);
+      C[i] = beta == 0 ? sum : sum + beta * C[i];
     }
+  }
 }
 
 void nsdae_la_subtract_product(int n, int p, int r, const double *A, int lda, const double *B,
@@ -165,9 +211,11 @@ void nsdae_la_subtract_product(int n, int p, int r, const double *A, int lda, co
                 ldc);
     return;
   }
-  for (int j = 0; j < r; j++)
-    for (int k = 0; k < p; k++)
-      for (int i = 0; i < n; i++) AT(C, ldc, i, j) -= AT(A, lda, i, k) * AT(B, ldb, k, j);
+  for (int j = 0; j < r; j++, B += ldb, C += ldc) {
+    const double *column = A;
+    for (int k = 0; k < p; k++, column += lda)
+      for (int i = 0; i < n; i++) C[i] -= column[i] * B[k];
+  }
 }
 
 void nsdae_la_add_product(int n, int p, const double *A, int lda, const double *x, double *y)

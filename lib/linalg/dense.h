@@ -13,6 +13,8 @@ int nsdae_la_cholesky(int n, double *A, int lda);
 /* B [n x nrhs] := L^-1 B, and B := L^-T B. */
 void nsdae_la_solve_lower(int n, int nrhs, const double *L, int ldl, double *B, int ldb);
 void nsdae_la_solve_lower_transposed(int n, int nrhs, const double *L, int ldl, double *B, int ldb);
+/* b [n] := L^-T L^-1 b, with L [n x n]. */
+void nsdae_la_solve_cholesky(int n, const double *L, double *b);
 
 /* A [n x n] := its LU factors with partial pivoting, rows exchanged as pivot [n] says (from 1).
  * Returns 0, or i > 0 when the i-th pivot is zero (or NaN). */

@@ -38,12 +38,6 @@ void nsdae_kkt_layout(nsdae_kkt *kkt, nsdae_arena *arena)
   kkt->pivoted.order = NSDAE_ARENA_INTS(arena, m);
 }
 
-static void copy_lower(int n, const double *A, int lda, double *L)
-{
-  for (size_t j = 0; j < (size_t)n; j++)
-    memcpy(L + j * (size_t)n + j, A + j * (size_t)lda + j, ((size_t)n - j) * sizeof *L);
-}
-
 static int is_diagonal(int n, const double *A, int lda)
 {
   const double *diagonal = A;
@@ -59,7 +53,9 @@ static int factor_mass(nsdae_kkt *kkt, const double *M, int ldm)
   int n = kkt->n;
   kkt->diagonal = is_diagonal(n, M, ldm);
   if (!kkt->diagonal) {
-    copy_lower(n, M, ldm, kkt->L);
+    for (int j = 0; j < n && ldm != n; j++)
+      memcpy(kkt->L + (size_t)j * (size_t)n, M + (size_t)j * (size_t)ldm, (size_t)n * sizeof *M);
+    if (ldm == n) memcpy(kkt->L, M, (size_t)n * (size_t)n * sizeof *M);
     return nsdae_la_cholesky(n, kkt->L, n);
   }
   for (int i = 0; i < n; i++) {
@@ -251,25 +247,41 @@ static void solve_schur(const nsdae_kkt *kkt, int nrhs, double *R, int ldr, doub
   nsdae_la_subtract_product(n, m, nrhs, kkt->Y, n, C, ldc, R, ldr);
 }
 
+void nsdae_kkt_solve_mass(const nsdae_kkt *kkt, double *r)
+{
+  if (!kkt->diagonal) {
+    nsdae_la_solve_cholesky(kkt->n, kkt->L, r);
+    return;
+  }
+  for (int i = 0; i < kkt->n; i++) r[i] = r[i] / kkt->L[i] / kkt->L[i];
+}
+
+/* The same of one right-hand side and a few rows, in plain loops: z, c to z - Y l, l. */
+static void solve_schur_small(const nsdae_kkt *kkt, double *z, double *c)
+{
+  int n = kkt->n, m = kkt->m;
+  const double *column = kkt->Y;
+  for (int i = 0; i < m; i++, column += n) c[i] = nsdae_dot(n, column, z) - c[i];
+  nsdae_la_solve_cholesky(m, kkt->S, c);
+  column = kkt->Y;
+  for (int i = 0; i < m; i++, column += n) nsdae_add(n, -c[i], column, z);
+}
+
 void nsdae_kkt_solve(const nsdae_kkt *kkt, int nrhs, double *R, int ldr, double *C, int ldc)
 {
   int n = kkt->n, m = kkt->m;
-  if (m == 0 && nrhs == 1 && kkt->diagonal) { /* most steps of bodies without joints */
-    for (int i = 0; i < n; i++) R[i] = R[i] / kkt->L[i] / kkt->L[i];
+  if (m == 0 && nrhs == 1) { /* most steps of bodies without joints */
+    nsdae_kkt_solve_mass(kkt, R);
     return;
   }
   solve_root(kkt, nrhs, R, ldr);
-  if (m > 0) {
+  if (m > 0 && nrhs == 1 && n < NSDAE_SMALL && !kkt->factored_by_rank) {
+    solve_schur_small(kkt, R, C);
+  } else if (m > 0) {
     nsdae_la_multiply_transposed(n, m, nrhs, kkt->Y, n, R, ldr, -1, C, ldc);
     solve_schur(kkt, nrhs, R, ldr, C, ldc);
   }
   solve_root_transposed(kkt, nrhs, R, ldr);
-}
-
-void nsdae_kkt_solve_mass(const nsdae_kkt *kkt, double *r)
-{
-  solve_root(kkt, 1, r, kkt->n);
-  solve_root_transposed(kkt, 1, r, kkt->n);
 }
 
 /* J^T l is M x + J^T l' with x = 0: what is left of l' is least. */

@@ -3,12 +3,6 @@
 #include <math.h>
 #include <string.h>
 
-void nsdae_rows_times(const nsdae_blocks *blocks, const nsdae_rows *rows, const double *x,
-                      double *y)
-{
-  for (int i = 0; i < rows->count; i++) y[i] += nsdae_rows_dot(blocks, rows, i, x);
-}
-
 void nsdae_rows_times_transposed(const nsdae_blocks *blocks, const nsdae_rows *rows, double scale,
                                  const double *x, double *work, double *y)
 {

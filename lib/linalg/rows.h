@@ -46,9 +46,7 @@ static inline void nsdae_rows_add(const nsdae_blocks *blocks, const nsdae_rows *
   }
 }
 
-/* y [count] += rows x, and y [nv] += scale rows^T x with the sums formed in work [nv] first. */
-void nsdae_rows_times(const nsdae_blocks *blocks, const nsdae_rows *rows, const double *x,
-                      double *y);
+/* y [nv] += scale rows^T x, with the sums formed in work [nv] first. */
 void nsdae_rows_times_transposed(const nsdae_blocks *blocks, const nsdae_rows *rows, double scale,
                                  const double *x, double *work, double *y);
 

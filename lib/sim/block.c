@@ -33,7 +33,7 @@ typedef struct head {
 } head;
 
 static const char MAGIC[8] = "nsdaest";
-enum { BYTE_ORDER_MARK = 0x01020304, BLOCK_VERSION = 1 };
+enum { BYTE_ORDER_MARK = 0x01020304, BLOCK_VERSION = 2 };
 
 /* A place in a block: nothing is moved where both are NULL. Arrays may be NULL where they are
  * empty. */
@@ -412,7 +412,7 @@ static int read_block(nsdae_sim *sim, const void *block)
   visit_point(&c, p, &r->end.t, &have);
   visit_units(&c, &sim->system->dims, &sim->projection.other);
   r->memory.stamp = p->accounts.step == 0 ? 0 : -1; /* all zero before the first */
-  r->end.have = 0;
+  nsdae_terms_forget(&r->end);
   if (status == NSDAE_OK) status = check_values(sim);
   nsdae_stepper_count(&sim->stepper, &state, r);
   return status < 0 ? status : nsdae_point_show(p, have);

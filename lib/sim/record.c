@@ -72,7 +72,7 @@ static inline void scale(double *restrict to, const double *restrict a, int n, d
   for (int i = 0; i < n; i++) to[i] = factor * a[i];
 }
 
-/* Means over the step, of all that happened in it; h = 0: there was none. */
+/* Means over the step of length h, of all that happened in it; h = 0: there was none. */
 static void fill_means(nsdae_point *p, const nsdae_terms *from, double h)
 {
   const nsdae_result *r = &p->result;
@@ -84,7 +84,7 @@ static void fill_means(nsdae_point *p, const nsdae_terms *from, double h)
   scale(p->normal_force, r->impulses.normal, d->k, rate);
   scale(p->tangential_force, r->impulses.tangential, d->k * d->nt, rate);
   scale(p->slide_force, r->impulses.slide_impulse, d->f, rate);
-  p->record.duration = h;
+  p->record.duration = r->end.t - from->t;
 }
 
 /* By list: of what was closed, where the method looked last. */
@@ -211,19 +211,19 @@ int nsdae_point_show(nsdae_point *point, unsigned have)
   if (status == NSDAE_OK && (have & NSDAE_TERM_CONTACTS))
     status = nsdae_terms_contacts(end, end->by.reach);
   if (status < 0) return status;
-  end->have &= have | RECORD_TERMS; /* some callbacks give two */
+  end->have &= have | RECORD_TERMS | end->absent; /* some callbacks give two */
   fill_record(point);
   fill_means(point, end, 0);
   return NSDAE_OK;
 }
 
-int nsdae_point_follow(nsdae_point *before, nsdae_point *point, double impact_velocity)
+int nsdae_point_follow(nsdae_point *before, nsdae_point *point, const nsdae_sim_options *options)
 {
   nsdae_result *r = &point->result;
   nsdae_accounts *a = &point->accounts;
   int status = nsdae_terms_need(&r->end, RECORD_TERMS);
   if (status < 0) return status;
-  if (!r->located) find_impacts(&before->result.impulses, r, impact_velocity);
+  if (!r->located) find_impacts(&before->result.impulses, r, options->impact_velocity);
   *a = before->accounts;
   a->step++;
   a->dissipated -= r->work;
@@ -232,7 +232,8 @@ int nsdae_point_follow(nsdae_point *before, nsdae_point *point, double impact_ve
   a->stats.contact_steps += !r->smooth;
   a->stats.impacts += r->impacts;
   fill_record(point);
-  fill_means(point, &before->result.end, r->end.t - before->result.end.t);
+  fill_means(point, &before->result.end,
+             nsdae_step_length(options, before->result.end.t, r->end.t));
   status = nsdae_watch_finite(point);
   if (status < 0) return status;
   count(&a->stats, &r->counters);

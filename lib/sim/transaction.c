@@ -124,8 +124,7 @@ static int prepare(nsdae_sim *sim, double t1)
   sim->stage.failed = is_problem(status) && (sim->next->result.problem || sim->next->result.pile);
   if (status == NSDAE_OK)
     status = sim->options.projection == NSDAE_PROJECTION_NONE ? keep_lengths(sim) : project(sim);
-  if (status == NSDAE_OK)
-    status = nsdae_point_follow(sim->now, sim->next, sim->options.impact_velocity);
+  if (status == NSDAE_OK) status = nsdae_point_follow(sim->now, sim->next, &sim->options);
   if (status == NSDAE_OK) status = nsdae_watch_step(sim, sim->now, sim->next);
   if (status < 0) {
     sim->now->result.end.have = have; /* what a dropped step evaluated is not counted either */

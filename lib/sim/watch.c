@@ -206,6 +206,7 @@ static void measure(nsdae_watch *w, const nsdae_terms *from, const nsdae_result 
     w->change = nsdae_larger(w->change, fabs(to->gap[i] - from->gap[i]));
   for (int a = 0; a < result->closed.count; a++)
     w->change = fmax(w->change, h * fmax(fabs(r->before[a]), fabs(r->after[a])));
+  if (d->m == 0) return; /* no row to go along */
   for (int j = 0; j < d->nv; j++) speed += nsdae_larger(fabs(from->v[j]), fabs(to->v[j]));
   w->way = nsdae_larger(w->way, h * w->row * speed);
 }
@@ -214,14 +215,9 @@ static void measure(nsdae_watch *w, const nsdae_terms *from, const nsdae_result 
 static double turned(const nsdae_terms *from, const nsdae_terms *to)
 {
   const nsdae_blocks *blocks = &to->system->blocks;
-  double sum = 0;
-  size_t at = 0, bytes = blocks->square[blocks->count] * sizeof *to->M;
+  size_t bytes = blocks->square[blocks->count] * sizeof *to->M;
   if (memcmp(to->M, from->M, bytes) == 0) return 0; /* as often */
-  for (int b = 0; b < blocks->count; b++)
-    for (int j = blocks->first[b]; j < blocks->first[b + 1]; j++)
-      for (int i = blocks->first[b]; i < blocks->first[b + 1]; i++, at++)
-        sum += (to->M[at] - from->M[at]) * (from->v[i] + to->v[i]) * (from->v[j] + to->v[j]);
-  return sum / 8;
+  return nsdae_blocks_change(blocks, to->M, from->M, from->v, to->v) / 8;
 }
 
 /* F v, and what forces do on the rounding of the coordinates, which each step has anew: less energy
@@ -241,7 +237,7 @@ static double power_of(const nsdae_terms *T, double *rounding)
 
 /* Work of what moves by itself in a step that did `of`, by the velocities w and Phi_t at T, one of
  * its ends: half of each. Lists know theirs. */
-static double half_driven(const nsdae_terms *T, const nsdae_result *of, double h)
+static inline double half_driven(const nsdae_terms *T, const nsdae_result *of, double h)
 {
   const nsdae_dims *d = &T->system->dims;
   const nsdae_impulses *p = &of->impulses;
@@ -291,7 +287,7 @@ static double energy_bound(const nsdae_watch *w)
 {
   double soon = watch_share * w->scale + watch_turnover * w->turnover;
   double ever = watch_half * w->known + watch_turnover * w->spent + w->unsure;
-  return fmin(soon, ever) + watch_turnover * w->driven + w->rounding;
+  return (soon < ever ? soon : ever) + watch_turnover * w->driven + w->rounding;
 }
 
 /* The lightest diagonal entry of M among those of a block; INFINITY of the ground. */
@@ -316,7 +312,8 @@ static double rounding_of_contacts(const nsdae_point *point)
   double sum = 0;
   for (int a = 0; c && !T->system->by_list && a < c->active_count; a++) {
     size_t diagonal = (size_t)c->first_column[a] * (size_t)(c->columns + 1);
-    sum += fabs(r->normal_impulse[c->active[a]]) * sqrt(c->delassus.G[diagonal]);
+    double inertia = nsdae_larger(0, c->delassus.G[diagonal]); /* where nothing moves, rounding */
+    sum += fabs(r->normal_impulse[c->active[a]]) * sqrt(inertia);
   }
   for (int i = 0; i < r->contacts.count; i++) {
     const int *block = r->contacts.block + 2 * (size_t)i;
@@ -335,32 +332,45 @@ typedef struct gain {
 /* Each step multiplies the kinetic energy, whatever the forces' quadrature says of it. */
 static void find_soaring(nsdae_watch *w, double before, double after, gain *found)
 {
-  w->soared = before > 0 && after > watch_soars * fmax(before, w->scale) ? w->soared + 1 : 0;
+  int soars = after > watch_soars * before && after > watch_soars * w->scale && before > 0;
+  w->soared = soars ? w->soared + 1 : 0;
   if (w->soared >= SOARED) *found = (gain){after, watch_soars * before, BY_SOARING};
 }
 
-/* That of the quadrature up to the point before, with what was known there (where each step
- * multiplies the energy the next one hides it), of contacts up to this one. The one that is further
- * beyond. */
+/* By the quadrature up to the point before, with what was known there: where each step multiplies
+ * the energy the next one hides it. */
+static int find_gain_of_steps(nsdae_watch *w, nsdae_point *before, const nsdae_point *point,
+                              gain *found)
+{
+  double work = point->result.work;
+  int status = add_work(w, &before->result);
+  if (status == NSDAE_OK) status = leave(w, &before->result.end, &point->result);
+  if (status < 0) return status;
+  if (work != 0) {
+    if (work > 0) w->gained += nsdae_larger(0, work - rounding_of_contacts(point));
+    w->spent += fabs(work);
+  }
+  found->energy = before->record.kinetic + before->record.dissipated - w->kinetic - w->work;
+  found->bound = energy_bound(w);
+  return NSDAE_OK;
+}
+
+/* The one of the steps, or of contacts up to this one, that is further beyond. */
 static int find_gain(nsdae_watch *w, nsdae_point *before, const nsdae_point *point, gain *found)
 {
-  double energy = 0, known = 0;
+  double kinetic = point->record.kinetic;
+  *found = (gain){0, 0, BY_STEPS};
   if (before->result.located || point->result.located) {
     w->gained = nsdae_larger(w->gained, -point->record.dissipated);
   } else {
-    int status = add_work(w, &before->result);
-    if (status == NSDAE_OK) status = leave(w, &before->result.end, &point->result);
+    int status = find_gain_of_steps(w, before, point, found);
     if (status < 0) return status;
-    w->gained += nsdae_larger(0, point->result.work - rounding_of_contacts(point));
-    energy = before->record.kinetic + before->record.dissipated - w->kinetic - w->work;
-    w->spent += fabs(point->result.work);
-    known = energy_bound(w);
   }
-  *found = (gain){energy, known, BY_STEPS};
-  if (!point->result.located) find_soaring(w, before->record.kinetic, point->record.kinetic, found);
-  w->scale = nsdae_larger(w->scale, point->record.kinetic);
-  double from_nowhere = nsdae_larger(w->gained, nsdae_larger(0, energy));
-  w->known = nsdae_larger(w->known, point->record.kinetic - from_nowhere);
+  double energy = found->energy;
+  if (!point->result.located) find_soaring(w, before->record.kinetic, kinetic, found);
+  w->scale = nsdae_larger(w->scale, kinetic);
+  w->known = nsdae_larger(w->known, kinetic - nsdae_larger(w->gained, nsdae_larger(0, energy)));
+  if (!(w->gained > 0)) return NSDAE_OK;
   double bound = energy_bound(w);
   if (w->gained - bound > found->energy - found->bound)
     *found = (gain){w->gained, bound, BY_CONTACTS};
@@ -478,13 +488,13 @@ static int judge(const nsdae_sim *sim, nsdae_point *point, const gain *g)
 {
   const nsdae_record *r = &point->record;
   int new = ~point->accounts.stats.warnings;
-  double way = watch_ways * point->accounts.watch.way;
-  if ((new &NSDAE_WATCH_ENERGY) && g->energy > g->bound) return say_energy(point, g);
-  if ((new &NSDAE_WATCH_PENETRATION) && r->penetration > 0) {
+  if (g->energy > g->bound && (new &NSDAE_WATCH_ENERGY)) return say_energy(point, g);
+  if (r->penetration > 0 && (new &NSDAE_WATCH_PENETRATION)) {
     double depth = watch_ways * depth_of(sim, point);
     if (r->penetration > depth) return say_penetration(point, depth);
   }
-  if ((new &NSDAE_WATCH_DRIFT) && r->constraint_drift > way) return say_drift(point, way);
+  double way = watch_ways * point->accounts.watch.way;
+  if (r->constraint_drift > way && (new &NSDAE_WATCH_DRIFT)) return say_drift(point, way);
   return NSDAE_OK;
 }
 
@@ -516,9 +526,8 @@ static int keeps_energy(const nsdae_sim *sim, const nsdae_point *before, const n
 {
   const nsdae_result *r = &point->result;
   double off = point->record.kinetic - before->record.kinetic - r->gain;
-  int asked = r->located && sim->options.method == NSDAE_METHOD_EVENT;
   /* 2 T <= sum |M_ij| max |v|^2: far less than is explained */
-  if (!asked || fabs(off) <= 2 * watch_inertia * point->record.kinetic) return NSDAE_OK;
+  if (fabs(off) <= 2 * watch_inertia * point->record.kinetic) return NSDAE_OK;
   double bound = explained(sim, before, point);
   if (!(fabs(off) > bound)) return NSDAE_OK;
   nsdae_error_set(r->end.error, NSDAE_E_CONVERGENCE, "nsdae_sim", "rtol",
@@ -533,10 +542,12 @@ static int keeps_energy(const nsdae_sim *sim, const nsdae_point *before, const n
 int nsdae_watch_step(const nsdae_sim *sim, nsdae_point *before, nsdae_point *point)
 {
   nsdae_watch *w = &point->accounts.watch;
-  int kept = keeps_energy(sim, before, point);
-  if (kept < 0) return kept;
   gain found;
+  int status = NSDAE_OK;
+  if (point->result.located && sim->options.method == NSDAE_METHOD_EVENT)
+    status = keeps_energy(sim, before, point);
+  if (status < 0) return status;
   measure(w, &before->result.end, &point->result);
-  int status = find_gain(w, before, point, &found);
+  status = find_gain(w, before, point, &found);
   return status < 0 ? status : judge(sim, point, &found);
 }

@@ -72,10 +72,10 @@ static int no_convergence(nsdae_newmark *N, double t, double last)
 }
 
 /* Iterates on a1; the terms of the last iterate are those of end, with its acceleration in a1. */
-static int iterate(nsdae_newmark *N, const nsdae_terms *start, nsdae_terms *end, double t_end)
+static int iterate(nsdae_newmark *N, const nsdae_terms *start, nsdae_terms *end, double t_end,
+                   double h)
 {
   const nsdae_dims *dims = &N->system->dims;
-  double h = t_end - start->t;
   double s = N->alpha * h + N->beta * N->beta * h * h / 4, moved = INFINITY;
   for (N->iterations = 1; N->iterations <= N->iteration_max; N->iterations++) {
     int status = advance(N, start, N->iterations == 1 ? start->q : end->q, h);
@@ -92,7 +92,7 @@ static int iterate(nsdae_newmark *N, const nsdae_terms *start, nsdae_terms *end,
 }
 
 int nsdae_newmark_step(nsdae_newmark *N, nsdae_terms *start, nsdae_terms *end, double t_end,
-                       double *multiplier)
+                       double h, double *multiplier)
 {
   const nsdae_dims *dims = &N->system->dims;
   int status = kinematics(N, start->t, start->q, start->v, N->qdot0);
@@ -100,7 +100,7 @@ int nsdae_newmark_step(nsdae_newmark *N, nsdae_terms *start, nsdae_terms *end, d
   N->have_start = 0;
   if (status < 0) return status;
   memcpy(N->a1, N->a0, (size_t)dims->nv * sizeof *N->a1);
-  status = iterate(N, start, end, t_end);
+  status = iterate(N, start, end, t_end, h);
   if (status < 0) return status;
   for (int i = 0; i < dims->m; i++) multiplier[i] = (N->lambda0[i] + N->lambda1[i]) / 2;
   memcpy(N->a0, N->a1, (size_t)dims->nv * sizeof *N->a0);

@@ -30,9 +30,9 @@ typedef struct nsdae_newmark {
 /* system and error are set before; solve, the numbers, a0 and lambda0 before a step. */
 void nsdae_newmark_layout(nsdae_newmark *newmark, nsdae_arena *arena);
 
-/* One step from start into end, at t_end. multiplier [m]: mean lambda. NSDAE_OK;
- * NSDAE_E_CONVERGENCE; what the terms return. */
+/* One step of length h from start into end, at t_end, which is that but for rounding. multiplier
+ * [m]: mean lambda. NSDAE_OK; NSDAE_E_CONVERGENCE; what the terms return. */
 int nsdae_newmark_step(nsdae_newmark *newmark, nsdae_terms *start, nsdae_terms *end, double t_end,
-                       double *multiplier);
+                       double h, double *multiplier);
 
 #endif

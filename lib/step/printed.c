@@ -87,8 +87,8 @@ static int smooth_step(printed *p, const nsdae_step *step)
   prepare_newmark(p, memory);
   p->newmark.solve = solve_smooth;
   p->newmark.of = (void *)step;
-  int status =
-      nsdae_newmark_step(&p->newmark, step->start, step->end, step->t_end, result->multiplier);
+  int status = nsdae_newmark_step(&p->newmark, step->start, step->end, step->t_end, step->h,
+                                  result->multiplier);
   memory->whole[memory->wholes - 1] = p->newmark.have_start;
   result->counters.iterations += p->newmark.iterations;
   result->smooth = 1;

@@ -28,10 +28,12 @@ void nsdae_differences_layout(nsdae_differences *differences, nsdae_arena *arena
 
 /* A power of two, so that t + s and t - s are exact. Neither time nor place has a natural zero, so
  * that the step grows with them for rounding alone: scale = eps^p is the best step of a function
- * with errors eps, and far out they are eps (1 + |q|). */
+ * with errors eps, and far out they are eps (1 + |q|), whatever else moves with it. */
 double nsdae_differences_step(int nq, double t, const double *q, const double *qdot, double scale)
 {
-  double fastest = 1 / fmax(1, 1e-4 * fabs(t)), p = ilogb(scale) / (1.0 - DBL_MANT_DIG);
+  double p = ilogb(scale) / (1.0 - DBL_MANT_DIG), far = 0, fastest;
+  for (int i = 0; i < nq; i++) far = fmax(far, qdot[i] != 0 ? fabs(q[i]) : 0);
+  fastest = 1 / fmax(fmax(1, 1e-4 * fabs(t)), ldexp(1, (int)(p * ilogb(1 + far))));
   for (int i = 0; i < nq; i++)
     fastest = fmax(fastest, ldexp(fabs(qdot[i]), -(int)(p * ilogb(1 + fabs(q[i])))));
   return ldexp(1, ilogb(scale / fastest));

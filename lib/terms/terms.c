@@ -49,11 +49,22 @@ static void lay_out_dense(nsdae_terms *terms, nsdae_arena *arena)
   nsdae_terms_layout_rows(&terms->by.tangent, k * nt, n, n, 1, arena);
 }
 
+static unsigned absent(const nsdae_dims *d)
+{
+  unsigned of_constraints =
+      NSDAE_TERM_PHI | NSDAE_TERM_JACOBIAN | NSDAE_TERM_PHI_T | NSDAE_TERM_OMEGA;
+  unsigned of_contacts = NSDAE_TERM_GAP | NSDAE_TERM_NORMAL | NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS;
+  return (d->m == 0 ? of_constraints : 0u) | (d->k == 0 ? of_contacts : 0u) |
+         (d->f == 0 ? (unsigned)NSDAE_TERM_SLIDE : 0u) |
+         (d->k + d->f == 0 ? (unsigned)NSDAE_TERM_ACCELERATION : 0u);
+}
+
 void nsdae_terms_layout(nsdae_terms *terms, nsdae_arena *arena)
 {
   const nsdae_dims *dims = &terms->system->dims;
   const nsdae_blocks *blocks = &terms->system->blocks;
   long n = dims->nv, m = dims->m, k = dims->k, nt = dims->nt;
+  terms->absent = absent(dims);
   terms->q = NSDAE_ARENA_DOUBLES(arena, dims->nq);
   terms->v = NSDAE_ARENA_DOUBLES(arena, n);
   terms->M = NSDAE_ARENA_DOUBLES(arena, blocks->square[blocks->count]);
@@ -79,18 +90,22 @@ void nsdae_terms_at(nsdae_terms *terms, double t, const double *q, const double 
   terms->t = t;
   memcpy(terms->q, q, (size_t)dims->nq * sizeof *q);
   memcpy(terms->v, v, (size_t)dims->nv * sizeof *v);
-  terms->have = 0;
+  nsdae_terms_forget(terms);
 }
 
 void nsdae_terms_set_velocity(nsdae_terms *terms, const double *v)
 {
   memcpy(terms->v, v, (size_t)terms->system->dims.nv * sizeof *v);
   terms->have &= ~(unsigned)(NSDAE_TERM_FORCE | NSDAE_TERM_OMEGA | NSDAE_TERM_ACCELERATION);
+  terms->have |= terms->absent;
 }
 
-static void zero(double *a, long count)
+static inline void zero(double *a, long count)
 {
-  memset(a, 0, (size_t)count * sizeof *a);
+  if (count > 4)
+    memset(a, 0, (size_t)count * sizeof *a);
+  else
+    while (count > 0) a[--count] = 0;
 }
 
 /* Why a callback's output [rows x columns] is none. */
@@ -386,9 +401,16 @@ int nsdae_terms_symmetric(const nsdae_terms *terms)
 
 int nsdae_kinematics_at(const nsdae_terms *T, const double *v, double *qdot)
 {
-  int code = nsdae_kinematics(T->system, T->t, T->q, v, qdot), nq = T->system->dims.nq;
-  if (code == 0 && nsdae_all_finite((size_t)nq, qdot)) return NSDAE_OK;
-  return refuse(T, code, "kinematics", qdot, nq, 1);
+  const nsdae_system *s = T->system;
+  int nq = s->dims.nq, code = 0;
+  double sum = 0;
+  if (s->call.kinematics) {
+    code = s->call.kinematics(T->t, T->q, v, qdot, s->user);
+    sum = code == 0 && nsdae_all_finite((size_t)nq, qdot) ? 0 : NAN;
+  } else {
+    for (int i = 0; i < nq; i++) sum += qdot[i] = v[i];
+  }
+  return isfinite(sum) ? NSDAE_OK : refuse(T, code, "kinematics", qdot, nq, 1);
 }
 
 int nsdae_terms_finite(const nsdae_terms *T, const char *what, int kind, const double *a)

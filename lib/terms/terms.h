@@ -67,7 +67,8 @@ typedef struct nsdae_terms {
   nsdae_differences *differences;
   nsdae_error *error;
   nsdae_evals *evals;
-  unsigned have; /* the terms that are up to date */
+  unsigned have;   /* the terms that are up to date, */
+  unsigned absent; /* and those among them that the system has none of */
   double t, *q, *v;
   double *M; /* nv x nv, its blocks one after another */
   double *F; /* nv */
@@ -87,7 +88,13 @@ void nsdae_terms_layout(nsdae_terms *terms, nsdae_arena *arena);
 void nsdae_terms_layout_rows(nsdae_rows *rows, long count, long n, long begin, long stride,
                              nsdae_arena *arena);
 
-/* Moves to a new point: every term is out of date. */
+/* Every term is out of date, but for those that there are none of. */
+static inline void nsdae_terms_forget(nsdae_terms *terms)
+{
+  terms->have = terms->absent;
+}
+
+/* Moves to a new point. */
 void nsdae_terms_at(nsdae_terms *terms, double t, const double *q, const double *v);
 /* Changes v alone: what depends on q only stays. */
 void nsdae_terms_set_velocity(nsdae_terms *terms, const double *v);

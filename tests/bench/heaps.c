@@ -87,7 +87,6 @@ static double advance(nsdae_sim *sim, const packing *p, int *contacts, double *w
       return -1;
     }
     if (i >= 0) time[i] = now() - began;
-    if (getenv("DBG")) fprintf(stderr, "step %d ms %.3f\n", i, 1e3 * (now() - began));
   }
   nsdae_sim_get_record(sim, &record);
   nsdae_sim_get_stats(sim, &stats);

@@ -1,15 +1,118 @@
-/* Every method on the exact cases of data/conformance, with its own order: event to its tolerance,
- * time-stepping to an error in proportion to dt. */
+/* Every method on the exact cases of data/conformance, each with its own order, in two finenesses:
+ * event to its tolerance, time-stepping to an error in proportion to dt, penalty to one that falls
+ * with the duration of its impacts and the velocity over which it has friction. */
 #include "check.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#include <nsdae/nsdae.h>
+#include "parallelogram.h"
+
+enum { METHODS = 5, EVENT = 0, PENALTY = 4, FINENESSES = 2 };
+
+static const char *const methods[METHODS] = {"event", "implicit", "moreau", "implicit-printed",
+                                             "penalty"};
+
+/* rtol; dt; and the stiffness, 32 times as much of which makes an impact a quarter as long. */
+static const double tolerance[FINENESSES] = {1e-6, 1e-10}, step[FINENESSES] = {1e-3, 1e-4},
+                    stiffness[FINENESSES] = {1e8, 32e8}, creeping[FINENESSES] = {1e-3, 2.5e-4};
+
+/* c of c - ln(1 + c) = -c e - ln(1 - c e), which is 8 (1 - x) / (5 x): the law of Flores and others
+ * (Multibody Syst. Dyn. 25, 2011) with x has the restitution e, whatever the stiffness. */
+static double flores(double e)
+{
+  double low = 1e-9, high = e > 0 ? fmin(1e4, (1 - 1e-12) / e) : 1e4;
+  for (int i = 0; i < 200; i++) {
+    double c = (low + high) / 2;
+    *(c - log1p(c) + c * e + log1p(-c * e) > 0 ? &low : &high) = c;
+  }
+  return 8 / (5 * low + 8);
+}
+
+static nsdae_sim_options options_of(int method, int fine)
+{
+  nsdae_sim_options o;
+  nsdae_sim_options_default(&o);
+  assert_int_equal(nsdae_sim_options_set(&o, "method", methods[method], NULL), NSDAE_OK);
+  o.dt = method == EVENT ? 5e-3 : method == PENALTY ? 1e-3 : step[fine];
+  o.rtol = method == EVENT ? tolerance[fine] : 1e-10;
+  o.atol = 1e-2 * o.rtol;
+  o.penalty_law = NSDAE_PENALTY_FLORES;
+  o.penalty_stiffness = stiffness[fine];
+  o.friction_velocity = creeping[fine];
+  return o;
+}
+
+/* Errors of a case by all methods. */
+typedef double errors[METHODS][FINENESSES];
+
+static void print_errors(const char *name, errors of)
+{
+  print_message("%-30s", name);
+  for (int m = 0; m < METHODS; m++) print_message("  %s %.1e %.1e", methods[m], of[m][0], of[m][1]);
+  print_message("\n");
+}
+
+/* creeps: how fast and how long friction that holds does in penalty, and impacts, each of which
+ * lasts a millisecond and a half of g at the first stiffness. */
+static void judge(errors of, double t_end, double g, int impacts)
+{
+  for (int fine = 0; fine < FINENESSES; fine++) {
+    assert_at_most(of[EVENT][fine], 10 * tolerance[fine]);
+    /* an impact is up to one dt late, times the jump of the velocity and, at the end, g */
+    for (int m = EVENT + 1; m < PENALTY; m++) assert_at_most(of[m][fine], 100 * step[fine]);
+    double lasts = 1.5e-3 / (fine ? 4 : 1);
+    assert_at_most(of[PENALTY][fine], creeping[fine] * t_end + lasts * g * (1 + impacts));
+  }
+}
+
+static void add(errors to, errors of)
+{
+  for (int m = 0; m < METHODS; m++)
+    for (int fine = 0; fine < FINENESSES; fine++) to[m][fine] += of[m][fine];
+}
+
+/* Of all cases together: a tenth of dt leaves a tenth, and must leave a quarter; a quarter of what
+ * penalty smears must leave a half. */
+static void judge_orders(errors sum)
+{
+  print_errors("all", sum);
+  for (int m = EVENT + 1; m < METHODS; m++)
+    assert_at_most(sum[m][1], sum[m][0] / (m == PENALTY ? 2 : 4));
+}
+
+/* The numbers of a line behind the name, count of them; NAN where there is none. */
+static void read_case(char *line, char *name, double *to, int count)
+{
+  char *at = strchr(line, ',');
+  assert_non_null(at);
+  snprintf(name, 64, "%.*s", (int)(at - line), line);
+  for (int i = 0; i < count; i++) {
+    char *end;
+    assert_non_null(at);
+    to[i] = strtod(at + 1, &end);
+    if (end == at + 1) to[i] = NAN;
+    at = strchr(at + 1, ',');
+  }
+  assert_null(at);
+}
+
+static FILE *open_cases(const char *name)
+{
+  char path[512], line[512];
+  snprintf(path, sizeof path, "%s/conformance/%s", NSDAE_DATA_DIR, name);
+  FILE *file = fopen(path, "r");
+  assert_non_null(file);
+  assert_non_null(fgets(line, sizeof line, file));
+  return file;
+}
+
+/* ---- ball.csv: a ball on a plane ---- */
 
 typedef struct ball {
   char name[64];
   double tilt, mu, e, h, v0, w0, t_end, q[2], v[3]; /* q, v: x, y; vx, vy, w at t_end */
+  double t_rest;                                    /* NAN: it does not come to rest */
 } ball;
 
 static const double radius = 0.1, g = 9.81;
@@ -64,20 +167,10 @@ static int tangent(double t, const double *q, double *W, int ldw, void *user)
   return 0;
 }
 
-/* Error of positions and velocities at the end, the largest. */
-static double error_of(ball *b, const char *method, double dt)
+static nsdae_system *ball_system(ball *b)
 {
   const nsdae_dims dims = {.nq = 3, .k = 1, .nt = 1};
-  double q0[3] = {0, b->h, 0}, v0[3] = {b->v0, 0, b->w0}, worst = 0;
-  nsdae_sim_options o;
   nsdae_system *system;
-  nsdae_sim *sim;
-  nsdae_record r;
-  nsdae_sim_options_default(&o);
-  assert_int_equal(nsdae_sim_options_set(&o, "method", method, NULL), NSDAE_OK);
-  o.dt = dt;
-  o.rtol = 1e-10;
-  o.atol = 1e-12;
   assert_int_equal(nsdae_system_create(&dims, &system, NULL), NSDAE_OK);
   nsdae_system_set_user(system, b);
   nsdae_system_set_mass(system, mass);
@@ -86,9 +179,38 @@ static double error_of(ball *b, const char *method, double dt)
   nsdae_system_set_gap_normal(system, normal);
   nsdae_system_set_gap_tangent(system, tangent);
   nsdae_system_set_contact(system, 0, b->mu, b->e, 0);
+  return system;
+}
+
+typedef struct rest {
+  int impacts;
+  double time; /* of the last end of an accumulation */
+} rest;
+
+static int keep_rest(const nsdae_record *record, nsdae_error *error, void *user)
+{
+  rest *r = user;
+  (void)error;
+  for (int i = 0; i < record->impacts; i++)
+    if (record->impact[i].accumulation) r->time = record->impact[i].time;
+  r->impacts += record->impacts;
+  return 0;
+}
+
+/* Error of positions and velocities at the end, the largest. */
+static double ball_error(ball *b, int method, int fine, rest *found)
+{
+  double q0[3] = {0, b->h, 0}, v0[3] = {b->v0, 0, b->w0}, worst = 0;
+  nsdae_sim_options o = options_of(method, fine);
+  nsdae_sim *sim;
+  nsdae_record r;
+  nsdae_system *system = ball_system(b);
+  *found = (rest){0};
+  if (method == PENALTY) nsdae_system_set_contact(system, 0, b->mu, flores(b->e), 0);
   assert_int_equal(nsdae_sim_create(system, &o, &sim, NULL), NSDAE_OK);
+  nsdae_sim_observe(sim, keep_rest, found);
   assert_int_equal(nsdae_sim_init(sim, 0, q0, v0), NSDAE_OK);
-  assert_int_equal(nsdae_sim_run(sim, b->t_end), NSDAE_OK);
+  assert_true(nsdae_sim_run(sim, b->t_end) >= NSDAE_OK);
   nsdae_sim_get_record(sim, &r);
   for (int i = 0; i < 2; i++) worst = fmax(worst, fabs(r.q[i] - b->q[i]));
   for (int i = 0; i < 3; i++) worst = fmax(worst, fabs(r.v[i] - b->v[i]) * (i == 2 ? radius : 1));
@@ -100,28 +222,29 @@ static double error_of(ball *b, const char *method, double dt)
 static void test_ball(void **state)
 {
   (void)state;
-  FILE *file = fopen(NSDAE_DATA_DIR "/conformance/ball.csv", "r");
+  FILE *file = open_cases("ball.csv");
+  errors sum = {{0}};
   char line[512];
   int cases = 0;
-  assert_non_null(file);
-  assert_non_null(fgets(line, sizeof line, file));
   for (; fgets(line, sizeof line, file); cases++) {
-    ball b = {0};
-    assert_int_equal(sscanf(line, "%63[^,],%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf", b.name,
-                            &b.tilt, &b.mu, &b.e, &b.h, &b.v0, &b.w0, &b.t_end, &b.q[0], &b.q[1],
-                            &b.v[0], &b.v[1], &b.v[2]),
-                     13);
-    double event = error_of(&b, "event", 5e-3), implicit = error_of(&b, "implicit", 1e-4),
-           moreau = error_of(&b, "moreau", 1e-4);
-    print_message("%-22s event %.1e, dt 1e-4: implicit %.1e, moreau %.1e\n", b.name, event,
-                  implicit, moreau);
-    assert_at_most(event, 1e-9); /* ten times rtol */
-    /* an impact is up to one dt late, times the jump of the velocity and, at the end, g */
-    assert_at_most(implicit, 100 * 1e-4);
-    assert_at_most(moreau, 100 * 1e-4);
+    ball b;
+    rest found, of_event[FINENESSES];
+    errors of;
+    read_case(line, b.name, &b.tilt, 13);
+    for (int m = 0; m < METHODS; m++)
+      for (int fine = 0; fine < FINENESSES; fine++) {
+        of[m][fine] = ball_error(&b, m, fine, &found);
+        if (m == EVENT) of_event[fine] = found;
+      }
+    print_errors(b.name, of);
+    judge(of, b.t_end, g, of_event[1].impacts);
+    for (int fine = 0; fine < FINENESSES; fine++)
+      if (!isnan(b.t_rest)) assert_near(of_event[fine].time, b.t_rest, 10 * tolerance[fine]);
+    add(sum, of);
   }
   fclose(file);
   assert_true(cases >= 13);
+  judge_orders(sum);
 }
 
 /* ---- block.csv: a rectangle with points along its base, whose forces may depend on each other,
@@ -199,7 +322,7 @@ static int block_tangent(double t, const double *q, double *W, int ldw, void *us
   return 0;
 }
 
-static nsdae_system *block_system(block *b)
+static nsdae_system *block_system(block *b, double e)
 {
   const nsdae_dims dims = {.nq = 3, .k = (int)b->points, .nt = 1};
   nsdae_system *system;
@@ -210,37 +333,35 @@ static nsdae_system *block_system(block *b)
   nsdae_system_set_gap(system, block_gap);
   nsdae_system_set_gap_normal(system, block_normal);
   nsdae_system_set_gap_tangent(system, block_tangent);
-  for (int i = 0; i < dims.k; i++) nsdae_system_set_contact(system, i, b->mu, 0, 0);
+  for (int i = 0; i < dims.k; i++) nsdae_system_set_contact(system, i, b->mu, e, 0);
   return system;
 }
 
-static nsdae_sim *block_start(const block *b, nsdae_system *system, const char *method, double dt)
+static nsdae_sim *block_start(const block *b, nsdae_system *system, int method, int fine)
 {
   double r[2], q0[3] = {0, 0, b->phi0}, v0[3] = {0, 0, b->w0};
-  nsdae_sim_options o;
+  nsdae_sim_options o = options_of(method, fine);
   nsdae_sim *sim;
   arm(b, 0, b->phi0, r); /* the lowest */
   q0[1] = -r[1];
   v0[0] = b->v0 + r[1] * b->w0;
   v0[1] = -r[0] * b->w0;
-  nsdae_sim_options_default(&o);
-  assert_int_equal(nsdae_sim_options_set(&o, "method", method, NULL), NSDAE_OK);
-  o.dt = dt;
-  o.rtol = 1e-10;
-  o.atol = 1e-12;
   assert_int_equal(nsdae_sim_create(system, &o, &sim, NULL), NSDAE_OK);
   assert_int_equal(nsdae_sim_init(sim, 0, q0, v0), NSDAE_OK);
   return sim;
 }
 
 /* Error at the end of what is given, the largest; angles as ways of a corner. */
-static double block_error(block *b, const char *method, double dt)
+static double block_error(block *b, int method, int fine, long *impacts)
 {
   nsdae_record r;
-  nsdae_system *system = block_system(b);
-  nsdae_sim *sim = block_start(b, system, method, dt);
+  nsdae_stats stats;
+  nsdae_system *system = block_system(b, method == PENALTY ? flores(0) : 0);
+  nsdae_sim *sim = block_start(b, system, method, fine);
   assert_true(nsdae_sim_run(sim, b->t_end) >= NSDAE_OK);
   nsdae_sim_get_record(sim, &r);
+  nsdae_sim_get_stats(sim, &stats);
+  if (method == EVENT) *impacts = stats.impacts;
   double R = hypot(b->a, b->b), worst = 0;
   double off[] = {r.q[0] - b->x, R * (r.q[2] - b->phi), r.v[0] - b->vx, R * (r.v[2] - b->w)};
   for (int i = 0; i < 4; i++) worst = fmax(worst, fabs(off[i])); /* without NAN */
@@ -250,10 +371,10 @@ static double block_error(block *b, const char *method, double dt)
 }
 
 /* How far the time is off at which the forces are found to be without bound. */
-static double jam_error(block *b)
+static double jam_error(block *b, int fine)
 {
-  nsdae_system *system = block_system(b);
-  nsdae_sim *sim = block_start(b, system, "event", 5e-3);
+  nsdae_system *system = block_system(b, 0);
+  nsdae_sim *sim = block_start(b, system, EVENT, fine);
   assert_int_equal(nsdae_sim_run(sim, b->t_jam + 0.1), NSDAE_E_PAINLEVE);
   double off = fabs(nsdae_sim_error(sim)->time - b->t_jam);
   nsdae_sim_destroy(&sim);
@@ -261,56 +382,89 @@ static double jam_error(block *b)
   return off;
 }
 
-/* The numbers of a line behind the name; NAN where there is none. */
-static void read_block(char *line, block *b)
-{
-  double *to = &b->a;
-  char *at = strchr(line, ',');
-  assert_non_null(at);
-  snprintf(b->name, sizeof b->name, "%.*s", (int)(at - line), line);
-  for (int i = 0; i < 15; i++) {
-    char *end;
-    assert_non_null(at);
-    to[i] = strtod(at + 1, &end);
-    if (end == at + 1) to[i] = NAN;
-    at = strchr(at + 1, ',');
-  }
-  assert_null(at);
-}
-
 static void test_block(void **state)
 {
   (void)state;
-  FILE *file = fopen(NSDAE_DATA_DIR "/conformance/block.csv", "r");
+  FILE *file = open_cases("block.csv");
+  errors sum = {{0}};
   char line[512];
   int cases = 0;
-  assert_non_null(file);
-  assert_non_null(fgets(line, sizeof line, file));
   for (; fgets(line, sizeof line, file); cases++) {
     block b;
-    read_block(line, &b);
-    double event = block_error(&b, "event", 5e-3), implicit = block_error(&b, "implicit", 1e-4),
-           moreau = block_error(&b, "moreau", 1e-4), jam = isnan(b.t_jam) ? 0 : jam_error(&b),
-           printed = block_error(&b, "implicit-printed", 1e-4),
-           penalty = block_error(&b, "penalty", 1e-3);
-    print_message("%-30s event %.1e, dt 1e-4: implicit %.1e, printed %.1e, moreau %.1e; penalty "
-                  "%.1e",
-                  b.name, event, implicit, printed, moreau, penalty);
-    print_message(isnan(b.t_jam) ? "\n" : ", jams %.1e\n", jam);
-    assert_at_most(event, 1e-9); /* ten times rtol */
-    assert_at_most(implicit, 100 * 1e-4);
-    assert_at_most(moreau, 100 * 1e-4);
-    assert_at_most(printed, 100 * 1e-4);
-    /* friction that holds creeps by up to friction_velocity, an impact lasts a millisecond of g */
-    assert_at_most(penalty, 1e-3 * b.t_end + 1e-3 * b.g);
-    assert_at_most(jam, 1e-8);
+    errors of;
+    long impacts = 0;
+    read_case(line, b.name, &b.a, 15);
+    for (int m = 0; m < METHODS; m++)
+      for (int fine = 0; fine < FINENESSES; fine++)
+        of[m][fine] = block_error(&b, m, fine, &impacts);
+    print_errors(b.name, of);
+    judge(of, b.t_end, b.g, (int)impacts);
+    add(sum, of);
+    for (int fine = 0; fine < FINENESSES && !isnan(b.t_jam); fine++) {
+      double jam = jam_error(&b, fine);
+      print_message("  jams: off by %.1e\n", jam);
+      assert_at_most(jam, 100 * tolerance[fine]);
+    }
   }
   fclose(file);
   assert_true(cases >= 12);
+  judge_orders(sum);
+}
+
+/* ---- cranks.csv: a bar on more cranks than it needs (parallelogram.h) ---- */
+
+typedef struct hung {
+  char name[64];
+  double cranks, phi0, e, t_end, phi, w;
+} hung;
+
+static double hung_error(const hung *h, int method, int fine)
+{
+  parallelogram p = {.cranks = (int)h->cranks, .given = 1};
+  double q0[PARALLELOGRAM_NQ], v0[PARALLELOGRAM_NQ] = {0}, worst = 0;
+  nsdae_sim_options o = options_of(method, fine);
+  nsdae_sim *sim;
+  nsdae_record r;
+  p.e = method == PENALTY ? flores(h->e) : h->e;
+  nsdae_system *system = parallelogram_system(&p);
+  parallelogram_start(&p, h->phi0, q0);
+  o.redundant = NSDAE_REDUNDANT_LEAST_NORM;
+  assert_int_equal(nsdae_sim_create(system, &o, &sim, NULL), NSDAE_OK);
+  assert_int_equal(nsdae_sim_init(sim, 0, q0, v0), NSDAE_OK);
+  assert_true(nsdae_sim_run(sim, h->t_end) >= NSDAE_OK);
+  nsdae_sim_get_record(sim, &r);
+  for (int i = 0; i < p.cranks; i++)
+    worst = fmax(worst, fmax(fabs(r.q[3 * i + 2] - h->phi), fabs(r.v[3 * i + 2] - h->w)));
+  nsdae_sim_destroy(&sim);
+  nsdae_system_destroy(&system);
+  return worst;
+}
+
+static void test_cranks(void **state)
+{
+  (void)state;
+  FILE *file = open_cases("cranks.csv");
+  errors sum = {{0}};
+  char line[512];
+  int cases = 0;
+  for (; fgets(line, sizeof line, file); cases++) {
+    hung h;
+    errors of;
+    read_case(line, h.name, &h.cranks, 6);
+    for (int m = 0; m < METHODS; m++)
+      for (int fine = 0; fine < FINENESSES; fine++) of[m][fine] = hung_error(&h, m, fine);
+    print_errors(h.name, of);
+    judge(of, h.t_end, 20, 4); /* p^2 of some 20 / s^2, at most four impacts */
+    add(sum, of);
+  }
+  fclose(file);
+  assert_true(cases >= 4);
+  judge_orders(sum);
 }
 
 int main(void)
 {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_ball), cmocka_unit_test(test_block)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_ball), cmocka_unit_test(test_block),
+                                     cmocka_unit_test(test_cranks)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -25,8 +25,8 @@
 
 /* The integrators begin at a state where they start anew, and each call fails in turn (under the
  * sanitizers, and of random systems, one in so many); and at one that they come to by doing the
- * steps before again, whose calls are many: one in so many fails. NSDAE_ONLY names one model and
- * NSDAE_METHOD one method. */
+ * steps before again, whose calls are many: one in so many fails (NSDAE_EVERY_CALL: each).
+ * NSDAE_ONLY names one model and NSDAE_METHOD one method. */
 enum { TRIED = 40 };
 
 static const driver_model *const models[] = {
@@ -203,7 +203,8 @@ static long stride_of(long calls, int method, int anew)
 #ifdef __SANITIZE_ADDRESS__
   anew = 0;
 #endif
-  return method < NSDAE_METHOD_PENALTY || anew ? 1 : 1 + calls / TRIED;
+  int every = anew || getenv("NSDAE_EVERY_CALL");
+  return method < NSDAE_METHOD_PENALTY || every ? 1 : 1 + calls / TRIED;
 }
 
 static long attack_from(bench *b, nsdae_sim *sim, int anew)

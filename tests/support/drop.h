@@ -24,11 +24,15 @@ void drop_make(drop *d, unsigned long seed);
 /* Its system, which keeps d; NULL without memory. */
 nsdae_system *drop_system(drop *d);
 
-/* Whether contact forces may have no solution, or two, at a state: whether, of what touches within
- * `near`, the matrix W_N^T M^-1 (W_N - mu W_T d), with d the direction of sliding, or the worst
- * where it is slow or where something is still open (mode [k]), has a principal minor that is not
- * above zero (Painleve's paradox; Cottle, Pang and Stone, "The Linear Complementarity Problem",
- * theorem 3.3.7). */
-int drop_may_jam(const drop *d, const double *q, const double *v, const int *mode, double near);
+enum { DROP_CONTACTS = 27 };
+
+/* What its callbacks say at a state: gaps, rows of W_N and W_T, omega; F. */
+typedef struct drop_terms {
+  int count; /* of contacts */
+  double gap[DROP_CONTACTS], W_N[DROP_CONTACTS][DROP_NV], W_T[2 * DROP_CONTACTS][DROP_NV];
+  double omega_N[DROP_CONTACTS], omega_T[2 * DROP_CONTACTS], F[DROP_NV];
+} drop_terms;
+
+void drop_find_terms(const drop *d, const double *q, const double *v, drop_terms *to);
 
 #endif

@@ -232,6 +232,7 @@ typedef struct table {
   int legs;
   double x[FEET], y[FEET], h, fx, fy, spin; /* forces and moment grow with t */
   double stretch;                           /* legs are farther out, one after the other */
+  double phase;                             /* of the first leg, in parts of the circle's */
 } table;
 
 enum { TURN = 10 }; /* 1 / J */
@@ -298,8 +299,8 @@ static nsdae_system *table_system(table *p, int legs, double mu, double e)
   nsdae_dims dims = {.nq = 6, .k = legs, .nt = 2};
   p->legs = legs;
   for (int i = 0; i < legs; i++) {
-    p->x[i] = cos(2 * pi * (i + 0.25) / legs) * (1 + p->stretch * i);
-    p->y[i] = sin(2 * pi * (i + 0.25) / legs);
+    p->x[i] = cos(2 * pi * (i + p->phase) / legs) * (1 + p->stretch * i);
+    p->y[i] = sin(2 * pi * (i + p->phase) / legs);
   }
   assert_int_equal(nsdae_system_create(&dims, &system, NULL), NSDAE_OK);
   nsdae_system_set_user(system, p);
@@ -325,46 +326,79 @@ static void expect_momentum(const table *p, const double *v0, double t)
     sum[4] += -p->x[i] * n - p->h * x;
     sum[5] += p->x[i] * y - p->y[i] * x;
   }
-  for (int i = 0; i < 6; i++) /* hundreds of steps of rtol */
-    assert_near(r.v[i] - v0[i], (i < 3 ? 1 : TURN) * sum[i], 1e3 * r.options.rtol);
+  for (int i = 0; i < 6; i++) { /* hundreds of steps of rtol */
+    double inverse = i < 3 ? 1 : TURN;
+    assert_near(r.v[i] - v0[i], inverse * sum[i], inverse * 1e3 * r.options.rtol);
+  }
+}
+
+/* Every leg slides from then on. Of more than three which ones carry is not determined: one may
+ * leave its load to others, and stands by on the floor, where the errors of the integration touch
+ * it, slower than anything is counted. */
+static void expect_slip(double slip, int legs)
+{
+  int slid[FEET] = {0}, open[FEET] = {0};
+  for (int i = 0; i < r.changes; i++) {
+    int leg = r.change[i].contact, mode = r.change[i].mode_after;
+    if (slid[leg] == 0) {
+      assert_int_equal(mode, NSDAE_MODE_SLIDE);
+      /* a leg is known to be at its limit to ten times rtol, of all forces: g / rate of that in
+       * time; and there are some dozen times at which it is asked anew how they share */
+      assert_near(r.change[i].time, slip, 1e-7);
+      slid[leg] = 1;
+    }
+    assert_int_not_equal(mode, NSDAE_MODE_STICK);
+    open[leg] = mode == NSDAE_MODE_OPEN;
+  }
+  int carry = legs;
+  for (int i = 0; i < legs; i++) {
+    assert_int_equal(slid[i], 1);
+    carry -= open[i];
+  }
+  assert_true(carry >= 3);
+  for (int i = 0; i < r.impacts; i++) assert_at_most(-r.impact[i].velocity_before, 1e-8);
 }
 
 /* Pushed harder and harder, by 5 t at the height of its centre, it slides as one at mu g / 5, all
  * legs at once, though they carry more and more unlike; turned by 4 t at the floor at mu g / 4. */
+static void push_table(int legs, int spin, double phase)
+{
+  const double mu = 0.5, T = 1.5;
+  table p = {.h = spin ? 0 : 0.3, .phase = phase};
+  double q0[6] = {0}, v0[6] = {0}, rate = spin ? 4 : 5;
+  nsdae_system *system = table_system(&p, legs, mu, 0.3);
+  double slip = mu * g / rate, speed = rate * (T * T - slip * slip) / 2 - mu * g * (T - slip);
+  if (spin)
+    p.spin = rate;
+  else
+    p.fx = 4, p.fy = 3;
+  for (int solver = NSDAE_LINEAR_DENSE; solver <= NSDAE_LINEAR_SPARSE; solver++) {
+    event_run_default(&r);
+    r.options.linear_solver = solver;
+    r.t_end = T;
+    event_run_do(&r, system, q0, v0);
+    assert_int_equal(r.status, NSDAE_OK);
+    assert_int_equal(r.stats.fallback_steps, 0);
+    expect_slip(slip, legs);
+    /* what slips 1e-7 s too soon or too late gets mu g of that too much, and legs that share no
+     * better than that turn and push aside as much; of angles by 1 / J */
+    const double tol = 2e-7 * mu * g;
+    assert_near(r.v[0], spin ? 0 : 0.8 * speed, tol);
+    assert_near(r.v[1], spin ? 0 : 0.6 * speed, tol);
+    assert_near(r.v[2], 0, tol);
+    for (int i = 3; i < 6; i++) assert_near(r.v[i], spin && i == 5 ? TURN * speed : 0, TURN * tol);
+    expect_momentum(&p, v0, T);
+  }
+  nsdae_system_destroy(&system);
+}
+
 static void test_table(void **state)
 {
   (void)state;
-  const double mu = 0.5, T = 1.5;
   for (int legs = 3; legs <= 8; legs++)
-    for (int spin = 0; spin < 2; spin++) {
-      table p = {.h = spin ? 0 : 0.3};
-      double q0[6] = {0}, v0[6] = {0}, rate = spin ? 4 : 5;
-      nsdae_system *system = table_system(&p, legs, mu, 0.3);
-      if (spin)
-        p.spin = rate;
-      else
-        p.fx = 4, p.fy = 3;
-      event_run_default(&r);
-      r.t_end = T;
-      event_run_both(&r, system, q0, v0);
-      assert_int_equal(r.status, NSDAE_OK);
-      assert_int_equal(r.changes, legs);
-      double slip = mu * g / rate, speed = rate * (T * T - slip * slip) / 2 - mu * g * (T - slip);
-      for (int i = 0; i < legs; i++) {
-        assert_int_equal(r.change[i].mode_after, NSDAE_MODE_SLIDE);
-        /* a leg is known to be at its limit to ten times rtol, of all forces: g / rate of that in
-         * time; and there are some dozen times at which it is asked anew how they share */
-        assert_near(r.change[i].time, slip, 1e-7);
-      }
-      if (spin) {
-        assert_near(r.v[5], TURN * speed, 1e-6);
-      } else {
-        assert_near(r.v[0], 0.8 * speed, 1e-7);
-        assert_near(r.v[1], 0.6 * speed, 1e-7);
-        assert_near(r.v[5], 0, 1e-9);
-      }
-      expect_momentum(&p, v0, T);
-      nsdae_system_destroy(&system);
+    for (int i = 0; i < 3; i++) {
+      push_table(legs, 0, 0.25 + 0.0187 * i);
+      push_table(legs, 1, 0.25 + 0.0187 * i);
     }
 }
 
@@ -375,7 +409,7 @@ static void test_pushed_and_turned(void **state)
 {
   (void)state;
   const int polygon[] = {5, 8, 24, 8};
-  table p = {.h = 0.3, .fx = 3, .spin = 3, .stretch = 0.3};
+  table p = {.h = 0.3, .fx = 3, .spin = 3, .stretch = 0.3, .phase = 0.25};
   double q0[6] = {0}, v0[6] = {0}, first[6], slip = 0;
   nsdae_system *system = table_system(&p, 3, 0.5, 0);
   for (int i = 0; i < 4; i++) {
@@ -404,7 +438,7 @@ static void test_dropped(void **state)
   const double e[] = {0, 0.3};
   for (int legs = 3; legs <= 4; legs++)
     for (int i = 0; i < 2; i++) {
-      table p = {.h = 0.3};
+      table p = {.h = 0.3, .phase = 0.25};
       double q0[6] = {0, 0, 0.3, 0.1, 0.05, 0}, v0[6] = {0.5, 0, 0, 0, 0, 3};
       nsdae_system *system = table_system(&p, legs, 0.5, e[i]);
       event_run_default(&r);

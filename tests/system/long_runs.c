@@ -33,6 +33,7 @@ enum { NQ = 20000 };
 
 /* LARGE: of hundreds of contacts, a step takes milliseconds; DRIVEN: by the time */
 enum { LARGE = 1, DRIVEN = 2 };
+enum { ENERGY = 1 }; /* of nsdae_stats.warnings: NSDAE_WARN_ENERGY was said */
 static const struct {
   const driver_model *model;
   int kind;
@@ -116,9 +117,8 @@ static int stands_still(nsdae_sim *sim, image *m, int *status)
          memcmp(m->block + rest, m->before + rest, size - rest) == 0;
 }
 
-/* A step's length is the difference of two times, and these are rounded: within a power of two of
- * the time it has the same few values. Whether q and v stand still in each of those that remain,
- * for a thousand steps from its begin. */
+/* Times are rounded, the lengths of steps are not: whether q and v stand still at those to come,
+ * too, for a thousand steps from every power of two on. */
 static int stays(const nsdae_sim *sim, long steps)
 {
   enum { LOOKED = 1000 };
@@ -168,7 +168,8 @@ static long walk(nsdae_sim *sim, int autonomous, long steps, int *status)
 /* What no step may do, however many there are. Without a drive nothing gives energy: T + U stays
  * below its start, up to what each method makes of an impact by taking it up to a step late
  * (moreau: m g h v, of both signs; implicit-printed, of first order, more: Newton's cradle, whose
- * balls never come to rest, settles at nine times its energy). Rounding: of the work that is done.
+ * balls never come to rest, gains half a joule in 1e6 steps, and goes on, and is warned of it).
+ * Rounding: of the work that is done.
  * What overlaps was found so, in one step; it is no deeper than in a short run, of metres nowhere.
  */
 static void expect_bounded(const nsdae_sim *sim, int kind)
@@ -181,7 +182,9 @@ static void expect_bounded(const nsdae_sim *sim, int kind)
   nsdae_sim_get_stats(sim, &stats);
   double gained = r.kinetic + r.potential - stats.energy_start;
   double late = options.method == NSDAE_METHOD_IMPLICIT_PRINTED ? 0.5 : 1e-6;
-  if (!(kind & DRIVEN)) assert_at_most(gained, late + 1e-9 * fabs(stats.energy_start));
+  int said = options.method == NSDAE_METHOD_IMPLICIT_PRINTED && stats.steps > 1000000 &&
+             (stats.warnings & ENERGY);
+  if (!(kind & DRIVEN) && !said) assert_at_most(gained, late + 1e-9 * fabs(stats.energy_start));
   assert_at_most(stats.worst_penetration, 0.02); /* of a rod's end at 3 m/s in 5 ms */
 }
 
@@ -299,38 +302,58 @@ static int start_and_step(const driver_model *model, int method_number, double t
   return status;
 }
 
-/* The lengths of steps are differences of rounded times: after 1e8 of them they have 8 digits,
- * after 2^50 two bits, of which every further step is another. After 2^55 there is none: said so.
- */
+/* What stands in q and v, compared bit by bit. */
+static void expect_same_motion(nsdae_sim *sim, nsdae_sim *early)
+{
+  nsdae_record r, e;
+  nsdae_dims d;
+  assert_int_equal(nsdae_sim_get_record(sim, &r), NSDAE_OK);
+  assert_int_equal(nsdae_sim_get_record(early, &e), NSDAE_OK);
+  assert_int_equal(nsdae_sim_get_dims(sim, &d), NSDAE_OK);
+  assert_memory_equal(r.q, e.q, (size_t)d.nq * sizeof *r.q);
+  assert_memory_equal(r.v, e.v, (size_t)d.nv * sizeof *r.v);
+}
+
+/* After 1e8 steps a time has eight digits of dt, after 2^50 two bits; a step is as long as ever,
+ * and what does not ask for the time moves as from zero on, to the last bit. After 2^55 steps a
+ * time has no bit of dt: said so. */
+static void late(size_t i, int method_number)
+{
+  const double begin[] = {0, 1e8, exp2(40), exp2(50), exp2(55)};
+  nsdae_system *system[5];
+  nsdae_sim *sim[5];
+  nsdae_sim_options options;
+  int steps = all[i].kind & LARGE ? 200 : 1000;
+  for (int j = 0; j < 5; j++) {
+    make_ready(i, 1);
+    int status =
+        start_and_step(all[i].model, method_number, begin[j], 0, steps, &sim[j], &system[j]);
+    if (j == 4) {
+      assert_int_equal(status, NSDAE_E_ARGUMENT);
+      assert_non_null(strstr(nsdae_sim_error(sim[j])->text, "lost in rounding"));
+      break;
+    }
+    if (status < 0)
+      fail_msg("%s by %s from step %g on: %s", all[i].model->name, nsdae_method_name(method_number),
+               begin[j], nsdae_sim_error(sim[j])->text);
+    nsdae_sim_get_options(sim[j], &options);
+    expect_well(sim[j], steps, options.lcp_tol);
+    if (all[i].kind & DRIVEN) continue;
+    expect_bounded(sim[j], all[i].kind);
+    expect_same_motion(sim[j], sim[0]);
+  }
+  for (int j = 0; j < 5; j++) {
+    nsdae_sim_destroy(&sim[j]);
+    nsdae_system_destroy(&system[j]);
+  }
+}
+
 static void test_late(void **state)
 {
-  const double begin[] = {1e8, exp2(40), exp2(50), exp2(55)};
   (void)state;
   for (size_t i = 0; i < sizeof all / sizeof *all; i++)
     for (size_t k = 0; k < sizeof method / sizeof *method; k++)
-      for (int j = 0; j < 4; j++) {
-        const driver_model *model = all[i].model;
-        nsdae_system *system;
-        nsdae_sim *sim;
-        int steps = all[i].kind & LARGE ? 200 : 1000;
-        if (!chosen("NSDAE_ONLY", model->name)) continue;
-        make_ready(i, 1);
-        int status = start_and_step(model, method[k], begin[j], 0, steps, &sim, &system);
-        if (j == 3) {
-          assert_int_equal(status, NSDAE_E_ARGUMENT);
-          assert_non_null(strstr(nsdae_sim_error(sim)->text, "lost in rounding"));
-        } else {
-          nsdae_sim_options options;
-          nsdae_sim_get_options(sim, &options);
-          if (status < 0)
-            fail_msg("%s by %s from step %g on: %s", model->name, nsdae_method_name(method[k]),
-                     begin[j], nsdae_sim_error(sim)->text);
-          expect_well(sim, steps, options.lcp_tol);
-          if (!(all[i].kind & DRIVEN)) expect_bounded(sim, all[i].kind);
-        }
-        nsdae_sim_destroy(&sim);
-        nsdae_system_destroy(&system);
-      }
+      if (chosen("NSDAE_ONLY", all[i].model->name)) late(i, method[k]);
 }
 
 /* Velocities from where the squares vanish to where there is one bit left. */

@@ -132,42 +132,50 @@ static double half_work(const nsdae_event_accumulation *p, const double *v)
   return sum / 2;
 }
 
-int nsdae_event_close_set(nsdae_event_accumulation *p, double *v, double *multiplier)
+/* [v]^T M [v] / 2 */
+static int energy_apart(nsdae_event_accumulation *p, const double *v, double *energy)
 {
-  size_t size = (size_t)p->acceleration->phase->setting->system->dims.nv * sizeof *v;
-  memcpy(p->lost, v, size);
-  int status = nsdae_event_close(p->projection, p->settles, p->sticks, v, multiplier, p->normal,
-                                 p->tangential);
+  const nsdae_terms *T = p->acceleration->phase->setting->here;
+  memcpy(p->lost, v, (size_t)T->system->dims.nv * sizeof *v);
+  int status = nsdae_event_close(p->projection, p->settles, p->sticks, p->lost, p->reaction,
+                                 p->normal, p->tangential);
+  for (int i = 0; i < T->system->dims.nv; i++) p->lost[i] -= v[i];
+  *energy = nsdae_terms_energy(T, p->lost);
+  return status;
+}
+
+int nsdae_event_close_set(nsdae_event_accumulation *p, const double *before, double *v,
+                          double *multiplier)
+{
+  int status = energy_apart(p, before, &p->all);
+  if (status == NSDAE_OK) status = energy_apart(p, p->parting, &p->left);
+  memcpy(p->lost, v, (size_t)p->acceleration->phase->setting->system->dims.nv * sizeof *v);
+  if (status == NSDAE_OK)
+    status = nsdae_event_close(p->projection, p->settles, p->sticks, v, multiplier, p->normal,
+                               p->tangential);
   p->work = half_work(p, p->lost) + half_work(p, v);
   return status;
 }
 
-int nsdae_event_ends(nsdae_event_accumulation *p, const double *before, const double *closed)
+int nsdae_event_ends(nsdae_event_accumulation *p, const double *closed)
 {
   const nsdae_event_setting *s = p->acceleration->phase->setting;
   const nsdae_terms *T = s->here;
   const double *F = p->acceleration->problem.results->normal;
-  double power = 0, height = 0;
+  double power = 0;
   int count = 0;
   p->fastest = 0;
-  for (int i = 0; i < T->system->dims.nv; i++) {
-    p->parting[i] -= closed[i];
-    p->lost[i] = before[i] - closed[i];
-  }
   for (int i = 0; i < T->system->dims.k; i++) {
     if (!p->settles[i] && p->acceleration->is.touching[i] && /* a closing that drives it in */
         nsdae_terms_normal_rate(T, i, closed) < -nsdae_event_velocity_size(s))
       return 0;
     if (!p->settles[i]) continue;
     power += F[i] * p->after[i];
-    height += F[i] * fmax(T->gap[i], 0);
     p->fastest = fmax(p->fastest, p->after[i]);
     count++;
   }
-  double left = nsdae_terms_energy(T, p->parting) + height,
-         all = nsdae_terms_energy(T, p->lost) + height;
-  double flight = power > 0 ? 4 * left / power : INFINITY;
-  p->rest = left < all ? flight / (1 - sqrt(left / all)) : INFINITY;
+  double flight = power > 0 ? 4 * p->left / power : INFINITY;
+  p->rest = p->left < p->all ? flight / (1 - sqrt(p->left / p->all)) : INFINITY;
   p->early = !(p->rest < s->options->accumulation_time);
   double told = count > 1 ? nsdae_event_position_size(s) : nsdae_event_rounding(s);
   int ends = !p->early || p->fastest <= SLOW * nsdae_event_velocity_size(s) ||

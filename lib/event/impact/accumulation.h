@@ -1,9 +1,10 @@
 /* Impacts without end. Those of one contact, or of several that alternate, come to rest in finite
- * time. Let v- be the velocity before an impact, v+ after it, and v_c after it with nothing left
- * apart, nor along where friction holds, in the set of contacts for which the problem of
- * accelerations then asks for forces F_N. What still parts has the energy
+ * time. Let v- be the velocity before an impact, v+ after it, and [v] what of a velocity v the
+ * least change takes that leaves nothing apart, nor along where friction holds, in the set of
+ * contacts for which the problem of accelerations then asks for forces F_N. What still parts has
+ * the energy
  *
- *   E = (v+ - v_c)^T M (v+ - v_c) / 2 + F . g    E- the same with v-,  q = E / E-: what is left
+ *   E = [v+]^T M [v+] / 2    E- the same with v-,  q = E / E-: what is left
  *
  * and comes back against F after a flight of 4 E / (F . g'), which for one contact is 2 v+ / a;
  * then after sqrt(q) of that, and so on, as at the limit the problem is linear:
@@ -12,7 +13,7 @@
  *
  * Where T is below accumulation_time, or all that parts is as slow as the integrator's errors, or
  * of several contacts comes no further than they, so that which is hit next cannot be told, the set
- * is closed: v_c in place of v+, and the end is told at t + T. While one contact is in a long
+ * is closed, to v_c with none of it, and the end is told at t + T. While one contact is in a long
  * flight others may come to rest in many short ones: where the set of all does not end, that of
  * those that part much slower than its fastest is asked. */
 #ifndef NSDAE_EVENT_ACCUMULATION_H
@@ -26,7 +27,8 @@ typedef struct nsdae_event_accumulation {
   nsdae_event_projection *projection;
   int *settles, *sticks;       /* k: in the set; and held by friction */
   double *after;               /* k: normal velocities with v+ */
-  double *parting, *lost;      /* nv: v+ - v_c, v- - v_c */
+  double *parting, *lost;      /* nv: v+; in work */
+  double left, all;            /* E, E- */
   double *reaction;            /* m: bilateral impulses of a guess */
   double *normal, *tangential; /* k, k nt: impulses of the closing, which may pull */
   double work;                 /* of these */
@@ -45,11 +47,11 @@ void nsdae_event_unsettle(nsdae_event_accumulation *accumulation);
 int nsdae_event_find_set(nsdae_event_accumulation *accumulation, const double *v, double most);
 
 /* v [nv], with e_N = 0 in the set, to v_c: others may have pushed it apart, what follows pushes
- * back. Adds to multiplier [m]. */
-int nsdae_event_close_set(nsdae_event_accumulation *accumulation, double *v, double *multiplier);
+ * back. before [nv] is v-. Adds to multiplier [m]. */
+int nsdae_event_close_set(nsdae_event_accumulation *accumulation, const double *before, double *v,
+                          double *multiplier);
 
-/* Whether it ends, from v- and v_c; `rest` is T, or 0 where it is closed before. */
-int nsdae_event_ends(nsdae_event_accumulation *accumulation, const double *before,
-                     const double *closed);
+/* Whether it ends, with v_c; `rest` is T, or 0 where it is closed before. */
+int nsdae_event_ends(nsdae_event_accumulation *accumulation, const double *closed);
 
 #endif

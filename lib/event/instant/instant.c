@@ -84,22 +84,18 @@ static void choose_candidates(nsdae_event_instant *p, int impacted)
   }
 }
 
-static void find_range(nsdae_event_phase *phase)
-{
-  const nsdae_kkt *kkt = phase->setting->kkt;
-  *phase->modes.redundant = kkt->rank < kkt->m;
-  if (*phase->modes.redundant) nsdae_kkt_range(kkt, phase->modes.range);
-}
-
 /* Positions to what stays closed; everything at the point of y, with the matrices factored. */
 static int bring(nsdae_event_instant *p, double t, double *y)
 {
   nsdae_event_setting *s = p->roots->phase->setting;
+  const nsdae_event_modes *m = &p->roots->phase->modes;
   int status = nsdae_event_project_positions(&p->projection, t, p->acceleration.is.candidate, y);
   if (status == NSDAE_OK) status = nsdae_terms_need(s->here, NSDAE_EVENT_TERMS);
   if (status == NSDAE_OK) status = nsdae_event_factor(s);
-  if (status == NSDAE_OK) find_range(p->roots->phase);
-  return status;
+  if (status < 0) return status;
+  *m->redundant = s->kkt->rank < s->kkt->m;
+  if (*m->redundant) nsdae_kkt_range(s->kkt, m->range);
+  return NSDAE_OK;
 }
 
 static int arrive(nsdae_event_instant *p, double t, double *y)

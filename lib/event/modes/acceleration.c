@@ -138,7 +138,8 @@ static int tell_paradox(const nsdae_event_setting *s, int contact, double t, con
 static const char without_bound[] = "a contact force that grows without bound";
 
 /* A contact that slides and whose own coefficient W_N^T P (W_N - mu W_T d) is not above zero pulls
- * itself in: then there is no force, or two (Painleve 1895). Several together can do so as well. */
+ * itself in: then there is no force, or two (Painleve 1895), but where others that are closed keep
+ * it from that. Several together can do so as well. */
 static int paradox(const nsdae_event_acceleration *p, int status, double least)
 {
   const nsdae_contacts *c = &p->problem;
@@ -149,6 +150,8 @@ static int paradox(const nsdae_event_acceleration *p, int status, double least)
     double scale = c->delassus.G[(size_t)c->first_column[a] * (size_t)(c->columns + 1)];
     int unsolved = status == NSDAE_E_LCP || status == NSDAE_E_INFEASIBLE;
     if (c->law[i].kind != NSDAE_SLIDING || (coefficient > least * scale && !unsolved)) continue;
+    if (status == NSDAE_OK && !p->by_cones && nsdae_contacts_yield(c, row) > least * scale)
+      continue;
     return tell_paradox(s, i, s->here->t,
                         least > SINGULAR ? without_bound
                         : unsolved       ? "no contact force that solves the equations"
@@ -163,26 +166,20 @@ int nsdae_event_outgrown(nsdae_event_acceleration *p, double t, const double *y)
   const nsdae_event_setting *s = p->phase->setting;
   double most = OUTGROWN * nsdae_largest(s->system->dims.nv, s->here->F);
   for (int i = 0; i < s->system->dims.k; i++)
-    if (p->phase->modes.contact[i] == NSDAE_MODE_SLIDE && y[s->at.normal + i] > most)
+    if (p->phase->modes.contact[i] == NSDAE_MODE_SLIDE && fabs(y[s->at.normal + i]) > most)
       return tell_paradox(s, i, t, without_bound, 0);
   return NSDAE_OK;
-}
-
-/* Where the polygons' problem was not solved, the cones' may be. */
-static int solve_cones(nsdae_event_acceleration *p)
-{
-  p->by_cones = nsdae_contacts_relax_anew(&p->problem, p->phase->modes.direction, p->force, p->xi,
-                                          p->a, p->lambda);
-  if (p->by_cones) nsdae_error_clear(p->phase->setting->error);
-  return p->by_cones ? NSDAE_OK : NSDAE_E_LCP;
 }
 
 int nsdae_event_accelerate(nsdae_event_acceleration *p)
 {
   int status = solve(p);
-  p->by_cones = 0;
-  if (status == NSDAE_E_LCP) status = solve_cones(p);
-  return paradox(p, status, SINGULAR);
+  /* where the polygons' problem was not solved, the cones' may be */
+  p->by_cones =
+      status == NSDAE_E_LCP && nsdae_contacts_relax_anew(&p->problem, p->phase->modes.direction,
+                                                         p->force, p->xi, p->a, p->lambda);
+  if (p->by_cones) nsdae_error_clear(p->phase->setting->error);
+  return paradox(p, p->by_cones ? NSDAE_OK : status, SINGULAR);
 }
 
 int nsdae_event_diagnose(nsdae_event_acceleration *p, double t, const double *y)

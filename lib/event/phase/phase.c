@@ -124,6 +124,7 @@ static void place_forces(nsdae_event_phase *p)
   p->K.n = d->nv + d->m;
   for (int force = 0; force < forces_of(d); force++)
     p->place[force] = kind_of(p, force) == ROW_NONE ? -1 : p->K.n++;
+  if (p->K.n == d->nv) return; /* M and F fill them */
   memset(p->K.A, 0, (size_t)p->K.n * (size_t)p->K.n * sizeof *p->K.A);
   memset(p->x, 0, (size_t)p->K.n * sizeof *p->x);
 }
@@ -135,9 +136,11 @@ static void inertia_rows(nsdae_event_phase *p, const nsdae_terms *T)
   const nsdae_sim_options *o = p->setting->options;
   double alpha2 = 2 * o->baumgarte_alpha, beta2 = o->baumgarte_beta * o->baumgarte_beta;
   int n = d->nv, m = d->m;
-  for (int j = 0; j < n; j++) {
+  const double *M = T->M;
+  for (int j = 0; j < n; j++, M += n) {
+    double *to = entry(p, 0, j);
     p->x[j] = T->F[j];
-    for (int i = 0; i < n; i++) *entry(p, i, j) = AT(T->M, n, i, j);
+    for (int i = 0; i < n; i++) to[i] = M[i];
     for (int i = 0; i < m; i++)
       *entry(p, j, n + i) = *entry(p, n + i, j) = AT(T->by.jacobian.value, m, i, j);
   }

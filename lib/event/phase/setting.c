@@ -7,7 +7,7 @@
 static const double LEAST_SINE = 1e-6;
 
 /* Of a coordinate, what nobody can tell of a gap. */
-static const double ROUNDING = 2e-14;
+static const double ROUNDING = 4e-15;
 
 void nsdae_event_set_places(nsdae_event_setting *s)
 {

@@ -61,7 +61,7 @@ static double value_of(const nsdae_event_phase *p, const nsdae_terms *T, const d
   if (root->kind == NSDAE_ROOT_TANGENT)
     return m->contact[i] == NSDAE_MODE_STICK ? nsdae_event_stick_margin(p, y, i)
                                              : along_direction(p, T, i, T->w_T, T->v);
-  if (root->kind == NSDAE_ROOT_JAM) return nsdae_event_yield(p, i);
+  if (root->kind == NSDAE_ROOT_JAM) return root->rate * nsdae_event_yield(p, i);
   double normal = m->normal_sense[i] * y[at->lambda + s->slide[i].constraint];
   if (root->kind == NSDAE_ROOT_SIGN) return normal;
   if (m->slide[i] == NSDAE_MODE_STICK) return s->slide[i].mu * normal - fabs(y[at->slide + i]);
@@ -206,10 +206,11 @@ static void start(const nsdae_event_phase *p, nsdae_event_root *root, double t, 
   int i = root->index, contact = root->kind <= NSDAE_ROOT_JAM;
   int mode = contact ? p->modes.contact[i] : p->modes.slide[i];
   root->state = NSDAE_ROOT_OFF;
+  root->rate = 1;
   if (is_off(p, root)) return;
   double value = value_of(p, T, y, root);
   if (root->kind == NSDAE_ROOT_JAM)
-    root->state = value > 0 ? NSDAE_ROOT_LIVE : NSDAE_ROOT_OFF;
+    root->state = NSDAE_ROOT_LIVE, root->rate = value < 0 ? -1 : 1;
   else if (root->kind == NSDAE_ROOT_NORMAL && mode == NSDAE_MODE_OPEN)
     start_root(p, root, t, value, nsdae_terms_normal_rate(T, i, T->v),
                nsdae_event_position_size(p->setting), nsdae_event_velocity_size(p->setting));
@@ -281,7 +282,8 @@ int nsdae_event_watch_roots(nsdae_event_roots *r, double t, const double *y)
   int any = 0, count = 0;
   for (int e = 0; e < r->count; e++) r->entry[e].found = 0;
   int status = follow_directions(p, t, y);
-  if (status == NSDAE_OK && r->short_steps > SHORT_STEPS) status = nsdae_event_stop_slow(r, t, y);
+  if (status == NSDAE_OK && r->short_steps > SHORT_STEPS)
+    status = nsdae_event_stop_slow(r, t, y, 0);
   for (int e = 0; e < r->count; e++) {
     const nsdae_event_root *root = &r->entry[e];
     any |= root->found || root->state == NSDAE_ROOT_MASKED ||
@@ -300,7 +302,7 @@ int nsdae_event_watch_roots(nsdae_event_roots *r, double t, const double *y)
   return status < 0 ? status : count;
 }
 
-int nsdae_event_stop_slow(nsdae_event_roots *r, double t, const double *y)
+int nsdae_event_stop_slow(nsdae_event_roots *r, double t, const double *y, int begun)
 {
   nsdae_event_phase *p = r->phase;
   nsdae_event_move(p->setting, t, y);
@@ -308,7 +310,7 @@ int nsdae_event_stop_slow(nsdae_event_roots *r, double t, const double *y)
   int count = 0, status = nsdae_terms_need(p->setting->here, NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS);
   for (int i = 0; i < T->system->dims.k && status == NSDAE_OK; i++) {
     nsdae_event_root *root = nsdae_event_root_of(r, NSDAE_ROOT_TANGENT, i);
-    if (root->state != NSDAE_ROOT_LIVE || !contact_rubs(p, i)) continue;
+    if ((root->state != NSDAE_ROOT_LIVE && !begun) || !contact_rubs(p, i)) continue;
     root->found |= nsdae_terms_slip(T, i, T->v) <= STOPPED * nsdae_event_velocity_size(p->setting);
     count += root->found;
   }

@@ -6,7 +6,7 @@
  *   sign       of a slide: s lambda, lambda changes sign
  *   slip       of a slide: as tangent, with v_S and mu |lambda| - |F_S|
  *   jam        sliding: the acceleration that a unit of F_N makes along the normal, with all that
- *              else holds; where it falls to zero F_N is without bound (Painleve's paradox)
+ *              else holds, by its first sign; at a zero F_N is without bound (Painleve's paradox)
  *
  * One that is zero at the start of a phase would be found there again and again. With a known rate
  * r > 0 it is divided by t - t_0, which makes it r at t_0 and leaves its further zeros where they
@@ -71,8 +71,8 @@ int nsdae_event_set_roots(nsdae_event_roots *roots, double t, const double *y, c
  * as found what fell below it or asks for an instant. Returns how many, or a status. */
 int nsdae_event_watch_roots(nsdae_event_roots *roots, double t, const double *y);
 
-/* Marks as found, of what slides and did so faster before, what hardly does at t, y: where its
- * direction leads no further it has stopped. Returns how many, or a status. */
-int nsdae_event_stop_slow(nsdae_event_roots *roots, double t, const double *y);
+/* Marks as found, of what slides and did so faster before, or has just begun, what hardly does at
+ * t, y: where its direction leads no further it has stopped. Returns how many, or a status. */
+int nsdae_event_stop_slow(nsdae_event_roots *roots, double t, const double *y, int begun);
 
 #endif

@@ -6,10 +6,12 @@
  *   p = (S + l)^-1 q_T,  g = (S + l)^-1 b,   and l is the root of  |r_T| - mu r_N,
  *
  * which is > 0 at l = 0, as it does not stick there, and < 0 at infinity. The root is kept in a
- * bracket and approached by secants (regula falsi of Illinois: Dowell and Jarratt, BIT 11 (1971)
- * 168), from the root of the sweep before: two or three values as a rule. */
+ * bracket and approached by secants, from the root of the sweep before and what would be the root
+ * next to it if S were a number (as of the radius of a trust region: More and Sorensen, SIAM J.
+ * Sci. Stat. Comput. 4 (1983) 553): two or three values as a rule. */
 #include "coulomb.h"
 
+#include <float.h>
 #include <math.h>
 
 #include "cone.h"
@@ -25,40 +27,41 @@ static double excess(const double *D, const double *q, double mu, double l, doub
   return nsdae_fc_length(r[1], r[2]) - mu * r[0];
 }
 
-/* An upper end of the bracket, from the guess on. */
-static double bracket(const double *D, const double *q, double mu, double l, double *f, double *r)
+/* Of l with its r the next one, so that |r_T| = mu r_N if S were a number s and b zero, where
+ * (s + l) |r_T| does not depend on l. */
+static double rescaled(const double *D, double mu, double l, const double *r)
 {
-  if (!(l > 0)) l = D[4] + D[8];
-  *f = excess(D, q, mu, l, r);
-  for (int k = 0; k < 200 && *f > 0; k++) {
-    l *= 16;
-    *f = excess(D, q, mu, l, r);
-  }
-  return l;
+  double s = (D[4] + D[8]) / 2;
+  return (s + l) * (nsdae_fc_length(r[1], r[2]) / (mu * r[0])) - s;
 }
 
-static double slide(const double *D, const double *q, double mu, double at_low, double guess,
+/* The root, from the guess on, kept in a bracket. */
+static double slide(const double *D, const double *q, double mu, double guess, double tol,
                     double *r)
 {
-  double low = 0, at_high, high = bracket(D, q, mu, guess, &at_high, r);
-  int side = 0;
-  for (int k = 0; k < 60; k++) {
-    double l = (low * at_high - high * at_low) / (at_high - at_low);
-    if (!(l > low && l < high)) break;
+  double low = 0, high = INFINITY, before = 0, at_before = 0;
+  double l = guess > 0 ? guess : rescaled(D, mu, 0, r);
+  if (!(l > low && l < high)) l = D[4] + D[8];
+  for (int k = 0; k < 200; k++) {
     double f = excess(D, q, mu, l, r);
-    if (fabs(f) <= 1e-15 * mu * r[0]) return l;
-    if (f > 0) {
-      if (side == 1) at_high /= 2;
-      low = l, at_low = f, side = 1;
-    } else {
-      if (side == -1) at_low /= 2;
-      high = l, at_high = f, side = -1;
-    }
+    if (fabs(f) <= tol * mu * r[0]) return l;
+    if (f > 0)
+      low = l;
+    else
+      high = l;
+    double next = k == 0 ? rescaled(D, mu, l, r) : l - f * ((l - before) / (f - at_before));
+    if (fabs(next - l) <= 2 * DBL_EPSILON * l) return l;
+    before = l, at_before = f;
+    if (!(next > low && next < high)) next = high < INFINITY ? low + (high - low) / 2 : 16 * l;
+    if (!(next > low && next < high)) break;
+    l = next;
   }
-  return high;
+  excess(D, q, mu, high < INFINITY ? high : l, r);
+  return high < INFINITY ? high : l;
 }
 
-void nsdae_fc_solve_contact(const double *D, const double *q, double mu, double *slip, double *r)
+void nsdae_fc_solve_contact(const double *D, const double *q, double mu, double tol, double *slip,
+                            double *r)
 {
   if (q[0] >= 0) {
     r[0] = r[1] = r[2] = 0;
@@ -69,7 +72,7 @@ void nsdae_fc_solve_contact(const double *D, const double *q, double mu, double 
     *slip = 0;
     return;
   }
-  *slip = slide(D, q, mu, f, *slip, r);
+  *slip = slide(D, q, mu, *slip, tol, r);
 }
 
 /* The turn that makes the tangential part of D diagonal (one Jacobi rotation: Golub and Van Loan,
@@ -77,7 +80,7 @@ void nsdae_fc_solve_contact(const double *D, const double *q, double mu, double 
 void nsdae_fc_turn_matrix(double *D, double *by)
 {
   double x = D[1], a = D[4], b = D[8], c = (a - b) / 2;
-  double tangent = D[5] == 0 ? 0 : D[5] / (c + copysign(nsdae_fc_length(c, D[5]), c));
+  double tangent = D[5] == 0 ? 0 : D[5] / (c + copysign(hypot(c, D[5]), c));
   by[0] = 1 / sqrt(1 + tangent * tangent);
   by[1] = tangent * by[0];
   D[4] = by[0] * by[0] * a + 2 * by[0] * by[1] * D[5] + by[1] * by[1] * b;
@@ -87,10 +90,12 @@ void nsdae_fc_turn_matrix(double *D, double *by)
   D[5] = D[7] = 0;
 }
 
-/* Adjugate over determinant; the leading minors say whether it is positive definite. */
+/* Adjugate over determinant, pivot by pivot: each is what is left of its diagonal entry, and keeps
+ * ten digits where it is no less than 1e-6 of it. */
 void nsdae_fc_invert(const double *D, double *S)
 {
-  const double e = NSDAE_FC_PROXIMAL, a = D[0] + e, b = D[4] + e, c = D[8] + e;
+  const double e = NSDAE_FC_PROXIMAL, least = 1e-6;
+  const double a = D[0] + e, b = D[4] + e, c = D[8] + e;
   const double minor = a * b - D[1] * D[1];
   S[0] = b * c - D[5] * D[5];
   S[1] = D[2] * D[5] - D[1] * c;
@@ -100,5 +105,5 @@ void nsdae_fc_invert(const double *D, double *S)
   S[5] = minor;
   const double determinant = a * S[0] + D[1] * S[1] + D[2] * S[2];
   for (int k = 0; k < 6; k++) S[k] /= determinant;
-  if (!(a > 0 && minor > 0 && determinant > 0)) S[0] = NAN;
+  if (!(a > 0 && minor > least * a * b && determinant > least * minor * c)) S[0] = NAN;
 }

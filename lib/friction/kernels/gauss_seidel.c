@@ -31,22 +31,40 @@ static int prepare(const nsdae_fc_plain *p, int c, int i, own *o)
   return !is_definite(o->D);
 }
 
+/* The power of two next below the largest of three sizes; 1 where they are zero. */
+static double size_of(double a, double b, double c)
+{
+  double most = fmax(fabs(a), fmax(fabs(b), fabs(c)));
+  return most > 0 ? ldexp(1, ilogb(most)) : 1;
+}
+
+/* r [3] of u = D r + q in its frame, in numbers about one, so that squares stay in range: with
+ * D = d D' and q = s q', r = s r' / d. */
+static void solve_scaled(own *o, const double *q, double mu, double *r)
+{
+  double d = size_of(o->D[0], o->D[4], o->D[8]), s = size_of(q[0], q[1], q[2]);
+  double D[9], slip = o->slip / d, scaled[3] = {q[0] / s, q[1] / s, q[2] / s};
+  for (int j = 0; j < 9; j++) D[j] = o->D[j] / d;
+  nsdae_fc_solve_contact(D, scaled, mu, 1e-15, &slip, r);
+  for (int j = 0; j < 3; j++) r[j] = r[j] / d * s;
+  o->slip = slip * d;
+}
+
 /* The r [3] that obeys the law of contact c, if with the impulse old [3] its velocity is u [3]. */
 static void solve(const nsdae_fc_plain *p, int c, own *o, const double *old, const double *u,
                   double *r)
 {
   double q[3] = {u[0], u[1], u[2]}, from[3] = {old[0], old[1], old[2]};
+  nsdae_fc_turn(o->turn, 1, from);
   if (nsdae_fc_plain_kind(p, c) == NSDAE_FC_NORMAL) { /* the rest of its impulse goes */
-    nsdae_fc_turn(o->turn, 1, from);
     r[0] = fmax(0, old[0] - (u[0] - o->D[1] * from[1] - o->D[2] * from[2]) / o->D[0]);
     r[1] = r[2] = 0;
     return;
   }
   nsdae_fc_turn(o->turn, 1, q);
-  nsdae_fc_turn(o->turn, 1, from);
   for (int j = 0; j < 3; j++)
     for (int k = 0; k < 3; k++) q[j] -= o->D[3 * j + k] * from[k];
-  nsdae_fc_solve_contact(o->D, q, p->mu[c], &o->slip, r);
+  solve_scaled(o, q, p->mu[c], r);
   nsdae_fc_turn(o->turn, -1, r);
 }
 

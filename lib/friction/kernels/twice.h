@@ -45,12 +45,18 @@ static inline NSDAE_TWICE void nsdae_twice_add(double a, double b, double *high,
 }
 
 /* y [rows] += A [rows x columns] x, with low [rows] what high does not hold */
-static inline NSDAE_TWICE void nsdae_twice_add_product(int rows, int columns, const double *A,
-                                                       const double *x, double *high, double *low)
+static inline NSDAE_TWICE void nsdae_twice_add_product(int rows, int columns,
+                                                       const double *restrict A,
+                                                       const double *restrict x,
+                                                       double *restrict high, double *restrict low)
 {
-  for (int j = 0; j < columns; j++)
-    for (int i = 0; i < rows && x[j] != 0; i++)
-      nsdae_twice_add(A[j * rows + i], x[j], high + i, low + i);
+  for (int j = 0; j < columns; j++, A += rows) {
+    if (x[j] == 0) continue;
+    if (rows == 6) /* a body: laid out flat */
+      for (int i = 0; i < 6; i++) nsdae_twice_add(A[i], x[j], high + i, low + i);
+    else
+      for (int i = 0; i < rows; i++) nsdae_twice_add(A[i], x[j], high + i, low + i);
+  }
 }
 
 #endif

@@ -174,6 +174,47 @@ static void test_lu(void **state)
   }
 }
 
+/* Columns that follow each other, which for bodies in the plane have code of their own: the same
+ * bits as with room between them, and M^-1 b at once those of its two halves. */
+static void test_packed(void **state)
+{
+  (void)state;
+  random_state r = {11};
+  static double A[N * LD], apart[N * LD], packed[N * N];
+  double b[N], x[N], y[N];
+  int pivot[N], pivots[N];
+  for (int round = 0; round < 20; round++)
+    for (int n = 1; n <= 12; n++) {
+      random_spd(&r, n, A);
+      if (round == 19) A[(n - 1) * (LD + 1)] = -1; /* no Cholesky factor, the same pivot */
+      random_matrix(&r, n, 1, b, N);
+      for (int way = 0; way < 2; way++) {
+        copy(n, n, A, apart);
+        for (int j = 0; j < n; j++) memcpy(packed + j * n, A + j * LD, (size_t)n * sizeof *A);
+        memcpy(x, b, sizeof x);
+        memcpy(y, b, sizeof y);
+        if (way == 0) {
+          int failed = nsdae_la_cholesky(n, apart, LD);
+          assert_int_equal(failed, round == 19 ? n : 0);
+          assert_int_equal(nsdae_la_cholesky(n, packed, n), failed);
+          if (failed) continue;
+          nsdae_la_solve_lower(n, 1, apart, LD, x, N);
+          nsdae_la_solve_lower_transposed(n, 1, apart, LD, x, N);
+          nsdae_la_solve_cholesky(n, packed, y);
+        } else {
+          assert_int_equal(nsdae_la_lu(n, apart, LD, pivot), 0);
+          assert_int_equal(nsdae_la_lu(n, packed, n, pivots), 0);
+          assert_memory_equal(pivot, pivots, (size_t)n * sizeof *pivot);
+          nsdae_la_lu_solve(n, apart, LD, pivot, x);
+          nsdae_la_lu_solve(n, packed, n, pivots, y);
+        }
+        for (int j = 0; j < n; j++)
+          assert_memory_equal(packed + j * n, apart + j * LD, (size_t)n * sizeof *packed);
+        assert_memory_equal(x, y, (size_t)n * sizeof *x);
+      }
+    }
+}
+
 static void test_lu_singular(void **state)
 {
   (void)state;
@@ -259,6 +300,7 @@ int main(void)
       cmocka_unit_test(test_scaled),
       cmocka_unit_test(test_triangular),
       cmocka_unit_test(test_lu),
+      cmocka_unit_test(test_packed),
       cmocka_unit_test(test_lu_singular),
       cmocka_unit_test(test_products),
       cmocka_unit_test(test_product_overwrites),

@@ -1,6 +1,6 @@
-/* Memory of a solver ahead of its problems. */
-#ifndef NSDAE_FRICTION_RESERVE_H
-#define NSDAE_FRICTION_RESERVE_H
+/* What contacts ask of a solver besides the public calls. */
+#ifndef NSDAE_FRICTION_SOLVER_H
+#define NSDAE_FRICTION_SOLVER_H
 
 #include <nsdae/friction.h>
 
@@ -9,5 +9,9 @@
  * Equations of such problems are solved by dense factorisations: the analysis of sparse ones takes
  * memory. NSDAE_OK, or status as of nsdae_friction_check. */
 int nsdae_fc_reserve(nsdae_friction_solver *solver, const nsdae_friction_problem *largest);
+
+/* max |q|, q = H^T M^-1 f + w, of the problem solved last: the largest velocity without impulses.
+ */
+double nsdae_fc_speed(const nsdae_friction_solver *solver);
 
 #endif
