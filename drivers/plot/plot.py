@@ -18,6 +18,7 @@ FORMATS = (".png", ".svg", ".pdf")
 NEEDED = ("v", "energy/kinetic", "energy/dissipated", "certificate", "impact/time")
 POINTS_MAX = 20000  # more than this of a line are drawn as an image within an SVG or PDF
 LEGEND_MAX = 12  # more lines than this say nothing in a legend
+COLUMN_MAX = 8  # of them beside a row of its height
 STRIPS_MAX = 24
 IMPACTS_MAX = 100  # more of them are a grey wall
 LINES_MAX = 48  # more of them are a tangle
@@ -314,7 +315,8 @@ PANELS = {
 
 
 def outside(axes, **what):
-    axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0, frameon=False, **what)
+    columns = 1 if len(what.get("handles", axes.get_legend_handles_labels()[0])) <= COLUMN_MAX else 2
+    axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0, frameon=False, ncols=columns, **what)
 
 
 def title_of(file):
