@@ -66,21 +66,6 @@ static int normals_at(nsdae_directions *d, double t, const double *q, double *W)
   return difference_failed(d, code, "gap");
 }
 
-/* Units that are given and differ are not of one body's translations. */
-static void part_units(nsdae_directions *d)
-{
-  const nsdae_system *s = d->differences->system;
-  for (int i = 0; i < s->dims.nv; i++) {
-    int of = d->set[i];
-    if (of < 0) continue;
-    const char *a = nsdae_system_get_unit(s, NSDAE_NAME_VELOCITY, of),
-               *b = nsdae_system_get_unit(s, NSDAE_NAME_VELOCITY, i);
-    if (*a && *b && strcmp(a, b) != 0)
-      for (int j = 0; j < s->dims.nv; j++)
-        if (d->set[j] == of) d->set[j] = NSDAE_TANGENT_ALONE;
-  }
-}
-
 /* A body's mass is what it is everywhere, and so is the inertia of one that turns in the plane. */
 static void find_sets(nsdae_directions *d)
 {
@@ -89,8 +74,7 @@ static void find_sets(nsdae_directions *d)
     double *here = &d->M[i * (dims->nv + 1)];
     if (!(fabs(*here - d->mass[i]) <= 1e-9 * fabs(*here))) *here = 0;
   }
-  nsdae_tangent_sets(dims->nv, dims->nt, d->M, d->set);
-  part_units(d);
+  nsdae_tangent_sets(d->differences->system, d->M, d->set);
 }
 
 int nsdae_directions_at(nsdae_directions *d, double t, const double *q)

@@ -14,6 +14,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 #include "system_impl.h"
 
@@ -28,29 +29,34 @@ static int is_free(int n, const double *M, int i)
   return M[i * (n + 1)] > 0;
 }
 
-static int same_mass(int n, const double *M, const int *set, int i, int j)
+static int same_mass(const nsdae_system *s, const double *M, const int *set, int i, int j)
 {
-  return set[i] != COUPLED && set[j] != COUPLED && M[i * (n + 1)] == M[j * (n + 1)];
+  int n = s->dims.nv;
+  if (set[i] == COUPLED || set[j] == COUPLED || M[i * (n + 1)] != M[j * (n + 1)]) return 0;
+  const char *a = nsdae_system_get_unit(s, NSDAE_NAME_VELOCITY, i),
+             *b = nsdae_system_get_unit(s, NSDAE_NAME_VELOCITY, j);
+  return !*a || !*b || strcmp(a, b) == 0;
 }
 
 /* What moves as `first` does: all of that mass where they are as many as there are directions, or
  * else, of bodies that are alike, those that stand side by side. */
-static void decide(int n, int nt, const double *M, int *set, int first)
+static void decide(const nsdae_system *s, const double *M, int *set, int first)
 {
-  int all = 0, end = first, count = 0;
-  for (int i = 0; i < n; i++) all += same_mass(n, M, set, first, i);
-  while (end < n && same_mass(n, M, set, first, end)) end++;
+  int n = s->dims.nv, nt = s->dims.nt, all = 0, end = first, count = 0;
+  for (int i = 0; i < n; i++) all += same_mass(s, M, set, first, i);
+  while (end < n && same_mass(s, M, set, first, end)) end++;
   if (all == nt + 1) end = n;
-  for (int i = first; i < end; i++) count += same_mass(n, M, set, first, i);
+  for (int i = first; i < end; i++) count += same_mass(s, M, set, first, i);
   for (int i = end - 1; i >= first; i--)
-    if (same_mass(n, M, set, first, i)) set[i] = count == nt + 1 ? first : ALONE;
+    if (same_mass(s, M, set, first, i)) set[i] = count == nt + 1 ? first : ALONE;
 }
 
-void nsdae_tangent_sets(int n, int nt, const double *M, int *set)
+void nsdae_tangent_sets(const nsdae_system *s, const double *M, int *set)
 {
+  int n = s->dims.nv;
   for (int i = 0; i < n; i++) set[i] = is_free(n, M, i) ? UNDECIDED : COUPLED;
   for (int i = 0; i < n; i++)
-    if (set[i] == UNDECIDED) decide(n, nt, M, set, i);
+    if (set[i] == UNDECIDED) decide(s, M, set, i);
 }
 
 directions nsdae_tangent_contact(const directions *all, int i)
