@@ -732,6 +732,36 @@ static void test_limit(void **state)
   }
 }
 
+/* Steps that are no whole ones, where times are so large that dt has few digits of them: each is as
+ * long as its times say, and the ball has come as far as the clock. */
+static void part_steps(nsdae_system *system, ball *b, nsdae_sim_options o)
+{
+  const double late[][3] = {{1e9, 1e-6, 0.8}, {1e6, 1e-9, 0.6}, {1e3, 1e-2, 0.3}, {0, 1e-2, 0.7}};
+  const double q0[] = {0, 10}, v0[] = {1, 0};
+  if (o.method == NSDAE_METHOD_PENALTY || o.method == NSDAE_METHOD_EVENT) return;
+  b->gravity = 0;
+  for (int i = 0; i < 4; i++) {
+    nsdae_sim *sim;
+    nsdae_record r;
+    double t = late[i][0];
+    o.dt = late[i][1];
+    assert_int_equal(nsdae_sim_create(system, &o, &sim, NULL), NSDAE_OK);
+    assert_int_equal(nsdae_sim_init(sim, t, q0, v0), NSDAE_OK);
+    for (int n = 1; n <= 100; n++)
+      assert_int_equal(nsdae_sim_run(sim, t + n * late[i][2] * o.dt), NSDAE_OK);
+    nsdae_sim_get_record(sim, &r);
+    assert_true(r.time > t);
+    assert_near(r.q[0], r.time - t, 1e-12 * (r.time - t));
+    nsdae_sim_destroy(&sim);
+  }
+}
+
+static void test_part_steps(void **state)
+{
+  (void)state;
+  each(part_steps);
+}
+
 static int refuse_once(const nsdae_record *r, nsdae_error *error, void *user)
 {
   int *left = user;
@@ -866,6 +896,7 @@ int main(void)
       cmocka_unit_test(test_leaving),
       cmocka_unit_test(test_limit),
       cmocka_unit_test(test_refused_warning),
+      cmocka_unit_test(test_part_steps),
       cmocka_unit_test(test_rank),
       cmocka_unit_test(test_refused_settings),
       cmocka_unit_test(test_slides),
