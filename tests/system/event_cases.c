@@ -145,6 +145,45 @@ static void test_jamming(void **state)
     }
 }
 
+/* A ladder (length 1, m = 1) that leans at tan phi = 2 on a smooth wall while its foot slides away
+ * from it, mu = 2, turning with w = -1: with the forces F of foot and head the normal accelerations
+ * are A F + b, and no F >= 0 makes them >= 0 and F a = 0. No force, whatever rtol is; what has no
+ * friction holds nothing along. */
+static void test_ladder(void **state)
+{
+  (void)state;
+  const double phi = atan(2), s = sin(phi), c = cos(phi), mu = 2, w = -1, g = 9.81;
+  const double A[2][2] = {{1 + 3 * c * (c - mu * s), -3 * c * s},
+                          {-mu + 3 * s * (mu * s - c), 1 + 3 * s * s}},
+               b[2] = {-g + s * w * w / 2, c * w * w / 2},
+               det = A[0][0] * A[1][1] - A[0][1] * A[1][0];
+  assert_true(b[0] < 0 && -b[0] / A[0][0] < 0 && -b[1] / A[1][1] < 0 &&
+              (-b[0] * A[1][1] + b[1] * A[0][1]) / det < 0);
+  for (double rtol = 1e-9; rtol < 2e-4; rtol *= 10) {
+    drop d = {.bodies = 1, .points = 2, .walls = 2, .m = 1, .g = g, .mu = mu};
+    nsdae_sim_options o;
+    nsdae_sim *sim;
+    d.J[2] = 1.0 / 12;
+    d.normal[0][1] = 1;
+    d.normal[1][0] = -1;
+    d.point[0][0] = -0.5;
+    d.point[1][0] = 0.5;
+    double q0[3] = {-c / 2, s / 2, phi}, v0[3] = {s * w / 2, c * w / 2, w};
+    nsdae_system *system = drop_system(&d);
+    for (int i = 1; i < 4; i += 2) nsdae_system_set_contact(system, i, 0, 0, 0); /* of the wall */
+    nsdae_sim_options_default(&o);
+    o.method = NSDAE_METHOD_EVENT;
+    o.rtol = rtol;
+    o.atol = 1e-2 * rtol;
+    assert_int_equal(nsdae_sim_create(system, &o, &sim, NULL), NSDAE_OK);
+    int status = nsdae_sim_init(sim, 0, q0, v0);
+    if (status >= 0) status = nsdae_sim_run(sim, 0.2);
+    assert_int_equal(status, NSDAE_E_PAINLEVE);
+    assert_int_equal(nsdae_sim_error(sim)->index, 0);
+    end(&sim, &system);
+  }
+}
+
 /* ---- an oscillator against a stop just within its reach: q'' = -q, q <= 1 - deep ---- */
 
 static int oscillator_mass(double t, const double *q, double *M, int ldm, void *user)
@@ -246,8 +285,8 @@ static void test_oblique_impact(void **state)
 int main(void)
 {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_groove), cmocka_unit_test(test_rocking_to_rest),
-      cmocka_unit_test(test_jamming), cmocka_unit_test(test_short_contacts),
-      cmocka_unit_test(test_oblique_impact)};
+      cmocka_unit_test(test_groove),         cmocka_unit_test(test_rocking_to_rest),
+      cmocka_unit_test(test_jamming),        cmocka_unit_test(test_ladder),
+      cmocka_unit_test(test_short_contacts), cmocka_unit_test(test_oblique_impact)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
