@@ -1,5 +1,7 @@
 #include "jam.h"
 
+#include <math.h>
+
 #include "dense.h"
 #include "errors.h"
 #include "system_impl.h"
@@ -31,7 +33,7 @@ static double yield_of(const nsdae_contacts *c, int row)
   const nsdae_contact_lcp *lcp = &c->lcp;
   int n = c->rows, count = 0, *pressed = lcp->iwork, *pivot = pressed + n;
   double *A = lcp->work, *unit = A + (size_t)n * (size_t)n;
-  if (lcp->liwork < 2 * n || lcp->lwork < n * (n + 1)) return 0;
+  if (lcp->liwork < 2 * n || lcp->lwork < n * (n + 1)) return INFINITY; /* no reason to doubt it */
   for (int i = 0; i < n; i++)
     if (i == row || lcp->x[i] > lcp->y[i]) pressed[count++] = i;
   for (int j = 0; j < count; j++) {
@@ -43,8 +45,8 @@ static double yield_of(const nsdae_contacts *c, int row)
   if (nsdae_la_lu(count, A, count, pivot) != 0) return 0;
   nsdae_la_lu_solve(count, A, count, pivot, unit);
   for (int i = 0; i < count; i++)
-    if (pressed[i] == row) return 1 / unit[i];
-  return 0;
+    if (pressed[i] == row && unit[i] != 0) return 1 / unit[i];
+  return INFINITY;
 }
 
 int nsdae_jam_judge(const nsdae_contacts *c, int status, int by_rows, nsdae_jam_margin margin,
@@ -67,7 +69,7 @@ int nsdae_jam_judge(const nsdae_contacts *c, int status, int by_rows, nsdae_jam_
   return status;
 }
 
-int nsdae_jam_unbounded(const nsdae_contacts *c, int contact, double t)
+int nsdae_jam_unbounded(const nsdae_contacts *c, int contact, double t, double coefficient)
 {
-  return tell(c, contact, t, without_bound, 0);
+  return tell(c, contact, t, without_bound, coefficient);
 }

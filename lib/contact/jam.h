@@ -16,7 +16,8 @@ typedef enum nsdae_jam_margin { NSDAE_JAM_EXACT, NSDAE_JAM_NEAR } nsdae_jam_marg
 int nsdae_jam_judge(const nsdae_contacts *contacts, int status, int by_rows,
                     nsdae_jam_margin margin, double t);
 
-/* NSDAE_E_PAINLEVE with the record: the contact's force is without bound at t. */
-int nsdae_jam_unbounded(const nsdae_contacts *contacts, int contact, double t);
+/* NSDAE_E_PAINLEVE with the record: the contact's force is without bound at t, where a unit of it
+ * gives no more than the coefficient. */
+int nsdae_jam_unbounded(const nsdae_contacts *contacts, int contact, double t, double coefficient);
 
 #endif

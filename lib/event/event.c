@@ -17,6 +17,9 @@ enum { IDLE_MAX = 500, CHATTERS = 20, STEPS_MAX = 5000, STIFF_STEPS = 300 };
 /* An instant of a contact is soon after another within so many accumulation_time. */
 static const double SOON = 10;
 
+/* What is left of what a unit of force gave as its phase began: at a pole, and near one. */
+static const double POLE = 1e-6, NEAR_POLE = 1e-3;
+
 /* Steps shorter than this part of dt lead nowhere: so many in one dt, and at each start. */
 static const double TINY = 1e-6;
 enum { TINY_MAX = 1000, STARTS = 50 };
@@ -122,10 +125,12 @@ static int integrator_failed(event *e, int status, double t)
   nsdae_error *error = e->setting.error;
   if (error->status != NSDAE_OK) return error->status;
   status = status == NSDAE_E_CALLBACK ? NSDAE_E_CONVERGENCE : status; /* none failed */
-  int unbounded = nsdae_event_outgrown(&e->instant.acceleration, e->integrator.y);
+  int contact = nsdae_event_unbounded(&e->roots, NEAR_POLE, 0);
+  if (contact >= 0)
+    return nsdae_jam_unbounded(&e->instant.acceleration.problem, contact, t,
+                               nsdae_event_yield(&e->phase, contact));
   if (nsdae_event_diagnose(&e->instant.acceleration, t, e->integrator.y) < 0)
     return NSDAE_E_PAINLEVE;
-  if (unbounded >= 0) return nsdae_jam_unbounded(&e->instant.acceleration.problem, unbounded, t);
   nsdae_error_set(error, status, "nsdae_event", "rtol",
                   "the integrator failed at t = %.17g, as no step is short enough (code %d): the "
                   "equations may have no solution just after it; try a larger rtol, or method = "
@@ -154,19 +159,18 @@ static int restart(event *e, double t)
   return status < 0 ? status : start(e, t);
 }
 
-/* NSDAE_E_PAINLEVE where a force that slides has met its pole: see nsdae_root_kind. Where it jumps
- * from one end of the doubles to the other, that looks like a contact that lets go. One that hardly
- * slides has stopped. */
+/* NSDAE_E_PAINLEVE where a force that slides has met its pole: see nsdae_root_kind; that it jumps
+ * from one end of the doubles to the other looks as if it let go. What hardly slides has stopped.
+ */
 static int jammed(event *e, double t)
 {
-  const double *y = e->integrator.y;
-  int i = nsdae_event_outgrown(&e->instant.acceleration, y);
-  if (i < 0 || !(nsdae_event_root_of(&e->roots, NSDAE_ROOT_JAM, i)->found ||
-                 nsdae_event_root_of(&e->roots, NSDAE_ROOT_NORMAL, i)->found))
-    return NSDAE_OK;
+  int i = nsdae_event_unbounded(&e->roots, POLE, 1);
+  if (i < 0) return NSDAE_OK;
   nsdae_event_root *slip = nsdae_event_root_of(&e->roots, NSDAE_ROOT_TANGENT, i);
   slip->found |= e->setting.system->dims.nt == 2 && nsdae_event_hardly_slides(&e->phase, i);
-  return slip->found ? NSDAE_OK : nsdae_jam_unbounded(&e->instant.acceleration.problem, i, t);
+  return slip->found ? NSDAE_OK
+                     : nsdae_jam_unbounded(&e->instant.acceleration.problem, i, t,
+                                           nsdae_event_yield(&e->phase, i));
 }
 
 /* Where friction turns faster than a body gets away from zero, or is at its limit however it

@@ -7,9 +7,6 @@
 #include "jam.h"
 #include "relaxation.h"
 
-/* Of the forces applied, a contact force that is without bound. */
-static const double OUTGROWN = 1e4;
-
 void nsdae_event_acceleration_layout(nsdae_event_acceleration *p, nsdae_arena *arena)
 {
   const nsdae_dims *d = &p->phase->setting->system->dims;
@@ -115,18 +112,6 @@ static int solve(nsdae_event_acceleration *p)
     status = nsdae_terms_finite(s->here, "acceleration", NSDAE_NAME_VELOCITY, p->a);
   return status < 0 ? status
                     : nsdae_terms_finite(s->here, "multiplier", NSDAE_NAME_CONSTRAINT, p->lambda);
-}
-
-int nsdae_event_outgrown(const nsdae_event_acceleration *p, const double *y)
-{
-  const nsdae_event_setting *s = p->phase->setting;
-  const double *F = y + s->at.normal;
-  int most = -1;
-  for (int i = 0; i < s->system->dims.k; i++)
-    if (p->phase->modes.contact[i] == NSDAE_MODE_SLIDE && (most < 0 || fabs(F[i]) > fabs(F[most])))
-      most = i;
-  double bound = OUTGROWN * nsdae_largest(s->system->dims.nv, s->here->F);
-  return most >= 0 && fabs(F[most]) > bound ? most : -1;
 }
 
 /* Where the polygons' problem was not solved, the cones' may be. */

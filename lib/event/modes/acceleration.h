@@ -48,7 +48,4 @@ double nsdae_event_acceleration_size(const nsdae_event_acceleration *acceleratio
  * the record. */
 int nsdae_event_diagnose(nsdae_event_acceleration *acceleration, double t, const double *y);
 
-/* The contact that slides and whose force has outgrown all that there is to hold; -1: none. */
-int nsdae_event_outgrown(const nsdae_event_acceleration *acceleration, const double *y);
-
 #endif

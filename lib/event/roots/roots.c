@@ -209,7 +209,7 @@ static void start(const nsdae_event_phase *p, nsdae_event_root *root, double t, 
   if (is_off(p, root)) return;
   double value = value_of(p, T, y, root);
   if (root->kind == NSDAE_ROOT_JAM)
-    root->state = NSDAE_ROOT_LIVE, root->rate = value < 0 ? -1 : 1;
+    root->state = NSDAE_ROOT_LIVE, root->rate = value < 0 ? -1 : 1, root->start = fabs(value);
   else if (root->kind == NSDAE_ROOT_NORMAL && mode == NSDAE_MODE_OPEN)
     start_root(p, root, t, value, nsdae_terms_normal_rate(T, i, T->v),
                nsdae_event_position_size(p->setting), nsdae_event_velocity_size(p->setting));
@@ -313,4 +313,15 @@ int nsdae_event_stop_slow(nsdae_event_roots *r, double t, const double *y)
     count += root->found;
   }
   return status < 0 ? status : count;
+}
+
+int nsdae_event_unbounded(const nsdae_event_roots *r, double part, int found)
+{
+  for (int i = 0; i < r->phase->setting->system->dims.k; i++) {
+    const nsdae_event_root *jam = nsdae_event_root_of(r, NSDAE_ROOT_JAM, i);
+    int any = !found || jam->found || nsdae_event_root_of(r, NSDAE_ROOT_NORMAL, i)->found;
+    if (jam->state == NSDAE_ROOT_OFF || !any) continue;
+    if (fabs(nsdae_event_yield(r->phase, i)) <= part * jam->start) return i;
+  }
+  return -1;
 }
