@@ -37,6 +37,7 @@ void nsdae_event_phase_layout(nsdae_event_phase *p, nsdae_arena *arena)
   p->place = NSDAE_ARENA_INTS(arena, forces_of(d));
   p->rates = NSDAE_ARENA_DOUBLES(arena, d->m);
   p->modes.direction = NSDAE_ARENA_DOUBLES(arena, (long)d->k * d->nt);
+  p->modes.blur = NSDAE_ARENA_DOUBLES(arena, d->k);
   p->slip = NSDAE_ARENA_DOUBLES(arena, (long)d->k * d->nt);
   p->K.most = (int)n;
   p->K.is_sparse = p->setting->options->linear_solver == NSDAE_LINEAR_SPARSE;
@@ -67,6 +68,12 @@ double nsdae_event_stick_margin(const nsdae_event_phase *p, const double *y, int
   int nt = p->setting->system->dims.nt;
   return p->setting->system->contact[i].mu * y[at->normal + i] -
          nsdae_norm(nt, y + at->tangential + i * nt);
+}
+
+int nsdae_event_hardly_slides(const nsdae_event_phase *p, int i)
+{
+  const nsdae_terms *T = p->setting->here;
+  return nsdae_terms_slip(T, i, T->v) <= 10 * nsdae_event_velocity_size(p->setting);
 }
 
 static void sliding_direction(const nsdae_event_phase *p, const nsdae_terms *T, int i, double *d)
