@@ -159,8 +159,8 @@ void report_end(report *r, const nsdae_sim *sim)
     printf("%ld accumulation%s of impacts ended in rest\n", stats.accumulations,
            stats.accumulations > 1 ? "s" : "");
   if (stats.accumulations_early > 0)
-    printf("%ld of them longer than accumulation_time before that: what parted was as slow as rtol "
-           "and atol\n",
+    printf("%ld were closed longer than accumulation_time before that: what parted was as slow as "
+           "rtol and atol, or rattled on\n",
            stats.accumulations_early);
   if (stats.fallback_steps > 0)
     printf("%ld steps had more than events_max instants each and were stepped by implicit\n",

@@ -175,7 +175,7 @@ typedef struct nsdae_stats {
   long events, accumulations; /* of event: instants of change; accumulations closed */
   long fallback_steps;        /* of event: dt that were stepped by implicit instead */
   long accumulations_early; /* of event: closed before accumulation_time, as what parted was as slow
-                               as rtol and atol */
+                               as rtol and atol, or rattled on after thousands of impacts */
   double rank_kept;    /* the gap in the rank: the smallest sine of the angle to the others of a */
   double rank_left;    /* constraint that counts, the largest of one that does not; 1 and 0: none */
   int rank, rank_most; /* smallest and largest rank of Phi_q met; not the same: see rank_tol */

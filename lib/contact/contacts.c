@@ -498,24 +498,3 @@ double nsdae_contacts_work(const nsdae_contacts *c)
   }
   return work;
 }
-
-double nsdae_contacts_yield(const nsdae_contacts *c, int row)
-{
-  const nsdae_contact_lcp *lcp = &c->lcp;
-  int n = c->rows, count = 0, *pressed = lcp->iwork, *pivot = pressed + n;
-  double *A = lcp->work, *unit = A + (size_t)n * (size_t)n;
-  if (lcp->liwork < 2 * n || lcp->lwork < n * (n + 1)) return 0;
-  for (int i = 0; i < n; i++)
-    if (i == row || lcp->x[i] > lcp->y[i]) pressed[count++] = i;
-  for (int j = 0; j < count; j++) {
-    unit[j] = pressed[j] == row;
-    for (int i = 0; i < count; i++)
-      A[(size_t)j * (size_t)count + (size_t)i] =
-          lcp->A[(size_t)pressed[j] * (size_t)n + (size_t)pressed[i]];
-  }
-  if (nsdae_la_lu(count, A, count, pivot) != 0) return 0;
-  nsdae_la_lu_solve(count, A, count, pivot, unit);
-  for (int i = 0; i < count; i++)
-    if (pressed[i] == row) return 1 / unit[i];
-  return 0;
-}

@@ -129,11 +129,6 @@ void nsdae_contacts_come(nsdae_contacts *contacts, const double *before);
 /* The results go there from now on; what is there stays. */
 void nsdae_contacts_turn_to(nsdae_contacts *contacts, nsdae_impulses *results);
 
-/* Of the solved complementarity problem: what a unit of the force in that row gives of y there,
- * with all that else presses held; 0 where that is singular. It works in what the solver worked in.
- */
-double nsdae_contacts_yield(const nsdae_contacts *contacts, int row);
-
 /* Whether there is anything to solve for. */
 static inline int nsdae_contacts_any(const nsdae_contacts *contacts)
 {

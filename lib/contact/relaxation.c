@@ -104,6 +104,21 @@ static void read_xi(const relaxation *r)
   nsdae_add_product(c->columns, c->columns, c->delassus.G, r->force, r->xi);
 }
 
+/* How far the forces are from solving the problem, of the largest: by the map whose fixed points
+ * the solutions are, at xi computed afresh. What has only stopped is no solution. */
+static double residual(const relaxation *r)
+{
+  const nsdae_contacts *c = r->c;
+  double most = 0, size = nsdae_largest(c->columns, r->force);
+  read_xi(r);
+  for (int a = 0; a < c->active_count; a++) {
+    double change = relax_normal(r, a);
+    if (c->law[c->active[a]].kind == NSDAE_POLYGON) change = fmax(change, relax_friction(r, a));
+    if (!(change <= most)) most = change; /* NaN, too */
+  }
+  return size > 0 ? most / size : most;
+}
+
 /* Where bodies touch in more points than they have freedoms sweeps go on for thousands of times:
  * what a few do not settle is the friction chain's, if it can take it. */
 static int settle(nsdae_contacts *c, const relaxation *r)
@@ -114,6 +129,16 @@ static int settle(nsdae_contacts *c, const relaxation *r)
     return 1;
   }
   return (settled != 0 ? settled : relax(r, SWEEPS)) > 0;
+}
+
+/* The same with its certificate, which is the problem's from then on. */
+static int is_settled(nsdae_contacts *c, const relaxation *r)
+{
+  if (!settle(c, r)) return 0;
+  double off = residual(r);
+  if (!(off <= c->lcp.options.tol)) return 0;
+  c->lcp.info.residual = off;
+  return 1;
 }
 
 /* The forces, and what their change makes of v, lambda and the contacts' velocities. */
@@ -149,7 +174,7 @@ int nsdae_contacts_relax(nsdae_contacts *c, const double *direction, double *for
   if (c->slides.count > 0 || c->system->dims.nt != 2) return 0;
   memcpy(force, c->delassus.impulse, (size_t)c->columns * sizeof *force);
   read_xi(&r);
-  if (!settle(c, &r)) return 0;
+  if (!is_settled(c, &r)) return 0;
   take_over(c, force, xi, v, lambda);
   return 1;
 }
@@ -157,6 +182,7 @@ int nsdae_contacts_relax(nsdae_contacts *c, const double *direction, double *for
 int nsdae_contacts_relax_anew(nsdae_contacts *c, const double *direction, double *force, double *xi,
                               double *v, double *lambda)
 {
+  if (c->slides.count > 0 || c->system->dims.nt != 2) return 0;
   memset(c->delassus.impulse, 0, (size_t)c->columns * sizeof *c->delassus.impulse);
   return nsdae_contacts_relax(c, direction, force, xi, v, lambda);
 }

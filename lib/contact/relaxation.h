@@ -15,12 +15,14 @@
 
 /* Brings the solved problem's impulses to the cone, with the direction [k nt] of what slides, and
  * with them v [nv], lambda [m] and the contacts' velocities after. force, xi [columns] are for its
- * work. 1; 0 where it was not found, or there are slides: then all is as before. */
+ * work, and the residual of the problem is that of the cones then, up to lcp_tol. 1; 0 where it was
+ * not found, or there are slides: then all is as before. */
 int nsdae_contacts_relax(nsdae_contacts *contacts, const double *direction, double *force,
                          double *xi, double *v, double *lambda);
 
 /* The same from no impulse on, with v and lambda without any: where the problem was not solved, or
- * its contacts are pressed. The modes are then for the cones to say. */
+ * its contacts are pressed. The modes are then for the cones to say. Where it was not found the
+ * problem's impulses are gone. */
 int nsdae_contacts_relax_anew(nsdae_contacts *contacts, const double *direction, double *force,
                               double *xi, double *v, double *lambda);
 

@@ -7,16 +7,18 @@
 #include <string.h>
 
 #include "errors.h"
+#include "jam.h"
 #include "memory.h"
 
 /* Instants in one dt without an impact or a change of mode; steps of the integrator after which it
  * starts anew, so that a way back is not longer. */
 enum { IDLE_MAX = 500, CHATTERS = 20, STEPS_MAX = 5000, STIFF_STEPS = 300 };
 
-/* Instants that come sooner than this part of dt after another; one in FORGETS of them is forgotten
- * in every dt. */
-static const double SOON = 0.01;
-enum { RATTLES = 2000, RATTLES_EACH = 64, RATTLES_MAX = RATTLES + 20 * RATTLES_EACH, FORGETS = 50 };
+/* An instant of a contact is soon after another within so many accumulation_time. */
+static const double SOON = 10;
+
+/* What is left of what a unit of force gave as its phase began: at a pole, and near one. */
+static const double POLE = 1e-6, NEAR_POLE = 1e-3;
 
 /* Steps shorter than this part of dt lead nowhere: so many in one dt, and at each start. */
 static const double TINY = 1e-6;
@@ -123,8 +125,11 @@ static int integrator_failed(event *e, int status, double t)
   nsdae_error *error = e->setting.error;
   if (error->status != NSDAE_OK) return error->status;
   status = status == NSDAE_E_CALLBACK ? NSDAE_E_CONVERGENCE : status; /* none failed */
-  if (nsdae_event_diagnose(&e->instant.acceleration, t, e->integrator.y) < 0 ||
-      nsdae_event_outgrown(&e->instant.acceleration, t, e->integrator.y) < 0)
+  int contact = nsdae_event_unbounded(&e->roots, NEAR_POLE, 0);
+  if (contact >= 0)
+    return nsdae_jam_unbounded(&e->instant.acceleration.problem, contact, t,
+                               nsdae_event_yield(&e->phase, contact));
+  if (nsdae_event_diagnose(&e->instant.acceleration, t, e->integrator.y) < 0)
     return NSDAE_E_PAINLEVE;
   nsdae_error_set(error, status, "nsdae_event", "rtol",
                   "the integrator failed at t = %.17g, as no step is short enough (code %d): the "
@@ -151,33 +156,45 @@ static int restart(event *e, double t)
   *e->phase.modes.is_stiff = 0;
   e->setting.result->counters.events++;
   ++*e->base.instants;
-  *e->base.rattles +=
-      t - *e->base.t < SOON * e->setting.options->dt && *e->base.rattles < RATTLES_MAX;
   return status < 0 ? status : start(e, t);
 }
 
-/* NSDAE_E_PAINLEVE where a force that slides has met its pole: see nsdae_root_kind. Where it jumps
- * from one end of the doubles to the other, that looks like a contact that lets go. */
+/* NSDAE_E_PAINLEVE where a force that slides has met its pole: see nsdae_root_kind; that it jumps
+ * from one end of the doubles to the other looks as if it let go. What hardly slides has stopped.
+ */
 static int jammed(event *e, double t)
 {
-  int any = 0;
-  for (int i = 0; i < e->setting.system->dims.k; i++) {
-    const nsdae_event_root *jam = nsdae_event_root_of(&e->roots, NSDAE_ROOT_JAM, i);
-    any |= jam->state != NSDAE_ROOT_OFF &&
-           (jam->found || nsdae_event_root_of(&e->roots, NSDAE_ROOT_NORMAL, i)->found);
-  }
-  int slow = any ? nsdae_event_stop_slow(&e->roots, t, e->integrator.y, 1) : 1;
-  if (slow != 0) return slow < 0 ? slow : NSDAE_OK;
-  return nsdae_event_outgrown(&e->instant.acceleration, t, e->integrator.y);
+  int i = nsdae_event_unbounded(&e->roots, POLE, 1);
+  if (i < 0) return NSDAE_OK;
+  nsdae_event_root *slip = nsdae_event_root_of(&e->roots, NSDAE_ROOT_TANGENT, i);
+  slip->found |= e->setting.system->dims.nt == 2 && nsdae_event_hardly_slides(&e->phase, i);
+  return slip->found ? NSDAE_OK
+                     : nsdae_jam_unbounded(&e->instant.acceleration.problem, i, t,
+                                           nsdae_event_yield(&e->phase, i));
 }
 
 /* Where friction turns faster than a body gets away from zero, or is at its limit however it
  * shares, instant follows instant and nothing is decided. Past CHATTERS of them what counts as zero
  * for friction doubles with every eighth, until time goes on: as Filippov's solution does. The same
- * of impacts, where friction throws back what bounces: past RATTLES, with every 64th, e_N = 0. */
-static double blur_of(int count, int few, double each)
+ * of a contact that rattles, as one that friction throws back, and of its impacts. */
+static void blur(event *e)
 {
-  return exp2(fmin(fmax(count - few, 0) / each, 20));
+  double idle = nsdae_rattle_growth(*e->base.idle, CHATTERS, 8);
+  for (int i = 0; i < e->setting.system->dims.k; i++) {
+    e->instant.impacts.blur[i] = nsdae_rattle_blur(&e->base.rattle, i);
+    e->phase.modes.blur[i] = fmax(idle, e->instant.impacts.blur[i]);
+  }
+}
+
+/* At the instant t, with the impacts from `first` on. */
+static void note_rattles(const event *e, double t, int first)
+{
+  const nsdae_result *r = e->setting.result;
+  for (int i = 0; i < e->setting.system->dims.k; i++) {
+    int any = e->mode_before[i] != e->phase.modes.contact[i];
+    for (int j = first; j < r->impacts; j++) any |= r->impact[j].contact == i;
+    if (any) nsdae_rattle_note(&e->base.rattle, i, t, SOON * e->setting.options->accumulation_time);
+  }
 }
 
 /* The same in the middle of a run, where a change of mode is told. */
@@ -191,11 +208,11 @@ static int go_through(event *e, double t)
   const nsdae_event_modes *m = &e->phase.modes;
   memcpy(e->mode_before, m->contact, (size_t)d->k * sizeof *m->contact);
   memcpy(e->slide_mode_before, m->slide, (size_t)d->f * sizeof *m->slide);
-  int before = r->impacts + r->changes, found = 0;
+  int first = r->impacts, before = r->impacts + r->changes, found = 0;
   for (int i = 0; i < e->roots.count; i++) found |= e->roots.entry[i].found;
-  e->instant.impacts.blur = blur_of(*e->base.rattles, RATTLES, RATTLES_EACH);
-  e->phase.modes.blur = fmax(blur_of(*e->base.idle, CHATTERS, 8), e->instant.impacts.blur);
+  blur(e);
   int status = restart(e, t);
+  note_rattles(e, t, first);
   for (int i = 0; i < d->k && status == NSDAE_OK; i++)
     nsdae_result_change(r, t, i, -1, e->mode_before[i], m->contact[i]);
   for (int j = 0; j < d->f && status == NSDAE_OK; j++)
@@ -214,7 +231,7 @@ static int begin(event *e, const nsdae_terms *from)
   memset(memory->whole, 0, memory->wholes * sizeof *memory->whole);
   memset(y, 0, (size_t)e->setting.at.n * sizeof *y);
   for (int j = 0; j < d->f; j++) e->phase.modes.normal_sense[j] = 1;
-  e->phase.modes.blur = e->instant.impacts.blur = 1;
+  blur(e);
   for (int i = 0; i < e->roots.count; i++) e->roots.entry[i].found = 0;
   memcpy(y, from->q, (size_t)d->nq * sizeof *y);
   memcpy(y + d->nq, from->v, (size_t)d->nv * sizeof *y);
@@ -254,7 +271,7 @@ static int integrate(event *e)
   if (nsdae_event_integrator_read(g, from, g->y) < 0) return integrator_failed(e, status, from);
   if (!*e->phase.modes.is_stiff) {
     int refused = e->setting.error->status != NSDAE_OK; /* by a callback: no stop */
-    g->pending = !refused && nsdae_event_stop_slow(&e->roots, from, g->y, 0) > 0;
+    g->pending = !refused && nsdae_event_stop_slow(&e->roots, from, g->y) > 0;
     return g->pending ? NSDAE_OK : explain(e, status);
   }
   *e->phase.modes.is_stiff = 0; /* what backward differences do not solve, the other may */
@@ -403,10 +420,7 @@ static int advance(void *own, const nsdae_state *state, double t_end, nsdae_resu
   nsdae_event_lay(&e->base, &e->instant, e->tools, &result->memory);
   int status = arrive(e, state);
   e->stamp = 0;
-  if (*e->base.goal != t_end) {
-    *e->base.instants = *e->base.idle = *e->base.tiny = 0;
-    *e->base.rattles -= *e->base.rattles / FORGETS;
-  }
+  if (*e->base.goal != t_end) *e->base.instants = *e->base.idle = *e->base.tiny = 0;
   *e->base.goal = t_end;
   if (status == NSDAE_OK) status = run_to(e, t_end);
   if (status < 0) return tell(e, status);

@@ -9,22 +9,24 @@ static void lay(nsdae_event_base *b, nsdae_event_modes *m, const nsdae_stepper *
   const nsdae_dims *d = &s->system->dims;
   size_t k = (size_t)d->k, kt = k * (size_t)d->nt, f = (size_t)d->f, rows = (size_t)d->m;
   int **of_slide[] = {&m->slide, &m->slide_sense, &m->normal_sense, &m->slide_row};
-  int **of_one[] = {&m->redundant, &b->steps, &b->instants, &b->rattles,
-                    &b->idle,      &b->tiny,  &m->is_stiff};
+  int **of_one[] = {&m->redundant, &b->steps, &b->instants, &b->idle, &b->tiny, &m->is_stiff};
   nsdae_memory_reals(part, nsdae_contacts_warm_size(&s->contacts));
   for (int i = 0; i < 2; i++)
     b->basis[i] = nsdae_memory_wholes(part, nsdae_contacts_memory_size(&s->contacts));
   m->contact = nsdae_memory_wholes(part, k);
+  b->rattle.count = nsdae_memory_wholes(part, k);
   for (int i = 0; i < 4; i++) *of_slide[i] = nsdae_memory_wholes(part, f);
   m->related = nsdae_memory_wholes(part, k + kt);
-  for (int i = 0; i < 7; i++) *of_one[i] = nsdae_memory_wholes(part, 1);
+  for (int i = 0; i < 6; i++) *of_one[i] = nsdae_memory_wholes(part, 1);
   m->slide_part = nsdae_memory_reals(part, f);
   m->relation = nsdae_memory_reals(part, (k + kt) * (k + kt));
   m->range = nsdae_memory_reals(part, rows * rows);
   b->y = nsdae_memory_reals(part, (size_t)d->nq + (size_t)d->nv);
   b->direction = nsdae_memory_reals(part, kt);
-  double **real[] = {&b->t, &b->slow, &b->blur, &b->goal};
-  for (int i = 0; i < 4; i++) *real[i] = nsdae_memory_reals(part, 1);
+  b->blur = nsdae_memory_reals(part, k);
+  b->rattle.last = nsdae_memory_reals(part, k);
+  double **real[] = {&b->t, &b->slow, &b->goal};
+  for (int i = 0; i < 3; i++) *real[i] = nsdae_memory_reals(part, 1);
 }
 
 void nsdae_event_memory_sizes(const nsdae_stepper *s, size_t *reals, size_t *wholes)
@@ -54,7 +56,7 @@ void nsdae_event_save(nsdae_event_base *b, const nsdae_event_integrator *g, doub
   *b->t = t;
   *b->steps = 0;
   *b->slow = p->modes.slow;
-  *b->blur = p->modes.blur;
+  memcpy(b->blur, p->modes.blur, (size_t)d->k * sizeof *b->blur);
   memcpy(b->y, g->y, n * sizeof *b->y);
   memcpy(b->direction, p->modes.direction, kt * sizeof *b->direction);
 }
@@ -65,7 +67,7 @@ void nsdae_event_restore(const nsdae_event_base *b, nsdae_event_integrator *g)
   const nsdae_dims *d = &p->setting->system->dims;
   size_t n = (size_t)p->setting->at.lambda, kt = (size_t)d->k * (size_t)d->nt;
   p->modes.slow = *b->slow;
-  p->modes.blur = *b->blur;
+  memcpy(p->modes.blur, b->blur, (size_t)d->k * sizeof *b->blur);
   memcpy(g->y, b->y, n * sizeof *b->y);
   memcpy(p->modes.direction, b->direction, kt * sizeof *b->direction);
 }

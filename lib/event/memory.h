@@ -4,16 +4,17 @@
 
 #include "instant.h"
 #include "integrator.h"
+#include "rattle.h"
 
 /* Over the numbers of a result's memory, as the modes are. */
 typedef struct nsdae_event_base {
   int *basis[2];               /* warm starts: of impacts, of accelerations */
   double *t, *y, *direction;   /* 1, nq + nv, k nt: where the integrator started last, */
-  double *slow, *blur;         /* and the modes' */
+  double *slow, *blur;         /* and the modes': 1, k */
   int *steps;                  /* of its own since then */
   double *goal;                /* of the dt in work, which may take several steps */
   int *instants, *idle, *tiny; /* in it; of those, without an impact or a change; steps of no use */
-  int *rattles;                /* instants not forgotten yet */
+  nsdae_rattle rattle;
 } nsdae_event_base;
 
 /* Numbers that this takes. */

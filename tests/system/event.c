@@ -162,7 +162,6 @@ static void test_hinge(void **state)
       int impact = (int)row[i][1] - 1;
       if (impact == 0) {
         nsdae_sim_options options = options_of(0.005);
-        options.start_check = slip == 0; /* the hinge's angle is said, see clearance_hinge.c */
         p->r = row[i][0];
         p->slip = slip == 0 ? SURFACE_SLIP : HINGE_ANGLE;
         integrate(&clearance_hinge_model, &options, 3);

@@ -145,6 +145,109 @@ static void test_jamming(void **state)
     }
 }
 
+/* A ladder (length 1, m = 1) that leans at tan phi = 2 on a smooth wall while its foot slides away
+ * from it, mu = 2, turning with w = -1: with the forces F of foot and head the normal accelerations
+ * are A F + b, and no F >= 0 makes them >= 0 and F a = 0. No force, whatever rtol is; what has no
+ * friction holds nothing along. */
+static void test_ladder(void **state)
+{
+  (void)state;
+  const double phi = atan(2), s = sin(phi), c = cos(phi), mu = 2, w = -1, g = 9.81;
+  const double A[2][2] = {{1 + 3 * c * (c - mu * s), -3 * c * s},
+                          {-mu + 3 * s * (mu * s - c), 1 + 3 * s * s}},
+               b[2] = {-g + s * w * w / 2, c * w * w / 2},
+               det = A[0][0] * A[1][1] - A[0][1] * A[1][0];
+  assert_true(b[0] < 0 && -b[0] / A[0][0] < 0 && -b[1] / A[1][1] < 0 &&
+              (-b[0] * A[1][1] + b[1] * A[0][1]) / det < 0);
+  for (double rtol = 1e-9; rtol < 2e-4; rtol *= 10) {
+    drop d = {.bodies = 1, .points = 2, .walls = 2, .m = 1, .g = g, .mu = mu};
+    nsdae_sim_options o;
+    nsdae_sim *sim;
+    d.J[2] = 1.0 / 12;
+    d.normal[0][1] = 1;
+    d.normal[1][0] = -1;
+    d.point[0][0] = -0.5;
+    d.point[1][0] = 0.5;
+    double q0[3] = {-c / 2, s / 2, phi}, v0[3] = {s * w / 2, c * w / 2, w};
+    nsdae_system *system = drop_system(&d);
+    for (int i = 1; i < 4; i += 2) nsdae_system_set_contact(system, i, 0, 0, 0); /* of the wall */
+    nsdae_sim_options_default(&o);
+    o.method = NSDAE_METHOD_EVENT;
+    o.rtol = rtol;
+    o.atol = 1e-2 * rtol;
+    assert_int_equal(nsdae_sim_create(system, &o, &sim, NULL), NSDAE_OK);
+    int status = nsdae_sim_init(sim, 0, q0, v0);
+    if (status >= 0) status = nsdae_sim_run(sim, 0.2);
+    assert_int_equal(status, NSDAE_E_PAINLEVE);
+    assert_int_equal(nsdae_sim_error(sim)->index, 0);
+    end(&sim, &system);
+  }
+}
+
+/* ---- a bead without any force over the valley y = -cos x, with friction ---- */
+
+static int bead_mass(double t, const double *q, double *M, int ldm, void *user)
+{
+  (void)t, (void)q, (void)user;
+  M[0] = M[ldm + 1] = 1;
+  return 0;
+}
+
+static int bead_force(double t, const double *q, const double *v, double *F, void *user)
+{
+  (void)t, (void)q, (void)v, (void)user;
+  F[0] = F[1] = 0;
+  return 0;
+}
+
+static int bead_gap(double t, const double *q, double *gap, void *user)
+{
+  (void)t, (void)user;
+  gap[0] = q[1] + cos(q[0]);
+  return 0;
+}
+
+static int bead_tangent(double t, const double *q, double *W, int ldw, void *user)
+{
+  double length = hypot(1, sin(q[0]));
+  (void)t, (void)ldw, (void)user;
+  W[0] = 1 / length;
+  W[1] = sin(q[0]) / length;
+  return 0;
+}
+
+/* Only its own motion presses it: v' = -mu F_N with F_N |W_N| = v^2 kappa, |W_N| = 1 / cos theta at
+ * the slope theta, so that v = v_0 exp(-mu sin theta). It leaves at x = pi / 2, where theta = pi /
+ * 4 and the valley bends the other way: the force is zero there, and no jam, though nothing else
+ * acts that it could be held against. */
+static void test_bead(void **state)
+{
+  (void)state;
+  const double mu[] = {0, 0.1, 0.5};
+  for (int i = 0; i < 3; i++) {
+    const nsdae_dims dims = {.nq = 2, .k = 1, .nt = 1};
+    double q0[2] = {0, -1}, v0[2] = {1, 0}, v = exp(-mu[i] * sqrt(0.5)) * sqrt(0.5);
+    nsdae_sim_options o;
+    nsdae_record r;
+    nsdae_system *system;
+    nsdae_sim *sim;
+    nsdae_sim_options_default(&o);
+    o.method = NSDAE_METHOD_EVENT;
+    assert_int_equal(nsdae_system_create(&dims, &system, NULL), NSDAE_OK);
+    nsdae_system_set_mass(system, bead_mass);
+    nsdae_system_set_force(system, bead_force);
+    nsdae_system_set_gap(system, bead_gap);
+    nsdae_system_set_gap_tangent(system, bead_tangent);
+    nsdae_system_set_contact(system, 0, mu[i], 0, 0);
+    assert_int_equal(nsdae_sim_create(system, &o, &sim, NULL), NSDAE_OK);
+    assert_int_equal(nsdae_sim_init(sim, 0, q0, v0), NSDAE_OK);
+    assert_int_equal(nsdae_sim_run(sim, 4), NSDAE_OK);
+    nsdae_sim_get_record(sim, &r);
+    for (int j = 0; j < 2; j++) assert_near(r.v[j], v, 100 * o.rtol);
+    end(&sim, &system);
+  }
+}
+
 /* ---- an oscillator against a stop just within its reach: q'' = -q, q <= 1 - deep ---- */
 
 static int oscillator_mass(double t, const double *q, double *M, int ldm, void *user)
@@ -246,8 +349,9 @@ static void test_oblique_impact(void **state)
 int main(void)
 {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_groove), cmocka_unit_test(test_rocking_to_rest),
-      cmocka_unit_test(test_jamming), cmocka_unit_test(test_short_contacts),
+      cmocka_unit_test(test_groove),        cmocka_unit_test(test_rocking_to_rest),
+      cmocka_unit_test(test_jamming),       cmocka_unit_test(test_ladder),
+      cmocka_unit_test(test_bead),          cmocka_unit_test(test_short_contacts),
       cmocka_unit_test(test_oblique_impact)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -631,6 +631,78 @@ static void test_mass_ratio(void **state)
     }
 }
 
+/* ---- two beads on wires of their own, each between two walls ---- */
+
+enum { BEAD_GAPS = 4 };
+
+static int beads_mass(double t, const double *q, double *M, int ldm, void *user)
+{
+  (void)t;
+  (void)q;
+  (void)user;
+  M[0] = M[ldm + 1] = 1;
+  return 0;
+}
+
+static int beads_force(double t, const double *q, const double *v, double *F, void *user)
+{
+  (void)t;
+  (void)q;
+  (void)v;
+  (void)user;
+  F[0] = F[1] = 0;
+  return 0;
+}
+
+static int beads_gap(double t, const double *q, double *gap, void *user)
+{
+  const double *play = user;
+  (void)t;
+  for (int i = 0; i < 2; i++) {
+    gap[2 * i] = q[i];
+    gap[2 * i + 1] = play[i] - q[i];
+  }
+  return 0;
+}
+
+/* One bounces thousands of times in a small play, the other a few times in a wide one: without loss
+ * both keep their speed, whatever dt is. */
+static void test_beads(void **state)
+{
+  (void)state;
+  const double dt[] = {0.01, 0.1, 1};
+  double play[2] = {5e-3, 0.5};
+  for (int i = 0; i < 3; i++) {
+    const nsdae_dims dims = {.nq = 2, .k = BEAD_GAPS};
+    double q0[2] = {2.5e-3, 0.25}, v0[2] = {1, 0.05};
+    nsdae_system *system;
+    nsdae_sim_options o;
+    nsdae_record record;
+    nsdae_stats stats;
+    nsdae_sim *sim;
+    assert_int_equal(nsdae_system_create(&dims, &system, NULL), NSDAE_OK);
+    nsdae_system_set_user(system, play);
+    nsdae_system_set_mass(system, beads_mass);
+    nsdae_system_set_force(system, beads_force);
+    nsdae_system_set_gap(system, beads_gap);
+    for (int j = 0; j < BEAD_GAPS; j++) nsdae_system_set_contact(system, j, 0, 1, 0);
+    nsdae_sim_options_default(&o);
+    o.method = NSDAE_METHOD_EVENT;
+    o.dt = dt[i];
+    assert_int_equal(nsdae_sim_create(system, &o, &sim, NULL), NSDAE_OK);
+    assert_int_equal(nsdae_sim_init(sim, 0, q0, v0), NSDAE_OK);
+    assert_int_equal(nsdae_sim_run(sim, 30), NSDAE_OK);
+    nsdae_sim_get_record(sim, &record);
+    nsdae_sim_get_stats(sim, &stats);
+    assert_near(fabs(record.v[0]), 1, 1e-6);
+    assert_near(fabs(record.v[1]), 0.05, 1e-6);
+    assert_int_equal(stats.accumulations_early, 0);
+    assert_int_equal(stats.fallback_steps, 0);
+    nsdae_sim_destroy(&sim);
+    nsdae_system_destroy(&system);
+  }
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
@@ -640,6 +712,7 @@ int main(void)
       cmocka_unit_test(test_starts),       cmocka_unit_test(test_stabilisation),
       cmocka_unit_test(test_slot),         cmocka_unit_test(test_no_room),
       cmocka_unit_test(test_pool_with_pi), cmocka_unit_test(test_mass_ratio),
+      cmocka_unit_test(test_beads),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

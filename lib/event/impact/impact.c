@@ -29,6 +29,7 @@ void nsdae_event_impacts_layout(nsdae_event_impacts *p, nsdae_arena *arena)
   p->v = NSDAE_ARENA_DOUBLES(arena, d->nv);
   p->size = NSDAE_ARENA_DOUBLES(arena, d->nv);
   p->velocity = NSDAE_ARENA_DOUBLES(arena, d->k);
+  p->blur = NSDAE_ARENA_DOUBLES(arena, d->k);
   p->coming = NSDAE_ARENA_DOUBLES(arena, d->k);
   p->elastic = NSDAE_ARENA_DOUBLES(arena, d->nv);
   p->reaction = NSDAE_ARENA_DOUBLES(arena, d->m);
@@ -83,20 +84,23 @@ static int solve(nsdae_event_impacts *p)
     nsdae_contacts_relax(&p->problem, d, p->force, p->xi, p->v, p->multiplier);
   if (status != NSDAE_E_LCP && !pressed) return status;
   solve_free(p);
-  if (!nsdae_contacts_relax_anew(&p->problem, d, p->force, p->xi, p->v, p->multiplier))
-    return pressed ? solve_polygons(p) : status;
-  nsdae_error_clear(p->acceleration->phase->setting->error);
-  return NSDAE_OK;
+  if (nsdae_contacts_relax_anew(&p->problem, d, p->force, p->xi, p->v, p->multiplier)) {
+    nsdae_error_clear(p->acceleration->phase->setting->error);
+    return NSDAE_OK;
+  }
+  if (pressed && (status = solve_polygons(p)) == NSDAE_OK)
+    nsdae_contacts_relax(&p->problem, d, p->force, p->xi, p->v, p->multiplier);
+  return status;
 }
 
 /* The contacts' velocities before, zero where the integrator's errors could be all of it; and where
  * they part, in an impact that drives none together. */
 static void approach(nsdae_event_impacts *p)
 {
-  double size = p->blur * nsdae_event_velocity_size(p->acceleration->phase->setting);
+  double size = nsdae_event_velocity_size(p->acceleration->phase->setting);
   for (int i = 0; i < p->problem.system->dims.k; i++) {
-    double v = p->velocity[i];
-    p->coming[i] = v < -size || (v > size && !p->together) ? v : 0;
+    double v = p->velocity[i], slow = p->blur[i] * size;
+    p->coming[i] = v < -slow || (v > slow && !p->together) ? v : 0;
   }
   nsdae_contacts_come(&p->problem, p->coming);
 }
@@ -217,18 +221,21 @@ static void keep(nsdae_event_impacts *p)
   const nsdae_event_accumulation *a = &p->accumulation;
   const nsdae_dims *d = &p->problem.system->dims;
   nsdae_result *r = p->acceleration->phase->setting->result;
-  int ends = 0;
+  double size = nsdae_event_velocity_size(p->acceleration->phase->setting);
+  int ends = 0, rattled = 0;
   nsdae_contacts_come(&p->problem, p->velocity);
   r->work += nsdae_contacts_work(&p->problem) + a->work;
   for (int i = 0; i < d->k; i++) {
     if (c->normal[i] > 0 && c->normal[i] + a->normal[i] > 0) record(p, i);
+    rattled |= p->velocity[i] < -size && p->velocity[i] >= -p->blur[i] * size &&
+               p->problem.system->contact[i].e_n > 0;
     ends |= a->settles[i];
   }
   nsdae_event_account_impact(p->account, c, p->multiplier);
   nsdae_add(d->k, 1, a->normal, r->impulses.normal);
   nsdae_add(d->k * d->nt, 1, a->tangential, r->impulses.tangential);
   r->counters.accumulations += ends;
-  r->counters.accumulations_early += ends && a->early;
+  r->counters.accumulations_early += (ends && a->early) || rattled;
 }
 
 /* One problem for all that touch. */
@@ -255,6 +262,7 @@ static int impact(nsdae_event_impacts *p, double *y)
   if (status == NSDAE_OK)
     status = nsdae_terms_finite(s->here, "multiplier", NSDAE_NAME_CONSTRAINT, p->multiplier);
   if (status < 0) return status;
+  s->result->worst_residual = fmax(s->result->worst_residual, c->lcp.info.residual);
   keep(p);
   s->result->gain += nsdae_terms_energy(T, p->v) - nsdae_terms_energy(T, v);
   memcpy(v, p->v, (size_t)d->nv * sizeof *v);

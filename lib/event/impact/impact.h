@@ -25,7 +25,7 @@ typedef struct nsdae_event_impacts {
   double *elastic, *reaction;       /* nv, m: v+ and the bilateral impulses with e_N */
   double *velocity, *coming;        /* k: normal, of the contacts before; as the problem has it */
   double *force, *xi;               /* columns: for cones */
-  double blur;                      /* so many times slower than what counts is plastic */
+  double *blur;                     /* k: so many times slower than what counts is plastic */
   int together;                     /* what parts already is to go on parting */
   int endless;                      /* impacts of one instant that nothing ends */
 } nsdae_event_impacts;

@@ -123,7 +123,7 @@ static double hardly_sliding(const nsdae_event_phase *p)
   double size = nsdae_event_velocity_size(p->setting);
   int begins = 0, nt = T->system->dims.nt;
   for (int i = 0; i < T->system->dims.k && nt == 2; i++)
-    begins |= p->modes.contact[i] == NSDAE_MODE_SLIDE && nsdae_terms_slip(T, i, T->v) <= 10 * size;
+    begins |= p->modes.contact[i] == NSDAE_MODE_SLIDE && nsdae_event_hardly_slides(p, i);
   return (begins ? HARDLY : 1) * size;
 }
 
@@ -138,8 +138,9 @@ static int choose(nsdae_event_instant *p, int impacted, double *y)
   if (status != NSDAE_E_LCP && status != NSDAE_E_PAINLEVE) return status;
   for (int i = 0; i < phase->setting->system->dims.k; i++)
     phase->modes.contact[i] = !is->candidate[i] ? NSDAE_MODE_OPEN
-                              : is->moving[i]   ? NSDAE_MODE_SLIDE
-                                                : NSDAE_MODE_STICK;
+                              : is->moving[i] || !(phase->setting->system->contact[i].mu > 0)
+                                  ? NSDAE_MODE_SLIDE
+                                  : NSDAE_MODE_STICK;
   nsdae_error_clear(phase->setting->error);
   status = nsdae_event_project_velocities(&p->projection, y);
   if (status == NSDAE_OK) status = nsdae_terms_need(phase->setting->here, NSDAE_EVENT_TERMS);

@@ -4,14 +4,8 @@
 #include <string.h>
 
 #include "errors.h"
+#include "jam.h"
 #include "relaxation.h"
-
-/* Relative to W_N^T P W_N, the coefficient of a sliding contact that is none; and one that explains
- * why the integrator failed. */
-static const double SINGULAR = 1e-10, NEARLY = 1e-3;
-
-/* Of the forces applied, a contact force that is without bound. */
-static const double OUTGROWN = 1e4;
 
 void nsdae_event_acceleration_layout(nsdae_event_acceleration *p, nsdae_arena *arena)
 {
@@ -120,66 +114,25 @@ static int solve(nsdae_event_acceleration *p)
                     : nsdae_terms_finite(s->here, "multiplier", NSDAE_NAME_CONSTRAINT, p->lambda);
 }
 
-static int tell_paradox(const nsdae_event_setting *s, int contact, double t, const char *what,
-                        double coefficient)
+/* Where the polygons' problem was not solved, the cones' may be. */
+static int accelerate(nsdae_event_acceleration *p, nsdae_jam_margin margin)
 {
-  char called[NSDAE_CALLED_SIZE];
-  nsdae_error_set(s->error, NSDAE_E_PAINLEVE, "nsdae_event", "mu",
-                  "%s has %s at t = %.17g (Painleve's paradox: its friction feeds its "
-                  "normal force, coefficient %.3g): take less friction, or method = implicit, "
-                  "which resolves it by an impulse",
-                  nsdae_system_called(s->system, NSDAE_NAME_CONTACT, contact, called), what, t,
-                  coefficient);
-  s->error->index = contact;
-  s->error->time = t;
-  return NSDAE_E_PAINLEVE;
-}
-
-static const char without_bound[] = "a contact force that grows without bound";
-
-/* A contact that slides and whose own coefficient W_N^T P (W_N - mu W_T d) is not above zero pulls
- * itself in: then there is no force, or two (Painleve 1895), but where others that are closed keep
- * it from that. Several together can do so as well. */
-static int paradox(const nsdae_event_acceleration *p, int status, double least)
-{
-  const nsdae_contacts *c = &p->problem;
-  const nsdae_event_setting *s = p->phase->setting;
-  for (int a = 0; a < c->active_count; a++) {
-    int i = c->active[a], row = c->first_row[a];
-    double coefficient = c->lcp.A[(size_t)row * (size_t)c->rows + (size_t)row];
-    double scale = c->delassus.G[(size_t)c->first_column[a] * (size_t)(c->columns + 1)];
-    int unsolved = status == NSDAE_E_LCP || status == NSDAE_E_INFEASIBLE;
-    if (c->law[i].kind != NSDAE_SLIDING || (coefficient > least * scale && !unsolved)) continue;
-    if (status == NSDAE_OK && !p->by_cones && nsdae_contacts_yield(c, row) > least * scale)
-      continue;
-    return tell_paradox(s, i, s->here->t,
-                        least > SINGULAR ? without_bound
-                        : unsolved       ? "no contact force that solves the equations"
-                                         : "two solutions",
-                        coefficient);
+  int status = solve(p);
+  p->by_cones =
+      status == NSDAE_E_LCP && nsdae_contacts_relax_anew(&p->problem, p->phase->modes.direction,
+                                                         p->force, p->xi, p->a, p->lambda);
+  nsdae_result *r = p->phase->setting->result;
+  if (p->by_cones) {
+    nsdae_error_clear(p->phase->setting->error);
+    r->worst_residual = fmax(r->worst_residual, p->problem.lcp.info.residual);
   }
-  return status;
-}
-
-int nsdae_event_outgrown(nsdae_event_acceleration *p, double t, const double *y)
-{
-  const nsdae_event_setting *s = p->phase->setting;
-  double most = OUTGROWN * nsdae_largest(s->system->dims.nv, s->here->F);
-  for (int i = 0; i < s->system->dims.k; i++)
-    if (p->phase->modes.contact[i] == NSDAE_MODE_SLIDE && fabs(y[s->at.normal + i]) > most)
-      return tell_paradox(s, i, t, without_bound, 0);
-  return NSDAE_OK;
+  return nsdae_jam_judge(&p->problem, p->by_cones ? NSDAE_OK : status, !p->by_cones, margin,
+                         p->phase->setting->here->t);
 }
 
 int nsdae_event_accelerate(nsdae_event_acceleration *p)
 {
-  int status = solve(p);
-  /* where the polygons' problem was not solved, the cones' may be */
-  p->by_cones =
-      status == NSDAE_E_LCP && nsdae_contacts_relax_anew(&p->problem, p->phase->modes.direction,
-                                                         p->force, p->xi, p->a, p->lambda);
-  if (p->by_cones) nsdae_error_clear(p->phase->setting->error);
-  return paradox(p, p->by_cones ? NSDAE_OK : status, SINGULAR);
+  return accelerate(p, NSDAE_JAM_EXACT);
 }
 
 int nsdae_event_diagnose(nsdae_event_acceleration *p, double t, const double *y)
@@ -193,7 +146,7 @@ int nsdae_event_diagnose(nsdae_event_acceleration *p, double t, const double *y)
     for (int i = 0; i < s->system->dims.k; i++)
       p->is.candidate[i] = p->phase->modes.contact[i] != NSDAE_MODE_OPEN;
     nsdae_event_set_laws(p, 1, nsdae_event_velocity_size(s));
-    status = paradox(p, solve(p), NEARLY);
+    status = accelerate(p, NSDAE_JAM_NEAR);
   }
   if (status == NSDAE_E_PAINLEVE) return status;
   *s->error = kept;

@@ -48,8 +48,4 @@ double nsdae_event_acceleration_size(const nsdae_event_acceleration *acceleratio
  * the record. */
 int nsdae_event_diagnose(nsdae_event_acceleration *acceleration, double t, const double *y);
 
-/* The same of several contacts together: whether the force of one that slides has outgrown all that
- * there is to hold. */
-int nsdae_event_outgrown(nsdae_event_acceleration *acceleration, double t, const double *y);
-
 #endif

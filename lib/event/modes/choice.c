@@ -62,6 +62,24 @@ static void read_contacts(nsdae_event_acceleration *p)
   }
 }
 
+/* What slides in the solution with the cones: d is against its friction, which is all used. */
+static void read_cones(nsdae_event_acceleration *p)
+{
+  const nsdae_contacts *c = &p->problem;
+  nsdae_event_modes *m = &p->phase->modes;
+  double size = nsdae_event_acceleration_size(p);
+  read_contacts(p);
+  for (int a = 0; a < c->active_count; a++) {
+    int i = c->active[a];
+    if (m->contact[i] == NSDAE_MODE_OPEN || c->law[i].kind != NSDAE_POLYGON ||
+        !(c->results->normal[i] > 0) || nsdae_contacts_powerless(c, c->first_column[a] + 1))
+      continue;
+    m->contact[i] = slip_rate(c, i) > size ? NSDAE_MODE_SLIDE : NSDAE_MODE_STICK;
+    if (m->contact[i] == NSDAE_MODE_SLIDE)
+      nsdae_direction_against(m->direction + 2 * i, 2, c->results->tangential + 2 * i);
+  }
+}
+
 static void read_slides(nsdae_event_acceleration *p)
 {
   const nsdae_contacts *c = &p->problem;
@@ -155,7 +173,7 @@ static int settle_directions(nsdae_event_acceleration *p)
         moved = fmax(moved, turn(p, i, round));
     if (!(moved > 1e-13)) break;
     status = nsdae_event_accelerate(p);
-    if (status == NSDAE_OK) read_contacts(p);
+    if (status == NSDAE_OK) p->by_cones ? read_cones(p) : read_contacts(p);
   }
   return status;
 }
@@ -169,24 +187,6 @@ static int begins_to_slide(const nsdae_event_acceleration *p)
     any |= p->phase->modes.contact[i] == NSDAE_MODE_SLIDE && !p->is.moving[i] &&
            slip_rate(c, i) > nsdae_event_acceleration_size(p);
   return any;
-}
-
-/* What slides in the solution with the cones: d is against its friction, which is all used. */
-static void read_cones(nsdae_event_acceleration *p)
-{
-  const nsdae_contacts *c = &p->problem;
-  nsdae_event_modes *m = &p->phase->modes;
-  double size = nsdae_event_acceleration_size(p);
-  read_contacts(p);
-  for (int a = 0; a < c->active_count; a++) {
-    int i = c->active[a];
-    if (m->contact[i] == NSDAE_MODE_OPEN || c->law[i].kind != NSDAE_POLYGON ||
-        !(c->results->normal[i] > 0) || nsdae_contacts_powerless(c, c->first_column[a] + 1))
-      continue;
-    m->contact[i] = slip_rate(c, i) > size ? NSDAE_MODE_SLIDE : NSDAE_MODE_STICK;
-    if (m->contact[i] == NSDAE_MODE_SLIDE)
-      nsdae_direction_against(m->direction + 2 * i, 2, c->results->tangential + 2 * i);
-  }
 }
 
 /* How what was solved shares between the contacts, into the modes. */

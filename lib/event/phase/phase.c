@@ -37,6 +37,7 @@ void nsdae_event_phase_layout(nsdae_event_phase *p, nsdae_arena *arena)
   p->place = NSDAE_ARENA_INTS(arena, forces_of(d));
   p->rates = NSDAE_ARENA_DOUBLES(arena, d->m);
   p->modes.direction = NSDAE_ARENA_DOUBLES(arena, (long)d->k * d->nt);
+  p->modes.blur = NSDAE_ARENA_DOUBLES(arena, d->k);
   p->slip = NSDAE_ARENA_DOUBLES(arena, (long)d->k * d->nt);
   p->K.most = (int)n;
   p->K.is_sparse = p->setting->options->linear_solver == NSDAE_LINEAR_SPARSE;
@@ -67,6 +68,12 @@ double nsdae_event_stick_margin(const nsdae_event_phase *p, const double *y, int
   int nt = p->setting->system->dims.nt;
   return p->setting->system->contact[i].mu * y[at->normal + i] -
          nsdae_norm(nt, y + at->tangential + i * nt);
+}
+
+int nsdae_event_hardly_slides(const nsdae_event_phase *p, int i)
+{
+  const nsdae_terms *T = p->setting->here;
+  return nsdae_terms_slip(T, i, T->v) <= 10 * nsdae_event_velocity_size(p->setting);
 }
 
 static void sliding_direction(const nsdae_event_phase *p, const nsdae_terms *T, int i, double *d)
@@ -136,11 +143,10 @@ static void inertia_rows(nsdae_event_phase *p, const nsdae_terms *T)
   const nsdae_sim_options *o = p->setting->options;
   double alpha2 = 2 * o->baumgarte_alpha, beta2 = o->baumgarte_beta * o->baumgarte_beta;
   int n = d->nv, m = d->m;
-  const double *M = T->M;
-  for (int j = 0; j < n; j++, M += n) {
+  for (int j = 0; j < n; j++) {
     double *to = entry(p, 0, j);
     p->x[j] = T->F[j];
-    for (int i = 0; i < n; i++) to[i] = M[i];
+    for (int i = 0; i < n; i++) to[i] = AT(T->M, n, i, j);
     for (int i = 0; i < m; i++)
       *entry(p, j, n + i) = *entry(p, n + i, j) = AT(T->by.jacobian.value, m, i, j);
   }

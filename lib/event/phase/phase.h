@@ -37,7 +37,7 @@ typedef struct nsdae_event_modes {
   int *related;       /* k + k nt: a relation stands in place of the row of this force */
   double *relation;   /* k + k nt squared, by rows: r of those that are */
   double slow;        /* slower than this a body hardly slides, in this phase */
-  double blur;        /* 1, or more: what its roots count as zero is so many times as much */
+  double *blur;       /* k: 1, or more: what friction counts as zero is so many times as much */
   int *is_stiff;      /* 1: which of its integrators goes through it */
 } nsdae_event_modes;
 
@@ -71,6 +71,10 @@ int nsdae_event_linearise(nsdae_event_phase *phase, double t, const double *from
 /* With the equations that nsdae_event_forces factored last: the acceleration along the normal of
  * contact i, which has a row, that a unit of F_N makes there with all that else holds. */
 double nsdae_event_yield(const nsdae_event_phase *phase, int i);
+
+/* Whether contact i is slower along than ten times what counts as zero, at the point in work, which
+ * has its tangents. */
+int nsdae_event_hardly_slides(const nsdae_event_phase *phase, int i);
 
 /* mu F_N - |F_T| of contact i, with the forces of y. */
 double nsdae_event_stick_margin(const nsdae_event_phase *phase, const double *y, int i);

@@ -9,8 +9,7 @@
 static const double TURNING = 100;
 
 /* There too what comes to a stop may turn within its velocity's error in ever shorter steps: after
- * so many it has stopped where it is slower than so many times what counts as zero. */
-static const double STOPPED = 10;
+ * so many what hardly slides has stopped. */
 enum { SHORT_STEPS = 20 };
 
 void nsdae_event_roots_layout(nsdae_event_roots *r, nsdae_arena *arena)
@@ -156,7 +155,7 @@ static double force_size(const nsdae_event_setting *s, const double *y)
 static void start_root(const nsdae_event_phase *p, nsdae_event_root *root, double t, double value,
                        double rate, double size, double rate_size)
 {
-  double blur = root->kind == NSDAE_ROOT_TANGENT ? p->modes.blur : 1;
+  double blur = root->kind == NSDAE_ROOT_TANGENT ? p->modes.blur[root->index] : 1;
   size *= blur;
   root->since = t;
   root->start = value;
@@ -210,7 +209,7 @@ static void start(const nsdae_event_phase *p, nsdae_event_root *root, double t, 
   if (is_off(p, root)) return;
   double value = value_of(p, T, y, root);
   if (root->kind == NSDAE_ROOT_JAM)
-    root->state = NSDAE_ROOT_LIVE, root->rate = value < 0 ? -1 : 1;
+    root->state = NSDAE_ROOT_LIVE, root->rate = value < 0 ? -1 : 1, root->start = fabs(value);
   else if (root->kind == NSDAE_ROOT_NORMAL && mode == NSDAE_MODE_OPEN)
     start_root(p, root, t, value, nsdae_terms_normal_rate(T, i, T->v),
                nsdae_event_position_size(p->setting), nsdae_event_velocity_size(p->setting));
@@ -282,8 +281,7 @@ int nsdae_event_watch_roots(nsdae_event_roots *r, double t, const double *y)
   int any = 0, count = 0;
   for (int e = 0; e < r->count; e++) r->entry[e].found = 0;
   int status = follow_directions(p, t, y);
-  if (status == NSDAE_OK && r->short_steps > SHORT_STEPS)
-    status = nsdae_event_stop_slow(r, t, y, 0);
+  if (status == NSDAE_OK && r->short_steps > SHORT_STEPS) status = nsdae_event_stop_slow(r, t, y);
   for (int e = 0; e < r->count; e++) {
     const nsdae_event_root *root = &r->entry[e];
     any |= root->found || root->state == NSDAE_ROOT_MASKED ||
@@ -302,7 +300,7 @@ int nsdae_event_watch_roots(nsdae_event_roots *r, double t, const double *y)
   return status < 0 ? status : count;
 }
 
-int nsdae_event_stop_slow(nsdae_event_roots *r, double t, const double *y, int begun)
+int nsdae_event_stop_slow(nsdae_event_roots *r, double t, const double *y)
 {
   nsdae_event_phase *p = r->phase;
   nsdae_event_move(p->setting, t, y);
@@ -310,9 +308,20 @@ int nsdae_event_stop_slow(nsdae_event_roots *r, double t, const double *y, int b
   int count = 0, status = nsdae_terms_need(p->setting->here, NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS);
   for (int i = 0; i < T->system->dims.k && status == NSDAE_OK; i++) {
     nsdae_event_root *root = nsdae_event_root_of(r, NSDAE_ROOT_TANGENT, i);
-    if ((root->state != NSDAE_ROOT_LIVE && !begun) || !contact_rubs(p, i)) continue;
-    root->found |= nsdae_terms_slip(T, i, T->v) <= STOPPED * nsdae_event_velocity_size(p->setting);
+    if (root->state != NSDAE_ROOT_LIVE || !contact_rubs(p, i)) continue;
+    root->found |= nsdae_event_hardly_slides(p, i);
     count += root->found;
   }
   return status < 0 ? status : count;
+}
+
+int nsdae_event_unbounded(const nsdae_event_roots *r, double part, int found)
+{
+  for (int i = 0; i < r->phase->setting->system->dims.k; i++) {
+    const nsdae_event_root *jam = nsdae_event_root_of(r, NSDAE_ROOT_JAM, i);
+    int any = !found || jam->found || nsdae_event_root_of(r, NSDAE_ROOT_NORMAL, i)->found;
+    if (jam->state == NSDAE_ROOT_OFF || !any) continue;
+    if (fabs(nsdae_event_yield(r->phase, i)) <= part * jam->start) return i;
+  }
+  return -1;
 }

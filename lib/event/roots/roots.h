@@ -71,8 +71,12 @@ int nsdae_event_set_roots(nsdae_event_roots *roots, double t, const double *y, c
  * as found what fell below it or asks for an instant. Returns how many, or a status. */
 int nsdae_event_watch_roots(nsdae_event_roots *roots, double t, const double *y);
 
-/* Marks as found, of what slides and did so faster before, or has just begun, what hardly does at
- * t, y: where its direction leads no further it has stopped. Returns how many, or a status. */
-int nsdae_event_stop_slow(nsdae_event_roots *roots, double t, const double *y, int begun);
+/* The contact, or -1, that slides and where a unit of force gives no more than that part of what it
+ * gave as the phase began; found: only of those that were found to jam or to let go. */
+int nsdae_event_unbounded(const nsdae_event_roots *roots, double part, int found);
+
+/* Marks as found, of what slides and did so faster before, what hardly does at t, y: where its
+ * direction leads no further it has stopped. Returns how many, or a status. */
+int nsdae_event_stop_slow(nsdae_event_roots *roots, double t, const double *y);
 
 #endif

@@ -1,0 +1,23 @@
+/* Painleve's paradox. A contact that slides and whose own coefficient W_N^T P (W_N - mu W_T d) is
+ * not above zero pulls itself in: then there is no force, or two (Painleve 1895), unless others
+ * that press keep it from that. Several together can do so as well: where a problem of
+ * accelerations is unsolved, the first contact that slides is to blame. */
+#ifndef NSDAE_CONTACT_JAM_H
+#define NSDAE_CONTACT_JAM_H
+
+#include "contacts.h"
+
+/* What a coefficient counts as zero up to, relative to W_N^T P W_N: of a problem as it is, and of
+ * one near which an integrator failed. */
+typedef enum nsdae_jam_margin { NSDAE_JAM_EXACT, NSDAE_JAM_NEAR } nsdae_jam_margin;
+
+/* The status of the problem at t, or NSDAE_E_PAINLEVE with the record. by_rows: it was solved as a
+ * complementarity problem. */
+int nsdae_jam_judge(const nsdae_contacts *contacts, int status, int by_rows,
+                    nsdae_jam_margin margin, double t);
+
+/* NSDAE_E_PAINLEVE with the record: the contact's force is without bound at t, where a unit of it
+ * gives no more than the coefficient. */
+int nsdae_jam_unbounded(const nsdae_contacts *contacts, int contact, double t, double coefficient);
+
+#endif

@@ -1,0 +1,25 @@
+#include "rattle.h"
+
+#include <math.h>
+
+enum { FEW = 2000, EACH = 64, MOST = FEW + 20 * EACH };
+
+void nsdae_rattle_note(const nsdae_rattle *r, int contact, double t, double soon)
+{
+  int *count = r->count + contact;
+  if (!(t - r->last[contact] < soon))
+    *count = 0;
+  else if (*count < MOST)
+    ++*count;
+  r->last[contact] = t;
+}
+
+double nsdae_rattle_blur(const nsdae_rattle *r, int contact)
+{
+  return nsdae_rattle_growth(r->count[contact], FEW, EACH);
+}
+
+double nsdae_rattle_growth(int count, int few, double each)
+{
+  return exp2(fmin(fmax(count - few, 0) / each, 20));
+}

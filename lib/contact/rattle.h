@@ -1,0 +1,21 @@
+/* Contacts that rattle: whose instants follow each other, each soon after the one before. Past 2000
+ * of them what counts as zero for such a contact doubles with every 64th, so that it comes to an
+ * end; one that is late begins anew. */
+#ifndef NSDAE_CONTACT_RATTLE_H
+#define NSDAE_CONTACT_RATTLE_H
+
+typedef struct nsdae_rattle {
+  int *count;   /* k */
+  double *last; /* k: time of the last */
+} nsdae_rattle;
+
+/* An instant of the contact at t, which counts where it is sooner than that after the last. */
+void nsdae_rattle_note(const nsdae_rattle *rattle, int contact, double t, double soon);
+
+/* 1, or more: what counts as zero is so many times as much. */
+double nsdae_rattle_blur(const nsdae_rattle *rattle, int contact);
+
+/* Past few it doubles with every `each`, twenty times at most. */
+double nsdae_rattle_growth(int count, int few, double each);
+
+#endif
