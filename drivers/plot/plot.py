@@ -316,7 +316,7 @@ PANELS = {
 
 def outside(axes, **what):
     columns = 1 if len(what.get("handles", axes.get_legend_handles_labels()[0])) <= COLUMN_MAX else 2
-    axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0, frameon=False, ncols=columns, **what)
+    axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0, frameon=False, ncol=columns, **what)
 
 
 def title_of(file):
