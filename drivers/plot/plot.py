@@ -18,6 +18,7 @@ FORMATS = (".png", ".svg", ".pdf")
 NEEDED = ("v", "energy/kinetic", "energy/dissipated", "certificate", "impact/time")
 POINTS_MAX = 20000  # more than this of a line are drawn as an image within an SVG or PDF
 LEGEND_MAX = 12  # more lines than this say nothing in a legend
+COLUMN_MAX = 8  # of them beside a row of its height
 STRIPS_MAX = 24
 IMPACTS_MAX = 100  # more of them are a grey wall
 LINES_MAX = 48  # more of them are a tangle
@@ -188,11 +189,16 @@ def forces(file, time):
 
 
 def listed(file, time):
-    """Of contacts by list how many are closed, and the forces in them: means over a step."""
+    """Of contacts by list how many are closed, and the forces in them: means over a step. Steps that had an impact are
+    left out, as above; where they are most of all steps, nothing would be left."""
     records, dt = some(file["contacts/id"], time), step_length(file)
     found = [contacts_of(file, int(record)) for record in records]
     counts = np.array([[np.count_nonzero(c.mode == mode) for mode in range(len(MODES))] for c in found])
     force = np.array([[np.max(c.normal, initial=0), np.median(c.normal) if len(c.normal) else 0] for c in found]) / dt
+    hit = struck(file, time)[records]
+    with_impacts = np.mean(hit) > 0.5
+    force[(hit & ~with_impacts) | (steps(file, time)[records] <= 0)] = np.nan
+    title = "mean forces\nwith impacts [N]" if with_impacts else "mean contact\nforces [N]"
 
     def number(axes):
         axes.stackplot(time[records], counts[:, ::-1].T, labels=[MODES[2], MODES[1], "without force"],
@@ -204,7 +210,7 @@ def listed(file, time):
         line(axes, time[records], force[:, 1], "median normal")
         axes.set_ylim(bottom=0)
 
-    return [Row("closed\ncontacts", number), Row("mean contact\nforces [N]", largest)]
+    return [Row("closed\ncontacts", number), Row(title, largest)]
 
 
 def listed_impulses(file, time):
@@ -309,7 +315,8 @@ PANELS = {
 
 
 def outside(axes, **what):
-    axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0, frameon=False, **what)
+    columns = 1 if len(what.get("handles", axes.get_legend_handles_labels()[0])) <= COLUMN_MAX else 2
+    axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0, frameon=False, ncols=columns, **what)
 
 
 def title_of(file):

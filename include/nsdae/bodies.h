@@ -9,7 +9,8 @@
  *             space;  v = [x', y', z', omega_1, omega_2, omega_3], omega in the body's own axes, in
  *             which the inertia is diagonal and M constant
  *
- * named x0, y0, theta0, x1, ... (spatial x0, y0, z0, qw0, qx0, qy0, qz0, ...; vx0, ..., wx0, ...).
+ * named x0, y0, theta0, x1, ... (spatial x0, y0, z0, qw0, qx0, qy0, qz0, ...; vx0, ..., wx0, ...);
+ * constraints are named joint0_0, joint0_1, ..., the rows of joint 0.
  *
  * x, y, z is the centre of mass. Lengths are arrays of three, in the plane with z left out (zero).
  * Bodies, solids, joints and contacts are numbered from 0 in the order in which they are added. */

@@ -248,14 +248,14 @@ typedef struct nsdae_check {
  * the values are of order one: tol of 1e-5 is a fair bound. Of a system of blocks the rows of Phi_q
  * are compared entry by entry, the gaps of contacts listed nearby by their rates along two trial
  * velocities (row is the place in the list). Velocities whose units are named and differ are not
- * taken for the translations of one body. What cannot be seen says nsdae_system_unseen, and
- * what is doubtful: in the plane, an arm of W_T about which a turn would open the gap, or whose
- * sign is not that of the body's other contacts; in space, of a body with a quaternion, arms that
- * are not r x t of the point whose r x n the gap has, or about which a turn would open the gap.
- * NSDAE_OK; NSDAE_E_DERIVATIVE with the wrong entry in worst and in the error record (a NaN in a
- * derivative counts as wrong); NSDAE_E_CALLBACK (it failed, or the text says what it writes);
- * NSDAE_E_NONFINITE; NSDAE_E_STATE (a callback that is needed is missing), NSDAE_E_MEMORY, and what
- * a setter was refused with. worst may be NULL. */
+ * taken for the translations of one body, and one in m/s (mm/s, ...) turns none. What cannot be
+ * seen says nsdae_system_unseen, and what is doubtful: in the plane, an arm of W_T about which a
+ * turn would open the gap, or whose sign is not that of the body's other contacts; in space, of a
+ * body with a quaternion, arms that are not r x t of the point whose r x n the gap has, or about
+ * which a turn would open the gap. NSDAE_OK; NSDAE_E_DERIVATIVE with the wrong entry in worst and
+ * in the error record (a NaN in a derivative counts as wrong); NSDAE_E_CALLBACK (it failed, or the
+ * text says what it writes); NSDAE_E_NONFINITE; NSDAE_E_STATE (a callback that is needed is
+ * missing), NSDAE_E_MEMORY, and what a setter was refused with. worst may be NULL. */
 NSDAE_API int nsdae_system_check(nsdae_system *system, double t, const double *q, const double *v,
                                  double tol, nsdae_check *worst);
 

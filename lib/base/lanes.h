@@ -3,27 +3,18 @@
 #ifndef NSDAE_LANES_H
 #define NSDAE_LANES_H
 
+#include "dispatch.h"
+
 typedef double nsdae_pair __attribute__((vector_size(2 * sizeof(double)), aligned(sizeof(double))));
 typedef double nsdae_four __attribute__((vector_size(4 * sizeof(double)), aligned(sizeof(double))));
 
-/* Marks a function that is compiled twice, and taken as the processor at hand has it; and those
- * that it calls, which go with it. */
-#if defined(__GNUC__) && defined(__x86_64__) && defined(__gnu_linux__) && !defined(__AVX2__) && \
-    !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#define NSDAE_WIDE      __attribute__((target_clones("avx2", "default")))
-#define NSDAE_WIDE_PART static inline __attribute__((always_inline))
-#else
-#define NSDAE_WIDE
-#define NSDAE_WIDE_PART static inline
-#endif
-
-static inline nsdae_pair nsdae_pair_of(const double *x)
+NSDAE_INLINED nsdae_pair nsdae_pair_of(const double *x)
 {
   return *(const nsdae_pair *)x;
 }
 
 /* y += scale x, of many */
-NSDAE_WIDE_PART void nsdae_lanes_add(int n, double scale, const double *x, double *y)
+NSDAE_INLINED void nsdae_lanes_add(int n, double scale, const double *x, double *y)
 {
   int i = 0;
   for (; i + 4 <= n; i += 4) *(nsdae_four *)(y + i) += scale * *(const nsdae_four *)(x + i);
@@ -31,7 +22,7 @@ NSDAE_WIDE_PART void nsdae_lanes_add(int n, double scale, const double *x, doubl
 }
 
 /* to = a - b, of many */
-NSDAE_WIDE_PART void nsdae_lanes_subtract(int n, const double *a, const double *b, double *to)
+NSDAE_INLINED void nsdae_lanes_subtract(int n, const double *a, const double *b, double *to)
 {
   int i = 0;
   for (; i + 4 <= n; i += 4)
@@ -40,7 +31,7 @@ NSDAE_WIDE_PART void nsdae_lanes_subtract(int n, const double *a, const double *
 }
 
 /* a b, of many */
-NSDAE_WIDE_PART double nsdae_lanes_dot(int n, const double *a, const double *b)
+NSDAE_INLINED double nsdae_lanes_dot(int n, const double *a, const double *b)
 {
   nsdae_four s = {0}, t = {0};
   int i = 0;

@@ -34,12 +34,12 @@ static inline double nsdae_largest(int n, const double *a)
 /* Whether all are finite: a finite sum has finite terms; where it overflows they are looked at. */
 static inline int nsdae_all_finite(size_t n, const double *a)
 {
-  double sum[4] = {0}; /* so that one addition need not wait for the one before */
-  size_t i = 0;
-  for (; i + 4 <= n; i += 4)
-    sum[0] += a[i], sum[1] += a[i + 1], sum[2] += a[i + 2], sum[3] += a[i + 3];
-  for (; i < n; i++) sum[0] += a[i];
-  if (isfinite((sum[0] + sum[1]) + (sum[2] + sum[3]))) return 1;
+  double sum = 0, of[4] = {0}; /* of many: one addition need not wait for the one before */
+  size_t i = 0, many = n < 16 ? 0 : n - n % 4;
+  for (; i < many; i += 4) of[0] += a[i], of[1] += a[i + 1], of[2] += a[i + 2], of[3] += a[i + 3];
+  if (many > 0) sum = (of[0] + of[1]) + (of[2] + of[3]);
+  for (; i < n; i++) sum += a[i];
+  if (isfinite(sum)) return 1;
   while (n > 0 && isfinite(a[n - 1])) n--;
   return n == 0;
 }

@@ -85,10 +85,34 @@ static int set_names(const nsdae_bodies *b, nsdae_system *system)
   return status;
 }
 
+/* joint0_0, joint0_1, ... in the units of their elements; a slide is called after its joint. */
+static int set_joint_names(const nsdae_bodies *b, nsdae_system *system)
+{
+  static const char *const unit[] = {[NSDAE_ELEMENT_ALONG] = "m",
+                                     [NSDAE_ELEMENT_BETWEEN] = "1",
+                                     [NSDAE_ELEMENT_DISTANCE] = "m",
+                                     [NSDAE_ELEMENT_TURN] = "rad"};
+  const nsdae_element *e = b->element.at;
+  const nsdae_bodies_slide *s = b->slide.at;
+  int status = NSDAE_OK, row = 0;
+  char name[NSDAE_NAME_SIZE];
+  for (int i = 0; i < b->element.count && status == NSDAE_OK; i++) {
+    row = i > 0 && e[i].joint == e[i - 1].joint ? row + 1 : 0;
+    snprintf(name, sizeof name, "joint%d_%d", e[i].joint, row);
+    status = nsdae_system_set_name(system, NSDAE_NAME_CONSTRAINT, i, name, unit[e[i].kind]);
+  }
+  for (int i = 0; i < b->slide.count && status == NSDAE_OK; i++) {
+    snprintf(name, sizeof name, "joint%d", s[i].along.joint);
+    status = nsdae_system_set_name(system, NSDAE_NAME_SLIDE, i, name, "m");
+  }
+  return status;
+}
+
 int nsdae_bodies_set_callbacks(nsdae_bodies *b, nsdae_system *system)
 {
   int status = nsdae_system_set_user(system, b);
   if (status == NSDAE_OK) status = set_names(b, system);
+  if (status == NSDAE_OK) status = set_joint_names(b, system);
   if (status == NSDAE_OK && b->pair.count > 0) status = nsdae_bodies_set_blocks(b, system);
   if (status == NSDAE_OK && b->pair.count == 0) status = nsdae_system_set_mass(system, mass);
   if (status == NSDAE_OK) status = nsdae_system_set_force(system, force);

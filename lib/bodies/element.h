@@ -22,6 +22,7 @@ typedef enum nsdae_element_kind {
 
 typedef struct nsdae_element {
   nsdae_element_kind kind;
+  int joint; /* that it is of */
   int body[2];
   int in_space;               /* ALONG: n is */
   double point[2][3];         /* x_i in their bodies' frames */

@@ -33,6 +33,7 @@ static nsdae_element *add_element(const assembly *s, nsdae_element_kind kind)
   nsdae_element *e = nsdae_list_add(b, &b->element, sizeof *e);
   if (!e) return NULL;
   e->kind = kind;
+  e->joint = b->joints;
   for (int i = 0; i < 2; i++) {
     e->body[i] = s->joint->body[i];
     nsdae_bodies_own_point(b, e->body[i], s->joint->point, e->point[i]);

@@ -14,12 +14,7 @@ enum { NSDAE_LOCAL_V = 48, NSDAE_LOCAL_M = 36, NSDAE_LOCAL_ROWS = 48 };
 #define NSDAE_STILL 1e-9
 
 typedef struct nsdae_local {
-  nsdae_system
-      model; /* Velocities that are none, in parts of the largest one of a contact without impulses,
-              * where fewer digits are asked for: what a step of g dt would move in 10^9 of them. */
-#define NSDAE_STILL 1e-9
-
-  /* sizes and coefficients of the island at hand */
+  nsdae_system model; /* sizes and coefficients of the island at hand */
   nsdae_terms terms;
   nsdae_kkt kkt;
   nsdae_contacts contacts;

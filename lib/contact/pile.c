@@ -17,7 +17,7 @@ typedef struct part {
   int items, m;
   double tol, *L, *lever;
   double slow; /* velocities of contacts below it are none */
-  int driven;  /* a velocity is asked of a row */
+  int driven;  /* a velocity is asked of a row or a contact */
 } part;
 
 void nsdae_pile_layout(nsdae_pile *c, const nsdae_system *system, nsdae_arena *arena)
@@ -139,10 +139,12 @@ static void add_contact(nsdae_pile *c, nsdae_pile_part *end, const nsdae_whole *
   c->at.mu[end->item] = law->mu;
   c->at.w[end->m] = T->w_N[a] + law->e_n * r->before[a];
   c->at.r[end->m] = r->normal[a];
+  end->driven |= T->w_N[a] != 0;
   for (int d = 1; d < columns; d++) {
     int j = a * nt + d - 1;
     c->at.w[end->m + d] = T->w_T[j] + law->e_t * r->before_t[j];
     c->at.r[end->m + d] = r->tangential[j];
+    end->driven |= T->w_T[j] != 0;
   }
   add_item(c, end, w, &T->by.normal, a, columns);
 }
@@ -150,6 +152,7 @@ static void add_contact(nsdae_pile *c, nsdae_pile_part *end, const nsdae_whole *
 static void add_row(nsdae_pile *c, nsdae_pile_part *end, const nsdae_whole *w, int row)
 {
   c->at.w[end->m] = -w->lambda[row];
+  end->driven |= w->lambda[row] != 0;
   c->at.r[end->m] = 0;
   add_item(c, end, w, &w->terms->by.jacobian, row, 1);
 }
@@ -164,7 +167,9 @@ void nsdae_pile_add(nsdae_pile *c, const nsdae_whole *w, int island)
     add_contact(c, &end, w, contact->of[i]);
   for (int i = row->first[island]; i < row->first[island + 1]; i++) add_row(c, &end, w, row->of[i]);
   c->part[c->parts].island = island;
+  c->part[c->parts].driven = end.driven;
   c->part[c->parts].contacts = nsdae_members_count(contact, island);
+  end.driven = 0;
   c->part[++c->parts] = end;
 }
 
@@ -195,6 +200,7 @@ static part part_of(const nsdae_pile *c, int number, const nsdae_pile_work *work
               .items = p[1].item - p->item,
               .m = p[1].m - p->m,
               .tol = work->tol,
+              .driven = p->driven,
               .L = work->L,
               .lever = c->lever};
   const nsdae_pile_arrays *at = &one.at;
@@ -314,13 +320,6 @@ static void levers(part *c, const nsdae_whole *w)
   }
 }
 
-/* Whether a velocity is asked of a row: w of a contact holds that, too, but of impacts as well. */
-static int is_driven(const part *c)
-{
-  int rows = c->problem.bilateral;
-  return nsdae_largest(rows, c->at.w + c->m - rows) > 0;
-}
-
 /* Whether entry j of v is none: it cancels to the rounding of its terms; or it moves no item of its
  * body by more than the digits of the solution times speed, and is no free motion, that moves none:
  * a spin about a contact's normal, a slide without friction, of which rounding leaves a lever. Its
@@ -349,7 +348,6 @@ static int velocities(part *c, const nsdae_whole *w, double speed)
   const nsdae_blocks *blocks = &w->system->blocks;
   const double *M = c->at.M;
   c->slow = c->tol * speed;
-  c->driven = is_driven(c);
   levers(c, w);
   begin_velocities(c, w);
   add_impulses(c, w);

@@ -30,6 +30,7 @@ typedef struct nsdae_pile_arrays {
 /* What islands before this one take of the arrays, and what it has itself. */
 typedef struct nsdae_pile_part {
   int island, contacts;
+  int driven; /* a velocity is asked of a row or a contact */
   int block, velocity, item, m, entry;
   size_t square, value;
   double tol; /* that it was solved with last */

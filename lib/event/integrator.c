@@ -102,7 +102,7 @@ int nsdae_event_integrator_start(nsdae_event_integrator *e, double t)
   nsdae_event_phase *p = e->roots->phase;
   nsdae_event_begin_phase(p);
   nsdae_error_clear(p->setting->error);
-  nsdae_event_account_start(e->account);
+  nsdae_power_start(&e->account->power); /* a phase begins */
   memset(e->end, 0, (size_t)e->steps.n * sizeof *e->end);
   memcpy(e->end, e->y, (size_t)e->steps.controlled * sizeof *e->y);
   e->ahead = t;

@@ -37,26 +37,26 @@ double nsdae_fc_anderson_sweep(nsdae_fc_anderson *s, nsdae_fc *c, double *slip)
   return nsdae_fc_sweep(c, 1, slip);
 }
 
-NSDAE_WIDE_PART double *column(double *A, int rows, int k)
+NSDAE_INLINED double *column(double *A, int rows, int k)
 {
   return A + (size_t)k * (size_t)rows;
 }
 
 /* to := now - before,  before := now */
-NSDAE_WIDE_PART void take_difference(int n, const double *now, double *before, double *to)
+NSDAE_INLINED void take_difference(int n, const double *now, double *before, double *to)
 {
   nsdae_lanes_subtract(n, now, before, to);
   memcpy(before, now, (size_t)n * sizeof *to);
 }
 
 /* x -= A c */
-NSDAE_WIDE_PART void subtract(int n, double *A, int held, const double *c, double *x)
+NSDAE_INLINED void subtract(int n, double *A, int held, const double *c, double *x)
 {
   for (int k = 0; k < held; k++) nsdae_lanes_add(n, -c[k], column(A, n, k), x);
 }
 
 /* The differences between this sweep, which changed r by f, and the one before. */
-NSDAE_WIDE_PART void remember(nsdae_fc_anderson *s, const nsdae_fc *c, const double *f)
+NSDAE_INLINED void remember(nsdae_fc_anderson *s, const nsdae_fc *c, const double *f)
 {
   int n = 3 * c->n, ny = c->local ? 0 : c->ny, j = s->next;
   double *F = column(s->F, n, j);
@@ -65,18 +65,8 @@ NSDAE_WIDE_PART void remember(nsdae_fc_anderson *s, const nsdae_fc *c, const dou
   take_difference(ny, c->y, s->y, column(s->Y, ny, j));
   if (s->held < WINDOW) s->held++;
   s->next = (j + 1) % WINDOW;
-}
-
-/* F^T f, and what the newest column, a difference of f, adds to F^T F. */
-NSDAE_WIDE_PART void take_products(nsdae_fc_anderson *s, int n, const double *f)
-{
-  int j = (s->next + WINDOW - 1) % WINDOW;
-  for (int k = 0; k < s->held; k++) {
-    double before = s->product[k];
-    s->product[k] = nsdae_lanes_dot(n, column(s->F, n, k), f);
-    s->gram[j * WINDOW + k] = s->gram[k * WINDOW + j] = s->product[k] - before;
-  }
-  s->gram[j * WINDOW + j] = nsdae_lanes_dot(n, column(s->F, n, j), column(s->F, n, j));
+  for (int k = 0; k < s->held; k++)
+    s->gram[j * WINDOW + k] = s->gram[k * WINDOW + j] = nsdae_lanes_dot(n, column(s->F, n, k), F);
 }
 
 /* x := A^-1 x of A positive semidefinite, of which it keeps no more than it must: what depends on
@@ -101,7 +91,7 @@ static void solve_gram(int m, const double *gram, double *x)
   }
 }
 
-NSDAE_WIDE void nsdae_fc_anderson_extrapolate(nsdae_fc_anderson *s, nsdae_fc *c)
+NSDAE_INLINED void extrapolate_lanes(nsdae_fc_anderson *s, nsdae_fc *c)
 {
   int n = 3 * c->n, ny = c->local ? 0 : c->ny;
   double *f = s->before, product[WINDOW];
@@ -118,9 +108,15 @@ NSDAE_WIDE void nsdae_fc_anderson_extrapolate(nsdae_fc_anderson *s, nsdae_fc *c)
   s->begun = 1;
   s->square = square;
   if (s->held == 0) return;
-  take_products(s, n, f);
-  memcpy(product, s->product, sizeof product);
+  for (int k = 0; k < s->held; k++) product[k] = nsdae_lanes_dot(n, column(s->F, n, k), f);
   solve_gram(s->held, s->gram, product);
   subtract(n, s->G, s->held, product, c->r);
   subtract(ny, s->Y, s->held, product, c->y);
+}
+
+NSDAE_DISPATCH("avx2", extrapolate, extrapolate_lanes, (nsdae_fc_anderson * s, nsdae_fc *c), (s, c))
+
+void nsdae_fc_anderson_extrapolate(nsdae_fc_anderson *s, nsdae_fc *c)
+{
+  extrapolate(s, c);
 }

@@ -22,7 +22,6 @@ typedef struct nsdae_fc_anderson {
   double *f, *g, *y; /* 3 n, 3 n, ny: of the sweep before; y of g */
   double *F, *G, *Y; /* their differences, a column each of NSDAE_FC_WINDOW */
   double gram[NSDAE_FC_WINDOW * NSDAE_FC_WINDOW]; /* F^T F */
-  double product[NSDAE_FC_WINDOW];                /* F^T f */
   double square;                                  /* |f|^2 of the sweep before */
   int held, next;                                 /* columns; the one to be overwritten */
   int begun;                                      /* there was a sweep before */
@@ -32,7 +31,7 @@ void nsdae_fc_anderson_layout(nsdae_fc_anderson *anderson, const nsdae_fc *fc, n
 
 /* From fc->r on, whose fc->y is current; then a sweep and an extrapolation in turn. */
 void nsdae_fc_anderson_begin(nsdae_fc_anderson *anderson);
-/* Returns the largest weighted change of r; r is inside the cones. */
+/* Returns the largest weighted change of r; r is inside the cones, to fc->exact. */
 double nsdae_fc_anderson_sweep(nsdae_fc_anderson *anderson, nsdae_fc *fc, double *slip);
 /* r need not be inside. */
 void nsdae_fc_anderson_extrapolate(nsdae_fc_anderson *anderson, nsdae_fc *fc);

@@ -222,7 +222,7 @@ void nsdae_fc_scatter(const nsdae_fc *c, const double *from, double *r)
 }
 
 /* y = J r */
-static inline NSDAE_TWICE void sum_parts(const nsdae_fc *c, const double *r, double *y)
+NSDAE_INLINED void sum_parts(const nsdae_fc *c, const double *r, double *y)
 {
   memset(y, 0, (size_t)c->ny * sizeof *y);
   memset(c->low, 0, (size_t)c->ny * sizeof *y);

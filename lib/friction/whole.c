@@ -313,7 +313,7 @@ int nsdae_fc_whole_fill(nsdae_fc_whole *c, nsdae_error *error)
 }
 
 /* v = M^-1 (f + H r) */
-static inline NSDAE_TWICE void velocity(const nsdae_fc_whole *c, const double *r)
+NSDAE_INLINED void velocity(const nsdae_fc_whole *c, const double *r)
 {
   const nsdae_friction_problem *p = c->view.p;
   memcpy(c->v, p->f, (size_t)c->view.nv * sizeof *c->v);
@@ -338,8 +338,8 @@ static inline NSDAE_TWICE void velocity(const nsdae_fc_whole *c, const double *r
 
 /* Rows of item i: of the global form H^T v + w + C r, of the local one W r + q + C r; their sums
  * side by side, as each addition waits for the one before. */
-static inline NSDAE_TWICE void item_velocity(const nsdae_fc_whole *c, int i, int rows,
-                                             const double *r, double *u)
+NSDAE_INLINED void item_velocity(const nsdae_fc_whole *c, int i, int rows, const double *r,
+                                 double *u)
 {
   const nsdae_friction_problem *p = c->view.p;
   int row = c->view.row[i], global = p->form == NSDAE_FRICTION_GLOBAL;
@@ -357,7 +357,7 @@ static inline NSDAE_TWICE void item_velocity(const nsdae_fc_whole *c, int i, int
   for (int k = 0; k < rows; k++) u[row + k] = high[k] + low[k];
 }
 
-static inline NSDAE_TWICE void all_velocities(const nsdae_fc_whole *c, const double *r, double *u)
+NSDAE_INLINED void all_velocities(const nsdae_fc_whole *c, const double *r, double *u)
 {
   if (c->view.p->form == NSDAE_FRICTION_GLOBAL && c->view.p->blocks > 0) velocity(c, r);
   for (int i = 0; i < c->view.items; i++) {

@@ -79,21 +79,13 @@ double nsdae_blocks_change(const nsdae_blocks *blocks, const double *M, const do
   return sum;
 }
 
-static int is_diagonal(size_t n, const double *M)
-{
-  for (size_t j = 0; j < n; j++)
-    for (size_t i = j + 1; i < n; i++)
-      if (M[j * n + i] != 0) return 0;
-  return 1;
-}
-
 int nsdae_blocks_factor(const nsdae_blocks *blocks, int b, const double *M,
                         nsdae_block_factor *factor)
 {
   size_t n = (size_t)nsdae_blocks_size(blocks, b);
   const double *block = M + blocks->square[b];
   factor->size = (int)n;
-  factor->diagonal = is_diagonal(n, block);
+  factor->diagonal = nsdae_la_is_diagonal((int)n, block, (int)n);
   if (!factor->diagonal) {
     memcpy(factor->L, block, n * n * sizeof *block);
     return nsdae_la_cholesky((int)n, factor->L, (int)n);

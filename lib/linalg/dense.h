@@ -5,6 +5,15 @@
 
 enum { NSDAE_SMALL = 16 };
 
+/* Whether nothing stands below the diagonal of A [n x n]. */
+static inline int nsdae_la_is_diagonal(int n, const double *A, int lda)
+{
+  for (int below = n - 1; below > 0; below--, A += lda + 1)
+    for (int i = 1; i <= below; i++)
+      if (A[i] != 0) return 0;
+  return 1;
+}
+
 /* A := L with A = L L^T, in the lower triangle of A [n x n]; the upper one is not touched.
  * Returns 0, or i > 0 when the i-th pivot is not above rounding relative to its diagonal entry
  * (A is not positive definite, or has a NaN). */

@@ -38,20 +38,11 @@ void nsdae_kkt_layout(nsdae_kkt *kkt, nsdae_arena *arena)
   kkt->pivoted.order = NSDAE_ARENA_INTS(arena, m);
 }
 
-static int is_diagonal(int n, const double *A, int lda)
-{
-  const double *diagonal = A;
-  for (int below = n - 1; below > 0; below--, diagonal += lda + 1)
-    for (int i = 1; i <= below; i++)
-      if (diagonal[i] != 0) return 0;
-  return 1;
-}
-
 /* The roots of a diagonal M stand in the first column of L. Returns 0, or the pivot that failed. */
 static int factor_mass(nsdae_kkt *kkt, const double *M, int ldm)
 {
   int n = kkt->n;
-  kkt->diagonal = is_diagonal(n, M, ldm);
+  kkt->diagonal = nsdae_la_is_diagonal(n, M, ldm);
   if (!kkt->diagonal) {
     for (int j = 0; j < n && ldm != n; j++)
       memcpy(kkt->L + (size_t)j * (size_t)n, M + (size_t)j * (size_t)ldm, (size_t)n * sizeof *M);

@@ -49,6 +49,8 @@ typedef struct nsdae_state {
   const nsdae_closed *closed;     /* contacts by list of the step before, */
   const nsdae_impulses *impulses; /* and what they did */
   double grid;                    /* steps end at this time and whole numbers of dt, mostly */
+  double length;                  /* of the step: dt from one of these times to the next, though
+                                     they are rounded; else the difference of its times */
 } nsdae_state;
 
 /* The start of every advance: the result's memory is what the state's is. */

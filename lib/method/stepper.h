@@ -2,9 +2,6 @@
 #ifndef NSDAE_STEPPER_H
 #define NSDAE_STEPPER_H
 
-#include <float.h>
-#include <math.h>
-
 #include "interrupt.h"
 #include "kkt.h"
 #include "method.h"
@@ -46,15 +43,6 @@ typedef struct nsdae_step {
   double h, t_end; /* t_end is start.t + h but for rounding */
 } nsdae_step;
 
-/* The length of a step between two times. These lie on a grid and are rounded; the step is not: it
- * is dt wherever they are dt apart as far as they can tell, or the hair that a run's end is given.
- * So what rests at a fixed point of the step rests there at all times. */
-static inline double nsdae_step_length(const nsdae_sim_options *options, double from, double to)
-{
-  double h = to - from, dt = options->dt, off = fabs(h - dt);
-  return off <= 1e-9 * dt || off <= DBL_EPSILON * (fabs(from) + fabs(to)) ? dt : h;
-}
-
 /* Sets sizes and settings, again after options or coefficients changed; then takes the arrays.
  * system, options, error and contacts.law are set before. */
 void nsdae_stepper_prepare(nsdae_stepper *stepper);
@@ -82,7 +70,7 @@ static inline nsdae_step nsdae_step_begin(nsdae_stepper *stepper, const nsdae_st
                       .start = state->terms,
                       .end = &result->end,
                       .result = result,
-                      .h = nsdae_step_length(stepper->options, state->terms->t, t_end),
+                      .h = state->length,
                       .t_end = t_end};
 }
 void nsdae_step_end(const nsdae_step *step);

@@ -217,13 +217,14 @@ int nsdae_point_show(nsdae_point *point, unsigned have)
   return NSDAE_OK;
 }
 
-int nsdae_point_follow(nsdae_point *before, nsdae_point *point, const nsdae_sim_options *options)
+int nsdae_point_follow(nsdae_point *before, nsdae_point *point, double impact_velocity,
+                       double length)
 {
   nsdae_result *r = &point->result;
   nsdae_accounts *a = &point->accounts;
   int status = nsdae_terms_need(&r->end, RECORD_TERMS);
   if (status < 0) return status;
-  if (!r->located) find_impacts(&before->result.impulses, r, options->impact_velocity);
+  if (!r->located) find_impacts(&before->result.impulses, r, impact_velocity);
   *a = before->accounts;
   a->step++;
   a->dissipated -= r->work;
@@ -232,8 +233,7 @@ int nsdae_point_follow(nsdae_point *before, nsdae_point *point, const nsdae_sim_
   a->stats.contact_steps += !r->smooth;
   a->stats.impacts += r->impacts;
   fill_record(point);
-  fill_means(point, &before->result.end,
-             nsdae_step_length(options, before->result.end.t, r->end.t));
+  fill_means(point, &before->result.end, length);
   status = nsdae_watch_finite(point);
   if (status < 0) return status;
   count(&a->stats, &r->counters);

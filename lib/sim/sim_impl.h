@@ -107,9 +107,10 @@ void nsdae_sim_commit(nsdae_sim *sim);
 
 /* From nsdae_sim_init: next, whose terms and memory are set, as the start of a run. */
 int nsdae_point_start(nsdae_sim *sim, nsdae_point *point);
-/* The record of a step, its impacts, certificate and statistics, from its result and from the point
- * before. NSDAE_OK, or what the terms return. */
-int nsdae_point_follow(nsdae_point *before, nsdae_point *point, const nsdae_sim_options *options);
+/* The record of a step of that length, its impacts, certificate and statistics, from its result and
+ * from the point before. NSDAE_OK, or what the terms return. */
+int nsdae_point_follow(nsdae_point *before, nsdae_point *point, double impact_velocity,
+                       double length);
 
 /* NSDAE_OK, or NSDAE_E_NONFINITE with the record that names what of a point is not finite. */
 int nsdae_watch_finite(const nsdae_point *point);

@@ -14,13 +14,36 @@ void nsdae_sim_commit(nsdae_sim *sim)
   sim->stage.waiting = 0;
 }
 
+/* Times come from the grid, not from adding dt up. */
+static double grid_time(const nsdae_sim *sim, long ahead)
+{
+  const nsdae_accounts *a = &sim->now->accounts;
+  return a->grid_start + (double)(a->grid_count + ahead) * sim->options.dt;
+}
+
+/* What a time may be off the grid, as the end of a run that is as good as on it. */
+static double hair(const nsdae_sim *sim)
+{
+  return 1e-9 * sim->options.dt;
+}
+
+/* Of the step from the state to t1. On the grid it is dt, whatever the difference of two rounded
+ * times is: so what rests at a fixed point of the step rests there at all times. */
+static double length_of(const nsdae_sim *sim, double t1)
+{
+  double t0 = sim->now->result.end.t, most = hair(sim);
+  int whole = fabs(t0 - grid_time(sim, 0)) <= most && fabs(t1 - grid_time(sim, 1)) <= most;
+  return whole ? sim->options.dt : t1 - t0;
+}
+
 /* The method's step; where it gives up, implicit's from the same state. */
-static int advance(nsdae_sim *sim, double t1)
+static int advance(nsdae_sim *sim, double t1, double length)
 {
   nsdae_result *result = &sim->next->result;
   const nsdae_memory *memory = &sim->now->result.memory;
-  const nsdae_state state = {&sim->now->result.end, memory, &sim->now->result.closed,
-                             &sim->now->result.impulses, sim->now->accounts.grid_start};
+  const nsdae_state state = {&sim->now->result.end,         memory,
+                             &sim->now->result.closed,      &sim->now->result.impulses,
+                             sim->now->accounts.grid_start, length};
   nsdae_result_begin(result, sim->method->closes);
   nsdae_memory_copy(&result->memory, memory);
   nsdae_stepper_count(&sim->stepper, &state, result);
@@ -118,13 +141,16 @@ static int prepare(nsdae_sim *sim, double t1)
                            "dt = %g is lost in rounding at t = %.17g: make it larger",
                            sim->options.dt, t0);
   unsigned have = sim->now->result.end.have;
+  double length = length_of(sim, t1);
   int status = nsdae_interrupted(&sim->stepper.interrupt, &sim->error, t0);
-  while (status == NSDAE_OK && (status = advance(sim, t1)) == NSDAE_GROW)
+  while (status == NSDAE_OK && (status = advance(sim, t1, length)) == NSDAE_GROW)
     status = nsdae_sim_grow(sim); /* and once more */
   sim->stage.failed = is_problem(status) && (sim->next->result.problem || sim->next->result.pile);
   if (status == NSDAE_OK)
     status = sim->options.projection == NSDAE_PROJECTION_NONE ? keep_lengths(sim) : project(sim);
-  if (status == NSDAE_OK) status = nsdae_point_follow(sim->now, sim->next, &sim->options);
+  if (sim->next->result.end.t < t1) length = sim->next->result.end.t - t0; /* as far as it came */
+  if (status == NSDAE_OK)
+    status = nsdae_point_follow(sim->now, sim->next, sim->options.impact_velocity, length);
   if (status == NSDAE_OK) status = nsdae_watch_step(sim, sim->now, sim->next);
   if (status < 0) {
     sim->now->result.end.have = have; /* what a dropped step evaluated is not counted either */
@@ -169,13 +195,6 @@ static int begin(nsdae_sim *sim, const char *where)
   return status;
 }
 
-/* Times come from the grid, not from adding dt up. */
-static double next_time(const nsdae_sim *sim)
-{
-  const nsdae_accounts *a = &sim->now->accounts;
-  return a->grid_start + (double)(a->grid_count + 1) * sim->options.dt;
-}
-
 static int happened(const nsdae_result *result)
 {
   if (result->counters.accumulations > 0) return NSDAE_ZENO;
@@ -196,7 +215,7 @@ int nsdae_sim_step(nsdae_sim *sim)
   double began = nsdae_wall_clock();
   int status = begin(sim, "nsdae_sim_step");
   if (status != NSDAE_OK) return status;
-  status = step_to(sim, next_time(sim), 0);
+  status = step_to(sim, grid_time(sim, 1), 0);
   sim->wall_time += nsdae_wall_clock() - began;
   return status == NSDAE_OK ? outcome(sim) : status;
 }
@@ -204,10 +223,9 @@ int nsdae_sim_step(nsdae_sim *sim)
 /* One step on the way to t_end; one that would end within rounding of t_end ends there. */
 static int step_towards(nsdae_sim *sim, double t_end)
 {
-  const double hair = 1e-9 * sim->options.dt;
-  double t1 = next_time(sim);
-  if (t1 < t_end - hair) return step_to(sim, t1, 0);
-  return step_to(sim, t_end, fabs(t1 - t_end) > hair);
+  double t1 = grid_time(sim, 1), most = hair(sim);
+  if (t1 < t_end - most) return step_to(sim, t1, 0);
+  return step_to(sim, t_end, fabs(t1 - t_end) > most);
 }
 
 /* to_event: until one happens. */

@@ -303,7 +303,8 @@ static double lightest(const nsdae_terms *T, int block)
 /* What contact impulses L do on velocities that are rounded as those that they give are: a column
  * at rest gains and loses that in every step. L_i turns its contact's velocity by G_ii L_i, with
  * the Delassus matrix G, and that of j by sqrt(G_ii G_jj) L_i at most. Of lists 1 / G_ii is the
- * lightest that the two blocks have. */
+ * lightest that the two blocks have. A method that steps in time closes its contacts once in a
+ * step: those of the problem are those of the impulses. */
 static double rounding_of_contacts(const nsdae_point *point)
 {
   const nsdae_terms *T = &point->result.end;

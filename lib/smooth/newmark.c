@@ -30,33 +30,25 @@ void nsdae_newmark_layout(nsdae_newmark *newmark, nsdae_arena *arena)
 static int acceleration(nsdae_newmark *N, nsdae_terms *T, double s, double *a, double *lambda)
 {
   const nsdae_blocks *blocks = &N->system->blocks;
+  double alpha = N->options->baumgarte_alpha, beta = N->options->baumgarte_beta;
   int status = nsdae_terms_need(T, NEWMARK_TERMS);
   if (status < 0) return status;
   for (int i = 0; i < N->system->dims.m; i++) {
     double rate = nsdae_rows_add_dot(blocks, &T->by.jacobian, i, T->v, T->constraint.phi_t[i]);
     double last = nsdae_rows_dot(blocks, &T->by.jacobian, i, a);
-    double target =
-        -T->constraint.omega[i] - 2 * N->alpha * rate - N->beta * N->beta * T->constraint.phi[i];
+    double target = -T->constraint.omega[i] - 2 * alpha * rate - beta * beta * T->constraint.phi[i];
     lambda[i] = s > 0 ? (target + s * last) / (1 + s) : target;
   }
   return N->solve(N->of, T, T->F, a, lambda);
 }
 
-static int kinematics(nsdae_newmark *N, double t, const double *q, const double *v, double *qdot)
-{
-  int code = nsdae_kinematics(N->system, t, q, v, qdot);
-  int status = nsdae_system_callback_status(code, "kinematics", t, N->error);
-  if (status < 0) return status;
-  return nsdae_system_finite(N->system, qdot, N->system->dims.nq, 1, "kinematics", t, N->error);
-}
-
 /* q1 and v1 of a0 and a1 into N->q, N->v. With dq/dt = H v the positions take the mean of both
- * ends; for H = 1 that is h v0 + h^2/4 (a0 + a1). */
-static int advance(nsdae_newmark *N, const nsdae_terms *start, const double *q1, double h)
+ * ends, that of q1 at a point near it; for H = 1 that is h v0 + h^2/4 (a0 + a1). */
+static int advance(nsdae_newmark *N, const nsdae_terms *start, const nsdae_terms *near, double h)
 {
   const nsdae_dims *dims = &N->system->dims;
   for (int i = 0; i < dims->nv; i++) N->v[i] = start->v[i] + h / 2 * (N->a0[i] + N->a1[i]);
-  int status = kinematics(N, start->t + h, q1, N->v, N->qdot1);
+  int status = nsdae_kinematics_at(near, N->v, N->qdot1);
   for (int i = 0; i < dims->nq; i++) N->q[i] = start->q[i] + h / 2 * (N->qdot0[i] + N->qdot1[i]);
   return status;
 }
@@ -66,7 +58,7 @@ static int no_convergence(nsdae_newmark *N, double t, double last)
   nsdae_error_set(N->error, NSDAE_E_CONVERGENCE, "nsdae_newmark", "dt",
                   "the smooth step from t = %.17g did not converge in %d iterations (change %.3g, "
                   "wanted %.3g): make dt smaller",
-                  t, N->iteration_max, last, N->tol);
+                  t, N->options->iteration_max, last, N->tol);
   if (N->error) N->error->time = t;
   return NSDAE_E_CONVERGENCE;
 }
@@ -76,9 +68,10 @@ static int iterate(nsdae_newmark *N, const nsdae_terms *start, nsdae_terms *end,
                    double h)
 {
   const nsdae_dims *dims = &N->system->dims;
-  double s = N->alpha * h + N->beta * N->beta * h * h / 4, moved = INFINITY;
-  for (N->iterations = 1; N->iterations <= N->iteration_max; N->iterations++) {
-    int status = advance(N, start, N->iterations == 1 ? start->q : end->q, h);
+  double alpha = N->options->baumgarte_alpha, beta = N->options->baumgarte_beta;
+  double s = alpha * h + beta * beta * h * h / 4, moved = INFINITY;
+  for (N->iterations = 1; N->iterations <= N->options->iteration_max; N->iterations++) {
+    int status = advance(N, start, N->iterations == 1 ? start : end, h);
     if (status < 0) return status;
     if (N->iterations > 1)
       moved = nsdae_relative_change(dims->nq, N->q, end->q) +
@@ -95,7 +88,7 @@ int nsdae_newmark_step(nsdae_newmark *N, nsdae_terms *start, nsdae_terms *end, d
                        double h, double *multiplier)
 {
   const nsdae_dims *dims = &N->system->dims;
-  int status = kinematics(N, start->t, start->q, start->v, N->qdot0);
+  int status = nsdae_kinematics_at(start, start->v, N->qdot0);
   if (status == NSDAE_OK && !N->have_start) status = acceleration(N, start, 0, N->a0, N->lambda0);
   N->have_start = 0;
   if (status < 0) return status;

@@ -10,6 +10,8 @@
 #ifndef NSDAE_NEWMARK_H
 #define NSDAE_NEWMARK_H
 
+#include <nsdae/sim.h>
+
 #include "terms.h"
 
 typedef struct nsdae_newmark {
@@ -18,8 +20,8 @@ typedef struct nsdae_newmark {
   /* M a + Phi_q^T lambda = r, Phi_q a = c at the terms' point, with c in lambda; a status */
   int (*solve)(void *of, nsdae_terms *terms, const double *r, double *a, double *lambda);
   void *of;
-  double alpha, beta, tol;
-  int iteration_max;
+  const nsdae_sim_options *options; /* alpha and beta, the most iterations */
+  double tol;
   int iterations;                /* of the last step */
   int have_start;                /* a0 and lambda0 belong to the start of the next step */
   double *a0, *lambda0;          /* nv, m: the caller's, who keeps them from step to step */
@@ -27,7 +29,7 @@ typedef struct nsdae_newmark {
   double *q, *v, *qdot0, *qdot1; /* nq, nv, nq, nq */
 } nsdae_newmark;
 
-/* system and error are set before; solve, the numbers, a0 and lambda0 before a step. */
+/* system, error and options are set before; solve, tol, a0 and lambda0 before a step. */
 void nsdae_newmark_layout(nsdae_newmark *newmark, nsdae_arena *arena);
 
 /* One step of length h from start into end, at t_end, which is that but for rounding. multiplier

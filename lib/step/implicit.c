@@ -70,8 +70,7 @@ static void right_hand_side(const nsdae_step *step, int impact)
 {
   nsdae_stepper *s = step->tools;
   const nsdae_terms *start = step->start, *end = step->end;
-  const nsdae_dims *dims = &s->system->dims;
-  for (int i = 0; i < dims->nv; i++) s->mean.F[i] = (start->F[i] + end->F[i]) / 2;
+  for (int i = 0; i < s->system->dims.nv; i++) s->mean.F[i] = (start->F[i] + end->F[i]) / 2;
   nsdae_stepper_momentum(&s->system->blocks, s->mean.M, start->v, step->h, s->mean.F, s->r);
   nsdae_step_add_constraints(step, end, 0.5, impact, s->r);
   nsdae_step_add_constraints(step, start, -0.5, impact, s->r);

@@ -46,7 +46,7 @@ static int create(nsdae_stepper *s, void **own)
   *own = p;
   if (!p) return nsdae_stepper_made(s, NSDAE_E_MEMORY, "implicit-printed");
   p->stepper = s;
-  p->newmark = (nsdae_newmark){.system = s->system, .error = s->error};
+  p->newmark = (nsdae_newmark){.system = s->system, .error = s->error, .options = s->options};
   return nsdae_stepper_made(s, nsdae_arena_build(&p->arena, layout, p), "implicit-printed");
 }
 
@@ -63,10 +63,7 @@ static void prepare_newmark(printed *p, nsdae_memory *memory)
 {
   nsdae_newmark *N = &p->newmark;
   const nsdae_stepper *s = p->stepper;
-  N->alpha = s->options->baumgarte_alpha;
-  N->beta = s->options->baumgarte_beta;
   N->tol = s->iteration_tol;
-  N->iteration_max = s->options->iteration_max;
   N->a0 = memory->real + nsdae_contacts_warm_size(&s->contacts);
   N->lambda0 = N->a0 + s->system->dims.nv;
   N->have_start = memory->whole[memory->wholes - 1];
@@ -125,12 +122,11 @@ static int positions(const nsdae_step *step)
 static int velocity_at_end(const nsdae_step *step)
 {
   nsdae_stepper *s = step->tools;
-  const nsdae_dims *dims = &s->system->dims;
   nsdae_step_add_constraints(step, step->end, -1, 0, s->r);
   nsdae_step_add_impulse(step, step->end, 1, 0, s->r);
   int status = nsdae_step_solve_mass(step, step->start->M, s->r);
   /* where the matrices did not change, v_1 is v~ and not its rounding: what rests, rests */
-  for (int i = 0; i < dims->nv; i++)
+  for (int i = 0; i < s->system->dims.nv; i++)
     if (fabs(s->r[i] - s->v[i]) <= 64 * DBL_EPSILON * (fabs(s->size[i]) + fabs(s->v[i])))
       s->r[i] = s->v[i];
   nsdae_terms_set_velocity(step->end, s->r);

@@ -6,31 +6,13 @@
 
 #include "system_impl.h"
 
-/* That of one contact. */
-static nsdae_contact_directions one(const nsdae_arms *arms, int i)
-{
-  nsdae_contact_directions c = arms->all;
-  size_t column = (size_t)i * (size_t)c.nv;
-  c.normal += column;
-  c.other += column;
-  c.tangent += column;
-  return c;
-}
-
 int nsdae_arms_bend(nsdae_arms *arms, int i, double *bend)
 {
   const nsdae_system *s = arms->all.system;
-  static const double weight[] = {0.5, 0.5, -1}, times[] = {1, -1, 0};
-  double *second = arms->bend, *v = arms->bend + s->dims.k;
-  *bend = 0;
-  for (int part = 0; part < 3; part++) {
-    for (int j = 0; j < arms->all.nv; j++) v[j] = times[part] * arms->v[j];
-    int code = nsdae_differences_second(arms->differences, s->call.gap, s->dims.k, arms->t, arms->q,
-                                        v, second);
-    if (code) return code;
-    *bend += weight[part] * second[i];
-  }
-  return 0;
+  int code = nsdae_differences_bend(arms->differences, s->call.gap, s->dims.k, arms->t, arms->q,
+                                    arms->v, arms->bend);
+  *bend = arms->bend[i];
+  return code;
 }
 
 int nsdae_arms_bends(nsdae_arms *arms, int i, double bend, double tol, int *bends)
@@ -202,7 +184,7 @@ static void judge(const nsdae_system *s, const arm *x, double tol, sense *seen, 
 static int doubt_one(nsdae_arms *arms, int i, int of, int j, double tol, sense *seen, char *text,
                      size_t size)
 {
-  const nsdae_contact_directions c = one(arms, i);
+  const nsdae_contact_directions c = nsdae_tangent_contact(&arms->all, i);
   const sense before = *seen;
   arm x = {i, j, .a = c.normal[j], .b = c.tangent[j], .turns = turns(&c, of, tol)};
   int bends = 1;
@@ -217,11 +199,12 @@ static int doubt_one(nsdae_arms *arms, int i, int of, int j, double tol, sense *
   return code;
 }
 
-/* Whether velocity j may turn something, as far as its unit says. */
+/* Whether velocity j may turn something: not where its unit is a length per second. */
 static int may_turn(const nsdae_system *s, int j)
 {
   const char *unit = nsdae_system_get_unit(s, NSDAE_NAME_VELOCITY, j);
-  return !*unit || strcmp(unit, "rad/s") == 0;
+  size_t length = strlen(unit);
+  return length < 3 || strcmp(unit + length - 3, "m/s") != 0;
 }
 
 /* Whether contact i has to do with velocity j, which moves alone, beside the body that `of` moves,
@@ -241,12 +224,11 @@ int nsdae_arms_doubt(nsdae_arms *arms, double tol, char *text, size_t size)
   const nsdae_system *s = arms->all.system;
   int n = arms->all.nv, code = 0;
   *text = '\0';
-  if (s->call.contact_bias) return 0; /* what moves by itself has other second derivatives */
   for (int of = 0; of < n; of++)
     for (int j = 0; j < n && arms->all.set[of] == of; j++) {
       sense seen = {0};
       for (int i = 0; i < s->dims.k && code == 0 && !*text; i++) {
-        const nsdae_contact_directions c = one(arms, i);
+        const nsdae_contact_directions c = nsdae_tangent_contact(&arms->all, i);
         if (!concerns(&c, i, of, j, tol)) continue;
         code = doubt_one(arms, i, of, j, tol, &seen, text, size);
       }

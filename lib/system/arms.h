@@ -39,7 +39,7 @@ typedef struct nsdae_arms {
   double *v, *rate, *bend; /* work: nv, nq, k + nv */
 } nsdae_arms;
 
-/* v^T H v of contact i along arms->v: the even part of g'', without what moves by itself. A
+/* v^T H v of contact i along arms->v, at a fixed time: of a surface that moves by itself too. A
  * callback's code. */
 int nsdae_arms_bend(nsdae_arms *arms, int i, double *bend);
 

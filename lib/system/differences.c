@@ -117,8 +117,9 @@ static int carry(nsdae_differences *d, double t, const double *q, const double *
   return code;
 }
 
-int nsdae_differences_second(nsdae_differences *d, nsdae_position_fn f, int rows, double t,
-                             const double *q, const double *v, double *omega)
+/* time: 0 where t stands still. */
+static int second(nsdae_differences *d, nsdae_position_fn f, int rows, double t, const double *q,
+                  const double *v, int time, double *omega)
 {
   /* f'' = (16 (f(s) + f(-s)) - (f(2s) + f(-2s)) - 30 f(0)) / 12 s^2 + O(s^4); rounding eps / s^2:
    * s ~ eps^(1/6) */
@@ -129,10 +130,22 @@ int nsdae_differences_second(nsdae_differences *d, nsdae_position_fn f, int rows
   memset(omega, 0, (size_t)rows * sizeof *omega);
   for (int j = 0; j < 5 && !code; j++) {
     code = carry(d, t, q, v, at[j] * s);
-    if (!code) code = f(t + at[j] * s, d->moved, d->plus, d->system->user);
+    if (!code) code = f(t + time * at[j] * s, d->moved, d->plus, d->system->user);
     for (int i = 0; i < rows; i++) omega[i] += weight[j] / (12 * s * s) * d->plus[i];
   }
   return code;
+}
+
+int nsdae_differences_second(nsdae_differences *d, nsdae_position_fn f, int rows, double t,
+                             const double *q, const double *v, double *omega)
+{
+  return second(d, f, rows, t, q, v, 1, omega);
+}
+
+int nsdae_differences_bend(nsdae_differences *d, nsdae_position_fn f, int rows, double t,
+                           const double *q, const double *v, double *bend)
+{
+  return second(d, f, rows, t, q, v, 0, bend);
 }
 
 static void zero_directions(nsdae_differences *d, int columns)

@@ -46,6 +46,11 @@ int nsdae_differences_time(nsdae_differences *differences, nsdae_position_fn f, 
 int nsdae_differences_second(nsdae_differences *differences, nsdae_position_fn f, int rows,
                              double t, const double *q, const double *v, double *omega);
 
+/* bend [rows]: the same at a fixed t: v^T H v with the second derivatives H of f along velocities.
+ */
+int nsdae_differences_bend(nsdae_differences *differences, nsdae_position_fn f, int rows, double t,
+                           const double *q, const double *v, double *bend);
+
 /* omega_n [k], omega_t [k nt], omega_s [f]: rates of the velocities W^T v + w of contacts and
  * slides along the motion with v constant, by five points (error about 1e-12 where W and w are
  * given); omega_n from the gap where W_N is not. */

@@ -119,21 +119,11 @@ int nsdae_directions_at(nsdae_directions *d, double t, const double *q)
   return failed(d, s->call.gap_tangent(t, d->q, d->tangent, n, s->user), "gap_tangent");
 }
 
-static nsdae_contact_directions one(const nsdae_directions *d, int i)
-{
-  nsdae_contact_directions c = d->arms.all;
-  size_t column = (size_t)i * (size_t)c.nv;
-  c.normal += column;
-  c.other += column;
-  c.tangent += column * (size_t)c.nt;
-  return c;
-}
-
 int nsdae_directions_wrong(const nsdae_directions *d, double tol, char why[NSDAE_TANGENT_TEXT])
 {
   const nsdae_dims *dims = &d->differences->system->dims;
   for (int j = 0; j < dims->k * dims->nt; j++) {
-    const nsdae_contact_directions c = one(d, j / dims->nt);
+    const nsdae_contact_directions c = nsdae_tangent_contact(&d->arms.all, j / dims->nt);
     if (d->differences->system->contact[j / dims->nt].mu > 0 &&
         nsdae_tangent_wrong(&c, j % dims->nt, tol, why))
       return j;
@@ -145,7 +135,7 @@ int nsdae_directions_wrong(const nsdae_directions *d, double tol, char why[NSDAE
 static void doubt_gap(const nsdae_directions *d, int i, double tol, char *text, size_t size)
 {
   char why[NSDAE_TANGENT_TEXT], called[NSDAE_CALLED_SIZE];
-  const nsdae_contact_directions c = one(d, i);
+  const nsdae_contact_directions c = nsdae_tangent_contact(&d->arms.all, i);
   if (c.system->contact[i].mu > 0 && nsdae_gap_scaled(&c, tol, why))
     snprintf(text, size, "gap: that of %s %s",
              nsdae_system_called(c.system, NSDAE_NAME_CONTACT, i, called), why);

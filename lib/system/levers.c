@@ -98,16 +98,6 @@ int nsdae_levers_unit(const nsdae_arms *arms, double *H, double *q)
   return code;
 }
 
-static nsdae_contact_directions one(const nsdae_arms *arms, int i)
-{
-  nsdae_contact_directions c = arms->all;
-  size_t n = (size_t)c.nv;
-  c.normal += (size_t)i * n;
-  c.other += (size_t)i * n;
-  c.tangent += 2 * (size_t)i * n;
-  return c;
-}
-
 /* Column j of n, t_1, t_2. */
 static const double *column_of(const nsdae_contact_directions *c, int j)
 {
@@ -150,7 +140,7 @@ typedef struct lever {
 static int read_lever(const nsdae_arms *arms, const int *turns, int first, int i, double tol,
                       lever *l)
 {
-  const nsdae_contact_directions c = one(arms, i);
+  const nsdae_contact_directions c = nsdae_tangent_contact(&arms->all, i);
   *l = (lever){.contact = i, .first = first};
   if (!(c.system->contact[i].mu > 0) || !touches(&c, first)) return 0;
   int of = find_translation(&c, turns, first, tol), axis = 0;
@@ -188,7 +178,7 @@ static void turn_about(nsdae_arms *arms, const lever *l, int j, double tol)
   double w[3] = {0};
   for (int k = 0; k < 3; k++)
     for (int i = 0; i < 3; i++) w[k] += l->C[i][k] * l->along[j][i];
-  const nsdae_contact_directions c = one(arms, l->contact);
+  const nsdae_contact_directions c = nsdae_tangent_contact(&arms->all, l->contact);
   memset(arms->v, 0, (size_t)c.nv * sizeof *arms->v);
   for (int k = 0; k < 3; k++) /* W_N v = W_T v = 0 */
     for (int i = 0; i < c.nv; i++)

@@ -53,6 +53,16 @@ void nsdae_tangent_sets(int n, int nt, const double *M, int *set)
     if (set[i] == UNDECIDED) decide(n, nt, M, set, i);
 }
 
+directions nsdae_tangent_contact(const directions *all, int i)
+{
+  directions c = *all;
+  size_t column = (size_t)i * (size_t)c.nv;
+  c.normal += column;
+  c.other += column;
+  c.tangent += column * (size_t)c.nt;
+  return c;
+}
+
 static int together(const directions *c, int of, int i)
 {
   return c->set[of] >= 0 && c->set[i] == c->set[of];

@@ -16,6 +16,9 @@ typedef struct nsdae_contact_directions {
   const double *tangent;        /* nv x nt: its directions */
 } nsdae_contact_directions;
 
+/* Contact i of those whose columns are one behind the other. */
+nsdae_contact_directions nsdae_tangent_contact(const nsdae_contact_directions *all, int i);
+
 /* Whether anything is wrong with direction j < nt, and what, as text. tol: of what differences
  * give. */
 enum { NSDAE_TANGENT_TEXT = 200 };

@@ -97,11 +97,23 @@ static long release_stderr(void)
   return bytes;
 }
 
+static void add_balls(nsdae_bodies *heap)
+{
+  const double J = 0.004;
+  for (int i = 0; i < BALLS; i++) {
+    nsdae_rigid_body ball = {.mass = 1,
+                             .inertia = {J, J, J},
+                             .position = {0.05 * (i % 3), 0.04 * (i % 2), 0.1 + 0.21 * (i / 2)}};
+    ball.position[i % 2] += 0.15;
+    nsdae_bodies_add(heap, &ball);
+    nsdae_bodies_add_solid(heap, i, &(nsdae_solid){.shape = NSDAE_SHAPE_SPHERE, .radius = 0.1});
+  }
+}
+
 /* The same of balls that fall into a heap: contacts by list, which grows in the run, islands on two
  * threads. */
 static int live_in_heap(life *l, random_system *unused)
 {
-  const double J = 0.004;
   nsdae_sim_options options;
   nsdae_sim *sim = NULL;
   nsdae_bodies *heap = NULL;
@@ -117,14 +129,7 @@ static int live_in_heap(life *l, random_system *unused)
   nsdae_bodies_set_gravity(heap, (const double[]){0, 0, -9.81});
   nsdae_bodies_add_solid(heap, NSDAE_GROUND, &(nsdae_solid){.shape = NSDAE_SHAPE_PLANE});
   nsdae_bodies_set_pair(heap, 0, 0, 0.5, 0, 0);
-  for (int i = 0; i < BALLS; i++) {
-    nsdae_rigid_body ball = {.mass = 1,
-                             .inertia = {J, J, J},
-                             .position = {0.05 * (i % 3), 0.04 * (i % 2), 0.1 + 0.21 * (i / 2)}};
-    ball.position[i % 2] += 0.15;
-    nsdae_bodies_add(heap, &ball);
-    nsdae_bodies_add_solid(heap, i, &(nsdae_solid){.shape = NSDAE_SHAPE_SPHERE, .radius = 0.1});
-  }
+  add_balls(heap);
   if (status == NSDAE_OK) status = nsdae_bodies_system(heap, &system);
   if (status == NSDAE_OK) status = nsdae_sim_create(system, &options, &sim, NULL);
   l->made = the_process.calls;

@@ -732,6 +732,84 @@ static void test_limit(void **state)
   }
 }
 
+/* Steps that are no whole ones, where times are so large that dt has few digits of them: each is as
+ * long as its times say, and the ball has come as far as the clock. */
+static void part_steps(nsdae_system *system, ball *b, nsdae_sim_options o)
+{
+  const double late[][3] = {{1e9, 1e-6, 0.8}, {1e6, 1e-9, 0.6}, {1e3, 1e-2, 0.3}, {0, 1e-2, 0.7}};
+  const double q0[] = {0, 10}, v0[] = {1, 0};
+  if (o.method == NSDAE_METHOD_PENALTY || o.method == NSDAE_METHOD_EVENT) return;
+  b->gravity = 0;
+  for (int i = 0; i < 4; i++) {
+    nsdae_sim *sim;
+    nsdae_record r;
+    double t = late[i][0];
+    o.dt = late[i][1];
+    assert_int_equal(nsdae_sim_create(system, &o, &sim, NULL), NSDAE_OK);
+    assert_int_equal(nsdae_sim_init(sim, t, q0, v0), NSDAE_OK);
+    for (int n = 1; n <= 100; n++)
+      assert_int_equal(nsdae_sim_run(sim, t + n * late[i][2] * o.dt), NSDAE_OK);
+    nsdae_sim_get_record(sim, &r);
+    assert_true(r.time > t);
+    assert_near(r.q[0], r.time - t, 1e-12 * (r.time - t));
+    nsdae_sim_destroy(&sim);
+  }
+}
+
+static void test_part_steps(void **state)
+{
+  (void)state;
+  each(part_steps);
+}
+
+static int refuse_once(const nsdae_record *r, nsdae_error *error, void *user)
+{
+  int *left = user;
+  (void)error;
+  if (r->step != 1 || *left == 0) return 0;
+  --*left;
+  return NSDAE_E_IO;
+}
+
+/* A body that overlaps is warned of in the first step, which an observer refuses. Done again, or
+ * another in its place, it is warned of there, at its own time; a start elsewhere is not warned of
+ * what the dropped one did. */
+static void refused_warning(nsdae_system *system, ball *b, nsdae_sim_options o)
+{
+  int left;
+  nsdae_stats stats;
+  (void)b;
+  if (o.method == NSDAE_METHOD_PENALTY || o.method == NSDAE_METHOD_EVENT) return;
+  o.start_tol = 1e300;
+  for (int way = 0; way < 3; way++) {
+    nsdae_sim *sim = make(system, &o, -0.5, 0);
+    left = 1;
+    assert_int_equal(nsdae_sim_observe(sim, refuse_once, &left), NSDAE_OK);
+    assert_int_equal(nsdae_sim_step(sim), NSDAE_E_IO);
+    nsdae_sim_get_stats(sim, &stats);
+    assert_int_equal(stats.warnings, 0);
+    if (way < 2) {
+      int status = way == 0 ? nsdae_sim_step(sim) : nsdae_sim_run(sim, 0.4 * o.dt);
+      assert_int_equal(status, NSDAE_WARN_PENETRATION);
+      assert_near(nsdae_sim_error(sim)->time, way == 0 ? o.dt : 0.4 * o.dt, 1e-15);
+    } else {
+      assert_int_equal(nsdae_sim_init(sim, 0, (const double[]){0, 1}, (const double[]){0, 0}),
+                       NSDAE_OK);
+      assert_int_equal(nsdae_sim_step(sim), NSDAE_OK);
+    }
+    nsdae_sim_get_stats(sim, &stats);
+    assert_int_equal(stats.warnings, way < 2 ? 2 : 0);
+    assert_true(nsdae_sim_step(sim) < NSDAE_WARN_ENERGY); /* said once */
+    nsdae_sim_destroy(&sim);
+  }
+}
+
+static void test_refused_warning(void **state)
+{
+  (void)state;
+  each(refused_warning);
+}
+
 /* Two constraints that are one until t = 0.1: x = 0, x + a(t) y = 0. */
 static double slope(double t)
 {
@@ -817,6 +895,8 @@ int main(void)
       cmocka_unit_test(test_means),
       cmocka_unit_test(test_leaving),
       cmocka_unit_test(test_limit),
+      cmocka_unit_test(test_refused_warning),
+      cmocka_unit_test(test_part_steps),
       cmocka_unit_test(test_rank),
       cmocka_unit_test(test_refused_settings),
       cmocka_unit_test(test_slides),

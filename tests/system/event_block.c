@@ -326,9 +326,9 @@ static void expect_momentum(const table *p, const double *v0, double t)
     sum[4] += -p->x[i] * n - p->h * x;
     sum[5] += p->x[i] * y - p->y[i] * x;
   }
-  for (int i = 0; i < 6; i++) { /* hundreds of steps of rtol */
-    double inverse = i < 3 ? 1 : TURN;
-    assert_near(r.v[i] - v0[i], inverse * sum[i], inverse * 1e3 * r.options.rtol);
+  for (int i = 0; i < 6; i++) { /* hundreds of steps of rtol, of what legs share in momentum */
+    double inverse = i < 3 ? 1 : TURN, share = p->legs > 3 ? inverse : 1;
+    assert_near(r.v[i] - v0[i], inverse * sum[i], share * 1e3 * r.options.rtol);
   }
 }
 
@@ -356,6 +356,8 @@ static void expect_slip(double slip, int legs)
     carry -= open[i];
   }
   assert_true(carry >= 3);
+  if (legs == 3) assert_int_equal(r.changes, legs); /* nothing is left to rounding */
+  if (legs == 3) assert_int_equal(r.impacts, 0);
   for (int i = 0; i < r.impacts; i++) assert_at_most(-r.impact[i].velocity_before, 1e-8);
 }
 
@@ -380,13 +382,15 @@ static void push_table(int legs, int spin, double phase)
     assert_int_equal(r.status, NSDAE_OK);
     assert_int_equal(r.stats.fallback_steps, 0);
     expect_slip(slip, legs);
-    /* what slips 1e-7 s too soon or too late gets mu g of that too much, and legs that share no
-     * better than that turn and push aside as much; of angles by 1 / J */
-    const double tol = 2e-7 * mu * g;
-    assert_near(r.v[0], spin ? 0 : 0.8 * speed, tol);
-    assert_near(r.v[1], spin ? 0 : 0.6 * speed, tol);
+    /* what slips 1e-7 s too soon or too late gets mu g of that too much, and more than three legs,
+     * which share no better than that, turn and push aside as much; of angles by 1 / J */
+    double tol = legs > 3 ? 2e-7 * mu * g : 1e-7, turns = legs > 3 ? TURN * tol : 1e-9;
+    double along = spin ? 2e-7 * mu * g : tol; /* legs that slip so far apart push aside */
+    assert_near(r.v[0], spin ? 0 : 0.8 * speed, along);
+    assert_near(r.v[1], spin ? 0 : 0.6 * speed, along);
     assert_near(r.v[2], 0, tol);
-    for (int i = 3; i < 6; i++) assert_near(r.v[i], spin && i == 5 ? TURN * speed : 0, TURN * tol);
+    for (int i = 3; i < 5; i++) assert_near(r.v[i], 0, turns);
+    assert_near(r.v[5], spin ? TURN * speed : 0, spin ? TURN * tol : turns);
     expect_momentum(&p, v0, T);
   }
   nsdae_system_destroy(&system);

@@ -182,9 +182,9 @@ static void expect_bounded(const nsdae_sim *sim, int kind)
   nsdae_sim_get_stats(sim, &stats);
   double gained = r.kinetic + r.potential - stats.energy_start;
   double late = options.method == NSDAE_METHOD_IMPLICIT_PRINTED ? 0.5 : 1e-6;
-  int said = options.method == NSDAE_METHOD_IMPLICIT_PRINTED && stats.steps > 1000000 &&
-             (stats.warnings & ENERGY);
-  if (!(kind & DRIVEN) && !said) assert_at_most(gained, late + 1e-9 * fabs(stats.energy_start));
+  if (options.method == NSDAE_METHOD_IMPLICIT_PRINTED && (stats.warnings & ENERGY))
+    late += 1e-7 * (double)stats.steps; /* twice what it was in 5e6 steps */
+  if (!(kind & DRIVEN)) assert_at_most(gained, late + 1e-9 * fabs(stats.energy_start));
   assert_at_most(stats.worst_penetration, 0.02); /* of a rod's end at 3 m/s in 5 ms */
 }
 
@@ -398,6 +398,18 @@ static void test_quaternions(void **state)
   }
 }
 
+/* Body i turns about its axis i alone, as fast as ever, with a quaternion that can be used. */
+static void expect_spins(const nsdae_record *r, int i)
+{
+  const double *p = r->q + 7 * i + 3;
+  double length = sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2] + p[3] * p[3]);
+  assert_true(length > 0.5);
+  assert_at_most(length, 2.1);
+  for (int j = 0; j < 3; j++)
+    if (j != i) assert_near(p[1 + j], 0, 0);
+  assert_near(r->v[6 * i + 3 + i], 100, 1e-8);
+}
+
 /* The same of bodies whose contacts come by list. Each turns about an axis of its own inertia, so
  * that w is constant, and beside it falls nothing: no gravity. */
 static void test_quaternions_listed(void **state)
@@ -429,15 +441,7 @@ static void test_quaternions_listed(void **state)
     assert_int_equal(nsdae_sim_init(sim, 0, q0, v0), NSDAE_OK);
     for (int n = 0; n < STEPS; n++) assert_true(nsdae_sim_step(sim) >= 0);
     nsdae_sim_get_record(sim, &r);
-    for (int i = 0; i < BODIES; i++) {
-      const double *p = r.q + 7 * i + 3;
-      double length = sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2] + p[3] * p[3]);
-      assert_true(length > 0.5);
-      assert_at_most(length, 2.1);
-      for (int j = 0; j < 3; j++) /* it turns about this axis alone, as fast as ever */
-        if (j != i) assert_near(p[1 + j], 0, 0);
-      assert_near(r.v[6 * i + 3 + i], 100, 1e-8);
-    }
+    for (int i = 0; i < BODIES; i++) expect_spins(&r, i);
     nsdae_sim_destroy(&sim);
     nsdae_system_destroy(&system);
     nsdae_bodies_destroy(&world);

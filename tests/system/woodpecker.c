@@ -185,6 +185,23 @@ static void test_published_start(void **state)
   assert_near(mean_period(&r), 0.145976, 5 * 5e-5);
 }
 
+/* What implicit-printed gives to the motion and does not say is its order: half as much in half the
+ * step, and less than a fiftieth of what friction and impacts took (docs/methods/warnings.md). */
+static void test_gain_is_of_first_order(void **state)
+{
+  (void)state;
+  double gained[3];
+  for (int i = 0; i < 3; i++) {
+    run r = integrate(NSDAE_METHOD_IMPLICIT_PRINTED, ldexp(2e-4, -i), 3, 0);
+    gained[i] = r.stats.energy_balance;
+    assert_int_equal(r.stats.warnings, 0);
+    assert_true(gained[i] > 0 && gained[i] < 0.02 * (r.stats.energy_start - r.energy));
+    print_message("dt %g: %.3g J of %.3g J\n", ldexp(2e-4, -i), gained[i],
+                  r.stats.energy_start - r.energy);
+  }
+  for (int i = 0; i < 2; i++) assert_near(gained[i] / gained[i + 1], 2, 0.3);
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
@@ -192,6 +209,7 @@ int main(void)
       cmocka_unit_test_setup(test_start, defaults),
       cmocka_unit_test_setup(test_period, defaults),
       cmocka_unit_test_setup(test_published_start, defaults),
+      cmocka_unit_test_setup(test_gain_is_of_first_order, defaults),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

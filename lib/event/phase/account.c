@@ -13,11 +13,6 @@ void nsdae_event_account_layout(nsdae_event_account *a, nsdae_arena *arena)
   a->reaction = NSDAE_ARENA_DOUBLES(arena, s->system->dims.nv);
 }
 
-void nsdae_event_account_start(nsdae_event_account *a)
-{
-  nsdae_power_start(&a->power);
-}
-
 /* Power of the friction of what slides, at the state y and the terms there. */
 static double friction_power(const nsdae_event_phase *p, const double *y)
 {

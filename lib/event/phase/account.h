@@ -16,9 +16,6 @@ typedef struct nsdae_event_account {
 
 void nsdae_event_account_layout(nsdae_event_account *account, nsdae_arena *arena);
 
-/* A phase begins. */
-void nsdae_event_account_start(nsdae_event_account *account);
-
 /* z' [n + 2] at z, or without the integrals q' and v' alone. 0; > 0: a smaller step may help; < 0:
  * a callback gave up. */
 int nsdae_event_account_rate(nsdae_event_account *account, double t, const double *z, int integrals,

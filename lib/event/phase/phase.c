@@ -143,11 +143,10 @@ static void inertia_rows(nsdae_event_phase *p, const nsdae_terms *T)
   const nsdae_sim_options *o = p->setting->options;
   double alpha2 = 2 * o->baumgarte_alpha, beta2 = o->baumgarte_beta * o->baumgarte_beta;
   int n = d->nv, m = d->m;
-  const double *M = T->M;
-  for (int j = 0; j < n; j++, M += n) {
+  for (int j = 0; j < n; j++) {
     double *to = entry(p, 0, j);
     p->x[j] = T->F[j];
-    for (int i = 0; i < n; i++) to[i] = M[i];
+    for (int i = 0; i < n; i++) to[i] = AT(T->M, n, i, j);
     for (int i = 0; i < m; i++)
       *entry(p, j, n + i) = *entry(p, n + i, j) = AT(T->by.jacobian.value, m, i, j);
   }

@@ -35,29 +35,36 @@ static double rescaled(const double *D, double mu, double l, const double *r)
   return (s + l) * (nsdae_fc_length(r[1], r[2]) / (mu * r[0])) - s;
 }
 
-/* The root, from the guess on, kept in a bracket. */
+/* Inside the bracket, whatever its ends. */
+static double middle(double low, double high, double l)
+{
+  if (!(high < INFINITY)) return 16 * l;
+  return low > 0 ? sqrt(low) * sqrt(high) : high / 256;
+}
+
+/* The root, from the guess on, kept in a bracket: secants while they halve the excess, else what it
+ * would be if S were a number, else the middle. */
 static double slide(const double *D, const double *q, double mu, double guess, double tol,
                     double *r)
 {
   double low = 0, high = INFINITY, before = 0, at_before = 0;
   double l = guess > 0 ? guess : rescaled(D, mu, 0, r);
   if (!(l > low && l < high)) l = D[4] + D[8];
-  for (int k = 0; k < 200; k++) {
+  for (int k = 0, failed = 1; k < 200 && low < (1 - 2 * DBL_EPSILON) * high; k++) {
     double f = excess(D, q, mu, l, r);
     if (fabs(f) <= tol * mu * r[0]) return l;
     if (f > 0)
       low = l;
     else
       high = l;
-    double next = k == 0 ? rescaled(D, mu, l, r) : l - f * ((l - before) / (f - at_before));
-    if (fabs(next - l) <= 2 * DBL_EPSILON * l) return l;
+    if (k > 0) failed = fabs(f) <= 0.5 * fabs(at_before) ? 0 : failed + 1;
+    double next = failed == 0 ? l - f * ((l - before) / (f - at_before)) : rescaled(D, mu, l, r);
     before = l, at_before = f;
-    if (!(next > low && next < high)) next = high < INFINITY ? low + (high - low) / 2 : 16 * l;
-    if (!(next > low && next < high)) break;
-    l = next;
+    l = failed < 3 && next > low && next < high ? next : middle(low, high, l);
   }
-  excess(D, q, mu, high < INFINITY ? high : l, r);
-  return high < INFINITY ? high : l;
+  l = high < INFINITY ? high : l;
+  excess(D, q, mu, l, r);
+  return l;
 }
 
 void nsdae_fc_solve_contact(const double *D, const double *q, double mu, double tol, double *slip,

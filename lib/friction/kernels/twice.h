@@ -6,38 +6,15 @@
 
 #include <math.h>
 
+#include "dispatch.h"
+
 /* fma() is a call where the processor that is compiled for need not have it, and one instruction
- * where the one that runs does: NSDAE_TWICE_DISPATCH(f, body, parameters, arguments) defines f,
- * which runs body, a function marked NSDAE_TWICE, compiled for either. Both round alike. */
-#if defined(__GNUC__) && defined(__x86_64__) && !defined(__FMA__)
-#define NSDAE_TWICE __attribute__((always_inline))
-#define NSDAE_TWICE_DISPATCH(f, body, parameters, arguments)    \
-  __attribute__((target("fma"))) static void f##_fma parameters \
-  {                                                             \
-    body arguments;                                             \
-  }                                                             \
-  static void f##_any parameters                                \
-  {                                                             \
-    body arguments;                                             \
-  }                                                             \
-  static void f parameters                                      \
-  {                                                             \
-    if (__builtin_cpu_supports("fma"))                          \
-      f##_fma arguments;                                        \
-    else                                                        \
-      f##_any arguments;                                        \
-  }
-#else
-#define NSDAE_TWICE
+ * where the one that runs does; either rounds alike. */
 #define NSDAE_TWICE_DISPATCH(f, body, parameters, arguments) \
-  static void f parameters                                   \
-  {                                                          \
-    body arguments;                                          \
-  }
-#endif
+  NSDAE_DISPATCH("fma", f, body, parameters, arguments)
 
 /* high + low += a b */
-static inline NSDAE_TWICE void nsdae_twice_add(double a, double b, double *high, double *low)
+NSDAE_INLINED void nsdae_twice_add(double a, double b, double *high, double *low)
 {
   double p = a * b, sum = *high + p, part = sum - *high;
   *low += fma(a, b, -p) + ((*high - (sum - part)) + (p - part));
@@ -45,10 +22,9 @@ static inline NSDAE_TWICE void nsdae_twice_add(double a, double b, double *high,
 }
 
 /* y [rows] += A [rows x columns] x, with low [rows] what high does not hold */
-static inline NSDAE_TWICE void nsdae_twice_add_product(int rows, int columns,
-                                                       const double *restrict A,
-                                                       const double *restrict x,
-                                                       double *restrict high, double *restrict low)
+NSDAE_INLINED void nsdae_twice_add_product(int rows, int columns, const double *restrict A,
+                                           const double *restrict x, double *restrict high,
+                                           double *restrict low)
 {
   for (int j = 0; j < columns; j++, A += rows) {
     if (x[j] == 0) continue;

@@ -80,12 +80,21 @@ static void random_vector(double *x, int n)
   for (int i = 0; i < n; i++) x[i] = random_number(&s.random);
 }
 
+/* M less zero, of two halves of x; M less itself. */
+static void expect_change(const double *x, double square)
+{
+  static const double nothing[N * N];
+  double half[N];
+  for (int i = 0; i < s.n; i++) half[i] = x[i] / 2;
+  assert_near(nsdae_blocks_change(&s.blocks, s.M, nothing, half, half), square, 1e-12);
+  assert_near(nsdae_blocks_change(&s.blocks, s.M, s.M, half, x), 0, 0);
+}
+
 static void test_products(void **state)
 {
   (void)state;
   for (int round = 0; round < 200; round++) {
-    static const double nothing[N * N];
-    double x[N], half[N], y[N] = {0}, expected[N] = {0}, l[ROWS], J[ROWS], work[N];
+    double x[N], y[N] = {0}, expected[N] = {0}, l[ROWS], J[ROWS], work[N];
     draw_blocks();
     draw_rows(random_int(&s.random, 0, ROWS));
     int n = s.n, m = s.rows.count;
@@ -99,9 +108,7 @@ static void test_products(void **state)
       square += x[i] * expected[i];
     }
     assert_near(nsdae_blocks_square(&s.blocks, s.M, x), square, 1e-12);
-    for (int i = 0; i < n; i++) half[i] = x[i] / 2; /* M less zero, of two halves */
-    assert_near(nsdae_blocks_change(&s.blocks, s.M, nothing, half, half), square, 1e-12);
-    assert_near(nsdae_blocks_change(&s.blocks, s.M, s.M, half, x), 0, 0);
+    expect_change(x, square);
     for (int i = 0; i < m; i++) J[i] = nsdae_rows_dot(&s.blocks, &s.rows, i, x);
     for (int i = 0; i < m; i++) {
       double sum = 0, largest = 0, total = 0;

@@ -25,7 +25,7 @@ enum wrong {
 };
 
 typedef struct pair {
-  int wrong;
+  int wrong, moves; /* the wall, by itself */
   double corner[2][2], rim[2], slope, wall;
 } pair;
 
@@ -60,13 +60,12 @@ static void arm_of(const pair *p, const double *q, int i, double r[2])
 static int gap(double t, const double *q, double *g, void *user)
 {
   const pair *p = user;
-  (void)t;
   double n[2] = {-sin(p->slope), cos(p->slope)}, w[2] = {cos(p->wall), sin(p->wall)}, r[2];
   for (int i = 0; i < 2; i++) {
     arm_of(p, q, i, r);
     g[i] = n[0] * (q[0] + r[0]) + n[1] * (q[1] + r[1]);
   }
-  g[2] = w[0] * q[0] + w[1] * q[1] + 3 - p->rim[0];
+  g[2] = w[0] * q[0] + w[1] * q[1] + 3 - p->rim[0] + (p->moves ? 0.1 * sin(30 * t) : 0);
   g[3] = hypot(q[3] - q[0], q[4] - q[1]) - p->rim[0] - p->rim[1];
   if (p->wrong == MILLIMETRES) g[0] *= 1000;
   return 0;
@@ -107,6 +106,13 @@ static int tangent(double t, const double *q, double *W, int ldw, void *user)
   return 0;
 }
 
+static int wall_rate(double t, const double *q, double *w_n, double *w_t, void *user)
+{
+  (void)q, (void)w_t, (void)user;
+  w_n[2] = 3 * cos(30 * t);
+  return 0;
+}
+
 /* A body whose corners are below its centre, in any turn of the whole. */
 static void draw(pair *p, double q[NQ], uint64_t seed)
 {
@@ -134,7 +140,8 @@ static nsdae_system *make(pair *p)
   nsdae_system_set_name(s, NSDAE_NAME_CONTACT, 0, "toe", "m");
   nsdae_system_set_name(s, NSDAE_NAME_CONTACT, 1, "heel", "m");
   nsdae_system_set_name(s, NSDAE_NAME_CONTACT, 2, "rim", "m");
-  nsdae_system_set_name(s, NSDAE_NAME_COORDINATE, 2, "theta", "rad");
+  if (p->moves) nsdae_system_set_contact_bias(s, wall_rate);
+  nsdae_system_set_name(s, NSDAE_NAME_COORDINATE, 2, "theta", p->moves ? "1" : "rad");
   nsdae_system_set_name(s, NSDAE_NAME_COORDINATE, 3, "x_2", "m");
   return s;
 }
@@ -155,6 +162,7 @@ static void test_family(void **state)
       pair p;
       draw(&p, q, seed);
       p.wrong = wrong;
+      p.moves = (int)(seed % 2);
       nsdae_system *s = make(&p);
       int status = nsdae_system_check(s, 0, q, v, 1e-5, NULL);
       const char *unseen = nsdae_system_unseen(s);
