@@ -1,4 +1,4 @@
-"""Table and picture of what bench_phases wrote for two libraries: evaluations of the forces, errors against the second's
+"""Table and picture of what bench_phases wrote for two libraries: evaluations of the forces, errors against the 2nd's
 own end at rtol 1e-13, times as ratios, and at equal error the ratio that lies between the points.
 usage: phases.py OLD.csv NEW.csv OLD_NAME NEW_NAME FILE.svg"""
 import csv
