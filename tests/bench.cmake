@@ -129,6 +129,9 @@ if(NSDAE_DRIVERS)
   nsdae_bench(orders LINKS driver_common)
   # the wall, the arch and the dominoes beside the same by hand
   nsdae_bench(blocks LINKS driver_common)
+  # the event-driven method of two libraries: bench/phases.py, by hand
+  add_executable(bench_phases bench/phases.c)
+  target_link_libraries(bench_phases PRIVATE driver_common)
   if(NSDAE_SUNDIALS AND GSL_FOUND)
     nsdae_bench(precision LINKS driver_common GSL::gsl GSL::gslcblas)
   endif()
