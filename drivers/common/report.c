@@ -67,7 +67,7 @@ static void print_exact(const report *r, double impulse)
 static void print_impact(report *r, const nsdae_impact *impact)
 {
   if (r->contacts > 0 && r->rows < ROWS_MAX) {
-    printf("%6d %12.6f", r->rows + 1, impact->time);
+    printf("%6d %12.6f", r->rows, impact->time);
     if (r->contacts > 1) printf(" %8d", impact->contact);
     printf(" %14.7f", impact->normal_impulse);
     if (r->tangents == 1) printf(" %14.7f", impact->tangential_impulse[0]);

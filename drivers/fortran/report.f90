@@ -79,7 +79,7 @@ contains
     type(report), intent(in) :: r
     type(nsdae_impact), intent(in) :: impact
     real(c_double) :: time, impulse
-    write (*, '(i6, 1x, f12.6, 3(1x, f14.7))', advance='no') r%rows, impact%time, &
+    write (*, '(i6, 1x, f12.6, 3(1x, f14.7))', advance='no') r%rows - 1, impact%time, &
         impact%normal_impulse, impact%velocity_before, impact%velocity_after
     if (pendulum_exact(r%model, r%rows, time, impulse)) &
         write (*, '(2(1x, f14.9), 1x, f9.3, a)', advance='no') time, impulse, &

@@ -4,6 +4,9 @@
 #ifndef NSDAE_DISPATCH_H
 #define NSDAE_DISPATCH_H
 
+/* 1: as on a processor that has none of them, so that a test can hold one against the other. */
+extern int nsdae_dispatch_plain;
+
 #if defined(__GNUC__) && defined(__x86_64__)
 #define NSDAE_INLINED static inline __attribute__((always_inline))
 #define NSDAE_DISPATCH(feature, f, body, parameters, arguments)    \
@@ -17,7 +20,7 @@
   }                                                                \
   static void f parameters                                         \
   {                                                                \
-    if (__builtin_cpu_supports(feature))                           \
+    if (!nsdae_dispatch_plain && __builtin_cpu_supports(feature))  \
       f##_with arguments;                                          \
     else                                                           \
       f##_without arguments;                                       \

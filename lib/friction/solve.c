@@ -123,7 +123,7 @@ static int solve_islands(nsdae_friction_solver *s, const nsdae_friction_options 
   nsdae_fc_chain *c = &s->chain;
   memset(w->r, 0, (size_t)w->view.m * sizeof *w->r);
   for (int island = 0; island < w->islands; island++) {
-    lay_out(s, island);
+    if (w->islands > 1) lay_out(s, island); /* one alone is laid out */
     c->options = options;
     c->tol = 0.8 * options->tol; /* the certificate rounds otherwise */
     c->fc.exact = fmax(1e-15, 1e-4 * options->tol);

@@ -52,7 +52,8 @@ static int is_symmetric(int n, const double *M)
   size_t lda = (size_t)n;
   for (size_t j = 0; j < lda; j++)
     for (size_t i = 0; i < j; i++)
-      if (!(fabs(M[j * lda + i] - M[i * lda + j]) <=
+      if (M[j * lda + i] != M[i * lda + j] &&
+          !(fabs(M[j * lda + i] - M[i * lda + j]) <=
             1e-10 * sqrt(fabs(M[j * lda + j])) * sqrt(fabs(M[i * lda + i]))))
         return 0;
   return 1;

@@ -1,0 +1,3 @@
+#include "dispatch.h"
+
+int nsdae_dispatch_plain = 0;
