@@ -4,13 +4,13 @@
 
 enum { FEW = 2000, EACH = 64, MOST = FEW + 20 * EACH };
 
-void nsdae_rattle_note(const nsdae_rattle *r, int contact, double t, double soon)
+void nsdae_rattle_note(const nsdae_rattle *r, int contact, double t, double soon, int many)
 {
   int *count = r->count + contact;
   if (!(t - r->last[contact] < soon))
     *count = 0;
-  else if (*count < MOST)
-    ++*count;
+  else
+    *count = *count + many < MOST ? *count + many : MOST;
   r->last[contact] = t;
 }
 

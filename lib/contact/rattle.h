@@ -9,8 +9,9 @@ typedef struct nsdae_rattle {
   double *last; /* k: time of the last */
 } nsdae_rattle;
 
-/* An instant of the contact at t, which counts where it is sooner than that after the last. */
-void nsdae_rattle_note(const nsdae_rattle *rattle, int contact, double t, double soon);
+/* An instant of the contact at t, which counts for so many where it is sooner than that after the
+ * last. */
+void nsdae_rattle_note(const nsdae_rattle *rattle, int contact, double t, double soon, int many);
 
 /* 1, or more: what counts as zero is so many times as much. */
 double nsdae_rattle_blur(const nsdae_rattle *rattle, int contact);

@@ -12,9 +12,10 @@
 
 /* Instants in one dt without an impact or a change of mode; steps of the integrator after which it
  * starts anew, so that a way back is not longer. */
-enum { IDLE_MAX = 500, CHATTERS = 20, STEPS_MAX = 5000, STIFF_STEPS = 300 };
+enum { IDLE_MAX = 500, CHATTERS = 20, STEPS_MAX = 5000, STIFF_STEPS = 300, STILL = 16 };
 
-/* An instant of a contact is soon after another within so many accumulation_time. */
+/* An instant of a contact is soon after another within so many accumulation_time. One of friction
+ * that breaks away or stops before it has left zero leads nowhere and counts for STILL of them. */
 static const double SOON = 10;
 
 /* What is left of what a unit of force gave as its phase began: at a pole, and near one. */
@@ -186,6 +187,11 @@ static void blur(event *e)
   }
 }
 
+static void note_rattle(const event *e, double t, int i, int many)
+{
+  nsdae_rattle_note(&e->base.rattle, i, t, SOON * e->setting.options->accumulation_time, many);
+}
+
 /* At the instant t, with the impacts from `first` on. */
 static void note_rattles(const event *e, double t, int first)
 {
@@ -193,7 +199,7 @@ static void note_rattles(const event *e, double t, int first)
   for (int i = 0; i < e->setting.system->dims.k; i++) {
     int any = e->mode_before[i] != e->phase.modes.contact[i];
     for (int j = first; j < r->impacts; j++) any |= r->impact[j].contact == i;
-    if (any) nsdae_rattle_note(&e->base.rattle, i, t, SOON * e->setting.options->accumulation_time);
+    if (any) note_rattle(e, t, i, 1);
   }
 }
 
@@ -209,7 +215,12 @@ static int go_through(event *e, double t)
   memcpy(e->mode_before, m->contact, (size_t)d->k * sizeof *m->contact);
   memcpy(e->slide_mode_before, m->slide, (size_t)d->f * sizeof *m->slide);
   int first = r->impacts, before = r->impacts + r->changes, found = 0;
-  for (int i = 0; i < e->roots.count; i++) found |= e->roots.entry[i].found;
+  for (int i = 0; i < e->roots.count; i++) {
+    const nsdae_event_root *root = &e->roots.entry[i];
+    found |= root->found;
+    if (root->kind == NSDAE_ROOT_TANGENT && root->found && !root->moved)
+      note_rattle(e, t, root->index, STILL);
+  }
   blur(e);
   int status = restart(e, t);
   note_rattles(e, t, first);

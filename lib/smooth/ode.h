@@ -13,7 +13,8 @@ typedef struct nsdae_ode_problem {
   int controlled; /* the error is controlled of the first of y, and f depends on no others; 0: all
                    */
   int (*rate)(double t, const double *y, double *ydot, void *user);
-  /* in place of f in differences around y_0, where f bends too much for them; NULL: f itself */
+  /* in place of f in differences around y_0, where f bends too much for them: linear in velocities
+   * however far apart in size; NULL: f itself */
   int (*near)(double t, const double *y_0, const double *y, double *ydot, void *user);
   int (*root)(double t, const double *y, double *g, void *user);
   void *user;

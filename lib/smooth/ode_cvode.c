@@ -11,6 +11,7 @@
 #include "context.h"
 #include "pool.h"
 #include "progress.h"
+#include "vector.h"
 
 struct nsdae_ode {
   nsdae_ode_problem problem;
@@ -78,21 +79,34 @@ static double least_increment(const nsdae_ode *ode, double gamma, N_Vector f, N_
   return norm > 0 ? 1000 * fabs(gamma) * SUN_UNIT_ROUNDOFF * ode->problem.n * norm : 1;
 }
 
+/* max |v|, where f is linear near y. What f takes of velocities together, as of a slip that is
+ * their sum and hardly there, is known to U max |v| however small one of them is: a difference over
+ * less than that is noise. */
+static double largest_velocity(const nsdae_ode *ode, N_Vector y)
+{
+  int positions = ode->positions, velocities = ode->problem.controlled - positions;
+  if (!ode->problem.near || positions == 0) return 0;
+  return nsdae_largest(velocities, N_VGetArrayPointer(y) + positions);
+}
+
 /* J = df/dy by differences, with the increments of CVODE's own (user guide of CVODE, "Mathematical
  * considerations", dense Jacobian): max(sqrt(U) |y_j|, sigma_0 / W_j), W the error weights,
  * sigma_0 = 1000 |h| U n ||f||_WRMS, but with gamma = h / l_1 (l_1 from 1 to 2.3) for h: what CVODE
- * gives for it before a first step is that of the integration before. */
+ * gives for it before a first step is that of the integration before. Velocities move by
+ * sqrt(U) max |v| at least. */
 static int differentiate(nsdae_ode *ode, double t, double gamma, N_Vector y, N_Vector f,
                          N_Vector moved, N_Vector f_there, N_Vector weights)
 {
   CVodeGetErrWeights(ode->cvode, weights);
   N_VScale(1, y, moved);
   double least = least_increment(ode, gamma, f, weights), root_of_u = sqrt(SUN_UNIT_ROUNDOFF);
+  double fastest = largest_velocity(ode, y);
   double *x = N_VGetArrayPointer(moved), *W = N_VGetArrayPointer(weights);
   const double *f_0 = N_VGetArrayPointer(f), *f_1 = N_VGetArrayPointer(f_there);
   SUNMatZero(ode->jacobian);
   for (int j = 0; j < ode->problem.controlled; j++) {
-    double here = x[j], increment = fmax(root_of_u * fabs(here), least / W[j]);
+    double here = x[j], scale = j < ode->positions ? fabs(here) : fmax(fabs(here), fastest);
+    double increment = fmax(root_of_u * scale, least / W[j]);
     double *column = SUNDenseMatrix_Column(ode->jacobian, j), inverse = 1 / increment;
     x[j] = here + increment;
     int code = rate_near(ode, t, y, moved, f_there);

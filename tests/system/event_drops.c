@@ -18,6 +18,7 @@ static const double T = 1.5;
  * most CPU time per simulated second, and whose that was. */
 typedef struct tally {
   long bad, jammed, by_problem, fallen_back;
+  long slow; /* that took more than they simulated */
   double slowest;
   unsigned long seed;
 } tally;
@@ -64,7 +65,9 @@ static nsdae_sim *start(const drop *d, nsdae_system *system, seen *energy)
 static int judge_failure(const drop *d, nsdae_system *system, const nsdae_sim *sim, int status,
                          tally *of)
 {
-  const double before[] = {1e-11, 1e-6}; /* of the time: it may end where it is just so */
+  /* of the time: it may end where it is just so; a direction that turns as its slip dies meets its
+   * pole, where F ~ (t_pole - t)^-1/2, within less than the first */
+  const double before[] = {1e-11, 1e-6, 1e-13};
   const nsdae_error *error = nsdae_sim_error(sim);
   nsdae_record record;
   seen unused = {0};
@@ -73,7 +76,7 @@ static int judge_failure(const drop *d, nsdae_system *system, const nsdae_sim *s
   if (is_bad(status == NSDAE_E_PAINLEVE, d, "status", status)) return 1;
   nsdae_lcp_problem failed;
   int known = nsdae_sim_get_failed_lcp(sim, &failed) == NSDAE_OK, jams = 0;
-  for (int i = 0; i < 2 && !jams; i++) {
+  for (int i = 0; i < 3 && !jams; i++) {
     nsdae_sim *again = start(d, system, &unused);
     int until = nsdae_sim_run(again, error->time * (1 - before[i]));
     nsdae_sim_get_record(again, &record);
@@ -92,6 +95,7 @@ static void count(tally *of, const nsdae_sim *sim, int status, double used, unsi
   nsdae_sim_get_stats(sim, &stats);
   nsdae_sim_get_record(sim, &record);
   used /= fmax(record.time, 0.1);
+  of->slow += used > 1;
   of->jammed += status == NSDAE_E_PAINLEVE;
   of->fallen_back += stats.fallback_steps > 0;
   if (used <= of->slowest) return;
@@ -141,11 +145,9 @@ static void test_drops(void **state)
   tally all = {0};
   for (long i = from; i < from + many; i++) all.bad += run((unsigned long)i, &all);
   print_message("%ld drops from %ld: %ld bad, %ld jammed (%ld by the problem), %ld with steps by "
-                "implicit; CPU "
-                "at most "
-                "%.2g s per simulated second (seed %lu)\n",
+                "implicit; CPU at most %.2g s per simulated second (seed %lu), %ld above 1\n",
                 many, from, all.bad, all.jammed, all.by_problem, all.fallen_back, all.slowest,
-                all.seed);
+                all.seed, all.slow);
   assert_at_most((double)all.bad, 0.003 * (double)many);
   assert_at_most((double)all.by_problem, 1 + 0.003 * (double)many);
 }
@@ -154,14 +156,15 @@ static void test_drops(void **state)
  * sliding begins or comes to a stop, relations that rounding ruled, thousands of instants: of
  * friction at its limit, of one contact that comes to rest while another is in a long flight, of
  * rattling that no loss ends; a spinning rod that is wedged, bodies pressed against each other by
- * the problem's rounding, searches for friction that does not exist. */
+ * the problem's rounding, searches for friction that does not exist, a slip of 5e-7 m/s that turns
+ * into a jam. */
 static void test_found(void **state)
 {
-  const unsigned long seeds[] = {46,   63,   136,  222,  297,  419,  423,  439,  487,  505,  954,
-                                 958,  1055, 1062, 1071, 1217, 1355, 1382, 1570, 1695, 1724, 2179,
-                                 2252, 3392, 4579, 4718, 4843, 98,   229,  850,  1320, 3429, 3653,
-                                 4237, 5394, 5769, 6881, 6994, 8550, 8654, 8688, 9196, 190,  6620,
-                                 7685, 8435, 435,  616,  1046, 1059, 2301, 3375, 4552, 4686, 5219};
+  const unsigned long seeds[] = {
+      46,   63,   136,  222,  297,  419,  423,  439,  487,  505,  954,  958,  1055, 1062,
+      1071, 1217, 1355, 1382, 1570, 1695, 1724, 2179, 2252, 3392, 4579, 4718, 4843, 98,
+      229,  850,  1320, 3429, 3653, 4237, 5394, 5769, 6881, 6994, 8550, 8654, 8688, 9196,
+      190,  6620, 7685, 8435, 435,  616,  1046, 1059, 2301, 3375, 4552, 4686, 5219, 8187};
   tally all = {0};
   (void)state;
   for (size_t i = 0; i < sizeof seeds / sizeof *seeds; i++)
@@ -170,8 +173,30 @@ static void test_found(void **state)
   assert_at_most((double)all.by_problem, 3); /* 4237, 8550, 9196 */
 }
 
+/* A rod that creeps in a corner: its end sticks and slides in turn within less than what counts as
+ * zero, thousands of times, and its spin is rounding next to its velocity, which a stiff integrator
+ * has to see: unseen, these take 4036 instants and 69269 steps. */
+static void test_creeping(void **state)
+{
+  (void)state;
+  drop d;
+  seen energy = {0};
+  nsdae_stats stats;
+  drop_make(&d, 5728);
+  nsdae_system *system = drop_system(&d);
+  nsdae_sim *sim = start(&d, system, &energy);
+  assert_int_equal(nsdae_sim_run(sim, T), NSDAE_OK);
+  nsdae_sim_get_stats(sim, &stats);
+  print_message("%ld instants, %ld steps\n", stats.events, stats.iterations);
+  assert_at_most((double)stats.events, 1000);
+  assert_at_most((double)stats.iterations, 40000);
+  nsdae_sim_destroy(&sim);
+  nsdae_system_destroy(&system);
+}
+
 int main(void)
 {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_drops), cmocka_unit_test(test_found)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_drops), cmocka_unit_test(test_found),
+                                     cmocka_unit_test(test_creeping)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -133,9 +133,10 @@ int nsdae_event_root_values(nsdae_event_roots *r, double t, const double *y, dou
   if (evaluate(r, t, y) < 0) return -1;
   double position = nsdae_largest(p->setting->at.lambda, y);
   for (int e = 0; e < r->count; e++) {
-    const nsdae_event_root *root = &r->entry[e];
+    nsdae_event_root *root = &r->entry[e];
     int out = is_out(p, root);
     g[e] = out ? 1 : value_of(p, p->setting->here, r->at, root);
+    root->moved |= !out && g[e] > root->size;
     if (root->state == NSDAE_ROOT_RISING) g[e] = rising(root, t, g[e], position);
     if (root->state == NSDAE_ROOT_MASKED && !out) g[e] += root->size;
   }
@@ -159,6 +160,7 @@ static void start_root(const nsdae_event_phase *p, nsdae_event_root *root, doubl
   size *= blur;
   root->since = t;
   root->start = value;
+  root->moved = value > size;
   root->rate = rate;
   root->size = size;
   if (value > size)
@@ -244,7 +246,7 @@ static double undecided_value(const nsdae_event_phase *p, const double *y,
 /* A masked function after a step: 1 where it asks for an instant. */
 static int watch(const nsdae_event_phase *p, const double *y, nsdae_event_root *root)
 {
-  if (undecided(p, root)) return undecided_value(p, y, root) > root->size;
+  if (undecided(p, root)) return root->moved = undecided_value(p, y, root) > root->size;
   double value = value_of(p, p->setting->here, y, root);
   if (value > root->size) root->state = NSDAE_ROOT_LIVE;
   return value < -root->size;

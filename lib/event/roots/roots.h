@@ -37,6 +37,7 @@ typedef struct nsdae_event_root {
   int index;
   nsdae_root_state state;
   int found;                 /* an instant is here for it */
+  int moved;                 /* it was above what counts as zero */
   double since, start, rate; /* of one that is rising: when, from what rounding left, how fast */
   double size;               /* what counts as zero */
 } nsdae_event_root;
