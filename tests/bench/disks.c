@@ -98,18 +98,6 @@ static double own_disks(disks *d, double *fastest)
   return stats.wall_time;
 }
 
-static int ascending(const void *a, const void *b)
-{
-  double x = *(const double *)a, y = *(const double *)b;
-  return (x > y) - (x < y);
-}
-
-static double median(double *a)
-{
-  qsort(a, RUNS, sizeof *a, ascending);
-  return a[RUNS / 2];
-}
-
 int main(void)
 {
   const int counts[] = {10, 100, 300, 1000};
@@ -123,7 +111,7 @@ int main(void)
       peer[j] = siconos_disks(&d, &theirs);
       if (own[j] < 0) return 1;
     }
-    double a = median(own) / d.steps, b = median(peer) / d.steps;
+    double a = ratio_median(RUNS, own) / d.steps, b = ratio_median(RUNS, peer) / d.steps;
     printf("%d: nsdae %.3f us, fastest %g m/s\n", d.count, 1e6 * a, fastest);
     if (b < 0)
       printf("  Siconos: not here\n");

@@ -15,18 +15,6 @@
 
 enum { MOST_STEPS = 200 };
 
-static int ascending(const void *a, const void *b)
-{
-  double x = *(const double *)a, y = *(const double *)b;
-  return (x > y) - (x < y);
-}
-
-double middle(int count, double *a)
-{
-  qsort(a, (size_t)count, sizeof *a, ascending);
-  return a[count / 2];
-}
-
 /* Floor and walls. */
 static void add_box(nsdae_bodies *world, const packing *p)
 {
@@ -93,7 +81,7 @@ static double advance(nsdae_sim *sim, const packing *p, int *contacts, double *w
   *contacts = record.contacts.count;
   *worst = stats.worst_residual;
   *work = (double)(stats.lcp_pivots - before) / p->steps;
-  return middle(p->steps, time);
+  return ratio_median(p->steps, time);
 }
 
 static double own_packing(const packing *p, int *contacts, double *worst, double *work)

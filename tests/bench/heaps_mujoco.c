@@ -7,6 +7,7 @@
 #include <mujoco/mujoco.h>
 
 #include "heaps_rival.h"
+#include "ratio.h"
 
 enum { PER_SPHERE = 200, REST = 2000, MOST_STEPS = 200 };
 
@@ -79,5 +80,5 @@ double mujoco_packing(const packing *p, int *contacts)
   *contacts = data->ncon;
   mj_deleteData(data);
   mj_deleteModel(model);
-  return middle(p->steps, time);
+  return ratio_median(p->steps, time);
 }

@@ -43,7 +43,4 @@ static inline void packing_place(const packing *p, int layer, int i, double *at)
  * or failed. */
 double mujoco_packing(const packing *p, int *contacts);
 
-/* The middle one of so many, which are sorted. */
-double middle(int count, double *a);
-
 #endif

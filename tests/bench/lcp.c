@@ -154,27 +154,15 @@ static result measure(bench *c)
   return m;
 }
 
-static int ascending(const void *a, const void *b)
-{
-  double x = *(const double *)a, y = *(const double *)b;
-  return (x > y) - (x < y);
-}
-
-static double median(int count, double *a)
-{
-  qsort(a, (size_t)count, sizeof *a, ascending);
-  return count % 2 ? a[count / 2] : (a[count / 2 - 1] + a[count / 2]) / 2;
-}
-
 /* Medians, as they are sorted: cold, and warm from a neighbour. */
 static int leave(int family, int n, int problems, double *ours, double *warm, double *rivals)
 {
   char title[80];
-  double peers = 1e-6 * median(problems, rivals);
+  double peers = 1e-6 * ratio_median(problems, rivals);
   snprintf(title, sizeof title, "LCP, %s, n = %d, cold", lcp_family_names[family], n);
-  if (ratio_add(title, 1e-6 * median(problems, ours), "Siconos", peers) < 0) return -1;
+  if (ratio_add(title, 1e-6 * ratio_median(problems, ours), "Siconos", peers) < 0) return -1;
   snprintf(title, sizeof title, "LCP, %s, n = %d, warm", lcp_family_names[family], n);
-  return ratio_add(title, 1e-6 * median(problems, warm), "Siconos", peers);
+  return ratio_add(title, 1e-6 * ratio_median(problems, warm), "Siconos", peers);
 }
 
 /* One line of the table; -1 where what it says cannot be written to the file. */
@@ -200,10 +188,11 @@ static int compare(int family, int n, int problems)
     bench_destroy(&c);
   }
   printf("%5d  %-12s %8d %6.0f %9.2f %9.2f", n, lcp_family_names[family], problems,
-         median(problems, pivots), median(problems, ours), median(problems, warm));
+         ratio_median(problems, pivots), ratio_median(problems, ours),
+         ratio_median(problems, warm));
   if (isfinite(rivals[0]))
-    printf(" %10.2f %6.3f %6.3f", median(problems, rivals), median(problems, ratio),
-           median(problems, warm_ratio));
+    printf(" %10.2f %6.3f %6.3f", ratio_median(problems, rivals), ratio_median(problems, ratio),
+           ratio_median(problems, warm_ratio));
   else
     printf(" %10s %6s %6s", "-", "-", "-");
   printf("   %3d %3d %3d\n", solved[0], solved[2], solved[1]);

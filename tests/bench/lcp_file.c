@@ -31,18 +31,6 @@ static double natural_residual(const lcp_file *file, const double *x)
   return worst;
 }
 
-static int ascending(const void *a, const void *b)
-{
-  double x = *(const double *)a, y = *(const double *)b;
-  return (x > y) - (x < y);
-}
-
-static double median(double *a)
-{
-  qsort(a, RUNS, sizeof *a, ascending);
-  return a[RUNS / 2];
-}
-
 /* Seconds of one cold solution. */
 static double time_ours(const lcp_file *file, double *x, double *y, nsdae_lcp_info *info)
 {
@@ -77,17 +65,18 @@ static int compare(const char *path, const lcp_file *file)
     x_theirs = natural_residual(file, x);
   }
   printf("%-40s n %5d  ours %-10s %10.4f s, residual %.1e", name, file->n,
-         nsdae_outcome_name(info.outcome), median(ours), x_ours);
+         nsdae_outcome_name(info.outcome), ratio_median(RUNS, ours), x_ours);
   if (peer)
     printf(";  Siconos %-6s %10.4f s, residual %.1e; ratio %.4f", failed ? "failed" : "solved",
-           median(theirs), x_theirs, median(ours) / median(theirs));
+           ratio_median(RUNS, theirs), x_theirs,
+           ratio_median(RUNS, ours) / ratio_median(RUNS, theirs));
   printf("\n");
   rival_destroy(peer);
   free(x);
   free(y);
   return failed || info.outcome != NSDAE_OUTCOME_SOLVED
              ? 0
-             : ratio_add(name, median(ours), "Siconos", median(theirs));
+             : ratio_add(name, ratio_median(RUNS, ours), "Siconos", ratio_median(RUNS, theirs));
 }
 
 int main(int argc, char **argv)

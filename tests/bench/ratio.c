@@ -56,3 +56,15 @@ int ratio_add(const char *title, double ours, const char *peer, double peers)
   int failed = ferror(file);
   return fclose(file) != 0 || failed ? -1 : 0;
 }
+
+static int ascending(const void *a, const void *b)
+{
+  double x = *(const double *)a, y = *(const double *)b;
+  return (x > y) - (x < y);
+}
+
+double ratio_median(int count, double *a)
+{
+  qsort(a, (size_t)count, sizeof *a, ascending);
+  return count % 2 ? a[count / 2] : (a[count / 2 - 1] + a[count / 2]) / 2;
+}

@@ -14,6 +14,9 @@ extern "C" {
  * written. */
 int ratio_add(const char *title, double ours, const char *peer, double peers);
 
+/* The median of so many numbers, which are sorted. */
+double ratio_median(int count, double *a);
+
 #ifdef __cplusplus
 }
 #endif

@@ -89,23 +89,11 @@ static double own_column(column *c, double *top)
   return stats.wall_time;
 }
 
-static int ascending(const void *a, const void *b)
-{
-  double x = *(const double *)a, y = *(const double *)b;
-  return (x > y) - (x < y);
-}
-
-static double median(double *a)
-{
-  qsort(a, RUNS, sizeof *a, ascending);
-  return a[RUNS / 2];
-}
-
 /* -1: what is left for programs to read cannot be written. */
 static int print_peer(const char *name, double *time, double *own, double top, const column *c)
 {
   char title[80];
-  double theirs = median(time), ours = median(own);
+  double theirs = ratio_median(RUNS, time), ours = ratio_median(RUNS, own);
   if (theirs < 0) {
     printf("  %s: not here\n", name);
     return 0;
@@ -130,7 +118,8 @@ int main(void)
       mujoco[j] = mujoco_column(&c, &top_mujoco);
       if (own[j] < 0) return 1;
     }
-    printf("%d: nsdae %.3f us, top %.4f m\n", balls[i], 1e6 * median(own) / c.steps, top);
+    printf("%d: nsdae %.3f us, top %.4f m\n", balls[i], 1e6 * ratio_median(RUNS, own) / c.steps,
+           top);
     if (print_peer("Siconos", siconos, own, top_siconos, &c) < 0) return 1;
     if (print_peer("MuJoCo", mujoco, own, top_mujoco, &c) < 0) return 1;
   }
