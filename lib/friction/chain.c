@@ -16,9 +16,11 @@ enum { BETWEEN = 20, FEW = 100, WARM = 2000, TRAPPED = 600, SOON = 20, MANY = 20
 /* Contacts up to which a factorisation costs less than the sweeps that it saves. */
 enum { SMALL = 24 };
 
-/* Newton steps of one attempt, along a curve with folds, and between accelerated sweeps; those
- * sweeps, and how many of them see what they are good for; convex problems. */
-enum { STEPS = 300, FOLDED = 10000, A_FEW = 20, STALLED = 300, ROUNDS = 6, SHIFTS = 3 };
+/* Newton steps of one attempt, along a curve with folds, and between accelerated sweeps; proximal
+ * problems that may fail in the first of these; how many accelerated sweeps see what they are good
+ * for, and how many plain ones; convex problems. */
+enum { STEPS = 300, FOLDED = 10000, A_FEW = 20, FAILURES = 20 };
+enum { STALLED = 300, PATIENT = 3000, ROUNDS = 6, SHIFTS = 3 };
 
 /* Where that many sweeps leave more, weights do not get to the ground by sweeps (walls). */
 static const double HYPERSTATIC = 2e-2;
@@ -132,6 +134,7 @@ static int ready(nsdae_fc_chain *c)
   c->newton.matrix = c->matrix;
   c->newton.steps = 0;
   c->newton.most = c->options->max_iterations > 0 ? c->options->max_iterations : STEPS;
+  c->newton.failures = FAILURES;
   c->lost |= c->analysed < 0;
   return c->analysed == 1;
 }
@@ -143,10 +146,12 @@ static int count(nsdae_fc_chain *c, int stage)
   return judge(c, stage);
 }
 
-/* From the best point so far, at most so many steps; 0: as many as one attempt has. */
+/* From the best point so far, at most so many steps, as long as none of its problems fails; 0: as
+ * many as one attempt has. */
 static int proximal(nsdae_fc_chain *c, double alpha, int most, int stage)
 {
   if (!ready(c)) return 0;
+  if (most > 0) c->newton.failures = 0;
   if (most > 0 && most < c->newton.most) c->newton.most = most;
   memcpy(c->fc.r, c->best, bytes(c));
   nsdae_fc_proximal(&c->newton, alpha, c->tol);
@@ -155,19 +160,23 @@ static int proximal(nsdae_fc_chain *c, double alpha, int most, int stage)
 
 /* Sweeps and Newton's method in turn. Sweeps bring most contacts to rest and drift where few of
  * them are locked: r grows along what hardly moves u, by as much in each sweep, until one opens.
- * Newton's method takes that way in a step, but finds it only where little else changes. */
+ * Newton's method takes that way in a step, but finds it only where little else changes. Where it
+ * does not, much slides, and extrapolated sweeps go astray as well: plain ones get further. */
 static int alternate(nsdae_fc_chain *c, int stage)
 {
   for (int k = 0; k < ROUNDS; k++) {
-    double before = c->info.residual;
+    double before;
     memcpy(c->fc.r, c->best, bytes(c));
     nsdae_fc_velocities(&c->fc, c->fc.r, c->fc.y, c->fc.u);
     if (accelerated(c, MANY, STALLED, stage)) return 1;
     if (c->info.residual > HYPERSTATIC) return 0;
+    before = c->info.residual;
     if (proximal(c, 1e-4, A_FEW, stage)) return 1;
-    if (k > 0 && !(c->info.residual < before)) return 0;
+    if (!(c->info.residual < before)) break;
   }
-  return 0;
+  memcpy(c->fc.r, c->best, bytes(c));
+  nsdae_fc_sweep_begin(&c->fc);
+  return sweeps(c, MANY / 2, PATIENT, stage);
 }
 
 /* Along the path, cold, and from its end on. */
