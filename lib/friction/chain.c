@@ -13,18 +13,23 @@
  * where so many have not halved the residual; of the last resort. */
 enum { BETWEEN = 20, FEW = 100, WARM = 2000, TRAPPED = 600, SOON = 20, MANY = 20000 };
 
+/* Plain sweeps where nothing else gets further: so many items swept, two seconds or so, but at
+ * least and at most so many sweeps; they end where half of them have not halved the residual. */
+enum { LONG = 12000, LONGER = 30000 };
+static const double SWEPT = 3e7;
+
 /* Contacts up to which a factorisation costs less than the sweeps that it saves. */
 enum { SMALL = 24 };
 
 /* Newton steps of one attempt, along a curve with folds, and between accelerated sweeps; proximal
  * problems that may fail in the first of these; how many accelerated sweeps see what they are good
- * for, and how many plain ones; convex problems. */
+ * for; convex problems. */
 enum { STEPS = 300, FOLDED = 10000, A_FEW = 20, FAILURES = 20 };
-enum { STALLED = 300, PATIENT = 3000, ROUNDS = 6, SHIFTS = 3 };
+enum { STALLED = 300, ROUNDS = 6, SHIFTS = 3 };
 
 /* Where FEW sweeps leave more, weights do not get to the ground by sweeps: walls, towers and arches
- * keep 0.06 and more, what slides 0.02 and less. */
-static const double HYPERSTATIC = 3e-2;
+ * keep 0.06 and more, what slides 0.04 and less. */
+static const double HYPERSTATIC = 5e-2;
 
 /* Newton steps times items that an island may take until its curves end, half as many for a row of
  * paths, and one curve: fifteen seconds or so, after which what is not solved is said not to be. */
@@ -175,7 +180,8 @@ static int alternate(nsdae_fc_chain *c, int stage)
   }
   memcpy(c->fc.r, c->best, bytes(c));
   nsdae_fc_sweep_begin(&c->fc);
-  return sweeps(c, MANY / 2, PATIENT, stage);
+  int most = (int)fmax(LONG, fmin(LONGER, SWEPT / c->fc.n));
+  return sweeps(c, most, most / 2, stage);
 }
 
 /* Along the path, cold, and from its end on. */
