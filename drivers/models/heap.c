@@ -99,11 +99,11 @@ static int cylinder(double t, const double *q, const double *v, double reach,
   return status;
 }
 
-/* Sphere i, at a node of the grid and as fast as from a height of up to five radii: what is shaken
+/* Sphere i, at a node of the grid and as fast as from a height of up to a radius: what is shaken
  * settles without order. */
 static void pour(heap *p, int i, double x, double y, double z)
 {
-  const double node[3] = {x, y, z}, fast = sqrt(10 * p->g * p->r);
+  const double node[3] = {x, y, z}, fast = sqrt(2 * p->g * p->r);
   uint32_t number = 6 * ((uint32_t)i + 1000003u * (uint32_t)p->cylinder.seed);
   nsdae_rigid_body body = {.mass = 0};
   for (uint32_t j = 0; j < 3; j++) {

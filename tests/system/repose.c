@@ -1,5 +1,5 @@
-/* Slopes on which a sphere rests in a dimple of others that stand still, which is exact, and how it
- * rolls out of it.
+/* What holds spheres up is exact where they are few: slopes on which one rests in a dimple of
+ * others that stand still, how it rolls out of it, and the friction that a pyramid needs.
  *
  * Sphere of radius r on k of radius R, whose centres are the corners of a regular polygon, c from
  * its middle: it lies h = sqrt((r + R)^2 - c^2) above them. It rests while its weight passes inside
@@ -8,16 +8,26 @@
  *
  *   tan theta = c cos(pi / k) / (h cos phi),   |phi| <= pi / k
  *
- * on (R. Albert, I. Albert, D. Hornbaker, P. Schiffer, A.-L. Barabasi, Maximum angle of stability
- * in wet and dry spherical granular media, Phys. Rev. E 56, R6271, 1997): 19.5 to 35.3 degrees on
- * three of its own size, 23.8 in the mean of all directions. Friction plays no part, up to mu = h /
- * c: only beyond can a contact behind pull the sphere down, and wedge it.
+ * on (the criterion of R. Albert, I. Albert, D. Hornbaker, P. Schiffer, A.-L. Barabasi, Maximum
+ * angle of stability in wet and dry spherical granular media, Phys. Rev. E 56, R6271, 1997), which
+ * comes to 19.5 to 35.3 degrees on three of its own size, 23.8 in the mean of all directions.
+ * Friction plays no part, up to mu = h / c: only beyond can a contact behind pull the sphere down,
+ * and wedge it.
  *
  * It leaves over two supports, P = sqrt((r + R)^2 - (c sin(pi / k))^2) from the line of their
  * centres, and, where it rolls, rho = P r / (r + R) from the line of the contacts about which it
  * turns; psi being the angle of that arm with the vertical, the energy says
  *
- *   v^2 (1 + 2 r^2 / (5 rho^2)) = 2 g P (cos psi_0 - cos psi) */
+ *   v^2 (1 + 2 r^2 / (5 rho^2)) = 2 g P (cos psi_0 - cos psi)
+ *
+ * A pyramid: the k spheres lie on a plane, and one on them, whose contacts are theta off the
+ * vertical, sin theta = c / (r + R). Friction F is the same above and below a lower sphere (moments
+ * about its centre), N sin theta = F (1 + cos theta) (no force outwards), so that it stands from
+ *
+ *   mu = F / N = tan(theta / 2)
+ *
+ * on, whatever the weights; the floor is asked for less, being pressed on by the lower sphere too.
+ * For four equal spheres that is sqrt(3) - sqrt(2). */
 #include "check.h"
 
 #include <nsdae/nsdae.h>
@@ -50,6 +60,8 @@ static double norm(const double *x)
   return sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
 }
 
+enum { BODIES_MAX = 6 };
+
 static int look(const nsdae_record *record, nsdae_error *error, void *user)
 {
   end *e = user;
@@ -60,17 +72,22 @@ static int look(const nsdae_record *record, nsdae_error *error, void *user)
   return 0;
 }
 
+static void add_ball(nsdae_bodies *b, double mass, double r, double x, double y, double z)
+{
+  double J = 0.4 * mass * r * r;
+  int body = nsdae_bodies_add(
+      b, &(nsdae_rigid_body){.mass = mass, .inertia = {J, J, J}, .position = {x, y, z}});
+  nsdae_bodies_add_solid(b, body, &(nsdae_solid){.shape = NSDAE_SHAPE_SPHERE, .radius = r});
+}
+
 /* The normal of edge 0 is x; the supports' centres lie in z = 0. */
-static nsdae_bodies *world(const dimple *d, double mu, double theta, double phi)
+static nsdae_bodies *tilted(const dimple *d, double mu, double theta, double phi)
 {
   nsdae_bodies *b;
   const double gravity[3] = {g * sin(theta) * cos(phi), g * sin(theta) * sin(phi), -g * cos(theta)};
-  double J = 0.4 * d->r * d->r;
   assert_int_equal(nsdae_bodies_create(3, &b, NULL), NSDAE_OK);
   nsdae_bodies_set_gravity(b, gravity);
-  nsdae_bodies_add(
-      b, &(nsdae_rigid_body){.mass = 1, .inertia = {J, J, J}, .position = {0, 0, depth(d)}});
-  nsdae_bodies_add_solid(b, 0, &(nsdae_solid){.shape = NSDAE_SHAPE_SPHERE, .radius = d->r});
+  add_ball(b, 1, d->r, 0, 0, depth(d));
   for (int i = 0; i < d->k; i++) {
     double at = (2 * i + 1) * pi / d->k;
     nsdae_bodies_add_solid(b, NSDAE_GROUND,
@@ -82,14 +99,14 @@ static nsdae_bodies *world(const dimple *d, double mu, double theta, double phi)
   return b;
 }
 
-static end run(const dimple *d, double mu, double theta, double phi, double dt, double t_end)
+/* Of body 0 of the world, r its radius; takes the world. */
+static end run(nsdae_bodies *b, double r, double dt, double t_end)
 {
-  nsdae_bodies *b = world(d, mu, theta, phi);
   nsdae_system *system;
   nsdae_sim *sim;
   nsdae_sim_options options;
-  double q[7], v[6];
-  end e = {.r = d->r};
+  double q[7 * BODIES_MAX], v[6 * BODIES_MAX];
+  end e = {.r = r};
   nsdae_sim_options_default(&options);
   options.method = NSDAE_METHOD_MOREAU;
   options.dt = dt;
@@ -148,8 +165,8 @@ static void test_slopes(void **state)
     dimple d = draw(i, &seed);
     double phi = (2 * chance(&seed) - 1) * 0.95 * pi / d.k;
     double mu = i % 4 ? 0.95 * chance(&seed) * depth(&d) / d.c : 0, most = steepest(&d, phi);
-    end rests = run(&d, mu, 0.999 * most, phi, 1e-3, 0.1);
-    end leaves = run(&d, mu, 1.001 * most, phi, 1e-3, 1);
+    end rests = run(tilted(&d, mu, 0.999 * most, phi), d.r, 1e-3, 0.1);
+    end leaves = run(tilted(&d, mu, 1.001 * most, phi), d.r, 1e-3, 1);
     assert_at_most(rests.fastest, 1e-9 * g * 1e-3);
     assert_true(leaves.x[0] > d.c * cos(pi / d.k));
   }
@@ -167,7 +184,7 @@ static void test_rolls_out(void **state)
     const dimple d = {.k = 3 + i % 2, .r = 0.01, .R = R, .c = R / sin(pi / (3 + i % 2))};
     double arm = d.c * cos(pi / d.k), P = hypot(depth(&d), arm), rho = P * d.r / (d.r + d.R);
     double theta = steepest(&d, 0) + 0.05;
-    end e = run(&d, 0.9 * depth(&d) / d.c, theta, 0, dt, 0.13);
+    end e = run(tilted(&d, 0.9 * depth(&d) / d.c, theta, 0), d.r, dt, 0.13);
     double psi = atan2(e.x[0] - arm, e.x[2]) + theta, v = norm(e.v), rim = d.r * norm(e.v + 3);
     assert_true(psi > 0.2 && psi < 0.8);
     assert_near((v * v + 0.4 * rim * rim) / (2 * g * P * (cos(0.05) - cos(psi))), 1,
@@ -176,10 +193,44 @@ static void test_rolls_out(void **state)
   }
 }
 
+/* The upper sphere is body 0, of mass 1. */
+static nsdae_bodies *pyramid(const dimple *d, double mass, double mu)
+{
+  nsdae_bodies *b;
+  const double gravity[3] = {0, 0, -g};
+  assert_int_equal(nsdae_bodies_create(3, &b, NULL), NSDAE_OK);
+  nsdae_bodies_set_gravity(b, gravity);
+  nsdae_bodies_add_solid(b, NSDAE_GROUND, &(nsdae_solid){.shape = NSDAE_SHAPE_PLANE});
+  add_ball(b, 1, d->r, 0, 0, d->R + depth(d));
+  for (int i = 0; i < d->k; i++) {
+    double at = 2 * i * pi / d->k;
+    add_ball(b, mass, d->R, d->c * cos(at), d->c * sin(at), d->R);
+  }
+  nsdae_bodies_set_pair(b, 0, 0, mu, 0, 0);
+  return b;
+}
+
+/* A thousandth more friction than that and it stands, a thousandth less and it falls. */
+static void test_pyramid(void **state)
+{
+  uint32_t seed = 2;
+  (void)state;
+  for (int i = 0; i < 48; i++) {
+    dimple d = i == 0 ? (dimple){3, 0.01, 0.01, 0.02 / sqrt(3)} : draw(i, &seed);
+    double theta = asin(d.c / (d.r + d.R)), mass = i == 0 ? 1 : exp(4 * chance(&seed) - 2);
+    double least = tan(theta / 2), high = d.R + depth(&d);
+    if (i == 0) assert_near(least, sqrt(3) - sqrt(2), 1e-15);
+    end stands = run(pyramid(&d, mass, 1.001 * least), d.r, 1e-3, 0.1);
+    end falls = run(pyramid(&d, mass, 0.999 * least), d.r, 1e-3, 1);
+    assert_at_most(stands.fastest, 1e-9 * g * 1e-3);
+    assert_true(falls.x[2] < 0.99 * high); /* heavy ones are slow to go */
+  }
+}
+
 int main(void)
 {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_published),
-                                     cmocka_unit_test(test_slopes),
-                                     cmocka_unit_test(test_rolls_out)};
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_published), cmocka_unit_test(test_slopes),
+      cmocka_unit_test(test_rolls_out), cmocka_unit_test(test_pyramid)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -175,7 +175,7 @@ static deposit collapse(double a, int spheres, int seed)
   p->spheres = spheres;
   p->cylinder.aspect = a;
   p->cylinder.seed = seed;
-  run(&heap_model, 2e-3, 1);
+  run(&heap_model, 1e-3, 0.9);
   assert_int_equal(deposit_measure(spheres, p->r, p->place, &d), NSDAE_OK);
   assert_at_most(p->filled, 1e-3);
   assert_at_most(0.9 * p->r, d.lowest); /* the plane that carries the rough floor is at 0 */
@@ -227,8 +227,10 @@ static void test_collapse(void **state)
         runout += d.radius / R - 1;
         add_point(&l, law, (d.radius - R) / grain);
         if (many)
-          print_message("a %.3f, %4d spheres: %.2f grains, %.2f of many\n", p->cylinder.filled,
-                        spheres, (d.radius - R) / grain, law);
+          print_message("a %.3f, %3d spheres, R0 %.2f: %3d in the pile, runout %.2f +- %.2f, "
+                        "published %.2f, height %.3f R0, slope %.1f\n",
+                        p->cylinder.filled, spheres, R / grain, d.pile, (d.radius - R) / grain,
+                        d.scatter / grain, law, d.height / R, p->angle * 57.29577951308232);
       }
     double missing = (l.x - l.y) / l.n;
     if (many) print_message("slope %.2f, %.2f grains less\n", slope(&l), missing);
