@@ -8,7 +8,7 @@ typedef struct deposit {
   int pile;       /* spheres of the pile, of those measured */
   double radius;  /* mean over sixteen sectors of its outermost rim [m] */
   double scatter; /* standard deviation over the sectors [m] */
-  double height;  /* highest centre of its spheres, over that of the floor's spheres [m] */
+  double height;  /* highest centre of its spheres [m] */
   double lowest;  /* lowest centre of all spheres [m]: none may lie in the floor */
 } deposit;
 

@@ -110,7 +110,6 @@ static void pour(heap *p, int i, double x, double y, double z)
     body.position[j] = node[j] + 0.1 * p->r * scatter(number + j);
     body.velocity[j] = fast * scatter(number + 3 + j);
   }
-  p->start_momentum += p->mass * body.velocity[2];
   add_sphere(p, i, body);
 }
 
@@ -145,7 +144,8 @@ static int build(void *base, nsdae_system **system, nsdae_error *error)
   }
   p->mass = 4 * pi / 3 * p->r * p->r * p->r * 1000;
   p->weight = p->mass * p->g * p->spheres;
-  p->impulse = p->worst_momentum = p->start_momentum = 0;
+  p->impulse = p->worst_momentum = p->cylinder.filled = 0;
+  p->begun = 0;
   if (p->cylinder.aspect > 0)
     fill(p);
   else
@@ -183,30 +183,44 @@ static void measure(heap *p, const nsdae_record *r)
     p->cylinder.filled = 2 * (p->rough ? top : top + p->r) / p->cylinder.radius;
 }
 
+/* From the first record on, which is the start, or that of a file that is taken up. */
+static void balance(heap *p, const nsdae_record *r)
+{
+  if (p->begun)
+    p->impulse += world_ground_impulse(r);
+  else {
+    p->since = r->time;
+    p->from = p->momentum;
+    p->begun = 1;
+  }
+  double given = p->weight * (r->time - p->since) + p->momentum - p->from;
+  p->worst_momentum = fmax(p->worst_momentum, fabs(p->impulse - given));
+}
+
 static void follow(void *base, const nsdae_record *r)
 {
   heap *p = base;
   double overlap = 0;
-  if (r->step > 0) p->impulse += world_ground_impulse(r);
   measure(p, r);
+  balance(p, r);
   for (int i = 0; i < r->contacts.count; i++)
     if (r->contacts.gap[i] < 0) overlap += lens(p->r, -r->contacts.gap[i]);
   p->filled = overlap / p->spheres;
-  p->worst_momentum = fmax(
-      p->worst_momentum, fabs(p->impulse - p->weight * r->time - p->momentum + p->start_momentum));
 }
 
 static void print_deposit(const heap *p)
 {
-  double a = p->cylinder.filled, R = p->cylinder.radius;
+  int seen = p->cylinder.filled > 0;
+  double a = seen ? p->cylinder.filled : p->cylinder.aspect, R = p->cylinder.radius;
   deposit d;
   if (deposit_measure(p->spheres, p->r, p->place, &d) < 0) return;
-  printf("column a = %.3f, of radius %.2f diameters; %d of %d spheres in one pile\n", a,
-         R / (2 * p->r), d.pile, p->spheres);
+  printf("column a = %.3f%s, of radius %.2f diameters; %d of %d spheres in one pile\n", a,
+         seen ? "" : " (asked for)", R / (2 * p->r), d.pile, p->spheres);
   printf("runout / radius %.3f +- %.3f over the directions; of many grains %.3f (Lube et al. "
          "2004)\n",
          d.radius / R - 1, d.scatter / R, deposit_runout(a));
-  printf("height / radius %.3f", d.height / R);
+  /* over the tops of the floor's spheres, or the plane */
+  printf("height / radius %.3f", (p->rough ? d.height : d.height + p->r) / R);
   if (deposit_height(a) > 0) printf("; of many grains %.3f", deposit_height(a));
   printf("\n");
 }

@@ -10,7 +10,7 @@ typedef struct heap_cylinder {
   double release; /* [s] */
   int seed;       /* of places and velocities at the start */
   double radius;  /* [m] */
-  double filled;  /* height of the spheres in it, over its radius, when it went */
+  double filled;  /* height of the spheres in it, over its radius, when it went; 0: not seen */
 } heap_cylinder;
 
 typedef struct heap {
@@ -22,9 +22,10 @@ typedef struct heap {
   double weight, mass;      /* of all [N], of one [kg] */
   double impulse, momentum; /* of the floor so far, of the spheres now [N s] */
   double worst_momentum;    /* balance: impulse - weight t - change of momentum [N s] */
-  double start_momentum;    /* [N s] */
-  double angle;             /* slope of the heap [rad] */
-  double filled;            /* part of the spheres' volume that lies in another */
+  double since, from;       /* time and momentum where the run began, or was taken up [s, N s] */
+  int begun;
+  double angle;  /* slope of the heap [rad] */
+  double filled; /* part of the spheres' volume that lies in another */
 } heap;
 
 extern const driver_model heap_model;
