@@ -12,9 +12,9 @@
  * monosized spheres, Phys. Rev. E 64, 021301, 2001).
  *
  * Runout and height of what a cylinder leaves: deposit.h, which has the published laws, of columns
- * of many grains. Where the cylinder is few grains wide, the heap runs less far, in the measure in
- * which a grain is large (J. M. Warnett, P. Denissenko, P. J. Thomas, E. Kiraci, M. A. Williams,
- * Scalings of axisymmetric granular column collapse, Granular Matter 16, 115-124, 2014). */
+ * of many grains. Where the cylinder is few grains wide, the runout depends on how many, too (J. M.
+ * Warnett, P. Denissenko, P. J. Thomas, E. Kiraci, M. A. Williams, Scalings of axisymmetric
+ * granular column collapse, Granular Matter 16, 115-124, 2014): tests/system/structures.c. */
 #include "heap.h"
 
 #include <math.h>
@@ -235,8 +235,8 @@ static void conclude(const void *base)
            p->impulse > 0 ? p->worst_momentum / p->impulse : p->worst_momentum);
     return;
   }
-  printf("slope of the heap %.1f degrees; it grows with friction (Zhou et al. 2001)\n",
-         p->angle * 180 / pi);
+  printf("slope of the heap %.1f degrees%s\n", p->angle * 180 / pi,
+         p->cylinder.aspect > 0 ? "" : "; it grows with friction (Zhou et al. 2001)");
 }
 
 #define AT(field) offsetof(heap, field)
