@@ -32,7 +32,8 @@ double world_ground_impulse(const nsdae_record *r)
 {
   double sum = 0;
   for (int i = 0; i < r->contacts.count; i++)
-    if (r->contacts.block[2 * i] < 0 || r->contacts.block[2 * i + 1] < 0)
+    if (r->contacts.id[i] >= 0 &&
+        (r->contacts.block[2 * i] < 0 || r->contacts.block[2 * i + 1] < 0))
       sum += r->contacts.normal_impulse[i];
   return sum;
 }

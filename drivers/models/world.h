@@ -13,7 +13,8 @@ int world_begin(nsdae_bodies **world, int dimension, double g, double mu, double
  * returned where it is < 0 and the world knows nothing of it. */
 int world_end(nsdae_bodies *world, int status, nsdae_system **system, nsdae_error *error);
 
-/* Normal impulse between the bodies and the ground in the step of the record. */
+/* Normal impulse between the bodies and the ground's solids in the step of the record; a model's
+ * own contacts are not of them. */
 double world_ground_impulse(const nsdae_record *record);
 
 /* The most that any of the record's n velocities is. */
