@@ -18,6 +18,9 @@ enum { BETWEEN = 20, FEW = 100, WARM = 2000, TRAPPED = 600, SOON = 20, MANY = 20
 enum { LONG = 12000, LONGER = 30000 };
 static const double SWEPT = 3e7;
 
+/* The sweeps of TRAPPED where what is locked is solved by itself then; how many times. */
+enum { LOCKED = 60, REGIONS = 8 };
+
 /* Contacts up to which a factorisation costs less than the sweeps that it saves. */
 enum { SMALL = 24 };
 
@@ -195,10 +198,39 @@ static int path(nsdae_fc_chain *c, double loose, int stage)
   return count(c, stage);
 }
 
+/* What keeps sweeps from an end, by itself: of two of them the second one shows what still moves.
+ * 1: solved; -1: no more is to be had of it. */
+static int solve_region(nsdae_fc_chain *c, int stage)
+{
+  double *before = c->anderson.before;
+  nsdae_fc_sweep(&c->fc, 1, c->slip);
+  memcpy(before, c->fc.r, bytes(c));
+  nsdae_fc_sweep(&c->fc, 1, c->slip);
+  c->info.sweeps += 2;
+  if (judge(c, stage)) return 1;
+  int found = nsdae_fc_region_solve(c->region, &c->fc, before, c->tol, &c->info);
+  return found > 0 ? judge(c, stage) : found;
+}
+
+/* Sweeps over all, and Newton's method over what is locked, in turn. */
+static int by_regions(nsdae_fc_chain *c, int stage)
+{
+  int found = 0;
+  for (int k = 0; k < REGIONS && found == 0; k++)
+    found = accelerated(c, WARM, LOCKED, stage) ? 1 : solve_region(c, stage);
+  return found > 0;
+}
+
+static int has_regions(const nsdae_fc_chain *c)
+{
+  return c->region && !c->fc.local && c->tol >= ROUGH && c->fc.n > SMALL;
+}
+
 /* Sweeps from fc->r on, the guess, whose y is current; it is looked at where they fail. */
 static int sweep_guess(nsdae_fc_chain *c)
 {
   memcpy(c->trap, c->fc.r, bytes(c));
+  if (has_regions(c) && by_regions(c, NSDAE_FRICTION_WARM)) return 1;
   if (accelerated(c, WARM, c->tol < ROUGH ? SOON : TRAPPED, NSDAE_FRICTION_WARM)) return 1;
   memcpy(c->fc.r, c->trap, bytes(c));
   return judge(c, NSDAE_FRICTION_WARM);

@@ -16,7 +16,9 @@ struct nsdae_friction_solver {
   nsdae_fc_whole whole;
   nsdae_fc_matrix matrix;
   nsdae_fc_proof proof;
+  nsdae_fc_region region;
   nsdae_fc_chain chain;
+  int inner; /* solves regions, and has none */
 };
 
 void nsdae_friction_options_default(nsdae_friction_options *options)
@@ -46,6 +48,13 @@ int nsdae_friction_create(nsdae_friction_solver **solver)
   return *solver ? NSDAE_OK : NSDAE_E_MEMORY;
 }
 
+int nsdae_fc_create_inner(nsdae_friction_solver **solver)
+{
+  int status = nsdae_friction_create(solver);
+  if (status == NSDAE_OK) (*solver)->inner = 1;
+  return status;
+}
+
 void nsdae_friction_destroy(nsdae_friction_solver **solver)
 {
   if (!solver || !*solver) return;
@@ -53,6 +62,7 @@ void nsdae_friction_destroy(nsdae_friction_solver **solver)
   nsdae_arena_release(&(*solver)->island_memory);
   nsdae_fc_matrix_release(&(*solver)->matrix);
   nsdae_fc_proof_release(&(*solver)->proof);
+  nsdae_fc_region_release(&(*solver)->region);
   free(*solver);
   *solver = NULL;
 }
@@ -88,6 +98,7 @@ static int lay_out(nsdae_friction_solver *s, int island)
 {
   s->chain = (nsdae_fc_chain){
       .fc = {.whole = &s->whole, .label = island}, .matrix = &s->matrix, .proof = &s->proof};
+  s->chain.region = s->inner ? NULL : &s->region;
   return nsdae_arena_fit(&s->island_memory, nsdae_fc_chain_layout, &s->chain);
 }
 
