@@ -84,8 +84,105 @@ static void test_forms(void **state)
   }
 }
 
+/* Length of the part of item k at entry e: its block's rows times three directions. */
+static size_t part_size(const nsdae_friction_problem *p, int e)
+{
+  return 3 * (size_t)p->size[p->block[e]];
+}
+
+/* The contacts of a problem in another order. */
+typedef struct shuffled {
+  nsdae_friction_problem problem;
+  int *first, *block;
+  double *mu, *w, *value;
+} shuffled;
+
+static void shuffle(const nsdae_friction_problem *p, const int *order, shuffled *s)
+{
+  int entries = p->first[p->contacts], used = 0;
+  size_t *from = calloc((size_t)entries + 1, sizeof *from), n = (size_t)p->contacts;
+  for (int e = 0; e < entries; e++) from[e + 1] = from[e] + part_size(p, e);
+  s->mu = calloc(n, sizeof *s->mu);
+  s->w = calloc(3 * n, sizeof *s->w);
+  s->value = calloc(from[entries], sizeof *s->value);
+  s->first = calloc(n + 1, sizeof *s->first);
+  s->block = calloc((size_t)entries, sizeof *s->block);
+  double *next = s->value;
+  for (int i = 0; i < p->contacts; i++) {
+    int k = order[i];
+    s->mu[i] = p->mu[k];
+    memcpy(s->w + 3 * i, p->w + 3 * k, 3 * sizeof *s->w);
+    for (int e = p->first[k]; e < p->first[k + 1]; e++) {
+      s->block[used++] = p->block[e];
+      memcpy(next, p->value + from[e], part_size(p, e) * sizeof *next);
+      next += part_size(p, e);
+    }
+    s->first[i + 1] = used;
+  }
+  free(from);
+  s->problem = *p;
+  s->problem.mu = s->mu, s->problem.w = s->w, s->problem.value = s->value;
+  s->problem.first = s->first, s->problem.block = s->block;
+}
+
+static void free_shuffled(shuffled *s)
+{
+  free(s->mu);
+  free(s->w);
+  free(s->value);
+  free(s->first);
+  free(s->block);
+}
+
+static int solve_in_order(const friction_sample *s, const int *order)
+{
+  nsdae_friction_info info;
+  shuffled other;
+  shuffle(&s->problem, order, &other);
+  size_t m = 3 * (size_t)s->problem.contacts;
+  double *r = calloc(m, sizeof *r), *back = calloc(m, sizeof *back);
+  int status = solve(&other.problem, 1e-4, r, &info);
+  for (int i = 0; i < s->problem.contacts; i++)
+    memcpy(back + 3 * (size_t)order[i], r + 3 * (size_t)i, 3 * sizeof *back);
+  assert_int_equal(status, NSDAE_OK);
+  assert_at_most(friction_sample_residual(s, back), 1e-4 * (1 + 1e-9));
+  free(r);
+  free(back);
+  free_shuffled(&other);
+  return info.stage;
+}
+
+/* To a rough tolerance sweeps and Newton's method in turn: whatever the order in which contacts are
+ * given, and so which of them sweeps meet first, each is solved. */
+static void test_orders(void **state)
+{
+  (void)state;
+  int stages = 0;
+  for (unsigned k = 1; k < 9; k++) {
+    friction_sample s;
+    memset(&s, 0, sizeof s);
+    friction_sample_draw(&s, (int)k % FRICTION_FAMILIES, 150, 300 + k);
+    int n = s.problem.contacts, *order = calloc((size_t)n, sizeof *order);
+    for (int i = 0; i < n; i++) order[i] = i;
+    for (unsigned turn = 0; turn < 3; turn++) {
+      stages |= solve_in_order(&s, order);
+      for (int i = n - 1; i > 0; i--) {
+        int j = (int)((2654435761u * (unsigned)(i + 1) + 40503u * (turn + k)) % (unsigned)(i + 1));
+        int held = order[i];
+        order[i] = order[j];
+        order[j] = held;
+      }
+    }
+    free(order);
+    friction_sample_release(&s);
+  }
+  assert_true(stages & NSDAE_FRICTION_GAUSS_SEIDEL); /* both of the ways were taken */
+  assert_true(stages & NSDAE_FRICTION_SMOOTHING);
+}
+
 int main(void)
 {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_families), cmocka_unit_test(test_forms)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_families), cmocka_unit_test(test_forms),
+                                     cmocka_unit_test(test_orders)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
