@@ -24,8 +24,9 @@ static const double SWEPT = 3e7;
 static const double ROAMED = 7e8;
 enum { ROAM = 650000, BLOCK = 2500, ATTEMPT = 150, STEP_IN_SWEEPS = 130 };
 
-/* The sweeps of TRAPPED where what is locked is solved by itself then; how many times. */
-enum { LOCKED = 60, REGIONS = 8 };
+/* The sweeps of TRAPPED where what is locked is solved by itself then; how many times, and how many
+ * of them in vain; the sweeps of TRAPPED there. */
+enum { LOCKED = 60, REGIONS = 8, IN_VAIN = 3, INSIDE = 200 };
 
 /* Contacts up to which a factorisation costs less than the sweeps that it saves. */
 enum { SMALL = 24 };
@@ -205,7 +206,7 @@ static int path(nsdae_fc_chain *c, double loose, int stage)
 }
 
 /* What keeps sweeps from an end, by itself: of two of them the second one shows what still moves.
- * 1: solved; -1: no more is to be had of it. */
+ * 1: the island is solved; -1: that part was not. */
 static int solve_region(nsdae_fc_chain *c, int stage)
 {
   double *before = c->anderson.before;
@@ -221,9 +222,11 @@ static int solve_region(nsdae_fc_chain *c, int stage)
 /* Sweeps over all, and Newton's method over what is locked, in turn. */
 static int by_regions(nsdae_fc_chain *c, int stage)
 {
-  int found = 0;
-  for (int k = 0; k < REGIONS && found == 0; k++)
+  int found = 0, failed = 0;
+  for (int k = 0; k < REGIONS && found <= 0 && failed < IN_VAIN; k++) {
     found = accelerated(c, WARM, LOCKED, stage) ? 1 : solve_region(c, stage);
+    failed += found < 0;
+  }
   return found > 0;
 }
 
@@ -235,9 +238,10 @@ static int has_regions(const nsdae_fc_chain *c)
 /* Sweeps from fc->r on, the guess, whose y is current; it is looked at where they fail. */
 static int sweep_guess(nsdae_fc_chain *c)
 {
+  int patience = c->tol < ROUGH ? SOON : c->region ? TRAPPED : INSIDE;
   memcpy(c->trap, c->fc.r, bytes(c));
   if (has_regions(c) && by_regions(c, NSDAE_FRICTION_WARM)) return 1;
-  if (accelerated(c, WARM, c->tol < ROUGH ? SOON : TRAPPED, NSDAE_FRICTION_WARM)) return 1;
+  if (accelerated(c, WARM, patience, NSDAE_FRICTION_WARM)) return 1;
   memcpy(c->fc.r, c->trap, bytes(c));
   return judge(c, NSDAE_FRICTION_WARM);
 }
