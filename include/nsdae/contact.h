@@ -25,7 +25,8 @@ enum { NSDAE_CONTACT_WIDTH = 6 }; /* velocities of a rigid body */
 
 /* A contact by list: two blocks of v, or a block and the ground, that touch or may. Of its
  * directions the normal comes first, then the dims.nt tangential ones; what is past them is not
- * read. Begin with zeros, and set both blocks. */
+ * read. Those of a pair should follow it smoothly: a step begins with the impulses that the one
+ * before had along them. Begin with zeros, and set both blocks. */
 typedef struct nsdae_contact {
   long id;             /* the same pair of features has the same at all times, no two in a list the
                           same one: warm starts, impacts and records go by it */

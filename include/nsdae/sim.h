@@ -142,7 +142,8 @@ typedef struct nsdae_record {
   nsdae_contact_set contacts; /* those by list; of numbered ones tell the arrays above */
   double kinetic, potential;  /* [J]; potential is 0 where no callback gives it */
   double dissipated;          /* work taken by all contact impulses so far [J] */
-  double lcp_residual;        /* scaled natural residual, 0 where there was no LCP */
+  double lcp_residual;        /* scaled natural residual, 0 where there was no LCP; of contacts by
+                                 list that of friction.h, one over all contacts of the step */
   double constraint_drift;    /* max |Phi| */
   double penetration;         /* max(0, -g_N) over the contacts */
   const nsdae_impact *impact; /* [impacts] */

@@ -98,17 +98,12 @@ static void set_planar(const nsdae_still *still, const couple *two, nsdae_contac
   }
 }
 
-/* d_0 = n, and the tangents of contacts.c: e x n of the coordinate axis e that n is least along,
- * and n x that. */
+/* d_0 = n, d_1 along e x n (see nsdae_tangent_axis), d_2 = n x d_1. */
 static void find_directions(const double *n, double d[3][3])
 {
   double e[3] = {0, 0, 0};
-  int least = 2;
-  for (int i = 0; i < 3; i++) {
-    d[0][i] = n[i];
-    if (fabs(n[i]) < fabs(n[least])) least = i;
-  }
-  e[least] = 1;
+  e[nsdae_tangent_axis(n[2])] = 1;
+  for (int i = 0; i < 3; i++) d[0][i] = n[i];
   nsdae_cross3(e, n, d[1]);
   double length = sqrt(nsdae_dot3(d[1], d[1]));
   for (int i = 0; i < 3; i++) d[1][i] /= length;

@@ -86,18 +86,15 @@ static int gap_normal(double t, const double *q, double *W, int ldw, void *user)
 }
 
 /* t_1 (and in space t_2 = n x t_1) at right angles to n: in the plane n turned to the left, in
- * space e x n of the coordinate axis e that n is least along. */
+ * space along e x n: see nsdae_tangent_axis. */
 static void tangents(int dimension, nsdae_jet3 n, nsdae_jet3 t[2])
 {
   double e[3] = {0, 0, 0};
-  int least = 2;
   if (dimension == 2) {
     t[0] = (nsdae_jet3){{nsdae_jet_scale(-1, n.at[1]), n.at[0], nsdae_jet_of(0)}};
     return;
   }
-  for (int i = 0; i < 3; i++)
-    if (fabs(n.at[i].x) < fabs(n.at[least].x)) least = i;
-  e[least] = 1;
+  e[nsdae_tangent_axis(n.at[2].x)] = 1;
   t[0] = nsdae_jet3_cross(nsdae_jet3_of(e), n);
   t[0] = nsdae_jet3_times(nsdae_jet_inverse(nsdae_jet3_length(t[0])), t[0]);
   t[1] = nsdae_jet3_cross(n, t[0]);

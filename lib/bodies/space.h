@@ -86,4 +86,13 @@ static inline void nsdae_complete_frame(const double *a, double *b, double *c)
   nsdae_cross3(a, b, c);
 }
 
+/* The coordinate axis e such that a contact of normal n in space has e x n for its first tangent:
+ * z, or x where n is near z. At the bound between them the frame turns over, and what a step begins
+ * with is lost: so it lies far from normals of regular packings (that of two axes that n is along
+ * as much does not), where rounding would turn it in every step. */
+static inline int nsdae_tangent_axis(double n_z)
+{
+  return fabs(n_z) > 0.95 ? 0 : 2;
+}
+
 #endif

@@ -51,7 +51,10 @@ void nsdae_local_layout(nsdae_local *l, nsdae_arena *arena)
   l->r = NSDAE_ARENA_DOUBLES(arena, d->nv);
   l->v = NSDAE_ARENA_DOUBLES(arena, d->nv);
   l->size = NSDAE_ARENA_DOUBLES(arena, d->nv);
+  l->free = NSDAE_ARENA_DOUBLES(arena, d->nv);
+  l->column = NSDAE_ARENA_DOUBLES(arena, d->nv);
   l->lambda = NSDAE_ARENA_DOUBLES(arena, d->m);
+  l->asked = NSDAE_ARENA_DOUBLES(arena, d->m);
   l->place = NSDAE_ARENA_INTS(arena, l->blocks);
   l->real_part = NSDAE_ARENA_DOUBLES(arena, 3 * k * (1 + d->nt));
   l->whole_part = NSDAE_ARENA_INTS(arena, 2 * k);
@@ -130,7 +133,7 @@ static void gather_rows(nsdae_local *l, const nsdae_whole *w, int island)
   for (int i = 0; i < m; i++) {
     nsdae_rows_gather(&w->system->blocks, &w->terms->by.jacobian, row[i], l->place,
                       l->terms.by.jacobian.value + i, (size_t)m);
-    l->lambda[i] = w->lambda[row[i]];
+    l->asked[i] = w->lambda[row[i]];
   }
 }
 
@@ -195,7 +198,7 @@ static void gather_contacts(nsdae_local *l, const nsdae_whole *w, int island, in
 static int driven(const nsdae_local *l)
 {
   int k = l->model.dims.k, kt = k * l->model.dims.nt;
-  return nsdae_largest(l->kkt.m, l->lambda) > 0 || nsdae_largest(k, l->terms.w_N) > 0 ||
+  return nsdae_largest(l->kkt.m, l->asked) > 0 || nsdae_largest(k, l->terms.w_N) > 0 ||
          nsdae_largest(kt, l->terms.w_T) > 0;
 }
 
@@ -219,6 +222,70 @@ static void stand(nsdae_local *l)
   memset(l->v, 0, (size_t)l->kkt.n * sizeof *l->v);
   memset(l->impulses.after, 0, k * sizeof *l->impulses.after);
   memset(l->impulses.after_t, 0, kt * sizeof *l->impulses.after_t);
+}
+
+/* ---- what is left of the laws */
+
+/* Of column j of W: W_j^T M^-1 W_j and the velocity without impulses, u_j being that of v. Where
+ * there are no constraints the Delassus matrix has them. */
+static void measure(const nsdae_local *l, int j, double u_j, double *diagonal, double *q)
+{
+  const nsdae_delassus *d = &l->contacts.delassus;
+  int n = l->kkt.n;
+  const double *W = d->W + (size_t)j * (size_t)n;
+  *diagonal = d->G[(size_t)j * (size_t)(l->contacts.columns + 1)];
+  *q = d->offset[j];
+  if (l->kkt.m == 0) return;
+  memcpy(l->column, W, (size_t)n * sizeof *W);
+  nsdae_kkt_solve_mass(&l->kkt, l->column);
+  *diagonal = nsdae_dot(n, W, l->column);
+  *q = u_j + nsdae_dot(n, W, l->free);
+}
+
+static void fit_contact(const nsdae_local *l, int i, nsdae_misfit *misfit)
+{
+  const nsdae_impulses *r = &l->impulses;
+  const nsdae_coefficients *law = &l->coefficient[i];
+  int nt = l->model.dims.nt, columns = l->law[i].columns, first = l->contacts.first_column[i];
+  double x[3] = {r->normal[i]}, u[3] = {r->after[i] + law->e_n * r->before[i]}, d = 0;
+  for (int j = 1, t = i * nt; j < columns; j++, t++) {
+    x[j] = r->tangential[t];
+    u[j] = r->after_t[t] + law->e_t * r->before_t[t];
+  }
+  for (int j = 0; j < columns; j++) {
+    double diagonal, q;
+    measure(l, first + j, u[j], &diagonal, &q);
+    nsdae_misfit_speed(misfit, q);
+    d += diagonal;
+  }
+  for (int j = 0; j < columns; j++) x[j] *= d / columns;
+  nsdae_misfit_contact(misfit, columns > 1 ? law->mu : 0, x, u);
+}
+
+static void fit_row(const nsdae_local *l, int i, nsdae_misfit *misfit)
+{
+  const double *J = l->terms.by.jacobian.value + i;
+  double u = -l->asked[i], change = 0;
+  for (int j = 0; j < l->kkt.n; j++, J += l->kkt.m) {
+    u += *J * l->v[j];
+    change += *J * l->free[j];
+  }
+  nsdae_misfit_row(misfit, u);
+  nsdae_misfit_speed(misfit, u + change);
+}
+
+/* Of v as it is, and what it would be without any impulse. */
+static nsdae_misfit fit(const nsdae_local *l)
+{
+  nsdae_misfit misfit = {0};
+  if (l->kkt.m > 0) {
+    memcpy(l->free, l->r, (size_t)l->kkt.n * sizeof *l->free);
+    nsdae_kkt_solve_mass(&l->kkt, l->free);
+    for (int j = 0; j < l->kkt.n; j++) l->free[j] -= l->v[j];
+  }
+  for (int i = 0; i < l->model.dims.k; i++) fit_contact(l, i, &misfit);
+  for (int i = 0; i < l->kkt.m; i++) fit_row(l, i, &misfit);
+  return misfit;
 }
 
 /* ---- and back */
@@ -271,8 +338,53 @@ static int failed(nsdae_local *l, const nsdae_whole *w, int island, int status)
   return status;
 }
 
+/* v, lambda, the impulses and what is left of the laws, from the bases in memory. */
+static int solve(nsdae_local *l, nsdae_misfit *misfit)
+{
+  int n = l->kkt.n, m = l->kkt.m;
+  memcpy(l->lambda, l->asked, (size_t)m * sizeof *l->lambda);
+  memcpy(l->v, l->r, (size_t)n * sizeof *l->v);
+  memcpy(l->size, l->r, (size_t)n * sizeof *l->size);
+  nsdae_kkt_solve(&l->kkt, 1, l->v, n, l->lambda, m);
+  nsdae_kkt_solve_mass(&l->kkt, l->size);
+  int status = nsdae_contacts_solve(&l->contacts, &l->terms, &l->kkt, l->size, l->v, l->lambda);
+  if (status < 0 || !nsdae_contacts_any(&l->contacts)) return status;
+  if (!driven(l) && stands(l)) stand(l);
+  *misfit = fit(l);
+  return status;
+}
+
+/* Whether the normal impulses are what they were, but for digits. */
+static int same_impulses(const nsdae_local *l, const double *was)
+{
+  double apart = 0, most = nsdae_largest(l->model.dims.k, was);
+  for (int i = 0; i < l->model.dims.k; i++)
+    apart = fmax(apart, fabs(l->impulses.normal[i] - was[i]));
+  return apart <= 1e-3 * most;
+}
+
+/* The complementarity problem is judged by scales of its own: where it is solved and a law is not,
+ * once more and by two digits more. Where that fails or finds another solution, it was one. */
+static int solve_laws(nsdae_local *l, nsdae_misfit *misfit)
+{
+  int memory[NSDAE_LOCAL_ROWS * NSDAE_CLOSED_BASIS];
+  double was[NSDAE_LOCAL_ROWS];
+  const size_t bytes = (size_t)l->model.dims.k * NSDAE_CLOSED_BASIS * sizeof *memory;
+  double *tol = &l->contacts.lcp.options.tol, asked = *tol;
+  memcpy(memory, l->memory, bytes);
+  int status = solve(l, misfit);
+  if (status < 0 || nsdae_misfit_residual(misfit) <= asked) return status;
+  memcpy(was, l->impulses.normal, (size_t)l->model.dims.k * sizeof *was);
+  *tol = 1e-2 * asked;
+  status = solve(l, misfit);
+  *tol = asked;
+  if (status == NSDAE_OK && same_impulses(l, was)) return status;
+  memcpy(l->memory, memory, bytes);
+  return solve(l, misfit);
+}
+
 int nsdae_local_solve(nsdae_local *l, const nsdae_whole *w, int island, int with_contacts,
-                      int least_norm)
+                      int least_norm, nsdae_misfit *misfit)
 {
   const nsdae_graph *is = w->islands;
   l->model.part = (nsdae_part_of){w->system,
@@ -284,18 +396,10 @@ int nsdae_local_solve(nsdae_local *l, const nsdae_whole *w, int island, int with
   gather_blocks(l, w, island);
   gather_rows(l, w, island);
   gather_contacts(l, w, island, with_contacts);
-  int n = l->kkt.n, m = l->kkt.m;
   l->terms.t = w->terms->t;
   int status = nsdae_terms_factor(&l->terms, l->terms.M, &l->kkt, least_norm);
+  if (status == NSDAE_OK) status = solve_laws(l, misfit);
   if (status < 0) return failed(l, w, island, status);
-  int still = !driven(l); /* lambda is what is asked, until it is solved for */
-  memcpy(l->v, l->r, (size_t)n * sizeof *l->v);
-  memcpy(l->size, l->r, (size_t)n * sizeof *l->size);
-  nsdae_kkt_solve(&l->kkt, 1, l->v, n, l->lambda, m);
-  nsdae_kkt_solve_mass(&l->kkt, l->size);
-  status = nsdae_contacts_solve(&l->contacts, &l->terms, &l->kkt, l->size, l->v, l->lambda);
-  if (status < 0) return failed(l, w, island, status);
-  if (still && nsdae_contacts_any(&l->contacts) && stands(l)) stand(l);
   scatter_blocks(l, w, island);
   for (int i = 0; i < l->model.dims.k; i++)
     scatter_contact(l, w, i, is->contact.of[is->contact.first[island] + i]);

@@ -6,6 +6,7 @@
 #include "closed.h"
 #include "contacts.h"
 #include "graph.h"
+#include "misfit.h"
 
 enum { NSDAE_LOCAL_V = 48, NSDAE_LOCAL_M = 36, NSDAE_LOCAL_ROWS = 48 };
 
@@ -21,13 +22,14 @@ typedef struct nsdae_local {
   nsdae_impulses impulses;
   nsdae_coefficients *coefficient;
   nsdae_law law[NSDAE_LOCAL_ROWS];
-  int *memory, *all;    /* bases; ones */
-  double *r, *v, *size; /* NSDAE_LOCAL_V */
-  double *lambda;       /* NSDAE_LOCAL_M */
-  int blocks, *place;   /* of the system: where each begins in the island at hand */
-  int ends[2];          /* the island is one block, from 0 */
-  size_t squares[2];    /* likewise, of M */
-  double *real_part;    /* what impulses are placed in */
+  int *memory, *all;      /* bases; ones */
+  double *r, *v, *size;   /* NSDAE_LOCAL_V */
+  double *free, *column;  /* the same: M^-1 r less v; M^-1 W of a column */
+  double *lambda, *asked; /* NSDAE_LOCAL_M; asked: -Phi_t */
+  int blocks, *place;     /* of the system: where each begins in the island at hand */
+  int ends[2];            /* the island is one block, from 0 */
+  size_t squares[2];      /* likewise, of M */
+  double *real_part;      /* what impulses are placed in */
   int *whole_part;
 } nsdae_local;
 
@@ -52,9 +54,10 @@ void nsdae_local_layout(nsdae_local *local, nsdae_arena *arena);
 int nsdae_local_fits(const nsdae_whole *whole, int island);
 
 /* v and lambda of the island's blocks and rows from r and lambda = -Phi_t, without contacts or
- * with them and their impulses, modes and velocities after. NSDAE_OK, NSDAE_E_MASS, NSDAE_E_RANK,
- * NSDAE_E_LCP, NSDAE_E_INFEASIBLE, NSDAE_E_NONFINITE with the record. */
+ * with them and their impulses, modes and velocities after; misfit: of the contacts and their rows,
+ * where there are contacts. NSDAE_OK, NSDAE_E_MASS, NSDAE_E_RANK, NSDAE_E_LCP, NSDAE_E_INFEASIBLE,
+ * NSDAE_E_NONFINITE with the record. */
 int nsdae_local_solve(nsdae_local *local, const nsdae_whole *whole, int island, int with_contacts,
-                      int least_norm);
+                      int least_norm, nsdae_misfit *misfit);
 
 #endif

@@ -414,7 +414,9 @@ int nsdae_pile_solve(const nsdae_pile *pile, const nsdae_whole *w, int number,
   int status = solve_with(&c, p, work, &options);
   if (status == NSDAE_E_LCP) status = polish(&c, p, work, &options);
   if (status < 0) return unsolved(&c, w, status, work);
-  status = velocities(&c, w, nsdae_fc_speed(work->solver));
+  const double speed = nsdae_fc_speed(work->solver);
+  work->misfit = (nsdae_misfit){work->info.residual * (speed > 0 ? speed : 1), speed};
+  status = velocities(&c, w, speed);
   if (status == NSDAE_OK) scatter(&c, w);
   return status;
 }

@@ -137,15 +137,18 @@ static void scatter_side(const nsdae_whole *w, const single *c, const side *s)
   }
 }
 
-/* |xi_N|, of what sticks |xi_T|, by the velocities that v has now. */
-static double left_over(int mode, double xi_n, double xi_t, double scale)
+/* What is left at the velocities xi that v has now. */
+static nsdae_misfit left_over(const single *c, const double xi[3])
 {
-  double worst = mode == NSDAE_MODE_OPEN ? fmax(0, -xi_n) : fabs(xi_n);
-  if (mode == NSDAE_MODE_STICK) worst = fmax(worst, fabs(xi_t));
-  return scale > 0 ? worst / scale : worst;
+  nsdae_misfit misfit = {0};
+  double d = c->columns == 2 ? (c->G[0][0] + c->G[1][1]) / 2 : c->G[0][0];
+  const double x[3] = {d * c->x[0], d * c->x[1], 0};
+  for (int i = 0; i < c->columns; i++) nsdae_misfit_speed(&misfit, c->b[i]);
+  nsdae_misfit_contact(&misfit, c->mu, x, xi);
+  return misfit;
 }
 
-int nsdae_single_solve(const nsdae_whole *w, int island, double *residual)
+int nsdae_single_solve(const nsdae_whole *w, int island, nsdae_misfit *misfit)
 {
   const double most = 1e-13;
   single c;
@@ -161,9 +164,8 @@ int nsdae_single_solve(const nsdae_whole *w, int island, double *residual)
     to->tangential[j] = j == a * nt && c.columns == 2 ? c.x[1] : 0;
     to->after_t[j] = nsdae_terms_tangent_rate(w->terms, j, w->v);
   }
-  double xi_n = to->after[a] + w->law[a].e_n * to->before[a];
-  double xi_t = nt > 0 ? to->after_t[a * nt] + w->law[a].e_t * to->before_t[a * nt] : 0;
-  double scale = fmax(fabs(c.b[0]), c.columns == 2 ? fabs(c.b[1]) : 0);
-  *residual = left_over(mode, xi_n, xi_t, scale);
-  return *residual <= most;
+  double xi[3] = {to->after[a] + w->law[a].e_n * to->before[a]};
+  if (c.columns == 2) xi[1] = to->after_t[a * nt] + w->law[a].e_t * to->before_t[a * nt];
+  *misfit = left_over(&c, xi);
+  return nsdae_misfit_residual(misfit) <= most;
 }

@@ -268,33 +268,33 @@ static int next_set(nsdae_stack *c)
   return changed;
 }
 
-/* max |min(x d / s, u / s)| with d the diagonal of A and s the largest |b|. */
+/* Of x as it is, and of u. */
 static double residual(const nsdae_stack *c)
 {
-  double worst = 0, scale = 0;
+  nsdae_misfit misfit = {0};
   int finite = 1;
   for (int i = 0; i < c->count; i++) {
-    scale = fmax(scale, fabs(c->b[i]));
-    worst = fmax(worst, fabs(fmin(c->x[i] * c->A[c->at[i]], c->u[i])));
-    finite = finite && isfinite(c->x[i]) && isfinite(c->u[i]);
+    nsdae_misfit_speed(&misfit, c->b[i]);
+    nsdae_misfit_raise(&misfit.left, fabs(fmin(c->x[i] * c->A[c->at[i]], c->u[i])));
+    finite = finite && isfinite(c->x[i]) && isfinite(c->u[i]); /* fmin passes over NaN */
   }
-  if (!finite || !isfinite(scale)) return HUGE_VAL; /* fmax and fmin pass over NaN */
-  return scale > 0 ? worst / scale : worst;
+  return finite ? nsdae_misfit_residual(&misfit) : HUGE_VAL;
 }
 
 /* The last set settles, or what it leaves is within rounding. */
 static int settle(nsdae_stack *c, const nsdae_whole *w, int island, double tol)
 {
+  double left = HUGE_VAL;
   for (int i = 0; i < c->count; i++) {
     int a = c->contact[c->order[i]];
     c->active[i] = w->results->normal[a] > 0 || (w->closed->fresh[a] && c->b[c->order[i]] < 0);
   }
   for (c->rounds = 0; c->rounds < ROUNDS; c->rounds++) {
     if (!solve_set(c, w, island)) return 0;
-    c->residual = residual(c);
-    if (!next_set(c) || c->residual <= 64 * DBL_EPSILON) break;
+    left = residual(c);
+    if (!next_set(c) || left <= 64 * DBL_EPSILON) break;
   }
-  return c->residual <= tol;
+  return left <= tol;
 }
 
 /* v = M^-1 r + U Lambda; what cancels to rounding is zero, as in contacts.c. */
@@ -329,16 +329,22 @@ static void scatter(nsdae_stack *c, const nsdae_whole *w, int island)
   }
 }
 
-static void velocities_after(const nsdae_stack *c, const nsdae_whole *w)
+/* Velocities after, and what they leave of the laws: |min(d Lambda, u)| without friction. */
+static void velocities_after(nsdae_stack *c, const nsdae_whole *w)
 {
+  nsdae_impulses *to = w->results;
   int nt = w->system->dims.nt;
+  c->misfit = (nsdae_misfit){0};
   for (int i = 0; i < c->count; i++) {
-    int a = c->contact[i];
-    w->results->after[a] = nsdae_terms_normal_rate(w->terms, a, w->v);
+    int k = c->order[i], a = c->contact[k];
+    to->after[a] = nsdae_terms_normal_rate(w->terms, a, w->v);
     for (int j = a * nt; j < (a + 1) * nt; j++) {
-      w->results->tangential[j] = 0;
-      w->results->after_t[j] = nsdae_terms_tangent_rate(w->terms, j, w->v);
+      to->tangential[j] = 0;
+      to->after_t[j] = nsdae_terms_tangent_rate(w->terms, j, w->v);
     }
+    double x = to->normal[a] * c->A[c->at[i]], u = to->after[a] + w->law[a].e_n * to->before[a];
+    nsdae_misfit_speed(&c->misfit, c->b[k]);
+    nsdae_misfit_raise(&c->misfit.left, fabs(x < u ? x : u));
   }
 }
 

@@ -24,7 +24,7 @@ typedef struct nsdae_stack {
   int *active;           /* count, in the order: in the set */
   double *U, *A, *L;     /* parts; envelopes */
   double *b, *x, *u, *rest;
-  double residual;
+  nsdae_misfit misfit;
   int rounds;
 } nsdae_stack;
 

@@ -43,7 +43,7 @@ void nsdae_worker_begin(nsdae_worker *w)
 
 void nsdae_solved_add(nsdae_solved *sum, const nsdae_solved *one)
 {
-  sum->residual = fmax(sum->residual, one->residual);
+  nsdae_misfit_add(&sum->misfit, &one->misfit);
   sum->noise = fmax(sum->noise, one->noise);
   sum->pivots += one->pivots;
   sum->lcps += one->lcps;
@@ -75,10 +75,10 @@ int nsdae_worker_solve_block(nsdae_worker *w, const nsdae_system *system, const 
 /* One contact in closed form; 0 where it is not of that kind, or more than rounding is left. */
 static int solve_single(nsdae_worker *w, const nsdae_whole *whole, int island)
 {
-  double residual;
-  if (!nsdae_single_fits(whole, island) || !nsdae_single_solve(whole, island, &residual)) return 0;
+  nsdae_misfit misfit;
+  if (!nsdae_single_fits(whole, island) || !nsdae_single_solve(whole, island, &misfit)) return 0;
   w->solved.lcps++;
-  w->solved.residual = fmax(w->solved.residual, residual);
+  nsdae_misfit_add(&w->solved.misfit, &misfit);
   return 1;
 }
 
@@ -89,7 +89,7 @@ static int solve_stack(nsdae_worker *w, const nsdae_whole *whole, int island)
   if (!nsdae_stack_solve(c, whole, island, w->tol, w->L)) return 0;
   w->solved.lcps++;
   w->solved.pivots += c->rounds;
-  w->solved.residual = fmax(w->solved.residual, c->residual);
+  nsdae_misfit_add(&w->solved.misfit, &c->misfit);
   return 1;
 }
 
@@ -97,13 +97,14 @@ static int solve_local(nsdae_worker *w, const nsdae_whole *whole, int island, in
 {
   nsdae_local *l = &w->local;
   nsdae_solved *s = &w->solved;
-  int status = nsdae_local_solve(l, whole, island, with_contacts, w->least_norm);
+  nsdae_misfit misfit = {0};
+  int status = nsdae_local_solve(l, whole, island, with_contacts, w->least_norm, &misfit);
   const nsdae_lcp_info *info = &l->contacts.lcp.info;
   s->rank += l->kkt.rank;
   if (nsdae_contacts_any(&l->contacts)) {
     s->lcps++;
     s->pivots += info->pivots;
-    s->residual = fmax(s->residual, info->residual);
+    nsdae_misfit_add(&s->misfit, &misfit);
   }
   if (status < 0 && status != NSDAE_E_MASS && status != NSDAE_E_RANK) s->problem = &l->contacts;
   return status;
@@ -162,7 +163,7 @@ int nsdae_worker_solve_cones(nsdae_worker *w, nsdae_pile *pile, const nsdae_whol
   s->lcps++;
   s->pivots += work.info.sweeps + work.info.iterations;
   s->rank += work.bilateral;
-  s->residual = fmax(s->residual, work.info.residual);
+  nsdae_misfit_add(&s->misfit, &work.misfit);
   s->noise = fmax(s->noise, 1e2 * fmax(work.info.residual, w->tol));
   return status;
 }

@@ -13,7 +13,7 @@
 #include "stack.h"
 
 typedef struct nsdae_solved {
-  double residual; /* the worst */
+  nsdae_misfit misfit; /* of the contacts and their rows */
   long pivots;
   double noise; /* relative error that the cones leave in velocities; 0: none were solved */
   int lcps, rank, islands, contacts; /* contacts of the largest island */

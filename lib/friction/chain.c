@@ -13,15 +13,26 @@
  * where so many have not halved the residual; of the last resort. */
 enum { BETWEEN = 20, FEW = 100, WARM = 2000, TRAPPED = 600, SOON = 20, MANY = 20000 };
 
+/* Plain sweeps where nothing else gets further: so many items swept, two seconds or so, but at
+ * least and at most so many sweeps; they end where half of them have not halved the residual. */
+enum { LONG = 12000, LONGER = 30000 };
+static const double SWEPT = 3e7;
+
+/* The sweeps of TRAPPED where what is locked is solved by itself then; how many times. */
+enum { LOCKED = 60, REGIONS = 8 };
+
 /* Contacts up to which a factorisation costs less than the sweeps that it saves. */
 enum { SMALL = 24 };
 
-/* Newton steps of one attempt, along a curve with folds, and between accelerated sweeps; those
- * sweeps, and how many of them see what they are good for; convex problems. */
-enum { STEPS = 300, FOLDED = 10000, A_FEW = 20, STALLED = 300, ROUNDS = 6, SHIFTS = 3 };
+/* Newton steps of one attempt, along a curve with folds, and between accelerated sweeps; proximal
+ * problems that may fail in the first of these; how many accelerated sweeps see what they are good
+ * for; convex problems. */
+enum { STEPS = 300, FOLDED = 10000, A_FEW = 20, FAILURES = 20 };
+enum { STALLED = 300, ROUNDS = 6, SHIFTS = 3 };
 
-/* Where that many sweeps leave more, weights do not get to the ground by sweeps (walls). */
-static const double HYPERSTATIC = 2e-2;
+/* Where FEW sweeps leave more, weights do not get to the ground by sweeps: walls, towers and arches
+ * keep 0.06 and more, what slides 0.04 and less. */
+static const double HYPERSTATIC = 5e-2;
 
 /* Newton steps times items that an island may take until its curves end, half as many for a row of
  * paths, and one curve: fifteen seconds or so, after which what is not solved is said not to be. */
@@ -132,6 +143,7 @@ static int ready(nsdae_fc_chain *c)
   c->newton.matrix = c->matrix;
   c->newton.steps = 0;
   c->newton.most = c->options->max_iterations > 0 ? c->options->max_iterations : STEPS;
+  c->newton.failures = FAILURES;
   c->lost |= c->analysed < 0;
   return c->analysed == 1;
 }
@@ -143,10 +155,12 @@ static int count(nsdae_fc_chain *c, int stage)
   return judge(c, stage);
 }
 
-/* From the best point so far, at most so many steps; 0: as many as one attempt has. */
+/* From the best point so far, at most so many steps, as long as none of its problems fails; 0: as
+ * many as one attempt has. */
 static int proximal(nsdae_fc_chain *c, double alpha, int most, int stage)
 {
   if (!ready(c)) return 0;
+  if (most > 0) c->newton.failures = 0;
   if (most > 0 && most < c->newton.most) c->newton.most = most;
   memcpy(c->fc.r, c->best, bytes(c));
   nsdae_fc_proximal(&c->newton, alpha, c->tol);
@@ -155,19 +169,22 @@ static int proximal(nsdae_fc_chain *c, double alpha, int most, int stage)
 
 /* Sweeps and Newton's method in turn. Sweeps bring most contacts to rest and drift where few of
  * them are locked: r grows along what hardly moves u, by as much in each sweep, until one opens.
- * Newton's method takes that way in a step, but finds it only where little else changes. */
+ * Newton's method takes that way in a step, but finds it only where little else changes. Where it
+ * does not, much slides, and extrapolated sweeps go astray as well: plain ones get further. */
 static int alternate(nsdae_fc_chain *c, int stage)
 {
   for (int k = 0; k < ROUNDS; k++) {
-    double before = c->info.residual;
     memcpy(c->fc.r, c->best, bytes(c));
     nsdae_fc_velocities(&c->fc, c->fc.r, c->fc.y, c->fc.u);
     if (accelerated(c, MANY, STALLED, stage)) return 1;
-    if (c->info.residual > HYPERSTATIC) return 0;
+    double before = c->info.residual;
     if (proximal(c, 1e-4, A_FEW, stage)) return 1;
-    if (k > 0 && !(c->info.residual < before)) return 0;
+    if (!(c->info.residual < before)) break;
   }
-  return 0;
+  memcpy(c->fc.r, c->best, bytes(c));
+  nsdae_fc_sweep_begin(&c->fc);
+  int most = (int)fmax(LONG, fmin(LONGER, SWEPT / c->fc.n));
+  return sweeps(c, most, most / 2, stage);
 }
 
 /* Along the path, cold, and from its end on. */
@@ -181,10 +198,39 @@ static int path(nsdae_fc_chain *c, double loose, int stage)
   return count(c, stage);
 }
 
+/* What keeps sweeps from an end, by itself: of two of them the second one shows what still moves.
+ * 1: solved; -1: no more is to be had of it. */
+static int solve_region(nsdae_fc_chain *c, int stage)
+{
+  double *before = c->anderson.before;
+  nsdae_fc_sweep(&c->fc, 1, c->slip);
+  memcpy(before, c->fc.r, bytes(c));
+  nsdae_fc_sweep(&c->fc, 1, c->slip);
+  c->info.sweeps += 2;
+  if (judge(c, stage)) return 1;
+  int found = nsdae_fc_region_solve(c->region, &c->fc, before, c->tol, &c->info);
+  return found > 0 ? judge(c, stage) : found;
+}
+
+/* Sweeps over all, and Newton's method over what is locked, in turn. */
+static int by_regions(nsdae_fc_chain *c, int stage)
+{
+  int found = 0;
+  for (int k = 0; k < REGIONS && found == 0; k++)
+    found = accelerated(c, WARM, LOCKED, stage) ? 1 : solve_region(c, stage);
+  return found > 0;
+}
+
+static int has_regions(const nsdae_fc_chain *c)
+{
+  return c->region && !c->fc.local && c->tol >= ROUGH && c->fc.n > SMALL;
+}
+
 /* Sweeps from fc->r on, the guess, whose y is current; it is looked at where they fail. */
 static int sweep_guess(nsdae_fc_chain *c)
 {
   memcpy(c->trap, c->fc.r, bytes(c));
+  if (has_regions(c) && by_regions(c, NSDAE_FRICTION_WARM)) return 1;
   if (accelerated(c, WARM, c->tol < ROUGH ? SOON : TRAPPED, NSDAE_FRICTION_WARM)) return 1;
   memcpy(c->fc.r, c->trap, bytes(c));
   return judge(c, NSDAE_FRICTION_WARM);
@@ -253,7 +299,8 @@ static int gauss_seidel(nsdae_fc_chain *c)
 {
   start_cold(c);
   if (sweeps(c, FEW, 0, NSDAE_FRICTION_GAUSS_SEIDEL)) return 1;
-  return c->tol >= ROUGH && c->fc.n > SMALL && alternate(c, NSDAE_FRICTION_GAUSS_SEIDEL);
+  int likely = c->tol >= ROUGH && c->fc.n > SMALL && c->info.residual <= HYPERSTATIC;
+  return likely && alternate(c, NSDAE_FRICTION_GAUSS_SEIDEL);
 }
 
 /* mu |u_T| of the point at hand, as the shift of the next convex problem. */

@@ -6,6 +6,7 @@
 #include "continuation.h"
 #include "infeasible.h"
 #include "polyhedral.h"
+#include "region.h"
 
 typedef struct nsdae_fc_chain {
   nsdae_fc fc;
@@ -23,6 +24,7 @@ typedef struct nsdae_fc_chain {
   nsdae_fc_proof *proof;   /* the solver's, kept between calls */
   double *l;               /* m of the whole: where a proof goes */
   nsdae_fc_matrix *matrix; /* the solver's, kept between calls */
+  nsdae_fc_region *region; /* the same; NULL: none are taken by themselves */
   int analysed;            /* 1: matrix is ready for this island; -1: no memory for it */
   int lost;                /* no memory for what a stage needed */
 } nsdae_fc_chain;

@@ -19,6 +19,7 @@ typedef struct nsdae_fc_newton {
   double *best;          /* 3 n: the point of least residual */
   int steps;             /* done, each with one factorisation */
   int most;              /* allowed */
+  int failures;          /* proximal problems that may fail */
 } nsdae_fc_newton;
 
 /* Takes the arrays; fc is set before. */

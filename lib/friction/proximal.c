@@ -9,7 +9,7 @@
 
 #include "newton.h"
 
-enum { INNER = 30, FAILURES = 20 };
+enum { INNER = 30 };
 
 /* A problem counts as solved where its map has lost this factor, squared. */
 static const double GAIN = 1e-4;
@@ -58,7 +58,7 @@ double nsdae_fc_proximal(nsdae_fc_newton *s, double alpha, double tol)
     if (steps == 0) {
       s->alpha *= 10;
       factor = sqrt(factor);
-      if (++failures > FAILURES || s->alpha > 1e3) break;
+      if (++failures > s->failures || s->alpha > 1e3) break;
       continue;
     }
     double before = residual;

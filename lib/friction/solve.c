@@ -7,12 +7,18 @@
 #include "chain.h"
 #include "solver.h"
 
+/* The certificate is of the data as given, an island's residual of what scaling made of them: what
+ * they differ by is the rounding of impulses up to 1e6 times the least that moves a contact. */
+static const double ROUNDING = 1e-9;
+
 struct nsdae_friction_solver {
   nsdae_arena whole_memory, island_memory;
   nsdae_fc_whole whole;
   nsdae_fc_matrix matrix;
   nsdae_fc_proof proof;
+  nsdae_fc_region region;
   nsdae_fc_chain chain;
+  int inner; /* solves regions, and has none */
 };
 
 void nsdae_friction_options_default(nsdae_friction_options *options)
@@ -42,6 +48,13 @@ int nsdae_friction_create(nsdae_friction_solver **solver)
   return *solver ? NSDAE_OK : NSDAE_E_MEMORY;
 }
 
+int nsdae_fc_create_inner(nsdae_friction_solver **solver)
+{
+  int status = nsdae_friction_create(solver);
+  if (status == NSDAE_OK) (*solver)->inner = 1;
+  return status;
+}
+
 void nsdae_friction_destroy(nsdae_friction_solver **solver)
 {
   if (!solver || !*solver) return;
@@ -49,6 +62,7 @@ void nsdae_friction_destroy(nsdae_friction_solver **solver)
   nsdae_arena_release(&(*solver)->island_memory);
   nsdae_fc_matrix_release(&(*solver)->matrix);
   nsdae_fc_proof_release(&(*solver)->proof);
+  nsdae_fc_region_release(&(*solver)->region);
   free(*solver);
   *solver = NULL;
 }
@@ -84,6 +98,7 @@ static int lay_out(nsdae_friction_solver *s, int island)
 {
   s->chain = (nsdae_fc_chain){
       .fc = {.whole = &s->whole, .label = island}, .matrix = &s->matrix, .proof = &s->proof};
+  s->chain.region = s->inner ? NULL : &s->region;
   return nsdae_arena_fit(&s->island_memory, nsdae_fc_chain_layout, &s->chain);
 }
 
@@ -125,7 +140,7 @@ static int solve_islands(nsdae_friction_solver *s, const nsdae_friction_options 
   for (int island = 0; island < w->islands; island++) {
     if (w->islands > 1) lay_out(s, island); /* one alone is laid out */
     c->options = options;
-    c->tol = 0.8 * options->tol; /* the certificate rounds otherwise */
+    c->tol = options->tol - fmin(0.2 * options->tol, ROUNDING);
     c->fc.exact = fmax(1e-15, 1e-4 * options->tol);
     nsdae_fc_fill(&c->fc, guess);
     c->l = w->r;

@@ -83,7 +83,8 @@ void nsdae_step_end(const nsdae_step *step)
   for (int i = 0; i < s->system->dims.m; i++) result->multiplier[i] = s->impulse[i] / step->h;
   result->smooth = !nsdae_step_any(step);
   result->work = s->world ? nsdae_world_work(s->world) : nsdae_contacts_work(&s->contacts);
-  result->worst_residual = s->world ? s->world->solved.residual : s->contacts.lcp.info.residual;
+  result->worst_residual =
+      s->world ? nsdae_misfit_residual(&s->world->solved.misfit) : s->contacts.lcp.info.residual;
 }
 
 int nsdae_stepper_factor(nsdae_stepper *s, nsdae_terms *terms, const double *M)

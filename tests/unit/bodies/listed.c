@@ -5,6 +5,7 @@
 #include <nsdae/nsdae.h>
 
 #include "broad.h"
+#include "space.h"
 
 enum { NQ_MAX = 80, SOLIDS_MAX = 120 };
 
@@ -406,11 +407,100 @@ static void test_spin_stays(void **state)
     }
 }
 
+/* Contacts of a lattice: each direction with all signs and in all orders. */
+static const double packings[][3] = {{0, 0, 1}, {0, 1, 1},     {1, 1, 1},
+                                     {0, 1, 2}, {1, 1, 1.414}, {0, 1, 1.414},
+                                     {1, 2, 2}, {0, 1, 1.732}, {1, 1.732, 3.266}};
+
+static void turned_direction(const double *of, int order, double *n)
+{
+  static const int all[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
+  double length = sqrt(nsdae_dot3(of, of));
+  for (int i = 0; i < 3; i++)
+    n[i] = (order >> i & 1 ? -1 : 1) * of[all[order / 8][i]] / length + uniform(-1e-4, 1e-4);
+}
+
+/* Of normals of packings the frames do not turn over by rounding, and no frame is nearly flat. */
+static void test_frames_follow(void **state)
+{
+  (void)state;
+  seed = 3;
+  for (size_t k = 0; k < sizeof packings / sizeof *packings; k++)
+    for (int order = 0; order < 48; order++) {
+      double n[3], near[3];
+      turned_direction(packings[k], order, n);
+      for (int i = 0; i < 20; i++) {
+        turned_direction(packings[k], order, near);
+        assert_int_equal(nsdae_tangent_axis(near[2]), nsdae_tangent_axis(n[2]));
+      }
+      assert_true(fabs(n[nsdae_tangent_axis(n[2])]) < 0.96);
+    }
+}
+
+/* Layers of balls in a box, each in the hollows of the one below: no two of a layer touch. */
+static nsdae_bodies *packed(int side, int layers)
+{
+  const double r = 0.01, J = 0.4 * 4e-3 * r * r, half = ((side - 1) * 1.01 + 1.005) * r;
+  nsdae_bodies *b;
+  nsdae_bodies_create(3, &b, NULL);
+  nsdae_bodies_set_gravity(b, (const double[]){0, 0, -9.81});
+  nsdae_bodies_set_pair(b, 0, 0, 0.5, 0, 0);
+  nsdae_bodies_add_solid(b, NSDAE_GROUND, &(nsdae_solid){.shape = NSDAE_SHAPE_PLANE});
+  for (int i = 0; i < 4; i++) { /* a quarter turn brings z to where a wall looks */
+    nsdae_solid wall = {.shape = NSDAE_SHAPE_PLANE, .quaternion = {sqrt(0.5)}};
+    wall.position[i / 2] = i % 2 ? half : -half;
+    wall.quaternion[i < 2 ? 2 : 1] = (i % 2 == i / 2 ? 1 : -1) * sqrt(0.5);
+    nsdae_bodies_add_solid(b, NSDAE_GROUND, &wall);
+  }
+  for (int layer = 0, n = 0; layer < layers; layer++)
+    for (int i = 0, across = side - layer % 2; i < across * across; i++) {
+      nsdae_rigid_body body = {.mass = 4e-3, .inertia = {J, J, J}};
+      body.position[0] = 2.02 * r * (i % across - (across - 1) / 2.0);
+      body.position[1] = 2.02 * r * (i / across - (across - 1) / 2.0);
+      body.position[2] = r * (1.005 + 1.415 * layer);
+      nsdae_bodies_add(b, &body);
+      nsdae_bodies_add_solid(b, n++, &(nsdae_solid){.shape = NSDAE_SHAPE_SPHERE, .radius = r});
+    }
+  return b;
+}
+
+/* A regular heap that stands: what a step begins with is its solution, or near it. */
+static void test_standing_heap_begins_well(void **state)
+{
+  enum { SETTLE = 60, STEPS = 40 };
+  nsdae_bodies *b = packed(5, 3);
+  nsdae_system *system;
+  nsdae_sim *sim;
+  nsdae_sim_options options;
+  nsdae_stats before, after;
+  double q0[7 * 66], v0[6 * 66];
+  (void)state;
+  assert_int_equal(nsdae_bodies_system(b, &system), NSDAE_OK);
+  nsdae_bodies_get_start(b, q0, v0);
+  nsdae_sim_options_default(&options);
+  options.method = NSDAE_METHOD_MOREAU;
+  options.dt = 2e-3;
+  options.lcp_tol = 1e-4;
+  assert_int_equal(nsdae_sim_create(system, &options, &sim, NULL), NSDAE_OK);
+  assert_int_equal(nsdae_sim_init(sim, 0, q0, v0), NSDAE_OK);
+  for (int i = 0; i < SETTLE; i++) assert_true(nsdae_sim_step(sim) >= 0);
+  nsdae_sim_get_stats(sim, &before);
+  for (int i = 0; i < STEPS; i++) assert_true(nsdae_sim_step(sim) >= 0);
+  nsdae_sim_get_stats(sim, &after);
+  assert_true(after.lcp_pivots - before.lcp_pivots <= 3 * STEPS);
+  nsdae_sim_destroy(&sim);
+  nsdae_system_destroy(&system);
+  nsdae_bodies_destroy(&b);
+}
+
 int main(void)
 {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_broad), cmocka_unit_test(test_same_as_numbered),
-      cmocka_unit_test(test_own_by_blocks), cmocka_unit_test(test_spin_stays),
-      cmocka_unit_test(test_refused)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_broad),
+                                     cmocka_unit_test(test_same_as_numbered),
+                                     cmocka_unit_test(test_own_by_blocks),
+                                     cmocka_unit_test(test_spin_stays),
+                                     cmocka_unit_test(test_refused),
+                                     cmocka_unit_test(test_frames_follow),
+                                     cmocka_unit_test(test_standing_heap_begins_well)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

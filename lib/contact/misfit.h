@@ -1,0 +1,58 @@
+/* What is left of the laws of contacts and constraints, over all islands of a step: with W = H^T
+ * M^-1 H, d the mean of the diagonal entries of a contact's block, u its velocities by v as it is
+ * handed over (with e v(-) and what moves surfaces), q those without any impulse, and K its cone
+ * (in the plane of two rows, of one without friction),
+ *
+ *   max |d Lambda - P_K(d Lambda - (u + mu |u_T| e_N))| / max |q|,   of constraints |u| / max |q|,
+ *
+ * as by nsdae_friction_residual. The map is of degree one in (Lambda, u): so each island says what
+ * it leaves [velocity] and how fast its contacts are without impulses, and the whole has one scale,
+ * that of the fastest. An island is solved by its own, which is the stricter. */
+#ifndef NSDAE_MISFIT_H
+#define NSDAE_MISFIT_H
+
+#include <math.h>
+
+#include "cone.h"
+
+typedef struct nsdae_misfit {
+  double left, speed; /* numerator and denominator; NaN where one is */
+} nsdae_misfit;
+
+static inline void nsdae_misfit_raise(double *most, double x)
+{
+  if (!(x <= *most) && *most == *most) *most = x;
+}
+
+/* Velocity q of a row without impulses. */
+static inline void nsdae_misfit_speed(nsdae_misfit *m, double q)
+{
+  nsdae_misfit_raise(&m->speed, fabs(q));
+}
+
+/* A constraint with the velocity u beside what is asked of it. */
+static inline void nsdae_misfit_row(nsdae_misfit *m, double u)
+{
+  nsdae_misfit_raise(&m->left, fabs(u));
+}
+
+/* A contact of 1 + nt rows; x = d Lambda, u; those that it does not have are zero. */
+static inline void nsdae_misfit_contact(nsdae_misfit *m, double mu, const double x[3],
+                                        const double u[3])
+{
+  int kind = mu > 0 ? NSDAE_FC_CONE : NSDAE_FC_NORMAL;
+  nsdae_misfit_raise(&m->left, nsdae_fc_natural(kind, mu, x, u));
+}
+
+static inline void nsdae_misfit_add(nsdae_misfit *sum, const nsdae_misfit *one)
+{
+  nsdae_misfit_raise(&sum->left, one->left);
+  nsdae_misfit_raise(&sum->speed, one->speed);
+}
+
+static inline double nsdae_misfit_residual(const nsdae_misfit *m)
+{
+  return m->speed > 0 ? m->left / m->speed : m->left;
+}
+
+#endif
