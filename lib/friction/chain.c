@@ -25,8 +25,8 @@ static const double ROAMED = 7e8;
 enum { ROAM = 650000, BLOCK = 2500, ATTEMPT = 150, STEP_IN_SWEEPS = 130 };
 
 /* The sweeps of TRAPPED where what is locked is solved by itself then; how many times, and how many
- * of them in vain; the sweeps of TRAPPED there. */
-enum { LOCKED = 60, REGIONS = 8, IN_VAIN = 3, INSIDE = 200 };
+ * of them in vain. */
+enum { LOCKED = 60, REGIONS = 8, IN_VAIN = 3 };
 
 /* Contacts up to which a factorisation costs less than the sweeps that it saves. */
 enum { SMALL = 24 };
@@ -238,10 +238,9 @@ static int has_regions(const nsdae_fc_chain *c)
 /* Sweeps from fc->r on, the guess, whose y is current; it is looked at where they fail. */
 static int sweep_guess(nsdae_fc_chain *c)
 {
-  int patience = c->tol < ROUGH ? SOON : c->region ? TRAPPED : INSIDE;
   memcpy(c->trap, c->fc.r, bytes(c));
   if (has_regions(c) && by_regions(c, NSDAE_FRICTION_WARM)) return 1;
-  if (accelerated(c, WARM, patience, NSDAE_FRICTION_WARM)) return 1;
+  if (accelerated(c, WARM, c->tol < ROUGH ? SOON : TRAPPED, NSDAE_FRICTION_WARM)) return 1;
   memcpy(c->fc.r, c->trap, bytes(c));
   return judge(c, NSDAE_FRICTION_WARM);
 }
