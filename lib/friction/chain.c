@@ -385,12 +385,14 @@ static int attempt(nsdae_fc_chain *c, double residual, long *spent)
 
 /* Of an impact in which nearly all slides the residual of sweeps falls for a while and rises again:
  * impulses drift along what hardly moves u, until a contact opens and many others follow. Now and
- * then the drift goes to a solution; a calm shows it, and Newton's method takes what is left. */
+ * then the drift goes to a solution; a calm shows it, and Newton's method takes what is left. Of
+ * few contacts the curves have seen all there is. */
 static int roam(nsdae_fc_chain *c)
 {
   double *here = c->anderson.before, lowest = INFINITY;
   long spent = 0, most = (long)fmin(ROAM, ROAMED / c->fc.n);
   if (c->options->max_sweeps > 0 && c->options->max_sweeps < most) most = c->options->max_sweeps;
+  if (c->fc.n <= SMALL) return 0;
   start_cold(c);
   nsdae_fc_sweep_begin(&c->fc);
   for (long done = BLOCK; done <= most; done += BLOCK) {
