@@ -378,7 +378,7 @@ static int attempt(nsdae_fc_chain *c, double residual, long *spent)
     residual = nsdae_fc_proximal(&c->newton, alpha, c->tol);
     alpha = c->newton.alpha;
     *spent += c->newton.steps;
-    if (count(c, NSDAE_FRICTION_FURTHER)) return 1;
+    if (count(c, NSDAE_FRICTION_FURTHER) || exhausted(c)) return 1;
   } while (residual <= 0.5 * before);
   return 0;
 }
