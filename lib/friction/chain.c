@@ -49,6 +49,10 @@ static const double BUDGET = 2.2e6, CURVE = 1e6;
  * not solve has, but for one in thousands, no solution. */
 static const double ALONE = 1500;
 
+/* What is nearly solved; Newton steps from there. */
+static const double NEARLY = 1e-8;
+enum { CREEP = 4000 };
+
 /* Tolerances that sweeps are likely to reach. */
 static const double ROUGH = 1e-6;
 
@@ -367,6 +371,16 @@ static int patience(nsdae_fc_chain *c, int most)
   return sweeps(c, most, 0, NSDAE_FRICTION_FURTHER) || proximal(c, 1e-2, 0, NSDAE_FRICTION_FURTHER);
 }
 
+/* The last digits, from the best point. */
+static int creep(nsdae_fc_chain *c)
+{
+  if (c->fc.n == 1 || !(c->info.residual <= NEARLY) || !ready(c)) return 0;
+  if (c->options->max_iterations == 0) c->newton.most = (int)fmin(CREEP, BUDGET / c->fc.n);
+  memcpy(c->fc.r, c->best, bytes(c));
+  nsdae_fc_creep(&c->newton, c->tol);
+  return count(c, NSDAE_FRICTION_FURTHER) || exhausted(c);
+}
+
 /* Proximal points from fc->r on, as long as each attempt leaves half of what there was. */
 static int attempt(nsdae_fc_chain *c, double residual, long *spent)
 {
@@ -380,7 +394,7 @@ static int attempt(nsdae_fc_chain *c, double residual, long *spent)
     *spent += c->newton.steps;
     if (count(c, NSDAE_FRICTION_FURTHER) || exhausted(c)) return 1;
   } while (residual <= 0.5 * before);
-  return 0;
+  return creep(c);
 }
 
 /* Of an impact in which nearly all slides the residual of sweeps falls for a while and rises again:
@@ -458,7 +472,8 @@ static int further(nsdae_fc_chain *c)
   if (exhausted(c)) return 1;
   if (c->fc.n == 1) return paths(c, 0, 2) || curves(c);
   if (c->tol >= ROUGH) return patience(c, MANY) || paths(c, 0, 20) || curves(c) || roam(c);
-  return patience(c, MANY / 10) || paths(c, 0, 2) || curves(c) || paths(c, 2, 20) || roam(c);
+  return creep(c) || patience(c, MANY / 10) || paths(c, 0, 2) || curves(c) || paths(c, 2, 20) ||
+         roam(c);
 }
 
 /* The solution better still, where that was asked for, and inside the cones to the last bit: their

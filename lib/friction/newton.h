@@ -37,6 +37,11 @@ double nsdae_fc_newton_step(nsdae_fc_newton *newton, double before);
  * is that of fc->r then; ends below tol, or after most steps. */
 double nsdae_fc_proximal(nsdae_fc_newton *newton, double alpha, double tol);
 
+/* The same for the last digits of a point that is nearly one: where few items are locked, r has to
+ * go far along what moves u least, past one kink after the other, and alpha says how far it goes in
+ * one problem. So it is held for a while where one failed, longer each time. */
+double nsdae_fc_creep(nsdae_fc_newton *newton, double tol);
+
 /* At most so many steps from the solution fc->r on. Each of them that brings the residual down is
  * kept; returns that of fc->r then. */
 double nsdae_fc_refine(nsdae_fc_newton *newton, int steps);

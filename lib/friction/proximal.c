@@ -9,7 +9,8 @@
 
 #include "newton.h"
 
-enum { INNER = 30 };
+/* Steps of one problem, and of one of those that creep; how often alpha is held then at most. */
+enum { INNER = 30, SMALL_INNER = 8, HELD = 60 };
 
 /* A problem counts as solved where its map has lost this factor, squared. */
 static const double GAIN = 1e-4;
@@ -24,7 +25,7 @@ static void velocities(nsdae_fc *c)
 }
 
 /* Solves with the centre at fc->r, or leaves that; returns the steps, 0 where it failed. */
-static int solve(nsdae_fc_newton *s, double tol)
+static int solve(nsdae_fc_newton *s, int inner, double tol)
 {
   nsdae_fc *c = s->fc;
   size_t bytes = 3 * (size_t)c->n * sizeof *c->r;
@@ -32,7 +33,7 @@ static int solve(nsdae_fc_newton *s, double tol)
   double start = nsdae_fc_newton_map(s, c->r, c->u, 0), now = start;
   double goal = fmax(GAIN * start, 1e-2 * tol * tol), most = 1e4 * fmax(start, 1e-3);
   int steps = 0;
-  while (now > goal && now <= most && steps < INNER && s->steps < s->most) {
+  while (now > goal && now <= most && steps < inner && s->steps < s->most) {
     now = nsdae_fc_newton_step(s, now);
     steps++;
   }
@@ -42,10 +43,24 @@ static int solve(nsdae_fc_newton *s, double tol)
   return 0;
 }
 
+static void keep(nsdae_fc_newton *s, double residual, double *best)
+{
+  if (!(residual < *best)) return;
+  memcpy(s->best, s->fc->r, 3 * (size_t)s->fc->n * sizeof *s->best);
+  *best = residual;
+}
+
+static double back_to_best(nsdae_fc_newton *s, double residual, double best)
+{
+  if (!(best < residual)) return residual;
+  memcpy(s->fc->r, s->best, 3 * (size_t)s->fc->n * sizeof *s->best);
+  velocities(s->fc);
+  return best;
+}
+
 double nsdae_fc_proximal(nsdae_fc_newton *s, double alpha, double tol)
 {
   nsdae_fc *c = s->fc;
-  size_t bytes = 3 * (size_t)c->n * sizeof *c->r;
   double factor = 0.1, best = INFINITY;
   int failures = 0;
   s->alpha = alpha;
@@ -54,7 +69,7 @@ double nsdae_fc_proximal(nsdae_fc_newton *s, double alpha, double tol)
   velocities(c);
   double residual = nsdae_fc_residual(c, c->r, c->u);
   while (!(residual <= tol) && s->steps < s->most) {
-    int steps = solve(s, tol);
+    int steps = solve(s, INNER, tol);
     if (steps == 0) {
       s->alpha *= 10;
       factor = sqrt(factor);
@@ -63,17 +78,39 @@ double nsdae_fc_proximal(nsdae_fc_newton *s, double alpha, double tol)
     }
     double before = residual;
     residual = nsdae_fc_residual(c, c->r, c->u);
-    if (residual < best) memcpy(s->best, c->r, bytes);
-    best = fmin(best, residual);
+    keep(s, residual, &best);
     if (steps <= 5 || residual > 0.3 * before) s->alpha = fmax(s->alpha * factor, 1e-14);
     factor = fmax(factor * factor, 0.1);
   }
-  if (best < residual) {
-    memcpy(c->r, s->best, bytes);
-    velocities(c);
-    residual = best;
+  return back_to_best(s, residual, best);
+}
+
+double nsdae_fc_creep(nsdae_fc_newton *s, double tol)
+{
+  nsdae_fc *c = s->fc;
+  double best = INFINITY, good = 0;
+  int hold = 0, held = 0;
+  s->alpha = 1e-5;
+  s->epsilon = 0;
+  s->search = 0;
+  velocities(c);
+  double residual = nsdae_fc_residual(c, c->r, c->u);
+  while (!(residual <= tol) && s->steps < s->most && s->alpha < 1) {
+    if (solve(s, SMALL_INNER, tol) == 0) {
+      s->alpha = good > s->alpha ? good : 10 * s->alpha;
+      good = 0;
+      hold = held = 2 * held + 2 < HELD ? 2 * held + 2 : HELD;
+      continue;
+    }
+    good = s->alpha;
+    residual = nsdae_fc_residual(c, c->r, c->u);
+    keep(s, residual, &best);
+    if (hold > 0)
+      hold--;
+    else
+      s->alpha = fmax(s->alpha / 2, 1e-14);
   }
-  return residual;
+  return back_to_best(s, residual, best);
 }
 
 double nsdae_fc_refine(nsdae_fc_newton *s, int steps)
