@@ -18,9 +18,15 @@ enum { BETWEEN = 20, FEW = 100, WARM = 2000, TRAPPED = 600, SOON = 20, MANY = 20
 enum { LONG = 12000, LONGER = 30000 };
 static const double SWEPT = 3e7;
 
+/* Sweeps of the last resort: so many items swept, a minute or so with Newton's steps between them,
+ * after which what is not solved is said not to be, and at most so many sweeps; how many between
+ * two looks; Newton steps of one attempt, and what sweeps one of them costs. */
+static const double ROAMED = 7e8;
+enum { ROAM = 650000, BLOCK = 2500, ATTEMPT = 150, STEP_IN_SWEEPS = 130 };
+
 /* The sweeps of TRAPPED where what is locked is solved by itself then; how many times, and how many
- * of them in vain; the sweeps of TRAPPED there. */
-enum { LOCKED = 60, REGIONS = 8, IN_VAIN = 3, INSIDE = 200 };
+ * of them in vain. */
+enum { LOCKED = 60, REGIONS = 8, IN_VAIN = 3 };
 
 /* Contacts up to which a factorisation costs less than the sweeps that it saves. */
 enum { SMALL = 24 };
@@ -36,7 +42,7 @@ enum { STALLED = 300, ROUNDS = 6, SHIFTS = 3 };
 static const double HYPERSTATIC = 5e-2;
 
 /* Newton steps times items that an island may take until its curves end, half as many for a row of
- * paths, and one curve: fifteen seconds or so, after which what is not solved is said not to be. */
+ * paths, and one curve: fifteen seconds or so. */
 static const double BUDGET = 2.2e6, CURVE = 1e6;
 
 /* The same of a contact by itself, of which there may be many in an instant: what few steps more do
@@ -232,10 +238,9 @@ static int has_regions(const nsdae_fc_chain *c)
 /* Sweeps from fc->r on, the guess, whose y is current; it is looked at where they fail. */
 static int sweep_guess(nsdae_fc_chain *c)
 {
-  int patience = c->tol < ROUGH ? SOON : c->region ? TRAPPED : INSIDE;
   memcpy(c->trap, c->fc.r, bytes(c));
   if (has_regions(c) && by_regions(c, NSDAE_FRICTION_WARM)) return 1;
-  if (accelerated(c, WARM, patience, NSDAE_FRICTION_WARM)) return 1;
+  if (accelerated(c, WARM, c->tol < ROUGH ? SOON : TRAPPED, NSDAE_FRICTION_WARM)) return 1;
   memcpy(c->fc.r, c->trap, bytes(c));
   return judge(c, NSDAE_FRICTION_WARM);
 }
@@ -362,6 +367,49 @@ static int patience(nsdae_fc_chain *c, int most)
   return sweeps(c, most, 0, NSDAE_FRICTION_FURTHER) || proximal(c, 1e-2, 0, NSDAE_FRICTION_FURTHER);
 }
 
+/* Proximal points from fc->r on, as long as each attempt leaves half of what there was. */
+static int attempt(nsdae_fc_chain *c, double residual, long *spent)
+{
+  double before, alpha = 1e-4;
+  do {
+    if (!ready(c)) return 0;
+    if (c->newton.most > ATTEMPT) c->newton.most = ATTEMPT;
+    before = residual;
+    residual = nsdae_fc_proximal(&c->newton, alpha, c->tol);
+    alpha = c->newton.alpha;
+    *spent += c->newton.steps;
+    if (count(c, NSDAE_FRICTION_FURTHER) || exhausted(c)) return 1;
+  } while (residual <= 0.5 * before);
+  return 0;
+}
+
+/* Of an impact in which nearly all slides the residual of sweeps falls for a while and rises again:
+ * impulses drift along what hardly moves u, until a contact opens and many others follow. Now and
+ * then the drift goes to a solution; a calm shows it, and Newton's method takes what is left. Of
+ * few contacts the curves have seen all there is. */
+static int roam(nsdae_fc_chain *c)
+{
+  double *here = c->anderson.before, lowest = INFINITY;
+  long spent = 0, most = (long)fmin(ROAM, ROAMED / c->fc.n);
+  if (c->options->max_sweeps > 0 && c->options->max_sweeps < most) most = c->options->max_sweeps;
+  if (c->fc.n <= SMALL) return 0;
+  start_cold(c);
+  nsdae_fc_sweep_begin(&c->fc);
+  for (long done = BLOCK; done <= most; done += BLOCK) {
+    nsdae_fc_sweep(&c->fc, BLOCK, c->slip);
+    c->info.sweeps += BLOCK;
+    if (judge(c, NSDAE_FRICTION_FURTHER)) return 1;
+    double residual = nsdae_fc_residual(&c->fc, c->fc.r, c->fc.u);
+    lowest = fmin(lowest, residual);
+    if (residual > 2 * lowest || STEP_IN_SWEEPS * spent > done) continue;
+    memcpy(here, c->fc.r, bytes(c));
+    if (attempt(c, residual, &spent)) return 1;
+    memcpy(c->fc.r, here, bytes(c));
+    nsdae_fc_sweep_begin(&c->fc);
+  }
+  return 0;
+}
+
 static double budget(const nsdae_fc_chain *c)
 {
   return c->fc.n > 1 ? BUDGET : ALONE;
@@ -409,9 +457,8 @@ static int further(nsdae_fc_chain *c)
 {
   if (exhausted(c)) return 1;
   if (c->fc.n == 1) return paths(c, 0, 2) || curves(c);
-  if (c->tol >= ROUGH) return patience(c, MANY) || paths(c, 0, 20) || curves(c);
-  return patience(c, MANY / 10) || paths(c, 0, 2) || curves(c) || paths(c, 2, 20) ||
-         patience(c, MANY);
+  if (c->tol >= ROUGH) return patience(c, MANY) || paths(c, 0, 20) || curves(c) || roam(c);
+  return patience(c, MANY / 10) || paths(c, 0, 2) || curves(c) || paths(c, 2, 20) || roam(c);
 }
 
 /* The solution better still, where that was asked for, and inside the cones to the last bit: their

@@ -207,8 +207,8 @@ static double slope(const line *l)
 
 /* Runout in grains, beside that of many grains as published: a column whose grains are not small
  * beside it runs short of that, by as many grains whatever its size, which are those that the thin
- * rim would be of. NSDAE_LONG: larger and larger columns (half an hour); then the runout grows with
- * the published one, with a slope of 1 within a fifth. */
+ * rim would be of. NSDAE_LONG: larger and larger columns (a quarter of an hour); then the runout
+ * grows with the published one, with a slope of 1 within a fifth. */
 static void test_collapse(void **state)
 {
   const double aspect[3] = {0.5, 1, 2};
