@@ -258,7 +258,8 @@ static void fit_contact(const nsdae_local *l, int i, nsdae_misfit *misfit)
     nsdae_misfit_speed(misfit, q);
     d += diagonal;
   }
-  for (int j = 0; j < columns; j++) x[j] *= d / columns;
+  if (columns > 1) d /= columns;
+  for (int j = 0; j < columns; j++) x[j] *= d;
   nsdae_misfit_contact(misfit, columns > 1 ? law->mu : 0, x, u);
 }
 

@@ -40,8 +40,10 @@ static inline void nsdae_misfit_row(nsdae_misfit *m, double u)
 static inline void nsdae_misfit_contact(nsdae_misfit *m, double mu, const double x[3],
                                         const double u[3])
 {
-  int kind = mu > 0 ? NSDAE_FC_CONE : NSDAE_FC_NORMAL;
-  nsdae_misfit_raise(&m->left, nsdae_fc_natural(kind, mu, x, u));
+  if (mu > 0)
+    nsdae_misfit_raise(&m->left, nsdae_fc_natural(NSDAE_FC_CONE, mu, x, u));
+  else
+    nsdae_misfit_raise(&m->left, fabs(x[0] - u[0] > 0 ? u[0] : x[0]));
 }
 
 static inline void nsdae_misfit_add(nsdae_misfit *sum, const nsdae_misfit *one)
