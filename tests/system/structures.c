@@ -207,7 +207,7 @@ static double slope(const line *l)
 
 /* Runout in grains, beside that of many grains as published: a column whose grains are not small
  * beside it runs short of that, by as many grains whatever its size, which are those that the thin
- * rim would be of. NSDAE_LONG: larger and larger columns (a quarter of an hour); then the runout
+ * rim would be of. NSDAE_LONG: larger and larger columns (some ten minutes); then the runout
  * grows with the published one, with a slope of 1 within a fifth. */
 static void test_collapse(void **state)
 {
