@@ -179,7 +179,7 @@ static void measure(heap *p, const nsdae_record *r)
     square += (x[0] * x[0] + x[1] * x[1]) / p->spheres;
   }
   p->angle = atan2(4 * top, sqrt(10 * square / 3));
-  if (r->time <= p->cylinder.release * (1 + 1e-12))
+  if (p->cylinder.radius > 0 && r->time <= p->cylinder.release * (1 + 1e-12))
     p->cylinder.filled = 2 * (p->rough ? top : top + p->r) / p->cylinder.radius;
 }
 

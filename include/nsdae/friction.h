@@ -108,7 +108,8 @@ NSDAE_API const char *nsdae_friction_stage_name(int stage);
  * (may be NULL) names the argument, its value and its bound. */
 NSDAE_API int nsdae_friction_check(const nsdae_friction_problem *problem, nsdae_error *error);
 
-/* Solves the problem; allocates its own memory. Parts that share no block are solved one by one.
+/* Solves the problem; allocates its own memory. What nothing else solves may take a minute or two,
+ * unless options bound the sweeps and steps. Parts that share no block are solved one by one.
  *   problem  see above
  *   options  NULL: the defaults
  *   r [m]    in: a guess, with the stage NSDAE_FRICTION_WARM (zero: none; taken as zero where it
@@ -139,7 +140,9 @@ NSDAE_API int nsdae_friction_residual(const nsdae_friction_problem *problem, con
                                       double *u, double *residual);
 
 /* A solver that keeps its memory and its symbolic factorisations from one problem to the next, for
- * steps: nothing is allocated for a problem no larger than those before. */
+ * steps: nothing is allocated for a problem no larger than those before, but where contacts that
+ * lock each other are more than ever before. The minute of nsdae_friction_solve's last resort is
+ * left out. */
 typedef struct nsdae_friction_solver nsdae_friction_solver;
 
 /* NSDAE_OK or NSDAE_E_MEMORY. */

@@ -1,7 +1,7 @@
 /* What is left of the laws of contacts and constraints, over all islands of a step: with W = H^T
- * M^-1 H, d the mean of the diagonal entries of a contact's block, u its velocities by v as it is
- * handed over (with e v(-) and what moves surfaces), q those without any impulse, and K its cone
- * (in the plane of two rows, of one without friction),
+ * M^-1 H, d the mean of the diagonal entries of a contact's block, u its velocities by v, before
+ * what is rounding in it is put to zero (with e v(-) and what moves surfaces), q those without any
+ * impulse, and K its cone (in the plane of two rows, of one without friction),
  *
  *   max |d Lambda - P_K(d Lambda - (u + mu |u_T| e_N))| / max |q|,   of constraints |u| / max |q|,
  *
@@ -54,6 +54,7 @@ static inline void nsdae_misfit_add(nsdae_misfit *sum, const nsdae_misfit *one)
 
 static inline double nsdae_misfit_residual(const nsdae_misfit *m)
 {
+  if (!isfinite(m->speed)) return NAN;
   return m->speed > 0 ? m->left / m->speed : m->left;
 }
 

@@ -13,16 +13,15 @@
  * where so many have not halved the residual; of the last resort. */
 enum { BETWEEN = 20, FEW = 100, WARM = 2000, TRAPPED = 600, SOON = 20, MANY = 20000 };
 
-/* Plain sweeps where nothing else gets further: so many items swept, two seconds or so, but at
- * least and at most so many sweeps; they end where half of them have not halved the residual. */
-enum { LONG = 12000, LONGER = 30000 };
-static const double SWEPT = 3e7;
+/* Plain sweeps where nothing else gets further, and those of the last resort with Newton's steps
+ * between them: so many items swept, ten seconds or so and a minute, and at most so many sweeps;
+ * the first end where half of them have not halved the residual. */
+static const double SWEPT = 1.2e8, ROAMED = 7e8;
+enum { LONG = 30000, ROAM = 650000 };
 
-/* Sweeps of the last resort: so many items swept, a minute or so with Newton's steps between them,
- * after which what is not solved is said not to be, and at most so many sweeps; how many between
- * two looks; Newton steps of one attempt, and what sweeps one of them costs. */
-static const double ROAMED = 7e8;
-enum { ROAM = 650000, BLOCK = 2500, ATTEMPT = 150, STEP_IN_SWEEPS = 130 };
+/* Of the last resort: sweeps between two looks; Newton steps of one attempt, and what sweeps one of
+ * them costs; values of J that an item has as a rule, those of two bodies. */
+enum { BLOCK = 2500, ATTEMPT = 150, STEP_IN_SWEEPS = 130, VALUES = 36 };
 
 /* The sweeps of TRAPPED where what is locked is solved by itself then; how many times, and how many
  * of them in vain. */
@@ -54,7 +53,7 @@ static const double NEARLY = 1e-8;
 enum { CREEP = 4000 };
 
 /* Tolerances that sweeps are likely to reach. */
-static const double ROUGH = 1e-6;
+static const double ROUGH = 0.99e-6; /* asked for as 1e-6, less what rounding may take */
 
 void nsdae_fc_chain_layout(void *object, nsdae_arena *arena)
 {
@@ -162,6 +161,7 @@ static int ready(nsdae_fc_chain *c)
 static int count(nsdae_fc_chain *c, int stage)
 {
   c->info.iterations += c->newton.steps;
+  c->spent += c->newton.steps;
   c->info.factorisations += c->newton.steps;
   return judge(c, stage);
 }
@@ -176,6 +176,12 @@ static int proximal(nsdae_fc_chain *c, double alpha, int most, int stage)
   memcpy(c->fc.r, c->best, bytes(c));
   nsdae_fc_proximal(&c->newton, alpha, c->tol);
   return count(c, stage);
+}
+
+/* What a sweep costs, in items of two bodies: of a local form it grows with the square of n. */
+static double work(const nsdae_fc_chain *c)
+{
+  return fmax(c->fc.n, (double)c->fc.parts.values / VALUES);
 }
 
 /* Sweeps and Newton's method in turn. Sweeps bring most contacts to rest and drift where few of
@@ -194,7 +200,7 @@ static int alternate(nsdae_fc_chain *c, int stage)
   }
   memcpy(c->fc.r, c->best, bytes(c));
   nsdae_fc_sweep_begin(&c->fc);
-  int most = (int)fmax(LONG, fmin(LONGER, SWEPT / c->fc.n));
+  int most = (int)fmin(LONG, SWEPT / work(c));
   return sweeps(c, most, most / 2, stage);
 }
 
@@ -234,8 +240,10 @@ static int by_regions(nsdae_fc_chain *c, int stage)
   return found > 0;
 }
 
+/* Not where the caller counts sweeps or steps: a region has its own. */
 static int has_regions(const nsdae_fc_chain *c)
 {
+  if (c->options->max_sweeps > 0 || c->options->max_iterations > 0) return 0;
   return c->region && !c->fc.local && c->tol >= ROUGH && c->fc.n > SMALL;
 }
 
@@ -270,7 +278,7 @@ static int from_guess(nsdae_fc_chain *c)
  * several items there may be smaller impulses that do the same, which are looked for. */
 static int exhausted(const nsdae_fc_chain *c)
 {
-  double most = 0, small = c->fc.n > 1 ? ROUGH * ROUGH : INFINITY;
+  double most = 0, small = c->fc.n > 1 ? 1e-12 : INFINITY;
   for (int i = 0; i < 3 * c->fc.n; i++)
     most = fmax(most, c->fc.items.weight[i / 3] * c->fc.items.rho[i / 3] * fabs(c->best[i]));
   return c->info.residual <= fmin(DBL_EPSILON / 4 * most, small);
@@ -375,7 +383,7 @@ static int patience(nsdae_fc_chain *c, int most)
 static int creep(nsdae_fc_chain *c)
 {
   if (c->fc.n == 1 || !(c->info.residual <= NEARLY) || !ready(c)) return 0;
-  if (c->options->max_iterations == 0) c->newton.most = (int)fmin(CREEP, BUDGET / c->fc.n);
+  if (c->options->max_iterations == 0) c->newton.most = (int)fmin(CREEP, BUDGET / 2 / c->fc.n);
   memcpy(c->fc.r, c->best, bytes(c));
   nsdae_fc_creep(&c->newton, c->tol);
   return count(c, NSDAE_FRICTION_FURTHER) || exhausted(c);
@@ -404,9 +412,10 @@ static int attempt(nsdae_fc_chain *c, double residual, long *spent)
 static int roam(nsdae_fc_chain *c)
 {
   double *here = c->anderson.before, lowest = INFINITY;
-  long spent = 0, most = (long)fmin(ROAM, ROAMED / c->fc.n);
+  const double price = fmax(STEP_IN_SWEEPS, c->fc.local ? c->fc.n : 0); /* dense: n^3 to n^2 */
+  long spent = 0, most = (long)fmin(ROAM, ROAMED / work(c));
   if (c->options->max_sweeps > 0 && c->options->max_sweeps < most) most = c->options->max_sweeps;
-  if (c->fc.n <= SMALL) return 0;
+  if (!c->patient || c->fc.n <= SMALL) return 0;
   start_cold(c);
   nsdae_fc_sweep_begin(&c->fc);
   for (long done = BLOCK; done <= most; done += BLOCK) {
@@ -415,7 +424,7 @@ static int roam(nsdae_fc_chain *c)
     if (judge(c, NSDAE_FRICTION_FURTHER)) return 1;
     double residual = nsdae_fc_residual(&c->fc, c->fc.r, c->fc.u);
     lowest = fmin(lowest, residual);
-    if (residual > 2 * lowest || STEP_IN_SWEEPS * spent > done) continue;
+    if (residual > 2 * lowest || price * (double)spent > (double)done) continue;
     memcpy(here, c->fc.r, bytes(c));
     if (attempt(c, residual, &spent)) return 1;
     memcpy(c->fc.r, here, bytes(c));
@@ -432,17 +441,17 @@ static double budget(const nsdae_fc_chain *c)
 /* Newton steps that the budget leaves. */
 static int steps_left(const nsdae_fc_chain *c)
 {
-  return (int)fmax(0, budget(c) / c->fc.n - c->info.iterations);
+  return (int)fmax(0, budget(c) / c->fc.n - c->spent);
 }
 
 /* Which items stand where a path ends depends on how closely it is followed; so others are tried,
  * fewer of larger islands. */
 static int paths(nsdae_fc_chain *c, int from, int to)
 {
-  int before = c->info.iterations;
+  int before = c->spent;
   static const double loose[] = {1e-5, 1e-2, 1e-4, 0.1,  3e-3, 1e-6, 3e-4, 3e-2, 3e-5, 3e-6,
                                  5e-2, 2e-3, 2e-4, 2e-5, 5e-3, 0.2,  5e-4, 2e-2, 5e-5, 1e-7};
-  for (int k = from; k < to && (c->info.iterations - before) * 2.0 * c->fc.n < budget(c); k++) {
+  for (int k = from; k < to && (c->spent - before) * 2.0 * c->fc.n < budget(c); k++) {
     if (path(c, loose[k], NSDAE_FRICTION_FURTHER)) return 1;
     if (exhausted(c)) return 1;
   }
@@ -506,6 +515,7 @@ static void run_stages(nsdae_fc_chain *c)
              {NSDAE_FRICTION_FURTHER, further}};
   c->info = (nsdae_friction_info){.residual = INFINITY};
   c->trapped = INFINITY;
+  c->spent = 0;
   memset(c->best, 0, bytes(c));
   for (size_t i = 0; i < sizeof all / sizeof *all; i++)
     if ((c->options->stages & all[i].stage) && all[i].run(c)) return;

@@ -27,6 +27,8 @@ typedef struct nsdae_fc_chain {
   nsdae_fc_region *region; /* the same; NULL: none are taken by themselves */
   int analysed;            /* 1: matrix is ready for this island; -1: no memory for it */
   int lost;                /* no memory for what a stage needed */
+  int spent;               /* Newton steps over the whole island */
+  int patient;             /* the last resort may take its minute */
 } nsdae_fc_chain;
 
 /* Takes the arrays of the chain and its island. */

@@ -18,7 +18,8 @@ struct nsdae_friction_solver {
   nsdae_fc_proof proof;
   nsdae_fc_region region;
   nsdae_fc_chain chain;
-  int inner; /* solves regions, and has none */
+  int inner;   /* solves regions, and has none */
+  int patient; /* may take the minute of the last resort */
 };
 
 void nsdae_friction_options_default(nsdae_friction_options *options)
@@ -99,6 +100,7 @@ static int lay_out(nsdae_friction_solver *s, int island)
   s->chain = (nsdae_fc_chain){
       .fc = {.whole = &s->whole, .label = island}, .matrix = &s->matrix, .proof = &s->proof};
   s->chain.region = s->inner ? NULL : &s->region;
+  s->chain.patient = s->patient;
   return nsdae_arena_fit(&s->island_memory, nsdae_fc_chain_layout, &s->chain);
 }
 
@@ -220,6 +222,7 @@ int nsdae_friction_solve(const nsdae_friction_problem *problem,
   if (info) *info = (nsdae_friction_info){.residual = INFINITY};
   int status = nsdae_friction_create(&solver);
   if (status != NSDAE_OK) return status;
+  solver->patient = 1;
   status = nsdae_friction_solver_solve(solver, problem, options, r, u, info);
   nsdae_friction_destroy(&solver);
   return status;
