@@ -383,7 +383,7 @@ static int patience(nsdae_fc_chain *c, int most)
 static int creep(nsdae_fc_chain *c)
 {
   if (c->fc.n == 1 || !(c->info.residual <= NEARLY) || !ready(c)) return 0;
-  if (c->options->max_iterations == 0) c->newton.most = (int)fmin(CREEP, BUDGET / 2 / c->fc.n);
+  if (c->options->max_iterations == 0) c->newton.most = (int)fmin(CREEP, BUDGET / c->fc.n);
   memcpy(c->fc.r, c->best, bytes(c));
   nsdae_fc_creep(&c->newton, c->tol);
   return count(c, NSDAE_FRICTION_FURTHER) || exhausted(c);
