@@ -139,6 +139,21 @@ NSDAE_API int nsdae_friction_solve(const nsdae_friction_problem *problem,
 NSDAE_API int nsdae_friction_residual(const nsdae_friction_problem *problem, const double *r,
                                       double *u, double *residual);
 
+/* nsdae_friction_solve for a solution in two parts, r + low, where doubles alone hold none: where
+ * bodies differ in mass by 1e6 and more, impulses x = r d_c / s (see below) get as large, their
+ * last digit 1e-10, and no r of doubles has a residual of 1e-12. low [m]  out: what r does not hold
+ * of the solution, |low| below half a digit of |r|; zero in parts of the problem that r alone
+ * solves. NULL: nsdae_friction_solve Everything else as there; the certificate is that of r + low.
+ * With NSDAE_E_INFEASIBLE low is as it was. */
+NSDAE_API int nsdae_friction_solve_twice(const nsdae_friction_problem *problem,
+                                         const nsdae_friction_options *options, double *r,
+                                         double *low, double *u, nsdae_friction_info *info);
+
+/* nsdae_friction_residual of r + low, in twice the precision where that is needed; low [m], NULL:
+ * zero. */
+NSDAE_API int nsdae_friction_residual_twice(const nsdae_friction_problem *problem, const double *r,
+                                            const double *low, double *u, double *residual);
+
 /* A solver that keeps its memory and its symbolic factorisations from one problem to the next, for
  * steps: nothing is allocated for a problem no larger than those before, but where contacts that
  * lock each other are more than ever before. The minute of nsdae_friction_solve's last resort is

@@ -41,7 +41,7 @@ static inline void nsdae_misfit_contact(nsdae_misfit *m, double mu, const double
                                         const double u[3])
 {
   if (mu > 0)
-    nsdae_misfit_raise(&m->left, nsdae_fc_natural(NSDAE_FC_CONE, mu, x, u));
+    nsdae_misfit_raise(&m->left, nsdae_fc_natural(NSDAE_FC_CONE, mu, x, NULL, u));
   else
     nsdae_misfit_raise(&m->left, fabs(x[0] - u[0] > 0 ? u[0] : x[0]));
 }

@@ -52,6 +52,9 @@ static const double ALONE = 1500;
 static const double NEARLY = 1e-8;
 enum { CREEP = 4000 };
 
+/* Roundings of the scaled data that add up in a velocity. */
+static const double DOUBT = 8;
+
 /* Tolerances that sweeps are likely to reach. */
 static const double ROUGH = 0.99e-6; /* asked for as 1e-6, less what rounding may take */
 
@@ -60,12 +63,14 @@ void nsdae_fc_chain_layout(void *object, nsdae_arena *arena)
   nsdae_fc_chain *c = object;
   nsdae_fc_layout(&c->fc, arena);
   c->best = NSDAE_ARENA_DOUBLES(arena, 3L * c->fc.n);
+  c->low = NSDAE_ARENA_DOUBLES(arena, 3L * c->fc.n);
   c->trap = NSDAE_ARENA_DOUBLES(arena, 3L * c->fc.n);
   c->slip = NSDAE_ARENA_DOUBLES(arena, c->fc.n);
   nsdae_fc_anderson_layout(&c->anderson, &c->fc, arena);
   c->newton.fc = &c->fc;
   nsdae_fc_newton_layout(&c->newton, arena);
   nsdae_fc_curve_layout(&c->curve, &c->fc, arena);
+  nsdae_fc_precise_layout(&c->precise, &c->fc, arena);
   nsdae_fc_polyhedral_layout(&c->polyhedral, &c->fc, arena);
 }
 
@@ -273,15 +278,22 @@ static int from_guess(nsdae_fc_chain *c)
   return sweep_guess(c) || proximal(c, 1e-5, 0, NSDAE_FRICTION_WARM);
 }
 
+/* The largest impulse, as the residual sees it. */
+static double largest(const nsdae_fc_chain *c)
+{
+  double most = 0;
+  for (int i = 0; i < 3 * c->fc.n; i++)
+    most = fmax(most, c->fc.items.weight[i / 3] * c->fc.items.rho[i / 3] * fabs(c->best[i]));
+  return most;
+}
+
 /* Whether the residual is what rounding r to doubles leaves: half a unit in the last place of the
  * largest impulse moves the velocities by as much, and others may make up for half of that. Of
  * several items there may be smaller impulses that do the same, which are looked for. */
 static int exhausted(const nsdae_fc_chain *c)
 {
-  double most = 0, small = c->fc.n > 1 ? 1e-12 : INFINITY;
-  for (int i = 0; i < 3 * c->fc.n; i++)
-    most = fmax(most, c->fc.items.weight[i / 3] * c->fc.items.rho[i / 3] * fabs(c->best[i]));
-  return c->info.residual <= fmin(DBL_EPSILON / 4 * most, small);
+  double small = c->fc.n > 1 ? 1e-12 : INFINITY;
+  return c->info.residual <= fmin(DBL_EPSILON / 4 * largest(c), small);
 }
 
 /* A guess that leads nowhere is put aside: what comes next begins as if there had been none, and so
@@ -389,6 +401,37 @@ static int creep(nsdae_fc_chain *c)
   return count(c, NSDAE_FRICTION_FURTHER) || exhausted(c);
 }
 
+/* A point from precise, with its residual, in one part or two. */
+static int take(nsdae_fc_chain *c, double residual, const double *low)
+{
+  memcpy(c->best, c->precise.high, bytes(c));
+  if (low) memcpy(c->low, low, bytes(c));
+  c->info.residual = residual;
+  c->info.outcome = residual <= c->tol ? NSDAE_OUTCOME_SOLVED : NSDAE_OUTCOME_UNSOLVED;
+  return residual <= c->tol;
+}
+
+/* The last digits from the best point on, by the data as given, in two parts where one does not
+ * hold them: who takes one gets that, if it is the better one. */
+static int precisely(nsdae_fc_chain *c)
+{
+  if (!(c->info.residual <= NEARLY) || !ready(c)) return 0;
+  memcpy(c->precise.high, c->best, bytes(c));
+  memset(c->precise.low, 0, bytes(c));
+  double before = nsdae_fc_precise_residual(&c->precise, &c->fc);
+  if (before <= c->tol) return take(c, before, NULL);
+  c->info.stage = NSDAE_FRICTION_FURTHER;
+  double residual = nsdae_fc_precise_run(&c->precise, &c->newton, c->tol);
+  c->info.iterations += c->newton.steps;
+  c->info.factorisations += c->newton.steps;
+  c->held = residual <= c->tol;
+  if (c->held && c->twice) return take(c, residual, c->precise.low);
+  memset(c->precise.low, 0, bytes(c));
+  residual = nsdae_fc_precise_residual(&c->precise, &c->fc);
+  if (!(residual < before)) memcpy(c->precise.high, c->best, bytes(c));
+  return take(c, fmin(residual, before), NULL);
+}
+
 /* Proximal points from fc->r on, as long as each attempt leaves half of what there was. */
 static int attempt(nsdae_fc_chain *c, double residual, long *spent)
 {
@@ -415,7 +458,7 @@ static int roam(nsdae_fc_chain *c)
   const double price = fmax(STEP_IN_SWEEPS, c->fc.local ? c->fc.n : 0); /* dense: n^3 to n^2 */
   long spent = 0, most = (long)fmin(ROAM, ROAMED / work(c));
   if (c->options->max_sweeps > 0 && c->options->max_sweeps < most) most = c->options->max_sweeps;
-  if (!c->patient || c->fc.n <= SMALL) return 0;
+  if (!c->patient || c->fc.n <= SMALL || c->held) return 0;
   start_cold(c);
   nsdae_fc_sweep_begin(&c->fc);
   for (long done = BLOCK; done <= most; done += BLOCK) {
@@ -478,7 +521,7 @@ static int curves(nsdae_fc_chain *c)
  * sweep is what the one before was. */
 static int further(nsdae_fc_chain *c)
 {
-  if (exhausted(c)) return 1;
+  if (precisely(c) || exhausted(c)) return 1;
   if (c->fc.n == 1) return paths(c, 0, 2) || curves(c);
   if (c->tol >= ROUGH) return patience(c, MANY) || paths(c, 0, 20) || curves(c) || roam(c);
   return creep(c) || patience(c, MANY / 10) || paths(c, 0, 2) || curves(c) || paths(c, 2, 20) ||
@@ -515,15 +558,28 @@ static void run_stages(nsdae_fc_chain *c)
              {NSDAE_FRICTION_FURTHER, further}};
   c->info = (nsdae_friction_info){.residual = INFINITY};
   c->trapped = INFINITY;
-  c->spent = 0;
+  c->spent = c->held = 0;
   memset(c->best, 0, bytes(c));
+  memset(c->low, 0, bytes(c));
   for (size_t i = 0; i < sizeof all / sizeof *all; i++)
     if ((c->options->stages & all[i].stage) && all[i].run(c)) return;
+}
+
+/* The island's residual is of scaled data, rounded: where impulses are large it is not that of the
+ * data as given. */
+static void check(nsdae_fc_chain *c)
+{
+  int doubtful = DOUBT * DBL_EPSILON * largest(c) > c->options->tol - c->tol;
+  if (c->info.outcome == NSDAE_OUTCOME_INFEASIBLE || c->held) return;
+  if ((c->options->stages & NSDAE_FRICTION_FURTHER) &&
+      (c->info.outcome == NSDAE_OUTCOME_UNSOLVED || doubtful))
+    precisely(c);
 }
 
 void nsdae_fc_chain_run(nsdae_fc_chain *c)
 {
   run_stages(c);
+  check(c);
   look_back(c);
   refine(c);
 }

@@ -105,7 +105,6 @@ static void fill_item(nsdae_fc *c, int k, int i, double s)
   c->items.factor[k] = s / size / c->D_whole;
   for (int j = 0; j < 3; j++) {
     int has = j < rows;
-    c->items.q[3 * k + j] = has ? w->q[row + j] / s / size : 0;
     c->items.C[3 * k + j] =
         has && c->compliant ? p->compliance[row + j] / c->D_whole / size / size : 0;
   }
@@ -199,6 +198,7 @@ void nsdae_fc_fill(nsdae_fc *c, const double *r)
   c->D_whole *= c->D_whole;
   const double s = power_of_two(w->scale);
   for (int k = 0; k < c->n; k++) fill_item(c, k, w->member[c->start + k], s);
+  nsdae_fc_gather(c, w->q, c->items.q);
   fill_sizes(c);
   fill_parts(c);
   for (int k = 0; k < c->n; k++) {
@@ -219,6 +219,17 @@ void nsdae_fc_scatter(const nsdae_fc *c, const double *from, double *r)
   for (int k = 0; k < c->n; k++)
     for (int j = 0; j < nsdae_fc_rows(w->view.p, c->items.item[k]); j++)
       r[w->view.row[c->items.item[k]] + j] = c->items.factor[k] * from[3 * k + j];
+}
+
+void nsdae_fc_gather(const nsdae_fc *c, const double *u, double *to)
+{
+  const nsdae_fc_whole *w = c->whole;
+  const double s = power_of_two(w->scale);
+  for (int k = 0; k < c->n; k++) {
+    int i = c->items.item[k], rows = nsdae_fc_rows(w->view.p, i);
+    for (int j = 0; j < 3; j++)
+      to[3 * k + j] = j < rows ? u[w->view.row[i] + j] / s / c->items.size[k] : 0;
+  }
 }
 
 /* y = J r */
@@ -262,14 +273,37 @@ void nsdae_fc_velocities(const nsdae_fc *c, const double *r, double *y, double *
   for (int k = 0; k < c->n; k++) relative_velocity(c, k, r, c->local ? r : y, u);
 }
 
+void nsdae_fc_impulse(const nsdae_fc *c, int k, const double *r, double x[3], double low[3])
+{
+  for (int j = 0; j < 3; j++) {
+    x[j] = c->base[3 * k + j];
+    low[j] = c->base_low[3 * k + j];
+    nsdae_twice_add(1, r[3 * k + j], x + j, low + j);
+  }
+}
+
+/* Of item k where r is in two parts: K is a cone, and so r need not be scaled. */
+static double item_residual_twice(const nsdae_fc *c, int k, const double *r, const double *u)
+{
+  double x[3], low[3], y[3], rho = c->items.rho[k];
+  nsdae_fc_impulse(c, k, r, x, low);
+  for (int j = 0; j < 3; j++) y[j] = u[3 * k + j] / rho;
+  return rho * nsdae_fc_natural(c->items.kind[k], c->items.mu[k], x, low, y);
+}
+
+static double item_residual(const nsdae_fc *c, int k, const double *r, const double *u)
+{
+  double x[3], rho = c->items.rho[k];
+  if (c->base) return item_residual_twice(c, k, r, u);
+  for (int j = 0; j < 3; j++) x[j] = rho * r[3 * k + j];
+  return nsdae_fc_natural(c->items.kind[k], c->items.mu[k], x, NULL, u + 3 * k);
+}
+
 double nsdae_fc_residual(const nsdae_fc *c, const double *r, const double *u)
 {
   double most = 0;
   for (int k = 0; k < c->n; k++) {
-    double x[3] = {c->items.rho[k] * r[3 * k], c->items.rho[k] * r[3 * k + 1],
-                   c->items.rho[k] * r[3 * k + 2]};
-    double one =
-        c->items.weight[k] * nsdae_fc_natural(c->items.kind[k], c->items.mu[k], x, u + 3 * k);
+    double one = c->items.weight[k] * item_residual(c, k, r, u);
     if (!(one <= most)) most = one;
     if (most != most) return NAN;
   }

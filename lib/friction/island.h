@@ -54,9 +54,11 @@ typedef struct nsdae_fc {
   double exact;   /* how closely a sweep solves a contact: of |r_T| to mu r_N where it slides */
   nsdae_fc_items items;
   nsdae_fc_parts parts;
-  double *r, *u; /* 3 n */
-  double *y;     /* ny; of the local form r itself */
-  double *low;   /* ny: work, what y does not hold of the sum */
+  double *r, *u;                 /* 3 n */
+  double *y;                     /* ny; of the local form r itself */
+  double *low;                   /* ny: work, what y does not hold of the sum */
+  const double *base, *base_low; /* 3 n: what r is added to, in two parts, where q are the
+                                    velocities of that; NULL: nothing (see precise.h) */
 } nsdae_fc;
 
 /* Takes the arrays of the island fc->label of fc->whole. */
@@ -68,11 +70,17 @@ void nsdae_fc_fill(nsdae_fc *fc, const double *r);
 /* r of the island into that of the whole. */
 void nsdae_fc_scatter(const nsdae_fc *fc, const double *from, double *r);
 
+/* Velocities of the whole into those of the island, 3 n. */
+void nsdae_fc_gather(const nsdae_fc *fc, const double *u, double *to);
+
 /* y and u of the point r [3 n]; y may be fc->y (in the local form it is not touched). */
 void nsdae_fc_velocities(const nsdae_fc *fc, const double *r, double *y, double *u);
 
 /* Largest entry of the natural map, weighted: the residual of the public header. */
 double nsdae_fc_residual(const nsdae_fc *fc, const double *r, const double *u);
+
+/* r of item k with the base, in two parts. */
+void nsdae_fc_impulse(const nsdae_fc *fc, int k, const double *r, double x[3], double low[3]);
 
 /* J of part e */
 static inline const double *nsdae_fc_part(const nsdae_fc *fc, int e)

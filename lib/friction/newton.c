@@ -28,7 +28,8 @@ double nsdae_fc_newton_map(nsdae_fc_newton *s, const double *r, const double *u,
   const nsdae_fc *c = s->fc;
   double sum = 0;
   for (int k = 0; k < c->n; k++) {
-    double v[3], A[9], B[9], *F = s->F + 3 * k, *E = s->E + 9 * (size_t)k;
+    double v[3], x[3], low[3], A[9], B[9], *F = s->F + 3 * k, *E = s->E + 9 * (size_t)k;
+    if (c->base) nsdae_fc_impulse(c, k, r, x, low);
     for (int j = 0; j < 3; j++)
       v[j] = u[3 * k + j] + s->alpha * (r[3 * k + j] - s->centre[3 * k + j]);
     if (s->epsilon > 0 && s->shift)
@@ -37,7 +38,8 @@ double nsdae_fc_newton_map(nsdae_fc_newton *s, const double *r, const double *u,
     else if (s->epsilon > 0)
       nsdae_fc_smooth_map(c->items.kind[k], c->items.mu[k], s->epsilon, r + 3 * k, v, F, B, A);
     else
-      nsdae_fc_map(c->items.kind[k], c->items.mu[k], r + 3 * k, v, F, B, A);
+      nsdae_fc_map(c->items.kind[k], c->items.mu[k], c->base ? x : r + 3 * k, c->base ? low : NULL,
+                   v, F, B, A);
     for (int j = 0; j < 3; j++) sum += F[j] * F[j] / 2;
     if (!derivatives) continue;
     memcpy(s->A + 9 * (size_t)k, A, sizeof A);

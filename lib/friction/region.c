@@ -41,7 +41,7 @@ static int unsettled(const nsdae_fc *c, int k, const double *before, double tol)
   const double x[3] = {rho * r[0], rho * r[1], rho * r[2]};
   for (int j = 0; j < 3; j++)
     if (weight * fabs(r[j] - before[3 * k + j]) > tol) return 1;
-  return weight * nsdae_fc_natural(c->items.kind[k], c->items.mu[k], x, c->u + 3 * k) > tol;
+  return weight * nsdae_fc_natural(c->items.kind[k], c->items.mu[k], x, NULL, c->u + 3 * k) > tol;
 }
 
 static int touches_marked(const nsdae_fc_region *g, int k)

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "certificate.h"
 #include "chain.h"
 #include "solver.h"
 
@@ -20,6 +21,7 @@ struct nsdae_friction_solver {
   nsdae_fc_chain chain;
   int inner;   /* solves regions, and has none */
   int patient; /* may take the minute of the last resort */
+  int twice;   /* hands over solutions in two parts */
 };
 
 void nsdae_friction_options_default(nsdae_friction_options *options)
@@ -101,6 +103,7 @@ static int lay_out(nsdae_friction_solver *s, int island)
       .fc = {.whole = &s->whole, .label = island}, .matrix = &s->matrix, .proof = &s->proof};
   s->chain.region = s->inner ? NULL : &s->region;
   s->chain.patient = s->patient;
+  s->chain.twice = s->twice;
   return nsdae_arena_fit(&s->island_memory, nsdae_fc_chain_layout, &s->chain);
 }
 
@@ -139,6 +142,7 @@ static int solve_islands(nsdae_friction_solver *s, const nsdae_friction_options 
   nsdae_fc_whole *w = &s->whole;
   nsdae_fc_chain *c = &s->chain;
   memset(w->r, 0, (size_t)w->view.m * sizeof *w->r);
+  memset(w->r_low, 0, (size_t)w->view.m * sizeof *w->r_low);
   for (int island = 0; island < w->islands; island++) {
     if (w->islands > 1) lay_out(s, island); /* one alone is laid out */
     c->options = options;
@@ -151,6 +155,7 @@ static int solve_islands(nsdae_friction_solver *s, const nsdae_friction_options 
     merge(info, &c->info);
     if (c->info.outcome == NSDAE_OUTCOME_INFEASIBLE) return NSDAE_E_INFEASIBLE;
     nsdae_fc_scatter(&c->fc, c->best, w->r);
+    nsdae_fc_scatter(&c->fc, c->low, w->r_low);
   }
   return NSDAE_OK;
 }
@@ -162,7 +167,7 @@ static int refute(const nsdae_fc_whole *w, double *r, double *u, nsdae_friction_
   info->proof = NSDAE_PROOF_FARKAS;
   info->stage = NSDAE_FRICTION_PROVE;
   memset(r, 0, (size_t)w->view.m * sizeof *r);
-  info->residual = nsdae_fc_whole_residual(w, r, u);
+  info->residual = nsdae_fc_whole_residual(w, r, NULL, u);
   memcpy(r, w->r, (size_t)w->view.m * sizeof *r);
   return NSDAE_E_INFEASIBLE;
 }
@@ -177,12 +182,13 @@ static int refute_blocked(const nsdae_fc_whole *w, int item, double *r, double *
   return refute(w, r, u, info);
 }
 
-/* The certificate, of r as it is handed over. */
-static int certify(const nsdae_fc_whole *w, double tol, double *r, double *u,
+/* The certificate, of r as it is handed over (and low, unless that is NULL). */
+static int certify(const nsdae_fc_whole *w, double tol, double *r, double *low, double *u,
                    nsdae_friction_info *info)
 {
   if (w->view.m > 0) memcpy(r, w->r, (size_t)w->view.m * sizeof *r);
-  info->residual = nsdae_fc_whole_residual(w, r, u);
+  if (w->view.m > 0 && low) memcpy(low, w->r_low, (size_t)w->view.m * sizeof *low);
+  info->residual = nsdae_fc_whole_residual(w, r, low, u);
   if (info->residual != info->residual) info->residual = INFINITY;
   info->outcome = info->residual <= tol ? NSDAE_OUTCOME_SOLVED : NSDAE_OUTCOME_UNSOLVED;
   if (info->outcome == NSDAE_OUTCOME_SOLVED && info->stage == NSDAE_FRICTION_NONE)
@@ -190,10 +196,10 @@ static int certify(const nsdae_fc_whole *w, double tol, double *r, double *u,
   return info->outcome == NSDAE_OUTCOME_SOLVED ? NSDAE_OK : NSDAE_E_LCP;
 }
 
-int nsdae_friction_solver_solve(nsdae_friction_solver *solver,
-                                const nsdae_friction_problem *problem,
-                                const nsdae_friction_options *options, double *r, double *u,
-                                nsdae_friction_info *info)
+/* All of a solution; low NULL: in one part. */
+static int solve(nsdae_friction_solver *s, const nsdae_friction_problem *problem,
+                 const nsdae_friction_options *options, double *r, double *low, double *u,
+                 nsdae_friction_info *info)
 {
   nsdae_friction_options defaults;
   nsdae_friction_info own;
@@ -201,31 +207,54 @@ int nsdae_friction_solver_solve(nsdae_friction_solver *solver,
   if (!options) options = &defaults;
   if (!info) info = &own;
   *info = (nsdae_friction_info){.residual = INFINITY};
-  if (!solver || !in_range(options)) return NSDAE_E_ARGUMENT;
-  int status = prepare(solver, problem, NULL);
+  if (!s || !in_range(options)) return NSDAE_E_ARGUMENT;
+  int status = prepare(s, problem, NULL);
   if (status != NSDAE_OK) return status;
-  if (solver->whole.view.m > 0 && (!r || !u)) return NSDAE_E_ARGUMENT;
-  if (reserve(solver) != NSDAE_OK) return NSDAE_E_MEMORY;
-  int blocked = nsdae_fc_whole_blocked(&solver->whole);
-  if (blocked >= 0) return refute_blocked(&solver->whole, blocked, r, u, info);
-  status = solve_islands(solver, options, r, info);
-  if (status == NSDAE_E_INFEASIBLE) return refute(&solver->whole, r, u, info);
+  if (s->whole.view.m > 0 && (!r || !u)) return NSDAE_E_ARGUMENT;
+  s->twice = low != NULL;
+  if (reserve(s) != NSDAE_OK) return NSDAE_E_MEMORY;
+  int blocked = nsdae_fc_whole_blocked(&s->whole);
+  if (blocked >= 0) return refute_blocked(&s->whole, blocked, r, u, info);
+  status = solve_islands(s, options, r, info);
+  if (status == NSDAE_E_INFEASIBLE) return refute(&s->whole, r, u, info);
   if (status != NSDAE_OK) return status;
-  return certify(&solver->whole, options->tol, r, u, info);
+  return certify(&s->whole, options->tol, r, low, u, info);
 }
 
-int nsdae_friction_solve(const nsdae_friction_problem *problem,
-                         const nsdae_friction_options *options, double *r, double *u,
-                         nsdae_friction_info *info)
+int nsdae_friction_solver_solve(nsdae_friction_solver *solver,
+                                const nsdae_friction_problem *problem,
+                                const nsdae_friction_options *options, double *r, double *u,
+                                nsdae_friction_info *info)
+{
+  return solve(solver, problem, options, r, NULL, u, info);
+}
+
+/* With a solver of its own, which may take its time. */
+static int solve_once(const nsdae_friction_problem *problem, const nsdae_friction_options *options,
+                      double *r, double *low, double *u, nsdae_friction_info *info)
 {
   nsdae_friction_solver *solver;
   if (info) *info = (nsdae_friction_info){.residual = INFINITY};
   int status = nsdae_friction_create(&solver);
   if (status != NSDAE_OK) return status;
   solver->patient = 1;
-  status = nsdae_friction_solver_solve(solver, problem, options, r, u, info);
+  status = solve(solver, problem, options, r, low, u, info);
   nsdae_friction_destroy(&solver);
   return status;
+}
+
+int nsdae_friction_solve(const nsdae_friction_problem *problem,
+                         const nsdae_friction_options *options, double *r, double *u,
+                         nsdae_friction_info *info)
+{
+  return solve_once(problem, options, r, NULL, u, info);
+}
+
+int nsdae_friction_solve_twice(const nsdae_friction_problem *problem,
+                               const nsdae_friction_options *options, double *r, double *low,
+                               double *u, nsdae_friction_info *info)
+{
+  return solve_once(problem, options, r, low, u, info);
 }
 
 int nsdae_friction_check(const nsdae_friction_problem *problem, nsdae_error *error)
@@ -239,6 +268,12 @@ int nsdae_friction_check(const nsdae_friction_problem *problem, nsdae_error *err
 int nsdae_friction_residual(const nsdae_friction_problem *problem, const double *r, double *u,
                             double *residual)
 {
+  return nsdae_friction_residual_twice(problem, r, NULL, u, residual);
+}
+
+int nsdae_friction_residual_twice(const nsdae_friction_problem *problem, const double *r,
+                                  const double *low, double *u, double *residual)
+{
   nsdae_friction_solver s = {0};
   double *own = NULL;
   if (!residual) return NSDAE_E_ARGUMENT;
@@ -248,7 +283,7 @@ int nsdae_friction_residual(const nsdae_friction_problem *problem, const double 
     own = malloc(((size_t)s.whole.view.m + 1) * sizeof *own);
     status = own ? NSDAE_OK : NSDAE_E_MEMORY;
   }
-  if (status == NSDAE_OK) *residual = nsdae_fc_whole_residual(&s.whole, r, u ? u : own);
+  if (status == NSDAE_OK) *residual = nsdae_fc_whole_residual(&s.whole, r, low, u ? u : own);
   free(own);
   nsdae_arena_release(&s.whole_memory);
   return status;

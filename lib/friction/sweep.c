@@ -158,7 +158,7 @@ static double item_residual(const nsdae_fc *c, int k)
   const double *r = c->r + 3 * k, rho = c->items.rho[k];
   double u[3], x[3] = {rho * r[0], rho * r[1], rho * r[2]};
   gather(c, k, u);
-  return c->items.weight[k] * nsdae_fc_natural(c->items.kind[k], c->items.mu[k], x, u);
+  return c->items.weight[k] * nsdae_fc_natural(c->items.kind[k], c->items.mu[k], x, NULL, u);
 }
 
 int nsdae_fc_sweep_arrived(const nsdae_fc *c, double tol, int *seen)

@@ -5,9 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "cone.h"
 #include "dense.h"
-#include "twice.h"
 #include "vector.h"
 
 /* What the items of an island share. */
@@ -39,10 +37,14 @@ void nsdae_fc_whole_layout(void *object, nsdae_arena *arena)
   c->v = NSDAE_ARENA_DOUBLES(arena, nv);
   c->low = NSDAE_ARENA_DOUBLES(arena, nv);
   c->r = NSDAE_ARENA_DOUBLES(arena, m);
+  c->r_low = NSDAE_ARENA_DOUBLES(arena, m);
+  c->u = NSDAE_ARENA_DOUBLES(arena, m);
   c->label = NSDAE_ARENA_INTS(arena, c->view.items);
   c->member = NSDAE_ARENA_INTS(arena, c->view.items);
   c->start = NSDAE_ARENA_INTS(arena, c->view.items + 1L);
   c->number = NSDAE_ARENA_INTS(arena, sets(c));
+  c->listed = NSDAE_ARENA_INTS(arena, p->blocks);
+  c->listed_start = NSDAE_ARENA_INTS(arena, c->view.items + 1L);
   c->parent = NSDAE_ARENA_INTS(arena, sets(c));
 }
 
@@ -239,19 +241,32 @@ static void sort_items(nsdae_fc_whole *c)
   c->start[0] = 0;
 }
 
+/* Blocks of item i that are not yet numbered, from count on. */
+static int number_blocks_of(nsdae_fc_whole *c, int i, int count, int *listed)
+{
+  const nsdae_friction_problem *p = c->view.p;
+  for (int e = p->first[i]; e < p->first[i + 1]; e++) {
+    int b = p->block[e];
+    if (!nsdae_fc_touches(c, e) || c->number[b] >= 0) continue;
+    listed[count] = b;
+    c->number[b] = count++;
+  }
+  return count;
+}
+
 /* Blocks in the order in which the items of their island come to them; items as they stand. */
 static void number_blocks(nsdae_fc_whole *c)
 {
-  const nsdae_friction_problem *p = c->view.p;
   for (int b = 0; b < sets(c); b++) c->number[b] = -1;
+  c->listed_start[0] = 0;
   for (int island = 0; island < c->islands; island++) {
-    int count = 0;
-    for (int k = c->start[island]; k < c->start[island + 1]; k++) {
-      int i = c->member[k];
-      if (p->form == NSDAE_FRICTION_LOCAL) c->number[i] = count++;
-      for (int e = p->first[i]; e < p->first[i + 1] && p->form == NSDAE_FRICTION_GLOBAL; e++)
-        if (nsdae_fc_touches(c, e) && c->number[p->block[e]] < 0) c->number[p->block[e]] = count++;
-    }
+    int count = 0, from = c->listed_start[island];
+    for (int k = c->start[island]; k < c->start[island + 1]; k++)
+      if (c->view.p->form == NSDAE_FRICTION_LOCAL)
+        c->number[c->member[k]] = k - c->start[island];
+      else
+        count = number_blocks_of(c, c->member[k], count, c->listed + from);
+    c->listed_start[island + 1] = from + count;
   }
 }
 
@@ -313,90 +328,12 @@ int nsdae_fc_whole_fill(nsdae_fc_whole *c, nsdae_error *error)
   return NSDAE_OK;
 }
 
-/* v = M^-1 (f + H r) */
-NSDAE_INLINED void velocity(const nsdae_fc_whole *c, const double *r)
+void nsdae_fc_divide_by_mass(const nsdae_fc_whole *c, int b, double *v)
 {
-  const nsdae_friction_problem *p = c->view.p;
-  memcpy(c->v, p->f, (size_t)c->view.nv * sizeof *c->v);
-  memset(c->low, 0, (size_t)c->view.nv * sizeof *c->low);
-  for (int i = 0; i < c->view.items; i++)
-    for (int e = p->first[i]; e < p->first[i + 1]; e++) {
-      int b = p->block[e], at = c->view.offset[b];
-      nsdae_twice_add_product(p->size[b], nsdae_fc_rows(p, i), p->value + c->view.at[e],
-                              r + c->view.row[i], c->v + at, c->low + at);
-    }
-  for (int i = 0; i < c->view.nv; i++) c->v[i] += c->low[i];
-  for (int b = 0; b < p->blocks; b++) {
-    int n = p->size[b];
-    double *v = c->v + c->view.offset[b];
+  int n = c->view.p->size[b];
+  solve_lower(c, b, 1, v);
+  if (c->diagonal[b])
     solve_lower(c, b, 1, v);
-    if (c->diagonal[b])
-      solve_lower(c, b, 1, v);
-    else
-      nsdae_la_solve_lower_transposed(n, 1, c->L + c->view.mass_at[b], n, v, n);
-  }
-}
-
-/* Rows of item i: of the global form H^T v + w + C r, of the local one W r + q + C r; their sums
- * side by side, as each addition waits for the one before. */
-NSDAE_INLINED void item_velocity(const nsdae_fc_whole *c, int i, int rows, const double *r,
-                                 double *u)
-{
-  const nsdae_friction_problem *p = c->view.p;
-  int row = c->view.row[i], global = p->form == NSDAE_FRICTION_GLOBAL;
-  double high[3] = {0}, low[3] = {0};
-  for (int k = 0; k < rows; k++) high[k] = p->w[row + k];
-  for (int k = 0; k < rows && p->compliance; k++)
-    nsdae_twice_add(p->compliance[row + k], r[row + k], high + k, low + k);
-  for (int e = p->first[i]; e < p->first[i + 1]; e++) {
-    int b = p->block[e], n = global ? p->size[b] : nsdae_fc_rows(p, b);
-    const double *value = p->value + c->view.at[e];
-    const double *x = global ? c->v + c->view.offset[b] : r + c->view.row[b];
-    for (int l = 0; l < n; l++)
-      for (int k = 0; k < rows; k++) nsdae_twice_add(value[k * n + l], x[l], high + k, low + k);
-  }
-  for (int k = 0; k < rows; k++) u[row + k] = high[k] + low[k];
-}
-
-NSDAE_INLINED void all_velocities(const nsdae_fc_whole *c, const double *r, double *u)
-{
-  if (c->view.p->form == NSDAE_FRICTION_GLOBAL && c->view.p->blocks > 0) velocity(c, r);
-  for (int i = 0; i < c->view.items; i++) {
-    int rows = nsdae_fc_rows(c->view.p, i);
-    if (rows == 3)
-      item_velocity(c, i, 3, r, u); /* laid out flat */
-    else
-      item_velocity(c, i, rows, r, u);
-  }
-}
-
-NSDAE_TWICE_DISPATCH(relative_velocity, all_velocities,
-                     (const nsdae_fc_whole *c, const double *r, double *u), (c, r, u))
-
-/* That of one item; frictionless ones have a residual of their one row. */
-static double item_residual(const nsdae_fc_whole *c, int i, const double *r, const double *u)
-{
-  int rows = nsdae_fc_rows(c->view.p, i), kind = NSDAE_FC_CONE;
-  double x[3] = {0}, y[3] = {0};
-  for (int k = 0; k < rows; k++) {
-    x[k] = r[k] * (c->d[i] / c->scale);
-    y[k] = u[k] / c->scale;
-  }
-  if (i >= c->view.p->contacts) kind = NSDAE_FC_BILATERAL;
-  if (kind == NSDAE_FC_CONE && rows == 1) kind = NSDAE_FC_NORMAL;
-  return nsdae_fc_natural(kind, kind == NSDAE_FC_CONE ? c->view.p->mu[i] : 0, x, y);
-}
-
-double nsdae_fc_whole_residual(const nsdae_fc_whole *c, const double *r, double *u)
-{
-  double most = 0;
-  relative_velocity(c, r, u);
-  for (int k = 0; k < c->view.m; k++)
-    if (!(fabs(r[k]) <= DBL_MAX)) return NAN;
-  for (int i = 0; i < c->view.items; i++) {
-    double one = item_residual(c, i, r + c->view.row[i], u + c->view.row[i]);
-    if (!(one <= most)) most = one;
-    if (most != most) return NAN;
-  }
-  return most;
+  else
+    nsdae_la_solve_lower_transposed(n, 1, c->L + c->view.mass_at[b], n, v, n);
 }

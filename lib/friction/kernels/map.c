@@ -16,20 +16,19 @@ static void nothing(int from, const double *r, double *F, double *B, double *A)
   }
 }
 
-/* P(x) and its derivative G. On the cone, with d = x_T / |x_T|, w = (1, mu d) / sqrt(1 + mu^2):
- * G = w w^T + mu n / |x_T| (1 - d d^T) in the tangential plane, n the normal part of P(x). */
-static void project(double mu, const double *x, double *P, double *G)
+/* The derivative G of P at z. On the cone, with d = z_T / |z_T|, w = (1, mu d) / sqrt(1 + mu^2):
+ * G = w w^T + mu n / |z_T| (1 - d d^T) in the tangential plane, n the normal part of P(z). */
+static void slope_of_projection(double mu, const nsdae_fc_place *p, double *G)
 {
-  double t = nsdae_fc_length(x[1], x[2]);
-  memcpy(P, x, 3 * sizeof *P);
+  double P[3] = {p->z[0], p->z[1], p->z[2]}, t = p->t;
   memset(G, 0, 9 * sizeof *G);
-  nsdae_fc_project(mu, P);
-  if (x[0] >= 0 && t <= mu * x[0]) {
+  if (p->inside) {
     G[0] = G[4] = G[8] = 1;
     return;
   }
-  if (P[0] == 0) return;
-  double root = 1 / sqrt(1 + mu * mu), bend = mu * P[0] / t, d[2] = {x[1] / t, x[2] / t};
+  nsdae_fc_project(mu, P);
+  if (p->polar || P[0] == 0) return;
+  double root = 1 / sqrt(1 + mu * mu), bend = mu * P[0] / t, d[2] = {p->z[1] / t, p->z[2] / t};
   double w[3] = {root, mu * root * d[0], mu * root * d[1]};
   for (int i = 0; i < 3; i++)
     for (int j = 0; j < 3; j++) G[3 * i + j] = w[i] * w[j];
@@ -39,11 +38,10 @@ static void project(double mu, const double *x, double *P, double *G)
   G[7] -= bend * d[0] * d[1];
 }
 
-void nsdae_fc_map(int kind, double mu, const double *r, const double *u, double *F, double *B,
-                  double *A)
+void nsdae_fc_map(int kind, double mu, const double *r, const double *low, const double *u,
+                  double *F, double *B, double *A)
 {
-  double slip = nsdae_fc_length(u[1], u[2]), P[3], G[9];
-  double x[3] = {r[0] - u[0] - mu * slip, r[1] - u[1], r[2] - u[2]};
+  double slip = nsdae_fc_length(u[1], u[2]), y[3] = {u[0] + mu * slip, u[1], u[2]}, G[9];
   if (kind != NSDAE_FC_CONE) {
     int closed = kind == NSDAE_FC_BILATERAL || r[0] - u[0] > 0;
     nothing(1, r, F, B, A);
@@ -52,9 +50,9 @@ void nsdae_fc_map(int kind, double mu, const double *r, const double *u, double 
     B[0] = !closed;
     return;
   }
-  double y[3] = {u[0] + mu * slip, u[1], u[2]};
-  project(mu, x, P, G);
-  nsdae_fc_map_of_cone(mu, r, y, F);
+  const nsdae_fc_place p = nsdae_fc_place_of(mu, r, low, y);
+  nsdae_fc_map_of_place(mu, &p, r, y, F);
+  slope_of_projection(mu, &p, G);
   for (int i = 0; i < 9; i++) {
     B[i] = (i % 4 == 0) - G[i];
     A[i] = G[i];
@@ -121,7 +119,7 @@ void nsdae_fc_smooth_conic_map(int kind, double mu, double e, double shift, cons
                                const double *u, double *F, double *B, double *A)
 {
   if (kind == NSDAE_FC_BILATERAL) {
-    nsdae_fc_map(kind, mu, r, u, F, B, A);
+    nsdae_fc_map(kind, mu, r, NULL, u, F, B, A);
     return;
   }
   if (kind == NSDAE_FC_NORMAL) {

@@ -8,9 +8,9 @@
 #ifndef NSDAE_FRICTION_MAP_H
 #define NSDAE_FRICTION_MAP_H
 
-/* F [3] at r, u [3]; B and A [9], row-major; kind as in cone.h. */
-void nsdae_fc_map(int kind, double mu, const double *r, const double *u, double *F, double *B,
-                  double *A);
+/* F [3] at r + low, u [3] (low NULL: at r); B and A [9], row-major; kind as in cone.h. */
+void nsdae_fc_map(int kind, double mu, const double *r, const double *low, const double *u,
+                  double *F, double *B, double *A);
 
 /* The same of a smooth neighbour: eigenvalues l of r - u^ go to (l + sqrt(l^2 + 4 e^2)) / 2 in
  * place of max(0, l) (Chen, Harker, Kanzow, Smale; of second-order cones: Fukushima, Luo, Tseng,

@@ -26,7 +26,7 @@ static void fill_contact(const nsdae_fc_plain *p, int m, int c, int i, double al
     x[k] = rho * r[i + k];
     y[k] = u[i + k];
   }
-  nsdae_fc_map(nsdae_fc_plain_kind(p, c), p->mu[c], x, y, f, B, A);
+  nsdae_fc_map(nsdae_fc_plain_kind(p, c), p->mu[c], x, NULL, y, f, B, A);
   for (int k = 0; k < rows; k++) {
     double *row = matrix + i + k;
     F[i + k] = f[k];

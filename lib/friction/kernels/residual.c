@@ -26,7 +26,7 @@ static double contact_residual(const nsdae_fc_plain *p, int c, int i, double sca
     x[k] = r[i + k] * (d / scale);
     y[k] = u[i + k] / scale;
   }
-  return nsdae_fc_natural(nsdae_fc_plain_kind(p, c), p->mu[c], x, y);
+  return nsdae_fc_natural(nsdae_fc_plain_kind(p, c), p->mu[c], x, NULL, y);
 }
 
 int nsdae_dfcres(int nc, const int *rows, const double *a, int lda, const double *q,

@@ -13,7 +13,7 @@ static void sharp(int kind, double mu, double e, const double *r, const double *
                   double *B, double *A)
 {
   (void)e;
-  nsdae_fc_map(kind, mu, r, u, F, B, A);
+  nsdae_fc_map(kind, mu, r, NULL, u, F, B, A);
 }
 
 static random_state state_of_draws = {11};
@@ -65,7 +65,7 @@ static void test_roots(void **state)
       {0, 0, 0, 1, 2, 3}, {2, 0.3, -0.4, 0, 0, 0}, {2, -0.6, 0.8, 0, 3, -4}, {0, 0, 0, 0, 0, 0}};
   double F[3], B[9], A[9];
   for (int k = 0; k < 4; k++) {
-    nsdae_fc_map(NSDAE_FC_CONE, 0.5, points[k], points[k] + 3, F, B, A);
+    nsdae_fc_map(NSDAE_FC_CONE, 0.5, points[k], NULL, points[k] + 3, F, B, A);
     for (int i = 0; i < 3; i++) assert_near(F[i], 0, 1e-15);
     nsdae_fc_smooth_map(NSDAE_FC_CONE, 0.5, 1e-9, points[k], points[k] + 3, F, B, A);
     for (int i = 0; i < 3; i++) assert_near(F[i], 0, 5e-9);
@@ -83,9 +83,9 @@ static void test_natural(void **state)
       r[j] = kind == NSDAE_FC_CONE || j == 0 ? draw() : 0;
       u[j] = draw();
     }
-    nsdae_fc_map(kind, 0.7, r, u, F, B, A);
+    nsdae_fc_map(kind, 0.7, r, NULL, u, F, B, A);
     double most = fmax(fabs(F[0]), fmax(fabs(F[1]), fabs(F[2])));
-    assert_near(nsdae_fc_natural(kind, 0.7, r, u), most, 1e-15);
+    assert_near(nsdae_fc_natural(kind, 0.7, r, NULL, u), most, 1e-15);
   }
 }
 

@@ -1,0 +1,114 @@
+/* Iterative refinement as for linear systems (Wilkinson, "Rounding Errors in Algebraic Processes",
+ * 1963; of systems with extra precision Demmel et al., ACM Trans. Math. Softw. 32 (2006) 325): the
+ * velocities of a point are those of the data as given, its impulses in two parts; from it on the
+ * problem is solved for what is still missing, small and of the velocities at hand:
+ *
+ *   u = u_0 + W' dr,   0 = r_0 + dr - P(r_0 + dr - u^)
+ *
+ * in which an error of W' = J'^T J', rounded, is one of dr. Where r_0 lies outside the cone is a
+ * difference of what is large, and alone needs twice the precision (cone.h). */
+#include "precise.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "certificate.h"
+#include "twice.h"
+
+/* Newton steps of a correction, and proximal problems of it that may fail. */
+enum { STEPS = 100, FAILURES = 6 };
+
+/* The first proximal term, and how closely the problem with rounded data is solved. */
+static const double ALPHA = 1e-8, AIM = 0.1;
+
+void nsdae_fc_precise_layout(nsdae_fc_precise *p, const nsdae_fc *fc, nsdae_arena *arena)
+{
+  p->high = NSDAE_ARENA_DOUBLES(arena, 3L * fc->n);
+  p->low = NSDAE_ARENA_DOUBLES(arena, 3L * fc->n);
+  p->best = NSDAE_ARENA_DOUBLES(arena, 3L * fc->n);
+  p->best_low = NSDAE_ARENA_DOUBLES(arena, 3L * fc->n);
+  p->q = NSDAE_ARENA_DOUBLES(arena, 3L * fc->n);
+}
+
+/* The part that one double holds, and what is left. */
+static void normalise(nsdae_fc_precise *p, int m)
+{
+  for (int i = 0; i < m; i++) {
+    double sum = p->high[i] + p->low[i];
+    p->low[i] -= sum - p->high[i];
+    p->high[i] = sum;
+  }
+}
+
+/* The island as it is from high + low on: r = 0, and q the velocities of that. */
+static void relocate(nsdae_fc_precise *p, nsdae_fc *c)
+{
+  const nsdae_fc_whole *w = c->whole;
+  nsdae_fc_scatter(c, p->high, w->r);
+  nsdae_fc_scatter(c, p->low, w->r_low);
+  nsdae_fc_island_velocities(w, c->label, w->r, w->r_low, w->u);
+  nsdae_fc_gather(c, w->u, c->items.q);
+  memset(c->r, 0, 3 * (size_t)c->n * sizeof *c->r);
+  nsdae_fc_velocities(c, c->r, c->y, c->u);
+}
+
+static void correct(nsdae_fc_precise *p, nsdae_fc_newton *s, double tol)
+{
+  s->most = s->steps + STEPS;
+  s->failures = FAILURES;
+  nsdae_fc_proximal(s, ALPHA, AIM * tol);
+  for (int i = 0; i < 3 * s->fc->n; i++) nsdae_twice_add(1, s->fc->r[i], p->high + i, p->low + i);
+  normalise(p, 3 * s->fc->n);
+}
+
+/* While its base is the point, the island has other velocities of its own. */
+static void begin(nsdae_fc_precise *p, nsdae_fc *c)
+{
+  memcpy(p->q, c->items.q, 3 * (size_t)c->n * sizeof *p->q);
+  c->base = p->high;
+  c->base_low = p->low;
+}
+
+static void end(nsdae_fc_precise *p, nsdae_fc *c)
+{
+  memcpy(c->items.q, p->q, 3 * (size_t)c->n * sizeof *p->q);
+  c->base = c->base_low = NULL;
+}
+
+static double look(nsdae_fc_precise *p, nsdae_fc *c)
+{
+  relocate(p, c);
+  return nsdae_fc_residual(c, c->r, c->u);
+}
+
+double nsdae_fc_precise_residual(nsdae_fc_precise *p, nsdae_fc *c)
+{
+  begin(p, c);
+  double residual = look(p, c);
+  end(p, c);
+  return residual;
+}
+
+double nsdae_fc_precise_run(nsdae_fc_precise *p, nsdae_fc_newton *s, double tol)
+{
+  nsdae_fc *c = s->fc;
+  size_t bytes = 3 * (size_t)c->n * sizeof *c->r;
+  begin(p, c);
+  s->steps = 0;
+  double before, best = look(p, c), now = best;
+  do {
+    before = best;
+    memcpy(p->best, p->high, bytes);
+    memcpy(p->best_low, p->low, bytes);
+    if (!(best > tol)) break;
+    correct(p, s, tol);
+    now = look(p, c);
+    if (now < best) best = now;
+  } while (best <= 0.5 * before);
+  if (!(now <= best)) {
+    memcpy(p->high, p->best, bytes);
+    memcpy(p->low, p->best_low, bytes);
+  }
+  end(p, c);
+  return best;
+}
