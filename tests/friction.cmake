@@ -1,5 +1,5 @@
 # Tests of the frictional contact problems.
-foreach(name contact kernels map sweeps sliding)
+foreach(name contact kernels map precise sweeps sliding)
   nsdae_unit_test(friction ${name})
 endforeach()
 

@@ -462,17 +462,40 @@ void friction_sample_release(friction_sample *s)
   *s = (friction_sample){0};
 }
 
-/* The residual. */
+/* The residual, in more digits than the impulses have in two parts, where the compiler has them. */
+
+#if defined(__SIZEOF_FLOAT128__)
+__extension__ typedef __float128 wide;
+#else
+typedef long double wide;
+#endif
+
+static wide size_of(wide x)
+{
+  return x < 0 ? -x : x;
+}
+
+static wide larger(wide a, wide b)
+{
+  return b > a ? b : a;
+}
+
+/* sqrt(a^2 + b^2): one step of Newton's method doubles the digits of a root. */
+static wide length(wide a, wide b)
+{
+  wide square = a * a + b * b, root = sqrtl((long double)square);
+  return root > 0 ? (root + square / root) / 2 : 0;
+}
 
 /* x := M^-1 x of a block, by Gauss without pivoting: M is positive definite. */
-static void divide(const double *M, long double *x)
+static void divide(const double *M, wide *x)
 {
-  long double a[FREEDOMS][FREEDOMS];
+  wide a[FREEDOMS][FREEDOMS];
   for (int i = 0; i < FREEDOMS; i++)
     for (int j = 0; j < FREEDOMS; j++) a[i][j] = M[j * FREEDOMS + i];
   for (int k = 0; k < FREEDOMS; k++)
     for (int i = k + 1; i < FREEDOMS; i++) {
-      long double factor = a[i][k] / a[k][k];
+      wide factor = a[i][k] / a[k][k];
       for (int j = k; j < FREEDOMS; j++) a[i][j] -= factor * a[k][j];
       x[i] -= factor * x[k];
     }
@@ -482,19 +505,25 @@ static void divide(const double *M, long double *x)
   }
 }
 
-/* u = H^T M^-1 (f + H r) + w; r NULL: zero. */
-static void velocities(const friction_sample *s, const double *r, long double *v, long double *u)
+static wide part_of(const double *r, const double *low, int i)
+{
+  return (wide)r[i] + (low ? (wide)low[i] : 0);
+}
+
+/* u = H^T M^-1 (f + H (r + low)) + w; r NULL: zero. */
+static void velocities(const friction_sample *s, const double *r, const double *low, wide *v,
+                       wide *u)
 {
   for (int i = 0; i < FREEDOMS * s->bodies; i++) v[i] = s->f[i];
   for (int c = 0; r && c < s->problem.contacts; c++)
     for (int k = s->first[c]; k < s->first[c + 1]; k++)
       for (int e = 0; e < PART; e++)
         v[FREEDOMS * s->block[k] + e % FREEDOMS] +=
-            (long double)s->value[(size_t)k * PART + (size_t)e] * r[ROWS * c + e / FREEDOMS];
+            (wide)s->value[(size_t)k * PART + (size_t)e] * part_of(r, low, ROWS * c + e / FREEDOMS);
   for (int b = 0; b < s->bodies; b++) divide(s->M + b * FREEDOMS * FREEDOMS, v + b * FREEDOMS);
   for (int c = 0; c < s->problem.contacts; c++)
     for (int d = 0; d < ROWS; d++) {
-      long double sum = s->w[ROWS * c + d];
+      wide sum = s->w[ROWS * c + d];
       for (int k = s->first[c]; k < s->first[c + 1]; k++)
         for (int i = 0; i < FREEDOMS; i++)
           sum += s->value[(size_t)k * PART + (size_t)(d * FREEDOMS + i)] *
@@ -504,13 +533,13 @@ static void velocities(const friction_sample *s, const double *r, long double *v
 }
 
 /* Mean of the diagonal entries of W of a contact. */
-static long double mean_of_W(const friction_sample *s, int c)
+static wide mean_of_W(const friction_sample *s, int c)
 {
-  long double sum = 0;
+  wide sum = 0;
   for (int k = s->first[c]; k < s->first[c + 1]; k++)
     for (int d = 0; d < ROWS; d++) {
       const double *h = s->value + (size_t)k * PART + (size_t)(d * FREEDOMS);
-      long double x[FREEDOMS];
+      wide x[FREEDOMS];
       for (int i = 0; i < FREEDOMS; i++) x[i] = h[i];
       divide(s->M + s->block[k] * FREEDOMS * FREEDOMS, x);
       for (int i = 0; i < FREEDOMS; i++) sum += h[i] * x[i];
@@ -519,44 +548,44 @@ static long double mean_of_W(const friction_sample *s, int c)
 }
 
 /* z := its projection on the cone |z_T| <= mu z_N. */
-static void project(long double mu, long double *z)
+static void project(wide mu, wide *z)
 {
-  long double size = hypotl(z[1], z[2]);
+  wide size = length(z[1], z[2]);
   if (size <= mu * z[0]) return;
   if (mu * size <= -z[0]) {
     z[0] = z[1] = z[2] = 0;
     return;
   }
-  long double normal = (z[0] + mu * size) / (1 + mu * mu);
+  wide normal = (z[0] + mu * size) / (1 + mu * mu);
   for (int i = 1; i < 3; i++) z[i] *= mu * normal / size;
   z[0] = normal;
 }
 
-static long double contact_residual(double mu, const double *r, const long double *u, long double d,
-                                    long double scale)
+static wide contact_residual(double mu, const double *r, const double *low, const wide *u, wide d,
+                             wide scale)
 {
-  long double x[3], z[3], worst = 0;
+  wide x[3], z[3], worst = 0;
   for (int i = 0; i < 3; i++) {
-    long double shift = i == 0 ? mu * hypotl(u[1], u[2]) : 0;
-    x[i] = r[i] * d / scale;
+    wide shift = i == 0 ? mu * length(u[1], u[2]) : 0;
+    x[i] = part_of(r, low, i) * d / scale;
     z[i] = x[i] - (u[i] + shift) / scale;
   }
   project(mu, z);
   for (int i = 0; i < 3; i++)
-    if (!(fabsl(x[i] - z[i]) <= worst)) worst = fabsl(x[i] - z[i]);
+    if (!(size_of(x[i] - z[i]) <= worst)) worst = size_of(x[i] - z[i]);
   return worst;
 }
 
-double friction_sample_residual(const friction_sample *s, const double *r)
+double friction_sample_residual(const friction_sample *s, const double *r, const double *low)
 {
   size_t rows = ROWS * (size_t)s->problem.contacts, n = FREEDOMS * (size_t)s->bodies;
-  long double *v = grow(NULL, n + rows, sizeof *v), *u = v + n, scale = 0, worst = 0;
-  velocities(s, NULL, v, u);
-  for (size_t i = 0; i < rows; i++) scale = fmaxl(scale, fabsl(u[i]));
-  velocities(s, r, v, u);
-  for (int c = 0; c < s->problem.contacts && !isnan(worst); c++) {
-    long double one =
-        contact_residual(s->mu[c], r + ROWS * c, u + ROWS * c, mean_of_W(s, c), scale);
+  wide *v = grow(NULL, n + rows, sizeof *v), *u = v + n, scale = 0, worst = 0;
+  velocities(s, NULL, NULL, v, u);
+  for (size_t i = 0; i < rows; i++) scale = larger(scale, size_of(u[i]));
+  velocities(s, r, low, v, u);
+  for (int c = 0; c < s->problem.contacts && worst == worst; c++) {
+    wide one = contact_residual(s->mu[c], r + ROWS * c, low ? low + ROWS * c : NULL, u + ROWS * c,
+                                mean_of_W(s, c), scale);
     if (!(one <= worst)) worst = one;
   }
   free(v);
@@ -566,11 +595,11 @@ double friction_sample_residual(const friction_sample *s, const double *r)
 double friction_sample_largest(const friction_sample *s, const double *r)
 {
   size_t rows = ROWS * (size_t)s->problem.contacts, n = FREEDOMS * (size_t)s->bodies;
-  long double *v = grow(NULL, n + rows, sizeof *v), *u = v + n, scale = 0, largest = 0;
-  velocities(s, NULL, v, u);
-  for (size_t i = 0; i < rows; i++) scale = fmaxl(scale, fabsl(u[i]));
+  wide *v = grow(NULL, n + rows, sizeof *v), *u = v + n, scale = 0, largest = 0;
+  velocities(s, NULL, NULL, v, u);
+  for (size_t i = 0; i < rows; i++) scale = larger(scale, size_of(u[i]));
   for (size_t i = 0; i < rows; i++)
-    largest = fmaxl(largest, fabsl(r[i]) * mean_of_W(s, (int)(i / ROWS)) / scale);
+    largest = larger(largest, size_of(r[i]) * mean_of_W(s, (int)(i / ROWS)) / scale);
   free(v);
   return (double)largest;
 }
@@ -587,7 +616,7 @@ static int couple(const friction_sample *s, int j, int i, double *W)
       if (s->block[k] != s->block[l]) continue;
       any = 1;
       for (int d = 0; d < ROWS; d++) {
-        long double x[FREEDOMS];
+        wide x[FREEDOMS];
         for (int e = 0; e < FREEDOMS; e++) x[e] = s->value[k * PART + d * FREEDOMS + e];
         divide(s->M + s->block[k] * FREEDOMS * FREEDOMS, x);
         for (int of = 0; of < ROWS; of++)
@@ -621,8 +650,8 @@ void friction_sample_local(const friction_sample *s, friction_local *local)
   size_t rows = ROWS * (size_t)contacts, n = FREEDOMS * (size_t)s->bodies;
   *local = (friction_local){.first = grow(NULL, (size_t)contacts + 1, sizeof *local->first),
                             .q = grow(NULL, rows, sizeof *local->q)};
-  long double *v = grow(NULL, n + rows, sizeof *v), *u = v + n;
-  velocities(s, NULL, v, u);
+  wide *v = grow(NULL, n + rows, sizeof *v), *u = v + n;
+  velocities(s, NULL, NULL, v, u);
   for (size_t i = 0; i < rows; i++) local->q[i] = (double)u[i];
   free(v);
   local->first[0] = 0;

@@ -51,10 +51,11 @@ const char *friction_grip_name(int grip);
 void friction_sample_draw(friction_sample *s, int family, int contacts, unsigned long long seed);
 void friction_sample_release(friction_sample *s);
 
-/* The residual of r, free of units, in long double throughout: with d_c the mean of the diagonal of
+/* The residual of r + low (low NULL: of r), free of units, in quadruple precision where there is
+ * such, else in long double: with d_c the mean of the diagonal of
  * W for contact c and s = max |q|, x = r d / s, y = (u + mu |u_T| e_N) / s, max |x - P_K(x - y)|.
  * NaN where r is not finite. */
-double friction_sample_residual(const friction_sample *s, const double *r);
+double friction_sample_residual(const friction_sample *s, const double *r, const double *low);
 
 /* The largest |x_i|: an evaluation in double rounds x - P_K(x - y) to 1e-16 of it. */
 double friction_sample_largest(const friction_sample *s, const double *r);

@@ -15,7 +15,7 @@ static void try_bounded(const friction_sample *s, nsdae_friction_options o, doub
   size_t m = 3 * (size_t)s->problem.contacts;
   nsdae_friction_info info;
   int status = nsdae_friction_solve(&s->problem, &o, r, r + m, &info);
-  double residual = friction_sample_residual(s, r);
+  double residual = friction_sample_residual(s, r, NULL);
   double rounding = DBL_EPSILON * friction_sample_largest(s, r);
   assert_true(status == NSDAE_OK || status == NSDAE_E_LCP);
   assert_int_equal(info.outcome == NSDAE_OUTCOME_SOLVED, status == NSDAE_OK);
