@@ -32,9 +32,12 @@ enum { SMALL = 24 };
 
 /* Newton steps of one attempt, along a curve with folds, and between accelerated sweeps; proximal
  * problems that may fail in the first of these; how many accelerated sweeps see what they are good
- * for; convex problems. */
+ * for; convex problems, first and last. */
 enum { STEPS = 300, FOLDED = 10000, A_FEW = 20, FAILURES = 20 };
-enum { STALLED = 300, ROUNDS = 6, SHIFTS = 3 };
+enum { STALLED = 300, ROUNDS = 6, SHIFTS = 3, MORE_SHIFTS = 150 };
+
+/* Of the residual after a shift, which Newton's method is tried at then. */
+static const double SHRUNK = 0.7;
 
 /* Where FEW sweeps leave more, weights do not get to the ground by sweeps: walls, towers and arches
  * keep 0.06 and more, what slides 0.04 and less. */
@@ -343,33 +346,37 @@ static void take_shift(nsdae_fc_chain *c)
     c->slip[k] = c->fc.items.mu[k] * nsdae_fc_length(c->fc.u[3 * k + 1], c->fc.u[3 * k + 2]);
 }
 
-/* The problem with its shift mu |u_T| fixed is convex: its path has no folds, and where little
- * slides few shifts are enough (De Saxce and Feng 1998; Acary, Cadoux, Lemarechal, Malick 2011).
- * Of bodies that rest the first one is zero: that of the solution. */
-static int conic(nsdae_fc_chain *c, int stage)
+/* The problem with its shift mu |u_T| fixed is convex: its path has no folds. Its solution says
+ * what the next shift is; where that is the same, the problem is solved (De Saxce and Feng 1998;
+ * Acary, Cadoux, Lemarechal, Malick 2011: such a fixed point exists). Where little slides few of
+ * them are enough, and of bodies that rest the first one is zero; else they go there slowly, and
+ * Newton's method goes on from where the residual has shrunk. */
+static int conic(nsdae_fc_chain *c, int most, int stage)
 {
+  double tried = INFINITY;
   start_cold(c);
-  for (int k = 0; k < SHIFTS; k++) {
+  for (int k = 0; k < most; k++) {
     if (!ready(c)) return 0;
-    memset(c->fc.r, 0, bytes(c));
     c->newton.shift = c->slip;
     nsdae_fc_path(&c->newton, 1e-3, c->tol);
     c->newton.shift = NULL;
     nsdae_fc_velocities(&c->fc, c->fc.r, c->fc.y, c->fc.u);
     take_shift(c);
-    if (!count(c, stage) && c->newton.steps < c->newton.most) {
-      c->newton.steps = 0;
-      nsdae_fc_proximal(&c->newton, 1e-8, c->tol);
-      count(c, stage);
-    }
-    if (c->info.outcome == NSDAE_OUTCOME_SOLVED) return 1;
+    if (count(c, stage)) return 1;
+    double residual = nsdae_fc_residual(&c->fc, c->fc.r, c->fc.u);
+    if (k >= SHIFTS && !(residual < SHRUNK * tried)) continue;
+    tried = residual;
+    if (!ready(c)) return 0;
+    if (k >= SHIFTS) c->newton.most = ATTEMPT;
+    nsdae_fc_proximal(&c->newton, 1e-8, c->tol);
+    if (count(c, stage)) return 1;
   }
   return 0;
 }
 
 static int smoothing(nsdae_fc_chain *c)
 {
-  return path(c, 1e-3, NSDAE_FRICTION_SMOOTHING) || conic(c, NSDAE_FRICTION_SMOOTHING);
+  return path(c, 1e-3, NSDAE_FRICTION_SMOOTHING) || conic(c, SHIFTS, NSDAE_FRICTION_SMOOTHING);
 }
 
 /* Before all that takes long. */
@@ -524,8 +531,8 @@ static int further(nsdae_fc_chain *c)
   if (precisely(c) || exhausted(c)) return 1;
   if (c->fc.n == 1) return paths(c, 0, 2) || curves(c);
   if (c->tol >= ROUGH) return patience(c, MANY) || paths(c, 0, 20) || curves(c) || roam(c);
-  return creep(c) || patience(c, MANY / 10) || paths(c, 0, 2) || curves(c) || paths(c, 2, 20) ||
-         roam(c);
+  return creep(c) || conic(c, MORE_SHIFTS, NSDAE_FRICTION_FURTHER) || patience(c, MANY / 10) ||
+         paths(c, 0, 2) || curves(c) || paths(c, 2, 20) || roam(c);
 }
 
 /* The solution better still, where that was asked for, and inside the cones to the last bit: their

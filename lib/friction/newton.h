@@ -46,8 +46,8 @@ double nsdae_fc_creep(nsdae_fc_newton *newton, double tol);
  * kept; returns that of fc->r then. */
 double nsdae_fc_refine(nsdae_fc_newton *newton, int steps);
 
-/* Follows the path of the smoothed maps from fc->r, epsilon from 1 on down to 1e-6; loose is how
- * far from the path a point may be, relative to epsilon. Ends where the residual is below tol,
+/* Follows the path of the smoothed maps from r = 0, epsilon from 1 (or more) down to 1e-6; loose is
+ * how far from the path a point may be, relative to epsilon. Ends where the residual is below tol,
  * which is returned. */
 double nsdae_fc_path(nsdae_fc_newton *newton, double loose, double tol);
 

@@ -12,27 +12,55 @@ enum { INNER = 15 };
 
 static const double LEAST = 1e-6, TINY = 1e-13; /* below, rounding rules; TINY: regular matrices */
 
+/* Where the path begins: a point of it has r o u^ = epsilon^2, and Newton's method does not get
+ * from zero to impulses that are larger by far than epsilon, as those of masses unlike each other
+ * are. */
+static const double FIRST[] = {1, 1e3, 1e6};
+
+/* Newton steps until the map is small for this epsilon; their number, 0 where there was none. */
+static int settle(nsdae_fc_newton *s, double loose)
+{
+  nsdae_fc *c = s->fc;
+  memcpy(s->centre, c->r, 3 * (size_t)c->n * sizeof *c->r);
+  double now = nsdae_fc_newton_map(s, c->r, c->u, 0), goal = loose * c->n * s->epsilon * s->epsilon;
+  int steps = 0;
+  do {
+    if (s->steps >= s->most) return 0;
+    now = nsdae_fc_newton_step(s, now);
+    steps++;
+  } while (now > goal && steps < INNER);
+  return isnan(now) ? 0 : steps;
+}
+
+/* The first point of the path, from r = 0. */
+static int begin(nsdae_fc_newton *s, double loose)
+{
+  nsdae_fc *c = s->fc;
+  int steps = INNER;
+  for (size_t k = 0; k < sizeof FIRST / sizeof *FIRST && steps == INNER; k++) {
+    memset(c->r, 0, 3 * (size_t)c->n * sizeof *c->r);
+    nsdae_fc_velocities(c, c->r, c->y, c->u);
+    s->epsilon = FIRST[k];
+    steps = settle(s, loose);
+  }
+  return steps;
+}
+
 double nsdae_fc_path(nsdae_fc_newton *s, double loose, double tol)
 {
   nsdae_fc *c = s->fc;
-  double shrink = 0.3, now;
+  double shrink = 0.3;
   s->alpha = TINY;
   s->search = 1;
-  nsdae_fc_velocities(c, c->r, c->y, c->u);
+  int steps = begin(s, loose);
   double residual = nsdae_fc_residual(c, c->r, c->u);
-  for (s->epsilon = 1; s->epsilon > LEAST && !(residual <= tol); s->epsilon *= shrink) {
-    int steps = 0;
-    memcpy(s->centre, c->r, 3 * (size_t)c->n * sizeof *c->r);
-    now = nsdae_fc_newton_map(s, c->r, c->u, 0);
-    do {
-      if (s->steps >= s->most) return residual;
-      now = nsdae_fc_newton_step(s, now);
-      steps++;
-    } while (now > loose * c->n * s->epsilon * s->epsilon && steps < INNER);
-    if (now != now) break;
-    residual = nsdae_fc_residual(c, c->r, c->u);
+  while (steps > 0 && !(residual <= tol)) {
     if (steps <= 2) shrink = fmax(0.6 * shrink, 0.03);
     if (steps >= 5) shrink = fmin(1.5 * shrink, 0.7);
+    s->epsilon *= shrink;
+    if (!(s->epsilon > LEAST)) break;
+    steps = settle(s, loose);
+    if (steps > 0) residual = nsdae_fc_residual(c, c->r, c->u);
   }
   return residual;
 }
