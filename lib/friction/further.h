@@ -1,0 +1,10 @@
+/* The last stage of the chain: what is slow, and gets to what nothing else does. */
+#ifndef NSDAE_FRICTION_FURTHER_H
+#define NSDAE_FRICTION_FURTHER_H
+
+#include "chain.h"
+
+/* Goes on from where the stages before ended; 1: solved, or rounding leaves nothing to be done. */
+int nsdae_fc_further(nsdae_fc_chain *chain);
+
+#endif
