@@ -163,7 +163,7 @@ static int curves(nsdae_fc_chain *c, double each, double all)
   const int before = c->spent;
   for (int k = 0; k < CURVES; k++) {
     int left = (int)(all / c->fc.n) - (c->spent - before);
-    if (left <= 0 || !nsdae_fc_ready(c)) return 0;
+    if (left <= 0 || (k > 0 && c->info.residual <= NEARLY) || !nsdae_fc_ready(c)) return 0;
     if (c->options->max_iterations == 0) c->newton.most = (int)fmin(each / c->fc.n, left);
     if (along(c, stiffness[k % 6], k < 3 ? 0 : k)) return 1;
   }
@@ -176,11 +176,14 @@ static int short_curves(nsdae_fc_chain *c)
   return curves(c, CURVE, fmax(0, budget(c) - (double)c->spent * c->fc.n));
 }
 
-/* The last resort. Of few contacts the short curves have seen all there is. */
+/* The last resort. Of few contacts the short curves have seen all there is; and what is nearly
+ * solved lacks digits, which no other curve has. Dense factors cost n times as much. */
 static int last(nsdae_fc_chain *c)
 {
+  const double share = c->fc.local ? 1.0 / c->fc.n : 1;
   if (!c->patient || c->fc.n <= SMALL) return 0;
-  return curves(c, LONG_CURVE, LONG_CURVES) || roam(c);
+  if (c->info.residual > NEARLY && curves(c, share * LONG_CURVE, share * LONG_CURVES)) return 1;
+  return roam(c);
 }
 
 /* Sweeps reach a few digits, paths many, and curves get round what stops both. Of one contact a
