@@ -7,21 +7,21 @@
 #include <nsdae/status.h>
 
 #include "cone.h"
+#include "conic.h"
+#include "further.h"
 #include "sweep.h"
 
 /* Sweeps between two looks at the residual; at the beginning; of a warm start, which is trapped
- * where so many have not halved the residual; of the last resort. */
+ * where so many have not halved the residual; accelerated ones. */
 enum { BETWEEN = 20, FEW = 100, WARM = 2000, TRAPPED = 600, SOON = 20, MANY = 20000 };
 
-/* Plain sweeps where nothing else gets further, and those of the last resort with Newton's steps
- * between them: so many items swept, ten seconds or so and a minute, and at most so many sweeps;
- * the first end where half of them have not halved the residual. */
-static const double SWEPT = 1.2e8, ROAMED = 7e8;
-enum { LONG = 30000, ROAM = 650000 };
+/* Plain sweeps where nothing else gets further: so many items swept, ten seconds or so, and at most
+ * so many sweeps; they end where half of them have not halved the residual. */
+static const double SWEPT = 1.2e8;
+enum { LONG = 30000 };
 
-/* Of the last resort: sweeps between two looks; Newton steps of one attempt, and what sweeps one of
- * them costs; values of J that an item has as a rule, those of two bodies. */
-enum { BLOCK = 2500, ATTEMPT = 150, STEP_IN_SWEEPS = 130, VALUES = 36 };
+/* Values of J that an item has as a rule, those of two bodies. */
+enum { VALUES = 36 };
 
 /* The sweeps of TRAPPED where what is locked is solved by itself then; how many times, and how many
  * of them in vain. */
@@ -30,36 +30,18 @@ enum { LOCKED = 60, REGIONS = 8, IN_VAIN = 3 };
 /* Contacts up to which a factorisation costs less than the sweeps that it saves. */
 enum { SMALL = 24 };
 
-/* Newton steps of one attempt, along a curve with folds, and between accelerated sweeps; proximal
- * problems that may fail in the first of these; how many accelerated sweeps see what they are good
- * for; convex problems, first and last. */
-enum { STEPS = 300, FOLDED = 10000, A_FEW = 20, FAILURES = 20 };
-enum { STALLED = 300, ROUNDS = 6, SHIFTS = 3, MORE_SHIFTS = 150 };
+/* Newton steps of one attempt, and between accelerated sweeps; proximal problems that may fail in
+ * the first of these; how many accelerated sweeps see what they are good for; convex problems. */
+enum { STEPS = 300, A_FEW = 20, FAILURES = 20 };
+enum { STALLED = 300, ROUNDS = 6, SHIFTS = 3 };
 
-/* Of the residual after a shift, which Newton's method is tried at then. */
-static const double SHRUNK = 0.7;
 
 /* Where FEW sweeps leave more, weights do not get to the ground by sweeps: walls, towers and arches
  * keep 0.06 and more, what slides 0.04 and less. */
 static const double HYPERSTATIC = 5e-2;
 
-/* Newton steps times items that an island may take until its curves end, half as many for a row of
- * paths, and one curve: fifteen seconds or so. */
-static const double BUDGET = 2.2e6, CURVE = 1e6;
-
-/* The same of a contact by itself, of which there may be many in an instant: what few steps more do
- * not solve has, but for one in thousands, no solution. */
-static const double ALONE = 1500;
-
-/* What is nearly solved; Newton steps from there. */
-static const double NEARLY = 1e-8;
-enum { CREEP = 4000 };
-
 /* Roundings of the scaled data that add up in a velocity. */
 static const double DOUBT = 8;
-
-/* Tolerances that sweeps are likely to reach. */
-static const double ROUGH = 0.99e-6; /* asked for as 1e-6, less what rounding may take */
 
 void nsdae_fc_chain_layout(void *object, nsdae_arena *arena)
 {
@@ -69,6 +51,7 @@ void nsdae_fc_chain_layout(void *object, nsdae_arena *arena)
   c->low = NSDAE_ARENA_DOUBLES(arena, 3L * c->fc.n);
   c->trap = NSDAE_ARENA_DOUBLES(arena, 3L * c->fc.n);
   c->slip = NSDAE_ARENA_DOUBLES(arena, c->fc.n);
+  c->drift = NSDAE_ARENA_DOUBLES(arena, c->fc.n);
   nsdae_fc_anderson_layout(&c->anderson, &c->fc, arena);
   c->newton.fc = &c->fc;
   nsdae_fc_newton_layout(&c->newton, arena);
@@ -77,28 +60,23 @@ void nsdae_fc_chain_layout(void *object, nsdae_arena *arena)
   nsdae_fc_polyhedral_layout(&c->polyhedral, &c->fc, arena);
 }
 
-static size_t bytes(const nsdae_fc_chain *c)
-{
-  return 3 * (size_t)c->fc.n * sizeof(double);
-}
-
 /* Keeps fc->r where it is better than all before; returns whether it is a solution. */
-static int judge(nsdae_fc_chain *c, int stage)
+int nsdae_fc_judge(nsdae_fc_chain *c, int stage)
 {
   nsdae_fc_velocities(&c->fc, c->fc.r, c->fc.y, c->fc.u);
   double residual = nsdae_fc_residual(&c->fc, c->fc.r, c->fc.u);
   if (!(residual < c->info.residual)) return 0;
   c->info.residual = residual;
   c->info.stage = stage;
-  memcpy(c->best, c->fc.r, bytes(c));
+  memcpy(c->best, c->fc.r, nsdae_fc_bytes(c));
   if (residual > c->tol) return 0;
   c->info.outcome = NSDAE_OUTCOME_SOLVED;
   return 1;
 }
 
-static void start_cold(nsdae_fc_chain *c)
+void nsdae_fc_start_cold(nsdae_fc_chain *c)
 {
-  memset(c->fc.r, 0, bytes(c));
+  memset(c->fc.r, 0, nsdae_fc_bytes(c));
   memset(c->slip, 0, (size_t)c->fc.n * sizeof *c->slip);
 }
 
@@ -108,22 +86,22 @@ static int trivial(nsdae_fc_chain *c)
     double gap = c->fc.items.q[3 * k];
     if (!(gap >= 0) || (c->fc.items.kind[k] == NSDAE_FC_BILATERAL && gap != 0)) return 0;
   }
-  start_cold(c);
-  return judge(c, NSDAE_FRICTION_TRIVIAL);
+  nsdae_fc_start_cold(c);
+  return nsdae_fc_judge(c, NSDAE_FRICTION_TRIVIAL);
 }
 
 /* Sweeps from fc->r on, looked at after every BETWEEN. With patience > 0 they end where so many
  * have not halved the residual. */
-static int sweeps(nsdae_fc_chain *c, int most, int patience, int stage)
+int nsdae_fc_sweeps(nsdae_fc_chain *c, int most, int patience, int stage)
 {
   double mark = INFINITY;
   int since = 0;
   if (c->options->max_sweeps > 0 && c->options->max_sweeps < most) most = c->options->max_sweeps;
-  if (judge(c, stage)) return 1;
+  if (nsdae_fc_judge(c, stage)) return 1;
   for (int done = 0; done < most; done += BETWEEN) {
     nsdae_fc_sweep(&c->fc, BETWEEN, c->slip);
     c->info.sweeps += BETWEEN;
-    if (judge(c, stage)) return 1;
+    if (nsdae_fc_judge(c, stage)) return 1;
     since += BETWEEN;
     if (c->info.residual <= 0.5 * mark) mark = c->info.residual, since = 0;
     if (patience > 0 && since >= patience) return 0;
@@ -143,18 +121,18 @@ static int accelerated(nsdae_fc_chain *c, int most, int patience, int stage)
     double change = nsdae_fc_anderson_sweep(&c->anderson, &c->fc, c->slip);
     c->info.sweeps++;
     if (nsdae_fc_sweep_arrived(&c->fc, c->tol, &seen) || done - judged >= FEW) {
-      if (judge(c, stage)) return 1;
+      if (nsdae_fc_judge(c, stage)) return 1;
       judged = done;
     }
     if (!(change > 0)) break;
     if (change <= 0.5 * mark) mark = change, since = 0;
     if (done < most && since < patience - 1) nsdae_fc_anderson_extrapolate(&c->anderson, &c->fc);
   }
-  return judge(c, stage);
+  return nsdae_fc_judge(c, stage);
 }
 
 /* Whether there are factorisations for this island. */
-static int ready(nsdae_fc_chain *c)
+int nsdae_fc_ready(nsdae_fc_chain *c)
 {
   if (c->analysed == 0)
     c->analysed = nsdae_fc_matrix_analyse(c->matrix, &c->fc) == NSDAE_OK ? 1 : -1;
@@ -166,28 +144,28 @@ static int ready(nsdae_fc_chain *c)
   return c->analysed == 1;
 }
 
-static int count(nsdae_fc_chain *c, int stage)
+int nsdae_fc_count(nsdae_fc_chain *c, int stage)
 {
   c->info.iterations += c->newton.steps;
   c->spent += c->newton.steps;
   c->info.factorisations += c->newton.steps;
-  return judge(c, stage);
+  return nsdae_fc_judge(c, stage);
 }
 
 /* From the best point so far, at most so many steps, as long as none of its problems fails; 0: as
  * many as one attempt has. */
-static int proximal(nsdae_fc_chain *c, double alpha, int most, int stage)
+int nsdae_fc_try_proximal(nsdae_fc_chain *c, double alpha, int most, int stage)
 {
-  if (!ready(c)) return 0;
+  if (!nsdae_fc_ready(c)) return 0;
   if (most > 0) c->newton.failures = 0;
   if (most > 0 && most < c->newton.most) c->newton.most = most;
-  memcpy(c->fc.r, c->best, bytes(c));
+  memcpy(c->fc.r, c->best, nsdae_fc_bytes(c));
   nsdae_fc_proximal(&c->newton, alpha, c->tol);
-  return count(c, stage);
+  return nsdae_fc_count(c, stage);
 }
 
 /* What a sweep costs, in items of two bodies: of a local form it grows with the square of n. */
-static double work(const nsdae_fc_chain *c)
+double nsdae_fc_work(const nsdae_fc_chain *c)
 {
   return fmax(c->fc.n, (double)c->fc.parts.values / VALUES);
 }
@@ -199,28 +177,29 @@ static double work(const nsdae_fc_chain *c)
 static int alternate(nsdae_fc_chain *c, int stage)
 {
   for (int k = 0; k < ROUNDS; k++) {
-    memcpy(c->fc.r, c->best, bytes(c));
+    memcpy(c->fc.r, c->best, nsdae_fc_bytes(c));
     nsdae_fc_velocities(&c->fc, c->fc.r, c->fc.y, c->fc.u);
     if (accelerated(c, MANY, STALLED, stage)) return 1;
     double before = c->info.residual;
-    if (proximal(c, 1e-4, A_FEW, stage)) return 1;
+    if (nsdae_fc_try_proximal(c, 1e-4, A_FEW, stage)) return 1;
     if (!(c->info.residual < before)) break;
   }
-  memcpy(c->fc.r, c->best, bytes(c));
+  memcpy(c->fc.r, c->best, nsdae_fc_bytes(c));
   nsdae_fc_sweep_begin(&c->fc);
-  int most = (int)fmin(LONG, SWEPT / work(c));
-  return sweeps(c, most, most / 2, stage);
+  int most = (int)fmin(LONG, SWEPT / nsdae_fc_work(c));
+  return nsdae_fc_sweeps(c, most, most / 2, stage);
 }
 
 /* Along the path, cold, and from its end on. */
-static int path(nsdae_fc_chain *c, double loose, int stage)
+int nsdae_fc_try_path(nsdae_fc_chain *c, double loose, int stage)
 {
-  if (!ready(c)) return 0;
-  start_cold(c);
+  if (!nsdae_fc_ready(c)) return 0;
+  nsdae_fc_start_cold(c);
+  c->newton.mark_epsilon = 0;
   double residual = nsdae_fc_path(&c->newton, loose, c->tol);
-  int lost = c->tol >= ROUGH && residual > 1e-2; /* sweeps get there sooner */
+  int lost = c->tol >= NSDAE_FC_ROUGH && residual > 1e-2; /* sweeps get there sooner */
   if (!(residual <= c->tol) && !lost) nsdae_fc_proximal(&c->newton, 1e-8, c->tol);
-  return count(c, stage);
+  return nsdae_fc_count(c, stage);
 }
 
 /* What keeps sweeps from an end, by itself: of two of them the second one shows what still moves.
@@ -229,12 +208,12 @@ static int solve_region(nsdae_fc_chain *c, int stage)
 {
   double *before = c->anderson.before;
   nsdae_fc_sweep(&c->fc, 1, c->slip);
-  memcpy(before, c->fc.r, bytes(c));
+  memcpy(before, c->fc.r, nsdae_fc_bytes(c));
   nsdae_fc_sweep(&c->fc, 1, c->slip);
   c->info.sweeps += 2;
-  if (judge(c, stage)) return 1;
+  if (nsdae_fc_judge(c, stage)) return 1;
   int found = nsdae_fc_region_solve(c->region, &c->fc, before, c->tol, &c->info);
-  return found > 0 ? judge(c, stage) : found;
+  return found > 0 ? nsdae_fc_judge(c, stage) : found;
 }
 
 /* Sweeps over all, and Newton's method over what is locked, in turn. */
@@ -252,17 +231,17 @@ static int by_regions(nsdae_fc_chain *c, int stage)
 static int has_regions(const nsdae_fc_chain *c)
 {
   if (c->options->max_sweeps > 0 || c->options->max_iterations > 0) return 0;
-  return c->region && !c->fc.local && c->tol >= ROUGH && c->fc.n > SMALL;
+  return c->region && !c->fc.local && c->tol >= NSDAE_FC_ROUGH && c->fc.n > SMALL;
 }
 
 /* Sweeps from fc->r on, the guess, whose y is current; it is looked at where they fail. */
 static int sweep_guess(nsdae_fc_chain *c)
 {
-  memcpy(c->trap, c->fc.r, bytes(c));
+  memcpy(c->trap, c->fc.r, nsdae_fc_bytes(c));
   if (has_regions(c) && by_regions(c, NSDAE_FRICTION_WARM)) return 1;
-  if (accelerated(c, WARM, c->tol < ROUGH ? SOON : TRAPPED, NSDAE_FRICTION_WARM)) return 1;
-  memcpy(c->fc.r, c->trap, bytes(c));
-  return judge(c, NSDAE_FRICTION_WARM);
+  if (accelerated(c, WARM, c->tol < NSDAE_FC_ROUGH ? SOON : TRAPPED, NSDAE_FRICTION_WARM)) return 1;
+  memcpy(c->fc.r, c->trap, nsdae_fc_bytes(c));
+  return nsdae_fc_judge(c, NSDAE_FRICTION_WARM);
 }
 
 /* The impulses of the step before are near; where sweeps are trapped, Newton may not be. */
@@ -272,13 +251,13 @@ static int from_guess(nsdae_fc_chain *c)
   memset(c->slip, 0, (size_t)c->fc.n * sizeof *c->slip);
   nsdae_fc_sweep_begin(&c->fc);
   int look = c->fc.n <= SMALL || nsdae_fc_sweep_arrived(&c->fc, c->tol, &seen);
-  if (look && judge(c, NSDAE_FRICTION_WARM)) return 1;
+  if (look && nsdae_fc_judge(c, NSDAE_FRICTION_WARM)) return 1;
   if (c->fc.n <= SMALL) {
-    if (proximal(c, 1e-5, 0, NSDAE_FRICTION_WARM)) return 1;
-    memcpy(c->fc.r, c->best, bytes(c));
+    if (nsdae_fc_try_proximal(c, 1e-5, 0, NSDAE_FRICTION_WARM)) return 1;
+    memcpy(c->fc.r, c->best, nsdae_fc_bytes(c));
     nsdae_fc_sweep_begin(&c->fc);
   }
-  return sweep_guess(c) || proximal(c, 1e-5, 0, NSDAE_FRICTION_WARM);
+  return sweep_guess(c) || nsdae_fc_try_proximal(c, 1e-5, 0, NSDAE_FRICTION_WARM);
 }
 
 /* The largest impulse, as the residual sees it. */
@@ -293,7 +272,7 @@ static double largest(const nsdae_fc_chain *c)
 /* Whether the residual is what rounding r to doubles leaves: half a unit in the last place of the
  * largest impulse moves the velocities by as much, and others may make up for half of that. Of
  * several items there may be smaller impulses that do the same, which are looked for. */
-static int exhausted(const nsdae_fc_chain *c)
+int nsdae_fc_exhausted(const nsdae_fc_chain *c)
 {
   double small = c->fc.n > 1 ? 1e-12 : INFINITY;
   return c->info.residual <= fmin(DBL_EPSILON / 4 * largest(c), small);
@@ -307,10 +286,10 @@ static int warm(nsdae_fc_chain *c)
   for (int k = 0; k < 3 * c->fc.n; k++) most = fmax(most, fabs(c->fc.r[k]));
   if (!(most > 0)) return 0;
   if (from_guess(c)) return 1;
-  if (exhausted(c)) return 0;
-  memcpy(c->trap, c->best, bytes(c));
+  if (nsdae_fc_exhausted(c)) return 0;
+  memcpy(c->trap, c->best, nsdae_fc_bytes(c));
   c->trapped = c->info.residual;
-  memset(c->best, 0, bytes(c));
+  memset(c->best, 0, nsdae_fc_bytes(c));
   c->info.residual = INFINITY;
   return 0;
 }
@@ -319,7 +298,7 @@ static int warm(nsdae_fc_chain *c)
 static void look_back(nsdae_fc_chain *c)
 {
   if (c->info.outcome != NSDAE_OUTCOME_UNSOLVED || !(c->trapped < c->info.residual)) return;
-  memcpy(c->best, c->trap, bytes(c));
+  memcpy(c->best, c->trap, nsdae_fc_bytes(c));
   c->info.residual = c->trapped;
   c->info.stage = NSDAE_FRICTION_WARM;
 }
@@ -328,55 +307,21 @@ static void look_back(nsdae_fc_chain *c)
 static int pivoting(nsdae_fc_chain *c)
 {
   return nsdae_fc_polyhedral_solve(&c->polyhedral, &c->fc, c->tol, c->newton.y) &&
-         judge(c, NSDAE_FRICTION_PIVOTING);
+         nsdae_fc_judge(c, NSDAE_FRICTION_PIVOTING);
 }
 
 static int gauss_seidel(nsdae_fc_chain *c)
 {
-  start_cold(c);
-  if (sweeps(c, FEW, 0, NSDAE_FRICTION_GAUSS_SEIDEL)) return 1;
-  int likely = c->tol >= ROUGH && c->fc.n > SMALL && c->info.residual <= HYPERSTATIC;
+  nsdae_fc_start_cold(c);
+  if (nsdae_fc_sweeps(c, FEW, 0, NSDAE_FRICTION_GAUSS_SEIDEL)) return 1;
+  int likely = c->tol >= NSDAE_FC_ROUGH && c->fc.n > SMALL && c->info.residual <= HYPERSTATIC;
   return likely && alternate(c, NSDAE_FRICTION_GAUSS_SEIDEL);
-}
-
-/* mu |u_T| of the point at hand, as the shift of the next convex problem. */
-static void take_shift(nsdae_fc_chain *c)
-{
-  for (int k = 0; k < c->fc.n; k++)
-    c->slip[k] = c->fc.items.mu[k] * nsdae_fc_length(c->fc.u[3 * k + 1], c->fc.u[3 * k + 2]);
-}
-
-/* The problem with its shift mu |u_T| fixed is convex: its path has no folds. Its solution says
- * what the next shift is; where that is the same, the problem is solved (De Saxce and Feng 1998;
- * Acary, Cadoux, Lemarechal, Malick 2011: such a fixed point exists). Where little slides few of
- * them are enough, and of bodies that rest the first one is zero; else they go there slowly, and
- * Newton's method goes on from where the residual has shrunk. */
-static int conic(nsdae_fc_chain *c, int most, int stage)
-{
-  double tried = INFINITY;
-  start_cold(c);
-  for (int k = 0; k < most; k++) {
-    if (!ready(c)) return 0;
-    c->newton.shift = c->slip;
-    nsdae_fc_path(&c->newton, 1e-3, c->tol);
-    c->newton.shift = NULL;
-    nsdae_fc_velocities(&c->fc, c->fc.r, c->fc.y, c->fc.u);
-    take_shift(c);
-    if (count(c, stage)) return 1;
-    double residual = nsdae_fc_residual(&c->fc, c->fc.r, c->fc.u);
-    if (k >= SHIFTS && !(residual < SHRUNK * tried)) continue;
-    tried = residual;
-    if (!ready(c)) return 0;
-    if (k >= SHIFTS) c->newton.most = ATTEMPT;
-    nsdae_fc_proximal(&c->newton, 1e-8, c->tol);
-    if (count(c, stage)) return 1;
-  }
-  return 0;
 }
 
 static int smoothing(nsdae_fc_chain *c)
 {
-  return path(c, 1e-3, NSDAE_FRICTION_SMOOTHING) || conic(c, SHIFTS, NSDAE_FRICTION_SMOOTHING);
+  return nsdae_fc_try_path(c, 1e-3, NSDAE_FRICTION_SMOOTHING) ||
+         nsdae_fc_conic(c, SHIFTS, INFINITY, NSDAE_FRICTION_SMOOTHING);
 }
 
 /* Before all that takes long. */
@@ -391,167 +336,24 @@ static int prove(nsdae_fc_chain *c)
   return 1;
 }
 
-/* Where much slides, sweeps go on getting better, slowly; and Newton starts elsewhere. */
-static int patience(nsdae_fc_chain *c, int most)
-{
-  start_cold(c);
-  return sweeps(c, most, 0, NSDAE_FRICTION_FURTHER) || proximal(c, 1e-2, 0, NSDAE_FRICTION_FURTHER);
-}
-
-/* The last digits, from the best point. */
-static int creep(nsdae_fc_chain *c)
-{
-  if (c->fc.n == 1 || !(c->info.residual <= NEARLY) || !ready(c)) return 0;
-  if (c->options->max_iterations == 0) c->newton.most = (int)fmin(CREEP, BUDGET / c->fc.n);
-  memcpy(c->fc.r, c->best, bytes(c));
-  nsdae_fc_creep(&c->newton, c->tol);
-  return count(c, NSDAE_FRICTION_FURTHER) || exhausted(c);
-}
-
-/* A point from precise, with its residual, in one part or two. */
-static int take(nsdae_fc_chain *c, double residual, const double *low)
-{
-  memcpy(c->best, c->precise.high, bytes(c));
-  if (low) memcpy(c->low, low, bytes(c));
-  c->info.residual = residual;
-  c->info.outcome = residual <= c->tol ? NSDAE_OUTCOME_SOLVED : NSDAE_OUTCOME_UNSOLVED;
-  return residual <= c->tol;
-}
-
-/* The last digits from the best point on, by the data as given, in two parts where one does not
- * hold them: who takes one gets that, if it is the better one. */
-static int precisely(nsdae_fc_chain *c)
-{
-  if (!(c->info.residual <= NEARLY) || !ready(c)) return 0;
-  memcpy(c->precise.high, c->best, bytes(c));
-  memset(c->precise.low, 0, bytes(c));
-  double before = nsdae_fc_precise_residual(&c->precise, &c->fc);
-  if (before <= c->tol) return take(c, before, NULL);
-  c->info.stage = NSDAE_FRICTION_FURTHER;
-  double residual = nsdae_fc_precise_run(&c->precise, &c->newton, c->tol);
-  c->info.iterations += c->newton.steps;
-  c->info.factorisations += c->newton.steps;
-  c->held = residual <= c->tol;
-  if (c->held && c->twice) return take(c, residual, c->precise.low);
-  memset(c->precise.low, 0, bytes(c));
-  residual = nsdae_fc_precise_residual(&c->precise, &c->fc);
-  if (!(residual < before)) memcpy(c->precise.high, c->best, bytes(c));
-  return take(c, fmin(residual, before), NULL);
-}
-
-/* Proximal points from fc->r on, as long as each attempt leaves half of what there was. */
-static int attempt(nsdae_fc_chain *c, double residual, long *spent)
-{
-  double before, alpha = 1e-4;
-  do {
-    if (!ready(c)) return 0;
-    if (c->newton.most > ATTEMPT) c->newton.most = ATTEMPT;
-    before = residual;
-    residual = nsdae_fc_proximal(&c->newton, alpha, c->tol);
-    alpha = c->newton.alpha;
-    *spent += c->newton.steps;
-    if (count(c, NSDAE_FRICTION_FURTHER) || exhausted(c)) return 1;
-  } while (residual <= 0.5 * before);
-  return creep(c);
-}
-
-/* Of an impact in which nearly all slides the residual of sweeps falls for a while and rises again:
- * impulses drift along what hardly moves u, until a contact opens and many others follow. Now and
- * then the drift goes to a solution; a calm shows it, and Newton's method takes what is left. Of
- * few contacts the curves have seen all there is. */
-static int roam(nsdae_fc_chain *c)
-{
-  double *here = c->anderson.before, lowest = INFINITY;
-  const double price = fmax(STEP_IN_SWEEPS, c->fc.local ? c->fc.n : 0); /* dense: n^3 to n^2 */
-  long spent = 0, most = (long)fmin(ROAM, ROAMED / work(c));
-  if (c->options->max_sweeps > 0 && c->options->max_sweeps < most) most = c->options->max_sweeps;
-  if (!c->patient || c->fc.n <= SMALL || c->held) return 0;
-  start_cold(c);
-  nsdae_fc_sweep_begin(&c->fc);
-  for (long done = BLOCK; done <= most; done += BLOCK) {
-    nsdae_fc_sweep(&c->fc, BLOCK, c->slip);
-    c->info.sweeps += BLOCK;
-    if (judge(c, NSDAE_FRICTION_FURTHER)) return 1;
-    double residual = nsdae_fc_residual(&c->fc, c->fc.r, c->fc.u);
-    lowest = fmin(lowest, residual);
-    if (residual > 2 * lowest || price * (double)spent > (double)done) continue;
-    memcpy(here, c->fc.r, bytes(c));
-    if (attempt(c, residual, &spent)) return 1;
-    memcpy(c->fc.r, here, bytes(c));
-    nsdae_fc_sweep_begin(&c->fc);
-  }
-  return 0;
-}
-
-static double budget(const nsdae_fc_chain *c)
-{
-  return c->fc.n > 1 ? BUDGET : ALONE;
-}
-
-/* Newton steps that the budget leaves. */
-static int steps_left(const nsdae_fc_chain *c)
-{
-  return (int)fmax(0, budget(c) / c->fc.n - c->spent);
-}
-
-/* Which items stand where a path ends depends on how closely it is followed; so others are tried,
- * fewer of larger islands. */
-static int paths(nsdae_fc_chain *c, int from, int to)
-{
-  int before = c->spent;
-  static const double loose[] = {1e-5, 1e-2, 1e-4, 0.1,  3e-3, 1e-6, 3e-4, 3e-2, 3e-5, 3e-6,
-                                 5e-2, 2e-3, 2e-4, 2e-5, 5e-3, 0.2,  5e-4, 2e-2, 5e-5, 1e-7};
-  for (int k = from; k < to && (c->spent - before) * 2.0 * c->fc.n < budget(c); k++) {
-    if (path(c, loose[k], NSDAE_FRICTION_FURTHER)) return 1;
-    if (exhausted(c)) return 1;
-  }
-  return 0;
-}
-
-/* Curves of more and less compliance, followed more and less closely. */
-static int curves(nsdae_fc_chain *c)
-{
-  static const struct {
-    double stiffness, close;
-  } all[] = {{0.1, 1e-3}, {1, 1e-3}, {0.1, 1e-5}, {1, 1e-5}, {0.3, 1e-4}};
-  for (int k = 0; k < 5 && steps_left(c) > 0; k++) {
-    if (!ready(c)) return 0;
-    if (c->options->max_iterations == 0)
-      c->newton.most = (int)fmin(fmin(FOLDED, CURVE / c->fc.n), steps_left(c));
-    nsdae_fc_continue(&c->curve, &c->newton, all[k].stiffness, all[k].close, c->tol);
-    if (count(c, NSDAE_FRICTION_FURTHER) || exhausted(c)) return 1;
-  }
-  return 0;
-}
-
-/* Sweeps reach a few digits, paths many, and curves get round what stops both. Of one contact a
- * sweep is what the one before was. */
-static int further(nsdae_fc_chain *c)
-{
-  if (precisely(c) || exhausted(c)) return 1;
-  if (c->fc.n == 1) return paths(c, 0, 2) || curves(c);
-  if (c->tol >= ROUGH) return patience(c, MANY) || paths(c, 0, 20) || curves(c) || roam(c);
-  return creep(c) || conic(c, MORE_SHIFTS, NSDAE_FRICTION_FURTHER) || patience(c, MANY / 10) ||
-         paths(c, 0, 2) || curves(c) || paths(c, 2, 20) || roam(c);
-}
-
 /* The solution better still, where that was asked for, and inside the cones to the last bit: their
  * nearest point is no further away than the residual. */
 static void refine(nsdae_fc_chain *c)
 {
   nsdae_fc *fc = &c->fc;
-  if (c->options->refine == 0 || c->info.outcome != NSDAE_OUTCOME_SOLVED || !ready(c)) return;
-  memcpy(fc->r, c->best, bytes(c));
+  if (c->options->refine == 0 || c->info.outcome != NSDAE_OUTCOME_SOLVED || !nsdae_fc_ready(c))
+    return;
+  memcpy(fc->r, c->best, nsdae_fc_bytes(c));
   nsdae_fc_refine(&c->newton, c->options->refine);
-  count(c, c->info.stage);
-  memcpy(fc->r, c->best, bytes(c));
+  nsdae_fc_count(c, c->info.stage);
+  memcpy(fc->r, c->best, nsdae_fc_bytes(c));
   for (int k = 0; k < fc->n; k++)
     if (fc->items.kind[k] != NSDAE_FC_BILATERAL) nsdae_fc_project(fc->items.mu[k], fc->r + 3 * k);
   nsdae_fc_velocities(fc, fc->r, fc->y, fc->u);
   double residual = nsdae_fc_residual(fc, fc->r, fc->u);
   if (!(residual <= c->tol)) return;
   c->info.residual = residual;
-  memcpy(c->best, fc->r, bytes(c));
+  memcpy(c->best, fc->r, nsdae_fc_bytes(c));
 }
 
 static void run_stages(nsdae_fc_chain *c)
@@ -559,15 +361,15 @@ static void run_stages(nsdae_fc_chain *c)
   static const struct {
     int stage;
     int (*run)(nsdae_fc_chain *);
-  } all[] = {{NSDAE_FRICTION_TRIVIAL, trivial},     {NSDAE_FRICTION_WARM, warm},
-             {NSDAE_FRICTION_PIVOTING, pivoting},   {NSDAE_FRICTION_GAUSS_SEIDEL, gauss_seidel},
-             {NSDAE_FRICTION_SMOOTHING, smoothing}, {NSDAE_FRICTION_PROVE, prove},
-             {NSDAE_FRICTION_FURTHER, further}};
+  } all[] = {{NSDAE_FRICTION_TRIVIAL, trivial},         {NSDAE_FRICTION_WARM, warm},
+             {NSDAE_FRICTION_PIVOTING, pivoting},       {NSDAE_FRICTION_GAUSS_SEIDEL, gauss_seidel},
+             {NSDAE_FRICTION_SMOOTHING, smoothing},     {NSDAE_FRICTION_PROVE, prove},
+             {NSDAE_FRICTION_FURTHER, nsdae_fc_further}};
   c->info = (nsdae_friction_info){.residual = INFINITY};
   c->trapped = INFINITY;
   c->spent = c->held = 0;
-  memset(c->best, 0, bytes(c));
-  memset(c->low, 0, bytes(c));
+  memset(c->best, 0, nsdae_fc_bytes(c));
+  memset(c->low, 0, nsdae_fc_bytes(c));
   for (size_t i = 0; i < sizeof all / sizeof *all; i++)
     if ((c->options->stages & all[i].stage) && all[i].run(c)) return;
 }
@@ -580,7 +382,7 @@ static void check(nsdae_fc_chain *c)
   if (c->info.outcome == NSDAE_OUTCOME_INFEASIBLE || c->held) return;
   if ((c->options->stages & NSDAE_FRICTION_FURTHER) &&
       (c->info.outcome == NSDAE_OUTCOME_UNSOLVED || doubtful))
-    precisely(c);
+    nsdae_fc_precisely(c);
 }
 
 void nsdae_fc_chain_run(nsdae_fc_chain *c)

@@ -9,6 +9,9 @@
 #include "precise.h"
 #include "region.h"
 
+/* A tolerance that sweeps are likely to reach: asked for as 1e-6, less what rounding may take. */
+#define NSDAE_FC_ROUGH 0.99e-6
+
 typedef struct nsdae_fc_chain {
   nsdae_fc fc;
   const nsdae_friction_options *options;
@@ -18,7 +21,8 @@ typedef struct nsdae_fc_chain {
   double *low;  /* 3 n: what that does not hold of a solution in two parts */
   double *trap; /* 3 n: where a warm start got stuck, and its residual: no other stage sees it */
   double trapped;
-  double *slip; /* n: see coulomb.h */
+  double *slip;  /* n: see coulomb.h */
+  double *drift; /* n: by how much the shift of a convex problem was off, see conic.c */
   nsdae_fc_anderson anderson;
   nsdae_fc_newton newton;
   nsdae_fc_curve curve;
@@ -36,8 +40,46 @@ typedef struct nsdae_fc_chain {
   int twice;               /* the caller takes a solution in two parts */
 } nsdae_fc_chain;
 
+/* The size of r */
+static inline size_t nsdae_fc_bytes(const nsdae_fc_chain *c)
+{
+  return 3 * (size_t)c->fc.n * sizeof(double);
+}
+
 /* Takes the arrays of the chain and its island. */
 void nsdae_fc_chain_layout(void *chain, nsdae_arena *arena);
+
+/* Of a stage, each from chain->fc.r on unless it says otherwise, and at the best point or where it
+ * ended. Those that return an int: whether the island is solved. */
+
+/* r = 0. */
+void nsdae_fc_start_cold(nsdae_fc_chain *chain);
+
+/* Keeps fc.r where it is better than all before. */
+int nsdae_fc_judge(nsdae_fc_chain *chain, int stage);
+
+/* Sweeps, looked at now and then. With patience > 0 they end where so many have not halved the
+ * residual. */
+int nsdae_fc_sweeps(nsdae_fc_chain *chain, int most, int patience, int stage);
+
+/* Whether there are factorisations for this island: then chain->newton begins anew. */
+int nsdae_fc_ready(nsdae_fc_chain *chain);
+
+/* Counts the steps of chain->newton, and judges where it ended. */
+int nsdae_fc_count(nsdae_fc_chain *chain, int stage);
+
+/* Proximal points from the best point so far, at most so many steps, as long as none of its
+ * problems fails; 0: as many as one attempt has. */
+int nsdae_fc_try_proximal(nsdae_fc_chain *chain, double alpha, int most, int stage);
+
+/* Along the path, cold, and proximal points from its end on. */
+int nsdae_fc_try_path(nsdae_fc_chain *chain, double loose, int stage);
+
+/* What a sweep costs, in items of two bodies. */
+double nsdae_fc_work(const nsdae_fc_chain *chain);
+
+/* Whether the residual is what rounding r to doubles leaves. */
+int nsdae_fc_exhausted(const nsdae_fc_chain *chain);
 
 /* Solves the island from chain->fc.r; the answer is in chain->best and chain->info; where that is
  * infeasible, in chain->l. */

@@ -22,43 +22,56 @@
 #include <math.h>
 #include <string.h>
 
-enum { TRIES = 40, CORRECTIONS = 7, POLISH = 2, SETTLE = 60, DOWN = 12, ROUNDS = 20, STRETCH = 20 };
+enum { TRIES = 40, CORRECTIONS = 7, POLISH = 2, AGAIN = 4, SETTLE = 60, DOWN = 12 };
 
-/* Longest correction relative to the step, and to the one before. */
-static const double AWAY = 0.5, GAIN = 0.5;
+/* Of a step: its first correction relative to it, and each correction to the one before, at most;
+ * the least cosine between the tangents at its ends; the last correction relative to it, and what
+ * it leaves of the map, at most. Each of them keeps it from another branch, which may be as near as
+ * one likes. Corrections that are slight may do as they like. */
+static const double FIRST = 0.3, CONTRACTION = 0.3, COSINE = 0.9, CLOSE = 1e-3, ON_CURVE = 1e-5,
+                    SLIGHT = 1e-3;
 
-/* Relative to epsilon, what rounding leaves of F; where folds are behind, as a rule; the end; least
- * a of the matrix; shortest and longest step; l of a curve that returns to where it came from. */
-static const double ROUNDING = 1e-13, STRAIGHT = 1e-6, END = 1e-15, REGULAR = 1e-7,
-                    SHORTEST = 1e-11, LONGEST = 3, BACK = 0.7;
+/* What rounding leaves of F, of the largest impulse; the end of epsilon;
+ * least a of the matrix; shortest and longest step; by how much the next one may be longer; l of a
+ * curve that returns to where it came from. */
+static const double ROUNDING = 1e-15, END = 1e-15, REGULAR = 1e-7, SHORTEST = 1e-11, LONGEST = 3,
+                    GROWTH = 2, BACK = 0.7;
 
 void nsdae_fc_curve_layout(nsdae_fc_curve *c, const nsdae_fc *fc, nsdae_arena *arena)
 {
   long n = fc->n;
   c->tangent = NSDAE_ARENA_DOUBLES(arena, 3 * n);
+  c->next = NSDAE_ARENA_DOUBLES(arena, 3 * n);
+  c->bend = NSDAE_ARENA_DOUBLES(arena, 3 * n);
   c->slope = NSDAE_ARENA_DOUBLES(arena, 3 * n);
   c->turn = NSDAE_ARENA_DOUBLES(arena, 3 * n);
   c->start = NSDAE_ARENA_DOUBLES(arena, 3 * n);
   c->aim = NSDAE_ARENA_DOUBLES(arena, 3 * n);
+  c->origin = NSDAE_ARENA_DOUBLES(arena, 3 * n);
   c->weight = NSDAE_ARENA_DOUBLES(arena, n);
 }
 
 /* F at fc->r and this l, and its derivatives where they are wanted; its mean square relative to
- * epsilon. u + a r is u + alpha (r - centre) with an alpha that is no smaller than REGULAR. */
+ * epsilon. u + a (r - z) is u + alpha (r - centre) with an alpha that is no smaller than REGULAR.
+ */
 static double map_at(nsdae_fc_curve *c, nsdae_fc_newton *s, double l, int derivatives)
 {
   size_t m = 3 * (size_t)s->fc->n;
   double epsilon = exp(l), compliance = c->stiffness * epsilon;
   s->epsilon = epsilon;
   s->alpha = fmax(compliance, REGULAR);
-  for (size_t i = 0; i < m; i++) s->centre[i] = s->fc->r[i] * (1 - compliance / s->alpha);
+  const double share = compliance / s->alpha;
+  for (size_t i = 0; i < m; i++) s->centre[i] = s->fc->r[i] + share * (c->origin[i] - s->fc->r[i]);
   double half = nsdae_fc_newton_map(s, s->fc->r, s->fc->u, derivatives);
   return sqrt(2 * half / (double)m) / epsilon;
 }
 
-static int is_close(const nsdae_fc_curve *c, double distance)
+/* What rounding leaves of that. */
+static double rounding(const nsdae_fc_curve *c, const nsdae_fc *fc)
 {
-  return distance < fmin(0.1, c->close + ROUNDING * exp(-c->l));
+  double most = 1;
+  for (int i = 0; i < 3 * fc->n; i++) most = fmax(most, fabs(fc->r[i]));
+  return ROUNDING * most * exp(-c->l);
 }
 
 /* F_l, by a difference that leaves ten digits; then F_r and its factors. Returns 0 where that went
@@ -86,18 +99,42 @@ static double product(const nsdae_fc_curve *c, int n, const double *a, const dou
   return sum;
 }
 
-/* The tangent here, from F_r^-1 F_l. */
-static void find_tangent(nsdae_fc_curve *c, const nsdae_fc *fc)
+/* Lengths are those of the point at hand from here on. */
+static void weigh(nsdae_fc_curve *c, const nsdae_fc *fc)
 {
   for (int k = 0; k < fc->n; k++) {
     const double *r = fc->r + 3 * k;
     double size = exp(c->l) + sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2]);
     c->weight[k] = 1 / (3.0 * fc->n * size * size);
   }
+}
+
+/* The tangent here, from F_r^-1 F_l: of r into c->next, of l into rate. Returns the cosine between
+ * it and the one before. */
+static double find_tangent(nsdae_fc_curve *c, const nsdae_fc *fc, double *rate)
+{
   double along = c->rate - product(c, fc->n, c->turn, c->tangent);
   double length = copysign(sqrt(product(c, fc->n, c->turn, c->turn) + 1), along);
-  for (int i = 0; i < 3 * fc->n; i++) c->tangent[i] = -c->turn[i] / length;
-  c->rate = 1 / length;
+  double before = sqrt(product(c, fc->n, c->tangent, c->tangent) + c->rate * c->rate);
+  for (int i = 0; i < 3 * fc->n; i++) c->next[i] = -c->turn[i] / length;
+  *rate = 1 / length;
+  return along / (length * before);
+}
+
+/* Goes on from here along that tangent. bend is what it changes by along a step of that length; 0:
+ * there was none. */
+static void turn(nsdae_fc_curve *c, const nsdae_fc *fc, double rate, double step)
+{
+  size_t m = 3 * (size_t)fc->n;
+  weigh(c, fc);
+  double length = sqrt(product(c, fc->n, c->next, c->next) + rate * rate);
+  c->bent = step > 0;
+  for (size_t i = 0; i < m; i++) {
+    c->bend[i] = step > 0 ? (c->next[i] - c->tangent[i]) / (step * length * length) : 0;
+    c->tangent[i] = c->next[i] / length;
+  }
+  c->bend_rate = step > 0 ? (rate - c->rate) / (step * length * length) : 0;
+  c->rate = rate / length;
 }
 
 static void move(nsdae_fc_newton *s)
@@ -105,7 +142,7 @@ static void move(nsdae_fc_newton *s)
   nsdae_fc_velocities(s->fc, s->fc->r, s->fc->y, s->fc->u);
 }
 
-/* One correction: dr = -F_r^-1 (F + F_l dl), and (dr, dl) leads back to the plane. Returns its
+/* One correction: dr = -F_r^-1 (F + F_l dl), and (dr, dl) leads back to the plane through aim. Its
  * length; NaN where there is none. */
 static double correct(nsdae_fc_curve *c, nsdae_fc_newton *s, double aim)
 {
@@ -125,37 +162,57 @@ static double correct(nsdae_fc_curve *c, nsdae_fc_newton *s, double aim)
   return sqrt(product(c, fc->n, s->dr, s->dr) + dl * dl);
 }
 
-/* From c->start along the tangent, and back to the curve; the number of corrections, 0 where it was
- * not found. Corrections are compared with the step and with each other, whatever the map's scale
- * (Deuflhard, "Newton Methods for Nonlinear Problems", 2011): near a kink the map may be as small
- * as one likes on another branch. */
-static int try(nsdae_fc_curve *c, nsdae_fc_newton *s, double from)
+/* Back to the curve, in the plane through aim. Returns by how much the step was too long for its
+ * corrections, less than 1 where the curve was found. Corrections are compared with the step and
+ * with each other, whatever the map's scale (Deuflhard, "Newton Methods for Nonlinear Problems",
+ * 2011). */
+static double find(nsdae_fc_curve *c, nsdae_fc_newton *s, double aim)
 {
-  size_t m = 3 * (size_t)s->fc->n;
-  double aim = c->l = from + c->length * c->rate, before = AWAY * c->length / GAIN;
-  for (size_t i = 0; i < m; i++) s->fc->r[i] = c->aim[i] = c->start[i] + c->length * c->tangent[i];
-  move(s);
-  for (int k = 1; k <= CORRECTIONS; k++) {
-    double size = correct(c, s, aim);
-    if (!(size < GAIN * before) || !(size < 1)) return 0;
-    if (size < c->close * fmin(1, c->length) || map_at(c, s, c->l, 0) < ROUNDING * exp(-c->l))
-      return k;
+  double before = 0, ratio = 0;
+  for (int k = 0; k < CORRECTIONS; k++) {
+    double size = correct(c, s, aim), by = size / (k == 0 ? c->length : before);
+    if (!(size < 1)) return INFINITY;
+    if (k == 0 || size > SLIGHT * c->length)
+      ratio = fmax(ratio, by / (k == 0 ? FIRST : CONTRACTION));
+    if (!(ratio < 1) || !(k == 0 || by < 1)) return INFINITY;
+    double distance = map_at(c, s, c->l, 0), floor = rounding(c, s->fc);
+    if (distance < floor) return ratio;
+    if (by * size < CLOSE * fmin(1, c->length) && distance < ON_CURVE) return ratio;
     before = size;
   }
-  return 0;
+  return INFINITY;
 }
 
-/* The point where steps begin, once more: short ones are no longer than what was left of it. */
+/* From c->start along the tangent, with its bend, or straight; and back to the curve. */
+static double try(nsdae_fc_curve *c, nsdae_fc_newton *s, double from, int straight)
+{
+  size_t m = 3 * (size_t)s->fc->n;
+  double h = c->length, half = straight ? 0 : h * h / 2, aim = from + h * c->rate;
+  for (size_t i = 0; i < m; i++) {
+    c->aim[i] = c->start[i] + h * c->tangent[i];
+    s->fc->r[i] = c->aim[i] + half * c->bend[i];
+  }
+  c->l = aim + half * c->bend_rate;
+  move(s);
+  return find(c, s, aim);
+}
+
+/* Where steps begin, once more, and the tangent there: short ones are no longer than what was left
+ * of it. Returns its l. */
 static double polish(nsdae_fc_curve *c, nsdae_fc_newton *s, double from)
 {
   size_t bytes = 3 * (size_t)s->fc->n * sizeof *c->start;
+  double rate;
   c->l = from;
   memcpy(s->fc->r, c->start, bytes);
   memcpy(c->aim, c->start, bytes);
   move(s);
   for (int k = 0; k < POLISH; k++)
     if (!(correct(c, s, from) < 1)) return from;
+  if (factor(c, s) != 0) return from;
   memcpy(c->start, s->fc->r, bytes);
+  find_tangent(c, s->fc, &rate);
+  turn(c, s->fc, rate, 0);
   return c->l;
 }
 
@@ -163,44 +220,68 @@ static double polish(nsdae_fc_curve *c, nsdae_fc_newton *s, double from)
 static int advance(nsdae_fc_curve *c, nsdae_fc_newton *s)
 {
   size_t bytes = 3 * (size_t)s->fc->n * sizeof *c->start;
-  double from = c->l;
-  int corrections = 0;
+  double from = c->l, rate;
   memcpy(c->start, s->fc->r, bytes);
-  if (factor(c, s) != 0) return 0;
-  find_tangent(c, s->fc);
-  for (int k = 1; k <= TRIES && c->length > SHORTEST; k++) {
-    corrections = try(c, s, from);
-    if (corrections > 0) break;
-    c->length *= 0.4;
-    if (k % 4 == 0) from = polish(c, s, from);
+  for (int k = 1; k <= TRIES && c->length > SHORTEST && s->steps < s->most; k++) {
+    double ratio = try(c, s, from, k % 2 == 0), step = c->length;
+    double cosine = ratio < 1 ? find_tangent(c, s->fc, &rate) : -1;
+    if (cosine > COSINE) {
+      double angle = acos(fmin(1, cosine)) / acos(COSINE);
+      double factor = fmin(sqrt(0.5 / (ratio + 1e-9)), 0.7 / (angle + 1e-9));
+      c->length = fmin(step * fmin(fmax(factor, 0.3), GROWTH), LONGEST);
+      turn(c, s->fc, rate, step);
+      return 1;
+    }
+    c->length /= 2;
+    if (k % AGAIN == 0) from = polish(c, s, from);
   }
-  if (corrections == 0) {
-    memcpy(s->fc->r, c->start, bytes);
-    c->l = from;
-    move(s);
-    return 0;
-  }
-  double factor = corrections <= 2 ? 2 : corrections == 3 ? 1.4 : corrections > 4 ? 0.7 : 1;
-  c->length = fmin(factor * c->length, LONGEST);
-  return 1;
+  memcpy(s->fc->r, c->start, bytes);
+  c->l = from;
+  move(s);
+  return 0;
 }
 
-/* The beginning of the curve: epsilon = 1, where Newton's method with a search gets to. */
-static void begin(nsdae_fc_curve *c, nsdae_fc_newton *s)
+/* Random numbers in [-1, 1], the same each time (xorshift64*: Vigna, ACM Trans. Math. Softw. 42,
+ * 2016). */
+static double draw(unsigned long long *state)
+{
+  *state ^= *state >> 12;
+  *state ^= *state << 25;
+  *state ^= *state >> 27;
+  return (double)((*state * 2685821657736338717ull) >> 11) * 0x1p-52 - 1;
+}
+
+int nsdae_fc_curve_begin(nsdae_fc_curve *c, nsdae_fc_newton *s, double stiffness, int number)
 {
   size_t m = 3 * (size_t)s->fc->n;
+  unsigned long long state = 0x9e3779b97f4a7c15ull * (unsigned long long)number;
+  double rate;
   memset(s->fc->r, 0, m * sizeof *s->fc->r);
   memset(c->tangent, 0, m * sizeof *c->tangent);
+  for (size_t i = 0; i < m; i++) c->origin[i] = number > 0 ? draw(&state) : 0;
+  c->stiffness = stiffness;
   c->l = 0;
   c->rate = -1;
   c->length = 0.3;
   s->search = 1;
   move(s);
-  for (int k = 0; k < SETTLE && !is_close(c, map_at(c, s, 0, 0)); k++) {
-    memset(s->centre, 0, m * sizeof *s->centre);
+  for (int k = 0; k < SETTLE && !(map_at(c, s, 0, 0) < CLOSE); k++) {
+    memcpy(s->centre, c->origin, m * sizeof *s->centre);
     nsdae_fc_newton_step(s, nsdae_fc_newton_map(s, s->fc->r, s->fc->u, 0));
   }
   s->search = 0;
+  weigh(c, s->fc);
+  if (factor(c, s) != 0) return 0;
+  find_tangent(c, s->fc, &rate);
+  turn(c, s->fc, rate, 0);
+  return 1;
+}
+
+int nsdae_fc_curve_follow(nsdae_fc_curve *c, nsdae_fc_newton *s, double lower)
+{
+  while (c->l > lower)
+    if (s->steps >= s->most || !advance(c, s) || c->l > BACK) return 0;
+  return 1;
 }
 
 /* Newton's method at this l; the steps, or 0 where it failed and r is as it was. */
@@ -218,8 +299,7 @@ static int settle(nsdae_fc_curve *c, nsdae_fc_newton *s, double l)
   return 0;
 }
 
-/* What is left of the curve once it is straight: epsilon down to rounding. */
-static double descend(nsdae_fc_curve *c, nsdae_fc_newton *s, double tol)
+double nsdae_fc_curve_descend(nsdae_fc_curve *c, nsdae_fc_newton *s, double tol)
 {
   double shrink = 0.5, residual = nsdae_fc_residual(s->fc, s->fc->r, s->fc->u);
   for (int failures = 0; residual > tol && c->l > log(END) && failures < 8 && s->steps < s->most;) {
@@ -233,33 +313,4 @@ static double descend(nsdae_fc_curve *c, nsdae_fc_newton *s, double tol)
     if (steps == 0 || steps > 6) shrink = sqrt(shrink);
   }
   return residual;
-}
-
-/* Steps along the curve until the end is straight, or STRETCH of them where it was not. */
-static double follow(nsdae_fc_curve *c, nsdae_fc_newton *s, double tol, int least)
-{
-  double residual = INFINITY;
-  for (int k = 0; s->steps < s->most && (k < least || c->l > log(STRAIGHT)); k++) {
-    if (!advance(c, s) || c->l > BACK) return NAN;
-    residual = nsdae_fc_residual(s->fc, s->fc->r, s->fc->u);
-    if (residual <= tol) return residual;
-  }
-  return residual;
-}
-
-double nsdae_fc_continue(nsdae_fc_curve *c, nsdae_fc_newton *s, double stiffness, double close,
-                         double tol)
-{
-  double residual = INFINITY;
-  c->stiffness = stiffness;
-  c->close = close;
-  begin(c, s);
-  for (int round = 0; round < ROUNDS && s->steps < s->most; round++) {
-    residual = follow(c, s, tol, round > 0 ? STRETCH : 0);
-    if (!(residual > tol)) break;
-    residual = descend(c, s, tol);
-    if (residual <= tol) break;
-    c->length = 0.01;
-  }
-  return nsdae_fc_residual(s->fc, s->fc->r, s->fc->u);
 }

@@ -5,23 +5,33 @@
 #include "newton.h"
 
 typedef struct nsdae_fc_curve {
-  double stiffness;    /* compliance / epsilon */
-  double close;        /* length of the last correction relative to the step */
-  double l;            /* log(epsilon) of the point */
-  double rate;         /* of l along the tangent */
-  double length;       /* of the next step */
+  double stiffness; /* compliance / epsilon */
+  double l;         /* log(epsilon) of the point */
+  double rate;      /* of l along the tangent */
+  double bend_rate; /* of rate along it */
+  double length;    /* of the next step */
+  int bent;
   double *tangent;     /* 3 n: of r */
+  double *next;        /* 3 n: at the end of a step */
+  double *bend;        /* 3 n: of the tangent, along it */
   double *slope;       /* 3 n: F_l */
   double *turn;        /* 3 n: F_r^-1 F_l */
   double *start, *aim; /* 3 n: where a step begins; where its tangent leads */
+  double *origin;      /* 3 n: z, where the compliance is at rest */
   double *weight;      /* n: of lengths in r */
 } nsdae_fc_curve;
 
 void nsdae_fc_curve_layout(nsdae_fc_curve *curve, const nsdae_fc *fc, nsdae_arena *arena);
 
-/* Follows the curve from its beginning until the residual is below tol, or for newton->most steps.
- * Returns the residual, which is that of fc->r then. */
-double nsdae_fc_continue(nsdae_fc_curve *curve, nsdae_fc_newton *newton, double stiffness,
-                         double close, double tol);
+/* To the beginning of a curve, epsilon = 1. Number 0 has z = 0, each other one z of its own. 0: it
+ * was not found. */
+int nsdae_fc_curve_begin(nsdae_fc_curve *curve, nsdae_fc_newton *newton, double stiffness,
+                         int number);
+
+/* Steps along it, from fc->r, down to this l; 0: it was lost, or newton->most steps are done. */
+int nsdae_fc_curve_follow(nsdae_fc_curve *curve, nsdae_fc_newton *newton, double lower);
+
+/* What is left of it once it is straight: epsilon down to rounding. Returns the residual. */
+double nsdae_fc_curve_descend(nsdae_fc_curve *curve, nsdae_fc_newton *newton, double tol);
 
 #endif

@@ -19,6 +19,7 @@ void nsdae_fc_newton_layout(nsdae_fc_newton *s, nsdae_arena *arena)
   s->trial = NSDAE_ARENA_DOUBLES(arena, 3 * n);
   s->centre = NSDAE_ARENA_DOUBLES(arena, 3 * n);
   s->best = NSDAE_ARENA_DOUBLES(arena, 3 * n);
+  s->mark = NSDAE_ARENA_DOUBLES(arena, 3 * n);
   s->y = NSDAE_ARENA_DOUBLES(arena, s->fc->ny);
   s->u = NSDAE_ARENA_DOUBLES(arena, 3 * n);
 }

@@ -17,6 +17,8 @@ typedef struct nsdae_fc_newton {
   double *dr;            /* 3 n */
   double *trial, *y, *u; /* 3 n, ny, 3 n: a point, and its velocities */
   double *best;          /* 3 n: the point of least residual */
+  double *mark;          /* 3 n: a point of the last path, */
+  double mark_epsilon;   /* and its epsilon; 0: none */
   int steps;             /* done, each with one factorisation */
   int most;              /* allowed */
   int failures;          /* proximal problems that may fail */

@@ -10,6 +10,9 @@
 
 enum { INNER = 15 };
 
+/* Where a path of a problem much like this one may begin. */
+static const double MARK = 0.1;
+
 static const double LEAST = 1e-6, TINY = 1e-13; /* below, rounding rules; TINY: regular matrices */
 
 /* Where the path begins: a point of it has r o u^ = epsilon^2, and Newton's method does not get
@@ -46,15 +49,38 @@ static int begin(nsdae_fc_newton *s, double loose)
   return steps;
 }
 
+/* The same from a place of the path before, whose problem was much the same. */
+static int resume(nsdae_fc_newton *s, double loose)
+{
+  nsdae_fc *c = s->fc;
+  if (!(s->mark_epsilon > 0)) return 0;
+  memcpy(c->r, s->mark, 3 * (size_t)c->n * sizeof *c->r);
+  nsdae_fc_velocities(c, c->r, c->y, c->u);
+  s->epsilon = s->mark_epsilon;
+  int steps = settle(s, loose);
+  return steps < INNER ? steps : 0;
+}
+
+static void mark(nsdae_fc_newton *s)
+{
+  nsdae_fc *c = s->fc;
+  if (s->mark_epsilon > 0 || s->epsilon > MARK) return;
+  memcpy(s->mark, c->r, 3 * (size_t)c->n * sizeof *c->r);
+  s->mark_epsilon = s->epsilon;
+}
+
 double nsdae_fc_path(nsdae_fc_newton *s, double loose, double tol)
 {
   nsdae_fc *c = s->fc;
   double shrink = 0.3;
   s->alpha = TINY;
   s->search = 1;
-  int steps = begin(s, loose);
+  int steps = resume(s, loose);
+  s->mark_epsilon = 0;
+  if (steps == 0) steps = begin(s, loose);
   double residual = nsdae_fc_residual(c, c->r, c->u);
   while (steps > 0 && !(residual <= tol)) {
+    mark(s);
     if (steps <= 2) shrink = fmax(0.6 * shrink, 0.03);
     if (steps >= 5) shrink = fmin(1.5 * shrink, 0.7);
     s->epsilon *= shrink;

@@ -1,0 +1,11 @@
+/* The fixed point of convex problems. */
+#ifndef NSDAE_FRICTION_CONIC_H
+#define NSDAE_FRICTION_CONIC_H
+
+#include "chain.h"
+
+/* Solves at most so many convex problems, each with the shift of the one before, from none on, and
+ * tries Newton's method now and then; ends where the steps times items are used up. 1: solved. */
+int nsdae_fc_conic(nsdae_fc_chain *chain, int most, double budget, int stage);
+
+#endif

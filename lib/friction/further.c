@@ -1,0 +1,242 @@
+#include "further.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "conic.h"
+#include "sweep.h"
+
+/* Sweeps of tolerances that they are likely to reach. */
+enum { MANY = 20000 };
+
+/* Sweeps with Newton's steps between them: so many items swept, a minute or so, and at most so many
+ * sweeps; */
+static const double ROAMED = 7e8;
+enum { ROAM = 650000 };
+
+/* sweeps between two looks; Newton steps of one attempt, and what sweeps one of them costs. */
+enum { BLOCK = 2500, ATTEMPT = 150, STEP_IN_SWEEPS = 130 };
+
+/* Contacts up to which curves are short. */
+enum { SMALL = 24 };
+
+/* Newton steps times items that an island may take until its short curves end, half as many for a
+ * row of paths, and one curve: fifteen seconds or so; one curve of the last resort, and all of
+ * them: a minute or so. */
+static const double BUDGET = 2.2e6, CURVE = 1e6, LONG_CURVE = 2e7, LONG_CURVES = 6e7;
+enum { CURVES = 12 };
+
+/* The same of convex problems, and at most so many of them. */
+static const double SHIFTED = 1e7;
+enum { MANY_SHIFTS = 600 };
+
+/* The same of a contact by itself, of which there may be many in an instant: what few steps more do
+ * not solve has, but for one in thousands, no solution. */
+static const double ALONE = 1500;
+
+/* log(epsilon) of the first place along a curve from which Newton's method may get to the end, and
+ * of where folds are behind, as a rule. */
+static const double FIRST_LEAP = -3, STRAIGHT = -13.8;
+
+/* What is nearly solved; Newton steps from there. */
+static const double NEARLY = 1e-8;
+enum { CREEP = 4000 };
+
+/* Where much slides, sweeps go on getting better, slowly; and Newton starts elsewhere. */
+static int patience(nsdae_fc_chain *c, int most)
+{
+  nsdae_fc_start_cold(c);
+  return nsdae_fc_sweeps(c, most, 0, NSDAE_FRICTION_FURTHER) ||
+         nsdae_fc_try_proximal(c, 1e-2, 0, NSDAE_FRICTION_FURTHER);
+}
+
+/* The last digits, from the best point. */
+static int creep(nsdae_fc_chain *c)
+{
+  if (c->fc.n == 1 || !(c->info.residual <= NEARLY) || !nsdae_fc_ready(c)) return 0;
+  if (c->options->max_iterations == 0) c->newton.most = (int)fmin(CREEP, BUDGET / c->fc.n);
+  memcpy(c->fc.r, c->best, nsdae_fc_bytes(c));
+  nsdae_fc_creep(&c->newton, c->tol);
+  return nsdae_fc_count(c, NSDAE_FRICTION_FURTHER) || nsdae_fc_exhausted(c);
+}
+
+/* A point from precise, with its residual, in one part or two. */
+static int take(nsdae_fc_chain *c, double residual, const double *low)
+{
+  memcpy(c->best, c->precise.high, nsdae_fc_bytes(c));
+  if (low) memcpy(c->low, low, nsdae_fc_bytes(c));
+  c->info.residual = residual;
+  c->info.outcome = residual <= c->tol ? NSDAE_OUTCOME_SOLVED : NSDAE_OUTCOME_UNSOLVED;
+  return residual <= c->tol;
+}
+
+/* The last digits from the best point on, by the data as given, in two parts where one does not
+ * hold them: who takes one gets that, if it is the better one. */
+int nsdae_fc_precisely(nsdae_fc_chain *c)
+{
+  if (!(c->info.residual <= NEARLY) || !nsdae_fc_ready(c)) return 0;
+  memcpy(c->precise.high, c->best, nsdae_fc_bytes(c));
+  memset(c->precise.low, 0, nsdae_fc_bytes(c));
+  double before = nsdae_fc_precise_residual(&c->precise, &c->fc);
+  if (before <= c->tol) return take(c, before, NULL);
+  c->info.stage = NSDAE_FRICTION_FURTHER;
+  double residual = nsdae_fc_precise_run(&c->precise, &c->newton, c->tol);
+  c->info.iterations += c->newton.steps;
+  c->info.factorisations += c->newton.steps;
+  c->held = residual <= c->tol;
+  if (c->held && c->twice) return take(c, residual, c->precise.low);
+  memset(c->precise.low, 0, nsdae_fc_bytes(c));
+  residual = nsdae_fc_precise_residual(&c->precise, &c->fc);
+  if (!(residual < before)) memcpy(c->precise.high, c->best, nsdae_fc_bytes(c));
+  return take(c, fmin(residual, before), NULL);
+}
+
+/* Proximal points from fc->r on, as long as each attempt leaves half of what there was. */
+static int attempt(nsdae_fc_chain *c, double residual, long *spent)
+{
+  double before, alpha = 1e-4;
+  do {
+    if (!nsdae_fc_ready(c)) return 0;
+    if (c->newton.most > ATTEMPT) c->newton.most = ATTEMPT;
+    before = residual;
+    residual = nsdae_fc_proximal(&c->newton, alpha, c->tol);
+    alpha = c->newton.alpha;
+    *spent += c->newton.steps;
+    if (nsdae_fc_count(c, NSDAE_FRICTION_FURTHER) || nsdae_fc_exhausted(c)) return 1;
+  } while (residual <= 0.5 * before);
+  return creep(c);
+}
+
+/* Of an impact in which nearly all slides the residual of sweeps falls for a while and rises again:
+ * impulses drift along what hardly moves u, until a contact opens and many others follow. Now and
+ * then the drift goes to a solution; a calm shows it, and Newton's method takes what is left. */
+static int roam(nsdae_fc_chain *c)
+{
+  double *here = c->anderson.before, lowest = INFINITY;
+  const double price = fmax(STEP_IN_SWEEPS, c->fc.local ? c->fc.n : 0); /* dense: n^3 to n^2 */
+  long spent = 0, most = (long)fmin(ROAM, ROAMED / nsdae_fc_work(c));
+  if (c->options->max_sweeps > 0 && c->options->max_sweeps < most) most = c->options->max_sweeps;
+  nsdae_fc_start_cold(c);
+  nsdae_fc_sweep_begin(&c->fc);
+  for (long done = BLOCK; done <= most; done += BLOCK) {
+    nsdae_fc_sweep(&c->fc, BLOCK, c->slip);
+    c->info.sweeps += BLOCK;
+    if (nsdae_fc_judge(c, NSDAE_FRICTION_FURTHER)) return 1;
+    double residual = nsdae_fc_residual(&c->fc, c->fc.r, c->fc.u);
+    lowest = fmin(lowest, residual);
+    if (residual > 2 * lowest || price * (double)spent > (double)done) continue;
+    memcpy(here, c->fc.r, nsdae_fc_bytes(c));
+    if (attempt(c, residual, &spent)) return 1;
+    memcpy(c->fc.r, here, nsdae_fc_bytes(c));
+    nsdae_fc_sweep_begin(&c->fc);
+  }
+  return 0;
+}
+
+/* Newton steps times items */
+static double budget(const nsdae_fc_chain *c)
+{
+  return c->fc.n > 1 ? BUDGET : ALONE;
+}
+
+/* Which items stand where a path ends depends on how closely it is followed; so others are tried,
+ * fewer of larger islands. */
+static int paths(nsdae_fc_chain *c, int from, int to)
+{
+  int before = c->spent;
+  static const double loose[] = {1e-5, 1e-2, 1e-4, 0.1,  3e-3, 1e-6, 3e-4, 3e-2, 3e-5, 3e-6,
+                                 5e-2, 2e-3, 2e-4, 2e-5, 5e-3, 0.2,  5e-4, 2e-2, 5e-5, 1e-7};
+  for (int k = from; k < to && (c->spent - before) * 2.0 * c->fc.n < budget(c); k++) {
+    if (nsdae_fc_try_path(c, loose[k], NSDAE_FRICTION_FURTHER)) return 1;
+    if (nsdae_fc_exhausted(c)) return 1;
+  }
+  return 0;
+}
+
+/* Newton's method from the point at hand, which stays as it is where that leads nowhere. */
+static int leap(nsdae_fc_chain *c)
+{
+  nsdae_fc_newton *s = &c->newton;
+  double *here = c->anderson.before;
+  const int most = s->most;
+  memcpy(here, c->fc.r, nsdae_fc_bytes(c));
+  if (s->steps + ATTEMPT < most) s->most = s->steps + ATTEMPT;
+  nsdae_fc_proximal(s, 1e-4, c->tol);
+  s->most = most;
+  if (nsdae_fc_judge(c, NSDAE_FRICTION_FURTHER) || nsdae_fc_exhausted(c)) return 1;
+  memcpy(c->fc.r, here, nsdae_fc_bytes(c));
+  nsdae_fc_velocities(&c->fc, c->fc.r, c->fc.y, c->fc.u);
+  return 0;
+}
+
+/* Along one curve, with Newton's method from every place where epsilon has shrunk by a factor, and
+ * from its end; that is where it is lost, too, for it may have passed the last fold. */
+static int along(nsdae_fc_chain *c, double stiffness, int number)
+{
+  nsdae_fc_newton *s = &c->newton;
+  nsdae_fc_curve *curve = &c->curve;
+  int found = 0, on = nsdae_fc_curve_begin(curve, s, stiffness, number);
+  for (double to = FIRST_LEAP; on && !found && curve->l > STRAIGHT; to = fmin(to, curve->l) - 1) {
+    on = nsdae_fc_curve_follow(curve, s, to);
+    found = on && leap(c);
+  }
+  if (on && !found) {
+    nsdae_fc_curve_descend(curve, s, c->tol);
+    found = nsdae_fc_judge(c, NSDAE_FRICTION_FURTHER) || nsdae_fc_exhausted(c) || leap(c);
+  }
+  if (!found && c->fc.n > 1 && c->options->max_iterations == 0) {
+    s->most = s->steps + (int)fmin(CREEP, BUDGET / c->fc.n);
+    nsdae_fc_creep(s, c->tol);
+  }
+  return nsdae_fc_count(c, NSDAE_FRICTION_FURTHER) || found || nsdae_fc_exhausted(c);
+}
+
+/* Curves of more and less compliance, from one place and another, so many steps times items each,
+ * and all. */
+static int curves(nsdae_fc_chain *c, double each, double all)
+{
+  static const double stiffness[] = {0.1, 0.02, 1, 0.1, 0.3, 0.05};
+  const int before = c->spent;
+  for (int k = 0; k < CURVES; k++) {
+    int left = (int)(all / c->fc.n) - (c->spent - before);
+    if (left <= 0 || (k > 0 && c->info.residual <= NEARLY) || !nsdae_fc_ready(c)) return 0;
+    if (c->options->max_iterations == 0) c->newton.most = (int)fmin(each / c->fc.n, left);
+    if (along(c, stiffness[k % 6], k < 3 ? 0 : k)) return 1;
+  }
+  return 0;
+}
+
+/* The same within the budget of an island. */
+static int short_curves(nsdae_fc_chain *c)
+{
+  return curves(c, CURVE, fmax(0, budget(c) - (double)c->spent * c->fc.n));
+}
+
+/* The last resort. Of few contacts the short curves have seen all there is; and what is nearly
+ * solved lacks digits, which no other curve has. Dense factors cost n times as much. */
+static int last(nsdae_fc_chain *c)
+{
+  const double share = c->fc.local ? 1.0 / c->fc.n : 1;
+  if (!c->patient || c->fc.n <= SMALL || c->held) return 0;
+  if (c->info.residual > NEARLY && curves(c, share * LONG_CURVE, share * LONG_CURVES)) return 1;
+  return roam(c);
+}
+
+/* Convex problems until their shift is theirs. */
+static int shifts(nsdae_fc_chain *c)
+{
+  double left = c->patient ? SHIFTED : budget(c) / 4;
+  return nsdae_fc_conic(c, MANY_SHIFTS, left, NSDAE_FRICTION_FURTHER);
+}
+
+/* Sweeps reach a few digits, paths many, and curves get round what stops both. Of one contact a
+ * sweep is what the one before was. */
+int nsdae_fc_further(nsdae_fc_chain *c)
+{
+  if (nsdae_fc_precisely(c) || nsdae_fc_exhausted(c)) return 1;
+  if (c->fc.n == 1) return paths(c, 0, 2) || short_curves(c);
+  if (c->tol >= NSDAE_FC_ROUGH)
+    return patience(c, MANY) || paths(c, 0, 20) || short_curves(c) || last(c);
+  return creep(c) || shifts(c) || patience(c, MANY / 10) || paths(c, 0, 2) || short_curves(c) ||
+         paths(c, 2, 20) || last(c);
+}
