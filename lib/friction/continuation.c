@@ -31,11 +31,14 @@ enum { TRIES = 40, CORRECTIONS = 7, POLISH = 2, AGAIN = 4, SETTLE = 60, DOWN = 1
 static const double FIRST = 0.3, CONTRACTION = 0.3, COSINE = 0.9, CLOSE = 1e-3, ON_CURVE = 1e-5,
                     SLIGHT = 1e-3;
 
-/* What rounding leaves of F, of the largest impulse; the end of epsilon;
- * least a of the matrix; shortest and longest step; by how much the next one may be longer; l of a
- * curve that returns to where it came from. */
+/* What rounding leaves of F, of the largest impulse; the end of epsilon; least a of the matrix;
+ * shortest and longest step; by how much the next one may be longer. */
 static const double ROUNDING = 1e-15, END = 1e-15, REGULAR = 1e-7, SHORTEST = 1e-11, LONGEST = 3,
-                    GROWTH = 2, BACK = 0.7;
+                    GROWTH = 2;
+
+/* l of the beginning: by how much it is higher where Newton's method did not get to the curve, and
+ * at most; from there, that of a curve that returns to where it came from. */
+static const double HIGHER = 3.5, HIGHEST = 14, BACK = 0.7;
 
 void nsdae_fc_curve_layout(nsdae_fc_curve *c, const nsdae_fc *fc, nsdae_arena *arena)
 {
@@ -128,7 +131,7 @@ static void turn(nsdae_fc_curve *c, const nsdae_fc *fc, double rate, double step
   size_t m = 3 * (size_t)fc->n;
   weigh(c, fc);
   double length = sqrt(product(c, fc->n, c->next, c->next) + rate * rate);
-  c->bent = step > 0;
+
   for (size_t i = 0; i < m; i++) {
     c->bend[i] = step > 0 ? (c->next[i] - c->tangent[i]) / (step * length * length) : 0;
     c->tangent[i] = c->next[i] / length;
@@ -251,25 +254,33 @@ static double draw(unsigned long long *state)
   return (double)((*state * 2685821657736338717ull) >> 11) * 0x1p-52 - 1;
 }
 
-int nsdae_fc_curve_begin(nsdae_fc_curve *c, nsdae_fc_newton *s, double stiffness, int number)
+/* Newton's method with a search, from r = 0, at this l; 0 where it does not get to the curve. */
+static int reach(nsdae_fc_curve *c, nsdae_fc_newton *s, double l)
 {
   size_t m = 3 * (size_t)s->fc->n;
-  unsigned long long state = 0x9e3779b97f4a7c15ull * (unsigned long long)number;
-  double rate;
   memset(s->fc->r, 0, m * sizeof *s->fc->r);
-  memset(c->tangent, 0, m * sizeof *c->tangent);
-  for (size_t i = 0; i < m; i++) c->origin[i] = number > 0 ? draw(&state) : 0;
-  c->stiffness = stiffness;
-  c->l = 0;
-  c->rate = -1;
-  c->length = 0.3;
+  c->l = c->top = l;
   s->search = 1;
   move(s);
-  for (int k = 0; k < SETTLE && !(map_at(c, s, 0, 0) < CLOSE); k++) {
+  for (int k = 0; k < SETTLE && !(map_at(c, s, l, 0) < CLOSE); k++) {
     memcpy(s->centre, c->origin, m * sizeof *s->centre);
     nsdae_fc_newton_step(s, nsdae_fc_newton_map(s, s->fc->r, s->fc->u, 0));
   }
   s->search = 0;
+  return map_at(c, s, l, 0) < CLOSE;
+}
+
+int nsdae_fc_curve_begin(nsdae_fc_curve *c, nsdae_fc_newton *s, double stiffness, int number)
+{
+  size_t m = 3 * (size_t)s->fc->n;
+  unsigned long long state = 0x9e3779b97f4a7c15ull * (unsigned long long)number;
+  double rate, l = 0;
+  memset(c->tangent, 0, m * sizeof *c->tangent);
+  for (size_t i = 0; i < m; i++) c->origin[i] = number > 0 ? draw(&state) : 0;
+  c->stiffness = stiffness;
+  c->rate = -1;
+  c->length = 0.3;
+  while (!reach(c, s, l) && l < HIGHEST) l += HIGHER;
   weigh(c, s->fc);
   if (factor(c, s) != 0) return 0;
   find_tangent(c, s->fc, &rate);
@@ -280,7 +291,7 @@ int nsdae_fc_curve_begin(nsdae_fc_curve *c, nsdae_fc_newton *s, double stiffness
 int nsdae_fc_curve_follow(nsdae_fc_curve *c, nsdae_fc_newton *s, double lower)
 {
   while (c->l > lower)
-    if (s->steps >= s->most || !advance(c, s) || c->l > BACK) return 0;
+    if (s->steps >= s->most || !advance(c, s) || c->l > c->top + BACK) return 0;
   return 1;
 }
 

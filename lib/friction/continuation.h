@@ -5,12 +5,11 @@
 #include "newton.h"
 
 typedef struct nsdae_fc_curve {
-  double stiffness; /* compliance / epsilon */
-  double l;         /* log(epsilon) of the point */
-  double rate;      /* of l along the tangent */
-  double bend_rate; /* of rate along it */
-  double length;    /* of the next step */
-  int bent;
+  double stiffness;    /* compliance / epsilon */
+  double l, top;       /* log(epsilon) of the point, and of the beginning */
+  double rate;         /* of l along the tangent */
+  double bend_rate;    /* of rate along it */
+  double length;       /* of the next step */
   double *tangent;     /* 3 n: of r */
   double *next;        /* 3 n: at the end of a step */
   double *bend;        /* 3 n: of the tangent, along it */
@@ -23,8 +22,8 @@ typedef struct nsdae_fc_curve {
 
 void nsdae_fc_curve_layout(nsdae_fc_curve *curve, const nsdae_fc *fc, nsdae_arena *arena);
 
-/* To the beginning of a curve, epsilon = 1. Number 0 has z = 0, each other one z of its own. 0: it
- * was not found. */
+/* To the beginning of a curve, epsilon = 1 or, where impulses are large, more. Number 0 has z = 0,
+ * each other one z of its own. 0: it was not found. */
 int nsdae_fc_curve_begin(nsdae_fc_curve *curve, nsdae_fc_newton *newton, double stiffness,
                          int number);
 
