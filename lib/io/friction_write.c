@@ -61,14 +61,17 @@ static int measure(writer *w)
   return w->spread ? NSDAE_OK : no_memory(w);
 }
 
+/* Of every dataset: some are FCLIB's, some stand beside those. */
+static const char SEE[] = "see FCLIB and nsdae/friction_file.h";
+
 static int write_reals(const writer *w, const char *path, int count, const double *values)
 {
-  return nsdae_h5_vector(w->h5, path, H5T_NATIVE_DOUBLE, (hsize_t)count, values, "1", "see FCLIB");
+  return nsdae_h5_vector(w->h5, path, H5T_NATIVE_DOUBLE, (hsize_t)count, values, "1", SEE);
 }
 
 static int write_ints(const writer *w, const char *path, int count, const int *values)
 {
-  return nsdae_h5_vector(w->h5, path, H5T_NATIVE_INT, (hsize_t)count, values, "1", "see FCLIB");
+  return nsdae_h5_vector(w->h5, path, H5T_NATIVE_INT, (hsize_t)count, values, "1", SEE);
 }
 
 /* A vector over the rows of the problem: its contacts to one path, bilateral rows to another. */
