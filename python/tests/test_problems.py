@@ -154,6 +154,20 @@ def test_friction_in_two_parts():
     assert np.array_equal(again.r, both.r) and np.array_equal(again.low, both.low)
 
 
+def test_the_least_residual_of_doubles():
+    """Upright and without friction, as docs/friction.md has it: impulses near 0.1 are multiples of 2**-56, and what the
+    weight of the light one lacks to the nearest one accelerates it."""
+    H, f = np.array([[1, -1], [0, 1]], dtype=float), [-3e-8, -0.1]
+    digit, weight = Fraction(1, 2**56), Fraction(3e-8)
+    lacks = abs(weight - round(weight / digit) * digit)
+    least = float(lacks / Fraction(3e-7) / Fraction(0.1))
+    alone = nsdae.friction(H, np.diag([3e-7, 1]), f, [0, 0], rows=1, tol=1e-12, check=False)
+    assert f"{least:.1e}" == "6.4e-11" and f"{float(lacks):.1e}" == "1.9e-18"
+    assert alone.outcome == "unsolved" and least * (1 - 1e-9) <= alone.residual < 1e-9
+    both = nsdae.friction(H, np.diag([3e-7, 1]), f, [0, 0], rows=1, tol=1e-12, twice=True)
+    assert both.residual < 1e-15 and np.all(np.abs(both.low) <= np.spacing(both.r) / 2)
+
+
 def test_friction_local_in_two_parts():
     """The same with masses that are powers of two: W is that of the bodies to the last bit."""
     light = 2.0**-22
