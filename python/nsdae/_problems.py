@@ -34,7 +34,7 @@ class FrictionResult(NamedTuple):
 
     r, u  [m]: impulses [N s] and velocities [m/s], each row those of its direction
     low   with twice=True [m], in the units of r: what r does not hold of the solution, which is r + low, each entry
-          below half a digit of r's, and zero where r alone is a solution; u and residual are those of the sum. Else
+          at most half a digit of r's, and zero where r alone is a solution; u and residual are those of the sum. Else
           None. With outcome "infeasible" r is the vector that proves it, and low is zero
     """
 
