@@ -20,7 +20,7 @@ typedef struct settings {
 typedef struct job {
   tool_arguments arguments;
   const char *solution, *output;
-  int cold, tol_given, refine_given;
+  int cold, twice, tol_given, refine_given;
   settings settings;
   nsdae_friction_options options;
   nsdae_friction_file file;
@@ -40,8 +40,13 @@ static const nsdae_param entries[] = {
      0, 0, 0, 0, NULL}};
 static const nsdae_params table = {entries, sizeof entries / sizeof *entries};
 
+/* What was found; low is NULL where one part was asked for. */
+typedef struct point {
+  double *r, *low, *u;
+} point;
+
 static int set(void *object, int option, const char *value);
-static const char *const options[] = {"--set", "--solution", "--output", "--cold", NULL};
+static const char *const options[] = {"--set", "--solution", "--output", "--cold", "--twice", NULL};
 static const tool own = {"nsdae-friction", options, 3, set};
 
 static const char usage[] =
@@ -60,7 +65,9 @@ static void print_usage(void)
   fputs("     ", stdout);
   tool_print_stages(NSDAE_FRICTION_ALL, nsdae_friction_stage_name);
   puts("  --cold             begins at zero, not at the guess that the file may hold\n"
-       "  --solution FILE    writes r, one number a line, three (two, one) lines a contact\n"
+       "  --twice            a solution in two parts, r + low, where r alone does not hold one\n"
+       "  --solution FILE    writes r, one number a line, three (two, one) lines a contact; with\n"
+       "                     --twice two numbers, r and low\n"
        "  --output FILE      writes the problem and its solution, in the layout of FCLIB\n"
        "  --help, -h         this text\n"
        "  --version          version and build\n"
@@ -82,7 +89,7 @@ static int set_entry(job *j, const char *text)
   return TOOL_SOLVED;
 }
 
-enum { SET, SOLUTION, OUTPUT, COLD };
+enum { SET, SOLUTION, OUTPUT, COLD, TWICE };
 
 static int set(void *object, int option, const char *value)
 {
@@ -91,6 +98,7 @@ static int set(void *object, int option, const char *value)
   if (option == SOLUTION) j->solution = value;
   if (option == OUTPUT) j->output = value;
   if (option == COLD) j->cold = 1;
+  if (option == TWICE) j->twice = 1;
   return TOOL_SOLVED;
 }
 
@@ -128,11 +136,21 @@ static int read_file(job *j)
   return TOOL_SOLVED;
 }
 
-static void print_certificate(const job *j, const nsdae_friction_info *info, double seconds)
+/* How many parts the point has. */
+static int parts(const job *j, const double *low)
+{
+  for (int i = 0; i < j->rows; i++)
+    if (low[i] != 0) return 2;
+  return 1;
+}
+
+static void print_certificate(const job *j, const nsdae_friction_info *info, const double *low,
+                              double seconds)
 {
   const nsdae_friction_problem *p = &j->file.problem;
   printf("outcome: %s\n", nsdae_outcome_name(info->outcome));
   printf("residual: %.2g\n", info->residual);
+  if (low) printf("parts: %d\n", parts(j, low));
   printf("stage: %s\n", nsdae_friction_stage_name(info->stage));
   if (info->proof != NSDAE_PROOF_NONE) printf("proof: %s\n", nsdae_proof_name(info->proof));
   printf("form: %s\n", p->form == NSDAE_FRICTION_LOCAL ? "local" : "global");
@@ -149,24 +167,26 @@ static void print_certificate(const job *j, const nsdae_friction_info *info, dou
   printf("time: %.3g s\n", seconds);
 }
 
-/* r as text. */
-static int write_text(const job *j, const double *r)
+/* r as text; in two parts a column for each. */
+static int write_text(const job *j, const point *at)
 {
   FILE *stream = fopen(j->solution, "w");
   int number = errno, failed = !stream;
-  for (int i = 0; !failed && i < j->rows; i++) failed = fprintf(stream, "%.17g\n", r[i]) < 0;
+  for (int i = 0; !failed && i < j->rows; i++)
+    failed = (at->low ? fprintf(stream, "%.17g %.17g\n", at->r[i], at->low[i])
+                      : fprintf(stream, "%.17g\n", at->r[i])) < 0;
   if (stream && fclose(stream) != 0) failed = 1;
   if (!failed) return TOOL_SOLVED;
   tool_complain(&own, "cannot write '%s': %s", j->solution, strerror(stream ? errno : number));
   return TOOL_NOT_SOLVED;
 }
 
-static int keep(const job *j, const double *guess, const double *r, const double *u)
+static int keep(const job *j, const double *guess, const point *at)
 {
   nsdae_error error;
-  const nsdae_friction_points points = {.guess = guess, .r = r, .u = u};
+  const nsdae_friction_points points = {.guess = guess, .r = at->r, .u = at->u, .low = at->low};
   const nsdae_friction_origin origin = {.tol = j->options.tol, .refine = j->options.refine};
-  if (j->solution && write_text(j, r) != TOOL_SOLVED) return TOOL_NOT_SOLVED;
+  if (j->solution && write_text(j, at) != TOOL_SOLVED) return TOOL_NOT_SOLVED;
   if (!j->output) return TOOL_SOLVED;
   if (nsdae_friction_write(j->output, &j->file.problem, &points, &origin, &error) == NSDAE_OK)
     return TOOL_SOLVED;
@@ -181,7 +201,7 @@ static double clock_now(void)
   return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-static int solve(const job *j, double *r, double *u)
+static int solve(const job *j, const point *at)
 {
   nsdae_error error;
   nsdae_friction_info info;
@@ -189,26 +209,27 @@ static int solve(const job *j, double *r, double *u)
   const double *guess = j->cold ? NULL : j->file.guess;
   if (nsdae_friction_check(p, &error) < 0)
     return tool_complain(&own, "'%s': %s", j->arguments.path, error.text);
-  for (int i = 0; i < j->rows; i++) r[i] = guess ? guess[i] : 0;
+  for (int i = 0; i < j->rows; i++) at->r[i] = guess ? guess[i] : 0;
   double start = clock_now();
-  int status = nsdae_friction_solve(p, &j->options, r, u, &info);
+  int status = nsdae_friction_solve_twice(p, &j->options, at->r, at->low, at->u, &info);
   if (status != NSDAE_OK && status != NSDAE_E_LCP && status != NSDAE_E_INFEASIBLE) {
     tool_complain(&own, "'%s': %s", j->arguments.path, nsdae_status_message(status));
     return TOOL_NOT_SOLVED;
   }
-  print_certificate(j, &info, clock_now() - start);
+  print_certificate(j, &info, at->low, clock_now() - start);
   if (status != NSDAE_OK) return TOOL_NOT_SOLVED;
-  return keep(j, guess, r, u);
+  return keep(j, guess, at);
 }
 
 static int run(job *j)
 {
   int status = read_file(j);
   if (status != TOOL_SOLVED) return status;
-  double *r = calloc(2 * (size_t)j->rows + 1, sizeof *r);
-  if (r)
-    status = solve(j, r, r + j->rows);
-  else {
+  double *r = calloc(3 * (size_t)j->rows + 1, sizeof *r);
+  if (r) {
+    const point at = {r, j->twice ? r + 2 * (size_t)j->rows : NULL, r + j->rows};
+    status = solve(j, &at);
+  } else {
     tool_complain(&own, "'%s': out of memory", j->arguments.path);
     status = TOOL_NOT_SOLVED;
   }

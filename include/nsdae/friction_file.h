@@ -5,8 +5,9 @@
  * RT-444, 2014): /fclib_local with W, V, R, q, s, mu, or /fclib_global with M, H, G, f, w, b, mu,
  * and a solution. What FCLIB has no place for stands beside it, where others do not look: the rows
  * of each contact where they differ (vectors/rows), the compliance (vectors/compliance), the sizes
- * of the blocks of v (blocks); and attributes of the root say where a problem comes from: time [s],
- * step, method, tol, refine. */
+ * of the blocks of v (blocks), what one double an entry does not hold of a solution
+ * (/solution/r_low, of the bilateral rows /solution/l_low, beside r and l); and attributes of the
+ * root say where a problem comes from: time [s], step, method, tol, refine. */
 #ifndef NSDAE_FRICTION_FILE_H
 #define NSDAE_FRICTION_FILE_H
 
@@ -30,6 +31,7 @@ typedef struct nsdae_friction_points {
   const double *guess; /* m: where the solver began, or is to begin */
   const double *r;     /* m: the solution */
   const double *u;     /* m: its velocities */
+  const double *low;   /* m: of a solution in two parts r + low; not looked at without r */
 } nsdae_friction_points;
 
 /* A problem as read; the arrays are the file's, and are freed with it. */
@@ -37,6 +39,8 @@ typedef struct nsdae_friction_file {
   nsdae_friction_problem problem; /* as read */
   double *guess;                  /* m: the first guess of the file; NULL where there is none */
   double *r;        /* m: its solution; NULL where there is none. Many files have zeros for one */
+  double *low;      /* m: what r does not hold of it, as nsdae_friction_solve_twice has it; NULL
+                       where there is none */
   double tol;       /* of the attribute; 0 where there is none */
   int refine;       /* the same */
   double asymmetry; /* of W, or M, in the file: max |W_ij - W_ji| / max |W_ij|, 0 where that is

@@ -70,9 +70,9 @@ module nsdae_f_friction
   end type
 
   public :: nsdae_friction_options_default, nsdae_friction_stage_name, &
-            nsdae_friction_check, nsdae_friction_solve, &
-            nsdae_friction_residual, nsdae_friction_create, nsdae_friction_solver_solve, &
-            nsdae_friction_destroy
+            nsdae_friction_check, nsdae_friction_solve, nsdae_friction_solve_twice, &
+            nsdae_friction_residual, nsdae_friction_residual_twice, nsdae_friction_create, &
+            nsdae_friction_solver_solve, nsdae_friction_destroy
   public :: problem_to_c, problem_from_c, rows_of_problem
 
   interface
@@ -108,6 +108,14 @@ module nsdae_f_friction
       real(c_double), intent(inout) :: r(*), u(*)
       type(nsdae_friction_info), intent(out), optional :: info
     end function
+    integer(c_int) function c_solve_twice(problem, options, r, low, u, info) &
+        bind(C, name='nsdae_friction_solve_twice')
+      import
+      type(nsdae_c_friction_problem), intent(in) :: problem
+      type(nsdae_friction_options), intent(in), optional :: options
+      real(c_double), intent(inout) :: r(*), low(*), u(*)
+      type(nsdae_friction_info), intent(out), optional :: info
+    end function
     integer(c_int) function c_solver_solve(handle, problem, options, r, u, info) &
         bind(C, name='nsdae_friction_solver_solve')
       import
@@ -122,6 +130,14 @@ module nsdae_f_friction
       import
       type(nsdae_c_friction_problem), intent(in) :: problem
       real(c_double), intent(in) :: r(*)
+      real(c_double), intent(inout) :: u(*)
+      real(c_double), intent(out) :: residual
+    end function
+    integer(c_int) function c_residual_twice(problem, r, low, u, residual) &
+        bind(C, name='nsdae_friction_residual_twice')
+      import
+      type(nsdae_c_friction_problem), intent(in) :: problem
+      real(c_double), intent(in) :: r(*), low(*)
       real(c_double), intent(inout) :: u(*)
       real(c_double), intent(out) :: residual
     end function
@@ -158,7 +174,20 @@ contains
     status = c_solve(problem_to_c(problem), options, r, u, info)
   end function
 
-  ! The same with the memory of a solver.
+  ! The same for a solution in two parts, r + low, where doubles alone hold none; low has an entry for
+  ! each row, too: out, what r does not hold, zero where r alone is a solution. The certificate is that
+  ! of r + low; with NSDAE_E_INFEASIBLE low is as it was. NSDAE_E_ARGUMENT also where low is too short.
+  integer(c_int) function nsdae_friction_solve_twice(problem, r, low, u, options, info) result(status)
+    type(nsdae_friction_problem), intent(in) :: problem
+    real(c_double), intent(inout), contiguous :: r(:), low(:), u(:)
+    type(nsdae_friction_options), intent(in), optional :: options
+    type(nsdae_friction_info), intent(out), optional :: info
+    status = NSDAE_E_ARGUMENT
+    if (.not. fits(problem, r, u, low)) return
+    status = c_solve_twice(problem_to_c(problem), options, r, low, u, info)
+  end function
+
+  ! nsdae_friction_solve with the memory of a solver.
   integer(c_int) function nsdae_friction_solver_solve(solver, problem, r, u, options, info) &
       result(status)
     type(nsdae_friction_solver), intent(in) :: solver
@@ -183,6 +212,18 @@ contains
     status = c_residual(problem_to_c(problem), r, u, residual)
   end function
 
+  ! Residual of r + low, and its velocities u.
+  integer(c_int) function nsdae_friction_residual_twice(problem, r, low, u, residual) result(status)
+    type(nsdae_friction_problem), intent(in) :: problem
+    real(c_double), intent(in), contiguous :: r(:), low(:)
+    real(c_double), intent(inout), contiguous :: u(:)
+    real(c_double), intent(out) :: residual
+    residual = 0
+    status = NSDAE_E_ARGUMENT
+    if (.not. fits(problem, r, u, low)) return
+    status = c_residual_twice(problem_to_c(problem), r, low, u, residual)
+  end function
+
   pure integer function rows_of_problem(problem) result(m)
     type(nsdae_friction_problem), intent(in) :: problem
     m = 3 * problem%contacts
@@ -190,12 +231,14 @@ contains
     m = m + problem%bilateral
   end function
 
-  pure logical function fits(problem, r, u)
+  pure logical function fits(problem, r, u, low)
     type(nsdae_friction_problem), intent(in) :: problem
     real(c_double), intent(in) :: r(:), u(:)
+    real(c_double), intent(in), optional :: low(:)
     integer :: m
     m = rows_of_problem(problem)
     fits = size(r) >= m .and. size(u) >= m
+    if (present(low)) fits = fits .and. size(low) >= m
   end function
 
   type(nsdae_c_friction_problem) function problem_to_c(p) result(c)

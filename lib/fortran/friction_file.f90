@@ -26,23 +26,24 @@ module nsdae_f_friction_file
   end type
 
   type, bind(C), public :: nsdae_c_friction_points
-    type(c_ptr) :: guess, r, u
+    type(c_ptr) :: guess, r, u, low
   end type
 
   type, bind(C), public :: nsdae_c_friction_file
     type(nsdae_c_friction_problem) :: problem
-    type(c_ptr) :: guess, r
+    type(c_ptr) :: guess, r, low
     real(c_double) :: tol
     integer(c_int) :: refine
     real(c_double) :: asymmetry
     type(c_ptr) :: velocity
   end type
 
-  ! A problem as read; its arrays are the file's, and go with nsdae_friction_file_release. guess and
-  ! r are not associated where the file has none; velocity counts from 0, as in C.
+  ! A problem as read; its arrays are the file's, and go with nsdae_friction_file_release. guess, r
+  ! and low (of a solution in two parts, r + low) are not associated where the file has none; velocity
+  ! counts from 0, as in C.
   type, public :: nsdae_friction_file
     type(nsdae_friction_problem) :: problem
-    real(c_double), pointer, contiguous :: guess(:) => null(), r(:) => null()
+    real(c_double), pointer, contiguous :: guess(:) => null(), r(:) => null(), low(:) => null()
     real(c_double) :: tol = 0, asymmetry = 0
     integer(c_int) :: refine = 0
     integer(c_int), pointer, contiguous :: velocity(:) => null()
@@ -75,12 +76,13 @@ module nsdae_f_friction_file
 
 contains
 
-  ! Writes the problem, replacing a file of that name; guess, r and u have an entry for each row.
-  integer(c_int) function nsdae_friction_write(path, problem, guess, r, u, origin, error) &
+  ! Writes the problem, replacing a file of that name; guess, r, u and low (of a solution r + low) have
+  ! an entry for each row.
+  integer(c_int) function nsdae_friction_write(path, problem, guess, r, u, origin, error, low) &
       result(status)
     character(len=*), intent(in) :: path
     type(nsdae_friction_problem), intent(in) :: problem
-    real(c_double), intent(in), contiguous, target, optional :: guess(:), r(:), u(:)
+    real(c_double), intent(in), contiguous, target, optional :: guess(:), r(:), u(:), low(:)
     type(nsdae_friction_origin), intent(in), optional :: origin
     type(nsdae_error), intent(out), optional :: error
     character(kind=c_char) :: c_path(len_trim(path) + 1)
@@ -88,32 +90,33 @@ contains
     type(nsdae_c_friction_origin) :: from
     type(nsdae_c_friction_points) :: points
     type(nsdae_c_error) :: why
-    type(c_ptr) :: at_guess, at_r, at_u
     logical :: enough
     integer :: rows
     rows = rows_of_problem(problem)
     enough = .true.
-    at_guess = c_null_ptr
-    at_r = c_null_ptr
-    at_u = c_null_ptr
+    points = nsdae_c_friction_points(c_null_ptr, c_null_ptr, c_null_ptr, c_null_ptr)
     if (present(guess)) then
       enough = size(guess) >= rows
-      at_guess = c_loc(guess)
+      points%guess = c_loc(guess)
     end if
     if (present(r)) then
       enough = enough .and. size(r) >= rows
-      at_r = c_loc(r)
+      points%r = c_loc(r)
     end if
     if (present(u)) then
       enough = enough .and. size(u) >= rows
-      at_u = c_loc(u)
+      points%u = c_loc(u)
+    end if
+    if (present(low)) then
+      enough = enough .and. size(low) >= rows
+      points%low = c_loc(low)
     end if
     if (.not. enough) then
-      status = refuse('nsdae_friction_write', 'r', 'guess, r or u has fewer entries than rows', error)
+      status = refuse('nsdae_friction_write', 'r', 'guess, r, u or low has fewer entries than rows', &
+                      error)
       return
     end if
     call to_chars(path, c_path)
-    points = nsdae_c_friction_points(at_guess, at_r, at_u)
     if (present(origin)) then
       call to_chars(origin%method, method)
       from = nsdae_c_friction_origin(origin%time, origin%step, origin%tol, &
@@ -141,6 +144,7 @@ contains
     m = rows_of_problem(file%problem)
     if (c_associated(file%held%guess)) call c_f_pointer(file%held%guess, file%guess, [m])
     if (c_associated(file%held%r)) call c_f_pointer(file%held%r, file%r, [m])
+    if (c_associated(file%held%low)) call c_f_pointer(file%held%low, file%low, [m])
     if (c_associated(file%held%velocity)) &
         call c_f_pointer(file%held%velocity, file%velocity, [sum(file%problem%size)])
     file%tol = file%held%tol

@@ -286,7 +286,9 @@ static int read_vectors(reader *r)
                        path_of(r, second, "vectors/compliance_l"), 0, &compliance);
   r->out->problem.compliance = compliance;
   if (status == NSDAE_OK) status = read_rows(r, "/guesses/1/r", "/guesses/1/l", 0, &r->out->guess);
-  return status < 0 ? status : read_rows(r, "/solution/r", "/solution/l", 0, &r->out->r);
+  if (status == NSDAE_OK) status = read_rows(r, "/solution/r", "/solution/l", 0, &r->out->r);
+  if (status < 0 || !r->out->r) return status;
+  return read_rows(r, "/solution/r_low", "/solution/l_low", 0, &r->out->low);
 }
 
 /* Hands the arrays over to the file. */
@@ -367,6 +369,7 @@ void nsdae_friction_file_release(nsdae_friction_file *file)
   for (size_t i = 0; i < sizeof held / sizeof *held; i++) free((void *)held[i]);
   free(file->guess);
   free(file->r);
+  free(file->low);
   free(file->velocity);
   *file = (nsdae_friction_file){0};
 }

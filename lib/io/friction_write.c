@@ -9,6 +9,7 @@
 #include "dense.h"
 #include "hdf5_data.h"
 #include "triplets.h"
+#include "twice.h"
 
 typedef struct writer {
   nsdae_h5 *h5;
@@ -60,14 +61,17 @@ static int measure(writer *w)
   return w->spread ? NSDAE_OK : no_memory(w);
 }
 
+/* Of every dataset: some are FCLIB's, some stand beside those. */
+static const char SEE[] = "see FCLIB and nsdae/friction_file.h";
+
 static int write_reals(const writer *w, const char *path, int count, const double *values)
 {
-  return nsdae_h5_vector(w->h5, path, H5T_NATIVE_DOUBLE, (hsize_t)count, values, "1", "see FCLIB");
+  return nsdae_h5_vector(w->h5, path, H5T_NATIVE_DOUBLE, (hsize_t)count, values, "1", SEE);
 }
 
 static int write_ints(const writer *w, const char *path, int count, const int *values)
 {
-  return nsdae_h5_vector(w->h5, path, H5T_NATIVE_INT, (hsize_t)count, values, "1", "see FCLIB");
+  return nsdae_h5_vector(w->h5, path, H5T_NATIVE_INT, (hsize_t)count, values, "1", SEE);
 }
 
 /* A vector over the rows of the problem: its contacts to one path, bilateral rows to another. */
@@ -203,45 +207,96 @@ static int write_contacts(writer *w)
   return status;
 }
 
-/* v = M^-1 (f + H r) of the global form. */
-static int velocities(const writer *w, const double *r, double *v)
+/* Velocities on their way: f + H r in twice the precision, high + low, as impulses cancel. */
+typedef struct motion {
+  int n, largest; /* rows of v, and of its largest block */
+  int *first;     /* blocks: the first row of each */
+  double *high;   /* n */
+  double *low;    /* n */
+  double *factor; /* largest x largest: of a block of M */
+} motion;
+
+static void release_motion(motion *v)
 {
-  const nsdae_friction_problem *p = w->problem;
-  const double *value = p->value, *M = p->M;
-  int largest = 1, *first = calloc((size_t)p->blocks + 1, sizeof *first);
-  for (int b = 0; b < p->blocks; b++) largest = p->size[b] > largest ? p->size[b] : largest;
-  double *factor = malloc((size_t)largest * (size_t)largest * sizeof *factor);
-  int missing = !first || !factor;
-  for (int b = 0; !missing && b < p->blocks; b++) first[b + 1] = first[b] + p->size[b];
-  for (int i = 0; !missing && i < w->items; i++)
-    for (int k = p->first[i]; k < p->first[i + 1]; k++)
-      for (int d = 0; d < w->rows[i]; d++)
-        for (int e = 0; e < p->size[p->block[k]]; e++)
-          v[first[p->block[k]] + e] += *value++ * r[w->home[i] + d];
-  for (int b = 0; !missing && b < p->blocks; b++) {
-    int n = p->size[b];
-    memcpy(factor, M, (size_t)n * (size_t)n * sizeof *factor);
-    M += (size_t)n * (size_t)n;
-    nsdae_la_cholesky(n, factor, n); /* the problem was checked */
-    nsdae_la_solve_lower(n, 1, factor, n, v + first[b], n);
-    nsdae_la_solve_lower_transposed(n, 1, factor, n, v + first[b], n);
-  }
-  free(first);
-  free(factor);
-  return missing ? no_memory(w) : NSDAE_OK;
+  free(v->first);
+  free(v->high);
+  free(v->factor);
 }
 
-static int write_velocities(const writer *w, const double *r)
+/* Begins at f. */
+static int make_motion(const writer *w, motion *v)
 {
   const nsdae_friction_problem *p = w->problem;
-  size_t n = 0;
-  for (int b = 0; b < p->blocks; b++) n += (size_t)p->size[b];
-  double *v = malloc((n + 1) * sizeof *v);
-  if (!v) return no_memory(w);
-  memcpy(v, p->f, n * sizeof *v);
-  int status = velocities(w, r, v);
-  if (status == NSDAE_OK) status = write_reals(w, "/solution/v", (int)n, v);
-  free(v);
+  *v = (motion){.largest = 1, .first = calloc((size_t)p->blocks + 1, sizeof *v->first)};
+  for (int b = 0; b < p->blocks; b++) {
+    if (v->first) v->first[b] = v->n;
+    v->n += p->size[b];
+    if (p->size[b] > v->largest) v->largest = p->size[b];
+  }
+  v->high = calloc(2 * (size_t)v->n + 1, sizeof *v->high);
+  v->factor = malloc((size_t)v->largest * (size_t)v->largest * sizeof *v->factor);
+  if (!v->first || !v->high || !v->factor) return no_memory(w);
+  v->low = v->high + v->n;
+  memcpy(v->high, p->f, (size_t)v->n * sizeof *v->high);
+  return NSDAE_OK;
+}
+
+/* Adds H r; without r nothing. */
+static void add_impulses(const writer *w, const double *r, motion *v)
+{
+  const nsdae_friction_problem *p = w->problem;
+  const double *value = p->value;
+  for (int i = 0; r && i < w->items; i++)
+    for (int k = p->first[i]; k < p->first[i + 1]; k++) {
+      int b = p->block[k];
+      nsdae_twice_add_product(p->size[b], w->rows[i], value, r + w->home[i], v->high + v->first[b],
+                              v->low + v->first[b]);
+      value += (size_t)p->size[b] * (size_t)w->rows[i];
+    }
+}
+
+/* high = M^-1 (high + low) */
+static void divide_by_mass(const writer *w, motion *v)
+{
+  const nsdae_friction_problem *p = w->problem;
+  const double *M = p->M;
+  for (int i = 0; i < v->n; i++) v->high[i] += v->low[i];
+  for (int b = 0; b < p->blocks; b++) {
+    int n = p->size[b];
+    memcpy(v->factor, M, (size_t)n * (size_t)n * sizeof *v->factor);
+    M += (size_t)n * (size_t)n;
+    nsdae_la_cholesky(n, v->factor, n); /* the problem was checked */
+    nsdae_la_solve_lower(n, 1, v->factor, n, v->high + v->first[b], n);
+    nsdae_la_solve_lower_transposed(n, 1, v->factor, n, v->high + v->first[b], n);
+  }
+}
+
+/* v = M^-1 (f + H (r + low)) of the global form. */
+static int write_velocities(const writer *w, const nsdae_friction_points *points)
+{
+  motion v;
+  int status = make_motion(w, &v);
+  if (status == NSDAE_OK) {
+    add_impulses(w, points->r, &v);
+    add_impulses(w, points->low, &v);
+    divide_by_mass(w, &v);
+    status = write_reals(w, "/solution/v", v.n, v.high);
+  }
+  release_motion(&v);
+  return status;
+}
+
+/* r, in one part or two, v and u. */
+static int write_solution(writer *w, const nsdae_friction_points *points)
+{
+  int status = NSDAE_OK;
+  if (points->r) status = write_rows(w, "/solution/r", "/solution/l", points->r);
+  if (status == NSDAE_OK && points->r && points->low)
+    status = write_rows(w, "/solution/r_low", "/solution/l_low", points->low);
+  if (status == NSDAE_OK && points->r && w->problem->form == NSDAE_FRICTION_GLOBAL)
+    status = write_velocities(w, points);
+  if (status == NSDAE_OK && points->u)
+    status = write_rows(w, "/solution/u", "/solution/u_l", points->u);
   return status;
 }
 
@@ -253,13 +308,7 @@ static int write_points(writer *w, const nsdae_friction_points *points)
     status = write_ints(w, "/guesses/number_of_guesses", 1, &one);
     if (status == NSDAE_OK) status = write_rows(w, "/guesses/1/r", "/guesses/1/l", points->guess);
   }
-  if (status == NSDAE_OK && points->r)
-    status = write_rows(w, "/solution/r", "/solution/l", points->r);
-  if (status == NSDAE_OK && points->r && w->problem->form == NSDAE_FRICTION_GLOBAL)
-    status = write_velocities(w, points->r);
-  if (status == NSDAE_OK && points->u)
-    status = write_rows(w, "/solution/u", "/solution/u_l", points->u);
-  return status;
+  return status < 0 ? status : write_solution(w, points);
 }
 
 static int write_origin(nsdae_h5 *h5, const nsdae_friction_origin *origin)

@@ -93,8 +93,23 @@ friction_arrays unpack(nb::dict d)
           numbers("value")};
 }
 
+nb::dict how_of(const nsdae_friction_info &info)
+{
+  nb::dict how;
+  how["outcome"] = nsdae_outcome_name(info.outcome);
+  how["stage"] = nsdae_friction_stage_name(info.stage);
+  how["proof"] = nsdae_proof_name(info.proof);
+  how["islands"] = info.islands;
+  how["sweeps"] = info.sweeps;
+  how["iterations"] = info.iterations;
+  how["factorisations"] = info.factorisations;
+  how["residual"] = info.residual;
+  return how;
+}
+
+// (r, u, how): whatever became of it; how has low where twice asks for a solution in two parts.
 nb::tuple friction(nb::dict arrays, std::optional<vector> guess, double tol, int max_sweeps,
-                   int max_iterations)
+                   int max_iterations, bool twice)
 {
   const friction_arrays a = unpack(arrays);
   const std::size_t m = a.w.shape(0);
@@ -109,7 +124,7 @@ nb::tuple friction(nb::dict arrays, std::optional<vector> guess, double tol, int
   options.tol = tol;
   options.max_sweeps = max_sweeps;
   options.max_iterations = max_iterations;
-  std::vector<double> r(m), u(m);
+  std::vector<double> r(m), u(m), low(m);
   if (guess) r.assign(guess->data(), guess->data() + m);
   nsdae_friction_info info = {};
   nsdae_error error = {};
@@ -118,18 +133,12 @@ nb::tuple friction(nb::dict arrays, std::optional<vector> guess, double tol, int
     nb::gil_scoped_release free;
     status = nsdae_friction_check(&problem, &error);
     if (status == NSDAE_OK)
-      status = nsdae_friction_solve(&problem, &options, r.data(), u.data(), &info);
+      status = nsdae_friction_solve_twice(&problem, &options, r.data(),
+                                          twice ? low.data() : nullptr, u.data(), &info);
   }
   demand(status, &error);
-  nb::dict how;
-  how["outcome"] = nsdae_outcome_name(info.outcome);
-  how["stage"] = nsdae_friction_stage_name(info.stage);
-  how["proof"] = nsdae_proof_name(info.proof);
-  how["islands"] = info.islands;
-  how["sweeps"] = info.sweeps;
-  how["iterations"] = info.iterations;
-  how["factorisations"] = info.factorisations;
-  how["residual"] = info.residual;
+  nb::dict how = how_of(info);
+  if (twice) how["low"] = array_of(low, {m});
   return nb::make_tuple(array_of(r, {m}), array_of(u, {m}), how);
 }
 
@@ -140,7 +149,7 @@ void bind_problems(nb::module_ &m)
   m.def("lcp", &lcp, nb::arg("A"), nb::arg("b"), nb::arg("guess").none(), nb::arg("tol"),
         nb::arg("max_pivots"), nb::arg("enumerate_max"));
   m.def("friction", &friction, nb::arg("arrays"), nb::arg("guess").none(), nb::arg("tol"),
-        nb::arg("max_sweeps"), nb::arg("max_iterations"));
+        nb::arg("max_sweeps"), nb::arg("max_iterations"), nb::arg("twice"));
 }
 
 } // namespace nsdae_python

@@ -1,5 +1,7 @@
 """lcp() and friction() against what they solve."""
 
+from fractions import Fraction
+
 import numpy as np
 import pytest
 
@@ -117,6 +119,79 @@ def test_friction_without_a_solution():
     """A contact whose normal velocity nothing can change."""
     with pytest.raises(nsdae.ProblemError):
         nsdae.friction(np.zeros((1, 3)), [[1.0]], [0], [0.3], [-1, 0, 0])
+
+
+LIGHT, WEIGHT, WIND = 3e-7, 0.1, 0.03
+
+
+def light_under_heavy():
+    """H, M, f, mu, rows: a body of mass 1 on one of LIGHT on the ground, planar, pushed from the side. Their impulses
+    differ by what the light one takes, which is no multiple of their last digit."""
+    H = np.array([[1, 0, -1, 0], [0, 1, 0, -1], [0, 0, 1, 0], [0, 0, 0, 1]], dtype=float)
+    f = [-LIGHT * WEIGHT, LIGHT * WIND, -WEIGHT, WIND]
+    return H, np.diag([LIGHT, LIGHT, 1.0, 1.0]), f, [0.5, 0.5], 2
+
+
+def standing(H, M, f, r, low):
+    """max |u| / s in exact arithmetic, the residual where all contacts stick and r is inside the cones."""
+    n, m = H.shape
+    total = [Fraction(r[c]) + Fraction(low[c]) for c in range(m)]
+    assert all(abs(total[c + 1]) < total[c] / 2 for c in range(0, m, 2))
+    v = [(Fraction(f[i]) + sum(Fraction(H[i, c]) * total[c] for c in range(m))) / Fraction(M[i, i]) for i in range(n)]
+    return float(max(abs(sum(Fraction(H[i, c]) * v[i] for i in range(n))) for c in range(m))) / WEIGHT
+
+
+def test_friction_in_two_parts():
+    H, M, f, mu, rows = light_under_heavy()
+    alone = nsdae.friction(H, M, f, mu, rows=rows, tol=1e-12, check=False)
+    assert alone.outcome == "unsolved" and alone.low is None
+    assert alone.residual > 1e-12 and standing(H, M, f, alone.r, np.zeros(4)) > 1e-12
+    both = nsdae.friction(H, M, f, mu, rows=rows, tol=1e-12, twice=True)
+    assert both.outcome == "solved" and both.residual <= 1e-12
+    assert both.low.shape == (4,) and np.any(both.low) and np.array_equal(both.r + both.low, both.r)
+    assert standing(H, M, f, both.r, both.low) <= 1e-12 < standing(H, M, f, both.r, np.zeros(4))
+    again = nsdae.friction(H, M, f, mu, rows=rows, tol=1e-12, twice=True)
+    assert np.array_equal(again.r, both.r) and np.array_equal(again.low, both.low)
+
+
+def test_the_least_residual_of_doubles():
+    """Upright and without friction, as docs/friction.md has it: impulses near 0.1 are multiples of 2**-56, and what the
+    weight of the light one lacks to the nearest one accelerates it."""
+    H, f = np.array([[1, -1], [0, 1]], dtype=float), [-3e-8, -0.1]
+    digit, weight = Fraction(1, 2**56), Fraction(3e-8)
+    lacks = abs(weight - round(weight / digit) * digit)
+    least = float(lacks / Fraction(3e-7) / Fraction(0.1))
+    alone = nsdae.friction(H, np.diag([3e-7, 1]), f, [0, 0], rows=1, tol=1e-12, check=False)
+    assert f"{least:.1e}" == "6.4e-11" and f"{float(lacks):.1e}" == "1.9e-18"
+    assert alone.outcome == "unsolved" and least * (1 - 1e-9) <= alone.residual < 1e-9
+    both = nsdae.friction(H, np.diag([3e-7, 1]), f, [0, 0], rows=1, tol=1e-12, twice=True)
+    assert both.residual < 1e-15 and np.all(np.abs(both.low) <= np.spacing(both.r) / 2)
+
+
+def test_friction_local_in_two_parts():
+    """The same with masses that are powers of two: W is that of the bodies to the last bit."""
+    light = 2.0**-22
+    H, _, _, mu, rows = light_under_heavy()
+    M, f = np.diag([light, light, 1, 1]), np.array([-light * WEIGHT, light * WIND, -WEIGHT, WIND])
+    W, q = H.T @ np.diag(1 / np.diag(M)) @ H, H.T @ (f / np.diag(M))
+    assert nsdae.friction_local(W, q, mu, rows=rows, tol=1e-12, check=False).low is None
+    both = nsdae.friction_local(W, q, mu, rows=rows, tol=1e-12, twice=True)
+    assert both.outcome == "solved" and both.low.shape == (4,)
+    total = [Fraction(r) + Fraction(low) for r, low in zip(both.r, both.low)]
+    u = [Fraction(q[i]) + sum(Fraction(W[i, j]) * total[j] for j in range(4)) for i in range(4)]
+    assert float(max(map(abs, u))) <= 1e-12 * np.max(np.abs(q))
+
+
+def test_friction_in_two_parts_where_one_is_enough():
+    M, H, f, mu, w = random_problem(3)
+    one, both = nsdae.friction(H, M, f, mu, w), nsdae.friction(H, M, f, mu, w, twice=True)
+    assert np.array_equal(both.low, np.zeros(len(w)))
+    assert np.array_equal(one.r, both.r) and np.array_equal(one.u, both.u)
+    assert (one.stage, one.sweeps, one.iterations) == (both.stage, both.sweeps, both.iterations)
+    assert one.residual <= 1e-10 and both.residual <= 1e-10  # that of two parts is rounded less
+    assert nsdae.friction(np.zeros((1, 0)), [[1.0]], [0], [], twice=True).low.shape == (0,)
+    none = nsdae.friction(np.zeros((1, 3)), [[1.0]], [0], [0.3], [-1, 0, 0], twice=True, check=False)
+    assert none.outcome == "infeasible" and np.array_equal(none.low, np.zeros(3))
 
 
 @pytest.mark.parametrize("change, what", [({"f": [1]}, "f has"), ({"w": [1]}, "w has"), ({"rows": 4}, "rows|more than"),

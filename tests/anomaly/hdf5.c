@@ -196,7 +196,7 @@ static friction_local local;
 static int write_friction_problem(const nsdae_friction_problem *p, nsdae_error *error)
 {
   static double r[2000];
-  const nsdae_friction_points points = {.guess = r, .r = r, .u = r};
+  const nsdae_friction_points points = {.guess = r, .r = r, .u = r, .low = r};
   const nsdae_friction_origin origin = {.time = 0.25, .step = 3, .tol = 1e-9, .method = "moreau"};
   return nsdae_friction_write(path, p, &points, &origin, error);
 }

@@ -11,7 +11,7 @@ program friction_file
   integer(c_int), target :: first(2) = [0, 1], block(1) = [0]
   real(c_double), target :: mu(1) = [0.5d0], q(3) = [-1d0, 0.25d0, 0d0]
   real(c_double), target :: W(9) = [2d0, 0d0, 0d0, 0d0, 2d0, 0d0, 0d0, 0d0, 2d0]
-  real(c_double) :: r(3), u(3), short(2)
+  real(c_double) :: r(3), u(3), low(3), short(2)
   integer(c_int) :: status
 
   problem%form = NSDAE_FRICTION_LOCAL
@@ -32,6 +32,7 @@ program friction_file
   call is_true(all(file%problem%value == W), 'W')
   call is_true(all(file%problem%w == q) .and. all(file%problem%mu == mu), 'q and mu')
   call is_true(associated(file%r) .and. .not. associated(file%guess), 'points')
+  call is_true(.not. associated(file%low), 'one part')
   call is_true(all(file%r == r), 'r')
   call is_true(file%tol == 1d-9 .and. file%refine == 2 .and. file%asymmetry == 0, 'tol')
   r = 0
@@ -40,9 +41,18 @@ program friction_file
   call nsdae_friction_file_release(file)
   call is_true(.not. associated(file%problem%value), 'released')
   call nsdae_friction_file_release(file)
+  low = [1d-17, 2d-18, -3d-18]
+  call is_int(nsdae_friction_write(path, problem, r=r, u=u, low=low), NSDAE_OK, 'written in two parts')
+  call is_int(nsdae_friction_read(path, file, error), NSDAE_OK, 'read')
+  call is_true(associated(file%low), 'two parts')
+  call is_true(all(file%r == r) .and. all(file%low == low), 'r and low')
+  call nsdae_friction_file_release(file)
+  call is_true(.not. associated(file%low), 'released')
   short = 0
   call is_int(nsdae_friction_write(path, problem, guess=short, error=error), NSDAE_E_ARGUMENT, 'short')
   call is_text(trim(error%argument), 'r', 'argument')
+  call is_int(nsdae_friction_write(path, problem, r=r, low=short, error=error), NSDAE_E_ARGUMENT, 'low')
+  call contains_text(error%text, 'low', 'error%text')
   call is_int(nsdae_friction_read('/nonexistent', file, error), NSDAE_E_IO, 'no file')
   call is_true(index(error%text, 'nonexistent') > 0, 'its name')
   open (unit=9, file=path)

@@ -1,6 +1,6 @@
 #!/bin/sh
-# nsdae-friction as a user meets it: the certificate, what is kept, the same bits again, exit codes,
-# one-line errors that name what, where and what to do. usage: friction_cli.sh BIN_DIR SAMPLE_WRITER
+# nsdae-friction as a user meets it: the certificate, what is kept, the same bits again, solutions in
+# two parts, exit codes, one-line errors that name what, where and what to do. usage: friction_cli.sh BIN_DIR SAMPLE_WRITER
 set -u
 friction=$1/nsdae-friction
 write=$2
@@ -81,7 +81,7 @@ done
 grep -q 'friction_dump: step .* has no problem' err && [ ! -e no.h5 ] || complain "no.h5: $(cat err)"
 
 # spheres of 60 contacts or so, global and local
-"$write" spheres.h5 local.h5 || complain "no sample"
+"$write" spheres.h5 local.h5 heavy.h5 || complain "no sample"
 gives 0 'outcome: solved;form: global;tol: 1e-10' spheres.h5
 grep -qE '^residual: [0-9.e+-]+$' out || complain "no residual: $(cat out)"
 contacts=$(sed -n 's/^contacts: //p' out)
@@ -94,6 +94,32 @@ gives 0 'outcome: solved' --solution=again.txt kept.h5
 cmp r.txt again.txt || complain "another solution from the file that was kept"
 h5dump -d /solution/u kept.h5 >/dev/null || complain "no u in the file that was kept"
 h5dump -d /solution/v kept.h5 >/dev/null || complain "no v in the file that was kept"
+
+# a body of 1 on one of 3e-7 that two bars hold: no r of doubles is a solution to 1e-12
+gives 1 'outcome: unsolved' --set tol=1e-12 heavy.h5
+! grep -q '^parts' out || complain "parts without --twice: $(cat out)"
+gives 0 'outcome: solved;parts: 2;contacts: 1;bilateral: 2' --set tol=1e-12 --twice \
+  --solution two.txt --output two.h5 heavy.h5
+[ "$(grep -cE '^[-+.e0-9]+ [-+.e0-9]+$' two.txt)" = 4 ] || complain "not two columns: $(cat two.txt)"
+# the bars bear the normal impulse and the weight of the light body, 3e-8: sums of near numbers are exact
+awk '{ r[NR] = $1; low[NR] = $2 }
+  END { off = ((r[3] - r[1]) - 3e-8) + (low[3] - low[1]); alone = (r[3] - r[1]) - 3e-8
+        exit !(off * off < 1e-39 && alone * alone > 1e-36) }' two.txt || complain "no weight: $(cat two.txt)"
+# the same numbers are in the file, of the contact beside r and of the bars beside l
+for at in r:1,2:1 r_low:1,2:2 l:3,4:1 l_low:3,4:2; do
+  column=${at##*:} rows=${at#*:}
+  h5dump -d /solution/${at%%:*} -y -m %.17g -o kept.txt two.h5 >/dev/null || complain "no ${at%%:*}"
+  awk -v column="$column" '{ print $column }' two.txt | sed -n "${rows%:*}p" >wanted.txt
+  tr -d ' ' <kept.txt | tr ',' '\n' | grep . | cmp - wanted.txt || complain "another ${at%%:*}: $(cat kept.txt)"
+done
+gives 0 'outcome: solved;parts: 2' --set tol=1e-12 --twice --solution=again.txt two.h5
+cmp two.txt again.txt || complain "another solution in two parts from the file that was kept"
+# one part is enough: the same r, zeros beside it
+gives 0 'outcome: solved;parts: 1' --twice --solution=again.txt --output one.h5 spheres.h5
+[ "$(grep -c ' 0$' again.txt)" = $((3 * contacts)) ] || complain "not zeros: $(head -3 again.txt)"
+cut -d' ' -f1 again.txt | cmp - r.txt || complain "another r with --twice"
+h5dump -d /solution/r_low one.h5 >/dev/null || complain "no r_low with --twice"
+h5dump -d /solution/r_low kept.h5 >/dev/null 2>&1 && complain "r_low without --twice"
 
 # stages and bounds
 gives 1 'outcome: unsolved' --set stages=gauss-seidel --set max_sweeps=1 spheres.h5

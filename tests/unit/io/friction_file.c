@@ -80,9 +80,9 @@ static void there_and_back(const nsdae_friction_problem *p)
   nsdae_friction_file file;
   nsdae_error error;
   nsdae_friction_info first, second;
-  double *r = calloc(4 * m + 1, sizeof *r), *u = r + m, *x = u + m, *y = x + m;
-  for (size_t i = 0; i < m; i++) r[i] = 0.5 + (double)i;
-  const nsdae_friction_points points = {.guess = r, .r = r, .u = r};
+  double *r = calloc(5 * m + 1, sizeof *r), *u = r + m, *x = u + m, *y = x + m, *low = y + m;
+  for (size_t i = 0; i < m; i++) r[i] = 0.5 + (double)i, low[i] = 1e-17 * (3 + (double)i);
+  const nsdae_friction_points points = {.guess = r, .r = r, .u = r, .low = low};
   const nsdae_friction_origin origin = {
       .time = 0.25, .step = 3, .tol = 1e-9, .refine = 2, .method = "moreau"};
   int status = nsdae_friction_write(path, p, &points, &origin, &error);
@@ -92,6 +92,7 @@ static void there_and_back(const nsdae_friction_problem *p)
   same_problem(p, &file.problem);
   same_reals(m, r, file.guess);
   same_reals(m, r, file.r);
+  same_reals(m, low, file.low);
   assert_true(file.tol == 1e-9 && file.refine == 2 && file.asymmetry == 0);
   memcpy(x, r, m * sizeof *x);
   status = nsdae_friction_solve(p, NULL, r, u, &first);
@@ -101,6 +102,7 @@ static void there_and_back(const nsdae_friction_problem *p)
   assert_true(first.residual == second.residual && first.sweeps == second.sweeps);
   nsdae_friction_file_release(&file);
   assert_null(file.problem.value);
+  assert_null(file.low);
   free(r);
 }
 
@@ -169,6 +171,28 @@ static void test_mixed(void **state)
 }
 
 /* Files by hand. */
+
+/* A dataset of n numbers, of which there must be no more. */
+static void take_reals(const char *name, int n, double *values)
+{
+  hid_t file = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT);
+  hid_t set = H5Dopen2(file, name, H5P_DEFAULT);
+  if (set < 0) fail_msg("no %s", name);
+  hid_t space = H5Dget_space(set);
+  assert_int_equal(H5Sget_simple_extent_npoints(space), n);
+  H5Dread(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values);
+  H5Sclose(space);
+  H5Dclose(set);
+  H5Fclose(file);
+}
+
+static int has(const char *name)
+{
+  hid_t file = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT);
+  int found = H5Lexists(file, name, H5P_DEFAULT) > 0;
+  H5Fclose(file);
+  return found;
+}
 
 static void put(hid_t file, const char *name, hid_t type, int n, const void *values)
 {
@@ -299,6 +323,103 @@ static void refused_local(const local_file *s, const char *words)
 {
   write_local(s, "/fclib_local");
   refused(words);
+}
+
+/* Solutions in two parts. */
+
+/* The second part stands beside the first: of the contacts at r_low, of the bilateral rows at
+ * l_low, zeros where a contact has fewer rows than others. A file without either has none. */
+static void test_places_of_two_parts(void **state)
+{
+  (void)state;
+  mixed s;
+  nsdae_friction_file file;
+  const double r[8] = {1, 2, 3, 4, 5, 6, 7, 8};
+  const double low[8] = {1e-17, 2e-17, 3e-17, 4e-17, 5e-17, 6e-17, 7e-17, 8e-17};
+  const double wanted[9] = {1e-17, 2e-17, 3e-17, 4e-17, 5e-17, 0, 6e-17, 0, 0};
+  double got[9], got_l[2];
+  nsdae_friction_points points = {.r = r, .low = low};
+  make_mixed(&s);
+  assert_int_equal(nsdae_friction_write(path, &s.problem, &points, NULL, NULL), NSDAE_OK);
+  take_reals("/solution/r_low", 9, got);
+  take_reals("/solution/l_low", 2, got_l);
+  same_reals(9, wanted, got);
+  same_reals(2, low + 6, got_l);
+  hid_t h5 = H5Fopen(path, H5F_ACC_RDWR, H5P_DEFAULT);
+  H5Ldelete(h5, "/solution/l_low", H5P_DEFAULT);
+  H5Fclose(h5);
+  assert_int_equal(nsdae_friction_read(path, &file, NULL), NSDAE_OK);
+  same_reals(8, (double[]){1e-17, 2e-17, 3e-17, 4e-17, 5e-17, 6e-17, 0, 0}, file.low);
+  nsdae_friction_file_release(&file);
+  points = (nsdae_friction_points){.r = r};
+  assert_int_equal(nsdae_friction_write(path, &s.problem, &points, NULL, NULL), NSDAE_OK);
+  assert_true(has("/solution/r") && !has("/solution/r_low") && !has("/solution/l_low"));
+  assert_int_equal(nsdae_friction_read(path, &file, NULL), NSDAE_OK);
+  assert_true(file.r && !file.low);
+  nsdae_friction_file_release(&file);
+}
+
+/* A second part without the first is none; one of another length is refused. */
+static void test_second_part_alone(void **state)
+{
+  (void)state;
+  mixed s;
+  nsdae_friction_file file;
+  const double r[8] = {1, 2, 3, 4, 5, 6, 7, 8};
+  nsdae_friction_points points = {.low = r};
+  make_mixed(&s);
+  assert_int_equal(nsdae_friction_write(path, &s.problem, &points, NULL, NULL), NSDAE_OK);
+  assert_true(!has("/solution/r_low"));
+  hid_t h5 = H5Fopen(path, H5F_ACC_RDWR, H5P_DEFAULT);
+  put_reals(h5, "/solution/r_low", 8, r);
+  H5Fclose(h5);
+  assert_int_equal(nsdae_friction_read(path, &file, NULL), NSDAE_OK);
+  assert_true(!file.r && !file.low);
+  nsdae_friction_file_release(&file);
+  points = (nsdae_friction_points){.r = r};
+  assert_int_equal(nsdae_friction_write(path, &s.problem, &points, NULL, NULL), NSDAE_OK);
+  h5 = H5Fopen(path, H5F_ACC_RDWR, H5P_DEFAULT);
+  put_reals(h5, "/solution/r_low", 8, r);
+  H5Fclose(h5);
+  refused("/solution/r_low has 8 numbers, must be 9");
+}
+
+/* The velocities of a solution in two parts: a body of 3e-7 between the ground and one of 1, at
+ * rest. By r alone it would move at 1e-11 of the velocity that its weight gives it, 0.1. */
+static void test_velocities_of_two_parts(void **state)
+{
+  (void)state;
+  const int size[] = {1, 1}, rows[] = {1, 1}, first[] = {0, 1, 3}, block[] = {0, 0, 1};
+  const double M[] = {3e-7, 1}, f[] = {-3e-8, -0.1}, w[] = {0, 0}, mu[] = {0, 0};
+  const double value[] = {1, -1, 1};
+  const nsdae_friction_problem p = {.contacts = 2,
+                                    .rows = rows,
+                                    .mu = mu,
+                                    .w = w,
+                                    .blocks = 2,
+                                    .size = size,
+                                    .M = M,
+                                    .f = f,
+                                    .first = first,
+                                    .block = block,
+                                    .value = value};
+  nsdae_friction_options options;
+  double r[2] = {0}, low[2] = {0}, u[2], v[2], single;
+  nsdae_friction_options_default(&options);
+  options.tol = 1e-12;
+  assert_int_equal(nsdae_friction_solve_twice(&p, &options, r, low, u, NULL), NSDAE_OK);
+  const nsdae_friction_points points = {.r = r, .u = u, .low = low};
+  assert_int_equal(nsdae_friction_write(path, &p, &points, NULL, NULL), NSDAE_OK);
+  take_reals("/solution/v", 2, v);
+  assert_at_most(fabs(v[0]), 1e-13);
+  assert_at_most(fabs(v[1]), 1e-13);
+  assert_at_most(fabs(v[0] - u[0]), 1e-16);
+  const nsdae_friction_points alone = {.r = r, .u = u};
+  assert_int_equal(nsdae_friction_write(path, &p, &alone, NULL, NULL), NSDAE_OK);
+  take_reals("/solution/v", 2, v);
+  assert_true(fabs(v[0]) > 1e-12);
+  assert_int_equal(nsdae_friction_residual(&p, r, NULL, &single), NSDAE_OK);
+  assert_true(single > 1e-12);
 }
 
 static void test_refused_matrices(void **state)
@@ -533,6 +654,9 @@ int main(void)
       cmocka_unit_test(test_there_and_back),
       cmocka_unit_test(test_mixed),
       cmocka_unit_test(test_forms),
+      cmocka_unit_test(test_places_of_two_parts),
+      cmocka_unit_test(test_second_part_alone),
+      cmocka_unit_test(test_velocities_of_two_parts),
       cmocka_unit_test(test_refused_matrices),
       cmocka_unit_test(test_refused_vectors),
       cmocka_unit_test(test_refused_block),
