@@ -35,7 +35,6 @@ enum { SMALL = 24 };
 enum { STEPS = 300, A_FEW = 20, FAILURES = 20 };
 enum { STALLED = 300, ROUNDS = 6, SHIFTS = 3 };
 
-
 /* Where FEW sweeps leave more, weights do not get to the ground by sweeps: walls, towers and arches
  * keep 0.06 and more, what slides 0.04 and less. */
 static const double HYPERSTATIC = 5e-2;
@@ -366,7 +365,7 @@ static void run_stages(nsdae_fc_chain *c)
              {NSDAE_FRICTION_SMOOTHING, smoothing},     {NSDAE_FRICTION_PROVE, prove},
              {NSDAE_FRICTION_FURTHER, nsdae_fc_further}};
   c->info = (nsdae_friction_info){.residual = INFINITY};
-  c->trapped = INFINITY;
+  c->trapped = c->looked = INFINITY;
   c->spent = c->held = 0;
   memset(c->best, 0, nsdae_fc_bytes(c));
   memset(c->low, 0, nsdae_fc_bytes(c));

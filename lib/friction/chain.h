@@ -33,6 +33,7 @@ typedef struct nsdae_fc_chain {
   nsdae_fc_matrix *matrix; /* the solver's, kept between calls */
   nsdae_fc_region *region; /* the same; NULL: none are taken by themselves */
   int analysed;            /* 1: matrix is ready for this island; -1: no memory for it */
+  double looked;           /* least residual that nsdae_fc_arrived has looked at closely */
   int held;                /* a solution in two parts is known, and one does not hold it */
   int lost;                /* no memory for what a stage needed */
   int spent;               /* Newton steps over the whole island */

@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "cone.h"
+#include "further.h"
 
 /* Newton's method is tried at the first shifts, and then where the residual is so much smaller than
  * where it was tried before; its steps. */
@@ -54,7 +55,7 @@ static int try_newton(nsdae_fc_chain *c, int most, int stage)
   if (!nsdae_fc_ready(c)) return 0;
   if (most > 0 && most < c->newton.most) c->newton.most = most;
   nsdae_fc_proximal(&c->newton, 1e-8, c->tol);
-  return nsdae_fc_count(c, stage);
+  return nsdae_fc_count(c, stage) || nsdae_fc_arrived(c);
 }
 
 int nsdae_fc_conic(nsdae_fc_chain *c, int most, double budget, int stage)

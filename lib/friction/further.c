@@ -42,24 +42,6 @@ static const double FIRST_LEAP = -3, STRAIGHT = -13.8;
 static const double NEARLY = 1e-8;
 enum { CREEP = 4000 };
 
-/* Where much slides, sweeps go on getting better, slowly; and Newton starts elsewhere. */
-static int patience(nsdae_fc_chain *c, int most)
-{
-  nsdae_fc_start_cold(c);
-  return nsdae_fc_sweeps(c, most, 0, NSDAE_FRICTION_FURTHER) ||
-         nsdae_fc_try_proximal(c, 1e-2, 0, NSDAE_FRICTION_FURTHER);
-}
-
-/* The last digits, from the best point. */
-static int creep(nsdae_fc_chain *c)
-{
-  if (c->fc.n == 1 || !(c->info.residual <= NEARLY) || !nsdae_fc_ready(c)) return 0;
-  if (c->options->max_iterations == 0) c->newton.most = (int)fmin(CREEP, BUDGET / c->fc.n);
-  memcpy(c->fc.r, c->best, nsdae_fc_bytes(c));
-  nsdae_fc_creep(&c->newton, c->tol);
-  return nsdae_fc_count(c, NSDAE_FRICTION_FURTHER) || nsdae_fc_exhausted(c);
-}
-
 /* A point from precise, with its residual, in one part or two. */
 static int take(nsdae_fc_chain *c, double residual, const double *low)
 {
@@ -91,6 +73,34 @@ int nsdae_fc_precisely(nsdae_fc_chain *c)
   return take(c, fmin(residual, before), NULL);
 }
 
+/* Nothing is left to be done: the best point is a solution, or what rounding leaves of one. Looked
+ * at closely where it is nearly one, and better than when it was the last time. */
+int nsdae_fc_arrived(nsdae_fc_chain *c)
+{
+  if (c->info.outcome == NSDAE_OUTCOME_SOLVED || nsdae_fc_exhausted(c)) return 1;
+  if (!(c->info.residual <= NEARLY) || !(c->info.residual < 0.5 * c->looked)) return 0;
+  c->looked = c->info.residual;
+  return nsdae_fc_precisely(c);
+}
+
+/* Where much slides, sweeps go on getting better, slowly; and Newton starts elsewhere. */
+static int patience(nsdae_fc_chain *c, int most)
+{
+  nsdae_fc_start_cold(c);
+  return nsdae_fc_sweeps(c, most, 0, NSDAE_FRICTION_FURTHER) ||
+         nsdae_fc_try_proximal(c, 1e-2, 0, NSDAE_FRICTION_FURTHER);
+}
+
+/* The last digits, from the best point. */
+static int creep(nsdae_fc_chain *c)
+{
+  if (c->fc.n == 1 || !(c->info.residual <= NEARLY) || !nsdae_fc_ready(c)) return 0;
+  if (c->options->max_iterations == 0) c->newton.most = (int)fmin(CREEP, BUDGET / c->fc.n);
+  memcpy(c->fc.r, c->best, nsdae_fc_bytes(c));
+  nsdae_fc_creep(&c->newton, c->tol);
+  return nsdae_fc_count(c, NSDAE_FRICTION_FURTHER) || nsdae_fc_arrived(c);
+}
+
 /* Proximal points from fc->r on, as long as each attempt leaves half of what there was. */
 static int attempt(nsdae_fc_chain *c, double residual, long *spent)
 {
@@ -102,7 +112,7 @@ static int attempt(nsdae_fc_chain *c, double residual, long *spent)
     residual = nsdae_fc_proximal(&c->newton, alpha, c->tol);
     alpha = c->newton.alpha;
     *spent += c->newton.steps;
-    if (nsdae_fc_count(c, NSDAE_FRICTION_FURTHER) || nsdae_fc_exhausted(c)) return 1;
+    if (nsdae_fc_count(c, NSDAE_FRICTION_FURTHER) || nsdae_fc_arrived(c)) return 1;
   } while (residual <= 0.5 * before);
   return creep(c);
 }
@@ -148,7 +158,7 @@ static int paths(nsdae_fc_chain *c, int from, int to)
                                  5e-2, 2e-3, 2e-4, 2e-5, 5e-3, 0.2,  5e-4, 2e-2, 5e-5, 1e-7};
   for (int k = from; k < to && (c->spent - before) * 2.0 * c->fc.n < budget(c); k++) {
     if (nsdae_fc_try_path(c, loose[k], NSDAE_FRICTION_FURTHER)) return 1;
-    if (nsdae_fc_exhausted(c)) return 1;
+    if (nsdae_fc_arrived(c)) return 1;
   }
   return 0;
 }
@@ -163,7 +173,7 @@ static int leap(nsdae_fc_chain *c)
   if (s->steps + ATTEMPT < most) s->most = s->steps + ATTEMPT;
   nsdae_fc_proximal(s, 1e-4, c->tol);
   s->most = most;
-  if (nsdae_fc_judge(c, NSDAE_FRICTION_FURTHER) || nsdae_fc_exhausted(c)) return 1;
+  if (nsdae_fc_judge(c, NSDAE_FRICTION_FURTHER) || nsdae_fc_arrived(c)) return 1;
   memcpy(c->fc.r, here, nsdae_fc_bytes(c));
   nsdae_fc_velocities(&c->fc, c->fc.r, c->fc.y, c->fc.u);
   return 0;
@@ -182,13 +192,13 @@ static int along(nsdae_fc_chain *c, double stiffness, int number)
   }
   if (on && !found) {
     nsdae_fc_curve_descend(curve, s, c->tol);
-    found = nsdae_fc_judge(c, NSDAE_FRICTION_FURTHER) || nsdae_fc_exhausted(c) || leap(c);
+    found = nsdae_fc_judge(c, NSDAE_FRICTION_FURTHER) || nsdae_fc_arrived(c) || leap(c);
   }
   if (!found && c->fc.n > 1 && c->options->max_iterations == 0) {
     s->most = s->steps + (int)fmin(CREEP, BUDGET / c->fc.n);
     nsdae_fc_creep(s, c->tol);
   }
-  return nsdae_fc_count(c, NSDAE_FRICTION_FURTHER) || found || nsdae_fc_exhausted(c);
+  return nsdae_fc_count(c, NSDAE_FRICTION_FURTHER) || found || nsdae_fc_arrived(c);
 }
 
 /* Curves of more and less compliance, from one place and another, so many steps times items each,
@@ -233,7 +243,7 @@ static int shifts(nsdae_fc_chain *c)
  * sweep is what the one before was. */
 int nsdae_fc_further(nsdae_fc_chain *c)
 {
-  if (nsdae_fc_precisely(c) || nsdae_fc_exhausted(c)) return 1;
+  if (nsdae_fc_arrived(c)) return 1;
   if (c->fc.n == 1) return paths(c, 0, 2) || short_curves(c);
   if (c->tol >= NSDAE_FC_ROUGH)
     return patience(c, MANY) || paths(c, 0, 20) || short_curves(c) || last(c);

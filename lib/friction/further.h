@@ -11,4 +11,7 @@ int nsdae_fc_further(nsdae_fc_chain *chain);
  * hold them: who takes one gets that, if it is the better one. */
 int nsdae_fc_precisely(nsdae_fc_chain *chain);
 
+/* Whether the best point is a solution, or rounding leaves nothing to be done. */
+int nsdae_fc_arrived(nsdae_fc_chain *chain);
+
 #endif

@@ -122,7 +122,7 @@ static void test_folded(void **state)
   try(51, 33, 1e-10, 1, all);
   assert_int_equal(all[33 % FRICTION_FAMILIES].solved, 1);
   int before = all[194 % FRICTION_FAMILIES].solved;
-  try(85, 194, 1e-9, all);
+  try(85, 194, 1e-9, 1, all);
   assert_int_equal(all[194 % FRICTION_FAMILIES].solved, before + 1);
 }
 
