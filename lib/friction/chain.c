@@ -313,7 +313,8 @@ static int gauss_seidel(nsdae_fc_chain *c)
 {
   nsdae_fc_start_cold(c);
   if (nsdae_fc_sweeps(c, FEW, 0, NSDAE_FRICTION_GAUSS_SEIDEL)) return 1;
-  int likely = c->tol >= NSDAE_FC_ROUGH && c->fc.n > SMALL && c->info.residual <= HYPERSTATIC;
+  c->slides = c->info.residual <= HYPERSTATIC;
+  int likely = c->tol >= NSDAE_FC_ROUGH && c->fc.n > SMALL && c->slides;
   return likely && alternate(c, NSDAE_FRICTION_GAUSS_SEIDEL);
 }
 
@@ -366,7 +367,7 @@ static void run_stages(nsdae_fc_chain *c)
              {NSDAE_FRICTION_FURTHER, nsdae_fc_further}};
   c->info = (nsdae_friction_info){.residual = INFINITY};
   c->trapped = c->looked = INFINITY;
-  c->spent = c->held = 0;
+  c->spent = c->held = c->slides = 0;
   memset(c->best, 0, nsdae_fc_bytes(c));
   memset(c->low, 0, nsdae_fc_bytes(c));
   for (size_t i = 0; i < sizeof all / sizeof *all; i++)

@@ -35,6 +35,7 @@ typedef struct nsdae_fc_chain {
   int analysed;            /* 1: matrix is ready for this island; -1: no memory for it */
   double looked;           /* least residual that nsdae_fc_arrived has looked at closely */
   int held;                /* a solution in two parts is known, and one does not hold it */
+  int slides;              /* a few sweeps left little: most of it slides */
   int lost;                /* no memory for what a stage needed */
   int spent;               /* Newton steps over the whole island */
   int patient;             /* the last resort may take its minute */

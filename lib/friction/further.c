@@ -23,7 +23,7 @@ enum { SMALL = 24 };
 /* Newton steps times items that an island may take until its short curves end, half as many for a
  * row of paths, and one curve: fifteen seconds or so; one curve of the last resort, and all of
  * them: a minute or so. */
-static const double BUDGET = 2.2e6, CURVE = 1e6, LONG_CURVE = 2e7, LONG_CURVES = 6e7;
+static const double BUDGET = 2.2e6, CURVE = 1e6, LONG_CURVE = 2e7, LONG_CURVES = 4e7;
 enum { CURVES = 12 };
 
 /* The same of convex problems, and at most so many of them. */
@@ -222,21 +222,29 @@ static int short_curves(nsdae_fc_chain *c)
   return curves(c, CURVE, fmax(0, budget(c) - (double)c->spent * c->fc.n));
 }
 
-/* The last resort. Of few contacts the short curves have seen all there is; and what is nearly
- * solved lacks digits, which no other curve has. Dense factors cost n times as much. */
-static int last(nsdae_fc_chain *c)
-{
-  const double share = c->fc.local ? 1.0 / c->fc.n : 1;
-  if (!c->patient || c->fc.n <= SMALL || c->held) return 0;
-  if (c->info.residual > NEARLY && curves(c, share * LONG_CURVE, share * LONG_CURVES)) return 1;
-  return roam(c);
-}
-
-/* Convex problems until their shift is theirs. */
+/* Convex problems until their shift is theirs: many steps, which dense factors make dear. */
 static int shifts(nsdae_fc_chain *c)
 {
   double left = c->patient ? SHIFTED : budget(c) / 4;
+  if (c->fc.local) return 0;
   return nsdae_fc_conic(c, MANY_SHIFTS, left, NSDAE_FRICTION_FURTHER);
+}
+
+/* Long curves; what is nearly solved lacks digits, which no other curve has. Dense factors cost n
+ * times as much. */
+static int long_curves(nsdae_fc_chain *c)
+{
+  const double share = c->fc.local ? 1.0 / c->fc.n : 1;
+  return c->info.residual > NEARLY && curves(c, share * LONG_CURVE, share * LONG_CURVES);
+}
+
+/* The last resort. Of few contacts the short curves have seen all there is. Where most of it
+ * slides, curves have folds without end, and sweeps get further. */
+static int last(nsdae_fc_chain *c)
+{
+  if (!c->patient || c->fc.n <= SMALL || c->held) return 0;
+  if (c->slides) return roam(c) || shifts(c) || long_curves(c);
+  return long_curves(c) || roam(c);
 }
 
 /* Sweeps reach a few digits, paths many, and curves get round what stops both. Of one contact a
@@ -247,6 +255,6 @@ int nsdae_fc_further(nsdae_fc_chain *c)
   if (c->fc.n == 1) return paths(c, 0, 2) || short_curves(c);
   if (c->tol >= NSDAE_FC_ROUGH)
     return patience(c, MANY) || paths(c, 0, 20) || short_curves(c) || last(c);
-  return creep(c) || shifts(c) || patience(c, MANY / 10) || paths(c, 0, 2) || short_curves(c) ||
-         paths(c, 2, 20) || last(c);
+  return creep(c) || patience(c, MANY / 10) || paths(c, 0, 2) || (!c->slides && shifts(c)) ||
+         short_curves(c) || paths(c, 2, 20) || last(c);
 }
