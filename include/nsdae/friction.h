@@ -117,8 +117,11 @@ NSDAE_API int nsdae_friction_check(const nsdae_friction_problem *problem, nsdae_
  *            l: zero in tangential rows, >= 0 in normal ones, with H l = 0 (W l = 0), C l = 0 and
  *            w . l < 0 (local form: q . l), so that no u with u_N >= 0 and bilateral rows at rest
  * is reached, whatever r: it would have l . u = w . l. That is proved on the data as given, of l in
- * exact arithmetic, or of an l that l is to rounding (lib/friction/infeasible.c) u [m]    out: the
- * velocities of r, computed afresh from the data; with a proof those of r = 0 info     may be NULL
+ * exact arithmetic, or of an l that l is to rounding (lib/friction/infeasible.c).
+ *
+ *   u [m]    out: the velocities of r, computed afresh from the data; with a proof those of r = 0
+ *   info     may be NULL
+ *
  * NSDAE_OK solved; NSDAE_E_INFEASIBLE proved without solution; NSDAE_E_LCP no solution found. With
  * any other status (those of nsdae_friction_check) r and u are as they were. */
 NSDAE_API int nsdae_friction_solve(const nsdae_friction_problem *problem,
@@ -140,11 +143,14 @@ NSDAE_API int nsdae_friction_residual(const nsdae_friction_problem *problem, con
                                       double *u, double *residual);
 
 /* nsdae_friction_solve for a solution in two parts, r + low, where doubles alone hold none: where
- * bodies differ in mass by 1e6 and more, impulses x = r d_c / s (see below) get as large, their
- * last digit 1e-10, and no r of doubles has a residual of 1e-12. low [m]  out: what r does not hold
- * of the solution, |low| below half a digit of |r|; zero in parts of the problem that r alone
- * solves. NULL: nsdae_friction_solve Everything else as there; the certificate is that of r + low.
- * With NSDAE_E_INFEASIBLE low is as it was. */
+ * bodies differ in mass by 1e6 and more, impulses x = r d_c / s (see nsdae_friction_residual) get
+ * as large, their last digit 1e-10, and no r of doubles has a residual of 1e-12.
+ *
+ *   low [m]  out: what r does not hold of the solution, at most half its last digit; zero where r
+ *            alone is one. NULL: nsdae_friction_solve
+ *
+ * Everything else as there; the certificate is that of r + low. With NSDAE_E_INFEASIBLE low is as
+ * it was. */
 NSDAE_API int nsdae_friction_solve_twice(const nsdae_friction_problem *problem,
                                          const nsdae_friction_options *options, double *r,
                                          double *low, double *u, nsdae_friction_info *info);
