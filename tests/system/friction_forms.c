@@ -77,7 +77,8 @@ static void test_forms(void **state)
     friction_sample_local(&s, &local);
     double *r = calloc(3 * (size_t)s.problem.contacts, sizeof *r);
     if (solve(&local.problem, 1e-9, r, &info) == NSDAE_OK)
-      assert_at_most(friction_sample_residual(&s, r, NULL), 1e-8); /* W is rounded: 1e-16 of its terms */
+      assert_at_most(friction_sample_residual(&s, r, NULL),
+                     1e-8); /* W is rounded: 1e-16 of its terms */
     free(r);
     friction_local_release(&local);
     friction_sample_release(&s);
