@@ -26,11 +26,11 @@ static span everything(const nsdae_fc_whole *c)
 
 static span one_island(const nsdae_fc_whole *c, int island)
 {
-  int from = c->start[island], first = c->listed_start[island];
-  return (span){.items = c->start[island + 1] - from,
-                .item = c->member + from,
-                .blocks = c->listed_start[island + 1] - first,
-                .block = c->listed + first};
+  int from = c->islands.start[island], first = c->islands.listed_start[island];
+  return (span){.items = c->islands.start[island + 1] - from,
+                .item = c->islands.member + from,
+                .blocks = c->islands.listed_start[island + 1] - first,
+                .block = c->islands.listed + first};
 }
 
 static int place(const int *list, int k)

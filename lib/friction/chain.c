@@ -133,20 +133,20 @@ static int accelerated(nsdae_fc_chain *c, int most, int patience, int stage)
 /* Whether there are factorisations for this island. */
 int nsdae_fc_ready(nsdae_fc_chain *c)
 {
-  if (c->analysed == 0)
-    c->analysed = nsdae_fc_matrix_analyse(c->matrix, &c->fc) == NSDAE_OK ? 1 : -1;
-  c->newton.matrix = c->matrix;
+  if (c->seen.analysed == 0)
+    c->seen.analysed = nsdae_fc_matrix_analyse(c->kept.matrix, &c->fc) == NSDAE_OK ? 1 : -1;
+  c->newton.matrix = c->kept.matrix;
   c->newton.steps = 0;
   c->newton.most = c->options->max_iterations > 0 ? c->options->max_iterations : STEPS;
   c->newton.failures = FAILURES;
-  c->lost |= c->analysed < 0;
-  return c->analysed == 1;
+  c->seen.lost |= c->seen.analysed < 0;
+  return c->seen.analysed == 1;
 }
 
 int nsdae_fc_count(nsdae_fc_chain *c, int stage)
 {
   c->info.iterations += c->newton.steps;
-  c->spent += c->newton.steps;
+  c->seen.spent += c->newton.steps;
   c->info.factorisations += c->newton.steps;
   return nsdae_fc_judge(c, stage);
 }
@@ -211,7 +211,7 @@ static int solve_region(nsdae_fc_chain *c, int stage)
   nsdae_fc_sweep(&c->fc, 1, c->slip);
   c->info.sweeps += 2;
   if (nsdae_fc_judge(c, stage)) return 1;
-  int found = nsdae_fc_region_solve(c->region, &c->fc, before, c->tol, &c->info);
+  int found = nsdae_fc_region_solve(c->kept.region, &c->fc, before, c->tol, &c->info);
   return found > 0 ? nsdae_fc_judge(c, stage) : found;
 }
 
@@ -230,7 +230,7 @@ static int by_regions(nsdae_fc_chain *c, int stage)
 static int has_regions(const nsdae_fc_chain *c)
 {
   if (c->options->max_sweeps > 0 || c->options->max_iterations > 0) return 0;
-  return c->region && !c->fc.local && c->tol >= NSDAE_FC_ROUGH && c->fc.n > SMALL;
+  return c->kept.region && !c->fc.local && c->tol >= NSDAE_FC_ROUGH && c->fc.n > SMALL;
 }
 
 /* Sweeps from fc->r on, the guess, whose y is current; it is looked at where they fail. */
@@ -287,7 +287,7 @@ static int warm(nsdae_fc_chain *c)
   if (from_guess(c)) return 1;
   if (nsdae_fc_exhausted(c)) return 0;
   memcpy(c->trap, c->best, nsdae_fc_bytes(c));
-  c->trapped = c->info.residual;
+  c->seen.trapped = c->info.residual;
   memset(c->best, 0, nsdae_fc_bytes(c));
   c->info.residual = INFINITY;
   return 0;
@@ -296,9 +296,9 @@ static int warm(nsdae_fc_chain *c)
 /* Where nothing was found, the better of the two ends. */
 static void look_back(nsdae_fc_chain *c)
 {
-  if (c->info.outcome != NSDAE_OUTCOME_UNSOLVED || !(c->trapped < c->info.residual)) return;
+  if (c->info.outcome != NSDAE_OUTCOME_UNSOLVED || !(c->seen.trapped < c->info.residual)) return;
   memcpy(c->best, c->trap, nsdae_fc_bytes(c));
-  c->info.residual = c->trapped;
+  c->info.residual = c->seen.trapped;
   c->info.stage = NSDAE_FRICTION_WARM;
 }
 
@@ -313,8 +313,8 @@ static int gauss_seidel(nsdae_fc_chain *c)
 {
   nsdae_fc_start_cold(c);
   if (nsdae_fc_sweeps(c, FEW, 0, NSDAE_FRICTION_GAUSS_SEIDEL)) return 1;
-  c->slides = c->info.residual <= HYPERSTATIC;
-  int likely = c->tol >= NSDAE_FC_ROUGH && c->fc.n > SMALL && c->slides;
+  c->seen.slides = c->info.residual <= HYPERSTATIC;
+  int likely = c->tol >= NSDAE_FC_ROUGH && c->fc.n > SMALL && c->seen.slides;
   return likely && alternate(c, NSDAE_FRICTION_GAUSS_SEIDEL);
 }
 
@@ -327,8 +327,8 @@ static int smoothing(nsdae_fc_chain *c)
 /* Before all that takes long. */
 static int prove(nsdae_fc_chain *c)
 {
-  int found = nsdae_fc_prove(c->proof, &c->fc, c->l);
-  c->lost |= found == NSDAE_FC_NO_MEMORY;
+  int found = nsdae_fc_prove(c->kept.proof, &c->fc, c->l);
+  c->seen.lost |= found == NSDAE_FC_NO_MEMORY;
   if (found != NSDAE_FC_PROVED) return 0;
   c->info.outcome = NSDAE_OUTCOME_INFEASIBLE;
   c->info.proof = NSDAE_PROOF_FARKAS;
@@ -337,12 +337,12 @@ static int prove(nsdae_fc_chain *c)
 }
 
 /* The solution better still, where that was asked for, and inside the cones to the last bit: their
- * nearest point is no further away than the residual. */
+ * nearest point is no further away than the residual. One in two parts is as good as it gets. */
 static void refine(nsdae_fc_chain *c)
 {
   nsdae_fc *fc = &c->fc;
-  if (c->options->refine == 0 || c->info.outcome != NSDAE_OUTCOME_SOLVED || !nsdae_fc_ready(c))
-    return;
+  if (c->options->refine == 0 || c->info.outcome != NSDAE_OUTCOME_SOLVED || c->seen.held) return;
+  if (!nsdae_fc_ready(c)) return;
   memcpy(fc->r, c->best, nsdae_fc_bytes(c));
   nsdae_fc_refine(&c->newton, c->options->refine);
   nsdae_fc_count(c, c->info.stage);
@@ -366,8 +366,8 @@ static void run_stages(nsdae_fc_chain *c)
              {NSDAE_FRICTION_SMOOTHING, smoothing},     {NSDAE_FRICTION_PROVE, prove},
              {NSDAE_FRICTION_FURTHER, nsdae_fc_further}};
   c->info = (nsdae_friction_info){.residual = INFINITY};
-  c->trapped = c->looked = INFINITY;
-  c->spent = c->held = c->slides = 0;
+  c->seen.trapped = c->seen.looked = INFINITY;
+  c->seen.spent = c->seen.held = c->seen.slides = 0;
   memset(c->best, 0, nsdae_fc_bytes(c));
   memset(c->low, 0, nsdae_fc_bytes(c));
   for (size_t i = 0; i < sizeof all / sizeof *all; i++)
@@ -379,7 +379,7 @@ static void run_stages(nsdae_fc_chain *c)
 static void check(nsdae_fc_chain *c)
 {
   int doubtful = DOUBT * DBL_EPSILON * largest(c) > c->options->tol - c->tol;
-  if (c->info.outcome == NSDAE_OUTCOME_INFEASIBLE || c->held) return;
+  if (c->info.outcome == NSDAE_OUTCOME_INFEASIBLE || c->seen.held) return;
   if ((c->options->stages & NSDAE_FRICTION_FURTHER) &&
       (c->info.outcome == NSDAE_OUTCOME_UNSOLVED || doubtful))
     nsdae_fc_precisely(c);
@@ -388,7 +388,7 @@ static void check(nsdae_fc_chain *c)
 void nsdae_fc_chain_run(nsdae_fc_chain *c)
 {
   run_stages(c);
-  check(c);
   look_back(c);
+  check(c);
   refine(c);
 }

@@ -12,34 +12,44 @@
 /* A tolerance that sweeps are likely to reach: asked for as 1e-6, less what rounding may take. */
 #define NSDAE_FC_ROUGH 0.99e-6
 
+/* What the solver keeps from one call to the next. */
+typedef struct nsdae_fc_kept {
+  nsdae_fc_proof *proof;
+  nsdae_fc_matrix *matrix;
+  nsdae_fc_region *region; /* NULL: none are taken by themselves */
+} nsdae_fc_kept;
+
+/* What has been found out about the island so far. */
+typedef struct nsdae_fc_seen {
+  double trapped; /* residual where a warm start got stuck */
+  double looked;  /* least residual that nsdae_fc_arrived has looked at closely */
+  int analysed;   /* 1: matrix is ready for this island; -1: no memory for it */
+  int lost;       /* no memory for what a stage needed */
+  int slides;     /* a few sweeps left little: most of it slides */
+  int held;       /* a solution in two parts is known, and one does not hold it */
+  int spent;      /* Newton steps over the whole island */
+} nsdae_fc_seen;
+
 typedef struct nsdae_fc_chain {
   nsdae_fc fc;
   const nsdae_friction_options *options;
   nsdae_friction_info info; /* of this island */
   double tol;
-  double *best; /* 3 n: the point of least residual so far */
-  double *low;  /* 3 n: what that does not hold of a solution in two parts */
-  double *trap; /* 3 n: where a warm start got stuck, and its residual: no other stage sees it */
-  double trapped;
+  int patient;   /* the last resort may take its minute */
+  int twice;     /* the caller takes a solution in two parts */
+  double *best;  /* 3 n: the point of least residual so far */
+  double *low;   /* 3 n: what that does not hold of a solution in two parts */
+  double *trap;  /* 3 n: where a warm start got stuck: no other stage sees it */
   double *slip;  /* n: see coulomb.h */
   double *drift; /* n: by how much the shift of a convex problem was off, see conic.c */
+  double *l;     /* m of the whole: where a proof goes */
   nsdae_fc_anderson anderson;
   nsdae_fc_newton newton;
   nsdae_fc_curve curve;
   nsdae_fc_precise precise;
   nsdae_fc_polyhedral polyhedral;
-  nsdae_fc_proof *proof;   /* the solver's, kept between calls */
-  double *l;               /* m of the whole: where a proof goes */
-  nsdae_fc_matrix *matrix; /* the solver's, kept between calls */
-  nsdae_fc_region *region; /* the same; NULL: none are taken by themselves */
-  int analysed;            /* 1: matrix is ready for this island; -1: no memory for it */
-  double looked;           /* least residual that nsdae_fc_arrived has looked at closely */
-  int held;                /* a solution in two parts is known, and one does not hold it */
-  int slides;              /* a few sweeps left little: most of it slides */
-  int lost;                /* no memory for what a stage needed */
-  int spent;               /* Newton steps over the whole island */
-  int patient;             /* the last resort may take its minute */
-  int twice;               /* the caller takes a solution in two parts */
+  nsdae_fc_kept kept;
+  nsdae_fc_seen seen;
 } nsdae_fc_chain;
 
 /* The size of r */

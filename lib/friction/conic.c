@@ -61,11 +61,11 @@ static int try_newton(nsdae_fc_chain *c, int most, int stage)
 int nsdae_fc_conic(nsdae_fc_chain *c, int most, double budget, int stage)
 {
   double tried = INFINITY, stride = 1;
-  const int before = c->spent;
+  const int before = c->seen.spent;
   nsdae_fc_start_cold(c);
   memset(c->drift, 0, (size_t)c->fc.n * sizeof *c->drift);
   c->newton.mark_epsilon = 0;
-  for (int k = 0; k < most && (c->spent - before) * (double)c->fc.n < budget; k++) {
+  for (int k = 0; k < most && (c->seen.spent - before) * (double)c->fc.n < budget; k++) {
     if (!nsdae_fc_ready(c)) return 0;
     solve_convex(c);
     stride = move_shift(c, stride);

@@ -65,8 +65,8 @@ int nsdae_fc_precisely(nsdae_fc_chain *c)
   double residual = nsdae_fc_precise_run(&c->precise, &c->newton, c->tol);
   c->info.iterations += c->newton.steps;
   c->info.factorisations += c->newton.steps;
-  c->held = residual <= c->tol;
-  if (c->held && c->twice) return take(c, residual, c->precise.low);
+  c->seen.held = residual <= c->tol;
+  if (c->seen.held && c->twice) return take(c, residual, c->precise.low);
   memset(c->precise.low, 0, nsdae_fc_bytes(c));
   residual = nsdae_fc_precise_residual(&c->precise, &c->fc);
   if (!(residual < before)) memcpy(c->precise.high, c->best, nsdae_fc_bytes(c));
@@ -78,8 +78,8 @@ int nsdae_fc_precisely(nsdae_fc_chain *c)
 int nsdae_fc_arrived(nsdae_fc_chain *c)
 {
   if (c->info.outcome == NSDAE_OUTCOME_SOLVED || nsdae_fc_exhausted(c)) return 1;
-  if (!(c->info.residual <= NEARLY) || !(c->info.residual < 0.5 * c->looked)) return 0;
-  c->looked = c->info.residual;
+  if (!(c->info.residual <= NEARLY) || !(c->info.residual < 0.5 * c->seen.looked)) return 0;
+  c->seen.looked = c->info.residual;
   return nsdae_fc_precisely(c);
 }
 
@@ -153,10 +153,10 @@ static double budget(const nsdae_fc_chain *c)
  * fewer of larger islands. */
 static int paths(nsdae_fc_chain *c, int from, int to)
 {
-  int before = c->spent;
+  int before = c->seen.spent;
   static const double loose[] = {1e-5, 1e-2, 1e-4, 0.1,  3e-3, 1e-6, 3e-4, 3e-2, 3e-5, 3e-6,
                                  5e-2, 2e-3, 2e-4, 2e-5, 5e-3, 0.2,  5e-4, 2e-2, 5e-5, 1e-7};
-  for (int k = from; k < to && (c->spent - before) * 2.0 * c->fc.n < budget(c); k++) {
+  for (int k = from; k < to && (c->seen.spent - before) * 2.0 * c->fc.n < budget(c); k++) {
     if (nsdae_fc_try_path(c, loose[k], NSDAE_FRICTION_FURTHER)) return 1;
     if (nsdae_fc_arrived(c)) return 1;
   }
@@ -206,9 +206,9 @@ static int along(nsdae_fc_chain *c, double stiffness, int number)
 static int curves(nsdae_fc_chain *c, double each, double all)
 {
   static const double stiffness[] = {0.1, 0.02, 1, 0.1, 0.3, 0.05};
-  const int before = c->spent;
+  const int before = c->seen.spent;
   for (int k = 0; k < CURVES; k++) {
-    int left = (int)(all / c->fc.n) - (c->spent - before);
+    int left = (int)(all / c->fc.n) - (c->seen.spent - before);
     if (left <= 0 || (k > 0 && c->info.residual <= NEARLY) || !nsdae_fc_ready(c)) return 0;
     if (c->options->max_iterations == 0) c->newton.most = (int)fmin(each / c->fc.n, left);
     if (along(c, stiffness[k % 6], k < 3 ? 0 : k)) return 1;
@@ -219,7 +219,7 @@ static int curves(nsdae_fc_chain *c, double each, double all)
 /* The same within the budget of an island. */
 static int short_curves(nsdae_fc_chain *c)
 {
-  return curves(c, CURVE, fmax(0, budget(c) - (double)c->spent * c->fc.n));
+  return curves(c, CURVE, fmax(0, budget(c) - (double)c->seen.spent * c->fc.n));
 }
 
 /* Convex problems until their shift is theirs: many steps, which dense factors make dear. */
@@ -242,8 +242,8 @@ static int long_curves(nsdae_fc_chain *c)
  * slides, curves have folds without end, and sweeps get further. */
 static int last(nsdae_fc_chain *c)
 {
-  if (!c->patient || c->fc.n <= SMALL || c->held) return 0;
-  if (c->slides) return roam(c) || shifts(c) || long_curves(c);
+  if (!c->patient || c->fc.n <= SMALL || c->seen.held) return 0;
+  if (c->seen.slides) return roam(c) || shifts(c) || long_curves(c);
   return long_curves(c) || roam(c);
 }
 
@@ -255,6 +255,6 @@ int nsdae_fc_further(nsdae_fc_chain *c)
   if (c->fc.n == 1) return paths(c, 0, 2) || short_curves(c);
   if (c->tol >= NSDAE_FC_ROUGH)
     return patience(c, MANY) || paths(c, 0, 20) || short_curves(c) || last(c);
-  return creep(c) || patience(c, MANY / 10) || paths(c, 0, 2) || (!c->slides && shifts(c)) ||
+  return creep(c) || patience(c, MANY / 10) || paths(c, 0, 2) || (!c->seen.slides && shifts(c)) ||
          short_curves(c) || paths(c, 2, 20) || last(c);
 }

@@ -35,7 +35,7 @@ static const double OUTSIDE = 1e-9;
 /* Item number k of the island. */
 static int item_of(const nsdae_fc *c, int k)
 {
-  return c->whole->member[c->start + k];
+  return c->whole->islands.member[c->start + k];
 }
 
 static int is_bilateral(const nsdae_fc *c, int i)
@@ -104,7 +104,7 @@ static void lay_out(void *object, nsdae_arena *arena)
 /* The numbers of block b of the whole in its island: entries of v of the blocks before it. */
 static int place_of(const nsdae_fc *c, int b)
 {
-  return c->parts.offset[c->whole->number[b]];
+  return c->parts.offset[c->whole->islands.number[b]];
 }
 
 /* The column of direction e, sign +-1: the normal row's parts, and w below. */

@@ -21,18 +21,18 @@ static void count(nsdae_fc *c)
 {
   const nsdae_fc_whole *w = c->whole;
   const nsdae_friction_problem *p = w->view.p;
-  c->start = w->start[c->label];
-  c->n = w->start[c->label + 1] - c->start;
+  c->start = w->islands.start[c->label];
+  c->n = w->islands.start[c->label + 1] - c->start;
   c->parts.entries = c->blocks = c->ny = 0;
   c->parts.values = 0;
   for (int k = 0; k < c->n; k++) {
-    int i = w->member[c->start + k];
+    int i = w->islands.member[c->start + k];
     for (int e = p->first[i]; e < p->first[i + 1]; e++) {
       int b = p->block[e];
       if (!belongs(c, i, e)) continue;
       c->parts.entries++;
       c->parts.values += 3 * (size_t)(c->local ? 3 : p->size[b]);
-      if (c->local || w->number[b] != c->blocks) continue;
+      if (c->local || w->islands.number[b] != c->blocks) continue;
       c->blocks++;
       c->ny += p->size[b];
     }
@@ -117,7 +117,7 @@ static void fill_sizes(nsdae_fc *c)
   for (int k = 0; k < c->n; k++)
     for (int e = p->first[c->items.item[k]]; e < p->first[c->items.item[k] + 1]; e++)
       if (belongs(c, c->items.item[k], e))
-        c->parts.size[w->number[p->block[e]]] = c->local ? 3 : p->size[p->block[e]];
+        c->parts.size[w->islands.number[p->block[e]]] = c->local ? 3 : p->size[p->block[e]];
   for (int b = 0; b < c->blocks && c->local; b++) c->parts.size[b] = 3;
   c->parts.offset[0] = 0;
   for (int b = 0; b < c->blocks; b++)
@@ -148,7 +148,7 @@ static void fill_parts(nsdae_fc *c)
   for (int k = 0; k < c->n; k++) {
     int i = c->items.item[k];
     for (int e = p->first[i]; e < p->first[i + 1]; e++) {
-      int b = c->whole->number[p->block[e]];
+      int b = c->whole->islands.number[p->block[e]];
       if (!belongs(c, i, e)) continue;
       c->parts.block[f] = b;
       c->parts.at[f + 1] = c->parts.at[f] + 3 * (size_t)c->parts.size[b];
@@ -197,7 +197,7 @@ void nsdae_fc_fill(nsdae_fc *c, const double *r)
   c->D_whole = power_of_two(sqrt(w->most_d));
   c->D_whole *= c->D_whole;
   const double s = power_of_two(w->scale);
-  for (int k = 0; k < c->n; k++) fill_item(c, k, w->member[c->start + k], s);
+  for (int k = 0; k < c->n; k++) fill_item(c, k, w->islands.member[c->start + k], s);
   nsdae_fc_gather(c, w->q, c->items.q);
   fill_sizes(c);
   fill_parts(c);

@@ -30,7 +30,7 @@ static void count(nsdae_fc_polyhedral *s, const nsdae_fc *fc)
 {
   s->m = s->bilateral = s->n = 0;
   for (int k = 0; k < fc->n; k++) {
-    int i = fc->whole->member[fc->start + k], one = unknowns(fc->whole->view.p, i);
+    int i = fc->whole->islands.member[fc->start + k], one = unknowns(fc->whole->view.p, i);
     s->bilateral += one == 0;
     s->m += one == 4 ? 2 : 1;
     s->n += one;

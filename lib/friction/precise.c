@@ -52,9 +52,10 @@ static void relocate(nsdae_fc_precise *p, nsdae_fc *c)
   nsdae_fc_velocities(c, c->r, c->y, c->u);
 }
 
-static void correct(nsdae_fc_precise *p, nsdae_fc_newton *s, double tol)
+/* At most so many steps. */
+static void correct(nsdae_fc_precise *p, nsdae_fc_newton *s, int most, double tol)
 {
-  s->most = s->steps + STEPS;
+  s->most = s->steps + most;
   s->failures = FAILURES;
   nsdae_fc_proximal(s, ALPHA, AIM * tol);
   for (int i = 0; i < 3 * s->fc->n; i++) nsdae_twice_add(1, s->fc->r[i], p->high + i, p->low + i);
@@ -93,6 +94,7 @@ double nsdae_fc_precise_run(nsdae_fc_precise *p, nsdae_fc_newton *s, double tol)
 {
   nsdae_fc *c = s->fc;
   size_t bytes = 3 * (size_t)c->n * sizeof *c->r;
+  const int most = s->most < STEPS ? s->most : STEPS;
   begin(p, c);
   s->steps = 0;
   double before, best = look(p, c), now = best;
@@ -101,7 +103,7 @@ double nsdae_fc_precise_run(nsdae_fc_precise *p, nsdae_fc_newton *s, double tol)
     memcpy(p->best, p->high, bytes);
     memcpy(p->best_low, p->low, bytes);
     if (!(best > tol)) break;
-    correct(p, s, tol);
+    correct(p, s, most, tol);
     now = look(p, c);
     if (now < best) best = now;
   } while (best <= 0.5 * before);

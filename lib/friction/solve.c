@@ -99,9 +99,9 @@ static void merge(nsdae_friction_info *whole, const nsdae_friction_info *one)
 
 static int lay_out(nsdae_friction_solver *s, int island)
 {
-  s->chain = (nsdae_fc_chain){
-      .fc = {.whole = &s->whole, .label = island}, .matrix = &s->matrix, .proof = &s->proof};
-  s->chain.region = s->inner ? NULL : &s->region;
+  s->chain = (nsdae_fc_chain){.fc = {.whole = &s->whole, .label = island},
+                              .kept = {.matrix = &s->matrix, .proof = &s->proof}};
+  s->chain.kept.region = s->inner ? NULL : &s->region;
   s->chain.patient = s->patient;
   s->chain.twice = s->twice;
   return nsdae_arena_fit(&s->island_memory, nsdae_fc_chain_layout, &s->chain);
@@ -110,7 +110,7 @@ static int lay_out(nsdae_friction_solver *s, int island)
 /* Memory for each island, before anything of the caller's is changed. */
 static int reserve(nsdae_friction_solver *s)
 {
-  for (int island = 0; island < s->whole.islands; island++)
+  for (int island = 0; island < s->whole.islands.count; island++)
     if (lay_out(s, island) != NSDAE_OK) return NSDAE_E_MEMORY;
   return NSDAE_OK;
 }
@@ -118,7 +118,7 @@ static int reserve(nsdae_friction_solver *s)
 int nsdae_fc_reserve(nsdae_friction_solver *s, const nsdae_friction_problem *largest)
 {
   int status = prepare(s, largest, NULL);
-  for (int island = 0; island < s->whole.islands && status == NSDAE_OK; island++) {
+  for (int island = 0; island < s->whole.islands.count && status == NSDAE_OK; island++) {
     status = lay_out(s, island);
     if (status != NSDAE_OK) return status;
     nsdae_fc_fill(&s->chain.fc, s->whole.q);
@@ -143,15 +143,15 @@ static int solve_islands(nsdae_friction_solver *s, const nsdae_friction_options 
   nsdae_fc_chain *c = &s->chain;
   memset(w->r, 0, (size_t)w->view.m * sizeof *w->r);
   memset(w->r_low, 0, (size_t)w->view.m * sizeof *w->r_low);
-  for (int island = 0; island < w->islands; island++) {
-    if (w->islands > 1) lay_out(s, island); /* one alone is laid out */
+  for (int island = 0; island < w->islands.count; island++) {
+    if (w->islands.count > 1) lay_out(s, island); /* one alone is laid out */
     c->options = options;
     c->tol = options->tol - fmin(0.2 * options->tol, ROUNDING);
     c->fc.exact = fmax(1e-15, 1e-4 * options->tol);
     nsdae_fc_fill(&c->fc, guess);
     c->l = w->r;
     nsdae_fc_chain_run(c);
-    if (c->lost && c->info.outcome == NSDAE_OUTCOME_UNSOLVED) return NSDAE_E_MEMORY;
+    if (c->seen.lost && c->info.outcome == NSDAE_OUTCOME_UNSOLVED) return NSDAE_E_MEMORY;
     merge(info, &c->info);
     if (c->info.outcome == NSDAE_OUTCOME_INFEASIBLE) return NSDAE_E_INFEASIBLE;
     nsdae_fc_scatter(&c->fc, c->best, w->r);

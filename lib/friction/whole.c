@@ -39,13 +39,13 @@ void nsdae_fc_whole_layout(void *object, nsdae_arena *arena)
   c->r = NSDAE_ARENA_DOUBLES(arena, m);
   c->r_low = NSDAE_ARENA_DOUBLES(arena, m);
   c->u = NSDAE_ARENA_DOUBLES(arena, m);
-  c->label = NSDAE_ARENA_INTS(arena, c->view.items);
-  c->member = NSDAE_ARENA_INTS(arena, c->view.items);
-  c->start = NSDAE_ARENA_INTS(arena, c->view.items + 1L);
-  c->number = NSDAE_ARENA_INTS(arena, sets(c));
-  c->listed = NSDAE_ARENA_INTS(arena, p->blocks);
-  c->listed_start = NSDAE_ARENA_INTS(arena, c->view.items + 1L);
-  c->parent = NSDAE_ARENA_INTS(arena, sets(c));
+  c->islands.label = NSDAE_ARENA_INTS(arena, c->view.items);
+  c->islands.member = NSDAE_ARENA_INTS(arena, c->view.items);
+  c->islands.start = NSDAE_ARENA_INTS(arena, c->view.items + 1L);
+  c->islands.number = NSDAE_ARENA_INTS(arena, sets(c));
+  c->islands.listed = NSDAE_ARENA_INTS(arena, p->blocks);
+  c->islands.listed_start = NSDAE_ARENA_INTS(arena, c->view.items + 1L);
+  c->islands.parent = NSDAE_ARENA_INTS(arena, sets(c));
 }
 
 /* |M_ij - M_ji| <= 1e-10 sqrt(M_ii M_jj) */
@@ -188,13 +188,13 @@ int nsdae_fc_touches(const nsdae_fc_whole *c, int e)
 static void join_blocks(nsdae_fc_whole *c)
 {
   const nsdae_friction_problem *p = c->view.p;
-  for (int b = 0; b < sets(c); b++) c->parent[b] = b;
+  for (int b = 0; b < sets(c); b++) c->islands.parent[b] = b;
   for (int i = 0; i < c->view.items; i++) {
-    int mine = p->form == NSDAE_FRICTION_LOCAL ? root_of(c->parent, i) : -1;
+    int mine = p->form == NSDAE_FRICTION_LOCAL ? root_of(c->islands.parent, i) : -1;
     for (int e = p->first[i]; e < p->first[i + 1]; e++) {
       if (!nsdae_fc_touches(c, e)) continue;
-      int other = root_of(c->parent, p->block[e]);
-      if (mine >= 0) c->parent[mine] = other;
+      int other = root_of(c->islands.parent, p->block[e]);
+      if (mine >= 0) c->islands.parent[mine] = other;
       mine = other;
     }
   }
@@ -203,9 +203,9 @@ static void join_blocks(nsdae_fc_whole *c)
 static int set_of(nsdae_fc_whole *c, int i)
 {
   const nsdae_friction_problem *p = c->view.p;
-  if (p->form == NSDAE_FRICTION_LOCAL) return root_of(c->parent, i);
+  if (p->form == NSDAE_FRICTION_LOCAL) return root_of(c->islands.parent, i);
   for (int e = p->first[i]; e < p->first[i + 1]; e++)
-    if (nsdae_fc_touches(c, e)) return root_of(c->parent, p->block[e]);
+    if (nsdae_fc_touches(c, e)) return root_of(c->islands.parent, p->block[e]);
   return -1;
 }
 
@@ -214,31 +214,31 @@ static int set_of(nsdae_fc_whole *c, int i)
 static void label_items(nsdae_fc_whole *c)
 {
   enum { STATIC = -2, ALONE = -1 };
-  c->islands = 0;
-  for (int i = 0; i < c->view.items; i++) c->label[i] = c->d[i] > 0 ? set_of(c, i) : STATIC;
+  c->islands.count = 0;
+  for (int i = 0; i < c->view.items; i++) c->islands.label[i] = c->d[i] > 0 ? set_of(c, i) : STATIC;
   for (int i = 0; i < c->view.items; i++) {
-    int set = c->label[i];
+    int set = c->islands.label[i];
     if (set == STATIC)
-      c->label[i] = -1;
-    else if (set == ALONE || c->parent[set] >= 0) {
-      c->label[i] = c->islands++;
-      if (set >= 0) c->parent[set] = -1 - c->label[i];
+      c->islands.label[i] = -1;
+    else if (set == ALONE || c->islands.parent[set] >= 0) {
+      c->islands.label[i] = c->islands.count++;
+      if (set >= 0) c->islands.parent[set] = -1 - c->islands.label[i];
     } else
-      c->label[i] = -1 - c->parent[set];
+      c->islands.label[i] = -1 - c->islands.parent[set];
   }
 }
 
 /* Items by island (counting sort). */
 static void sort_items(nsdae_fc_whole *c)
 {
-  for (int k = 0; k <= c->islands; k++) c->start[k] = 0;
+  for (int k = 0; k <= c->islands.count; k++) c->islands.start[k] = 0;
   for (int i = 0; i < c->view.items; i++)
-    if (c->label[i] >= 0) c->start[c->label[i] + 1]++;
-  for (int k = 0; k < c->islands; k++) c->start[k + 1] += c->start[k];
+    if (c->islands.label[i] >= 0) c->islands.start[c->islands.label[i] + 1]++;
+  for (int k = 0; k < c->islands.count; k++) c->islands.start[k + 1] += c->islands.start[k];
   for (int i = 0; i < c->view.items; i++)
-    if (c->label[i] >= 0) c->member[c->start[c->label[i]]++] = i;
-  for (int k = c->islands; k > 0; k--) c->start[k] = c->start[k - 1];
-  c->start[0] = 0;
+    if (c->islands.label[i] >= 0) c->islands.member[c->islands.start[c->islands.label[i]]++] = i;
+  for (int k = c->islands.count; k > 0; k--) c->islands.start[k] = c->islands.start[k - 1];
+  c->islands.start[0] = 0;
 }
 
 /* Blocks of item i that are not yet numbered, from count on. */
@@ -247,9 +247,9 @@ static int number_blocks_of(nsdae_fc_whole *c, int i, int count, int *listed)
   const nsdae_friction_problem *p = c->view.p;
   for (int e = p->first[i]; e < p->first[i + 1]; e++) {
     int b = p->block[e];
-    if (!nsdae_fc_touches(c, e) || c->number[b] >= 0) continue;
+    if (!nsdae_fc_touches(c, e) || c->islands.number[b] >= 0) continue;
     listed[count] = b;
-    c->number[b] = count++;
+    c->islands.number[b] = count++;
   }
   return count;
 }
@@ -257,16 +257,16 @@ static int number_blocks_of(nsdae_fc_whole *c, int i, int count, int *listed)
 /* Blocks in the order in which the items of their island come to them; items as they stand. */
 static void number_blocks(nsdae_fc_whole *c)
 {
-  for (int b = 0; b < sets(c); b++) c->number[b] = -1;
-  c->listed_start[0] = 0;
-  for (int island = 0; island < c->islands; island++) {
-    int count = 0, from = c->listed_start[island];
-    for (int k = c->start[island]; k < c->start[island + 1]; k++)
+  for (int b = 0; b < sets(c); b++) c->islands.number[b] = -1;
+  c->islands.listed_start[0] = 0;
+  for (int island = 0; island < c->islands.count; island++) {
+    int count = 0, from = c->islands.listed_start[island];
+    for (int k = c->islands.start[island]; k < c->islands.start[island + 1]; k++)
       if (c->view.p->form == NSDAE_FRICTION_LOCAL)
-        c->number[c->member[k]] = k - c->start[island];
+        c->islands.number[c->islands.member[k]] = k - c->islands.start[island];
       else
-        count = number_blocks_of(c, c->member[k], count, c->listed + from);
-    c->listed_start[island + 1] = from + count;
+        count = number_blocks_of(c, c->islands.member[k], count, c->islands.listed + from);
+    c->islands.listed_start[island + 1] = from + count;
   }
 }
 

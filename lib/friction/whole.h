@@ -8,28 +8,33 @@
 
 #include "problem.h"
 
-typedef struct nsdae_fc_whole {
-  nsdae_fc_view view;
-  double *L;         /* Cholesky factors, in the layout of M */
-  int *diagonal;     /* blocks: whether that of the block is, which then is inverted */
-  double *J;         /* in the layout of value */
-  double *q;         /* m */
-  double *d;         /* items: mean of the diagonal entries of W + C */
-  double *v;         /* nv: work of the certificate */
-  double *low;       /* nv: the same */
-  double *r;         /* m: the answer, until it is handed over */
-  double *r_low;     /* m: what that does not hold of it */
-  double *u;         /* m: velocities of a point on the way to it */
-  double scale;      /* max |q|; 1 where that is zero */
-  double most_d;     /* max d */
-  int *label;        /* items: the island, from 0; -1 for items that nothing moves (d = 0) */
+/* Parts that share no block; items that nothing moves (d = 0) are in none. */
+typedef struct nsdae_fc_islands {
+  int count;
+  int *label;        /* items: the island, from 0; -1: none */
   int *member;       /* items: those of island 0 in order, then those of island 1, ... */
   int *start;        /* items + 1: where those of each island begin in member */
-  int *number;       /* blocks (local form: items): their number in their island; -1: in none */
-  int *parent;       /* the same: disjoint sets */
   int *listed;       /* blocks: those of island 0 by their number, then those of island 1, ... */
   int *listed_start; /* items + 1: where those of each island begin in listed */
-  int islands;
+  int *number;       /* blocks (local form: items): their number in their island; -1: in none */
+  int *parent;       /* the same: disjoint sets */
+} nsdae_fc_islands;
+
+typedef struct nsdae_fc_whole {
+  nsdae_fc_view view;
+  double *L;     /* Cholesky factors, in the layout of M */
+  int *diagonal; /* blocks: whether that of the block is, which then is inverted */
+  double *J;     /* in the layout of value */
+  double *q;     /* m */
+  double *d;     /* items: mean of the diagonal entries of W + C */
+  double *v;     /* nv: work of the certificate */
+  double *low;   /* nv: the same */
+  double *r;     /* m: the answer, until it is handed over */
+  double *r_low; /* m: what that does not hold of it */
+  double *u;     /* m: velocities of a point on the way to it */
+  double scale;  /* max |q|; 1 where that is zero */
+  double most_d; /* max d */
+  nsdae_fc_islands islands;
 } nsdae_fc_whole;
 
 /* Takes the arrays for the problem in whole->view.p, which has been checked. */

@@ -36,7 +36,7 @@ static int make_island(island *s, const friction_sample *sample)
   s->fc = (nsdae_fc){.whole = &s->whole};
   assert_int_equal(nsdae_arena_fit(&s->memory, nsdae_fc_layout, &s->fc), NSDAE_OK);
   nsdae_fc_fill(&s->fc, s->r);
-  return status == NSDAE_OK && s->whole.islands == 1;
+  return status == NSDAE_OK && s->whole.islands.count == 1;
 }
 
 static void release_island(island *s)
