@@ -72,6 +72,7 @@ int nsdae_fc_conic(nsdae_fc_chain *c, int most, double budget, int stage)
     if (nsdae_fc_count(c, stage)) return 1;
     double residual = nsdae_fc_residual(&c->fc, c->fc.r, c->fc.u);
     if (k >= FIRST && !(residual < SHRUNK * tried)) continue;
+    if (c->newton.steps >= c->newton.most) continue; /* that was not solved */
     tried = residual;
     if (try_newton(c, k < FIRST ? 0 : ATTEMPT, stage)) return 1;
   }

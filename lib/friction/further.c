@@ -26,6 +26,10 @@ enum { SMALL = 24 };
 static const double BUDGET = 2.2e6, CURVE = 1e6, LONG_CURVE = 2e7, LONG_CURVES = 4e7;
 enum { CURVES = 12 };
 
+/* Steps of one curve for each item: what has not ended then goes back and forth, as where there is
+ * no solution. */
+static const double PIECES = 2000;
+
 /* The same of convex problems, and at most so many of them. */
 static const double SHIFTED = 1e7;
 enum { MANY_SHIFTS = 600 };
@@ -210,7 +214,7 @@ static int curves(nsdae_fc_chain *c, double each, double all)
   for (int k = 0; k < CURVES; k++) {
     int left = (int)(all / c->fc.n) - (c->seen.spent - before);
     if (left <= 0 || (k > 0 && c->info.residual <= NEARLY) || !nsdae_fc_ready(c)) return 0;
-    if (c->options->max_iterations == 0) c->newton.most = (int)fmin(each / c->fc.n, left);
+    if (c->options->max_iterations == 0) c->newton.most = (int)fmin(fmin(each / c->fc.n, PIECES * c->fc.n), left);
     if (along(c, stiffness[k % 6], k < 3 ? 0 : k)) return 1;
   }
   return 0;
