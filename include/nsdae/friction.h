@@ -134,7 +134,9 @@ NSDAE_API int nsdae_friction_solve(const nsdae_friction_problem *problem,
  *   x = r d_c / s,  y = (u + mu |u_T| e_N) / s,  residual = max |x - P_K(x - y)|
  *
  * over all entries of all contacts, and |u| / s over the bilateral rows; u is computed from r.
- * Where s = 0 it is of d_c r and u themselves. NaN where r is not finite or a product overflows.
+ * Where s = 0 it is of d_c r and u themselves. NaN where r is not finite or a product overflows. Of
+ * a contact whose mu is far above 1 it is that of u_T as rounded: zero may be 1e-16, and mu |u_T|
+ * anything up to 1e-16 mu.
  *   r [m]     a point
  *   u [m]     out: its velocities; may be NULL
  *   residual  out

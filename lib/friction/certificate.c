@@ -116,22 +116,26 @@ void nsdae_fc_island_velocities(const nsdae_fc_whole *c, int island, const doubl
 }
 
 /* That of one item; frictionless ones have a residual of their one row. K is a cone: the map of
- * (r d / s, u / s) is d / s times that of (r, u / d), where r is not rounded. */
+ * (r d / s, u / s) is a times that of (r d / (s a), u / (s a)), and with a = d / s over the power
+ * of two next to it r is not rounded. Of r + low the first part is made the larger one. */
 static double item_residual(const nsdae_fc_whole *c, int i, impulse of, const double *u)
 {
   int rows = nsdae_fc_rows(c->view.p, i), row = c->view.row[i], kind = NSDAE_FC_CONE;
   double x[3] = {0}, low[3] = {0}, y[3] = {0}, d = c->d[i], scale = c->scale;
-  int twice = of.low && d > 0;
+  double by = d / scale, power = by, left = 1;
+  if (of.low && by > 0 && by <= DBL_MAX) {
+    power = ldexp(1, ilogb(by));
+    left = by / power;
+  }
   for (int k = 0; k < rows; k++) {
-    x[k] = twice ? of.r[row + k] : of.r[row + k] * (d / scale);
-    y[k] = u[k] / (twice ? d : scale);
-    if (twice) low[k] = of.low[row + k];
+    x[k] = of.r[row + k] * power;
+    y[k] = u[k] / scale / left;
+    if (of.low) nsdae_twice_add(power, of.low[row + k], x + k, low + k);
   }
   if (i >= c->view.p->contacts) kind = NSDAE_FC_BILATERAL;
   if (kind == NSDAE_FC_CONE && rows == 1) kind = NSDAE_FC_NORMAL;
   double mu = kind == NSDAE_FC_CONE ? c->view.p->mu[i] : 0;
-  double one = nsdae_fc_natural(kind, mu, x, twice ? low : NULL, y);
-  return twice ? one * (d / scale) : one;
+  return left * nsdae_fc_natural(kind, mu, x, of.low ? low : NULL, y);
 }
 
 double nsdae_fc_whole_residual(const nsdae_fc_whole *c, const double *r, const double *low,

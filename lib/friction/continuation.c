@@ -262,9 +262,9 @@ static int reach(nsdae_fc_curve *c, nsdae_fc_newton *s, double l)
   c->l = c->top = l;
   s->search = 1;
   move(s);
-  for (int k = 0; k < SETTLE && !(map_at(c, s, l, 0) < CLOSE); k++) {
+  for (int k = 0; k < SETTLE && s->steps < s->most && !(map_at(c, s, l, 0) < CLOSE); k++) {
     memcpy(s->centre, c->origin, m * sizeof *s->centre);
-    nsdae_fc_newton_step(s, nsdae_fc_newton_map(s, s->fc->r, s->fc->u, 0));
+    if (isnan(nsdae_fc_newton_step(s, nsdae_fc_newton_map(s, s->fc->r, s->fc->u, 0)))) break;
   }
   s->search = 0;
   return map_at(c, s, l, 0) < CLOSE;
@@ -280,9 +280,10 @@ int nsdae_fc_curve_begin(nsdae_fc_curve *c, nsdae_fc_newton *s, double stiffness
   c->stiffness = stiffness;
   c->rate = -1;
   c->length = 0.3;
-  while (!reach(c, s, l) && l < HIGHEST) l += HIGHER;
+  int found = reach(c, s, l);
+  for (; !found && l < HIGHEST && s->steps < s->most; found = reach(c, s, l)) l += HIGHER;
   weigh(c, s->fc);
-  if (factor(c, s) != 0) return 0;
+  if (!found || factor(c, s) != 0) return 0;
   find_tangent(c, s->fc, &rate);
   turn(c, s->fc, rate, 0);
   return 1;

@@ -46,35 +46,50 @@ static const double FIRST_LEAP = -3, STRAIGHT = -13.8;
 static const double NEARLY = 1e-8;
 enum { CREEP = 4000 };
 
-/* A point from precise, with its residual, in one part or two. */
-static int take(nsdae_fc_chain *c, double residual, const double *low)
+/* What the best point is worth by the data as given. */
+static int value(nsdae_fc_chain *c, double residual)
 {
-  memcpy(c->best, c->precise.high, nsdae_fc_bytes(c));
-  if (low) memcpy(c->low, low, nsdae_fc_bytes(c));
   c->info.residual = residual;
   c->info.outcome = residual <= c->tol ? NSDAE_OUTCOME_SOLVED : NSDAE_OUTCOME_UNSOLVED;
   return residual <= c->tol;
 }
 
+/* A better point, in one part or two. */
+static int take(nsdae_fc_chain *c, double residual, const double *low)
+{
+  memcpy(c->best, c->precise.high, nsdae_fc_bytes(c));
+  if (low) memcpy(c->low, low, nsdae_fc_bytes(c));
+  c->info.stage = NSDAE_FRICTION_FURTHER;
+  return value(c, residual);
+}
+
 /* The last digits from the best point on, by the data as given, in two parts where one does not
  * hold them: who takes one gets that, if it is the better one. */
-int nsdae_fc_precisely(nsdae_fc_chain *c)
+static int refine_best(nsdae_fc_chain *c)
 {
-  if (!(c->info.residual <= NEARLY) || !nsdae_fc_ready(c)) return 0;
   memcpy(c->precise.high, c->best, nsdae_fc_bytes(c));
   memset(c->precise.low, 0, nsdae_fc_bytes(c));
   double before = nsdae_fc_precise_residual(&c->precise, &c->fc);
-  if (before <= c->tol) return take(c, before, NULL);
-  c->info.stage = NSDAE_FRICTION_FURTHER;
+  if (before <= c->tol) return value(c, before);
   double residual = nsdae_fc_precise_run(&c->precise, &c->newton, c->tol);
   c->info.iterations += c->newton.steps;
   c->info.factorisations += c->newton.steps;
+  c->seen.spent += c->newton.steps;
   c->seen.held = residual <= c->tol;
   if (c->seen.held && c->twice) return take(c, residual, c->precise.low);
   memset(c->precise.low, 0, nsdae_fc_bytes(c));
   residual = nsdae_fc_precise_residual(&c->precise, &c->fc);
-  if (!(residual < before)) memcpy(c->precise.high, c->best, nsdae_fc_bytes(c));
-  return take(c, fmin(residual, before), NULL);
+  return residual < before ? take(c, residual, NULL) : value(c, before);
+}
+
+/* Whoever asks goes on from its own point, with its own steps. */
+int nsdae_fc_precisely(nsdae_fc_chain *c)
+{
+  const nsdae_fc_newton asks = c->newton;
+  if (!(c->info.residual <= NEARLY) || !nsdae_fc_ready(c)) return 0;
+  int found = refine_best(c);
+  c->newton = asks;
+  return found;
 }
 
 /* Nothing is left to be done: the best point is a solution, or what rounding leaves of one. Looked
@@ -214,7 +229,8 @@ static int curves(nsdae_fc_chain *c, double each, double all)
   for (int k = 0; k < CURVES; k++) {
     int left = (int)(all / c->fc.n) - (c->seen.spent - before);
     if (left <= 0 || (k > 0 && c->info.residual <= NEARLY) || !nsdae_fc_ready(c)) return 0;
-    if (c->options->max_iterations == 0) c->newton.most = (int)fmin(fmin(each / c->fc.n, PIECES * c->fc.n), left);
+    if (c->options->max_iterations == 0)
+      c->newton.most = (int)fmin(fmin(each / c->fc.n, PIECES * c->fc.n), left);
     if (along(c, stiffness[k % 6], k < 3 ? 0 : k)) return 1;
   }
   return 0;

@@ -28,6 +28,7 @@ void nsdae_fc_precise_layout(nsdae_fc_precise *p, const nsdae_fc *fc, nsdae_aren
   p->best = NSDAE_ARENA_DOUBLES(arena, 3L * fc->n);
   p->best_low = NSDAE_ARENA_DOUBLES(arena, 3L * fc->n);
   p->q = NSDAE_ARENA_DOUBLES(arena, 3L * fc->n);
+  p->held = NSDAE_ARENA_DOUBLES(arena, 3L * fc->n);
 }
 
 /* The part that one double holds, and what is left. */
@@ -62,10 +63,11 @@ static void correct(nsdae_fc_precise *p, nsdae_fc_newton *s, int most, double to
   normalise(p, 3 * s->fc->n);
 }
 
-/* While its base is the point, the island has other velocities of its own. */
+/* While its base is the point, the island has other velocities of its own, and another r. */
 static void begin(nsdae_fc_precise *p, nsdae_fc *c)
 {
   memcpy(p->q, c->items.q, 3 * (size_t)c->n * sizeof *p->q);
+  memcpy(p->held, c->r, 3 * (size_t)c->n * sizeof *p->held);
   c->base = p->high;
   c->base_low = p->low;
 }
@@ -74,6 +76,8 @@ static void end(nsdae_fc_precise *p, nsdae_fc *c)
 {
   memcpy(c->items.q, p->q, 3 * (size_t)c->n * sizeof *p->q);
   c->base = c->base_low = NULL;
+  memcpy(c->r, p->held, 3 * (size_t)c->n * sizeof *c->r);
+  nsdae_fc_velocities(c, c->r, c->y, c->u);
 }
 
 static double look(nsdae_fc_precise *p, nsdae_fc *c)

@@ -11,6 +11,7 @@ typedef struct nsdae_fc_precise {
   double *high, *low;      /* 3 n: the point, in two parts */
   double *best, *best_low; /* 3 n: the best one */
   double *q;               /* 3 n: that of the island, while it is another */
+  double *held;            /* 3 n: fc->r, which comes back */
 } nsdae_fc_precise;
 
 /* Takes the arrays. */
@@ -20,7 +21,7 @@ void nsdae_fc_precise_layout(nsdae_fc_precise *precise, const nsdae_fc *fc, nsda
 double nsdae_fc_precise_residual(nsdae_fc_precise *precise, nsdae_fc *fc);
 
 /* Corrects high + low, near a solution, until that is below tol or halves no more; returns it. The
- * point is the best one then; fc->r is of no use. */
+ * point is the best one then, and fc->r what it was. */
 double nsdae_fc_precise_run(nsdae_fc_precise *precise, nsdae_fc_newton *newton, double tol);
 
 #endif

@@ -68,7 +68,7 @@ static inline nsdae_fc_place nsdae_fc_place_of(double mu, const double x[3], con
   for (int k = 0; k < 3; k++) {
     p.z[k] = x[k];
     nsdae_twice_add(-1, y[k], p.z + k, rest + k);
-    if (low) rest[k] += low[k];
+    if (low) nsdae_twice_add(1, low[k], p.z + k, rest + k);
   }
   p.t = nsdae_fc_length(p.z[1], p.z[2]);
   p.inside = p.z[0] >= 0 && p.t <= mu * p.z[0];

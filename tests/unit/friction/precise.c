@@ -101,6 +101,34 @@ static void test_not_needed(void **state)
   for (int i = 0; i < 9; i++) assert_true(low[i] == 0 && r[i] == one[i]);
 }
 
+/* Held twice as far outside the cone as it may be: x = (1, -2, 0) / 2, whose nearest point of the
+ * cone is (0.8, -0.4, 0), at any scale of mass and force, and whichever of its parts holds it. It
+ * slides, which is solved as in one part. */
+static void test_scales(void **state)
+{
+  (void)state;
+  static const double scales[][2] = {{1, 1},      {1e-160, 1}, {1e-200, 10}, {1, 1e-170},
+                                     {1e155, 10}, {1e200, 1},  {1, 1e160},   {1e120, 1e-150}};
+  for (size_t k = 0; k < sizeof scales / sizeof *scales; k++) {
+    stack s;
+    const double m = scales[k][0], g = scales[k][1], none[3] = {0};
+    double r[3], low[3], u[3], residual;
+    make_stack(&s, 1, &m);
+    s.f[0] = -m * g;
+    s.f[1] = 2 * m * g;
+    for (int i = 0; i < 3; i++) r[i] = -s.f[i];
+    assert_int_equal(nsdae_friction_residual_twice(&s.problem, r, none, u, &residual), NSDAE_OK);
+    assert_near(residual, 0.6, 1e-15);
+    assert_int_equal(nsdae_friction_residual_twice(&s.problem, none, r, u, &residual), NSDAE_OK);
+    assert_near(residual, 0.6, 1e-15);
+    memset(r, 0, sizeof r);
+    assert_int_equal(nsdae_friction_solve_twice(&s.problem, NULL, r, low, u, NULL), NSDAE_OK);
+    assert_near(r[0] / (m * g), 1, 1e-10);
+    assert_near(r[1] / (m * g), -0.5, 1e-10);
+    assert_near(u[1] / g, 1.5, 1e-10);
+  }
+}
+
 static void test_arguments(void **state)
 {
   (void)state;
@@ -159,8 +187,8 @@ static void test_map(void **state)
 
 int main(void)
 {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_light_below_heavy),
-                                     cmocka_unit_test(test_not_needed),
-                                     cmocka_unit_test(test_arguments), cmocka_unit_test(test_map)};
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_light_below_heavy), cmocka_unit_test(test_not_needed),
+      cmocka_unit_test(test_scales), cmocka_unit_test(test_arguments), cmocka_unit_test(test_map)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
