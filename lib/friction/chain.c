@@ -30,9 +30,10 @@ enum { LOCKED = 60, REGIONS = 8, IN_VAIN = 3 };
 /* Contacts up to which a factorisation costs less than the sweeps that it saves. */
 enum { SMALL = 24 };
 
-/* Newton steps of one attempt, and between accelerated sweeps; proximal problems that may fail in
- * the first of these; how many accelerated sweeps see what they are good for; convex problems. */
-enum { STEPS = 300, A_FEW = 20, FAILURES = 20 };
+/* Newton steps of one attempt, of a contact by itself (one that has a solution takes 71 and fewer),
+ * and between accelerated sweeps; proximal problems that may fail in the first of these; how many
+ * accelerated sweeps see what they are good for; convex problems. */
+enum { STEPS = 300, ALONE = 100, A_FEW = 20, FAILURES = 20 };
 enum { STALLED = 300, ROUNDS = 6, SHIFTS = 3 };
 
 /* Where FEW sweeps leave more, weights do not get to the ground by sweeps: walls, towers and arches
@@ -137,7 +138,8 @@ int nsdae_fc_ready(nsdae_fc_chain *c)
     c->seen.analysed = nsdae_fc_matrix_analyse(c->kept.matrix, &c->fc) == NSDAE_OK ? 1 : -1;
   c->newton.matrix = c->kept.matrix;
   c->newton.steps = 0;
-  c->newton.most = c->options->max_iterations > 0 ? c->options->max_iterations : STEPS;
+  c->newton.most = c->fc.n > 1 ? STEPS : ALONE;
+  if (c->options->max_iterations > 0) c->newton.most = c->options->max_iterations;
   c->newton.failures = FAILURES;
   c->seen.lost |= c->seen.analysed < 0;
   return c->seen.analysed == 1;
