@@ -322,8 +322,9 @@ static int gauss_seidel(nsdae_fc_chain *c)
 
 static int smoothing(nsdae_fc_chain *c)
 {
-  return nsdae_fc_try_path(c, 1e-3, NSDAE_FRICTION_SMOOTHING) ||
-         nsdae_fc_conic(c, SHIFTS, INFINITY, NSDAE_FRICTION_SMOOTHING);
+  if (nsdae_fc_try_path(c, 1e-3, NSDAE_FRICTION_SMOOTHING)) return 1;
+  nsdae_fc_start_cold(c);
+  return nsdae_fc_conic(c, SHIFTS, INFINITY, NSDAE_FRICTION_SMOOTHING);
 }
 
 /* Before all that takes long. */

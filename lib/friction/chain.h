@@ -12,6 +12,9 @@
 /* A tolerance that sweeps are likely to reach: asked for as 1e-6, less what rounding may take. */
 #define NSDAE_FC_ROUGH 0.99e-6
 
+/* What is nearly solved: the last digits are looked at closely. */
+#define NSDAE_FC_NEARLY 1e-8
+
 /* What the solver keeps from one call to the next. */
 typedef struct nsdae_fc_kept {
   nsdae_fc_proof *proof;

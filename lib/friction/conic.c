@@ -3,19 +3,26 @@
  * Acary, Cadoux, Lemarechal, Malick 2011: such a fixed point exists). Where little slides few of
  * them are enough, and of bodies that rest the first one is zero. Else they go there slowly, by
  * much the same step each time where bodies gather speed: so steps in the direction of the one
- * before get longer. Newton's method goes on from where the residual has shrunk. */
+ * before get longer. Newton's method goes on from where the residual has shrunk. Where the shift
+ * does not settle, as of impacts that make walls of blocks slide, it wanders near solutions, none
+ * of which keeps it: curves that begin there lead to one. */
 #include "conic.h"
 
 #include <math.h>
 #include <string.h>
 
 #include "cone.h"
+#include "curves.h"
 #include "further.h"
 
 /* Newton's method is tried at the first shifts, and then where the residual is so much smaller than
  * where it was tried before; its steps. */
 enum { FIRST = 3, ATTEMPT = 150 };
 static const double SHRUNK = 0.7;
+
+/* Convex problems before the first curve; Newton steps of them between two curves, at least where
+ * the residual is no smaller. */
+enum { SETTLED = 40, MEANWHILE = 2500 };
 
 /* A step is along the one before where the cosine between them is above the first of these; then it
  * is longer by the second one, up to the third. */
@@ -58,23 +65,46 @@ static int try_newton(nsdae_fc_chain *c, int most, int stage)
   return nsdae_fc_count(c, stage) || nsdae_fc_arrived(c);
 }
 
+/* What a run of convex problems has tried. */
+typedef struct nsdae_fc_trials {
+  double newton, curve; /* residual where Newton's method was tried last, and a curve */
+  int number, spent;    /* of the next curve; steps when the last one ended */
+} nsdae_fc_trials;
+
+/* A curve where the residual has shrunk, or where shifts have taken as much time as a curve. */
+static int try_curve(nsdae_fc_chain *c, nsdae_fc_trials *t, double residual)
+{
+  if (!(residual < SHRUNK * t->curve) && c->seen.spent - t->spent < MEANWHILE) return 0;
+  t->curve = fmin(residual, t->curve);
+  int found = nsdae_fc_anchored_curves(c, t->number++);
+  t->spent = c->seen.spent;
+  return found;
+}
+
+/* What goes on from the solution of the convex problem k. */
+static int go_on(nsdae_fc_chain *c, nsdae_fc_trials *t, int k, int stage)
+{
+  const int lost = c->newton.steps >= c->newton.most; /* that was not solved */
+  double residual = nsdae_fc_residual(&c->fc, c->fc.r, c->fc.u);
+  if (!lost && (k < FIRST || residual < SHRUNK * t->newton)) {
+    t->newton = residual;
+    if (try_newton(c, k < FIRST ? 0 : ATTEMPT, stage)) return 1;
+  }
+  return k >= SETTLED && c->patient && try_curve(c, t, residual);
+}
+
 int nsdae_fc_conic(nsdae_fc_chain *c, int most, double budget, int stage)
 {
-  double tried = INFINITY, stride = 1;
+  nsdae_fc_trials trials = {.newton = INFINITY, .curve = INFINITY};
+  double stride = 1;
   const int before = c->seen.spent;
-  nsdae_fc_start_cold(c);
   memset(c->drift, 0, (size_t)c->fc.n * sizeof *c->drift);
   c->newton.mark_epsilon = 0;
   for (int k = 0; k < most && (c->seen.spent - before) * (double)c->fc.n < budget; k++) {
     if (!nsdae_fc_ready(c)) return 0;
     solve_convex(c);
     stride = move_shift(c, stride);
-    if (nsdae_fc_count(c, stage)) return 1;
-    double residual = nsdae_fc_residual(&c->fc, c->fc.r, c->fc.u);
-    if (k >= FIRST && !(residual < SHRUNK * tried)) continue;
-    if (c->newton.steps >= c->newton.most) continue; /* that was not solved */
-    tried = residual;
-    if (try_newton(c, k < FIRST ? 0 : ATTEMPT, stage)) return 1;
+    if (nsdae_fc_count(c, stage) || go_on(c, &trials, k, stage)) return 1;
   }
   return 0;
 }

@@ -1,6 +1,6 @@
 /* The smoothed problem with compliance, followed along its curve whichever way that turns.
  *
- *   F(r, l) = 0:  the smoothed map of r and u + a r, with epsilon = e^l and a = stiffness epsilon
+ *   F(r, l) = 0:  the smoothed map of r and u + a (r - z), epsilon = e^l, a = stiffness epsilon
  *
  * has one solution for large epsilon, none escapes to infinity while the problem itself has one in
  * bounds, and that of epsilon -> 0 is a solution of the problem. Where friction makes the problem
@@ -10,6 +10,9 @@
  * 2003): the tangent (t, t_l) from F_r t + F_l t_l = 0, in the sense in which the last step went; a
  * step along it; Newton's method on F and on the plane through the predicted point across the
  * tangent, by two solutions with F_r (bordering). Lengths are relative to the impulses.
+ *
+ * A curve whose z is nearly a solution begins next to it, at a small epsilon, and has few folds
+ * left where one from z = 0 has thousands: a, which keeps it near z, falls as the root of epsilon.
  *
  * At rest as many contacts lie on the edge of their cone without sliding as not: there the map
  * itself is singular, and Newton's method on it goes from kink to kink. The curve arrives all the
@@ -37,8 +40,9 @@ static const double ROUNDING = 1e-15, END = 1e-15, REGULAR = 1e-7, SHORTEST = 1e
                     GROWTH = 2;
 
 /* l of the beginning: by how much it is higher where Newton's method did not get to the curve, and
- * at most; from there, that of a curve that returns to where it came from. */
-static const double HIGHER = 3.5, HIGHEST = 14, BACK = 0.7;
+ * at most; from there, that of a curve that returns to where it came from: an anchored one has no
+ * other end above. */
+static const double HIGHER = 3.5, HIGHEST = 14, BACK = 0.7, FAR_BACK = 3.7;
 
 void nsdae_fc_curve_layout(nsdae_fc_curve *c, const nsdae_fc *fc, nsdae_arena *arena)
 {
@@ -60,7 +64,7 @@ void nsdae_fc_curve_layout(nsdae_fc_curve *c, const nsdae_fc *fc, nsdae_arena *a
 static double map_at(nsdae_fc_curve *c, nsdae_fc_newton *s, double l, int derivatives)
 {
   size_t m = 3 * (size_t)s->fc->n;
-  double epsilon = exp(l), compliance = c->stiffness * epsilon;
+  double epsilon = exp(l), compliance = c->stiffness * pow(epsilon, c->power);
   s->epsilon = epsilon;
   s->alpha = fmax(compliance, REGULAR);
   const double share = compliance / s->alpha;
@@ -254,45 +258,65 @@ static double draw(unsigned long long *state)
   return (double)((*state * 2685821657736338717ull) >> 11) * 0x1p-52 - 1;
 }
 
-/* Newton's method with a search, from r = 0, at this l; 0 where it does not get to the curve. */
+/* Newton's method with a search, from fc->r, at this l; 0 where it does not get to the curve. */
 static int reach(nsdae_fc_curve *c, nsdae_fc_newton *s, double l)
 {
-  size_t m = 3 * (size_t)s->fc->n;
-  memset(s->fc->r, 0, m * sizeof *s->fc->r);
-  c->l = c->top = l;
+  size_t bytes = 3 * (size_t)s->fc->n * sizeof *s->centre;
+  c->l = l;
+  c->top = l + BACK;
   s->search = 1;
   move(s);
   for (int k = 0; k < SETTLE && s->steps < s->most && !(map_at(c, s, l, 0) < CLOSE); k++) {
-    memcpy(s->centre, c->origin, m * sizeof *s->centre);
+    memcpy(s->centre, c->origin, bytes);
     if (isnan(nsdae_fc_newton_step(s, nsdae_fc_newton_map(s, s->fc->r, s->fc->u, 0)))) break;
   }
   s->search = 0;
   return map_at(c, s, l, 0) < CLOSE;
 }
 
-int nsdae_fc_curve_begin(nsdae_fc_curve *c, nsdae_fc_newton *s, double stiffness, int number)
+/* The first tangent, downwards; 0 where there is none. */
+static int set_out(nsdae_fc_curve *c, nsdae_fc_newton *s)
 {
-  size_t m = 3 * (size_t)s->fc->n;
-  unsigned long long state = 0x9e3779b97f4a7c15ull * (unsigned long long)number;
-  double rate, l = 0;
-  memset(c->tangent, 0, m * sizeof *c->tangent);
-  for (size_t i = 0; i < m; i++) c->origin[i] = number > 0 ? draw(&state) : 0;
-  c->stiffness = stiffness;
+  double rate;
+  memset(c->tangent, 0, 3 * (size_t)s->fc->n * sizeof *c->tangent);
   c->rate = -1;
   c->length = 0.3;
-  int found = reach(c, s, l);
-  for (; !found && l < HIGHEST && s->steps < s->most; found = reach(c, s, l)) l += HIGHER;
   weigh(c, s->fc);
-  if (!found || factor(c, s) != 0) return 0;
+  if (factor(c, s) != 0) return 0;
   find_tangent(c, s->fc, &rate);
   turn(c, s->fc, rate, 0);
   return 1;
 }
 
+int nsdae_fc_curve_begin(nsdae_fc_curve *c, nsdae_fc_newton *s, double stiffness, int number)
+{
+  size_t m = 3 * (size_t)s->fc->n;
+  unsigned long long state = 0x9e3779b97f4a7c15ull * (unsigned long long)number;
+  int found = 0;
+  for (size_t i = 0; i < m; i++) c->origin[i] = number > 0 ? draw(&state) : 0;
+  c->stiffness = stiffness;
+  c->power = 1;
+  for (double l = 0; !found && l <= HIGHEST && s->steps < s->most; l += HIGHER) {
+    memset(s->fc->r, 0, m * sizeof *s->fc->r);
+    found = reach(c, s, l);
+  }
+  return found && set_out(c, s);
+}
+
+int nsdae_fc_curve_anchor(nsdae_fc_curve *c, nsdae_fc_newton *s, double epsilon, double compliance)
+{
+  memcpy(c->origin, s->fc->r, 3 * (size_t)s->fc->n * sizeof *c->origin);
+  c->power = 0.5;
+  c->stiffness = compliance / sqrt(epsilon);
+  int found = reach(c, s, log(epsilon));
+  c->top = c->l + FAR_BACK;
+  return found && set_out(c, s);
+}
+
 int nsdae_fc_curve_follow(nsdae_fc_curve *c, nsdae_fc_newton *s, double lower)
 {
   while (c->l > lower)
-    if (s->steps >= s->most || !advance(c, s) || c->l > c->top + BACK) return 0;
+    if (s->steps >= s->most || !advance(c, s) || c->l > c->top) return 0;
   return 1;
 }
 

@@ -5,8 +5,9 @@
 #include "newton.h"
 
 typedef struct nsdae_fc_curve {
-  double stiffness;    /* compliance / epsilon */
-  double l, top;       /* log(epsilon) of the point, and of the beginning */
+  double stiffness; /* compliance / epsilon^power */
+  double power;
+  double l, top;       /* log(epsilon) of the point, and of one that has gone back */
   double rate;         /* of l along the tangent */
   double bend_rate;    /* of rate along it */
   double length;       /* of the next step */
@@ -26,6 +27,11 @@ void nsdae_fc_curve_layout(nsdae_fc_curve *curve, const nsdae_fc *fc, nsdae_aren
  * each other one z of its own. 0: it was not found. */
 int nsdae_fc_curve_begin(nsdae_fc_curve *curve, nsdae_fc_newton *newton, double stiffness,
                          int number);
+
+/* The same of a curve that begins near fc->r, its z, with this epsilon and this compliance, which
+ * goes with the root of epsilon. */
+int nsdae_fc_curve_anchor(nsdae_fc_curve *curve, nsdae_fc_newton *newton, double epsilon,
+                          double compliance);
 
 /* Steps along it, from fc->r, down to this l; 0: it was lost, or newton->most steps are done. */
 int nsdae_fc_curve_follow(nsdae_fc_curve *curve, nsdae_fc_newton *newton, double lower);

@@ -1,9 +1,12 @@
 #include "further.h"
 
+#include <limits.h>
 #include <math.h>
 #include <string.h>
 
+#include "cone.h"
 #include "conic.h"
+#include "curves.h"
 #include "sweep.h"
 
 /* Sweeps of tolerances that they are likely to reach. */
@@ -23,27 +26,17 @@ enum { SMALL = 24 };
 /* Newton steps times items that an island may take until its short curves end, half as many for a
  * row of paths, and one curve: fifteen seconds or so; one curve of the last resort, and all of
  * them: a minute or so. */
-static const double BUDGET = 2.2e6, CURVE = 1e6, LONG_CURVE = 2e7, LONG_CURVES = 4e7;
-enum { CURVES = 12 };
+static const double BUDGET = 2.2e6, CURVE = 1e6, LONG_CURVE = 2e7, LONG_CURVES = 2e7;
 
-/* Steps of one curve for each item: what has not ended then goes back and forth, as where there is
- * no solution. */
-static const double PIECES = 2000;
-
-/* The same of convex problems, and at most so many of them. */
-static const double SHIFTED = 1e7;
+/* The same of convex problems, and of those of the last resort; at most so many of the first. */
+static const double SHIFTED = 1e7, LONG_SHIFTED = 4e7;
 enum { MANY_SHIFTS = 600 };
 
 /* The same of a contact by itself, of which there may be many in an instant: what few steps more do
  * not solve has, but for one in thousands, no solution. */
 static const double ALONE = 1500;
 
-/* log(epsilon) of the first place along a curve from which Newton's method may get to the end, and
- * of where folds are behind, as a rule. */
-static const double FIRST_LEAP = -3, STRAIGHT = -13.8;
-
-/* What is nearly solved; Newton steps from there. */
-static const double NEARLY = 1e-8;
+/* Newton steps from what is nearly solved. */
 enum { CREEP = 4000 };
 
 /* What the best point is worth by the data as given. */
@@ -86,7 +79,7 @@ static int refine_best(nsdae_fc_chain *c)
 int nsdae_fc_precisely(nsdae_fc_chain *c)
 {
   const nsdae_fc_newton asks = c->newton;
-  if (!(c->info.residual <= NEARLY) || !nsdae_fc_ready(c)) return 0;
+  if (!(c->info.residual <= NSDAE_FC_NEARLY) || !nsdae_fc_ready(c)) return 0;
   int found = refine_best(c);
   c->newton = asks;
   return found;
@@ -97,7 +90,8 @@ int nsdae_fc_precisely(nsdae_fc_chain *c)
 int nsdae_fc_arrived(nsdae_fc_chain *c)
 {
   if (c->info.outcome == NSDAE_OUTCOME_SOLVED || nsdae_fc_exhausted(c)) return 1;
-  if (!(c->info.residual <= NEARLY) || !(c->info.residual < 0.5 * c->seen.looked)) return 0;
+  if (!(c->info.residual <= NSDAE_FC_NEARLY) || !(c->info.residual < 0.5 * c->seen.looked))
+    return 0;
   c->seen.looked = c->info.residual;
   return nsdae_fc_precisely(c);
 }
@@ -113,7 +107,7 @@ static int patience(nsdae_fc_chain *c, int most)
 /* The last digits, from the best point. */
 static int creep(nsdae_fc_chain *c)
 {
-  if (c->fc.n == 1 || !(c->info.residual <= NEARLY) || !nsdae_fc_ready(c)) return 0;
+  if (c->fc.n == 1 || !(c->info.residual <= NSDAE_FC_NEARLY) || !nsdae_fc_ready(c)) return 0;
   if (c->options->max_iterations == 0) c->newton.most = (int)fmin(CREEP, BUDGET / c->fc.n);
   memcpy(c->fc.r, c->best, nsdae_fc_bytes(c));
   nsdae_fc_creep(&c->newton, c->tol);
@@ -182,72 +176,31 @@ static int paths(nsdae_fc_chain *c, int from, int to)
   return 0;
 }
 
-/* Newton's method from the point at hand, which stays as it is where that leads nowhere. */
-static int leap(nsdae_fc_chain *c)
-{
-  nsdae_fc_newton *s = &c->newton;
-  double *here = c->anderson.before;
-  const int most = s->most;
-  memcpy(here, c->fc.r, nsdae_fc_bytes(c));
-  if (s->steps + ATTEMPT < most) s->most = s->steps + ATTEMPT;
-  nsdae_fc_proximal(s, 1e-4, c->tol);
-  s->most = most;
-  if (nsdae_fc_judge(c, NSDAE_FRICTION_FURTHER) || nsdae_fc_arrived(c)) return 1;
-  memcpy(c->fc.r, here, nsdae_fc_bytes(c));
-  nsdae_fc_velocities(&c->fc, c->fc.r, c->fc.y, c->fc.u);
-  return 0;
-}
-
-/* Along one curve, with Newton's method from every place where epsilon has shrunk by a factor, and
- * from its end; that is where it is lost, too, for it may have passed the last fold. */
-static int along(nsdae_fc_chain *c, double stiffness, int number)
-{
-  nsdae_fc_newton *s = &c->newton;
-  nsdae_fc_curve *curve = &c->curve;
-  int found = 0, on = nsdae_fc_curve_begin(curve, s, stiffness, number);
-  for (double to = FIRST_LEAP; on && !found && curve->l > STRAIGHT; to = fmin(to, curve->l) - 1) {
-    on = nsdae_fc_curve_follow(curve, s, to);
-    found = on && leap(c);
-  }
-  if (on && !found) {
-    nsdae_fc_curve_descend(curve, s, c->tol);
-    found = nsdae_fc_judge(c, NSDAE_FRICTION_FURTHER) || nsdae_fc_arrived(c) || leap(c);
-  }
-  if (!found && c->fc.n > 1 && c->options->max_iterations == 0) {
-    s->most = s->steps + (int)fmin(CREEP, BUDGET / c->fc.n);
-    nsdae_fc_creep(s, c->tol);
-  }
-  return nsdae_fc_count(c, NSDAE_FRICTION_FURTHER) || found || nsdae_fc_arrived(c);
-}
-
-/* Curves of more and less compliance, from one place and another, so many steps times items each,
- * and all. */
-static int curves(nsdae_fc_chain *c, double each, double all)
-{
-  static const double stiffness[] = {0.1, 0.02, 1, 0.1, 0.3, 0.05};
-  const int before = c->seen.spent;
-  for (int k = 0; k < CURVES; k++) {
-    int left = (int)(all / c->fc.n) - (c->seen.spent - before);
-    if (left <= 0 || (k > 0 && c->info.residual <= NEARLY) || !nsdae_fc_ready(c)) return 0;
-    if (c->options->max_iterations == 0)
-      c->newton.most = (int)fmin(fmin(each / c->fc.n, PIECES * c->fc.n), left);
-    if (along(c, stiffness[k % 6], k < 3 ? 0 : k)) return 1;
-  }
-  return 0;
-}
-
 /* The same within the budget of an island. */
 static int short_curves(nsdae_fc_chain *c)
 {
-  return curves(c, CURVE, fmax(0, budget(c) - (double)c->seen.spent * c->fc.n));
+  return nsdae_fc_curves(c, CURVE, fmax(0, budget(c) - (double)c->seen.spent * c->fc.n));
 }
 
-/* Convex problems until their shift is theirs: many steps, which dense factors make dear. */
+/* Convex problems until their shift is theirs, from none on: many steps, which dense factors make
+ * dear. */
 static int shifts(nsdae_fc_chain *c)
 {
-  double left = c->patient ? SHIFTED : budget(c) / 4;
   if (c->fc.local) return 0;
-  return nsdae_fc_conic(c, MANY_SHIFTS, left, NSDAE_FRICTION_FURTHER);
+  nsdae_fc_start_cold(c);
+  return nsdae_fc_conic(c, MANY_SHIFTS, c->patient ? SHIFTED : budget(c) / 4,
+                        NSDAE_FRICTION_FURTHER);
+}
+
+/* The same from the shift of the best point on. */
+static int long_shifts(nsdae_fc_chain *c)
+{
+  if (c->fc.local || c->info.residual <= NSDAE_FC_NEARLY) return 0;
+  memcpy(c->fc.r, c->best, nsdae_fc_bytes(c));
+  nsdae_fc_velocities(&c->fc, c->fc.r, c->fc.y, c->fc.u);
+  for (int k = 0; k < c->fc.n; k++)
+    c->slip[k] = c->fc.items.mu[k] * nsdae_fc_length(c->fc.u[3 * k + 1], c->fc.u[3 * k + 2]);
+  return nsdae_fc_conic(c, INT_MAX, LONG_SHIFTED, NSDAE_FRICTION_FURTHER);
 }
 
 /* Long curves; what is nearly solved lacks digits, which no other curve has. Dense factors cost n
@@ -255,7 +208,8 @@ static int shifts(nsdae_fc_chain *c)
 static int long_curves(nsdae_fc_chain *c)
 {
   const double share = c->fc.local ? 1.0 / c->fc.n : 1;
-  return c->info.residual > NEARLY && curves(c, share * LONG_CURVE, share * LONG_CURVES);
+  return c->info.residual > NSDAE_FC_NEARLY &&
+         nsdae_fc_curves(c, share * LONG_CURVE, share * LONG_CURVES);
 }
 
 /* The last resort. Of few contacts the short curves have seen all there is. Where most of it
@@ -263,8 +217,8 @@ static int long_curves(nsdae_fc_chain *c)
 static int last(nsdae_fc_chain *c)
 {
   if (!c->patient || c->fc.n <= SMALL || c->seen.held) return 0;
-  if (c->seen.slides) return roam(c) || shifts(c) || long_curves(c);
-  return long_curves(c) || roam(c);
+  if (c->seen.slides) return roam(c) || long_shifts(c) || long_curves(c);
+  return long_shifts(c) || roam(c) || long_curves(c);
 }
 
 /* Sweeps reach a few digits, paths many, and curves get round what stops both. Of one contact a
