@@ -90,7 +90,8 @@ static int go_on(nsdae_fc_chain *c, nsdae_fc_trials *t, int k, int stage)
     t->newton = residual;
     if (try_newton(c, k < FIRST ? 0 : ATTEMPT, stage)) return 1;
   }
-  return k >= SETTLED && c->patient && try_curve(c, t, residual);
+  const int bounded = c->options->max_sweeps > 0 || c->options->max_iterations > 0;
+  return k >= SETTLED && c->patient && !bounded && try_curve(c, t, residual);
 }
 
 int nsdae_fc_conic(nsdae_fc_chain *c, int most, double budget, int stage)

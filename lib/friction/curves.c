@@ -94,7 +94,7 @@ int nsdae_fc_anchored_curves(nsdae_fc_chain *c, int number)
   double residual = nsdae_fc_residual(&c->fc, c->fc.r, c->fc.u);
   for (int k = 0; k < AGAIN; k++, compliance *= SOFTER) {
     if (!nsdae_fc_ready(c)) return 0;
-    if (c->options->max_iterations == 0) c->newton.most = ANCHORED;
+    c->newton.most = ANCHORED;
     int on = nsdae_fc_curve_anchor(&c->curve, &c->newton, epsilon[number % 3], compliance);
     int found = go_along(c, LATE_LEAP, LATE_STRAIGHT, &on);
     before = residual;

@@ -9,7 +9,8 @@
 int nsdae_fc_curves(nsdae_fc_chain *chain, double each, double all);
 
 /* The same of curves that begin next to fc->r, near which a solution may be: one, and others from
- * its end where that is nearer. Numbers from 0 on differ in how near a curve is kept. */
+ * its end where that is nearer, whatever the caller's bounds. Numbers from 0 on differ in how near
+ * a curve is kept. */
 int nsdae_fc_anchored_curves(nsdae_fc_chain *chain, int number);
 
 #endif

@@ -192,10 +192,11 @@ static int shifts(nsdae_fc_chain *c)
                         NSDAE_FRICTION_FURTHER);
 }
 
-/* The same from the shift of the best point on. */
+/* The same from the shift of the best point on; not where the caller counts sweeps or steps. */
 static int long_shifts(nsdae_fc_chain *c)
 {
   if (c->fc.local || c->info.residual <= NSDAE_FC_NEARLY) return 0;
+  if (c->options->max_sweeps > 0 || c->options->max_iterations > 0) return 0;
   memcpy(c->fc.r, c->best, nsdae_fc_bytes(c));
   nsdae_fc_velocities(&c->fc, c->fc.r, c->fc.y, c->fc.u);
   for (int k = 0; k < c->fc.n; k++)
