@@ -108,15 +108,16 @@ NSDAE_API const char *nsdae_friction_stage_name(int stage);
  * (may be NULL) names the argument, its value and its bound. */
 NSDAE_API int nsdae_friction_check(const nsdae_friction_problem *problem, nsdae_error *error);
 
-/* Solves the problem; allocates its own memory. What nothing else solves may take two or three
- * minutes, unless options bound the sweeps and steps. Parts that share no block are solved one by
- * one. problem  see above options  NULL: the defaults r [m]    in: a guess, with the stage
- * NSDAE_FRICTION_WARM (zero: none; taken as zero where it is not finite); out: the solution, or the
- * best point found. With NSDAE_PROOF_FARKAS l: zero in tangential rows, >= 0 in normal ones, with H
- * l = 0 (W l = 0), C l = 0 and w . l < 0 (local form: q . l), so that no u with u_N >= 0 and
- * bilateral rows at rest is reached, whatever r: it would have l . u = w . l. That is proved on the
- * data as given, of l in exact arithmetic, or of an l that l is to rounding
- * (lib/friction/infeasible.c).
+/* Solves the problem; allocates its own memory. What nothing else solves may take three minutes,
+ * unless options bound the sweeps and steps. Parts that share no block are solved one by one.
+ *   problem  see above
+ *   options  NULL: the defaults
+ *   r [m]    in: a guess, with the stage NSDAE_FRICTION_WARM (zero: none; taken as zero where it
+ *            is not finite); out: the solution, or the best point found. With NSDAE_PROOF_FARKAS
+ *            l: zero in tangential rows, >= 0 in normal ones, with H l = 0 (W l = 0), C l = 0 and
+ *            w . l < 0 (local form: q . l), so that no u with u_N >= 0 and bilateral rows at rest
+ * is reached, whatever r: it would have l . u = w . l. That is proved on the data as given, of l in
+ * exact arithmetic, or of an l that l is to rounding (lib/friction/infeasible.c).
  *
  *   u [m]    out: the velocities of r, computed afresh from the data; with a proof those of r = 0
  *   info     may be NULL
