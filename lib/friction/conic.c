@@ -81,7 +81,8 @@ static int try_curve(nsdae_fc_chain *c, nsdae_fc_trials *t, double residual)
   return found;
 }
 
-/* What goes on from the solution of the convex problem k. */
+/* What goes on from the solution of the convex problem k: Newton's method, and a curve from there,
+ * or from where Newton's method ended. */
 static int go_on(nsdae_fc_chain *c, nsdae_fc_trials *t, int k, int stage)
 {
   const int lost = c->newton.steps >= c->newton.most; /* that was not solved */

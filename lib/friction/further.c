@@ -25,7 +25,7 @@ enum { SMALL = 24 };
 
 /* Newton steps times items that an island may take until its short curves end, half as many for a
  * row of paths, and one curve: fifteen seconds or so; one curve of the last resort, and all of
- * them: a minute or so. */
+ * them, which is one of a large island: half a minute or so. */
 static const double BUDGET = 2.2e6, CURVE = 1e6, LONG_CURVE = 2e7, LONG_CURVES = 2e7;
 
 /* The same of convex problems, and of those of the last resort; at most so many of the first. */
@@ -176,7 +176,7 @@ static int paths(nsdae_fc_chain *c, int from, int to)
   return 0;
 }
 
-/* The same within the budget of an island. */
+/* Curves within what the budget of an island leaves. */
 static int short_curves(nsdae_fc_chain *c)
 {
   return nsdae_fc_curves(c, CURVE, fmax(0, budget(c) - (double)c->seen.spent * c->fc.n));
