@@ -51,6 +51,7 @@ void nsdae_fc_chain_layout(void *object, nsdae_arena *arena)
   c->low = NSDAE_ARENA_DOUBLES(arena, 3L * c->fc.n);
   c->trap = NSDAE_ARENA_DOUBLES(arena, 3L * c->fc.n);
   c->slip = NSDAE_ARENA_DOUBLES(arena, c->fc.n);
+  c->calm = NSDAE_ARENA_DOUBLES(arena, 3L * c->fc.n);
   c->drift = NSDAE_ARENA_DOUBLES(arena, c->fc.n);
   nsdae_fc_anderson_layout(&c->anderson, &c->fc, arena);
   c->newton.fc = &c->fc;
@@ -196,6 +197,7 @@ int nsdae_fc_try_path(nsdae_fc_chain *c, double loose, int stage)
 {
   if (!nsdae_fc_ready(c)) return 0;
   nsdae_fc_start_cold(c);
+  c->newton.mark_at = 0;
   c->newton.mark_epsilon = 0;
   double residual = nsdae_fc_path(&c->newton, loose, c->tol);
   int lost = c->tol >= NSDAE_FC_ROUGH && residual > 1e-2; /* sweeps get there sooner */
@@ -369,7 +371,7 @@ static void run_stages(nsdae_fc_chain *c)
              {NSDAE_FRICTION_SMOOTHING, smoothing},     {NSDAE_FRICTION_PROVE, prove},
              {NSDAE_FRICTION_FURTHER, nsdae_fc_further}};
   c->info = (nsdae_friction_info){.residual = INFINITY};
-  c->seen.trapped = c->seen.looked = INFINITY;
+  c->seen.trapped = c->seen.looked = c->seen.crept = INFINITY;
   c->seen.spent = c->seen.held = c->seen.slides = 0;
   memset(c->best, 0, nsdae_fc_bytes(c));
   memset(c->low, 0, nsdae_fc_bytes(c));

@@ -13,7 +13,7 @@
 #define NSDAE_FC_ROUGH 0.99e-6
 
 /* What is nearly solved: the last digits are looked at closely. */
-#define NSDAE_FC_NEARLY 1e-8
+#define NSDAE_FC_NEARLY 1e-6
 
 /* What the solver keeps from one call to the next. */
 typedef struct nsdae_fc_kept {
@@ -26,6 +26,7 @@ typedef struct nsdae_fc_kept {
 typedef struct nsdae_fc_seen {
   double trapped; /* residual where a warm start got stuck */
   double looked;  /* least residual that nsdae_fc_arrived has looked at closely */
+  double crept;   /* and from which it has crept on in two parts */
   int analysed;   /* 1: matrix is ready for this island; -1: no memory for it */
   int lost;       /* no memory for what a stage needed */
   int slides;     /* a few sweeps left little: most of it slides */
@@ -44,6 +45,7 @@ typedef struct nsdae_fc_chain {
   double *low;   /* 3 n: what that does not hold of a solution in two parts */
   double *trap;  /* 3 n: where a warm start got stuck: no other stage sees it */
   double *slip;  /* n: see coulomb.h */
+  double *calm;  /* 3 n: the point of least residual on the walk of such shifts */
   double *drift; /* n: by how much the shift of a convex problem was off, see conic.c */
   double *l;     /* m of the whole: where a proof goes */
   nsdae_fc_anderson anderson;

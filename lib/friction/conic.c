@@ -5,7 +5,8 @@
  * much the same step each time where bodies gather speed: so steps in the direction of the one
  * before get longer. Newton's method goes on from where the residual has shrunk. Where the shift
  * does not settle, as of impacts that make walls of blocks slide, it wanders near solutions, none
- * of which keeps it: curves that begin there lead to one. */
+ * of which keeps it: shorter steps get to some of them, as they do not go round what turns, and
+ * curves that begin at the calmest point lead to others. */
 #include "conic.h"
 
 #include <math.h>
@@ -20,16 +21,30 @@
 enum { FIRST = 3, ATTEMPT = 150 };
 static const double SHRUNK = 0.7;
 
-/* Convex problems before the first curve; Newton steps of them between two curves, at least where
- * the residual is no smaller. */
-enum { SETTLED = 40, MEANWHILE = 2500 };
+/* Convex problems in which the residual has to shrink by a factor, else the walk is stuck: as many
+ * more the next time; its pace then. */
+enum { WINDOW = 50 };
+static const double PROGRESS = 0.8, PATIENCE = 1.25, SLOW = 0.3;
+
+/* So many curves begin from early on, wherever the residual is less by a factor than at the one
+ * before, or after so many Newton steps: many walls need no more. */
+enum { EARLY = 8, SETTLED = 40, MEANWHILE = 2500 };
+
+/* Near a solution: there proximal points may get to it. */
+static const double NEAR = 1e-4;
+
+/* The residual of where a curve usually begins; nearer to a solution it begins further down. */
+static const double USUAL = 5e-4;
+
+/* Epsilon from which on the path of the second convex problem is followed. */
+static const double MARK = 0.1;
 
 /* A step is along the one before where the cosine between them is above the first of these; then it
  * is longer by the second one, up to the third. */
-static const double ALONG = 0.8, STRETCH = 1.5, LONGEST = 4;
+static const double ALONG = 0.8, STRETCH = 1.5, LONGEST = 10;
 
-/* c->slip to the next shift, stride times as far as mu |u_T|; returns the next stride. */
-static double move_shift(nsdae_fc_chain *c, double stride)
+/* c->slip to the next shift, pace and stride times as far as mu |u_T|; returns the next stride. */
+static double move_shift(nsdae_fc_chain *c, double stride, double pace)
 {
   double now = 0, before = 0, both = 0;
   for (int k = 0; k < c->fc.n; k++) {
@@ -44,7 +59,8 @@ static double move_shift(nsdae_fc_chain *c, double stride)
     stride = fmin(STRETCH * stride, LONGEST);
   else
     stride = both > 0 ? fmax(1, stride / 2) : 1;
-  for (int k = 0; k < c->fc.n; k++) c->slip[k] = fmax(0, c->slip[k] + stride * c->drift[k]);
+  const double far = stride > 1 ? stride : pace * stride;
+  for (int k = 0; k < c->fc.n; k++) c->slip[k] = fmax(0, c->slip[k] + far * c->drift[k]);
   return stride;
 }
 
@@ -65,48 +81,105 @@ static int try_newton(nsdae_fc_chain *c, int most, int stage)
   return nsdae_fc_count(c, stage) || nsdae_fc_arrived(c);
 }
 
-/* What a run of convex problems has tried. */
-typedef struct nsdae_fc_trials {
-  double newton, curve; /* residual where Newton's method was tried last, and a curve */
-  int number, spent;    /* of the next curve; steps when the last one ended */
-} nsdae_fc_trials;
+/* The convex problems so far: their residuals as points of the problem itself. */
+typedef struct nsdae_fc_walk {
+  double tried;   /* where Newton's method was tried last */
+  double least;   /* the least one, but for a factor; */
+  double calmest; /* and since the last curve, that of c->calm */
+  double pace;    /* share of a step that is made */
+  int window;     /* problems that it has time to get less */
+  int since;      /* the first of them */
+  double begun;   /* where the last early curve began */
+  int curves;     /* so far */
+  int spent;      /* Newton steps when the last one ended */
+} nsdae_fc_walk;
 
-/* A curve where the residual has shrunk, or where shifts have taken as much time as a curve. */
-static int try_curve(nsdae_fc_chain *c, nsdae_fc_trials *t, double residual)
+static void look(nsdae_fc_walk *w, nsdae_fc_chain *c, int k, double residual)
 {
-  if (!(residual < SHRUNK * t->curve) && c->seen.spent - t->spent < MEANWHILE) return 0;
-  t->curve = fmin(residual, t->curve);
-  int found = nsdae_fc_anchored_curves(c, t->number++);
-  t->spent = c->seen.spent;
+  if (residual < PROGRESS * w->least) {
+    w->least = residual;
+    w->since = k;
+  }
+  if (!(residual < w->calmest)) return;
+  memcpy(c->calm, c->fc.r, nsdae_fc_bytes(c));
+  w->calmest = residual;
+}
+
+static void return_to_calm(nsdae_fc_chain *c)
+{
+  memcpy(c->fc.r, c->calm, nsdae_fc_bytes(c));
+  nsdae_fc_velocities(&c->fc, c->fc.r, c->fc.y, c->fc.u);
+}
+
+/* Whether a curve may be followed: it takes long, and the caller is told of no bound on it. */
+static int may_follow(const nsdae_fc_chain *c)
+{
+  return c->patient && c->options->max_sweeps == 0 && c->options->max_iterations == 0;
+}
+
+static int follow(nsdae_fc_walk *w, nsdae_fc_chain *c, double usual)
+{
+  int found = nsdae_fc_anchored_curves(c, w->curves++, usual);
+  w->spent = c->seen.spent;
   return found;
 }
 
-/* What goes on from the solution of the convex problem k: Newton's method, and a curve from there,
- * or from where Newton's method ended. */
-static int go_on(nsdae_fc_chain *c, nsdae_fc_trials *t, int k, int stage)
+/* A curve from the point at hand, or where Newton's method ended. */
+static int begin_early(nsdae_fc_walk *w, nsdae_fc_chain *c, double residual)
 {
-  const int lost = c->newton.steps >= c->newton.most; /* that was not solved */
-  double residual = nsdae_fc_residual(&c->fc, c->fc.r, c->fc.u);
-  if (!lost && (k < FIRST || residual < SHRUNK * t->newton)) {
-    t->newton = residual;
+  if (!(residual < SHRUNK * w->begun) && c->seen.spent - w->spent < MEANWHILE) return 0;
+  w->begun = fmin(residual, w->begun);
+  return follow(w, c, 0);
+}
+
+/* Where the walk is stuck: from the calmest point of late what gets there from near a solution, and
+ * a curve; then on at the other pace. */
+static int leave(nsdae_fc_walk *w, nsdae_fc_chain *c, int k)
+{
+  w->since = k;
+  w->window = (int)(PATIENCE * w->window);
+  w->pace = w->pace < 1 ? 1 : SLOW;
+  if (!may_follow(c)) return 0;
+  return_to_calm(c);
+  if (w->calmest < NEAR && nsdae_fc_creep_on(c)) return 1;
+  return_to_calm(c);
+  w->calmest = INFINITY;
+  return follow(w, c, USUAL);
+}
+
+/* What goes on from the solution of the convex problem k: Newton's method, or a curve. */
+static int go_on(nsdae_fc_walk *w, nsdae_fc_chain *c, int k, double residual, int stage)
+{
+  look(w, c, k, residual);
+  if (k < FIRST || residual < SHRUNK * w->tried) {
+    w->tried = residual;
     if (try_newton(c, k < FIRST ? 0 : ATTEMPT, stage)) return 1;
+    if (c->patient && residual <= NSDAE_FC_NEARLY && nsdae_fc_creep_on(c)) return 1;
   }
-  const int bounded = c->options->max_sweeps > 0 || c->options->max_iterations > 0;
-  return k >= SETTLED && c->patient && !bounded && try_curve(c, t, residual);
+  if (k >= SETTLED && w->curves < EARLY && may_follow(c) && begin_early(w, c, residual)) return 1;
+  return k - w->since >= w->window && leave(w, c, k);
 }
 
 int nsdae_fc_conic(nsdae_fc_chain *c, int most, double budget, int stage)
 {
-  nsdae_fc_trials trials = {.newton = INFINITY, .curve = INFINITY};
+  nsdae_fc_walk walk = {.tried = INFINITY,
+                        .least = INFINITY,
+                        .calmest = INFINITY,
+                        .begun = INFINITY,
+                        .pace = 1,
+                        .window = WINDOW};
   double stride = 1;
   const int before = c->seen.spent;
   memset(c->drift, 0, (size_t)c->fc.n * sizeof *c->drift);
   c->newton.mark_epsilon = 0;
+  c->newton.mark_at = MARK;
   for (int k = 0; k < most && (c->seen.spent - before) * (double)c->fc.n < budget; k++) {
     if (!nsdae_fc_ready(c)) return 0;
     solve_convex(c);
-    stride = move_shift(c, stride);
-    if (nsdae_fc_count(c, stage) || go_on(c, &trials, k, stage)) return 1;
+    stride = move_shift(c, stride, walk.pace);
+    if (nsdae_fc_count(c, stage)) return 1;
+    double residual = nsdae_fc_residual(&c->fc, c->fc.r, c->fc.u);
+    if (go_on(&walk, c, k, residual, stage)) return 1;
   }
   return 0;
 }

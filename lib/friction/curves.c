@@ -15,14 +15,16 @@ static const double PIECES = 2000;
  * keeps its compliance for longer. */
 static const double FIRST_LEAP = -3, STRAIGHT = -13.8, LATE_LEAP = -10.5, LATE_STRAIGHT = -16;
 
-/* Newton steps of one attempt; from the end of a curve, and times items. */
-enum { ATTEMPT = 150, CREEP = 4000 };
-static const double CREEPING = 2.2e6;
+/* Newton steps of one attempt. */
+enum { ATTEMPT = 150 };
 
 /* Of anchored curves: steps of one; how often one may begin where the one before ended, and by how
  * much the residual has to be less there; what is left of the compliance then. */
 enum { ANCHORED = 5000, AGAIN = 12 };
 static const double FALLEN = 0.7, SOFTER = 0.3;
+
+/* Nearer to a solution they begin further down, but not where paths of convex problems end. */
+static const double NEAREST = 0.03;
 
 /* Newton's method from the point at hand, which stays as it is where that leads nowhere. */
 static int leap(nsdae_fc_chain *c)
@@ -56,12 +58,11 @@ static int go_along(nsdae_fc_chain *c, double first, double straight, int *on)
   return nsdae_fc_judge(c, NSDAE_FRICTION_FURTHER) || nsdae_fc_arrived(c);
 }
 
-/* Proximal points from where a curve ended. */
-static void creep(nsdae_fc_chain *c)
+/* Counts the steps of a curve, and goes on from where it ended. */
+static int finish(nsdae_fc_chain *c, int found)
 {
-  if (c->fc.n == 1 || c->options->max_iterations > 0) return;
-  c->newton.most = c->newton.steps + (int)fmin(CREEP, CREEPING / c->fc.n);
-  nsdae_fc_creep(&c->newton, c->tol);
+  if (nsdae_fc_count(c, NSDAE_FRICTION_FURTHER) || found || nsdae_fc_arrived(c)) return 1;
+  return c->options->max_iterations == 0 && nsdae_fc_creep_on(c);
 }
 
 /* One curve; where it is lost it may have passed the last fold, too. */
@@ -69,8 +70,7 @@ static int along(nsdae_fc_chain *c, double stiffness, int number)
 {
   int on = nsdae_fc_curve_begin(&c->curve, &c->newton, stiffness, number);
   int found = go_along(c, FIRST_LEAP, STRAIGHT, &on) || (on && leap(c));
-  if (!found) creep(c);
-  return nsdae_fc_count(c, NSDAE_FRICTION_FURTHER) || found || nsdae_fc_arrived(c);
+  return finish(c, found);
 }
 
 int nsdae_fc_curves(nsdae_fc_chain *c, double each, double all)
@@ -87,22 +87,22 @@ int nsdae_fc_curves(nsdae_fc_chain *c, double each, double all)
   return 0;
 }
 
-int nsdae_fc_anchored_curves(nsdae_fc_chain *c, int number)
+int nsdae_fc_anchored_curves(nsdae_fc_chain *c, int number, double usual)
 {
   static const double epsilon[] = {1e-3, 1e-3, 3e-3}, first[] = {0.01, 0.1, 0.03};
-  double before, compliance = first[number % 3];
-  double residual = nsdae_fc_residual(&c->fc, c->fc.r, c->fc.u);
+  double before, residual = nsdae_fc_residual(&c->fc, c->fc.r, c->fc.u);
+  const double near = residual < usual ? fmax(NEAREST, residual / usual) : 1;
+  double compliance = near * first[number % 3];
   for (int k = 0; k < AGAIN; k++, compliance *= SOFTER) {
     if (!nsdae_fc_ready(c)) return 0;
     c->newton.most = ANCHORED;
-    int on = nsdae_fc_curve_anchor(&c->curve, &c->newton, epsilon[number % 3], compliance);
+    int on = nsdae_fc_curve_anchor(&c->curve, &c->newton, near * epsilon[number % 3], compliance);
     int found = go_along(c, LATE_LEAP, LATE_STRAIGHT, &on);
     before = residual;
     residual = nsdae_fc_residual(&c->fc, c->fc.r, c->fc.u);
-    found = found || (on && leap(c));
-    if (on && !found) creep(c);
-    if (nsdae_fc_count(c, NSDAE_FRICTION_FURTHER) || found || nsdae_fc_arrived(c)) return 1;
-    if (!on || !(residual < FALLEN * before)) return 0;
+    if (!on) return nsdae_fc_count(c, NSDAE_FRICTION_FURTHER) || nsdae_fc_arrived(c);
+    if (finish(c, found || leap(c))) return 1;
+    if (!(residual < FALLEN * before)) return 0;
   }
   return 0;
 }

@@ -10,7 +10,7 @@ int nsdae_fc_curves(nsdae_fc_chain *chain, double each, double all);
 
 /* The same of curves that begin next to fc->r, near which a solution may be: one, and others from
  * its end where that is nearer, whatever the caller's bounds. Numbers from 0 on differ in how near
- * a curve is kept. */
-int nsdae_fc_anchored_curves(nsdae_fc_chain *chain, int number);
+ * a curve is kept. One whose residual is below usual begins so much further down; 0: none does. */
+int nsdae_fc_anchored_curves(nsdae_fc_chain *chain, int number, double usual);
 
 #endif

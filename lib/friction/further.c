@@ -29,15 +29,19 @@ enum { SMALL = 24 };
 static const double BUDGET = 2.2e6, CURVE = 1e6, LONG_CURVE = 2e7, LONG_CURVES = 2e7;
 
 /* The same of convex problems, and of those of the last resort; at most so many of the first. */
-static const double SHIFTED = 1e7, LONG_SHIFTED = 4e7;
+static const double SHIFTED = 1e7, LONG_SHIFTED = 1.2e8;
 enum { MANY_SHIFTS = 600 };
 
 /* The same of a contact by itself, of which there may be many in an instant: what few steps more do
  * not solve has, but for one in thousands, no solution. */
 static const double ALONE = 1500;
 
-/* Newton steps from what is nearly solved. */
-enum { CREEP = 4000 };
+/* Newton steps that have not halved what is nearly solved, after which its last digits are given
+ * up, for few items and times items; as many times that are enough in any case. */
+enum { IDLE = 4000, LONGER = 10 };
+
+/* What is so near is not given up before. */
+static const double NEAR = 1e-5;
 
 /* What the best point is worth by the data as given. */
 static int value(nsdae_fc_chain *c, double residual)
@@ -57,14 +61,14 @@ static int take(nsdae_fc_chain *c, double residual, const double *low)
 }
 
 /* The last digits from the best point on, by the data as given, in two parts where one does not
- * hold them: who takes one gets that, if it is the better one. */
-static int refine_best(nsdae_fc_chain *c)
+ * hold them: who takes one gets that, if it is the better one. creep: see precise.h. */
+static int refine_best(nsdae_fc_chain *c, int creep)
 {
   memcpy(c->precise.high, c->best, nsdae_fc_bytes(c));
   memset(c->precise.low, 0, nsdae_fc_bytes(c));
   double before = nsdae_fc_precise_residual(&c->precise, &c->fc);
   if (before <= c->tol) return value(c, before);
-  double residual = nsdae_fc_precise_run(&c->precise, &c->newton, c->tol);
+  double residual = nsdae_fc_precise_run(&c->precise, &c->newton, c->tol, creep);
   c->info.iterations += c->newton.steps;
   c->info.factorisations += c->newton.steps;
   c->seen.spent += c->newton.steps;
@@ -80,7 +84,7 @@ int nsdae_fc_precisely(nsdae_fc_chain *c)
 {
   const nsdae_fc_newton asks = c->newton;
   if (!(c->info.residual <= NSDAE_FC_NEARLY) || !nsdae_fc_ready(c)) return 0;
-  int found = refine_best(c);
+  int found = refine_best(c, 0);
   c->newton = asks;
   return found;
 }
@@ -104,14 +108,29 @@ static int patience(nsdae_fc_chain *c, int most)
          nsdae_fc_try_proximal(c, 1e-2, 0, NSDAE_FRICTION_FURTHER);
 }
 
+int nsdae_fc_creep_on(nsdae_fc_chain *c)
+{
+  if (c->fc.n == 1 || !nsdae_fc_ready(c)) return 0;
+  const int few =
+      c->options->max_iterations > 0 ? c->newton.most : (int)fmin(IDLE, BUDGET / c->fc.n);
+  const int many = c->patient && c->options->max_iterations == 0 ? LONGER * few : few;
+  nsdae_fc_velocities(&c->fc, c->fc.r, c->fc.y, c->fc.u);
+  c->newton.most = many;
+  const int near = nsdae_fc_residual(&c->fc, c->fc.r, c->fc.u) < NEAR;
+  nsdae_fc_creep(&c->newton, near ? many : few, c->tol);
+  if (nsdae_fc_count(c, NSDAE_FRICTION_FURTHER) || nsdae_fc_arrived(c)) return 1;
+  const int nearer = c->info.residual <= NSDAE_FC_NEARLY && c->info.residual < 0.5 * c->seen.crept;
+  if (!c->patient || !nearer || !nsdae_fc_ready(c)) return 0;
+  c->seen.crept = c->info.residual;
+  return refine_best(c, few);
+}
+
 /* The last digits, from the best point. */
 static int creep(nsdae_fc_chain *c)
 {
-  if (c->fc.n == 1 || !(c->info.residual <= NSDAE_FC_NEARLY) || !nsdae_fc_ready(c)) return 0;
-  if (c->options->max_iterations == 0) c->newton.most = (int)fmin(CREEP, BUDGET / c->fc.n);
+  if (!(c->info.residual <= NSDAE_FC_NEARLY)) return 0;
   memcpy(c->fc.r, c->best, nsdae_fc_bytes(c));
-  nsdae_fc_creep(&c->newton, c->tol);
-  return nsdae_fc_count(c, NSDAE_FRICTION_FURTHER) || nsdae_fc_arrived(c);
+  return nsdae_fc_creep_on(c);
 }
 
 /* Proximal points from fc->r on, as long as each attempt leaves half of what there was. */

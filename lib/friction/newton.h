@@ -19,6 +19,7 @@ typedef struct nsdae_fc_newton {
   double *best;          /* 3 n: the point of least residual */
   double *mark;          /* 3 n: a point of the last path, */
   double mark_epsilon;   /* and its epsilon; 0: none */
+  double mark_at;        /* epsilon of the next one */
   int steps;             /* done, each with one factorisation */
   int most;              /* allowed */
   int failures;          /* proximal problems that may fail */
@@ -41,8 +42,9 @@ double nsdae_fc_proximal(nsdae_fc_newton *newton, double alpha, double tol);
 
 /* The same for the last digits of a point that is nearly one: where few items are locked, r has to
  * go far along what moves u least, past one kink after the other, and alpha says how far it goes in
- * one problem. So it is held for a while where one failed, longer each time. */
-double nsdae_fc_creep(nsdae_fc_newton *newton, double tol);
+ * one problem. So it is held for a while where one failed, longer each time. Ends where so many
+ * idle steps have not halved the residual, too. */
+double nsdae_fc_creep(nsdae_fc_newton *newton, int idle, double tol);
 
 /* At most so many steps from the solution fc->r on. Each of them that brings the residual down is
  * kept; returns that of fc->r then. */

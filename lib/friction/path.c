@@ -10,8 +10,14 @@
 
 enum { INNER = 15 };
 
-/* Where a path of a problem much like this one may begin. */
-static const double MARK = 0.1;
+/* Where the path of a problem much like the one before begins: further down (DOWN, LOWEST) where it
+ * was found in few steps there, further up (UP, HIGHEST) where it was not. Shifts that go far
+ * change more of it, and so do masses unlike each other. */
+enum { QUICK = 5 };
+static const double DOWN = 0.5, LOWEST = 1e-3, UP = 10, HIGHEST = 1e3;
+
+/* What is left of epsilon after the shortest of steps. */
+static const double SHORTEST = 0.85;
 
 static const double LEAST = 1e-6, TINY = 1e-13; /* below, rounding rules; TINY: regular matrices */
 
@@ -58,15 +64,39 @@ static int resume(nsdae_fc_newton *s, double loose)
   nsdae_fc_velocities(c, c->r, c->y, c->u);
   s->epsilon = s->mark_epsilon;
   int steps = settle(s, loose);
-  return steps < INNER ? steps : 0;
+  if (steps == 0 || steps >= INNER) {
+    s->mark_at = fmin(UP * s->mark_at, HIGHEST);
+    return 0;
+  }
+  if (steps <= QUICK) s->mark_at = fmax(DOWN * s->mark_at, LOWEST);
+  return steps;
 }
 
 static void mark(nsdae_fc_newton *s)
 {
   nsdae_fc *c = s->fc;
-  if (s->mark_epsilon > 0 || s->epsilon > MARK) return;
+  if (s->mark_epsilon > 0 || s->epsilon > s->mark_at) return;
   memcpy(s->mark, c->r, 3 * (size_t)c->n * sizeof *c->r);
   s->mark_epsilon = s->epsilon;
+}
+
+/* The next point of a path, epsilon shrunk; its steps, 0 where there was none. The path of a convex
+ * problem has no folds, and what has not been found again of it is lost: back to where it was, and
+ * with shorter steps. */
+static int go_down(nsdae_fc_newton *s, double loose, double *shrink)
+{
+  nsdae_fc *c = s->fc;
+  const double from = s->epsilon;
+  if (s->shift) memcpy(s->best, c->r, 3 * (size_t)c->n * sizeof *c->r);
+  for (; *shrink < SHORTEST && from * *shrink > LEAST; *shrink = sqrt(*shrink)) {
+    s->epsilon = from * *shrink;
+    int steps = settle(s, loose);
+    if (!s->shift || (steps > 0 && steps < INNER)) return steps;
+    memcpy(c->r, s->best, 3 * (size_t)c->n * sizeof *c->r);
+    nsdae_fc_velocities(c, c->r, c->y, c->u);
+    if (s->steps >= s->most) return 0;
+  }
+  return 0;
 }
 
 double nsdae_fc_path(nsdae_fc_newton *s, double loose, double tol)
@@ -83,9 +113,7 @@ double nsdae_fc_path(nsdae_fc_newton *s, double loose, double tol)
     mark(s);
     if (steps <= 2) shrink = fmax(0.6 * shrink, 0.03);
     if (steps >= 5) shrink = fmin(1.5 * shrink, 0.7);
-    s->epsilon *= shrink;
-    if (!(s->epsilon > LEAST)) break;
-    steps = settle(s, loose);
+    steps = go_down(s, loose, &shrink);
     if (steps > 0) residual = nsdae_fc_residual(c, c->r, c->u);
   }
   return residual;

@@ -53,14 +53,20 @@ static void relocate(nsdae_fc_precise *p, nsdae_fc *c)
   nsdae_fc_velocities(c, c->r, c->y, c->u);
 }
 
+/* The correction fc->r becomes part of the point. */
+static void add(nsdae_fc_precise *p, const nsdae_fc *c)
+{
+  for (int i = 0; i < 3 * c->n; i++) nsdae_twice_add(1, c->r[i], p->high + i, p->low + i);
+  normalise(p, 3 * c->n);
+}
+
 /* At most so many steps. */
 static void correct(nsdae_fc_precise *p, nsdae_fc_newton *s, int most, double tol)
 {
   s->most = s->steps + most;
   s->failures = FAILURES;
   nsdae_fc_proximal(s, ALPHA, AIM * tol);
-  for (int i = 0; i < 3 * s->fc->n; i++) nsdae_twice_add(1, s->fc->r[i], p->high + i, p->low + i);
-  normalise(p, 3 * s->fc->n);
+  add(p, s->fc);
 }
 
 /* While its base is the point, the island has other velocities of its own, and another r. */
@@ -94,7 +100,31 @@ double nsdae_fc_precise_residual(nsdae_fc_precise *p, nsdae_fc *c)
   return residual;
 }
 
-double nsdae_fc_precise_run(nsdae_fc_precise *p, nsdae_fc_newton *s, double tol)
+static void keep(nsdae_fc_precise *p, size_t bytes)
+{
+  memcpy(p->best, p->high, bytes);
+  memcpy(p->best_low, p->low, bytes);
+}
+
+static void back_to_best(nsdae_fc_precise *p, size_t bytes)
+{
+  memcpy(p->high, p->best, bytes);
+  memcpy(p->low, p->best_low, bytes);
+}
+
+/* From the best point, at most so many steps: where items are locked in one another the correction
+ * is not small, and creeping ends where r alone has no more digits. Returns the residual. */
+static double creep_on(nsdae_fc_precise *p, nsdae_fc_newton *s, int most, double tol)
+{
+  back_to_best(p, 3 * (size_t)s->fc->n * sizeof *p->high);
+  look(p, s->fc);
+  s->most = s->steps + most;
+  nsdae_fc_creep(s, most, AIM * tol);
+  add(p, s->fc);
+  return look(p, s->fc);
+}
+
+double nsdae_fc_precise_run(nsdae_fc_precise *p, nsdae_fc_newton *s, double tol, int creep)
 {
   nsdae_fc *c = s->fc;
   size_t bytes = 3 * (size_t)c->n * sizeof *c->r;
@@ -104,17 +134,17 @@ double nsdae_fc_precise_run(nsdae_fc_precise *p, nsdae_fc_newton *s, double tol)
   double before, best = look(p, c), now = best;
   do {
     before = best;
-    memcpy(p->best, p->high, bytes);
-    memcpy(p->best_low, p->low, bytes);
+    keep(p, bytes);
     if (!(best > tol)) break;
     correct(p, s, most, tol);
     now = look(p, c);
+    if (!(now <= 0.5 * before) && creep > 0) {
+      now = creep_on(p, s, creep, tol);
+      creep = 0;
+    }
     if (now < best) best = now;
   } while (best <= 0.5 * before);
-  if (!(now <= best)) {
-    memcpy(p->high, p->best, bytes);
-    memcpy(p->low, p->best_low, bytes);
-  }
+  if (!(now <= best)) back_to_best(p, bytes);
   end(p, c);
   return best;
 }

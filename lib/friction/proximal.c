@@ -85,17 +85,17 @@ double nsdae_fc_proximal(nsdae_fc_newton *s, double alpha, double tol)
   return back_to_best(s, residual, best);
 }
 
-double nsdae_fc_creep(nsdae_fc_newton *s, double tol)
+double nsdae_fc_creep(nsdae_fc_newton *s, int idle, double tol)
 {
   nsdae_fc *c = s->fc;
-  double best = INFINITY, good = 0;
-  int hold = 0, held = 0;
+  double best = INFINITY, half = INFINITY, good = 0;
+  int hold = 0, held = 0, since = s->steps;
   s->alpha = 1e-5;
   s->epsilon = 0;
   s->search = 0;
   velocities(c);
   double residual = nsdae_fc_residual(c, c->r, c->u);
-  while (!(residual <= tol) && s->steps < s->most && s->alpha < 1) {
+  while (!(residual <= tol) && s->steps < s->most && s->steps - since < idle && s->alpha < 1) {
     if (solve(s, SMALL_INNER, tol) == 0) {
       s->alpha = good > s->alpha ? good : 10 * s->alpha;
       good = 0;
@@ -105,6 +105,10 @@ double nsdae_fc_creep(nsdae_fc_newton *s, double tol)
     good = s->alpha;
     residual = nsdae_fc_residual(c, c->r, c->u);
     keep(s, residual, &best);
+    if (best < half) {
+      half = best / 2;
+      since = s->steps;
+    }
     if (hold > 0)
       hold--;
     else
