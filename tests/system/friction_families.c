@@ -139,8 +139,7 @@ static void test_locked(void **state)
 
 int main(void)
 {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_families),
-                                     cmocka_unit_test(test_folded),
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_families), cmocka_unit_test(test_folded),
                                      cmocka_unit_test(test_locked)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
