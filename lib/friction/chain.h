@@ -31,7 +31,8 @@ typedef struct nsdae_fc_seen {
   int lost;       /* no memory for what a stage needed */
   int slides;     /* a few sweeps left little: most of it slides */
   int held;       /* a solution in two parts is known, and one does not hold it */
-  int spent;      /* Newton steps over the whole island */
+  int spent;      /* Newton steps over the whole island, */
+  int creeping;   /* and those of them that crept */
 } nsdae_fc_seen;
 
 typedef struct nsdae_fc_chain {

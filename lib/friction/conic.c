@@ -160,6 +160,12 @@ static int go_on(nsdae_fc_walk *w, nsdae_fc_chain *c, int k, double residual, in
   return k - w->since >= w->window && leave(w, c, k);
 }
 
+/* Newton steps that its budget is for: what creeps has one of its own. */
+static int walked(const nsdae_fc_chain *c)
+{
+  return c->seen.spent - c->seen.creeping;
+}
+
 int nsdae_fc_conic(nsdae_fc_chain *c, int most, double budget, int stage)
 {
   nsdae_fc_walk walk = {.tried = INFINITY,
@@ -169,11 +175,11 @@ int nsdae_fc_conic(nsdae_fc_chain *c, int most, double budget, int stage)
                         .pace = 1,
                         .window = WINDOW};
   double stride = 1;
-  const int before = c->seen.spent;
+  const int before = walked(c);
   memset(c->drift, 0, (size_t)c->fc.n * sizeof *c->drift);
   c->newton.mark_epsilon = 0;
   c->newton.mark_at = MARK;
-  for (int k = 0; k < most && (c->seen.spent - before) * (double)c->fc.n < budget; k++) {
+  for (int k = 0; k < most && (walked(c) - before) * (double)c->fc.n < budget; k++) {
     if (!nsdae_fc_ready(c)) return 0;
     solve_convex(c);
     stride = move_shift(c, stride, walk.pace);

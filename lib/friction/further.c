@@ -40,6 +40,9 @@ static const double ALONE = 1500;
  * up, for few items and times items; as many times that are enough in any case. */
 enum { IDLE = 4000, LONGER = 10 };
 
+/* The same of all the steps that creep, times items: two minutes or so. */
+static const double CREPT = 1.2e8;
+
 /* What is so near is not given up before. */
 static const double NEAR = 1e-5;
 
@@ -61,14 +64,14 @@ static int take(nsdae_fc_chain *c, double residual, const double *low)
 }
 
 /* The last digits from the best point on, by the data as given, in two parts where one does not
- * hold them: who takes one gets that, if it is the better one. creep: see precise.h. */
-static int refine_best(nsdae_fc_chain *c, int creep)
+ * hold them: who takes one gets that, if it is the better one. creep, times: see precise.h. */
+static int refine_best(nsdae_fc_chain *c, int creep, int times)
 {
   memcpy(c->precise.high, c->best, nsdae_fc_bytes(c));
   memset(c->precise.low, 0, nsdae_fc_bytes(c));
   double before = nsdae_fc_precise_residual(&c->precise, &c->fc);
   if (before <= c->tol) return value(c, before);
-  double residual = nsdae_fc_precise_run(&c->precise, &c->newton, c->tol, creep);
+  double residual = nsdae_fc_precise_run(&c->precise, &c->newton, c->tol, creep, times);
   c->info.iterations += c->newton.steps;
   c->info.factorisations += c->newton.steps;
   c->seen.spent += c->newton.steps;
@@ -84,7 +87,7 @@ int nsdae_fc_precisely(nsdae_fc_chain *c)
 {
   const nsdae_fc_newton asks = c->newton;
   if (!(c->info.residual <= NSDAE_FC_NEARLY) || !nsdae_fc_ready(c)) return 0;
-  int found = refine_best(c, 0);
+  int found = refine_best(c, 0, 0);
   c->newton = asks;
   return found;
 }
@@ -108,12 +111,20 @@ static int patience(nsdae_fc_chain *c, int most)
          nsdae_fc_try_proximal(c, 1e-2, 0, NSDAE_FRICTION_FURTHER);
 }
 
-int nsdae_fc_creep_on(nsdae_fc_chain *c)
+/* Creeping steps that are allowed from here on: few where nothing is near, else ten times as many,
+ * as long as the island has not had all of its own. */
+static int creeping_steps(const nsdae_fc_chain *c, int *few)
 {
-  if (c->fc.n == 1 || !nsdae_fc_ready(c)) return 0;
-  const int few =
-      c->options->max_iterations > 0 ? c->newton.most : (int)fmin(IDLE, BUDGET / c->fc.n);
-  const int many = c->patient && c->options->max_iterations == 0 ? LONGER * few : few;
+  *few = c->options->max_iterations > 0 ? c->newton.most : (int)fmin(IDLE, BUDGET / c->fc.n);
+  const int many = c->patient && c->options->max_iterations == 0 ? LONGER * *few : *few;
+  return (int)fmin(many, fmax(0, CREPT / c->fc.n - c->seen.creeping));
+}
+
+/* In one part, and where that leaves few digits to be had in two. */
+static int creep_twice(nsdae_fc_chain *c)
+{
+  int few, many = creeping_steps(c, &few);
+  if (many == 0) return 0;
   nsdae_fc_velocities(&c->fc, c->fc.r, c->fc.y, c->fc.u);
   c->newton.most = many;
   const int near = nsdae_fc_residual(&c->fc, c->fc.r, c->fc.u) < NEAR;
@@ -122,13 +133,22 @@ int nsdae_fc_creep_on(nsdae_fc_chain *c)
   const int nearer = c->info.residual <= NSDAE_FC_NEARLY && c->info.residual < 0.5 * c->seen.crept;
   if (!c->patient || !nearer || !nsdae_fc_ready(c)) return 0;
   c->seen.crept = c->info.residual;
-  return refine_best(c, few);
+  return refine_best(c, few, many / few);
 }
 
-/* The last digits, from the best point. */
+int nsdae_fc_creep_on(nsdae_fc_chain *c)
+{
+  if (c->fc.n == 1 || !nsdae_fc_ready(c)) return 0;
+  const int before = c->seen.spent, found = creep_twice(c);
+  c->seen.creeping += c->seen.spent - before;
+  return found;
+}
+
+/* The last digits, from the best point, where it is better than when they were sought last. */
 static int creep(nsdae_fc_chain *c)
 {
   if (!(c->info.residual <= NSDAE_FC_NEARLY)) return 0;
+  if (!(c->info.residual < 0.5 * c->seen.crept)) return 0;
   memcpy(c->fc.r, c->best, nsdae_fc_bytes(c));
   return nsdae_fc_creep_on(c);
 }

@@ -100,51 +100,61 @@ double nsdae_fc_precise_residual(nsdae_fc_precise *p, nsdae_fc *c)
   return residual;
 }
 
-static void keep(nsdae_fc_precise *p, size_t bytes)
+/* Keeps the point where it is better than all before. */
+static void judge(nsdae_fc_precise *p, nsdae_fc *c, double *best)
 {
+  const size_t bytes = 3 * (size_t)c->n * sizeof *p->high;
+  double residual = look(p, c);
+  if (!(residual < *best)) return;
   memcpy(p->best, p->high, bytes);
   memcpy(p->best_low, p->low, bytes);
+  *best = residual;
 }
 
-static void back_to_best(nsdae_fc_precise *p, size_t bytes)
+static void back_to_best(nsdae_fc_precise *p, const nsdae_fc *c)
 {
+  const size_t bytes = 3 * (size_t)c->n * sizeof *p->high;
   memcpy(p->high, p->best, bytes);
   memcpy(p->low, p->best_low, bytes);
 }
 
-/* From the best point, at most so many steps: where items are locked in one another the correction
- * is not small, and creeping ends where r alone has no more digits. Returns the residual. */
-static double creep_on(nsdae_fc_precise *p, nsdae_fc_newton *s, int most, double tol)
+/* From the best point: where items are locked in one another the correction is not small, and
+ * creeping ends where r alone has no more digits. */
+static void creep_on(nsdae_fc_precise *p, nsdae_fc_newton *s, int most, double tol)
 {
-  back_to_best(p, 3 * (size_t)s->fc->n * sizeof *p->high);
+  back_to_best(p, s->fc);
   look(p, s->fc);
   s->most = s->steps + most;
-  nsdae_fc_creep(s, most, AIM * tol);
+  nsdae_fc_creep(s, most, tol);
   add(p, s->fc);
-  return look(p, s->fc);
 }
 
-double nsdae_fc_precise_run(nsdae_fc_precise *p, nsdae_fc_newton *s, double tol, int creep)
+/* How often it may creep on: not where it does not get to tol at the pace it had. */
+static int once_more(double before, double now, int times, double tol)
+{
+  return log(before / now) * times >= log(now / tol) ? times : 0;
+}
+
+double nsdae_fc_precise_run(nsdae_fc_precise *p, nsdae_fc_newton *s, double tol, int creep,
+                            int times)
 {
   nsdae_fc *c = s->fc;
-  size_t bytes = 3 * (size_t)c->n * sizeof *c->r;
   const int most = s->most < STEPS ? s->most : STEPS;
+  double before, best = INFINITY;
   begin(p, c);
   s->steps = 0;
-  double before, best = look(p, c), now = best;
+  judge(p, c, &best);
   do {
     before = best;
-    keep(p, bytes);
     if (!(best > tol)) break;
     correct(p, s, most, tol);
-    now = look(p, c);
-    if (!(now <= 0.5 * before) && creep > 0) {
-      now = creep_on(p, s, creep, tol);
-      creep = 0;
-    }
-    if (now < best) best = now;
-  } while (best <= 0.5 * before);
-  if (!(now <= best)) back_to_best(p, bytes);
+    judge(p, c, &best);
+    if (best <= 0.5 * before || times == 0) continue;
+    creep_on(p, s, creep, tol);
+    judge(p, c, &best);
+    times = once_more(before, best, times - 1, tol);
+  } while (best <= 0.5 * before || times > 0);
+  if (best < INFINITY) back_to_best(p, c);
   end(p, c);
   return best;
 }
