@@ -29,7 +29,7 @@ enum { SMALL = 24 };
 static const double BUDGET = 2.2e6, CURVE = 1e6, LONG_CURVE = 2e7, LONG_CURVES = 2e7;
 
 /* The same of convex problems, and of those of the last resort; at most so many of the first. */
-static const double SHIFTED = 1e7, LONG_SHIFTED = 1.2e8;
+static const double SHIFTED = 1e7, LONG_SHIFTED = 6e8;
 enum { MANY_SHIFTS = 600 };
 
 /* The same of a contact by itself, of which there may be many in an instant: what few steps more do
@@ -40,8 +40,8 @@ static const double ALONE = 1500;
  * up, for few items and times items; as many times that are enough in any case. */
 enum { IDLE = 4000, LONGER = 10 };
 
-/* The same of all the steps that creep, times items: two minutes or so. */
-static const double CREPT = 1.2e8;
+/* The same of all the steps that creep, times items: five minutes or so. */
+static const double CREPT = 3e8;
 
 /* What is so near is not given up before. */
 static const double NEAR = 1e-5;
