@@ -372,7 +372,7 @@ static void run_stages(nsdae_fc_chain *c)
              {NSDAE_FRICTION_FURTHER, nsdae_fc_further}};
   c->info = (nsdae_friction_info){.residual = INFINITY};
   c->seen.trapped = c->seen.looked = c->seen.crept = INFINITY;
-  c->seen.spent = c->seen.held = c->seen.slides = 0;
+  c->seen.spent = c->seen.creeping = c->seen.held = c->seen.slides = 0;
   memset(c->best, 0, nsdae_fc_bytes(c));
   memset(c->low, 0, nsdae_fc_bytes(c));
   for (size_t i = 0; i < sizeof all / sizeof *all; i++)

@@ -40,7 +40,7 @@ typedef struct nsdae_fc_chain {
   const nsdae_friction_options *options;
   nsdae_friction_info info; /* of this island */
   double tol;
-  int patient;   /* the last resort may take its minute */
+  int patient;   /* the last resort may take its time */
   int twice;     /* the caller takes a solution in two parts */
   double *best;  /* 3 n: the point of least residual so far */
   double *low;   /* 3 n: what that does not hold of a solution in two parts */

@@ -111,7 +111,7 @@ static void return_to_calm(nsdae_fc_chain *c)
   nsdae_fc_velocities(&c->fc, c->fc.r, c->fc.y, c->fc.u);
 }
 
-/* Whether a curve may be followed: it takes long, and the caller is told of no bound on it. */
+/* Whether a curve may be followed: it takes long, and the caller's bounds are not its own. */
 static int may_follow(const nsdae_fc_chain *c)
 {
   return c->patient && c->options->max_sweeps == 0 && c->options->max_iterations == 0;
@@ -139,7 +139,7 @@ static int leave(nsdae_fc_walk *w, nsdae_fc_chain *c, int k)
   w->since = k;
   w->window = (int)(PATIENCE * w->window);
   w->pace = w->pace < 1 ? 1 : SLOW;
-  if (!may_follow(c)) return 0;
+  if (!may_follow(c) || !(w->calmest < INFINITY)) return 0;
   return_to_calm(c);
   if (w->calmest < NEAR && nsdae_fc_creep_on(c)) return 1;
   return_to_calm(c);

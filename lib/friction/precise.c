@@ -146,7 +146,7 @@ double nsdae_fc_precise_run(nsdae_fc_precise *p, nsdae_fc_newton *s, double tol,
   judge(p, c, &best);
   do {
     before = best;
-    if (!(best > tol)) break;
+    if (!(best > tol && best < INFINITY)) break;
     correct(p, s, most, tol);
     judge(p, c, &best);
     if (best <= 0.5 * before || times == 0) continue;

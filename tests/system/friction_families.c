@@ -135,6 +135,7 @@ static void test_locked(void **state)
   tally all[FRICTION_FAMILIES] = {0};
   try(312, 990, 1e-12, 2, all);
   assert_int_equal(all[990 % FRICTION_FAMILIES].solved, 1);
+  assert_int_equal(all[990 % FRICTION_FAMILIES].lies, 0);
 }
 
 int main(void)
