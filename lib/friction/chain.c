@@ -51,11 +51,12 @@ void nsdae_fc_chain_layout(void *object, nsdae_arena *arena)
   c->low = NSDAE_ARENA_DOUBLES(arena, 3L * c->fc.n);
   c->trap = NSDAE_ARENA_DOUBLES(arena, 3L * c->fc.n);
   c->slip = NSDAE_ARENA_DOUBLES(arena, c->fc.n);
-  c->calm = NSDAE_ARENA_DOUBLES(arena, 3L * c->fc.n);
-  c->drift = NSDAE_ARENA_DOUBLES(arena, c->fc.n);
+  c->walked.calm = NSDAE_ARENA_DOUBLES(arena, 3L * c->fc.n);
+  c->walked.drift = NSDAE_ARENA_DOUBLES(arena, c->fc.n);
   nsdae_fc_anderson_layout(&c->anderson, &c->fc, arena);
   c->newton.fc = &c->fc;
   nsdae_fc_newton_layout(&c->newton, arena);
+  nsdae_fc_interior_layout(&c->interior, &c->fc, arena);
   nsdae_fc_curve_layout(&c->curve, &c->fc, arena);
   nsdae_fc_precise_layout(&c->precise, &c->fc, arena);
   nsdae_fc_polyhedral_layout(&c->polyhedral, &c->fc, arena);

@@ -5,6 +5,7 @@
 #include "anderson.h"
 #include "continuation.h"
 #include "infeasible.h"
+#include "interior.h"
 #include "polyhedral.h"
 #include "precise.h"
 #include "region.h"
@@ -35,23 +36,29 @@ typedef struct nsdae_fc_seen {
   int creeping;   /* and those of them that crept */
 } nsdae_fc_seen;
 
+/* Of a walk of such shifts (conic.c): */
+typedef struct nsdae_fc_walked {
+  double *calm;  /* 3 n: its point of least residual */
+  double *drift; /* n: by how much the shift of a convex problem was off */
+} nsdae_fc_walked;
+
 typedef struct nsdae_fc_chain {
   nsdae_fc fc;
   const nsdae_friction_options *options;
   nsdae_friction_info info; /* of this island */
   double tol;
-  int patient;   /* the last resort may take its time */
-  int twice;     /* the caller takes a solution in two parts */
-  double *best;  /* 3 n: the point of least residual so far */
-  double *low;   /* 3 n: what that does not hold of a solution in two parts */
-  double *trap;  /* 3 n: where a warm start got stuck: no other stage sees it */
-  double *slip;  /* n: see coulomb.h */
-  double *calm;  /* 3 n: the point of least residual on the walk of such shifts */
-  double *drift; /* n: by how much the shift of a convex problem was off, see conic.c */
-  double *l;     /* m of the whole: where a proof goes */
+  int patient;  /* the last resort may take its time */
+  int twice;    /* the caller takes a solution in two parts */
+  double *best; /* 3 n: the point of least residual so far */
+  double *low;  /* 3 n: what that does not hold of a solution in two parts */
+  double *trap; /* 3 n: where a warm start got stuck: no other stage sees it */
+  double *slip; /* n: see coulomb.h */
+  nsdae_fc_walked walked;
+  double *l; /* m of the whole: where a proof goes */
   nsdae_fc_anderson anderson;
   nsdae_fc_newton newton;
   nsdae_fc_curve curve;
+  nsdae_fc_interior interior;
   nsdae_fc_precise precise;
   nsdae_fc_polyhedral polyhedral;
   nsdae_fc_kept kept;

@@ -12,9 +12,9 @@
 #include <math.h>
 #include <string.h>
 
-#include "cone.h"
 #include "curves.h"
 #include "further.h"
+#include "middle.h"
 
 /* Newton's method is tried at the first shifts, and then where the residual is so much smaller than
  * where it was tried before; its steps. */
@@ -48,19 +48,18 @@ static double move_shift(nsdae_fc_chain *c, double stride, double pace)
 {
   double now = 0, before = 0, both = 0;
   for (int k = 0; k < c->fc.n; k++) {
-    const double *u = c->fc.u + 3 * k;
-    double step = c->fc.items.mu[k] * nsdae_fc_length(u[1], u[2]) - c->slip[k];
+    double step = nsdae_fc_slip(&c->fc, k) - c->slip[k];
     now += step * step;
-    before += c->drift[k] * c->drift[k];
-    both += step * c->drift[k];
-    c->drift[k] = step;
+    before += c->walked.drift[k] * c->walked.drift[k];
+    both += step * c->walked.drift[k];
+    c->walked.drift[k] = step;
   }
   if (both > ALONG * sqrt(now) * sqrt(before))
     stride = fmin(STRETCH * stride, LONGEST);
   else
     stride = both > 0 ? fmax(1, stride / 2) : 1;
   const double far = stride > 1 ? stride : pace * stride;
-  for (int k = 0; k < c->fc.n; k++) c->slip[k] = fmax(0, c->slip[k] + far * c->drift[k]);
+  for (int k = 0; k < c->fc.n; k++) c->slip[k] = fmax(0, c->slip[k] + far * c->walked.drift[k]);
   return stride;
 }
 
@@ -85,7 +84,7 @@ static int try_newton(nsdae_fc_chain *c, int most, int stage)
 typedef struct nsdae_fc_walk {
   double tried;   /* where Newton's method was tried last */
   double least;   /* the least one, but for a factor; */
-  double calmest; /* and since the last curve, that of c->calm */
+  double calmest; /* and since the last curve, that of c->walked.calm */
   double pace;    /* share of a step that is made */
   int window;     /* problems that it has time to get less */
   int since;      /* the first of them */
@@ -101,13 +100,13 @@ static void look(nsdae_fc_walk *w, nsdae_fc_chain *c, int k, double residual)
     w->since = k;
   }
   if (!(residual < w->calmest)) return;
-  memcpy(c->calm, c->fc.r, nsdae_fc_bytes(c));
+  memcpy(c->walked.calm, c->fc.r, nsdae_fc_bytes(c));
   w->calmest = residual;
 }
 
 static void return_to_calm(nsdae_fc_chain *c)
 {
-  memcpy(c->fc.r, c->calm, nsdae_fc_bytes(c));
+  memcpy(c->fc.r, c->walked.calm, nsdae_fc_bytes(c));
   nsdae_fc_velocities(&c->fc, c->fc.r, c->fc.y, c->fc.u);
 }
 
@@ -154,14 +153,15 @@ static int go_on(nsdae_fc_walk *w, nsdae_fc_chain *c, int k, double residual, in
   if (k < FIRST || residual < SHRUNK * w->tried) {
     w->tried = residual;
     if (try_newton(c, k < FIRST ? 0 : ATTEMPT, stage)) return 1;
-    if (c->patient && residual <= NSDAE_FC_NEARLY && nsdae_fc_creep_on(c)) return 1;
+    const int creep = c->patient && residual <= NSDAE_FC_NEARLY;
+    if (creep ? nsdae_fc_creep_on(c) : nsdae_fc_middle_on(c)) return 1;
   }
   if (k >= SETTLED && w->curves < EARLY && may_follow(c) && begin_early(w, c, residual)) return 1;
   return k - w->since >= w->window && leave(w, c, k);
 }
 
 /* Newton steps that its budget is for: what creeps has one of its own. */
-static int walked(const nsdae_fc_chain *c)
+static int steps_walked(const nsdae_fc_chain *c)
 {
   return c->seen.spent - c->seen.creeping;
 }
@@ -175,11 +175,11 @@ int nsdae_fc_conic(nsdae_fc_chain *c, int most, double budget, int stage)
                         .pace = 1,
                         .window = WINDOW};
   double stride = 1;
-  const int before = walked(c);
-  memset(c->drift, 0, (size_t)c->fc.n * sizeof *c->drift);
+  const int before = steps_walked(c);
+  memset(c->walked.drift, 0, (size_t)c->fc.n * sizeof *c->walked.drift);
   c->newton.mark_epsilon = 0;
   c->newton.mark_at = MARK;
-  for (int k = 0; k < most && (walked(c) - before) * (double)c->fc.n < budget; k++) {
+  for (int k = 0; k < most && (steps_walked(c) - before) * (double)c->fc.n < budget; k++) {
     if (!nsdae_fc_ready(c)) return 0;
     solve_convex(c);
     stride = move_shift(c, stride, walk.pace);

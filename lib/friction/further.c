@@ -4,9 +4,9 @@
 #include <math.h>
 #include <string.h>
 
-#include "cone.h"
 #include "conic.h"
 #include "curves.h"
+#include "middle.h"
 #include "sweep.h"
 
 /* Sweeps of tolerances that they are likely to reach. */
@@ -138,7 +138,9 @@ static int creep_twice(nsdae_fc_chain *c)
 
 int nsdae_fc_creep_on(nsdae_fc_chain *c)
 {
-  if (c->fc.n == 1 || !nsdae_fc_ready(c)) return 0;
+  if (c->fc.n == 1) return 0;
+  if (nsdae_fc_middle_on(c)) return 1;
+  if (!nsdae_fc_ready(c)) return 0;
   const int before = c->seen.spent, found = creep_twice(c);
   c->seen.creeping += c->seen.spent - before;
   return found;
@@ -238,8 +240,7 @@ static int long_shifts(nsdae_fc_chain *c)
   if (c->options->max_sweeps > 0 || c->options->max_iterations > 0) return 0;
   memcpy(c->fc.r, c->best, nsdae_fc_bytes(c));
   nsdae_fc_velocities(&c->fc, c->fc.r, c->fc.y, c->fc.u);
-  for (int k = 0; k < c->fc.n; k++)
-    c->slip[k] = c->fc.items.mu[k] * nsdae_fc_length(c->fc.u[3 * k + 1], c->fc.u[3 * k + 2]);
+  for (int k = 0; k < c->fc.n; k++) c->slip[k] = nsdae_fc_slip(&c->fc, k);
   return nsdae_fc_conic(c, INT_MAX, LONG_SHIFTED, NSDAE_FRICTION_FURTHER);
 }
 

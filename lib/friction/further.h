@@ -11,8 +11,8 @@ int nsdae_fc_further(nsdae_fc_chain *chain);
  * hold them: who takes one gets that, if it is the better one. */
 int nsdae_fc_precisely(nsdae_fc_chain *chain);
 
-/* Proximal points from chain->fc.r on, as long as they bring the residual down; then the same in
- * two parts. 1: solved. */
+/* Middle points (middle.h) and proximal points from chain->fc.r on, as long as they bring the
+ * residual down; then the same in two parts. 1: solved. */
 int nsdae_fc_creep_on(nsdae_fc_chain *chain);
 
 /* Whether the best point is a solution, or rounding leaves nothing to be done. */

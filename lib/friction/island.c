@@ -249,12 +249,13 @@ NSDAE_INLINED void sum_parts(const nsdae_fc *c, const double *r, double *y)
 NSDAE_TWICE_DISPATCH(sum_impulses, sum_parts, (const nsdae_fc *c, const double *r, double *y),
                      (c, r, y))
 
-/* u = J^T y + q + C r of item k; in the local form the sum is that of impulses */
-static void relative_velocity(const nsdae_fc *c, int k, const double *r, const double *y, double *u)
+/* u = J^T y of item k, and whole: + q + C r; in the local form the sum is that of impulses */
+static void relative_velocity(const nsdae_fc *c, int k, int whole, const double *r, const double *y,
+                              double *u)
 {
   for (int j = 0; j < 3; j++) {
-    double high = c->items.q[3 * k + j], low = 0;
-    nsdae_twice_add(c->items.C[3 * k + j], r[3 * k + j], &high, &low);
+    double high = whole ? c->items.q[3 * k + j] : 0, low = 0;
+    if (whole) nsdae_twice_add(c->items.C[3 * k + j], r[3 * k + j], &high, &low);
     for (int e = c->parts.first[k]; e < c->parts.first[k + 1]; e++) {
       int n = c->parts.size[c->parts.block[e]];
       const double *J = nsdae_fc_part(c, e) + j * n, *part = y + c->parts.offset[c->parts.block[e]];
@@ -270,7 +271,13 @@ static void relative_velocity(const nsdae_fc *c, int k, const double *r, const d
 void nsdae_fc_velocities(const nsdae_fc *c, const double *r, double *y, double *u)
 {
   if (!c->local) sum_impulses(c, r, y);
-  for (int k = 0; k < c->n; k++) relative_velocity(c, k, r, c->local ? r : y, u);
+  for (int k = 0; k < c->n; k++) relative_velocity(c, k, 1, r, c->local ? r : y, u);
+}
+
+void nsdae_fc_response(const nsdae_fc *c, const double *dr, double *dy, double *du)
+{
+  if (!c->local) sum_impulses(c, dr, dy);
+  for (int k = 0; k < c->n; k++) relative_velocity(c, k, 0, dr, c->local ? dr : dy, du);
 }
 
 void nsdae_fc_impulse(const nsdae_fc *c, int k, const double *r, double x[3], double low[3])

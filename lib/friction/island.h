@@ -11,6 +11,7 @@
 #ifndef NSDAE_FRICTION_ISLAND_H
 #define NSDAE_FRICTION_ISLAND_H
 
+#include "cone.h"
 #include "whole.h"
 
 /* What each item asks for, and how it is scaled. */
@@ -76,11 +77,20 @@ void nsdae_fc_gather(const nsdae_fc *fc, const double *u, double *to);
 /* y and u of the point r [3 n]; y may be fc->y (in the local form it is not touched). */
 void nsdae_fc_velocities(const nsdae_fc *fc, const double *r, double *y, double *u);
 
+/* By how much dr [3 n] changes them, but for its compliance. */
+void nsdae_fc_response(const nsdae_fc *fc, const double *dr, double *dy, double *du);
+
 /* Largest entry of the natural map, weighted: the residual of the public header. */
 double nsdae_fc_residual(const nsdae_fc *fc, const double *r, const double *u);
 
 /* r of item k with the base, in two parts. */
 void nsdae_fc_impulse(const nsdae_fc *fc, int k, const double *r, double x[3], double low[3]);
+
+/* mu |u_T| of item k: u^ = u + that e_N */
+static inline double nsdae_fc_slip(const nsdae_fc *fc, int k)
+{
+  return fc->items.mu[k] * nsdae_fc_length(fc->u[3 * k + 1], fc->u[3 * k + 2]);
+}
 
 /* J of part e */
 static inline const double *nsdae_fc_part(const nsdae_fc *fc, int e)

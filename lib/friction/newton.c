@@ -49,6 +49,32 @@ double nsdae_fc_newton_map(nsdae_fc_newton *s, const double *r, const double *u,
   return sum;
 }
 
+/* s->u := b - E dr - A W dr */
+static void find_rest(nsdae_fc_newton *s, const double *b, const double *dr)
+{
+  const nsdae_fc *c = s->fc;
+  nsdae_fc_response(c, dr, s->y, s->u);
+  for (int k = 0; k < c->n; k++) {
+    const double *E = s->E + 9 * (size_t)k, *A = s->A + 9 * (size_t)k;
+    double rest[3], *u = s->u + 3 * k;
+    for (int i = 0; i < 3; i++) {
+      rest[i] = b[3 * k + i];
+      for (int j = 0; j < 3; j++) rest[i] -= E[3 * i + j] * dr[3 * k + j] + A[3 * i + j] * u[j];
+    }
+    memcpy(u, rest, sizeof rest);
+  }
+}
+
+/* E^-1 is up to 1 / alpha, and what rounding leaves of velocities is as much larger in dr: a step
+ * of iterative refinement (Skeel, Math. Comp. 35 (1980) 817) takes most of it away. */
+void nsdae_fc_newton_solve(nsdae_fc_newton *s, const double *b, double *dr)
+{
+  nsdae_fc_matrix_solve(s->matrix, b, dr);
+  find_rest(s, b, dr);
+  nsdae_fc_matrix_solve(s->matrix, s->u, s->trial);
+  for (size_t i = 0; i < 3 * (size_t)s->fc->n; i++) dr[i] += s->trial[i];
+}
+
 /* The trial point at this length of the step; half the square of its map. */
 static double try(nsdae_fc_newton *s, double length)
 {

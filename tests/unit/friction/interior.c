@@ -1,0 +1,182 @@
+/* The equations of a step where most items are locked: how well what is found solves them, in long
+ * double, with refinement and without. And the convex problem with a fixed shift, by its own
+ * natural map. */
+#include "check.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "../linalg/random.h"
+#include "cone.h"
+#include "friction_families.h"
+#include "interior.h"
+
+enum { CONTACTS = 200, SEEDS = 24 };
+
+/* What rounding leaves of dr without refinement is 1e-16 / ALPHA of it, and with it the square. */
+static const double ALPHA = 1e-10;
+
+typedef struct equations {
+  nsdae_arena whole_memory, memory, work;
+  nsdae_fc_whole whole;
+  nsdae_fc fc;
+  nsdae_fc_matrix matrix;
+  nsdae_fc_newton newton;
+  nsdae_fc_interior interior;
+  double *b, *dr;
+} equations;
+
+static void lay_out(void *object, nsdae_arena *arena)
+{
+  equations *s = object;
+  nsdae_fc_newton_layout(&s->newton, arena);
+  nsdae_fc_interior_layout(&s->interior, &s->fc, arena);
+  s->b = NSDAE_ARENA_DOUBLES(arena, 3L * s->fc.n);
+  s->dr = NSDAE_ARENA_DOUBLES(arena, 3L * s->fc.n);
+}
+
+static void make(equations *s, const friction_sample *sample)
+{
+  double *r = calloc(3 * (size_t)sample->problem.contacts, sizeof *r);
+  *s = (equations){.whole = {.view.p = &sample->problem}};
+  assert_int_equal(nsdae_arena_fit(&s->whole_memory, nsdae_fc_whole_layout, &s->whole), NSDAE_OK);
+  assert_int_equal(nsdae_fc_whole_fill(&s->whole, NULL), NSDAE_OK);
+  s->fc = (nsdae_fc){.whole = &s->whole};
+  assert_int_equal(nsdae_arena_fit(&s->memory, nsdae_fc_layout, &s->fc), NSDAE_OK);
+  nsdae_fc_fill(&s->fc, r);
+  assert_int_equal(nsdae_fc_matrix_analyse(&s->matrix, &s->fc), NSDAE_OK);
+  s->newton = (nsdae_fc_newton){.fc = &s->fc, .matrix = &s->matrix};
+  assert_int_equal(nsdae_arena_fit(&s->work, lay_out, s), NSDAE_OK);
+  free(r);
+}
+
+static void release(equations *s)
+{
+  nsdae_fc_matrix_release(&s->matrix);
+  nsdae_arena_release(&s->work);
+  nsdae_arena_release(&s->memory);
+  nsdae_arena_release(&s->whole_memory);
+}
+
+/* A few items open, E = 1 and A = 0, and the others locked, E = ALPHA and A = 1; b what impulses in
+ * them do. */
+static void draw(equations *s, random_state *draws)
+{
+  const int m = 3 * s->fc.n;
+  memset(s->newton.E, 0, 9 * (size_t)s->fc.n * sizeof *s->newton.E);
+  memset(s->newton.A, 0, 9 * (size_t)s->fc.n * sizeof *s->newton.A);
+  for (int i = 0; i < m; i++) {
+    const int open = i / 3 % 5 == 0, at = 9 * (i / 3) + 4 * (i % 3);
+    s->newton.E[at] = open ? 1 : ALPHA;
+    s->newton.A[at] = !open;
+    s->dr[i] = open ? 0 : random_number(draws);
+  }
+  nsdae_fc_response(&s->fc, s->dr, s->newton.y, s->b);
+  for (int i = 0; i < m; i++) s->b[i] *= i / 3 % 5 != 0;
+}
+
+/* Largest entry of b - E dr - A J^T J dr. */
+static double rest(const equations *s)
+{
+  const nsdae_fc *c = &s->fc;
+  long double *y = calloc((size_t)c->ny, sizeof *y), most = 0;
+  for (int k = 0; k < c->n; k++)
+    for (int e = c->parts.first[k]; e < c->parts.first[k + 1]; e++) {
+      const int size = c->parts.size[c->parts.block[e]], at = c->parts.offset[c->parts.block[e]];
+      for (int i = 0; i < 3 * size; i++)
+        y[at + i % size] += (long double)nsdae_fc_part(c, e)[i] * s->dr[3 * k + i / size];
+    }
+  for (int k = 0; k < c->n; k++)
+    for (int j = 0; j < 3; j++) {
+      const int i = 3 * k + j;
+      long double u = 0;
+      for (int e = c->parts.first[k]; e < c->parts.first[k + 1]; e++) {
+        const int size = c->parts.size[c->parts.block[e]], at = c->parts.offset[c->parts.block[e]];
+        for (int l = 0; l < size; l++) u += nsdae_fc_part(c, e)[j * size + l] * y[at + l];
+      }
+      const size_t at = 9 * (size_t)k + 4 * (size_t)j;
+      most = fmaxl(most,
+                   fabsl(s->b[i] - (long double)s->newton.E[at] * s->dr[i] - s->newton.A[at] * u));
+    }
+  free(y);
+  return (double)most;
+}
+
+static void test_refined(void **state)
+{
+  random_state draws = {7};
+  double worst = 0, plain = 0;
+  (void)state;
+  for (int seed = 0; seed < SEEDS; seed++) {
+    friction_sample sample = {0};
+    equations s;
+    friction_sample_draw(&sample, seed % FRICTION_FAMILIES, CONTACTS, (unsigned)seed + 1);
+    make(&s, &sample);
+    draw(&s, &draws);
+    assert_int_equal(nsdae_fc_matrix_factor(&s.matrix, s.newton.E, s.newton.A, 0), 0);
+    nsdae_fc_matrix_solve(&s.matrix, s.b, s.dr);
+    plain = fmax(plain, rest(&s));
+    nsdae_fc_newton_solve(&s.newton, s.b, s.dr);
+    worst = fmax(worst, rest(&s));
+    release(&s);
+    friction_sample_release(&sample);
+  }
+  print_message("rest %.1e, refined %.1e\n", plain, worst);
+  assert_true(plain > 1e-6);
+  assert_at_most(worst, 1e-3 * plain);
+}
+
+/* Largest entry of r - P(r - u - shift e_N), P the projection onto the cone as it is defined. */
+static double convex_residual(const equations *s)
+{
+  const nsdae_fc *c = &s->fc;
+  double most = 0;
+  for (int k = 0; k < c->n; k++) {
+    const int cone = c->items.kind[k] == NSDAE_FC_CONE;
+    const double *r = c->r + 3 * k, *u = c->u + 3 * k, mu = cone ? c->items.mu[k] : 0;
+    double z[3] = {r[0] - u[0] - (cone ? s->interior.shift[k] : 0), cone ? r[1] - u[1] : 0,
+                   cone ? r[2] - u[2] : 0};
+    double t = hypot(z[1], z[2]);
+    if (z[0] < 0 || t > mu * z[0]) {
+      double n = fmax(0, (z[0] + mu * t) / (1 + mu * mu));
+      z[0] = n;
+      for (int j = 1; j < 3; j++) z[j] *= t > 0 ? mu * n / t : 0;
+    }
+    for (int j = 0; j < 3; j++) most = fmax(most, fabs(r[j] - z[j]));
+  }
+  return most;
+}
+
+/* Whatever the shift, the problem has a solution; where its slack and its impulse are both zero, r
+ * and b are the root of what is left of their product, 1e-12 or so. From the solution of another
+ * shift as from r = 0. */
+static void test_convex(void **state)
+{
+  random_state draws = {11};
+  double worst = 0;
+  (void)state;
+  for (int seed = 0; seed < SEEDS; seed++) {
+    friction_sample sample = {0};
+    equations s;
+    friction_sample_draw(&sample, seed % FRICTION_FAMILIES, CONTACTS, (unsigned)seed + 1);
+    make(&s, &sample);
+    for (int again = 0; again < 3; again++) {
+      for (int k = 0; k < s.fc.n; k++)
+        s.interior.shift[k] = again == 0 ? 0 : fabs(random_number(&draws));
+      s.newton.steps = 0;
+      s.newton.most = 300;
+      assert_int_equal(nsdae_fc_interior_run(&s.interior, &s.newton), 1);
+      worst = fmax(worst, convex_residual(&s));
+    }
+    release(&s);
+    friction_sample_release(&sample);
+  }
+  print_message("residual %.1e\n", worst);
+  assert_at_most(worst, 1e-5);
+}
+
+int main(void)
+{
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_refined), cmocka_unit_test(test_convex)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
