@@ -54,6 +54,7 @@ void nsdae_fc_chain_layout(void *object, nsdae_arena *arena)
   c->walked.calm = NSDAE_ARENA_DOUBLES(arena, 3L * c->fc.n);
   c->walked.drift = NSDAE_ARENA_DOUBLES(arena, c->fc.n);
   nsdae_fc_anderson_layout(&c->anderson, &c->fc, arena);
+  nsdae_fc_anderson_layout(&c->walked.shifts, &c->fc, arena);
   c->newton.fc = &c->fc;
   nsdae_fc_newton_layout(&c->newton, arena);
   nsdae_fc_interior_layout(&c->interior, &c->fc, arena);

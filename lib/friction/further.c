@@ -71,7 +71,8 @@ static int refine_best(nsdae_fc_chain *c, int creep, int times)
   memset(c->precise.low, 0, nsdae_fc_bytes(c));
   double before = nsdae_fc_precise_residual(&c->precise, &c->fc);
   if (before <= c->tol) return value(c, before);
-  double residual = nsdae_fc_precise_run(&c->precise, &c->newton, c->tol, creep, times);
+  nsdae_fc_interior *interior = c->patient && !c->fc.local ? &c->interior : NULL;
+  double residual = nsdae_fc_precise_run(&c->precise, &c->newton, interior, c->tol, creep, times);
   c->info.iterations += c->newton.steps;
   c->info.factorisations += c->newton.steps;
   c->seen.spent += c->newton.steps;

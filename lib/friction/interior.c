@@ -41,6 +41,7 @@ void nsdae_fc_interior_layout(nsdae_fc_interior *p, const nsdae_fc *fc, nsdae_ar
   p->root = NSDAE_ARENA_DOUBLES(arena, 3 * n);
   p->axis = NSDAE_ARENA_DOUBLES(arena, 2 * n);
   p->gap = NSDAE_ARENA_DOUBLES(arena, 3 * n);
+  p->middle = NSDAE_ARENA_DOUBLES(arena, 3 * n);
   p->held = NSDAE_ARENA_DOUBLES(arena, 3 * n);
 }
 
@@ -59,6 +60,15 @@ static void scale_of(const nsdae_fc *c, int k, double S[3])
 {
   S[0] = rows_of(c, k) == 3 ? sqrt(c->items.mu[k]) : 1;
   S[1] = S[2] = 1 / S[0];
+}
+
+/* r of item k with its base, rounded. */
+static void impulse(const nsdae_fc *c, int k, double x[3])
+{
+  double low[3] = {0};
+  memcpy(x, c->r + 3 * k, 3 * sizeof *x);
+  if (c->base) nsdae_fc_impulse(c, k, c->r, x, low);
+  for (int i = 0; i < 3; i++) x[i] = i < rows_of(c, k) ? x[i] + low[i] : 0;
 }
 
 /* b of item k as the velocities u [3] have it. */
@@ -111,7 +121,7 @@ static void split(double e, const double z[3], double *a, double *b)
 }
 
 /* A point inside both cones, at fc->r and its velocities. */
-static void begin(nsdae_fc_interior *p, const nsdae_fc *c, double e)
+static void begin(nsdae_fc_interior *p, nsdae_fc *c, double e)
 {
   memset(p->da, 0, 3 * (size_t)c->n * sizeof *p->da);
   memset(p->db, 0, 3 * (size_t)c->n * sizeof *p->db);
@@ -119,34 +129,31 @@ static void begin(nsdae_fc_interior *p, const nsdae_fc *c, double e)
     double S[3], z[3], *a = p->a + 3 * k, *b = p->b + 3 * k;
     scale_of(c, k, S);
     dual(p, c, k, c->u + 3 * k, b);
-    for (int i = 0; i < 3; i++) a[i] = i < rows_of(c, k) ? S[i] * c->r[3 * k + i] : 0;
-    for (int i = 0; i < 3; i++) z[i] = a[i] - b[i];
-    if (bilateral(c, k))
+    impulse(c, k, a);
+    for (int i = 0; i < 3; i++) {
+      a[i] *= S[i];
+      z[i] = a[i] - b[i];
+    }
+    if (bilateral(c, k)) {
       memset(b, 0, 3 * sizeof *b);
-    else
-      split(e, z, a, b);
+      continue;
+    }
+    double before[3] = {a[0], a[1], a[2]};
+    split(e, z, a, b);
+    for (int i = 0; i < 3; i++) c->r[3 * k + i] += (a[i] - before[i]) / S[i];
   }
 }
 
-double nsdae_fc_interior_locate(nsdae_fc_interior *p, nsdae_fc *c)
+/* The velocities of fc->r, and what b lacks of them. */
+static void locate(nsdae_fc_interior *p, nsdae_fc *c)
 {
-  double most = 0;
-  for (int k = 0; k < c->n; k++) {
-    double S[3];
-    scale_of(c, k, S);
-    for (int i = 0; i < 3; i++) c->r[3 * k + i] = p->a[3 * k + i] / S[i];
-  }
   nsdae_fc_velocities(c, c->r, c->y, c->u);
   for (int k = 0; k < c->n; k++) {
     double S[3], b[3];
     scale_of(c, k, S);
     dual(p, c, k, c->u + 3 * k, b);
-    for (int i = 0; i < 3; i++) {
-      p->gap[3 * k + i] = S[i] * (b[i] - p->b[3 * k + i]);
-      most = fmax(most, fabs(p->gap[3 * k + i]));
-    }
+    for (int i = 0; i < 3; i++) p->gap[3 * k + i] = S[i] * (b[i] - p->b[3 * k + i]);
   }
-  return most;
 }
 
 /* The mean of a . b after a step of this length. */
@@ -321,7 +328,7 @@ static double longest(const nsdae_fc_interior *p, const nsdae_fc *c, double shar
 /* Predictor and corrector; the length of the step, 0 where there is none. */
 static double advance(nsdae_fc_interior *p, nsdae_fc_newton *s, double now)
 {
-  const nsdae_fc *c = s->fc;
+  nsdae_fc *c = s->fc;
   if (!factor(p, s)) return 0;
   find_step(p, s, 0, 0);
   double ratio = mean(p, c, longest(p, c, 1)) / now;
@@ -330,6 +337,7 @@ static double advance(nsdae_fc_interior *p, nsdae_fc_newton *s, double now)
   double length = longest(p, c, SHARE);
   if (!(length > SHORTEST)) return 0;
   for (int i = 0; i < 3 * c->n; i++) {
+    c->r[i] += length * s->dr[i];
     p->a[i] += length * p->da[i];
     p->b[i] += length * p->db[i];
   }
@@ -342,13 +350,13 @@ static int run_from(nsdae_fc_interior *p, nsdae_fc_newton *s, double e)
   nsdae_fc *c = s->fc;
   nsdae_fc_velocities(c, c->r, c->y, c->u);
   begin(p, c, e);
-  nsdae_fc_interior_locate(p, c);
+  locate(p, c);
   double now = mean(p, c, 0);
   for (int k = 0, shorts = 0; k < MOST && s->steps < s->most && now > END; k++) {
     double length = advance(p, s, now);
     shorts = length < SHORT ? shorts + 1 : 0;
     if (length == 0 || shorts == SHORT_ONES) break;
-    nsdae_fc_interior_locate(p, c);
+    locate(p, c);
     now = mean(p, c, 0);
   }
   return now < SOLVED;
@@ -356,10 +364,12 @@ static int run_from(nsdae_fc_interior *p, nsdae_fc_newton *s, double e)
 
 int nsdae_fc_interior_run(nsdae_fc_interior *p, nsdae_fc_newton *s)
 {
+  const size_t bytes = 3 * (size_t)s->fc->n * sizeof *s->fc->r;
   int found = run_from(p, s, WARM);
   for (size_t k = 0; k < sizeof COLD / sizeof *COLD && !found; k++) {
-    memset(s->fc->r, 0, 3 * (size_t)s->fc->n * sizeof *s->fc->r);
+    memset(s->fc->r, 0, bytes);
     found = run_from(p, s, COLD[k]);
   }
+  memcpy(p->middle, s->fc->r, bytes);
   return found;
 }

@@ -13,6 +13,7 @@ typedef struct nsdae_fc_interior {
   double *root;    /* 3 n: eigenvalues of W, along (1, axis), (1, -axis) and across them */
   double *axis;    /* 2 n: in the tangential plane */
   double *gap;     /* 3 n: velocities of r, less those that b is */
+  double *middle;  /* 3 n: where a run ended */
   double *held;    /* 3 n: a point of whoever asks */
 } nsdae_fc_interior;
 
@@ -20,8 +21,5 @@ void nsdae_fc_interior_layout(nsdae_fc_interior *interior, const nsdae_fc *fc, n
 
 /* From fc->r, and where that leads nowhere from r = 0, to fc->r; 0: not found. */
 int nsdae_fc_interior_run(nsdae_fc_interior *interior, nsdae_fc_newton *newton);
-
-/* fc->r and its velocities as where that ended. Returns the largest gap. */
-double nsdae_fc_interior_locate(nsdae_fc_interior *interior, nsdae_fc *fc);
 
 #endif

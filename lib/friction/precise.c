@@ -18,6 +18,11 @@
 /* Newton steps of a correction, and proximal problems of it that may fail. */
 enum { STEPS = 100, FAILURES = 6 };
 
+/* Steps of an interior point; how many of them are tried that do not make the residual less by a
+ * factor. */
+enum { MIDDLE = 300, FRUITLESS = 4 };
+static const double FRUIT = 0.7;
+
 /* The first proximal term, and how closely the problem with rounded data is solved. */
 static const double ALPHA = 1e-8, AIM = 0.1;
 
@@ -118,6 +123,34 @@ static void back_to_best(nsdae_fc_precise *p, const nsdae_fc *c)
   memcpy(p->low, p->best_low, bytes);
 }
 
+static void set_shift(nsdae_fc_interior *interior, const nsdae_fc *c)
+{
+  for (int k = 0; k < c->n; k++) interior->shift[k] = nsdae_fc_slip(c, k);
+}
+
+/* Through the middles of convex problems, each with the shift of the one before, and corrections
+ * from each, as long as that leads to better points. */
+static void go_through_middles(nsdae_fc_precise *p, nsdae_fc_newton *s, nsdae_fc_interior *interior,
+                               double tol, double *best)
+{
+  nsdae_fc *c = s->fc;
+  double least = *best;
+  back_to_best(p, c);
+  look(p, c);
+  set_shift(interior, c);
+  for (int since = 0; since<FRUITLESS && * best> tol; since++) {
+    s->most = s->steps + MIDDLE;
+    if (!nsdae_fc_interior_run(interior, s)) return;
+    add(p, c);
+    judge(p, c, best);
+    set_shift(interior, c);
+    if (!(*best > tol)) return;
+    correct(p, s, STEPS, tol);
+    judge(p, c, best);
+    if (*best < FRUIT * least) least = *best, since = -1;
+  }
+}
+
 /* From the best point: where items are locked in one another the correction is not small, and
  * creeping ends where r alone has no more digits. */
 static void creep_on(nsdae_fc_precise *p, nsdae_fc_newton *s, int most, double tol)
@@ -135,8 +168,8 @@ static int once_more(double before, double now, int times, double tol)
   return log(before / now) * times >= log(now / tol) ? times : 0;
 }
 
-double nsdae_fc_precise_run(nsdae_fc_precise *p, nsdae_fc_newton *s, double tol, int creep,
-                            int times)
+double nsdae_fc_precise_run(nsdae_fc_precise *p, nsdae_fc_newton *s, nsdae_fc_interior *interior,
+                            double tol, int creep, int times)
 {
   nsdae_fc *c = s->fc;
   const int most = s->most < STEPS ? s->most : STEPS;
@@ -150,6 +183,9 @@ double nsdae_fc_precise_run(nsdae_fc_precise *p, nsdae_fc_newton *s, double tol,
     correct(p, s, most, tol);
     judge(p, c, &best);
     if (best <= 0.5 * before || times == 0) continue;
+    if (interior) go_through_middles(p, s, interior, tol, &best);
+    interior = NULL;
+    if (best <= 0.5 * before) continue;
     creep_on(p, s, creep, tol);
     judge(p, c, &best);
     times = once_more(before, best, times - 1, tol);

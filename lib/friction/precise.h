@@ -5,7 +5,7 @@
 #ifndef NSDAE_FRICTION_PRECISE_H
 #define NSDAE_FRICTION_PRECISE_H
 
-#include "newton.h"
+#include "interior.h"
 
 typedef struct nsdae_fc_precise {
   double *high, *low;      /* 3 n: the point, in two parts */
@@ -21,9 +21,10 @@ void nsdae_fc_precise_layout(nsdae_fc_precise *precise, const nsdae_fc *fc, nsda
 double nsdae_fc_precise_residual(nsdae_fc_precise *precise, nsdae_fc *fc);
 
 /* Corrects high + low, near a solution, until that is below tol or halves no more; returns it. The
- * point is the best one then, and fc->r what it was. Where it halves no more it creeps, for
- * so many steps, and so many times where that seems to get to tol; 0: it does not. */
-double nsdae_fc_precise_run(nsdae_fc_precise *precise, nsdae_fc_newton *newton, double tol,
-                            int creep, int times);
+ * point is the best one then, and fc->r what it was. Where it halves no more it goes through the
+ * middle (middle.h; interior NULL: it does not), and it creeps, for so many steps, and so many
+ * times where that seems to get to tol; 0: it does not. */
+double nsdae_fc_precise_run(nsdae_fc_precise *precise, nsdae_fc_newton *newton,
+                            nsdae_fc_interior *interior, double tol, int creep, int times);
 
 #endif
