@@ -51,6 +51,7 @@ void nsdae_fc_chain_layout(void *object, nsdae_arena *arena)
   c->low = NSDAE_ARENA_DOUBLES(arena, 3L * c->fc.n);
   c->trap = NSDAE_ARENA_DOUBLES(arena, 3L * c->fc.n);
   c->slip = NSDAE_ARENA_DOUBLES(arena, c->fc.n);
+  c->walked.point = NSDAE_ARENA_DOUBLES(arena, 3L * c->fc.n);
   c->walked.calm = NSDAE_ARENA_DOUBLES(arena, 3L * c->fc.n);
   c->walked.drift = NSDAE_ARENA_DOUBLES(arena, c->fc.n);
   nsdae_fc_anderson_layout(&c->anderson, &c->fc, arena);
@@ -328,7 +329,7 @@ static int smoothing(nsdae_fc_chain *c)
 {
   if (nsdae_fc_try_path(c, 1e-3, NSDAE_FRICTION_SMOOTHING)) return 1;
   nsdae_fc_start_cold(c);
-  return nsdae_fc_conic(c, SHIFTS, INFINITY, NSDAE_FRICTION_SMOOTHING);
+  return nsdae_fc_conic(c, 0, SHIFTS, INFINITY, NSDAE_FRICTION_SMOOTHING);
 }
 
 /* Before all that takes long. */

@@ -38,7 +38,8 @@ typedef struct nsdae_fc_seen {
 
 /* Of a walk of such shifts (conic.c): */
 typedef struct nsdae_fc_walked {
-  double *calm;             /* 3 n: its point of least residual */
+  double *point;            /* 3 n: the solution of its convex problem, */
+  double *calm;             /* 3 n: and of those the one of least residual */
   double *drift;            /* n: by how much the shift of a convex problem was off */
   nsdae_fc_anderson shifts; /* extrapolates those that go through the middle */
 } nsdae_fc_walked;

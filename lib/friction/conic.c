@@ -63,13 +63,23 @@ static double move_shift(nsdae_fc_chain *c, double stride, double pace)
   return stride;
 }
 
-/* The convex problem, from a place of the path of the one before; its velocities are in fc.u. */
-static void solve_convex(nsdae_fc_chain *c)
+/* The convex problem, by a path from a place of that of the one before: quick while shifts are far
+ * off. It ends at 1e-6, which near a solution is as much as they are off. */
+static void solve_quickly(nsdae_fc_chain *c)
 {
   c->newton.shift = c->slip;
   nsdae_fc_path(&c->newton, 1e-3, c->tol);
   c->newton.shift = NULL;
+}
+
+/* The same by an interior point, from the solution of the one before. */
+static void solve_exactly(nsdae_fc_chain *c)
+{
+  memcpy(c->interior.shift, c->slip, (size_t)c->fc.n * sizeof *c->slip);
+  memcpy(c->fc.r, c->walked.point, nsdae_fc_bytes(c));
   nsdae_fc_velocities(&c->fc, c->fc.r, c->fc.y, c->fc.u);
+  nsdae_fc_interior_run(&c->interior, &c->newton);
+  memcpy(c->walked.point, c->fc.r, nsdae_fc_bytes(c));
 }
 
 static int try_newton(nsdae_fc_chain *c, int most, int stage)
@@ -166,7 +176,7 @@ static int steps_walked(const nsdae_fc_chain *c)
   return c->seen.spent - c->seen.creeping;
 }
 
-int nsdae_fc_conic(nsdae_fc_chain *c, int most, double budget, int stage)
+int nsdae_fc_conic(nsdae_fc_chain *c, int exactly, int most, double budget, int stage)
 {
   nsdae_fc_walk walk = {.tried = INFINITY,
                         .least = INFINITY,
@@ -177,11 +187,16 @@ int nsdae_fc_conic(nsdae_fc_chain *c, int most, double budget, int stage)
   double stride = 1;
   const int before = steps_walked(c);
   memset(c->walked.drift, 0, (size_t)c->fc.n * sizeof *c->walked.drift);
+  memcpy(c->walked.point, c->fc.r, nsdae_fc_bytes(c));
   c->newton.mark_epsilon = 0;
   c->newton.mark_at = MARK;
   for (int k = 0; k < most && (steps_walked(c) - before) * (double)c->fc.n < budget; k++) {
     if (!nsdae_fc_ready(c)) return 0;
-    solve_convex(c);
+    if (exactly)
+      solve_exactly(c);
+    else
+      solve_quickly(c);
+    nsdae_fc_velocities(&c->fc, c->fc.r, c->fc.y, c->fc.u);
     stride = move_shift(c, stride, walk.pace);
     if (nsdae_fc_count(c, stage)) return 1;
     double residual = nsdae_fc_residual(&c->fc, c->fc.r, c->fc.u);

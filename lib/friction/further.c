@@ -230,7 +230,7 @@ static int shifts(nsdae_fc_chain *c)
 {
   if (c->fc.local) return 0;
   nsdae_fc_start_cold(c);
-  return nsdae_fc_conic(c, MANY_SHIFTS, c->patient ? SHIFTED : budget(c) / 4,
+  return nsdae_fc_conic(c, 0, MANY_SHIFTS, c->patient ? SHIFTED : budget(c) / 4,
                         NSDAE_FRICTION_FURTHER);
 }
 
@@ -242,7 +242,7 @@ static int long_shifts(nsdae_fc_chain *c)
   memcpy(c->fc.r, c->best, nsdae_fc_bytes(c));
   nsdae_fc_velocities(&c->fc, c->fc.r, c->fc.y, c->fc.u);
   for (int k = 0; k < c->fc.n; k++) c->slip[k] = nsdae_fc_slip(&c->fc, k);
-  return nsdae_fc_conic(c, INT_MAX, LONG_SHIFTED, NSDAE_FRICTION_FURTHER);
+  return nsdae_fc_conic(c, 1, INT_MAX, LONG_SHIFTED, NSDAE_FRICTION_FURTHER);
 }
 
 /* Long curves; what is nearly solved lacks digits, which no other curve has. Dense factors cost n

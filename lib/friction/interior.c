@@ -18,16 +18,18 @@
 
 #include "cone.h"
 
-/* Steps of a run, and those that may be short in a row, as they are where rounding rules. */
-enum { MOST = 100, SHORT_ONES = 3 };
+/* Steps of a run, those that may be short in a row, and those that may not have halved the mean of
+ * a . b, as where rounding rules. */
+enum { MOST = 100, SHORT_ONES = 3, IDLE = 5 };
 static const double SHORT = 0.1, SHORTEST = 1e-9;
 
 /* Share of the way to the edge of the cone; what keeps matrices regular; the mean of a . b where it
  * is left alone, and that of a solution. */
 static const double SHARE = 0.99, REGULAR = 1e-13, END = 1e-16, SOLVED = 1e-6;
 
-/* a o b of the first point, its root: of a warm start, and of colder ones. */
-static const double WARM = 1, COLD[] = {1e2, 1e4};
+/* a o b of the first point, its root: of warm starts, which are far enough inside for the shift to
+ * be another one, and of cold ones. */
+static const double WARM[] = {1, 10, 1e2}, COLD[] = {1e2, 1e4};
 
 void nsdae_fc_interior_layout(nsdae_fc_interior *p, const nsdae_fc *fc, nsdae_arena *arena)
 {
@@ -344,6 +346,13 @@ static double advance(nsdae_fc_interior *p, nsdae_fc_newton *s, double now)
   return length;
 }
 
+/* Whether rounding rules: a solution gets no better. */
+static int stands(double now, double *least, int *idle)
+{
+  if (now < 0.5 * *least) *least = now, *idle = 0;
+  return now < SOLVED && ++*idle > IDLE;
+}
+
 /* From a point at fc->r. */
 static int run_from(nsdae_fc_interior *p, nsdae_fc_newton *s, double e)
 {
@@ -351,24 +360,30 @@ static int run_from(nsdae_fc_interior *p, nsdae_fc_newton *s, double e)
   nsdae_fc_velocities(c, c->r, c->y, c->u);
   begin(p, c, e);
   locate(p, c);
-  double now = mean(p, c, 0);
-  for (int k = 0, shorts = 0; k < MOST && s->steps < s->most && now > END; k++) {
+  double now = mean(p, c, 0), least = INFINITY;
+  for (int k = 0, shorts = 0, idle = 0; k < MOST && s->steps < s->most && now > END; k++) {
     double length = advance(p, s, now);
     shorts = length < SHORT ? shorts + 1 : 0;
     if (length == 0 || shorts == SHORT_ONES) break;
     locate(p, c);
     now = mean(p, c, 0);
+    if (stands(now, &least, &idle)) break;
   }
   return now < SOLVED;
 }
 
 int nsdae_fc_interior_run(nsdae_fc_interior *p, nsdae_fc_newton *s)
 {
+  enum { WARMS = sizeof WARM / sizeof *WARM, ALL = WARMS + sizeof COLD / sizeof *COLD };
   const size_t bytes = 3 * (size_t)s->fc->n * sizeof *s->fc->r;
-  int found = run_from(p, s, WARM);
-  for (size_t k = 0; k < sizeof COLD / sizeof *COLD && !found; k++) {
-    memset(s->fc->r, 0, bytes);
-    found = run_from(p, s, COLD[k]);
+  int found = 0;
+  memcpy(p->middle, s->fc->r, bytes);
+  for (int k = 0; k < ALL && !found; k++) {
+    if (k < WARMS)
+      memcpy(s->fc->r, p->middle, bytes);
+    else
+      memset(s->fc->r, 0, bytes);
+    found = run_from(p, s, k < WARMS ? WARM[k] : COLD[k - WARMS]);
   }
   memcpy(p->middle, s->fc->r, bytes);
   return found;
