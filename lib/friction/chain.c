@@ -329,7 +329,7 @@ static int smoothing(nsdae_fc_chain *c)
 {
   if (nsdae_fc_try_path(c, 1e-3, NSDAE_FRICTION_SMOOTHING)) return 1;
   nsdae_fc_start_cold(c);
-  return nsdae_fc_conic(c, 0, SHIFTS, INFINITY, NSDAE_FRICTION_SMOOTHING);
+  return nsdae_fc_conic(c, NSDAE_FC_QUICKLY, SHIFTS, INFINITY, NSDAE_FRICTION_SMOOTHING);
 }
 
 /* Before all that takes long. */

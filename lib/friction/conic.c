@@ -101,6 +101,7 @@ typedef struct nsdae_fc_walk {
   double begun;   /* where the last early curve began */
   int curves;     /* so far */
   int spent;      /* Newton steps when the last one ended */
+  int returns;    /* where it is stuck it goes on from the calmest point */
 } nsdae_fc_walk;
 
 static void look(nsdae_fc_walk *w, nsdae_fc_chain *c, int k, double residual)
@@ -141,6 +142,14 @@ static int begin_early(nsdae_fc_walk *w, nsdae_fc_chain *c, double residual)
   return follow(w, c, 0);
 }
 
+/* The walk goes on from fc.r and its shift. */
+static void begin_anew(nsdae_fc_chain *c)
+{
+  nsdae_fc_shift(&c->fc, c->slip);
+  memcpy(c->walked.point, c->fc.r, nsdae_fc_bytes(c));
+  memset(c->walked.drift, 0, (size_t)c->fc.n * sizeof *c->walked.drift);
+}
+
 /* Where the walk is stuck: from the calmest point of late what gets there from near a solution, and
  * a curve; then on at the other pace. */
 static int leave(nsdae_fc_walk *w, nsdae_fc_chain *c, int k)
@@ -153,6 +162,7 @@ static int leave(nsdae_fc_walk *w, nsdae_fc_chain *c, int k)
   if (w->calmest < NEAR && nsdae_fc_creep_on(c)) return 1;
   return_to_calm(c);
   w->calmest = INFINITY;
+  if (w->returns) begin_anew(c);
   return follow(w, c, USUAL);
 }
 
@@ -176,14 +186,15 @@ static int steps_walked(const nsdae_fc_chain *c)
   return c->seen.spent - c->seen.creeping;
 }
 
-int nsdae_fc_conic(nsdae_fc_chain *c, int exactly, int most, double budget, int stage)
+int nsdae_fc_conic(nsdae_fc_chain *c, int how, int most, double budget, int stage)
 {
   nsdae_fc_walk walk = {.tried = INFINITY,
                         .least = INFINITY,
                         .calmest = INFINITY,
                         .begun = INFINITY,
                         .pace = 1,
-                        .window = WINDOW};
+                        .window = WINDOW,
+                        .returns = how == NSDAE_FC_RETURNING};
   double stride = 1;
   const int before = steps_walked(c);
   memset(c->walked.drift, 0, (size_t)c->fc.n * sizeof *c->walked.drift);
@@ -192,10 +203,10 @@ int nsdae_fc_conic(nsdae_fc_chain *c, int exactly, int most, double budget, int 
   c->newton.mark_at = MARK;
   for (int k = 0; k < most && (steps_walked(c) - before) * (double)c->fc.n < budget; k++) {
     if (!nsdae_fc_ready(c)) return 0;
-    if (exactly)
-      solve_exactly(c);
-    else
+    if (how == NSDAE_FC_QUICKLY)
       solve_quickly(c);
+    else
+      solve_exactly(c);
     nsdae_fc_velocities(&c->fc, c->fc.r, c->fc.y, c->fc.u);
     stride = move_shift(c, stride, walk.pace);
     if (nsdae_fc_count(c, stage)) return 1;

@@ -28,8 +28,9 @@ enum { SMALL = 24 };
  * them, which is one of a large island: half a minute or so. */
 static const double BUDGET = 2.2e6, CURVE = 1e6, LONG_CURVE = 2e7, LONG_CURVES = 2e7;
 
-/* The same of convex problems, and of those of the last resort; at most so many of the first. */
-static const double SHIFTED = 1e7, LONG_SHIFTED = 6e8;
+/* The same of convex problems, and of those of the last resort, and of its first walk; at most so
+ * many of the first. */
+static const double SHIFTED = 1e7, LONG_SHIFTED = 6e8, SOON = 1.5e8;
 enum { MANY_SHIFTS = 600 };
 
 /* The same of a contact by itself, of which there may be many in an instant: what few steps more do
@@ -63,14 +64,15 @@ static int take(nsdae_fc_chain *c, double residual, const double *low)
   return value(c, residual);
 }
 
-/* The last digits from the best point on, by the data as given, in two parts where one does not
- * hold them: who takes one gets that, if it is the better one. creep, times: see precise.h. */
-static int refine_best(nsdae_fc_chain *c, int creep, int times)
+/* The last digits from a point on, by the data as given, in two parts where one does not hold them:
+ * who takes one gets that, if it is better than the best. creep, times: see precise.h. */
+static int refine(nsdae_fc_chain *c, const double *from, int creep, int times)
 {
-  memcpy(c->precise.high, c->best, nsdae_fc_bytes(c));
+  memcpy(c->precise.high, from, nsdae_fc_bytes(c));
   memset(c->precise.low, 0, nsdae_fc_bytes(c));
-  double before = nsdae_fc_precise_residual(&c->precise, &c->fc);
-  if (before <= c->tol) return value(c, before);
+  const double before = nsdae_fc_precise_residual(&c->precise, &c->fc);
+  if (from == c->best) value(c, before);
+  if (c->info.outcome == NSDAE_OUTCOME_SOLVED) return 1;
   nsdae_fc_interior *interior = c->patient && !c->fc.local ? &c->interior : NULL;
   double residual = nsdae_fc_precise_run(&c->precise, &c->newton, interior, c->tol, creep, times);
   c->info.iterations += c->newton.steps;
@@ -80,7 +82,7 @@ static int refine_best(nsdae_fc_chain *c, int creep, int times)
   if (c->seen.held && c->twice) return take(c, residual, c->precise.low);
   memset(c->precise.low, 0, nsdae_fc_bytes(c));
   residual = nsdae_fc_precise_residual(&c->precise, &c->fc);
-  return residual < before ? take(c, residual, NULL) : value(c, before);
+  return residual < c->info.residual && take(c, residual, NULL);
 }
 
 /* Whoever asks goes on from its own point, with its own steps. */
@@ -88,7 +90,7 @@ int nsdae_fc_precisely(nsdae_fc_chain *c)
 {
   const nsdae_fc_newton asks = c->newton;
   if (!(c->info.residual <= NSDAE_FC_NEARLY) || !nsdae_fc_ready(c)) return 0;
-  int found = refine_best(c, 0, 0);
+  int found = refine(c, c->best, 0, 0);
   c->newton = asks;
   return found;
 }
@@ -121,7 +123,8 @@ static int creeping_steps(const nsdae_fc_chain *c, int *few)
   return (int)fmin(many, fmax(0, CREPT / c->fc.n - c->seen.creeping));
 }
 
-/* In one part, and where that leaves few digits to be had in two. */
+/* In one part, and from where that ends in two, if it is nearer than before: the best point may be
+ * what rounding leaves of one that has no solution beside it. */
 static int creep_twice(nsdae_fc_chain *c)
 {
   int few, many = creeping_steps(c, &few);
@@ -130,11 +133,13 @@ static int creep_twice(nsdae_fc_chain *c)
   c->newton.most = many;
   const int near = nsdae_fc_residual(&c->fc, c->fc.r, c->fc.u) < NEAR;
   nsdae_fc_creep(&c->newton, near ? many : few, c->tol);
-  if (nsdae_fc_count(c, NSDAE_FRICTION_FURTHER) || nsdae_fc_arrived(c)) return 1;
-  const int nearer = c->info.residual <= NSDAE_FC_NEARLY && c->info.residual < 0.5 * c->seen.crept;
+  if (nsdae_fc_count(c, NSDAE_FRICTION_FURTHER)) return 1;
+  const double here = nsdae_fc_residual(&c->fc, c->fc.r, c->fc.u);
+  if (nsdae_fc_arrived(c)) return 1;
+  const int nearer = here <= NSDAE_FC_NEARLY && here < 0.5 * c->seen.crept;
   if (!c->patient || !nearer || !nsdae_fc_ready(c)) return 0;
-  c->seen.crept = c->info.residual;
-  return refine_best(c, few, many / few);
+  c->seen.crept = here;
+  return refine(c, c->fc.r, few, many / few);
 }
 
 int nsdae_fc_creep_on(nsdae_fc_chain *c)
@@ -230,19 +235,27 @@ static int shifts(nsdae_fc_chain *c)
 {
   if (c->fc.local) return 0;
   nsdae_fc_start_cold(c);
-  return nsdae_fc_conic(c, 0, MANY_SHIFTS, c->patient ? SHIFTED : budget(c) / 4,
+  return nsdae_fc_conic(c, NSDAE_FC_QUICKLY, MANY_SHIFTS, c->patient ? SHIFTED : budget(c) / 4,
                         NSDAE_FRICTION_FURTHER);
 }
 
-/* The same from the shift of the best point on; not where the caller counts sweeps or steps. */
+/* The same from the shift of the best point on. */
+static int walk_on(nsdae_fc_chain *c, int how, double most)
+{
+  memcpy(c->fc.r, c->best, nsdae_fc_bytes(c));
+  nsdae_fc_velocities(&c->fc, c->fc.r, c->fc.y, c->fc.u);
+  nsdae_fc_shift(&c->fc, c->slip);
+  c->seen.crept = INFINITY;
+  return nsdae_fc_conic(c, how, INT_MAX, most, NSDAE_FRICTION_FURTHER);
+}
+
+/* Most walks that lead to a solution do so soon, and the others stray: then a second one. Not where
+ * the caller counts sweeps or steps. */
 static int long_shifts(nsdae_fc_chain *c)
 {
   if (c->fc.local || c->info.residual <= NSDAE_FC_NEARLY) return 0;
   if (c->options->max_sweeps > 0 || c->options->max_iterations > 0) return 0;
-  memcpy(c->fc.r, c->best, nsdae_fc_bytes(c));
-  nsdae_fc_velocities(&c->fc, c->fc.r, c->fc.y, c->fc.u);
-  for (int k = 0; k < c->fc.n; k++) c->slip[k] = nsdae_fc_slip(&c->fc, k);
-  return nsdae_fc_conic(c, 1, INT_MAX, LONG_SHIFTED, NSDAE_FRICTION_FURTHER);
+  return walk_on(c, NSDAE_FC_EXACTLY, SOON) || walk_on(c, NSDAE_FC_RETURNING, LONG_SHIFTED - SOON);
 }
 
 /* Long curves; what is nearly solved lacks digits, which no other curve has. Dense factors cost n

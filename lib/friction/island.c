@@ -280,6 +280,11 @@ void nsdae_fc_response(const nsdae_fc *c, const double *dr, double *dy, double *
   for (int k = 0; k < c->n; k++) relative_velocity(c, k, 0, dr, c->local ? dr : dy, du);
 }
 
+void nsdae_fc_shift(const nsdae_fc *c, double *shift)
+{
+  for (int k = 0; k < c->n; k++) shift[k] = nsdae_fc_slip(c, k);
+}
+
 void nsdae_fc_impulse(const nsdae_fc *c, int k, const double *r, double x[3], double low[3])
 {
   for (int j = 0; j < 3; j++) {

@@ -83,6 +83,9 @@ void nsdae_fc_response(const nsdae_fc *fc, const double *dr, double *dy, double 
 /* Largest entry of the natural map, weighted: the residual of the public header. */
 double nsdae_fc_residual(const nsdae_fc *fc, const double *r, const double *u);
 
+/* The shift of the point whose velocities are fc->u: mu |u_T| of each item [n]. */
+void nsdae_fc_shift(const nsdae_fc *fc, double *shift);
+
 /* r of item k with the base, in two parts. */
 void nsdae_fc_impulse(const nsdae_fc *fc, int k, const double *r, double x[3], double low[3]);
 

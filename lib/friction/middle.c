@@ -74,7 +74,7 @@ static int through_the_middle(nsdae_fc_chain *c)
 {
   double least = INFINITY, tried = INFINITY;
   nsdae_fc_anderson_begin(&c->walked.shifts);
-  for (int k = 0; k < c->fc.n; k++) c->interior.shift[k] = nsdae_fc_slip(&c->fc, k);
+  nsdae_fc_shift(&c->fc, c->interior.shift);
   for (int k = 0, since = 0; k < MIDDLES && since < FRUITLESS; k++, since++) {
     if (!to_the_middle(c)) return 0;
     if (nsdae_fc_arrived(c)) return 1;

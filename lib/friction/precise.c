@@ -124,11 +124,6 @@ static void back_to_best(nsdae_fc_precise *p, const nsdae_fc *c)
   memcpy(p->low, p->best_low, bytes);
 }
 
-static void set_shift(nsdae_fc_interior *interior, const nsdae_fc *c)
-{
-  for (int k = 0; k < c->n; k++) interior->shift[k] = nsdae_fc_slip(c, k);
-}
-
 /* Through the middles of convex problems, each with the shift of the one before, and corrections
  * from each, as long as that leads to better points. */
 static void go_through_middles(nsdae_fc_precise *p, nsdae_fc_newton *s, nsdae_fc_interior *interior,
@@ -138,13 +133,13 @@ static void go_through_middles(nsdae_fc_precise *p, nsdae_fc_newton *s, nsdae_fc
   double least = *best;
   back_to_best(p, c);
   look(p, c);
-  set_shift(interior, c);
+  nsdae_fc_shift(c, interior->shift);
   for (int since = 0; since < FRUITLESS && tol < *best; since++) {
     s->most = s->steps + MIDDLE;
     if (!nsdae_fc_interior_run(interior, s)) return;
     add(p, c);
     judge(p, c, best);
-    set_shift(interior, c);
+    nsdae_fc_shift(c, interior->shift);
     for (int k = 0; k < CORRECTIONS && tol < *best; k++) {
       correct(p, s, STEPS, tol);
       judge(p, c, best);
