@@ -27,9 +27,9 @@ static const double SHORT = 0.1, SHORTEST = 1e-9;
  * is left alone, and that of a solution. */
 static const double SHARE = 0.99, REGULAR = 1e-13, END = 1e-16, SOLVED = 1e-6;
 
-/* a o b of the first point, its root: of warm starts, which are far enough inside for the shift to
- * be another one, and of cold ones. */
-static const double WARM[] = {1, 10, 1e2}, COLD[] = {1e2, 1e4};
+/* a o b of the first point, its root: of a warm start, and of colder ones. Warm ones further inside
+ * come through where the first does not, but break down earlier: at a residual of 1e-5, not 2e-6. */
+static const double WARM = 1, COLD[] = {1e2, 1e4};
 
 void nsdae_fc_interior_layout(nsdae_fc_interior *p, const nsdae_fc *fc, nsdae_arena *arena)
 {
@@ -374,16 +374,11 @@ static int run_from(nsdae_fc_interior *p, nsdae_fc_newton *s, double e)
 
 int nsdae_fc_interior_run(nsdae_fc_interior *p, nsdae_fc_newton *s)
 {
-  enum { WARMS = sizeof WARM / sizeof *WARM, ALL = WARMS + sizeof COLD / sizeof *COLD };
   const size_t bytes = 3 * (size_t)s->fc->n * sizeof *s->fc->r;
-  int found = 0;
-  memcpy(p->middle, s->fc->r, bytes);
-  for (int k = 0; k < ALL && !found; k++) {
-    if (k < WARMS)
-      memcpy(s->fc->r, p->middle, bytes);
-    else
-      memset(s->fc->r, 0, bytes);
-    found = run_from(p, s, k < WARMS ? WARM[k] : COLD[k - WARMS]);
+  int found = run_from(p, s, WARM);
+  for (size_t k = 0; k < sizeof COLD / sizeof *COLD && !found; k++) {
+    memset(s->fc->r, 0, bytes);
+    found = run_from(p, s, COLD[k]);
   }
   memcpy(p->middle, s->fc->r, bytes);
   return found;
