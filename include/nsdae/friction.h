@@ -108,9 +108,8 @@ NSDAE_API const char *nsdae_friction_stage_name(int stage);
  * (may be NULL) names the argument, its value and its bound. */
 NSDAE_API int nsdae_friction_check(const nsdae_friction_problem *problem, nsdae_error *error);
 
-/* Solves the problem; allocates its own memory. What nothing else solves may take twenty
- * minutes, unless options bound the sweeps and steps. Parts that share no block are solved one by
- * one.
+/* Solves the problem; allocates its own memory. What nothing else solves may take half an
+ * hour, unless options bound the sweeps and steps. Parts that share no block are solved one by one.
  *   problem  see above
  *   options  NULL: the defaults
  *   r [m]    in: a guess, with the stage NSDAE_FRICTION_WARM (zero: none; taken as zero where it
