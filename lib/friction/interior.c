@@ -27,9 +27,8 @@ static const double SHORT = 0.1, SHORTEST = 1e-9;
  * is left alone, and that of a solution. */
 static const double SHARE = 0.99, REGULAR = 1e-13, END = 1e-16, SOLVED = 1e-6;
 
-/* a o b of the first point, its root: of a warm start, and of colder ones. Warm ones further inside
- * come through where the first does not, but break down earlier: at a residual of 1e-5, not 2e-6.
- */
+/* a o b of the first point, its root: of a warm start, and of cold ones. Warm ones further inside
+ * break down earlier, at a residual of 1e-5, where r = 0 at 1e2 goes on to 2e-6. */
 static const double WARM = 1, COLD[] = {1e2, 1e4};
 
 void nsdae_fc_interior_layout(nsdae_fc_interior *p, const nsdae_fc *fc, nsdae_arena *arena)

@@ -85,6 +85,7 @@ def test_killed_and_taken_up(tmp_path):
     command = [sys.executable, "-c", PROGRAM, os.path.dirname(__file__), str(part)]
     with subprocess.Popen(command) as run:
         while not part.exists():
+            assert run.poll() is None, "ended before it wrote"
             time.sleep(0.01)
         time.sleep(0.3)
         run.send_signal(signal.SIGKILL)

@@ -12,7 +12,7 @@ skip() {
   skip "no Python 3.9 or later that makes environments (python3-venv)"
 "$python" -c 'import os, sysconfig as s, sys; sys.exit(not os.path.exists(os.path.join(s.get_paths()["include"], "Python.h")))' ||
   skip "no Python.h (python3-dev)"
-export PIP_RETRIES=10 PIP_DEFAULT_TIMEOUT=60 # an index that does not answer at once may yet
+export PIP_RETRIES=10 # an index that does not answer at once may yet
 rm -rf "$work"
 mkdir -p "$work"
 "$python" -m venv "$work/make"
