@@ -140,7 +140,7 @@ def test_compiled_callbacks_leave_the_gil_to_others(library):
     thread = threading.Thread(target=work)
     thread.start()
     longest, last = 0.0, time.perf_counter()
-    while not done.is_set():
+    while not done.is_set() and thread.is_alive():
         now = time.perf_counter()
         longest, last = max(longest, now - last), now
     thread.join()
