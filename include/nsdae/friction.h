@@ -163,9 +163,8 @@ NSDAE_API int nsdae_friction_residual_twice(const nsdae_friction_problem *proble
                                             const double *low, double *u, double *residual);
 
 /* A solver that keeps its memory and its symbolic factorisations from one problem to the next, for
- * steps: nothing is allocated for a problem no larger than those before, but where contacts that
- * lock each other are more than ever before. The last resort of nsdae_friction_solve is left
- * out. */
+ * steps: nothing is allocated for a problem no larger than those before. The last resort of
+ * nsdae_friction_solve is left out. */
 typedef struct nsdae_friction_solver nsdae_friction_solver;
 
 /* NSDAE_OK or NSDAE_E_MEMORY. */

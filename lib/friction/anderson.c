@@ -107,11 +107,14 @@ NSDAE_INLINED void extrapolate_lanes(nsdae_fc_anderson *s, nsdae_fc *c)
   }
   s->begun = 1;
   s->square = square;
+  s->left = 1;
   if (s->held == 0) return;
-  for (int k = 0; k < s->held; k++) product[k] = nsdae_lanes_dot(n, column(s->F, n, k), f);
-  solve_gram(s->held, s->gram, product);
-  subtract(n, s->G, s->held, product, c->r);
-  subtract(ny, s->Y, s->held, product, c->y);
+  for (int k = 0; k < s->held; k++)
+    s->share[k] = product[k] = nsdae_lanes_dot(n, column(s->F, n, k), f);
+  solve_gram(s->held, s->gram, s->share);
+  for (int k = 0; k < s->held; k++) s->left -= s->share[k] * product[k] / square;
+  subtract(n, s->G, s->held, s->share, c->r);
+  subtract(ny, s->Y, s->held, s->share, c->y);
 }
 
 NSDAE_DISPATCH("avx2", extrapolate, extrapolate_lanes, (nsdae_fc_anderson * s, nsdae_fc *c), (s, c))
@@ -119,4 +122,9 @@ NSDAE_DISPATCH("avx2", extrapolate, extrapolate_lanes, (nsdae_fc_anderson * s, n
 void nsdae_fc_anderson_extrapolate(nsdae_fc_anderson *s, nsdae_fc *c)
 {
   extrapolate(s, c);
+}
+
+void nsdae_fc_anderson_leave(nsdae_fc_anderson *s, const nsdae_fc *c)
+{
+  subtract(3 * c->n, s->F, s->held, s->share, s->before);
 }

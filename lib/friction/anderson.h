@@ -22,7 +22,9 @@ typedef struct nsdae_fc_anderson {
   double *f, *g, *y; /* 3 n, 3 n, ny: of the sweep before; y of g */
   double *F, *G, *Y; /* their differences, a column each of NSDAE_FC_WINDOW */
   double gram[NSDAE_FC_WINDOW * NSDAE_FC_WINDOW]; /* F^T F */
+  double share[NSDAE_FC_WINDOW];                  /* c: the part of each column that was taken */
   double square;                                  /* |f|^2 of the sweep before */
+  double left;                                    /* |f - F c|^2 / |f|^2 */
   int held, next;                                 /* columns; the one to be overwritten */
   int begun;                                      /* there was a sweep before */
 } nsdae_fc_anderson;
@@ -35,5 +37,7 @@ void nsdae_fc_anderson_begin(nsdae_fc_anderson *anderson);
 double nsdae_fc_anderson_sweep(nsdae_fc_anderson *anderson, nsdae_fc *fc, double *slip);
 /* r need not be inside. */
 void nsdae_fc_anderson_extrapolate(nsdae_fc_anderson *anderson, nsdae_fc *fc);
+/* What the extrapolation left of the sweep, f - F c, in before. Once after each. */
+void nsdae_fc_anderson_leave(nsdae_fc_anderson *anderson, const nsdae_fc *fc);
 
 #endif

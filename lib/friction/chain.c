@@ -8,12 +8,13 @@
 
 #include "cone.h"
 #include "conic.h"
+#include "drift.h"
 #include "further.h"
 #include "sweep.h"
 
 /* Sweeps between two looks at the residual; at the beginning; of a warm start, which is trapped
  * where so many have not halved the residual; accelerated ones. */
-enum { BETWEEN = 20, FEW = 100, WARM = 2000, TRAPPED = 600, SOON = 20, MANY = 20000 };
+enum { BETWEEN = 20, FEW = 100, WARM = 3000, TRAPPED = 1500, SOON = 20, MANY = 20000 };
 
 /* Plain sweeps where nothing else gets further: so many items swept, ten seconds or so, and at most
  * so many sweeps; they end where half of them have not halved the residual. */
@@ -22,10 +23,6 @@ enum { LONG = 30000 };
 
 /* Values of J that an item has as a rule, those of two bodies. */
 enum { VALUES = 36 };
-
-/* The sweeps of TRAPPED where what is locked is solved by itself then; how many times, and how many
- * of them in vain. */
-enum { LOCKED = 60, REGIONS = 8, IN_VAIN = 3 };
 
 /* Contacts up to which a factorisation costs less than the sweeps that it saves. */
 enum { SMALL = 24 };
@@ -114,9 +111,11 @@ int nsdae_fc_sweeps(nsdae_fc_chain *c, int most, int patience, int stage)
 }
 
 /* Sweeps by Anderson's method from fc->r on, judged where they seem to have got there, and now and
- * then; they end where so many have not halved what a sweep changes, or one changes nothing. */
+ * then; they end where so many have not halved what a sweep changes, or one changes nothing. From a
+ * guess drift is most of what is left, and is taken at a stride. */
 static int accelerated(nsdae_fc_chain *c, int most, int patience, int stage)
 {
+  const int strides = stage == NSDAE_FRICTION_WARM && c->tol >= NSDAE_FC_ROUGH;
   double mark = INFINITY;
   int since = 0, judged = 0, seen = 0;
   if (c->options->max_sweeps > 0 && c->options->max_sweeps < most) most = c->options->max_sweeps;
@@ -130,7 +129,9 @@ static int accelerated(nsdae_fc_chain *c, int most, int patience, int stage)
     }
     if (!(change > 0)) break;
     if (change <= 0.5 * mark) mark = change, since = 0;
-    if (done < most && since < patience - 1) nsdae_fc_anderson_extrapolate(&c->anderson, &c->fc);
+    if (done == most || since >= patience - 1) continue;
+    nsdae_fc_anderson_extrapolate(&c->anderson, &c->fc);
+    if (strides) nsdae_fc_drift(&c->anderson, &c->fc);
   }
   return nsdae_fc_judge(c, stage);
 }
@@ -208,43 +209,10 @@ int nsdae_fc_try_path(nsdae_fc_chain *c, double loose, int stage)
   return nsdae_fc_count(c, stage);
 }
 
-/* What keeps sweeps from an end, by itself: of two of them the second one shows what still moves.
- * 1: the island is solved; -1: that part was not. */
-static int solve_region(nsdae_fc_chain *c, int stage)
-{
-  double *before = c->anderson.before;
-  nsdae_fc_sweep(&c->fc, 1, c->slip);
-  memcpy(before, c->fc.r, nsdae_fc_bytes(c));
-  nsdae_fc_sweep(&c->fc, 1, c->slip);
-  c->info.sweeps += 2;
-  if (nsdae_fc_judge(c, stage)) return 1;
-  int found = nsdae_fc_region_solve(c->kept.region, &c->fc, before, c->tol, &c->info);
-  return found > 0 ? nsdae_fc_judge(c, stage) : found;
-}
-
-/* Sweeps over all, and Newton's method over what is locked, in turn. */
-static int by_regions(nsdae_fc_chain *c, int stage)
-{
-  int found = 0, failed = 0;
-  for (int k = 0; k < REGIONS && found <= 0 && failed < IN_VAIN; k++) {
-    found = accelerated(c, WARM, LOCKED, stage) ? 1 : solve_region(c, stage);
-    failed += found < 0;
-  }
-  return found > 0;
-}
-
-/* Not where the caller counts sweeps or steps: a region has its own. */
-static int has_regions(const nsdae_fc_chain *c)
-{
-  if (c->options->max_sweeps > 0 || c->options->max_iterations > 0) return 0;
-  return c->kept.region && !c->fc.local && c->tol >= NSDAE_FC_ROUGH && c->fc.n > SMALL;
-}
-
 /* Sweeps from fc->r on, the guess, whose y is current; it is looked at where they fail. */
 static int sweep_guess(nsdae_fc_chain *c)
 {
   memcpy(c->trap, c->fc.r, nsdae_fc_bytes(c));
-  if (has_regions(c) && by_regions(c, NSDAE_FRICTION_WARM)) return 1;
   if (accelerated(c, WARM, c->tol < NSDAE_FC_ROUGH ? SOON : TRAPPED, NSDAE_FRICTION_WARM)) return 1;
   memcpy(c->fc.r, c->trap, nsdae_fc_bytes(c));
   return nsdae_fc_judge(c, NSDAE_FRICTION_WARM);
@@ -263,7 +231,9 @@ static int from_guess(nsdae_fc_chain *c)
     memcpy(c->fc.r, c->best, nsdae_fc_bytes(c));
     nsdae_fc_sweep_begin(&c->fc);
   }
-  return sweep_guess(c) || nsdae_fc_try_proximal(c, 1e-5, 0, NSDAE_FRICTION_WARM);
+  if (sweep_guess(c)) return 1;
+  const int few = c->tol >= NSDAE_FC_ROUGH && c->fc.n > SMALL; /* cold sweeps cost less than more */
+  return nsdae_fc_try_proximal(c, 1e-5, few ? A_FEW : 0, NSDAE_FRICTION_WARM);
 }
 
 /* The largest impulse, as the residual sees it. */

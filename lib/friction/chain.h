@@ -8,7 +8,6 @@
 #include "interior.h"
 #include "polyhedral.h"
 #include "precise.h"
-#include "region.h"
 
 /* A tolerance that sweeps are likely to reach: asked for as 1e-6, less what rounding may take. */
 #define NSDAE_FC_ROUGH 0.99e-6
@@ -20,7 +19,6 @@
 typedef struct nsdae_fc_kept {
   nsdae_fc_proof *proof;
   nsdae_fc_matrix *matrix;
-  nsdae_fc_region *region; /* NULL: none are taken by themselves */
 } nsdae_fc_kept;
 
 /* What has been found out about the island so far. */

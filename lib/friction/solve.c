@@ -17,9 +17,7 @@ struct nsdae_friction_solver {
   nsdae_fc_whole whole;
   nsdae_fc_matrix matrix;
   nsdae_fc_proof proof;
-  nsdae_fc_region region;
   nsdae_fc_chain chain;
-  int inner;   /* solves regions, and has none */
   int patient; /* may take the minute of the last resort */
   int twice;   /* hands over solutions in two parts */
 };
@@ -51,13 +49,6 @@ int nsdae_friction_create(nsdae_friction_solver **solver)
   return *solver ? NSDAE_OK : NSDAE_E_MEMORY;
 }
 
-int nsdae_fc_create_inner(nsdae_friction_solver **solver)
-{
-  int status = nsdae_friction_create(solver);
-  if (status == NSDAE_OK) (*solver)->inner = 1;
-  return status;
-}
-
 void nsdae_friction_destroy(nsdae_friction_solver **solver)
 {
   if (!solver || !*solver) return;
@@ -65,7 +56,6 @@ void nsdae_friction_destroy(nsdae_friction_solver **solver)
   nsdae_arena_release(&(*solver)->island_memory);
   nsdae_fc_matrix_release(&(*solver)->matrix);
   nsdae_fc_proof_release(&(*solver)->proof);
-  nsdae_fc_region_release(&(*solver)->region);
   free(*solver);
   *solver = NULL;
 }
@@ -101,7 +91,6 @@ static int lay_out(nsdae_friction_solver *s, int island)
 {
   s->chain = (nsdae_fc_chain){.fc = {.whole = &s->whole, .label = island},
                               .kept = {.matrix = &s->matrix, .proof = &s->proof}};
-  s->chain.kept.region = s->inner ? NULL : &s->region;
   s->chain.patient = s->patient;
   s->chain.twice = s->twice;
   return nsdae_arena_fit(&s->island_memory, nsdae_fc_chain_layout, &s->chain);

@@ -14,7 +14,4 @@ int nsdae_fc_reserve(nsdae_friction_solver *solver, const nsdae_friction_problem
  */
 double nsdae_fc_speed(const nsdae_friction_solver *solver);
 
-/* As nsdae_friction_create, of one that takes no regions by themselves (region.h). */
-int nsdae_fc_create_inner(nsdae_friction_solver **solver);
-
 #endif

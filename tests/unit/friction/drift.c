@@ -1,0 +1,201 @@
+/* The stride along a drift: to the first change of state of those that drift much and no further,
+ * inside the cones, y with it; and none where sweeps do not drift. */
+#include "check.h"
+
+#include <nsdae/nsdae.h>
+#include <stdlib.h>
+
+#include "cone.h"
+#include "drift.h"
+#include "friction_families.h"
+
+#include "../linalg/random.h"
+
+enum { CONTACTS = 80, ENOUGH = 20, SEEDS = 200 };
+
+typedef struct island {
+  nsdae_arena whole_memory, memory;
+  nsdae_fc_whole whole;
+  nsdae_fc fc;
+  nsdae_fc_anderson anderson;
+  double *old, *way; /* 3 n: r before the stride, and along what */
+} island;
+
+static random_state draws = {11};
+
+static void lay_out(void *object, nsdae_arena *arena)
+{
+  island *s = object;
+  nsdae_fc_layout(&s->fc, arena);
+  nsdae_fc_anderson_layout(&s->anderson, &s->fc, arena);
+  s->old = NSDAE_ARENA_DOUBLES(arena, 3L * s->fc.n);
+  s->way = NSDAE_ARENA_DOUBLES(arena, 3L * s->fc.n);
+}
+
+/* A point of the cones: inside, on them, or zero. */
+static void draw_impulse(double mu, double *r)
+{
+  double angle = 4 * random_number(&draws), place = random_number(&draws);
+  double share = place > 0.2 ? 1 : 0.9 * fabs(random_number(&draws));
+  r[0] = place < -0.6 ? 0 : 0.1 + fabs(random_number(&draws));
+  r[1] = share * mu * r[0] * cos(angle);
+  r[2] = share * mu * r[0] * sin(angle);
+  nsdae_fc_project(mu, r);
+}
+
+/* At random impulses, with a drift of which every fourth item has a large part. */
+static void make(island *s, const friction_sample *sample)
+{
+  *s = (island){.whole = {.view.p = &sample->problem}};
+  assert_int_equal(nsdae_arena_fit(&s->whole_memory, nsdae_fc_whole_layout, &s->whole), NSDAE_OK);
+  assert_int_equal(nsdae_fc_whole_fill(&s->whole, NULL), NSDAE_OK);
+  s->fc = (nsdae_fc){.whole = &s->whole};
+  assert_int_equal(nsdae_arena_fit(&s->memory, lay_out, s), NSDAE_OK);
+  nsdae_fc *c = &s->fc;
+  double *zero = calloc((size_t)s->whole.view.m + 1, sizeof *zero);
+  nsdae_fc_fill(c, zero);
+  free(zero);
+  double size = pow(10, -1.5 + 1.5 * random_number(&draws));
+  for (int k = 0; k < c->n; k++) {
+    draw_impulse(c->items.mu[k], c->r + 3 * k);
+    for (int j = 0; j < 3; j++)
+      s->way[3 * k + j] = size * (k % 4 ? 0.01 : 1) * random_number(&draws) / c->items.weight[k];
+  }
+  size_t bytes = 3 * (size_t)c->n * sizeof *c->r;
+  memcpy(s->old, c->r, bytes);
+  nsdae_fc_anderson_begin(&s->anderson);
+  memcpy(s->anderson.before, s->way, bytes);
+  memset(s->anderson.share, 0, sizeof s->anderson.share);
+  s->anderson.held = NSDAE_FC_WINDOW;
+  s->anderson.begun = 1;
+  s->anderson.left = 1;
+  nsdae_fc_velocities(c, c->r, c->y, c->u);
+}
+
+static void release(island *s)
+{
+  nsdae_arena_release(&s->whole_memory);
+  nsdae_arena_release(&s->memory);
+}
+
+static double drift_of(const island *s, int k)
+{
+  double most = 0;
+  for (int j = 0; j < 3; j++) most = fmax(most, s->fc.items.weight[k] * fabs(s->way[3 * k + j]));
+  return most;
+}
+
+/* Whether item k is inside its cone after t sweeps, mu r_N - |r_T| >= 0. */
+static int inside(const island *s, int k, double t)
+{
+  double x[3], mu = s->fc.items.mu[k];
+  for (int j = 0; j < 3; j++) x[j] = s->old[3 * k + j] + t * s->way[3 * k + j];
+  return x[0] >= 0 && hypot(x[1], x[2]) <= mu * x[0];
+}
+
+/* Whether one of those that drift much has changed its state after t sweeps: opened, or, of those
+ * that did not slide, left its cone. */
+static int changed(const island *s, double t)
+{
+  double most = 0;
+  for (int k = 0; k < s->fc.n; k++) most = fmax(most, drift_of(s, k));
+  for (int k = 0; k < s->fc.n; k++) {
+    const double *r = s->old + 3 * k, mu = s->fc.items.mu[k];
+    if (drift_of(s, k) < 0.1 * most || !(r[0] > 0)) continue;
+    if (r[0] + t * s->way[3 * k] < 0) return 1;
+    if (hypot(r[1], r[2]) < 0.99 * mu * r[0] && !inside(s, k, t)) return 1;
+  }
+  return 0;
+}
+
+/* The sweeps of the stride, of the first item that went straight on; 0: there is none. */
+static double length(const island *s)
+{
+  for (int k = 0; k < s->fc.n; k++) {
+    const double *r = s->fc.r + 3 * k, *old = s->old + 3 * k, *way = s->way + 3 * k;
+    const double t = (r[0] - old[0]) / way[0];
+    if (t > 0 && fabs(r[1] - old[1] - t * way[1]) + fabs(r[2] - old[2] - t * way[2]) <= 1e-9)
+      return t;
+  }
+  return 0;
+}
+
+static void check_stride(const island *s)
+{
+  const nsdae_fc *c = &s->fc;
+  const double t = length(s);
+  double *y = calloc((size_t)c->ny, sizeof *y), *u = calloc(3 * (size_t)c->n, sizeof *u);
+  assert_true(t > 1 && t <= 300 * (1 + 1e-9));
+  assert_false(changed(s, 0.999 * t));
+  assert_true(changed(s, 1.001 * t) || t > 299.9);
+  for (int k = 0; k < c->n; k++) {
+    double x[3];
+    for (int j = 0; j < 3; j++) x[j] = s->old[3 * k + j] + t * s->way[3 * k + j];
+    nsdae_fc_project(c->items.mu[k], x);
+    for (int j = 0; j < 3; j++) assert_near(c->r[3 * k + j], x[j], 1e-9 * (1 + t * drift_of(s, k)));
+  }
+  nsdae_fc_velocities(c, c->r, y, u);
+  double most = 0;
+  for (int i = 0; i < c->ny; i++) most = fmax(most, fabs(y[i]));
+  for (int i = 0; i < c->ny; i++) assert_near(c->y[i], y[i], 1e-12 * most);
+  assert_int_equal(s->anderson.held, 0);
+  assert_int_equal(s->anderson.begun, 0);
+  free(y);
+  free(u);
+}
+
+static void test_strides(void **state)
+{
+  (void)state;
+  int strides = 0, far = 0;
+  for (unsigned seed = 0; seed < SEEDS; seed++) {
+    friction_sample sample = {0};
+    island s;
+    friction_sample_draw(&sample, (int)seed % FRICTION_FAMILIES, CONTACTS, seed);
+    make(&s, &sample);
+    nsdae_fc_drift(&s.anderson, &s.fc);
+    if (s.fc.n < ENOUGH) { /* a part of the sample, in which nobody may go straight on */
+      release(&s);
+      friction_sample_release(&sample);
+      continue;
+    }
+    if (memcmp(s.fc.r, s.old, 3 * (size_t)s.fc.n * sizeof *s.old) != 0) {
+      check_stride(&s);
+      strides++;
+      far += length(&s) > 10;
+    } else {
+      assert_true(changed(&s, 1.001)); /* too near to be worth it */
+    }
+    release(&s);
+    friction_sample_release(&sample);
+  }
+  print_message("%d strides, %d of more than ten sweeps\n", strides, far);
+  assert_true(strides > SEEDS / 4 && strides < SEEDS && far > 0);
+}
+
+/* Too few sweeps remembered, a sweep of which most was taken, or NaN. */
+static void test_no_drift(void **state)
+{
+  (void)state;
+  const double left[] = {1, 0.9, NAN};
+  for (int k = 0; k < 3; k++) {
+    friction_sample sample = {0};
+    island s;
+    friction_sample_draw(&sample, FRICTION_WALL, CONTACTS, 3);
+    make(&s, &sample);
+    int held = s.anderson.held -= k == 0;
+    s.anderson.left = left[k];
+    nsdae_fc_drift(&s.anderson, &s.fc);
+    assert_memory_equal(s.fc.r, s.old, 3 * (size_t)s.fc.n * sizeof *s.old);
+    assert_int_equal(s.anderson.held, held);
+    release(&s);
+    friction_sample_release(&sample);
+  }
+}
+
+int main(void)
+{
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_strides),
+                                     cmocka_unit_test(test_no_drift)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
