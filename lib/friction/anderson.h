@@ -18,13 +18,13 @@
 enum { NSDAE_FC_WINDOW = 4 };
 
 typedef struct nsdae_fc_anderson {
-  double *before;    /* 3 n: r before the sweep */
+  double *before;    /* 3 n: r before the sweep; after an extrapolation its change, f */
   double *f, *g, *y; /* 3 n, 3 n, ny: of the sweep before; y of g */
   double *F, *G, *Y; /* their differences, a column each of NSDAE_FC_WINDOW */
   double gram[NSDAE_FC_WINDOW * NSDAE_FC_WINDOW]; /* F^T F */
-  double share[NSDAE_FC_WINDOW];                  /* c: the part of each column that was taken */
+  double share[NSDAE_FC_WINDOW];                  /* held: c of the last extrapolation */
   double square;                                  /* |f|^2 of the sweep before */
-  double left;                                    /* |f - F c|^2 / |f|^2 */
+  double left;                                    /* its |f - F c|^2 / |f|^2 */
   int held, next;                                 /* columns; the one to be overwritten */
   int begun;                                      /* there was a sweep before */
 } nsdae_fc_anderson;

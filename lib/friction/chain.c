@@ -14,7 +14,7 @@
 
 /* Sweeps between two looks at the residual; at the beginning; of a warm start, which is trapped
  * where so many have not halved the residual; accelerated ones. */
-enum { BETWEEN = 20, FEW = 100, WARM = 3000, TRAPPED = 1500, SOON = 20, MANY = 20000 };
+enum { BETWEEN = 20, FEW = 100, WARM = 2000, TRAPPED = 600, SOON = 20, MANY = 20000 };
 
 /* Plain sweeps where nothing else gets further: so many items swept, ten seconds or so, and at most
  * so many sweeps; they end where half of them have not halved the residual. */
@@ -231,9 +231,7 @@ static int from_guess(nsdae_fc_chain *c)
     memcpy(c->fc.r, c->best, nsdae_fc_bytes(c));
     nsdae_fc_sweep_begin(&c->fc);
   }
-  if (sweep_guess(c)) return 1;
-  const int few = c->tol >= NSDAE_FC_ROUGH && c->fc.n > SMALL; /* cold sweeps cost less than more */
-  return nsdae_fc_try_proximal(c, 1e-5, few ? A_FEW : 0, NSDAE_FRICTION_WARM);
+  return sweep_guess(c) || nsdae_fc_try_proximal(c, 1e-5, 0, NSDAE_FRICTION_WARM);
 }
 
 /* The largest impulse, as the residual sees it. */

@@ -6,17 +6,19 @@
 #include "sweep.h"
 #include "vector.h"
 
-/* Sweeps drift where of the square of one this much is left. */
-static const double DRIFTS = 0.94;
+/* Sweeps drift where of the square of one this much is left. What only converges slowly leaves a
+ * little less. */
+static const double DRIFTS = 0.98;
 
 /* It goes on for so many sweeps at most, and not for less than one. */
 static const double FARTHEST = 300;
 
-/* Items that drift by less than this part of the most one are ignored: their state changes at every
+/* Items that drift by less than this part of the largest are ignored: their state changes at every
  * turn, and sweeps see to them. */
 static const double PART = 0.1;
 
-/* Whose mu^2 r_N^2 - |r_T|^2 is at most this part of mu^2 r_N^2 slides. */
+/* Whose mu^2 r_N^2 - |r_T|^2 is at most this part of mu^2 r_N^2 slides. Here r is extrapolated:
+ * some that slide are a little inside, and end the stride early. */
 static const double SLIDES = 1e-6;
 
 /* By how much item k drifts, as the residual sees it. */

@@ -38,13 +38,11 @@ static int solve(const nsdae_friction_problem *p, double *r, nsdae_friction_info
   return status;
 }
 
-/* Every force by up to so much of the largest. */
+/* Every force by up to so much of itself. */
 static void change_forces(friction_sample *s, double by, random_state *draws)
 {
-  double most = 0;
   int n = 0;
   for (int b = 0; b < s->problem.blocks; b++) n += s->problem.size[b];
-  for (int i = 0; i < n; i++) most = fmax(most, fabs(s->f[i]));
   for (int i = 0; i < n; i++) s->f[i] *= 1 + by * random_number(draws);
 }
 

@@ -8,6 +8,7 @@
 #include "cone.h"
 #include "drift.h"
 #include "friction_families.h"
+#include "sweep.h"
 
 #include "../linalg/random.h"
 
@@ -43,7 +44,7 @@ static void draw_impulse(double mu, double *r)
   nsdae_fc_project(mu, r);
 }
 
-/* At random impulses, with a drift of which every fourth item has a large part. */
+/* At random impulses, with a drift of which items have parts of any size. */
 static void make(island *s, const friction_sample *sample)
 {
   *s = (island){.whole = {.view.p = &sample->problem}};
@@ -59,7 +60,7 @@ static void make(island *s, const friction_sample *sample)
   for (int k = 0; k < c->n; k++) {
     draw_impulse(c->items.mu[k], c->r + 3 * k);
     for (int j = 0; j < 3; j++)
-      s->way[3 * k + j] = size * (k % 4 ? 0.01 : 1) * random_number(&draws) / c->items.weight[k];
+      s->way[3 * k + j] = size * pow(0.3, k % 4) * random_number(&draws) / c->items.weight[k];
   }
   size_t bytes = 3 * (size_t)c->n * sizeof *c->r;
   memcpy(s->old, c->r, bytes);
@@ -144,58 +145,140 @@ static void check_stride(const island *s)
   free(u);
 }
 
+/* 1 where r went on, 0 where the first change was too near. */
+static int stride(island *s)
+{
+  nsdae_fc_drift(&s->anderson, &s->fc);
+  if (s->fc.n < ENOUGH) return -1; /* a part of the sample: who goes straight on may be nobody */
+  if (memcmp(s->fc.r, s->old, 3 * (size_t)s->fc.n * sizeof *s->old) != 0) {
+    check_stride(s);
+    return 1;
+  }
+  assert_true(changed(s, 1.001));
+  return 0;
+}
+
 static void test_strides(void **state)
 {
   (void)state;
-  int strides = 0, far = 0;
+  int strides = 0, far = 0, none = 0;
   for (unsigned seed = 0; seed < SEEDS; seed++) {
     friction_sample sample = {0};
     island s;
     friction_sample_draw(&sample, (int)seed % FRICTION_FAMILIES, CONTACTS, seed);
     make(&s, &sample);
-    nsdae_fc_drift(&s.anderson, &s.fc);
-    if (s.fc.n < ENOUGH) { /* a part of the sample, in which nobody may go straight on */
-      release(&s);
-      friction_sample_release(&sample);
-      continue;
-    }
-    if (memcmp(s.fc.r, s.old, 3 * (size_t)s.fc.n * sizeof *s.old) != 0) {
-      check_stride(&s);
-      strides++;
-      far += length(&s) > 10;
-    } else {
-      assert_true(changed(&s, 1.001)); /* too near to be worth it */
-    }
+    int found = stride(&s);
+    strides += found == 1;
+    none += found == 0;
+    far += found == 1 && length(&s) > 10;
     release(&s);
     friction_sample_release(&sample);
   }
-  print_message("%d strides, %d of more than ten sweeps\n", strides, far);
-  assert_true(strides > SEEDS / 4 && strides < SEEDS && far > 0);
+  print_message("%d strides, %d of more than ten sweeps, %d too short\n", strides, far, none);
+  assert_true(strides > SEEDS / 4 && far > 0 && none > 0);
 }
 
-/* Too few sweeps remembered, a sweep of which most was taken, or NaN. */
+/* Too few sweeps remembered, a sweep of which much was taken, or NaN: none; and where all is as it
+ * should be, one. */
 static void test_no_drift(void **state)
 {
   (void)state;
-  const double left[] = {1, 0.9, NAN};
-  for (int k = 0; k < 3; k++) {
+  const double left[] = {1, 0.97, NAN, 0.99};
+  for (int k = 0; k < 4; k++) {
     friction_sample sample = {0};
     island s;
     friction_sample_draw(&sample, FRICTION_WALL, CONTACTS, 3);
+    draws.seed = 7;
     make(&s, &sample);
     int held = s.anderson.held -= k == 0;
     s.anderson.left = left[k];
     nsdae_fc_drift(&s.anderson, &s.fc);
-    assert_memory_equal(s.fc.r, s.old, 3 * (size_t)s.fc.n * sizeof *s.old);
-    assert_int_equal(s.anderson.held, held);
+    int same = memcmp(s.fc.r, s.old, 3 * (size_t)s.fc.n * sizeof *s.old) == 0;
+    assert_int_equal(same, k < 3);
+    assert_int_equal(s.anderson.held, k < 3 ? held : 0);
     release(&s);
     friction_sample_release(&sample);
   }
+}
+
+static double dot(int n, const double *a, const double *b)
+{
+  double sum = 0;
+  for (int i = 0; i < n; i++) sum += a[i] * b[i];
+  return sum;
+}
+
+/* x without its part along each of the columns, which are made orthogonal on the way. */
+static void leave_out(int n, int columns, double *A, double *x)
+{
+  for (int k = 0; k < columns; k++) {
+    double *a = A + (size_t)k * (size_t)n;
+    for (int pass = 0; pass < 2; pass++)
+      for (int j = 0; j < k; j++) {
+        const double *b = A + (size_t)j * (size_t)n, by = dot(n, a, b) / dot(n, b, b);
+        for (int i = 0; i < n; i++) a[i] -= by * b[i];
+      }
+    const double by = dot(n, a, x) / dot(n, a, a);
+    for (int i = 0; i < n; i++) x[i] -= by * a[i];
+  }
+}
+
+/* What is left of a sweep is what none of the differences of the sweeps before makes up. */
+static void check_left(island *s, int n, double *f[], int done)
+{
+  int held = s->anderson.held;
+  double *A = calloc((size_t)(held * n) + 1, sizeof *A), *x = calloc((size_t)n, sizeof *x);
+  for (int k = 0; k < held; k++)
+    for (int i = 0; i < n; i++) A[k * n + i] = f[done - k][i] - f[done - k - 1][i];
+  memcpy(x, f[done], (size_t)n * sizeof *x);
+  leave_out(n, held, A, x);
+  const double square = dot(n, f[done], f[done]);
+  assert_near(s->anderson.left, dot(n, x, x) / square, 1e-6);
+  nsdae_fc_anderson_leave(&s->anderson, &s->fc);
+  for (int i = 0; i < n; i++) assert_near(s->anderson.before[i], x[i], 1e-4 * sqrt(square));
+  free(A);
+  free(x);
+}
+
+/* Of real sweeps, whose f the test takes itself. */
+static void test_left(void **state)
+{
+  (void)state;
+  enum { SWEEPS = 30 };
+  int full = 0;
+  for (unsigned seed = 0; seed < 12; seed++) {
+    friction_sample sample = {0};
+    island s;
+    double *f[SWEEPS];
+    friction_sample_draw(&sample, (int)seed % FRICTION_FAMILIES, CONTACTS, seed);
+    make(&s, &sample);
+    const int n = 3 * s.fc.n;
+    int done = 0;
+    double *slip = calloc((size_t)s.fc.n, sizeof *slip);
+    nsdae_fc_sweep_begin(&s.fc);
+    nsdae_fc_anderson_begin(&s.anderson);
+    for (int k = 0; k < SWEEPS; k++) {
+      f[k] = calloc((size_t)n, sizeof *f[k]);
+      memcpy(s.old, s.fc.r, (size_t)n * sizeof *s.old);
+      nsdae_fc_anderson_sweep(&s.anderson, &s.fc, slip);
+      for (int i = 0; i < n; i++) f[k][i] = s.fc.r[i] - s.old[i];
+      done++;
+      if (!(dot(n, f[k], f[k]) > 1e-16)) break;
+      nsdae_fc_anderson_extrapolate(&s.anderson, &s.fc);
+      if (s.anderson.held > 0) check_left(&s, n, f, k);
+      full += s.anderson.held == NSDAE_FC_WINDOW;
+    }
+    for (int k = 0; k < done; k++) free(f[k]);
+    free(slip);
+    release(&s);
+    friction_sample_release(&sample);
+  }
+  assert_true(full > 50);
 }
 
 int main(void)
 {
   const struct CMUnitTest tests[] = {cmocka_unit_test(test_strides),
-                                     cmocka_unit_test(test_no_drift)};
+                                     cmocka_unit_test(test_no_drift), cmocka_unit_test(test_left)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
