@@ -44,6 +44,11 @@ if(NSDAE_HDF5)
   endif()
   nsdae_bench(friction ARGUMENTS ${piles} LINKS test_friction_families bench_friction_rival)
   target_compile_definitions(bench_friction PRIVATE _DEFAULT_SOURCE _POSIX_C_SOURCE=200809L)
+  set(sequence ${NSDAE_SHARED_DIR}/friction/seq_mixed_1000)
+  if(NOT IS_DIRECTORY ${sequence})
+    set(sequence)
+  endif()
+  nsdae_bench(warm ARGUMENTS ${sequence} LINKS test_friction_families test_friction_sequence)
 endif()
 
 # A step of one body beside that of another build, in instructions: bench/cost.sh, by hand.

@@ -12,7 +12,11 @@ if(NSDAE_HDF5)
   nsdae_unit_test(io friction_file)
   target_compile_definitions(test_unit_io_friction_file PRIVATE _POSIX_C_SOURCE=200809L)
   target_link_libraries(test_unit_io_friction_file PRIVATE nsdae_hdf5 test_friction_families)
-  nsdae_test(system friction_warm LINKS test_friction_families nsdae_hdf5)
+  # Consecutive steps of one system.
+  add_library(test_friction_sequence OBJECT support/friction_sequence.c)
+  target_include_directories(test_friction_sequence PUBLIC support)
+  target_link_libraries(test_friction_sequence PUBLIC nsdae_lib_static nsdae_hdf5)
+  nsdae_test(system friction_warm LINKS test_friction_families test_friction_sequence)
   target_compile_definitions(test_system_friction_warm PRIVATE
     NSDAE_SHARED_DIR="${NSDAE_SHARED_DIR}")
   if(NSDAE_SANITIZE)

@@ -448,6 +448,13 @@ void friction_sample_draw(friction_sample *s, int family, int contacts, unsigned
   p->value = s->value;
 }
 
+void friction_sample_change(friction_sample *s, double by)
+{
+  int n = 0;
+  for (int b = 0; b < s->problem.blocks; b++) n += s->problem.size[b];
+  for (int i = 0; i < n; i++) s->f[i] *= 1 + uniform(s, -by, by);
+}
+
 void friction_sample_release(friction_sample *s)
 {
   free(s->body);

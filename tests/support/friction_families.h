@@ -51,6 +51,10 @@ const char *friction_grip_name(int grip);
 void friction_sample_draw(friction_sample *s, int family, int contacts, unsigned long long seed);
 void friction_sample_release(friction_sample *s);
 
+/* Every force by so much of itself at most, drawn on by the seed: the same contacts an instant on.
+ */
+void friction_sample_change(friction_sample *s, double by);
+
 /* The residual of r + low (low NULL: of r), free of units, in quadruple precision where there is
  * such, else in long double: with d_c the mean of the diagonal of
  * W for contact c and s = max |q|, x = r d / s, y = (u + mu |u_T| e_N) / s, max |x - P_K(x - y)|.
