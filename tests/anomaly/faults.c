@@ -21,7 +21,8 @@
 
 #include "random_system.h"
 
-enum { STEPS = 40, AGAIN = 10, SECONDS = 5, RUNS = 500 };
+/* SECONDS of CPU: ten times the longest run, four times the longest under sanitizers. */
+enum { STEPS = 40, AGAIN = 10, SECONDS = 30, RUNS = 500 };
 
 enum outcome {
   FINE,

@@ -19,7 +19,8 @@
 
 #include "random_system.h"
 
-enum { STEPS = 100, SECONDS = 5, RUNS = 750, SHORTER = 16 };
+/* SECONDS of CPU: ten times the longest run, four times the longest under sanitizers. */
+enum { STEPS = 100, SECONDS = 30, RUNS = 750, SHORTER = 16 };
 
 enum outcome { FINE, WARNED, ENDED, GREW, SANK, WOLF, HANG, OUTCOMES };
 static const char *const outcome_names[OUTCOMES] = {"fine", "warned", "ended", "grew",

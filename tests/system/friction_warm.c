@@ -1,4 +1,4 @@
-/* A guess is never worse than none: seeded problems whose forces have changed a little, from the
+/* A guess helps: seeded problems whose forces have changed a little, from the
  * impulses of before, by a residual of the test's own; and ten consecutive steps of a pile under
  * gravity that was tilted, with far less work than from nothing (skipped where they are not
  * there). */
@@ -21,10 +21,10 @@ static const char SEQUENCE[] = NSDAE_SHARED_DIR "/friction/seq_mixed_1000";
 /* ROUNDING: what scaling changes of a residual (lib/friction/solve.c). */
 static const double TOL = 1e-4, ROUNDING = 1e-9;
 
-/* In sweeps: a Newton step costs less than a hundred of them. */
+/* In sweeps, one at least: a Newton step costs less than a hundred of them. */
 static double work(const nsdae_friction_info *info)
 {
-  return (double)info->sweeps + 100.0 * info->iterations;
+  return fmax(1, (double)info->sweeps + 100.0 * info->iterations);
 }
 
 static int solve(const nsdae_friction_problem *p, double *r, nsdae_friction_info *info)
@@ -38,10 +38,13 @@ static int solve(const nsdae_friction_problem *p, double *r, nsdae_friction_info
   return status;
 }
 
+/* Solved wherever it is from nothing, and with a tenth of the work as a rule: the geometric mean,
+ * since sums are those of the hardest one. Spheres take more than from nothing now and then, which
+ * is little. */
 static void test_changed(void **state)
 {
   (void)state;
-  double warm_work = 0, cold_work = 0;
+  double sum = 0;
   int solved = 0;
   for (int seed = 0; seed < SEEDS; seed++) {
     friction_sample s = {0};
@@ -57,16 +60,16 @@ static void test_changed(void **state)
       if (found == NSDAE_OK)
         assert_at_most(friction_sample_residual(&s, warm, NULL), TOL + ROUNDING);
       solved += found == NSDAE_OK;
-      warm_work += work(&info);
-      cold_work += work(&cold_info);
+      sum += log(work(&info) / work(&cold_info));
     }
     free(warm);
     free(cold);
     friction_sample_release(&s);
   }
-  print_message("%d of %d, work warm / cold %.3f\n", solved, SEEDS, warm_work / cold_work);
+  const double mean = exp(sum / solved);
+  print_message("%d of %d, work warm / cold %.3f\n", solved, SEEDS, mean);
   assert_true(solved >= 0.99 * SEEDS);
-  assert_true(warm_work < cold_work);
+  assert_at_most(mean, 0.25);
 }
 
 static void expect_solved(const friction_instant *s, const double *r)
