@@ -1,7 +1,6 @@
-/* A guess helps: seeded problems whose forces have changed a little, from the
- * impulses of before, by a residual of the test's own; and ten consecutive steps of a pile under
- * gravity that was tilted, with far less work than from nothing (skipped where they are not
- * there). */
+/* A guess helps: seeded problems whose forces have changed a little, from the impulses of before,
+ * by a residual of the test's own; and ten consecutive steps of a pile under gravity that was
+ * tilted, with far less work than from nothing (skipped where they are not there). */
 #include "check.h"
 
 #include <nsdae/nsdae.h>
