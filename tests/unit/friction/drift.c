@@ -8,6 +8,7 @@
 #include "cone.h"
 #include "drift.h"
 #include "friction_families.h"
+#include "sample_island.h"
 #include "sweep.h"
 
 #include "../linalg/random.h"
@@ -15,9 +16,8 @@
 enum { CONTACTS = 80, ENOUGH = 20, SEEDS = 200 };
 
 typedef struct island {
-  nsdae_arena whole_memory, memory;
-  nsdae_fc_whole whole;
-  nsdae_fc fc;
+  sample_island at;
+  nsdae_arena work;
   nsdae_fc_anderson anderson;
   double *old, *way; /* 3 n: r before the stride, and along what */
 } island;
@@ -27,10 +27,9 @@ static random_state draws = {11};
 static void lay_out(void *object, nsdae_arena *arena)
 {
   island *s = object;
-  nsdae_fc_layout(&s->fc, arena);
-  nsdae_fc_anderson_layout(&s->anderson, &s->fc, arena);
-  s->old = NSDAE_ARENA_DOUBLES(arena, 3L * s->fc.n);
-  s->way = NSDAE_ARENA_DOUBLES(arena, 3L * s->fc.n);
+  nsdae_fc_anderson_layout(&s->anderson, &s->at.fc, arena);
+  s->old = NSDAE_ARENA_DOUBLES(arena, 3L * s->at.fc.n);
+  s->way = NSDAE_ARENA_DOUBLES(arena, 3L * s->at.fc.n);
 }
 
 /* A point of the cones: inside, on them, or zero. */
@@ -47,15 +46,10 @@ static void draw_impulse(double mu, double *r)
 /* At random impulses, with a drift of which items have parts of any size. */
 static void make(island *s, const friction_sample *sample)
 {
-  *s = (island){.whole = {.view.p = &sample->problem}};
-  assert_int_equal(nsdae_arena_fit(&s->whole_memory, nsdae_fc_whole_layout, &s->whole), NSDAE_OK);
-  assert_int_equal(nsdae_fc_whole_fill(&s->whole, NULL), NSDAE_OK);
-  s->fc = (nsdae_fc){.whole = &s->whole};
-  assert_int_equal(nsdae_arena_fit(&s->memory, lay_out, s), NSDAE_OK);
-  nsdae_fc *c = &s->fc;
-  double *zero = calloc((size_t)s->whole.view.m + 1, sizeof *zero);
-  nsdae_fc_fill(c, zero);
-  free(zero);
+  *s = (island){.old = NULL};
+  sample_island_make(&s->at, sample);
+  assert_int_equal(nsdae_arena_fit(&s->work, lay_out, s), NSDAE_OK);
+  nsdae_fc *c = &s->at.fc;
   double size = pow(10, -1.5 + 1.5 * random_number(&draws));
   for (int k = 0; k < c->n; k++) {
     draw_impulse(c->items.mu[k], c->r + 3 * k);
@@ -75,21 +69,21 @@ static void make(island *s, const friction_sample *sample)
 
 static void release(island *s)
 {
-  nsdae_arena_release(&s->whole_memory);
-  nsdae_arena_release(&s->memory);
+  nsdae_arena_release(&s->work);
+  sample_island_release(&s->at);
 }
 
 static double drift_of(const island *s, int k)
 {
   double most = 0;
-  for (int j = 0; j < 3; j++) most = fmax(most, s->fc.items.weight[k] * fabs(s->way[3 * k + j]));
+  for (int j = 0; j < 3; j++) most = fmax(most, s->at.fc.items.weight[k] * fabs(s->way[3 * k + j]));
   return most;
 }
 
 /* Whether item k is inside its cone after t sweeps, mu r_N - |r_T| >= 0. */
 static int inside(const island *s, int k, double t)
 {
-  double x[3], mu = s->fc.items.mu[k];
+  double x[3], mu = s->at.fc.items.mu[k];
   for (int j = 0; j < 3; j++) x[j] = s->old[3 * k + j] + t * s->way[3 * k + j];
   return x[0] >= 0 && hypot(x[1], x[2]) <= mu * x[0];
 }
@@ -99,9 +93,9 @@ static int inside(const island *s, int k, double t)
 static int changed(const island *s, double t)
 {
   double most = 0;
-  for (int k = 0; k < s->fc.n; k++) most = fmax(most, drift_of(s, k));
-  for (int k = 0; k < s->fc.n; k++) {
-    const double *r = s->old + 3 * k, mu = s->fc.items.mu[k];
+  for (int k = 0; k < s->at.fc.n; k++) most = fmax(most, drift_of(s, k));
+  for (int k = 0; k < s->at.fc.n; k++) {
+    const double *r = s->old + 3 * k, mu = s->at.fc.items.mu[k];
     if (drift_of(s, k) < 0.1 * most || !(r[0] > 0)) continue;
     if (r[0] + t * s->way[3 * k] < 0) return 1;
     if (hypot(r[1], r[2]) < 0.99 * mu * r[0] && !inside(s, k, t)) return 1;
@@ -112,8 +106,8 @@ static int changed(const island *s, double t)
 /* The sweeps of the stride, of the first item that went straight on; 0: there is none. */
 static double length(const island *s)
 {
-  for (int k = 0; k < s->fc.n; k++) {
-    const double *r = s->fc.r + 3 * k, *old = s->old + 3 * k, *way = s->way + 3 * k;
+  for (int k = 0; k < s->at.fc.n; k++) {
+    const double *r = s->at.fc.r + 3 * k, *old = s->old + 3 * k, *way = s->way + 3 * k;
     const double t = (r[0] - old[0]) / way[0];
     if (t > 0 && fabs(r[1] - old[1] - t * way[1]) + fabs(r[2] - old[2] - t * way[2]) <= 1e-9)
       return t;
@@ -123,7 +117,7 @@ static double length(const island *s)
 
 static void check_stride(const island *s)
 {
-  const nsdae_fc *c = &s->fc;
+  const nsdae_fc *c = &s->at.fc;
   const double t = length(s);
   double *y = calloc((size_t)c->ny, sizeof *y), *u = calloc(3 * (size_t)c->n, sizeof *u);
   assert_true(t > 1 && t <= 300 * (1 + 1e-9));
@@ -148,9 +142,9 @@ static void check_stride(const island *s)
 /* 1 where r went on, 0 where the first change was too near. */
 static int stride(island *s)
 {
-  nsdae_fc_drift(&s->anderson, &s->fc);
-  if (s->fc.n < ENOUGH) return -1; /* a part of the sample: who goes straight on may be nobody */
-  if (memcmp(s->fc.r, s->old, 3 * (size_t)s->fc.n * sizeof *s->old) != 0) {
+  nsdae_fc_drift(&s->anderson, &s->at.fc);
+  if (s->at.fc.n < ENOUGH) return -1; /* a part of the sample: who goes straight on may be nobody */
+  if (memcmp(s->at.fc.r, s->old, 3 * (size_t)s->at.fc.n * sizeof *s->old) != 0) {
     check_stride(s);
     return 1;
   }
@@ -192,8 +186,8 @@ static void test_no_drift(void **state)
     make(&s, &sample);
     int held = s.anderson.held -= k == 0;
     s.anderson.left = left[k];
-    nsdae_fc_drift(&s.anderson, &s.fc);
-    int same = memcmp(s.fc.r, s.old, 3 * (size_t)s.fc.n * sizeof *s.old) == 0;
+    nsdae_fc_drift(&s.anderson, &s.at.fc);
+    int same = memcmp(s.at.fc.r, s.old, 3 * (size_t)s.at.fc.n * sizeof *s.old) == 0;
     assert_int_equal(same, k < 3);
     assert_int_equal(s.anderson.held, k < 3 ? held : 0);
     release(&s);
@@ -234,7 +228,7 @@ static void check_left(island *s, int n, double *f[], int done)
   leave_out(n, held, A, x);
   const double square = dot(n, f[done], f[done]);
   assert_near(s->anderson.left, dot(n, x, x) / square, 1e-6);
-  nsdae_fc_anderson_leave(&s->anderson, &s->fc);
+  nsdae_fc_anderson_leave(&s->anderson, &s->at.fc);
   for (int i = 0; i < n; i++) assert_near(s->anderson.before[i], x[i], 1e-4 * sqrt(square));
   free(A);
   free(x);
@@ -252,19 +246,19 @@ static void test_left(void **state)
     double *f[SWEEPS];
     friction_sample_draw(&sample, (int)seed % FRICTION_FAMILIES, CONTACTS, seed);
     make(&s, &sample);
-    const int n = 3 * s.fc.n;
+    const int n = 3 * s.at.fc.n;
     int done = 0;
-    double *slip = calloc((size_t)s.fc.n, sizeof *slip);
-    nsdae_fc_sweep_begin(&s.fc);
+    double *slip = calloc((size_t)s.at.fc.n, sizeof *slip);
+    nsdae_fc_sweep_begin(&s.at.fc);
     nsdae_fc_anderson_begin(&s.anderson);
     for (int k = 0; k < SWEEPS; k++) {
       f[k] = calloc((size_t)n, sizeof *f[k]);
-      memcpy(s.old, s.fc.r, (size_t)n * sizeof *s.old);
-      nsdae_fc_anderson_sweep(&s.anderson, &s.fc, slip);
-      for (int i = 0; i < n; i++) f[k][i] = s.fc.r[i] - s.old[i];
+      memcpy(s.old, s.at.fc.r, (size_t)n * sizeof *s.old);
+      nsdae_fc_anderson_sweep(&s.anderson, &s.at.fc, slip);
+      for (int i = 0; i < n; i++) f[k][i] = s.at.fc.r[i] - s.old[i];
       done++;
       if (!(dot(n, f[k], f[k]) > 1e-16)) break;
-      nsdae_fc_anderson_extrapolate(&s.anderson, &s.fc);
+      nsdae_fc_anderson_extrapolate(&s.anderson, &s.at.fc);
       if (s.anderson.held > 0) check_left(&s, n, f, k);
       full += s.anderson.held == NSDAE_FC_WINDOW;
     }

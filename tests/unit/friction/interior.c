@@ -11,6 +11,7 @@
 #include "cone.h"
 #include "friction_families.h"
 #include "interior.h"
+#include "sample_island.h"
 
 enum { CONTACTS = 200, SEEDS = 24 };
 
@@ -21,9 +22,8 @@ static const double ALPHA = 1e-10;
 static const double EDGE = 8 * DBL_EPSILON;
 
 typedef struct equations {
-  nsdae_arena whole_memory, memory, work;
-  nsdae_fc_whole whole;
-  nsdae_fc fc;
+  sample_island at;
+  nsdae_arena work;
   nsdae_fc_matrix matrix;
   nsdae_fc_newton newton;
   nsdae_fc_interior interior;
@@ -34,55 +34,48 @@ static void lay_out(void *object, nsdae_arena *arena)
 {
   equations *s = object;
   nsdae_fc_newton_layout(&s->newton, arena);
-  nsdae_fc_interior_layout(&s->interior, &s->fc, arena);
-  s->b = NSDAE_ARENA_DOUBLES(arena, 3L * s->fc.n);
-  s->dr = NSDAE_ARENA_DOUBLES(arena, 3L * s->fc.n);
+  nsdae_fc_interior_layout(&s->interior, &s->at.fc, arena);
+  s->b = NSDAE_ARENA_DOUBLES(arena, 3L * s->at.fc.n);
+  s->dr = NSDAE_ARENA_DOUBLES(arena, 3L * s->at.fc.n);
 }
 
 static void make(equations *s, const friction_sample *sample)
 {
-  double *r = calloc(3 * (size_t)sample->problem.contacts, sizeof *r);
-  *s = (equations){.whole = {.view.p = &sample->problem}};
-  assert_int_equal(nsdae_arena_fit(&s->whole_memory, nsdae_fc_whole_layout, &s->whole), NSDAE_OK);
-  assert_int_equal(nsdae_fc_whole_fill(&s->whole, NULL), NSDAE_OK);
-  s->fc = (nsdae_fc){.whole = &s->whole};
-  assert_int_equal(nsdae_arena_fit(&s->memory, nsdae_fc_layout, &s->fc), NSDAE_OK);
-  nsdae_fc_fill(&s->fc, r);
-  assert_int_equal(nsdae_fc_matrix_analyse(&s->matrix, &s->fc), NSDAE_OK);
-  s->newton = (nsdae_fc_newton){.fc = &s->fc, .matrix = &s->matrix};
+  *s = (equations){.b = NULL};
+  sample_island_make(&s->at, sample);
+  assert_int_equal(nsdae_fc_matrix_analyse(&s->matrix, &s->at.fc), NSDAE_OK);
+  s->newton = (nsdae_fc_newton){.fc = &s->at.fc, .matrix = &s->matrix};
   assert_int_equal(nsdae_arena_fit(&s->work, lay_out, s), NSDAE_OK);
-  free(r);
 }
 
 static void release(equations *s)
 {
   nsdae_fc_matrix_release(&s->matrix);
   nsdae_arena_release(&s->work);
-  nsdae_arena_release(&s->memory);
-  nsdae_arena_release(&s->whole_memory);
+  sample_island_release(&s->at);
 }
 
 /* A few items open, E = 1 and A = 0, and the others locked, E = ALPHA and A = 1; b what impulses in
  * them do. */
 static void draw(equations *s, random_state *draws)
 {
-  const int m = 3 * s->fc.n;
-  memset(s->newton.E, 0, 9 * (size_t)s->fc.n * sizeof *s->newton.E);
-  memset(s->newton.A, 0, 9 * (size_t)s->fc.n * sizeof *s->newton.A);
+  const int m = 3 * s->at.fc.n;
+  memset(s->newton.E, 0, 9 * (size_t)s->at.fc.n * sizeof *s->newton.E);
+  memset(s->newton.A, 0, 9 * (size_t)s->at.fc.n * sizeof *s->newton.A);
   for (int i = 0; i < m; i++) {
     const int open = i / 3 % 5 == 0, at = 9 * (i / 3) + 4 * (i % 3);
     s->newton.E[at] = open ? 1 : ALPHA;
     s->newton.A[at] = !open;
     s->dr[i] = open ? 0 : random_number(draws);
   }
-  nsdae_fc_response(&s->fc, s->dr, s->newton.y, s->b);
+  nsdae_fc_response(&s->at.fc, s->dr, s->newton.y, s->b);
   for (int i = 0; i < m; i++) s->b[i] *= i / 3 % 5 != 0;
 }
 
 /* Largest entry of b - E dr - A J^T J dr. */
 static double rest(const equations *s)
 {
-  const nsdae_fc *c = &s->fc;
+  const nsdae_fc *c = &s->at.fc;
   long double *y = calloc((size_t)c->ny, sizeof *y), most = 0;
   for (int k = 0; k < c->n; k++)
     for (int e = c->parts.first[k]; e < c->parts.first[k + 1]; e++) {
@@ -134,7 +127,7 @@ static void test_refined(void **state)
  * as it is defined. */
 static double convex_residual(const equations *s, int k)
 {
-  const nsdae_fc *c = &s->fc;
+  const nsdae_fc *c = &s->at.fc;
   const int cone = c->items.kind[k] == NSDAE_FC_CONE;
   const double *r = c->r + 3 * k, *u = c->u + 3 * k, mu = cone ? c->items.mu[k] : 0;
   double z[3] = {r[0] - u[0] - (cone ? s->interior.shift[k] : 0), cone ? r[1] - u[1] : 0,
@@ -161,7 +154,7 @@ static double allowed(const equations *s, int k)
     product += a[i] * b[i];
     gap += s->interior.gap[3 * k + i] * s->interior.gap[3 * k + i];
   }
-  moved = EDGE * (2 * s->fc.r[3 * k] + fabs(s->fc.u[3 * k]) + s->interior.shift[k]);
+  moved = EDGE * (2 * s->at.fc.r[3 * k] + fabs(s->at.fc.u[3 * k]) + s->interior.shift[k]);
   return sqrt(product) + sqrt(gap) + moved;
 }
 
@@ -174,14 +167,14 @@ static int in_cone(const double *x)
 static double check_convex(const equations *s)
 {
   double worst = 0, sum = 0;
-  for (int k = 0; k < s->fc.n; k++) {
+  for (int k = 0; k < s->at.fc.n; k++) {
     const double *a = s->interior.a + 3 * k, *b = s->interior.b + 3 * k;
     assert_true(in_cone(a) && in_cone(b));
     assert_at_most(convex_residual(s, k), allowed(s, k));
     worst = fmax(worst, convex_residual(s, k));
     for (int i = 0; i < 3; i++) sum += a[i] * b[i];
   }
-  assert_at_most(sum / s->fc.n, 1e-6);
+  assert_at_most(sum / s->at.fc.n, 1e-6);
   return worst;
 }
 
@@ -200,7 +193,7 @@ static void test_convex(void **state)
     friction_sample_draw(&sample, seed % FRICTION_FAMILIES, CONTACTS, (unsigned)seed + 1);
     make(&s, &sample);
     for (int again = 0; again < 3; again++) {
-      for (int k = 0; k < s.fc.n; k++)
+      for (int k = 0; k < s.at.fc.n; k++)
         s.interior.shift[k] = again == 0 ? 0 : fabs(random_number(&draws));
       s.newton.steps = 0;
       s.newton.most = 300;
