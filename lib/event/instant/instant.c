@@ -52,10 +52,10 @@ static void sort_found(nsdae_event_instant *p, const double *y)
   for (int i = 0; i < d->k; i++) {
     const nsdae_event_root *root = nsdae_event_root_of(p->roots, NSDAE_ROOT_NORMAL, i);
     int closed = m->contact[i] != NSDAE_MODE_OPEN;
-    int undecided = closed && root->state == NSDAE_ROOT_MASKED && y[at->normal + i] > 0;
+    int presses = closed && nsdae_event_undecided(phase, root) && y[at->normal + i] > 0;
     is->touching[i] = closed || root->found;
     is->candidate[i] = closed;
-    is->released[i] = closed && root->found && !undecided;
+    is->released[i] = closed && root->found && !presses;
     is->stopped[i] = nsdae_event_root_of(p->roots, NSDAE_ROOT_TANGENT, i)->found;
     is->breakaway[i] = breaks_away(p->roots, y, i);
     if (is->breakaway[i])

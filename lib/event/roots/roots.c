@@ -36,6 +36,18 @@ static int contact_rubs(const nsdae_event_phase *p, int i)
   return p->modes.contact[i] == NSDAE_MODE_SLIDE && p->setting->system->contact[i].mu > 0;
 }
 
+int nsdae_event_undecided(const nsdae_event_phase *p, const nsdae_event_root *root)
+{
+  int i = root->index, nt = p->setting->system->dims.nt;
+  if (root->kind == NSDAE_ROOT_SIGN || root->kind == NSDAE_ROOT_JAM) return 0;
+  if (root->kind == NSDAE_ROOT_SLIP)
+    return p->modes.slide[i] == NSDAE_MODE_SLIDE && p->modes.slide_sense[i] == 0;
+  if (!contact_rubs(p, i)) return 0;
+  for (int j = i * nt; j < (i + 1) * nt; j++)
+    if (p->modes.direction[j] != 0) return 0;
+  return 1;
+}
+
 /* d . v_T of contact i; with an acceleration and omega in their place, its rate. */
 static double along_direction(const nsdae_event_phase *p, const nsdae_terms *T, int i,
                               const double *w, const double *v)
@@ -47,6 +59,13 @@ static double along_direction(const nsdae_event_phase *p, const nsdae_terms *T, 
   return along;
 }
 
+/* Closed without a force: one that starts at zero and falls is never above zero, and one that rises
+ * needs a direction. */
+static int is_powerless(const nsdae_event_phase *p, const nsdae_event_root *root)
+{
+  return root->kind == NSDAE_ROOT_NORMAL && nsdae_event_undecided(p, root);
+}
+
 /* The function as it is. */
 static double value_of(const nsdae_event_phase *p, const nsdae_terms *T, const double *y,
                        const nsdae_event_root *root)
@@ -55,6 +74,7 @@ static double value_of(const nsdae_event_phase *p, const nsdae_terms *T, const d
   const nsdae_event_modes *m = &p->modes;
   const nsdae_event_places *at = &p->setting->at;
   int i = root->index;
+  if (is_powerless(p, root)) return root->size - fabs(y[at->normal + i]);
   if (root->kind == NSDAE_ROOT_NORMAL)
     return m->contact[i] == NSDAE_MODE_OPEN ? T->gap[i] : y[at->normal + i];
   if (root->kind == NSDAE_ROOT_TANGENT)
@@ -105,26 +125,14 @@ static double rising(const nsdae_event_root *root, double t, double value, doubl
   return t - root->since > least ? (value - root->start) / (t - root->since) : root->rate;
 }
 
-/* A contact or slide that got a direction to slide in only now. */
-static int undecided(const nsdae_event_phase *p, const nsdae_event_root *root)
-{
-  int i = root->index, nt = p->setting->system->dims.nt;
-  if (root->kind == NSDAE_ROOT_SIGN || root->kind == NSDAE_ROOT_JAM) return 0;
-  if (root->kind == NSDAE_ROOT_SLIP)
-    return p->modes.slide[i] == NSDAE_MODE_SLIDE && p->modes.slide_sense[i] == 0;
-  if (!contact_rubs(p, i)) return 0;
-  for (int j = i * nt; j < (i + 1) * nt; j++)
-    if (p->modes.direction[j] != 0) return 0;
-  return 1;
-}
-
 /* A velocity of sliding that is zero to rounding has no direction yet to be measured along: it is
  * out of the set until it has. */
 static int is_out(const nsdae_event_phase *p, const nsdae_event_root *root)
 {
   int masked = root->state == NSDAE_ROOT_MASKED;
   int slips = root->kind == NSDAE_ROOT_TANGENT && p->modes.contact[root->index] == NSDAE_MODE_SLIDE;
-  return root->state == NSDAE_ROOT_OFF || undecided(p, root) || (masked && slips);
+  return root->state == NSDAE_ROOT_OFF || (masked && slips) ||
+         (nsdae_event_undecided(p, root) && !is_powerless(p, root));
 }
 
 int nsdae_event_root_values(nsdae_event_roots *r, double t, const double *y, double *g)
@@ -209,8 +217,12 @@ static void start(const nsdae_event_phase *p, nsdae_event_root *root, double t, 
   root->state = NSDAE_ROOT_OFF;
   root->rate = 1;
   if (is_off(p, root)) return;
+  if (is_powerless(p, root))
+    root->size = fmax(force_size(p->setting, y), 2 * fabs(y[p->setting->at.normal + i]));
   double value = value_of(p, T, y, root);
-  if (root->kind == NSDAE_ROOT_JAM)
+  if (is_powerless(p, root))
+    root->state = NSDAE_ROOT_LIVE;
+  else if (root->kind == NSDAE_ROOT_JAM)
     root->state = NSDAE_ROOT_LIVE, root->rate = value < 0 ? -1 : 1, root->start = fabs(value);
   else if (root->kind == NSDAE_ROOT_NORMAL && mode == NSDAE_MODE_OPEN)
     start_root(p, root, t, value, nsdae_terms_normal_rate(T, i, T->v),
@@ -233,12 +245,10 @@ int nsdae_event_set_roots(nsdae_event_roots *r, double t, const double *y, const
   return status;
 }
 
-/* How far an undecided one is from zero: the normal force, or the speed of sliding. */
-static double undecided_value(const nsdae_event_phase *p, const double *y,
-                              const nsdae_event_root *root)
+/* How fast an undecided one slides. */
+static double undecided_speed(const nsdae_event_phase *p, const nsdae_event_root *root)
 {
   const nsdae_terms *T = p->setting->here;
-  if (root->kind == NSDAE_ROOT_NORMAL) return y[p->setting->at.normal + root->index];
   if (root->kind == NSDAE_ROOT_TANGENT) return nsdae_terms_slip(T, root->index, T->v);
   return fabs(nsdae_terms_slide_rate(T, root->index, T->v));
 }
@@ -246,7 +256,7 @@ static double undecided_value(const nsdae_event_phase *p, const double *y,
 /* A masked function after a step: 1 where it asks for an instant. */
 static int watch(const nsdae_event_phase *p, const double *y, nsdae_event_root *root)
 {
-  if (undecided(p, root)) return root->moved = undecided_value(p, y, root) > root->size;
+  if (nsdae_event_undecided(p, root)) return root->moved = undecided_speed(p, root) > root->size;
   double value = value_of(p, p->setting->here, y, root);
   if (value > root->size) root->state = NSDAE_ROOT_LIVE;
   return value < -root->size;

@@ -1,6 +1,7 @@
 /* The functions whose falls through zero end a phase, each above zero while its mode holds:
  *
- *   normal     open: g_N, the gap closes;  closed: F_N, the contact lets go
+ *   normal     open: g_N, the gap closes;  closed: F_N, the contact lets go; closed without a
+ *              force and a direction to slide in: zero - |F_N|, the force leaves zero
  *   tangent    sliding: d . v_T, it stops; with two directions d is that after the last step
  *              sticking: mu F_N - |F_T|, friction is used up
  *   sign       of a slide: s lambda, lambda changes sign
@@ -61,6 +62,10 @@ static inline nsdae_event_root *nsdae_event_root_of(const nsdae_event_roots *roo
   int first[] = {0, d->k, 2 * d->k, 3 * d->k, 3 * d->k + d->f};
   return roots->entry + first[kind] + index;
 }
+
+/* Whether the contact or slide of this root has no direction to slide in yet. Its normal force is
+ * zero then, and leaves zero to either side. */
+int nsdae_event_undecided(const nsdae_event_phase *phase, const nsdae_event_root *root);
 
 /* g [count] at y [n]; 0, or -1 where it could not be evaluated. */
 int nsdae_event_root_values(nsdae_event_roots *roots, double t, const double *y, double *g);
