@@ -2,6 +2,7 @@
  * closes, opens, sticks or slips, which its root functions find; there the laws of impact and
  * contact decide how it goes on. dt is how often the state is recorded, by the integrator's own
  * interpolation, and its longest step. */
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -270,6 +271,27 @@ static int explain(event *e, int status)
   return integrator_failed(e, status, e->integrator.ahead);
 }
 
+/* No step of the integrator is short enough at t, where its y is: a gap may have a kink just ahead.
+ * The least step of Euler from which one is seen is taken, at the same time: (q, v) + h (q', v').
+ * Returns 1 where it is, else 0. */
+static int cross_kink(event *e, double t)
+{
+  nsdae_event_integrator *g = &e->integrator;
+  nsdae_terms *T = e->setting.here;
+  const nsdae_event_places *at = &e->setting.at;
+  double *from = g->z, *rate = g->later, longest = TINY * e->setting.options->dt;
+  int found = 0;
+  memcpy(from, g->y, (size_t)at->lambda * sizeof *from);
+  if (nsdae_event_forces(&e->phase, t, g->y) < 0 || nsdae_kinematics_at(T, T->v, rate) < 0) return 0;
+  memcpy(rate + at->v, e->phase.x, (size_t)(at->lambda - at->v) * sizeof *rate);
+  for (double h = 64 * DBL_EPSILON * (fabs(t) + longest); !found && h < longest; h *= 8) {
+    nsdae_move(at->lambda, from, h, rate, g->y);
+    found = nsdae_event_strayed(&e->instant, t, g->y);
+  }
+  if (found <= 0) memcpy(g->y, from, (size_t)at->lambda * sizeof *from);
+  return found > 0;
+}
+
 static int integrate(event *e)
 {
   nsdae_event_integrator *g = &e->integrator;
@@ -282,7 +304,9 @@ static int integrate(event *e)
   if (nsdae_event_integrator_read(g, from, g->y) < 0) return integrator_failed(e, status, from);
   if (!*e->phase.modes.is_stiff) {
     int refused = e->setting.error->status != NSDAE_OK; /* by a callback: no stop */
-    g->pending = !refused && nsdae_event_stop_slow(&e->roots, from, g->y) > 0;
+    if (refused) return explain(e, status);
+    g->pending = nsdae_event_stop_slow(&e->roots, from, g->y) > 0;
+    if (!g->pending && cross_kink(e, from)) return go_through(e, from);
     return g->pending ? NSDAE_OK : explain(e, status);
   }
   *e->phase.modes.is_stiff = 0; /* what backward differences do not solve, the other may */

@@ -110,6 +110,8 @@ static int arrive(nsdae_event_instant *p, double t, double *y)
   for (int i = 0; i < s->system->dims.k; i++) {
     double gap = T->gap[i], rate = nsdae_terms_normal_rate(T, i, T->v);
     double rounding = 1e3 * DBL_EPSILON * fabs(t * rate); /* of the time where it was found */
+    /* past a kink the near feature is another one */
+    if (gap > LOST * size) is->touching[i] = is->candidate[i] = 0;
     is->touching[i] |= nsdae_event_touches(s, i);
     is->candidate[i] |= is->touching[i] && (fabs(gap) <= 2 * size || gap < -2 * size - rounding);
   }
@@ -176,21 +178,33 @@ int nsdae_event_turned(const nsdae_event_instant *p, double t, const double *y)
   return s->kkt->rank < s->kkt->m && nsdae_kkt_common(s->kkt, m->range) < s->kkt->rank - TURNED;
 }
 
-/* What a constraint, or a closed contact with a row of its own, is away from zero, in what counts
- * as zero: the most, of positions and of velocities. */
-static double away(const nsdae_event_phase *phase)
+/* What constraints and closed contacts with a row of their own are away from zero, in what counts as
+ * zero. A gap that leaves zero with its rate, or loses its gradient, has a kink here: the corner
+ * that slides comes to the end of its edge, and another feature is the near one. */
+typedef struct deviation {
+  double position, velocity; /* of constraints */
+  double gap, rate;          /* of contacts */
+  double unexplained;        /* of the gap, where the rate is zero and there is a gradient */
+} deviation;
+
+static deviation deviation_at(const nsdae_event_phase *phase)
 {
   const nsdae_terms *T = phase->setting->here;
   const nsdae_dims *d = &T->system->dims;
-  double far = nsdae_largest(d->m, T->constraint.phi), fast = 0;
-  for (int i = 0; i < d->m; i++) fast = fmax(fast, fabs(nsdae_terms_constraint_rate(T, i, T->v)));
+  double far = nsdae_event_position_size(phase->setting);
+  double fast = nsdae_event_velocity_size(phase->setting);
+  deviation is = {.position = nsdae_largest(d->m, T->constraint.phi) / far};
+  for (int i = 0; i < d->m; i++)
+    is.velocity = fmax(is.velocity, fabs(nsdae_terms_constraint_rate(T, i, T->v)) / fast);
   for (int i = 0; i < d->k; i++) {
     if (phase->modes.contact[i] == NSDAE_MODE_OPEN || phase->modes.related[i]) continue;
-    far = fmax(far, fabs(T->gap[i]));
-    fast = fmax(fast, fabs(nsdae_terms_normal_rate(T, i, T->v)));
+    double gap = fabs(T->gap[i]) / far, rate = fabs(nsdae_terms_normal_rate(T, i, T->v)) / fast;
+    int has_normal = nsdae_largest(d->nv, T->by.normal.value + (size_t)i * (size_t)d->nv) > 0;
+    is.gap = fmax(is.gap, gap);
+    is.rate = fmax(is.rate, rate);
+    if (has_normal && rate <= STRAYED) is.unexplained = fmax(is.unexplained, gap);
   }
-  return fmax(far / nsdae_event_position_size(phase->setting),
-              fast / nsdae_event_velocity_size(phase->setting));
+  return is;
 }
 
 int nsdae_event_strayed(const nsdae_event_instant *p, double t, const double *y)
@@ -201,13 +215,14 @@ int nsdae_event_strayed(const nsdae_event_instant *p, double t, const double *y)
   nsdae_event_move(s, t, y);
   int status = nsdae_terms_need(s->here, p->roots->phase->terms);
   if (status < 0) return status;
-  double most = away(p->roots->phase);
-  if (!(most > LOST)) return most > STRAYED;
+  deviation is = deviation_at(p->roots->phase);
+  double lost = fmax(is.unexplained, fmax(is.position, is.velocity));
+  if (!(lost > LOST)) return fmax(lost, fmax(is.gap, is.rate)) > STRAYED;
   nsdae_error_set(s->error, NSDAE_E_CONVERGENCE, "nsdae_event", "rtol",
                   "constraints or closed contacts, or their velocities, are off by %.3g times what "
                   "rtol = %g explains at t = %.17g: their derivatives may be wrong "
                   "(nsdae_system_check), or take a larger rtol",
-                  most, s->options->rtol, t);
+                  lost, s->options->rtol, t);
   s->error->time = t;
   return NSDAE_E_CONVERGENCE;
 }
