@@ -295,14 +295,15 @@ static void find_touching(nsdae_event_impacts *p)
 /* An impact may drive another contact that touches, and parted or rested before it, together: then
  * that is the next, at the same time. A light body between heavy ones goes to and fro so for as
  * long as it takes to turn them: past IMPACTS_MAX all that touch have one impact together, with its
- * e_N, that drives none together. A body that just fits between two others, and loses nothing, has
- * none: the step is not the method's any more. */
+ * e_N, that drives none of these together. Another that it brings to touch joins the next: there
+ * are k. A body that just fits between two others, and loses nothing, has none: the step is not the
+ * method's any more. */
 int nsdae_event_collide(nsdae_event_impacts *p, double *y)
 {
   const nsdae_event_setting *s = p->acceleration->phase->setting;
   int count = 0, most = s->options->events_max < IMPACTS_MAX ? s->options->events_max : IMPACTS_MAX;
-  while (approaching(p) && count <= most) {
-    p->together = count == most;
+  while (approaching(p) && count <= most + s->system->dims.k) {
+    p->together = count >= most;
     if (p->together) find_touching(p);
     int status = impact(p, y);
     if (status < 0) return status;

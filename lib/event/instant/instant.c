@@ -106,14 +106,15 @@ static int arrive(nsdae_event_instant *p, double t, double *y)
   int status = nsdae_terms_need(s->here, NSDAE_EVENT_TERMS);
   if (status < 0) return status;
   const nsdae_terms *T = s->here;
-  double size = nsdae_event_position_size(s);
+  double size = nsdae_event_position_size(s), fast = nsdae_event_velocity_size(s);
   for (int i = 0; i < s->system->dims.k; i++) {
     double gap = T->gap[i], rate = nsdae_terms_normal_rate(T, i, T->v);
     double rounding = 1e3 * DBL_EPSILON * fabs(t * rate); /* of the time where it was found */
-    /* past a kink the near feature is another one */
-    if (gap > LOST * size) is->touching[i] = is->candidate[i] = 0;
+    /* past a kink of its gap a contact has parted, or another feature is the near one */
+    if (gap > STRAYED * size && (rate > fast || gap > LOST * size))
+      is->touching[i] = is->candidate[i] = 0;
     is->touching[i] |= nsdae_event_touches(s, i);
-    is->candidate[i] |= is->touching[i] && (fabs(gap) <= 2 * size || gap < -2 * size - rounding);
+    is->candidate[i] |= (is->touching[i] && fabs(gap) <= 2 * size) || gap < -2 * size - rounding;
   }
   return bring(p, t, y);
 }
@@ -178,8 +179,8 @@ int nsdae_event_turned(const nsdae_event_instant *p, double t, const double *y)
   return s->kkt->rank < s->kkt->m && nsdae_kkt_common(s->kkt, m->range) < s->kkt->rank - TURNED;
 }
 
-/* What constraints and closed contacts with a row of their own are away from zero, in what counts as
- * zero. A gap that leaves zero with its rate, or loses its gradient, has a kink here: the corner
+/* What constraints and closed contacts with a row of their own are away from zero, in what counts
+ * as zero. A gap that leaves zero with its rate, or loses its gradient, has a kink here: the corner
  * that slides comes to the end of its edge, and another feature is the near one. */
 typedef struct deviation {
   double position, velocity; /* of constraints */
