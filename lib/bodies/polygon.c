@@ -9,9 +9,10 @@
  *   corners; two convex polygons overlap where no edge of either has s > 0 */
 #include "touch.h"
 
-/* What counts as nothing, rounding and drift, and how far beside an edge what overlaps is still
- * over it, in parts of the edge's length. */
-static const double drift = 1e-6, beside = 1e-4;
+/* What rounding and drift explain, at most, and how far beside an edge what overlaps is still over
+ * it, at most, in parts of the edge's length. A gap jumps where these end: so neither is more than
+ * some depths of the overlap (or widths of what is between the solids), nor less than rounding. */
+static const double drift = 1e-6, beside = 1e-4, depths = 10, rounding = 1e-9;
 
 /* Outer unit normal of the edge from corner i, in the body's frame. */
 static const double *edge_normal(const nsdae_solid_of *s, int i)
@@ -160,9 +161,15 @@ nsdae_meeting nsdae_meeting_turned(const nsdae_meeting *met)
  * stands for it, since it is deeper than the two overlap. */
 enum { NONE = -1, FAR = -2 };
 
-static double slack_of(place on)
+/* most: the separation of the solids; part: drift or beside. */
+static double slack_of(double part, place on, double most)
 {
-  return drift * on.length;
+  return fmin(part * on.length, fmax(rounding * on.length, depths * fabs(most)));
+}
+
+static double separation(const nsdae_meeting *met)
+{
+  return nsdae_more_of(met->value[0], met->value[1]);
 }
 
 static int is_above(place at)
@@ -173,7 +180,8 @@ static int is_above(place at)
 /* In an overlap a corner on the edge that separates best touches it, where none is deeper. */
 static int unless_deeper(const nsdae_meeting *met, place on)
 {
-  return on.height < nsdae_more_of(met->value[0], met->value[1]) - slack_of(on) ? FAR : on.edge;
+  double most = separation(met);
+  return on.height < most - slack_of(drift, on, most) ? FAR : on.edge;
 }
 
 /* The edge that a corner at x of a solid with edges touches, and its place on it; NONE and its
@@ -184,9 +192,9 @@ static int touched_by_corner(const nsdae_solid_of *s, const nsdae_meeting *met, 
                              place *at)
 {
   place on = *at = place_on(s, met->edge[0], x);
-  double slack = slack_of(on), most = nsdae_more_of(met->value[0], met->value[1]);
-  int overlap = nsdae_more_of(most, met->ends[0]) <= slack;
-  int over = fabs(on.along - on.length / 2) <= (0.5 + beside) * on.length;
+  double most = separation(met), slack = slack_of(drift, on, most);
+  int overlap = nsdae_more_of(most, met->ends[0]) <= drift * on.length;
+  int over = fabs(on.along - on.length / 2) <= on.length / 2 + slack_of(beside, on, most);
   if (overlap && over) return unless_deeper(met, on);
   if (!overlap && on.height >= 0 && is_above(on)) return on.edge;
   *at = find_place(s, x);

@@ -204,12 +204,9 @@ static void note_rattles(const event *e, double t, int first)
   }
 }
 
-/* The same in the middle of a run, where a change of mode is told. */
-static int go_through(event *e, double t)
+/* The same in the middle of a run, with the changes of mode; the forces are in y. */
+static int change_modes(event *e, double t)
 {
-  int solved = nsdae_event_forces(&e->phase, t, e->integrator.y), jam = jammed(e, t);
-  if (jam < 0) return jam;
-  if (solved < 0) return integrator_failed(e, solved, t);
   nsdae_result *r = e->setting.result;
   const nsdae_dims *d = &e->setting.system->dims;
   const nsdae_event_modes *m = &e->phase.modes;
@@ -231,6 +228,13 @@ static int go_through(event *e, double t)
     nsdae_result_change(r, t, -1, j, e->slide_mode_before[j], m->slide[j]);
   *e->base.idle += found && r->impacts + r->changes == before;
   return status;
+}
+
+static int go_through(event *e, double t)
+{
+  int solved = nsdae_event_forces(&e->phase, t, e->integrator.y), jam = jammed(e, t);
+  if (jam < 0) return jam;
+  return solved < 0 ? integrator_failed(e, solved, t) : change_modes(e, t);
 }
 
 /* From a state that this method did not lead to. */
@@ -272,7 +276,8 @@ static int explain(event *e, int status)
 }
 
 /* No step of the integrator is short enough at t, where its y is: a gap may have a kink just ahead.
- * The least step of Euler from which one is seen is taken, at the same time: (q, v) + h (q', v').
+ * The least step of Euler from which one is seen is taken, at the same time: (q, v) + h (q', v');
+ * the forces in y stay.
  * Returns 1 where it is, else 0. */
 static int cross_kink(event *e, double t)
 {
@@ -307,7 +312,7 @@ static int integrate(event *e)
     int refused = e->setting.error->status != NSDAE_OK; /* by a callback: no stop */
     if (refused) return explain(e, status);
     g->pending = nsdae_event_stop_slow(&e->roots, from, g->y) > 0;
-    if (!g->pending && cross_kink(e, from)) return go_through(e, from);
+    if (!g->pending && cross_kink(e, from)) return change_modes(e, from);
     return g->pending ? NSDAE_OK : explain(e, status);
   }
   *e->phase.modes.is_stiff = 0; /* what backward differences do not solve, the other may */

@@ -14,6 +14,9 @@ static const double DEEP = 0.1;
 /* Of dt: a step that leads nowhere. */
 static const double SHORT = 1e-6;
 
+/* Of a step in which the forces have no solution: the next one. */
+static const double SHORTER = 0.125;
+
 /* The callbacks of the integrators, and of the search for falls. */
 static int rate(double t, const double *state, double *ydot, int whole, void *user)
 {
@@ -128,6 +131,15 @@ static int step(nsdae_event_integrator *e)
   return NSDAE_OK;
 }
 
+/* Whether a step in which the forces have no solution may be tried again, shorter: as where a gap
+ * has a kink in it. */
+static int can_retreat(const nsdae_event_integrator *e)
+{
+  const nsdae_event_setting *s = e->roots->phase->setting;
+  return s->error->status == NSDAE_OK && !*e->roots->phase->modes.is_stiff &&
+         e->steps.last > SHORT * s->options->dt;
+}
+
 /* A step that ends at the first fall of a root; returns how many fell, or a status. */
 static int step_to_fall(nsdae_event_integrator *e)
 {
@@ -135,10 +147,15 @@ static int step_to_fall(nsdae_event_integrator *e)
   memcpy(e->y, e->end, (size_t)e->steps.controlled * sizeof *e->y);
   if (e->fall.count > 0 && nsdae_event_root_values(e->roots, from, e->y, e->fall.low) < 0)
     return NSDAE_E_CONVERGENCE;
-  int status = step(e);
-  int fell =
-      status < 0 || e->fall.count == 0 ? 0 : nsdae_fall_find(&e->fall, from, &e->ahead, e->fallen);
-  return status < 0 ? status : fell < 0 ? NSDAE_E_CONVERGENCE : fell;
+  for (;;) {
+    int status = step(e);
+    if (status < 0 || e->fall.count == 0) return status;
+    int fell = nsdae_fall_find(&e->fall, from, &e->ahead, e->fallen);
+    if (fell >= 0) return fell;
+    e->ahead = from;
+    if (!can_retreat(e)) return NSDAE_E_CONVERGENCE;
+    nsdae_runge_kutta_retreat(&e->steps, from, SHORTER);
+  }
 }
 
 int nsdae_event_integrator_advance(nsdae_event_integrator *e)

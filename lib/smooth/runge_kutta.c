@@ -189,6 +189,16 @@ int nsdae_runge_kutta_advance(nsdae_runge_kutta *rk)
   return rk->progress.refused ? NSDAE_E_CALLBACK : NSDAE_E_CONVERGENCE;
 }
 
+void nsdae_runge_kutta_retreat(nsdae_runge_kutta *rk, double t, double part)
+{
+  memcpy(rk->y, rk->dense[0], (size_t)rk->n * sizeof *rk->y);
+  memcpy(rk->k[6], rk->k[0], (size_t)rk->n * sizeof *rk->sum);
+  rk->h = part * rk->last;
+  rk->t = t;
+  rk->last = 0;
+  measure_way(rk);
+}
+
 void nsdae_runge_kutta_read(const nsdae_runge_kutta *rk, double t, int count, double *y)
 {
   double x = rk->last > 0 ? (t - (rk->t - rk->last)) / rk->last : 0, z = 1 - x;

@@ -45,6 +45,9 @@ int nsdae_runge_kutta_start(nsdae_runge_kutta *rk, double t, const double *y);
  * NSDAE_E_CALLBACK. */
 int nsdae_runge_kutta_advance(nsdae_runge_kutta *rk);
 
+/* Back to t, the start of the last step; the next is that part of it. */
+void nsdae_runge_kutta_retreat(nsdae_runge_kutta *rk, double t, double part);
+
 /* The first `count` of y at t within the last step; before the first, where it started. */
 void nsdae_runge_kutta_read(const nsdae_runge_kutta *rk, double t, int count, double *y);
 
