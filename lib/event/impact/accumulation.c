@@ -109,10 +109,10 @@ int nsdae_event_find_set(nsdae_event_accumulation *p, const double *v, double mo
   nsdae_event_set_laws(p->acceleration, 1, p->slow);
   int solved = nsdae_event_accelerate(p->acceleration) == NSDAE_OK;
   nsdae_error_clear(s->error);
-  double none = nsdae_event_acceleration_size(p->acceleration); /* others carry what has no force */
+  /* what has no force does not come back; where it depends on others they close it */
+  double none = held->lcp.options.tol * nsdae_largest(s->system->dims.k, held->results->normal);
   for (int i = 0; i < s->system->dims.k; i++) {
-    p->settles[i] = solved && p->acceleration->is.candidate[i] &&
-                    (held->results->normal[i] > 0 || !(held->results->after[i] > none));
+    p->settles[i] = solved && p->acceleration->is.candidate[i] && held->results->normal[i] > none;
     p->sticks[i] = p->settles[i] && stays(p, i);
     any |= p->settles[i];
   }

@@ -52,7 +52,7 @@ static void sort_found(nsdae_event_instant *p, const double *y)
   for (int i = 0; i < d->k; i++) {
     const nsdae_event_root *root = nsdae_event_root_of(p->roots, NSDAE_ROOT_NORMAL, i);
     int closed = m->contact[i] != NSDAE_MODE_OPEN;
-    int presses = closed && nsdae_event_undecided(phase, root) && y[at->normal + i] > 0;
+    int presses = root->state == NSDAE_ROOT_BALANCED && y[at->normal + i] > 0;
     is->touching[i] = closed || root->found;
     is->candidate[i] = closed;
     is->released[i] = closed && root->found && !presses;
@@ -78,9 +78,9 @@ static void choose_candidates(nsdae_event_instant *p, int impacted)
   const nsdae_event_findings *is = &p->acceleration.is;
   double size = nsdae_event_velocity_size(s);
   for (int i = 0; i < T->system->dims.k; i++) {
-    if (impacted) is->released[i] = 0;
-    is->candidate[i] =
-        is->touching[i] && !is->released[i] && !(nsdae_terms_normal_rate(T, i, T->v) > size);
+    int parts = nsdae_terms_normal_rate(T, i, T->v) > size;
+    if (impacted || parts) is->released[i] = 0; /* no acceleration brings it back */
+    is->candidate[i] = is->touching[i] && !is->released[i] && !parts;
   }
 }
 

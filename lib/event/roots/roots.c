@@ -36,7 +36,8 @@ static int contact_rubs(const nsdae_event_phase *p, int i)
   return p->modes.contact[i] == NSDAE_MODE_SLIDE && p->setting->system->contact[i].mu > 0;
 }
 
-int nsdae_event_undecided(const nsdae_event_phase *p, const nsdae_event_root *root)
+/* A contact or slide that has no direction to slide in yet. */
+static int undecided(const nsdae_event_phase *p, const nsdae_event_root *root)
 {
   int i = root->index, nt = p->setting->system->dims.nt;
   if (root->kind == NSDAE_ROOT_SIGN || root->kind == NSDAE_ROOT_JAM) return 0;
@@ -59,13 +60,6 @@ static double along_direction(const nsdae_event_phase *p, const nsdae_terms *T, 
   return along;
 }
 
-/* Closed without a force: one that starts at zero and falls is never above zero, and one that rises
- * needs a direction. */
-static int is_powerless(const nsdae_event_phase *p, const nsdae_event_root *root)
-{
-  return root->kind == NSDAE_ROOT_NORMAL && nsdae_event_undecided(p, root);
-}
-
 /* The function as it is. */
 static double value_of(const nsdae_event_phase *p, const nsdae_terms *T, const double *y,
                        const nsdae_event_root *root)
@@ -74,7 +68,7 @@ static double value_of(const nsdae_event_phase *p, const nsdae_terms *T, const d
   const nsdae_event_modes *m = &p->modes;
   const nsdae_event_places *at = &p->setting->at;
   int i = root->index;
-  if (is_powerless(p, root)) return root->size - fabs(y[at->normal + i]);
+  if (root->state == NSDAE_ROOT_BALANCED) return root->size - fabs(y[at->normal + i]);
   if (root->kind == NSDAE_ROOT_NORMAL)
     return m->contact[i] == NSDAE_MODE_OPEN ? T->gap[i] : y[at->normal + i];
   if (root->kind == NSDAE_ROOT_TANGENT)
@@ -132,7 +126,7 @@ static int is_out(const nsdae_event_phase *p, const nsdae_event_root *root)
   int masked = root->state == NSDAE_ROOT_MASKED;
   int slips = root->kind == NSDAE_ROOT_TANGENT && p->modes.contact[root->index] == NSDAE_MODE_SLIDE;
   return root->state == NSDAE_ROOT_OFF || (masked && slips) ||
-         (nsdae_event_undecided(p, root) && !is_powerless(p, root));
+         (root->kind != NSDAE_ROOT_NORMAL && undecided(p, root));
 }
 
 int nsdae_event_root_values(nsdae_event_roots *r, double t, const double *y, double *g)
@@ -177,6 +171,8 @@ static void start_root(const nsdae_event_phase *p, nsdae_event_root *root, doubl
     root->state = NSDAE_ROOT_RISING;
   else
     root->state = NSDAE_ROOT_MASKED;
+  if (root->kind == NSDAE_ROOT_NORMAL && fabs(value) <= size && undecided(p, root))
+    root->state = NSDAE_ROOT_BALANCED;
   if (value < -size) root->size = -2 * value; /* starts below zero: counts from there */
 }
 
@@ -217,12 +213,8 @@ static void start(const nsdae_event_phase *p, nsdae_event_root *root, double t, 
   root->state = NSDAE_ROOT_OFF;
   root->rate = 1;
   if (is_off(p, root)) return;
-  if (is_powerless(p, root))
-    root->size = fmax(force_size(p->setting, y), 2 * fabs(y[p->setting->at.normal + i]));
   double value = value_of(p, T, y, root);
-  if (is_powerless(p, root))
-    root->state = NSDAE_ROOT_LIVE;
-  else if (root->kind == NSDAE_ROOT_JAM)
+  if (root->kind == NSDAE_ROOT_JAM)
     root->state = NSDAE_ROOT_LIVE, root->rate = value < 0 ? -1 : 1, root->start = fabs(value);
   else if (root->kind == NSDAE_ROOT_NORMAL && mode == NSDAE_MODE_OPEN)
     start_root(p, root, t, value, nsdae_terms_normal_rate(T, i, T->v),
@@ -256,7 +248,8 @@ static double undecided_speed(const nsdae_event_phase *p, const nsdae_event_root
 /* A masked function after a step: 1 where it asks for an instant. */
 static int watch(const nsdae_event_phase *p, const double *y, nsdae_event_root *root)
 {
-  if (nsdae_event_undecided(p, root)) return root->moved = undecided_speed(p, root) > root->size;
+  if (root->kind != NSDAE_ROOT_NORMAL && undecided(p, root))
+    return root->moved = undecided_speed(p, root) > root->size;
   double value = value_of(p, p->setting->here, y, root);
   if (value > root->size) root->state = NSDAE_ROOT_LIVE;
   return value < -root->size;

@@ -27,10 +27,12 @@ typedef enum nsdae_root_kind {
 } nsdae_root_kind;
 
 typedef enum nsdae_root_state {
-  NSDAE_ROOT_OFF,    /* has nothing to say in this phase */
-  NSDAE_ROOT_LIVE,   /* above zero */
-  NSDAE_ROOT_RISING, /* zero at `since` with a known rate: divided by t - since it is above */
-  NSDAE_ROOT_MASKED  /* zero to rounding: lifted above until it has left zero */
+  NSDAE_ROOT_OFF,     /* has nothing to say in this phase */
+  NSDAE_ROOT_LIVE,    /* above zero */
+  NSDAE_ROOT_RISING,  /* zero at `since` with a known rate: divided by t - since it is above */
+  NSDAE_ROOT_MASKED,  /* zero to rounding: lifted above until it has left zero */
+  NSDAE_ROOT_BALANCED /* a normal force that is zero to rounding, of a contact without a direction
+                         to slide in: it leaves zero to either side; zero - |F_N| is above */
 } nsdae_root_state;
 
 typedef struct nsdae_event_root {
@@ -62,10 +64,6 @@ static inline nsdae_event_root *nsdae_event_root_of(const nsdae_event_roots *roo
   int first[] = {0, d->k, 2 * d->k, 3 * d->k, 3 * d->k + d->f};
   return roots->entry + first[kind] + index;
 }
-
-/* Whether the contact or slide of this root has no direction to slide in yet. Its normal force is
- * zero then, and leaves zero to either side. */
-int nsdae_event_undecided(const nsdae_event_phase *phase, const nsdae_event_root *root);
 
 /* g [count] at y [n]; 0, or -1 where it could not be evaluated. */
 int nsdae_event_root_values(nsdae_event_roots *roots, double t, const double *y, double *g);
