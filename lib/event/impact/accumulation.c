@@ -11,6 +11,10 @@ static const double SLOW = 4;
 /* In accumulation_time: what is closed with more than that left is not told when it would end. */
 static const double MOST = 1000;
 
+/* Substitutions of the friction of a closing, and the change, in parts of the impulses, of none. */
+enum { ROUNDS = 100 };
+static const double SAME = 1e-12;
+
 void nsdae_event_accumulation_layout(nsdae_event_accumulation *p, nsdae_arena *arena)
 {
   const nsdae_dims *d = &p->acceleration->phase->setting->system->dims;
@@ -22,6 +26,7 @@ void nsdae_event_accumulation_layout(nsdae_event_accumulation *p, nsdae_arena *a
   p->reaction = NSDAE_ARENA_DOUBLES(arena, d->m);
   p->normal = NSDAE_ARENA_DOUBLES(arena, d->k);
   p->tangential = NSDAE_ARENA_DOUBLES(arena, (long)d->k * d->nt);
+  p->friction = NSDAE_ARENA_DOUBLES(arena, (long)d->k * d->nt);
 }
 
 void nsdae_event_unsettle(nsdae_event_accumulation *p)
@@ -144,15 +149,69 @@ static int energy_apart(nsdae_event_accumulation *p, const double *v, double *en
   return status;
 }
 
+/* v [nv], multiplier [m] := those of `lost` and `reaction` with the friction of what slides. */
+static void rub(nsdae_event_accumulation *p, double *v, double *multiplier)
+{
+  const nsdae_event_setting *s = p->acceleration->phase->setting;
+  const nsdae_terms *T = s->here;
+  const nsdae_dims *d = &T->system->dims;
+  memset(v, 0, (size_t)d->nv * sizeof *v);
+  memset(multiplier, 0, (size_t)d->m * sizeof *multiplier);
+  for (int j = 0; j < d->k * d->nt; j++)
+    nsdae_rows_add(&T->system->blocks, &T->by.tangent, j, p->friction[j], v);
+  nsdae_kkt_solve(s->kkt, 1, v, d->nv, multiplier, d->m);
+  nsdae_add(d->nv, 1, p->lost, v);
+  nsdae_add(d->m, 1, p->reaction, multiplier);
+}
+
+/* T := -mu P d of what slides in the set; returns the largest change. */
+static double renew_friction(nsdae_event_accumulation *p)
+{
+  const nsdae_event_acceleration *a = p->acceleration;
+  const nsdae_system *s = a->phase->setting->system;
+  double change = 0;
+  for (int j = 0; j < s->dims.k * s->dims.nt; j++) {
+    int i = j / s->dims.nt, slides = p->settles[i] && a->is.moving[i];
+    double T = slides ? -s->contact[i].mu * p->normal[i] * a->phase->modes.direction[j] : 0;
+    change = fmax(change, fabs(T - p->friction[j]));
+    p->friction[j] = T;
+  }
+  return change;
+}
+
+/* v and multiplier to the closed set with the friction so far. */
+static int close_rubbed(nsdae_event_accumulation *p, double *v, double *multiplier)
+{
+  rub(p, v, multiplier);
+  return nsdae_event_close(p->projection, p->settles, p->sticks, v, multiplier, p->normal,
+                           p->tangential);
+}
+
+/* The same with T = -mu P d, by substitution. Where friction feeds the normal impulses by more than
+ * themselves that does not converge, and what slides has no friction in the closing. */
+static int close_with_friction(nsdae_event_accumulation *p, double *v, double *multiplier)
+{
+  const nsdae_dims *d = &p->acceleration->phase->setting->system->dims;
+  size_t size = (size_t)(d->k * d->nt) * sizeof *p->friction;
+  memcpy(p->lost, v, (size_t)d->nv * sizeof *v);
+  memcpy(p->reaction, multiplier, (size_t)d->m * sizeof *multiplier);
+  memset(p->friction, 0, size);
+  int status = close_rubbed(p, v, multiplier), round = 0;
+  while (status == NSDAE_OK && renew_friction(p) > SAME * nsdae_largest(d->k, p->normal)) {
+    if (++round == ROUNDS) memset(p->friction, 0, size);
+    status = close_rubbed(p, v, multiplier);
+    if (round == ROUNDS) break;
+  }
+  nsdae_add(d->k * d->nt, 1, p->friction, p->tangential);
+  return status;
+}
+
 int nsdae_event_close_set(nsdae_event_accumulation *p, const double *before, double *v,
                           double *multiplier)
 {
   int status = energy_apart(p, before, &p->all);
   if (status == NSDAE_OK) status = energy_apart(p, p->parting, &p->left);
-  memcpy(p->lost, v, (size_t)p->acceleration->phase->setting->system->dims.nv * sizeof *v);
-  if (status == NSDAE_OK)
-    status = nsdae_event_close(p->projection, p->settles, p->sticks, v, multiplier, p->normal,
-                               p->tangential);
+  if (status == NSDAE_OK) status = close_with_friction(p, v, multiplier);
   p->work = half_work(p, p->lost) + half_work(p, v);
   return status;
 }

@@ -31,7 +31,8 @@ typedef struct nsdae_event_accumulation {
   double left, all;            /* E, E- */
   double *reaction;            /* m: bilateral impulses of a guess */
   double *normal, *tangential; /* k, k nt: impulses of the closing, which may pull */
-  double work;                 /* of these */
+  double *friction;            /* k nt: of these, T = -mu P d of what slides */
+  double work;                 /* of the closing */
   double slow;                 /* velocities up to this are none at the limit */
   double rest, fastest;        /* T; of the set, the velocity apart */
   int early;                   /* it ends before accumulation_time says */
