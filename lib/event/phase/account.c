@@ -28,6 +28,29 @@ static double friction_power(const nsdae_event_phase *p, const double *y)
   return power;
 }
 
+/* Power that constraints, closed contacts and what sticks take though they do none: their forces
+ * times the rates that should be zero. A mechanism that locks, as where redundant constraints have
+ * become independent by their drift, loses its energy here. */
+static double leak(const nsdae_event_phase *p, const double *y)
+{
+  const nsdae_terms *T = p->setting->here;
+  const nsdae_dims *d = &T->system->dims;
+  const nsdae_event_places *at = &p->setting->at;
+  double power = 0;
+  for (int i = 0; i < d->m; i++)
+    power -= y[at->lambda + i] * nsdae_terms_constraint_rate(T, i, T->v);
+  for (int i = 0; i < d->k; i++) {
+    if (p->modes.contact[i] == NSDAE_MODE_OPEN) continue;
+    power += y[at->normal + i] * nsdae_terms_normal_rate(T, i, T->v);
+    for (int j = i * d->nt; p->modes.contact[i] == NSDAE_MODE_STICK && j < (i + 1) * d->nt; j++)
+      power += y[at->tangential + j] * nsdae_terms_tangent_rate(T, j, T->v);
+  }
+  for (int j = 0; j < d->f; j++)
+    if (p->modes.slide[j] == NSDAE_MODE_STICK)
+      power += y[at->slide + j] * nsdae_terms_slide_rate(T, j, T->v);
+  return power;
+}
+
 /* lambda := of least norm with the same Phi_q^T lambda, where constraints are redundant. */
 static int least_norm(nsdae_event_account *a, double *lambda)
 {
@@ -50,6 +73,7 @@ int nsdae_event_account_rate(nsdae_event_account *a, double t, const double *z, 
   if (status == NSDAE_OK) status = nsdae_kinematics_at(p->setting->here, y + at->v, rate);
   if (status == NSDAE_OK && integrals)
     status = nsdae_power_rate(&a->power, p->setting->here, p->x, rate, &rate[at->n + 1]);
+  if (status == NSDAE_OK && integrals) rate[at->n + 1] -= leak(p, y);
   if (status == NSDAE_OK && integrals) status = least_norm(a, y + at->lambda);
   if (status < 0) return nsdae_progress_code(status, p->setting->error);
   memcpy(rate + at->v, p->x, (size_t)(at->lambda - at->v) * sizeof *rate);

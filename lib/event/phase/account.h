@@ -1,7 +1,8 @@
 /* What the forces do between instants: their impulses and the friction's work, integrated with the
  * motion, so that they are as accurate as its velocities and balance with them. In place of
  * y = [q, v, lambda, F] the integrators have z = [q, v, int lambda, int F, W, int T'], n + 2 of
- * them: what the kinetic energy should gain by the equations of motion, to be held against it. */
+ * them: what the kinetic energy should gain by the equations of motion, with forces of constraints
+ * and of what is closed or sticks that do no work, to be held against it. */
 #ifndef NSDAE_EVENT_ACCOUNT_H
 #define NSDAE_EVENT_ACCOUNT_H
 

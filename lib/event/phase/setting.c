@@ -3,8 +3,8 @@
 #include <math.h>
 
 /* A redundant constraint is one to the integrator's error in positions alone, which must not make
- * it independent. */
-static const double LEAST_SINE = 1e-6;
+ * it independent: of a sine, in rtol, and at least. */
+static const double SINE_ERROR = 100, LEAST_SINE = 1e-6;
 
 /* Of a coordinate, what nobody can tell of a gap. */
 static const double ROUNDING = 4e-15;
@@ -28,7 +28,8 @@ void nsdae_event_move(nsdae_event_setting *s, double t, const double *y)
 int nsdae_event_factor(nsdae_event_setting *s)
 {
   int least_norm = s->options->redundant == NSDAE_REDUNDANT_LEAST_NORM;
-  s->kkt->rank_tol = least_norm ? fmax(s->options->rank_tol, LEAST_SINE) : s->options->rank_tol;
+  double least = fmax(LEAST_SINE, SINE_ERROR * s->options->rtol);
+  s->kkt->rank_tol = least_norm ? fmax(s->options->rank_tol, least) : s->options->rank_tol;
   int status = nsdae_terms_factor(s->here, s->here->M, s->kkt, least_norm);
   nsdae_count_factors(&s->result->counters, s->kkt);
   return status;
