@@ -191,7 +191,7 @@ static int next_normal(const nsdae_sharing *s)
 
 static void take_normals(nsdae_sharing *s)
 {
-  s->rows.sine = fmax(s->of->rank_tol, LEAST_SINE);
+  s->rows.sine = fmax(s->of->rank_tol, LEAST_SINE * s->of->looser);
   nsdae_dependence_start(&s->rows, problem_of(s)->columns, problem_of(s)->delassus.G);
   for (int column = next_normal(s); column >= 0; column = next_normal(s))
     nsdae_dependence_take(&s->rows, column);

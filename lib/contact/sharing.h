@@ -24,6 +24,7 @@ typedef struct nsdae_shared {
   nsdae_contacts *problem;             /* its forces may be shared differently afterwards */
   const double *lambda;                /* m: of its solution */
   double rank_tol, none;               /* accelerations up to the second are none */
+  double looser;                       /* 1, or more: rows that nearly depend do */
   int *mode;                           /* k: of the solution; what others hold is to stick */
   const int *moving, *breakaway;       /* k: slides already; and just began to */
   const int *slide_mode, *slide_sense; /* f */

@@ -22,6 +22,9 @@ static const double SOON = 10;
 /* What is left of what a unit of force gave as its phase began: at a pole, and near one. */
 static const double POLE = 1e-6, NEAR_POLE = 1e-3;
 
+/* Sines of rows that depend, in parts of the least one: from step to step, and at most. */
+static const double LOOSER = 100, LOOSEST = 1e4;
+
 /* Steps shorter than this part of dt lead nowhere: so many in one dt, and at each start. */
 static const double TINY = 1e-6;
 enum { TINY_MAX = 1000, STARTS = 50 };
@@ -151,14 +154,42 @@ static int start(event *e, double t)
   return status < 0 ? integrator_failed(e, status, t) : status;
 }
 
-/* The instant t at the state of the integrator's y, and the start of the next phase. */
+static int contradiction(event *e, int entry, double t)
+{
+  const nsdae_event_root *root = &e->roots.entry[entry];
+  int contact = root->kind <= NSDAE_ROOT_JAM;
+  nsdae_error *error = e->setting.error;
+  nsdae_error_set(error, NSDAE_E_CONVERGENCE, "nsdae_event", "rtol",
+                  "the forces at t = %.17g contradict their mode: %s is %.3g, below what rtol = %g "
+                  "explains (%.3g); the rows of what is closed nearly depend on each other: try "
+                  "another rtol, or method = implicit",
+                  t, root->kind == NSDAE_ROOT_NORMAL ? "a contact force" : "a margin of friction",
+                  root->start, e->setting.options->rtol, -root->size);
+  nsdae_system_name_item(e->setting.system, contact ? NSDAE_NAME_CONTACT : NSDAE_NAME_CONSTRAINT,
+                         contact ? root->index : e->setting.system->slide[root->index].constraint,
+                         error);
+  error->time = t;
+  return NSDAE_E_CONVERGENCE;
+}
+
+/* The instant t at the state of the integrator's y, and the start of the next phase. Rows that are
+ * independent by little more than errors may have forces that contradict the modes: then more of
+ * them depend on others. */
 static int restart(event *e, double t)
 {
-  int status = nsdae_event_pass(&e->instant, t, e->integrator.y);
-  *e->phase.modes.is_stiff = 0;
+  int status, wrong = -1;
+  double *looser = &e->instant.acceleration.looser;
+  for (*looser = 1; *looser <= LOOSEST; *looser *= LOOSER) {
+    status = nsdae_event_pass(&e->instant, t, e->integrator.y);
+    *e->phase.modes.is_stiff = 0;
+    if (status == NSDAE_OK) status = start(e, t);
+    wrong = status < 0 ? -1 : nsdae_event_inconsistent(&e->roots);
+    if (wrong < 0) break;
+    for (int i = 0; i < e->roots.count; i++) e->roots.entry[i].found = 0;
+  }
   e->setting.result->counters.events++;
   ++*e->base.instants;
-  return status < 0 ? status : start(e, t);
+  return wrong < 0 ? status : contradiction(e, wrong, t);
 }
 
 /* NSDAE_E_PAINLEVE where a force that slides has met its pole: see nsdae_root_kind; that it jumps

@@ -30,6 +30,7 @@ typedef struct nsdae_event_acceleration {
   double *force, *xi;        /* columns: for cones */
   int by_cones;              /* the solution is theirs */
   nsdae_sharing sharing;     /* of its forces */
+  double looser;             /* of the sharing */
 } nsdae_event_acceleration;
 
 void nsdae_event_acceleration_layout(nsdae_event_acceleration *acceleration, nsdae_arena *arena);

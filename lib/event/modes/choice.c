@@ -198,6 +198,7 @@ static int share(nsdae_event_acceleration *p)
                            .lambda = p->lambda,
                            .rank_tol = s->options->rank_tol,
                            .none = nsdae_event_acceleration_size(p),
+                           .looser = p->looser,
                            .mode = m->contact,
                            .moving = p->is.moving,
                            .breakaway = p->is.breakaway,

@@ -173,7 +173,9 @@ static void start_root(const nsdae_event_phase *p, nsdae_event_root *root, doubl
     root->state = NSDAE_ROOT_MASKED;
   if (root->kind == NSDAE_ROOT_NORMAL && fabs(value) <= size && undecided(p, root))
     root->state = NSDAE_ROOT_BALANCED;
-  if (value < -size) root->size = -2 * value; /* starts below zero: counts from there */
+  if (value < -size && p->modes.contact[root->index] == NSDAE_MODE_OPEN &&
+      root->kind == NSDAE_ROOT_NORMAL)
+    root->size = -2 * value; /* starts below zero: counts from there */
 }
 
 static void start_sliding(const nsdae_event_phase *p, nsdae_event_root *root, double t,
@@ -318,6 +320,25 @@ int nsdae_event_stop_slow(nsdae_event_roots *r, double t, const double *y)
     count += root->found;
   }
   return status < 0 ? status : count;
+}
+
+int nsdae_event_inconsistent(const nsdae_event_roots *r)
+{
+  const nsdae_event_modes *m = &r->phase->modes;
+  double most = 1;
+  int worst = -1;
+  for (int e = 0; e < r->count; e++) {
+    const nsdae_event_root *root = &r->entry[e];
+    int contact = root->kind <= NSDAE_ROOT_JAM, i = root->index;
+    int mode = contact ? m->contact[i] : m->slide[i];
+    int is_force = (root->kind == NSDAE_ROOT_NORMAL && mode != NSDAE_MODE_OPEN) ||
+                   root->kind == NSDAE_ROOT_SIGN ||
+                   (root->kind != NSDAE_ROOT_JAM && mode == NSDAE_MODE_STICK);
+    if (root->state == NSDAE_ROOT_OFF || !is_force || !(-root->start > most * root->size)) continue;
+    most = -root->start / root->size;
+    worst = e;
+  }
+  return worst;
 }
 
 int nsdae_event_unbounded(const nsdae_event_roots *r, double part, int found)

@@ -71,6 +71,11 @@ int nsdae_event_root_values(nsdae_event_roots *roots, double t, const double *y,
 /* The states for the phase that starts now at y, with the accelerations a [nv]. */
 int nsdae_event_set_roots(nsdae_event_roots *roots, double t, const double *y, const double *a);
 
+/* The entry whose force contradicts its mode the most as the phase starts: a contact that is closed
+ * and pulls, what sticks beyond its cone; -1: none. The problem of accelerations found none, so that
+ * the rows of the phase nearly depend on each other. */
+int nsdae_event_inconsistent(const nsdae_event_roots *roots);
+
 /* After a step to t, y: turns the directions of sliding, makes those live that left zero, and marks
  * as found what fell below it or asks for an instant. Returns how many, or a status. */
 int nsdae_event_watch_roots(nsdae_event_roots *roots, double t, const double *y);
