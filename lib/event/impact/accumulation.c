@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "direction.h"
 #include "errors.h"
 
 /* Slower than so many times what counts as zero, what parts is closed. */
@@ -193,8 +194,6 @@ static int close_with_friction(nsdae_event_accumulation *p, double *v, double *m
 {
   const nsdae_dims *d = &p->acceleration->phase->setting->system->dims;
   size_t size = (size_t)(d->k * d->nt) * sizeof *p->friction;
-  memcpy(p->lost, v, (size_t)d->nv * sizeof *v);
-  memcpy(p->reaction, multiplier, (size_t)d->m * sizeof *multiplier);
   memset(p->friction, 0, size);
   int status = close_rubbed(p, v, multiplier), round = 0;
   while (status == NSDAE_OK && renew_friction(p) > SAME * nsdae_largest(d->k, p->normal)) {
@@ -206,17 +205,68 @@ static int close_with_friction(nsdae_event_accumulation *p, double *v, double *m
   return status;
 }
 
-int nsdae_event_close_set(nsdae_event_accumulation *p, const double *before, double *v,
-                          double *multiplier)
+/* How fast contact i still parts, or slides where it should stick. */
+static double rest_of(const nsdae_event_accumulation *p, int i, const double *v)
 {
+  const nsdae_terms *T = p->acceleration->phase->setting->here;
+  double rate = fabs(nsdae_terms_normal_rate(T, i, v));
+  return p->sticks[i] ? fmax(rate, nsdae_terms_slip(T, i, v)) : rate;
+}
+
+/* Of rows that depend on each other the impulses are not unique: one that the closing would have
+ * pull, and that others close as well, leaves it to them. impulse [k] is there before. */
+static int leave_to_others(nsdae_event_accumulation *p, const double *impulse, double *v,
+                           double *multiplier)
+{
+  const nsdae_event_setting *s = p->acceleration->phase->setting;
+  int status = NSDAE_OK;
+  for (int i = 0; i < s->system->dims.k && status == NSDAE_OK; i++) {
+    if (!p->settles[i] || !(impulse[i] + p->normal[i] < 0)) continue;
+    p->settles[i] = 0;
+    status = close_with_friction(p, v, multiplier);
+    if (status < 0 || rest_of(p, i, v) <= nsdae_event_velocity_size(s)) continue;
+    p->settles[i] = 1;
+    status = close_with_friction(p, v, multiplier);
+  }
+  return status;
+}
+
+int nsdae_event_close_set(nsdae_event_accumulation *p, const double *before, const double *impulse,
+                          double *v, double *multiplier)
+{
+  const nsdae_dims *d = &p->acceleration->phase->setting->system->dims;
   int status = energy_apart(p, before, &p->all);
   if (status == NSDAE_OK) status = energy_apart(p, p->parting, &p->left);
+  memcpy(p->lost, v, (size_t)d->nv * sizeof *v);
+  memcpy(p->reaction, multiplier, (size_t)d->m * sizeof *multiplier);
   if (status == NSDAE_OK) status = close_with_friction(p, v, multiplier);
+  if (status == NSDAE_OK) status = leave_to_others(p, impulse, v, multiplier);
   p->work = half_work(p, p->lost) + half_work(p, v);
   return status;
 }
 
-int nsdae_event_ends(nsdae_event_accumulation *p, const double *closed)
+/* Whether with what the forces do until the end, or within accumulation_time, nothing pulls, and
+ * what sticks is in its cone. */
+static int is_admissible(const nsdae_event_accumulation *p, const nsdae_impulses *impact)
+{
+  const nsdae_event_acceleration *a = p->acceleration;
+  const nsdae_system *s = a->phase->setting->system;
+  int nt = s->dims.nt;
+  double rest = fmin(p->rest, a->phase->setting->options->accumulation_time);
+  for (int i = 0; i < s->dims.k; i++) {
+    double normal = impact->normal[i] + p->normal[i] + a->problem.results->normal[i] * rest;
+    double along[2] = {0};
+    for (int l = 0, j = i * nt; l < nt; l++, j++)
+      along[l] = impact->tangential[j] + p->tangential[j];
+    if (p->settles[i] && normal < 0) return 0;
+    if (p->settles[i] && p->sticks[i] && nsdae_norm(nt, along) > s->contact[i].mu * normal)
+      return 0;
+  }
+  return 1;
+}
+
+int nsdae_event_ends(nsdae_event_accumulation *p, const double *closed,
+                     const nsdae_impulses *impact)
 {
   const nsdae_event_setting *s = p->acceleration->phase->setting;
   const nsdae_terms *T = s->here;
@@ -237,6 +287,7 @@ int nsdae_event_ends(nsdae_event_accumulation *p, const double *closed)
   p->rest = p->left < p->all ? flight / (1 - sqrt(p->left / p->all)) : INFINITY;
   p->early = !(p->rest < s->options->accumulation_time);
   double told = count > 1 ? nsdae_event_position_size(s) : nsdae_event_rounding(s);
+  if (!is_admissible(p, impact)) return 0;
   int ends = !p->early || p->fastest <= SLOW * nsdae_event_velocity_size(s) ||
              p->fastest * flight / 4 <= told;
   if (!isfinite(p->rest) || p->rest > MOST * s->options->accumulation_time) p->rest = 0;

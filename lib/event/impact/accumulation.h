@@ -48,11 +48,13 @@ void nsdae_event_unsettle(nsdae_event_accumulation *accumulation);
 int nsdae_event_find_set(nsdae_event_accumulation *accumulation, const double *v, double most);
 
 /* v [nv], with e_N = 0 in the set, to v_c: others may have pushed it apart, what follows pushes
- * back. before [nv] is v-. Adds to multiplier [m]. */
-int nsdae_event_close_set(nsdae_event_accumulation *accumulation, const double *before, double *v,
-                          double *multiplier);
+ * back. before [nv] is v-, impulse [k] what led to v. Adds to multiplier [m]. */
+int nsdae_event_close_set(nsdae_event_accumulation *accumulation, const double *before,
+                          const double *impulse, double *v, double *multiplier);
 
-/* Whether it ends, with v_c; `rest` is T, or 0 where it is closed before. */
-int nsdae_event_ends(nsdae_event_accumulation *accumulation, const double *closed);
+/* Whether it ends, with v_c and the impulses before the closing; `rest` is T, or 0 where it is
+ * closed before. The closing may pull where the force that it is ahead of, F_N T, presses as much. */
+int nsdae_event_ends(nsdae_event_accumulation *accumulation, const double *closed,
+                     const nsdae_impulses *impact);
 
 #endif

@@ -183,8 +183,9 @@ static int settle_set(nsdae_event_impacts *p, const double *before, double most)
     if (a->settles[i]) p->coming[i] = 0;
   nsdae_contacts_come(&p->problem, p->coming);
   int status = solve(p);
-  if (status == NSDAE_OK) status = nsdae_event_close_set(a, before, p->v, p->multiplier);
-  if (status < 0 || nsdae_event_ends(a, p->v)) return status;
+  if (status == NSDAE_OK)
+    status = nsdae_event_close_set(a, before, p->solution.normal, p->v, p->multiplier);
+  if (status < 0 || nsdae_event_ends(a, p->v, &p->solution)) return status;
   nsdae_event_unsettle(a);
   approach(p);
   status = restitute(p, before);

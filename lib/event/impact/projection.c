@@ -10,11 +10,15 @@ enum { PROJECTIONS = 4 };
  * positions and velocities are as near as they can be. */
 static const double FAR = 100;
 
+/* Rows whose sine is less depend on each other but for errors, which they would magnify. */
+static const double LEAST_SINE = 1e-6;
+
 void nsdae_event_projection_layout(nsdae_event_projection *p, nsdae_arena *arena)
 {
   const nsdae_dims *d = &p->phase->setting->system->dims;
   int rows = d->m + d->k * (1 + d->nt) + d->f;
-  nsdae_least_layout(&p->least, d->nv, rows, p->phase->setting->options->rank_tol, arena);
+  double sine = fmax(p->phase->setting->options->rank_tol, LEAST_SINE);
+  nsdae_least_layout(&p->least, d->nv, rows, sine, arena);
   p->qdot = NSDAE_ARENA_DOUBLES(arena, d->nq);
 }
 
