@@ -110,9 +110,8 @@ static int arrive(nsdae_event_instant *p, double t, double *y)
   for (int i = 0; i < s->system->dims.k; i++) {
     double gap = T->gap[i], rate = nsdae_terms_normal_rate(T, i, T->v);
     double rounding = 1e3 * DBL_EPSILON * fabs(t * rate); /* of the time where it was found */
-    /* past a kink of its gap a contact has parted, or another feature is the near one */
-    if (gap > STRAYED * size && (rate > fast || gap > LOST * size))
-      is->touching[i] = is->candidate[i] = 0;
+    /* past a kink of its gap a contact parts, or another feature is the near one */
+    if (rate > fast || gap > LOST * size) is->touching[i] = is->candidate[i] = 0;
     is->touching[i] |= nsdae_event_touches(s, i);
     is->candidate[i] |= (is->touching[i] && fabs(gap) <= 2 * size) || gap < -2 * size - rounding;
   }
