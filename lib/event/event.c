@@ -29,6 +29,10 @@ static const double LOOSER = 100, LOOSEST = 1e4;
 static const double TINY = 1e-6;
 enum { TINY_MAX = 1000, STARTS = 50 };
 
+/* After so many of them a kink is looked for, as far ahead as so many: a step that fails is tried
+ * again with an eighth of its length. */
+enum { KINK_STEPS = 25, KINK_AHEAD = 16 };
+
 typedef struct event {
   nsdae_stepper *tools;
   nsdae_arena arena;
@@ -315,7 +319,7 @@ static int cross_kink(event *e, double t)
   nsdae_event_integrator *g = &e->integrator;
   nsdae_terms *T = e->setting.here;
   const nsdae_event_places *at = &e->setting.at;
-  double *from = g->z, *rate = g->later, longest = TINY * e->setting.options->dt;
+  double *from = g->z, *rate = g->later, longest = KINK_AHEAD * TINY * e->setting.options->dt;
   int found = 0;
   memcpy(from, g->y, (size_t)at->lambda * sizeof *from);
   if (nsdae_event_forces(&e->phase, t, g->y) < 0 || nsdae_kinematics_at(T, T->v, rate) < 0)
@@ -329,13 +333,23 @@ static int cross_kink(event *e, double t)
   return found > 0;
 }
 
+/* The integrator's y at t, which it has reached. Where it has just started that is the state. */
+static int read_state(event *e, double t)
+{
+  nsdae_event_integrator *g = &e->integrator;
+  return *e->base.steps > 0 ? nsdae_event_integrator_read(g, t, g->y) : NSDAE_OK;
+}
+
 static int integrate(event *e)
 {
   nsdae_event_integrator *g = &e->integrator;
-  double from = g->ahead;
+  double from = g->ahead, tiny = TINY * e->setting.options->dt;
+  if (g->steps.last > 0 && g->steps.last < tiny && *e->base.tiny % KINK_STEPS == 0 &&
+      read_state(e, from) == NSDAE_OK && cross_kink(e, from))
+    return change_modes(e, from);
   int status = step(e);
   ++*e->base.steps;
-  *e->base.tiny += g->ahead - from < TINY * e->setting.options->dt;
+  *e->base.tiny += g->ahead - from < tiny;
   if (status == NSDAE_OK) return NSDAE_OK;
   g->ahead = from;
   if (nsdae_event_integrator_read(g, from, g->y) < 0) return integrator_failed(e, status, from);
@@ -348,13 +362,6 @@ static int integrate(event *e)
   }
   *e->phase.modes.is_stiff = 0; /* what backward differences do not solve, the other may */
   return start(e, from);
-}
-
-/* The integrator's y at t, which it has reached. Where it has just started that is the state. */
-static int read_state(event *e, double t)
-{
-  nsdae_event_integrator *g = &e->integrator;
-  return *e->base.steps > 0 ? nsdae_event_integrator_read(g, t, g->y) : NSDAE_OK;
 }
 
 /* From the base to the state again: 1; 0 where callbacks do not give the same numbers as then; < 0

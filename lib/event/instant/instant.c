@@ -53,6 +53,7 @@ static void sort_found(nsdae_event_instant *p, const double *y)
     const nsdae_event_root *root = nsdae_event_root_of(p->roots, NSDAE_ROOT_NORMAL, i);
     int closed = m->contact[i] != NSDAE_MODE_OPEN;
     int presses = root->state == NSDAE_ROOT_BALANCED && y[at->normal + i] > 0;
+    is->closed[i] = closed;
     is->touching[i] = closed || root->found;
     is->candidate[i] = closed;
     is->released[i] = closed && root->found && !presses;

@@ -22,10 +22,10 @@ void nsdae_event_acceleration_layout(nsdae_event_acceleration *p, nsdae_arena *a
   p->size = NSDAE_ARENA_DOUBLES(arena, d->nv);
   p->force = NSDAE_ARENA_DOUBLES(arena, columns);
   p->xi = NSDAE_ARENA_DOUBLES(arena, columns);
-  int **of_contact[] = {&p->is.touching,  &p->is.candidate, &p->is.released,
-                        &p->is.breakaway, &p->is.stopped,   &p->is.moving};
+  int **of_contact[] = {&p->is.touching, &p->is.candidate, &p->is.released, &p->is.breakaway,
+                        &p->is.stopped,  &p->is.moving,    &p->is.closed};
   int **of_slide[] = {&p->is.slide_breakaway, &p->is.slide_stopped, &p->is.slide_turned};
-  for (int i = 0; i < 6; i++) *of_contact[i] = NSDAE_ARENA_INTS(arena, k);
+  for (int i = 0; i < 7; i++) *of_contact[i] = NSDAE_ARENA_INTS(arena, k);
   for (int i = 0; i < 3; i++) *of_slide[i] = NSDAE_ARENA_INTS(arena, d->f);
   p->problem.slides.sense = p->sense;
 }

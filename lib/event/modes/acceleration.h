@@ -12,6 +12,7 @@
 
 /* What an instant knows of each contact and slide. */
 typedef struct nsdae_event_findings {
+  int *closed;                       /* k: until now */
   int *touching, *candidate;         /* k: may be hit; may stay closed */
   int *released, *breakaway;         /* k: pulled; its friction is used up */
   int *stopped, *moving;             /* k: slid until now; slides already, or breaks away */

@@ -50,10 +50,16 @@ static void read_contacts(nsdae_event_acceleration *p)
   double size = nsdae_event_acceleration_size(p);
   /* a force that is the error of a solved problem holds nothing */
   double none = c->lcp.options.tol * nsdae_largest(c->system->dims.k, c->results->normal);
-  for (int i = 0; i < c->system->dims.k; i++) mode[i] = NSDAE_MODE_OPEN;
+  int parting = 0;
+  for (int i = 0; i < c->system->dims.k; i++) {
+    mode[i] = NSDAE_MODE_OPEN;
+    parting |= p->is.released[i];
+  }
   for (int a = 0; a < c->active_count; a++) {
     int i = c->active[a];
     if (!(c->results->normal[i] > 0) && c->results->after[i] > size) continue;
+    /* one that opens is not replaced by another that has no force: they would take turns */
+    if (parting && !p->is.closed[i] && !(c->results->normal[i] > none)) continue;
     mode[i] = NSDAE_MODE_SLIDE; /* also where it touches without a force */
     if (!(c->results->normal[i] > none))
       point_along(p, i);
