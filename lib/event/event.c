@@ -393,12 +393,17 @@ static int arrive(event *e, const nsdae_state *state)
   return stands ? NSDAE_OK : begin(e, state->terms);
 }
 
+static int has_short_steps(const event *e)
+{
+  return *e->base.tiny > TINY_MAX + STARTS * *e->base.instants;
+}
+
 /* Time goes on whatever happens: a dt has so many instants, and so many steps that are none.
  * Friction that is asked again and again how it shares between contacts leads nowhere, sooner. */
 static int too_many(const event *e)
 {
   return e->instant.impacts.endless || *e->base.instants > e->setting.options->events_max ||
-         *e->base.idle > IDLE_MAX || *e->base.tiny > TINY_MAX + STARTS * *e->base.instants;
+         *e->base.idle > IDLE_MAX || has_short_steps(e);
 }
 
 static int advance_from(event *e)
@@ -502,6 +507,8 @@ static int advance(void *own, const nsdae_state *state, double t_end, nsdae_resu
   if (*e->base.goal != t_end) *e->base.instants = *e->base.idle = *e->base.tiny = 0;
   *e->base.goal = t_end;
   if (status == NSDAE_OK) status = run_to(e, t_end);
+  if (status == NSDAE_OK && has_short_steps(e)) /* as in front of a pole of several contacts */
+    status = nsdae_event_diagnose(&e->instant.acceleration, e->integrator.ahead, e->integrator.y);
   if (status < 0) return tell(e, status);
   /* a list that one instant fills leaves no way on either */
   result->given_up = too_many(e) || !(e->reached > state->terms->t);
