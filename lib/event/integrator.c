@@ -66,8 +66,12 @@ static int look(double t, double *gap, double *rate, void *user)
 void nsdae_event_integrator_layout(nsdae_event_integrator *e, nsdae_arena *arena)
 {
   const nsdae_event_setting *s = e->roots->phase->setting;
-  e->steps = (nsdae_runge_kutta){
-      .n = s->at.n + 2, .controlled = s->at.lambda, .positions = s->at.v, .rate = rate, .user = e};
+  e->steps = (nsdae_runge_kutta){.n = s->at.n + 2,
+                                 .controlled = s->at.lambda,
+                                 .positions = s->at.v,
+                                 .forces = s->at.n - s->at.lambda,
+                                 .rate = rate,
+                                 .user = e};
   e->fall = (nsdae_fall){.count = e->roots->count, .values = values, .user = e};
   e->dip = (nsdae_dip){.count = s->system->dims.k, .look = look, .user = e};
   nsdae_runge_kutta_layout(&e->steps, arena);
@@ -100,6 +104,16 @@ void nsdae_event_integrator_prepare(nsdae_event_integrator *e)
   nsdae_ode_positions(e->stiff, e->steps.positions, o->dt);
 }
 
+/* The largest force applied, or what would stop the bodies in a dt. */
+static double force_of(const nsdae_event_integrator *e)
+{
+  const nsdae_terms *T = e->roots->phase->setting->here;
+  int n = T->system->dims.nv;
+  double inertia = 0;
+  for (size_t i = 0; i < (size_t)n * (size_t)n; i++) inertia = fmax(inertia, fabs(T->M[i]));
+  return fmax(nsdae_largest(n, T->F), inertia * nsdae_largest(n, T->v) / e->steps.max_step);
+}
+
 int nsdae_event_integrator_start(nsdae_event_integrator *e, double t)
 {
   nsdae_event_phase *p = e->roots->phase;
@@ -114,6 +128,7 @@ int nsdae_event_integrator_start(nsdae_event_integrator *e, double t)
   int status = *e->roots->phase->modes.is_stiff ? nsdae_ode_start(e->stiff, t, e->end)
                                                 : nsdae_runge_kutta_start(&e->steps, t, e->end);
   if (status == NSDAE_OK) status = nsdae_event_forces(p, t, e->y);
+  if (status == NSDAE_OK) e->steps.force = force_of(e);
   return status < 0 ? status : nsdae_event_set_roots(e->roots, t, e->y, p->x);
 }
 

@@ -67,16 +67,17 @@ static double norm(const nsdae_runge_kutta *rk, const double *x)
   return isfinite(sum) ? sqrt(sum / rk->controlled) : HUGE_VAL;
 }
 
-/* The largest error of an integral over a step h, in parts of INTEGRAL rtol of what the largest
- * rate makes in max_step. A force that jumps within the step, as past the end of an edge, shows in
- * its impulse alone where the motion does not depend on it. */
-static double integral_error(const nsdae_runge_kutta *rk, double h)
+/* The largest error of a force's impulse over a step h, in parts of INTEGRAL rtol of what the
+ * largest force makes in max_step: one that jumps within the step, as past the end of an edge,
+ * shows there alone if the motion does not depend on it. */
+static double impulse_error(const nsdae_runge_kutta *rk, double h)
 {
-  int first = rk->controlled, count = rk->n - first;
+  int first = rk->controlled, count = rk->forces;
   double size =
       fmax(nsdae_largest(count, rk->k[0] + first), nsdae_largest(count, rk->k[6] + first));
   double error = nsdae_largest(count, rk->sum + first);
-  return error > 0 ? h * error / (INTEGRAL * rk->rtol * size * rk->max_step) : 0;
+  size = fmax(size, rk->force) * rk->max_step;
+  return error > 0 ? h * error / (INTEGRAL * rk->rtol * size) : 0;
 }
 
 /* sum := sum_j weight_j k_j, of the first n, two terms at a time; the weight of k_2 is zero, and
@@ -189,8 +190,8 @@ int nsdae_runge_kutta_advance(nsdae_runge_kutta *rk)
     int code = stages(rk, h);
     if (code < 0) return NSDAE_E_CALLBACK;
     if (code == 0) {
-      combine(rk, rk->n, STAGES, e);
-      error = fmax(h * norm(rk, rk->sum), integral_error(rk, h));
+      combine(rk, rk->controlled + rk->forces, STAGES, e);
+      error = fmax(h * norm(rk, rk->sum), impulse_error(rk, h));
     }
     double factor = error > 0 ? SAFETY * pow(error, -0.2) : MOST;
     rk->h = fmin(rk->max_step, h * fmax(LEAST, fmin(most, factor)));

@@ -21,6 +21,8 @@ typedef struct nsdae_runge_kutta {
   int n,
       controlled; /* the error's estimate is of the first of y; f does not depend on the others */
   int positions;  /* how many there are, or 0 */
+  int forces;     /* behind what is controlled: integrals of forces, whose error is bounded too */
+  double force;   /* smaller forces are none to that bound */
   double rtol, atol, max_step;
   /* 0 done, > 0 try a smaller step, < 0 give up; whole: not only of what is controlled */
   int (*rate)(double t, const double *y, double *ydot, int whole, void *user);
