@@ -217,6 +217,7 @@ static int jammed(event *e, double t)
 static void blur(event *e)
 {
   double idle = nsdae_rattle_growth(*e->base.idle, CHATTERS, 8);
+  e->instant.impacts.accumulation.rattles = e->base.rattle.count;
   for (int i = 0; i < e->setting.system->dims.k; i++) {
     e->instant.impacts.blur[i] = nsdae_rattle_blur(&e->base.rattle, i);
     e->phase.modes.blur[i] = fmax(idle, e->instant.impacts.blur[i]);

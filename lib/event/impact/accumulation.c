@@ -12,6 +12,9 @@ static const double SLOW = 4;
 /* In accumulation_time: what is closed with more than that left is not told when it would end. */
 static const double MOST = 1000;
 
+/* Instants of a contact in a row after which errors alone keep it up. */
+enum { PATIENCE = 50 };
+
 /* Substitutions of the friction of a closing, and the change, in parts of the impulses, of none. */
 enum { ROUNDS = 100 };
 static const double SAME = 1e-12;
@@ -115,10 +118,10 @@ int nsdae_event_find_set(nsdae_event_accumulation *p, const double *v, double mo
   nsdae_event_set_laws(p->acceleration, 1, p->slow);
   int solved = nsdae_event_accelerate(p->acceleration) == NSDAE_OK;
   nsdae_error_clear(s->error);
-  /* what has no force does not come back; where it depends on others they close it */
-  double none = held->lcp.options.tol * nsdae_largest(s->system->dims.k, held->results->normal);
+  double none = nsdae_event_acceleration_size(p->acceleration); /* others carry what has no force */
   for (int i = 0; i < s->system->dims.k; i++) {
-    p->settles[i] = solved && p->acceleration->is.candidate[i] && held->results->normal[i] > none;
+    p->settles[i] = solved && p->acceleration->is.candidate[i] &&
+                    (held->results->normal[i] > 0 || !(held->results->after[i] > none));
     p->sticks[i] = p->settles[i] && stays(p, i);
     any |= p->settles[i];
   }
@@ -245,8 +248,9 @@ int nsdae_event_close_set(nsdae_event_accumulation *p, const double *before, con
   return status;
 }
 
-/* Whether with what the forces do until the end, or within accumulation_time, nothing pulls, and
- * what sticks is in its cone. */
+/* Whether with what the forces do until the end, or within accumulation_time, nothing pulls and
+ * what sticks is in its cone. After many impacts in a row, which errors keep up, that is not asked.
+ */
 static int is_admissible(const nsdae_event_accumulation *p, const nsdae_impulses *impact)
 {
   const nsdae_event_acceleration *a = p->acceleration;
@@ -258,9 +262,9 @@ static int is_admissible(const nsdae_event_accumulation *p, const nsdae_impulses
     double along[2] = {0};
     for (int l = 0, j = i * nt; l < nt; l++, j++)
       along[l] = impact->tangential[j] + p->tangential[j];
-    if (p->settles[i] && normal < 0) return 0;
-    if (p->settles[i] && p->sticks[i] && nsdae_norm(nt, along) > s->contact[i].mu * normal)
-      return 0;
+    if (!p->settles[i] || p->rattles[i] > PATIENCE) continue;
+    if (normal < 0) return 0;
+    if (p->sticks[i] && nsdae_norm(nt, along) > s->contact[i].mu * normal) return 0;
   }
   return 1;
 }
@@ -287,9 +291,9 @@ int nsdae_event_ends(nsdae_event_accumulation *p, const double *closed,
   p->rest = p->left < p->all ? flight / (1 - sqrt(p->left / p->all)) : INFINITY;
   p->early = !(p->rest < s->options->accumulation_time);
   double told = count > 1 ? nsdae_event_position_size(s) : nsdae_event_rounding(s);
-  if (!is_admissible(p, impact)) return 0;
   int ends = !p->early || p->fastest <= SLOW * nsdae_event_velocity_size(s) ||
              p->fastest * flight / 4 <= told;
+  ends = ends && is_admissible(p, impact);
   if (!isfinite(p->rest) || p->rest > MOST * s->options->accumulation_time) p->rest = 0;
   return ends;
 }

@@ -25,6 +25,7 @@
 typedef struct nsdae_event_accumulation {
   nsdae_event_acceleration *acceleration;
   nsdae_event_projection *projection;
+  const int *rattles;          /* k: instants of each in a row */
   int *settles, *sticks;       /* k: in the set; and held by friction */
   double *after;               /* k: normal velocities with v+ */
   double *parting, *lost;      /* nv: v+; in work */
@@ -53,7 +54,8 @@ int nsdae_event_close_set(nsdae_event_accumulation *accumulation, const double *
                           const double *impulse, double *v, double *multiplier);
 
 /* Whether it ends, with v_c and the impulses before the closing; `rest` is T, or 0 where it is
- * closed before. The closing may pull where the force that it is ahead of, F_N T, presses as much. */
+ * closed before. The closing may pull where the force that it is ahead of, F_N T, presses as much.
+ */
 int nsdae_event_ends(nsdae_event_accumulation *accumulation, const double *closed,
                      const nsdae_impulses *impact);
 

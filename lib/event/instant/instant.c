@@ -52,7 +52,7 @@ static void sort_found(nsdae_event_instant *p, const double *y)
   for (int i = 0; i < d->k; i++) {
     const nsdae_event_root *root = nsdae_event_root_of(p->roots, NSDAE_ROOT_NORMAL, i);
     int closed = m->contact[i] != NSDAE_MODE_OPEN;
-    int presses = root->state == NSDAE_ROOT_BALANCED && y[at->normal + i] > 0;
+    int presses = root->state == NSDAE_ROOT_MASKED && y[at->normal + i] > 0;
     is->closed[i] = closed;
     is->touching[i] = closed || root->found;
     is->candidate[i] = closed;

@@ -68,7 +68,6 @@ static double value_of(const nsdae_event_phase *p, const nsdae_terms *T, const d
   const nsdae_event_modes *m = &p->modes;
   const nsdae_event_places *at = &p->setting->at;
   int i = root->index;
-  if (root->state == NSDAE_ROOT_BALANCED) return root->size - fabs(y[at->normal + i]);
   if (root->kind == NSDAE_ROOT_NORMAL)
     return m->contact[i] == NSDAE_MODE_OPEN ? T->gap[i] : y[at->normal + i];
   if (root->kind == NSDAE_ROOT_TANGENT)
@@ -171,8 +170,6 @@ static void start_root(const nsdae_event_phase *p, nsdae_event_root *root, doubl
     root->state = NSDAE_ROOT_RISING;
   else
     root->state = NSDAE_ROOT_MASKED;
-  if (root->kind == NSDAE_ROOT_NORMAL && fabs(value) <= size && undecided(p, root))
-    root->state = NSDAE_ROOT_BALANCED;
   if (value < -size && p->modes.contact[root->index] == NSDAE_MODE_OPEN &&
       root->kind == NSDAE_ROOT_NORMAL)
     root->size = -2 * value; /* starts below zero: counts from there */
@@ -250,9 +247,11 @@ static double undecided_speed(const nsdae_event_phase *p, const nsdae_event_root
 /* A masked function after a step: 1 where it asks for an instant. */
 static int watch(const nsdae_event_phase *p, const double *y, nsdae_event_root *root)
 {
-  if (root->kind != NSDAE_ROOT_NORMAL && undecided(p, root))
-    return root->moved = undecided_speed(p, root) > root->size;
-  double value = value_of(p, p->setting->here, y, root);
+  double value = root->kind == NSDAE_ROOT_NORMAL || !undecided(p, root)
+                     ? value_of(p, p->setting->here, y, root)
+                     : undecided_speed(p, root);
+  /* what presses or moves without a direction needs one */
+  if (value > root->size && undecided(p, root)) return root->moved = 1;
   if (value > root->size) root->state = NSDAE_ROOT_LIVE;
   return value < -root->size;
 }

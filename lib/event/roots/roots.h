@@ -1,7 +1,6 @@
 /* The functions whose falls through zero end a phase, each above zero while its mode holds:
  *
- *   normal     open: g_N, the gap closes;  closed: F_N, the contact lets go; closed without a
- *              force and a direction to slide in: zero - |F_N|, the force leaves zero
+ *   normal     open: g_N, the gap closes;  closed: F_N, the contact lets go
  *   tangent    sliding: d . v_T, it stops; with two directions d is that after the last step
  *              sticking: mu F_N - |F_T|, friction is used up
  *   sign       of a slide: s lambda, lambda changes sign
@@ -27,12 +26,10 @@ typedef enum nsdae_root_kind {
 } nsdae_root_kind;
 
 typedef enum nsdae_root_state {
-  NSDAE_ROOT_OFF,     /* has nothing to say in this phase */
-  NSDAE_ROOT_LIVE,    /* above zero */
-  NSDAE_ROOT_RISING,  /* zero at `since` with a known rate: divided by t - since it is above */
-  NSDAE_ROOT_MASKED,  /* zero to rounding: lifted above until it has left zero */
-  NSDAE_ROOT_BALANCED /* a normal force that is zero to rounding, of a contact without a direction
-                         to slide in: it leaves zero to either side; zero - |F_N| is above */
+  NSDAE_ROOT_OFF,    /* has nothing to say in this phase */
+  NSDAE_ROOT_LIVE,   /* above zero */
+  NSDAE_ROOT_RISING, /* zero at `since` with a known rate: divided by t - since it is above */
+  NSDAE_ROOT_MASKED  /* zero to rounding: lifted above until it has left zero */
 } nsdae_root_state;
 
 typedef struct nsdae_event_root {
@@ -72,8 +69,8 @@ int nsdae_event_root_values(nsdae_event_roots *roots, double t, const double *y,
 int nsdae_event_set_roots(nsdae_event_roots *roots, double t, const double *y, const double *a);
 
 /* The entry whose force contradicts its mode the most as the phase starts: a contact that is closed
- * and pulls, what sticks beyond its cone; -1: none. The problem of accelerations found none, so that
- * the rows of the phase nearly depend on each other. */
+ * and pulls, what sticks beyond its cone; -1: none. The problem of accelerations found none, so
+ * that the rows of the phase nearly depend on each other. */
 int nsdae_event_inconsistent(const nsdae_event_roots *roots);
 
 /* After a step to t, y: turns the directions of sliding, makes those live that left zero, and marks
