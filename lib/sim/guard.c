@@ -1,0 +1,84 @@
+#include "guard.h"
+
+#include "errors.h"
+#include "sim_impl.h"
+
+/* Of this thread; its address is the thread's name. */
+static _Thread_local struct refusal {
+  const nsdae_sim *of; /* the simulation of the last refused call; NULL: it was not refused */
+  nsdae_error error;
+} mine;
+
+/* The guard is all that a call which reads changes. */
+static nsdae_guard *guard_of(const nsdae_sim *sim)
+{
+  return &((nsdae_sim *)sim)->guard;
+}
+
+static int is_mine(nsdae_guard *guard)
+{
+  return atomic_load(&guard->thread) == &mine;
+}
+
+static int refuse(const nsdae_sim *sim, const char *where)
+{
+  mine.of = sim;
+  return nsdae_error_set(&mine.error, NSDAE_E_STATE, where, "sim",
+                         "%s was called while another call on this simulation was in progress, in "
+                         "a callback or in another thread: call it before or after, or give each "
+                         "thread a simulation of its own",
+                         where);
+}
+
+/* Nothing else writes to the record while an observer is called. */
+static int refuse_observer(const nsdae_sim *sim, const char *where)
+{
+  return nsdae_error_set(&((nsdae_sim *)sim)->error, NSDAE_E_STATE, where, "",
+                         "%s was called by an observer, which sees a step that is not finished: "
+                         "return a positive value to stop the run instead",
+                         where);
+}
+
+static int take(nsdae_guard *guard, enum nsdae_use use)
+{
+  int users = 0;
+  if (use != NSDAE_READ) return atomic_compare_exchange_strong(&guard->users, &users, -1);
+  users = atomic_load(&guard->users);
+  while (users >= 0 && !atomic_compare_exchange_weak(&guard->users, &users, users + 1))
+    ;
+  return users >= 0;
+}
+
+int nsdae_sim_enter(const nsdae_sim *sim, enum nsdae_use use, const char *where)
+{
+  if (!sim) return NSDAE_E_ARGUMENT;
+  nsdae_guard *guard = guard_of(sim);
+  if (is_mine(guard)) {
+    if (!guard->showing) return refuse(sim, where);
+    if (use == NSDAE_MOVE) return refuse_observer(sim, where);
+    guard->showing = use == NSDAE_READ; /* what it asks may call a callback */
+    return NSDAE_OK;
+  }
+  if (!take(guard, use)) return refuse(sim, where);
+  if (use != NSDAE_READ) atomic_store(&guard->thread, &mine);
+  return NSDAE_OK;
+}
+
+void nsdae_sim_leave(const nsdae_sim *sim, enum nsdae_use use)
+{
+  nsdae_guard *guard = guard_of(sim);
+  if (mine.of == sim) mine.of = NULL;
+  if (is_mine(guard) && sim->observers.telling) {
+    guard->showing = 1;
+  } else if (use == NSDAE_READ) {
+    atomic_fetch_sub(&guard->users, 1);
+  } else {
+    atomic_store(&guard->thread, NULL);
+    atomic_store(&guard->users, 0);
+  }
+}
+
+const nsdae_error *nsdae_sim_refusal(const nsdae_sim *sim)
+{
+  return mine.of == sim ? &mine.error : NULL;
+}
