@@ -64,6 +64,11 @@ static int check_blocks(const nsdae_system *system, const nsdae_sim_options *opt
                            "method = %s is for systems without blocks: take implicit, "
                            "implicit-printed or moreau",
                            nsdae_method_name(options->method));
+  if (options->polygon > 0)
+    return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_sim_create", "polygon",
+                           "polygon = %d is for systems without blocks: contacts by list have "
+                           "Coulomb's cone: set it to 0",
+                           options->polygon);
   if (options->projection == NSDAE_PROJECTION_NONE) return NSDAE_OK;
   return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_sim_create", "projection",
                          "projection is for systems without blocks: set it to none");
