@@ -1,13 +1,8 @@
 #include "guard.h"
 
 #include "errors.h"
+#include "refusal.h"
 #include "sim_impl.h"
-
-/* Of this thread; its address is the thread's name. */
-static _Thread_local struct refusal {
-  const nsdae_sim *of; /* the simulation of the last refused call; NULL: it was not refused */
-  nsdae_error error;
-} mine;
 
 /* The guard is all that a call which reads changes. */
 static nsdae_guard *guard_of(const nsdae_sim *sim)
@@ -17,13 +12,12 @@ static nsdae_guard *guard_of(const nsdae_sim *sim)
 
 static int is_mine(nsdae_guard *guard)
 {
-  return atomic_load(&guard->thread) == &mine;
+  return atomic_load(&guard->thread) == nsdae_this_thread();
 }
 
 static int refuse(const nsdae_sim *sim, const char *where)
 {
-  mine.of = sim;
-  return nsdae_error_set(&mine.error, NSDAE_E_STATE, where, "sim",
+  return nsdae_error_set(nsdae_refusal_on(sim), NSDAE_E_STATE, where, "sim",
                          "%s was called while another call on this simulation was in progress, in "
                          "a callback or in another thread: call it before or after, or give each "
                          "thread a simulation of its own",
@@ -60,14 +54,14 @@ int nsdae_sim_enter(const nsdae_sim *sim, enum nsdae_use use, const char *where)
     return NSDAE_OK;
   }
   if (!take(guard, use)) return refuse(sim, where);
-  if (use != NSDAE_READ) atomic_store(&guard->thread, &mine);
+  if (use != NSDAE_READ) atomic_store(&guard->thread, nsdae_this_thread());
   return NSDAE_OK;
 }
 
 void nsdae_sim_leave(const nsdae_sim *sim, enum nsdae_use use)
 {
   nsdae_guard *guard = guard_of(sim);
-  if (mine.of == sim) mine.of = NULL;
+  nsdae_refusal_forget(sim);
   if (is_mine(guard) && sim->observers.telling) {
     guard->showing = 1;
   } else if (use == NSDAE_READ) {
@@ -76,9 +70,4 @@ void nsdae_sim_leave(const nsdae_sim *sim, enum nsdae_use use)
     atomic_store(&guard->thread, NULL);
     atomic_store(&guard->users, 0);
   }
-}
-
-const nsdae_error *nsdae_sim_refusal(const nsdae_sim *sim)
-{
-  return mine.of == sim ? &mine.error : NULL;
 }

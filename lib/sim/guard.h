@@ -1,10 +1,7 @@
 /* Who uses a simulation now. A call that changes it works alone. Calls that only read it may work
  * at the same time, in several threads. While an observer sees a record, its thread may read the
  * simulation and ask it, and nothing else. Every other call is NSDAE_E_STATE and touches neither
- * the simulation nor its error record: callbacks, threads of a pool and other threads alike.
- *
- * A thread is known by the address of a variable of its own. There the text of its last refused
- * call is kept, too: the record of the simulation belongs to the call in progress. */
+ * the simulation nor its error record: callbacks, threads of a pool and other threads alike. */
 #ifndef NSDAE_SIM_GUARD_H
 #define NSDAE_SIM_GUARD_H
 
@@ -28,9 +25,6 @@ typedef struct nsdae_guard {
 int nsdae_sim_enter(const nsdae_sim *sim, enum nsdae_use use, const char *where);
 /* After an enter that was NSDAE_OK. */
 void nsdae_sim_leave(const nsdae_sim *sim, enum nsdae_use use);
-
-/* The record of the last call of this thread, if it was on this simulation and refused; or NULL. */
-const nsdae_error *nsdae_sim_refusal(const nsdae_sim *sim);
 
 /* The whole body of a public function: call, between enter and leave. */
 #define NSDAE_SIM_GUARDED(sim, use, call)                   \

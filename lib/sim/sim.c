@@ -7,6 +7,7 @@
 #include "errors.h"
 #include "options.h"
 #include "probe.h"
+#include "refusal.h"
 #include "sim_impl.h"
 #include "start.h"
 #include "system_impl.h"
@@ -176,6 +177,7 @@ int nsdae_sim_create(const nsdae_system *system, const nsdae_sim_options *option
     made->options = *options;
   else
     nsdae_sim_options_default(&made->options);
+  nsdae_refusal_forget(made);
   nsdae_error_clear(&made->error);
   if (copy_system(made) < 0) return no_memory(made, error);
   status = build(made);
@@ -389,7 +391,7 @@ const nsdae_error *nsdae_sim_error(const nsdae_sim *sim)
       .text = "there is no simulation: it was not made (the last argument of nsdae_sim_create says "
               "why), or it was destroyed"};
   if (!sim) return &none;
-  const nsdae_error *refusal = nsdae_sim_refusal(sim);
+  const nsdae_error *refusal = nsdae_refusal_of(sim);
   return refusal ? refusal : &sim->error;
 }
 

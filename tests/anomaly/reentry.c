@@ -293,6 +293,10 @@ static void *hammer(void *seed)
     char block[BLOCK_MOST];
     own.block = block;
     const call *other = &calls[(draw >> 16) % CALLS];
+    if ((draw >> 8) % 16 == 0) { /* what all of them share */
+      assert_int_equal(nsdae_system_set_contact(shared.system, 0, 0, 0.1, 0), NSDAE_E_STATE);
+      assert_string_equal(nsdae_system_error(shared.system)->where, "nsdae_system_set_contact");
+    }
     int step = draw >> 31 || other->moves;
     int status = step ? nsdae_sim_step(shared.sim) : other->make(&own);
     if (!step) continue;
@@ -324,6 +328,13 @@ static void test_threads(void **state)
     print_message("%s: %ld steps, %ld calls refused\n", nsdae_method_name(method), r.step,
                   atomic_load(&refused));
     assert_int_equal(r.step, atomic_load(&steps_done));
+    nsdae_sim *later;
+    nsdae_error error;
+    assert_int_equal(nsdae_sim_create(shared.system, NULL, &later, &error), NSDAE_E_STATE);
+    assert_string_equal(error.where, "nsdae_system_set_contact");
+    nsdae_system_clear_error(shared.system);
+    assert_int_equal(nsdae_sim_create(shared.system, NULL, &later, &error), NSDAE_OK);
+    nsdae_sim_destroy(&later);
     target alone;
     nsdae_record s;
     assert_true(make(&alone, method));
