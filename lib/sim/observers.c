@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "errors.h"
+#include "refusal.h"
 #include "sim_impl.h"
 
 static int observe(nsdae_sim *sim, nsdae_observer_fn observer, void *user)
@@ -57,6 +58,7 @@ static int observer_failed(nsdae_sim *sim, int status, double t)
 static int call(nsdae_sim *sim, nsdae_observation observer, const nsdae_record *record)
 {
   nsdae_error_clear(&sim->error);
+  nsdae_refusal_forget(sim); /* that of a callback */
   sim->observers.telling = sim->guard.showing = 1;
   int status = observer.call(record, &sim->error, observer.user);
   sim->observers.telling = sim->guard.showing = 0;
