@@ -180,7 +180,7 @@ void bodies::set_gravity(triple g)
 }
 
 // For the caller to own; the bodies must outlive it. It refers to them where the garbage collector
-// sees it: a drive or a load may refer to what holds the system.
+// sees it: a drive or a load may refer to an owner of the system.
 system *bodies::make_system(nb::object self)
 {
   const bodies &b = nb::cast<const bodies &>(self);

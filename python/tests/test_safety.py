@@ -253,7 +253,7 @@ def cycle_of_bodies():
 
 @pytest.mark.parametrize("made", [cycle_of_a_system, cycle_of_bodies])
 def test_cycles_are_collected(made):
-    """A callback that refers to what holds it."""
+    """A callback that refers to its owner."""
     gone = made()
     gc.collect()
     assert gone() is None
