@@ -73,6 +73,9 @@ static int unknown_name(const settings *s, const char *name, nsdae_error *error)
   names[count] = NULL;
   const char *near = nsdae_nearest_name(name, names);
   if (near) return usage_error(error, name, "unknown name '%s'; did you mean '%s'?", name, near);
+  /* the library looks into the descriptions of the model's, too */
+  nsdae_params_set(s->model->parameters, s->model->base, name, "", error);
+  if (strchr(error->text, '?')) return NSDAE_E_OPTION;
   return usage_error(error, name, "unknown name '%s'; --help lists all", name);
 }
 

@@ -109,6 +109,11 @@ contains
     call collect(s%parameters, names, n)
     call collect(s%run, names, n)
     call collect(s%library, names, n)
+    if (nsdae_nearest_name(name, names(:n)) == '') then
+      ! the library looks into the descriptions of the model's, too
+      status = nsdae_params_set(s%parameters, name, '', error)
+      if (index(error%text, '?') > 0) return
+    end if
     status = unknown('name', name, names(:n), error)
   end function
 

@@ -751,7 +751,7 @@ public:
   /* nsdae_sim_project, of q0 [nq] and v0 [nv]. */
   int try_project(double t0, double *q0, double *v0) noexcept
   {
-    return detail::attempt([&] { return nsdae_sim_project(c(), t0, q0, v0); });
+    return use([&](nsdae_sim *c) { return nsdae_sim_project(c, t0, q0, v0); });
   }
   /* Puts a start right: q0 [nq], v0 [nv] are std::vector, std::array or the like. */
   template <class Q, class V> void project(double t0, Q &q0, V &v0)
@@ -759,19 +759,19 @@ public:
     const nsdae_dims size = dims();
     detail::sized(q0, size.nq, "q0");
     detail::sized(v0, size.nv, "v0");
-    detail::demand_run(try_project(t0, q0.data(), v0.data()), last_error());
+    demand_run(try_project(t0, q0.data(), v0.data()));
   }
   /* nsdae_sim_init, of q0 [nq] and v0 [nv]. */
   int try_init(double t0, const double *q0, const double *v0) noexcept
   {
-    return detail::attempt([&] { return nsdae_sim_init(c(), t0, q0, v0); });
+    return use([&](nsdae_sim *c) { return nsdae_sim_init(c, t0, q0, v0); });
   }
   /* q0 [nq], v0 [nv]: std::vector, std::array, or whatever has data() and size(). */
   template <class Q, class V> void init(double t0, const Q &q0, const V &v0)
   {
     const nsdae_dims size = dims();
     const double *q = detail::sized(q0, size.nq, "q0"), *v = detail::sized(v0, size.nv, "v0");
-    detail::demand_run(try_init(t0, q, v), last_error());
+    demand_run(try_init(t0, q, v));
   }
   /* The same of lists: sim.init(0, {1, 2}, {0, 0}). */
   void init(double t0, const std::vector<double> &q0, const std::vector<double> &v0)
@@ -785,7 +785,7 @@ public:
     typedef detail::sim_guts guts;
     std::unique_ptr<guts::observer> observer(new guts::observer(std::move(f)));
     if (guts_) guts_->observers.reserve(guts_->observers.size() + 1);
-    detail::demand(nsdae_sim_observe(c(), guts::observe, observer.get()), last_error());
+    demand(nsdae_sim_observe(c(), guts::observe, observer.get()));
     guts_->observers.push_back(std::move(observer));
     return *this;
   }
@@ -795,7 +795,7 @@ public:
   template <class F> sim &interrupt(F f)
   {
     std::unique_ptr<detail::callback<>> asked(new detail::callback<>(std::move(f)));
-    detail::demand(nsdae_sim_set_interrupt(c(), detail::sim_guts::ask, asked.get()), last_error());
+    demand(nsdae_sim_set_interrupt(c(), detail::sim_guts::ask, asked.get()));
     guts_->interrupt = std::move(asked);
     return *this;
   }
@@ -803,28 +803,25 @@ public:
   /* nsdae_sim_step. */
   int try_step() noexcept
   {
-    return moved(detail::attempt([&] { return nsdae_sim_step(c()); }));
+    return move([&](nsdae_sim *c) { return nsdae_sim_step(c); });
   }
   /* nsdae_sim_run. */
   int try_run(double t_end) noexcept
   {
-    return moved(detail::attempt([&] { return nsdae_sim_run(c(), t_end); }));
+    return move([&](nsdae_sim *c) { return nsdae_sim_run(c, t_end); });
   }
   /* One step of dt; the status is >= 0. */
-  int step() { return detail::demand_run(try_step(), last_error()); }
+  int step() { return demand_run(try_step()); }
   /* Steps to t_end; the status is >= 0. */
-  int run(double t_end) { return detail::demand_run(try_run(t_end), last_error()); }
+  int run(double t_end) { return demand_run(try_run(t_end)); }
 
   /* Back after the first step with an event: nsdae_sim_run_to_event. */
   int try_run_to_event(double t_end) noexcept
   {
-    return moved(detail::attempt([&] { return nsdae_sim_run_to_event(c(), t_end); }));
+    return move([&](nsdae_sim *c) { return nsdae_sim_run_to_event(c, t_end); });
   }
   /* The same, or error; the status is >= 0. */
-  int run_to_event(double t_end)
-  {
-    return detail::demand_run(try_run_to_event(t_end), last_error());
-  }
+  int run_to_event(double t_end) { return demand_run(try_run_to_event(t_end)); }
 
   /* q and v at a time of the last step: nsdae_sim_interpolate. */
   void interpolate(double t, std::vector<double> &q, std::vector<double> &v)
@@ -832,47 +829,38 @@ public:
     const nsdae_dims size = dims();
     q.resize(static_cast<std::size_t>(size.nq));
     v.resize(static_cast<std::size_t>(size.nv));
-    detail::demand_run(
-        detail::attempt([&] { return nsdae_sim_interpolate(c(), t, q.data(), v.data()); }),
-        last_error());
+    demand_run(use([&](nsdae_sim *c) { return nsdae_sim_interpolate(c, t, q.data(), v.data()); }));
   }
 
   /* nsdae_sim_set_options, nsdae_sim_set_contact, nsdae_sim_set_slide. */
   void set_options(const options &with)
   {
-    detail::demand(detail::attempt([&] { return nsdae_sim_set_options(c(), with.c()); }),
-                   last_error());
+    demand(use([&](nsdae_sim *c) { return nsdae_sim_set_options(c, with.c()); }));
   }
   /* Coefficients of contact i in this simulation. */
   void set_contact(int i, double mu, double e_n, double e_t = 0)
   {
-    detail::demand(nsdae_sim_set_contact(c(), i, mu, e_n, e_t), last_error());
+    demand(nsdae_sim_set_contact(c(), i, mu, e_n, e_t));
   }
   /* The friction of slide j in this simulation. */
-  void set_slide(int j, double mu)
-  {
-    detail::demand(nsdae_sim_set_slide(c(), j, mu), last_error());
-  }
+  void set_slide(int j, double mu) { demand(nsdae_sim_set_slide(c(), j, mu)); }
 
   /* The state as a value: nsdae_sim_get_state, nsdae_sim_set_state. */
   std::vector<unsigned char> state() const
   {
     std::size_t size = 0;
-    detail::demand(nsdae_sim_state_size(c(), &size), last_error());
+    demand(nsdae_sim_state_size(c(), &size));
     std::vector<unsigned char> block(size);
-    detail::demand(nsdae_sim_get_state(c(), block.data(), size), last_error());
+    demand(nsdae_sim_get_state(c(), block.data(), size));
     return block;
   }
   /* nsdae_sim_set_state: goes on from a block of state(). */
   int try_set_state(const std::vector<unsigned char> &block) noexcept
   {
-    return detail::attempt([&] { return nsdae_sim_set_state(c(), block.data(), block.size()); });
+    return use([&](nsdae_sim *c) { return nsdae_sim_set_state(c, block.data(), block.size()); });
   }
   /* The same; error says why a block is refused. */
-  void set_state(const std::vector<unsigned char> &block)
-  {
-    detail::demand(try_set_state(block), last_error());
-  }
+  void set_state(const std::vector<unsigned char> &block) { demand(try_set_state(block)); }
 
   /* Its pointers hold until the next step. */
   nsdae_record record() const { return get<nsdae_record>(nsdae_sim_get_record); }
@@ -888,11 +876,23 @@ private:
   friend class trajectory;
   std::shared_ptr<detail::sim_guts> guts_;
 
-  int moved(int status) noexcept
+  /* Around every call that may run callbacks: one that replaces this handle does not release the
+   * simulation that calls it. */
+  template <class Call> int use(Call call) noexcept
   {
-    if (guts_) guts_->status = status;
+    const std::shared_ptr<detail::sim_guts> kept = guts_;
+    return detail::attempt([&] { return call(kept ? kept->c : nullptr); });
+  }
+  /* The same of a run or a step, whose status is kept. */
+  template <class Call> int move(Call call) noexcept
+  {
+    const std::shared_ptr<detail::sim_guts> kept = guts_;
+    const int status = use(call);
+    if (kept) kept->status = status;
     return status;
   }
+  int demand(int status) const { return detail::demand(status, last_error()); }
+  int demand_run(int status) const { return detail::demand_run(status, last_error()); }
   template <class T> T get(int (*from)(const nsdae_sim *, T *)) const
   {
     T value = T();
@@ -982,7 +982,7 @@ public:
   int try_close(nsdae_error *record = nullptr) noexcept
   {
     int status = c_ ? nsdae_trajectory_close(&c_, sim_->status, record) : NSDAE_OK;
-    sim_.reset();
+    if (!c_) sim_.reset(); /* else it was refused */
     return status;
   }
   /* The same; error says what could not be written. */

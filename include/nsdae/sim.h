@@ -14,7 +14,10 @@
 extern "C" {
 #endif
 
-/* A simulation; opaque. */
+/* A simulation; opaque. One call at a time uses it. A call is NSDAE_E_STATE and changes nothing
+ * while another one that steps, starts or changes the simulation is in progress, in the same thread
+ * (a callback) or in another. Calls that only read (nsdae_sim_get_record, _get_stats, _get_options,
+ * _get_failed_lcp, nsdae_sim_state_size) may run at the same time. Observers: nsdae_observer_fn. */
 typedef struct nsdae_sim nsdae_sim;
 
 /* Index into nsdae_method_name; options.method. */
@@ -200,7 +203,8 @@ typedef struct nsdae_stats {
  * what a setter of the system was refused with (see nsdae_system_clear_error). */
 NSDAE_API int nsdae_sim_create(const nsdae_system *system, const nsdae_sim_options *options,
                                nsdae_sim **sim, nsdae_error *error);
-/* Releases it and sets *sim to NULL; NULL and a pointer to NULL are allowed. */
+/* Releases it and sets *sim to NULL; NULL and a pointer to NULL are allowed. While another call on
+ * the simulation is in progress, nothing is released and *sim stays. */
 NSDAE_API void nsdae_sim_destroy(nsdae_sim **sim);
 
 /* Puts a start right: changes q0 [nq] as little as can be, in the metric of M, so that it satisfies
@@ -233,7 +237,8 @@ NSDAE_API int nsdae_sim_unobserve(nsdae_sim *sim, nsdae_observer_fn observer, vo
 
 /* Who is asked before every step, and after every internal step of penalty and event, whether to go
  * on; NULL: nobody. A step that is interrupted was not done: NSDAE_E_INTERRUPTED, and the state is
- * the one before it. It may look at what a signal handler sets; it must not call the simulation. */
+ * the one before it. It may look at what a signal handler sets; its own calls on the
+ * simulation are NSDAE_E_STATE. */
 NSDAE_API int nsdae_sim_set_interrupt(nsdae_sim *sim, nsdae_interrupt_fn asked, void *user);
 
 /* One step of dt. NSDAE_OK; NSDAE_EVENT when there was an impact in it, or with method event a
@@ -319,7 +324,8 @@ NSDAE_API int nsdae_sim_has_potential(const nsdae_sim *sim);
 NSDAE_API int nsdae_sim_get_options(const nsdae_sim *sim, nsdae_sim_options *options);
 /* The system that it was made of, for its names and sizes; NULL of NULL. */
 NSDAE_API const nsdae_system *nsdae_sim_get_system(const nsdae_sim *sim);
-/* Why the last call on this simulation failed; of NULL a record that says so. */
+/* Why the last call on this simulation failed; of NULL a record that says so. After a call of this
+ * thread that was refused because another one was in progress: the record of that refusal. */
 NSDAE_API const nsdae_error *nsdae_sim_error(const nsdae_sim *sim);
 
 #ifdef __cplusplus

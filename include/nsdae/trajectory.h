@@ -80,7 +80,8 @@ NSDAE_API int nsdae_trajectory_flush(nsdae_trajectory *trajectory, nsdae_error *
 /* Writes what is buffered, sets the attribute `status` to how the run ended: "stopped" for
  * run_status NSDAE_STOPPED, "interrupted" for NSDAE_E_INTERRUPTED, "failed" for what else is < 0,
  * "complete" for the rest; closes the file and sets *trajectory to NULL. The memory is released in
- * any case. NSDAE_E_IO: not all could be written; the text says what the file holds. */
+ * any case. NSDAE_E_IO: not all could be written; the text says what the file holds. From a
+ * callback, or while another thread steps sim: NSDAE_E_STATE, and the trajectory stays open. */
 NSDAE_API int nsdae_trajectory_close(nsdae_trajectory **trajectory, int run_status,
                                      nsdae_error *error);
 

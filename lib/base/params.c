@@ -116,11 +116,39 @@ int nsdae_params_check(const nsdae_params *table, const void *base, nsdae_error 
   return NSDAE_OK;
 }
 
+/* The entry whose help has the word: a quantity may have its symbol as its name, as L for a length.
+ * Some word of prose is always half right: here a third of the letters may differ. Words of one or
+ * two letters are none. */
+static const nsdae_param *described(const nsdae_params *table, const char *key)
+{
+  static const char letters[] = "abcdefghijklmnopqrstuvwxyz";
+  const nsdae_param *found = NULL;
+  int least = (int)strlen(key) / 3 + 1;
+  for (int i = 0; i < table->n; i++)
+    for (const char *at = table->entry[i].help; *(at += strcspn(at, letters));) {
+      char word[64] = "";
+      size_t length = strspn(at, letters);
+      nsdae_nearest nearest = nsdae_nearest_start(key);
+      memcpy(word, at, length < sizeof word ? length : sizeof word - 1);
+      nsdae_nearest_try(&nearest, word);
+      at += length;
+      if (length < 3 || nearest.distance >= least) continue;
+      least = nearest.distance;
+      found = &table->entry[i];
+    }
+  return found;
+}
+
 static int unknown_key(const nsdae_params *table, const char *key, nsdae_error *error)
 {
   nsdae_nearest nearest = nsdae_nearest_start(key);
   for (int i = 0; i < table->n; i++) nsdae_nearest_try(&nearest, table->entry[i].key);
   const char *name = nsdae_nearest_end(&nearest);
+  const nsdae_param *about = name ? NULL : described(table, key);
+  if (about)
+    return nsdae_error_set(error, NSDAE_E_OPTION, "nsdae_params", key,
+                           "unknown name '%s'; did you mean '%s' (%s)?", key, about->key,
+                           about->help);
   return nsdae_error_set(error, NSDAE_E_OPTION, "nsdae_params", key,
                          name ? "unknown name '%s'; did you mean '%s'?" : "unknown name '%s'", key,
                          name);

@@ -493,10 +493,11 @@ contains
     status = c_get_dims(sim%handle, sim%run%dims)
   end function
 
-  ! Releases it; one that was not made is allowed.
+  ! Releases it; one that was not made is allowed. During a call on the simulation: nothing.
   subroutine nsdae_sim_destroy(sim)
     type(nsdae_sim), intent(inout) :: sim
     call c_destroy(sim%handle)
+    if (c_associated(sim%handle)) return
     if (.not. associated(sim%run)) return
     if (associated(sim%run%model)) deallocate (sim%run%model)
     deallocate (sim%run)
@@ -584,7 +585,7 @@ contains
       if (.not. associated(slot%call, observer)) cycle
       if (.not. same(slot%user, chosen(user))) cycle
       status = c_unobserve(at(sim), c_funloc(call_observer), c_loc(slot))
-      slot%call => null()
+      if (status == NSDAE_OK) slot%call => null()
       return
     end do
   end function
@@ -813,12 +814,11 @@ contains
     status = NSDAE_E_ARGUMENT
     if (.not. associated(sim%run)) return
     call_back = c_null_funptr
-    if (present(asked)) then
-      sim%run%asked => asked
-      sim%run%asked_user => chosen(user)
-      call_back = c_funloc(call_interrupt)
-    end if
+    if (present(asked)) call_back = c_funloc(call_interrupt)
     status = c_set_interrupt(at(sim), call_back, c_loc(sim%run))
+    if (status < 0 .or. .not. present(asked)) return
+    sim%run%asked => asked
+    sim%run%asked_user => chosen(user)
   end function
 
   integer(c_int) function call_observer(from, error, user) result(status) bind(C, name='')

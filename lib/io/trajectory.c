@@ -81,6 +81,15 @@ static int check_info(const nsdae_trajectory_info *info, const char *where, nsda
                          info->every, info->compress);
 }
 
+/* A callback, or a thread beside the one that steps, cannot read the simulation. */
+static int readable(const nsdae_sim *sim, nsdae_error *error)
+{
+  nsdae_sim_options ignored;
+  int status = nsdae_sim_get_options(sim, &ignored);
+  if (status < 0 && error) *error = *nsdae_sim_error(sim);
+  return status;
+}
+
 int nsdae_trajectory_check(nsdae_sim *sim, const char *path, const nsdae_trajectory_info *info,
                            nsdae_trajectory **trajectory, const char *where, nsdae_error *error)
 {
@@ -90,8 +99,10 @@ int nsdae_trajectory_check(nsdae_sim *sim, const char *path, const nsdae_traject
                         : !trajectory ? "trajectory"
                                       : NULL;
   nsdae_error_clear(error);
-  if (!missing) return check_info(info, where, error);
-  return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, missing, "%s is NULL", missing);
+  if (missing)
+    return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, missing, "%s is NULL", missing);
+  int status = readable(sim, error);
+  return status < 0 ? status : check_info(info, where, error);
 }
 
 /* What was made, to the observers and the caller; or away again. */
@@ -137,6 +148,8 @@ int nsdae_trajectory_flush(nsdae_trajectory *trajectory, nsdae_error *error)
     return nsdae_error_set(error, t ? t->failed : NSDAE_E_ARGUMENT, "nsdae_trajectory_flush",
                            "trajectory", t ? "writing '%.90s' failed before" : "%s is NULL",
                            t ? t->path : "trajectory");
+  status = readable(t->sim, error);
+  if (status < 0) return status;
   t->h5.error = error ? error : &own;
   NSDAE_H5_QUIETLY(status, nsdae_trajectory_write_rows(t, NSDAE_SERIES_CHUNKS))
   if (status < 0) t->failed = status;
@@ -204,10 +217,11 @@ static int finish(nsdae_trajectory *t, int run_status)
 int nsdae_trajectory_close(nsdae_trajectory **trajectory, int run_status, nsdae_error *error)
 {
   nsdae_error own;
-  int status;
   nsdae_error_clear(error);
   if (!trajectory || !*trajectory) return NSDAE_OK;
   nsdae_trajectory *t = *trajectory;
+  int status = readable(t->sim, error);
+  if (status < 0) return status;
   t->h5.error = error ? error : &own;
   nsdae_sim_unobserve(t->sim, observe, t);
   if (t->failed)

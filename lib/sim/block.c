@@ -255,11 +255,16 @@ static size_t size_of(const nsdae_sim *sim, int closed)
   return c.at;
 }
 
-int nsdae_sim_state_size(const nsdae_sim *sim, size_t *size)
+static int state_size(const nsdae_sim *sim, size_t *size)
 {
-  if (!sim || !size) return NSDAE_E_ARGUMENT;
+  if (!size) return NSDAE_E_ARGUMENT;
   *size = size_of(sim, nsdae_sim_shown(sim)->result.closed.count);
   return NSDAE_OK;
+}
+
+int nsdae_sim_state_size(const nsdae_sim *sim, size_t *size)
+{
+  NSDAE_SIM_GUARDED(sim, NSDAE_READ, state_size(sim, size));
 }
 
 static int check_size(nsdae_sim *sim, const char *where, const void *block, size_t size, int closed)
@@ -274,9 +279,8 @@ static int check_size(nsdae_sim *sim, const char *where, const void *block, size
                          size, needed);
 }
 
-int nsdae_sim_get_state(nsdae_sim *sim, void *block, size_t size)
+static int get_state(nsdae_sim *sim, void *block, size_t size)
 {
-  if (!sim) return NSDAE_E_ARGUMENT;
   if (!sim->observers.telling) nsdae_error_clear(&sim->error);
   if (!sim->stage.started)
     return nsdae_error_set(&sim->error, NSDAE_E_STATE, "nsdae_sim_get_state", "",
@@ -298,6 +302,11 @@ int nsdae_sim_get_state(nsdae_sim *sim, void *block, size_t size)
   h.checksum = checksum_of(block, size);
   memcpy(block, &h, sizeof h);
   return NSDAE_OK;
+}
+
+int nsdae_sim_get_state(nsdae_sim *sim, void *block, size_t size)
+{
+  NSDAE_SIM_GUARDED(sim, NSDAE_ASK, get_state(sim, block, size));
 }
 
 static int refuse(nsdae_sim *sim, const char *argument, const char *what)
@@ -428,10 +437,8 @@ static int make_room(nsdae_sim *sim, const void *block)
                                                         : NSDAE_OK;
 }
 
-int nsdae_sim_set_state(nsdae_sim *sim, const void *block, size_t size)
+static int set_state(nsdae_sim *sim, const void *block, size_t size)
 {
-  if (!sim) return NSDAE_E_ARGUMENT;
-  if (nsdae_observers_quiet(sim, "nsdae_sim_set_state") < 0) return NSDAE_E_STATE;
   nsdae_error_clear(&sim->error);
   int status = block ? check_head(sim, block, size) : refuse(sim, "block", "block is NULL");
   if (status < 0) return status;
@@ -447,4 +454,9 @@ int nsdae_sim_set_state(nsdae_sim *sim, const void *block, size_t size)
   sim->stage.warning.status = NSDAE_OK;
   sim->observers.turn = sim->observers.stop = 0;
   return NSDAE_OK;
+}
+
+int nsdae_sim_set_state(nsdae_sim *sim, const void *block, size_t size)
+{
+  NSDAE_SIM_GUARDED(sim, NSDAE_MOVE, set_state(sim, block, size));
 }

@@ -58,10 +58,9 @@ static int check_time(nsdae_sim *sim, double t, double from, double to)
                          "t = %.17g is outside the last step, from %.17g to %.17g", t, from, to);
 }
 
-int nsdae_sim_interpolate(nsdae_sim *sim, double t, double *q, double *v)
+static int interpolate(nsdae_sim *sim, double t, double *q, double *v)
 {
   const char *where = "nsdae_sim_interpolate";
-  if (!sim) return NSDAE_E_ARGUMENT;
   nsdae_error_clear(&sim->error);
   if (!q || !v)
     return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, where, q ? "v" : "q", "%s is NULL",
@@ -81,4 +80,9 @@ int nsdae_sim_interpolate(nsdae_sim *sim, double t, double *q, double *v)
   if (!sim->aside || shown->result.counters.fallbacks > 0)
     return by_parabola(sim, from, to, t, q, v);
   return by_integration(sim, &before->result, t, q, v);
+}
+
+int nsdae_sim_interpolate(nsdae_sim *sim, double t, double *q, double *v)
+{
+  NSDAE_SIM_GUARDED(sim, NSDAE_ASK, interpolate(sim, t, q, v));
 }

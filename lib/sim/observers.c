@@ -4,11 +4,11 @@
 #include <string.h>
 
 #include "errors.h"
+#include "refusal.h"
 #include "sim_impl.h"
 
-int nsdae_sim_observe(nsdae_sim *sim, nsdae_observer_fn observer, void *user)
+static int observe(nsdae_sim *sim, nsdae_observer_fn observer, void *user)
 {
-  if (!sim) return NSDAE_E_ARGUMENT;
   nsdae_observers *o = &sim->observers;
   nsdae_error_clear(&sim->error);
   if (!observer)
@@ -22,9 +22,13 @@ int nsdae_sim_observe(nsdae_sim *sim, nsdae_observer_fn observer, void *user)
   return NSDAE_OK;
 }
 
-int nsdae_sim_unobserve(nsdae_sim *sim, nsdae_observer_fn observer, void *user)
+int nsdae_sim_observe(nsdae_sim *sim, nsdae_observer_fn observer, void *user)
 {
-  if (!sim) return NSDAE_E_ARGUMENT;
+  NSDAE_SIM_GUARDED(sim, NSDAE_ASK, observe(sim, observer, user));
+}
+
+static int unobserve(nsdae_sim *sim, nsdae_observer_fn observer, void *user)
+{
   nsdae_observers *o = &sim->observers;
   int i = 0;
   while (i < o->count && (o->of[i].call != observer || o->of[i].user != user)) i++;
@@ -33,6 +37,11 @@ int nsdae_sim_unobserve(nsdae_sim *sim, nsdae_observer_fn observer, void *user)
   o->turn -= i < o->turn;
   memmove(o->of + i, o->of + i + 1, (size_t)(o->count - i) * sizeof *o->of);
   return NSDAE_OK;
+}
+
+int nsdae_sim_unobserve(nsdae_sim *sim, nsdae_observer_fn observer, void *user)
+{
+  NSDAE_SIM_GUARDED(sim, NSDAE_ASK, unobserve(sim, observer, user));
 }
 
 static int observer_failed(nsdae_sim *sim, int status, double t)
@@ -49,9 +58,10 @@ static int observer_failed(nsdae_sim *sim, int status, double t)
 static int call(nsdae_sim *sim, nsdae_observation observer, const nsdae_record *record)
 {
   nsdae_error_clear(&sim->error);
-  sim->observers.telling = 1;
+  nsdae_refusal_forget(sim); /* that of a callback */
+  sim->observers.telling = sim->guard.showing = 1;
   int status = observer.call(record, &sim->error, observer.user);
-  sim->observers.telling = 0;
+  sim->observers.telling = sim->guard.showing = 0;
   return status < 0 ? observer_failed(sim, status, record->time) : status;
 }
 
@@ -71,13 +81,4 @@ int nsdae_observers_tell(nsdae_sim *sim, const nsdae_record *record)
   int stop = o->stop;
   o->turn = o->stop = 0;
   return stop ? NSDAE_STOPPED : NSDAE_OK;
-}
-
-int nsdae_observers_quiet(nsdae_sim *sim, const char *where)
-{
-  if (!sim->observers.telling) return NSDAE_OK;
-  return nsdae_error_set(&sim->error, NSDAE_E_STATE, where, "",
-                         "%s was called by an observer, which sees a step that is not finished: "
-                         "return a positive value to stop the run instead",
-                         where);
 }

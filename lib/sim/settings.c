@@ -8,14 +8,17 @@
 #include "options.h"
 #include "sim_impl.h"
 
-int nsdae_sim_set_user(nsdae_sim *sim, void *user)
+static int set_user(nsdae_sim *sim, void *user)
 {
-  if (!sim) return NSDAE_E_ARGUMENT;
-  if (nsdae_observers_quiet(sim, "nsdae_sim_set_user") < 0) return NSDAE_E_STATE;
   nsdae_error_clear(&sim->error);
   sim->stage.waiting = 0;
   sim->model.user = user;
   return NSDAE_OK;
+}
+
+int nsdae_sim_set_user(nsdae_sim *sim, void *user)
+{
+  NSDAE_SIM_GUARDED(sim, NSDAE_MOVE, set_user(sim, user));
 }
 
 /* Before anything is changed. */
@@ -64,10 +67,8 @@ static void start_grid(nsdae_sim *sim)
   sim->now->accounts.grid_count = 0;
 }
 
-int nsdae_sim_set_options(nsdae_sim *sim, const nsdae_sim_options *options)
+static int set_options(nsdae_sim *sim, const nsdae_sim_options *options)
 {
-  if (!sim) return NSDAE_E_ARGUMENT;
-  if (nsdae_observers_quiet(sim, "nsdae_sim_set_options") < 0) return NSDAE_E_STATE;
   nsdae_error_clear(&sim->error);
   if (!options)
     return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, "nsdae_sim_set_options", "options",
@@ -88,6 +89,11 @@ int nsdae_sim_set_options(nsdae_sim *sim, const nsdae_sim_options *options)
   }
   if (sim->stage.started && before.dt != options->dt) start_grid(sim);
   return NSDAE_OK;
+}
+
+int nsdae_sim_set_options(nsdae_sim *sim, const nsdae_sim_options *options)
+{
+  NSDAE_SIM_GUARDED(sim, NSDAE_MOVE, set_options(sim, options));
 }
 
 /* Of a contact or a slide. */
@@ -119,11 +125,9 @@ static int check_mu(nsdae_sim *sim, const char *where, int i, double made, doubl
   return NSDAE_OK;
 }
 
-int nsdae_sim_set_contact(nsdae_sim *sim, int i, double mu, double e_n, double e_t)
+static int set_contact(nsdae_sim *sim, int i, double mu, double e_n, double e_t)
 {
   const char *where = "nsdae_sim_set_contact";
-  if (!sim) return NSDAE_E_ARGUMENT;
-  if (nsdae_observers_quiet(sim, where) < 0) return NSDAE_E_STATE;
   nsdae_error_clear(&sim->error);
   if (i < 0 || i >= sim->model.dims.k) return bad_index(sim, where, "i", i, sim->model.dims.k);
   int status = check_mu(sim, where, i, sim->system->contact[i].mu, mu);
@@ -145,11 +149,14 @@ int nsdae_sim_set_contact(nsdae_sim *sim, int i, double mu, double e_n, double e
   return status;
 }
 
-int nsdae_sim_set_slide(nsdae_sim *sim, int j, double mu)
+int nsdae_sim_set_contact(nsdae_sim *sim, int i, double mu, double e_n, double e_t)
+{
+  NSDAE_SIM_GUARDED(sim, NSDAE_MOVE, set_contact(sim, i, mu, e_n, e_t));
+}
+
+static int set_slide(nsdae_sim *sim, int j, double mu)
 {
   const char *where = "nsdae_sim_set_slide";
-  if (!sim) return NSDAE_E_ARGUMENT;
-  if (nsdae_observers_quiet(sim, where) < 0) return NSDAE_E_STATE;
   nsdae_error_clear(&sim->error);
   if (j < 0 || j >= sim->model.dims.f) return bad_index(sim, where, "j", j, sim->model.dims.f);
   int status = check_mu(sim, where, j, sim->system->slide[j].mu, mu);
@@ -160,4 +167,9 @@ int nsdae_sim_set_slide(nsdae_sim *sim, int j, double mu)
   if (status < 0) return status;
   sim->model.slide[j].mu = mu;
   return prepare(sim);
+}
+
+int nsdae_sim_set_slide(nsdae_sim *sim, int j, double mu)
+{
+  NSDAE_SIM_GUARDED(sim, NSDAE_MOVE, set_slide(sim, j, mu));
 }

@@ -7,6 +7,7 @@
 #include "errors.h"
 #include "options.h"
 #include "probe.h"
+#include "refusal.h"
 #include "sim_impl.h"
 #include "start.h"
 #include "system_impl.h"
@@ -64,6 +65,11 @@ static int check_blocks(const nsdae_system *system, const nsdae_sim_options *opt
                            "method = %s is for systems without blocks: take implicit, "
                            "implicit-printed or moreau",
                            nsdae_method_name(options->method));
+  if (options->polygon > 0)
+    return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_sim_create", "polygon",
+                           "polygon = %d is for systems without blocks: contacts by list have "
+                           "Coulomb's cone: set it to 0",
+                           options->polygon);
   if (options->projection == NSDAE_PROJECTION_NONE) return NSDAE_OK;
   return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_sim_create", "projection",
                          "projection is for systems without blocks: set it to none");
@@ -171,6 +177,7 @@ int nsdae_sim_create(const nsdae_system *system, const nsdae_sim_options *option
     made->options = *options;
   else
     nsdae_sim_options_default(&made->options);
+  nsdae_refusal_forget(made);
   nsdae_error_clear(&made->error);
   if (copy_system(made) < 0) return no_memory(made, error);
   status = build(made);
@@ -185,7 +192,7 @@ int nsdae_sim_create(const nsdae_system *system, const nsdae_sim_options *option
 
 void nsdae_sim_destroy(nsdae_sim **sim)
 {
-  if (!sim || !*sim) return;
+  if (!sim || !*sim || nsdae_sim_enter(*sim, NSDAE_MOVE, "nsdae_sim_destroy") < 0) return;
   const nsdae_stepping *method = (*sim)->method;
   if (method && method->destroy) method->destroy((*sim)->own);
   nsdae_cones_close(&(*sim)->stepper.contacts.cones);
@@ -195,6 +202,7 @@ void nsdae_sim_destroy(nsdae_sim **sim)
   free((*sim)->model.contact);
   free((*sim)->model.slide);
   nsdae_system_let_go((*sim)->system);
+  nsdae_sim_leave(*sim, NSDAE_MOVE);
   free(*sim);
   *sim = NULL;
 }
@@ -249,10 +257,8 @@ static int start_at(nsdae_sim *sim, double t0, const double *q0, const double *v
   return status < 0 ? status : nsdae_start_check(&sim->projection, &r->end, sim->probe);
 }
 
-int nsdae_sim_init(nsdae_sim *sim, double t0, const double *q0, const double *v0)
+static int init(nsdae_sim *sim, double t0, const double *q0, const double *v0)
 {
-  if (!sim) return NSDAE_E_ARGUMENT;
-  if (nsdae_observers_quiet(sim, "nsdae_sim_init") < 0) return NSDAE_E_STATE;
   nsdae_error_clear(&sim->error);
   sim->stage.started = sim->stage.failed = sim->stage.waiting = sim->stage.between = 0;
   int status = nsdae_sim_check_state(sim, "nsdae_sim_init", t0, q0, v0);
@@ -268,24 +274,38 @@ int nsdae_sim_init(nsdae_sim *sim, double t0, const double *q0, const double *v0
   return NSDAE_OK;
 }
 
-int nsdae_sim_set_interrupt(nsdae_sim *sim, nsdae_interrupt_fn asked, void *user)
+int nsdae_sim_init(nsdae_sim *sim, double t0, const double *q0, const double *v0)
 {
-  if (!sim) return NSDAE_E_ARGUMENT;
+  NSDAE_SIM_GUARDED(sim, NSDAE_MOVE, init(sim, t0, q0, v0));
+}
+
+static int set_interrupt(nsdae_sim *sim, nsdae_interrupt_fn asked, void *user)
+{
   sim->stepper.interrupt = (nsdae_interrupt){asked, user};
   return NSDAE_OK;
 }
 
-int nsdae_sim_get_record(const nsdae_sim *sim, nsdae_record *record)
+int nsdae_sim_set_interrupt(nsdae_sim *sim, nsdae_interrupt_fn asked, void *user)
 {
-  if (!sim || !record) return NSDAE_E_ARGUMENT;
+  NSDAE_SIM_GUARDED(sim, NSDAE_ASK, set_interrupt(sim, asked, user));
+}
+
+static int get_record(const nsdae_sim *sim, nsdae_record *record)
+{
+  if (!record) return NSDAE_E_ARGUMENT;
   if (!sim->stage.started) return NSDAE_E_STATE;
   *record = nsdae_sim_shown(sim)->record;
   return NSDAE_OK;
 }
 
-int nsdae_sim_get_failed_lcp(const nsdae_sim *sim, nsdae_lcp_problem *problem)
+int nsdae_sim_get_record(const nsdae_sim *sim, nsdae_record *record)
 {
-  if (!sim || !problem) return NSDAE_E_ARGUMENT;
+  NSDAE_SIM_GUARDED(sim, NSDAE_READ, get_record(sim, record));
+}
+
+static int get_failed_lcp(const nsdae_sim *sim, nsdae_lcp_problem *problem)
+{
+  if (!problem) return NSDAE_E_ARGUMENT;
   const nsdae_contacts *c = sim->next->result.problem;
   if (!sim->stage.failed || !c) return NSDAE_E_STATE;
   if (nsdae_cones_any(c)) return NSDAE_E_STATE; /* see nsdae_sim_get_friction */
@@ -293,9 +313,14 @@ int nsdae_sim_get_failed_lcp(const nsdae_sim *sim, nsdae_lcp_problem *problem)
   return NSDAE_OK;
 }
 
-int nsdae_sim_get_friction(nsdae_sim *sim, nsdae_step_friction *friction)
+int nsdae_sim_get_failed_lcp(const nsdae_sim *sim, nsdae_lcp_problem *problem)
 {
-  if (!sim || !friction) return NSDAE_E_ARGUMENT;
+  NSDAE_SIM_GUARDED(sim, NSDAE_READ, get_failed_lcp(sim, problem));
+}
+
+static int get_friction(nsdae_sim *sim, nsdae_step_friction *friction)
+{
+  if (!friction) return NSDAE_E_ARGUMENT;
   if (!sim->stage.started) return NSDAE_E_STATE;
   nsdae_contacts *c = &sim->stepper.contacts;
   const nsdae_point *last = sim->stage.failed ? sim->next : sim->now;
@@ -311,14 +336,24 @@ int nsdae_sim_get_friction(nsdae_sim *sim, nsdae_step_friction *friction)
   return NSDAE_OK;
 }
 
-int nsdae_sim_get_stats(const nsdae_sim *sim, nsdae_stats *stats)
+int nsdae_sim_get_friction(nsdae_sim *sim, nsdae_step_friction *friction)
 {
-  if (!sim || !stats) return NSDAE_E_ARGUMENT;
+  NSDAE_SIM_GUARDED(sim, NSDAE_ASK, get_friction(sim, friction));
+}
+
+static int get_stats(const nsdae_sim *sim, nsdae_stats *stats)
+{
+  if (!stats) return NSDAE_E_ARGUMENT;
   *stats = nsdae_sim_shown(sim)->accounts.stats;
   stats->wall_time = sim->wall_time;
   stats->contact_capacity = (int)sim->lists.contacts.entries;
   stats->contact_growths = sim->lists.growths;
   return NSDAE_OK;
+}
+
+int nsdae_sim_get_stats(const nsdae_sim *sim, nsdae_stats *stats)
+{
+  NSDAE_SIM_GUARDED(sim, NSDAE_READ, get_stats(sim, stats));
 }
 
 int nsdae_sim_get_dims(const nsdae_sim *sim, nsdae_dims *dims)
@@ -333,11 +368,16 @@ int nsdae_sim_has_potential(const nsdae_sim *sim)
   return sim && sim->system->call.potential;
 }
 
-int nsdae_sim_get_options(const nsdae_sim *sim, nsdae_sim_options *options)
+static int get_options(const nsdae_sim *sim, nsdae_sim_options *options)
 {
-  if (!sim || !options) return NSDAE_E_ARGUMENT;
+  if (!options) return NSDAE_E_ARGUMENT;
   *options = sim->options;
   return NSDAE_OK;
+}
+
+int nsdae_sim_get_options(const nsdae_sim *sim, nsdae_sim_options *options)
+{
+  NSDAE_SIM_GUARDED(sim, NSDAE_READ, get_options(sim, options));
 }
 
 const nsdae_error *nsdae_sim_error(const nsdae_sim *sim)
@@ -350,7 +390,9 @@ const nsdae_error *nsdae_sim_error(const nsdae_sim *sim)
       .where = "nsdae_sim_error",
       .text = "there is no simulation: it was not made (the last argument of nsdae_sim_create says "
               "why), or it was destroyed"};
-  return sim ? &sim->error : &none;
+  if (!sim) return &none;
+  const nsdae_error *refusal = nsdae_refusal_of(sim);
+  return refusal ? refusal : &sim->error;
 }
 
 const nsdae_system *nsdae_sim_get_system(const nsdae_sim *sim)

@@ -4,6 +4,7 @@
 
 #include <nsdae/sim.h>
 
+#include "guard.h"
 #include "methods.h"
 #include "projection.h"
 #include "stepper.h"
@@ -65,6 +66,7 @@ struct nsdae_sim {
   const nsdae_system *system; /* held while the simulation lives */
   nsdae_system model;         /* a copy with user and coefficients of its own */
   nsdae_sim_options options;
+  nsdae_guard guard;
   nsdae_error error;
   nsdae_arena arena;
   nsdae_law *law; /* k, in a block of its own: its rows size the arena */
@@ -126,8 +128,5 @@ int nsdae_point_show(nsdae_point *point, unsigned have);
 /* Shows a record to the observers whose turn it is. NSDAE_OK, NSDAE_STOPPED, or the failure of one,
  * whose turn it then still is. */
 int nsdae_observers_tell(nsdae_sim *sim, const nsdae_record *record);
-
-/* NSDAE_E_STATE with the record where an observer calls what it must not. */
-int nsdae_observers_quiet(nsdae_sim *sim, const char *where);
 
 #endif

@@ -421,10 +421,8 @@ static int put_right(bench *b, double t0, double *q0, double *v0)
   return NSDAE_OK;
 }
 
-int nsdae_sim_project(nsdae_sim *sim, double t0, double *q0, double *v0)
+static int project(nsdae_sim *sim, double t0, double *q0, double *v0)
 {
-  if (!sim) return NSDAE_E_ARGUMENT;
-  if (nsdae_observers_quiet(sim, "nsdae_sim_project") < 0) return NSDAE_E_STATE;
   nsdae_error_clear(&sim->error);
   if (sim->system->by_list)
     return nsdae_error_set(&sim->error, NSDAE_E_UNSUPPORTED, "nsdae_sim_project", "blocks",
@@ -442,4 +440,9 @@ int nsdae_sim_project(nsdae_sim *sim, double t0, double *q0, double *v0)
   status = put_right(&b, t0, q0, v0);
   nsdae_arena_release(&arena);
   return status;
+}
+
+int nsdae_sim_project(nsdae_sim *sim, double t0, double *q0, double *v0)
+{
+  NSDAE_SIM_GUARDED(sim, NSDAE_MOVE, project(sim, t0, q0, v0));
 }

@@ -181,16 +181,14 @@ static int step_to(nsdae_sim *sim, double t1, int off_grid)
   return status;
 }
 
-static int begin(nsdae_sim *sim, const char *where)
+static int begin(nsdae_sim *sim)
 {
-  int status = nsdae_observers_quiet(sim, where);
-  if (status < 0) return status;
   nsdae_error_clear(&sim->error);
   if (!sim->stage.started)
     return nsdae_error_set(&sim->error, NSDAE_E_STATE, "nsdae_sim", "",
                            "the simulation has no state: call nsdae_sim_init first");
   if (sim->stage.told) return NSDAE_OK;
-  status = nsdae_observers_tell(sim, &sim->now->record);
+  int status = nsdae_observers_tell(sim, &sim->now->record);
   sim->stage.told = status >= 0;
   return status;
 }
@@ -209,15 +207,19 @@ static int outcome(nsdae_sim *sim)
   return sim->stage.warning.status;
 }
 
-int nsdae_sim_step(nsdae_sim *sim)
+static int step(nsdae_sim *sim)
 {
-  if (!sim) return NSDAE_E_ARGUMENT;
   double began = nsdae_wall_clock();
-  int status = begin(sim, "nsdae_sim_step");
+  int status = begin(sim);
   if (status != NSDAE_OK) return status;
   status = step_to(sim, grid_time(sim, 1), 0);
   sim->wall_time += nsdae_wall_clock() - began;
   return status == NSDAE_OK ? outcome(sim) : status;
+}
+
+int nsdae_sim_step(nsdae_sim *sim)
+{
+  NSDAE_SIM_GUARDED(sim, NSDAE_MOVE, step(sim));
 }
 
 /* One step on the way to t_end; one that would end within rounding of t_end ends there. */
@@ -232,14 +234,14 @@ static int step_towards(nsdae_sim *sim, double t_end)
 static int run(nsdae_sim *sim, const char *where, double t_end, int to_event)
 {
   double began = nsdae_wall_clock(), t = sim->stage.started ? sim->now->result.end.t : 0;
-  if (!sim->observers.telling) nsdae_error_clear(&sim->error);
+  nsdae_error_clear(&sim->error);
   if (!isfinite(t_end) || (sim->stage.started && t_end < t))
     return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, where, "t_end",
                            "t_end = %g is outside its range: it must be finite and at least the "
                            "time reached, %g",
                            t_end, t);
   nsdae_error warning = {0}; /* the first of the run */
-  int status = begin(sim, where);
+  int status = begin(sim);
   while (status == NSDAE_OK && sim->now->result.end.t < t_end) {
     status = step_towards(sim, t_end);
     if (status >= 0 && sim->stage.warning.status > 0 && warning.status == NSDAE_OK)
@@ -254,10 +256,10 @@ static int run(nsdae_sim *sim, const char *where, double t_end, int to_event)
 
 int nsdae_sim_run(nsdae_sim *sim, double t_end)
 {
-  return sim ? run(sim, "nsdae_sim_run", t_end, 0) : NSDAE_E_ARGUMENT;
+  NSDAE_SIM_GUARDED(sim, NSDAE_MOVE, run(sim, __func__, t_end, 0));
 }
 
 int nsdae_sim_run_to_event(nsdae_sim *sim, double t_end)
 {
-  return sim ? run(sim, "nsdae_sim_run_to_event", t_end, 1) : NSDAE_E_ARGUMENT;
+  NSDAE_SIM_GUARDED(sim, NSDAE_MOVE, run(sim, __func__, t_end, 1));
 }

@@ -10,6 +10,7 @@
 #include "directions.h"
 #include "errors.h"
 #include "probe.h"
+#include "refusal.h"
 #include "system_impl.h"
 
 typedef struct check {
@@ -267,6 +268,7 @@ int nsdae_system_check(nsdae_system *system, double t, const double *q, const do
                                          check_bias,         check_normal,
                                          check_contact_bias, check_contact_acceleration};
   if (!system) return NSDAE_E_ARGUMENT;
+  nsdae_refusal_forget(system);
   nsdae_error_clear(&system->error);
   int status = check_arguments(system, q, v, tol);
   if (worst) *worst = (nsdae_check){0};

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "errors.h"
+#include "refusal.h"
 
 static int bad_size(nsdae_error *error, const char *name, int value, const char *range)
 {
@@ -45,6 +46,8 @@ int nsdae_system_create(const nsdae_dims *dims, nsdae_system **system, nsdae_err
     nsdae_system_destroy(&made);
     return nsdae_error_set(error, NSDAE_E_MEMORY, "nsdae_system_create", "", "out of memory");
   }
+  atomic_init(&made->late, NULL);
+  nsdae_refusal_forget(made);
   made->dims = *dims;
   made->dims.nv = nv;
   nsdae_error_clear(&made->error);
@@ -68,6 +71,7 @@ static void release(nsdae_system *system)
 void nsdae_system_destroy(nsdae_system **system)
 {
   if (!system || !*system) return;
+  nsdae_refusal_forget(*system);
   release(*system);
   *system = NULL;
 }
@@ -88,13 +92,30 @@ int nsdae_system_simulations(const nsdae_system *system)
   return system ? atomic_load(&((nsdae_system *)system)->owners) - 1 : 0;
 }
 
+enum { WHERE_SIZE = sizeof((nsdae_error *)0)->where };
+
+static void name_setter(const char *setter, char where[WHERE_SIZE])
+{
+  snprintf(where, WHERE_SIZE, "nsdae_system_%s%s", strncmp(setter, "add_", 4) ? "set_" : "",
+           setter);
+}
+
+/* Simulations may read the system in other threads: of it, nothing but the name of the first such
+ * setter is changed then. */
 int nsdae_system_refuse(nsdae_system *system, int status, const char *setter, const char *argument,
                         const char *why)
 {
-  char where[sizeof system->error.where];
-  snprintf(where, sizeof where, "nsdae_system_%s%s", strncmp(setter, "add_", 4) ? "set_" : "",
-           setter);
-  nsdae_error_set(&system->error, status, where, argument, "%s", why);
+  char where[WHERE_SIZE];
+  const char *none = NULL;
+  int late = nsdae_system_simulations(system) > 0;
+  nsdae_error *error = late ? nsdae_refusal_on(system) : &system->error;
+  name_setter(setter, where);
+  nsdae_error_set(error, status, where, argument, "%s", why);
+  if (late) {
+    atomic_compare_exchange_strong(&system->late, &none, setter);
+    return status;
+  }
+  nsdae_refusal_forget(system);
   if (system->refused.status == NSDAE_OK) system->refused = system->error;
   return status;
 }
@@ -103,8 +124,11 @@ int nsdae_system_open(nsdae_system *system, const char *setter)
 {
   int simulations = nsdae_system_simulations(system);
   char why[300];
-  nsdae_error_clear(&system->error);
-  if (simulations == 0) return NSDAE_OK;
+  if (simulations == 0) {
+    nsdae_refusal_forget(system);
+    nsdae_error_clear(&system->error);
+    return NSDAE_OK;
+  }
   snprintf(why, sizeof why,
            "the system is constant while it has simulations (%d now): destroy them before you "
            "change it, make another system, or change it in one of them (nsdae_sim_set_user, "
@@ -116,6 +140,8 @@ int nsdae_system_open(nsdae_system *system, const char *setter)
 void nsdae_system_clear_error(nsdae_system *system)
 {
   if (!system) return;
+  nsdae_refusal_forget(system);
+  atomic_store(&system->late, NULL);
   nsdae_error_clear(&system->error);
   nsdae_error_clear(&system->refused);
 }
@@ -241,7 +267,9 @@ const nsdae_error *nsdae_system_error(const nsdae_system *system)
       .where = "nsdae_system_error",
       .text = "there is no system: it was not made (the last argument of nsdae_system_create says "
               "why), or it was destroyed"};
-  return system ? &system->error : &none;
+  if (!system) return &none;
+  const nsdae_error *refusal = nsdae_refusal_of(system);
+  return refusal ? refusal : &system->error;
 }
 
 int nsdae_system_get_dims(const nsdae_system *system, nsdae_dims *dims)
@@ -353,6 +381,15 @@ int nsdae_system_told(const nsdae_system *system, nsdae_error *error)
   return NSDAE_OK;
 }
 
+/* As of any other setter that was refused. */
+static int refuse_after(const char *late, nsdae_error *error)
+{
+  char where[WHERE_SIZE];
+  name_setter(late, where);
+  return nsdae_error_set(error, NSDAE_E_STATE, where, "system",
+                         "%s was refused while the system had simulations", where);
+}
+
 int nsdae_system_complete(const nsdae_system *system, nsdae_error *error)
 {
   const nsdae_dims *dims = &system->dims;
@@ -361,6 +398,8 @@ int nsdae_system_complete(const nsdae_system *system, nsdae_error *error)
   if (refused->status < 0)
     return nsdae_error_set(error, refused->status, refused->where, refused->argument,
                            "%s was refused: %s", refused->where, refused->text);
+  const char *late = atomic_load(&((nsdae_system *)system)->late);
+  if (late) return refuse_after(late, error);
   int status = nsdae_system_check_blocks(system, &missing, error);
   if (status < 0) return status;
   if (!system->by_list && !system->call.mass) missing = "mass";

@@ -71,8 +71,9 @@ struct nsdae_system {
   nsdae_body *body;                     /* bodies: what files show; room for a power of two */
   int bodies;
   nsdae_error error;
-  nsdae_error refused; /* of the first setter that was */
-  atomic_int owners;   /* its handle and its simulations; the last one releases it */
+  nsdae_error refused;        /* of the first setter that was */
+  atomic_int owners;          /* its handle and its simulations; the last one releases it */
+  _Atomic(const char *) late; /* the first setter refused while it had simulations; or NULL */
   char differences[128], unseen[1400];
   char doubt[320]; /* of the last check */
 };

@@ -11,7 +11,18 @@ Options of solve() and Sim(), each with its range; METHODS says what the methods
 
 """
 
-from . import _core
+import os as _os
+
+import numpy as _numpy  # noqa: F401
+
+# OpenBLAS starts its threads when it is loaded. That of NumPy is loaded by now; _core has one of its own linked in.
+_CHOSEN = "OPENBLAS_NUM_THREADS" in _os.environ
+_os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+try:
+    from . import _core
+finally:
+    if not _CHOSEN:
+        del _os.environ["OPENBLAS_NUM_THREADS"]
 from ._bodies import GROUND, Bodies, Solid
 from ._errors import ArgumentError, CallbackError, Error, ProblemError, RunWarning, Status
 from ._lists import CONTACT, ContactList, RowList, contact_add, row_add

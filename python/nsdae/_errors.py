@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import enum
 import math
+import re
 from typing import Any
 
 from . import _core
@@ -19,7 +20,7 @@ class Error(Exception):
     index     entry, contact or pivot concerned, from 0; None where there is none
     time      simulated time [s]; None where there is none
     argument  argument, option or callback concerned; "" where there is none
-    where     function of the library that found it
+    where     function of the C library that found it
     code      raw code of its origin
     record    Record of the state before the step that failed; None where there is no simulation
     problem   LcpProblem that was not solved; None where it was something else
@@ -57,8 +58,39 @@ _CLASSES = {Status.E_ARGUMENT: ArgumentError, Status.E_OPTION: ArgumentError, St
             Status.E_INFEASIBLE: ProblemError, Status.E_PAINLEVE: ProblemError}
 
 
+# What the library's texts name, and what that is here; the first that fits. Else nsdae_sim_NAME is Sim.NAME, and so on.
+_NAMES = [(re.compile(pattern), name) for pattern, name in (
+    (r"nsdae_sim_set_user, ", ""),  # Python's callbacks have their data in themselves
+    (r"nsdae_sim_create", "nsdae.Sim"),
+    (r"nsdae_sim_(state_size|get_state|set_state)", "Sim.state"),
+    (r"nsdae_sim_get_(record|stats|options)", r"Sim.\1"),
+    (r"nsdae_sim_(get_failed_lcp)", "Error.problem"),
+    (r"nsdae_sim_options_default", "nsdae.Sim"),
+    (r"nsdae_system_create", "nsdae.System"),
+    (r"nsdae_system_set_(contact|slide|name)\b", r"System.set_\1"),
+    (r"nsdae_system_set_blocks", "nsdae.System(blocks=...)"),
+    (r"nsdae_system_set_(\w+)", r"System.set(\1=...)"),
+    (r"nsdae_bodies_create", "nsdae.Bodies"),
+    (r"nsdae_contact_add", "ContactList.add"),
+    (r"nsdae_row_add", "RowList.add"),
+    (r"nsdae_solid_inertia", "Solid.inertia"),
+    (r"nsdae_(sim|system|bodies)_(\w+)", lambda m: f"{m[1].capitalize()}.{m[2]}"),
+    (r"enum nsdae_(name|joint)_kind", "the kinds"),
+    (r"NSDAE_FRICTION_GLOBAL or NSDAE_FRICTION_LOCAL", "that of nsdae.friction or nsdae.friction_local"),
+    (r"\bdims\.(?=\w)", ""),
+)]
+
+
+def in_python(text: str) -> str:
+    """A text of the library with Python's names of functions and arguments."""
+    for pattern, name in _NAMES:
+        text = pattern.sub(name, text)
+    return text
+
+
 def of_record(status: int, code: int, index: int, time: float, argument: str, where: str, text: str) -> Exception:
     """The exception that an error record stands for."""
+    text = in_python(text)
     if status == Status.E_MEMORY:
         return MemoryError(text)
     return _CLASSES.get(Status(status), Error)(text, Status(status), code, None if index < 0 else index,

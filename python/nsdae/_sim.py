@@ -9,7 +9,7 @@ import numpy as np
 
 from . import _core
 from ._bodies import Bodies
-from ._errors import Error, RunWarning, Status
+from ._errors import Error, RunWarning, Status, in_python
 from ._records import LcpProblem, Record
 from ._system import System, vector
 from ._trajectory import Shape, Trajectory, names_of
@@ -17,20 +17,25 @@ from ._trajectory import Shape, Trajectory, names_of
 METHODS = dict(_core.METHODS)
 
 
+# options that are a yes or a no
+_SWITCHES = {key for key, _, _, values in _core.OPTIONS if values == "no or yes"}
+
+
 def _texts(options: dict[str, Any]) -> dict[str, Any]:
-    """As the library reads them: every digit of a number, 0 and 1."""
-    def text(value: Any) -> Any:
+    """As the library reads them: every digit of a number; True and False of a switch are yes and no."""
+    def text(key: str, value: Any) -> Any:
         if isinstance(value, (bool, np.bool_)):
-            return int(value)
+            return ("yes" if value else "no") if key in _SWITCHES else int(value)
         if isinstance(value, (float, np.floating)):
             return repr(float(value))
         return value
 
-    return {key: text(value) for key, value in options.items()}
+    return {key: text(key, value) for key, value in options.items()}
 
 
 class Sim:
-    """A simulation of a system; options are the library's, by name: method, dt, rtol, ... (help(nsdae) lists them).
+    """A simulation of a System or of Bodies; options are the library's, by name: method, dt, rtol, ... (help(nsdae) lists
+    them). One call at a time uses it: another one, from a callback or another thread, raises Error (Status.E_STATE).
 
     >>> sim = nsdae.Sim(system, method="moreau", dt=1e-3)
     >>> sim.init([1.0])
@@ -38,20 +43,26 @@ class Sim:
     ...     print(record.time, record.q)
     """
 
-    def __init__(self, system: System, **options: Any):
-        self.system = system
-        self._core = _core.Sim(system._core, _texts(options))
+    def __init__(self, system: System | Bodies, **options: Any):
+        self._bodies = system if isinstance(system, Bodies) else None
+        self.system = system.system() if isinstance(system, Bodies) else system
+        self._core = _core.Sim(self.system._core, _texts(options))
 
-    def init(self, q0: Any, v0: Any = None, t0: float = 0) -> Status:
-        """Starts at t0 with q0 [nq] and v0 [nv] (default: at rest), which must satisfy the constraints."""
+    def init(self, q0: Any = None, v0: Any = None, t0: float = 0) -> Status:
+        """Starts at t0 with q0 [nq] and v0 [nv], which must satisfy the constraints. Default: the start of the Bodies; of
+        a System v0 at rest."""
         return Status(self._core.init(float(t0), *self._start(q0, v0)))
 
     def _start(self, q0: Any, v0: Any) -> tuple[np.ndarray, np.ndarray]:
         d = self.system.dims
-        return vector("q0", q0, d.nq), vector("v0", np.zeros(d.nv) if v0 is None else v0, d.nv)
+        own = (None, np.zeros(d.nv)) if self._bodies is None else self._bodies.start()
+        q0, v0 = own[0] if q0 is None else q0, own[1] if v0 is None else v0
+        if q0 is None:
+            raise ValueError("q0 is missing: coordinates at the start")
+        return vector("q0", q0, d.nq), vector("v0", v0, d.nv)
 
-    def project(self, q0: Any, v0: Any = None, t0: float = 0) -> tuple[np.ndarray, np.ndarray]:
-        """q0 and v0 moved as little as can be so that they satisfy constraints and contacts."""
+    def project(self, q0: Any = None, v0: Any = None, t0: float = 0) -> tuple[np.ndarray, np.ndarray]:
+        """q0 and v0 (default: as of init) moved as little as can be so that they satisfy constraints and contacts."""
         return self._core.project(float(t0), *self._start(q0, v0))
 
     def _told(self, call: Any, *arguments: Any) -> Any:
@@ -65,10 +76,10 @@ class Sim:
         """The state that is left, and the problem that was not solved."""
         try:
             error.record = self.record
-        except Error:  # it was never started
+            problem = self._core.failed_lcp()
+            error.problem = LcpProblem(*problem) if problem else None
+        except Error:  # it was never started, or is in another call
             pass
-        problem = self._core.failed_lcp()
-        error.problem = LcpProblem(*problem) if problem else None
 
     def step(self) -> Status:
         """One step of dt: OK, EVENT (an impact or a change of mode), ZENO, or a warning."""
@@ -147,19 +158,21 @@ class Sim:
         """Steps to t_end and returns the records: the first one now, each every-th step, and the last.
         Warns (RunWarning) of what the method does not explain, as said where this was called (stacklevel as that of
         warnings.warn)."""
-        status = "complete"
+        if shapes is None and self._bodies is not None:
+            shapes = self._bodies.shapes()
+        recorder = _core.Recorder()
         try:
-            self._core.record_run(float(t_end), every)
-            if said := self._core.said():
-                warnings.warn(said, RunWarning, stacklevel=stacklevel)
+            if said := self._core.record_run(float(t_end), every, recorder):
+                warnings.warn(in_python(said), RunWarning, stacklevel=stacklevel)
         except Error as error:
             self._complete(error)
-            error.trajectory = self._trajectory("failed", model, parameters, shapes)
+            if error.record is not None:
+                error.trajectory = self._trajectory(recorder, "failed", model, parameters, shapes)
             raise
-        return self._trajectory(status, model, parameters, shapes)
+        return self._trajectory(recorder, "complete", model, parameters, shapes)
 
-    def _trajectory(self, status: str, model: str, parameters: Any, shapes: Any) -> Trajectory:
-        return Trajectory._of_run(self._core.recorded(), names_of(self.system), has_potential=self._core.has_potential(),
+    def _trajectory(self, recorder: Any, status: str, model: str, parameters: Any, shapes: Any) -> Trajectory:
+        return Trajectory._of_run(recorder.arrays(), names_of(self.system), has_potential=self._core.has_potential(),
                                   options=self.options, stats=self.stats, status=status, model=model,
                                   parameters=parameters or {}, shapes=shapes or [], blocks=self.system.blocks)
 
@@ -183,13 +196,6 @@ def solve(system: System | Bodies, t_end: float, q0: Any = None, v0: Any = None,
     complementarity problem) and Error, each with .record, the state before the step that failed, and .trajectory, what
     there is until then. RunWarning says what the method does not explain. Ctrl-C ends the run with KeyboardInterrupt.
     """
-    if isinstance(system, Bodies):
-        shapes = system.shapes() if shapes is None else shapes
-        start = system.start()
-        q0, v0 = start[0] if q0 is None else q0, start[1] if v0 is None else v0
-        system = system.system()
-    if q0 is None:
-        raise ValueError("q0 is missing: coordinates at the start")
     sim = Sim(system, **options)
     if project:
         q0, v0 = sim.project(q0, v0, t0)

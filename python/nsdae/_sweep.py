@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import contextlib
 import fcntl
+import io
 import itertools
 import os
 import sys
+import tempfile
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
 from typing import Any, Callable, Iterator, Mapping, Sequence
 
@@ -29,8 +31,9 @@ class Sweep:
     """
 
     def __init__(self, dimensions: list[dict[str, np.ndarray]], status: np.ndarray, results: dict[str, np.ndarray],
-                 failures: dict[int, str], path: str | None):
+                 failures: dict[int, str], path: str | None, content: bytes = b""):
         self.dimensions, self.status, self.results, self.failures, self.path = dimensions, status, results, failures, path
+        self._content = content  # of the file, where there is no path
 
     def __getitem__(self, name: str) -> np.ndarray:
         for known in (name, f"result/{name}"):
@@ -46,10 +49,8 @@ class Sweep:
         at: {"mu": 0.1}, the runs with the nearest value."""
         import h5py
         from .pictures import sweeps, trajectory
-        if self.path is None:
-            raise ValueError("the sweep is in no file: sweep(..., output='name.h5')")
         try:
-            with h5py.File(self.path, "r") as file:
+            with h5py.File(self.path or io.BytesIO(self._content), "r") as file:
                 return sweeps.draw(file, only, title, list((at or {}).items()))
         except trajectory.Problem as problem:
             raise ValueError(str(problem)) from None
@@ -236,19 +237,23 @@ def _attempt(run: Callable[..., Any], values: dict[str, float]) -> tuple[int, An
         return int(error.status), str(error)
 
 
-def sweep(run: Callable[..., Any], grid: Mapping[str, Any], *, output: str | os.PathLike[str], random: int = 0, seed: int = 0,
+def sweep(run: Callable[..., Any], grid: Mapping[str, Any], *, output: str | os.PathLike[str] | None = None, random: int = 0, seed: int = 0,
           workers: int = 1, mpi: bool = False, model: str = "", progress: bool | None = None) -> Sweep | None:
-    """Runs a function with every combination of parameters and keeps what it returns, in a file that nsdae-plot reads.
+    """Runs a function with every combination of parameters and keeps what it returns, in memory or in a file that nsdae-plot reads.
 
     run      run(**parameters) returns a number, an array, or {name: number or array}, of the same shapes every time.
              What it raises ends the sweep, but an nsdae.Error is a run that failed, whose reason is kept
     grid     {"r": values, "mu": values}: a grid. With random > 0 a pair (low, high) is drawn uniformly, so many times
-    output   file. One that is there is taken up: what is in it is not done again, and its bytes are at the end those of
+    output   file; None: none is left. One that is there is taken up: what is in it is not done again, and its bytes are at the end those of
              a sweep that was never interrupted. Another sweep's is refused
     workers  threads: they help where runs are compiled callbacks. mpi: True under mpirun: the ranks of mpi4py (run must
              be what pickle can send); None is returned on all but the first
     progress a bar on the terminal; by default where that is one
     """
+    if output is None:
+        with tempfile.TemporaryDirectory(prefix="nsdae-") as folder:
+            return _in_memory(sweep(run, grid, output=os.path.join(folder, "sweep.h5"), random=random, seed=seed,
+                                    workers=workers, mpi=mpi, model=model, progress=progress))
     dimensions = _dimensions(grid, random, seed)
     total = int(np.prod([len(next(iter(d.values()))) for d in dimensions]))
     with _workers(workers, mpi) as pool:
@@ -264,6 +269,15 @@ def sweep(run: Callable[..., Any], grid: Mapping[str, Any], *, output: str | os.
         finally:
             file.close()
     return load_sweep(output)
+
+
+def _in_memory(made: Sweep | None) -> Sweep | None:
+    """Without its file, which plot() reads."""
+    if made is not None:
+        with open(made.path or "", "rb") as file:
+            made._content = file.read()
+        made.path = None
+    return made
 
 
 def _go(pool: Executor, run: Callable[..., Any], dimensions: Any, file: _File, like: Mapping[str, np.ndarray],

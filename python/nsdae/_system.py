@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import difflib
 from typing import Any, Callable, NamedTuple, Sequence
 
 import numpy as np
 
 from . import _core, _lists, _pointers
-from ._errors import Error
+from ._errors import Error, in_python
 
 KINDS = ("coordinate", "velocity", "constraint", "contact", "slide")
 
@@ -108,7 +109,9 @@ class System:
         """Sets callbacks by name; not while simulations of the system are there."""
         for name, function in callbacks.items():
             if name not in _core.CALLBACKS:
-                raise TypeError(f"no callback is called '{name}': they are {', '.join(_core.CALLBACKS)}")
+                near = difflib.get_close_matches(name, _core.CALLBACKS, 1)
+                meant = f"did you mean '{near[0]}'?" if near else f"they are {', '.join(_core.CALLBACKS)}"
+                raise TypeError(f"no callback is called '{name}': {meant}")
             pointer = _pointers.compiled(name, function, self._user)
             if pointer is None:
                 self._core.set_function(name, _lists.wrapped(name, function, self._core.blocks()[1]))
@@ -157,7 +160,7 @@ class System:
     @property
     def unseen(self) -> str:
         """What no check can see of the callbacks that are given."""
-        return self._core.unseen()
+        return in_python(self._core.unseen())
 
     def check(self, q: Any, v: Any = None, t: float = 0, tol: float = 1e-5) -> Worst:
         """Compares every derivative with differences at (t, q, v); raises Error that names the wrong entry."""

@@ -179,12 +179,14 @@ void bodies::set_gravity(triple g)
   demand(nsdae_bodies_set_gravity(handle, g.data()));
 }
 
-// For the caller to own; the bodies must outlive it.
-system *bodies::make_system()
+// For the caller to own; the bodies must outlive it. It refers to them where the garbage collector
+// sees it: a drive or a load may refer to an owner of the system.
+system *bodies::make_system(nb::object self)
 {
+  const bodies &b = nb::cast<const bodies &>(self);
   nsdae_system *made = nullptr;
-  demand(nsdae_bodies_system(handle, &made));
-  return new system(made, listed);
+  b.demand(nsdae_bodies_system(b.handle, &made));
+  return new system(made, b.listed, self);
 }
 
 nb::tuple bodies::start() const
@@ -257,7 +259,7 @@ void bind_bodies(nb::module_ &m)
       .def("add_contact", &bodies::add_contact)
       .def("set_pair", &bodies::set_pair)
       .def("set_gravity", &bodies::set_gravity)
-      .def("system", &bodies::make_system, nb::rv_policy::take_ownership, nb::keep_alive<0, 1>())
+      .def("system", &bodies::make_system, nb::rv_policy::take_ownership)
       .def("start", &bodies::start)
       .def("locate", &bodies::locate);
   m.def("solid_inertia", &solid_inertia);

@@ -1,6 +1,7 @@
 #include "callbacks.hpp"
 
 #include <algorithm>
+#include <climits>
 #include <cstring>
 
 #include "failure.hpp"
@@ -187,7 +188,15 @@ int call::judge(PyObject *result)
     return PyErr_Occurred() ? -1 : 0;
   }
   if (result == Py_None) return 0;
-  if (PyLong_Check(result)) return static_cast<int>(PyLong_AsLong(result));
+  if (PyLong_Check(result)) {
+    int beyond = 0;
+    long code = PyLong_AsLongAndOverflow(result, &beyond);
+    if (!beyond && code >= INT_MIN && code <= INT_MAX) return static_cast<int>(code);
+    PyErr_Format(PyExc_OverflowError,
+                 "a callback returned %R: its status must be a whole number from -2^31 to 2^31 - 1",
+                 result);
+    return -1;
+  }
   PyErr_SetString(PyExc_TypeError, "a callback writes into its last arrays and returns None, or a "
                                    "whole number: > 0 a failure that a smaller step may avoid, "
                                    "< 0 one that nothing helps");

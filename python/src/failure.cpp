@@ -1,5 +1,11 @@
 #include "failure.hpp"
 
+#include <atomic>
+#include <chrono>
+#include <cstdio>
+#include <limits>
+#include <thread>
+
 #include "callbacks.hpp"
 
 namespace nsdae_python
@@ -23,7 +29,6 @@ nb::object make_callback_error(nb::object cause)
 
 void raise(const nsdae_error &error)
 {
-  if (exception_pending()) raise_pending();
   nb::object made = errors().attr("of_record")(error.status, error.code, error.index, error.time,
                                                nb::str(error.argument), nb::str(error.where),
                                                nb::str(error.text));
@@ -31,17 +36,79 @@ void raise(const nsdae_error &error)
   throw nb::python_error();
 }
 
+namespace
+{
+
+std::atomic<int> calls(0);
+std::atomic<bool> interpreter_ends(false);
+
+// As a daemon thread ends in Python: without a word.
+[[noreturn]] void end_thread()
+{
+  PyErr_SetNone(PyExc_SystemExit);
+  throw nb::python_error();
+}
+
+} // namespace
+
 void check(int status, const nsdae_error *error)
 {
+  if (exception_pending()) raise_pending();
+  if (status == NSDAE_E_INTERRUPTED && interpreter_ends) end_thread();
   if (status >= 0) return;
-  nsdae_error said = error ? *error : nsdae_error();
-  if (said.status != status) { // of functions that keep no record
-    said = nsdae_error();
-    said.status = status;
-    said.index = -1;
-    snprintf(said.text, sizeof said.text, "%s", nsdae_status_message(status));
-  }
+  if (!error || error->status != status) refuse(status, "", nsdae_status_message(status));
+  raise(*error);
+}
+
+void refuse(int status, const char *argument, const std::string &why)
+{
+  nsdae_error said = {};
+  said.status = status;
+  said.index = -1;
+  said.time = std::numeric_limits<double>::quiet_NaN();
+  std::snprintf(said.argument, sizeof said.argument, "%s", argument);
+  std::snprintf(said.text, sizeof said.text, "%s", why.c_str());
   raise(said);
+}
+
+const char *text(const std::string &value, const char *argument)
+{
+  if (value.find('\0') != std::string::npos)
+    refuse(NSDAE_E_ARGUMENT, argument,
+           std::string(argument) + " has a NUL character: leave it out");
+  return value.c_str();
+}
+
+namespace
+{
+
+// Runs ask before every step whether they are to end. A callback or a problem may last: then the
+// interpreter ends without it.
+void end_calls()
+{
+  using std::chrono::milliseconds;
+  interpreter_ends = true;
+  nb::gil_scoped_release free;
+  for (int waited = 0; calls > 0 && waited < 5000; waited++)
+    std::this_thread::sleep_for(milliseconds(1));
+}
+
+} // namespace
+
+library_call::count::count()
+{
+  if (interpreter_ends) end_thread();
+  calls++;
+}
+
+library_call::count::~count()
+{
+  calls--;
+}
+
+bool library_call::ending()
+{
+  return interpreter_ends;
 }
 
 void bind_failure(nb::module_ &m)
@@ -52,6 +119,10 @@ void bind_failure(nb::module_ &m)
 #undef NSDAE_PYTHON_STATUS
   m.attr("STATUS") = names;
   m.def("status_message", &nsdae_status_message);
+  nb::module_::import_("atexit").attr("register")(nb::cpp_function(end_calls));
+  // a child has none of the threads that were in a call
+  nb::module_::import_("os").attr("register_at_fork")(nb::arg("after_in_child") =
+                                                          nb::cpp_function([] { calls = 0; }));
 }
 
 } // namespace nsdae_python

@@ -12,6 +12,8 @@
 NB_MODULE(_core, m)
 {
   using namespace nsdae_python;
+  // what a program keeps until the interpreter is gone (a daemon thread, an extension) is no fault
+  nanobind::set_leak_warnings(false);
   m.attr("VERSION") = nsdae_version();
   m.attr("BUILD_INFO") = nsdae_build_info();
   bind_failure(m);

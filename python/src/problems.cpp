@@ -48,7 +48,7 @@ nb::tuple lcp(matrix A, vector b, std::optional<vector> guess, double tol, int m
   nsdae_lcp_info info = {};
   int status;
   {
-    nb::gil_scoped_release free;
+    library_call without_gil;
     status = nsdae_lcp_solve(&problem, &options, x.data(), y.data(), &info);
   }
   demand(status, nullptr);
@@ -130,7 +130,7 @@ nb::tuple friction(nb::dict arrays, std::optional<vector> guess, double tol, int
   nsdae_error error = {};
   int status;
   {
-    nb::gil_scoped_release free;
+    library_call without_gil;
     status = nsdae_friction_check(&problem, &error);
     if (status == NSDAE_OK)
       status = nsdae_friction_solve_twice(&problem, &options, r.data(),

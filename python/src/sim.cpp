@@ -17,7 +17,8 @@ namespace
 void set_option(nsdae_sim_options &options, const std::string &key, const std::string &value)
 {
   nsdae_error error;
-  check(nsdae_sim_options_set(&options, key.c_str(), value.c_str(), &error), &error);
+  const char *name = text(key, "option");
+  check(nsdae_sim_options_set(&options, name, text(value, name), &error), &error);
 }
 
 void set_options_of(nsdae_sim_options &options, nb::dict changes)
@@ -36,6 +37,7 @@ void append(std::vector<double> &to, const double *values, int n)
 int watch::asked(void *self)
 {
   watch *w = static_cast<watch *>(self);
+  if (library_call::ending()) return 1;
   return --w->left > 0 ? 0 : w->look();
 }
 
@@ -185,12 +187,7 @@ sim::sim(nb::object of, nb::dict options) : owner(of)
   nsdae_sim_options_default(&told);
   set_options_of(told, options);
   const system &s = nb::cast<const system &>(of);
-  int status;
-  {
-    nb::gil_scoped_release free;
-    status = nsdae_sim_create(s.handle, &told, &handle, &error);
-  }
-  check(status, &error);
+  check(nsdae_sim_create(s.handle, &told, &handle, &error), &error);
   nsdae_sim_get_dims(handle, &dims);
   nsdae_sim_set_interrupt(handle, watch::asked, &ctrl_c);
 }
@@ -200,11 +197,41 @@ sim::~sim()
   nsdae_sim_destroy(&handle);
 }
 
-// What a callback raised counts, also where the library could do without it (a smaller step, a
-// start that failed elsewhere).
-int sim::checked(int status)
+// Of a simulation that only garbage refers to; every call on it is then an error.
+void sim::release()
 {
-  if (status < 0 || exception_pending()) raise(*nsdae_sim_error(handle));
+  nsdae_sim_destroy(&handle);
+  owner.reset();
+}
+
+void sim::look() const
+{
+  if (in_call)
+    refuse(NSDAE_E_STATE, "sim",
+           "another call on this simulation is in progress, in a callback or in another thread: "
+           "call it before or after, or give each thread a Sim of its own");
+}
+
+// A call of the library, and what is copied before and after it.
+class sim::use
+{
+public:
+  explicit use(sim &of) : s(of)
+  {
+    s.look();
+    s.in_call = true;
+  }
+  ~use() { s.in_call = false; }
+  use(const use &) = delete;
+  use &operator=(const use &) = delete;
+
+private:
+  sim &s;
+};
+
+int sim::checked(int status) const
+{
+  check(status, nsdae_sim_error(handle));
   return status;
 }
 
@@ -217,31 +244,26 @@ void sim::check_size(const char *name, vector a, int n) const
 
 int sim::init(double t0, vector q0, vector v0)
 {
+  use held(*this);
   check_size("q0", q0, dims.nq);
   check_size("v0", v0, dims.nv);
   int status;
   {
-    nb::gil_scoped_release free;
+    library_call without_gil;
     status = nsdae_sim_init(handle, t0, q0.data(), v0.data());
   }
   return checked(status);
 }
 
-// What the last call was warned of; "" of nothing.
-std::string sim::said() const
-{
-  const nsdae_error *e = nsdae_sim_error(handle);
-  return e->status > 0 ? e->text : "";
-}
-
 nb::tuple sim::project(double t0, vector q0, vector v0)
 {
+  use held(*this);
   check_size("q0", q0, dims.nq);
   check_size("v0", v0, dims.nv);
   std::vector<double> q(q0.data(), q0.data() + dims.nq), v(v0.data(), v0.data() + dims.nv);
   int status;
   {
-    nb::gil_scoped_release free;
+    library_call without_gil;
     status = nsdae_sim_project(handle, t0, q.data(), v.data());
   }
   checked(status);
@@ -250,9 +272,10 @@ nb::tuple sim::project(double t0, vector q0, vector v0)
 
 int sim::step()
 {
+  use held(*this);
   int status;
   {
-    nb::gil_scoped_release free;
+    library_call without_gil;
     status = nsdae_sim_step(handle);
   }
   return checked(status);
@@ -260,21 +283,22 @@ int sim::step()
 
 int sim::run(double t_end, bool to_event)
 {
+  use held(*this);
   int status;
   {
-    nb::gil_scoped_release free;
+    library_call without_gil;
     status = to_event ? nsdae_sim_run_to_event(handle, t_end) : nsdae_sim_run(handle, t_end);
   }
   return checked(status);
 }
 
-int sim::observe(const nsdae_record *record, nsdae_error *error, void *self)
+int recorder::observe(const nsdae_record *record, nsdae_error *error, void *self)
 {
-  sim *s = static_cast<sim *>(self);
+  recorder *r = static_cast<recorder *>(self);
   try {
-    s->kept.add_events(*record);
-    s->last_kept = record->step % s->every == 0;
-    if (s->last_kept) s->kept.add(*record, s->dims);
+    r->kept.add_events(*record);
+    r->last_kept = record->step % r->every == 0;
+    if (r->last_kept) r->kept.add(*record, r->dims);
   } catch (const std::bad_alloc &) {
     snprintf(error->text, sizeof error->text, "out of memory for the records");
     return error->status = NSDAE_E_MEMORY;
@@ -282,34 +306,35 @@ int sim::observe(const nsdae_record *record, nsdae_error *error, void *self)
   return 0;
 }
 
-// Keeps the start and each every-th record, and the last one; recorded() hands them over, also
-// after a failure.
-int sim::record_run(double t_end, int each)
+// Keeps the start and each every-th record, and the last one, also of a run that fails. What it was
+// warned of; "" of nothing.
+std::string sim::record_run(double t_end, int every, recorder &to)
 {
-  if (each < 1) throw std::invalid_argument("every must be at least 1");
-  every = each;
-  last_kept = true;
-  kept = columns();
+  if (every < 1) throw std::invalid_argument("every must be at least 1");
+  use held(*this);
+  to.dims = dims;
+  to.every = every;
+  checked(nsdae_sim_observe(handle, recorder::observe, &to));
   int status;
-  {
-    nb::gil_scoped_release free;
-    status = nsdae_sim_observe(handle, observe, this);
-    if (status >= 0) status = nsdae_sim_run(handle, t_end);
-    nsdae_sim_unobserve(handle, observe, this);
+  try {
+    library_call without_gil;
+    status = nsdae_sim_run(handle, t_end);
+  } catch (...) { // it did not begin
+    nsdae_sim_unobserve(handle, recorder::observe, &to);
+    throw;
   }
+  const nsdae_error error = *nsdae_sim_error(handle);
+  nsdae_sim_unobserve(handle, recorder::observe, &to);
   nsdae_record now;
-  if (!last_kept && nsdae_sim_get_record(handle, &now) == NSDAE_OK) kept.add(now, dims);
-  return checked(status);
-}
-
-nb::dict sim::recorded()
-{
-  return kept.arrays(dims);
+  if (!to.last_kept && nsdae_sim_get_record(handle, &now) == NSDAE_OK) to.kept.add(now, dims);
+  check(status, &error);
+  return error.status > 0 ? error.text : "";
 }
 
 // Without the sizes in front.
 nb::dict sim::record() const
 {
+  look();
   nsdae_record now;
   columns one;
   check(nsdae_sim_get_record(handle, &now), nsdae_sim_error(handle));
@@ -323,6 +348,7 @@ nb::dict sim::record() const
 
 nb::dict sim::stats() const
 {
+  look();
   nsdae_stats s;
   check(nsdae_sim_get_stats(handle, &s), nsdae_sim_error(handle));
   nb::dict d;
@@ -377,9 +403,10 @@ nb::object value_of(const nsdae_param &p, const nsdae_sim_options &options)
 
 nb::dict sim::options() const
 {
+  look();
   nsdae_sim_options now;
   nb::dict d;
-  nsdae_sim_get_options(handle, &now);
+  check(nsdae_sim_get_options(handle, &now), nullptr);
   const nsdae_params *table = nsdae_sim_options_table();
   for (int i = 0; i < table->n; i++) d[table->entry[i].key] = value_of(table->entry[i], now);
   return d;
@@ -387,28 +414,32 @@ nb::dict sim::options() const
 
 void sim::set_options(nb::dict changes)
 {
+  use held(*this);
   nsdae_sim_options now;
-  nsdae_sim_get_options(handle, &now);
+  check(nsdae_sim_get_options(handle, &now), nullptr);
   set_options_of(now, changes);
   checked(nsdae_sim_set_options(handle, &now));
 }
 
 void sim::set_contact(int i, double mu, double e_n, double e_t)
 {
+  use held(*this);
   checked(nsdae_sim_set_contact(handle, i, mu, e_n, e_t));
 }
 
 void sim::set_slide(int j, double mu)
 {
+  use held(*this);
   checked(nsdae_sim_set_slide(handle, j, mu));
 }
 
 nb::tuple sim::interpolate(double t)
 {
+  use held(*this);
   std::vector<double> q(static_cast<std::size_t>(dims.nq)), v(static_cast<std::size_t>(dims.nv));
   int status;
   {
-    nb::gil_scoped_release free;
+    library_call without_gil;
     status = nsdae_sim_interpolate(handle, t, q.data(), v.data());
   }
   checked(status);
@@ -418,6 +449,7 @@ nb::tuple sim::interpolate(double t)
 // (A, b), copied; None where the last step did not fail on one.
 nb::object sim::failed_lcp() const
 {
+  look();
   nsdae_lcp_problem p;
   if (nsdae_sim_get_failed_lcp(handle, &p) != NSDAE_OK) return nb::none();
   const std::size_t n = static_cast<std::size_t>(p.n);
@@ -435,8 +467,9 @@ bool sim::has_potential() const
 
 nb::bytes sim::state()
 {
+  use held(*this);
   std::size_t size = 0;
-  nsdae_sim_state_size(handle, &size);
+  checked(nsdae_sim_state_size(handle, &size));
   std::vector<char> block(size);
   checked(nsdae_sim_get_state(handle, block.data(), size));
   return nb::bytes(block.data(), size);
@@ -444,6 +477,7 @@ nb::bytes sim::state()
 
 void sim::set_state(nb::bytes block)
 {
+  use held(*this);
   checked(nsdae_sim_set_state(handle, block.data(), block.size()));
 }
 
@@ -460,7 +494,7 @@ int traverse(PyObject *self, visitproc visit, void *arg)
 
 int clear(PyObject *self)
 {
-  if (nb::inst_ready(self)) nb::inst_ptr<sim>(self)->owner.reset();
+  if (nb::inst_ready(self)) nb::inst_ptr<sim>(self)->release();
   return 0;
 }
 
@@ -499,15 +533,14 @@ void bind_sim(nb::module_ &m)
   m.attr("IMPACT_SIZE") = sizeof(impact_row);
   m.attr("CHANGE_SIZE") = sizeof(change_row);
   m.attr("CONTACT_ROW_SIZE") = sizeof(contact_row);
+  nb::class_<recorder>(m, "Recorder").def(nb::init<>()).def("arrays", &recorder::arrays);
   nb::class_<sim>(m, "Sim", nb::type_slots(slots))
       .def(nb::init<nb::object, nb::dict>())
       .def("init", &sim::init)
-      .def("said", &sim::said)
       .def("project", &sim::project)
       .def("step", &sim::step)
       .def("run", &sim::run)
       .def("record_run", &sim::record_run)
-      .def("recorded", &sim::recorded)
       .def("record", &sim::record)
       .def("stats", &sim::stats)
       .def("options", &sim::options)

@@ -64,6 +64,18 @@ struct columns {
   nb::dict arrays(const nsdae_dims &d);
 };
 
+// What record_run keeps; an object of its own, so that a second thread does not share it.
+struct recorder {
+  columns kept;
+  nsdae_dims dims = {};
+  int every = 1;
+  bool last_kept = true;
+  static int observe(const nsdae_record *record, nsdae_error *error, void *self);
+  nb::dict arrays() { return kept.arrays(dims); }
+};
+
+// A simulation in Python. The library refuses a second call at a time by its own; here the same is
+// done before it, under the GIL, for what is copied around a call: records and error texts.
 class sim
 {
 public:
@@ -73,12 +85,10 @@ public:
   sim &operator=(const sim &) = delete;
 
   int init(double t0, vector q0, vector v0);
-  std::string said() const;
   nb::tuple project(double t0, vector q0, vector v0);
   int step();
   int run(double t_end, bool to_event);
-  int record_run(double t_end, int every);
-  nb::dict recorded();
+  std::string record_run(double t_end, int every, recorder &to);
   nb::dict record() const;
   nb::dict stats() const;
   nb::dict options() const;
@@ -91,18 +101,19 @@ public:
   nb::bytes state();
   void set_state(nb::bytes block);
 
+  void release();
+
   nb::object owner; // the system
   nsdae_dims dims = {};
 
 private:
-  static int observe(const nsdae_record *record, nsdae_error *error, void *self);
-  int checked(int status);
+  class use;
+  void look() const;
+  int checked(int status) const;
   void check_size(const char *name, vector a, int n) const;
   nsdae_sim *handle = nullptr;
   watch ctrl_c;
-  columns kept;
-  int every = 1;
-  bool last_kept = false;
+  bool in_call = false;
 };
 
 void bind_sim(nb::module_ &m);

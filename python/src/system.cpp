@@ -115,7 +115,7 @@ system::system(int nq, int nv, int m, int k, int nt, int f)
   nsdae_system_get_dims(handle, &dims);
 }
 
-system::system(nsdae_system *made, bool listed) : handle(made)
+system::system(nsdae_system *made, bool listed, nb::object of) : handle(made), bodies(of)
 {
   nsdae_system_get_dims(handle, &dims);
   int count = listed ? nsdae_system_get_blocks(handle) : 0;
@@ -136,6 +136,14 @@ void system::demand(int status)
   const nsdae_error error = *nsdae_system_error(handle);
   nsdae_system_clear_error(handle); // the exception says it
   check(status, &error);
+}
+
+// A check calls the callbacks as they are; a simulation's system is constant anyway.
+void system::open() const
+{
+  if (checking)
+    refuse(NSDAE_E_STATE, "system",
+           "System.check is in progress, in a callback or in another thread: call it afterwards");
 }
 
 int system::install()
@@ -165,6 +173,7 @@ void system::install_or_drop(role r)
 void system::set_function(const std::string &name, nb::object function)
 {
   role r = role_of(name);
+  open();
   if (nsdae_system_simulations(handle) == 0) {
     callbacks[r].set_function(function.ptr(), slots_of(r, dims, blocks), r == role_potential);
     callbacks[r].blocks = &blocks;
@@ -175,6 +184,7 @@ void system::set_function(const std::string &name, nb::object function)
 void system::set_pointer(const std::string &name, std::uintptr_t address, std::uintptr_t user)
 {
   role r = role_of(name);
+  open();
   if (nsdae_system_simulations(handle) == 0)
     callbacks[r].set_pointer(reinterpret_cast<void *>(address), reinterpret_cast<void *>(user));
   install_or_drop(r);
@@ -195,6 +205,7 @@ void system::set_blocks(whole_numbers nq, whole_numbers nv)
 {
   if (nq.shape(0) != nv.shape(0))
     throw std::invalid_argument("nq and nv of the blocks must be as many");
+  open();
   demand(nsdae_system_set_blocks(handle, static_cast<int>(nq.shape(0)), nq.data(), nv.data()));
   blocks.nq.assign(nq.data(), nq.data() + nq.shape(0));
   blocks.nv.assign(nv.data(), nv.data() + nv.shape(0));
@@ -203,7 +214,7 @@ void system::set_blocks(whole_numbers nq, whole_numbers nv)
 
 void system::set_name(int kind, int i, const std::string &name, const std::string &unit)
 {
-  demand(nsdae_system_set_name(handle, kind, i, name.c_str(), unit.c_str()));
+  demand(nsdae_system_set_name(handle, kind, i, text(name, "name"), text(unit, "unit")));
 }
 
 nb::tuple system::name(int kind, int i) const
@@ -219,10 +230,13 @@ nb::dict system::check_at(double t, vector q, vector v, double tol)
       v.shape(0) != static_cast<std::size_t>(dims.nv))
     throw std::invalid_argument("q and v must have the sizes of the system");
   int status;
+  open();
+  checking = true;
   {
-    nb::gil_scoped_release free;
+    library_call without_gil;
     status = nsdae_system_check(handle, t, q.data(), v.data(), tol, &found);
   }
+  checking = false;
   const nsdae_error error = *nsdae_system_error(handle);
   nsdae_system_clear_error(handle);
   check(status, &error);
@@ -245,13 +259,15 @@ int traverse(PyObject *self, visitproc visit, void *arg)
   Py_VISIT(Py_TYPE(self));
   if (!nb::inst_ready(self)) return 0;
   for (const callback &c : nb::inst_ptr<system>(self)->callbacks) Py_VISIT(c.function);
+  Py_VISIT(nb::inst_ptr<system>(self)->bodies.ptr());
   return 0;
 }
 
 int clear(PyObject *self)
 {
-  if (nb::inst_ready(self))
-    for (callback &c : nb::inst_ptr<system>(self)->callbacks) c.clear();
+  if (!nb::inst_ready(self)) return 0;
+  for (callback &c : nb::inst_ptr<system>(self)->callbacks) c.clear();
+  nb::inst_ptr<system>(self)->bodies.reset();
   return 0;
 }
 

@@ -34,7 +34,8 @@ class system
 {
 public:
   system(int nq, int nv, int m, int k, int nt, int f);
-  system(nsdae_system *made, bool listed); // takes it over; listed: every body is a block
+  // Takes over what was made of bodies, which it keeps alive; listed: every body is a block.
+  system(nsdae_system *made, bool listed, nb::object of);
   ~system();
   system(const system &) = delete;
   system &operator=(const system &) = delete;
@@ -52,11 +53,14 @@ public:
   nsdae_dims dims = {};
   partition blocks;
   std::array<callback, roles> callbacks;
+  nb::object bodies; // that it was made of; none of other systems
 
 private:
+  void open() const;
   int install();
   void install_or_drop(role r);
   void demand(int status);
+  bool checking = false; // a check calls the callbacks
 };
 
 void bind_system(nb::module_ &m);

@@ -211,7 +211,9 @@ def test_descriptions_that_do_not_fit():
         nsdae.System(blocks=[1.5], **given)
     with pytest.raises(nsdae.Error, match="event"):
         nsdae.Sim(column(), method="event")
-    with pytest.raises(nsdae.Error, match="set_blocks"):
+    with pytest.raises(nsdae.ArgumentError, match="polygon = 8 .* set it to 0"):
+        nsdae.Sim(column(), polygon=8)
+    with pytest.raises(nsdae.Error, match=r"nsdae.System\(blocks=...\)"):
         nsdae.Sim(nsdae.System(nq=1, mass=lambda t, q, M: None, **given))
 
 

@@ -79,7 +79,8 @@ def test_the_failed_problem_comes_along():
 
 
 PROGRAM = """
-import sys
+import signal, sys
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a background shell may have had it ignored
 sys.path.insert(0, sys.argv[2])
 import nsdae
 from conftest import ball_callbacks, compiled_ball

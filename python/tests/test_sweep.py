@@ -8,6 +8,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 import time
 
 import h5py
@@ -35,6 +36,17 @@ def test_results_and_scales(tmp_path):
     with h5py.File(tmp_path / "s.h5") as file:
         assert [[s.name for s in d.values()] for d in file["final/q"].dims][:2] == [["/grid/h0"], ["/grid/e_N"]]
         assert file.attrs["status"] in (b"complete", "complete")
+
+
+def test_results_in_memory(tmp_path):
+    """Those of the file, pictures too, and no file is left."""
+    before = set(os.listdir(tempfile.gettempdir()))
+    got, kept = nsdae.sweep(bounce, GRID), nsdae.sweep(bounce, GRID, output=tmp_path / "s.h5")
+    assert got.path is None and repr(got) == repr(kept) and got.results.keys() == kept.results.keys()
+    assert all(np.array_equal(got[name], kept[name]) for name in kept.results)
+    assert not [name for name in set(os.listdir(tempfile.gettempdir())) - before if name.startswith("nsdae-")]
+    drawn, read = (sweep.plot(only=["result/impacts"], at={"e_N": 0.9}).axes[0].lines[0] for sweep in (got, kept))
+    assert np.array_equal(drawn.get_xydata(), read.get_xydata())
 
 
 def test_the_same_bytes_whoever_did_it(tmp_path):

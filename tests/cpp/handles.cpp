@@ -224,6 +224,34 @@ void test_interrupt()
   EXPECT(sim.run(1) == NSDAE_OK && sim.record().time == 1);
 }
 
+/* A callback that moves its own simulation is refused, with the text of that; one that replaces the
+ * handle does not release the simulation under its call. */
+void test_reentry()
+{
+  nsdae::system ball(make_ball());
+  nsdae::sim *own = nullptr;
+  int refused = 0;
+  ball.force([&](double, const double *, const double *, double *F) {
+    F[0] = -1;
+    if (!own) return;
+    refused += own->try_step() == NSDAE_E_STATE;
+    refused += throws<nsdae::error>([&] { own->run(1); },
+                                    [](const nsdae::error &e) {
+                                      return e.status() == NSDAE_E_STATE &&
+                                             std::strcmp(e.record().where, "nsdae_sim_run") == 0;
+                                    });
+    refused += throws_status(NSDAE_E_STATE, [&] { own->record(); });
+    own->try_create(ball);
+    own = nullptr;
+  });
+  nsdae::sim sim(ball);
+  sim.init(0, {1}, {0});
+  EXPECT(sim.step() == NSDAE_OK && sim.record().step == 1);
+  own = &sim;
+  EXPECT(sim.try_step() == NSDAE_OK && refused == 3 && !own);
+  EXPECT(throws_status(NSDAE_E_STATE, [&] { sim.record(); })); /* the new one has no state */
+}
+
 /* A state that is set elsewhere goes on with the same bytes. */
 void test_state()
 {
@@ -700,6 +728,7 @@ int main(int argc, char **argv)
   test_exceptions();
   test_observers();
   test_interrupt();
+  test_reentry();
   test_state();
   test_between();
   test_slide();

@@ -3,6 +3,12 @@ module observers_of_callbacks
   use nsdae
   implicit none
 
+  ! A simulation and how often it refused.
+  type :: meddler
+    type(nsdae_sim) :: sim
+    integer :: refused = 0
+  end type
+
 contains
 
   ! Interrupts when it was asked as often as its user says.
@@ -13,6 +19,23 @@ contains
     type is (integer)
       user = user - 1
       if (user < 0) lose_patience = 1
+    end select
+  end function
+
+  ! Uses the simulation that asks; all of it is refused.
+  integer(c_int) function meddle(user)
+    class(*), intent(inout) :: user
+    type(nsdae_record) :: record
+    type(nsdae_error) :: error
+    meddle = 0
+    select type (user)
+    type is (meddler)
+      if (nsdae_sim_step(user%sim) == NSDAE_E_STATE) user%refused = user%refused + 1
+      error = nsdae_sim_error(user%sim)
+      if (error%where == 'nsdae_sim_step') user%refused = user%refused + 1
+      if (nsdae_sim_get_record(user%sim, record) == NSDAE_E_STATE) user%refused = user%refused + 1
+      if (nsdae_sim_set_interrupt(user%sim) == NSDAE_E_STATE) user%refused = user%refused + 1
+      call nsdae_sim_destroy(user%sim)
     end select
   end function
 
@@ -67,6 +90,7 @@ program callbacks
   call rank
   call observers
   call interrupts
+  call reentry
   call times
   call check_done
 
@@ -323,6 +347,25 @@ contains
     call is_true(record%step == 4, 'interrupted after step 4')
     call is_int(nsdae_sim_set_interrupt(sim), NSDAE_OK, 'nobody is asked')
     call is_int(nsdae_sim_run(sim, 1d0), NSDAE_OK, 'goes on')
+    call nsdae_sim_destroy(sim)
+    call nsdae_system_destroy(system)
+  end subroutine
+
+  ! A simulation is used while it steps: refused, and it goes on.
+  subroutine reentry()
+    type(bead), target :: b
+    type(nsdae_system) :: system
+    type(nsdae_sim) :: sim
+    type(nsdae_record) :: record
+    type(meddler), target :: other
+    call make(b, NSDAE_METHOD_MOREAU, NSDAE_REDUNDANT_ERROR, system, sim)
+    other%sim = sim
+    call is_int(nsdae_sim_set_interrupt(sim, meddle, other), NSDAE_OK, 'set interrupt')
+    call is_int(start(sim, b), NSDAE_OK, 'start')
+    call is_int(nsdae_sim_run(sim, 0.1d0), NSDAE_OK, 'run')
+    call is_int(nsdae_sim_get_record(sim, record), NSDAE_OK, 'record')
+    call is_true(record%step == 10, 'ten steps')
+    call is_int(other%refused, 40, 'refused')
     call nsdae_sim_destroy(sim)
     call nsdae_system_destroy(system)
   end subroutine

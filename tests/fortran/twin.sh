@@ -52,6 +52,7 @@ both --no-output --quiet
 both --metod moreau
 both --method moraeu
 both --set theta0=1
+both --set lenght=2
 both --set zzzzzz=1
 both --dt -0.1
 both --dt 0

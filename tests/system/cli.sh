@@ -37,6 +37,8 @@ expect 2 "did you mean '--output'?" "$pendulum" --out x.h5
 expect 2 "unknown option '--foo'; --help lists all" "$pendulum" --foo
 expect 2 "did you mean 'moreau'?" "$pendulum" --method moraeu
 expect 2 "did you mean 'theta_0'?" "$pendulum" --set theta0=1
+expect 2 "unknown name 'lenght'; did you mean 'L' (length of the rod)?" "$pendulum" --set lenght=2
+expect 2 "did you mean 'length'?" "$bin/nsdae-wall" --set lenght=2
 expect 2 "dt = -0.1 is outside its range: it must be greater than 0" "$pendulum" --dt -0.1
 expect 2 "dt = 0 is outside" "$pendulum" --dt 0
 expect 2 "m = nan is outside" "$pendulum" --set m=nan

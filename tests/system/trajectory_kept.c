@@ -171,13 +171,64 @@ static void test_refused(void **state)
   nsdae_system_destroy(&system);
 }
 
+/* A trajectory and its simulation, while that steps. */
+typedef struct meddler {
+  nsdae_sim *sim;
+  nsdae_trajectory *trajectory;
+  int asked, refused;
+} meddler;
+
+static int meddle(void *user)
+{
+  meddler *m = user;
+  nsdae_trajectory *other = NULL;
+  const nsdae_trajectory_info info = {.model = "another"};
+  nsdae_error error;
+  m->asked++;
+  m->refused += nsdae_trajectory_flush(m->trajectory, &error) == NSDAE_E_STATE;
+  m->refused += nsdae_trajectory_close(&m->trajectory, 0, &error) == NSDAE_E_STATE;
+  m->refused += error.status == NSDAE_E_STATE && m->trajectory != NULL;
+  m->refused += nsdae_trajectory_create(m->sim, path, &info, &other, NULL) == NSDAE_E_STATE;
+  return 0;
+}
+
+/* Refused from a callback: the file is that of the run without. */
+static void test_from_a_callback(void **state)
+{
+  (void)state;
+  static content all, got;
+  const nsdae_trajectory_info info = {.model = "bead"};
+  bead b;
+  double q0[3], v0[3];
+  nsdae_sim_options options;
+  meddler m = {0};
+  run(&info, 100, -1);
+  read_file(&all);
+  bead_default(&b);
+  bead_start(&b, q0, v0);
+  nsdae_sim_options_default(&options);
+  options.dt = 0.001;
+  nsdae_system *system = bead_system(&b);
+  assert_int_equal(nsdae_sim_create(system, &options, &m.sim, NULL), NSDAE_OK);
+  assert_int_equal(nsdae_sim_init(m.sim, 0, q0, v0), NSDAE_OK);
+  assert_int_equal(nsdae_trajectory_create(m.sim, path, &info, &m.trajectory, NULL), NSDAE_OK);
+  assert_int_equal(nsdae_sim_set_interrupt(m.sim, meddle, &m), NSDAE_OK);
+  assert_true(nsdae_sim_run(m.sim, 0.1) >= 0);
+  assert_int_equal(m.asked, 100);
+  assert_int_equal(m.refused, 400);
+  assert_int_equal(nsdae_trajectory_close(&m.trajectory, 0, NULL), NSDAE_OK);
+  nsdae_sim_destroy(&m.sim);
+  nsdae_system_destroy(&system);
+  read_file(&got);
+  assert_memory_equal(&got, &all, sizeof got);
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_every),
-      cmocka_unit_test(test_compressed),
-      cmocka_unit_test(test_how_it_ended),
-      cmocka_unit_test(test_refused),
+      cmocka_unit_test(test_every),           cmocka_unit_test(test_compressed),
+      cmocka_unit_test(test_how_it_ended),    cmocka_unit_test(test_refused),
+      cmocka_unit_test(test_from_a_callback),
   };
   H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
   int failed = cmocka_run_group_tests(tests, NULL, NULL);

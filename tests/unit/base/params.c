@@ -20,7 +20,8 @@ static const char *const colours[] = {"red", "green", "blue", NULL};
 
 static const nsdae_param entries[] = {
     {"length", "m", "", NSDAE_PARAM_REAL, AT(length), 2.5, 0, INFINITY, NSDAE_OPEN_MIN, NULL},
-    {"angle", "rad", "", NSDAE_PARAM_REAL, AT(angle), 0.1, -1, 1, NSDAE_OPEN_MAX, NULL},
+    {"angle", "rad", "half the opening of it", NSDAE_PARAM_REAL, AT(angle), 0.1, -1, 1,
+     NSDAE_OPEN_MAX, NULL},
     {"fraction", "1", "", NSDAE_PARAM_REAL, AT(fraction), 0.5, 0, 1,
      NSDAE_OPEN_MIN | NSDAE_OPEN_MAX, NULL},
     {"any", "1", "", NSDAE_PARAM_REAL, AT(any), 0, -INFINITY, INFINITY, 0, NULL},
@@ -104,6 +105,7 @@ static void refused(const char *key, const char *value, int status, const char *
   assert_int_equal(error.status, status);
   if (key && value) assert_string_equal(error.argument, key);
   if (!strstr(error.text, says)) fail_msg("'%s' does not say '%s'", error.text, says);
+  if (strncmp(says, "unknown", 7) == 0) assert_string_equal(error.text, says); /* and no more */
   assert_null(strchr(error.text, '\n'));
 }
 
@@ -186,6 +188,10 @@ static void test_unknown(void **state)
   refused("lenght", "1", NSDAE_E_OPTION, "did you mean 'length'?");
   refused("Count", "1", NSDAE_E_OPTION, "did you mean 'count'?");
   refused("lengt", "1", NSDAE_E_OPTION, "did you mean 'length'?");
+  refused("opneing", "1", NSDAE_E_OPTION, "did you mean 'angle' (half the opening of it)?");
+  refused("open", "1", NSDAE_E_OPTION, "did you mean 'angle' (half the opening of it)?");
+  refused("speeding", "1", NSDAE_E_OPTION, "unknown name 'speeding'"); /* three of eight */
+  refused("of", "1", NSDAE_E_OPTION, "unknown name 'of'");
   refused("qqqqqqqqqq", "1", NSDAE_E_OPTION, "unknown name 'qqqqqqqqqq'");
   refused("", "1", NSDAE_E_OPTION, "unknown name ''");
   refused("colour", "bleu", NSDAE_E_OPTION, "did you mean 'blue'?");
