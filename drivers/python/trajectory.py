@@ -109,18 +109,25 @@ def names_of_rows(file, kind, count):
     return named + [f"{kind} {i}" for i in range(len(named), count)]
 
 
-def replace(path, content):
+def put(path, content):
     """Writes beside the file and moves it there when it is whole: what was there is not lost."""
     part = f"{path}.part"
     try:
         if os.path.isdir(path):
-            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
+            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), path)
         with open(part, "wb") as file:
             file.write(content)
         os.replace(part, path)
-    except OSError as error:
+    except OSError:
         with contextlib.suppress(OSError):
             os.remove(part)
+        raise
+
+
+def replace(path, content):
+    try:
+        put(path, content)
+    except OSError as error:
         raise Problem(f"cannot write '{path}': {reason(error)}") from error
 
 
