@@ -3,6 +3,7 @@
 import io
 import os
 import sys
+import warnings
 
 import matplotlib
 import matplotlib.pyplot as plt
@@ -412,7 +413,9 @@ def parse(argv):
 def picture(figure, arguments):
     """The file's bytes."""
     whole = io.BytesIO()
-    figure.savefig(whole, format=arguments.output[-3:].lower(), dpi=arguments.dpi)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # of names with characters that the font has not
+        figure.savefig(whole, format=arguments.output[-3:].lower(), dpi=arguments.dpi)
     return whole.getbuffer()
 
 

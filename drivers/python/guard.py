@@ -16,7 +16,6 @@ LINK_LEAST = 8  # bytes of a file that a link takes: an object's address
 TEXTS_AT_ONCE = 64  # a text may be as long as the file
 FILTERS = {h5z.FILTER_DEFLATE, h5z.FILTER_SHUFFLE, h5z.FILTER_FLETCHER32}  # those without a plugin that keep the bound
 LAYOUTS = (h5d.COMPACT, h5d.CONTIGUOUS, h5d.CHUNKED)
-LINKS = {h5l.TYPE_SOFT: "a soft link", h5l.TYPE_EXTERNAL: "a link to another file"}
 ONE = ("format", "format_version", "model", "method", "status", "units")  # attributes that have a single value
 
 
@@ -31,13 +30,13 @@ def refuse(path, why):
 def look_at_storage(path, layout):
     """Its data are in this file, in a form that needs no plugin."""
     if layout.get_external_count() > 0:
-        refuse(path, "has its data in another file; copy the data into this one")
+        refuse(path, "has its data in other files; copy the data into this one")
     if layout.get_layout() not in LAYOUTS:
-        refuse(path, "is a virtual dataset of other files; h5repack copies the data into one file")
+        refuse(path, "is spread over other files; h5repack copies the data into one file")
     filters = [layout.get_filter(i)[0] for i in range(layout.get_nfilters())]
     for number in filters:
         if number not in FILTERS:
-            refuse(path, f"is packed by filter {number}; h5repack -f GZIP=4 packs it by deflate")
+            refuse(path, f"is packed by a filter that is not deflate ({number}); h5repack -f GZIP=4 packs it by deflate")
     return DEFLATE_MOST if h5z.FILTER_DEFLATE in filters else 1
 
 
@@ -52,7 +51,8 @@ def look_at_size(path, dataset, length):
         claimed = max(claimed, size * math.prod(layout.get_chunk()))
     bound = most * stored if chunked else length
     if claimed > bound:
-        refuse(path, f"has {claimed} bytes by its shape and stores {stored}; at most {bound} can be in it")
+        refuse(path, f"{'is longer than its data' if chunked else 'has less data than its shape says'}: "
+                     f"{claimed} bytes, at most {bound}")
 
 
 def look_at_texts(path, dataset, length):
@@ -92,10 +92,9 @@ class Walk:
             self.link(path + b"/" + name, group, name, depth)
 
     def link(self, path, group, name, depth):
-        kind = group.links.get_info(name).type
         self.links -= 1
-        if kind != h5l.TYPE_HARD:
-            refuse(path, f"is {LINKS.get(kind, 'a link of an unknown kind')}; put the object itself there")
+        if group.links.get_info(name).type != h5l.TYPE_HARD:
+            refuse(path, "is a soft or external link; put the object itself there")
         if self.links < 0:
             refuse(path, "is one of more links than the file has room for")
         item = h5o.open(group, name)
