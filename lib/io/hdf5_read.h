@@ -1,6 +1,7 @@
 /* What is read from a file, which may be anybody's and corrupt: the guard bounded all sizes when it
- * was opened (hdf5_guard.h), type and rank are looked at before memory is asked for. Only numbers are read: texts
- * of variable length lead through heaps in which HDF5 follows whatever the file says. */
+ * was opened (hdf5_guard.h), type and rank are looked at before memory is asked for. Only numbers
+ * are read: texts of variable length lead through heaps in which HDF5 follows whatever the file
+ * says. */
 #ifndef NSDAE_IO_HDF5_READ_H
 #define NSDAE_IO_HDF5_READ_H
 

@@ -35,6 +35,10 @@ def expect(holds, *what):
         failures.append(" ".join(str(w) for w in what)[:400])
 
 
+def limit(memory):
+    resource.setrlimit(resource.RLIMIT_AS, (memory, resource.getrlimit(resource.RLIMIT_AS)[1]))
+
+
 def make(program, *arguments):
     subprocess.run([os.path.join(BIN, program), *arguments, "--quiet"], check=True, stdout=subprocess.DEVNULL)
 
@@ -61,7 +65,8 @@ def drawn(tool, path):
 
 def ran(program, *arguments):
     done = subprocess.run([os.path.join(BIN, program), *arguments], capture_output=True, text=True, timeout=60,
-                          env={**os.environ, "OPENBLAS_NUM_THREADS": "1"})
+                          env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},
+                          preexec_fn=lambda: limit(resource.RLIM_INFINITY))  # they bound themselves; sanitizers need room
     return done.returncode, done.stderr.splitlines()
 
 
@@ -338,7 +343,7 @@ def main():
     for tool in TOOLS:
         expect(drawn(tool, "run.h5")[:2] == (0, []), tool, "refuses a good file", drawn(tool, "run.h5")[:2])
     pages = check_names()
-    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+    limit(MEMORY)
     check_named()
     check_sweep()
     check_family()
