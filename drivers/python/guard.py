@@ -32,7 +32,7 @@ def look_at_storage(path, layout):
     if layout.get_external_count() > 0:
         refuse(path, "has its data in other files; copy the data into this one")
     if layout.get_layout() not in LAYOUTS:
-        refuse(path, "is spread over other files; h5repack copies the data into one file")
+        refuse(path, "is spread over other files; copy the data into this one")
     filters = [layout.get_filter(i)[0] for i in range(layout.get_nfilters())]
     for number in filters:
         if number not in FILTERS:
