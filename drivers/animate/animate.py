@@ -1,11 +1,14 @@
 """The bodies of an nsdae trajectory in motion: a GIF, a film (MP4, where ffmpeg is), and a page of HTML that plays
 offline."""
 
+import base64
 import contextlib
+import hashlib
 import html
 import io
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -120,12 +123,25 @@ def mp4(drawing, count, fps, path):
             os.remove(part)
 
 
+# JSON within <script>: characters that end a script, begin a comment, or end a line of JavaScript
+ESCAPED = {ord(c): f"\\u{ord(c):04x}" for c in "<>&\u2028\u2029"}
+
+
+def hash_of(template, element):
+    """Of an element's content, as a content security policy names it."""
+    content = re.search(f"<{element}>(.*?)</{element}>", template, re.DOTALL)[1]
+    return f"'sha256-{base64.b64encode(hashlib.sha256(content.encode()).digest()).decode()}'"
+
+
 def page(shown_scene, title, speed):
-    """All in one file: nothing is fetched."""
+    """All in one file: nothing is fetched. One pass: what is put in is not searched for placeholders. The policy
+    names the template's own script, before anything of the trajectory is in it."""
     with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "page.html"), encoding="utf-8") as file:
         template = file.read()
-    data = json.dumps({**shown_scene, "title": title, "speed": speed}, separators=(",", ":")).replace("</", "<\\/")
-    return template.replace("NSDAE_TITLE", html.escape(title)).replace("NSDAE_SCENE", data).encode()
+    data = json.dumps({**shown_scene, "title": title, "speed": speed}, separators=(",", ":")).translate(ESCAPED)
+    put = {"NSDAE_TITLE": html.escape(title), "NSDAE_SCENE": data, "NSDAE_SCRIPT": hash_of(template, "script"),
+           "NSDAE_STYLE": hash_of(template, "style")}
+    return re.sub("|".join(put), lambda found: put[found[0]], template).encode(errors="replace")
 
 
 def number(low, high, whole=False):

@@ -5,6 +5,10 @@
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
+#ifdef __linux__
+#include <signal.h>
+#include <sys/prctl.h>
+#endif
 #include <unistd.h>
 
 /* Bytes that a program has beside the file's, of which numbers are read as doubles: four times
@@ -35,6 +39,9 @@ static void in_child(const char *path, probe_fn read_it, void *user, int out)
 {
   nsdae_error error;
   memset(&error, 0, sizeof error);
+#ifdef __linux__
+  prctl(PR_SET_PDEATHSIG, SIGKILL); /* of a killed parent it would keep the lock on the file */
+#endif
   set_limits(path);
   fclose(stderr); /* HDF5 prints there */
   error.status = read_it(path, user, &error);

@@ -147,7 +147,8 @@ int settings_read(settings *s, const char *path, nsdae_error *error)
   int number = 0, status = NSDAE_OK;
   while (status == NSDAE_OK && fgets(line, sizeof line, file)) {
     number++;
-    status = read_line(s, line, error);
+    status = *line ? read_line(s, line, error)
+                   : usage_error(error, "params", "a NUL byte; the file must be text");
   }
   if (status == NSDAE_OK && ferror(file))
     status = usage_error(error, "params", "cannot read '%s': %s", path, strerror(errno));

@@ -3,6 +3,7 @@
 import io
 import os
 import sys
+import warnings
 
 import matplotlib
 import matplotlib.pyplot as plt
@@ -12,7 +13,7 @@ import sweeps
 from bodies import WHOLE, read_rows
 from contacts import contacts_of, has_list, step_length
 from modes import MODE_COLOURS, MODES, strips
-from trajectory import Parser, Problem, names_of_rows, open_file, open_trajectory, reason, replace, tell, text
+from trajectory import Parser, Problem, names_of_rows, open_trajectory, reading, replace, tell, text
 
 FORMATS = (".png", ".svg", ".pdf")
 NEEDED = ("v", "energy/kinetic", "energy/dissipated", "certificate", "impact/time")
@@ -36,7 +37,7 @@ class Row:
 
 
 def titled(name, unit):
-    return name if unit in ("", "1") or unit.startswith("of the model") else f"{name} [{unit}]"
+    return name if unit in ("", "1") or unit.startswith("of the model") else f"{name} [{plain(unit)}]"
 
 
 def plain(name):
@@ -279,7 +280,7 @@ def certificate(file, time):
             for name in parts:
                 there = shown[name] > 0
                 drawn.append(np.maximum(shown[name][there], floor))
-                axes.plot(time[there], drawn[-1], ".", markersize=2.5, label=shown_as.get(name, name.replace("_", " ")))
+                axes.plot(time[there], drawn[-1], ".", markersize=2.5, label=shown_as.get(name, plain(name.replace("_", " "))))
             least, most = (fold(np.concatenate(drawn)) for fold in (np.min, np.max))
             axes.set_yscale("log")
             axes.set_ylim(least / 3, max(3 * most, 30 * least))
@@ -341,7 +342,12 @@ def records(file):
     names = ["time", "q", "v", "multiplier"]
     for group in ("contact", "slide", "energy", "certificate"):
         names += [f"{group}/{name}" for name in file.get(group, {}) if name != group]
-    return min(len(file[name]) for name in names if name in file and grows(file[name]))
+    length = {name: len(file[name]) for name in names if name in file}
+    number = min(n for name, n in length.items() if grows(file[name]))
+    for name, n in length.items():
+        if n < number:
+            raise Problem(f"'{file.filename}' is damaged: /{name} has {n} records of {number}")
+    return number
 
 
 def grows(dataset):
@@ -407,7 +413,9 @@ def parse(argv):
 def picture(figure, arguments):
     """The file's bytes."""
     whole = io.BytesIO()
-    figure.savefig(whole, format=arguments.output[-3:].lower(), dpi=arguments.dpi)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # of names with characters that the font has not
+        figure.savefig(whole, format=arguments.output[-3:].lower(), dpi=arguments.dpi)
     return whole.getbuffer()
 
 
@@ -419,12 +427,9 @@ def panels(file, only):
 
 
 def figure_of(arguments):
-    with open_file(arguments.file) as file:
+    with reading(arguments.file) as file:
         if sweeps.is_sweep(file):
-            try:
-                return sweeps.draw(file, arguments.only, arguments.title, arguments.at)
-            except (OSError, KeyError, RuntimeError) as error:
-                raise Problem(f"'{arguments.file}' is damaged: {reason(error)}") from error
+            return sweeps.draw(file, arguments.only, arguments.title, arguments.at)
     with open_trajectory(arguments.file, *NEEDED) as file:
         return draw(file, panels(file, arguments.only), arguments.title or title_of(file))
 

@@ -20,7 +20,8 @@ def is_sweep(file):
 
 def with_unit(name, unit):
     """Names of parameters are not formulas."""
-    return name.replace("$", r"\$") + ("" if unit in ("", "1") or unit.startswith("of the model") else f" [{unit}]")
+    named = name if unit in ("", "1") or unit.startswith("of the model") else f"{name} [{unit}]"
+    return named.replace("$", r"\$")
 
 
 def dimensions(file):

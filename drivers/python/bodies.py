@@ -84,13 +84,19 @@ COLUMNS = ("name", "shape", "x", "y", "z", "angle", "quaternion_w", "quaternion_
            "end_x", "end_y", "end_z")
 
 
+def firsts(count, rows):
+    """First row of each body's points and the end of the last one's; None if they are not among the rows."""
+    first = np.cumsum([0, *count], dtype=object)  # no overflow
+    return None if np.any(count < 0) or first[-1] > rows else first.astype("i8")
+
+
 def named(file, time, q):
     """The bodies that the file names."""
     group, names = file["bodies"], names_of(file, time, q)
     table = {column: [text(value) for value in group[column]] for column in COLUMNS}
-    first = np.cumsum([0, *group["points"]])
     point = group["point"][...].reshape(-1, 3) if "point" in group else np.zeros((0, 3))
-    if first[-1] > len(point) or len(group["size"]) != len(table["name"]):
+    first = firsts(group["points"][...], len(point))
+    if first is None or not len(group["size"]) == len(table["name"]) == len(first) - 1:
         raise Problem("its /bodies do not fit together")
     return [body_of({column: table[column][i] for column in COLUMNS}, group["size"][i], point[first[i] : first[i + 1]], names)
             for i in range(len(table["name"]))]
@@ -101,11 +107,11 @@ def shaped(file, q):
     group = file["shapes"]
     kind, dimension, position, turn, size, count = (group[name][...] for name in (
         "shape", "dimension", "position", "turn", "size", "points"))
-    name, first = [text(n) for n in group["name"]], np.cumsum([0, *count])
     point = group["point"][...] if "point" in group else np.zeros((0, 3))
+    name, first = [text(n) for n in group["name"]], firsts(count, len(point))
     far = np.maximum(position + dimension, turn + np.where(dimension == 2, 1, 4))
     if not len(name) == len(kind) == len(dimension) == len(position) == len(turn) == len(size) == len(count) or \
-            first[-1] > len(point) or np.any(far > q.shape[1]) or np.any(position < 0) or \
+            first is None or np.any(far > q.shape[1]) or np.any(position < 0) or \
             np.any((kind < 0) | (kind >= len(SHAPES)) | (kind == SHAPES.index("segment"))):
         raise Problem("its /shapes do not fit together")
     where = np.zeros((len(q), len(name), 3))

@@ -7,6 +7,7 @@ import numpy as np
 
 from trajectory import Problem
 
+NESTED_MOST = 100  # parentheses, calls and signs in each other: five frames of the parser each, of the 1000 of Python
 SYMBOL = re.compile(r" *(?:(\d+\.?\d*(?:[eE][+-]?\d+)?|\.\d+(?:[eE][+-]?\d+)?)|([A-Za-z_]\w*)|(.)|$)", re.ASCII)
 
 FUNCTIONS = {
@@ -16,11 +17,15 @@ FUNCTIONS = {
 }
 
 
+def shortened(text):
+    return text if len(text) <= 80 else f"{text[:77]}..."
+
+
 class Reader:
     """Recursive descent; a method per line of the grammar."""
 
     def __init__(self, text, names):
-        self.text, self.names, self.at = text, names, 0
+        self.text, self.names, self.at, self.depth = text, names, 0, 0
         self.number = self.name = self.symbol = None
         self.advance()
 
@@ -30,7 +35,7 @@ class Reader:
         self.at = found.end()
 
     def refuse(self, what):
-        raise Problem(f"the formula '{self.text}' cannot be read: {what}")
+        raise Problem(f"the formula '{shortened(self.text)}' cannot be read: {what}")
 
     def take(self, symbol):
         if self.symbol != symbol:
@@ -59,6 +64,15 @@ class Reader:
         return value
 
     def sign(self):
+        """Every recursion passes here."""
+        self.depth += 1
+        if self.depth > NESTED_MOST:
+            self.refuse(f"it is nested deeper than {NESTED_MOST}")
+        value = self.signed()
+        self.depth -= 1
+        return value
+
+    def signed(self):
         if self.take("+"):
             return self.sign()
         if self.take("-"):
@@ -99,5 +113,5 @@ def evaluate(text, names):
     if any(part is not None for part in (reader.number, reader.name, reader.symbol)):
         reader.refuse("it goes on where it should end")
     if not np.all(np.isfinite(value)):
-        raise Problem(f"the formula '{text}' is not finite at some time")
+        raise Problem(f"the formula '{shortened(text)}' is not finite at some time")
     return value

@@ -8,8 +8,19 @@ import re
 import sys
 
 import h5py
+import numpy as np
+
+from guard import Unsafe, open_guarded
 
 VERSION = 2  # of the format, the newest that is read here
+# ranks of the datasets of numbers that are read by rows and columns
+RANKS = {
+    "time": 1, "q": 2, "v": 2, "multiplier": 2, "contact/gap": 2, "contact/mode": 2, "contact/normal_impulse": 2,
+    "contact/tangential_impulse": 3, "slide/impulse": 2, "slide/mode": 2, "contacts/first": 1, "contacts/count": 1,
+    "contacts/id": 1, "contacts/block": 2, "contacts/gap": 1, "contacts/mode": 1, "contacts/normal_impulse": 1,
+    "contacts/tangential_impulse": 2, "impact/time": 1, "change/time": 1, "blocks/q": 1, "blocks/v": 1, "bodies/size": 2,
+    "bodies/points": 1, "bodies/point": 2, "shapes/size": 2, "shapes/points": 1, "shapes/point": 2,
+}
 
 
 class Problem(Exception):
@@ -17,11 +28,13 @@ class Problem(Exception):
 
 
 def text(value):
-    return value.decode() if isinstance(value, bytes) else str(value)
+    return value.decode(errors="replace") if isinstance(value, bytes) else str(value)
 
 
 def reason(error):
     """The system's reason where HDF5 says it, else what HDF5 says last in its parentheses."""
+    if not isinstance(error, OSError):
+        return f"{type(error).__name__}: {' '.join(str(error).split())[:200]}"
     number = getattr(error, "errno", None) or next(iter(re.findall(r"errno = (\d+)", str(error))), None)
     if number and int(number) == errno.EAGAIN:
         return "a program is writing it; what a run with --live writes can be read along"
@@ -37,29 +50,52 @@ def check(file, path, needed):
     for name in ("time", "q") + needed:
         if name not in file:
             raise Problem(f"'{path}' is damaged or was never complete: it has no /{name}")
+    for name, rank in RANKS.items():
+        if name in file:
+            check_rank(file[name], path, name, rank)
     if file["time"].shape[0] == 0:
         raise Problem(f"'{path}' holds no records")
+    if not np.all(np.isfinite(file["time"])) or np.any(np.diff(file["time"]) < 0):
+        raise Problem(f"'{path}' is damaged: /time must rise and be finite")
+
+
+def check_rank(dataset, path, name, rank):
+    if not isinstance(dataset, h5py.Dataset) or dataset.dtype.kind not in "iuf" or dataset.ndim != rank:
+        raise Problem(f"'{path}' is damaged: /{name} must be a dataset of numbers of rank {rank}")
 
 
 def open_file(path):
     """Also one that a run with --live writes, or that such a run left when it was killed."""
     try:
-        return h5py.File(path, "r")
+        return open_guarded(path)
     except OSError as error:
         with contextlib.suppress(OSError, ValueError):
-            return h5py.File(path, "r", swmr=True)
+            return open_guarded(path, swmr=True)
         raise Problem(f"cannot read '{path}': {reason(error)}") from error
+
+
+# What a file of wrong content raises: the schema's checks name the likely faults, this the others.
+DAMAGE = (OSError, LookupError, RuntimeError, ValueError, TypeError, AttributeError, ArithmeticError, MemoryError)
+
+
+@contextlib.contextmanager
+def reading(path):
+    """The file, which may be of unknown origin; whatever cannot be read in it is a Problem."""
+    try:
+        with open_file(path) as file:
+            yield file
+    except Unsafe as unsafe:
+        raise Problem(f"cannot read '{path}': {unsafe}") from unsafe
+    except DAMAGE as error:
+        raise Problem(f"'{path}' is damaged: {reason(error)}") from error
 
 
 @contextlib.contextmanager
 def open_trajectory(path, *needed):
-    """The file, with /time, /q and what else is needed; what cannot be read in it is a Problem too."""
-    with open_file(path) as file:
-        try:
-            check(file, path, needed)
-            yield file
-        except (OSError, KeyError, RuntimeError) as error:
-            raise Problem(f"'{path}' is damaged: {reason(error)}") from error
+    """A trajectory, with /time, /q and the datasets needed."""
+    with reading(path) as file:
+        check(file, path, needed)
+        yield file
 
 
 NAMES = {"coordinate": "coordinate", "velocity": "velocity", "constraint": "constraint", "contact": "contact/contact",
@@ -73,18 +109,25 @@ def names_of_rows(file, kind, count):
     return named + [f"{kind} {i}" for i in range(len(named), count)]
 
 
-def replace(path, content):
+def put(path, content):
     """Writes beside the file and moves it there when it is whole: what was there is not lost."""
     part = f"{path}.part"
     try:
         if os.path.isdir(path):
-            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
+            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), path)
         with open(part, "wb") as file:
             file.write(content)
         os.replace(part, path)
-    except OSError as error:
+    except OSError:
         with contextlib.suppress(OSError):
             os.remove(part)
+        raise
+
+
+def replace(path, content):
+    try:
+        put(path, content)
+    except OSError as error:
         raise Problem(f"cannot write '{path}': {reason(error)}") from error
 
 

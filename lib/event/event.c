@@ -325,6 +325,7 @@ static int cross_kink(event *e, double t)
   memcpy(from, g->y, (size_t)at->lambda * sizeof *from);
   if (nsdae_event_forces(&e->phase, t, g->y) < 0 || nsdae_kinematics_at(T, T->v, rate) < 0)
     return 0;
+  if (nsdae_event_unbounded(&e->roots, NEAR_POLE, 0) >= 0) return 0;
   memcpy(rate + at->v, e->phase.x, (size_t)(at->lambda - at->v) * sizeof *rate);
   for (double h = 64 * DBL_EPSILON * (fabs(t) + longest); !found && h < longest; h *= 8) {
     nsdae_move(at->lambda, from, h, rate, g->y);

@@ -147,12 +147,11 @@ int nsdae_checkpoint_open(nsdae_checkpoint *checkpoint, nsdae_h5 *h5)
   int wide = checkpoint->grows ? size[1] >= sizeof(head) : size[1] == checkpoint->width;
   if (size[0] != PLACES || !wide)
     return unusable(h5, "its state is of another size: another version of the library wrote it");
-  status = nsdae_h5_fits(h5, dataset, 2, size);
-  if (status == NSDAE_OK && make_room(checkpoint, size[1]) < 0)
+  if (make_room(checkpoint, size[1]) < 0)
     return nsdae_error_set(h5->error, NSDAE_E_MEMORY, "nsdae_trajectory_resume", "",
                            "out of memory");
   checkpoint->width = size[1];
-  return status < 0 ? status : nsdae_h5_open_series(h5, dataset, &checkpoint->set);
+  return nsdae_h5_open_series(h5, dataset, &checkpoint->set);
 }
 
 /* What is at the place is whole, and the file has the rows that belong to it. */

@@ -150,6 +150,20 @@ static int join(const reader *r, nsdae_triplets *A, const nsdae_triplets *B, int
   return status;
 }
 
+/* The vector over the bilateral rows is in the file, and as long as the matrices claim: memory is
+ * asked for by their number. */
+static int check_bilateral(const reader *r, const char *name)
+{
+  char path[64];
+  int length = 0;
+  if (r->bilateral == 0) return NSDAE_OK;
+  int status = nsdae_h5_length(r->h5, path_of(r, path, name), INT_MAX, &length);
+  if (status == NSDAE_OK && length != r->bilateral)
+    status = nsdae_h5_refuse(r->h5, "%s has %d numbers, must have %d", path,
+                             length < 0 ? 0 : length, r->bilateral);
+  return status;
+}
+
 /* W, and where there are bilateral rows [W V; V^T R]. */
 static int read_local(reader *r)
 {
@@ -163,6 +177,7 @@ static int read_local(reader *r)
     status = check_shape(r, "V", &V, m, r->bilateral);
   if (status == NSDAE_OK && R.rows + R.columns > 0)
     status = check_shape(r, "R", &R, r->bilateral, r->bilateral);
+  if (status == NSDAE_OK) status = check_bilateral(r, "vectors/s");
   if (status == NSDAE_OK) status = join(r, &r->A, &V, 0, m, 1);
   if (status == NSDAE_OK) status = join(r, &r->A, &R, m, m, 0);
   r->A.rows = r->A.columns = m + r->bilateral;
@@ -197,6 +212,7 @@ static int read_H(reader *r)
   r->bilateral = G.columns;
   if (status == NSDAE_OK && G.rows + G.columns > 0)
     status = check_shape(r, "G", &G, n, r->bilateral);
+  if (status == NSDAE_OK) status = check_bilateral(r, "vectors/b");
   if (status == NSDAE_OK) status = join(r, &r->A, &G, 0, m, 0);
   r->A.columns = m + r->bilateral;
   nsdae_triplets_release(&G);

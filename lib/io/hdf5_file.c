@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "errors.h"
+#include "hdf5_guard.h"
 
 /* A program may have asked in either way: asked in the wrong one, HDF5 fails and says so. */
 nsdae_h5_voice nsdae_h5_hush(void)
@@ -101,6 +102,17 @@ static int opened(nsdae_h5 *h5, hid_t access, const char *what)
   return status;
 }
 
+/* What was opened, or closed again: nothing in it may lead out of it. */
+static int guarded(nsdae_h5 *h5, int status)
+{
+  char reason[NSDAE_GUARD_REASON];
+  if (status < 0) return status;
+  int code = nsdae_h5_guard(h5->file, h5->disk.eof, reason);
+  if (code < 0) status = *reason ? because(h5, "read", reason) : failed(h5, "read");
+  if (code < 0) nsdae_h5_close(h5);
+  return status;
+}
+
 int nsdae_h5_create(nsdae_h5 *h5, nsdae_h5_kind kind)
 {
   hid_t access = open_disk(h5, NSDAE_ORDERED_REPLACE), creation = H5Pcreate(H5P_FILE_CREATE);
@@ -122,14 +134,14 @@ int nsdae_h5_reopen(nsdae_h5 *h5)
   if (access >= 0) h5->file = H5Fopen(h5->path, H5F_ACC_RDWR, access);
   h5->disk.committed = h5->disk.eoa; /* the file may be longer than what it refers to */
   h5->disk.eoa += GAP;
-  return opened(h5, access, "open");
+  return guarded(h5, opened(h5, access, "open"));
 }
 
 int nsdae_h5_open(nsdae_h5 *h5)
 {
   hid_t access = open_disk(h5, NSDAE_ORDERED_READ);
   if (access >= 0) h5->file = H5Fopen(h5->path, H5F_ACC_RDONLY, access);
-  return opened(h5, access, "read");
+  return guarded(h5, opened(h5, access, "read"));
 }
 
 int nsdae_h5_prepare(nsdae_h5 *h5, long bytes)

@@ -124,7 +124,6 @@ static int look_at_column(const nsdae_series *series, nsdae_h5 *h5, const nsdae_
   int shape[2], rank = nsdae_width_shape(column->width, sizes, shape);
   hsize_t length[NSDAE_H5_RANK_MAX] = {0, 1, 1};
   int status = nsdae_h5_shape(h5, column->path, rank + 1, length);
-  if (status == NSDAE_OK) status = nsdae_h5_fits(h5, column->path, rank + 1, length);
   if (status < 0) return status;
   if (length[0] < *rows) *rows = length[0];
   if (length[1] == (hsize_t)shape[0] && length[2] == (hsize_t)shape[1]) return NSDAE_OK;

@@ -105,7 +105,6 @@ int nsdae_setting_read(nsdae_setting *setting, nsdae_h5 *h5)
         h5->error, NSDAE_E_IO, h5->where ? h5->where : "nsdae_trajectory", "path",
         "cannot go on in '%.90s': it keeps no state, as one written live", h5->path);
   int status = nsdae_h5_shape(h5, dataset, 1, length);
-  if (status == NSDAE_OK) status = nsdae_h5_fits(h5, dataset, 1, length);
   if (status < 0) return status;
   setting->length = (size_t)length[0];
   setting->text = calloc(setting->length + 1, 1);

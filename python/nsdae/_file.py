@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import datetime
+import io
 from typing import TYPE_CHECKING, Any, Iterator
 
 import numpy as np
@@ -70,10 +71,13 @@ def in_memory() -> Iterator[Any]:
 
 
 def write(trajectory: Trajectory, path: str) -> None:
-    """A new file."""
+    """A new file, made in memory: HDF5 itself crashes after a write that found the disk full."""
     import h5py
-    with h5py.File(path, "w") as file:
+    from .pictures import trajectory as tool
+    whole = io.BytesIO()
+    with h5py.File(whole, "w") as file:
         fill(trajectory, file)
+    tool.put(path, whole.getbuffer())
 
 
 def _text(values: Any) -> Any:

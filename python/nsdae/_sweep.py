@@ -50,7 +50,8 @@ class Sweep:
         import h5py
         from .pictures import sweeps, trajectory
         try:
-            with h5py.File(self.path or io.BytesIO(self._content), "r") as file:
+            own = not self.path  # made by this process, not of unknown origin
+            with h5py.File(io.BytesIO(self._content), "r") if own else trajectory.reading(self.path) as file:
                 return sweeps.draw(file, only, title, list((at or {}).items()))
         except trajectory.Problem as problem:
             raise ValueError(str(problem)) from None
@@ -60,13 +61,24 @@ class Sweep:
         return f"nsdae.Sweep({names}; {int(np.sum(self.status == 0))} of {self.status.size} runs done)"
 
 
+@contextlib.contextmanager
+def _reading(path: str | os.PathLike[str]) -> Iterator[Any]:
+    """A file of unknown origin; what is wrong with it is an OSError or a ValueError."""
+    from .pictures import trajectory
+    try:
+        with trajectory.reading(os.fspath(path)) as file:
+            yield file
+    except trajectory.Problem as problem:
+        cause = problem.__cause__
+        raise (type(cause) if isinstance(cause, OSError) else ValueError)(str(problem)) from cause
+
+
 def load_sweep(path: str | os.PathLike[str]) -> Sweep:
     """Reads the file of sweep() or of nsdae-sweep, also one that is not complete."""
-    import h5py
     from .pictures import sweeps
-    with h5py.File(path, "r") as file:
+    with _reading(path) as file:
         if not sweeps.is_sweep(file):
-            raise ValueError(f"'{os.fspath(path)}' is not an nsdae sweep")
+            raise sweeps.Problem(f"'{os.fspath(path)}' is not an nsdae sweep")
         failures = {}
         if "failure" in file:
             failures = {int(run): sweeps.text(reason) for run, reason in zip(file["failure/run"], file["failure/reason"])}
@@ -127,11 +139,11 @@ class _File:
         return "\n".join(lines + [f"{name}={of.shape}" for name, of in first.items()]) + "\n"
 
     def _compare(self, setting: str) -> None:
-        import h5py
-        with h5py.File(self.path, "r") as file:
-            if "setting" not in file or file.attrs.get("format") not in ("nsdae-sweep", b"nsdae-sweep"):
-                raise ValueError(f"'{self.path}' is there and is no sweep: give another output, or remove it")
-            has = file["setting"][...].tobytes().decode().splitlines()
+        with _reading(self.path) as file:
+            is_sweep = "setting" in file and file.attrs.get("format") in ("nsdae-sweep", b"nsdae-sweep")
+            has = not is_sweep or file["setting"][...].tobytes().decode().splitlines()
+        if not is_sweep:
+            raise ValueError(f"'{self.path}' is there and is no sweep: give another output, or remove it")
         differ = next((f"'{a}' where this one has '{b}'" for a, b in itertools.zip_longest(has, setting.splitlines())
                        if a != b), None)
         if differ:
@@ -139,8 +151,9 @@ class _File:
 
     def _create(self, dimensions: Any, model: str, first: Mapping[str, np.ndarray], setting: str) -> None:
         import h5py
-        part = f"{self.path}.part"
-        with h5py.File(part, "w") as file:
+        from .pictures import trajectory
+        whole = io.BytesIO()  # HDF5 itself crashes after a write that found the disk full
+        with h5py.File(whole, "w") as file:
             for name, word in (("format", "nsdae-sweep"), ("status", "running"), ("library_version", _core.VERSION),
                                ("model", model), ("method", "")):
                 file.attrs.create(name, np.bytes_(word.ljust(9, "\0") if name == "status" else word or "\0"),
@@ -154,7 +167,7 @@ class _File:
                 self._axes(file, self._put(file, name, None, "", "what each run gave", self.shape + of.shape), dimensions)
             self._axes(file, self._put(file, "status", None, "1", "0 done, < 0 failed (status of the library), 1 not done yet",
                                        self.shape), dimensions)
-        os.replace(part, self.path)
+        trajectory.put(self.path, whole.getbuffer())
 
     @staticmethod
     def _put(file: Any, path: str, values: Any, unit: str, said: str, shape: Any = None) -> Any:
@@ -175,8 +188,7 @@ class _File:
                 dataset.dims[i].attach_scale(file[f"grid/{name}"])
 
     def _open(self, first: Mapping[str, np.ndarray]) -> None:
-        import h5py
-        with h5py.File(self.path, "r") as file:
+        with _reading(self.path) as file:
             self.status = file["status"][...].reshape(-1)
             word = file.attrs["status"]
             self.complete = (word if isinstance(word, bytes) else word.encode()).rstrip(b"\0") == b"complete"
@@ -196,7 +208,10 @@ class _File:
 
     def finish(self, failures: Mapping[int, str]) -> None:
         import h5py
-        with h5py.File(self.path, "r+") as file:
+        from .pictures import trajectory
+        with open(self.path, "rb") as old:
+            whole = io.BytesIO(old.read())
+        with h5py.File(whole, "r+") as file:
             if "failure" in file:
                 del file["failure"]
             if failures:
@@ -205,6 +220,7 @@ class _File:
                 file.create_dataset("failure/reason", track_times=False, data=np.array(
                     [failures[run].encode()[: REASON_SIZE - 1] for run in runs], dtype=f"S{REASON_SIZE}"))
             file.attrs.modify("status", np.bytes_(b"complete"))
+        trajectory.put(self.path, whole.getbuffer())
 
     def close(self) -> None:
         os.close(self.raw)

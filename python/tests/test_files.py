@@ -61,6 +61,29 @@ def test_load_refuses_in_one_line(tmp_path, ball):
         nsdae.solve(ball, 0.1, [1]).save(tmp_path / "no" / "such" / "folder.h5")
 
 
+def test_files_that_lead_elsewhere_are_refused(tmp_path, ball):
+    """Also where a sweep is read, drawn or taken up."""
+    run, many = tmp_path / "run.h5", tmp_path / "many.h5"
+    nsdae.solve(ball, 0.1, [1]).save(run)
+    nsdae.sweep(lambda h: {"h": h}, {"h": [1.0, 2.0]}, output=os.fspath(many))
+    secret = tmp_path / "secret"
+    secret.write_bytes(b"not for others " * 100)
+    with h5py.File(run, "r+") as file:
+        n = len(file["time"])
+        del file["v"]
+        file.create_dataset("v", (n, 1), "f8", external=[(os.fspath(secret), 0, 8 * n)])
+    with pytest.raises(ValueError, match="/v has its data in other files"):
+        nsdae.load(run)
+    sweep = nsdae.load_sweep(many)
+    with h5py.File(many, "r+") as file:
+        del file["result/h"]
+        file["result/h"] = h5py.ExternalLink(os.fspath(run), "/q")
+    for read in (lambda: nsdae.load_sweep(many), sweep.plot,
+                 lambda: nsdae.sweep(lambda h: {"h": h}, {"h": [1.0, 2.0]}, output=os.fspath(many))):
+        with pytest.raises(ValueError, match="/result/h is a soft or external link"):
+            read()
+
+
 def layout(path):
     """Shape, type, scales and attributes of every dataset."""
     found = {}

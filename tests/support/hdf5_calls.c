@@ -50,6 +50,14 @@ static int fails(const char *name)
     return fails(#name) ? -1 : status; \
   }
 
+/* 0 is its failure. */
+hsize_t __real_H5Dget_storage_size(hid_t a);
+hsize_t __wrap_H5Dget_storage_size(hid_t a);
+hsize_t __wrap_H5Dget_storage_size(hid_t a)
+{
+  return fails("H5Dget_storage_size") ? 0 : __real_H5Dget_storage_size(a);
+}
+
 FAILING(hid_t, H5Acreate2, (hid_t a, const char *b, hid_t c, hid_t d, hid_t e, hid_t f), a, b, c, d,
         e, f)
 FAILING(htri_t, H5Aexists, (hid_t a, const char *b), a, b)
@@ -75,9 +83,14 @@ FAILING(herr_t, H5Fflush, (hid_t a, H5F_scope_t b), a, b)
 FAILING(hid_t, H5Fopen, (const char *a, unsigned b, hid_t c), a, b, c)
 FAILING(herr_t, H5Fstart_swmr_write, (hid_t a), a)
 FAILING(hid_t, H5Gcreate2, (hid_t a, const char *b, hid_t c, hid_t d, hid_t e), a, b, c, d, e)
+FAILING(hid_t, H5Gopen2, (hid_t a, const char *b, hid_t c), a, b, c)
 FAILING(herr_t, H5Ldelete, (hid_t a, const char *b, hid_t c), a, b, c)
 FAILING(htri_t, H5Lexists, (hid_t a, const char *b, hid_t c), a, b, c)
+FAILING(hid_t, H5Oopen, (hid_t a, const char *b, hid_t c), a, b, c)
 FAILING(hid_t, H5Pcreate, (hid_t a), a)
+FAILING(int, H5Pget_chunk, (hid_t a, int b, hsize_t *c), a, b, c)
+FAILING(H5D_layout_t, H5Pget_layout, (hid_t a), a)
+FAILING(int, H5Pget_nfilters, (hid_t a), a)
 FAILING(herr_t, H5Pset_alignment, (hid_t a, hsize_t b, hsize_t c), a, b, c)
 FAILING(herr_t, H5Pset_alloc_time, (hid_t a, H5D_alloc_time_t b), a, b)
 FAILING(herr_t, H5Pset_chunk, (hid_t a, int b, const hsize_t *c), a, b, c)
@@ -104,6 +117,7 @@ CLOSING(H5Aclose)
 CLOSING(H5Dclose)
 CLOSING(H5Fclose)
 CLOSING(H5Gclose)
+CLOSING(H5Oclose)
 CLOSING(H5Pclose)
 CLOSING(H5Sclose)
 CLOSING(H5Tclose)

@@ -61,6 +61,8 @@ expect 2 "cannot read 'none.ini'" "$pendulum" --params none.ini
 printf 'L = 1\n\nlenght = 2\n' >bad.ini
 expect 2 "bad.ini line 3" "$pendulum" --params bad.ini
 printf 'L = 1\n# %01100d\n' 0 >long.ini
+printf 'L = 1\n\000' >nul.ini
+expect 2 "nul.ini line 2: a NUL byte" "$pendulum" --params nul.ini
 expect 2 "long.ini line 2: a line is longer" "$pendulum" --params long.ini
 # the shaft touches the hole at the start, which R - r gives to rounding only
 check "$bin/nsdae-clearance-hinge" --quiet --no-output --t-end 0.1 --set dX=0.014

@@ -111,6 +111,15 @@ rm failed.h5
 "$sweep" clearance-hinge --t-end 0.01 --grid r=0.015:0.05:8 --quiet ${mpi:+--processes 2} --output failed.h5
 cmp failed.h5 again.h5 || fail "failures: other bytes"
 
+# a disk that fills while the file is made: exit 1 with the reason, and no part is left
+for blocks in 8 60 300; do # of 512 bytes; the file has 840 of them
+  (trap '' XFSZ && ulimit -f $blocks && exec "$sweep" bouncing-ball --dt 1e-3 --t-end 0.01 --grid e_N=0:1:200 \
+    --grid h0=0.1:1:100 --processes 1 --output full.h5) >out 2>err
+  got=$?
+  [ $got = 1 ] && grep -q "cannot write 'full.h5': File too large" err || fail "full disk: exit $got, $(cat err)"
+  ls full.h5* 2>/dev/null && fail "full disk: a part is left"
+done
+
 # draws depend on the seed alone
 draws="bouncing-ball --t-end 0.5 --quiet --random 200 --grid h0=0.5:2 --grid e_N=0:1"
 "$sweep" $draws --seed 7 --processes 1 --output draws.h5 || fail "draws"
