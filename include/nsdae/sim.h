@@ -212,12 +212,15 @@ NSDAE_API void nsdae_sim_destroy(nsdae_sim **sim);
 NSDAE_API int nsdae_sim_project(nsdae_sim *sim, double t0, double *q0, double *v0);
 
 /* Starts at t0 with q0 [nq], v0 [nv]; evaluates every term once. A start must satisfy the
- * constraints, their rates, unit lengths and, but for the method penalty, 0 <= g_N, each up to
+ * constraints, their rates, unit lengths and, with event, 0 <= g_N, each up to
  * start_tol (default 1e-6, numbers of six digits; 1e300 takes anything) relative to its
  * terms:
  *   |Phi_i|, -g_N,i      <= start_tol (1 + |row|_1 max |q|)            row of Phi_q, column of W_N
  *   |Phi_q v + Phi_t|_i  <= start_tol (1 + |row|_1 max |v| + |Phi_t,i|)
- * NSDAE_E_ARGUMENT names the row, its value and the bound; nsdae_sim_project puts it right. Each
+ * NSDAE_E_ARGUMENT names the row, its value and the bound; nsdae_sim_project puts it right. event
+ * moves a start that overlaps within the bound to g_N >= 0 by the least change in the metric of M
+ * (NSDAE_E_CONVERGENCE: no such start is near). Time stepping keeps an overlap; beyond the bound
+ * its first step returns NSDAE_WARN_PENETRATION. Each
  * callback is called alone, once or twice: NSDAE_E_CALLBACK where it writes beyond its array, or
  * leaves an entry of Phi, g_N, dq/dt or U out. Given derivatives of Phi and g_N are compared with
  * differences, with v = 0 and along two trial velocities (a few calls, whatever the size):

@@ -532,7 +532,9 @@ contains
   end function
 
   ! A start must satisfy the constraints, their rates, unit lengths and the gaps, up to the option
-  ! start_tol: NSDAE_E_ARGUMENT names the row, its value and the bound.
+  ! start_tol: NSDAE_E_ARGUMENT names the row, its value and the bound. event moves an overlap within
+  ! start_tol to gap 0; time stepping keeps any overlap, and its first step returns
+  ! NSDAE_WARN_PENETRATION beyond start_tol.
   ! Starts at t0 with q0 [nq], v0 [nv]; evaluates every term once. May be called again.
   integer(c_int) function nsdae_sim_init(sim, t0, q0, v0) result(status)
     type(nsdae_sim), intent(in) :: sim

@@ -6,12 +6,13 @@
  *   |Phi_q v + Phi_t|_i    <= tol (1 + |Phi_q,i|_1 max |v| + |Phi_t,i|)
  *   | |q_unit| - 1 |       <= tol
  *
- * tol = 1e-6 takes numbers of six digits. The overlap of penalty's contacts is how they press:
- * there it is no error. */
+ * tol = 1e-6 takes numbers of six digits. Overlap beyond its bound is an error of event, a warning
+ * of time stepping, and the contact force of penalty. */
 #include "start.h"
 
 #include <float.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -54,35 +55,47 @@ static int check_constraints(const nsdae_terms *T, double tol)
   return NSDAE_OK;
 }
 
-/* Of a list: what is closed at the start, by its id. */
-static int check_list(const nsdae_terms *T, double tol)
+/* The deepest of the contacts that overlap by more than their bound, or -1. */
+static int deepest(const nsdae_terms *T, double tol, double *bound)
 {
   double q = nsdae_largest(T->system->dims.nq, T->q);
+  int found = -1;
   for (int i = 0; i < T->by.normal.count; i++) {
-    double bound = tol * (1 + q * nsdae_rows_sum(&T->system->blocks, &T->by.normal, i));
-    if (!(-T->gap[i] > bound)) continue;
-    nsdae_error_set(T->error, NSDAE_E_ARGUMENT, "nsdae_sim_init", "q0",
-                    "contact of id %ld overlaps by %.6g at the start: it must be at most %.3g (see "
-                    "start_tol)",
-                    T->by.list.id[i], -T->gap[i], bound);
-    T->error->index = i;
-    T->error->time = T->t;
-    return NSDAE_E_ARGUMENT;
+    double most = tol * (1 + q * nsdae_rows_sum(&T->system->blocks, &T->by.normal, i));
+    if (!(-T->gap[i] > most) || (found >= 0 && T->gap[i] >= T->gap[found])) continue;
+    found = i;
+    *bound = most;
   }
-  return NSDAE_OK;
+  return found;
 }
 
-static int check_gaps(const nsdae_terms *T, double tol)
+/* 'contact 3 "stop"'; a contact of a list by its id. */
+static const char *contact_called(const nsdae_terms *T, int i, char text[NSDAE_CALLED_SIZE])
 {
-  const nsdae_dims *d = &T->system->dims;
-  double q = nsdae_largest(d->nq, T->q);
-  if (T->system->by_list) return check_list(T, tol);
-  for (int i = 0; i < d->k; i++) {
-    double bound = tol * (1 + q * nsdae_rows_sum(&T->system->blocks, &T->by.normal, i));
-    if (-T->gap[i] > bound)
-      return refuse(T, "q0", NSDAE_NAME_CONTACT, i, "overlaps by", -T->gap[i], bound);
-  }
-  return NSDAE_OK;
+  if (!T->system->by_list) return nsdae_system_called(T->system, NSDAE_NAME_CONTACT, i, text);
+  snprintf(text, NSDAE_CALLED_SIZE, "contact of id %ld", T->by.list.id[i]);
+  return text;
+}
+
+/* event needs a start without overlap: a contact that is closed has the gap 0 there. Time stepping
+ * keeps the overlap of a start, as nothing in it moves bodies apart. */
+static int check_gaps(const nsdae_terms *T, int method, double tol)
+{
+  char called[NSDAE_CALLED_SIZE];
+  int event = method == NSDAE_METHOD_EVENT;
+  int status = event ? NSDAE_E_ARGUMENT : NSDAE_WARN_PENETRATION;
+  double bound = 0;
+  int i = method == NSDAE_METHOD_PENALTY ? -1 : deepest(T, tol, &bound);
+  if (i < 0) return NSDAE_OK;
+  nsdae_error_set(T->error, status, "nsdae_sim_init", "q0",
+                  event ? "%s overlaps by %.6g at the start: it must be at most %.3g (see "
+                          "start_tol); nsdae_sim_project puts a start right"
+                        : "%s overlaps by %.6g at the start, more than start_tol explains (%.3g): "
+                          "the method keeps this overlap; nsdae_sim_project puts a start right",
+                  contact_called(T, i, called), -T->gap[i], bound);
+  T->error->index = i;
+  T->error->time = T->t;
+  return status;
 }
 
 /* A quaternion has length one; two coordinates may as well be a point on a circle. The group
@@ -379,11 +392,30 @@ int nsdae_start_check(nsdae_projector *p, const nsdae_terms *T, double *work)
   const nsdae_sim_options *o = p->tools->options;
   int status = check_units(p, T, o->start_tol);
   if (status == NSDAE_OK) status = check_constraints(T, o->start_tol);
-  if (status == NSDAE_OK && o->method != NSDAE_METHOD_PENALTY) status = check_gaps(T, o->start_tol);
-  return status < 0 ? status : check_derivatives(p, T, work);
+  if (status == NSDAE_OK) status = check_derivatives(p, T, work);
+  return status < 0 ? status : check_gaps(T, o->method, o->start_tol);
 }
 
-/* ---- putting one right, beside the state of the simulation */
+/* ---- putting one right */
+
+/* A contact that starts below zero has no root at which it closes: it would sink through.
+ * Tolerances of q do not bound its way either, which is the overlap over the gradient of the gap.
+ * So event starts at gap 0. */
+int nsdae_start_touch(nsdae_projector *p, nsdae_terms *T)
+{
+  const nsdae_dims *d = &T->system->dims;
+  int overlaps = 0;
+  if (p->tools->options->method != NSDAE_METHOD_EVENT) return NSDAE_OK;
+  for (int i = 0; i < d->k; i++) overlaps |= T->gap[i] < -nsdae_terms_touch(T);
+  if (!overlaps) return NSDAE_OK;
+  memset(p->closed, 0, (size_t)d->k * sizeof *p->closed);
+  memset(p->depth, 0, (size_t)d->k * sizeof *p->depth);
+  int status = nsdae_project_positions(p, T, 1);
+  if (status == NSDAE_OK) status = nsdae_project_velocities(p, T);
+  return status < 0 ? status : 1;
+}
+
+/* Beside the state of the simulation: */
 
 typedef struct bench {
   nsdae_terms terms;
