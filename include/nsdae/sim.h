@@ -224,7 +224,8 @@ NSDAE_API int nsdae_sim_project(nsdae_sim *sim, double t0, double *q0, double *v
  * callback is called alone, once or twice: NSDAE_E_CALLBACK where it writes beyond its array, or
  * leaves an entry of Phi, g_N, dq/dt or U out. Given derivatives of Phi and g_N are compared with
  * differences, with v = 0 and along two trial velocities (a few calls, whatever the size):
- * NSDAE_E_DERIVATIVE where one is grossly wrong, as by a sign. None of these where start_check is
+ * NSDAE_E_DERIVATIVE where one is grossly wrong, as by a sign; formulas of nsdae_bodies_system are
+ * not compared. None of these where start_check is
  * 0. nsdae_system_check looks closer. May be called again to start anew. The observers see the
  * start as step 0, at the first step or run. */
 NSDAE_API int nsdae_sim_init(nsdae_sim *sim, double t0, const double *q0, const double *v0);
