@@ -186,12 +186,12 @@ typedef struct nsdae_stats {
   double energy_start;      /* kinetic + potential at the start [J] */
   double energy_balance; /* energy now + dissipated - energy_start [J]; forces that are not in the
                             potential do their work here */
-  int warnings;          /* 1: energy, 2: penetration, 4: drift; see NSDAE_WARN_ENERGY etc. */
-  double wall_time;      /* spent in nsdae_sim_run and nsdae_sim_step [s] */
-  int contact_capacity;  /* room in a list of contacts, which grows between steps */
-  int contact_growths;   /* how often it grew */
-  int islands;           /* parts of the last step that contacts and constraints join */
-  int island_contacts;   /* contacts of the largest of them */
+  int warnings; /* 1: energy, 2: penetration, 4: drift, 8: Painleve; see NSDAE_WARN_ENERGY etc. */
+  double wall_time;     /* spent in nsdae_sim_run and nsdae_sim_step [s] */
+  int contact_capacity; /* room in a list of contacts, which grows between steps */
+  int contact_growths;  /* how often it grew */
+  int islands;          /* parts of the last step that contacts and constraints join */
+  int island_contacts;  /* contacts of the largest of them */
 } nsdae_stats;
 
 /* Makes a simulation; this is where memory is allocated, once. The system must be complete, and is
@@ -243,7 +243,8 @@ NSDAE_API int nsdae_sim_set_interrupt(nsdae_sim *sim, nsdae_interrupt_fn asked, 
 /* One step of dt. NSDAE_OK; NSDAE_EVENT when there was an impact in it, or with method event a
  * change of contact mode; NSDAE_ZENO when event closed an accumulation of impacts in it;
  * NSDAE_WARN_ENERGY, _PENETRATION or _DRIFT, once each, where these exceed what the method explains
- * (the error record says by how much; bounds in docs/methods/warnings.md);
+ * (the error record says by how much; bounds in docs/methods/warnings.md); NSDAE_WARN_PAINLEVE,
+ * once, where event took one of two solutions (the record names the slide and its multiplier);
  * NSDAE_STOPPED; < 0: the step was not done and the state is the one before it. */
 NSDAE_API int nsdae_sim_step(nsdae_sim *sim);
 /* The same, but back after the first step in which nsdae_sim_step would return NSDAE_EVENT or
