@@ -59,12 +59,12 @@ static void contact_words(const nsdae_bodies *b, const int solid[2], char *text,
   snprintf(text, size, "%s, %s", solid_words(b, solid[0], s0), solid_words(b, solid[1], s1));
 }
 
-/* See the ids of blocks.c; below 0: one's own. */
+/* See the ids of blocks.c; others are one's own. */
 static int listed_words(const nsdae_bodies *b, long id, char *text, size_t size)
 {
-  if (id < 0) return 0;
-  long pair = id / nsdae_broad_features(b);
-  const int solid[2] = {(int)(pair / b->solid.count), (int)(pair % b->solid.count)};
+  long pair = id / nsdae_broad_features(b), solids = b->solid.count;
+  if (id < 0 || pair >= solids * solids) return 0;
+  const int solid[2] = {(int)(pair / solids), (int)(pair % solids)};
   contact_words(b, solid, text, size);
   return 1;
 }
