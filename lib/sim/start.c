@@ -447,8 +447,11 @@ int nsdae_start_touch(nsdae_projector *p, nsdae_terms *T)
   if (!overlaps) return NSDAE_OK;
   memset(p->closed, 0, (size_t)d->k * sizeof *p->closed);
   memset(p->depth, 0, (size_t)d->k * sizeof *p->depth);
+  p->contacts_alone = 1; /* redundant constraints may contradict each other within start_tol */
   int status = nsdae_project_positions(p, T, 1);
+  p->contacts_alone = 0;
   if (status == NSDAE_OK) status = nsdae_project_velocities(p, T);
+  if (status == NSDAE_OK) status = check_constraints(T, p->tools->options->start_tol);
   return status < 0 ? status : 1;
 }
 
