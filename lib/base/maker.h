@@ -7,7 +7,7 @@
 
 #include <nsdae/system.h>
 
-/* Why a callback has no value at a point: the text, and the element that it is of. */
+/* Why a callback has no value at a point. */
 typedef struct nsdae_reason {
   const char *element; /* "joint", "spring", "load", "contact" */
   int index;
@@ -18,9 +18,11 @@ typedef struct nsdae_maker {
   const void *of; /* handed to each */
   /* Whether the derivatives of row i of a kind (enum nsdae_name_kind) are the maker's formulas. */
   int (*exact)(const void *of, int kind, int i);
-  /* What row i is of: "revolute joint 2 of bodies 0, 1". A contact of a list by its id. 0: none. */
+  /* The element of row i: "revolute joint 2 of bodies 0, 1". A contact of a list by its id. 0:
+   * none.
+   */
   int (*words)(const void *of, int kind, long i, char *text, size_t size);
-  /* What is degenerate at the point for that callback: 1 with the reason; 0: nothing. */
+  /* The first element that is degenerate at the point for that callback: 1; 0: none. */
   int (*explain)(const void *of, const char *callback, double t, const double *q, const double *v,
                  nsdae_reason *reason);
 } nsdae_maker;

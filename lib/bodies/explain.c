@@ -1,4 +1,4 @@
-/* The rows of a mechanism in the words of the kit, and what of it is degenerate. */
+/* Rows of a mechanism in the words of the kit; degenerate elements. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -94,7 +94,7 @@ static int exact(const void *of, int kind, int i)
   return kind == NSDAE_NAME_CONSTRAINT && i < b->element.count && !element_of(b, i)->drive;
 }
 
-/* ---- what is degenerate */
+/* ---- degenerate elements */
 
 static int coincide(const double *x0, const double *x1)
 {
@@ -160,14 +160,18 @@ static int explain_load(const nsdae_bodies *b, int i, double t, const double *q,
   return code || j < 6;
 }
 
-/* Two round solids. */
+static int is_round(const nsdae_solid_of *s)
+{
+  return s->points == 1 && s->shape != NSDAE_SHAPE_PLANE;
+}
+
 static int explain_contact(const nsdae_bodies *b, int i, const double *q, nsdae_reason *r)
 {
   const nsdae_feature *f = feature_of(b, i);
   const nsdae_solid_of *s0 = solid_of(b, f->solid[0]), *s1 = solid_of(b, f->solid[1]);
   char pair[2 * WORDS];
   double x[2][3];
-  if (s0->points != 1 || s1->points != 1) return 0;
+  if (!is_round(s0) || !is_round(s1)) return 0;
   nsdae_bodies_locate(b, q, s0->body, s0->point, x[0]);
   nsdae_bodies_locate(b, q, s1->body, s1->point, x[1]);
   if (!coincide(x[0], x[1])) return 0;

@@ -378,7 +378,7 @@ static int any_users(const nsdae_system *s, int kind, int rows)
   return i < rows;
 }
 
-/* What the maker of the system finds degenerate. */
+/* Degenerate elements, which the maker of the system knows. */
 static int check_degenerate(const nsdae_terms *T)
 {
   nsdae_error_set(T->error, NSDAE_E_ARGUMENT, "nsdae_sim_init", "gap_normal", "no normal");

@@ -88,7 +88,7 @@ static void note_twofold(const nsdae_event_acceleration *p, int j)
   const nsdae_event_setting *s = p->phase->setting;
   nsdae_twofold *twofold = &s->result->twofold;
   int slide = c->slides.number[j];
-  if (twofold->slide < 0 && nsdae_jam_twofold(c, j))
+  if (twofold->slide < 0 && !p->by_cones && nsdae_jam_twofold(c, j))
     *twofold = (nsdae_twofold){slide, s->here->t, p->lambda[c->system->slide[slide].constraint]};
 }
 
