@@ -77,10 +77,9 @@ static nsdae_bodies *build(klein *k)
   return b;
 }
 
-/* Before the slide can stop: |v| = 1, and the acceleration is below 40 for |1 - |a|| > 0.1. */
-static int run(klein *k, nsdae_error *error, double *acceleration)
+/* T is before the slide can stop: |v| = 1, and the acceleration is below 40 for |1 - |a|| > 0.1. */
+static int run(klein *k, double T, nsdae_error *error, double *acceleration)
 {
-  const double T = 0.02;
   nsdae_bodies *b = build(k);
   nsdae_system *system;
   nsdae_sim *sim;
@@ -104,6 +103,8 @@ static int run(klein *k, nsdae_error *error, double *acceleration)
   return status;
 }
 
+static const int statuses[3] = {NSDAE_E_PAINLEVE, NSDAE_OK, NSDAE_WARN_PAINLEVE};
+
 static void test_family(void **state)
 {
   (void)state;
@@ -115,8 +116,7 @@ static void test_family(void **state)
     nsdae_error error;
     int count = solve(&k, exact, &feed);
     if (fabs(1 - fabs(feed)) < 0.1) continue;
-    static const int statuses[3] = {NSDAE_E_PAINLEVE, NSDAE_OK, NSDAE_WARN_PAINLEVE};
-    int status = run(&k, &error, &acceleration);
+    int status = run(&k, 0.02, &error, &acceleration);
     if (status != statuses[count])
       print_error("%d: %d solutions, a = %g: %s\n", i, count, feed, error.text);
     assert_int_equal(status, statuses[count]);
@@ -143,7 +143,7 @@ static void test_named(void **state)
     nsdae_error error;
     k.v = sign;
     k.load[sign < 0] = 1;
-    assert_int_equal(run(&k, &error, &acceleration), NSDAE_WARN_PAINLEVE);
+    assert_int_equal(run(&k, 0.02, &error, &acceleration), NSDAE_WARN_PAINLEVE);
     const char *at = strstr(error.text, "multiplier ");
     assert_non_null(at);
     assert_int_equal(sscanf(at, "multiplier %lf", &lambda), 1);
@@ -151,8 +151,37 @@ static void test_named(void **state)
   }
 }
 
+/* data/conformance/klein.csv */
+static void test_published_cases(void **state)
+{
+  (void)state;
+  FILE *file = fopen(NSDAE_DATA_DIR "/conformance/klein.csv", "r");
+  char line[256];
+  int cases = 0;
+  assert_non_null(file);
+  assert_non_null(fgets(line, sizeof line, file));
+  while (fgets(line, sizeof line, file)) {
+    klein k;
+    double t_end, v[2] = {NAN, NAN}, acceleration;
+    int solutions;
+    nsdae_error error;
+    int read =
+        sscanf(line, "%*[^,],%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%d,%lf,%lf", &k.mass[0], &k.mass[1],
+               &k.load[0], &k.load[1], &k.slope, &k.mu, &k.v, &t_end, &solutions, &v[0], &v[1]);
+    assert_int_equal(read, 9 + solutions);
+    assert_int_equal(run(&k, t_end, &error, &acceleration), statuses[solutions]);
+    cases++;
+    if (solutions == 0) continue;
+    double end = k.v + acceleration * t_end;
+    assert_at_most(fmin(fabs(end - v[0]), solutions == 2 ? fabs(end - v[1]) : INFINITY), 1e-8);
+  }
+  fclose(file);
+  assert_int_equal(cases, 8);
+}
+
 int main(void)
 {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_family), cmocka_unit_test(test_named)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_family), cmocka_unit_test(test_named),
+                                     cmocka_unit_test(test_published_cases)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
