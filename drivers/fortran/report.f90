@@ -124,6 +124,7 @@ contains
       if (btest(stats%warnings, i)) &
           print '(3a)', 'warning: ', trim(kinds(i)), ' of this run exceeds what the method explains'
     end do
+    if (btest(stats%warnings, 3)) print '(a)', 'warning: friction forces of this run are not unique'
   end subroutine
 
   ! A time-stepping method looks at the end of a step whether a contact has closed, and leaves it

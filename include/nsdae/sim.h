@@ -189,12 +189,12 @@ typedef struct nsdae_stats {
   double energy_start;      /* kinetic + potential at the start [J] */
   double energy_balance; /* energy now + dissipated - energy_start [J]; forces that are not in the
                             potential do their work here */
-  int warnings;          /* 1: energy, 2: penetration, 4: drift; see NSDAE_WARN_ENERGY etc. */
-  double wall_time;      /* spent in nsdae_sim_run and nsdae_sim_step [s] */
-  int contact_capacity;  /* room in a list of contacts, which grows between steps */
-  int contact_growths;   /* how often it grew */
-  int islands;           /* parts of the last step that contacts and constraints join */
-  int island_contacts;   /* contacts of the largest of them */
+  int warnings; /* 1: energy, 2: penetration, 4: drift, 8: Painleve; see NSDAE_WARN_ENERGY etc. */
+  double wall_time;     /* spent in nsdae_sim_run and nsdae_sim_step [s] */
+  int contact_capacity; /* room in a list of contacts, which grows between steps */
+  int contact_growths;  /* how often it grew */
+  int islands;          /* parts of the last step that contacts and constraints join */
+  int island_contacts;  /* contacts of the largest of them */
 } nsdae_stats;
 
 /* Makes a simulation; this is where memory is allocated, once. The system must be complete, and is
@@ -216,16 +216,20 @@ NSDAE_API void nsdae_sim_destroy(nsdae_sim **sim);
 NSDAE_API int nsdae_sim_project(nsdae_sim *sim, double t0, double *q0, double *v0);
 
 /* Starts at t0 with q0 [nq], v0 [nv]; evaluates every term once. A start must satisfy the
- * constraints, their rates, unit lengths and, but for the method penalty, 0 <= g_N, each up to
+ * constraints, their rates, unit lengths and, with event, 0 <= g_N, each up to
  * start_tol (default 1e-6, numbers of six digits; 1e300 takes anything) relative to its
  * terms:
  *   |Phi_i|, -g_N,i      <= start_tol (1 + |row|_1 max |q|)            row of Phi_q, column of W_N
  *   |Phi_q v + Phi_t|_i  <= start_tol (1 + |row|_1 max |v| + |Phi_t,i|)
- * NSDAE_E_ARGUMENT names the row, its value and the bound; nsdae_sim_project puts it right. Each
+ * NSDAE_E_ARGUMENT names the row, its value and the bound; nsdae_sim_project puts it right. event
+ * moves a start that overlaps within the bound to g_N >= 0 by the least change in the metric of M
+ * (NSDAE_E_CONVERGENCE: no such start is near). Time stepping keeps an overlap; beyond the bound
+ * its first step returns NSDAE_WARN_PENETRATION. Each
  * callback is called alone, once or twice: NSDAE_E_CALLBACK where it writes beyond its array, or
  * leaves an entry of Phi, g_N, dq/dt or U out. Given derivatives of Phi and g_N are compared with
  * differences, with v = 0 and along two trial velocities (a few calls, whatever the size):
- * NSDAE_E_DERIVATIVE where one is grossly wrong, as by a sign. None of these where start_check is
+ * NSDAE_E_DERIVATIVE where one is grossly wrong, as by a sign; formulas of nsdae_bodies_system are
+ * not compared. None of these where start_check is
  * 0. nsdae_system_check looks closer. May be called again to start anew. The observers see the
  * start as step 0, at the first step or run. */
 NSDAE_API int nsdae_sim_init(nsdae_sim *sim, double t0, const double *q0, const double *v0);
@@ -244,7 +248,8 @@ NSDAE_API int nsdae_sim_set_interrupt(nsdae_sim *sim, nsdae_interrupt_fn asked, 
 /* One step of dt. NSDAE_OK; NSDAE_EVENT when there was an impact in it, or with method event a
  * change of contact mode; NSDAE_ZENO when event closed an accumulation of impacts in it;
  * NSDAE_WARN_ENERGY, _PENETRATION or _DRIFT, once each, where these exceed what the method explains
- * (the error record says by how much; bounds in docs/methods/warnings.md);
+ * (the error record says by how much; bounds in docs/methods/warnings.md); NSDAE_WARN_PAINLEVE,
+ * once, where event took one of two solutions (the record names the slide and its multiplier);
  * NSDAE_STOPPED; < 0: the step was not done and the state is the one before it. */
 NSDAE_API int nsdae_sim_step(nsdae_sim *sim);
 /* The same, but back after the first step in which nsdae_sim_step would return NSDAE_EVENT or

@@ -19,6 +19,7 @@ extern "C" {
   X(NSDAE_WARN_ENERGY, 5, "more energy was gained than the method explains")       \
   X(NSDAE_WARN_PENETRATION, 6, "bodies overlap more than the method explains")     \
   X(NSDAE_WARN_DRIFT, 7, "constraints are violated more than the method explains") \
+  X(NSDAE_WARN_PAINLEVE, 8, "friction forces are not unique (Painleve)")           \
   X(NSDAE_E_MEMORY, -1, "out of memory")                                           \
   X(NSDAE_E_ARGUMENT, -2, "an argument is missing or out of its range")            \
   X(NSDAE_E_OPTION, -3, "unknown option or parameter")                             \

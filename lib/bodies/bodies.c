@@ -341,6 +341,7 @@ int nsdae_bodies_system(nsdae_bodies *b, nsdae_system **system)
   if (status < 0) return status;
   status = nsdae_bodies_set_callbacks(b, *system);
   if (status == NSDAE_OK) status = nsdae_bodies_show(b, *system);
+  nsdae_bodies_sign(b, *system);
   if (status < 0) {
     b->error = *nsdae_system_error(*system);
     if (b->error.status == NSDAE_OK)

@@ -40,7 +40,7 @@ static void sort_out(nsdae_broad *p, const nsdae_bodies *b)
   }
 }
 
-static long most_features(const nsdae_bodies *b)
+long nsdae_broad_features(const nsdae_bodies *b)
 {
   long corners = 1, edges = 0;
   for (int i = 0; i < b->solid.count; i++) {
@@ -72,7 +72,7 @@ static nsdae_broad *make(const nsdae_bodies *b)
   }
   p->pose[p->bodies] = nsdae_pose_ground();
   sort_out(p, b);
-  p->features = most_features(b);
+  p->features = nsdae_broad_features(b);
   for (int i = 0; i < b->pair.count; i++) {
     const nsdae_bodies_pair *pair = (const nsdae_bodies_pair *)b->pair.at + i;
     p->pair[pair->material[0]][pair->material[1]] = pair;

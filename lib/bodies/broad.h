@@ -32,6 +32,9 @@ typedef int (*nsdae_broad_fn)(void *to, nsdae_broad *broad, int i, int j);
 int nsdae_broad_pairs(nsdae_broad *broad, const nsdae_bodies *bodies, const double *q, double reach,
                       nsdae_broad_fn visit, void *to);
 
+/* The most features of a pair: ids of contacts count so. */
+long nsdae_broad_features(const nsdae_bodies *bodies);
+
 /* The pose of the body of a solid. */
 static inline const nsdae_pose *nsdae_broad_pose(const nsdae_broad *broad, int body)
 {

@@ -22,7 +22,7 @@ typedef enum nsdae_element_kind {
 
 typedef struct nsdae_element {
   nsdae_element_kind kind;
-  int joint; /* that it is of */
+  int joint, joint_kind; /* that it is of, and its enum nsdae_joint_kind */
   int body[2];
   int in_space;               /* ALONG: n is */
   double point[2][3];         /* x_i in their bodies' frames */

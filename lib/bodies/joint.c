@@ -20,6 +20,11 @@ static const struct {
     [NSDAE_JOINT_UNIVERSAL] = {"universal", 0, 1, 1, 0},
 };
 
+const char *nsdae_joint_name(int kind)
+{
+  return kinds[kind].name;
+}
+
 /* A joint being taken apart: its frame a, b, c in space, a along the axis. */
 typedef struct assembly {
   nsdae_bodies *bodies;
@@ -34,6 +39,7 @@ static nsdae_element *add_element(const assembly *s, nsdae_element_kind kind)
   if (!e) return NULL;
   e->kind = kind;
   e->joint = b->joints;
+  e->joint_kind = s->joint->kind;
   for (int i = 0; i < 2; i++) {
     e->body[i] = s->joint->body[i];
     nsdae_bodies_own_point(b, e->body[i], s->joint->point, e->point[i]);

@@ -70,23 +70,31 @@ static void torsions(const nsdae_bodies *b, const double *q, const double *v, do
   }
 }
 
+int nsdae_load_evaluate(const nsdae_load *load, const nsdae_pose *pose, double t, double x[3],
+                        double gave[6])
+{
+  nsdae_jet3 point = nsdae_pose_point(pose, load->point);
+  double rate[3];
+  for (int j = 0; j < 3; j++) {
+    x[j] = point.at[j].x;
+    rate[j] = point.at[j].d;
+  }
+  for (int j = 0; j < 6; j++) gave[j] = 0;
+  return load->call(t, x, rate, gave, gave + 3, load->user);
+}
+
 static int loads(const nsdae_bodies *b, double t, const double *q, const double *v, double *F)
 {
   nsdae_pose ground = nsdae_pose_ground();
   for (int i = 0; i < b->load.count; i++) {
     const nsdae_load *load = (const nsdae_load *)b->load.at + i;
     nsdae_pose pose = nsdae_bodies_pose(b, load->body, q, v);
-    nsdae_jet3 point = nsdae_pose_point(&pose, load->point);
-    double x[3], rate[3], force[3] = {0}, torque[3] = {0};
-    for (int j = 0; j < 3; j++) {
-      x[j] = point.at[j].x;
-      rate[j] = point.at[j].d;
-    }
-    int code = load->call(t, x, rate, force, torque, load->user);
+    double x[3], gave[6];
+    int code = nsdae_load_evaluate(load, &pose, t, x, gave);
     if (code) return code;
     const int body[2] = {NSDAE_GROUND, load->body};
-    nsdae_velocity_row row = nsdae_relative_row(&ground, &pose, x, x, force);
-    for (int j = 0; j < 3; j++) row.angular[1][j] += torque[j];
+    nsdae_velocity_row row = nsdae_relative_row(&ground, &pose, x, x, gave);
+    for (int j = 0; j < 3; j++) row.angular[1][j] += gave[3 + j];
     nsdae_bodies_scatter(b, body, &ground, &pose, &row, 1, F, 1);
   }
   return 0;

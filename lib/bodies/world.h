@@ -129,6 +129,16 @@ int nsdae_bodies_forces(const nsdae_bodies *bodies, double t, const double *q, c
                         double *F);
 double nsdae_bodies_energy(const nsdae_bodies *bodies, const double *q);
 
+/* Where a load acts on its body with this pose, and its force and torque; 0 or what it returned. */
+int nsdae_load_evaluate(const nsdae_load *load, const nsdae_pose *pose, double t, double x[3],
+                        double gave[6]);
+
+/* "revolute" */
+const char *nsdae_joint_name(int kind);
+
+/* Makes the bodies the maker of the system: see maker.h. */
+void nsdae_bodies_sign(const nsdae_bodies *bodies, nsdae_system *system);
+
 /* Adds to the system what files of its trajectories show. */
 int nsdae_bodies_show(const nsdae_bodies *bodies, nsdae_system *system);
 

@@ -10,17 +10,17 @@ static const double margins[] = {1e-10, 1e-3};
 
 static const char without_bound[] = "a contact force that grows without bound";
 
-static int tell(const nsdae_contacts *c, int contact, double t, const char *what,
+/* Of a contact or a slide. */
+static int tell(const nsdae_contacts *c, int kind, int item, double t, const char *what,
                 double coefficient)
 {
   char called[NSDAE_CALLED_SIZE];
   nsdae_error_set(c->error, NSDAE_E_PAINLEVE, "nsdae_event", "mu",
                   "%s has %s at t = %.17g (Painleve's paradox: its friction feeds its "
                   "normal force, coefficient %.3g): take less friction, or method = implicit, "
-                  "which resolves it by an impulse",
-                  nsdae_system_called(c->system, NSDAE_NAME_CONTACT, contact, called), what, t,
-                  coefficient);
-  c->error->index = contact;
+                  "by an impulse",
+                  nsdae_system_called(c->system, kind, item, called), what, t, coefficient);
+  c->error->index = item;
   c->error->time = t;
   return NSDAE_E_PAINLEVE;
 }
@@ -49,6 +49,41 @@ static double yield_of(const nsdae_contacts *c, int row)
   return INFINITY;
 }
 
+/* Of the j-th slide of the problem: 1 - |D_SS mu|, of what a unit of its multiplier calls for in
+ * friction, and that in turn of its multiplier: see slides.h. Up to 0 a slide of known direction
+ * has no multiplier, or two. */
+static double slide_coefficient(const nsdae_contacts *c, int j)
+{
+  size_t f = (size_t)c->slides.count, column = (size_t)c->columns - f + (size_t)j;
+  return 1 - fabs(c->map.D_S[column * f + (size_t)j] * c->system->slide[c->slides.number[j]].mu);
+}
+
+static int slides(const nsdae_contacts *c, int j)
+{
+  return c->slides.sense && c->slides.sense[c->slides.number[j]];
+}
+
+int nsdae_jam_twofold(const nsdae_contacts *c, int j)
+{
+  double coefficient = slides(c, j) ? slide_coefficient(c, j) : 1;
+  return coefficient < -margins[NSDAE_JAM_EXACT] && !(yield_of(c, c->slides.row[j]) > 0);
+}
+
+/* The slide that feeds its own multiplier most is to blame. */
+static int judge_slides(const nsdae_contacts *c, int status, nsdae_jam_margin margin, double t)
+{
+  int unsolved = status == NSDAE_E_LCP || status == NSDAE_E_INFEASIBLE, worst = -1;
+  for (int j = 0; j < c->slides.count; j++)
+    if (slides(c, j) && (worst < 0 || slide_coefficient(c, j) < slide_coefficient(c, worst)))
+      worst = j;
+  if (worst < 0) return status;
+  double coefficient = slide_coefficient(c, worst);
+  int near = fabs(coefficient) <= margins[margin];
+  if (unsolved ? coefficient > margins[margin] : margin == NSDAE_JAM_EXACT || !near) return status;
+  return tell(c, NSDAE_NAME_SLIDE, c->slides.number[worst], t,
+              near ? without_bound : "no friction force that solves the equations", coefficient);
+}
+
 int nsdae_jam_judge(const nsdae_contacts *c, int status, int by_rows, nsdae_jam_margin margin,
                     double t)
 {
@@ -60,16 +95,16 @@ int nsdae_jam_judge(const nsdae_contacts *c, int status, int by_rows, nsdae_jam_
         margins[margin] * c->delassus.G[(size_t)c->first_column[a] * (size_t)(c->columns + 1)];
     if (c->law[c->active[a]].kind != NSDAE_SLIDING || (coefficient > least && !unsolved)) continue;
     if (status == NSDAE_OK && by_rows && yield_of(c, row) > least) continue;
-    return tell(c, c->active[a], t,
+    return tell(c, NSDAE_NAME_CONTACT, c->active[a], t,
                 margin == NSDAE_JAM_NEAR ? without_bound
                 : unsolved               ? "no contact force that solves the equations"
                                          : "two solutions",
                 coefficient);
   }
-  return status;
+  return judge_slides(c, status, margin, t);
 }
 
 int nsdae_jam_unbounded(const nsdae_contacts *c, int contact, double t, double coefficient)
 {
-  return tell(c, contact, t, without_bound, coefficient);
+  return tell(c, NSDAE_NAME_CONTACT, contact, t, without_bound, coefficient);
 }

@@ -1,6 +1,7 @@
 /* Painleve's paradox. A contact that slides and whose own coefficient W_N^T P (W_N - mu W_T d) is
  * not above zero pulls itself in: then there is no force, or two (Painleve 1895), unless others
- * that press keep it from that. Several together can do so as well: where a problem of
+ * that press keep it from that. The same of slides (Klein 1909): none is NSDAE_E_PAINLEVE, of two
+ * one is taken. Several together can do so as well: where a problem of
  * accelerations is unsolved, the first contact that slides is to blame. */
 #ifndef NSDAE_CONTACT_JAM_H
 #define NSDAE_CONTACT_JAM_H
@@ -15,6 +16,10 @@ typedef enum nsdae_jam_margin { NSDAE_JAM_EXACT, NSDAE_JAM_NEAR } nsdae_jam_marg
  * complementarity problem. */
 int nsdae_jam_judge(const nsdae_contacts *contacts, int status, int by_rows,
                     nsdae_jam_margin margin, double t);
+
+/* Whether the j-th slide of the solved problem slides in a known direction and has a second
+ * solution: the friction that a unit of its multiplier calls for feeds more than that unit. */
+int nsdae_jam_twofold(const nsdae_contacts *contacts, int j);
 
 /* NSDAE_E_PAINLEVE with the record: the contact's force is without bound at t, where a unit of it
  * gives no more than the coefficient. */

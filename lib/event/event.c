@@ -9,6 +9,7 @@
 
 #include "errors.h"
 #include "jam.h"
+#include "kink.h"
 #include "memory.h"
 
 /* Instants in one dt without an impact or a change of mode; steps of the integrator after which it
@@ -290,6 +291,13 @@ static int begin(event *e, const nsdae_terms *from)
   return restart(e, from->t);
 }
 
+static int strayed(event *e)
+{
+  nsdae_event_integrator *g = &e->integrator;
+  int due = nsdae_event_strayed(&e->instant, g->ahead, g->y);
+  return due == NSDAE_E_CONVERGENCE ? nsdae_event_explain_strayed(&e->instant, g->y) : due;
+}
+
 /* One step of the integrator. An instant is also due where the equations of the phase are no longer
  * the right ones, or their solution has strayed from what is closed. */
 static int step(event *e)
@@ -297,7 +305,7 @@ static int step(event *e)
   nsdae_event_integrator *g = &e->integrator;
   int status = nsdae_event_integrator_advance(g);
   int due = status < 0 ? status : nsdae_event_turned(&e->instant, g->ahead, g->y);
-  if (due == 0) due = nsdae_event_strayed(&e->instant, g->ahead, g->y);
+  if (due == 0) due = strayed(e);
   if (due > 0) g->pending = 1;
   return due < 0 ? due : NSDAE_OK;
 }

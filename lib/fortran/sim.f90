@@ -195,7 +195,7 @@ module nsdae_f_sim
     real(c_double) :: worst_penetration
     real(c_double) :: energy_start       ! kinetic + potential at the start [J]
     real(c_double) :: energy_balance     ! energy now + dissipated - energy_start [J]
-    integer(c_int) :: warnings           ! 1: energy, 2: penetration, 4: drift
+    integer(c_int) :: warnings           ! 1: energy, 2: penetration, 4: drift, 8: Painleve
     real(c_double) :: wall_time          ! in nsdae_sim_run and nsdae_sim_step [s]
     integer(c_int) :: contact_capacity   ! room in a list of contacts, which grows between steps
     integer(c_int) :: contact_growths    ! how often it grew
@@ -533,7 +533,9 @@ contains
   end function
 
   ! A start must satisfy the constraints, their rates, unit lengths and the gaps, up to the option
-  ! start_tol: NSDAE_E_ARGUMENT names the row, its value and the bound.
+  ! start_tol: NSDAE_E_ARGUMENT names the row, its value and the bound. event moves an overlap within
+  ! start_tol to gap 0; time stepping keeps any overlap, and its first step returns
+  ! NSDAE_WARN_PENETRATION beyond start_tol.
   ! Starts at t0 with q0 [nq], v0 [nv]; evaluates every term once. May be called again.
   integer(c_int) function nsdae_sim_init(sim, t0, q0, v0) result(status)
     type(nsdae_sim), intent(in) :: sim

@@ -34,7 +34,8 @@ module nsdae_f_status
       NSDAE_E_INTERRUPTED = -16, &
       NSDAE_WARN_ENERGY = 5, &
       NSDAE_WARN_PENETRATION = 6, &
-      NSDAE_WARN_DRIFT = 7
+      NSDAE_WARN_DRIFT = 7, &
+      NSDAE_WARN_PAINLEVE = 8
 
   ! What went wrong.
   type, public :: nsdae_error

@@ -57,6 +57,7 @@ void nsdae_result_begin(nsdae_result *r, int impulses_follow)
   r->impacts = r->changes = 0;
   r->work = r->gain = r->turnover = r->worst_residual = r->carried = 0;
   r->smooth = r->located = r->given_up = 0;
+  r->twofold.slide = -1;
   r->problem = NULL;
   r->pile = NULL;
   r->counters = (nsdae_counters){.rank = dims->m, .rank_kept = 1};

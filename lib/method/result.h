@@ -19,6 +19,12 @@ typedef struct nsdae_counters {
   nsdae_evals evals;
 } nsdae_counters;
 
+/* A slide whose friction had two solutions, and the multiplier that was taken; slide -1: none. */
+typedef struct nsdae_twofold {
+  int slide;
+  double t, lambda;
+} nsdae_twofold;
+
 typedef struct nsdae_result {
   nsdae_terms end;         /* t, q, v where the step ended; a step that located its impacts may
                               end before the time asked for */
@@ -38,6 +44,7 @@ typedef struct nsdae_result {
                                     and by impacts, NAN where backward differences do not control
                                     it; its amounts */
   double worst_residual;         /* of its complementarity problems */
+  nsdae_twofold twofold;         /* the first of the step */
   int smooth;                    /* nothing was closed */
   const nsdae_contacts *problem; /* the one that was asked last, for who wants to see it fail */
   const nsdae_pile *pile;        /* of contacts by list: that of the large islands; NULL: none */

@@ -451,7 +451,7 @@ static int set_state(nsdae_sim *sim, const void *block, size_t size)
   nsdae_units_swap(&sim->projection);
   sim->stage.started = sim->stage.told = 1;
   sim->stage.failed = 0;
-  sim->stage.warning.status = NSDAE_OK;
+  sim->stage.warning.status = sim->stage.start.status = NSDAE_OK;
   sim->observers.turn = sim->observers.stop = 0;
   return NSDAE_OK;
 }

@@ -259,6 +259,7 @@ static int position_rows(nsdae_projector *p, const nsdae_terms *T, double *worst
                                   : T->by.normal.value + (size_t)contact * (size_t)d->nv;
     double missing = contact < 0 ? T->constraint.phi[i] : T->gap[contact] - p->depth[contact];
     double off = append(p, W, contact < 0 ? d->m : 1, missing, x);
+    if (contact < 0 && p->contacts_alone) off = 0;
     if (off > *worst || p->least.rows == 1) *worst_row = p->least.rows - 1;
     *worst = fmax(*worst, off);
   }

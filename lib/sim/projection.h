@@ -37,6 +37,7 @@ typedef struct nsdae_projector {
   int *contact;             /* rows: the contact of a row; -1: a constraint */
   int *closed;              /* k: contacts that take part */
   double *depth;            /* k: their gap in the end, <= 0 */
+  int contacts_alone;       /* they decide where it ends; constraints get as near as they can */
 } nsdae_projector;
 
 /* tools and rows_most are set before. */

@@ -254,7 +254,13 @@ static int start_at(nsdae_sim *sim, double t0, const double *q0, const double *v
   nsdae_terms_at(&r->end, t0, q0, v0);
   int status = nsdae_point_start(sim, sim->next);
   if (status == NSDAE_OK) status = nsdae_units_find(&sim->projection, t0, q0);
-  return status < 0 ? status : nsdae_start_check(&sim->projection, &r->end, sim->probe);
+  if (status == NSDAE_OK) status = nsdae_start_check(&sim->projection, &r->end, sim->probe);
+  if (status < 0) return status;
+  sim->stage.start = sim->error;
+  if (status > 0) sim->next->accounts.stats.warnings |= NSDAE_WATCH_PENETRATION;
+  nsdae_error_clear(&sim->error);
+  status = nsdae_start_touch(&sim->projection, &r->end);
+  return status > 0 ? nsdae_point_start(sim, sim->next) : status;
 }
 
 static int init(nsdae_sim *sim, double t0, const double *q0, const double *v0)

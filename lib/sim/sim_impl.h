@@ -53,6 +53,7 @@ typedef struct nsdae_stage {
   int waiting;         /* next is whole, and is the state as soon as the observers have seen it */
   int failed;          /* the last step ended on the complementarity problem of next */
   double asked;        /* the time that the step in next was asked for */
+  nsdae_error start;   /* a warning of the start: the first step without one returns it */
   nsdae_error warning; /* of the last step, to be said when it is done */
 } nsdae_stage;
 
@@ -101,7 +102,8 @@ static inline const nsdae_point *nsdae_sim_shown(const nsdae_sim *sim)
 int nsdae_sim_check_state(nsdae_sim *sim, const char *where, double t0, const double *q0,
                           const double *v0);
 
-/* How many rows the option projection has: none, constraints, or the contacts too. */
+/* How many rows are projected, by the option projection and at the start of event: none,
+ * constraints, or the contacts too. */
 int nsdae_projected_rows(const nsdae_sim *sim);
 
 /* Puts next in the place of the state. */

@@ -6,8 +6,8 @@
  *   |Phi_q v + Phi_t|_i    <= tol (1 + |Phi_q,i|_1 max |v| + |Phi_t,i|)
  *   | |q_unit| - 1 |       <= tol
  *
- * tol = 1e-6 takes numbers of six digits. The overlap of penalty's contacts is how they press:
- * there it is no error. */
+ * tol = 1e-6 takes numbers of six digits. Overlap beyond its bound is an error of event, a warning
+ * of time stepping, and the contact force of penalty. */
 #include "start.h"
 
 #include <float.h>
@@ -54,35 +54,46 @@ static int check_constraints(const nsdae_terms *T, double tol)
   return NSDAE_OK;
 }
 
-/* Of a list: what is closed at the start, by its id. */
-static int check_list(const nsdae_terms *T, double tol)
+/* The deepest of the contacts that overlap by more than their bound, or -1. */
+static int deepest(const nsdae_terms *T, double tol, double *bound)
 {
   double q = nsdae_largest(T->system->dims.nq, T->q);
+  int found = -1;
   for (int i = 0; i < T->by.normal.count; i++) {
-    double bound = tol * (1 + q * nsdae_rows_sum(&T->system->blocks, &T->by.normal, i));
-    if (!(-T->gap[i] > bound)) continue;
-    nsdae_error_set(T->error, NSDAE_E_ARGUMENT, "nsdae_sim_init", "q0",
-                    "contact of id %ld overlaps by %.6g at the start: it must be at most %.3g (see "
-                    "start_tol)",
-                    T->by.list.id[i], -T->gap[i], bound);
-    T->error->index = i;
-    T->error->time = T->t;
-    return NSDAE_E_ARGUMENT;
+    double most = tol * (1 + q * nsdae_rows_sum(&T->system->blocks, &T->by.normal, i));
+    if (!(-T->gap[i] > most) || (found >= 0 && T->gap[i] >= T->gap[found])) continue;
+    found = i;
+    *bound = most;
   }
-  return NSDAE_OK;
+  return found;
 }
 
-static int check_gaps(const nsdae_terms *T, double tol)
+/* 'contact 3 "stop"'; a contact of a list by its id. */
+static const char *contact_called(const nsdae_terms *T, int i, char text[NSDAE_CALLED_SIZE])
 {
-  const nsdae_dims *d = &T->system->dims;
-  double q = nsdae_largest(d->nq, T->q);
-  if (T->system->by_list) return check_list(T, tol);
-  for (int i = 0; i < d->k; i++) {
-    double bound = tol * (1 + q * nsdae_rows_sum(&T->system->blocks, &T->by.normal, i));
-    if (-T->gap[i] > bound)
-      return refuse(T, "q0", NSDAE_NAME_CONTACT, i, "overlaps by", -T->gap[i], bound);
-  }
-  return NSDAE_OK;
+  return T->system->by_list ? nsdae_system_called_id(T->system, T->by.list.id[i], text)
+                            : nsdae_system_called(T->system, NSDAE_NAME_CONTACT, i, text);
+}
+
+/* event needs a start without overlap: a contact that is closed has the gap 0 there. Time stepping
+ * keeps the overlap of a start, as nothing in it moves bodies apart. */
+static int check_gaps(const nsdae_terms *T, int method, double tol)
+{
+  char called[NSDAE_CALLED_SIZE];
+  int event = method == NSDAE_METHOD_EVENT;
+  int status = event ? NSDAE_E_ARGUMENT : NSDAE_WARN_PENETRATION;
+  double bound = 0;
+  int i = method == NSDAE_METHOD_PENALTY ? -1 : deepest(T, tol, &bound);
+  if (i < 0) return NSDAE_OK;
+  nsdae_error_set(T->error, status, "nsdae_sim_init", "q0",
+                  event ? "%s overlaps by %.6g at the start: it must be at most %.3g (see "
+                          "start_tol); nsdae_sim_project puts a start right"
+                        : "%s overlaps by %.6g at the start, more than start_tol explains (%.3g): "
+                          "the method keeps this overlap; nsdae_sim_project puts a start right",
+                  contact_called(T, i, called), -T->gap[i], bound);
+  T->error->index = i;
+  T->error->time = T->t;
+  return status;
 }
 
 /* A quaternion has length one; two coordinates may as well be a point on a circle. The group
@@ -170,14 +181,17 @@ static int wrong_rate(const nsdae_terms *T, const relation *r, int i, int number
   return NSDAE_E_DERIVATIVE;
 }
 
-/* Where a relation has a kink at the start its derivative is that of one side; of what jumps, as
- * the gap of two edges where they are parallel, differences say nothing. Gross errors are what is
- * looked for, signs and places: 1e-3 of the terms, above the rounding of the differences. */
+/* Formulas of the kit are not differenced: they are tested once for all, and have kinks where
+ * edges are equally near. Where a relation has a kink at the start its derivative is that of one
+ * side; of what jumps, as the gap of two edges where they are parallel, differences say nothing.
+ * Gross errors are what is looked for, signs and places: 1e-3 of the terms, above the rounding of
+ * the differences. */
 static int judge_rates(const nsdae_terms *T, const relation *r, int number, const double *v,
                        double s)
 {
   const nsdae_differences *d = T->differences;
   for (int i = 0; i < r->rows; i++) {
+    if (nsdae_system_exact(T->system, r->kind, i)) continue;
     double size, given = given_rate(r, &T->system->blocks, i, v, &size);
     double ahead = (d->plus[i] - r->value[i]) / s, back = (r->value[i] - d->minus[i]) / s;
     double middle = (ahead + back) / 2;
@@ -243,12 +257,20 @@ static int agree(double given, double second, double rounding)
   return !isfinite(second) || fabs(given - second) <= 1e-3 * size + rounding * (1 + size);
 }
 
-/* The first acceleration that neither differences have, or -1. What is fast is right in finer
- * steps; where those say something else again, as of a pin in the very middle of its hole, nothing
- * is known. */
-static int first_wrong(int n, const double *given, const double *second, const double *finer)
+/* The items of a kind that were compared, each with so many entries. */
+typedef struct compared {
+  const nsdae_system *system;
+  int kind, each, count;
+} compared;
+
+/* The first acceleration of the user's that neither differences have, or -1. What is fast is right
+ * in finer steps; where those say something else again, as of a pin in the very middle of its hole,
+ * nothing is known. */
+static int first_wrong(const compared *c, const double *given, const double *second,
+                       const double *finer)
 {
-  for (int i = 0; i < n; i++) {
+  for (int i = 0; i < c->count * c->each; i++) {
+    if (nsdae_system_exact(c->system, c->kind, i / c->each)) continue;
     double off = fabs(given[i] - finer[i]); /* NaN: wrong */
     if (agree(given[i], second[i], 1e-6) || agree(given[i], finer[i], 1e-3)) continue;
     if (!(fabs(second[i] - finer[i]) > 0.1 * off)) return i;
@@ -263,7 +285,7 @@ static int check_omega(nsdae_projector *p, const nsdae_terms *T)
   nsdae_differences *d = T->differences;
   int m = s->dims.m, i;
   double *finer = p->start, *omega = p->start + m, *second = p->start + 2 * m;
-  if (m == 0 || !s->call.constraint_bias) return NSDAE_OK;
+  if (!s->call.constraint_bias) return NSDAE_OK;
   trial_velocity(s->dims.nv, 0, p->v);
   memset(p->start, 0, 3 * (size_t)m * sizeof *p->start);
   int code = s->call.constraint_bias(T->t, T->q, p->v, finer, omega, s->user); /* and Phi_t */
@@ -275,7 +297,8 @@ static int check_omega(nsdae_projector *p, const nsdae_terms *T)
   d->finer = 0;
   status = nsdae_system_callback_status(code, code && d->failed ? d->failed : "constraint", T->t,
                                         T->error);
-  if (status < 0 || (i = first_wrong(m, omega, second, finer)) < 0) return status;
+  const compared rows = {s, NSDAE_NAME_CONSTRAINT, 1, m};
+  if (status < 0 || (i = first_wrong(&rows, omega, second, finer)) < 0) return status;
   const relation accelerations = {.derivative = "constraint_bias", .kind = NSDAE_NAME_CONSTRAINT};
   return wrong_rate(T, &accelerations, i, 0, omega[i], second[i]);
 }
@@ -309,11 +332,17 @@ static int check_acceleration(nsdae_projector *p, const nsdae_terms *T, double *
   int status = nsdae_system_callback_status(code, "contact_acceleration", T->t, T->error);
   if (status == NSDAE_OK) status = contact_differences(p, T, 0, second);
   if (status == NSDAE_OK) status = contact_differences(p, T, FINER, finer);
-  if (status < 0 || (i = first_wrong(n, given, second, finer)) < 0) return status;
-  const relation of = {.derivative = "contact_acceleration",
-                       .kind = i < k + kt ? NSDAE_NAME_CONTACT : NSDAE_NAME_SLIDE};
-  int item = i < k ? i : i < k + kt ? (i - k) / dims->nt : i - k - kt;
-  return wrong_rate(T, &of, item, 0, given[i], second[i]);
+  const compared parts[] = {{s, NSDAE_NAME_CONTACT, 1, k},
+                            {s, NSDAE_NAME_CONTACT, dims->nt, k},
+                            {s, NSDAE_NAME_SLIDE, 1, dims->f}};
+  for (int part = 0; part < 3 && status == NSDAE_OK; part++) {
+    const compared *c = &parts[part];
+    const relation of = {.derivative = "contact_acceleration", .kind = c->kind};
+    if ((i = first_wrong(c, given, second, finer)) >= 0)
+      status = wrong_rate(T, &of, i / c->each, 0, given[i], second[i]);
+    given += c->count * c->each, second += c->count * c->each, finer += c->count * c->each;
+  }
+  return status;
 }
 
 /* Directions of friction that nothing can rub along. */
@@ -332,11 +361,29 @@ static int check_tangents(const nsdae_terms *T)
                                         T->by.normal.value + i * n,
                                         NULL,
                                         T->by.tangent.value + i * (size_t)d->nt * n};
+    if (nsdae_system_exact(s, NSDAE_NAME_CONTACT, (int)i)) continue;
     if (!(s->contact[i].mu > 0) || !nsdae_tangent_useless(&c, j % d->nt, 0, why)) continue;
     return nsdae_error_set(T->error, NSDAE_E_DERIVATIVE, "nsdae_sim_init", "gap_tangent",
                            "gap_tangent: column %d (%s) %s (start_check = no takes it)", j,
                            nsdae_system_called(s, NSDAE_NAME_CONTACT, (int)i, called), why);
   }
+  return NSDAE_OK;
+}
+
+/* Whether any row of a kind has derivatives of the user's. */
+static int any_users(const nsdae_system *s, int kind, int rows)
+{
+  int i = 0;
+  while (i < rows && nsdae_system_exact(s, kind, i)) i++;
+  return i < rows;
+}
+
+/* Degenerate elements, which the maker of the system knows. */
+static int check_degenerate(const nsdae_terms *T)
+{
+  nsdae_error_set(T->error, NSDAE_E_ARGUMENT, "nsdae_sim_init", "gap_normal", "no normal");
+  if (nsdae_system_explain(T->system, T->t, T->q, T->v, T->error)) return NSDAE_E_ARGUMENT;
+  nsdae_error_clear(T->error);
   return NSDAE_OK;
 }
 
@@ -357,16 +404,19 @@ static int check_derivatives(nsdae_projector *p, const nsdae_terms *T, double *w
                          NSDAE_NAME_CONTACT, d->k,
                          s->call.gap,        T->gap,
                          &T->by.normal,      T->w_N};
-  int status = NSDAE_OK;
-  if (!p->tools->options->start_check || fabs(T->t) > 1e4) return NSDAE_OK;
-  if (d->m > 0 &&
-      (s->call.constraint_jacobian || s->call.constraint_rows || s->call.constraint_bias))
+  if (!p->tools->options->start_check) return NSDAE_OK;
+  int status = check_degenerate(T);
+  if (status < 0 || fabs(T->t) > 1e4) return status;
+  int rows = any_users(s, NSDAE_NAME_CONSTRAINT, d->m);
+  int contacts = any_users(s, NSDAE_NAME_CONTACT, d->k);
+  int accelerations = contacts || any_users(s, NSDAE_NAME_SLIDE, d->f);
+  if (rows && (s->call.constraint_jacobian || s->call.constraint_rows || s->call.constraint_bias))
     status = check_rates(p, T, &constraints);
-  if (status == NSDAE_OK) status = check_omega(p, T);
-  if (status == NSDAE_OK && d->k > 0 && (s->call.gap_normal || s->call.contact_bias))
+  if (status == NSDAE_OK && rows) status = check_omega(p, T);
+  if (status == NSDAE_OK && contacts && (s->call.gap_normal || s->call.contact_bias))
     status = check_rates(p, T, &gaps);
   if (status == NSDAE_OK) status = check_tangents(T);
-  return status < 0 ? status : check_acceleration(p, T, work);
+  return status < 0 || !accelerations ? status : check_acceleration(p, T, work);
 }
 
 size_t nsdae_start_size(const nsdae_dims *d)
@@ -379,11 +429,33 @@ int nsdae_start_check(nsdae_projector *p, const nsdae_terms *T, double *work)
   const nsdae_sim_options *o = p->tools->options;
   int status = check_units(p, T, o->start_tol);
   if (status == NSDAE_OK) status = check_constraints(T, o->start_tol);
-  if (status == NSDAE_OK && o->method != NSDAE_METHOD_PENALTY) status = check_gaps(T, o->start_tol);
-  return status < 0 ? status : check_derivatives(p, T, work);
+  if (status == NSDAE_OK) status = check_derivatives(p, T, work);
+  return status < 0 ? status : check_gaps(T, o->method, o->start_tol);
 }
 
-/* ---- putting one right, beside the state of the simulation */
+/* ---- putting one right */
+
+/* A contact that starts below zero has no root at which it closes: it would sink through.
+ * Tolerances of q do not bound its way either, which is the overlap over the gradient of the gap.
+ * So event starts at gap 0. */
+int nsdae_start_touch(nsdae_projector *p, nsdae_terms *T)
+{
+  const nsdae_dims *d = &T->system->dims;
+  int overlaps = 0;
+  if (p->tools->options->method != NSDAE_METHOD_EVENT) return NSDAE_OK;
+  for (int i = 0; i < d->k; i++) overlaps |= T->gap[i] < -nsdae_terms_touch(T);
+  if (!overlaps) return NSDAE_OK;
+  memset(p->closed, 0, (size_t)d->k * sizeof *p->closed);
+  memset(p->depth, 0, (size_t)d->k * sizeof *p->depth);
+  p->contacts_alone = 1; /* redundant constraints may contradict each other within start_tol */
+  int status = nsdae_project_positions(p, T, 1);
+  p->contacts_alone = 0;
+  if (status == NSDAE_OK) status = nsdae_project_velocities(p, T);
+  if (status == NSDAE_OK) status = check_constraints(T, p->tools->options->start_tol);
+  return status < 0 ? status : 1;
+}
+
+/* Beside the state of the simulation: */
 
 typedef struct bench {
   nsdae_terms terms;

@@ -62,6 +62,7 @@ static int advance(nsdae_sim *sim, double t1, double length)
 int nsdae_projected_rows(const nsdae_sim *sim)
 {
   const nsdae_dims *d = &sim->system->dims;
+  if (sim->options.method == NSDAE_METHOD_EVENT) return d->m + d->k; /* its start */
   if (sim->options.projection == NSDAE_PROJECTION_NONE) return 0;
   return d->m + (sim->options.projection >= NSDAE_PROJECTION_CONTACTS ? d->k : 0);
 }
@@ -156,8 +157,8 @@ static int prepare(nsdae_sim *sim, double t1)
     sim->now->result.end.have = have; /* what a dropped step evaluated is not counted either */
     return status;
   }
-  sim->stage.warning.status = NSDAE_OK;
-  if (status > 0) sim->stage.warning = sim->error; /* which observers clear */
+  sim->stage.warning = status > 0 ? sim->error : sim->stage.start; /* observers clear the first */
+  if (status == NSDAE_OK) sim->stage.start.status = NSDAE_OK;
   sim->next->accounts.grid_count += sim->next->result.end.t >= t1;
   sim->stage.asked = t1;
   sim->observers.turn = sim->observers.stop = 0;

@@ -472,6 +472,22 @@ static int say_drift(nsdae_point *point, double bound)
   return say(point, &of);
 }
 
+static int say_twofold(nsdae_point *point)
+{
+  const nsdae_terms *end = &point->result.end;
+  const nsdae_twofold *of = &point->result.twofold;
+  char called[NSDAE_CALLED_SIZE];
+  point->accounts.stats.warnings |= NSDAE_WATCH_PAINLEVE;
+  nsdae_error_set(end->error, NSDAE_WARN_PAINLEVE, "nsdae_sim", "mu",
+                  "%s has two friction forces at t = %.6g (Painleve): that of the multiplier %.6g "
+                  "is taken; less friction makes it unique",
+                  nsdae_system_called(end->system, NSDAE_NAME_SLIDE, of->slide, called), of->t,
+                  of->lambda);
+  end->error->time = of->t;
+  end->error->index = of->slide;
+  return NSDAE_WARN_PAINLEVE;
+}
+
 /* The overlap that the method explains, but for the factor. A spring has stored no more than its
  * contact has taken: of what was in motion, or, where a wall moves by itself or a load rests on it,
  * of their work. */
@@ -497,6 +513,7 @@ static int judge(const nsdae_sim *sim, nsdae_point *point, const gain *g)
   }
   double way = watch_ways * point->accounts.watch.way;
   if (r->constraint_drift > way && (new &NSDAE_WATCH_DRIFT)) return say_drift(point, way);
+  if (point->result.twofold.slide >= 0 && (new &NSDAE_WATCH_PAINLEVE)) return say_twofold(point);
   return NSDAE_OK;
 }
 

@@ -36,7 +36,12 @@
 #define NSDAE_WATCH_H
 
 /* Bits of nsdae_stats.warnings, in the order in which they are said. */
-enum { NSDAE_WATCH_ENERGY = 1, NSDAE_WATCH_PENETRATION = 2, NSDAE_WATCH_DRIFT = 4 };
+enum {
+  NSDAE_WATCH_ENERGY = 1,
+  NSDAE_WATCH_PENETRATION = 2,
+  NSDAE_WATCH_DRIFT = 4,
+  NSDAE_WATCH_PAINLEVE = 8
+};
 
 /* What is kept of the run so far: doubles alone, see block.c. */
 typedef struct nsdae_watch {

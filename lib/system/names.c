@@ -118,16 +118,32 @@ static int velocity_in_whole(const nsdae_part_of *part, int i)
   return -1;
 }
 
+/* Appends what the maker calls it, in brackets. */
+static const char *append_words(const nsdae_maker *m, int kind, long i,
+                                char text[NSDAE_CALLED_SIZE])
+{
+  char words[NSDAE_CALLED_SIZE];
+  size_t used = strlen(text);
+  if (m->words && m->words(m->of, kind, i, words, sizeof words))
+    snprintf(text + used, NSDAE_CALLED_SIZE - used, " (%.*s)", (int)(sizeof words - used), words);
+  return text;
+}
+
+const char *nsdae_system_called_id(const nsdae_system *system, long id,
+                                   char text[NSDAE_CALLED_SIZE])
+{
+  snprintf(text, NSDAE_CALLED_SIZE, "contact of id %ld", id);
+  return append_words(&system->maker, NSDAE_NAME_CONTACT, id, text);
+}
+
 static const char *called_in_whole(const nsdae_part_of *part, int kind, int i,
                                    char text[NSDAE_CALLED_SIZE])
 {
   if (kind == NSDAE_NAME_CONTACT)
-    snprintf(text, NSDAE_CALLED_SIZE, "contact of id %ld", part->id[part->contact[i]]);
-  else
-    nsdae_system_called(part->whole, kind,
-                        kind == NSDAE_NAME_VELOCITY ? velocity_in_whole(part, i) : part->row[i],
-                        text);
-  return text;
+    return nsdae_system_called_id(part->whole, part->id[part->contact[i]], text);
+  return nsdae_system_called(
+      part->whole, kind, kind == NSDAE_NAME_VELOCITY ? velocity_in_whole(part, i) : part->row[i],
+      text);
 }
 
 const char *nsdae_system_called(const nsdae_system *system, int kind, int i,
@@ -136,7 +152,7 @@ const char *nsdae_system_called(const nsdae_system *system, int kind, int i,
   if (system && system->part.whole) return called_in_whole(&system->part, kind, i, text);
   const char *name = nsdae_system_get_name(system, kind, i);
   snprintf(text, NSDAE_CALLED_SIZE, *name ? "%s %d \"%s\"" : "%s %d%s", kinds[kind], i, name);
-  return text;
+  return system ? append_words(&system->maker, kind, i, text) : text;
 }
 
 /* 'contact 3 "stop"' behind the text. */

@@ -83,7 +83,9 @@ static int call(probe *p, int marked)
   const nsdae_probe *of = p->of;
   const nsdae_place at = {of->t, of->q, of->v};
   int code = c->call(of->system, &at, out, ld);
-  return nsdae_system_callback_status(code, c->name, of->t, of->error);
+  int status = nsdae_system_callback_status(code, c->name, of->t, of->error);
+  if (status < 0) nsdae_system_explain(of->system, of->t, of->q, of->v, of->error);
+  return status;
 }
 
 /* Entry i of an output, counted from its first; also before and behind it. */
@@ -136,9 +138,11 @@ static int check_finite(probe *p)
     const array *a = &p->array[i];
     size_t entry = 0;
     while (entry < a->size && isfinite(a->first[entry])) entry++;
-    if (entry < a->size && !compared(p->callback->name, i))
-      return found(p, i, (long)entry, NSDAE_E_NONFINITE,
-                   isnan(a->first[entry]) ? "gave NaN in" : "gave an infinity in");
+    if (entry == a->size || compared(p->callback->name, i)) continue;
+    int status = found(p, i, (long)entry, NSDAE_E_NONFINITE,
+                       isnan(a->first[entry]) ? "gave NaN in" : "gave an infinity in");
+    nsdae_system_explain(p->of->system, p->of->t, p->of->q, p->of->v, p->of->error);
+    return status;
   }
   return NSDAE_OK;
 }

@@ -12,7 +12,7 @@ typedef struct nsdae_probe {
   const double *q, *v;
   double *work; /* nsdae_probe_size */
   nsdae_error *error;
-  int finite; /* whether a value that is none is told */
+  int finite; /* whether a value that is none is reported */
 } nsdae_probe;
 
 /* Numbers of work that the largest of the callbacks needs. */

@@ -7,6 +7,7 @@
 #include <nsdae/system.h>
 
 #include "blocks.h"
+#include "maker.h"
 #include "vector.h"
 
 typedef struct nsdae_coefficients {
@@ -61,6 +62,7 @@ typedef struct nsdae_calls {
 struct nsdae_system {
   nsdae_dims dims;
   nsdae_part_of part;
+  nsdae_maker maker;
   void *user;
   nsdae_calls call;
   int by_list;                          /* blocks were set: those three in place of dense ones */
@@ -110,11 +112,23 @@ int nsdae_system_open(nsdae_system *system, const char *setter);
 /* How many there are of a kind (enum nsdae_name_kind); 0 of one that is none. */
 int nsdae_system_count(const nsdae_system *system, int kind);
 
-/* 'contact 3', or 'contact 3 "stop"' where it has a name; in text, which is returned. Of an island
- * in the numbers of the whole; contacts by their ids. */
-enum { NSDAE_CALLED_SIZE = 32 + NSDAE_NAME_SIZE };
+/* 'contact 3', or 'contact 3 "stop"' where it has a name, with the words of the system's maker in
+ * brackets; in text, which is returned. Of an island in the numbers of the whole; contacts by their
+ * ids. */
+enum { NSDAE_CALLED_SIZE = 128 + NSDAE_NAME_SIZE };
 const char *nsdae_system_called(const nsdae_system *system, int kind, int i,
                                 char text[NSDAE_CALLED_SIZE]);
+/* 'contact of id 7', of a list. */
+const char *nsdae_system_called_id(const nsdae_system *system, long id,
+                                   char text[NSDAE_CALLED_SIZE]);
+
+/* Whether the derivatives of row i of a kind are formulas of the system's maker. */
+int nsdae_system_exact(const nsdae_system *system, int kind, int i);
+
+/* Whether the system's maker knows why the callback that the error names has no value at the point.
+ * Then the error names the element and the reason; its status stays. */
+int nsdae_system_explain(const nsdae_system *system, double t, const double *q, const double *v,
+                         nsdae_error *error);
 
 /* Gives the error an index, that of an item, and ends its text with what that is called:
  * ': contact 3 "stop"'. Nothing where error is NULL. */

@@ -113,8 +113,10 @@ static int refuse(const nsdae_terms *T, int code, const char *callback, const do
                   int columns)
 {
   int status = nsdae_system_callback_status(code, callback, T->t, T->error);
-  if (status < 0) return status;
-  return nsdae_system_finite(T->system, a, rows, columns, callback, T->t, T->error);
+  if (status == NSDAE_OK)
+    status = nsdae_system_finite(T->system, a, rows, columns, callback, T->t, T->error);
+  if (status < 0) nsdae_system_explain(T->system, T->t, T->q, T->v, T->error);
+  return status;
 }
 
 /* The outcome of a callback on its output: the term is there, or what is wrong with it. */

@@ -137,3 +137,52 @@ def test_planar_shapes_are_where_the_bodies_are():
 
 
 __all__ = ["Shape"]
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_blocks_side_by_side_start(dimension):
+    """Their edges are equally near; the start check does not compare formulas of the kit."""
+    width, height = 0.1, 0.5
+    corners = [(-width / 2, -height / 2), (width / 2, -height / 2), (width / 2, height / 2), (-width / 2, height / 2)]
+    world = Bodies(dimension, gravity=(0, -G) if dimension == 2 else (0, 0, -G))
+    floor, solids = world.add_solid(GROUND, Solid("plane")), []
+    for i in range(2):
+        if dimension == 2:
+            body = world.add(mass=1, inertia=0.02, position=(0.3 * i, height / 2))
+            solids.append(world.add_solid(body, Solid("polygon", points=corners)))
+        else:
+            body = world.add(mass=1, inertia=(0.02, 0.02, 0.02), position=(0.3 * i, 0, height / 2))
+            solids.append(world.add_solid(body, Solid("box", length=(width, width, height))))
+        world.add_contact(floor, solids[-1], mu=0.4)
+    world.add_contact(*solids, mu=0.2)
+    run = nsdae.solve(world, 0.05, method="event")
+    assert run.q[-1] == pytest.approx(world.start()[0], abs=1e-12)
+
+
+def test_errors_name_elements():
+    world = Bodies(2)
+    hole = world.add_solid(GROUND, Solid("disc", radius=0.11, hollow=True))
+    pin = world.add_solid(world.add(mass=1, inertia=1), Solid("disc", radius=0.1))
+    world.add_contact(hole, pin)
+    with pytest.raises(nsdae.ArgumentError, match=r"hole 0 of the ground, disc 1 of body 0\): the centres coincide"):
+        nsdae.solve(world, 1)
+    world = Bodies(2)
+    world.add_spring(GROUND, world.add(mass=1, inertia=1), point=(0, 0), end=(0, 0), stiffness=1, rest=1)
+    with pytest.raises(nsdae.Error, match="spring 0 of body 0 and the ground: its ends coincide"):
+        nsdae.solve(world, 1)
+
+
+def test_overlap_at_the_start():
+    """event starts at gap 0, or refuses; time stepping reports it."""
+    def falling(overlap):
+        world = Bodies(2, gravity=(0, -G))
+        floor = world.add_solid(GROUND, Solid("plane"))
+        world.add_contact(floor, world.add_solid(world.add(mass=1, inertia=1, position=(0, 0.1 - overlap)),
+                                                 Solid("disc", radius=0.1)))
+        return world
+
+    assert nsdae.solve(falling(9e-7), 0.1, method="event").q[:, 1] == pytest.approx(0.1, abs=1e-15)
+    with pytest.raises(nsdae.ArgumentError, match="overlaps by 0.01"):
+        nsdae.solve(falling(0.01), 0.1, method="event")
+    with pytest.warns(nsdae.RunWarning, match="overlaps by 0.01 at the start"):
+        nsdae.solve(falling(0.01), 0.1, method="moreau", dt=1e-3)

@@ -111,6 +111,7 @@ contains
     call same('NSDAE_WARN_ENERGY', NSDAE_WARN_ENERGY)
     call same('NSDAE_WARN_PENETRATION', NSDAE_WARN_PENETRATION)
     call same('NSDAE_WARN_DRIFT', NSDAE_WARN_DRIFT)
+    call same('NSDAE_WARN_PAINLEVE', NSDAE_WARN_PAINLEVE)
   end subroutine
 
   subroutine constants()

@@ -51,6 +51,8 @@ static void test_bounds(void **state)
       v[i] = at + sign * 1.01 * bound;
       refused(sim, q, v, "v0", i ? "constraint 1 \"pivot_y\"" : "constraint 0 \"pivot_x\"", i);
     }
+  nsdae_sim_destroy(&sim);
+  sim = make(system, NSDAE_METHOD_EVENT, 0);
   for (int j = 0; j < 2; j++) {
     double overlap = tol * (1 + theta * cos(theta)) * (j ? 1.01 : 0.99);
     rod_start(theta, 0, q, v);

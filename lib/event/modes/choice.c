@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "direction.h"
+#include "jam.h"
 #include "relaxation.h"
 
 enum { DIRECTIONS = 20 };
@@ -86,11 +87,23 @@ static void read_cones(nsdae_event_acceleration *p)
   }
 }
 
+/* The first slide with two solutions, and the one that is taken. */
+static void note_twofold(const nsdae_event_acceleration *p, int j)
+{
+  const nsdae_contacts *c = &p->problem;
+  const nsdae_event_setting *s = p->phase->setting;
+  nsdae_twofold *twofold = &s->result->twofold;
+  int slide = c->slides.number[j];
+  if (twofold->slide < 0 && !p->by_cones && nsdae_jam_twofold(c, j))
+    *twofold = (nsdae_twofold){slide, s->here->t, p->lambda[c->system->slide[slide].constraint]};
+}
+
 static void read_slides(nsdae_event_acceleration *p)
 {
   const nsdae_contacts *c = &p->problem;
   nsdae_event_modes *m = &p->phase->modes;
   for (int i = 0; i < c->slides.count; i++) {
+    note_twofold(p, i);
     int j = c->slides.number[i], column = c->columns - c->slides.count + i;
     int powerless = nsdae_contacts_powerless(c, column);
     double force = powerless ? 0 : c->results->slide_impulse[j], rate = c->results->slide_after[j];

@@ -1,0 +1,32 @@
+/* The maker of a system, as the kit of rigid bodies: it knows the rows by its own words, and which
+ * derivatives are its own formulas. Where there is none the system is the user's alone. */
+#ifndef NSDAE_BASE_MAKER_H
+#define NSDAE_BASE_MAKER_H
+
+#include <stddef.h>
+
+#include <nsdae/system.h>
+
+/* Why a callback has no value at a point. */
+typedef struct nsdae_reason {
+  const char *element; /* "joint", "spring", "load", "contact" */
+  int index;
+  char text[208];
+} nsdae_reason;
+
+typedef struct nsdae_maker {
+  const void *of; /* handed to each */
+  /* Whether the derivatives of row i of a kind (enum nsdae_name_kind) are the maker's formulas. */
+  int (*exact)(const void *of, int kind, int i);
+  /* The element of row i: "revolute joint 2 of bodies 0, 1". A contact of a list by its id. 0:
+   * none.
+   */
+  int (*words)(const void *of, int kind, long i, char *text, size_t size);
+  /* The first element that is degenerate at the point for that callback: 1; 0: none. */
+  int (*explain)(const void *of, const char *callback, double t, const double *q, const double *v,
+                 nsdae_reason *reason);
+} nsdae_maker;
+
+void nsdae_system_set_maker(nsdae_system *system, const nsdae_maker *maker);
+
+#endif

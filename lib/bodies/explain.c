@@ -1,0 +1,204 @@
+/* Rows of a mechanism in the words of the kit; degenerate elements. */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "broad.h"
+#include "maker.h"
+#include "world.h"
+
+enum { WORDS = 64 }; /* of two bodies, or of a solid: two numbers of 11 digits and 40 letters */
+
+static const nsdae_element *element_of(const nsdae_bodies *b, int i)
+{
+  return (const nsdae_element *)b->element.at + i;
+}
+
+static const nsdae_feature *feature_of(const nsdae_bodies *b, int i)
+{
+  return (const nsdae_feature *)b->feature.at + i;
+}
+
+static const nsdae_solid_of *solid_of(const nsdae_bodies *b, int i)
+{
+  return (const nsdae_solid_of *)b->solid.at + i;
+}
+
+/* ---- words */
+
+static const char *of_bodies(const int body[2], char text[WORDS])
+{
+  if (body[0] == NSDAE_GROUND || body[1] == NSDAE_GROUND)
+    snprintf(text, WORDS, "body %d and the ground", body[body[0] == NSDAE_GROUND]);
+  else
+    snprintf(text, WORDS, "bodies %d, %d", body[0], body[1]);
+  return text;
+}
+
+static void joint_words(const nsdae_element *e, char *text, size_t size)
+{
+  char bodies[WORDS];
+  snprintf(text, size, "%s joint %d of %s", nsdae_joint_name(e->joint_kind), e->joint,
+           of_bodies(e->body, bodies));
+}
+
+static const char *solid_words(const nsdae_bodies *b, int i, char text[WORDS])
+{
+  const nsdae_solid_of *s = solid_of(b, i);
+  const char *shape = s->hollow ? "hole" : nsdae_solid_name(s->shape);
+  if (s->body == NSDAE_GROUND)
+    snprintf(text, WORDS, "%s %d of the ground", shape, i);
+  else
+    snprintf(text, WORDS, "%s %d of body %d", shape, i, s->body);
+  return text;
+}
+
+static void contact_words(const nsdae_bodies *b, const int solid[2], char *text, size_t size)
+{
+  char s0[WORDS], s1[WORDS];
+  snprintf(text, size, "%s, %s", solid_words(b, solid[0], s0), solid_words(b, solid[1], s1));
+}
+
+/* See the ids of blocks.c; others are one's own. */
+static int listed_words(const nsdae_bodies *b, long id, char *text, size_t size)
+{
+  long pair = id / nsdae_broad_features(b), solids = b->solid.count;
+  if (id < 0 || pair >= solids * solids) return 0;
+  const int solid[2] = {(int)(pair / solids), (int)(pair % solids)};
+  contact_words(b, solid, text, size);
+  return 1;
+}
+
+static int words(const void *of, int kind, long i, char *text, size_t size)
+{
+  const nsdae_bodies *b = of;
+  if (kind == NSDAE_NAME_CONTACT && b->pair.count > 0) return listed_words(b, i, text, size);
+  if (kind == NSDAE_NAME_CONTACT && i < b->feature.count) {
+    contact_words(b, feature_of(b, (int)i)->solid, text, size);
+    return 1;
+  }
+  const nsdae_element *e = NULL;
+  if (kind == NSDAE_NAME_CONSTRAINT && i < b->element.count) e = element_of(b, (int)i);
+  if (kind == NSDAE_NAME_SLIDE && i < b->slide.count)
+    e = &((const nsdae_bodies_slide *)b->slide.at + i)->along;
+  if (e) joint_words(e, text, size);
+  return e != NULL;
+}
+
+/* A drive is the user's, and so are its derivatives. */
+static int exact(const void *of, int kind, int i)
+{
+  const nsdae_bodies *b = of;
+  if (kind == NSDAE_NAME_CONTACT) return i < b->feature.count;
+  if (kind == NSDAE_NAME_SLIDE) return i < b->slide.count;
+  return kind == NSDAE_NAME_CONSTRAINT && i < b->element.count && !element_of(b, i)->drive;
+}
+
+/* ---- degenerate elements */
+
+static int coincide(const double *x0, const double *x1)
+{
+  const double d[3] = {x1[0] - x0[0], x1[1] - x0[1], x1[2] - x0[2]};
+  return nsdae_dot3(d, d) == 0;
+}
+
+static int has_no_length(const nsdae_bodies *b, const nsdae_element *e, const double *q)
+{
+  double x[2][3];
+  for (int i = 0; i < 2; i++) nsdae_bodies_locate(b, q, e->body[i], e->point[i], x[i]);
+  return e->kind == NSDAE_ELEMENT_DISTANCE && coincide(x[0], x[1]);
+}
+
+static int explain_joint(const nsdae_bodies *b, int i, double t, const double *q, nsdae_reason *r)
+{
+  static const char *const rate[3] = {"f", "f'", "f''"};
+  const nsdae_element *e = element_of(b, i);
+  char joint[2 * WORDS];
+  double f[3] = {e->rest, 0, 0};
+  int code = e->drive ? e->drive(t, f, e->user) : 0, j = 0;
+  joint_words(e, joint, sizeof joint);
+  r->element = "joint";
+  r->index = e->joint;
+  while (j < 3 && isfinite(f[j])) j++;
+  if (code)
+    snprintf(r->text, sizeof r->text, "the drive of %s returned %d", joint, code);
+  else if (j < 3)
+    snprintf(r->text, sizeof r->text, "the drive of %s gave %s = %g", joint, rate[j], f[j]);
+  else if (has_no_length(b, e, q))
+    snprintf(r->text, sizeof r->text, "%s: its ends coincide, it has no direction", joint);
+  return code || j < 3 || has_no_length(b, e, q);
+}
+
+static int explain_spring(const nsdae_bodies *b, int i, const double *q, nsdae_reason *r)
+{
+  const nsdae_element *e = &((const nsdae_bodies_spring *)b->spring.at + i)->length;
+  char bodies[WORDS];
+  if (!has_no_length(b, e, q)) return 0;
+  r->element = "spring";
+  r->index = i;
+  snprintf(r->text, sizeof r->text,
+           "spring %d of %s: its ends coincide, its force has no direction", i,
+           of_bodies(e->body, bodies));
+  return 1;
+}
+
+static int explain_load(const nsdae_bodies *b, int i, double t, const double *q, const double *v,
+                        nsdae_reason *r)
+{
+  const nsdae_load *load = (const nsdae_load *)b->load.at + i;
+  const nsdae_pose pose = nsdae_bodies_pose(b, load->body, q, v);
+  double x[3], gave[6];
+  int j = 0, code = nsdae_load_evaluate(load, &pose, t, x, gave);
+  r->element = "load";
+  r->index = i;
+  while (j < 6 && isfinite(gave[j])) j++;
+  if (code)
+    snprintf(r->text, sizeof r->text, "load %d of body %d returned %d", i, load->body, code);
+  else if (j < 6)
+    snprintf(r->text, sizeof r->text, "load %d of body %d gave %s[%d] = %g", i, load->body,
+             j < 3 ? "force" : "torque", j % 3, gave[j]);
+  return code || j < 6;
+}
+
+static int is_round(const nsdae_solid_of *s)
+{
+  return s->points == 1 && s->shape != NSDAE_SHAPE_PLANE;
+}
+
+static int explain_contact(const nsdae_bodies *b, int i, const double *q, nsdae_reason *r)
+{
+  const nsdae_feature *f = feature_of(b, i);
+  const nsdae_solid_of *s0 = solid_of(b, f->solid[0]), *s1 = solid_of(b, f->solid[1]);
+  char pair[2 * WORDS];
+  double x[2][3];
+  if (!is_round(s0) || !is_round(s1)) return 0;
+  nsdae_bodies_locate(b, q, s0->body, s0->point, x[0]);
+  nsdae_bodies_locate(b, q, s1->body, s1->point, x[1]);
+  if (!coincide(x[0], x[1])) return 0;
+  contact_words(b, f->solid, pair, sizeof pair);
+  r->element = "contact";
+  r->index = i;
+  snprintf(r->text, sizeof r->text, "contact %d (%s): the centres coincide: no normal", i, pair);
+  return 1;
+}
+
+static int explain(const void *of, const char *callback, double t, const double *q, const double *v,
+                   nsdae_reason *r)
+{
+  const nsdae_bodies *b = of;
+  int found = 0;
+  if (strncmp(callback, "constraint", strlen("constraint")) == 0)
+    for (int i = 0; i < b->element.count && !found; i++) found = explain_joint(b, i, t, q, r);
+  if (strcmp(callback, "force") == 0) {
+    for (int i = 0; i < b->spring.count && !found; i++) found = explain_spring(b, i, q, r);
+    for (int i = 0; i < b->load.count && !found; i++) found = explain_load(b, i, t, q, v, r);
+  }
+  if (strcmp(callback, "gap_normal") == 0)
+    for (int i = 0; i < b->feature.count && !found; i++) found = explain_contact(b, i, q, r);
+  return found;
+}
+
+void nsdae_bodies_sign(const nsdae_bodies *b, nsdae_system *system)
+{
+  nsdae_system_set_maker(system, &(nsdae_maker){b, exact, words, explain});
+}

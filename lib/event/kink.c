@@ -1,0 +1,62 @@
+#include "kink.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "errors.h"
+
+/* Steps of the integrator follow a normal that turns by far less. */
+static const double COSINE = 0.5;
+
+/* The cosine between the normals of contact i at two points, in the metric of M^-1. */
+static double cosine(nsdae_event_instant *p, const nsdae_terms *a, const nsdae_terms *b, int i)
+{
+  int n = a->system->dims.nv;
+  const nsdae_kkt *kkt = p->roots->phase->setting->kkt;
+  const double *x = a->by.normal.value + (size_t)i * (size_t)n;
+  const double *y = b->by.normal.value + (size_t)i * (size_t)n;
+  double *z = p->acceleration.size;
+  memcpy(z, x, (size_t)n * sizeof *z);
+  nsdae_kkt_solve_mass(kkt, z);
+  double xx = nsdae_dot(n, x, z), xy = nsdae_dot(n, y, z);
+  memcpy(z, y, (size_t)n * sizeof *z);
+  nsdae_kkt_solve_mass(kkt, z);
+  return xy / sqrt(xx * nsdae_dot(n, y, z));
+}
+
+/* The closed contact, or -1, whose normal turns on the way of that time from the point in work. The
+ * end of the step that failed has room for a second point. */
+static int find_kink(nsdae_event_instant *p, double *q, double time)
+{
+  const nsdae_event_phase *phase = p->roots->phase;
+  nsdae_terms *here = phase->setting->here, *there = &phase->setting->result->end;
+  double *qdot = p->projection.qdot;
+  if (nsdae_terms_need(here, NSDAE_TERM_NORMAL) < 0 || nsdae_kinematics_at(here, here->v, qdot) < 0)
+    return -1;
+  for (int i = 0; i < here->system->dims.nq; i++) q[i] = here->q[i] + time * qdot[i];
+  nsdae_terms_at(there, here->t, q, here->v);
+  if (nsdae_terms_need(there, NSDAE_TERM_NORMAL) < 0) return -1;
+  for (int i = 0; i < here->system->dims.k; i++)
+    if (phase->modes.contact[i] != NSDAE_MODE_OPEN && cosine(p, here, there, i) < COSINE) return i;
+  return -1;
+}
+
+int nsdae_event_explain_strayed(nsdae_event_instant *p, double *q)
+{
+  const nsdae_event_setting *s = p->roots->phase->setting;
+  nsdae_error *error = s->error, kept = *error;
+  char called[NSDAE_CALLED_SIZE];
+  double dt = s->options->dt;
+  int i = find_kink(p, q, -dt);
+  if (i < 0) i = find_kink(p, q, dt);
+  *error = kept;
+  if (i < 0) return error->status;
+  nsdae_error_set(error, NSDAE_E_CONVERGENCE, "nsdae_event", "gap_normal",
+                  "%s: the gradient of its gap turns by more than 60 degrees within dt = %g at "
+                  "t = %.17g, as of a disc that falls flat: round the edge, use more contacts, or "
+                  "a smaller dt",
+                  nsdae_system_called(s->system, NSDAE_NAME_CONTACT, i, called), dt, s->here->t);
+  error->index = i;
+  error->time = s->here->t;
+  return error->status;
+}
