@@ -152,7 +152,7 @@ static void open_contact(penalty *p, nsdae_result *result, int i)
   b->closed[i] = 0;
   if (!(b->start_rate[i] > p->equations.stepper->options->impact_velocity)) return;
   nsdae_impact *impact = &result->impact[result->impacts++];
-  *impact = (nsdae_impact){.time = b->since[i],
+  *impact = (nsdae_impact){.time = nsdae_system_time(p->equations.stepper->system, b->since[i]),
                            .contact = i,
                            .velocity_before = -b->start_rate[i],
                            .normal_impulse = p->y[nsdae_penalty_at_normal(d) + i] - b->impulse[i],
@@ -219,9 +219,9 @@ static int integrator_failed(nsdae_stepper *s, int status, double t, int code)
   nsdae_error_set(s->error, status, "nsdae_penalty", "rtol",
                   "the integrator failed at t = %.17g with CVODE's code %d: try a larger rtol or a "
                   "smaller penalty_stiffness",
-                  t, code);
+                  nsdae_system_time(s->system, t), code);
   s->error->code = code;
-  s->error->time = t;
+  s->error->time = nsdae_system_time(s->system, t);
   return status;
 }
 

@@ -37,10 +37,10 @@ static int force_at_rest(const nsdae_terms *T, double *still, double *F)
   if (nsdae_largest(s->dims.nv, T->v) == 0) return NSDAE_OK;
   memset(still, 0, size);
   memset(F, 0, size);
-  int code = s->call.force(T->t, T->q, still, F, s->user);
+  int code = s->call.force(nsdae_terms_time(T), T->q, still, F, s->user);
   for (int i = 0; i < s->dims.nv; i++)
     if (!isfinite(F[i])) F[i] = T->F[i];
-  return nsdae_system_callback_status(code, "force", T->t, T->error);
+  return nsdae_system_callback_status(code, "force", nsdae_terms_time(T), T->error);
 }
 
 /* The way that the forces F lead to in a step from rest: h^2 F / M. */
@@ -110,10 +110,10 @@ static int refuse(const nsdae_result *result, const char *name, int index, doubl
   if (kind != OF_ONE) snprintf(place, sizeof place, "[%d]", index);
   nsdae_error_set(end->error, NSDAE_E_NONFINITE, "nsdae_sim", name,
                   "%s%s is %g at t = %.17g: the values overflow, and the step was dropped", name,
-                  place, value, end->t);
+                  place, value, nsdae_terms_time(end));
   if (kind >= 0) nsdae_system_name_item(end->system, kind, item, end->error);
   end->error->index = index;
-  end->error->time = end->t;
+  end->error->time = nsdae_terms_time(end);
   return NSDAE_E_NONFINITE;
 }
 
@@ -392,9 +392,9 @@ static int say(nsdae_point *point, const warning *of)
   const nsdae_terms *end = &point->result.end;
   point->accounts.stats.warnings |= of->bit;
   nsdae_error_set(end->error, of->status, "nsdae_sim", of->argument,
-                  "at t = %.6g %s %.3g, more than the method explains (%.3g): %s", end->t, of->what,
-                  of->value, of->bound, of->advice);
-  if (end->error) end->error->time = end->t;
+                  "at t = %.12g %s %.3g, more than the method explains (%.3g): %s",
+                  nsdae_terms_time(end), of->what, of->value, of->bound, of->advice);
+  if (end->error) end->error->time = nsdae_terms_time(end);
   if (of->kind >= 0) nsdae_system_name_item(end->system, of->kind, of->item, end->error);
   return of->status;
 }
@@ -535,8 +535,8 @@ static int keeps_energy(const nsdae_sim *sim, const nsdae_point *before, const n
                   "the kinetic energy changed by %.3g up to t = %.17g that no force and no impact "
                   "did, more than rtol = %g explains (%.3g): make rtol smaller, or use method = "
                   "implicit",
-                  off, r->end.t, sim->options.rtol, bound);
-  r->end.error->time = r->end.t;
+                  off, nsdae_terms_time(&r->end), sim->options.rtol, bound);
+  r->end.error->time = nsdae_terms_time(&r->end);
   return NSDAE_E_CONVERGENCE;
 }
 

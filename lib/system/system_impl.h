@@ -62,6 +62,7 @@ struct nsdae_system {
   nsdae_dims dims;
   nsdae_part_of part;
   void *user;
+  double epoch; /* t0 of the simulation whose copy this is: see nsdae_system_time */
   nsdae_calls call;
   int by_list;                          /* blocks were set: those three in place of dense ones */
   nsdae_blocks blocks, coordinates;     /* of v and q; one of all where none were set */
@@ -114,6 +115,13 @@ int nsdae_system_count(const nsdae_system *system, int kind);
 enum { NSDAE_CALLED_SIZE = 32 + NSDAE_NAME_SIZE };
 const char *nsdae_system_called(const nsdae_system *system, int kind, int i,
                                 char text[NSDAE_CALLED_SIZE]);
+
+/* A simulation counts time from its start, so that steps and events keep their digits at any t0.
+ * Callbacks, records, errors and files have the time of the user: epoch + t. */
+static inline double nsdae_system_time(const nsdae_system *system, double t)
+{
+  return system->epoch + t;
+}
 
 /* Gives the error an index, that of an item, and ends its text with what that is called:
  * ': contact 3 "stop"'. Nothing where error is NULL. */
