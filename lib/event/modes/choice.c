@@ -211,8 +211,8 @@ static int share(nsdae_event_acceleration *p)
   nsdae_error_set(s->error, NSDAE_E_CONVERGENCE, "nsdae_event", "polygon",
                   "no friction of the contacts that stick at t = %.17g was found that holds "
                   "them: try more edges of the polygon, or method = implicit",
-                  s->here->t);
-  s->error->time = s->here->t;
+                  nsdae_terms_time(s->here));
+  s->error->time = nsdae_terms_time(s->here);
   return NSDAE_E_CONVERGENCE;
 }
 
