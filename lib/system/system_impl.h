@@ -68,6 +68,7 @@ struct nsdae_system {
   nsdae_blocks blocks, coordinates;     /* of v and q; one of all where none were set */
   nsdae_coefficients *contact;          /* k */
   nsdae_slide *slide;                   /* f */
+  double *size[NSDAE_NAME_KINDS];       /* lengths, 0 where unknown; NULL: none is known */
   nsdae_label *label[NSDAE_NAME_KINDS]; /* as many as there are of that kind; NULL: no names */
   nsdae_body *body;                     /* bodies: what files show; room for a power of two */
   int bodies;
