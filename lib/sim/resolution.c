@@ -95,7 +95,8 @@ static int check_rows(nsdae_sim *sim, const nsdae_terms *T, const nsdae_rows *ro
   char called[NSDAE_CALLED_SIZE];
   for (int i = 0; i < rows->count; i++) {
     double lengths = lengths_of(T, rows, i, o->dt, &way);
-    if (!(way > 0) || tol <= way || tol <= OWN_LENGTHS * lengths) continue;
+    if (!(way > 0 && lengths > 0)) continue; /* at rest; at the origin: nothing is known */
+    if (tol <= way || tol <= OWN_LENGTHS * lengths) continue;
     nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, "nsdae_sim_init", "atol",
                     "%s has lengths of %.2g and goes %.2g in a step, and atol = %g and rtol = %g "
                     "resolve %.2g: take a unit of length near the size of the bodies, or a smaller "

@@ -307,10 +307,38 @@ static void test_units(void **state)
   assert_true(resolved >= 40 && refused >= 40);
 }
 
+/* What starts at the origin shows no lengths: it is not refused, however fast it slides. */
+static void test_origin(void **state)
+{
+  const nsdae_dims dims = {.nq = 3, .k = 1, .nt = 1};
+  const double q[3] = {0}, v[] = {1e6, 0, 0};
+  ball b = {1, 9.81};
+  nsdae_system *system;
+  nsdae_sim *sim;
+  nsdae_sim_options o;
+  (void)state;
+  assert_int_equal(nsdae_system_create(&dims, &system, NULL), NSDAE_OK);
+  nsdae_system_set_user(system, &b);
+  nsdae_system_set_mass(system, ball_mass);
+  nsdae_system_set_force(system, ball_force);
+  nsdae_system_set_gap(system, ball_gap);
+  nsdae_system_set_gap_normal(system, ball_normal);
+  nsdae_system_set_gap_tangent(system, ball_tangent);
+  nsdae_system_set_contact(system, 0, 0.3, 0.5, 0);
+  nsdae_sim_options_default(&o);
+  o.method = NSDAE_METHOD_EVENT;
+  o.start_tol = 1; /* it overlaps */
+  assert_int_equal(nsdae_sim_create(system, &o, &sim, NULL), NSDAE_OK);
+  assert_int_equal(nsdae_sim_init(sim, 0, q, v), NSDAE_OK);
+  nsdae_sim_destroy(&sim);
+  nsdae_system_destroy(&system);
+}
+
 int main(void)
 {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_any_start), cmocka_unit_test(test_moving),
-      cmocka_unit_test(test_short_steps), cmocka_unit_test(test_units)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_any_start),
+                                     cmocka_unit_test(test_moving),
+                                     cmocka_unit_test(test_short_steps),
+                                     cmocka_unit_test(test_units), cmocka_unit_test(test_origin)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
