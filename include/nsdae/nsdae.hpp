@@ -464,6 +464,11 @@ public:
   {
     return took(nsdae_system_set_name(c(), kind, i, name.c_str(), unit.c_str()));
   }
+  /* nsdae_system_set_size: kind is NSDAE_NAME_CONTACT or NSDAE_NAME_CONSTRAINT, i is from 0. */
+  system &size(int kind, int i, double size)
+  {
+    return took(nsdae_system_set_size(c(), kind, i, size));
+  }
   /* The name of number i of a kind; empty where there is none. */
   std::string name(int kind, int i) const
   {

@@ -230,7 +230,10 @@ NSDAE_API int nsdae_sim_project(nsdae_sim *sim, double t0, double *q0, double *v
  * differences, with v = 0 and along two trial velocities (a few calls, whatever the size):
  * NSDAE_E_DERIVATIVE where one is grossly wrong, as by a sign; formulas of nsdae_bodies_system are
  * not compared. None of these where start_check is
- * 0. nsdae_system_check looks closer. May be called again to start anew. The observers see the
+ * 0. nsdae_system_check looks closer. The run counts time from t0, so that its steps do not depend
+ * on t0. NSDAE_E_ARGUMENT names "dt" if it is below eps |t0|; with a tolerance (penalty, event)
+ * "t0" if eps |t0| > 20 rtol dt and callbacks depend on t, "atol" if it is coarser than the lengths
+ * of a row. May be called again to start anew. The observers see the
  * start as step 0, at the first step or run. */
 NSDAE_API int nsdae_sim_init(nsdae_sim *sim, double t0, const double *q0, const double *v0);
 

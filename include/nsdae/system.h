@@ -205,6 +205,13 @@ enum { NSDAE_NAME_SIZE = 48, NSDAE_UNIT_SIZE = 24 };
  * number, a name that is empty or NULL, a text that is too long or has control characters. */
 NSDAE_API int nsdae_system_set_name(nsdae_system *system, int kind, int i, const char *name,
                                     const char *unit);
+/* A length that the error of number i of a kind is measured by: of a contact
+ * (NSDAE_NAME_CONTACT), how wide the smaller of its bodies is; of contacts by list, how wide block
+ * i is; of a constraint (NSDAE_NAME_CONSTRAINT), the arm of its joint, or 1 where Phi is an angle.
+ * NSDAE_WARN_PENETRATION and NSDAE_WARN_DRIFT go by it: see docs/methods/warnings.md. 0: unknown,
+ * as before. After nsdae_system_set_blocks. NSDAE_E_ARGUMENT: no such kind or number, size not
+ * finite or below 0. */
+NSDAE_API int nsdae_system_set_size(nsdae_system *system, int kind, int i, double size);
 /* "" where there is none. A velocity without a name has that of its coordinate, and its unit is
  * that one's per second, where there is no callback kinematics. The texts live in the system. */
 NSDAE_API const char *nsdae_system_get_name(const nsdae_system *system, int kind, int i);

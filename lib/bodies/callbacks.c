@@ -121,5 +121,5 @@ int nsdae_bodies_set_callbacks(nsdae_bodies *b, nsdae_system *system)
     status = nsdae_system_set_kinematics(system, kinematics);
   if (status == NSDAE_OK) status = nsdae_bodies_set_constraints(b, system);
   if (status == NSDAE_OK && b->pair.count == 0) status = nsdae_bodies_set_contacts(b, system);
-  return status;
+  return status < 0 ? status : nsdae_bodies_set_sizes(b, system);
 }

@@ -151,6 +151,8 @@ int nsdae_bodies_element(const nsdae_bodies *bodies, const nsdae_element *elemen
 int nsdae_bodies_set_callbacks(nsdae_bodies *bodies, nsdae_system *system);
 int nsdae_bodies_set_constraints(const nsdae_bodies *bodies, nsdae_system *system);
 int nsdae_bodies_set_contacts(const nsdae_bodies *bodies, nsdae_system *system);
+/* Lengths of contacts, or of bodies whose contacts are by list, and of constraints. */
+int nsdae_bodies_set_sizes(const nsdae_bodies *bodies, nsdae_system *system);
 /* In place of the last for contacts by list, with mass and rows by blocks. */
 int nsdae_bodies_set_blocks(nsdae_bodies *bodies, nsdae_system *system);
 

@@ -449,7 +449,7 @@ int nsdae_contacts_solve(nsdae_contacts *c, const nsdae_terms *terms, const nsda
   delassus(c, terms, kkt);
   offsets(c, terms, v);
   int status = solve_impulses(c, lambda);
-  if (status < 0) return unsolved(c, terms->t, status);
+  if (status < 0) return unsolved(c, nsdae_terms_time(terms), status);
   add_velocity(c, kkt->n, size, v);
   nsdae_add_product(kkt->m, c->columns, c->delassus.D, c->delassus.impulse, lambda);
   velocities_after(c, terms, v);

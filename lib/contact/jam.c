@@ -15,6 +15,7 @@ static int tell(const nsdae_contacts *c, int kind, int item, double t, const cha
                 double coefficient)
 {
   char called[NSDAE_CALLED_SIZE];
+  t = nsdae_system_time(c->system, t);
   nsdae_error_set(c->error, NSDAE_E_PAINLEVE, "nsdae_event", "mu",
                   "%s has %s at t = %.17g (Painleve's paradox: its friction feeds its "
                   "normal force, coefficient %.3g): take less friction, or method = implicit, "

@@ -398,6 +398,7 @@ int nsdae_local_solve(nsdae_local *l, const nsdae_whole *w, int island, int with
   gather_rows(l, w, island);
   gather_contacts(l, w, island, with_contacts);
   l->terms.t = w->terms->t;
+  l->model.epoch = w->system->epoch;
   int status = nsdae_terms_factor(&l->terms, l->terms.M, &l->kkt, least_norm);
   if (status == NSDAE_OK) status = solve_laws(l, misfit);
   if (status < 0) return failed(l, w, island, status);

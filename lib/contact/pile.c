@@ -228,9 +228,9 @@ static int unsolved(const part *c, const nsdae_whole *w, int status, const nsdae
   nsdae_error_set(work->error, status, "nsdae_contacts", "",
                   "contact problem of %d contacts (first id %ld) and %d constraints at t = %.17g: "
                   "%s, residual %.3g above %.3g; a smaller dt or less friction may help",
-                  c->problem.contacts, id, c->problem.bilateral, w->terms->t,
+                  c->problem.contacts, id, c->problem.bilateral, nsdae_terms_time(w->terms),
                   nsdae_status_message(status), work->info.residual, c->tol);
-  work->error->time = w->terms->t;
+  work->error->time = nsdae_terms_time(w->terms);
   return status;
 }
 

@@ -124,7 +124,7 @@ static int solve_sparse(nsdae_worker *w, const nsdae_whole *whole, int island)
   return nsdae_error_set(&w->error, status, "nsdae_terms", "constraint_rows",
                          "the equations of the island of block %d, with %d constraints, were not "
                          "solved at t = %.17g: %s",
-                         is->block.of[is->block.first[island]], m, whole->terms->t,
+                         is->block.of[is->block.first[island]], m, nsdae_terms_time(whole->terms),
                          nsdae_status_message(status));
 }
 

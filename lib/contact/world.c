@@ -141,7 +141,7 @@ int nsdae_world_close(nsdae_world *w, nsdae_terms *terms, nsdae_closed *closed,
   w->results = results;
   w->home = terms;
   pick(w, &terms->by.list, touch);
-  status = distinct(w, closed, terms->t);
+  status = distinct(w, closed, nsdae_terms_time(terms));
   if (status < 0) return status;
   nsdae_closed_clear(closed, results);
   recall_all(w, last, was);
@@ -206,8 +206,9 @@ static int no_block(nsdae_world *w, const nsdae_terms *T, int row)
   char called[NSDAE_CALLED_SIZE];
   nsdae_error_set(w->error, NSDAE_E_RANK, "nsdae_terms", "constraint_rows",
                   "constraint_rows has no entry for %s at t = %.17g",
-                  nsdae_system_called(w->system, NSDAE_NAME_CONSTRAINT, row, called), T->t);
-  w->error->time = T->t;
+                  nsdae_system_called(w->system, NSDAE_NAME_CONSTRAINT, row, called),
+                  nsdae_terms_time(T));
+  w->error->time = nsdae_terms_time(T);
   w->error->index = row;
   return NSDAE_E_RANK;
 }

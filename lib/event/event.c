@@ -145,9 +145,9 @@ static int integrator_failed(event *e, int status, double t)
                   "the integrator failed at t = %.17g, as no step is short enough (code %d): the "
                   "equations may have no solution just after it; try a larger rtol, or method = "
                   "implicit",
-                  t, e->integrator.code);
+                  nsdae_system_time(e->setting.system, t), e->integrator.code);
   error->code = e->integrator.code;
-  error->time = t;
+  error->time = nsdae_system_time(e->setting.system, t);
   return status;
 }
 
@@ -161,6 +161,7 @@ static int start(event *e, double t)
 
 static int contradiction(event *e, int entry, double t)
 {
+  t = nsdae_system_time(e->setting.system, t);
   const nsdae_event_root *root = &e->roots.entry[entry];
   int contact = root->kind <= NSDAE_ROOT_JAM;
   nsdae_error *error = e->setting.error;
@@ -500,8 +501,8 @@ static int tell(const event *e, int status)
   nsdae_error_set(error, status, "nsdae_event", "",
                   "at t = %.17g: %s; the equations of the contacts that are closed, or of the "
                   "constraints, have no solution there",
-                  e->setting.here->t, nsdae_status_message(status));
-  error->time = e->setting.here->t;
+                  nsdae_terms_time(e->setting.here), nsdae_status_message(status));
+  error->time = nsdae_terms_time(e->setting.here);
   return status;
 }
 

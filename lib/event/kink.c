@@ -55,8 +55,9 @@ int nsdae_event_explain_strayed(nsdae_event_instant *p, double *q)
                   "%s: the gradient of its gap turns by more than 60 degrees within dt = %g at "
                   "t = %.17g, as of a disc that falls flat: round the edge, use more contacts, or "
                   "a smaller dt",
-                  nsdae_system_called(s->system, NSDAE_NAME_CONTACT, i, called), dt, s->here->t);
+                  nsdae_system_called(s->system, NSDAE_NAME_CONTACT, i, called), dt,
+                  nsdae_terms_time(s->here));
   error->index = i;
-  error->time = s->here->t;
+  error->time = nsdae_terms_time(s->here);
   return error->status;
 }

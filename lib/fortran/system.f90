@@ -261,7 +261,8 @@ module nsdae_f_system
             nsdae_system_set_contact, nsdae_system_set_slide, nsdae_system_error, &
             nsdae_system_get_dims, nsdae_system_differences, nsdae_system_check, &
             nsdae_system_handle, nsdae_system_clear_error, nsdae_system_simulations, &
-            nsdae_system_unseen, nsdae_system_set_name, nsdae_system_get_name, nsdae_system_get_unit
+            nsdae_system_unseen, nsdae_system_set_name, nsdae_system_get_name, &
+            nsdae_system_get_unit, nsdae_system_set_size
   public :: nsdae_mass_blocks_fn, nsdae_constraint_rows_fn, nsdae_contacts_fn, &
             nsdae_system_set_blocks, nsdae_system_get_blocks, nsdae_system_set_mass_blocks, &
             nsdae_system_set_constraint_rows, nsdae_system_set_contacts, nsdae_contact_add, &
@@ -318,6 +319,13 @@ module nsdae_f_system
       type(c_ptr), value :: system
       integer(c_int), value :: kind, i
       character(kind=c_char), intent(in) :: name(*), unit(*)
+    end function
+    integer(c_int) function c_set_size(system, kind, i, size) &
+        bind(C, name='nsdae_system_set_size')
+      import
+      type(c_ptr), value :: system
+      integer(c_int), value :: kind, i
+      real(c_double), value :: size
     end function
     type(c_ptr) function c_get_name(system, kind, i) bind(C, name='nsdae_system_get_name')
       import
@@ -629,6 +637,15 @@ contains
       call to_chars(unit, c_unit)
       status = c_set_name(at(system), kind, i, c_name, c_unit)
     end function
+  end function
+
+  ! A length that the error of number i (from 0) of a kind is measured by, NSDAE_NAME_CONTACT (of
+  ! contacts by list: of block i) or NSDAE_NAME_CONSTRAINT; 0: unknown.
+  integer(c_int) function nsdae_system_set_size(system, kind, i, size) result(status)
+    type(nsdae_system), intent(in) :: system
+    integer(c_int), intent(in) :: kind, i
+    real(c_double), intent(in) :: size
+    status = c_set_size(at(system), kind, i, size)
   end function
 
   ! '' where there is none.

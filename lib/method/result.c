@@ -71,6 +71,7 @@ int nsdae_result_room(const nsdae_result *r)
 
 nsdae_impact *nsdae_result_impact(nsdae_result *r, double t, int contact, double before)
 {
+  t = nsdae_system_time(r->end.system, t);
   int last = r->impacts - 1, at = r->impacts;
   int full = r->impacts + 2 * r->end.system->dims.k >= r->impacts_max;
   while (full && last >= 0 && (r->impact[last].contact != contact || r->impact[last].time != t))
@@ -84,7 +85,9 @@ nsdae_impact *nsdae_result_impact(nsdae_result *r, double t, int contact, double
 
 void nsdae_result_change(nsdae_result *r, double t, int contact, int slide, int before, int after)
 {
-  if (before != after) r->change[r->changes++] = (nsdae_change){t, contact, slide, before, after};
+  if (before == after) return;
+  t = nsdae_system_time(r->end.system, t);
+  r->change[r->changes++] = (nsdae_change){t, contact, slide, before, after};
 }
 
 int nsdae_result_grow(nsdae_result *r, const nsdae_room *contacts, const nsdae_room *rows)

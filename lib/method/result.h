@@ -64,6 +64,8 @@ void nsdae_result_layout(nsdae_result *result, nsdae_arena *arena);
 /* Whether the lists hold what one more instant may add: an impact and a change of each contact. */
 int nsdae_result_room(const nsdae_result *result);
 
+/* Impacts and changes are kept in the user's time. */
+
 /* A new impact of the contact, in order of time; or, after so many that only one for each contact
  * and the next instant is left, that of the same contact and time. */
 nsdae_impact *nsdae_result_impact(nsdae_result *result, double t, int contact, double before);

@@ -117,11 +117,12 @@ int nsdae_stepper_goes_on(const nsdae_stepper *s, const char *method, const char
 {
   int most = s->options->inner_steps_max;
   if (s->counters->iterations < most || t >= t_end)
-    return nsdae_interrupted(&s->interrupt, s->error, t);
+    return nsdae_interrupted(&s->interrupt, s->error, nsdae_system_time(s->system, t));
   nsdae_error_set(s->error, NSDAE_E_CONVERGENCE, method, "inner_steps_max",
-                  "the integrator is at t = %.17g after %d steps towards t = %.17g: %s", t, most,
-                  t_end, advice);
-  s->error->time = t;
+                  "the integrator is at t = %.17g after %d steps towards t = %.17g: %s",
+                  nsdae_system_time(s->system, t), most, nsdae_system_time(s->system, t_end),
+                  advice);
+  s->error->time = nsdae_system_time(s->system, t);
   return NSDAE_E_CONVERGENCE;
 }
 

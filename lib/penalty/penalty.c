@@ -152,7 +152,7 @@ static void open_contact(penalty *p, nsdae_result *result, int i)
   b->closed[i] = 0;
   if (!(b->start_rate[i] > p->equations.stepper->options->impact_velocity)) return;
   nsdae_impact *impact = &result->impact[result->impacts++];
-  *impact = (nsdae_impact){.time = b->since[i],
+  *impact = (nsdae_impact){.time = nsdae_system_time(p->equations.stepper->system, b->since[i]),
                            .contact = i,
                            .velocity_before = -b->start_rate[i],
                            .normal_impulse = p->y[nsdae_penalty_at_normal(d) + i] - b->impulse[i],
@@ -219,9 +219,9 @@ static int integrator_failed(nsdae_stepper *s, int status, double t, int code)
   nsdae_error_set(s->error, status, "nsdae_penalty", "rtol",
                   "the integrator failed at t = %.17g with CVODE's code %d: try a larger rtol or a "
                   "smaller penalty_stiffness",
-                  t, code);
+                  nsdae_system_time(s->system, t), code);
   s->error->code = code;
-  s->error->time = t;
+  s->error->time = nsdae_system_time(s->system, t);
   return status;
 }
 
@@ -249,10 +249,30 @@ static int keep_end(penalty *p, double t_end, double t)
 static const char advice[] =
     "make dt or penalty_stiffness smaller, or inner_steps_max or rtol larger";
 
+/* A step of backward differences takes some two evaluations of the forces, and n for a Jacobian now
+ * and then: ten on the average. Light bodies between stiff contacts take a Jacobian or more each
+ * step, of a hundred evaluations: a bound on steps alone is none on the work. */
+enum { EVALUATIONS = 10 };
+
+static int too_much_work(const penalty *p, long rates_before, double t, double t_end)
+{
+  nsdae_stepper *s = p->equations.stepper;
+  long rates = nsdae_ode_rates(p->ode) - rates_before;
+  if (rates < EVALUATIONS * (long)s->options->inner_steps_max || t >= t_end) return NSDAE_OK;
+  nsdae_error_set(s->error, NSDAE_E_CONVERGENCE, "nsdae_penalty", "inner_steps_max",
+                  "the integrator is at t = %.17g after %ld evaluations of the forces, %d for each "
+                  "of inner_steps_max = %d, towards t = %.17g: %s",
+                  nsdae_system_time(s->system, t), rates, EVALUATIONS, s->options->inner_steps_max,
+                  nsdae_system_time(s->system, t_end), advice);
+  s->error->time = nsdae_system_time(s->system, t);
+  return NSDAE_E_CONVERGENCE;
+}
+
 /* To the end of the step, or until the list of impacts is full: then the step ends early. */
 static int integrate(penalty *p, nsdae_result *result, double t_end, double *t)
 {
   int what = NSDAE_ODE_STEP, room = result->impacts_max - p->equations.stepper->system->dims.k;
+  long rates = nsdae_ode_rates(p->ode);
   while (what != NSDAE_ODE_END && *t < t_end && result->impacts < room) {
     int status = keep_end(p, t_end, *t);
     if (status == NSDAE_OK) status = one_step(p, t_end, t, &what);
@@ -261,6 +281,7 @@ static int integrate(penalty *p, nsdae_result *result, double t_end, double *t)
     status = what == NSDAE_ODE_ROOT ? switch_contacts(p, result, *t) : follow_peaks(p, *t);
     if (status == NSDAE_OK)
       status = nsdae_stepper_goes_on(p->equations.stepper, "nsdae_penalty", advice, *t, t_end);
+    if (status == NSDAE_OK) status = too_much_work(p, rates, *t, t_end);
     if (status < 0) return status;
   }
   return NSDAE_OK;

@@ -3,6 +3,7 @@
  *   head      magic, byte order, version, size, checksum (FNV-1a over the rest), dims, method
  *   settings  every option that matters to the method, in the order of their table, as doubles;
  *             mu, e_N, e_T of the contacts, mu of the slides
+ *   epoch     t0 of the run, from which its times count
  *   accounts  number of the step, grid, work taken by contacts, statistics but for the clock
  *   state     t, q, v, what is evaluated there; multipliers, impulses and modes of the last step
  *             (by list: of as many contacts as were closed, with their ids, blocks and gaps)
@@ -33,7 +34,7 @@ typedef struct head {
 } head;
 
 static const char MAGIC[8] = "nsdaest";
-enum { BYTE_ORDER_MARK = 0x01020304, BLOCK_VERSION = 2 };
+enum { BYTE_ORDER_MARK = 0x01020304, BLOCK_VERSION = 3 };
 
 /* A place in a block: nothing is moved where both are NULL. Arrays may be NULL where they are
  * empty. */
@@ -121,10 +122,11 @@ static void visit_closed(cursor *c, nsdae_result *r, unsigned have)
 }
 
 /* have: which terms the next step finds there. */
-static void visit_point(cursor *c, nsdae_point *p, double *t, unsigned *have)
+static void visit_point(cursor *c, nsdae_point *p, double *epoch, double *t, unsigned *have)
 {
   nsdae_result *r = &p->result;
   const nsdae_dims *d = &r->end.system->dims;
+  visit_doubles(c, epoch, 1);
   visit_accounts(c, &p->accounts);
   visit_doubles(c, t, 1);
   visit_doubles(c, r->end.q, d->nq);
@@ -246,11 +248,11 @@ static size_t size_of(const nsdae_sim *sim, int closed)
   nsdae_point measured = *sim->now;
   cursor c = {0};
   unsigned have = 0;
-  double t = 0;
+  double epoch = 0, t = 0;
   c.at = sizeof(head);
   measured.result.closed.count = closed;
   visit_settings(&c, sim);
-  visit_point(&c, &measured, &t, &have);
+  visit_point(&c, &measured, &epoch, &t, &have);
   visit_units(&c, &sim->system->dims, &(nsdae_units){0});
   return c.at;
 }
@@ -291,13 +293,13 @@ static int get_state(nsdae_sim *sim, void *block, size_t size)
   nsdae_point shown = *nsdae_sim_shown(sim); /* what is visited is not changed */
   if (!(shown.result.end.have & NSDAE_TERM_CONTACTS))
     shown.result.end.by.reach = 0; /* of no list */
-  double t = shown.result.end.t;
+  double epoch = sim->model.epoch, t = shown.result.end.t;
   unsigned have = shown.result.end.have;
   head h = make_head(sim, size);
   cursor c = {.to = block};
   visit(&c, &h, sizeof h);
   visit_settings(&c, sim);
-  visit_point(&c, &shown, &t, &have);
+  visit_point(&c, &shown, &epoch, &t, &have);
   visit_units(&c, &sim->system->dims, &sim->projection.units);
   h.checksum = checksum_of(block, size);
   memcpy(block, &h, sizeof h);
@@ -391,8 +393,8 @@ static int check_values(nsdae_sim *sim)
   const nsdae_result *r = &p->result;
   const nsdae_dims *d = &sim->system->dims;
   const nsdae_stats *s = &p->accounts.stats;
-  const double sums[] = {r->end.t, p->accounts.grid_start, p->accounts.dissipated, s->energy_start,
-                         s->energy_balance};
+  const double sums[] = {nsdae_terms_time(&r->end), p->accounts.grid_start, p->accounts.dissipated,
+                         s->energy_start, s->energy_balance};
   const double certificate[] = {r->worst_residual, s->worst_residual, s->worst_drift,
                                 s->worst_penetration};
   if (all_finite(sums, 5) && all_finite(r->end.q, d->nq) && all_finite(r->end.v, d->nv) &&
@@ -405,7 +407,7 @@ static int check_values(nsdae_sim *sim)
                          "the state has a number that is not finite");
 }
 
-/* Reads the block into next, with the terms that the next step is to find. */
+/* Reads the block into next, with the terms that the next step is to find; and its epoch. */
 static int read_block(nsdae_sim *sim, const void *block)
 {
   nsdae_point *p = sim->next;
@@ -418,7 +420,7 @@ static int read_block(nsdae_sim *sim, const void *block)
   nsdae_result_clear(r);
   r->closed.count = h.closed;
   int status = check_settings(sim, &c);
-  visit_point(&c, p, &r->end.t, &have);
+  visit_point(&c, p, &sim->model.epoch, &r->end.t, &have);
   visit_units(&c, &sim->system->dims, &sim->projection.other);
   r->memory.stamp = p->accounts.step == 0 ? 0 : -1; /* all zero before the first */
   nsdae_terms_forget(&r->end);
@@ -443,10 +445,14 @@ static int set_state(nsdae_sim *sim, const void *block, size_t size)
   int status = block ? check_head(sim, block, size) : refuse(sim, "block", "block is NULL");
   if (status < 0) return status;
   sim->stage.waiting = sim->stage.between = 0;
+  double epoch = sim->model.epoch;
   status = make_room(sim, block);
   while (status == NSDAE_OK && (status = read_block(sim, block)) == NSDAE_GROW)
     status = nsdae_sim_grow(sim);
-  if (status < 0) return status;
+  if (status < 0) {
+    sim->model.epoch = epoch;
+    return status;
+  }
   nsdae_sim_commit(sim);
   nsdae_units_swap(&sim->projection);
   sim->stage.started = sim->stage.told = 1;

@@ -51,8 +51,9 @@ static int by_integration(nsdae_sim *sim, nsdae_result *before, double t, double
   return NSDAE_OK;
 }
 
-static int check_time(nsdae_sim *sim, double t, double from, double to)
+static int check_time(nsdae_sim *sim, double t, const nsdae_terms *first, const nsdae_terms *last)
 {
+  double from = nsdae_terms_time(first), to = nsdae_terms_time(last);
   if (t >= from && t <= to) return NSDAE_OK;
   return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, "nsdae_sim_interpolate", "t",
                          "t = %.17g is outside the last step, from %.17g to %.17g", t, from, to);
@@ -71,15 +72,17 @@ static int interpolate(nsdae_sim *sim, double t, double *q, double *v)
     return nsdae_error_set(&sim->error, NSDAE_E_STATE, where, "",
                            "there is no last step: none was done since the start, or it failed");
   const nsdae_terms *from = &before->result.end, *to = &shown->result.end;
-  int status = check_time(sim, t, from->t, to->t);
+  int status = check_time(sim, t, from, to);
   if (status < 0) return status;
-  if (t == from->t || t == to->t) {
-    copy(t == to->t ? to : from, q, v);
+  double since = t - sim->model.epoch;
+  int at_end = t == nsdae_terms_time(to) || since >= to->t;
+  if (at_end || t == nsdae_terms_time(from) || since <= from->t) {
+    copy(at_end ? to : from, q, v);
     return NSDAE_OK;
   }
   if (!sim->aside || shown->result.counters.fallbacks > 0)
-    return by_parabola(sim, from, to, t, q, v);
-  return by_integration(sim, &before->result, t, q, v);
+    return by_parabola(sim, from, to, since, q, v);
+  return by_integration(sim, &before->result, since, q, v);
 }
 
 int nsdae_sim_interpolate(nsdae_sim *sim, double t, double *q, double *v)

@@ -326,10 +326,10 @@ static int not_converged(const nsdae_projector *p, const nsdae_terms *T, int row
   nsdae_error_set(T->error, NSDAE_E_CONVERGENCE, "nsdae_sim", "projection",
                   "no state on all constraints was found near this one at t = %.17g: %s is off by "
                   "%.3g; do they contradict each other?",
-                  T->t, nsdae_system_called(T->system, kind, i, called),
+                  nsdae_terms_time(T), nsdae_system_called(T->system, kind, i, called),
                   contact < 0 ? T->constraint.phi[i] : T->gap[i] - p->depth[i]);
   T->error->index = i;
-  T->error->time = T->t;
+  T->error->time = nsdae_terms_time(T);
   return NSDAE_E_CONVERGENCE;
 }
 

@@ -103,7 +103,7 @@ static void fill_record(nsdae_point *p)
   const nsdae_terms *end = &r->end;
   nsdae_record *record = &p->record;
   record->step = p->accounts.step;
-  record->time = end->t;
+  record->time = nsdae_terms_time(end);
   record->kinetic = nsdae_terms_kinetic(end);
   record->potential = end->potential;
   record->dissipated = p->accounts.dissipated;
@@ -155,7 +155,7 @@ static void find_impacts(const nsdae_impulses *before, nsdae_result *result, dou
     int fresh = idle || r->impact[i];
     if (!(r->normal[i] > 0) || !fresh || !(r->before[i] < -slow)) continue;
     nsdae_impact *impact = &result->impact[result->impacts++];
-    *impact = (nsdae_impact){.time = result->end.t,
+    *impact = (nsdae_impact){.time = nsdae_terms_time(&result->end),
                              .contact = i,
                              .normal_impulse = r->normal[i],
                              .velocity_before = r->before[i],

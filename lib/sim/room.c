@@ -41,7 +41,8 @@ static int limit_met(nsdae_sim *sim, size_t wanted)
   return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, "nsdae_sim", "contacts_max",
                          "a list of %zu contacts at t = %.17g, and contacts_max = %d: set it "
                          "higher, or look at the callback contacts",
-                         wanted, sim->now->result.end.t, sim->options.contacts_max);
+                         wanted, nsdae_terms_time(&sim->now->result.end),
+                         sim->options.contacts_max);
 }
 
 int nsdae_sim_grow(nsdae_sim *sim)

@@ -251,9 +251,10 @@ static int start_at(nsdae_sim *sim, double t0, const double *q0, const double *v
   memset(r->memory.whole, 0, r->memory.wholes * sizeof *r->memory.whole);
   r->memory.stamp = 0;
   nsdae_stepper_count(&sim->stepper, &state, r);
-  nsdae_terms_at(&r->end, t0, q0, v0);
+  nsdae_terms_at(&r->end, 0, q0, v0);
   int status = nsdae_point_start(sim, sim->next);
   if (status == NSDAE_OK) status = nsdae_units_find(&sim->projection, t0, q0);
+  if (status == NSDAE_OK) status = nsdae_start_resolved(sim, &r->end);
   if (status == NSDAE_OK) status = nsdae_start_check(&sim->projection, &r->end, sim->probe);
   if (status < 0) return status;
   sim->stage.start = sim->error;
@@ -269,6 +270,7 @@ static int init(nsdae_sim *sim, double t0, const double *q0, const double *v0)
   sim->stage.started = sim->stage.failed = sim->stage.waiting = sim->stage.between = 0;
   int status = nsdae_sim_check_state(sim, "nsdae_sim_init", t0, q0, v0);
   if (status == NSDAE_OK) status = probe_callbacks(sim, t0, q0, v0);
+  sim->model.epoch = t0;
   while (status == NSDAE_OK && (status = start_at(sim, t0, q0, v0)) == NSDAE_GROW)
     status = nsdae_sim_grow(sim);
   if (status < 0) return status;

@@ -109,6 +109,9 @@ int nsdae_projected_rows(const nsdae_sim *sim);
 /* Puts next in the place of the state. */
 void nsdae_sim_commit(nsdae_sim *sim);
 
+/* NSDAE_OK, or NSDAE_E_ARGUMENT with the reason why the run cannot be resolved from there. */
+int nsdae_start_resolved(nsdae_sim *sim, const nsdae_terms *start);
+
 /* From nsdae_sim_init: next, whose terms and memory are set, as the start of a run. */
 int nsdae_point_start(nsdae_sim *sim, nsdae_point *point);
 /* The record of a step of that length, its impacts, certificate and statistics, from its result and

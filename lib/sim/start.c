@@ -30,7 +30,7 @@ static int refuse(const nsdae_terms *T, const char *argument, int kind, int i, c
                   "nsdae_sim_project puts a start right",
                   nsdae_system_called(T->system, kind, i, called), what, value, bound);
   T->error->index = i;
-  T->error->time = T->t;
+  T->error->time = nsdae_terms_time(T);
   return NSDAE_E_ARGUMENT;
 }
 
@@ -92,7 +92,7 @@ static int check_gaps(const nsdae_terms *T, int method, double tol)
                           "the method keeps this overlap; nsdae_sim_project puts a start right",
                   contact_called(T, i, called), -T->gap[i], bound);
   T->error->index = i;
-  T->error->time = T->t;
+  T->error->time = nsdae_terms_time(T);
   return status;
 }
 
@@ -177,7 +177,7 @@ static int wrong_rate(const nsdae_terms *T, const relation *r, int i, int number
                   callback, nsdae_system_called(T->system, r->kind, i, called), given,
                   number == STILL ? "with v = 0" : "along a trial velocity", difference);
   T->error->index = i;
-  T->error->time = T->t;
+  T->error->time = nsdae_terms_time(T);
   return NSDAE_E_DERIVATIVE;
 }
 
@@ -211,9 +211,9 @@ static int displaced(const nsdae_terms *T, const relation *r, double s, double *
   const nsdae_system *system = T->system;
   for (int i = 0; i < system->dims.nq; i++) d->q[i] = T->q[i] + s * d->qdot[i];
   memset(value, 0, (size_t)r->rows * sizeof *value);
-  int code = r->position(T->t + s, d->q, value, system->user);
+  int code = r->position(nsdae_terms_time(T) + s, d->q, value, system->user);
   return nsdae_system_callback_status(code, r->kind == NSDAE_NAME_CONTACT ? "gap" : "constraint",
-                                      T->t, T->error);
+                                      nsdae_terms_time(T), T->error);
 }
 
 static int look(const nsdae_projector *p, const nsdae_terms *T, const relation *r, int number,
@@ -236,7 +236,8 @@ static int check_rates(nsdae_projector *p, const nsdae_terms *T, const relation 
     trial_velocity(dims->nv, number, p->v);
     int status = nsdae_kinematics_at(T, p->v, d->qdot);
     if (status < 0) return status;
-    double s = nsdae_differences_step(dims->nq, T->t, T->q, d->qdot, cbrt(DBL_EPSILON));
+    double s =
+        nsdae_differences_step(dims->nq, nsdae_terms_time(T), T->q, d->qdot, cbrt(DBL_EPSILON));
     status = look(p, T, r, number, s);
     if (status == NSDAE_E_DERIVATIVE) {
       nsdae_error_clear(T->error);
@@ -288,15 +289,19 @@ static int check_omega(nsdae_projector *p, const nsdae_terms *T)
   if (!s->call.constraint_bias) return NSDAE_OK;
   trial_velocity(s->dims.nv, 0, p->v);
   memset(p->start, 0, 3 * (size_t)m * sizeof *p->start);
-  int code = s->call.constraint_bias(T->t, T->q, p->v, finer, omega, s->user); /* and Phi_t */
-  int status = nsdae_system_callback_status(code, "constraint_bias", T->t, T->error);
+  int code = s->call.constraint_bias(nsdae_terms_time(T), T->q, p->v, finer, omega,
+                                     s->user); /* and Phi_t */
+  int status = nsdae_system_callback_status(code, "constraint_bias", nsdae_terms_time(T), T->error);
   if (status < 0) return status;
-  code = nsdae_differences_second(d, s->call.constraint, m, T->t, T->q, p->v, second);
+  code =
+      nsdae_differences_second(d, s->call.constraint, m, nsdae_terms_time(T), T->q, p->v, second);
   d->finer = FINER;
-  if (!code) code = nsdae_differences_second(d, s->call.constraint, m, T->t, T->q, p->v, finer);
+  if (!code)
+    code =
+        nsdae_differences_second(d, s->call.constraint, m, nsdae_terms_time(T), T->q, p->v, finer);
   d->finer = 0;
-  status = nsdae_system_callback_status(code, code && d->failed ? d->failed : "constraint", T->t,
-                                        T->error);
+  status = nsdae_system_callback_status(code, code && d->failed ? d->failed : "constraint",
+                                        nsdae_terms_time(T), T->error);
   const compared rows = {s, NSDAE_NAME_CONSTRAINT, 1, m};
   if (status < 0 || (i = first_wrong(&rows, omega, second, finer)) < 0) return status;
   const relation accelerations = {.derivative = "constraint_bias", .kind = NSDAE_NAME_CONSTRAINT};
@@ -310,10 +315,11 @@ static int contact_differences(nsdae_projector *p, const nsdae_terms *T, int sho
   nsdae_differences *d = T->differences;
   double *tangential = out + dims->k, *sliding = tangential + dims->k * dims->nt;
   d->finer = shorter;
-  int code = nsdae_differences_contacts(d, T->t, T->q, p->v, out, tangential, sliding);
+  int code =
+      nsdae_differences_contacts(d, nsdae_terms_time(T), T->q, p->v, out, tangential, sliding);
   d->finer = 0;
-  return nsdae_system_callback_status(code, code && d->failed ? d->failed : "contact_bias", T->t,
-                                      T->error);
+  return nsdae_system_callback_status(code, code && d->failed ? d->failed : "contact_bias",
+                                      nsdae_terms_time(T), T->error);
 }
 
 /* The same of contacts and slides, which only event uses. */
@@ -327,9 +333,11 @@ static int check_acceleration(nsdae_projector *p, const nsdae_terms *T, double *
     return NSDAE_OK;
   trial_velocity(dims->nv, 0, p->v);
   memset(given, 0, (size_t)n * sizeof *given);
-  int code = s->call.contact_acceleration(T->t, T->q, p->v, k ? given : NULL, kt ? given + k : NULL,
-                                          dims->f ? given + k + kt : NULL, s->user);
-  int status = nsdae_system_callback_status(code, "contact_acceleration", T->t, T->error);
+  int code =
+      s->call.contact_acceleration(nsdae_terms_time(T), T->q, p->v, k ? given : NULL,
+                                   kt ? given + k : NULL, dims->f ? given + k + kt : NULL, s->user);
+  int status =
+      nsdae_system_callback_status(code, "contact_acceleration", nsdae_terms_time(T), T->error);
   if (status == NSDAE_OK) status = contact_differences(p, T, 0, second);
   if (status == NSDAE_OK) status = contact_differences(p, T, FINER, finer);
   const compared parts[] = {{s, NSDAE_NAME_CONTACT, 1, k},
@@ -382,7 +390,8 @@ static int any_users(const nsdae_system *s, int kind, int rows)
 static int check_degenerate(const nsdae_terms *T)
 {
   nsdae_error_set(T->error, NSDAE_E_ARGUMENT, "nsdae_sim_init", "gap_normal", "no normal");
-  if (nsdae_system_explain(T->system, T->t, T->q, T->v, T->error)) return NSDAE_E_ARGUMENT;
+  if (nsdae_system_explain(T->system, nsdae_terms_time(T), T->q, T->v, T->error))
+    return NSDAE_E_ARGUMENT;
   nsdae_error_clear(T->error);
   return NSDAE_OK;
 }
@@ -406,7 +415,7 @@ static int check_derivatives(nsdae_projector *p, const nsdae_terms *T, double *w
                          &T->by.normal,      T->w_N};
   if (!p->tools->options->start_check) return NSDAE_OK;
   int status = check_degenerate(T);
-  if (status < 0 || fabs(T->t) > 1e4) return status;
+  if (status < 0 || fabs(nsdae_terms_time(T)) > 1e4) return status;
   int rows = any_users(s, NSDAE_NAME_CONSTRAINT, d->m);
   int contacts = any_users(s, NSDAE_NAME_CONTACT, d->k);
   int accelerations = contacts || any_users(s, NSDAE_NAME_SLIDE, d->f);
@@ -481,7 +490,7 @@ static void aim_at_unit_length(nsdae_projector *p, int nq)
 static int put_right(bench *b, double t0, double *q0, double *v0)
 {
   const nsdae_dims *d = &b->terms.system->dims;
-  nsdae_terms_at(&b->terms, t0, q0, v0);
+  nsdae_terms_at(&b->terms, 0, q0, v0);
   int status = nsdae_units_find(&b->projection, t0, q0);
   if (status < 0) return status;
   aim_at_unit_length(&b->projection, d->nq);
@@ -509,7 +518,10 @@ static int project(nsdae_sim *sim, double t0, double *q0, double *v0)
   b.projection.rows_most = sim->system->dims.m + sim->system->dims.k;
   if (nsdae_arena_build(&arena, layout, &b) < 0)
     return nsdae_error_set(&sim->error, NSDAE_E_MEMORY, "nsdae_sim_project", "", "out of memory");
+  double epoch = sim->model.epoch; /* of the run, which is not touched */
+  sim->model.epoch = t0;
   status = put_right(&b, t0, q0, v0);
+  sim->model.epoch = epoch;
   nsdae_arena_release(&arena);
   return status;
 }

@@ -140,10 +140,11 @@ static int prepare(nsdae_sim *sim, double t1)
   if (!(t1 > t0))
     return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, "nsdae_sim", "dt",
                            "dt = %g is lost in rounding at t = %.17g: make it larger",
-                           sim->options.dt, t0);
+                           sim->options.dt, nsdae_system_time(&sim->model, t0));
   unsigned have = sim->now->result.end.have;
   double length = length_of(sim, t1);
-  int status = nsdae_interrupted(&sim->stepper.interrupt, &sim->error, t0);
+  int status =
+      nsdae_interrupted(&sim->stepper.interrupt, &sim->error, nsdae_system_time(&sim->model, t0));
   while (status == NSDAE_OK && (status = advance(sim, t1, length)) == NSDAE_GROW)
     status = nsdae_sim_grow(sim); /* and once more */
   sim->stage.failed = is_problem(status) && (sim->next->result.problem || sim->next->result.pile);
@@ -223,18 +224,28 @@ int nsdae_sim_step(nsdae_sim *sim)
   NSDAE_SIM_GUARDED(sim, NSDAE_MOVE, step(sim));
 }
 
-/* One step on the way to t_end; one that would end within rounding of t_end ends there. */
+/* The first of the simulation's times that the user sees at t or later. */
+static double since_epoch(const nsdae_sim *sim, double t)
+{
+  double since = t - sim->model.epoch;
+  while (nsdae_system_time(&sim->model, since) < t) since = nextafter(since, INFINITY);
+  return since;
+}
+
+/* One step on the way to t_end, a time of the user; one that would end within rounding of t_end
+ * ends there. */
 static int step_towards(nsdae_sim *sim, double t_end)
 {
-  double t1 = grid_time(sim, 1), most = hair(sim);
-  if (t1 < t_end - most) return step_to(sim, t1, 0);
-  return step_to(sim, t_end, fabs(t1 - t_end) > most);
+  double t1 = grid_time(sim, 1), end = since_epoch(sim, t_end), most = hair(sim);
+  if (t1 < end - most || nsdae_system_time(&sim->model, t1) == t_end) return step_to(sim, t1, 0);
+  return step_to(sim, end, fabs(t1 - end) > most);
 }
 
 /* to_event: until one happens. */
 static int run(nsdae_sim *sim, const char *where, double t_end, int to_event)
 {
-  double began = nsdae_wall_clock(), t = sim->stage.started ? sim->now->result.end.t : 0;
+  double began = nsdae_wall_clock(),
+         t = sim->stage.started ? nsdae_terms_time(&sim->now->result.end) : 0;
   nsdae_error_clear(&sim->error);
   if (!isfinite(t_end) || (sim->stage.started && t_end < t))
     return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, where, "t_end",
@@ -243,7 +254,7 @@ static int run(nsdae_sim *sim, const char *where, double t_end, int to_event)
                            t_end, t);
   nsdae_error warning = {0}; /* the first of the run */
   int status = begin(sim);
-  while (status == NSDAE_OK && sim->now->result.end.t < t_end) {
+  while (status == NSDAE_OK && nsdae_terms_time(&sim->now->result.end) < t_end) {
     status = step_towards(sim, t_end);
     if (status >= 0 && sim->stage.warning.status > 0 && warning.status == NSDAE_OK)
       warning = sim->stage.warning;

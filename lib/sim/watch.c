@@ -8,8 +8,10 @@
 #include "sim_impl.h"
 #include "vector.h"
 
-static const double watch_ways = 10;   /* of a step, or overlaps of penalty */
-static const double watch_share = 0.1; /* of the largest kinetic energy */
+static const double watch_ways = 10;      /* of a step, or overlaps of penalty */
+static const double watch_quarter = 0.25; /* of the width of a body */
+static const double watch_tenth = 0.1;    /* of an arm: 0.1 rad */
+static const double watch_share = 0.1;    /* of the largest kinetic energy */
 static const double watch_turnover =
     0.02;                                 /* of the work that forces, or what moves, did and took */
 static const double watch_half = 0.5;     /* of the largest that came from somewhere */
@@ -38,10 +40,10 @@ static int force_at_rest(const nsdae_terms *T, double *still, double *F)
   if (nsdae_largest(s->dims.nv, T->v) == 0) return NSDAE_OK;
   memset(still, 0, size);
   memset(F, 0, size);
-  int code = s->call.force(T->t, T->q, still, F, s->user);
+  int code = s->call.force(nsdae_terms_time(T), T->q, still, F, s->user);
   for (int i = 0; i < s->dims.nv; i++)
     if (!isfinite(F[i])) F[i] = T->F[i];
-  return nsdae_system_callback_status(code, "force", T->t, T->error);
+  return nsdae_system_callback_status(code, "force", nsdae_terms_time(T), T->error);
 }
 
 /* The way that the forces F lead to in a step from rest: h^2 F / M. */
@@ -111,10 +113,10 @@ static int refuse(const nsdae_result *result, const char *name, int index, doubl
   if (kind != OF_ONE) snprintf(place, sizeof place, "[%d]", index);
   nsdae_error_set(end->error, NSDAE_E_NONFINITE, "nsdae_sim", name,
                   "%s%s is %g at t = %.17g: the values overflow, and the step was dropped", name,
-                  place, value, end->t);
+                  place, value, nsdae_terms_time(end));
   if (kind >= 0) nsdae_system_name_item(end->system, kind, item, end->error);
   end->error->index = index;
-  end->error->time = end->t;
+  end->error->time = nsdae_terms_time(end);
   return NSDAE_E_NONFINITE;
 }
 
@@ -393,9 +395,9 @@ static int say(nsdae_point *point, const warning *of)
   const nsdae_terms *end = &point->result.end;
   point->accounts.stats.warnings |= of->bit;
   nsdae_error_set(end->error, of->status, "nsdae_sim", of->argument,
-                  "at t = %.6g %s %.3g, more than the method explains (%.3g): %s", end->t, of->what,
-                  of->value, of->bound, of->advice);
-  if (end->error) end->error->time = end->t;
+                  "at t = %.12g %s %.3g, more than the method explains (%.3g): %s",
+                  nsdae_terms_time(end), of->what, of->value, of->bound, of->advice);
+  if (end->error) end->error->time = nsdae_terms_time(end);
   if (of->kind >= 0) nsdae_system_name_item(end->system, of->kind, of->item, end->error);
   return of->status;
 }
@@ -436,39 +438,75 @@ static int say_energy(nsdae_point *point, const gain *g)
   return say(point, all[g->why]);
 }
 
-static int say_penetration(nsdae_point *point, double bound)
+/* The error that is largest against its bound: a share of its size, or the way where that is
+ * unknown. */
+typedef struct excess {
+  double value, bound;
+  int item;
+} excess;
+
+static void compare(excess *e, int item, double value, double allowed, double way)
 {
-  const nsdae_record *r = &point->record;
-  int k = point->result.end.system->dims.k, deepest = 0;
-  for (int i = 1; i < k; i++)
-    if (r->gap[i] < r->gap[deepest]) deepest = i;
+  double bound = allowed > 0 ? allowed : way;
+  if (value * e->bound > e->value * bound) *e = (excess){value, bound, item};
+}
+
+/* The smaller of the two blocks of a contact by list; 0: neither is known. */
+static double size_of_pair(const double *size, const int *block)
+{
+  double least = INFINITY;
+  for (int s = 0; s < 2; s++)
+    if (block[s] >= 0 && size[block[s]] > 0) least = fmin(least, size[block[s]]);
+  return isfinite(least) ? least : 0;
+}
+
+static excess deepest(const nsdae_result *r, double way)
+{
+  const nsdae_system *s = r->end.system;
+  const double *size = s->size[NSDAE_NAME_CONTACT];
+  excess e = {0, 1, 0};
+  for (int i = 0; i < s->dims.k; i++)
+    compare(&e, i, -r->end.gap[i], size ? watch_quarter * size[i] : 0, way);
+  for (int a = 0; a < r->closed.count; a++)
+    compare(&e, a, -r->closed.gap[a],
+            size ? watch_quarter * size_of_pair(size, r->closed.block + 2 * (size_t)a) : 0, way);
+  return e;
+}
+
+static excess furthest(const nsdae_terms *T, double way)
+{
+  const double *size = T->system->size[NSDAE_NAME_CONSTRAINT];
+  excess e = {0, 1, 0};
+  for (int i = 0; i < T->system->dims.m; i++)
+    compare(&e, i, fabs(T->constraint.phi[i]), size ? watch_tenth * size[i] : 0, way);
+  return e;
+}
+
+static int say_penetration(nsdae_point *point, const excess *e)
+{
   const warning of = {NSDAE_WATCH_PENETRATION,
                       NSDAE_WARN_PENETRATION,
                       "gap",
                       "bodies overlap by",
-                      r->penetration,
-                      bound,
+                      e->value,
+                      e->bound,
                       "make dt smaller, set projection = depths, and check gap and gap_normal",
-                      k > 0 ? NSDAE_NAME_CONTACT : -1,
-                      deepest};
+                      point->result.end.system->dims.k > 0 ? NSDAE_NAME_CONTACT : -1,
+                      e->item};
   return say(point, &of);
 }
 
-static int say_drift(nsdae_point *point, double bound)
+static int say_drift(nsdae_point *point, const excess *e)
 {
-  const nsdae_terms *end = &point->result.end;
-  int worst = 0;
-  for (int i = 1; i < end->system->dims.m; i++)
-    if (fabs(end->constraint.phi[i]) > fabs(end->constraint.phi[worst])) worst = i;
   const warning of = {NSDAE_WATCH_DRIFT,
                       NSDAE_WARN_DRIFT,
                       "constraint",
                       "constraints are violated by",
-                      point->record.constraint_drift,
-                      bound,
+                      e->value,
+                      e->bound,
                       "make dt smaller, or set projection = constraints",
                       NSDAE_NAME_CONSTRAINT,
-                      worst};
+                      e->item};
   return say(point, &of);
 }
 
@@ -508,11 +546,13 @@ static int judge(const nsdae_sim *sim, nsdae_point *point, const gain *g)
   int new = ~point->accounts.stats.warnings;
   if (g->energy > g->bound && (new &NSDAE_WATCH_ENERGY)) return say_energy(point, g);
   if (r->penetration > 0 && (new &NSDAE_WATCH_PENETRATION)) {
-    double depth = watch_ways * depth_of(sim, point);
-    if (r->penetration > depth) return say_penetration(point, depth);
+    const excess e = deepest(&point->result, watch_ways * depth_of(sim, point));
+    if (e.value > e.bound) return say_penetration(point, &e);
   }
-  double way = watch_ways * point->accounts.watch.way;
-  if (r->constraint_drift > way && (new &NSDAE_WATCH_DRIFT)) return say_drift(point, way);
+  if (r->constraint_drift > 0 && (new &NSDAE_WATCH_DRIFT)) {
+    const excess e = furthest(&point->result.end, watch_ways * point->accounts.watch.way);
+    if (e.value > e.bound) return say_drift(point, &e);
+  }
   if (point->result.twofold.slide >= 0 && (new &NSDAE_WATCH_PAINLEVE)) return say_twofold(point);
   return NSDAE_OK;
 }
@@ -555,8 +595,8 @@ static int keeps_energy(const nsdae_sim *sim, const nsdae_point *before, const n
                   "the kinetic energy changed by %.3g up to t = %.17g that no force and no impact "
                   "did, more than rtol = %g explains (%.3g): make rtol smaller, or use method = "
                   "implicit",
-                  off, r->end.t, sim->options.rtol, bound);
-  r->end.error->time = r->end.t;
+                  off, nsdae_terms_time(&r->end), sim->options.rtol, bound);
+  r->end.error->time = nsdae_terms_time(&r->end);
   return NSDAE_E_CONVERGENCE;
 }
 

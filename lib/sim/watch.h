@@ -5,13 +5,15 @@
  * sum |v_j| the longest way along such a row in one step so far, and g the largest change of a gap
  * in one; neither below the way h^2 F / M that the start's forces lead to from rest.
  *
- * - Penetration: a contact is found closed at the end (moreau: the middle) of a step, so a gap
- * falls below zero by at most g, and no impulse pulls it apart again; what comes later keeps v_N >=
- * 0 and adds the bend of the surface, of second order in h. More than 10 g is not that. With
+ * - Penetration: deeper than a quarter of the smaller body, if its width is known. Else a contact
+ * is found closed at the end (moreau: the middle) of a step, so a gap falls below zero by at most
+ * g. The step of the impact adds (1 - e) g / 2; later steps keep v_N >= 0 and add the bend of the
+ * surface, of second order in h. More than 10 g is not that. With
  * penalty the overlap d stores K d^(n+1) / (n+1): more than 10 times the d of the largest kinetic
  * energy is not.
  * - Drift: one step violates a constraint by O(h^3), moreau by O(h^2), of the way l of that step.
- * What accumulates to more than 10 l is no longer a position on the constraint.
+ * What accumulates to more than 10 l is no longer a position on the constraint, nor is a tenth of
+ * the joint's arm, which counts where it is known.
  * - Energy: with v(+) + v(-) = 2 vm contact impulses do the work Lambda_N vm_N + Lambda_T vm_T.
  * Newton's law makes Lambda_N (1 - e) v_N(-) / 2 <= 0 of a contact that closes, Coulomb's Lambda_T
  * v_T(+) <= 0. What the other half of the tangential work brings, or a contact that was opening, is

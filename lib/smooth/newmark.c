@@ -58,8 +58,8 @@ static int no_convergence(nsdae_newmark *N, double t, double last)
   nsdae_error_set(N->error, NSDAE_E_CONVERGENCE, "nsdae_newmark", "dt",
                   "the smooth step from t = %.17g did not converge in %d iterations (change %.3g, "
                   "wanted %.3g): make dt smaller",
-                  t, N->options->iteration_max, last, N->tol);
-  if (N->error) N->error->time = t;
+                  nsdae_system_time(N->system, t), N->options->iteration_max, last, N->tol);
+  if (N->error) N->error->time = nsdae_system_time(N->system, t);
   return NSDAE_E_CONVERGENCE;
 }
 

@@ -126,15 +126,15 @@ static int no_convergence(const nsdae_step *step, double moved, const int rank[2
                     "the step from t = %.17g did not converge in %d iterations (change %.3g): the "
                     "rank of Phi_q is %d in one and %d in another, as redundant constraints drift "
                     "by about rank_tol = %g: make it larger than the drift, or dt smaller",
-                    step->start->t, s->options->iteration_max, moved, rank[0], rank[1],
-                    s->options->rank_tol);
+                    nsdae_terms_time(step->start), s->options->iteration_max, moved, rank[0],
+                    rank[1], s->options->rank_tol);
   else
     nsdae_error_set(
         s->error, NSDAE_E_CONVERGENCE, "nsdae_implicit", "dt",
         "the step from t = %.17g did not converge in %d iterations (change %.3g, wanted "
         "%.3g): make dt smaller",
-        step->start->t, s->options->iteration_max, moved, s->iteration_tol);
-  s->error->time = step->start->t;
+        nsdae_terms_time(step->start), s->options->iteration_max, moved, s->iteration_tol);
+  s->error->time = nsdae_terms_time(step->start);
   return NSDAE_E_CONVERGENCE;
 }
 

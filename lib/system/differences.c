@@ -28,12 +28,14 @@ void nsdae_differences_layout(nsdae_differences *differences, nsdae_arena *arena
 
 /* A power of two, so that t + s and t - s are exact. Neither time nor place has a natural zero, so
  * that the step grows with them for rounding alone: scale = eps^p is the best step of a function
- * with errors eps, and far out they are eps (1 + |q|), whatever else moves with it. */
+ * with errors eps, and far out they are eps (1 + |q|), whatever else moves with it; at late times
+ * they are eps |t|. */
 double nsdae_differences_step(int nq, double t, const double *q, const double *qdot, double scale)
 {
   double p = ilogb(scale) / (1.0 - DBL_MANT_DIG), far = 0, fastest;
   for (int i = 0; i < nq; i++) far = fmax(far, qdot[i] != 0 ? fabs(q[i]) : 0);
-  fastest = 1 / fmax(fmax(1, 1e-4 * fabs(t)), ldexp(1, (int)(p * ilogb(1 + far))));
+  double late = fabs(t) > 1e4 ? fabs(t) : 0;
+  fastest = 1 / ldexp(1, (int)(p * ilogb(1 + fmax(far, late))));
   for (int i = 0; i < nq; i++)
     fastest = fmax(fastest, ldexp(fabs(qdot[i]), -(int)(p * ilogb(1 + fabs(q[i])))));
   return ldexp(1, ilogb(scale / fastest));
@@ -59,7 +61,7 @@ static int displaced(nsdae_differences *d, nsdae_position_fn f, double t, const 
 static int rate(nsdae_differences *d, nsdae_position_fn f, int rows, double t, const double *q,
                 double scale, double time, double *out)
 {
-  double s = nsdae_differences_step(d->system->dims.nq, t, q, d->qdot, scale);
+  double s = nsdae_differences_step(d->system->dims.nq, time * t, q, d->qdot, scale);
   int code = displaced(d, f, t, q, s, time, d->plus);
   if (!code) code = displaced(d, f, t, q, -s, time, d->minus);
   for (int i = 0; i < rows; i++) out[i] = (d->plus[i] - d->minus[i]) / (2 * s);

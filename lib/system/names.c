@@ -1,4 +1,5 @@
 /* Names and units of what a system has several of. */
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -34,20 +35,19 @@ static int refuse(nsdae_system *system, const char *argument, const char *text, 
   return nsdae_system_refuse(system, NSDAE_E_ARGUMENT, "name", argument, line);
 }
 
-static int check_place(nsdae_system *system, int kind, int i)
+static int check_place(nsdae_system *system, const char *setter, int kind, int i, int count)
 {
   char line[120];
   if (kind < 0 || kind >= NSDAE_NAME_KINDS) {
     snprintf(line, sizeof line, "kind = %d is none of enum nsdae_name_kind", kind);
-    return nsdae_system_refuse(system, NSDAE_E_ARGUMENT, "name", "kind", line);
+    return nsdae_system_refuse(system, NSDAE_E_ARGUMENT, setter, "kind", line);
   }
-  int count = nsdae_system_count(system, kind);
   if (i >= 0 && i < count) return NSDAE_OK;
   snprintf(line, sizeof line,
            count > 0 ? "i = %d is outside its range for a %s: it must be 0 .. %d"
                      : "i = %d: the system has no %s",
            i, kinds[kind], count - 1);
-  return nsdae_system_refuse(system, NSDAE_E_ARGUMENT, "name", "i", line);
+  return nsdae_system_refuse(system, NSDAE_E_ARGUMENT, setter, "i", line);
 }
 
 static int check_texts(nsdae_system *system, const char *name, const char *unit)
@@ -63,7 +63,7 @@ int nsdae_system_set_name(nsdae_system *system, int kind, int i, const char *nam
 {
   if (!system) return NSDAE_E_ARGUMENT;
   if (!unit) unit = "";
-  int status = check_place(system, kind, i);
+  int status = check_place(system, "name", kind, i, nsdae_system_count(system, kind));
   if (status == NSDAE_OK) status = check_texts(system, name, unit);
   if (status == NSDAE_OK) status = nsdae_system_open(system, "name");
   if (status < 0) return status;
@@ -76,6 +76,35 @@ int nsdae_system_set_name(nsdae_system *system, int kind, int i, const char *nam
   snprintf(label->name, sizeof label->name, "%s", name);
   snprintf(label->unit, sizeof label->unit, "%s", unit);
   snprintf(label->rate, sizeof label->rate, *unit ? "%s/s" : "%s", unit);
+  return NSDAE_OK;
+}
+
+/* How many sizes there are: of blocks where contacts are by list. */
+static int sizes_of(const nsdae_system *s, int kind)
+{
+  return s->by_list && kind == NSDAE_NAME_CONTACT ? s->blocks.count : nsdae_system_count(s, kind);
+}
+
+int nsdae_system_set_size(nsdae_system *system, int kind, int i, double size)
+{
+  char line[120];
+  if (!system) return NSDAE_E_ARGUMENT;
+  int count = sizes_of(system, kind), status = check_place(system, "size", kind, i, count);
+  if (status < 0) return status;
+  if (kind != NSDAE_NAME_CONTACT && kind != NSDAE_NAME_CONSTRAINT)
+    return nsdae_system_refuse(system, NSDAE_E_ARGUMENT, "size", "kind",
+                               "only contacts and constraints have a size");
+  if (!(size >= 0) || isinf(size)) {
+    snprintf(line, sizeof line, "size = %g is outside its range: it must be at least 0, finite",
+             size);
+    return nsdae_system_refuse(system, NSDAE_E_ARGUMENT, "size", "size", line);
+  }
+  status = nsdae_system_open(system, "size");
+  if (status < 0) return status;
+  double **sizes = &system->size[kind];
+  if (!*sizes) *sizes = calloc((size_t)count, sizeof **sizes);
+  if (!*sizes) return nsdae_system_refuse(system, NSDAE_E_MEMORY, "size", "", "out of memory");
+  (*sizes)[i] = size;
   return NSDAE_OK;
 }
 

@@ -59,7 +59,10 @@ int nsdae_system_create(const nsdae_dims *dims, nsdae_system **system, nsdae_err
 static void release(nsdae_system *system)
 {
   if (atomic_fetch_sub(&system->owners, 1) > 1) return;
-  for (int kind = 0; kind < NSDAE_NAME_KINDS; kind++) free(system->label[kind]);
+  for (int kind = 0; kind < NSDAE_NAME_KINDS; kind++) {
+    free(system->label[kind]);
+    free(system->size[kind]);
+  }
   nsdae_system_release_bodies(system);
   free(system->contact);
   free(system->slide);

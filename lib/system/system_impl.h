@@ -64,11 +64,13 @@ struct nsdae_system {
   nsdae_part_of part;
   nsdae_maker maker;
   void *user;
+  double epoch; /* t0 of the simulation whose copy this is: see nsdae_system_time */
   nsdae_calls call;
   int by_list;                          /* blocks were set: those three in place of dense ones */
   nsdae_blocks blocks, coordinates;     /* of v and q; one of all where none were set */
   nsdae_coefficients *contact;          /* k */
   nsdae_slide *slide;                   /* f */
+  double *size[NSDAE_NAME_KINDS];       /* lengths, 0 where unknown; NULL: none is known */
   nsdae_label *label[NSDAE_NAME_KINDS]; /* as many as there are of that kind; NULL: no names */
   nsdae_body *body;                     /* bodies: what files show; room for a power of two */
   int bodies;
@@ -129,6 +131,13 @@ int nsdae_system_exact(const nsdae_system *system, int kind, int i);
  * Then the error names the element and the reason; its status stays. */
 int nsdae_system_explain(const nsdae_system *system, double t, const double *q, const double *v,
                          nsdae_error *error);
+
+/* A simulation counts time from its start, so that steps and events keep their digits at any t0.
+ * Callbacks, records, errors and files have the time of the user: epoch + t. */
+static inline double nsdae_system_time(const nsdae_system *system, double t)
+{
+  return system->epoch + t;
+}
 
 /* Gives the error an index, that of an item, and ends its text with what that is called:
  * ': contact 3 "stop"'. Nothing where error is NULL. */

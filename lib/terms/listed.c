@@ -10,10 +10,10 @@ static int listed(nsdae_terms *T, int code, int refused, const char *callback,
                   const nsdae_room *room, const nsdae_room *taken)
 {
   if (refused < 0) {
-    if (T->error) T->error->time = T->t;
+    if (T->error) T->error->time = nsdae_terms_time(T);
     return refused;
   }
-  int status = nsdae_system_callback_status(code, callback, T->t, T->error);
+  int status = nsdae_system_callback_status(code, callback, nsdae_terms_time(T), T->error);
   if (status < 0) return status;
   return nsdae_room_enough(room, taken) ? NSDAE_OK : NSDAE_GROW;
 }
@@ -38,10 +38,12 @@ int nsdae_terms_mass_blocks(nsdae_terms *T)
   size_t squares = s->blocks.square[s->blocks.count];
   memset(T->M, 0, squares * sizeof *T->M);
   T->evals->mass++;
-  int status = nsdae_system_callback_status(s->call.mass_blocks(T->t, T->q, T->M, s->user),
-                                            "mass_blocks", T->t, T->error);
+  int status =
+      nsdae_system_callback_status(s->call.mass_blocks(nsdae_terms_time(T), T->q, T->M, s->user),
+                                   "mass_blocks", nsdae_terms_time(T), T->error);
   if (status < 0) return status;
-  status = nsdae_system_finite(s, T->M, (int)squares, 1, "mass_blocks", T->t, T->error);
+  status =
+      nsdae_system_finite(s, T->M, (int)squares, 1, "mass_blocks", nsdae_terms_time(T), T->error);
   return status < 0 ? name_column(T, status) : NSDAE_OK;
 }
 
@@ -52,7 +54,7 @@ int nsdae_terms_constraint_rows(nsdae_terms *T)
   list->error = T->error;
   nsdae_row_list_clear(list);
   T->evals->jacobian++;
-  int code = s->call.constraint_rows(T->t, T->q, list, s->user);
+  int code = s->call.constraint_rows(nsdae_terms_time(T), T->q, list, s->user);
   nsdae_row_list_close(list);
   return listed(T, code, list->status, "constraint_rows", &list->room, &list->taken);
 }
@@ -65,7 +67,9 @@ int nsdae_terms_contacts(nsdae_terms *T, double reach)
   T->have &= ~(unsigned)NSDAE_TERM_CONTACTS;
   list->error = T->error;
   nsdae_contact_list_clear(list);
-  int code = s->call.contacts ? s->call.contacts(T->t, T->q, T->v, reach, list, s->user) : 0;
+  int code = s->call.contacts
+                 ? s->call.contacts(nsdae_terms_time(T), T->q, T->v, reach, list, s->user)
+                 : 0;
   int status = listed(T, code, list->status, "contacts", &list->room, &list->taken);
   if (status < 0) return status;
   T->by.reach = reach;

@@ -39,12 +39,12 @@ static int mass_ahead(nsdae_power *p, const nsdae_terms *T, const double *qdot, 
   for (int i = 0; i < nq; i++)
     if (fabs(qdot[i]) > fastest * (1 + fabs(T->q[i])))
       fastest = fabs(qdot[i]) / (1 + fabs(T->q[i]));
-  *s = 0x1p-26 * fmax(1, 1e-4 * fabs(T->t)) / fastest;
+  *s = 0x1p-26 * fmax(1, 1e-4 * fabs(nsdae_terms_time(T))) / fastest;
   for (int i = 0; i < nq; i++) p->q[i] = T->q[i] + *s * qdot[i];
   memset(p->M, 0, (size_t)n * (size_t)n * sizeof *p->M);
   T->evals->mass++;
-  int code = system->call.mass(T->t + *s, p->q, p->M, n, system->user);
-  return nsdae_system_callback_status(code, "mass", T->t, T->error);
+  int code = system->call.mass(nsdae_terms_time(T) + *s, p->q, p->M, n, system->user);
+  return nsdae_system_callback_status(code, "mass", nsdae_terms_time(T), T->error);
 }
 
 int nsdae_power_rate(nsdae_power *p, const nsdae_terms *T, const double *a, const double *qdot,
@@ -60,5 +60,5 @@ int nsdae_power_rate(nsdae_power *p, const nsdae_terms *T, const double *a, cons
   }
   *rate = sum;
   if (status < 0 || isfinite(sum) || !moves) return status;
-  return nsdae_system_finite(T->system, p->M, n, n, "mass", T->t, T->error);
+  return nsdae_system_finite(T->system, p->M, n, n, "mass", nsdae_terms_time(T), T->error);
 }

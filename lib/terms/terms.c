@@ -112,10 +112,11 @@ static inline void zero(double *a, long count)
 static int refuse(const nsdae_terms *T, int code, const char *callback, const double *a, int rows,
                   int columns)
 {
-  int status = nsdae_system_callback_status(code, callback, T->t, T->error);
+  double t = nsdae_terms_time(T);
+  int status = nsdae_system_callback_status(code, callback, t, T->error);
   if (status == NSDAE_OK)
-    status = nsdae_system_finite(T->system, a, rows, columns, callback, T->t, T->error);
-  if (status < 0) nsdae_system_explain(T->system, T->t, T->q, T->v, T->error);
+    status = nsdae_system_finite(T->system, a, rows, columns, callback, t, T->error);
+  if (status < 0) nsdae_system_explain(T->system, t, T->q, T->v, T->error);
   return status;
 }
 
@@ -151,8 +152,8 @@ static int mass(nsdae_terms *T)
   if (s->by_list) return there(T, NSDAE_TERM_MASS, nsdae_terms_mass_blocks(T));
   zero(T->M, (long)n * n);
   T->evals->mass++;
-  return outcome(T, NSDAE_TERM_MASS, s->call.mass(T->t, T->q, T->M, n, s->user), "mass", T->M, n,
-                 n);
+  return outcome(T, NSDAE_TERM_MASS, s->call.mass(nsdae_terms_time(T), T->q, T->M, n, s->user),
+                 "mass", T->M, n, n);
 }
 
 static int force(nsdae_terms *T)
@@ -160,15 +161,16 @@ static int force(nsdae_terms *T)
   const nsdae_system *s = T->system;
   zero(T->F, s->dims.nv);
   T->evals->force++;
-  return outcome(T, NSDAE_TERM_FORCE, s->call.force(T->t, T->q, T->v, T->F, s->user), "force", T->F,
-                 s->dims.nv, 1);
+  return outcome(T, NSDAE_TERM_FORCE, s->call.force(nsdae_terms_time(T), T->q, T->v, T->F, s->user),
+                 "force", T->F, s->dims.nv, 1);
 }
 
 static int phi(nsdae_terms *T)
 {
   const nsdae_system *s = T->system;
   zero(T->constraint.phi, s->dims.m);
-  return outcome(T, NSDAE_TERM_PHI, s->call.constraint(T->t, T->q, T->constraint.phi, s->user),
+  return outcome(T, NSDAE_TERM_PHI,
+                 s->call.constraint(nsdae_terms_time(T), T->q, T->constraint.phi, s->user),
                  "constraint", T->constraint.phi, s->dims.m, 1);
 }
 
@@ -180,12 +182,12 @@ static int jacobian(nsdae_terms *T)
   zero(T->by.jacobian.value, (long)m * n);
   T->evals->jacobian++;
   if (!s->call.constraint_jacobian) {
-    code = nsdae_differences_velocity(T->differences, s->call.constraint, m, T->t, T->q,
-                                      T->by.jacobian.value, m, 0);
+    code = nsdae_differences_velocity(T->differences, s->call.constraint, m, nsdae_terms_time(T),
+                                      T->q, T->by.jacobian.value, m, 0);
     return difference_outcome(T, NSDAE_TERM_JACOBIAN, code, "constraint", T->by.jacobian.value, m,
                               n);
   }
-  code = s->call.constraint_jacobian(T->t, T->q, T->by.jacobian.value, m, s->user);
+  code = s->call.constraint_jacobian(nsdae_terms_time(T), T->q, T->by.jacobian.value, m, s->user);
   return outcome(T, NSDAE_TERM_JACOBIAN, code, "constraint_jacobian", T->by.jacobian.value, m, n);
 }
 
@@ -196,8 +198,8 @@ static int given_bias(nsdae_terms *T)
   int m = s->dims.m;
   zero(T->constraint.phi_t, m);
   zero(T->constraint.omega, m);
-  int code =
-      s->call.constraint_bias(T->t, T->q, T->v, T->constraint.phi_t, T->constraint.omega, s->user);
+  int code = s->call.constraint_bias(nsdae_terms_time(T), T->q, T->v, T->constraint.phi_t,
+                                     T->constraint.omega, s->user);
   int status = outcome(T, 0, code, "constraint_bias", T->constraint.phi_t, m, 1);
   if (status < 0) return status;
   return outcome(T, NSDAE_TERM_PHI_T | NSDAE_TERM_OMEGA, 0, "constraint_bias", T->constraint.omega,
@@ -209,8 +211,8 @@ static int phi_t(nsdae_terms *T)
   const nsdae_system *s = T->system;
   int m = s->dims.m;
   if (s->call.constraint_bias) return given_bias(T);
-  int code = nsdae_differences_time(T->differences, s->call.constraint, m, T->t, T->q,
-                                    T->constraint.phi_t);
+  int code = nsdae_differences_time(T->differences, s->call.constraint, m, nsdae_terms_time(T),
+                                    T->q, T->constraint.phi_t);
   return difference_outcome(T, NSDAE_TERM_PHI_T, code, "constraint", T->constraint.phi_t, m, 1);
 }
 
@@ -219,8 +221,8 @@ static int omega(nsdae_terms *T)
   const nsdae_system *s = T->system;
   int m = s->dims.m;
   if (s->call.constraint_bias) return given_bias(T);
-  int code = nsdae_differences_second(T->differences, s->call.constraint, m, T->t, T->q, T->v,
-                                      T->constraint.omega);
+  int code = nsdae_differences_second(T->differences, s->call.constraint, m, nsdae_terms_time(T),
+                                      T->q, T->v, T->constraint.omega);
   return difference_outcome(T, NSDAE_TERM_OMEGA, code, "constraint", T->constraint.omega, m, 1);
 }
 
@@ -228,8 +230,8 @@ static int gap(nsdae_terms *T)
 {
   const nsdae_system *s = T->system;
   zero(T->gap, s->dims.k);
-  return outcome(T, NSDAE_TERM_GAP, s->call.gap(T->t, T->q, T->gap, s->user), "gap", T->gap,
-                 s->dims.k, 1);
+  return outcome(T, NSDAE_TERM_GAP, s->call.gap(nsdae_terms_time(T), T->q, T->gap, s->user), "gap",
+                 T->gap, s->dims.k, 1);
 }
 
 static int normal(nsdae_terms *T)
@@ -238,11 +240,11 @@ static int normal(nsdae_terms *T)
   int k = s->dims.k, n = s->dims.nv, code;
   zero(T->by.normal.value, (long)n * k);
   if (!s->call.gap_normal) {
-    code = nsdae_differences_velocity(T->differences, s->call.gap, k, T->t, T->q,
+    code = nsdae_differences_velocity(T->differences, s->call.gap, k, nsdae_terms_time(T), T->q,
                                       T->by.normal.value, n, 1);
     return difference_outcome(T, NSDAE_TERM_NORMAL, code, "gap", T->by.normal.value, n, k);
   }
-  code = s->call.gap_normal(T->t, T->q, T->by.normal.value, n, s->user);
+  code = s->call.gap_normal(nsdae_terms_time(T), T->q, T->by.normal.value, n, s->user);
   return outcome(T, NSDAE_TERM_NORMAL, code, "gap_normal", T->by.normal.value, n, k);
 }
 
@@ -254,8 +256,8 @@ static int tangent(nsdae_terms *T)
   if (!s->call.gap_tangent)
     return there(T, NSDAE_TERM_TANGENT, NSDAE_OK); /* allowed where no contact has friction */
   return outcome(T, NSDAE_TERM_TANGENT,
-                 s->call.gap_tangent(T->t, T->q, T->by.tangent.value, n, s->user), "gap_tangent",
-                 T->by.tangent.value, n, columns);
+                 s->call.gap_tangent(nsdae_terms_time(T), T->q, T->by.tangent.value, n, s->user),
+                 "gap_tangent", T->by.tangent.value, n, columns);
 }
 
 static int bias(nsdae_terms *T)
@@ -265,10 +267,11 @@ static int bias(nsdae_terms *T)
   zero(T->w_N, k);
   zero(T->w_T, (long)k * nt);
   if (!s->call.contact_bias) {
-    code = nsdae_differences_time(T->differences, s->call.gap, k, T->t, T->q, T->w_N);
+    code =
+        nsdae_differences_time(T->differences, s->call.gap, k, nsdae_terms_time(T), T->q, T->w_N);
     return outcome(T, NSDAE_TERM_BIAS, code, "gap", T->w_N, k, 1);
   }
-  code = s->call.contact_bias(T->t, T->q, T->w_N, nt > 0 ? T->w_T : NULL, s->user);
+  code = s->call.contact_bias(nsdae_terms_time(T), T->q, T->w_N, nt > 0 ? T->w_T : NULL, s->user);
   int status = outcome(T, 0, code, "contact_bias", T->w_N, k, 1);
   return status < 0 ? status : outcome(T, NSDAE_TERM_BIAS, 0, "contact_bias", T->w_T, k * nt, 1);
 }
@@ -281,7 +284,8 @@ static int slide(nsdae_terms *T)
   zero(T->slide.w, f);
   if (!s->call.slide_tangent)
     return there(T, NSDAE_TERM_SLIDE, NSDAE_OK); /* allowed where no slide has friction */
-  int code = s->call.slide_tangent(T->t, T->q, T->by.slide.value, n, T->slide.w, s->user);
+  int code =
+      s->call.slide_tangent(nsdae_terms_time(T), T->q, T->by.slide.value, n, T->slide.w, s->user);
   int status = outcome(T, 0, code, "slide_tangent", T->by.slide.value, n, f);
   return status < 0 ? status : outcome(T, NSDAE_TERM_SLIDE, 0, "slide_tangent", T->slide.w, f, 1);
 }
@@ -295,11 +299,11 @@ static int acceleration(nsdae_terms *T)
   zero(T->omega.T, kt);
   zero(T->slide.omega, f);
   if (s->call.contact_acceleration) {
-    code = s->call.contact_acceleration(T->t, T->q, T->v, k ? T->omega.N : NULL,
+    code = s->call.contact_acceleration(nsdae_terms_time(T), T->q, T->v, k ? T->omega.N : NULL,
                                         kt ? T->omega.T : NULL, f ? T->slide.omega : NULL, s->user);
   } else {
-    code = nsdae_differences_contacts(T->differences, T->t, T->q, T->v, T->omega.N, T->omega.T,
-                                      T->slide.omega);
+    code = nsdae_differences_contacts(T->differences, nsdae_terms_time(T), T->q, T->v, T->omega.N,
+                                      T->omega.T, T->slide.omega);
     if (code || T->differences->bad) callback = code ? T->differences->failed : T->differences->bad;
   }
   int status = outcome(T, 0, code, callback, T->omega.N, k, 1);
@@ -313,8 +317,9 @@ static int potential(nsdae_terms *T)
   const nsdae_system *s = T->system;
   T->potential = 0;
   if (!s->call.potential) return there(T, NSDAE_TERM_POTENTIAL, NSDAE_OK);
-  return outcome(T, NSDAE_TERM_POTENTIAL, s->call.potential(T->t, T->q, &T->potential, s->user),
-                 "potential", &T->potential, 1, 1);
+  return outcome(T, NSDAE_TERM_POTENTIAL,
+                 s->call.potential(nsdae_terms_time(T), T->q, &T->potential, s->user), "potential",
+                 &T->potential, 1, 1);
 }
 
 enum {
@@ -371,11 +376,11 @@ static int not_symmetric(const nsdae_terms *terms, int b, size_t i, size_t j)
   nsdae_error_set(terms->error, NSDAE_E_MASS, "nsdae_terms", "mass",
                   "the mass matrix is not symmetric at t = %.17g: M(%d, %d) = %g, M(%d, %d) = %g: "
                   "fill both triangles (%s, %s)",
-                  terms->t, row, column, terms->M[at + j * n + i], column, row,
+                  nsdae_terms_time(terms), row, column, terms->M[at + j * n + i], column, row,
                   terms->M[at + i * n + j],
                   nsdae_system_called(system, NSDAE_NAME_VELOCITY, row, a),
                   nsdae_system_called(system, NSDAE_NAME_VELOCITY, column, c));
-  terms->error->time = terms->t;
+  terms->error->time = nsdae_terms_time(terms);
   terms->error->index = (int)(at + j * n + i);
   return NSDAE_E_MASS;
 }
@@ -407,7 +412,7 @@ int nsdae_kinematics_at(const nsdae_terms *T, const double *v, double *qdot)
   int nq = s->dims.nq, code = 0;
   double sum = 0;
   if (s->call.kinematics) {
-    code = s->call.kinematics(T->t, T->q, v, qdot, s->user);
+    code = s->call.kinematics(nsdae_terms_time(T), T->q, v, qdot, s->user);
     sum = code == 0 && nsdae_all_finite((size_t)nq, qdot) ? 0 : NAN;
   } else {
     for (int i = 0; i < nq; i++) sum += qdot[i] = v[i];
@@ -424,8 +429,8 @@ int nsdae_terms_finite(const nsdae_terms *T, const char *what, int kind, const d
         T->error, NSDAE_E_NONFINITE, "nsdae_terms", what,
         "%s %d is %g at t = %.17g: a callback gives numbers near the largest there are, "
         "or mass and forces are too far apart",
-        what, i, a[i], T->t);
-    T->error->time = T->t;
+        what, i, a[i], nsdae_terms_time(T));
+    T->error->time = nsdae_terms_time(T);
     nsdae_system_name_item(T->system, kind, i, T->error);
     return NSDAE_E_NONFINITE;
   }
@@ -471,8 +476,8 @@ int nsdae_terms_bad_mass(const nsdae_terms *terms, const nsdae_kkt *kkt)
   nsdae_error_set(terms->error, NSDAE_E_MASS, "nsdae_terms", "mass",
                   "the mass matrix is not positive definite at t = %.17g: pivot %d of %d is not "
                   "above rounding; check the callback mass",
-                  terms->t, kkt->pivot, kkt->n);
-  terms->error->time = terms->t;
+                  nsdae_terms_time(terms), kkt->pivot, kkt->n);
+  terms->error->time = nsdae_terms_time(terms);
   nsdae_system_name_item(terms->system, NSDAE_NAME_VELOCITY, kkt->pivot - 1, terms->error);
   return NSDAE_E_MASS;
 }
@@ -483,8 +488,8 @@ static int bad_rank(const nsdae_terms *terms, const nsdae_kkt *kkt)
   nsdae_error_set(terms->error, NSDAE_E_RANK, "nsdae_terms", "constraint_jacobian",
                   "Phi_q has rank %d of %d at t = %.17g: leave out the redundant constraints or "
                   "set redundant = least-norm; the first that depends on others",
-                  kkt->rank, kkt->m, terms->t);
-  terms->error->time = terms->t;
+                  kkt->rank, kkt->m, nsdae_terms_time(terms));
+  terms->error->time = nsdae_terms_time(terms);
   nsdae_system_name_item(terms->system, NSDAE_NAME_CONSTRAINT, kkt->pivoted.column[kkt->rank] - 1,
                          terms->error);
   return NSDAE_E_RANK;

@@ -94,6 +94,12 @@ static inline void nsdae_terms_forget(nsdae_terms *terms)
   terms->have = terms->absent;
 }
 
+/* The user's time of the point. */
+static inline double nsdae_terms_time(const nsdae_terms *terms)
+{
+  return nsdae_system_time(terms->system, terms->t);
+}
+
 /* Moves to a new point. */
 void nsdae_terms_at(nsdae_terms *terms, double t, const double *q, const double *v);
 /* Changes v alone: what depends on q only stays. */

@@ -133,6 +133,13 @@ class System:
             raise ValueError(f"kind is '{kind}'; it must be one of {', '.join(KINDS)}")
         self._core.set_name(KINDS.index(kind), i, name, unit)
 
+    def set_size(self, kind: str, i: int, size: float) -> None:
+        """The length [m] that the error of number i is measured by: of a "contact" (of contacts by
+        list, of a block) the width of the smaller body, of a "constraint" the arm of its joint."""
+        if kind not in KINDS:
+            raise ValueError(f"kind is '{kind}'; it must be one of {', '.join(KINDS)}")
+        self._core.set_size(KINDS.index(kind), i, float(size))
+
     def names(self, kind: str) -> list[tuple[str, str]]:
         """(name, unit) of each of a kind; "" where there is none."""
         if kind not in KINDS:

@@ -212,6 +212,11 @@ void system::set_blocks(whole_numbers nq, whole_numbers nv)
   blocks.nt = dims.nt;
 }
 
+void system::set_size(int kind, int i, double size)
+{
+  demand(nsdae_system_set_size(handle, kind, i, size));
+}
+
 void system::set_name(int kind, int i, const std::string &name, const std::string &unit)
 {
   demand(nsdae_system_set_name(handle, kind, i, text(name, "name"), text(unit, "unit")));
@@ -293,6 +298,7 @@ void bind_system(nb::module_ &m)
            [](const system &s) {
              return nb::make_tuple(array_of(s.blocks.nq), array_of(s.blocks.nv));
            })
+      .def("set_size", &system::set_size)
       .def("set_name", &system::set_name)
       .def("name", &system::name)
       .def("check", &system::check_at)

@@ -45,6 +45,7 @@ public:
   void set_contact(int i, double mu, double e_n, double e_t);
   void set_slide(int j, int constraint, double mu);
   void set_blocks(whole_numbers nq, whole_numbers nv);
+  void set_size(int kind, int i, double size);
   void set_name(int kind, int i, const std::string &name, const std::string &unit);
   nb::dict check_at(double t, vector q, vector v, double tol);
   nb::tuple name(int kind, int i) const;

@@ -2,6 +2,7 @@
 
 import gc
 import threading
+import warnings
 import weakref
 
 import numpy as np
@@ -30,6 +31,19 @@ def test_event_driven_ball_is_exact(ball):
     assert np.allclose(run.impacts["normal_impulse"][:3], 0.1 * 1.5 * G * fall * 0.5 ** np.arange(3), rtol=1e-7)
     assert np.allclose(run.q[:, 0], [exact_ball(t) for t in run.time], atol=1e-7)
     assert run["y"] is not None and run.names["coordinate"] == [("y", "m")]
+
+
+def test_size_bounds_the_overlap(ball):
+    """A ball of 4 cm that sinks by 3.8 cm is warned of, one of 4 m is not."""
+    ball.set_size("contact", 0, 0.04)
+    with pytest.warns(nsdae.RunWarning, match="overlap"):
+        nsdae.solve(ball, 0.6, [1], dt=0.02)
+    ball.set_size("contact", 0, 4)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        nsdae.solve(ball, 0.6, [1], dt=0.02)
+    with pytest.raises(nsdae.Error, match="size"):
+        ball.set_size("contact", 0, -1)
 
 
 def test_implicit_converges_in_second_order(pendulum):

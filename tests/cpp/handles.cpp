@@ -123,6 +123,7 @@ void test_errors()
   EXPECT(throws_status(NSDAE_E_ARGUMENT, [&] { nsdae::sim{none}; }));
   EXPECT(throws_status(NSDAE_E_ARGUMENT, [&] { none.contact(0, 0, 0); }));
   EXPECT(throws_status(NSDAE_E_ARGUMENT, [&] { make_ball().contact(1, 0, 0); }));
+  EXPECT(throws_status(NSDAE_E_ARGUMENT, [&] { make_ball().size(NSDAE_NAME_CONTACT, 1, 0.1); }));
   EXPECT(throws_status(NSDAE_E_ARGUMENT, [&] {
     unfinished.gap([](double, const double *, double *) {}); /* k = 0 */
   }));

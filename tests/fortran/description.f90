@@ -199,6 +199,7 @@ contains
       call contains_text(error%text, 'nsdae_system_set_contact', 'what to call')
     end if
     call is_int(nsdae_system_set_contact(s, 1, 0d0, 0d0, 0d0), NSDAE_OK, 'the other contact')
+    call is_int(nsdae_system_set_size(s, NSDAE_NAME_CONTACT, 1, 0.1d0), NSDAE_OK, 'a size')
     call is_int(nsdae_sim_create(s, sim, error=error), &
                 merge(NSDAE_OK, NSDAE_E_STATE, number == 0), 'without ' // name)
     call is_text(error%argument, name, 'error%argument')

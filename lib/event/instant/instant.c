@@ -223,7 +223,7 @@ int nsdae_event_strayed(const nsdae_event_instant *p, double t, const double *y)
                   "constraints or closed contacts, or their velocities, are off by %.3g times what "
                   "rtol = %g explains at t = %.17g: their derivatives may be wrong "
                   "(nsdae_system_check), or take a larger rtol",
-                  lost, s->options->rtol, t);
-  s->error->time = t;
+                  lost, s->options->rtol, nsdae_terms_time(s->here));
+  s->error->time = nsdae_terms_time(s->here);
   return NSDAE_E_CONVERGENCE;
 }

@@ -95,7 +95,8 @@ static void note_twofold(const nsdae_event_acceleration *p, int j)
   nsdae_twofold *twofold = &s->result->twofold;
   int slide = c->slides.number[j];
   if (twofold->slide < 0 && !p->by_cones && nsdae_jam_twofold(c, j))
-    *twofold = (nsdae_twofold){slide, s->here->t, p->lambda[c->system->slide[slide].constraint]};
+    *twofold = (nsdae_twofold){slide, nsdae_terms_time(s->here),
+                               p->lambda[c->system->slide[slide].constraint]};
 }
 
 static void read_slides(nsdae_event_acceleration *p)
@@ -231,8 +232,8 @@ static int share(nsdae_event_acceleration *p)
   nsdae_error_set(s->error, NSDAE_E_CONVERGENCE, "nsdae_event", "polygon",
                   "no friction of the contacts that stick at t = %.17g was found that holds "
                   "them: try more edges of the polygon, or method = implicit",
-                  s->here->t);
-  s->error->time = s->here->t;
+                  nsdae_terms_time(s->here));
+  s->error->time = nsdae_terms_time(s->here);
   return NSDAE_E_CONVERGENCE;
 }
 

@@ -64,7 +64,7 @@ static void test_first_refusal(void **state)
 static void test_every_refusal(void **state)
 {
   (void)state;
-  for (int i = 0; i < 8; i++) {
+  for (int i = 0; i < 10; i++) {
     nsdae_system *s = ball(0);
     const char *argument = "i", *where = "nsdae_system_set_contact";
     if (i == 0) nsdae_system_set_contact(s, PLANAR_K, 0.3, 0, 0);
@@ -76,6 +76,10 @@ static void test_every_refusal(void **state)
                                                          where = "nsdae_system_set_constraint";
     if (i == 5)
       nsdae_system_set_slide(s, 0, 0, 0), argument = "j", where = "nsdae_system_set_slide";
+    if (i == 8)
+      nsdae_system_set_size(s, NSDAE_NAME_CONTACT, 0, NAN), argument = "size",
+                                                            where = "nsdae_system_set_size";
+    if (i == 9) nsdae_system_set_size(s, NSDAE_NAME_SLIDE, 0, 1), where = "nsdae_system_set_size";
     if (i == 6)
       nsdae_system_set_name(s, NSDAE_NAME_SLIDE, 0, "x", ""), where = "nsdae_system_set_name";
     if (i == 7)
@@ -123,6 +127,7 @@ static void test_frozen(void **state)
     frozen(s, nsdae_system_set_force(s, planar_force), left);
     frozen(s, nsdae_system_set_user(s, NULL), left);
     frozen(s, nsdae_system_set_name(s, NSDAE_NAME_CONTACT, 0, "floor", "m"), left);
+    frozen(s, nsdae_system_set_size(s, NSDAE_NAME_CONTACT, 0, 1), left);
     assert_string_equal(nsdae_system_get_name(s, NSDAE_NAME_CONTACT, 0), "");
     nsdae_sim_destroy(&sim[left - 1]);
   }

@@ -1,0 +1,84 @@
+/* Lengths that overlap and drift are measured by (nsdae_system_set_size): of a body, how wide its
+ * narrowest solid is; of an element, the arm of its points about their bodies' centres, or 1 where
+ * it holds an angle. */
+#include "world.h"
+
+/* The least height of all corners below an edge: of the plane, whose solids are convex. */
+static double planar_width(const nsdae_solid_of *s)
+{
+  double least = INFINITY;
+  for (int e = 0; e < s->points; e++) {
+    const double *n = s->edge + 4 * e, *from = s->point + 3 * e;
+    double most = 0;
+    for (int i = 0; i < s->points; i++) {
+      const double *p = s->point + 3 * i;
+      most = fmax(most, n[0] * (from[0] - p[0]) + n[1] * (from[1] - p[1]));
+    }
+    least = fmin(least, most);
+  }
+  return least;
+}
+
+/* INFINITY of what has no width: a plane, a hole, a point, a line. */
+static double width_of(const nsdae_solid_of *s, int dimension)
+{
+  double core = 0;
+  if (s->shape == NSDAE_SHAPE_PLANE || s->hollow) return INFINITY;
+  if (s->shape == NSDAE_SHAPE_BOX && dimension == 3)
+    core = 2 * fmin(s->half[0], fmin(s->half[1], s->half[2]));
+  else if (dimension == 2 && s->points > 2)
+    core = planar_width(s);
+  double width = core + 2 * s->radius;
+  return width > 0 ? width : INFINITY;
+}
+
+/* 0 means that there is none. */
+static int set_size(nsdae_system *system, int kind, int i, double size)
+{
+  return nsdae_system_set_size(system, kind, i, isfinite(size) ? size : 0);
+}
+
+static int set_widths_of_bodies(const nsdae_bodies *b, nsdae_system *system)
+{
+  const nsdae_solid_of *s = b->solid.at;
+  int status = NSDAE_OK;
+  for (int body = 0; body < b->body.count && status == NSDAE_OK; body++) {
+    double least = INFINITY;
+    for (int i = 0; i < b->solid.count; i++)
+      if (s[i].body == body) least = fmin(least, width_of(&s[i], b->dimension));
+    status = set_size(system, NSDAE_NAME_CONTACT, body, least);
+  }
+  return status;
+}
+
+static int set_widths_of_contacts(const nsdae_bodies *b, nsdae_system *system)
+{
+  const nsdae_solid_of *s = b->solid.at;
+  int status = NSDAE_OK;
+  for (int i = 0; i < b->feature.count && status == NSDAE_OK; i++) {
+    const nsdae_feature *f = (const nsdae_feature *)b->feature.at + i;
+    double least =
+        fmin(width_of(&s[f->solid[0]], b->dimension), width_of(&s[f->solid[1]], b->dimension));
+    status = set_size(system, NSDAE_NAME_CONTACT, i, least);
+  }
+  return status;
+}
+
+static double arm_of(const nsdae_element *e)
+{
+  double arm = e->kind == NSDAE_ELEMENT_DISTANCE ? fabs(e->rest) : 0;
+  if (e->kind == NSDAE_ELEMENT_BETWEEN || e->kind == NSDAE_ELEMENT_TURN) return 1;
+  for (int i = 0; i < 2; i++)
+    if (e->body[i] != NSDAE_GROUND) arm = fmax(arm, sqrt(nsdae_dot3(e->point[i], e->point[i])));
+  return arm;
+}
+
+int nsdae_bodies_set_sizes(const nsdae_bodies *b, nsdae_system *system)
+{
+  int status =
+      b->pair.count > 0 ? set_widths_of_bodies(b, system) : set_widths_of_contacts(b, system);
+  for (int i = 0; i < b->element.count && status == NSDAE_OK; i++)
+    status = set_size(system, NSDAE_NAME_CONSTRAINT, i,
+                      arm_of((const nsdae_element *)b->element.at + i));
+  return status;
+}
