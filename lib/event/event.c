@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "certificate.h"
 #include "errors.h"
 #include "jam.h"
 #include "kink.h"
@@ -292,10 +293,10 @@ static int begin(event *e, const nsdae_terms *from)
   return restart(e, from->t);
 }
 
-static int strayed(event *e)
+static int strayed(event *e, double t)
 {
   nsdae_event_integrator *g = &e->integrator;
-  int due = nsdae_event_strayed(&e->instant, g->ahead, g->y);
+  int due = nsdae_event_strayed(&e->instant, t, g->y);
   return due == NSDAE_E_CONVERGENCE ? nsdae_event_explain_strayed(&e->instant, g->y) : due;
 }
 
@@ -306,7 +307,7 @@ static int step(event *e)
   nsdae_event_integrator *g = &e->integrator;
   int status = nsdae_event_integrator_advance(g);
   int due = status < 0 ? status : nsdae_event_turned(&e->instant, g->ahead, g->y);
-  if (due == 0) due = strayed(e);
+  if (due == 0) due = strayed(e, g->ahead);
   if (due > 0) g->pending = 1;
   return due < 0 ? due : NSDAE_OK;
 }
@@ -338,7 +339,7 @@ static int cross_kink(event *e, double t)
   memcpy(rate + at->v, e->phase.x, (size_t)(at->lambda - at->v) * sizeof *rate);
   for (double h = 64 * DBL_EPSILON * (fabs(t) + longest); !found && h < longest; h *= 8) {
     nsdae_move(at->lambda, from, h, rate, g->y);
-    found = nsdae_event_strayed(&e->instant, t, g->y);
+    found = strayed(e, t);
   }
   if (found <= 0) memcpy(g->y, from, (size_t)at->lambda * sizeof *from);
   return found > 0;
@@ -467,7 +468,8 @@ static int read_results(event *e, double from)
   memcpy(r->impulses.slide_mode, m->slide, (size_t)d->f * sizeof *m->slide);
   r->located = 1;
   r->smooth = r->counters.events == 0;
-  return status;
+  nsdae_event_move(&e->setting, e->reached, e->integrator.y);
+  return nsdae_event_certify(&e->setting, *m->redundant, e->reached - from);
 }
 
 static int prepare(void *own)

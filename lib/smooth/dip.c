@@ -6,6 +6,9 @@
 /* Of a time in a step: to the last digits. */
 enum { BISECTIONS = 60 };
 
+/* Of the way at the ends' rates, how far a cubic may be off within a half of a step. */
+static const double NEAR = 0.1;
+
 void nsdae_dip_layout(nsdae_dip *p, nsdae_arena *arena)
 {
   p->value = NSDAE_ARENA_DOUBLES(arena, 4L * p->count);
@@ -31,11 +34,12 @@ static double value_at(nsdae_dip *p, int i, double t, double *rate, int *status)
   return p->value[3 * p->count + i];
 }
 
-/* Where function i, above zero and falling at a, is below at b, or, above and rising there, is
- * below zero in between: its fall through zero, or INFINITY. Lowest point and fall by bisection. */
-static double fall_of(nsdae_dip *p, int i, double a, double b, double deep, int *status)
+/* Where function i, above zero at low and falling at a, is below at b, or, above and rising there,
+ * is below zero in between: its fall through zero, or INFINITY. Lowest point and fall by bisection.
+ */
+static double fall_of(nsdae_dip *p, int i, double low, double a, double b, double deep, int *status)
 {
-  double low = a, rate = 0, value = value_at(p, i, b, &rate, status);
+  double rate = 0, value = value_at(p, i, b, &rate, status);
   for (int n = 0; n < BISECTIONS && value > -deep && *status == 0; n++) {
     double t = (a + b) / 2;
     value = value_at(p, i, t, &rate, status);
@@ -59,6 +63,23 @@ static int may_touch(const nsdae_dip *p, int i, int first, double h)
   if (first == 0 && value[0] > 0 && value[k] <= 0) return 1;
   if (!(value[0] > 0 && value[k] > 0 && rate[0] < 0 && rate[k] > 0)) return 0;
   return fmin(value[0], value[k]) < h * fmax(-rate[0], rate[k]);
+}
+
+/* A function that rises at both ends of a half, but by less in between: the cubic through both
+ * values and rates, v_0 + c s + b s^2 + a s^3 with s from 0 to 1, has a top and then a lowest
+ * point. Whether that is near zero, and where the top is and a place between the two. */
+static int has_hump(const nsdae_dip *p, int i, int first, double h, double *top, double *down)
+{
+  int k = p->count;
+  const double *value = p->value + first * k + i, *rate = p->rate + first * k + i;
+  double rise = value[k] - value[0], c = h * rate[0], a = h * (rate[0] + rate[k]) - 2 * rise;
+  double b = 3 * rise - h * (2 * rate[0] + rate[k]), square = b * b - 3 * a * c;
+  if (!(rate[0] > 0 && rate[k] > 0 && a > 0 && square > 0)) return 0;
+  double s = (sqrt(square) - b) / (3 * a); /* the lowest */
+  *top = (-sqrt(square) - b) / (3 * a);
+  *down = (s + *top) / 2;
+  double least = value[0] + s * (c + s * (b + s * a));
+  return *top > 0 && s < 1 && least < NEAR * h * fmax(rate[0], rate[k]);
 }
 
 /* Whether, at the rates of the step's ends, function i could come to zero within h. */
@@ -96,8 +117,10 @@ int nsdae_dip_find(nsdae_dip *p, double from, double to, const int *out, double 
   if (any) status = look(p, from + h, 1);
   for (int i = 0; i < p->count && any && status == 0; i++)
     for (int half = 0; half < 2 && !out[i] && status == 0; half++) {
-      if (!may_touch(p, i, half, h)) continue;
-      double a = from + half * h, t = fall_of(p, i, a, half ? to : a + h, deep, &status);
+      double top = 0, down = 0;
+      if (!may_touch(p, i, half, h) && !has_hump(p, i, half, h, &top, &down)) continue;
+      double a = from + half * h;
+      double t = fall_of(p, i, a + top * h, a + down * h, half ? to : a + h, deep, &status);
       if (t < *when) *when = t, *which = i;
     }
   return status;

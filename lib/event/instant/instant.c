@@ -185,6 +185,7 @@ int nsdae_event_turned(const nsdae_event_instant *p, double t, const double *y)
 typedef struct deviation {
   double position, velocity; /* of constraints */
   double gap, rate;          /* of contacts */
+  double together;           /* of a rate below zero: what is closed would hit itself */
   double unexplained;        /* of the gap, where the rate is zero and there is a gradient */
 } deviation;
 
@@ -203,6 +204,7 @@ static deviation deviation_at(const nsdae_event_phase *phase)
     int has_normal = nsdae_largest(d->nv, T->by.normal.value + (size_t)i * (size_t)d->nv) > 0;
     is.gap = fmax(is.gap, gap);
     is.rate = fmax(is.rate, rate);
+    if (nsdae_terms_normal_rate(T, i, T->v) < 0) is.together = fmax(is.together, rate);
     if (has_normal && rate <= STRAYED) is.unexplained = fmax(is.unexplained, gap);
   }
   return is;
@@ -217,7 +219,7 @@ int nsdae_event_strayed(const nsdae_event_instant *p, double t, const double *y)
   int status = nsdae_terms_need(s->here, p->roots->phase->terms);
   if (status < 0) return status;
   deviation is = deviation_at(p->roots->phase);
-  double lost = fmax(is.unexplained, fmax(is.position, is.velocity));
+  double lost = fmax(fmax(is.unexplained, is.together), fmax(is.position, is.velocity));
   if (!(lost > LOST)) return fmax(lost, fmax(is.gap, is.rate)) > STRAYED;
   nsdae_error_set(s->error, NSDAE_E_CONVERGENCE, "nsdae_event", "rtol",
                   "constraints or closed contacts, or their velocities, are off by %.3g times what "

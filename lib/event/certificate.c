@@ -1,0 +1,84 @@
+/* What a record of the method must hold, by its own equations: with h its length, no contact pulls
+ * and no friction leaves its cone,
+ *
+ *   P_N >= -tol,   |P_T| <= mu P_N + tol,   tol = 10 (2 rtol max |P| + atol h + m u)
+ *
+ * as the impulses are integrated to 10 rtol, a force is zero up to 10 (rtol max |F| + atol), and
+ * velocities are brought back by u, what counts as zero for them, with the mass m <= 1 / (W_N^T
+ * M^-1 W_N) of the contact. The end of an accumulation is ahead of its forces by accumulation_time
+ * at most. No gap is below zero and no independent constraint off by more than what is brought
+ * back, with some room for the drift until the next step. */
+#include "certificate.h"
+
+#include <math.h>
+
+#include "direction.h"
+#include "errors.h"
+
+/* In what counts as zero for a position: what is brought back is off by ten. */
+static const double BROUGHT_BACK = 100;
+
+static int refuse(const nsdae_event_setting *s, int kind, int item, const char *what, double value,
+                  double bound)
+{
+  char called[NSDAE_CALLED_SIZE];
+  double t = nsdae_terms_time(&s->result->end);
+  nsdae_error_set(s->error, NSDAE_E_CONVERGENCE, "nsdae_event", "rtol",
+                  "%s %s %.3g up to t = %.17g, more than rtol = %g explains (%.3g): make rtol "
+                  "smaller, or use method = implicit",
+                  nsdae_system_called(s->system, kind, item, called), what, value, t,
+                  s->options->rtol, bound);
+  s->error->index = item;
+  s->error->time = t;
+  return NSDAE_E_CONVERGENCE;
+}
+
+/* Of contact i: W_N^T M^-1 W_N >= W_Nj^2 / M_jj for each j. */
+static double inertia(const nsdae_terms *T, int i)
+{
+  int n = T->system->dims.nv;
+  const double *W = T->by.normal.value + (size_t)i * (size_t)n;
+  double least = INFINITY;
+  for (int j = 0; j < n; j++)
+    if (W[j] != 0) least = fmin(least, T->M[(size_t)j * (size_t)(n + 1)] / (W[j] * W[j]));
+  return isfinite(least) ? least : 0;
+}
+
+static int check_impulses(const nsdae_event_setting *s, double h)
+{
+  const nsdae_result *r = s->result;
+  const nsdae_impulses *p = &r->impulses;
+  const nsdae_sim_options *o = s->options;
+  int k = s->system->dims.k, nt = s->system->dims.nt;
+  double most = fmax(nsdae_largest(k, p->normal), nsdae_largest(k * nt, p->tangential));
+  double all = 10 * (2 * o->rtol * most + o->atol * h), slow = nsdae_event_velocity_size(s);
+  if (r->counters.accumulations > 0) all += fmin(1, o->accumulation_time / h) * most;
+  for (int i = 0; i < k; i++) {
+    double tol = all + 10 * inertia(s->here, i) * slow;
+    double along = nsdae_norm(nt, p->tangential + i * nt);
+    if (-p->normal[i] > tol)
+      return refuse(s, NSDAE_NAME_CONTACT, i, "pulls, with the impulse", p->normal[i], -tol);
+    double excess = along - s->system->contact[i].mu * p->normal[i];
+    if (excess > tol)
+      return refuse(s, NSDAE_NAME_CONTACT, i, "has friction beyond its cone, by the impulse",
+                    excess, tol);
+  }
+  return NSDAE_OK;
+}
+
+int nsdae_event_certify(const nsdae_event_setting *s, int redundant, double h)
+{
+  nsdae_terms *T = s->here;
+  const nsdae_dims *d = &s->system->dims;
+  int status =
+      nsdae_terms_need(T, NSDAE_TERM_MASS | NSDAE_TERM_NORMAL | NSDAE_TERM_PHI | NSDAE_TERM_GAP);
+  if (status == NSDAE_OK) status = check_impulses(s, h);
+  if (status < 0) return status;
+  double tol = BROUGHT_BACK * nsdae_event_position_size(s);
+  for (int i = 0; i < d->k; i++)
+    if (-T->gap[i] > tol) return refuse(s, NSDAE_NAME_CONTACT, i, "overlaps by", -T->gap[i], tol);
+  for (int i = 0; i < d->m && !redundant; i++)
+    if (fabs(T->constraint.phi[i]) > tol)
+      return refuse(s, NSDAE_NAME_CONSTRAINT, i, "is violated by", T->constraint.phi[i], tol);
+  return NSDAE_OK;
+}
