@@ -1,13 +1,14 @@
 /* What a record of the method must hold, by its own equations: with h its length, no contact pulls
  * and no friction leaves its cone,
  *
- *   P_N >= -tol,   |P_T| <= mu P_N + tol,   tol = 10 (2 rtol max |P| + atol h + m u)
+ *   P_N >= -tol,   |P_T| <= mu P_N + tol,   tol = 10 (3 rtol max |P| + atol h + m u)
  *
- * as the impulses are integrated to 10 rtol, a force is zero up to 10 (rtol max |F| + atol), and
- * velocities are brought back by u, what counts as zero for them, with the mass m <= 1 / (W_N^T
- * M^-1 W_N) of the contact. The end of an accumulation is ahead of its forces by accumulation_time
- * at most. No gap is below zero and no independent constraint off by more than what is brought
- * back, with some room for the drift until the next step. */
+ * as the impulses are integrated to 10 rtol a step, of which a record has one or two, a force is
+ * zero up to 10 (rtol max |F| + atol), and velocities are brought back by u, what counts as zero
+ * for them, with the mass m <= 1 / (W_N^T M^-1 W_N) of the contact. The end of an accumulation is
+ * ahead of its forces by accumulation_time at most. No gap is below zero and no independent
+ * constraint off by more than what is brought back, with some room for the drift until the next
+ * step. */
 #include "certificate.h"
 
 #include <math.h>
@@ -44,14 +45,16 @@ static double inertia(const nsdae_terms *T, int i)
   return isfinite(least) ? least : 0;
 }
 
-static int check_impulses(const nsdae_event_setting *s, double h)
+static int check_impulses(const nsdae_event_phase *phase, double h)
 {
+  const nsdae_event_setting *s = phase->setting;
   const nsdae_result *r = s->result;
   const nsdae_impulses *p = &r->impulses;
   const nsdae_sim_options *o = s->options;
   int k = s->system->dims.k, nt = s->system->dims.nt;
   double most = fmax(nsdae_largest(k, p->normal), nsdae_largest(k * nt, p->tangential));
-  double all = 10 * (2 * o->rtol * most + o->atol * h), slow = nsdae_event_velocity_size(s);
+  most = fmax(most, h * nsdae_largest(s->system->dims.nv, s->here->F));
+  double all = 10 * (3 * o->rtol * most + o->atol * h), slow = nsdae_event_velocity_size(s);
   if (r->counters.accumulations > 0) all += fmin(1, o->accumulation_time / h) * most;
   for (int i = 0; i < k; i++) {
     double tol = all + 10 * inertia(s->here, i) * slow;
@@ -59,6 +62,7 @@ static int check_impulses(const nsdae_event_setting *s, double h)
     if (-p->normal[i] > tol)
       return refuse(s, NSDAE_NAME_CONTACT, i, "pulls, with the impulse", p->normal[i], -tol);
     double excess = along - s->system->contact[i].mu * p->normal[i];
+    tol *= phase->modes.blur[i]; /* of friction that chatters more counts as zero */
     if (excess > tol)
       return refuse(s, NSDAE_NAME_CONTACT, i, "has friction beyond its cone, by the impulse",
                     excess, tol);
@@ -66,18 +70,26 @@ static int check_impulses(const nsdae_event_setting *s, double h)
   return NSDAE_OK;
 }
 
-int nsdae_event_certify(const nsdae_event_setting *s, int redundant, double h)
+/* How deep contact i was at the start of the step, as a step by implicit may leave it. */
+static double depth_before(const nsdae_terms *from, int i)
 {
+  return from->have & NSDAE_TERM_GAP ? fmax(0, -from->gap[i]) : 0;
+}
+
+int nsdae_event_certify(const nsdae_event_phase *phase, const nsdae_terms *from)
+{
+  const nsdae_event_setting *s = phase->setting;
   nsdae_terms *T = s->here;
   const nsdae_dims *d = &s->system->dims;
-  int status =
-      nsdae_terms_need(T, NSDAE_TERM_MASS | NSDAE_TERM_NORMAL | NSDAE_TERM_PHI | NSDAE_TERM_GAP);
-  if (status == NSDAE_OK) status = check_impulses(s, h);
+  int status = nsdae_terms_need(T, NSDAE_TERM_MASS | NSDAE_TERM_FORCE | NSDAE_TERM_NORMAL |
+                                       NSDAE_TERM_PHI | NSDAE_TERM_GAP);
+  if (status == NSDAE_OK) status = check_impulses(phase, T->t - from->t);
   if (status < 0) return status;
   double tol = BROUGHT_BACK * nsdae_event_position_size(s);
   for (int i = 0; i < d->k; i++)
-    if (-T->gap[i] > tol) return refuse(s, NSDAE_NAME_CONTACT, i, "overlaps by", -T->gap[i], tol);
-  for (int i = 0; i < d->m && !redundant; i++)
+    if (-T->gap[i] > tol + depth_before(from, i))
+      return refuse(s, NSDAE_NAME_CONTACT, i, "overlaps by", -T->gap[i], tol);
+  for (int i = 0; i < d->m && !*phase->modes.redundant; i++)
     if (fabs(T->constraint.phi[i]) > tol)
       return refuse(s, NSDAE_NAME_CONSTRAINT, i, "is violated by", T->constraint.phi[i], tol);
   return NSDAE_OK;

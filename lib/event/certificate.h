@@ -2,11 +2,11 @@
 #ifndef NSDAE_EVENT_CERTIFICATE_H
 #define NSDAE_EVENT_CERTIFICATE_H
 
-#include "setting.h"
+#include "phase.h"
 
-/* Whether what the step's result holds fulfils the laws of contact, with the point in work at its
- * end; redundant: constraints depend on each other, and are not judged. h: its length. NSDAE_OK, or
- * NSDAE_E_CONVERGENCE with the record, which names the contact or constraint. */
-int nsdae_event_certify(const nsdae_event_setting *setting, int redundant, double h);
+/* Whether the step's result, which started at `from` and whose end is the point in work, fulfils
+ * the laws of contact. NSDAE_OK; or NSDAE_E_CONVERGENCE with the record, which names the contact or
+ * constraint; or a callback's status. */
+int nsdae_event_certify(const nsdae_event_phase *phase, const nsdae_terms *from);
 
 #endif

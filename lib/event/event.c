@@ -455,7 +455,7 @@ static int run_to(event *e, double t_end)
 }
 
 /* What the step did beside its impulses. */
-static int read_results(event *e, double from)
+static int read_results(event *e, const nsdae_terms *from)
 {
   nsdae_result *r = e->setting.result;
   const nsdae_event_modes *m = &e->phase.modes;
@@ -463,13 +463,13 @@ static int read_results(event *e, double from)
   int status = read_state(e, e->reached);
   if (status < 0) return status;
   nsdae_terms_at(&r->end, e->reached, e->integrator.y, e->integrator.y + d->nq);
-  for (int i = 0; i < d->m; i++) r->multiplier[i] /= e->reached - from;
+  for (int i = 0; i < d->m; i++) r->multiplier[i] /= e->reached - from->t;
   memcpy(r->impulses.mode, m->contact, (size_t)d->k * sizeof *m->contact);
   memcpy(r->impulses.slide_mode, m->slide, (size_t)d->f * sizeof *m->slide);
   r->located = 1;
   r->smooth = r->counters.events == 0;
   nsdae_event_move(&e->setting, e->reached, e->integrator.y);
-  return nsdae_event_certify(&e->setting, *m->redundant, e->reached - from);
+  return nsdae_event_certify(&e->phase, from);
 }
 
 static int prepare(void *own)
@@ -526,7 +526,7 @@ static int advance(void *own, const nsdae_state *state, double t_end, nsdae_resu
   /* a list that one instant fills leaves no way on either */
   result->given_up = too_many(e) || !(e->reached > state->terms->t);
   if (result->given_up) return NSDAE_OK;
-  status = read_results(e, state->terms->t);
+  status = read_results(e, state->terms);
   if (status < 0) return tell(e, status);
   nsdae_error_clear(e->setting.error); /* of a step that was tried again, smaller */
   result->memory.stamp = e->stamp = ++e->stamps;

@@ -52,7 +52,7 @@ static void measure_way(nsdae_runge_kutta *rk)
 }
 
 /* Integrals are not fed back: their error does not grow. */
-static const double INTEGRAL = 100;
+static const double INTEGRAL = 10;
 
 /* ||x|| with the weights of y; NaN and overflow are as large as can be. */
 static double norm(const nsdae_runge_kutta *rk, const double *x)
