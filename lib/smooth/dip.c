@@ -79,7 +79,8 @@ static int has_hump(const nsdae_dip *p, int i, int first, double h, double *top,
   *top = (-sqrt(square) - b) / (3 * a);
   *down = (s + *top) / 2;
   double least = value[0] + s * (c + s * (b + s * a));
-  return *top > 0 && s < 1 && least < NEAR * h * fmax(rate[0], rate[k]);
+  double most = value[0] + *top * (c + *top * (b + *top * a));
+  return *top > 0 && s < 1 && most > 0 && least < NEAR * h * fmax(rate[0], rate[k]);
 }
 
 /* Whether, at the rates of the step's ends, function i could come to zero within h. */
