@@ -539,11 +539,39 @@ static double depth_of(const nsdae_sim *sim, const nsdae_point *point)
   return pow((n + 1) * stored / o->penalty_stiffness, 1 / (n + 1));
 }
 
+/* A step of event by implicit finds a contact closed a step late: it overlaps by the way of its gap
+ * in the step at most, which is reported; more is no step. */
+static int judge_fallback(const nsdae_sim *sim, const nsdae_point *before, nsdae_point *point)
+{
+  const nsdae_terms *from = &before->result.end, *end = &point->result.end;
+  double least = sim->options.start_tol * (1 + nsdae_largest(end->system->dims.nq, end->q));
+  excess deep = {0, 0, -1};
+  for (int i = 0; i < end->system->dims.k; i++)
+    if (-end->gap[i] > fmax(least, deep.value))
+      deep = (excess){-end->gap[i],
+                      fabs(end->gap[i] - from->gap[i]) + nsdae_larger(0, -from->gap[i]), i};
+  int known = point->accounts.stats.warnings & NSDAE_WATCH_PENETRATION;
+  if (deep.item < 0 || (known && deep.value <= deep.bound)) return NSDAE_OK;
+  warning of = {NSDAE_WATCH_PENETRATION,
+                NSDAE_WARN_PENETRATION,
+                "events_max",
+                "a step by implicit in place of event leaves an overlap of",
+                deep.value,
+                least,
+                "make dt smaller, or events_max larger",
+                NSDAE_NAME_CONTACT,
+                deep.item};
+  if (deep.value > deep.bound) of.status = NSDAE_E_CONVERGENCE, of.bound = deep.bound;
+  return say(point, &of);
+}
+
 /* What is beyond its bound and was not said yet, the gravest first. */
-static int judge(const nsdae_sim *sim, nsdae_point *point, const gain *g)
+static int judge(const nsdae_sim *sim, const nsdae_point *before, nsdae_point *point, const gain *g)
 {
   const nsdae_record *r = &point->record;
-  int new = ~point->accounts.stats.warnings;
+  int new = ~point->accounts.stats.warnings, fallback = point->result.counters.fallbacks > 0;
+  int fell = fallback ? judge_fallback(sim, before, point) : NSDAE_OK;
+  if (fell != NSDAE_OK) return fell;
   if (g->energy > g->bound && (new &NSDAE_WATCH_ENERGY)) return say_energy(point, g);
   if (r->penetration > 0 && (new &NSDAE_WATCH_PENETRATION)) {
     const excess e = deepest(&point->result, watch_ways * depth_of(sim, point));
@@ -610,5 +638,5 @@ int nsdae_watch_step(const nsdae_sim *sim, nsdae_point *before, nsdae_point *poi
   if (status < 0) return status;
   measure(w, &before->result.end, &point->result);
   status = find_gain(w, before, point, &found);
-  return status < 0 ? status : judge(sim, point, &found);
+  return status < 0 ? status : judge(sim, before, point, &found);
 }

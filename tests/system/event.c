@@ -389,7 +389,8 @@ static void test_chattering(void **state)
     nsdae_system_set_contact(system, 1, 0, 1, 0);
     nsdae_sim *sim = start(system, &options, &q0, &v0);
     nsdae_record record;
-    assert_int_equal(nsdae_sim_run(sim, 0.1), NSDAE_OK);
+    /* a step by implicit is reported with its depth */
+    assert_int_equal(nsdae_sim_run(sim, 0.1), most == 20 ? NSDAE_WARN_PENETRATION : NSDAE_OK);
     nsdae_sim_get_record(sim, &record);
     assert_near(fabs(record.v[0]), 10, 1e-10);
     finish(&sim, &system, 0.2);
