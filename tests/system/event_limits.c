@@ -202,7 +202,8 @@ static void test_many_impacts(void **state)
   nsdae_stats stats;
   assert_int_equal(nsdae_sim_create(system, &r.options, &sim, NULL), NSDAE_OK);
   assert_int_equal(nsdae_sim_init(sim, 0, q0, v0), NSDAE_OK);
-  assert_int_equal(nsdae_sim_run(sim, 10), NSDAE_WARN_PENETRATION); /* by implicit, with its depth */
+  assert_int_equal(nsdae_sim_run(sim, 10),
+                   NSDAE_WARN_PENETRATION); /* by implicit, with its depth */
   nsdae_sim_get_stats(sim, &stats);
   assert_true(stats.fallback_steps > 0 && stats.fallback_steps < 20);
   nsdae_sim_destroy(&sim);
