@@ -155,6 +155,22 @@ static int can_retreat(const nsdae_event_integrator *e)
          e->steps.last > SHORT * s->options->dt;
 }
 
+/* A force that falls may have jumped, as where a ball rolls from a face to an edge: beyond, the
+ * forces of the phase are none, and the impulses of a step to there are not those up to here. So
+ * such a step is taken again, to here. 0: it has to be shorter. */
+static int land(nsdae_event_integrator *e, double from)
+{
+  const int *mode = e->roots->phase->modes.contact;
+  int force = 0;
+  for (int i = 0; i < e->roots->count; i++) {
+    const nsdae_event_root *root = &e->roots->entry[i];
+    force |=
+        e->fallen[i] && root->kind == NSDAE_ROOT_NORMAL && mode[root->index] != NSDAE_MODE_OPEN;
+  }
+  if (!force || *e->roots->phase->modes.is_stiff || !(e->ahead < e->steps.t)) return 1;
+  return nsdae_runge_kutta_land(&e->steps, from, e->ahead) == 0;
+}
+
 /* A step that ends at the first fall of a root; returns how many fell, or a status. */
 static int step_to_fall(nsdae_event_integrator *e)
 {
@@ -166,7 +182,7 @@ static int step_to_fall(nsdae_event_integrator *e)
     int status = step(e);
     if (status < 0 || e->fall.count == 0) return status;
     int fell = nsdae_fall_find(&e->fall, from, &e->ahead, e->fallen);
-    if (fell >= 0) return fell;
+    if (fell == 0 || (fell > 0 && land(e, from))) return fell;
     e->ahead = from;
     if (!can_retreat(e)) return NSDAE_E_CONVERGENCE;
     nsdae_runge_kutta_retreat(&e->steps, from, SHORTER);

@@ -215,6 +215,16 @@ void nsdae_runge_kutta_retreat(nsdae_runge_kutta *rk, double t, double part)
   measure_way(rk);
 }
 
+int nsdae_runge_kutta_land(nsdae_runge_kutta *rk, double from, double t)
+{
+  nsdae_runge_kutta_retreat(rk, from, 1);
+  int code = stages(rk, t - from);
+  if (code != 0) return code;
+  accept(rk, t - from);
+  rk->t = t;
+  return 0;
+}
+
 void nsdae_runge_kutta_read(const nsdae_runge_kutta *rk, double t, int count, double *y)
 {
   double x = rk->last > 0 ? (t - (rk->t - rk->last)) / rk->last : 0, z = 1 - x;

@@ -50,6 +50,10 @@ int nsdae_runge_kutta_advance(nsdae_runge_kutta *rk);
 /* Back to t, the start of the last step; the next is that part of it. */
 void nsdae_runge_kutta_retreat(nsdae_runge_kutta *rk, double t, double part);
 
+/* The last step again, from its start to a t within it: no stage is evaluated beyond. 0, or a code
+ * of f, after which there is no last step. */
+int nsdae_runge_kutta_land(nsdae_runge_kutta *rk, double from, double t);
+
 /* The first `count` of y at t within the last step; before the first, where it started. */
 void nsdae_runge_kutta_read(const nsdae_runge_kutta *rk, double t, int count, double *y);
 
