@@ -7,6 +7,7 @@
 #include <float.h>
 
 #include "bricard.h"
+#include "parallelogram.h"
 
 enum { NQ_MAX = 40 };
 
@@ -685,6 +686,47 @@ static void test_play(void **state)
   }
 }
 
+/* A parallelogram on three or four cranks that starts past its change points, where the cranks and
+ * the bar are in one line and the rank falls by one more. It swings through with its energy, which
+ * the pose gives, or ends with a status; until its stop is hit nothing takes any. */
+static void test_change_points(void **state)
+{
+  (void)state;
+  int through = 0, refused = 0;
+  for (int seed = 0; seed < 24; seed++) {
+    parallelogram p = {.cranks = 3 + seed % 2, .given = seed / 2 % 2, .e = 0.6};
+    double phi = 1.8 + 0.05 * seed, q[PARALLELOGRAM_NQ], v[PARALLELOGRAM_NQ] = {0};
+    nsdae_system *system = parallelogram_system(&p);
+    nsdae_sim_options o = options_of(NSDAE_METHOD_EVENT, 5e-3);
+    nsdae_sim *sim;
+    nsdae_record r;
+    nsdae_stats stats;
+    o.rtol = pow(10, -4 - seed % 5);
+    o.atol = 1e-2 * o.rtol;
+    o.redundant = NSDAE_REDUNDANT_LEAST_NORM;
+    parallelogram_start(&p, phi, q);
+    assert_int_equal(nsdae_sim_create(system, &o, &sim, NULL), NSDAE_OK);
+    int status = nsdae_sim_init(sim, 0, q, v);
+    double frequency = parallelogram_frequency(&p), most = 0;
+    nsdae_sim_get_stats(sim, &stats);
+    while (status >= 0 && stats.impacts == 0) {
+      nsdae_sim_get_record(sim, &r);
+      /* phi'^2 / 2 = p^2 (cos phi - cos phi_0), of the first crank */
+      double rate = 2 * frequency * frequency * (cos(r.q[2]) - cos(phi));
+      most = fmax(most, fabs(r.v[2] * r.v[2] - rate) / (4 * frequency * frequency));
+      if (r.time > 2) break;
+      status = nsdae_sim_step(sim);
+      nsdae_sim_get_stats(sim, &stats);
+    }
+    if (status >= 0) assert_at_most(most, 1e-2);
+    if (status >= 0) assert_true(stats.impacts > 0);
+    through += status >= 0, refused += status < 0;
+    nsdae_sim_destroy(&sim);
+    nsdae_system_destroy(&system);
+  }
+  print_message("%d swing through, %d are refused\n", through, refused);
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {cmocka_unit_test(test_spherical_pendulum),
@@ -694,6 +736,7 @@ int main(void)
                                      cmocka_unit_test(test_bricard_implicit),
                                      cmocka_unit_test(test_massless_links),
                                      cmocka_unit_test(test_methods),
-                                     cmocka_unit_test(test_play)};
+                                     cmocka_unit_test(test_play),
+                                     cmocka_unit_test(test_change_points)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
