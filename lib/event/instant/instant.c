@@ -112,7 +112,10 @@ static int arrive(nsdae_event_instant *p, double t, double *y)
     double gap = T->gap[i], rate = nsdae_terms_normal_rate(T, i, T->v);
     double rounding = 1e3 * DBL_EPSILON * fabs(t * rate); /* of the time where it was found */
     /* past a kink of its gap a contact parts, or another feature is the near one */
-    if (rate > fast || gap > LOST * size) is->touching[i] = is->candidate[i] = 0;
+    if (is->closed[i] && (rate > LOST * fast || gap > LOST * size)) {
+      is->touching[i] = is->candidate[i] = 0;
+      p->roots->phase->modes.contact[i] = NSDAE_MODE_OPEN;
+    }
     is->touching[i] |= nsdae_event_touches(s, i);
     is->candidate[i] |= (is->touching[i] && fabs(gap) <= 2 * size) || gap < -2 * size - rounding;
   }
@@ -150,11 +153,27 @@ static int choose(nsdae_event_instant *p, int impacted, double *y)
   return status < 0 ? status : nsdae_event_choose_modes(&p->acceleration, impacted);
 }
 
+/* Velocities back to what was closed or stuck in the phase, if they have drifted: an error of the
+ * integration, or of derivatives by differences, is neither an impact nor a contact that parts. */
+static int bring_velocities(nsdae_event_instant *p, double *y)
+{
+  const nsdae_event_phase *phase = p->roots->phase;
+  const nsdae_terms *T = phase->setting->here;
+  double fast = nsdae_event_velocity_size(phase->setting);
+  int drifted = 0;
+  for (int i = 0; i < T->system->dims.k; i++)
+    drifted |= phase->modes.contact[i] != NSDAE_MODE_OPEN && !phase->modes.related[i] &&
+               fabs(nsdae_terms_normal_rate(T, i, T->v)) > fast;
+  int status = drifted ? nsdae_event_project_velocities(&p->projection, y) : NSDAE_OK;
+  return status < 0 ? status : nsdae_terms_need(phase->setting->here, NSDAE_EVENT_TERMS);
+}
+
 int nsdae_event_pass(nsdae_event_instant *p, double t, double *y)
 {
   nsdae_event_phase *phase = p->roots->phase;
   sort_found(p, y);
   int status = arrive(p, t, y);
+  if (status == NSDAE_OK) status = bring_velocities(p, y);
   const nsdae_counters *counters = &phase->setting->result->counters;
   long ended = counters->accumulations;
   int impacts = status < 0 ? status : nsdae_event_collide(&p->impacts, y);

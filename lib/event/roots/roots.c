@@ -158,6 +158,7 @@ static void start_root(const nsdae_event_phase *p, nsdae_event_root *root, doubl
                        double rate, double size, double rate_size)
 {
   double blur = root->kind == NSDAE_ROOT_TANGENT ? p->modes.blur[root->index] : 1;
+  int gap = root->kind == NSDAE_ROOT_NORMAL && p->modes.contact[root->index] == NSDAE_MODE_OPEN;
   size *= blur;
   root->since = t;
   root->start = value;
@@ -166,13 +167,11 @@ static void start_root(const nsdae_event_phase *p, nsdae_event_root *root, doubl
   root->size = size;
   if (value > size)
     root->state = NSDAE_ROOT_LIVE;
-  else if (rate > rate_size && value > -size && blur == 1)
+  else if (rate > rate_size && (gap || value > -size) && blur == 1)
     root->state = NSDAE_ROOT_RISING;
   else
     root->state = NSDAE_ROOT_MASKED;
-  if (value < -size && p->modes.contact[root->index] == NSDAE_MODE_OPEN &&
-      root->kind == NSDAE_ROOT_NORMAL)
-    root->size = -2 * value; /* starts below zero: counts from there */
+  if (gap && value < -size) root->size = size - value; /* overlaps: no deeper than now */
 }
 
 static void start_sliding(const nsdae_event_phase *p, nsdae_event_root *root, double t,
