@@ -362,7 +362,7 @@ def test_texts_have_the_names_of_python():
 
 def test_texts_that_come(ball):
     with pytest.raises(nsdae.ArgumentError, match=r"Sim\.project puts a start right"):
-        nsdae.Sim(ball).init([-1])
+        nsdae.Sim(ball, method="event").init([-1])
     with pytest.raises(nsdae.Error, match=r"call Sim\.init first"):
         nsdae.Sim(ball).run(1)
     with pytest.raises(nsdae.ArgumentError, match=r"^nq = 0 is outside"):

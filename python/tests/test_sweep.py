@@ -109,7 +109,7 @@ def test_killed_and_taken_up(tmp_path):
 def test_failures_keep_their_reason(tmp_path):
     def some(h0):
         if h0 > 1.2:
-            nsdae.solve(nsdae.System(nq=1, k=1, **ball_callbacks()), 1, [-h0])
+            nsdae.solve(nsdae.System(nq=1, k=1, **ball_callbacks()), 1, [-h0], method="event")
         return h0
 
     got = nsdae.sweep(some, {"h0": GRID["h0"]}, output=tmp_path / "s.h5")

@@ -139,7 +139,9 @@ def test_sizes_of_the_start(ball):
     with pytest.raises(ValueError, match="q0 has 2 numbers"):
         nsdae.solve(ball, 1, [1, 2])
     with pytest.raises(nsdae.ArgumentError, match="floor"):
-        nsdae.solve(ball, 1, [-1])
+        nsdae.solve(ball, 1, [-1], method="event")
+    with pytest.warns(nsdae.RunWarning, match="overlaps by 1 at the start"):
+        nsdae.solve(ball, 0.1, [-1])
 
 
 def test_a_system_without_cycles_is_freed():
