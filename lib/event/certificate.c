@@ -49,7 +49,7 @@ static double inertia(const nsdae_terms *T, int i)
 static int ends_ahead(const nsdae_event_setting *s)
 {
   const nsdae_result *r = s->result;
-  double since = nsdae_terms_time(s->here) - s->options->accumulation_time;
+  double since = nsdae_terms_time(&r->end) - s->options->accumulation_time;
   int any = 0;
   for (int i = 0; i < r->impacts; i++)
     any |= r->impact[i].accumulation && r->impact[i].time >= since;
@@ -64,11 +64,11 @@ static int check_impulses(const nsdae_event_phase *phase, double h)
   const nsdae_sim_options *o = s->options;
   int k = s->system->dims.k, nt = s->system->dims.nt;
   double most = fmax(nsdae_largest(k, p->normal), nsdae_largest(k * nt, p->tangential));
-  most = fmax(most, h * nsdae_largest(s->system->dims.nv, s->here->F));
+  most = fmax(most, h * nsdae_largest(s->system->dims.nv, r->end.F));
   double all = 10 * (3 * o->rtol * most + o->atol * h), slow = nsdae_event_velocity_size(s);
   if (ends_ahead(s)) all += fmin(1, o->accumulation_time / h) * most;
   for (int i = 0; i < k; i++) {
-    double tol = all + inertia(s->here, i) * slow;
+    double tol = all + inertia(&r->end, i) * slow;
     double along = nsdae_norm(nt, p->tangential + i * nt);
     if (-p->normal[i] > tol)
       return refuse(s, NSDAE_NAME_CONTACT, i, "pulls, with the impulse", p->normal[i], -tol);
@@ -81,6 +81,12 @@ static int check_impulses(const nsdae_event_phase *phase, double h)
   return NSDAE_OK;
 }
 
+static int any_impulse(const nsdae_result *r, const nsdae_dims *d)
+{
+  return nsdae_largest(d->k, r->impulses.normal) > 0 ||
+         nsdae_largest(d->k * d->nt, r->impulses.tangential) > 0;
+}
+
 /* How deep contact i was at the start of the step, as a step by implicit may leave it. */
 static double depth_before(const nsdae_terms *from, int i)
 {
@@ -90,11 +96,12 @@ static double depth_before(const nsdae_terms *from, int i)
 int nsdae_event_certify(const nsdae_event_phase *phase, const nsdae_terms *from)
 {
   const nsdae_event_setting *s = phase->setting;
-  nsdae_terms *T = s->here;
+  nsdae_terms *T = &s->result->end; /* of the record, which needs most of it, too */
   const nsdae_dims *d = &s->system->dims;
-  int status = nsdae_terms_need(T, NSDAE_TERM_MASS | NSDAE_TERM_FORCE | NSDAE_TERM_NORMAL |
-                                       NSDAE_TERM_PHI | NSDAE_TERM_GAP);
-  if (status == NSDAE_OK) status = check_impulses(phase, T->t - from->t);
+  unsigned impulses =
+      any_impulse(s->result, d) ? NSDAE_TERM_MASS | NSDAE_TERM_FORCE | NSDAE_TERM_NORMAL : 0u;
+  int status = nsdae_terms_need(T, impulses | NSDAE_TERM_PHI | NSDAE_TERM_GAP);
+  if (status == NSDAE_OK && impulses) status = check_impulses(phase, T->t - from->t);
   if (status < 0) return status;
   double tol = BROUGHT_BACK * nsdae_event_position_size(s);
   for (int i = 0; i < d->k; i++)

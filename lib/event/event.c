@@ -297,7 +297,9 @@ static int strayed(event *e, double t)
 {
   nsdae_event_integrator *g = &e->integrator;
   int due = nsdae_event_strayed(&e->instant, t, g->y);
-  return due == NSDAE_E_CONVERGENCE ? nsdae_event_explain_strayed(&e->instant, g->y) : due;
+  if (due != 2 && due != NSDAE_E_CONVERGENCE) return due;
+  int kink = nsdae_event_explain_strayed(&e->instant, e->roots.at); /* of a drift alone: no error */
+  return kink < 0 ? kink : 1;
 }
 
 /* One step of the integrator. An instant is also due where the equations of the phase are no longer

@@ -13,6 +13,9 @@ static const double TURNED = 0.25;
 /* Of what counts as zero: where it is brought back, and what nothing explains. */
 static const double STRAYED = 10, LOST = 1e5;
 
+/* The same of what is closed and comes together: so fast a drift may be a kink. */
+static const double SUSPECT = 1e3;
+
 /* Of what counts as zero for a velocity: up to there a body that begins to slide keeps its
  * direction, which would turn within its velocity's error. */
 static const double HARDLY = 100;
@@ -159,12 +162,13 @@ static int bring_velocities(nsdae_event_instant *p, double *y)
 {
   const nsdae_event_phase *phase = p->roots->phase;
   const nsdae_terms *T = phase->setting->here;
-  double fast = nsdae_event_velocity_size(phase->setting);
-  int drifted = 0;
+  double fast = nsdae_event_velocity_size(phase->setting), drift = 0;
   for (int i = 0; i < T->system->dims.k; i++)
-    drifted |= phase->modes.contact[i] != NSDAE_MODE_OPEN && !phase->modes.related[i] &&
-               fabs(nsdae_terms_normal_rate(T, i, T->v)) > fast;
-  int status = drifted ? nsdae_event_project_velocities(&p->projection, y) : NSDAE_OK;
+    if (phase->modes.contact[i] != NSDAE_MODE_OPEN && !phase->modes.related[i])
+      drift = fmax(drift, fabs(nsdae_terms_normal_rate(T, i, T->v)));
+  int status = drift > fast && drift <= SUSPECT * fast
+                   ? nsdae_event_project_velocities(&p->projection, y)
+                   : NSDAE_OK;
   return status < 0 ? status : nsdae_terms_need(phase->setting->here, NSDAE_EVENT_TERMS);
 }
 
@@ -239,7 +243,8 @@ int nsdae_event_strayed(const nsdae_event_instant *p, double t, const double *y)
   if (status < 0) return status;
   deviation is = deviation_at(p->roots->phase);
   double lost = fmax(fmax(is.unexplained, is.together), fmax(is.position, is.velocity));
-  if (!(lost > LOST)) return fmax(lost, fmax(is.gap, is.rate)) > STRAYED;
+  if (!(lost > LOST))
+    return (fmax(lost, fmax(is.gap, is.rate)) > STRAYED) + (is.together > SUSPECT);
   nsdae_error_set(s->error, NSDAE_E_CONVERGENCE, "nsdae_event", "rtol",
                   "constraints or closed contacts, or their velocities, are off by %.3g times what "
                   "rtol = %g explains at t = %.17g: their derivatives may be wrong "

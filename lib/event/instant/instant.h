@@ -22,7 +22,8 @@ typedef struct nsdae_event_instant {
 int nsdae_event_pass(nsdae_event_instant *instant, double t, double *y);
 
 /* Whether constraints or what is closed have left zero by more than the integrator's error, as over
- * a long phase they do: then they are to be brought back. 0, 1, or a status; so far that no such
+ * a long phase they do: then they are to be brought back. 0, 1, 2 if what is closed comes together
+ * so fast that its gap may have a kink, or a status; so far that no such
  * error explains it is NSDAE_E_CONVERGENCE with the record. */
 int nsdae_event_strayed(const nsdae_event_instant *instant, double t, const double *y);
 
