@@ -104,9 +104,12 @@ int nsdae_event_certify(const nsdae_event_phase *phase, const nsdae_terms *from)
   if (status == NSDAE_OK && impulses) status = check_impulses(phase, T->t - from->t);
   if (status < 0) return status;
   double tol = BROUGHT_BACK * nsdae_event_position_size(s);
-  for (int i = 0; i < d->k; i++)
-    if (-T->gap[i] > tol + depth_before(from, i))
-      return refuse(s, NSDAE_NAME_CONTACT, i, "overlaps by", -T->gap[i], tol);
+  for (int i = 0; i < d->k; i++) {
+    double before = depth_before(from, i); /* within tol no depth makes room for more */
+    double bound = before > tol ? before + tol : tol;
+    if (-T->gap[i] > bound)
+      return refuse(s, NSDAE_NAME_CONTACT, i, "overlaps by", -T->gap[i], bound);
+  }
   for (int i = 0; i < d->m && !*phase->modes.redundant; i++)
     if (fabs(T->constraint.phi[i]) > tol)
       return refuse(s, NSDAE_NAME_CONSTRAINT, i, "is violated by", T->constraint.phi[i], tol);

@@ -31,8 +31,8 @@ static const double LOOSER = 100, LOOSEST = 1e4;
 static const double TINY = 1e-6;
 enum { TINY_MAX = 1000, STARTS = 50 };
 
-/* After so many of them a kink is looked for, as far ahead as so many: a step that fails is tried
- * again with an eighth of its length. */
+/* After each KINK_STEPS of them a kink is looked for, KINK_AHEAD of them ahead: a step that fails
+ * is tried again with an eighth of its length. */
 enum { KINK_STEPS = 25, KINK_AHEAD = 16 };
 
 typedef struct event {

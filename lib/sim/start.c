@@ -258,7 +258,7 @@ static int agree(double given, double second, double rounding)
   return !isfinite(second) || fabs(given - second) <= 1e-3 * size + rounding * (1 + size);
 }
 
-/* The items of a kind that were compared, each with so many entries. */
+/* The items of a kind that were compared, with `each` entries. */
 typedef struct compared {
   const nsdae_system *system;
   int kind, each, count;
