@@ -39,8 +39,13 @@ def limit(memory):
     resource.setrlimit(resource.RLIMIT_AS, (memory, resource.getrlimit(resource.RLIMIT_AS)[1]))
 
 
+def unlimited():
+    """Of a program in C, which bounds itself: the address space that AddressSanitizer reserves is far beyond MEMORY."""
+    limit(resource.RLIM_INFINITY)
+
+
 def make(program, *arguments):
-    subprocess.run([os.path.join(BIN, program), *arguments, "--quiet"], check=True, stdout=subprocess.DEVNULL)
+    subprocess.run([os.path.join(BIN, program), *arguments, "--quiet"], check=True, stdout=subprocess.DEVNULL, preexec_fn=unlimited)
 
 
 def drawn(tool, path):
@@ -66,7 +71,7 @@ def drawn(tool, path):
 def ran(program, *arguments):
     done = subprocess.run([os.path.join(BIN, program), *arguments], capture_output=True, text=True, timeout=60,
                           env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},
-                          preexec_fn=lambda: limit(resource.RLIM_INFINITY))  # they bound themselves; sanitizers need room
+                          preexec_fn=unlimited)
     return done.returncode, done.stderr.splitlines()
 
 
