@@ -7,9 +7,6 @@
 
 #include "cone.h"
 
-/* Tolerances that sweeps alone are likely to reach: 1e-6, less what rounding may take. */
-static const double ROUGH = 0.99e-6;
-
 /* Contacts up to which a factorisation costs less than the sweeps that it saves. */
 enum { SMALL = 24 };
 
@@ -21,7 +18,7 @@ enum { LARGE = 3000 };
  * less than 0.04. */
 static const double HYPERSTATIC = 5e-2;
 
-/* From here on iterative refinement converges. */
+/* Sweeps alone are likely to reach it; from here on iterative refinement converges. */
 static const double NEARLY = 1e-6;
 
 /* Roundings of the scaled data that add up in a velocity. */
@@ -121,7 +118,7 @@ static int guessed_small(const nsdae_fc_run *run)
  */
 static int rough(const nsdae_fc_run *run)
 {
-  return run->budget.tol >= ROUGH;
+  return run->options->tol >= NEARLY;
 }
 
 static int fine(const nsdae_fc_run *run)

@@ -118,13 +118,13 @@ static double operations(const nsdae_fc_system *m)
   return sum;
 }
 
-/* Of a factorisation with its assembly and its solves. LAPACK does FASTER times as many operations
+/* Of a factorisation. LAPACK does FASTER times as many operations
  * in a second as the loops of a product: 1.0e9 to 1.4e9 there, 4e9 to 6e9 in fronts, measured on
- * walls and piles of 1000 to 20 000 contacts. Assembly and two solves cost about ten products. */
+ * walls and piles of 1000 to 20 000 contacts. */
 static double price(const nsdae_fc_system *m)
 {
-  static const double FASTER = 4, AROUND = 10;
-  return AROUND + operations(m) / (2.0 * (double)m->fc->parts.values + 1) / FASTER;
+  static const double FASTER = 4;
+  return operations(m) / (2.0 * (double)m->fc->parts.values + 1) / FASTER;
 }
 
 int nsdae_fc_system_analyse(nsdae_fc_system *m, const nsdae_fc_scaled *c)

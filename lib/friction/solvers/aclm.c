@@ -7,13 +7,10 @@
 
 #include "solver_contract.h"
 
-/* Newton's method is tried where the residual is less by this factor than where it was tried last.
- */
-static const double SHRUNK = 0.7;
-
-/* Convex problems in a row that do not make the error of s less by a factor. */
+/* Progress is a reduction by this factor: of the error of s, which FRUITLESS convex problems in a
+ * row may lack, and of the residual since Newton's method was tried last. */
+static const double PROGRESS = 0.7;
 enum { FRUITLESS = 12 };
-static const double FRUIT = 0.7;
 
 /* |mu |u_T| - s| at fc.u */
 static double error_of_shift(const nsdae_fc_island *s)
@@ -51,8 +48,8 @@ int nsdae_fc_aclm(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_budge
   for (int since = 0; since < FRUITLESS && nsdae_fc_socp_run(s, it, b); since++) {
     double residual = nsdae_fc_offer(s, it), error = error_of_shift(s);
     if (residual <= b->tol) return 1;
-    if (error < FRUIT * least) least = error, since = -1;
-    if (residual < SHRUNK * tried) {
+    if (error < PROGRESS * least) least = error, since = -1;
+    if (residual < PROGRESS * tried) {
       tried = residual;
       if (nsdae_fc_proximal_points(s, it, b) <= b->tol) return 1;
       nsdae_fc_go_to(s, s->socp.end);

@@ -8,9 +8,8 @@
 #include "ratio_step.h"
 #include "solver_contract.h"
 
-/* Sweeps between two evaluations of the residual. It costs two sweeps: 2 % with 100; in the plain
- * phase, in which the residual wanders and its minima count, 10 % with 20. */
-enum { BETWEEN = 100, OFTEN = 20 };
+/* Sweeps between two evaluations of the residual, each of which costs two sweeps. */
+enum { BETWEEN = 40 };
 
 /* Share of the sweeps that the plain phase may do without halving the residual. */
 static const double IDLE = 0.5;
@@ -62,12 +61,12 @@ static int plain(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_budget
   nsdae_fc_go_to(s, it->r);
   nsdae_fc_sweep_begin(&s->fc);
   while (idle <= most && change > 0) {
-    for (int k = 0; k < OFTEN; k++) {
+    for (int k = 0; k < BETWEEN; k++) {
       if (!nsdae_fc_spend_sweep(s, it, b)) return 0;
       change = nsdae_fc_sweep(&s->fc, 1, s->slip);
     }
     if (evaluate(s, it) <= b->tol) return 1;
-    idle += OFTEN;
+    idle += BETWEEN;
     if (it->residual <= 0.5 * mark) mark = it->residual, idle = 0;
   }
   return 0;

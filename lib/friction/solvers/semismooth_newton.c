@@ -13,9 +13,6 @@
 /* Steps of one problem. One that is solved takes 2 to 8; 15 or 60 solve as many. */
 enum { INNER = 30 };
 
-/* Problems that may fail; each makes alpha ten times as large. */
-enum { FAILURES = 20 };
-
 /* Steps in which the residual has to be halved. */
 enum { IDLE = 150 };
 
@@ -26,12 +23,8 @@ static const double GAIN = 1e-4;
  * and 52 are solved to 1e-8; from 0.1 on the last problem may leave 1e-10. */
 static const double SHARE = 1e-2;
 
-/* alpha at first at most; at last at least, above the rounding of a matrix whose entries are about
- * one; and the least with which a failure is final. */
-static const double FIRST = 1e-2, LEAST = 1e-14, LARGEST = 1e3;
-
-/* A proximal term that changes velocities by rounding, and keeps the matrix regular. */
-static const double SLIGHT = 1e-10;
+/* A failure makes alpha ten times as large; with this one the attempt ends. */
+static const double LARGEST = 1e3;
 
 /* Solves with the centre at fc.r, or goes back there; returns the steps, 0 if it failed. */
 static int solve_problem(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_budget *b)
@@ -61,11 +54,11 @@ double nsdae_fc_proximal_points(nsdae_fc_island *s, nsdae_fc_iterate *it, const 
 {
   nsdae_fc_newton *newton = &s->newton;
   double factor = 0.1, half = INFINITY, best;
-  int failures = 0, mark = it->work.steps;
+  int mark = it->work.steps;
   nsdae_fc_velocities(&s->fc, s->fc.r, s->fc.y, s->fc.u);
   double residual = best = nsdae_fc_offer(s, it);
   memcpy(s->point, s->fc.r, nsdae_fc_bytes(s));
-  begin(newton, fmin(fmax(SHARE * residual, LEAST), FIRST));
+  begin(newton, fmax(SHARE * residual, NSDAE_FC_REGULAR));
   while (!(residual <= b->tol) && it->work.steps - mark < IDLE) {
     if (it->work.steps >= b->steps || it->work.products >= b->products || it->work.interrupted)
       break;
@@ -73,7 +66,7 @@ double nsdae_fc_proximal_points(nsdae_fc_island *s, nsdae_fc_iterate *it, const 
     if (steps == 0) {
       newton->alpha *= 10;
       factor = sqrt(factor);
-      if (++failures > FAILURES || newton->alpha > LARGEST) break;
+      if (newton->alpha > LARGEST) break;
       continue;
     }
     double before = residual;
@@ -83,7 +76,8 @@ double nsdae_fc_proximal_points(nsdae_fc_island *s, nsdae_fc_iterate *it, const 
       memcpy(s->point, s->fc.r, nsdae_fc_bytes(s));
     }
     if (best < half) half = best / 2, mark = it->work.steps;
-    if (steps <= 5 || residual > 0.3 * before) newton->alpha = fmax(newton->alpha * factor, LEAST);
+    if (steps <= 5 || residual > 0.3 * before)
+      newton->alpha = fmax(newton->alpha * factor, NSDAE_FC_REGULAR);
     factor = fmax(factor * factor, 0.1);
   }
   if (!(residual <= best)) nsdae_fc_go_to(s, s->point);
@@ -100,7 +94,7 @@ int nsdae_fc_semismooth_newton(nsdae_fc_island *s, nsdae_fc_iterate *it, const n
 
 void nsdae_fc_polish(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_budget *b, int steps)
 {
-  begin(&s->newton, SLIGHT);
+  begin(&s->newton, NSDAE_FC_REGULAR);
   nsdae_fc_go_to(s, it->r);
   for (int k = 0; k < steps && it->residual > 0; k++) {
     double before = it->residual;

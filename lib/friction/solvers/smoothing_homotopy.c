@@ -15,16 +15,12 @@ enum { INNER = 15 };
 /* Distance from the path relative to e, of the first attempt and the last. */
 static const double LOOSE = 1e-3, TIGHT = 1e-6;
 
-/* Last e: below, rounding decides. The proximal term keeps matrices regular. */
-static const double LAST = 1e-6, REGULAR = 1e-13;
+/* Last e: below, rounding decides. */
+static const double LAST = 1e-6;
 
 /* First e: a point of the path has r o u^ = e^2, and Newton's method does not get from zero to
  * impulses that are larger by far than e, as those of unlike masses are. */
 static const double FIRST[] = {1, 1e3, 1e6};
-
-/* An end with a larger residual is not near a solution: semismooth Newton costs more than it finds.
- */
-static const double FAR = 1e-2;
 
 /* Newton steps until the map is small for this e; their number, 0 if there was none. */
 static int correct(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_budget *b, double loose)
@@ -46,7 +42,7 @@ static int correct(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_budg
 static int begin(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_budget *b, double loose)
 {
   int steps = INNER;
-  s->newton.alpha = REGULAR;
+  s->newton.alpha = NSDAE_FC_REGULAR;
   s->newton.search = 1;
   for (size_t k = 0; k < sizeof FIRST / sizeof *FIRST && steps == INNER; k++) {
     memset(s->fc.r, 0, nsdae_fc_bytes(s));
@@ -80,7 +76,8 @@ int nsdae_fc_smoothing_homotopy(nsdae_fc_island *s, nsdae_fc_iterate *it, const 
   if (!nsdae_fc_system_ready(s)) return NSDAE_FC_NO_MEMORY;
   for (double loose = LOOSE; loose >= TIGHT; loose /= 10) {
     double end = follow(s, it, b, loose);
-    if (end <= b->tol || (end < FAR && nsdae_fc_proximal_points(s, it, b) <= b->tol)) return 1;
+    if (end <= b->tol || (end < NSDAE_FC_NEAR && nsdae_fc_proximal_points(s, it, b) <= b->tol))
+      return 1;
     if (!nsdae_fc_spend(s, it, b, 0)) break;
   }
   return it->residual <= b->tol;

@@ -6,7 +6,7 @@
 #include "block_sweep.h"
 
 /* Products of the evaluation of a point: J and J^T in double-double arithmetic, each some twice the
- * time of a product. */
+ * time of a product. The assembly of a matrix and its solves cost as much again, each. */
 static const double EVALUATION = 4;
 
 /* Work between two calls of the caller, products times items: about a tenth of a second. */
@@ -31,7 +31,7 @@ int nsdae_fc_spend_sweep(const nsdae_fc_island *s, nsdae_fc_iterate *it, const n
 
 int nsdae_fc_spend_step(const nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_budget *b)
 {
-  if (it->work.steps >= b->steps || !nsdae_fc_spend(s, it, b, EVALUATION + s->system->cost))
+  if (it->work.steps >= b->steps || !nsdae_fc_spend(s, it, b, 3 * EVALUATION + s->system->cost))
     return 0;
   it->work.steps++;
   return 1;

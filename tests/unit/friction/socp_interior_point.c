@@ -197,7 +197,7 @@ static void test_convex(void **state)
     for (int again = 0; again < 3; again++) {
       for (int k = 0; k < s.at.run.island.fc.n; k++)
         s.at.run.island.socp.shift[k] = again == 0 ? 0 : fabs(random_number(&draws));
-      const nsdae_fc_budget budget = unbounded(1e-15);
+      const nsdae_fc_budget budget = unbounded(1e-7);
       assert_int_equal(nsdae_fc_socp_run(&s.at.run.island, &s.at.run.iterate, &budget), 1);
       double residual = check_convex(&s);
       worst = fmax(worst, residual);

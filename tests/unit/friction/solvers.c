@@ -141,10 +141,6 @@ static void check_known(const solver *of, unsigned seed)
   const nsdae_fc_budget budget = unbounded(tol);
   const double before = s.run.iterate.residual;
   if (!(before <= tol)) assert_int_equal(of->solve(&s.run.island, &s.run.iterate, &budget), 1);
-
-    print_message("%s %u: %g sweeps %ld steps %d products %g\n", of->name, seed,
-                  s.run.iterate.residual, s.run.iterate.work.sweeps, s.run.iterate.work.steps,
-                  s.run.iterate.work.products);
   assert_at_most(s.run.iterate.residual, tol);
   assert_near(residual_of(&s), s.run.iterate.residual, 1e-14 + 1e-3 * s.run.iterate.residual);
   nsdae_fc_scatter(&s.run.island.fc, s.run.iterate.r, r);
