@@ -61,8 +61,6 @@ typedef struct nsdae_watch {
   double spent;    /* by contacts, amounts; */
   double driven;   /* of what moves by itself, amounts */
   double rounding; /* of the work of forces */
-  double turned;   /* work of inertia in the last step, not summed yet, */
-  double leaving;  /* and of what moves by itself at its begin */
   double gained;   /* by contact impulses */
   double soared;   /* steps in a row that multiplied the kinetic energy */
 } nsdae_watch;
