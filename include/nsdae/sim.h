@@ -132,14 +132,15 @@ typedef struct nsdae_certificate {
   double cone_excess;      /* max(0, |Lambda_T| - mu Lambda_N): friction beyond its cone [N s] */
   double penetration;      /* max(0, -g_N) [m] */
   double constraint_drift; /* max |Phi| [in its units] */
-  double constraint_rate;  /* max |dPhi/dt|: of moreau at the middle of the step, with v of its end */
-  double complementarity;  /* max |Lambda_N xi_N| [J], with xi_N = v_N(+) + e_N v_N(-) of time
-                              stepping; of event xi_N = v_N of what is closed; of penalty 0 */
-  double energy;           /* kinetic + potential, after the step [J] */
-  double work;             /* of forces that are not in the potential, and of moving constraints and
-                              contacts, since the start [J] */
-  double dissipated;       /* work taken by contact and friction impulses since the start [J] */
-  double unexplained;      /* since the start [J]: < 0: a loss, > 0: a gain of the method */
+  double
+      constraint_rate; /* max |dPhi/dt|: of moreau at the middle of the step, with v of its end */
+  double complementarity; /* max |Lambda_N xi_N| [J], with xi_N = v_N(+) + e_N v_N(-) of time
+                             stepping; of event xi_N = v_N of what is closed; of penalty 0 */
+  double energy;          /* kinetic + potential, after the step [J] */
+  double work;            /* of forces that are not in the potential, and of moving constraints and
+                             contacts, since the start [J] */
+  double dissipated;      /* work taken by contact and friction impulses since the start [J] */
+  double unexplained;     /* since the start [J]: < 0: a loss, > 0: a gain of the method */
   int pull_contact, cone_contact, penetration_contact;
   int drift_constraint, rate_constraint;
   int complementarity_contact;
@@ -213,11 +214,11 @@ typedef struct nsdae_stats {
   double energy_balance; /* energy now + dissipated - energy_start [J]; forces that are not in the
                             potential do their work here */
   int warnings; /* 1: energy, 2: penetration, 4: drift, 8: Painleve; see NSDAE_WARN_ENERGY etc. */
-  double wall_time;     /* spent in nsdae_sim_run and nsdae_sim_step [s] */
-  int contact_capacity; /* room in a list of contacts, which grows between steps */
-  int contact_growths;  /* how often it grew */
-  int islands;          /* parts of the last step that contacts and constraints join */
-  int island_contacts;  /* contacts of the largest of them */
+  double wall_time;              /* spent in nsdae_sim_run and nsdae_sim_step [s] */
+  int contact_capacity;          /* room in a list of contacts, which grows between steps */
+  int contact_growths;           /* how often it grew */
+  int islands;                   /* parts of the last step that contacts and constraints join */
+  int island_contacts;           /* contacts of the largest of them */
   nsdae_certificate certificate; /* the largest figures of all records; the energies of the last */
 } nsdae_stats;
 

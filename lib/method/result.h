@@ -46,11 +46,11 @@ typedef struct nsdae_result {
   int impacts, impacts_max;
   nsdae_change *change; /* changes_max: changes of mode */
   int changes, changes_max;
-  double work;                   /* of contact and friction impulses on the system */
-  double lifted;                 /* part of work: what a projection of the coordinates alone gave */
-  double gain, turnover;         /* of event and penalty: what T = v^T M v / 2 gained by the equations
-                                    of motion and by impacts, NAN where backward differences of
-                                    event do not control it; of event its amounts */
+  double work;           /* of contact and friction impulses on the system */
+  double lifted;         /* part of work: what a projection of the coordinates alone gave */
+  double gain, turnover; /* of event and penalty: what T = v^T M v / 2 gained by the equations
+                            of motion and by impacts, NAN where backward differences of
+                            event do not control it; of event its amounts */
   nsdae_rate rate;
   double worst_residual;         /* of its complementarity problems */
   nsdae_twofold twofold;         /* the first of the step */

@@ -405,19 +405,24 @@ static int check_values(nsdae_sim *sim)
   const nsdae_dims *d = &sim->system->dims;
   const nsdae_stats *s = &p->accounts.stats;
   const nsdae_certificate *c = &p->record.certificate;
-  const double sums[] = {nsdae_terms_time(&r->end), p->accounts.grid_start,
-                         p->accounts.dissipated,    p->work.sum,
-                         s->energy_start,           s->energy_balance,
-                         c->energy,                 c->work,
+  const double sums[] = {nsdae_terms_time(&r->end),
+                         p->accounts.grid_start,
+                         p->accounts.dissipated,
+                         p->work.sum,
+                         s->energy_start,
+                         s->energy_balance,
+                         c->energy,
+                         c->work,
                          c->unexplained};
-  const double certificate[] = {r->worst_residual,    s->worst_residual,  s->worst_drift,
-                                s->worst_penetration, c->pull,            c->cone_excess,
-                                c->penetration,       c->constraint_rate, c->complementarity};
-  if (all_finite(sums, sizeof sums / sizeof *sums) && all_finite(r->end.q, d->nq) && all_finite(r->end.v, d->nv) &&
-      all_finite(r->multiplier, d->m) && all_finite(r->impulses.normal, d->k) &&
-      all_finite(r->impulses.tangential, d->k * d->nt) &&
-      all_finite(r->impulses.slide_impulse, d->f) && !any_nan(certificate, sizeof certificate / sizeof *certificate) &&
-      check_closed(sim) && !any_nan(r->memory.real, r->memory.reals))
+  const double certificate[] = {
+      r->worst_residual, s->worst_residual, s->worst_drift,     s->worst_penetration, c->pull,
+      c->cone_excess,    c->penetration,    c->constraint_rate, c->complementarity};
+  if (all_finite(sums, sizeof sums / sizeof *sums) && all_finite(r->end.q, d->nq) &&
+      all_finite(r->end.v, d->nv) && all_finite(r->multiplier, d->m) &&
+      all_finite(r->impulses.normal, d->k) && all_finite(r->impulses.tangential, d->k * d->nt) &&
+      all_finite(r->impulses.slide_impulse, d->f) &&
+      !any_nan(certificate, sizeof certificate / sizeof *certificate) && check_closed(sim) &&
+      !any_nan(r->memory.real, r->memory.reals))
     return NSDAE_OK;
   return nsdae_error_set(&sim->error, NSDAE_E_NONFINITE, "nsdae_sim_set_state", "block",
                          "the state has a number that is not finite");

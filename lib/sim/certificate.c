@@ -3,7 +3,8 @@
  * A time-stepping method does the work of its own quadrature of the forces, of the mass matrix
  * that changes, T = v^T M v / 2, and of what moves by itself:
  *
- *   h/2 (F_0 v_0 + F_1 v_1) + vm^T (M_1 - M_0) vm / 2 + Lambda Phi_t - Lambda_c w,   vm = (v_0 + v_1) / 2
+ *   h/2 (F_0 v_0 + F_1 v_1) + vm^T (M_1 - M_0) vm / 2 + Lambda Phi_t - Lambda_c w,   vm = (v_0 +
+ * v_1) / 2
  *
  * penalty and event integrate it with the motion, by the same terms in continuous time. Where
  * backward differences do not control that integral, its error is unknown and the change of energy
@@ -73,7 +74,9 @@ static int work_of_step(nsdae_point *before, nsdae_point *point)
   w->power = power_of(to, &w->rounding);
   w->forces = h / 2 * (start + w->power);
   w->inertia = inertia(from, to) - r->lifted;
-  w->driven = half_driven(from, r, h) + half_driven(to, r, h);
+  w->driven = 0;
+  if (to->system->dims.m > 0 || !r->smooth)
+    w->driven = half_driven(from, r, h) + half_driven(to, r, h);
   w->sum = before->work.sum + (w->forces + w->inertia + w->driven);
   w->potential = before->work.potential;
   return NSDAE_OK;
@@ -85,8 +88,7 @@ static void work_of_motion(const nsdae_point *before, nsdae_point *point)
   const nsdae_result *r = &point->result;
   double gain = isfinite(r->gain) ? r->gain : point->record.kinetic - before->record.kinetic;
   const nsdae_work *w = &before->work;
-  point->work =
-      (nsdae_work){.potential = w->potential, .sum = w->sum + gain - r->work};
+  point->work = (nsdae_work){.potential = w->potential, .sum = w->sum + gain - r->work};
 }
 
 static inline void worst(double value, int item, double *most, int *of)

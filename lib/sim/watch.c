@@ -230,7 +230,6 @@ static void add_work(nsdae_watch *w, const nsdae_point *at)
   w->turnover += fabs(of->forces);
   w->unsure += h / 4 * fabs(of->power - 2 * w->power + w->earlier);
   w->driven += fabs(of->driven);
-  w->work += of->forces + of->inertia + of->driven;
   w->earlier = w->power;
   w->power = of->power;
   w->t = at->result.end.t;
@@ -302,7 +301,7 @@ static void find_gain_of_steps(nsdae_watch *w, const nsdae_point *before, const 
     if (work > 0) w->gained += nsdae_larger(0, work - rounding_of_contacts(point));
     w->spent += fabs(work);
   }
-  found->energy = before->record.kinetic + before->record.dissipated - w->kinetic - w->work;
+  found->energy = before->record.certificate.unexplained;
   found->bound = energy_bound(w);
 }
 

@@ -55,7 +55,6 @@ typedef struct nsdae_watch {
   double t;        /* up to here the work is summed, one step behind */
   double power;    /* F v there, */
   double earlier;  /* and a step before */
-  double work;     /* of forces, inertia, moving constraints and moving contacts */
   double turnover; /* of forces, its steps' amounts; */
   double unsure;   /* what the quadrature may miss of it */
   double spent;    /* by contacts, amounts; */

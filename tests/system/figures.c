@@ -154,8 +154,8 @@ static void test_block(void **state)
     }
 }
 
-/* A ball that hits the floor with v: its law takes (1 - e^2) m v^2 / 2, and that is all. The impulse
- * of a time-stepping method has the weight of its step in it, m g h (1 - e) v / 2. */
+/* A ball that hits the floor with v: its law takes (1 - e^2) m v^2 / 2, and that is all. The
+ * impulse of a time-stepping method has the weight of its step in it, m g h (1 - e) v / 2. */
 static void test_bounce(void **state)
 {
   static const double restitution[] = {0, 0.5, 1};
@@ -303,7 +303,8 @@ static double row_rate(const random_system *r, const random_row *w, const double
 {
   double rate = -w->rate, bend = 0;
   for (int i = 0; i < r->dims.nq; i++) bend += w->B[i] * q[i];
-  for (int i = 0; i < r->dims.nq; i++) rate += (w->c[i] + w->b * cos(bend) * w->B[i]) * r->h[i] * v[i];
+  for (int i = 0; i < r->dims.nq; i++)
+    rate += (w->c[i] + w->b * cos(bend) * w->B[i]) * r->h[i] * v[i];
   return rate;
 }
 
@@ -311,9 +312,9 @@ static double power(const random_system *r, const double *q, const double *v)
 {
   double sum = 0;
   for (int i = 0; i < r->dims.nq; i++)
-    sum -= v[i] * (r->h[i] * (r->m[i] * r->a[i] * cos(q[i]) * v[i] * v[i] / 2 + r->g[i] +
-                              r->s[i] * q[i]) +
-                   r->damp[i] * v[i]);
+    sum -= v[i] *
+           (r->h[i] * (r->m[i] * r->a[i] * cos(q[i]) * v[i] * v[i] / 2 + r->g[i] + r->s[i] * q[i]) +
+            r->damp[i] * v[i]);
   return sum;
 }
 
@@ -471,8 +472,8 @@ static int judge_run(uint64_t seed, int method, double *violations)
     expect_most(sim, &j);
     for (int i = 0; i < 6; i++) {
       if (!(j.off[i] <= (i < 4 ? 1e-13 : tol)))
-        print_error("seed %d, %s: figure %d is off by %.3g\n", (int)seed,
-                    nsdae_method_name(method), i, j.off[i]);
+        print_error("seed %d, %s: figure %d is off by %.3g\n", (int)seed, nsdae_method_name(method),
+                    i, j.off[i]);
       assert_at_most(j.off[i], i < 4 ? 1e-13 : tol);
     }
     if (method == NSDAE_METHOD_PENALTY || method == NSDAE_METHOD_EVENT)
@@ -611,8 +612,8 @@ static void test_state(void **state)
 
 int main(void)
 {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_block),  cmocka_unit_test(test_bounce), cmocka_unit_test(test_loss),
-      cmocka_unit_test(test_random), cmocka_unit_test(test_lists),  cmocka_unit_test(test_state)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_block), cmocka_unit_test(test_bounce),
+                                     cmocka_unit_test(test_loss),  cmocka_unit_test(test_random),
+                                     cmocka_unit_test(test_lists), cmocka_unit_test(test_state)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -209,23 +209,22 @@ static void expect_certificates(hid_t file, const memory *m)
   static const struct {
     const char *name;
     size_t offset;
-  } all[] = {
-      {"/certificate/pull", offsetof(nsdae_certificate, pull)},
-      {"/certificate/pull_contact", offsetof(nsdae_certificate, pull_contact)},
-      {"/certificate/cone_excess", offsetof(nsdae_certificate, cone_excess)},
-      {"/certificate/cone_contact", offsetof(nsdae_certificate, cone_contact)},
-      {"/certificate/penetration", offsetof(nsdae_certificate, penetration)},
-      {"/certificate/penetration_contact", offsetof(nsdae_certificate, penetration_contact)},
-      {"/certificate/complementarity", offsetof(nsdae_certificate, complementarity)},
-      {"/certificate/complementarity_contact",
-       offsetof(nsdae_certificate, complementarity_contact)},
-      {"/certificate/constraint_drift", offsetof(nsdae_certificate, constraint_drift)},
-      {"/certificate/drift_constraint", offsetof(nsdae_certificate, drift_constraint)},
-      {"/certificate/constraint_rate", offsetof(nsdae_certificate, constraint_rate)},
-      {"/certificate/rate_constraint", offsetof(nsdae_certificate, rate_constraint)},
-      {"/energy/work", offsetof(nsdae_certificate, work)},
-      {"/energy/dissipated", offsetof(nsdae_certificate, dissipated)},
-      {"/energy/unexplained", offsetof(nsdae_certificate, unexplained)}};
+  } all[] = {{"/certificate/pull", offsetof(nsdae_certificate, pull)},
+             {"/certificate/pull_contact", offsetof(nsdae_certificate, pull_contact)},
+             {"/certificate/cone_excess", offsetof(nsdae_certificate, cone_excess)},
+             {"/certificate/cone_contact", offsetof(nsdae_certificate, cone_contact)},
+             {"/certificate/penetration", offsetof(nsdae_certificate, penetration)},
+             {"/certificate/penetration_contact", offsetof(nsdae_certificate, penetration_contact)},
+             {"/certificate/complementarity", offsetof(nsdae_certificate, complementarity)},
+             {"/certificate/complementarity_contact",
+              offsetof(nsdae_certificate, complementarity_contact)},
+             {"/certificate/constraint_drift", offsetof(nsdae_certificate, constraint_drift)},
+             {"/certificate/drift_constraint", offsetof(nsdae_certificate, drift_constraint)},
+             {"/certificate/constraint_rate", offsetof(nsdae_certificate, constraint_rate)},
+             {"/certificate/rate_constraint", offsetof(nsdae_certificate, rate_constraint)},
+             {"/energy/work", offsetof(nsdae_certificate, work)},
+             {"/energy/dissipated", offsetof(nsdae_certificate, dissipated)},
+             {"/energy/unexplained", offsetof(nsdae_certificate, unexplained)}};
   for (size_t i = 0; i < sizeof all / sizeof *all; i++)
     expect_figures(file, m, all[i].name, all[i].offset);
 }
