@@ -68,7 +68,6 @@ static int create(nsdae_stepper *s, void **own)
   p->equations.stepper = s;
   p->n = nsdae_penalty_size(&s->system->dims);
   const nsdae_ode_problem problem = {.n = p->n,
-                                     .depends = nsdae_penalty_at_lambda(&s->system->dims),
                                      .controlled = nsdae_penalty_at_other_work(&s->system->dims),
                                      .roots = s->system->dims.k,
                                      .rate = nsdae_penalty_rate,

@@ -10,7 +10,6 @@ typedef struct nsdae_ode nsdae_ode;
 /* f and the root functions g: 0 done, > 0 try a smaller step, < 0 give up. */
 typedef struct nsdae_ode_problem {
   int n, roots;
-  int depends;    /* f depends on the first of y alone; 0: on all that are controlled */
   int controlled; /* the error is controlled of the first of y, and f depends on no others; 0: all
                    */
   int (*rate)(double t, const double *y, double *ydot, void *user);

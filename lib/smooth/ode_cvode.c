@@ -104,7 +104,7 @@ static int differentiate(nsdae_ode *ode, double t, double gamma, N_Vector y, N_V
   double *x = N_VGetArrayPointer(moved), *W = N_VGetArrayPointer(weights);
   const double *f_0 = N_VGetArrayPointer(f), *f_1 = N_VGetArrayPointer(f_there);
   SUNMatZero(ode->jacobian);
-  for (int j = 0; j < ode->problem.depends; j++) {
+  for (int j = 0; j < ode->problem.controlled; j++) {
     double here = x[j], scale = j < ode->positions ? fabs(here) : fmax(fabs(here), fastest);
     double increment = fmax(root_of_u * scale, least / W[j]);
     double *column = SUNDenseMatrix_Column(ode->jacobian, j), inverse = 1 / increment;
@@ -178,7 +178,6 @@ int nsdae_ode_create(const nsdae_ode_problem *problem, double rtol, double atol,
   made->problem = *problem;
   nsdae_ode_tolerances(made, rtol, atol);
   if (problem->controlled == 0) made->problem.controlled = problem->n;
-  if (problem->depends == 0) made->problem.depends = made->problem.controlled;
   int status = make_objects(made);
   if (status == NSDAE_OK) status = set_up(made);
   if (status < 0)
