@@ -193,7 +193,7 @@ static inline int measure(const nsdae_sim *sim, nsdae_point *point)
 }
 
 /* most := the larger of each figure, the energies of the other. */
-static inline void raise(nsdae_certificate *most, const nsdae_certificate *c)
+static inline void keep_worst(nsdae_certificate *most, const nsdae_certificate *c)
 {
   most->energy = c->energy;
   most->work = c->work;
@@ -231,6 +231,6 @@ int nsdae_certificate_follow(const nsdae_sim *sim, nsdae_point *before, nsdae_po
   else
     status = work_of_step(before, point);
   if (status == NSDAE_OK) status = measure(sim, point);
-  raise(&point->accounts.stats.certificate, &point->record.certificate);
+  keep_worst(&point->accounts.stats.certificate, &point->record.certificate);
   return status;
 }

@@ -397,7 +397,7 @@ static void judge_contacts(judge *j, const nsdae_record *r)
     j->off[2] = fmax(j->off[2], fabs(c->penetration + r->gap[c->penetration_contact]));
 }
 
-static void raise(double *most, double value)
+static void raise_to(double *most, double value)
 {
   *most = fmax(*most, value);
 }
@@ -419,12 +419,12 @@ static int judge_record(const nsdae_record *r, nsdae_error *error, void *user)
     j->off[5] = fmax(j->off[5], fabs(T + U - c->energy) / j->size);
   }
   j->unexplained = fmax(j->unexplained, fabs(c->unexplained) / j->size);
-  raise(&j->most.pull, c->pull);
-  raise(&j->most.cone_excess, c->cone_excess);
-  raise(&j->most.penetration, c->penetration);
-  raise(&j->most.constraint_drift, c->constraint_drift);
-  raise(&j->most.constraint_rate, c->constraint_rate);
-  raise(&j->most.complementarity, c->complementarity);
+  raise_to(&j->most.pull, c->pull);
+  raise_to(&j->most.cone_excess, c->cone_excess);
+  raise_to(&j->most.penetration, c->penetration);
+  raise_to(&j->most.constraint_drift, c->constraint_drift);
+  raise_to(&j->most.constraint_rate, c->constraint_rate);
+  raise_to(&j->most.complementarity, c->complementarity);
   j->t = r->time;
   memcpy(j->q, r->q, (size_t)j->r->dims.nq * sizeof *j->q);
   memcpy(j->v, r->v, (size_t)j->r->dims.nv * sizeof *j->v);
