@@ -185,26 +185,7 @@ static void test_bounce(void **state)
     }
 }
 
-/* ---- A pendulum in absolute coordinates, |q| = L. */
-static int pendulum_mass(double t, const double *q, double *M, int ldm, void *user)
-{
-  (void)t;
-  (void)q;
-  (void)user;
-  M[0] = M[ldm + 1] = 1;
-  return 0;
-}
-
-static int pendulum_force(double t, const double *q, const double *v, double *F, void *user)
-{
-  (void)t;
-  (void)q;
-  (void)v;
-  (void)user;
-  F[1] = -gravity;
-  return 0;
-}
-
+/* ---- A pendulum of such a body, |q| = 1. */
 static int pendulum_rod(double t, const double *q, double *phi, void *user)
 {
   (void)t;
@@ -246,6 +227,7 @@ static void test_loss(void **state)
     const nsdae_dims dims = {.nq = 2, .nv = 2, .m = 1};
     const double q0[2] = {1, 0}, v0[2] = {0, 0};
     double worst[4] = {0};
+    block bob = {.m = 1};
     nsdae_system *system;
     nsdae_sim *sim;
     nsdae_sim_options options;
@@ -253,8 +235,9 @@ static void test_loss(void **state)
     options.method = method;
     options.dt = 1e-2;
     assert_int_equal(nsdae_system_create(&dims, &system, NULL), NSDAE_OK);
-    nsdae_system_set_mass(system, pendulum_mass);
-    nsdae_system_set_force(system, pendulum_force);
+    nsdae_system_set_user(system, &bob);
+    nsdae_system_set_mass(system, block_mass);
+    nsdae_system_set_force(system, block_force);
     nsdae_system_set_constraint(system, pendulum_rod);
     nsdae_system_set_constraint_jacobian(system, pendulum_jacobian);
     if (nsdae_sim_create(system, &options, &sim, NULL) == NSDAE_OK) {
@@ -284,7 +267,7 @@ static const double step_length = 2e-3;
 typedef struct judge {
   random_system *r;
   int method, potential, records;
-  double t, q[RANDOM_NQ], v[RANDOM_NQ];
+  double q[RANDOM_NQ], v[RANDOM_NQ];
   double work, start, size;       /* of all forces; kinetic energy at the start; of energies */
   double off[6];                  /* from the figures of the certificate: the worst */
   double unexplained, violations; /* of event and penalty; figures that were not 0 */
@@ -425,7 +408,6 @@ static int judge_record(const nsdae_record *r, nsdae_error *error, void *user)
   raise_to(&j->most.constraint_drift, c->constraint_drift);
   raise_to(&j->most.constraint_rate, c->constraint_rate);
   raise_to(&j->most.complementarity, c->complementarity);
-  j->t = r->time;
   memcpy(j->q, r->q, (size_t)j->r->dims.nq * sizeof *j->q);
   memcpy(j->v, r->v, (size_t)j->r->dims.nv * sizeof *j->v);
   j->records++;
@@ -492,9 +474,7 @@ static void test_random(void **state)
     double violations = 0;
     int records = 0;
     for (uint64_t seed = 1; seed <= SEEDS; seed++) records += judge_run(seed, method, &violations);
-    if (records == 0) continue; /* not built */
-    assert_true(records > SEEDS * STEPS / 2);
-    assert_true(violations > 100);
+    if (records > 0) assert_true(records > SEEDS * STEPS / 2 && violations > 100); /* built */
   }
 }
 
