@@ -24,7 +24,12 @@ void nsdae_differences_layout(nsdae_differences *differences, nsdae_arena *arena
   differences->moved = NSDAE_ARENA_DOUBLES(arena, dims->nq);
   differences->W = NSDAE_ARENA_DOUBLES(arena, dims->nv * columns);
   differences->velocity = NSDAE_ARENA_DOUBLES(arena, k + kt + dims->f);
+  for (int i = 0; i < 2; i++)
+    differences->omega[i] = NSDAE_ARENA_DOUBLES(arena, dims->m + k + kt + dims->f);
 }
+
+/* Halves of a step that tune tries: down to that of a first derivative, eps^(1/3) of eps^(1/6). */
+enum { FINEST = 9 };
 
 /* A power of two, so that t + s and t - s are exact. Neither time nor place has a natural zero, so
  * that the step grows with them for rounding alone: scale = eps^p is the best step of a function
@@ -276,4 +281,53 @@ int nsdae_differences_contacts(nsdae_differences *d, double t, const double *q, 
   for (int i = 0; i < 4 && !code; i++)
     code = add_displaced(d, t, q, v, at[i] * s, weight[i] / (12 * s), omega);
   return code ? code : normal_accelerations(d, t, q, v, omega_n);
+}
+
+int nsdae_differences_used(const nsdae_system *s)
+{
+  return (s->dims.m > 0 && !s->call.constraint_bias) ||
+         (s->dims.k + s->dims.f > 0 && !s->call.contact_acceleration);
+}
+
+/* omega [m + k + k nt + f]: of what has no formula, zero of the rest. */
+static int accelerations(nsdae_differences *d, double t, const double *q, const double *v,
+                         double *omega)
+{
+  const nsdae_system *s = d->system;
+  const nsdae_dims *dims = &s->dims;
+  double *normal = omega + dims->m, *tangential = normal + dims->k;
+  int code = 0;
+  memset(omega, 0, (size_t)(dims->m + dims->k * (1 + dims->nt) + dims->f) * sizeof *omega);
+  if (dims->m > 0 && !s->call.constraint_bias)
+    code = nsdae_differences_second(d, s->call.constraint, dims->m, t, q, v, omega);
+  if (!code && dims->k + dims->f > 0 && !s->call.contact_acceleration)
+    code =
+        nsdae_differences_contacts(d, t, q, v, normal, tangential, tangential + dims->k * dims->nt);
+  return code;
+}
+
+int nsdae_differences_tune(nsdae_differences *d, double t, const double *q, const double *v,
+                           double *error)
+{
+  const nsdae_dims *dims = &d->system->dims;
+  int rows = dims->m + dims->k * (1 + dims->nt) + dims->f, best = 0;
+  *error = INFINITY;
+  d->finer = 0;
+  int code = accelerations(d, t, q, v, d->omega[0]);
+  for (int finer = 1; finer <= FINEST && !code; finer++) {
+    double change = 0, *coarse = d->omega[1 - finer % 2], *fine = d->omega[finer % 2];
+    d->finer = finer;
+    code = accelerations(d, t, q, v, fine);
+    for (int i = 0; i < rows; i++) change = fmax(change, fabs(fine[i] - coarse[i]));
+    if (!(change < *error)) {
+      best -= change > 2 * *error; /* rounding rules: the coarser of the two has less of it */
+      break;
+    }
+    *error = change;
+    best = finer;
+  }
+  d->finer = best;
+  if (!isfinite(*error))
+    *error = 0; /* a callback's failure, or its NaN, is told where it is used */
+  return code;
 }
