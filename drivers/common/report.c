@@ -135,6 +135,7 @@ static void say_warnings(const nsdae_sim *sim, const nsdae_stats *stats)
     if (stats->warnings & 1 << i)
       printf("warning: %s of this run exceeds what the method explains\n", kinds[i]);
   if (stats->warnings & 8) printf("warning: friction forces of this run are not unique\n");
+  if (stats->warnings & 16) printf("warning: impacts of this run were merged\n");
 }
 
 /* A time-stepping method looks at the end of a step whether a contact has closed, and leaves it

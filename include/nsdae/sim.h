@@ -213,7 +213,8 @@ typedef struct nsdae_stats {
   double energy_start;      /* kinetic + potential at the start [J] */
   double energy_balance; /* energy now + dissipated - energy_start [J]; forces that are not in the
                             potential do their work here */
-  int warnings; /* 1: energy, 2: penetration, 4: drift, 8: Painleve; see NSDAE_WARN_ENERGY etc. */
+  int warnings; /* 1: energy, 2: penetration, 4: drift, 8: Painleve, 16: impacts, 32: restitution;
+                   see NSDAE_WARN_ENERGY etc. */
   double wall_time;              /* spent in nsdae_sim_run and nsdae_sim_step [s] */
   int contact_capacity;          /* room in a list of contacts, which grows between steps */
   int contact_growths;           /* how often it grew */
@@ -278,6 +279,9 @@ NSDAE_API int nsdae_sim_set_interrupt(nsdae_sim *sim, nsdae_interrupt_fn asked, 
  * NSDAE_WARN_ENERGY, _PENETRATION or _DRIFT, once each, where these exceed what the method explains
  * (the error record says by how much; bounds in docs/methods/warnings.md); NSDAE_WARN_PAINLEVE,
  * once, where event took one of two solutions (the record names the slide and its multiplier);
+ * NSDAE_WARN_IMPACTS, once, if a time-stepping step solved many impacts that follow one another as
+ * one; NSDAE_WARN_RESTITUTION, by the first step, if the law of penalty gives another restitution
+ * than e_N;
  * NSDAE_STOPPED; < 0: the step was not done and the state is the one before it. */
 NSDAE_API int nsdae_sim_step(nsdae_sim *sim);
 /* The same, but back after the first step in which nsdae_sim_step would return NSDAE_EVENT or

@@ -216,7 +216,7 @@ module nsdae_f_sim
     real(c_double) :: worst_penetration
     real(c_double) :: energy_start       ! kinetic + potential at the start [J]
     real(c_double) :: energy_balance     ! energy now + dissipated - energy_start [J]
-    integer(c_int) :: warnings           ! 1: energy, 2: penetration, 4: drift, 8: Painleve
+    integer(c_int) :: warnings           ! 1: energy, 2: penetration, 4: drift, 8: Painleve, 16: impacts, 32: restitution
     real(c_double) :: wall_time          ! in nsdae_sim_run and nsdae_sim_step [s]
     integer(c_int) :: contact_capacity   ! room in a list of contacts, which grows between steps
     integer(c_int) :: contact_growths    ! how often it grew

@@ -140,7 +140,16 @@ int nsdae_watch_finite(const nsdae_point *point);
 /* From the start on. NSDAE_OK, or what the terms return. */
 int nsdae_watch_start(const nsdae_sim *sim, nsdae_point *point);
 /* After a step: what is to be said now, NSDAE_WARN_... with the error record, or NSDAE_OK. */
-int nsdae_watch_step(const nsdae_sim *sim, const nsdae_point *before, nsdae_point *point);
+int nsdae_watch_step(const nsdae_sim *sim, nsdae_point *before, nsdae_point *point);
+
+/* The pair of closed contacts that would hit most often, one after the other, in the step that was
+ * done; impacts 0: there is none. NSDAE_OK, or what the terms return. */
+typedef struct nsdae_merged {
+  double impacts;
+  int contact, other; /* by list: places in the record's contacts */
+} nsdae_merged;
+int nsdae_merged_find(const nsdae_sim *sim, nsdae_point *before, const nsdae_point *point,
+                      nsdae_merged *most);
 
 /* The record of a point whose result and accounts were set; have: terms to evaluate besides. */
 int nsdae_point_show(nsdae_point *point, unsigned have);

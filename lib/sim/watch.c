@@ -8,10 +8,13 @@
 #include "sim_impl.h"
 #include "vector.h"
 
-static const double watch_ways = 10;      /* of a step, or overlaps of penalty */
-static const double watch_quarter = 0.25; /* of the width of a body */
-static const double watch_tenth = 0.1;    /* of an arm: 0.1 rad */
-static const double watch_share = 0.1;    /* of the largest kinetic energy */
+static const double watch_late = 1.5; /* ways of a step: found late, and that of the hit */
+static const double watch_turn = 6.28318530717958648; /* the same, in a turn: one for a radian, */
+static const double watch_half_turn = 3.14159265358979324; /* a half for a radian */
+static const double watch_sudden = 2;                      /* depths of rest */
+static const double watch_quarter = 0.25;                  /* of the width of a body */
+static const double watch_tenth = 0.1;                     /* of an arm: 0.1 rad */
+static const double watch_share = 0.1;                     /* of the largest kinetic energy */
 static const double watch_turnover =
     0.02;                                 /* of the work that forces, or what moves, did and took */
 static const double watch_half = 0.5;     /* of the largest that came from somewhere */
@@ -74,6 +77,16 @@ static double rounding_from_rest(const nsdae_terms *T, const double *F, double h
   return DBL_EPSILON * h * h * sum / 2;
 }
 
+/* The largest gap, if start_tol does not make it none; else 0, as of penalty, whose stiffness gives
+ * the depth. */
+static double apart(const nsdae_terms *start, const nsdae_sim_options *o)
+{
+  double most = 0, start_tol = o->start_tol;
+  if (o->method == NSDAE_METHOD_PENALTY) return 0;
+  for (int i = 0; i < start->system->dims.k; i++) most = fmax(most, start->gap[i]);
+  return most > start_tol * (1 + nsdae_largest(start->system->dims.nq, start->q)) ? most : 0;
+}
+
 int nsdae_watch_start(const nsdae_sim *sim, nsdae_point *point)
 {
   const nsdae_terms *start = &point->result.end;
@@ -86,6 +99,7 @@ int nsdae_watch_start(const nsdae_sim *sim, nsdae_point *point)
       (nsdae_watch){.change = from_rest,
                     .row = largest_entry(&start->system->blocks, &start->by.jacobian),
                     .way = from_rest,
+                    .apart = apart(start, &sim->options),
                     .scale = fmax(point->record.kinetic, rounding_from_rest(start, F, h)),
                     .kinetic = point->record.kinetic,
                     .known = point->record.kinetic,
@@ -211,12 +225,15 @@ static void measure(nsdae_watch *w, const nsdae_terms *from, const nsdae_result 
   const nsdae_dims *d = &to->system->dims;
   const nsdae_impulses *r = &result->impulses;
   double speed = 0, h = to->t - from->t;
-  for (int i = 0; i < d->k; i++)
+  for (int i = 0; i < d->k; i++) {
     w->change = nsdae_larger(w->change, fabs(to->gap[i] - from->gap[i]));
+    if (w->apart > 0) w->apart = nsdae_larger(w->apart, to->gap[i]);
+  }
   for (int a = 0; a < result->closed.count; a++)
     w->change = fmax(w->change, h * fmax(fabs(r->before[a]), fabs(r->after[a])));
   if (d->m == 0) return; /* no row to go along */
-  for (int j = 0; j < d->nv; j++) speed += nsdae_larger(fabs(from->v[j]), fabs(to->v[j]));
+  for (int j = 0; j < d->nv; j++)
+    speed = nsdae_larger(speed, nsdae_larger(fabs(from->v[j]), fabs(to->v[j])));
   w->way = nsdae_larger(w->way, h * w->row * speed);
 }
 
@@ -405,13 +422,15 @@ static double size_of_pair(const double *size, const int *block)
   return isfinite(least) ? least : 0;
 }
 
-static excess deepest(const nsdae_result *r, double way)
+/* apart: 0, or the bound of a contact that was open as the step began. */
+static excess deepest(const double *gap_before, const nsdae_result *r, double way, double apart)
 {
   const nsdae_system *s = r->end.system;
   const double *size = s->size[NSDAE_NAME_CONTACT];
   excess e = {0, 1, 0};
   for (int i = 0; i < s->dims.k; i++)
-    compare(&e, i, -r->end.gap[i], size ? watch_quarter * size[i] : 0, way);
+    compare(&e, i, -r->end.gap[i], size ? watch_quarter * size[i] : 0,
+            apart > 0 && gap_before[i] > 0 ? fmin(way, apart) : way);
   for (int a = 0; a < r->closed.count; a++)
     compare(&e, a, -r->closed.gap[a],
             size ? watch_quarter * size_of_pair(size, r->closed.block + 2 * (size_t)a) : 0, way);
@@ -471,17 +490,40 @@ static int say_twofold(nsdae_point *point)
   return NSDAE_WARN_PAINLEVE;
 }
 
-/* The overlap that the method explains, but for the factor. A spring has stored no more than its
- * contact has taken: of what was in motion, or, where a wall moves by itself or a load rests on it,
- * of their work. */
+static int say_merged(nsdae_point *point, const nsdae_merged *m)
+{
+  const nsdae_terms *end = &point->result.end;
+  const nsdae_system *s = end->system;
+  char one[NSDAE_CALLED_SIZE], other[NSDAE_CALLED_SIZE];
+  const long *id = point->result.closed.id;
+  point->accounts.stats.warnings |= NSDAE_WATCH_IMPACTS;
+  nsdae_error_set(
+      end->error, NSDAE_WARN_IMPACTS, "nsdae_sim", "dt",
+      "impacts are merged in the step to t = %.6g: %s and %s would hit in turn up to %.3g times: "
+      "make dt smaller, or use method = event",
+      nsdae_terms_time(end),
+      s->by_list ? nsdae_system_called_id(s, id[m->contact], one)
+                 : nsdae_system_called(s, NSDAE_NAME_CONTACT, m->contact, one),
+      s->by_list ? nsdae_system_called_id(s, id[m->other], other)
+                 : nsdae_system_called(s, NSDAE_NAME_CONTACT, m->other, other),
+      m->impacts);
+  end->error->time = nsdae_terms_time(end);
+  end->error->index = m->contact;
+  return NSDAE_WARN_IMPACTS;
+}
+
+/* The overlap that the method explains if sizes are unknown. Time stepping: see watch.h. penalty: a
+ * spring has stored no more than its contact has taken, of what was in motion, or of the work of a
+ * load or of a moving wall; a load that is put on suddenly compresses it to twice the depth of
+ * rest. */
 static double depth_of(const nsdae_sim *sim, const nsdae_point *point)
 {
   const nsdae_watch *w = &point->accounts.watch;
   const nsdae_sim_options *o = &sim->options;
-  if (o->method != NSDAE_METHOD_PENALTY) return w->change;
+  if (o->method != NSDAE_METHOD_PENALTY) return (watch_late + watch_turn) * w->change;
   double n = o->penalty_law == NSDAE_PENALTY_KELVIN_VOIGT ? 1 : o->penalty_exponent;
   double stored = fmax(w->scale, point->record.dissipated);
-  return pow((n + 1) * stored / o->penalty_stiffness, 1 / (n + 1));
+  return watch_sudden * pow((n + 1) * stored / o->penalty_stiffness, 1 / (n + 1));
 }
 
 /* A step of event by implicit finds a contact closed a step late: it overlaps by the way of its gap
@@ -511,7 +553,7 @@ static int judge_fallback(const nsdae_sim *sim, const nsdae_point *before, nsdae
 }
 
 /* What is beyond its bound and was not said yet, the gravest first. */
-static int judge(const nsdae_sim *sim, const nsdae_point *before, nsdae_point *point, const gain *g)
+static int judge(const nsdae_sim *sim, nsdae_point *before, nsdae_point *point, const gain *g)
 {
   const nsdae_record *r = &point->record;
   int new = ~point->accounts.stats.warnings, fallback = point->result.counters.fallbacks > 0;
@@ -519,15 +561,19 @@ static int judge(const nsdae_sim *sim, const nsdae_point *before, nsdae_point *p
   if (fell != NSDAE_OK) return fell;
   if (g->energy > g->bound && (new &NSDAE_WATCH_ENERGY)) return say_energy(point, g);
   if (r->penetration > 0 && (new &NSDAE_WATCH_PENETRATION)) {
-    const excess e = deepest(&point->result, watch_ways * depth_of(sim, point));
+    const excess e = deepest(before->result.end.gap, &point->result, depth_of(sim, point),
+                             point->accounts.watch.apart);
     if (e.value > e.bound) return say_penetration(point, &e);
   }
   if (r->constraint_drift > 0 && (new &NSDAE_WATCH_DRIFT)) {
-    const excess e = furthest(&point->result.end, watch_ways * point->accounts.watch.way);
+    const excess e = furthest(&point->result.end, watch_half_turn * point->accounts.watch.way);
     if (e.value > e.bound) return say_drift(point, &e);
   }
   if (point->result.twofold.slide >= 0 && (new &NSDAE_WATCH_PAINLEVE)) return say_twofold(point);
-  return NSDAE_OK;
+  nsdae_merged merged = {0, -1, -1};
+  int status = new &NSDAE_WATCH_IMPACTS ? nsdae_merged_find(sim, before, point, &merged) : NSDAE_OK;
+  if (status == NSDAE_OK && merged.impacts > 0) return say_merged(point, &merged);
+  return status;
 }
 
 /* sum |M_ij| u_i u_j,  u_i = |v_i| + atol / rtol: a velocity is as good as rtol u_i; slower than
@@ -573,7 +619,7 @@ static int keeps_energy(const nsdae_sim *sim, const nsdae_point *before, const n
   return NSDAE_E_CONVERGENCE;
 }
 
-int nsdae_watch_step(const nsdae_sim *sim, const nsdae_point *before, nsdae_point *point)
+int nsdae_watch_step(const nsdae_sim *sim, nsdae_point *before, nsdae_point *point)
 {
   nsdae_watch *w = &point->accounts.watch;
   gain found;

@@ -113,6 +113,8 @@ contains
     call same('NSDAE_WARN_PENETRATION', NSDAE_WARN_PENETRATION)
     call same('NSDAE_WARN_DRIFT', NSDAE_WARN_DRIFT)
     call same('NSDAE_WARN_PAINLEVE', NSDAE_WARN_PAINLEVE)
+    call same('NSDAE_WARN_IMPACTS', NSDAE_WARN_IMPACTS)
+    call same('NSDAE_WARN_RESTITUTION', NSDAE_WARN_RESTITUTION)
   end subroutine
 
   subroutine constants()
