@@ -25,9 +25,9 @@ static const double NEARLY = 1e-6;
 static const double DOUBT = 8;
 
 /* Default budget, products times items: a product takes 0.024 to 0.047 us an item, and what is not
- * solved ends after 25 to 36 s. Products for each item of an island, so
+ * solved ends after 6 to 47 s. Products for each item of an island, so
  * that one of 50 contacts ends within a second or two. */
-static const double WORK = 1.5e9, EACH = 2e4;
+static const double WORK = 1e9, EACH = 2e4;
 
 /* Each round of the solvers that improve an iterate may take GROWTH times as much as the one
  * before: what a shorter round cost again is at most a third. */
