@@ -1,5 +1,5 @@
 """A trajectory of 400 balls in space, placed by coordinates alone, made here number by number: what the programs draw
-of it. usage: listed_space.py make FILE.h5 | check FILE.h5 FILE.vtkhdf FILE.html"""
+of it (of listed_check.py)."""
 
 import json
 import re
@@ -73,6 +73,3 @@ def check(path, vtk, page):
         expect("its place", np.abs(np.array(body["pose"]) - q[:, i, :3]).max() < 1e-5)
     expect("forces", [len(lines) for lines in scene["forces"]] == [0] + [BALLS // 2] * (RECORDS - 1))
 
-
-if __name__ == "__main__":
-    make(sys.argv[2]) if sys.argv[1] == "make" else check(*sys.argv[2:])
