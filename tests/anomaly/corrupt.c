@@ -167,7 +167,7 @@ static void test_restart(void **state)
 static void test_restart_fortran(void **state)
 {
   (void)state;
-  if (access(NSDAE_BIN_DIR "/nsdae-pendulum-fortran", X_OK) != 0) skip();
+  if (access(NSDAE_BIN_DIR "/nsdae-pendulum-fortran", X_OK) != 0) leave_out("no Fortran");
   restart("nsdae-pendulum", "nsdae-pendulum-fortran");
 }
 

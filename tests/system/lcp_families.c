@@ -257,7 +257,7 @@ static void run(unsigned families, int count, int (*size)(lcp_sample *, int))
 static void test_small(void **state)
 {
   (void)state;
-  run((1u << FAMILIES) - 1, 9000 / NSDAE_TEST_SHARE, draw_size);
+  run((1u << FAMILIES) - 1, (getenv("NSDAE_LONG") ? 90000 : 6000) / NSDAE_TEST_SHARE, draw_size);
 }
 
 static int size_300(lcp_sample *s, int family)
