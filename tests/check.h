@@ -23,7 +23,7 @@
 
 /* Ends a test for lack of something on this machine or in this build. CI has it all: there it is a
  * failure. (What is read from ../shared may be missing in CI too: skip().) */
-static inline void leave_out(const char *lack)
+static inline void untested(const char *lack)
 {
   const char *ci = getenv("CI");
   print_message("not tested: %s\n", lack);

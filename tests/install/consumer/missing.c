@@ -1,4 +1,5 @@
-/* missing PART...: what a library without these parts (HDF5, SUNDIALS, Fortran) answers to who needs one. */
+/* missing PART...: what a library without these parts (HDF5, SUNDIALS, Fortran) answers to who
+ * needs one. */
 #include <nsdae/nsdae.h>
 #include <stdio.h>
 #include <string.h>
