@@ -69,7 +69,7 @@ def check(path, vtk, page):
     expect("in space", scene["spatial"] and len(scene["bodies"]) == BALLS)
     for body in scene["bodies"]:
         i = int(body["name"].split()[1])
-        expect("a ball", body["kind"] == "ball" and body["radius"] == RADIUS)
+        expect("a ball", scene["styles"][body["parts"][0][0]]["radius"] == RADIUS)
         expect("its place", np.abs(np.array(body["pose"]) - q[:, i, :3]).max() < 1e-5)
     expect("forces", [len(lines) for lines in scene["forces"]] == [0] + [BALLS // 2] * (RECORDS - 1))
 
