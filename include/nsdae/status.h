@@ -11,30 +11,32 @@ extern "C" {
 #endif
 
 /* X(name, value, message): the one list that makes the enum, the names and the messages. */
-#define NSDAE_STATUS_LIST(X)                                                       \
-  X(NSDAE_OK, 0, "done")                                                           \
-  X(NSDAE_EVENT, 2, "an impact or a change of contact mode happened in this step") \
-  X(NSDAE_ZENO, 3, "an accumulation of impacts was closed")                        \
-  X(NSDAE_STOPPED, 4, "an observer asked to stop")                                 \
-  X(NSDAE_WARN_ENERGY, 5, "more energy was gained than the method explains")       \
-  X(NSDAE_WARN_PENETRATION, 6, "bodies overlap more than the method explains")     \
-  X(NSDAE_WARN_DRIFT, 7, "constraints are violated more than the method explains") \
-  X(NSDAE_WARN_PAINLEVE, 8, "friction forces are not unique (Painleve)")           \
-  X(NSDAE_E_MEMORY, -1, "out of memory")                                           \
-  X(NSDAE_E_ARGUMENT, -2, "an argument is missing or out of its range")            \
-  X(NSDAE_E_OPTION, -3, "unknown option or parameter")                             \
-  X(NSDAE_E_STATE, -4, "called before something it needs")                         \
-  X(NSDAE_E_CALLBACK, -5, "a callback reported a failure")                         \
-  X(NSDAE_E_NONFINITE, -6, "a value is NaN or infinite")                           \
-  X(NSDAE_E_MASS, -7, "the mass matrix is not positive definite")                  \
-  X(NSDAE_E_RANK, -8, "the constraint Jacobian has deficient rank")                \
-  X(NSDAE_E_LCP, -9, "a complementarity problem was not solved")                   \
-  X(NSDAE_E_INFEASIBLE, -10, "a complementarity problem has no solution")          \
-  X(NSDAE_E_CONVERGENCE, -11, "an iteration did not converge")                     \
-  X(NSDAE_E_DERIVATIVE, -12, "a derivative disagrees with differences")            \
-  X(NSDAE_E_IO, -13, "a file could not be read or written")                        \
-  X(NSDAE_E_UNSUPPORTED, -14, "not built into this library")                       \
-  X(NSDAE_E_PAINLEVE, -15, "no contact force exists, or more than one (Painleve)") \
+#define NSDAE_STATUS_LIST(X)                                                          \
+  X(NSDAE_OK, 0, "done")                                                              \
+  X(NSDAE_EVENT, 2, "an impact or a change of contact mode happened in this step")    \
+  X(NSDAE_ZENO, 3, "an accumulation of impacts was closed")                           \
+  X(NSDAE_STOPPED, 4, "an observer asked to stop")                                    \
+  X(NSDAE_WARN_ENERGY, 5, "more energy was gained than the method explains")          \
+  X(NSDAE_WARN_PENETRATION, 6, "bodies overlap more than the method explains")        \
+  X(NSDAE_WARN_DRIFT, 7, "constraints are violated more than the method explains")    \
+  X(NSDAE_WARN_PAINLEVE, 8, "friction forces are not unique (Painleve)")              \
+  X(NSDAE_WARN_IMPACTS, 9, "impacts that follow one another were solved as one")      \
+  X(NSDAE_WARN_RESTITUTION, 10, "the penalty law gives another restitution than e_N") \
+  X(NSDAE_E_MEMORY, -1, "out of memory")                                              \
+  X(NSDAE_E_ARGUMENT, -2, "an argument is missing or out of its range")               \
+  X(NSDAE_E_OPTION, -3, "unknown option or parameter")                                \
+  X(NSDAE_E_STATE, -4, "called before something it needs")                            \
+  X(NSDAE_E_CALLBACK, -5, "a callback reported a failure")                            \
+  X(NSDAE_E_NONFINITE, -6, "a value is NaN or infinite")                              \
+  X(NSDAE_E_MASS, -7, "the mass matrix is not positive definite")                     \
+  X(NSDAE_E_RANK, -8, "the constraint Jacobian has deficient rank")                   \
+  X(NSDAE_E_LCP, -9, "a complementarity problem was not solved")                      \
+  X(NSDAE_E_INFEASIBLE, -10, "a complementarity problem has no solution")             \
+  X(NSDAE_E_CONVERGENCE, -11, "an iteration did not converge")                        \
+  X(NSDAE_E_DERIVATIVE, -12, "a derivative disagrees with differences")               \
+  X(NSDAE_E_IO, -13, "a file could not be read or written")                           \
+  X(NSDAE_E_UNSUPPORTED, -14, "not built into this library")                          \
+  X(NSDAE_E_PAINLEVE, -15, "no contact force exists, or more than one (Painleve)")    \
   X(NSDAE_E_INTERRUPTED, -16, "interrupted by the caller")
 
 /* What a call returns. */

@@ -37,6 +37,34 @@ double nsdae_penalty_normal(const nsdae_penalty_force *law, double d, double rat
   return fmax(force, 0);
 }
 
+/* The work of the way in less that of the way out, times c^2; it falls with e'. */
+static double work_left(double c, double e)
+{
+  return c * (1 + e) + log1p(-c * e) - log1p(c);
+}
+
+/* By halving. c below 1e-5 leaves rounding of the difference; the series is then as good. */
+static double separable(double c)
+{
+  double low = 0, high = c > 1 ? 1 / c : 1;
+  if (c < 1e-5) return 1 - 2 * c / 3;
+  for (int i = 0; i < 60; i++) {
+    double middle = (low + high) / 2;
+    if (work_left(c, middle) > 0)
+      low = middle;
+    else
+      high = middle;
+  }
+  return low;
+}
+
+double nsdae_penalty_restitution(const nsdae_penalty_force *law, double e)
+{
+  if (law->kind != NSDAE_PENALTY_KELVIN_VOIGT) return separable(damping(law->kind, e));
+  double zeta = damping_ratio(e);
+  return zeta < 1 ? exp(-2 * zeta * acos(zeta) / sqrt(1 - zeta * zeta)) : exp(-2);
+}
+
 double nsdae_penalty_friction(double mu, double normal, double speed, double regularisation)
 {
   return -mu * normal / sqrt(speed * speed + regularisation * regularisation);

@@ -26,6 +26,12 @@ typedef struct nsdae_penalty_force {
 double nsdae_penalty_normal(const nsdae_penalty_force *law, double d, double rate,
                             double start_rate, double e, double mass);
 
+/* The restitution e' that the law gives where e is asked, with no other force on the contact. The
+ * separable laws: m w dw / (1 + c w / v) = -K d^n dd from w = v to -e' v gives
+ * c - ln(1 + c) = -c e' - ln(1 - c e'), whatever m, K, n and v are. kelvin-voigt ends at F_N = 0,
+ * before d = 0: e' = exp(-2 zeta acos(zeta) / sqrt(1 - zeta^2)), e^-2 for zeta = 1. */
+double nsdae_penalty_restitution(const nsdae_penalty_force *law, double e);
+
 /* F_T / v_T: friction of a normal force at the slip speed. */
 double nsdae_penalty_friction(double mu, double normal, double speed, double regularisation);
 

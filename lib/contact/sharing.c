@@ -11,9 +11,6 @@ enum { ROUNDS = 50 };
 /* Of the friction there can be: more than that is nearly all. */
 static const double NEARLY_ALL = 0.99;
 
-/* Of a combination of rows with entries of 1: less of one is rounding. */
-static const double LEANS = 1e-9;
-
 /* Of the largest weight. */
 static const double LEAST_WEIGHT = 1e-6;
 
@@ -239,18 +236,17 @@ static int any_sliding(const nsdae_sharing *s)
   return any;
 }
 
-/* Whether a force that depends changes the normal force of what slides, whose friction would follow
- * it: then the forces z move something. */
-static int leans_on_sliding(const nsdae_sharing *s)
+/* Whether the normal forces of what slides are those of the solution: their friction would follow
+ * them, and what changes only how forces share would move something. */
+static int keeps_sliding(const nsdae_sharing *s)
 {
   const nsdae_contacts *c = problem_of(s);
-  int any = 0;
-  for (int i = 0; i < s->rows.dependent_count; i++)
-    for (int a = 0; a < c->active_count; a++) {
-      double part = row_of(s, s->rows.combination, s->rows.dependent[i])[c->first_column[a]];
-      any |= fabs(part) > LEANS && slides(s, a);
-    }
-  return any;
+  int all = 1;
+  for (int a = 0; a < c->active_count; a++) {
+    int column = c->first_column[a];
+    all &= !slides(s, a) || fabs(s->force[column] - s->solved[column]) <= rounding_size(s);
+  }
+  return all;
 }
 
 /* Relations and forces of all that depend: normal forces even or kept, friction even or kept. */
@@ -340,9 +336,8 @@ static int try_forces(nsdae_sharing *s, int even_normal, int even_friction)
   take_normals(s);
   take_sticking(s);
   nsdae_dependence_combine(&s->rows);
-  if (even_friction && leans_on_sliding(s)) return 0;
   int related = even_friction ? relate_friction(s, even_normal) : relate(s, even_normal, 0);
-  return related && holds(s);
+  return related && holds(s) && keeps_sliding(s);
 }
 
 /* The relations by the numbers of the phase's forces. */

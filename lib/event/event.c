@@ -232,6 +232,23 @@ static void note_rattle(const event *e, double t, int i, int many)
   nsdae_rattle_note(&e->base.rattle, i, t, SOON * e->setting.options->accumulation_time, many);
 }
 
+/* Differences for the motion at the point in work, and the most that they leave of velocities and
+ * accelerations here and where they were tuned before. */
+static int tune(event *e, double t)
+{
+  nsdae_differences *d = &e->tools->differences;
+  const double *y = e->integrator.y;
+  if (!nsdae_differences_used(e->setting.system)) return NSDAE_OK;
+  double error[2], time = nsdae_system_time(e->setting.system, t);
+  int code = nsdae_differences_tune(d, time, y, y + e->setting.at.v, error);
+  for (int i = 0; i < 2; i++) {
+    e->base.finer[i] = d->finer[i];
+    e->base.difference_error[i] = fmax(e->base.difference_error[i], error[i]);
+    e->setting.error_by_differences[i] = e->base.difference_error[i];
+  }
+  return nsdae_system_callback_status(code, d->failed ? d->failed : "gap", time, e->setting.error);
+}
+
 /* At the instant t, with the impacts from `first` on. */
 static void note_rattles(const event *e, double t, int first)
 {
@@ -259,7 +276,8 @@ static int change_modes(event *e, double t)
       note_rattle(e, t, root->index, STILL);
   }
   blur(e);
-  int status = restart(e, t);
+  int status = found ? NSDAE_OK : tune(e, t); /* without a root it has strayed */
+  if (status == NSDAE_OK) status = restart(e, t);
   note_rattles(e, t, first);
   for (int i = 0; i < d->k && status == NSDAE_OK; i++)
     nsdae_result_change(r, t, i, -1, e->mode_before[i], m->contact[i]);
@@ -290,7 +308,8 @@ static int begin(event *e, const nsdae_terms *from)
   for (int i = 0; i < e->roots.count; i++) e->roots.entry[i].found = 0;
   memcpy(y, from->q, (size_t)d->nq * sizeof *y);
   memcpy(y + d->nq, from->v, (size_t)d->nv * sizeof *y);
-  return restart(e, from->t);
+  int status = tune(e, from->t);
+  return status < 0 ? status : restart(e, from->t);
 }
 
 static int strayed(event *e, double t)
@@ -399,6 +418,10 @@ static int replay(event *e, const nsdae_terms *to)
 static int arrive(event *e, const nsdae_state *state)
 {
   nsdae_counters *counters = &e->setting.result->counters, counted = *counters;
+  for (int i = 0; i < 2; i++) {
+    e->tools->differences.finer[i] = e->base.finer[i];
+    e->setting.error_by_differences[i] = e->base.difference_error[i];
+  }
   if (state->memory->stamp > 0 && state->memory->stamp == e->stamp) return NSDAE_OK;
   int stands = state->memory->stamp != 0 ? replay(e, state->terms) : 0;
   *counters = counted;

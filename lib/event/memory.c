@@ -18,6 +18,8 @@ static void lay(nsdae_event_base *b, nsdae_event_modes *m, const nsdae_stepper *
   for (int i = 0; i < 4; i++) *of_slide[i] = nsdae_memory_wholes(part, f);
   m->related = nsdae_memory_wholes(part, k + kt);
   for (int i = 0; i < 6; i++) *of_one[i] = nsdae_memory_wholes(part, 1);
+  b->finer = nsdae_memory_wholes(part, 2);
+  b->difference_error = nsdae_memory_reals(part, 2);
   m->slide_part = nsdae_memory_reals(part, f);
   m->relation = nsdae_memory_reals(part, (k + kt) * (k + kt));
   m->range = nsdae_memory_reals(part, rows * rows);

@@ -35,7 +35,9 @@ module nsdae_f_status
       NSDAE_WARN_ENERGY = 5, &
       NSDAE_WARN_PENETRATION = 6, &
       NSDAE_WARN_DRIFT = 7, &
-      NSDAE_WARN_PAINLEVE = 8
+      NSDAE_WARN_PAINLEVE = 8, &
+      NSDAE_WARN_IMPACTS = 9, &
+      NSDAE_WARN_RESTITUTION = 10
 
   ! What went wrong.
   type, public :: nsdae_error

@@ -259,6 +259,8 @@ static int start_at(nsdae_sim *sim, double t0, const double *q0, const double *v
   if (status < 0) return status;
   sim->stage.start = sim->error;
   if (status > 0) sim->next->accounts.stats.warnings |= NSDAE_WATCH_PENETRATION;
+  if (nsdae_start_law(&sim->model, &sim->options, &sim->stage.start) > 0)
+    sim->next->accounts.stats.warnings |= NSDAE_WATCH_RESTITUTION; /* penalty has no other */
   nsdae_error_clear(&sim->error);
   status = nsdae_start_touch(&sim->projection, &r->end);
   return status > 0 ? nsdae_point_start(sim, sim->next) : status;

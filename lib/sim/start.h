@@ -15,6 +15,11 @@ int nsdae_start_check(nsdae_projector *projection, const nsdae_terms *start, dou
  * worst row, and what the terms return. */
 int nsdae_start_touch(nsdae_projector *projection, nsdae_terms *start);
 
+/* NSDAE_OK, or with method penalty NSDAE_WARN_RESTITUTION naming the contact whose law is furthest
+ * from e_N. */
+int nsdae_start_law(const nsdae_system *system, const nsdae_sim_options *options,
+                    nsdae_error *error);
+
 /* Numbers that the check works on: accelerations of contacts and slides, given and differenced. */
 size_t nsdae_start_size(const nsdae_dims *dims);
 

@@ -95,11 +95,11 @@ static int judge(const account *a, const random_system *r, const nsdae_sim_optio
    * which is all that a method knows of its work, is then the method's own, but not without bound
    */
   double share = extreme ? 1 : 0.2, grown = a->energy - a->start, depth;
-  depth = 20 * fmax(a->change, from_rest(r, o->dt));
+  depth = 15.6 * fmax(a->change, from_rest(r, o->dt)); /* twice 3/2 + 2 pi */
   if (o->method == NSDAE_METHOD_PENALTY) { /* K d^(n+1) / (n+1) is what the contact took, n = 1 ..
                                               1.5: of T, of a load or of a wall that moves */
     double stored = fmax(a->kinetic, now->dissipated) / o->penalty_stiffness;
-    depth = 20 * fmax(pow(2.5 * stored, 0.4), sqrt(2 * stored));
+    depth = 4 * fmax(pow(2.5 * stored, 0.4), sqrt(2 * stored));
   }
   /* forces that are 10^16 apart lose this much of each other */
   double lost = 1e-9 + (extreme ? 1e-4 * fabs(a->potential) : 0);

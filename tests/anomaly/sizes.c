@@ -184,8 +184,109 @@ static void test_arms(void **state)
   assert_true(said >= 5 && said < 30);
 }
 
+/* A point mass that falls on a floor, in coordinates of its own: nothing has a size. */
+static int unit_mass(double t, const double *q, double *M, int ldm, void *user)
+{
+  (void)t, (void)q, (void)ldm, (void)user;
+  M[0] = 1;
+  return 0;
+}
+
+static int weight(double t, const double *q, const double *v, double *F, void *user)
+{
+  (void)t, (void)q, (void)v, (void)user;
+  F[0] = -9.81;
+  return 0;
+}
+
+static int height(double t, const double *q, double *g, void *user)
+{
+  (void)t, (void)user;
+  g[0] = q[0];
+  return 0;
+}
+
+/* Its bits after 10 steps, and how deep it was. */
+static int fall(int method, double dt, double from, double *deepest)
+{
+  const nsdae_dims d = {.nq = 1, .k = 1};
+  const double at_rest = 0;
+  nsdae_system *system;
+  nsdae_sim *sim;
+  nsdae_sim_options o;
+  nsdae_stats stats;
+  nsdae_sim_options_default(&o);
+  o.method = method;
+  o.dt = dt;
+  assert_int_equal(nsdae_system_create(&d, &system, NULL), NSDAE_OK);
+  nsdae_system_set_mass(system, unit_mass);
+  nsdae_system_set_force(system, weight);
+  nsdae_system_set_gap(system, height);
+  nsdae_system_set_contact(system, 0, 0, 0.5, 0);
+  assert_int_equal(nsdae_sim_create(system, &o, &sim, NULL), NSDAE_OK);
+  assert_int_equal(nsdae_sim_init(sim, 0, &from, &at_rest), NSDAE_OK);
+  assert_true(nsdae_sim_run(sim, 10 * dt) >= 0);
+  nsdae_sim_get_stats(sim, &stats);
+  *deepest = stats.worst_penetration;
+  nsdae_sim_destroy(&sim);
+  nsdae_system_destroy(&system);
+  return stats.warnings;
+}
+
+/* Deeper than it was ever high, if and only if it is warned of; one at rest at the start is not. */
+static void test_without_sizes(void **state)
+{
+  uint64_t random = 17;
+  int said = 0;
+  double deep;
+  (void)state;
+  for (int run = 0; run < 300; run++) {
+    double from = pow(10, between(&random, -2, 2)), dt = pow(10, between(&random, -3, 1));
+    int warned = fall(run % 3, dt, from, &deep) & PENETRATION;
+    if (dt * dt * 9.81 < from / 10) assert_false(warned);
+    if (deep > 2 * from) assert_true(warned);
+    said += warned != 0;
+    assert_false(fall(run % 3, dt, 0, &deep) & PENETRATION);
+  }
+  assert_true(said > 50 && said < 250);
+  assert_true(fall(0, 10, 1, &deep) & PENETRATION);
+}
+
+/* A ball of the kit falls on a plane at dt 10 s, a disc of 0.1 m at 0.1 s; a chain of 50 links of
+ * 10 cm by moreau; a top on its tip, in all of which bodies or joints are far off. */
+static void test_far_too_long(void **state)
+{
+  (void)state;
+  for (int disc = 0; disc < 2; disc++) {
+    nsdae_bodies *b;
+    nsdae_system *system;
+    nsdae_stats stats;
+    const nsdae_solid plane = {.shape = NSDAE_SHAPE_PLANE},
+                      ball = {.shape = disc ? NSDAE_SHAPE_DISC : NSDAE_SHAPE_SPHERE, .radius = 0.1};
+    nsdae_rigid_body body = {.mass = 1, .inertia = {0.004, 0.004, 0.004}};
+    assert_int_equal(nsdae_bodies_create(3 - disc, &b, NULL), NSDAE_OK);
+    nsdae_bodies_set_gravity(b,
+                             disc ? (const double[]){0, -9.81, 0} : (const double[]){0, 0, -9.81});
+    body.position[2 - disc] = 2;
+    nsdae_bodies_add(b, &body);
+    nsdae_bodies_add_contact(b, nsdae_bodies_add_solid(b, NSDAE_GROUND, &plane),
+                             nsdae_bodies_add_solid(b, 0, &ball), 0.3, 0.5, 0);
+    nsdae_sim *sim = start(b, &system, NSDAE_METHOD_IMPLICIT, disc ? 0.1 : 10);
+    assert_int_equal(nsdae_sim_run(sim, disc ? 2 : 100), NSDAE_WARN_PENETRATION);
+    nsdae_sim_get_stats(sim, &stats);
+    assert_true(stats.worst_penetration > (disc ? 0.2 : 40));
+    nsdae_sim_destroy(&sim);
+    nsdae_system_destroy(&system);
+    nsdae_bodies_destroy(&b);
+  }
+  assert_true(drift(chain(50), NSDAE_METHOD_MOREAU, 1e-3, 0.05, 1));
+  assert_true(drift(top(300), NSDAE_METHOD_MOREAU, 1e-2, 0.4, 1));
+}
+
 int main(void)
 {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_widths), cmocka_unit_test(test_arms)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_widths), cmocka_unit_test(test_arms),
+                                     cmocka_unit_test(test_without_sizes),
+                                     cmocka_unit_test(test_far_too_long)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

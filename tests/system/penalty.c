@@ -7,15 +7,18 @@
 #include "compare.h"
 #include "crank_slider.h"
 #include "pendulum.h"
+#include "random_system.h"
 
-/* A ball of 1 kg that hits the floor with 1 m/s, without gravity. */
+/* A ball that hits the floor, without gravity. */
+static double ball_mass = 1, ball_speed = 1;
+
 static int mass(double t, const double *q, double *M, int ldm, void *user)
 {
   (void)t;
   (void)q;
   (void)ldm;
   (void)user;
-  M[0] = 1;
+  M[0] = ball_mass;
   return 0;
 }
 
@@ -55,10 +58,28 @@ static int keep_first(const nsdae_record *r, nsdae_error *error, void *user)
   return 0;
 }
 
+/* Warned of, with the restitution in the text, if and only if that keeps another energy. */
+static void expect_restitution(int status, const nsdae_sim *sim, double e, double given)
+{
+  const nsdae_error *error = nsdae_sim_error(sim);
+  char text[64];
+  nsdae_stats stats;
+  nsdae_sim_get_stats(sim, &stats);
+  int other = fabs(given * given - e * e) > 0.1;
+  assert_int_equal(status, other ? NSDAE_WARN_RESTITUTION : NSDAE_OK);
+  assert_int_equal(stats.warnings, other ? 32 : 0);
+  if (!other) return;
+  snprintf(text, sizeof text, "a restitution of %.3g:", given);
+  assert_non_null(strstr(error->text, "contact 0 has e_N = "));
+  assert_non_null(strstr(error->text, text));
+  assert_string_equal(error->argument, "penalty_law");
+  assert_int_equal(error->index, 0);
+}
+
 static nsdae_impact hit(int law, double e, double K, double n, double *energy)
 {
   const nsdae_dims dims = {.nq = 1, .k = 1};
-  const double q0 = 0.01, v0 = -1;
+  const double q0 = 0.01 * ball_speed, v0 = -ball_speed;
   nsdae_impact first = {0};
   nsdae_sim_options o;
   nsdae_system *system;
@@ -81,7 +102,8 @@ static nsdae_impact hit(int law, double e, double K, double n, double *energy)
   assert_int_equal(nsdae_sim_create(system, &o, &sim, NULL), NSDAE_OK);
   assert_int_equal(nsdae_sim_init(sim, 0, &q0, &v0), NSDAE_OK);
   nsdae_sim_observe(sim, keep_first, &first);
-  assert_int_equal(nsdae_sim_run(sim, 0.2), NSDAE_OK);
+  int status = nsdae_sim_run(sim, 0.2);
+  expect_restitution(status, sim, e, first.velocity_after / ball_speed);
   nsdae_sim_get_record(sim, &record);
   *energy = record.kinetic + record.dissipated;
   nsdae_sim_destroy(&sim);
@@ -163,6 +185,34 @@ static void test_kelvin_voigt(void **state)
   }
 }
 
+static double random_between(uint64_t *state, double low, double high)
+{
+  return low + (high - low) * random_uniform(state);
+}
+
+/* What a start reports is what the impact gives: mass, stiffness, exponent, speed and e at random;
+ * the friction velocity, below which d'_0 is not that of the impact, is far below all speeds. */
+static void test_reported(void **state)
+{
+  uint64_t random = 11;
+  int other = 0;
+  (void)state;
+  for (int i = 0; i < 100; i++) {
+    int law = random_below(&random, 5);
+    double energy, e = i % 10 == 0 ? 0 : random_between(&random, 0.05, 0.98);
+    if (law == NSDAE_PENALTY_FLORES && e == 0) e = 0.5;
+    ball_mass = pow(10, random_between(&random, -2, 2));
+    ball_speed = pow(10, random_between(&random, -1, 1));
+    nsdae_impact got =
+        hit(law, e, pow(10, random_between(&random, 6, 9)) * ball_mass,
+            law == NSDAE_PENALTY_KELVIN_VOIGT ? 1 : random_between(&random, 1, 2), &energy);
+    double given = got.velocity_after / ball_speed;
+    other += fabs(given * given - e * e) > 0.1;
+  }
+  ball_mass = ball_speed = 1;
+  assert_true(other > 20 && other < 80);
+}
+
 static double first_peak(double radius, double K, double rtol, double friction_velocity, int law)
 {
   static comparison_run run;
@@ -235,9 +285,13 @@ static void test_flores_needs_restitution(void **state)
 int main(void)
 {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_restitution),  cmocka_unit_test(test_hertz_peak),
-      cmocka_unit_test(test_kelvin_voigt), cmocka_unit_test(test_table4),
-      cmocka_unit_test(test_examples),     cmocka_unit_test(test_flores_needs_restitution),
+      cmocka_unit_test(test_restitution),
+      cmocka_unit_test(test_hertz_peak),
+      cmocka_unit_test(test_kelvin_voigt),
+      cmocka_unit_test(test_reported),
+      cmocka_unit_test(test_table4),
+      cmocka_unit_test(test_examples),
+      cmocka_unit_test(test_flores_needs_restitution),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

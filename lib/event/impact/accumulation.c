@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "dense.h"
 #include "direction.h"
 #include "errors.h"
 
@@ -15,10 +16,6 @@ static const double MOST = 1000;
 /* Instants of a contact in a row after which errors alone keep it up. */
 enum { PATIENCE = 50 };
 
-/* Substitutions of the friction of a closing, and the change, in parts of the impulses, of none. */
-enum { ROUNDS = 100 };
-static const double SAME = 1e-12;
-
 void nsdae_event_accumulation_layout(nsdae_event_accumulation *p, nsdae_arena *arena)
 {
   const nsdae_dims *d = &p->acceleration->phase->setting->system->dims;
@@ -30,7 +27,11 @@ void nsdae_event_accumulation_layout(nsdae_event_accumulation *p, nsdae_arena *a
   p->reaction = NSDAE_ARENA_DOUBLES(arena, d->m);
   p->normal = NSDAE_ARENA_DOUBLES(arena, d->k);
   p->tangential = NSDAE_ARENA_DOUBLES(arena, (long)d->k * d->nt);
-  p->friction = NSDAE_ARENA_DOUBLES(arena, (long)d->k * d->nt);
+  p->friction.value = NSDAE_ARENA_DOUBLES(arena, (long)d->k * d->nt);
+  p->friction.slider = NSDAE_ARENA_INTS(arena, d->k);
+  p->friction.pivot = NSDAE_ARENA_INTS(arena, d->k);
+  p->friction.feed = NSDAE_ARENA_DOUBLES(arena, (long)d->k * d->k);
+  p->friction.P = NSDAE_ARENA_DOUBLES(arena, d->k);
 }
 
 void nsdae_event_unsettle(nsdae_event_accumulation *p)
@@ -162,25 +163,10 @@ static void rub(nsdae_event_accumulation *p, double *v, double *multiplier)
   memset(v, 0, (size_t)d->nv * sizeof *v);
   memset(multiplier, 0, (size_t)d->m * sizeof *multiplier);
   for (int j = 0; j < d->k * d->nt; j++)
-    nsdae_rows_add(&T->system->blocks, &T->by.tangent, j, p->friction[j], v);
+    nsdae_rows_add(&T->system->blocks, &T->by.tangent, j, p->friction.value[j], v);
   nsdae_kkt_solve(s->kkt, 1, v, d->nv, multiplier, d->m);
   nsdae_add(d->nv, 1, p->lost, v);
   nsdae_add(d->m, 1, p->reaction, multiplier);
-}
-
-/* T := -mu P d of what slides in the set; returns the largest change. */
-static double renew_friction(nsdae_event_accumulation *p)
-{
-  const nsdae_event_acceleration *a = p->acceleration;
-  const nsdae_system *s = a->phase->setting->system;
-  double change = 0;
-  for (int j = 0; j < s->dims.k * s->dims.nt; j++) {
-    int i = j / s->dims.nt, slides = p->settles[i] && a->is.moving[i];
-    double T = slides ? -s->contact[i].mu * p->normal[i] * a->phase->modes.direction[j] : 0;
-    change = fmax(change, fabs(T - p->friction[j]));
-    p->friction[j] = T;
-  }
-  return change;
 }
 
 /* v and multiplier to the closed set with the friction so far. */
@@ -191,20 +177,49 @@ static int close_rubbed(nsdae_event_accumulation *p, double *v, double *multipli
                            p->tangential);
 }
 
-/* The same with T = -mu P d, by substitution. Where friction feeds the normal impulses by more than
- * themselves that does not converge, and what slides has no friction in the closing. */
+/* T of contact i for the normal impulse P. */
+static void set_friction(nsdae_event_accumulation *p, int i, double P)
+{
+  const nsdae_event_phase *phase = p->acceleration->phase;
+  const nsdae_system *s = phase->setting->system;
+  for (int l = 0, j = i * s->dims.nt; l < s->dims.nt; l++, j++)
+    p->friction.value[j] = -s->contact[i].mu * P * phase->modes.direction[j];
+}
+
+/* The contacts of the set that slide with friction. */
+static int list_sliders(nsdae_event_accumulation *p)
+{
+  const nsdae_system *s = p->acceleration->phase->setting->system;
+  int count = 0;
+  for (int i = 0; i < s->dims.k; i++)
+    if (p->settles[i] && p->acceleration->is.moving[i] && s->contact[i].mu > 0)
+      p->friction.slider[count++] = i;
+  return count;
+}
+
+/* The same with T = -mu P d. Without a solution, as of friction that feeds P by as much as itself,
+ * what slides has no friction in the closing. */
 static int close_with_friction(nsdae_event_accumulation *p, double *v, double *multiplier)
 {
+  nsdae_event_closing_friction *f = &p->friction;
   const nsdae_dims *d = &p->acceleration->phase->setting->system->dims;
-  size_t size = (size_t)(d->k * d->nt) * sizeof *p->friction;
-  memset(p->friction, 0, size);
-  int status = close_rubbed(p, v, multiplier), round = 0;
-  while (status == NSDAE_OK && renew_friction(p) > SAME * nsdae_largest(d->k, p->normal)) {
-    if (++round == ROUNDS) memset(p->friction, 0, size);
+  int count = list_sliders(p);
+  memset(f->value, 0, (size_t)(d->k * d->nt) * sizeof *f->value);
+  int status = close_rubbed(p, v, multiplier);
+  for (int a = 0; a < count; a++) f->P[a] = p->normal[f->slider[a]];
+  for (int b = 0; b < count && status == NSDAE_OK; b++) {
+    set_friction(p, f->slider[b], 1);
     status = close_rubbed(p, v, multiplier);
-    if (round == ROUNDS) break;
+    for (int a = 0; a < count; a++)
+      f->feed[b * count + a] = (a == b) - (p->normal[f->slider[a]] - f->P[a]);
+    set_friction(p, f->slider[b], 0);
   }
-  nsdae_add(d->k * d->nt, 1, p->friction, p->tangential);
+  if (status < 0) return status;
+  int solved = nsdae_la_lu(count, f->feed, count, f->pivot) == 0;
+  if (solved) nsdae_la_lu_solve(count, f->feed, count, f->pivot, f->P);
+  for (int a = 0; a < count; a++) set_friction(p, f->slider[a], solved ? f->P[a] : 0);
+  if (count > 0) status = close_rubbed(p, v, multiplier);
+  nsdae_add(d->k * d->nt, 1, f->value, p->tangential);
   return status;
 }
 

@@ -22,6 +22,14 @@
 #include "acceleration.h"
 #include "projection.h"
 
+/* The friction of what slides in the set, T = -mu P d: linear in the normal impulses P, which are
+ * linear in it, P = P_0 + sum_j P_j dP/dP_j. */
+typedef struct nsdae_event_closing_friction {
+  double *value;       /* k nt: T */
+  int *slider, *pivot; /* k: contacts of the set that slide, in turn; of the matrix */
+  double *feed, *P;    /* k x k by columns: 1 - dP_i/dP_j; k: P */
+} nsdae_event_closing_friction;
+
 typedef struct nsdae_event_accumulation {
   nsdae_event_acceleration *acceleration;
   nsdae_event_projection *projection;
@@ -32,11 +40,11 @@ typedef struct nsdae_event_accumulation {
   double left, all;            /* E, E- */
   double *reaction;            /* m: bilateral impulses of a guess */
   double *normal, *tangential; /* k, k nt: impulses of the closing, which may pull */
-  double *friction;            /* k nt: of these, T = -mu P d of what slides */
-  double work;                 /* of the closing */
-  double slow;                 /* velocities up to this are none at the limit */
-  double rest, fastest;        /* T; of the set, the velocity apart */
-  int early;                   /* it ends before accumulation_time says */
+  nsdae_event_closing_friction friction;
+  double work;          /* of the closing */
+  double slow;          /* velocities up to this are none at the limit */
+  double rest, fastest; /* T; of the set, the velocity apart */
+  int early;            /* it ends before accumulation_time says */
 } nsdae_event_accumulation;
 
 void nsdae_event_accumulation_layout(nsdae_event_accumulation *accumulation, nsdae_arena *arena);

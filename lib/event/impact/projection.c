@@ -88,28 +88,17 @@ static void append_velocities(nsdae_event_projection *p)
     if (m->slide[j] == NSDAE_MODE_STICK) append_rate(p, &T->by.slide, T->slide.w, j, T->v);
 }
 
-/* The impulses that did it, in the order of the rows; and their work, the change of v^T M v / 2. */
-static void account(const nsdae_event_projection *p)
+/* Of the change, for the balance of energy: (v + change / 2)^T M change. Its impulses are an error
+ * of the integration, not of the contacts: those of the record obey the laws of contact. */
+static double work_of(const nsdae_event_projection *p)
 {
-  const nsdae_event_setting *s = p->phase->setting;
-  const nsdae_terms *T = s->here;
-  const nsdae_event_modes *m = &p->phase->modes;
-  const nsdae_dims *d = &T->system->dims;
-  nsdae_impulses *to = &s->result->impulses;
+  const nsdae_terms *T = p->phase->setting->here;
   const double *change = p->least.change;
-  int n = d->nv, row = d->m;
-  nsdae_add(d->m, 1, p->least.c, s->result->multiplier);
-  for (int i = 0; i < d->k; i++) {
-    if (m->contact[i] == NSDAE_MODE_OPEN) continue;
-    to->normal[i] -= p->least.c[row++];
-    for (int j = i * d->nt; m->contact[i] == NSDAE_MODE_STICK && j < (i + 1) * d->nt; j++)
-      to->tangential[j] -= p->least.c[row++];
-  }
-  for (int j = 0; j < d->f; j++)
-    if (m->slide[j] == NSDAE_MODE_STICK) to->slide_impulse[j] -= p->least.c[row++];
+  int n = T->system->dims.nv;
+  double work = 0;
   for (int j = 0; j < n; j++)
-    s->result->work +=
-        nsdae_dot(n, T->M + (size_t)j * (size_t)n, change) * (T->v[j] + change[j] / 2);
+    work += nsdae_dot(n, T->M + (size_t)j * (size_t)n, change) * (T->v[j] + change[j] / 2);
+  return work;
 }
 
 int nsdae_event_project_velocities(nsdae_event_projection *p, double *y)
@@ -122,7 +111,7 @@ int nsdae_event_project_velocities(nsdae_event_projection *p, double *y)
   if (status < 0) return status;
   double size = FAR * (worst + nsdae_event_velocity_size(s));
   if (nsdae_largest(p->least.kkt.n, p->least.change) > size) return NSDAE_OK;
-  account(p);
+  s->result->work += work_of(p);
   nsdae_add(p->least.kkt.n, 1, p->least.change, y + s->at.v);
   nsdae_terms_set_velocity(s->here, y + s->at.v);
   return NSDAE_OK;

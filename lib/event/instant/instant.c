@@ -20,6 +20,10 @@ static const double SUSPECT = 1e3;
  * direction, which would turn within its velocity's error. */
 static const double HARDLY = 100;
 
+/* What slides by a velocity just above zero may stop by the first projection, its neighbour then.
+ */
+enum { CHOICES = 3 };
+
 /* Of the friction that there can be: shared friction is not told apart from all of it. */
 static const double NEARLY_ALL = 0.01;
 
@@ -56,10 +60,11 @@ static void sort_found(nsdae_event_instant *p, const double *y)
     const nsdae_event_root *root = nsdae_event_root_of(p->roots, NSDAE_ROOT_NORMAL, i);
     int closed = m->contact[i] != NSDAE_MODE_OPEN;
     int presses = root->state == NSDAE_ROOT_MASKED && y[at->normal + i] > 0;
+    int left = nsdae_event_root_of(p->roots, NSDAE_ROOT_HELD, i)->found;
     is->closed[i] = closed;
     is->touching[i] = closed || root->found;
     is->candidate[i] = closed;
-    is->released[i] = closed && root->found && !presses;
+    is->released[i] = closed && (left || (root->found && !presses));
     is->stopped[i] = nsdae_event_root_of(p->roots, NSDAE_ROOT_TANGENT, i)->found;
     is->breakaway[i] = breaks_away(p->roots, y, i);
     if (is->breakaway[i])
@@ -172,6 +177,33 @@ static int bring_velocities(nsdae_event_instant *p, double *y)
   return status < 0 ? status : nsdae_terms_need(phase->setting->here, NSDAE_EVENT_TERMS);
 }
 
+/* Whether a contact was chosen to slide by a velocity that was only what has been projected. */
+static int has_stopped(const nsdae_event_instant *p)
+{
+  const nsdae_event_phase *phase = p->roots->phase;
+  const nsdae_event_setting *s = phase->setting;
+  double size = nsdae_event_velocity_size(s);
+  int any = 0;
+  for (int i = 0; i < s->system->dims.k; i++)
+    any |= phase->modes.contact[i] == NSDAE_MODE_SLIDE && p->acceleration.is.moving[i] &&
+           !p->acceleration.is.breakaway[i] && nsdae_terms_slip(s->here, i, s->here->v) <= size;
+  return any;
+}
+
+/* Modes of the next phase and the velocities that they allow. */
+static int choose_and_project(nsdae_event_instant *p, int impacted, double *y)
+{
+  nsdae_event_setting *s = p->roots->phase->setting;
+  int status = NSDAE_OK, again = 1;
+  for (int round = 0; round < CHOICES && again && status == NSDAE_OK; round++) {
+    status = nsdae_terms_need(s->here, NSDAE_EVENT_TERMS);
+    if (status == NSDAE_OK) status = choose(p, impacted, y);
+    if (status == NSDAE_OK) status = nsdae_event_project_velocities(&p->projection, y);
+    again = status == NSDAE_OK && has_stopped(p);
+  }
+  return status;
+}
+
 int nsdae_event_pass(nsdae_event_instant *p, double t, double *y)
 {
   nsdae_event_phase *phase = p->roots->phase;
@@ -184,8 +216,7 @@ int nsdae_event_pass(nsdae_event_instant *p, double t, double *y)
   if (impacts < 0) return impacts;
   choose_candidates(p, impacts > 0);
   if (counters->accumulations > ended) status = bring(p, t, y);
-  if (status == NSDAE_OK) status = choose(p, impacts > 0, y);
-  if (status == NSDAE_OK) status = nsdae_event_project_velocities(&p->projection, y);
+  if (status == NSDAE_OK) status = choose_and_project(p, impacts > 0, y);
   phase->modes.slow = hardly_sliding(phase);
   return status;
 }

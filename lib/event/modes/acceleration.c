@@ -156,5 +156,6 @@ int nsdae_event_diagnose(nsdae_event_acceleration *p, double t, const double *y)
 double nsdae_event_acceleration_size(const nsdae_event_acceleration *p)
 {
   int n = p->phase->setting->system->dims.nv;
-  return 1e-10 * fmax(nsdae_largest(n, p->a), nsdae_largest(n, p->size));
+  double most = fmax(nsdae_largest(n, p->a), nsdae_largest(n, p->size));
+  return fmax(1e-10 * most, 10 * fmin(p->phase->setting->error_by_differences[1], 1e-8 * most));
 }

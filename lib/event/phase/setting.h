@@ -26,7 +26,8 @@ typedef struct nsdae_event_setting {
   nsdae_terms *here; /* at the point in work */
   nsdae_kkt *kkt;    /* of M and Phi_q where they were last factored */
   nsdae_event_places at;
-  nsdae_result *result; /* of the step in work */
+  double error_by_differences[2]; /* of velocities and accelerations along the motion */
+  nsdae_result *result;           /* of the step in work */
 } nsdae_event_setting;
 
 /* Fills `at`; the system is set before. */

@@ -15,7 +15,7 @@ enum { SHORT_STEPS = 20 };
 void nsdae_event_roots_layout(nsdae_event_roots *r, nsdae_arena *arena)
 {
   const nsdae_dims *d = &r->phase->setting->system->dims;
-  r->count = 3 * d->k + 2 * d->f;
+  r->count = 4 * d->k + 2 * d->f;
   r->entry = nsdae_arena_take(arena, r->count, sizeof *r->entry);
   r->at = NSDAE_ARENA_DOUBLES(arena, r->phase->setting->at.n);
 }
@@ -40,10 +40,10 @@ static int contact_rubs(const nsdae_event_phase *p, int i)
 static int undecided(const nsdae_event_phase *p, const nsdae_event_root *root)
 {
   int i = root->index, nt = p->setting->system->dims.nt;
-  if (root->kind == NSDAE_ROOT_SIGN || root->kind == NSDAE_ROOT_JAM) return 0;
   if (root->kind == NSDAE_ROOT_SLIP)
     return p->modes.slide[i] == NSDAE_MODE_SLIDE && p->modes.slide_sense[i] == 0;
-  if (!contact_rubs(p, i)) return 0;
+  int directed = root->kind == NSDAE_ROOT_NORMAL || root->kind == NSDAE_ROOT_TANGENT;
+  if (!directed || !contact_rubs(p, i)) return 0;
   for (int j = i * nt; j < (i + 1) * nt; j++)
     if (p->modes.direction[j] != 0) return 0;
   return 1;
@@ -73,6 +73,7 @@ static double value_of(const nsdae_event_phase *p, const nsdae_terms *T, const d
   if (root->kind == NSDAE_ROOT_TANGENT)
     return m->contact[i] == NSDAE_MODE_STICK ? nsdae_event_stick_margin(p, y, i)
                                              : along_direction(p, T, i, T->w_T, T->v);
+  if (root->kind == NSDAE_ROOT_HELD) return root->size - fabs(T->gap[i]);
   if (root->kind == NSDAE_ROOT_JAM) return root->rate * nsdae_event_yield(p, i);
   double normal = m->normal_sense[i] * y[at->lambda + s->slide[i].constraint];
   if (root->kind == NSDAE_ROOT_SIGN) return normal;
@@ -88,7 +89,8 @@ static unsigned terms_of(const nsdae_event_roots *r)
   for (int e = 0; e < r->count; e++) {
     const nsdae_event_root *root = &r->entry[e];
     int i = root->index, on = root->state != NSDAE_ROOT_OFF;
-    if (root->kind == NSDAE_ROOT_NORMAL && (m->contact[i] == NSDAE_MODE_OPEN || m->related[i]))
+    if ((root->kind == NSDAE_ROOT_NORMAL && m->contact[i] == NSDAE_MODE_OPEN) ||
+        (on && root->kind == NSDAE_ROOT_HELD))
       terms |= NSDAE_TERM_GAP;
     if (on && root->kind == NSDAE_ROOT_TANGENT && m->contact[i] == NSDAE_MODE_SLIDE)
       terms |= NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS;
@@ -196,6 +198,8 @@ static int is_off(const nsdae_event_phase *p, const nsdae_event_root *root)
 {
   int i = root->index;
   if (root->kind == NSDAE_ROOT_NORMAL) return 0;
+  if (root->kind == NSDAE_ROOT_HELD)
+    return p->modes.contact[i] == NSDAE_MODE_OPEN || !p->modes.related[i];
   if (root->kind == NSDAE_ROOT_JAM) return !contact_rubs(p, i) || p->modes.related[i];
   if (root->kind == NSDAE_ROOT_TANGENT)
     return p->modes.contact[i] == NSDAE_MODE_OPEN || !(p->setting->system->contact[i].mu > 0);
@@ -211,9 +215,12 @@ static void start(const nsdae_event_phase *p, nsdae_event_root *root, double t, 
   root->state = NSDAE_ROOT_OFF;
   root->rate = 1;
   if (is_off(p, root)) return;
+  if (root->kind == NSDAE_ROOT_HELD) root->size = nsdae_event_position_size(p->setting);
   double value = value_of(p, T, y, root);
   if (root->kind == NSDAE_ROOT_JAM)
     root->state = NSDAE_ROOT_LIVE, root->rate = value < 0 ? -1 : 1, root->start = fabs(value);
+  else if (root->kind == NSDAE_ROOT_HELD)
+    root->state = value > 0 ? NSDAE_ROOT_LIVE : NSDAE_ROOT_MASKED;
   else if (root->kind == NSDAE_ROOT_NORMAL && mode == NSDAE_MODE_OPEN)
     start_root(p, root, t, value, nsdae_terms_normal_rate(T, i, T->v),
                nsdae_event_position_size(p->setting), nsdae_event_velocity_size(p->setting));
@@ -274,12 +281,6 @@ static int follow_directions(nsdae_event_phase *p, double t, const double *y)
   return status;
 }
 
-/* Contact i is closed by others alone: where they do no longer, its gap leaves zero. */
-static int is_held(const nsdae_event_phase *p, int i)
-{
-  return p->modes.contact[i] != NSDAE_MODE_OPEN && p->modes.related[i];
-}
-
 int nsdae_event_watch_roots(nsdae_event_roots *r, double t, const double *y)
 {
   nsdae_event_phase *p = r->phase;
@@ -289,17 +290,13 @@ int nsdae_event_watch_roots(nsdae_event_roots *r, double t, const double *y)
   if (status == NSDAE_OK && r->short_steps > SHORT_STEPS) status = nsdae_event_stop_slow(r, t, y);
   for (int e = 0; e < r->count; e++) {
     const nsdae_event_root *root = &r->entry[e];
-    any |= root->found || root->state == NSDAE_ROOT_MASKED ||
-           (root->kind == NSDAE_ROOT_NORMAL && is_held(p, root->index));
+    any |= root->found || root->state == NSDAE_ROOT_MASKED;
   }
   if (status < 0 || !any) return status;
   status = evaluate(r, t, y);
   for (int e = 0; e < r->count && status == NSDAE_OK; e++) {
     nsdae_event_root *root = &r->entry[e];
     if (root->state == NSDAE_ROOT_MASKED) root->found = watch(p, r->at, root);
-    if (root->kind == NSDAE_ROOT_NORMAL && is_held(p, root->index) && !root->found)
-      root->found =
-          fabs(p->setting->here->gap[root->index]) > nsdae_event_position_size(p->setting);
     count += root->found;
   }
   return status < 0 ? status : count;
@@ -331,7 +328,8 @@ int nsdae_event_inconsistent(const nsdae_event_roots *r)
     int mode = contact ? m->contact[i] : m->slide[i];
     int is_force = (root->kind == NSDAE_ROOT_NORMAL && mode != NSDAE_MODE_OPEN) ||
                    root->kind == NSDAE_ROOT_SIGN ||
-                   (root->kind != NSDAE_ROOT_JAM && mode == NSDAE_MODE_STICK);
+                   ((root->kind == NSDAE_ROOT_TANGENT || root->kind == NSDAE_ROOT_SLIP) &&
+                    mode == NSDAE_MODE_STICK);
     if (root->state == NSDAE_ROOT_OFF || !is_force || !(-root->start > most * root->size)) continue;
     most = -root->start / root->size;
     worst = e;

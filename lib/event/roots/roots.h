@@ -3,6 +3,7 @@
  *   normal     open: g_N, the gap closes;  closed: F_N, the contact lets go
  *   tangent    sliding: d . v_T, it stops; with two directions d is that after the last step
  *              sticking: mu F_N - |F_T|, friction is used up
+ *   held       closed, by what others share with it: size - |g_N|, they hold it no longer
  *   sign       of a slide: s lambda, lambda changes sign
  *   slip       of a slide: as tangent, with v_S and mu |lambda| - |F_S|
  *   jam        sliding: the acceleration that a unit of F_N makes along the normal, with all that
@@ -20,6 +21,7 @@
 typedef enum nsdae_root_kind {
   NSDAE_ROOT_NORMAL, /* of contact `index` */
   NSDAE_ROOT_TANGENT,
+  NSDAE_ROOT_HELD,
   NSDAE_ROOT_JAM,
   NSDAE_ROOT_SIGN, /* of slide `index` */
   NSDAE_ROOT_SLIP
@@ -58,7 +60,7 @@ static inline nsdae_event_root *nsdae_event_root_of(const nsdae_event_roots *roo
                                                     nsdae_root_kind kind, int index)
 {
   const nsdae_dims *d = &roots->phase->setting->system->dims;
-  int first[] = {0, d->k, 2 * d->k, 3 * d->k, 3 * d->k + d->f};
+  int first[] = {0, d->k, 2 * d->k, 3 * d->k, 4 * d->k, 4 * d->k + d->f};
   return roots->entry + first[kind] + index;
 }
 
