@@ -111,6 +111,13 @@ for example in clearance-hinge crank-slider; do
 done
 
 NSDAE_PYTHON=/nonexistent "$bin/nsdae-plot" --version >out 2>err || check grep -q 'python3-h5py' err
+# one that lacks the modules hands over to the next
+printf '#!/bin/sh\nexec python3 -S "$@"\n' >bare
+chmod +x bare
+if "$bin/nsdae-plot" --version >version 2>err && ! ./bare -c 'import h5py' 2>err; then
+  check env NSDAE_PYTHON="$work/bare" "$bin/nsdae-plot" --version >again
+  check cmp version again
+fi
 
 # started FILE COMMAND...: in the background, once the file is there; its number in $!
 started() {
