@@ -28,7 +28,7 @@ VIEW = np.radians([-60, 20]).tolist()  # azimuth and elevation of the eye
 LIGHT = (np.array([0.3, -0.5, 0.8]) / np.linalg.norm([0.3, -0.5, 0.8])).tolist()  # where it comes from
 IMPACTS_MAX = 2000
 MESHES_MAX = 30   # where there are more bodies balls are drawn as discs
-FAR = 100.0  # the ground ends so many pictures away
+FAR = 100.0  # pictures from the middle to the end of the ground: the page may be zoomed out as far
 
 
 def rounded(values, scale):
