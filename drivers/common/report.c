@@ -96,6 +96,35 @@ int report_observe(const nsdae_record *record, nsdae_error *error, void *user)
   return 0;
 }
 
+static void print_figure(const char *what, double value, const char *unit, const char *kind,
+                         int item)
+{
+  printf("%s %.2e%s", what, value, unit);
+  if (item >= 0) printf(" (%s %d)", kind, item);
+}
+
+/* How far the records were from the laws, at most, and where. */
+static void print_certificate(const nsdae_certificate *c, const nsdae_dims *d, int listed)
+{
+  if (d->k > 0 || listed) {
+    print_figure("worst pull", c->pull, " N s", "contact", listed ? -1 : c->pull_contact);
+    print_figure(", friction beyond its cone", c->cone_excess, " N s", "contact",
+                 listed ? -1 : c->cone_contact);
+    print_figure(", complementarity", c->complementarity, " J", "contact",
+                 listed ? -1 : c->complementarity_contact);
+    printf("\n");
+  }
+  if (d->m == 0) return;
+  print_figure("worst constraint rate", c->constraint_rate, "", "constraint", c->rate_constraint);
+  printf("\n");
+}
+
+static void print_energy(const nsdae_certificate *c)
+{
+  printf("energy: work %+.3e J, dissipated %.3e J, unexplained %+.3e J (< 0: lost by the method)\n",
+         c->work, c->dissipated, c->unexplained);
+}
+
 /* What exceeds what the method explains; the first of them with its numbers. */
 static void say_warnings(const nsdae_sim *sim, const nsdae_stats *stats)
 {
@@ -148,6 +177,7 @@ void report_end(report *r, const nsdae_sim *sim)
          stats.impacts);
   printf("worst LCP residual %.2e, constraint drift %.2e m, penetration %.2e m\n",
          stats.worst_residual, stats.worst_drift, stats.worst_penetration);
+  print_certificate(&stats.certificate, &dims, stats.contact_capacity > 0);
   if (stats.rank < dims.m)
     printf("rank of the constraints %d of %d: redundant ones carry the least-norm reaction\n",
            stats.rank, dims.m);
@@ -170,6 +200,7 @@ void report_end(report *r, const nsdae_sim *sim)
   say_warnings(sim, &stats);
   print_remarks(r, &stats);
   printf("energy balance %+.3e J (energy + dissipated - start)\n", stats.energy_balance);
+  print_energy(&stats.certificate);
   printf("time %.3g s, %.3g us a step\n", stats.wall_time,
          stats.steps ? 1e6 * stats.wall_time / (double)stats.steps : 0);
   if (r->settings->model->conclude) r->settings->model->conclude(r->settings->model->base);

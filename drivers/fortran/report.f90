@@ -103,12 +103,43 @@ contains
     print '(6a)', 'worst LCP residual ', number(stats%worst_residual, '(es8.2)'), &
         ', constraint drift ', number(stats%worst_drift, '(es8.2)'), ' m, penetration ', &
         number(stats%worst_penetration, '(es8.2)') // ' m'
+    call print_certificate(stats%certificate)
     call say_warnings(sim, stats)
     call print_remarks(r, stats)
     print '(3a)', 'energy balance ', number(stats%energy_balance, '(sp, es10.3)'), &
         ' J (energy + dissipated - start)'
+    call print_energy(stats%certificate)
     print '(5a)', 'time ', number(stats%wall_time, '(es8.2)'), ' s, ', &
         number(1d6 * stats%wall_time / max(1_c_long, stats%steps), '(es8.2)'), ' us a step'
+  end subroutine
+
+  ! How far the records were from the laws, at most, and where.
+  subroutine print_certificate(c)
+    type(nsdae_certificate), intent(in) :: c
+    print '(7a)', 'worst pull ', number(c%pull, '(es8.2)'), ' N s' // place('contact', c%pull_contact), &
+        ', friction beyond its cone ', number(c%cone_excess, '(es8.2)'), &
+        ' N s' // place('contact', c%cone_contact) // ', complementarity ', &
+        number(c%complementarity, '(es8.2)') // ' J' // place('contact', c%complementarity_contact)
+    print '(3a)', 'worst constraint rate ', number(c%constraint_rate, '(es8.2)'), &
+        place('constraint', c%rate_constraint)
+  end subroutine
+
+  function place(kind, item) result(text)
+    character(len=*), intent(in) :: kind
+    integer(c_int), intent(in) :: item
+    character(len=:), allocatable :: text
+    character(len=12) :: digits
+    text = ''
+    if (item < 0) return
+    write (digits, '(i0)') item
+    text = ' (' // kind // ' ' // trim(digits) // ')'
+  end function
+
+  subroutine print_energy(c)
+    type(nsdae_certificate), intent(in) :: c
+    print '(7a)', 'energy: work ', number(c%work, '(sp, es10.3)'), ' J, dissipated ', &
+        number(c%dissipated, '(es9.3)'), ' J, unexplained ', number(c%unexplained, '(sp, es10.3)'), &
+        ' J (< 0: lost by the method)'
   end subroutine
 
   ! What exceeds what the method explains; the first of them with its numbers.

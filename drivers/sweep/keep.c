@@ -73,6 +73,18 @@ static void add_statistics(sweep_keep *k)
   add(k, (keep_column){"statistics/worst_penetration", 0, 0, "m", "deepest overlap", NULL, 0});
   add(k, (keep_column){"statistics/energy_balance", 0, 0, "J",
                        "energy + dissipated - energy at the start", NULL, 0});
+  add(k, (keep_column){"statistics/worst_pull", 0, 0, "N s", "largest pull of a contact", NULL, 0});
+  add(k, (keep_column){"statistics/worst_cone_excess", 0, 0, "N s",
+                       "largest friction beyond mu times the normal impulse", NULL, 0});
+  add(k,
+      (keep_column){"statistics/worst_complementarity", 0, 0, "J",
+                    "largest product of an impulse and the velocity that it makes zero", NULL, 0});
+  add(k, (keep_column){"statistics/worst_constraint_rate", 0, 0, "of the model", "max |dPhi/dt|",
+                       NULL, 0});
+  add(k,
+      (keep_column){"statistics/work", 0, 0, "J", "work of forces outside the potential", NULL, 0});
+  add(k, (keep_column){"statistics/unexplained", 0, 0, "J",
+                       "energy that the method lost (< 0) or gained", NULL, 0});
 }
 
 int keep_complete(sweep_keep *k, const nsdae_dims *d, nsdae_error *error)
@@ -200,8 +212,11 @@ static void take_statistics(keeper *k)
 {
   nsdae_stats s;
   nsdae_sim_get_stats(k->sim, &s);
-  const double value[] = {(double)s.steps, (double)s.impacts,   s.worst_residual,
-                          s.worst_drift,   s.worst_penetration, s.energy_balance};
+  const nsdae_certificate *c = &s.certificate;
+  const double value[] = {
+      (double)s.steps,     (double)s.impacts,  s.worst_residual, s.worst_drift,
+      s.worst_penetration, s.energy_balance,   c->pull,          c->cone_excess,
+      c->complementarity,  c->constraint_rate, c->work,          c->unexplained};
   memcpy(part(k, "statistics/steps"), value, sizeof value);
 }
 

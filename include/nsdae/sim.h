@@ -123,6 +123,29 @@ typedef struct nsdae_contact_set {
   const int *mode;                  /* [count] enum nsdae_mode */
 } nsdae_contact_set;
 
+/* How far a step is from the laws, each figure with the contact or constraint of the largest (from
+ * 0, of contacts by list its place in the record's contacts; -1: the figure is 0); and its energy:
+ *
+ *   energy = energy_start + work - dissipated + unexplained */
+typedef struct nsdae_certificate {
+  double pull;             /* max(0, -Lambda_N): a contact that pulls [N s] */
+  double cone_excess;      /* max(0, |Lambda_T| - mu Lambda_N): friction beyond its cone [N s] */
+  double penetration;      /* max(0, -g_N) [m] */
+  double constraint_drift; /* max |Phi| [in its units] */
+  double
+      constraint_rate; /* max |dPhi/dt|: of moreau at the middle of the step, with v of its end */
+  double complementarity; /* max |Lambda_N xi_N| [J], with xi_N = v_N(+) + e_N v_N(-) of time
+                             stepping; of event xi_N = v_N of what is closed; of penalty 0 */
+  double energy;          /* kinetic + potential, after the step [J] */
+  double work;            /* of forces that are not in the potential, and of moving constraints and
+                             contacts, since the start [J] */
+  double dissipated;      /* work taken by contact and friction impulses since the start [J] */
+  double unexplained;     /* since the start [J]: < 0: a loss, > 0: a gain of the method */
+  int pull_contact, cone_contact, penetration_contact;
+  int drift_constraint, rate_constraint;
+  int complementarity_contact;
+} nsdae_certificate;
+
 /* The state after a step (or at the start, step = 0) and its certificate. Everything points into
  * the simulation and holds until the next step. */
 typedef struct nsdae_record {
@@ -153,6 +176,7 @@ typedef struct nsdae_record {
   int impacts;                /* in the step */
   const nsdae_change *change; /* [changes] */
   int changes;                /* in the step */
+  nsdae_certificate certificate;
 } nsdae_record;
 
 /* Sees every record, once each. 0: go on; > 0: stop after it (NSDAE_STOPPED); < 0: the run fails
@@ -191,11 +215,12 @@ typedef struct nsdae_stats {
                             potential do their work here */
   int warnings; /* 1: energy, 2: penetration, 4: drift, 8: Painleve, 16: impacts, 32: restitution;
                    see NSDAE_WARN_ENERGY etc. */
-  double wall_time;     /* spent in nsdae_sim_run and nsdae_sim_step [s] */
-  int contact_capacity; /* room in a list of contacts, which grows between steps */
-  int contact_growths;  /* how often it grew */
-  int islands;          /* parts of the last step that contacts and constraints join */
-  int island_contacts;  /* contacts of the largest of them */
+  double wall_time;              /* spent in nsdae_sim_run and nsdae_sim_step [s] */
+  int contact_capacity;          /* room in a list of contacts, which grows between steps */
+  int contact_growths;           /* how often it grew */
+  int islands;                   /* parts of the last step that contacts and constraints join */
+  int island_contacts;           /* contacts of the largest of them */
+  nsdae_certificate certificate; /* the largest figures of all records; the energies of the last */
 } nsdae_stats;
 
 /* Makes a simulation; this is where memory is allocated, once. The system must be complete, and is

@@ -232,18 +232,21 @@ static void note_rattle(const event *e, double t, int i, int many)
   nsdae_rattle_note(&e->base.rattle, i, t, SOON * e->setting.options->accumulation_time, many);
 }
 
-/* Differences for the motion at the point in work, and what they leave of an acceleration. */
+/* Differences for the motion at the point in work, and the most that they leave of velocities and
+ * accelerations here and where they were tuned before. */
 static int tune(event *e, double t)
 {
   nsdae_differences *d = &e->tools->differences;
   const double *y = e->integrator.y;
   if (!nsdae_differences_used(e->setting.system)) return NSDAE_OK;
-  int code = nsdae_differences_tune(d, nsdae_system_time(e->setting.system, t), y,
-                                    y + e->setting.at.v, &e->setting.omega_error);
-  *e->base.finer = d->finer;
-  *e->base.omega_error = e->setting.omega_error;
-  return nsdae_system_callback_status(code, code && d->failed ? d->failed : "gap",
-                                      nsdae_system_time(e->setting.system, t), e->setting.error);
+  double error[2], time = nsdae_system_time(e->setting.system, t);
+  int code = nsdae_differences_tune(d, time, y, y + e->setting.at.v, error);
+  for (int i = 0; i < 2; i++) {
+    e->base.finer[i] = d->finer[i];
+    e->base.difference_error[i] = fmax(e->base.difference_error[i], error[i]);
+    e->setting.error_by_differences[i] = e->base.difference_error[i];
+  }
+  return nsdae_system_callback_status(code, d->failed ? d->failed : "gap", time, e->setting.error);
 }
 
 /* At the instant t, with the impacts from `first` on. */
@@ -415,8 +418,10 @@ static int replay(event *e, const nsdae_terms *to)
 static int arrive(event *e, const nsdae_state *state)
 {
   nsdae_counters *counters = &e->setting.result->counters, counted = *counters;
-  e->tools->differences.finer = *e->base.finer;
-  e->setting.omega_error = *e->base.omega_error;
+  for (int i = 0; i < 2; i++) {
+    e->tools->differences.finer[i] = e->base.finer[i];
+    e->setting.error_by_differences[i] = e->base.difference_error[i];
+  }
   if (state->memory->stamp > 0 && state->memory->stamp == e->stamp) return NSDAE_OK;
   int stands = state->memory->stamp != 0 ? replay(e, state->terms) : 0;
   *counters = counted;

@@ -9,8 +9,7 @@ static void lay(nsdae_event_base *b, nsdae_event_modes *m, const nsdae_stepper *
   const nsdae_dims *d = &s->system->dims;
   size_t k = (size_t)d->k, kt = k * (size_t)d->nt, f = (size_t)d->f, rows = (size_t)d->m;
   int **of_slide[] = {&m->slide, &m->slide_sense, &m->normal_sense, &m->slide_row};
-  int **of_one[] = {&m->redundant, &b->steps, &b->instants, &b->idle,
-                    &b->tiny,      &m->is_stiff, &b->finer};
+  int **of_one[] = {&m->redundant, &b->steps, &b->instants, &b->idle, &b->tiny, &m->is_stiff};
   nsdae_memory_reals(part, nsdae_contacts_warm_size(&s->contacts));
   for (int i = 0; i < 2; i++)
     b->basis[i] = nsdae_memory_wholes(part, nsdae_contacts_memory_size(&s->contacts));
@@ -18,7 +17,9 @@ static void lay(nsdae_event_base *b, nsdae_event_modes *m, const nsdae_stepper *
   b->rattle.count = nsdae_memory_wholes(part, k);
   for (int i = 0; i < 4; i++) *of_slide[i] = nsdae_memory_wholes(part, f);
   m->related = nsdae_memory_wholes(part, k + kt);
-  for (int i = 0; i < 7; i++) *of_one[i] = nsdae_memory_wholes(part, 1);
+  for (int i = 0; i < 6; i++) *of_one[i] = nsdae_memory_wholes(part, 1);
+  b->finer = nsdae_memory_wholes(part, 2);
+  b->difference_error = nsdae_memory_reals(part, 2);
   m->slide_part = nsdae_memory_reals(part, f);
   m->relation = nsdae_memory_reals(part, (k + kt) * (k + kt));
   m->range = nsdae_memory_reals(part, rows * rows);
@@ -26,8 +27,8 @@ static void lay(nsdae_event_base *b, nsdae_event_modes *m, const nsdae_stepper *
   b->direction = nsdae_memory_reals(part, kt);
   b->blur = nsdae_memory_reals(part, k);
   b->rattle.last = nsdae_memory_reals(part, k);
-  double **real[] = {&b->t, &b->slow, &b->goal, &b->omega_error};
-  for (int i = 0; i < 4; i++) *real[i] = nsdae_memory_reals(part, 1);
+  double **real[] = {&b->t, &b->slow, &b->goal};
+  for (int i = 0; i < 3; i++) *real[i] = nsdae_memory_reals(part, 1);
 }
 
 void nsdae_event_memory_sizes(const nsdae_stepper *s, size_t *reals, size_t *wholes)

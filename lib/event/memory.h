@@ -14,8 +14,8 @@ typedef struct nsdae_event_base {
   int *steps;                  /* of its own since then */
   double *goal;                /* of the dt in work, which may take several steps */
   int *instants, *idle, *tiny; /* in it; of those, without an impact or a change; steps of no use */
-  int *finer;                  /* of the differences, where they were last tuned */
-  double *omega_error;         /* the setting's, from there */
+  int *finer;                  /* 2: of the differences, since they were last tuned */
+  double *difference_error;    /* 2: the setting's, from there */
   nsdae_rattle rattle;
 } nsdae_event_base;
 

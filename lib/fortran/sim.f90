@@ -121,6 +121,25 @@ module nsdae_f_sim
     type(c_ptr) :: mode
   end type
 
+  ! How far a step is from the laws, each figure with the contact or constraint of the largest, from
+  ! 0 (by list the place in the record's contacts; -1: the figure is 0); and its energy:
+  ! energy = energy_start + work - dissipated + unexplained
+  type, bind(C), public :: nsdae_certificate
+    real(c_double) :: pull = 0               ! max(0, -Lambda_N) [N s]
+    real(c_double) :: cone_excess = 0        ! max(0, |Lambda_T| - mu Lambda_N) [N s]
+    real(c_double) :: penetration = 0        ! max(0, -g_N) [m]
+    real(c_double) :: constraint_drift = 0   ! max |Phi|
+    real(c_double) :: constraint_rate = 0    ! max |dPhi/dt|
+    real(c_double) :: complementarity = 0    ! max |Lambda_N xi_N| [J]
+    real(c_double) :: energy = 0             ! kinetic + potential [J]
+    real(c_double) :: work = 0               ! of forces outside the potential, and of what moves by itself [J]
+    real(c_double) :: dissipated = 0         ! by contacts and friction [J]
+    real(c_double) :: unexplained = 0        ! < 0: a loss, > 0: a gain of the method [J]
+    integer(c_int) :: pull_contact = -1, cone_contact = -1, penetration_contact = -1
+    integer(c_int) :: drift_constraint = -1, rate_constraint = -1
+    integer(c_int) :: complementarity_contact = -1
+  end type
+
   ! The state after a step (or at the start, step = 0) and its certificate. The arrays are the
   ! simulation's own and hold until the next step; they are to be read only.
   type, public :: nsdae_record
@@ -149,6 +168,7 @@ module nsdae_f_sim
     integer(c_int) :: impacts = 0
     type(nsdae_change), pointer :: change(:) => null()          ! [changes]
     integer(c_int) :: changes = 0
+    type(nsdae_certificate) :: certificate
   end type
 
   ! The struct of the C header.
@@ -178,6 +198,7 @@ module nsdae_f_sim
     integer(c_int) :: impacts
     type(c_ptr) :: change
     integer(c_int) :: changes
+    type(nsdae_certificate) :: certificate
   end type
 
   type, bind(C), public :: nsdae_stats
@@ -201,6 +222,7 @@ module nsdae_f_sim
     integer(c_int) :: contact_growths    ! how often it grew
     integer(c_int) :: islands            ! parts of the last step that contacts and constraints join
     integer(c_int) :: island_contacts    ! contacts of the largest of them
+    type(nsdae_certificate) :: certificate  ! largest figures of all records; energies of the last
   end type
 
   abstract interface
@@ -868,6 +890,7 @@ contains
     record%impacts = from%impacts
     call c_f_pointer(from%change, record%change, [from%changes])
     record%changes = from%changes
+    record%certificate = from%certificate
   end subroutine
 
   subroutine shape_contacts(from, nt, contacts)

@@ -16,6 +16,8 @@ enum { ROWS = 1024, CONTACTS = 16 * ROWS };
 #define ROW(field)       offsetof(nsdae_record_row, record.field), 1, NSDAE_VALUE_REAL
 #define INT_ROW(field)   offsetof(nsdae_record_row, record.field), 1, NSDAE_VALUE_INT
 
+#define WHICH ", from 0; -1: the figure is 0"
+
 static const nsdae_column record_columns[] = {
     {"/time", FIELD(time), NSDAE_WIDTH_ONE, "s", "simulated time"},
     {"/q", ROW(q), NSDAE_WIDTH_Q, "of the model", "coordinates"},
@@ -41,12 +43,36 @@ static const nsdae_column record_columns[] = {
      "potential energy of the model; zero where it gives none"},
     {"/energy/dissipated", FIELD(dissipated), NSDAE_WIDTH_ONE, "J",
      "work taken by contact and friction impulses so far"},
+    {"/energy/work", FIELD(certificate.work), NSDAE_WIDTH_ONE, "J",
+     "work of forces that are not in the potential, and of what moves by itself, so far"},
+    {"/energy/unexplained", FIELD(certificate.unexplained), NSDAE_WIDTH_ONE, "J",
+     "change of energy + dissipated - work so far: < 0 is a loss of the method, > 0 a gain"},
     {"/certificate/lcp_residual", FIELD(lcp_residual), NSDAE_WIDTH_ONE, "1",
      "scaled natural residual of the step's complementarity problem"},
     {"/certificate/constraint_drift", FIELD(constraint_drift), NSDAE_WIDTH_ONE, "of the model",
      "max |Phi|"},
     {"/certificate/penetration", FIELD(penetration), NSDAE_WIDTH_ONE, "m",
      "largest overlap over the contacts"},
+    {"/certificate/penetration_contact", INT_FIELD(certificate.penetration_contact),
+     NSDAE_WIDTH_CONTACTS, "1", "contact of the largest overlap" WHICH},
+    {"/certificate/pull", FIELD(certificate.pull), NSDAE_WIDTH_CONTACTS, "N s",
+     "largest impulse by which a contact pulls"},
+    {"/certificate/pull_contact", INT_FIELD(certificate.pull_contact), NSDAE_WIDTH_CONTACTS, "1",
+     "that contact" WHICH},
+    {"/certificate/cone_excess", FIELD(certificate.cone_excess), NSDAE_WIDTH_CONTACTS, "N s",
+     "largest friction impulse beyond mu times the normal impulse"},
+    {"/certificate/cone_contact", INT_FIELD(certificate.cone_contact), NSDAE_WIDTH_CONTACTS, "1",
+     "contact of that excess" WHICH},
+    {"/certificate/complementarity", FIELD(certificate.complementarity), NSDAE_WIDTH_CONTACTS, "J",
+     "largest product of a normal impulse and the velocity that it should make zero"},
+    {"/certificate/complementarity_contact", INT_FIELD(certificate.complementarity_contact),
+     NSDAE_WIDTH_CONTACTS, "1", "contact of that product" WHICH},
+    {"/certificate/drift_constraint", INT_FIELD(certificate.drift_constraint),
+     NSDAE_WIDTH_CONSTRAINTS, "1", "constraint of max |Phi|" WHICH},
+    {"/certificate/constraint_rate", FIELD(certificate.constraint_rate), NSDAE_WIDTH_CONSTRAINTS,
+     "of the model", "max |dPhi/dt|"},
+    {"/certificate/rate_constraint", INT_FIELD(certificate.rate_constraint),
+     NSDAE_WIDTH_CONSTRAINTS, "1", "constraint of max |dPhi/dt|" WHICH},
 };
 
 const nsdae_table nsdae_record_table = TABLE(record_columns, 1, ROWS);
@@ -128,6 +154,8 @@ int nsdae_width_shape(nsdae_width width, const nsdae_sizes *sizes, int shape[2])
                      [NSDAE_WIDTH_POTENTIAL] = sizes->potential,
                      [NSDAE_WIDTH_NUMBERED] = !sizes->listed,
                      [NSDAE_WIDTH_LISTED] = sizes->listed,
+                     [NSDAE_WIDTH_CONTACTS] = sizes->listed || dims->k > 0,
+                     [NSDAE_WIDTH_CONSTRAINTS] = dims->m > 0,
                      [NSDAE_WIDTH_PAIR] = 2 * sizes->listed,
                      [NSDAE_WIDTH_LISTED_T] = sizes->listed * dims->nt,
                      [NSDAE_WIDTH_Q] = dims->nq,

@@ -17,10 +17,12 @@ void nsdae_sizes_of(nsdae_sizes *sizes, const nsdae_sim *sim);
 typedef enum nsdae_width {
   NSDAE_WIDTH_ONE, /* plain values */
   NSDAE_WIDTH_POTENTIAL,
-  NSDAE_WIDTH_NUMBERED, /* plain values, where contacts are numbered */
-  NSDAE_WIDTH_LISTED,   /* plain values, where they come by list */
-  NSDAE_WIDTH_PAIR,     /* 2, there */
-  NSDAE_WIDTH_LISTED_T, /* nt, there */
+  NSDAE_WIDTH_NUMBERED,    /* plain values, where contacts are numbered */
+  NSDAE_WIDTH_LISTED,      /* plain values, where they come by list */
+  NSDAE_WIDTH_CONTACTS,    /* plain values, where there are contacts of either kind */
+  NSDAE_WIDTH_CONSTRAINTS, /* plain values, where there are constraints */
+  NSDAE_WIDTH_PAIR,        /* 2, there */
+  NSDAE_WIDTH_LISTED_T,    /* nt, there */
   NSDAE_WIDTH_Q,
   NSDAE_WIDTH_V,
   NSDAE_WIDTH_M,

@@ -55,12 +55,22 @@ void nsdae_result_begin(nsdae_result *r, int impulses_follow)
   else if (!impulses_follow)
     nsdae_impulses_clear(&r->impulses, dims);
   r->impacts = r->changes = 0;
-  r->work = r->gain = r->turnover = r->worst_residual = r->carried = 0;
+  r->work = r->lifted = r->gain = r->turnover = r->worst_residual = r->carried = 0;
   r->smooth = r->located = r->given_up = 0;
   r->twofold.slide = -1;
+  r->rate = (nsdae_rate){0, -1, 0};
   r->problem = NULL;
   r->pile = NULL;
   r->counters = (nsdae_counters){.rank = dims->m, .rank_kept = 1};
+}
+
+void nsdae_result_rate(nsdae_result *r, const nsdae_terms *T, const double *v)
+{
+  r->rate = (nsdae_rate){1, -1, 0};
+  for (int i = 0; i < T->system->dims.m; i++) {
+    double rate = fabs(nsdae_terms_constraint_rate(T, i, v));
+    if (rate > r->rate.most) r->rate = (nsdae_rate){1, i, rate};
+  }
 }
 
 int nsdae_result_room(const nsdae_result *r)

@@ -19,6 +19,13 @@ typedef struct nsdae_counters {
   nsdae_evals evals;
 } nsdae_counters;
 
+/* The largest |dPhi/dt| at a point where the method takes Phi_q, if that is not the end of its
+ * step. */
+typedef struct nsdae_rate {
+  int known, constraint;
+  double most;
+} nsdae_rate;
+
 /* A slide whose friction had two solutions, and the multiplier that was taken; slide -1: none. */
 typedef struct nsdae_twofold {
   int slide;
@@ -39,10 +46,12 @@ typedef struct nsdae_result {
   int impacts, impacts_max;
   nsdae_change *change; /* changes_max: changes of mode */
   int changes, changes_max;
-  double work;                   /* of contact and friction impulses on the system */
-  double gain, turnover;         /* of event: what T = v^T M v / 2 gained by the equations of motion
-                                    and by impacts, NAN where backward differences do not control
-                                    it; its amounts */
+  double work;           /* of contact and friction impulses on the system */
+  double lifted;         /* part of work: what a projection of the coordinates alone gave */
+  double gain, turnover; /* of event and penalty: what T = v^T M v / 2 gained by the equations
+                            of motion and by impacts, NAN where backward differences of
+                            event do not control it; of event its amounts */
+  nsdae_rate rate;
   double worst_residual;         /* of its complementarity problems */
   nsdae_twofold twofold;         /* the first of the step */
   int smooth;                    /* nothing was closed */
@@ -77,6 +86,9 @@ void nsdae_result_change(nsdae_result *result, double t, int contact, int slide,
 /* Of a system by blocks: room in its lists; NSDAE_OK or NSDAE_E_MEMORY. */
 int nsdae_result_grow(nsdae_result *result, const nsdae_room *contacts, const nsdae_room *rows);
 void nsdae_result_release(nsdae_result *result);
+
+/* Measures the rate at the terms' point, of the velocity v. */
+void nsdae_result_rate(nsdae_result *result, const nsdae_terms *terms, const double *v);
 
 /* A step that did nothing yet; end and memory are not touched. */
 void nsdae_result_clear(nsdae_result *result);

@@ -90,6 +90,19 @@ static int accelerations(nsdae_penalty_equations *p, nsdae_terms *T, double *a)
   return d->f > 0 ? slide_forces(p, T, a) : 0;
 }
 
+/* A' at the terms' point, q' = qdot. */
+static int other_power(nsdae_penalty_equations *p, const nsdae_terms *T, const double *qdot,
+                       double *power)
+{
+  const nsdae_dims *d = &T->system->dims;
+  int status = nsdae_power_inertia(&p->power, T, qdot, power);
+  *power += nsdae_dot(d->nv, T->F, T->v) + nsdae_dot(d->m, p->at.lambda, T->constraint.phi_t) -
+            nsdae_dot(d->k, p->at.normal, T->w_N) -
+            nsdae_dot(d->k * d->nt, p->at.tangential, T->w_T) -
+            nsdae_dot(d->f, p->at.slide, T->slide.w);
+  return status;
+}
+
 int nsdae_penalty_rate(double t, const double *y, double *ydot, void *user)
 {
   nsdae_penalty_equations *p = user;
@@ -110,7 +123,8 @@ int nsdae_penalty_rate(double t, const double *y, double *ydot, void *user)
   ydot[nsdae_penalty_at_work(d)] = -nsdae_dot(d->k, at->normal, at->v_n) -
                                    nsdae_dot(kt, at->tangential, at->v_t) -
                                    nsdae_dot(d->f, at->slide, at->v_s);
-  return code;
+  status = other_power(p, T, ydot, &ydot[nsdae_penalty_at_other_work(d)]);
+  return status < 0 ? nsdae_progress_code(status, s->error) : code;
 }
 
 int nsdae_penalty_gaps(double t, const double *y, double *g, void *user)
@@ -141,6 +155,7 @@ void nsdae_penalty_equations_layout(nsdae_penalty_equations *p, nsdae_arena *are
   nsdae_penalty_forces *at = &p->at;
   long k = d->k, kt = k * d->nt, f = d->f;
   p->shift = NSDAE_ARENA_DOUBLES(arena, k);
+  nsdae_power_layout(&p->power, d, arena);
   at->normal = NSDAE_ARENA_DOUBLES(arena, k);
   at->tangential = NSDAE_ARENA_DOUBLES(arena, kt);
   at->slide = NSDAE_ARENA_DOUBLES(arena, f);

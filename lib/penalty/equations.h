@@ -1,15 +1,18 @@
 /* The equations of a smooth system with continuous contact forces (see penalty_law.h):
  *
- *   y = [q, v, Lambda, I_N, I_T, I_S, E]
+ *   y = [q, v, Lambda, I_N, I_T, I_S, E, A]
  *   q' = H v,   [M Phi_q^T; Phi_q 0] [v'; lambda] = [F + W_N F_N + W_T F_T + W_S F_S;
  *                                                    -omega - 2 alpha Phi' - beta^2 Phi]
- *   Lambda' = lambda,  I' = the contact forces,  E' = -(F_N v_N + F_T v_T + F_S v_S) */
+ *   Lambda' = lambda,  I' = the contact forces,  E' = -(F_N v_N + F_T v_T + F_S v_S)
+ *   A' = F v + lambda Phi_t - F_N w_N - F_T w_T - F_S w_S + v^T M' v / 2,
+ *   so that v^T M v / 2 should gain A - E; the errors of A are not controlled */
 #ifndef NSDAE_PENALTY_EQUATIONS_H
 #define NSDAE_PENALTY_EQUATIONS_H
 
 #include "base.h"
 #include "penalty_law.h"
 #include "places.h"
+#include "power.h"
 
 /* Forces at the last evaluation. */
 typedef struct nsdae_penalty_forces {
@@ -25,6 +28,7 @@ typedef struct nsdae_penalty_equations {
   nsdae_penalty_base base; /* within the memory of the step in work: how its contacts began */
   nsdae_penalty_forces at;
   double *shift; /* k: where a gap counts as zero */
+  nsdae_power power;
 } nsdae_penalty_equations;
 
 void nsdae_penalty_equations_layout(nsdae_penalty_equations *equations, nsdae_arena *arena);

@@ -68,6 +68,7 @@ static int create(nsdae_stepper *s, void **own)
   p->equations.stepper = s;
   p->n = nsdae_penalty_size(&s->system->dims);
   const nsdae_ode_problem problem = {.n = p->n,
+                                     .controlled = nsdae_penalty_at_other_work(&s->system->dims),
                                      .roots = s->system->dims.k,
                                      .rate = nsdae_penalty_rate,
                                      .root = nsdae_penalty_gaps,
@@ -96,6 +97,7 @@ static int start_integrator(penalty *p, double t)
   const nsdae_sim_options *o = p->equations.stepper->options;
   const double hair = 1e-12 * o->dt * o->friction_velocity;
   nsdae_terms *T = &p->equations.stepper->middle;
+  nsdae_power_start(&p->equations.power);
   nsdae_terms_at(T, t, p->y, p->y + s->dims.nq);
   int status = nsdae_terms_need(T, NSDAE_TERM_GAP);
   for (int i = 0; i < s->dims.k && status == NSDAE_OK; i++) {
@@ -377,6 +379,9 @@ static void read_results(const penalty *p, nsdae_result *result, double t, doubl
     to->slide_mode[j] = sticks ? NSDAE_MODE_STICK : NSDAE_MODE_SLIDE;
   }
   result->work = p->y_start[nsdae_penalty_at_work(d)] - p->y[nsdae_penalty_at_work(d)];
+  integrals(p, nsdae_penalty_at_other_work(d), 1, &result->gain);
+  result->gain += result->work;
+  nsdae_result_rate(result, T, T->v);
   result->located = 1;
   nsdae_terms_at(&result->end, t, p->y, p->y + d->nq);
 }

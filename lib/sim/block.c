@@ -4,7 +4,8 @@
  *   settings  every option that matters to the method, in the order of their table, as doubles;
  *             mu, e_N, e_T of the contacts, mu of the slides
  *   epoch     t0 of the run, from which its times count
- *   accounts  number of the step, grid, work taken by contacts, statistics but for the clock
+ *   accounts  number of the step, grid, work of contacts and forces, certificate, statistics but
+ *             for the clock
  *   state     t, q, v, what is evaluated there; multipliers, impulses and modes of the last step
  *             (by list: of as many contacts as were closed, with their ids, blocks and gaps)
  *   memory    what the method keeps: its numbers, its integers
@@ -34,7 +35,7 @@ typedef struct head {
 } head;
 
 static const char MAGIC[8] = "nsdaest";
-enum { BYTE_ORDER_MARK = 0x01020304, BLOCK_VERSION = 3 };
+enum { BYTE_ORDER_MARK = 0x01020304, BLOCK_VERSION = 4 };
 
 /* A place in a block: nothing is moved where both are NULL. Arrays may be NULL where they are
  * empty. */
@@ -62,6 +63,13 @@ static void visit_ints(cursor *c, int *a, int n)
   visit(c, a, (size_t)n * sizeof *a);
 }
 
+static void visit_certificate(cursor *c, nsdae_certificate *certificate)
+{
+  _Static_assert(sizeof *certificate == 10 * sizeof(double) + 6 * sizeof(int),
+                 "padding of a certificate, which the state would keep");
+  visit(c, certificate, sizeof *certificate);
+}
+
 /* Without the padding of the structs, so that equal states are equal bytes. */
 static void visit_stats(cursor *c, nsdae_stats *s)
 {
@@ -78,7 +86,7 @@ static void visit_stats(cursor *c, nsdae_stats *s)
   /* all of them, and the clock; room in lists is the simulation's */
   _Static_assert(sizeof *s - sizeof counts / sizeof *counts * sizeof(long) -
                          sizeof worst / sizeof *worst * sizeof(double) - 7 * sizeof(int) -
-                         sizeof s->wall_time <
+                         sizeof s->wall_time - sizeof s->certificate <
                      sizeof(double),
                  "a statistic that the state does not keep");
   for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) visit(c, counts[i], sizeof(long));
@@ -88,6 +96,7 @@ static void visit_stats(cursor *c, nsdae_stats *s)
   visit(c, &s->warnings, sizeof s->warnings);
   visit(c, &s->islands, sizeof s->islands);
   visit(c, &s->island_contacts, sizeof s->island_contacts);
+  visit_certificate(c, &s->certificate);
 }
 
 static void visit_accounts(cursor *c, nsdae_accounts *a)
@@ -128,6 +137,8 @@ static void visit_point(cursor *c, nsdae_point *p, double *epoch, double *t, uns
   const nsdae_dims *d = &r->end.system->dims;
   visit_doubles(c, epoch, 1);
   visit_accounts(c, &p->accounts);
+  visit(c, &p->work, sizeof p->work);
+  visit_certificate(c, &p->record.certificate);
   visit_doubles(c, t, 1);
   visit_doubles(c, r->end.q, d->nq);
   visit_doubles(c, r->end.v, d->nv);
@@ -393,15 +404,25 @@ static int check_values(nsdae_sim *sim)
   const nsdae_result *r = &p->result;
   const nsdae_dims *d = &sim->system->dims;
   const nsdae_stats *s = &p->accounts.stats;
-  const double sums[] = {nsdae_terms_time(&r->end), p->accounts.grid_start, p->accounts.dissipated,
-                         s->energy_start, s->energy_balance};
-  const double certificate[] = {r->worst_residual, s->worst_residual, s->worst_drift,
-                                s->worst_penetration};
-  if (all_finite(sums, 5) && all_finite(r->end.q, d->nq) && all_finite(r->end.v, d->nv) &&
-      all_finite(r->multiplier, d->m) && all_finite(r->impulses.normal, d->k) &&
-      all_finite(r->impulses.tangential, d->k * d->nt) &&
-      all_finite(r->impulses.slide_impulse, d->f) && !any_nan(certificate, 4) &&
-      check_closed(sim) && !any_nan(r->memory.real, r->memory.reals))
+  const nsdae_certificate *c = &p->record.certificate;
+  const double sums[] = {nsdae_terms_time(&r->end),
+                         p->accounts.grid_start,
+                         p->accounts.dissipated,
+                         p->work.sum,
+                         s->energy_start,
+                         s->energy_balance,
+                         c->energy,
+                         c->work,
+                         c->unexplained};
+  const double certificate[] = {
+      r->worst_residual, s->worst_residual, s->worst_drift,     s->worst_penetration, c->pull,
+      c->cone_excess,    c->penetration,    c->constraint_rate, c->complementarity};
+  if (all_finite(sums, sizeof sums / sizeof *sums) && all_finite(r->end.q, d->nq) &&
+      all_finite(r->end.v, d->nv) && all_finite(r->multiplier, d->m) &&
+      all_finite(r->impulses.normal, d->k) && all_finite(r->impulses.tangential, d->k * d->nt) &&
+      all_finite(r->impulses.slide_impulse, d->f) &&
+      !any_nan(certificate, sizeof certificate / sizeof *certificate) && check_closed(sim) &&
+      !any_nan(r->memory.real, r->memory.reals))
     return NSDAE_OK;
   return nsdae_error_set(&sim->error, NSDAE_E_NONFINITE, "nsdae_sim_set_state", "block",
                          "the state has a number that is not finite");

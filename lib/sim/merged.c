@@ -140,22 +140,20 @@ static int place_of(const nsdae_contacts *numbered, int contact)
   return a;
 }
 
-int nsdae_merged_find(const nsdae_sim *sim, nsdae_point *before, const nsdae_point *point,
-                      nsdae_merged *most)
+nsdae_merged nsdae_merged_find(const nsdae_sim *sim, const nsdae_point *before,
+                               const nsdae_point *point)
 {
   const nsdae_result *r = &point->result;
   const nsdae_world *world = sim->stepper.world;
-  *most = (nsdae_merged){0, -1, -1};
-  if (r->located || r->impacts == 0 || !(world || r->problem)) return NSDAE_OK;
-  nsdae_terms *T = &before->result.end;
-  int status = nsdae_terms_need(T, NSDAE_TERM_MASS | NSDAE_TERM_FORCE);
-  if (status < 0) return status;
+  const nsdae_terms *T = &before->result.end;
+  nsdae_merged most = {0, -1, -1};
+  if (r->located || r->impacts == 0 || !(world || r->problem)) return most;
   const closed_ones c = {world ? NULL : r->problem, world ? &world->home->by.normal : NULL,
                          &sim->model.blocks, T->M, T->F};
   for (int p = 0; p < r->impacts; p++) {
     int a = place_of(c.numbered, r->impact[p].contact);
     if (acts(sim, &c, &r->impulses, a, point->record.duration))
-      compare(sim, &c, r, a, point->record.duration, most);
+      compare(sim, &c, r, a, point->record.duration, &most);
   }
-  return NSDAE_OK;
+  return most;
 }

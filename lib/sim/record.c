@@ -25,6 +25,7 @@ static void show_numbers(nsdae_record *to, const nsdae_record *from)
   to->penetration = from->penetration;
   to->impacts = from->impacts;
   to->changes = from->changes;
+  to->certificate = from->certificate;
 }
 
 /* Where the arrays are: made anew when lists grew. */
@@ -87,15 +88,6 @@ static void fill_means(nsdae_point *p, const nsdae_terms *from, double h)
   p->record.duration = r->end.t - from->t;
 }
 
-/* By list: of what was closed, where the method looked last. */
-static double penetration(const nsdae_result *r)
-{
-  double most = 0;
-  if (!r->end.system->by_list) return nsdae_terms_penetration(&r->end);
-  for (int a = 0; a < r->closed.count; a++) most = nsdae_larger(most, -r->closed.gap[a]);
-  return most;
-}
-
 /* The numbers of the record; its arrays are the point's. */
 static void fill_record(nsdae_point *p)
 {
@@ -108,8 +100,6 @@ static void fill_record(nsdae_point *p)
   record->potential = end->potential;
   record->dissipated = p->accounts.dissipated;
   record->lcp_residual = r->worst_residual;
-  record->constraint_drift = nsdae_terms_drift(end);
-  record->penetration = penetration(r);
   record->contacts.count = r->closed.count;
   record->impacts = r->impacts;
   record->changes = r->changes;
@@ -190,6 +180,9 @@ int nsdae_point_start(nsdae_sim *sim, nsdae_point *point)
   if (status < 0) return status;
   point->accounts = (nsdae_accounts){.grid_start = start->t};
   fill_record(point);
+  point->accounts.watch.kinetic = point->record.kinetic;
+  status = nsdae_certificate_start(sim, point);
+  if (status < 0) return status;
   point->result.closed.count = point->record.contacts.count = 0; /* none did anything yet */
   fill_means(point, start, 0);
   stats->energy_start = point->record.kinetic + point->record.potential;
@@ -213,18 +206,19 @@ int nsdae_point_show(nsdae_point *point, unsigned have)
   if (status < 0) return status;
   end->have &= have | RECORD_TERMS | end->absent; /* some callbacks give two */
   fill_record(point);
+  point->record.constraint_drift = point->record.certificate.constraint_drift;
+  point->record.penetration = point->record.certificate.penetration;
   fill_means(point, end, 0);
   return NSDAE_OK;
 }
 
-int nsdae_point_follow(nsdae_point *before, nsdae_point *point, double impact_velocity,
-                       double length)
+int nsdae_point_follow(const nsdae_sim *sim, nsdae_point *before, nsdae_point *point, double length)
 {
   nsdae_result *r = &point->result;
   nsdae_accounts *a = &point->accounts;
   int status = nsdae_terms_need(&r->end, RECORD_TERMS);
   if (status < 0) return status;
-  if (!r->located) find_impacts(&before->result.impulses, r, impact_velocity);
+  if (!r->located) find_impacts(&before->result.impulses, r, sim->options.impact_velocity);
   *a = before->accounts;
   a->step++;
   a->dissipated -= r->work;
@@ -233,6 +227,8 @@ int nsdae_point_follow(nsdae_point *before, nsdae_point *point, double impact_ve
   a->stats.contact_steps += !r->smooth;
   a->stats.impacts += r->impacts;
   fill_record(point);
+  status = nsdae_certificate_follow(sim, before, point);
+  if (status < 0) return status;
   fill_means(point, &before->result.end, length);
   status = nsdae_watch_finite(point);
   if (status < 0) return status;

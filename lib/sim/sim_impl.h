@@ -23,6 +23,16 @@ typedef struct nsdae_observers {
   int telling; /* one is being called */
 } nsdae_observers;
 
+/* Work of forces, inertia and of what moves by itself, see certificate.c: in the last step, where a
+ * time-stepping method did it, and in all. */
+typedef struct nsdae_work {
+  double potential;               /* at the start [J] */
+  double forces, inertia, driven; /* of the step; inertia less what a projection lifted */
+  double power;                   /* F v at its end */
+  double rounding;                /* of the work of forces */
+  double sum;                     /* of all steps, whoever did them */
+} nsdae_work;
+
 /* What is kept of all steps so far, beside the last result. */
 typedef struct nsdae_accounts {
   long step;         /* number of the last */
@@ -37,6 +47,7 @@ typedef struct nsdae_accounts {
 typedef struct nsdae_point {
   nsdae_result result;
   nsdae_accounts accounts;
+  nsdae_work work;
   nsdae_record record;                                                  /* made of them */
   double *acceleration, *normal_force, *tangential_force, *slide_force; /* means of the step */
 } nsdae_point;
@@ -116,25 +127,29 @@ int nsdae_start_resolved(nsdae_sim *sim, const nsdae_terms *start);
 int nsdae_point_start(nsdae_sim *sim, nsdae_point *point);
 /* The record of a step of that length, its impacts, certificate and statistics, from its result and
  * from the point before. NSDAE_OK, or what the terms return. */
-int nsdae_point_follow(nsdae_point *before, nsdae_point *point, double impact_velocity,
+int nsdae_point_follow(const nsdae_sim *sim, nsdae_point *before, nsdae_point *point,
                        double length);
+
+/* The certificate of a record whose energies are there: of a start, and of a step, with its work;
+ * in the statistics, too. NSDAE_OK, or what the terms return. */
+int nsdae_certificate_start(const nsdae_sim *sim, nsdae_point *point);
+int nsdae_certificate_follow(const nsdae_sim *sim, nsdae_point *before, nsdae_point *point);
 
 /* NSDAE_OK, or NSDAE_E_NONFINITE with the record that names what of a point is not finite. */
 int nsdae_watch_finite(const nsdae_point *point);
 /* From the start on. NSDAE_OK, or what the terms return. */
 int nsdae_watch_start(const nsdae_sim *sim, nsdae_point *point);
-/* After a step: what is to be said now, NSDAE_WARN_... with the error record, NSDAE_OK; or what the
- * terms return. */
-int nsdae_watch_step(const nsdae_sim *sim, nsdae_point *before, nsdae_point *point);
+/* After a step: what is to be said now, NSDAE_WARN_... with the error record, or NSDAE_OK. */
+int nsdae_watch_step(const nsdae_sim *sim, const nsdae_point *before, nsdae_point *point);
 
 /* The pair of closed contacts that would hit most often, one after the other, in the step that was
- * done; impacts 0: there is none. NSDAE_OK, or what the terms return. */
+ * done and has its work; impacts 0: there is none. */
 typedef struct nsdae_merged {
   double impacts;
   int contact, other; /* by list: places in the record's contacts */
 } nsdae_merged;
-int nsdae_merged_find(const nsdae_sim *sim, nsdae_point *before, const nsdae_point *point,
-                      nsdae_merged *most);
+nsdae_merged nsdae_merged_find(const nsdae_sim *sim, const nsdae_point *before,
+                               const nsdae_point *point);
 
 /* The record of a point whose result and accounts were set; have: terms to evaluate besides. */
 int nsdae_point_show(nsdae_point *point, unsigned have);

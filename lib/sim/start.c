@@ -296,11 +296,11 @@ static int check_omega(nsdae_projector *p, const nsdae_terms *T)
   if (status < 0) return status;
   code =
       nsdae_differences_second(d, s->call.constraint, m, nsdae_terms_time(T), T->q, p->v, second);
-  d->finer = FINER;
+  d->finer[1] = FINER;
   if (!code)
     code =
         nsdae_differences_second(d, s->call.constraint, m, nsdae_terms_time(T), T->q, p->v, finer);
-  d->finer = 0;
+  d->finer[1] = 0;
   status = nsdae_system_callback_status(code, code && d->failed ? d->failed : "constraint",
                                         nsdae_terms_time(T), T->error);
   const compared rows = {s, NSDAE_NAME_CONSTRAINT, 1, m};
@@ -315,10 +315,10 @@ static int contact_differences(nsdae_projector *p, const nsdae_terms *T, int sho
   const nsdae_dims *dims = &T->system->dims;
   nsdae_differences *d = T->differences;
   double *tangential = out + dims->k, *sliding = tangential + dims->k * dims->nt;
-  d->finer = shorter;
+  d->finer[1] = shorter;
   int code =
       nsdae_differences_contacts(d, nsdae_terms_time(T), T->q, p->v, out, tangential, sliding);
-  d->finer = 0;
+  d->finer[1] = 0;
   return nsdae_system_callback_status(code, code && d->failed ? d->failed : "contact_bias",
                                       nsdae_terms_time(T), T->error);
 }

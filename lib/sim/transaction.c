@@ -97,16 +97,19 @@ static int project(nsdae_sim *sim)
 {
   nsdae_result *r = &sim->next->result;
   nsdae_projector *p = &sim->projection;
-  double before, after;
+  double before, moved = 0, after = 0;
   int status = energy(&r->end, &before);
   if (status == NSDAE_OK) status = nsdae_terms_need(&r->end, NSDAE_TERM_GAP);
   if (status < 0) return status;
   choose_contacts(sim, r, p);
   status = nsdae_project_positions(p, &r->end, 0);
+  if (status == NSDAE_OK) status = energy(&r->end, &moved);
   if (status == NSDAE_OK) status = nsdae_project_velocities(p, &r->end);
   if (status == NSDAE_OK) status = energy(&r->end, &after);
-  if (status == NSDAE_OK) r->work += after - before;
-  return status;
+  if (status < 0) return status;
+  r->work += after - before;
+  r->lifted += moved - before;
+  return NSDAE_OK;
 }
 
 /* Without it: an explicit step makes a quaternion longer by (1 + (h w / 4)^2), to infinity in some
@@ -123,6 +126,7 @@ static int keep_lengths(nsdae_sim *sim)
   nsdae_units_restore(&sim->projection, &r->end);
   status = energy(&r->end, &after);
   r->work += after - before;
+  r->lifted += after - before;
   return status;
 }
 
@@ -151,8 +155,7 @@ static int prepare(nsdae_sim *sim, double t1)
   if (status == NSDAE_OK)
     status = sim->options.projection == NSDAE_PROJECTION_NONE ? keep_lengths(sim) : project(sim);
   if (sim->next->result.end.t < t1) length = sim->next->result.end.t - t0; /* as far as it came */
-  if (status == NSDAE_OK)
-    status = nsdae_point_follow(sim->now, sim->next, sim->options.impact_velocity, length);
+  if (status == NSDAE_OK) status = nsdae_point_follow(sim, sim->now, sim->next, length);
   if (status == NSDAE_OK) status = nsdae_watch_step(sim, sim->now, sim->next);
   if (status < 0) {
     sim->now->result.end.have = have; /* what a dropped step evaluated is not counted either */

@@ -104,7 +104,7 @@ int nsdae_watch_start(const nsdae_sim *sim, nsdae_point *point)
                     .kinetic = point->record.kinetic,
                     .known = point->record.kinetic,
                     .t = start->t,
-                    .power = nsdae_dot(d->nv, start->F, start->v)};
+                    .power = point->work.power};
   point->accounts.watch.earlier = point->accounts.watch.power;
   return NSDAE_OK;
 }
@@ -161,6 +161,10 @@ static int find_not_finite(const nsdae_point *point)
       {"contacts.normal_impulse", r->contacts.normal_impulse, r->contacts.count, OF_NONE, 1},
       {"contacts.tangential_impulse", r->contacts.tangential_impulse, r->contacts.count * d->nt,
        OF_NONE, 1},
+      {"certificate.work", &r->certificate.work, 1, OF_ONE, 1},
+      {"certificate.unexplained", &r->certificate.unexplained, 1, OF_ONE, 1},
+      {"certificate.constraint_rate", &r->certificate.constraint_rate, 1, OF_ONE, 1},
+      {"certificate.complementarity", &r->certificate.complementarity, 1, OF_ONE, 1},
       {"lcp_residual", &r->lcp_residual, 1, OF_ONE, 1},
       {"constraint_drift", &r->constraint_drift, 1, OF_ONE, 1}};
   for (size_t p = 0; p < sizeof parts / sizeof *parts; p++)
@@ -194,15 +198,17 @@ static double sum_of_impacts(const nsdae_record *r)
   return s;
 }
 
-/* A finite sum has finite terms: where it is none they are looked at one by one. In it are not: v,
- * of which kinetic is none unless all are finite; gaps, which were looked at as they came. */
+/* A finite sum has finite terms: where it is none they are looked at one by one. In it are not: the
+ * energies, of which work and unexplained are sums; v, of which kinetic is none unless all are
+ * finite; gaps, which were looked at as they came. */
 int nsdae_watch_finite(const nsdae_point *point)
 {
   const nsdae_record *r = &point->record;
   const nsdae_dims *d = &point->result.end.system->dims;
   int listed = r->contacts.count;
-  double all =
-      r->time + r->kinetic + r->potential + r->dissipated + r->lcp_residual + r->constraint_drift;
+  const nsdae_certificate *c = &r->certificate;
+  double all = r->time + c->work + c->unexplained + r->lcp_residual + r->constraint_drift +
+               c->constraint_rate + c->complementarity;
   all += sum(r->q, d->nq) + sum(r->multiplier, d->m) + sum(r->normal_impulse, d->k) +
          sum(r->tangential_impulse, d->k * d->nt) + sum(r->slide_impulse, d->f);
   if (listed > 0)
@@ -231,76 +237,19 @@ static void measure(nsdae_watch *w, const nsdae_terms *from, const nsdae_result 
   w->way = nsdae_larger(w->way, h * w->row * speed);
 }
 
-/* vm^T (M_1 - M_0) vm / 2, vm = (v_0 + v_1) / 2 */
-static double turned(const nsdae_terms *from, const nsdae_terms *to)
+/* The step that led to here, by its own quadrature. */
+static void add_work(nsdae_watch *w, const nsdae_point *at)
 {
-  const nsdae_blocks *blocks = &to->system->blocks;
-  size_t bytes = blocks->square[blocks->count] * sizeof *to->M;
-  if (memcmp(to->M, from->M, bytes) == 0) return 0; /* as often */
-  return nsdae_blocks_change(blocks, to->M, from->M, from->v, to->v) / 8;
-}
-
-/* F v, and what forces do on the rounding of the coordinates, which each step has anew: less energy
- * than that nobody can tell. */
-static double power_of(const nsdae_terms *T, double *rounding)
-{
-  const nsdae_dims *d = &T->system->dims;
-  const double *F = T->F, *v = T->v;
-  double power = 0, sum = 0;
-  for (int j = 0, n = d->nv; j < n; j++) {
-    power += F[j] * v[j];
-    sum += fabs(F[j]);
-  }
-  *rounding = DBL_EPSILON * (1 + nsdae_largest(d->nq, T->q)) * sum;
-  return power;
-}
-
-/* Work of what moves by itself in a step that did `of`, by the velocities w and Phi_t at T, one of
- * its ends: half of each. Lists know theirs. */
-static inline double half_driven(const nsdae_terms *T, const nsdae_result *of, double h)
-{
-  const nsdae_dims *d = &T->system->dims;
-  const nsdae_impulses *p = &of->impulses;
-  double sum = h * nsdae_dot(d->m, of->multiplier, T->constraint.phi_t);
-  if (!of->smooth)
-    sum -= nsdae_dot(d->k, p->normal, T->w_N) + nsdae_dot(d->k * d->nt, p->tangential, T->w_T) +
-           nsdae_dot(d->f, p->slide_impulse, T->slide.w) + of->carried;
-  return sum / 2;
-}
-
-static unsigned what_drives(const nsdae_result *of)
-{
-  return NSDAE_TERM_PHI_T | (of->smooth ? 0u : NSDAE_TERM_BIAS | NSDAE_TERM_SLIDE);
-}
-
-/* Work in the step that led to here, by its own quadrature: of forces, and of what moves by
- * itself. */
-static int add_work(nsdae_watch *w, nsdae_result *at)
-{
-  nsdae_terms *T = &at->end;
-  double h = T->t - w->t;
-  int status = h > 0 ? nsdae_terms_need(T, NSDAE_TERM_FORCE | what_drives(at)) : NSDAE_OK;
-  if (status < 0 || !(h > 0)) return status;
-  double rounding, power = power_of(T, &rounding);
-  double driven = w->leaving + half_driven(T, at, h);
-  w->rounding += rounding;
-  w->turnover += h / 2 * fabs(w->power + power);
-  w->unsure += h / 4 * fabs(power - 2 * w->power + w->earlier);
-  w->driven += fabs(driven);
-  w->work += w->turned + h / 2 * (w->power + power) + driven;
+  const nsdae_work *of = &at->work;
+  double h = at->result.end.t - w->t;
+  if (!(h > 0)) return;
+  w->rounding += of->rounding;
+  w->turnover += fabs(of->forces);
+  w->unsure += h / 4 * fabs(of->power - 2 * w->power + w->earlier);
+  w->driven += fabs(of->driven);
   w->earlier = w->power;
-  w->power = power;
-  w->t = T->t;
-  return NSDAE_OK;
-}
-
-/* What of the step from here to next is known now. */
-static int leave(nsdae_watch *w, nsdae_terms *T, const nsdae_result *next)
-{
-  int status = nsdae_terms_need(T, what_drives(next));
-  w->turned = turned(T, &next->end);
-  w->leaving = half_driven(T, next, next->end.t - T->t);
-  return status;
+  w->power = of->power;
+  w->t = at->result.end.t;
 }
 
 static double energy_bound(const nsdae_watch *w)
@@ -360,42 +309,38 @@ static void find_soaring(nsdae_watch *w, double before, double after, gain *foun
 
 /* By the quadrature up to the point before, with what was known there: where each step multiplies
  * the energy the next one hides it. */
-static int find_gain_of_steps(nsdae_watch *w, nsdae_point *before, const nsdae_point *point,
-                              gain *found)
+static void find_gain_of_steps(nsdae_watch *w, const nsdae_point *before, const nsdae_point *point,
+                               gain *found)
 {
   double work = point->result.work;
-  int status = add_work(w, &before->result);
-  if (status == NSDAE_OK) status = leave(w, &before->result.end, &point->result);
-  if (status < 0) return status;
+  add_work(w, before);
   if (work != 0) {
     if (work > 0) w->gained += nsdae_larger(0, work - rounding_of_contacts(point));
     w->spent += fabs(work);
   }
-  found->energy = before->record.kinetic + before->record.dissipated - w->kinetic - w->work;
+  found->energy = before->record.certificate.unexplained;
   found->bound = energy_bound(w);
-  return NSDAE_OK;
 }
 
 /* The one of the steps, or of contacts up to this one, that is further beyond. */
-static int find_gain(nsdae_watch *w, nsdae_point *before, const nsdae_point *point, gain *found)
+static void find_gain(nsdae_watch *w, const nsdae_point *before, const nsdae_point *point,
+                      gain *found)
 {
   double kinetic = point->record.kinetic;
   *found = (gain){0, 0, BY_STEPS};
   if (before->result.located || point->result.located) {
     w->gained = nsdae_larger(w->gained, -point->record.dissipated);
   } else {
-    int status = find_gain_of_steps(w, before, point, found);
-    if (status < 0) return status;
+    find_gain_of_steps(w, before, point, found);
   }
   double energy = found->energy;
   if (!point->result.located) find_soaring(w, before->record.kinetic, kinetic, found);
   w->scale = nsdae_larger(w->scale, kinetic);
   w->known = nsdae_larger(w->known, kinetic - nsdae_larger(w->gained, nsdae_larger(0, energy)));
-  if (!(w->gained > 0)) return NSDAE_OK;
+  if (!(w->gained > 0)) return;
   double bound = energy_bound(w);
   if (w->gained - bound > found->energy - found->bound)
     *found = (gain){w->gained, bound, BY_CONTACTS};
-  return NSDAE_OK;
 }
 
 /* What is said, and of what of a kind (-1: of none). */
@@ -608,7 +553,7 @@ static int judge_fallback(const nsdae_sim *sim, const nsdae_point *before, nsdae
 }
 
 /* What is beyond its bound and was not said yet, the gravest first. */
-static int judge(const nsdae_sim *sim, nsdae_point *before, nsdae_point *point, const gain *g)
+static int judge(const nsdae_sim *sim, const nsdae_point *before, nsdae_point *point, const gain *g)
 {
   const nsdae_record *r = &point->record;
   int new = ~point->accounts.stats.warnings, fallback = point->result.counters.fallbacks > 0;
@@ -625,10 +570,9 @@ static int judge(const nsdae_sim *sim, nsdae_point *before, nsdae_point *point, 
     if (e.value > e.bound) return say_drift(point, &e);
   }
   if (point->result.twofold.slide >= 0 && (new &NSDAE_WATCH_PAINLEVE)) return say_twofold(point);
-  nsdae_merged merged = {0, -1, -1};
-  int status = new &NSDAE_WATCH_IMPACTS ? nsdae_merged_find(sim, before, point, &merged) : NSDAE_OK;
-  if (status == NSDAE_OK && merged.impacts > 0) return say_merged(point, &merged);
-  return status;
+  if (!(new &NSDAE_WATCH_IMPACTS)) return NSDAE_OK;
+  const nsdae_merged merged = nsdae_merged_find(sim, before, point);
+  return merged.impacts > 0 ? say_merged(point, &merged) : NSDAE_OK;
 }
 
 /* sum |M_ij| u_i u_j,  u_i = |v_i| + atol / rtol: a velocity is as good as rtol u_i; slower than
@@ -674,7 +618,7 @@ static int keeps_energy(const nsdae_sim *sim, const nsdae_point *before, const n
   return NSDAE_E_CONVERGENCE;
 }
 
-int nsdae_watch_step(const nsdae_sim *sim, nsdae_point *before, nsdae_point *point)
+int nsdae_watch_step(const nsdae_sim *sim, const nsdae_point *before, nsdae_point *point)
 {
   nsdae_watch *w = &point->accounts.watch;
   gain found;
@@ -683,6 +627,6 @@ int nsdae_watch_step(const nsdae_sim *sim, nsdae_point *before, nsdae_point *poi
     status = keeps_energy(sim, before, point);
   if (status < 0) return status;
   measure(w, &before->result.end, &point->result);
-  status = find_gain(w, before, point, &found);
-  return status < 0 ? status : judge(sim, before, point, &found);
+  find_gain(w, before, point, &found);
+  return judge(sim, before, point, &found);
 }

@@ -63,14 +63,11 @@ typedef struct nsdae_watch {
   double t;        /* up to here the work is summed, one step behind */
   double power;    /* F v there, */
   double earlier;  /* and a step before */
-  double work;     /* of forces, inertia, moving constraints and moving contacts */
   double turnover; /* of forces, its steps' amounts; */
   double unsure;   /* what the quadrature may miss of it */
   double spent;    /* by contacts, amounts; */
   double driven;   /* of what moves by itself, amounts */
   double rounding; /* of the work of forces */
-  double turned;   /* work of inertia in the last step, not summed yet, */
-  double leaving;  /* and of what moves by itself at its begin */
   double gained;   /* by contact impulses */
   double soared;   /* steps in a row that multiplied the kinetic energy */
 } nsdae_watch;

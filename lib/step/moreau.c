@@ -41,6 +41,7 @@ static int to_end(const nsdae_step *step)
   const nsdae_terms *middle = &s->middle;
   int status = nsdae_kinematics_at(middle, s->v, s->qdot[1]);
   nsdae_move(s->system->dims.nq, middle->q, step->h / 2, s->qdot[1], s->q);
+  if (s->system->dims.m > 0) nsdae_result_rate(step->result, middle, s->v);
   nsdae_terms_at(step->end, step->t_end, s->q, s->v);
   nsdae_step_end(step);
   return status;

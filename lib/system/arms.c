@@ -18,9 +18,9 @@ int nsdae_arms_bend(nsdae_arms *arms, int i, double *bend)
 int nsdae_arms_bends(nsdae_arms *arms, int i, double bend, double tol, int *bends)
 {
   double finer = NAN;
-  arms->differences->finer = 1;
+  arms->differences->finer[1] = 1;
   int code = nsdae_arms_bend(arms, i, &finer);
-  arms->differences->finer = 0;
+  arms->differences->finer[1] = 0;
   *bends = fabs(finer - bend) <= tol;
   return code;
 }

@@ -11,7 +11,7 @@ void nsdae_differences_layout(nsdae_differences *differences, nsdae_arena *arena
 {
   const nsdae_dims *dims = &differences->system->dims;
   int rows = dims->m > dims->k ? dims->m : dims->k;
-  differences->finer = 0;
+  differences->finer[0] = differences->finer[1] = 0;
   differences->q = NSDAE_ARENA_DOUBLES(arena, dims->nq);
   differences->qdot = NSDAE_ARENA_DOUBLES(arena, dims->nq);
   differences->centre = NSDAE_ARENA_DOUBLES(arena, dims->nq);
@@ -25,10 +25,10 @@ void nsdae_differences_layout(nsdae_differences *differences, nsdae_arena *arena
   differences->W = NSDAE_ARENA_DOUBLES(arena, dims->nv * columns);
   differences->velocity = NSDAE_ARENA_DOUBLES(arena, k + kt + dims->f);
   for (int i = 0; i < 2; i++)
-    differences->omega[i] = NSDAE_ARENA_DOUBLES(arena, dims->m + k + kt + dims->f);
+    differences->tuned[i] = NSDAE_ARENA_DOUBLES(arena, dims->m + k + kt + dims->f);
 }
 
-/* Halves of a step that tune tries: down to that of a first derivative, eps^(1/3) of eps^(1/6). */
+/* Halves of a step that tune tries: motion by the hundredth of what the steps are made for. */
 enum { FINEST = 9 };
 
 /* A power of two, so that t + s and t - s are exact. Neither time nor place has a natural zero, so
@@ -64,9 +64,10 @@ static int displaced(nsdae_differences *d, nsdae_position_fn f, double t, const 
 
 /* f' of the motion d->qdot; time = 0 leaves out f_t */
 static int rate(nsdae_differences *d, nsdae_position_fn f, int rows, double t, const double *q,
-                double scale, double time, double *out)
+                double time, double *out)
 {
-  double s = nsdae_differences_step(d->system->dims.nq, time * t, q, d->qdot, scale);
+  double s = nsdae_differences_step(d->system->dims.nq, time * t, q, d->qdot,
+                                    ldexp(cbrt(DBL_EPSILON), -d->finer[0]));
   int code = displaced(d, f, t, q, s, time, d->plus);
   if (!code) code = displaced(d, f, t, q, -s, time, d->minus);
   for (int i = 0; i < rows; i++) out[i] = (d->plus[i] - d->minus[i]) / (2 * s);
@@ -82,7 +83,7 @@ int nsdae_differences_velocity(nsdae_differences *d, nsdae_position_fn f, int ro
     memset(d->unit, 0, (size_t)nv * sizeof *d->unit);
     d->unit[j] = 1;
     code = kinematics(d, t, q, d->unit, d->qdot);
-    if (!code) code = rate(d, f, rows, t, q, cbrt(DBL_EPSILON), 0, d->rate);
+    if (!code) code = rate(d, f, rows, t, q, 0, d->rate);
     for (int i = 0; i < rows; i++) {
       size_t at =
           transposed ? (size_t)i * (size_t)ldd + (size_t)j : (size_t)j * (size_t)ldd + (size_t)i;
@@ -97,7 +98,7 @@ int nsdae_differences_along(nsdae_differences *d, nsdae_position_fn f, int rows,
 {
   d->failed = NULL;
   int code = kinematics(d, t, q, v, d->qdot);
-  return code ? code : rate(d, f, rows, t, q, cbrt(DBL_EPSILON), 0, along);
+  return code ? code : rate(d, f, rows, t, q, 0, along);
 }
 
 int nsdae_differences_time(nsdae_differences *d, nsdae_position_fn f, int rows, double t,
@@ -105,7 +106,7 @@ int nsdae_differences_time(nsdae_differences *d, nsdae_position_fn f, int rows, 
 {
   d->failed = NULL;
   memset(d->qdot, 0, (size_t)d->system->dims.nq * sizeof *d->qdot);
-  return rate(d, f, rows, t, q, cbrt(DBL_EPSILON), 1, f_t);
+  return rate(d, f, rows, t, q, 1, f_t);
 }
 
 /* d->moved := q(t + s) of dq/dt = H(t,q) v with v constant, by the classical method of Runge and
@@ -132,7 +133,7 @@ int nsdae_differences_second(nsdae_differences *d, nsdae_position_fn f, int rows
   static const double at[5] = {0, -2, -1, 1, 2}, weight[5] = {-30, -1, 16, 16, -1};
   d->failed = NULL;
   int code = kinematics(d, t, q, v, d->qdot);
-  double s = nsdae_differences_step(d->system->dims.nq, t, q, d->qdot, ldexp(5e-3, -d->finer));
+  double s = nsdae_differences_step(d->system->dims.nq, t, q, d->qdot, ldexp(5e-3, -d->finer[1]));
   memset(omega, 0, (size_t)rows * sizeof *omega);
   for (int j = 0; j < 5 && !code; j++) {
     code = carry(d, t, q, v, at[j] * s);
@@ -149,7 +150,7 @@ int nsdae_differences_bend(nsdae_differences *d, nsdae_position_fn f, int rows, 
    * jumps it is between its values, which five points are not */
   d->failed = NULL;
   int code = kinematics(d, t, q, v, d->qdot);
-  double s = nsdae_differences_step(d->system->dims.nq, t, q, d->qdot, ldexp(1e-3, -d->finer));
+  double s = nsdae_differences_step(d->system->dims.nq, t, q, d->qdot, ldexp(1e-3, -d->finer[1]));
   memset(bend, 0, (size_t)rows * sizeof *bend);
   for (int j = -1; j <= 1 && !code; j++) {
     code = carry(d, t, q, v, j * s);
@@ -277,16 +278,44 @@ int nsdae_differences_contacts(nsdae_differences *d, double t, const double *q, 
   memset(omega_t, 0, (size_t)(dims->k * dims->nt) * sizeof *omega_t);
   memset(omega_s, 0, (size_t)dims->f * sizeof *omega_s);
   int code = kinematics(d, t, q, v, d->qdot);
-  double s = nsdae_differences_step(dims->nq, t, q, d->qdot, ldexp(7.4e-4, -d->finer));
+  double s = nsdae_differences_step(dims->nq, t, q, d->qdot, ldexp(7.4e-4, -d->finer[1]));
   for (int i = 0; i < 4 && !code; i++)
     code = add_displaced(d, t, q, v, at[i] * s, weight[i] / (12 * s), omega);
   return code ? code : normal_accelerations(d, t, q, v, omega_n);
 }
 
-int nsdae_differences_used(const nsdae_system *s)
+static int rates_used(const nsdae_system *s)
+{
+  return (s->dims.m > 0 && !(s->call.constraint_jacobian && s->call.constraint_bias)) ||
+         (s->dims.k > 0 && !(s->call.gap_normal && s->call.contact_bias));
+}
+
+static int accelerations_used(const nsdae_system *s)
 {
   return (s->dims.m > 0 && !s->call.constraint_bias) ||
          (s->dims.k + s->dims.f > 0 && !s->call.contact_acceleration);
+}
+
+int nsdae_differences_used(const nsdae_system *s)
+{
+  return rates_used(s) || accelerations_used(s);
+}
+
+/* A code of f, which is called so where no other callback of its failed. */
+static int named(nsdae_differences *d, int code, const char *callback)
+{
+  if (code && !d->failed) d->failed = callback;
+  return code;
+}
+
+/* out [m + k]: rates of constraints and gaps along the motion. */
+static int rates(nsdae_differences *d, double t, const double *q, const double *v, double *out)
+{
+  const nsdae_system *s = d->system;
+  d->failed = NULL;
+  int m = s->dims.m, k = s->dims.k, code = kinematics(d, t, q, v, d->qdot);
+  if (!code && m > 0) code = named(d, rate(d, s->call.constraint, m, t, q, 1, out), "constraint");
+  return code || k == 0 ? code : named(d, rate(d, s->call.gap, k, t, q, 1, out + m), "gap");
 }
 
 /* omega [m + k + k nt + f]: of what has no formula, zero of the rest. */
@@ -299,10 +328,40 @@ static int accelerations(nsdae_differences *d, double t, const double *q, const 
   int code = 0;
   memset(omega, 0, (size_t)(dims->m + dims->k * (1 + dims->nt) + dims->f) * sizeof *omega);
   if (dims->m > 0 && !s->call.constraint_bias)
-    code = nsdae_differences_second(d, s->call.constraint, dims->m, t, q, v, omega);
+    code = named(d, nsdae_differences_second(d, s->call.constraint, dims->m, t, q, v, omega),
+                 "constraint");
   if (!code && dims->k + dims->f > 0 && !s->call.contact_acceleration)
     code =
         nsdae_differences_contacts(d, t, q, v, normal, tangential, tangential + dims->k * dims->nt);
+  return code;
+}
+
+/* What tune tries with a finer and finer step: `rates` or `accelerations`. */
+typedef int (*derivative)(nsdae_differences *d, double t, const double *q, const double *v,
+                          double *out);
+
+static int tune(nsdae_differences *d, derivative evaluate, int rows, double t, const double *q,
+                const double *v, int *finer, double *error)
+{
+  int best = 0;
+  *error = INFINITY;
+  *finer = 0;
+  int code = evaluate(d, t, q, v, d->tuned[0]);
+  for (int i = 1; i <= FINEST && !code; i++) {
+    double change = 0, *coarse = d->tuned[1 - i % 2], *fine = d->tuned[i % 2];
+    *finer = i;
+    code = evaluate(d, t, q, v, fine);
+    for (int j = 0; j < rows; j++) change = fmax(change, fabs(fine[j] - coarse[j]));
+    if (!(change < *error)) {
+      best -= change > 2 * *error; /* rounding rules: the coarser of the two has less of it */
+      break;
+    }
+    *error = change;
+    best = i;
+  }
+  *finer = best;
+  if (!isfinite(*error))
+    *error = 0; /* a callback's failure, or its NaN, is told where it is used */
   return code;
 }
 
@@ -310,24 +369,13 @@ int nsdae_differences_tune(nsdae_differences *d, double t, const double *q, cons
                            double *error)
 {
   const nsdae_dims *dims = &d->system->dims;
-  int rows = dims->m + dims->k * (1 + dims->nt) + dims->f, best = 0;
-  *error = INFINITY;
-  d->finer = 0;
-  int code = accelerations(d, t, q, v, d->omega[0]);
-  for (int finer = 1; finer <= FINEST && !code; finer++) {
-    double change = 0, *coarse = d->omega[1 - finer % 2], *fine = d->omega[finer % 2];
-    d->finer = finer;
-    code = accelerations(d, t, q, v, fine);
-    for (int i = 0; i < rows; i++) change = fmax(change, fabs(fine[i] - coarse[i]));
-    if (!(change < *error)) {
-      best -= change > 2 * *error; /* rounding rules: the coarser of the two has less of it */
-      break;
-    }
-    *error = change;
-    best = finer;
-  }
-  d->finer = best;
-  if (!isfinite(*error))
-    *error = 0; /* a callback's failure, or its NaN, is told where it is used */
+  int code = 0;
+  error[0] = error[1] = 0;
+  d->finer[0] = d->finer[1] = 0;
+  if (rates_used(d->system))
+    code = tune(d, rates, dims->m + dims->k, t, q, v, &d->finer[0], &error[0]);
+  if (!code && accelerations_used(d->system))
+    code = tune(d, accelerations, dims->m + dims->k * (1 + dims->nt) + dims->f, t, q, v,
+                &d->finer[1], &error[1]);
   return code;
 }

@@ -17,7 +17,7 @@ typedef struct nsdae_differences {
   const nsdae_system *system;
   const char *failed;   /* callback that failed where it was not f; else NULL */
   const char *bad;      /* callback of the contacts that first gave what is not finite; else NULL */
-  int finer;            /* powers of two by which accelerations have shorter steps */
+  int finer[2];         /* powers of two by which first, second derivatives have shorter steps */
   double *q, *qdot;     /* nq: a displaced point, its rate */
   double *centre;       /* nq: a point on the way to a displaced one */
   double *unit;         /* nv */
@@ -25,7 +25,7 @@ typedef struct nsdae_differences {
   double *rate;         /* max(m, k) */
   double *moved;        /* nq: a displaced point of the motion */
   double *W, *velocity; /* nv x max(k, k nt, f); k + k nt + f */
-  double *omega[2];     /* m + k + k nt + f: accelerations of tune, by one step and the next */
+  double *tuned[2];     /* m + k + k nt + f: values of tune, by one step and the next */
 } nsdae_differences;
 
 /* system is set before. */
@@ -58,12 +58,12 @@ int nsdae_differences_bend(nsdae_differences *differences, nsdae_position_fn f, 
 int nsdae_differences_contacts(nsdae_differences *differences, double t, const double *q,
                                const double *v, double *omega_n, double *omega_t, double *omega_s);
 
-/* Whether accelerations are of differences. */
+/* Whether velocities or accelerations are of differences. */
 int nsdae_differences_used(const nsdae_system *system);
 
-/* Chooses `finer` for the motion at t, q, v: by halves of its step an error of truncation falls to
- * a sixteenth, one of rounding grows by up to four, so that the least change is where both are
- * alike. error: that change, in the units of an acceleration; 0 without differences. */
+/* Chooses `finer` for the motion at t, q, v. By halves of a step an error of truncation falls to a
+ * quarter, or a sixteenth of a second derivative; one of rounding grows by two, or four: the least
+ * change is where both are alike. error [2]: that change, of velocities and of accelerations. */
 int nsdae_differences_tune(nsdae_differences *differences, double t, const double *q,
                            const double *v, double *error);
 

@@ -47,6 +47,22 @@ static int mass_ahead(nsdae_power *p, const nsdae_terms *T, const double *qdot, 
   return nsdae_system_callback_status(code, "mass", nsdae_terms_time(T), T->error);
 }
 
+int nsdae_power_inertia(nsdae_power *p, const nsdae_terms *T, const double *qdot, double *rate)
+{
+  int n = T->system->dims.nv;
+  double s = 1, sum = 0;
+  *rate = 0;
+  if (stands_still(p, T)) return NSDAE_OK;
+  int status = mass_ahead(p, T, qdot, &s);
+  for (int j = 0; j < n; j++)
+    for (int i = 0; i < n; i++)
+      sum += T->v[i] * T->v[j] *
+             (p->M[(size_t)j * (size_t)n + (size_t)i] - T->M[(size_t)j * (size_t)n + (size_t)i]);
+  *rate = sum / (2 * s);
+  if (status < 0 || isfinite(sum)) return status;
+  return nsdae_system_finite(T->system, p->M, n, n, "mass", nsdae_terms_time(T), T->error);
+}
+
 int nsdae_power_rate(nsdae_power *p, const nsdae_terms *T, const double *a, const double *qdot,
                      double *rate)
 {

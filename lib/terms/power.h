@@ -21,6 +21,10 @@ void nsdae_power_layout(nsdae_power *power, const nsdae_dims *dims, nsdae_arena 
 /* The next point is the first. */
 void nsdae_power_start(nsdae_power *power);
 
+/* *rate = v^T M' v / 2 alone, of the same. */
+int nsdae_power_inertia(nsdae_power *power, const nsdae_terms *terms, const double *qdot,
+                        double *rate);
+
 /* *rate = T' at the terms' point, whose M is there, with accelerations a [nv] and q' [nq].
  * NSDAE_OK, NSDAE_E_CALLBACK, NSDAE_E_NONFINITE. */
 int nsdae_power_rate(nsdae_power *power, const nsdae_terms *terms, const double *a,

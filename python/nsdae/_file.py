@@ -10,11 +10,14 @@ from typing import TYPE_CHECKING, Any, Iterator
 import numpy as np
 
 from . import _core
+from ._records import CERTIFICATE as CERTIFICATE_ROW
 
 if TYPE_CHECKING:
     from ._trajectory import Trajectory
 
 TEXTS = {"format": "nsdae-trajectory", "library_version": _core.VERSION}
+
+WHICH = ", from 0; -1: the figure is 0"
 
 # dataset, attribute of Trajectory, unit, description, scales of its dimensions
 RECORDS = (
@@ -38,6 +41,24 @@ RECORDS = (
      "scaled natural residual of the step's complementarity problem", ("time",)),
     ("certificate/constraint_drift", "constraint_drift", "of the model", "max |Phi|", ("time",)),
     ("certificate/penetration", "penetration", "m", "largest overlap over the contacts", ("time",)),
+)
+# dataset, field of the certificate, unit, description, axis without which it is left out
+CERTIFICATE = (
+    ("energy/work", "work", "J", "work of forces that are not in the potential, and of what moves by itself, so far", ""),
+    ("energy/unexplained", "unexplained", "J",
+     "change of energy + dissipated - work so far: < 0 is a loss of the method, > 0 a gain", ""),
+    ("certificate/penetration_contact", "penetration_contact", "1", "contact of the largest overlap" + WHICH, "contact"),
+    ("certificate/pull", "pull", "N s", "largest impulse by which a contact pulls", "contact"),
+    ("certificate/pull_contact", "pull_contact", "1", "that contact" + WHICH, "contact"),
+    ("certificate/cone_excess", "cone_excess", "N s", "largest friction impulse beyond mu times the normal impulse",
+     "contact"),
+    ("certificate/cone_contact", "cone_contact", "1", "contact of that excess" + WHICH, "contact"),
+    ("certificate/complementarity", "complementarity", "J",
+     "largest product of a normal impulse and the velocity that it should make zero", "contact"),
+    ("certificate/complementarity_contact", "complementarity_contact", "1", "contact of that product" + WHICH, "contact"),
+    ("certificate/drift_constraint", "drift_constraint", "1", "constraint of max |Phi|" + WHICH, "constraint"),
+    ("certificate/constraint_rate", "constraint_rate", "of the model", "max |dPhi/dt|", "constraint"),
+    ("certificate/rate_constraint", "rate_constraint", "1", "constraint of max |dPhi/dt|" + WHICH, "constraint"),
 )
 IMPACTS = (
     ("contact", "1", "contact, from 0"), ("normal_impulse", "N s", "normal impulse"),
@@ -127,6 +148,29 @@ def _put_events(file: Any, group: str, rows: np.ndarray, table: Any, said: str, 
         made = _put(file, f"{group}/{name}", np.ascontiguousarray(values), unit, description, (time,))
         if values.ndim == 2:
             made.dims[1].attach_scale(file["side" if name == "block" else "tangent"])
+
+
+def _put_certificate(file: Any, trajectory: Trajectory, listed: bool) -> None:
+    has = {"": True, "contact": listed or trajectory.gap.shape[1] > 0, "constraint": trajectory.multiplier.shape[1] > 0}
+    for path, name, unit, description, axis in CERTIFICATE:
+        if trajectory.certificate is not None and has[axis]:
+            _put(file, path, np.ascontiguousarray(trajectory.certificate[name]), unit, description, ("time",))
+
+
+def _read_certificate(file: Any, columns: dict[str, Any]) -> np.ndarray | None:
+    """None of a file that has none; figures that are left out are 0."""
+    if "energy/unexplained" not in file:
+        return None
+    rows = np.zeros(len(columns["time"]), dtype=CERTIFICATE_ROW)
+    for name in CERTIFICATE_ROW.names or ():
+        rows[name] = -1 if CERTIFICATE_ROW[name].kind == "i" else 0
+    for path, name, *_ in CERTIFICATE:
+        if path in file:
+            rows[name] = file[path][: len(rows)]
+    for name in ("penetration", "constraint_drift", "dissipated"):
+        rows[name] = columns[name]
+    rows["energy"] = columns["kinetic"] + (0 if columns["potential"] is None else columns["potential"])
+    return rows
 
 
 def _put_contacts(file: Any, trajectory: Trajectory, nt: int) -> None:
@@ -234,6 +278,7 @@ def fill(trajectory: Trajectory, file: Any) -> None:
         values = getattr(trajectory, name)
         if values is not None and all(values.shape[1:]):
             _put(file, path, values, unit, description, scales)
+    _put_certificate(file, trajectory, listed)
     nt = trajectory.tangential_impulse.shape[2]
     if listed:
         _put_blocks(file, trajectory.blocks)
@@ -373,7 +418,7 @@ def read(file: Any, shape: Any) -> dict[str, Any]:
     counts = {kind: columns[name].shape[1] for kind, name in
               (("coordinate", "q"), ("velocity", "v"), ("constraint", "multiplier"), ("contact", "gap"),
                ("slide", "slide_impulse"))}
-    return {**columns, **_read_contacts(file, n, CLOSED), "impacts": _read_events(file, "impact", IMPACT),
+    return {**columns, **_read_contacts(file, n, CLOSED), "certificate": _read_certificate(file, columns), "impacts": _read_events(file, "impact", IMPACT),
             "changes": _read_events(file, "change", CHANGE), "names": _read_names(file, counts),
             "options": _read_values(file, "options"), "parameters": _read_values(file, "parameters"),
             "model": _str(file.attrs.get("model", "")), "status": _str(file.attrs.get("status", "")),

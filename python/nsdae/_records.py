@@ -17,6 +17,13 @@ CHANGE = np.dtype({"names": ["time", "contact", "slide", "mode_before", "mode_af
 CLOSED = np.dtype({"names": ["id", "block", "gap", "normal_impulse", "tangential_impulse", "mode"],
                    "formats": ["i8", ("i4", 2), "f8", "f8", ("f8", 2), "i4"], "offsets": [0, 8, 16, 24, 32, 48],
                    "itemsize": 56})
+# nsdae_certificate
+CERTIFICATE = np.dtype([(name, "f8") for name in (
+    "pull", "cone_excess", "penetration", "constraint_drift", "constraint_rate", "complementarity",
+    "energy", "work", "dissipated", "unexplained")] + [(name, "i4") for name in (
+        "pull_contact", "cone_contact", "penetration_contact", "drift_constraint", "rate_constraint",
+        "complementarity_contact")])
+assert CERTIFICATE.itemsize == _core.CERTIFICATE_SIZE
 assert IMPACT.itemsize == _core.IMPACT_SIZE and CHANGE.itemsize == _core.CHANGE_SIZE
 assert CLOSED.itemsize == _core.CONTACT_ROW_SIZE
 
@@ -37,7 +44,10 @@ class Record:
     multiplier [m]; gap, normal_impulse, mode [k]; tangential_impulse [k, nt]; slide_impulse, slide_mode [f];
     kinetic, potential, dissipated [J]; lcp_residual, constraint_drift, penetration; impacts and changes of the step
     as structured arrays; contacts, those by list that were closed in it: id, block [2] (-1: the ground), gap,
-    normal_impulse, tangential_impulse [2], mode. Its arrays are its own.
+    normal_impulse, tangential_impulse [2], mode; certificate, by name: pull, cone_excess [N s], penetration [m],
+    constraint_drift, constraint_rate, complementarity [J], each with the contact or constraint of the largest
+    (pull_contact, cone_contact, penetration_contact, drift_constraint, rate_constraint, complementarity_contact; -1:
+    none), energy, work, dissipated, unexplained [J] (< 0: a loss of the method). Its arrays are its own.
     """
 
     step: int
@@ -62,16 +72,23 @@ class Record:
     impacts: np.ndarray
     changes: np.ndarray
     contacts: np.ndarray
+    certificate: np.void
 
     def __init__(self, arrays: dict[str, Any]):
         self.impacts, self.changes, self.contacts = events(arrays)
+        self.certificate = certificates(arrays)[0]
         for name, values in arrays.items():
-            if name not in EVENTS and name != "contact_count":
+            if name not in EVENTS and name not in ("contact_count", "certificate"):
                 row = values[0] if isinstance(values, np.ndarray) else values
                 setattr(self, name, row.item() if isinstance(row, np.generic) else row)
 
     def __repr__(self) -> str:
         return f"nsdae.Record(step={self.step}, time={self.time!r}, q={self.q!r}, v={self.v!r})"
+
+
+def certificates(arrays: dict[str, Any]) -> np.ndarray:
+    """Of each record, from their bytes."""
+    return arrays["certificate"].reshape(-1).view(CERTIFICATE)
 
 
 EVENTS = ("impacts", "changes", "contacts")

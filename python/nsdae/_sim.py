@@ -10,7 +10,7 @@ import numpy as np
 from . import _core
 from ._bodies import Bodies
 from ._errors import Error, RunWarning, Status, in_python
-from ._records import LcpProblem, Record
+from ._records import LcpProblem, Record, certificates
 from ._system import System, vector
 from ._trajectory import Shape, Trajectory, names_of
 
@@ -119,8 +119,11 @@ class Sim:
 
     @property
     def stats(self) -> dict[str, Any]:
-        """What it did since init(): steps, LCPs, impacts, the worst residual, the energy balance, ..."""
-        return self._core.stats()
+        """What it did since init(): steps, LCPs, impacts, the worst residual, the energy balance, ...; certificate has the
+        largest figures of all records and the energies of the last."""
+        stats = self._core.stats()
+        stats["certificate"] = certificates(stats)[0]
+        return stats
 
     @property
     def options(self) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from typing import Any, Iterator, Sequence
 import numpy as np
 
 from . import _file
-from ._records import CLOSED, EVENTS, events
+from ._records import CLOSED, EVENTS, certificates, events
 from ._system import KINDS, System
 
 _AXES = {"coordinate": "q", "velocity": "v", "constraint": "multiplier", "contact": "gap", "slide": "slide_impulse"}
@@ -58,7 +58,8 @@ class Trajectory:
     gap, normal_impulse, mode [n, k];  tangential_impulse [n, k, nt]  of the contacts; mode: 0 open, 1 slide, 2 stick
     slide_impulse, slide_mode [n, f]  of bilateral constraints with friction
     kinetic, dissipated [n] [J];  potential [n], None where the model gives none
-    lcp_residual, constraint_drift, penetration [n]  the certificate of each step
+    lcp_residual, constraint_drift, penetration [n]
+    certificate [n]  structured array: what Record.certificate has, of each record; None of a file without it
     impacts   structured array: time, contact, normal_impulse, tangential_impulse [2], velocity_before, velocity_after,
               peak_force, accumulation (1: stands for infinitely many that end at its time), and of contacts by list,
               whose contact is -1, id and block [2]
@@ -98,6 +99,7 @@ class Trajectory:
     contacts: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=CLOSED))
     contact_count: np.ndarray | None = None
     blocks: np.ndarray | None = None
+    certificate: np.ndarray | None = None
 
     def __post_init__(self) -> None:
         if self.contact_count is None:
@@ -108,9 +110,9 @@ class Trajectory:
                 **told: Any) -> Trajectory:
         impacts, changes, contacts = events(arrays)
         columns = {name: values for name, values in arrays.items()
-                   if name not in (*EVENTS, "acceleration", "potential")}
+                   if name not in (*EVENTS, "acceleration", "potential", "certificate")}
         return cls(**columns, potential=arrays["potential"] if has_potential else None, impacts=impacts, changes=changes,
-                   contacts=contacts, names=names, **told)
+                   contacts=contacts, certificate=certificates(arrays), names=names, **told)
 
     @property
     def method(self) -> str:

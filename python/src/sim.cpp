@@ -128,6 +128,7 @@ void columns::add(const nsdae_record &r, const nsdae_dims &d)
   lcp_residual.push_back(r.lcp_residual);
   constraint_drift.push_back(r.constraint_drift);
   penetration.push_back(r.penetration);
+  certificates.push_back(r.certificate);
   add_contacts(r.contacts, d.nt);
 }
 
@@ -152,6 +153,7 @@ nb::dict columns::arrays(const nsdae_dims &d)
   a["impacts"] = bytes_of(impacts);
   a["changes"] = bytes_of(changes);
   a["contacts"] = bytes_of(contacts);
+  a["certificate"] = bytes_of(certificates);
   a["contact_count"] = array_of(contact_count, {n});
   a["q"] = array_of(q, {n, size(d.nq)});
   a["v"] = array_of(v, {n, size(d.nv)});
@@ -177,6 +179,7 @@ nb::dict columns::arrays(const nsdae_dims &d)
   impacts.clear();
   changes.clear();
   contacts.clear();
+  certificates.clear();
   return a;
 }
 
@@ -383,6 +386,7 @@ nb::dict sim::stats() const
   NSDAE_PYTHON_STAT(islands)
   NSDAE_PYTHON_STAT(island_contacts)
 #undef NSDAE_PYTHON_STAT
+  d["certificate"] = bytes_of(std::vector<nsdae_certificate>{s.certificate});
   return d;
 }
 
@@ -532,6 +536,7 @@ void bind_sim(nb::module_ &m)
   m.attr("OPTIONS") = option_table();
   m.attr("IMPACT_SIZE") = sizeof(impact_row);
   m.attr("CHANGE_SIZE") = sizeof(change_row);
+  m.attr("CERTIFICATE_SIZE") = sizeof(nsdae_certificate);
   m.attr("CONTACT_ROW_SIZE") = sizeof(contact_row);
   nb::class_<recorder>(m, "Recorder").def(nb::init<>()).def("arrays", &recorder::arrays);
   nb::class_<sim>(m, "Sim", nb::type_slots(slots))

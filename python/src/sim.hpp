@@ -58,6 +58,7 @@ struct columns {
   std::vector<contact_row> contacts;
   std::vector<impact_row> impacts;
   std::vector<change_row> changes;
+  std::vector<nsdae_certificate> certificates;
   void add(const nsdae_record &r, const nsdae_dims &d);
   void add_events(const nsdae_record &r);
   void add_contacts(const nsdae_contact_set &set, int nt);

@@ -99,6 +99,22 @@ def layout(path):
         return found, sorted(file.attrs)
 
 
+def test_a_file_without_certificates(ball, tmp_path):
+    """Files of before have none: they are read, and drawn."""
+    path = tmp_path / "run.h5"
+    nsdae.solve(ball, 1, [1]).save(path)
+    with h5py.File(path, "a") as file:
+        for name in ("energy/work", "energy/unexplained", *(f"certificate/{name}" for name in file["certificate"] if name
+                     not in ("lcp_residual", "constraint_drift", "penetration"))):
+            del file[name]
+    run = nsdae.load(path)
+    assert run.certificate is None and len(run) > 10
+    run.plot()
+    again = tmp_path / "again.h5"
+    run.save(again)
+    assert layout(again) == layout(path)
+
+
 @needs_programs
 def test_a_saved_run_is_laid_out_as_the_programs_lay_it_out(tmp_path):
     """The bouncing ball by its program and by Python: the same bytes in every dataset."""

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import nsdae
+from conftest import G
 
 
 def started(system, **options):
@@ -86,3 +87,31 @@ def test_not_started(ball):
     with pytest.raises(nsdae.Error) as caught:
         nsdae.Sim(ball).run(1)
     assert caught.value.status == nsdae.Status.E_STATE
+
+
+def test_certificate_of_a_bounce(ball):
+    """The law takes (1 - e^2) m v^2 / 2, the method nothing; a record is a value."""
+    sim = started(ball, method="event", dt=0.01)
+    sim.run_to_event(10)
+    record = sim.record
+    certificate = record.certificate
+    lost = (1 - 0.5**2) * 0.1 * G  # m = 0.1, from 1 m
+    assert abs(certificate["dissipated"] - lost) < 1e-8 and abs(certificate["unexplained"]) < 1e-8
+    assert certificate["energy"] == record.kinetic + record.potential
+    assert certificate["pull"] == 0 and certificate["pull_contact"] == -1
+    kept = certificate.copy()
+    sim.step()
+    assert certificate == kept and sim.record.certificate["energy"] != kept["energy"]
+    assert sim.stats["certificate"]["dissipated"] == sim.record.dissipated
+
+
+def test_certificates_of_a_run(pendulum):
+    """The loss of moreau is a figure of each record: the energy of its q and v."""
+    run = nsdae.solve(pendulum, 1, [1, 0], method="moreau", dt=0.01)
+    certificate = run.certificate
+    energy = (run.v**2).sum(axis=1) / 2 + G * run.q[:, 1]
+    assert energy[-1] < -1e-3
+    assert np.allclose(certificate["unexplained"], energy - energy[0], rtol=0, atol=1e-11)
+    assert np.allclose(certificate["work"], 0, rtol=0, atol=1e-11)
+    assert np.array_equal(certificate["constraint_drift"], run.constraint_drift)
+    assert np.array_equal(certificate["drift_constraint"], np.where(run.constraint_drift > 0, 0, -1))

@@ -111,6 +111,10 @@ void test_same_bytes()
   EXPECT(next - row[0] == PENDULUM_STEPS * PENDULUM_ROW);
   EXPECT(pendulum_in_c(expected) == PENDULUM_STEPS);
   EXPECT(sim.stats().impacts >= 3);
+  const nsdae_certificate figures = sim.record().certificate, all = sim.stats().certificate;
+  EXPECT(figures.unexplained == all.unexplained && figures.unexplained != 0);
+  EXPECT(all.constraint_rate > 0 && (all.rate_constraint == 0 || all.rate_constraint == 1));
+  EXPECT(all.penetration == sim.stats().worst_penetration && all.penetration_contact == 0);
   EXPECT(std::memcmp(row, expected, sizeof row) == 0);
 }
 

@@ -40,6 +40,7 @@ program layout
   call change_fields
   call record_fields
   call stats_fields
+  call certificate_fields
   call contact_set_fields
   call contact_fields
   call rigid_body_fields
@@ -342,6 +343,7 @@ contains
     call same_place('nsdae_record%impacts', c_loc(x), c_loc(x%impacts))
     call same_place('nsdae_record%change', c_loc(x), c_loc(x%change))
     call same_place('nsdae_record%changes', c_loc(x), c_loc(x%changes))
+    call same_place('nsdae_record%certificate', c_loc(x), c_loc(x%certificate))
   end subroutine
 
   subroutine stats_fields()
@@ -375,6 +377,28 @@ contains
     call same_place('nsdae_stats%contact_growths', c_loc(x), c_loc(x%contact_growths))
     call same_place('nsdae_stats%islands', c_loc(x), c_loc(x%islands))
     call same_place('nsdae_stats%island_contacts', c_loc(x), c_loc(x%island_contacts))
+    call same_place('nsdae_stats%certificate', c_loc(x), c_loc(x%certificate))
+  end subroutine
+
+  subroutine certificate_fields()
+    type(nsdae_certificate), target :: x
+    call same_size('nsdae_certificate', c_sizeof(x))
+    call same_place('nsdae_certificate%pull', c_loc(x), c_loc(x%pull))
+    call same_place('nsdae_certificate%cone_excess', c_loc(x), c_loc(x%cone_excess))
+    call same_place('nsdae_certificate%penetration', c_loc(x), c_loc(x%penetration))
+    call same_place('nsdae_certificate%constraint_drift', c_loc(x), c_loc(x%constraint_drift))
+    call same_place('nsdae_certificate%constraint_rate', c_loc(x), c_loc(x%constraint_rate))
+    call same_place('nsdae_certificate%complementarity', c_loc(x), c_loc(x%complementarity))
+    call same_place('nsdae_certificate%energy', c_loc(x), c_loc(x%energy))
+    call same_place('nsdae_certificate%work', c_loc(x), c_loc(x%work))
+    call same_place('nsdae_certificate%dissipated', c_loc(x), c_loc(x%dissipated))
+    call same_place('nsdae_certificate%unexplained', c_loc(x), c_loc(x%unexplained))
+    call same_place('nsdae_certificate%pull_contact', c_loc(x), c_loc(x%pull_contact))
+    call same_place('nsdae_certificate%cone_contact', c_loc(x), c_loc(x%cone_contact))
+    call same_place('nsdae_certificate%penetration_contact', c_loc(x), c_loc(x%penetration_contact))
+    call same_place('nsdae_certificate%drift_constraint', c_loc(x), c_loc(x%drift_constraint))
+    call same_place('nsdae_certificate%rate_constraint', c_loc(x), c_loc(x%rate_constraint))
+    call same_place('nsdae_certificate%complementarity_contact', c_loc(x), c_loc(x%complementarity_contact))
   end subroutine
 
   subroutine contact_set_fields()

@@ -240,11 +240,25 @@ contains
       call integrate(p, NSDAE_METHOD_IMPLICIT, 0.01d0 / 2**i, 3d0, h)
       worst(i) = h%stats%worst_drift
       call is_true(h%residual <= 1d-14 * 6, 'velocity on the constraint')
+      call certificate(h)
     end do
     call is_near(log(worst(0) / worst(3)) / log(2d0) / 3, 2d0, 0.15d0, 'order of the drift')
     call integrate(p, NSDAE_METHOD_IMPLICIT_PRINTED, 0.005d0, 3d0, h)
     call is_true(h%stats%worst_drift > worst(1), 'drift of implicit-printed')
     call is_true(h%residual > 1d-6, 'velocity of implicit-printed')
+    call certificate(h)
+  end subroutine
+
+  ! The figures of the records: the rate by the observer's own formula, and where the energy went.
+  subroutine certificate(h)
+    type(history), intent(in) :: h
+    associate (c => h%stats%certificate)
+      call is_near(c%constraint_rate, h%residual, 1d-13, 'rate of the certificate')
+      call is_true(c%rate_constraint >= 0 .and. c%rate_constraint <= 1, 'its constraint')
+      call is_near(h%stats%energy_start + c%work - c%dissipated + c%unexplained, h%energy, 1d-12, 'energy')
+      call is_true(abs(c%unexplained) > 1d-9 .and. abs(c%work) < 1d-8, 'energy of the method')
+      call is_int(c%pull_contact, -1, 'no contact pulls')
+    end associate
   end subroutine
 
   ! Total energy never grows over an impact: 1e-12 of the 13 J that turn over is rounding.

@@ -79,6 +79,21 @@ static int judge_contacts(const nsdae_record *r, nsdae_error *error, void *user)
   return 0;
 }
 
+/* The certificate has the same figures; what it calls unexplained is an error of the integrator. */
+static void expect_figures(const nsdae_sim *sim, const judged *j)
+{
+  nsdae_record r;
+  nsdae_stats s;
+  if (nsdae_sim_get_record(sim, &r) < 0) return; /* the start was refused */
+  nsdae_sim_get_stats(sim, &s);
+  assert_near(s.certificate.pull, j->pull, 0);
+  assert_near(s.certificate.cone_excess, j->excess, 0);
+  assert_at_most(j->depth, s.certificate.penetration + 1e-14); /* of the walls alone */
+  assert_near(r.certificate.energy, energy_of(j->d, r.q, r.v), 1e-12 * (1 + j->size));
+  assert_near(r.certificate.unexplained, 0, 1e-6 * (1 + j->size));
+  assert_near(r.certificate.work, 0, 1e-5 * (1 + j->size)); /* gravity has a potential */
+}
+
 /* A convex polygon about its centroid, on an ellipse. */
 static void draw_polygon(uint64_t *s, double *corner, int n)
 {
@@ -177,6 +192,7 @@ static int run(unsigned long seed)
                   status, is->gain / is->size, is->depth, is->pull, is->excess, is->impulse,
                   nsdae_sim_error(sim)->text);
   assert_true(status < 0 || !wrong);
+  expect_figures(sim, is);
   nsdae_sim_destroy(&sim);
   nsdae_system_destroy(&system);
   nsdae_bodies_destroy(&b);

@@ -67,6 +67,7 @@ typedef struct memory {
   double time[4096], q[4096][NQ], residual[4096];
   int n, impacts;
   double impulse[4096];
+  nsdae_certificate certificate[4096];
 } memory;
 
 static int remember(const nsdae_record *r, nsdae_error *error, void *user)
@@ -75,6 +76,7 @@ static int remember(const nsdae_record *r, nsdae_error *error, void *user)
   (void)error;
   m->time[m->n] = r->time;
   m->residual[m->n] = r->lcp_residual;
+  m->certificate[m->n] = r->certificate;
   memcpy(m->q[m->n++], r->q, sizeof m->q[0]);
   for (int i = 0; i < r->impacts; i++) m->impulse[m->impacts++] = r->impact[i].normal_impulse;
   return 0;
@@ -146,7 +148,19 @@ static const struct {
                 {"/energy/dissipated", 1, 0},
                 {"/certificate/lcp_residual", 1, 0},
                 {"/certificate/constraint_drift", 1, 0},
-                {"/certificate/penetration", 1, 0}};
+                {"/certificate/penetration", 1, 0},
+                {"/certificate/penetration_contact", 1, 0},
+                {"/certificate/pull", 1, 0},
+                {"/certificate/pull_contact", 1, 0},
+                {"/certificate/cone_excess", 1, 0},
+                {"/certificate/cone_contact", 1, 0},
+                {"/certificate/complementarity", 1, 0},
+                {"/certificate/complementarity_contact", 1, 0},
+                {"/certificate/drift_constraint", 1, 0},
+                {"/certificate/constraint_rate", 1, 0},
+                {"/certificate/rate_constraint", 1, 0},
+                {"/energy/work", 1, 0},
+                {"/energy/unexplained", 1, 0}};
 static const char *const impact_names[] = {"/impact/time",           "/impact/contact",
                                            "/impact/normal_impulse", "/impact/velocity_before",
                                            "/impact/velocity_after", "/impact/tangential_impulse"};
@@ -177,6 +191,44 @@ static void expect_contract(hid_t file, hsize_t rows, hsize_t impacts)
   expect_shape(file, impact_names[5], 2, impacts, 1);
 }
 
+/* The column of the records' certificates at that offset, and its dataset. */
+static void expect_figures(hid_t file, const memory *m, const char *name, size_t offset)
+{
+  static double got[4096];
+  assert_true(H5LTread_dataset_double(file, name, got) >= 0);
+  for (int i = 0; i < m->n; i++) {
+    const char *at = (const char *)&m->certificate[i] + offset;
+    int is_item = offset >= offsetof(nsdae_certificate, pull_contact);
+    double had = is_item ? *(const int *)(const void *)at : *(const double *)(const void *)at;
+    assert_memory_equal(&got[i], &had, sizeof had);
+  }
+}
+
+static void expect_certificates(hid_t file, const memory *m)
+{
+  static const struct {
+    const char *name;
+    size_t offset;
+  } all[] = {{"/certificate/pull", offsetof(nsdae_certificate, pull)},
+             {"/certificate/pull_contact", offsetof(nsdae_certificate, pull_contact)},
+             {"/certificate/cone_excess", offsetof(nsdae_certificate, cone_excess)},
+             {"/certificate/cone_contact", offsetof(nsdae_certificate, cone_contact)},
+             {"/certificate/penetration", offsetof(nsdae_certificate, penetration)},
+             {"/certificate/penetration_contact", offsetof(nsdae_certificate, penetration_contact)},
+             {"/certificate/complementarity", offsetof(nsdae_certificate, complementarity)},
+             {"/certificate/complementarity_contact",
+              offsetof(nsdae_certificate, complementarity_contact)},
+             {"/certificate/constraint_drift", offsetof(nsdae_certificate, constraint_drift)},
+             {"/certificate/drift_constraint", offsetof(nsdae_certificate, drift_constraint)},
+             {"/certificate/constraint_rate", offsetof(nsdae_certificate, constraint_rate)},
+             {"/certificate/rate_constraint", offsetof(nsdae_certificate, rate_constraint)},
+             {"/energy/work", offsetof(nsdae_certificate, work)},
+             {"/energy/dissipated", offsetof(nsdae_certificate, dissipated)},
+             {"/energy/unexplained", offsetof(nsdae_certificate, unexplained)}};
+  for (size_t i = 0; i < sizeof all / sizeof *all; i++)
+    expect_figures(file, m, all[i].name, all[i].offset);
+}
+
 static void expect_values(hid_t file, const memory *m)
 {
   static double got[4096 * NQ];
@@ -186,6 +238,7 @@ static void expect_values(hid_t file, const memory *m)
   assert_memory_equal(got, m->q, (size_t)m->n * NQ * sizeof *got);
   assert_true(H5LTread_dataset_double(file, "/certificate/lcp_residual", got) >= 0);
   assert_memory_equal(got, m->residual, (size_t)m->n * sizeof *got);
+  expect_certificates(file, m);
   if (m->impacts == 0) return;
   assert_true(H5LTread_dataset_double(file, "/impact/normal_impulse", got) >= 0);
   assert_memory_equal(got, m->impulse, (size_t)m->impacts * sizeof *got);

@@ -101,7 +101,12 @@ static const char *const datasets[] = {"/time",
                                        "/impact/time",
                                        "/impact/normal_impulse",
                                        "/impact/contact",
+                                       "/energy/work",
+                                       "/energy/unexplained",
                                        "/certificate/lcp_residual",
+                                       "/certificate/constraint_rate",
+                                       "/certificate/rate_constraint",
+                                       "/certificate/complementarity",
                                        "/restart/state"};
 
 enum { DATASETS = sizeof datasets / sizeof *datasets, ROWS = DATASETS - 1 };

@@ -26,8 +26,8 @@ typedef struct nsdae_event_setting {
   nsdae_terms *here; /* at the point in work */
   nsdae_kkt *kkt;    /* of M and Phi_q where they were last factored */
   nsdae_event_places at;
-  double omega_error;   /* of accelerations by differences, in their units */
-  nsdae_result *result; /* of the step in work */
+  double error_by_differences[2]; /* of velocities and accelerations along the motion */
+  nsdae_result *result;           /* of the step in work */
 } nsdae_event_setting;
 
 /* Fills `at`; the system is set before. */
@@ -43,9 +43,6 @@ int nsdae_event_factor(nsdae_event_setting *setting);
  * arguments are those of nsdae_contacts_solve. */
 int nsdae_event_solve(nsdae_event_setting *setting, nsdae_contacts *contacts,
                       const nsdae_terms *terms, double *size, double *v, double *lambda);
-
-/* The error by differences of accelerations times factor, and at most a small part of `most`. */
-double nsdae_event_differences(const nsdae_event_setting *setting, double factor, double most);
 
 /* What counts as zero for positions (relative to the way in a dt: the origin may be anywhere) and
  * for velocities, the integrator's accuracy; and what nobody can tell of a gap, so far out. */

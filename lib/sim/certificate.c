@@ -1,0 +1,236 @@
+/* The certificate of a record, by the results of its step; and the work of its step.
+ *
+ * A time-stepping method does the work of its own quadrature of the forces, of the mass matrix
+ * that changes, T = v^T M v / 2, and of what moves by itself:
+ *
+ *   h/2 (F_0 v_0 + F_1 v_1) + vm^T (M_1 - M_0) vm / 2 + Lambda Phi_t - Lambda_c w,   vm = (v_0 +
+ * v_1) / 2
+ *
+ * penalty and event integrate it with the motion, by the same terms in continuous time. Where
+ * backward differences do not control that integral, its error is unknown and the change of energy
+ * counts as work. */
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "sim_impl.h"
+#include "vector.h"
+
+/* vm^T (M_1 - M_0) vm / 2 */
+static double inertia(const nsdae_terms *from, const nsdae_terms *to)
+{
+  const nsdae_blocks *blocks = &to->system->blocks;
+  size_t bytes = blocks->square[blocks->count] * sizeof *to->M;
+  if (memcmp(to->M, from->M, bytes) == 0) return 0; /* as often */
+  return nsdae_blocks_change(blocks, to->M, from->M, from->v, to->v) / 8;
+}
+
+/* F v, and what forces do on the rounding of the coordinates, which each step has anew: less energy
+ * than that is not resolved. */
+static double power_of(const nsdae_terms *T, double *rounding)
+{
+  const nsdae_dims *d = &T->system->dims;
+  const double *F = T->F, *v = T->v;
+  double power = 0, sum = 0;
+  for (int j = 0, n = d->nv; j < n; j++) {
+    power += F[j] * v[j];
+    sum += fabs(F[j]);
+  }
+  *rounding = DBL_EPSILON * (1 + nsdae_largest(d->nq, T->q)) * sum;
+  return power;
+}
+
+/* Work of what moves by itself in a step that did `of`, by the velocities w and Phi_t at T, one of
+ * its ends: half of each. Lists know theirs. */
+static inline double half_driven(const nsdae_terms *T, const nsdae_result *of, double h)
+{
+  const nsdae_dims *d = &T->system->dims;
+  const nsdae_impulses *p = &of->impulses;
+  double sum = h * nsdae_dot(d->m, of->multiplier, T->constraint.phi_t);
+  if (!of->smooth)
+    sum -= nsdae_dot(d->k, p->normal, T->w_N) + nsdae_dot(d->k * d->nt, p->tangential, T->w_T) +
+           nsdae_dot(d->f, p->slide_impulse, T->slide.w) + of->carried;
+  return sum / 2;
+}
+
+static unsigned terms_of_work(const nsdae_result *of)
+{
+  unsigned at_contacts = of->smooth ? 0u : NSDAE_TERM_BIAS | NSDAE_TERM_SLIDE;
+  return NSDAE_TERM_FORCE | NSDAE_TERM_PHI_T | at_contacts;
+}
+
+/* By the method's quadrature. The terms at the end are those that the next step begins with. */
+static int work_of_step(nsdae_point *before, nsdae_point *point)
+{
+  nsdae_terms *from = &before->result.end, *to = &point->result.end;
+  nsdae_work *w = &point->work;
+  const nsdae_result *r = &point->result;
+  unsigned terms = terms_of_work(r);
+  double rounding, h = to->t - from->t, start = before->work.power;
+  int status = nsdae_terms_need(from, terms);
+  if (status == NSDAE_OK) status = nsdae_terms_need(to, terms);
+  if (status < 0) return status;
+  if (before->result.located) start = power_of(from, &rounding); /* nobody needed it */
+  w->power = power_of(to, &w->rounding);
+  w->forces = h / 2 * (start + w->power);
+  w->inertia = inertia(from, to) - r->lifted;
+  w->driven = 0;
+  if (to->system->dims.m > 0 || !r->smooth)
+    w->driven = half_driven(from, r, h) + half_driven(to, r, h);
+  w->sum = before->work.sum + (w->forces + w->inertia + w->driven);
+  w->potential = before->work.potential;
+  return NSDAE_OK;
+}
+
+/* By the integrator. */
+static void work_of_motion(const nsdae_point *before, nsdae_point *point)
+{
+  const nsdae_result *r = &point->result;
+  double gain = isfinite(r->gain) ? r->gain : point->record.kinetic - before->record.kinetic;
+  const nsdae_work *w = &before->work;
+  point->work = (nsdae_work){.potential = w->potential, .sum = w->sum + gain - r->work};
+}
+
+static inline void worst(double value, int item, double *most, int *of)
+{
+  if (!(value > *most)) return;
+  *most = value;
+  *of = item;
+}
+
+static void measure_impulses(nsdae_certificate *c, const nsdae_result *r,
+                             const nsdae_coefficients *law, int count)
+{
+  const nsdae_impulses *p = &r->impulses;
+  int nt = r->end.system->dims.nt;
+  for (int i = 0; i < count; i++) {
+    const double *tangential = p->tangential + (size_t)i * (size_t)nt;
+    double normal = p->normal[i];
+    double along = nt == 1 ? fabs(tangential[0]) : nsdae_norm(nt, tangential);
+    if (normal == 0 && along == 0) continue;
+    worst(-normal, i, &c->pull, &c->pull_contact);
+    worst(along - law[i].mu * normal, i, &c->cone_excess, &c->cone_contact);
+    if (!r->located)
+      worst(fabs(normal * (p->after[i] + law[i].e_n * p->before[i])), i, &c->complementarity,
+            &c->complementarity_contact);
+  }
+}
+
+static int any_normal(const nsdae_result *r)
+{
+  return nsdae_largest(r->end.system->dims.k, r->impulses.normal) > 0;
+}
+
+/* Of event: what is closed at the end of the step and has pressed in it keeps its place. */
+static int measure_closed(nsdae_certificate *c, nsdae_result *r)
+{
+  int status =
+      any_normal(r) ? nsdae_terms_need(&r->end, NSDAE_TERM_NORMAL | NSDAE_TERM_BIAS) : NSDAE_OK;
+  for (int i = 0; i < r->end.system->dims.k && status == NSDAE_OK; i++)
+    if (r->impulses.mode[i] != NSDAE_MODE_OPEN && r->impulses.normal[i] != 0)
+      worst(fabs(r->impulses.normal[i] * nsdae_terms_normal_rate(&r->end, i, r->end.v)), i,
+            &c->complementarity, &c->complementarity_contact);
+  return status;
+}
+
+static int measure_rates(nsdae_certificate *c, nsdae_result *r)
+{
+  const unsigned terms = NSDAE_TERM_JACOBIAN | NSDAE_TERM_PHI_T;
+  int there = (~r->end.have & terms) == 0;
+  if (r->end.system->dims.m == 0) return NSDAE_OK;
+  if (!there && !r->rate.known) {
+    int status = nsdae_terms_need(&r->end, terms);
+    if (status < 0) return status;
+    there = 1;
+  }
+  if (there) nsdae_result_rate(r, &r->end, r->end.v);
+  c->constraint_rate = r->rate.most;
+  c->rate_constraint = r->rate.constraint;
+  return NSDAE_OK;
+}
+
+static void measure_places(nsdae_certificate *c, const nsdae_result *r)
+{
+  const nsdae_terms *T = &r->end;
+  int listed = T->system->by_list, count = listed ? r->closed.count : T->system->dims.k;
+  const double *gap = listed ? r->closed.gap : T->gap;
+  for (int i = 0; i < count; i++) worst(-gap[i], i, &c->penetration, &c->penetration_contact);
+  for (int i = 0; i < T->system->dims.m; i++)
+    worst(fabs(T->constraint.phi[i]), i, &c->constraint_drift, &c->drift_constraint);
+}
+
+static void measure_energy(nsdae_certificate *c, const nsdae_point *p)
+{
+  const nsdae_record *r = &p->record;
+  c->energy = r->kinetic + r->potential;
+  c->work = p->work.sum + (r->potential - p->work.potential);
+  c->dissipated = r->dissipated;
+  c->unexplained = r->kinetic - p->accounts.watch.kinetic + r->dissipated - p->work.sum;
+}
+
+static inline int measure(const nsdae_sim *sim, nsdae_point *point)
+{
+  static const nsdae_certificate none = {.pull_contact = -1,
+                                         .cone_contact = -1,
+                                         .penetration_contact = -1,
+                                         .drift_constraint = -1,
+                                         .rate_constraint = -1,
+                                         .complementarity_contact = -1};
+  nsdae_result *r = &point->result;
+  nsdae_certificate *c = &point->record.certificate;
+  int status = NSDAE_OK, listed = r->end.system->by_list;
+  *c = none;
+  measure_places(c, r);
+  measure_energy(c, point);
+  if (r->located || !r->smooth)
+    measure_impulses(c, r, listed ? sim->stepper.world->law : r->end.system->contact,
+                     listed ? r->closed.count : r->end.system->dims.k);
+  if (r->located && sim->options.method == NSDAE_METHOD_EVENT) status = measure_closed(c, r);
+  if (status == NSDAE_OK) status = measure_rates(c, r);
+  point->record.constraint_drift = c->constraint_drift;
+  point->record.penetration = c->penetration;
+  return status;
+}
+
+/* most := the larger of each figure, the energies of the other. */
+static inline void keep_worst(nsdae_certificate *most, const nsdae_certificate *c)
+{
+  most->energy = c->energy;
+  most->work = c->work;
+  most->dissipated = c->dissipated;
+  most->unexplained = c->unexplained;
+  if ((c->pull_contact & c->cone_contact & c->penetration_contact & c->drift_constraint &
+       c->rate_constraint & c->complementarity_contact) == -1)
+    return; /* all are 0 */
+  worst(c->pull, c->pull_contact, &most->pull, &most->pull_contact);
+  worst(c->cone_excess, c->cone_contact, &most->cone_excess, &most->cone_contact);
+  worst(c->penetration, c->penetration_contact, &most->penetration, &most->penetration_contact);
+  worst(c->constraint_drift, c->drift_constraint, &most->constraint_drift, &most->drift_constraint);
+  worst(c->constraint_rate, c->rate_constraint, &most->constraint_rate, &most->rate_constraint);
+  worst(c->complementarity, c->complementarity_contact, &most->complementarity,
+        &most->complementarity_contact);
+}
+
+int nsdae_certificate_start(const nsdae_sim *sim, nsdae_point *point)
+{
+  nsdae_certificate *c = &point->record.certificate;
+  nsdae_work *w = &point->work;
+  *w = (nsdae_work){.potential = point->record.potential};
+  w->power = power_of(&point->result.end, &w->rounding);
+  int status = measure(sim, point);
+  if (sim->system->by_list) c->penetration_contact = -1; /* the record has no list yet */
+  point->accounts.stats.certificate = *c;
+  return status;
+}
+
+int nsdae_certificate_follow(const nsdae_sim *sim, nsdae_point *before, nsdae_point *point)
+{
+  int status = NSDAE_OK;
+  if (point->result.located)
+    work_of_motion(before, point);
+  else
+    status = work_of_step(before, point);
+  if (status == NSDAE_OK) status = measure(sim, point);
+  keep_worst(&point->accounts.stats.certificate, &point->record.certificate);
+  return status;
+}
