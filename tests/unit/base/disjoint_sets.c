@@ -1,18 +1,12 @@
 /* Random pairs are joined; which numbers are in one set is told by a matrix of who reaches whom. */
 #include "check.h"
 
-#include <stdint.h>
 #include <string.h>
 
 #include "disjoint_sets.h"
+#include "support/random.h"
 
 enum { N = 40 };
-
-static int below(uint64_t *state, int n)
-{
-  *state = *state * 6364136223846793005u + 1442695040888963407u;
-  return (int)((*state >> 33) % (unsigned)n);
-}
 
 static void join_in_matrix(int in[N][N], int a, int b)
 {
@@ -30,8 +24,8 @@ static void test_sets(void **state)
     int parent[N], in[N][N] = {{0}};
     nsdae_sets_begin(parent, N);
     for (int i = 0; i < N; i++) in[i][i] = 1;
-    for (int pairs = below(&random, 2 * N); pairs > 0; pairs--) {
-      int a = below(&random, N), b = below(&random, N);
+    for (int pairs = random_below(&random, 2 * N); pairs > 0; pairs--) {
+      int a = random_below(&random, N), b = random_below(&random, N);
       join_in_matrix(in, a, b);
       assert_true(in[a][nsdae_sets_join(parent, a, b)]);
     }
