@@ -7,12 +7,14 @@
 
 #include <nsdae/nsdae.h>
 
+#include "bar.h"
+#include "interrupt.h"
 #include "probe.h"
 #include "tool.h"
 
 /* What --set sets. */
 typedef struct settings {
-  double tol;
+  double tol, budget;
   int max_sweeps, max_iterations, refine;
   char stages[NSDAE_PARAM_TEXT_SIZE];
 } settings;
@@ -30,9 +32,11 @@ typedef struct job {
 static const nsdae_param entries[] = {
     {"tol", "1", "bound on the residual of a solution (default: the file's, else 1e-10)",
      NSDAE_PARAM_REAL, offsetof(settings, tol), 1e-10, 0, 1, NSDAE_OPEN_MIN, NULL},
-    {"max_sweeps", "1", "of block Gauss-Seidel over an island; 0: as many as seem fit",
+    {"budget", "1", "multiplications by J or W on an island; 0: half a minute at most",
+     NSDAE_PARAM_REAL, offsetof(settings, budget), 0, 0, 1e18, 0, NULL},
+    {"max_sweeps", "1", "of block Gauss-Seidel over an island; 0: as the budget allows",
      NSDAE_PARAM_INT, offsetof(settings, max_sweeps), 0, 0, 1e9, 0, NULL},
-    {"max_iterations", "1", "Newton and interior-point steps on an island; 0: as above",
+    {"max_iterations", "1", "Newton and interior-point steps on an island; 0: as the budget allows",
      NSDAE_PARAM_INT, offsetof(settings, max_iterations), 0, 0, 1e9, 0, NULL},
     {"refine", "1", "Newton steps from a solution on (default: the file's, else 0)",
      NSDAE_PARAM_INT, offsetof(settings, refine), 0, 0, 1000, 0, NULL},
@@ -130,6 +134,7 @@ static int read_file(job *j)
   j->rows += p->bilateral;
   j->options.tol =
       j->file.tol > 0 && j->file.tol <= 1 && !j->tol_given ? j->file.tol : j->settings.tol;
+  j->options.budget = j->settings.budget;
   j->options.max_sweeps = j->settings.max_sweeps;
   j->options.max_iterations = j->settings.max_iterations;
   j->options.refine = j->refine_given ? j->settings.refine : j->file.refine;
@@ -201,8 +206,19 @@ static double clock_now(void)
   return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-static int solve(const job *j, const point *at)
+/* Draws the bar; Ctrl-C interrupts. */
+static int show_progress(const nsdae_friction_progress *now, void *shown)
 {
+  char what[96];
+  snprintf(what, sizeof what, "%s, island %d of %d, residual %.1e",
+           nsdae_friction_stage_name(now->stage), now->island + 1, now->islands, now->residual);
+  bar_show(shown, now->share, what);
+  return interrupt_came();
+}
+
+static int solve(job *j, const point *at)
+{
+  bar progress;
   nsdae_error error;
   nsdae_friction_info info;
   const nsdae_friction_problem *p = &j->file.problem;
@@ -210,9 +226,16 @@ static int solve(const job *j, const point *at)
   if (nsdae_friction_check(p, &error) < 0)
     return tool_complain(&own, "'%s': %s", j->arguments.path, error.text);
   for (int i = 0; i < j->rows; i++) at->r[i] = guess ? guess[i] : 0;
+  j->options.progress = show_progress;
+  j->options.user = &progress;
+  interrupt_catch();
+  bar_begin(&progress, 0);
   double start = clock_now();
   int status = nsdae_friction_solve_twice(p, &j->options, at->r, at->low, at->u, &info);
-  if (status != NSDAE_OK && status != NSDAE_E_LCP && status != NSDAE_E_INFEASIBLE) {
+  bar_clear(&progress);
+  if (status == NSDAE_E_INTERRUPTED) tool_complain(&own, "interrupted");
+  if (status != NSDAE_OK && status != NSDAE_E_LCP && status != NSDAE_E_INFEASIBLE &&
+      status != NSDAE_E_INTERRUPTED) {
     tool_complain(&own, "'%s': %s", j->arguments.path, nsdae_status_message(status));
     return TOOL_NOT_SOLVED;
   }

@@ -53,40 +53,63 @@ typedef struct nsdae_friction_problem {
   const double *value;      /* H or W as above */
 } nsdae_friction_problem;
 
-/* X(name, value, word, what it does): the stages of the chain in the order in which they are tried,
- * the one list that makes the enum, the names and the order. */
-#define NSDAE_FRICTION_STAGE_LIST(X)                                                              \
-  X(NSDAE_FRICTION_TRIVIAL, 1, "trivial", "every contact opens by itself: r = 0")                 \
-  X(NSDAE_FRICTION_WARM, 2, "warm", "r on entry, sweeps and proximal Newton from it")             \
-  X(NSDAE_FRICTION_PIVOTING, 4, "pivoting", "small, frictionless or planar: Lemke's method")      \
-  X(NSDAE_FRICTION_GAUSS_SEIDEL, 8, "gauss-seidel", "each contact solved exactly in turn")        \
-  X(NSDAE_FRICTION_SMOOTHING, 16, "smoothing", "path of smoothed problems, then proximal Newton") \
-  X(NSDAE_FRICTION_PROVE, 32, "prove", "the proof that no u has u_N >= 0, whatever the friction") \
-  X(NSDAE_FRICTION_FURTHER, 64, "further", "other paths, then many sweeps and proximal Newton")
+/* X(name, value, word, what it does): the solvers of an island, the one list that makes the enum
+ * and the names. docs/friction.md has their equations, conditions and order. */
+#define NSDAE_FRICTION_STAGE_LIST(X)                                                               \
+  X(NSDAE_FRICTION_TRIVIAL, 1, "trivial", "r = 0")                                                 \
+  X(NSDAE_FRICTION_WARM, 2, "warm", "nsgs and semismooth Newton from r on entry")                  \
+  X(NSDAE_FRICTION_AS_LCP, 4, "as-lcp", "small, frictionless or planar: Lemke's method")           \
+  X(NSDAE_FRICTION_NSGS, 8, "nsgs", "nonlinear block Gauss-Seidel")                                \
+  X(NSDAE_FRICTION_SMOOTHING_HOMOTOPY, 16, "smoothing-homotopy", "path of smoothed natural maps")  \
+  X(NSDAE_FRICTION_FARKAS, 32, "farkas", "proof that no u has u_N >= 0, whatever the friction")    \
+  X(NSDAE_FRICTION_SEMISMOOTH_NEWTON, 64, "semismooth-newton", "Newton's method, proximal points") \
+  X(NSDAE_FRICTION_ACLM, 128, "aclm", "fixed point on s = mu |u_T| of convex problems")            \
+  X(NSDAE_FRICTION_SOCP_INTERIOR_POINT, 256, "socp-interior-point", "one convex problem, s fixed") \
+  X(NSDAE_FRICTION_ITERATIVE_REFINEMENT, 512, "iterative-refinement", "in double-double arithmetic")
 
 /* options.stages is a sum of these. */
 enum nsdae_friction_stage {
   NSDAE_FRICTION_NONE = 0,
-  NSDAE_FRICTION_ALL = 127,
+  NSDAE_FRICTION_ALL = 1023,
 #define NSDAE_FRICTION_STAGE_ENUM(name, value, word, text) name = value,
   NSDAE_FRICTION_STAGE_LIST(NSDAE_FRICTION_STAGE_ENUM)
 #undef NSDAE_FRICTION_STAGE_ENUM
 };
 
-/* Fill with nsdae_friction_options_default first. */
+/* What a solve is doing, for options.progress. */
+typedef struct nsdae_friction_progress {
+  int stage;  /* enum nsdae_friction_stage */
+  int island; /* from 0 */
+  int islands;
+  int contacts;    /* of this island, with its bilateral rows */
+  double residual; /* of its best point so far */
+  double share;    /* of its budget that is used up */
+  long sweeps;
+  int iterations;
+} nsdae_friction_progress;
+
+/* Called where a solver of an island begins, and about ten times a second. Not 0: the solve ends
+ * with NSDAE_E_INTERRUPTED, and r is the best point so far. */
+typedef int (*nsdae_friction_progress_fn)(const nsdae_friction_progress *progress, void *user);
+
+/* Fill with nsdae_friction_options_default first. Bounds are on an island, over all its solvers. */
 typedef struct nsdae_friction_options {
-  double tol;     /* bound on the residual of a solution, in (0, 1] */
-  int stages;     /* sum of enum nsdae_friction_stage; default NSDAE_FRICTION_ALL */
-  int max_sweeps; /* of block Gauss-Seidel over an island, >= 0; 0: as many as the chain sees fit */
-  int max_iterations; /* Newton steps of an attempt on an island, >= 0; 0: as above */
-  int refine; /* Newton steps from a solution on, while its residual falls, >= 0; then r is in the
-                 cones to the last bit. Default 0: neither */
+  double tol;         /* bound on the residual of a solution, in (0, 1] */
+  int stages;         /* sum of enum nsdae_friction_stage; default NSDAE_FRICTION_ALL */
+  int max_sweeps;     /* of block Gauss-Seidel, >= 0; 0: as the budget allows */
+  int max_iterations; /* steps of Newton's method and interior points, >= 0; 0: as above */
+  int refine;         /* Newton steps from a solution on, while its residual falls, >= 0; then r is
+                         in the cones to the last bit. Default 0: neither */
+  double budget; /* multiplications by J = L^-1 H or W, or as much time, >= 0; 0: 1.5e9 over the
+                    contacts, at most 2e4 times the contacts: half a minute or so at most */
+  nsdae_friction_progress_fn progress; /* NULL: nobody is called */
+  void *user;                          /* its last argument */
 } nsdae_friction_options;
 
 /* How a problem was solved, or was not. */
 typedef struct nsdae_friction_info {
   int outcome;        /* enum nsdae_outcome */
-  int stage;          /* enum nsdae_friction_stage that ended it: the last that an island took */
+  int stage;          /* enum nsdae_friction_stage that ended it: the largest of all islands */
   int proof;          /* enum nsdae_proof */
   int islands;        /* parts that share no block, solved one by one */
   long sweeps;        /* of block Gauss-Seidel, over all islands */
@@ -95,10 +118,10 @@ typedef struct nsdae_friction_info {
   double residual;    /* see nsdae_friction_residual, of the r handed over */
 } nsdae_friction_info;
 
-/* tol 1e-10, every stage, no bounds but the chain's own. NULL is left alone. */
+/* tol 1e-10, every stage, the default budget, no callback. NULL is left alone. */
 NSDAE_API void nsdae_friction_options_default(nsdae_friction_options *options);
 
-/* Name of a stage ("gauss-seidel"); "unknown" for any other value. Those of outcomes and proofs are
+/* Name of a stage ("nsgs"); "unknown" for any other value. Those of outcomes and proofs are
  * in nsdae/certificate.h. */
 NSDAE_API const char *nsdae_friction_stage_name(int stage);
 
@@ -108,8 +131,7 @@ NSDAE_API const char *nsdae_friction_stage_name(int stage);
  * (may be NULL) names the argument, its value and its bound. */
 NSDAE_API int nsdae_friction_check(const nsdae_friction_problem *problem, nsdae_error *error);
 
-/* Solves the problem; allocates its own memory. What nothing else solves may take half an
- * hour, unless options bound the sweeps and steps. Parts that share no block are solved one by one.
+/* Solves the problem; allocates its own memory. Parts that share no block are solved one by one.
  *   problem  see above
  *   options  NULL: the defaults
  *   r [m]    in: a guess, with the stage NSDAE_FRICTION_WARM (zero: none; taken as zero where it
@@ -117,13 +139,14 @@ NSDAE_API int nsdae_friction_check(const nsdae_friction_problem *problem, nsdae_
  *            l: zero in tangential rows, >= 0 in normal ones, with H l = 0 (W l = 0), C l = 0 and
  *            w . l < 0 (local form: q . l), so that no u with u_N >= 0 and bilateral rows at rest
  * is reached, whatever r: it would have l . u = w . l. That is proved on the data as given, of l in
- * exact arithmetic, or of an l that l is to rounding (lib/friction/infeasible.c).
+ * exact arithmetic, or of an l that l is to rounding (lib/friction/problem/farkas.c).
  *
  *   u [m]    out: the velocities of r, computed afresh from the data; with a proof those of r = 0
  *   info     may be NULL
  *
- * NSDAE_OK solved; NSDAE_E_INFEASIBLE proved without solution; NSDAE_E_LCP no solution found. With
- * any other status (those of nsdae_friction_check) r and u are as they were. */
+ * NSDAE_OK solved; NSDAE_E_INFEASIBLE proved without solution; NSDAE_E_LCP no solution found;
+ * NSDAE_E_INTERRUPTED options.progress asked for it; r is the best point in both cases. With any
+ * other status (those of nsdae_friction_check) r and u are as they were. */
 NSDAE_API int nsdae_friction_solve(const nsdae_friction_problem *problem,
                                    const nsdae_friction_options *options, double *r, double *u,
                                    nsdae_friction_info *info);
@@ -163,8 +186,7 @@ NSDAE_API int nsdae_friction_residual_twice(const nsdae_friction_problem *proble
                                             const double *low, double *u, double *residual);
 
 /* A solver that keeps its memory and its symbolic factorisations from one problem to the next, for
- * steps: nothing is allocated for a problem no larger than those before. The last resort of
- * nsdae_friction_solve is left out. */
+ * steps: nothing is allocated for a problem no larger than those before. */
 typedef struct nsdae_friction_solver nsdae_friction_solver;
 
 /* NSDAE_OK or NSDAE_E_MEMORY. */

@@ -4,12 +4,16 @@
 #include <string.h>
 
 #include "contacts.h"
-#include "solver.h"
+#include "friction_solver.h"
 #include "slides.h"
 #include "vector.h"
 
 /* Newton steps after the solution; rounds of contacts and slides. */
 enum { REFINE = 4, ROUNDS = 500 };
+
+/* Multiplications by W of an attempt to improve what sweeps have found: some 200 Newton steps of a
+ * small problem. Further sweeps of the caller cost less than more of these. */
+static const double IMPROVE = 5000;
 
 void nsdae_cones_layout(nsdae_cones *s, long contacts, long columns, long m, nsdae_arena *arena)
 {
@@ -228,7 +232,7 @@ int nsdae_cones_improve(nsdae_contacts *c, double *impulse)
   for (int a = 0; a < c->active_count; a++) s->mu[a] = c->system->contact[c->active[a]].mu;
   nsdae_friction_options_default(&s->options);
   s->options.refine = REFINE;
-  s->options.stages &= ~NSDAE_FRICTION_FURTHER; /* sweeps take less */
+  s->options.budget = IMPROVE;
   memcpy(s->r, impulse, bytes);
   if (solve_contacts(c) < 0) return 0;
   memcpy(impulse, s->r, bytes);

@@ -7,7 +7,7 @@
 #include "errors.h"
 #include "grow.h"
 #include "listed.h"
-#include "solver.h"
+#include "friction_solver.h"
 #include "vector.h"
 
 /* One island at work. */

@@ -11,17 +11,20 @@ module nsdae_f_friction
       NSDAE_FRICTION_GLOBAL = 0, &
       NSDAE_FRICTION_LOCAL = 1
 
-  ! Stages of the chain; options%stages is a sum of these.
+  ! Solvers of an island; options%stages is a sum of these.
   integer(c_int), parameter, public :: &
       NSDAE_FRICTION_NONE = 0, &
       NSDAE_FRICTION_TRIVIAL = 1, &
       NSDAE_FRICTION_WARM = 2, &
-      NSDAE_FRICTION_PIVOTING = 4, &
-      NSDAE_FRICTION_GAUSS_SEIDEL = 8, &
-      NSDAE_FRICTION_SMOOTHING = 16, &
-      NSDAE_FRICTION_PROVE = 32, &
-      NSDAE_FRICTION_FURTHER = 64, &
-      NSDAE_FRICTION_ALL = 127
+      NSDAE_FRICTION_AS_LCP = 4, &
+      NSDAE_FRICTION_NSGS = 8, &
+      NSDAE_FRICTION_SMOOTHING_HOMOTOPY = 16, &
+      NSDAE_FRICTION_FARKAS = 32, &
+      NSDAE_FRICTION_SEMISMOOTH_NEWTON = 64, &
+      NSDAE_FRICTION_ACLM = 128, &
+      NSDAE_FRICTION_SOCP_INTERIOR_POINT = 256, &
+      NSDAE_FRICTION_ITERATIVE_REFINEMENT = 512, &
+      NSDAE_FRICTION_ALL = 1023
 
   ! A problem: the arrays of the C struct, as pointers to arrays of the caller that have the target
   ! attribute. rows, compliance and, in the local form, size, M and f may be left null. first and
@@ -35,13 +38,30 @@ module nsdae_f_friction
     real(c_double), pointer, contiguous :: M(:) => null(), f(:) => null(), value(:) => null()
   end type
 
-  ! Fill with nsdae_friction_options_default first.
+  ! Fill with nsdae_friction_options_default first. Bounds are on an island, over all its solvers.
   type, bind(C), public :: nsdae_friction_options
     real(c_double) :: tol             ! bound on the residual of a solution
     integer(c_int) :: stages
-    integer(c_int) :: max_sweeps      ! 0: as many as the chain sees fit
-    integer(c_int) :: max_iterations  ! 0: as many as the chain sees fit
+    integer(c_int) :: max_sweeps      ! 0: as the budget allows
+    integer(c_int) :: max_iterations  ! 0: as the budget allows
     integer(c_int) :: refine          ! Newton steps from a solution on, while its residual falls
+    real(c_double) :: budget          ! multiplications by J; 0: the default
+    ! c_funloc of an integer(c_int) function (progress, user) bind(C) with the arguments
+    ! type(nsdae_friction_progress), intent(in) and type(c_ptr), value; not 0: interrupt
+    type(c_funptr) :: progress
+    type(c_ptr) :: user
+  end type
+
+  ! What a solve is doing.
+  type, bind(C), public :: nsdae_friction_progress
+    integer(c_int) :: stage
+    integer(c_int) :: island          ! from 0
+    integer(c_int) :: islands
+    integer(c_int) :: contacts        ! of this island, with its bilateral rows
+    real(c_double) :: residual        ! of its best point so far
+    real(c_double) :: share           ! of its budget that is used up
+    integer(c_long) :: sweeps
+    integer(c_int) :: iterations
   end type
 
   type, bind(C), public :: nsdae_friction_info

@@ -9,7 +9,7 @@
 #include "dense.h"
 #include "hdf5_data.h"
 #include "triplets.h"
-#include "twice.h"
+#include "double_double.h"
 
 typedef struct writer {
   nsdae_h5 *h5;
@@ -249,8 +249,8 @@ static void add_impulses(const writer *w, const double *r, motion *v)
   for (int i = 0; r && i < w->items; i++)
     for (int k = p->first[i]; k < p->first[i + 1]; k++) {
       int b = p->block[k];
-      nsdae_twice_add_product(p->size[b], w->rows[i], value, r + w->home[i], v->high + v->first[b],
-                              v->low + v->first[b]);
+      nsdae_dd_add_product(p->size[b], w->rows[i], value, r + w->home[i], v->high + v->first[b],
+                           v->low + v->first[b]);
       value += (size_t)p->size[b] * (size_t)w->rows[i];
     }
 }

@@ -148,9 +148,10 @@ def _counts(mu: np.ndarray, rows: Any, m: int) -> tuple[np.ndarray, int]:
 
 
 def _solve_friction(arrays: dict[str, Any], problem: Any, r0: Any, tol: float, max_sweeps: int, max_iterations: int,
-                    check: bool, twice: bool) -> FrictionResult:
+                    budget: float, progress: Any, check: bool, twice: bool) -> FrictionResult:
     guess = None if r0 is None else np.ascontiguousarray(r0, dtype=float)
-    r, u, how = _core.friction(arrays, guess, float(tol), max_sweeps, max_iterations, bool(twice))
+    r, u, how = _core.friction(arrays, guess, float(tol), max_sweeps, max_iterations, float(budget), progress,
+                              bool(twice))
     return _judge(FrictionResult(r, u, **how), problem, check)
 
 
@@ -162,8 +163,8 @@ def _vector(name: str, values: Any, n: int) -> np.ndarray:
 
 
 def friction(H: Any, M: Any, f: Any, mu: Any, w: Any = None, *, rows: Any = 3, compliance: Any = None, r0: Any = None,
-             tol: float = 1e-10, max_sweeps: int = 0, max_iterations: int = 0, check: bool = True,
-             twice: bool = False) -> FrictionResult:
+             tol: float = 1e-10, max_sweeps: int = 0, max_iterations: int = 0, budget: float = 0, progress: Any = None,
+             check: bool = True, twice: bool = False) -> FrictionResult:
     """Coulomb's friction in its global form: M v = f + H r, u = H^T v + w + C r, with for each contact u + mu |u_T| e_N
     in the dual cone, r in the cone |r_T| <= mu r_N, and both at right angles; u = 0 in the bilateral rows.
 
@@ -174,6 +175,9 @@ def friction(H: Any, M: Any, f: Any, mu: Any, w: Any = None, *, rows: Any = 3, c
     mu    of each contact
     rows  of each contact, or of all: 1 (frictionless), 2 (planar) or 3 (spatial)
     r0    a guess; check as of lcp()
+    budget    multiplications by J = L^-1 H that an island may take, or as much time; 0: half a minute at most
+    progress  called about ten times a second with a dict: stage, island, islands, contacts, residual, share (of the
+              budget), sweeps, iterations. A true result interrupts: the best point so far is unsolved
     twice  True: a solution in two parts, r and low, where r alone holds none to tol, as where bodies that touch differ
            in mass by 1e6: the impulses above and below a light one differ by its weight, and that is no multiple of
            their last digit. The sum as an array of doubles is r again: use them one after the other, differences of r
@@ -196,12 +200,12 @@ def friction(H: Any, M: Any, f: Any, mu: Any, w: Any = None, *, rows: Any = 3, c
               "w": _vector("w", w, m), "compliance": _vector("compliance", compliance, m),
               "size": size.astype(np.intc), "M": dense, "f": _vector("f", f, nv)[order],
               "first": first, "block": block, "value": value}
-    return _solve_friction(arrays, (H, M, f, mu, w), r0, tol, max_sweeps, max_iterations, check, twice)
+    return _solve_friction(arrays, (H, M, f, mu, w), r0, tol, max_sweeps, max_iterations, budget, progress, check, twice)
 
 
 def friction_local(W: Any, q: Any, mu: Any, *, rows: Any = 3, compliance: Any = None, r0: Any = None, tol: float = 1e-10,
-                   max_sweeps: int = 0, max_iterations: int = 0, check: bool = True,
-                   twice: bool = False) -> FrictionResult:
+                   max_sweeps: int = 0, max_iterations: int = 0, budget: float = 0, progress: Any = None,
+                   check: bool = True, twice: bool = False) -> FrictionResult:
     """The same in its local form, u = W r + q + C r, W [m, m] symmetric positive semidefinite, q [m]."""
     of_W = _entries(W)
     m = of_W[3][0]
@@ -216,4 +220,4 @@ def friction_local(W: Any, q: Any, mu: Any, *, rows: Any = 3, compliance: Any = 
     arrays = {"form": 1, "contacts": len(mu), "bilateral": bilateral, "rows": count, "mu": mu, "w": _vector("q", q, m),
               "compliance": _vector("compliance", compliance, m), "size": np.zeros(0, dtype=np.intc), "M": np.zeros(0),
               "f": np.zeros(0), "first": first, "block": block, "value": value}
-    return _solve_friction(arrays, (W, q, mu), r0, tol, max_sweeps, max_iterations, check, twice)
+    return _solve_friction(arrays, (W, q, mu), r0, tol, max_sweeps, max_iterations, budget, progress, check, twice)

@@ -1,6 +1,7 @@
 // Complementarity and friction problems.
 #include "problems.hpp"
 
+#include <exception>
 #include <stdexcept>
 #include <vector>
 
@@ -107,9 +108,47 @@ nb::dict how_of(const nsdae_friction_info &info)
   return how;
 }
 
-// (r, u, how): whatever became of it; how has low where twice asks for a solution in two parts.
+// Calls progress, which may be None, and notices Ctrl-C. What they raise ends the solve and is
+// raised when that has returned.
+struct progress_call {
+  nb::object call;
+  std::exception_ptr raised;
+  static int made(const nsdae_friction_progress *now, void *self);
+  bool stop(const nsdae_friction_progress &now) const;
+};
+
+int progress_call::made(const nsdae_friction_progress *now, void *self)
+{
+  if (library_call::ending()) return 1;
+  auto *p = static_cast<progress_call *>(self);
+  nb::gil_scoped_acquire gil;
+  try {
+    return p->stop(*now);
+  } catch (...) {
+    p->raised = std::current_exception();
+    return 1;
+  }
+}
+
+bool progress_call::stop(const nsdae_friction_progress &now) const
+{
+  if (PyErr_CheckSignals() != 0) throw nb::python_error();
+  if (call.is_none()) return false;
+  nb::dict what;
+  what["stage"] = nsdae_friction_stage_name(now.stage);
+  what["island"] = now.island;
+  what["islands"] = now.islands;
+  what["contacts"] = now.contacts;
+  what["residual"] = now.residual;
+  what["share"] = now.share;
+  what["sweeps"] = now.sweeps;
+  what["iterations"] = now.iterations;
+  return PyObject_IsTrue(call(what).ptr()) != 0;
+}
+
+// (r, u, how): whatever became of it; how has low if twice asks for a double-double solution.
 nb::tuple friction(nb::dict arrays, std::optional<vector> guess, double tol, int max_sweeps,
-                   int max_iterations, bool twice)
+                   int max_iterations, double budget, nb::object progress, bool twice)
 {
   const friction_arrays a = unpack(arrays);
   const std::size_t m = a.w.shape(0);
@@ -124,6 +163,10 @@ nb::tuple friction(nb::dict arrays, std::optional<vector> guess, double tol, int
   options.tol = tol;
   options.max_sweeps = max_sweeps;
   options.max_iterations = max_iterations;
+  options.budget = budget;
+  progress_call seen = {progress, nullptr};
+  options.progress = progress_call::made;
+  options.user = &seen;
   std::vector<double> r(m), u(m), low(m);
   if (guess) r.assign(guess->data(), guess->data() + m);
   nsdae_friction_info info = {};
@@ -136,7 +179,8 @@ nb::tuple friction(nb::dict arrays, std::optional<vector> guess, double tol, int
       status = nsdae_friction_solve_twice(&problem, &options, r.data(),
                                           twice ? low.data() : nullptr, u.data(), &info);
   }
-  demand(status, &error);
+  if (seen.raised) std::rethrow_exception(seen.raised);
+  if (status != NSDAE_E_INTERRUPTED) demand(status, &error);
   nb::dict how = how_of(info);
   if (twice) how["low"] = array_of(low, {m});
   return nb::make_tuple(array_of(r, {m}), array_of(u, {m}), how);
@@ -149,7 +193,8 @@ void bind_problems(nb::module_ &m)
   m.def("lcp", &lcp, nb::arg("A"), nb::arg("b"), nb::arg("guess").none(), nb::arg("tol"),
         nb::arg("max_pivots"), nb::arg("enumerate_max"));
   m.def("friction", &friction, nb::arg("arrays"), nb::arg("guess").none(), nb::arg("tol"),
-        nb::arg("max_sweeps"), nb::arg("max_iterations"), nb::arg("twice"));
+        nb::arg("max_sweeps"), nb::arg("max_iterations"), nb::arg("budget"),
+        nb::arg("progress").none(), nb::arg("twice"));
 }
 
 } // namespace nsdae_python

@@ -194,6 +194,28 @@ def test_friction_in_two_parts_where_one_is_enough():
     assert none.outcome == "infeasible" and np.array_equal(none.low, np.zeros(3))
 
 
+def test_friction_progress_and_interruption():
+    M, H, f, mu, w = random_problem(3)
+    seen = []
+
+    def stop_at_second(now):
+        seen.append(now)
+        return len(seen) == 2
+
+    best = nsdae.friction(H, M, f, mu, w, progress=stop_at_second, check=False)
+    assert best.outcome == "unsolved" and len(seen) == 2 and np.all(np.isfinite(best.r))
+    assert set(seen[0]) == {"stage", "island", "islands", "contacts", "residual", "share", "sweeps", "iterations"}
+    assert nsdae.friction(H, M, f, mu, w, progress=seen.append).outcome == "solved"
+
+    def fail(now):
+        raise KeyError(now["stage"])
+
+    with pytest.raises(KeyError):
+        nsdae.friction(H, M, f, mu, w, progress=fail)
+    short = nsdae.friction(H, M, f, mu, w, tol=1e-14, budget=1, check=False)
+    assert short.outcome == "unsolved" and short.iterations == 0
+
+
 @pytest.mark.parametrize("change, what", [({"f": [1]}, "f has"), ({"w": [1]}, "w has"), ({"rows": 4}, "rows|more than"),
                                           ({"mu": [-1]}, "mu")])
 def test_friction_refusals(change, what):

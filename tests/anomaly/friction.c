@@ -340,7 +340,7 @@ static void test_memory(void **state)
   nsdae_friction_options o;
   make_stack(&s);
   nsdae_friction_options_default(&o);
-  o.stages = NSDAE_FRICTION_SMOOTHING;
+  o.stages = NSDAE_FRICTION_SMOOTHING_HOMOTOPY;
   for (long lost = 0;; lost++) {
     r[0] = 7;
     allocator_reset(lost);

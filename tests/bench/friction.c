@@ -2,8 +2,9 @@
  * each answer judged by the same residual, ours in two parts where doubles hold none: who solves
  * which, in how many seconds, and the ratio over those that both solve. A peer runs in a process of
  * its own for at most NSDAE_BENCH_SECONDS (5), and is given the problem scaled, so that its
- * absolute tolerance means what ours does. usage: bench_friction [FOLDER]   the problems *.hdf5 in
- * the layout of FCLIB that lie there, and generated ones */
+ * absolute tolerance means what ours does. Then the residual against CPU time, beside nsgs alone.
+ * usage: bench_friction [FOLDER]   the problems *.hdf5 in the layout of FCLIB that lie there, and
+ * generated ones */
 #include <dirent.h>
 #include <fcntl.h>
 #include <math.h>
@@ -318,6 +319,65 @@ static double time_ours(const nsdae_friction_problem *p, double tol, double *wor
   return status == NSDAE_OK && *worst <= tol ? took : -1;
 }
 
+/* Residuals at these CPU times of a solve to LAST; problems that were solved before are left out.
+ */
+enum { TIMES = 2 };
+static const double at_time[TIMES] = {5, 25}, LAST = 1e-12;
+
+typedef struct watch {
+  double began, residual[TIMES];
+  int passed;
+} watch;
+
+static double cpu(void)
+{
+  struct timespec t;
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static int look(const nsdae_friction_progress *now, void *user)
+{
+  watch *w = user;
+  while (w->passed < TIMES && cpu() - w->began >= at_time[w->passed])
+    w->residual[w->passed++] = now->residual;
+  return w->passed == TIMES;
+}
+
+static watch residuals_at(const nsdae_friction_problem *p, int stages)
+{
+  nsdae_friction_options options;
+  nsdae_friction_info info;
+  size_t m = 3 * (size_t)p->contacts;
+  double *r = calloc(2 * m + 1, sizeof *r);
+  watch w = {.began = cpu()};
+  nsdae_friction_options_default(&options);
+  options.tol = LAST;
+  options.stages = stages;
+  options.progress = look;
+  options.user = &w;
+  nsdae_friction_solve(p, &options, r, r + m, &info);
+  while (w.passed < TIMES) w.residual[w.passed++] = info.residual;
+  free(r);
+  return w;
+}
+
+/* Of all problems, how many are worse than twice nsgs alone, at each time. */
+static int compared, worse[TIMES];
+
+static void compare_residuals(const nsdae_friction_problem *p)
+{
+  watch all = residuals_at(p, NSDAE_FRICTION_ALL);
+  compared++;
+  if (all.residual[0] <= LAST) return;
+  watch nsgs = residuals_at(p, NSDAE_FRICTION_NSGS);
+  for (int k = 0; k < TIMES; k++) {
+    worse[k] += all.residual[k] > fmax(LAST, 2 * nsgs.residual[k]);
+    printf("%-34s after %2.0f s of CPU time: residual %.1e, of nsgs alone %.1e\n", "", at_time[k],
+           all.residual[k], nsgs.residual[k]);
+  }
+}
+
 static void count(score *of_size, int who, int k, double ours, double theirs)
 {
   score *s = &of_size[who];
@@ -365,6 +425,7 @@ static void bench(const char *name, const nsdae_friction_problem *p)
     }
     printf("\n");
   }
+  compare_residuals(p);
   fflush(stdout);
   release_local(&l);
 }
@@ -452,5 +513,8 @@ int main(int argc, char **argv)
   if (argc > 1) bench_folder(argv[1]);
   bench_generated();
   for (int size = 0; size < SIZES; size++) summary(size);
+  for (int k = 0; k < TIMES; k++)
+    printf("worse than twice nsgs alone after %2.0f s of CPU time: %d of %d\n", at_time[k],
+           worse[k], compared);
   return 0;
 }

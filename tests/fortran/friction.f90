@@ -37,6 +37,7 @@ program friction
   call easy
   call infeasible
   call too_short
+  call interrupted
   call check_done
 
 contains
@@ -158,5 +159,31 @@ contains
     options%tol = tol
     call is_true(all(r == 1) .and. all(low == 2) .and. all(u == 3), 'r, low and u are as they were')
   end subroutine
+
+  ! The callback is called with what the solve is doing, and ends it.
+  subroutine interrupted()
+    type(nsdae_friction_info) :: info
+    real(c_double) :: r(4), u(4)
+    integer(c_int), target :: calls
+    calls = 0
+    options%progress = c_funloc(count_calls)
+    options%user = c_loc(calls)
+    r = 0
+    call is_int(nsdae_friction_solve(problem, r, u, options, info), NSDAE_E_INTERRUPTED, 'interrupted')
+    call is_int(calls, 2, 'two calls')
+    call is_true(all(abs(r) < 1) .and. info%outcome == NSDAE_OUTCOME_UNSOLVED, 'the best point so far')
+    options%progress = c_null_funptr
+  end subroutine
+
+  integer(c_int) function count_calls(progress, user) bind(C) result(stop_now)
+    type(nsdae_friction_progress), intent(in) :: progress
+    type(c_ptr), value :: user
+    integer(c_int), pointer :: calls
+    call c_f_pointer(user, calls)
+    calls = calls + 1
+    call is_int(progress%islands, 1, 'one island')
+    call is_int(progress%contacts, 2, 'of two contacts')
+    stop_now = merge(1_c_int, 0_c_int, calls == 2)
+  end function
 
 end program

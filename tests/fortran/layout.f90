@@ -60,6 +60,7 @@ program layout
   call friction_file_fields
   call step_friction_fields
   call friction_options_fields
+  call friction_progress_fields
   call friction_info_fields
   ! nothing that C has is missing here
   call is_int(compared, layout_count(), 'number of values, sizes and places')
@@ -184,11 +185,14 @@ contains
     call same('NSDAE_FRICTION_NONE', NSDAE_FRICTION_NONE)
     call same('NSDAE_FRICTION_TRIVIAL', NSDAE_FRICTION_TRIVIAL)
     call same('NSDAE_FRICTION_WARM', NSDAE_FRICTION_WARM)
-    call same('NSDAE_FRICTION_GAUSS_SEIDEL', NSDAE_FRICTION_GAUSS_SEIDEL)
-    call same('NSDAE_FRICTION_PIVOTING', NSDAE_FRICTION_PIVOTING)
-    call same('NSDAE_FRICTION_SMOOTHING', NSDAE_FRICTION_SMOOTHING)
-    call same('NSDAE_FRICTION_PROVE', NSDAE_FRICTION_PROVE)
-    call same('NSDAE_FRICTION_FURTHER', NSDAE_FRICTION_FURTHER)
+    call same('NSDAE_FRICTION_NSGS', NSDAE_FRICTION_NSGS)
+    call same('NSDAE_FRICTION_AS_LCP', NSDAE_FRICTION_AS_LCP)
+    call same('NSDAE_FRICTION_SMOOTHING_HOMOTOPY', NSDAE_FRICTION_SMOOTHING_HOMOTOPY)
+    call same('NSDAE_FRICTION_FARKAS', NSDAE_FRICTION_FARKAS)
+    call same('NSDAE_FRICTION_SEMISMOOTH_NEWTON', NSDAE_FRICTION_SEMISMOOTH_NEWTON)
+    call same('NSDAE_FRICTION_ACLM', NSDAE_FRICTION_ACLM)
+    call same('NSDAE_FRICTION_SOCP_INTERIOR_POINT', NSDAE_FRICTION_SOCP_INTERIOR_POINT)
+    call same('NSDAE_FRICTION_ITERATIVE_REFINEMENT', NSDAE_FRICTION_ITERATIVE_REFINEMENT)
     call same('NSDAE_FRICTION_ALL', NSDAE_FRICTION_ALL)
     call same('NSDAE_OUTCOME_UNSOLVED', NSDAE_OUTCOME_UNSOLVED)
     call same('NSDAE_OUTCOME_SOLVED', NSDAE_OUTCOME_SOLVED)
@@ -628,6 +632,21 @@ contains
     call same_place('nsdae_friction_options%max_sweeps', c_loc(x), c_loc(x%max_sweeps))
     call same_place('nsdae_friction_options%max_iterations', c_loc(x), c_loc(x%max_iterations))
     call same_place('nsdae_friction_options%refine', c_loc(x), c_loc(x%refine))
+    call same_place('nsdae_friction_options%budget', c_loc(x), c_loc(x%budget))
+    call same_place('nsdae_friction_options%progress', c_loc(x), c_loc(x%progress))
+    call same_place('nsdae_friction_options%user', c_loc(x), c_loc(x%user))
+  end subroutine
+
+  subroutine friction_progress_fields()
+    type(nsdae_friction_progress), target :: x
+    call same_size('nsdae_friction_progress', c_sizeof(x))
+    call same_place('nsdae_friction_progress%island', c_loc(x), c_loc(x%island))
+    call same_place('nsdae_friction_progress%islands', c_loc(x), c_loc(x%islands))
+    call same_place('nsdae_friction_progress%contacts', c_loc(x), c_loc(x%contacts))
+    call same_place('nsdae_friction_progress%residual', c_loc(x), c_loc(x%residual))
+    call same_place('nsdae_friction_progress%share', c_loc(x), c_loc(x%share))
+    call same_place('nsdae_friction_progress%sweeps', c_loc(x), c_loc(x%sweeps))
+    call same_place('nsdae_friction_progress%iterations', c_loc(x), c_loc(x%iterations))
   end subroutine
 
   subroutine friction_info_fields()

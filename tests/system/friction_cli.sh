@@ -122,8 +122,8 @@ h5dump -d /solution/r_low one.h5 >/dev/null || complain "no r_low with --twice"
 h5dump -d /solution/r_low kept.h5 >/dev/null 2>&1 && complain "r_low without --twice"
 
 # stages and bounds
-gives 1 'outcome: unsolved' --set stages=gauss-seidel --set max_sweeps=1 spheres.h5
-"$friction" --set stages=gauss-seidel --set max_sweeps=1 --solution none.txt spheres.h5 >/dev/null
+gives 1 'outcome: unsolved' --set stages=nsgs --set max_sweeps=1 spheres.h5
+"$friction" --set stages=nsgs --set max_sweeps=1 --solution none.txt spheres.h5 >/dev/null
 [ ! -e none.txt ] || complain "a solution was written that is none"
 gives 0 'outcome: solved' --cold spheres.h5
 gives 0 '  --version          version and build' --help

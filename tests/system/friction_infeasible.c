@@ -96,7 +96,7 @@ static void check_proof(const cage *s)
   int at = 0;
   assert_int_equal(s->info.outcome, NSDAE_OUTCOME_INFEASIBLE);
   assert_int_equal(s->info.proof, NSDAE_PROOF_FARKAS);
-  assert_int_equal(s->info.stage, NSDAE_FRICTION_PROVE);
+  assert_int_equal(s->info.stage, NSDAE_FRICTION_FARKAS);
   for (int i = 0, row = 0; i < s->p.contacts + s->p.bilateral; i++) {
     int rows = i < s->p.contacts ? 3 : 1;
     if (rows == 3) assert_true(s->r[row] >= 0 && s->r[row + 1] == 0 && s->r[row + 2] == 0);

@@ -163,7 +163,7 @@ static int pivots(const nsdae_friction_problem *p, double *r, double *u)
   nsdae_friction_info info;
   nsdae_friction_options_default(&options);
   options.tol = 1e-12;
-  options.stages = NSDAE_FRICTION_TRIVIAL | NSDAE_FRICTION_PIVOTING;
+  options.stages = NSDAE_FRICTION_TRIVIAL | NSDAE_FRICTION_AS_LCP;
   if (nsdae_friction_solve(p, &options, r, u, &info) != NSDAE_OK) return 0;
   assert_int_equal(info.sweeps + info.iterations, 0);
   return 1;
@@ -178,7 +178,7 @@ static void compare(planar *p, int unique, tally *t)
   nsdae_friction_options options;
   nsdae_friction_options_default(&options);
   options.tol = 1e-12;
-  options.stages = NSDAE_FRICTION_ALL & ~NSDAE_FRICTION_PIVOTING; /* which is the other chain */
+  options.stages = NSDAE_FRICTION_ALL & ~NSDAE_FRICTION_AS_LCP; /* which is the other chain */
   int of_lcp = nsdae_lcp_solve(&p->lcp, NULL, x, y, NULL);
   int of_friction = nsdae_friction_solve(&p->friction, &options, r, u, NULL);
   to_impulses(p, x, mapped);
@@ -243,7 +243,7 @@ static void test_bilateral(void **state)
     nsdae_friction_options options;
     nsdae_friction_options_default(&options);
     options.tol = 1e-12;
-    options.stages = NSDAE_FRICTION_ALL & ~NSDAE_FRICTION_PIVOTING;
+    options.stages = NSDAE_FRICTION_ALL & ~NSDAE_FRICTION_AS_LCP;
     memset(r, 0, sizeof r);
     assert_int_equal(nsdae_friction_solve(&p.friction, &options, r, u, NULL), NSDAE_OK);
     assert_true(pivots(&p.friction, pivoted, u));

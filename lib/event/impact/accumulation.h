@@ -41,10 +41,10 @@ typedef struct nsdae_event_accumulation {
   double *reaction;            /* m: bilateral impulses of a guess */
   double *normal, *tangential; /* k, k nt: impulses of the closing, which may pull */
   nsdae_event_closing_friction friction;
-  double work;                 /* of the closing */
-  double slow;                 /* velocities up to this are none at the limit */
-  double rest, fastest;        /* T; of the set, the velocity apart */
-  int early;                   /* it ends before accumulation_time says */
+  double work;          /* of the closing */
+  double slow;          /* velocities up to this are none at the limit */
+  double rest, fastest; /* T; of the set, the velocity apart */
+  int early;            /* it ends before accumulation_time says */
 } nsdae_event_accumulation;
 
 void nsdae_event_accumulation_layout(nsdae_event_accumulation *accumulation, nsdae_arena *arena);

@@ -20,7 +20,8 @@ static const double SUSPECT = 1e3;
  * direction, which would turn within its velocity's error. */
 static const double HARDLY = 100;
 
-/* What slides by a velocity just above zero may stop by the first projection, its neighbour then. */
+/* What slides by a velocity just above zero may stop by the first projection, its neighbour then.
+ */
 enum { CHOICES = 3 };
 
 /* Of the friction that there can be: shared friction is not told apart from all of it. */

@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-#include "twice.h"
+#include "double_double.h"
 
 /* What an item asks of its rows; those that it does not have are zero throughout. */
 enum nsdae_fc_kind { NSDAE_FC_CONE, NSDAE_FC_NORMAL, NSDAE_FC_BILATERAL };
@@ -45,17 +45,17 @@ static inline double nsdae_fc_over(double mu, const nsdae_fc_place *p, const dou
 {
   double square = 0, part = 0, high = p->t, low = 0;
   for (int k = 1; k < 3; k++) {
-    nsdae_twice_add(p->z[k], p->z[k], &square, &part);
+    nsdae_dd_add(p->z[k], p->z[k], &square, &part);
     part += 2 * p->z[k] * rest[k];
   }
-  nsdae_twice_add(-p->t, p->t, &square, &part);
+  nsdae_dd_add(-p->t, p->t, &square, &part);
   low = p->t > 0 ? (square + part) / (2 * p->t) : nsdae_fc_length(rest[1], rest[2]);
   if (mu > 1) { /* divided by it */
     high = p->t / mu;
     low = (low + fma(-high, mu, p->t)) / mu;
   }
   double b = mu > 1 ? 1 : mu;
-  nsdae_twice_add(-b, p->z[0], &high, &low);
+  nsdae_dd_add(-b, p->z[0], &high, &low);
   return high + (low - b * rest[0]);
 }
 
@@ -67,8 +67,8 @@ static inline nsdae_fc_place nsdae_fc_place_of(double mu, const double x[3], con
   double rest[3] = {0};
   for (int k = 0; k < 3; k++) {
     p.z[k] = x[k];
-    nsdae_twice_add(-1, y[k], p.z + k, rest + k);
-    if (low) nsdae_twice_add(1, low[k], p.z + k, rest + k);
+    nsdae_dd_add(-1, y[k], p.z + k, rest + k);
+    if (low) nsdae_dd_add(1, low[k], p.z + k, rest + k);
   }
   p.t = nsdae_fc_length(p.z[1], p.z[2]);
   p.inside = p.z[0] >= 0 && p.t <= mu * p.z[0];

@@ -5,9 +5,9 @@
 #include <string.h>
 
 #include "cone.h"
-#include "coulomb.h"
+#include "one_contact.h"
 #include "finite.h"
-#include "plain.h"
+#include "arguments.h"
 
 /* One contact in its own frame. */
 typedef struct own {
@@ -23,9 +23,9 @@ static int is_definite(const double *D)
 }
 
 /* Returns 0, or 1 where the diagonal block is not positive definite. */
-static int prepare(const nsdae_fc_plain *p, int c, int i, own *o)
+static int prepare(const nsdae_fc_arguments *p, int c, int i, own *o)
 {
-  nsdae_fc_plain_diagonal(p, c, i, o->D);
+  nsdae_fc_arguments_diagonal(p, c, i, o->D);
   nsdae_fc_turn_matrix(o->D, o->turn);
   o->slip = 0;
   return !is_definite(o->D);
@@ -51,12 +51,12 @@ static void solve_scaled(own *o, const double *q, double mu, double *r)
 }
 
 /* The r [3] that obeys the law of contact c, if with the impulse old [3] its velocity is u [3]. */
-static void solve(const nsdae_fc_plain *p, int c, own *o, const double *old, const double *u,
+static void solve(const nsdae_fc_arguments *p, int c, own *o, const double *old, const double *u,
                   double *r)
 {
   double q[3] = {u[0], u[1], u[2]}, from[3] = {old[0], old[1], old[2]};
   nsdae_fc_turn(o->turn, 1, from);
-  if (nsdae_fc_plain_kind(p, c) == NSDAE_FC_NORMAL) { /* the rest of its impulse goes */
+  if (nsdae_fc_arguments_kind(p, c) == NSDAE_FC_NORMAL) { /* the rest of its impulse goes */
     r[0] = fmax(0, old[0] - (u[0] - o->D[1] * from[1] - o->D[2] * from[2]) / o->D[0]);
     r[1] = r[2] = 0;
     return;
@@ -71,9 +71,9 @@ static void solve(const nsdae_fc_plain *p, int c, own *o, const double *old, con
 int nsdae_dfccon(int rows, const double *a, int lda, const double *q, double mu, double *r,
                  double *u, double *residual)
 {
-  const nsdae_fc_plain p = {1, &rows, a, lda, q, &mu};
+  const nsdae_fc_arguments p = {1, &rows, a, lda, q, &mu};
   static const int place[] = {0, 0, -1, -2, -3, -4, -5};
-  int m, info = nsdae_fc_plain_check(&p, 1, &m);
+  int m, info = nsdae_fc_arguments_check(&p, 1, &m);
   if (info != 0) return place[-info];
   if (!r) return -6;
   if (!u) return -7;
@@ -88,10 +88,10 @@ int nsdae_dfccon(int rows, const double *a, int lda, const double *q, double mu,
 }
 
 /* One sweep; u = W r + q goes along with r. */
-static void sweep(const nsdae_fc_plain *p, int m, own *all, double *r, double *u)
+static void sweep(const nsdae_fc_arguments *p, int m, own *all, double *r, double *u)
 {
   for (int c = 0, i = 0; c < p->nc; c++) {
-    int rows = nsdae_fc_plain_rows(p, c);
+    int rows = nsdae_fc_arguments_rows(p, c);
     double old[3] = {0}, v[3] = {0}, next[3];
     memcpy(old, r + i, (size_t)rows * sizeof *old);
     memcpy(v, u + i, (size_t)rows * sizeof *v);
@@ -109,8 +109,8 @@ int nsdae_dfcbgs(int nc, const int *rows, const double *a, int lda, const double
                  const double *mu, double tol, int max_iter, double *r, int *iterations,
                  double *residual, double *work, int lwork)
 {
-  const nsdae_fc_plain p = {nc, rows, a, lda, q, mu};
-  int m, info = nsdae_fc_plain_check(&p, lwork != -1, &m);
+  const nsdae_fc_arguments p = {nc, rows, a, lda, q, mu};
+  int m, info = nsdae_fc_arguments_check(&p, lwork != -1, &m);
   if (info == -1 || info == -2) return info;
   if (!work) return -12;
   if (lwork == -1) {
@@ -126,7 +126,7 @@ int nsdae_dfcbgs(int nc, const int *rows, const double *a, int lda, const double
   if (lwork < m + OWN * nc) return -13;
   own *all = (own *)(void *)work;
   double *u = work + (size_t)OWN * (size_t)nc;
-  for (int c = 0, i = 0; c < nc; i += nsdae_fc_plain_rows(&p, c++))
+  for (int c = 0, i = 0; c < nc; i += nsdae_fc_arguments_rows(&p, c++))
     if (prepare(&p, c, i, all + c) != 0) return 2;
   for (*iterations = 0;; ++*iterations) {
     if (nsdae_dfcres(nc, rows, a, lda, q, mu, r, u, residual) != 0) return 3;

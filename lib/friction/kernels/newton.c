@@ -12,21 +12,21 @@
 
 #include "dense.h"
 #include "finite.h"
-#include "map.h"
-#include "plain.h"
+#include "natural_map.h"
+#include "arguments.h"
 
 /* Rows i, ... of the matrix [m x m] and of F, those of contact c. */
-static void fill_contact(const nsdae_fc_plain *p, int m, int c, int i, double alpha,
+static void fill_contact(const nsdae_fc_arguments *p, int m, int c, int i, double alpha,
                          const double *r, const double *u, double *matrix, double *F)
 {
-  double D[9], rho = nsdae_fc_plain_diagonal(p, c, i, D);
+  double D[9], rho = nsdae_fc_arguments_diagonal(p, c, i, D);
   double x[3] = {0}, y[3] = {0}, f[3], B[9], A[9];
-  int rows = nsdae_fc_plain_rows(p, c);
+  int rows = nsdae_fc_arguments_rows(p, c);
   for (int k = 0; k < rows; k++) {
     x[k] = rho * r[i + k];
     y[k] = u[i + k];
   }
-  nsdae_fc_map(nsdae_fc_plain_kind(p, c), p->mu[c], x, NULL, y, f, B, A);
+  nsdae_fc_natural_map(nsdae_fc_arguments_kind(p, c), p->mu[c], x, NULL, y, f, B, A);
   for (int k = 0; k < rows; k++) {
     double *row = matrix + i + k;
     F[i + k] = f[k];
@@ -41,10 +41,10 @@ static void fill_contact(const nsdae_fc_plain *p, int m, int c, int i, double al
 }
 
 /* One whole step; returns 0, or 1 where the matrix is singular. */
-static int step(const nsdae_fc_plain *p, int m, double alpha, double *r, const double *u,
+static int step(const nsdae_fc_arguments *p, int m, double alpha, double *r, const double *u,
                 double *matrix, double *F, int *pivot)
 {
-  for (int c = 0, i = 0; c < p->nc; i += nsdae_fc_plain_rows(p, c++))
+  for (int c = 0, i = 0; c < p->nc; i += nsdae_fc_arguments_rows(p, c++))
     fill_contact(p, m, c, i, alpha, r, u, matrix, F);
   if (nsdae_la_lu(m, matrix, m, pivot) != 0) return 1;
   nsdae_la_lu_solve(m, matrix, m, pivot, F);
@@ -54,7 +54,7 @@ static int step(const nsdae_fc_plain *p, int m, double alpha, double *r, const d
 
 /* Steps until the residual is below tol; the best point is left in r, its residual returned in
  * *residual. Returns info. */
-static int iterate(const nsdae_fc_plain *p, int m, double alpha, double tol, int max_iter,
+static int iterate(const nsdae_fc_arguments *p, int m, double alpha, double tol, int max_iter,
                    double *r, int *iterations, double *residual, double *work, int *pivot)
 {
   double *u = work, *F = work + m, *best = work + 2 * (size_t)m, *matrix = work + 3 * (size_t)m;
@@ -80,8 +80,8 @@ int nsdae_dfcnwt(int nc, const int *rows, const double *a, int lda, const double
                  const double *mu, double alpha, double tol, int max_iter, double *r,
                  int *iterations, double *residual, double *work, int lwork, int *iwork)
 {
-  const nsdae_fc_plain p = {nc, rows, a, lda, q, mu};
-  int m, info = nsdae_fc_plain_check(&p, lwork != -1, &m);
+  const nsdae_fc_arguments p = {nc, rows, a, lda, q, mu};
+  int m, info = nsdae_fc_arguments_check(&p, lwork != -1, &m);
   if (info == -1 || info == -2) return info;
   if (!work) return -13;
   double need = (double)m * (m + 3.0);

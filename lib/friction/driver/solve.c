@@ -1,0 +1,281 @@
+/* The solver as it is called: arguments, memory, islands, certificate, names. */
+#include <math.h>
+#include <nsdae/friction.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "friction_certificate.h"
+#include "friction_solver.h"
+#include "stages.h"
+
+/* The certificate is of the data as given, an island's residual of what scaling made of them: what
+ * they differ by is the rounding of impulses up to 1e6 times the least that moves a contact. */
+static const double ROUNDING = 1e-9;
+
+struct nsdae_friction_solver {
+  nsdae_arena global_memory, island_memory;
+  nsdae_fc_global global;
+  nsdae_fc_system system;
+  nsdae_fc_farkas farkas;
+  nsdae_fc_run run;
+  int double_double; /* the caller takes r + low */
+};
+
+void nsdae_friction_options_default(nsdae_friction_options *options)
+{
+  if (options) *options = (nsdae_friction_options){.tol = 1e-10, .stages = NSDAE_FRICTION_ALL};
+}
+
+const char *nsdae_friction_stage_name(int stage)
+{
+  switch (stage) {
+  case NSDAE_FRICTION_NONE:
+    return "none";
+#define NAME(name, value, word, text) \
+  case value:                         \
+    return word;
+    NSDAE_FRICTION_STAGE_LIST(NAME)
+#undef NAME
+  default:
+    return "unknown";
+  }
+}
+
+int nsdae_friction_create(nsdae_friction_solver **solver)
+{
+  if (!solver) return NSDAE_E_ARGUMENT;
+  *solver = calloc(1, sizeof **solver);
+  return *solver ? NSDAE_OK : NSDAE_E_MEMORY;
+}
+
+void nsdae_friction_destroy(nsdae_friction_solver **solver)
+{
+  if (!solver || !*solver) return;
+  nsdae_arena_release(&(*solver)->global_memory);
+  nsdae_arena_release(&(*solver)->island_memory);
+  nsdae_fc_system_release(&(*solver)->system);
+  nsdae_fc_farkas_release(&(*solver)->farkas);
+  free(*solver);
+  *solver = NULL;
+}
+
+static int in_range(const nsdae_friction_options *o)
+{
+  return o->tol > 0 && o->tol <= 1 && o->stages >= 0 && o->stages <= NSDAE_FRICTION_ALL &&
+         o->max_sweeps >= 0 && o->max_iterations >= 0 && o->refine >= 0 && o->budget >= 0 &&
+         o->budget < INFINITY;
+}
+
+/* The problem checked and without its masses. */
+static int prepare(nsdae_friction_solver *s, const nsdae_friction_problem *p, nsdae_error *error)
+{
+  int status = nsdae_fc_problem_check(p, error);
+  if (status != NSDAE_OK) return status;
+  s->global = (nsdae_fc_global){.view.p = p};
+  if (nsdae_arena_fit(&s->global_memory, nsdae_fc_global_layout, &s->global) != NSDAE_OK)
+    return nsdae_fc_refuse(error, NSDAE_E_MEMORY, "problem", -1, "out of memory");
+  return nsdae_fc_global_fill(&s->global, error);
+}
+
+/* What is to be said of the whole: the last stage that an island took, the sum of the work. */
+static void merge(nsdae_friction_info *whole, const nsdae_friction_info *one)
+{
+  whole->islands++;
+  whole->sweeps += one->sweeps;
+  whole->iterations += one->iterations;
+  whole->factorisations += one->factorisations;
+  if (one->stage > whole->stage) whole->stage = one->stage;
+}
+
+static int lay_out(nsdae_friction_solver *s, int island)
+{
+  s->run = (nsdae_fc_run){.island = {.fc = {.global = &s->global, .label = island},
+                                     .system = &s->system,
+                                     .farkas = &s->farkas,
+                                     .proof = s->global.r},
+                          .islands = s->global.islands.count};
+  return nsdae_arena_fit(&s->island_memory, nsdae_fc_run_layout, &s->run);
+}
+
+/* Memory for each island, before anything of the caller's is changed. */
+static int reserve(nsdae_friction_solver *s)
+{
+  for (int island = 0; island < s->global.islands.count; island++)
+    if (lay_out(s, island) != NSDAE_OK) return NSDAE_E_MEMORY;
+  return NSDAE_OK;
+}
+
+int nsdae_fc_reserve(nsdae_friction_solver *s, const nsdae_friction_problem *largest)
+{
+  int status = prepare(s, largest, NULL);
+  for (int island = 0; island < s->global.islands.count && status == NSDAE_OK; island++) {
+    status = lay_out(s, island);
+    if (status != NSDAE_OK) return status;
+    nsdae_fc_fill(&s->run.island.fc, s->global.q);
+    status = nsdae_fc_system_analyse(&s->system, &s->run.island.fc);
+  }
+  return status;
+}
+
+double nsdae_fc_speed(const nsdae_friction_solver *s)
+{
+  double most = 0;
+  for (int k = 0; k < s->global.view.m; k++) most = fmax(most, fabs(s->global.q[k]));
+  return most;
+}
+
+/* Items that nothing moves get r = 0, all others the answer of their island, in whole.r; or that is
+ * the proof that an island has none. */
+static int solve_islands(nsdae_friction_solver *s, const nsdae_friction_options *options,
+                         const double *guess, nsdae_friction_info *info)
+{
+  nsdae_fc_global *w = &s->global;
+  nsdae_fc_run *run = &s->run;
+  int status = NSDAE_OK;
+  memset(w->r, 0, (size_t)w->view.m * sizeof *w->r);
+  memset(w->r_low, 0, (size_t)w->view.m * sizeof *w->r_low);
+  for (int island = 0; island < w->islands.count && status == NSDAE_OK; island++) {
+    if (w->islands.count > 1) lay_out(s, island); /* one alone is laid out */
+    run->options = options;
+    run->budget.tol = options->tol - fmin(0.2 * options->tol, ROUNDING);
+    run->budget.double_double = s->double_double;
+    run->island.fc.exact = fmax(1e-15, 1e-4 * options->tol);
+    nsdae_fc_fill(&run->island.fc, guess);
+    status = nsdae_fc_run_stages(run);
+    if (status == NSDAE_E_MEMORY) return status;
+    merge(info, &run->info);
+    if (run->info.outcome == NSDAE_OUTCOME_INFEASIBLE) return NSDAE_E_INFEASIBLE;
+    nsdae_fc_scatter(&run->island.fc, run->iterate.r, w->r);
+    nsdae_fc_scatter(&run->island.fc, run->iterate.low, w->r_low);
+  }
+  return status;
+}
+
+/* Hands over the proof in whole.r. */
+static int refute(const nsdae_fc_global *w, double *r, double *u, nsdae_friction_info *info)
+{
+  info->outcome = NSDAE_OUTCOME_INFEASIBLE;
+  info->proof = NSDAE_PROOF_FARKAS;
+  info->stage = NSDAE_FRICTION_FARKAS;
+  memset(r, 0, (size_t)w->view.m * sizeof *r);
+  info->residual = nsdae_fc_global_residual(w, r, NULL, u);
+  memcpy(r, w->r, (size_t)w->view.m * sizeof *r);
+  return NSDAE_E_INFEASIBLE;
+}
+
+/* An item that nothing moves: its own direction, against its velocity. */
+static int refute_blocked(const nsdae_fc_global *w, int item, double *r, double *u,
+                          nsdae_friction_info *info)
+{
+  int row = w->view.row[item];
+  memset(w->r, 0, (size_t)w->view.m * sizeof *w->r);
+  w->r[row] = w->q[row] < 0 ? 1 : -1;
+  return refute(w, r, u, info);
+}
+
+/* The certificate, of r as it is handed over (and low, unless that is NULL). */
+static int certify(const nsdae_fc_global *w, double tol, double *r, double *low, double *u,
+                   nsdae_friction_info *info)
+{
+  if (w->view.m > 0) memcpy(r, w->r, (size_t)w->view.m * sizeof *r);
+  if (w->view.m > 0 && low) memcpy(low, w->r_low, (size_t)w->view.m * sizeof *low);
+  info->residual = nsdae_fc_global_residual(w, r, low, u);
+  if (info->residual != info->residual) info->residual = INFINITY;
+  info->outcome = info->residual <= tol ? NSDAE_OUTCOME_SOLVED : NSDAE_OUTCOME_UNSOLVED;
+  if (info->outcome == NSDAE_OUTCOME_SOLVED && info->stage == NSDAE_FRICTION_NONE)
+    info->stage = NSDAE_FRICTION_TRIVIAL;
+  return info->outcome == NSDAE_OUTCOME_SOLVED ? NSDAE_OK : NSDAE_E_LCP;
+}
+
+/* All of a solution; low NULL: in one part. */
+static int solve(nsdae_friction_solver *s, const nsdae_friction_problem *problem,
+                 const nsdae_friction_options *options, double *r, double *low, double *u,
+                 nsdae_friction_info *info)
+{
+  nsdae_friction_options defaults;
+  nsdae_friction_info own;
+  nsdae_friction_options_default(&defaults);
+  if (!options) options = &defaults;
+  if (!info) info = &own;
+  *info = (nsdae_friction_info){.residual = INFINITY};
+  if (!s || !in_range(options)) return NSDAE_E_ARGUMENT;
+  int status = prepare(s, problem, NULL);
+  if (status != NSDAE_OK) return status;
+  if (s->global.view.m > 0 && (!r || !u)) return NSDAE_E_ARGUMENT;
+  s->double_double = low != NULL;
+  if (reserve(s) != NSDAE_OK) return NSDAE_E_MEMORY;
+  int blocked = nsdae_fc_global_blocked(&s->global);
+  if (blocked >= 0) return refute_blocked(&s->global, blocked, r, u, info);
+  status = solve_islands(s, options, r, info);
+  if (status == NSDAE_E_INFEASIBLE) return refute(&s->global, r, u, info);
+  if (status != NSDAE_OK && status != NSDAE_E_INTERRUPTED) return status;
+  int certified = certify(&s->global, options->tol, r, low, u, info);
+  return status == NSDAE_E_INTERRUPTED ? status : certified;
+}
+
+int nsdae_friction_solver_solve(nsdae_friction_solver *solver,
+                                const nsdae_friction_problem *problem,
+                                const nsdae_friction_options *options, double *r, double *u,
+                                nsdae_friction_info *info)
+{
+  return solve(solver, problem, options, r, NULL, u, info);
+}
+
+/* With a solver of its own. */
+static int solve_once(const nsdae_friction_problem *problem, const nsdae_friction_options *options,
+                      double *r, double *low, double *u, nsdae_friction_info *info)
+{
+  nsdae_friction_solver *solver;
+  if (info) *info = (nsdae_friction_info){.residual = INFINITY};
+  int status = nsdae_friction_create(&solver);
+  if (status != NSDAE_OK) return status;
+  status = solve(solver, problem, options, r, low, u, info);
+  nsdae_friction_destroy(&solver);
+  return status;
+}
+
+int nsdae_friction_solve(const nsdae_friction_problem *problem,
+                         const nsdae_friction_options *options, double *r, double *u,
+                         nsdae_friction_info *info)
+{
+  return solve_once(problem, options, r, NULL, u, info);
+}
+
+int nsdae_friction_solve_twice(const nsdae_friction_problem *problem,
+                               const nsdae_friction_options *options, double *r, double *low,
+                               double *u, nsdae_friction_info *info)
+{
+  return solve_once(problem, options, r, low, u, info);
+}
+
+int nsdae_friction_check(const nsdae_friction_problem *problem, nsdae_error *error)
+{
+  nsdae_friction_solver s = {0};
+  int status = prepare(&s, problem, error);
+  nsdae_arena_release(&s.global_memory);
+  return status;
+}
+
+int nsdae_friction_residual(const nsdae_friction_problem *problem, const double *r, double *u,
+                            double *residual)
+{
+  return nsdae_friction_residual_twice(problem, r, NULL, u, residual);
+}
+
+int nsdae_friction_residual_twice(const nsdae_friction_problem *problem, const double *r,
+                                  const double *low, double *u, double *residual)
+{
+  nsdae_friction_solver s = {0};
+  double *own = NULL;
+  if (!residual) return NSDAE_E_ARGUMENT;
+  int status = prepare(&s, problem, NULL);
+  if (status == NSDAE_OK && s.global.view.m > 0 && !r) status = NSDAE_E_ARGUMENT;
+  if (status == NSDAE_OK && !u) {
+    own = malloc(((size_t)s.global.view.m + 1) * sizeof *own);
+    status = own ? NSDAE_OK : NSDAE_E_MEMORY;
+  }
+  if (status == NSDAE_OK) *residual = nsdae_fc_global_residual(&s.global, r, low, u ? u : own);
+  free(own);
+  nsdae_arena_release(&s.global_memory);
+  return status;
+}

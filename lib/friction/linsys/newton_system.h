@@ -1,0 +1,54 @@
+/* The equations of a step of Newton's method or of an interior point, over one island:
+ *
+ *   E dr + A (J^T J) dr = b       (local form: E dr + A W dr = b)
+ *
+ * with E and A of 3 x 3 blocks by item. In velocities they are sparser than in impulses,
+ *
+ *   (1 + J K J^T) dy = J E^-1 b,   K = E^-1 A,   dr = E^-1 b - K J^T dy,
+ *
+ * with the graph of blocks of y that share an item; the local form has that of W, or where it is
+ * small, or lists every pair of its items, is dense. */
+#ifndef NSDAE_FRICTION_NEWTON_SYSTEM_H
+#define NSDAE_FRICTION_NEWTON_SYSTEM_H
+
+#include "fronts.h"
+#include "scaled_island.h"
+
+/* The graph of the blocks (local form: of the items). */
+typedef struct nsdae_fc_pattern {
+  int *first; /* blocks + 1: where the neighbours of each begin in index */
+  int *index;
+  int *other; /* work: lists of neighbours before they are sorted */
+  int *at;    /* blocks + 1: where those lists begin */
+} nsdae_fc_pattern;
+
+typedef struct nsdae_fc_system {
+  const nsdae_fc_scaled *fc;
+  nsdae_fronts fronts;
+  int dense; /* a local form with every pair listed, or small: lu [9 n^2], column-major, and
+                pivot [3 n] are for it */
+  double *lu;
+  int *pivot;
+  size_t pairs; /* of blocks that share an item, in both directions and with themselves */
+  nsdae_fc_pattern pattern;
+  size_t *place;     /* pairs: of their blocks in the matrix, item by item */
+  double *E, *K;     /* 9 n: E as given; K, of the local form A */
+  double *E_inverse; /* 9 n */
+  double *dy;        /* ny */
+  double cost;       /* of a factorisation, in multiplications by J */
+  nsdae_arena memory;
+} nsdae_fc_system;
+
+/* Prepares for the island; the analysis is kept while its graph is the same. NSDAE_OK or
+ * NSDAE_E_MEMORY. */
+int nsdae_fc_system_analyse(nsdae_fc_system *m, const nsdae_fc_scaled *fc);
+
+/* Factors; E and A [9 n] row-major. Returns 0, or > 0 if it is singular. */
+int nsdae_fc_system_factor(nsdae_fc_system *m, const double *E, const double *A);
+
+/* dr [3 n] of b [3 n]. */
+void nsdae_fc_system_solve(nsdae_fc_system *m, const double *b, double *dr);
+
+void nsdae_fc_system_release(nsdae_fc_system *m);
+
+#endif

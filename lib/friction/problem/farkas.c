@@ -1,0 +1,369 @@
+/* The laws ask for u_N >= 0 and bilateral rows at rest, whatever the friction: a polyhedron (the
+ * relaxation). With u = H^T v + w, v anything, there is no such u if and only if (Farkas)
+ *
+ *   l_N >= 0,  l_B free,  H l = 0,  w . l < 0,
+ *
+ * for then l . u = w . l < 0, where it should not be negative; W in place of H and q in place of w
+ * in the local form. Rows with compliance give way to any velocity and have no part in it. Such an
+ * l is found where (0, -1) lies in the cone of the columns (H e; w) (nonnegative least squares),
+ * few of which it takes. What is reported is then proved on the data as given, in one of two ways:
+ *
+ * - l rounded to a ratio of integers, or as it is, has H l = 0 and w . l < 0 in exact arithmetic:
+ *   so it is where normals cancel, as those of bodies between walls.
+ * - G l = (0, -1) with the k chosen columns G has as many rows that are not all zeros. With R near
+ *   G^-1 and a = |1 - R G| < 1 its solution is no further from l than |R (G l - b)| / (1 - a)
+ * (Rump, Acta Numerica 19 (2010) 287, theorem 10.2), roundings bounded: where that is less than the
+ * least l_N, the solution is as the proof wants it, and what is handed over is it to that distance.
+ * So it is of walls at any angle. */
+#include "farkas.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "dense.h"
+#include "exact.h"
+#include "double_double.h"
+#include "vector.h"
+
+/* Largest problem that is looked at: entries of v, and directions. */
+enum { MOST_ROWS = 600, MOST_COLUMNS = 2000 };
+
+/* Least distance from the cone, relative, at which the target is outside it. */
+static const double OUTSIDE = 1e-9;
+
+/* Item number k of the island. */
+static int item_of(const nsdae_fc_scaled *c, int k)
+{
+  return nsdae_fc_member(c, k);
+}
+
+static int is_bilateral(const nsdae_fc_scaled *c, int i)
+{
+  return i >= c->global->view.p->contacts;
+}
+
+/* Whether its normal (bilateral) row gives way to any velocity. */
+static int gives_way(const nsdae_fc_scaled *c, int i)
+{
+  const nsdae_friction_problem *p = c->global->view.p;
+  return p->compliance && p->compliance[c->global->view.row[i]] > 0;
+}
+
+/* w of that row */
+static double velocity(const nsdae_fc_scaled *c, int i)
+{
+  return c->global->view.p->w[c->global->view.row[i]];
+}
+
+/* Whether v = 0 obeys the laws: then there is no l. */
+static int rests(const nsdae_fc_scaled *c)
+{
+  for (int k = 0; k < c->n; k++) {
+    int i = item_of(c, k);
+    double w = velocity(c, i);
+    if (!gives_way(c, i) && (is_bilateral(c, i) ? w != 0 : w < 0)) return 0;
+  }
+  return 1;
+}
+
+static int count_columns(const nsdae_fc_scaled *c)
+{
+  int m = 0;
+  for (int k = 0; k < c->n; k++)
+    if (!gives_way(c, item_of(c, k))) m += is_bilateral(c, item_of(c, k)) ? 2 : 1;
+  return m;
+}
+
+static void lay_out(void *object, nsdae_arena *arena)
+{
+  nsdae_fc_farkas *f = object;
+  long n = f->cone.n, m = f->cone.m;
+  f->item = NSDAE_ARENA_INTS(arena, m);
+  f->sign = NSDAE_ARENA_DOUBLES(arena, m);
+  f->columns = NSDAE_ARENA_DOUBLES(arena, n * m);
+  f->cone.C = f->scaled = NSDAE_ARENA_DOUBLES(arena, n * m);
+  f->row = NSDAE_ARENA_DOUBLES(arena, n);
+  f->by = NSDAE_ARENA_DOUBLES(arena, m);
+  f->target = NSDAE_ARENA_DOUBLES(arena, n);
+  f->cone.z = NSDAE_ARENA_DOUBLES(arena, m);
+  f->cone.w = NSDAE_ARENA_DOUBLES(arena, n);
+  f->cone.gram = NSDAE_ARENA_DOUBLES(arena, n * n);
+  f->cone.factor = NSDAE_ARENA_DOUBLES(arena, n * n);
+  f->inverse = NSDAE_ARENA_DOUBLES(arena, n * n);
+  f->cone.s = NSDAE_ARENA_DOUBLES(arena, n);
+  f->cone.allowed = NSDAE_ARENA_INTS(arena, m);
+  f->cone.order = NSDAE_ARENA_INTS(arena, n);
+  f->cone.state = NSDAE_ARENA_INTS(arena, m);
+  f->chosen = NSDAE_ARENA_INTS(arena, n);
+  f->exact = NSDAE_ARENA_DOUBLES(arena, 2 * n);
+  f->pivot = NSDAE_ARENA_INTS(arena, n);
+  f->kept = NSDAE_ARENA_INTS(arena, n);
+}
+
+/* The numbers of block b of the whole in its island: entries of v of the blocks before it. */
+static int place_of(const nsdae_fc_scaled *c, int b)
+{
+  return c->parts.offset[c->global->islands.number[b]];
+}
+
+/* The column of direction e, sign +-1: the normal row's parts, and w below. */
+static void fill_column(nsdae_fc_farkas *f, int e, int i, double sign)
+{
+  const nsdae_fc_scaled *c = f->fc;
+  const nsdae_fc_view *view = &c->global->view;
+  const nsdae_friction_problem *p = view->p;
+  double *column = f->columns + (size_t)e * (size_t)f->cone.n;
+  memset(column, 0, (size_t)f->cone.n * sizeof *column);
+  for (int k = p->first[i]; k < p->first[i + 1]; k++) {
+    if (!nsdae_fc_touches(c->global, k)) continue;
+    int b = p->block[k], size = c->local ? nsdae_fc_rows(p, b) : p->size[b];
+    for (int d = 0; d < size; d++)
+      column[place_of(c, b) + d] = sign * p->value[view->at[k] + (size_t)d];
+  }
+  column[f->cone.n - 1] = sign * velocity(c, i);
+  f->item[e] = i;
+  f->sign[e] = sign;
+  f->cone.allowed[e] = 1;
+}
+
+static void fill(nsdae_fc_farkas *f)
+{
+  int e = 0;
+  for (int k = 0; k < f->fc->n; k++) {
+    int i = item_of(f->fc, k);
+    if (gives_way(f->fc, i)) continue;
+    fill_column(f, e++, i, 1);
+    if (is_bilateral(f->fc, i)) fill_column(f, e++, i, -1);
+  }
+}
+
+static double power_of_two(double x)
+{
+  return x > 0 ? exp2(round(log2(x))) : 1;
+}
+
+/* Rows to entries of about one, then columns to lengths of about one; by powers of two. */
+static void scale(nsdae_fc_farkas *f)
+{
+  size_t n = (size_t)f->cone.n, m = (size_t)f->cone.m;
+  for (size_t i = 0; i < n; i++) {
+    double most = 0;
+    for (size_t j = 0; j < m; j++) most = fmax(most, fabs(f->columns[j * n + i]));
+    f->row[i] = 1 / power_of_two(most);
+  }
+  for (size_t j = 0; j < m; j++) {
+    double *to = f->scaled + j * n;
+    for (size_t i = 0; i < n; i++) to[i] = f->row[i] * f->columns[j * n + i];
+    f->by[j] = 1 / power_of_two(sqrt(nsdae_dot(f->cone.n, to, to)));
+    for (size_t i = 0; i < n; i++) to[i] *= f->by[j];
+  }
+  memset(f->target, 0, n * sizeof *f->target);
+  f->target[n - 1] = -1;
+}
+
+/* The combination of scaled columns, in l; how many directions it takes, or 0: there is none. */
+static int combine(nsdae_fc_farkas *f)
+{
+  int k = 0;
+  if (nsdae_cone_separate(&f->cone, f->target) != 0) return 0;
+  if (!(sqrt(nsdae_dot(f->cone.n, f->cone.w, f->cone.w)) < OUTSIDE)) return 0;
+  for (int j = 0; j < f->cone.m; j++)
+    if (f->cone.z[j] > 0 && k < f->cone.n) f->chosen[k++] = j;
+  return k;
+}
+
+/* Entry i of the chosen columns, into a. */
+static void gather(const nsdae_fc_farkas *f, const double *from, int i, int k, double *a)
+{
+  for (int e = 0; e < k; e++) a[e] = from[(size_t)f->chosen[e] * (size_t)f->cone.n + (size_t)i];
+}
+
+/* Whether the l of the chosen directions, in exact + n, is a proof to the last bit. */
+static int holds(nsdae_fc_farkas *f, int k)
+{
+  double *a = f->exact, *l = f->exact + f->cone.n;
+  for (int i = 0; i < f->cone.n; i++) {
+    gather(f, f->columns, i, k, a);
+    if (nsdae_exact_sign(k, a, 1, l) != (i < f->cone.n - 1 ? 0 : -1)) return 0;
+  }
+  return 1;
+}
+
+/* Multiples of the least entry, where all are so within rounding, times 1 to LARGEST. */
+static int simplify(double *l, int k)
+{
+  enum { LARGEST = 64 };
+  double least = INFINITY;
+  for (int e = 0; e < k; e++) least = fmin(least, l[e]);
+  for (int times = 1; times <= LARGEST; times++) {
+    int whole = 1;
+    for (int e = 0; e < k && whole; e++) {
+      double x = l[e] / least * times;
+      whole = x < 1e9 && fabs(x - round(x)) < 1e-7 * x;
+    }
+    for (int e = 0; e < k && whole; e++) l[e] = round(l[e] / least * times);
+    if (whole) return 1;
+  }
+  return 0;
+}
+
+static int is_exact(nsdae_fc_farkas *f, int k)
+{
+  double *l = f->exact + f->cone.n;
+  for (int e = 0; e < k; e++) l[e] = f->cone.z[f->chosen[e]] * f->by[f->chosen[e]];
+  return holds(f, k) || (simplify(l, k) && holds(f, k));
+}
+
+/* Rows in which a chosen column is not zero, into kept; how many. */
+static int keep_rows(nsdae_fc_farkas *f, int k)
+{
+  int rows = 0;
+  for (int i = 0; i < f->cone.n; i++)
+    for (int e = 0; e < k; e++)
+      if (f->columns[(size_t)f->chosen[e] * (size_t)f->cone.n + (size_t)i] != 0) {
+        f->kept[rows++] = i;
+        break;
+      }
+  return rows;
+}
+
+/* Whether scaling the chosen columns lost nothing: products with powers of two, above 1e-290. */
+static int is_scaled_exactly(const nsdae_fc_farkas *f, int k)
+{
+  for (int e = 0; e < k; e++)
+    for (int i = 0; i < f->cone.n; i++) {
+      size_t at = (size_t)f->chosen[e] * (size_t)f->cone.n + (size_t)i;
+      if (f->columns[at] != 0 && !(fabs(f->scaled[at]) > 1e-290)) return 0;
+    }
+  return 1;
+}
+
+/* G [k x k] of the kept rows into gram, R = G^-1 into inverse; 1 where G is singular. */
+static int invert(nsdae_fc_farkas *f, int k)
+{
+  size_t n = (size_t)k;
+  for (size_t e = 0; e < n; e++)
+    for (size_t i = 0; i < n; i++)
+      f->cone.gram[e * n + i] =
+          f->scaled[(size_t)f->chosen[e] * (size_t)f->cone.n + (size_t)f->kept[i]];
+  memcpy(f->cone.factor, f->cone.gram, n * n * sizeof *f->cone.factor);
+  if (nsdae_la_lu(k, f->cone.factor, k, f->pivot) != 0) return 1;
+  memset(f->inverse, 0, n * n * sizeof *f->inverse);
+  for (size_t j = 0; j < n; j++) {
+    f->inverse[j * n + j] = 1;
+    nsdae_la_lu_solve(k, f->cone.factor, k, f->pivot, f->inverse + j * n);
+  }
+  return 0;
+}
+
+/* A bound on |1 - R G|, the largest sum of a row. */
+static double bound_defect(const nsdae_fc_farkas *f, int k)
+{
+  size_t n = (size_t)k;
+  double most = 0, unit = (k + 4) * DBL_EPSILON;
+  for (size_t i = 0; i < n; i++) {
+    double sum = 0;
+    for (size_t j = 0; j < n; j++) {
+      double defect = i == j ? -1 : 0, size = 1;
+      for (size_t e = 0; e < n; e++) {
+        double term = f->inverse[e * n + i] * f->cone.gram[j * n + e];
+        defect += term;
+        size += fabs(term);
+      }
+      sum += fabs(defect) + unit * size;
+    }
+    if (!(sum <= most)) most = sum;
+  }
+  return most * (1 + unit);
+}
+
+/* G l - b into s, in twice the precision; size: what its rounding is relative to. */
+static void residual(const nsdae_fc_farkas *f, int k, double *s, double *size)
+{
+  for (int i = 0; i < k; i++) {
+    double high = f->kept[i] == f->cone.n - 1 ? 1 : 0, low = 0;
+    size[i] = high;
+    for (int e = 0; e < k; e++) {
+      double g = f->cone.gram[(size_t)e * (size_t)k + (size_t)i];
+      nsdae_dd_add(g, f->target[e], &high, &low);
+      size[i] += fabs(g * f->target[e]);
+    }
+    s[i] = high + low;
+  }
+}
+
+/* l, in target, to rounding: normal equations left it with half the digits. */
+static void improve(nsdae_fc_farkas *f, int k)
+{
+  for (int e = 0; e < k; e++) f->target[e] = f->cone.z[f->chosen[e]];
+  residual(f, k, f->cone.s, f->exact);
+  nsdae_la_lu_solve(k, f->cone.factor, k, f->pivot, f->cone.s);
+  for (int e = 0; e < k; e++) f->target[e] -= f->cone.s[e];
+}
+
+/* A bound on |R| |G l - b| / (1 - defect), the largest entry. */
+static double bound_distance(nsdae_fc_farkas *f, int k, double defect)
+{
+  double worst = 0, unit = (k + 4) * DBL_EPSILON;
+  residual(f, k, f->cone.s, f->exact);
+  for (int i = 0; i < k; i++)
+    f->cone.s[i] = fabs(f->cone.s[i]) * (1 + unit) + unit * unit * f->exact[i];
+  for (size_t i = 0; i < (size_t)k; i++) {
+    double sum = 0;
+    for (size_t j = 0; j < (size_t)k; j++)
+      sum += fabs(f->inverse[j * (size_t)k + i]) * f->cone.s[j];
+    if (!(sum <= worst)) worst = sum;
+  }
+  return worst * (1 + unit) / (1 - defect);
+}
+
+/* Whether the exact combination near l is positive where it must be. */
+static int is_verified(nsdae_fc_farkas *f, int k)
+{
+  if (keep_rows(f, k) != k || f->kept[k - 1] != f->cone.n - 1 || !is_scaled_exactly(f, k)) return 0;
+  if (invert(f, k) != 0) return 0;
+  double defect = bound_defect(f, k);
+  if (!(defect < 0.5)) return 0;
+  improve(f, k);
+  double distance = bound_distance(f, k, defect);
+  for (int e = 0; e < k; e++) {
+    int free = is_bilateral(f->fc, f->item[f->chosen[e]]);
+    if (!(f->target[e] > 2 * distance) && !(free && distance < 1)) return 0;
+    f->exact[f->cone.n + e] = f->target[e] * f->by[f->chosen[e]];
+  }
+  return 1;
+}
+
+/* The proof in the rows of the whole, its largest entry about one. */
+static void hand_over(const nsdae_fc_farkas *f, int k, double *l)
+{
+  double most = 0;
+  memset(l, 0, (size_t)f->fc->global->view.m * sizeof *l);
+  for (int e = 0; e < k; e++) most = fmax(most, fabs(f->exact[f->cone.n + e]));
+  most = power_of_two(most);
+  for (int e = 0; e < k; e++) {
+    int j = f->chosen[e];
+    l[f->fc->global->view.row[f->item[j]]] += f->sign[j] * (f->exact[f->cone.n + e] / most);
+  }
+}
+
+int nsdae_fc_farkas_find(nsdae_fc_farkas *f, const nsdae_fc_scaled *fc, double *l)
+{
+  f->fc = fc;
+  f->cone.n = fc->ny + 1;
+  f->cone.m = count_columns(fc);
+  if (f->cone.n > MOST_ROWS || f->cone.m > MOST_COLUMNS || rests(fc)) return 0;
+  if (nsdae_arena_fit(&f->memory, lay_out, f) != NSDAE_OK) return NSDAE_E_MEMORY;
+  fill(f);
+  scale(f);
+  int k = combine(f);
+  if (k == 0 || !(is_exact(f, k) || is_verified(f, k))) return 0;
+  hand_over(f, k, l);
+  return 1;
+}
+
+void nsdae_fc_farkas_release(nsdae_fc_farkas *f)
+{
+  nsdae_arena_release(&f->memory);
+}

@@ -1,0 +1,332 @@
+#include "global_problem.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "dense.h"
+#include "disjoint_sets.h"
+#include "vector.h"
+
+/* What the items of an island share. */
+static int sets(const nsdae_fc_global *c)
+{
+  return c->view.p->form == NSDAE_FRICTION_GLOBAL ? c->view.p->blocks : c->view.items;
+}
+
+void nsdae_fc_global_layout(void *object, nsdae_arena *arena)
+{
+  nsdae_fc_global *c = object;
+  const nsdae_friction_problem *p = c->view.p;
+  nsdae_fc_view_layout(&c->view, arena);
+  long mass = 0, values = 0, nv = 0, m = 0;
+  for (int b = 0; b < p->blocks; b++) {
+    mass += (long)p->size[b] * p->size[b];
+    nv += p->size[b];
+  }
+  for (int i = 0; i < c->view.items; i++) {
+    m += nsdae_fc_rows(p, i);
+    for (int e = p->first[i]; e < p->first[i + 1] && p->form == NSDAE_FRICTION_GLOBAL; e++)
+      values += (long)nsdae_fc_rows(p, i) * p->size[p->block[e]];
+  }
+  c->L = NSDAE_ARENA_DOUBLES(arena, mass);
+  c->diagonal = NSDAE_ARENA_INTS(arena, p->blocks);
+  c->J = NSDAE_ARENA_DOUBLES(arena, values);
+  c->q = NSDAE_ARENA_DOUBLES(arena, m);
+  c->d = NSDAE_ARENA_DOUBLES(arena, c->view.items);
+  c->v = NSDAE_ARENA_DOUBLES(arena, nv);
+  c->low = NSDAE_ARENA_DOUBLES(arena, nv);
+  c->r = NSDAE_ARENA_DOUBLES(arena, m);
+  c->r_low = NSDAE_ARENA_DOUBLES(arena, m);
+  c->u = NSDAE_ARENA_DOUBLES(arena, m);
+  c->islands.label = NSDAE_ARENA_INTS(arena, c->view.items);
+  c->islands.member = NSDAE_ARENA_INTS(arena, c->view.items);
+  c->islands.start = NSDAE_ARENA_INTS(arena, c->view.items + 1L);
+  c->islands.number = NSDAE_ARENA_INTS(arena, sets(c));
+  c->islands.listed = NSDAE_ARENA_INTS(arena, p->blocks);
+  c->islands.listed_start = NSDAE_ARENA_INTS(arena, c->view.items + 1L);
+  c->islands.parent = NSDAE_ARENA_INTS(arena, sets(c));
+}
+
+/* |M_ij - M_ji| <= 1e-10 sqrt(M_ii M_jj) */
+static int is_symmetric(int n, const double *M)
+{
+  size_t lda = (size_t)n;
+  for (size_t j = 0; j < lda; j++)
+    for (size_t i = 0; i < j; i++)
+      if (M[j * lda + i] != M[i * lda + j] &&
+          !(fabs(M[j * lda + i] - M[i * lda + j]) <=
+            1e-10 * sqrt(fabs(M[j * lda + j])) * sqrt(fabs(M[i * lda + i]))))
+        return 0;
+  return 1;
+}
+
+/* Inverts L, lower, where it is diagonal; returns whether it is. */
+static int invert_diagonal(int n, double *L)
+{
+  for (int j = 0; j < n; j++)
+    for (int i = j + 1; i < n; i++)
+      if (L[(size_t)j * (size_t)n + (size_t)i] != 0) return 0;
+  for (int j = 0; j < n; j++) L[(size_t)j * (size_t)(n + 1)] = 1 / L[(size_t)j * (size_t)(n + 1)];
+  return 1;
+}
+
+static int factor_masses(nsdae_fc_global *c, nsdae_error *error)
+{
+  const nsdae_friction_problem *p = c->view.p;
+  char text[120];
+  memcpy(c->L, p->M, c->view.mass_at[p->blocks] * sizeof *c->L);
+  for (int b = 0; b < p->blocks; b++) {
+    double *L = c->L + c->view.mass_at[b];
+    int n = p->size[b], symmetric = is_symmetric(n, L);
+    if (symmetric && nsdae_la_cholesky(n, L, n) == 0) {
+      c->diagonal[b] = invert_diagonal(n, L);
+      continue;
+    }
+    snprintf(text, sizeof text, "block %d of M is not %s", b,
+             symmetric ? "positive definite" : "symmetric to 1e-10 of its diagonal");
+    return nsdae_fc_refuse(error, NSDAE_E_MASS, "M", b, text);
+  }
+  return NSDAE_OK;
+}
+
+/* B := L^-1 B of block b; most masses are diagonal. */
+static void solve_lower(const nsdae_fc_global *c, int b, int columns, double *B)
+{
+  const double *L = c->L + c->view.mass_at[b];
+  int n = c->view.p->size[b];
+  if (!c->diagonal[b])
+    nsdae_la_solve_lower(n, columns, L, n, B, n);
+  else
+    for (int j = 0; j < columns; j++, B += n)
+      for (int i = 0; i < n; i++) B[i] *= L[(size_t)i * (size_t)(n + 1)];
+}
+
+/* J = L^-1 H, L^-1 f in v, and q. */
+static void free_velocity(nsdae_fc_global *c)
+{
+  const nsdae_friction_problem *p = c->view.p;
+  memcpy(c->J, p->value, c->view.at[c->view.entries] * sizeof *c->J);
+  memcpy(c->v, p->f, (size_t)c->view.nv * sizeof *c->v);
+  for (int b = 0; b < p->blocks; b++) solve_lower(c, b, 1, c->v + c->view.offset[b]);
+  for (int i = 0; i < c->view.items; i++)
+    for (int e = p->first[i]; e < p->first[i + 1]; e++) {
+      int b = p->block[e], n = p->size[b], rows = nsdae_fc_rows(p, i);
+      double *J = c->J + c->view.at[e];
+      solve_lower(c, b, rows, J);
+      nsdae_add_transposed(n, rows, 1, J, c->v + c->view.offset[b], c->q + c->view.row[i]);
+    }
+}
+
+/* Mean of the diagonal of W + C: of the global form the mean square length of the columns of J. */
+static void diagonals(nsdae_fc_global *c)
+{
+  const nsdae_friction_problem *p = c->view.p;
+  for (int i = 0; i < c->view.items; i++) {
+    int rows = nsdae_fc_rows(p, i);
+    double sum = 0;
+    for (int k = 0; k < rows && p->compliance; k++) sum += p->compliance[c->view.row[i] + k];
+    for (int e = p->first[i]; e < p->first[i + 1]; e++) {
+      const double *J = c->J + c->view.at[e], *W = p->value + c->view.at[e];
+      int n = p->form == NSDAE_FRICTION_GLOBAL ? p->size[p->block[e]] : 0;
+      if (p->form == NSDAE_FRICTION_GLOBAL)
+        for (int k = 0; k < rows; k++, J += n) sum += nsdae_dot(n, J, J);
+      else if (p->block[e] == i)
+        for (int k = 0; k < rows; k++) sum += W[k * rows + k];
+    }
+    c->d[i] = sum / rows;
+  }
+}
+
+/* The part W_ji of item i that stands in its list, or NULL. */
+static const double *find(const nsdae_fc_view *view, int i, int j)
+{
+  for (int e = view->p->first[i]; e < view->p->first[i + 1]; e++)
+    if (view->p->block[e] == j) return view->p->value + view->at[e];
+  return NULL;
+}
+
+/* |W_jk - W_kj| <= 1e-10 sqrt(d_j d_k), as rounding leaves it; a zero d needs zeros, or W would not
+ * be positive semidefinite: there the entries themselves are what is off. */
+static int check_symmetry(const nsdae_fc_global *c, nsdae_error *error)
+{
+  const nsdae_friction_problem *p = c->view.p;
+  char text[200];
+  for (int i = 0; i < c->view.items; i++)
+    for (int e = p->first[i]; e < p->first[i + 1]; e++) {
+      int j = p->block[e], ni = nsdae_fc_rows(p, i), nj = nsdae_fc_rows(p, j);
+      const double *W = p->value + c->view.at[e], *T = find(&c->view, j, i);
+      double off = 0, bound = 1e-10 * sqrt(fmax(c->d[i], 0)) * sqrt(fmax(c->d[j], 0));
+      int fixed = !(c->d[i] > 0 && c->d[j] > 0);
+      for (int k = 0; k < ni * nj; k++)
+        off = fmax(off, fabs(W[k] - (T && !fixed ? T[k % nj * ni + k / nj] : 0)));
+      if (off <= bound && c->d[i] >= 0) continue;
+      snprintf(text, sizeof text, "W of items %d and %d: off %s by %g, bound %g", i, j,
+               fixed ? "zero, as the diagonal is zero," : "symmetry", off, bound);
+      return nsdae_fc_refuse(error, NSDAE_E_ARGUMENT, "value", e, text);
+    }
+  return NSDAE_OK;
+}
+
+int nsdae_fc_touches(const nsdae_fc_global *c, int e)
+{
+  const double *value = c->view.p->value + c->view.at[e];
+  size_t n = c->view.at[e + 1] - c->view.at[e];
+  for (size_t k = 0; k < n; k++)
+    if (value[k] != 0) return 1;
+  return 0;
+}
+
+/* Sets of blocks (local form: of items) that items join. An item with compliance alone touches no
+ * block and is an island. */
+static void join_blocks(nsdae_fc_global *c)
+{
+  const nsdae_friction_problem *p = c->view.p;
+  nsdae_sets_begin(c->islands.parent, sets(c));
+  for (int i = 0; i < c->view.items; i++) {
+    int mine = p->form == NSDAE_FRICTION_LOCAL ? i : -1;
+    for (int e = p->first[i]; e < p->first[i + 1]; e++) {
+      if (!nsdae_fc_touches(c, e)) continue;
+      mine = nsdae_sets_join(c->islands.parent, mine >= 0 ? mine : p->block[e], p->block[e]);
+    }
+  }
+}
+
+static int set_of(nsdae_fc_global *c, int i)
+{
+  const nsdae_friction_problem *p = c->view.p;
+  if (p->form == NSDAE_FRICTION_LOCAL) return nsdae_sets_root(c->islands.parent, i);
+  for (int e = p->first[i]; e < p->first[i + 1]; e++)
+    if (nsdae_fc_touches(c, e)) return nsdae_sets_root(c->islands.parent, p->block[e]);
+  return -1;
+}
+
+/* Labels, in the order of the least items. Of a set that has its label, parent of the root gives
+ * way to -1 - label. */
+static void label_items(nsdae_fc_global *c)
+{
+  enum { STATIC = -2, ALONE = -1 };
+  c->islands.count = 0;
+  for (int i = 0; i < c->view.items; i++) c->islands.label[i] = c->d[i] > 0 ? set_of(c, i) : STATIC;
+  for (int i = 0; i < c->view.items; i++) {
+    int set = c->islands.label[i];
+    if (set == STATIC)
+      c->islands.label[i] = -1;
+    else if (set == ALONE || c->islands.parent[set] >= 0) {
+      c->islands.label[i] = c->islands.count++;
+      if (set >= 0) c->islands.parent[set] = -1 - c->islands.label[i];
+    } else
+      c->islands.label[i] = -1 - c->islands.parent[set];
+  }
+}
+
+/* Items by island (counting sort). */
+static void sort_items(nsdae_fc_global *c)
+{
+  for (int k = 0; k <= c->islands.count; k++) c->islands.start[k] = 0;
+  for (int i = 0; i < c->view.items; i++)
+    if (c->islands.label[i] >= 0) c->islands.start[c->islands.label[i] + 1]++;
+  for (int k = 0; k < c->islands.count; k++) c->islands.start[k + 1] += c->islands.start[k];
+  for (int i = 0; i < c->view.items; i++)
+    if (c->islands.label[i] >= 0) c->islands.member[c->islands.start[c->islands.label[i]]++] = i;
+  for (int k = c->islands.count; k > 0; k--) c->islands.start[k] = c->islands.start[k - 1];
+  c->islands.start[0] = 0;
+}
+
+/* Blocks of item i that are not yet numbered, from count on. */
+static int number_blocks_of(nsdae_fc_global *c, int i, int count, int *listed)
+{
+  const nsdae_friction_problem *p = c->view.p;
+  for (int e = p->first[i]; e < p->first[i + 1]; e++) {
+    int b = p->block[e];
+    if (!nsdae_fc_touches(c, e) || c->islands.number[b] >= 0) continue;
+    listed[count] = b;
+    c->islands.number[b] = count++;
+  }
+  return count;
+}
+
+/* Blocks in the order in which the items of their island come to them; items as they stand. */
+static void number_blocks(nsdae_fc_global *c)
+{
+  for (int b = 0; b < sets(c); b++) c->islands.number[b] = -1;
+  c->islands.listed_start[0] = 0;
+  for (int island = 0; island < c->islands.count; island++) {
+    int count = 0, from = c->islands.listed_start[island];
+    for (int k = c->islands.start[island]; k < c->islands.start[island + 1]; k++)
+      if (c->view.p->form == NSDAE_FRICTION_LOCAL)
+        c->islands.number[c->islands.member[k]] = k - c->islands.start[island];
+      else
+        count = number_blocks_of(c, c->islands.member[k], count, c->islands.listed + from);
+    c->islands.listed_start[island + 1] = from + count;
+  }
+}
+
+static int measure(nsdae_fc_global *c, nsdae_error *error)
+{
+  double s = 0;
+  c->most_d = 0;
+  for (int k = 0; k < c->view.m; k++) {
+    if (!(fabs(c->q[k]) <= DBL_MAX))
+      return nsdae_fc_refuse(error, NSDAE_E_NONFINITE, "q", k, "q = H^T M^-1 f + w overflows");
+    s = fmax(s, fabs(c->q[k]));
+  }
+  for (int i = 0; i < c->view.items; i++) {
+    if (!(fabs(c->d[i]) <= DBL_MAX))
+      return nsdae_fc_refuse(error, NSDAE_E_NONFINITE, "value", i, "the diagonal of W overflows");
+    c->most_d = fmax(c->most_d, c->d[i]);
+  }
+  c->scale = s > 0 ? s : 1;
+  return NSDAE_OK;
+}
+
+/* Exactly: its parts of H (W) and C are zeros, so that u = q whatever r is. */
+static int is_fixed(const nsdae_fc_global *c, int i)
+{
+  const nsdae_friction_problem *p = c->view.p;
+  for (int e = p->first[i]; e < p->first[i + 1]; e++)
+    if (nsdae_fc_touches(c, e)) return 0;
+  for (int k = c->view.row[i]; k < c->view.row[i + 1] && p->compliance; k++)
+    if (p->compliance[k] > 0) return 0;
+  return 1;
+}
+
+int nsdae_fc_global_blocked(const nsdae_fc_global *c)
+{
+  for (int i = 0; i < c->view.items; i++) {
+    double q = c->q[c->view.row[i]];
+    if ((i < c->view.p->contacts ? q < 0 : q != 0) && is_fixed(c, i)) return i;
+  }
+  return -1;
+}
+
+int nsdae_fc_global_fill(nsdae_fc_global *c, nsdae_error *error)
+{
+  const nsdae_friction_problem *p = c->view.p;
+  int status = NSDAE_OK, local = p->form == NSDAE_FRICTION_LOCAL;
+  nsdae_fc_view_fill(&c->view);
+  if (c->view.m > 0) memcpy(c->q, p->w, (size_t)c->view.m * sizeof *c->q);
+  if (p->blocks > 0) status = factor_masses(c, error);
+  if (status == NSDAE_OK && p->blocks > 0 && c->view.items > 0) free_velocity(c);
+  if (status != NSDAE_OK) return status;
+  diagonals(c);
+  status = measure(c, error);
+  if (status == NSDAE_OK && local) status = check_symmetry(c, error);
+  if (status != NSDAE_OK) return status;
+  join_blocks(c);
+  label_items(c);
+  sort_items(c);
+  number_blocks(c);
+  return NSDAE_OK;
+}
+
+void nsdae_fc_divide_by_mass(const nsdae_fc_global *c, int b, double *v)
+{
+  int n = c->view.p->size[b];
+  solve_lower(c, b, 1, v);
+  if (c->diagonal[b])
+    solve_lower(c, b, 1, v);
+  else
+    nsdae_la_solve_lower_transposed(n, 1, c->L + c->view.mass_at[b], n, v, n);
+}

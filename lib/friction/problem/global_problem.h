@@ -1,0 +1,56 @@
+/* A problem without its masses: with M = L L^T by blocks, J = L^-1 H and y = L^T v,
+ *
+ *   y = L^-1 f + J r,   u = J^T y + w + C r,   W = J^T J,   q = J^T L^-1 f + w
+ *
+ * The local form has y = r and J = W. */
+#ifndef NSDAE_FRICTION_GLOBAL_PROBLEM_H
+#define NSDAE_FRICTION_GLOBAL_PROBLEM_H
+
+#include "problem.h"
+
+/* Parts that share no block; items that nothing moves (d = 0) are in none. */
+typedef struct nsdae_fc_islands {
+  int count;
+  int *label;        /* items: the island, from 0; -1: none */
+  int *member;       /* items: those of island 0 in order, then those of island 1, ... */
+  int *start;        /* items + 1: where those of each island begin in member */
+  int *listed;       /* blocks: those of island 0 by their number, then those of island 1, ... */
+  int *listed_start; /* items + 1: where those of each island begin in listed */
+  int *number;       /* blocks (local form: items): their number in their island; -1: in none */
+  int *parent;       /* the same: disjoint sets */
+} nsdae_fc_islands;
+
+typedef struct nsdae_fc_global {
+  nsdae_fc_view view;
+  double *L;     /* Cholesky factors, in the layout of M */
+  int *diagonal; /* blocks: whether that of the block is, which then is inverted */
+  double *J;     /* in the layout of value */
+  double *q;     /* m */
+  double *d;     /* items: mean of the diagonal entries of W + C */
+  double *v;     /* nv: work of the certificate */
+  double *low;   /* nv: the same */
+  double *r;     /* m: the answer, until it is handed over */
+  double *r_low; /* m: what that does not hold of it */
+  double *u;     /* m: velocities of a point on the way to it */
+  double scale;  /* max |q|; 1 where that is zero */
+  double most_d; /* max d */
+  nsdae_fc_islands islands;
+} nsdae_fc_global;
+
+/* Takes the arrays for the problem in whole->view.p, which has been checked. */
+void nsdae_fc_global_layout(void *whole, nsdae_arena *arena);
+
+/* Fills them; status as of nsdae_friction_check. */
+int nsdae_fc_global_fill(nsdae_fc_global *whole, nsdae_error *error);
+
+/* Whether part e of the whole is not all zeros. One of zeros joins nothing: its block may be
+ * another island's. */
+int nsdae_fc_touches(const nsdae_fc_global *whole, int e);
+
+/* An item that nothing moves and whose velocity its law forbids; -1 where there is none. */
+int nsdae_fc_global_blocked(const nsdae_fc_global *whole);
+
+/* v := M^-1 v of block b. */
+void nsdae_fc_divide_by_mass(const nsdae_fc_global *whole, int b, double *v);
+
+#endif

@@ -1,0 +1,321 @@
+#include "scaled_island.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "cone.h"
+#include "one_contact.h"
+#include "double_double.h"
+#include "vector.h"
+
+/* Whether part e of item i is the island's: not all zeros, or, in the local form, its own. */
+static int belongs(const nsdae_fc_scaled *c, int i, int e)
+{
+  int own = c->local && c->global->view.p->block[e] == i;
+  return own || nsdae_fc_touches(c->global, e);
+}
+
+/* Sizes of the island. A block comes for the first time where its number is that of the blocks so
+ * far: so they are numbered. */
+static void count(nsdae_fc_scaled *c)
+{
+  const nsdae_fc_global *w = c->global;
+  const nsdae_friction_problem *p = w->view.p;
+  c->n = w->islands.start[c->label + 1] - w->islands.start[c->label];
+  c->parts.entries = c->blocks = c->ny = 0;
+  c->parts.values = 0;
+  for (int k = 0; k < c->n; k++) {
+    int i = nsdae_fc_member(c, k);
+    for (int e = p->first[i]; e < p->first[i + 1]; e++) {
+      int b = p->block[e];
+      if (!belongs(c, i, e)) continue;
+      c->parts.entries++;
+      c->parts.values += 3 * (size_t)(c->local ? 3 : p->size[b]);
+      if (c->local || w->islands.number[b] != c->blocks) continue;
+      c->blocks++;
+      c->ny += p->size[b];
+    }
+  }
+  if (c->local) c->blocks = c->n, c->ny = 3 * c->n;
+}
+
+void nsdae_fc_layout(void *object, nsdae_arena *arena)
+{
+  nsdae_fc_scaled *c = object;
+  const nsdae_friction_problem *p = c->global->view.p;
+  c->local = p->form == NSDAE_FRICTION_LOCAL;
+  c->all_listed =
+      (double)c->global->view.entries >= (double)c->global->view.items * c->global->view.items;
+  count(c);
+  int n = c->n;
+  c->items.item = NSDAE_ARENA_INTS(arena, n);
+  c->items.kind = NSDAE_ARENA_INTS(arena, n);
+  c->items.mu = NSDAE_ARENA_DOUBLES(arena, n);
+  c->items.size = NSDAE_ARENA_DOUBLES(arena, n);
+  c->items.weight = NSDAE_ARENA_DOUBLES(arena, n);
+  c->items.rho = NSDAE_ARENA_DOUBLES(arena, n);
+  c->items.factor = NSDAE_ARENA_DOUBLES(arena, n);
+  c->items.turn = NSDAE_ARENA_DOUBLES(arena, 2L * n);
+  c->items.q = NSDAE_ARENA_DOUBLES(arena, 3L * n);
+  c->items.C = NSDAE_ARENA_DOUBLES(arena, 3L * n);
+  c->items.D = NSDAE_ARENA_DOUBLES(arena, 9L * n);
+  c->items.S = NSDAE_ARENA_DOUBLES(arena, 9L * n);
+  c->parts.first = NSDAE_ARENA_INTS(arena, n + 1L);
+  c->parts.block = NSDAE_ARENA_INTS(arena, c->parts.entries);
+  c->parts.at = nsdae_arena_take(arena, c->parts.entries + 1L, sizeof(size_t));
+  c->parts.J = NSDAE_ARENA_DOUBLES(arena, c->parts.values);
+  c->parts.size = NSDAE_ARENA_INTS(arena, c->blocks);
+  c->parts.offset = NSDAE_ARENA_INTS(arena, c->blocks + 1L);
+  c->r = NSDAE_ARENA_DOUBLES(arena, 3L * n);
+  c->u = NSDAE_ARENA_DOUBLES(arena, 3L * n);
+  c->low = NSDAE_ARENA_DOUBLES(arena, c->ny);
+  c->y = c->local ? c->r : NSDAE_ARENA_DOUBLES(arena, c->ny);
+}
+
+/* The power of two nearest by ratio, x > 0. */
+static double power_of_two(double x)
+{
+  int exponent;
+  double part = frexp(x, &exponent); /* in [1/2, 1) */
+  return ldexp(1, part * part < 0.5 ? exponent - 1 : exponent);
+}
+
+/* e of item number k of the whole */
+static double size_of(const nsdae_fc_scaled *c, int i)
+{
+  return power_of_two(sqrt(c->global->d[i] / c->largest));
+}
+
+static void fill_item(nsdae_fc_scaled *c, int k, int i, double s)
+{
+  const nsdae_fc_global *w = c->global;
+  const nsdae_friction_problem *p = w->view.p;
+  int rows = nsdae_fc_rows(p, i), row = w->view.row[i];
+  double size = size_of(c, i);
+  c->items.item[k] = i;
+  c->items.size[k] = size;
+  c->items.mu[k] = i < p->contacts && rows > 1 ? p->mu[i] : 0;
+  c->items.kind[k] = i >= p->contacts     ? NSDAE_FC_BILATERAL
+                     : c->items.mu[k] > 0 ? NSDAE_FC_CONE
+                                          : NSDAE_FC_NORMAL;
+  c->items.rho[k] = w->d[i] / c->largest / size / size;
+  c->items.weight[k] = size * (s / w->scale);
+  c->items.factor[k] = s / size / c->largest;
+  for (int j = 0; j < 3; j++) {
+    int has = j < rows;
+    c->items.C[3 * k + j] =
+        has && p->compliance ? p->compliance[row + j] / c->largest / size / size : 0;
+  }
+}
+
+static void fill_sizes(nsdae_fc_scaled *c)
+{
+  const nsdae_fc_global *w = c->global;
+  const nsdae_friction_problem *p = w->view.p;
+  for (int k = 0; k < c->n; k++)
+    for (int e = p->first[c->items.item[k]]; e < p->first[c->items.item[k] + 1]; e++)
+      if (belongs(c, c->items.item[k], e))
+        c->parts.size[w->islands.number[p->block[e]]] = c->local ? 3 : p->size[p->block[e]];
+  for (int b = 0; b < c->blocks && c->local; b++) c->parts.size[b] = 3;
+  c->parts.offset[0] = 0;
+  for (int b = 0; b < c->blocks; b++)
+    c->parts.offset[b + 1] = c->parts.offset[b] + c->parts.size[b];
+}
+
+/* J' = J / (e sqrt(D)) of part e of the whole; local: W' = W / (e_i e_j D). */
+static void fill_part(const nsdae_fc_scaled *c, int k, int e, double *J)
+{
+  const nsdae_fc_global *w = c->global;
+  const nsdae_friction_problem *p = w->view.p;
+  int i = c->items.item[k], b = p->block[e], rows = nsdae_fc_rows(p, i);
+  int n = c->local ? 3 : p->size[b], have = c->local ? nsdae_fc_rows(p, b) : n;
+  const double *from = (c->local ? p->value : w->J) + w->view.at[e];
+  double scale = 1 / c->items.size[k];
+  scale /= c->local ? size_of(c, b) * c->largest : sqrt(c->largest);
+  if (rows < 3 || have < n) memset(J, 0, 3 * (size_t)n * sizeof *J);
+  for (int j = 0; j < rows; j++)
+    for (int l = 0; l < have; l++) J[j * n + l] = scale * from[j * have + l];
+}
+
+static void fill_parts(nsdae_fc_scaled *c)
+{
+  const nsdae_friction_problem *p = c->global->view.p;
+  int f = 0;
+  c->parts.at[0] = 0;
+  c->parts.first[0] = 0;
+  for (int k = 0; k < c->n; k++) {
+    int i = c->items.item[k];
+    for (int e = p->first[i]; e < p->first[i + 1]; e++) {
+      int b = c->global->islands.number[p->block[e]];
+      if (!belongs(c, i, e)) continue;
+      c->parts.block[f] = b;
+      c->parts.at[f + 1] = c->parts.at[f] + 3 * (size_t)c->parts.size[b];
+      fill_part(c, k, e, c->parts.J + c->parts.at[f]);
+      f++;
+    }
+    c->parts.first[k + 1] = f;
+  }
+}
+
+/* Symmetric part of W_kk of the local form */
+static void add_listed(const double *W, double *D)
+{
+  for (int j = 0; j < 3; j++)
+    for (int l = 0; l < 3; l++) D[3 * j + l] += (W[3 * j + l] + W[3 * l + j]) / 2;
+}
+
+/* D += J^T J */
+static void add_square(int n, const double *J, double *D)
+{
+  for (int j = 0; j < 3; j++)
+    for (int l = 0; l <= j; l++) D[3 * j + l] += nsdae_dot(n, J + j * n, J + l * n);
+}
+
+static void diagonal(nsdae_fc_scaled *c, int k)
+{
+  double *D = c->items.D + 9 * (size_t)k;
+  memset(D, 0, 9 * sizeof *D);
+  for (int j = 0; j < 3; j++) D[4 * j] = c->items.C[3 * k + j];
+  for (int e = c->parts.first[k]; e < c->parts.first[k + 1]; e++)
+    if (!c->local)
+      add_square(c->parts.size[c->parts.block[e]], nsdae_fc_part(c, e), D);
+    else if (c->parts.block[e] == k)
+      add_listed(nsdae_fc_part(c, e), D);
+  D[1] = D[3], D[2] = D[6], D[5] = D[7];
+}
+
+static double finite_part(double x)
+{
+  return isfinite(x) ? x : 0;
+}
+
+void nsdae_fc_fill(nsdae_fc_scaled *c, const double *r)
+{
+  const nsdae_fc_global *w = c->global;
+  c->largest = power_of_two(sqrt(w->most_d));
+  c->largest *= c->largest;
+  const double s = power_of_two(w->scale);
+  for (int k = 0; k < c->n; k++) fill_item(c, k, nsdae_fc_member(c, k), s);
+  nsdae_fc_gather(c, w->q, c->items.q);
+  fill_sizes(c);
+  fill_parts(c);
+  for (int k = 0; k < c->n; k++) {
+    int rows = nsdae_fc_rows(w->view.p, c->items.item[k]), row = w->view.row[c->items.item[k]];
+    double *D = c->items.D + 9 * (size_t)k, *S = c->items.S + 9 * (size_t)k;
+    diagonal(c, k);
+    nsdae_fc_invert(D, S);
+    memcpy(S + 6, D, 3 * sizeof *S);
+    nsdae_fc_turn_matrix(D, c->items.turn + 2 * k);
+    for (int j = 0; j < 3; j++)
+      c->r[3 * k + j] = j < rows ? finite_part(r[row + j] / c->items.factor[k]) : 0;
+  }
+}
+
+void nsdae_fc_scatter(const nsdae_fc_scaled *c, const double *from, double *r)
+{
+  const nsdae_fc_global *w = c->global;
+  for (int k = 0; k < c->n; k++)
+    for (int j = 0; j < nsdae_fc_rows(w->view.p, c->items.item[k]); j++)
+      r[w->view.row[c->items.item[k]] + j] = c->items.factor[k] * from[3 * k + j];
+}
+
+void nsdae_fc_gather(const nsdae_fc_scaled *c, const double *u, double *to)
+{
+  const nsdae_fc_global *w = c->global;
+  const double s = power_of_two(w->scale);
+  for (int k = 0; k < c->n; k++) {
+    int i = c->items.item[k], rows = nsdae_fc_rows(w->view.p, i);
+    for (int j = 0; j < 3; j++)
+      to[3 * k + j] = j < rows ? u[w->view.row[i] + j] / s / c->items.size[k] : 0;
+  }
+}
+
+/* y = J r */
+NSDAE_INLINED void sum_parts(const nsdae_fc_scaled *c, const double *r, double *y)
+{
+  memset(y, 0, (size_t)c->ny * sizeof *y);
+  memset(c->low, 0, (size_t)c->ny * sizeof *y);
+  for (int k = 0; k < c->n; k++)
+    for (int e = c->parts.first[k]; e < c->parts.first[k + 1]; e++) {
+      int at = c->parts.offset[c->parts.block[e]];
+      nsdae_dd_add_product(c->parts.size[c->parts.block[e]], 3, nsdae_fc_part(c, e), r + 3 * k,
+                           y + at, c->low + at);
+    }
+  for (int i = 0; i < c->ny; i++) y[i] += c->low[i];
+}
+
+NSDAE_DD_DISPATCH(sum_impulses, sum_parts, (const nsdae_fc_scaled *c, const double *r, double *y),
+                  (c, r, y))
+
+/* u = J^T y of item k, and whole: + q + C r; in the local form the sum is that of impulses */
+static void relative_velocity(const nsdae_fc_scaled *c, int k, int whole, const double *r,
+                              const double *y, double *u)
+{
+  for (int j = 0; j < 3; j++) {
+    double high = whole ? c->items.q[3 * k + j] : 0, low = 0;
+    if (whole) nsdae_dd_add(c->items.C[3 * k + j], r[3 * k + j], &high, &low);
+    for (int e = c->parts.first[k]; e < c->parts.first[k + 1]; e++) {
+      int n = c->parts.size[c->parts.block[e]];
+      const double *J = nsdae_fc_part(c, e) + j * n, *part = y + c->parts.offset[c->parts.block[e]];
+      if (!c->local)
+        high += nsdae_dot(n, J, part);
+      else
+        for (int l = 0; l < n; l++) nsdae_dd_add(J[l], part[l], &high, &low);
+    }
+    u[3 * k + j] = high + low;
+  }
+}
+
+void nsdae_fc_velocities(const nsdae_fc_scaled *c, const double *r, double *y, double *u)
+{
+  if (!c->local) sum_impulses(c, r, y);
+  for (int k = 0; k < c->n; k++) relative_velocity(c, k, 1, r, c->local ? r : y, u);
+}
+
+void nsdae_fc_response(const nsdae_fc_scaled *c, const double *dr, double *dy, double *du)
+{
+  if (!c->local) sum_impulses(c, dr, dy);
+  for (int k = 0; k < c->n; k++) relative_velocity(c, k, 0, dr, c->local ? dr : dy, du);
+}
+
+void nsdae_fc_shift(const nsdae_fc_scaled *c, double *shift)
+{
+  for (int k = 0; k < c->n; k++) shift[k] = nsdae_fc_slip(c, k);
+}
+
+void nsdae_fc_impulse(const nsdae_fc_scaled *c, int k, const double *r, double x[3], double low[3])
+{
+  for (int j = 0; j < 3; j++) {
+    x[j] = c->base.high[3 * k + j];
+    low[j] = c->base.low[3 * k + j];
+    nsdae_dd_add(1, r[3 * k + j], x + j, low + j);
+  }
+}
+
+/* Of item k where r is in two parts: K is a cone, and so r need not be scaled. */
+static double item_residual_twice(const nsdae_fc_scaled *c, int k, const double *r, const double *u)
+{
+  double x[3], low[3], y[3], rho = c->items.rho[k];
+  nsdae_fc_impulse(c, k, r, x, low);
+  for (int j = 0; j < 3; j++) y[j] = u[3 * k + j] / rho;
+  return rho * nsdae_fc_natural(c->items.kind[k], c->items.mu[k], x, low, y);
+}
+
+static double item_residual(const nsdae_fc_scaled *c, int k, const double *r, const double *u)
+{
+  double x[3], rho = c->items.rho[k];
+  if (c->base.high) return item_residual_twice(c, k, r, u);
+  for (int j = 0; j < 3; j++) x[j] = rho * r[3 * k + j];
+  return nsdae_fc_natural(c->items.kind[k], c->items.mu[k], x, NULL, u + 3 * k);
+}
+
+double nsdae_fc_residual(const nsdae_fc_scaled *c, const double *r, const double *u)
+{
+  double most = 0;
+  for (int k = 0; k < c->n; k++) {
+    double one = c->items.weight[k] * item_residual(c, k, r, u);
+    if (!(one <= most)) most = one;
+    if (most != most) return NAN;
+  }
+  return most;
+}

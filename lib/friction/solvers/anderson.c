@@ -1,0 +1,131 @@
+#include "anderson.h"
+
+#include <string.h>
+
+#include "lanes.h"
+#include "block_sweep.h"
+
+enum { WINDOW = NSDAE_FC_WINDOW };
+
+/* |f|^2 of a sweep to that of the one before, above which the method begins anew: some growth
+ * passes. */
+static const double GROWN = 2;
+
+/* A column that those before it make up to so much of its square says nothing new. */
+static const double DEPENDENT = 1e-10;
+
+void nsdae_fc_anderson_layout(nsdae_fc_anderson *s, const nsdae_fc_scaled *c, nsdae_arena *arena)
+{
+  long n = 3L * c->n, ny = c->local ? 0 : c->ny;
+  s->before = NSDAE_ARENA_DOUBLES(arena, n);
+  s->f = NSDAE_ARENA_DOUBLES(arena, n);
+  s->g = NSDAE_ARENA_DOUBLES(arena, n);
+  s->y = NSDAE_ARENA_DOUBLES(arena, ny);
+  s->F = NSDAE_ARENA_DOUBLES(arena, WINDOW * n);
+  s->G = NSDAE_ARENA_DOUBLES(arena, WINDOW * n);
+  s->Y = NSDAE_ARENA_DOUBLES(arena, WINDOW * ny);
+}
+
+void nsdae_fc_anderson_begin(nsdae_fc_anderson *s)
+{
+  s->held = s->next = s->begun = 0;
+}
+
+double nsdae_fc_anderson_sweep(nsdae_fc_anderson *s, nsdae_fc_scaled *c, double *slip)
+{
+  memcpy(s->before, c->r, 3 * (size_t)c->n * sizeof *c->r);
+  return nsdae_fc_sweep(c, 1, slip);
+}
+
+NSDAE_INLINED double *column(double *A, int rows, int k)
+{
+  return A + (size_t)k * (size_t)rows;
+}
+
+/* to := now - before,  before := now */
+NSDAE_INLINED void take_difference(int n, const double *now, double *before, double *to)
+{
+  nsdae_lanes_subtract(n, now, before, to);
+  memcpy(before, now, (size_t)n * sizeof *to);
+}
+
+/* x -= A c */
+NSDAE_INLINED void subtract(int n, double *A, int held, const double *c, double *x)
+{
+  for (int k = 0; k < held; k++) nsdae_lanes_add(n, -c[k], column(A, n, k), x);
+}
+
+/* The differences between this sweep, which changed r by f, and the one before. */
+NSDAE_INLINED void remember(nsdae_fc_anderson *s, const nsdae_fc_scaled *c, const double *f)
+{
+  int n = 3 * c->n, ny = c->local ? 0 : c->ny, j = s->next;
+  double *F = column(s->F, n, j);
+  take_difference(n, f, s->f, F);
+  take_difference(n, c->r, s->g, column(s->G, n, j));
+  take_difference(ny, c->y, s->y, column(s->Y, ny, j));
+  if (s->held < WINDOW) s->held++;
+  s->next = (j + 1) % WINDOW;
+  for (int k = 0; k < s->held; k++)
+    s->gram[j * WINDOW + k] = s->gram[k * WINDOW + j] = nsdae_lanes_dot(n, column(s->F, n, k), F);
+}
+
+/* x := A^-1 x of A positive semidefinite, of which it keeps no more than it must: what depends on
+ * the columns before has no part (LDL^T without exchanges). */
+static void solve_gram(int m, const double *gram, double *x)
+{
+  double A[WINDOW * WINDOW];
+  memcpy(A, gram, sizeof A);
+  for (int k = 0; k < m; k++) {
+    double pivot = A[k * WINDOW + k];
+    int use = pivot > DEPENDENT * gram[k * WINDOW + k];
+    for (int i = k + 1; i < m; i++) {
+      double by = use ? A[i * WINDOW + k] / pivot : 0;
+      for (int j = k + 1; j < m; j++) A[i * WINDOW + j] -= by * A[k * WINDOW + j];
+      x[i] -= by * x[k];
+    }
+    A[k * WINDOW + k] = use ? pivot : 0;
+  }
+  for (int k = m - 1; k >= 0; k--) {
+    for (int j = k + 1; j < m; j++) x[k] -= A[k * WINDOW + j] * x[j];
+    x[k] = A[k * WINDOW + k] > 0 ? x[k] / A[k * WINDOW + k] : 0;
+  }
+}
+
+NSDAE_INLINED void extrapolate_lanes(nsdae_fc_anderson *s, nsdae_fc_scaled *c)
+{
+  int n = 3 * c->n, ny = c->local ? 0 : c->ny;
+  double *f = s->before, product[WINDOW];
+  nsdae_lanes_subtract(n, c->r, f, f);
+  double square = nsdae_lanes_dot(n, f, f);
+  if (s->begun && square <= GROWN * s->square) {
+    remember(s, c, f);
+  } else {
+    s->held = s->next = 0;
+    memcpy(s->f, f, (size_t)n * sizeof *f);
+    memcpy(s->g, c->r, (size_t)n * sizeof *f);
+    memcpy(s->y, c->y, (size_t)ny * sizeof *f);
+  }
+  s->begun = 1;
+  s->square = square;
+  s->left = 1;
+  if (s->held == 0) return;
+  for (int k = 0; k < s->held; k++)
+    s->share[k] = product[k] = nsdae_lanes_dot(n, column(s->F, n, k), f);
+  solve_gram(s->held, s->gram, s->share);
+  for (int k = 0; k < s->held; k++) s->left -= s->share[k] * product[k] / square;
+  subtract(n, s->G, s->held, s->share, c->r);
+  subtract(ny, s->Y, s->held, s->share, c->y);
+}
+
+NSDAE_DISPATCH("avx2", extrapolate, extrapolate_lanes, (nsdae_fc_anderson * s, nsdae_fc_scaled *c),
+               (s, c))
+
+void nsdae_fc_anderson_extrapolate(nsdae_fc_anderson *s, nsdae_fc_scaled *c)
+{
+  extrapolate(s, c);
+}
+
+void nsdae_fc_anderson_leave(nsdae_fc_anderson *s, const nsdae_fc_scaled *c)
+{
+  subtract(3 * c->n, s->F, s->held, s->share, s->before);
+}

@@ -1,0 +1,84 @@
+/* Nonlinear block Gauss-Seidel (Moreau 1999; Jourdan, Alart, Jean, Comput. Methods Appl. Mech. Eng.
+ * 155 (1998) 31): each contact is solved exactly in turn, the others fixed. First with Anderson's
+ * extrapolation (anderson.h) and ratio steps (ratio_step.h); once these stagnate, without. */
+#include <math.h>
+#include <string.h>
+
+#include "block_sweep.h"
+#include "ratio_step.h"
+#include "solver_contract.h"
+
+/* Sweeps between two evaluations of the residual, each of which costs two sweeps. */
+enum { BETWEEN = 40 };
+
+/* Share of the sweeps that the plain phase may do without halving the residual. */
+static const double IDLE = 0.5;
+
+/* Sweeps that the budget still allows. */
+static double left(const nsdae_fc_iterate *it, const nsdae_fc_budget *b)
+{
+  return fmin((double)(b->sweeps - it->work.sweeps), (b->products - it->work.products) / 2);
+}
+
+static double evaluate(nsdae_fc_island *s, nsdae_fc_iterate *it)
+{
+  nsdae_fc_velocities(&s->fc, s->fc.r, s->fc.y, s->fc.u);
+  return nsdae_fc_offer(s, it);
+}
+
+/* Whether a change that was halved in so many sweeps and no more since does not get to tol in the
+ * sweeps that are left. */
+static int stagnates(double change, double since, double tol, double sweeps_left)
+{
+  return since * log2(fmax(2, change / tol)) > sweeps_left;
+}
+
+/* Ends if the change of a sweep does not fall fast enough, or the extrapolation leads to none. */
+static int accelerated(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_budget *b)
+{
+  double mark = INFINITY;
+  int seen = 0, evaluated = 0, since = 0;
+  nsdae_fc_anderson_begin(&s->anderson);
+  for (int done = 1; nsdae_fc_spend_sweep(s, it, b); done++, since++) {
+    double change = nsdae_fc_anderson_sweep(&s->anderson, &s->fc, s->slip);
+    if (nsdae_fc_sweep_arrived(&s->fc, b->tol, &seen) || done - evaluated >= BETWEEN) {
+      if (evaluate(s, it) <= b->tol) return 1;
+      evaluated = done;
+    }
+    if (change <= 0.5 * mark) mark = change, since = 0;
+    if (!(change > 0) || left(it, b) < 1 || stagnates(mark, since, b->tol, left(it, b))) break;
+    nsdae_fc_anderson_extrapolate(&s->anderson, &s->fc);
+    nsdae_fc_ratio_step(&s->anderson, &s->fc);
+  }
+  return evaluate(s, it) <= b->tol;
+}
+
+/* From the best point on. Extrapolation goes astray where many contacts slide; plain sweeps get on,
+ * slowly. */
+static int plain(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_budget *b)
+{
+  double mark = it->residual, idle = 0, most = IDLE * left(it, b), change = 1;
+  nsdae_fc_go_to(s, it->r);
+  nsdae_fc_sweep_begin(&s->fc);
+  while (idle <= most && change > 0) {
+    for (int k = 0; k < BETWEEN; k++) {
+      if (!nsdae_fc_spend_sweep(s, it, b)) return 0;
+      change = nsdae_fc_sweep(&s->fc, 1, s->slip);
+    }
+    if (evaluate(s, it) <= b->tol) return 1;
+    idle += BETWEEN;
+    if (it->residual <= 0.5 * mark) mark = it->residual, idle = 0;
+  }
+  return 0;
+}
+
+int nsdae_fc_nsgs(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_budget *b)
+{
+  int seen = 0;
+  memset(s->slip, 0, (size_t)s->fc.n * sizeof *s->slip);
+  memcpy(s->fc.r, it->r, nsdae_fc_bytes(s));
+  nsdae_fc_sweep_begin(&s->fc);
+  if (nsdae_fc_sweep_arrived(&s->fc, b->tol, &seen) && evaluate(s, it) <= b->tol) return 1;
+  (void)(accelerated(s, it, b) || plain(s, it, b));
+  return it->residual <= b->tol;
+}

@@ -1,0 +1,20 @@
+/* The memory of the interior point for the second-order cone problem with s fixed. */
+#ifndef NSDAE_FRICTION_SOCP_INTERIOR_POINT_H
+#define NSDAE_FRICTION_SOCP_INTERIOR_POINT_H
+
+#include "newton_step.h"
+
+typedef struct nsdae_fc_socp {
+  double *shift;   /* n: of u_N */
+  double *a, *b;   /* 3 n: r and u + shift e_N in rows where both cones are the second-order one */
+  double *da, *db; /* 3 n: a step */
+  double *aim;     /* 3 n: what db + W^2 da is to be */
+  double *root;    /* 3 n: eigenvalues of W, along (1, axis), (1, -axis) and across them */
+  double *axis;    /* 2 n: in the tangential plane */
+  double *gap;     /* 3 n: velocities of r, less those that b is */
+  double *end;     /* 3 n: where the last run ended */
+} nsdae_fc_socp;
+
+void nsdae_fc_socp_layout(nsdae_fc_socp *socp, const nsdae_fc_scaled *fc, nsdae_arena *arena);
+
+#endif
