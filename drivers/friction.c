@@ -69,7 +69,7 @@ static void print_usage(void)
   fputs("     ", stdout);
   tool_print_stages(NSDAE_FRICTION_ALL, nsdae_friction_stage_name);
   puts("  --cold             begins at zero, not at the guess that the file may hold\n"
-       "  --twice            a solution in two parts, r + low, where r alone does not hold one\n"
+       "  --twice            a double-double solution, r + low, if r alone is none\n"
        "  --solution FILE    writes r, one number a line, three (two, one) lines a contact; with\n"
        "                     --twice two numbers, r and low\n"
        "  --output FILE      writes the problem and its solution, in the layout of FCLIB\n"
@@ -172,7 +172,7 @@ static void print_certificate(const job *j, const nsdae_friction_info *info, con
   printf("time: %.3g s\n", seconds);
 }
 
-/* r as text; in two parts a column for each. */
+/* r as text; low is a second column. */
 static int write_text(const job *j, const point *at)
 {
   FILE *stream = fopen(j->solution, "w");

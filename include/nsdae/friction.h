@@ -167,7 +167,7 @@ NSDAE_API int nsdae_friction_solve(const nsdae_friction_problem *problem,
 NSDAE_API int nsdae_friction_residual(const nsdae_friction_problem *problem, const double *r,
                                       double *u, double *residual);
 
-/* nsdae_friction_solve for a solution in two parts, r + low, where doubles alone hold none: where
+/* nsdae_friction_solve for a double-double solution, r + low, if doubles alone hold none: where
  * bodies differ in mass by 1e6 and more, impulses x = r d_c / s (see nsdae_friction_residual) get
  * as large, their last digit 1e-10, and no r of doubles has a residual of 1e-12.
  *

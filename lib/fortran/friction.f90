@@ -194,7 +194,7 @@ contains
     status = c_solve(problem_to_c(problem), options, r, u, info)
   end function
 
-  ! The same for a solution in two parts, r + low, where doubles alone hold none; low has an entry for
+  ! The same for a double-double solution, r + low, if doubles alone hold none; low has an entry for
   ! each row, too: out, what r does not hold, zero where r alone is a solution. The certificate is that
   ! of r + low; with NSDAE_E_INFEASIBLE low is as it was. NSDAE_E_ARGUMENT also where low is too short.
   integer(c_int) function nsdae_friction_solve_twice(problem, r, low, u, options, info) result(status)

@@ -174,7 +174,8 @@ int nsdae_merged_report(const nsdae_sim *sim, const nsdae_point *before, nsdae_p
   const nsdae_world *world = sim->stepper.world;
   const nsdae_terms *T = &before->result.end;
   merged most = {0, -1, -1};
-  if (r->located || r->impacts == 0 || !(world || r->problem)) return NSDAE_OK;
+  if (r->located || r->counters.fallbacks > 0 || r->impacts == 0) return NSDAE_OK;
+  if (!world && !r->problem) return NSDAE_OK;
   const closed_ones c = {world ? NULL : r->problem, world ? &world->home->by.normal : NULL,
                          &sim->model.blocks, T->M, T->F};
   for (int p = 0; p < r->impacts; p++) {

@@ -77,7 +77,7 @@ static int prepare(nsdae_friction_solver *s, const nsdae_friction_problem *p, ns
   return nsdae_fc_global_fill(&s->global, error);
 }
 
-/* What is to be said of the whole: the last stage that an island took, the sum of the work. */
+/* The info of the whole problem: the largest stage of its islands, the sum of their work. */
 static void merge(nsdae_friction_info *whole, const nsdae_friction_info *one)
 {
   whole->islands++;

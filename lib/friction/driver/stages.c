@@ -29,7 +29,7 @@ static const double DOUBT = 8;
  * times as many. */
 static const double WORK = 1.5e9, EACH = 2e4;
 
-/* Each round of the solvers that improve an iterate may take so many times as much as the one
+/* Each round of the solvers that improve an iterate may take GROWTH times as much as the one
  * before: what a shorter round cost again is at most a third. */
 static const double GROWTH = 4;
 
@@ -114,7 +114,8 @@ static int guessed_small(const nsdae_fc_run *run)
 }
 
 /* Tolerances that sweeps are likely to reach. To others they only find which contacts are open,
- * stick and slide: Newton's method then converges to rounding, so that what rests has no velocity.
+ * stick and slide: Newton's method then converges to rounding, so that bodies at rest have no
+ * velocity.
  */
 static int rough(const nsdae_fc_run *run)
 {

@@ -97,7 +97,7 @@ void nsdae_fc_turn_matrix(double *D, double *by)
   D[5] = D[7] = 0;
 }
 
-/* Adjugate over determinant, pivot by pivot: each is what is left of its diagonal entry, and keeps
+/* Adjugate over determinant, pivot by pivot: each is the rest of its diagonal entry, and keeps
  * ten digits where it is no less than 1e-6 of it. */
 void nsdae_fc_invert(const double *D, double *S)
 {

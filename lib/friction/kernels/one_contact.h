@@ -1,4 +1,4 @@
-/* One contact with Coulomb's law, u = D r + q, solved by itself. */
+/* One contact with Coulomb's law, u = D r + q, solved alone. */
 #ifndef NSDAE_FRICTION_ONE_CONTACT_H
 #define NSDAE_FRICTION_ONE_CONTACT_H
 

@@ -1,5 +1,5 @@
 /* What a point is worth: its velocities and its residual, from the data as given. Impulses may be
- * in two parts, r + low: what one double an entry does not hold (low NULL: zero). */
+ * double-double, r + low, low being the trailing part (NULL: zero). */
 #ifndef NSDAE_FRICTION_FRICTION_CERTIFICATE_H
 #define NSDAE_FRICTION_FRICTION_CERTIFICATE_H
 

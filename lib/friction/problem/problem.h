@@ -17,7 +17,7 @@ typedef struct nsdae_fc_view {
   size_t *at;       /* entries + 1: of value */
 } nsdae_fc_view;
 
-/* Checks all that the public header asks of a problem but for M and the symmetry of W. */
+/* Checks all that the public header asks of a problem, except of M and of the symmetry of W. */
 int nsdae_fc_problem_check(const nsdae_friction_problem *p, nsdae_error *error);
 
 /* Takes the arrays for the problem in view->p, which has been checked; fills them. */

@@ -292,7 +292,7 @@ void nsdae_fc_impulse(const nsdae_fc_scaled *c, int k, const double *r, double x
   }
 }
 
-/* Of item k where r is in two parts: K is a cone, and so r need not be scaled. */
+/* Of item k of a double-double r: K is a cone, and so r need not be scaled. */
 static double item_residual_twice(const nsdae_fc_scaled *c, int k, const double *r, const double *u)
 {
   double x[3], low[3], y[3], rho = c->items.rho[k];

@@ -89,7 +89,7 @@ void nsdae_fc_gather(const nsdae_fc_scaled *fc, const double *u, double *to);
 /* y and u of the point r [3 n]; y may be fc->y (in the local form it is not touched). */
 void nsdae_fc_velocities(const nsdae_fc_scaled *fc, const double *r, double *y, double *u);
 
-/* By how much dr [3 n] changes them, but for its compliance. */
+/* By how much dr [3 n] changes them, without its compliance. */
 void nsdae_fc_response(const nsdae_fc_scaled *fc, const double *dr, double *dy, double *du);
 
 /* Largest entry of the natural map, weighted: the residual of the public header. */
@@ -98,7 +98,7 @@ double nsdae_fc_residual(const nsdae_fc_scaled *fc, const double *r, const doubl
 /* The shift of the point whose velocities are fc->u: mu |u_T| of each item [n]. */
 void nsdae_fc_shift(const nsdae_fc_scaled *fc, double *shift);
 
-/* r of item k with the base, in two parts. */
+/* r of item k with the base, leading and trailing part. */
 void nsdae_fc_impulse(const nsdae_fc_scaled *fc, int k, const double *r, double x[3],
                       double low[3]);
 

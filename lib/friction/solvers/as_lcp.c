@@ -40,8 +40,8 @@ static void count(nsdae_fc_as_lcp *s, const nsdae_fc_scaled *fc)
   }
 }
 
-/* Room goes with the number of items, not with what they are: a solver that has memory for so many
- * has it for these. */
+/* Room goes with the number of items, not with what they are: a solver that has memory for their
+ * number has it for these. */
 void nsdae_fc_as_lcp_layout(nsdae_fc_as_lcp *s, const nsdae_fc_scaled *fc, nsdae_arena *arena)
 {
   int n = 4 * fc->n < LARGEST ? 4 * fc->n : LARGEST,

@@ -19,7 +19,7 @@ typedef struct nsdae_fc_as_lcp {
   int lwork, liwork;
 } nsdae_fc_as_lcp;
 
-/* Takes the arrays for an island of so many items; fc has its numbers. */
+/* Takes the arrays for the island fc. */
 void nsdae_fc_as_lcp_layout(nsdae_fc_as_lcp *s, const nsdae_fc_scaled *fc, nsdae_arena *arena);
 
 #endif

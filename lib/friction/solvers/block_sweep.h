@@ -1,4 +1,4 @@
-/* Block Gauss-Seidel: one item after the other solved by itself, the others held. */
+/* Block Gauss-Seidel: one item after the other is solved, the others fixed. */
 #ifndef NSDAE_FRICTION_BLOCK_SWEEP_H
 #define NSDAE_FRICTION_BLOCK_SWEEP_H
 

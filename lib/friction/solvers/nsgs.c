@@ -11,9 +11,6 @@
 /* Sweeps between two evaluations of the residual, each of which costs two sweeps. */
 enum { BETWEEN = 40 };
 
-/* Share of the sweeps that the plain phase may do without halving the residual. */
-static const double IDLE = 0.5;
-
 /* Sweeps that the budget still allows. */
 static double left(const nsdae_fc_iterate *it, const nsdae_fc_budget *b)
 {
@@ -26,8 +23,8 @@ static double evaluate(nsdae_fc_island *s, nsdae_fc_iterate *it)
   return nsdae_fc_offer(s, it);
 }
 
-/* Whether a change that was halved in so many sweeps and no more since does not get to tol in the
- * sweeps that are left. */
+/* Whether a change that has not been halved for since sweeps does not get to tol, at this pace, in
+ * the sweeps that are left. */
 static int stagnates(double change, double since, double tol, double sweeps_left)
 {
   return since * log2(fmax(2, change / tol)) > sweeps_left;
@@ -53,11 +50,11 @@ static int accelerated(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_
   return evaluate(s, it) <= b->tol;
 }
 
-/* From the best point on. Extrapolation goes astray where many contacts slide; plain sweeps get on,
- * slowly. */
+/* From the best point on, until half of the sweeps have not halved the residual. Extrapolation goes
+ * astray where many contacts slide; plain sweeps get on, slowly. */
 static int plain(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_budget *b)
 {
-  double mark = it->residual, idle = 0, most = IDLE * left(it, b), change = 1;
+  double mark = it->residual, idle = 0, most = left(it, b) / 2, change = 1;
   nsdae_fc_go_to(s, it->r);
   nsdae_fc_sweep_begin(&s->fc);
   while (idle <= most && change > 0) {

@@ -10,7 +10,7 @@
  * little less. */
 static const double DRIFTS = 0.98;
 
-/* It goes on for so many sweeps at most, and not for less than one. */
+/* Longest step, in sweeps; the shortest is one. */
 static const double FARTHEST = 300;
 
 /* Items that drift by less than this part of the largest are ignored: their state changes at every

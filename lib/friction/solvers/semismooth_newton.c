@@ -23,6 +23,10 @@ static const double GAIN = 1e-4;
  * and 52 are solved to 1e-8; from 0.1 on the last problem may leave 1e-10. */
 static const double SHARE = 1e-2;
 
+/* A proximal term that changes velocities by rounding, and keeps the matrix of a step from a
+ * solution regular if that is degenerate; 1e-13 does not. */
+static const double SLIGHT = 1e-10;
+
 /* A failure makes alpha ten times as large; with this one the attempt ends. */
 static const double LARGEST = 1e3;
 
@@ -94,7 +98,7 @@ int nsdae_fc_semismooth_newton(nsdae_fc_island *s, nsdae_fc_iterate *it, const n
 
 void nsdae_fc_polish(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_budget *b, int steps)
 {
-  begin(&s->newton, NSDAE_FC_REGULAR);
+  begin(&s->newton, SLIGHT);
   nsdae_fc_go_to(s, it->r);
   for (int k = 0; k < steps && it->residual > 0; k++) {
     double before = it->residual;

@@ -23,7 +23,7 @@
 enum { IDLE = 10 };
 
 /* Share of the way to the edge of the cone (0.9 takes a third more steps); the mean of a . b of a
- * solution: what is left of r is 1e-3. */
+ * solution, whose residual is its root, 1e-3: s is no nearer when the fixed point begins. */
 static const double SHARE = 0.99, SOLVED = 1e-6;
 
 /* a o b of the first point, its root: of a warm start, and of cold ones. Warm ones further inside

@@ -3,7 +3,9 @@
  *   int solve(island *, iterate *, const budget *)
  *
  * It replaces the iterate by points of smaller residual, stops at the tolerance or when the budget
- * is used up, and leaves nothing in the island for another solver but what that overwrites. */
+ * is used up, and calls no other solver than those that it is built of. Its arrays in the island
+ * are work: no solver reads those of another. iterative_refinement alone may raise the residual, to
+ * that of the data as given, which the scaled data have in doubt. */
 #ifndef NSDAE_FRICTION_SOLVER_CONTRACT_H
 #define NSDAE_FRICTION_SOLVER_CONTRACT_H
 
@@ -123,7 +125,8 @@ void nsdae_fc_socp_begin(nsdae_fc_island *island, const nsdae_fc_iterate *iterat
 int nsdae_fc_socp_run(nsdae_fc_island *island, nsdae_fc_iterate *iterate,
                       const nsdae_fc_budget *budget);
 
-/* At most so many Newton steps from the solution fc.r on. Each that reduces the residual is kept.
+/* At most this number of Newton steps from the iterate, a solution. Each that reduces the residual
+ * is kept.
  */
 void nsdae_fc_polish(nsdae_fc_island *island, nsdae_fc_iterate *iterate,
                      const nsdae_fc_budget *budget, int steps);
