@@ -235,8 +235,20 @@ static void test_growth(void **state)
   assert_int_equal(bad, 0);
 }
 
+/* Seed 6633: an oblique impact with a slide, in which the whole e_N would gain energy. */
+static void test_impact(void **state)
+{
+  static random_system r;
+  nsdae_sim_options o;
+  finding f = {.steps = STEPS};
+  (void)state;
+  signal(SIGVTALRM, on_alarm);
+  int extreme = draw(&r, &o, 6633, NSDAE_METHOD_EVENT);
+  assert_int_equal(one(&r, &o, extreme, &f), FINE);
+}
+
 int main(void)
 {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_growth)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_growth), cmocka_unit_test(test_impact)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
