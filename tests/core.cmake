@@ -1,5 +1,5 @@
 # Unit tests of base, linalg, system, terms, contact, smooth, and the anomaly tests.
-foreach(name arena crew nearest params status)
+foreach(name arena crew disjoint_sets nearest params status)
   nsdae_unit_test(base ${name})
 endforeach()
 

@@ -1,22 +1,17 @@
 """The frames of an animation as images: drawn at twice the size and scaled down, so that edges are
-smooth. The page in HTML draws the same (page.html); change both."""
+smooth. The page in HTML draws the same scene (scene.py says what is drawn, where, in which colour)."""
 
 import os
 
 import matplotlib
 import numpy as np
-from PIL import Image, ImageColor, ImageDraw, ImageFont
+from PIL import Image, ImageDraw, ImageFont
+from scene import BACKGROUND, INK, shaded
 
 FINE = 2  # how much finer is drawn than shown
 MARGIN = 8
 TEXT = 11  # points
 STRIP, STRIP_GAP, STRIPS_MAX = 7, 3, 8
-INK, PALE = "#30353b", "#8b9198"
-BACKGROUND = "#ffffff"
-GROUND = "#dfe2e6"
-FORCE, FORCE_WIDTH = "#b0161c", 3  # pixels of a strength of 1
-AZIMUTH, ELEVATION = np.radians(-60), np.radians(20)
-LIGHT = np.array([0.3, -0.5, 0.8]) / np.linalg.norm([0.3, -0.5, 0.8])
 
 
 def font(points):
@@ -27,14 +22,10 @@ def font(points):
         return ImageFont.load_default()
 
 
-def view_axes():
+def view_axes(azimuth, elevation):
     """Rows: to the right, upwards, to the eye."""
-    ca, sa, ce, se = np.cos(AZIMUTH), np.sin(AZIMUTH), np.cos(ELEVATION), np.sin(ELEVATION)
+    ca, sa, ce, se = np.cos(azimuth), np.sin(azimuth), np.cos(elevation), np.sin(elevation)
     return np.array([[-sa, ca, 0], [-se * ca, -se * sa, ce], [ce * ca, ce * sa, se]])
-
-
-def shaded(colour, light):
-    return tuple(int(c * light) for c in ImageColor.getrgb(colour))
 
 
 class Drawing:
@@ -42,7 +33,8 @@ class Drawing:
 
     def __init__(self, scene, width, title, speed):
         self.scene, self.title, self.speed = scene, title, speed
-        self.axes = view_axes()
+        self.axes = view_axes(*scene["view"]) if scene["spatial"] else np.eye(3)
+        self.light = self.axes @ scene["light"]
         self.low, self.high = self.box()
         reach = self.high - self.low
         self.top, self.bottom = TEXT + 2 * MARGIN, TEXT + 2 * MARGIN + self.strips_height()
@@ -56,9 +48,7 @@ class Drawing:
 
     def box(self):
         """Of what is to be seen, in the picture's plane."""
-        low, high = np.array(self.scene["low"]), np.array(self.scene["high"])
-        if not self.scene["spatial"]:
-            return low[:2], high[:2]
+        low, high = self.scene["low"], self.scene["high"]
         corners = np.array([[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])])
         seen = corners @ self.axes[:2].T
         return seen.min(axis=0), seen.max(axis=0)
@@ -85,97 +75,62 @@ class Drawing:
         image = self.frame_around.copy()
         middle = (self.size[0] * FINE, self.area[1] * FINE)
         bodies = Image.new("RGB", middle, BACKGROUND)
-        (self.spatial if self.scene["spatial"] else self.planar)(ImageDraw.Draw(bodies), number)
-        if self.scene["forces"]:
-            self.forces(ImageDraw.Draw(bodies), number)
+        self.bodies(ImageDraw.Draw(bodies), number)
         image.paste(bodies, (0, self.top * FINE))
         self.clock(ImageDraw.Draw(image), number)
         return image.reduce(FINE)
 
-    def planar(self, draw, number):
+    def bodies(self, draw, number):
+        """Planes behind all, then what is farther behind what is nearer; over all the forces of contacts by list."""
+        drawn = []
         for body in self.scene["bodies"]:
-            pose = body["pose"][min(number, len(body["pose"]) - 1)]
-            {"area": self.polygon, "circle": self.circle, "ground": self.ground, "line": self.line,
-             "mark": self.mark}[body["kind"]](draw, body, pose)
-
-    def placed(self, points, pose):
-        p = np.reshape(points, (-1, 2))
-        x, y, a, b = pose
-        return self.pixels(np.column_stack([x + a * p[:, 0] - b * p[:, 1], y + b * p[:, 0] + a * p[:, 1]]))
-
-    def line(self, draw, body, pose):
-        points = self.placed(body["points"], pose)
-        width = max(body["width"] * self.scale, 1.2) * FINE
-        draw.line([tuple(p) for p in points], fill=body["colour"], width=round(width), joint="curve")
-        for p in points[[0, -1]]:
-            disc(draw, p, width / 2, fill=body["colour"])
-
-    def polygon(self, draw, body, pose):
-        points = [tuple(p) for p in self.placed(body["points"], pose)]
-        draw.polygon(points, fill=body["colour"])
-        draw.line([*points, points[0]], fill=shaded(body["colour"], 0.75), width=FINE)
-
-    def circle(self, draw, body, pose):
-        (centre,) = self.placed([0, 0], pose)
-        radius, hole = (body[part] * self.scale * FINE for part in ("radius", "hole"))
-        radius = max(radius, FINE)
-        if hole > 0:  # a ring as a thick line: what is behind its hole stays to be seen
-            box = [*(centre - radius), *(centre + radius)]
-            draw.ellipse(box, outline=body["colour"], width=max(round(radius - hole), 1))
-            return
-        disc(draw, centre, radius, fill=body["colour"], outline=shaded(body["colour"], 0.75), width=FINE)
-        if body["spoke"]:
-            (rim,) = self.placed([body["radius"], 0], pose)
-            draw.line([tuple(centre), tuple(rim)], fill=BACKGROUND, width=2 * FINE)
-
-    def mark(self, draw, body, pose):
-        (centre,) = self.placed([0, 0], pose)
-        disc(draw, centre, 4 * FINE, fill=body["colour"])
-
-    def ground(self, draw, body, pose):
-        far = 2 * float(np.linalg.norm(self.high - self.low))
-        (x, y), across = body["along"], np.array([body["along"][1], -body["along"][0]])
-        a, b = far * np.array([-x, -y]), far * np.array([x, y])
-        corners = self.placed(np.array([a, b, b + far * across, a + far * across]), pose)
-        draw.polygon([tuple(p) for p in corners], fill=GROUND)
-        draw.line([tuple(p) for p in corners[:2]], fill=PALE, width=2 * FINE)
-
-    def spatial(self, draw, number):
-        """Faces that look this way, the farthest first; planes behind all."""
-        faces = []
-        for body in self.scene["bodies"]:
-            pose = np.array(body["pose"][min(number, len(body["pose"]) - 1)])
-            if body["kind"] == "ball":
-                seen = self.axes @ pose
-                faces.append((True, seen[2], self.pixels(seen[:2]), (body["colour"], body["radius"] * self.scale * FINE)))
-                continue
-            points = (pose[:3] + np.array(body["points"]) @ pose[3:].reshape(3, 3).T) @ self.axes.T
-            flat = self.pixels(points[:, :2])
-            for i, face in enumerate(body["faces"]):
-                normal = normal_of(points[face])
-                if normal[2] > 0:
-                    light = 0.6 + 0.4 * max(0.0, float(normal @ (self.axes @ LIGHT)))
-                    dark = 0.6 if body["dark"] and body["dark"][i] else 1.0
-                    faces.append((not body["plane"], points[face, 2].mean(), flat[face], shaded(body["colour"], light * dark)))
-        for _, _, corners, look in sorted(faces, key=lambda f: f[:2]):
-            if np.ndim(corners) == 1:
-                self.ball(draw, corners, *look)
+            seen = self.seen(body, body["pose"][min(number, len(body["pose"]) - 1)])
+            flat = self.pixels(seen[:, :2])
+            parts = [(self.scene["styles"][style], points) for style, *points in body["parts"]]
+            if "lit" in parts[0][0]:
+                drawn += self.faces(body, parts, seen, flat)
             else:
-                draw.polygon([tuple(p) for p in corners], fill=look)
+                drawn.append((not body["plane"], seen[0, 2], [(style, flat[points]) for style, points in parts]))
+        for *_, parts in sorted(drawn, key=lambda d: d[:2]) if self.scene["spatial"] else drawn:
+            for style, points in parts:
+                self.part(draw, style, points)
+        force = self.scene["force"]
+        for *ends, weight in self.scene["forces"][number] if self.scene["forces"] else ():
+            width = min(max(force["width"] * weight, 0.5), 2 * force["width"])
+            self.part(draw, {**force, "width": width, "round": 0}, self.pixels((np.reshape(ends, (2, 3)) @ self.axes.T)[:, :2]))
 
-    def ball(self, draw, centre, colour, radius):
-        """A disc with a lighter one where the light comes from."""
-        radius = max(radius, FINE)
-        disc(draw, centre, radius, fill=shaded(colour, 0.75), outline=shaded(colour, 0.5))
-        disc(draw, centre + 0.3 * radius * (self.axes[:2] @ LIGHT) * [1, -1], 0.55 * radius, fill=colour)
+    def seen(self, body, pose):
+        """Its points [p, 3]: to the right, upwards, to the eye."""
+        points = np.array(body["points"])
+        if not self.scene["spatial"]:
+            x, y, a, b = pose
+            return np.column_stack([points @ [[a, b], [-b, a]] + [x, y], np.zeros(len(points))])
+        pose = np.array(pose)
+        return (pose[:3] + (points @ pose[3:].reshape(3, 3).T if len(pose) > 3 else points)) @ self.axes.T
 
-    def forces(self, draw, number):
-        """Of contacts by list, over all else."""
-        for *ends, weight in self.scene["forces"][number]:
-            points = np.reshape(ends, (2, 3))
-            flat = points @ self.axes[:2].T if self.scene["spatial"] else points[:, :2]
-            width = min(max(FORCE_WIDTH * weight, 0.5), 2 * FORCE_WIDTH) * FINE
-            draw.line([tuple(p) for p in self.pixels(flat)], fill=FORCE, width=round(width))
+    def faces(self, body, parts, seen, flat):
+        """Those that look this way."""
+        for style, face in parts:
+            normal = normal_of(seen[face])
+            if normal[2] > 0:
+                light = 0.6 + 0.4 * max(0.0, float(normal @ self.light))
+                yield not body["plane"], seen[face, 2].mean(), [({"fill": shaded(style["fill"], light)}, flat[face])]
+
+    def part(self, draw, style, points):
+        fill, edge, corners = style.get("fill"), style.get("edge"), [tuple(p) for p in points]
+        width = round(max(style.get("metres", 0) * self.scale, style.get("width", 0)) * FINE)
+        if "radius" in style:
+            radius, hole = max(style["radius"] * self.scale, style["least"]) * FINE, style["hole"] * self.scale * FINE
+            if hole > 0:  # a ring as a thick line: what is behind its hole stays to be seen
+                fill, edge, width = None, fill, max(round(radius - hole), 1)
+            disc(draw, points[0], radius, fill=fill, outline=edge, width=width)
+            return
+        if fill:
+            draw.polygon(corners, fill=fill)
+        if edge:
+            draw.line(corners + corners[: 1 if fill else 0], fill=edge, width=width, joint="curve" if style.get("round") else None)
+            for end in points[[0, -1]] if style.get("round") else ():
+                disc(draw, end, width / 2, fill=edge)
 
     def clock(self, draw, number):
         time = self.scene["time"]

@@ -1,10 +1,17 @@
-"""What an animation shows, as plain lists that the drawing in Python and the page's in JavaScript
-read alike: bodies with a pose per frame, the modes of the contacts over the time, impacts.
+"""What an animation shows, as plain lists that the drawing in Python and the page's in JavaScript read alike: bodies
+with points, parts and a pose per frame, the modes of the contacts over the time, impacts.
+
+A part is [style, point, point, ...], of numbers in the lists of styles and of the body's points: a polygon where its
+style has a fill, else a line, or a disc about the point where it has a radius [m, with a hole of its own, no smaller
+than `least` pixels]. An edge is `width` pixels wide, or `metres`. Parts that are lit are faces in space: seen where they
+look this way, and the darker the less they look to the light.
 
 Planar, a pose is [x, y, a, b]: the body's point p is at (x + a p_x - b p_y, y + b p_x + a p_y).
 In space it is [x, y, z] and the nine numbers of a matrix, row by row; of a ball among many [x, y, z].
 A body that never moves has one pose. Positions are those of the file's records, never between them.
 Forces are lines [x0, y0, z0, x1, y1, z1, w] of each frame, w their strength."""
+
+import json
 
 import numpy as np
 
@@ -15,8 +22,13 @@ from trajectory import text
 
 COLOURS = ["#3b6ea5", "#d1792f", "#4f9d5b", "#b0483f", "#7d67a8", "#8a6d4f", "#c66fa1", "#3f9ea3"]
 FIXED, GROUND, THREAD = "#a9aeb5", "#dfe2e6", "#6b7178"
+INK, PALE, BACKGROUND = "#30353b", "#8b9198", "#ffffff"
+FORCE = {"edge": "#b0161c", "width": 3, "round": 1}  # of a strength of 1
+VIEW = np.radians([-60, 20]).tolist()  # azimuth and elevation of the eye
+LIGHT = (np.array([0.3, -0.5, 0.8]) / np.linalg.norm([0.3, -0.5, 0.8])).tolist()  # where it comes from
 IMPACTS_MAX = 2000
 MESHES_MAX = 30   # where there are more bodies balls are drawn as discs
+FAR = 100.0  # pictures from the middle to the end of the ground: the page may be zoomed out as far
 
 
 def rounded(values, scale):
@@ -24,22 +36,34 @@ def rounded(values, scale):
     return np.round(values, int(7 - np.floor(np.log10(scale)))).tolist() if scale > 0 else np.asarray(values).tolist()
 
 
-def outline(body):
-    """The planar body in its own frame, as (kind, what it needs)."""
+def shaded(colour, light):
+    return "#" + "".join(f"{int(int(colour[i : i + 2], 16) * light):02x}" for i in (1, 3, 5))
+
+
+def outline(body, colour, scale):
+    """Of the planar body, in its own frame: points, and the parts' styles with their points."""
     size, xy = body.size, body.points[:, :2]
+    line = {"edge": colour, "metres": size[0], "width": 1.2, "round": 1}
+    area = {"fill": colour, "edge": shaded(colour, 0.75), "width": 1}
     if body.shape in ("disc", "sphere", "capsule"):
-        return {"kind": "circle", "radius": size[0], "hole": size[1] if body.shape == "disc" else 0.0,
-                "spoke": body.rotation is not None}
+        hole = size[1] if body.shape == "disc" else 0.0
+        spoke = [({"edge": BACKGROUND, "width": 2}, 0, 1)] if body.rotation is not None and not hole > 0 else []
+        return [[0.0, 0.0], [size[0], 0.0]], [({**area, "radius": size[0], "hole": hole, "least": 1}, 0), *spoke]
     if body.shape == "segment":
-        return {"kind": "line", "points": [[0.0, 0.0], [1.0, 0.0]], "width": size[0]}
+        return [[0.0, 0.0], [1.0, 0.0]], [(line, 0, 1)]
     if body.shape == "path":
-        return {"kind": "line", "points": xy.tolist(), "width": size[0]}
-    if body.shape == "box":
-        xy = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) / 2 * size[:2]
+        return xy, [(line, *range(len(xy)))]
     if body.shape == "plane":  # along its surface, which the body's own x axis is turned to by the pose
         along = np.array([size[1], -size[0]]) / np.hypot(size[0], size[1])
-        return {"kind": "ground", "along": along.tolist()}
-    return {"kind": "mark"} if body.shape == "point" else {"kind": "area", "points": xy.tolist()}
+        far = FAR * scale + 4 * np.abs(body.position).max()
+        ends = far * np.array([-along, along])
+        deep = far * np.array([along[1], -along[0]])
+        return [*ends, ends[1] + deep, ends[0] + deep], [({"fill": GROUND}, 0, 1, 2, 3), ({"edge": PALE, "width": 2}, 0, 1)]
+    if body.shape == "point":
+        return [[0.0, 0.0]], [({"fill": colour, "radius": 0.0, "hole": 0.0, "least": 4}, 0)]
+    if body.shape == "box":
+        xy = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) / 2 * size[:2]
+    return xy, [(area, *range(len(xy)))]
 
 
 def planar_pose(body):
@@ -67,30 +91,51 @@ def is_ball(body, count):
     return body.shape == "sphere" and count > MESHES_MAX
 
 
-def mesh(shape, scale):
-    return {"kind": "mesh", "points": rounded(shape.points, scale), "faces": [list(map(int, f)) for f in shape.polygons],
-            "dark": [int(d) for d in shape.dark or []]}
+def ball(radius, colour):
+    """Of one among many: a disc, with a lighter one where the light comes from."""
+    rim = {"fill": shaded(colour, 0.75), "edge": shaded(colour, 0.5), "width": 0.6, "radius": radius, "hole": 0.0, "least": 1}
+    light = {"fill": colour, "radius": 0.55 * radius, "hole": 0.0, "least": 0.55}
+    return [[0.0, 0.0, 0.0], 0.3 * radius * np.array(LIGHT)], [(rim, 0), (light, 1)]
 
 
-def drawn_bodies(bodies, frames, spatial, scale):
+def mesh(shape, colour):
+    looks = [{"fill": c, "lit": 1} for c in (colour, shaded(colour, 0.6))]
+    return shape.points, [(looks[dark], *face) for face, dark in zip(shape.polygons, shape.dark or [False] * len(shape.polygons))]
+
+
+class Styles:
+    """All that are used, each once."""
+
+    def __init__(self):
+        self.all = {}
+
+    def numbered(self, style, *points):
+        return [self.all.setdefault(json.dumps(style), len(self.all)), *map(int, points)]
+
+    def list(self):
+        return [json.loads(style) for style in self.all]
+
+
+def drawn_bodies(bodies, frames, spatial, scale, styles):
     """In the order of drawing: what is fixed is behind what moves. frames: among the records of the bodies."""
     moved = [at_records(body, frames) for body in bodies]
     solids = solids_of(bodies) if spatial else [None] * len(bodies)
-    drawn, colour = [], 0
+    drawn, number = [], 0
     for whole, body, solid in zip(bodies, moved, solids):
-        fixed = is_fixed(whole)
+        thread = body.shape in ("segment", "path") and body.size[0] == 0
+        grey = GROUND if body.shape == "plane" else THREAD if thread else FIXED if is_fixed(whole) else None
+        colour = grey or COLOURS[number % len(COLOURS)]
         if spatial and is_ball(body, len(bodies)):
-            pose, shape = body.position.reshape(-1, 3), {"kind": "ball", "radius": body.size[0]}
+            pose, (points, parts) = body.position.reshape(-1, 3), ball(body.size[0], colour)
         elif spatial:
             pose = spatial_pose(solid._replace(position=body.position, matrix=at_frames(solid.matrix, frames)))
-            shape = mesh(solid.shape, scale)
+            points, parts = mesh(solid.shape, colour)
         else:
-            pose, shape = planar_pose(body), outline(body)
-        thread = body.shape in ("segment", "path") and body.size[0] == 0
-        grey = GROUND if body.shape == "plane" else THREAD if thread else FIXED if fixed else None
-        drawn.append({"name": body.name, "fixed": bool(grey), "colour": grey or COLOURS[colour % len(COLOURS)],
-                      "plane": body.shape == "plane", **shape, "pose": rounded(pose, scale)})
-        colour += not grey
+            pose, (points, parts) = planar_pose(body), outline(body, colour, scale)
+        drawn.append({"name": body.name, "fixed": bool(grey), "colour": colour, "plane": body.shape == "plane",
+                      "points": rounded(points, scale), "parts": [styles.numbered(*part) for part in parts],
+                      "pose": rounded(pose, scale)})
+        number += not grey
     return sorted(drawn, key=lambda b: (not b["plane"], not b["fixed"]))
 
 
@@ -124,6 +169,8 @@ def scene(file, time, bodies, frames, at, forces):
     seen = [at_records(body, slice(at[0], at[-1] + 1)) for body in bodies]
     box = bounds(seen, spatial)
     scale = float(np.max(np.subtract(box[1], box[0])))
+    styles = Styles()
+    drawn = drawn_bodies(bodies, at, spatial, scale, styles)
     attrs = {name: text(file.attrs.get(name, "")) for name in ("model", "method", "status")}
     return {
         **attrs,
@@ -131,7 +178,12 @@ def scene(file, time, bodies, frames, at, forces):
         "low": box[0],
         "high": box[1],
         "time": [float(t) for t in time[frames]],
-        "bodies": drawn_bodies(bodies, at, spatial, scale),
+        "bodies": drawn,
+        "styles": styles.list(),
+        "force": FORCE,
+        "view": VIEW,
+        "light": LIGHT,
+        "ink": INK,
         "strips": strips(file, time[frames[0] : frames[-1] + 1], frames),
         "impacts": impacts(file, time[frames[0]], time[frames[-1]]),
         "forces": [rounded(lines, scale) for lines in forces],

@@ -78,14 +78,14 @@ enum nsdae_friction_stage {
 
 /* What a solve is doing, for options.progress. */
 typedef struct nsdae_friction_progress {
-  int stage;  /* enum nsdae_friction_stage */
-  int island; /* from 0 */
-  int islands;
+  int stage;       /* enum nsdae_friction_stage */
+  int island;      /* from 0 */
+  int islands;     /* in all */
   int contacts;    /* of this island, with its bilateral rows */
   double residual; /* of its best point so far */
   double share;    /* of its budget that is used up */
-  long sweeps;
-  int iterations;
+  long sweeps;     /* of block Gauss-Seidel so far */
+  int iterations;  /* steps of Newton's method and interior points so far */
 } nsdae_friction_progress;
 
 /* Called where a solver of an island begins, and about ten times a second. Not 0: the solve ends

@@ -141,9 +141,9 @@ typedef struct nsdae_certificate {
                              contacts, since the start [J] */
   double dissipated;      /* work taken by contact and friction impulses since the start [J] */
   double unexplained;     /* since the start [J]: < 0: a loss, > 0: a gain of the method */
-  int pull_contact, cone_contact, penetration_contact;
-  int drift_constraint, rate_constraint;
-  int complementarity_contact;
+  int pull_contact, cone_contact, penetration_contact; /* contact of that figure, or -1 */
+  int drift_constraint, rate_constraint;               /* constraint of that figure, or -1 */
+  int complementarity_contact;                         /* contact of that figure, or -1 */
 } nsdae_certificate;
 
 /* The state after a step (or at the start, step = 0) and its certificate. Everything points into
@@ -176,7 +176,7 @@ typedef struct nsdae_record {
   int impacts;                /* in the step */
   const nsdae_change *change; /* [changes] */
   int changes;                /* in the step */
-  nsdae_certificate certificate;
+  nsdae_certificate certificate; /* how far the step is from the laws */
 } nsdae_record;
 
 /* Sees every record, once each. 0: go on; > 0: stop after it (NSDAE_STOPPED); < 0: the run fails

@@ -2,6 +2,8 @@
 
 #include <string.h>
 
+#include "disjoint_sets.h"
+
 void nsdae_graph_layout(nsdae_graph *islands, nsdae_arena *arena)
 {
   long blocks = islands->blocks;
@@ -14,23 +16,12 @@ void nsdae_graph_layout(nsdae_graph *islands, nsdae_arena *arena)
   islands->row.of = NSDAE_ARENA_INTS(arena, islands->rows);
 }
 
-/* -1: in no set yet. Paths are halved on the way. */
-static int root_of(int *parent, int b)
-{
-  if (parent[b] < 0) parent[b] = b;
-  while (parent[b] != b) b = parent[b] = parent[parent[b]];
-  return b;
-}
-
-/* The smaller number is the root, so that islands come in the order of their first blocks. */
+/* -1: in no set yet. */
 static void join(int *parent, int a, int b)
 {
-  a = root_of(parent, a);
-  b = root_of(parent, b);
-  if (a < b)
-    parent[b] = a;
-  else
-    parent[a] = b;
+  if (parent[a] < 0) parent[a] = a;
+  if (parent[b] < 0) parent[b] = b;
+  nsdae_sets_join(parent, a, b);
 }
 
 static int anchor(const int *pair)
@@ -57,7 +48,7 @@ static void number(nsdae_graph *is)
 {
   is->count = 0;
   for (int b = 0; b < is->blocks; b++) {
-    int root = is->parent[b] < 0 ? -1 : root_of(is->parent, b);
+    int root = is->parent[b] < 0 ? -1 : nsdae_sets_root(is->parent, b);
     is->of[b] = root < 0 ? -1 : root == b ? is->count++ : is->of[root];
   }
 }

@@ -6,9 +6,9 @@
  * as the impulses are integrated to 10 rtol a step, of which a record has one or two, a force is
  * zero up to 10 (rtol max |F| + atol), and velocities are brought back by u, what counts as zero
  * for them, with the mass m <= 1 / (W_N^T M^-1 W_N) of the contact. The end of an accumulation is
- * ahead of its forces by accumulation_time at most. No gap is below zero and no independent
- * constraint off by more than what is brought back, with some room for the drift until the next
- * step. */
+ * ahead of its forces by accumulation_time at most. No gap is below zero, none of a
+ * closed contact above (complementarity), and no independent constraint nor its rate off by more
+ * than what is brought back, with some room for the drift until the next step. */
 #include "certificate.h"
 
 #include <math.h>
@@ -100,7 +100,8 @@ int nsdae_event_certify(const nsdae_event_phase *phase, const nsdae_terms *from)
   const nsdae_dims *d = &s->system->dims;
   unsigned impulses =
       any_impulse(s->result, d) ? NSDAE_TERM_MASS | NSDAE_TERM_FORCE | NSDAE_TERM_NORMAL : 0u;
-  int status = nsdae_terms_need(T, impulses | NSDAE_TERM_PHI | NSDAE_TERM_GAP);
+  unsigned rates = d->m > 0 ? NSDAE_TERM_JACOBIAN | NSDAE_TERM_PHI_T : 0u;
+  int status = nsdae_terms_need(T, impulses | rates | NSDAE_TERM_PHI | NSDAE_TERM_GAP);
   if (status == NSDAE_OK && impulses) status = check_impulses(phase, T->t - from->t);
   if (status < 0) return status;
   double tol = BROUGHT_BACK * nsdae_event_position_size(s);
@@ -109,9 +110,14 @@ int nsdae_event_certify(const nsdae_event_phase *phase, const nsdae_terms *from)
     double bound = before > tol ? before + tol : tol;
     if (-T->gap[i] > bound)
       return refuse(s, NSDAE_NAME_CONTACT, i, "overlaps by", -T->gap[i], bound);
+    if (phase->modes.contact[i] != NSDAE_MODE_OPEN && T->gap[i] > tol)
+      return refuse(s, NSDAE_NAME_CONTACT, i, "is closed with the gap", T->gap[i], tol);
   }
-  for (int i = 0; i < d->m && !*phase->modes.redundant; i++)
-    if (fabs(T->constraint.phi[i]) > tol)
-      return refuse(s, NSDAE_NAME_CONSTRAINT, i, "is violated by", T->constraint.phi[i], tol);
+  double fast = BROUGHT_BACK * nsdae_event_velocity_size(s);
+  for (int i = 0; i < d->m && !*phase->modes.redundant; i++) {
+    double phi = T->constraint.phi[i], rate = nsdae_terms_constraint_rate(T, i, T->v);
+    if (fabs(phi) > tol) return refuse(s, NSDAE_NAME_CONSTRAINT, i, "is violated by", phi, tol);
+    if (fabs(rate) > fast) return refuse(s, NSDAE_NAME_CONSTRAINT, i, "has the rate", rate, fast);
+  }
   return NSDAE_OK;
 }

@@ -297,12 +297,12 @@ static int find_place(const nsdae_body *b, const nsdae_formula_names *names, pla
 
 static int write_places(column_set *s, const nsdae_formula_names *names)
 {
-  static const char
-      *const name[] = {"dimension", "position", "turn"},
-             *const what[] = {"2: in the plane, 3: in space",
-                              "coordinate, from 0, that is x of the origin; y, z come after it",
-                              "coordinate, from 0, that is the angle about z, or in space w of the "
-                              "quaternion, whose x, y, z come after it; -1: not turned"};
+  static const char *const name[] = {"dimension", "position", "turn"},
+                           *const what[] = {
+                               "2: in the plane, 3: in space",
+                               "coordinate, from 0, that is x of the origin; y, z come after it",
+                               ("coordinate, from 0, that is the angle about z, or in space w of "
+                                "the quaternion, whose x, y, z come after it; -1: not turned")};
   int status = NSDAE_OK;
   for (int c = 0; c < 3 && status == NSDAE_OK; c++) {
     for (int i = 0; i < s->n; i++) {

@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "disjoint_sets.h"
+
 enum { MOST = 256 }; /* numbers for each entry, row and column */
 
 /* Of the root of its two diagonal entries, a difference of W_ij and W_ji that is rounding. */
@@ -61,12 +63,6 @@ int nsdae_partition_make(nsdae_h5 *h5, int n, int parts, const int *size, nsdae_
   return NSDAE_OK;
 }
 
-static int root_of(int *parent, int i)
-{
-  while (parent[i] != i) i = parent[i] = parent[parent[i]];
-  return i;
-}
-
 /* Whether every entry stays in a part of that size. */
 static int all_alike(const nsdae_triplets *M, int alike)
 {
@@ -82,12 +78,9 @@ int nsdae_partition_find(nsdae_h5 *h5, const nsdae_triplets *M, int alike, nsdae
   if (status < 0) return status;
   int same = all_alike(M, alike);
   for (int i = 0; i < p->n; i++) p->of[i] = same ? i - i % alike : i;
-  for (int k = 0; k < M->count; k++) { /* the smallest index is the root */
-    int a = root_of(p->of, M->row[k]), b = root_of(p->of, M->column[k]);
-    p->of[a > b ? a : b] = a < b ? a : b;
-  }
+  for (int k = 0; k < M->count; k++) nsdae_sets_join(p->of, M->row[k], M->column[k]);
   for (int i = 0; i < p->n; i++) { /* roots come before what they hold */
-    int root = root_of(p->of, i);
+    int root = nsdae_sets_root(p->of, i);
     p->at[i] = root == i ? p->parts++ : p->at[root];
   }
   memcpy(p->of, p->at, (size_t)p->n * sizeof *p->of);

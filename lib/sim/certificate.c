@@ -13,6 +13,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "errors.h"
 #include "sim_impl.h"
 #include "vector.h"
 
@@ -59,6 +60,48 @@ static unsigned terms_of_work(const nsdae_result *of)
   return NSDAE_TERM_FORCE | NSDAE_TERM_PHI_T | at_contacts;
 }
 
+/* The lightest diagonal entry of M among those of a block; INFINITY of the ground. */
+static double lightest(const nsdae_terms *T, int block)
+{
+  const nsdae_blocks *blocks = &T->system->blocks;
+  double least = INFINITY;
+  size_t n = block < 0 ? 0 : (size_t)nsdae_blocks_size(blocks, block);
+  for (size_t j = 0; j < n; j++) least = fmin(least, T->M[blocks->square[block] + j * (n + 1)]);
+  return least;
+}
+
+/* What contact impulses L do on velocities that are rounded as those that they give are: a column
+ * at rest gains and loses that in every step. L_i turns its contact's velocity by G_ii L_i, with
+ * the Delassus matrix G, and that of j by sqrt(G_ii G_jj) L_i at most. Of lists 1 / G_ii is the
+ * lightest that the two blocks have. A method that steps in time closes its contacts once in a
+ * step: those of the problem are those of the impulses. */
+static double rounding_of_contacts(const nsdae_point *point)
+{
+  const nsdae_terms *T = &point->result.end;
+  const nsdae_record *r = &point->record;
+  const nsdae_contacts *c = point->result.problem;
+  double sum = 0;
+  for (int a = 0; c && !T->system->by_list && a < c->active_count; a++) {
+    size_t diagonal = (size_t)c->first_column[a] * (size_t)(c->columns + 1);
+    double inertia = nsdae_larger(0, c->delassus.G[diagonal]); /* where nothing moves, rounding */
+    sum += fabs(r->normal_impulse[c->active[a]]) * sqrt(inertia);
+  }
+  for (int i = 0; i < r->contacts.count; i++) {
+    const int *block = r->contacts.block + 2 * (size_t)i;
+    double m = fmin(lightest(T, block[0]), lightest(T, block[1]));
+    sum += fabs(r->contacts.normal_impulse[i]) / sqrt(m);
+  }
+  return 4 * DBL_EPSILON * sum * sum;
+}
+
+/* What the contacts of the step did: more than rounding of their impulses, they gave. */
+static void add_contacts(nsdae_work *w, const nsdae_point *point)
+{
+  double work = point->result.work;
+  w->spent += fabs(work);
+  if (work > 0) w->gained += nsdae_larger(0, work - rounding_of_contacts(point));
+}
+
 /* By the method's quadrature. The terms at the end are those that the next step begins with. */
 static int work_of_step(nsdae_point *before, nsdae_point *point)
 {
@@ -71,14 +114,20 @@ static int work_of_step(nsdae_point *before, nsdae_point *point)
   if (status == NSDAE_OK) status = nsdae_terms_need(to, terms);
   if (status < 0) return status;
   if (before->result.located) start = power_of(from, &rounding); /* nobody needed it */
-  w->power = power_of(to, &w->rounding);
+  *w = before->work;
+  w->power = power_of(to, &rounding);
   w->forces = h / 2 * (start + w->power);
   w->inertia = inertia(from, to) - r->lifted;
   w->driven = 0;
   if (to->system->dims.m > 0 || !r->smooth)
     w->driven = half_driven(from, r, h) + half_driven(to, r, h);
-  w->sum = before->work.sum + (w->forces + w->inertia + w->driven);
-  w->potential = before->work.potential;
+  w->sum += w->forces + w->inertia + w->driven;
+  w->turnover += fabs(w->forces);
+  w->carried += fabs(w->driven);
+  w->unsure += h / 4 * fabs(w->power - 2 * start + w->earlier);
+  w->earlier = start;
+  w->rounding += rounding;
+  if (r->work != 0) add_contacts(w, point);
   return NSDAE_OK;
 }
 
@@ -87,8 +136,11 @@ static void work_of_motion(const nsdae_point *before, nsdae_point *point)
 {
   const nsdae_result *r = &point->result;
   double gain = isfinite(r->gain) ? r->gain : point->record.kinetic - before->record.kinetic;
-  const nsdae_work *w = &before->work;
-  point->work = (nsdae_work){.potential = w->potential, .sum = w->sum + gain - r->work};
+  nsdae_work *w = &point->work;
+  *w = before->work;
+  w->forces = w->inertia = w->driven = w->power = 0;
+  w->sum += gain - r->work;
+  w->gained = nsdae_larger(w->gained, -point->record.dissipated);
 }
 
 static inline void worst(double value, int item, double *most, int *of)
@@ -215,8 +267,9 @@ int nsdae_certificate_start(const nsdae_sim *sim, nsdae_point *point)
 {
   nsdae_certificate *c = &point->record.certificate;
   nsdae_work *w = &point->work;
+  double rounding;
   *w = (nsdae_work){.potential = point->record.potential};
-  w->power = power_of(&point->result.end, &w->rounding);
+  w->power = w->earlier = power_of(&point->result.end, &rounding);
   int status = measure(sim, point);
   if (sim->system->by_list) c->penetration_contact = -1; /* the record has no list yet */
   point->accounts.stats.certificate = *c;
@@ -233,4 +286,53 @@ int nsdae_certificate_follow(const nsdae_sim *sim, nsdae_point *before, nsdae_po
   if (status == NSDAE_OK) status = measure(sim, point);
   keep_worst(&point->accounts.stats.certificate, &point->record.certificate);
   return status;
+}
+
+/* Tolerances of the integrator: in a step, and at an instant, at which what has strayed by 10 times
+ * 10 rtol is projected, of T twice that; and of T' by differences. */
+static const double energy_steps = 100, energy_instants = 200, energy_inertia = 1e-5;
+
+/* sum |M_ij| u_i u_j,  u_i = |v_i| + atol / rtol: a velocity is as good as rtol u_i; slower than
+ * impact_velocity it may be none. */
+static double energy_size(const nsdae_sim *sim, const nsdae_terms *T)
+{
+  const nsdae_sim_options *o = &sim->options;
+  int n = T->system->dims.nv;
+  double least = fmax(o->atol, o->impact_velocity) / o->rtol, sum = 0;
+  for (int j = 0; j < n; j++)
+    for (int i = 0; i < n; i++)
+      sum += fabs(T->M[(size_t)j * (size_t)n + (size_t)i]) * (fabs(T->v[i]) + least) *
+             (fabs(T->v[j]) + least);
+  return sum;
+}
+
+/* What rtol explains of a difference between T and what the equations of motion gave to it. */
+static double explained(const nsdae_sim *sim, const nsdae_point *before, const nsdae_point *point)
+{
+  const nsdae_result *r = &point->result;
+  const nsdae_counters *c = &r->counters;
+  double size = energy_size(sim, &before->result.end);
+  size = fmax(size, energy_size(sim, &r->end)) + r->turnover;
+  double tolerances =
+      energy_steps * (double)(c->iterations + 1) + energy_instants * (double)c->events;
+  return sim->options.rtol * tolerances * size + energy_inertia * (size + r->turnover);
+}
+
+int nsdae_certificate_energy(const nsdae_sim *sim, const nsdae_point *before,
+                             const nsdae_point *point)
+{
+  const nsdae_result *r = &point->result;
+  if (!r->located || sim->options.method != NSDAE_METHOD_EVENT) return NSDAE_OK;
+  double off = point->record.kinetic - before->record.kinetic - r->gain;
+  /* 2 T <= sum |M_ij| max |v|^2: far less than is explained */
+  if (fabs(off) <= 2 * energy_inertia * point->record.kinetic) return NSDAE_OK;
+  double bound = explained(sim, before, point);
+  if (!(fabs(off) > bound)) return NSDAE_OK;
+  nsdae_error_set(r->end.error, NSDAE_E_CONVERGENCE, "nsdae_sim", "rtol",
+                  "the kinetic energy changed by %.3g up to t = %.17g that no force and no impact "
+                  "did, more than rtol = %g explains (%.3g): make rtol smaller, or use method = "
+                  "implicit",
+                  off, nsdae_terms_time(&r->end), sim->options.rtol, bound);
+  r->end.error->time = nsdae_terms_time(&r->end);
+  return NSDAE_E_CONVERGENCE;
 }

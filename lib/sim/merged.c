@@ -17,10 +17,16 @@
 #include <math.h>
 #include <string.h>
 
+#include "errors.h"
 #include "sim_impl.h"
 
 static const double MANY = 10;
 static const double PI = 3.14159265358979324;
+
+typedef struct merged {
+  double impacts;
+  int contact, other; /* by list: places among the closed ones */
+} merged;
 
 /* The closed contacts of a step: numbered, of the last contact problem, or by list. */
 typedef struct closed_ones {
@@ -118,7 +124,7 @@ static int share_block(const nsdae_closed *closed, int a, int b)
 }
 
 static void compare(const nsdae_sim *sim, const closed_ones *c, const nsdae_result *r, int a,
-                    double length, nsdae_merged *most)
+                    double length, merged *most)
 {
   int count = c->numbered ? c->numbered->active_count : r->closed.count;
   for (int b = 0; b < count; b++) {
@@ -126,8 +132,8 @@ static void compare(const nsdae_sim *sim, const closed_ones *c, const nsdae_resu
     if (!acts(sim, c, &r->impulses, b, length)) continue;
     double impacts = follow(sim, c, a, b);
     if (impacts > most->impacts)
-      *most = (nsdae_merged){impacts, c->numbered ? c->numbered->active[a] : a,
-                             c->numbered ? c->numbered->active[b] : b};
+      *most = (merged){impacts, c->numbered ? c->numbered->active[a] : a,
+                       c->numbered ? c->numbered->active[b] : b};
   }
 }
 
@@ -140,22 +146,42 @@ static int place_of(const nsdae_contacts *numbered, int contact)
   return a;
 }
 
-int nsdae_merged_find(const nsdae_sim *sim, nsdae_point *before, const nsdae_point *point,
-                      nsdae_merged *most)
+static int report(nsdae_point *point, const merged *m)
+{
+  const nsdae_terms *end = &point->result.end;
+  const nsdae_system *s = end->system;
+  char one[NSDAE_CALLED_SIZE], other[NSDAE_CALLED_SIZE];
+  const long *id = point->result.closed.id;
+  point->accounts.stats.warnings |= NSDAE_WATCH_IMPACTS;
+  nsdae_error_set(
+      end->error, NSDAE_WARN_IMPACTS, "nsdae_sim", "dt",
+      "impacts are merged in the step to t = %.6g: %s and %s would hit in turn up to %.3g times: "
+      "make dt smaller, or use method = event",
+      nsdae_terms_time(end),
+      s->by_list ? nsdae_system_called_id(s, id[m->contact], one)
+                 : nsdae_system_called(s, NSDAE_NAME_CONTACT, m->contact, one),
+      s->by_list ? nsdae_system_called_id(s, id[m->other], other)
+                 : nsdae_system_called(s, NSDAE_NAME_CONTACT, m->other, other),
+      m->impacts);
+  end->error->time = nsdae_terms_time(end);
+  end->error->index = m->contact;
+  return NSDAE_WARN_IMPACTS;
+}
+
+int nsdae_merged_report(const nsdae_sim *sim, const nsdae_point *before, nsdae_point *point)
 {
   const nsdae_result *r = &point->result;
   const nsdae_world *world = sim->stepper.world;
-  *most = (nsdae_merged){0, -1, -1};
-  if (r->located || r->impacts == 0 || !(world || r->problem)) return NSDAE_OK;
-  nsdae_terms *T = &before->result.end;
-  int status = nsdae_terms_need(T, NSDAE_TERM_MASS | NSDAE_TERM_FORCE);
-  if (status < 0) return status;
+  const nsdae_terms *T = &before->result.end;
+  merged most = {0, -1, -1};
+  if (r->located || r->counters.fallbacks > 0 || r->impacts == 0) return NSDAE_OK;
+  if (!world && !r->problem) return NSDAE_OK;
   const closed_ones c = {world ? NULL : r->problem, world ? &world->home->by.normal : NULL,
                          &sim->model.blocks, T->M, T->F};
   for (int p = 0; p < r->impacts; p++) {
     int a = place_of(c.numbered, r->impact[p].contact);
     if (acts(sim, &c, &r->impulses, a, point->record.duration))
-      compare(sim, &c, r, a, point->record.duration, most);
+      compare(sim, &c, r, a, point->record.duration, &most);
   }
-  return NSDAE_OK;
+  return most.impacts > 0 ? report(point, &most) : NSDAE_OK;
 }

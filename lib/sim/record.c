@@ -188,7 +188,7 @@ int nsdae_point_start(nsdae_sim *sim, nsdae_point *point)
   stats->energy_start = point->record.kinetic + point->record.potential;
   stats->rank = sim->system->dims.m;
   stats->rank_kept = 1;
-  status = nsdae_watch_finite(point);
+  status = nsdae_point_finite(point);
   if (status < 0) return status;
   status = nsdae_watch_start(sim, point);
   if (status < 0) return status;
@@ -230,7 +230,7 @@ int nsdae_point_follow(const nsdae_sim *sim, nsdae_point *before, nsdae_point *p
   status = nsdae_certificate_follow(sim, before, point);
   if (status < 0) return status;
   fill_means(point, &before->result.end, length);
-  status = nsdae_watch_finite(point);
+  status = nsdae_point_finite(point);
   if (status < 0) return status;
   count(&a->stats, &r->counters);
   certify(&a->stats, &point->record);

@@ -1,4 +1,5 @@
-/* What doubles and tolerances cannot resolve is refused at the start.
+/* Scales of a start: those that warnings are held against (watch.h), and what doubles and
+ * tolerances cannot resolve, which is refused.
  *
  * Time. The user's times near t0 are r = eps |t0| apart, or less: a shorter dt gives two steps the
  * same time. Callbacks that depend on t see r / 2 as noise: a method with rtol takes gaps that
@@ -11,9 +12,11 @@
  * measure of the bodies. */
 #include <float.h>
 #include <math.h>
+#include <string.h>
 
 #include "errors.h"
 #include "sim_impl.h"
+#include "vector.h"
 
 static const double NOISE = 2 * 10;     /* rtol dt: r at most */
 static const double OWN_LENGTHS = 0.01; /* of a row */
@@ -117,4 +120,84 @@ int nsdae_start_resolved(nsdae_sim *sim, const nsdae_terms *start)
   if (status == NSDAE_OK)
     status = check_rows(sim, start, &start->by.jacobian, NSDAE_NAME_CONSTRAINT);
   return status;
+}
+
+static double largest_entry(const nsdae_blocks *blocks, const nsdae_rows *rows)
+{
+  double most = 0;
+  for (int i = 0; i < rows->count; i++) most = fmax(most, nsdae_rows_largest(blocks, rows, i));
+  return most;
+}
+
+/* The forces at the start's place with v = 0: a damper that brakes what is fast leads nothing that
+ * rests anywhere. What is not defined there is as it is at the start. */
+static int force_at_rest(const nsdae_terms *T, double *still, double *F)
+{
+  const nsdae_system *s = T->system;
+  size_t size = (size_t)s->dims.nv * sizeof *F;
+  memcpy(F, T->F, size);
+  if (nsdae_largest(s->dims.nv, T->v) == 0) return NSDAE_OK;
+  memset(still, 0, size);
+  memset(F, 0, size);
+  int code = s->call.force(nsdae_terms_time(T), T->q, still, F, s->user);
+  for (int i = 0; i < s->dims.nv; i++)
+    if (!isfinite(F[i])) F[i] = T->F[i];
+  return nsdae_system_callback_status(code, "force", nsdae_terms_time(T), T->error);
+}
+
+/* The way that the forces F lead to in a step from rest: h^2 F / M. */
+static double way_from_rest(const nsdae_terms *T, const double *F, double h)
+{
+  const nsdae_blocks *blocks = &T->system->blocks;
+  double rows = fmax(largest_entry(blocks, &T->by.jacobian), largest_entry(blocks, &T->by.normal));
+  double most = 0;
+  for (int b = 0; b < blocks->count; b++) {
+    size_t n = (size_t)nsdae_blocks_size(blocks, b);
+    const double *f = F + blocks->first[b], *M = T->M + blocks->square[b];
+    for (size_t j = 0; j < n; j++) most = fmax(most, fabs(f[j]) / M[j * (n + 1)]);
+  }
+  return h * h * rows * most;
+}
+
+/* The rounding of the kinetic energy that the forces F lead to in a step from rest: what is held
+ * has none of it, and is not told of that. */
+static double rounding_from_rest(const nsdae_terms *T, const double *F, double h)
+{
+  const nsdae_blocks *blocks = &T->system->blocks;
+  double sum = 0;
+  for (int b = 0; b < blocks->count; b++) {
+    size_t n = (size_t)nsdae_blocks_size(blocks, b);
+    const double *f = F + blocks->first[b], *M = T->M + blocks->square[b];
+    for (size_t j = 0; j < n; j++) sum += f[j] * f[j] / M[j * (n + 1)];
+  }
+  return DBL_EPSILON * h * h * sum / 2;
+}
+
+/* The largest gap, if start_tol does not make it none; else 0, as of penalty, whose stiffness gives
+ * the depth. */
+static double apart(const nsdae_terms *start, const nsdae_sim_options *o)
+{
+  double most = 0, start_tol = o->start_tol;
+  if (o->method == NSDAE_METHOD_PENALTY) return 0;
+  for (int i = 0; i < start->system->dims.k; i++) most = fmax(most, start->gap[i]);
+  return most > start_tol * (1 + nsdae_largest(start->system->dims.nq, start->q)) ? most : 0;
+}
+
+int nsdae_watch_start(const nsdae_sim *sim, nsdae_point *point)
+{
+  const nsdae_terms *start = &point->result.end;
+  const nsdae_dims *d = &start->system->dims;
+  double *still = sim->probe, *F = still + d->nv, h = sim->options.dt;
+  int status = force_at_rest(start, still, F);
+  if (status < 0) return status;
+  double from_rest = way_from_rest(start, F, h);
+  point->accounts.watch =
+      (nsdae_watch){.change = from_rest,
+                    .row = largest_entry(&start->system->blocks, &start->by.jacobian),
+                    .way = from_rest,
+                    .apart = apart(start, &sim->options),
+                    .scale = fmax(point->record.kinetic, rounding_from_rest(start, F, h)),
+                    .kinetic = point->record.kinetic,
+                    .known = point->record.kinetic};
+  return NSDAE_OK;
 }

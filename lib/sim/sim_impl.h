@@ -28,9 +28,11 @@ typedef struct nsdae_observers {
 typedef struct nsdae_work {
   double potential;               /* at the start [J] */
   double forces, inertia, driven; /* of the step; inertia less what a projection lifted */
-  double power;                   /* F v at its end */
-  double rounding;                /* of the work of forces */
+  double power, earlier;          /* F v at its end, and at its begin */
   double sum;                     /* of all steps, whoever did them */
+  double turnover, carried;       /* amounts, of forces and of driven in all steps */
+  double unsure, rounding;        /* of the work of forces: what its quadrature may miss */
+  double spent, gained;           /* by contact impulses: amounts; what they gave */
 } nsdae_work;
 
 /* What is kept of all steps so far, beside the last result. */
@@ -134,22 +136,20 @@ int nsdae_point_follow(const nsdae_sim *sim, nsdae_point *before, nsdae_point *p
  * in the statistics, too. NSDAE_OK, or what the terms return. */
 int nsdae_certificate_start(const nsdae_sim *sim, nsdae_point *point);
 int nsdae_certificate_follow(const nsdae_sim *sim, nsdae_point *before, nsdae_point *point);
+/* Of event: NSDAE_OK, or NSDAE_E_CONVERGENCE if T changed by more than rtol explains. */
+int nsdae_certificate_energy(const nsdae_sim *sim, const nsdae_point *before,
+                             const nsdae_point *point);
 
 /* NSDAE_OK, or NSDAE_E_NONFINITE with the record that names what of a point is not finite. */
-int nsdae_watch_finite(const nsdae_point *point);
+int nsdae_point_finite(const nsdae_point *point);
 /* From the start on. NSDAE_OK, or what the terms return. */
 int nsdae_watch_start(const nsdae_sim *sim, nsdae_point *point);
 /* After a step: what is to be said now, NSDAE_WARN_... with the error record, or NSDAE_OK. */
-int nsdae_watch_step(const nsdae_sim *sim, nsdae_point *before, nsdae_point *point);
+int nsdae_watch_step(const nsdae_sim *sim, const nsdae_point *before, nsdae_point *point);
 
-/* The pair of closed contacts that would hit most often, one after the other, in the step that was
- * done; impacts 0: there is none. NSDAE_OK, or what the terms return. */
-typedef struct nsdae_merged {
-  double impacts;
-  int contact, other; /* by list: places in the record's contacts */
-} nsdae_merged;
-int nsdae_merged_find(const nsdae_sim *sim, nsdae_point *before, const nsdae_point *point,
-                      nsdae_merged *most);
+/* NSDAE_WARN_IMPACTS with the pair of closed contacts that would hit most often, one after the
+ * other, in the step that was done and has its work; or NSDAE_OK. */
+int nsdae_merged_report(const nsdae_sim *sim, const nsdae_point *before, nsdae_point *point);
 
 /* The record of a point whose result and accounts were set; have: terms to evaluate besides. */
 int nsdae_point_show(nsdae_point *point, unsigned have);

@@ -156,6 +156,7 @@ static int prepare(nsdae_sim *sim, double t1)
     status = sim->options.projection == NSDAE_PROJECTION_NONE ? keep_lengths(sim) : project(sim);
   if (sim->next->result.end.t < t1) length = sim->next->result.end.t - t0; /* as far as it came */
   if (status == NSDAE_OK) status = nsdae_point_follow(sim, sim->now, sim->next, length);
+  if (status == NSDAE_OK) status = nsdae_certificate_energy(sim, sim->now, sim->next);
   if (status == NSDAE_OK) status = nsdae_watch_step(sim, sim->now, sim->next);
   if (status < 0) {
     sim->now->result.end.have = have; /* what a dropped step evaluated is not counted either */

@@ -308,14 +308,34 @@ static int named(nsdae_differences *d, int code, const char *callback)
   return code;
 }
 
-/* out [m + k]: rates of constraints and gaps along the motion. */
+/* rate [rows] of f: along the motion without its derivatives by q, in time without those by t. */
+static int rates_of(nsdae_differences *d, nsdae_position_fn f, int rows, double t, const double *q,
+                    const double *v, int along, int in_time, double *out)
+{
+  int code = 0;
+  memset(out, 0, (size_t)rows * sizeof *out);
+  if (along) code = nsdae_differences_along(d, f, rows, t, q, v, out);
+  if (code || !in_time) return code;
+  code = nsdae_differences_time(d, f, rows, t, q, d->rate);
+  nsdae_add(rows, 1, d->rate, out);
+  return code;
+}
+
+/* out [m + k]: of constraints and gaps, what has no formula. */
 static int rates(nsdae_differences *d, double t, const double *q, const double *v, double *out)
 {
   const nsdae_system *s = d->system;
+  int m = s->dims.m, k = s->dims.k, code = 0;
   d->failed = NULL;
-  int m = s->dims.m, k = s->dims.k, code = kinematics(d, t, q, v, d->qdot);
-  if (!code && m > 0) code = named(d, rate(d, s->call.constraint, m, t, q, 1, out), "constraint");
-  return code || k == 0 ? code : named(d, rate(d, s->call.gap, k, t, q, 1, out + m), "gap");
+  if (m > 0)
+    code = named(d,
+                 rates_of(d, s->call.constraint, m, t, q, v, !s->call.constraint_jacobian,
+                          !s->call.constraint_bias, out),
+                 "constraint");
+  if (code || k == 0) return code;
+  return named(
+      d, rates_of(d, s->call.gap, k, t, q, v, !s->call.gap_normal, !s->call.contact_bias, out + m),
+      "gap");
 }
 
 /* omega [m + k + k nt + f]: of what has no formula, zero of the rest. */

@@ -30,7 +30,8 @@ static int stands_still(nsdae_power *p, const nsdae_terms *T)
   return !p->moves;
 }
 
-/* M ahead, by *s along the motion. */
+/* M ahead, by *s along the motion. The step is the same for any t0: a part of M that depends on t
+ * itself is lost where t0 + s is t0. */
 static int mass_ahead(nsdae_power *p, const nsdae_terms *T, const double *qdot, double *s)
 {
   const nsdae_system *system = T->system;
@@ -39,7 +40,7 @@ static int mass_ahead(nsdae_power *p, const nsdae_terms *T, const double *qdot, 
   for (int i = 0; i < nq; i++)
     if (fabs(qdot[i]) > fastest * (1 + fabs(T->q[i])))
       fastest = fabs(qdot[i]) / (1 + fabs(T->q[i]));
-  *s = 0x1p-26 * fmax(1, 1e-4 * fabs(nsdae_terms_time(T))) / fastest;
+  *s = 0x1p-26 * fmax(1, 1e-4 * fabs(T->t)) / fastest;
   for (int i = 0; i < nq; i++) p->q[i] = T->q[i] + *s * qdot[i];
   memset(p->M, 0, (size_t)n * (size_t)n * sizeof *p->M);
   T->evals->mass++;

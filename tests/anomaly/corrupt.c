@@ -10,17 +10,11 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "support/random.h"
+
 static const char good[] = "corrupt_good.h5", bad[] = "corrupt_bad.h5", said[] = "corrupt_said.txt";
 
 enum { FILES_DEFAULT = 60, LENGTH_MAX = 1 << 21 };
-
-/* xorshift64 (Marsaglia 2003). */
-static unsigned long next(unsigned long *seed)
-{
-  *seed ^= *seed << 13;
-  *seed ^= *seed >> 7;
-  return *seed ^= *seed << 17;
-}
 
 static long read_whole(const char *path, unsigned char *bytes)
 {
@@ -41,19 +35,18 @@ static void write_whole(const char *path, const unsigned char *bytes, long lengt
  * value. */
 static long damage(unsigned char *bytes, long length, unsigned long seed)
 {
-  unsigned long r = seed * 2654435761UL + 88172645463325252UL;
-  for (int i = 0; i < 8; i++) next(&r);
-  unsigned long kind = next(&r) % 5, times = kind == 1 ? 1 : kind == 2 ? 8 : 64;
-  if (kind == 0) return (long)(next(&r) % (unsigned long)length);
+  uint64_t r = seed;
+  unsigned long kind = random_next(&r) % 5, times = kind == 1 ? 1 : kind == 2 ? 8 : 64;
+  if (kind == 0) return (long)(random_next(&r) % (unsigned long)length);
   for (unsigned long i = 0; i < times; i++) {
-    unsigned long range = next(&r) % 2 && length > 4096 ? 4096 : (unsigned long)length;
-    unsigned long at = next(&r) % range;
-    unsigned char value = (unsigned char)(next(&r) % 3 ? next(&r) : 255);
+    unsigned long range = random_next(&r) % 2 && length > 4096 ? 4096 : (unsigned long)length;
+    unsigned long at = random_next(&r) % range;
+    unsigned char value = (unsigned char)(random_next(&r) % 3 ? random_next(&r) : 255);
     if (kind == 4) {
       memset(bytes + at, value, length - (long)at < 40 ? (size_t)(length - (long)at) : 40);
       return length;
     }
-    bytes[at] = (unsigned char)(kind == 1 ? bytes[at] ^ 1U << (next(&r) % 8) : value);
+    bytes[at] = (unsigned char)(kind == 1 ? bytes[at] ^ 1U << (random_next(&r) % 8) : value);
   }
   return length;
 }
@@ -167,7 +160,7 @@ static void test_restart(void **state)
 static void test_restart_fortran(void **state)
 {
   (void)state;
-  if (access(NSDAE_BIN_DIR "/nsdae-pendulum-fortran", X_OK) != 0) skip();
+  if (access(NSDAE_BIN_DIR "/nsdae-pendulum-fortran", X_OK) != 0) untested("no Fortran");
   restart("nsdae-pendulum", "nsdae-pendulum-fortran");
 }
 

@@ -12,7 +12,17 @@
 
 static const char path[] = "test_file_memory.h5";
 
+#ifndef NSDAE_TEST_SHARE
+#define NSDAE_TEST_SHARE 1 /* one of so many allocations fails */
+#endif
+
 enum { STEPS = 1100 };
+
+/* From one allocation that fails to the next: n, or 1 in the long form. */
+static long stride(long n)
+{
+  return getenv("NSDAE_LONG") ? 1 : n * NSDAE_TEST_SHARE;
+}
 
 typedef struct fixture {
   bead bead;
@@ -88,7 +98,7 @@ static void test_create(void **state)
 {
   (void)state;
   long at = 0;
-  for (;; at++) {
+  for (;; at += stride(1)) {
     remove(path);
     int status = run(nsdae_trajectory_create, at);
     if (status == NSDAE_OK) break;
@@ -103,7 +113,7 @@ static void test_resume(void **state)
 {
   (void)state;
   long at = 0;
-  for (;; at += getenv("NSDAE_LONG") ? 1 : 5) {
+  for (;; at += stride(5)) {
     remove(path);
     assert_int_equal(run(nsdae_trajectory_create, -1), NSDAE_OK);
     int status = run(nsdae_trajectory_resume, at);
@@ -175,7 +185,7 @@ static void test_listed(void **state)
   static const open_fn open[] = {nsdae_trajectory_create, nsdae_trajectory_resume};
   for (int i = 0; i < 2; i++) {
     long at = 0;
-    for (;; at += getenv("NSDAE_LONG") || i == 0 ? 1 : 3) {
+    for (;; at += stride(i == 0 ? 1 : 3)) {
       remove(path);
       if (i > 0) assert_int_equal(run_listed(nsdae_trajectory_create, -1), NSDAE_OK);
       int status = run_listed(open[i], at);

@@ -4,6 +4,8 @@
 
 #include <nsdae/nsdae.h>
 
+#include "support/random.h"
+
 static const double gravity[2][3] = {{0, -9.81, 0}, {0, 0, -9.81}};
 
 typedef struct world {
@@ -68,12 +70,11 @@ static void named(const world *w, int status, const char *argument, int index, c
 
 /* ---- rows of blocks on a floor, any two of which may touch */
 
-static unsigned long long seed;
+static uint64_t seed;
 
 static double uniform(double from, double to)
 {
-  seed = seed * 6364136223846793005ULL + 1442695040888963407ULL;
-  return from + (to - from) * (double)(seed >> 11) / 9007199254740992.0;
+  return random_between(&seed, from, to);
 }
 
 enum { BLOCKS_MOST = 4 };

@@ -9,6 +9,8 @@
 
 #include <nsdae/nsdae.h>
 
+#include "support/random.h"
+
 enum { STEPS = 60 };
 
 /* Each public function that uses a simulation, on the one under attack. */
@@ -287,9 +289,9 @@ static atomic_long refused;
 
 static void *hammer(void *seed)
 {
-  unsigned draw = *(unsigned *)seed;
+  uint64_t state = *(uint64_t *)seed;
   for (int i = 0; i < TRIES; i++) {
-    draw = draw * 1664525u + 1013904223u;
+    uint64_t draw = random_next(&state);
     target own = shared;
     char block[BLOCK_MOST];
     own.block = block;
@@ -298,7 +300,7 @@ static void *hammer(void *seed)
       assert_int_equal(nsdae_system_set_contact(shared.system, 0, 0, 0.1, 0), NSDAE_E_STATE);
       assert_string_equal(nsdae_system_error(shared.system)->where, "nsdae_system_set_contact");
     }
-    int step = draw >> 31 || other->moves;
+    int step = draw >> 63 || other->moves;
     int status = step ? nsdae_sim_step(shared.sim) : other->make(&own);
     if (!step) continue;
     assert_true(status >= 0 || status == NSDAE_E_STATE);
@@ -312,7 +314,7 @@ static void test_threads(void **state)
 {
   (void)state;
   pthread_t thread[THREADS];
-  unsigned seed[THREADS];
+  uint64_t seed[THREADS];
   for (int method = 0; nsdae_method_name(method); method++) {
     if (!make(&shared, method)) continue;
     assert_true(shared.size <= BLOCK_MOST);

@@ -10,16 +10,17 @@
 
 #include <nsdae/nsdae.h>
 
+#include "../support/random.h"
+
 enum { BALLS = 150, RUNS = 7, STEPS = 150 };
 
 static const double radius = 0.1, mass_of_ball = 1, gravity = 9.81, mu = 0.5, dt = 2e-3;
 
-static unsigned long long seed = 5;
+static uint64_t seed = 5;
 
 static double uniform(double low, double high)
 {
-  seed = seed * 6364136223846793005ull + 1442695040888963407ull;
-  return low + (high - low) * (double)(seed >> 11) / 9007199254740992.0;
+  return random_between(&seed, low, high);
 }
 
 /* ---- with the kit: these lines are the whole of it */

@@ -2,7 +2,7 @@
 #ifndef NSDAE_BENCH_LCP_FAMILIES_H
 #define NSDAE_BENCH_LCP_FAMILIES_H
 
-#include "../unit/linalg/random.h"
+#include "../support/random.h"
 
 enum { LCP_DEFINITE, LCP_FRICTIONLESS, LCP_FRICTION, LCP_FAMILIES };
 

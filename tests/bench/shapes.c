@@ -15,17 +15,17 @@
 #include <nsdae/nsdae.h>
 
 #include "overlap.h"
+#include "../support/random.h"
 #include "ratio.h"
 #include "world.h"
 
 enum { POSES = 20000, RUNS = 5 };
 
-static unsigned long long seed = 3;
+static uint64_t seed = 3;
 
 static double uniform(double low, double high)
 {
-  seed = seed * 6364136223846793005ull + 1442695040888963407ull;
-  return low + (high - low) * (double)(seed >> 11) / 9007199254740992.0;
+  return random_between(&seed, low, high);
 }
 
 static const double edge[2][3] = {{1, 0.8, 0.6}, {0.5, 0.9, 0.7}};

@@ -469,9 +469,96 @@ static void test_cranks(void **state)
   judge_orders(sum);
 }
 
+/* ---- plate.csv: a ball on a plate that shakes ---- */
+
+typedef struct shaken {
+  char name[64];
+  double A, w, e, t_end, y, v, t_lift, impacts;
+} shaken;
+
+static int shaken_mass(double t, const double *q, double *M, int ldm, void *user)
+{
+  (void)t, (void)q, (void)ldm, (void)user;
+  M[0] = 1;
+  return 0;
+}
+
+static int shaken_weight(double t, const double *q, const double *v, double *F, void *user)
+{
+  (void)t, (void)q, (void)v, (void)user;
+  F[0] = -9.81;
+  return 0;
+}
+
+static int shaken_gap(double t, const double *q, double *gap, void *user)
+{
+  const shaken *p = user;
+  gap[0] = q[0] - p->A * sin(p->w * t);
+  return 0;
+}
+
+static int shaken_bias(double t, const double *q, double *w_n, double *w_t, void *user)
+{
+  const shaken *p = user;
+  (void)q, (void)w_t;
+  w_n[0] = -p->A * p->w * cos(p->w * t);
+  return 0;
+}
+
+/* Accelerations by differences. The lift-off and the number of impacts are exact for event. */
+static double shaken_error(shaken *p, int method, int fine)
+{
+  nsdae_sim_options o = options_of(method, fine);
+  nsdae_system *system;
+  nsdae_sim *sim;
+  nsdae_record r;
+  nsdae_stats stats;
+  double q0 = 0, v0 = p->A * p->w;
+  assert_int_equal(nsdae_system_create(&(nsdae_dims){.nq = 1, .k = 1}, &system, NULL), NSDAE_OK);
+  nsdae_system_set_user(system, p);
+  nsdae_system_set_mass(system, shaken_mass);
+  nsdae_system_set_force(system, shaken_weight);
+  nsdae_system_set_gap(system, shaken_gap);
+  nsdae_system_set_gap_normal(system, shaken_mass); /* 1, too */
+  nsdae_system_set_contact_bias(system, shaken_bias);
+  nsdae_system_set_contact(system, 0, 0, method == PENALTY ? flores(p->e) : p->e, 0);
+  assert_int_equal(nsdae_sim_create(system, &o, &sim, NULL), NSDAE_OK);
+  assert_int_equal(nsdae_sim_init(sim, 0, &q0, &v0), NSDAE_OK);
+  int status = nsdae_sim_run(sim, p->t_end);
+  assert_true(status >= 0);
+  nsdae_sim_get_record(sim, &r);
+  nsdae_sim_get_stats(sim, &stats);
+  double worst = fmax(fabs(r.q[0] - p->y), fabs(r.v[0] - p->v));
+  if (method == EVENT) assert_int_equal(stats.impacts, (long)p->impacts);
+  nsdae_sim_destroy(&sim);
+  nsdae_system_destroy(&system);
+  return worst;
+}
+
+static void test_plate(void **state)
+{
+  (void)state;
+  FILE *file = open_cases("plate.csv");
+  char line[512];
+  int cases = 0;
+  for (; fgets(line, sizeof line, file); cases++) {
+    shaken p;
+    errors of;
+    double numbers[8];
+    read_case(line, p.name, numbers, 8);
+    memcpy((char *)&p + offsetof(shaken, A), numbers, sizeof numbers);
+    for (int m = 0; m < METHODS; m++)
+      for (int fine = 0; fine < FINENESSES; fine++) of[m][fine] = shaken_error(&p, m, fine);
+    print_errors(p.name, of);
+    judge(of, p.t_end, 9.81 + p.A * p.w * p.w, (int)p.impacts);
+  }
+  fclose(file);
+  assert_true(cases >= 6);
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {cmocka_unit_test(test_ball), cmocka_unit_test(test_block),
-                                     cmocka_unit_test(test_cranks)};
+                                     cmocka_unit_test(test_cranks), cmocka_unit_test(test_plate)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

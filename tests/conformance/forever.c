@@ -7,6 +7,8 @@
 
 #include <nsdae/nsdae.h>
 
+#include "support/random.h"
+
 enum wrong { FORCE, GAP, NORMAL, CONSTRAINT, JACOBIAN, KINEMATICS, MASS, CALLBACKS };
 enum { RANK = CALLBACKS, WEIGHTLESS, WRONGS };
 static const char *const names[WRONGS] = {
@@ -199,8 +201,7 @@ static void test_forever(void **state)
   for (int method = 0; nsdae_method_name(method); method++)
     for (int wrong = 0; wrong < WRONGS; wrong++)
       for (int i = 0; i < 16; i++) {
-        seed = seed * 6364136223846793005u + 1442695040888963407u;
-        double at = (double)(seed >> 11) / 9007199254740992.0;
+        double at = random_uniform(&seed);
         model m = {.wrong = wrong, .code = i % 4 == 3 ? -3 : 1 + i % 4};
         m.from = i == 0 ? 0.2472 : i < 8 ? 0.215 + 0.03 * at : 0.01 + 0.5 * at;
         run(method, &m);

@@ -4,23 +4,16 @@
 #include <stdio.h>
 #include <string.h>
 
-/* splitmix64, Steele, Lea and Flood 2014 */
-static unsigned long next(drop *d)
-{
-  unsigned long z = d->seed += 0x9e3779b97f4a7c15UL;
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9UL;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebUL;
-  return z ^ (z >> 31);
-}
+#include "random.h"
 
 static double uniform(drop *d, double a, double b)
 {
-  return a + (b - a) * (double)(next(d) >> 11) / 9007199254740992.0;
+  return random_between(&d->seed, a, b);
 }
 
 static int one_of(drop *d, int n)
 {
-  return (int)(next(d) % (unsigned long)n);
+  return random_below(&d->seed, n);
 }
 
 /* R of body coordinates q: of an angle, or of the unit quaternion along q [3 .. 6]. */

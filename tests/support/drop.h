@@ -3,12 +3,14 @@
 #ifndef DROP_H
 #define DROP_H
 
+#include <stdint.h>
+
 #include <nsdae/nsdae.h>
 
 enum { DROP_POINTS = 8, DROP_WALLS = 3, DROP_BODIES = 3, DROP_NQ = 9, DROP_NV = 9 };
 
 typedef struct drop {
-  unsigned long seed;
+  uint64_t seed;
   int space, bodies, points, walls;
   double m, J[3], half[3];              /* of each body; of a box or rod: half its edges */
   double point[DROP_POINTS][3], radius; /* of the body; of a point, or of each disc */

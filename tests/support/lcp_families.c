@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "random.h"
+
 enum { MOST_EDGES = 8, FREEDOM = 6 };
 enum { OPEN, SLIDE, STICK, GRAZE, MODES };
 
@@ -33,23 +35,14 @@ int lcp_family_least(int family)
   return least[family];
 }
 
-/* xorshift64* (Vigna, ACM Trans. Math. Softw. 42, 2016) */
-static unsigned long long next(lcp_sample *s)
-{
-  s->state ^= s->state >> 12;
-  s->state ^= s->state << 25;
-  s->state ^= s->state >> 27;
-  return s->state * 2685821657736338717ull;
-}
-
 double lcp_sample_uniform(lcp_sample *s, double low, double high)
 {
-  return low + (high - low) * ((double)(next(s) >> 11) * 0x1p-53);
+  return random_between(&s->state, low, high);
 }
 
 int lcp_sample_pick(lcp_sample *s, int count)
 {
-  return (int)((next(s) >> 33) % (unsigned long long)count);
+  return random_below(&s->state, count);
 }
 
 static double *room(size_t count)
@@ -71,7 +64,7 @@ lcp_sample lcp_sample_create(int n, unsigned long long seed)
                       .x = room(size),
                       .row = room(size),
                       .column = room(size),
-                      .state = seed * 2862933555777941757ull + 3037000493ull};
+                      .state = seed};
 }
 
 void lcp_sample_release(lcp_sample *s)

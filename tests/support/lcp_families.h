@@ -8,6 +8,8 @@
 #ifndef NSDAE_TESTS_LCP_FAMILIES_H
 #define NSDAE_TESTS_LCP_FAMILIES_H
 
+#include <stdint.h>
+
 enum lcp_family {
   FAMILY_DEFINITE,     /* B B^T + D + skew, D > 0 */
   FAMILY_SEMIDEFINITE, /* B B^T of half rank + skew */
@@ -30,12 +32,12 @@ enum { FAMILY_NO_SOLUTION, FAMILY_SOLUTION, FAMILY_OPEN };
 typedef struct lcp_sample {
   int n; /* rows: at most what was asked for, in whole contacts */
   int capacity;
-  int known;                /* FAMILY_SOLUTION, FAMILY_NO_SOLUTION, or FAMILY_OPEN */
-  double *A;                /* n x n */
-  double *b;                /* n */
-  double *x;                /* n: the solution known, else zero */
-  double *row, *column;     /* n: what rows and columns were multiplied by */
-  unsigned long long state; /* of the random numbers */
+  int known;            /* FAMILY_SOLUTION, FAMILY_NO_SOLUTION, or FAMILY_OPEN */
+  double *A;            /* n x n */
+  double *b;            /* n */
+  double *x;            /* n: the solution known, else zero */
+  double *row, *column; /* n: what rows and columns were multiplied by */
+  uint64_t state;       /* of the random numbers */
 } lcp_sample;
 
 const char *lcp_family_name(int family);

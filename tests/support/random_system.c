@@ -5,25 +5,6 @@
 #include <stdio.h>
 #include <string.h>
 
-/* splitmix64: S. Vigna's public-domain generator, one state word, no seed is a bad one. */
-static uint64_t next(uint64_t *state)
-{
-  uint64_t z = *state += 0x9e3779b97f4a7c15u;
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-  return z ^ (z >> 31);
-}
-
-double random_uniform(uint64_t *state)
-{
-  return (double)(next(state) >> 11) * 0x1p-53;
-}
-
-int random_below(uint64_t *state, int n)
-{
-  return (int)(next(state) % (uint64_t)n);
-}
-
 static double between(random_system *r, double low, double high)
 {
   return low + (high - low) * random_uniform(&r->state);

@@ -13,6 +13,8 @@
 
 #include <nsdae/nsdae.h>
 
+#include "random.h"
+
 enum { RANDOM_NQ = 6, RANDOM_M = 3, RANDOM_K = 4, RANDOM_NT = 2 };
 
 enum random_term {
@@ -64,10 +66,6 @@ typedef struct random_system {
 } random_system;
 
 enum random_kind { RANDOM_PLAIN, RANDOM_EXTREME };
-
-/* Uniform in [0, 1); in 0 .. n - 1. */
-double random_uniform(uint64_t *state);
-int random_below(uint64_t *state, int n);
 
 /* The data of a seed; without a fault. */
 void random_system_draw(random_system *r, uint64_t seed, int kind);

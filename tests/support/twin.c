@@ -3,16 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-static double uniform(uint64_t *state)
-{
-  *state = *state * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
-  return (double)(*state >> 11) / 9007199254740992.0;
-}
-
-static double between(uint64_t *state, double low, double high)
-{
-  return low + (high - low) * uniform(state);
-}
+#include "random.h"
 
 static double value(const twin *t, const twin_row *r, double time, const double *q)
 {
@@ -37,7 +28,7 @@ static void draw_row(twin *t, uint64_t *seed, twin_row *r, int a, int b)
   r->block[1] = b;
   r->rate = r->offset = 0;
   for (int s = 0; s < 2; s++)
-    for (int j = 0; j < TWIN_WIDE; j++) r->a[s][j] = between(seed, -1, 1) + (j == 0);
+    for (int j = 0; j < TWIN_WIDE; j++) r->a[s][j] = random_between(seed, -1, 1) + (j == 0);
   (void)t;
 }
 
@@ -46,53 +37,54 @@ static void draw_blocks(twin *t, uint64_t *seed, const twin_kind *kind)
   t->blocks = kind->blocks;
   t->nv = 0;
   for (int b = 0; b < t->blocks; b++) {
-    int n = 1 + (int)(uniform(seed) * (kind->largest > 6 ? 3 : kind->largest));
+    int n = 1 + (int)(random_uniform(seed) * (kind->largest > 6 ? 3 : kind->largest));
     if (b == 0 && kind->largest > 6) n = TWIN_WIDE;
     t->size[b] = n;
     t->first[b] = t->nv;
     t->nv += n;
-    double scale = pow(10, between(seed, -1, 1));
+    double scale = pow(10, random_between(seed, -1, 1));
     for (int j = 0; j < n; j++)
       for (int i = 0; i <= j; i++)
         t->M[b][j * n + i] = t->M[b][i * n + j] =
-            scale * (i == j ? between(seed, 1, 2) : between(seed, -0.1, 0.1));
+            scale * (i == j ? random_between(seed, 1, 2) : random_between(seed, -0.1, 0.1));
   }
   for (int j = 0; j < t->nv; j++) {
-    t->g[j] = between(seed, -5, 5);
-    t->c[j] = between(seed, 0, 0.2);
-    t->s[j] = between(seed, 0, 2);
-    t->q0[j] = between(seed, -1, 1);
-    t->v0[j] = between(seed, -1, 1);
+    t->g[j] = random_between(seed, -5, 5);
+    t->c[j] = random_between(seed, 0, 0.2);
+    t->s[j] = random_between(seed, 0, 2);
+    t->q0[j] = random_between(seed, -1, 1);
+    t->v0[j] = random_between(seed, -1, 1);
   }
 }
 
 static void draw_contact(twin *t, uint64_t *seed, int i, const twin_kind *kind)
 {
-  int a = (int)(uniform(seed) * t->blocks), b = (int)(uniform(seed) * (t->blocks + 1)) - 1;
+  int a = (int)(random_uniform(seed) * t->blocks),
+      b = (int)(random_uniform(seed) * (t->blocks + 1)) - 1;
   if (b == a) b = -1;
   draw_row(t, seed, &t->gap[i], a, b);
   draw_row(t, seed, &t->tangent[i], a, b);
-  if (uniform(seed) < 0.3) { /* the ground may come first */
+  if (random_uniform(seed) < 0.3) { /* the ground may come first */
     t->gap[i].block[0] = t->tangent[i].block[0] = b;
     t->gap[i].block[1] = t->tangent[i].block[1] = a;
   }
-  t->gap[i].offset = value(t, &t->gap[i], 0, t->q0) - between(seed, 0, 0.05);
-  t->mu[i] = kind->nt > 0 && uniform(seed) < 0.8 ? between(seed, 0, kind->friction) : 0;
-  t->e_n[i] = between(seed, 0, kind->restitution);
+  t->gap[i].offset = value(t, &t->gap[i], 0, t->q0) - random_between(seed, 0, 0.05);
+  t->mu[i] =
+      kind->nt > 0 && random_uniform(seed) < 0.8 ? random_between(seed, 0, kind->friction) : 0;
+  t->e_n[i] = random_between(seed, 0, kind->restitution);
 }
 
 void twin_draw(twin *t, uint64_t seed, const twin_kind *kind)
 {
-  uint64_t state = seed * UINT64_C(0x9e3779b97f4a7c15) + 1;
+  uint64_t state = seed;
   memset(t, 0, sizeof *t);
-  for (int i = 0; i < 4; i++) uniform(&state);
   draw_blocks(t, &state, kind);
   t->m = kind->joined ? t->blocks - 1 : 0;
   t->k = kind->k;
   t->nt = kind->nt;
   for (int i = 0; i < t->m; i++) {
     draw_row(t, &state, &t->phi[i], i, i + 1);
-    t->phi[i].rate = between(&state, -0.1, 0.1);
+    t->phi[i].rate = random_between(&state, -0.1, 0.1);
     t->phi[i].offset = value(t, &t->phi[i], 0, t->q0);
   }
   for (int i = 0; i < t->k; i++) draw_contact(t, &state, i, kind);

@@ -4,7 +4,7 @@
 
 #include <nsdae/nsdae.h>
 
-#include "../unit/linalg/random.h"
+#include "support/random.h"
 
 enum { GROUPS = 6, BLOCKS = 200, CONTACTS = 300, ROWS = 20, V = 6, STEPS = 4 };
 

@@ -5,12 +5,13 @@
 
 #include <nsdae/nsdae.h>
 
-static unsigned long long seed;
+#include "support/random.h"
+
+static uint64_t seed;
 
 static double uniform(double from, double to)
 {
-  seed = seed * 6364136223846793005ULL + 1442695040888963407ULL;
-  return from + (to - from) * (double)(seed >> 11) / 9007199254740992.0;
+  return random_between(&seed, from, to);
 }
 
 typedef struct rim {

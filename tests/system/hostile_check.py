@@ -1,4 +1,5 @@
-"""Files of unknown origin, as hostile.sh gives them to the tools. usage: hostile_check.py BIN_DIR"""
+"""Files of unknown origin, given to every tool that reads one: refused in one line, or read; and pages with hostile names
+in a browser. usage: hostile_check.py BIN_DIR"""
 
 import contextlib
 import html
@@ -10,29 +11,17 @@ import re
 import resource
 import shutil
 import subprocess
-import sys
 
 import h5py
 import numpy as np
 from matplotlib import pyplot as plt
 from PIL import Image
+from tools import BIN, MAINS, browse, browser, end, expect
 
-BIN = os.path.abspath(sys.argv[1])
-sys.path.insert(0, os.path.join(BIN, "..", "share", "nsdae"))
-import animate  # noqa: E402
-import plot  # noqa: E402
-import vtkhdf  # noqa: E402
-
-TOOLS = {"nsdae-animate": (animate.main, "x.html"), "nsdae-plot": (plot.main, "x.svg"), "nsdae-vtk": (vtkhdf.main, "x.vtkhdf")}
+TOOLS = {"nsdae-animate": "x.html", "nsdae-plot": "x.svg", "nsdae-vtk": "x.vtkhdf"}
 SECRET = "a line that only its owner reads " * 40
 MEMORY = 3 << 30  # bytes of address space: what a lie asks for is far beyond
 FAMILY = 24  # seeds
-failures = []
-
-
-def expect(holds, *what):
-    if not holds:
-        failures.append(" ".join(str(w) for w in what)[:400])
 
 
 def limit(memory):
@@ -50,13 +39,13 @@ def make(program, *arguments):
 
 def drawn(tool, path):
     """Exit, lines on stderr, and bytes of the output of a tool in Python, run in here: an exception is a traceback."""
-    main, output = TOOLS[tool]
+    output = TOOLS[tool]
     said = io.StringIO()
     with contextlib.suppress(OSError):
         os.remove(output)
     with contextlib.redirect_stderr(said), contextlib.redirect_stdout(io.StringIO()):
         try:
-            code = main([path, "-o", output])
+            code = MAINS[tool]([path, "-o", output])
         except Exception as error:  # noqa: BLE001
             return "traceback", [repr(error)], b""
         finally:
@@ -273,19 +262,6 @@ def named(file, names):
     file.attrs["model"], file.attrs["method"] = names[0], names[-1]
 
 
-def browser():
-    found = shutil.which("chromium") or shutil.which("google-chrome")
-    if not found and os.environ.get("CI") == "true":
-        sys.exit("CI runs the pages in a browser: install chromium")
-    return found
-
-
-def browse(program, page, *how):
-    return subprocess.run([program, "--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={os.getcwd()}/browser",
-                           "--window-size=800,900", *how, f"file://{os.getcwd()}/{page}#t=0.05"],
-                          stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=60, check=True).stdout.decode()
-
-
 def coloured(picture):
     """Pixels of the canvas in colours of bodies: neither grey nor white."""
     with Image.open(picture) as image:
@@ -294,7 +270,7 @@ def coloured(picture):
 
 
 def check_browser(program, page, title, names):
-    dom = browse(program, page, "--dump-dom")
+    dom = browse(program, page, 0.05, "--dump-dom")
     got = re.search("<title>(.*?)</title>", dom, re.DOTALL)
     expect(got and html.unescape(got[1]).split() == title.split(), page, "title", got and got[1], "wanted", title)
     expect("data-frame=" in dom, page, "draws no frame")
@@ -329,7 +305,7 @@ def check_names():
         if program:
             check_browser(program, f"{i}.html", shown["title"], [b["name"] for b in shown["bodies"] if not b["fixed"]])
     if program:
-        browse(program, "0.html", f"--screenshot={os.getcwd()}/0.png")
+        browse(program, "0.html", 0.05, f"--screenshot={os.getcwd()}/0.png")
         expect(coloured("0.png") > 500, "the canvas is blank:", coloured("0.png"), "pixels")
     return len(cases) if program else 0
 
@@ -352,13 +328,7 @@ def main():
     check_named()
     check_sweep()
     check_family()
-    print(f"{len(LEAKS) + len(LIES)} named, {FAMILY} seeded files, {pages} pages in a browser, {len(failures)} failures")
-    return bool(failures)
+    end(f"{len(LEAKS) + len(LIES)} named, {FAMILY} seeded files, {pages} pages in a browser")
 
 
-try:
-    code = main()
-finally:
-    for failure in failures:
-        print("FAILED:", failure)
-sys.exit(code)
+main()

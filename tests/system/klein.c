@@ -9,16 +9,17 @@
 
 #include <nsdae/nsdae.h>
 
+#include "support/random.h"
+
 typedef struct klein {
   double mass[2], load[2], slope, mu, v;
 } klein;
 
-static unsigned long long seed;
+static uint64_t seed;
 
 static double uniform(double from, double to)
 {
-  seed = seed * 6364136223846793005ULL + 1442695040888963407ULL;
-  return from + (to - from) * (double)(seed >> 11) / 9007199254740992.0;
+  return random_between(&seed, from, to);
 }
 
 static klein draw(void)

@@ -1,12 +1,15 @@
-"""Checks what the programs in Python make of a trajectory with contacts by list, against its own numbers.
-usage: listed_check.py TRAJECTORY FILE.vtkhdf FILE.html"""
+"""Trajectories with contacts by list in nsdae-vtk, nsdae-animate, nsdae-plot, and xarray where it is, against their own
+numbers; files that do not fit together. usage: listed_check.py BIN_DIR DISKS_RUN"""
 
 import json
 import re
+import shutil
 import sys
 
 import h5py
+import listed_space
 import numpy as np
+import tools
 
 RADIUS = 0.05  # of the disks
 EPS = 1e-12
@@ -14,7 +17,7 @@ EPS = 1e-12
 
 def expect(name, holds, what=""):
     if not holds:
-        sys.exit(f"{sys.argv[1]}: {name} {what}")
+        sys.exit(f"{name} {what}")
 
 
 class Run:
@@ -150,15 +153,59 @@ def check_xarray(path):
     return "by xarray"
 
 
-def main():
-    run = Run(sys.argv[1])
+def check_file(stem):
+    run = Run(f"{stem}.h5")
     expect("contacts enough", run.list["count"].max() > run.disks / 2)
-    check_bodies(run, sys.argv[2])
-    lines = sys.argv[2].replace(".vtkhdf", ".contacts.vtkhdf")
-    check_contacts(run, lines)
-    check_page(run, sys.argv[3])
-    print(sys.argv[1], check_vtk(lines, run), check_xarray(sys.argv[1]))
+    check_bodies(run, f"{stem}.vtkhdf")
+    check_contacts(run, f"{stem}.contacts.vtkhdf")
+    check_page(run, f"{stem}.html")
+    print(stem, check_vtk(f"{stem}.contacts.vtkhdf", run), check_xarray(f"{stem}.h5"))
 
 
-if __name__ == "__main__":
-    main()
+def check_disks(disks_run):
+    for compress in ("0", "3"):
+        stem = f"disks{compress}"
+        tools.runs_plainly([disks_run, f"{stem}.h5", "24", "6", "120", "5", compress])
+        said = tools.runs("nsdae-vtk", f"{stem}.h5")
+        tools.expect(re.search("^their contacts in disks.*contacts.vtkhdf", said, re.MULTILINE), "nsdae-vtk:", said)
+        tools.runs("nsdae-animate", "--forces", "-o", f"{stem}.html", "-o", f"{stem}.gif", f"{stem}.h5")
+        tools.runs("nsdae-plot", f"{stem}.h5")
+        tools.runs("nsdae-plot", "--only", "contacts", "-o", "few.svg", f"{stem}.h5")
+        with open("few.svg", encoding="utf-8") as file:
+            tools.expect("<svg" in file.read(), "few.svg")
+        with tools.judged(stem):
+            check_file(stem)
+
+
+def check_space():
+    """Hundreds of balls in space."""
+    listed_space.make("balls.h5")
+    tools.runs("nsdae-vtk", "balls.h5")
+    tools.runs("nsdae-animate", "--forces", "-o", "balls.html", "-o", "balls.gif", "balls.h5")
+    with tools.judged("balls"):
+        listed_space.check("balls.h5", "balls.vtkhdf", "balls.html")
+
+
+def spoilt(name, value):
+    shutil.copy("disks0.h5", "bad.h5")
+    with h5py.File("bad.h5", "a") as file:
+        file[name][-1] = value
+    return "bad.h5"
+
+
+def check_refused():
+    """What does not fit together, in one line."""
+    path = spoilt("contacts/first", 1000000)
+    tools.refuses(1, "record 24 has contacts that are not in its list", "nsdae-vtk", path)
+    tools.refuses(1, "record 24 has contacts that are not in its list", "nsdae-animate", "--forces", "-o", "bad.gif", path)
+    tools.refuses(1, "record 24 has contacts that are not in its list", "nsdae-plot", path)
+    tools.refuses(1, "its /shapes do not fit together", "nsdae-vtk", spoilt("shapes/position", 71))
+    tools.refuses(1, "its /shapes do not fit together", "nsdae-animate", spoilt("shapes/shape", 9))
+    tools.runs("nsdae-bouncing-ball", "--quiet", "--t-end", "0.1", "--output", "ball.h5")
+    tools.refuses(1, "has no contacts by list", "nsdae-animate", "--forces", "ball.h5")
+
+
+check_disks(sys.argv[2])
+check_space()
+check_refused()
+tools.end()

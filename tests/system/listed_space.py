@@ -1,5 +1,5 @@
 """A trajectory of 400 balls in space, placed by coordinates alone, made here number by number: what the programs draw
-of it. usage: listed_space.py make FILE.h5 | check FILE.h5 FILE.vtkhdf FILE.html"""
+of it (of listed_check.py)."""
 
 import json
 import re
@@ -69,10 +69,7 @@ def check(path, vtk, page):
     expect("in space", scene["spatial"] and len(scene["bodies"]) == BALLS)
     for body in scene["bodies"]:
         i = int(body["name"].split()[1])
-        expect("a ball", body["kind"] == "ball" and body["radius"] == RADIUS)
+        expect("a ball", scene["styles"][body["parts"][0][0]]["radius"] == RADIUS)
         expect("its place", np.abs(np.array(body["pose"]) - q[:, i, :3]).max() < 1e-5)
     expect("forces", [len(lines) for lines in scene["forces"]] == [0] + [BALLS // 2] * (RECORDS - 1))
 
-
-if __name__ == "__main__":
-    make(sys.argv[2]) if sys.argv[1] == "make" else check(*sys.argv[2:])

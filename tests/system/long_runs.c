@@ -28,6 +28,7 @@
 #include "shaken_ball.h"
 #include "wall.h"
 #include "woodpecker.h"
+#include "support/random.h"
 
 enum { NQ = 20000 };
 
@@ -294,8 +295,7 @@ static int start_and_step(const driver_model *model, int method_number, double t
   assert_int_equal(nsdae_sim_create(*system, &options, sim, NULL), NSDAE_OK);
   nsdae_sim_get_dims(*sim, &d);
   for (int i = 0; i < d.nv && size > 0; i++) {
-    seed = seed * 6364136223846793005u + 1442695040888963407u;
-    v0[i] = size * ((double)(seed >> 11) / 9007199254740992.0 - 0.5);
+    v0[i] = size * (random_uniform(&seed) - 0.5);
   }
   int status = nsdae_sim_init(*sim, t0 * options.dt, q0, v0);
   for (int i = 0; i < steps && status >= 0; i++) status = nsdae_sim_step(*sim);

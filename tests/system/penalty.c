@@ -185,11 +185,6 @@ static void test_kelvin_voigt(void **state)
   }
 }
 
-static double random_between(uint64_t *state, double low, double high)
-{
-  return low + (high - low) * random_uniform(state);
-}
-
 /* What a start reports is what the impact gives: mass, stiffness, exponent, speed and e at random;
  * the friction velocity, below which d'_0 is not that of the impact, is far below all speeds. */
 static void test_reported(void **state)

@@ -1,15 +1,18 @@
 """What nsdae-plot draws, against what is known: units have axes of their own, the normal force on an
 incline is m g cos(slope), impulses are those of the file, strips are the file's modes, and no number
-of the certificate is below rounding. usage: plot_check.py SHARE_DIR FOLDER (of incline.h5, pendulum.h5, falling-rod.h5)"""
+of the certificate is below rounding; kinds of pictures, one-line errors, and a run that is drawn along.
+usage: plot_check.py BIN_DIR DATA_DIR"""
 
+import os
+import subprocess
 import sys
+import time
 
 import h5py
 import numpy as np
-
-sys.path.insert(0, sys.argv[1])
-import plot  # noqa: E402
-from trajectory import open_trajectory  # noqa: E402
+import tools
+from tools import plot
+from trajectory import open_trajectory
 
 
 def expect(name, holds, what=""):
@@ -18,7 +21,7 @@ def expect(name, holds, what=""):
 
 
 def axes_of(example):
-    with open_trajectory(f"{sys.argv[2]}/{example}.h5", *plot.NEEDED) as file:
+    with open_trajectory(f"{example}.h5", *plot.NEEDED) as file:
         figure = plot.draw(file, plot.panels(file, None), example)
     return figure.axes
 
@@ -30,7 +33,7 @@ def lines(axes, title):
 
 def incline():
     axes = axes_of("incline")
-    with h5py.File(f"{sys.argv[2]}/incline.h5") as f:
+    with h5py.File("incline.h5") as f:
         p = {name: value[()] for name, value in f["parameters"].items()}
         mode, time = f["contact/mode"][:, 0], f["time"][...]
     shown = lines(axes, "mean contact forces [N]")
@@ -55,7 +58,7 @@ def pendulum():
                   "mean forces of constraints [N]"):
         expect("an axis for each unit", title in titles, f"lacks {title}: {titles}")
     expect("no forces where there are only impacts", "mean contact forces [N]" not in titles)
-    with h5py.File(f"{sys.argv[2]}/pendulum.h5") as f:
+    with h5py.File("pendulum.h5") as f:
         impulses, q = f["impact/normal_impulse"][...], f["q"][...]
         drift = f["certificate/constraint_drift"][...]
         energy = f["energy/kinetic"][...] + f["energy/potential"][...] - f["energy/potential"][0]
@@ -74,7 +77,7 @@ def pendulum():
 
 def falling_rod():
     """The end that it slides on answers to the impact of the other: no force. Then both carry half its weight."""
-    with h5py.File(f"{sys.argv[2]}/falling-rod.h5") as f:
+    with h5py.File("falling-rod.h5") as f:
         weight = f["parameters/m"][()] * f["parameters/g"][()]
     shown = lines(axes_of("falling-rod"), "mean contact forces [N]")
     normal = shown["first_end, normal"][1:, 1]
@@ -83,7 +86,65 @@ def falling_rod():
     expect("half the weight", abs(normal[-1] - weight / 2) < 1e-2 * weight, f"{normal[-1]}")
 
 
-incline()
-pendulum()
-falling_rod()
-print("units, forces, impulses, strips and certificate are what they are")
+def written(name, *arguments):
+    tools.runs("nsdae-plot", *arguments)
+    tools.expect(os.path.getsize(name) > 0, name)
+
+
+def pictures(data):
+    tools.runs("nsdae-pendulum", "--quiet", "--dt", "0.02", "--t-end", "1", "--output", "a.h5")
+    for example in ("clearance-hinge", "crank-slider"):
+        tools.make(example, data)
+    for example in ("incline", "pendulum", "falling-rod"):
+        tools.runs(f"nsdae-{example}", "--quiet", "--output", f"{example}.h5")
+    tools.started_by_launcher("nsdae-plot", "a.h5")  # as users start it
+    tools.expect(os.path.getsize("a.png") > 0, "a.png")
+    written("a.svg", "-o", "a.svg", "--only", "energy", "--only", "impulses", "a.h5")
+    with open("a.svg", encoding="utf-8") as file:
+        tools.expect("<svg" in file.read(), "a.svg")
+    written("clearance-hinge.png", "clearance-hinge.h5")
+    written("crank-slider.png", "crank-slider.h5")
+    written("b.png", "--only", "modes", "--only", "forces", "-o", "b.png", "clearance-hinge.h5")
+
+
+def damaged():
+    """Files that are none, cut off, or changed: the signature of the groups' lists of names."""
+    with open("a.h5", "rb") as file:
+        whole = file.read()
+    for name, content in (("text.h5", b"text"), ("short.h5", whole[:5000]), ("damaged.h5", whole.replace(b"SNOD", b"xxxx"))):
+        with open(name, "wb") as file:
+            file.write(content)
+
+
+def errors():
+    damaged()
+    for code, words, *arguments in ((1, "nothing for forces", "--only", "forces", "a.h5"),
+                                    (1, "No such file or directory", "none.h5"),
+                                    (1, "cannot read 'text.h5'", "text.h5"),
+                                    (1, "cannot read 'short.h5': truncated file", "short.h5"),
+                                    (1, "'damaged.h5' is damaged", "damaged.h5"),
+                                    (1, "cannot write 'no/a.png': No such file", "-o", "no/a.png", "a.h5"),
+                                    (2, "must end with .png, .svg, .pdf", "-o", "picture", "a.h5")):
+        tools.refuses(code, words, "nsdae-plot", *arguments)
+
+
+def live():
+    """A run with --live is drawn along, and after it was killed."""
+    command = ["nsdae-pendulum", "--quiet", "--live", "--dt", "1e-4", "--t-end", "1e5", "--output", "live.h5"]
+    with subprocess.Popen([os.path.join(tools.BIN, command[0]), *command[1:]]) as run:
+        until = time.time() + 20
+        while time.time() < until and not (os.path.exists("live.h5") and os.path.getsize("live.h5")):
+            time.sleep(0.1)
+        time.sleep(1)
+        tools.runs("nsdae-plot", "live.h5")
+        run.kill()
+    tools.runs("nsdae-plot", "--only", "energy", "live.h5")
+
+
+pictures(sys.argv[2])
+for part in (incline, pendulum, falling_rod):
+    with tools.judged(part.__name__):
+        part()
+errors()
+live()
+tools.end("units, forces, impulses, strips and certificate are what they are")

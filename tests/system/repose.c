@@ -32,6 +32,8 @@
 
 #include <nsdae/nsdae.h>
 
+#include "support/random.h"
+
 static const double pi = 3.14159265358979323846, g = 9.81;
 
 typedef struct dimple {
@@ -124,13 +126,6 @@ static end run(nsdae_bodies *b, double r, double dt, double t_end)
   return e;
 }
 
-/* In 0 .. 1. */
-static double chance(uint32_t *seed)
-{
-  *seed = *seed * 1664525u + 1013904223u;
-  return (*seed >> 8) / 16777216.0;
-}
-
 /* Equal spheres side by side, as in the paper and as in the rough floor of a heap. */
 static void test_published(void **state)
 {
@@ -146,11 +141,11 @@ static void test_published(void **state)
 
 /* Three to five supports that touch each other, or stand apart so that the sphere lies deeper;
  * somewhat smaller or larger than it. */
-static dimple draw(int i, uint32_t *seed)
+static dimple draw(int i, uint64_t *seed)
 {
-  dimple d = {.k = 3 + i % 3, .r = 0.01, .R = 0.01 * (0.6 + 0.6 * chance(seed))};
+  dimple d = {.k = 3 + i % 3, .r = 0.01, .R = 0.01 * (0.6 + 0.6 * random_uniform(seed))};
   double touching = d.R / sin(pi / d.k), apart = 0.95 * (d.r + d.R);
-  d.c = i % 2 ? touching : touching + (apart - touching) * chance(seed);
+  d.c = i % 2 ? touching : touching + (apart - touching) * random_uniform(seed);
   return d;
 }
 
@@ -159,12 +154,13 @@ static dimple draw(int i, uint32_t *seed)
  * leaves, over the edge that theory says. */
 static void test_slopes(void **state)
 {
-  uint32_t seed = 1;
+  uint64_t seed = 1;
   (void)state;
   for (int i = 0; i < 96; i++) {
     dimple d = draw(i, &seed);
-    double phi = (2 * chance(&seed) - 1) * 0.95 * pi / d.k;
-    double mu = i % 4 ? 0.95 * chance(&seed) * depth(&d) / d.c : 0, most = steepest(&d, phi);
+    double phi = (2 * random_uniform(&seed) - 1) * 0.95 * pi / d.k;
+    double mu = i % 4 ? 0.95 * random_uniform(&seed) * depth(&d) / d.c : 0,
+           most = steepest(&d, phi);
     end rests = run(tilted(&d, mu, 0.999 * most, phi), d.r, 1e-3, 0.1);
     end leaves = run(tilted(&d, mu, 1.001 * most, phi), d.r, 1e-3, 1);
     assert_at_most(rests.fastest, 1e-9 * g * 1e-3);
@@ -213,11 +209,11 @@ static nsdae_bodies *pyramid(const dimple *d, double mass, double mu)
 /* A thousandth more friction than that and it stands, a thousandth less and it falls. */
 static void test_pyramid(void **state)
 {
-  uint32_t seed = 2;
+  uint64_t seed = 2;
   (void)state;
   for (int i = 0; i < 48; i++) {
     dimple d = i == 0 ? (dimple){3, 0.01, 0.01, 0.02 / sqrt(3)} : draw(i, &seed);
-    double theta = asin(d.c / (d.r + d.R)), mass = i == 0 ? 1 : exp(4 * chance(&seed) - 2);
+    double theta = asin(d.c / (d.r + d.R)), mass = i == 0 ? 1 : exp(4 * random_uniform(&seed) - 2);
     double least = tan(theta / 2), high = d.R + depth(&d);
     if (i == 0) assert_near(least, sqrt(3) - sqrt(2), 1e-15);
     end stands = run(pyramid(&d, mass, 1.001 * least), d.r, 1e-3, 0.1);

@@ -9,14 +9,15 @@
 
 #include <nsdae/nsdae.h>
 
+#include "support/random.h"
+
 enum { SOLIDS = 10, RECORDS = 21, FRAME = 4, NQ_MAX = 70 };
 
 static uint64_t seed;
 
 static double uniform(double low, double high)
 {
-  seed = seed * 6364136223846793005u + 1442695040888963407u;
-  return low + (high - low) * (double)(seed >> 11) / 9007199254740992.0;
+  return random_between(&seed, low, high);
 }
 
 typedef struct witness {

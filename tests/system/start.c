@@ -2,6 +2,7 @@
 #include "check.h"
 
 #include "rods.h"
+#include "support/random.h"
 
 static nsdae_sim *make(nsdae_system *system, int method, double start_tol)
 {
@@ -98,15 +99,13 @@ static void test_put_right(void **state)
   rod r = {.wall = 0};
   nsdae_system *system = rod_system(&r);
   nsdae_sim *sim = make(system, NSDAE_METHOD_IMPLICIT, 2e-14);
-  unsigned seed = 12345;
+  uint64_t seed = 12345;
   for (int i = 0; i < 200; i++) {
     double q[3], v[3], q1[3], v1[3], off = 0, changed = 0;
     rod_start(0.5 * sin(i), 3 * cos(2 * i), q, v);
     for (int j = 0; j < 3; j++) {
-      seed = seed * 1103515245u + 12345u;
-      q[j] += 0.6 * ((seed >> 8) / 16777216.0 - 0.5);
-      seed = seed * 1103515245u + 12345u;
-      v[j] += 2 * ((seed >> 8) / 16777216.0 - 0.5);
+      q[j] += 0.6 * (random_uniform(&seed) - 0.5);
+      v[j] += 2 * (random_uniform(&seed) - 0.5);
     }
     memcpy(q1, q, sizeof q);
     memcpy(v1, v, sizeof v);

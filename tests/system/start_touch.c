@@ -4,6 +4,8 @@
 
 #include <nsdae/nsdae.h>
 
+#include "support/random.h"
+
 enum { LEVERS_MOST = 3, SEEDS = 120 };
 
 /* A lever turns by q, its load by p = q; the constraint is there `twice` or once. Contacts press on
@@ -20,12 +22,11 @@ typedef struct levers {
 
 static const double inertia = 0.4, load = 0.6; /* of q and of p: 1 together */
 
-static unsigned long long seed;
+static uint64_t seed;
 
 static double uniform(double from, double to)
 {
-  seed = seed * 6364136223846793005ULL + 1442695040888963407ULL;
-  return from + (to - from) * (double)(seed >> 11) / 9007199254740992.0;
+  return random_between(&seed, from, to);
 }
 
 static int mass(double t, const double *q, double *M, int ldm, void *user)

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "twin.h"
+#include "support/random.h"
 
 enum { NUMBERS = 4, STEPS = 40, STATES = 64 };
 
@@ -161,12 +162,6 @@ static void test_errors(void **state)
   assert_int_equal(failed, 6);
 }
 
-static double draw(uint32_t *seed)
-{
-  *seed = *seed * 1664525u + 1013904223u;
-  return *seed / 4294967296.0;
-}
-
 static int add_sphere(nsdae_bodies *world, const double *at, int material)
 {
   nsdae_rigid_body body = {.mass = 1, .inertia = {4e-3, 4e-3, 4e-3}};
@@ -179,11 +174,11 @@ static int add_sphere(nsdae_bodies *world, const double *at, int material)
 }
 
 /* A loose heap of so many over x. */
-static void add_heap(nsdae_bodies *world, double x, int spheres, int material, uint32_t *seed)
+static void add_heap(nsdae_bodies *world, double x, int spheres, int material, uint64_t *seed)
 {
   for (int i = 0; i < spheres; i++) {
     double at[3] = {x + 0.22 * (i & 1), 0.22 * (i >> 1 & 1), 0.111 + 0.22 * (i >> 2)};
-    for (int j = 0; j < 3; j++) at[j] += 0.02 * (draw(seed) - 0.5);
+    for (int j = 0; j < 3; j++) at[j] += 0.02 * (random_uniform(seed) - 0.5);
     add_sphere(world, at, material);
   }
 }
@@ -210,7 +205,7 @@ static nsdae_bodies *draw_world(int with_chains)
 {
   const nsdae_solid floor = {.shape = NSDAE_SHAPE_PLANE};
   nsdae_bodies *world;
-  uint32_t seed = 5;
+  uint64_t seed = 5;
   assert_int_equal(nsdae_bodies_create(3, &world, NULL), NSDAE_OK);
   nsdae_bodies_set_gravity(world, (double[3]){0, 0, -9.81});
   nsdae_bodies_add_solid(world, NSDAE_GROUND, &floor);

@@ -1,11 +1,15 @@
-"""Checks what nsdae-vtk wrote against the trajectory: the structure of the file, and the bodies by
-what the trajectory says on its own: gaps, potential energy, constraint drift, angles.
-usage: vtk_check.py TRAJECTORY VTKHDF; says whether VTK itself read it too."""
+"""nsdae-vtk: what it wrote of every example against the trajectory: the structure of the file, and the bodies by what
+the trajectory says on its own: gaps, potential energy, constraint drift, angles; by VTK itself too, where it is.
+One-line errors, and a full disk. usage: vtk_check.py BIN_DIR DATA_DIR"""
 
+import os
 import sys
 
 import h5py
 import numpy as np
+import tools
+
+WRITTEN = ""  # the file that is looked at
 
 EPS = 1e-12  # some 5000 roundings of values of order one
 
@@ -13,12 +17,12 @@ EPS = 1e-12  # some 5000 roundings of values of order one
 def close(name, a, b, scale=1.0):
     error = np.max(np.abs(np.asarray(a) - np.asarray(b))) / scale
     if not error <= EPS:
-        sys.exit(f"{sys.argv[2]}: {name}: off by {error:.3g}, allowed {EPS:g}")
+        sys.exit(f"{WRITTEN}: {name}: off by {error:.3g}, allowed {EPS:g}")
 
 
 def expect(name, holds):
     if not holds:
-        sys.exit(f"{sys.argv[2]}: {name}")
+        sys.exit(f"{WRITTEN}: {name}")
 
 
 class Animation:
@@ -305,7 +309,7 @@ def check_with_vtk(a):
     if tuple(map(int, version.split(".")[:2])) < (9, 3):
         return f"vtk {version} is too old for PolyData in time (9.3): read back with h5py only"
     reader = vtkHDFReader()
-    reader.SetFileName(sys.argv[2])
+    reader.SetFileName(WRITTEN)
     reader.UpdateInformation()
     expect("VTK's number of steps", reader.GetNumberOfSteps() == a.n)
     for step in range(0, a.n, max(1, a.n // 40)):
@@ -319,13 +323,81 @@ def check_with_vtk(a):
     return f"read back with vtk {version}"
 
 
-def main():
-    a = Animation(sys.argv[2])
-    with h5py.File(sys.argv[1]) as f:
+def check_example(example):
+    global WRITTEN
+    WRITTEN = f"{example}.vtkhdf"
+    a = Animation(WRITTEN)
+    with h5py.File(f"{example}.h5") as f:
         expect("times", np.array_equal(a.time, f["time"][...]))
         check_surfaces(a)
         CHECKS[f.attrs["model"]](a, f, {k: v[()] for k, v in f["parameters"].items()})
-    print(f"{sys.argv[2]}: {a.n} steps, {len(a.names)} bodies; {check_with_vtk(a)}")
+    print(f"{WRITTEN}: {a.n} steps, {len(a.names)} bodies; {check_with_vtk(a)}")
 
 
-main()
+SHORTER = {"column": ("--set", "balls=20"), "heap": ("--t-end", "0.2")}  # their meshes are large
+
+
+def check_examples(data):
+    count = 0
+    for example in tools.examples():
+        tools.make(example, data, SHORTER.get(example, ()))
+        tools.runs("nsdae-vtk", f"{example}.h5")
+        with tools.judged(example):
+            check_example(example)
+        count += 1
+    tools.expect(count >= 15, count, "examples")
+
+
+def check_options():
+    """Thinned out: records 0, 7, 14 ...; and points at coordinates. As users start it."""
+    said = tools.started_by_launcher("nsdae-vtk", "--every", "7", "-o", "few.vtkhdf", "--point", "0,1,-", "--point", "2,-,-",
+                                     "pendulum.h5")
+    tools.expect(said.startswith("201 steps of 2 bodies"), "--every 7 of 1401:", said)
+    with h5py.File("few.vtkhdf") as f, h5py.File("pendulum.h5") as g:
+        q, points = g["q"][::7], f["VTKHDF/Points"][...].reshape(201, 2, -1, 3).mean(axis=2)
+        tools.expect(np.array_equal(f["VTKHDF/Steps/Values"], g["time"][::7]), "--every: times")
+        tools.expect(np.abs(points[:, 0, :2] - q[:, :2]).max() < 1e-12 and np.abs(points[:, 0, 2]).max() < 1e-12, "--point 0,1,-")
+        tools.expect(np.abs(points[:, 1, 0] - q[:, 2]).max() < 1e-12, "--point 2,-,-")
+
+
+def check_errors():
+    def refuses(code, words, *arguments):
+        tools.refuses(code, words, "nsdae-vtk", *arguments)
+
+    with h5py.File("pendulum.h5") as old, h5py.File("other.h5", "w") as new:
+        for name in ("time", "q"):
+            old.copy(name, new)
+        new.attrs.update(old.attrs)
+        new.attrs["model"] = "bead"
+    with open("text.h5", "w", encoding="ascii") as file:
+        file.write("text")
+    refuses(1, "cannot read 'none.h5': No such file or directory", "none.h5")
+    refuses(1, "cannot read 'text.h5'", "text.h5")
+    refuses(1, "'pendulum.vtkhdf' is not an nsdae trajectory", "pendulum.vtkhdf", "-o", "x")
+    refuses(1, "'other.h5' names no bodies", "other.h5")
+    refuses(1, "--point 0,1,-", "other.h5")
+    refuses(1, "the coordinates 0 to 2, not 3", "other.h5", "--point", "3,-,-")
+    refuses(1, "cannot write 'no/x': No such file or directory", "pendulum.h5", "-o", "no/x")
+    refuses(1, "cannot write '/': Is a directory", "pendulum.h5", "-o", "/")
+    refuses(2, "is the trajectory itself", "pendulum.h5", "-o", "pendulum.h5")
+    refuses(2, "--every 0 is outside its range", "pendulum.h5", "--every", "0")
+    refuses(2, "X,Y,Z", "pendulum.h5", "--point", "1")
+    refuses(2, "required: file")
+
+
+def check_full_disk():
+    """The reason, and the file that was there stays whole."""
+    with open("pendulum.vtkhdf", "rb") as file:
+        kept = file.read()
+    done = tools.run("nsdae-vtk", "pendulum.h5", most=100 * 512)
+    tools.expect(done.code == 1 and "cannot write 'pendulum.vtkhdf': File too large" in done.err, "full disk:", done.code, done.err)
+    with open("pendulum.vtkhdf", "rb") as file:
+        tools.expect(file.read() == kept, "the old file is lost")
+    tools.expect(not os.path.exists("pendulum.vtkhdf.part"), "a part is left")
+
+
+check_examples(sys.argv[2])
+check_options()
+check_errors()
+check_full_disk()
+tools.end()

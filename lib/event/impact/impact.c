@@ -123,6 +123,8 @@ static int solve_plastic(nsdae_event_impacts *p)
   nsdae_impulses_clear(&p->plastic, d);
   memcpy(p->plastic.before_t, p->solution.before_t,
          (size_t)(d->k * d->nt) * sizeof *p->plastic.before_t);
+  memcpy(p->plastic.slide_before, p->solution.slide_before,
+         (size_t)d->f * sizeof *p->plastic.slide_before);
   nsdae_contacts_turn_to(&p->problem, &p->plastic);
   return solve(p);
 }

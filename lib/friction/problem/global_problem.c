@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "dense.h"
+#include "disjoint_sets.h"
 #include "vector.h"
 
 /* What the items of an island share. */
@@ -168,12 +169,6 @@ static int check_symmetry(const nsdae_fc_global *c, nsdae_error *error)
   return NSDAE_OK;
 }
 
-static int root_of(int *parent, int i)
-{
-  while (parent[i] != i) i = parent[i] = parent[parent[i]];
-  return i;
-}
-
 int nsdae_fc_touches(const nsdae_fc_global *c, int e)
 {
   const double *value = c->view.p->value + c->view.at[e];
@@ -183,19 +178,17 @@ int nsdae_fc_touches(const nsdae_fc_global *c, int e)
   return 0;
 }
 
-/* Disjoint sets of blocks (local form: of items) that items join (Tarjan and van Leeuwen, J. ACM
- * 31, 1984). An item with compliance alone touches no block and is an island. */
+/* Sets of blocks (local form: of items) that items join. An item with compliance alone touches no
+ * block and is an island. */
 static void join_blocks(nsdae_fc_global *c)
 {
   const nsdae_friction_problem *p = c->view.p;
-  for (int b = 0; b < sets(c); b++) c->islands.parent[b] = b;
+  nsdae_sets_begin(c->islands.parent, sets(c));
   for (int i = 0; i < c->view.items; i++) {
-    int mine = p->form == NSDAE_FRICTION_LOCAL ? root_of(c->islands.parent, i) : -1;
+    int mine = p->form == NSDAE_FRICTION_LOCAL ? i : -1;
     for (int e = p->first[i]; e < p->first[i + 1]; e++) {
       if (!nsdae_fc_touches(c, e)) continue;
-      int other = root_of(c->islands.parent, p->block[e]);
-      if (mine >= 0) c->islands.parent[mine] = other;
-      mine = other;
+      mine = nsdae_sets_join(c->islands.parent, mine >= 0 ? mine : p->block[e], p->block[e]);
     }
   }
 }
@@ -203,9 +196,9 @@ static void join_blocks(nsdae_fc_global *c)
 static int set_of(nsdae_fc_global *c, int i)
 {
   const nsdae_friction_problem *p = c->view.p;
-  if (p->form == NSDAE_FRICTION_LOCAL) return root_of(c->islands.parent, i);
+  if (p->form == NSDAE_FRICTION_LOCAL) return nsdae_sets_root(c->islands.parent, i);
   for (int e = p->first[i]; e < p->first[i + 1]; e++)
-    if (nsdae_fc_touches(c, e)) return root_of(c->islands.parent, p->block[e]);
+    if (nsdae_fc_touches(c, e)) return nsdae_sets_root(c->islands.parent, p->block[e]);
   return -1;
 }
 

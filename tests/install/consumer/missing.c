@@ -1,4 +1,5 @@
-/* missing PART: what a library without PART (HDF5, SUNDIALS) answers where it would be needed. */
+/* missing PART...: what a library without these parts (HDF5, SUNDIALS, Fortran) answers to who
+ * needs one. */
 #include <nsdae/nsdae.h>
 #include <stdio.h>
 #include <string.h>
@@ -16,10 +17,16 @@ static int none(double t, const double *q, const double *v, double *F, void *use
   return 0;
 }
 
+static int is_named(const char *part, int argc, char **argv)
+{
+  for (int i = 1; i < argc; i++)
+    if (!strcmp(argv[i], part)) return 1;
+  return 0;
+}
+
 int main(int argc, char **argv)
 {
-  const int no_file = argc > 1 && !strcmp(argv[1], "HDF5");
-  const int no_penalty = argc > 1 && !strcmp(argv[1], "SUNDIALS");
+  const int no_file = is_named("HDF5", argc, argv), no_penalty = is_named("SUNDIALS", argc, argv);
   const nsdae_dims dims = {.nq = 1};
   const nsdae_trajectory_info info = {.model = "none"};
   nsdae_sim_options options;

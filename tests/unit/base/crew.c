@@ -5,6 +5,7 @@
 #include <stdint.h>
 
 #include "crew.h"
+#include "support/random.h"
 
 enum { MOST = 3000 };
 
@@ -64,7 +65,7 @@ static void test_every_pass_once(void **state)
 static void test_least_failure(void **state)
 {
   static job j;
-  uint32_t seed = 1;
+  uint64_t seed = 1;
   (void)state;
   for (int size = 1; size <= 5; size += 2) {
     nsdae_crew *crew = nsdae_crew_make(size);
@@ -73,8 +74,7 @@ static void test_least_failure(void **state)
       int least = MOST;
       clear(&j, size);
       for (int k = 0; k < 4; k++) {
-        seed = seed * 1664525u + 1013904223u;
-        int at = (int)(seed >> 8) % MOST;
+        int at = random_below(&seed, MOST);
         j.bad[at] = 1;
         if (at < least) least = at;
       }

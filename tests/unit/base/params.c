@@ -324,9 +324,8 @@ static void test_decimal_comma(void **state)
   (void)state;
   const char *in = comma();
   if (!in || strcmp(localeconv()->decimal_point, ",") != 0) {
-    print_message("no locale with a decimal comma is installed\n");
     setlocale(LC_NUMERIC, "C");
-    skip();
+    untested("localedef makes no locale");
   }
   sample s = filled();
   char text[64];

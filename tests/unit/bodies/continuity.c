@@ -9,13 +9,13 @@
 
 #include "touch.h"
 #include "world.h"
+#include "support/random.h"
 
 static uint64_t seed = 11;
 
 static double uniform(double low, double high)
 {
-  seed = seed * 6364136223846793005u + 1442695040888963407u;
-  return low + (high - low) * (double)(seed >> 11) / 9007199254740992.0;
+  return random_between(&seed, low, high);
 }
 
 static int below(int n)

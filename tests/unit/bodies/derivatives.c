@@ -9,6 +9,7 @@
 #include "lists.h"
 #include "system_impl.h"
 #include "world.h"
+#include "support/random.h"
 
 enum { MECHANISMS = 400, NV_MAX = 24, NQ_MAX = 28, K_MAX = 400 };
 
@@ -19,8 +20,7 @@ static uint64_t seed;
 
 static double uniform(double low, double high)
 {
-  seed = seed * 6364136223846793005u + 1442695040888963407u;
-  return low + (high - low) * (double)(seed >> 11) / 9007199254740992.0;
+  return random_between(&seed, low, high);
 }
 
 static int below(int n)

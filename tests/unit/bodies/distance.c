@@ -8,6 +8,7 @@
 #include <stdlib.h>
 
 #include "world.h"
+#include "support/random.h"
 
 enum { PROJECTIONS = 20000 };
 
@@ -15,8 +16,7 @@ static uint64_t seed = 7;
 
 static double uniform(double low, double high)
 {
-  seed = seed * 6364136223846793005u + 1442695040888963407u;
-  return low + (high - low) * (double)(seed >> 11) / 9007199254740992.0;
+  return random_between(&seed, low, high);
 }
 
 static const double corners[10] = {-0.5, -0.4, 0.6, -0.3, 0.7, 0.2, 0.1, 0.6, -0.4, 0.3};

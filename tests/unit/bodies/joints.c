@@ -5,6 +5,8 @@
 
 #include <nsdae/nsdae.h>
 
+#include "support/random.h"
+
 enum { NQ_MAX = 14, NV_MAX = 12 };
 
 static const double amplitude = 0.2, rate = 3, ratio = -1.5;
@@ -155,8 +157,7 @@ static uint64_t seed = 3;
 
 static double uniform(double low, double high)
 {
-  seed = seed * 6364136223846793005u + 1442695040888963407u;
-  return low + (high - low) * (double)(seed >> 11) / 9007199254740992.0;
+  return random_between(&seed, low, high);
 }
 
 static void draw(int d, double size, double *x)

@@ -6,6 +6,7 @@
 
 #include "broad.h"
 #include "space.h"
+#include "support/random.h"
 
 enum { NQ_MAX = 80, SOLIDS_MAX = 120 };
 
@@ -13,8 +14,7 @@ static uint64_t seed;
 
 static double uniform(double low, double high)
 {
-  seed = seed * 6364136223846793005u + 1442695040888963407u;
-  return low + (high - low) * (double)(seed >> 11) / 9007199254740992.0;
+  return random_between(&seed, low, high);
 }
 
 static const double corners[8] = {-0.5, -0.4, 0.6, -0.3, 0.5, 0.5, -0.4, 0.3};

@@ -5,6 +5,8 @@
 
 #include <nsdae/nsdae.h>
 
+#include "support/random.h"
+
 static const double tip[3] = {0.5, 0, 0};
 
 typedef struct bead {
@@ -268,8 +270,7 @@ static uint64_t seed = 11;
 
 static double uniform(double low, double high)
 {
-  seed = seed * 6364136223846793005u + 1442695040888963407u;
-  return low + (high - low) * (double)(seed >> 11) / 9007199254740992.0;
+  return random_between(&seed, low, high);
 }
 
 /* All that is given is exact; what is missing is filled by differences, also of the bodies' rows.

@@ -1,7 +1,7 @@
 /* Islands against reachability by brute force, on random graphs of contacts and rows. */
 #include "check.h"
 
-#include "../linalg/random.h"
+#include "support/random.h"
 #include "graph.h"
 
 enum { BLOCKS = 30, CONTACTS = 40, ROWS = 10 };

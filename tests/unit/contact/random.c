@@ -1,7 +1,7 @@
 /* Contact problems at random: the laws, the energy, and an enumeration of the modes. */
 #include "fixture.h"
 
-#include "../linalg/random.h"
+#include "support/random.h"
 
 /* Entries of order one, up to twenty rows; the masses have a condition of ten or so. */
 static const double rounding = 1e-10;

@@ -1,7 +1,7 @@
 /* Friction on bilateral constraints against closed forms. */
 #include "fixture.h"
 
-#include "../linalg/random.h"
+#include "support/random.h"
 
 static const double rounding = 1e-12;
 

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "check.h"
+#include "support/random.h"
 
 typedef struct {
   double L, m_2;
@@ -140,15 +141,14 @@ static void agrees_with_another_reader(void **state)
     char kind;
   } symbols[] = {{"q1", 'v'}, {"2.5", 'v'}, {"L", 'v'}, {"+", 's'}, {"-", 's'},
                  {"*", 'o'},  {"/", 'o'},   {"^", 'o'}, {"(", '('}, {")", ')'}};
-  unsigned long seed = 12345;
+  uint64_t seed = 12345;
   int good = 0;
   (void)state;
   for (int word = 0; word < 200000; word++) {
     char text[64] = "", kinds[8];
     int n = 1 + word % 8;
     for (int i = 0; i < n; i++) {
-      seed = (seed * 1103515245UL + 12345) & 0x7fffffffUL;
-      int s = (int)((seed >> 16) % 10);
+      int s = random_below(&seed, 10);
       kinds[i] = symbols[s].kind;
       strcat(strcat(text, symbols[s].text), " "); /* blanks: "2.5" "2.5" is not "2.52.5" */
     }

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "pending.h"
+#include "support/random.h"
 
 enum { SIZE = 64, UNSET = 0xee };
 
@@ -60,15 +61,13 @@ static void test_each_way(void **state)
 static void test_random(void **state)
 {
   (void)state;
-  unsigned seed = 1;
+  uint64_t seed = 1;
   for (int round = 0; round < 200; round++) {
     nsdae_pending p = {0};
     reference r = {0};
     for (unsigned char with = 1; with < 20; with++) {
-      seed = seed * 1103515245u + 12345u;
-      uint64_t at = (seed >> 16) % SIZE;
-      seed = seed * 1103515245u + 12345u;
-      size_t size = 1 + (seed >> 16) % (SIZE - (unsigned)at);
+      uint64_t at = random_next(&seed) % SIZE;
+      size_t size = 1 + random_next(&seed) % (SIZE - at);
       write_both(&p, &r, at, size < 24 ? size : 24, with);
       expect_same(&p, &r);
     }

@@ -2,6 +2,7 @@
 #include "check.h"
 
 #include "exact.h"
+#include "support/random.h"
 
 static void test_cancellation(void **state)
 {
@@ -21,15 +22,13 @@ static void test_against_integers(void **state)
 {
   (void)state;
   enum { N = 40 };
-  unsigned long long seed = 1;
+  uint64_t seed = 1;
   for (int round = 0; round < 1000; round++) {
     double a[2 * N], u[N];
     long long sum = 0;
     for (int i = 0; i < N; i++) {
-      seed = seed * 6364136223846793005ull + 1442695040888963407ull;
-      long long one = (long long)(seed >> 38) - (1 << 25);
-      seed = seed * 6364136223846793005ull + 1442695040888963407ull;
-      long long other = (long long)(seed >> 38) - (1 << 25);
+      long long one = random_below(&seed, 1 << 26) - (1 << 25);
+      long long other = random_below(&seed, 1 << 26) - (1 << 25);
       if (i == N - 1 && round % 2 == 0) { /* close to zero */
         one = sum / (1 << 20);
         other = -(1 << 20);

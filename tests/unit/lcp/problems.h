@@ -6,7 +6,7 @@
 
 #include <nsdae/kernels.h>
 
-#include "../linalg/random.h"
+#include "support/random.h"
 
 enum { MOST = 64 };
 

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 
 #include "dense.h"
-#include "random.h"
+#include "support/random.h"
 
 enum { N = 40, LD = N + 3, RHS = 5 };
 

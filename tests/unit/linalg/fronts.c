@@ -4,7 +4,7 @@
 #include "allocator.h"
 #include "dense.h"
 #include "fronts.h"
-#include "random.h"
+#include "support/random.h"
 
 enum { MOST = 40, WIDE = 6, ORDER = MOST * WIDE };
 

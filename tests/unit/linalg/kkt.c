@@ -7,7 +7,7 @@
 
 #include "dense.h"
 #include "kkt.h"
-#include "random.h"
+#include "support/random.h"
 
 enum { N = 40, M = 50, LDM = N + 2, LDJ = M + 3, RHS = 3, ALL = N + M };
 

@@ -8,7 +8,7 @@
 #include "blocks.h"
 #include "dense.h"
 #include "kkt.h"
-#include "random.h"
+#include "support/random.h"
 #include "rows.h"
 #include "saddle.h"
 

@@ -6,7 +6,7 @@
 #include <float.h>
 #include <stdlib.h>
 
-#include "random.h"
+#include "support/random.h"
 #include "sparse_lu.h"
 
 enum { N = 60 };

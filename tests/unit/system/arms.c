@@ -9,6 +9,8 @@
 
 #include <nsdae/nsdae.h>
 
+#include "support/random.h"
+
 enum { NQ = 6 };
 
 enum wrong {
@@ -28,12 +30,6 @@ typedef struct pair {
   int wrong, moves; /* the wall, by itself */
   double corner[2][2], rim[2], slope, wall;
 } pair;
-
-static double uniform(uint64_t *seed, double from, double to)
-{
-  *seed = *seed * 6364136223846793005u + 1442695040888963407u; /* Knuth's */
-  return from + (to - from) * (double)(*seed >> 11) / 9007199254740992.0;
-}
 
 static int mass(double t, const double *q, double *M, int ldm, void *user)
 {
@@ -116,14 +112,14 @@ static int wall_rate(double t, const double *q, double *w_n, double *w_t, void *
 /* A body whose corners are below its centre, in any turn of the whole. */
 static void draw(pair *p, double q[NQ], uint64_t seed)
 {
-  *p = (pair){.slope = uniform(&seed, -3, 3), .wall = uniform(&seed, -3, 3)};
+  *p = (pair){.slope = random_between(&seed, -3, 3), .wall = random_between(&seed, -3, 3)};
   for (int i = 0; i < 2; i++) {
-    p->corner[i][0] = (i ? 1 : -1) * uniform(&seed, 0.1, 0.6);
-    p->corner[i][1] = -uniform(&seed, 0.2, 0.6);
-    p->rim[i] = uniform(&seed, 0.2, 0.6);
+    p->corner[i][0] = (i ? 1 : -1) * random_between(&seed, 0.1, 0.6);
+    p->corner[i][1] = -random_between(&seed, 0.2, 0.6);
+    p->rim[i] = random_between(&seed, 0.2, 0.6);
   }
-  for (int i = 0; i < NQ; i++) q[i] = uniform(&seed, -1, 1) + (i == 3 ? 3 : 0);
-  q[2] = p->slope + uniform(&seed, -0.1, 0.1);
+  for (int i = 0; i < NQ; i++) q[i] = random_between(&seed, -1, 1) + (i == 3 ? 3 : 0);
+  q[2] = p->slope + random_between(&seed, -0.1, 0.1);
 }
 
 static nsdae_system *make(pair *p)

@@ -9,6 +9,8 @@
 
 #include <nsdae/nsdae.h>
 
+#include "support/random.h"
+
 enum { NQ = 14, NV = 12, K = 3 };
 
 enum wrong { RIGHT, NO_ARMS, ONE_ARM, ONE_SIGN, OTHER_AXES, BALL_SIGN, BALL_SIGNS, SECOND, WRONGS };
@@ -17,12 +19,6 @@ typedef struct pair {
   int wrong, in_space, last; /* axes of w; where the scalar is */
   double corner[3], rim[2], n[2][3];
 } pair;
-
-static double uniform(uint64_t *seed, double from, double to)
-{
-  *seed = *seed * 6364136223846793005u + 1442695040888963407u; /* Knuth's */
-  return from + (to - from) * (double)(*seed >> 11) / 9007199254740992.0;
-}
 
 static void cross(const double *a, const double *b, double *c)
 {
@@ -163,16 +159,17 @@ static int tangent(double time, const double *q, double *W, int ldw, void *user)
 static void draw(pair *p, double q[NQ], uint64_t seed)
 {
   *p = (pair){.in_space = (int)(seed % 2), .last = (int)(seed / 2 % 2)};
-  for (int i = 0; i < 3; i++) p->corner[i] = uniform(&seed, 0.2, 0.6);
+  for (int i = 0; i < 3; i++) p->corner[i] = random_between(&seed, 0.2, 0.6);
   for (int b = 0; b < 2; b++) {
     double size = 0;
-    p->rim[b] = uniform(&seed, 0.2, 0.6);
+    p->rim[b] = random_between(&seed, 0.2, 0.6);
     while (!(size > 0.3)) {
-      for (int i = 0; i < 3; i++) p->n[b][i] = uniform(&seed, -1, 1);
+      for (int i = 0; i < 3; i++) p->n[b][i] = random_between(&seed, -1, 1);
       size = sqrt(dot(p->n[b], p->n[b]));
     }
     for (int i = 0; i < 3; i++) p->n[b][i] /= size;
-    for (int i = 0; i < 7; i++) q[7 * b + i] = uniform(&seed, 0.2, 1) + 3 * (b == 1 && i == 0);
+    for (int i = 0; i < 7; i++)
+      q[7 * b + i] = random_between(&seed, 0.2, 1) + 3 * (b == 1 && i == 0);
   }
 }
 

@@ -1,0 +1,115 @@
+/* A point whose values are not finite does not become the state. */
+#include <math.h>
+#include <stdio.h>
+
+#include "errors.h"
+#include "sim_impl.h"
+
+/* One array of a record, `each` numbers for every item of a kind (-1: of none). */
+typedef struct part {
+  const char *name;
+  const double *value;
+  int count, kind, each;
+} part;
+
+enum { OF_NONE = -1, OF_ONE = -2 }; /* kinds of what has numbers and no names, and of one number */
+
+/* item: of a kind that entry index belongs to. */
+static int refuse(const nsdae_result *result, const char *name, int index, double value, int kind,
+                  int item)
+{
+  const nsdae_terms *end = &result->end;
+  char place[16] = "";
+  if (kind != OF_ONE) snprintf(place, sizeof place, "[%d]", index);
+  nsdae_error_set(end->error, NSDAE_E_NONFINITE, "nsdae_sim", name,
+                  "%s%s is %g at t = %.17g: the values overflow, and the step was dropped", name,
+                  place, value, nsdae_terms_time(end));
+  if (kind >= 0) nsdae_system_name_item(end->system, kind, item, end->error);
+  end->error->index = index;
+  end->error->time = nsdae_terms_time(end);
+  return NSDAE_E_NONFINITE;
+}
+
+static int refuse_part(const nsdae_result *result, const part *p, int index)
+{
+  return refuse(result, p->name, index, p->value[index], p->kind, index / p->each);
+}
+
+/* Which of the values is not finite; NSDAE_OK where none is. */
+static int find_not_finite(const nsdae_point *point)
+{
+  const nsdae_result *result = &point->result;
+  const nsdae_record *r = &point->record;
+  const nsdae_dims *d = &result->end.system->dims;
+  const part parts[] = {
+      {"time", &r->time, 1, OF_ONE, 1},
+      {"q", r->q, d->nq, NSDAE_NAME_COORDINATE, 1},
+      {"v", r->v, d->nv, NSDAE_NAME_VELOCITY, 1},
+      {"kinetic", &r->kinetic, 1, OF_ONE, 1},
+      {"potential", &r->potential, 1, OF_ONE, 1},
+      {"dissipated", &r->dissipated, 1, OF_ONE, 1},
+      {"multiplier", r->multiplier, d->m, NSDAE_NAME_CONSTRAINT, 1},
+      {"gap", r->gap, d->k, NSDAE_NAME_CONTACT, 1},
+      {"normal_impulse", r->normal_impulse, d->k, NSDAE_NAME_CONTACT, 1},
+      {"tangential_impulse", r->tangential_impulse, d->k * d->nt, NSDAE_NAME_CONTACT, d->nt},
+      {"slide_impulse", r->slide_impulse, d->f, NSDAE_NAME_SLIDE, 1},
+      {"contacts.gap", r->contacts.gap, r->contacts.count, OF_NONE, 1},
+      {"contacts.normal_impulse", r->contacts.normal_impulse, r->contacts.count, OF_NONE, 1},
+      {"contacts.tangential_impulse", r->contacts.tangential_impulse, r->contacts.count * d->nt,
+       OF_NONE, 1},
+      {"certificate.work", &r->certificate.work, 1, OF_ONE, 1},
+      {"certificate.unexplained", &r->certificate.unexplained, 1, OF_ONE, 1},
+      {"certificate.constraint_rate", &r->certificate.constraint_rate, 1, OF_ONE, 1},
+      {"certificate.complementarity", &r->certificate.complementarity, 1, OF_ONE, 1},
+      {"lcp_residual", &r->lcp_residual, 1, OF_ONE, 1},
+      {"constraint_drift", &r->constraint_drift, 1, OF_ONE, 1}};
+  for (size_t p = 0; p < sizeof parts / sizeof *parts; p++)
+    for (int i = 0; i < parts[p].count; i++)
+      if (!isfinite(parts[p].value[i])) return refuse_part(result, &parts[p], i);
+  double energy = r->kinetic + r->potential + r->dissipated;
+  if (!isfinite(energy)) return refuse(result, "energy", 0, energy, OF_ONE, 0);
+  for (int i = 0; i < r->impacts; i++) {
+    const nsdae_impact *p = &r->impact[i];
+    double sum = p->normal_impulse + p->tangential_impulse[0] + p->tangential_impulse[1] +
+                 p->velocity_before + p->velocity_after + p->peak_force;
+    if (!isfinite(sum))
+      return refuse(result, "impact", i, sum, d->k > 0 ? NSDAE_NAME_CONTACT : OF_NONE, p->contact);
+  }
+  return NSDAE_OK;
+}
+
+static double sum(const double *a, int n)
+{
+  double s = 0;
+  for (int i = 0; i < n; i++) s += a[i];
+  return s;
+}
+
+static double sum_of_impacts(const nsdae_record *r)
+{
+  double s = 0;
+  for (const nsdae_impact *p = r->impact, *end = p + r->impacts; p < end; p++)
+    s += p->normal_impulse + p->tangential_impulse[0] + p->tangential_impulse[1] +
+         p->velocity_before + p->velocity_after + p->peak_force;
+  return s;
+}
+
+/* A finite sum has finite terms: where it is none they are looked at one by one. In it are not: the
+ * energies, of which work and unexplained are sums; v, of which kinetic is none unless all are
+ * finite; gaps, which were looked at as they came. */
+int nsdae_point_finite(const nsdae_point *point)
+{
+  const nsdae_record *r = &point->record;
+  const nsdae_dims *d = &point->result.end.system->dims;
+  int listed = r->contacts.count;
+  const nsdae_certificate *c = &r->certificate;
+  double all = r->time + c->work + c->unexplained + r->lcp_residual + r->constraint_drift +
+               c->constraint_rate + c->complementarity;
+  all += sum(r->q, d->nq) + sum(r->multiplier, d->m) + sum(r->normal_impulse, d->k) +
+         sum(r->tangential_impulse, d->k * d->nt) + sum(r->slide_impulse, d->f);
+  if (listed > 0)
+    all += sum(r->contacts.gap, listed) + sum(r->contacts.normal_impulse, listed) +
+           sum(r->contacts.tangential_impulse, listed * d->nt);
+  if (r->impacts > 0) all += sum_of_impacts(r);
+  return isfinite(all) ? NSDAE_OK : find_not_finite(point);
+}

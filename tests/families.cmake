@@ -1,0 +1,22 @@
+# The full forms of the families that the suite has in short ones, of minutes to hours: ./run families, which is
+# ctest -C Families -R ^families/.
+function(nsdae_family test)
+  string(REPLACE "/" "_" target test_${test})
+  if(TARGET ${target})
+    add_test(NAME families/${test} CONFIGURATIONS Families COMMAND ${target})
+    set_tests_properties(families/${test} PROPERTIES ENVIRONMENT "OPENBLAS_NUM_THREADS=1;${ARGN}" TIMEOUT 28800)
+  endif()
+endfunction()
+
+foreach(test IN ITEMS anomaly/file_memory anomaly/hdf5 anomaly/disk unit/bodies/continuity unit/bodies/derivatives
+    unit/bodies/distance system/lcp_families system/projection system/structures)
+  nsdae_family(${test} NSDAE_LONG=1)
+endforeach()
+nsdae_family(anomaly/corrupt NSDAE_LONG=100000) # files of each program
+nsdae_family(system/long_runs NSDAE_LONG=1000000) # steps
+nsdae_family(conformance/failing NSDAE_EVERY_CALL=1)
+if(NSDAE_DRIVERS AND NSDAE_HDF5)
+  add_test(NAME families/system/restart CONFIGURATIONS Families COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/system/restart.sh
+    ${CMAKE_BINARY_DIR}/bin ${PROJECT_SOURCE_DIR}/data 20) # kills of each run
+  set_tests_properties(families/system/restart PROPERTIES ENVIRONMENT OPENBLAS_NUM_THREADS=1 TIMEOUT 28800)
+endif()
