@@ -46,8 +46,7 @@ module nsdae_f_friction
     integer(c_int) :: max_iterations  ! 0: as the budget allows
     integer(c_int) :: refine          ! Newton steps from a solution on, while its residual falls
     real(c_double) :: budget          ! multiplications by J; 0: the default
-    ! c_funloc of an integer(c_int) function (progress, user) bind(C) with the arguments
-    ! type(nsdae_friction_progress), intent(in) and type(c_ptr), value; not 0: interrupt
+    ! c_funloc of a nsdae_friction_progress_fn
     type(c_funptr) :: progress
     type(c_ptr) :: user
   end type
@@ -63,6 +62,16 @@ module nsdae_f_friction
     integer(c_long) :: sweeps
     integer(c_int) :: iterations
   end type
+
+  abstract interface
+    ! Called where a solver of an island begins, and about ten times a second; not 0: interrupt.
+    integer(c_int) function nsdae_friction_progress_fn(progress, user) bind(C)
+      import
+      type(nsdae_friction_progress), intent(in) :: progress
+      type(c_ptr), value :: user
+    end function
+  end interface
+  public :: nsdae_friction_progress_fn
 
   type, bind(C), public :: nsdae_friction_info
     integer(c_int) :: outcome
