@@ -44,7 +44,7 @@ def results(file):
 
 
 def chosen(file, only):
-    """Those that are asked for, else samples before impacts before the rest."""
+    """Those that are asked for, else samples before impacts before the rest without what checks the numbers."""
     found = results(file)
     if only:
         missing = [name for name in only if not any(path == name or path.startswith(name + "/") for path in found)]
@@ -54,7 +54,8 @@ def chosen(file, only):
     for first in (("sample/q",), ("impact/velocity_after",)):
         if first[0] in found:
             return {path: found[path] for path in first}
-    return {path: d for path, d in found.items() if path != "final/v"} if "final/q" in found else found
+    left_out = ("statistics/worst_",) + ("final/v",) * ("final/q" in found)
+    return {path: d for path, d in found.items() if not path.startswith(left_out)} or found
 
 
 def components(path, dataset, rank):
