@@ -32,7 +32,7 @@ typedef struct job {
 static const nsdae_param entries[] = {
     {"tol", "1", "bound on the residual of a solution (default: the file's, else 1e-10)",
      NSDAE_PARAM_REAL, offsetof(settings, tol), 1e-10, 0, 1, NSDAE_OPEN_MIN, NULL},
-    {"budget", "1", "multiplications by J or W on an island; 0: half a minute at most",
+    {"budget", "1", "multiplications by J or W on an island; 0: a minute or so at most",
      NSDAE_PARAM_REAL, offsetof(settings, budget), 0, 0, 1e18, 0, NULL},
     {"max_sweeps", "1", "of block Gauss-Seidel over an island; 0: as the budget allows",
      NSDAE_PARAM_INT, offsetof(settings, max_sweeps), 0, 0, 1e9, 0, NULL},

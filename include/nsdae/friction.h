@@ -101,7 +101,7 @@ typedef struct nsdae_friction_options {
   int refine;         /* Newton steps from a solution on, while its residual falls, >= 0; then r is
                          in the cones to the last bit. Default 0: neither */
   double budget;      /* multiplications by J = L^-1 H or W, or as much time, >= 0; 0: 1e9 over the
-                         contacts, at most 2e4 times the contacts: half a minute or so at most */
+                         contacts, at most 2e4 times the contacts: a minute or so at most */
   nsdae_friction_progress_fn progress; /* NULL: nobody is called */
   void *user;                          /* its last argument */
 } nsdae_friction_options;

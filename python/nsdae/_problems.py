@@ -175,7 +175,7 @@ def friction(H: Any, M: Any, f: Any, mu: Any, w: Any = None, *, rows: Any = 3, c
     mu    of each contact
     rows  of each contact, or of all: 1 (frictionless), 2 (planar) or 3 (spatial)
     r0    a guess; check as of lcp()
-    budget    multiplications by J = L^-1 H that an island may take, or as much time; 0: half a minute at most
+    budget    multiplications by J = L^-1 H that an island may take, or as much time; 0: a minute or so at most
     progress  called about ten times a second with a dict: stage, island, islands, contacts, residual, share (of the
               budget), sweeps, iterations. A true result interrupts: the best point so far is unsolved
     twice  True: a solution in two parts, r and low, where r alone holds none to tol, as where bodies that touch differ
