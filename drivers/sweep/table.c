@@ -312,7 +312,8 @@ static int compare(const sweep_table *t, hid_t file, const char *setting, nsdae_
   return status;
 }
 
-/* Of a dataset of count values, each of so many bytes: they are read and written in place. */
+/* The address in the file of a contiguous dataset of count values of size bytes each; its values
+ * are read and written in place. */
 static haddr_t place_of(hid_t file, const char *path, hsize_t count, size_t size)
 {
   hid_t dataset = H5Dopen2(file, path, H5P_DEFAULT);

@@ -1,14 +1,13 @@
-/* What a record of the method must hold, by its own equations: with h its length, no contact pulls
- * and no friction leaves its cone,
+/* The laws of contact that a record must fulfil. With h its length, no contact pulls and no
+ * friction leaves its cone:
  *
  *   P_N >= -tol,   |P_T| <= mu P_N + tol,   tol = 10 (3 rtol max |P| + atol h) + m u
  *
- * as the impulses are integrated to 10 rtol a step, of which a record has one or two, a force is
- * zero up to 10 (rtol max |F| + atol), and velocities are brought back by u, what counts as zero
- * for them, with the mass m <= 1 / (W_N^T M^-1 W_N) of the contact. The end of an accumulation is
- * ahead of its forces by accumulation_time at most. No gap is below zero, none of a
- * closed contact above (complementarity), and no independent constraint nor its rate off by more
- * than what is brought back, with some room for the drift until the next step. */
+ * Impulses are integrated to 10 rtol a step, and a record has one or two steps. A force is zero up
+ * to 10 (rtol max |F| + atol). u is the tolerance of velocities and m the mass of the contact,
+ * bounded from above by inertia(). The end of an accumulation is ahead of its forces by
+ * accumulation_time at most. Within BROUGHT_BACK tolerances no gap is below zero, none of a closed
+ * contact is above it (complementarity), and independent constraints and their rates are zero. */
 #include "certificate.h"
 
 #include <math.h>
@@ -16,7 +15,8 @@
 #include "direction.h"
 #include "errors.h"
 
-/* In what counts as zero for a position: what is brought back is off by ten. */
+/* In tolerances of a position or velocity. The drift until the next step is projected from 10 on.
+ */
 static const double BROUGHT_BACK = 100;
 
 static int refuse(const nsdae_event_setting *s, int kind, int item, const char *what, double value,
@@ -34,7 +34,8 @@ static int refuse(const nsdae_event_setting *s, int kind, int item, const char *
   return NSDAE_E_CONVERGENCE;
 }
 
-/* Of contact i: W_N^T M^-1 W_N >= W_Nj^2 / M_jj for each j. */
+/* Of contact i, an upper bound of 1 / (W^T M^-1 W): W^T M^-1 W is the largest (W^T x)^2 / x^T M x,
+ * so that it is W_j^2 / M_jj or more for each j. */
 static double inertia(const nsdae_terms *T, int i)
 {
   int n = T->system->dims.nv;
@@ -73,7 +74,7 @@ static int check_impulses(const nsdae_event_phase *phase, double h)
     if (-p->normal[i] > tol)
       return refuse(s, NSDAE_NAME_CONTACT, i, "pulls, with the impulse", p->normal[i], -tol);
     double excess = along - s->system->contact[i].mu * p->normal[i];
-    tol *= phase->modes.blur[i]; /* of friction that chatters more counts as zero */
+    tol *= phase->modes.blur[i]; /* friction that chatters has a larger tolerance */
     if (excess > tol)
       return refuse(s, NSDAE_NAME_CONTACT, i, "has friction beyond its cone, by the impulse",
                     excess, tol);

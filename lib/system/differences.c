@@ -28,7 +28,7 @@ void nsdae_differences_layout(nsdae_differences *differences, nsdae_arena *arena
     differences->tuned[i] = NSDAE_ARENA_DOUBLES(arena, dims->m + k + kt + dims->f);
 }
 
-/* Halves of a step that tune tries: motion by the hundredth of what the steps are made for. */
+/* Halves of a step that tune tries: scales of motion down to 1 / 512 of a unit. */
 enum { FINEST = 9 };
 
 /* A power of two, so that t + s and t - s are exact. Neither time nor place has a natural zero, so
@@ -381,7 +381,7 @@ static int tune(nsdae_differences *d, derivative evaluate, int rows, double t, c
   }
   *finer = best;
   if (!isfinite(*error))
-    *error = 0; /* a callback's failure, or its NaN, is told where it is used */
+    *error = 0; /* a callback failed: the evaluation that needs its value reports it */
   return code;
 }
 

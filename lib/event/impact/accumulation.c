@@ -211,7 +211,8 @@ static int close_with_friction(nsdae_event_accumulation *p, double *v, double *m
     set_friction(p, f->slider[b], 1);
     status = close_rubbed(p, v, multiplier);
     for (int a = 0; a < count; a++)
-      f->feed[b * count + a] = (a == b) - (p->normal[f->slider[a]] - f->P[a]);
+      f->feed[(size_t)b * (size_t)count + (size_t)a] =
+          (a == b) - (p->normal[f->slider[a]] - f->P[a]);
     set_friction(p, f->slider[b], 0);
   }
   if (status < 0) return status;

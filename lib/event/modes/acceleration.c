@@ -157,5 +157,6 @@ double nsdae_event_acceleration_size(const nsdae_event_acceleration *p)
 {
   int n = p->phase->setting->system->dims.nv;
   double most = fmax(nsdae_largest(n, p->a), nsdae_largest(n, p->size));
-  return fmax(1e-10 * most, 10 * fmin(p->phase->setting->error_by_differences[1], 1e-8 * most));
+  return fmax(1e-10 * most, 10 * fmin(p->phase->setting->error_by_differences[1],
+                                      NSDAE_EVENT_DIFFERENCES * most));
 }

@@ -6,10 +6,6 @@
  * it independent: of a sine, in rtol, and at least. */
 static const double SINE_ERROR = 100, LEAST_SINE = 1e-6;
 
-/* Of what differences give, the error at most: eps^(1/2). Past it what they are of is not smooth.
- */
-static const double DIFFERENCES = 1.5e-8;
-
 /* Of a coordinate, what nobody can tell of a gap. */
 static const double ROUNDING = 4e-15;
 
@@ -57,7 +53,8 @@ double nsdae_event_position_size(const nsdae_event_setting *s)
   double far = nsdae_largest(s->system->dims.nq, s->here->q);
   double way = s->options->dt * nsdae_largest(s->system->dims.nv, s->here->v);
   const double dt = s->options->dt, *error = s->error_by_differences;
-  double drift = fmin((error[0] + error[1] * dt / 2) * dt, DIFFERENCES * fmin(far, way));
+  double drift =
+      fmin((error[0] + error[1] * dt / 2) * dt, NSDAE_EVENT_DIFFERENCES * fmin(far, way));
   return 10 * (s->options->rtol * fmin(far, way) + s->options->atol + drift) +
          nsdae_event_rounding(s);
 }
@@ -71,7 +68,7 @@ double nsdae_event_velocity_size(const nsdae_event_setting *s)
 {
   double most = nsdae_largest(s->system->dims.nv, s->here->v);
   const double *error = s->error_by_differences;
-  double drift = fmin(error[0] + error[1] * s->options->dt, DIFFERENCES * most);
+  double drift = fmin(error[0] + error[1] * s->options->dt, NSDAE_EVENT_DIFFERENCES * most);
   return fmax(s->options->impact_velocity,
               10 * (s->options->rtol * most + s->options->atol + drift));
 }

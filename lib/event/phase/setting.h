@@ -14,6 +14,9 @@
 
 #include "stepper.h"
 
+/* The largest relative error of differences, eps^(1/2): beyond it the function is not smooth. */
+#define NSDAE_EVENT_DIFFERENCES 1.5e-8
+
 /* Where the unknowns of a phase are in y = [q, v, lambda, F_N, F_T, F_S]; n: its length. */
 typedef struct nsdae_event_places {
   int v, lambda, normal, tangential, slide, n;

@@ -3,7 +3,7 @@
  *   normal     open: g_N, the gap closes;  closed: F_N, the contact lets go
  *   tangent    sliding: d . v_T, it stops; with two directions d is that after the last step
  *              sticking: mu F_N - |F_T|, friction is used up
- *   held       closed, by what others share with it: size - |g_N|, they hold it no longer
+ *   held       closed by other contacts alone: tolerance of positions - |g_N|, it leaves zero
  *   sign       of a slide: s lambda, lambda changes sign
  *   slip       of a slide: as tangent, with v_S and mu |lambda| - |F_S|
  *   jam        sliding: the acceleration that a unit of F_N makes along the normal, with all that

@@ -17,7 +17,7 @@
 #include "solver_contract.h"
 
 /* Corrections are solved with rounded data to this part of tol: to rounding, if that is 1e-12,
- * since the last step of Newton's method gets there. */
+ * since the last step of Newton's method reaches it. */
 static const double AIM = 1e-3;
 
 void nsdae_fc_refinement_layout(nsdae_fc_refinement *p, const nsdae_fc_scaled *fc,
