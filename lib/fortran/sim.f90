@@ -132,7 +132,7 @@ module nsdae_f_sim
     real(c_double) :: constraint_rate = 0    ! max |dPhi/dt|
     real(c_double) :: complementarity = 0    ! max |Lambda_N xi_N| [J]
     real(c_double) :: energy = 0             ! kinetic + potential [J]
-    real(c_double) :: work = 0               ! of forces outside the potential, and of what moves by itself [J]
+    real(c_double) :: work = 0               ! of forces outside the potential, and of moving constraints and contacts [J]
     real(c_double) :: dissipated = 0         ! by contacts and friction [J]
     real(c_double) :: unexplained = 0        ! < 0: a loss, > 0: a gain of the method [J]
     integer(c_int) :: pull_contact = -1, cone_contact = -1, penetration_contact = -1

@@ -44,7 +44,7 @@ static const nsdae_column record_columns[] = {
     {"/energy/dissipated", FIELD(dissipated), NSDAE_WIDTH_ONE, "J",
      "work taken by contact and friction impulses so far"},
     {"/energy/work", FIELD(certificate.work), NSDAE_WIDTH_ONE, "J",
-     "work of forces that are not in the potential, and of what moves by itself, so far"},
+     "work so far of forces outside the potential, moving constraints and contacts"},
     {"/energy/unexplained", FIELD(certificate.unexplained), NSDAE_WIDTH_ONE, "J",
      "change of energy + dissipated - work so far: < 0 is a loss of the method, > 0 a gain"},
     {"/certificate/lcp_residual", FIELD(lcp_residual), NSDAE_WIDTH_ONE, "1",

@@ -1,7 +1,7 @@
 /* The certificate of a record, by the results of its step; and the work of its step.
  *
  * A time-stepping method does the work of its own quadrature of the forces, of the mass matrix
- * that changes, T = v^T M v / 2, and of what moves by itself:
+ * that changes, T = v^T M v / 2, and of moving constraints and contacts:
  *
  *   h/2 (F_0 v_0 + F_1 v_1) + vm^T (M_1 - M_0) vm / 2 + Lambda Phi_t - Lambda_c w,   vm = (v_0 +
  * v_1) / 2
@@ -41,8 +41,8 @@ static double power_of(const nsdae_terms *T, double *rounding)
   return power;
 }
 
-/* Work of what moves by itself in a step that did `of`, by the velocities w and Phi_t at T, one of
- * its ends: half of each. Lists know theirs. */
+/* Work of moving constraints and contacts in a step that did `of`, by the velocities w and Phi_t at
+ * T, one of its ends: half of each. Lists know theirs. */
 static inline double half_driven(const nsdae_terms *T, const nsdae_result *of, double h)
 {
   const nsdae_dims *d = &T->system->dims;

@@ -23,8 +23,8 @@ typedef struct nsdae_observers {
   int telling; /* one is being called */
 } nsdae_observers;
 
-/* Work of forces, inertia and of what moves by itself, see certificate.c: in the last step, where a
- * time-stepping method did it, and in all. */
+/* Work of forces, inertia and of moving constraints and contacts, see certificate.c: in the last
+ * step, where a time-stepping method did it, and in all. */
 typedef struct nsdae_work {
   double potential;               /* at the start [J] */
   double forces, inertia, driven; /* of the step; inertia less what a projection lifted */

@@ -44,7 +44,7 @@ RECORDS = (
 )
 # dataset, field of the certificate, unit, description, axis without which it is left out
 CERTIFICATE = (
-    ("energy/work", "work", "J", "work of forces that are not in the potential, and of what moves by itself, so far", ""),
+    ("energy/work", "work", "J", "work so far of forces outside the potential, moving constraints and contacts", ""),
     ("energy/unexplained", "unexplained", "J",
      "change of energy + dissipated - work so far: < 0 is a loss of the method, > 0 a gain", ""),
     ("certificate/penetration_contact", "penetration_contact", "1", "contact of the largest overlap" + WHICH, "contact"),
