@@ -12,7 +12,7 @@
 #include "probe.h"
 #include "tool.h"
 
-/* What --set sets. */
+/* Settings of --set. */
 typedef struct settings {
   double tol, budget;
   int max_sweeps, max_iterations, refine;
@@ -32,19 +32,19 @@ typedef struct job {
 static const nsdae_param entries[] = {
     {"tol", "1", "bound on the residual of a solution (default: the file's, else 1e-10)",
      NSDAE_PARAM_REAL, offsetof(settings, tol), 1e-10, 0, 1, NSDAE_OPEN_MIN, NULL},
-    {"budget", "1", "multiplications by J or W on an island; 0: a minute or so at most",
+    {"budget", "1", "multiplications by J or W on an island; 0: about a minute at most",
      NSDAE_PARAM_REAL, offsetof(settings, budget), 0, 0, 1e18, 0, NULL},
-    {"max_sweeps", "1", "of block Gauss-Seidel over an island; 0: as the budget allows",
+    {"max_sweeps", "1", "sweeps of block Gauss-Seidel on an island; 0: by the budget",
      NSDAE_PARAM_INT, offsetof(settings, max_sweeps), 0, 0, 1e9, 0, NULL},
-    {"max_iterations", "1", "Newton and interior-point steps on an island; 0: as the budget allows",
+    {"max_iterations", "1", "Newton and interior-point steps on an island; 0: by the budget",
      NSDAE_PARAM_INT, offsetof(settings, max_iterations), 0, 0, 1e9, 0, NULL},
-    {"refine", "1", "Newton steps from a solution on (default: the file's, else 0)",
-     NSDAE_PARAM_INT, offsetof(settings, refine), 0, 0, 1000, 0, NULL},
-    {"stages", "", "only these, separated by commas", NSDAE_PARAM_TEXT, offsetof(settings, stages),
-     0, 0, 0, 0, NULL}};
+    {"refine", "1", "Newton steps after a solution (default: the file's, else 0)", NSDAE_PARAM_INT,
+     offsetof(settings, refine), 0, 0, 1000, 0, NULL},
+    {"stages", "", "runs only these stages, separated by commas", NSDAE_PARAM_TEXT,
+     offsetof(settings, stages), 0, 0, 0, 0, NULL}};
 static const nsdae_params table = {entries, sizeof entries / sizeof *entries};
 
-/* What was found; low is NULL where one part was asked for. */
+/* The solution; low is NULL without --twice. */
 typedef struct point {
   double *r, *low, *u;
 } point;
@@ -68,8 +68,8 @@ static void print_usage(void)
   for (int i = 0; i < table.n; i++) printf("      %-15s %s\n", entries[i].key, entries[i].help);
   fputs("     ", stdout);
   tool_print_stages(NSDAE_FRICTION_ALL, nsdae_friction_stage_name);
-  puts("  --cold             begins at zero, not at the guess that the file may hold\n"
-       "  --twice            a double-double solution, r + low, if r alone is none\n"
+  puts("  --cold             starts at zero, not at the guess of the file\n"
+       "  --twice            computes a double-double solution r + low\n"
        "  --solution FILE    writes r, one number a line, three (two, one) lines a contact; with\n"
        "                     --twice two numbers, r and low\n"
        "  --output FILE      writes the problem and its solution, in the layout of FCLIB\n"
@@ -127,9 +127,9 @@ static int read_file(job *j)
 {
   nsdae_error error;
   const nsdae_friction_problem *p = &j->file.problem;
-  int status = probe(j->arguments.path, try_read, NULL, &error); /* a file may be damaged */
+  int status = probe(j->arguments.path, try_read, NULL, &error); /* the file may be damaged */
   if (status == NSDAE_OK) status = nsdae_friction_read(j->arguments.path, &j->file, &error);
-  if (status < 0) return tool_complain(&own, "%s; --help says what a file may be", error.text);
+  if (status < 0) return tool_complain(&own, "%s; --help describes the format", error.text);
   for (int c = 0; c < p->contacts; c++) j->rows += p->rows ? p->rows[c] : 3;
   j->rows += p->bilateral;
   j->options.tol =

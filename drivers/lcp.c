@@ -31,14 +31,14 @@ static const char usage[] =
     "  FILE            HDF5 with the datasets A [n,n] and b [n], or text: n, storage, matrix, q\n"
     "  --tol X         residual of a solution, above 0 and at most 1 (default: the file's, else\n"
     "                  1e-10)\n"
-    "  --stages LIST   only these, separated by commas:\n"
+    "  --stages LIST   runs only these stages, separated by commas:\n"
     "                 ";
 
 static void print_usage(void)
 {
   fputs(usage, stdout);
   tool_print_stages(NSDAE_LCP_ALL, nsdae_lcp_stage_name);
-  puts("  --solution      print x after the certificate, one value a line\n"
+  puts("  --solution      prints x after the certificate, one value a line\n"
        "  -h, --help      this text\n"
        "  --version       version and build\n"
        "\n"
@@ -70,7 +70,7 @@ static int set(void *object, int option, const char *value)
   return TOOL_SOLVED;
 }
 
-/* 1: the file begins as HDF5 does; 0: it does not; -1: it cannot be read, which was said. */
+/* 1: the file begins as HDF5 does; 0: it does not; -1: it cannot be read (reported). */
 static int is_hdf5(const char *path)
 {
   char head[8] = {0};
@@ -117,7 +117,7 @@ static int read_file(job *j)
   int hdf5 = is_hdf5(j->arguments.path);
   if (hdf5 < 0) return TOOL_USAGE;
   int status = hdf5 ? read_hdf5(j, &error) : read_text(j, &error);
-  if (status < 0) return tool_complain(&own, "%s; --help says what a file may be", error.text);
+  if (status < 0) return tool_complain(&own, "%s; --help describes the format", error.text);
   if (j->file.tol > 0 && j->file.tol <= 1 && !j->tol_given) j->options.tol = j->file.tol;
   return TOOL_SOLVED;
 }

@@ -8,7 +8,7 @@
 #include "interrupt.h"
 #include "simulation.h"
 
-/* Of all methods, the part that is done. */
+/* Progress over all methods. */
 typedef struct progress {
   bar bar;
   int methods, done;
@@ -101,7 +101,7 @@ void compare_one(const settings *s, int method, comparison_run *run)
   run_method(s, method, run, NULL);
 }
 
-/* A number that may not be there. */
+/* A number; a dash for NaN. */
 static void print_number(double value, const char *format, int width)
 {
   char text[32] = "-";
@@ -137,9 +137,10 @@ static void print_table(const settings *s, const comparison_run *runs, int metho
          s->options.dt, s->t_end, "method", "steps", "impacts", "1st impulse", "1st %", "worst %",
          "times [s]", "states", "drift", "balance J", "LCP", "time [ms]");
   for (int i = 0; i < methods; i++) print_run(nsdae_method_name(i), &runs[i]);
-  printf("1st %%, worst %%, times, states: errors against the reference, impact by impact in their "
-         "order\n(a method that merges two impacts in a step is off from there on); time: of this "
-         "run, noisy\n");
+  printf(
+      "1st %%, worst %%, times, states: errors against the reference, impact by impact in order\n"
+      "(a method that merges two impacts in a step has wrong errors from there on); time: of "
+      "this run, not repeatable\n");
 }
 
 /* One column of the table as a dataset of the file. */

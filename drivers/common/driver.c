@@ -22,7 +22,7 @@ typedef struct job {
   nsdae_error error;
 } job;
 
-/* One line, whatever the words were that it quotes. */
+/* One line: control characters of quoted words are replaced. */
 static int complain(job *j, int exit_status)
 {
   for (char *c = j->error.text; *c; c++)
@@ -32,13 +32,13 @@ static int complain(job *j, int exit_status)
   return exit_status;
 }
 
-/* A wrong value is the user's; what else fails is the computation's. */
+/* Usage error for wrong values, else a failed computation. */
 static int exit_status_of(int status)
 {
   return status == NSDAE_E_ARGUMENT || status == NSDAE_E_OPTION ? DRIVER_USAGE : DRIVER_FAILED;
 }
 
-/* In as many digits as it has. */
+/* With all its digits. */
 static void write_time(double time, char text[NSDAE_PARAM_TEXT_SIZE])
 {
   const settings at = {.t_end = time};
@@ -51,13 +51,12 @@ static int no_way_back(job *j, const char *time)
   char t_end[NSDAE_PARAM_TEXT_SIZE];
   write_time(j->settings.t_end, t_end);
   nsdae_trajectory_close(&j->trajectory, NSDAE_OK, NULL);
-  snprintf(j->error.text, sizeof j->error.text,
-           "'%.90s' has come to t = %.30s s, past t_end = %.30s s", j->settings.restart, time,
-           t_end);
+  snprintf(j->error.text, sizeof j->error.text, "'%.90s' is at t = %.30s s, past t_end = %.30s s",
+           j->settings.restart, time, t_end);
   return j->error.status = NSDAE_E_ARGUMENT;
 }
 
-/* What resume does, up to where the file would change by more than its status. */
+/* Trial of a resume, up to changes of the file beyond its status. */
 typedef struct attempt {
   job *job;
   const nsdae_trajectory_info *info;
@@ -82,7 +81,7 @@ static int resume(job *j, const nsdae_trajectory_info *info)
   nsdae_sim_get_record(j->sim, &record);
   write_time(record.time, time);
   if (j->settings.t_end < record.time) return no_way_back(j, time);
-  if (!j->settings.quiet) printf("goes on at t = %s s in %s\n", time, j->settings.restart);
+  if (!j->settings.quiet) printf("continues at t = %s s in %s\n", time, j->settings.restart);
   return NSDAE_OK;
 }
 
@@ -101,7 +100,7 @@ static int open_trajectory(job *j)
       nsdae_trajectory_create(j->sim, j->settings.output, &info, &j->trajectory, &j->error);
   if (status == NSDAE_OK && j->model->bodies)
     status = j->model->bodies(j->model->base, j->trajectory, &j->error);
-  /* a library without HDF5 still runs the examples, unless a file was asked for */
+  /* without HDF5 the examples run, unless a file was requested */
   if (status != NSDAE_E_UNSUPPORTED || j->settings.output_named) return status;
   if (!j->settings.quiet) printf("no trajectory: %s\n", j->error.text);
   return NSDAE_OK;
@@ -120,7 +119,7 @@ static int run(job *j)
   return status;
 }
 
-/* The first failure is the one that is told. */
+/* The first failure is reported. */
 static int close_trajectory(job *j, int status)
 {
   nsdae_error error;
@@ -131,7 +130,7 @@ static int close_trajectory(job *j, int status)
   return status < 0 ? status : closed;
 }
 
-/* What was printed must have arrived: on a full disk it did not. */
+/* Standard output must be written: a full disk is an error. */
 static int leave(const job *j, int exit_status)
 {
   int flushed = fflush(stdout);

@@ -1,16 +1,16 @@
-/* What the example drivers share: command line, run, tables. A driver describes its model and
- * hands it to driver_main. */
+/* Common part of the example drivers: command line, run, tables. A driver describes its model and
+ * calls driver_main. */
 #ifndef NSDAE_DRIVER_H
 #define NSDAE_DRIVER_H
 
 #include <nsdae/nsdae.h>
 
-/* One impact as an exact solution has it. */
+/* One impact of an exact solution. */
 typedef struct driver_exact {
   double time, normal_impulse;
 } driver_exact;
 
-/* One coordinate at one time as a reference has it. */
+/* One coordinate of a reference at one time. */
 typedef struct driver_state {
   double time, value;
   int coordinate;
@@ -34,18 +34,19 @@ typedef struct driver_model {
   void (*start)(const void *base, double *q0, double *v0);
   /* Names the bodies in the trajectory, once it is made; NULL: none. */
   int (*bodies)(const void *base, nsdae_trajectory *trajectory, nsdae_error *error);
-  /* What a reader of the table would stumble over, in one sentence, or NULL; NULL: nothing. */
+  /* A remark on the table of impacts, or NULL; NULL: none. */
   const char *(*remark)(const void *base);
-  /* Exact impact of that number from 0; returns 0 where there is none. NULL: nothing is known. */
+  /* Exact impact of that number from 0; returns 0 if there is none. NULL: no exact solution. */
   int (*exact)(const void *base, int number, driver_exact *impact);
-  /* Reference state of that number, in the order of time; returns 0 past the last. NULL: none. */
+  /* Reference state of that number, in order of time; returns 0 past the last. NULL: none. */
   int (*state)(const void *base, int number, driver_state *state);
-  /* Sees every record of a run; NULL: need not. */
+  /* Called with every record of a run; NULL: not needed. */
   void (*follow)(void *base, const nsdae_record *record);
-  /* Prints behind the summary what came out beside what is known of it; NULL: nothing. */
+  /* Prints results beside their references after the summary; NULL: nothing. */
   void (*conclude)(const void *base);
-  int coordinates; /* how many coordinates the reference states may speak of, at most 8 */
-  /* What --compare has to add for this model, printed and put into the trajectory (or NULL). */
+  int coordinates; /* number of coordinates of the reference states, at most 8 */
+  /* Additional output of --compare for this model, printed and put into the trajectory (or NULL).
+   */
   int (*compare_more)(const struct settings *settings, nsdae_trajectory *trajectory,
                       nsdae_error *error);
 } driver_model;

@@ -1,4 +1,4 @@
-/* The problem of a step into a file, so that it can be looked at without the model. */
+/* Writes the problem of a step to a file, so that it can be solved without the model. */
 #ifndef NSDAE_DRIVER_DUMP_H
 #define NSDAE_DRIVER_DUMP_H
 
@@ -11,8 +11,8 @@ typedef struct dump {
   double time, *q, *v; /* the same; NULL: none yet */
 } dump;
 
-/* Before the run: looks out for the step that was asked for. After it: the last or the failed one.
- * A file that cannot be written is told, and does not end the run. */
+/* Before the run: observes the requested step. After it: the last or the failed one.
+ * A file that cannot be written is reported and does not end the run. */
 void dump_begin(dump *d, nsdae_sim *sim, const settings *s);
 void dump_end(dump *d, int status);
 

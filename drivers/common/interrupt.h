@@ -4,19 +4,19 @@
 
 #include <nsdae/nsdae.h>
 
-/* From here on SIGINT and SIGTERM are noticed instead of deadly. */
+/* From now on SIGINT and SIGTERM set a flag. */
 void interrupt_catch(void);
 
 /* Observer: stops the run that it sees. */
 int interrupt_observe(const nsdae_record *record, nsdae_error *error, void *user);
 
-/* NSDAE_OK, or NSDAE_E_STATE with the time of the record where one of them came. */
+/* NSDAE_OK, or an error with the time of the record if one of them arrived. */
 int interrupt_status(const nsdae_sim *sim, nsdae_error *error);
 
-/* The same, asked inside a step, which then is dropped. */
+/* The same within a step, which is then discarded. */
 int interrupt_asked(void *user);
 
-/* One of them came. */
+/* One of them arrived. */
 int interrupt_came(void);
 
 #endif

@@ -9,7 +9,7 @@
 
 enum { LARGEST = 20000 };
 
-/* A file being read: what is wrong is said once and stays. */
+/* A file being read: the first error is kept. */
 typedef struct reader {
   const char *path;
   FILE *stream;

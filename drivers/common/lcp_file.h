@@ -1,6 +1,6 @@
 /* Complementarity problems from text files.
  *
- * A file is numbers between blanks; what follows the last of them is a comment:
+ * A file is numbers separated by blanks; text after the last is a comment:
  *
  *   n  matrix  q [n]                          y = A x + q
  *   2  k  matrix  q [2 k]  mu [k]             k planar contacts with Coulomb friction: Delassus

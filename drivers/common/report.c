@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-/* An impact table of this length says what there is to say; the file holds all. */
+/* Longest table of impacts; the trajectory file has all of them. */
 enum { ROWS_MAX = 40 };
 
 static void print_parameters(const settings *s)
@@ -32,7 +32,7 @@ static void print_header(const report *r)
   printf("\n");
 }
 
-/* What of the run is behind it where it goes on. */
+/* Completed part of a continued run. */
 static double part_of(const settings *s, const nsdae_sim *sim)
 {
   nsdae_record now;
@@ -103,12 +103,12 @@ static void print_figure(const char *what, double value, const char *unit, const
   if (item >= 0) printf(" (%s %d)", kind, item);
 }
 
-/* How far the records were from the laws, at most, and where. */
+/* Largest residuals of all records, with their contacts and constraints. */
 static void print_certificate(const nsdae_certificate *c, const nsdae_dims *d, int listed)
 {
   if (d->k > 0 || listed) {
     print_figure("worst pull", c->pull, " N s", "contact", listed ? -1 : c->pull_contact);
-    print_figure(", friction beyond its cone", c->cone_excess, " N s", "contact",
+    print_figure(", friction outside its cone", c->cone_excess, " N s", "contact",
                  listed ? -1 : c->cone_contact);
     print_figure(", complementarity", c->complementarity, " J", "contact",
                  listed ? -1 : c->complementarity_contact);
@@ -125,7 +125,7 @@ static void print_energy(const nsdae_certificate *c)
          c->work, c->dissipated, c->unexplained);
 }
 
-/* What exceeds what the method explains; the first of them with its numbers. */
+/* Warnings of the run; the first has its values. */
 static void say_warnings(const nsdae_sim *sim, const nsdae_stats *stats)
 {
   static const char *const kinds[] = {"energy", "penetration", "drift"};
@@ -133,33 +133,32 @@ static void say_warnings(const nsdae_sim *sim, const nsdae_stats *stats)
   if (first->status > 0) printf("warning: %s\n", first->text);
   for (int i = 0; i < 3; i++)
     if (stats->warnings & 1 << i)
-      printf("warning: %s of this run exceeds what the method explains\n", kinds[i]);
+      printf("warning: %s of this run exceeds the bound of the method\n", kinds[i]);
   if (stats->warnings & 8) printf("warning: friction forces of this run are not unique\n");
   if (stats->warnings & 16) printf("warning: impacts of this run were merged\n");
 }
 
-/* A time-stepping method looks at the end of a step whether a contact has closed, and leaves it
- * where it is then. */
-static int steps_blindly(int method)
+/* Time-stepping methods detect a contact at the end of the step in which it closes. */
+static int is_time_stepping(int method)
 {
   return method == NSDAE_METHOD_IMPLICIT || method == NSDAE_METHOD_IMPLICIT_PRINTED ||
          method == NSDAE_METHOD_MOREAU;
 }
 
-/* What of the table and the summary is the method's, and what the model's. */
+/* Errors to expect from the method, and remarks of the model. */
 static void print_remarks(const report *r, const nsdae_stats *stats)
 {
   const driver_model *model = r->settings->model;
   const nsdae_sim_options *options = &r->settings->options;
   const char *remark = model->remark ? model->remark(model->base) : NULL;
   if (remark) printf("%s\n", remark);
-  if (!steps_blindly(options->method) || r->rows == 0 || r->contacts == 0) return;
-  printf("impacts come up to a step late in this method%s\n",
-         r->exact ? ", hence the errors: they grow where one soon follows another" : "");
+  if (!is_time_stepping(options->method) || r->rows == 0 || r->contacts == 0) return;
+  printf("impact times are up to one step late with this method%s\n",
+         r->exact ? "; the errors grow if impacts follow each other soon" : "");
   if (stats->worst_penetration > 0)
-    printf("a contact rests where it was found, up to some %.1e m deep: the way of a step or two\n",
+    printf("penetration up to %.1e m is expected with time stepping: two steps of travel\n",
            2 * r->fastest * options->dt);
-  printf("a smaller --dt is closer to what happens, --method event finds it\n");
+  printf("a smaller --dt reduces both errors, --method event locates the impacts\n");
 }
 
 void report_end(report *r, const nsdae_sim *sim)
@@ -179,23 +178,23 @@ void report_end(report *r, const nsdae_sim *sim)
          stats.worst_residual, stats.worst_drift, stats.worst_penetration);
   print_certificate(&stats.certificate, &dims, stats.contact_capacity > 0);
   if (stats.rank < dims.m)
-    printf("rank of the constraints %d of %d: redundant ones carry the least-norm reaction\n",
+    printf("rank of the constraints %d of %d: redundant constraints have least-norm reactions\n",
            stats.rank, dims.m);
   if (stats.rank < dims.m)
-    printf("constraints count in it down to a sine of %.1e to the others, from %.1e on none does\n",
+    printf("smallest sine of a retained constraint %.1e, largest of a discarded one %.1e\n",
            stats.rank_kept, stats.rank_left);
   if (stats.rank < stats.rank_most)
-    printf("that rank is %d at times: the constraints drift apart, try a larger rank_tol\n",
+    printf("the rank is %d at times: redundant constraints drift apart; try a larger rank_tol\n",
            stats.rank_most);
   if (stats.accumulations > 0)
-    printf("%ld accumulation%s of impacts ended in rest\n", stats.accumulations,
+    printf("%ld accumulation%s of impacts (Zeno) came to rest\n", stats.accumulations,
            stats.accumulations > 1 ? "s" : "");
   if (stats.accumulations_early > 0)
-    printf("%ld were closed longer than accumulation_time before that: what parted was as slow as "
-           "rtol and atol, or rattled on\n",
+    printf("%ld of them were closed early: their velocities were within rtol and atol, or they "
+           "chattered\n",
            stats.accumulations_early);
   if (stats.fallback_steps > 0)
-    printf("%ld steps had more than events_max instants each and were stepped by implicit\n",
+    printf("%ld steps were taken by implicit: too many events, or events without progress\n",
            stats.fallback_steps);
   say_warnings(sim, &stats);
   print_remarks(r, &stats);
@@ -204,5 +203,5 @@ void report_end(report *r, const nsdae_sim *sim)
   printf("time %.3g s, %.3g us a step\n", stats.wall_time,
          stats.steps ? 1e6 * stats.wall_time / (double)stats.steps : 0);
   if (r->settings->model->conclude) r->settings->model->conclude(r->settings->model->base);
-  fflush(stdout); /* a comparison may follow, and take its time */
+  fflush(stdout); /* before a comparison, which can take long */
 }

@@ -15,16 +15,16 @@ static const nsdae_param run_entries[] = {
      NSDAE_OPEN_MIN, NULL},
     {"output", "", "trajectory file", NSDAE_PARAM_TEXT, offsetof(settings, output), 0, 0, 0, 0,
      NULL},
-    {"every", "1", "keep each such step in the trajectory", NSDAE_PARAM_INT,
+    {"every", "1", "record every N-th step in the trajectory", NSDAE_PARAM_INT,
      offsetof(settings, every), 1, 1, 1e9, 0, NULL},
-    {"compress", "1", "trajectory compressed: 1 (fast) to 9 (small)", NSDAE_PARAM_INT,
+    {"compress", "1", "compression of the trajectory: 1 (fast) to 9 (small)", NSDAE_PARAM_INT,
      offsetof(settings, compress), 0, 0, 9, 0, NULL},
-    {"lcp_dump", "", "where the LCP of a failing step goes, for nsdae-lcp", NSDAE_PARAM_TEXT,
+    {"lcp_dump", "", "file for the LCP of a failed step, for nsdae-lcp", NSDAE_PARAM_TEXT,
      offsetof(settings, lcp_dump), 0, 0, 0, 0, NULL},
-    {"friction_dump", "", "where the contact problem of a step goes, for nsdae-friction",
+    {"friction_dump", "", "file for the contact problem of a step, for nsdae-friction",
      NSDAE_PARAM_TEXT, offsetof(settings, friction_dump), 0, 0, 0, 0, NULL},
-    {"friction_step", "1", "of this step; 0: the last one, done or failed", NSDAE_PARAM_INT,
-     offsetof(settings, friction_step), 0, 0, 1e9, 0, NULL},
+    {"friction_step", "1", "step of friction_dump; 0: the last one, completed or failed",
+     NSDAE_PARAM_INT, offsetof(settings, friction_step), 0, 0, 1e9, 0, NULL},
 };
 
 const nsdae_params settings_run_table = {run_entries,
@@ -73,7 +73,7 @@ static int unknown_name(const settings *s, const char *name, nsdae_error *error)
   names[count] = NULL;
   const char *near = nsdae_nearest_name(name, names);
   if (near) return usage_error(error, name, "unknown name '%s'; did you mean '%s'?", name, near);
-  /* the library looks into the descriptions of the model's, too */
+  /* the library also searches the descriptions of the model's parameters */
   nsdae_params_set(s->model->parameters, s->model->base, name, "", error);
   if (strchr(error->text, '?')) return NSDAE_E_OPTION;
   return usage_error(error, name, "unknown name '%s'; --help lists all", name);
@@ -125,7 +125,7 @@ static int read_line(settings *s, char *line, nsdae_error *error)
   return assign(s, text, error);
 }
 
-/* Puts the place in front of the text. */
+/* Prefixes the text with file and line. */
 static void locate(nsdae_error *error, const char *path, int line)
 {
   char text[sizeof error->text], place[96];
@@ -161,7 +161,7 @@ int settings_read(settings *s, const char *path, nsdae_error *error)
 enum action { SET, ASSIGN, PARAMS, RESTART, NO_OUTPUT, COMPARE, QUIET, LIVE, HELP, VERSION };
 
 typedef struct flag {
-  const char *name, *value; /* value: what it takes, or NULL */
+  const char *name, *value; /* value: placeholder of its value, or NULL */
   enum action action;
   const char *key; /* for SET */
   const char *help;
@@ -171,17 +171,17 @@ static const flag flags[] = {
     {"--method", "NAME", SET, "method", "one of the methods below"},
     {"--dt", "S", SET, "dt", "step [s]"},
     {"--t-end", "S", SET, "t_end", "end time [s]"},
-    {"--rtol", "X", SET, "rtol", "relative tolerance of an integrator with error control"},
-    {"--atol", "X", SET, "atol", "absolute tolerance of it"},
-    {"--set", "NAME=VALUE", ASSIGN, NULL, "a parameter or an option of those below; repeatable"},
-    {"--params", "FILE", PARAMS, NULL, "parameters from a file of NAME = VALUE lines"},
-    {"--output", "FILE.h5", SET, "output", "trajectory"},
-    {"--restart", "FILE.h5", RESTART, NULL, "go on where this trajectory ends, in it"},
-    {"--every", "N", SET, "every", "keep each N-th step, all impacts, and the end"},
-    {"--compress", "LEVEL", SET, "compress", "compress it: 1 (fast) .. 9 (small)"},
+    {"--rtol", "X", SET, "rtol", "relative tolerance of integrators with error control"},
+    {"--atol", "X", SET, "atol", "absolute tolerance of these"},
+    {"--set", "NAME=VALUE", ASSIGN, NULL, "a parameter or option listed below; repeatable"},
+    {"--params", "FILE", PARAMS, NULL, "read NAME = VALUE lines from a file"},
+    {"--output", "FILE.h5", SET, "output", "trajectory file"},
+    {"--restart", "FILE.h5", RESTART, NULL, "continue the run of this trajectory file"},
+    {"--every", "N", SET, "every", "record every N-th step, all impacts and the end"},
+    {"--compress", "LEVEL", SET, "compress", "compression level: 1 (fast) .. 9 (small)"},
     {"--no-output", NULL, NO_OUTPUT, NULL, "write no trajectory"},
-    {"--compare", NULL, COMPARE, NULL, "then all methods side by side, against a reference if any"},
-    {"--live", NULL, LIVE, NULL, "let others read the trajectory while it is written (SWMR)"},
+    {"--compare", NULL, COMPARE, NULL, "also run all methods and compare them with a reference"},
+    {"--live", NULL, LIVE, NULL, "allow concurrent readers of the trajectory (SWMR)"},
     {"--quiet", NULL, QUIET, NULL, "print errors only"},
     {"--help", NULL, HELP, NULL, "this text"},
     {"--version", NULL, VERSION, NULL, "version and build"},
@@ -195,7 +195,7 @@ static int is_short_help(const flag *f, const char *word)
   return f->action == HELP && strcmp(word, "-h") == 0;
 }
 
-/* Flag of a word such as "--dt" or "--dt=0.01"; *value is what follows '=', or NULL. */
+/* Flag of a word such as "--dt" or "--dt=0.01"; *value is the text after '=', or NULL. */
 static const flag *find_flag(char *word, char **value, nsdae_error *error)
 {
   const char *names[FLAGS + 1] = {0};
@@ -253,8 +253,8 @@ static int copy_word(char *word, size_t size, const char *from, nsdae_error *err
   return usage_error(error, "", "'%.32s...' is longer than %zu characters", from, size - 1);
 }
 
-/* What the run that made the file was told. */
-static int read_told(const char *path, void *user, nsdae_error *error)
+/* Settings of the run that made the file. */
+static int read_saved(const char *path, void *user, nsdae_error *error)
 {
   settings *s = user;
   int status =
@@ -275,11 +275,11 @@ static int read_restart(settings *s, const char *path, nsdae_error *error)
                        sizeof s->restart - 1);
   memcpy(s->restart, path, length + 1);
   memcpy(s->output, path, length + 1);
-  int status = probe(path, read_told, s, error);
-  return status < 0 ? status : read_told(path, s, error);
+  int status = probe(path, read_saved, s, error);
+  return status < 0 ? status : read_saved(path, s, error);
 }
 
-/* The command line is gone through for each of these in turn. */
+/* Passes over the command line, in this order. */
 enum pass { RESTARTS, FILES, WORDS, PASSES };
 
 /* One argument vector entry and its value. */
@@ -309,13 +309,14 @@ int settings_parse(settings *s, int argc, char **argv, nsdae_error *error)
       if (status < 0) return status;
     }
   if (s->restart[0] && (s->live || strcmp(s->restart, s->output) != 0))
-    return usage_error(error, "--restart",
-                       "--restart goes on in '%.60s': no --output, --no-output or --live with it",
-                       s->restart);
+    return usage_error(
+        error, "--restart",
+        "--restart continues '%.60s': --output, --no-output and --live are not allowed",
+        s->restart);
   if (s->compare && s->live)
     return usage_error(error, "--live",
                        "--live and --compare exclude each other: the comparison "
-                       "comes into the file after the run");
+                       "is written after the run");
   return NSDAE_OK;
 }
 

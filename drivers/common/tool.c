@@ -76,7 +76,7 @@ int tool_parse(const tool *t, int argc, char **argv, void *job, tool_arguments *
     if (status != TOOL_SOLVED) return status;
   }
   if (a->help || a->version || a->path) return TOOL_SOLVED;
-  return tool_complain(t, "no FILE given: %s FILE; --help says what it may be", t->name);
+  return tool_complain(t, "no FILE given: %s FILE; --help describes its format", t->name);
 }
 
 /* Adds the stage of that name. */

@@ -5,17 +5,17 @@
 
 enum { TOOL_SOLVED, TOOL_NOT_SOLVED, TOOL_USAGE };
 
-/* What a tool has beside FILE, --help, -h and --version, which all have. */
+/* Options of a tool, besides FILE, --help, -h and --version. */
 typedef struct tool {
   const char *name;           /* "nsdae-lcp" */
   const char *const *options; /* "--tol", ..., NULL */
-  int valued;                 /* the first so many of them take a value */
+  int valued;                 /* number of the first options, which take a value */
   /* Option of that number, with its value (NULL: it has none). TOOL_SOLVED, or TOOL_USAGE with the
    * complaint. */
   int (*set)(void *job, int option, const char *value);
 } tool;
 
-/* What all have. */
+/* Arguments of every tool. */
 typedef struct tool_arguments {
   const char *path; /* NULL only where help or version is asked for */
   int help, version;
@@ -34,7 +34,7 @@ int tool_stages(const tool *t, const char *list, int all, const char *(*name_of)
 /* " name name name", those of all stages, on stdout. */
 void tool_print_stages(int all, const char *(*name_of)(int));
 
-/* The exit code: a certificate that did not get out is none. */
+/* The exit code; a certificate that could not be written is a failure. */
 int tool_finish(const tool *t, int status);
 
 #endif

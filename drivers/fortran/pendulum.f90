@@ -25,7 +25,7 @@ program pendulum_driver
 
   status = prepare()
   if (status == NSDAE_OK) status = open_trajectory()
-  ! a wrong value is the user's; what else fails is the computation's
+  ! usage error for wrong values, else a failed computation
   if (status == NSDAE_E_ARGUMENT .or. status == NSDAE_E_OPTION) call finish(2)
   if (status == NSDAE_OK) status = run()
   if (status < 0) call finish(1)
@@ -54,11 +54,11 @@ contains
     status = nsdae_sim_get_record(sim, record)
     if (s%t_end < record%time) then
       status = nsdae_trajectory_close(trajectory, NSDAE_OK)
-      error%text = "'" // trim(s%restart) // "' has come to t = " // text_of(record%time) // &
+      error%text = "'" // trim(s%restart) // "' is at t = " // text_of(record%time) // &
                    ' s, past t_end = ' // text_of(s%t_end) // ' s'
       status = NSDAE_E_ARGUMENT
     else if (.not. s%quiet) then
-      print '(4a)', 'goes on at t = ', text_of(record%time), ' s in ', trim(s%restart)
+      print '(4a)', 'continues at t = ', text_of(record%time), ' s in ', trim(s%restart)
     end if
   end function
 
@@ -92,7 +92,7 @@ contains
     status = NSDAE_OK
   end function
 
-  ! The first failure is the one that is told.
+  ! The first failure is reported.
   integer(c_int) function run() result(status)
     type(nsdae_error) :: why
     integer(c_int) :: closed

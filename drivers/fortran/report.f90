@@ -113,11 +113,11 @@ contains
         number(1d6 * stats%wall_time / max(1_c_long, stats%steps), '(es8.2)'), ' us a step'
   end subroutine
 
-  ! How far the records were from the laws, at most, and where.
+  ! Largest residuals of all records, with their contacts and constraints.
   subroutine print_certificate(c)
     type(nsdae_certificate), intent(in) :: c
     print '(7a)', 'worst pull ', number(c%pull, '(es8.2)'), ' N s' // place('contact', c%pull_contact), &
-        ', friction beyond its cone ', number(c%cone_excess, '(es8.2)'), &
+        ', friction outside its cone ', number(c%cone_excess, '(es8.2)'), &
         ' N s' // place('contact', c%cone_contact) // ', complementarity ', &
         number(c%complementarity, '(es8.2)') // ' J' // place('contact', c%complementarity_contact)
     print '(3a)', 'worst constraint rate ', number(c%constraint_rate, '(es8.2)'), &
@@ -142,7 +142,7 @@ contains
         ' J (< 0: lost by the method)'
   end subroutine
 
-  ! What exceeds what the method explains; the first of them with its numbers.
+  ! Warnings of the run; the first has its values.
   subroutine say_warnings(sim, stats)
     type(nsdae_sim), intent(in) :: sim
     type(nsdae_stats), intent(in) :: stats
@@ -153,24 +153,23 @@ contains
     if (first%status > 0) print '(2a)', 'warning: ', trim(first%text)
     do i = 0, size(kinds) - 1
       if (btest(stats%warnings, i)) &
-          print '(3a)', 'warning: ', trim(kinds(i)), ' of this run exceeds what the method explains'
+          print '(3a)', 'warning: ', trim(kinds(i)), ' of this run exceeds the bound of the method'
     end do
     if (btest(stats%warnings, 3)) print '(a)', 'warning: friction forces of this run are not unique'
   end subroutine
 
-  ! A time-stepping method looks at the end of a step whether a contact has closed, and leaves it
-  ! where it is then.
+  ! Time-stepping methods detect a contact at the end of the step in which it closes.
   subroutine print_remarks(r, stats)
     type(report), intent(in) :: r
     type(nsdae_stats), intent(in) :: stats
     if (r%rows == 0 .or. .not. any(r%method == [NSDAE_METHOD_IMPLICIT, NSDAE_METHOD_IMPLICIT_PRINTED, &
                                                 NSDAE_METHOD_MOREAU])) return
-    print '(2a)', 'impacts come up to a step late in this method, hence the errors: ', &
-        'they grow where one soon follows another'
+    print '(2a)', 'impact times are up to one step late with this method; ', &
+        'the errors grow if impacts follow each other soon'
     if (stats%worst_penetration > 0) &
-        print '(3a)', 'a contact rests where it was found, up to some ', &
-            number(2 * r%fastest * r%dt, '(es7.1)'), ' m deep: the way of a step or two'
-    print '(a)', 'a smaller --dt is closer to what happens, --method event finds it'
+        print '(3a)', 'penetration up to ', number(2 * r%fastest * r%dt, '(es7.1)'), &
+            ' m is expected with time stepping: two steps of travel'
+    print '(a)', 'a smaller --dt reduces both errors, --method event locates the impacts'
   end subroutine
 
   ! With a small e.

@@ -11,8 +11,8 @@ module pendulum_settings
 
   type :: flag
     character(len=12) :: name
-    character(len=10) :: takes  ! what follows it, or ''
-    character(len=8) :: key     ! what it sets, or ''
+    character(len=10) :: takes  ! placeholder of its value, or ''
+    character(len=8) :: key     ! name of the setting, or ''
     character(len=72) :: help
   end type
 
@@ -20,16 +20,16 @@ module pendulum_settings
       flag('--method', 'NAME', 'method', 'one of the methods below'), &
       flag('--dt', 'S', 'dt', 'step [s]'), &
       flag('--t-end', 'S', 't_end', 'end time [s]'), &
-      flag('--rtol', 'X', 'rtol', 'relative tolerance of an integrator with error control'), &
-      flag('--atol', 'X', 'atol', 'absolute tolerance of it'), &
-      flag('--set', 'NAME=VALUE', '', 'a parameter or an option of those below; repeatable'), &
-      flag('--params', 'FILE', '', 'parameters from a file of NAME = VALUE lines'), &
-      flag('--output', 'FILE.h5', 'output', 'trajectory'), &
-      flag('--restart', 'FILE.h5', '', 'go on where this trajectory ends, in it'), &
-      flag('--every', 'N', 'every', 'keep each N-th step, all impacts, and the end'), &
-      flag('--compress', 'LEVEL', 'compress', 'compress it: 1 (fast) .. 9 (small)'), &
+      flag('--rtol', 'X', 'rtol', 'relative tolerance of integrators with error control'), &
+      flag('--atol', 'X', 'atol', 'absolute tolerance of these'), &
+      flag('--set', 'NAME=VALUE', '', 'a parameter or option listed below; repeatable'), &
+      flag('--params', 'FILE', '', 'read NAME = VALUE lines from a file'), &
+      flag('--output', 'FILE.h5', 'output', 'trajectory file'), &
+      flag('--restart', 'FILE.h5', '', 'continue the run of this trajectory file'), &
+      flag('--every', 'N', 'every', 'record every N-th step, all impacts and the end'), &
+      flag('--compress', 'LEVEL', 'compress', 'compression level: 1 (fast) .. 9 (small)'), &
       flag('--no-output', '', '', 'write no trajectory'), &
-      flag('--live', '', '', 'let others read the trajectory while it is written (SWMR)'), &
+      flag('--live', '', '', 'allow concurrent readers of the trajectory (SWMR)'), &
       flag('--quiet', '', '', 'print errors only'), &
       flag('--help', '', '', 'this text'), &
       flag('--version', '', '', 'version and build')]
@@ -57,10 +57,10 @@ contains
                                   open=NSDAE_OPEN_MIN)
     if (status == NSDAE_OK) &
         status = nsdae_params_add(s%run, s%every, 'every', '1', &
-                                  'keep each such step in the trajectory', 1, 1, 1000000000)
+                                  'record every N-th step in the trajectory', 1, 1, 1000000000)
     if (status == NSDAE_OK) &
         status = nsdae_params_add(s%run, s%compress, 'compress', '1', &
-                                  'trajectory compressed: 1 (fast) to 9 (small)', 0, 0, 9)
+                                  'compression of the trajectory: 1 (fast) to 9 (small)', 0, 0, 9)
   end function
 
   subroutine settings_release(s)
@@ -110,7 +110,7 @@ contains
     call collect(s%run, names, n)
     call collect(s%library, names, n)
     if (nsdae_nearest_name(name, names(:n)) == '') then
-      ! the library looks into the descriptions of the model's, too
+      ! the library also searches the descriptions of the model's parameters
       status = nsdae_params_set(s%parameters, name, '', error)
       if (index(error%text, '?') > 0) return
     end if
@@ -190,8 +190,8 @@ contains
     end if
   end function
 
-  ! What the run that made the file was told. user is the settings.
-  integer(c_int) function read_told(path, user, error) result(status)
+  ! Settings of the run that made the file; user is the settings.
+  integer(c_int) function read_saved(path, user, error) result(status)
     character(len=*), intent(in) :: path
     class(*), intent(inout) :: user
     type(nsdae_error), intent(inout) :: error
@@ -211,8 +211,8 @@ contains
     type(nsdae_error), intent(inout) :: error
     s%restart = path
     s%output = path
-    status = probe(s%restart, read_told, s, error)
-    if (status == NSDAE_OK) status = read_told(trim(s%restart), s, error)
+    status = probe(s%restart, read_saved, s, error)
+    if (status == NSDAE_OK) status = read_saved(trim(s%restart), s, error)
   end function
 
   ! The command line: the file of --restart first, then parameter files, whatever their place, then
@@ -231,8 +231,8 @@ contains
     end do
     status = NSDAE_OK
     if (s%restart /= '' .and. (s%live .or. s%restart /= s%output)) &
-        status = complain(error, "--restart goes on in '" // trim(s%restart) // &
-                          "': no --output, --no-output or --live with it")
+        status = complain(error, "--restart continues '" // trim(s%restart) // &
+                          "': --output, --no-output and --live are not allowed")
   end function
 
   integer(c_int) function parse_one(s, i, pass, error) result(status)

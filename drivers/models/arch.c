@@ -132,7 +132,7 @@ double arch_least_thickness(int blocks)
 #define AT(field) offsetof(arch, field)
 
 static const nsdae_param entries[] = {
-    {"blocks", "1", "how many", NSDAE_PARAM_INT, AT(blocks), 31, 3, 1000, 0, NULL},
+    {"blocks", "1", "number of blocks", NSDAE_PARAM_INT, AT(blocks), 31, 3, 1000, 0, NULL},
     {"R", "m", "radius of the middle line", NSDAE_PARAM_REAL, AT(R), 1, 0, INFINITY, NSDAE_OPEN_MIN,
      NULL},
     {"t", "1", "thickness over R", NSDAE_PARAM_REAL, AT(t), 0.12, 0, 1, NSDAE_OPEN_MIN, NULL},

@@ -59,10 +59,10 @@ static void conclude(const void *base)
 #define AT(field) offsetof(column, field)
 
 static const nsdae_param entries[] = {
-    {"balls", "1", "how many", NSDAE_PARAM_INT, AT(balls), 100, 1, 1e5, 0, NULL},
-    {"m", "kg", "mass of the lowest and each second one", NSDAE_PARAM_REAL, AT(m), 1, 0, INFINITY,
+    {"balls", "1", "number of balls", NSDAE_PARAM_INT, AT(balls), 100, 1, 1e5, 0, NULL},
+    {"m", "kg", "mass of balls 0, 2, 4, ...", NSDAE_PARAM_REAL, AT(m), 1, 0, INFINITY,
      NSDAE_OPEN_MIN, NULL},
-    {"ratio", "1", "mass of the others by that", NSDAE_PARAM_REAL, AT(ratio), 1000, 0, INFINITY,
+    {"ratio", "1", "mass ratio of the other balls", NSDAE_PARAM_REAL, AT(ratio), 1000, 0, INFINITY,
      NSDAE_OPEN_MIN, NULL},
     {"r", "m", "radius of a ball", NSDAE_PARAM_REAL, AT(r), 0.1, 0, INFINITY, NSDAE_OPEN_MIN, NULL},
     {"mu", "1", "friction", NSDAE_PARAM_REAL, AT(mu), 0, 0, INFINITY, 0, NULL},

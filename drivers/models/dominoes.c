@@ -150,16 +150,16 @@ static void conclude(const void *base)
 #define AT(field) offsetof(dominoes, field)
 
 static const nsdae_param entries[] = {
-    {"n", "1", "how many", NSDAE_PARAM_INT, AT(n), 40, 4, CHAIN_MAX - 1, 0, NULL},
+    {"n", "1", "number of dominoes", NSDAE_PARAM_INT, AT(n), 40, 4, CHAIN_MAX - 1, 0, NULL},
     {"h", "m", "height", NSDAE_PARAM_REAL, AT(h), 0.048, 0, INFINITY, NSDAE_OPEN_MIN, NULL},
     {"d", "m", "thickness", NSDAE_PARAM_REAL, AT(d), 0.0075, 0, INFINITY, NSDAE_OPEN_MIN, NULL},
-    {"s", "m", "from one to the next, less than h", NSDAE_PARAM_REAL, AT(s), 0.024, 0, INFINITY,
+    {"s", "m", "distance of two dominoes, less than h", NSDAE_PARAM_REAL, AT(s), 0.024, 0, INFINITY,
      NSDAE_OPEN_MIN, NULL},
     {"mu", "1", "friction between them", NSDAE_PARAM_REAL, AT(mu), 0, 0, INFINITY, 0, NULL},
     {"floor_mu", "1", "friction on the floor", NSDAE_PARAM_REAL, AT(floor_mu), 2, 0, INFINITY, 0,
      NULL},
-    {"push", "rad/s", "how fast the first turns at the start", NSDAE_PARAM_REAL, AT(push), 10, 0,
-     INFINITY, NSDAE_OPEN_MIN, NULL},
+    {"push", "rad/s", "angular velocity of the first at the start", NSDAE_PARAM_REAL, AT(push), 10,
+     0, INFINITY, NSDAE_OPEN_MIN, NULL},
     {"g", "m/s^2", "gravity", NSDAE_PARAM_REAL, AT(g), 9.81, 0, INFINITY, NSDAE_OPEN_MIN, NULL},
 };
 

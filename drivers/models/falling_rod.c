@@ -19,9 +19,9 @@
  *
  * which with t = tan phi is negative for mu > (4 + t^2) / (3 t), that is from mu = 4/3 on, at
  * tan phi = 2 (63.435 deg), and for mu = 5/3 between tan phi = 1 and 4 (45 and 75.964 deg).
- * Where a < 0 there is no lambda_N >= 0 for b < 0: the end stops at once by an impact without a
- * collision, which a time-stepping method finds by itself; and there are two, contact and
- * separation, for b > 0. */
+ * If a < 0 and b < 0 there is no lambda_N >= 0. The end stops by an impact without collision, which
+ * time-stepping methods include. If a < 0 and b > 0 there are two solutions, contact and
+ * separation. */
 #include "falling_rod.h"
 
 #include <math.h>

@@ -242,17 +242,16 @@ static void conclude(const void *base)
 #define AT(field) offsetof(heap, field)
 
 static const nsdae_param entries[] = {
-    {"spheres", "1", "how many", NSDAE_PARAM_INT, AT(spheres), 100, 1, 1e6, 0, NULL},
+    {"spheres", "1", "number of spheres", NSDAE_PARAM_INT, AT(spheres), 100, 1, 1e6, 0, NULL},
     {"r", "m", "radius", NSDAE_PARAM_REAL, AT(r), 0.01, 0, INFINITY, NSDAE_OPEN_MIN, NULL},
-    {"rough", "1", "1: the floor is of spheres, 0: a plane, on which they part", NSDAE_PARAM_INT,
-     AT(rough), 1, 0, 1, 0, NULL},
+    {"rough", "1", "1: floor of spheres, 0: plane", NSDAE_PARAM_INT, AT(rough), 1, 0, 1, 0, NULL},
     {"aspect", "1",
      "height over radius of a cylinder that is lifted; 0: a loose column, no cylinder",
      NSDAE_PARAM_REAL, AT(cylinder.aspect), 0, 0.05, 20, NSDAE_OR_ZERO, NULL},
-    {"release", "s", "when the cylinder is lifted", NSDAE_PARAM_REAL, AT(cylinder.release), 0.2, 0,
-     INFINITY, 0, NULL},
-    {"seed", "1", "places in the cylinder at the start", NSDAE_PARAM_INT, AT(cylinder.seed), 0, 0,
-     1000, 0, NULL},
+    {"release", "s", "time at which the cylinder is removed", NSDAE_PARAM_REAL,
+     AT(cylinder.release), 0.2, 0, INFINITY, 0, NULL},
+    {"seed", "1", "seed of the start positions in the cylinder", NSDAE_PARAM_INT, AT(cylinder.seed),
+     0, 0, 1000, 0, NULL},
     {"mu", "1", "friction", NSDAE_PARAM_REAL, AT(mu), 0.5, 0, INFINITY, 0, NULL},
     {"e_N", "1", "restitution", NSDAE_PARAM_REAL, AT(e_N), 0, 0, 1, 0, NULL},
     {"g", "m/s^2", "gravity", NSDAE_PARAM_REAL, AT(g), 9.81, 0, INFINITY, 0, NULL},

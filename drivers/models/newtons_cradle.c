@@ -152,7 +152,7 @@ void newtons_cradle_exact(const newtons_cradle *p, int impact, double *v)
   for (int i = 1; i < p->n; i++) v[i] = (s + power) * p->v0 / p->n;
 }
 
-/* Of the first contact, the one that closes with a velocity; see above for what comes after. */
+/* Of contact 0, the first that closes with a velocity; later impacts: see the file head. */
 static int exact(const void *base, int number, driver_exact *impact)
 {
   const newtons_cradle *p = base;

@@ -74,8 +74,8 @@ static int build(void *base, nsdae_system **system, nsdae_error *error)
   return table_ball_build(&p->ball, "table", system, error);
 }
 
-/* On the table, as an impact of the orbit leaves it, but for the kick that shows whether it is
- * stable. */
+/* On the table, with the velocity after an impact of the orbit. The kick disturbs it to show
+ * whether the orbit is stable. */
 static void start(const void *base, double *q0, double *v0)
 {
   const shaken_ball *p = base;

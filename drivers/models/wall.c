@@ -72,13 +72,13 @@ static void conclude(const void *base)
 #define AT(field) offsetof(wall, field)
 
 static const nsdae_param entries[] = {
-    {"courses", "1", "how high", NSDAE_PARAM_INT, AT(courses), 10, 1, 1000, 0, NULL},
-    {"length", "1", "blocks of a course", NSDAE_PARAM_INT, AT(length), 10, 1, 1000, 0, NULL},
-    {"width", "m", "of a block", NSDAE_PARAM_REAL, AT(width), 0.4, 0, INFINITY, NSDAE_OPEN_MIN,
-     NULL},
-    {"height", "m", "of a block", NSDAE_PARAM_REAL, AT(height), 0.2, 0, INFINITY, NSDAE_OPEN_MIN,
-     NULL},
-    {"gap", "m", "between blocks of a course", NSDAE_PARAM_REAL, AT(gap), 0.01, 0, INFINITY,
+    {"courses", "1", "number of courses", NSDAE_PARAM_INT, AT(courses), 10, 1, 1000, 0, NULL},
+    {"length", "1", "blocks per course", NSDAE_PARAM_INT, AT(length), 10, 1, 1000, 0, NULL},
+    {"width", "m", "width of a block", NSDAE_PARAM_REAL, AT(width), 0.4, 0, INFINITY,
+     NSDAE_OPEN_MIN, NULL},
+    {"height", "m", "height of a block", NSDAE_PARAM_REAL, AT(height), 0.2, 0, INFINITY,
+     NSDAE_OPEN_MIN, NULL},
+    {"gap", "m", "distance of blocks of a course", NSDAE_PARAM_REAL, AT(gap), 0.01, 0, INFINITY,
      NSDAE_OPEN_MIN, NULL},
     {"mu", "1", "friction", NSDAE_PARAM_REAL, AT(mu), 0.5, 0, INFINITY, 0, NULL},
     {"e_N", "1", "restitution", NSDAE_PARAM_REAL, AT(e_N), 0, 0, 1, 0, NULL},
