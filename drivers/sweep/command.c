@@ -8,7 +8,7 @@
 
 #include "models.h"
 
-/* What the driver is told, in the place of argv. */
+/* Arguments of the driver, in place of argv. */
 typedef struct words {
   char *word[256];
   int n;
@@ -28,7 +28,7 @@ static int read_whole(const char *option, const char *text, long low, long high,
   errno = 0;
   *value = strtol(text, &end, 10);
   if (end != text && *end == '\0' && errno == 0 && *value >= low && *value <= high) return NSDAE_OK;
-  snprintf(what, sizeof what, "'%.24s' is no whole number from %ld to %ld", text, low, high);
+  snprintf(what, sizeof what, "'%.24s' is not an integer from %ld to %ld", text, low, high);
   return refuse(error, option, what);
 }
 
@@ -50,7 +50,7 @@ static int take(job *j, const char *option, const char *value, nsdae_error *erro
   return status;
 }
 
-/* Its own option at argv[*i], with its value: 1; another's: 0. */
+/* An option of the sweep at argv[*i], with its value: 1; another option: 0. */
 static int own_option(job *j, int argc, char **argv, int *i, nsdae_error *error)
 {
   for (int o = 0; own[o]; o++) {
@@ -69,16 +69,16 @@ static int own_option(job *j, int argc, char **argv, int *i, nsdae_error *error)
   return 0;
 }
 
-/* What a driver does and a sweep does not. */
+/* Options of a driver that a sweep does not have. */
 static int check_foreign(const settings *s, nsdae_error *error)
 {
   if (s->compare) return refuse(error, "--compare", "is for a single run");
   if (s->live) return refuse(error, "--live", "is for a single run");
   if (s->restart[0])
     return refuse(error, "--restart",
-                  "is for a single run: a sweep that was "
-                  "interrupted is taken up by its own command");
-  if (!s->output[0]) return refuse(error, "--no-output", "would leave nothing of a sweep");
+                  "is for a single run: the command of an "
+                  "interrupted sweep continues it");
+  if (!s->output[0]) return refuse(error, "--no-output", "is for a single run");
   return NSDAE_OK;
 }
 
@@ -109,15 +109,15 @@ int command_parse(job *j, int argc, char **argv, nsdae_error *error)
 
 void command_usage(void)
 {
-  puts("nsdae-sweep: many runs of one model, each with other parameters\n"
+  puts("nsdae-sweep: runs a model over a grid of parameters\n"
        "\n"
        "usage: nsdae-sweep DRIVER --grid NAME=LOW:HIGH:COUNT [OPTION]...\n"
        "\n"
-       "  --grid NAME=LOW:HIGH:COUNT   so many values, both ends included; repeatable: a grid\n"
-       "  --grid NAME=VALUE,VALUE,...  these values\n"
-       "  --grid NAME=LOW:HIGH         drawn at random, uniformly, with --random\n"
-       "  --random N                   so many draws (for each point of the grid)\n"
-       "  --seed S                     of the draws (default 0)\n"
+       "  --grid NAME=LOW:HIGH:COUNT   COUNT equidistant values, LOW to HIGH; repeatable\n"
+       "  --grid NAME=VALUE,VALUE,...  a list of values\n"
+       "  --grid NAME=LOW:HIGH         uniform random values, with --random\n"
+       "  --random N                   N draws (for each point of the grid)\n"
+       "  --seed S                     seed of the draws (default 0)\n"
        "  --keep final                 coordinates and velocities at the end (default)\n"
        "  --keep statistics            steps, impacts, residual, drift, penetration, energy "
        "balance\n"
@@ -126,14 +126,14 @@ void command_usage(void)
        "  --keep samples=N@PERIOD      state at the last N multiples of a period before the end, "
        "in\n"
        "                               seconds or the name of a parameter\n"
-       "  --processes N                so many (default: one per core); under mpirun as many as it "
-       "says\n"
-       "  --output FILE.h5             (default DRIVER-sweep.h5); one that is there is taken up\n"
+       "  --processes N                processes (default: one per core; under mpirun its own "
+       "number)\n"
+       "  --output FILE.h5             default DRIVER-sweep.h5; an unfinished sweep is continued\n"
        "  and all options of the driver: --method, --dt, --t-end, --set, --params, --quiet, ...\n"
        "\n"
        "NAME is a parameter of the driver, an option, or t_end.\n"
        "\n"
        "drivers");
   for (int i = 0; models[i]; i++) printf("  %-16s %s\n", models[i]->name, models[i]->summary);
-  puts("\nExit status: 0 done, 1 not done or a run failed, 2 wrong usage.");
+  puts("\nExit status: 0 completed, also with failed runs, 1 not completed, 2 wrong usage.");
 }

@@ -112,12 +112,12 @@ int job_run(job *j, long run, double *row, char reason[TABLE_REASON_SIZE])
   int status = set_values(j, run, &s, &error);
   if (status == NSDAE_OK) status = go(j, &s, row, &error);
   if (status == NSDAE_OK) return NSDAE_OK;
-  keeper_begin(&nobody, &j->keep, NULL, 0, 0, row); /* what failed has no numbers */
+  keeper_begin(&nobody, &j->keep, NULL, 0, 0, row); /* a failed run has NaN */
   snprintf(reason, TABLE_REASON_SIZE, "%.*s", TABLE_REASON_SIZE - 1, error.text);
   return status;
 }
 
-/* -------- what the runs are told, as text -------- */
+/* -------- settings of the runs, as text -------- */
 
 typedef struct text {
   char *at;

@@ -1,4 +1,4 @@
-/* A sweep as it was asked for, and one run of it. */
+/* Settings of a sweep, and one run of it. */
 #ifndef NSDAE_SWEEP_JOB_H
 #define NSDAE_SWEEP_JOB_H
 
@@ -13,14 +13,13 @@ typedef struct job {
   sweep_plan plan;
   sweep_keep keep;
   int processes; /* 0: as many as there are cores */
-  char *base;    /* the parameters that do not vary, as they are in settings.model->base */
+  char *base;    /* fixed parameters, a copy of settings.model->base */
   size_t base_size;
   double period; /* of the samples */
 } job;
 
-/* The driver's parameters as they are now are those of every run; learns the sizes of the model.
- * Each parameter that varies must exist; the first run is made, so that what is wrong with all of
- * them is said once. */
+/* Keeps the driver's parameters for every run and the sizes of the model. Each varied parameter
+ * must exist. The model of the first run is made, so that an error of all runs is reported once. */
 int job_prepare(job *j, nsdae_error *error);
 
 /* Run number run: its status, 0 or < 0; row [keep.width]. */

@@ -78,7 +78,7 @@ static void add_statistics(sweep_keep *k)
                        "largest friction beyond mu times the normal impulse", NULL, 0});
   add(k,
       (keep_column){"statistics/worst_complementarity", 0, 0, "J",
-                    "largest product of an impulse and the velocity that it makes zero", NULL, 0});
+                    "largest product of an impulse and its velocity (complementarity)", NULL, 0});
   add(k, (keep_column){"statistics/worst_constraint_rate", 0, 0, "of the model", "max |dPhi/dt|",
                        NULL, 0});
   add(k,
@@ -193,8 +193,7 @@ int keeper_observe(const nsdae_record *r, nsdae_error *error, void *user)
   return status < 0 ? status : 0;
 }
 
-/* The ring of impacts in the order of time; where they are fewer than asked for, the last places
- * are NaN. */
+/* The ring of impacts in order of time, padded with NaN. */
 static void unroll(keeper *k)
 {
   int n = k->keep->impacts, first = (int)(k->hits % n);

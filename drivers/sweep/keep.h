@@ -1,4 +1,4 @@
-/* What of each run is kept: a row of numbers, in columns. */
+/* Results of a run: a row of numbers, in columns. */
 #ifndef NSDAE_SWEEP_KEEP_H
 #define NSDAE_SWEEP_KEEP_H
 
@@ -17,8 +17,8 @@ typedef struct keep_column {
 
 typedef struct keep {
   int final, statistics, extremes;
-  int impacts;        /* the last so many; 0: none */
-  int samples;        /* the last so many; 0: none */
+  int impacts;        /* number of last impacts; 0: none */
+  int samples;        /* number of last samples; 0: none */
   double period;      /* of the samples [s] */
   char period_of[64]; /* or the parameter that it is */
   nsdae_dims dims;
@@ -35,7 +35,7 @@ int keep_complete(sweep_keep *k, const nsdae_dims *dims, nsdae_error *error);
 
 int keep_size(const keep_column *c);
 
-/* What gathers the row of one run: an observer of it. */
+/* Observer that collects the row of one run. */
 typedef struct keeper {
   const sweep_keep *keep;
   nsdae_sim *sim;

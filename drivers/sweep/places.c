@@ -1,8 +1,7 @@
-/* A rank that is killed says nothing, and mpirun says which rank it was but not in which run. So
- * each keeps the line ready that is to be written about it, and whoever gets SIGTERM writes the
- * lines of those that are gone: in the handler, for the program may be inside of MPI, waiting for
- * the very rank that is no more, until it is killed itself. Hence only what a handler may call
- * (signal-safety(7)): kill, open, read, write, and atomics without locks. */
+/* mpirun reports the rank that was killed, but not its run. Each rank therefore prepares the line
+ * about itself, and a rank that receives SIGTERM writes the lines of killed ranks. It does so in
+ * the handler, because the program can be inside MPI, waiting for the killed rank. Only functions
+ * of signal-safety(7) are used: kill, open, read, write, and lock-free atomics. */
 #include "places.h"
 
 #include <errno.h>
@@ -37,7 +36,7 @@ static struct {
   struct sigaction before;
 } world = {.window = MPI_WIN_NULL};
 
-static const char again[] = "; the same command takes the sweep up again\n";
+static const char again[] = "; the same command continues the sweep\n";
 
 void places_share(int rank)
 {
@@ -142,7 +141,7 @@ static void tell(const place *p, int state)
   put(strcat(line, again));
 }
 
-/* Each of the dead once, by the first that sees it. */
+/* Each killed rank once, by the first that finds it. */
 static void tell_who_is_gone(void)
 {
   for (int i = 0; world.place && i < world.count; i++) {
@@ -158,7 +157,7 @@ static void on_term(int signal_number)
   int error = errno;
   tell_who_is_gone();
   errno = error;
-  if (world.before.sa_handler == SIG_DFL) { /* nobody notices it: it ends the program */
+  if (world.before.sa_handler == SIG_DFL) { /* the default action ends the program */
     signal(signal_number, SIG_DFL);
     raise(signal_number);
   } else if (world.before.sa_handler != SIG_IGN)

@@ -1,5 +1,5 @@
-/* What each rank of this machine does, in memory that they share: when one of them is killed, the
- * others can say in which run that was. */
+/* Current run of each rank of this machine, in shared memory. If a rank is killed, the others
+ * report its run. */
 #ifndef NSDAE_SWEEP_PLACES_H
 #define NSDAE_SWEEP_PLACES_H
 
@@ -10,12 +10,12 @@ void places_release(void);
 /* This rank is in a run (what: "r=0.01"), or between two. */
 void places_begin(long run, const char *what);
 void places_end(void);
-/* This rank is done, and its end is not a death. */
+/* This rank has finished: its end is no failure. */
 void places_leave(void);
 
-/* From here on SIGTERM, which mpirun sends to the others when one is killed, has one of those that
- * are left write who is gone and at what, at once, whatever it waits for; then comes the handler
- * that was there. To be called again when another handler was set. */
+/* Installs a handler of SIGTERM, which mpirun sends to the other ranks when one is killed. One of
+ * them reports the killed rank and its run; then the former handler runs. To be called again after
+ * another handler was set. */
 void places_watch(void);
 
 #endif

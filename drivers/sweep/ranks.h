@@ -1,10 +1,10 @@
-/* Who does which run: one process, or the ranks of MPI. */
+/* Executor of the runs: one process, or the ranks of MPI. */
 #ifndef NSDAE_SWEEP_RANKS_H
 #define NSDAE_SWEEP_RANKS_H
 
 #include "table.h"
 
-/* What is to be done with a run. */
+/* Callbacks of a run. */
 typedef struct ranks_job {
   void *user;
   int width; /* numbers in a row */
@@ -29,8 +29,8 @@ int ranks_launched(void);
 /* Rank 0 says what all do: how it went so far. */
 int ranks_agree(int status);
 
-/* Has every one of todo [n] done (rank 0 alone knows them) and taken. What take returned, or
- * NSDAE_E_INTERRUPTED where a signal came. */
+/* Executes every run of todo [n] (known to rank 0) and passes its result to take. Returns the
+ * status of take, or NSDAE_E_INTERRUPTED after a signal. */
 int ranks_go(const ranks_job *job, const long *todo, long n);
 
 /* To be called now and then inside a run: rank 0 hears the others. Not 0: end the run. */

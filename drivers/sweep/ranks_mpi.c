@@ -1,6 +1,6 @@
-/* The ranks of MPI. Rank 0 hands runs out in portions, does runs itself meanwhile, and takes what
- * the others send; it hears them between its runs and, where those are long, inside of them. A
- * portion is about a twentieth of a second of work, and a rank has one in work and one ahead.
+/* The ranks of MPI. Rank 0 distributes runs in portions, computes runs itself, and receives
+ * results. It receives between its runs and, if those are long, inside of them. A portion is about
+ * a twentieth of a second of work; a rank has one in work and one ahead.
  */
 #include "ranks.h"
 
@@ -40,7 +40,7 @@ static struct {
   double seconds, heard; /* spent on the runs that are back; when it last listened */
   int calls, patience;   /* of ranks_listen since then, and how many of them fill listen_time */
   char *bytes;
-  int closed;        /* ranks that were told that there is no more */
+  int closed;        /* ranks that have received the end */
   int *owed;         /* [size] portions that each has */
   MPI_Request *sent; /* [size, AHEAD] of them on their way, in turn */
   int *turn;         /* [size] */
@@ -130,7 +130,7 @@ static void take_parcel(const char *bytes)
                                (const double *)(const void *)(bytes + sizeof p), p.reason);
 }
 
-/* How many runs a portion has: what takes its time, and at most a fair part of what is left. */
+/* Number of runs of a portion: by its time, at most a fair part of the remaining runs. */
 static long portion(void)
 {
   double each = desk.taken > 0 ? desk.seconds / (double)desk.taken : portion_time;
@@ -190,8 +190,8 @@ static void push_replies(void)
   MPI_Testall(2, reply, &all, MPI_STATUSES_IGNORE);
 }
 
-/* Asked in every step: the clock is read in one of so many that a short step does not feel it, and
- * seldom twice within listen_time. */
+/* Called in every step. The clock is read every `patience` calls, so that its cost is negligible,
+ * and seldom twice within listen_time. */
 static int time_to_listen(void)
 {
   enum { PATIENCE_MAX = 256 };
@@ -322,7 +322,7 @@ void ranks_end(int status)
 {
   if (!world.launched) return;
   places_leave();
-  if (interrupt_came()) _exit(1); /* the others may be gone: nothing is said to them any more */
+  if (interrupt_came()) _exit(1); /* the other ranks may have ended: no message */
   if (status >= 0) {
     places_release();
     MPI_Finalize();

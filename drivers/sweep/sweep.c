@@ -1,4 +1,4 @@
-/* nsdae-sweep: many runs of one model. See docs/sweep.md. */
+/* nsdae-sweep: parameter sweeps of a model. See docs/sweep.md. */
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -61,15 +61,15 @@ static char **mpirun_words(int argc, char **argv, char *count, char *self)
   return words;
 }
 
-/* How many processes are worth their start. */
+/* Number of processes worth starting. */
 static long processes_of(const sweep *s)
 {
   long wanted = s->job.processes ? s->job.processes : sysconf(_SC_NPROCESSORS_ONLN);
   return wanted < s->left ? wanted : s->left;
 }
 
-/* Becomes mpirun with as many of this program as there are cores. Comes back where that is one, or
- * where there is no mpirun, which matters where it was asked for. */
+/* Replaces this process by mpirun with one process per core. Returns if that is one, or if mpirun
+ * is missing; the latter is an error if --processes was given. */
 static int become_mpirun(sweep *s, int argc, char **argv)
 {
   char count[24], self[4096] = "";
@@ -86,7 +86,7 @@ static int become_mpirun(sweep *s, int argc, char **argv)
   }
   if (s->job.processes == 0) return NSDAE_OK; /* one will do */
   snprintf(s->error.text, sizeof s->error.text, "--processes %d needs %s", s->job.processes,
-           ranks_available() ? "mpirun, which is not here" : "a build with MPI");
+           ranks_available() ? "mpirun, which was not found" : "a build with MPI");
   return s->error.status = NSDAE_E_UNSUPPORTED;
 }
 
@@ -168,13 +168,13 @@ static void announce(const sweep *s)
   if (j->settings.quiet || s->left == 0) return;
   printf("%s: %ld runs, %s, dt %g s, to %g s", j->settings.model->name, j->plan.runs,
          nsdae_method_name(j->settings.options.method), j->settings.options.dt, j->settings.t_end);
-  if (s->left < j->plan.runs) printf("; taken up: %ld are left", s->left);
+  if (s->left < j->plan.runs) printf("; continued: %ld runs remain", s->left);
   if (ranks_size() > 1) printf("; %d processes", ranks_size());
   printf("\n");
   fflush(stdout);
 }
 
-/* What is printed at the end; the first failures as examples of all. */
+/* The summary, with the first failures. */
 static void summarize(const sweep *s)
 {
   char what[256];
@@ -185,7 +185,7 @@ static void summarize(const sweep *s)
   }
   if (s->failures > 0) printf("%ld of %ld runs failed, see /failure\n", s->failures, s->done);
   printf("sweep in %s%s\n", s->job.settings.output,
-         table_complete(s->table) ? ", which was complete" : "");
+         table_complete(s->table) ? ", already complete" : "");
 }
 
 static int go(sweep *s)
@@ -203,7 +203,7 @@ static int go(sweep *s)
   if (ranks_rank() != 0) return status;
   if (status == NSDAE_E_INTERRUPTED)
     snprintf(s->error.text, sizeof s->error.text,
-             "interrupted with %ld of %ld runs done; the same command takes it up again", s->done,
+             "interrupted after %ld of %ld runs; the same command continues the sweep", s->done,
              s->left);
   if (status < 0 || table_complete(s->table)) return status;
   return table_finish(s->table, s->failure, s->failures, &s->error);

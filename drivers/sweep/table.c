@@ -39,7 +39,7 @@ static int fail(nsdae_error *error, int status, const char *format, ...)
 static int fail_io(const sweep_table *t, nsdae_error *error, const char *what)
 {
   return fail(error, NSDAE_E_IO, "cannot %s '%.120s': %s", what, t->path,
-              errno ? strerror(errno) : "HDF5 says no");
+              errno ? strerror(errno) : "HDF5 failed");
 }
 
 /* -------- making the file -------- */
@@ -212,7 +212,7 @@ static int make_status(hid_t file, const sweep_plan *plan)
   for (int i = 0; i < plan->dimensions; i++) size[i] = (hsize_t)plan->length[i];
   hid_t made = make(file, "/status", H5T_NATIVE_INT, plan->dimensions, size, &not_done);
   int failed = made < 0 || attach_axes(file, made, plan) ||
-               describe(made, "1", "0 done, < 0 failed (status of the library), 1 not done yet");
+               describe(made, "1", "0 completed, < 0 failed (status of the library), 1 pending");
   H5Dclose(made);
   return failed;
 }
@@ -229,7 +229,7 @@ static int make_root(hid_t file, const table_about *about)
                (H5LTset_attribute_int(file, "/", "format_version", &version, 1) < 0);
   hid_t made = make(file, "/setting", H5T_NATIVE_UCHAR, 1, &length, NULL);
   failed |= H5Dwrite(made, H5T_NATIVE_UCHAR, H5S_ALL, H5S_ALL, H5P_DEFAULT, about->setting) < 0;
-  failed |= describe(made, "1", "what the runs were told, as text");
+  failed |= describe(made, "1", "settings of the runs, as text");
   H5Dclose(made);
   return failed;
 }
@@ -264,7 +264,7 @@ static int create(const sweep_table *t, const table_about *about, nsdae_error *e
   return status;
 }
 
-/* -------- taking it up -------- */
+/* -------- continuing a sweep -------- */
 
 /* The first line in which the settings differ. */
 static int differs(const sweep_table *t, const char *has, const char *wants, nsdae_error *error)
@@ -274,7 +274,7 @@ static int differs(const sweep_table *t, const char *has, const char *wants, nsd
     if (*has == '\n') line = has + 1, other = wants + 1;
   if (*has == *wants) return NSDAE_OK;
   return fail(error, NSDAE_E_ARGUMENT,
-              "'%.80s' is another sweep's: it has '%.*s' where this one has '%.*s'; give another "
+              "'%.80s' is the file of another sweep: it has '%.*s', this one '%.*s'; give another "
               "--output, or remove it",
               t->path, (int)strcspn(line, "\n"), line, (int)strcspn(other, "\n"), other);
 }
@@ -302,7 +302,7 @@ static int compare(const sweep_table *t, hid_t file, const char *setting, nsdae_
       H5LTget_dataset_ndims(file, "/setting", &rank) < 0 || rank != 1 ||
       H5LTget_dataset_info(file, "/setting", &length, NULL, NULL) < 0 || length > 1000000)
     return fail(error, NSDAE_E_ARGUMENT,
-                "'%.120s' is there and is no sweep: give another --output, or remove it", t->path);
+                "'%.120s' exists and is not a sweep: give another --output, or remove it", t->path);
   char *has = calloc(1, (size_t)length + 1);
   if (!has) return fail(error, NSDAE_E_MEMORY, "out of memory");
   int status = H5LTread_dataset(file, "/setting", H5T_NATIVE_CHAR, has) < 0
@@ -359,7 +359,7 @@ static int take_up(sweep_table *t, const char *setting, nsdae_error *error)
   errno = 0;
   hid_t file = H5Fopen(t->path, H5F_ACC_RDONLY, H5P_DEFAULT);
   if (file < 0)
-    return fail(error, NSDAE_E_IO, "'%.120s' is there and cannot be read as HDF5", t->path);
+    return fail(error, NSDAE_E_IO, "'%.120s' exists and cannot be read as HDF5", t->path);
   int status = look_at_file(t, file, error);
   if (status == NSDAE_OK) status = compare(t, file, setting, error);
   if (status == NSDAE_OK) status = read_places(t, file, error);
@@ -455,7 +455,7 @@ static int write_failures(hid_t file, table_failure *failure, long failures)
   hid_t made = failed ? -1 : make(file, "/failure/run", H5T_NATIVE_LLONG, 1, &n, NULL);
   failed = failed || made < 0 ||
            H5Dwrite(made, H5T_NATIVE_LLONG, H5S_ALL, H5S_ALL, H5P_DEFAULT, run) < 0 ||
-           describe(made, "1", "number of the run, from 0; the last dimension runs fastest");
+           describe(made, "1", "number of the run, from 0; last dimension fastest");
   if (made >= 0) H5Dclose(made);
   failed = failed || make_texts(file, "/failure/reason", n, reason, TABLE_REASON_SIZE);
   free(run);

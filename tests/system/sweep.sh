@@ -62,11 +62,11 @@ for n in 1 ${mpi:+2}; do
   rm -f killed.h5
   killed $n 2>/dev/null
   cmp -s killed.h5 whole.h5 && fail "it was over before it was killed"
-  expect 0 "taken up:" "$sweep" bouncing-ball --t-end 2.5 --keep final --keep impacts=4 --keep statistics \
+  expect 0 "continued:" "$sweep" bouncing-ball --t-end 2.5 --keep final --keep impacts=4 --keep statistics \
     --grid h0=0.5:2:4000 --grid e_N=0.3,0.9 --processes 1 --output killed.h5
   cmp killed.h5 whole.h5 || fail "taken up again: other bytes"
 done
-expect 0 "which was complete" "$sweep" bouncing-ball --t-end 2.5 --keep final --keep impacts=4 --keep statistics $grid --output one.h5
+expect 0 "already complete" "$sweep" bouncing-ball --t-end 2.5 --keep final --keep impacts=4 --keep statistics $grid --output one.h5
 expect 2 "it has 't_end=2.5' where this one has 't_end=2'" "$sweep" $ball $grid --t-end 2 --output one.h5
 "$sweep" bouncing-ball --grid h0=1,2 --t-end 0.1 --processes 1 --quiet --output probe.h5
 expect 2 "it has 'e_N=0.9" "$sweep" bouncing-ball --grid h0=1,2 --t-end 0.1 --set e_N=0.1 --output probe.h5
