@@ -67,7 +67,7 @@ for n in 1 ${mpi:+2}; do
   cmp killed.h5 whole.h5 || fail "taken up again: other bytes"
 done
 expect 0 "already complete" "$sweep" bouncing-ball --t-end 2.5 --keep final --keep impacts=4 --keep statistics $grid --output one.h5
-expect 2 "it has 't_end=2.5' where this one has 't_end=2'" "$sweep" $ball $grid --t-end 2 --output one.h5
+expect 2 "it has 't_end=2.5' this one 't_end=2'" "$sweep" $ball $grid --t-end 2 --output one.h5
 "$sweep" bouncing-ball --grid h0=1,2 --t-end 0.1 --processes 1 --quiet --output probe.h5
 expect 2 "it has 'e_N=0.9" "$sweep" bouncing-ball --grid h0=1,2 --t-end 0.1 --set e_N=0.1 --output probe.h5
 
@@ -136,7 +136,7 @@ expect 2 "named twice" "$sweep" bouncing-ball --grid h0=1,2 --grid h0=3,4
 expect 2 "--keep 'everything'" "$sweep" bouncing-ball --grid h0=1,2 --keep everything
 expect 2 "no parameter of bouncing-ball" "$sweep" bouncing-ball --grid h0=1,2 --keep samples=3@T
 expect 2 "--compare" "$sweep" bouncing-ball --grid h0=1,2 --compare
-expect 2 "no whole number" "$sweep" bouncing-ball --grid h0=1,2 --processes many
+expect 2 "is not an integer" "$sweep" bouncing-ball --grid h0=1,2 --processes many
 expect 2 "outside" "$sweep" bouncing-ball --grid e_N=2,3 --output range.h5
 echo text >taken.h5
 expect 1 "cannot be read as HDF5" "$sweep" bouncing-ball --grid h0=1,2 --output taken.h5
