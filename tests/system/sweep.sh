@@ -67,7 +67,7 @@ for n in 1 ${mpi:+2}; do
   cmp killed.h5 whole.h5 || fail "taken up again: other bytes"
 done
 expect 0 "already complete" "$sweep" bouncing-ball --t-end 2.5 --keep final --keep impacts=4 --keep statistics $grid --output one.h5
-expect 2 "it has 't_end=2.5' this one 't_end=2'" "$sweep" $ball $grid --t-end 2 --output one.h5
+expect 2 "it has 't_end=2.5', this one 't_end=2'" "$sweep" $ball $grid --t-end 2 --output one.h5
 "$sweep" bouncing-ball --grid h0=1,2 --t-end 0.1 --processes 1 --quiet --output probe.h5
 expect 2 "it has 'e_N=0.9" "$sweep" bouncing-ball --grid h0=1,2 --t-end 0.1 --set e_N=0.1 --output probe.h5
 
