@@ -183,7 +183,7 @@ void report_end(report *r, const nsdae_sim *sim)
            stats.rank, dims.m);
   if (stats.rank < dims.m)
     printf("constraints count in it down to a sine of %.1e to the others, from %.1e on none does\n",
-           stats.rank_kept, stats.rank_left);
+           stats.rank_retained, stats.rank_discarded);
   if (stats.rank < stats.rank_most)
     printf("that rank is %d at times: the constraints drift apart, try a larger rank_tol\n",
            stats.rank_most);

@@ -30,10 +30,10 @@ RECORDS = (
      ("time", "contact/contact")),
     ("contact/tangential_impulse", "tangential_impulse", "N s", "tangential impulse of the step that ends here",
      ("time", "contact/contact", "tangent")),
-    ("contact/mode", "mode", "1", "0 open, 1 slide, 2 stick", ("time", "contact/contact")),
-    ("slide/impulse", "slide_impulse", "N s",
+    ("contact/mode", "mode", "1", "0 open, 1 slip, 2 stick", ("time", "contact/contact")),
+    ("slide/impulse", "frictional_joint_impulse", "N s",
      "friction impulse on each bilateral constraint with friction, of the step that ends here", ("time", "slide/slide")),
-    ("slide/mode", "slide_mode", "1", "0 frictionless, 1 slide, 2 stick", ("time", "slide/slide")),
+    ("slide/mode", "frictional_joint_mode", "1", "0 frictionless, 1 slip, 2 stick", ("time", "slide/slide")),
     ("energy/kinetic", "kinetic", "J", "v^T M v / 2", ("time",)),
     ("energy/potential", "potential", "J", "potential energy of the model", ("time",)),
     ("energy/dissipated", "dissipated", "J", "work taken by contact and friction impulses so far", ("time",)),
@@ -69,15 +69,15 @@ IMPACTS = (
 )
 LISTED = (("id", "1", "id of the contact"), ("block", "1", "blocks of the contact; -1: the ground"))
 CHANGES = (
-    ("contact", "1", "contact, from 0; -1: a slide"), ("slide", "1", "slide, from 0; -1: a contact"),
-    ("mode_before", "1", "0 open, 1 slide, 2 stick"), ("mode_after", "1", "0 open, 1 slide, 2 stick"),
+    ("contact", "1", "contact, from 0; -1: a frictional joint"), ("slide", "1", "frictional joint, from 0; -1: a contact"),
+    ("mode_before", "1", "0 open, 1 slip, 2 stick"), ("mode_after", "1", "0 open, 1 slip, 2 stick"),
 )
 CONTACTS = (
     ("block", "1", "the blocks that touch; -1: the ground", ("contacts/id", "side")),
     ("gap", "m", "normal distance where the method looked last, negative where bodies overlap", ("contacts/id",)),
     ("normal_impulse", "N s", "normal impulse of the step", ("contacts/id",)),
     ("tangential_impulse", "N s", "tangential impulse of the step", ("contacts/id", "tangent")),
-    ("mode", "1", "0 open, 1 slide, 2 stick", ("contacts/id",)),
+    ("mode", "1", "0 open, 1 slip, 2 stick", ("contacts/id",)),
 )
 NAMES = {"coordinate": "coordinate", "velocity": "velocity", "constraint": "constraint", "contact": "contact/contact",
          "slide": "slide/slide"}
@@ -417,7 +417,7 @@ def read(file: Any, shape: Any) -> dict[str, Any]:
         columns["potential"] = None
     counts = {kind: columns[name].shape[1] for kind, name in
               (("coordinate", "q"), ("velocity", "v"), ("constraint", "multiplier"), ("contact", "gap"),
-               ("slide", "slide_impulse"))}
+               ("slide", "frictional_joint_impulse"))}
     return {**columns, **_read_contacts(file, n, CLOSED), "certificate": _read_certificate(file, columns), "impacts": _read_events(file, "impact", IMPACT),
             "changes": _read_events(file, "change", CHANGE), "names": _read_names(file, counts),
             "options": _read_values(file, "options"), "parameters": _read_values(file, "parameters"),
