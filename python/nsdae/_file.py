@@ -80,7 +80,8 @@ CONTACTS = (
     ("mode", "1", "0 open, 1 slip, 2 stick", ("contacts/id",)),
 )
 NAMES = {"coordinate": "coordinate", "velocity": "velocity", "constraint": "constraint", "contact": "contact/contact",
-         "slide": "slide/slide"}
+         "frictional_joint": "slide/slide"}
+FIELDS = {"slide": "frictional_joint"}  # datasets of events whose field has another name
 
 
 @contextlib.contextmanager
@@ -140,7 +141,7 @@ def _put_events(file: Any, group: str, rows: np.ndarray, table: Any, said: str, 
     time = f"{group}/time"
     _put(file, time, rows["time"], "s", said, (time,))
     for name, unit, description in table:
-        values = rows[name]
+        values = rows[FIELDS.get(name, name)]
         if name == "tangential_impulse":
             values = values[:, :nt]
             if not nt:
@@ -325,9 +326,11 @@ def _read_events(file: Any, group: str, of: np.dtype) -> np.ndarray:
         rows["contact"] = -1  # by list: they have no number
     if "id" in (of.names or ()) and f"{group}/id" not in file:
         rows["block"] = -1
+    dataset = {field: name for name, field in FIELDS.items()}
     for name in of.names or ():
-        if f"{group}/{name}" in file:
-            values = file[f"{group}/{name}"][:n]
+        path = f"{group}/{dataset.get(name, name)}"
+        if path in file:
+            values = file[path][:n]
             if values.ndim == 2:
                 rows[name][:, : values.shape[1]] = values
             else:
@@ -417,7 +420,7 @@ def read(file: Any, shape: Any) -> dict[str, Any]:
         columns["potential"] = None
     counts = {kind: columns[name].shape[1] for kind, name in
               (("coordinate", "q"), ("velocity", "v"), ("constraint", "multiplier"), ("contact", "gap"),
-               ("slide", "frictional_joint_impulse"))}
+               ("frictional_joint", "frictional_joint_impulse"))}
     return {**columns, **_read_contacts(file, n, CLOSED), "certificate": _read_certificate(file, columns), "impacts": _read_events(file, "impact", IMPACT),
             "changes": _read_events(file, "change", CHANGE), "names": _read_names(file, counts),
             "options": _read_values(file, "options"), "parameters": _read_values(file, "parameters"),

@@ -14,7 +14,8 @@ from . import _file
 from ._records import CLOSED, EVENTS, certificates, events
 from ._system import KINDS, System
 
-_AXES = {"coordinate": "q", "velocity": "v", "constraint": "multiplier", "contact": "gap", "slide": "frictional_joint_impulse"}
+_AXES = {"coordinate": "q", "velocity": "v", "constraint": "multiplier", "contact": "gap", 
+         "frictional_joint": "frictional_joint_impulse"}
 
 
 def names_of(system: System) -> dict[str, list[tuple[str, str]]]:

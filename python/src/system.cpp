@@ -56,7 +56,7 @@ std::vector<slot> slots_of(role r, const nsdae_dims &d, const partition &blocks)
     return {q, out(d.k), out(d.k * d.nt)};
   case role_contact_acceleration:
     return {q, v, out(d.k), out(d.k * d.nt), out(d.f)};
-  case role_slide_tangent:
+  case role_frictional_joint_tangent:
     return {q, matrix(d.nv, d.f), out(d.f)};
   case role_kinematics:
     return {q, v, out(d.nq)};

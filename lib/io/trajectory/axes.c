@@ -23,8 +23,9 @@ static const struct axis {
     [CONTACT] = {"/contact/contact", "contact", "contact", "names of the contacts",
                  NSDAE_NAME_CONTACT, NULL},
     [TANGENT] = {"/tangent", "tangent", "tangent", "tangential directions of a contact", -1, NULL},
-    [SLIDE] = {"/slide/slide", "slide", "slide", "names of the bilateral constraints with friction",
-               NSDAE_NAME_FRICTIONAL_JOINT, NULL},
+    [SLIDE] = {"/slide/slide", "slide", "frictional_joint",
+               "names of the bilateral constraints with friction", NSDAE_NAME_FRICTIONAL_JOINT,
+               NULL},
     [SIDE] = {"/side", "side", "side", "sides of a contact", -1, NULL},
 };
 
