@@ -7,9 +7,9 @@
 
 #include <nsdae/nsdae.h>
 
-#include "bar.h"
-#include "interrupt.h"
-#include "probe.h"
+#include "progress.h"
+#include "interrupt_signal.h"
+#include "safe_read.h"
 #include "tool.h"
 
 /* Settings of --set. */

@@ -7,8 +7,8 @@
 
 #include <nsdae/nsdae.h>
 
-#include "lcp_file.h"
-#include "probe.h"
+#include "lcp_arguments.h"
+#include "safe_read.h"
 #include "tool.h"
 
 typedef struct job {

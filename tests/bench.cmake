@@ -24,7 +24,7 @@ else()
   add_library(bench_rival OBJECT bench/lcp_alone.c)
 endif()
 
-nsdae_bench(lcp SOURCES bench/lcp_families.c LINKS bench_rival)
+nsdae_bench(lcp SOURCES bench/bench_lcp_families.c LINKS bench_rival)
 
 # Frictional contact: the problems of others where they are, and generated ones.
 if(NSDAE_HDF5)

@@ -1,18 +1,18 @@
 # Unit tests of base, linalg, system, terms, contact, smooth, and the anomaly tests.
-foreach(name arena crew disjoint_sets nearest params status)
+foreach(name arena disjoint_sets suggest thread_pool params status)
   nsdae_unit_test(base ${name})
 endforeach()
 
 target_compile_definitions(test_unit_base_params PRIVATE _POSIX_C_SOURCE=200809L)
 
-foreach(name dense fronts kkt rows sparse_lu)
+foreach(name dense multifrontal kkt rows sparse_lu)
   nsdae_unit_test(linalg ${name})
   target_link_libraries(test_unit_linalg_${name} PRIVATE nsdae_lapack)
 endforeach()
 
-target_link_libraries(test_unit_linalg_fronts PRIVATE test_allocator)
+target_link_libraries(test_unit_linalg_multifrontal PRIVATE test_allocator)
 
-foreach(name arms check differences levers probe setters system)
+foreach(name callback_guard check differences moment_arms moment_arm_check setters system)
   nsdae_unit_test(system ${name})
 endforeach()
 
@@ -26,7 +26,7 @@ endforeach()
 
 nsdae_unit_test(smooth ode)
 
-foreach(name continuity derivatives distance joints listed own refused)
+foreach(name continuity derivatives distance joints listed user_rows refused)
   nsdae_unit_test(bodies ${name})
   target_include_directories(test_unit_bodies_${name} PRIVATE ${PROJECT_SOURCE_DIR}/lib/system ${PROJECT_SOURCE_DIR}/lib/linalg
                              ${PROJECT_SOURCE_DIR}/lib/base)

@@ -11,7 +11,7 @@ set(CMAKE_CXX_EXTENSIONS OFF)
 find_package(Threads REQUIRED)
 
 foreach(standard 11 20)
-  add_executable(test_cpp${standard} cpp/handles.cpp cpp/pendulum.c)
+  add_executable(test_cpp${standard} cpp/handles.cpp cpp/cpp_pendulum.c)
   set_target_properties(test_cpp${standard} PROPERTIES CXX_STANDARD ${standard}
     RUNTIME_OUTPUT_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR})
   target_link_libraries(test_cpp${standard} PRIVATE nsdae_lib_shared Threads::Threads m)

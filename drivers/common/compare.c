@@ -4,8 +4,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "bar.h"
-#include "interrupt.h"
+#include "progress.h"
+#include "interrupt_signal.h"
 #include "simulation.h"
 
 /* Progress over all methods. */

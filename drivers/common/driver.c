@@ -4,9 +4,9 @@
 #include <stdio.h>
 
 #include "compare.h"
-#include "dump.h"
-#include "interrupt.h"
-#include "probe.h"
+#include "export.h"
+#include "interrupt_signal.h"
+#include "safe_read.h"
 #include "report.h"
 #include "settings.h"
 #include "simulation.h"

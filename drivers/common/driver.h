@@ -24,10 +24,10 @@ typedef struct driver_model {
   const nsdae_params *parameters;
   void *base; /* the struct that the table describes; user pointer of the callbacks */
   double t_end;
-  double dt;      /* the step by default; 0: the library's */
-  int method;     /* by default; enum nsdae_method */
-  double lcp_tol; /* by default; 0: the library's */
-  int projection; /* by default, with implicit-printed and moreau; enum nsdae_projection */
+  double dt;          /* the step by default; 0: the library's */
+  int method;         /* by default; enum nsdae_method */
+  double contact_tol; /* by default; 0: the library's */
+  int projection;     /* by default, with implicit-printed and moreau; enum nsdae_projection */
   /* Makes the system from the parameters at base. */
   int (*build)(void *base, nsdae_system **system, nsdae_error *error);
   /* Fills the start state; both come zeroed. */

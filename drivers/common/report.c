@@ -182,7 +182,7 @@ void report_end(report *r, const nsdae_sim *sim)
            stats.rank, dims.m);
   if (stats.rank < dims.m)
     printf("smallest sine of a retained constraint %.1e, largest of a discarded one %.1e\n",
-           stats.rank_kept, stats.rank_left);
+           stats.rank_retained, stats.rank_discarded);
   if (stats.rank < stats.rank_most)
     printf("the rank is %d at times: redundant constraints drift apart; try a larger rank_tol\n",
            stats.rank_most);

@@ -4,7 +4,7 @@
 
 #include <stdio.h>
 
-#include "bar.h"
+#include "progress.h"
 #include "settings.h"
 
 typedef struct report {

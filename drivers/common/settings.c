@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "probe.h"
+#include "safe_read.h"
 
 static const nsdae_param run_entries[] = {
     {"t_end", "s", "end time", NSDAE_PARAM_REAL, offsetof(settings, t_end), 1, 0, INFINITY,
@@ -38,7 +38,7 @@ void settings_default(settings *s, const driver_model *model)
   nsdae_sim_options_default(&s->options);
   if (model->dt > 0) s->options.dt = model->dt;
   settings_choose_method(s, model->method, &s->options);
-  if (model->lcp_tol > 0) s->options.lcp_tol = model->lcp_tol;
+  if (model->contact_tol > 0) s->options.contact_tol = model->contact_tol;
   s->t_end = model->t_end;
   s->every = 1;
   snprintf(s->output, sizeof s->output, "%s.h5", model->name);
@@ -71,7 +71,7 @@ static int unknown_name(const settings *s, const char *name, nsdae_error *error)
   for (int t = 0; t < 3; t++)
     for (int i = 0; i < tables[t]->n && count < 127; i++) names[count++] = tables[t]->entry[i].key;
   names[count] = NULL;
-  const char *near = nsdae_nearest_name(name, names);
+  const char *near = nsdae_suggest_name(name, names);
   if (near) return usage_error(error, name, "unknown name '%s'; did you mean '%s'?", name, near);
   /* the library also searches the descriptions of the model's parameters */
   nsdae_params_set(s->model->parameters, s->model->base, name, "", error);
@@ -205,7 +205,7 @@ static const flag *find_flag(char *word, char **value, nsdae_error *error)
     if (strcmp(flags[i].name, word) == 0 || is_short_help(&flags[i], word)) return &flags[i];
     names[i] = flags[i].name;
   }
-  const char *near = nsdae_nearest_name(word, names);
+  const char *near = nsdae_suggest_name(word, names);
   if (near)
     usage_error(error, word, "unknown option '%s'; did you mean '%s'?", word, near);
   else

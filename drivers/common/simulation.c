@@ -3,7 +3,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "interrupt.h"
+#include "interrupt_signal.h"
 
 static int init(const driver_model *model, nsdae_sim *sim, nsdae_error *error)
 {

@@ -33,7 +33,7 @@ static int unknown_option(const tool *t, const char *word)
   const char *names[MOST_NAMES] = {"--help", "--version"};
   int count = count_options(t);
   for (int i = 0; i < count; i++) names[i + 2] = t->options[i];
-  const char *near = nsdae_nearest_name(word, names);
+  const char *near = nsdae_suggest_name(word, names);
   if (near) return tool_complain(t, "unknown option '%s'; did you mean '%s'?", word, near);
   return tool_complain(t, "unknown option '%s'; --help lists all", word);
 }
@@ -91,7 +91,7 @@ static int add_stage(const tool *t, const char *word, int all, const char *(*nam
     *stages |= stage;
     return TOOL_SOLVED;
   }
-  const char *near = nsdae_nearest_name(word, names);
+  const char *near = nsdae_suggest_name(word, names);
   if (near) return tool_complain(t, "unknown stage '%s'; did you mean '%s'?", word, near);
   return tool_complain(t, "unknown stage '%s'; --help lists all", word);
 }

@@ -109,7 +109,7 @@ contains
     call collect(s%parameters, names, n)
     call collect(s%run, names, n)
     call collect(s%library, names, n)
-    if (nsdae_nearest_name(name, names(:n)) == '') then
+    if (nsdae_suggest_name(name, names(:n)) == '') then
       ! the library also searches the descriptions of the model's parameters
       status = nsdae_params_set(s%parameters, name, '', error)
       if (index(error%text, '?') > 0) return
@@ -134,7 +134,7 @@ contains
     character(len=*), intent(in) :: what, word, names(:)
     type(nsdae_error), intent(inout) :: error
     character(len=:), allocatable :: near
-    near = nsdae_nearest_name(word, names)
+    near = nsdae_suggest_name(word, names)
     if (near /= '') then
       near = "; did you mean '" // near // "'?"
     else

@@ -16,7 +16,7 @@
 #include <stddef.h>
 #include <stdio.h>
 
-#include "world.h"
+#include "scene.h"
 
 static const double pi = 3.14159265358979323846;
 

@@ -16,7 +16,7 @@
 #include "outline.h"
 
 #include "compare.h"
-#include "names.h"
+#include "model_names.h"
 
 typedef struct direction {
   double x, y, distance; /* n and |O1| */

@@ -10,7 +10,7 @@
 #include <stddef.h>
 #include <stdio.h>
 
-#include "world.h"
+#include "scene.h"
 
 static double mass_of(const column *p, int i)
 {

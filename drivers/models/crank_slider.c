@@ -17,7 +17,7 @@
 #include <stddef.h>
 #include <string.h>
 
-#include "names.h"
+#include "model_names.h"
 #include "outline.h"
 
 static int mass(double t, const double *q, double *M, int ldm, void *user)
@@ -73,7 +73,8 @@ static int constraint_bias(double t, const double *q, const double *v, double *p
   return 0;
 }
 
-static int slide_tangent(double t, const double *q, double *W, int ldw, double *w, void *user)
+static int frictional_joint_tangent(double t, const double *q, double *W, int ldw, double *w,
+                                    void *user)
 {
   const crank_slider *p = user;
   (void)t;
@@ -98,7 +99,7 @@ static const model_name names[] = {
     {NSDAE_NAME_COORDINATE, "theta_1", "rad"},
     {NSDAE_NAME_COORDINATE, "theta_2", "rad"},
     {NSDAE_NAME_CONSTRAINT, "slot", "m"},
-    {NSDAE_NAME_SLIDE, "slot", "m"},
+    {NSDAE_NAME_FRICTIONAL_JOINT, "slot", "m"},
 };
 
 static int build(void *base, nsdae_system **system, nsdae_error *error)
@@ -114,9 +115,9 @@ static int build(void *base, nsdae_system **system, nsdae_error *error)
   nsdae_system_set_constraint(*system, constraint);
   nsdae_system_set_constraint_jacobian(*system, constraint_jacobian);
   nsdae_system_set_constraint_bias(*system, constraint_bias);
-  nsdae_system_set_slide_tangent(*system, slide_tangent);
+  nsdae_system_set_frictional_joint_tangent(*system, frictional_joint_tangent);
   nsdae_system_set_potential(*system, potential);
-  return nsdae_system_set_slide(*system, 0, 0, p->mu);
+  return nsdae_system_set_frictional_joint(*system, 0, 0, p->mu);
 }
 
 /* data/crank_slider_states.csv: mu, t, theta_1, omega_1 of the parameters in data/. */

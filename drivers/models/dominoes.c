@@ -17,7 +17,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "world.h"
+#include "scene.h"
 
 static int build(void *base, nsdae_system **system, nsdae_error *error)
 {

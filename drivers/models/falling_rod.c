@@ -27,7 +27,7 @@
 #include <math.h>
 #include <stddef.h>
 
-#include "names.h"
+#include "model_names.h"
 #include "outline.h"
 
 /* Of the first and of the second end, from the centre. */

@@ -24,7 +24,7 @@
 #include <stdlib.h>
 
 #include "deposit.h"
-#include "world.h"
+#include "scene.h"
 
 static const double pi = 3.14159265358979323846;
 
@@ -128,7 +128,7 @@ static void fill(heap *p)
       if (hypot(x, y) <= R - 1.15 * p->r || (off == 0 && x == 0 && y == 0))
         pour(p, i++, x, y, k * step);
     }
-  nsdae_bodies_set_own(p->world, &(nsdae_own){.contacts = cylinder, .user = p});
+  nsdae_bodies_set_user_rows(p->world, &(nsdae_user_rows){.contacts = cylinder, .user = p});
 }
 
 static int build(void *base, nsdae_system **system, nsdae_error *error)
@@ -267,7 +267,7 @@ const driver_model heap_model = {.name = "heap",
                                  .t_end = 0.5,
                                  .dt = 2e-3,
                                  .method = NSDAE_METHOD_MOREAU,
-                                 .lcp_tol = 1e-4,
+                                 .contact_tol = 1e-4,
                                  .build = build,
                                  .start = start,
                                  .follow = follow,

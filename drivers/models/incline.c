@@ -11,7 +11,7 @@
 #include <stddef.h>
 #include <stdio.h>
 
-#include "names.h"
+#include "model_names.h"
 
 static int mass(double t, const double *q, double *M, int ldm, void *user)
 {

@@ -8,7 +8,7 @@
 #include <math.h>
 #include <stddef.h>
 
-#include "names.h"
+#include "model_names.h"
 #include "outline.h"
 
 static int mass(double t, const double *q, double *M, int ldm, void *user)

@@ -14,7 +14,7 @@
 #include <math.h>
 #include <stddef.h>
 
-#include "names.h"
+#include "model_names.h"
 
 static int mass(double t, const double *q, double *M, int ldm, void *user)
 {

@@ -3,7 +3,7 @@
  *   M = m,  F = -m g,  g_N = y - h(t),  w_N = -h',  the contact's acceleration without v': -h'' */
 #include "table_ball.h"
 
-#include "names.h"
+#include "model_names.h"
 
 /* The table at t. */
 static void find_table(const table_ball *b, double t, double h[3])

@@ -8,7 +8,7 @@
 #include <stddef.h>
 #include <stdio.h>
 
-#include "world.h"
+#include "scene.h"
 
 static int add_block(wall *p, double left, double right, int course)
 {

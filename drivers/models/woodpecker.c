@@ -25,7 +25,7 @@
 #include <math.h>
 #include <stddef.h>
 
-#include "names.h"
+#include "model_names.h"
 #include "outline.h"
 
 /* Of the sleeve, where its edges touch the pole. */

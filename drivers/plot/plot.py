@@ -164,7 +164,7 @@ def modes(file, time):
 
 
 def forces(file, time):
-    """What contacts and slides carry between impacts: each step's impulse over its length. Steps that had an impact are
+    """What contacts and frictional joints carry between impacts: each step's impulse over its length. Steps that had an impact are
     left out: a contact that was closed answers to one elsewhere, with an impulse too."""
     step, hit = steps(file, time), struck(file, time)
     lines = []
@@ -340,7 +340,7 @@ def mark_impacts(axes, file):
 def records(file):
     """How many there are of everything: while a run writes along, some datasets are ahead."""
     names = ["time", "q", "v", "multiplier"]
-    for group in ("contact", "slide", "energy", "certificate"):
+    for group in ("contact", "frictional_joint", "energy", "certificate"):
         names += [f"{group}/{name}" for name in file.get(group, {}) if name != group]
     length = {name: len(file[name]) for name in names if name in file}
     number = min(n for name, n in length.items() if grows(file[name]))

@@ -1,10 +1,10 @@
-"""Modes of contacts and slides over the time, as stretches between changes."""
+"""Modes of contacts and frictional joints over the time, as stretches between changes."""
 
 import numpy as np
 
 from trajectory import names_of_rows
 
-MODES = ["open", "slide", "stick"]
+MODES = ["open", "slip", "stick"]
 MODE_COLOURS = ["#e6e8eb", "#e8a33d", "#3b6ea5"]
 SPANS_MAX = 2000  # of a strip; what changes oftener is shown at some records only
 
@@ -20,10 +20,10 @@ def spans(time, mode, some):
 
 
 def strips(file, time, some):
-    """Name and spans of every contact and slide over these times, which are the file's first ones
+    """Name and spans of every contact and frictional joint over these times, which are the file's first ones
     from some[0] on; some: records, ascending, which count from the file's first."""
     shown = []
-    for kind in ("contact", "slide"):
+    for kind in ("contact", "frictional_joint"):
         if f"{kind}/mode" not in file:
             continue
         modes = file[f"{kind}/mode"][some[0] : some[0] + len(time)]

@@ -2,7 +2,7 @@
 #ifndef NSDAE_SWEEP_COMMAND_H
 #define NSDAE_SWEEP_COMMAND_H
 
-#include "job.h"
+#include "run.h"
 
 enum { COMMAND_GO = 0, COMMAND_HELP = 1, COMMAND_VERSION = 2 };
 

@@ -34,7 +34,7 @@ const driver_model *models_find(const char *name, nsdae_error *error)
     names[i] = models[i]->name;
     if (strcmp(bare, names[i]) == 0) return models[i];
   }
-  const char *near = nsdae_nearest_name(bare, names);
+  const char *near = nsdae_suggest_name(bare, names);
   if (near)
     snprintf(error->text, sizeof error->text, "unknown driver '%.80s'; did you mean '%s'?", name,
              near);

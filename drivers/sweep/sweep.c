@@ -6,8 +6,8 @@
 #include <unistd.h>
 
 #include "command.h"
-#include "interrupt.h"
-#include "ranks.h"
+#include "interrupt_signal.h"
+#include "executor.h"
 
 enum { DONE = 0, FAILED = 1, USAGE = 2 };
 

@@ -132,39 +132,41 @@ typedef struct nsdae_torsion {
 typedef int (*nsdae_load_fn)(double t, const double position[3], const double velocity[3],
                              double force[3], double torque[3], void *user);
 
-/* What a mechanism has beside its bodies: coordinates, constraints, contacts and slides of one's
- * own, which follow those of the bodies: coordinate 0 of one's own is q[3 bodies], in space q[7
- * bodies], velocity 0 is v[3 bodies], in space v[6 bodies]. The callbacks are those of
- * nsdae/system.h and get q and v of the whole mechanism. Rows of constraints, contacts and slides
- * are one's own alone, over all velocities; so they may tie bodies and coordinates together
- * (nsdae_bodies_locate says where a point is). M is the block of one's own velocities, dq/dt that
- * of one's own coordinates; F is the whole, with the forces of the bodies in it, to which more are
- * added. mass is needed where nv > 0, constraint where m > 0, gap and gap_tangent where k > 0,
- * slide_tangent where f > 0, kinematics where nq != nv. A derivative that is missing is filled by
- * differences, as nsdae/system.h says, then of the bodies' rows too. mu, e_N, e_T and names are
- * given to the system: contact 0 of one's own is number dims.k - k there, slide 0 number dims.f -
- * f. */
-typedef struct nsdae_own {
+/* What a mechanism has beside its bodies: coordinates, constraints, contacts and frictional joints
+ * of one's own, which follow those of the bodies: coordinate 0 of one's own is q[3 bodies], in
+ * space q[7 bodies], velocity 0 is v[3 bodies], in space v[6 bodies]. The callbacks are those of
+ * nsdae/system.h and get q and v of the whole mechanism. Rows of constraints, contacts and
+ * frictional joints are one's own alone, over all velocities; so they may tie bodies and
+ * coordinates together (nsdae_bodies_locate says where a point is). M is the block of one's own
+ * velocities, dq/dt that of one's own coordinates; F is the whole, with the forces of the bodies in
+ * it, to which more are added. mass is needed where nv > 0, constraint where m > 0, gap and
+ * gap_tangent where k > 0, frictional_joint_tangent where f > 0, kinematics where nq != nv. A
+ * derivative that is missing is filled by differences, as nsdae/system.h says, then of the bodies'
+ * rows too. mu, e_N, e_T and names are given to the system: contact 0 of one's own is number dims.k
+ * - k there, frictional joint 0 number dims.f - f. */
+typedef struct nsdae_user_rows {
   nsdae_dims dims;      /* one's own alone; any may be 0. nt is not read: it is dimension - 1 */
   nsdae_mass_fn mass;   /* M, the block of one's own velocities */
   nsdae_force_fn force; /* added to the F of the bodies */
-  nsdae_constraint_fn constraint;                     /* Phi of one's own rows */
-  nsdae_constraint_jacobian_fn constraint_jacobian;   /* their Phi_q, over all velocities */
-  nsdae_constraint_bias_fn constraint_bias;           /* their Phi_t and omega */
-  nsdae_gap_fn gap;                                   /* g_N of one's own contacts */
-  nsdae_gap_normal_fn gap_normal;                     /* their W_N, over all velocities */
-  nsdae_gap_tangent_fn gap_tangent;                   /* their W_T */
-  nsdae_contact_bias_fn contact_bias;                 /* their w_N and w_T */
-  nsdae_contact_acceleration_fn contact_acceleration; /* theirs, and that of one's own slides */
-  nsdae_slide_fn slide_tangent;                       /* W_S and w_S of one's own slides */
-  nsdae_kinematics_fn kinematics;                     /* rates of one's own coordinates */
-  nsdae_constraint_rows_fn constraint_rows;           /* contacts by list: Phi_q in place of
-                                                         constraint_jacobian; row 0 of one's own is dims.m - m
-                                                         of the whole, the block the last */
-  nsdae_contacts_fn contacts;   /* contacts by list: more of them, with ids below 0 */
-  nsdae_potential_fn potential; /* added to that of the bodies */
-  void *user;                   /* handed to each */
-} nsdae_own;
+  nsdae_constraint_fn constraint;                   /* Phi of one's own rows */
+  nsdae_constraint_jacobian_fn constraint_jacobian; /* their Phi_q, over all velocities */
+  nsdae_constraint_bias_fn constraint_bias;         /* their Phi_t and omega */
+  nsdae_gap_fn gap;                                 /* g_N of one's own contacts */
+  nsdae_gap_normal_fn gap_normal;                   /* their W_N, over all velocities */
+  nsdae_gap_tangent_fn gap_tangent;                 /* their W_T */
+  nsdae_contact_bias_fn contact_bias;               /* their w_N and w_T */
+  nsdae_contact_acceleration_fn
+      contact_acceleration; /* theirs, and that of one's own frictional joints */
+  nsdae_frictional_joint_fn
+      frictional_joint_tangent;             /* W_S and w_S of one's own frictional joints */
+  nsdae_kinematics_fn kinematics;           /* rates of one's own coordinates */
+  nsdae_constraint_rows_fn constraint_rows; /* contacts by list: Phi_q in place of
+                                               constraint_jacobian; row 0 of one's own is dims.m - m
+                                               of the whole, the block the last */
+  nsdae_contacts_fn contacts;               /* contacts by list: more of them, with ids below 0 */
+  nsdae_potential_fn potential;             /* added to that of the bodies */
+  void *user;                               /* handed to each */
+} nsdae_user_rows;
 
 /* Makes an empty world of dimension 2 or 3. error may be NULL. NSDAE_E_ARGUMENT, NSDAE_E_MEMORY. */
 NSDAE_API int nsdae_bodies_create(int dimension, nsdae_bodies **bodies, nsdae_error *error);
@@ -204,7 +206,7 @@ NSDAE_API int nsdae_bodies_set_gravity(nsdae_bodies *bodies, const double *gravi
 
 /* Coordinates and rows of one's own beside the bodies, once. NSDAE_E_ARGUMENT: the text names a
  * callback that is missing, or that nothing calls; NSDAE_E_STATE, and as those above. */
-NSDAE_API int nsdae_bodies_set_own(nsdae_bodies *bodies, const nsdae_own *own);
+NSDAE_API int nsdae_bodies_set_user_rows(nsdae_bodies *bodies, const nsdae_user_rows *own);
 
 /* The system of it all. From now on nothing can be added; bodies must outlive the system, which the
  * caller destroys. The first failure of any call before, NSDAE_E_STATE (no body and no coordinate),

@@ -9,8 +9,8 @@
 extern "C" {
 #endif
 
-/* What a contact or slide does: nothing, or with which friction. */
-enum nsdae_mode { NSDAE_MODE_OPEN = 0, NSDAE_MODE_SLIDE = 1, NSDAE_MODE_STICK = 2 };
+/* What a contact or frictional joint does: nothing, or with which friction. */
+enum nsdae_mode { NSDAE_MODE_OPEN = 0, NSDAE_MODE_SLIP = 1, NSDAE_MODE_STICK = 2 };
 
 /* Normal force of a continuous contact (method penalty), over the overlap d and its rate d'. */
 enum nsdae_penalty_law {

@@ -147,7 +147,7 @@ struct system_guts {
   callback<double, const double *, double *, double *> contact_bias;
   callback<double, const double *, const double *, double *, double *,
            double *> contact_acceleration;
-  callback<double, const double *, double *, int, double *> slide_tangent;
+  callback<double, const double *, double *, int, double *> frictional_joint_tangent;
   callback<double, const double *, const double *, double *> kinematics;
   callback<double, const double *, double *> potential;
   /* clang-format on */
@@ -387,9 +387,9 @@ public:
   {
     return keep(NSDAE_CALLBACK(contact_bias), std::move(f));
   }
-  /* What the contacts and slides accelerate by with v' = 0, at (t,q,v): omega_n [k], omega_t [k nt]
-   * and omega_s [f], such that g_N'' = W_N^T v' + omega_n, v_T' = W_T^T v' + omega_t and the
-   * slides' velocities have the rates W_S^T v' + omega_s.
+  /* Accelerations at v' = 0 of contacts, omega_n [k] and omega_t [k nt], and of frictional
+   * joints, omega_s [f]: g_N'' = W_N^T v' + omega_n, v_T' = W_T^T v' + omega_t,
+   * v_S' = W_S^T v' + omega_s.
    * An array is NULL where it would be empty.
    *   f(double t, const double *q, const double *v, double *omega_n, double *omega_t,
          double *omega_s) */
@@ -397,11 +397,12 @@ public:
   {
     return keep(NSDAE_CALLBACK(contact_acceleration), std::move(f));
   }
-  /* W_S(t,q) [nv x f] and w_S(t,q) [f]: the sliding velocity of each slide is W_S^T v + w_S.
+  /* W_S(t,q) [nv x f] and w_S(t,q) [f]: the slip velocity of each frictional joint is
+   * v_S = W_S^T v + w_S.
    *   f(double t, const double *q, double *W, int ldw, double *w_s) */
-  template <class F> system &slide_tangent(F f)
+  template <class F> system &frictional_joint_tangent(F f)
   {
-    return keep(NSDAE_CALLBACK(slide_tangent), std::move(f));
+    return keep(NSDAE_CALLBACK(frictional_joint_tangent), std::move(f));
   }
   /* dq/dt [nq] from v [nv], linear in v.
    *   f(double t, const double *q, const double *v, double *qdot) */
@@ -454,10 +455,10 @@ public:
   {
     return took(nsdae_system_set_contact(c(), i, mu, e_n, e_t));
   }
-  /* nsdae_system_set_slide: slide j is this constraint, both from 0. */
-  system &slide(int j, int constraint, double mu)
+  /* nsdae_system_set_frictional_joint: frictional joint j is this constraint, both from 0. */
+  system &frictional_joint(int j, int constraint, double mu)
   {
-    return took(nsdae_system_set_slide(c(), j, constraint, mu));
+    return took(nsdae_system_set_frictional_joint(c(), j, constraint, mu));
   }
   /* nsdae_system_set_name: kind is of enum nsdae_name_kind, i is from 0. */
   system &name(int kind, int i, const std::string &name, const std::string &unit = std::string())
@@ -562,20 +563,21 @@ private:
   }
 };
 
-/* nsdae_own: coordinates and rows of one's own beside bodies. Its callbacks are those of system. */
-class own
+/* nsdae_user_rows: coordinates and rows of one's own beside bodies. Its callbacks are those of
+ * system. */
+class user_rows
 {
 public:
   /* Of these sizes, one's own alone. */
-  explicit own(const nsdae_dims &dims)
-      : c_(nsdae_own()), guts_(std::make_shared<detail::system_guts>())
+  explicit user_rows(const nsdae_dims &dims)
+      : c_(nsdae_user_rows()), guts_(std::make_shared<detail::system_guts>())
   {
     c_.dims = dims;
     c_.user = guts_.get();
   }
 
 #define NSDAE_OWN(name)                                                                            \
-  template <class F> own &name(F f)                                                                \
+  template <class F> user_rows &name(F f)                                                          \
   {                                                                                                \
     typedef decltype(detail::system_guts::name) callback;                                          \
     guts_->name = callback(std::move(f));                                                          \
@@ -593,7 +595,7 @@ public:
   NSDAE_OWN(gap_tangent)
   NSDAE_OWN(contact_bias)
   NSDAE_OWN(contact_acceleration)
-  NSDAE_OWN(slide_tangent)
+  NSDAE_OWN(frictional_joint_tangent)
   NSDAE_OWN(kinematics)
   NSDAE_OWN(constraint_rows)
   NSDAE_OWN(contacts)
@@ -602,7 +604,7 @@ public:
 
 private:
   friend class bodies;
-  nsdae_own c_;
+  nsdae_user_rows c_;
   std::shared_ptr<detail::system_guts> guts_;
 };
 
@@ -676,10 +678,10 @@ public:
     return *this;
   }
 
-  /* nsdae_bodies_set_own. */
-  bodies &own(const nsdae::own &part)
+  /* nsdae_bodies_set_user_rows. */
+  bodies &set_user_rows(const nsdae::user_rows &part)
   {
-    demand(nsdae_bodies_set_own(c(), &part.c_));
+    demand(nsdae_bodies_set_user_rows(c(), &part.c_));
     guts_->own = part.guts_;
     return *this;
   }
@@ -837,7 +839,7 @@ public:
     demand_run(use([&](nsdae_sim *c) { return nsdae_sim_interpolate(c, t, q.data(), v.data()); }));
   }
 
-  /* nsdae_sim_set_options, nsdae_sim_set_contact, nsdae_sim_set_slide. */
+  /* nsdae_sim_set_options, nsdae_sim_set_contact, nsdae_sim_set_frictional_joint. */
   void set_options(const options &with)
   {
     demand(use([&](nsdae_sim *c) { return nsdae_sim_set_options(c, with.c()); }));
@@ -847,8 +849,11 @@ public:
   {
     demand(nsdae_sim_set_contact(c(), i, mu, e_n, e_t));
   }
-  /* The friction of slide j in this simulation. */
-  void set_slide(int j, double mu) { demand(nsdae_sim_set_slide(c(), j, mu)); }
+  /* The friction of frictional joint j in this simulation. */
+  void set_frictional_joint(int j, double mu)
+  {
+    demand(nsdae_sim_set_frictional_joint(c(), j, mu));
+  }
 
   /* The state as a value: nsdae_sim_get_state, nsdae_sim_set_state. */
   std::vector<unsigned char> state() const

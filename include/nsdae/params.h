@@ -69,7 +69,7 @@ NSDAE_API void nsdae_params_range(const nsdae_param *param, char *text, size_t s
 /* The one of names (ends with NULL) nearest to word by edit distance, where leading dashes do not
  * count and a beginning is one change away; NULL where none is near enough (more than half of the
  * word's letters would change). */
-NSDAE_API const char *nsdae_nearest_name(const char *word, const char *const *names);
+NSDAE_API const char *nsdae_suggest_name(const char *word, const char *const *names);
 
 #ifdef __cplusplus
 }

@@ -58,7 +58,7 @@ typedef struct nsdae_sim_options {
   int iteration_max;                      /* at most so many per step */
   int redundant;                          /* enum nsdae_redundant */
   double rank_tol;                        /* below it a constraint depends on the others */
-  double lcp_tol;                         /* scaled natural residual of a solved LCP */
+  double contact_tol;                     /* scaled natural residual of a solved LCP */
   int polygon; /* edges of the friction polygon where nt = 2: 3 .. 32; 0: Coulomb's cone itself */
   double impact_velocity;   /* slower closings are no impacts [m/s] */
   double rtol, atol;        /* of the integrator of penalty and event */
@@ -103,11 +103,12 @@ typedef struct nsdae_impact {
   int accumulation;  /* 1: stands for infinitely many impacts that end at time in rest */
 } nsdae_impact;
 
-/* A contact or slide that changed its mode at an instant; method event alone finds them. */
+/* A contact or frictional joint that changed its mode at an instant; method event alone finds them.
+ */
 typedef struct nsdae_change {
   double time;                 /* [s] */
-  int contact;                 /* from 0; -1: a slide */
-  int slide;                   /* from 0; -1: a contact */
+  int contact;                 /* from 0; -1: a frictional joint */
+  int frictional_joint;        /* from 0; -1: a contact */
   int mode_before, mode_after; /* enum nsdae_mode */
 } nsdae_change;
 
@@ -161,13 +162,13 @@ typedef struct nsdae_record {
   const double *normal_force;       /* [k] mean over the step [N], impacts included */
   const double *tangential_force;   /* [k nt] */
   const int *mode;                  /* [k] enum nsdae_mode */
-  const double *slide_impulse;      /* [f] friction of the slides in the step */
-  const double *slide_force;        /* [f] its mean force */
-  const int
-      *slide_mode; /* [f] NSDAE_MODE_SLIDE or NSDAE_MODE_STICK; NSDAE_MODE_OPEN: frictionless */
-  nsdae_contact_set contacts; /* those by list; of numbered ones tell the arrays above */
-  double kinetic, potential;  /* [J]; potential is 0 where no callback gives it */
-  double dissipated;          /* work taken by all contact impulses so far [J] */
+  const double *frictional_joint_impulse; /* [f] friction of the frictional joints in the step */
+  const double *frictional_joint_force;   /* [f] its mean force */
+  const int *frictional_joint_mode; /* [f] NSDAE_MODE_SLIP or NSDAE_MODE_STICK; NSDAE_MODE_OPEN:
+                                       frictionless */
+  nsdae_contact_set contacts;       /* those by list; of numbered ones tell the arrays above */
+  double kinetic, potential;        /* [J]; potential is 0 where no callback gives it */
+  double dissipated;                /* work taken by all contact impulses so far [J] */
   double lcp_residual;        /* scaled natural residual, 0 where there was no LCP; of contacts by
                                  list that of friction.h, one over all contacts of the step */
   double constraint_drift;    /* max |Phi| */
@@ -204,8 +205,9 @@ typedef struct nsdae_stats {
   long fallback_steps;        /* of event: dt that were stepped by implicit instead */
   long accumulations_early; /* of event: closed before accumulation_time, as what parted was as slow
                                as rtol and atol, or rattled on after thousands of impacts */
-  double rank_kept;    /* the gap in the rank: the smallest sine of the angle to the others of a */
-  double rank_left;    /* constraint that counts, the largest of one that does not; 1 and 0: none */
+  double rank_retained; /* the gap in the rank: the smallest sine of the angle to the others of a */
+  double
+      rank_discarded;  /* constraint that counts, the largest of one that does not; 1 and 0: none */
   int rank, rank_most; /* smallest and largest rank of Phi_q met; not the same: see rank_tol */
   double worst_residual;    /* over all LCPs */
   double worst_drift;       /* max |Phi| [in its units] */
@@ -278,11 +280,11 @@ NSDAE_API int nsdae_sim_set_interrupt(nsdae_sim *sim, nsdae_interrupt_fn asked, 
  * change of contact mode; NSDAE_ZENO when event closed an accumulation of impacts in it;
  * NSDAE_WARN_ENERGY, _PENETRATION or _DRIFT, once each, where these exceed what the method explains
  * (the error record says by how much; bounds in docs/methods/warnings.md); NSDAE_WARN_PAINLEVE,
- * once, where event took one of two solutions (the record names the slide and its multiplier);
- * NSDAE_WARN_IMPACTS, once, if a time-stepping step solved many impacts that follow one another as
- * one; NSDAE_WARN_RESTITUTION, by the first step, if the law of penalty gives another restitution
- * than e_N;
- * NSDAE_STOPPED; < 0: the step was not done and the state is the one before it. */
+ * once, where event took one of two solutions (the record names the frictional joint and its
+ * multiplier); NSDAE_WARN_IMPACTS, once, if a time-stepping step solved many impacts that follow
+ * one another as one; NSDAE_WARN_RESTITUTION, by the first step, if the law of penalty gives
+ * another restitution than e_N; NSDAE_STOPPED; < 0: the step was not done and the state is the one
+ * before it. */
 NSDAE_API int nsdae_sim_step(nsdae_sim *sim);
 /* The same, but back after the first step in which nsdae_sim_step would return NSDAE_EVENT or
  * NSDAE_ZENO, with that status. */
@@ -304,10 +306,11 @@ NSDAE_API int nsdae_sim_set_user(nsdae_sim *sim, void *user);
  * tolerances, limits, stabilisation, laws. method, polygon, linear_solver and projection are fixed:
  * NSDAE_E_ARGUMENT by name, and everything is as before. The run goes on from the state. */
 NSDAE_API int nsdae_sim_set_options(nsdae_sim *sim, const nsdae_sim_options *options);
-/* Coefficients of contact i and of slide j in this simulation, in place of the system's. What is
- * without friction in the system stays so, and slides with friction keep some: NSDAE_E_ARGUMENT. */
+/* Coefficients of contact i and of frictional joint j in this simulation, in place of the system's.
+ * What is without friction in the system stays so, and frictional joints with friction keep some:
+ * NSDAE_E_ARGUMENT. */
 NSDAE_API int nsdae_sim_set_contact(nsdae_sim *sim, int i, double mu, double e_n, double e_t);
-NSDAE_API int nsdae_sim_set_slide(nsdae_sim *sim, int j, double mu);
+NSDAE_API int nsdae_sim_set_frictional_joint(nsdae_sim *sim, int j, double mu);
 
 /* The complementarity problem of the step that failed with NSDAE_E_LCP, NSDAE_E_INFEASIBLE or
  * NSDAE_E_PAINLEVE; its arrays are the simulation's and hold until the next step. NSDAE_E_STATE
@@ -329,8 +332,9 @@ typedef struct nsdae_step_friction {
  * cone (two tangential directions, polygon = 0), nsdae_friction_solve with these options and from
  * this guess gives r again to the last bit, and so it does of contacts by list; other problems were
  * solved as complementarity problems. NSDAE_E_STATE where the last step had no such problem: no
- * closed contact, contacts by list in small islands alone, slides without a cone (the friction of a
- * slide goes with a bilateral force, which has no cone), methods event and penalty. */
+ * closed contact, contacts by list in small islands alone, frictional joints without a cone (the
+ * friction of a slide goes with a bilateral force, which has no cone), methods event and penalty.
+ */
 NSDAE_API int nsdae_sim_get_friction(nsdae_sim *sim, nsdae_step_friction *friction);
 /* Steps of dt from the start's time to t_end; the last one is shortened to end there. NSDAE_OK; the
  * first NSDAE_WARN_... of its steps, which does not end the run;

@@ -13,8 +13,8 @@
  * and what user points to. A system is constant while it has simulations: one system may serve
  * many, one per thread, if the callbacks allow it.
  *
- * Everything is numbered from 0: coordinates, constraints, contacts, slides and entries, here, in
- * error texts, tables and files. */
+ * Everything is numbered from 0: coordinates, constraints, contacts, frictional joints and entries,
+ * here, in error texts, tables and files. */
 #ifndef NSDAE_SYSTEM_H
 #define NSDAE_SYSTEM_H
 
@@ -36,7 +36,7 @@ typedef struct nsdae_dims {
   int m;  /* bilateral constraints, >= 0 */
   int k;  /* contacts, >= 0 */
   int nt; /* tangential directions of every contact: 0 (frictionless), 1 (planar) or 2 */
-  int f;  /* slides: bilateral constraints with friction, 0 .. m */
+  int f;  /* frictional joints: bilateral constraints with friction, 0 .. m */
 } nsdae_dims;
 
 /* callbacks.list: types */
@@ -63,16 +63,17 @@ typedef int (*nsdae_gap_tangent_fn)(double t, const double *q, double *W, int ld
  * w_t is NULL where nt = 0. */
 typedef int (*nsdae_contact_bias_fn)(double t, const double *q, double *w_n, double *w_t,
                                      void *user);
-/* What the contacts and slides accelerate by with v' = 0, at (t,q,v): omega_n [k], omega_t [k nt]
- * and omega_s [f], such that g_N'' = W_N^T v' + omega_n, v_T' = W_T^T v' + omega_t and the
- * slides' velocities have the rates W_S^T v' + omega_s.
+/* Accelerations at v' = 0 of contacts, omega_n [k] and omega_t [k nt], and of frictional
+ * joints, omega_s [f]: g_N'' = W_N^T v' + omega_n, v_T' = W_T^T v' + omega_t,
+ * v_S' = W_S^T v' + omega_s.
  * An array is NULL where it would be empty. */
 typedef int (*nsdae_contact_acceleration_fn)(double t, const double *q, const double *v,
                                              double *omega_n, double *omega_t, double *omega_s,
                                              void *user);
-/* W_S(t,q) [nv x f] and w_S(t,q) [f]: the sliding velocity of each slide is W_S^T v + w_S. */
-typedef int (*nsdae_slide_fn)(double t, const double *q, double *W, int ldw, double *w_s,
-                              void *user);
+/* W_S(t,q) [nv x f] and w_S(t,q) [f]: the slip velocity of each frictional joint is
+ * v_S = W_S^T v + w_S. */
+typedef int (*nsdae_frictional_joint_fn)(double t, const double *q, double *W, int ldw, double *w_s,
+                                         void *user);
 /* dq/dt [nq] from v [nv], linear in v. */
 typedef int (*nsdae_kinematics_fn)(double t, const double *q, const double *v, double *qdot,
                                    void *user);
@@ -102,11 +103,11 @@ NSDAE_API int nsdae_system_simulations(const nsdae_system *system);
 NSDAE_API int nsdae_system_set_user(nsdae_system *system, void *user);
 
 /* mass and force are always needed, constraint where m > 0, gap where k > 0, gap_tangent where
- * nt > 0 and any mu > 0, slide_tangent where a slide has mu > 0. What else is missing is filled by
- * central differences (constraint Jacobian and bias, gap normal and the normal part of the contact
- * bias; for the method event the contact acceleration; nsdae_system_differences says which) or
- * taken as zero (tangential bias); kinematics is the identity where nq = nv. NSDAE_E_ARGUMENT:
- * system or callback NULL, or the system has no such term. */
+ * nt > 0 and any mu > 0, frictional_joint_tangent where a frictional joint has mu > 0. What else is
+ * missing is filled by central differences (constraint Jacobian and bias, gap normal and the normal
+ * part of the contact bias; for the method event the contact acceleration; nsdae_system_differences
+ * says which) or taken as zero (tangential bias); kinematics is the identity where nq = nv.
+ * NSDAE_E_ARGUMENT: system or callback NULL, or the system has no such term. */
 /* callbacks.list: declarations */
 NSDAE_API int nsdae_system_set_mass(nsdae_system *system, nsdae_mass_fn callback);
 NSDAE_API int nsdae_system_set_force(nsdae_system *system, nsdae_force_fn callback);
@@ -121,7 +122,8 @@ NSDAE_API int nsdae_system_set_gap_tangent(nsdae_system *system, nsdae_gap_tange
 NSDAE_API int nsdae_system_set_contact_bias(nsdae_system *system, nsdae_contact_bias_fn callback);
 NSDAE_API int nsdae_system_set_contact_acceleration(nsdae_system *system,
                                                     nsdae_contact_acceleration_fn callback);
-NSDAE_API int nsdae_system_set_slide_tangent(nsdae_system *system, nsdae_slide_fn callback);
+NSDAE_API int nsdae_system_set_frictional_joint_tangent(nsdae_system *system,
+                                                        nsdae_frictional_joint_fn callback);
 NSDAE_API int nsdae_system_set_kinematics(nsdae_system *system, nsdae_kinematics_fn callback);
 NSDAE_API int nsdae_system_set_potential(nsdae_system *system, nsdae_potential_fn callback);
 /* callbacks.list: end */
@@ -136,11 +138,13 @@ NSDAE_API int nsdae_system_set_contact(nsdae_system *system, int i, double mu, d
                                        double e_t);
 
 /* Slide 0 <= j < f: a bilateral constraint with Coulomb friction, such as a slider in a slot
- * without play: friction of at most mu |lambda| along the direction of the callback slide_tangent.
- * The constraint (its number, 0 .. m-1) must be scaled as a length, so that its multiplier lambda
- * is the normal force. mu >= 0; with mu = 0 it has no friction. Where slide_tangent is given every
- * slide must be told of: else nsdae_sim_create returns NSDAE_E_STATE. */
-NSDAE_API int nsdae_system_set_slide(nsdae_system *system, int j, int constraint, double mu);
+ * without play: friction of at most mu |lambda| along the direction of the callback
+ * frictional_joint_tangent. The constraint (its number, 0 .. m-1) must be scaled as a length, so
+ * that its multiplier lambda is the normal force. mu >= 0; with mu = 0 it has no friction. Where
+ * frictional_joint_tangent is given every slide must be told of: else nsdae_sim_create returns
+ * NSDAE_E_STATE. */
+NSDAE_API int nsdae_system_set_frictional_joint(nsdae_system *system, int j, int constraint,
+                                                double mu);
 
 /* ---- large systems: v in blocks, contacts by list
  *
@@ -188,11 +192,11 @@ NSDAE_API int nsdae_system_set_contacts(nsdae_system *system, nsdae_contacts_fn 
 
 /* What can have a name: each has as many as the system's sizes say, numbered from 0. */
 enum nsdae_name_kind {
-  NSDAE_NAME_COORDINATE, /* nq */
-  NSDAE_NAME_VELOCITY,   /* nv */
-  NSDAE_NAME_CONSTRAINT, /* m */
-  NSDAE_NAME_CONTACT,    /* k */
-  NSDAE_NAME_SLIDE       /* f */
+  NSDAE_NAME_COORDINATE,      /* nq */
+  NSDAE_NAME_VELOCITY,        /* nv */
+  NSDAE_NAME_CONSTRAINT,      /* m */
+  NSDAE_NAME_CONTACT,         /* k */
+  NSDAE_NAME_FRICTIONAL_JOINT /* f */
 };
 
 /* Sizes of their texts, with the zero at the end. */

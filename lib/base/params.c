@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "errors.h"
-#include "nearest.h"
+#include "suggest.h"
 #include "number.h"
 
 static void *field(const nsdae_param *param, void *base)
@@ -128,9 +128,9 @@ static const nsdae_param *described(const nsdae_params *table, const char *key)
     for (const char *at = table->entry[i].help; *(at += strcspn(at, letters));) {
       char word[64] = "";
       size_t length = strspn(at, letters);
-      nsdae_nearest nearest = nsdae_nearest_start(key);
+      nsdae_suggest nearest = nsdae_suggest_start(key);
       memcpy(word, at, length < sizeof word ? length : sizeof word - 1);
-      nsdae_nearest_try(&nearest, word);
+      nsdae_suggest_try(&nearest, word);
       at += length;
       if (length < 3 || nearest.distance >= least) continue;
       least = nearest.distance;
@@ -141,9 +141,9 @@ static const nsdae_param *described(const nsdae_params *table, const char *key)
 
 static int unknown_key(const nsdae_params *table, const char *key, nsdae_error *error)
 {
-  nsdae_nearest nearest = nsdae_nearest_start(key);
-  for (int i = 0; i < table->n; i++) nsdae_nearest_try(&nearest, table->entry[i].key);
-  const char *name = nsdae_nearest_end(&nearest);
+  nsdae_suggest nearest = nsdae_suggest_start(key);
+  for (int i = 0; i < table->n; i++) nsdae_suggest_try(&nearest, table->entry[i].key);
+  const char *name = nsdae_suggest_end(&nearest);
   const nsdae_param *about = name ? NULL : described(table, key);
   if (about)
     return nsdae_error_set(error, NSDAE_E_OPTION, "nsdae_params", key,
@@ -166,7 +166,7 @@ static int set_choice(const nsdae_param *param, void *base, const char *value, n
     size_t used = strlen(all);
     snprintf(all + used, sizeof all - used, "%s%s", i ? ", " : "", param->choices[i]);
   }
-  const char *near = nsdae_nearest_name(value, param->choices);
+  const char *near = nsdae_suggest_name(value, param->choices);
   if (!near)
     return nsdae_error_set(error, NSDAE_E_OPTION, "nsdae_params", param->key,
                            "%s has no choice '%s'; choose one of: %s", param->key, value, all);

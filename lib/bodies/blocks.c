@@ -2,9 +2,9 @@
  * and contacts by list, found by the broad phase. */
 #include <stdlib.h>
 
-#include "broad.h"
+#include "broad_phase.h"
 #include "errors.h"
-#include "touch.h"
+#include "narrow_phase.h"
 
 static void mass_planar(const nsdae_bodies *b, double *M)
 {
@@ -41,8 +41,8 @@ static int constraint_rows(double t, const double *q, nsdae_row_list *rows, void
 {
   const nsdae_bodies *b = user;
   for (int i = 0; i < b->element.count; i++) {
-    const nsdae_element *e = (const nsdae_element *)b->element.at + i;
-    nsdae_element_value value;
+    const nsdae_primitive *e = (const nsdae_primitive *)b->element.at + i;
+    nsdae_primitive_value value;
     nsdae_pose pose[2];
     int code = nsdae_bodies_element(b, e, t, q, NULL, pose, &value);
     for (int j = 0; j < 2 && code == 0; j++) {

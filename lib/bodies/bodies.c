@@ -5,9 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "broad.h"
+#include "broad_phase.h"
 #include "errors.h"
-#include "world.h"
+#include "bodies_impl.h"
 
 int nsdae_bodies_create(int dimension, nsdae_bodies **bodies, nsdae_error *error)
 {
@@ -33,8 +33,9 @@ void nsdae_bodies_destroy(nsdae_bodies **bodies)
   if (!bodies || !*bodies) return;
   nsdae_bodies *b = *bodies;
   for (int i = 0; i < b->solid.count; i++) free(((nsdae_solid_of *)b->solid.at)[i].point);
-  nsdae_list *lists[] = {&b->body,   &b->element, &b->slide, &b->solid, &b->feature,
-                         &b->spring, &b->torsion, &b->load,  &b->pair};
+  nsdae_list *lists[] = {&b->body,    &b->element, &b->frictional_joint,
+                         &b->solid,   &b->feature, &b->spring,
+                         &b->torsion, &b->load,    &b->pair};
   for (int i = 0; i < NSDAE_BROADS; i++) nsdae_broad_release(b->broad[i]);
   for (size_t i = 0; i < sizeof lists / sizeof *lists; i++) free(lists[i]->at);
   free(b);
@@ -282,7 +283,7 @@ int nsdae_bodies_get_dims(const nsdae_bodies *b, nsdae_dims *dims)
                        .m = b->element.count + own->m,
                        .k = k,
                        .nt = k + b->pair.count > 0 ? b->dimension - 1 : 0,
-                       .f = b->slide.count + own->f};
+                       .f = b->frictional_joint.count + own->f};
   return NSDAE_OK;
 }
 
@@ -310,13 +311,13 @@ int nsdae_bodies_locate(const nsdae_bodies *b, const double *q, int body, const 
 /* What cannot be with contacts by list. */
 static int check_form(nsdae_bodies *b)
 {
-  const nsdae_own *own = &b->own;
-  const char *what = b->feature.count > 0 ? "contacts that are named (nsdae_bodies_add_contact)"
-                     : b->slide.count > 0 ? "friction of a slot"
-                     : own->dims.k + own->dims.f > 0 ? "numbered contacts and slides of one's own"
-                     : own->constraint_jacobian
-                         ? "constraint_jacobian of one's own (constraint_rows is)"
-                         : NULL;
+  const nsdae_user_rows *own = &b->own;
+  const char *what =
+      b->feature.count > 0            ? "contacts that are named (nsdae_bodies_add_contact)"
+      : b->frictional_joint.count > 0 ? "friction of a slot"
+      : own->dims.k + own->dims.f > 0 ? "numbered contacts and frictional joints of one's own"
+      : own->constraint_jacobian      ? "constraint_jacobian of one's own (constraint_rows is)"
+                                      : NULL;
   if (b->pair.count == 0 || !what) return NSDAE_OK;
   return nsdae_error_set(
       &b->error, NSDAE_E_STATE, "nsdae_bodies_system", "pair",

@@ -1,7 +1,7 @@
 /* The mechanism as the callbacks of a system: mass, forces, kinematics, names. */
 #include <stdio.h>
 
-#include "world.h"
+#include "bodies_impl.h"
 
 static int mass(double t, const double *q, double *M, int ldm, void *user)
 {
@@ -85,15 +85,16 @@ static int set_names(const nsdae_bodies *b, nsdae_system *system)
   return status;
 }
 
-/* joint0_0, joint0_1, ... in the units of their elements; a slide is called after its joint. */
+/* joint0_0, joint0_1, ... in the units of their elements; a frictional joint is named after its
+ * joint. */
 static int set_joint_names(const nsdae_bodies *b, nsdae_system *system)
 {
-  static const char *const unit[] = {[NSDAE_ELEMENT_ALONG] = "m",
-                                     [NSDAE_ELEMENT_BETWEEN] = "1",
-                                     [NSDAE_ELEMENT_DISTANCE] = "m",
-                                     [NSDAE_ELEMENT_TURN] = "rad"};
-  const nsdae_element *e = b->element.at;
-  const nsdae_bodies_slide *s = b->slide.at;
+  static const char *const unit[] = {[NSDAE_PRIMITIVE_ALONG] = "m",
+                                     [NSDAE_PRIMITIVE_BETWEEN] = "1",
+                                     [NSDAE_PRIMITIVE_DISTANCE] = "m",
+                                     [NSDAE_PRIMITIVE_TURN] = "rad"};
+  const nsdae_primitive *e = b->element.at;
+  const nsdae_bodies_frictional_joint *s = b->frictional_joint.at;
   int status = NSDAE_OK, row = 0;
   char name[NSDAE_NAME_SIZE];
   for (int i = 0; i < b->element.count && status == NSDAE_OK; i++) {
@@ -101,9 +102,9 @@ static int set_joint_names(const nsdae_bodies *b, nsdae_system *system)
     snprintf(name, sizeof name, "joint%d_%d", e[i].joint, row);
     status = nsdae_system_set_name(system, NSDAE_NAME_CONSTRAINT, i, name, unit[e[i].kind]);
   }
-  for (int i = 0; i < b->slide.count && status == NSDAE_OK; i++) {
+  for (int i = 0; i < b->frictional_joint.count && status == NSDAE_OK; i++) {
     snprintf(name, sizeof name, "joint%d", s[i].along.joint);
-    status = nsdae_system_set_name(system, NSDAE_NAME_SLIDE, i, name, "m");
+    status = nsdae_system_set_name(system, NSDAE_NAME_FRICTIONAL_JOINT, i, name, "m");
   }
   return status;
 }

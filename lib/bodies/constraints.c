@@ -1,24 +1,24 @@
-/* Constraints and slides as callbacks: each walks its elements and puts rows where their bodies
- * are; rows of one's own follow. */
-#include "world.h"
+/* Constraints and frictional joints as callbacks: each walks its elements and puts rows where their
+ * bodies are; rows of one's own follow. */
+#include "bodies_impl.h"
 
-int nsdae_bodies_element(const nsdae_bodies *b, const nsdae_element *e, double t, const double *q,
-                         const double *v, nsdae_pose pose[2], nsdae_element_value *value)
+int nsdae_bodies_element(const nsdae_bodies *b, const nsdae_primitive *e, double t, const double *q,
+                         const double *v, nsdae_pose pose[2], nsdae_primitive_value *value)
 {
   for (int i = 0; i < 2; i++) pose[i] = nsdae_bodies_pose(b, e->body[i], q, v);
-  return nsdae_element_evaluate(e, t, &pose[0], &pose[1], value);
+  return nsdae_primitive_evaluate(e, t, &pose[0], &pose[1], value);
 }
 
-static const nsdae_element *element_of(const nsdae_bodies *b, int i)
+static const nsdae_primitive *element_of(const nsdae_bodies *b, int i)
 {
-  return (const nsdae_element *)b->element.at + i;
+  return (const nsdae_primitive *)b->element.at + i;
 }
 
 static int constraint(double t, const double *q, double *phi, void *user)
 {
   const nsdae_bodies *b = user;
-  const nsdae_own *own = &b->own;
-  nsdae_element_value value;
+  const nsdae_user_rows *own = &b->own;
+  nsdae_primitive_value value;
   nsdae_pose pose[2];
   for (int i = 0; i < b->element.count; i++) {
     int code = nsdae_bodies_element(b, element_of(b, i), t, q, NULL, pose, &value);
@@ -31,11 +31,11 @@ static int constraint(double t, const double *q, double *phi, void *user)
 static int constraint_jacobian(double t, const double *q, double *J, int ldj, void *user)
 {
   const nsdae_bodies *b = user;
-  const nsdae_own *own = &b->own;
-  nsdae_element_value value;
+  const nsdae_user_rows *own = &b->own;
+  nsdae_primitive_value value;
   nsdae_pose pose[2];
   for (int i = 0; i < b->element.count; i++) {
-    const nsdae_element *e = element_of(b, i);
+    const nsdae_primitive *e = element_of(b, i);
     int code = nsdae_bodies_element(b, e, t, q, NULL, pose, &value);
     if (code) return code;
     nsdae_bodies_scatter(b, e->body, &pose[0], &pose[1], &value.row, 1, J + i, ldj);
@@ -49,8 +49,8 @@ static int constraint_bias(double t, const double *q, const double *v, double *p
                            void *user)
 {
   const nsdae_bodies *b = user;
-  const nsdae_own *own = &b->own;
-  nsdae_element_value value;
+  const nsdae_user_rows *own = &b->own;
+  nsdae_primitive_value value;
   nsdae_pose pose[2];
   for (int i = 0; i < b->element.count; i++) {
     int code = nsdae_bodies_element(b, element_of(b, i), t, q, v, pose, &value);
@@ -62,28 +62,31 @@ static int constraint_bias(double t, const double *q, const double *v, double *p
   return own->constraint_bias ? own->constraint_bias(t, q, v, phi_t + m, omega + m, own->user) : 0;
 }
 
-static int slide_tangent(double t, const double *q, double *W, int ldw, double *w, void *user)
+static int frictional_joint_tangent(double t, const double *q, double *W, int ldw, double *w,
+                                    void *user)
 {
   const nsdae_bodies *b = user;
-  const nsdae_own *own = &b->own;
-  nsdae_element_value value;
+  const nsdae_user_rows *own = &b->own;
+  nsdae_primitive_value value;
   nsdae_pose pose[2];
-  for (int i = 0; i < b->slide.count; i++) {
-    const nsdae_element *e = &((const nsdae_bodies_slide *)b->slide.at + i)->along;
+  for (int i = 0; i < b->frictional_joint.count; i++) {
+    const nsdae_primitive *e =
+        &((const nsdae_bodies_frictional_joint *)b->frictional_joint.at + i)->along;
     nsdae_bodies_element(b, e, t, q, NULL, pose, &value);
     nsdae_bodies_scatter(b, e->body, &pose[0], &pose[1], &value.row, 1, W + (size_t)i * (size_t)ldw,
                          1);
   }
-  int f = b->slide.count; /* along a slot nothing moves by itself: w stays 0 */
-  return own->slide_tangent
-             ? own->slide_tangent(t, q, W + (size_t)f * (size_t)ldw, ldw, w + f, own->user)
+  int f = b->frictional_joint.count; /* along a slot nothing moves by itself: w stays 0 */
+  return own->frictional_joint_tangent
+             ? own->frictional_joint_tangent(t, q, W + (size_t)f * (size_t)ldw, ldw, w + f,
+                                             own->user)
              : 0;
 }
 
 /* What rows of one's own lack of a derivative is left to the system, for all rows. */
 static int set_rows(const nsdae_bodies *b, nsdae_system *system)
 {
-  const nsdae_own *own = &b->own;
+  const nsdae_user_rows *own = &b->own;
   if (b->element.count + own->dims.m == 0) return NSDAE_OK;
   int status = nsdae_system_set_constraint(system, constraint);
   if (status == NSDAE_OK && b->pair.count == 0 && (own->dims.m == 0 || own->constraint_jacobian))
@@ -93,13 +96,14 @@ static int set_rows(const nsdae_bodies *b, nsdae_system *system)
   return status;
 }
 
-static int set_slides(const nsdae_bodies *b, nsdae_system *system)
+static int set_frictional_joints(const nsdae_bodies *b, nsdae_system *system)
 {
-  if (b->slide.count + b->own.dims.f == 0) return NSDAE_OK;
-  int status = nsdae_system_set_slide_tangent(system, slide_tangent);
-  for (int i = 0; i < b->slide.count && status == NSDAE_OK; i++) {
-    const nsdae_bodies_slide *s = (const nsdae_bodies_slide *)b->slide.at + i;
-    status = nsdae_system_set_slide(system, i, s->constraint, s->mu);
+  if (b->frictional_joint.count + b->own.dims.f == 0) return NSDAE_OK;
+  int status = nsdae_system_set_frictional_joint_tangent(system, frictional_joint_tangent);
+  for (int i = 0; i < b->frictional_joint.count && status == NSDAE_OK; i++) {
+    const nsdae_bodies_frictional_joint *s =
+        (const nsdae_bodies_frictional_joint *)b->frictional_joint.at + i;
+    status = nsdae_system_set_frictional_joint(system, i, s->constraint, s->mu);
   }
   return status;
 }
@@ -107,5 +111,5 @@ static int set_slides(const nsdae_bodies *b, nsdae_system *system)
 int nsdae_bodies_set_constraints(const nsdae_bodies *b, nsdae_system *system)
 {
   int status = set_rows(b, system);
-  return status < 0 ? status : set_slides(b, system);
+  return status < 0 ? status : set_frictional_joints(b, system);
 }

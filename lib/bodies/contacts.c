@@ -1,6 +1,6 @@
 /* Contacts as callbacks: each walks the features; contacts of one's own follow. */
-#include "touch.h"
-#include "world.h"
+#include "narrow_phase.h"
+#include "bodies_impl.h"
 
 static const nsdae_feature *feature_of(const nsdae_bodies *b, int i)
 {
@@ -46,7 +46,7 @@ static nsdae_touch touch_at(const nsdae_bodies *b, int i, const double *q, const
 static int gap(double t, const double *q, double *g, void *user)
 {
   const nsdae_bodies *b = user;
-  const nsdae_own *own = &b->own;
+  const nsdae_user_rows *own = &b->own;
   couple c = {.solid = {NO_SOLID, NO_SOLID}};
   for (int i = 0; i < b->feature.count; i++) g[i] = touch_at(b, i, q, NULL, &c).gap.x;
   return own->gap ? own->gap(t, q, g + b->feature.count, own->user) : 0;
@@ -75,7 +75,7 @@ static void put_column(const nsdae_bodies *b, const nsdae_touch *touch, const co
 static int gap_normal(double t, const double *q, double *W, int ldw, void *user)
 {
   const nsdae_bodies *b = user;
-  const nsdae_own *own = &b->own;
+  const nsdae_user_rows *own = &b->own;
   couple c = {.solid = {NO_SOLID, NO_SOLID}};
   for (int i = 0; i < b->feature.count; i++) {
     nsdae_touch touch = touch_at(b, i, q, NULL, &c);
@@ -103,7 +103,7 @@ static void tangents(int dimension, nsdae_jet3 n, nsdae_jet3 t[2])
 static int gap_tangent(double t, const double *q, double *W, int ldw, void *user)
 {
   const nsdae_bodies *b = user;
-  const nsdae_own *own = &b->own;
+  const nsdae_user_rows *own = &b->own;
   int nt = b->dimension - 1;
   couple c = {.solid = {NO_SOLID, NO_SOLID}};
   for (int i = 0; i < b->feature.count; i++) {
@@ -122,7 +122,7 @@ static int gap_tangent(double t, const double *q, double *W, int ldw, void *user
 static int contact_bias(double t, const double *q, double *w_n, double *w_t, void *user)
 {
   const nsdae_bodies *b = user;
-  const nsdae_own *own = &b->own;
+  const nsdae_user_rows *own = &b->own;
   int k = b->feature.count, nt = b->dimension - 1;
   return own->contact_bias ? own->contact_bias(t, q, w_n + k, w_t + k * nt, own->user) : 0;
 }
@@ -145,14 +145,15 @@ static nsdae_jet3 relative_velocity(const nsdae_touch *touch, const nsdae_pose p
   return xi;
 }
 
-/* Of the slides: their coordinates' second rates. */
-static void slide_acceleration(const nsdae_bodies *b, double t, const double *q, const double *v,
-                               double *omega_s)
+/* Of the frictional joints: their coordinates' second rates. */
+static void frictional_joint_acceleration(const nsdae_bodies *b, double t, const double *q,
+                                          const double *v, double *omega_s)
 {
-  for (int i = 0; i < b->slide.count; i++) {
-    nsdae_element_value value;
+  for (int i = 0; i < b->frictional_joint.count; i++) {
+    nsdae_primitive_value value;
     nsdae_pose pose[2];
-    const nsdae_element *e = &((const nsdae_bodies_slide *)b->slide.at + i)->along;
+    const nsdae_primitive *e =
+        &((const nsdae_bodies_frictional_joint *)b->frictional_joint.at + i)->along;
     nsdae_bodies_element(b, e, t, q, v, pose, &value);
     omega_s[i] = value.phi.dd;
   }
@@ -162,8 +163,8 @@ static int contact_acceleration(double t, const double *q, const double *v, doub
                                 double *omega_t, double *omega_s, void *user)
 {
   const nsdae_bodies *b = user;
-  const nsdae_own *own = &b->own;
-  int k = b->feature.count, f = b->slide.count, nt = b->dimension - 1;
+  const nsdae_user_rows *own = &b->own;
+  int k = b->feature.count, f = b->frictional_joint.count, nt = b->dimension - 1;
   couple c = {.solid = {NO_SOLID, NO_SOLID}};
   for (int i = 0; i < k; i++) {
     nsdae_touch touch = touch_at(b, i, q, v, &c);
@@ -173,7 +174,7 @@ static int contact_acceleration(double t, const double *q, const double *v, doub
     nsdae_jet3 xi = relative_velocity(&touch, c.pose);
     for (int j = 0; j < nt; j++) omega_t[i * nt + j] = nsdae_jet3_dot(direction[j], xi).d;
   }
-  slide_acceleration(b, t, q, v, omega_s);
+  frictional_joint_acceleration(b, t, q, v, omega_s);
   if (!own->contact_acceleration) return 0;
   int some = own->dims.k > 0;
   return own->contact_acceleration(t, q, v, some ? omega_n + k : NULL,
@@ -193,7 +194,7 @@ static int set_coefficients(const nsdae_bodies *b, nsdae_system *system)
 
 int nsdae_bodies_set_contacts(const nsdae_bodies *b, nsdae_system *system)
 {
-  const nsdae_own *own = &b->own;
+  const nsdae_user_rows *own = &b->own;
   int k = b->feature.count + own->dims.k, none = own->dims.k == 0, status = NSDAE_OK;
   if (k > 0) status = nsdae_system_set_gap(system, gap);
   if (k > 0 && status == NSDAE_OK && (none || own->gap_normal))
@@ -202,7 +203,7 @@ int nsdae_bodies_set_contacts(const nsdae_bodies *b, nsdae_system *system)
   if (k > 0 && status == NSDAE_OK && (none || own->contact_bias))
     status = nsdae_system_set_contact_bias(system, contact_bias);
   none = own->dims.k + own->dims.f == 0;
-  if (k + b->slide.count + own->dims.f > 0 && status == NSDAE_OK &&
+  if (k + b->frictional_joint.count + own->dims.f > 0 && status == NSDAE_OK &&
       (none || own->contact_acceleration))
     status = nsdae_system_set_contact_acceleration(system, contact_acceleration);
   return status < 0 ? status : set_coefficients(b, system);

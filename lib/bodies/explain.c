@@ -3,15 +3,15 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "broad.h"
+#include "broad_phase.h"
 #include "maker.h"
-#include "world.h"
+#include "bodies_impl.h"
 
 enum { WORDS = 64 }; /* of two bodies, or of a solid: two numbers of 11 digits and 40 letters */
 
-static const nsdae_element *element_of(const nsdae_bodies *b, int i)
+static const nsdae_primitive *element_of(const nsdae_bodies *b, int i)
 {
-  return (const nsdae_element *)b->element.at + i;
+  return (const nsdae_primitive *)b->element.at + i;
 }
 
 static const nsdae_feature *feature_of(const nsdae_bodies *b, int i)
@@ -35,7 +35,7 @@ static const char *of_bodies(const int body[2], char text[WORDS])
   return text;
 }
 
-static void joint_words(const nsdae_element *e, char *text, size_t size)
+static void joint_words(const nsdae_primitive *e, char *text, size_t size)
 {
   char bodies[WORDS];
   snprintf(text, size, "%s joint %d of %s", nsdae_joint_name(e->joint_kind), e->joint,
@@ -77,10 +77,10 @@ static int words(const void *of, int kind, long i, char *text, size_t size)
     contact_words(b, feature_of(b, (int)i)->solid, text, size);
     return 1;
   }
-  const nsdae_element *e = NULL;
+  const nsdae_primitive *e = NULL;
   if (kind == NSDAE_NAME_CONSTRAINT && i < b->element.count) e = element_of(b, (int)i);
-  if (kind == NSDAE_NAME_SLIDE && i < b->slide.count)
-    e = &((const nsdae_bodies_slide *)b->slide.at + i)->along;
+  if (kind == NSDAE_NAME_FRICTIONAL_JOINT && i < b->frictional_joint.count)
+    e = &((const nsdae_bodies_frictional_joint *)b->frictional_joint.at + i)->along;
   if (e) joint_words(e, text, size);
   return e != NULL;
 }
@@ -90,7 +90,7 @@ static int exact(const void *of, int kind, int i)
 {
   const nsdae_bodies *b = of;
   if (kind == NSDAE_NAME_CONTACT) return i < b->feature.count;
-  if (kind == NSDAE_NAME_SLIDE) return i < b->slide.count;
+  if (kind == NSDAE_NAME_FRICTIONAL_JOINT) return i < b->frictional_joint.count;
   return kind == NSDAE_NAME_CONSTRAINT && i < b->element.count && !element_of(b, i)->drive;
 }
 
@@ -102,17 +102,17 @@ static int coincide(const double *x0, const double *x1)
   return nsdae_dot3(d, d) == 0;
 }
 
-static int has_no_length(const nsdae_bodies *b, const nsdae_element *e, const double *q)
+static int has_no_length(const nsdae_bodies *b, const nsdae_primitive *e, const double *q)
 {
   double x[2][3];
   for (int i = 0; i < 2; i++) nsdae_bodies_locate(b, q, e->body[i], e->point[i], x[i]);
-  return e->kind == NSDAE_ELEMENT_DISTANCE && coincide(x[0], x[1]);
+  return e->kind == NSDAE_PRIMITIVE_DISTANCE && coincide(x[0], x[1]);
 }
 
 static int explain_joint(const nsdae_bodies *b, int i, double t, const double *q, nsdae_reason *r)
 {
   static const char *const rate[3] = {"f", "f'", "f''"};
-  const nsdae_element *e = element_of(b, i);
+  const nsdae_primitive *e = element_of(b, i);
   char joint[2 * WORDS];
   double f[3] = {e->rest, 0, 0};
   int code = e->drive ? e->drive(t, f, e->user) : 0, j = 0;
@@ -131,7 +131,7 @@ static int explain_joint(const nsdae_bodies *b, int i, double t, const double *q
 
 static int explain_spring(const nsdae_bodies *b, int i, const double *q, nsdae_reason *r)
 {
-  const nsdae_element *e = &((const nsdae_bodies_spring *)b->spring.at + i)->length;
+  const nsdae_primitive *e = &((const nsdae_bodies_spring *)b->spring.at + i)->length;
   char bodies[WORDS];
   if (!has_no_length(b, e, q)) return 0;
   r->element = "spring";

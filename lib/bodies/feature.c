@@ -1,7 +1,7 @@
 #include "feature.h"
 
-#include "overlap.h"
-#include "touch.h"
+#include "separating_axis.h"
+#include "narrow_phase.h"
 
 static int is_rod(const nsdae_solid_of *s)
 {
@@ -159,7 +159,7 @@ static nsdae_touch corner_on_box(const nsdae_feature *f, const nsdae_solid_of *s
   own_place(s0, pose0, x1, place);
   if (s1->points == 1 || !may_be_over(s0, s1, pose0, pose1, place))
     return nearest_on_box(s0, pose0, place, x1, s1->radius);
-  nsdae_overlap o = nsdae_find_overlap(s0, s1, pose0, pose1);
+  nsdae_separating_axis o = nsdae_separating_axis_find(s0, s1, pose0, pose1);
   int by_edges = o.face < o.most - o.slack; /* then no corner in the box is deeper than they are */
   if (o.most > o.slack || by_edges || !is_over(s0, place, o.axis, o.beside))
     return nearest_on_box(s0, pose0, place, x1, s1->radius);
@@ -300,7 +300,7 @@ static nsdae_touch edges(const nsdae_feature *f, const nsdae_solid_of *s0, const
   nsdae_touch touch = line_line(&l, two.way, s0->radius, s1->radius);
   double apart = touch.gap.x + s0->radius + s1->radius;
   if (apart >= 0) return touch;
-  nsdae_overlap o = nsdae_find_overlap(s0, s1, pose0, pose1);
+  nsdae_separating_axis o = nsdae_separating_axis_find(s0, s1, pose0, pose1);
   return apart < o.most - o.slack ? nsdae_touch_far(s0, s1) : touch;
 }
 

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 
 #include "number.h"
-#include "world.h"
+#include "bodies_impl.h"
 
 enum { LENGTH = 256, NAME = 24 }; /* the longest formula of a file; x0, theta12 */
 
@@ -192,7 +192,7 @@ static int show(portrait *p, nsdae_system *system, const char *what, int number)
 }
 
 /* A line from the point of the one body to that of the other. */
-static int show_line(const nsdae_bodies *b, nsdae_system *system, const nsdae_element *e,
+static int show_line(const nsdae_bodies *b, nsdae_system *system, const nsdae_primitive *e,
                      const char *what, int number)
 {
   portrait p = {.body = {.shape = NSDAE_SHAPE_SEGMENT}};
@@ -271,8 +271,8 @@ int nsdae_bodies_show(const nsdae_bodies *b, nsdae_system *system)
     status =
         show_line(b, system, &((const nsdae_bodies_spring *)b->spring.at + i)->length, "spring", i);
   for (int i = 0, rods = 0; i < b->element.count && status == NSDAE_OK; i++) {
-    const nsdae_element *e = (const nsdae_element *)b->element.at + i;
-    if (e->kind == NSDAE_ELEMENT_DISTANCE) status = show_line(b, system, e, "rod", rods++);
+    const nsdae_primitive *e = (const nsdae_primitive *)b->element.at + i;
+    if (e->kind == NSDAE_PRIMITIVE_DISTANCE) status = show_line(b, system, e, "rod", rods++);
   }
   return status;
 }

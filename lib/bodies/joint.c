@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stddef.h>
 
-#include "world.h"
+#include "bodies_impl.h"
 
 static const struct {
   const char *name;
@@ -32,10 +32,10 @@ typedef struct assembly {
   double frame[3][3];
 } assembly;
 
-static nsdae_element *add_element(const assembly *s, nsdae_element_kind kind)
+static nsdae_primitive *add_element(const assembly *s, nsdae_primitive_kind kind)
 {
   nsdae_bodies *b = s->bodies;
-  nsdae_element *e = nsdae_list_add(b, &b->element, sizeof *e);
+  nsdae_primitive *e = nsdae_list_add(b, &b->element, sizeof *e);
   if (!e) return NULL;
   e->kind = kind;
   e->joint = b->joints;
@@ -47,7 +47,7 @@ static nsdae_element *add_element(const assembly *s, nsdae_element_kind kind)
   return e;
 }
 
-static void set_drive(const assembly *s, nsdae_element *e)
+static void set_drive(const assembly *s, nsdae_primitive *e)
 {
   if (!e) return;
   e->drive = s->joint->drive;
@@ -58,7 +58,7 @@ static void set_drive(const assembly *s, nsdae_element *e)
 static void coincide(const assembly *s)
 {
   for (int i = 0; i < s->bodies->dimension; i++) {
-    nsdae_element *e = add_element(s, NSDAE_ELEMENT_ALONG);
+    nsdae_primitive *e = add_element(s, NSDAE_PRIMITIVE_ALONG);
     if (!e) return;
     e->in_space = 1;
     e->a[i] = 1;
@@ -66,18 +66,18 @@ static void coincide(const assembly *s)
 }
 
 /* The point of body 1 keeps its place along axis i of the frame in body 0. */
-static nsdae_element *keep_along(const assembly *s, int i)
+static nsdae_primitive *keep_along(const assembly *s, int i)
 {
-  nsdae_element *e = add_element(s, NSDAE_ELEMENT_ALONG);
+  nsdae_primitive *e = add_element(s, NSDAE_PRIMITIVE_ALONG);
   if (e) nsdae_bodies_own_direction(s->bodies, e->body[0], s->frame[i], e->a);
   return e;
 }
 
 /* Axis i of the frame in body 0 stays at right angles to axis j of that in body 1. Driven, it is
  * turned about the third axis by f. */
-static nsdae_element *keep_square(const assembly *s, int i, int j)
+static nsdae_primitive *keep_square(const assembly *s, int i, int j)
 {
-  nsdae_element *e = add_element(s, NSDAE_ELEMENT_BETWEEN);
+  nsdae_primitive *e = add_element(s, NSDAE_PRIMITIVE_BETWEEN);
   if (!e) return NULL;
   nsdae_bodies_own_direction(s->bodies, e->body[0], s->frame[j], e->a);
   nsdae_bodies_own_direction(s->bodies, e->body[0], s->frame[i], e->b);
@@ -86,9 +86,9 @@ static nsdae_element *keep_square(const assembly *s, int i, int j)
 }
 
 /* theta_1 - theta_0 stays as it is, or what it is driven to. */
-static nsdae_element *keep_angle(const assembly *s, double ratio)
+static nsdae_primitive *keep_angle(const assembly *s, double ratio)
 {
-  nsdae_element *e = add_element(s, NSDAE_ELEMENT_TURN);
+  nsdae_primitive *e = add_element(s, NSDAE_PRIMITIVE_TURN);
   if (!e) return NULL;
   nsdae_pose pose0 = nsdae_bodies_start_pose(s->bodies, e->body[0]);
   nsdae_pose pose1 = nsdae_bodies_start_pose(s->bodies, e->body[1]);
@@ -135,7 +135,7 @@ static void weld(const assembly *s)
 static void distance(const assembly *s)
 {
   const nsdae_joint *j = s->joint;
-  nsdae_element *e = add_element(s, NSDAE_ELEMENT_DISTANCE);
+  nsdae_primitive *e = add_element(s, NSDAE_PRIMITIVE_DISTANCE);
   if (!e) return;
   nsdae_bodies_own_point(s->bodies, j->body[1], j->end, e->point[1]);
   double d[3] = {j->end[0] - j->point[0], j->end[1] - j->point[1], j->end[2] - j->point[2]};
@@ -151,10 +151,11 @@ static void slot(const assembly *s)
   keep_along(s, 1);
   if (s->joint->drive) set_drive(s, keep_along(s, 0));
   if (!(s->joint->mu > 0)) return;
-  nsdae_element *along = keep_along(s, 0);
-  nsdae_bodies_slide *slide = nsdae_list_add(b, &b->slide, sizeof *slide);
-  if (!along || !slide) return;
-  *slide = (nsdae_bodies_slide){constraint, *along, s->joint->mu};
+  nsdae_primitive *along = keep_along(s, 0);
+  nsdae_bodies_frictional_joint *frictional_joint =
+      nsdae_list_add(b, &b->frictional_joint, sizeof *frictional_joint);
+  if (!along || !frictional_joint) return;
+  *frictional_joint = (nsdae_bodies_frictional_joint){constraint, *along, s->joint->mu};
   b->element.count--; /* it was made there, but is no constraint */
 }
 
@@ -304,7 +305,7 @@ int nsdae_bodies_add_spring(nsdae_bodies *b, const nsdae_spring *spring)
   if (!s) return NSDAE_E_MEMORY;
   s->stiffness = spring->stiffness;
   s->damping = spring->damping;
-  s->length.kind = NSDAE_ELEMENT_DISTANCE;
+  s->length.kind = NSDAE_PRIMITIVE_DISTANCE;
   s->length.rest = spring->rest;
   for (int i = 0; i < 2; i++) {
     s->length.body[i] = spring->body[i];

@@ -7,7 +7,7 @@
  *
  *   separation by an edge with the outer normal n at x:  s = min_i n . (p_i - x), p_i the other's
  *   corners; two convex polygons overlap where no edge of either has s > 0 */
-#include "touch.h"
+#include "narrow_phase.h"
 
 /* What rounding and drift explain, at most, and how far beside an edge what overlaps is still over
  * it, at most, in parts of the edge's length. A gap jumps where these end: so neither is more than

@@ -1,7 +1,7 @@
 /* Lengths that overlap and drift are measured by (nsdae_system_set_size): of a body, how wide its
  * narrowest solid is; of an element, the arm of its points about their bodies' centres, or 1 where
  * it holds an angle. */
-#include "world.h"
+#include "bodies_impl.h"
 
 /* The least height of all corners below an edge: of the plane, whose solids are convex. */
 static double planar_width(const nsdae_solid_of *s)
@@ -64,10 +64,10 @@ static int set_widths_of_contacts(const nsdae_bodies *b, nsdae_system *system)
   return status;
 }
 
-static double arm_of(const nsdae_element *e)
+static double arm_of(const nsdae_primitive *e)
 {
-  double arm = e->kind == NSDAE_ELEMENT_DISTANCE ? fabs(e->rest) : 0;
-  if (e->kind == NSDAE_ELEMENT_BETWEEN || e->kind == NSDAE_ELEMENT_TURN) return 1;
+  double arm = e->kind == NSDAE_PRIMITIVE_DISTANCE ? fabs(e->rest) : 0;
+  if (e->kind == NSDAE_PRIMITIVE_BETWEEN || e->kind == NSDAE_PRIMITIVE_TURN) return 1;
   for (int i = 0; i < 2; i++)
     if (e->body[i] != NSDAE_GROUND) arm = fmax(arm, sqrt(nsdae_dot3(e->point[i], e->point[i])));
   return arm;
@@ -79,6 +79,6 @@ int nsdae_bodies_set_sizes(const nsdae_bodies *b, nsdae_system *system)
       b->pair.count > 0 ? set_widths_of_bodies(b, system) : set_widths_of_contacts(b, system);
   for (int i = 0; i < b->element.count && status == NSDAE_OK; i++)
     status = set_size(system, NSDAE_NAME_CONSTRAINT, i,
-                      arm_of((const nsdae_element *)b->element.at + i));
+                      arm_of((const nsdae_primitive *)b->element.at + i));
   return status;
 }

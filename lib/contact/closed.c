@@ -3,37 +3,37 @@
 #include <stdint.h>
 #include <string.h>
 
-#include "grow.h"
+#include "dynamic_array.h"
 
 int nsdae_closed_grow(nsdae_closed *c, nsdae_impulses *r, int room)
 {
-  const nsdae_grown all[] = {NSDAE_GROWN(c->id, 1),
-                             NSDAE_GROWN(c->block, 2),
-                             NSDAE_GROWN(c->gap, 1),
-                             NSDAE_GROWN(c->fresh, 1),
-                             NSDAE_GROWN(c->basis, NSDAE_CLOSED_BASIS),
-                             NSDAE_GROWN(r->impact, 1),
-                             NSDAE_GROWN(r->mode, 1),
-                             NSDAE_GROWN(r->before, 1),
-                             NSDAE_GROWN(r->before_t, c->nt),
-                             NSDAE_GROWN(r->after, 1),
-                             NSDAE_GROWN(r->after_t, c->nt),
-                             NSDAE_GROWN(r->normal, 1),
-                             NSDAE_GROWN(r->tangential, c->nt)};
-  int status = nsdae_grow(all, sizeof all / sizeof *all, (size_t)room);
+  const nsdae_array all[] = {NSDAE_ARRAY(c->id, 1),
+                             NSDAE_ARRAY(c->block, 2),
+                             NSDAE_ARRAY(c->gap, 1),
+                             NSDAE_ARRAY(c->fresh, 1),
+                             NSDAE_ARRAY(c->basis, NSDAE_CLOSED_BASIS),
+                             NSDAE_ARRAY(r->impact, 1),
+                             NSDAE_ARRAY(r->mode, 1),
+                             NSDAE_ARRAY(r->before, 1),
+                             NSDAE_ARRAY(r->before_t, c->nt),
+                             NSDAE_ARRAY(r->after, 1),
+                             NSDAE_ARRAY(r->after_t, c->nt),
+                             NSDAE_ARRAY(r->normal, 1),
+                             NSDAE_ARRAY(r->tangential, c->nt)};
+  int status = nsdae_arrays_grow(all, sizeof all / sizeof *all, (size_t)room);
   if (status == NSDAE_OK) c->room = room;
   return status;
 }
 
 void nsdae_closed_release(nsdae_closed *c, nsdae_impulses *r)
 {
-  const nsdae_grown all[] = {
-      NSDAE_GROWN(c->id, 1),        NSDAE_GROWN(c->block, 1),   NSDAE_GROWN(c->gap, 1),
-      NSDAE_GROWN(c->fresh, 1),     NSDAE_GROWN(c->basis, 1),   NSDAE_GROWN(r->impact, 1),
-      NSDAE_GROWN(r->mode, 1),      NSDAE_GROWN(r->before, 1),  NSDAE_GROWN(r->before_t, 1),
-      NSDAE_GROWN(r->after, 1),     NSDAE_GROWN(r->after_t, 1), NSDAE_GROWN(r->normal, 1),
-      NSDAE_GROWN(r->tangential, 1)};
-  nsdae_grown_release(all, sizeof all / sizeof *all);
+  const nsdae_array all[] = {
+      NSDAE_ARRAY(c->id, 1),        NSDAE_ARRAY(c->block, 1),   NSDAE_ARRAY(c->gap, 1),
+      NSDAE_ARRAY(c->fresh, 1),     NSDAE_ARRAY(c->basis, 1),   NSDAE_ARRAY(r->impact, 1),
+      NSDAE_ARRAY(r->mode, 1),      NSDAE_ARRAY(r->before, 1),  NSDAE_ARRAY(r->before_t, 1),
+      NSDAE_ARRAY(r->after, 1),     NSDAE_ARRAY(r->after_t, 1), NSDAE_ARRAY(r->normal, 1),
+      NSDAE_ARRAY(r->tangential, 1)};
+  nsdae_arrays_release(all, sizeof all / sizeof *all);
   c->room = 0;
 }
 
@@ -54,16 +54,16 @@ int nsdae_ids_grow(nsdae_ids *ids, int room)
 {
   size_t slots = 16;
   while (slots < 2 * (size_t)room) slots *= 2;
-  const nsdae_grown table[] = {NSDAE_GROWN(ids->slot, 1)};
-  int status = nsdae_grow(table, 1, slots);
+  const nsdae_array table[] = {NSDAE_ARRAY(ids->slot, 1)};
+  int status = nsdae_arrays_grow(table, 1, slots);
   if (status == NSDAE_OK) ids->slots = slots;
   return status;
 }
 
 void nsdae_ids_release(nsdae_ids *ids)
 {
-  const nsdae_grown table[] = {NSDAE_GROWN(ids->slot, 1)};
-  nsdae_grown_release(table, 1);
+  const nsdae_array table[] = {NSDAE_ARRAY(ids->slot, 1)};
+  nsdae_arrays_release(table, 1);
 }
 
 /* Fibonacci's multiplier spreads neighbours; the high bits are the good ones. */

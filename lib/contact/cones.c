@@ -8,7 +8,7 @@
 #include "slides.h"
 #include "vector.h"
 
-/* Newton steps after the solution; rounds of contacts and slides. */
+/* Newton steps after the solution; rounds of contacts and frictional joints. */
 enum { REFINE = 4, ROUNDS = 500 };
 
 /* Multiplications by W of an attempt to improve what sweeps have found: some 200 Newton steps of a
@@ -270,11 +270,11 @@ int nsdae_cones_mode(const nsdae_contacts *c, int a)
   const double *r = s->r + first, *u = s->u + first;
   double size = 0, d = 0;
   if (!(r[0] > 0)) return NSDAE_MODE_OPEN;
-  if (columns == 1) return NSDAE_MODE_SLIDE;
+  if (columns == 1) return NSDAE_MODE_SLIP;
   for (int j = 0; j < columns; j++) {
     size = fmax(size, fabs(c->delassus.offset[first + j]));
     d += delassus_at(c, first + j, first + j) / columns;
   }
   double slip = hypot(u[1], u[2]), margin = d * (s->mu[a] * r[0] - hypot(r[1], r[2]));
-  return slip > fmax(margin, s->options.tol * size) ? NSDAE_MODE_SLIDE : NSDAE_MODE_STICK;
+  return slip > fmax(margin, s->options.tol * size) ? NSDAE_MODE_SLIP : NSDAE_MODE_STICK;
 }

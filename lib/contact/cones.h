@@ -30,7 +30,7 @@ typedef struct nsdae_cones {
   double *r, *u;                  /* 3 most: impulses and velocities of the closed contacts */
   double *guess;                  /* 3 most: where the solver began */
   double *free, *held, *lambda;   /* columns, columns, m: with slides, the offset without contacts
-                                     and slides, the slides' impulses, lambda */
+                                     and slides, the frictional joints' impulses, lambda */
 } nsdae_cones;
 
 /* Takes the arrays for so many contacts and columns; most is set before. */
@@ -46,7 +46,7 @@ int nsdae_cones_any(const struct nsdae_contacts *contacts);
 
 /* Impulses of the closed contacts into lcp.x, from G and the offsets, and what the solver says of
  * them into lcp.info; with slides, their impulses and modes into the results too. lambda [m] is
- * that without contacts and slides. NSDAE_OK, NSDAE_E_LCP or NSDAE_E_INFEASIBLE. */
+ * that without contacts and frictional joints. NSDAE_OK, NSDAE_E_LCP or NSDAE_E_INFEASIBLE. */
 int nsdae_cones_solve(struct nsdae_contacts *contacts, const double *lambda);
 
 /* Brings impulses [columns] of all closed contacts, such as those of a polygon, to their cones. 1;

@@ -13,12 +13,12 @@
 #include "vector.h"
 
 void nsdae_contacts_set(nsdae_contacts *c, const nsdae_system *system, nsdae_error *error,
-                        double lcp_tol, int polygon_edges)
+                        double contact_tol, int polygon_edges)
 {
   c->system = system;
   c->error = error;
   nsdae_lcp_options_default(&c->lcp.options);
-  c->lcp.options.tol = lcp_tol;
+  c->lcp.options.tol = contact_tol;
   nsdae_contacts_laws(c, polygon_edges);
 }
 
@@ -29,7 +29,7 @@ void nsdae_contacts_laws(nsdae_contacts *contacts, int polygon_edges)
   contacts->slides.count = 0;
   contacts->rows_in_all = 0;
   contacts->cones.most = contacts->cones.most > 0 ? s->dims.k : 0;
-  for (int j = 0; j < s->dims.f; j++) contacts->slides.count += s->slide[j].mu > 0;
+  for (int j = 0; j < s->dims.f; j++) contacts->slides.count += s->frictional_joint[j].mu > 0;
   for (int i = 0; i < s->dims.k; i++) {
     nsdae_law law = nsdae_law_make(s->dims.nt, s->contact[i].mu, polygon_edges);
     if (law.rows > contacts->rows_most) contacts->rows_most = law.rows;
@@ -43,7 +43,7 @@ void nsdae_contacts_laws(nsdae_contacts *contacts, int polygon_edges)
 long nsdae_contacts_rows(const nsdae_system *s, int polygon_edges)
 {
   long rows = 0;
-  for (int j = 0; j < s->dims.f; j++) rows += s->slide[j].mu > 0 ? 3 : 0;
+  for (int j = 0; j < s->dims.f; j++) rows += s->frictional_joint[j].mu > 0 ? 3 : 0;
   for (int i = 0; i < s->dims.k; i++)
     rows += nsdae_law_rows(s->dims.nt, s->contact[i].mu, polygon_edges);
   return rows;
@@ -99,7 +99,7 @@ void nsdae_contacts_layout(nsdae_contacts *c, nsdae_arena *arena)
   c->slides.row = NSDAE_ARENA_INTS(arena, f + 1);
   nsdae_cones_layout(&c->cones, k, columns, dims->m, arena);
   for (int j = 0, count = 0; c->slides.number && j < dims->f; j++)
-    if (c->system->slide[j].mu > 0) c->slides.number[count++] = j;
+    if (c->system->frictional_joint[j].mu > 0) c->slides.number[count++] = j;
 }
 
 size_t nsdae_contacts_memory_size(const nsdae_contacts *c)
@@ -147,7 +147,7 @@ static void close_contacts(nsdae_contacts *c, const double *gap, double touch, c
   c->first_column[count] = columns;
   c->first_row[count] = rows;
   c->active_count = count;
-  c->columns = columns + c->slides.count; /* those of the slides come last */
+  c->columns = columns + c->slides.count; /* those of the frictional joints come last */
   nsdae_contacts_place_slides(c, rows);
 }
 
@@ -173,8 +173,8 @@ static void contact_velocity(const nsdae_contacts *c, int i, const nsdae_terms *
     v_t[j] = nsdae_dot_from(T->w_T[j], n, T->by.tangent.value + (size_t)j * size, v);
 }
 
-static void slide_velocities(const nsdae_contacts *c, const nsdae_terms *T, const double *v,
-                             double *velocity)
+static void frictional_joint_velocities(const nsdae_contacts *c, const nsdae_terms *T,
+                                        const double *v, double *velocity)
 {
   for (int i = 0; i < c->slides.count; i++) {
     int j = c->slides.number[i];
@@ -186,7 +186,7 @@ static void velocities_after(nsdae_contacts *c, const nsdae_terms *terms, const 
 {
   for (int a = 0; a < c->active_count; a++)
     contact_velocity(c, c->active[a], terms, v, c->results->after, c->results->after_t);
-  slide_velocities(c, terms, v, c->results->slide_after);
+  frictional_joint_velocities(c, terms, v, c->results->slide_after);
 }
 
 void nsdae_contacts_before(nsdae_contacts *c, const nsdae_terms *terms, const double *v,
@@ -195,7 +195,7 @@ void nsdae_contacts_before(nsdae_contacts *c, const nsdae_terms *terms, const do
   for (int a = 0; a < c->active_count; a++)
     if (!impacts_only || c->results->impact[c->active[a]])
       contact_velocity(c, c->active[a], terms, v, c->results->before, c->results->before_t);
-  if (!impacts_only) slide_velocities(c, terms, v, c->results->slide_before);
+  if (!impacts_only) frictional_joint_velocities(c, terms, v, c->results->slide_before);
 }
 
 void nsdae_contacts_come(nsdae_contacts *c, const double *before)
@@ -220,8 +220,8 @@ static void gather_columns(nsdae_contacts *c, const nsdae_terms *terms)
   }
   double *slides = c->delassus.W + (size_t)(c->columns - c->slides.count) * n;
   for (int j = 0; j < c->slides.count; j++)
-    memcpy(slides + (size_t)j * n, terms->by.slide.value + (size_t)c->slides.number[j] * n,
-           n * sizeof *slides);
+    memcpy(slides + (size_t)j * n,
+           terms->by.frictional_joint.value + (size_t)c->slides.number[j] * n, n * sizeof *slides);
 }
 
 /* Where the constraints leave a column no motion, W_j = Phi_q^T D_j, its U_j = P W_j is rounding
@@ -345,7 +345,7 @@ static int unsolved(nsdae_contacts *c, double t, int status)
 {
   char first[NSDAE_CALLED_SIZE];
   int contact = c->active_count > 0;
-  nsdae_system_called(c->system, contact ? NSDAE_NAME_CONTACT : NSDAE_NAME_SLIDE,
+  nsdae_system_called(c->system, contact ? NSDAE_NAME_CONTACT : NSDAE_NAME_FRICTIONAL_JOINT,
                       contact ? c->active[0] : 0, first);
   nsdae_error_set(
       c->error, status, "nsdae_contacts", "",
@@ -376,9 +376,9 @@ static int mode_of(const nsdae_contacts *c, int a)
   if (law->kind == NSDAE_CONE) return nsdae_cones_mode(c, a);
   int mode = nsdae_law_mode(law, x);
   double speed = 0;
-  if (law->kind != NSDAE_POLYGON || mode != NSDAE_MODE_SLIDE) return mode;
+  if (law->kind != NSDAE_POLYGON || mode != NSDAE_MODE_SLIP) return mode;
   for (int l = 0; l < law->columns; l++) speed = fmax(speed, fabs(offset[l]));
-  return x[law->rows - 1] > c->lcp.options.tol * speed ? NSDAE_MODE_SLIDE : NSDAE_MODE_STICK;
+  return x[law->rows - 1] > c->lcp.options.tol * speed ? NSDAE_MODE_SLIP : NSDAE_MODE_STICK;
 }
 
 /* Lambda = E_Q x, and what the contact does. */
@@ -424,7 +424,7 @@ static void add_velocity(const nsdae_contacts *c, int n, double *restrict size, 
   for (int i = 0; i < n; i++) v[i] = fabs(v[i]) <= rounding * size[i] ? 0 : v[i];
 }
 
-/* Lambda, and what each contact and slide does, from G and the offsets. */
+/* Lambda, and what each contact and frictional joint does, from G and the offsets. */
 static int solve_impulses(nsdae_contacts *c, const double *lambda)
 {
   int status = NSDAE_OK, cones = nsdae_cones_any(c);
@@ -480,9 +480,10 @@ void nsdae_contacts_add_impulse(const nsdae_contacts *c, const nsdae_terms *term
   }
   if (skip_impacts && any_impact(c)) return;
   for (int j = 0; j < c->slides.count; j++) {
-    double friction = scale * c->results->slide_impulse[c->slides.number[j]];
-    nsdae_add_product(dims->nv, 1, terms->by.slide.value + (size_t)c->slides.number[j] * n,
-                      &friction, r);
+    double friction = scale * c->results->frictional_joint_impulse[c->slides.number[j]];
+    nsdae_add_product(dims->nv, 1,
+                      terms->by.frictional_joint.value + (size_t)c->slides.number[j] * n, &friction,
+                      r);
   }
 }
 
@@ -498,7 +499,7 @@ double nsdae_contacts_work(const nsdae_contacts *c)
   }
   for (int i = 0; i < c->slides.count; i++) {
     int j = c->slides.number[i];
-    work += c->results->slide_impulse[j] *
+    work += c->results->frictional_joint_impulse[j] *
             (c->results->slide_after[j] + c->results->slide_before[j]) / 2;
   }
   return work;

@@ -1,4 +1,5 @@
-/* The contact problem of one step or instant, with the slides (see slides.h) as further rows.
+/* The contact problem of one step or instant, with the frictional joints (see slides.h) as further
+ * rows.
  *
  * With the columns W of the closed contacts, P the projector of [M Phi_q^T; Phi_q 0] and v_free
  * the velocity that the system would have without contacts,
@@ -40,7 +41,7 @@ typedef struct nsdae_contact_lcp {
   int *iwork, lwork, liwork;
 } nsdae_contact_lcp;
 
-/* What the slides make of the unknowns: see slides.h. */
+/* What the frictional joints make of the unknowns: see slides.h. */
 typedef struct nsdae_slide_map {
   double *Z, *GZ; /* columns x rows: Lambda = Z x + z0, G Z */
   double *z0;     /* columns */
@@ -66,11 +67,11 @@ typedef struct nsdae_contact_warm {
 typedef struct nsdae_contacts {
   const nsdae_system *system;
   nsdae_error *error;
-  nsdae_law *law;                /* k: fixed with the system's coefficients */
-  int rows_most;                 /* of any contact */
-  long rows_in_all;              /* of all of them, and of the slides */
-  int active_count, *active;     /* the closed contacts */
-  int columns, rows;             /* of the problem, over the closed contacts and the slides */
+  nsdae_law *law;            /* k: fixed with the system's coefficients */
+  int rows_most;             /* of any contact */
+  long rows_in_all;          /* of all of them, and of the frictional joints */
+  int active_count, *active; /* the closed contacts */
+  int columns, rows; /* of the problem, over the closed contacts and the frictional joints */
   int *first_column, *first_row; /* per closed contact, with one past the last */
   nsdae_contact_slides slides;
   nsdae_delassus delassus;
@@ -85,15 +86,15 @@ typedef struct nsdae_contacts {
 void nsdae_contacts_layout(nsdae_contacts *contacts, nsdae_arena *arena);
 
 /* Fills the laws [k], where there are any yet, and rows_most from the system's coefficients, and
- * counts the slides. */
+ * counts the frictional joints. */
 void nsdae_contacts_laws(nsdae_contacts *contacts, int polygon_edges);
 
 /* Settings of a problem of the system; then as above. */
 void nsdae_contacts_set(nsdae_contacts *contacts, const nsdae_system *system, nsdae_error *error,
-                        double lcp_tol, int polygon_edges);
+                        double contact_tol, int polygon_edges);
 
-/* Number of rows that the contacts and slides of a system can have together, and how many a
- * problem may have. */
+/* Number of rows that the contacts and frictional joints of a system can have together, and how
+ * many a problem may have. */
 long nsdae_contacts_rows(const nsdae_system *system, int polygon_edges);
 int nsdae_contacts_rows_limit(void);
 
@@ -118,8 +119,8 @@ void nsdae_contacts_close(nsdae_contacts *contacts, const nsdae_terms *terms,
 void nsdae_contacts_close_marked(nsdae_contacts *contacts, const int *closed,
                                  nsdae_impulses *results);
 
-/* Stores v(-) of the closed contacts and the slides: W^T v + w with the terms' W and w; with
- * impacts_only, of the contacts that are marked as impacts. */
+/* Stores v(-) of the closed contacts and the frictional joints: W^T v + w with the terms' W and w;
+ * with impacts_only, of the contacts that are marked as impacts. */
 void nsdae_contacts_before(nsdae_contacts *contacts, const nsdae_terms *terms, const double *v,
                            int impacts_only);
 
@@ -135,23 +136,23 @@ static inline int nsdae_contacts_any(const nsdae_contacts *contacts)
   return contacts->active_count + contacts->slides.count > 0;
 }
 
-/* Whether friction can move contact or slide in this column of the problem at all. */
+/* Whether friction can move contact or frictional joint in this column of the problem at all. */
 static inline int nsdae_contacts_powerless(const nsdae_contacts *contacts, int column)
 {
   return contacts->delassus.G[(size_t)column * (size_t)(contacts->columns + 1)] == 0;
 }
 
-/* Solves for the closed contacts and the slides. On entry v [nv] and lambda [m] are free of
- * contacts, on return they hold v(+) and lambda; W and w are the terms', kkt is factored; size [nv]
- * is how large the terms of v were before they were summed, on return those of v(+): what is
+/* Solves for the closed contacts and the frictional joints. On entry v [nv] and lambda [m] are free
+ * of contacts, on return they hold v(+) and lambda; W and w are the terms', kkt is factored; size
+ * [nv] is how large the terms of v were before they were summed, on return those of v(+): what is
  * smaller by all digits is zero. NSDAE_OK; NSDAE_E_LCP, NSDAE_E_INFEASIBLE, NSDAE_E_NONFINITE with
  * the record filled and v, lambda unchanged. */
 int nsdae_contacts_solve(nsdae_contacts *contacts, const nsdae_terms *terms, const nsdae_kkt *kkt,
                          double *size, double *v, double *lambda);
 
 /* r [nv] += scale (W Lambda), with the terms' W and the last impulses of the closed contacts and
- * the slides; skip_impacts leaves out what acts along the end of a step with an impact: the
- * contacts that are marked, and with any such the slides. */
+ * the frictional joints; skip_impacts leaves out what acts along the end of a step with an impact:
+ * the contacts that are marked, and with any such the frictional joints. */
 void nsdae_contacts_add_impulse(const nsdae_contacts *contacts, const nsdae_terms *terms,
                                 double scale, int skip_impacts, double *r);
 

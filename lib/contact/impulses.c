@@ -29,10 +29,10 @@ void nsdae_impulses_layout(nsdae_impulses *r, const nsdae_dims *dims, nsdae_aren
   r->tangential = r->normal + k;
   r->slide_before = r->tangential + kt;
   r->slide_after = r->slide_before + f;
-  r->slide_impulse = r->slide_after + f;
+  r->frictional_joint_impulse = r->slide_after + f;
   r->impact = whole;
   r->mode = r->impact + k;
-  r->slide_mode = r->mode + k;
+  r->frictional_joint_mode = r->mode + k;
 }
 
 void nsdae_impulses_clear(nsdae_impulses *r, const nsdae_dims *dims)

@@ -1,5 +1,5 @@
-/* What contacts and slides did in a step or instant: the results of a contact problem, or of an
- * integration over forces. Zero where a contact is open. */
+/* What contacts and frictional joints did in a step or instant: the results of a contact problem,
+ * or of an integration over forces. Zero where a contact is open. */
 #ifndef NSDAE_IMPULSES_H
 #define NSDAE_IMPULSES_H
 
@@ -15,8 +15,8 @@ typedef struct nsdae_impulses {
   int *mode;                   /* enum nsdae_mode */
 
   double *slide_before, *slide_after; /* f: sliding velocity */
-  double *slide_impulse;              /* f: Lambda_T */
-  int *slide_mode;                    /* f */
+  double *frictional_joint_impulse;   /* f: Lambda_T */
+  int *frictional_joint_mode;         /* f */
 } nsdae_impulses;
 
 void nsdae_impulses_layout(nsdae_impulses *impulses, const nsdae_dims *dims, nsdae_arena *arena);

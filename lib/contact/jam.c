@@ -56,7 +56,8 @@ static double yield_of(const nsdae_contacts *c, int row)
 static double slide_coefficient(const nsdae_contacts *c, int j)
 {
   size_t f = (size_t)c->slides.count, column = (size_t)c->columns - f + (size_t)j;
-  return 1 - fabs(c->map.D_S[column * f + (size_t)j] * c->system->slide[c->slides.number[j]].mu);
+  return 1 - fabs(c->map.D_S[column * f + (size_t)j] *
+                  c->system->frictional_joint[c->slides.number[j]].mu);
 }
 
 static int slides(const nsdae_contacts *c, int j)
@@ -81,7 +82,7 @@ static int judge_slides(const nsdae_contacts *c, int status, nsdae_jam_margin ma
   double coefficient = slide_coefficient(c, worst);
   int near = fabs(coefficient) <= margins[margin];
   if (unsolved ? coefficient > margins[margin] : margin == NSDAE_JAM_EXACT || !near) return status;
-  return tell(c, NSDAE_NAME_SLIDE, c->slides.number[worst], t,
+  return tell(c, NSDAE_NAME_FRICTIONAL_JOINT, c->slides.number[worst], t,
               near ? without_bound : "no friction force that solves the equations", coefficient);
 }
 

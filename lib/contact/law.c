@@ -86,7 +86,7 @@ int nsdae_law_mode(const nsdae_law *law, const double *x)
 {
   if (!(x[0] > 0)) return NSDAE_MODE_OPEN;
   /* stick: Lambda_R and Lambda_L may both be positive, xi_R and xi_L are zero */
-  if (law->kind == NSDAE_PLANAR) return x[1] > 0 && x[2] == 0 ? NSDAE_MODE_STICK : NSDAE_MODE_SLIDE;
-  if (law->kind == NSDAE_POLYGON) return x[law->rows - 1] > 0 ? NSDAE_MODE_SLIDE : NSDAE_MODE_STICK;
-  return NSDAE_MODE_SLIDE;
+  if (law->kind == NSDAE_PLANAR) return x[1] > 0 && x[2] == 0 ? NSDAE_MODE_STICK : NSDAE_MODE_SLIP;
+  if (law->kind == NSDAE_POLYGON) return x[law->rows - 1] > 0 ? NSDAE_MODE_SLIP : NSDAE_MODE_STICK;
+  return NSDAE_MODE_SLIP;
 }

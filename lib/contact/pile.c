@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "errors.h"
-#include "grow.h"
+#include "dynamic_array.h"
 #include "listed.h"
 #include "friction_solver.h"
 #include "vector.h"
@@ -38,28 +38,30 @@ int nsdae_pile_grow(nsdae_pile *c, const nsdae_system *system, const nsdae_room 
   nsdae_pile_arrays *at = &c->at;
   size_t m = (size_t)system->dims.m, columns = (size_t)(1 + system->dims.nt);
   size_t items = contacts->entries + m;
-  const nsdae_grown by_item[] = {NSDAE_GROWN(at->item, 1),       NSDAE_GROWN(at->rows, 1),
-                                 NSDAE_GROWN(at->mu, 1),         NSDAE_GROWN(at->w, columns),
-                                 NSDAE_GROWN(at->r, columns),    NSDAE_GROWN(at->u, columns),
-                                 NSDAE_GROWN(at->guess, columns)};
-  const nsdae_grown by_end[] = {NSDAE_GROWN(at->first, 1)};
-  const nsdae_grown by_part[] = {NSDAE_GROWN(at->block, 1)};
-  const nsdae_grown by_value[] = {NSDAE_GROWN(at->value, 1)};
-  int status = nsdae_grow(by_item, sizeof by_item / sizeof *by_item, items);
-  if (status == NSDAE_OK) status = nsdae_grow(by_end, 1, 2 * items); /* an island has an item */
-  if (status == NSDAE_OK) status = nsdae_grow(by_part, 1, 2 * contacts->entries + rows->entries);
-  return status < 0 ? status : nsdae_grow(by_value, 1, contacts->values + rows->values);
+  const nsdae_array by_item[] = {NSDAE_ARRAY(at->item, 1),       NSDAE_ARRAY(at->rows, 1),
+                                 NSDAE_ARRAY(at->mu, 1),         NSDAE_ARRAY(at->w, columns),
+                                 NSDAE_ARRAY(at->r, columns),    NSDAE_ARRAY(at->u, columns),
+                                 NSDAE_ARRAY(at->guess, columns)};
+  const nsdae_array by_end[] = {NSDAE_ARRAY(at->first, 1)};
+  const nsdae_array by_part[] = {NSDAE_ARRAY(at->block, 1)};
+  const nsdae_array by_value[] = {NSDAE_ARRAY(at->value, 1)};
+  int status = nsdae_arrays_grow(by_item, sizeof by_item / sizeof *by_item, items);
+  if (status == NSDAE_OK)
+    status = nsdae_arrays_grow(by_end, 1, 2 * items); /* an island has an item */
+  if (status == NSDAE_OK)
+    status = nsdae_arrays_grow(by_part, 1, 2 * contacts->entries + rows->entries);
+  return status < 0 ? status : nsdae_arrays_grow(by_value, 1, contacts->values + rows->values);
 }
 
 void nsdae_pile_release(nsdae_pile *c)
 {
   nsdae_pile_arrays *at = &c->at;
-  const nsdae_grown all[] = {NSDAE_GROWN(at->item, 1),  NSDAE_GROWN(at->rows, 1),
-                             NSDAE_GROWN(at->mu, 1),    NSDAE_GROWN(at->w, 1),
-                             NSDAE_GROWN(at->r, 1),     NSDAE_GROWN(at->u, 1),
-                             NSDAE_GROWN(at->guess, 1), NSDAE_GROWN(at->first, 1),
-                             NSDAE_GROWN(at->block, 1), NSDAE_GROWN(at->value, 1)};
-  nsdae_grown_release(all, sizeof all / sizeof *all);
+  const nsdae_array all[] = {NSDAE_ARRAY(at->item, 1),  NSDAE_ARRAY(at->rows, 1),
+                             NSDAE_ARRAY(at->mu, 1),    NSDAE_ARRAY(at->w, 1),
+                             NSDAE_ARRAY(at->r, 1),     NSDAE_ARRAY(at->u, 1),
+                             NSDAE_ARRAY(at->guess, 1), NSDAE_ARRAY(at->first, 1),
+                             NSDAE_ARRAY(at->block, 1), NSDAE_ARRAY(at->value, 1)};
+  nsdae_arrays_release(all, sizeof all / sizeof *all);
 }
 
 /* ---- gathering: the end moves on */
@@ -245,7 +247,7 @@ static int mode_of(const part *c, const nsdae_whole *w, int i, int row)
     double slip = r->after_t[j] + w->law[a].e_t * r->before_t[j];
     square += slip * slip;
   }
-  return c->at.rows[i] > 1 && !(sqrt(square) > c->slow) ? NSDAE_MODE_STICK : NSDAE_MODE_SLIDE;
+  return c->at.rows[i] > 1 && !(sqrt(square) > c->slow) ? NSDAE_MODE_STICK : NSDAE_MODE_SLIP;
 }
 
 /* Momentum f + H r in f, and in u (whose place is free then) nothing; sizes of its terms in size

@@ -15,8 +15,8 @@
 
 /* Brings the solved problem's impulses to the cone, with the direction [k nt] of what slides, and
  * with them v [nv], lambda [m] and the contacts' velocities after. force, xi [columns] are for its
- * work, and the residual of the problem is that of the cones then, up to lcp_tol. 1; 0 where it was
- * not found, or there are slides: then all is as before. */
+ * work, and the residual of the problem is that of the cones then, up to contact_tol. 1; 0 where it
+ * was not found, or there are slides: then all is as before. */
 int nsdae_contacts_relax(nsdae_contacts *contacts, const double *direction, double *force,
                          double *xi, double *v, double *lambda);
 

@@ -23,7 +23,7 @@ void nsdae_sharing_layout(nsdae_sharing *s, const nsdae_dims *d, nsdae_arena *ar
   int **of_column[] = {&s->normal, &s->force_number, &s->pivot};
   double **square[] = {&s->relation, &s->system};
   double **line[] = {&s->force, &s->weight, &s->solved, &s->shift};
-  nsdae_dependence_layout(&s->rows, n, arena);
+  nsdae_rank_revealing_layout(&s->rows, n, arena);
   for (int i = 0; i < 3; i++) *of_column[i] = NSDAE_ARENA_INTS(arena, n);
   for (int i = 0; i < 2; i++) *square[i] = NSDAE_ARENA_DOUBLES(arena, n * n);
   for (int i = 0; i < 4; i++) *line[i] = NSDAE_ARENA_DOUBLES(arena, n);
@@ -46,7 +46,7 @@ static double *row_of(const nsdae_sharing *s, double *matrix, int column)
   return matrix + (size_t)column * (size_t)problem_of(s)->columns;
 }
 
-/* Columns of contacts: those of slides come after them. */
+/* Columns of contacts: those of frictional joints come after them. */
 static int contact_columns(const nsdae_sharing *s)
 {
   return problem_of(s)->columns - problem_of(s)->slides.count;
@@ -189,9 +189,9 @@ static int next_normal(const nsdae_sharing *s)
 static void take_normals(nsdae_sharing *s)
 {
   s->rows.sine = fmax(s->of->rank_tol, LEAST_SINE * s->of->looser);
-  nsdae_dependence_start(&s->rows, problem_of(s)->columns, problem_of(s)->delassus.G);
+  nsdae_rank_revealing_start(&s->rows, problem_of(s)->columns, problem_of(s)->delassus.G);
   for (int column = next_normal(s); column >= 0; column = next_normal(s))
-    nsdae_dependence_take(&s->rows, column);
+    nsdae_rank_revealing_take(&s->rows, column);
 }
 
 /* The column of what sticks that depends least on those taken; -1 past the last. A row that nearly
@@ -204,7 +204,7 @@ static int next_sticking(nsdae_sharing *s)
   for (int a = 0; a < c->active_count; a++)
     for (int l = c->first_column[a] + 1; l < c->first_column[a + 1] && sticks(s, a); l++) {
       if (s->rows.seen[l]) continue;
-      double part = nsdae_dependence_rest(&s->rows, l);
+      double part = nsdae_rank_revealing_rest(&s->rows, l);
       if (next >= 0 && !(part > most)) continue;
       next = l;
       most = part;
@@ -215,7 +215,7 @@ static int next_sticking(nsdae_sharing *s)
 static void take_sticking(nsdae_sharing *s)
 {
   for (int column = next_sticking(s); column >= 0; column = next_sticking(s))
-    nsdae_dependence_take(&s->rows, column);
+    nsdae_rank_revealing_take(&s->rows, column);
 }
 
 /* Whether the a-th closed contact slides, or begins to, with friction. */
@@ -225,7 +225,7 @@ static int slides(const nsdae_sharing *s, int a)
   int i = c->active[a], nt = system_of(s)->dims.nt;
   if (s->of->mode[i] == NSDAE_MODE_OPEN || s->of->moving[i])
     return s->of->mode[i] != NSDAE_MODE_OPEN;
-  return s->of->mode[i] == NSDAE_MODE_SLIDE && friction_of(s, a) > 0 &&
+  return s->of->mode[i] == NSDAE_MODE_SLIP && friction_of(s, a) > 0 &&
          nsdae_norm(nt, c->results->after_t + i * nt) > s->of->none;
 }
 
@@ -315,7 +315,7 @@ static void hold_resting(const nsdae_sharing *s)
   for (int i = 0; i < c->system->dims.k; i++) any |= s->of->breakaway[i];
   for (int a = 0; a < c->active_count && !any; a++) {
     int i = c->active[a];
-    if (mode[i] != NSDAE_MODE_SLIDE || s->of->moving[i] || !(c->results->normal[i] > 0)) continue;
+    if (mode[i] != NSDAE_MODE_SLIP || s->of->moving[i] || !(c->results->normal[i] > 0)) continue;
     if (c->law[i].columns == 1 || nsdae_contacts_powerless(c, c->first_column[a] + 1)) continue;
     if (nsdae_norm(nt, c->results->after_t + i * nt) <= s->of->none) mode[i] = NSDAE_MODE_STICK;
   }
@@ -328,14 +328,14 @@ static int try_forces(nsdae_sharing *s, int even_normal, int even_friction)
   for (int a = 0; a < problem_of(s)->active_count; a++) s->emphasis[a] = 1;
   gather_forces(s);
   take_normals(s);
-  nsdae_dependence_combine(&s->rows);
+  nsdae_rank_revealing_combine(&s->rows);
   if (even_normal && (any_sliding(s) || !relate(s, 1, 0))) return 0;
   scatter_forces(s);
   hold_resting(s);
   gather_forces(s);
   take_normals(s);
   take_sticking(s);
-  nsdae_dependence_combine(&s->rows);
+  nsdae_rank_revealing_combine(&s->rows);
   int related = even_friction ? relate_friction(s, even_normal) : relate(s, even_normal, 0);
   return related && holds(s) && keeps_sliding(s);
 }
@@ -364,11 +364,12 @@ static void take_slides(nsdae_sharing *s)
   const nsdae_shared *m = s->of;
   for (int i = 0; i < c->slides.count; i++) {
     int j = c->slides.number[i];
-    double most = system_of(s)->slide[j].mu * fabs(m->lambda[system_of(s)->slide[j].constraint]);
+    double most = system_of(s)->frictional_joint[j].mu *
+                  fabs(m->lambda[system_of(s)->frictional_joint[j].constraint]);
     m->slide_part[j] = m->slide_sense[j];
-    if (m->slide_mode[j] != NSDAE_MODE_STICK) continue;
-    m->slide_row[j] = nsdae_dependence_take(&s->rows, contact_columns(s) + i);
-    m->slide_part[j] = most > 0 ? -c->results->slide_impulse[j] / most : 0;
+    if (m->frictional_joint_mode[j] != NSDAE_MODE_STICK) continue;
+    m->slide_row[j] = nsdae_rank_revealing_take(&s->rows, contact_columns(s) + i);
+    m->slide_part[j] = most > 0 ? -c->results->frictional_joint_impulse[j] / most : 0;
   }
 }
 

@@ -17,27 +17,27 @@
 #define NSDAE_CONTACT_SHARING_H
 
 #include "contacts.h"
-#include "dependence.h"
+#include "rank_revealing.h"
 
 /* A problem of accelerations that is solved, and what becomes of its forces. */
 typedef struct nsdae_shared {
-  nsdae_contacts *problem;             /* its forces may be shared differently afterwards */
-  const double *lambda;                /* m: of its solution */
-  double rank_tol, none;               /* accelerations up to the second are none */
-  double looser;                       /* 1, or more: rows that nearly depend do */
-  int *mode;                           /* k: of the solution; what others hold is to stick */
-  const int *moving, *breakaway;       /* k: slides already; and just began to */
-  const int *slide_mode, *slide_sense; /* f */
-  int *related;                        /* out, by force i for F_N, k + j for F_T: has a relation */
-  double *relation;                    /* their r, by rows */
-  int *slide_row;                      /* out, f: one that sticks has a row */
-  double *slide_part;                  /* out, f: F_S = -mu |lambda| times this if it has none */
+  nsdae_contacts *problem;       /* its forces may be shared differently afterwards */
+  const double *lambda;          /* m: of its solution */
+  double rank_tol, none;         /* accelerations up to the second are none */
+  double looser;                 /* 1, or more: rows that nearly depend do */
+  int *mode;                     /* k: of the solution; what others hold is to stick */
+  const int *moving, *breakaway; /* k: slides already; and just began to */
+  const int *frictional_joint_mode, *slide_sense; /* f */
+  int *related;       /* out, by force i for F_N, k + j for F_T: has a relation */
+  double *relation;   /* their r, by rows */
+  int *slide_row;     /* out, f: one that sticks has a row */
+  double *slide_part; /* out, f: F_S = -mu |lambda| times this if it has none */
 } nsdae_shared;
 
-/* Rows by the columns of the problem, n of them; those of slides come last. */
+/* Rows by the columns of the problem, n of them; those of frictional joints come last. */
 typedef struct nsdae_sharing {
   const nsdae_shared *of; /* in work */
-  nsdae_dependence rows;
+  nsdae_rank_revealing rows;
   int *normal, *force_number; /* n: column of the same contact's normal; of the phase's forces */
   double *relation;           /* n x n, by rows */
   double *force, *weight;     /* n */

@@ -98,7 +98,7 @@ static int stick(single *c)
   return c->x[0] > 0 && fabs(c->x[1]) <= c->mu * c->x[0];
 }
 
-static int slide(single *c, double s)
+static int frictional_joint(single *c, double s)
 {
   double normal = c->G[0][0] - s * c->mu * c->G[0][1];
   if (!(normal > 16 * DBL_EPSILON * c->G[0][0])) return 0;
@@ -115,10 +115,10 @@ static int solve(single *c)
   if (!(c->G[0][0] > 0)) return -1;
   if (c->columns == 1) {
     c->x[0] = -c->b[0] / c->G[0][0];
-    return NSDAE_MODE_SLIDE;
+    return NSDAE_MODE_SLIP;
   }
   if (stick(c)) return NSDAE_MODE_STICK;
-  return slide(c, 1) || slide(c, -1) ? NSDAE_MODE_SLIDE : -1;
+  return frictional_joint(c, 1) || frictional_joint(c, -1) ? NSDAE_MODE_SLIP : -1;
 }
 
 /* v(+) of a side. What cancels to rounding is zero, as in contacts.c. */

@@ -9,11 +9,11 @@
 
 #define AT(A, ld, i, j) (A)[(size_t)(j) * (size_t)(ld) + (size_t)(i)]
 
-enum { L_PLUS = 0, LAMBDA_R = 1, XI_L = 2 }; /* rows of a slide */
+enum { L_PLUS = 0, LAMBDA_R = 1, XI_L = 2 }; /* rows of a frictional joint */
 
-static const nsdae_slide *slide_of(const nsdae_contacts *c, int j)
+static const nsdae_frictional_joint *slide_of(const nsdae_contacts *c, int j)
 {
-  return &c->system->slide[c->slides.number[j]];
+  return &c->system->frictional_joint[c->slides.number[j]];
 }
 
 /* The known direction of sliding, +1 or -1; 0: not known. */
@@ -43,7 +43,7 @@ static int column_of(const nsdae_contacts *c, int j)
   return c->columns - c->slides.count + j;
 }
 
-/* Z_b: E_Q of the contacts, Lambda_T = Lambda_R - mu l+ of the slides. */
+/* Z_b: E_Q of the contacts, Lambda_T = Lambda_R - mu l+ of the frictional joints. */
 static void basic_map(nsdae_contacts *c)
 {
   memset(c->map.Z, 0, (size_t)c->columns * (size_t)c->rows * sizeof *c->map.Z);
@@ -94,7 +94,7 @@ static int eliminate(nsdae_contacts *c)
   return NSDAE_OK;
 }
 
-/* Z = Z_b - mu K, z0 = -mu k0 on the slides; then G Z, and G z0 into the offsets. */
+/* Z = Z_b - mu K, z0 = -mu k0 on the frictional joints; then G Z, and G z0 into the offsets. */
 static void whole_map(nsdae_contacts *c)
 {
   memset(c->map.z0, 0, (size_t)c->columns * sizeof *c->map.z0);
@@ -174,7 +174,8 @@ void nsdae_slides_scatter(nsdae_contacts *c)
     c->delassus.impulse_size[column] = size;
     int sticking = !sense_of(c, i) && c->lcp.x[row + LAMBDA_R] > 0 && c->lcp.x[row + XI_L] == 0;
     c->delassus.impulse[column] = sum;
-    c->results->slide_impulse[c->slides.number[i]] = sum;
-    c->results->slide_mode[c->slides.number[i]] = sticking ? NSDAE_MODE_STICK : NSDAE_MODE_SLIDE;
+    c->results->frictional_joint_impulse[c->slides.number[i]] = sum;
+    c->results->frictional_joint_mode[c->slides.number[i]] =
+        sticking ? NSDAE_MODE_STICK : NSDAE_MODE_SLIP;
   }
 }

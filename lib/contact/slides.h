@@ -6,12 +6,12 @@
  *   x = [l+, Lambda_R, xi_L],  y = [l-, xi_R, Lambda_L]
  *   Lambda_T = Lambda_R - mu (l+ + l-),  Lambda_L = mu (l+ + l-) - Lambda_T,  xi_R = xi_T + xi_L
  *
- * With the multipliers lambda_S = lambda_free + D_S Lambda of the slides' constraints,
- * Lambda = Z_b x - mu l- (on the slides) and S the matrix that picks l+ from x,
+ * With the multipliers lambda_S = lambda_free + D_S Lambda of the frictional joints' constraints,
+ * Lambda = Z_b x - mu l- (on the frictional joints) and S the matrix that picks l+ from x,
  *
  *   Q l- = (S - D_S Z_b) x - lambda_free,   Q = 1 - D_SS mu
- *   l- = K x + k0,   Lambda = Z x + z0,   Z = Z_b - mu K,   z0 = -mu k0     (on the slides)
- *   l- row: K;   xi_R row: W_S^T P W Z + [xi_L];   Lambda_L row: 2 mu (S + K) - [Lambda_R]
+ *   l- = K x + k0,   Lambda = Z x + z0,   Z = Z_b - mu K,   z0 = -mu k0     (on the frictional
+ * joints) l- row: K;   xi_R row: W_S^T P W Z + [xi_L];   Lambda_L row: 2 mu (S + K) - [Lambda_R]
  *
  * Where the direction of sliding s = +-1 is known, l+ is the only row left, its complement l-, and
  * Lambda_T = -s mu (l+ + l-): s mu takes the place of mu, and Lambda_R and xi_L are left out.
@@ -30,7 +30,7 @@ int nsdae_slides_rows(const nsdae_contacts *contacts, int j);
  * NSDAE_OK, or NSDAE_E_LCP where Q is singular. */
 int nsdae_slides_assemble(nsdae_contacts *contacts, const double *lambda);
 
-/* enum nsdae_mode and friction of the slides from the solution. */
+/* enum nsdae_mode and friction of the frictional joints from the solution. */
 void nsdae_slides_scatter(nsdae_contacts *contacts);
 
 #endif

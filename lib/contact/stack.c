@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "grow.h"
+#include "dynamic_array.h"
 #include "listed.h"
 
 enum { ROUNDS = 60, WIDEST = 24 }; /* of the set; mean width of an envelope */
@@ -19,27 +19,27 @@ enum { ARRAYS = 11 };
 
 int nsdae_stack_grow(nsdae_stack *c, const nsdae_room *contacts)
 {
-  const nsdae_grown each[ARRAYS] = {
-      NSDAE_GROWN(c->order, 1),  NSDAE_GROWN(c->position, 1), NSDAE_GROWN(c->of_block, 2),
-      NSDAE_GROWN(c->part, 2),   NSDAE_GROWN(c->at, 1),       NSDAE_GROWN(c->low, 1),
-      NSDAE_GROWN(c->active, 1), NSDAE_GROWN(c->b, 1),        NSDAE_GROWN(c->x, 1),
-      NSDAE_GROWN(c->u, 1),      NSDAE_GROWN(c->rest, 1)};
-  const nsdae_grown values[] = {NSDAE_GROWN(c->U, 1)};
-  const nsdae_grown envelopes[] = {NSDAE_GROWN(c->A, WIDEST), NSDAE_GROWN(c->L, WIDEST)};
-  int status = nsdae_grow(each, ARRAYS, contacts->entries + 1);
-  if (status == NSDAE_OK) status = nsdae_grow(values, 1, contacts->values);
-  return status < 0 ? status : nsdae_grow(envelopes, 2, contacts->entries);
+  const nsdae_array each[ARRAYS] = {
+      NSDAE_ARRAY(c->order, 1),  NSDAE_ARRAY(c->position, 1), NSDAE_ARRAY(c->of_block, 2),
+      NSDAE_ARRAY(c->part, 2),   NSDAE_ARRAY(c->at, 1),       NSDAE_ARRAY(c->low, 1),
+      NSDAE_ARRAY(c->active, 1), NSDAE_ARRAY(c->b, 1),        NSDAE_ARRAY(c->x, 1),
+      NSDAE_ARRAY(c->u, 1),      NSDAE_ARRAY(c->rest, 1)};
+  const nsdae_array values[] = {NSDAE_ARRAY(c->U, 1)};
+  const nsdae_array envelopes[] = {NSDAE_ARRAY(c->A, WIDEST), NSDAE_ARRAY(c->L, WIDEST)};
+  int status = nsdae_arrays_grow(each, ARRAYS, contacts->entries + 1);
+  if (status == NSDAE_OK) status = nsdae_arrays_grow(values, 1, contacts->values);
+  return status < 0 ? status : nsdae_arrays_grow(envelopes, 2, contacts->entries);
 }
 
 void nsdae_stack_release(nsdae_stack *c)
 {
-  const nsdae_grown all[] = {
-      NSDAE_GROWN(c->order, 1),  NSDAE_GROWN(c->position, 1), NSDAE_GROWN(c->of_block, 1),
-      NSDAE_GROWN(c->part, 1),   NSDAE_GROWN(c->at, 1),       NSDAE_GROWN(c->low, 1),
-      NSDAE_GROWN(c->active, 1), NSDAE_GROWN(c->b, 1),        NSDAE_GROWN(c->x, 1),
-      NSDAE_GROWN(c->u, 1),      NSDAE_GROWN(c->rest, 1),     NSDAE_GROWN(c->U, 1),
-      NSDAE_GROWN(c->A, 1),      NSDAE_GROWN(c->L, 1)};
-  nsdae_grown_release(all, sizeof all / sizeof *all);
+  const nsdae_array all[] = {
+      NSDAE_ARRAY(c->order, 1),  NSDAE_ARRAY(c->position, 1), NSDAE_ARRAY(c->of_block, 1),
+      NSDAE_ARRAY(c->part, 1),   NSDAE_ARRAY(c->at, 1),       NSDAE_ARRAY(c->low, 1),
+      NSDAE_ARRAY(c->active, 1), NSDAE_ARRAY(c->b, 1),        NSDAE_ARRAY(c->x, 1),
+      NSDAE_ARRAY(c->u, 1),      NSDAE_ARRAY(c->rest, 1),     NSDAE_ARRAY(c->U, 1),
+      NSDAE_ARRAY(c->A, 1),      NSDAE_ARRAY(c->L, 1)};
+  nsdae_arrays_release(all, sizeof all / sizeof *all);
 }
 
 static const nsdae_rows *normals(const nsdae_whole *w)
@@ -312,7 +312,7 @@ static void scatter(nsdae_stack *c, const nsdae_whole *w, int island)
     int k = c->order[i], a = c->contact[k];
     double x = fmax(c->x[i], 0);
     w->results->normal[a] = x;
-    w->results->mode[a] = x > 0 ? NSDAE_MODE_SLIDE : NSDAE_MODE_OPEN;
+    w->results->mode[a] = x > 0 ? NSDAE_MODE_SLIP : NSDAE_MODE_OPEN;
     for (int p = N->first[a]; p < N->first[a + 1]; p++) {
       int b = N->block[p], at = blocks->first[b];
       const double *U = c->U + c->part[2 * (size_t)k + (size_t)(p - N->first[a])];

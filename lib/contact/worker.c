@@ -30,7 +30,7 @@ int nsdae_worker_grow(nsdae_worker *w, const nsdae_room *contacts)
 void nsdae_worker_release(nsdae_worker *w)
 {
   nsdae_stack_release(&w->stack);
-  nsdae_saddle_release(&w->saddle);
+  nsdae_sparse_kkt_release(&w->saddle);
   nsdae_friction_destroy(&w->solver);
 }
 
@@ -115,7 +115,7 @@ static int solve_sparse(nsdae_worker *w, const nsdae_whole *whole, int island)
 {
   const nsdae_graph *is = whole->islands;
   int m = nsdae_members_count(&is->row, island);
-  int status = nsdae_saddle_solve(
+  int status = nsdae_sparse_kkt_solve(
       &w->saddle, &whole->system->blocks, &whole->terms->by.jacobian, whole->M,
       nsdae_members_count(&is->block, island), is->block.of + is->block.first[island], m,
       is->row.of + is->row.first[island], whole->r, whole->v, whole->lambda);

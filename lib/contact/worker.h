@@ -9,7 +9,7 @@
 #define NSDAE_WORKER_H
 
 #include "pile.h"
-#include "saddle.h"
+#include "sparse_kkt.h"
 #include "stack.h"
 
 typedef struct nsdae_solved {
@@ -26,7 +26,7 @@ typedef struct nsdae_worker {
   int failed;        /* which; -1: none */
   nsdae_local local;
   nsdae_stack stack;
-  nsdae_saddle saddle;
+  nsdae_sparse_kkt saddle;
   nsdae_friction_solver *solver;
   double *L; /* of the largest block */
   double tol;

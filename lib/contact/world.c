@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "errors.h"
-#include "grow.h"
+#include "dynamic_array.h"
 
 /* Islands that a worker takes at a time; contacts that are not worth waking others for. */
 enum { PORTION = 16, FEW = 16 };
@@ -20,7 +20,7 @@ nsdae_world *nsdae_world_make(const nsdae_system *system, int threads, nsdae_err
   w->islands.rows = system->dims.m;
   w->worker = calloc((size_t)threads, sizeof *w->worker);
   if (w->worker) w->workers = threads;
-  if (w->worker) w->crew = nsdae_crew_make(threads);
+  if (w->worker) w->crew = nsdae_thread_pool_make(threads);
   if (w->crew) return w;
   nsdae_world_release(w);
   return NULL;
@@ -29,10 +29,10 @@ nsdae_world *nsdae_world_make(const nsdae_system *system, int threads, nsdae_err
 void nsdae_world_release(nsdae_world *w)
 {
   if (!w) return;
-  const nsdae_grown all[] = {NSDAE_GROWN(w->item, 1), NSDAE_GROWN(w->place, 1),
-                             NSDAE_GROWN(w->law, 1), NSDAE_GROWN(w->islands.contact.of, 1)};
-  nsdae_crew_release(w->crew);
-  nsdae_grown_release(all, sizeof all / sizeof *all);
+  const nsdae_array all[] = {NSDAE_ARRAY(w->item, 1), NSDAE_ARRAY(w->place, 1),
+                             NSDAE_ARRAY(w->law, 1), NSDAE_ARRAY(w->islands.contact.of, 1)};
+  nsdae_thread_pool_release(w->crew);
+  nsdae_arrays_release(all, sizeof all / sizeof *all);
   nsdae_ids_release(&w->ids);
   for (int i = 0; i < w->workers; i++) nsdae_worker_release(&w->worker[i]);
   free(w->worker);
@@ -57,9 +57,9 @@ void nsdae_world_layout(nsdae_world *w, nsdae_arena *arena)
 
 int nsdae_world_grow(nsdae_world *w, const nsdae_room *contacts, const nsdae_room *rows)
 {
-  const nsdae_grown all[] = {NSDAE_GROWN(w->item, 1), NSDAE_GROWN(w->place, 1),
-                             NSDAE_GROWN(w->law, 1), NSDAE_GROWN(w->islands.contact.of, 1)};
-  int status = nsdae_grow(all, sizeof all / sizeof *all, contacts->entries);
+  const nsdae_array all[] = {NSDAE_ARRAY(w->item, 1), NSDAE_ARRAY(w->place, 1),
+                             NSDAE_ARRAY(w->law, 1), NSDAE_ARRAY(w->islands.contact.of, 1)};
+  int status = nsdae_arrays_grow(all, sizeof all / sizeof *all, contacts->entries);
   for (int i = 0; i < w->workers && status == NSDAE_OK; i++)
     status = nsdae_worker_grow(&w->worker[i], contacts);
   if (status == NSDAE_OK) status = nsdae_ids_grow(&w->ids, (int)contacts->entries);
@@ -181,7 +181,7 @@ int nsdae_world_meet(nsdae_world *w, nsdae_terms *terms, double reach)
   }
   if (!nsdae_room_enough(&list->room, &list->taken)) {
     terms->have &= ~(unsigned)NSDAE_TERM_CONTACTS;
-    return NSDAE_GROW;
+    return NSDAE_ARRAYS_GROW;
   }
   nsdae_terms_select(terms, w->closed->count, w->place);
   memcpy(w->closed->gap, terms->gap, (size_t)w->closed->count * sizeof *terms->gap);
@@ -294,10 +294,10 @@ static int solve_part(void *object, int worker, int part)
 }
 
 /* Passes 0 .. count - 1; the first that failed is what is told, as on one thread. */
-static int share(nsdae_world *w, shared *s, int count, int portion, nsdae_crew_pass *pass)
+static int share(nsdae_world *w, shared *s, int count, int portion, nsdae_thread_pool_pass *pass)
 {
   int alone = w->closed->count + w->system->dims.m < FEW;
-  int failed = nsdae_crew_run(w->crew, alone, count, portion, pass, s);
+  int failed = nsdae_thread_pool_run(w->crew, alone, count, portion, pass, s);
   if (failed < 0) return NSDAE_OK;
   int by = 0;
   while (w->worker[by].failed != failed) by++;

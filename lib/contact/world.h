@@ -7,7 +7,7 @@
 #ifndef NSDAE_WORLD_H
 #define NSDAE_WORLD_H
 
-#include "crew.h"
+#include "thread_pool.h"
 #include "listed.h"
 #include "worker.h"
 
@@ -23,7 +23,7 @@ typedef struct nsdae_world {
   nsdae_graph islands;
   int *hit; /* islands with an impact */
   nsdae_pile pile;
-  nsdae_crew *crew;
+  nsdae_thread_pool *crew;
   nsdae_worker *worker;
   int workers;
   nsdae_solved solved; /* of the last equations */
@@ -39,8 +39,8 @@ void nsdae_world_layout(nsdae_world *world, nsdae_arena *arena);
 int nsdae_world_grow(nsdae_world *world, const nsdae_room *contacts, const nsdae_room *rows);
 
 /* Closes the contacts with a gap that is not above zero at the terms' point: into closed, results,
- * as they were in last, was. NSDAE_OK, NSDAE_GROW, NSDAE_E_ARGUMENT where an id comes twice, what
- * the callback failed with. */
+ * as they were in last, was. NSDAE_OK, NSDAE_ARRAYS_GROW, NSDAE_E_ARGUMENT where an id comes twice,
+ * what the callback failed with. */
 int nsdae_world_close(nsdae_world *world, nsdae_terms *terms, nsdae_closed *closed,
                       nsdae_impulses *results, const nsdae_closed *last, const nsdae_impulses *was);
 /* The same contacts at another point; those that are no longer within reach keep their directions.

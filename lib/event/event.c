@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "certificate.h"
+#include "event_certificate.h"
 #include "errors.h"
 #include "jam.h"
 #include "kink.h"
@@ -172,9 +172,9 @@ static int contradiction(event *e, int entry, double t)
                   "another rtol, or method = implicit",
                   t, root->kind == NSDAE_ROOT_NORMAL ? "a contact force" : "a margin of friction",
                   root->start, e->setting.options->rtol, -root->size);
-  nsdae_system_name_item(e->setting.system, contact ? NSDAE_NAME_CONTACT : NSDAE_NAME_CONSTRAINT,
-                         contact ? root->index : e->setting.system->slide[root->index].constraint,
-                         error);
+  nsdae_system_name_item(
+      e->setting.system, contact ? NSDAE_NAME_CONTACT : NSDAE_NAME_CONSTRAINT,
+      contact ? root->index : e->setting.system->frictional_joint[root->index].constraint, error);
   error->time = t;
   return NSDAE_E_CONVERGENCE;
 }
@@ -267,7 +267,7 @@ static int change_modes(event *e, double t)
   const nsdae_dims *d = &e->setting.system->dims;
   const nsdae_event_modes *m = &e->phase.modes;
   memcpy(e->mode_before, m->contact, (size_t)d->k * sizeof *m->contact);
-  memcpy(e->slide_mode_before, m->slide, (size_t)d->f * sizeof *m->slide);
+  memcpy(e->slide_mode_before, m->frictional_joint, (size_t)d->f * sizeof *m->frictional_joint);
   int first = r->impacts, before = r->impacts + r->changes, found = 0;
   for (int i = 0; i < e->roots.count; i++) {
     const nsdae_event_root *root = &e->roots.entry[i];
@@ -282,7 +282,7 @@ static int change_modes(event *e, double t)
   for (int i = 0; i < d->k && status == NSDAE_OK; i++)
     nsdae_result_change(r, t, i, -1, e->mode_before[i], m->contact[i]);
   for (int j = 0; j < d->f && status == NSDAE_OK; j++)
-    nsdae_result_change(r, t, -1, j, e->slide_mode_before[j], m->slide[j]);
+    nsdae_result_change(r, t, -1, j, e->slide_mode_before[j], m->frictional_joint[j]);
   *e->base.idle += found && r->impacts + r->changes == before;
   return status;
 }
@@ -490,7 +490,8 @@ static int read_results(event *e, const nsdae_terms *from)
   nsdae_terms_at(&r->end, e->reached, e->integrator.y, e->integrator.y + d->nq);
   for (int i = 0; i < d->m; i++) r->multiplier[i] /= e->reached - from->t;
   memcpy(r->impulses.mode, m->contact, (size_t)d->k * sizeof *m->contact);
-  memcpy(r->impulses.slide_mode, m->slide, (size_t)d->f * sizeof *m->slide);
+  memcpy(r->impulses.frictional_joint_mode, m->frictional_joint,
+         (size_t)d->f * sizeof *m->frictional_joint);
   r->located = 1;
   r->smooth = r->counters.events == 0;
   nsdae_event_move(&e->setting, e->reached, e->integrator.y);

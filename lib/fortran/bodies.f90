@@ -98,7 +98,7 @@ module nsdae_f_bodies
   ! Coordinates and rows of one's own beside the bodies: the comment of the C header says how they
   ! follow those of the bodies. Callbacks are interoperable procedures (c_funloc) with the arguments
   ! of the types of nsdae/system.h, arrays of assumed size.
-  type, bind(C), public :: nsdae_own
+  type, bind(C), public :: nsdae_user_rows
     type(nsdae_dims) :: dims = nsdae_dims(0, 0, 0, 0, 0, 0)  ! one's own alone
     type(c_funptr) :: mass = c_null_funptr
     type(c_funptr) :: force = c_null_funptr
@@ -110,7 +110,7 @@ module nsdae_f_bodies
     type(c_funptr) :: gap_tangent = c_null_funptr
     type(c_funptr) :: contact_bias = c_null_funptr
     type(c_funptr) :: contact_acceleration = c_null_funptr
-    type(c_funptr) :: slide_tangent = c_null_funptr
+    type(c_funptr) :: frictional_joint_tangent = c_null_funptr
     type(c_funptr) :: kinematics = c_null_funptr
     type(c_funptr) :: constraint_rows = c_null_funptr
     type(c_funptr) :: contacts = c_null_funptr
@@ -146,7 +146,7 @@ module nsdae_f_bodies
   public :: nsdae_bodies_create, nsdae_bodies_destroy, nsdae_bodies_add, nsdae_bodies_add_joint, &
             nsdae_bodies_add_spring, nsdae_bodies_add_torsion, nsdae_bodies_add_load, &
             nsdae_bodies_add_solid, nsdae_bodies_add_contact, nsdae_bodies_set_pair, nsdae_bodies_set_gravity, &
-            nsdae_bodies_set_own, nsdae_bodies_system, nsdae_bodies_get_dims, nsdae_bodies_get_start, &
+            nsdae_bodies_set_user_rows, nsdae_bodies_system, nsdae_bodies_get_dims, nsdae_bodies_get_start, &
             nsdae_bodies_locate, nsdae_bodies_error, nsdae_solid_inertia
 
   interface
@@ -214,10 +214,10 @@ module nsdae_f_bodies
       type(c_ptr), value :: bodies
       real(c_double), intent(in) :: gravity(3)
     end function
-    integer(c_int) function c_set_own(bodies, own) bind(C, name='nsdae_bodies_set_own')
+    integer(c_int) function c_set_own(bodies, own) bind(C, name='nsdae_bodies_set_user_rows')
       import
       type(c_ptr), value :: bodies
-      type(nsdae_own), intent(in) :: own
+      type(nsdae_user_rows), intent(in) :: own
     end function
     integer(c_int) function c_system(bodies, system) bind(C, name='nsdae_bodies_system')
       import
@@ -347,9 +347,9 @@ contains
 
   ! Coordinates and rows of one's own beside the bodies, once. NSDAE_E_ARGUMENT: the text names a
   ! callback that is missing, or that nothing calls; NSDAE_E_STATE.
-  integer(c_int) function nsdae_bodies_set_own(bodies, own) result(status)
+  integer(c_int) function nsdae_bodies_set_user_rows(bodies, own) result(status)
     type(nsdae_bodies), intent(in) :: bodies
-    type(nsdae_own), intent(in) :: own
+    type(nsdae_user_rows), intent(in) :: own
     status = c_set_own(bodies%handle, own)
   end function
 

@@ -73,7 +73,7 @@ module nsdae_f_params
 
   public :: nsdae_params_add, nsdae_params_destroy, nsdae_params_default, nsdae_params_set, &
             nsdae_params_check, nsdae_params_find, nsdae_params_format, nsdae_params_range, nsdae_params_size, &
-            nsdae_params_entry, nsdae_nearest_name
+            nsdae_params_entry, nsdae_suggest_name
   public :: table_at, table_of, base_of
 
   interface
@@ -108,7 +108,7 @@ module nsdae_f_params
       character(kind=c_char), intent(out) :: text(*)
       integer(c_size_t), value :: text_size
     end subroutine
-    type(c_ptr) function c_nearest(word, names) bind(C, name='nsdae_nearest_name')
+    type(c_ptr) function c_nearest(word, names) bind(C, name='nsdae_suggest_name')
       import
       character(kind=c_char), intent(in) :: word(*)
       type(c_ptr), intent(in) :: names(*)
@@ -401,7 +401,7 @@ contains
   end function
 
   ! The one of names nearest to word by edit distance; '' where none is near enough.
-  function nsdae_nearest_name(word, names) result(near)
+  function nsdae_suggest_name(word, names) result(near)
     character(len=*), intent(in) :: word, names(:)
     character(len=:), allocatable :: near
     character(kind=c_char), target :: words(len(names) + 1, size(names))

@@ -35,10 +35,10 @@ module nsdae_f_sim
       NSDAE_PROJECTION_CONTACTS = 2, &
       NSDAE_PROJECTION_DEPTHS = 3
 
-  ! Modes of a contact or slide.
+  ! Modes of a contact or frictional joint.
   integer(c_int), parameter, public :: &
       NSDAE_MODE_OPEN = 0, &
-      NSDAE_MODE_SLIDE = 1, &
+      NSDAE_MODE_SLIP = 1, &
       NSDAE_MODE_STICK = 2
 
   ! Normal force of penalty.
@@ -60,7 +60,7 @@ module nsdae_f_sim
     integer(c_int) :: iteration_max
     integer(c_int) :: redundant
     real(c_double) :: rank_tol
-    real(c_double) :: lcp_tol
+    real(c_double) :: contact_tol
     integer(c_int) :: polygon                           ! edges where nt = 2: 3 .. 32, or 0: the cone
     real(c_double) :: impact_velocity                   ! slower closings are no impacts [m/s]
     real(c_double) :: rtol, atol                        ! of the integrator of penalty and event
@@ -91,12 +91,12 @@ module nsdae_f_sim
     integer(c_int) :: accumulation                      ! 1: infinitely many, ending in rest
   end type
 
-  ! A contact or slide that changed its mode at an instant; method event alone finds them.
+  ! A contact or frictional joint that changed its mode at an instant; method event alone finds them.
   type, bind(C), public :: nsdae_change
     real(c_double) :: time                              ! [s]
-    integer(c_int) :: contact                           ! from 0; -1: a slide
-    integer(c_int) :: slide                             ! from 0; -1: a contact
-    integer(c_int) :: mode_before, mode_after           ! NSDAE_MODE_OPEN, NSDAE_MODE_SLIDE, NSDAE_MODE_STICK
+    integer(c_int) :: contact                           ! from 0; -1: a frictional joint
+    integer(c_int) :: frictional_joint                             ! from 0; -1: a contact
+    integer(c_int) :: mode_before, mode_after           ! NSDAE_MODE_OPEN, NSDAE_MODE_SLIP, NSDAE_MODE_STICK
   end type
 
   ! Contacts by list that were closed in a step; block(:, i) of contact i, numbered from 0.
@@ -155,9 +155,9 @@ module nsdae_f_sim
     real(c_double), pointer :: normal_force(:) => null()        ! [k] mean over the step [N]
     real(c_double), pointer :: tangential_force(:, :) => null()    ! [nt, k]
     integer(c_int), pointer :: mode(:) => null()                ! [k]
-    real(c_double), pointer :: slide_impulse(:) => null()       ! [f]
-    real(c_double), pointer :: slide_force(:) => null()         ! [f] its mean force
-    integer(c_int), pointer :: slide_mode(:) => null()          ! [f]
+    real(c_double), pointer :: frictional_joint_impulse(:) => null()       ! [f]
+    real(c_double), pointer :: frictional_joint_force(:) => null()         ! [f] its mean force
+    integer(c_int), pointer :: frictional_joint_mode(:) => null()          ! [f]
     type(nsdae_contact_set) :: contacts                         ! those by list
     real(c_double) :: kinetic = 0, potential = 0                ! [J]
     real(c_double) :: dissipated = 0     ! work taken by all contact impulses so far [J]
@@ -185,9 +185,9 @@ module nsdae_f_sim
     type(c_ptr) :: normal_force
     type(c_ptr) :: tangential_force
     type(c_ptr) :: mode
-    type(c_ptr) :: slide_impulse
-    type(c_ptr) :: slide_force
-    type(c_ptr) :: slide_mode
+    type(c_ptr) :: frictional_joint_impulse
+    type(c_ptr) :: frictional_joint_force
+    type(c_ptr) :: frictional_joint_mode
     type(nsdae_c_contact_set) :: contacts
     real(c_double) :: kinetic, potential
     real(c_double) :: dissipated
@@ -209,7 +209,7 @@ module nsdae_f_sim
     integer(c_long) :: events, accumulations  ! of event: instants of change; accumulations closed
     integer(c_long) :: fallback_steps    ! of event: dt that were stepped by implicit instead
     integer(c_long) :: accumulations_early  ! closed before accumulation_time
-    real(c_double) :: rank_kept, rank_left  ! the gap: smallest sine that counts, largest that does not
+    real(c_double) :: rank_retained, rank_discarded  ! the gap: smallest sine that counts, largest that does not
     integer(c_int) :: rank, rank_most    ! smallest and largest rank of Phi_q met
     real(c_double) :: worst_residual     ! over all LCPs
     real(c_double) :: worst_drift
@@ -293,7 +293,7 @@ module nsdae_f_sim
             nsdae_sim_error, nsdae_sim_handle, nsdae_sim_get_system, nsdae_sim_state_size, &
             nsdae_sim_get_state, nsdae_sim_set_state, nsdae_sim_run_to_event, &
             nsdae_sim_interpolate, nsdae_sim_set_user, nsdae_sim_set_options, &
-            nsdae_sim_set_contact, nsdae_sim_set_slide
+            nsdae_sim_set_contact, nsdae_sim_set_frictional_joint
 
   interface
     subroutine nsdae_sim_options_default(options) bind(C)
@@ -404,7 +404,7 @@ module nsdae_f_sim
       integer(c_int), value :: i
       real(c_double), value :: mu, e_n, e_t
     end function
-    integer(c_int) function c_set_slide(sim, j, mu) bind(C, name='nsdae_sim_set_slide')
+    integer(c_int) function c_set_frictional_joint(sim, j, mu) bind(C, name='nsdae_sim_set_frictional_joint')
       import
       type(c_ptr), value :: sim
       integer(c_int), value :: j
@@ -700,7 +700,7 @@ contains
     status = c_set_options(at(sim), options)
   end function
 
-  ! Coefficients of contact i and of slide j in this simulation, in place of the system's.
+  ! Coefficients of contact i and of frictional joint j in this simulation, in place of the system's.
   integer(c_int) function nsdae_sim_set_contact(sim, i, mu, e_n, e_t) result(status)
     type(nsdae_sim), intent(in) :: sim
     integer(c_int), intent(in) :: i
@@ -708,11 +708,11 @@ contains
     status = c_set_contact(at(sim), i, mu, e_n, e_t)
   end function
 
-  integer(c_int) function nsdae_sim_set_slide(sim, j, mu) result(status)
+  integer(c_int) function nsdae_sim_set_frictional_joint(sim, j, mu) result(status)
     type(nsdae_sim), intent(in) :: sim
     integer(c_int), intent(in) :: j
     real(c_double), intent(in) :: mu
-    status = c_set_slide(at(sim), j, mu)
+    status = c_set_frictional_joint(at(sim), j, mu)
   end function
 
   ! The state as a value: so many bytes, fixed by system and options, that hold all that the next
@@ -876,9 +876,9 @@ contains
     call c_f_pointer(from%normal_force, record%normal_force, [dims%k])
     call c_f_pointer(from%tangential_force, record%tangential_force, [dims%nt, dims%k])
     call c_f_pointer(from%mode, record%mode, [dims%k])
-    call c_f_pointer(from%slide_impulse, record%slide_impulse, [dims%f])
-    call c_f_pointer(from%slide_force, record%slide_force, [dims%f])
-    call c_f_pointer(from%slide_mode, record%slide_mode, [dims%f])
+    call c_f_pointer(from%frictional_joint_impulse, record%frictional_joint_impulse, [dims%f])
+    call c_f_pointer(from%frictional_joint_force, record%frictional_joint_force, [dims%f])
+    call c_f_pointer(from%frictional_joint_mode, record%frictional_joint_mode, [dims%f])
     call shape_contacts(from%contacts, dims%nt, record%contacts)
     record%kinetic = from%kinetic
     record%potential = from%potential

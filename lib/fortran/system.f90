@@ -8,7 +8,7 @@
 ! not zero. user is what nsdae_system_set_user was given. They return 0 when done, > 0 for a failure
 ! that a smaller step may avoid, < 0 for one that nothing helps.
 !
-! Contacts, slides, constraints and entries are numbered from 0, as in C, in the files and in the
+! Contacts, frictional joints, constraints and entries are numbered from 0, as in C, in the files and in the
 ! messages: contact i is gap(i + 1).
 module nsdae_f_system
   use, intrinsic :: iso_c_binding
@@ -23,7 +23,7 @@ module nsdae_f_system
     integer(c_int) :: m = 0   ! bilateral constraints, >= 0
     integer(c_int) :: k = 0   ! contacts, >= 0
     integer(c_int) :: nt = 0  ! tangential directions of every contact: 0 (frictionless), 1 or 2
-    integer(c_int) :: f = 0   ! slides: bilateral constraints with friction, 0 .. m
+    integer(c_int) :: f = 0   ! frictional joints: bilateral constraints with friction, 0 .. m
   end type
 
   ! What can have a name; numbered from 0, as everything is.
@@ -32,7 +32,7 @@ module nsdae_f_system
       NSDAE_NAME_VELOCITY = 1, &
       NSDAE_NAME_CONSTRAINT = 2, &
       NSDAE_NAME_CONTACT = 3, &
-      NSDAE_NAME_SLIDE = 4, &
+      NSDAE_NAME_FRICTIONAL_JOINT = 4, &
       NSDAE_NAME_SIZE = 48, &
       NSDAE_UNIT_SIZE = 24
 
@@ -144,9 +144,9 @@ module nsdae_f_system
       real(c_double), intent(inout) :: w_n(:), w_t(:)
       class(*), intent(inout) :: user
     end function
-    ! What the contacts and slides accelerate by with v' = 0, at (t,q,v): omega_n [k], omega_t [k nt]
-    ! and omega_s [f], such that g_N'' = W_N^T v' + omega_n, v_T' = W_T^T v' + omega_t and the
-    ! slides' velocities have the rates W_S^T v' + omega_s.
+    ! Accelerations at v' = 0 of contacts, omega_n [k] and omega_t [k nt], and of frictional
+    ! joints, omega_s [f]: g_N'' = W_N^T v' + omega_n, v_T' = W_T^T v' + omega_t,
+    ! v_S' = W_S^T v' + omega_s.
     integer(c_int) function nsdae_contact_acceleration_fn(t, q, v, omega_n, omega_t, omega_s, &
         user)
       import
@@ -154,8 +154,9 @@ module nsdae_f_system
       real(c_double), intent(inout) :: omega_n(:), omega_t(:), omega_s(:)
       class(*), intent(inout) :: user
     end function
-    ! W_S(t,q) [nv x f] and w_S(t,q) [f]: the sliding velocity of each slide is W_S^T v + w_S.
-    integer(c_int) function nsdae_slide_fn(t, q, W, w_s, user)
+    ! W_S(t,q) [nv x f] and w_S(t,q) [f]: the slip velocity of each frictional joint is
+    ! v_S = W_S^T v + w_S.
+    integer(c_int) function nsdae_frictional_joint_fn(t, q, W, w_s, user)
       import
       real(c_double), intent(in) :: t, q(:)
       real(c_double), intent(inout) :: W(:, :), w_s(:)
@@ -217,7 +218,7 @@ module nsdae_f_system
     procedure(nsdae_gap_tangent_fn), pointer, nopass :: gap_tangent => null()
     procedure(nsdae_contact_bias_fn), pointer, nopass :: contact_bias => null()
     procedure(nsdae_contact_acceleration_fn), pointer, nopass :: contact_acceleration => null()
-    procedure(nsdae_slide_fn), pointer, nopass :: slide_tangent => null()
+    procedure(nsdae_frictional_joint_fn), pointer, nopass :: frictional_joint_tangent => null()
     procedure(nsdae_kinematics_fn), pointer, nopass :: kinematics => null()
     procedure(nsdae_potential_fn), pointer, nopass :: potential => null()
     ! callbacks.list: end
@@ -253,12 +254,12 @@ module nsdae_f_system
   public :: nsdae_gap_tangent_fn
   public :: nsdae_contact_bias_fn
   public :: nsdae_contact_acceleration_fn
-  public :: nsdae_slide_fn
+  public :: nsdae_frictional_joint_fn
   public :: nsdae_kinematics_fn
   public :: nsdae_potential_fn
   ! callbacks.list: end
   public :: nsdae_system_create, nsdae_system_destroy, nsdae_system_set_user, &
-            nsdae_system_set_contact, nsdae_system_set_slide, nsdae_system_error, &
+            nsdae_system_set_contact, nsdae_system_set_frictional_joint, nsdae_system_error, &
             nsdae_system_get_dims, nsdae_system_differences, nsdae_system_check, &
             nsdae_system_handle, nsdae_system_clear_error, nsdae_system_simulations, &
             nsdae_system_unseen, nsdae_system_set_name, nsdae_system_get_name, &
@@ -278,7 +279,7 @@ module nsdae_f_system
   public :: nsdae_system_set_gap_tangent
   public :: nsdae_system_set_contact_bias
   public :: nsdae_system_set_contact_acceleration
-  public :: nsdae_system_set_slide_tangent
+  public :: nsdae_system_set_frictional_joint_tangent
   public :: nsdae_system_set_kinematics
   public :: nsdae_system_set_potential
   ! callbacks.list: end
@@ -337,8 +338,8 @@ module nsdae_f_system
       type(c_ptr), value :: system
       integer(c_int), value :: kind, i
     end function
-    integer(c_int) function c_set_slide(system, j, constraint, mu) &
-        bind(C, name='nsdae_system_set_slide')
+    integer(c_int) function c_set_frictional_joint(system, j, constraint, mu) &
+        bind(C, name='nsdae_system_set_frictional_joint')
       import
       type(c_ptr), value :: system
       integer(c_int), value :: j, constraint
@@ -431,8 +432,8 @@ module nsdae_f_system
       type(c_ptr), value :: system
       type(c_funptr), value :: callback
     end function
-    integer(c_int) function c_set_slide_tangent(system, callback) &
-        bind(C, name='nsdae_system_set_slide_tangent')
+    integer(c_int) function c_set_frictional_joint_tangent(system, callback) &
+        bind(C, name='nsdae_system_set_frictional_joint_tangent')
       import
       type(c_ptr), value :: system
       type(c_funptr), value :: callback
@@ -607,11 +608,11 @@ contains
   end function
 
   ! Slide 0 <= j < f: the bilateral constraint of that number, 0 .. m-1, with friction mu >= 0.
-  integer(c_int) function nsdae_system_set_slide(system, j, constraint, mu) result(status)
+  integer(c_int) function nsdae_system_set_frictional_joint(system, j, constraint, mu) result(status)
     type(nsdae_system), intent(in) :: system
     integer(c_int), intent(in) :: j, constraint
     real(c_double), intent(in) :: mu
-    status = c_set_slide(at(system), j, constraint, mu)
+    status = c_set_frictional_joint(at(system), j, constraint, mu)
   end function
 
   ! Name and unit of number i (from 0) of a kind (NSDAE_NAME_COORDINATE and so on), as in
@@ -722,7 +723,7 @@ contains
   end function
 
   ! mass and force are always needed, constraint where m > 0, gap where k > 0, gap_tangent where
-  ! nt > 0 and any mu > 0, slide_tangent where a slide has mu > 0; what else is missing is filled by
+  ! nt > 0 and any mu > 0, frictional_joint_tangent where a frictional joint has mu > 0; what else is missing is filled by
   ! central differences or taken as zero. NSDAE_E_ARGUMENT: the system has no such term.
 
   ! callbacks.list: f_setters
@@ -798,11 +799,12 @@ contains
     if (status == NSDAE_OK) system%model%contact_acceleration => contact_acceleration
   end function
 
-  integer(c_int) function nsdae_system_set_slide_tangent(system, slide_tangent) result(status)
+  integer(c_int) function nsdae_system_set_frictional_joint_tangent(system, frictional_joint_tangent) &
+      result(status)
     type(nsdae_system), intent(in) :: system
-    procedure(nsdae_slide_fn) :: slide_tangent
-    status = c_set_slide_tangent(at(system), c_funloc(call_slide_tangent))
-    if (status == NSDAE_OK) system%model%slide_tangent => slide_tangent
+    procedure(nsdae_frictional_joint_fn) :: frictional_joint_tangent
+    status = c_set_frictional_joint_tangent(at(system), c_funloc(call_frictional_joint_tangent))
+    if (status == NSDAE_OK) system%model%frictional_joint_tangent => frictional_joint_tangent
   end function
 
   integer(c_int) function nsdae_system_set_kinematics(system, kinematics) result(status)
@@ -1031,7 +1033,7 @@ contains
     end associate
   end function
 
-  integer(c_int) function call_slide_tangent(t, q, W, ld, w_s, user) &
+  integer(c_int) function call_frictional_joint_tangent(t, q, W, ld, w_s, user) &
       result(status) bind(C, name='')
     real(c_double), value :: t
     real(c_double), intent(in) :: q(*)
@@ -1041,7 +1043,7 @@ contains
     type(model), pointer :: here
     here => model_at(user)
     associate (d => here%dims)
-      status = here%slide_tangent(t, q(:d%nq), W(:d%nv, :d%f), w_s(:d%f), here%user)
+      status = here%frictional_joint_tangent(t, q(:d%nq), W(:d%nv, :d%f), w_s(:d%f), here%user)
     end associate
   end function
 

@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-#include "grow.h"
+#include "dynamic_array.h"
 #include "listed.h"
 
 void nsdae_memory_copy(nsdae_memory *to, const nsdae_memory *from)
@@ -21,8 +21,8 @@ void nsdae_count_rank(nsdae_counters *counters, int rank)
 void nsdae_count_factors(nsdae_counters *c, const nsdae_kkt *kkt)
 {
   nsdae_count_rank(c, kkt->rank);
-  if (kkt->kept < c->rank_kept) c->rank_kept = kkt->kept;
-  c->rank_left = nsdae_larger(c->rank_left, kkt->left);
+  if (kkt->kept < c->rank_retained) c->rank_retained = kkt->kept;
+  c->rank_discarded = nsdae_larger(c->rank_discarded, kkt->left);
 }
 
 void nsdae_result_layout(nsdae_result *r, nsdae_arena *arena)
@@ -57,11 +57,11 @@ void nsdae_result_begin(nsdae_result *r, int impulses_follow)
   r->impacts = r->changes = 0;
   r->work = r->lifted = r->gain = r->turnover = r->worst_residual = r->carried = 0;
   r->smooth = r->located = r->given_up = 0;
-  r->twofold.slide = -1;
+  r->twofold.frictional_joint = -1;
   r->rate = (nsdae_rate){0, -1, 0};
   r->problem = NULL;
   r->pile = NULL;
-  r->counters = (nsdae_counters){.rank = dims->m, .rank_kept = 1};
+  r->counters = (nsdae_counters){.rank = dims->m, .rank_retained = 1};
 }
 
 void nsdae_result_rate(nsdae_result *r, const nsdae_terms *T, const double *v)
@@ -93,29 +93,30 @@ nsdae_impact *nsdae_result_impact(nsdae_result *r, double t, int contact, double
   return &r->impact[at];
 }
 
-void nsdae_result_change(nsdae_result *r, double t, int contact, int slide, int before, int after)
+void nsdae_result_change(nsdae_result *r, double t, int contact, int frictional_joint, int before,
+                         int after)
 {
   if (before == after) return;
   t = nsdae_system_time(r->end.system, t);
-  r->change[r->changes++] = (nsdae_change){t, contact, slide, before, after};
+  r->change[r->changes++] = (nsdae_change){t, contact, frictional_joint, before, after};
 }
 
 int nsdae_result_grow(nsdae_result *r, const nsdae_room *contacts, const nsdae_room *rows)
 {
   int room = (int)contacts->entries;
-  const nsdae_grown impacts[] = {NSDAE_GROWN(r->impact, 1)};
+  const nsdae_array impacts[] = {NSDAE_ARRAY(r->impact, 1)};
   int status = nsdae_terms_grow(&r->end, contacts, rows);
   if (status == NSDAE_OK) status = nsdae_closed_grow(&r->closed, &r->impulses, room);
-  if (status == NSDAE_OK) status = nsdae_grow(impacts, 1, contacts->entries);
+  if (status == NSDAE_OK) status = nsdae_arrays_grow(impacts, 1, contacts->entries);
   if (status == NSDAE_OK) r->impacts_max = room;
   return status;
 }
 
 void nsdae_result_release(nsdae_result *r)
 {
-  const nsdae_grown impacts[] = {NSDAE_GROWN(r->impact, 1)};
+  const nsdae_array impacts[] = {NSDAE_ARRAY(r->impact, 1)};
   if (!r->end.system || !r->end.system->by_list) return;
   nsdae_terms_release(&r->end);
   nsdae_closed_release(&r->closed, &r->impulses);
-  nsdae_grown_release(impacts, 1);
+  nsdae_arrays_release(impacts, 1);
 }

@@ -10,10 +10,11 @@
 /* Of one step. */
 typedef struct nsdae_counters {
   long lcps, lcp_pivots, iterations;
-  long events, accumulations;   /* instants; accumulations closed */
-  long fallbacks;               /* 1: by implicit in place of the method */
-  long accumulations_early;     /* of those: as slow as the integrator's errors */
-  double rank_kept, rank_left;  /* smallest sine that counts in the rank, largest that does not */
+  long events, accumulations; /* instants; accumulations closed */
+  long fallbacks;             /* 1: by implicit in place of the method */
+  long accumulations_early;   /* of those: as slow as the integrator's errors */
+  double rank_retained,
+      rank_discarded;           /* smallest sine that counts in the rank, largest that does not */
   int rank, rank_most;          /* smallest and largest rank of Phi_q; m, 0 where there was none */
   int islands, island_contacts; /* how many; contacts of the largest */
   nsdae_evals evals;
@@ -28,7 +29,7 @@ typedef struct nsdae_rate {
 
 /* A slide whose friction had two solutions, and the multiplier that was taken; slide -1: none. */
 typedef struct nsdae_twofold {
-  int slide;
+  int frictional_joint;
   double t, lambda;
 } nsdae_twofold;
 
@@ -36,7 +37,7 @@ typedef struct nsdae_result {
   nsdae_terms end;         /* t, q, v where the step ended; a step that located its impacts may
                               end before the time asked for */
   double *multiplier;      /* m: mean bilateral force */
-  nsdae_impulses impulses; /* by contact and slide */
+  nsdae_impulses impulses; /* by contact and frictional joint */
   nsdae_closed closed;     /* who they are, by list */
   double carried;       /* of contacts by list: sum of Lambda w, the work of what moves by itself */
   int given_up;         /* not a step of this method's: implicit is to do it instead */
@@ -80,8 +81,8 @@ int nsdae_result_room(const nsdae_result *result);
 nsdae_impact *nsdae_result_impact(nsdae_result *result, double t, int contact, double before);
 
 /* Of a contact or a slide, -1: of none; where there is one. */
-void nsdae_result_change(nsdae_result *result, double t, int contact, int slide, int before,
-                         int after);
+void nsdae_result_change(nsdae_result *result, double t, int contact, int frictional_joint,
+                         int before, int after);
 
 /* Of a system by blocks: room in its lists; NSDAE_OK or NSDAE_E_MEMORY. */
 int nsdae_result_grow(nsdae_result *result, const nsdae_room *contacts, const nsdae_room *rows);

@@ -34,7 +34,7 @@ void nsdae_stepper_prepare(nsdae_stepper *s)
   s->kkt.rank_tol = o->rank_tol;
   /* of event: the larger of its laws and of implicit's, which may step in */
   int edges = o->method == NSDAE_METHOD_EVENT ? nsdae_law_edges_to_start(o->polygon) : o->polygon;
-  nsdae_contacts_set(&s->contacts, s->system, s->error, o->lcp_tol, edges);
+  nsdae_contacts_set(&s->contacts, s->system, s->error, o->contact_tol, edges);
   if (edges != o->polygon) nsdae_contacts_laws(&s->contacts, o->polygon);
   if (s->world)
     nsdae_world_prepare(s->world, &s->contacts.lcp.options, o->rank_tol,

@@ -13,7 +13,9 @@ enum {
                NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS | NSDAE_TERM_SLIDE
 };
 
-enum { SLIDE_ROUNDS = 50 }; /* friction on the slides feeds their normal force: of substitution */
+enum {
+  SLIDE_ROUNDS = 50
+}; /* friction on the frictional joints feeds their normal force: of substitution */
 
 static void contact_forces(nsdae_penalty_equations *p, const nsdae_terms *T)
 {
@@ -36,7 +38,7 @@ static void contact_forces(nsdae_penalty_equations *p, const nsdae_terms *T)
   }
 }
 
-/* One round of substitution for the friction on the slides; how far it moved. */
+/* One round of substitution for the friction on the frictional joints; how far it moved. */
 static double relax_slides(nsdae_penalty_equations *p, const nsdae_terms *T)
 {
   const nsdae_system *s = T->system;
@@ -44,30 +46,32 @@ static double relax_slides(nsdae_penalty_equations *p, const nsdae_terms *T)
   double moved = 0, regular = p->stepper->options->friction_velocity;
   size_t m = (size_t)s->dims.m;
   for (int j = 0; j < s->dims.f; j++) {
-    size_t row = (size_t)s->slide[j].constraint;
+    size_t row = (size_t)s->frictional_joint[j].constraint;
     double normal = at->lambda[row], v = nsdae_terms_slide_rate(T, j, T->v);
-    for (int l = 0; l < s->dims.f; l++) normal += at->D[(size_t)l * m + row] * at->slide[l];
-    double force = v * nsdae_penalty_friction(s->slide[j].mu, fabs(normal), v, regular);
-    moved = fmax(moved, fabs(force - at->slide[j]) / (1 + fabs(force)));
+    for (int l = 0; l < s->dims.f; l++)
+      normal += at->D[(size_t)l * m + row] * at->frictional_joint[l];
+    double force = v * nsdae_penalty_friction(s->frictional_joint[j].mu, fabs(normal), v, regular);
+    moved = fmax(moved, fabs(force - at->frictional_joint[j]) / (1 + fabs(force)));
     at->v_s[j] = v;
-    at->slide[j] = force;
+    at->frictional_joint[j] = force;
   }
   return moved;
 }
 
-/* Friction on the slides, with U and D of their directions; a and lambda are free of it before. */
+/* Friction on the frictional joints, with U and D of their directions; a and lambda are free of it
+ * before. */
 static int slide_forces(nsdae_penalty_equations *p, const nsdae_terms *T, double *a)
 {
   const nsdae_penalty_forces *at = &p->at;
   int n = T->system->dims.nv, m = T->system->dims.m, f = T->system->dims.f;
   double moved = 1;
-  memcpy(at->U, T->by.slide.value, (size_t)n * (size_t)f * sizeof *at->U);
+  memcpy(at->U, T->by.frictional_joint.value, (size_t)n * (size_t)f * sizeof *at->U);
   memset(at->D, 0, (size_t)m * (size_t)f * sizeof *at->D);
   nsdae_kkt_solve(&p->stepper->kkt, f, at->U, n, at->D, m);
-  memset(at->slide, 0, (size_t)f * sizeof *at->slide);
+  memset(at->frictional_joint, 0, (size_t)f * sizeof *at->frictional_joint);
   for (int round = 0; moved > 1e-14 && round < SLIDE_ROUNDS; round++) moved = relax_slides(p, T);
-  nsdae_add_product(n, f, at->U, at->slide, a);
-  nsdae_add_product(m, f, at->D, at->slide, at->lambda);
+  nsdae_add_product(n, f, at->U, at->frictional_joint, a);
+  nsdae_add_product(m, f, at->D, at->frictional_joint, at->lambda);
   return moved > 1e-8 ? 1 : 0; /* no convergence: a smaller step */
 }
 
@@ -99,7 +103,7 @@ static int other_power(nsdae_penalty_equations *p, const nsdae_terms *T, const d
   *power += nsdae_dot(d->nv, T->F, T->v) + nsdae_dot(d->m, p->at.lambda, T->constraint.phi_t) -
             nsdae_dot(d->k, p->at.normal, T->w_N) -
             nsdae_dot(d->k * d->nt, p->at.tangential, T->w_T) -
-            nsdae_dot(d->f, p->at.slide, T->slide.w);
+            nsdae_dot(d->f, p->at.frictional_joint, T->frictional_joint.w);
   return status;
 }
 
@@ -119,10 +123,10 @@ int nsdae_penalty_rate(double t, const double *y, double *ydot, void *user)
   memcpy(ydot + nsdae_penalty_at_lambda(d), at->lambda, (size_t)d->m * sizeof *ydot);
   memcpy(ydot + nsdae_penalty_at_normal(d), at->normal, (size_t)d->k * sizeof *ydot);
   memcpy(ydot + nsdae_penalty_at_tangential(d), at->tangential, (size_t)kt * sizeof *ydot);
-  memcpy(ydot + nsdae_penalty_at_slide(d), at->slide, (size_t)d->f * sizeof *ydot);
+  memcpy(ydot + nsdae_penalty_at_slide(d), at->frictional_joint, (size_t)d->f * sizeof *ydot);
   ydot[nsdae_penalty_at_work(d)] = -nsdae_dot(d->k, at->normal, at->v_n) -
                                    nsdae_dot(kt, at->tangential, at->v_t) -
-                                   nsdae_dot(d->f, at->slide, at->v_s);
+                                   nsdae_dot(d->f, at->frictional_joint, at->v_s);
   status = other_power(p, T, ydot, &ydot[nsdae_penalty_at_other_work(d)]);
   return status < 0 ? nsdae_progress_code(status, s->error) : code;
 }
@@ -158,7 +162,7 @@ void nsdae_penalty_equations_layout(nsdae_penalty_equations *p, nsdae_arena *are
   nsdae_power_layout(&p->power, d, arena);
   at->normal = NSDAE_ARENA_DOUBLES(arena, k);
   at->tangential = NSDAE_ARENA_DOUBLES(arena, kt);
-  at->slide = NSDAE_ARENA_DOUBLES(arena, f);
+  at->frictional_joint = NSDAE_ARENA_DOUBLES(arena, f);
   at->v_n = NSDAE_ARENA_DOUBLES(arena, k);
   at->v_t = NSDAE_ARENA_DOUBLES(arena, kt);
   at->v_s = NSDAE_ARENA_DOUBLES(arena, f);

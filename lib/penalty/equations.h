@@ -16,10 +16,10 @@
 
 /* Forces at the last evaluation. */
 typedef struct nsdae_penalty_forces {
-  double *normal, *tangential, *slide; /* k, k nt, f */
-  double *v_n, *v_t, *v_s;             /* velocities there */
-  double *lambda;                      /* m */
-  double *U, *D;                       /* nv x f, m x f: a unit friction force on each slide */
+  double *normal, *tangential, *frictional_joint; /* k, k nt, f */
+  double *v_n, *v_t, *v_s;                        /* velocities there */
+  double *lambda;                                 /* m */
+  double *U, *D; /* nv x f, m x f: a unit friction force on each slide */
 } nsdae_penalty_forces;
 
 typedef struct nsdae_penalty_equations {

@@ -352,7 +352,7 @@ static int mode_of(const penalty *p, int i, int nt)
   double speed = nsdae_norm(nt, p->equations.at.v_t + i * nt);
   if (!p->equations.base.closed[i]) return NSDAE_MODE_OPEN;
   return nt > 0 && speed <= p->equations.stepper->options->friction_velocity ? NSDAE_MODE_STICK
-                                                                             : NSDAE_MODE_SLIDE;
+                                                                             : NSDAE_MODE_SLIP;
 }
 
 /* to [n] := what the step added to the integrals from entry first on. */
@@ -371,12 +371,12 @@ static void read_results(const penalty *p, nsdae_result *result, double t, doubl
   for (int i = 0; i < d->m; i++) result->multiplier[i] /= h;
   integrals(p, nsdae_penalty_at_normal(d), d->k, to->normal);
   integrals(p, nsdae_penalty_at_tangential(d), d->k * d->nt, to->tangential);
-  integrals(p, nsdae_penalty_at_slide(d), d->f, to->slide_impulse);
+  integrals(p, nsdae_penalty_at_slide(d), d->f, to->frictional_joint_impulse);
   for (int i = 0; i < d->k; i++) to->mode[i] = mode_of(p, i, d->nt);
   for (int j = 0; j < d->f; j++) {
     double slip = fabs(nsdae_terms_slide_rate(T, j, T->v));
     int sticks = slip <= p->equations.stepper->options->friction_velocity;
-    to->slide_mode[j] = sticks ? NSDAE_MODE_STICK : NSDAE_MODE_SLIDE;
+    to->frictional_joint_mode[j] = sticks ? NSDAE_MODE_STICK : NSDAE_MODE_SLIP;
   }
   result->work = p->y_start[nsdae_penalty_at_work(d)] - p->y[nsdae_penalty_at_work(d)];
   integrals(p, nsdae_penalty_at_other_work(d), 1, &result->gain);

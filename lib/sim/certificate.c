@@ -50,7 +50,7 @@ static inline double half_driven(const nsdae_terms *T, const nsdae_result *of, d
   double sum = h * nsdae_dot(d->m, of->multiplier, T->constraint.phi_t);
   if (!of->smooth)
     sum -= nsdae_dot(d->k, p->normal, T->w_N) + nsdae_dot(d->k * d->nt, p->tangential, T->w_T) +
-           nsdae_dot(d->f, p->slide_impulse, T->slide.w) + of->carried;
+           nsdae_dot(d->f, p->frictional_joint_impulse, T->frictional_joint.w) + of->carried;
   return sum / 2;
 }
 

@@ -52,7 +52,8 @@ static int find_not_finite(const nsdae_point *point)
       {"gap", r->gap, d->k, NSDAE_NAME_CONTACT, 1},
       {"normal_impulse", r->normal_impulse, d->k, NSDAE_NAME_CONTACT, 1},
       {"tangential_impulse", r->tangential_impulse, d->k * d->nt, NSDAE_NAME_CONTACT, d->nt},
-      {"slide_impulse", r->slide_impulse, d->f, NSDAE_NAME_SLIDE, 1},
+      {"frictional_joint_impulse", r->frictional_joint_impulse, d->f, NSDAE_NAME_FRICTIONAL_JOINT,
+       1},
       {"contacts.gap", r->contacts.gap, r->contacts.count, OF_NONE, 1},
       {"contacts.normal_impulse", r->contacts.normal_impulse, r->contacts.count, OF_NONE, 1},
       {"contacts.tangential_impulse", r->contacts.tangential_impulse, r->contacts.count * d->nt,
@@ -106,7 +107,7 @@ int nsdae_point_finite(const nsdae_point *point)
   double all = r->time + c->work + c->unexplained + r->lcp_residual + r->constraint_drift +
                c->constraint_rate + c->complementarity;
   all += sum(r->q, d->nq) + sum(r->multiplier, d->m) + sum(r->normal_impulse, d->k) +
-         sum(r->tangential_impulse, d->k * d->nt) + sum(r->slide_impulse, d->f);
+         sum(r->tangential_impulse, d->k * d->nt) + sum(r->frictional_joint_impulse, d->f);
   if (listed > 0)
     all += sum(r->contacts.gap, listed) + sum(r->contacts.normal_impulse, listed) +
            sum(r->contacts.tangential_impulse, listed * d->nt);

@@ -152,7 +152,7 @@ static int report(nsdae_point *point, const merged *m)
   const nsdae_system *s = end->system;
   char one[NSDAE_CALLED_SIZE], other[NSDAE_CALLED_SIZE];
   const long *id = point->result.closed.id;
-  point->accounts.stats.warnings |= NSDAE_WATCH_IMPACTS;
+  point->accounts.stats.warnings |= NSDAE_MONITORS_IMPACTS;
   nsdae_error_set(
       end->error, NSDAE_WARN_IMPACTS, "nsdae_sim", "dt",
       "impacts are merged in the step to t = %.6g: %s and %s would hit in turn up to %.3g times: "

@@ -43,9 +43,9 @@ void nsdae_point_show_arrays(nsdae_point *p)
                              .normal_force = p->normal_force,
                              .tangential_force = p->tangential_force,
                              .mode = r->impulses.mode,
-                             .slide_impulse = r->impulses.slide_impulse,
-                             .slide_force = p->slide_force,
-                             .slide_mode = r->impulses.slide_mode,
+                             .frictional_joint_impulse = r->impulses.frictional_joint_impulse,
+                             .frictional_joint_force = p->frictional_joint_force,
+                             .frictional_joint_mode = r->impulses.frictional_joint_mode,
                              .contacts = {.id = r->closed.id,
                                           .block = r->closed.block,
                                           .gap = r->closed.gap,
@@ -64,7 +64,7 @@ void nsdae_point_layout(nsdae_point *p, nsdae_arena *arena)
   p->acceleration = NSDAE_ARENA_DOUBLES(arena, d->nv);
   p->normal_force = NSDAE_ARENA_DOUBLES(arena, d->k);
   p->tangential_force = NSDAE_ARENA_DOUBLES(arena, (long)d->k * d->nt);
-  p->slide_force = NSDAE_ARENA_DOUBLES(arena, d->f);
+  p->frictional_joint_force = NSDAE_ARENA_DOUBLES(arena, d->f);
   nsdae_point_show_arrays(p);
 }
 
@@ -84,7 +84,7 @@ static void fill_means(nsdae_point *p, const nsdae_terms *from, double h)
   for (int i = 0; i < d->nv; i++) a[i] = rate * (after[i] - before[i]);
   scale(p->normal_force, r->impulses.normal, d->k, rate);
   scale(p->tangential_force, r->impulses.tangential, d->k * d->nt, rate);
-  scale(p->slide_force, r->impulses.slide_impulse, d->f, rate);
+  scale(p->frictional_joint_force, r->impulses.frictional_joint_impulse, d->f, rate);
   p->record.duration = r->end.t - from->t;
 }
 
@@ -113,8 +113,8 @@ static void count(nsdae_stats *stats, const nsdae_counters *c)
   stats->events += c->events;
   stats->accumulations += c->accumulations;
   stats->accumulations_early += c->accumulations_early;
-  if (c->rank_kept < stats->rank_kept) stats->rank_kept = c->rank_kept;
-  stats->rank_left = nsdae_larger(stats->rank_left, c->rank_left);
+  if (c->rank_retained < stats->rank_retained) stats->rank_retained = c->rank_retained;
+  stats->rank_discarded = nsdae_larger(stats->rank_discarded, c->rank_discarded);
   stats->fallback_steps += c->fallbacks;
   stats->mass_evals += c->evals.mass;
   stats->force_evals += c->evals.force;
@@ -187,10 +187,10 @@ int nsdae_point_start(nsdae_sim *sim, nsdae_point *point)
   fill_means(point, start, 0);
   stats->energy_start = point->record.kinetic + point->record.potential;
   stats->rank = sim->system->dims.m;
-  stats->rank_kept = 1;
+  stats->rank_retained = 1;
   status = nsdae_point_finite(point);
   if (status < 0) return status;
-  status = nsdae_watch_start(sim, point);
+  status = nsdae_monitors_start(sim, point);
   if (status < 0) return status;
   count(stats, &point->result.counters);
   certify(stats, &point->record);

@@ -183,7 +183,7 @@ static double apart(const nsdae_terms *start, const nsdae_sim_options *o)
   return most > start_tol * (1 + nsdae_largest(start->system->dims.nq, start->q)) ? most : 0;
 }
 
-int nsdae_watch_start(const nsdae_sim *sim, nsdae_point *point)
+int nsdae_monitors_start(const nsdae_sim *sim, nsdae_point *point)
 {
   const nsdae_terms *start = &point->result.end;
   const nsdae_dims *d = &start->system->dims;
@@ -192,12 +192,12 @@ int nsdae_watch_start(const nsdae_sim *sim, nsdae_point *point)
   if (status < 0) return status;
   double from_rest = way_from_rest(start, F, h);
   point->accounts.watch =
-      (nsdae_watch){.change = from_rest,
-                    .row = largest_entry(&start->system->blocks, &start->by.jacobian),
-                    .way = from_rest,
-                    .apart = apart(start, &sim->options),
-                    .scale = fmax(point->record.kinetic, rounding_from_rest(start, F, h)),
-                    .kinetic = point->record.kinetic,
-                    .known = point->record.kinetic};
+      (nsdae_monitors){.change = from_rest,
+                       .row = largest_entry(&start->system->blocks, &start->by.jacobian),
+                       .way = from_rest,
+                       .apart = apart(start, &sim->options),
+                       .scale = fmax(point->record.kinetic, rounding_from_rest(start, F, h)),
+                       .kinetic = point->record.kinetic,
+                       .known = point->record.kinetic};
   return NSDAE_OK;
 }

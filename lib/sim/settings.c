@@ -96,7 +96,7 @@ int nsdae_sim_set_options(nsdae_sim *sim, const nsdae_sim_options *options)
   NSDAE_SIM_GUARDED(sim, NSDAE_MOVE, set_options(sim, options));
 }
 
-/* Of a contact or a slide. */
+/* Of a contact or a frictional joint. */
 static int bad_coefficient(nsdae_sim *sim, const char *where, const char *name, int kind, int i,
                            double value, const char *range)
 {
@@ -154,22 +154,22 @@ int nsdae_sim_set_contact(nsdae_sim *sim, int i, double mu, double e_n, double e
   NSDAE_SIM_GUARDED(sim, NSDAE_MOVE, set_contact(sim, i, mu, e_n, e_t));
 }
 
-static int set_slide(nsdae_sim *sim, int j, double mu)
+static int set_frictional_joint(nsdae_sim *sim, int j, double mu)
 {
-  const char *where = "nsdae_sim_set_slide";
+  const char *where = "nsdae_sim_set_frictional_joint";
   nsdae_error_clear(&sim->error);
   if (j < 0 || j >= sim->model.dims.f) return bad_index(sim, where, "j", j, sim->model.dims.f);
-  int status = check_mu(sim, where, j, sim->system->slide[j].mu, mu);
-  if (status == NSDAE_OK && mu == 0 && sim->system->slide[j].mu > 0)
-    status = bad_coefficient(sim, where, "mu", NSDAE_NAME_SLIDE, j, mu,
+  int status = check_mu(sim, where, j, sim->system->frictional_joint[j].mu, mu);
+  if (status == NSDAE_OK && mu == 0 && sim->system->frictional_joint[j].mu > 0)
+    status = bad_coefficient(sim, where, "mu", NSDAE_NAME_FRICTIONAL_JOINT, j, mu,
                              "above 0, as in the system that the simulation was made of");
   if (status == NSDAE_OK) status = settle(sim);
   if (status < 0) return status;
-  sim->model.slide[j].mu = mu;
+  sim->model.frictional_joint[j].mu = mu;
   return prepare(sim);
 }
 
-int nsdae_sim_set_slide(nsdae_sim *sim, int j, double mu)
+int nsdae_sim_set_frictional_joint(nsdae_sim *sim, int j, double mu)
 {
-  NSDAE_SIM_GUARDED(sim, NSDAE_MOVE, set_slide(sim, j, mu));
+  NSDAE_SIM_GUARDED(sim, NSDAE_MOVE, set_frictional_joint(sim, j, mu));
 }

@@ -6,10 +6,10 @@
 
 #include "errors.h"
 #include "options.h"
-#include "probe.h"
+#include "callback_guard.h"
 #include "refusal.h"
 #include "sim_impl.h"
-#include "start.h"
+#include "initial_conditions.h"
 #include "system_impl.h"
 
 static void layout(void *object, nsdae_arena *arena)
@@ -18,8 +18,8 @@ static void layout(void *object, nsdae_arena *arena)
   nsdae_stepper_layout(&sim->stepper, arena);
   for (int i = 0; i < (sim->aside ? 3 : 2); i++) nsdae_point_layout(&sim->point[i], arena);
   nsdae_projector_layout(&sim->projection, arena);
-  size_t size = nsdae_probe_size(&sim->model), start = nsdae_start_size(&sim->model.dims),
-         watch = 2 * (size_t)sim->model.dims.nv;
+  size_t size = nsdae_callback_guard_size(&sim->model),
+         start = nsdae_initial_size(&sim->model.dims), watch = 2 * (size_t)sim->model.dims.nv;
   if (size < start) size = start;
   if (size < watch) size = watch;
   sim->probe = NSDAE_ARENA_DOUBLES(arena, size);
@@ -49,10 +49,11 @@ static int check_rows(const nsdae_system *system, const nsdae_sim_options *optio
     snprintf(fewer_edges, sizeof fewer_edges,
              ", or a polygon of fewer edges (%d now, %d rows for a spatial contact with friction)",
              edges, edges + 2);
-  return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_sim_create", "k",
-                         "k = %d contacts and f = %d slides have %ld rows of the complementarity "
-                         "problem, which may have %d: take fewer%s",
-                         system->dims.k, system->dims.f, rows, limit, fewer_edges);
+  return nsdae_error_set(
+      error, NSDAE_E_ARGUMENT, "nsdae_sim_create", "k",
+      "k = %d contacts and f = %d frictional joints have %ld rows of the complementarity "
+      "problem, which may have %d: take fewer%s",
+      system->dims.k, system->dims.f, rows, limit, fewer_edges);
 }
 
 /* What a system of blocks does without. */
@@ -98,11 +99,12 @@ static int copy_system(nsdae_sim *sim)
   size_t k = (size_t)from->dims.k, f = (size_t)from->dims.f;
   memcpy(&sim->model, from, sizeof *from);
   sim->model.contact = calloc(k + 1, sizeof *sim->model.contact);
-  sim->model.slide = calloc(f + 1, sizeof *sim->model.slide);
+  sim->model.frictional_joint = calloc(f + 1, sizeof *sim->model.frictional_joint);
   sim->law = calloc(k + 1, sizeof *sim->law);
-  if (!sim->model.contact || !sim->model.slide || !sim->law) return NSDAE_E_MEMORY;
+  if (!sim->model.contact || !sim->model.frictional_joint || !sim->law) return NSDAE_E_MEMORY;
   if (k > 0) memcpy(sim->model.contact, from->contact, k * sizeof *from->contact);
-  if (f > 0) memcpy(sim->model.slide, from->slide, f * sizeof *from->slide);
+  if (f > 0)
+    memcpy(sim->model.frictional_joint, from->frictional_joint, f * sizeof *from->frictional_joint);
   return NSDAE_OK;
 }
 
@@ -200,7 +202,7 @@ void nsdae_sim_destroy(nsdae_sim **sim)
   nsdae_arena_release(&(*sim)->arena);
   free((*sim)->law);
   free((*sim)->model.contact);
-  free((*sim)->model.slide);
+  free((*sim)->model.frictional_joint);
   nsdae_system_let_go((*sim)->system);
   nsdae_sim_leave(*sim, NSDAE_MOVE);
   free(*sim);
@@ -237,8 +239,9 @@ int nsdae_sim_check_state(nsdae_sim *sim, const char *where, double t0, const do
 /* What the callbacks write beyond their arrays or leave out, before anything stands beside them. */
 static int probe_callbacks(nsdae_sim *sim, double t0, const double *q0, const double *v0)
 {
-  const nsdae_probe probe = {&sim->model, "nsdae_sim_init", t0, q0, v0, sim->probe, &sim->error, 0};
-  return sim->options.start_check ? nsdae_probe_callbacks(&probe) : NSDAE_OK;
+  const nsdae_callback_guard probe = {&sim->model, "nsdae_sim_init", t0,          q0,
+                                      v0,          sim->probe,       &sim->error, 0};
+  return sim->options.start_check ? nsdae_callback_guard_callbacks(&probe) : NSDAE_OK;
 }
 
 /* Every term once, so that what is wrong with a model shows here. */
@@ -255,14 +258,14 @@ static int start_at(nsdae_sim *sim, double t0, const double *q0, const double *v
   int status = nsdae_point_start(sim, sim->next);
   if (status == NSDAE_OK) status = nsdae_units_find(&sim->projection, t0, q0);
   if (status == NSDAE_OK) status = nsdae_start_resolved(sim, &r->end);
-  if (status == NSDAE_OK) status = nsdae_start_check(&sim->projection, &r->end, sim->probe);
+  if (status == NSDAE_OK) status = nsdae_initial_check(&sim->projection, &r->end, sim->probe);
   if (status < 0) return status;
   sim->stage.start = sim->error;
-  if (status > 0) sim->next->accounts.stats.warnings |= NSDAE_WATCH_PENETRATION;
-  if (nsdae_start_law(&sim->model, &sim->options, &sim->stage.start) > 0)
-    sim->next->accounts.stats.warnings |= NSDAE_WATCH_RESTITUTION; /* penalty has no other */
+  if (status > 0) sim->next->accounts.stats.warnings |= NSDAE_MONITORS_PENETRATION;
+  if (nsdae_initial_law(&sim->model, &sim->options, &sim->stage.start) > 0)
+    sim->next->accounts.stats.warnings |= NSDAE_MONITORS_RESTITUTION; /* penalty has no other */
   nsdae_error_clear(&sim->error);
-  status = nsdae_start_touch(&sim->projection, &r->end);
+  status = nsdae_initial_touch(&sim->projection, &r->end);
   return status > 0 ? nsdae_point_start(sim, sim->next) : status;
 }
 
@@ -273,7 +276,7 @@ static int init(nsdae_sim *sim, double t0, const double *q0, const double *v0)
   int status = nsdae_sim_check_state(sim, "nsdae_sim_init", t0, q0, v0);
   if (status == NSDAE_OK) status = probe_callbacks(sim, t0, q0, v0);
   sim->model.epoch = t0;
-  while (status == NSDAE_OK && (status = start_at(sim, t0, q0, v0)) == NSDAE_GROW)
+  while (status == NSDAE_OK && (status = start_at(sim, t0, q0, v0)) == NSDAE_ARRAYS_GROW)
     status = nsdae_sim_grow(sim);
   if (status < 0) return status;
   sim->stage.warning.status = NSDAE_OK;

@@ -5,10 +5,10 @@
 #include <nsdae/sim.h>
 
 #include "guard.h"
-#include "methods.h"
-#include "projection.h"
+#include "method_table.h"
+#include "state_projection.h"
 #include "stepper.h"
-#include "watch.h"
+#include "monitors.h"
 
 typedef struct nsdae_observation {
   nsdae_observer_fn call;
@@ -42,7 +42,7 @@ typedef struct nsdae_accounts {
   double grid_start; /* steps end at grid_start + grid_count dt */
   long grid_count;
   nsdae_stats stats;
-  nsdae_watch watch;
+  nsdae_monitors watch;
 } nsdae_accounts;
 
 /* A point of the run: a result and the accounts up to it. */
@@ -50,8 +50,9 @@ typedef struct nsdae_point {
   nsdae_result result;
   nsdae_accounts accounts;
   nsdae_work work;
-  nsdae_record record;                                                  /* made of them */
-  double *acceleration, *normal_force, *tangential_force, *slide_force; /* means of the step */
+  nsdae_record record; /* made of them */
+  double *acceleration, *normal_force, *tangential_force,
+      *frictional_joint_force; /* means of the step */
 } nsdae_point;
 
 void nsdae_point_layout(nsdae_point *point, nsdae_arena *arena);
@@ -143,9 +144,9 @@ int nsdae_certificate_energy(const nsdae_sim *sim, const nsdae_point *before,
 /* NSDAE_OK, or NSDAE_E_NONFINITE with the record that names what of a point is not finite. */
 int nsdae_point_finite(const nsdae_point *point);
 /* From the start on. NSDAE_OK, or what the terms return. */
-int nsdae_watch_start(const nsdae_sim *sim, nsdae_point *point);
+int nsdae_monitors_start(const nsdae_sim *sim, nsdae_point *point);
 /* After a step: what is to be said now, NSDAE_WARN_... with the error record, or NSDAE_OK. */
-int nsdae_watch_step(const nsdae_sim *sim, const nsdae_point *before, nsdae_point *point);
+int nsdae_monitors_step(const nsdae_sim *sim, const nsdae_point *before, nsdae_point *point);
 
 /* NSDAE_WARN_IMPACTS with the pair of closed contacts that would hit most often, one after the
  * other, in the step that was done and has its work; or NSDAE_OK. */

@@ -149,7 +149,7 @@ static int prepare(nsdae_sim *sim, double t1)
   double length = length_of(sim, t1);
   int status =
       nsdae_interrupted(&sim->stepper.interrupt, &sim->error, nsdae_system_time(&sim->model, t0));
-  while (status == NSDAE_OK && (status = advance(sim, t1, length)) == NSDAE_GROW)
+  while (status == NSDAE_OK && (status = advance(sim, t1, length)) == NSDAE_ARRAYS_GROW)
     status = nsdae_sim_grow(sim); /* and once more */
   sim->stage.failed = is_problem(status) && (sim->next->result.problem || sim->next->result.pile);
   if (status == NSDAE_OK)
@@ -157,7 +157,7 @@ static int prepare(nsdae_sim *sim, double t1)
   if (sim->next->result.end.t < t1) length = sim->next->result.end.t - t0; /* as far as it came */
   if (status == NSDAE_OK) status = nsdae_point_follow(sim, sim->now, sim->next, length);
   if (status == NSDAE_OK) status = nsdae_certificate_energy(sim, sim->now, sim->next);
-  if (status == NSDAE_OK) status = nsdae_watch_step(sim, sim->now, sim->next);
+  if (status == NSDAE_OK) status = nsdae_monitors_step(sim, sim->now, sim->next);
   if (status < 0) {
     sim->now->result.end.have = have; /* what a dropped step evaluated is not counted either */
     return status;

@@ -130,8 +130,8 @@ function condition(c,   i, term, count, line) {
 }
 
 function why(c,   what) {
-  what["m"] = "constraints (m = 0)"; what["k"] = "contacts (k = 0)"; what["f"] = "slides (f = 0)"
-  what["k*nt"] = "tangential directions (k nt = 0)"; what["k+f"] = "contacts or slides (k = f = 0)"
+  what["m"] = "constraints (m = 0)"; what["k"] = "contacts (k = 0)"; what["f"] = "frictional joints (f = 0)"
+  what["k*nt"] = "tangential directions (k nt = 0)"; what["k+f"] = "contacts or frictional joints (k = f = 0)"
   return needs[c] == "-" ? "\"\"" : "\"the system has no " what[needs[c]] "\""
 }
 

@@ -25,7 +25,7 @@ CALL(gap_normal, out[0], ld[0])
 CALL(gap_tangent, out[0], ld[0])
 CALL(contact_bias, out[0], out[1])
 CALL(contact_acceleration, at->v, out[0], out[1], out[2])
-CALL(slide_tangent, out[0], ld[0], out[1])
+CALL(frictional_joint_tangent, out[0], ld[0], out[1])
 CALL(kinematics, at->v, out[0])
 CALL(potential, out[0])
 /* callbacks.list: end */
@@ -34,7 +34,7 @@ CALL(potential, out[0])
 #define VELOCITY   NSDAE_NAME_VELOCITY
 #define CONSTRAINT NSDAE_NAME_CONSTRAINT
 #define CONTACT    NSDAE_NAME_CONTACT
-#define SLIDE      NSDAE_NAME_SLIDE
+#define SLIDE      NSDAE_NAME_FRICTIONAL_JOINT
 
 const nsdae_callback nsdae_callbacks[] = {
     /* callbacks.list: outputs */
@@ -60,7 +60,7 @@ const nsdae_callback nsdae_callbacks[] = {
     {"contact_acceleration", has_contact_acceleration, call_contact_acceleration, 3,
      {{"omega_n", CONTACT, -1, 0, 1}, {"omega_t", CONTACT, -1, 1, 1},
       {"omega_s", SLIDE, -1, 0, 1}}},
-    {"slide_tangent", has_slide_tangent, call_slide_tangent, 2,
+    {"frictional_joint_tangent", has_frictional_joint_tangent, call_frictional_joint_tangent, 2,
      {{"W", VELOCITY, SLIDE, 0, 0}, {"w_s", SLIDE, -1, 0, 0}}},
     {"kinematics", has_kinematics, call_kinematics, 1,
      {{"qdot", COORDINATE, -1, 0, 0}}},

@@ -7,9 +7,9 @@
 #include "arena.h"
 #include "check_blocks.h"
 #include "differences.h"
-#include "directions.h"
+#include "contact_directions.h"
 #include "errors.h"
-#include "probe.h"
+#include "callback_guard.h"
 #include "refusal.h"
 #include "system_impl.h"
 
@@ -217,7 +217,7 @@ static void name_worst(const check *c, nsdae_error *error)
   else if (row < d->k + kt)
     nsdae_system_name_item(c->system, NSDAE_NAME_CONTACT, (row - d->k) / d->nt, error);
   else
-    nsdae_system_name_item(c->system, NSDAE_NAME_SLIDE, row - d->k - kt, error);
+    nsdae_system_name_item(c->system, NSDAE_NAME_FRICTIONAL_JOINT, row - d->k - kt, error);
 }
 
 static int verdict(check *c, double tol)
@@ -253,10 +253,10 @@ static int no_memory(nsdae_system *system)
 /* Each callback alone. */
 static int check_alone(nsdae_system *system, double t, const double *q, const double *v)
 {
-  double *work = malloc((nsdae_probe_size(system) + 1) * sizeof *work);
+  double *work = malloc((nsdae_callback_guard_size(system) + 1) * sizeof *work);
   if (!work) return no_memory(system);
-  int status = nsdae_probe_callbacks(
-      &(nsdae_probe){system, "nsdae_system_check", t, q, v, work, &system->error, 1});
+  int status = nsdae_callback_guard_callbacks(
+      &(nsdae_callback_guard){system, "nsdae_system_check", t, q, v, work, &system->error, 1});
   free(work);
   return status;
 }

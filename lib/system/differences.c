@@ -238,15 +238,15 @@ static int contact_velocities(nsdae_differences *d, double t, const double *q, c
   return code ? code : tangential_velocities(d, t, q, v, u_t);
 }
 
-static int slide_velocities(nsdae_differences *d, double t, const double *q, const double *v,
-                            double *u_s)
+static int frictional_joint_velocities(nsdae_differences *d, double t, const double *q,
+                                       const double *v, double *u_s)
 {
   const nsdae_system *s = d->system;
-  if (s->dims.f == 0 || !s->call.slide_tangent) return 0;
+  if (s->dims.f == 0 || !s->call.frictional_joint_tangent) return 0;
   zero_directions(d, s->dims.f);
-  int code = s->call.slide_tangent(t, q, d->W, s->dims.nv, u_s, s->user);
+  int code = s->call.frictional_joint_tangent(t, q, d->W, s->dims.nv, u_s, s->user);
   if (!code) add_velocities(d, s->dims.f, v, u_s);
-  return judge(d, code, "slide_tangent", s->dims.f, u_s);
+  return judge(d, code, "frictional_joint_tangent", s->dims.f, u_s);
 }
 
 /* omega += weight u(t + s, q + s H v) */
@@ -260,7 +260,7 @@ static int add_displaced(nsdae_differences *d, double t, const double *q, const 
   for (int i = 0; i < dims->nq; i++) d->moved[i] = q[i] + s * d->qdot[i];
   memset(d->velocity, 0, (size_t)(size[0] + size[1] + size[2]) * sizeof *d->velocity);
   if (!code) code = contact_velocities(d, t + s, d->moved, v, u[0], u[1]);
-  if (!code) code = slide_velocities(d, t + s, d->moved, v, u[2]);
+  if (!code) code = frictional_joint_velocities(d, t + s, d->moved, v, u[2]);
   for (int part = 0; part < 3; part++)
     for (int i = 0; i < size[part]; i++) omega[part][i] += weight * u[part][i];
   return code;

@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "errors.h"
-#include "grow.h"
+#include "dynamic_array.h"
 
 void nsdae_contact_list_clear(nsdae_contact_list *list)
 {
@@ -132,12 +132,12 @@ enum { CONTACT_ARRAYS = 6, ROW_ARRAYS = 2 };
 
 static int grow_contacts(nsdae_contact_list *l, size_t entries, size_t values)
 {
-  const nsdae_grown each[] = {NSDAE_GROWN(l->id, 1),  NSDAE_GROWN(l->block, 2),
-                              NSDAE_GROWN(l->gap, 1), NSDAE_GROWN(l->law, 1),
-                              NSDAE_GROWN(l->at, 2),  NSDAE_GROWN(l->w, 1 + l->nt)};
-  const nsdae_grown value[] = {NSDAE_GROWN(l->value, 1)};
-  int status = nsdae_grow(each, CONTACT_ARRAYS, entries);
-  return status < 0 ? status : nsdae_grow(value, 1, values);
+  const nsdae_array each[] = {NSDAE_ARRAY(l->id, 1),  NSDAE_ARRAY(l->block, 2),
+                              NSDAE_ARRAY(l->gap, 1), NSDAE_ARRAY(l->law, 1),
+                              NSDAE_ARRAY(l->at, 2),  NSDAE_ARRAY(l->w, 1 + l->nt)};
+  const nsdae_array value[] = {NSDAE_ARRAY(l->value, 1)};
+  int status = nsdae_arrays_grow(each, CONTACT_ARRAYS, entries);
+  return status < 0 ? status : nsdae_arrays_grow(value, 1, values);
 }
 
 static size_t larger(size_t a, size_t b)
@@ -156,11 +156,11 @@ int nsdae_contact_list_grow(nsdae_contact_list *l, const nsdae_room *room)
 
 void nsdae_contact_list_release(nsdae_contact_list *l)
 {
-  const nsdae_grown all[] = {NSDAE_GROWN(l->id, 1),   NSDAE_GROWN(l->block, 2),
-                             NSDAE_GROWN(l->gap, 1),  NSDAE_GROWN(l->law, 1),
-                             NSDAE_GROWN(l->at, 2),   NSDAE_GROWN(l->w, 1),
-                             NSDAE_GROWN(l->value, 1)};
-  nsdae_grown_release(all, sizeof all / sizeof *all);
+  const nsdae_array all[] = {NSDAE_ARRAY(l->id, 1),   NSDAE_ARRAY(l->block, 2),
+                             NSDAE_ARRAY(l->gap, 1),  NSDAE_ARRAY(l->law, 1),
+                             NSDAE_ARRAY(l->at, 2),   NSDAE_ARRAY(l->w, 1),
+                             NSDAE_ARRAY(l->value, 1)};
+  nsdae_arrays_release(all, sizeof all / sizeof *all);
   l->room = (nsdae_room){0};
 }
 
@@ -232,10 +232,10 @@ int nsdae_row_list_grow(nsdae_row_list *l, const nsdae_room *room)
 {
   const nsdae_room new = {larger(l->room.entries, room->entries),
                           larger(l->room.values, room->values)};
-  const nsdae_grown each[] = {NSDAE_GROWN(l->rows->block, 1), NSDAE_GROWN(l->rows->at, 1)};
-  const nsdae_grown value[] = {NSDAE_GROWN(l->rows->value, 1)};
-  int status = nsdae_grow(each, ROW_ARRAYS, new.entries);
-  if (status == NSDAE_OK) status = nsdae_grow(value, 1, new.values);
+  const nsdae_array each[] = {NSDAE_ARRAY(l->rows->block, 1), NSDAE_ARRAY(l->rows->at, 1)};
+  const nsdae_array value[] = {NSDAE_ARRAY(l->rows->value, 1)};
+  int status = nsdae_arrays_grow(each, ROW_ARRAYS, new.entries);
+  if (status == NSDAE_OK) status = nsdae_arrays_grow(value, 1, new.values);
   if (status == NSDAE_OK) l->room = new;
   return status;
 }
@@ -243,8 +243,8 @@ int nsdae_row_list_grow(nsdae_row_list *l, const nsdae_room *room)
 void nsdae_row_list_release(nsdae_row_list *l)
 {
   if (!l->rows) return;
-  const nsdae_grown all[] = {NSDAE_GROWN(l->rows->block, 1), NSDAE_GROWN(l->rows->at, 1),
-                             NSDAE_GROWN(l->rows->value, 1)};
-  nsdae_grown_release(all, sizeof all / sizeof *all);
+  const nsdae_array all[] = {NSDAE_ARRAY(l->rows->block, 1), NSDAE_ARRAY(l->rows->at, 1),
+                             NSDAE_ARRAY(l->rows->value, 1)};
+  nsdae_arrays_release(all, sizeof all / sizeof *all);
   l->room = (nsdae_room){0};
 }

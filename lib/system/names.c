@@ -8,7 +8,7 @@
 #include "errors.h"
 
 static const char *const kinds[NSDAE_NAME_KINDS] = {"coordinate", "velocity", "constraint",
-                                                    "contact", "slide"};
+                                                    "contact", "frictional joint"};
 
 int nsdae_system_count(const nsdae_system *system, int kind)
 {

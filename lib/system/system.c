@@ -39,9 +39,10 @@ int nsdae_system_create(const nsdae_dims *dims, nsdae_system **system, nsdae_err
   nsdae_system *made = calloc(1, sizeof *made);
   if (made) atomic_init(&made->owners, 1);
   if (made) made->contact = calloc((size_t)dims->k + 1, sizeof *made->contact);
-  if (made) made->slide = calloc((size_t)dims->f + 1, sizeof *made->slide);
+  if (made) made->frictional_joint = calloc((size_t)dims->f + 1, sizeof *made->frictional_joint);
   int nv = dims->nv == 0 ? dims->nq : dims->nv;
-  if (!made || !made->contact || !made->slide || nsdae_blocks_make(&made->blocks, 1, &nv) < 0 ||
+  if (!made || !made->contact || !made->frictional_joint ||
+      nsdae_blocks_make(&made->blocks, 1, &nv) < 0 ||
       nsdae_blocks_make(&made->coordinates, 1, &dims->nq) < 0) {
     nsdae_system_destroy(&made);
     return nsdae_error_set(error, NSDAE_E_MEMORY, "nsdae_system_create", "", "out of memory");
@@ -65,7 +66,7 @@ static void release(nsdae_system *system)
   }
   nsdae_system_release_bodies(system);
   free(system->contact);
-  free(system->slide);
+  free(system->frictional_joint);
   nsdae_blocks_release(&system->blocks);
   nsdae_blocks_release(&system->coordinates);
   free(system);
@@ -135,7 +136,7 @@ int nsdae_system_open(nsdae_system *system, const char *setter)
   snprintf(why, sizeof why,
            "the system is constant while it has simulations (%d now): destroy them before you "
            "change it, make another system, or change it in one of them (nsdae_sim_set_user, "
-           "nsdae_sim_set_contact, nsdae_sim_set_slide)",
+           "nsdae_sim_set_contact, nsdae_sim_set_frictional_joint)",
            simulations);
   return nsdae_system_refuse(system, NSDAE_E_STATE, setter, "system", why);
 }
@@ -191,8 +192,9 @@ SETTER(gap_tangent, nsdae_gap_tangent_fn, d->k > 0 && d->nt > 0,
        "the system has no tangential directions (k nt = 0)")
 SETTER(contact_bias, nsdae_contact_bias_fn, d->k > 0, "the system has no contacts (k = 0)")
 SETTER(contact_acceleration, nsdae_contact_acceleration_fn, d->k > 0 || d->f > 0,
-       "the system has no contacts or slides (k = f = 0)")
-SETTER(slide_tangent, nsdae_slide_fn, d->f > 0, "the system has no slides (f = 0)")
+       "the system has no contacts or frictional joints (k = f = 0)")
+SETTER(frictional_joint_tangent, nsdae_frictional_joint_fn, d->f > 0,
+       "the system has no frictional joints (f = 0)")
 SETTER(kinematics, nsdae_kinematics_fn, 1, "")
 SETTER(potential, nsdae_potential_fn, 1, "")
 /* callbacks.list: end */
@@ -247,16 +249,17 @@ int nsdae_system_set_contact(nsdae_system *system, int i, double mu, double e_n,
   return status;
 }
 
-int nsdae_system_set_slide(nsdae_system *system, int j, int constraint, double mu)
+int nsdae_system_set_frictional_joint(nsdae_system *system, int j, int constraint, double mu)
 {
   if (!system) return NSDAE_E_ARGUMENT;
-  if (j < 0 || j >= system->dims.f) return bad_index(system, "slide", "j", j, system->dims.f);
+  if (j < 0 || j >= system->dims.f)
+    return bad_index(system, "frictional_joint", "j", j, system->dims.f);
   if (constraint < 0 || constraint >= system->dims.m)
-    return bad_index(system, "slide", "constraint", constraint, system->dims.m);
+    return bad_index(system, "frictional_joint", "constraint", constraint, system->dims.m);
   if (!(mu >= 0) || isinf(mu))
-    return bad_coefficient(system, "slide", "mu", mu, "at least 0, finite");
-  int status = nsdae_system_open(system, "slide");
-  if (status == NSDAE_OK) system->slide[j] = (nsdae_slide){constraint, mu, 1};
+    return bad_coefficient(system, "frictional_joint", "mu", mu, "at least 0, finite");
+  int status = nsdae_system_open(system, "frictional_joint");
+  if (status == NSDAE_OK) system->frictional_joint[j] = (nsdae_frictional_joint){constraint, mu, 1};
   return status;
 }
 
@@ -347,7 +350,7 @@ const char *nsdae_system_unseen(nsdae_system *system)
        !moves && any_friction(system)},
       {"nsdae_system_set_contact: that contacts that it was not called for have e_n = mu = 0",
        any_untold(system)},
-      {"slide_tangent: its values", system->call.slide_tangent != NULL},
+      {"frictional_joint_tangent: its values", system->call.frictional_joint_tangent != NULL},
       {"potential: whether the force is its gradient (the energy balance of a run shows that)",
        system->call.potential != NULL},
       {system->doubt, system->doubt[0] != '\0'},
@@ -355,10 +358,10 @@ const char *nsdae_system_unseen(nsdae_system *system)
   return join(system->unseen, sizeof system->unseen, unseen, sizeof unseen / sizeof *unseen, "; ");
 }
 
-static int any_slide(const nsdae_system *system)
+static int any_frictional_joint(const nsdae_system *system)
 {
   for (int j = 0; j < system->dims.f; j++)
-    if (system->slide[j].mu > 0) return 1;
+    if (system->frictional_joint[j].mu > 0) return 1;
   return 0;
 }
 
@@ -378,9 +381,10 @@ int nsdae_system_told(const nsdae_system *system, nsdae_error *error)
   for (int i = 0; system->call.gap_tangent && i < system->dims.k; i++)
     if (!system->contact[i].told)
       return untold(system, "contact", "gap_tangent", NSDAE_NAME_CONTACT, i, error);
-  for (int j = 0; system->call.slide_tangent && j < system->dims.f; j++)
-    if (!system->slide[j].told)
-      return untold(system, "slide", "slide_tangent", NSDAE_NAME_SLIDE, j, error);
+  for (int j = 0; system->call.frictional_joint_tangent && j < system->dims.f; j++)
+    if (!system->frictional_joint[j].told)
+      return untold(system, "frictional_joint", "frictional_joint_tangent",
+                    NSDAE_NAME_FRICTIONAL_JOINT, j, error);
   return NSDAE_OK;
 }
 
@@ -411,7 +415,8 @@ int nsdae_system_complete(const nsdae_system *system, nsdae_error *error)
   if (dims->k > 0 && !system->call.gap) missing = "gap";
   if (dims->k > 0 && dims->nt > 0 && any_friction(system) && !system->call.gap_tangent)
     missing = "gap_tangent";
-  if (any_slide(system) && !system->call.slide_tangent) missing = "slide_tangent";
+  if (any_frictional_joint(system) && !system->call.frictional_joint_tangent)
+    missing = "frictional_joint_tangent";
   if (dims->nq != dims->nv && !system->call.kinematics) missing = "kinematics";
   if (!missing) return nsdae_names_distinct(system, error);
   return nsdae_error_set(error, NSDAE_E_STATE, "nsdae_system", missing,

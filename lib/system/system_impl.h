@@ -15,13 +15,13 @@ typedef struct nsdae_coefficients {
   int told; /* set by somebody, if only to zero */
 } nsdae_coefficients;
 
-typedef struct nsdae_slide {
+typedef struct nsdae_frictional_joint {
   int constraint;
   double mu;
   int told;
-} nsdae_slide;
+} nsdae_frictional_joint;
 
-enum { NSDAE_NAME_KINDS = NSDAE_NAME_SLIDE + 1 };
+enum { NSDAE_NAME_KINDS = NSDAE_NAME_FRICTIONAL_JOINT + 1 };
 
 typedef struct nsdae_label {
   char name[NSDAE_NAME_SIZE], unit[NSDAE_UNIT_SIZE];
@@ -50,7 +50,7 @@ typedef struct nsdae_calls {
   nsdae_gap_tangent_fn gap_tangent;
   nsdae_contact_bias_fn contact_bias;
   nsdae_contact_acceleration_fn contact_acceleration;
-  nsdae_slide_fn slide_tangent;
+  nsdae_frictional_joint_fn frictional_joint_tangent;
   nsdae_kinematics_fn kinematics;
   nsdae_potential_fn potential;
   /* callbacks.list: end */
@@ -66,13 +66,13 @@ struct nsdae_system {
   void *user;
   double epoch; /* t0 of the simulation whose copy this is: see nsdae_system_time */
   nsdae_calls call;
-  int by_list;                          /* blocks were set: those three in place of dense ones */
-  nsdae_blocks blocks, coordinates;     /* of v and q; one of all where none were set */
-  nsdae_coefficients *contact;          /* k */
-  nsdae_slide *slide;                   /* f */
-  double *size[NSDAE_NAME_KINDS];       /* lengths, 0 where unknown; NULL: none is known */
-  nsdae_label *label[NSDAE_NAME_KINDS]; /* as many as there are of that kind; NULL: no names */
-  nsdae_body *body;                     /* bodies: what files show; room for a power of two */
+  int by_list;                      /* blocks were set: those three in place of dense ones */
+  nsdae_blocks blocks, coordinates; /* of v and q; one of all where none were set */
+  nsdae_coefficients *contact;      /* k */
+  nsdae_frictional_joint *frictional_joint; /* f */
+  double *size[NSDAE_NAME_KINDS];           /* lengths, 0 where unknown; NULL: none is known */
+  nsdae_label *label[NSDAE_NAME_KINDS];     /* as many as there are of that kind; NULL: no names */
+  nsdae_body *body;                         /* bodies: what files show; room for a power of two */
   int bodies;
   nsdae_error error;
   nsdae_error refused;        /* of the first setter that was */

@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "errors.h"
-#include "grow.h"
+#include "dynamic_array.h"
 
 /* A callback's code, what it was refused with, whether there was room. */
 static int listed(nsdae_terms *T, int code, int refused, const char *callback,
@@ -15,7 +15,7 @@ static int listed(nsdae_terms *T, int code, int refused, const char *callback,
   }
   int status = nsdae_system_callback_status(code, callback, nsdae_terms_time(T), T->error);
   if (status < 0) return status;
-  return nsdae_room_enough(room, taken) ? NSDAE_OK : NSDAE_GROW;
+  return nsdae_room_enough(room, taken) ? NSDAE_OK : NSDAE_ARRAYS_GROW;
 }
 
 /* The velocity whose column in its block the error's entry of M is in. */
@@ -114,16 +114,16 @@ enum { ARRAYS = 9 };
 static int grow_rows(nsdae_terms *T, size_t room, int nt)
 {
   nsdae_by_blocks *by = &T->by;
-  const nsdae_grown each[ARRAYS] = {NSDAE_GROWN(T->gap, 1),
-                                    NSDAE_GROWN(T->w_N, 1),
-                                    NSDAE_GROWN(T->w_T, nt),
-                                    NSDAE_GROWN(by->normal.first, 1),
-                                    NSDAE_GROWN(by->normal.block, 2),
-                                    NSDAE_GROWN(by->normal.at, 2),
-                                    NSDAE_GROWN(by->tangent.first, 1 + nt),
-                                    NSDAE_GROWN(by->tangent.block, 2 * nt),
-                                    NSDAE_GROWN(by->tangent.at, 2 * nt)};
-  return nsdae_grow(each, ARRAYS, room);
+  const nsdae_array each[ARRAYS] = {NSDAE_ARRAY(T->gap, 1),
+                                    NSDAE_ARRAY(T->w_N, 1),
+                                    NSDAE_ARRAY(T->w_T, nt),
+                                    NSDAE_ARRAY(by->normal.first, 1),
+                                    NSDAE_ARRAY(by->normal.block, 2),
+                                    NSDAE_ARRAY(by->normal.at, 2),
+                                    NSDAE_ARRAY(by->tangent.first, 1 + nt),
+                                    NSDAE_ARRAY(by->tangent.block, 2 * nt),
+                                    NSDAE_ARRAY(by->tangent.at, 2 * nt)};
+  return nsdae_arrays_grow(each, ARRAYS, room);
 }
 
 /* One row more has its end. */
@@ -141,16 +141,16 @@ void nsdae_terms_release(nsdae_terms *T)
 {
   nsdae_by_blocks *by = &T->by;
   if (!T->system || !T->system->by_list) return;
-  const nsdae_grown each[ARRAYS] = {NSDAE_GROWN(T->gap, 1),
-                                    NSDAE_GROWN(T->w_N, 1),
-                                    NSDAE_GROWN(T->w_T, 1),
-                                    NSDAE_GROWN(by->normal.first, 1),
-                                    NSDAE_GROWN(by->normal.block, 2),
-                                    NSDAE_GROWN(by->normal.at, 2),
-                                    NSDAE_GROWN(by->tangent.first, 1),
-                                    NSDAE_GROWN(by->tangent.block, 2),
-                                    NSDAE_GROWN(by->tangent.at, 2)};
-  nsdae_grown_release(each, ARRAYS);
+  const nsdae_array each[ARRAYS] = {NSDAE_ARRAY(T->gap, 1),
+                                    NSDAE_ARRAY(T->w_N, 1),
+                                    NSDAE_ARRAY(T->w_T, 1),
+                                    NSDAE_ARRAY(by->normal.first, 1),
+                                    NSDAE_ARRAY(by->normal.block, 2),
+                                    NSDAE_ARRAY(by->normal.at, 2),
+                                    NSDAE_ARRAY(by->tangent.first, 1),
+                                    NSDAE_ARRAY(by->tangent.block, 2),
+                                    NSDAE_ARRAY(by->tangent.at, 2)};
+  nsdae_arrays_release(each, ARRAYS);
   nsdae_contact_list_release(&by->list);
   nsdae_row_list_release(&by->rows);
 }

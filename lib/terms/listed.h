@@ -10,10 +10,10 @@
 #include "terms.h"
 
 /* Not for users: a list has not enough room. It grows between steps, and the step is done again. */
-enum { NSDAE_GROW = -1000 };
+enum { NSDAE_ARRAYS_GROW = -1000 };
 
-/* Brings the list up to date, with every contact of a gap up to reach. NSDAE_OK, NSDAE_GROW, what
- * the callback failed with or was refused with. */
+/* Brings the list up to date, with every contact of a gap up to reach. NSDAE_OK, NSDAE_ARRAYS_GROW,
+ * what the callback failed with or was refused with. */
 int nsdae_terms_contacts(nsdae_terms *terms, double reach);
 
 /* Contact a of the step is entry item[a] of the list. */

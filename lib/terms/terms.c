@@ -77,11 +77,11 @@ void nsdae_terms_layout(nsdae_terms *terms, nsdae_arena *arena)
     lay_out_lists(terms, arena);
   else
     lay_out_dense(terms, arena);
-  nsdae_terms_layout_rows(&terms->by.slide, dims->f, n, n, 1, arena);
-  terms->slide.w = NSDAE_ARENA_DOUBLES(arena, dims->f);
+  nsdae_terms_layout_rows(&terms->by.frictional_joint, dims->f, n, n, 1, arena);
+  terms->frictional_joint.w = NSDAE_ARENA_DOUBLES(arena, dims->f);
   terms->omega.N = NSDAE_ARENA_DOUBLES(arena, k);
   terms->omega.T = NSDAE_ARENA_DOUBLES(arena, k * nt);
-  terms->slide.omega = NSDAE_ARENA_DOUBLES(arena, dims->f);
+  terms->frictional_joint.omega = NSDAE_ARENA_DOUBLES(arena, dims->f);
 }
 
 void nsdae_terms_at(nsdae_terms *terms, double t, const double *q, const double *v)
@@ -276,18 +276,20 @@ static int bias(nsdae_terms *T)
   return status < 0 ? status : outcome(T, NSDAE_TERM_BIAS, 0, "contact_bias", T->w_T, k * nt, 1);
 }
 
-static int slide(nsdae_terms *T)
+static int frictional_joint(nsdae_terms *T)
 {
   const nsdae_system *s = T->system;
   int f = s->dims.f, n = s->dims.nv;
-  zero(T->by.slide.value, (long)n * f);
-  zero(T->slide.w, f);
-  if (!s->call.slide_tangent)
+  zero(T->by.frictional_joint.value, (long)n * f);
+  zero(T->frictional_joint.w, f);
+  if (!s->call.frictional_joint_tangent)
     return there(T, NSDAE_TERM_SLIDE, NSDAE_OK); /* allowed where no slide has friction */
-  int code =
-      s->call.slide_tangent(nsdae_terms_time(T), T->q, T->by.slide.value, n, T->slide.w, s->user);
-  int status = outcome(T, 0, code, "slide_tangent", T->by.slide.value, n, f);
-  return status < 0 ? status : outcome(T, NSDAE_TERM_SLIDE, 0, "slide_tangent", T->slide.w, f, 1);
+  int code = s->call.frictional_joint_tangent(
+      nsdae_terms_time(T), T->q, T->by.frictional_joint.value, n, T->frictional_joint.w, s->user);
+  int status = outcome(T, 0, code, "frictional_joint_tangent", T->by.frictional_joint.value, n, f);
+  return status < 0 ? status
+                    : outcome(T, NSDAE_TERM_SLIDE, 0, "frictional_joint_tangent",
+                              T->frictional_joint.w, f, 1);
 }
 
 static int acceleration(nsdae_terms *T)
@@ -297,19 +299,21 @@ static int acceleration(nsdae_terms *T)
   const char *callback = "contact_acceleration";
   zero(T->omega.N, k);
   zero(T->omega.T, kt);
-  zero(T->slide.omega, f);
+  zero(T->frictional_joint.omega, f);
   if (s->call.contact_acceleration) {
     code = s->call.contact_acceleration(nsdae_terms_time(T), T->q, T->v, k ? T->omega.N : NULL,
-                                        kt ? T->omega.T : NULL, f ? T->slide.omega : NULL, s->user);
+                                        kt ? T->omega.T : NULL,
+                                        f ? T->frictional_joint.omega : NULL, s->user);
   } else {
     code = nsdae_differences_contacts(T->differences, nsdae_terms_time(T), T->q, T->v, T->omega.N,
-                                      T->omega.T, T->slide.omega);
+                                      T->omega.T, T->frictional_joint.omega);
     if (code || T->differences->bad) callback = code ? T->differences->failed : T->differences->bad;
   }
   int status = outcome(T, 0, code, callback, T->omega.N, k, 1);
   if (status == NSDAE_OK) status = outcome(T, 0, 0, callback, T->omega.T, kt, 1);
-  return status < 0 ? status
-                    : outcome(T, NSDAE_TERM_ACCELERATION, 0, callback, T->slide.omega, f, 1);
+  return status < 0
+             ? status
+             : outcome(T, NSDAE_TERM_ACCELERATION, 0, callback, T->frictional_joint.omega, f, 1);
 }
 
 static int potential(nsdae_terms *T)
@@ -359,7 +363,7 @@ int nsdae_terms_evaluate(nsdae_terms *T, unsigned which)
   if (status == NSDAE_OK && d->m > 0 && (left & CONSTRAINT_TERMS))
     status = constraint_terms(T, left);
   if (status == NSDAE_OK && d->k > 0 && (left & CONTACT_TERMS)) status = contact_terms(T, left);
-  if (status == NSDAE_OK && d->f > 0 && (left & NSDAE_TERM_SLIDE)) status = slide(T);
+  if (status == NSDAE_OK && d->f > 0 && (left & NSDAE_TERM_SLIDE)) status = frictional_joint(T);
   if (status == NSDAE_OK && (left & NSDAE_TERM_POTENTIAL)) status = potential(T);
   if (status == NSDAE_OK && d->k + d->f > 0 && (left & NSDAE_TERM_ACCELERATION))
     status = acceleration(T);

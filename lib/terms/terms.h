@@ -25,17 +25,17 @@ enum {
   NSDAE_TERM_TANGENT = 256,
   NSDAE_TERM_BIAS = 512, /* w_N, w_T */
   NSDAE_TERM_POTENTIAL = 1024,
-  NSDAE_TERM_SLIDE = 2048,        /* W and w of the slides */
-  NSDAE_TERM_ACCELERATION = 4096, /* omega of contacts and slides; depends on v */
+  NSDAE_TERM_SLIDE = 2048,        /* W and w of the frictional joints */
+  NSDAE_TERM_ACCELERATION = 4096, /* omega of contacts and frictional joints; depends on v */
   NSDAE_TERM_CONTACTS = 8192      /* the list, see nsdae_terms_contacts */
 };
 
 /* By rows over blocks. Of a system without blocks they are those of a dense array, Phi_q [m x nv],
- * W_N [nv x k], W_T [nv x k nt] and W of the slides [nv x f]; else see listed.h. */
+ * W_N [nv x k], W_T [nv x k nt] and W of the frictional joints [nv x f]; else see listed.h. */
 typedef struct nsdae_by_blocks {
-  nsdae_rows jacobian;        /* m */
-  nsdae_rows normal, tangent; /* k, k nt; by list: of the contacts that the step selected */
-  nsdae_rows slide;           /* f */
+  nsdae_rows jacobian;         /* m */
+  nsdae_rows normal, tangent;  /* k, k nt; by list: of the contacts that the step selected */
+  nsdae_rows frictional_joint; /* f */
   nsdae_row_list rows;
   nsdae_contact_list list;
   double reach; /* of the list */
@@ -57,7 +57,7 @@ typedef struct nsdae_contact_turns {
   double *N, *T; /* k, k nt */
 } nsdae_contact_turns;
 
-/* Of the slides. */
+/* Of the frictional joints. */
 typedef struct nsdae_slide_terms {
   double *w, *omega; /* f */
 } nsdae_slide_terms;
@@ -76,7 +76,7 @@ typedef struct nsdae_terms {
   double *gap;       /* k */
   double *w_N, *w_T; /* k, k nt */
   nsdae_contact_turns omega;
-  nsdae_slide_terms slide;
+  nsdae_slide_terms frictional_joint;
   double potential;
   nsdae_by_blocks by;
 } nsdae_terms;
@@ -131,7 +131,7 @@ static inline double nsdae_terms_rate(const nsdae_terms *T, const nsdae_rows *ro
   return nsdae_rows_add_dot(&T->system->blocks, rows, i, v, w[i]);
 }
 
-/* Of the normal of contact i, tangent i, slide i; d Phi_i / dt = (Phi_q v)_i + Phi_t. */
+/* Of the normal of contact i, tangent i, frictional joint i; d Phi_i / dt = (Phi_q v)_i + Phi_t. */
 static inline double nsdae_terms_normal_rate(const nsdae_terms *T, int i, const double *v)
 {
   return nsdae_terms_rate(T, &T->by.normal, T->w_N, i, v);
@@ -144,7 +144,7 @@ static inline double nsdae_terms_tangent_rate(const nsdae_terms *T, int i, const
 
 static inline double nsdae_terms_slide_rate(const nsdae_terms *T, int i, const double *v)
 {
-  return nsdae_terms_rate(T, &T->by.slide, T->slide.w, i, v);
+  return nsdae_terms_rate(T, &T->by.frictional_joint, T->frictional_joint.w, i, v);
 }
 
 static inline double nsdae_terms_constraint_rate(const nsdae_terms *T, int i, const double *v)

@@ -28,7 +28,7 @@ from ._errors import ArgumentError, CallbackError, Error, ProblemError, RunWarni
 from ._lists import CONTACT, ContactList, RowList, contact_add, row_add
 from ._pointers import cfunc, signature
 from ._problems import FrictionResult, LcpResult, friction, friction_local, lcp
-from ._records import OPEN, SLIDE, STICK, LcpProblem, Record
+from ._records import OPEN, SLIP, STICK, LcpProblem, Record
 from ._sim import METHODS, Sim, solve
 from ._sweep import Sweep, load_sweep, sweep
 from ._system import Dims, System, Worst
@@ -41,6 +41,6 @@ __doc__ += "".join(f"    {key:<18}{what}{f' [{unit}]' if unit not in ('', '1') e
 
 __all__ = ["ArgumentError", "Bodies", "CONTACT", "CallbackError", "ContactList", "Dims", "Error", "FrictionResult",
            "GROUND", "LcpProblem", "LcpResult", "METHODS", "OPEN", "ProblemError", "Record", "RowList", "RunWarning",
-           "SLIDE", "STICK", "Shape", "Sim", "Solid", "Status", "Sweep", "System", "Trajectory", "Worst", "build_info",
+           "SLIP", "STICK", "Shape", "Sim", "Solid", "Status", "Sweep", "System", "Trajectory", "Worst", "build_info",
            "cfunc", "contact_add", "friction", "friction_local", "lcp", "load", "load_sweep", "row_add", "signature", "solve",
            "sweep"]

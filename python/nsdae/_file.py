@@ -30,10 +30,10 @@ RECORDS = (
      ("time", "contact/contact")),
     ("contact/tangential_impulse", "tangential_impulse", "N s", "tangential impulse of the step that ends here",
      ("time", "contact/contact", "tangent")),
-    ("contact/mode", "mode", "1", "0 open, 1 slide, 2 stick", ("time", "contact/contact")),
-    ("slide/impulse", "slide_impulse", "N s",
+    ("contact/mode", "mode", "1", "0 open, 1 slip, 2 stick", ("time", "contact/contact")),
+    ("slide/impulse", "frictional_joint_impulse", "N s",
      "friction impulse on each bilateral constraint with friction, of the step that ends here", ("time", "slide/slide")),
-    ("slide/mode", "slide_mode", "1", "0 frictionless, 1 slide, 2 stick", ("time", "slide/slide")),
+    ("slide/mode", "frictional_joint_mode", "1", "0 frictionless, 1 slip, 2 stick", ("time", "slide/slide")),
     ("energy/kinetic", "kinetic", "J", "v^T M v / 2", ("time",)),
     ("energy/potential", "potential", "J", "potential energy of the model", ("time",)),
     ("energy/dissipated", "dissipated", "J", "work taken by contact and friction impulses so far", ("time",)),
@@ -69,18 +69,19 @@ IMPACTS = (
 )
 LISTED = (("id", "1", "id of the contact"), ("block", "1", "blocks of the contact; -1: the ground"))
 CHANGES = (
-    ("contact", "1", "contact, from 0; -1: a slide"), ("slide", "1", "slide, from 0; -1: a contact"),
-    ("mode_before", "1", "0 open, 1 slide, 2 stick"), ("mode_after", "1", "0 open, 1 slide, 2 stick"),
+    ("contact", "1", "contact, from 0; -1: a frictional joint"), ("slide", "1", "frictional joint, from 0; -1: a contact"),
+    ("mode_before", "1", "0 open, 1 slip, 2 stick"), ("mode_after", "1", "0 open, 1 slip, 2 stick"),
 )
 CONTACTS = (
     ("block", "1", "the blocks that touch; -1: the ground", ("contacts/id", "side")),
     ("gap", "m", "normal distance where the method looked last, negative where bodies overlap", ("contacts/id",)),
     ("normal_impulse", "N s", "normal impulse of the step", ("contacts/id",)),
     ("tangential_impulse", "N s", "tangential impulse of the step", ("contacts/id", "tangent")),
-    ("mode", "1", "0 open, 1 slide, 2 stick", ("contacts/id",)),
+    ("mode", "1", "0 open, 1 slip, 2 stick", ("contacts/id",)),
 )
 NAMES = {"coordinate": "coordinate", "velocity": "velocity", "constraint": "constraint", "contact": "contact/contact",
-         "slide": "slide/slide"}
+         "frictional_joint": "slide/slide"}
+FIELDS = {"slide": "frictional_joint"}  # datasets of events whose field has another name
 
 
 @contextlib.contextmanager
@@ -140,7 +141,7 @@ def _put_events(file: Any, group: str, rows: np.ndarray, table: Any, said: str, 
     time = f"{group}/time"
     _put(file, time, rows["time"], "s", said, (time,))
     for name, unit, description in table:
-        values = rows[name]
+        values = rows[FIELDS.get(name, name)]
         if name == "tangential_impulse":
             values = values[:, :nt]
             if not nt:
@@ -325,9 +326,11 @@ def _read_events(file: Any, group: str, of: np.dtype) -> np.ndarray:
         rows["contact"] = -1  # by list: they have no number
     if "id" in (of.names or ()) and f"{group}/id" not in file:
         rows["block"] = -1
+    dataset = {field: name for name, field in FIELDS.items()}
     for name in of.names or ():
-        if f"{group}/{name}" in file:
-            values = file[f"{group}/{name}"][:n]
+        path = f"{group}/{dataset.get(name, name)}"
+        if path in file:
+            values = file[path][:n]
             if values.ndim == 2:
                 rows[name][:, : values.shape[1]] = values
             else:
@@ -417,7 +420,7 @@ def read(file: Any, shape: Any) -> dict[str, Any]:
         columns["potential"] = None
     counts = {kind: columns[name].shape[1] for kind, name in
               (("coordinate", "q"), ("velocity", "v"), ("constraint", "multiplier"), ("contact", "gap"),
-               ("slide", "slide_impulse"))}
+               ("frictional_joint", "frictional_joint_impulse"))}
     return {**columns, **_read_contacts(file, n, CLOSED), "certificate": _read_certificate(file, columns), "impacts": _read_events(file, "impact", IMPACT),
             "changes": _read_events(file, "change", CHANGE), "names": _read_names(file, counts),
             "options": _read_values(file, "options"), "parameters": _read_values(file, "parameters"),

@@ -20,7 +20,7 @@ _ARGUMENTS = {
     "contact_bias": "double t, const double *q, double *w_n, double *w_t, void *user",
     "contact_acceleration": "double t, const double *q, const double *v, double *omega_n, double *omega_t, "
                             "double *omega_s, void *user",
-    "slide_tangent": "double t, const double *q, double *W, int ldw, double *w_s, void *user",
+    "frictional_joint_tangent": "double t, const double *q, double *W, int ldw, double *w_s, void *user",
     "kinematics": "double t, const double *q, const double *v, double *qdot, void *user",
     "potential": "double t, const double *q, double *energy, void *user",
     "mass_blocks": "double t, const double *q, double *M, void *user",

@@ -12,7 +12,7 @@ from . import _core
 IMPACT = np.dtype([("time", "f8"), ("contact", "i4"), ("accumulation", "i4"), ("normal_impulse", "f8"),
                    ("tangential_impulse", "f8", 2), ("velocity_before", "f8"), ("velocity_after", "f8"),
                    ("peak_force", "f8"), ("id", "i8"), ("block", "i4", 2)])
-CHANGE = np.dtype({"names": ["time", "contact", "slide", "mode_before", "mode_after"],
+CHANGE = np.dtype({"names": ["time", "contact", "frictional_joint", "mode_before", "mode_after"],
                    "formats": ["f8", "i4", "i4", "i4", "i4"], "offsets": [0, 8, 12, 16, 20], "itemsize": 24})
 CLOSED = np.dtype({"names": ["id", "block", "gap", "normal_impulse", "tangential_impulse", "mode"],
                    "formats": ["i8", ("i4", 2), "f8", "f8", ("f8", 2), "i4"], "offsets": [0, 8, 16, 24, 32, 48],
@@ -27,7 +27,7 @@ assert CERTIFICATE.itemsize == _core.CERTIFICATE_SIZE
 assert IMPACT.itemsize == _core.IMPACT_SIZE and CHANGE.itemsize == _core.CHANGE_SIZE
 assert CLOSED.itemsize == _core.CONTACT_ROW_SIZE
 
-OPEN, SLIDE, STICK = 0, 1, 2  # modes of contacts and slides
+OPEN, SLIP, STICK = 0, 1, 2  # modes of contacts and frictional joints
 
 
 class LcpProblem(NamedTuple):
@@ -41,7 +41,7 @@ class Record:
     """The state after a step and its certificate.
 
     step, time [s], duration [s] of the step; q [nq], v [nv], acceleration [nv] (mean over the step);
-    multiplier [m]; gap, normal_impulse, mode [k]; tangential_impulse [k, nt]; slide_impulse, slide_mode [f];
+    multiplier [m]; gap, normal_impulse, mode [k]; tangential_impulse [k, nt]; frictional_joint_impulse, frictional_joint_mode [f];
     kinetic, potential, dissipated [J]; lcp_residual, constraint_drift, penetration; impacts and changes of the step
     as structured arrays; contacts, those by list that were closed in it: id, block [2] (-1: the ground), gap,
     normal_impulse, tangential_impulse [2], mode; certificate, by name: pull, cone_excess [N s], penetration [m],
@@ -61,8 +61,8 @@ class Record:
     normal_impulse: np.ndarray
     tangential_impulse: np.ndarray
     mode: np.ndarray
-    slide_impulse: np.ndarray
-    slide_mode: np.ndarray
+    frictional_joint_impulse: np.ndarray
+    frictional_joint_mode: np.ndarray
     kinetic: float
     potential: float
     dissipated: float

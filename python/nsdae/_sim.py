@@ -138,9 +138,9 @@ class Sim:
         """Coefficients of contact i in this simulation, in place of the system's."""
         self._told(self._core.set_contact, i, float(mu), float(e_n), float(e_t))
 
-    def set_slide(self, j: int, mu: float) -> None:
-        """Friction of slide j in this simulation."""
-        self._told(self._core.set_slide, j, float(mu))
+    def set_frictional_joint(self, j: int, mu: float) -> None:
+        """Friction of frictional joint j in this simulation."""
+        self._told(self._core.set_frictional_joint, j, float(mu))
 
     def interpolate(self, t: float) -> tuple[np.ndarray, np.ndarray]:
         """q and v at a time within the last step."""

@@ -10,7 +10,7 @@ import numpy as np
 from . import _core, _lists, _pointers
 from ._errors import Error, in_python
 
-KINDS = ("coordinate", "velocity", "constraint", "contact", "slide")
+KINDS = ("coordinate", "velocity", "constraint", "contact", "frictional_joint")
 
 
 class Dims(NamedTuple):
@@ -52,7 +52,7 @@ class System:
          cffi; default NULL
     mu, e_n, e_t   friction and restitution of the contacts: a number for all of them or one for each
     names   {"coordinate": ["x", ("theta", "rad")], ...}: names, with units where wanted, of "coordinate",
-            "velocity", "constraint", "contact", "slide"
+            "velocity", "constraint", "contact", "frictional_joint"
     blocks   of a large system: [blocks] sizes of each, or [nq, nv]; their sums are nq and nv, k = f = 0
     All else are callbacks by name. A function of Python gets the time, read-only arrays, and the arrays that it
     writes its results into, matrices zeroed before:
@@ -62,7 +62,7 @@ class System:
         constraint_bias(t, q, v, phi_t, omega)     gap(t, q, g)  [k]
         gap_normal(t, q, W)  [nv, k]               gap_tangent(t, q, W)  [nv, k nt]
         contact_bias(t, q, w_n, w_t)               contact_acceleration(t, q, v, omega_n, omega_t, omega_s)
-        slide_tangent(t, q, W, w_s)                kinematics(t, q, v, qdot)  [nq]
+        frictional_joint_tangent(t, q, W, w_s)                kinematics(t, q, v, qdot)  [nq]
         potential(t, q) -> energy
 
     A large system has in place of mass, constraint_jacobian and all of gaps and contacts
@@ -123,12 +123,12 @@ class System:
         """Friction, normal and tangential restitution of contact i."""
         self._core.set_contact(i, float(mu), float(e_n), float(e_t))
 
-    def set_slide(self, j: int, constraint: int, mu: float) -> None:
-        """Makes slide j the friction of a constraint, of coefficient mu."""
-        self._core.set_slide(j, constraint, float(mu))
+    def set_frictional_joint(self, j: int, constraint: int, mu: float) -> None:
+        """Makes frictional joint j the friction of a constraint, of coefficient mu."""
+        self._core.set_frictional_joint(j, constraint, float(mu))
 
     def set_name(self, kind: str, i: int, name: str, unit: str = "") -> None:
-        """Names number i of a kind ("coordinate", "velocity", "constraint", "contact", "slide")."""
+        """Names number i of a kind ("coordinate", "velocity", "constraint", "contact", "frictional_joint")."""
         if kind not in KINDS:
             raise ValueError(f"kind is '{kind}'; it must be one of {', '.join(KINDS)}")
         self._core.set_name(KINDS.index(kind), i, name, unit)

@@ -14,7 +14,8 @@ from . import _file
 from ._records import CLOSED, EVENTS, certificates, events
 from ._system import KINDS, System
 
-_AXES = {"coordinate": "q", "velocity": "v", "constraint": "multiplier", "contact": "gap", "slide": "slide_impulse"}
+_AXES = {"coordinate": "q", "velocity": "v", "constraint": "multiplier", "contact": "gap", 
+         "frictional_joint": "frictional_joint_impulse"}
 
 
 def names_of(system: System) -> dict[str, list[tuple[str, str]]]:
@@ -55,16 +56,16 @@ class Trajectory:
     """A run, as arrays of n records: the start, and the steps that were kept.
 
     time [n];  q [n, nq];  v [n, nv];  multiplier [n, m], mean bilateral forces over the step that ends here
-    gap, normal_impulse, mode [n, k];  tangential_impulse [n, k, nt]  of the contacts; mode: 0 open, 1 slide, 2 stick
-    slide_impulse, slide_mode [n, f]  of bilateral constraints with friction
+    gap, normal_impulse, mode [n, k];  tangential_impulse [n, k, nt]  of the contacts; mode: 0 open, 1 slip, 2 stick
+    frictional_joint_impulse, frictional_joint_mode [n, f]  of bilateral constraints with friction
     kinetic, dissipated [n] [J];  potential [n], None where the model gives none
     lcp_residual, constraint_drift, penetration [n]
     certificate [n]  structured array: what Record.certificate has, of each record; None of a file without it
     impacts   structured array: time, contact, normal_impulse, tangential_impulse [2], velocity_before, velocity_after,
               peak_force, accumulation (1: stands for infinitely many that end at its time), and of contacts by list,
               whose contact is -1, id and block [2]
-    changes   structured array: time, contact, slide, mode_before, mode_after (method event)
-    names     {"coordinate": [(name, unit), ...], "velocity", "constraint", "contact", "slide"}
+    changes   structured array: time, contact, frictional_joint, mode_before, mode_after (method event)
+    names     {"coordinate": [(name, unit), ...], "velocity", "constraint", "contact", "frictional_joint"}
     contacts  of contacts by list those closed in the steps of all records, one after another: structured array: id,
               block [2], gap, normal_impulse, tangential_impulse [2], mode; contacts_at(i) are those of record i
     contact_count [n]  how many each record has;  blocks [blocks, 2]  nq and nv of each, None where there are none
@@ -79,8 +80,8 @@ class Trajectory:
     normal_impulse: np.ndarray
     tangential_impulse: np.ndarray
     mode: np.ndarray
-    slide_impulse: np.ndarray
-    slide_mode: np.ndarray
+    frictional_joint_impulse: np.ndarray
+    frictional_joint_mode: np.ndarray
     kinetic: np.ndarray
     potential: np.ndarray | None
     dissipated: np.ndarray

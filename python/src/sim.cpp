@@ -90,7 +90,7 @@ void columns::add_events(const nsdae_record &r)
   for (int i = 0; i < r.impacts; i++) impacts.push_back(row_of(r.impact[i], r.contacts));
   for (int i = 0; i < r.changes; i++) {
     const nsdae_change &c = r.change[i];
-    changes.push_back({c.time, c.contact, c.slide, c.mode_before, c.mode_after});
+    changes.push_back({c.time, c.contact, c.frictional_joint, c.mode_before, c.mode_after});
   }
 }
 
@@ -119,9 +119,11 @@ void columns::add(const nsdae_record &r, const nsdae_dims &d)
   append(gap, r.gap, d.k);
   append(normal_impulse, r.normal_impulse, d.k);
   append(tangential_impulse, r.tangential_impulse, d.k * d.nt);
-  append(slide_impulse, r.slide_impulse, d.f);
+  append(frictional_joint_impulse, r.frictional_joint_impulse, d.f);
   if (d.k > 0) mode.insert(mode.end(), r.mode, r.mode + d.k);
-  if (d.f > 0) slide_mode.insert(slide_mode.end(), r.slide_mode, r.slide_mode + d.f);
+  if (d.f > 0)
+    frictional_joint_mode.insert(frictional_joint_mode.end(), r.frictional_joint_mode,
+                                 r.frictional_joint_mode + d.f);
   kinetic.push_back(r.kinetic);
   potential.push_back(r.potential);
   dissipated.push_back(r.dissipated);
@@ -163,8 +165,8 @@ nb::dict columns::arrays(const nsdae_dims &d)
   a["normal_impulse"] = array_of(normal_impulse, {n, size(d.k)});
   a["tangential_impulse"] = array_of(tangential_impulse, {n, size(d.k), size(d.nt)});
   a["mode"] = array_of(mode, {n, size(d.k)});
-  a["slide_impulse"] = array_of(slide_impulse, {n, size(d.f)});
-  a["slide_mode"] = array_of(slide_mode, {n, size(d.f)});
+  a["frictional_joint_impulse"] = array_of(frictional_joint_impulse, {n, size(d.f)});
+  a["frictional_joint_mode"] = array_of(frictional_joint_mode, {n, size(d.f)});
   struct {
     const char *name;
     std::vector<double> &values;
@@ -370,8 +372,8 @@ nb::dict sim::stats() const
   NSDAE_PYTHON_STAT(accumulations)
   NSDAE_PYTHON_STAT(fallback_steps)
   NSDAE_PYTHON_STAT(accumulations_early)
-  NSDAE_PYTHON_STAT(rank_kept)
-  NSDAE_PYTHON_STAT(rank_left)
+  NSDAE_PYTHON_STAT(rank_retained)
+  NSDAE_PYTHON_STAT(rank_discarded)
   NSDAE_PYTHON_STAT(rank)
   NSDAE_PYTHON_STAT(rank_most)
   NSDAE_PYTHON_STAT(worst_residual)
@@ -431,10 +433,10 @@ void sim::set_contact(int i, double mu, double e_n, double e_t)
   checked(nsdae_sim_set_contact(handle, i, mu, e_n, e_t));
 }
 
-void sim::set_slide(int j, double mu)
+void sim::set_frictional_joint(int j, double mu)
 {
   use held(*this);
-  checked(nsdae_sim_set_slide(handle, j, mu));
+  checked(nsdae_sim_set_frictional_joint(handle, j, mu));
 }
 
 nb::tuple sim::interpolate(double t)
@@ -551,7 +553,7 @@ void bind_sim(nb::module_ &m)
       .def("options", &sim::options)
       .def("set_options", &sim::set_options)
       .def("set_contact", &sim::set_contact)
-      .def("set_slide", &sim::set_slide)
+      .def("set_frictional_joint", &sim::set_frictional_joint)
       .def("interpolate", &sim::interpolate)
       .def("failed_lcp", &sim::failed_lcp)
       .def("has_potential", &sim::has_potential)

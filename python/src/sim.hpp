@@ -47,14 +47,15 @@ struct contact_row {
 
 struct change_row {
   double time;
-  int contact, slide, mode_before, mode_after;
+  int contact, frictional_joint, mode_before, mode_after;
 };
 
 // Records of a run, in columns.
 struct columns {
   std::vector<double> time, q, v, acceleration, multiplier, gap, normal_impulse, tangential_impulse,
-      slide_impulse, kinetic, potential, dissipated, lcp_residual, constraint_drift, penetration;
-  std::vector<int> mode, slide_mode, contact_count;
+      frictional_joint_impulse, kinetic, potential, dissipated, lcp_residual, constraint_drift,
+      penetration;
+  std::vector<int> mode, frictional_joint_mode, contact_count;
   std::vector<contact_row> contacts;
   std::vector<impact_row> impacts;
   std::vector<change_row> changes;
@@ -95,7 +96,7 @@ public:
   nb::dict options() const;
   void set_options(nb::dict changes);
   void set_contact(int i, double mu, double e_n, double e_t);
-  void set_slide(int j, double mu);
+  void set_frictional_joint(int j, double mu);
   nb::tuple interpolate(double t);
   nb::object failed_lcp() const;
   bool has_potential() const;

@@ -56,7 +56,7 @@ std::vector<slot> slots_of(role r, const nsdae_dims &d, const partition &blocks)
     return {q, out(d.k), out(d.k * d.nt)};
   case role_contact_acceleration:
     return {q, v, out(d.k), out(d.k * d.nt), out(d.f)};
-  case role_slide_tangent:
+  case role_frictional_joint_tangent:
     return {q, matrix(d.nv, d.f), out(d.f)};
   case role_kinematics:
     return {q, v, out(d.nq)};
@@ -195,9 +195,9 @@ void system::set_contact(int i, double mu, double e_n, double e_t)
   demand(nsdae_system_set_contact(handle, i, mu, e_n, e_t));
 }
 
-void system::set_slide(int j, int constraint, double mu)
+void system::set_frictional_joint(int j, int constraint, double mu)
 {
-  demand(nsdae_system_set_slide(handle, j, constraint, mu));
+  demand(nsdae_system_set_frictional_joint(handle, j, constraint, mu));
 }
 
 // Before the callbacks: their arrays are of these sizes.
@@ -292,7 +292,7 @@ void bind_system(nb::module_ &m)
       .def("set_function", &system::set_function)
       .def("set_pointer", &system::set_pointer)
       .def("set_contact", &system::set_contact)
-      .def("set_slide", &system::set_slide)
+      .def("set_frictional_joint", &system::set_frictional_joint)
       .def("set_blocks", &system::set_blocks)
       .def("blocks",
            [](const system &s) {

@@ -17,7 +17,7 @@ namespace nsdae_python
 // clang-format off
 #define NSDAE_PYTHON_ROLES(X) \
   X(mass) X(force) X(constraint) X(constraint_jacobian) X(constraint_bias) X(gap) X(gap_normal) \
-  X(gap_tangent) X(contact_bias) X(contact_acceleration) X(slide_tangent) X(kinematics) X(potential) \
+  X(gap_tangent) X(contact_bias) X(contact_acceleration) X(frictional_joint_tangent) X(kinematics) X(potential) \
   X(mass_blocks) X(constraint_rows) X(contacts)
 // clang-format on
 
@@ -43,7 +43,7 @@ public:
   void set_function(const std::string &name, nb::object function);
   void set_pointer(const std::string &name, std::uintptr_t address, std::uintptr_t user);
   void set_contact(int i, double mu, double e_n, double e_t);
-  void set_slide(int j, int constraint, double mu);
+  void set_frictional_joint(int j, int constraint, double mu);
   void set_blocks(whole_numbers nq, whole_numbers nv);
   void set_size(int kind, int i, double size);
   void set_name(int kind, int i, const std::string &name, const std::string &unit);

@@ -67,7 +67,7 @@ def test_block_on_incline(incline, sticks):
     run = nsdae.solve(block(mu, incline), t, [0, 0, 0], dt=0.001)
     speed = 0 if sticks else G * (np.sin(incline) - mu * np.cos(incline)) * t
     assert run.v[-1, 0] == pytest.approx(speed, abs=1e-9)
-    assert run.mode[-1, 0] == (nsdae.STICK if sticks else nsdae.SLIDE)
+    assert run.mode[-1, 0] == (nsdae.STICK if sticks else nsdae.SLIP)
     assert run.tangential_impulse.shape == (len(run), 1, 2)
 
 

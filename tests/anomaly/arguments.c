@@ -416,8 +416,8 @@ static int create_of_size(const nsdae_dims *d, int method, nsdae_error *error)
   if (d->k > 0) nsdae_system_set_gap_normal(system, no_matrix);
   for (int i = 0; i < d->k; i++) nsdae_system_set_contact(system, i, d->nt > 0 ? 0.3 : 0, 0.5, 0);
   if (d->k > 0 && d->nt > 0) nsdae_system_set_gap_tangent(system, no_matrix);
-  if (d->f > 0) nsdae_system_set_slide_tangent(system, no_slide);
-  for (int j = 0; j < d->f; j++) nsdae_system_set_slide(system, j, j, 0.3);
+  if (d->f > 0) nsdae_system_set_frictional_joint_tangent(system, no_slide);
+  for (int j = 0; j < d->f; j++) nsdae_system_set_frictional_joint(system, j, j, 0.3);
   nsdae_sim_options_default(&options);
   options.method = method;
   clock_t begin = clock();

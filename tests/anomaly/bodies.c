@@ -133,17 +133,17 @@ static int build(faults *f, int d, int listed, int own, nsdae_bodies **b, nsdae_
     nsdae_bodies_set_pair(*b, 0, 0, 0.3, 0.5, 0);
   else
     for (int i = 1; i < 3; i++) nsdae_bodies_add_contact(*b, 0, i, 0.3, 0.5, 0);
-  nsdae_own mine = {.dims = {.nq = 1, .m = 1},
-                    .mass = own_mass,
-                    .force = own_force,
-                    .constraint = own_constraint,
-                    .constraint_bias = own_bias,
-                    .kinematics = own_kinematics,
-                    .potential = own_potential,
-                    .user = f};
+  nsdae_user_rows mine = {.dims = {.nq = 1, .m = 1},
+                          .mass = own_mass,
+                          .force = own_force,
+                          .constraint = own_constraint,
+                          .constraint_bias = own_bias,
+                          .kinematics = own_kinematics,
+                          .potential = own_potential,
+                          .user = f};
   if (listed) mine.constraint_rows = own_rows;
   if (!listed) mine.constraint_jacobian = own_jacobian;
-  if (own) nsdae_bodies_set_own(*b, &mine);
+  if (own) nsdae_bodies_set_user_rows(*b, &mine);
   return nsdae_bodies_system(*b, system);
 }
 

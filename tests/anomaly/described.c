@@ -98,7 +98,7 @@ static int describe(int dimension, int own)
   add_bodies(b);
   add_joints(b, dimension);
   add_solids(b, dimension);
-  if (own) nsdae_bodies_set_own(b, &(nsdae_own){.dims = {.nq = 1}, .mass = own_mass});
+  if (own) nsdae_bodies_set_user_rows(b, &(nsdae_user_rows){.dims = {.nq = 1}, .mass = own_mass});
   status = nsdae_bodies_system(b, &s);
   if (status < 0) {
     assert_int_equal(nsdae_bodies_error(b)->status, status);

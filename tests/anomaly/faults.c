@@ -100,7 +100,7 @@ static const char *not_finite(const nsdae_sim *sim, const nsdae_record *r, const
   if (!all_finite(r->gap, d->k)) return "gap";
   if (!all_finite(r->normal_impulse, d->k)) return "normal_impulse";
   if (!all_finite(r->tangential_impulse, d->k * d->nt)) return "tangential_impulse";
-  if (!all_finite(r->slide_impulse, d->f)) return "slide_impulse";
+  if (!all_finite(r->frictional_joint_impulse, d->f)) return "frictional_joint_impulse";
   if (!all_finite(energies, 3)) return "energies";
   if (!all_finite(certificate, 3)) return "certificate";
   if (!all_finite(stats, 5)) return "statistics";

@@ -254,7 +254,7 @@ enum { NORMAL, ACCELERATION, JACOBIAN, DRIVE, MISTAKES };
 /* Two blocks of equally near edges, and the user's part. */
 static void own_part(world *w, int mistake)
 {
-  nsdae_own own = {.dims = {0}};
+  nsdae_user_rows own = {.dims = {0}};
   seed = 7;
   row_of_blocks(w, 2);
   if (mistake == NORMAL || mistake == ACCELERATION) {
@@ -273,7 +273,7 @@ static void own_part(world *w, int mistake)
   }
   nsdae_bodies_get_start(w->bodies, w->q, w->v);
   level = w->q[3] - 2 * w->q[0];
-  if (mistake != DRIVE) assert_int_equal(nsdae_bodies_set_own(w->bodies, &own), NSDAE_OK);
+  if (mistake != DRIVE) assert_int_equal(nsdae_bodies_set_user_rows(w->bodies, &own), NSDAE_OK);
   int extra = body(w, 3, 4, 0);
   if (mistake == DRIVE)
     nsdae_bodies_add_joint(w->bodies, &(nsdae_joint){.kind = NSDAE_JOINT_PRISMATIC,

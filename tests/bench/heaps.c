@@ -96,7 +96,7 @@ static double own_packing(const packing *p, int *contacts, double *worst, double
   nsdae_sim_options_default(&options);
   options.method = NSDAE_METHOD_MOREAU;
   options.dt = p->dt;
-  options.lcp_tol = 1e-4;
+  options.contact_tol = 1e-4;
   if (q0 && v0 && world && nsdae_bodies_system(world, &system) >= 0 &&
       nsdae_bodies_get_start(world, q0, v0) >= 0 &&
       nsdae_sim_create(system, &options, &sim, NULL) >= 0 && nsdae_sim_init(sim, 0, q0, v0) >= 0)

@@ -12,7 +12,7 @@
 #include <nsdae/kernels.h>
 #include <nsdae/lcp.h>
 
-#include "lcp_families.h"
+#include "bench_lcp_families.h"
 #include "lcp_rival.h"
 #include "ratio.h"
 

@@ -6,7 +6,7 @@
 #include <string.h>
 #include <time.h>
 
-#include "lcp_file.h"
+#include "lcp_arguments.h"
 #include "lcp_rival.h"
 #include "ratio.h"
 

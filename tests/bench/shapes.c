@@ -14,7 +14,7 @@
 
 #include <nsdae/nsdae.h>
 
-#include "overlap.h"
+#include "separating_axis.h"
 #include "../support/random.h"
 #include "ratio.h"
 #include "world.h"

@@ -265,7 +265,7 @@ static void settings(nsdae_system *system, ball *b, nsdae_sim_options o)
   nsdae_sim_options finer = o;
   finer.dt = o.dt / 4;
   finer.rtol = 1e-7;
-  finer.lcp_tol = 1e-9;
+  finer.contact_tol = 1e-9;
   assert_int_equal(nsdae_sim_set_options(sim, &finer), NSDAE_OK);
   assert_int_equal(nsdae_sim_set_contact(sim, 0, 0.1, 0, 0), NSDAE_OK);
   assert_true(nsdae_sim_step(sim) >= 0);
@@ -303,7 +303,7 @@ static void settings(nsdae_system *system, ball *b, nsdae_sim_options o)
   assert_int_equal(nsdae_sim_set_contact(sim, 1, 0, 0, 0), NSDAE_E_ARGUMENT);
   assert_int_equal(nsdae_sim_set_contact(sim, 0, NAN, 0, 0), NSDAE_E_ARGUMENT);
   assert_int_equal(nsdae_sim_set_contact(sim, 0, 0.1, 2, 0), NSDAE_E_ARGUMENT);
-  assert_int_equal(nsdae_sim_set_slide(sim, 0, 0.1), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_sim_set_frictional_joint(sim, 0, 0.1), NSDAE_E_ARGUMENT);
   assert_int_equal(nsdae_sim_set_contact(sim, 0, 0, 0.5, 0), NSDAE_OK); /* no friction any more */
   assert_true(nsdae_sim_step(sim) >= 0);
   nsdae_sim_get_state(sim, block, size);
@@ -352,7 +352,7 @@ static void refused_settings(nsdae_system *system, ball *b, nsdae_sim_options o)
   assert_int_equal(nsdae_sim_set_contact(sim, 0, 0.1, -1, 0), NSDAE_E_ARGUMENT);
   assert_int_equal(nsdae_sim_set_contact(sim, 0, 0.1, 0, -1), NSDAE_E_ARGUMENT);
   assert_int_equal(nsdae_sim_set_contact(sim, 0, 0.1, 0, 1.5), NSDAE_E_ARGUMENT);
-  assert_int_equal(nsdae_sim_set_slide(sim, -1, 0.1), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_sim_set_frictional_joint(sim, -1, 0.1), NSDAE_E_ARGUMENT);
   same.method = o.method == NSDAE_METHOD_MOREAU ? NSDAE_METHOD_IMPLICIT : NSDAE_METHOD_MOREAU;
   assert_int_equal(nsdae_sim_set_options(sim, &same), NSDAE_E_ARGUMENT);
   assert_string_equal(nsdae_sim_error(sim)->argument, "method");
@@ -375,7 +375,7 @@ static int meddle(const nsdae_record *r, nsdae_error *error, void *user)
   assert_int_equal(nsdae_sim_set_user(sim, NULL), NSDAE_E_STATE);
   assert_int_equal(nsdae_sim_set_options(sim, &o), NSDAE_E_STATE);
   assert_int_equal(nsdae_sim_set_contact(sim, 0, 0, 0, 0), NSDAE_E_STATE);
-  assert_int_equal(nsdae_sim_set_slide(sim, 0, 0), NSDAE_E_STATE);
+  assert_int_equal(nsdae_sim_set_frictional_joint(sim, 0, 0), NSDAE_E_STATE);
   assert_int_equal(nsdae_sim_set_state(sim, q, sizeof q), NSDAE_E_STATE);
   assert_int_equal(nsdae_sim_init(sim, 0, q, v), NSDAE_E_STATE);
   assert_int_equal(nsdae_sim_run(sim, 9), NSDAE_E_STATE);
@@ -391,7 +391,7 @@ static void test_refused_settings(void **state)
   assert_int_equal(nsdae_sim_set_user(NULL, NULL), NSDAE_E_ARGUMENT);
   assert_int_equal(nsdae_sim_set_options(NULL, NULL), NSDAE_E_ARGUMENT);
   assert_int_equal(nsdae_sim_set_contact(NULL, 0, 0, 0, 0), NSDAE_E_ARGUMENT);
-  assert_int_equal(nsdae_sim_set_slide(NULL, 0, 0), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_sim_set_frictional_joint(NULL, 0, 0), NSDAE_E_ARGUMENT);
   assert_int_equal(nsdae_sim_interpolate(NULL, 0, q, v), NSDAE_E_ARGUMENT);
   assert_int_equal(nsdae_sim_state_size(NULL, &size), NSDAE_E_ARGUMENT);
   assert_int_equal(nsdae_sim_get_state(NULL, q, sizeof q), NSDAE_E_ARGUMENT);
@@ -447,15 +447,15 @@ static void test_slides(void **state)
     nsdae_system_set_mass(system, mass);
     nsdae_system_set_force(system, force);
     nsdae_system_set_constraint(system, slot);
-    nsdae_system_set_slide_tangent(system, along);
-    nsdae_system_set_slide(system, 0, 0, 0.2);
+    nsdae_system_set_frictional_joint_tangent(system, along);
+    nsdae_system_set_frictional_joint(system, 0, 0, 0.2);
     if (nsdae_sim_create(system, &o, &sim, NULL) == NSDAE_OK) {
-      assert_int_equal(nsdae_sim_set_slide(sim, 1, 0.1), NSDAE_E_ARGUMENT);
-      assert_int_equal(nsdae_sim_set_slide(sim, 0, 0), NSDAE_E_ARGUMENT);
-      assert_int_equal(nsdae_sim_set_slide(sim, 0, NAN), NSDAE_E_ARGUMENT);
+      assert_int_equal(nsdae_sim_set_frictional_joint(sim, 1, 0.1), NSDAE_E_ARGUMENT);
+      assert_int_equal(nsdae_sim_set_frictional_joint(sim, 0, 0), NSDAE_E_ARGUMENT);
+      assert_int_equal(nsdae_sim_set_frictional_joint(sim, 0, NAN), NSDAE_E_ARGUMENT);
       assert_int_equal(nsdae_sim_init(sim, 0, q0, v0), NSDAE_OK);
       assert_int_equal(nsdae_sim_run(sim, 0.3), NSDAE_OK);
-      assert_int_equal(nsdae_sim_set_slide(sim, 0, 0.1), NSDAE_OK);
+      assert_int_equal(nsdae_sim_set_frictional_joint(sim, 0, 0.1), NSDAE_OK);
       assert_int_equal(nsdae_sim_run(sim, 0.6), NSDAE_OK);
       nsdae_sim_get_record(sim, &r); /* braked by 0.2 g, then by 0.1 g */
       assert_near(r.v[0], 3 - 0.3 * 9.81 * (0.2 + 0.1), 1e-3);
@@ -876,7 +876,7 @@ static void test_rank(void **state)
     assert_int_equal(nsdae_sim_run(sim, 0.05), NSDAE_OK);
     nsdae_sim_get_stats(sim, &stats);
     assert_true(stats.rank == 1 && stats.rank_most == 1);
-    assert_true(stats.rank_kept > 0.1 && stats.rank_left <= o.rank_tol); /* the gap */
+    assert_true(stats.rank_retained > 0.1 && stats.rank_discarded <= o.rank_tol); /* the gap */
     assert_int_equal(nsdae_sim_run(sim, 0.3), NSDAE_OK);
     nsdae_sim_get_stats(sim, &stats);
     assert_true(stats.rank == 1 && stats.rank_most == 2);

@@ -64,7 +64,7 @@ static uint64_t sum_of(const nsdae_record *r, const nsdae_dims *d)
   sum = add_doubles(sum, r->multiplier, d->m);
   sum = add_doubles(sum, r->normal_impulse, d->k);
   sum = add_doubles(sum, r->tangential_impulse, d->k * d->nt);
-  sum = add_doubles(sum, r->slide_impulse, d->f);
+  sum = add_doubles(sum, r->frictional_joint_impulse, d->f);
   sum = add(sum, r->mode, (size_t)d->k * sizeof *r->mode);
   for (int i = 0; i < r->impacts; i++) {
     const nsdae_impact *p = &r->impact[i];
@@ -366,7 +366,7 @@ static void test_refused(void **state)
   assert_true(i < size / 2); /* what precedes them is less than what follows */
   assert_true(refused >= 2 * b.dims.nq + b.dims.m + b.dims.k);
   refuse_in(NSDAE_METHOD_MOREAU, "dt", "0.003", block, size);
-  refuse_in(NSDAE_METHOD_MOREAU, "lcp_tol", "1e-9", block, size);
+  refuse_in(NSDAE_METHOD_MOREAU, "contact_tol", "1e-9", block, size);
   refuse_in(NSDAE_METHOD_IMPLICIT, NULL, NULL, block, size);
   /* what moreau does not look at may be another */
   nsdae_sim *same = swing(&other, NSDAE_METHOD_MOREAU, "rtol", "1e-5");
@@ -398,7 +398,7 @@ static void test_refused_impulses(void **state)
     assert_int_equal(nsdae_sim_init(sim, 0, b.q0, b.v0), NSDAE_OK);
     for (int s = 0; s < 20; s++) assert_true(nsdae_sim_step(sim) >= 0);
     nsdae_sim_get_record(sim, &r);
-    double impulse = model == 0 ? r.tangential_impulse[0] : r.slide_impulse[0],
+    double impulse = model == 0 ? r.tangential_impulse[0] : r.frictional_joint_impulse[0],
            infinite = -INFINITY;
     assert_true(impulse != 0);
     unsigned char *block = state_of(sim, &size);

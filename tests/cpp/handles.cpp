@@ -9,7 +9,7 @@
 #include <cstring>
 #include <thread>
 
-#include "pendulum.h"
+#include "cpp_pendulum.h"
 
 namespace
 {
@@ -324,16 +324,16 @@ void test_slide()
     F[1] = -10;
   });
   slot.constraint([](double, const double *q, double *phi) { phi[0] = q[1]; });
-  slot.slide_tangent([](double, const double *, double *W, int, double *) { W[0] = 1; });
-  slot.slide(0, 0, 0.2);
+  slot.frictional_joint_tangent([](double, const double *, double *W, int, double *) { W[0] = 1; });
+  slot.frictional_joint(0, 0, 0.2);
   nsdae::sim sim(slot, nsdae::options().set("method", "moreau").set("dt", 0.01));
   sim.init(0, {0, 0}, {0, 0});
   sim.run(0.1);
   EXPECT(std::fabs(sim.record().v[0] - 0.3) < 1e-9);
-  sim.set_slide(0, 0.4);
+  sim.set_frictional_joint(0, 0.4);
   sim.run(0.2);
   EXPECT(std::fabs(sim.record().v[0] - 0.4) < 1e-9);
-  EXPECT(throws_status(NSDAE_E_ARGUMENT, [&] { sim.set_slide(1, 0.4); }));
+  EXPECT(throws_status(NSDAE_E_ARGUMENT, [&] { sim.set_frictional_joint(1, 0.4); }));
 }
 
 /* A start below the floor is put onto it. */
@@ -542,7 +542,7 @@ static void test_own()
   nsdae_dims dims = nsdae_dims();
   dims.nq = dims.m = 1;
   bool broken = false;
-  nsdae::own drum(dims);
+  nsdae::user_rows drum(dims);
   drum.mass([](double, const double *, double *M, int) { M[0] = 0.5; })
       .constraint([](double, const double *q, double *phi) { phi[0] = q[1] + q[3]; })
       .constraint_jacobian(
@@ -552,10 +552,10 @@ static void test_own()
             if (broken) throw std::runtime_error("broken");
             phi_t[0] = omega[0] = 0;
           });
-  world.own(drum);
+  world.set_user_rows(drum);
   nsdae::system made = world.system();
-  EXPECT(throws_status(NSDAE_E_STATE, [&] { world.own(drum); }));
-  drum = nsdae::own(dims); /* the world has its own copy */
+  EXPECT(throws_status(NSDAE_E_STATE, [&] { world.set_user_rows(drum); }));
+  drum = nsdae::user_rows(dims); /* the world has its own copy */
   nsdae::sim sim(made);
   sim.init(0, world.start().first, world.start().second);
   sim.run(1);
@@ -568,7 +568,7 @@ static void test_own()
     thrown = std::string(e.what()) == "broken";
   }
   EXPECT(thrown);
-  EXPECT(throws_status(NSDAE_E_ARGUMENT, [&] { nsdae::bodies(2).own(drum); }));
+  EXPECT(throws_status(NSDAE_E_ARGUMENT, [&] { nsdae::bodies(2).set_user_rows(drum); }));
 }
 
 /* A ball on a string against the ground, described by bodies: what C throws away comes as an

@@ -83,7 +83,7 @@ contains
     error = nsdae_system_error(system)
     call is_text(error%argument, 'constraint', 'error%argument')
     call is_int(nsdae_system_set_gap_tangent(system, tangent), NSDAE_E_ARGUMENT, 'nt = 0')
-    call is_int(nsdae_system_set_slide(system, 0, 0, 0.1d0), NSDAE_E_ARGUMENT, 'f = 0')
+    call is_int(nsdae_system_set_frictional_joint(system, 0, 0, 0.1d0), NSDAE_E_ARGUMENT, 'f = 0')
     call is_int(nsdae_system_set_contact(system, 2, 0d0, 0d0, 0d0), NSDAE_E_ARGUMENT, 'contact 2')
     error = nsdae_system_error(system)
     call contains_text(error%text, '0 .. 1', 'error%text')
@@ -258,7 +258,7 @@ contains
     call is_int(nsdae_sim_get_record(sim, record), NSDAE_OK, 'record')
     call is_true(all(record%q == q0) .and. all(record%v == v0) .and. record%time == 0.5d0, 'state')
     call is_true(all(shape(record%tangential_impulse) == [1, 1]) .and. size(record%gap) == 1 &
-                 .and. size(record%slide_mode) == 0 .and. size(record%impact) == 0, 'shapes')
+                 .and. size(record%frictional_joint_mode) == 0 .and. size(record%impact) == 0, 'shapes')
     call is_true(nsdae_sim_has_potential(sim), 'potential')
     call is_int(nsdae_sim_get_options(sim, options), NSDAE_OK, 'options')
     call is_true(options%dt == 0.005d0, 'dt')
@@ -291,8 +291,8 @@ contains
 
   subroutine nearest_names()
     character(len=8) :: words(3) = [character(len=8) :: 'apple', 'pear', 'quince']
-    call is_text(nsdae_nearest_name('aple', words), 'apple', 'aple')
-    call is_text(nsdae_nearest_name('zzz', words), '', 'zzz')
+    call is_text(nsdae_suggest_name('aple', words), 'apple', 'aple')
+    call is_text(nsdae_suggest_name('zzz', words), '', 'zzz')
   end subroutine
 
 end program

@@ -198,8 +198,8 @@ contains
     call is_int(nsdae_system_set_mass(system, mass), NSDAE_OK, 'mass')
     call is_int(nsdae_system_set_force(system, force), NSDAE_OK, 'force')
     call is_int(nsdae_system_set_constraint(system, constraint), NSDAE_OK, 'constraint')
-    call is_int(nsdae_system_set_slide_tangent(system, slide), NSDAE_OK, 'slide')
-    call is_int(nsdae_system_set_slide(system, 0, 0, 0.2d0), NSDAE_OK, 'mu')
+    call is_int(nsdae_system_set_frictional_joint_tangent(system, slide), NSDAE_OK, 'slide')
+    call is_int(nsdae_system_set_frictional_joint(system, 0, 0, 0.2d0), NSDAE_OK, 'mu')
     call nsdae_sim_options_default(with)
     with%method = NSDAE_METHOD_MOREAU
     with%dt = 0.01d0
@@ -208,12 +208,12 @@ contains
     call is_int(nsdae_sim_run(sim, 0.1d0), NSDAE_OK, 'run')
     record = now(sim)
     call is_near(record%v(1), 0.3d0, 1d-9, 'with mu = 0.2')
-    call is_int(nsdae_sim_set_slide(sim, 0, 0.4d0), NSDAE_OK, 'mu = 0.4')
+    call is_int(nsdae_sim_set_frictional_joint(sim, 0, 0.4d0), NSDAE_OK, 'mu = 0.4')
     call is_int(nsdae_sim_run(sim, 0.2d0), NSDAE_OK, 'run')
     record = now(sim)
     call is_near(record%v(1), 0.4d0, 1d-9, 'with mu = 0.4')
-    call is_int(nsdae_sim_set_slide(sim, 1, 0.4d0), NSDAE_E_ARGUMENT, 'no such slide')
-    call is_int(nsdae_sim_set_slide(sim, 0, -1d0), NSDAE_E_ARGUMENT, 'mu < 0')
+    call is_int(nsdae_sim_set_frictional_joint(sim, 1, 0.4d0), NSDAE_E_ARGUMENT, 'no such frictional joint')
+    call is_int(nsdae_sim_set_frictional_joint(sim, 0, -1d0), NSDAE_E_ARGUMENT, 'mu < 0')
     call release(system, sim)
   end subroutine
 

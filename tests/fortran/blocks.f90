@@ -129,7 +129,7 @@ program blocks
     call is_true(all(abs(record%v) < 1d-14), 'rest')
     call is_true(all(abs(record%contacts%gap) < 1d-12), 'gaps')
     call is_int(size(record%contacts%tangential_impulse), 0, 'no tangents')
-    call is_int(record%contacts%mode(1), NSDAE_MODE_SLIDE, 'mode')
+    call is_int(record%contacts%mode(1), NSDAE_MODE_SLIP, 'mode')
     call is_int(nsdae_sim_get_stats(sim, stats), NSDAE_OK, 'statistics')
     call is_true(stats%contact_capacity >= 2 .and. stats%islands == 1 &
                  .and. stats%island_contacts == 2, 'islands')

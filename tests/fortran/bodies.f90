@@ -242,7 +242,7 @@ contains
   subroutine rope_on_drum()
     type(nsdae_bodies) :: bodies
     type(nsdae_rigid_body) :: body
-    type(nsdae_own) :: drum
+    type(nsdae_user_rows) :: drum
     type(nsdae_system) :: system
     type(nsdae_sim) :: sim
     type(nsdae_record) :: record
@@ -255,7 +255,7 @@ contains
     drum%mass = c_funloc(drum_mass)
     drum%constraint = c_funloc(rope)
     drum%constraint_jacobian = c_funloc(rope_jacobian)
-    call is_int(nsdae_bodies_set_own(bodies, drum), NSDAE_OK, 'own')
+    call is_int(nsdae_bodies_set_user_rows(bodies, drum), NSDAE_OK, 'own')
     call start(bodies, system, sim)
     call is_int(nsdae_sim_run(sim, 1d0), NSDAE_OK, 'run')
     call is_int(nsdae_sim_get_record(sim, record), NSDAE_OK, 'record')
@@ -265,7 +265,7 @@ contains
     call nsdae_bodies_destroy(bodies)
     call is_int(nsdae_bodies_create(2_c_int, bodies), NSDAE_OK, 'create')
     drum%mass = c_null_funptr
-    call is_int(nsdae_bodies_set_own(bodies, drum), NSDAE_E_ARGUMENT, 'no mass')
+    call is_int(nsdae_bodies_set_user_rows(bodies, drum), NSDAE_E_ARGUMENT, 'no mass')
     call nsdae_bodies_destroy(bodies)
   end subroutine
 

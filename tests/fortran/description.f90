@@ -98,7 +98,7 @@ contains
     call was(nsdae_system_set_gap_normal(s, normal), s, 'gap_normal', gaps)
     call was(nsdae_system_set_gap_tangent(s, tangent), s, 'gap_tangent', tangents)
     call was(nsdae_system_set_contact_bias(s, contact_bias), s, 'contact_bias', gaps)
-    call was(nsdae_system_set_slide_tangent(s, slide), s, 'slide_tangent', slides)
+    call was(nsdae_system_set_frictional_joint_tangent(s, slide), s, 'frictional_joint_tangent', slides)
     call was(nsdae_system_set_kinematics(s, kinematics), s, 'kinematics', .true.)
     call nsdae_system_destroy(s)
     call is_int(nsdae_system_set_mass(s, mass), NSDAE_E_ARGUMENT, 'no system')
@@ -159,7 +159,7 @@ contains
     call one_slide(s, 0, 0, nan, 'mu')
     call one_slide(s, 0, 0, infinity, 'mu')
     call nsdae_system_destroy(s)
-    call is_int(nsdae_system_set_slide(s, 0, 0, 0d0), NSDAE_E_ARGUMENT, 'no system')
+    call is_int(nsdae_system_set_frictional_joint(s, 0, 0, 0d0), NSDAE_E_ARGUMENT, 'no system')
   end subroutine
 
   subroutine one_slide(s, j, constraint, mu, wrong)
@@ -168,7 +168,7 @@ contains
     real(c_double), intent(in) :: mu
     character(len=*), intent(in) :: wrong
     type(nsdae_error) :: error
-    call is_int(nsdae_system_set_slide(s, j, constraint, mu), &
+    call is_int(nsdae_system_set_frictional_joint(s, j, constraint, mu), &
                 merge(NSDAE_OK, NSDAE_E_ARGUMENT, wrong == ''), 'slide')
     error = nsdae_system_error(s)
     call is_text(error%argument, wrong, 'error%argument')
@@ -190,10 +190,10 @@ contains
     if (number /= 3) status(5) = nsdae_system_set_constraint(s, constraint)
     if (number /= 4) status(6) = nsdae_system_set_gap(s, gap)
     if (number /= 5) status(7) = nsdae_system_set_gap_tangent(s, tangent)
-    if (number /= 6) status(8) = nsdae_system_set_slide_tangent(s, slide)
+    if (number /= 6) status(8) = nsdae_system_set_frictional_joint_tangent(s, slide)
     if (number /= 7) status(9) = nsdae_system_set_kinematics(s, kinematics)
     call is_true(all(status == NSDAE_OK), 'setters')
-    call is_int(nsdae_system_set_slide(s, 0, 0, 0.1d0), NSDAE_OK, 'slide')
+    call is_int(nsdae_system_set_frictional_joint(s, 0, 0, 0.1d0), NSDAE_OK, 'slide')
     if (number == 0) then
       call is_int(nsdae_sim_create(s, sim, error=error), NSDAE_E_STATE, 'a contact not told of')
       call contains_text(error%text, 'nsdae_system_set_contact', 'what to call')
@@ -215,7 +215,7 @@ contains
     call without(3, 'constraint')
     call without(4, 'gap')
     call without(5, 'gap_tangent')
-    call without(6, 'slide_tangent')
+    call without(6, 'frictional_joint_tangent')
     call without(7, 'kinematics')
   end subroutine
 

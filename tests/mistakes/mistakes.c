@@ -189,7 +189,7 @@ static nsdae_system *describe(int *w)
   if (*w != COEFFICIENTS_FORGOTTEN)
     nsdae_system_set_contact(s, *w == CONTACT_OFF_BY_ONE, 0.3,
                              *w == RESTITUTION_ABOVE_ONE ? 1.5 : 0.5, 0);
-  if (*w == SLIDE_OF_NO_CONSTRAINT) nsdae_system_set_slide(s, 0, 2, 0.1);
+  if (*w == SLIDE_OF_NO_CONSTRAINT) nsdae_system_set_frictional_joint(s, 0, 2, 0.1);
   nsdae_system_set_name(s, NSDAE_NAME_COORDINATE, 2, "theta", "rad");
   nsdae_system_set_name(s, NSDAE_NAME_CONSTRAINT, 1, "pivot_y", "m");
   nsdae_system_set_name(s, NSDAE_NAME_CONTACT, 0, "stop", "m");

@@ -133,7 +133,7 @@ nsdae::system describe(int w)
   }
   set_constraints(s, w);
   set_contact(s, w);
-  if (w == SLIDE_OF_NO_CONSTRAINT) s.slide(0, 2, 0.1);
+  if (w == SLIDE_OF_NO_CONSTRAINT) s.frictional_joint(0, 2, 0.1);
   s.name(NSDAE_NAME_COORDINATE, 2, "theta", "rad");
   s.name(NSDAE_NAME_CONSTRAINT, 1, "pivot_y", "m");
   s.name(NSDAE_NAME_CONTACT, 0, "stop", "m");

@@ -194,7 +194,7 @@ contains
     if (w /= COEFFICIENTS_FORGOTTEN) &
         status = nsdae_system_set_contact(system, merge(1, 0, w == CONTACT_OFF_BY_ONE), 0.3d0, &
                                           merge(1.5d0, 0.5d0, w == RESTITUTION_ABOVE_ONE), 0d0)
-    if (w == SLIDE_OF_NO_CONSTRAINT) status = nsdae_system_set_slide(system, 0, 2, 0.1d0)
+    if (w == SLIDE_OF_NO_CONSTRAINT) status = nsdae_system_set_frictional_joint(system, 0, 2, 0.1d0)
     status = nsdae_system_set_name(system, NSDAE_NAME_COORDINATE, 2, 'theta', 'rad')
     status = nsdae_system_set_name(system, NSDAE_NAME_CONSTRAINT, 1, 'pivot_y', 'm')
     status = nsdae_system_set_name(system, NSDAE_NAME_CONTACT, 0, 'stop', 'm')

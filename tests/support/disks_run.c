@@ -21,7 +21,7 @@ static int run(nsdae_system *system, const disks *d, char **argument)
   nsdae_sim_options_default(&options);
   options.method = NSDAE_METHOD_MOREAU;
   options.dt = 1e-3;
-  options.lcp_tol = 1e-8;
+  options.contact_tol = 1e-8;
   disks_start(d, start, start + 3 * d->n);
   int status = nsdae_sim_create(system, &options, &sim, &error);
   if (status == NSDAE_OK) status = nsdae_sim_init(sim, 0, start, start + 3 * d->n);

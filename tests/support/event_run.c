@@ -17,7 +17,7 @@ static void check_record(const event_run *run, const nsdae_record *record)
   const nsdae_sim_options *o = &run->options;
   double size = 1;
   for (int i = 0; i < run->dims.nq; i++) size = fmax(size, fabs(record->q[i]));
-  assert_at_most(record->lcp_residual, o->lcp_tol);
+  assert_at_most(record->lcp_residual, o->contact_tol);
   /* the integrator's error of one phase: a few hundred steps, each with a weight of rtol */
   assert_at_most(record->penetration, 1e3 * (o->rtol * size + o->atol));
   assert_at_most(record->constraint_drift, 1e3 * (o->rtol * size + o->atol));
@@ -128,8 +128,8 @@ void event_run_print(const event_run *run)
                   run->impact[i].accumulation ? ", the last" : "");
   for (int i = 0; i < run->changes; i++)
     print_message("change %.12g contact %d slide %d: %d -> %d\n", run->change[i].time,
-                  run->change[i].contact, run->change[i].slide, run->change[i].mode_before,
-                  run->change[i].mode_after);
+                  run->change[i].contact, run->change[i].frictional_joint,
+                  run->change[i].mode_before, run->change[i].mode_after);
   print_message("t %.12g, %ld instants, %ld accumulations, %ld fallbacks\n", run->t,
                 run->stats.events, run->stats.accumulations, run->stats.fallback_steps);
   for (int i = 0; i < run->dims.nq; i++) print_message("%.12g  %.12g\n", run->q[i], run->v[i]);

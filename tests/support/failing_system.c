@@ -31,8 +31,8 @@ static const double *place(failing_system *f, const double *q)
   C(contact_acceleration, 9,                                                                      \
     (double t, const double *q, const double *v, double *n, double *l, double *s, void *user), v, \
     n, l, s)                                                                                      \
-  C(slide_tangent, 10, (double t, const double *q, double *W, int ld, double *w, void *user), W,  \
-    ld, w)                                                                                        \
+  C(frictional_joint_tangent, 10,                                                                 \
+    (double t, const double *q, double *W, int ld, double *w, void *user), W, ld, w)              \
   C(kinematics, 11, (double t, const double *q, const double *v, double *qdot, void *user), v,    \
     qdot)                                                                                         \
   C(potential, 12, (double t, const double *q, double *energy, void *user), energy)
@@ -59,7 +59,8 @@ nsdae_system *failing_system_make(failing_system *f, const nsdae_system *inner)
     nsdae_system_set_contact(made, i, c->mu, c->e_n, c->e_t);
   }
   for (int j = 0; j < inner->dims.f; j++)
-    nsdae_system_set_slide(made, j, inner->slide[j].constraint, inner->slide[j].mu);
+    nsdae_system_set_frictional_joint(made, j, inner->frictional_joint[j].constraint,
+                                      inner->frictional_joint[j].mu);
   return made;
 }
 

@@ -169,7 +169,7 @@ static int acceleration(double t, const double *q, const double *v, double *omeg
                omega_n ? r->dims.k : r->dims.f);
 }
 
-static int slide(double t, const double *q, double *W, int ldw, double *w, void *user)
+static int frictional_joint(double t, const double *q, double *W, int ldw, double *w, void *user)
 {
   random_system *r = user;
   (void)t;
@@ -376,8 +376,8 @@ static void set_constraints(nsdae_system *s, const random_system *r)
   nsdae_system_set_constraint(s, constraint);
   if (has(r, RANDOM_JACOBIAN)) nsdae_system_set_constraint_jacobian(s, jacobian);
   if (has(r, RANDOM_BIAS)) nsdae_system_set_constraint_bias(s, bias);
-  if (r->dims.f > 0) nsdae_system_set_slide_tangent(s, slide);
-  for (int j = 0; j < r->dims.f; j++) nsdae_system_set_slide(s, j, j, r->slide_mu[j]);
+  if (r->dims.f > 0) nsdae_system_set_frictional_joint_tangent(s, frictional_joint);
+  for (int j = 0; j < r->dims.f; j++) nsdae_system_set_frictional_joint(s, j, j, r->slide_mu[j]);
 }
 
 static void set_names(nsdae_system *s, const nsdae_dims *d)

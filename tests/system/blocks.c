@@ -282,7 +282,7 @@ static void test_islands_both_ways(void **state)
   assert_true(impacts > 100);
 }
 
-/* Islands past the size of dense ones are solved as cones, to lcp_tol. Without friction the
+/* Islands past the size of dense ones are solved as cones, to contact_tol. Without friction the
  * velocities are unique. Without contacts they are sparse equations, solved to rounding. */
 static void test_large_both_ways(void **state)
 {

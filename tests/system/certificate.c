@@ -343,7 +343,7 @@ static int check_scene(scene *s, double tol, int *rough)
   nsdae_sim_options_default(&options);
   options.method = NSDAE_METHOD_MOREAU;
   options.dt = h;
-  options.lcp_tol = tol;
+  options.contact_tol = tol;
   assert_int_equal(nsdae_sim_create(system, &options, &sim, NULL), NSDAE_OK);
   int status = nsdae_sim_init(sim, 0, q0, s->v0[0]);
   if (status < 0) print_error("%s\n", nsdae_sim_error(sim)->text);

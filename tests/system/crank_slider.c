@@ -39,7 +39,7 @@ static int read_table(void **state)
 
 static void follow_stick(run *out, const nsdae_record *r)
 {
-  int sticks = r->step > 0 && r->slide_mode[0] == NSDAE_MODE_STICK;
+  int sticks = r->step > 0 && r->frictional_joint_mode[0] == NSDAE_MODE_STICK;
   double speed = fmax(fabs(r->v[0]), fabs(r->v[1]));
   if (sticks && !out->sticking) out->stick_begin[out->sticks] = r->time;
   if (!sticks && out->sticking && out->sticks < STICKS_MAX - 1) out->sticks++;

@@ -195,7 +195,7 @@ static void expect_sticks(double mu)
     while (next < r.changes && r.change[next].mode_before != NSDAE_MODE_STICK) next++;
     assert_true(next < r.changes);
     end = r.change[next].time;
-    assert_int_equal(r.change[next].slide, 0);
+    assert_int_equal(r.change[next].frictional_joint, 0);
     assert_int_equal(r.change[next].contact, -1);
     assert_near(begin, row[i][1], 1e-6);
     assert_near(end, row[i][2], 1e-6);

@@ -140,7 +140,7 @@ static void test_feet(void **state)
       for (int i = 0; i < r.changes; i++) assert_near(r.change[i].time, stop, 1e-9);
       assert_int_equal(r.changes, motion == 3 ? feet : 0);
       for (int i = 0; i < feet; i++)
-        assert_int_equal(r.mode[i], motion == 2 ? NSDAE_MODE_SLIDE : NSDAE_MODE_STICK);
+        assert_int_equal(r.mode[i], motion == 2 ? NSDAE_MODE_SLIP : NSDAE_MODE_STICK);
       expect_carried(&b, mu, 1, r.v[0] - v0[0] - g * sin(b.tilt));
       if (motion == 0)
         for (int i = 0; i < feet; i++) { /* shared evenly, and no foot pulls at another */
@@ -341,7 +341,7 @@ static void expect_slip(double slip, int legs)
   for (int i = 0; i < r.changes; i++) {
     int leg = r.change[i].contact, mode = r.change[i].mode_after;
     if (slid[leg] == 0) {
-      assert_int_equal(mode, NSDAE_MODE_SLIDE);
+      assert_int_equal(mode, NSDAE_MODE_SLIP);
       /* a leg is known to be at its limit to ten times rtol, of all forces: g / rate of that in
        * time; and there are some dozen times at which it is asked anew how they share */
       assert_near(r.change[i].time, slip, 1e-7);
@@ -541,7 +541,7 @@ static void test_hit_from_the_side(void **state)
   assert_near(r.impact[0].normal_impulse, u, 1e-9);
   assert_int_equal(r.changes, 2);
   assert_near(r.change[0].time, 0.1, 1e-9);
-  assert_int_equal(r.change[0].mode_after, NSDAE_MODE_SLIDE);
+  assert_int_equal(r.change[0].mode_after, NSDAE_MODE_SLIP);
   assert_near(r.change[1].time, 0.1 + slides, 1e-9);
   assert_int_equal(r.change[1].mode_after, NSDAE_MODE_STICK);
   assert_near(r.q[0], u * slides / 2, 1e-9);

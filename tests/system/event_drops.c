@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <time.h>
 
-#include "jam.h"
+#include "painleve_case.h"
 
 static const double T = 1.5;
 

@@ -207,7 +207,7 @@ static void test_woodpecker(void **state)
 }
 
 /* A rod that slides from the angle, in degrees, for a microsecond. */
-static int slide(falling_rod *p, double mu, double angle)
+static int frictional_joint(falling_rod *p, double mu, double angle)
 {
   p->mu = mu;
   p->p0 = angle * 3.14159265358979324 / 180;
@@ -222,23 +222,23 @@ static void test_painleve(void **state)
   (void)state;
   falling_rod *p = defaults(&falling_rod_model);
   const double critical = 63.4349488;
-  assert_int_equal(slide(p, 1.333, critical), NSDAE_OK);
-  assert_int_equal(slide(p, 1.334, critical), NSDAE_E_PAINLEVE);
-  assert_int_equal(slide(p, 5.0 / 3, 44.999), NSDAE_OK);
-  assert_int_equal(slide(p, 5.0 / 3, 45.001), NSDAE_E_PAINLEVE);
-  assert_int_equal(slide(p, 5.0 / 3, 75.963), NSDAE_E_PAINLEVE);
-  assert_int_equal(slide(p, 5.0 / 3, 75.965), NSDAE_OK);
-  assert_int_equal(slide(p, 5.0 / 3, 60), NSDAE_E_PAINLEVE);
+  assert_int_equal(frictional_joint(p, 1.333, critical), NSDAE_OK);
+  assert_int_equal(frictional_joint(p, 1.334, critical), NSDAE_E_PAINLEVE);
+  assert_int_equal(frictional_joint(p, 5.0 / 3, 44.999), NSDAE_OK);
+  assert_int_equal(frictional_joint(p, 5.0 / 3, 45.001), NSDAE_E_PAINLEVE);
+  assert_int_equal(frictional_joint(p, 5.0 / 3, 75.963), NSDAE_E_PAINLEVE);
+  assert_int_equal(frictional_joint(p, 5.0 / 3, 75.965), NSDAE_OK);
+  assert_int_equal(frictional_joint(p, 5.0 / 3, 60), NSDAE_E_PAINLEVE);
   assert_int_equal(r.error.index, 0);
   assert_true(r.error.time == 0);
   assert_non_null(strstr(r.error.text, "contact 0 \"first_end\" has no "));
   p->omega = 5;
   assert_true(falling_rod_free(p, p->p0, p->omega) > 0);
-  assert_int_equal(slide(p, 5.0 / 3, 60), NSDAE_E_PAINLEVE);
+  assert_int_equal(frictional_joint(p, 5.0 / 3, 60), NSDAE_E_PAINLEVE);
   assert_non_null(strstr(r.error.text, "contact 0 \"first_end\" has two "));
   p->omega = 0;
   p->v_T = 1; /* the other way friction takes from the normal force */
-  assert_int_equal(slide(p, 5.0 / 3, 60), NSDAE_OK);
+  assert_int_equal(frictional_joint(p, 5.0 / 3, 60), NSDAE_OK);
 }
 
 /* Without friction from rest it arrives flat with omega^2 = 2 m g l sin p0 / (J + m l^2); both ends

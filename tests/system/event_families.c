@@ -105,7 +105,7 @@ static void make_rod(drop *d, const rod *r)
 }
 
 /* Runs it to t_end; its state, and where it failed. */
-static int slide(const rod *from, double rtol, double t_end, rod *to, double *failed)
+static int frictional_joint(const rod *from, double rtol, double t_end, rod *to, double *failed)
 {
   drop d;
   nsdae_sim_options o;
@@ -141,7 +141,7 @@ static void test_rods(void **state)
     double rtol = pow(10, between(&s, -10, -5)), when, failed;
     if (fabs(yield_of(&from)) < 0.05 || fabs(pull_of(&from)) < 0.1) continue;
     if (yield_of(&from) < 0 && pull_of(&from) > 0) { /* it has none from the start on */
-      assert_int_equal(slide(&from, rtol, T, &found, &failed), NSDAE_E_PAINLEVE);
+      assert_int_equal(frictional_joint(&from, rtol, T, &found, &failed), NSDAE_E_PAINLEVE);
       assert_near(failed, 0, 1e-12);
       continue;
     }
@@ -151,14 +151,14 @@ static void test_rods(void **state)
     print_message("seed %d: mu %.3g phi %.3g w %.3g u %.3g rtol %.1e: fate %d at %.8f\n", seed,
                   from.mu, from.phi, from.w, from.u, rtol, (int)f, when);
     if (f == JAMS) {
-      assert_int_equal(slide(&from, rtol, T, &found, &failed), NSDAE_E_PAINLEVE);
+      assert_int_equal(frictional_joint(&from, rtol, T, &found, &failed), NSDAE_E_PAINLEVE);
       assert_near(failed, when, 1e3 * rtol + 1e-7);
     }
     /* before that, the same motion */
     rod expected = from;
     double until = 0.9 * when, unused;
     follow(&expected, until, &unused);
-    assert_true(slide(&from, rtol, until, &found, &failed) >= 0);
+    assert_true(frictional_joint(&from, rtol, until, &found, &failed) >= 0);
     assert_near(found.phi, expected.phi, 1e3 * rtol + 1e-9);
     assert_near(found.w, expected.w, 1e4 * rtol + 1e-8);
   }

@@ -142,16 +142,16 @@ static void test_certificate(void **state)
 static void test_change(void **state)
 {
   const bouncing_ball *ball = *state;
-  double time[MOST], contact[MOST], slide[MOST], before[MOST], after[MOST];
+  double time[MOST], contact[MOST], frictional_joint[MOST], before[MOST], after[MOST];
   hid_t file = open_file();
   assert_int_equal(read(file, "/change/time", MOST, time), 1);
   read(file, "/change/contact", MOST, contact);
-  read(file, "/change/slide", MOST, slide);
+  read(file, "/change/slide", MOST, frictional_joint);
   read(file, "/change/mode_before", MOST, before);
   read(file, "/change/mode_after", MOST, after);
   /* accumulation_time, 1e-5 s, is the most by which it is closed early */
   assert_near(time[0], bouncing_ball_rest(ball), 1e-5);
-  assert_true(contact[0] == 0 && slide[0] == -1);
+  assert_true(contact[0] == 0 && frictional_joint[0] == -1);
   assert_true(before[0] == NSDAE_MODE_OPEN && after[0] != NSDAE_MODE_OPEN);
   H5Fclose(file);
 }

@@ -167,7 +167,7 @@ static void test_ball_rolls_whatever_rtol(void **state)
 {
   (void)state;
   rolling_ball *p = defaults(&rolling_ball_model);
-  const double slide = hypot(p->vx - p->r * p->wy, p->vy + p->r * p->wx);
+  const double frictional_joint = hypot(p->vx - p->r * p->wy, p->vy + p->r * p->wx);
   const double rtols[] = {1e-3, 1e-4, 1e-5, 1e-6};
   for (int i = 0; i < 4; i++)
     for (int part = 0; part < 25; part++) {
@@ -184,8 +184,8 @@ static void test_ball_rolls_whatever_rtol(void **state)
       integrate_model(&rolling_ball_model, &options, 0.8);
       *p = kept;
       double slip = hypot(r.v[0] - p->r * r.v[4], r.v[1] + p->r * r.v[3]);
-      assert_at_most(slip, 1e-3 * slide);
-      assert_near(r.v[0], (5 * p->vx + 2 * p->r * p->wy) / 7, 100 * rtols[i] * slide);
+      assert_at_most(slip, 1e-3 * frictional_joint);
+      assert_near(r.v[0], (5 * p->vx + 2 * p->r * p->wy) / 7, 100 * rtols[i] * frictional_joint);
     }
 }
 

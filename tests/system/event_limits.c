@@ -146,7 +146,7 @@ static void test_restitution(void **state)
         double rest = first * (1 + e[i]) / (1 - e[i]);
         assert_near(r.impact[r.impacts - 1].time, rest, 1e-8);
         assert_near(r.q[0], 0, 1e-12);
-        assert_int_equal(r.mode[0], NSDAE_MODE_SLIDE);
+        assert_int_equal(r.mode[0], NSDAE_MODE_SLIP);
       }
       if (e[i] == 1) assert_near(r.v[0] * r.v[0] / 2 + g * r.q[0], g * h, 1e-8);
       nsdae_system_destroy(&system);
@@ -227,7 +227,7 @@ static void test_sliding_to_rest(void **state)
     assert_near(r.impact[i].tangential_impulse[0], -mu * r.impact[i].normal_impulse, 1e-12);
   assert_int_equal(r.changes, 2);
   assert_near(r.change[0].time, rest, 1e-5); /* closed where less than accumulation_time is left */
-  assert_int_equal(r.change[0].mode_after, NSDAE_MODE_SLIDE);
+  assert_int_equal(r.change[0].mode_after, NSDAE_MODE_SLIP);
   assert_near(r.change[1].time, v / (mu * g), 1e-8);
   assert_int_equal(r.change[1].mode_after, NSDAE_MODE_STICK);
   assert_near(r.v[1], 0, 1e-15);
@@ -437,8 +437,8 @@ static void test_slot(void **state)
   nsdae_system_set_force(system, slot_force);
   nsdae_system_set_constraint(system, slot_constraint);
   nsdae_system_set_constraint_jacobian(system, slot_jacobian);
-  nsdae_system_set_slide_tangent(system, slot_slide);
-  nsdae_system_set_slide(system, 0, 0, mu);
+  nsdae_system_set_frictional_joint_tangent(system, slot_slide);
+  nsdae_system_set_frictional_joint(system, 0, 0, mu);
   double q0[2] = {0}, v0[2] = {0};
   event_run_default(&r);
   r.t_end = 10;
@@ -456,7 +456,7 @@ static void test_slot(void **state)
         to = t;
     }
     assert_near(r.change[2 * i].time, slip, 1e-8);
-    assert_int_equal(r.change[2 * i].mode_after, NSDAE_MODE_SLIDE);
+    assert_int_equal(r.change[2 * i].mode_after, NSDAE_MODE_SLIP);
     assert_near(r.change[2 * i + 1].time, from, 1e-8);
     assert_int_equal(r.change[2 * i + 1].mode_after, NSDAE_MODE_STICK);
   }

@@ -106,7 +106,7 @@ static void test_belt(void **state)
     assert_int_equal(r.impacts, 0);
     assert_int_equal(r.changes, 2);
     assert_int_equal(r.change[0].mode_after, NSDAE_MODE_STICK);
-    assert_int_equal(r.change[1].mode_after, NSDAE_MODE_SLIDE);
+    assert_int_equal(r.change[1].mode_after, NSDAE_MODE_SLIP);
     assert_near(r.change[0].time - t0, stick, 1e-8);
     assert_near(r.change[1].time - t0, slip, 1e-8);
     assert_near(r.q[0], most + V * sin(6 - slip),
@@ -136,7 +136,7 @@ static void test_belt_starts(void **state)
     event_run_both(&r, system, q0, v0);
     assert_int_equal(r.status, NSDAE_OK);
     assert_int_equal(r.changes, 0);
-    assert_int_equal(r.mode[0], i == 0 ? NSDAE_MODE_STICK : NSDAE_MODE_SLIDE);
+    assert_int_equal(r.mode[0], i == 0 ? NSDAE_MODE_STICK : NSDAE_MODE_SLIP);
     assert_near(r.q[0], 2 * a, 1e-8);
     assert_near(r.tangential[0], 2 * a, 1e-8);
     nsdae_system_destroy(&system);
@@ -284,7 +284,7 @@ static void test_accumulation(void **state)
   event_run_both(&r, system, &q0, &v0);
   assert_int_equal(r.stats.fallback_steps, 0);
   assert_true(r.stats.accumulations >= 1);
-  assert_int_equal(r.mode[0], NSDAE_MODE_SLIDE);
+  assert_int_equal(r.mode[0], NSDAE_MODE_SLIP);
   assert_near(r.q[0], p.A * sin(p.w * 5), 1e-8);
   assert_near(r.v[0], p.A * p.w * cos(p.w * 5), 1e-7);
   nsdae_system_destroy(&system);

@@ -85,12 +85,12 @@ static void test_press(void **state)
     expect_press(&problem);
     nsdae_sim_get_record(sim, &record);
     assert_near(record.time, 1, 2 * options.dt);
-    const nsdae_lcp_origin origin = {record.time, record.step + 1, options.lcp_tol, "moreau"};
+    const nsdae_lcp_origin origin = {record.time, record.step + 1, options.contact_tol, "moreau"};
     int written = nsdae_lcp_write("failed_lcp.h5", &problem, &origin, NULL);
     if (written != NSDAE_E_UNSUPPORTED) {
       assert_int_equal(written, NSDAE_OK);
       assert_int_equal(nsdae_lcp_read("failed_lcp.h5", &file, NULL), NSDAE_OK);
-      assert_true(file.tol == options.lcp_tol);
+      assert_true(file.tol == options.contact_tol);
       assert_memory_equal(file.A, problem.A, 4 * sizeof *file.A);
       assert_memory_equal(file.b, problem.b, 2 * sizeof *file.b);
       nsdae_lcp_file_release(&file);

@@ -330,7 +330,7 @@ static double work_of(const judge *j, const nsdae_record *r)
   /* without the callback tangents stand still */
   for (int i = 0; i < of->dims.k * nt && of->given >> RANDOM_CONTACT_BIAS & 1; i++)
     work -= r->tangential_impulse[i] * of->w_T[i];
-  for (int i = 0; i < of->dims.f; i++) work -= r->slide_impulse[i] * of->w_S[i];
+  for (int i = 0; i < of->dims.f; i++) work -= r->frictional_joint_impulse[i] * of->w_S[i];
   return work;
 }
 
@@ -524,7 +524,7 @@ static void test_lists(void **state)
   disks_start(&d, q0, v0);
   nsdae_sim_options_default(&options);
   options.dt = 2e-3;
-  options.lcp_tol = 1e-3;
+  options.contact_tol = 1e-3;
   options.iteration_tol = 1e-3;
   assert_int_equal(nsdae_sim_create(system, &options, &sim, NULL), NSDAE_OK);
   assert_int_equal(nsdae_sim_init(sim, 0, q0, v0), NSDAE_OK);

@@ -5,7 +5,7 @@
 
 #include <nsdae/nsdae.h>
 
-#include "../unit/linalg/random.h"
+#include "../unit/linalg/random_matrices.h"
 
 enum { MOST = 40, DOFS = 3 };
 

@@ -123,7 +123,7 @@ static void test_family(void **state)
     assert_int_equal(status, statuses[count]);
     met[count]++;
     if (count != 1) {
-      assert_non_null(strstr(error.text, "slide 0 \"joint0\" (slot joint 0 of body 0"));
+      assert_non_null(strstr(error.text, "frictional joint 0 \"joint0\" (slot joint 0 of body 0"));
       assert_int_equal(error.index, 0);
     }
     if (count == 0) continue;

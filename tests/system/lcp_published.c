@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <time.h>
 
-#include "lcp_file.h"
+#include "lcp_arguments.h"
 
 enum { SKIP = 77 };
 

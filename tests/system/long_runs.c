@@ -232,7 +232,7 @@ static void run(const driver_model *model, int method_number, double dt, long st
   nsdae_sim_options_default(&options);
   settings_choose_method(&(settings){.model = model}, method_number, &options);
   if (dt > 0) options.dt = dt;
-  if (model->lcp_tol > 0) options.lcp_tol = model->lcp_tol;
+  if (model->contact_tol > 0) options.contact_tol = model->contact_tol;
   assert_int_equal(model->build(model->base, &system, NULL), NSDAE_OK);
   memset(q0, 0, sizeof q0);
   memset(v0, 0, sizeof v0);
@@ -243,7 +243,7 @@ static void run(const driver_model *model, int method_number, double dt, long st
   if (status < 0)
     fail_msg("%s by %s: %s", model->name, nsdae_method_name(method_number),
              nsdae_sim_error(sim)->text);
-  expect_well(sim, done, options.lcp_tol);
+  expect_well(sim, done, options.contact_tol);
   expect_bounded(sim, kind);
   if (getenv("NSDAE_LONG")) tell(model, sim, done, steps);
   nsdae_sim_destroy(&sim);
@@ -285,7 +285,7 @@ static int start_and_step(const driver_model *model, int method_number, double t
   nsdae_sim_options_default(&options);
   settings_choose_method(&(settings){.model = model}, method_number, &options);
   if (model->dt > 0) options.dt = model->dt;
-  if (model->lcp_tol > 0) options.lcp_tol = model->lcp_tol;
+  if (model->contact_tol > 0) options.contact_tol = model->contact_tol;
   options.start_tol = 1; /* what is driven is elsewhere at t0 */
   options.start_check = 0;
   assert_int_equal(model->build(model->base, system, NULL), NSDAE_OK);
@@ -337,7 +337,7 @@ static void late(size_t i, int method_number)
       fail_msg("%s by %s from step %g on: %s", all[i].model->name, nsdae_method_name(method_number),
                begin[j], nsdae_sim_error(sim[j])->text);
     nsdae_sim_get_options(sim[j], &options);
-    expect_well(sim[j], steps, options.lcp_tol);
+    expect_well(sim[j], steps, options.contact_tol);
     if (all[i].kind & DRIVEN) continue;
     expect_bounded(sim[j], all[i].kind);
     expect_same_motion(sim[j], sim[0]);
@@ -376,7 +376,7 @@ static void test_slow(void **state)
           fail_msg("%s by %s from velocities of %g on: %s", model->name,
                    nsdae_method_name(method[k]), size[j], nsdae_sim_error(sim)->text);
         nsdae_sim_get_options(sim, &options);
-        expect_well(sim, steps, options.lcp_tol);
+        expect_well(sim, steps, options.contact_tol);
         if (!(all[i].kind & DRIVEN)) expect_bounded(sim, all[i].kind);
         nsdae_sim_destroy(&sim);
         nsdae_system_destroy(&system);

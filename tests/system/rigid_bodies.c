@@ -62,7 +62,7 @@ static double apart_in_a_step(nsdae_system *const system[2], const double *q0, c
   nsdae_sim_options_default(&options);
   options.method = NSDAE_METHOD_MOREAU;
   options.dt = dt;
-  options.lcp_tol = 1e-14;
+  options.contact_tol = 1e-14;
   options.start_tol = 1; /* the scheme drifts */
   options.start_check = 0;
   for (int k = 0; k < 2; k++)
@@ -376,8 +376,8 @@ static nsdae_system *absolute_crank_slider(crank_slider *p)
   nsdae_system_set_constraint(s, absolute_constraint);
   nsdae_system_set_constraint_jacobian(s, absolute_jacobian);
   nsdae_system_set_constraint_bias(s, absolute_bias);
-  nsdae_system_set_slide_tangent(s, absolute_slide);
-  assert_int_equal(nsdae_system_set_slide(s, 0, 6, p->mu), NSDAE_OK);
+  nsdae_system_set_frictional_joint_tangent(s, absolute_slide);
+  assert_int_equal(nsdae_system_set_frictional_joint(s, 0, 6, p->mu), NSDAE_OK);
   return s;
 }
 

@@ -180,7 +180,7 @@ static void test_block_keeps_direction(void **state)
       assert_near(across / along, 0, 1e-10);
       assert_near(along, 0.5 + p->g * (sin(p->slope) - p->mu * cos(p->slope)), 1e-10);
       assert_near(l.worst_friction, p->mu, 1e-12);
-      assert_int_equal(l.modes[NSDAE_MODE_SLIDE], 100);
+      assert_int_equal(l.modes[NSDAE_MODE_SLIP], 100);
     }
 }
 

@@ -59,7 +59,7 @@ static void run(const scene *s, int method, int threads, double tol, trace *t)
   nsdae_sim_options_default(&options);
   options.method = method;
   options.dt = 2e-3;
-  options.lcp_tol = tol;
+  options.contact_tol = tol;
   options.threads = threads;
   assert_int_equal(nsdae_sim_create(s->system, &options, &sim, NULL), NSDAE_OK);
   t->status = nsdae_sim_init(sim, 0, s->q0, s->v0);
@@ -221,7 +221,7 @@ static nsdae_bodies *draw_world(int with_chains)
   return world;
 }
 
-/* The worst residual that lcp_tol allows and less than rounding: there islands fail. */
+/* The worst residual that contact_tol allows and less than rounding: there islands fail. */
 static void spread(int with_chains, int method, double tol, int fails)
 {
   static double q0[7 * PARTS * 28], v0[6 * PARTS * 28];

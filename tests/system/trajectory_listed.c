@@ -100,7 +100,7 @@ static void prepare(fixture *f, int method)
   nsdae_sim_options_default(&f->options);
   f->options.method = method;
   f->options.dt = 1e-3;
-  f->options.lcp_tol = 1e-8;
+  f->options.contact_tol = 1e-8;
   disks_start(&f->disks, q0, v0);
   check_ok(nsdae_sim_create(f->system, &f->options, &f->sim, &f->error));
   check_ok(nsdae_sim_init(f->sim, 0, q0, v0));

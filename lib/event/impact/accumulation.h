@@ -20,7 +20,7 @@
 #define NSDAE_EVENT_ACCUMULATION_H
 
 #include "acceleration.h"
-#include "projection.h"
+#include "impact_projection.h"
 
 /* The friction of what slides in the set, T = -mu P d: linear in the normal impulses P, which are
  * linear in it, P = P_0 + sum_j P_j dP/dP_j. */

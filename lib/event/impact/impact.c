@@ -42,7 +42,7 @@ void nsdae_event_impacts_prepare(nsdae_event_impacts *p)
   const nsdae_event_setting *s = p->acceleration->phase->setting;
   p->problem.law = p->law;
   p->problem.cones.most = s->system->dims.nt == 2 ? s->system->dims.k : 0;
-  nsdae_contacts_set(&p->problem, s->system, s->error, s->options->lcp_tol,
+  nsdae_contacts_set(&p->problem, s->system, s->error, s->options->contact_tol,
                      nsdae_law_edges_to_start(s->options->polygon));
 }
 

@@ -71,10 +71,10 @@ static void sort_found(nsdae_event_instant *p, const double *y)
       nsdae_direction_against(m->direction + i * d->nt, d->nt, y + at->tangential + i * d->nt);
   }
   for (int j = 0; j < d->f; j++) {
-    double force = y[at->slide + j];
+    double force = y[at->frictional_joint + j];
     is->slide_stopped[j] = nsdae_event_root_of(p->roots, NSDAE_ROOT_SLIP, j)->found;
     is->slide_turned[j] = nsdae_event_root_of(p->roots, NSDAE_ROOT_SIGN, j)->found;
-    is->slide_breakaway[j] = is->slide_stopped[j] && m->slide[j] == NSDAE_MODE_STICK;
+    is->slide_breakaway[j] = is->slide_stopped[j] && m->frictional_joint[j] == NSDAE_MODE_STICK;
     if (is->slide_breakaway[j]) m->slide_sense[j] = (force < 0) - (force > 0);
   }
 }
@@ -137,7 +137,7 @@ static double hardly_sliding(const nsdae_event_phase *p)
   double size = nsdae_event_velocity_size(p->setting);
   int begins = 0, nt = T->system->dims.nt;
   for (int i = 0; i < T->system->dims.k && nt == 2; i++)
-    begins |= p->modes.contact[i] == NSDAE_MODE_SLIDE && nsdae_event_hardly_slides(p, i);
+    begins |= p->modes.contact[i] == NSDAE_MODE_SLIP && nsdae_event_hardly_slides(p, i);
   return (begins ? HARDLY : 1) * size;
 }
 
@@ -153,7 +153,7 @@ static int choose(nsdae_event_instant *p, int impacted, double *y)
   for (int i = 0; i < phase->setting->system->dims.k; i++)
     phase->modes.contact[i] = !is->candidate[i] ? NSDAE_MODE_OPEN
                               : is->moving[i] || !(phase->setting->system->contact[i].mu > 0)
-                                  ? NSDAE_MODE_SLIDE
+                                  ? NSDAE_MODE_SLIP
                                   : NSDAE_MODE_STICK;
   nsdae_error_clear(phase->setting->error);
   status = nsdae_event_project_velocities(&p->projection, y);
@@ -185,7 +185,7 @@ static int has_stopped(const nsdae_event_instant *p)
   double size = nsdae_event_velocity_size(s);
   int any = 0;
   for (int i = 0; i < s->system->dims.k; i++)
-    any |= phase->modes.contact[i] == NSDAE_MODE_SLIDE && p->acceleration.is.moving[i] &&
+    any |= phase->modes.contact[i] == NSDAE_MODE_SLIP && p->acceleration.is.moving[i] &&
            !p->acceleration.is.breakaway[i] && nsdae_terms_slip(s->here, i, s->here->v) <= size;
   return any;
 }

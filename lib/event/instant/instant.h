@@ -7,7 +7,7 @@
 
 #include "choice.h"
 #include "impact.h"
-#include "projection.h"
+#include "impact_projection.h"
 #include "roots.h"
 
 typedef struct nsdae_event_instant {

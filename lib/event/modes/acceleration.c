@@ -38,7 +38,7 @@ void nsdae_event_acceleration_prepare(nsdae_event_acceleration *p)
   int edges = nsdae_law_edges_to_start(s->options->polygon);
   p->problem.law = p->law;
   p->problem.cones.most = d->nt == 2 ? d->k : 0;
-  nsdae_contacts_set(&p->problem, s->system, s->error, s->options->lcp_tol, edges);
+  nsdae_contacts_set(&p->problem, s->system, s->error, s->options->contact_tol, edges);
   for (int i = 0; p->law && i < d->k; i++)
     if (p->law[i].kind == NSDAE_POLYGON)
       p->law[i] = nsdae_law_make(d->nt, p->law[i].mu / cos(acos(-1) / edges), edges);
@@ -59,7 +59,7 @@ static int slides(nsdae_event_acceleration *p, int i, int impacted, double size)
   for (int l = 0; l < nt; l++) {
     v_t[l] = nsdae_terms_tangent_rate(T, i * nt + l, T->v);
     speed = hypot(speed, v_t[l]);
-    slid |= p->phase->modes.contact[i] == NSDAE_MODE_SLIDE && direction[l] != 0;
+    slid |= p->phase->modes.contact[i] == NSDAE_MODE_SLIP && direction[l] != 0;
   }
   int stopped = !impacted && p->is.stopped[i] && slid && (nt == 1 || speed <= 10 * size);
   int moves = speed > size && !stopped;
@@ -73,7 +73,7 @@ static int slide_sense(const nsdae_event_acceleration *p, int j, int impacted, d
   const nsdae_event_modes *m = &p->phase->modes;
   if (p->is.slide_breakaway[j] && !impacted) return m->slide_sense[j];
   double speed = nsdae_terms_slide_rate(s->here, j, s->here->v);
-  int stopped = !impacted && p->is.slide_stopped[j] && m->slide[j] == NSDAE_MODE_SLIDE &&
+  int stopped = !impacted && p->is.slide_stopped[j] && m->frictional_joint[j] == NSDAE_MODE_SLIP &&
                 m->slide_sense[j] != 0;
   if (stopped || !(fabs(speed) > size)) return 0;
   return speed > 0 ? 1 : -1;
@@ -100,7 +100,7 @@ static int solve(nsdae_event_acceleration *p)
   int n = s->system->dims.nv, m = s->system->dims.m;
   T.w_N = T.omega.N;
   T.w_T = T.omega.T;
-  T.slide.w = T.slide.omega;
+  T.frictional_joint.w = T.frictional_joint.omega;
   nsdae_contacts_close_marked(&p->problem, p->is.candidate, &p->solution);
   memcpy(p->a, T.F, (size_t)n * sizeof *p->a);
   memcpy(p->size, T.F, (size_t)n * sizeof *p->size);

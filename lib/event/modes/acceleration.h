@@ -10,7 +10,7 @@
 #include "phase.h"
 #include "sharing.h"
 
-/* What an instant knows of each contact and slide. */
+/* What an instant knows of each contact and frictional joint. */
 typedef struct nsdae_event_findings {
   int *closed;                       /* k: until now */
   int *touching, *candidate;         /* k: may be hit; may stay closed */

@@ -21,12 +21,12 @@ static int resting_mode(nsdae_event_acceleration *p, int a)
   int i = c->active[a], nt = c->system->dims.nt, mode = c->results->mode[i];
   const double *force = c->results->tangential + i * nt, *rate = c->results->after_t + i * nt;
   double *direction = p->phase->modes.direction + i * nt;
-  if (nsdae_contacts_powerless(c, c->first_column[a] + 1)) return NSDAE_MODE_SLIDE;
+  if (nsdae_contacts_powerless(c, c->first_column[a] + 1)) return NSDAE_MODE_SLIP;
   if (nt == 2 && mode == NSDAE_MODE_STICK &&
       hypot(force[0], force[1]) > c->system->contact[i].mu * c->results->normal[i])
-    mode = NSDAE_MODE_SLIDE; /* outside the cone though inside the polygon around it */
-  if (mode == NSDAE_MODE_SLIDE) nsdae_direction_against(direction, nt, force);
-  if (mode == NSDAE_MODE_SLIDE && nt == 2) {
+    mode = NSDAE_MODE_SLIP; /* outside the cone though inside the polygon around it */
+  if (mode == NSDAE_MODE_SLIP) nsdae_direction_against(direction, nt, force);
+  if (mode == NSDAE_MODE_SLIP && nt == 2) {
     double speed = slip_rate(c, i);
     for (int l = 0; l < nt && speed > nsdae_event_acceleration_size(p); l++)
       direction[l] = rate[l] / speed;
@@ -61,7 +61,7 @@ static void read_contacts(nsdae_event_acceleration *p)
     if (!(c->results->normal[i] > 0) && c->results->after[i] > size) continue;
     /* one that opens is not replaced by another that has no force: they would take turns */
     if (parting && !p->is.closed[i] && !(c->results->normal[i] > none)) continue;
-    mode[i] = NSDAE_MODE_SLIDE; /* also where it touches without a force */
+    mode[i] = NSDAE_MODE_SLIP; /* also where it touches without a force */
     if (!(c->results->normal[i] > none))
       point_along(p, i);
     else if (c->law[i].kind != NSDAE_SLIDING && c->law[i].columns > 1)
@@ -81,8 +81,8 @@ static void read_cones(nsdae_event_acceleration *p)
     if (m->contact[i] == NSDAE_MODE_OPEN || c->law[i].kind != NSDAE_POLYGON ||
         !(c->results->normal[i] > 0) || nsdae_contacts_powerless(c, c->first_column[a] + 1))
       continue;
-    m->contact[i] = slip_rate(c, i) > size ? NSDAE_MODE_SLIDE : NSDAE_MODE_STICK;
-    if (m->contact[i] == NSDAE_MODE_SLIDE)
+    m->contact[i] = slip_rate(c, i) > size ? NSDAE_MODE_SLIP : NSDAE_MODE_STICK;
+    if (m->contact[i] == NSDAE_MODE_SLIP)
       nsdae_direction_against(m->direction + 2 * i, 2, c->results->tangential + 2 * i);
   }
 }
@@ -93,10 +93,10 @@ static void note_twofold(const nsdae_event_acceleration *p, int j)
   const nsdae_contacts *c = &p->problem;
   const nsdae_event_setting *s = p->phase->setting;
   nsdae_twofold *twofold = &s->result->twofold;
-  int slide = c->slides.number[j];
-  if (twofold->slide < 0 && !p->by_cones && nsdae_jam_twofold(c, j))
-    *twofold = (nsdae_twofold){slide, nsdae_terms_time(s->here),
-                               p->lambda[c->system->slide[slide].constraint]};
+  int frictional_joint = c->slides.number[j];
+  if (twofold->frictional_joint < 0 && !p->by_cones && nsdae_jam_twofold(c, j))
+    *twofold = (nsdae_twofold){frictional_joint, nsdae_terms_time(s->here),
+                               p->lambda[c->system->frictional_joint[frictional_joint].constraint]};
 }
 
 static void read_slides(nsdae_event_acceleration *p)
@@ -107,12 +107,14 @@ static void read_slides(nsdae_event_acceleration *p)
     note_twofold(p, i);
     int j = c->slides.number[i], column = c->columns - c->slides.count + i;
     int powerless = nsdae_contacts_powerless(c, column);
-    double force = powerless ? 0 : c->results->slide_impulse[j], rate = c->results->slide_after[j];
-    m->slide[j] = p->sense[j] || !powerless ? c->results->slide_mode[j] : NSDAE_MODE_SLIDE;
+    double force = powerless ? 0 : c->results->frictional_joint_impulse[j],
+           rate = c->results->slide_after[j];
+    m->frictional_joint[j] =
+        p->sense[j] || !powerless ? c->results->frictional_joint_mode[j] : NSDAE_MODE_SLIP;
     m->slide_sense[j] = p->sense[j];
-    if (!p->sense[j] && m->slide[j] == NSDAE_MODE_SLIDE)
+    if (!p->sense[j] && m->frictional_joint[j] == NSDAE_MODE_SLIP)
       m->slide_sense[j] = force != 0 ? (force < 0) - (force > 0) : (rate > 0) - (rate < 0);
-    int sense = p->lambda[c->system->slide[j].constraint] < 0 ? -1 : 1;
+    int sense = p->lambda[c->system->frictional_joint[j].constraint] < 0 ? -1 : 1;
     m->normal_sense[j] = p->is.slide_turned[j] ? -m->normal_sense[j] : sense;
   }
 }
@@ -133,8 +135,8 @@ static int comes_back(nsdae_event_acceleration *p)
   return any;
 }
 
-/* Whether a contact or slide whose friction was used up would rather slide the other way: then it
- * is asked again without a direction. */
+/* Whether a contact or frictional joint whose friction was used up would rather slide the other
+ * way: then it is asked again without a direction. */
 static int sticks_after_all(nsdae_event_acceleration *p)
 {
   const nsdae_contacts *c = &p->problem;
@@ -188,7 +190,7 @@ static int settle_directions(nsdae_event_acceleration *p)
   for (int round = 0; s->dims.nt == 2 && round < DIRECTIONS && status == NSDAE_OK; round++) {
     double moved = 0;
     for (int i = 0; i < s->dims.k; i++)
-      if (p->is.candidate[i] && p->phase->modes.contact[i] == NSDAE_MODE_SLIDE &&
+      if (p->is.candidate[i] && p->phase->modes.contact[i] == NSDAE_MODE_SLIP &&
           s->contact[i].mu > 0)
         moved = fmax(moved, turn(p, i, round));
     if (!(moved > 1e-13)) break;
@@ -204,7 +206,7 @@ static int begins_to_slide(const nsdae_event_acceleration *p)
   const nsdae_contacts *c = &p->problem;
   int any = 0;
   for (int i = 0; i < c->system->dims.k && c->system->dims.nt == 2; i++)
-    any |= p->phase->modes.contact[i] == NSDAE_MODE_SLIDE && !p->is.moving[i] &&
+    any |= p->phase->modes.contact[i] == NSDAE_MODE_SLIP && !p->is.moving[i] &&
            slip_rate(c, i) > nsdae_event_acceleration_size(p);
   return any;
 }
@@ -222,7 +224,7 @@ static int share(nsdae_event_acceleration *p)
                            .mode = m->contact,
                            .moving = p->is.moving,
                            .breakaway = p->is.breakaway,
-                           .slide_mode = m->slide,
+                           .frictional_joint_mode = m->frictional_joint,
                            .slide_sense = m->slide_sense,
                            .related = m->related,
                            .relation = m->relation,

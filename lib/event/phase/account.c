@@ -20,11 +20,11 @@ static double friction_power(const nsdae_event_phase *p, const double *y)
   const nsdae_dims *d = &T->system->dims;
   double power = 0;
   for (int j = 0; j < d->k * d->nt && (p->terms & NSDAE_TERM_TANGENT); j++)
-    if (p->modes.contact[j / d->nt] == NSDAE_MODE_SLIDE)
+    if (p->modes.contact[j / d->nt] == NSDAE_MODE_SLIP)
       power += y[p->setting->at.tangential + j] * nsdae_terms_tangent_rate(T, j, T->v);
   for (int j = 0; j < d->f; j++)
-    if (p->modes.slide[j] == NSDAE_MODE_SLIDE)
-      power += y[p->setting->at.slide + j] * nsdae_terms_slide_rate(T, j, T->v);
+    if (p->modes.frictional_joint[j] == NSDAE_MODE_SLIP)
+      power += y[p->setting->at.frictional_joint + j] * nsdae_terms_slide_rate(T, j, T->v);
   return power;
 }
 
@@ -46,8 +46,8 @@ static double leak(const nsdae_event_phase *p, const double *y)
       power += y[at->tangential + j] * nsdae_terms_tangent_rate(T, j, T->v);
   }
   for (int j = 0; j < d->f; j++)
-    if (p->modes.slide[j] == NSDAE_MODE_STICK)
-      power += y[at->slide + j] * nsdae_terms_slide_rate(T, j, T->v);
+    if (p->modes.frictional_joint[j] == NSDAE_MODE_STICK)
+      power += y[at->frictional_joint + j] * nsdae_terms_slide_rate(T, j, T->v);
   return power;
 }
 
@@ -93,7 +93,8 @@ void nsdae_event_account_phase(const nsdae_event_account *a, const double *from,
   nsdae_add_change(d->m, from + at->lambda, to + at->lambda, r->multiplier);
   nsdae_add_change(d->k, from + at->normal, to + at->normal, sum->normal);
   nsdae_add_change(d->k * d->nt, from + at->tangential, to + at->tangential, sum->tangential);
-  nsdae_add_change(d->f, from + at->slide, to + at->slide, sum->slide_impulse);
+  nsdae_add_change(d->f, from + at->frictional_joint, to + at->frictional_joint,
+                   sum->frictional_joint_impulse);
   r->work += to[at->n] - from[at->n];
   r->gain += *a->phase->modes.is_stiff ? NAN : to[at->n + 1] - from[at->n + 1];
   r->turnover += fabs(to[at->n + 1] - from[at->n + 1]);
@@ -108,5 +109,5 @@ void nsdae_event_account_impact(const nsdae_event_account *a, const nsdae_impuls
   nsdae_add(d->m, 1, multiplier, s->result->multiplier);
   nsdae_add(d->k, 1, from->normal, to->normal);
   nsdae_add(d->k * d->nt, 1, from->tangential, to->tangential);
-  nsdae_add(d->f, 1, from->slide_impulse, to->slide_impulse);
+  nsdae_add(d->f, 1, from->frictional_joint_impulse, to->frictional_joint_impulse);
 }

@@ -26,7 +26,7 @@ int nsdae_event_account_rate(nsdae_event_account *account, double t, const doubl
 void nsdae_event_account_phase(const nsdae_event_account *account, const double *from,
                                const double *to);
 
-/* Adds impulses of contacts and slides, and bilateral ones [m]. */
+/* Adds impulses of contacts and frictional joints, and bilateral ones [m]. */
 void nsdae_event_account_impact(const nsdae_event_account *account, const nsdae_impulses *impulses,
                                 const double *multiplier);
 

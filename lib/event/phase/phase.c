@@ -22,7 +22,7 @@ typedef struct column {
   double w, omega, gap;
 } column;
 
-/* The forces in turn: k normal, k nt tangential, f of slides. */
+/* The forces in turn: k normal, k nt tangential, f of frictional joints. */
 static int forces_of(const nsdae_dims *d)
 {
   return d->k * (1 + d->nt) + d->f;
@@ -55,8 +55,8 @@ void nsdae_event_begin_phase(nsdae_event_phase *p)
     if (s->contact[i].mu > 0) terms |= NSDAE_TERM_TANGENT;
   }
   for (int j = 0; j < s->dims.f; j++) {
-    if (p->modes.slide[j] != NSDAE_MODE_OPEN) terms |= NSDAE_TERM_SLIDE;
-    if (p->modes.slide[j] == NSDAE_MODE_STICK) terms |= NSDAE_TERM_ACCELERATION;
+    if (p->modes.frictional_joint[j] != NSDAE_MODE_OPEN) terms |= NSDAE_TERM_SLIDE;
+    if (p->modes.frictional_joint[j] == NSDAE_MODE_STICK) terms |= NSDAE_TERM_ACCELERATION;
   }
   p->terms = terms;
   nsdae_lu_forget(&p->K);
@@ -91,11 +91,13 @@ static row_kind kind_of(const nsdae_event_phase *p, int force)
 {
   const nsdae_system *s = p->setting->system;
   const nsdae_dims *d = &s->dims;
-  int slide = force - d->k * (1 + d->nt);
-  if (slide >= 0)
-    return p->modes.slide[slide] == NSDAE_MODE_STICK && p->modes.slide_row[slide] ? ROW_CLOSED
-           : p->modes.slide[slide] != NSDAE_MODE_OPEN                             ? ROW_SLIDE_RUBS
-                                                                                  : ROW_NONE;
+  int frictional_joint = force - d->k * (1 + d->nt);
+  if (frictional_joint >= 0)
+    return p->modes.frictional_joint[frictional_joint] == NSDAE_MODE_STICK &&
+                   p->modes.slide_row[frictional_joint]
+               ? ROW_CLOSED
+           : p->modes.frictional_joint[frictional_joint] != NSDAE_MODE_OPEN ? ROW_SLIDE_RUBS
+                                                                            : ROW_NONE;
   int i = force < d->k ? force : (force - d->k) / d->nt, mode = p->modes.contact[i];
   if (mode == NSDAE_MODE_OPEN) return ROW_NONE;
   if (force < d->k || mode == NSDAE_MODE_STICK)
@@ -115,7 +117,8 @@ static column column_of(const nsdae_terms *T, int force)
   if (force < d->k * (1 + d->nt))
     return (column){T->by.tangent.value + j * n, T->w_T[j], T->omega.T[j], 0};
   j = (size_t)(force - d->k * (1 + d->nt));
-  return (column){T->by.slide.value + j * n, T->slide.w[j], T->slide.omega[j], 0};
+  return (column){T->by.frictional_joint.value + j * n, T->frictional_joint.w[j],
+                  T->frictional_joint.omega[j], 0};
 }
 
 /* Entry of K: rows and columns are nv accelerations, m multipliers, then the forces by place. */
@@ -198,8 +201,9 @@ static void following_row(nsdae_event_phase *p, const nsdae_terms *T, int force,
     *entry(p, row, p->place[i]) = s->contact[i].mu * d[(force - k) % nt];
   }
   if (kind != ROW_SLIDE_RUBS) return;
-  int j = force - all, lambda = s->dims.nv + s->slide[j].constraint;
-  *entry(p, row, lambda) = s->slide[j].mu * p->modes.normal_sense[j] * p->modes.slide_part[j];
+  int j = force - all, lambda = s->dims.nv + s->frictional_joint[j].constraint;
+  *entry(p, row, lambda) =
+      s->frictional_joint[j].mu * p->modes.normal_sense[j] * p->modes.slide_part[j];
 }
 
 static void force_row(nsdae_event_phase *p, const nsdae_terms *T, int force)

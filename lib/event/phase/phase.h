@@ -1,6 +1,6 @@
-/* The equations between two instants. There the modes of the contacts and slides are fixed and the
- * motion is the index-1 problem in y = [q, v, lambda, F_N, F_T, F_S], linear in v' and the forces:
- * these are solved for at every point, and q' and v' integrated
+/* The equations between two instants. There the modes of the contacts and frictional joints are
+ * fixed and the motion is the index-1 problem in y = [q, v, lambda, F_N, F_T, F_S], linear in v'
+ * and the forces: these are solved for at every point, and q' and v' integrated
  *
  *   q' = H v
  *   M v' + Phi_q^T lambda - W_N F_N - W_T F_T - W_S F_S = F
@@ -21,14 +21,14 @@
 #define NSDAE_EVENT_PHASE_H
 
 #include "lu.h"
-#include "setting.h"
+#include "event_context.h"
 
 /* What holds from an instant to the next. */
 typedef struct nsdae_event_modes {
-  int *contact;      /* k: enum nsdae_mode */
-  double *direction; /* k nt: unit vector of sliding, zero where there is none yet; with two
-                        directions it follows the velocity from step to step */
-  int *slide;        /* f: NSDAE_MODE_OPEN without friction */
+  int *contact;          /* k: enum nsdae_mode */
+  double *direction;     /* k nt: unit vector of sliding, zero where there is none yet; with two
+                            directions it follows the velocity from step to step */
+  int *frictional_joint; /* f: NSDAE_MODE_OPEN without friction */
   int *slide_sense, *normal_sense; /* f: signs of the sliding velocity and of lambda */
   int *slide_row;                  /* f: a slide that sticks has a row */
   double *slide_part; /* f: F_S = -mu |lambda| times this where it slides or has no row */

@@ -33,15 +33,15 @@ void nsdae_event_roots_name(nsdae_event_roots *r)
 
 static int contact_rubs(const nsdae_event_phase *p, int i)
 {
-  return p->modes.contact[i] == NSDAE_MODE_SLIDE && p->setting->system->contact[i].mu > 0;
+  return p->modes.contact[i] == NSDAE_MODE_SLIP && p->setting->system->contact[i].mu > 0;
 }
 
-/* A contact or slide that has no direction to slide in yet. */
+/* A contact or frictional joint that has no direction to slide in yet. */
 static int undecided(const nsdae_event_phase *p, const nsdae_event_root *root)
 {
   int i = root->index, nt = p->setting->system->dims.nt;
   if (root->kind == NSDAE_ROOT_SLIP)
-    return p->modes.slide[i] == NSDAE_MODE_SLIDE && p->modes.slide_sense[i] == 0;
+    return p->modes.frictional_joint[i] == NSDAE_MODE_SLIP && p->modes.slide_sense[i] == 0;
   int directed = root->kind == NSDAE_ROOT_NORMAL || root->kind == NSDAE_ROOT_TANGENT;
   if (!directed || !contact_rubs(p, i)) return 0;
   for (int j = i * nt; j < (i + 1) * nt; j++)
@@ -75,9 +75,10 @@ static double value_of(const nsdae_event_phase *p, const nsdae_terms *T, const d
                                              : along_direction(p, T, i, T->w_T, T->v);
   if (root->kind == NSDAE_ROOT_HELD) return root->size - fabs(T->gap[i]);
   if (root->kind == NSDAE_ROOT_JAM) return root->rate * nsdae_event_yield(p, i);
-  double normal = m->normal_sense[i] * y[at->lambda + s->slide[i].constraint];
+  double normal = m->normal_sense[i] * y[at->lambda + s->frictional_joint[i].constraint];
   if (root->kind == NSDAE_ROOT_SIGN) return normal;
-  if (m->slide[i] == NSDAE_MODE_STICK) return s->slide[i].mu * normal - fabs(y[at->slide + i]);
+  if (m->frictional_joint[i] == NSDAE_MODE_STICK)
+    return s->frictional_joint[i].mu * normal - fabs(y[at->frictional_joint + i]);
   return m->slide_sense[i] * nsdae_terms_slide_rate(T, i, T->v);
 }
 
@@ -92,9 +93,9 @@ static unsigned terms_of(const nsdae_event_roots *r)
     if ((root->kind == NSDAE_ROOT_NORMAL && m->contact[i] == NSDAE_MODE_OPEN) ||
         (on && root->kind == NSDAE_ROOT_HELD))
       terms |= NSDAE_TERM_GAP;
-    if (on && root->kind == NSDAE_ROOT_TANGENT && m->contact[i] == NSDAE_MODE_SLIDE)
+    if (on && root->kind == NSDAE_ROOT_TANGENT && m->contact[i] == NSDAE_MODE_SLIP)
       terms |= NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS;
-    if (on && root->kind == NSDAE_ROOT_SLIP && m->slide[i] == NSDAE_MODE_SLIDE)
+    if (on && root->kind == NSDAE_ROOT_SLIP && m->frictional_joint[i] == NSDAE_MODE_SLIP)
       terms |= NSDAE_TERM_SLIDE;
   }
   return terms;
@@ -125,7 +126,7 @@ static double rising(const nsdae_event_root *root, double t, double value, doubl
 static int is_out(const nsdae_event_phase *p, const nsdae_event_root *root)
 {
   int masked = root->state == NSDAE_ROOT_MASKED;
-  int slips = root->kind == NSDAE_ROOT_TANGENT && p->modes.contact[root->index] == NSDAE_MODE_SLIDE;
+  int slips = root->kind == NSDAE_ROOT_TANGENT && p->modes.contact[root->index] == NSDAE_MODE_SLIP;
   return root->state == NSDAE_ROOT_OFF || (masked && slips) ||
          (root->kind != NSDAE_ROOT_NORMAL && undecided(p, root));
 }
@@ -182,7 +183,8 @@ static void start_sliding(const nsdae_event_phase *p, nsdae_event_root *root, do
   const nsdae_terms *T = p->setting->here;
   double size = nsdae_event_velocity_size(p->setting);
   if (root->kind == NSDAE_ROOT_SLIP) {
-    double rate = nsdae_terms_rate(T, &T->by.slide, T->slide.omega, root->index, a);
+    double rate =
+        nsdae_terms_rate(T, &T->by.frictional_joint, T->frictional_joint.omega, root->index, a);
     start_root(p, root, t, value, p->modes.slide_sense[root->index] * rate, size, size);
     return;
   }
@@ -203,7 +205,7 @@ static int is_off(const nsdae_event_phase *p, const nsdae_event_root *root)
   if (root->kind == NSDAE_ROOT_JAM) return !contact_rubs(p, i) || p->modes.related[i];
   if (root->kind == NSDAE_ROOT_TANGENT)
     return p->modes.contact[i] == NSDAE_MODE_OPEN || !(p->setting->system->contact[i].mu > 0);
-  return p->modes.slide[i] == NSDAE_MODE_OPEN;
+  return p->modes.frictional_joint[i] == NSDAE_MODE_OPEN;
 }
 
 static void start(const nsdae_event_phase *p, nsdae_event_root *root, double t, const double *y,
@@ -211,7 +213,7 @@ static void start(const nsdae_event_phase *p, nsdae_event_root *root, double t, 
 {
   const nsdae_terms *T = p->setting->here;
   int i = root->index, contact = root->kind <= NSDAE_ROOT_JAM;
-  int mode = contact ? p->modes.contact[i] : p->modes.slide[i];
+  int mode = contact ? p->modes.contact[i] : p->modes.frictional_joint[i];
   root->state = NSDAE_ROOT_OFF;
   root->rate = 1;
   if (is_off(p, root)) return;
@@ -325,7 +327,7 @@ int nsdae_event_inconsistent(const nsdae_event_roots *r)
   for (int e = 0; e < r->count; e++) {
     const nsdae_event_root *root = &r->entry[e];
     int contact = root->kind <= NSDAE_ROOT_JAM, i = root->index;
-    int mode = contact ? m->contact[i] : m->slide[i];
+    int mode = contact ? m->contact[i] : m->frictional_joint[i];
     int is_force = (root->kind == NSDAE_ROOT_NORMAL && mode != NSDAE_MODE_OPEN) ||
                    root->kind == NSDAE_ROOT_SIGN ||
                    ((root->kind == NSDAE_ROOT_TANGENT || root->kind == NSDAE_ROOT_SLIP) &&

@@ -4,8 +4,8 @@
  *   tangent    sliding: d . v_T, it stops; with two directions d is that after the last step
  *              sticking: mu F_N - |F_T|, friction is used up
  *   held       closed by other contacts alone: tolerance of positions - |g_N|, it leaves zero
- *   sign       of a slide: s lambda, lambda changes sign
- *   slip       of a slide: as tangent, with v_S and mu |lambda| - |F_S|
+ *   sign       of a frictional joint: s lambda, lambda changes sign
+ *   slip       of a frictional joint: as tangent, with v_S and mu |lambda| - |F_S|
  *   jam        sliding: the acceleration that a unit of F_N makes along the normal, with all that
  *              else holds, by its first sign; at a zero F_N is without bound (Painleve's paradox)
  *

@@ -44,8 +44,8 @@ static double middle(double low, double high, double l)
 
 /* The root, from the guess on, kept in a bracket: secants while they halve the excess, else what it
  * would be if S were a number, else the middle. */
-static double slide(const double *D, const double *q, double mu, double guess, double tol,
-                    double *r)
+static double frictional_joint(const double *D, const double *q, double mu, double guess,
+                               double tol, double *r)
 {
   double low = 0, high = INFINITY, before = 0, at_before = 0;
   double l = guess > 0 ? guess : rescaled(D, mu, 0, r);
@@ -79,7 +79,7 @@ void nsdae_fc_solve_contact(const double *D, const double *q, double mu, double 
     *slip = 0;
     return;
   }
-  *slip = slide(D, q, mu, *slip, tol, r);
+  *slip = frictional_joint(D, q, mu, *slip, tol, r);
 }
 
 /* The turn that makes the tangential part of D diagonal (one Jacobi rotation: Golub and Van Loan,

@@ -140,8 +140,8 @@ int nsdae_fc_system_analyse(nsdae_fc_system *m, const nsdae_fc_scaled *c)
   }
   collect(m);
   sort_graph(m);
-  if (nsdae_fronts_analyse(&m->fronts, c->blocks, c->parts.size, m->pattern.first,
-                           m->pattern.index) != NSDAE_OK)
+  if (nsdae_multifrontal_analyse(&m->fronts, c->blocks, c->parts.size, m->pattern.first,
+                                 m->pattern.index) != NSDAE_OK)
     return NSDAE_E_MEMORY;
   for (int k = 0; k < c->n; k++)
     for (size_t p = 0; p < pairs_of(c, k); p++) {
@@ -223,7 +223,7 @@ int nsdae_fc_system_factor(nsdae_fc_system *m, const double *E, const double *A)
   else
     assemble_global(m);
   if (m->dense) return nsdae_la_lu(3 * c->n, m->lu, 3 * c->n, m->pivot);
-  return nsdae_fronts_factor(&m->fronts, 0);
+  return nsdae_multifrontal_factor(&m->fronts, 0);
 }
 
 static void solve_global(nsdae_fc_system *m, const double *b, double *dr)
@@ -236,7 +236,7 @@ static void solve_global(nsdae_fc_system *m, const double *b, double *dr)
       nsdae_add_product(c->parts.size[c->parts.block[e]], 3, nsdae_fc_part(c, e), dr + 3 * k,
                         m->dy + c->parts.offset[c->parts.block[e]]);
   }
-  nsdae_fronts_solve(&m->fronts, m->dy);
+  nsdae_multifrontal_solve(&m->fronts, m->dy);
   for (int k = 0; k < c->n; k++) {
     double u[3] = {0}, x[3];
     for (int e = c->parts.first[k]; e < c->parts.first[k + 1]; e++)
@@ -257,11 +257,11 @@ void nsdae_fc_system_solve(nsdae_fc_system *m, const double *b, double *dr)
   if (m->dense)
     nsdae_la_lu_solve(3 * m->fc->n, m->lu, 3 * m->fc->n, m->pivot, dr);
   else
-    nsdae_fronts_solve(&m->fronts, dr);
+    nsdae_multifrontal_solve(&m->fronts, dr);
 }
 
 void nsdae_fc_system_release(nsdae_fc_system *m)
 {
-  nsdae_fronts_release(&m->fronts);
+  nsdae_multifrontal_release(&m->fronts);
   nsdae_arena_release(&m->memory);
 }

@@ -11,7 +11,7 @@
 #ifndef NSDAE_FRICTION_NEWTON_SYSTEM_H
 #define NSDAE_FRICTION_NEWTON_SYSTEM_H
 
-#include "fronts.h"
+#include "multifrontal.h"
 #include "scaled_island.h"
 
 /* The graph of the blocks (local form: of the items). */
@@ -24,7 +24,7 @@ typedef struct nsdae_fc_pattern {
 
 typedef struct nsdae_fc_system {
   const nsdae_fc_scaled *fc;
-  nsdae_fronts fronts;
+  nsdae_multifrontal fronts;
   int dense; /* a local form with every pair listed, or small: lu [9 n^2], column-major, and
                 pivot [3 n] are for it */
   double *lu;

@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-#include "lanes.h"
+#include "simd.h"
 #include "block_sweep.h"
 
 enum { WINDOW = NSDAE_FC_WINDOW };
@@ -45,14 +45,14 @@ NSDAE_INLINED double *column(double *A, int rows, int k)
 /* to := now - before,  before := now */
 NSDAE_INLINED void take_difference(int n, const double *now, double *before, double *to)
 {
-  nsdae_lanes_subtract(n, now, before, to);
+  nsdae_simd_subtract(n, now, before, to);
   memcpy(before, now, (size_t)n * sizeof *to);
 }
 
 /* x -= A c */
 NSDAE_INLINED void subtract(int n, double *A, int held, const double *c, double *x)
 {
-  for (int k = 0; k < held; k++) nsdae_lanes_add(n, -c[k], column(A, n, k), x);
+  for (int k = 0; k < held; k++) nsdae_simd_add(n, -c[k], column(A, n, k), x);
 }
 
 /* The differences between this sweep, which changed r by f, and the one before. */
@@ -66,7 +66,7 @@ NSDAE_INLINED void remember(nsdae_fc_anderson *s, const nsdae_fc_scaled *c, cons
   if (s->held < WINDOW) s->held++;
   s->next = (j + 1) % WINDOW;
   for (int k = 0; k < s->held; k++)
-    s->gram[j * WINDOW + k] = s->gram[k * WINDOW + j] = nsdae_lanes_dot(n, column(s->F, n, k), F);
+    s->gram[j * WINDOW + k] = s->gram[k * WINDOW + j] = nsdae_simd_dot(n, column(s->F, n, k), F);
 }
 
 /* x := A^-1 x of A positive semidefinite, of which it keeps no more than it must: what depends on
@@ -95,8 +95,8 @@ NSDAE_INLINED void extrapolate_lanes(nsdae_fc_anderson *s, nsdae_fc_scaled *c)
 {
   int n = 3 * c->n, ny = c->local ? 0 : c->ny;
   double *f = s->before, product[WINDOW];
-  nsdae_lanes_subtract(n, c->r, f, f);
-  double square = nsdae_lanes_dot(n, f, f);
+  nsdae_simd_subtract(n, c->r, f, f);
+  double square = nsdae_simd_dot(n, f, f);
   if (s->begun && square <= GROWN * s->square) {
     remember(s, c, f);
   } else {
@@ -110,7 +110,7 @@ NSDAE_INLINED void extrapolate_lanes(nsdae_fc_anderson *s, nsdae_fc_scaled *c)
   s->left = 1;
   if (s->held == 0) return;
   for (int k = 0; k < s->held; k++)
-    s->share[k] = product[k] = nsdae_lanes_dot(n, column(s->F, n, k), f);
+    s->share[k] = product[k] = nsdae_simd_dot(n, column(s->F, n, k), f);
   solve_gram(s->held, s->gram, s->share);
   for (int k = 0; k < s->held; k++) s->left -= s->share[k] * product[k] / square;
   subtract(n, s->G, s->held, s->share, c->r);

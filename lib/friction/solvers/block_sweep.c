@@ -5,7 +5,7 @@
 
 #include "cone.h"
 #include "one_contact.h"
-#include "lanes.h"
+#include "simd.h"
 #include "vector.h"
 
 /* Its square is a normal number. */

@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-#include "lanes.h"
+#include "simd.h"
 #include "block_sweep.h"
 #include "vector.h"
 
@@ -68,7 +68,7 @@ void nsdae_fc_ratio_step(nsdae_fc_anderson *s, nsdae_fc_scaled *c)
   nsdae_fc_anderson_leave(s, c);
   const double far = first_change(c, s->before);
   if (!(far > 1)) return;
-  nsdae_lanes_add(3 * c->n, far, s->before, c->r);
+  nsdae_simd_add(3 * c->n, far, s->before, c->r);
   for (int k = 0; k < c->n; k++)
     if (c->items.kind[k] != NSDAE_FC_BILATERAL) nsdae_fc_project(c->items.mu[k], c->r + 3 * k);
   nsdae_fc_sweep_begin(c);

@@ -4,7 +4,7 @@
 #include "chain.h"
 
 #include "judge.h"
-#include "methods.h"
+#include "lcp_methods.h"
 #include "proof.h"
 #include "ray.h"
 

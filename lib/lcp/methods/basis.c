@@ -2,7 +2,7 @@
 #include <string.h>
 
 #include "judge.h"
-#include "methods.h"
+#include "lcp_methods.h"
 
 int nsdae_lcp_try_trivial(nsdae_lcp_work *w)
 {

@@ -7,7 +7,7 @@
 
 #include "fischer.h"
 #include "judge.h"
-#include "methods.h"
+#include "lcp_methods.h"
 #include "scatter.h"
 #include "transform.h"
 

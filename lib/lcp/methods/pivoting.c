@@ -3,7 +3,7 @@
 #include <stddef.h>
 
 #include "judge.h"
-#include "methods.h"
+#include "lcp_methods.h"
 #include "scatter.h"
 
 enum { COVERINGS = 12 };

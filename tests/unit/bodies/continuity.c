@@ -7,8 +7,8 @@
 #include <nsdae/nsdae.h>
 #include <stdlib.h>
 
-#include "touch.h"
-#include "world.h"
+#include "narrow_phase.h"
+#include "bodies_impl.h"
 #include "support/random.h"
 
 static uint64_t seed = 11;

@@ -8,7 +8,7 @@
 
 #include "lists.h"
 #include "system_impl.h"
-#include "world.h"
+#include "bodies_impl.h"
 #include "support/random.h"
 
 enum { MECHANISMS = 400, NV_MAX = 24, NQ_MAX = 28, K_MAX = 400 };

@@ -7,7 +7,7 @@
 #include <nsdae/nsdae.h>
 #include <stdlib.h>
 
-#include "world.h"
+#include "bodies_impl.h"
 #include "support/random.h"
 
 enum { PROJECTIONS = 20000 };

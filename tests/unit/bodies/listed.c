@@ -4,7 +4,7 @@
 
 #include <nsdae/nsdae.h>
 
-#include "broad.h"
+#include "broad_phase.h"
 #include "space.h"
 #include "support/random.h"
 
@@ -252,7 +252,7 @@ static int rope_bias(double t, const double *q, const double *v, double *phi_t, 
   return 0;
 }
 
-static nsdae_bodies *load_and_pendulum(const nsdae_own *own)
+static nsdae_bodies *load_and_pendulum(const nsdae_user_rows *own)
 {
   nsdae_bodies *b;
   const double gravity[3] = {0, -10, 0};
@@ -266,17 +266,17 @@ static nsdae_bodies *load_and_pendulum(const nsdae_own *own)
   nsdae_bodies_add_solid(b, NSDAE_GROUND,
                          &(nsdae_solid){.shape = NSDAE_SHAPE_PLANE, .position = {0, -100}});
   assert_int_equal(nsdae_bodies_set_pair(b, 0, 0, 0.5, 0, 0), NSDAE_OK);
-  assert_int_equal(nsdae_bodies_set_own(b, own), NSDAE_OK);
+  assert_int_equal(nsdae_bodies_set_user_rows(b, own), NSDAE_OK);
   return b;
 }
 
 static void test_own_by_blocks(void **state)
 {
-  const nsdae_own own = {.dims = {.nq = 1, .m = 1},
-                         .mass = drum_mass,
-                         .constraint = rope,
-                         .constraint_rows = rope_rows,
-                         .constraint_bias = rope_bias};
+  const nsdae_user_rows own = {.dims = {.nq = 1, .m = 1},
+                               .mass = drum_mass,
+                               .constraint = rope,
+                               .constraint_rows = rope_rows,
+                               .constraint_bias = rope_bias};
   nsdae_bodies *b = load_and_pendulum(&own);
   nsdae_system *system;
   nsdae_sim *sim;
@@ -321,10 +321,10 @@ static nsdae_bodies *two_points(void)
 
 static void test_refused(void **state)
 {
-  const nsdae_own own = {.dims = {.nq = 1, .m = 1},
-                         .mass = drum_mass,
-                         .constraint = rope,
-                         .constraint_jacobian = (nsdae_constraint_jacobian_fn)drum_mass};
+  const nsdae_user_rows own = {.dims = {.nq = 1, .m = 1},
+                               .mass = drum_mass,
+                               .constraint = rope,
+                               .constraint_jacobian = (nsdae_constraint_jacobian_fn)drum_mass};
   (void)state;
   nsdae_bodies *b = two_points();
   assert_true(nsdae_bodies_set_pair(b, 0, NSDAE_MATERIALS, 0, 0, 0) == NSDAE_E_ARGUMENT);
@@ -359,7 +359,7 @@ static void test_spin_stays(void **state)
   (void)state;
   for (int count = 2; count <= 24; count += 11)
     for (int form = 0; form < 6; form++) {
-      int rough = form % 3, slide = rough == 0;
+      int rough = form % 3, frictional_joint = rough == 0;
       double tilt = form < 3 ? 0 : 1e-14;
       nsdae_bodies *b;
       nsdae_system *system;
@@ -378,7 +378,7 @@ static void test_spin_stays(void **state)
         nsdae_bodies_add(b, &(nsdae_rigid_body){.mass = 1,
                                                 .inertia = {0.004, 0.004, 0.004},
                                                 .position = {0, 0, 0.1 + 0.2 * i},
-                                                .velocity = {0, slide, 0},
+                                                .velocity = {0, frictional_joint, 0},
                                                 .spin = {0, 0, i % 2 ? 10 : -3}});
         nsdae_bodies_add_solid(
             b, i,
@@ -398,7 +398,7 @@ static void test_spin_stays(void **state)
         for (int j = 0; j < 6; j++)
           assert_near(r.v[6 * i + j],
                       j == 5   ? (i % 2 ? 10 : -3)
-                      : j == 1 ? slide
+                      : j == 1 ? frictional_joint
                                : 0,
                       j == 5 || tilt > 0 ? 1e-12 : 0);
       nsdae_sim_destroy(&sim);
@@ -480,7 +480,7 @@ static void test_standing_heap_begins_well(void **state)
   nsdae_sim_options_default(&options);
   options.method = NSDAE_METHOD_MOREAU;
   options.dt = 2e-3;
-  options.lcp_tol = 1e-4;
+  options.contact_tol = 1e-4;
   assert_int_equal(nsdae_sim_create(system, &options, &sim, NULL), NSDAE_OK);
   assert_int_equal(nsdae_sim_init(sim, 0, q0, v0), NSDAE_OK);
   for (int i = 0; i < SETTLE; i++) assert_true(nsdae_sim_step(sim) >= 0);

@@ -28,7 +28,7 @@ static void expect_block(fixture *f, double m, double mu, double e_n, double e_t
   assert_at_most(f->contacts.lcp.info.residual, f->contacts.lcp.options.tol);
   int mode = normal == 0                  ? NSDAE_MODE_OPEN
              : fabs(stick) <= mu * normal ? NSDAE_MODE_STICK
-                                          : NSDAE_MODE_SLIDE;
+                                          : NSDAE_MODE_SLIP;
   assert_int_equal(f->impulses.mode[0], mode);
   fixture_expect_laws(f, rounding * (1 + m));
 }
@@ -182,7 +182,7 @@ static void test_moving_belt(void **state)
     f.free[1] = -0.1;
     assert_int_equal(fixture_solve(&f), NSDAE_OK);
     assert_near(f.v[0], i == 0 ? s : mu * 0.1, rounding);
-    assert_int_equal(f.impulses.mode[0], i == 0 ? NSDAE_MODE_STICK : NSDAE_MODE_SLIDE);
+    assert_int_equal(f.impulses.mode[0], i == 0 ? NSDAE_MODE_STICK : NSDAE_MODE_SLIP);
     fixture_expect_laws(&f, rounding);
     fixture_end(&f);
   }
@@ -213,7 +213,7 @@ static void test_polygon(void **state)
         assert_near(f.v[1], left * sin(angle), rounding);
         assert_near(f.v[2], 0, rounding);
         assert_near(f.impulses.normal[0], -m * down, rounding);
-        assert_int_equal(f.impulses.mode[0], fast ? NSDAE_MODE_SLIDE : NSDAE_MODE_STICK);
+        assert_int_equal(f.impulses.mode[0], fast ? NSDAE_MODE_SLIP : NSDAE_MODE_STICK);
         fixture_expect_laws(&f, rounding);
         fixture_end(&f);
       }

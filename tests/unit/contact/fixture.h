@@ -155,7 +155,7 @@ static inline void fixture_begin(fixture *f, nsdae_dims dims)
   f->system->call.gap_normal = fixture_normal;
   f->system->call.gap_tangent = fixture_tangent;
   f->system->call.contact_bias = fixture_bias;
-  f->system->call.slide_tangent = fixture_slide;
+  f->system->call.frictional_joint_tangent = fixture_slide;
 }
 
 /* After the model and the coefficients are set. */
@@ -255,7 +255,7 @@ static inline void fixture_expect_laws(const fixture *f, double tol)
       sum += f->J[i * f->dims.m + j] * (f->lambda[j] - f->lambda_free[j]);
     for (int j = 0; j < f->dims.k; j++) sum -= f->W_N[j * n + i] * c->normal[j];
     for (int j = 0; j < f->dims.k * nt; j++) sum -= f->W_T[j * n + i] * c->tangential[j];
-    for (int j = 0; j < f->dims.f; j++) sum -= f->W_S[j * n + i] * c->slide_impulse[j];
+    for (int j = 0; j < f->dims.f; j++) sum -= f->W_S[j * n + i] * c->frictional_joint_impulse[j];
     assert_near(sum, 0, tol);
   }
   for (int j = 0; j < f->dims.m; j++) {
@@ -293,7 +293,7 @@ static inline void fixture_expect_laws(const fixture *f, double tol)
     assert_at_most(power, -mu * normal * sqrt(slip) * corner + tol);
     if (normal == 0) assert_int_equal(c->mode[i], NSDAE_MODE_OPEN);
     if (normal > tol) assert_int_not_equal(c->mode[i], NSDAE_MODE_OPEN);
-    if (sqrt(slip) > tol && normal > tol) assert_int_equal(c->mode[i], NSDAE_MODE_SLIDE);
+    if (sqrt(slip) > tol && normal > tol) assert_int_equal(c->mode[i], NSDAE_MODE_SLIP);
     if (sqrt(force) < mu * normal * corner - tol) assert_int_equal(c->mode[i], NSDAE_MODE_STICK);
   }
 }

@@ -137,7 +137,7 @@ static int by_modes(const double G[3], const double b[2], double mu, double L[2]
   for (int side = -1; side <= 1; side += 2) {
     L[0] = -b[0] / (G[0] - side * mu * G[1]);
     L[1] = -side * mu * L[0];
-    if (L[0] >= 0 && side * (G[1] * L[0] + G[2] * L[1] + b[1]) >= 0) return NSDAE_MODE_SLIDE;
+    if (L[0] >= 0 && side * (G[1] * L[0] + G[2] * L[1] + b[1]) >= 0) return NSDAE_MODE_SLIP;
   }
   return -1;
 }

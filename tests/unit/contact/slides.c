@@ -12,7 +12,7 @@ static void slider(fixture *f, double m, double mu)
   f->M[0] = f->M[3] = m;
   f->J[1] = 1;
   f->W_S[0] = 1;
-  assert_int_equal(nsdae_system_set_slide(f->system, 0, 0, mu), NSDAE_OK);
+  assert_int_equal(nsdae_system_set_frictional_joint(f->system, 0, 0, mu), NSDAE_OK);
   fixture_build(f, 8);
 }
 
@@ -30,14 +30,14 @@ static void test_slider(void **state)
       double most = mu * fabs(f.lambda_free[0]);
       double friction = fmax(-most, fmin(most, -m * f.free[0]));
       assert_int_equal(fixture_solve(&f), NSDAE_OK);
-      assert_near(f.impulses.slide_impulse[0], friction, rounding);
+      assert_near(f.impulses.frictional_joint_impulse[0], friction, rounding);
       assert_near(f.v[0], f.free[0] + friction / m, rounding);
       assert_near(f.v[1], 0, rounding);
       assert_near(f.lambda[0], f.lambda_free[0], rounding);
       if (m * fabs(f.free[0]) < most - rounding)
-        assert_int_equal(f.impulses.slide_mode[0], NSDAE_MODE_STICK);
+        assert_int_equal(f.impulses.frictional_joint_mode[0], NSDAE_MODE_STICK);
       if (m * fabs(f.free[0]) > most + rounding)
-        assert_int_equal(f.impulses.slide_mode[0], NSDAE_MODE_SLIDE);
+        assert_int_equal(f.impulses.frictional_joint_mode[0], NSDAE_MODE_SLIP);
       assert_at_most(nsdae_contacts_work(&f.contacts), rounding);
       fixture_expect_laws(&f, rounding);
     }
@@ -57,7 +57,7 @@ static void test_moving_rail(void **state)
   f.w_s[0] = -1;
   assert_int_equal(fixture_solve(&f), NSDAE_OK);
   assert_near(f.v[0], 0.2, rounding); /* 0.4 N s of friction */
-  assert_int_equal(f.impulses.slide_mode[0], NSDAE_MODE_SLIDE);
+  assert_int_equal(f.impulses.frictional_joint_mode[0], NSDAE_MODE_SLIP);
   fixture_end(&f);
 }
 
@@ -77,7 +77,7 @@ static void test_stop(void **state)
     f.W_S[0] = 1;
     f.W_N[0] = a;
     f.W_N[1] = b;
-    nsdae_system_set_slide(f.system, 0, 0, mu);
+    nsdae_system_set_frictional_joint(f.system, 0, 0, mu);
     nsdae_system_set_contact(f.system, 0, 0, e, 0);
     fixture_build(&f, 8);
     f.before[0] = f.free[0] = coming;
@@ -87,7 +87,7 @@ static void test_stop(void **state)
     double L = i == 0 ? NAN : m * (1 + e) * -coming / (a - mu * b);
     if (i > 0) {
       assert_near(f.impulses.normal[0], L, rounding * 10);
-      assert_near(f.impulses.slide_impulse[0], -mu * b * L, rounding * 10);
+      assert_near(f.impulses.frictional_joint_impulse[0], -mu * b * L, rounding * 10);
     }
     assert_near(fabs(f.lambda[0]), b * f.impulses.normal[0], rounding * 10);
     fixture_expect_laws(&f, rounding * 10);
@@ -104,8 +104,8 @@ static void test_frictionless(void **state)
   f.free[0] = 1;
   f.lambda_free[0] = 5;
   assert_int_equal(fixture_solve(&f), NSDAE_OK);
-  assert_true(f.v[0] == 1 && f.impulses.slide_impulse[0] == 0);
-  assert_int_equal(f.impulses.slide_mode[0], NSDAE_MODE_OPEN);
+  assert_true(f.v[0] == 1 && f.impulses.frictional_joint_impulse[0] == 0);
+  assert_int_equal(f.impulses.frictional_joint_mode[0], NSDAE_MODE_OPEN);
   fixture_end(&f);
 }
 
@@ -117,10 +117,10 @@ static void test_second_slide(void **state)
   fixture_begin(&f, (nsdae_dims){.nq = 4, .m = 2, .f = 2});
   f.J[2 * 1 + 0] = 1; /* Phi_0 = q_1 */
   f.J[2 * 3 + 1] = 1; /* Phi_1 = q_3 */
-  f.W_S[0] = 1;       /* slide 0 along q_0 */
+  f.W_S[0] = 1;       /* frictional joint 0 along q_0 */
   f.W_S[4 + 2] = 1;   /* slide 1 along q_2 */
-  nsdae_system_set_slide(f.system, 0, 0, 0);
-  nsdae_system_set_slide(f.system, 1, 1, 0.5);
+  nsdae_system_set_frictional_joint(f.system, 0, 0, 0);
+  nsdae_system_set_frictional_joint(f.system, 1, 1, 0.5);
   fixture_build(&f, 8);
   f.free[0] = f.free[2] = 1;
   f.lambda_free[0] = 10;
@@ -128,9 +128,9 @@ static void test_second_slide(void **state)
   assert_int_equal(fixture_solve(&f), NSDAE_OK);
   assert_near(f.v[0], 1, rounding);
   assert_near(f.v[2], 0.7, rounding);
-  assert_true(f.impulses.slide_impulse[0] == 0);
-  assert_near(f.impulses.slide_impulse[1], -0.3, rounding);
-  assert_int_equal(f.impulses.slide_mode[1], NSDAE_MODE_SLIDE);
+  assert_true(f.impulses.frictional_joint_impulse[0] == 0);
+  assert_near(f.impulses.frictional_joint_impulse[1], -0.3, rounding);
+  assert_int_equal(f.impulses.frictional_joint_mode[1], NSDAE_MODE_SLIP);
   fixture_end(&f);
 }
 
@@ -148,7 +148,7 @@ static void test_beside_cone(void **state)
     f.W_S[0] = 1;
     f.W_N[2] = f.W_T[0] = f.W_T[3 + 1] = 1;
     nsdae_system_set_contact(f.system, 0, mu, 0, 0);
-    nsdae_system_set_slide(f.system, 0, 0, mu_rail);
+    nsdae_system_set_frictional_joint(f.system, 0, 0, mu_rail);
     fixture_build(&f, 0);
     f.free[0] = 0.13 * i;
     f.free[2] = down;
@@ -160,19 +160,20 @@ static void test_beside_cone(void **state)
     assert_near(f.impulses.normal[0], -m * down, rounding);
     assert_near(f.lambda[0], press, rounding);
     if (v > 0) {
-      assert_int_equal(f.impulses.mode[0], NSDAE_MODE_SLIDE);
-      assert_int_equal(f.impulses.slide_mode[0], NSDAE_MODE_SLIDE);
+      assert_int_equal(f.impulses.mode[0], NSDAE_MODE_SLIP);
+      assert_int_equal(f.impulses.frictional_joint_mode[0], NSDAE_MODE_SLIP);
     }
     fixture_expect_laws(&f, 1e-10);
     fixture_end(&f);
   }
 }
 
-/* Friction of slide j: |Lambda_T| <= mu |lambda|, and against the slip as far as it can. */
+/* Friction of frictional joint j: |Lambda_T| <= mu |lambda|, and against the slip as far as it can.
+ */
 static void expect_slide_law(const fixture *f, int j, double tol)
 {
-  double most = f->system->slide[j].mu * fabs(f->lambda[j]),
-         friction = f->impulses.slide_impulse[j];
+  double most = f->system->frictional_joint[j].mu * fabs(f->lambda[j]),
+         friction = f->impulses.frictional_joint_impulse[j];
   double slip = fixture_dot(f->dims.nv, f->W_S + j * f->dims.nv, f->v);
   assert_at_most(fabs(friction), most + tol);
   assert_at_most(friction * slip, -most * fabs(slip) + tol);
@@ -191,7 +192,7 @@ static void test_with_cones(void **state)
     random_matrix(&r, 6, 4, f.W_T, 6);
     random_matrix(&r, 6, 2, f.W_S, 6);
     for (int j = 0; j < 2; j++) {
-      nsdae_system_set_slide(f.system, j, j, 0.05);
+      nsdae_system_set_frictional_joint(f.system, j, j, 0.05);
       nsdae_system_set_contact(f.system, j, 0.3, 0, 0);
     }
     fixture_build(&f, 0);

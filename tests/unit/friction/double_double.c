@@ -9,7 +9,7 @@
 #include <nsdae/nsdae.h>
 
 #include "cone.h"
-#include "../linalg/random.h"
+#include "../linalg/random_matrices.h"
 
 enum { MOST = 8, ROWS = 3 };
 

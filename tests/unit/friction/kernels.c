@@ -6,7 +6,7 @@
 #include <nsdae/kernels.h>
 #include <nsdae/nsdae.h>
 
-#include "../linalg/random.h"
+#include "../linalg/random_matrices.h"
 
 enum { MOST = 8, M = 3 * MOST, BODIES = 3, WORK = M * (M + 3) };
 

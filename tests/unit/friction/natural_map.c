@@ -4,7 +4,7 @@
 
 #include "cone.h"
 #include "natural_map.h"
-#include "../linalg/random.h"
+#include "../linalg/random_matrices.h"
 
 typedef void map(int kind, double mu, double e, const double *r, const double *u, double *F,
                  double *B, double *A);

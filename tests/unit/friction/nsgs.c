@@ -6,7 +6,7 @@
 #include <nsdae/kernels.h>
 #include <nsdae/nsdae.h>
 
-#include "../linalg/random.h"
+#include "../linalg/random_matrices.h"
 
 static random_state draws = {31};
 

@@ -4,7 +4,7 @@
 
 #include "one_contact.h"
 
-#include "../linalg/random.h"
+#include "../linalg/random_matrices.h"
 
 static random_state draws = {37};
 

@@ -11,7 +11,7 @@
 #include "solver_island.h"
 #include "block_sweep.h"
 
-#include "../linalg/random.h"
+#include "../linalg/random_matrices.h"
 
 enum { CONTACTS = 80, ENOUGH = 20, SEEDS = 200 };
 

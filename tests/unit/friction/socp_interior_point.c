@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../linalg/random.h"
+#include "../linalg/random_matrices.h"
 #include "cone.h"
 #include "friction_families.h"
 #include "solver_island.h"

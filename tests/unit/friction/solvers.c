@@ -4,7 +4,7 @@
  * budget is kept to a step. */
 #include "solver_island.h"
 
-#include "../linalg/random.h"
+#include "../linalg/random_matrices.h"
 #include "friction_families.h"
 
 enum { CONTACTS = 6, ROWS = 3 * CONTACTS, SEEDS = 40 };

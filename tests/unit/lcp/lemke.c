@@ -6,7 +6,7 @@
 
 #include <nsdae/kernels.h>
 
-#include "../../bench/lcp_families.h"
+#include "../../bench/bench_lcp_families.h"
 #include "dictionary.h"
 #include "lemke.h"
 

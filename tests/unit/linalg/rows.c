@@ -10,7 +10,7 @@
 #include "kkt.h"
 #include "support/random.h"
 #include "rows.h"
-#include "saddle.h"
+#include "sparse_kkt.h"
 
 enum { BLOCKS = 12, MOST = 7, N = BLOCKS * MOST, ROWS = 14, PARTS = 3 };
 
@@ -162,7 +162,7 @@ static void layout(void *object, nsdae_arena *arena)
 static void test_saddle(void **state)
 {
   (void)state;
-  nsdae_saddle saddle = {0};
+  nsdae_sparse_kkt saddle = {0};
   int solved = 0;
   for (int round = 0; round < 300; round++) {
     double r[N], v[N], l[ROWS], x[N], k[ROWS];
@@ -182,8 +182,8 @@ static void test_saddle(void **state)
     for (int b = 0; b < s.blocks.count; b++) all_blocks[b] = b;
     for (int i = 0; i < s.rows.count; i++) all_rows[i] = i;
     if (kkt.rank == s.rows.count) {
-      assert_int_equal(nsdae_saddle_solve(&saddle, &s.blocks, &s.rows, s.M, s.blocks.count,
-                                          all_blocks, s.rows.count, all_rows, r, v, l),
+      assert_int_equal(nsdae_sparse_kkt_solve(&saddle, &s.blocks, &s.rows, s.M, s.blocks.count,
+                                              all_blocks, s.rows.count, all_rows, r, v, l),
                        NSDAE_OK);
       double size = 1;
       for (int i = 0; i < s.rows.count; i++) size = fmax(size, fabs(k[i]));
@@ -191,13 +191,13 @@ static void test_saddle(void **state)
       for (int i = 0; i < s.rows.count; i++) assert_near(l[i], k[i], 1e-10 * size * size);
       solved++;
       *(solved % 2 ? r : l) = NAN; /* in the forces, in the constraints */
-      assert_int_equal(nsdae_saddle_solve(&saddle, &s.blocks, &s.rows, s.M, s.blocks.count,
-                                          all_blocks, s.rows.count, all_rows, r, v, l),
+      assert_int_equal(nsdae_sparse_kkt_solve(&saddle, &s.blocks, &s.rows, s.M, s.blocks.count,
+                                              all_blocks, s.rows.count, all_rows, r, v, l),
                        NSDAE_E_CONVERGENCE);
     }
     nsdae_arena_release(&arena);
   }
-  nsdae_saddle_release(&saddle);
+  nsdae_sparse_kkt_release(&saddle);
   assert_true(solved > 150);
 }
 

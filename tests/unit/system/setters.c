@@ -75,13 +75,16 @@ static void test_every_refusal(void **state)
       nsdae_system_set_constraint(s, planar_constraint), argument = "constraint",
                                                          where = "nsdae_system_set_constraint";
     if (i == 5)
-      nsdae_system_set_slide(s, 0, 0, 0), argument = "j", where = "nsdae_system_set_slide";
+      nsdae_system_set_frictional_joint(s, 0, 0, 0), argument = "j",
+                                                     where = "nsdae_system_set_frictional_joint";
     if (i == 8)
       nsdae_system_set_size(s, NSDAE_NAME_CONTACT, 0, NAN), argument = "size",
                                                             where = "nsdae_system_set_size";
-    if (i == 9) nsdae_system_set_size(s, NSDAE_NAME_SLIDE, 0, 1), where = "nsdae_system_set_size";
+    if (i == 9)
+      nsdae_system_set_size(s, NSDAE_NAME_FRICTIONAL_JOINT, 0, 1), where = "nsdae_system_set_size";
     if (i == 6)
-      nsdae_system_set_name(s, NSDAE_NAME_SLIDE, 0, "x", ""), where = "nsdae_system_set_name";
+      nsdae_system_set_name(s, NSDAE_NAME_FRICTIONAL_JOINT, 0, "x", ""),
+          where = "nsdae_system_set_name";
     if (i == 7)
       nsdae_system_set_name(s, NSDAE_NAME_COORDINATE, 0, "", ""), argument = "name",
                                                                   where = "nsdae_system_set_name";
@@ -138,7 +141,8 @@ static void test_frozen(void **state)
   nsdae_system_destroy(&s);
 }
 
-static int slide_tangent(double t, const double *q, double *W, int ldw, double *w_s, void *user)
+static int frictional_joint_tangent(double t, const double *q, double *W, int ldw, double *w_s,
+                                    void *user)
 {
   (void)t, (void)q, (void)W, (void)ldw, (void)w_s, (void)user;
   return 0;
@@ -166,8 +170,9 @@ static void test_all_frozen(void **state)
     assert_int_equal(nsdae_system_set_gap_tangent(s, planar_tangent), wanted);
     assert_int_equal(nsdae_system_set_contact_bias(s, planar_contact_bias), wanted);
     assert_int_equal(nsdae_system_set_contact_acceleration(s, planar_acceleration), wanted);
-    assert_int_equal(nsdae_system_set_slide_tangent(s, slide_tangent), wanted);
-    assert_int_equal(nsdae_system_set_slide(s, 0, 1, 0.1), wanted);
+    assert_int_equal(nsdae_system_set_frictional_joint_tangent(s, frictional_joint_tangent),
+                     wanted);
+    assert_int_equal(nsdae_system_set_frictional_joint(s, 0, 1, 0.1), wanted);
     assert_int_equal(nsdae_system_set_potential(s, planar_potential), wanted);
     assert_int_equal(nsdae_system_set_contact(s, 0, 0, 0, 0), wanted);
     assert_int_equal(nsdae_system_set_contact(s, 1, 0.1, 0.5, 0), wanted);
@@ -189,9 +194,9 @@ static nsdae_system *friction(int contacts, int slides)
   nsdae_system_set_constraint(s, planar_constraint);
   nsdae_system_set_gap(s, planar_gap);
   nsdae_system_set_gap_tangent(s, planar_tangent);
-  nsdae_system_set_slide_tangent(s, slide_tangent);
+  nsdae_system_set_frictional_joint_tangent(s, frictional_joint_tangent);
   for (int i = 0; i < contacts; i++) nsdae_system_set_contact(s, i, 0, 0, 0);
-  for (int j = 0; j < slides; j++) nsdae_system_set_slide(s, j, 0, 0);
+  for (int j = 0; j < slides; j++) nsdae_system_set_frictional_joint(s, j, 0, 0);
   return s;
 }
 
@@ -210,7 +215,7 @@ static void test_untold(void **state)
       assert_int_equal(nsdae_sim_create(s, NULL, &sim, &error), all ? NSDAE_OK : NSDAE_E_STATE);
       assert_int_equal(nsdae_system_check(s, 0, q, v, 1e-5, NULL), NSDAE_OK);
       if (!all) {
-        assert_string_equal(error.argument, contacts < PLANAR_K ? "contact" : "slide");
+        assert_string_equal(error.argument, contacts < PLANAR_K ? "contact" : "frictional_joint");
         assert_int_equal(error.index, contacts < PLANAR_K ? contacts : 0);
       }
       nsdae_sim_destroy(&sim);
@@ -267,13 +272,13 @@ static void test_names(void **state)
   assert_int_equal(nsdae_system_set_name(s, NSDAE_NAME_COORDINATE, 1, name, NULL), NSDAE_OK);
   assert_int_equal(nsdae_system_set_name(s, NSDAE_NAME_CONSTRAINT, 1, "slot", "m"), NSDAE_OK);
   assert_int_equal(nsdae_system_set_name(s, NSDAE_NAME_CONTACT, 0, "stop", "m"), NSDAE_OK);
-  assert_int_equal(nsdae_system_set_name(s, NSDAE_NAME_SLIDE, 0, "slot", "m"), NSDAE_OK);
+  assert_int_equal(nsdae_system_set_name(s, NSDAE_NAME_FRICTIONAL_JOINT, 0, "slot", "m"), NSDAE_OK);
   label(s, NSDAE_NAME_COORDINATE, 0, "", "");
   label(s, NSDAE_NAME_COORDINATE, 1, name, "");
   label(s, NSDAE_NAME_COORDINATE, 2, "theta", "rad");
   label(s, NSDAE_NAME_CONSTRAINT, 1, "slot", "m");
   label(s, NSDAE_NAME_CONTACT, 0, "stop", "m");
-  label(s, NSDAE_NAME_SLIDE, 0, "slot", "m");
+  label(s, NSDAE_NAME_FRICTIONAL_JOINT, 0, "slot", "m");
   label(s, NSDAE_NAME_VELOCITY, 1, name, ""); /* rates of the coordinates */
   label(s, NSDAE_NAME_VELOCITY, 2, "theta", "rad/s");
   assert_int_equal(nsdae_system_set_name(s, NSDAE_NAME_VELOCITY, 2, "omega", "1/s"), NSDAE_OK);
@@ -422,11 +427,11 @@ static void test_no_system(void **state)
   assert_int_equal(nsdae_system_set_gap_tangent(NULL, NULL), NSDAE_E_ARGUMENT);
   assert_int_equal(nsdae_system_set_contact_bias(NULL, NULL), NSDAE_E_ARGUMENT);
   assert_int_equal(nsdae_system_set_contact_acceleration(NULL, NULL), NSDAE_E_ARGUMENT);
-  assert_int_equal(nsdae_system_set_slide_tangent(NULL, NULL), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_system_set_frictional_joint_tangent(NULL, NULL), NSDAE_E_ARGUMENT);
   assert_int_equal(nsdae_system_set_kinematics(NULL, NULL), NSDAE_E_ARGUMENT);
   assert_int_equal(nsdae_system_set_potential(NULL, NULL), NSDAE_E_ARGUMENT);
   assert_int_equal(nsdae_system_set_contact(NULL, 0, 0, 0, 0), NSDAE_E_ARGUMENT);
-  assert_int_equal(nsdae_system_set_slide(NULL, 0, 0, 0), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_system_set_frictional_joint(NULL, 0, 0, 0), NSDAE_E_ARGUMENT);
   assert_int_equal(nsdae_system_set_name(NULL, 0, 0, "a", "m"), NSDAE_E_ARGUMENT);
   assert_int_equal(nsdae_system_add_body(NULL, &body), NSDAE_E_ARGUMENT);
 }

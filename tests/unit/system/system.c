@@ -71,7 +71,7 @@ static void test_create_null(void **state)
   assert_int_equal(nsdae_system_create(NULL, NULL, NULL), NSDAE_E_ARGUMENT);
 }
 
-static int slide(double t, const double *q, double *W, int ldw, double *w, void *user)
+static int frictional_joint(double t, const double *q, double *W, int ldw, double *w, void *user)
 {
   (void)t;
   (void)q;
@@ -102,7 +102,7 @@ static void setters(const nsdae_dims *dims, int has_constraints, int has_gaps, i
   SET(gap_normal, planar_normal, has_gaps);
   SET(gap_tangent, planar_tangent, has_tangents);
   SET(contact_bias, planar_contact_bias, has_gaps);
-  SET(slide_tangent, slide, has_slides);
+  SET(frictional_joint_tangent, frictional_joint, has_slides);
   SET(kinematics, planar_kinematics, 1);
   SET(potential, planar_potential, 1);
 #undef SET
@@ -156,7 +156,7 @@ static void test_coefficients(void **state)
 
 static void slides(nsdae_system *s, int j, int constraint, double mu, const char *wrong)
 {
-  int status = nsdae_system_set_slide(s, j, constraint, mu);
+  int status = nsdae_system_set_frictional_joint(s, j, constraint, mu);
   assert_int_equal(status, wrong ? NSDAE_E_ARGUMENT : NSDAE_OK);
   assert_string_equal(nsdae_system_error(s)->argument, wrong ? wrong : "");
 }
@@ -175,8 +175,8 @@ static void test_slides(void **state)
   slides(s, 0, 0, -0.1, "mu");
   slides(s, 0, 0, NAN, "mu");
   slides(s, 0, 0, INFINITY, "mu");
-  assert_int_equal(nsdae_system_set_slide(NULL, 0, 0, 0), NSDAE_E_ARGUMENT);
-  assert_true(s->slide[0].constraint == 1 && s->slide[0].mu == 0.3);
+  assert_int_equal(nsdae_system_set_frictional_joint(NULL, 0, 0, 0), NSDAE_E_ARGUMENT);
+  assert_true(s->frictional_joint[0].constraint == 1 && s->frictional_joint[0].mu == 0.3);
   nsdae_system_destroy(&s);
 }
 
@@ -208,13 +208,13 @@ static void test_missing_callbacks(void **state)
   nsdae_system *s;
   nsdae_system_create(&dims, &s, NULL);
   nsdae_system_set_contact(s, 0, 0.1, 0, 0);
-  nsdae_system_set_slide(s, 0, 0, 0.1);
+  nsdae_system_set_frictional_joint(s, 0, 0, 0.1);
   s->call.mass = planar_mass;
   s->call.force = planar_force;
   s->call.constraint = planar_constraint;
   s->call.gap = planar_gap;
   s->call.gap_tangent = planar_tangent;
-  s->call.slide_tangent = slide;
+  s->call.frictional_joint_tangent = frictional_joint;
   s->call.kinematics = planar_kinematics;
   missing(s, NULL);
 #define WITHOUT(name)                 \
@@ -228,14 +228,14 @@ static void test_missing_callbacks(void **state)
   WITHOUT(constraint);
   WITHOUT(gap);
   WITHOUT(gap_tangent);
-  WITHOUT(slide_tangent);
+  WITHOUT(frictional_joint_tangent);
   WITHOUT(kinematics);
 #undef WITHOUT
   /* without friction no directions are needed for it */
   nsdae_system_set_contact(s, 0, 0, 0, 0);
-  nsdae_system_set_slide(s, 0, 0, 0);
+  nsdae_system_set_frictional_joint(s, 0, 0, 0);
   s->call.gap_tangent = NULL;
-  s->call.slide_tangent = NULL;
+  s->call.frictional_joint_tangent = NULL;
   missing(s, NULL);
   nsdae_system_destroy(&s);
 }

@@ -22,7 +22,7 @@ enum {
 
 static const char *const counted_names[COUNTED] = {
     "mass",       "force",      "constraint",  "constraint_jacobian", "constraint_bias",
-    "gap",        "gap_normal", "gap_tangent", "contact_bias",        "slide_tangent",
+    "gap",        "gap_normal", "gap_tangent", "contact_bias",        "frictional_joint_tangent",
     "kinematics", "potential"};
 
 /* Sizes of the first outputs. */
@@ -155,7 +155,7 @@ static inline nsdae_system *counted_system(counted *user, int derivatives)
   nsdae_system_set_constraint(s, counted_constraint);
   nsdae_system_set_gap(s, counted_gap);
   nsdae_system_set_gap_tangent(s, counted_tangent);
-  nsdae_system_set_slide_tangent(s, counted_slide);
+  nsdae_system_set_frictional_joint_tangent(s, counted_slide);
   nsdae_system_set_potential(s, counted_potential);
   if (!derivatives) return s;
   nsdae_system_set_constraint_jacobian(s, counted_jacobian);

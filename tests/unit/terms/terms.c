@@ -135,7 +135,7 @@ static void test_zeroed(void **state)
   begin(&f, 1);
   assert_int_equal(nsdae_terms_need(&f.terms, ALL), NSDAE_OK);
   double *arrays[] = {f.terms.M, f.terms.F, f.terms.by.tangent.value, f.terms.w_T,
-                      f.terms.by.slide.value};
+                      f.terms.by.frictional_joint.value};
   const size_t counts[] = {9, 3, 6, 2, 3};
   double before[5][9];
   for (int i = 0; i < 5; i++) {

@@ -1,0 +1,45 @@
+#include "interrupt_signal.h"
+
+#include <signal.h>
+#include <stdio.h>
+
+static volatile sig_atomic_t came;
+
+static void note(int signal_number)
+{
+  (void)signal_number;
+  came = 1;
+}
+
+void interrupt_catch(void)
+{
+  signal(SIGINT, note);
+  signal(SIGTERM, note);
+}
+
+int interrupt_observe(const nsdae_record *record, nsdae_error *error, void *user)
+{
+  (void)record;
+  (void)error;
+  (void)user;
+  return came;
+}
+
+int interrupt_asked(void *user)
+{
+  (void)user;
+  return came;
+}
+
+int interrupt_status(const nsdae_sim *sim, nsdae_error *error)
+{
+  nsdae_record record;
+  if (!came || nsdae_sim_get_record(sim, &record) != NSDAE_OK) return NSDAE_OK;
+  snprintf(error->text, sizeof error->text, "interrupted at t = %g s", record.time);
+  return error->status = NSDAE_E_INTERRUPTED;
+}
+
+int interrupt_came(void)
+{
+  return came;
+}

@@ -1,0 +1,71 @@
+#include "suggest.h"
+
+#include <limits.h>
+#include <string.h>
+
+#include <nsdae/params.h>
+
+enum { LONGEST = 63 }; /* longer names are compared by their beginning */
+
+static int smaller(int a, int b)
+{
+  return a < b ? a : b;
+}
+
+/* Levenshtein's distance, by its recurrence over one row (Wagner and Fischer, J. ACM 21, 1974). */
+static int edit_distance(const char *a, const char *b)
+{
+  int row[LONGEST + 1];
+  int na = smaller((int)strlen(a), LONGEST), nb = smaller((int)strlen(b), LONGEST);
+  for (int j = 0; j <= nb; j++) row[j] = j;
+  for (int i = 1; i <= na; i++) {
+    int diagonal = row[0];
+    row[0] = i;
+    for (int j = 1; j <= nb; j++) {
+      int change = diagonal + (a[i - 1] != b[j - 1]);
+      diagonal = row[j];
+      row[j] = smaller(change, smaller(row[j], row[j - 1]) + 1);
+    }
+  }
+  return row[nb];
+}
+
+/* The dashes of an option say nothing of its name. */
+static const char *bare(const char *name)
+{
+  return name + strspn(name, "-");
+}
+
+/* A beginning is one change away: "out" is rather "output" than "dt". */
+static int distance_between(const char *word, const char *name)
+{
+  size_t length = strlen(word);
+  int begins = length > 1 && length < strlen(name) && strncmp(word, name, length) == 0;
+  return begins ? 1 : edit_distance(word, name);
+}
+
+nsdae_suggest nsdae_suggest_start(const char *word)
+{
+  return (nsdae_suggest){.word = word, .name = NULL, .distance = INT_MAX};
+}
+
+void nsdae_suggest_try(nsdae_suggest *nearest, const char *name)
+{
+  int distance = distance_between(bare(nearest->word), bare(name));
+  if (distance >= nearest->distance) return;
+  nearest->distance = distance;
+  nearest->name = name;
+}
+
+const char *nsdae_suggest_end(const nsdae_suggest *nearest)
+{
+  int length = (int)strlen(bare(nearest->word));
+  return nearest->distance <= (length + 1) / 2 ? nearest->name : NULL;
+}
+
+const char *nsdae_suggest_name(const char *word, const char *const *names)
+{
+  nsdae_suggest nearest = nsdae_suggest_start(word);
+  for (; *names; names++) nsdae_suggest_try(&nearest, *names);
+  return nsdae_suggest_end(&nearest);
+}

@@ -1,0 +1,165 @@
+/* What a mechanism is made of: bodies in order, and for each row of constraints, contacts and
+ * slides what gives it. Filled by bodies.c, joint.c, solid.c and load.c, read by callbacks.c,
+ * constraints.c and contacts.c. */
+#ifndef NSDAE_BODIES_WORLD_H
+#define NSDAE_BODIES_WORLD_H
+
+#include <nsdae/bodies.h>
+
+#include <stdatomic.h>
+#include <stddef.h>
+
+#include "constraint_primitives.h"
+#include "feature.h"
+
+/* An array that grows: count entries of the same size. */
+typedef struct nsdae_list {
+  void *at;
+  int count, room;
+} nsdae_list;
+
+typedef struct nsdae_load {
+  int body;
+  double point[3]; /* in the body's frame */
+  nsdae_load_fn call;
+  void *user;
+} nsdae_load;
+
+typedef struct nsdae_bodies_frictional_joint {
+  int constraint;
+  nsdae_primitive along; /* its coordinate along the slot */
+  double mu;
+} nsdae_bodies_frictional_joint;
+
+typedef struct nsdae_bodies_spring {
+  nsdae_primitive length; /* l - rest */
+  double stiffness, damping;
+} nsdae_bodies_spring;
+
+typedef struct nsdae_bodies_torsion {
+  int body[2];
+  double axis[3], zero[3]; /* in the frame of body 0: the axis, and where phi = 0 */
+  double hand[3];          /* in the frame of body 1: at right angles to the axis */
+  double stiffness, damping, rest, offset;
+} nsdae_bodies_torsion;
+
+typedef struct nsdae_bodies_pair {
+  int material[2];
+  double mu, e_n, e_t;
+} nsdae_bodies_pair;
+
+/* What a callback of contacts by list works with, kept from call to call; see broad.h. */
+typedef struct nsdae_broad nsdae_broad;
+enum { NSDAE_BROADS = 16 };
+
+struct nsdae_bodies {
+  int dimension;
+  int made;          /* the system was */
+  nsdae_error error; /* of the first call that failed */
+  double gravity[3];
+  nsdae_list body;             /* nsdae_rigid_body */
+  nsdae_list element;          /* nsdae_primitive: the constraints */
+  nsdae_list frictional_joint; /* nsdae_bodies_frictional_joint */
+  nsdae_list solid;            /* nsdae_solid_of */
+  nsdae_list feature;          /* nsdae_feature: the contacts */
+  nsdae_list spring;           /* nsdae_bodies_spring */
+  nsdae_list torsion;          /* nsdae_bodies_torsion */
+  nsdae_list load;             /* nsdae_load */
+  nsdae_list pair;             /* nsdae_bodies_pair: contacts are by list where there is any */
+  _Atomic(nsdae_broad *) broad[NSDAE_BROADS]; /* those that no call uses now */
+  int joints;                                 /* added so far */
+  nsdae_user_rows own;                        /* beside the bodies; nv filled in */
+};
+
+static inline const nsdae_rigid_body *nsdae_body_at(const nsdae_bodies *b, int i)
+{
+  return (const nsdae_rigid_body *)b->body.at + i;
+}
+
+/* Coordinates and velocities of a body. */
+static inline int nsdae_body_nq(const nsdae_bodies *b)
+{
+  return b->dimension == 2 ? 3 : 7;
+}
+
+static inline int nsdae_body_nv(const nsdae_bodies *b)
+{
+  return b->dimension == 2 ? 3 : 6;
+}
+
+/* Appends an entry of the size, zeroed; NULL where there is no memory, with the record filled. */
+void *nsdae_list_add(nsdae_bodies *bodies, nsdae_list *list, size_t size);
+
+/* Whether something may be added: NSDAE_OK, or the first failure, or NSDAE_E_STATE. */
+int nsdae_bodies_open(nsdae_bodies *bodies, const void *given, const char *what);
+/* The record, the status as return value; keeps the first. */
+int nsdae_bodies_refuse(nsdae_bodies *bodies, int status, const char *what, const char *argument,
+                        int index, const char *format, ...);
+/* Two bodies that there are, and not the same (ground with ground neither). */
+int nsdae_bodies_check_pair(nsdae_bodies *bodies, const char *what, int index, const int *body);
+/* Finite numbers; in the plane the third is to be zero where planar_zero says so. */
+int nsdae_bodies_check_vector(nsdae_bodies *bodies, const char *what, const char *argument,
+                              int index, const double *x, int planar_zero);
+/* A finite number of at least least (above it where open). */
+int nsdae_bodies_check_least(nsdae_bodies *bodies, const char *what, const char *argument,
+                             int index, double x, double least, int open);
+/* Finite angle and quaternion. */
+int nsdae_bodies_check_turn(nsdae_bodies *bodies, const char *what, int index, double angle,
+                            const double *quaternion);
+
+/* A body's pose from all q and v (v NULL: at rest); and at the start. */
+nsdae_pose nsdae_bodies_pose(const nsdae_bodies *bodies, int body, const double *q,
+                             const double *v);
+nsdae_pose nsdae_bodies_start_pose(const nsdae_bodies *bodies, int body);
+/* A point and a direction in space at the start, in the body's own frame. */
+void nsdae_bodies_own_point(const nsdae_bodies *bodies, int body, const double *x, double *s);
+void nsdae_bodies_own_direction(const nsdae_bodies *bodies, int body, const double *x, double *s);
+
+/* The part of a row of velocities that is of body i = 0, 1 with this pose: 3 or 6 numbers. */
+void nsdae_bodies_part(const nsdae_bodies *bodies, const nsdae_velocity_row *row, int i,
+                       const nsdae_pose *pose, double part[6]);
+
+/* Adds scale times a row of velocities to the places of its bodies, stride apart. */
+void nsdae_bodies_scatter(const nsdae_bodies *bodies, const int *body, const nsdae_pose *pose0,
+                          const nsdae_pose *pose1, const nsdae_velocity_row *row, double scale,
+                          double *out, int stride);
+
+/* Forces of gravity, springs, torsions and loads, and of spinning; their energy. */
+int nsdae_bodies_forces(const nsdae_bodies *bodies, double t, const double *q, const double *v,
+                        double *F);
+double nsdae_bodies_energy(const nsdae_bodies *bodies, const double *q);
+
+/* Where a load acts on its body with this pose, and its force and torque; 0 or what it returned. */
+int nsdae_load_evaluate(const nsdae_load *load, const nsdae_pose *pose, double t, double x[3],
+                        double gave[6]);
+
+/* "revolute" */
+const char *nsdae_joint_name(int kind);
+
+/* Makes the bodies the maker of the system: see maker.h. */
+void nsdae_bodies_sign(const nsdae_bodies *bodies, nsdae_system *system);
+
+/* Adds to the system what files of its trajectories show. */
+int nsdae_bodies_show(const nsdae_bodies *bodies, nsdae_system *system);
+
+/* An element where it is: the poses of its bodies and its value; 0 or what a drive returned. */
+int nsdae_bodies_element(const nsdae_bodies *bodies, const nsdae_primitive *element, double t,
+                         const double *q, const double *v, nsdae_pose pose[2],
+                         nsdae_primitive_value *value);
+
+/* Sets every callback and coefficient; those of constraints, frictional joints and contacts. */
+int nsdae_bodies_set_callbacks(nsdae_bodies *bodies, nsdae_system *system);
+int nsdae_bodies_set_constraints(const nsdae_bodies *bodies, nsdae_system *system);
+int nsdae_bodies_set_contacts(const nsdae_bodies *bodies, nsdae_system *system);
+/* Lengths of contacts, or of bodies whose contacts are by list, and of constraints. */
+int nsdae_bodies_set_sizes(const nsdae_bodies *bodies, nsdae_system *system);
+/* In place of the last for contacts by list, with mass and rows by blocks. */
+int nsdae_bodies_set_blocks(nsdae_bodies *bodies, nsdae_system *system);
+
+/* The features of two solids in order, each handed to add until that returns < 0. With the poses of
+ * their bodies those edges are left out that face no other; NULL: all are there. */
+typedef int (*nsdae_feature_fn)(void *to, const nsdae_feature *feature);
+int nsdae_pair_features(const nsdae_solid_of *solids, int solid0, int solid1,
+                        const nsdae_pose *const pose[2], nsdae_feature_fn add, void *to);
+
+#endif

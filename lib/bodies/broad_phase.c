@@ -1,0 +1,234 @@
+#include "broad_phase.h"
+
+#include <stdint.h>
+#include <stdlib.h>
+
+/* Beyond this many times the median radius a solid is large. */
+static const double ordinary = 4;
+
+static const nsdae_solid_of *solids_of(const nsdae_bodies *b)
+{
+  return b->solid.at;
+}
+
+static int is_endless(const nsdae_solid_of *s)
+{
+  return s->shape == NSDAE_SHAPE_PLANE || s->hollow;
+}
+
+static int by_value(const void *a, const void *b)
+{
+  const double *x = a, *y = b;
+  return (*x > *y) - (*x < *y);
+}
+
+/* The radii with those of what is finite first in order in centre, which is room for them. */
+static void sort_out(nsdae_broad *p, const nsdae_bodies *b)
+{
+  int finite = 0;
+  for (int i = 0; i < p->solids; i++) {
+    p->radius[i] = is_endless(&solids_of(b)[i]) ? INFINITY : solids_of(b)[i].size;
+    if (isfinite(p->radius[i])) p->centre[finite++] = p->radius[i];
+  }
+  qsort(p->centre, (size_t)finite, sizeof *p->centre, by_value);
+  double most = finite > 0 ? ordinary * p->centre[finite / 2] : 0;
+  for (int i = 0; i < p->solids; i++) {
+    if (p->radius[i] <= most)
+      p->usual = fmax(p->usual, p->radius[i]);
+    else
+      p->large[p->larges++] = i;
+  }
+}
+
+long nsdae_broad_features(const nsdae_bodies *b)
+{
+  long corners = 1, edges = 0;
+  for (int i = 0; i < b->solid.count; i++) {
+    long n = nsdae_solid_corners(&solids_of(b)[i]), e = nsdae_solid_edges(&solids_of(b)[i]);
+    if (n > corners) corners = n;
+    if (e > edges) edges = e;
+  }
+  return 2 * corners + edges * edges;
+}
+
+static nsdae_broad *make(const nsdae_bodies *b)
+{
+  nsdae_broad *p = calloc(1, sizeof *p);
+  if (!p) return NULL;
+  size_t n = (size_t)b->solid.count + 1;
+  p->bodies = b->body.count;
+  p->solids = b->solid.count;
+  for (p->buckets = 1; p->buckets < 2 * p->solids;) p->buckets *= 2;
+  p->pose = calloc((size_t)p->bodies + 1, sizeof *p->pose);
+  p->radius = calloc(n, sizeof *p->radius);
+  p->centre = calloc(3 * n, sizeof *p->centre);
+  p->cell = calloc(3 * n, sizeof *p->cell);
+  p->next = calloc(n, sizeof *p->next);
+  p->large = calloc(n, sizeof *p->large);
+  p->head = calloc((size_t)p->buckets, sizeof *p->head);
+  if (!p->pose || !p->radius || !p->centre || !p->cell || !p->next || !p->large || !p->head) {
+    nsdae_broad_release(p);
+    return NULL;
+  }
+  p->pose[p->bodies] = nsdae_pose_ground();
+  sort_out(p, b);
+  p->features = nsdae_broad_features(b);
+  for (int i = 0; i < b->pair.count; i++) {
+    const nsdae_bodies_pair *pair = (const nsdae_bodies_pair *)b->pair.at + i;
+    p->pair[pair->material[0]][pair->material[1]] = pair;
+    p->pair[pair->material[1]][pair->material[0]] = pair;
+  }
+  return p;
+}
+
+void nsdae_broad_release(nsdae_broad *p)
+{
+  if (!p) return;
+  free(p->pose);
+  free(p->radius);
+  free(p->centre);
+  free(p->cell);
+  free(p->next);
+  free(p->large);
+  free(p->head);
+  free(p);
+}
+
+/* The mechanism is one for many threads: each call takes what no other one has. */
+nsdae_broad *nsdae_broad_take(nsdae_bodies *b)
+{
+  for (int i = 0; i < NSDAE_BROADS; i++) {
+    nsdae_broad *p = atomic_exchange(&b->broad[i], NULL);
+    if (p) return p;
+  }
+  return make(b);
+}
+
+void nsdae_broad_give_back(nsdae_bodies *b, nsdae_broad *p)
+{
+  for (int i = 0; i < NSDAE_BROADS; i++) {
+    nsdae_broad *none = NULL;
+    if (atomic_compare_exchange_strong(&b->broad[i], &none, p)) return;
+  }
+  nsdae_broad_release(p);
+}
+
+/* Poses, and where the solids are. */
+static void place_all(nsdae_broad *p, const nsdae_bodies *b, const double *q)
+{
+  int nq = nsdae_body_nq(b);
+  for (int i = 0; i < p->bodies; i++) nsdae_pose_place(b->dimension, q + i * nq, &p->pose[i]);
+  for (int i = 0; i < p->solids; i++) {
+    const nsdae_solid_of *s = &solids_of(b)[i];
+    const nsdae_pose *pose = nsdae_broad_pose(p, s->body);
+    nsdae_turn(pose->R, s->origin, p->centre + 3 * i);
+    for (int j = 0; j < 3; j++) p->centre[3 * i + j] += pose->r[j];
+  }
+}
+
+static int may_touch(const nsdae_broad *p, const nsdae_bodies *b, int i, int j)
+{
+  const nsdae_solid_of *s = solids_of(b);
+  return s[i].body != s[j].body && p->pair[s[i].material][s[j].material] != NULL;
+}
+
+static int are_near(const nsdae_broad *p, int i, int j, double reach)
+{
+  double d[3], most = p->radius[i] + p->radius[j] + reach;
+  for (int l = 0; l < 3; l++) d[l] = p->centre[3 * j + l] - p->centre[3 * i + l];
+  return nsdae_dot3(d, d) <= most * most;
+}
+
+/* Whether a solid is near a plane's surface, or beyond it; or near the rim of a hole. */
+static int is_near_base(const nsdae_broad *p, const nsdae_solid_of *base, int number, int other,
+                        double reach)
+{
+  double d[3], n[3];
+  for (int l = 0; l < 3; l++) d[l] = p->centre[3 * other + l] - p->centre[3 * number + l];
+  if (base->hollow) return sqrt(nsdae_dot3(d, d)) + p->radius[other] + reach >= base->radius;
+  nsdae_turn(nsdae_broad_pose(p, base->body)->R, base->R + 6, n);
+  return nsdae_dot3(n, d) <= p->radius[other] + reach;
+}
+
+/* A large solid with every other one; of two large ones that which comes first. */
+static int visit_large(nsdae_broad *p, const nsdae_bodies *b, int i, double reach,
+                       nsdae_broad_fn visit, void *to)
+{
+  const nsdae_solid_of *s = solids_of(b);
+  int status = 0;
+  for (int j = 0; j < p->solids && status >= 0; j++) {
+    int both = p->radius[j] > p->usual, endless = is_endless(&s[i]);
+    if (!may_touch(p, b, i, j) || (both && j < i) || (endless && is_endless(&s[j]))) continue;
+    int near = endless             ? is_near_base(p, &s[i], i, j, reach)
+               : is_endless(&s[j]) ? is_near_base(p, &s[j], j, i, reach)
+                                   : are_near(p, i, j, reach);
+    if (near) status = visit(to, p, i < j ? i : j, i < j ? j : i);
+  }
+  return status;
+}
+
+static int bucket_of(const nsdae_broad *p, const int *cell)
+{
+  uint32_t hash =
+      (uint32_t)cell[0] * 73856093u ^ (uint32_t)cell[1] * 19349663u ^ (uint32_t)cell[2] * 83492791u;
+  return (int)(hash & (uint32_t)(p->buckets - 1));
+}
+
+/* Solid i with those from j on in the bucket of a cell. */
+static int visit_cell(nsdae_broad *p, const nsdae_bodies *b, int i, int j, const int *cell,
+                      double reach, nsdae_broad_fn visit, void *to)
+{
+  int status = 0;
+  for (; j >= 0 && status >= 0; j = p->next[j]) {
+    const int *other = p->cell + 3 * j;
+    if (other[0] != cell[0] || other[1] != cell[1] || other[2] != cell[2]) continue;
+    if (may_touch(p, b, i, j) && are_near(p, i, j, reach))
+      status = visit(to, p, i < j ? i : j, i < j ? j : i);
+  }
+  return status;
+}
+
+/* Cells are as wide as two of the largest radius and reach, so that only neighbours can touch. */
+static void put_usual(nsdae_broad *p, int i, double width)
+{
+  int *cell = p->cell + 3 * i;
+  for (int l = 0; l < 3; l++) {
+    double at = floor(p->centre[3 * i + l] / width);
+    cell[l] = (int)(at > -1e9 ? (at < 1e9 ? at : 1e9) : -1e9); /* NaN too */
+  }
+  int *head = &p->head[bucket_of(p, cell)];
+  p->next[i] = *head;
+  *head = i;
+}
+
+/* With those put before it into its own cell, and with all of the neighbours on one side: the other
+ * side's look at it. */
+static int visit_usual(nsdae_broad *p, const nsdae_bodies *b, int i, double reach,
+                       nsdae_broad_fn visit, void *to)
+{
+  const int *cell = p->cell + 3 * i, all = b->dimension == 2 ? 9 : 27;
+  int status = visit_cell(p, b, i, p->next[i], cell, reach, visit, to);
+  for (int n = all / 2 + 1; n < all && status >= 0; n++) {
+    const int beside[3] = {cell[0] + n % 3 - 1, cell[1] + n / 3 % 3 - 1,
+                           all == 9 ? cell[2] : cell[2] + n / 9 - 1};
+    status = visit_cell(p, b, i, p->head[bucket_of(p, beside)], beside, reach, visit, to);
+  }
+  return status;
+}
+
+int nsdae_broad_pairs(nsdae_broad *p, const nsdae_bodies *b, const double *q, double reach,
+                      nsdae_broad_fn visit, void *to)
+{
+  int status = 0;
+  place_all(p, b, q);
+  for (int i = 0; i < p->buckets; i++) p->head[i] = -1;
+  for (int i = 0; i < p->larges && status >= 0; i++)
+    status = visit_large(p, b, p->large[i], reach, visit, to);
+  double width = 2 * p->usual + reach;
+  if (!(width > 0)) width = 1; /* points alone */
+  for (int i = 0; i < p->solids; i++)
+    if (p->radius[i] <= p->usual) put_usual(p, i, width);
+  for (int i = 0; i < p->solids && status >= 0; i++)
+    if (p->radius[i] <= p->usual) status = visit_usual(p, b, i, reach, visit, to);
+  return status;
+}

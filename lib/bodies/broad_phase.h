@@ -1,0 +1,44 @@
+/* Broad phase: which solids may touch, found by a grid of cells that are as wide as the largest
+ * solid of ordinary size; what is far larger, planes and holes are looked at with every solid.
+ * Pairs come in an order that follows from the places alone. */
+#ifndef NSDAE_BODIES_BROAD_H
+#define NSDAE_BODIES_BROAD_H
+
+#include "bodies_impl.h"
+
+struct nsdae_broad {
+  int bodies, solids;
+  nsdae_pose *pose; /* of every body, and of the ground behind them */
+  double *radius;   /* of each solid about its frame's origin; NSDAE_BROAD_ENDLESS */
+  double *centre;   /* solids x 3: where it is */
+  int *cell, *next; /* solids x 3: its cell; the solid before it in the same bucket */
+  int *head;        /* buckets: the last solid in it, or -1 */
+  int buckets;      /* a power of two */
+  double usual;     /* largest radius of ordinary size */
+  int *large;       /* those above it, and what is endless */
+  int larges;
+  long features; /* of any pair at most: ids count so */
+  const nsdae_bodies_pair *pair[NSDAE_MATERIALS][NSDAE_MATERIALS];
+};
+
+/* One that no other call uses, made where there is none; NULL: no memory. And back again. */
+nsdae_broad *nsdae_broad_take(nsdae_bodies *bodies);
+void nsdae_broad_give_back(nsdae_bodies *bodies, nsdae_broad *broad);
+void nsdae_broad_release(nsdae_broad *broad);
+
+/* Poses of all bodies, and from them every pair of solids of materials that touch whose gap may be
+ * at most reach, handed to visit until it returns < 0, with i < j. */
+typedef int (*nsdae_broad_fn)(void *to, nsdae_broad *broad, int i, int j);
+int nsdae_broad_pairs(nsdae_broad *broad, const nsdae_bodies *bodies, const double *q, double reach,
+                      nsdae_broad_fn visit, void *to);
+
+/* The most features of a pair: ids of contacts count so. */
+long nsdae_broad_features(const nsdae_bodies *bodies);
+
+/* The pose of the body of a solid. */
+static inline const nsdae_pose *nsdae_broad_pose(const nsdae_broad *broad, int body)
+{
+  return &broad->pose[body == NSDAE_GROUND ? broad->bodies : body];
+}
+
+#endif

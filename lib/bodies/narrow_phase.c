@@ -1,0 +1,84 @@
+#include "narrow_phase.h"
+
+/* n and g of a distance vector d; side = -1 where the solid lies outside. With d = 0 any direction
+ * is as good as another. */
+nsdae_jet3 nsdae_direction(nsdae_jet3 d, double side, nsdae_jet *length)
+{
+  const double x[3] = {side, 0, 0};
+  if (nsdae_jet3_dot(d, d).x == 0) {
+    *length = nsdae_jet_of(0);
+    return nsdae_jet3_of(x);
+  }
+  *length = nsdae_jet3_length(d);
+  return nsdae_jet3_scale(side, nsdae_jet3_times(nsdae_jet_inverse(*length), d));
+}
+
+/* x_0 rounded by r_0 (side -1: a hole of that radius), x_1 by r_1:
+ * g = side (|x_1 - x_0| - r_0) - r_1,  n = side (x_1 - x_0) / |x_1 - x_0| */
+nsdae_touch nsdae_touch_point_point(nsdae_jet3 x0, double r0, double side, nsdae_jet3 x1, double r1)
+{
+  nsdae_touch touch = {.far = 0};
+  nsdae_jet length;
+  touch.normal = nsdae_direction(nsdae_jet3_sub(x1, x0), side, &length);
+  touch.gap = nsdae_jet_scale(side, length);
+  touch.gap.x -= side * r0 + r1;
+  touch.at[0] = nsdae_jet3_add(x0, nsdae_jet3_scale(side * r0, touch.normal));
+  touch.at[1] = nsdae_jet3_sub(x1, nsdae_jet3_scale(r1, touch.normal));
+  return touch;
+}
+
+/* The line through x_0 along the unit vector u: from its foot f = x_0 + (u . d) u, d = x_1 - x_0 */
+nsdae_touch nsdae_touch_line_point(nsdae_jet3 x0, nsdae_jet3 u, double r0, nsdae_jet3 x1, double r1)
+{
+  nsdae_jet s = nsdae_jet3_dot(u, nsdae_jet3_sub(x1, x0));
+  return nsdae_touch_point_point(nsdae_jet3_add(x0, nsdae_jet3_times(s, u)), r0, 1, x1, r1);
+}
+
+/* The plane through x_0 with the unit normal n: g = n . (x_1 - x_0) - r_1 */
+nsdae_touch nsdae_touch_plane_point(nsdae_jet3 x0, nsdae_jet3 n, nsdae_jet3 x1, double r1)
+{
+  nsdae_jet height = nsdae_jet3_dot(n, nsdae_jet3_sub(x1, x0));
+  nsdae_touch touch = {.gap = height, .normal = n};
+  touch.gap.x -= r1;
+  touch.at[0] = nsdae_jet3_sub(x1, nsdae_jet3_times(height, n));
+  touch.at[1] = nsdae_jet3_sub(x1, nsdae_jet3_scale(r1, n));
+  return touch;
+}
+
+nsdae_touch nsdae_touch_far(const nsdae_solid_of *s0, const nsdae_solid_of *s1)
+{
+  return (nsdae_touch){.far = 1, .gap = nsdae_jet_of(s0->size + s1->size)};
+}
+
+nsdae_still nsdae_still_of(const nsdae_touch *touch)
+{
+  nsdae_still still = {.far = touch->far, .gap = touch->gap.x};
+  for (int i = 0; i < 3; i++) {
+    still.normal[i] = touch->normal.at[i].x;
+    for (int j = 0; j < 2; j++) still.at[j][i] = touch->at[j].at[i].x;
+  }
+  return still;
+}
+
+nsdae_still nsdae_round_still(const nsdae_solid_of *s0, const nsdae_solid_of *s1, int corner,
+                              const nsdae_pose *pose0, const nsdae_pose *pose1)
+{
+  nsdae_still still = {.far = 0};
+  double x0[3], x1[3], d[3], h;
+  nsdae_turn(pose0->R, s0->origin, x0);
+  nsdae_turn(pose1->R, nsdae_solid_corner(s1, corner), x1);
+  for (int i = 0; i < 3; i++) {
+    x1[i] += pose1->r[i];
+    d[i] = x1[i] - (x0[i] + pose0->r[i]);
+  }
+  if (s0->shape == NSDAE_SHAPE_PLANE) {
+    nsdae_turn(pose0->R, s0->R + 6, still.normal);
+    h = nsdae_dot3(still.normal, d);
+  } else {
+    h = nsdae_still_direct(&still, d);
+  }
+  double side = s0->hollow ? -1 : 1, r0 = s0->shape == NSDAE_SHAPE_PLANE ? 0 : s0->radius;
+  for (int i = 0; i < 3; i++) still.normal[i] *= side;
+  nsdae_still_place(&still, x1, side * h, side * r0, s1->radius);
+  return still;
+}

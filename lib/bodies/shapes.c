@@ -1,0 +1,463 @@
+/* Solids: their shapes as corners in the body's frame, their inertia, and the features of two. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "errors.h"
+#include "bodies_impl.h"
+
+static const double pi = 3.14159265358979323846;
+
+static const char *const names[] = {
+    [NSDAE_SHAPE_POINT] = "point",     [NSDAE_SHAPE_DISC] = "disc",
+    [NSDAE_SHAPE_SEGMENT] = "segment", [NSDAE_SHAPE_POLYGON] = "polygon",
+    [NSDAE_SHAPE_PATH] = "path",       [NSDAE_SHAPE_SPHERE] = "sphere",
+    [NSDAE_SHAPE_CAPSULE] = "capsule", [NSDAE_SHAPE_BOX] = "box",
+    [NSDAE_SHAPE_PLANE] = "plane",
+};
+
+const char *nsdae_solid_name(int shape)
+{
+  return names[shape];
+}
+
+static int has_radius(int shape)
+{
+  return shape == NSDAE_SHAPE_DISC || shape == NSDAE_SHAPE_SPHERE || shape == NSDAE_SHAPE_CAPSULE;
+}
+
+static int exists(int dimension, int shape)
+{
+  switch (shape) {
+  case NSDAE_SHAPE_POINT:
+  case NSDAE_SHAPE_PLANE:
+    return 1;
+  case NSDAE_SHAPE_DISC:
+  case NSDAE_SHAPE_SEGMENT:
+  case NSDAE_SHAPE_POLYGON:
+    return dimension == 2;
+  case NSDAE_SHAPE_SPHERE:
+  case NSDAE_SHAPE_CAPSULE:
+  case NSDAE_SHAPE_BOX:
+    return dimension == 3;
+  default:
+    return 0;
+  }
+}
+
+/* Twice the signed area of the triangle of three corners. */
+static double doubled_area(const double *a, const double *b, const double *c)
+{
+  return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+}
+
+/* The first corner where the polygon does not turn left, or -1 */
+static int not_convex(const nsdae_solid *s)
+{
+  for (int i = 0; i < s->points; i++)
+    if (!(doubled_area(s->point + 2 * i, s->point + 2 * ((i + 1) % s->points),
+                       s->point + 2 * ((i + 2) % s->points)) > 0))
+      return (i + 1) % s->points;
+  return -1;
+}
+
+/* How often the edges of a polygon that turns left at every corner go around: as often as their
+ * direction comes from below (or from straight left) to above. A star of five goes twice. */
+static int count_turns(const nsdae_solid *s)
+{
+  int turns = 0, above, before = 0;
+  for (int i = 0; i <= s->points; i++) {
+    const double *a = s->point + 2 * (i % s->points), *b = s->point + 2 * ((i + 1) % s->points);
+    double x = b[0] - a[0], y = b[1] - a[1];
+    above = y > 0 || (y == 0 && x > 0);
+    turns += i > 0 && above && !before;
+    before = above;
+  }
+  return turns;
+}
+
+/* What is wrong with a polygon's corners, into the record. */
+static int check_polygon(const nsdae_solid *s, nsdae_error *error)
+{
+  const char *where = "nsdae_solid";
+  if (s->points < 3 || !s->point)
+    return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "points",
+                           "points = %d of a polygon is less than 3, or point is NULL", s->points);
+  for (int i = 0; i < 2 * s->points; i++)
+    if (!isfinite(s->point[i]))
+      return nsdae_error_set(error, NSDAE_E_NONFINITE, where, "point",
+                             "corner %d of the polygon is at %g, which is not a finite number",
+                             i / 2, s->point[i]);
+  int bad = not_convex(s);
+  if (bad >= 0)
+    return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "point",
+                           "corner %d of the polygon does not turn left: corners go anticlockwise "
+                           "around a convex one",
+                           bad);
+  int turns = count_turns(s);
+  if (turns == 1) return NSDAE_OK;
+  return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "point",
+                         "the corners of the polygon go around it %d times: it is not convex",
+                         turns);
+}
+
+/* What is wrong with a solid's own numbers, into the record. */
+static int check_solid(const nsdae_solid *s, nsdae_error *error)
+{
+  const char *where = "nsdae_solid", *name = names[s->shape];
+  if (!(isfinite(s->radius) && s->radius >= 0) || (has_radius(s->shape) && s->radius == 0))
+    return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "radius",
+                           "radius = %g of a %s is not a number %s 0", s->radius, name,
+                           has_radius(s->shape) ? "above" : "of at least");
+  int first = s->shape == NSDAE_SHAPE_CAPSULE ? 2 : 0;
+  int last = s->shape == NSDAE_SHAPE_SEGMENT ? 0 : 2;
+  int long_one = s->shape == NSDAE_SHAPE_SEGMENT || s->shape == NSDAE_SHAPE_CAPSULE ||
+                 s->shape == NSDAE_SHAPE_BOX;
+  for (int i = first; i <= last && long_one; i++)
+    if (!(isfinite(s->length[i]) && s->length[i] > 0))
+      return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "length",
+                             "length[%d] = %g of a %s is not a number above 0", i, s->length[i],
+                             name);
+  return s->shape == NSDAE_SHAPE_POLYGON ? check_polygon(s, error) : NSDAE_OK;
+}
+
+/* Number of corners, and those of the shape in its own frame. */
+static int count_corners(const nsdae_solid *s)
+{
+  switch (s->shape) {
+  case NSDAE_SHAPE_SEGMENT:
+  case NSDAE_SHAPE_CAPSULE:
+    return 2;
+  case NSDAE_SHAPE_POLYGON:
+    return s->points;
+  case NSDAE_SHAPE_BOX:
+    return 8;
+  case NSDAE_SHAPE_PLANE:
+    return 0;
+  default:
+    return 1;
+  }
+}
+
+static void own_corner(const nsdae_solid *s, int i, double *x)
+{
+  double side = i ? 0.5 : -0.5;
+  memset(x, 0, 3 * sizeof *x);
+  if (s->shape == NSDAE_SHAPE_SEGMENT) x[0] = side * s->length[0];
+  if (s->shape == NSDAE_SHAPE_CAPSULE) x[2] = side * s->length[2];
+  if (s->shape == NSDAE_SHAPE_POLYGON) memcpy(x, s->point + 2 * i, 2 * sizeof *x);
+  for (int j = 0; j < 3 && s->shape == NSDAE_SHAPE_BOX; j++)
+    x[j] = (i >> j & 1 ? 0.5 : -0.5) * s->length[j];
+}
+
+static double size_of(const nsdae_solid_of *s)
+{
+  double most = 0;
+  for (int i = 0; i < s->points; i++) {
+    double d[3];
+    for (int j = 0; j < 3; j++) d[j] = s->point[3 * i + j] - s->origin[j];
+    most = fmax(most, sqrt(nsdae_dot3(d, d)));
+  }
+  return most + s->radius;
+}
+
+static void place(const nsdae_bodies *b, const nsdae_solid *s, nsdae_solid_of *made)
+{
+  memcpy(made->turn, s->quaternion, sizeof made->turn);
+  nsdae_unit_quaternion(made->turn);
+  if (b->dimension == 2)
+    nsdae_rotation_planar(s->angle, made->R);
+  else
+    nsdae_rotation_spatial(made->turn, made->R);
+  memcpy(made->origin, s->position, sizeof made->origin);
+  for (int i = 0; i < made->points; i++) {
+    double x[3], *corner = made->point + 3 * i;
+    own_corner(s, i, x);
+    nsdae_turn(made->R, x, corner);
+    for (int j = 0; j < 3; j++) corner[j] += made->origin[j];
+  }
+  made->size = size_of(made);
+  for (int j = 0; j < 3; j++) made->half[j] = s->length[j] / 2;
+  if (s->shape != NSDAE_SHAPE_PLANE || b->dimension == 3) return;
+  for (int j = 0; j < 3; j++) made->R[6 + j] = made->R[3 + j]; /* the normal, as in space */
+}
+
+/* Outer unit normals, anticlockwise corners being given, and lengths. */
+static void measure_edges(nsdae_solid_of *s)
+{
+  for (int i = 0; i < s->points; i++) {
+    const double *p = s->point + 3 * i, *next = s->point + 3 * ((i + 1) % s->points);
+    double x = next[0] - p[0], y = next[1] - p[1], length = sqrt(x * x + y * y);
+    const double edge[4] = {y / length, -x / length, 0, length};
+    memcpy(s->edge + 4 * i, edge, sizeof edge);
+  }
+}
+
+int nsdae_bodies_add_solid(nsdae_bodies *b, int body, const nsdae_solid *s)
+{
+  int status = nsdae_bodies_open(b, s, "solid");
+  if (status < 0) return status;
+  int index = b->solid.count;
+  if (!exists(b->dimension, s->shape))
+    return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, "solid", "shape", index,
+                               "shape = %d is no solid in %d dimensions", s->shape, b->dimension);
+  if (body < NSDAE_GROUND || body >= b->body.count)
+    return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, "solid", "body", index,
+                               "body = %d is not a body: there are %d, from 0, and the ground (%d)",
+                               body, b->body.count, NSDAE_GROUND);
+  if (s->material < 0 || s->material >= NSDAE_MATERIALS)
+    return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, "solid", "material", index,
+                               "material = %d is outside its range: it must be 0 .. %d",
+                               s->material, NSDAE_MATERIALS - 1);
+  status = check_solid(s, &b->error);
+  if (status == NSDAE_OK)
+    status = nsdae_bodies_check_vector(b, "solid", "position", index, s->position, 1);
+  if (status == NSDAE_OK)
+    status = nsdae_bodies_check_turn(b, "solid", index, s->angle, s->quaternion);
+  if (status < 0) return status;
+  int points = count_corners(s);
+  double *corners = calloc((size_t)points + 1, 7 * sizeof *corners); /* and edges */
+  nsdae_solid_of *made = corners ? nsdae_list_add(b, &b->solid, sizeof *made) : NULL;
+  if (!made) {
+    free(corners);
+    return nsdae_error_set(&b->error, NSDAE_E_MEMORY, "nsdae_bodies", "", "out of memory");
+  }
+  *made = (nsdae_solid_of){.body = body,
+                           .shape = s->shape,
+                           .hollow = s->shape == NSDAE_SHAPE_DISC && s->hollow,
+                           .points = points,
+                           .material = s->material,
+                           .radius = s->radius,
+                           .point = corners,
+                           .edge = corners + 3 * points};
+  place(b, s, made);
+  if (b->dimension == 2 && points > 1) measure_edges(made);
+  return index;
+}
+
+static nsdae_solid_of *solid_of(const nsdae_bodies *b, int i)
+{
+  return (nsdae_solid_of *)b->solid.at + i;
+}
+
+/* Whether its corners alone can touch a convex solid: it is a point but for its rounding. */
+static int is_round(const nsdae_solid_of *s)
+{
+  return s->points == 1 && !s->hollow;
+}
+
+/* Whether nothing but corners of others can touch it. */
+static int is_base(const nsdae_solid_of *s)
+{
+  return s->shape == NSDAE_SHAPE_PLANE || s->hollow;
+}
+
+/* Where the features of a pair go. */
+typedef struct sink {
+  nsdae_feature_fn add;
+  void *to;
+  int status, number;
+} sink;
+
+static void add_feature(sink *s, int edges, int solid0, int solid1, int part0, int part1)
+{
+  const nsdae_feature f = {
+      .number = s->number, .edges = edges, .solid = {solid0, solid1}, .part = {part0, part1}};
+  s->number++;
+  if (s->status >= 0) s->status = s->add(s->to, &f);
+}
+
+static void add_corners(sink *s, const nsdae_solid_of *solids, int base, int other)
+{
+  int count = nsdae_solid_corners(&solids[other]);
+  for (int i = 0; i < count; i++) add_feature(s, 0, base, other, 0, i);
+}
+
+static void add_edges(sink *s, const nsdae_solid_of *solids, int i, int j,
+                      const nsdae_pose *const pose[2])
+{
+  int first = nsdae_solid_edges(&solids[i]), second = nsdae_solid_edges(&solids[j]);
+  nsdae_facing facing = {{0}};
+  if (pose && first > 0 && second > 0)
+    nsdae_find_facing(&solids[i], &solids[j], pose[0], pose[1], &facing);
+  for (int k = 0; k < first; k++)
+    for (int l = 0; l < second; l++) {
+      if (!pose || facing.of[k] >> l & 1)
+        add_feature(s, 1, i, j, k, l);
+      else
+        s->number++;
+    }
+}
+
+int nsdae_pair_features(const nsdae_solid_of *solids, int solid0, int solid1,
+                        const nsdae_pose *const pose[2], nsdae_feature_fn add, void *to)
+{
+  const nsdae_solid_of *s0 = &solids[solid0], *s1 = &solids[solid1];
+  sink s = {.add = add, .to = to};
+  if (is_base(s0) || (is_round(s1) && !is_base(s1)))
+    add_corners(&s, solids, solid0, solid1);
+  else if (is_base(s1) || is_round(s0))
+    add_corners(&s, solids, solid1, solid0);
+  else {
+    add_corners(&s, solids, solid0, solid1);
+    add_corners(&s, solids, solid1, solid0);
+    add_edges(&s, solids, solid0, solid1, pose);
+  }
+  return s.status;
+}
+
+typedef struct pairing {
+  nsdae_bodies *bodies;
+  double mu, e_n, e_t;
+} pairing;
+
+static int keep_feature(void *to, const nsdae_feature *feature)
+{
+  const pairing *p = to;
+  nsdae_feature *f = nsdae_list_add(p->bodies, &p->bodies->feature, sizeof *f);
+  if (!f) return NSDAE_E_MEMORY;
+  *f = *feature;
+  f->mu = p->mu;
+  f->e_n = p->e_n;
+  f->e_t = p->e_t;
+  return NSDAE_OK;
+}
+
+/* mu >= 0, restitutions 0 .. 1 */
+static int check_coefficients(nsdae_bodies *b, const char *what, int index, double mu, double e_n,
+                              double e_t)
+{
+  nsdae_bodies_check_least(b, what, "mu", index, mu, 0, 0);
+  nsdae_bodies_check_least(b, what, "e_n", index, e_n, 0, 0);
+  nsdae_bodies_check_least(b, what, "e_t", index, e_t, 0, 0);
+  if (e_n > 1 || e_t > 1)
+    nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, e_n > 1 ? "e_n" : "e_t", index,
+                        "e_n = %g, e_t = %g: a restitution is at most 1", e_n, e_t);
+  return b->error.status;
+}
+
+static int check_contact(nsdae_bodies *b, int i, int j, const pairing *p)
+{
+  const char *what = "contact";
+  int index = b->feature.count, count = b->solid.count;
+  if (i < 0 || i >= count || j < 0 || j >= count)
+    return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "solid", index,
+                               "solids %d and %d: there are %d, from 0", i, j, count);
+  if (solid_of(b, i)->body == solid_of(b, j)->body)
+    return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "solid", index,
+                               "solids %d and %d belong to the same body, %d", i, j,
+                               solid_of(b, i)->body);
+  if (is_base(solid_of(b, i)) && is_base(solid_of(b, j)))
+    return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "solid", index,
+                               "solids %d and %d are both without corners", i, j);
+  return check_coefficients(b, what, index, p->mu, p->e_n, p->e_t);
+}
+
+int nsdae_bodies_set_pair(nsdae_bodies *b, int material0, int material1, double mu, double e_n,
+                          double e_t)
+{
+  int status = nsdae_bodies_open(b, b, "bodies");
+  if (status < 0) return status;
+  int index = b->pair.count;
+  const int material[2] = {material0, material1};
+  for (int i = 0; i < 2; i++)
+    if (material[i] < 0 || material[i] >= NSDAE_MATERIALS)
+      return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, "pair", "material", index,
+                                 "material = %d is outside its range: it must be 0 .. %d",
+                                 material[i], NSDAE_MATERIALS - 1);
+  status = check_coefficients(b, "pair", index, mu, e_n, e_t);
+  if (status < 0) return status;
+  nsdae_bodies_pair *pair = nsdae_list_add(b, &b->pair, sizeof *pair);
+  if (!pair) return NSDAE_E_MEMORY;
+  *pair = (nsdae_bodies_pair){{material0, material1}, mu, e_n, e_t};
+  return NSDAE_OK;
+}
+
+int nsdae_bodies_add_contact(nsdae_bodies *b, int solid0, int solid1, double mu, double e_n,
+                             double e_t)
+{
+  int status = nsdae_bodies_open(b, b, "bodies");
+  if (status < 0) return status;
+  pairing p = {b, mu, e_n, e_t};
+  int index = b->feature.count;
+  status = check_contact(b, solid0, solid1, &p);
+  if (status < 0) return status;
+  nsdae_pair_features(b->solid.at, solid0, solid1, NULL, keep_feature, &p);
+  return b->error.status < 0 ? b->error.status : index;
+}
+
+/* A polygon as triangles from its centroid: m = rho A, J = rho sum (a x b)(a.a + a.b + b.b) / 12 */
+static int polygon_inertia(const nsdae_solid *s, double density, double *mass, double *inertia,
+                           nsdae_error *error)
+{
+  double area = 0, second = 0, centre[2] = {0, 0}, size = 0;
+  for (int i = 0; i < s->points; i++) {
+    const double *a = s->point + 2 * i, *b = s->point + 2 * ((i + 1) % s->points);
+    double cross = a[0] * b[1] - a[1] * b[0];
+    area += cross / 2;
+    for (int j = 0; j < 2; j++) centre[j] += cross * (a[j] + b[j]) / 6;
+    size = fmax(size, fabs(a[0]) + fabs(a[1]));
+    second += cross *
+              (a[0] * a[0] + a[1] * a[1] + a[0] * b[0] + a[1] * b[1] + b[0] * b[0] + b[1] * b[1]) /
+              12;
+  }
+  if (fabs(centre[0] / area) + fabs(centre[1] / area) > 1e-9 * size)
+    return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_solid_inertia", "point",
+                           "the centroid of the polygon is (%g, %g), not (0, 0)", centre[0] / area,
+                           centre[1] / area);
+  *mass = density * area;
+  inertia[2] = density * second;
+  return NSDAE_OK;
+}
+
+/* A cylinder of height l along z and two half balls, at their centroids' 3/8 radius beyond its ends
+ */
+static void capsule_inertia(double r, double l, double density, double *mass, double *inertia)
+{
+  double cylinder = density * pi * r * r * l, ball = density * 4 * pi * r * r * r / 3;
+  *mass = cylinder + ball;
+  inertia[2] = cylinder * r * r / 2 + ball * 2 * r * r / 5;
+  inertia[0] = inertia[1] =
+      cylinder * (3 * r * r + l * l) / 12 + ball * (2 * r * r / 5 + l * l / 4 + 3 * l * r / 8);
+}
+
+int nsdae_solid_inertia(const nsdae_solid *s, double density, double *mass, double inertia[3],
+                        nsdae_error *error)
+{
+  nsdae_error_clear(error);
+  const char *where = "nsdae_solid_inertia";
+  if (!s || !mass || !inertia)
+    return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "solid",
+                           "solid, mass or inertia is NULL");
+  if (!(isfinite(density) && density > 0))
+    return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "density",
+                           "density = %g is not a number above 0", density);
+  if (s->shape < 0 || s->shape > NSDAE_SHAPE_PLANE || s->hollow ||
+      (!has_radius(s->shape) && s->shape != NSDAE_SHAPE_POLYGON && s->shape != NSDAE_SHAPE_BOX))
+    return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "shape",
+                           "shape = %d has no mass by density (disc, polygon, sphere, capsule, box "
+                           "have)",
+                           s->shape);
+  int status = check_solid(s, error);
+  if (status < 0) return status;
+  double r = s->radius;
+  const double *l = s->length;
+  if (s->shape == NSDAE_SHAPE_POLYGON) return polygon_inertia(s, density, mass, inertia, error);
+  if (s->shape == NSDAE_SHAPE_CAPSULE) capsule_inertia(r, l[2], density, mass, inertia);
+  if (s->shape == NSDAE_SHAPE_DISC) {
+    *mass = density * pi * r * r;
+    inertia[2] = *mass * r * r / 2;
+  }
+  if (s->shape == NSDAE_SHAPE_SPHERE) {
+    *mass = density * 4 * pi * r * r * r / 3;
+    inertia[0] = inertia[1] = inertia[2] = *mass * 2 * r * r / 5;
+  }
+  if (s->shape == NSDAE_SHAPE_BOX) {
+    *mass = density * l[0] * l[1] * l[2];
+    for (int i = 0; i < 3; i++) {
+      double a = l[(i + 1) % 3], b = l[(i + 2) % 3];
+      inertia[i] = *mass * (a * a + b * b) / 12;
+    }
+  }
+  return NSDAE_OK;
+}

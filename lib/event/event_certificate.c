@@ -1,0 +1,124 @@
+/* The laws of contact that a record must fulfil. With h its length, no contact pulls and no
+ * friction leaves its cone:
+ *
+ *   P_N >= -tol,   |P_T| <= mu P_N + tol,   tol = 10 (3 rtol max |P| + atol h) + m u
+ *
+ * Impulses are integrated to 10 rtol a step, and a record has one or two steps. A force is zero up
+ * to 10 (rtol max |F| + atol). u is the tolerance of velocities and m the mass of the contact,
+ * bounded from above by inertia(). The end of an accumulation is ahead of its forces by
+ * accumulation_time at most. Within BROUGHT_BACK tolerances no gap is below zero, none of a closed
+ * contact is above it (complementarity), and independent constraints and their rates are zero. */
+#include "event_certificate.h"
+
+#include <math.h>
+
+#include "direction.h"
+#include "errors.h"
+
+/* In tolerances of a position or velocity. The drift until the next step is projected from 10 on.
+ */
+static const double BROUGHT_BACK = 100;
+
+static int refuse(const nsdae_event_setting *s, int kind, int item, const char *what, double value,
+                  double bound)
+{
+  char called[NSDAE_CALLED_SIZE];
+  double t = nsdae_terms_time(&s->result->end);
+  nsdae_error_set(s->error, NSDAE_E_CONVERGENCE, "nsdae_event", "rtol",
+                  "%s %s %.3g up to t = %.17g, more than rtol = %g explains (%.3g): make rtol "
+                  "smaller, or use method = implicit",
+                  nsdae_system_called(s->system, kind, item, called), what, value, t,
+                  s->options->rtol, bound);
+  s->error->index = item;
+  s->error->time = t;
+  return NSDAE_E_CONVERGENCE;
+}
+
+/* Of contact i, an upper bound of 1 / (W^T M^-1 W): W^T M^-1 W is the largest (W^T x)^2 / x^T M x,
+ * so that it is W_j^2 / M_jj or more for each j. */
+static double inertia(const nsdae_terms *T, int i)
+{
+  int n = T->system->dims.nv;
+  const double *W = T->by.normal.value + (size_t)i * (size_t)n;
+  double least = INFINITY;
+  for (int j = 0; j < n; j++)
+    if (W[j] != 0) least = fmin(least, T->M[(size_t)j * (size_t)(n + 1)] / (W[j] * W[j]));
+  return isfinite(least) ? least : 0;
+}
+
+/* Whether an accumulation was closed at the end of the record, ahead of its forces. */
+static int ends_ahead(const nsdae_event_setting *s)
+{
+  const nsdae_result *r = s->result;
+  double since = nsdae_terms_time(&r->end) - s->options->accumulation_time;
+  int any = 0;
+  for (int i = 0; i < r->impacts; i++)
+    any |= r->impact[i].accumulation && r->impact[i].time >= since;
+  return any;
+}
+
+static int check_impulses(const nsdae_event_phase *phase, double h)
+{
+  const nsdae_event_setting *s = phase->setting;
+  const nsdae_result *r = s->result;
+  const nsdae_impulses *p = &r->impulses;
+  const nsdae_sim_options *o = s->options;
+  int k = s->system->dims.k, nt = s->system->dims.nt;
+  double most = fmax(nsdae_largest(k, p->normal), nsdae_largest(k * nt, p->tangential));
+  most = fmax(most, h * nsdae_largest(s->system->dims.nv, r->end.F));
+  double all = 10 * (3 * o->rtol * most + o->atol * h), slow = nsdae_event_velocity_size(s);
+  if (ends_ahead(s)) all += fmin(1, o->accumulation_time / h) * most;
+  for (int i = 0; i < k; i++) {
+    double tol = all + inertia(&r->end, i) * slow;
+    double along = nsdae_norm(nt, p->tangential + i * nt);
+    if (-p->normal[i] > tol)
+      return refuse(s, NSDAE_NAME_CONTACT, i, "pulls, with the impulse", p->normal[i], -tol);
+    double excess = along - s->system->contact[i].mu * p->normal[i];
+    tol *= phase->modes.blur[i]; /* friction that chatters has a larger tolerance */
+    if (excess > tol)
+      return refuse(s, NSDAE_NAME_CONTACT, i, "has friction beyond its cone, by the impulse",
+                    excess, tol);
+  }
+  return NSDAE_OK;
+}
+
+static int any_impulse(const nsdae_result *r, const nsdae_dims *d)
+{
+  return nsdae_largest(d->k, r->impulses.normal) > 0 ||
+         nsdae_largest(d->k * d->nt, r->impulses.tangential) > 0;
+}
+
+/* How deep contact i was at the start of the step, as a step by implicit may leave it. */
+static double depth_before(const nsdae_terms *from, int i)
+{
+  return from->have & NSDAE_TERM_GAP ? fmax(0, -from->gap[i]) : 0;
+}
+
+int nsdae_event_certify(const nsdae_event_phase *phase, const nsdae_terms *from)
+{
+  const nsdae_event_setting *s = phase->setting;
+  nsdae_terms *T = &s->result->end; /* of the record, which needs most of it, too */
+  const nsdae_dims *d = &s->system->dims;
+  unsigned impulses =
+      any_impulse(s->result, d) ? NSDAE_TERM_MASS | NSDAE_TERM_FORCE | NSDAE_TERM_NORMAL : 0u;
+  unsigned rates = d->m > 0 ? NSDAE_TERM_JACOBIAN | NSDAE_TERM_PHI_T : 0u;
+  int status = nsdae_terms_need(T, impulses | rates | NSDAE_TERM_PHI | NSDAE_TERM_GAP);
+  if (status == NSDAE_OK && impulses) status = check_impulses(phase, T->t - from->t);
+  if (status < 0) return status;
+  double tol = BROUGHT_BACK * nsdae_event_position_size(s);
+  for (int i = 0; i < d->k; i++) {
+    double before = depth_before(from, i); /* within tol no depth makes room for more */
+    double bound = before > tol ? before + tol : tol;
+    if (-T->gap[i] > bound)
+      return refuse(s, NSDAE_NAME_CONTACT, i, "overlaps by", -T->gap[i], bound);
+    if (phase->modes.contact[i] != NSDAE_MODE_OPEN && T->gap[i] > tol)
+      return refuse(s, NSDAE_NAME_CONTACT, i, "is closed with the gap", T->gap[i], tol);
+  }
+  double fast = BROUGHT_BACK * nsdae_event_velocity_size(s);
+  for (int i = 0; i < d->m && !*phase->modes.redundant; i++) {
+    double phi = T->constraint.phi[i], rate = nsdae_terms_constraint_rate(T, i, T->v);
+    if (fabs(phi) > tol) return refuse(s, NSDAE_NAME_CONSTRAINT, i, "is violated by", phi, tol);
+    if (fabs(rate) > fast) return refuse(s, NSDAE_NAME_CONSTRAINT, i, "has the rate", rate, fast);
+  }
+  return NSDAE_OK;
+}

@@ -1,0 +1,74 @@
+#include "event_context.h"
+
+#include <math.h>
+
+/* A redundant constraint is one to the integrator's error in positions alone, which must not make
+ * it independent: of a sine, in rtol, and at least. */
+static const double SINE_ERROR = 100, LEAST_SINE = 1e-6;
+
+/* Of a coordinate, what nobody can tell of a gap. */
+static const double ROUNDING = 4e-15;
+
+void nsdae_event_set_places(nsdae_event_setting *s)
+{
+  const nsdae_dims *d = &s->system->dims;
+  s->at.v = d->nq;
+  s->at.lambda = s->at.v + d->nv;
+  s->at.normal = s->at.lambda + d->m;
+  s->at.tangential = s->at.normal + d->k;
+  s->at.frictional_joint = s->at.tangential + d->k * d->nt;
+  s->at.n = s->at.frictional_joint + d->f;
+}
+
+void nsdae_event_move(nsdae_event_setting *s, double t, const double *y)
+{
+  nsdae_terms_at(s->here, t, y, y + s->at.v);
+}
+
+int nsdae_event_factor(nsdae_event_setting *s)
+{
+  int least_norm = s->options->redundant == NSDAE_REDUNDANT_LEAST_NORM;
+  double least = fmax(LEAST_SINE, SINE_ERROR * s->options->rtol);
+  s->kkt->rank_tol = least_norm ? fmax(s->options->rank_tol, least) : s->options->rank_tol;
+  int status = nsdae_terms_factor(s->here, s->here->M, s->kkt, least_norm);
+  nsdae_count_factors(&s->result->counters, s->kkt);
+  return status;
+}
+
+int nsdae_event_solve(nsdae_event_setting *s, nsdae_contacts *c, const nsdae_terms *terms,
+                      double *size, double *v, double *lambda)
+{
+  if (!nsdae_contacts_any(c)) return NSDAE_OK;
+  nsdae_result *r = s->result;
+  r->problem = c;
+  int status = nsdae_contacts_solve(c, terms, s->kkt, size, v, lambda);
+  r->counters.lcps++;
+  r->counters.lcp_pivots += c->lcp.info.pivots;
+  if (status == NSDAE_OK) r->worst_residual = fmax(r->worst_residual, c->lcp.info.residual);
+  return status;
+}
+
+double nsdae_event_position_size(const nsdae_event_setting *s)
+{
+  double far = nsdae_largest(s->system->dims.nq, s->here->q);
+  double way = s->options->dt * nsdae_largest(s->system->dims.nv, s->here->v);
+  const double dt = s->options->dt, *error = s->error_by_differences;
+  double drift =
+      fmin((error[0] + error[1] * dt / 2) * dt, NSDAE_EVENT_DIFFERENCES * fmin(far, way));
+  return 10 * (s->options->rtol * fmin(far, way) + s->options->atol + drift) +
+         nsdae_event_rounding(s);
+}
+
+double nsdae_event_rounding(const nsdae_event_setting *s)
+{
+  return ROUNDING * nsdae_largest(s->system->dims.nq, s->here->q);
+}
+
+double nsdae_event_velocity_size(const nsdae_event_setting *s)
+{
+  double most = nsdae_largest(s->system->dims.nv, s->here->v);
+  const double *error = s->error_by_differences;
+  double drift = fmin(error[0] + error[1] * s->options->dt, NSDAE_EVENT_DIFFERENCES * most);
+  return fmax(s->options->impact_velocity,
+              10 * (s->options->rtol * most + s->options->atol + drift));
+}

@@ -1,0 +1,379 @@
+#define _DEFAULT_SOURCE /* flock */
+#define _POSIX_C_SOURCE 200809L
+#include "crash_safe_vfd.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* ---- the file ---- */
+
+/* HDF5 reads a structure once; one that a corrupt file lets refer to itself, for ever. */
+enum { READS_MOST = 1 << 20 };
+
+const char *nsdae_vfd_words(int failure)
+{
+  if (failure == NSDAE_VFD_REPLACED)
+    return "another program removed, replaced or changed it while it was written";
+  if (failure == NSDAE_VFD_NO_FILE) return "it is not a regular file";
+  return failure == EAGAIN ? "another program has it open" : strerror(failure);
+}
+
+static int lock(const nsdae_vfd *f)
+{
+  const char *wanted = getenv("HDF5_USE_FILE_LOCKING");
+  if (wanted && (strcmp(wanted, "FALSE") == 0 || strcmp(wanted, "0") == 0)) return 0;
+  if (flock(f->fd, (f->reading ? LOCK_SH : LOCK_EX) | LOCK_NB) == 0) return 0;
+  /* a file system without locks */
+  return errno == ENOSYS || errno == ENOTSUP || errno == ENOLCK ? 0 : errno;
+}
+
+static int open_path(nsdae_vfd *f, nsdae_vfd_mode mode)
+{
+  f->fd = open(f->path, (mode == NSDAE_VFD_READ ? O_RDONLY : O_RDWR) | O_CLOEXEC);
+  if (f->fd >= 0 || errno != ENOENT || mode != NSDAE_VFD_REPLACE) return f->fd < 0 ? errno : 0;
+  f->made = 1;
+  f->fd = open(f->path, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+  return f->fd < 0 ? errno : 0;
+}
+
+int nsdae_vfd_open(nsdae_vfd *file, const char *path, nsdae_vfd_mode mode)
+{
+  struct stat status;
+  *file = (nsdae_vfd){.path = path, .reading = mode == NSDAE_VFD_READ};
+  int failure = open_path(file, mode);
+  if (failure) return failure;
+  if (fstat(file->fd, &status) != 0) failure = errno;
+  if (failure == 0 && !S_ISREG(status.st_mode)) failure = NSDAE_VFD_NO_FILE;
+  if (failure == 0) failure = lock(file);
+  if (failure) {
+    close(file->fd);
+    file->fd = -1;
+    return failure;
+  }
+  file->device = status.st_dev;
+  file->inode = status.st_ino;
+  file->budget = READS_MOST;
+  file->unready = mode == NSDAE_VFD_REPLACE;
+  if (file->unready)
+    file->old = (uint64_t)status.st_size;
+  else
+    file->eof = file->committed = (uint64_t)status.st_size;
+  return 0;
+}
+
+static int write_all(int fd, const unsigned char *bytes, size_t size, uint64_t at)
+{
+  while (size > 0) {
+    ssize_t written = pwrite(fd, bytes, size, (off_t)at);
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) return errno;
+    if (written == 0) return EIO;
+    bytes += written;
+    size -= (size_t)written;
+    at += (uint64_t)written;
+  }
+  return 0;
+}
+
+/* 0 or an errno; what is behind the file's end reads as zeros. */
+static int read_all(int fd, unsigned char *bytes, size_t size, uint64_t at)
+{
+  while (size > 0) {
+    ssize_t got = pread(fd, bytes, size, (off_t)at);
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) return errno;
+    if (got == 0) break;
+    bytes += got;
+    size -= (size_t)got;
+    at += (uint64_t)got;
+  }
+  memset(bytes, 0, size);
+  return 0;
+}
+
+int nsdae_vfd_check(nsdae_vfd *file)
+{
+  struct stat named;
+  unsigned char head[NSDAE_VFD_HEAD];
+  if (file->failure || file->head_size == 0) return file->failure;
+  int same = stat(file->path, &named) == 0 && named.st_dev == file->device &&
+             named.st_ino == file->inode && (uint64_t)named.st_size >= file->committed &&
+             read_all(file->fd, head, file->head_size, 0) == 0 &&
+             memcmp(head, file->head, file->head_size) == 0;
+  if (!same) file->failure = NSDAE_VFD_REPLACED;
+  return file->failure;
+}
+
+/* Its first bytes hold the address that all else is found from, and the length. */
+static void keep_head(nsdae_vfd *f, uint64_t at, size_t size, const void *bytes)
+{
+  if (at != 0) return;
+  f->head_size = size < NSDAE_VFD_HEAD ? size : NSDAE_VFD_HEAD;
+  memcpy(f->head, bytes, f->head_size);
+}
+
+/* Where a block stands in a commit. Every prefix of this order is a whole file:
+ *   the superblock, whose length only grows (the file was made that long before);
+ *   blocks behind what the file refers to: nobody sees them yet;
+ *   heaps, which only gain: texts of attributes, names of groups;
+ *   trees from the root down. A split leaves a new right node (written above) and takes its part
+ *     from the left one: once the parent knows of the new node the left one may lose that part;
+ *   headers of objects: the lengths of datasets, when all their rows can be found.
+ * The first commit makes the file: superblock last, without it nothing is there. */
+static long rank_of(const nsdae_vfd *f, const nsdae_block *b)
+{
+  enum { SUPER, FRESH, TEXTS, NAMES, TREE, LEAF = TREE + 256, HEADER, MADE };
+  enum { LEVEL = 5 }; /* byte of a node that says how far it is from the leaves */
+  if (b->at == 0) return f->committed ? SUPER : MADE;
+  if (b->at >= f->committed) return FRESH;
+  if (b->kind == H5FD_MEM_GHEAP) return TEXTS;
+  if (b->kind == H5FD_MEM_LHEAP) return NAMES;
+  if (b->kind != H5FD_MEM_BTREE) return HEADER;
+  return b->size > LEVEL && memcmp(b->bytes, "TREE", 4) == 0 ? TREE + 255 - b->bytes[LEVEL] : LEAF;
+}
+
+/* The disk has room for the whole of a new file before the old one of that name is touched. */
+static int make_room(nsdae_vfd *f)
+{
+  static const unsigned char nothing[8];
+  struct stat status;
+  if (f->committed == 0) {
+    int failure = posix_fallocate(f->fd, 0, (off_t)f->eoa);
+    return failure || f->old == 0 ? failure : write_all(f->fd, nothing, sizeof nothing, 0);
+  }
+  if (fstat(f->fd, &status) != 0) return errno;
+  if ((uint64_t)status.st_size >= f->eoa) return 0;
+  return ftruncate(f->fd, (off_t)f->eoa) == 0 ? 0 : errno;
+}
+
+int nsdae_vfd_reserve(nsdae_vfd *file, uint64_t bytes)
+{
+  if (file->failure) return file->failure;
+  uint64_t length = file->eoa + bytes;
+  int failure = length > file->reserved ? posix_fallocate(file->fd, 0, (off_t)length) : 0;
+  if (failure == 0 && length > file->reserved) file->reserved = length;
+  return failure;
+}
+
+static int write_pending(nsdae_vfd *f)
+{
+  nsdae_write_queue *p = &f->pending;
+  for (size_t i = 0; i < p->count; i++) p->block[i].rank = rank_of(f, &p->block[i]);
+  nsdae_write_queue_sort(p);
+  for (size_t i = 0; i < p->count; i++) {
+    const nsdae_block *b = &p->block[i];
+    int failure = write_all(f->fd, b->bytes, b->size, b->at);
+    if (failure) return failure;
+    keep_head(f, b->at, b->size, b->bytes);
+  }
+  return 0;
+}
+
+/* What is held stays where that fails: HDF5 goes on reading what it wrote. */
+static void commit(nsdae_vfd *f)
+{
+  if (f->reading || f->unready || nsdae_vfd_check(f) != 0) return;
+  if (f->pending.count > 0) f->failure = make_room(f);
+  if (f->failure == 0) f->failure = write_pending(f);
+  if (f->failure) return;
+  f->committed = f->eoa;
+  nsdae_write_queue_clear(&f->pending);
+}
+
+/* To what the file refers to, which after a failure may be more than was committed; a file that
+ * never came to be leaves the old one as it was. */
+static void trim(nsdae_vfd *f)
+{
+  uint64_t length = f->committed ? f->committed : f->old;
+  if (f->failure && f->committed) return;
+  if (ftruncate(f->fd, (off_t)length) != 0 && f->failure == 0) f->failure = errno;
+}
+
+int nsdae_vfd_close(nsdae_vfd *file)
+{
+  if (file->fd < 0) return 0;
+  /* not before: HDF5 1.10 reads the driver's class once more after it gave up its own hold on it */
+  if (file->driver > 0) H5FDunregister(file->driver);
+  file->driver = 0;
+  commit(file);
+  if (!file->reading && file->failure != NSDAE_VFD_REPLACED) trim(file);
+  if (file->made && file->committed == 0) unlink(file->path);
+  if (close(file->fd) != 0 && file->failure == 0 && !file->reading) file->failure = errno;
+  file->fd = -1;
+  nsdae_write_queue_release(&file->pending);
+  return file->failure;
+}
+
+/* ---- the driver: what HDF5 calls ---- */
+
+/* HDF5 copies this with the access list. */
+typedef struct driver_info {
+  nsdae_vfd *file;
+} driver_info;
+
+static nsdae_vfd *file_of(H5FD_t *own)
+{
+  return (nsdae_vfd *)(void *)own;
+}
+
+static const nsdae_vfd *look_at(const H5FD_t *own)
+{
+  return (const nsdae_vfd *)(const void *)own;
+}
+
+static H5FD_t *driver_open(const char *name, unsigned flags, hid_t access, haddr_t most)
+{
+  (void)name;
+  (void)flags;
+  (void)most;
+  const driver_info *info = H5Pget_driver_info(access);
+  if (!info) return NULL;
+  info->file->own = (H5FD_t){0};
+  return &info->file->own;
+}
+
+/* nsdae_vfd_close does it. */
+static herr_t driver_close(H5FD_t *own)
+{
+  (void)own;
+  return 0;
+}
+
+static herr_t driver_query(const H5FD_t *own, unsigned long *flags)
+{
+  (void)own;
+  /* without H5FD_FEAT_ACCUMULATE_METADATA: each block comes for itself, with its kind */
+  *flags = H5FD_FEAT_AGGREGATE_METADATA | H5FD_FEAT_DATA_SIEVE | H5FD_FEAT_AGGREGATE_SMALLDATA |
+           H5FD_FEAT_SUPPORTS_SWMR_IO | H5FD_FEAT_DEFAULT_VFD_COMPATIBLE;
+  return 0;
+}
+
+static haddr_t driver_get_eoa(const H5FD_t *own, H5FD_mem_t kind)
+{
+  (void)kind;
+  return look_at(own)->eoa;
+}
+
+static herr_t driver_set_eoa(H5FD_t *own, H5FD_mem_t kind, haddr_t at)
+{
+  (void)kind;
+  file_of(own)->eoa = at;
+  return 0;
+}
+
+static haddr_t driver_get_eof(const H5FD_t *own, H5FD_mem_t kind)
+{
+  (void)kind;
+  return look_at(own)->eof;
+}
+
+static herr_t driver_read(H5FD_t *own, H5FD_mem_t kind, hid_t transfer, haddr_t at, size_t size,
+                          void *buffer)
+{
+  nsdae_vfd *f = file_of(own);
+  (void)kind;
+  (void)transfer;
+  if (f->reading && (at + size > f->eof || --f->budget < 0)) return -1;
+  if (read_all(f->fd, buffer, size, at) != 0) return -1;
+  nsdae_write_queue_overlay(&f->pending, at, size, buffer);
+  return 0;
+}
+
+static herr_t driver_write(H5FD_t *own, H5FD_mem_t kind, hid_t transfer, haddr_t at, size_t size,
+                           const void *bytes)
+{
+  nsdae_vfd *f = file_of(own);
+  int rows = kind == H5FD_MEM_DRAW && (f->committed > 0 || at >= f->old);
+  (void)transfer;
+  if (at + size > f->eof) f->eof = at + size;
+  if (f->failure == 0 && (rows || f->direct)) {
+    f->failure = write_all(f->fd, bytes, size, at);
+    if (f->failure == 0) {
+      keep_head(f, at, size, bytes);
+      return 0;
+    }
+  }
+  if (!rows && nsdae_write_queue_add(&f->pending, at, size, kind, bytes) < 0 && f->failure == 0)
+    f->failure = ENOMEM;
+  return 0;
+}
+
+static herr_t driver_flush(H5FD_t *own, hid_t transfer, hbool_t closing)
+{
+  (void)transfer;
+  (void)closing;
+  commit(file_of(own));
+  return 0;
+}
+
+static herr_t driver_truncate(H5FD_t *own, hid_t transfer, hbool_t closing)
+{
+  nsdae_vfd *f = file_of(own);
+  (void)transfer;
+  (void)closing;
+  f->eof = f->eoa;
+  return 0;
+}
+
+/* The lock was taken when the file was opened. */
+static herr_t driver_lock(H5FD_t *own, hbool_t writing)
+{
+  (void)own;
+  (void)writing;
+  return 0;
+}
+
+/* Before the file is closed this lets the readers of SWMR in. */
+static herr_t driver_unlock(H5FD_t *own)
+{
+  nsdae_vfd *f = file_of(own);
+  if (f->direct) flock(f->fd, LOCK_UN);
+  return 0;
+}
+
+static const H5FD_class_t driver = {
+#ifdef H5FD_CLASS_VERSION
+    .version = H5FD_CLASS_VERSION,
+    .value = (H5FD_class_value_t)600,
+#endif
+    .name = "nsdae",
+    .maxaddr = (haddr_t)INT64_MAX,
+    .fc_degree = H5F_CLOSE_STRONG,
+    .fapl_size = sizeof(driver_info),
+    .open = driver_open,
+    .close = driver_close,
+    .query = driver_query,
+    .get_eoa = driver_get_eoa,
+    .set_eoa = driver_set_eoa,
+    .get_eof = driver_get_eof,
+    .read = driver_read,
+    .write = driver_write,
+    .flush = driver_flush,
+    .truncate = driver_truncate,
+    .lock = driver_lock,
+    .unlock = driver_unlock,
+    .fl_map = H5FD_FLMAP_DICHOTOMY,
+};
+
+/* What is written in place after it was made lies in one page of memory, and is there whole or not
+ * at all when the program is killed: nodes of trees, of 2 to 3 KiB, begin where a page does. */
+enum { ALIGNED_FROM = 1024, PAGE = 4096 };
+
+hid_t nsdae_vfd_access(nsdae_vfd *file)
+{
+  const driver_info info = {file};
+  hid_t access = H5Pcreate(H5P_FILE_ACCESS);
+  file->driver = H5FDregister(&driver);
+  herr_t code = H5Pset_driver(access, file->driver, &info);
+  if (code >= 0 && !file->reading) code = H5Pset_alignment(access, ALIGNED_FROM, PAGE);
+  /* a file that is closed is closed, whatever was left open in it: HDF5 must not come back to us */
+  if (code >= 0) code = H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
+  if (code >= 0) return access;
+  H5Pclose(access);
+  return -1;
+}

@@ -1,0 +1,244 @@
+/* A reader by recursive descent, one function per line of the grammar in the header. It stops at
+ * the first reason and gives it on; blanks may stand between any two symbols. */
+#include "formula.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "errors.h"
+#include "suggest.h"
+
+typedef struct reader {
+  const char *text, *at;
+  const nsdae_formula_names *names;
+  char *reason;
+} reader;
+
+typedef struct function {
+  const char *name;
+  int arguments;
+} function;
+
+static const function functions[] = {
+    {"sin", 1},  {"cos", 1}, {"tan", 1}, {"asin", 1}, {"acos", 1}, {"atan", 1}, {"atan2", 2},
+    {"sqrt", 1}, {"exp", 1}, {"log", 1}, {"abs", 1},  {"min", 2},  {"max", 2},  {"hypot", 2},
+};
+
+enum { FUNCTIONS = sizeof functions / sizeof *functions };
+
+/* The alphabet is ASCII whatever the locale. */
+static int is_digit(char c)
+{
+  return c >= '0' && c <= '9';
+}
+
+static int is_letter(char c)
+{
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
+}
+
+static int refuse(reader *r, const char *format, ...) NSDAE_PRINTF(2, 3);
+
+static int refuse(reader *r, const char *format, ...)
+{
+  va_list args;
+  va_start(args, format);
+  int used = vsnprintf(r->reason, NSDAE_FORMULA_REASON, format, args);
+  va_end(args);
+  if (used > 0 && used < NSDAE_FORMULA_REASON)
+    snprintf(r->reason + used, (size_t)(NSDAE_FORMULA_REASON - used), " at character %d",
+             (int)(r->at - r->text) + 1);
+  return NSDAE_E_ARGUMENT;
+}
+
+/* The next symbol's first character. */
+static char next(reader *r)
+{
+  while (*r->at == ' ') r->at++;
+  return *r->at;
+}
+
+static int take(reader *r, char symbol)
+{
+  if (next(r) != symbol) return 0;
+  r->at++;
+  return 1;
+}
+
+static int read_sum(reader *r);
+
+static void skip_digits(reader *r)
+{
+  while (is_digit(*r->at)) r->at++;
+}
+
+/* 12, 1.5, .5, 2e-3 */
+static int read_number(reader *r)
+{
+  const char *from = r->at;
+  skip_digits(r);
+  if (*r->at == '.') r->at++;
+  skip_digits(r);
+  if (r->at - from == 1 && *from == '.') return refuse(r, "a point without digits");
+  if (*r->at != 'e' && *r->at != 'E') return NSDAE_OK;
+  r->at++;
+  if (*r->at == '+' || *r->at == '-') r->at++;
+  if (!is_digit(*r->at)) return refuse(r, "an exponent without digits");
+  skip_digits(r);
+  return NSDAE_OK;
+}
+
+/* q and digits only. */
+static int is_column(const char *name)
+{
+  size_t digits = strspn(name + 1, "0123456789");
+  return name[0] == 'q' && digits > 0 && name[1 + digits] == '\0';
+}
+
+static int is_numeric(const nsdae_param *p)
+{
+  return p->type == NSDAE_PARAM_REAL || p->type == NSDAE_PARAM_INT;
+}
+
+/* Place in the order of the first name that is not before this one: bisection. */
+static int place_of(const nsdae_formula_names *n, const char *name)
+{
+  int low = 0, high = n->nq;
+  while (low < high) {
+    int middle = low + (high - low) / 2;
+    if (strcmp(n->coordinate[n->order[middle]], name) < 0)
+      low = middle + 1;
+    else
+      high = middle;
+  }
+  return low;
+}
+
+static int find_coordinate(const nsdae_formula_names *n, const char *name)
+{
+  if (!n->coordinate) return -1;
+  if (n->order) {
+    int at = place_of(n, name);
+    return at < n->nq && strcmp(n->coordinate[n->order[at]], name) == 0 ? n->order[at] : -1;
+  }
+  for (int i = 0; i < n->nq; i++)
+    if (n->coordinate[i] && strcmp(name, n->coordinate[i]) == 0) return i;
+  return -1;
+}
+
+int nsdae_formula_coordinate(const char *text, const nsdae_formula_names *names)
+{
+  if (!*text) return -1;
+  if (!is_column(text)) return find_coordinate(names, text);
+  return strlen(text) < 10 && atoi(text + 1) < names->nq ? atoi(text + 1) : -1;
+}
+
+static int is_quantity(const nsdae_formula_names *n, const char *name)
+{
+  if (strcmp(name, "pi") == 0 || strcmp(name, "t") == 0) return 1;
+  if (find_coordinate(n, name) >= 0) return 1;
+  const nsdae_param *p = n->parameters ? nsdae_params_find(n->parameters, name) : NULL;
+  return p && is_numeric(p);
+}
+
+static const char *nearest_to(const nsdae_formula_names *n, const char *name)
+{
+  nsdae_suggest nearest = nsdae_suggest_start(name);
+  for (int i = 0; i < FUNCTIONS; i++) nsdae_suggest_try(&nearest, functions[i].name);
+  for (int i = 0; n->coordinate && i < n->nq; i++)
+    if (n->coordinate[i]) nsdae_suggest_try(&nearest, n->coordinate[i]);
+  for (int i = 0; n->parameters && i < n->parameters->n; i++)
+    if (is_numeric(&n->parameters->entry[i]))
+      nsdae_suggest_try(&nearest, n->parameters->entry[i].key);
+  return nsdae_suggest_end(&nearest);
+}
+
+static int check_quantity(reader *r, const char *name)
+{
+  const char *near;
+  if (is_column(name)) {
+    if (strlen(name) < 10 && atoi(name + 1) < r->names->nq) return NSDAE_OK;
+    return refuse(r, "there is no %.12s: the coordinates are q0 to q%d,", name, r->names->nq - 1);
+  }
+  if (is_quantity(r->names, name)) return NSDAE_OK;
+  near = nearest_to(r->names, name);
+  if (near) return refuse(r, "unknown name '%.40s' (did you mean '%.40s'?)", name, near);
+  return refuse(r, "unknown name '%.40s'", name);
+}
+
+static int read_call(reader *r, const function *f)
+{
+  if (!take(r, '(')) return refuse(r, "%s without (", f->name);
+  int status = read_sum(r);
+  for (int i = 1; i < f->arguments && status == NSDAE_OK; i++)
+    status = take(r, ',') ? read_sum(r) : refuse(r, "%s takes %d values,", f->name, f->arguments);
+  if (status == NSDAE_OK && !take(r, ')')) status = refuse(r, "%s without )", f->name);
+  return status;
+}
+
+static int read_name(reader *r)
+{
+  char name[NSDAE_FORMULA_LENGTH];
+  size_t n = 0;
+  const char *from = r->at;
+  while (is_letter(from[n]) || is_digit(from[n])) n++;
+  memcpy(name, from, n);
+  name[n] = '\0';
+  for (int i = 0; i < FUNCTIONS; i++)
+    if (strcmp(name, functions[i].name) == 0) {
+      r->at += n;
+      return read_call(r, &functions[i]);
+    }
+  int status = check_quantity(r, name);
+  if (status == NSDAE_OK) r->at += n;
+  return status;
+}
+
+static int read_atom(reader *r)
+{
+  char c = next(r);
+  if (is_digit(c) || c == '.') return read_number(r);
+  if (is_letter(c)) return read_name(r);
+  if (c == '\0') return refuse(r, "the formula ends where a value should stand,");
+  if (!take(r, '(')) return refuse(r, "'%c' where a value should stand", c < ' ' ? '?' : c);
+  int status = read_sum(r);
+  if (status == NSDAE_OK && !take(r, ')')) status = refuse(r, "( without )");
+  return status;
+}
+
+static int read_sign(reader *r)
+{
+  while (take(r, '+') || take(r, '-')) continue;
+  int status = read_atom(r);
+  return status == NSDAE_OK && take(r, '^') ? read_sign(r) : status;
+}
+
+static int read_product(reader *r)
+{
+  int status = read_sign(r);
+  while (status == NSDAE_OK && (take(r, '*') || take(r, '/'))) status = read_sign(r);
+  return status;
+}
+
+static int read_sum(reader *r)
+{
+  int status = read_product(r);
+  while (status == NSDAE_OK && (take(r, '+') || take(r, '-'))) status = read_product(r);
+  return status;
+}
+
+int nsdae_formula_check(const char *text, const nsdae_formula_names *names,
+                        char reason[NSDAE_FORMULA_REASON])
+{
+  reader r = {.text = text, .at = text, .names = names, .reason = reason};
+  reason[0] = '\0';
+  if (strlen(text) >= NSDAE_FORMULA_LENGTH) {
+    r.at = text + NSDAE_FORMULA_LENGTH - 1;
+    return refuse(&r, "the formula is longer than %d characters:", NSDAE_FORMULA_LENGTH - 1);
+  }
+  int status = read_sum(&r);
+  if (status == NSDAE_OK && next(&r)) status = refuse(&r, "'%c' is not expected", *r.at);
+  return status;
+}

@@ -1,0 +1,73 @@
+/* A table of growing datasets, buffered: rows are kept until a chunk is full or a flush is due. */
+#ifndef NSDAE_IO_SERIES_H
+#define NSDAE_IO_SERIES_H
+
+#include "axes.h"
+#include "hdf5_data.h"
+#include "dataset_table.h"
+
+/* Rows that are kept of a first column that counts, for it is written at flushes only; of the
+ * others as many as a chunk of the datasets has. */
+enum { NSDAE_SERIES_ROWS_MAX = 16 * 1024 };
+
+typedef struct nsdae_series {
+  const nsdae_table *table;
+  hid_t *set;            /* per column; < 0: left out, because its rows are empty */
+  size_t *bytes;         /* of a row, per column */
+  hsize_t chunk;         /* rows, so that no column has a chunk of more than some MiB */
+  char **buffer;         /* per column */
+  hsize_t written, held; /* rows in the file, rows in the buffers; but for a column that counts */
+  int packed;
+  hsize_t counted; /* rows of the first column in the file, where it counts, else 0 */
+} nsdae_series;
+
+/* Allocates for the table's rows; NSDAE_E_MEMORY. Columns whose rows are empty stay out. packed:
+ * rows are compressed, by whole chunks. */
+int nsdae_series_init(nsdae_series *series, const nsdae_table *table, const nsdae_sizes *sizes,
+                      int packed);
+void nsdae_series_release(nsdae_series *series);
+
+/* Makes the datasets, the first of them the dimension scale of all, named scale; the others' second
+ * dimensions are the axes. deflate: as in nsdae_h5_series. */
+int nsdae_series_create(nsdae_series *series, nsdae_h5 *h5, const nsdae_sizes *sizes,
+                        const nsdae_axes *axes, const char *scale, int deflate);
+
+/* Opens the datasets of a file, which must have the table's shapes; rows: of the shortest. */
+int nsdae_series_open(nsdae_series *series, nsdae_h5 *h5, const nsdae_sizes *sizes, hsize_t *rows);
+/* Goes on behind so many rows, whatever the file has. */
+void nsdae_series_resume(nsdae_series *series, hsize_t rows);
+/* Drops what the file has behind the rows that are written, of the first column and then of the
+ * others. */
+int nsdae_series_cut(nsdae_series *series, nsdae_h5 *h5);
+
+/* Whether it has any column. */
+int nsdae_series_exists(const nsdae_series *series);
+/* Adds rows `from` and on of those at `row`, a struct of the table, to the buffers; as many as
+ * given, or those up to the end of a chunk, where that is less: how many they were. A struct whose
+ * fields are the row itself has the one, 0. */
+int nsdae_series_append(nsdae_series *series, const void *row, int from, int rows);
+/* Whether the rows so far end where a chunk does. */
+int nsdae_series_ends_chunk(const nsdae_series *series);
+
+/* Rows so far, in the file and in the buffers. */
+hsize_t nsdae_series_rows(const nsdae_series *series);
+/* Back to fewer rows: the next one takes the place of the first that is dropped. */
+void nsdae_series_rewind(nsdae_series *series, hsize_t rows);
+
+typedef enum nsdae_series_part {
+  NSDAE_SERIES_CHUNKS, /* of packed rows only whole chunks */
+  NSDAE_SERIES_ALL
+} nsdae_series_part;
+
+/* Writes the rows held, without the first column. */
+int nsdae_series_write(nsdae_series *series, nsdae_h5 *h5, nsdae_series_part part);
+/* Writes the first column up to the rows that are written. */
+int nsdae_series_count(nsdae_series *series, nsdae_h5 *h5);
+/* No row more before nsdae_series_count. */
+int nsdae_series_is_full(const nsdae_series *series);
+/* What the file may grow by when the rows held are written: whole chunks, and HDF5's own records of
+ * them. */
+long nsdae_series_held_bytes(const nsdae_series *series);
+void nsdae_series_close(nsdae_series *series);
+
+#endif

@@ -1,0 +1,373 @@
+/* A row of /bodies for each body: texts, sizes, and its number of rows in the table of points; or,
+ * of what is placed by coordinates alone, a row of /shapes: their numbers in place of formulas. */
+#include "shapes_data.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "errors.h"
+
+static const char *const shape_names[] = {"point",  "disc",    "segment", "polygon", "path",
+                                          "sphere", "capsule", "box",     "plane"};
+
+enum { SHAPES = sizeof shape_names / sizeof *shape_names };
+
+static int is_given(const char *text)
+{
+  return text && *text;
+}
+
+static int count_given(const char *const *text, int n)
+{
+  int count = 0;
+  for (int i = 0; i < n; i++) count += is_given(text[i]);
+  return count;
+}
+
+/* ---- the check */
+
+/* Which body, for the error's text. */
+typedef struct subject {
+  const nsdae_body *body;
+  int number;
+  const nsdae_formula_names *names;
+  nsdae_error *error;
+} subject;
+
+static int refuse(const subject *s, const char *field, const char *wrong)
+{
+  const char *name = s->body->name ? s->body->name : "";
+  int status = nsdae_error_set(s->error, NSDAE_E_ARGUMENT, "nsdae_trajectory_set_bodies", field,
+                               "body %d '%.40s': %s: %.160s", s->number, name, field, wrong);
+  if (s->error) s->error->index = s->number;
+  return status;
+}
+
+static int check_formula(const subject *s, const char *field, const char *text)
+{
+  char reason[NSDAE_FORMULA_REASON];
+  if (!is_given(text) || nsdae_formula_check(text, s->names, reason) == NSDAE_OK) return NSDAE_OK;
+  return refuse(s, field, reason);
+}
+
+static int check_formulas(const subject *s, const char *field, const char *const *text, int n)
+{
+  int status = NSDAE_OK;
+  for (int i = 0; i < n && status == NSDAE_OK; i++) status = check_formula(s, field, text[i]);
+  return status;
+}
+
+/* Names in order; of one name in the order of their bodies. */
+static int by_name(const void *a, const void *b)
+{
+  const nsdae_body *const *left = a, *const *right = b;
+  int order = strcmp((*left)->name, (*right)->name);
+  return order ? order : (*left > *right) - (*left < *right);
+}
+
+static int check_names(int n, const nsdae_body *body, nsdae_error *error)
+{
+  for (int i = 0; i < n; i++) {
+    const subject s = {&body[i], i, NULL, error};
+    if (!is_given(body[i].name)) return refuse(&s, "name", "it has none");
+  }
+  const nsdae_body **sorted = malloc((size_t)n * sizeof *sorted);
+  if (!sorted)
+    return nsdae_error_set(error, NSDAE_E_MEMORY, "nsdae_trajectory_set_bodies", "",
+                           "out of memory");
+  for (int i = 0; i < n; i++) sorted[i] = &body[i];
+  qsort(sorted, (size_t)n, sizeof *sorted, by_name);
+  int status = NSDAE_OK;
+  for (int i = 1; i < n && status == NSDAE_OK; i++) {
+    const subject s = {sorted[i], (int)(sorted[i] - body), NULL, error};
+    if (strcmp(sorted[i - 1]->name, sorted[i]->name) == 0)
+      status = refuse(&s, "name", "another body has it already");
+  }
+  free(sorted);
+  return status;
+}
+
+/* What is wrong with the size, or NULL. */
+static const char *size_fault(int shape, const double *size)
+{
+  for (int i = 0; i < 3; i++)
+    if (!isfinite(size[i])) return "a value is not finite";
+  if (shape == NSDAE_SHAPE_PLANE)
+    return size[0] != 0 || size[1] != 0 || size[2] != 0 ? NULL : "its normal is zero";
+  for (int i = 0; i < 3; i++)
+    if (size[i] < 0) return "a length is negative";
+  int round =
+      shape == NSDAE_SHAPE_DISC || shape == NSDAE_SHAPE_SPHERE || shape == NSDAE_SHAPE_CAPSULE;
+  if (round && size[0] == 0) return "its radius must be greater than 0";
+  if (shape == NSDAE_SHAPE_DISC && size[1] >= size[0])
+    return "the radius of its hole must be less than its own";
+  if (shape == NSDAE_SHAPE_BOX && (size[0] == 0 || size[1] == 0 || size[2] == 0))
+    return "its edges must be greater than 0";
+  return NULL;
+}
+
+static const char *points_fault(const nsdae_body *b)
+{
+  int least = b->shape == NSDAE_SHAPE_POLYGON ? 3 : b->shape == NSDAE_SHAPE_PATH ? 2 : 0;
+  if (b->points < least) return least == 3 ? "a polygon needs three" : "a path needs two";
+  if (least == 0 && b->points != 0) return "only a polygon and a path have any";
+  if (b->points > 0 && !b->point) return "point is NULL";
+  for (size_t i = 0; i < 3 * (size_t)b->points; i++)
+    if (!isfinite(b->point[i])) return "a value is not finite";
+  return NULL;
+}
+
+static int check_shape(const subject *s)
+{
+  const nsdae_body *b = s->body;
+  if (b->shape < 0 || b->shape >= SHAPES) return refuse(s, "shape", "there is no such shape");
+  const char *fault = size_fault(b->shape, b->size);
+  if (fault) return refuse(s, "size", fault);
+  fault = points_fault(b);
+  return fault ? refuse(s, "points", fault) : NSDAE_OK;
+}
+
+static int check_place(const subject *s)
+{
+  const nsdae_body *b = s->body;
+  int parts = count_given(b->quaternion, 4), ends = count_given(b->end, 3);
+  if (parts > 0 && parts < 4) return refuse(s, "quaternion", "it has four parts");
+  if (parts > 0 && is_given(b->angle)) return refuse(s, "angle", "it has a quaternion too");
+  if (b->shape == NSDAE_SHAPE_SEGMENT && ends == 0)
+    return refuse(s, "end", "a segment needs its other end");
+  if (b->shape != NSDAE_SHAPE_SEGMENT && ends > 0)
+    return refuse(s, "end", "only a segment has one");
+  if (b->shape == NSDAE_SHAPE_SEGMENT && (parts > 0 || is_given(b->angle)))
+    return refuse(s, "angle", "a segment lies between its ends");
+  int status = check_formulas(s, "position", b->position, 3);
+  if (status == NSDAE_OK) status = check_formula(s, "angle", b->angle);
+  if (status == NSDAE_OK) status = check_formulas(s, "quaternion", b->quaternion, 4);
+  return status < 0 ? status : check_formulas(s, "end", b->end, 3);
+}
+
+int nsdae_bodies_check(int n, const nsdae_body *body, const nsdae_formula_names *names,
+                       nsdae_error *error)
+{
+  int status = n > 0 ? check_names(n, body, error) : NSDAE_OK;
+  for (int i = 0; i < n && status == NSDAE_OK; i++) {
+    const subject s = {&body[i], i, names, error};
+    status = check_shape(&s);
+    if (status == NSDAE_OK) status = check_place(&s);
+  }
+  return status;
+}
+
+/* ---- the group */
+
+/* The texts of a body, in the order of their columns. */
+enum { TEXTS = 13 };
+
+static const struct {
+  const char *path, *units, *description;
+} columns[TEXTS] = {
+    {"/bodies/name", "", "names of the bodies"},
+    {"/bodies/shape", "", "their shapes"},
+    {"/bodies/x", "m", "formula of the place of the body's origin"},
+    {"/bodies/y", "m", "formula of the place of the body's origin"},
+    {"/bodies/z", "m", "formula of the place of the body's origin"},
+    {"/bodies/angle", "rad", "formula of the angle of the body's frame about z; empty: none"},
+    {"/bodies/quaternion_w", "1",
+     "formula: the quaternion that turns the body's frame; empty: none"},
+    {"/bodies/quaternion_x", "1",
+     "formula: the quaternion that turns the body's frame; empty: none"},
+    {"/bodies/quaternion_y", "1",
+     "formula: the quaternion that turns the body's frame; empty: none"},
+    {"/bodies/quaternion_z", "1",
+     "formula: the quaternion that turns the body's frame; empty: none"},
+    {"/bodies/end_x", "m", "formula of a segment's other end; empty: none"},
+    {"/bodies/end_y", "m", "formula of a segment's other end; empty: none"},
+    {"/bodies/end_z", "m", "formula of a segment's other end; empty: none"},
+};
+
+static const char *or_else(const char *text, const char *otherwise)
+{
+  return is_given(text) ? text : otherwise;
+}
+
+static const char *text_of(const nsdae_body *b, int column)
+{
+  if (column == 0) return b->name;
+  if (column == 1) return shape_names[b->shape];
+  if (column < 5) return or_else(b->position[column - 2], "0");
+  if (column == 5) return or_else(b->angle, "");
+  if (column < 10) return or_else(b->quaternion[column - 6], "");
+  return or_else(b->end[column - 10], b->shape == NSDAE_SHAPE_SEGMENT ? "0" : "");
+}
+
+static size_t all_points(int n, const nsdae_body *const *body)
+{
+  size_t all = 0;
+  for (int i = 0; i < n; i++) all += (size_t)body[i]->points;
+  return all;
+}
+
+/* Bodies of one of the two groups, and memory for their columns. */
+typedef struct column_set {
+  nsdae_h5 *h5;
+  const char *group;
+  int n;
+  const nsdae_body *const *body;
+  const char **text; /* n */
+  int *number;       /* n */
+  double *row;       /* 3 of n, or of all points */
+} column_set;
+
+static int write_matrix(const column_set *s, const char *name, hsize_t rows, const char *what)
+{
+  char path[48];
+  snprintf(path, sizeof path, "%s/%s", s->group, name);
+  return nsdae_h5_matrix(s->h5, path, rows, 3, s->row, "m", what);
+}
+
+static int write_ints(const column_set *s, const char *name, const char *what)
+{
+  char path[48];
+  snprintf(path, sizeof path, "%s/%s", s->group, name);
+  return nsdae_h5_vector(s->h5, path, H5T_NATIVE_INT, (hsize_t)s->n, s->number, "1", what);
+}
+
+static int write_sizes(column_set *s)
+{
+  for (int i = 0; i < s->n; i++)
+    memcpy(s->row + 3 * (size_t)i, s->body[i]->size, sizeof s->body[i]->size);
+  return write_matrix(s, "size", (hsize_t)s->n, "by the shape");
+}
+
+/* How many each body has, and all of them one after another. */
+static int write_points(column_set *s)
+{
+  double *at = s->row;
+  for (int i = 0; i < s->n; i++) s->number[i] = s->body[i]->points;
+  int status = write_ints(s, "points", "rows of point in this group that each has, in order");
+  for (int i = 0; i < s->n; i++) {
+    if (s->body[i]->points == 0) continue;
+    memcpy(at, s->body[i]->point, 3 * sizeof *at * (size_t)s->body[i]->points);
+    at += 3 * s->body[i]->points;
+  }
+  if (status < 0 || at == s->row) return status;
+  return write_matrix(s, "point", (hsize_t)(at - s->row) / 3,
+                      "corners of polygons and paths in their bodies' frames");
+}
+
+static int write_texts(column_set *s)
+{
+  int status = NSDAE_OK;
+  for (int c = 0; c < TEXTS && status == NSDAE_OK; c++) {
+    for (int i = 0; i < s->n; i++) s->text[i] = text_of(s->body[i], c);
+    status = nsdae_h5_vector(s->h5, columns[c].path, H5T_C_S1, (hsize_t)s->n, s->text,
+                             columns[c].units, columns[c].description);
+  }
+  return status;
+}
+
+/* ---- what is placed by coordinates alone */
+
+/* Numbers of coordinates: of x, the next ones being y (and z); of the angle, or of w, the next ones
+ * being x, y, z of the quaternion. */
+typedef struct placed {
+  int dimension, position, turn; /* 2 or 3; turn -1: none */
+} placed;
+
+/* Whether the texts are coordinates one after another; the number of the first in *first. */
+static int in_a_row(const char *const *text, int n, const nsdae_formula_names *names, int *first)
+{
+  if (!is_given(text[0])) return 0;
+  *first = nsdae_formula_coordinate(text[0], names);
+  for (int i = 1; i < n; i++)
+    if (!is_given(text[i]) || nsdae_formula_coordinate(text[i], names) != *first + i) return 0;
+  return *first >= 0;
+}
+
+static int find_place(const nsdae_body *b, const nsdae_formula_names *names, placed *p)
+{
+  *p = (placed){.dimension = is_given(b->position[2]) ? 3 : 2, .turn = -1};
+  if (b->shape == NSDAE_SHAPE_SEGMENT || !in_a_row(b->position, p->dimension, names, &p->position))
+    return 0;
+  if (is_given(b->angle)) return p->dimension == 2 && in_a_row(&b->angle, 1, names, &p->turn);
+  if (!is_given(b->quaternion[0])) return 1;
+  return p->dimension == 3 && in_a_row(b->quaternion, 4, names, &p->turn);
+}
+
+static int write_places(column_set *s, const nsdae_formula_names *names)
+{
+  static const char *const name[] = {"dimension", "position", "turn"},
+                           *const what[] = {
+                               "2: in the plane, 3: in space",
+                               "coordinate, from 0, that is x of the origin; y, z come after it",
+                               ("coordinate, from 0, that is the angle about z, or in space w of "
+                                "the quaternion, whose x, y, z come after it; -1: not turned")};
+  int status = NSDAE_OK;
+  for (int c = 0; c < 3 && status == NSDAE_OK; c++) {
+    for (int i = 0; i < s->n; i++) {
+      placed p;
+      find_place(s->body[i], names, &p);
+      s->number[i] = c == 0 ? p.dimension : c == 1 ? p.position : p.turn;
+    }
+    status = write_ints(s, name[c], what[c]);
+  }
+  return status;
+}
+
+static int write_shapes(column_set *s, const nsdae_formula_names *names)
+{
+  for (int i = 0; i < s->n; i++) s->text[i] = s->body[i]->name;
+  int status = nsdae_h5_vector(s->h5, "/shapes/name", H5T_C_S1, (hsize_t)s->n, s->text, "",
+                               "names of what is placed by coordinates alone");
+  for (int i = 0; i < s->n; i++) s->number[i] = s->body[i]->shape;
+  if (status == NSDAE_OK)
+    status = write_ints(s, "shape",
+                        "0 point, 1 disc, 3 polygon, 4 path, 5 sphere, 6 capsule, 7 box, 8 plane");
+  return status < 0 ? status : write_places(s, names);
+}
+
+/* names: of formulas, for /shapes; NULL: /bodies. */
+static int write_group(nsdae_h5 *h5, int n, const nsdae_body *const *body,
+                       const nsdae_formula_names *names)
+{
+  if (n == 0) return NSDAE_OK;
+  size_t points = all_points(n, body), count = (size_t)n;
+  column_set s = {.h5 = h5, .group = names ? "/shapes" : "/bodies", .n = n, .body = body};
+  s.text = malloc(count * sizeof *s.text);
+  s.number = malloc(count * sizeof *s.number);
+  s.row = malloc(3 * (points > count ? points : count) * sizeof *s.row);
+  int status = NSDAE_E_MEMORY;
+  if (s.text && s.number && s.row) {
+    status = names ? write_shapes(&s, names) : write_texts(&s);
+    if (status == NSDAE_OK) status = write_sizes(&s);
+    if (status == NSDAE_OK) status = write_points(&s);
+  } else
+    nsdae_error_set(h5->error, status, "nsdae_trajectory_set_bodies", "", "out of memory");
+  free(s.text);
+  free(s.number);
+  free(s.row);
+  return status;
+}
+
+int nsdae_bodies_write(nsdae_h5 *h5, int n, const nsdae_body *body,
+                       const nsdae_formula_names *names, int apart)
+{
+  int in_shapes = 0, in_bodies = n;
+  const nsdae_body **sorted = malloc(((size_t)n + 1) * sizeof *sorted);
+  if (!sorted)
+    return nsdae_error_set(h5->error, NSDAE_E_MEMORY, "nsdae_trajectory_set_bodies", "",
+                           "out of memory");
+  for (int i = n - 1; i >= 0; i--) { /* in order: /bodies at the end */
+    placed p;
+    if (!apart || !find_place(&body[i], names, &p)) sorted[--in_bodies] = &body[i];
+  }
+  for (int i = 0; i < n && apart; i++) {
+    placed p;
+    if (find_place(&body[i], names, &p)) sorted[in_shapes++] = &body[i];
+  }
+  int status = write_group(h5, n - in_bodies, sorted + in_bodies, NULL);
+  if (status == NSDAE_OK) status = write_group(h5, in_shapes, sorted, names);
+  free(sorted);
+  return status;
+}

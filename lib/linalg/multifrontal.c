@@ -1,0 +1,400 @@
+#include "multifrontal.h"
+
+#include <cblas.h>
+#include <lapacke.h>
+#include <math.h>
+#include <nsdae/status.h>
+#include <string.h>
+
+/* A supernode takes a further column while the zeros that it brings are fewer than this part. */
+static const double RELAXED = 0.15;
+
+static void lay_out_graph(void *object, nsdae_arena *arena)
+{
+  nsdae_multifrontal *f = object;
+  int n = f->graph.n;
+  f->graph.size = NSDAE_ARENA_INTS(arena, n);
+  f->graph.first = NSDAE_ARENA_INTS(arena, n + 1L);
+  f->graph.index = NSDAE_ARENA_INTS(arena, f->super.count); /* here the number of entries */
+  f->graph.at = nsdae_arena_take(arena, f->super.count, sizeof(size_t));
+  f->graph.twin = NSDAE_ARENA_INTS(arena, f->super.count);
+  f->graph.diagonal = nsdae_arena_take(arena, n, sizeof(size_t));
+  f->place = NSDAE_ARENA_INTS(arena, n + 1L);
+  f->super.begin = NSDAE_ARENA_INTS(arena, n + 1L);
+  f->super.pivots = NSDAE_ARENA_INTS(arena, n);
+  f->super.rest = NSDAE_ARENA_INTS(arena, n);
+  f->super.children = NSDAE_ARENA_INTS(arena, n);
+  f->local = NSDAE_ARENA_INTS(arena, n);
+  f->waiting = NSDAE_ARENA_INTS(arena, n);
+  f->super.factor = nsdae_arena_take(arena, n + 1L, sizeof(size_t));
+}
+
+static void lay_out_numbers(void *object, nsdae_arena *arena)
+{
+  nsdae_multifrontal *f = object;
+  f->A = NSDAE_ARENA_DOUBLES(arena, f->values);
+  f->F = NSDAE_ARENA_DOUBLES(arena, f->super.factor[f->super.count]);
+  f->front = NSDAE_ARENA_DOUBLES(arena, f->super.most_front);
+  f->stack = NSDAE_ARENA_DOUBLES(arena, f->super.most_stack);
+  f->vector = NSDAE_ARENA_DOUBLES(arena, f->order);
+  f->gather = NSDAE_ARENA_DOUBLES(arena, f->super.most_rest);
+  f->exchange = NSDAE_ARENA_INTS(arena, f->order);
+}
+
+static int block_size(const nsdae_multifrontal *f, int number)
+{
+  return f->graph.size[f->tree.node[number]];
+}
+
+static int is_same(const nsdae_multifrontal *f, int n, const int *size, const int *first,
+                   const int *index)
+{
+  size_t count = (size_t)n;
+  return f->of_numbers.base && f->graph.n == n &&
+         memcmp(f->graph.size, size, count * sizeof *size) == 0 &&
+         memcmp(f->graph.first, first, (count + 1) * sizeof *first) == 0 &&
+         memcmp(f->graph.index, index, (size_t)first[n] * sizeof *index) == 0;
+}
+
+/* Where the blocks of A lie. */
+static void place_blocks(nsdae_multifrontal *f)
+{
+  size_t used = 0;
+  f->order = 0;
+  for (int k = 0; k < f->graph.n; k++) {
+    f->place[k] = f->order;
+    f->order += block_size(f, k);
+  }
+  for (int i = 0; i < f->graph.n; i++) {
+    size_t n = (size_t)f->graph.size[i];
+    f->graph.diagonal[i] = used;
+    used += n * n;
+    for (int a = f->graph.first[i]; a < f->graph.first[i + 1]; a++) {
+      f->graph.at[a] = used;
+      used += n * (size_t)f->graph.size[f->graph.index[a]];
+    }
+  }
+  f->values = used;
+  for (int i = 0; i < f->graph.n; i++) f->local[i] = f->graph.first[i];
+  for (int i = 0; i < f->graph.n; i++) /* lists ascend: those of j meet their twins in order */
+    for (int a = f->graph.first[i]; a < f->graph.first[i + 1]; a++)
+      f->graph.twin[a] = f->local[f->graph.index[a]]++;
+}
+
+/* Runs of columns, each the parent of the one before. The last column of a run has the rows of all
+ * but for the run itself; where an earlier one has fewer, zeros are stored. */
+static void find_supernodes(nsdae_multifrontal *f)
+{
+  const nsdae_symbolic *t = &f->tree;
+  int s = 0;
+  double stored = 0, zeros = 0;
+  for (int k = 0; k < f->graph.n; k++) {
+    int open = k > 0 && t->parent[k - 1] == k;
+    double columns = open ? k - f->super.begin[s - 1] : 0;
+    double more = open ? columns * (t->count[k] + 1 - t->count[k - 1]) : 0;
+    if (open && zeros + more <= RELAXED * (stored + columns + t->count[k] + 1)) {
+      zeros += more;
+      stored += t->count[k] + 1;
+      continue;
+    }
+    f->super.begin[s++] = k;
+    zeros = 0;
+    stored = t->count[k] + 1;
+  }
+  f->super.begin[s] = f->graph.n;
+  f->super.count = s;
+}
+
+/* Rows below supernode s are those of its last column. */
+static int last_of(const nsdae_multifrontal *f, int s)
+{
+  return f->super.begin[s + 1] - 1;
+}
+
+static void measure_supernodes(nsdae_multifrontal *f)
+{
+  const nsdae_symbolic *t = &f->tree;
+  int *owner = f->local;
+  f->super.factor[0] = 0;
+  f->super.most_front = 0;
+  f->super.most_rest = 0;
+  for (int s = 0; s < f->super.count; s++) {
+    int last = last_of(f, s);
+    f->super.pivots[s] = f->super.rest[s] = f->super.children[s] = 0;
+    for (int k = f->super.begin[s]; k <= last; k++) {
+      f->super.pivots[s] += block_size(f, k);
+      owner[k] = s;
+    }
+    for (size_t a = t->start[last]; a < t->start[last + 1]; a++)
+      f->super.rest[s] += block_size(f, t->row[a]);
+    size_t p = (size_t)f->super.pivots[s], r = (size_t)f->super.rest[s];
+    f->super.factor[s + 1] = f->super.factor[s] + p * (p + 2 * r);
+    if ((p + r) * (p + r) > f->super.most_front) f->super.most_front = (p + r) * (p + r);
+    if (f->super.rest[s] > f->super.most_rest) f->super.most_rest = f->super.rest[s];
+  }
+  for (int s = 0; s < f->super.count; s++) {
+    int above = t->parent[last_of(f, s)];
+    if (above < f->graph.n) f->super.children[owner[above]]++;
+  }
+}
+
+/* Depth of the stack: a supernode takes what its children left and leaves its own. */
+static void measure_stack(nsdae_multifrontal *f)
+{
+  size_t used = 0;
+  int *waiting = f->waiting, top = 0;
+  f->super.most_stack = 0;
+  for (int s = 0; s < f->super.count; s++) {
+    for (int c = 0; c < f->super.children[s]; c++) {
+      int child = waiting[--top];
+      used -= (size_t)f->super.rest[child] * (size_t)f->super.rest[child];
+    }
+    used += (size_t)f->super.rest[s] * (size_t)f->super.rest[s];
+    if (used > f->super.most_stack) f->super.most_stack = used;
+    if (f->super.rest[s] > 0) waiting[top++] = s;
+  }
+}
+
+static int analyse(nsdae_multifrontal *f, int n, const int *size, const int *first,
+                   const int *index)
+{
+  if (nsdae_symbolic_analyse(&f->tree, n, first, index) != NSDAE_OK) return NSDAE_E_MEMORY;
+  f->graph.n = n;
+  f->super.count = first[n];
+  if (nsdae_arena_fit(&f->of_graph, lay_out_graph, f) != NSDAE_OK) return NSDAE_E_MEMORY;
+  memcpy(f->graph.size, size, (size_t)n * sizeof *size);
+  memcpy(f->graph.first, first, ((size_t)n + 1) * sizeof *first);
+  memcpy(f->graph.index, index, (size_t)first[n] * sizeof *index);
+  place_blocks(f);
+  find_supernodes(f);
+  measure_supernodes(f);
+  measure_stack(f);
+  return nsdae_arena_fit(&f->of_numbers, lay_out_numbers, f);
+}
+
+int nsdae_multifrontal_analyse(nsdae_multifrontal *f, int n, const int *size, const int *first,
+                               const int *index)
+{
+  if (is_same(f, n, size, first, index)) return NSDAE_OK;
+  int status = analyse(f, n, size, first, index);
+  if (status != NSDAE_OK) f->graph.n = 0; /* no graph is known any more */
+  return status;
+}
+
+/* Adds block (i, j) of A to the front, i and j numbers. */
+static void add_block(const nsdae_multifrontal *f, double *F, int lda, size_t from, int i, int j)
+{
+  int rows = block_size(f, i), columns = block_size(f, j);
+  const double *block = f->A + from;
+  for (int c = 0; c < columns; c++) {
+    double *to = F + (size_t)(f->local[j] + c) * (size_t)lda + f->local[i];
+    for (int r = 0; r < rows; r++) to[r] += block[c * rows + r];
+  }
+}
+
+/* Entries of A in the columns and rows of the supernode: those whose other end is not eliminated.
+ * Of a symmetric matrix the columns are enough. */
+static void add_entries(const nsdae_multifrontal *f, int s, double *F, int lda)
+{
+  const nsdae_symbolic *t = &f->tree;
+  for (int k = f->super.begin[s]; k < f->super.begin[s + 1]; k++) {
+    int i = t->node[k];
+    add_block(f, F, lda, f->graph.diagonal[i], k, k);
+    for (int a = f->graph.first[i]; a < f->graph.first[i + 1]; a++) {
+      int other = t->number[f->graph.index[a]];
+      if (other < f->super.begin[s]) continue;
+      add_block(f, F, lda, f->graph.at[a], other, k);
+      if (other >= f->super.begin[s + 1] && !f->symmetric)
+        add_block(f, F, lda, f->graph.at[f->graph.twin[a]], k, other);
+    }
+  }
+}
+
+/* Adds what a child left, rest x rest, to the front (of a symmetric matrix its lower triangle). */
+static void add_child(const nsdae_multifrontal *f, int child, const double *left, double *F,
+                      int lda)
+{
+  const nsdae_symbolic *t = &f->tree;
+  int last = last_of(f, child), rest = f->super.rest[child];
+  const double *column = left;
+  for (size_t b = t->start[last]; b < t->start[last + 1]; b++)
+    for (int c = 0; c < block_size(f, t->row[b]); c++, column += rest) {
+      double *to = F + (size_t)(f->local[t->row[b]] + c) * (size_t)lda;
+      size_t from = f->symmetric ? b : t->start[last];
+      int at = 0;
+      for (size_t a = t->start[last]; a < from; a++) at += block_size(f, t->row[a]);
+      for (size_t a = from; a < t->start[last + 1]; a++) {
+        int rows = block_size(f, t->row[a]);
+        double *place = to + f->local[t->row[a]];
+        for (int r = 0; r < rows; r++) place[r] += column[at + r];
+        at += rows;
+      }
+    }
+}
+
+/* Where the numbers of the supernode and below it begin in its front. */
+static void place_front(nsdae_multifrontal *f, int s)
+{
+  const nsdae_symbolic *t = &f->tree;
+  int at = 0, last = last_of(f, s);
+  for (int k = f->super.begin[s]; k <= last; k++) {
+    f->local[k] = at;
+    at += block_size(f, k);
+  }
+  for (size_t a = t->start[last]; a < t->start[last + 1]; a++) {
+    f->local[t->row[a]] = at;
+    at += block_size(f, t->row[a]);
+  }
+}
+
+static void copy(int rows, int columns, const double *from, int ldf, double *to, int ldt)
+{
+  for (int c = 0; c < columns; c++)
+    memcpy(to + (size_t)c * (size_t)ldt, from + (size_t)c * (size_t)ldf, (size_t)rows * sizeof *to);
+}
+
+/* LAPACK may let a NaN pass. */
+static int check_pivots(int p, const double *F, int lda)
+{
+  for (int i = 0; i < p; i++)
+    if (!(fabs(F[(size_t)i * ((size_t)lda + 1)]) < INFINITY)) return i + 1;
+  return 0;
+}
+
+/* The front [P U; R S]: P = L L^T, R := R L^-T, S := S - R R^T. */
+static int factor_symmetric(int p, int r, double *F, int lda)
+{
+  double *R = F + p, *S = F + (size_t)p * (size_t)lda + p;
+  int info = LAPACKE_dpotrf_work(LAPACK_COL_MAJOR, 'L', p, F, lda);
+  if (info == 0) info = check_pivots(p, F, lda);
+  if (info != 0 || r == 0) return info;
+  cblas_dtrsm(CblasColMajor, CblasRight, CblasLower, CblasTrans, CblasNonUnit, r, p, 1, F, lda, R,
+              lda);
+  cblas_dsyrk(CblasColMajor, CblasLower, CblasNoTrans, r, p, -1, R, lda, 1, S, lda);
+  return 0;
+}
+
+/* P = X L U with the exchange of rows X, R := R U^-1, U := L^-1 X^T U, S := S - R U. */
+static int factor_general(int p, int r, double *F, int lda, int *exchange)
+{
+  double *R = F + p, *U = F + (size_t)p * (size_t)lda, *S = U + p;
+  int info = LAPACKE_dgetrf_work(LAPACK_COL_MAJOR, p, p, F, lda, exchange);
+  if (info == 0) info = check_pivots(p, F, lda);
+  if (info != 0 || r == 0) return info;
+  cblas_dtrsm(CblasColMajor, CblasRight, CblasUpper, CblasNoTrans, CblasNonUnit, r, p, 1, F, lda, R,
+              lda);
+  LAPACKE_dlaswp_work(LAPACK_COL_MAJOR, r, U, lda, 1, p, exchange, 1);
+  cblas_dtrsm(CblasColMajor, CblasLeft, CblasLower, CblasNoTrans, CblasUnit, p, r, 1, F, lda, U,
+              lda);
+  cblas_dgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, r, r, p, -1, R, lda, U, lda, 1, S, lda);
+  return 0;
+}
+
+/* One supernode; top is the number of doubles on the stack, waiting the supernodes that left them.
+ */
+static int factor_one(nsdae_multifrontal *f, int s, int *waiting, int *count, size_t *top)
+{
+  int p = f->super.pivots[s], r = f->super.rest[s], n = p + r;
+  double *F = f->front, *to = f->F + f->super.factor[s];
+  memset(F, 0, (size_t)n * (size_t)n * sizeof *F);
+  place_front(f, s);
+  add_entries(f, s, F, n);
+  for (int c = 0; c < f->super.children[s]; c++) {
+    int child = waiting[--*count];
+    *top -= (size_t)f->super.rest[child] * (size_t)f->super.rest[child];
+    add_child(f, child, f->stack + *top, F, n);
+  }
+  int info = f->symmetric ? factor_symmetric(p, r, F, n)
+                          : factor_general(p, r, F, n, f->exchange + f->place[f->super.begin[s]]);
+  if (info != 0) return info;
+  copy(p, p, F, n, to, p);
+  copy(r, p, F + p, n, to + (size_t)p * (size_t)p, r);
+  if (!f->symmetric) copy(p, r, F + (size_t)p * (size_t)n, n, to + (size_t)p * (size_t)(p + r), p);
+  if (r == 0) return 0;
+  copy(r, r, F + (size_t)p * (size_t)n + p, n, f->stack + *top, r);
+  *top += (size_t)r * (size_t)r;
+  waiting[(*count)++] = s;
+  return 0;
+}
+
+int nsdae_multifrontal_factor(nsdae_multifrontal *f, int symmetric)
+{
+  int count = 0;
+  size_t top = 0;
+  f->symmetric = symmetric;
+  for (int s = 0; s < f->super.count; s++)
+    if (factor_one(f, s, f->waiting, &count, &top) != 0) return s + 1;
+  return 0;
+}
+
+/* Entries of the permuted vector in the rows below the supernode, and back. */
+static void gather(const nsdae_multifrontal *f, int s, int add)
+{
+  const nsdae_symbolic *t = &f->tree;
+  double *g = f->gather;
+  for (size_t a = t->start[last_of(f, s)]; a < t->start[last_of(f, s) + 1]; a++) {
+    double *x = f->vector + f->place[t->row[a]];
+    int rows = block_size(f, t->row[a]);
+    for (int k = 0; k < rows; k++)
+      if (add)
+        x[k] += *g++;
+      else
+        *g++ = x[k];
+  }
+}
+
+static void forward(nsdae_multifrontal *f, int s)
+{
+  int p = f->super.pivots[s], r = f->super.rest[s], at = f->place[f->super.begin[s]];
+  const double *P = f->F + f->super.factor[s], *R = P + (size_t)p * (size_t)p;
+  double *x = f->vector + at;
+  if (!f->symmetric) LAPACKE_dlaswp_work(LAPACK_COL_MAJOR, 1, x, p, 1, p, f->exchange + at, 1);
+  cblas_dtrsv(CblasColMajor, CblasLower, CblasNoTrans, f->symmetric ? CblasNonUnit : CblasUnit, p,
+              P, p, x, 1);
+  if (r == 0) return;
+  cblas_dgemv(CblasColMajor, CblasNoTrans, r, p, -1, R, r, x, 1, 0, f->gather, 1);
+  gather(f, s, 1);
+}
+
+static void backward(nsdae_multifrontal *f, int s)
+{
+  int p = f->super.pivots[s], r = f->super.rest[s];
+  const double *P = f->F + f->super.factor[s], *R = P + (size_t)p * (size_t)p,
+               *U = R + (size_t)p * (size_t)r;
+  double *x = f->vector + f->place[f->super.begin[s]];
+  if (r > 0) gather(f, s, 0);
+  if (r > 0 && f->symmetric)
+    cblas_dgemv(CblasColMajor, CblasTrans, r, p, -1, R, r, f->gather, 1, 1, x, 1);
+  else if (r > 0)
+    cblas_dgemv(CblasColMajor, CblasNoTrans, p, r, -1, U, p, f->gather, 1, 1, x, 1);
+  if (f->symmetric)
+    cblas_dtrsv(CblasColMajor, CblasLower, CblasTrans, CblasNonUnit, p, P, p, x, 1);
+  else
+    cblas_dtrsv(CblasColMajor, CblasUpper, CblasNoTrans, CblasNonUnit, p, P, p, x, 1);
+}
+
+/* x in the order of the blocks into the permuted vector (in), or back. */
+static void permute(nsdae_multifrontal *f, double *x, int in)
+{
+  for (int i = 0; i < f->graph.n; i++) {
+    double *y = f->vector + f->place[f->tree.number[i]];
+    memcpy(in ? y : x, in ? x : y, (size_t)f->graph.size[i] * sizeof *x);
+    x += f->graph.size[i];
+  }
+}
+
+void nsdae_multifrontal_solve(nsdae_multifrontal *f, double *x)
+{
+  permute(f, x, 1);
+  for (int s = 0; s < f->super.count; s++) forward(f, s);
+  for (int s = f->super.count - 1; s >= 0; s--) backward(f, s);
+  permute(f, x, 0);
+}
+
+void nsdae_multifrontal_release(nsdae_multifrontal *f)
+{
+  nsdae_symbolic_release(&f->tree);
+  nsdae_arena_release(&f->of_graph);
+  nsdae_arena_release(&f->of_numbers);
+  f->graph.n = 0;
+}

@@ -1,0 +1,68 @@
+/* Sparse matrices of dense blocks whose pattern is symmetric, factored by fronts (multifrontal
+ * method: Duff and Reid, ACM Trans. Math. Softw. 9 (1983) 302): the columns of a supernode and what
+ * they leave of the rest are dense matrices, so that the work is LAPACK's. A symmetric positive
+ * definite matrix is L L^T, any other L U with rows exchanged inside a supernode alone: it is for
+ * matrices that need no more than that. */
+#ifndef NSDAE_LINALG_FRONTS_H
+#define NSDAE_LINALG_FRONTS_H
+
+#include "symbolic.h"
+
+/* The matrix: its blocks, kept to see whether the next one has the same. */
+typedef struct nsdae_multifrontal_graph {
+  int n;            /* blocks */
+  int *size;        /* n: rows of each */
+  int *first;       /* n + 1: where the neighbours of each begin in index */
+  int *index;       /* first[n] */
+  size_t *at;       /* first[n]: in A, the block in row index[a] of column i, column-major */
+  int *twin;        /* first[n]: the entry of the transposed block */
+  size_t *diagonal; /* n: the block (i, i) */
+} nsdae_multifrontal_graph;
+
+/* The supernodes of its tree. */
+typedef struct nsdae_supernodes {
+  int count;
+  int *begin;     /* count + 1: first number of each */
+  int *pivots;    /* count: its columns */
+  int *rest;      /* count: its rows below */
+  size_t *factor; /* count + 1: where its part of F begins: pivot block, rows, columns */
+  int *children;  /* count: how many leave something to it */
+  size_t most_front, most_stack;
+  int most_rest;
+} nsdae_supernodes;
+
+typedef struct nsdae_multifrontal {
+  nsdae_symbolic tree;
+  nsdae_multifrontal_graph graph;
+  nsdae_supernodes super;
+  int order;      /* rows */
+  int symmetric;  /* of the last factorisation */
+  double *A;      /* the matrix, to be filled by the caller */
+  size_t values;  /* of A */
+  int *place;     /* n: first row of number k in the permuted vectors */
+  double *F;      /* the factors */
+  double *front;  /* largest front */
+  double *stack;  /* what children leave */
+  double *vector; /* order: permuted right-hand side */
+  double *gather; /* largest rest */
+  int *exchange;  /* order: of rows */
+  int *local;     /* n: where a number begins in the front at hand */
+  int *waiting;   /* n: supernodes whose rest is on the stack */
+  nsdae_arena of_graph, of_numbers;
+} nsdae_multifrontal;
+
+/* Analyses the graph (neighbours of block i, without i, ascending, in both directions) of n blocks
+ * of these sizes; nothing is done where it is the one of the last call. Then A holds graph.at[] and
+ * graph.diagonal[]. NSDAE_OK or NSDAE_E_MEMORY. A struct of zeros is one without memory. */
+int nsdae_multifrontal_analyse(nsdae_multifrontal *f, int n, const int *size, const int *first,
+                               const int *index);
+
+/* Factors what is in A. Returns 0, or > 0 where a pivot is zero or not positive. */
+int nsdae_multifrontal_factor(nsdae_multifrontal *f, int symmetric);
+
+/* x [order] := A^-1 x; the rows of the blocks in the order of the blocks. */
+void nsdae_multifrontal_solve(nsdae_multifrontal *f, double *x);
+
+void nsdae_multifrontal_release(nsdae_multifrontal *f);
+
+#endif

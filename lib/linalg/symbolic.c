@@ -1,0 +1,122 @@
+#include "symbolic.h"
+
+#include <amd.h>
+#include <nsdae/status.h>
+
+static void lay_out_nodes(void *object, nsdae_arena *arena)
+{
+  nsdae_symbolic *e = object;
+  e->node = NSDAE_ARENA_INTS(arena, e->n);
+  e->number = NSDAE_ARENA_INTS(arena, e->n);
+  e->parent = NSDAE_ARENA_INTS(arena, e->n);
+  e->count = NSDAE_ARENA_INTS(arena, e->n);
+  e->start = nsdae_arena_take(arena, e->n + 1L, sizeof(size_t));
+  e->work = NSDAE_ARENA_INTS(arena, 3L * e->n);
+}
+
+static void lay_out_rows(void *object, nsdae_arena *arena)
+{
+  nsdae_symbolic *e = object;
+  e->row = NSDAE_ARENA_INTS(arena, e->start[e->n]);
+}
+
+/* Of number i, every neighbour that goes before it: visit(k) for all k on the paths from those
+ * towards i in the tree, each once; the rows of L are these subtrees. With the tree unknown yet
+ * (ancestor not NULL) it is built by the way, with paths compressed. */
+static void build_tree(nsdae_symbolic *e)
+{
+  int *ancestor = e->work;
+  for (int i = 0; i < e->n; i++) {
+    e->parent[i] = ancestor[i] = e->n;
+    for (int a = e->first[e->node[i]]; a < e->first[e->node[i] + 1]; a++) {
+      int k = e->number[e->index[a]];
+      while (k < i) {
+        int next = ancestor[k];
+        ancestor[k] = i;
+        if (next == e->n) e->parent[k] = i;
+        if (next >= i) break;
+        k = next;
+      }
+    }
+  }
+}
+
+/* Counts (row NULL) or lists the entries of all columns. */
+static void list_rows(nsdae_symbolic *e, int *row)
+{
+  int *mark = e->work;
+  for (int k = 0; k < e->n; k++) {
+    mark[k] = -1;
+    e->count[k] = 0;
+  }
+  for (int i = 0; i < e->n; i++) {
+    mark[i] = i;
+    for (int a = e->first[e->node[i]]; a < e->first[e->node[i] + 1]; a++)
+      for (int k = e->number[e->index[a]]; k < i && mark[k] != i; k = e->parent[k]) {
+        mark[k] = i;
+        if (row) row[e->start[k] + (size_t)e->count[k]] = i;
+        e->count[k]++;
+      }
+  }
+}
+
+/* Children before their parent and next to it, so that what they leave can lie on a stack. */
+static void postorder(nsdae_symbolic *e)
+{
+  int n = e->n, *child = e->work, *sibling = child + n, *stack = sibling + n, placed = 0;
+  for (int k = 0; k < n; k++) child[k] = -1;
+  for (int k = n - 1; k >= 0; k--)
+    if (e->parent[k] < n) {
+      sibling[k] = child[e->parent[k]];
+      child[e->parent[k]] = k;
+    }
+  for (int root = 0; root < n; root++) {
+    int top = 0;
+    if (e->parent[root] < n) continue;
+    stack[top++] = root;
+    while (top > 0) {
+      int k = stack[top - 1];
+      if (child[k] >= 0) {
+        stack[top++] = child[k];
+        child[k] = sibling[child[k]];
+      } else {
+        e->count[placed++] = e->node[k];
+        top--;
+      }
+    }
+  }
+  for (int k = 0; k < n; k++) e->node[k] = e->count[k];
+}
+
+static void invert(nsdae_symbolic *e)
+{
+  for (int k = 0; k < e->n; k++) e->number[e->node[k]] = k;
+}
+
+int nsdae_symbolic_analyse(nsdae_symbolic *e, int n, const int *first, const int *index)
+{
+  e->n = n;
+  e->first = first;
+  e->index = index;
+  if (nsdae_arena_fit(&e->of_nodes, lay_out_nodes, e) != NSDAE_OK) return NSDAE_E_MEMORY;
+  int status = amd_order(n, first, index, e->node, NULL, NULL);
+  if (status != AMD_OK && status != AMD_OK_BUT_JUMBLED) return NSDAE_E_MEMORY;
+  invert(e);
+  build_tree(e);
+  postorder(e);
+  invert(e);
+  build_tree(e);
+  list_rows(e, NULL);
+  e->start[0] = 0;
+  for (int k = 0; k < n; k++) e->start[k + 1] = e->start[k] + (size_t)e->count[k];
+  if (nsdae_arena_fit(&e->of_rows, lay_out_rows, e) != NSDAE_OK) return NSDAE_E_MEMORY;
+  list_rows(e, e->row);
+  e->first = e->index = NULL;
+  return NSDAE_OK;
+}
+
+void nsdae_symbolic_release(nsdae_symbolic *e)
+{
+  nsdae_arena_release(&e->of_nodes);
+  nsdae_arena_release(&e->of_rows);
+}

@@ -1,0 +1,29 @@
+/* What the elimination of a sparse matrix of symmetric pattern will fill, before any number: the
+ * nodes are rows and columns or, here, dense blocks of several. Order of least degree (AMD:
+ * Amestoy, Davis, Duff, ACM Trans. Math. Softw. 30 (2004) 381), elimination tree (Liu, SIAM J.
+ * Matrix Anal. Appl. 11 (1990) 134), structure of each column of the factor. */
+#ifndef NSDAE_LINALG_ELIMINATION_H
+#define NSDAE_LINALG_ELIMINATION_H
+
+#include "arena.h"
+
+typedef struct nsdae_symbolic {
+  int n;
+  const int *first, *index; /* the graph: neighbours of node i, without i, in both directions */
+  int *node;                /* n: the node eliminated as number k */
+  int *number;              /* n: its inverse */
+  int *parent;              /* n: of number k in the tree; n: a root */
+  int *count;               /* n: entries of column k below the diagonal */
+  size_t *start;            /* n + 1: where they begin in row */
+  int *row;                 /* start[n]: their numbers, ascending */
+  int *work;                /* 3 n */
+  nsdae_arena of_nodes, of_rows;
+} nsdae_symbolic;
+
+/* Analyses the graph given by n, first [n + 1] and index [first[n]], which is not kept. NSDAE_OK or
+ * NSDAE_E_MEMORY. The arrays of a former call are used again where they are large enough; a struct
+ * of zeros has none. */
+int nsdae_symbolic_analyse(nsdae_symbolic *e, int n, const int *first, const int *index);
+void nsdae_symbolic_release(nsdae_symbolic *e);
+
+#endif

@@ -1,0 +1,558 @@
+/* A start is taken as far as it was meant: with the relative error tol = start_tol of its numbers a
+ * row has the error tol |row|_1 max |x|, of its coordinates for a position and of its velocities
+ * for a velocity. The 1 stands for constants of order one that are not seen in the row. So
+ *
+ *   |Phi_i|, -g_N,i        <= tol (1 + |Phi_q,i|_1 max |q|),   tol (1 + |W_N,i|_1 max |q|)
+ *   |Phi_q v + Phi_t|_i    <= tol (1 + |Phi_q,i|_1 max |v| + |Phi_t,i|)
+ *   | |q_unit| - 1 |       <= tol
+ *
+ * tol = 1e-6 takes numbers of six digits. Overlap beyond its bound is an error of event, a warning
+ * of time stepping, and the contact force of penalty. */
+#include "initial_conditions.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "errors.h"
+#include "penalty_law.h"
+#include "sim_impl.h"
+#include "system_impl.h"
+#include "tangent_check.h"
+#include "vector.h"
+
+static int refuse(const nsdae_terms *T, const char *argument, int kind, int i, const char *what,
+                  double value, double bound)
+{
+  char called[NSDAE_CALLED_SIZE];
+  nsdae_error_set(T->error, NSDAE_E_ARGUMENT, "nsdae_sim_init", argument,
+                  "%s %s %.6g at the start: it must be at most %.3g (see start_tol); "
+                  "nsdae_sim_project puts a start right",
+                  nsdae_system_called(T->system, kind, i, called), what, value, bound);
+  T->error->index = i;
+  T->error->time = nsdae_terms_time(T);
+  return NSDAE_E_ARGUMENT;
+}
+
+static int check_constraints(const nsdae_terms *T, double tol)
+{
+  const nsdae_dims *d = &T->system->dims;
+  const nsdae_blocks *blocks = &T->system->blocks;
+  const nsdae_rows *J = &T->by.jacobian;
+  double q = nsdae_largest(d->nq, T->q), v = nsdae_largest(d->nv, T->v);
+  for (int i = 0; i < d->m; i++) {
+    double sum = nsdae_rows_sum(blocks, J, i), bound = tol * (1 + sum * q);
+    if (fabs(T->constraint.phi[i]) > bound)
+      return refuse(T, "q0", NSDAE_NAME_CONSTRAINT, i, "is off by", fabs(T->constraint.phi[i]),
+                    bound);
+    double rate = nsdae_rows_add_dot(blocks, J, i, T->v, T->constraint.phi_t[i]);
+    bound = tol * (1 + sum * v + fabs(T->constraint.phi_t[i]));
+    if (fabs(rate) > bound)
+      return refuse(T, "v0", NSDAE_NAME_CONSTRAINT, i, "is violated at the rate", fabs(rate),
+                    bound);
+  }
+  return NSDAE_OK;
+}
+
+/* The deepest of the contacts that overlap by more than their bound, or -1. */
+static int deepest(const nsdae_terms *T, double tol, double *bound)
+{
+  double q = nsdae_largest(T->system->dims.nq, T->q);
+  int found = -1;
+  for (int i = 0; i < T->by.normal.count; i++) {
+    double most = tol * (1 + q * nsdae_rows_sum(&T->system->blocks, &T->by.normal, i));
+    if (!(-T->gap[i] > most) || (found >= 0 && T->gap[i] >= T->gap[found])) continue;
+    found = i;
+    *bound = most;
+  }
+  return found;
+}
+
+/* 'contact 3 "stop"'; a contact of a list by its id. */
+static const char *contact_called(const nsdae_terms *T, int i, char text[NSDAE_CALLED_SIZE])
+{
+  return T->system->by_list ? nsdae_system_called_id(T->system, T->by.list.id[i], text)
+                            : nsdae_system_called(T->system, NSDAE_NAME_CONTACT, i, text);
+}
+
+/* event needs a start without overlap: a contact that is closed has the gap 0 there. Time stepping
+ * keeps the overlap of a start, as nothing in it moves bodies apart. */
+static int check_gaps(const nsdae_terms *T, int method, double tol)
+{
+  char called[NSDAE_CALLED_SIZE];
+  int event = method == NSDAE_METHOD_EVENT;
+  int status = event ? NSDAE_E_ARGUMENT : NSDAE_WARN_PENETRATION;
+  double bound = 0;
+  int i = method == NSDAE_METHOD_PENALTY ? -1 : deepest(T, tol, &bound);
+  if (i < 0) return NSDAE_OK;
+  nsdae_error_set(T->error, status, "nsdae_sim_init", "q0",
+                  event ? "%s overlaps by %.6g at the start: it must be at most %.3g (see "
+                          "start_tol); nsdae_sim_project puts a start right"
+                        : "%s overlaps by %.6g at the start, more than start_tol explains (%.3g): "
+                          "the method keeps this overlap; nsdae_sim_project puts a start right",
+                  contact_called(T, i, called), -T->gap[i], bound);
+  T->error->index = i;
+  T->error->time = nsdae_terms_time(T);
+  return status;
+}
+
+/* A quaternion has length one; two coordinates may as well be a point on a circle. The group
+ * is the one that coordinate `first` begins. */
+static int is_rotation(const nsdae_units *u, int nq, int first)
+{
+  int size = 0, group = u->of[first];
+  if (fabs(u->length[group] - 1) < 0.1) return 1;
+  for (int i = first; i < nq && size < 4; i++) size += u->of[i] == group;
+  return size == 4;
+}
+
+/* The coordinate, from `after` on, that begins the group; they are numbered in this order. */
+static int next_group(const nsdae_units *u, int group, int after)
+{
+  int first = after;
+  while (u->of[first] != group) first++;
+  return first;
+}
+
+static int check_units(const nsdae_projector *p, const nsdae_terms *T, double tol)
+{
+  int nq = T->system->dims.nq, first = 0;
+  for (int g = 0; g < p->units.count; g++) {
+    first = next_group(&p->units, g, first);
+    double off = fabs(p->units.length[g] - 1);
+    if (off > tol && is_rotation(&p->units, nq, first))
+      return refuse(T, "q0", NSDAE_NAME_COORDINATE, first,
+                    "begins a group of unit length (dq/dt shows it) whose length is off by", off,
+                    tol);
+  }
+  return NSDAE_OK;
+}
+
+/* ---- derivatives with v = 0 and along two trial velocities: a few calls, whatever the size */
+
+/* One of the two relations that derivatives are given of: constraints and gaps. */
+typedef struct relation {
+  const char *derivative; /* the callback that is judged, */
+  const char *moving;     /* and that of what moves by itself; NULL: there is none */
+  int kind, rows;
+  nsdae_position_fn position;
+  const double *value; /* rows: at the start */
+  const nsdae_rows *rate;
+  const double *bias; /* rows: the rate with v = 0 */
+} relation;
+
+enum { STILL = -1, TRIALS = 2 };
+
+static void trial_velocity(int n, int number, double *v)
+{
+  for (int j = 0; j < n; j++)
+    v[j] = number == STILL ? 0 : cos(1 + number + 2.399963 * (j + 1)); /* no two alike */
+}
+
+/* W v + w of a row, and the sum of its terms. */
+static double given_rate(const relation *r, const nsdae_blocks *blocks, int i, const double *v,
+                         double *size)
+{
+  double rate = r->bias[i];
+  *size = fabs(rate);
+  for (int p = r->rate->first[i]; p < r->rate->first[i + 1]; p++) {
+    const double *value = r->rate->value + r->rate->at[p];
+    int b = r->rate->block[p];
+    for (int j = blocks->first[b]; j < blocks->first[b + 1]; j++, value += r->rate->stride) {
+      rate += *value * v[j];
+      *size += fabs(*value * v[j]);
+    }
+  }
+  return rate;
+}
+
+static int wrong_rate(const nsdae_terms *T, const relation *r, int i, int number, double given,
+                      double difference)
+{
+  char called[NSDAE_CALLED_SIZE];
+  const char *callback = number == STILL ? r->moving : r->derivative;
+  nsdae_error_set(T->error, NSDAE_E_DERIVATIVE, "nsdae_sim_init", callback,
+                  "%s: %s has the rate %.6g %s, differences say %.6g; nsdae_system_check names the "
+                  "entry (start_check = no takes it)",
+                  callback, nsdae_system_called(T->system, r->kind, i, called), given,
+                  number == STILL ? "with v = 0" : "along a trial velocity", difference);
+  T->error->index = i;
+  T->error->time = nsdae_terms_time(T);
+  return NSDAE_E_DERIVATIVE;
+}
+
+/* Formulas of the kit are not differenced: they are tested once for all, and have kinks where
+ * edges are equally near. Where a relation has a kink at the start its derivative is that of one
+ * side; of what jumps, as the gap of two edges where they are parallel, differences say nothing.
+ * Gross errors are what is looked for, signs and places: 1e-3 of the terms, above the rounding of
+ * the differences. */
+static int judge_rates(const nsdae_terms *T, const relation *r, int number, const double *v,
+                       double s)
+{
+  const nsdae_differences *d = T->differences;
+  for (int i = 0; i < r->rows; i++) {
+    if (nsdae_system_exact(T->system, r->kind, i)) continue;
+    double size, given = given_rate(r, &T->system->blocks, i, v, &size);
+    double ahead = (d->plus[i] - r->value[i]) / s, back = (r->value[i] - d->minus[i]) / s;
+    double middle = (ahead + back) / 2;
+    if (!isfinite(middle)) continue;                     /* the end of where it is defined */
+    if (fabs(ahead - back) > 1e3 * (size + 1)) continue; /* a jump, over the step */
+    double tol = 1e-3 * (size + fabs(middle)) + 1e-9 * (1 + fabs(r->value[i]));
+    if (fabs(given - middle) <= tol || fabs(given - ahead) <= tol || fabs(given - back) <= tol)
+      continue;
+    return wrong_rate(T, r, i, number, given, middle);
+  }
+  return NSDAE_OK;
+}
+
+static int displaced(const nsdae_terms *T, const relation *r, double s, double *value)
+{
+  nsdae_differences *d = T->differences;
+  const nsdae_system *system = T->system;
+  for (int i = 0; i < system->dims.nq; i++) d->q[i] = T->q[i] + s * d->qdot[i];
+  memset(value, 0, (size_t)r->rows * sizeof *value);
+  int code = r->position(nsdae_terms_time(T) + s, d->q, value, system->user);
+  return nsdae_system_callback_status(code, r->kind == NSDAE_NAME_CONTACT ? "gap" : "constraint",
+                                      nsdae_terms_time(T), T->error);
+}
+
+static int look(const nsdae_projector *p, const nsdae_terms *T, const relation *r, int number,
+                double s)
+{
+  nsdae_differences *d = T->differences;
+  int status = displaced(T, r, s, d->plus);
+  if (status == NSDAE_OK) status = displaced(T, r, -s, d->minus);
+  return status < 0 ? status : judge_rates(T, r, number, p->v, s);
+}
+
+/* What is wrong in the usual step is looked at in a far shorter one: a pin that is off the middle
+ * of its hole by less than the step, as by microns of clearance, turns its normal within it. */
+static int check_rates(nsdae_projector *p, const nsdae_terms *T, const relation *r)
+{
+  const double shorter = 1e-3;
+  nsdae_differences *d = T->differences;
+  const nsdae_dims *dims = &T->system->dims;
+  for (int number = r->moving ? STILL : 0; number < TRIALS; number++) {
+    trial_velocity(dims->nv, number, p->v);
+    int status = nsdae_kinematics_at(T, p->v, d->qdot);
+    if (status < 0) return status;
+    double s =
+        nsdae_differences_step(dims->nq, nsdae_terms_time(T), T->q, d->qdot, cbrt(DBL_EPSILON));
+    status = look(p, T, r, number, s);
+    if (status == NSDAE_E_DERIVATIVE) {
+      nsdae_error_clear(T->error);
+      status = look(p, T, r, number, shorter * s);
+    }
+    if (status < 0) return status;
+  }
+  return NSDAE_OK;
+}
+
+/* ---- accelerations, against differences of usual and of a thousand times finer steps */
+
+enum { FINER = 10 };
+
+static int agree(double given, double second, double rounding)
+{
+  double size = fabs(given) + fabs(second);
+  return !isfinite(second) || fabs(given - second) <= 1e-3 * size + rounding * (1 + size);
+}
+
+/* The items of a kind that were compared, with `each` entries. */
+typedef struct compared {
+  const nsdae_system *system;
+  int kind, each, count;
+} compared;
+
+/* The first acceleration of the user's that neither differences have, or -1. What is fast is right
+ * in finer steps; where those say something else again, as of a pin in the very middle of its hole,
+ * nothing is known. */
+static int first_wrong(const compared *c, const double *given, const double *second,
+                       const double *finer)
+{
+  for (int i = 0; i < c->count * c->each; i++) {
+    if (nsdae_system_exact(c->system, c->kind, i / c->each)) continue;
+    double off = fabs(given[i] - finer[i]); /* NaN: wrong */
+    if (agree(given[i], second[i], 1e-6) || agree(given[i], finer[i], 1e-3)) continue;
+    if (!(fabs(second[i] - finer[i]) > 0.1 * off)) return i;
+  }
+  return -1;
+}
+
+/* omega, which the rates do not have: Phi'' with v constant. */
+static int check_omega(nsdae_projector *p, const nsdae_terms *T)
+{
+  const nsdae_system *s = T->system;
+  nsdae_differences *d = T->differences;
+  int m = s->dims.m, i;
+  double *finer = p->start, *omega = p->start + m, *second = p->start + 2 * m;
+  if (!s->call.constraint_bias) return NSDAE_OK;
+  trial_velocity(s->dims.nv, 0, p->v);
+  memset(p->start, 0, 3 * (size_t)m * sizeof *p->start);
+  int code = s->call.constraint_bias(nsdae_terms_time(T), T->q, p->v, finer, omega,
+                                     s->user); /* and Phi_t */
+  int status = nsdae_system_callback_status(code, "constraint_bias", nsdae_terms_time(T), T->error);
+  if (status < 0) return status;
+  code =
+      nsdae_differences_second(d, s->call.constraint, m, nsdae_terms_time(T), T->q, p->v, second);
+  d->finer[1] = FINER;
+  if (!code)
+    code =
+        nsdae_differences_second(d, s->call.constraint, m, nsdae_terms_time(T), T->q, p->v, finer);
+  d->finer[1] = 0;
+  status = nsdae_system_callback_status(code, code && d->failed ? d->failed : "constraint",
+                                        nsdae_terms_time(T), T->error);
+  const compared rows = {s, NSDAE_NAME_CONSTRAINT, 1, m};
+  if (status < 0 || (i = first_wrong(&rows, omega, second, finer)) < 0) return status;
+  const relation accelerations = {.derivative = "constraint_bias", .kind = NSDAE_NAME_CONSTRAINT};
+  return wrong_rate(T, &accelerations, i, 0, omega[i], second[i]);
+}
+
+/* Of contacts and frictional joints, one behind the other, along p->v. */
+static int contact_differences(nsdae_projector *p, const nsdae_terms *T, int shorter, double *out)
+{
+  const nsdae_dims *dims = &T->system->dims;
+  nsdae_differences *d = T->differences;
+  double *tangential = out + dims->k, *sliding = tangential + dims->k * dims->nt;
+  d->finer[1] = shorter;
+  int code =
+      nsdae_differences_contacts(d, nsdae_terms_time(T), T->q, p->v, out, tangential, sliding);
+  d->finer[1] = 0;
+  return nsdae_system_callback_status(code, code && d->failed ? d->failed : "contact_bias",
+                                      nsdae_terms_time(T), T->error);
+}
+
+/* The same of contacts and frictional joints, which only event uses. */
+static int check_acceleration(nsdae_projector *p, const nsdae_terms *T, double *work)
+{
+  const nsdae_system *s = T->system;
+  const nsdae_dims *dims = &s->dims;
+  int k = dims->k, kt = k * dims->nt, n = k + kt + dims->f, i;
+  double *given = work, *second = work + n, *finer = second + n;
+  if (!s->call.contact_acceleration || p->tools->options->method != NSDAE_METHOD_EVENT)
+    return NSDAE_OK;
+  trial_velocity(dims->nv, 0, p->v);
+  memset(given, 0, (size_t)n * sizeof *given);
+  int code =
+      s->call.contact_acceleration(nsdae_terms_time(T), T->q, p->v, k ? given : NULL,
+                                   kt ? given + k : NULL, dims->f ? given + k + kt : NULL, s->user);
+  int status =
+      nsdae_system_callback_status(code, "contact_acceleration", nsdae_terms_time(T), T->error);
+  if (status == NSDAE_OK) status = contact_differences(p, T, 0, second);
+  if (status == NSDAE_OK) status = contact_differences(p, T, FINER, finer);
+  const compared parts[] = {{s, NSDAE_NAME_CONTACT, 1, k},
+                            {s, NSDAE_NAME_CONTACT, dims->nt, k},
+                            {s, NSDAE_NAME_FRICTIONAL_JOINT, 1, dims->f}};
+  for (int part = 0; part < 3 && status == NSDAE_OK; part++) {
+    const compared *c = &parts[part];
+    const relation of = {.derivative = "contact_acceleration", .kind = c->kind};
+    if ((i = first_wrong(c, given, second, finer)) >= 0)
+      status = wrong_rate(T, &of, i / c->each, 0, given[i], second[i]);
+    given += c->count * c->each, second += c->count * c->each, finer += c->count * c->each;
+  }
+  return status;
+}
+
+/* Directions of friction that nothing can rub along. */
+static int check_tangents(const nsdae_terms *T)
+{
+  const nsdae_system *s = T->system;
+  const nsdae_dims *d = &s->dims;
+  char called[NSDAE_CALLED_SIZE], why[NSDAE_TANGENT_TEXT];
+  size_t n = (size_t)d->nv;
+  for (int j = 0; s->call.gap_tangent && j < d->k * d->nt; j++) {
+    size_t i = (size_t)(j / d->nt);
+    const nsdae_contact_directions c = {s,
+                                        d->nv,
+                                        d->nt,
+                                        NULL,
+                                        T->by.normal.value + i * n,
+                                        NULL,
+                                        T->by.tangent.value + i * (size_t)d->nt * n};
+    if (nsdae_system_exact(s, NSDAE_NAME_CONTACT, (int)i)) continue;
+    if (!(s->contact[i].mu > 0) || !nsdae_tangent_useless(&c, j % d->nt, 0, why)) continue;
+    return nsdae_error_set(T->error, NSDAE_E_DERIVATIVE, "nsdae_sim_init", "gap_tangent",
+                           "gap_tangent: column %d (%s) %s (start_check = no takes it)", j,
+                           nsdae_system_called(s, NSDAE_NAME_CONTACT, (int)i, called), why);
+  }
+  return NSDAE_OK;
+}
+
+/* Whether any row of a kind has derivatives of the user's. */
+static int any_users(const nsdae_system *s, int kind, int rows)
+{
+  int i = 0;
+  while (i < rows && nsdae_system_exact(s, kind, i)) i++;
+  return i < rows;
+}
+
+/* Degenerate elements, which the maker of the system knows. */
+static int check_degenerate(const nsdae_terms *T)
+{
+  nsdae_error_set(T->error, NSDAE_E_ARGUMENT, "nsdae_sim_init", "gap_normal", "no normal");
+  if (nsdae_system_explain(T->system, nsdae_terms_time(T), T->q, T->v, T->error))
+    return NSDAE_E_ARGUMENT;
+  nsdae_error_clear(T->error);
+  return NSDAE_OK;
+}
+
+/* Late times leave too few digits to steps in time, so that nothing is said there. */
+static int check_derivatives(nsdae_projector *p, const nsdae_terms *T, double *work)
+{
+  const nsdae_system *s = T->system;
+  const nsdae_dims *d = &s->dims;
+  const relation constraints = {s->by_list ? "constraint_rows" : "constraint_jacobian",
+                                s->call.constraint_bias ? "constraint_bias" : NULL,
+                                NSDAE_NAME_CONSTRAINT,
+                                d->m,
+                                s->call.constraint,
+                                T->constraint.phi,
+                                &T->by.jacobian,
+                                T->constraint.phi_t};
+  const relation gaps = {"gap_normal",       s->call.contact_bias ? "contact_bias" : NULL,
+                         NSDAE_NAME_CONTACT, d->k,
+                         s->call.gap,        T->gap,
+                         &T->by.normal,      T->w_N};
+  if (!p->tools->options->start_check) return NSDAE_OK;
+  int status = check_degenerate(T);
+  if (status < 0 || fabs(nsdae_terms_time(T)) > 1e4) return status;
+  int rows = any_users(s, NSDAE_NAME_CONSTRAINT, d->m);
+  int contacts = any_users(s, NSDAE_NAME_CONTACT, d->k);
+  int accelerations = contacts || any_users(s, NSDAE_NAME_FRICTIONAL_JOINT, d->f);
+  if (rows && (s->call.constraint_jacobian || s->call.constraint_rows || s->call.constraint_bias))
+    status = check_rates(p, T, &constraints);
+  if (status == NSDAE_OK && rows) status = check_omega(p, T);
+  if (status == NSDAE_OK && contacts && (s->call.gap_normal || s->call.contact_bias))
+    status = check_rates(p, T, &gaps);
+  if (status == NSDAE_OK) status = check_tangents(T);
+  return status < 0 || !accelerations ? status : check_acceleration(p, T, work);
+}
+
+size_t nsdae_initial_size(const nsdae_dims *d)
+{
+  return 3 * ((size_t)d->k * (size_t)(1 + d->nt) + (size_t)d->f);
+}
+
+int nsdae_initial_check(nsdae_projector *p, const nsdae_terms *T, double *work)
+{
+  const nsdae_sim_options *o = p->tools->options;
+  int status = check_units(p, T, o->start_tol);
+  if (status == NSDAE_OK) status = check_constraints(T, o->start_tol);
+  if (status == NSDAE_OK) status = check_derivatives(p, T, work);
+  return status < 0 ? status : check_gaps(T, o->method, o->start_tol);
+}
+
+/* ---- putting one right */
+
+/* A contact that starts below zero has no root at which it closes: it would sink through.
+ * Tolerances of q do not bound its way either, which is the overlap over the gradient of the gap.
+ * So event starts at gap 0. */
+int nsdae_initial_touch(nsdae_projector *p, nsdae_terms *T)
+{
+  const nsdae_dims *d = &T->system->dims;
+  int overlaps = 0;
+  if (p->tools->options->method != NSDAE_METHOD_EVENT) return NSDAE_OK;
+  for (int i = 0; i < d->k; i++) overlaps |= T->gap[i] < -nsdae_terms_touch(T);
+  if (!overlaps) return NSDAE_OK;
+  memset(p->closed, 0, (size_t)d->k * sizeof *p->closed);
+  memset(p->depth, 0, (size_t)d->k * sizeof *p->depth);
+  p->contacts_alone = 1; /* redundant constraints may contradict each other within start_tol */
+  int status = nsdae_project_positions(p, T, 1);
+  p->contacts_alone = 0;
+  if (status == NSDAE_OK) status = nsdae_project_velocities(p, T);
+  if (status == NSDAE_OK) status = check_constraints(T, p->tools->options->start_tol);
+  return status < 0 ? status : 1;
+}
+
+/* Beside the state of the simulation: */
+
+typedef struct bench {
+  nsdae_terms terms;
+  nsdae_projector projection;
+  nsdae_evals evals;
+} bench;
+
+static void layout(void *object, nsdae_arena *arena)
+{
+  bench *b = object;
+  nsdae_terms_layout(&b->terms, arena);
+  nsdae_projector_layout(&b->projection, arena);
+}
+
+static void aim_at_unit_length(nsdae_projector *p, int nq)
+{
+  for (int g = 0, first = 0; g < p->units.count; g++) {
+    first = next_group(&p->units, g, first);
+    if (is_rotation(&p->units, nq, first)) p->units.length[g] = 1;
+  }
+}
+
+static int put_right(bench *b, double t0, double *q0, double *v0)
+{
+  const nsdae_dims *d = &b->terms.system->dims;
+  nsdae_terms_at(&b->terms, 0, q0, v0);
+  int status = nsdae_units_find(&b->projection, t0, q0);
+  if (status < 0) return status;
+  aim_at_unit_length(&b->projection, d->nq);
+  status = nsdae_project_positions(&b->projection, &b->terms, 1);
+  if (status == NSDAE_OK) status = nsdae_project_velocities(&b->projection, &b->terms);
+  if (status < 0) return status;
+  memcpy(q0, b->terms.q, (size_t)d->nq * sizeof *q0);
+  memcpy(v0, b->terms.v, (size_t)d->nv * sizeof *v0);
+  return NSDAE_OK;
+}
+
+static int project(nsdae_sim *sim, double t0, double *q0, double *v0)
+{
+  nsdae_error_clear(&sim->error);
+  if (sim->system->by_list)
+    return nsdae_error_set(&sim->error, NSDAE_E_UNSUPPORTED, "nsdae_sim_project", "blocks",
+                           "a system of blocks is not projected: put its start right yourself");
+  int status = nsdae_sim_check_state(sim, "nsdae_sim_project", t0, q0, v0);
+  if (status < 0) return status;
+  bench b = {.evals = {0}};
+  nsdae_arena arena;
+  nsdae_stepper_prepare_terms(&sim->stepper, &b.terms);
+  b.terms.evals = &b.evals;
+  b.projection.tools = &sim->stepper;
+  b.projection.rows_most = sim->system->dims.m + sim->system->dims.k;
+  if (nsdae_arena_build(&arena, layout, &b) < 0)
+    return nsdae_error_set(&sim->error, NSDAE_E_MEMORY, "nsdae_sim_project", "", "out of memory");
+  double epoch = sim->model.epoch; /* of the run, which is not touched */
+  sim->model.epoch = t0;
+  status = put_right(&b, t0, q0, v0);
+  sim->model.epoch = epoch;
+  nsdae_arena_release(&arena);
+  return status;
+}
+
+int nsdae_sim_project(nsdae_sim *sim, double t0, double *q0, double *v0)
+{
+  NSDAE_SIM_GUARDED(sim, NSDAE_MOVE, project(sim, t0, q0, v0));
+}
+
+/* Of the kinetic energy of the approach: 5 % in the velocities, as in watch.h. */
+static const double other_energy = 0.1;
+
+int nsdae_initial_law(const nsdae_system *s, const nsdae_sim_options *o, nsdae_error *error)
+{
+  const nsdae_penalty_force law = {o->penalty_law, o->penalty_stiffness, o->penalty_exponent};
+  double most = other_energy, given = 0;
+  char called[NSDAE_CALLED_SIZE];
+  int contact = -1;
+  if (o->method != NSDAE_METHOD_PENALTY) return NSDAE_OK;
+  for (int i = 0; i < s->dims.k; i++) {
+    double asked = s->contact[i].e_n, e = nsdae_penalty_restitution(&law, asked);
+    double off = fabs(e * e - asked * asked);
+    if (off > most) contact = i, most = off, given = e;
+  }
+  if (contact < 0) return NSDAE_OK;
+  nsdae_error_set(error, NSDAE_WARN_RESTITUTION, "nsdae_sim_init", "penalty_law",
+                  "%s has e_N = %.3g, and its penalty_law gives a restitution of %.3g: take "
+                  "kelvin-voigt, flores, or the e_N that gives the restitution wanted",
+                  nsdae_system_called(s, NSDAE_NAME_CONTACT, contact, called),
+                  s->contact[contact].e_n, given);
+  error->index = contact;
+  return NSDAE_WARN_RESTITUTION;
+}

@@ -1,0 +1,221 @@
+/* See watch.h. */
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "errors.h"
+#include "sim_impl.h"
+#include "vector.h"
+
+static const double pi = 3.14159265358979324; /* ways, in a turn: a half or one for a radian */
+static const double watch_late = 1.5;         /* ways: found late, and that of the hit */
+static const double watch_sudden = 2;         /* depths of rest */
+static const double watch_quarter = 0.25;     /* of the width of a body */
+static const double watch_tenth = 0.1;        /* of an arm: 0.1 rad */
+static const double watch_share = 0.1;        /* of the largest kinetic energy */
+static const double watch_turnover = 0.02;    /* of the work of forces, and of what is driven */
+static const double watch_half = 0.5;         /* of the largest that came from somewhere */
+
+/* Lengths: how far gaps and rows of constraints go in a step. */
+static void measure(nsdae_monitors *w, const nsdae_terms *from, const nsdae_result *result)
+{
+  const nsdae_terms *to = &result->end;
+  const nsdae_dims *d = &to->system->dims;
+  const nsdae_impulses *r = &result->impulses;
+  double speed = 0, h = to->t - from->t;
+  for (int i = 0; i < d->k; i++) {
+    w->change = nsdae_larger(w->change, fabs(to->gap[i] - from->gap[i]));
+    if (w->apart > 0) w->apart = nsdae_larger(w->apart, to->gap[i]);
+  }
+  for (int a = 0; a < result->closed.count; a++)
+    w->change = fmax(w->change, h * fmax(fabs(r->before[a]), fabs(r->after[a])));
+  if (d->m == 0) return; /* no row to go along */
+  for (int j = 0; j < d->nv; j++)
+    speed = nsdae_larger(speed, nsdae_larger(fabs(from->v[j]), fabs(to->v[j])));
+  w->way = nsdae_larger(w->way, h * w->row * speed);
+}
+
+/* The turnover of forces has no limit: in the long run the second bound counts. */
+static double energy_bound(const nsdae_monitors *w, const nsdae_work *of)
+{
+  double soon = watch_share * w->scale + watch_turnover * of->turnover;
+  double ever = watch_half * w->known + watch_turnover * of->spent + of->unsure;
+  return fmin(soon, ever) + watch_turnover * of->carried + of->rounding;
+}
+
+/* What is reported, and of which kind of item (-1: of none). */
+typedef struct rule {
+  int status, kind;
+  const char *argument, *what, *advice;
+} rule;
+
+static const rule rules[] = {
+    {NSDAE_WARN_ENERGY, -1, "kinetic", "the energy that came from nowhere is", "make dt smaller"},
+    {NSDAE_WARN_ENERGY, -1, "kinetic", "the energy that contact impulses gave is",
+     "their law does where e_N > 0 meets friction or another contact; take a smaller e_N or mu, or "
+     "method = event, which bounds it"},
+    {NSDAE_WARN_PENETRATION, NSDAE_NAME_CONTACT, "gap", "bodies overlap by",
+     "make dt smaller, set projection = depths, and check gap and gap_normal"},
+    {NSDAE_WARN_PENETRATION, NSDAE_NAME_CONTACT, "events_max",
+     "a step by implicit in place of event leaves an overlap of",
+     "make dt smaller, or events_max larger"},
+    {NSDAE_WARN_DRIFT, NSDAE_NAME_CONSTRAINT, "constraint", "constraints are violated by",
+     "make dt smaller, or set projection = constraints"}};
+enum { OF_STEPS, OF_CONTACTS, OF_OVERLAP, OF_FALLBACK, OF_DRIFT };
+
+/* What is off most against its bound. */
+typedef struct excess {
+  int rule;
+  double value, bound;
+  int item;
+} excess;
+
+static int bit_of(int status)
+{
+  return NSDAE_MONITORS_ENERGY << (status - NSDAE_WARN_ENERGY);
+}
+
+static int report(nsdae_point *point, const excess *e, int status)
+{
+  const nsdae_terms *end = &point->result.end;
+  const rule *r = &rules[e->rule];
+  point->accounts.stats.warnings |= bit_of(r->status);
+  nsdae_error_set(end->error, status, "nsdae_sim", r->argument,
+                  "at t = %.12g %s %.3g, more than the method explains (%.3g): %s",
+                  nsdae_terms_time(end), r->what, e->value, e->bound, r->advice);
+  end->error->time = nsdae_terms_time(end);
+  if (r->kind >= 0 && !(r->kind == NSDAE_NAME_CONTACT && end->system->by_list))
+    nsdae_system_name_item(end->system, r->kind, e->item, end->error);
+  return status;
+}
+
+/* By the quadrature up to the point before, with what was known there: where each step multiplies
+ * the energy the next one hides it. Or of contacts up to this one, if that is further beyond. */
+static excess find_gain(nsdae_monitors *w, const nsdae_point *before, const nsdae_point *point)
+{
+  double kinetic = point->record.kinetic, gained = point->work.gained;
+  excess found = {OF_STEPS, 0, 0, -1};
+  if (!before->result.located && !point->result.located)
+    found = (excess){OF_STEPS, before->record.certificate.unexplained,
+                     energy_bound(w, &before->work), -1};
+  w->scale = nsdae_larger(w->scale, kinetic);
+  w->known = nsdae_larger(w->known, kinetic - nsdae_larger(gained, nsdae_larger(0, found.value)));
+  double bound = energy_bound(w, &point->work);
+  if (gained > 0 && gained - bound > found.value - found.bound)
+    found = (excess){OF_CONTACTS, gained, bound, -1};
+  return found;
+}
+
+/* allowed: a share of its size, 0 if that is unknown: then the way counts. */
+static void compare(excess *e, int item, double value, double allowed, double way)
+{
+  double bound = allowed > 0 ? allowed : way;
+  if (value * e->bound > e->value * bound) *e = (excess){e->rule, value, bound, item};
+}
+
+/* The smaller of the two blocks of a contact by list; 0: neither is known. */
+static double size_of_pair(const double *size, const int *block)
+{
+  double least = INFINITY;
+  for (int s = 0; s < 2; s++)
+    if (block[s] >= 0 && size[block[s]] > 0) least = fmin(least, size[block[s]]);
+  return isfinite(least) ? least : 0;
+}
+
+/* The overlap that the method explains if sizes are unknown. Time stepping: see watch.h. penalty: a
+ * spring has stored no more than its contact has taken, of what was in motion, or of the work of a
+ * load or of a moving wall; a load that is put on suddenly compresses it to twice the depth of
+ * rest. */
+static double depth_of(const nsdae_sim *sim, const nsdae_point *point)
+{
+  const nsdae_monitors *w = &point->accounts.watch;
+  const nsdae_sim_options *o = &sim->options;
+  if (o->method != NSDAE_METHOD_PENALTY) return (watch_late + 2 * pi) * w->change;
+  double n = o->penalty_law == NSDAE_PENALTY_KELVIN_VOIGT ? 1 : o->penalty_exponent;
+  double stored = fmax(w->scale, point->record.dissipated);
+  return watch_sudden * pow((n + 1) * stored / o->penalty_stiffness, 1 / (n + 1));
+}
+
+/* A contact that was open as the step began is also held against the largest gap. */
+static excess deepest(const nsdae_sim *sim, const nsdae_point *before, const nsdae_point *point)
+{
+  const nsdae_result *r = &point->result;
+  const nsdae_system *s = r->end.system;
+  const double *size = s->size[NSDAE_NAME_CONTACT], *gap_before = before->result.end.gap;
+  double way = depth_of(sim, point), apart = point->accounts.watch.apart;
+  excess e = {OF_OVERLAP, 0, 1, 0};
+  for (int i = 0; i < s->dims.k; i++)
+    compare(&e, i, -r->end.gap[i], size ? watch_quarter * size[i] : 0,
+            apart > 0 && gap_before[i] > 0 ? fmin(way, apart) : way);
+  for (int a = 0; a < r->closed.count; a++)
+    compare(&e, a, -r->closed.gap[a],
+            size ? watch_quarter * size_of_pair(size, r->closed.block + 2 * (size_t)a) : 0, way);
+  return e;
+}
+
+static excess furthest(const nsdae_point *point)
+{
+  const nsdae_terms *T = &point->result.end;
+  const double *size = T->system->size[NSDAE_NAME_CONSTRAINT];
+  excess e = {OF_DRIFT, 0, 1, 0};
+  for (int i = 0; i < T->system->dims.m; i++)
+    compare(&e, i, fabs(T->constraint.phi[i]), size ? watch_tenth * size[i] : 0,
+            pi * point->accounts.watch.way);
+  return e;
+}
+
+/* A step of event by implicit finds a contact closed a step late: it overlaps by the way of its gap
+ * in the step at most, which is reported; more is no step. */
+static int judge_fallback(const nsdae_sim *sim, const nsdae_point *before, nsdae_point *point)
+{
+  const nsdae_terms *from = &before->result.end, *end = &point->result.end;
+  double least = sim->options.start_tol * (1 + nsdae_largest(end->system->dims.nq, end->q)),
+         way = 0;
+  excess deep = {OF_FALLBACK, 0, least, -1};
+  if (point->result.counters.fallbacks == 0) return NSDAE_OK;
+  for (int i = 0; i < end->system->dims.k; i++) {
+    if (!(-end->gap[i] > fmax(least, deep.value))) continue;
+    deep.value = -end->gap[i], deep.item = i;
+    way = fabs(end->gap[i] - from->gap[i]) + nsdae_larger(0, -from->gap[i]);
+  }
+  if (deep.item < 0) return NSDAE_OK;
+  if (deep.value > way) return deep.bound = way, report(point, &deep, NSDAE_E_CONVERGENCE);
+  int known = point->accounts.stats.warnings & NSDAE_MONITORS_PENETRATION;
+  return known ? NSDAE_OK : report(point, &deep, NSDAE_WARN_PENETRATION);
+}
+
+static int report_twofold(nsdae_point *point)
+{
+  const nsdae_terms *end = &point->result.end;
+  const nsdae_twofold *of = &point->result.twofold;
+  char called[NSDAE_CALLED_SIZE];
+  point->accounts.stats.warnings |= NSDAE_MONITORS_PAINLEVE;
+  nsdae_error_set(
+      end->error, NSDAE_WARN_PAINLEVE, "nsdae_sim", "mu",
+      "%s has two friction forces at t = %.6g (Painleve): that of the multiplier %.6g "
+      "is taken; less friction makes it unique",
+      nsdae_system_called(end->system, NSDAE_NAME_FRICTIONAL_JOINT, of->frictional_joint, called),
+      of->t, of->lambda);
+  end->error->time = of->t;
+  end->error->index = of->frictional_joint;
+  return NSDAE_WARN_PAINLEVE;
+}
+
+int nsdae_monitors_step(const nsdae_sim *sim, const nsdae_point *before, nsdae_point *point)
+{
+  nsdae_monitors *w = &point->accounts.watch;
+  const nsdae_record *r = &point->record;
+  int new = ~point->accounts.stats.warnings;
+  measure(w, &before->result.end, &point->result);
+  excess all[3] = {find_gain(w, before, point)};
+  int status = judge_fallback(sim, before, point), found = 1;
+  if (status != NSDAE_OK) return status;
+  if (r->penetration > 0) all[found++] = deepest(sim, before, point);
+  if (r->constraint_drift > 0) all[found++] = furthest(point);
+  for (int i = 0; i < found; i++)
+    if (all[i].value > all[i].bound && (new &bit_of(rules[all[i].rule].status)))
+      return report(point, &all[i], rules[all[i].rule].status);
+  if (point->result.twofold.frictional_joint >= 0 && (new &NSDAE_MONITORS_PAINLEVE))
+    return report_twofold(point);
+  return new &NSDAE_MONITORS_IMPACTS ? nsdae_merged_report(sim, before, point) : NSDAE_OK;
+}

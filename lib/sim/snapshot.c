@@ -1,0 +1,489 @@
+/* The state as one block of bytes:
+ *
+ *   head      magic, byte order, version, size, checksum (FNV-1a over the rest), dims, method
+ *   settings  every option that matters to the method, in the order of their table, as doubles;
+ *             mu, e_N, e_T of the contacts, mu of the frictional joints
+ *   epoch     t0 of the run, from which its times count
+ *   accounts  number of the step, grid, work of contacts and forces, certificate, statistics but
+ *             for the clock
+ *   state     t, q, v, what is evaluated there; multipliers, impulses and modes of the last step
+ *             (by list: of as many contacts as were closed, with their ids, blocks and gaps)
+ *   memory    what the method keeps: its numbers, its integers
+ *   units     groups of coordinates of constant length, their lengths (where nv < nq)
+ *
+ * One function visits all of it, to measure, to write, to read and to compare, so that the layout
+ * is written once. Nothing of a block is believed before its checksum, sizes and settings are
+ * right, and nothing of the simulation changes before all of it was read and the terms of the
+ * record were evaluated there. */
+#include <math.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "errors.h"
+#include "options.h"
+#include "sim_impl.h"
+
+typedef struct head {
+  char magic[8];
+  uint32_t byte_order, version;
+  uint64_t size, checksum;
+  uint64_t reals, wholes;
+  int32_t dims[6], method;
+  int32_t closed; /* contacts by list */
+} head;
+
+static const char MAGIC[8] = "nsdaest";
+enum { BYTE_ORDER_MARK = 0x01020304, BLOCK_VERSION = 4 };
+
+/* A place in a block: nothing is moved where both are NULL. Arrays may be NULL where they are
+ * empty. */
+typedef struct cursor {
+  char *to;
+  const char *from;
+  size_t at;
+} cursor;
+
+static void visit(cursor *c, void *data, size_t bytes)
+{
+  if (bytes == 0) return;
+  if (c->to) memcpy(c->to + c->at, data, bytes);
+  if (c->from) memcpy(data, c->from + c->at, bytes);
+  c->at += bytes;
+}
+
+static void visit_doubles(cursor *c, double *a, int n)
+{
+  visit(c, a, (size_t)n * sizeof *a);
+}
+
+static void visit_ints(cursor *c, int *a, int n)
+{
+  visit(c, a, (size_t)n * sizeof *a);
+}
+
+static void visit_certificate(cursor *c, nsdae_certificate *certificate)
+{
+  _Static_assert(sizeof *certificate == 10 * sizeof(double) + 6 * sizeof(int),
+                 "padding of a certificate, which the state would keep");
+  visit(c, certificate, sizeof *certificate);
+}
+
+/* Without the padding of the structs, so that equal states are equal bytes. */
+static void visit_stats(cursor *c, nsdae_stats *s)
+{
+  long *const counts[] = {&s->steps,          &s->smooth_steps,
+                          &s->contact_steps,  &s->lcps,
+                          &s->lcp_pivots,     &s->iterations,
+                          &s->mass_evals,     &s->force_evals,
+                          &s->jacobian_evals, &s->impacts,
+                          &s->events,         &s->accumulations,
+                          &s->fallback_steps, &s->accumulations_early};
+  double *const worst[] = {&s->worst_residual, &s->worst_drift,    &s->worst_penetration,
+                           &s->energy_start,   &s->energy_balance, &s->rank_retained,
+                           &s->rank_discarded};
+  /* all of them, and the clock; room in lists is the simulation's */
+  _Static_assert(sizeof *s - sizeof counts / sizeof *counts * sizeof(long) -
+                         sizeof worst / sizeof *worst * sizeof(double) - 7 * sizeof(int) -
+                         sizeof s->wall_time - sizeof s->certificate <
+                     sizeof(double),
+                 "a statistic that the state does not keep");
+  for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) visit(c, counts[i], sizeof(long));
+  for (size_t i = 0; i < sizeof worst / sizeof *worst; i++) visit(c, worst[i], sizeof(double));
+  visit(c, &s->rank, sizeof s->rank);
+  visit(c, &s->rank_most, sizeof s->rank_most);
+  visit(c, &s->warnings, sizeof s->warnings);
+  visit(c, &s->islands, sizeof s->islands);
+  visit(c, &s->island_contacts, sizeof s->island_contacts);
+  visit_certificate(c, &s->certificate);
+}
+
+static void visit_accounts(cursor *c, nsdae_accounts *a)
+{
+  _Static_assert(sizeof *a ==
+                     2 * sizeof(long) + 2 * sizeof(double) + sizeof a->stats + sizeof a->watch,
+                 "an account that the state does not keep");
+  visit(c, &a->step, sizeof a->step);
+  visit(c, &a->grid_count, sizeof a->grid_count);
+  visit(c, &a->grid_start, sizeof a->grid_start);
+  visit(c, &a->dissipated, sizeof a->dissipated);
+  visit_stats(c, &a->stats);
+  visit(c, &a->watch, sizeof a->watch);
+}
+
+/* Contacts by list, and the reach within which the next step finds them. */
+static void visit_closed(cursor *c, nsdae_result *r, unsigned have)
+{
+  nsdae_closed *closed = &r->closed;
+  int k = closed->count;
+  double reach = have & NSDAE_TERM_CONTACTS ? r->end.by.reach : 0;
+  visit_doubles(c, &reach, 1);
+  if (c->from) r->end.by.reach = reach;
+  visit(c, closed->id, (size_t)k * sizeof *closed->id);
+  visit_ints(c, closed->block, 2 * k);
+  visit_ints(c, closed->fresh, k);
+  visit_ints(c, closed->basis, NSDAE_CLOSED_BASIS * k);
+  visit_ints(c, r->impulses.mode, k);
+  visit_doubles(c, closed->gap, k);
+  visit_doubles(c, r->impulses.normal, k);
+  visit_doubles(c, r->impulses.tangential, k * closed->nt);
+}
+
+/* have: which terms the next step finds there. */
+static void visit_point(cursor *c, nsdae_point *p, double *epoch, double *t, unsigned *have)
+{
+  nsdae_result *r = &p->result;
+  const nsdae_dims *d = &r->end.system->dims;
+  visit_doubles(c, epoch, 1);
+  visit_accounts(c, &p->accounts);
+  visit(c, &p->work, sizeof p->work);
+  visit_certificate(c, &p->record.certificate);
+  visit_doubles(c, t, 1);
+  visit_doubles(c, r->end.q, d->nq);
+  visit_doubles(c, r->end.v, d->nv);
+  visit_doubles(c, &r->worst_residual, 1);
+  visit(c, have, sizeof *have);
+  visit_doubles(c, r->multiplier, d->m);
+  visit_doubles(c, r->impulses.normal, d->k);
+  for (int l = 0; l < d->nt; l++)
+    visit_doubles(c, r->impulses.tangential + (size_t)l * (size_t)d->k, d->k);
+  visit_doubles(c, r->impulses.frictional_joint_impulse, d->f);
+  visit_ints(c, r->impulses.mode, d->k);
+  visit_ints(c, r->impulses.frictional_joint_mode, d->f);
+  if (r->end.system->by_list) visit_closed(c, r, *have);
+  visit(c, r->memory.real, r->memory.reals * sizeof(double));
+  visit(c, r->memory.whole, r->memory.wholes * sizeof(int));
+}
+
+static void visit_units(cursor *c, const nsdae_dims *d, nsdae_units *units)
+{
+  if (d->nq == d->nv) return;
+  visit_ints(c, &units->count, 1);
+  visit_ints(c, units->of, d->nq);
+  visit_doubles(c, units->length, d->nq);
+}
+
+/* The i-th setting: an option, a coefficient. 0 past the last. */
+typedef struct setting {
+  const char *name;
+  int kind, index; /* of the contact or frictional joint, -1: an option */
+  int matters;
+  double value;
+} setting;
+
+static int setting_at(const nsdae_sim *sim, int i, setting *s)
+{
+  static const char *const coefficients[] = {"mu", "e_N", "e_T"};
+  const nsdae_params *table = nsdae_sim_options_table();
+  const nsdae_dims *d = &sim->system->dims;
+  if (i < table->n) {
+    const nsdae_param *p = &table->entry[i];
+    *s = (setting){p->key, -1, -1, nsdae_sim_option_matters(p->key, sim->options.method),
+                   nsdae_sim_option_value(&sim->options, p)};
+    return 1;
+  }
+  i -= table->n;
+  if (i < 3 * d->k) {
+    const nsdae_coefficients *c = &sim->model.contact[i / 3];
+    const double values[] = {c->mu, c->e_n, c->e_t};
+    *s = (setting){coefficients[i % 3], NSDAE_NAME_CONTACT, i / 3, 1, values[i % 3]};
+    return 1;
+  }
+  i -= 3 * d->k;
+  if (i >= d->f) return 0;
+  *s = (setting){"mu", NSDAE_NAME_FRICTIONAL_JOINT, i, 1, sim->model.frictional_joint[i].mu};
+  return 1;
+}
+
+static void visit_settings(cursor *c, const nsdae_sim *sim)
+{
+  setting s;
+  for (int i = 0; setting_at(sim, i, &s); i++) visit_doubles(c, &s.value, 1);
+}
+
+static int check_settings(nsdae_sim *sim, cursor *c)
+{
+  setting s;
+  for (int i = 0; setting_at(sim, i, &s); i++) {
+    double theirs = 0;
+    char of[NSDAE_CALLED_SIZE + 4] = "", called[NSDAE_CALLED_SIZE];
+    visit_doubles(c, &theirs, 1);
+    if (!s.matters || theirs == s.value) continue;
+    if (s.index >= 0)
+      snprintf(of, sizeof of, " of %s", nsdae_system_called(sim->system, s.kind, s.index, called));
+    nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, "nsdae_sim_set_state", s.name,
+                    "%s%s is %.17g here and %.17g in the block: a run goes on with the same "
+                    "settings",
+                    s.name, of, s.value, theirs);
+    sim->error.index = s.index;
+    return NSDAE_E_ARGUMENT;
+  }
+  return NSDAE_OK;
+}
+
+static head make_head(const nsdae_sim *sim, size_t size)
+{
+  const nsdae_dims *d = &sim->system->dims;
+  const nsdae_memory *m = &sim->now->result.memory;
+  head h = {.byte_order = BYTE_ORDER_MARK,
+            .version = BLOCK_VERSION,
+            .size = size,
+            .reals = m->reals,
+            .wholes = m->wholes,
+            .dims = {d->nq, d->nv, d->m, d->k, d->nt, d->f},
+            .method = sim->options.method,
+            .closed = nsdae_sim_shown(sim)->result.closed.count};
+  memcpy(h.magic, MAGIC, sizeof h.magic);
+  return h;
+}
+
+/* FNV-1a, 64 bits. */
+static uint64_t checksum(const char *bytes, size_t n)
+{
+  uint64_t sum = UINT64_C(14695981039346656037);
+  for (size_t i = 0; i < n; i++) sum = (sum ^ (unsigned char)bytes[i]) * UINT64_C(1099511628211);
+  return sum;
+}
+
+/* Of the whole block but the place of the checksum itself. */
+static uint64_t checksum_of(const char *block, size_t size)
+{
+  size_t at = offsetof(head, checksum), after = at + sizeof(uint64_t);
+  return checksum(block, at) ^ checksum(block + after, size - after);
+}
+
+/* With so many contacts by list. */
+static size_t size_of(const nsdae_sim *sim, int closed)
+{
+  nsdae_point measured = *sim->now;
+  cursor c = {0};
+  unsigned have = 0;
+  double epoch = 0, t = 0;
+  c.at = sizeof(head);
+  measured.result.closed.count = closed;
+  visit_settings(&c, sim);
+  visit_point(&c, &measured, &epoch, &t, &have);
+  visit_units(&c, &sim->system->dims, &(nsdae_units){0});
+  return c.at;
+}
+
+static int state_size(const nsdae_sim *sim, size_t *size)
+{
+  if (!size) return NSDAE_E_ARGUMENT;
+  *size = size_of(sim, nsdae_sim_shown(sim)->result.closed.count);
+  return NSDAE_OK;
+}
+
+int nsdae_sim_state_size(const nsdae_sim *sim, size_t *size)
+{
+  NSDAE_SIM_GUARDED(sim, NSDAE_READ, state_size(sim, size));
+}
+
+static int check_size(nsdae_sim *sim, const char *where, const void *block, size_t size, int closed)
+{
+  size_t needed = size_of(sim, closed);
+  if (!block)
+    return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, where, "block", "block is NULL");
+  if (size == needed) return NSDAE_OK;
+  return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, where, "size",
+                         "size = %zu bytes, and a state of this simulation has %zu "
+                         "(nsdae_sim_state_size)",
+                         size, needed);
+}
+
+static int get_state(nsdae_sim *sim, void *block, size_t size)
+{
+  if (!sim->observers.telling) nsdae_error_clear(&sim->error);
+  if (!sim->stage.started)
+    return nsdae_error_set(&sim->error, NSDAE_E_STATE, "nsdae_sim_get_state", "",
+                           "the simulation has no state: call nsdae_sim_init first");
+  int closed = nsdae_sim_shown(sim)->result.closed.count;
+  int status = check_size(sim, "nsdae_sim_get_state", block, size, closed);
+  if (status < 0) return status;
+  nsdae_point shown = *nsdae_sim_shown(sim); /* what is visited is not changed */
+  if (!(shown.result.end.have & NSDAE_TERM_CONTACTS))
+    shown.result.end.by.reach = 0; /* of no list */
+  double epoch = sim->model.epoch, t = shown.result.end.t;
+  unsigned have = shown.result.end.have;
+  head h = make_head(sim, size);
+  cursor c = {.to = block};
+  visit(&c, &h, sizeof h);
+  visit_settings(&c, sim);
+  visit_point(&c, &shown, &epoch, &t, &have);
+  visit_units(&c, &sim->system->dims, &sim->projection.units);
+  h.checksum = checksum_of(block, size);
+  memcpy(block, &h, sizeof h);
+  return NSDAE_OK;
+}
+
+int nsdae_sim_get_state(nsdae_sim *sim, void *block, size_t size)
+{
+  NSDAE_SIM_GUARDED(sim, NSDAE_ASK, get_state(sim, block, size));
+}
+
+static int refuse(nsdae_sim *sim, const char *argument, const char *what)
+{
+  return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, "nsdae_sim_set_state", argument, "%s",
+                         what);
+}
+
+static int check_dims(nsdae_sim *sim, const head *theirs, const head *ours)
+{
+  static const char *const names[] = {"nq", "nv", "m", "k", "nt", "f"};
+  for (int i = 0; i < 6; i++)
+    if (theirs->dims[i] != ours->dims[i])
+      return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, "nsdae_sim_set_state", names[i],
+                             "%s is %d here and %d in the block: it is of another system", names[i],
+                             ours->dims[i], theirs->dims[i]);
+  if (theirs->method != ours->method) {
+    const char *name = nsdae_method_name(theirs->method);
+    return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, "nsdae_sim_set_state", "method",
+                           "the method is %s here and %s in the block",
+                           nsdae_method_name(ours->method), name ? name : "unknown");
+  }
+  return NSDAE_OK;
+}
+
+/* What the block says of itself. */
+static int check_head(nsdae_sim *sim, const char *block, size_t size)
+{
+  head h, ours = make_head(sim, size);
+  if (size < sizeof h) return refuse(sim, "size", "the block is shorter than its head");
+  memcpy(&h, block, sizeof h);
+  if (memcmp(h.magic, MAGIC, sizeof h.magic) != 0)
+    return refuse(sim, "block", "these bytes are no state of a simulation (nsdae_sim_get_state)");
+  if (h.byte_order != ours.byte_order)
+    return refuse(sim, "block", "the state is of a machine with another byte order");
+  if (h.version != ours.version)
+    return refuse(sim, "block", "the state is of another version of this library");
+  int status = check_dims(sim, &h, &ours);
+  if (status < 0) return status;
+  if (h.closed < 0 || h.closed > sim->options.contacts_max || (h.closed > 0 && !sim->stepper.world))
+    return refuse(sim, "block", "the state has a number of contacts by list that cannot be");
+  if (h.size != size || h.reals != ours.reals || h.wholes != ours.wholes ||
+      size != size_of(sim, h.closed))
+    return check_size(sim, "nsdae_sim_set_state", block, size, h.closed) < 0
+               ? NSDAE_E_ARGUMENT
+               : refuse(sim, "size", "the state has other sizes");
+  if (h.checksum != checksum_of(block, size))
+    return refuse(sim, "block", "the state is damaged: its checksum is another");
+  return NSDAE_OK;
+}
+
+/* Infinite is allowed: nothing yet happened. */
+static int any_nan(const double *a, size_t n)
+{
+  for (size_t i = 0; i < n; i++)
+    if (isnan(a[i])) return 1;
+  return 0;
+}
+
+static int all_finite(const double *a, int n)
+{
+  for (int i = 0; i < n; i++)
+    if (!isfinite(a[i])) return 0;
+  return 1;
+}
+
+/* Contacts by list that were read. */
+static int check_closed(const nsdae_sim *sim)
+{
+  const nsdae_result *r = &sim->next->result;
+  int k = r->closed.count, blocks = sim->system->blocks.count;
+  for (int i = 0; i < 2 * k; i++)
+    if (r->closed.block[i] < -1 || r->closed.block[i] >= blocks) return 0;
+  return k == 0 || (all_finite(r->impulses.normal, k) && all_finite(r->closed.gap, k) &&
+                    all_finite(r->impulses.tangential, k * r->closed.nt) && r->end.by.reach >= 0);
+}
+
+/* What was read into next. */
+static int check_values(nsdae_sim *sim)
+{
+  const nsdae_point *p = sim->next;
+  const nsdae_result *r = &p->result;
+  const nsdae_dims *d = &sim->system->dims;
+  const nsdae_stats *s = &p->accounts.stats;
+  const nsdae_certificate *c = &p->record.certificate;
+  const double sums[] = {nsdae_terms_time(&r->end),
+                         p->accounts.grid_start,
+                         p->accounts.dissipated,
+                         p->work.sum,
+                         s->energy_start,
+                         s->energy_balance,
+                         c->energy,
+                         c->work,
+                         c->unexplained};
+  const double certificate[] = {
+      r->worst_residual, s->worst_residual, s->worst_drift,     s->worst_penetration, c->pull,
+      c->cone_excess,    c->penetration,    c->constraint_rate, c->complementarity};
+  if (all_finite(sums, sizeof sums / sizeof *sums) && all_finite(r->end.q, d->nq) &&
+      all_finite(r->end.v, d->nv) && all_finite(r->multiplier, d->m) &&
+      all_finite(r->impulses.normal, d->k) && all_finite(r->impulses.tangential, d->k * d->nt) &&
+      all_finite(r->impulses.frictional_joint_impulse, d->f) &&
+      !any_nan(certificate, sizeof certificate / sizeof *certificate) && check_closed(sim) &&
+      !any_nan(r->memory.real, r->memory.reals))
+    return NSDAE_OK;
+  return nsdae_error_set(&sim->error, NSDAE_E_NONFINITE, "nsdae_sim_set_state", "block",
+                         "the state has a number that is not finite");
+}
+
+/* Reads the block into next, with the terms that the next step is to find; and its epoch. */
+static int read_block(nsdae_sim *sim, const void *block)
+{
+  nsdae_point *p = sim->next;
+  nsdae_result *r = &p->result;
+  const nsdae_state state = {.terms = &r->end, .memory = &r->memory};
+  cursor c = {.from = block, .at = sizeof(head)};
+  unsigned have = 0;
+  head h;
+  memcpy(&h, block, sizeof h);
+  nsdae_result_clear(r);
+  r->closed.count = h.closed;
+  int status = check_settings(sim, &c);
+  visit_point(&c, p, &sim->model.epoch, &r->end.t, &have);
+  visit_units(&c, &sim->system->dims, &sim->projection.other);
+  r->memory.stamp = p->accounts.step == 0 ? 0 : -1; /* all zero before the first */
+  nsdae_terms_forget(&r->end);
+  if (status == NSDAE_OK) status = check_values(sim);
+  nsdae_stepper_count(&sim->stepper, &state, r);
+  return status < 0 ? status : nsdae_point_show(p, have);
+}
+
+/* For the contacts by list that it has. */
+static int make_room(nsdae_sim *sim, const void *block)
+{
+  head h;
+  memcpy(&h, block, sizeof h);
+  const nsdae_room contacts = {(size_t)h.closed, 0}, rows = {0};
+  return (size_t)h.closed > sim->lists.contacts.entries ? nsdae_sim_make_room(sim, &contacts, &rows)
+                                                        : NSDAE_OK;
+}
+
+static int set_state(nsdae_sim *sim, const void *block, size_t size)
+{
+  nsdae_error_clear(&sim->error);
+  int status = block ? check_head(sim, block, size) : refuse(sim, "block", "block is NULL");
+  if (status < 0) return status;
+  sim->stage.waiting = sim->stage.between = 0;
+  double epoch = sim->model.epoch;
+  status = make_room(sim, block);
+  while (status == NSDAE_OK && (status = read_block(sim, block)) == NSDAE_ARRAYS_GROW)
+    status = nsdae_sim_grow(sim);
+  if (status < 0) {
+    sim->model.epoch = epoch;
+    return status;
+  }
+  nsdae_sim_commit(sim);
+  nsdae_units_swap(&sim->projection);
+  sim->stage.started = sim->stage.told = 1;
+  sim->stage.failed = 0;
+  sim->stage.warning.status = sim->stage.start.status = NSDAE_OK;
+  sim->observers.turn = sim->observers.stop = 0;
+  return NSDAE_OK;
+}
+
+int nsdae_sim_set_state(nsdae_sim *sim, const void *block, size_t size)
+{
+  NSDAE_SIM_GUARDED(sim, NSDAE_MOVE, set_state(sim, block, size));
+}

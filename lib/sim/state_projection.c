@@ -1,0 +1,391 @@
+#include "state_projection.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "errors.h"
+#include "system_impl.h"
+#include "vector.h"
+
+enum {
+  ROUNDS = 60, /* of Newton's method, and so many more for each contact */
+  TERMS = NSDAE_TERM_MASS | NSDAE_TERM_PHI | NSDAE_TERM_JACOBIAN
+};
+
+/* Entries of H by blocks. */
+static long moved(const nsdae_system *s)
+{
+  long sum = 0;
+  for (int b = 0; b < s->blocks.count; b++)
+    sum += (long)nsdae_blocks_size(&s->coordinates, b) * nsdae_blocks_size(&s->blocks, b);
+  return sum;
+}
+
+void nsdae_projector_layout(nsdae_projector *p, nsdae_arena *arena)
+{
+  const nsdae_dims *d = &p->tools->system->dims;
+  int listed = p->tools->system->by_list; /* nothing is projected */
+  nsdae_least_layout(&p->least, listed ? 0 : d->nv, p->rows_most, p->tools->options->rank_tol,
+                     arena);
+  nsdae_units *const units[] = {&p->units, &p->other};
+  for (int i = 0; i < 2; i++) {
+    units[i]->of = NSDAE_ARENA_INTS(arena, d->nq);
+    units[i]->length = NSDAE_ARENA_DOUBLES(arena, d->nq);
+  }
+  p->total = NSDAE_ARENA_DOUBLES(arena, d->nv);
+  p->q = NSDAE_ARENA_DOUBLES(arena, d->nq);
+  p->v = NSDAE_ARENA_DOUBLES(arena, d->nv);
+  p->qdot = NSDAE_ARENA_DOUBLES(arena, d->nq);
+  p->H =
+      NSDAE_ARENA_DOUBLES(arena, p->tools->system->call.kinematics ? moved(p->tools->system) : 0);
+  p->length = NSDAE_ARENA_DOUBLES(arena, d->nq);
+  p->start = NSDAE_ARENA_DOUBLES(arena, 3L * d->m);
+  p->contact = NSDAE_ARENA_INTS(arena, p->rows_most);
+  p->closed = NSDAE_ARENA_INTS(arena, d->k);
+  p->depth = NSDAE_ARENA_DOUBLES(arena, d->k);
+}
+
+/* ---- coordinates of unit length */
+
+/* Block b of q and v: what its kinematics is looked at by itself, for dq/dt of a block is of v of
+ * that block. One of all where no blocks were set. */
+typedef struct part {
+  int first, nq, nv; /* where its coordinates begin */
+  double *H;         /* nq x nv */
+} part;
+
+static part part_before_all(const nsdae_projector *p)
+{
+  return (part){.H = p->H};
+}
+
+/* The block behind, or 0. */
+static int next_part(const nsdae_projector *p, part *b, int number)
+{
+  const nsdae_system *s = p->tools->system;
+  if (number >= s->blocks.count) return 0;
+  b->H += (size_t)b->nq * (size_t)b->nv;
+  b->first = s->coordinates.first[number];
+  b->nq = nsdae_blocks_size(&s->coordinates, number);
+  b->nv = nsdae_blocks_size(&s->blocks, number);
+  return 1;
+}
+
+/* H e_j of every block at p->q, in as many calls as the widest has velocities. */
+static int read_column(nsdae_projector *p, double t, int j)
+{
+  const nsdae_system *s = p->tools->system;
+  memset(p->v, 0, (size_t)s->dims.nv * sizeof *p->v);
+  memset(p->qdot, 0, (size_t)s->dims.nq * sizeof *p->qdot);
+  for (int b = 0; b < s->blocks.count; b++)
+    if (j < nsdae_blocks_size(&s->blocks, b)) p->v[s->blocks.first[b] + j] = 1;
+  int code = nsdae_kinematics(s, t, p->q, p->v, p->qdot);
+  part b = part_before_all(p);
+  for (int i = 0; next_part(p, &b, i); i++)
+    if (j < b.nv)
+      memcpy(b.H + (size_t)j * (size_t)b.nq, p->qdot + b.first, (size_t)b.nq * sizeof *b.H);
+  return code;
+}
+
+/* H at a point beside q that is nothing special; a callback's code. */
+static int read_beside(nsdae_projector *p, double t, const double *q, double away)
+{
+  const nsdae_system *s = p->tools->system;
+  int widest = 0, code = 0;
+  for (int i = 0; i < s->dims.nq; i++)
+    p->q[i] = q[i] + away * (0.3 + fmod(0.618034 * (i + 1), 1)) * (1 + fabs(q[i]));
+  for (int b = 0; b < s->blocks.count; b++)
+    if (nsdae_blocks_size(&s->blocks, b) > widest) widest = nsdae_blocks_size(&s->blocks, b);
+  for (int j = 0; j < widest && !code; j++) code = read_column(p, t, j);
+  return code;
+}
+
+/* The same nearer where it refuses one so far away; > 0 where it refuses that, too. */
+static int read_kinematics(nsdae_projector *p, double t, const double *q, double away)
+{
+  int code = read_beside(p, t, q, away);
+  for (int nearer = 0; nearer < 2 && code > 0; nearer++) code = read_beside(p, t, q, away *= 0.1);
+  return code;
+}
+
+/* of[i]: the first coordinate of the block that is moved together with i. */
+static void group_coordinates(const part *b, int *of)
+{
+  for (int i = 0; i < b->nq; i++) of[i] = i;
+  for (int j = 0; j < b->nv; j++) {
+    int first = -1;
+    for (int i = 0; i < b->nq; i++) {
+      if (b->H[(size_t)j * (size_t)b->nq + (size_t)i] == 0) continue;
+      if (first < 0) first = of[i];
+      int from = of[i] > first ? of[i] : first, to = of[i] > first ? first : of[i];
+      for (int l = 0; l < b->nq; l++)
+        if (of[l] == from) of[l] = to;
+      first = to;
+    }
+  }
+}
+
+/* Whether group g at the point q, of the block, keeps its length and has the sizes of a rotation.
+ */
+static int keeps_length(const part *b, const int *of, const double *q, int g)
+{
+  int size = 0, movers = 0;
+  for (int i = 0; i < b->nq; i++) size += of[i] == g;
+  for (int j = 0; j < b->nv; j++) {
+    double along = 0, terms = 0;
+    for (int i = 0; i < b->nq; i++) {
+      if (of[i] != g) continue;
+      double term = q[i] * b->H[(size_t)j * (size_t)b->nq + (size_t)i];
+      along += term;
+      terms += fabs(term);
+    }
+    movers += terms > 0;
+    if (fabs(along) > 64 * DBL_EPSILON * terms) return 0;
+  }
+  return (size == 4 && movers == 3) || (size == 2 && movers == 1);
+}
+
+/* Groups of the block that keep their length here; the others are numbered nq. */
+static void keep_here(nsdae_projector *p, const part *b)
+{
+  int *of = p->units.of + b->first;
+  group_coordinates(b, of);
+  for (int g = 0; g < b->nq; g++)
+    if (!keeps_length(b, of, p->q + b->first, g))
+      for (int i = 0; i < b->nq; i++)
+        if (of[i] == g) of[i] = b->nq; /* none of them */
+}
+
+/* Those that do so here, too, get the numbers that come next; all others -1. */
+static void keep_there(nsdae_projector *p, const part *b, int same)
+{
+  nsdae_units *u = &p->units;
+  int *of = u->of + b->first;
+  for (int g = 0; g < b->nq; g++) {
+    int keeps = same && keeps_length(b, of, p->q + b->first, g);
+    for (int i = 0; i < b->nq; i++)
+      if (of[i] == g) of[i] = keeps ? -2 - u->count : b->nq;
+    u->count += keeps;
+  }
+  for (int i = 0; i < b->nq; i++) of[i] = of[i] < 0 ? -2 - of[i] : -1;
+}
+
+void nsdae_units_swap(nsdae_projector *p)
+{
+  nsdae_units units = p->units;
+  p->units = p->other;
+  p->other = units;
+}
+
+void nsdae_units_measure(const nsdae_units *units, int nq, const double *q, double *length)
+{
+  memset(length, 0, (size_t)units->count * sizeof *length);
+  for (int i = 0; i < nq; i++)
+    if (units->of[i] >= 0) length[units->of[i]] += q[i] * q[i];
+  for (int g = 0; g < units->count; g++) length[g] = sqrt(length[g]);
+}
+
+/* Groups that keep their length at one point and at another get the numbers 0, 1, ... */
+int nsdae_units_find(nsdae_projector *p, double t, const double *q)
+{
+  int nq = p->tools->system->dims.nq;
+  nsdae_units *u = &p->units;
+  part b = part_before_all(p);
+  u->count = 0;
+  for (int i = 0; i < nq; i++) u->of[i] = -1;
+  if (nq == p->tools->system->dims.nv) return NSDAE_OK;
+  int code = read_kinematics(p, t, q, 0.11);
+  if (code < 0) return nsdae_system_callback_status(code, "kinematics", t, p->tools->error);
+  if (code > 0) return NSDAE_OK;
+  for (int i = 0; next_part(p, &b, i); i++) keep_here(p, &b);
+  code = read_kinematics(p, t, q, -0.07);
+  b = part_before_all(p);
+  for (int i = 0; next_part(p, &b, i); i++) keep_there(p, &b, code == 0);
+  nsdae_units_measure(u, nq, q, u->length);
+  return code < 0 ? nsdae_system_callback_status(code, "kinematics", t, p->tools->error) : NSDAE_OK;
+}
+
+static void restore_lengths(nsdae_projector *p)
+{
+  int nq = p->tools->system->dims.nq;
+  const nsdae_units *u = &p->units;
+  if (u->count > 0) nsdae_units_measure(u, nq, p->q, p->length);
+  for (int i = 0; i < nq && u->count > 0; i++) {
+    int g = u->of[i];
+    if (g >= 0 && p->length[g] > 0) p->q[i] *= u->length[g] / p->length[g];
+  }
+}
+
+int nsdae_units_strayed(nsdae_projector *p, const nsdae_terms *T)
+{
+  const nsdae_units *u = &p->units;
+  if (u->count == 0) return 0;
+  nsdae_units_measure(u, T->system->dims.nq, T->q, p->length);
+  for (int g = 0; g < u->count; g++)
+    if (p->length[g] > 2 * u->length[g] || p->length[g] < u->length[g] / 2) return 1;
+  return 0;
+}
+
+void nsdae_units_restore(nsdae_projector *p, nsdae_terms *T)
+{
+  memcpy(p->q, T->q, (size_t)T->system->dims.nq * sizeof *p->q);
+  memcpy(p->v, T->v, (size_t)T->system->dims.nv * sizeof *p->v);
+  restore_lengths(p);
+  nsdae_terms_at(T, T->t, p->q, p->v);
+}
+
+/* ---- constraints and contacts */
+
+/* Appends W^T d = -c; W has the stride given. Returns |c| in units of its rounding, that of the
+ * terms it is made of: eps (1 + |W|_1 max |x|). */
+static double append(nsdae_projector *p, const double *W, int stride, double c, double x)
+{
+  double sum = nsdae_least_append(&p->least, W, (size_t)stride, c);
+  return fabs(c) / (DBL_EPSILON * (1 + sum * x));
+}
+
+static int position_rows(nsdae_projector *p, const nsdae_terms *T, double *worst, int *worst_row)
+{
+  const nsdae_dims *d = &T->system->dims;
+  double x = nsdae_largest(d->nq, T->q);
+  nsdae_least_start(&p->least);
+  *worst = 0;
+  for (int i = 0; i < d->m + d->k; i++) {
+    int contact = i - d->m;
+    if (contact >= 0 && !p->closed[contact]) continue;
+    p->contact[p->least.rows] = contact >= 0 ? contact : -1;
+    const double *W = contact < 0 ? T->by.jacobian.value + i
+                                  : T->by.normal.value + (size_t)contact * (size_t)d->nv;
+    double missing = contact < 0 ? T->constraint.phi[i] : T->gap[contact] - p->depth[contact];
+    double off = append(p, W, contact < 0 ? d->m : 1, missing, x);
+    if (contact < 0 && p->contacts_alone) off = 0;
+    if (off > *worst || p->least.rows == 1) *worst_row = p->least.rows - 1;
+    *worst = fmax(*worst, off);
+  }
+  return p->least.rows;
+}
+
+/* The change d of the rows. With least the change since the beginning, total + d, is the least, and
+ * l is what it takes: M (total + d) + J^T l = 0. */
+static int solve(nsdae_projector *p, const nsdae_terms *T, int least)
+{
+  int n = p->least.kkt.n;
+  double *change = p->least.change;
+  if (least) nsdae_add_product(n, n, T->M, p->total, change);
+  for (int j = 0; j < n; j++) change[j] = -change[j];
+  return nsdae_least_solve(&p->least, T);
+}
+
+/* Contacts that would pull are open; returns how many. */
+static int open_pulling(nsdae_projector *p, int rows)
+{
+  int opened = 0;
+  for (int i = 0; i < rows; i++) {
+    if (p->contact[i] < 0 || !(p->least.c[i] > 0)) continue;
+    p->closed[p->contact[i]] = 0;
+    opened++;
+  }
+  return opened;
+}
+
+/* The contact that overlaps most, by more than rounding, takes part from here on: one at a time,
+ * for what puts it right may put others right. Returns whether there is one. */
+static int close_deepest(nsdae_projector *p, const nsdae_terms *T)
+{
+  int deepest = -1;
+  double gap = -nsdae_terms_touch(T);
+  for (int i = 0; i < T->system->dims.k; i++) {
+    if (p->closed[i] || T->gap[i] >= gap) continue;
+    gap = T->gap[i];
+    deepest = i;
+  }
+  if (deepest >= 0) p->closed[deepest] = 1;
+  return deepest >= 0;
+}
+
+static int move(nsdae_projector *p, nsdae_terms *T)
+{
+  int nq = T->system->dims.nq;
+  int status = nsdae_kinematics_at(T, p->least.change, p->qdot);
+  if (status < 0) return status;
+  for (int i = 0; i < nq; i++) p->q[i] = T->q[i] + p->qdot[i];
+  for (int j = 0; j < T->system->dims.nv; j++) p->total[j] += p->least.change[j];
+  memcpy(p->v, T->v, (size_t)T->system->dims.nv * sizeof *p->v);
+  restore_lengths(p);
+  nsdae_terms_at(T, T->t, p->q, p->v);
+  return NSDAE_OK;
+}
+
+static int not_converged(const nsdae_projector *p, const nsdae_terms *T, int row)
+{
+  char called[NSDAE_CALLED_SIZE];
+  int contact = p->contact[row];
+  int kind = contact < 0 ? NSDAE_NAME_CONSTRAINT : NSDAE_NAME_CONTACT;
+  int i = contact < 0 ? row : contact; /* constraints come first, all of them */
+  nsdae_error_set(T->error, NSDAE_E_CONVERGENCE, "nsdae_sim", "projection",
+                  "no state on all constraints was found near this one at t = %.17g: %s is off by "
+                  "%.3g; do they contradict each other?",
+                  nsdae_terms_time(T), nsdae_system_called(T->system, kind, i, called),
+                  contact < 0 ? T->constraint.phi[i] : T->gap[i] - p->depth[i]);
+  T->error->index = i;
+  T->error->time = nsdae_terms_time(T);
+  return NSDAE_E_CONVERGENCE;
+}
+
+/* Whether the rows are satisfied: to their rounding, a few eps of their terms; where constants that
+ * are not seen in those make it more, Newton's method stands still, and 10^4 times as much is as
+ * near as numbers come. A least change has also come to rest: then its square is nothing. */
+static int converged(const nsdae_projector *p, const nsdae_terms *T, int least, double worst,
+                     double before)
+{
+  const double rounding = 16, still = 16e4, rest = 1e-9;
+  double moved = nsdae_largest(p->least.kkt.n, p->least.change),
+         size = 1 + nsdae_largest(T->system->dims.nq, T->q);
+  if (least && moved > rest * size) return 0;
+  return worst <= rounding || (worst <= still && worst > before / 2);
+}
+
+/* Newton's method at first aims at the least change; far from the constraints that may not come to
+ * rest, and then each step is the least one. */
+int nsdae_project_positions(nsdae_projector *p, nsdae_terms *T, int penetrating)
+{
+  unsigned terms = TERMS;
+  double worst = INFINITY, before = INFINITY;
+  int row = 0, rounds = penetrating ? ROUNDS * (1 + T->system->dims.k) : ROUNDS;
+  if (p->rows_most > T->system->dims.m) terms |= NSDAE_TERM_GAP | NSDAE_TERM_NORMAL;
+  memset(p->least.change, 0, (size_t)p->least.kkt.n * sizeof *p->least.change);
+  memset(p->total, 0, (size_t)p->least.kkt.n * sizeof *p->total);
+  int status = p->units.count > 0 ? move(p, T) : NSDAE_OK;
+  for (int round = 0; round < rounds && status == NSDAE_OK; round++) {
+    int least = penetrating && round < rounds / 2;
+    status = nsdae_terms_need(T, terms);
+    if (status < 0) return status;
+    int rows = position_rows(p, T, &worst, &row);
+    if (rows == 0 || converged(p, T, least, worst, before)) {
+      if (!penetrating || !close_deepest(p, T)) return NSDAE_OK;
+      before = INFINITY;
+      rows = position_rows(p, T, &worst, &row);
+    }
+    before = worst;
+    status = solve(p, T, least);
+    if (status == NSDAE_OK && open_pulling(p, rows) == 0) status = move(p, T);
+  }
+  return status < 0 ? status : not_converged(p, T, row);
+}
+
+int nsdae_project_velocities(nsdae_projector *p, nsdae_terms *T)
+{
+  const nsdae_dims *d = &T->system->dims;
+  if (d->m == 0) return NSDAE_OK;
+  int status = nsdae_terms_need(T, TERMS | NSDAE_TERM_PHI_T);
+  if (status < 0) return status;
+  nsdae_least_start(&p->least);
+  for (int i = 0; i < d->m; i++)
+    append(p, T->by.jacobian.value + i, d->m, nsdae_terms_constraint_rate(T, i, T->v), 0);
+  status = solve(p, T, 0);
+  if (status < 0) return status;
+  for (int j = 0; j < d->nv; j++) p->v[j] = T->v[j] + p->least.change[j];
+  nsdae_terms_set_velocity(T, p->v);
+  return NSDAE_OK;
+}

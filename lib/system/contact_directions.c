@@ -1,0 +1,136 @@
+#include "contact_directions.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "moment_arm_check.h"
+#include "system_impl.h"
+
+void nsdae_directions_layout(nsdae_directions *d, nsdae_arena *arena)
+{
+  const nsdae_dims *dims = &d->differences->system->dims;
+  long n = dims->nv, k = dims->k;
+  d->M = NSDAE_ARENA_DOUBLES(arena, n * n);
+  d->normal = NSDAE_ARENA_DOUBLES(arena, n * k);
+  d->other = NSDAE_ARENA_DOUBLES(arena, n * k);
+  d->tangent = NSDAE_ARENA_DOUBLES(arena, n * k * dims->nt);
+  d->mass = NSDAE_ARENA_DOUBLES(arena, n);
+  d->place = NSDAE_ARENA_DOUBLES(arena, dims->nq);
+  d->q = NSDAE_ARENA_DOUBLES(arena, dims->nq);
+  d->turn = NSDAE_ARENA_DOUBLES(arena, 3L * dims->nq);
+  d->turns = NSDAE_ARENA_INTS(arena, dims->nv);
+  d->set = NSDAE_ARENA_INTS(arena, dims->nv);
+  d->arms.v = NSDAE_ARENA_DOUBLES(arena, n);
+  d->arms.rate = NSDAE_ARENA_DOUBLES(arena, dims->nq);
+  d->arms.bend = NSDAE_ARENA_DOUBLES(arena, k + n);
+}
+
+static int failed(nsdae_directions *d, int code, const char *callback)
+{
+  if (code) d->callback = callback;
+  return code;
+}
+
+/* The same of differences of a callback. */
+static int difference_failed(nsdae_directions *d, int code, const char *callback)
+{
+  return failed(d, code, code && d->differences->failed ? d->differences->failed : callback);
+}
+
+/* place [nq]: a little from q along a motion. */
+static int leave(nsdae_directions *d, double t, const double *q)
+{
+  const nsdae_system *s = d->differences->system;
+  for (int i = 0; i < s->dims.nv; i++) d->arms.v[i] = 0.1 / (2 + i);
+  int code = nsdae_kinematics(s, t, q, d->arms.v, d->place);
+  for (int i = 0; i < s->dims.nq; i++) d->place[i] += q[i];
+  return failed(d, code, "kinematics");
+}
+
+static int mass_at(nsdae_directions *d, double t, const double *q)
+{
+  const nsdae_system *s = d->differences->system;
+  int n = s->dims.nv;
+  memset(d->M, 0, (size_t)n * (size_t)n * sizeof *d->M);
+  return failed(d, s->call.mass(t, q, d->M, n, s->user), "mass");
+}
+
+static int normals_at(nsdae_directions *d, double t, const double *q, double *W)
+{
+  const nsdae_system *s = d->differences->system;
+  int n = s->dims.nv, k = s->dims.k;
+  memset(W, 0, (size_t)n * (size_t)k * sizeof *W);
+  if (s->call.gap_normal) return failed(d, s->call.gap_normal(t, q, W, n, s->user), "gap_normal");
+  int code = nsdae_differences_velocity(d->differences, s->call.gap, k, t, q, W, n, 1);
+  return difference_failed(d, code, "gap");
+}
+
+/* A body's mass is what it is everywhere, and so is the inertia of one that turns in the plane. */
+static void find_sets(nsdae_directions *d)
+{
+  const nsdae_dims *dims = &d->differences->system->dims;
+  for (int i = 0; i < dims->nv; i++) {
+    double *here = &d->M[i * (dims->nv + 1)];
+    if (!(fabs(*here - d->mass[i]) <= 1e-9 * fabs(*here))) *here = 0;
+  }
+  nsdae_tangent_sets(d->differences->system, d->M, d->set);
+}
+
+int nsdae_directions_at(nsdae_directions *d, double t, const double *q)
+{
+  const nsdae_system *s = d->differences->system;
+  int n = s->dims.nv, columns = s->dims.k * s->dims.nt;
+  d->arms = (nsdae_moment_arms){{s, n, s->dims.nt, d->set, d->normal, d->other, d->tangent},
+                                d->differences,
+                                t,
+                                d->q,
+                                d->arms.v,
+                                d->arms.rate,
+                                d->arms.bend};
+  memcpy(d->q, q, (size_t)s->dims.nq * sizeof *q);
+  int code = failed(d, s->dims.nt == 2 ? nsdae_moment_arm_check_unit(&d->arms, d->turn, d->q) : 0,
+                    "kinematics");
+  if (!code) code = leave(d, t, d->q);
+  if (!code) code = normals_at(d, t, d->q, d->normal);
+  if (!code) code = normals_at(d, t, d->place, d->other);
+  if (!code) code = mass_at(d, t, d->place);
+  for (int i = 0; i < n && !code; i++) d->mass[i] = d->M[i * (n + 1)];
+  if (!code) code = mass_at(d, t, d->q);
+  if (code) return code;
+  find_sets(d);
+  memset(d->tangent, 0, (size_t)n * (size_t)columns * sizeof *d->tangent);
+  return failed(d, s->call.gap_tangent(t, d->q, d->tangent, n, s->user), "gap_tangent");
+}
+
+int nsdae_directions_wrong(const nsdae_directions *d, double tol, char why[NSDAE_TANGENT_TEXT])
+{
+  const nsdae_dims *dims = &d->differences->system->dims;
+  for (int j = 0; j < dims->k * dims->nt; j++) {
+    const nsdae_contact_directions c = nsdae_tangent_contact(&d->arms.all, j / dims->nt);
+    if (d->differences->system->contact[j / dims->nt].mu > 0 &&
+        nsdae_tangent_wrong(&c, j % dims->nt, tol, why))
+      return j;
+  }
+  return -1;
+}
+
+/* Whether gap i is a length: impulses along a scaled one are scaled the other way. */
+static void doubt_gap(const nsdae_directions *d, int i, double tol, char *text, size_t size)
+{
+  char why[NSDAE_TANGENT_TEXT], called[NSDAE_CALLED_SIZE];
+  const nsdae_contact_directions c = nsdae_tangent_contact(&d->arms.all, i);
+  if (c.system->contact[i].mu > 0 && nsdae_gap_scaled(&c, tol, why))
+    snprintf(text, size, "gap: that of %s %s",
+             nsdae_system_called(c.system, NSDAE_NAME_CONTACT, i, called), why);
+}
+
+int nsdae_directions_doubt(nsdae_directions *d, double tol, char *text, size_t size)
+{
+  const nsdae_dims *dims = &d->differences->system->dims;
+  int code = dims->nt == 1
+                 ? nsdae_moment_arms_doubt(&d->arms, tol, text, size)
+                 : nsdae_moment_arm_check_doubt(&d->arms, d->turn, d->turns, tol, text, size);
+  for (int i = 0; i < dims->k && code == 0 && !*text; i++) doubt_gap(d, i, tol, text, size);
+  return difference_failed(d, code, "gap");
+}

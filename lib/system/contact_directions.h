@@ -1,0 +1,33 @@
+/* Directions of contacts at a place against what gap, mass and kinematics tell of them: see
+ * tangents.h, arms.h and levers.h. Of dense systems. */
+#ifndef NSDAE_SYSTEM_DIRECTIONS_H
+#define NSDAE_SYSTEM_DIRECTIONS_H
+
+#include "moment_arms.h"
+
+typedef struct nsdae_directions {
+  nsdae_differences *differences; /* whose system it is; set before */
+  nsdae_moment_arms arms;
+  double *M, *normal, *other, *tangent; /* nv x nv, nv x k, nv x k, nv x k nt */
+  double *mass, *place, *q;             /* nv: of M elsewhere; nq: elsewhere, and here */
+  double *turn;                         /* 3 nq */
+  int *turns, *set;                     /* nv */
+  const char *callback;                 /* the one that failed */
+} nsdae_directions;
+
+void nsdae_directions_layout(nsdae_directions *directions, nsdae_arena *arena);
+
+/* Evaluates them at (t, q), W_N by differences where it is not given (and right, as far as anybody
+ * looked), and W_N and M a little elsewhere. A callback's code. */
+int nsdae_directions_at(nsdae_directions *directions, double t, const double *q);
+
+/* The first column of W_T, of a contact with friction, that is wrong as far as translations of
+ * bodies tell, and why; -1: none. */
+int nsdae_directions_wrong(const nsdae_directions *directions, double tol,
+                           char why[NSDAE_TANGENT_TEXT]);
+
+/* The first doubt, of arms and of gaps that are no lengths, as text; "": none. A callback's code.
+ */
+int nsdae_directions_doubt(nsdae_directions *directions, double tol, char *text, size_t size);
+
+#endif

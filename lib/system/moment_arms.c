@@ -1,0 +1,237 @@
+#include "moment_arms.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "system_impl.h"
+
+int nsdae_moment_arms_bend(nsdae_moment_arms *arms, int i, double *bend)
+{
+  const nsdae_system *s = arms->all.system;
+  int code = nsdae_differences_bend(arms->differences, s->call.gap, s->dims.k, arms->t, arms->q,
+                                    arms->v, arms->bend);
+  *bend = arms->bend[i];
+  return code;
+}
+
+int nsdae_moment_arms_bends(nsdae_moment_arms *arms, int i, double bend, double tol, int *bends)
+{
+  double finer = NAN;
+  arms->differences->finer[1] = 1;
+  int code = nsdae_moment_arms_bend(arms, i, &finer);
+  arms->differences->finer[1] = 0;
+  *bends = fabs(finer - bend) <= tol;
+  return code;
+}
+
+/* v = e_j - a n - b t, of the translations of velocity `of`. */
+static void turn_about(nsdae_moment_arms *arms, const nsdae_contact_directions *c, int of, int j,
+                       double tol)
+{
+  for (int i = 0; i < c->nv; i++)
+    arms->v[i] = nsdae_tangent_translates(c, of, i, tol)
+                     ? -c->normal[j] * c->normal[i] - c->tangent[j] * c->tangent[i]
+                     : 0;
+  arms->v[j] = 1;
+}
+
+/* n x t, of two translations. */
+static double turns(const nsdae_contact_directions *c, int of, double tol)
+{
+  int second = of + 1;
+  while (second < c->nv && !nsdae_tangent_translates(c, of, second, tol)) second++;
+  if (second == c->nv) return 0;
+  return c->normal[of] * c->tangent[second] - c->normal[second] * c->tangent[of];
+}
+
+/* Rates along arms->v: of b, and how fast n turns towards t. */
+typedef struct turning {
+  double arm, normal;
+} turning;
+
+/* t . n at d->moved, t the translations of the direction here: the rate of gap i along them. */
+static int normal_along(nsdae_moment_arms *arms, const nsdae_contact_directions *c, int i, int of,
+                        double tol, double *normal)
+{
+  nsdae_differences *d = arms->differences;
+  const nsdae_system *system = c->system;
+  double *along = arms->bend + system->dims.k;
+  for (int l = 0; l < c->nv; l++)
+    along[l] = nsdae_tangent_translates(c, of, l, tol) ? c->tangent[l] : 0;
+  int code = nsdae_differences_along(d, system->call.gap, system->dims.k, arms->t, d->moved, along,
+                                     arms->bend);
+  *normal = arms->bend[i];
+  return code;
+}
+
+/* Adds those of one side, of displacement and weight +-s. */
+static int add_side(nsdae_moment_arms *arms, const nsdae_contact_directions *c, int i, int of,
+                    int j, double s, double tol, turning *sum)
+{
+  nsdae_differences *d = arms->differences;
+  const nsdae_system *system = c->system;
+  int n = c->nv;
+  double normal = 0;
+  for (int l = 0; l < system->dims.nq; l++) d->moved[l] = arms->q[l] + s * arms->rate[l];
+  memset(d->W, 0, (size_t)n * (size_t)system->dims.k * sizeof *d->W);
+  int code = system->call.gap_tangent(arms->t, d->moved, d->W, n, system->user);
+  if (code) d->failed = "gap_tangent";
+  sum->arm += d->W[(size_t)i * (size_t)n + (size_t)j] / (2 * s);
+  if (!code) code = normal_along(arms, c, i, of, tol, &normal);
+  sum->normal += normal / (2 * s);
+  return code;
+}
+
+static int find_turning(nsdae_moment_arms *arms, const nsdae_contact_directions *c, int i, int of,
+                        int j, double tol, turning *found)
+{
+  const nsdae_system *system = c->system;
+  *found = (turning){0};
+  turn_about(arms, c, of, j, tol);
+  int code = nsdae_kinematics(system, arms->t, arms->q, arms->v, arms->rate);
+  if (code) arms->differences->failed = "kinematics";
+  double s = nsdae_differences_step(system->dims.nq, arms->t, arms->q, arms->rate, 1e-5);
+  if (!code) code = add_side(arms, c, i, of, j, s, tol, found);
+  return code ? code : add_side(arms, c, i, of, j, -s, tol, found);
+}
+
+/* What the contacts of one body and one of its rotations said so far. */
+typedef struct sense {
+  double sign;
+  int contact;
+} sense;
+
+/* What a contact says of one rotation: an arm b, what it is about. */
+typedef struct arm {
+  int contact, velocity;
+  double a, b, turns, bend; /* n x t; v^T H v */
+  turning rate;
+} arm;
+
+static void too_short(const nsdae_system *s, const arm *x, char *text, size_t size)
+{
+  char contact[NSDAE_CALLED_SIZE], velocity[NSDAE_CALLED_SIZE];
+  snprintf(text, size,
+           "gap_tangent: its arm %.4g of %s along %s, if that turns the body: it should be %.4g or "
+           "more, for turning about the contact opens the gap",
+           x->b + 0.0, nsdae_system_called(s, NSDAE_NAME_CONTACT, x->contact, contact),
+           nsdae_system_called(s, NSDAE_NAME_VELOCITY, x->velocity, velocity), x->bend); /* no -0 */
+}
+
+static void no_point(const nsdae_system *s, const arm *x, char *text, size_t size)
+{
+  char contact[NSDAE_CALLED_SIZE], velocity[NSDAE_CALLED_SIZE];
+  double one = (x->turns - x->rate.normal) * x->a, two = (-x->turns - x->rate.normal) * x->a;
+  snprintf(text, size,
+           "gap_tangent: its arm %.4g of %s along %s, if that turns the body: turning about the "
+           "contact changes it at the rate %.4g, and that of a point at %.4g or %.4g",
+           x->b + 0.0, nsdae_system_called(s, NSDAE_NAME_CONTACT, x->contact, contact),
+           nsdae_system_called(s, NSDAE_NAME_VELOCITY, x->velocity, velocity), x->rate.arm + 0.0,
+           one + 0.0, two + 0.0);
+}
+
+static void other_sense(const nsdae_system *s, const arm *x, const sense *seen, char *text,
+                        size_t size)
+{
+  char contact[NSDAE_CALLED_SIZE], velocity[NSDAE_CALLED_SIZE], other[NSDAE_CALLED_SIZE];
+  snprintf(text, size,
+           "gap_tangent: the sign of its arm of %s along %s, which turns the other way at %s",
+           nsdae_system_called(s, NSDAE_NAME_CONTACT, x->contact, contact),
+           nsdae_system_called(s, NSDAE_NAME_VELOCITY, x->velocity, velocity),
+           nsdae_system_called(s, NSDAE_NAME_CONTACT, seen->contact, other));
+}
+
+/* Neither gap nor directions change along the turn, and it is no disc's: it moves the body and
+ * turns nothing. */
+static int moves_along(const arm *x, double small)
+{
+  return fabs(x->a) > small && fabs(x->bend) <= small && fabs(x->rate.arm) <= small &&
+         fabs(x->rate.normal) <= small;
+}
+
+/* s of (1), where a is long enough to tell; it should be -1 or 1. */
+static int find_sense(const arm *x, double *s)
+{
+  *s = (x->rate.arm + x->rate.normal * x->a) / (x->turns * x->a);
+  return fabs(x->a) > 0.05 * (fabs(x->b) + fabs(x->bend)) && isfinite(*s);
+}
+
+/* What differences may be off. */
+static double small_of(const arm *x, double tol)
+{
+  return 100 * tol * (1 + fabs(x->bend));
+}
+
+static void judge(const nsdae_system *s, const arm *x, double tol, sense *seen, char *text,
+                  size_t size)
+{
+  double small = small_of(x, tol), sign = 0, found;
+  if (!isfinite(x->bend) || moves_along(x, small)) return;
+  if (x->bend > fabs(x->b) + small) {
+    too_short(s, x, text, size);
+  } else if (find_sense(x, &found)) {
+    if (fabs(fabs(found) - 1) > 0.01) no_point(s, x, text, size);
+    sign = -found;
+  } else if (x->bend > -fabs(x->b) * (1 - 1e-3) && fabs(x->b) > tol) {
+    sign = x->turns * x->b;
+  }
+  if (*text || sign == 0) return;
+  if (seen->sign * sign < 0) other_sense(s, x, seen, text, size);
+  if (seen->sign == 0) *seen = (sense){sign, x->contact};
+}
+
+static int doubt_one(nsdae_moment_arms *arms, int i, int of, int j, double tol, sense *seen,
+                     char *text, size_t size)
+{
+  const nsdae_contact_directions c = nsdae_tangent_contact(&arms->all, i);
+  const sense before = *seen;
+  arm x = {i, j, .a = c.normal[j], .b = c.tangent[j], .turns = turns(&c, of, tol)};
+  int bends = 1;
+  turn_about(arms, &c, of, j, tol);
+  int code = nsdae_moment_arms_bend(arms, i, &x.bend);
+  if (!code) code = find_turning(arms, &c, i, of, j, tol, &x.rate);
+  if (!code) judge(c.system, &x, tol, seen, text, size);
+  if (!code && *text) code = nsdae_moment_arms_bends(arms, i, x.bend, small_of(&x, tol), &bends);
+  if (bends) return code;
+  *text = '\0';
+  *seen = before;
+  return code;
+}
+
+/* Whether velocity j may turn something: not where its unit is a length per second. */
+static int may_turn(const nsdae_system *s, int j)
+{
+  const char *unit = nsdae_system_get_unit(s, NSDAE_NAME_VELOCITY, j);
+  size_t length = strlen(unit);
+  return length < 3 || strcmp(unit + length - 3, "m/s") != 0;
+}
+
+/* Whether contact i has to do with velocity j, which moves alone, beside the body that `of` moves,
+ * which slides there. */
+static int concerns(const nsdae_contact_directions *c, int i, int of, int j, double tol)
+{
+  if (!(c->system->contact[i].mu > 0) || c->set[j] == NSDAE_TANGENT_COUPLED) return 0;
+  if (!may_turn(c->system, j)) return 0;
+  if (c->normal[j] == 0 && c->other[j] == 0 && c->tangent[j] == 0) return 0;
+  if (!nsdae_tangent_translates(c, of, of, tol) || nsdae_tangent_translates(c, of, j, tol))
+    return 0;
+  return turns(c, of, tol) != 0;
+}
+
+int nsdae_moment_arms_doubt(nsdae_moment_arms *arms, double tol, char *text, size_t size)
+{
+  const nsdae_system *s = arms->all.system;
+  int n = arms->all.nv, code = 0;
+  *text = '\0';
+  for (int of = 0; of < n; of++)
+    for (int j = 0; j < n && arms->all.set[of] == of; j++) {
+      sense seen = {0};
+      for (int i = 0; i < s->dims.k && code == 0 && !*text; i++) {
+        const nsdae_contact_directions c = nsdae_tangent_contact(&arms->all, i);
+        if (!concerns(&c, i, of, j, tol)) continue;
+        code = doubt_one(arms, i, of, j, tol, &seen, text, size);
+      }
+    }
+  return code;
+}
