@@ -1,5 +1,7 @@
-"""Non-smooth multibody dynamics: mechanisms whose parts hit, slide and stick.
+"""Non-smooth multibody dynamics: mechanisms with impacts, unilateral contact and Coulomb friction.
 
+Examples
+--------
 >>> import nsdae
 >>> def mass(t, q, M): M[0, 0] = 0.1
 >>> def force(t, q, v, F): F[0] = -0.1 * 9.81
@@ -7,15 +9,16 @@
 >>> ball = nsdae.System(nq=1, k=1, mass=mass, force=force, gap=gap, e_n=0.5)
 >>> nsdae.solve(ball, 3, q0=[1]).plot()
 
-Options of solve() and Sim(), each with its range; METHODS says what the methods are:
-
+Notes
+-----
+``METHODS`` has the methods with a summary of each. Options of `solve` and `Sim`, with their ranges::
 """
 
 import os as _os
 
 import numpy as _numpy  # noqa: F401
 
-# OpenBLAS starts its threads when it is loaded. That of NumPy is loaded by now; _core has one of its own linked in.
+# OpenBLAS starts its threads when it is loaded. NumPy's is loaded by now; _core is linked to another one.
 _CHOSEN = "OPENBLAS_NUM_THREADS" in _os.environ
 _os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 try:
@@ -36,7 +39,7 @@ from ._trajectory import Shape, Trajectory, load
 
 __version__: str = _core.VERSION
 build_info: str = _core.BUILD_INFO
-__doc__ += "".join(f"    {key:<18}{what}{f' [{unit}]' if unit not in ('', '1') else ''}: {values}\n"
+__doc__ += "\n" + "".join(f"    {key:<18}{what}{f' [{unit}]' if unit not in ('', '1') else ''}: {values}\n"
                    for key, unit, what, values in _core.OPTIONS)
 
 __all__ = ["ArgumentError", "Bodies", "CONTACT", "CallbackError", "ContactList", "Dims", "Error", "FrictionResult",

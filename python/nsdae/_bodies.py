@@ -17,7 +17,7 @@ SHAPES = ("point", "disc", "segment", "polygon", "path", "sphere", "capsule", "b
 
 
 def _numbers(name: str, values: Any, n: int) -> list[float]:
-    """n numbers, zeros where fewer are given."""
+    """Returns n numbers, padded with zeros."""
     row = [float(v) for v in np.atleast_1d(np.asarray(values, dtype=float))] if len(np.shape(values)) else [float(values)]
     if len(row) > n:
         raise ValueError(f"{name} has {len(row)} numbers; it has at most {n}")
@@ -31,14 +31,28 @@ def _one_of(name: str, word: str, words: Sequence[str]) -> int:
 
 
 class Solid(NamedTuple):
-    """The shape of a body, or a part of it; see nsdae/bodies.h.
+    """Shape of a body, or a part of it; see nsdae/bodies.h.
 
-    shape   "point", "disc", "segment", "polygon" (planar), "sphere", "capsule", "box" (spatial), "plane"
-    radius  of a disc, sphere, capsule; of a segment half its thickness [m]
-    length  of a segment; of a capsule between its centres; a box has three [m]
-    hollow  the solid is outside of the disc;  points [p, 2] corners of a polygon, anticlockwise
-    position, angle, quaternion   in the body's frame
-    material  0 .. 63, which set_pair() goes by
+    Parameters
+    ----------
+    shape : str
+        Planar: "point", "disc", "segment", "polygon". Spatial: "sphere", "capsule", "box". Both: "plane".
+    radius : float
+        Radius of a disc, sphere or capsule; half the thickness of a segment [m].
+    length : float or array_like
+        Length of a segment; distance of the centres of a capsule; three edges of a box [m].
+    hollow : bool
+        The solid is outside the disc.
+    points : array_like, shape (p, 2)
+        Corners of a polygon, anticlockwise [m].
+    position : array_like
+        Position in the frame of the body [m].
+    angle : float
+        Planar: angle in the frame of the body [rad].
+    quaternion : array_like, shape (4,)
+        Spatial: orientation w, x, y, z in the frame of the body.
+    material : int
+        0 to 63, for `Bodies.set_pair`.
     """
 
     shape: str
@@ -62,14 +76,46 @@ class Solid(NamedTuple):
                 "points": np.ascontiguousarray(self.points, dtype=float).reshape(-1)}
 
     def inertia(self, density: float) -> tuple[float, list[float]]:
-        """Mass and inertia about its centre, of uniform density."""
+        """Computes mass and inertia for a uniform density.
+
+        Parameters
+        ----------
+        density : float
+            [kg/m^3]; planar [kg/m^2].
+
+        Returns
+        -------
+        mass : float
+            [kg]
+        inertia : list of float
+            About the centre, principal axes [kg m^2].
+
+        Raises
+        ------
+        ArgumentError
+            The shape has no inertia, or a value is out of range.
+        """
         return _core.solid_inertia(self._given(), float(density))
 
 
 class Bodies:
-    """A mechanism without a derivation: bodies, joints, springs, loads and contacts, named by points and axes in space
-    at the start. dimension 2: q = x, y, theta of each; 3: x, y, z and a quaternion. GROUND stands for no body.
+    """Mechanism of rigid bodies, joints, springs, loads and contacts.
 
+    Points and axes are given in space, at the start. The equations of motion need no derivation.
+
+    Parameters
+    ----------
+    dimension : int
+        2: q is x, y, theta of each body. 3: q is x, y, z and a quaternion of each body.
+    gravity : array_like
+        [m/s^2]
+
+    Notes
+    -----
+    `GROUND` stands for the ground in place of the number of a body.
+
+    Examples
+    --------
     >>> world = nsdae.Bodies(2, gravity=(0, -9.81))
     >>> rod = world.add(mass=1, inertia=1 / 12, position=(0.5, 0))
     >>> world.add_joint("revolute", nsdae.GROUND, rod, point=(0, 0))
@@ -87,7 +133,30 @@ class Bodies:
 
     def add(self, mass: float, inertia: Any, position: Any = (), *, angle: float = 0, quaternion: Any = (),
             velocity: Any = (), spin: Any = ()) -> int:
-        """A body: its number. inertia about its centre of mass: one number in the plane, three in space."""
+        """Adds a body.
+
+        Parameters
+        ----------
+        mass : float
+            [kg]
+        inertia : float or array_like
+            About the centre of mass: one number in the plane, three in space [kg m^2].
+        position : array_like
+            Centre of mass at the start [m].
+        angle : float
+            Planar: angle at the start [rad].
+        quaternion : array_like, shape (4,)
+            Spatial: orientation w, x, y, z at the start.
+        velocity : array_like
+            Of the centre of mass at the start [m/s].
+        spin : float or array_like
+            Angular velocity at the start, in space about the body's own axes [rad/s].
+
+        Returns
+        -------
+        int
+            Number of the body.
+        """
         def turning(name: str, values: Any) -> list[float]:
             """In the plane the third one alone."""
             planar = self.dimension == 2 and np.size(values) == 1
@@ -100,9 +169,35 @@ class Bodies:
     def add_joint(self, kind: str, body0: int, body1: int, *, point: Any = (), end: Any = (), axis: Any = (),
                   cross: Any = (), ratio: float = 0, mu: float = 0, drive: Callable[..., Any] | None = None,
                   user: Any = None) -> int:
-        """A joint between two bodies: its number. kind: "revolute", "prismatic", "weld", "distance", "slot", "gear",
-        "spherical", "cylindrical", "universal". drive(t, f) writes the prescribed motion and its two rates into f [3];
-        or a compiled function of signature("drive")."""
+        """Adds a joint between two bodies.
+
+        Parameters
+        ----------
+        kind : str
+            "revolute", "prismatic", "weld", "distance", "slot", "gear", "spherical", "cylindrical" or "universal".
+        body0, body1 : int
+            Numbers of the bodies, or `GROUND`.
+        point : array_like
+            Point of the joint in space at the start [m].
+        end : array_like
+            Joint "distance": point of body1 [m].
+        axis, cross : array_like
+            Axes of the joint in space at the start.
+        ratio : float
+            Joint "gear": theta of body1 per theta of body0.
+        mu : float
+            Joint "slot": coefficient of friction (a frictional joint).
+        drive : callable, optional
+            ``drive(t, f)`` writes the prescribed motion and its two rates to f, shape (3,). Also a compiled function of
+            ``signature("drive")``.
+        user : object, optional
+            Last argument of a compiled drive.
+
+        Returns
+        -------
+        int
+            Number of the joint.
+        """
         function, pointer = self._callback("drive", drive, user)
         return self._core.add_joint(_one_of("kind", kind, JOINTS), body0, body1, _numbers("point", point, 3),
                                     _numbers("end", end, 3), _numbers("axis", axis, 3), _numbers("cross", cross, 3),
@@ -117,39 +212,135 @@ class Bodies:
 
     def add_spring(self, body0: int, body1: int, *, point: Any, end: Any, stiffness: float = 0, damping: float = 0,
                    rest: float = 0) -> int:
-        """A spring and damper between point (of body0) and end (of body1): its number."""
+        """Adds a spring with damper between two points.
+
+        Parameters
+        ----------
+        body0, body1 : int
+            Numbers of the bodies, or `GROUND`.
+        point, end : array_like
+            Its ends on body0 and body1, in space at the start [m].
+        stiffness : float
+            [N/m]
+        damping : float
+            [N s/m]
+        rest : float
+            Length without force [m].
+
+        Returns
+        -------
+        int
+            Number of the spring.
+        """
         return self._core.add_spring(body0, body1, _numbers("point", point, 3), _numbers("end", end, 3),
                                      float(stiffness), float(damping), float(rest))
 
     def add_torsion(self, body0: int, body1: int, *, axis: Any = (), stiffness: float = 0, damping: float = 0,
                     rest: float = 0) -> int:
-        """The same about an axis: its number."""
+        """Adds a torsion spring with damper.
+
+        Parameters
+        ----------
+        body0, body1 : int
+            Numbers of the bodies, or `GROUND`.
+        axis : array_like
+            Spatial: axis in space at the start.
+        stiffness : float
+            [N m/rad]
+        damping : float
+            [N m s/rad]
+        rest : float
+            Angle without torque [rad].
+
+        Returns
+        -------
+        int
+            Number of the spring.
+        """
         return self._core.add_torsion(body0, body1, _numbers("axis", axis, 3), float(stiffness), float(damping),
                                       float(rest))
 
     def add_load(self, body: int, load: Callable[..., Any], point: Any = (), user: Any = None) -> int:
-        """A load on a point of a body: its number. load(t, position, velocity, force, torque) writes into the last
-        two [3]; or a compiled function of signature("load")."""
+        """Adds a load on a point of a body.
+
+        Parameters
+        ----------
+        body : int
+            Number of the body.
+        load : callable
+            ``load(t, position, velocity, force, torque)`` writes to force [N] and torque [N m], shape (3,) each. Also a
+            compiled function of ``signature("load")``.
+        point : array_like
+            The point in space at the start [m].
+        user : object, optional
+            Last argument of a compiled load.
+
+        Returns
+        -------
+        int
+            Number of the load.
+        """
         function, pointer = self._callback("load", load, user)
         return self._core.add_load(body, _numbers("point", point, 3), function, *pointer)
 
     def add_solid(self, body: int, solid: Solid) -> int:
-        """A solid of a body, or of GROUND: its number."""
+        """Adds a solid to a body or to `GROUND`.
+
+        Parameters
+        ----------
+        body : int
+            Number of the body.
+        solid : Solid
+            The shape.
+
+        Returns
+        -------
+        int
+            Number of the solid.
+        """
         number = self._core.add_solid(body, solid._given())
         self._solids.append((body, solid))
         return number
 
     def add_contact(self, solid0: int, solid1: int, *, mu: float = 0, e_n: float = 0, e_t: float = 0) -> int:
-        """Lets two solids touch: the number of the first of its contacts."""
+        """Adds the fixed contacts of two solids.
+
+        Parameters
+        ----------
+        solid0, solid1 : int
+            Numbers of the solids.
+        mu, e_n, e_t : float
+            Coefficient of friction, normal and tangential restitution.
+
+        Returns
+        -------
+        int
+            Number of the first of these contacts.
+        """
         return self._core.add_contact(solid0, solid1, float(mu), float(e_n), float(e_t))
 
     def set_pair(self, material0: int, material1: int, *, mu: float = 0, e_n: float = 0, e_t: float = 0) -> None:
-        """Lets every two solids of these materials touch that belong to different bodies: many bodies, whose contacts
-        are found anew in every step and are by list (Record.contacts). Methods implicit, implicit-printed, moreau."""
+        """Adds contacts between all solids of two materials on different bodies.
+
+        The contacts are detected in every step and form a contact list (`Record.contacts`). Available with the methods
+        "implicit", "implicit-printed" and "moreau".
+
+        Parameters
+        ----------
+        material0, material1 : int
+            Materials of the solids, 0 to 63.
+        mu, e_n, e_t : float
+            Coefficient of friction, normal and tangential restitution.
+        """
         self._core.set_pair(material0, material1, float(mu), float(e_n), float(e_t))
 
     def system(self) -> System:
-        """The system of it all; nothing can be added from then on."""
+        """Builds the system. Nothing can be added afterwards.
+
+        Returns
+        -------
+        System
+        """
         if self._system is None:
             made = System._of(self._core.system())
             made._kept["bodies"] = self  # its functions live as long as the system
@@ -157,16 +348,42 @@ class Bodies:
         return self._system
 
     def start(self) -> tuple[np.ndarray, np.ndarray]:
-        """q and v at the start."""
+        """Returns the state at the start.
+
+        Returns
+        -------
+        q : ndarray, shape (nq,)
+        v : ndarray, shape (nv,)
+        """
         self.system()
         return self._core.start()
 
     def locate(self, q: Any, body: int, local: Any = ()) -> np.ndarray:
-        """Where a point of a body's own frame is."""
+        """Computes the position of a point of a body.
+
+        Parameters
+        ----------
+        q : array_like, shape (nq,)
+            Coordinates.
+        body : int
+            Number of the body.
+        local : array_like
+            The point in the frame of the body [m].
+
+        Returns
+        -------
+        ndarray, shape (3,)
+            The point in space [m].
+        """
         return np.array(self._core.locate(np.ascontiguousarray(q, dtype=float), body, _numbers("local", local, 3)))
 
     def shapes(self) -> list[Shape]:
-        """The solids for animations."""
+        """Returns the solids for animations.
+
+        Returns
+        -------
+        list of Shape
+        """
         place = _planar if self.dimension == 2 else _spatial
         return [place(f"{solid.shape} {i}", body, solid) for i, (body, solid) in enumerate(self._solids)]
 
@@ -196,14 +413,14 @@ def _planar(name: str, body: int, solid: Solid) -> Shape:
 
 
 def _product(a: Sequence[str], b: Sequence[float]) -> list[str]:
-    """Of the quaternions a (formulas) and b."""
+    """Product of the quaternions a (formulas) and b."""
     w, x, y, z = (f"({c!r})" for c in b)
     return [f"{a[0]}*{w}-{a[1]}*{x}-{a[2]}*{y}-{a[3]}*{z}", f"{a[0]}*{x}+{a[1]}*{w}+{a[2]}*{z}-{a[3]}*{y}",
             f"{a[0]}*{y}-{a[1]}*{z}+{a[2]}*{w}+{a[3]}*{x}", f"{a[0]}*{z}+{a[1]}*{y}-{a[2]}*{x}+{a[3]}*{w}"]
 
 
 def _turned(q: Sequence[str], p: Sequence[float]) -> list[str]:
-    """The point p turned by the unit quaternion q (formulas): p + 2 w (u x p) + 2 u x (u x p)."""
+    """Point p rotated by the unit quaternion q (formulas): p + 2 w (u x p) + 2 u x (u x p)."""
     w, x, y, z = q
     a, b, c = (f"({number!r})" for number in p)
     return [f"(1-2*{y}*{y}-2*{z}*{z})*{a}+2*({x}*{y}-{w}*{z})*{b}+2*({x}*{z}+{w}*{y})*{c}",

@@ -1,4 +1,4 @@
-"""The exceptions, made from the library's error records."""
+"""Exceptions, made from the library's error records."""
 
 from __future__ import annotations
 
@@ -10,21 +10,32 @@ from typing import Any
 from . import _core
 
 Status = enum.IntEnum("Status", dict(_core.STATUS), module="nsdae")
-Status.__doc__ = "What a call of the library returns: 0 done, < 0 not done, > 0 done and something to know."
+Status.__doc__ = "Status of a call of the library: 0 completed, < 0 failed, > 0 completed with a message."
 
 
 class Error(Exception):
-    """What the library refuses or fails at.
+    """Error of the library.
 
-    status    Status
-    index     entry, contact or pivot concerned, from 0; None where there is none
-    time      simulated time [s]; None where there is none
-    argument  argument, option or callback concerned; "" where there is none
-    where     function of the C library that found it
-    code      raw code of its origin
-    record    Record of the state before the step that failed; None where there is no simulation
-    problem   LcpProblem that was not solved; None where it was something else
-    trajectory  what solve() had until then; None elsewhere
+    Attributes
+    ----------
+    status : Status
+        Status of the failed call.
+    index : int or None
+        Entry, contact or pivot concerned, from 0.
+    time : float or None
+        Simulated time [s].
+    argument : str
+        Argument, option or callback concerned, or "".
+    where : str
+        Function of the C library that detected the error.
+    code : int
+        Raw code of its origin.
+    record : Record or None
+        State before the failed step.
+    problem : LcpProblem or None
+        The problem that was not solved.
+    trajectory : Trajectory or None
+        Result of `solve` up to the error.
     """
 
     def __init__(self, text: str, status: Status, code: int = 0, index: int | None = None, time: float | None = None,
@@ -38,27 +49,29 @@ class Error(Exception):
 
 
 class ArgumentError(Error, ValueError):
-    """An argument, an option or a parameter is unknown, missing or out of its range."""
+    """An argument, option or parameter is unknown, missing or out of range."""
 
 
 class ProblemError(Error):
-    """A complementarity or friction problem was not solved, or has no solution; .problem has it."""
+    """A complementarity or friction problem was not solved or has no solution; see its attribute ``problem``."""
 
 
 class RunWarning(UserWarning):
-    """What a run is warned of: energy, overlap or drift beyond what the method explains, directions of friction that
-    are not those of the gap. The run goes on."""
+    """Warning of a run, which continues.
+
+    Energy, penetration or drift exceed the bound of the method, or directions of friction are not tangential to the gap.
+    """
 
 
 class CallbackError(Error):
-    """A callback raised the exception in __cause__."""
+    """A callback raised the exception in ``__cause__``."""
 
 
 _CLASSES = {Status.E_ARGUMENT: ArgumentError, Status.E_OPTION: ArgumentError, Status.E_LCP: ProblemError,
             Status.E_INFEASIBLE: ProblemError, Status.E_PAINLEVE: ProblemError}
 
 
-# What the library's texts name, and what that is here; the first that fits. Else nsdae_sim_NAME is Sim.NAME, and so on.
+# C names in the library's texts and their Python names; the first match counts. Else nsdae_sim_NAME is Sim.NAME, etc.
 _NAMES = [(re.compile(pattern), name) for pattern, name in (
     (r"nsdae_sim_set_user, ", ""),  # Python's callbacks have their data in themselves
     (r"nsdae_sim_create", "nsdae.Sim"),
@@ -82,14 +95,14 @@ _NAMES = [(re.compile(pattern), name) for pattern, name in (
 
 
 def in_python(text: str) -> str:
-    """A text of the library with Python's names of functions and arguments."""
+    """Translates the names of C functions and arguments in a text to those of Python."""
     for pattern, name in _NAMES:
         text = pattern.sub(name, text)
     return text
 
 
 def of_record(status: int, code: int, index: int, time: float, argument: str, where: str, text: str) -> Exception:
-    """The exception that an error record stands for."""
+    """Returns the exception of an error record."""
     text = in_python(text)
     if status == Status.E_MEMORY:
         return MemoryError(text)

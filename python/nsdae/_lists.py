@@ -1,4 +1,4 @@
-"""Large systems: blocks of q and v, contacts by list, rows of Phi_q by blocks."""
+"""Block-sparse systems: blocks of q and v, contact lists, block-sparse Jacobians."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def _array(name: str, values: Any, shape: tuple[int, ...], kind: Any = float) ->
 
 
 class ContactList:
-    """The contacts that are near, filled by the callback contacts; it ends with the call."""
+    """Contact list, filled by the callback ``contacts``. It is valid until the callback returns."""
 
     __slots__ = ("_core",)
 
@@ -36,15 +36,34 @@ class ContactList:
 
     def add(self, id: Any, block: Any, gap: Any, direction: Any, *, mu: Any = 0, e_n: Any = 0, e_t: Any = 0,
             w: Any = 0) -> None:
-        """Adds n contacts, or one: then without the dimension n. What is the same for all may be given once.
+        """Adds n contacts, or one contact without the dimension n.
 
-        id         [n] the same pair of features has the same at all times, no two at once the same one
-        block      [n, 2] the two blocks, -1: the ground
-        gap        [n] negative where they overlap
-        direction  [n, 2, 1 + nt, nv]: direction[i, s, 0] is what the velocities of block s add to the rate of the gap,
-                   direction[i, s, 1], [i, s, 2] to those of sliding; nv of the largest block
-        mu, e_n, e_t   [n] friction and restitution;  w [n, 1 + nt] velocities along the directions with v = 0
-        What is out of range fails the step; the error names the contact and the field.
+        Values that are equal for all contacts can be given once.
+
+        Parameters
+        ----------
+        id : array_like of int, shape (n,)
+            Identifier of the pair of features, unique and constant in time.
+        block : array_like of int, shape (n, 2)
+            The two blocks; -1 is the ground.
+        gap : array_like, shape (n,)
+            Normal distance, negative in overlap [m].
+        direction : array_like, shape (n, 2, 1 + nt, nv)
+            ``direction[i, s, 0]`` maps the velocities of block s to the rate of the gap. ``direction[i, s, 1]`` and
+            ``[i, s, 2]`` map them to the slip velocities. nv is that of the largest block.
+        mu, e_n, e_t : array_like, shape (n,)
+            Coefficient of friction, normal and tangential restitution.
+        w : array_like, shape (n, 1 + nt)
+            Velocities along the directions at v = 0 [m/s].
+
+        Raises
+        ------
+        ValueError
+            A shape is wrong.
+
+        Notes
+        -----
+        Values out of range fail the step. The error names the contact and the field.
         """
         id = np.atleast_1d(np.ascontiguousarray(id, dtype=np.int64))
         n, rows, direction = len(id), 1 + self._core.nt, np.asarray(direction, dtype=float)
@@ -56,7 +75,7 @@ class ContactList:
 
 
 class RowList:
-    """The rows of Phi_q, filled by the callback constraint_rows; it ends with the call."""
+    """Rows of the block-sparse Jacobian Phi_q, filled by ``constraint_rows``. It is valid until the callback returns."""
 
     __slots__ = ("_core",)
 
@@ -64,8 +83,19 @@ class RowList:
         self._core = core
 
     def add(self, row: Any, block: Any, value: Any) -> None:
-        """value [n, nv]: the entries of rows [n] over the velocities of blocks [n]; or one, without the dimension n.
-        Rows come in ascending order, each block of a row once."""
+        """Adds n entries, or one entry without the dimension n.
+
+        Rows must be in ascending order, and each block occurs once per row.
+
+        Parameters
+        ----------
+        row : array_like of int, shape (n,)
+            Rows.
+        block : array_like of int, shape (n,)
+            Blocks.
+        value : array_like, shape (n, nv)
+            Entries of the rows for the velocities of the blocks.
+        """
         row = np.atleast_1d(np.ascontiguousarray(row, dtype=np.int64))
         value = np.asarray(value, dtype=float)
         width = value.shape[-1] if value.ndim else 1
@@ -73,7 +103,7 @@ class RowList:
 
 
 def sizes_of(blocks: Any) -> tuple[np.ndarray, np.ndarray]:
-    """nq and nv of each: from [blocks] where they are the same, or [blocks, 2]."""
+    """Returns nq and nv of each block, from shape (blocks,) or (blocks, 2)."""
     sizes = np.asarray(blocks)
     if sizes.dtype.kind not in "iu" or sizes.ndim not in (1, 2) or sizes.ndim == 2 and sizes.shape[1] != 2:
         raise ValueError("blocks must be whole numbers: a size for each block, or [nq, nv]")
@@ -83,7 +113,7 @@ def sizes_of(blocks: Any) -> tuple[np.ndarray, np.ndarray]:
 
 
 class _Mass:
-    """Shows the diagonal blocks one behind the other as M[b] [nv, nv]: where they are of one size as one array."""
+    """Shows the diagonal blocks as M[b], shape (nv, nv); as one array if all have the same size."""
 
     def __init__(self, function: Callable[..., Any], nv: np.ndarray):
         self.function, self.nv, self.kept = function, nv.tolist(), (None, None)
@@ -103,7 +133,7 @@ class _Mass:
 
 
 def wrapped(name: str, function: Callable[..., Any], nv: np.ndarray) -> Callable[..., Any]:
-    """The function as the library's half calls it."""
+    """Returns the function with the arguments of the extension module."""
     if name == "mass_blocks":
         return _Mass(function, nv)
     if name == "constraint_rows":

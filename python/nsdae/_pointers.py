@@ -42,10 +42,26 @@ def _kinds(name: str) -> list[str]:
 
 
 def signature(name: str, kind: str = "numba") -> Any:
-    """Signature of a compiled callback.
+    """Returns the signature of a compiled callback.
 
-    kind  "numba": text for numba.cfunc; "ctypes": the function type; "c": the C declaration, for cffi
+    Parameters
+    ----------
+    name : str
+        Name of the callback.
+    kind : str
+        "numba": text for ``numba.cfunc``. "ctypes": the function type. "c": the C declaration, for cffi.
 
+    Returns
+    -------
+    str or type
+
+    Raises
+    ------
+    ValueError
+        The name or the kind is unknown.
+
+    Examples
+    --------
     >>> @numba.cfunc(nsdae.signature("force"))
     ... def force(t, q, v, F, user):
     ...     F[0] = -0.981
@@ -66,8 +82,11 @@ def signature(name: str, kind: str = "numba") -> Any:
 
 @contextlib.contextmanager
 def _inlined() -> Iterator[None]:
-    """numba.cfunc returns a function that calls the compiled one, and tells LLVM not to inline it: 4 ns a call, as much as
-    a callback of a small mechanism takes. In here that word is left out, where numba is built as it is known to be."""
+    """Allows LLVM to inline the compiled function.
+
+    ``numba.cfunc`` returns a function that calls the compiled one with the attribute noinline. The call takes 4 ns, as long as a
+    callback of a small mechanism. The attribute is omitted here, if numba has the expected structure.
+    """
     try:
         from numba.core import compiler_lock, registry
         conventions, lock = type(registry.cpu_target.target_context.call_conv), compiler_lock.global_compiler_lock
@@ -88,10 +107,22 @@ def _inlined() -> Iterator[None]:
 
 
 def cfunc(name: str, **options: Any) -> Callable[[Callable], Any]:
-    """Makes a compiled callback: numba.cfunc of its signature, which takes no longer than the same in C.
+    """Decorator for a compiled callback: ``numba.cfunc`` with its signature, as fast as C.
 
-    options  those of numba.cfunc, such as fastmath or boundscheck
+    Parameters
+    ----------
+    name : str
+        Name of the callback.
+    **options
+        Options of ``numba.cfunc``, such as ``fastmath`` or ``boundscheck``.
 
+    Returns
+    -------
+    callable
+        The decorator.
+
+    Examples
+    --------
     >>> @nsdae.cfunc("force")
     ... def force(t, q, v, F, user):
     ...     F[0] = -0.981
@@ -108,10 +139,10 @@ def cfunc(name: str, **options: Any) -> Callable[[Callable], Any]:
 
 
 def _of_numba(name: str, function: Any) -> int:
-    """Its address; a signature that differs is found here and not in a crash."""
+    """Returns the address; a wrong signature raises TypeError here instead of a crash later."""
     has = getattr(function, "_sig", None)
     if has is not None:
-        from numba.core import sigutils  # it is there, for the function is numba's
+        from numba.core import sigutils  # installed, since the function is from numba
         arguments, result = sigutils.normalize_signature(signature(name))
         if tuple(has.args) != tuple(arguments) or has.return_type != result:
             raise TypeError(f"{name} is a numba.cfunc of the signature {has}; it must be '{signature(name)}', which "
@@ -128,12 +159,12 @@ def _capsule(capsule: Any) -> int:
 
 
 def _of_cffi(pointer: Any) -> int:
-    import cffi  # it is there, for the pointer is cffi's
+    import cffi  # installed, since the pointer is from cffi
     return int(cffi.FFI().cast("uintptr_t", pointer))
 
 
 def address(thing: Any) -> int:
-    """Of what user may be: None, a number, an array, ctypes, cffi, a capsule."""
+    """Returns the address of ``user``: None, a number, an array, a pointer of ctypes or cffi, a capsule."""
     if thing is None:
         return 0
     if isinstance(thing, int):
@@ -153,7 +184,7 @@ def address(thing: Any) -> int:
 
 
 def compiled(name: str, function: Any, user: Any) -> tuple[int, int] | None:
-    """(address, user) of a compiled callback; None of a function of Python."""
+    """Returns (address, user) of a compiled callback, None for a function of Python."""
     if hasattr(function, "address") and hasattr(function, "native_name"):
         return _of_numba(name, function), address(user)
     if isinstance(function, tuple) and type(function).__name__ == "LowLevelCallable":

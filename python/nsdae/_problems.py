@@ -1,4 +1,4 @@
-"""Complementarity and friction problems by themselves."""
+"""Linear complementarity problems and friction problems."""
 
 from __future__ import annotations
 
@@ -12,11 +12,24 @@ from ._records import LcpProblem
 
 
 class LcpResult(NamedTuple):
-    """x and y = A x + b, and how they were found.
+    """Solution of a linear complementarity problem.
 
-    outcome   "solved" (residual below tol, computed afresh), "infeasible" (proved) or "unsolved"
-    residual  scaled natural residual
-    stage     of the chain that ended it; proof: "none", "farkas" (y is the vector that proves it) or "enumerated"
+    Attributes
+    ----------
+    x, y : ndarray, shape (n,)
+        Solution, with y = A x + b. With a Farkas proof y is the vector that proves infeasibility.
+    outcome : str
+        "solved" (residual evaluated afresh, at most tol), "infeasible" (proved) or "unsolved".
+    residual : float
+        Scaled natural residual.
+    stage : str
+        Final stage of the chain.
+    proof : str
+        "none", "farkas" or "enumerated".
+    ray : str
+        Property of A that the ray of Lemke's method proves.
+    pivots : int
+        Pivots of all stages.
     """
 
     x: np.ndarray
@@ -30,12 +43,29 @@ class LcpResult(NamedTuple):
 
 
 class FrictionResult(NamedTuple):
-    """Impulses r and velocities u, and how they were found; fields as of LcpResult.
+    """Solution of a friction problem.
 
-    r, u  [m]: impulses [N s] and velocities [m/s], each row those of its direction
-    low   with twice=True [m], in the units of r: what r does not hold of the solution, which is r + low, each entry
-          at most half a digit of r's, and zero where r alone is a solution; u and residual are those of the sum. Else
-          None. With outcome "infeasible" r is the vector that proves it, and low is zero
+    Attributes
+    ----------
+    r : ndarray, shape (m,)
+        Impulses [N s]. With the outcome "infeasible" the vector that proves it.
+    u : ndarray, shape (m,)
+        Velocities [m/s].
+    outcome : str
+        "solved" (residual evaluated afresh, at most tol), "infeasible" (proved) or "unsolved".
+    residual : float
+        Natural residual, dimensionless.
+    stage : str
+        Final solver.
+    proof : str
+        "none" or "farkas".
+    islands : int
+        Independent subproblems.
+    sweeps, iterations, factorisations : int
+        Work of the solvers.
+    low : ndarray or None, shape (m,)
+        Trailing part of a double-double solution r + low, with ``twice=True``. It is at most half a digit of r, and zero if r
+        alone is a solution. u and residual are those of the sum.
     """
 
     r: np.ndarray
@@ -68,12 +98,34 @@ def _dense(matrix: Any) -> np.ndarray:
 
 def lcp(A: Any, b: Any, x0: Any = None, *, tol: float = 1e-10, max_pivots: int = 0, enumerate_max: int = 12,
         check: bool = True) -> LcpResult:
-    """Finds x >= 0 with y = A x + b >= 0 and x y = 0.
+    """Solves a linear complementarity problem: x >= 0, y = A x + b >= 0, x y = 0.
 
-    A      [n, n], an array or a sparse matrix; b [n]
-    x0     a guess: its positive entries are tried first
-    check  True: raises ProblemError where there is no solution or none was found; False: outcome says so
+    Parameters
+    ----------
+    A : array_like or sparse matrix, shape (n, n)
+    b : array_like, shape (n,)
+    x0 : array_like, optional
+        Guess; its positive entries are the first active set.
+    tol : float
+        Bound on the residual.
+    max_pivots : int
+        Pivots of one run of Lemke's method; 0: the default of the library.
+    enumerate_max : int
+        Largest n for the enumeration of active sets.
+    check : bool
+        False: return the outcome instead of an exception.
 
+    Returns
+    -------
+    LcpResult
+
+    Raises
+    ------
+    ProblemError
+        The problem has no solution, or none was found.
+
+    Examples
+    --------
     >>> nsdae.lcp([[2, 1], [1, 2]], [-1, 1]).x
     array([0.5, 0. ])
     """
@@ -85,7 +137,7 @@ def lcp(A: Any, b: Any, x0: Any = None, *, tol: float = 1e-10, max_pivots: int =
 
 
 def _entries(matrix: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray, tuple[int, int]]:
-    """Rows, columns, values and shape; those that stand twice are summed."""
+    """Rows, columns, values and shape; repeated entries are summed."""
     if hasattr(matrix, "tocoo"):
         coo = matrix.tocsr().tocoo()
         return coo.row.astype(np.int64), coo.col.astype(np.int64), coo.data.astype(float), coo.shape
@@ -95,8 +147,10 @@ def _entries(matrix: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray, tuple[int
 
 
 def _components(n: int, row: np.ndarray, column: np.ndarray) -> np.ndarray:
-    """The part that each of n belongs to where entries join them: each takes the least label that it sees, and that
-    one's label, until nothing changes."""
+    """Connected component of each of n nodes with these edges.
+
+    Each node takes the least label of its neighbours, and the label of that node, until nothing changes.
+    """
     label = np.arange(n)
     while True:
         before = label.copy()
@@ -114,8 +168,10 @@ def _spans(sizes: np.ndarray) -> np.ndarray:
 
 def _by_items(rows_block: np.ndarray, rows_at: np.ndarray, size: np.ndarray, entries: Any,
               items: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """A matrix [., m] by items: first, block and value of nsdae_friction_problem. rows_block and rows_at say where a
-    row stands: in which block, at which place of it; items are the numbers of columns of each item."""
+    """A matrix [., m] by items: first, block and value of nsdae_friction_problem.
+
+    rows_block and rows_at are the block of each row and its place there; items are the numbers of columns of each item.
+    """
     row, column, value, _ = entries
     start = _spans(items)
     item = np.searchsorted(start, column, side="right") - 1
@@ -139,7 +195,7 @@ def _within(label: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray, np.n
 
 
 def _counts(mu: np.ndarray, rows: Any, m: int) -> tuple[np.ndarray, int]:
-    """Rows of each contact, and how many bilateral rows follow."""
+    """Rows of each contact, and the number of bilateral rows after them."""
     rows = np.broadcast_to(np.asarray(rows, dtype=np.intc), mu.shape)
     bilateral = m - int(rows.sum())
     if bilateral < 0:
@@ -165,23 +221,56 @@ def _vector(name: str, values: Any, n: int) -> np.ndarray:
 def friction(H: Any, M: Any, f: Any, mu: Any, w: Any = None, *, rows: Any = 3, compliance: Any = None, r0: Any = None,
              tol: float = 1e-10, max_sweeps: int = 0, max_iterations: int = 0, budget: float = 0, progress: Any = None,
              check: bool = True, twice: bool = False) -> FrictionResult:
-    """Coulomb's friction in its global form: M v = f + H r, u = H^T v + w + C r, with for each contact u + mu |u_T| e_N
-    in the dual cone, r in the cone |r_T| <= mu r_N, and both at right angles; u = 0 in the bilateral rows.
+    """Solves a friction problem in the global form.
 
-    H     [nv, m], an array or a sparse matrix: a column for each direction, of each contact the normal one first; after
-          all contacts the bilateral ones
-    M     [nv, nv], symmetric positive definite, an array or a sparse matrix; its blocks are found
-    f     [nv];  w [m] (default zero);  compliance [m]: the diagonal of C >= 0 (default zero)
-    mu    of each contact
-    rows  of each contact, or of all: 1 (frictionless), 2 (planar) or 3 (spatial)
-    r0    a guess; check as of lcp()
-    budget    multiplications by J = L^-1 H that an island may take, or as much time; 0: a minute or so at most
-    progress  called about ten times a second with a dict: stage, island, islands, contacts, residual, share (of the
-              budget), sweeps, iterations. A true result interrupts: the best point so far is unsolved
-    twice  True: a solution in two parts, r and low, where r alone holds none to tol, as where bodies that touch differ
-           in mass by 1e6: the impulses above and below a light one differ by its weight, and that is no multiple of
-           their last digit. The sum as an array of doubles is r again: use them one after the other, differences of r
-           first, or fractions.Fraction
+    The equations are M v = f + H r and u = H^T v + w + C r. For each contact r is in the cone |r_T| <= mu r_N, u + mu |u_T| e_N is
+    in the dual cone, and both are orthogonal. In bilateral rows u = 0.
+
+    Parameters
+    ----------
+    H : array_like or sparse matrix, shape (nv, m)
+        One column per direction. Each contact has its normal direction first; bilateral directions follow all contacts.
+    M : array_like or sparse matrix, shape (nv, nv)
+        Symmetric positive definite; its diagonal blocks are detected.
+    f : array_like, shape (nv,)
+    mu : array_like, shape (contacts,)
+        Coefficients of friction.
+    w : array_like, shape (m,), optional
+        Default zero.
+    rows : int or array_like of int
+        Rows of each contact: 1 (frictionless), 2 (planar) or 3 (spatial).
+    compliance : array_like, shape (m,), optional
+        Diagonal of C >= 0, default zero.
+    r0 : array_like, shape (m,), optional
+        Guess.
+    tol : float
+        Bound on the residual.
+    max_sweeps, max_iterations : int
+        Limits of the solvers; 0: by the budget.
+    budget : float
+        Multiplications by J = L^-1 H for an island, or the equivalent time; 0: about a minute at most.
+    progress : callable, optional
+        Called about ten times per second with a dict: stage, island, islands, contacts, residual, share (of the budget),
+        sweeps, iterations. A true result interrupts the solver, and the best iterate is "unsolved".
+    check : bool
+        False: return the outcome instead of an exception.
+    twice : bool
+        True: compute a double-double solution r + low.
+
+    Returns
+    -------
+    FrictionResult
+
+    Raises
+    ------
+    ProblemError
+        The problem has no solution, or none was found.
+
+    Notes
+    -----
+    Use ``twice`` if masses of bodies in contact differ by about 1e6. The impulses on a light body then differ by its weight, which
+    is below their rounding. An array with the sum r + low is rounded to r. Apply r and low one after the other, or use
+    ``fractions.Fraction``.
     """
     of_H, of_M = _entries(H), _entries(M)
     nv, m = of_H[3]
@@ -206,7 +295,23 @@ def friction(H: Any, M: Any, f: Any, mu: Any, w: Any = None, *, rows: Any = 3, c
 def friction_local(W: Any, q: Any, mu: Any, *, rows: Any = 3, compliance: Any = None, r0: Any = None, tol: float = 1e-10,
                    max_sweeps: int = 0, max_iterations: int = 0, budget: float = 0, progress: Any = None,
                    check: bool = True, twice: bool = False) -> FrictionResult:
-    """The same in its local form, u = W r + q + C r, W [m, m] symmetric positive semidefinite, q [m]."""
+    """Solves a friction problem in the local form u = W r + q + C r.
+
+    The contact laws, the other parameters, results and exceptions are those of `friction`.
+
+    Parameters
+    ----------
+    W : array_like or sparse matrix, shape (m, m)
+        Symmetric positive semidefinite (Delassus operator).
+    q : array_like, shape (m,)
+        Free velocities.
+    mu : array_like, shape (contacts,)
+        Coefficients of friction.
+
+    Returns
+    -------
+    FrictionResult
+    """
     of_W = _entries(W)
     m = of_W[3][0]
     if of_W[3] != (m, m):

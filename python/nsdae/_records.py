@@ -1,4 +1,4 @@
-"""Records, impacts and statistics as a user sees them."""
+"""Records, impacts and statistics."""
 
 from __future__ import annotations
 
@@ -31,23 +31,58 @@ OPEN, SLIP, STICK = 0, 1, 2  # modes of contacts and frictional joints
 
 
 class LcpProblem(NamedTuple):
-    """Find x >= 0 with y = A x + b >= 0 and x y = 0."""
+    """Linear complementarity problem x >= 0, y = A x + b >= 0, x y = 0."""
 
     A: np.ndarray
     b: np.ndarray
 
 
 class Record:
-    """The state after a step and its certificate.
+    """State after a step, with its certificate. The arrays are copies.
 
-    step, time [s], duration [s] of the step; q [nq], v [nv], acceleration [nv] (mean over the step);
-    multiplier [m]; gap, normal_impulse, mode [k]; tangential_impulse [k, nt]; frictional_joint_impulse, frictional_joint_mode [f];
-    kinetic, potential, dissipated [J]; lcp_residual, constraint_drift, penetration; impacts and changes of the step
-    as structured arrays; contacts, those by list that were closed in it: id, block [2] (-1: the ground), gap,
-    normal_impulse, tangential_impulse [2], mode; certificate, by name: pull, cone_excess [N s], penetration [m],
-    constraint_drift, constraint_rate, complementarity [J], each with the contact or constraint of the largest
-    (pull_contact, cone_contact, penetration_contact, drift_constraint, rate_constraint, complementarity_contact; -1:
-    none), energy, work, dissipated, unexplained [J] (< 0: a loss of the method). Its arrays are its own.
+    Attributes
+    ----------
+    step : int
+        Number of the step.
+    time, duration : float
+        Time, and length of the step [s].
+    q : ndarray, shape (nq,)
+        Coordinates.
+    v, acceleration : ndarray, shape (nv,)
+        Velocities, and mean accelerations of the step.
+    multiplier : ndarray, shape (m,)
+        Mean bilateral forces of the step.
+    gap, normal_impulse : ndarray, shape (k,)
+        Gaps [m] and normal impulses [N s] of the contacts.
+    tangential_impulse : ndarray, shape (k, nt)
+        Tangential impulses [N s].
+    mode : ndarray of int, shape (k,)
+        `OPEN`, `SLIP` or `STICK`.
+    frictional_joint_impulse, frictional_joint_mode : ndarray, shape (f,)
+        Friction impulses [N s] and modes of the frictional joints.
+    kinetic, potential, dissipated : float
+        Energies [J].
+    lcp_residual : float
+        Scaled natural residual of the contact problem.
+    constraint_drift : float
+        max abs(Phi).
+    penetration : float
+        Largest overlap [m].
+    impacts, changes : structured ndarray
+        Impacts and mode transitions of the step.
+    contacts : structured ndarray
+        Closed contacts of a contact list: id, block [2] (-1: the ground), gap, normal_impulse, tangential_impulse [2], mode.
+    certificate : structured scalar
+        Residuals of the laws and the energy balance, see Notes.
+
+    Notes
+    -----
+    Fields of the certificate:
+
+    - pull, cone_excess [N s], penetration [m], constraint_drift, constraint_rate, complementarity [J];
+    - pull_contact, cone_contact, penetration_contact, complementarity_contact, drift_constraint, rate_constraint: their
+      contact or constraint, or -1;
+    - energy, work, dissipated, unexplained [J]. unexplained < 0 is energy lost by the method.
     """
 
     step: int
@@ -87,7 +122,7 @@ class Record:
 
 
 def certificates(arrays: dict[str, Any]) -> np.ndarray:
-    """Of each record, from their bytes."""
+    """Certificates of the records, from their bytes."""
     return arrays["certificate"].reshape(-1).view(CERTIFICATE)
 
 
@@ -95,7 +130,7 @@ EVENTS = ("impacts", "changes", "contacts")
 
 
 def events(arrays: dict[str, Any]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Impacts, changes and contacts by list from their bytes."""
+    """Impacts, mode transitions and contacts of the list, from their bytes."""
     def rows(name: str, of: np.dtype) -> np.ndarray:
         return arrays[name].reshape(-1).view(of)
 

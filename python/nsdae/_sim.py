@@ -1,4 +1,4 @@
-"""Simulations: step by step, or a whole run at once."""
+"""Simulations: step by step, or a whole run."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from ._trajectory import Shape, Trajectory, names_of
 METHODS = dict(_core.METHODS)
 
 
-# options that are a yes or a no
+# options with the values yes and no
 _SWITCHES = {key for key, _, _, values in _core.OPTIONS if values == "no or yes"}
 
 
 def _texts(options: dict[str, Any]) -> dict[str, Any]:
-    """As the library reads them: every digit of a number; True and False of a switch are yes and no."""
+    """Options as texts of the library, with all digits of a number; True and False of a switch are yes and no."""
     def text(key: str, value: Any) -> Any:
         if isinstance(value, (bool, np.bool_)):
             return ("yes" if value else "no") if key in _SWITCHES else int(value)
@@ -34,9 +34,32 @@ def _texts(options: dict[str, Any]) -> dict[str, Any]:
 
 
 class Sim:
-    """A simulation of a System or of Bodies; options are the library's, by name: method, dt, rtol, ... (help(nsdae) lists
-    them). One call at a time uses it: another one, from a callback or another thread, raises Error (Status.E_STATE).
+    """Simulation of a system.
 
+    Parameters
+    ----------
+    system : System or Bodies
+        The model.
+    **options
+        Options of the library: method, dt, rtol, ...; ``help(nsdae)`` lists them.
+
+    Attributes
+    ----------
+    system : System
+        The model.
+
+    Raises
+    ------
+    ArgumentError
+        An option is unknown or out of range.
+
+    Notes
+    -----
+    Only one call at a time may use a simulation. A second call, from a callback or another thread, raises `Error` with
+    ``Status.E_STATE``.
+
+    Examples
+    --------
     >>> sim = nsdae.Sim(system, method="moreau", dt=1e-3)
     >>> sim.init([1.0])
     >>> for record in sim.steps(3):
@@ -49,8 +72,26 @@ class Sim:
         self._core = _core.Sim(self.system._core, _texts(options))
 
     def init(self, q0: Any = None, v0: Any = None, t0: float = 0) -> Status:
-        """Starts at t0 with q0 [nq] and v0 [nv], which must satisfy the constraints. Default: the start of the Bodies; of
-        a System v0 at rest."""
+        """Sets the initial state, which must satisfy the constraints.
+
+        Parameters
+        ----------
+        q0 : array_like, shape (nq,), optional
+            Coordinates. Default: the start of the `Bodies`; required for a `System`.
+        v0 : array_like, shape (nv,), optional
+            Velocities. Default: the start of the `Bodies`; zero for a `System`.
+        t0 : float
+            Time [s].
+
+        Returns
+        -------
+        Status
+
+        Raises
+        ------
+        ArgumentError
+            The state is inconsistent.
+        """
         return Status(self._core.init(float(t0), *self._start(q0, v0)))
 
     def _start(self, q0: Any, v0: Any) -> tuple[np.ndarray, np.ndarray]:
@@ -62,7 +103,18 @@ class Sim:
         return vector("q0", q0, d.nq), vector("v0", v0, d.nv)
 
     def project(self, q0: Any = None, v0: Any = None, t0: float = 0) -> tuple[np.ndarray, np.ndarray]:
-        """q0 and v0 (default: as of init) moved as little as can be so that they satisfy constraints and contacts."""
+        """Projects a state onto constraints and contacts, by the least change in the metric of M.
+
+        Parameters
+        ----------
+        q0, v0, t0
+            As for `init`.
+
+        Returns
+        -------
+        q : ndarray, shape (nq,)
+        v : ndarray, shape (nv,)
+        """
         return self._core.project(float(t0), *self._start(q0, v0))
 
     def _told(self, call: Any, *arguments: Any) -> Any:
@@ -73,33 +125,69 @@ class Sim:
             raise
 
     def _complete(self, error: Error) -> None:
-        """The state that is left, and the problem that was not solved."""
+        """Adds the last state and the unsolved problem to an error."""
         try:
             error.record = self.record
             problem = self._core.failed_lcp()
             error.problem = LcpProblem(*problem) if problem else None
-        except Error:  # it was never started, or is in another call
+        except Error:  # never started, or in another call
             pass
 
     def step(self) -> Status:
-        """One step of dt: OK, EVENT (an impact or a change of mode), ZENO, or a warning."""
+        """Takes one step of dt.
+
+        Returns
+        -------
+        Status
+            OK, EVENT (an impact or a mode transition), ZENO, or a warning.
+        """
         return Status(self._told(self._core.step))
 
     def run(self, t_end: float) -> Status:
-        """Steps to t_end."""
+        """Takes steps until t_end.
+
+        Parameters
+        ----------
+        t_end : float
+            End time [s].
+
+        Returns
+        -------
+        Status
+        """
         return Status(self._told(self._core.run, float(t_end), False))
 
     def run_to_event(self, t_end: float) -> Status:
-        """Steps to t_end, or to the end of the first step with an impact or a change of mode."""
+        """Takes steps until t_end, or to the end of the first step with an impact or a mode transition.
+
+        Parameters
+        ----------
+        t_end : float
+            End time [s].
+
+        Returns
+        -------
+        Status
+        """
         return Status(self._told(self._core.run, float(t_end), True))
 
     def steps(self, t_end: float) -> Iterator[Record]:
-        """Yields the record after each step up to t_end; the last step is shortened to end there."""
+        """Iterates over the records of the steps until t_end. The last step is shortened to end there.
+
+        Parameters
+        ----------
+        t_end : float
+            End time [s].
+
+        Yields
+        ------
+        Record
+        """
         now = self.record.time
         while now < t_end:
             if now + 1.5 * self.options["dt"] < t_end:
                 self.step()
-            else:  # the run knows where the grid of steps ends
+            else:  # the run has the grid of steps
                 self.run(min(now + self.options["dt"], t_end))
             record = self.record
             if record.time <= now:
@@ -109,47 +197,86 @@ class Sim:
 
     @property
     def record(self) -> Record:
-        """The state now."""
+        """Current state, a `Record`."""
         return Record(self._core.record())
 
     @property
     def time(self) -> float:
-        """Now [s]."""
+        """Current time [s]."""
         return self.record.time
 
     @property
     def stats(self) -> dict[str, Any]:
-        """What it did since init(): steps, LCPs, impacts, the worst residual, the energy balance, ...; certificate has the
-        largest figures of all records and the energies of the last."""
+        """Statistics since `init`: steps, LCPs, impacts, worst residual, energy balance, ...
+
+        ``stats["certificate"]`` has the largest figures of all records and the energies of the last.
+        """
         stats = self._core.stats()
         stats["certificate"] = certificates(stats)[0]
         return stats
 
     @property
     def options(self) -> dict[str, Any]:
-        """Every option."""
+        """All options with their values."""
         return self._core.options()
 
     def set_options(self, **options: Any) -> None:
-        """Other options from here on; method, polygon, linear_solver and projection are fixed."""
+        """Changes options for the following steps.
+
+        The options method, polygon, linear_solver and projection cannot be changed.
+
+        Parameters
+        ----------
+        **options
+            New values.
+        """
         self._told(self._core.set_options, _texts(options))
 
     def set_contact(self, i: int, mu: float = 0, e_n: float = 0, e_t: float = 0) -> None:
-        """Coefficients of contact i in this simulation, in place of the system's."""
+        """Sets the coefficients of a contact in this simulation, in place of those of the system.
+
+        Parameters
+        ----------
+        i : int
+            Contact.
+        mu, e_n, e_t : float
+            Coefficient of friction, normal and tangential restitution.
+        """
         self._told(self._core.set_contact, i, float(mu), float(e_n), float(e_t))
 
     def set_frictional_joint(self, j: int, mu: float) -> None:
-        """Friction of frictional joint j in this simulation."""
+        """Sets the coefficient of friction of a frictional joint in this simulation.
+
+        Parameters
+        ----------
+        j : int
+            Frictional joint.
+        mu : float
+            Coefficient of friction.
+        """
         self._told(self._core.set_frictional_joint, j, float(mu))
 
     def interpolate(self, t: float) -> tuple[np.ndarray, np.ndarray]:
-        """q and v at a time within the last step."""
+        """Interpolates the state within the last step.
+
+        Parameters
+        ----------
+        t : float
+            Time [s].
+
+        Returns
+        -------
+        q : ndarray, shape (nq,)
+        v : ndarray, shape (nv,)
+        """
         return self._told(self._core.interpolate, float(t))
 
     @property
     def state(self) -> bytes:
-        """All that the next step depends on; set into a simulation of the same system and options the run goes on
-        with the same bytes."""
+        """Serialised state, bytes.
+
+        A simulation of the same system and options that is set to it continues with the same bytes.
+        """
         return self._told(self._core.state)
 
     @state.setter
@@ -158,9 +285,28 @@ class Sim:
 
     def record_run(self, t_end: float, every: int = 1, *, model: str = "", parameters: dict[str, Any] | None = None,
                    shapes: list[Shape] | None = None, stacklevel: int = 2) -> Trajectory:
-        """Steps to t_end and returns the records: the first one now, each every-th step, and the last.
-        Warns (RunWarning) of what the method does not explain, as said where this was called (stacklevel as that of
-        warnings.warn)."""
+        """Takes steps until t_end and returns the records.
+
+        Parameters
+        ----------
+        t_end : float
+            End time [s].
+        every : int
+            Keep the start, every N-th step and the last.
+        model, parameters, shapes
+            As for `solve`.
+        stacklevel : int
+            As for ``warnings.warn``.
+
+        Returns
+        -------
+        Trajectory
+
+        Warns
+        -----
+        RunWarning
+            Energy, penetration or drift exceed the bound of the method.
+        """
         if shapes is None and self._bodies is not None:
             shapes = self._bodies.shapes()
         recorder = _core.Recorder()
@@ -186,18 +332,54 @@ class Sim:
 def solve(system: System | Bodies, t_end: float, q0: Any = None, v0: Any = None, *, t0: float = 0, every: int = 1,
           project: bool = False, model: str = "", parameters: dict[str, Any] | None = None,
           shapes: list[Shape] | None = None, **options: Any) -> Trajectory:
-    """Integrates a system from t0 to t_end and returns its trajectory, as arrays.
+    """Integrates a system and returns its trajectory.
 
-    system    a System, or Bodies, which know their start
-    q0, v0    coordinates [nq] and velocities [nv] at the start; v0 at rest by default
-    every     keeps the start, each every-th step and the last one; impacts are all kept
-    project   True: the start is moved to the constraints first
-    model, parameters, shapes   what the trajectory says of itself when it is drawn, animated or saved
-    options   of the library, by name: method ("implicit", "moreau", "event", "penalty"), dt, rtol, ...
+    Parameters
+    ----------
+    system : System or Bodies
+        The model. `Bodies` have an initial state.
+    t_end : float
+        End time [s].
+    q0 : array_like, shape (nq,), optional
+        Coordinates at the start.
+    v0 : array_like, shape (nv,), optional
+        Velocities at the start, default zero.
+    t0 : float
+        Start time [s].
+    every : int
+        Keep the start, every N-th step and the last. All impacts are kept.
+    project : bool
+        True: project the initial state onto the constraints first.
+    model : str
+        Name of the model, for pictures and files.
+    parameters : dict, optional
+        Parameters of the model, for pictures and files.
+    shapes : list of Shape, optional
+        Bodies for animations.
+    **options
+        Options of the library: method ("implicit", "moreau", "event", "penalty"), dt, rtol, ...
 
-    Raises ArgumentError, CallbackError (its __cause__ is what the callback raised), ProblemError (.problem has the
-    complementarity problem) and Error, each with .record, the state before the step that failed, and .trajectory, what
-    there is until then. RunWarning says what the method does not explain. Ctrl-C ends the run with KeyboardInterrupt.
+    Returns
+    -------
+    Trajectory
+
+    Raises
+    ------
+    ArgumentError
+        An argument or option is wrong.
+    CallbackError
+        A callback raised the exception in ``__cause__``.
+    ProblemError
+        A contact problem was not solved; ``problem`` has it.
+    Error
+        Any other failure. All have ``record``, the state before the failed step, and ``trajectory``, the result up to it.
+    KeyboardInterrupt
+        Ctrl-C ends the run.
+
+    Warns
+    -----
+    RunWarning
+        Energy, penetration or drift exceed the bound of the method.
     """
     sim = Sim(system, **options)
     if project:
