@@ -1,4 +1,4 @@
-"""Trajectory files, as docs/trajectory.md describes them: the layout is a table."""
+"""Trajectory files, as described in docs/trajectory.md: the layout is a table."""
 
 from __future__ import annotations
 
@@ -86,14 +86,14 @@ FIELDS = {"slide": "frictional_joint"}  # datasets of events whose field has ano
 
 @contextlib.contextmanager
 def in_memory() -> Iterator[Any]:
-    """An HDF5 file that is on no disk."""
+    """An HDF5 file in memory."""
     import h5py
     with h5py.File("nsdae", "w", driver="core", backing_store=False) as file:
         yield file
 
 
 def write(trajectory: Trajectory, path: str) -> None:
-    """A new file, made in memory: HDF5 itself crashes after a write that found the disk full."""
+    """Writes a new file. It is made in memory, because HDF5 crashes after a failed write on a full disk."""
     import h5py
     from .pictures import trajectory as tool
     whole = io.BytesIO()
@@ -159,7 +159,7 @@ def _put_certificate(file: Any, trajectory: Trajectory, listed: bool) -> None:
 
 
 def _read_certificate(file: Any, columns: dict[str, Any]) -> np.ndarray | None:
-    """None of a file that has none; figures that are left out are 0."""
+    """None if the file has no certificate; omitted figures are 0."""
     if "energy/unexplained" not in file:
         return None
     rows = np.zeros(len(columns["time"]), dtype=CERTIFICATE_ROW)
@@ -175,7 +175,7 @@ def _read_certificate(file: Any, columns: dict[str, Any]) -> np.ndarray | None:
 
 
 def _put_contacts(file: Any, trajectory: Trajectory, nt: int) -> None:
-    """Those by list: the rows of all records one after another."""
+    """Contact list: the rows of all records one after another."""
     rows, count = trajectory.contacts, np.asarray(trajectory.contact_count, dtype="i4")
     _put(file, "contacts/first", np.cumsum(count, dtype="i8") - count, "1",
          "row of the lists below at which the closed contacts of this record begin", ("time",))
@@ -196,7 +196,7 @@ def _put_blocks(file: Any, blocks: np.ndarray) -> None:
 
 
 def _place_of(shape: Any, number: dict[str, int]) -> tuple[int, int, int] | None:
-    """(dimension, first coordinate of its position, of its turn or -1) of what is placed by coordinates alone."""
+    """(dimension, first coordinate of the position, of the rotation or -1) of a shape placed by coordinates alone."""
     def first(formulas: Any) -> int:
         found = [number.get(str(f), -9) for f in formulas]
         return found[0] if found == list(range(found[0], found[0] + len(found))) else -9
@@ -264,7 +264,7 @@ def _put_values(file: Any, group: str, values: dict[str, Any]) -> None:
 
 
 def fill(trajectory: Trajectory, file: Any) -> None:
-    """All of it, into an empty file."""
+    """Writes everything to an empty file."""
     now = datetime.datetime.now(datetime.timezone.utc).strftime("%Y-%m-%dT%H:%M:%SZ")
     for name, text in {**TEXTS, "status": trajectory.status, "model": trajectory.model, "method": trajectory.method,
                        "created": now}.items():
@@ -363,7 +363,7 @@ def _read_contacts(file: Any, n: int, of: np.dtype) -> dict[str, Any]:
 
 
 def _read_placed(file: Any, shape: Any) -> list[Any]:
-    """What a large system's file says is placed by coordinates alone, in formulas as the other bodies are."""
+    """Shapes that are placed by coordinates alone, with formulas as the other bodies."""
     from .pictures.bodies import SHAPES
     if "shapes" not in file:
         return []

@@ -14,7 +14,7 @@ CONTACT = np.dtype([("id", "i8"), ("block", "i4", 2), ("gap", "f8"), ("mu", "f8"
                     ("w", "f8", 3), ("omega", "f8", 3), ("direction", "f8", (2, 3, 6)), ("wide", "u8", 2)])
 assert CONTACT.itemsize == _core.CONTACT_SIZE
 
-# the library's functions, for numba and for what gets their addresses
+# the library's functions, for numba and compiled callbacks
 contact_add = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p)(_core.CONTACT_ADD)
 row_add = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_int, ctypes.c_int, ctypes.c_void_p)(_core.ROW_ADD)
 

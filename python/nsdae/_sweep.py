@@ -1,4 +1,4 @@
-"""Many runs of one model, in the file format of nsdae-sweep."""
+"""Parameter sweeps, in the file format of nsdae-sweep."""
 
 from __future__ import annotations
 
@@ -22,18 +22,28 @@ REASON_SIZE = 160
 
 
 class Sweep:
-    """The results of a sweep, from memory or a file.
+    """Results of a sweep, from memory or a file.
 
-    dimensions  for each dimension of the runs its parameters: [{"r": values}, {"mu": values}]
-    status      [runs...] 0 done, < 0 failed, 1 not done yet
-    failures    {number of the run, counted with the last dimension fastest: why}
-    and what each run gave, by its path: sweep["final/q"] [runs..., nq], sweep["result/height"] [runs...]
+    ``sweep["final/q"]`` and ``sweep["result/height"]`` are results by path, shape (runs..., ...).
+
+    Attributes
+    ----------
+    dimensions : list of dict
+        Parameters of each dimension of the runs: ``[{"r": values}, {"mu": values}]``.
+    status : ndarray of int, shape (runs...)
+        0 completed, < 0 failed, 1 pending.
+    failures : dict
+        Reasons of the failed runs, by the number of the run (last dimension fastest).
+    results : dict
+        Results by path.
+    path : str or None
+        The file.
     """
 
     def __init__(self, dimensions: list[dict[str, np.ndarray]], status: np.ndarray, results: dict[str, np.ndarray],
                  failures: dict[int, str], path: str | None, content: bytes = b""):
         self.dimensions, self.status, self.results, self.failures, self.path = dimensions, status, results, failures, path
-        self._content = content  # of the file, where there is no path
+        self._content = content  # bytes of the file, if there is no path
 
     def __getitem__(self, name: str) -> np.ndarray:
         for known in (name, f"result/{name}"):
@@ -45,12 +55,30 @@ class Sweep:
         raise KeyError(f"the sweep has no '{name}': it has {', '.join([*self.results, *itertools.chain(*self.dimensions)])}")
 
     def plot(self, only: Sequence[str] | None = None, title: str | None = None, at: Mapping[str, float] | None = None) -> Any:
-        """A figure: curves over one parameter, diagrams of several values a run, maps over two. only: some quantities;
-        at: {"mu": 0.1}, the runs with the nearest value."""
+        """Draws curves over one parameter, bifurcation diagrams, or maps over two parameters.
+
+        Parameters
+        ----------
+        only : list of str, optional
+            Quantities, such as "final/q".
+        title : str, optional
+            Title of the picture.
+        at : dict, optional
+            ``{"mu": 0.1}``: only the runs with the nearest value.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+
+        Raises
+        ------
+        ValueError
+            A quantity or parameter is unknown.
+        """
         import h5py
         from .pictures import sweeps, trajectory
         try:
-            own = not self.path  # made by this process, not of unknown origin
+            own = not self.path  # made by this process
             with h5py.File(io.BytesIO(self._content), "r") if own else trajectory.reading(self.path) as file:
                 return sweeps.draw(file, only, title, list((at or {}).items()))
         except trajectory.Problem as problem:
@@ -63,7 +91,7 @@ class Sweep:
 
 @contextlib.contextmanager
 def _reading(path: str | os.PathLike[str]) -> Iterator[Any]:
-    """A file of unknown origin; what is wrong with it is an OSError or a ValueError."""
+    """Opens a file of unknown origin; errors are an OSError or a ValueError."""
     from .pictures import trajectory
     try:
         with trajectory.reading(os.fspath(path)) as file:
@@ -74,7 +102,24 @@ def _reading(path: str | os.PathLike[str]) -> Iterator[Any]:
 
 
 def load_sweep(path: str | os.PathLike[str]) -> Sweep:
-    """Reads the file of sweep() or of nsdae-sweep, also one that is not complete."""
+    """Reads the file of `sweep` or nsdae-sweep, also of an unfinished sweep.
+
+    Parameters
+    ----------
+    path : path-like
+        The file.
+
+    Returns
+    -------
+    Sweep
+
+    Raises
+    ------
+    OSError
+        The file cannot be read.
+    ValueError
+        The file is no sweep, or is damaged.
+    """
     from .pictures import sweeps
     with _reading(path) as file:
         if not sweeps.is_sweep(file):
@@ -87,7 +132,7 @@ def load_sweep(path: str | os.PathLike[str]) -> Sweep:
 
 
 def _dimensions(grid: Mapping[str, Any], random: int, seed: int) -> list[dict[str, np.ndarray]]:
-    """A pair (low, high) is drawn where random > 0; anything else are the values themselves."""
+    """With random > 0 a pair (low, high) is drawn; other entries are values."""
     drawn = {name: of for name, of in grid.items() if random and isinstance(of, tuple) and len(of) == 2}
     found = []
     for name, values in grid.items():
@@ -100,7 +145,7 @@ def _dimensions(grid: Mapping[str, Any], random: int, seed: int) -> list[dict[st
         source = np.random.default_rng(seed)
         found.append({name: source.uniform(low, high, random) for name, (low, high) in drawn.items()})
     elif random:
-        raise ValueError("random: nothing is drawn: a parameter that is has a pair (low, high)")
+        raise ValueError("random: nothing to draw; a drawn parameter has a pair (low, high)")
     if not found:
         raise ValueError("grid is empty: {'name': values}")
     return found
@@ -112,15 +157,17 @@ def _values(dimensions: list[dict[str, np.ndarray]], run: int) -> dict[str, floa
 
 
 def _row(result: Any) -> dict[str, np.ndarray]:
-    """What a run returned, as arrays by path."""
+    """Result of a run, as arrays by path."""
     if not isinstance(result, Mapping):
         result = {"value": result}
     return {name if "/" in name else f"result/{name}": np.asarray(value, dtype=float) for name, value in result.items()}
 
 
 class _File:
-    """Made whole at once, then filled in place, the status of a run last: so it is whole at any instant, and its bytes do
-    not depend on the order of the runs."""
+    """The file of a sweep, created complete and filled in place, the status of a run last.
+
+    It is valid at any time, and its bytes do not depend on the order of the runs.
+    """
 
     def __init__(self, path: str, dimensions: list[dict[str, np.ndarray]], model: str, first: Mapping[str, np.ndarray]):
         self.path, self.shape = path, tuple(len(next(iter(d.values()))) for d in dimensions)
@@ -143,11 +190,11 @@ class _File:
             is_sweep = "setting" in file and file.attrs.get("format") in ("nsdae-sweep", b"nsdae-sweep")
             has = not is_sweep or file["setting"][...].tobytes().decode().splitlines()
         if not is_sweep:
-            raise ValueError(f"'{self.path}' is there and is no sweep: give another output, or remove it")
-        differ = next((f"'{a}' where this one has '{b}'" for a, b in itertools.zip_longest(has, setting.splitlines())
+            raise ValueError(f"'{self.path}' exists and is not a sweep: give another output, or remove it")
+        differ = next((f"'{a}', this one '{b}'" for a, b in itertools.zip_longest(has, setting.splitlines())
                        if a != b), None)
         if differ:
-            raise ValueError(f"'{self.path}' is another sweep's: it has {differ}; give another output, or remove it")
+            raise ValueError(f"'{self.path}' is the file of another sweep: it has {differ}; give another output, or remove it")
 
     def _create(self, dimensions: Any, model: str, first: Mapping[str, np.ndarray], setting: str) -> None:
         import h5py
@@ -159,13 +206,13 @@ class _File:
                 file.attrs.create(name, np.bytes_(word.ljust(9, "\0") if name == "status" else word or "\0"),
                                   dtype="S9" if name == "status" else None)
             file.attrs["format_version"] = np.int32(1)
-            self._put(file, "setting", np.frombuffer(setting.encode(), dtype="u1"), "1", "what the runs were told, as text")
+            self._put(file, "setting", np.frombuffer(setting.encode(), dtype="u1"), "1", "settings of the runs, as text")
             for d in dimensions:
                 for name, values in d.items():
                     self._put(file, f"grid/{name}", values, "", "values").make_scale(name)
             for name, of in first.items():
-                self._axes(file, self._put(file, name, None, "", "what each run gave", self.shape + of.shape), dimensions)
-            self._axes(file, self._put(file, "status", None, "1", "0 done, < 0 failed (status of the library), 1 not done yet",
+                self._axes(file, self._put(file, name, None, "", "result of each run", self.shape + of.shape), dimensions)
+            self._axes(file, self._put(file, "status", None, "1", "0 completed, < 0 failed (status of the library), 1 pending",
                                        self.shape), dimensions)
         trajectory.put(self.path, whole.getbuffer())
 
@@ -227,14 +274,14 @@ class _File:
 
 
 def hash_of(values: np.ndarray) -> str:
-    """A checksum of its bytes."""
+    """Checksum of the bytes."""
     import hashlib
     return hashlib.sha256(values.tobytes()).hexdigest()
 
 
 @contextlib.contextmanager
 def _workers(workers: int, mpi: bool) -> Iterator[Executor | None]:
-    """Threads, or the ranks of MPI: of those all but the first work here and come out with None."""
+    """Threads, or the ranks of MPI. All ranks except the first work here and return None."""
     if not mpi:
         with ThreadPoolExecutor(workers) as pool:
             yield pool
@@ -246,7 +293,7 @@ def _workers(workers: int, mpi: bool) -> Iterator[Executor | None]:
 
 
 def _attempt(run: Callable[..., Any], values: dict[str, float]) -> tuple[int, Any]:
-    """(0, row) or (status, reason)."""
+    """Returns (0, row) or (status, reason)."""
     try:
         return 0, _row(run(**values))
     except Error as error:
@@ -255,16 +302,40 @@ def _attempt(run: Callable[..., Any], values: dict[str, float]) -> tuple[int, An
 
 def sweep(run: Callable[..., Any], grid: Mapping[str, Any], *, output: str | os.PathLike[str] | None = None, random: int = 0, seed: int = 0,
           workers: int = 1, mpi: bool = False, model: str = "", progress: bool | None = None) -> Sweep | None:
-    """Runs a function with every combination of parameters and keeps what it returns, in memory or in a file that nsdae-plot reads.
+    """Runs a function for every combination of parameters.
 
-    run      run(**parameters) returns a number, an array, or {name: number or array}, of the same shapes every time.
-             What it raises ends the sweep, but an nsdae.Error is a run that failed, whose reason is kept
-    grid     {"r": values, "mu": values}: a grid. With random > 0 a pair (low, high) is drawn uniformly, so many times
-    output   file; None: none is left. One that is there is taken up: what is in it is not done again, and its bytes are at the end those of
-             a sweep that was never interrupted. Another sweep's is refused
-    workers  threads: they help where runs are compiled callbacks. mpi: True under mpirun: the ranks of mpi4py (run must
-             be what pickle can send); None is returned on all but the first
-    progress a bar on the terminal; by default where that is one
+    Parameters
+    ----------
+    run : callable
+        ``run(**parameters)`` returns a number, an array, or a dict of them, of the same shapes for all runs. An `Error` is a
+        failed run, whose reason is kept. Other exceptions end the sweep.
+    grid : dict
+        ``{"r": values, "mu": values}``. With ``random > 0`` a pair (low, high) is drawn uniformly.
+    output : path-like, optional
+        File; by default the results are in memory only. An unfinished sweep in an existing file is continued, to the bytes of
+        an uninterrupted sweep.
+    random : int
+        Number of draws.
+    seed : int
+        Seed of the draws.
+    workers : int
+        Threads; useful if the runs use compiled callbacks.
+    mpi : bool
+        True: use the ranks of mpi4py, under mpirun. ``run`` must be picklable.
+    model : str
+        Name of the model.
+    progress : bool, optional
+        Show a progress bar; by default if stderr is a terminal.
+
+    Returns
+    -------
+    Sweep or None
+        None on all ranks except the first.
+
+    Raises
+    ------
+    ValueError
+        The grid is empty or wrong, all runs failed, or the file belongs to another sweep.
     """
     if output is None:
         with tempfile.TemporaryDirectory(prefix="nsdae-") as folder:
@@ -288,7 +359,7 @@ def sweep(run: Callable[..., Any], grid: Mapping[str, Any], *, output: str | os.
 
 
 def _in_memory(made: Sweep | None) -> Sweep | None:
-    """Without its file, which plot() reads."""
+    """Keeps the bytes of the file, for plot()."""
     if made is not None:
         with open(made.path or "", "rb") as file:
             made._content = file.read()
@@ -317,7 +388,7 @@ def _go(pool: Executor, run: Callable[..., Any], dimensions: Any, file: _File, l
                 i = waiting.pop(future)
                 status, result = future.result()
                 if status == 0 and {n: v.shape for n, v in result.items()} != {n: v.shape for n, v in like.items()}:
-                    raise ValueError(f"run {i} ({_values(dimensions, i)}) gave other names or shapes than the first")
+                    raise ValueError(f"run {i} ({_values(dimensions, i)}) returned other names or shapes than the first")
                 if status != 0:
                     failures[i] = result
                 file.put(i, status, result if status == 0 else nothing)
@@ -331,7 +402,7 @@ def _go(pool: Executor, run: Callable[..., Any], dimensions: Any, file: _File, l
 
 
 class _Bar:
-    """Done, and the time left."""
+    """Progress bar: completed runs and remaining time."""
 
     def __init__(self, total: int, shown: bool):
         import time

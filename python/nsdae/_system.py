@@ -1,4 +1,4 @@
-"""The description of a system."""
+"""Description of a system."""
 
 from __future__ import annotations
 
@@ -14,7 +14,21 @@ KINDS = ("coordinate", "velocity", "constraint", "contact", "frictional_joint")
 
 
 class Dims(NamedTuple):
-    """Sizes of a system."""
+    """Sizes of a system.
+
+    Attributes
+    ----------
+    nq, nv : int
+        Coordinates, velocities.
+    m : int
+        Bilateral constraints.
+    k : int
+        Fixed contacts.
+    nt : int
+        Tangential directions of a contact.
+    f : int
+        Frictional joints.
+    """
 
     nq: int
     nv: int
@@ -25,7 +39,17 @@ class Dims(NamedTuple):
 
 
 class Worst(NamedTuple):
-    """The entry of a derivative that is farthest from its difference."""
+    """Entry of a derivative with the largest error against difference quotients.
+
+    Attributes
+    ----------
+    term : str
+        The callback.
+    row, column : int
+        The entry, from 0.
+    given, difference, error : float
+        Value of the callback, difference quotient, relative error.
+    """
 
     term: str
     row: int
@@ -36,7 +60,7 @@ class Worst(NamedTuple):
 
 
 def vector(name: str, values: Any, n: int) -> np.ndarray:
-    """n numbers; a single one may stand for itself."""
+    """Returns an array of n numbers."""
     array = np.ascontiguousarray(values, dtype=float).reshape(-1)
     if array.size != n:
         raise ValueError(f"{name} has {array.size} numbers; it must have {n}")
@@ -44,39 +68,71 @@ def vector(name: str, values: Any, n: int) -> np.ndarray:
 
 
 class System:
-    """A system M(q) v' = F + constraints, contacts, friction, by its callbacks.
+    """System M(q) v' = F with constraints, contacts and friction, given by callbacks.
 
-    nq   coordinates; nv velocities (default nq); m bilateral constraints; k contacts; nt tangential directions of
-         each, 0, 1 or 2; f bilateral constraints with friction
-    user what compiled callbacks get as their last argument: an array, a number (address), a pointer of ctypes or
-         cffi; default NULL
-    mu, e_n, e_t   friction and restitution of the contacts: a number for all of them or one for each
-    names   {"coordinate": ["x", ("theta", "rad")], ...}: names, with units where wanted, of "coordinate",
-            "velocity", "constraint", "contact", "frictional_joint"
-    blocks   of a large system: [blocks] sizes of each, or [nq, nv]; their sums are nq and nv, k = f = 0
-    All else are callbacks by name. A function of Python gets the time, read-only arrays, and the arrays that it
-    writes its results into, matrices zeroed before:
+    Parameters
+    ----------
+    nq, nv : int
+        Coordinates, velocities (default nq).
+    m : int
+        Bilateral constraints.
+    k : int
+        Fixed contacts.
+    nt : int
+        Tangential directions of each contact: 0, 1 or 2.
+    f : int
+        Frictional joints.
+    user : object, optional
+        Last argument of compiled callbacks: an array, an address, a pointer of ctypes or cffi; default NULL.
+    blocks : array_like of int, optional
+        Block-sparse system: sizes, shape (blocks,), or nq and nv of each, shape (blocks, 2). k and f are 0.
+    mu, e_n, e_t : float or array_like
+        Coefficient of friction, normal and tangential restitution of all contacts or of each.
+    names : dict, optional
+        ``{"coordinate": ["x", ("theta", "rad")], ...}``: names, with optional units, of "coordinate", "velocity",
+        "constraint", "contact" and "frictional_joint".
+    **callbacks
+        Callbacks by name, see Notes.
 
-        mass(t, q, M)  [nv, nv]                    force(t, q, v, F)  [nv]
-        constraint(t, q, phi)  [m]                 constraint_jacobian(t, q, J)  [m, nv]
-        constraint_bias(t, q, v, phi_t, omega)     gap(t, q, g)  [k]
-        gap_normal(t, q, W)  [nv, k]               gap_tangent(t, q, W)  [nv, k nt]
-        contact_bias(t, q, w_n, w_t)               contact_acceleration(t, q, v, omega_n, omega_t, omega_s)
-        frictional_joint_tangent(t, q, W, w_s)                kinematics(t, q, v, qdot)  [nq]
-        potential(t, q) -> energy
+    Raises
+    ------
+    ArgumentError
+        A size or coefficient is out of range.
+    TypeError
+        A callback is unknown or has a wrong signature.
 
-    A large system has in place of mass, constraint_jacobian and all of gaps and contacts
+    Notes
+    -----
+    A callback gets the time, read-only arrays, and the arrays for its results. Matrices are zeroed before.
 
-        mass_blocks(t, q, M)   M[b] [nv, nv] of block b; where they are of one size M is an array [blocks, nv, nv]
-        constraint_rows(t, q, rows)                rows.add(row, block, value), see RowList
-        contacts(t, q, v, reach, found)            found.add(id, block, gap, direction, mu=..., e_n=...), see
-                                                   ContactList: every contact with a gap of at most reach, or more
+    - ``mass(t, q, M)``: M [nv, nv]
+    - ``force(t, q, v, F)``: F [nv]
+    - ``constraint(t, q, phi)``: phi [m]
+    - ``constraint_jacobian(t, q, J)``: J [m, nv]
+    - ``constraint_bias(t, q, v, phi_t, omega)``: phi_t [m], omega [m]
+    - ``gap(t, q, g)``: g [k]
+    - ``gap_normal(t, q, W)``: W [nv, k]
+    - ``gap_tangent(t, q, W)``: W [nv, k nt]
+    - ``contact_bias(t, q, w_n, w_t)``: w_n [k], w_t [k nt]
+    - ``contact_acceleration(t, q, v, omega_n, omega_t, omega_s)``: omega_n [k], omega_t [k nt], omega_s [f]
+    - ``frictional_joint_tangent(t, q, W, w_s)``: W [nv, f], w_s [f]
+    - ``kinematics(t, q, v, qdot)``: qdot [nq]
+    - ``potential(t, q)`` returns the energy
 
-    and returns None, or a whole number: > 0 for a failure that a smaller step may avoid. The arrays are made once
-    and hold until the call returns; copy what is to be kept. mass and force are needed, constraint where m > 0,
-    gap where k > 0, gap_tangent where there is friction; the library fills the rest by differences. In place of a
-    function of Python: a numba.cfunc, a function pointer of ctypes or cffi, a scipy.LowLevelCallable, of the
-    signature that signature(name) says; they run without the GIL.
+    A block-sparse system has these in place of ``mass``, ``constraint_jacobian`` and all callbacks of contacts:
+
+    - ``mass_blocks(t, q, M)``: M[b] [nv, nv]; one array [blocks, nv, nv] if all blocks have the same size
+    - ``constraint_rows(t, q, rows)``: calls ``rows.add(row, block, value)``, see `RowList`
+    - ``contacts(t, q, v, reach, found)``: calls ``found.add(id, block, gap, direction, ...)``, see `ContactList`
+
+    ``contacts`` adds every contact with a gap of at most ``reach``, see `ContactList`.
+
+    - A callback returns None or an integer. A value > 0 is a failure that a smaller step may avoid.
+    - The arrays are valid until the callback returns.
+    - ``mass`` and ``force`` are required, ``constraint`` if m > 0, ``gap`` if k > 0, ``gap_tangent`` with friction. The library
+      fills the others by difference quotients.
+    - A compiled callback runs without the GIL: a ``numba.cfunc``, a function pointer of ctypes or cffi, or a
+      ``scipy.LowLevelCallable``, with the signature of `signature`.
     """
 
     def __init__(self, nq: int = 0, nv: int = 0, m: int = 0, k: int = 0, nt: int = 0, f: int = 0, *, user: Any = None,
@@ -106,7 +162,18 @@ class System:
         return made
 
     def set(self, **callbacks: Callable[..., Any]) -> None:
-        """Sets callbacks by name; not while simulations of the system are there."""
+        """Sets callbacks by name. Not allowed while simulations of the system exist.
+
+        Parameters
+        ----------
+        **callbacks
+            See `System`.
+
+        Raises
+        ------
+        TypeError
+            A callback is unknown or has a wrong signature.
+        """
         for name, function in callbacks.items():
             if name not in _core.CALLBACKS:
                 near = difflib.get_close_matches(name, _core.CALLBACKS, 1)
@@ -120,28 +187,76 @@ class System:
             self._kept[name] = function  # a compiled function lives as long as the system
 
     def set_contact(self, i: int, mu: float = 0, e_n: float = 0, e_t: float = 0) -> None:
-        """Friction, normal and tangential restitution of contact i."""
+        """Sets the coefficients of a contact.
+
+        Parameters
+        ----------
+        i : int
+            Contact.
+        mu, e_n, e_t : float
+            Coefficient of friction, normal and tangential restitution.
+        """
         self._core.set_contact(i, float(mu), float(e_n), float(e_t))
 
     def set_frictional_joint(self, j: int, constraint: int, mu: float) -> None:
-        """Makes frictional joint j the friction of a constraint, of coefficient mu."""
+        """Defines a frictional joint.
+
+        Parameters
+        ----------
+        j : int
+            Frictional joint.
+        constraint : int
+            Its constraint, scaled as a length.
+        mu : float
+            Coefficient of friction.
+        """
         self._core.set_frictional_joint(j, constraint, float(mu))
 
     def set_name(self, kind: str, i: int, name: str, unit: str = "") -> None:
-        """Names number i of a kind ("coordinate", "velocity", "constraint", "contact", "frictional_joint")."""
+        """Names a coordinate, velocity, constraint, contact or frictional joint.
+
+        Parameters
+        ----------
+        kind : str
+            "coordinate", "velocity", "constraint", "contact" or "frictional_joint".
+        i : int
+            Its number.
+        name, unit : str
+            Name and unit.
+        """
         if kind not in KINDS:
             raise ValueError(f"kind is '{kind}'; it must be one of {', '.join(KINDS)}")
         self._core.set_name(KINDS.index(kind), i, name, unit)
 
     def set_size(self, kind: str, i: int, size: float) -> None:
-        """The length [m] that the error of number i is measured by: of a "contact" (of contacts by
-        list, of a block) the width of the smaller body, of a "constraint" the arm of its joint."""
+        """Sets the length that scales the bound of an error.
+
+        Parameters
+        ----------
+        kind : str
+            "contact": width of the smaller body; with a contact list, of a block. "constraint": arm of the joint.
+        i : int
+            Its number.
+        size : float
+            Length [m].
+        """
         if kind not in KINDS:
             raise ValueError(f"kind is '{kind}'; it must be one of {', '.join(KINDS)}")
         self._core.set_size(KINDS.index(kind), i, float(size))
 
     def names(self, kind: str) -> list[tuple[str, str]]:
-        """(name, unit) of each of a kind; "" where there is none."""
+        """Returns the names of a kind.
+
+        Parameters
+        ----------
+        kind : str
+            "coordinate", "velocity", "constraint", "contact" or "frictional_joint".
+
+        Returns
+        -------
+        list of (str, str)
+            Name and unit of each, or "".
+        """
         if kind not in KINDS:
             raise ValueError(f"kind is '{kind}'; it must be one of {', '.join(KINDS)}")
         d = self.dims
@@ -150,27 +265,47 @@ class System:
 
     @property
     def dims(self) -> Dims:
-        """Its sizes."""
+        """Sizes, `Dims`."""
         return Dims(*self._core.dims())
 
     @property
     def blocks(self) -> np.ndarray | None:
-        """[blocks, 2] nq and nv of each block; None where there are none."""
+        """nq and nv of each block, shape (blocks, 2); None without blocks."""
         sizes = np.column_stack(self._core.blocks())
         return sizes if len(sizes) else None
 
     @property
     def differences(self) -> list[str]:
-        """The terms that are filled by differences."""
+        """Terms that are filled by difference quotients."""
         return self._core.differences().split()
 
     @property
     def unseen(self) -> str:
-        """What no check can see of the callbacks that are given."""
+        """Properties of the callbacks that no check can verify."""
         return in_python(self._core.unseen())
 
     def check(self, q: Any, v: Any = None, t: float = 0, tol: float = 1e-5) -> Worst:
-        """Compares every derivative with differences at (t, q, v); raises Error that names the wrong entry."""
+        """Compares every derivative with difference quotients.
+
+        Parameters
+        ----------
+        q : array_like, shape (nq,)
+        v : array_like, shape (nv,), optional
+        t : float
+            State of the check.
+        tol : float
+            Relative bound.
+
+        Returns
+        -------
+        Worst
+            The entry with the largest error.
+
+        Raises
+        ------
+        Error
+            An entry exceeds the bound; the text names it.
+        """
         d = self.dims
         v = np.zeros(d.nv) if v is None else v
         return Worst(**self._core.check(t, vector("q", q, d.nq), vector("v", v, d.nv), tol))

@@ -1,4 +1,4 @@
-"""What a run leaves: arrays, pictures, animations, files."""
+"""Results of a run: arrays, pictures, animations, files."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _AXES = {"coordinate": "q", "velocity": "v", "constraint": "multiplier", "contac
 
 
 def names_of(system: System) -> dict[str, list[tuple[str, str]]]:
-    """(name, unit) by kind; those without a name are numbered."""
+    """(name, unit) by kind; default names are numbered."""
     numbered = {"coordinate": "q", "velocity": "v"}
     return {kind: [(name or f"{numbered.get(kind, kind)}{i}", unit) for i, (name, unit) in enumerate(system.names(kind))]
             for kind in KINDS}
@@ -27,18 +27,39 @@ def names_of(system: System) -> dict[str, list[tuple[str, str]]]:
 
 @dataclass
 class Shape:
-    """What a body looks like and where it is, for animations. Places are formulas over the time t, the coordinates
-    (by name, or q0, q1, ...) and the parameters, or numbers.
+    """Shape and position of a body, for animations.
 
-    name      other than those of the others
-    shape     "point", "disc", "segment", "polygon", "path", "sphere", "capsule", "box", "plane"
-    size      up to three lengths [m]: disc: radius, radius of its hole; segment, path: width; sphere: radius; capsule:
-              radius, length; box: edges; plane: its normal
-    position  formulas of x, y, z of its origin
-    angle     formula of its angle about z [rad]
-    quaternion  formulas of w, x, y, z, which turn its frame into space
-    end       formulas of x, y, z of a segment's other end
-    points    corners of a polygon or path in its own frame, x, y or x, y, z each
+    Positions are numbers, or formulas over the time t, the coordinates (by name, or q0, q1, ...) and the parameters.
+
+    Attributes
+    ----------
+    name : str
+        Unique name.
+    shape : str
+        "point", "disc", "segment", "polygon", "path", "sphere", "capsule", "box" or "plane".
+    size : sequence of float
+        Up to three lengths [m], see Notes.
+    position : sequence of str or float
+        x, y, z of the origin.
+    angle : str or float
+        Angle about z [rad].
+    quaternion : sequence of str or float
+        w, x, y, z of the rotation of its frame into space.
+    end : sequence of str or float
+        x, y, z of the other end of a segment.
+    points : sequence
+        Corners of a polygon or path in its own frame, x, y or x, y, z each.
+
+    Notes
+    -----
+    Sizes:
+
+    - disc: radius, radius of its hole
+    - segment, path: width
+    - sphere: radius
+    - capsule: radius, length
+    - box: edges
+    - plane: its normal
     """
 
     name: str
@@ -53,23 +74,59 @@ class Shape:
 
 @dataclass
 class Trajectory:
-    """A run, as arrays of n records: the start, and the steps that were kept.
+    """Result of a run, as arrays of n records: the start, and the recorded steps.
 
-    time [n];  q [n, nq];  v [n, nv];  multiplier [n, m], mean bilateral forces over the step that ends here
-    gap, normal_impulse, mode [n, k];  tangential_impulse [n, k, nt]  of the contacts; mode: 0 open, 1 slip, 2 stick
-    frictional_joint_impulse, frictional_joint_mode [n, f]  of bilateral constraints with friction
-    kinetic, dissipated [n] [J];  potential [n], None where the model gives none
-    lcp_residual, constraint_drift, penetration [n]
-    certificate [n]  structured array: what Record.certificate has, of each record; None of a file without it
-    impacts   structured array: time, contact, normal_impulse, tangential_impulse [2], velocity_before, velocity_after,
-              peak_force, accumulation (1: stands for infinitely many that end at its time), and of contacts by list,
-              whose contact is -1, id and block [2]
-    changes   structured array: time, contact, frictional_joint, mode_before, mode_after (method event)
-    names     {"coordinate": [(name, unit), ...], "velocity", "constraint", "contact", "frictional_joint"}
-    contacts  of contacts by list those closed in the steps of all records, one after another: structured array: id,
-              block [2], gap, normal_impulse, tangential_impulse [2], mode; contacts_at(i) are those of record i
-    contact_count [n]  how many each record has;  blocks [blocks, 2]  nq and nv of each, None where there are none
-    options, stats, parameters, model, status, shapes   what the run was told and how it ended
+    ``trajectory["theta"]`` is the column of a coordinate or velocity by its name.
+
+    Attributes
+    ----------
+    time : ndarray, shape (n,)
+        [s]
+    q : ndarray, shape (n, nq)
+        Coordinates.
+    v : ndarray, shape (n, nv)
+        Velocities.
+    multiplier : ndarray, shape (n, m)
+        Mean bilateral forces of the step.
+    gap, normal_impulse, mode : ndarray, shape (n, k)
+        Gaps [m], normal impulses [N s] and modes (0 open, 1 slip, 2 stick) of the fixed contacts.
+    tangential_impulse : ndarray, shape (n, k, nt)
+        [N s]
+    frictional_joint_impulse, frictional_joint_mode : ndarray, shape (n, f)
+        Friction impulses [N s] and modes of the frictional joints.
+    kinetic, dissipated : ndarray, shape (n,)
+        Energies [J].
+    potential : ndarray or None, shape (n,)
+        Potential energy [J]; None without a potential.
+    lcp_residual, constraint_drift, penetration : ndarray, shape (n,)
+        Residual of the contact problem, max abs(Phi), largest overlap [m].
+    certificate : structured ndarray or None, shape (n,)
+        ``Record.certificate`` of each record.
+    impacts, changes : structured ndarray
+        Impacts and mode transitions, see Notes.
+    names : dict
+        ``{"coordinate": [(name, unit), ...], ...}``, also of "velocity", "constraint", "contact", "frictional_joint".
+    contacts : structured ndarray
+        Closed contacts of a contact list, all records one after another; `contacts_at` selects a record.
+    contact_count : ndarray of int, shape (n,)
+        Number of these contacts of each record.
+    blocks : ndarray or None, shape (blocks, 2)
+        nq and nv of each block.
+    options, stats, parameters : dict
+        Options, statistics and parameters of the run.
+    model, status : str
+        Name of the model; "complete" or "failed".
+    shapes : list of Shape
+        Bodies.
+
+    Notes
+    -----
+    Fields of the structured arrays:
+
+    - impacts: time, contact, normal_impulse, tangential_impulse [2], velocity_before, velocity_after, peak_force, accumulation
+      (1: Zeno accumulation that ends at its time). With a contact list contact is -1, and id and block [2] name it.
+    - changes: time, contact, frictional_joint, mode_before, mode_after (method "event").
+    - contacts: id, block [2], gap, normal_impulse, tangential_impulse [2], mode.
     """
 
     time: np.ndarray
@@ -117,11 +174,21 @@ class Trajectory:
 
     @property
     def method(self) -> str:
-        """The method's name."""
+        """Name of the method."""
         return str(self.options.get("method", ""))
 
     def contacts_at(self, record: int) -> np.ndarray:
-        """The contacts by list that were closed in the step that ends at a record."""
+        """Returns the closed contacts of the contact list in the step of a record.
+
+        Parameters
+        ----------
+        record : int
+            Number of the record.
+
+        Returns
+        -------
+        structured ndarray
+        """
         ends = np.cumsum(self.contact_count)
         i = range(len(self))[record]
         return self.contacts[ends[i] - self.contact_count[i] : ends[i]]
@@ -130,7 +197,7 @@ class Trajectory:
         return len(self.time)
 
     def __getitem__(self, name: str) -> np.ndarray:
-        """The column [n] of a coordinate or velocity by its name."""
+        """Column of a coordinate or velocity by its name, shape (n,)."""
         for kind, of in (("coordinate", self.q), ("velocity", self.v)):
             for i, (has, _) in enumerate(self.names[kind]):
                 if has == name:
@@ -144,8 +211,15 @@ class Trajectory:
                 f"{len(self.impacts)} impacts, {self.status})")
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes it as an HDF5 file that nsdae-plot, nsdae-animate, nsdae-vtk and load() read; one of that name is
-        replaced."""
+        """Writes an HDF5 file for nsdae-plot, nsdae-animate, nsdae-vtk and `load`.
+
+        An existing file is replaced when the new one is complete.
+
+        Parameters
+        ----------
+        path : path-like
+            The file.
+        """
         path = os.fspath(path)
         part = f"{path}.part"
         try:
@@ -158,14 +232,30 @@ class Trajectory:
 
     @contextlib.contextmanager
     def _opened(self) -> Iterator[Any]:
-        """As a file that is nowhere but in memory."""
+        """Opens it as an HDF5 file in memory."""
         with _file.in_memory() as file:
             _file.fill(self, file)
             yield file
 
     def plot(self, only: Sequence[str] | None = None, title: str | None = None) -> Any:
-        """A figure of matplotlib: what nsdae-plot draws. only: some of its panels ("coordinates", "velocities",
-        "multipliers", "modes", "forces", "impulses", "energy", "certificate")."""
+        """Draws the trajectory, as nsdae-plot does.
+
+        Parameters
+        ----------
+        only : list of str, optional
+            Panels: "coordinates", "velocities", "multipliers", "modes", "forces", "impulses", "energy", "certificate".
+        title : str, optional
+            Title of the picture.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+
+        Raises
+        ------
+        ValueError
+            A panel is unknown.
+        """
         from .pictures import plot
         unknown = [name for name in only or () if name not in plot.PANELS]
         if unknown:
@@ -174,11 +264,24 @@ class Trajectory:
             return plot.draw(file, plot.panels(file, only), title or plot.title_of(file))
 
     def animate(self, path: str | os.PathLike[str] | None = None, **options: Any) -> Any:
-        """The bodies in motion, as nsdae-animate draws them: into a file that ends with .gif, .mp4 or .html, or
-        without a path as something that a notebook shows. Needs shapes, or point=(0, 1, None): a point at (q0, q1, 0).
+        """Animates the bodies, as nsdae-animate does. It needs shapes, or the option ``point``.
 
-        options: speed (0.1: a tenth of real time), fps, start, end [s], width [pixels], title, point, forces
-        (True: those of contacts by list, as lines from body to body)
+        Parameters
+        ----------
+        path : path-like, optional
+            File with the ending .gif, .mp4 or .html. Without it an object for notebooks is returned.
+        **options
+            speed (0.1: a tenth of real time), fps, start, end [s], width [pixels], title.
+            point=(0, 1, None) draws a point at (q0, q1, 0). forces=True draws the forces of a contact list.
+
+        Returns
+        -------
+        Page or None
+
+        Raises
+        ------
+        ValueError
+            An option is wrong, or there are no bodies.
         """
         if path is not None:
             self._animate(os.fspath(path), options)
@@ -217,7 +320,7 @@ class Trajectory:
 
 
 class Page:
-    """An animation for notebooks; save it with animate(path)."""
+    """Animation for notebooks; ``animate(path)`` saves it."""
 
     def __init__(self, html: str):
         self.html = html
@@ -228,7 +331,24 @@ class Page:
 
 
 def load(path: str | os.PathLike[str]) -> Trajectory:
-    """Reads a trajectory file of any program of nsdae, also one that a killed run left."""
+    """Reads a trajectory file of any program of nsdae, also of a killed run.
+
+    Parameters
+    ----------
+    path : path-like
+        The file.
+
+    Returns
+    -------
+    Trajectory
+
+    Raises
+    ------
+    OSError
+        The file cannot be read.
+    ValueError
+        The file is no trajectory, or is damaged.
+    """
     from .pictures import trajectory as tool
     try:
         with tool.open_trajectory(os.fspath(path), "v") as file:

@@ -40,7 +40,7 @@ template <std::size_t n> void fill(double (&to)[n], const std::array<double, n> 
   std::copy(from.begin(), from.end(), to);
 }
 
-// The solid of a dict with the fields of nsdae_solid; point stays the caller's.
+// The solid of a dict with the fields of nsdae_solid; the caller owns point.
 nsdae_solid solid_of(nb::dict d, vector &points)
 {
   nsdae_solid s = {};
@@ -179,8 +179,8 @@ void bodies::set_gravity(triple g)
   demand(nsdae_bodies_set_gravity(handle, g.data()));
 }
 
-// For the caller to own; the bodies must outlive it. It refers to them where the garbage collector
-// sees it: a drive or a load may refer to an owner of the system.
+// Owned by the caller; the bodies must outlive it. The garbage collector sees its reference to
+// them, because a drive or a load may refer to an owner of the system.
 system *bodies::make_system(nb::object self)
 {
   const bodies &b = nb::cast<const bodies &>(self);

@@ -49,7 +49,7 @@ public:
 
 private:
   int demand(int status) const;
-  bool listed = false; // contacts by list
+  bool listed = false; // contact list
 };
 
 void bind_bodies(nb::module_ &m);

@@ -74,7 +74,7 @@ void remember_exception()
   if (trace) PyException_SetTraceback(value, trace);
   Py_XDECREF(type);
   Py_XDECREF(trace);
-  Py_XDECREF(pending); // the last one is what the library gave up on
+  Py_XDECREF(pending); // the last exception ended the call
   pending = value;
 }
 
@@ -83,7 +83,7 @@ bool exception_pending()
   return pending != nullptr;
 }
 
-// What asks to end the program is raised as it is, all else as the cause of a CallbackError.
+// Exceptions that end the program are raised unchanged, others as the cause of a CallbackError.
 void raise_pending()
 {
   PyObject *value = pending;
@@ -99,8 +99,7 @@ void raise_pending()
   throw nb::python_error();
 }
 
-// Two threads may be inside of one function, which may give the GIL away in the middle: the second
-// gets arrays of its own.
+// Two threads can be in one function, which can release the GIL: the second gets its own arrays.
 call::call(callback &c) : of(c), in_use(&c.arrays), taken(!c.busy)
 {
   if (taken) {
@@ -147,7 +146,7 @@ void call::put(const double *in)
   to[used++] = {nullptr, 0};
 }
 
-// What the library has there already is shown too: zeros, or the marks of what was never written.
+// The present content is copied too: zeros, or the marks of unwritten entries.
 void call::put(double *out)
 {
   const slot &s = of.slots[static_cast<std::size_t>(used)];
@@ -157,7 +156,7 @@ void call::put(double *out)
   if (out && !s.columns) std::memcpy(memory, out, length(s) * sizeof *memory);
 }
 
-// Follows the matrix that it belongs to.
+// Leading dimension of the matrix before it.
 void call::put(int ld)
 {
   target &t = to[used - 1];
@@ -180,7 +179,7 @@ void call::copy_out()
   }
 }
 
-// None: done; a whole number: the status of a callback; of one that returns its result, that.
+// None: 0; an integer: the status of the callback; or the result of a callback with a value.
 int call::judge(PyObject *result)
 {
   if (of.value) {

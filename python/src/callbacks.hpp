@@ -1,5 +1,5 @@
-// What the library calls: functions of Python, with arrays that are made once, and compiled
-// functions by their address.
+// Callbacks: functions of Python, with arrays that are created once, and addresses of compiled
+// functions.
 #ifndef NSDAE_PYTHON_CALLBACKS_HPP
 #define NSDAE_PYTHON_CALLBACKS_HPP
 
@@ -27,7 +27,7 @@ struct frame {
   std::vector<double *> memory;
 };
 
-// A callback of a description: a function of Python, or an address and what it gets as user.
+// A callback of a description: a function of Python, or an address with its user argument.
 class callback
 {
 public:
@@ -43,7 +43,7 @@ public:
   bool value = false;                // the function returns its result, a number
   const partition *blocks = nullptr; // of callbacks that fill a list
   frame arrays;
-  bool busy = false; // the arrays are another thread's, or those of a call further up
+  bool busy = false; // the arrays are in use by another thread or an outer call
 };
 
 // One call of a function of Python: put() its arguments in their order, then run(). The GIL is
@@ -76,7 +76,7 @@ private:
   PyObject *argument[8] = {};
   bool is_own[8] = {}; // of the call; the arrays are the frame's
   int arguments = 0;
-  contact_list *contacts = nullptr; // what Python holds of the lists
+  contact_list *contacts = nullptr; // the lists of Python
   row_list *rows = nullptr;
   struct target {
     double *at;
@@ -85,7 +85,7 @@ private:
   int used = 0;
 };
 
-// What Python raised inside of a callback on this thread, until the call of the library is back.
+// Exception of a callback on this thread, until the call of the library returns.
 void remember_exception();
 bool exception_pending();
 [[noreturn]] void raise_pending();

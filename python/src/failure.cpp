@@ -42,7 +42,7 @@ namespace
 std::atomic<int> calls(0);
 std::atomic<bool> interpreter_ends(false);
 
-// As a daemon thread ends in Python: without a word.
+// As a daemon thread ends in Python: silently.
 [[noreturn]] void end_thread()
 {
   PyErr_SetNone(PyExc_SystemExit);
@@ -82,8 +82,8 @@ const char *text(const std::string &value, const char *argument)
 namespace
 {
 
-// Runs ask before every step whether they are to end. A callback or a problem may last: then the
-// interpreter ends without it.
+// Runs check before every step whether to end. The interpreter does not wait for a long callback or
+// problem.
 void end_calls()
 {
   using std::chrono::milliseconds;

@@ -12,25 +12,25 @@ namespace nsdae_python
 
 namespace nb = nanobind;
 
-// The CallbackError that is to name this exception as its cause.
+// The CallbackError with this exception as its cause.
 nb::object make_callback_error(nb::object cause);
 
-// Raises what the record says. With the GIL.
+// Raises the exception of the record. With the GIL.
 [[noreturn]] void raise(const nsdae_error &error);
 
-// Nothing where status >= 0 and no callback raised an exception: one counts also where the library
-// could do without that callback (a smaller step, a start that failed elsewhere).
+// No-op if status >= 0 and no callback raised an exception. An exception counts also if the library
+// recovered from it (a smaller step, a start that failed elsewhere).
 void check(int status, const nsdae_error *error);
 
-// What is refused here, before the library is called: ArgumentError, or Error with this status.
+// Refused before a call of the library: ArgumentError, or Error with this status.
 [[noreturn]] void refuse(int status, const char *argument, const std::string &why);
 
-// As the library reads it: a text with a NUL character would end there.
+// A text for the library; a NUL character is refused, because it would end the text.
 const char *text(const std::string &value, const char *argument);
 
-// The GIL is given back for a call of the library that may last. Calls are counted: at the end of
-// the interpreter they are interrupted and waited for, since no thread gets the GIL any more, and
-// one that ends for that in the middle of C++ ends the process.
+// Releases the GIL for a long call of the library. Calls are counted: at the end of the interpreter
+// they are interrupted and awaited. A thread that asked for the GIL later would end inside C++, and
+// with it the process.
 class library_call
 {
 public:
@@ -43,7 +43,7 @@ private:
   struct count {
     count();
     ~count();
-  } counted; // the GIL is taken again before it is counted off
+  } counted; // the GIL is acquired before the count decreases
   nb::gil_scoped_release gil;
 };
 

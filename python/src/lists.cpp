@@ -11,14 +11,14 @@ namespace nsdae_python
 namespace
 {
 
-// What no int holds is no block and no row either: the library refuses it.
+// Numbers outside the range of int are invalid; the library refuses them.
 int whole(std::int64_t number)
 {
   return number < INT_MIN || number > INT_MAX ? INT_MIN : static_cast<int>(number);
 }
 
-// Directions of side s of a contact, [1 + nt, width] of which the block has n: where they fit into
-// the contact, else packed into wide. A block that is not there is the library's to refuse.
+// Directions of side s of a contact, [1 + nt, width], of which the block has n: stored in the
+// contact, or packed into wide. The library refuses unknown blocks.
 void put_side(nsdae_contact &c, int s, const double *from, std::size_t width, const partition &of,
               std::vector<double> &wide)
 {
@@ -37,7 +37,7 @@ void put_side(nsdae_contact &c, int s, const double *from, std::size_t width, co
 }
 
 // id [n], block [n, 2], gap [n], law [n, 3] = mu, e_n, e_t, w [n, 1 + nt], direction [n, 2, 1 + nt,
-// width]: shapes are Python's to see to. What is refused the library says when the step fails.
+// width]: Python checks the shapes. The library reports refused values when the step fails.
 void add_contacts(const contact_list &to, ids<1> id, ids<2> block, reals<1> gap, reals<2> law,
                   reals<2> w, reals<4> direction)
 {

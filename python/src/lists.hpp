@@ -1,4 +1,4 @@
-// What callbacks of large systems fill: contacts by list and rows of Phi_q.
+// Lists that callbacks of block-sparse systems fill: contact list and rows of Phi_q.
 #ifndef NSDAE_PYTHON_LISTS_HPP
 #define NSDAE_PYTHON_LISTS_HPP
 
@@ -19,13 +19,13 @@ using reals = nb::ndarray<const double, nb::ndim<N>, nb::c_contig, nb::device::c
 template <int N>
 using ids = nb::ndarray<const std::int64_t, nb::ndim<N>, nb::c_contig, nb::device::cpu>;
 
-// How q and v split; empty: not at all.
+// Blocks of q and v; empty: none.
 struct partition {
   std::vector<int> nq, nv;
   int nt = 0; // tangential directions of a contact
 };
 
-// A list as Python sees it: it ends with the call that it was handed to.
+// A list in Python; it is valid during its callback.
 template <class L> struct open_list {
   L *list;
   const partition *of;

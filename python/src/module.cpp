@@ -1,4 +1,4 @@
-// The compiled half of the package: what nsdae/*.py stand on.
+// The extension module of the package, used by nsdae/*.py.
 #include <nanobind/nanobind.h>
 #include <nsdae/nsdae.h>
 
@@ -12,7 +12,7 @@
 NB_MODULE(_core, m)
 {
   using namespace nsdae_python;
-  // what a program keeps until the interpreter is gone (a daemon thread, an extension) is no fault
+  // objects kept until the end of the interpreter (daemon threads, extensions) are no leak
   nanobind::set_leak_warnings(false);
   m.attr("VERSION") = nsdae_version();
   m.attr("BUILD_INFO") = nsdae_build_info();

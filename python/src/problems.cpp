@@ -1,4 +1,4 @@
-// Complementarity and friction problems.
+// Linear complementarity and friction problems.
 #include "problems.hpp"
 
 #include <exception>
@@ -23,13 +23,13 @@ void check_size(const char *name, std::size_t has, std::size_t wants)
                               std::to_string(wants));
 }
 
-// Done, unsolved or infeasible, which the outcome says; all else is raised.
+// Solved, unsolved or infeasible, as in the outcome; other errors are raised.
 void demand(int status, const nsdae_error *error)
 {
   if (status != NSDAE_E_LCP && status != NSDAE_E_INFEASIBLE) check(status, error);
 }
 
-// (x, y, how): whatever became of it.
+// (x, y, how) for every outcome.
 nb::tuple lcp(matrix A, vector b, std::optional<vector> guess, double tol, int max_pivots,
               int enumerate_max)
 {
@@ -63,8 +63,8 @@ nb::tuple lcp(matrix A, vector b, std::optional<vector> guess, double tol, int m
   return nb::make_tuple(array_of(x, {n}), array_of(y, {n}), how);
 }
 
-// The arrays of nsdae_friction_problem, which nsdae._problems makes; only their sizes are looked at
-// here, their contents by the library.
+// The arrays of nsdae_friction_problem from nsdae._problems. Their sizes are checked here, their
+// contents by the library.
 struct friction_arrays {
   int form, contacts, bilateral;
   whole_numbers rows;
@@ -108,8 +108,8 @@ nb::dict how_of(const nsdae_friction_info &info)
   return how;
 }
 
-// Calls progress, which may be None, and notices Ctrl-C. What they raise ends the solve and is
-// raised when that has returned.
+// Calls progress, which may be None, and checks for Ctrl-C. Their exceptions end the solve and are
+// raised after it.
 struct progress_call {
   nb::object call;
   std::exception_ptr raised;
@@ -146,7 +146,7 @@ bool progress_call::stop(const nsdae_friction_progress &now) const
   return PyObject_IsTrue(call(what).ptr()) != 0;
 }
 
-// (r, u, how): whatever became of it; how has low if twice asks for a double-double solution.
+// (r, u, how) for every outcome; how has low for a double-double solution (twice).
 nb::tuple friction(nb::dict arrays, std::optional<vector> guess, double tol, int max_sweeps,
                    int max_iterations, double budget, nb::object progress, bool twice)
 {

@@ -41,8 +41,8 @@ int watch::asked(void *self)
   return --w->left > 0 ? 0 : w->look();
 }
 
-// How many calls go by between two looks at the clock follows their speed; Python is asked at most
-// every 50 ms, for that takes the GIL.
+// The number of calls between two readings of the clock follows their speed. Python is checked at
+// most every 50 ms, because this takes the GIL.
 int watch::look()
 {
   const auto now = clock::now();
@@ -77,7 +77,7 @@ impact_row row_of(const nsdae_impact &p, const nsdae_contact_set &set)
                     p.contact,
                     {-1, -1}};
   if (set.count == 0) return row;
-  row.contact = -1; // by list they have no number
+  row.contact = -1; // contacts of a list have no number
   row.id = set.id[p.contact];
   std::copy(set.block + 2 * p.contact, set.block + 2 * p.contact + 2, row.block);
   return row;
@@ -202,7 +202,7 @@ sim::~sim()
   nsdae_sim_destroy(&handle);
 }
 
-// Of a simulation that only garbage refers to; every call on it is then an error.
+// Clears a simulation in a garbage cycle; later calls are errors.
 void sim::release()
 {
   nsdae_sim_destroy(&handle);
@@ -217,7 +217,7 @@ void sim::look() const
            "call it before or after, or give each thread a Sim of its own");
 }
 
-// A call of the library, and what is copied before and after it.
+// A call of the library, with the copies before and after it.
 class sim::use
 {
 public:
@@ -311,8 +311,8 @@ int recorder::observe(const nsdae_record *record, nsdae_error *error, void *self
   return 0;
 }
 
-// Keeps the start and each every-th record, and the last one, also of a run that fails. What it was
-// warned of; "" of nothing.
+// Keeps the start, each every-th record and the last one, also of a failed run. Returns the
+// warnings, or "".
 std::string sim::record_run(double t_end, int every, recorder &to)
 {
   if (every < 1) throw std::invalid_argument("every must be at least 1");
@@ -324,7 +324,7 @@ std::string sim::record_run(double t_end, int every, recorder &to)
   try {
     library_call without_gil;
     status = nsdae_sim_run(handle, t_end);
-  } catch (...) { // it did not begin
+  } catch (...) { // it did not start
     nsdae_sim_unobserve(handle, recorder::observe, &to);
     throw;
   }
@@ -336,7 +336,7 @@ std::string sim::record_run(double t_end, int every, recorder &to)
   return error.status > 0 ? error.text : "";
 }
 
-// Without the sizes in front.
+// Without the leading sizes.
 nb::dict sim::record() const
 {
   look();
@@ -452,7 +452,7 @@ nb::tuple sim::interpolate(double t)
   return nb::make_tuple(array_of(q.data(), q.size()), array_of(v.data(), v.size()));
 }
 
-// (A, b), copied; None where the last step did not fail on one.
+// (A, b), copied; None if the last step did not fail with one.
 nb::object sim::failed_lcp() const
 {
   look();

@@ -15,7 +15,7 @@
 namespace nsdae_python
 {
 
-// Looks for Ctrl-C some twenty times a second, however long or short the steps are.
+// Checks for Ctrl-C about twenty times a second, for any length of the steps.
 class watch
 {
 public:
@@ -28,16 +28,16 @@ private:
   clock::time_point last = clock::now();
 };
 
-// An impact and a change of mode as rows of structured arrays; the same fields are in _records.py.
+// An impact and a mode transition as rows of structured arrays, with the fields of _records.py.
 struct impact_row {
   double time;
   int contact, accumulation;
   double normal_impulse, tangential_impulse[2], velocity_before, velocity_after, peak_force;
-  std::int64_t id; // by list; of a numbered contact its number
+  std::int64_t id; // of a contact list; number of a fixed contact
   int block[2];
 };
 
-// A contact by list that was closed in a step.
+// A closed contact of a contact list.
 struct contact_row {
   std::int64_t id;
   int block[2];
@@ -66,7 +66,7 @@ struct columns {
   nb::dict arrays(const nsdae_dims &d);
 };
 
-// What record_run keeps; an object of its own, so that a second thread does not share it.
+// Records of record_run; a separate object, so that a second thread does not share it.
 struct recorder {
   columns kept;
   nsdae_dims dims = {};
@@ -76,8 +76,8 @@ struct recorder {
   nb::dict arrays() { return kept.arrays(dims); }
 };
 
-// A simulation in Python. The library refuses a second call at a time by its own; here the same is
-// done before it, under the GIL, for what is copied around a call: records and error texts.
+// A simulation in Python. The library refuses concurrent calls. The same check is done here under
+// the GIL, for the copies around a call: records and error texts.
 class sim
 {
 public:

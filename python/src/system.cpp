@@ -78,7 +78,7 @@ role role_of(const std::string &name)
   throw std::invalid_argument("no callback is called '" + name + "'");
 }
 
-// The last argument is the table of callbacks.
+// user is the table of callbacks.
 template <int R, class... A> int to_python(A... a)
 {
   void *table = std::get<sizeof...(A) - 1>(std::tie(a...));
@@ -134,11 +134,11 @@ void system::demand(int status)
 {
   if (status >= 0) return;
   const nsdae_error error = *nsdae_system_error(handle);
-  nsdae_system_clear_error(handle); // the exception says it
+  nsdae_system_clear_error(handle); // the exception has it
   check(status, &error);
 }
 
-// A check calls the callbacks as they are; a simulation's system is constant anyway.
+// A check calls the current callbacks; the system of a simulation is constant.
 void system::open() const
 {
   if (checking)
@@ -258,7 +258,7 @@ nb::dict system::check_at(double t, vector q, vector v, double tol)
 namespace
 {
 
-// The functions may refer to what holds the system: the garbage collector has to see them.
+// The functions may refer to an owner of the system: the garbage collector has to see them.
 int traverse(PyObject *self, visitproc visit, void *arg)
 {
   Py_VISIT(Py_TYPE(self));

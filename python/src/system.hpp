@@ -28,13 +28,13 @@ enum role {
       roles
 };
 
-// A description. Its user pointer is the table of its callbacks, but where all of them are compiled
-// and want the same one: then the library calls them without a detour.
+// A description. Its user pointer is the table of its callbacks. If all callbacks are compiled with
+// the same user pointer, the library calls them directly.
 class system
 {
 public:
   system(int nq, int nv, int m, int k, int nt, int f);
-  // Takes over what was made of bodies, which it keeps alive; listed: every body is a block.
+  // Takes the system of bodies, which it keeps alive; listed: every body is a block.
   system(nsdae_system *made, bool listed, nb::object of);
   ~system();
   system(const system &) = delete;
@@ -54,7 +54,7 @@ public:
   nsdae_dims dims = {};
   partition blocks;
   std::array<callback, roles> callbacks;
-  nb::object bodies; // that it was made of; none of other systems
+  nb::object bodies; // the bodies of the system, or none
 
 private:
   void open() const;

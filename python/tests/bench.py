@@ -1,9 +1,8 @@
 """Callbacks of Python and of numba beside the same in C, in one run: python python/tests/bench.py
 
 The ball (one coordinate, the least that a system can be) and a rod on a hinge (three coordinates, two constraints), method
-moreau, with all of their callbacks given. Time is that of the processor, the least of interleaved runs: what disturbs one
-only adds to it. C once as gcc makes it, which joins the sine and the cosine of one angle into one call, and once with
-these calls as they are written, as numba's compiler leaves them.
+moreau, with all of their callbacks given. Time is processor time, the least of interleaved runs. C is measured
+twice: with gcc's fusion of the sine and cosine of an angle into one call, and without it, as in numba's code.
 """
 
 import statistics

@@ -315,8 +315,10 @@ def test_lists_in_numba():
 
 @pytest.mark.parametrize("seed", range(12))
 def test_random_columns(seed):
-    """Balls of random masses, starts and restitutions, each with up to eight velocities of which a random mixture is its
-    height: as a list of contacts and as numbered ones, by the same method."""
+    """Balls of random masses, starts and restitutions: a contact list and fixed contacts give the same result.
+
+    Each ball has up to eight velocities, of which a random combination is its height.
+    """
     draw = np.random.default_rng(seed)
     n = int(draw.integers(2, 7))
     size = draw.integers(1, 9, n)

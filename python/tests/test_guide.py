@@ -1,4 +1,4 @@
-"""The code of docs/guide/python.md prints what stands there ("..." stands for any lines)."""
+"""The code of docs/guide/python.md prints the output shown there ("..." stands for any lines)."""
 
 import os
 import re

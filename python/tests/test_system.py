@@ -145,7 +145,7 @@ def test_sizes_of_the_start(ball):
 
 
 def test_a_system_without_cycles_is_freed():
-    """Functions that refer to what holds the system are no leak."""
+    """Functions that refer to an owner of the system are no leak."""
     class Model:
         def __init__(self):
             self.system = nsdae.System(nq=1, k=1, **{**ball_callbacks(), "force": self.force})
