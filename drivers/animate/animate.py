@@ -1,5 +1,4 @@
-"""The bodies of an nsdae trajectory in motion: a GIF, a film (MP4, where ffmpeg is), and a page of HTML that plays
-offline."""
+"""The bodies of an nsdae trajectory in motion: a GIF, a film (MP4, with ffmpeg), and an offline page of HTML."""
 
 import base64
 import contextlib
@@ -40,11 +39,11 @@ def chosen_speed(span):
 
 
 def shown(time, start, end, path):
-    """First and last record of those times."""
+    """First and last record between two times."""
     first = int(np.searchsorted(time, time[0] if start is None else start))
     last = int(np.searchsorted(time, time[-1] if end is None else end, side="right")) - 1
     if first > last:
-        raise Problem(f"'{path}' has no records between --from and --to: it goes from {time[0]:g} to {time[-1]:g} s")
+        raise Problem(f"'{path}' has no records between --from and --to: its times are {time[0]:g} to {time[-1]:g} s")
     return first, last
 
 
@@ -54,7 +53,7 @@ def frames_of_page(first, last, bodies):
 
 
 def step_of(span, step, bodies):
-    """A longer one where so many bodies would take too long to draw."""
+    """A longer step if there are too many bodies to draw."""
     most = max(PICTURE_POSES // max(bodies, 1), 20)
     return max(step, span / most)
 
@@ -106,7 +105,7 @@ def feed(program, drawing, count):
 def mp4(drawing, count, fps, path):
     """The file's bytes, as ffmpeg makes them beside it."""
     if not shutil.which("ffmpeg"):
-        raise Problem(f"cannot write '{path}': it needs ffmpeg, which is not here")
+        raise Problem(f"cannot write '{path}': it needs ffmpeg, which was not found")
     part = f"{path}.part"
     command = ["ffmpeg", "-loglevel", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgb24", "-r", str(fps),
                "-s", "{}x{}".format(*drawing.size), "-i", "-", "-pix_fmt", "yuv420p", "-movflags", "+faststart",
@@ -159,19 +158,19 @@ def parse(argv):
     parser = Parser(prog="nsdae-animate", description=__doc__)
     parser.add_argument("file", help="trajectory, e.g. pendulum.h5")
     parser.add_argument("-o", "--output", action="append", metavar="OUT",
-                        help=".gif, .mp4 or .html; repeatable; default FILE.gif, FILE.html, and FILE.mp4 where ffmpeg is")
+                        help=".gif, .mp4 or .html; repeatable; default FILE.gif, FILE.html and, with ffmpeg, FILE.mp4")
     parser.add_argument("--speed", type=number(1e-9, 1e9), metavar="X",
-                        help="of the motion: 0.1 is a tenth of real time (default: so that it takes a few seconds)")
-    parser.add_argument("--fps", type=number(1, 50), default=25, metavar="N", help="frames a second, 1 to 50 (default 25)")
+                        help="speed of the motion: 0.1 is a tenth of real time (default: a duration of a few seconds)")
+    parser.add_argument("--fps", type=number(1, 50), default=25, metavar="N", help="frames per second, 1 to 50 (default 25)")
     parser.add_argument("--from", type=float, dest="start", metavar="S", help="first time shown [s]")
     parser.add_argument("--to", type=float, dest="end", metavar="S", help="last time shown [s]")
     parser.add_argument("--width", type=number(160, 3840, whole=True), default=480, metavar="N",
-                        help="of the picture, 160 to 3840 pixels (default 480)")
-    parser.add_argument("--title", help="instead of model and method")
+                        help="width of the picture, 160 to 3840 pixels (default 480)")
+    parser.add_argument("--title", help="title, by default model and method")
     parser.add_argument("--forces", action="store_true",
-                        help="of contacts by list: lines from body to body, as wide as the force is large")
+                        help="draw the forces of a contact list as lines from body to body")
     parser.add_argument("--point", metavar="X,Y,Z", action="append", type=columns_of,
-                        help="instead of the file's bodies a point at these coordinates of q, counted from 0, "
+                        help="a point at these coordinates of q, numbered from 0, in place of the bodies, "
                         "- for none; repeatable")
     parser.add_argument("--version", action="version", version="nsdae-animate @PROJECT_VERSION@")
     arguments = parser.parse_args(argv)
@@ -214,7 +213,7 @@ def main(argv):
     try:
         with open_trajectory(arguments.file) as file:
             if arguments.forces and not has_list(file):
-                raise Problem(f"'{arguments.file}' has no contacts by list, which --forces shows")
+                raise Problem(f"'{arguments.file}' has no contact list for --forces")
             time = times_of(file)
             first, last = shown(time, arguments.start, arguments.end, arguments.file)
             for output in arguments.output:

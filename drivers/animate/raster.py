@@ -1,5 +1,5 @@
-"""The frames of an animation as images: drawn at twice the size and scaled down, so that edges are
-smooth. The page in HTML draws the same scene (scene.py says what is drawn, where, in which colour)."""
+"""The frames of an animation as images: drawn at twice the size and scaled down for
+smooth edges. The page in HTML draws the same scene (scene.py)."""
 
 import os
 
@@ -81,7 +81,7 @@ class Drawing:
         return image.reduce(FINE)
 
     def bodies(self, draw, number):
-        """Planes behind all, then what is farther behind what is nearer; over all the forces of contacts by list."""
+        """Planes first, then bodies from far to near; forces of a contact list on top."""
         drawn = []
         for body in self.scene["bodies"]:
             seen = self.seen(body, body["pose"][min(number, len(body["pose"]) - 1)])

@@ -1,15 +1,17 @@
-"""What an animation shows, as plain lists that the drawing in Python and the page's in JavaScript read alike: bodies
-with points, parts and a pose per frame, the modes of the contacts over the time, impacts.
+"""Scene of an animation, as plain lists for the drawing in Python and the page in JavaScript.
 
-A part is [style, point, point, ...], of numbers in the lists of styles and of the body's points: a polygon where its
-style has a fill, else a line, or a disc about the point where it has a radius [m, with a hole of its own, no smaller
-than `least` pixels]. An edge is `width` pixels wide, or `metres`. Parts that are lit are faces in space: seen where they
-look this way, and the darker the less they look to the light.
+It has bodies with points, parts and a pose per frame, the modes of the contacts over time, and impacts.
 
-Planar, a pose is [x, y, a, b]: the body's point p is at (x + a p_x - b p_y, y + b p_x + a p_y).
-In space it is [x, y, z] and the nine numbers of a matrix, row by row; of a ball among many [x, y, z].
-A body that never moves has one pose. Positions are those of the file's records, never between them.
-Forces are lines [x0, y0, z0, x1, y1, z1, w] of each frame, w their strength."""
+A part is [style, point, point, ...], with indices into the styles and the points of the body. It is a polygon if its style has
+a fill, a disc about the point if it has a radius, else a line. Radii are in metres, possibly with a hole, and at least `least`
+pixels. An edge is `width` pixels wide, or `metres`. Lit parts are faces in space, drawn if they face the viewer, and darker
+the less they face the light.
+
+- A planar pose is [x, y, a, b]: the point p of the body is at (x + a p_x - b p_y, y + b p_x + a p_y).
+- A spatial pose is [x, y, z] and the nine numbers of a matrix, row by row; of a ball among many [x, y, z].
+- A fixed body has one pose. Positions are those of the records, without interpolation.
+- Forces are lines [x0, y0, z0, x1, y1, z1, w] of each frame, w their strength.
+"""
 
 import json
 
@@ -117,7 +119,7 @@ class Styles:
 
 
 def drawn_bodies(bodies, frames, spatial, scale, styles):
-    """In the order of drawing: what is fixed is behind what moves. frames: among the records of the bodies."""
+    """In the order of drawing: fixed bodies first. frames: indices into the records of the bodies."""
     moved = [at_records(body, frames) for body in bodies]
     solids = solids_of(bodies) if spatial else [None] * len(bodies)
     drawn, number = [], 0

@@ -18,11 +18,11 @@ from trajectory import Parser, Problem, names_of_rows, open_trajectory, reading,
 FORMATS = (".png", ".svg", ".pdf")
 NEEDED = ("v", "energy/kinetic", "energy/dissipated", "certificate", "impact/time")
 POINTS_MAX = 20000  # more than this of a line are drawn as an image within an SVG or PDF
-LEGEND_MAX = 12  # more lines than this say nothing in a legend
+LEGEND_MAX = 12  # lines in a legend
 COLUMN_MAX = 8  # of them beside a row of its height
 STRIPS_MAX = 24
-IMPACTS_MAX = 100  # more of them are a grey wall
-LINES_MAX = 48  # more of them are a tangle
+IMPACTS_MAX = 100  # drawn impacts
+LINES_MAX = 48  # drawn lines
 RECORDS_MAX = 240  # of a large system's
 DOTS_MAX = 20000
 ROUNDING = np.finfo(float).eps
@@ -56,7 +56,7 @@ def some(dataset, time):
 
 
 def band(axes, time, values, kind):
-    """Of many columns [n, c] what they lie between, and in the midst."""
+    """Of many columns [n, c] the range and the median."""
     axes.fill_between(time, values.min(axis=1), values.max(axis=1), color="0.9", linewidth=0,
                       label=f"all {values.shape[1]}")
     axes.fill_between(time, *np.quantile(values, (0.25, 0.75), axis=1), color="0.75", linewidth=0, label="half of them")
@@ -111,8 +111,7 @@ FORCE = {"m": "N", "rad": "N m", "1": "N m"}  # of a constraint of that unit: th
 
 
 def multipliers(file, time):
-    """A row for each unit, without the steps that had an impact, in which they stand for impulses, and without the
-    start, which no step led to."""
+    """A row for each unit. Steps with an impact, whose multipliers are impulses, and the start are left out."""
     records = some(file["multiplier"], time)
     left_out = struck(file, time) | (steps(file, time) <= 0)
     records = records[~left_out[records]] if file["multiplier"].shape[1] > LINES_MAX else records
@@ -164,8 +163,8 @@ def modes(file, time):
 
 
 def forces(file, time):
-    """What contacts and frictional joints carry between impacts: each step's impulse over its length. Steps that had an impact are
-    left out: a contact that was closed answers to one elsewhere, with an impulse too."""
+    """Mean forces of contacts and frictional joints between impacts: the impulse of a step over its length. Steps with an
+    impact are left out, because an impact elsewhere also causes impulses in closed contacts."""
     step, hit = steps(file, time), struck(file, time)
     lines = []
     for group, name, symbol in (("contact", "normal_impulse", "normal"), ("contact", "tangential_impulse", "friction"),
@@ -190,8 +189,8 @@ def forces(file, time):
 
 
 def listed(file, time):
-    """Of contacts by list how many are closed, and the forces in them: means over a step. Steps that had an impact are
-    left out, as above; where they are most of all steps, nothing would be left."""
+    """Of a contact list the number of closed contacts and their mean forces over a step. Steps with an impact are left
+    out, as above, unless they are the majority."""
     records, dt = some(file["contacts/id"], time), step_length(file)
     found = [contacts_of(file, int(record)) for record in records]
     counts = np.array([[np.count_nonzero(c.mode == mode) for mode in range(len(MODES))] for c in found])
@@ -389,13 +388,13 @@ parameter_at.__name__ = "value of a parameter (NAME=VALUE)"  # argparse quotes i
 def parse(argv):
     parser = Parser(prog="nsdae-plot", description=__doc__)
     parser.add_argument("file", help="trajectory, e.g. pendulum.h5")
-    parser.add_argument("-o", "--output", help="picture (.png, .svg or .pdf); default FILE.png")
+    parser.add_argument("-o", "--output", help="picture: .png, .svg or .pdf; default FILE.png")
     parser.add_argument("--only", action="append", metavar="PANEL",
-                        help=f"this panel ({', '.join(PANELS)}), or of a sweep this quantity, e.g. final/q; repeatable")
+                        help=f"draw this panel ({', '.join(PANELS)}), or this quantity of a sweep, e.g. final/q; repeatable")
     parser.add_argument("--at", action="append", default=[], type=parameter_at, metavar="NAME=VALUE",
-                        help="of a sweep the runs with the nearest value of this parameter; repeatable")
-    parser.add_argument("--title", help="instead of model, method and step")
-    parser.add_argument("--dpi", type=int, default=150, help="of a PNG, 20 to 1200 (default 150)")
+                        help="for a sweep: the runs with the nearest value of this parameter; repeatable")
+    parser.add_argument("--title", help="title, by default model, method and step")
+    parser.add_argument("--dpi", type=int, default=150, help="dots per inch of a PNG, 20 to 1200 (default 150)")
     parser.add_argument("--version", action="version", version="nsdae-plot @PROJECT_VERSION@")
     arguments = parser.parse_args(argv)
     if not 20 <= arguments.dpi <= 1200:

@@ -1,5 +1,4 @@
-"""The bodies of a trajectory, as its group /bodies names them: shapes, and where each is at every
-record. No model is known here."""
+"""Bodies of a trajectory from its groups /bodies and /shapes: shapes and positions at every record."""
 
 import re
 from collections import namedtuple
@@ -9,11 +8,11 @@ import numpy as np
 from formula import evaluate
 from trajectory import Problem, text
 
-WHOLE = 4 << 20  # so many numbers of a dataset are read at once
+WHOLE = 4 << 20  # numbers of a dataset that are read at once
 
 SHAPES = ("point", "disc", "segment", "polygon", "path", "sphere", "capsule", "box", "plane")
 
-# size [3] and points [p, 3] in the body's own frame; position [n, 3] or, where it never moves, [3];
+# size [3] and points [p, 3] in the body's own frame; position [n, 3] or, if it never moves, [3];
 # rotation [n, 3, 3], [3, 3] or None; end as position, of a segment, else None.
 Body = namedtuple("Body", "name shape size points position rotation end", defaults=(None, None))
 
@@ -154,7 +153,7 @@ def bodies_of(file, path, columns, time, q):
             return found
     except Problem as problem:
         raise Problem(f"'{path}': {problem}") from problem
-    raise Problem(f"'{path}' names no bodies (nsdae_trajectory_set_bodies does): name what moves with --point, "
+    raise Problem(f"'{path}' names no bodies (nsdae_trajectory_set_bodies does): give the moving points with --point, "
                   "e.g. --point 0,1,- for a point at (q0, q1, 0)")
 
 
@@ -205,7 +204,7 @@ def ends_of(body):
 
 
 def box_of(body):
-    """Smallest and largest coordinates [3] that a body comes to."""
+    """Smallest and largest coordinates [3] of a body over the records."""
     round_by = {"disc": body.size[0], "sphere": body.size[0], "capsule": body.size[0], "segment": body.size[0] / 2,
                 "path": body.size[0] / 2}.get(body.shape, 0.0)
     points = ends_of(body).reshape(-1, 3)
@@ -213,8 +212,10 @@ def box_of(body):
 
 
 def extent(bodies):
-    """Smallest and largest coordinates [3] that they come to: of what moves, and of what is fixed as
-    far as it is not much farther away; planes are left out."""
+    """Smallest and largest coordinates [3] of moving bodies, and of fixed bodies that are not much farther away.
+
+    Planes are not included.
+    """
     moving, fixed = [], []
     for body in bodies:
         if body.shape != "plane":

@@ -1,4 +1,4 @@
-"""Contacts by list: those of a record, and the lines along which their forces go.
+"""Contact lists: the contacts of a record, and the lines of their forces.
 
 A line joins the origins of the two blocks that touch, or of one and the place of the nearest fixed plane
 that is next to it: a chain of forces. Only blocks that a shape of the file is placed by have an origin."""

@@ -20,7 +20,7 @@ ONE = ("format", "format_version", "model", "method", "status", "units")  # attr
 
 
 class Unsafe(Exception):
-    """What is refused in a file: object and reason."""
+    """Refused content of a file: object and reason."""
 
 
 def refuse(path, why):

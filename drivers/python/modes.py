@@ -1,4 +1,4 @@
-"""Modes of contacts and frictional joints over the time, as stretches between changes."""
+"""Modes of contacts and frictional joints over time, as intervals between mode transitions."""
 
 import numpy as np
 

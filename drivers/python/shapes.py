@@ -119,7 +119,7 @@ def round_shape(radius, length, facets):
 
 
 def facets_of(count):
-    """From pole to pole of a ball, of so many: all of them together are no more than some 100 000."""
+    """Facets from pole to pole of a ball, for this number of balls: at most about 100 000 in all."""
     return 12 if count <= 300 else 6 if count <= 2000 else 4
 
 

@@ -1,4 +1,4 @@
-"""What the programs in Python share: opening a trajectory, writing a file whole, one-line errors."""
+"""Common functions of the Python programs: opening a trajectory, writing a file completely, errors of one line."""
 
 import argparse
 import contextlib
@@ -24,7 +24,7 @@ RANKS = {
 
 
 class Problem(Exception):
-    """What is wrong with a file, in one line."""
+    """An error of a file, in one line."""
 
 
 def text(value):

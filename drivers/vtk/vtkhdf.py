@@ -1,10 +1,12 @@
 """Bodies of an nsdae trajectory as a VTKHDF file, which ParaView 5.12 and later animates.
 
-One VTKHDF 2.0 PolyData of one part: the polygons once, the points of every step after each other,
-and in the group Steps the times and where each step's points begin
-(https://docs.vtk.org/en/latest/vtk_file_formats/vtkhdf_file_format). Contacts by list go to a second
-file of the kind: a line for each, along which its force goes, with the force and the mode as data; every
-step has as many lines as the one with the most, those without a contact of no length and id -1."""
+The file is one VTKHDF 2.0 PolyData with one part. It has the polygons once and the points of all steps one after another. The
+group Steps has the times and the first point of each step
+(https://docs.vtk.org/en/latest/vtk_file_formats/vtkhdf_file_format).
+
+Contacts of a contact list are written to a second file of this kind: a line per contact along its force, with force and mode
+as data. Every step has the largest number of lines; unused lines have no length and the id -1.
+"""
 
 import io
 import os
@@ -32,7 +34,7 @@ def topology(bodies):
 
 
 def write_cells(root, filled, connectivity, offsets):
-    """The four kinds of cells that the format wants, all empty but for one."""
+    """The four kinds of cells of the format; all except one are empty."""
     for kind in ("Vertices", "Lines", "Polygons", "Strips"):
         mine = (connectivity, offsets) if kind == filled else ([], [0])
         group = root.create_group(kind)
@@ -43,8 +45,11 @@ def write_cells(root, filled, connectivity, offsets):
 
 
 def write_steps(root, time, size, **data):
-    """Every step has the one part and its cells; only its points begin where the last ones end, and its
-    data: how many values a step has of each of them, 0: the same ones at all steps."""
+    """Offsets of the steps.
+
+    Every step has the same part and cells; its points begin after those of the step before. data: number of values per step of each
+    dataset, 0 if they are constant.
+    """
     n = len(time)
     steps = root.create_group("Steps")
     steps.attrs["NSteps"] = np.int64(n)
@@ -149,7 +154,7 @@ def parse(argv):
     parser.add_argument("-o", "--output", metavar="OUT.vtkhdf", help="default FILE.vtkhdf")
     parser.add_argument("--every", metavar="N", type=int, default=1, help="every N-th record (default 1)")
     parser.add_argument("--point", metavar="X,Y,Z", action="append", type=columns_of,
-                        help="instead of the file's bodies a point at these coordinates of q, counted from 0, "
+                        help="a point at these coordinates of q, numbered from 0, in place of the bodies, "
                         "- for none; repeatable")
     parser.add_argument("--version", action="version", version="nsdae-vtk @PROJECT_VERSION@")
     arguments = parser.parse_args(argv)
