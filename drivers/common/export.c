@@ -82,7 +82,7 @@ static void dump_friction(const dump *d, long step, double time)
   tell(d, "friction_dump", &error);
 }
 
-/* Where the step after this record begins. */
+/* Start of the step after this record. */
 static void keep(dump *d, const nsdae_record *r)
 {
   nsdae_dims dims;

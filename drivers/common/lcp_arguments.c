@@ -60,7 +60,7 @@ static int read_int(reader *r, const char *what, int least, int most)
   return r->status == NSDAE_OK ? (int)value : least;
 }
 
-/* count zeroed entries; NULL, with the failure said, where there is no memory. */
+/* count zeroed entries; NULL with an error if there is no memory. */
 static void *take(reader *r, size_t count, size_t size)
 {
   if (r->status != NSDAE_OK) return NULL;
@@ -147,7 +147,7 @@ static void read_entry(reader *r, matrix *m, int j)
   if (r->status == NSDAE_OK) m->value[(size_t)j * (size_t)m->n + (size_t)i] += value;
 }
 
-/* What cs_print of CSparse writes: two lines of heading, then "col j : locations p to q" and that
+/* Output of cs_print of CSparse: two lines of heading, then "col j : locations p to q" and that
  * many lines "row : value". */
 static void read_sparse(reader *r, matrix *m)
 {

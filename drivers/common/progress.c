@@ -17,7 +17,7 @@ void bar_begin(bar *b, int quiet)
   b->started = b->shown = clock_now();
 }
 
-/* "1:02:03", "2:03": as long as what went on so far stands to what was done in it. */
+/* Remaining time "1:02:03" or "2:03", in proportion to the elapsed time. */
 static void print_left(double passed, double done, double part)
 {
   double left = done > 0 ? passed * (1 - part) / done : 0;

@@ -46,7 +46,7 @@ static void in_child(const char *path, probe_fn read_it, void *user, int out)
   fclose(stderr); /* HDF5 prints there */
   error.status = read_it(path, user, &error);
   if (write(out, &error, sizeof error) != sizeof error) _exit(1);
-  _exit(0); /* without HDF5's own end, which may not come */
+  _exit(0); /* without the exit handlers of HDF5, which may hang */
 }
 
 static int came_to_no_end(const char *path, nsdae_error *error)

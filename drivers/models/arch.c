@@ -1,7 +1,7 @@
-/* A semicircular arch of equal blocks with radial joints, on the floor. It stands if a line of
- * thrust fits into it (J. Heyman, The stone skeleton, 1966), that is from a thickness of t = 0.1075
- * R on where the blocks are many (M. Milankovitch 1907; R the radius of the middle line), if
- * friction holds the joints.
+/* A semicircular arch of equal blocks with radial joints, on the floor. It is stable if a line
+ * of thrust fits into it (J. Heyman, The stone skeleton, 1966) and no joint slips. For infinitely
+ * many blocks this is a thickness t >= 0.1075 R (M. Milankovitch 1907; R: radius of the middle
+ * line).
  *
  * Of n blocks hinges open at joints alone. With the thrust H at the crown, at the height y, the
  * moment of half the arch about a point (a_x, a_y) of a joint is
@@ -9,7 +9,7 @@
  *   W (a_x - x_W) - H (y - a_y),   W and x_W: weight and centre of the blocks from crown to joint
  *
  * >= 0 about the outer end of every joint and <= 0 about the inner one: straight lines in the plane
- * of (H, H y). The arch stands where they leave a point. */
+ * of (H, H y). The arch is stable if a point satisfies all. */
 #include "arch.h"
 
 #include <math.h>
@@ -98,7 +98,7 @@ static int conditions(int blocks, double t, half_plane *plane)
   return n;
 }
 
-/* Whether a point satisfies all: where two of the lines meet. */
+/* Whether a point satisfies all: tests the intersections of two lines. */
 static int have_point(const half_plane *p, int n)
 {
   for (int i = 0; i < n; i++)

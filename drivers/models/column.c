@@ -1,9 +1,7 @@
-/* A column of balls that rest on each other, each second one ratio times as heavy as the others.
- * What the floor carries is their weight,
+/* A column of balls at rest, every second one ratio times as heavy as the others. The force on the
+ * floor is the weight for every ratio,
  *
- *   F = g sum m_i
- *
- * whatever the ratio. */
+ *   F = g sum m_i */
 #include "column.h"
 
 #include <math.h>

@@ -1,11 +1,11 @@
-/* What a heap of equal spheres left on the floor: how far it ran, how high it stands. */
+/* Deposit of equal spheres on the floor: runout and height. */
 #ifndef NSDAE_MODEL_DEPOSIT_H
 #define NSDAE_MODEL_DEPOSIT_H
 
-/* Of the pile: the most spheres that hang together, each within a twentieth of its diameter of
- * another. What rolled off alone is not of it. */
+/* The heap: the largest set of connected spheres, with gaps up to a twentieth of a diameter.
+ * Spheres that rolled off alone do not belong to it. */
 typedef struct deposit {
-  int pile;       /* spheres of the pile, of those measured */
+  int pile;       /* number of spheres of the heap */
   double radius;  /* mean over sixteen sectors of its outermost rim [m] */
   double scatter; /* standard deviation over the sectors [m] */
   double height;  /* highest centre of its spheres [m] */

@@ -57,7 +57,7 @@ static void follow(void *base, const nsdae_record *r)
 }
 
 /* theta_i and c_i = d theta_i / d theta_n of the dominoes behind the foremost, which is at theta;
- * those that lie move no more. How many there are. */
+ * those on the floor do not move. Returns their number. */
 enum { CHAIN_MAX = 400 };
 
 static int chain(const dominoes *p, double theta, int most, double *angle, double *rate)

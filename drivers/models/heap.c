@@ -1,20 +1,20 @@
-/* Spheres in a loose column that collapses to a heap; or, where the cylinder has an aspect ratio,
- * that settle in a smooth cylinder, which is gone from one moment to the next.
+/* Spheres in a loose column that collapses to a heap. With an aspect ratio they settle in a smooth
+ * cylinder, which is removed at one time.
  *
- * Momentum: what a floor that is a plane gave is the weight times the time and the momentum of the
- * spheres that they got, Lambda = g t sum m + sum m (z' - z'_0). A smooth cylinder gives none.
+ * Momentum: the impulse of a plane floor is the weight times the time plus the change of momentum
+ * of the spheres, Lambda = g t sum m + sum m (z' - z'_0). A smooth cylinder has none.
  *
- * Volume: spheres do not go into each other; their lenses of overlap are little of their volume.
+ * Volume: the overlaps of spheres are a small part of their volume.
  *
  * Slope: that of a cone with the heap's centre of mass and mean square of the distance from the
  * axis, which are H / 4 and 3 R^2 / 10 of a cone of height H and radius R. It grows with friction
  * (Y. C. Zhou, B. H. Xu, A. B. Yu, P. Zulli, Numerical investigation of the angle of repose of
  * monosized spheres, Phys. Rev. E 64, 021301, 2001).
  *
- * Runout and height of what a cylinder leaves: deposit.h, which has the published laws, of columns
- * of many grains. Where the cylinder is few grains wide, the runout depends on how many, too (J. M.
- * Warnett, P. Denissenko, P. J. Thomas, E. Kiraci, M. A. Williams, Scalings of axisymmetric
- * granular column collapse, Granular Matter 16, 115-124, 2014): tests/system/structures.c. */
+ * Runout and height: deposit.h has the published laws for columns of many grains. If the cylinder
+ * is few grains wide, the runout depends on their number too (J. M. Warnett, P. Denissenko, P. J.
+ * Thomas, E. Kiraci, M. A. Williams, Scalings of axisymmetric granular column collapse, Granular
+ * Matter 16, 115-124, 2014): tests/system/structures.c. */
 #include "heap.h"
 
 #include <math.h>
@@ -36,8 +36,8 @@ static double scatter(uint32_t i)
   return (double)(i ^ i >> 16) / 2147483648.0 - 1;
 }
 
-/* A rough floor: spheres side by side that stand still; on a plane those that roll freely would all
- * part. */
+/* A rough floor: fixed spheres side by side. On a plane freely rolling spheres would all separate.
+ */
 static void add_grit(heap *p, int wide)
 {
   for (int i = 0; i < wide * wide; i++) {
@@ -99,8 +99,8 @@ static int cylinder(double t, const double *q, const double *v, double reach,
   return status;
 }
 
-/* Sphere i, at a node of the grid and as fast as from a height of up to a radius: what is shaken
- * settles without order. */
+/* Sphere i, at a node of the grid, with a random velocity up to that of a fall by one radius: the
+ * spheres then settle in disorder. */
 static void pour(heap *p, int i, double x, double y, double z)
 {
   const double node[3] = {x, y, z}, fast = sqrt(2 * p->g * p->r);
@@ -113,8 +113,8 @@ static void pour(heap *p, int i, double x, double y, double z)
   add_sphere(p, i, body);
 }
 
-/* Fills a cylinder in which spheres that fill 0.58 of it, as those poured do, stand aspect times as
- * high as it is wide from the axis; the floor reaches twice as far as the published runout. */
+/* Fills a cylinder to the height of aspect radii, with a packing of 0.58 as of poured spheres. The
+ * floor extends to twice the published runout. */
 static void fill(heap *p)
 {
   double step = 2.25 * p->r, R = p->r * cbrt(p->spheres / (0.75 * 0.58 * p->cylinder.aspect));
@@ -183,7 +183,7 @@ static void measure(heap *p, const nsdae_record *r)
     p->cylinder.filled = 2 * (p->rough ? top : top + p->r) / p->cylinder.radius;
 }
 
-/* From the first record on, which is the start, or that of a file that is taken up. */
+/* From the first record on: the start, or the record of a continued run. */
 static void balance(heap *p, const nsdae_record *r)
 {
   if (p->begun)

@@ -3,8 +3,8 @@
  *
  *   F = m g (sin slope cos turn, sin slope sin turn, -cos slope),  g_N = z,  v_T = (x', y')
  *
- * With tan slope < mu it stays at rest for ever; a friction polygon of p edges (polygon = p) holds
- * it up to tan slope = mu cos(pi / p) in every direction, and up to mu along an edge direction. */
+ * With tan slope < mu it sticks. A friction polygon of p edges (polygon = p) sticks up to tan slope
+ * = mu cos(pi / p) in every direction, and up to mu along an edge direction. */
 #include "incline.h"
 
 #include <math.h>

@@ -15,10 +15,10 @@
  *   v_1 = (s - (n-1) e^(j+1)) v_0 / n,   u = (s + e^(j+1)) v_0 / n
  *   Lambda_i = (n - 1 - i) m (1 + e) e^j v_0 / n        contact i = 0 .. n-2
  *
- * All Lambda_i are positive and M is positive definite: the solution is the only one. It is not
- * what the toy does: there the balls do not quite touch, and with gap > 0 the impacts come one
- * after the other and the last ball alone flies off. Balls that touch are the limit of no such
- * sequence, so that from the second impact on rounding decides which contacts are found closed. */
+ * All Lambda_i are positive and M is positive definite: the solution is the only one. The toy
+ * behaves differently: its balls do not quite touch. With gap > 0 the impacts follow each other and
+ * only the last ball leaves. Touching balls are not the limit of gap -> 0; from the second impact
+ * on rounding decides which contacts are closed. */
 #include "newtons_cradle.h"
 
 #include <math.h>

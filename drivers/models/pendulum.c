@@ -1,5 +1,5 @@
-/* A uniform rod that swings about one end and hits a stop where it hangs (Zhang, Gu and Sun,
- * section 4.1). q = [x, y, theta]: its centre and its angle from the vertical.
+/* A uniform rod that swings about one end and hits a stop at its lowest position (Zhang, Gu and
+ * Sun, section 4.1). q = [x, y, theta]: its centre and its angle from the vertical.
  *
  *   M = diag(m, m, m L^2/12),  F = [0, -m g, 0]
  *   Phi = [x - (L/2) sin theta, y + (L/2) cos theta],  g_N = L sin theta */
@@ -163,7 +163,7 @@ static int exact(const void *base, int number, driver_exact *impact)
   return k > 0;
 }
 
-/* The stop's right face is where the rod, hanging, has its left one. */
+/* The right face of the stop touches the left face of the hanging rod. */
 static int bodies(const void *base, nsdae_trajectory *file, nsdae_error *error)
 {
   const pendulum *p = base;

@@ -1,11 +1,11 @@
-/* A ball that bounces on a table which goes up and down; q = [y], its height.
+/* A ball that bounces on a vibrating table; q = [y], its height.
  *
  *   M = m,  F = -m g,  g_N = y - A sin(w t + phi_0),  w = 2 pi / T,  gamma = A w^2 / g
  *
- * gamma is what the table accelerates by, over gravity: the classical example of a road to chaos by
- * period doublings (Holmes, J. Sound Vib. 84 (1982) 173, with the table's own way neglected; here
- * it is not). It bounces once a period where each flight lasts T, so that v = g T / 2 leaves and -v
- * arrives; with Newton's law
+ * gamma is the acceleration of the table over gravity. The classical example of period doublings to
+ * chaos (Holmes, J. Sound Vib. 84 (1982) 173, who neglects the displacement of the table; it is
+ * included here). The ball bounces once per period if each flight lasts T, so that v = g T / 2
+ * leaves and -v arrives; with Newton's law
  *
  *   v = (1 + e) A w cos(phi) + e v,   cos(phi) = pi (1 - e) / ((1 + e) gamma),   phi = w t
  *
@@ -31,7 +31,7 @@ static double frequency(const shaken_ball *p)
   return 2 * pi / p->T;
 }
 
-/* Phase of the table at the start: that of the impacts of the orbit, where there is one. */
+/* Phase of the table at the start: that of the impacts of the orbit, if it exists. */
 static double phase(const shaken_ball *p)
 {
   double low, high;

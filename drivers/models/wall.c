@@ -1,7 +1,7 @@
 /* A wall of blocks in running bond: each lies on halves of two below it; half blocks end every
- * second course. Blocks of a course do not touch. Nothing moves, ever: all velocities stay exactly
- * zero, and the floor carries the weight. The forces inside are not determined (each block has more
- * contacts than freedoms). */
+ * second course. Blocks of a course do not touch. The wall is at rest: all velocities stay exactly
+ * zero, and the force on the floor is the weight. The inner forces are not unique (hyperstatic:
+ * each block has more contact rows than degrees of freedom). */
 #include "wall.h"
 
 #include <math.h>

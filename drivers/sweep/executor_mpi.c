@@ -38,7 +38,7 @@ static struct {
   long n, next, taken; /* of todo: handed out, and back */
   int status;
   double seconds, heard; /* spent on the runs that are back; when it last listened */
-  int calls, patience;   /* of ranks_listen since then, and how many of them fill listen_time */
+  int calls, patience;   /* of ranks_listen since then, and their number per listen_time */
   char *bytes;
   int closed;        /* ranks that have received the end */
   int *owed;         /* [size] portions that each has */
@@ -141,7 +141,7 @@ static long portion(void)
   return count < 1 ? 1 : count;
 }
 
-/* An empty portion says that there is no more. The one that went AHEAD portions before has come,
+/* An empty portion is the end. The one that went AHEAD portions before has come,
  * for the rank owes fewer: its request is free. */
 static void hand_out(int rank)
 {
@@ -155,7 +155,7 @@ static void hand_out(int rank)
   if (count == 0) desk.closed++;
 }
 
-/* What rank sent: the seconds that it took, and its parcels. */
+/* A message of a rank: its seconds of work, and its results. */
 static void receive(const MPI_Status *from)
 {
   int size;
@@ -183,7 +183,7 @@ static int serve(void)
   return served;
 }
 
-/* Some transports move what was sent only where the sender calls MPI again. */
+/* Some transports send only if the sender calls MPI again. */
 static void push_replies(void)
 {
   int all;
@@ -262,7 +262,7 @@ static int lead(const ranks_job *job, const long *todo, long n)
   return desk.status;
 }
 
-/* The next portion: how many runs; 0: no more; -1: interrupted. */
+/* The next portion: number of runs; 0: end; -1: interrupted. */
 static int await_portion(long run[PORTION_MAX])
 {
   MPI_Status from;
@@ -306,7 +306,7 @@ static int follow(const ranks_job *job)
               TAG_RESULT, MPI_COMM_WORLD, &reply[turn]);
     turn = 1 - turn;
   }
-  if (interrupt_came()) return NSDAE_E_INTERRUPTED; /* what travels keeps its memory */
+  if (interrupt_came()) return NSDAE_E_INTERRUPTED; /* pending messages keep their memory */
   MPI_Waitall(2, reply, MPI_STATUSES_IGNORE);
   free(bytes);
   return NSDAE_OK;

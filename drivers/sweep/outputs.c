@@ -16,7 +16,7 @@ static int refuse(nsdae_error *error, const char *word)
   return error->status = NSDAE_E_ARGUMENT;
 }
 
-/* The count behind word "name=", with *end behind it; 0 where it is none. */
+/* The count behind word "name=", with *end after it; 0 if there is none. */
 static int read_count(const char *word, const char *name, char **end)
 {
   size_t length = strlen(name);

@@ -141,7 +141,7 @@ static int list_todo(sweep *s)
   return NSDAE_OK;
 }
 
-/* Rank 0: the file, and what of it is to be done. */
+/* Rank 0: the file and its pending runs. */
 static int open_table(sweep *s)
 {
   const job *j = &s->job;

@@ -21,7 +21,7 @@ struct sweep_table {
   const sweep_keep *keep;
   char path[4096];
   int file;                     /* descriptor */
-  haddr_t at[KEEP_COLUMNS_MAX]; /* where the values of each column begin */
+  haddr_t at[KEEP_COLUMNS_MAX]; /* offsets of the values of each column */
   haddr_t status_at;            /* and the statuses */
   int *status;                  /* [runs] as the file has them */
   int complete;
