@@ -1,5 +1,6 @@
 #!/bin/sh
-# Every link of the documentation that is not to the web resolves: files and headings. Not in code.
+# Every link of the documentation that is not to the web resolves: files and headings; and every file of the source that
+# a page names exists. Not in blocks of code.
 # usage: links.sh SOURCE_DIR
 set -eu
 cd "$1"
@@ -20,6 +21,18 @@ xargs awk '
       $0 = substr($0, RSTART + RLENGTH)
     }
   }' <"$work/pages" >"$work/links"
+# "PAGE PATH" of each file or folder of the source that a page names in code, without placeholders
+xargs awk '
+  FNR == 1 { code = 0 }
+  /^ *```/ { code = !code; next }
+  code || /^    / { next }
+  {
+    while (match($0, /`[^`]*`/)) {
+      name = substr($0, RSTART + 1, RLENGTH - 2)
+      $0 = substr($0, RSTART + RLENGTH)
+      if (name ~ /^(lib|include|drivers|tests|python|docs|data|cmake|packaging)\/[a-z0-9_.\/-]*\.[a-z0-9]+$/) print FILENAME, name
+    }
+  }' <"$work/pages" >"$work/names"
 
 # A heading as the web shows it: "# When it runs" is when-it-runs.
 anchors() { sed -n 's/^#\{1,6\} *//p' "$1" | tr 'A-Z ' 'a-z-' | tr -cd 'a-z0-9_\n-'; }
@@ -37,5 +50,10 @@ while read -r page target; do
     broken=$((broken + 1))
   fi
 done <"$work/links"
-echo "$(wc -l <"$work/pages") pages, $(wc -l <"$work/links") links, $broken broken"
+while read -r page name; do
+  [ -e "$name" ] && continue
+  echo "FAILED: $page: no file $name"
+  broken=$((broken + 1))
+done <"$work/names"
+echo "$(wc -l <"$work/pages") pages, $(wc -l <"$work/links") links, $(wc -l <"$work/names") files, $broken broken"
 [ "$broken" = 0 ]
