@@ -1,8 +1,9 @@
 #!/bin/sh
-# Every link of the documentation that is not to the web resolves: files and headings; and every file of the source that
-# a page names exists. Not in blocks of code.
+# Every link of the documentation that is not to the web resolves: files and headings; and every file of the source and
+# every name of the library in a page exists. Not in blocks of code.
 # usage: links.sh SOURCE_DIR
 set -eu
+export LC_ALL=C # the order of sort and comm
 cd "$1"
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
@@ -30,7 +31,7 @@ xargs awk '
     while (match($0, /`[^`]*`/)) {
       name = substr($0, RSTART + 1, RLENGTH - 2)
       $0 = substr($0, RSTART + RLENGTH)
-      if (name ~ /^(lib|include|drivers|tests|python|docs|data|cmake|packaging)\/[a-z0-9_.\/-]*\.[a-z0-9]+$/) print FILENAME, name
+      if (name ~ /^(lib|include|drivers|tests|python|docs|data|cmake|packaging)\/[A-Za-z0-9_.\/-]*\.[a-z0-9]+$/ && name !~ /NAME/) print FILENAME, name
     }
   }' <"$work/pages" >"$work/names"
 
@@ -55,5 +56,15 @@ while read -r page name; do
   echo "FAILED: $page: no file $name"
   broken=$((broken + 1))
 done <"$work/names"
+# and every function, type and constant of the library that a page names; what is gone has its place in the changelog
+grep -ohE '\b(nsdae|NSDAE)_[A-Za-z0-9_]*[A-Za-z0-9]\b' -r include lib cmake CMakeLists.txt tests/CMakeLists.txt | sort -u >"$work/known"
+grep -vx 'CHANGELOG.md' "$work/pages" | while read -r page; do
+  grep -ohE '`[^`]*`' "$page" | grep -oE '\b(nsdae|NSDAE)_[A-Za-z0-9_]*[A-Za-z0-9]\b' | sort -u | comm -23 - "$work/known" |
+    sed "s|^|$page |"
+done >"$work/unknown"
+while read -r page name; do
+  echo "FAILED: $page: the library has no $name"
+  broken=$((broken + 1))
+done <"$work/unknown"
 echo "$(wc -l <"$work/pages") pages, $(wc -l <"$work/links") links, $(wc -l <"$work/names") files, $broken broken"
 [ "$broken" = 0 ]
