@@ -7,6 +7,7 @@
 function name_of(path) {
   while (sub(/\/[^\/]+\/\.\.\//, "/", path));
   if (path ~ /docs\/guide\/README\.md$/) return "guide"
+  if (path ~ /(CONTRIBUTING|CHANGELOG)\.md$/) return path ~ /CONTRIBUTING/ ? "contributing" : "changelog"
   if (path !~ /docs\//) return "index"
   if (!sub(/^(.*\/)?docs\//, "", path)) sub(/^.*\//, "", path)
   sub(/\.md$/, "", path)

@@ -142,7 +142,7 @@ NSDAE_API int nsdae_dfcres(int nc, const int *rows, const double *a, int lda, co
                            const double *mu, const double *r, double *u, double *residual);
 
 /* One contact, solved exactly: it opens (q_N >= 0: r = 0), sticks (u = 0) or slides, where
- * |u_T| / |r_T| is found by a bracketed secant (lib/friction/kernels/coulomb.c).
+ * |u_T| / |r_T| is found by a bracketed secant (lib/friction/kernels/one_contact.c).
  *
  *   rows        1, 2 or 3
  *   a, lda, q   as above; finite, W positive definite

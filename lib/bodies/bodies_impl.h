@@ -1,5 +1,5 @@
 /* What a mechanism is made of: bodies in order, and for each row of constraints, contacts and
- * slides what gives it. Filled by bodies.c, joint.c, solid.c and load.c, read by callbacks.c,
+ * slides what gives it. Filled by bodies.c, joint.c, shapes.c and forces.c, read by callbacks.c,
  * constraints.c and contacts.c. */
 #ifndef NSDAE_BODIES_WORLD_H
 #define NSDAE_BODIES_WORLD_H
@@ -48,7 +48,7 @@ typedef struct nsdae_bodies_pair {
   double mu, e_n, e_t;
 } nsdae_bodies_pair;
 
-/* What a callback of contacts by list works with, kept from call to call; see broad.h. */
+/* What a callback of contacts by list works with, kept from call to call; see broad_phase.h. */
 typedef struct nsdae_broad nsdae_broad;
 enum { NSDAE_BROADS = 16 };
 

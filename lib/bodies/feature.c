@@ -274,8 +274,8 @@ void nsdae_find_facing(const nsdae_solid_of *s0, const nsdae_solid_of *s1, const
     }
 }
 
-/* Of solids that overlap only the edges of the axis of least depth touch; see overlap.h. Lines
- * along a face are as deep as the face but for rounding, and do. */
+/* Of solids that overlap only the edges of the axis of least depth touch; see separating_axis.h.
+ * Lines along a face are as deep as the face but for rounding, and do. */
 static nsdae_touch edges(const nsdae_feature *f, const nsdae_solid_of *s0, const nsdae_solid_of *s1,
                          const nsdae_pose *pose0, const nsdae_pose *pose1)
 {

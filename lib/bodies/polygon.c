@@ -2,8 +2,8 @@
  * Outside, the nearest edge or corner counts. Of solids that overlap each corner touches the edge
  * that separates the two best: of blocks that lie flush the common one, though at their corners
  * another is as near. None is deeper than the overlap, which is the best separation by an edge of
- * either (see overlap.h: the axis of least depth). The corner that is the lowest there lies over
- * that edge, and touches though it came out on the other side, as of two that cross as swords.
+ * either (see separating_axis.h: the axis of least depth). The corner that is the lowest there lies
+ * over that edge, and touches though it came out on the other side, as of two that cross as swords.
  *
  *   separation by an edge with the outer normal n at x:  s = min_i n . (p_i - x), p_i the other's
  *   corners; two convex polygons overlap where no edge of either has s > 0 */

@@ -1,9 +1,9 @@
 /* Which of the rows that are closed or stick have an equation of their own. Where a body rests on
  * more points than it has freedoms, the rows w of W_C depend on each other: the motion is
  * determined, how its forces share is not. The rows are taken in turn, contacts by their normal
- * force and what sticks after them, and depend as dependence.h says, w_p = sum c_l w_l. The forces
- * z_p = (1 in p, -c_l in l) then move nothing, and in place of its row p has a relation F_p = sum
- * r_l F_l:
+ * force and what sticks after them, and depend as in rank_revealing.h, w_p = sum c_l w_l. The
+ * forces z_p = (1 in p, -c_l in l) then move nothing, and in place of its row p has a relation F_p
+ * = sum r_l F_l:
  *
  *   even   r_l = c_l D_l / D_p       z_p^T D F = 0, so that F^T D F is least; D = 1 for normal
  *                                    forces, 1 / (mu F_N) for friction

@@ -1,7 +1,7 @@
 /* What one thread solves islands with, each by what fits it: what is free by its mass alone, single
  * contacts in closed form (single.h), small ones as dense systems (local.h), large ones without
  * friction in their envelope (stack.h), true cones as problems by blocks (pile.h), large ones
- * without contacts as sparse equations (saddle.h).
+ * without contacts as sparse equations (sparse_kkt.h).
  *
  * An island is solved from what it is alone, and writes what is its own: which worker does it, and
  * after which others, changes no bit. */

@@ -532,7 +532,7 @@ int nsdae_sim_project(nsdae_sim *sim, double t0, double *q0, double *v0)
   NSDAE_SIM_GUARDED(sim, NSDAE_MOVE, project(sim, t0, q0, v0));
 }
 
-/* Of the kinetic energy of the approach: 5 % in the velocities, as in watch.h. */
+/* Of the kinetic energy of the approach: 5 % in the velocities, as in monitors.h. */
 static const double other_energy = 0.1;
 
 int nsdae_initial_law(const nsdae_system *s, const nsdae_sim_options *o, nsdae_error *error)

@@ -1,4 +1,4 @@
-/* See watch.h. */
+/* See monitors.h. */
 #include <float.h>
 #include <math.h>
 #include <string.h>
@@ -122,10 +122,10 @@ static double size_of_pair(const double *size, const int *block)
   return isfinite(least) ? least : 0;
 }
 
-/* The overlap that the method explains if sizes are unknown. Time stepping: see watch.h. penalty: a
- * spring has stored no more than its contact has taken, of what was in motion, or of the work of a
- * load or of a moving wall; a load that is put on suddenly compresses it to twice the depth of
- * rest. */
+/* The overlap that the method explains if sizes are unknown. Time stepping: see monitors.h.
+ * penalty: a spring has stored no more than its contact has taken, of what was in motion, or of the
+ * work of a load or of a moving wall; a load that is put on suddenly compresses it to twice the
+ * depth of rest. */
 static double depth_of(const nsdae_sim *sim, const nsdae_point *point)
 {
   const nsdae_monitors *w = &point->accounts.watch;

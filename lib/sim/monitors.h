@@ -16,7 +16,7 @@ enum {
   NSDAE_MONITORS_RESTITUTION = 32
 };
 
-/* What is kept of the run so far: doubles alone, see block.c. */
+/* What is kept of the run so far: doubles alone, see snapshot.c. */
 typedef struct nsdae_monitors {
   double change;   /* g */
   double row, way; /* c, l */

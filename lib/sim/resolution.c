@@ -1,4 +1,4 @@
-/* Scales of a start: those that warnings are held against (watch.h), and what doubles and
+/* Scales of a start: those that warnings are held against (monitors.h), and what doubles and
  * tolerances cannot resolve, which is refused.
  *
  * Time. The user's times near t0 are r = eps |t0| apart, or less: a shorter dt gives two steps the

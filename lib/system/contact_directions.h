@@ -1,5 +1,5 @@
 /* Directions of contacts at a place against what gap, mass and kinematics tell of them: see
- * tangents.h, arms.h and levers.h. Of dense systems. */
+ * tangent_check.h, moment_arms.h and moment_arm_check.h. Of dense systems. */
 #ifndef NSDAE_SYSTEM_DIRECTIONS_H
 #define NSDAE_SYSTEM_DIRECTIONS_H
 

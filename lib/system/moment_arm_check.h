@@ -13,8 +13,9 @@
  *
  *   v^T H v <= -r . n
  *
- * (see arms.h, where the sense of a rotation is not known; here it is), which a ball's arms with
- * the other sign break. Which velocities turn which body is guessed, so this is a doubt, too. */
+ * (see moment_arms.h, where the sense of a rotation is not known; here it is), which a ball's arms
+ * with the other sign break. Which velocities turn which body is guessed, so this is a doubt, too.
+ */
 #ifndef NSDAE_SYSTEM_LEVERS_H
 #define NSDAE_SYSTEM_LEVERS_H
 

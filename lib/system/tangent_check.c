@@ -8,7 +8,8 @@
  * g' = n . x' + (r x n) . w with |n| = 1 everywhere, while arms r change with q. The slip is
  * v_T = t . x' + (r x t) . w: the parts of the directions t along them have length one, too, and
  * are at right angles to n and to each other; or they are zero, where other bodies slide. Of two
- * bodies that touch each other, n and -n, they are opposite. For the parts of rotations see arms.h.
+ * bodies that touch each other, n and -n, they are opposite. For the parts of rotations see
+ * moment_arms.h.
  */
 #include "tangent_check.h"
 

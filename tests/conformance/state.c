@@ -295,7 +295,7 @@ static void refuse(nsdae_sim *sim, const unsigned char *block, size_t size, cons
   free(before);
 }
 
-/* The block's checksum, as the head of lib/sim/block.c says: FNV-1a of what is before its place
+/* The block's checksum, as the head of lib/sim/snapshot.c says: FNV-1a of what is before its place
  * xor that of what is after. */
 static void put_checksum(unsigned char *block, size_t size)
 {

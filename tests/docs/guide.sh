@@ -1,6 +1,6 @@
 #!/bin/sh
 # All code of the guide: every chapter's files are written, its commands run letter for letter on an
-# installed tree, and what they print compared with what stands there ("..." stands for anything).
+# installed tree, and what they print compared with the page ("..." matches anything). So with README.md.
 # A command whose program is not here is left out, and said so. usage: guide.sh BUILD_DIR SOURCE_DIR
 set -u
 build=$1
@@ -44,14 +44,23 @@ hindrance() {
   case $1 in # what needs the module
   *nsdae-fortran* | *mine/build*) pkg-config --exists nsdae-fortran || echo "built without Fortran" ;;
   esac
+  case $1 in # its calls have other arguments in version 7
+  *sundials_cvode*)
+    printf '#include <sundials/sundials_config.h>\n#if SUNDIALS_VERSION_MAJOR != 6\n#error\n#endif\n' |
+      cc -E - >/dev/null 2>&1 || echo "no SUNDIALS 6"
+    ;;
+  esac
   program=${1%% *}
   case $program in
   export | sed | mkdir | mine/*) ;;
   paraview) echo "opens a window" ;;
   python3)
     [ -x "$work/shims/python3" ] || echo "no Python with h5py"
-    script=${1#python3 } module=$(sed -n 's/^import \(xarray\)$/\1/p' "${script%% *}" 2>/dev/null)
-    [ -z "$module" ] || "$work/shims/python3" -c "import $module, h5netcdf" 2>/dev/null || echo "no $module"
+    script=${1#python3 }
+    for module in $(sed -n 's/^import \([a-z0-9]*\).*/\1/p' "${script%% *}" 2>/dev/null); do
+      [ "$module" != xarray ] || module="xarray, h5netcdf"
+      "$work/shims/python3" -c "import $module" 2>/dev/null || echo "no $module"
+    done
     ;;
   julia)
     command -v julia >/dev/null || echo "no julia" && return
@@ -87,9 +96,11 @@ run() {
   fi
 }
 
-for chapter in first-program bodies model large methods states trajectory animation paraview errors mistakes; do
-  awk -f "$here/guide.awk" "$source/docs/guide/$chapter.md" >"$work/$chapter.sh" || exit 1
-  . "$work/$chapter.sh"
+for chapter in guide/first-program ../README guide/bodies guide/model guide/large guide/which-method guide/coming-from \
+  guide/states guide/trajectory guide/animation guide/paraview guide/errors guide/mistakes; do
+  name=$(basename "$chapter")
+  awk -f "$here/guide.awk" "$source/docs/$chapter.md" >"$work/$name.sh" || exit 1
+  . "$work/$name.sh"
 done
 for page in "$source"/docs/guide/*.md; do
   name=$(basename "$page" .md)
@@ -121,8 +132,8 @@ if command -v h5dump >/dev/null; then
 fi
 # every method is in the table of methods
 for method in $(nsdae-pendulum --help | awk '/^methods$/ {on = 1; next} /^[a-z]/ {on = 0} on && NF {print $1}'); do
-  grep -q "^|.*| \`$method\` |\$" "$source/docs/guide/methods.md" || {
-    echo "FAILED: methods.md does not say when to use $method"
+  grep -q "^|.*| \`$method\` |\$" "$source/docs/guide/which-method.md" || {
+    echo "FAILED: which-method.md does not say when to use $method"
     failures=$((failures + 1))
   }
 done

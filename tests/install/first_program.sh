@@ -1,5 +1,5 @@
 #!/bin/sh
-# The README's first program, letter for letter, against an installed tree that was moved.
+# The first program of the guide, letter for letter, against an installed tree that was moved.
 # usage: first_program.sh BUILD_DIR SOURCE_DIR
 set -eu
 build=$1
@@ -9,12 +9,13 @@ trap 'rm -rf "$work"' EXIT
 cmake --install "$build" --prefix "$work/first" >/dev/null
 mv "$work/first" "$work/moved"
 
-# the program in the README is the one in docs/examples
-awk '/^```c$/ {on = 1; next} /^```$/ {on = 0} on' "$source/README.md" >"$work/ball.c"
-cmp "$work/ball.c" "$source/docs/examples/ball.c"
-
-awk '/^```cpp$/ {on = 1; next} /^```$/ {on = 0} on' "$source/README.md" | cmp - "$source/docs/examples/ball.cpp"
-awk '/^```fortran$/ {on = 1; next} /^```$/ {on = 0} on' "$source/README.md" | cmp - "$source/docs/examples/ball.f90"
+page=$source/docs/guide/first-program.md
+# the programs of the page are those in docs/examples
+for program in ball.c ball.cpp ball.f90; do
+  awk -v start="<!-- file: $program -->" '
+    $0 == start { begun = 1; next } on && /^```$/ { exit } on { print } begun && /^```/ { on = 1 }' "$page" >"$work/$program"
+  cmp "$work/$program" "$source/docs/examples/$program"
+done
 
 lib=$(dirname "$(find "$work/moved" -name libnsdae.so)")
 export PKG_CONFIG_PATH="$lib/pkgconfig" LD_LIBRARY_PATH="$lib"
@@ -22,11 +23,11 @@ cc -std=c11 -Wall -Wextra -Wpedantic -Werror "$work/ball.c" $(pkg-config --cflag
   -o "$work/ball"
 "$work/ball" >"$work/out"
 cat "$work/out"
-grep -qF "$(cat "$work/out")" "$source/README.md"
+grep -qFx "$(cat "$work/out")" "$page"
 
 # the same in C++
 if command -v c++ >/dev/null; then
-  c++ -std=c++11 -Wall -Wextra -Wpedantic -Werror "$source/docs/examples/ball.cpp" \
+  c++ -std=c++11 -Wall -Wextra -Wpedantic -Werror "$work/ball.cpp" \
     $(pkg-config --cflags --libs nsdae) -o "$work/ball-cpp"
   "$work/ball-cpp" | cmp - "$work/out"
 fi
@@ -35,9 +36,8 @@ fi
 if [ -x "$work/moved/bin/nsdae-pendulum" ]; then
   cd "$work"
   moved/bin/nsdae-pendulum --params moved/share/nsdae/data/pendulum.ini >printed
-  # what the README says that it prints
-  sed -n '/^    \$ nsdae-pendulum/,/^    trajectory in/p' "$source/README.md" |
-    sed -e 1d -e 's/^    //' -e 's/^ *\.\.\.$/.../' >wanted
+  # what the page says that it prints
+  sed -n '/^\$ nsdae-pendulum --params/,/^trajectory in/p' "$page" | sed 1d >wanted
   [ "$(wc -l <wanted)" -gt 10 ]
   if [ -s pendulum.h5 ]; then awk -f "$source/tests/docs/same.awk" wanted printed; fi
   if [ -s pendulum.h5 ]; then

@@ -34,7 +34,7 @@ installed() {
     cc -std=c11 "$source/docs/examples/ball.c" $(pkg-config --cflags --libs nsdae) -o ball
     ldd ball | grep -qF "$folder/" # not with another one that is about
     ./ball >out
-    grep -qF "$(cat out)" "$source/README.md"
+    grep -qFx "$(cat out)" "$source/docs/guide/first-program.md"
     [ "$(command -v nsdae-lcp)" = "$folder/bin/nsdae-lcp" ]
     nsdae-lcp --version >/dev/null
   )

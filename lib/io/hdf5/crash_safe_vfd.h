@@ -4,8 +4,8 @@
  * HDF5 writes its structures in the order of their addresses, in place: a program killed between
  * two of these writes leaves a tree whose parts do not fit. Here what the file on disk refers to is
  * held back until HDF5 has written all of a flush, and goes out in an order in which every state on
- * the way is a whole file (see rank_of in ordered.c). Rows go out at once: nothing refers to them
- * yet, or they are there already and are written again as they were.
+ * the way is a whole file (see rank_of in crash_safe_vfd.c). Rows go out at once: nothing refers to
+ * them yet, or they are there already and are written again as they were.
  *
  * HDF5 1.10 can neither close a file whose last writes failed nor end the program after that. So
  * a write never fails for HDF5: the first failure is kept here, nothing more is written, and the
