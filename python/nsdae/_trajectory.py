@@ -14,7 +14,7 @@ from . import _file
 from ._records import CLOSED, EVENTS, certificates, events
 from ._system import KINDS, System
 
-_AXES = {"coordinate": "q", "velocity": "v", "constraint": "multiplier", "contact": "gap", 
+_AXES = {"coordinate": "q", "velocity": "v", "constraint": "multiplier", "contact": "gap",
          "frictional_joint": "frictional_joint_impulse"}
 
 
