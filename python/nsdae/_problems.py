@@ -297,7 +297,7 @@ def friction_local(W: Any, q: Any, mu: Any, *, rows: Any = 3, compliance: Any = 
                    check: bool = True, twice: bool = False) -> FrictionResult:
     """Solves a friction problem in the local form u = W r + q + C r.
 
-    The contact laws, the other parameters, results and exceptions are those of `friction`.
+    Contact laws, results and exceptions are those of `friction`.
 
     Parameters
     ----------
@@ -307,6 +307,8 @@ def friction_local(W: Any, q: Any, mu: Any, *, rows: Any = 3, compliance: Any = 
         Free velocities.
     mu : array_like, shape (contacts,)
         Coefficients of friction.
+    rows, compliance, r0, tol, max_sweeps, max_iterations, budget, progress, check, twice
+        As for `friction`.
 
     Returns
     -------
