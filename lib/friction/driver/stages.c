@@ -177,24 +177,26 @@ typedef struct row {
 static const row table[] = {
     {NSDAE_FRICTION_TRIVIAL, nsdae_fc_trivial, opens, 10},
     {NSDAE_FRICTION_WARM, nsdae_fc_semismooth_newton, guessed_small, 1.0 / 8},
-    {NSDAE_FRICTION_WARM, nsdae_fc_nsgs, guessed_rough, 4000},
+    {NSDAE_FRICTION_WARM, nsdae_fc_nsgs, guessed_rough, 2400},
     {NSDAE_FRICTION_WARM, nsdae_fc_nsgs, guessed_fine, 60},
     {NSDAE_FRICTION_WARM, nsdae_fc_semismooth_newton, guessed, 1.0 / 8},
     {NSDAE_FRICTION_AS_LCP, nsdae_fc_lcp, polyhedral, 1.0 / 8},
-    {NSDAE_FRICTION_NSGS, nsdae_fc_nsgs, rough, 200},
+    {NSDAE_FRICTION_NSGS, nsdae_fc_nsgs_plain, rough, 200},
     {NSDAE_FRICTION_NSGS, nsdae_fc_nsgs, fine, 60},
     {NSDAE_FRICTION_ACLM, nsdae_fc_aclm, large_hyperstatic, 1.0 / 4},
     {NSDAE_FRICTION_NSGS, nsdae_fc_nsgs, rough_sliding, 1.0 / 4},
+    {NSDAE_FRICTION_NSGS, nsdae_fc_nsgs_plain, rough_sliding, 1.0 / 8},
     {NSDAE_FRICTION_SMOOTHING_HOMOTOPY, nsdae_fc_smoothing_homotopy, always, 1.0 / 8},
     {NSDAE_FRICTION_FARKAS, nsdae_fc_infeasible, always, 1.0 / 8},
     {NSDAE_FRICTION_ITERATIVE_REFINEMENT, nsdae_fc_refine, nearly_solved, 1.0 / 8},
-    {NSDAE_FRICTION_NSGS, nsdae_fc_nsgs, several, 1.0 / 64},
+    {NSDAE_FRICTION_NSGS, nsdae_fc_nsgs, several, 1.0 / 128},
+    {NSDAE_FRICTION_NSGS, nsdae_fc_nsgs_plain, several, 1.0 / 128},
     {NSDAE_FRICTION_SEMISMOOTH_NEWTON, nsdae_fc_semismooth_newton, always, 1.0 / 64},
     {NSDAE_FRICTION_SOCP_INTERIOR_POINT, nsdae_fc_socp_interior_point, several, 1.0 / 64},
     {NSDAE_FRICTION_ACLM, nsdae_fc_aclm, several, 1.0 / 64},
     {NSDAE_FRICTION_SMOOTHING_HOMOTOPY, nsdae_fc_smoothing_homotopy, always, 1.0 / 64},
 };
-enum { STAGES = sizeof table / sizeof *table, FIRST_OF_ROUND = 12 };
+enum { STAGES = sizeof table / sizeof *table, FIRST_OF_ROUND = 13 };
 
 /* How a solver ended the last time: at what residual it began, and if the budget ended it. */
 typedef struct ended {
@@ -214,7 +216,7 @@ static int same_solver(int i)
 static int in_vain(const nsdae_fc_run *run, int i, const ended *last)
 {
   const int elsewhere =
-      table[i].solve != nsdae_fc_smoothing_homotopy && run->iterate.residual != last->began;
+      table[i].solve == nsdae_fc_smoothing_homotopy || run->iterate.residual != last->began;
   return !last->limited && !elsewhere;
 }
 
@@ -298,6 +300,7 @@ static void begin(nsdae_fc_run *run)
   run->budget.steps = o->max_iterations > 0 ? o->max_iterations : INT_MAX;
   run->budget.watch = o->progress ? watch : NULL;
   run->budget.user = run;
+  run->island.loose = 1e-3;
   run->guessed = run->first = run->refined = INFINITY;
   run->lost = 0;
   memcpy(it->r, run->island.fc.r, nsdae_fc_bytes(&run->island));

@@ -69,13 +69,22 @@ static int plain(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_budget
   return 0;
 }
 
-int nsdae_fc_nsgs(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_budget *b)
+/* From the iterate; 1: it is a solution. */
+static int begin(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_budget *b)
 {
   int seen = 0;
   memset(s->slip, 0, (size_t)s->fc.n * sizeof *s->slip);
   memcpy(s->fc.r, it->r, nsdae_fc_bytes(s));
   nsdae_fc_sweep_begin(&s->fc);
-  if (nsdae_fc_sweep_arrived(&s->fc, b->tol, &seen) && evaluate(s, it) <= b->tol) return 1;
-  (void)(accelerated(s, it, b) || plain(s, it, b));
-  return it->residual <= b->tol;
+  return nsdae_fc_sweep_arrived(&s->fc, b->tol, &seen) && evaluate(s, it) <= b->tol;
+}
+
+int nsdae_fc_nsgs(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_budget *b)
+{
+  return begin(s, it, b) || accelerated(s, it, b);
+}
+
+int nsdae_fc_nsgs_plain(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_budget *b)
+{
+  return begin(s, it, b) || plain(s, it, b);
 }

@@ -12,8 +12,8 @@
 /* Newton steps of one point. Five are usual, and more than 15 do not converge. */
 enum { INNER = 15 };
 
-/* Distance from the path relative to e, of the first attempt and the last. */
-static const double LOOSE = 1e-3, TIGHT = 1e-6;
+/* Distance from the path relative to e, of the last path. */
+static const double TIGHT = 0.9e-6;
 
 /* Last e: below, rounding decides. */
 static const double LAST = 1e-6;
@@ -74,11 +74,10 @@ static double follow(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_bu
 int nsdae_fc_smoothing_homotopy(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_budget *b)
 {
   if (!nsdae_fc_system_ready(s)) return NSDAE_FC_NO_MEMORY;
-  for (double loose = LOOSE; loose >= TIGHT; loose /= 10) {
-    double end = follow(s, it, b, loose);
-    if (end <= b->tol || (end < NSDAE_FC_NEAR && nsdae_fc_proximal_points(s, it, b) <= b->tol))
-      return 1;
-    if (!nsdae_fc_spend(s, it, b, 0)) break;
-  }
+  if (s->loose < TIGHT) return it->residual <= b->tol;
+  double end = follow(s, it, b, s->loose);
+  if (end <= b->tol || (end < NSDAE_FC_NEAR && nsdae_fc_proximal_points(s, it, b) <= b->tol))
+    return 1;
+  if (nsdae_fc_spend(s, it, b, 0)) s->loose /= 10;
   return it->residual <= b->tol;
 }

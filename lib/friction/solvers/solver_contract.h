@@ -34,6 +34,7 @@ typedef struct nsdae_fc_island {
   nsdae_fc_refinement refinement;
   nsdae_fc_as_lcp as_lcp;
   double *slip;            /* n: ratio |u_T| / |r_T| of the contacts that slide (one_contact.h) */
+  double loose;            /* smoothing_homotopy.c: how closely its next path is followed */
   double *point;           /* 3 n: a point that a solver returns to */
   nsdae_fc_system *system; /* of a Newton step; its symbolic factorisation is kept */
   int analysed;            /* it is that of this island */
@@ -80,6 +81,7 @@ typedef int nsdae_fc_solve(nsdae_fc_island *, nsdae_fc_iterate *, const nsdae_fc
 
 nsdae_fc_solve nsdae_fc_trivial;             /* r = 0 */
 nsdae_fc_solve nsdae_fc_nsgs;                /* nonlinear block Gauss-Seidel, from iterate->r */
+nsdae_fc_solve nsdae_fc_nsgs_plain;          /* without extrapolation */
 nsdae_fc_solve nsdae_fc_semismooth_newton;   /* in proximal points, from iterate->r */
 nsdae_fc_solve nsdae_fc_smoothing_homotopy;  /* from r = 0 */
 nsdae_fc_solve nsdae_fc_aclm;                /* fixed point on s, from iterate->r */
