@@ -300,7 +300,7 @@ static void begin(nsdae_fc_run *run)
   run->budget.steps = o->max_iterations > 0 ? o->max_iterations : INT_MAX;
   run->budget.watch = o->progress ? watch : NULL;
   run->budget.user = run;
-  run->island.loose = 1e-3;
+  run->island.lost_paths = 0;
   run->guessed = run->first = run->refined = INFINITY;
   run->lost = 0;
   memcpy(it->r, run->island.fc.r, nsdae_fc_bytes(&run->island));

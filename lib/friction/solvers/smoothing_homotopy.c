@@ -3,7 +3,7 @@
  * of max(0, l), |u_T| to sqrt(|u_T|^2 + e^2) - e. Its points have r o u^ = e^2, the central path of
  * an interior point with s = mu |u_T| among the unknowns: no outer iteration over s. e falls from 1
  * to 1e-6, two to five Newton steps each, the faster the fewer were needed; e = 0 is left to
- * semismooth Newton. A path that is lost is followed again, ten times as closely. */
+ * semismooth Newton. A call follows one path; the next call follows it ten times as closely. */
 #include <math.h>
 #include <string.h>
 
@@ -12,8 +12,10 @@
 /* Newton steps of one point. Five are usual, and more than 15 do not converge. */
 enum { INNER = 15 };
 
-/* Distance from the path relative to e, of the last path. */
-static const double TIGHT = 0.9e-6;
+/* Distance from the path relative to e, of the first path; each path that is lost is followed again
+ * at a tenth, at most this number of times. */
+static const double LOOSE = 1e-3;
+enum { TIGHTER = 3 };
 
 /* Last e: below, rounding decides. */
 static const double LAST = 1e-6;
@@ -74,10 +76,10 @@ static double follow(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_bu
 int nsdae_fc_smoothing_homotopy(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_budget *b)
 {
   if (!nsdae_fc_system_ready(s)) return NSDAE_FC_NO_MEMORY;
-  if (s->loose < TIGHT) return it->residual <= b->tol;
-  double end = follow(s, it, b, s->loose);
+  if (s->lost_paths > TIGHTER) return it->residual <= b->tol;
+  double end = follow(s, it, b, LOOSE * pow(0.1, s->lost_paths));
   if (end <= b->tol || (end < NSDAE_FC_NEAR && nsdae_fc_proximal_points(s, it, b) <= b->tol))
     return 1;
-  if (nsdae_fc_spend(s, it, b, 0)) s->loose /= 10;
+  if (nsdae_fc_spend(s, it, b, 0)) s->lost_paths++;
   return it->residual <= b->tol;
 }

@@ -34,7 +34,7 @@ typedef struct nsdae_fc_island {
   nsdae_fc_refinement refinement;
   nsdae_fc_as_lcp as_lcp;
   double *slip;            /* n: ratio |u_T| / |r_T| of the contacts that slide (one_contact.h) */
-  double loose;            /* smoothing_homotopy.c: how closely its next path is followed */
+  int lost_paths;          /* of smoothing_homotopy, followed more closely by its next call */
   double *point;           /* 3 n: a point that a solver returns to */
   nsdae_fc_system *system; /* of a Newton step; its symbolic factorisation is kept */
   int analysed;            /* it is that of this island */
