@@ -95,15 +95,15 @@ void nsdae_fc_response(const nsdae_fc_scaled *fc, const double *dr, double *dy, 
 /* Largest entry of the natural map, weighted: the residual of the public header. */
 double nsdae_fc_residual(const nsdae_fc_scaled *fc, const double *r, const double *u);
 
-/* The shift of the point whose velocities are fc->u: mu |u_T| of each item [n]. */
-void nsdae_fc_shift(const nsdae_fc_scaled *fc, double *shift);
+/* s = mu |u_T| of each item [n], of the velocities fc->u. */
+void nsdae_fc_fill_s(const nsdae_fc_scaled *fc, double *s);
 
 /* r of item k with the base, leading and trailing part. */
 void nsdae_fc_impulse(const nsdae_fc_scaled *fc, int k, const double *r, double x[3],
                       double low[3]);
 
 /* mu |u_T| of item k: u^ = u + that e_N */
-static inline double nsdae_fc_slip(const nsdae_fc_scaled *fc, int k)
+static inline double nsdae_fc_s_of(const nsdae_fc_scaled *fc, int k)
 {
   return fc->items.mu[k] * nsdae_fc_length(fc->u[3 * k + 1], fc->u[3 * k + 2]);
 }

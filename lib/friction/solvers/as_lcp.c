@@ -197,7 +197,7 @@ int nsdae_fc_lcp(nsdae_fc_island *island, nsdae_fc_iterate *it, const nsdae_fc_b
                          s->iwork, s->liwork) != NSDAE_OK)
     return it->residual <= b->tol;
   read_solution(s, fc);
-  nsdae_fc_go_to(island, fc->r);
+  nsdae_fc_set_point(island, fc->r);
   nsdae_fc_offer(island, it);
   return it->residual <= b->tol;
 }

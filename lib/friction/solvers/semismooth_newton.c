@@ -43,7 +43,7 @@ static int solve_problem(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_f
     steps++;
   }
   if (now <= goal && steps > 0) return steps;
-  nsdae_fc_go_to(s, newton->centre);
+  nsdae_fc_set_point(s, newton->centre);
   return 0;
 }
 
@@ -84,7 +84,7 @@ double nsdae_fc_proximal_points(nsdae_fc_island *s, nsdae_fc_iterate *it, const 
       newton->alpha = fmax(newton->alpha * factor, NSDAE_FC_REGULAR);
     factor = fmax(factor * factor, 0.1);
   }
-  if (!(residual <= best)) nsdae_fc_go_to(s, s->point);
+  if (!(residual <= best)) nsdae_fc_set_point(s, s->point);
   return best;
 }
 
@@ -99,7 +99,7 @@ int nsdae_fc_semismooth_newton(nsdae_fc_island *s, nsdae_fc_iterate *it, const n
 void nsdae_fc_polish(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_budget *b, int steps)
 {
   begin(&s->newton, SLIGHT);
-  nsdae_fc_go_to(s, it->r);
+  nsdae_fc_set_point(s, it->r);
   for (int k = 0; k < steps && it->residual > 0; k++) {
     double before = it->residual;
     memcpy(s->newton.centre, s->fc.r, nsdae_fc_bytes(s));

@@ -48,7 +48,7 @@ static int begin(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_budget
   s->newton.search = 1;
   for (size_t k = 0; k < sizeof FIRST / sizeof *FIRST && steps == INNER; k++) {
     memset(s->fc.r, 0, nsdae_fc_bytes(s));
-    nsdae_fc_go_to(s, s->fc.r);
+    nsdae_fc_set_point(s, s->fc.r);
     s->newton.epsilon = FIRST[k];
     steps = correct(s, it, b, loose);
   }

@@ -126,7 +126,7 @@ static void begin_near(solver_island *s, const known *k, double by)
   for (int i = 0; i < k->per * CONTACTS; i++) r[i] = by > 0 ? k->r[i] * (1 + by * (i % 3 - 1)) : 0;
   nsdae_fc_fill(&s->run.island.fc, r);
   memcpy(s->run.iterate.r, s->run.island.fc.r, nsdae_fc_bytes(&s->run.island));
-  nsdae_fc_go_to(&s->run.island, s->run.iterate.r);
+  nsdae_fc_set_point(&s->run.island, s->run.iterate.r);
   s->run.iterate.residual = INFINITY;
   nsdae_fc_offer(&s->run.island, &s->run.iterate);
 }
