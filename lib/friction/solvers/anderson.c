@@ -7,8 +7,8 @@
 
 enum { WINDOW = NSDAE_FC_WINDOW };
 
-/* Growth of |f|^2 from sweep to sweep at which the method restarts. With 1 and 4 the work of 108 warm
- * starts is 1.11 and 1.00 times as much. */
+/* Growth of |f|^2 from sweep to sweep at which the method restarts. With 1 and 4 the work of 108
+ * warm starts is 1.11 and 1.00 times as much. */
 static const double GROWN = 2;
 
 /* A column is dependent if the others leave less than this share of its square. With 1e-8 and 1e-12

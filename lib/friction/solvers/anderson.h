@@ -12,8 +12,8 @@
 
 #include "scaled_island.h"
 
-/* Columns. The work of 108 warm starts is 1.18 times as much with 3, 0.97 with 8; with 6 the time is
- * 1.07 times as long. */
+/* Columns. The work of 108 warm starts is 1.18 times as much with 3, 0.97 with 8; with 6 the time
+ * is 1.07 times as long. */
 enum { NSDAE_FC_WINDOW = 4 };
 
 typedef struct nsdae_fc_anderson {

