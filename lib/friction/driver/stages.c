@@ -21,10 +21,12 @@ enum { LARGE = 3000 };
  * less than 0.04. */
 static const double HYPERSTATIC = 5e-2;
 
-/* Sweeps alone are likely to reach it; from here on iterative refinement converges. */
+/* Sweeps alone are likely to reach it; from here on iterative refinement converges. With 1e-5, 1e-6
+ * and 1e-7 39 of 40 seeded problems are solved to 1e-8. */
 static const double NEARLY = 1e-6;
 
-/* Roundings of the scaled data that add up in a velocity. */
+/* Roundings of the scaled data that add up in a velocity. With 4, 8 and 16 39 of the 40 are solved.
+ */
 static const double DOUBT = 8;
 
 /* Default budget, products times items: a product takes 0.024 to 0.047 us an item, and what is not
@@ -33,7 +35,8 @@ static const double DOUBT = 8;
 static const double WORK = 1e9, EACH = 2e4;
 
 /* Each round of the solvers that improve an iterate may take GROWTH times as much as the one
- * before: what a shorter round cost again is at most a third. */
+ * before: what a shorter round cost again is at most a third. With 2, 4 and 8 39 of the 40 are
+ * solved. */
 static const double GROWTH = 4;
 
 void nsdae_fc_run_layout(void *object, nsdae_arena *arena)

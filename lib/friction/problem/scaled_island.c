@@ -15,8 +15,7 @@ static int belongs(const nsdae_fc_scaled *c, int i, int e)
   return own || nsdae_fc_touches(c->global, e);
 }
 
-/* Sizes of the island. A block comes for the first time where its number is that of the blocks so
- * far: so they are numbered. */
+/* Sizes of the island. Blocks are numbered in the order of their first use. */
 static void count(nsdae_fc_scaled *c)
 {
   const nsdae_fc_global *w = c->global;

@@ -29,7 +29,7 @@ typedef struct nsdae_fc_items {
                      where D[5] = D[7] = 0 */
   double *turn;   /* 2 n: cosine and sine of that */
   double *S;      /* 9 n: inverse of D + NSDAE_FC_PROXIMAL in its own frame, its lower triangle by
-                     columns, S[0] NaN where there is none; and the first row of D there */
+                     columns, S[0] NaN if there is none; and the first row of D there */
 } nsdae_fc_items;
 
 /* J by parts: item k has parts first[k] .. first[k + 1] - 1, part e the columns of block[e]. */
@@ -58,12 +58,12 @@ typedef struct nsdae_fc_scaled {
   int local;      /* y is r and J is W */
   int all_listed; /* of the local form: every pair of items, zeros too */
   double largest; /* D */
-  double exact;   /* how closely a sweep solves a contact: of |r_T| to mu r_N where it slides */
+  double exact;   /* how closely a sweep solves a contact: |r_T| against mu r_N of a sliding one */
   nsdae_fc_items items;
   nsdae_fc_parts parts;
   double *r, *u; /* 3 n */
   double *y;     /* ny; of the local form r itself */
-  double *low;   /* ny: work, what y does not hold of the sum */
+  double *low;   /* ny: work: trailing part of the sum */
   nsdae_fc_base base;
 } nsdae_fc_scaled;
 

@@ -1,7 +1,7 @@
 /* Fixed point on s = mu |u_T| (Acary, Cadoux, Lemarechal, Malick, ZAMM 91 (2011) 155; De Saxce and
  * Feng 1998): with s fixed the problem is a convex second-order cone problem, whose solution by an
- * interior point has the next s. Steps of s are extrapolated by Anderson's method. From where the
- * residual has shrunk, semismooth Newton is tried. */
+ * interior point has the next s. Steps of s are extrapolated by Anderson's method. Each time the
+ * residual has fallen, semismooth Newton is tried. */
 #include <math.h>
 #include <string.h>
 
