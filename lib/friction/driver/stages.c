@@ -141,7 +141,9 @@ static int applies(const nsdae_fc_run *run, int when)
 }
 
 /* The one place that knows the order. A budget of 1 and more is in products, else it is a share of
- * that of the run. Rows from FIRST_OF_ROUND on are repeated. */
+ * that of the run. Rows from FIRST_OF_ROUND on are repeated.The sweeps of a warm start take 2400
+ * products: with half as many and twice as many the work of 108 warm starts is 1.03 and 1.11 times
+ * as much. */
 typedef struct row {
   int bit;
   nsdae_fc_solve *solve;

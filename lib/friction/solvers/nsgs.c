@@ -83,10 +83,12 @@ static int begin(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_budget
 
 int nsdae_fc_nsgs(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_budget *b)
 {
-  return begin(s, it, b) || accelerated(s, it, b);
+  (void)(begin(s, it, b) || accelerated(s, it, b));
+  return it->residual <= b->tol;
 }
 
 int nsdae_fc_nsgs_plain(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_budget *b)
 {
-  return begin(s, it, b) || plain(s, it, b);
+  (void)(begin(s, it, b) || plain(s, it, b));
+  return it->residual <= b->tol;
 }
