@@ -8,8 +8,8 @@
 #include "friction_solver.h"
 #include "stages.h"
 
-/* The certificate is of the data as given, an island's residual of what scaling made of them: what
- * they differ by is the rounding of impulses up to 1e6 times the least that moves a contact. */
+/* The certificate is of the data as given, an island's residual of the scaled data. They differ by
+ * the rounding of impulses up to 1e6 times the least that moves a contact. */
 static const double ROUNDING = 1e-9;
 
 struct nsdae_friction_solver {

@@ -11,9 +11,9 @@ typedef struct nsdae_fc_run {
   nsdae_fc_budget budget; /* of the whole run */
   const nsdae_friction_options *options;
   nsdae_friction_info info; /* of this island */
-  double *guess;            /* 3 n: where the guess led, */
+  double *guess;            /* 3 n: the best point from the guess */
   double guessed;           /* and the residual there; INFINITY: it is not put aside */
-  int has_guess;            /* the iterate is the guess, or what it led to */
+  int has_guess;            /* the iterate is the guess, or was found from it */
   double first;             /* residual after the first sweeps; INFINITY: none were done */
   double refined;           /* least residual that iterative refinement has begun at */
   int islands;              /* of the problem */

@@ -7,7 +7,7 @@
 #include "cone.h"
 #include "finite.h"
 
-/* Rows of all contacts; -1 where one has none, or more than three, or they are too many. */
+/* Rows of all contacts; -1 if one has none, or more than three, or they are too many. */
 static int count_rows(const nsdae_fc_arguments *p)
 {
   int m = 0;

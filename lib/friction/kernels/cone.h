@@ -14,7 +14,7 @@ static inline double nsdae_fc_length(double a, double b)
   return sqrt(a * a + b * b);
 }
 
-/* x := nearest point of K (its polar cone is where mu |x_T| <= -x_N). With mu above 1 divided by
+/* x := nearest point of K (its polar cone: mu |x_T| <= -x_N). With mu above 1 divided by
  * it, so that mu^2 does not overflow. */
 static inline void nsdae_fc_project(double mu, double x[3])
 {
@@ -30,13 +30,13 @@ static inline void nsdae_fc_project(double mu, double x[3])
   x[2] *= mu * n / t;
 }
 
-/* Where z = x - y lies, x in one double an entry, or two: where the bodies of a stack differ in
- * mass by 1e6, impulses are as much larger than what they leave of a velocity, and one does not
+/* The place of z = x - y, x in one double an entry, or two: if the bodies of a stack differ in mass
+ * by 1e6, impulses are as much larger than the velocities that they change, and one double does not
  * hold by how much x is outside the cone. */
 typedef struct nsdae_fc_place {
   double z[3], t;    /* z and |z_T|, rounded */
   double over;       /* a |z_T| - b z_N, (a, b) = (1, mu) / max(1, mu): of z as it is */
-  int inside, polar; /* in K; where P(z) = 0 and not inside */
+  int inside, polar; /* in K; P(z) = 0 and not inside */
 } nsdae_fc_place;
 
 /* over in twice the precision, rest what z does not hold of it. With t as rounded, |z_T| = t +
@@ -94,7 +94,7 @@ static inline void nsdae_fc_map_of_place(double mu, const nsdae_fc_place *p, con
     F[k] = p->polar ? x[k] : y[k] + (l == 0 ? 0 : a * l * (p->z[k] / p->t));
 }
 
-/* Largest entry of the natural map r - P(r - u^) of an item, of r + low (NULL: of r); NaN where
+/* Largest entry of the natural map r - P(r - u^) of an item, of r + low (NULL: of r); NaN if
  * there is one. */
 static inline double nsdae_fc_natural(int kind, double mu, const double r[3], const double *low,
                                       const double u[3])

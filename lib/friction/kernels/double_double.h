@@ -21,7 +21,7 @@ NSDAE_INLINED void nsdae_dd_add(double a, double b, double *high, double *low)
   *high = sum;
 }
 
-/* y [rows] += A [rows x columns] x, with low [rows] what high does not hold */
+/* y [rows] += A [rows x columns] x, low [rows]: the trailing part */
 NSDAE_INLINED void nsdae_dd_add_product(int rows, int columns, const double *restrict A,
                                         const double *restrict x, double *restrict high,
                                         double *restrict low)

@@ -22,7 +22,7 @@ static int is_definite(const double *D)
   return D[0] > 0 && D[4] > 0 && D[8] > 0 && D[0] - D[1] * D[1] / D[4] - D[2] * D[2] / D[8] > 0;
 }
 
-/* Returns 0, or 1 where the diagonal block is not positive definite. */
+/* Returns 0, or 1 if the diagonal block is not positive definite. */
 static int prepare(const nsdae_fc_arguments *p, int c, int i, own *o)
 {
   nsdae_fc_arguments_diagonal(p, c, i, o->D);
@@ -31,7 +31,7 @@ static int prepare(const nsdae_fc_arguments *p, int c, int i, own *o)
   return !is_definite(o->D);
 }
 
-/* The power of two next below the largest of three sizes; 1 where they are zero. */
+/* The power of two next below the largest of three sizes; 1 if they are zero. */
 static double size_of(double a, double b, double c)
 {
   double most = fmax(fabs(a), fmax(fabs(b), fabs(c)));
@@ -87,7 +87,7 @@ int nsdae_dfccon(int rows, const double *a, int lda, const double *q, double mu,
   return nsdae_dfcres(1, &rows, a, lda, q, &mu, r, u, residual) == 0 ? 0 : 2;
 }
 
-/* One sweep; u = W r + q goes along with r. */
+/* One sweep; u = W r + q is updated with r. */
 static void sweep(const nsdae_fc_arguments *p, int m, own *all, double *r, double *u)
 {
   for (int c = 0, i = 0; c < p->nc; c++) {

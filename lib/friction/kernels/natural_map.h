@@ -12,7 +12,7 @@
 void nsdae_fc_natural_map(int kind, double mu, const double *r, const double *low, const double *u,
                           double *F, double *B, double *A);
 
-/* The same of a smooth neighbour: eigenvalues l of r - u^ go to (l + sqrt(l^2 + 4 e^2)) / 2 in
+/* The same of a smooth neighbour: eigenvalues l of r - u^ become (l + sqrt(l^2 + 4 e^2)) / 2 in
  * place of max(0, l) (Chen, Harker, Kanzow, Smale; of second-order cones: Fukushima, Luo, Tseng,
  * SIAM J. Optim. 12 (2002) 436), and |u_T| to sqrt(|u_T|^2 + e^2) - e. Its root has r inside the
  * cone, u^ inside the dual cone and r o u^ = e^2: the central path of an interior point, met from

@@ -40,7 +40,7 @@ static void fill_contact(const nsdae_fc_arguments *p, int m, int c, int i, doubl
   }
 }
 
-/* One whole step; returns 0, or 1 where the matrix is singular. */
+/* One whole step; returns 0, or 1 if the matrix is singular. */
 static int step(const nsdae_fc_arguments *p, int m, double alpha, double *r, const double *u,
                 double *matrix, double *F, int *pivot)
 {

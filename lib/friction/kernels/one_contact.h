@@ -7,7 +7,7 @@
 #define NSDAE_FC_PROXIMAL 1e-9
 
 /* D [9], row-major, positive definite, in the frame in which D[5] = D[7] = 0. slip in: a guess at
- * |u_T| / |r_T| of a contact that slides; out: it, zero where it sticks. tol: of |r_T| to mu r_N
+ * |u_T| / |r_T| of a contact that slides; out: it, zero if it sticks. tol: of |r_T| to mu r_N
  * there, 1e-15 at least. */
 void nsdae_fc_solve_contact(const double *D, const double *q, double mu, double tol, double *slip,
                             double *r);
@@ -15,8 +15,8 @@ void nsdae_fc_solve_contact(const double *D, const double *q, double mu, double 
 /* Turns D, symmetric, about the normal into that frame; by: cosine and sine of the turn. */
 void nsdae_fc_turn_matrix(double *D, double *by);
 
-/* S := the inverse of D + NSDAE_FC_PROXIMAL, its lower triangle by columns; S[0] is NaN where that
- * is not positive definite, or too near to what is not. */
+/* S := the inverse of D + NSDAE_FC_PROXIMAL, its lower triangle by columns; S[0] is NaN if that
+ * is not positive definite to rounding. */
 void nsdae_fc_invert(const double *D, double *S);
 
 /* x_T into that frame, or back (sign -1). */

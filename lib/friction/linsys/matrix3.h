@@ -19,7 +19,7 @@ static inline void nsdae_multiply3(const double *A, const double *B, double *C)
       C[3 * i + j] = A[3 * i] * B[j] + A[3 * i + 1] * B[3 + j] + A[3 * i + 2] * B[6 + j];
 }
 
-/* Gauss-Jordan elimination with row pivoting. Returns 0, or 1 where A is singular or not finite. */
+/* Gauss-Jordan elimination with row pivoting. Returns 0, or 1 if A is singular or not finite. */
 static inline int nsdae_invert3(const double *A, double *inverse)
 {
   double a[3][6];

@@ -6,8 +6,8 @@
  *
  *   (1 + J K J^T) dy = J E^-1 b,   K = E^-1 A,   dr = E^-1 b - K J^T dy,
  *
- * with the graph of blocks of y that share an item; the local form has that of W, or where it is
- * small, or lists every pair of its items, is dense. */
+ * with the graph of blocks of y that share an item; the local form has that of W, or is dense if it
+ * is small or lists every pair of its items. */
 #ifndef NSDAE_FRICTION_NEWTON_SYSTEM_H
 #define NSDAE_FRICTION_NEWTON_SYSTEM_H
 
@@ -16,10 +16,10 @@
 
 /* The graph of the blocks (local form: of the items). */
 typedef struct nsdae_fc_pattern {
-  int *first; /* blocks + 1: where the neighbours of each begin in index */
+  int *first; /* blocks + 1: first neighbour of each in index */
   int *index;
   int *other; /* work: lists of neighbours before they are sorted */
-  int *at;    /* blocks + 1: where those lists begin */
+  int *at;    /* blocks + 1: first entry of those lists */
 } nsdae_fc_pattern;
 
 typedef struct nsdae_fc_system {

@@ -3,18 +3,18 @@
  *
  *   l_N >= 0,  l_B free,  H l = 0,  w . l < 0,
  *
- * for then l . u = w . l < 0, where it should not be negative; W in place of H and q in place of w
+ * for then l . u = w . l < 0, but it must not be negative; W in place of H and q in place of w
  * in the local form. Rows with compliance give way to any velocity and have no part in it. Such an
- * l is found where (0, -1) lies in the cone of the columns (H e; w) (nonnegative least squares),
+ * l is found if (0, -1) is in the cone of the columns (H e; w) (nonnegative least squares),
  * few of which it takes. What is reported is then proved on the data as given, in one of two ways:
  *
  * - l rounded to a ratio of integers, or as it is, has H l = 0 and w . l < 0 in exact arithmetic:
- *   so it is where normals cancel, as those of bodies between walls.
+ *   the case of normals that cancel, as those of bodies between walls.
  * - G l = (0, -1) with the k chosen columns G has as many rows that are not all zeros. With R near
  *   G^-1 and a = |1 - R G| < 1 its solution is no further from l than |R (G l - b)| / (1 - a)
- * (Rump, Acta Numerica 19 (2010) 287, theorem 10.2), roundings bounded: where that is less than the
- * least l_N, the solution is as the proof wants it, and what is handed over is it to that distance.
- * So it is of walls at any angle. */
+ * (Rump, Acta Numerica 19 (2010) 287, theorem 10.2), roundings bounded. If that is less than the
+ * least l_N, the solution satisfies the conditions, and the l returned is it to that distance: the
+ * case of walls at any angle. */
 #include "farkas.h"
 
 #include <float.h>
@@ -239,7 +239,7 @@ static int is_scaled_exactly(const nsdae_fc_farkas *f, int k)
   return 1;
 }
 
-/* G [k x k] of the kept rows into gram, R = G^-1 into inverse; 1 where G is singular. */
+/* G [k x k] of the kept rows into gram, R = G^-1 into inverse; 1 if G is singular. */
 static int invert(nsdae_fc_farkas *f, int k)
 {
   size_t n = (size_t)k;

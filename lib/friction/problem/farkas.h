@@ -9,7 +9,7 @@ typedef struct nsdae_fc_farkas {
   const nsdae_fc_scaled *fc;
   nsdae_cone cone;   /* of the scaled columns; n: entries of v (local form: of r) and one */
   int *item;         /* m: of the whole, whose normal or bilateral row it is */
-  double *sign;      /* m: 1, or -1 where a bilateral row counts the other way */
+  double *sign;      /* m: 1, or -1: the second column of a bilateral row */
   double *columns;   /* n x m: (H e; w) of each, as given */
   double *scaled;    /* the same, by powers of two */
   double *row, *by;  /* n, m: those of rows and columns */

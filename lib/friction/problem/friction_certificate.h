@@ -5,7 +5,7 @@
 
 #include "global_problem.h"
 
-/* u [m] of r and low [m], and the residual of the public header; NaN where an entry is not finite.
+/* u [m] of r and low [m], and the residual of the public header; NaN if an entry is not finite.
  */
 double nsdae_fc_global_residual(const nsdae_fc_global *whole, const double *r, const double *low,
                                 double *u);

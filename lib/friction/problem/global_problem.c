@@ -148,7 +148,7 @@ static const double *find(const nsdae_fc_view *view, int i, int j)
 }
 
 /* |W_jk - W_kj| <= 1e-10 sqrt(d_j d_k), as rounding leaves it; a zero d needs zeros, or W would not
- * be positive semidefinite: there the entries themselves are what is off. */
+ * be positive semidefinite: there the entries themselves are compared. */
 static int check_symmetry(const nsdae_fc_global *c, nsdae_error *error)
 {
   const nsdae_friction_problem *p = c->view.p;

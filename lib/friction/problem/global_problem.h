@@ -13,9 +13,9 @@ typedef struct nsdae_fc_islands {
   int count;
   int *label;        /* items: the island, from 0; -1: none */
   int *member;       /* items: those of island 0 in order, then those of island 1, ... */
-  int *start;        /* items + 1: where those of each island begin in member */
+  int *start;        /* items + 1: first of each island in member */
   int *listed;       /* blocks: those of island 0 by their number, then those of island 1, ... */
-  int *listed_start; /* items + 1: where those of each island begin in listed */
+  int *listed_start; /* items + 1: first of each island in listed */
   int *number;       /* blocks (local form: items): their number in their island; -1: in none */
   int *parent;       /* the same: disjoint sets */
 } nsdae_fc_islands;
@@ -30,9 +30,9 @@ typedef struct nsdae_fc_global {
   double *v;     /* nv: work of the certificate */
   double *low;   /* nv: the same */
   double *r;     /* m: the answer, until it is handed over */
-  double *r_low; /* m: what that does not hold of it */
+  double *r_low; /* m: its trailing part */
   double *u;     /* m: velocities of a point on the way to it */
-  double scale;  /* max |q|; 1 where that is zero */
+  double scale;  /* max |q|; 1 if that is zero */
   double most_d; /* max d */
   nsdae_fc_islands islands;
 } nsdae_fc_global;
@@ -47,7 +47,7 @@ int nsdae_fc_global_fill(nsdae_fc_global *whole, nsdae_error *error);
  * another island's. */
 int nsdae_fc_touches(const nsdae_fc_global *whole, int e);
 
-/* An item that nothing moves and whose velocity its law forbids; -1 where there is none. */
+/* An item that nothing moves and whose velocity its law forbids; -1: none. */
 int nsdae_fc_global_blocked(const nsdae_fc_global *whole);
 
 /* v := M^-1 v of block b. */

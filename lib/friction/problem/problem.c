@@ -39,7 +39,7 @@ static int missing(nsdae_error *error, const char *argument)
   return nsdae_fc_refuse(error, NSDAE_E_ARGUMENT, argument, -1, text);
 }
 
-/* NSDAE_OK where entries first to n - 1 are finite and not below least. */
+/* NSDAE_OK if entries first to n - 1 are finite and not below least. */
 static int check_values(nsdae_error *error, const char *argument, size_t first, size_t n,
                         const double *a, double least)
 {

@@ -1,4 +1,4 @@
-/* A problem as it was given: checked, and where its parts lie. */
+/* A problem as it was given: checked, and the offsets of its parts. */
 #ifndef NSDAE_FRICTION_PROBLEM_H
 #define NSDAE_FRICTION_PROBLEM_H
 

@@ -15,8 +15,7 @@ static int belongs(const nsdae_fc_scaled *c, int i, int e)
   return own || nsdae_fc_touches(c->global, e);
 }
 
-/* Sizes of the island. A block comes for the first time where its number is that of the blocks so
- * far: so they are numbered. */
+/* Sizes of the island. Blocks are numbered in the order of their first use. */
 static void count(nsdae_fc_scaled *c)
 {
   const nsdae_fc_global *w = c->global;
@@ -278,9 +277,9 @@ void nsdae_fc_response(const nsdae_fc_scaled *c, const double *dr, double *dy, d
   for (int k = 0; k < c->n; k++) relative_velocity(c, k, 0, dr, c->local ? dr : dy, du);
 }
 
-void nsdae_fc_shift(const nsdae_fc_scaled *c, double *shift)
+void nsdae_fc_fill_s(const nsdae_fc_scaled *c, double *s)
 {
-  for (int k = 0; k < c->n; k++) shift[k] = nsdae_fc_slip(c, k);
+  for (int k = 0; k < c->n; k++) s[k] = nsdae_fc_s_of(c, k);
 }
 
 void nsdae_fc_impulse(const nsdae_fc_scaled *c, int k, const double *r, double x[3], double low[3])

@@ -29,7 +29,7 @@ typedef struct nsdae_fc_items {
                      where D[5] = D[7] = 0 */
   double *turn;   /* 2 n: cosine and sine of that */
   double *S;      /* 9 n: inverse of D + NSDAE_FC_PROXIMAL in its own frame, its lower triangle by
-                     columns, S[0] NaN where there is none; and the first row of D there */
+                     columns, S[0] NaN if there is none; and the first row of D there */
 } nsdae_fc_items;
 
 /* J by parts: item k has parts first[k] .. first[k + 1] - 1, part e the columns of block[e]. */
@@ -58,12 +58,12 @@ typedef struct nsdae_fc_scaled {
   int local;      /* y is r and J is W */
   int all_listed; /* of the local form: every pair of items, zeros too */
   double largest; /* D */
-  double exact;   /* how closely a sweep solves a contact: of |r_T| to mu r_N where it slides */
+  double exact;   /* how closely a sweep solves a contact: |r_T| against mu r_N of a sliding one */
   nsdae_fc_items items;
   nsdae_fc_parts parts;
   double *r, *u; /* 3 n */
   double *y;     /* ny; of the local form r itself */
-  double *low;   /* ny: work, what y does not hold of the sum */
+  double *low;   /* ny: work: trailing part of the sum */
   nsdae_fc_base base;
 } nsdae_fc_scaled;
 
@@ -95,15 +95,15 @@ void nsdae_fc_response(const nsdae_fc_scaled *fc, const double *dr, double *dy, 
 /* Largest entry of the natural map, weighted: the residual of the public header. */
 double nsdae_fc_residual(const nsdae_fc_scaled *fc, const double *r, const double *u);
 
-/* The shift of the point whose velocities are fc->u: mu |u_T| of each item [n]. */
-void nsdae_fc_shift(const nsdae_fc_scaled *fc, double *shift);
+/* s = mu |u_T| of each item [n], of the velocities fc->u. */
+void nsdae_fc_fill_s(const nsdae_fc_scaled *fc, double *s);
 
 /* r of item k with the base, leading and trailing part. */
 void nsdae_fc_impulse(const nsdae_fc_scaled *fc, int k, const double *r, double x[3],
                       double low[3]);
 
 /* mu |u_T| of item k: u^ = u + that e_N */
-static inline double nsdae_fc_slip(const nsdae_fc_scaled *fc, int k)
+static inline double nsdae_fc_s_of(const nsdae_fc_scaled *fc, int k)
 {
   return fc->items.mu[k] * nsdae_fc_length(fc->u[3 * k + 1], fc->u[3 * k + 2]);
 }

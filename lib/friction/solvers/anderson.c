@@ -7,11 +7,12 @@
 
 enum { WINDOW = NSDAE_FC_WINDOW };
 
-/* |f|^2 of a sweep to that of the one before, above which the method begins anew: some growth
- * passes. */
+/* Growth of |f|^2 from sweep to sweep at which the method restarts. With 1 and 4 the work of 108
+ * warm starts is 1.11 and 1.00 times as much. */
 static const double GROWN = 2;
 
-/* A column that those before it make up to so much of its square says nothing new. */
+/* A column is dependent if the others leave less than this share of its square. With 1e-8 and 1e-12
+ * the same sweeps follow. */
 static const double DEPENDENT = 1e-10;
 
 void nsdae_fc_anderson_layout(nsdae_fc_anderson *s, const nsdae_fc_scaled *c, nsdae_arena *arena)
@@ -43,7 +44,7 @@ NSDAE_INLINED double *column(double *A, int rows, int k)
 }
 
 /* to := now - before,  before := now */
-NSDAE_INLINED void take_difference(int n, const double *now, double *before, double *to)
+NSDAE_INLINED void difference(int n, const double *now, double *before, double *to)
 {
   nsdae_simd_subtract(n, now, before, to);
   memcpy(before, now, (size_t)n * sizeof *to);
@@ -56,21 +57,21 @@ NSDAE_INLINED void subtract(int n, double *A, int held, const double *c, double 
 }
 
 /* The differences between this sweep, which changed r by f, and the one before. */
-NSDAE_INLINED void remember(nsdae_fc_anderson *s, const nsdae_fc_scaled *c, const double *f)
+NSDAE_INLINED void append_differences(nsdae_fc_anderson *s, const nsdae_fc_scaled *c,
+                                      const double *f)
 {
   int n = 3 * c->n, ny = c->local ? 0 : c->ny, j = s->next;
   double *F = column(s->F, n, j);
-  take_difference(n, f, s->f, F);
-  take_difference(n, c->r, s->g, column(s->G, n, j));
-  take_difference(ny, c->y, s->y, column(s->Y, ny, j));
+  difference(n, f, s->f, F);
+  difference(n, c->r, s->g, column(s->G, n, j));
+  difference(ny, c->y, s->y, column(s->Y, ny, j));
   if (s->held < WINDOW) s->held++;
   s->next = (j + 1) % WINDOW;
   for (int k = 0; k < s->held; k++)
     s->gram[j * WINDOW + k] = s->gram[k * WINDOW + j] = nsdae_simd_dot(n, column(s->F, n, k), F);
 }
 
-/* x := A^-1 x of A positive semidefinite, of which it keeps no more than it must: what depends on
- * the columns before has no part (LDL^T without exchanges). */
+/* x := A^-1 x, A positive semidefinite, by LDL^T without pivoting; dependent columns get x = 0. */
 static void solve_gram(int m, const double *gram, double *x)
 {
   double A[WINDOW * WINDOW];
@@ -98,7 +99,7 @@ NSDAE_INLINED void extrapolate_lanes(nsdae_fc_anderson *s, nsdae_fc_scaled *c)
   nsdae_simd_subtract(n, c->r, f, f);
   double square = nsdae_simd_dot(n, f, f);
   if (s->begun && square <= GROWN * s->square) {
-    remember(s, c, f);
+    append_differences(s, c, f);
   } else {
     s->held = s->next = 0;
     memcpy(s->f, f, (size_t)n * sizeof *f);
@@ -125,7 +126,7 @@ void nsdae_fc_anderson_extrapolate(nsdae_fc_anderson *s, nsdae_fc_scaled *c)
   extrapolate(s, c);
 }
 
-void nsdae_fc_anderson_leave(nsdae_fc_anderson *s, const nsdae_fc_scaled *c)
+void nsdae_fc_anderson_remainder(nsdae_fc_anderson *s, const nsdae_fc_scaled *c)
 {
   subtract(3 * c->n, s->F, s->held, s->share, s->before);
 }

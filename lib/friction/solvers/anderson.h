@@ -1,20 +1,19 @@
-/* Sweeps that remember where they came from: the fixed point of a sweep, r = g(r), by the method of
- * Anderson (J. ACM 12 (1965) 547; Walker and Ni, SIAM J. Numer. Anal. 49 (2011) 1715). Of the last
- * few sweeps what they changed, f = g(r) - r, is taken to be affine in r,
+/* Anderson's extrapolation (J. ACM 12 (1965) 547; Walker and Ni, SIAM J. Numer. Anal. 49 (2011)
+ * 1715) of the fixed point r = g(r) of a sweep. f = g(r) - r is taken to be affine in r over the
+ * last sweeps,
  *
- *   r := g(r) - G c,   c least of |f - F c|,
+ *   r := g(r) - G c,   c = argmin |f - F c|,
  *
- * with the differences of g and of f between sweeps for columns. Where contacts stay as they are,
- * stuck or open, a sweep is affine, and this is GMRES with the sweep for preconditioner, but that
- * it forgets (Walker and Ni): what carries over through many contacts, as a weight does through a
- * heap, moves in some sweeps where it crept in hundreds. Where |f| grows much, contacts have
- * changed, and the method begins anew. */
+ * the columns of F and G being the differences of f and g between sweeps. While no contact changes
+ * its state a sweep is affine, and this is truncated GMRES with the sweep as preconditioner. If |f|
+ * grows, contacts have changed their state, and the method restarts. */
 #ifndef NSDAE_FRICTION_ANDERSON_H
 #define NSDAE_FRICTION_ANDERSON_H
 
 #include "scaled_island.h"
 
-/* Sweeps that are remembered: more save few and cost their products. */
+/* Columns. The work of 108 warm starts is 1.18 times as much with 3, 0.97 with 8; with 6 the time
+ * is 1.07 times as long. */
 enum { NSDAE_FC_WINDOW = 4 };
 
 typedef struct nsdae_fc_anderson {
@@ -38,7 +37,7 @@ void nsdae_fc_anderson_begin(nsdae_fc_anderson *anderson);
 double nsdae_fc_anderson_sweep(nsdae_fc_anderson *anderson, nsdae_fc_scaled *fc, double *slip);
 /* r need not be inside. */
 void nsdae_fc_anderson_extrapolate(nsdae_fc_anderson *anderson, nsdae_fc_scaled *fc);
-/* What the extrapolation left of the sweep, f - F c, in before. Once after each. */
-void nsdae_fc_anderson_leave(nsdae_fc_anderson *anderson, const nsdae_fc_scaled *fc);
+/* f - F c of the last extrapolation, into before. At most once after each. */
+void nsdae_fc_anderson_remainder(nsdae_fc_anderson *anderson, const nsdae_fc_scaled *fc);
 
 #endif

@@ -18,7 +18,7 @@
 /* Unknowns up to which pivoting costs no more than the sweeps that it saves. */
 enum { LARGEST = 48 };
 
-/* Unknowns of item i of the whole; -1 where its cone is no polyhedron. */
+/* Unknowns of item i of the whole; -1 if its cone is no polyhedron. */
 static int unknowns(const nsdae_friction_problem *p, int i)
 {
   if (i >= p->contacts) return 0;
@@ -106,7 +106,7 @@ static void fill_W(nsdae_fc_as_lcp *s, const nsdae_fc_scaled *fc, double *y)
   }
 }
 
-/* W without the bilateral rows, X above it; 1 where those depend on each other. */
+/* W without the bilateral rows, X above it; 1 if those depend on each other. */
 static int eliminate(nsdae_fc_as_lcp *s)
 {
   size_t m = (size_t)s->m, nb = (size_t)s->bilateral;
@@ -197,7 +197,7 @@ int nsdae_fc_lcp(nsdae_fc_island *island, nsdae_fc_iterate *it, const nsdae_fc_b
                          s->iwork, s->liwork) != NSDAE_OK)
     return it->residual <= b->tol;
   read_solution(s, fc);
-  nsdae_fc_go_to(island, fc->r);
+  nsdae_fc_set_point(island, fc->r);
   nsdae_fc_offer(island, it);
   return it->residual <= b->tol;
 }

@@ -161,7 +161,7 @@ static double item_residual(const nsdae_fc_scaled *c, int k)
   return c->items.weight[k] * nsdae_fc_natural(c->items.kind[k], c->items.mu[k], x, NULL, u);
 }
 
-int nsdae_fc_sweep_arrived(const nsdae_fc_scaled *c, double tol, int *seen)
+int nsdae_fc_sweep_converged(const nsdae_fc_scaled *c, double tol, int *seen)
 {
   for (int i = 0; i < c->n; i++) {
     int k = *seen + i < c->n ? *seen + i : *seen + i - c->n;

@@ -11,8 +11,8 @@ void nsdae_fc_sweep_begin(nsdae_fc_scaled *fc);
  * zero at first. Returns the largest weighted change of r in the last sweep. */
 double nsdae_fc_sweep(nsdae_fc_scaled *fc, int sweeps, double *slip);
 
-/* Whether no item's residual is above tol, fc->y being current, to plain rounding. Looks at item
- * *seen first, and leaves there the one that was above: most looks end with it. */
-int nsdae_fc_sweep_arrived(const nsdae_fc_scaled *fc, double tol, int *seen);
+/* Whether the residual of each item is at most tol, to plain rounding; fc->y is current. Checks
+ * item *first first, and stores the one that failed: most checks end with it. */
+int nsdae_fc_sweep_converged(const nsdae_fc_scaled *fc, double tol, int *first);
 
 #endif

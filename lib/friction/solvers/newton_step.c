@@ -41,7 +41,7 @@ double nsdae_fc_newton_map(nsdae_fc_newton *s, const double *r, const double *u,
 }
 
 /* s->u := b - E dr - A W dr */
-static void find_rest(nsdae_fc_newton *s, const double *b, const double *dr)
+static void linear_residual(nsdae_fc_newton *s, const double *b, const double *dr)
 {
   const nsdae_fc_scaled *c = s->fc;
   nsdae_fc_response(c, dr, s->y, s->u);
@@ -61,13 +61,13 @@ static void find_rest(nsdae_fc_newton *s, const double *b, const double *dr)
 void nsdae_fc_newton_solve(nsdae_fc_newton *s, const double *b, double *dr)
 {
   nsdae_fc_system_solve(s->system, b, dr);
-  find_rest(s, b, dr);
+  linear_residual(s, b, dr);
   nsdae_fc_system_solve(s->system, s->u, s->trial);
   for (size_t i = 0; i < 3 * (size_t)s->fc->n; i++) dr[i] += s->trial[i];
 }
 
 /* The trial point at this length of the step; half the square of its map. */
-static double try(nsdae_fc_newton *s, double length)
+static double trial_map(nsdae_fc_newton *s, double length)
 {
   const nsdae_fc_scaled *c = s->fc;
   for (size_t i = 0; i < 3 * (size_t)c->n; i++) s->trial[i] = c->r[i] - length * s->dr[i];
@@ -75,7 +75,7 @@ static double try(nsdae_fc_newton *s, double length)
   return nsdae_fc_newton_map(s, s->trial, s->u, 0);
 }
 
-static void accept(nsdae_fc_newton *s)
+static void accept_trial(nsdae_fc_newton *s)
 {
   nsdae_fc_scaled *c = s->fc;
   size_t m = 3 * (size_t)c->n;
@@ -92,10 +92,10 @@ double nsdae_fc_newton_step(nsdae_fc_newton *s, double before)
   if (nsdae_fc_system_factor(s->system, s->E, s->A) != 0) return NAN;
   nsdae_fc_system_solve(s->system, s->F, s->dr);
   for (int k = 0; k < 8; k++, length /= 2) {
-    now = try(s, length);
+    now = trial_map(s, length);
     if (s->search ? now <= (1 - 1e-4 * length) * before : now < INFINITY) break;
   }
   if (!(now < INFINITY)) return NAN;
-  accept(s);
+  accept_trial(s);
   return now;
 }

@@ -13,10 +13,12 @@
 /* Steps of one problem. With 15, 30 and 60 of 40 seeded problems 39 are solved. */
 enum { INNER = 30 };
 
-/* Steps in which the residual has to be halved. */
+/* Steps in which the residual has to be halved. With 75, 150 and 300 of 40 seeded problems 39, 39
+ * and 40 are solved to 1e-8. */
 enum { IDLE = 150 };
 
-/* A problem is solved when its map has lost this factor, squared: 1e-2 of its first value. */
+/* Reduction of the square of its map that solves a problem. With 1e-2, 1e-4 and 1e-6 39 of the 40
+ * are solved. */
 static const double GAIN = 1e-4;
 
 /* The first alpha over the residual. With 1e-3, 1e-2, 0.1 and 1 of 60 seeded problems 51, 51, 50
@@ -27,7 +29,8 @@ static const double SHARE = 1e-2;
  * solution regular if that is degenerate; 1e-13 does not. */
 static const double SLIGHT = 1e-10;
 
-/* A failure makes alpha ten times as large; with this one the attempt ends. */
+/* A failed problem is repeated with ten times alpha, up to this one. With 1e2, 1e3 and 1e4 39 of
+ * the 40 are solved. */
 static const double LARGEST = 1e3;
 
 /* Solves with the centre at fc.r, or goes back there; returns the steps, 0 if it failed. */
@@ -43,7 +46,7 @@ static int solve_problem(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_f
     steps++;
   }
   if (now <= goal && steps > 0) return steps;
-  nsdae_fc_go_to(s, newton->centre);
+  nsdae_fc_set_point(s, newton->centre);
   return 0;
 }
 
@@ -84,7 +87,7 @@ double nsdae_fc_proximal_points(nsdae_fc_island *s, nsdae_fc_iterate *it, const 
       newton->alpha = fmax(newton->alpha * factor, NSDAE_FC_REGULAR);
     factor = fmax(factor * factor, 0.1);
   }
-  if (!(residual <= best)) nsdae_fc_go_to(s, s->point);
+  if (!(residual <= best)) nsdae_fc_set_point(s, s->point);
   return best;
 }
 
@@ -99,7 +102,7 @@ int nsdae_fc_semismooth_newton(nsdae_fc_island *s, nsdae_fc_iterate *it, const n
 void nsdae_fc_polish(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_budget *b, int steps)
 {
   begin(&s->newton, SLIGHT);
-  nsdae_fc_go_to(s, it->r);
+  nsdae_fc_set_point(s, it->r);
   for (int k = 0; k < steps && it->residual > 0; k++) {
     double before = it->residual;
     memcpy(s->newton.centre, s->fc.r, nsdae_fc_bytes(s));

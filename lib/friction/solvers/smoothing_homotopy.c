@@ -3,19 +3,23 @@
  * of max(0, l), |u_T| to sqrt(|u_T|^2 + e^2) - e. Its points have r o u^ = e^2, the central path of
  * an interior point with s = mu |u_T| among the unknowns: no outer iteration over s. e falls from 1
  * to 1e-6, two to five Newton steps each, the faster the fewer were needed; e = 0 is left to
- * semismooth Newton. A path that is lost is followed again, ten times as closely. */
+ * semismooth Newton. A call follows one path; the next call follows it ten times as closely. */
 #include <math.h>
 #include <string.h>
 
 #include "solver_contract.h"
 
-/* Newton steps of one point. Five are usual, and more than 15 do not converge. */
+/* Newton steps of one point; five are usual. With 8, 15 and 30 of 40 seeded problems 39 are solved
+ * to 1e-8. */
 enum { INNER = 15 };
 
-/* Distance from the path relative to e, of the first attempt and the last. */
-static const double LOOSE = 1e-3, TIGHT = 1e-6;
+/* Distance from the path relative to e, of the first path; each path that is lost is followed again
+ * at a tenth, at most this number of times. With 1e-2, 1e-3 and 1e-4 40, 39 and 40 of the 40 are
+ * solved; with 1, 3 and 6 times 39. */
+static const double LOOSE = 1e-3;
+enum { TIGHTER = 3 };
 
-/* Last e: below, rounding decides. */
+/* Last e: below, rounding decides. With 1e-5, 1e-6 and 1e-7 39 of the 40 are solved. */
 static const double LAST = 1e-6;
 
 /* First e: a point of the path has r o u^ = e^2, and Newton's method does not get from zero to
@@ -46,7 +50,7 @@ static int begin(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_budget
   s->newton.search = 1;
   for (size_t k = 0; k < sizeof FIRST / sizeof *FIRST && steps == INNER; k++) {
     memset(s->fc.r, 0, nsdae_fc_bytes(s));
-    nsdae_fc_go_to(s, s->fc.r);
+    nsdae_fc_set_point(s, s->fc.r);
     s->newton.epsilon = FIRST[k];
     steps = correct(s, it, b, loose);
   }
@@ -74,11 +78,10 @@ static double follow(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_bu
 int nsdae_fc_smoothing_homotopy(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_budget *b)
 {
   if (!nsdae_fc_system_ready(s)) return NSDAE_FC_NO_MEMORY;
-  for (double loose = LOOSE; loose >= TIGHT; loose /= 10) {
-    double end = follow(s, it, b, loose);
-    if (end <= b->tol || (end < NSDAE_FC_NEAR && nsdae_fc_proximal_points(s, it, b) <= b->tol))
-      return 1;
-    if (!nsdae_fc_spend(s, it, b, 0)) break;
-  }
+  if (s->lost_paths > TIGHTER) return it->residual <= b->tol;
+  double end = follow(s, it, b, LOOSE * pow(0.1, s->lost_paths));
+  if (end <= b->tol || (end < NSDAE_FC_NEAR && nsdae_fc_proximal_points(s, it, b) <= b->tol))
+    return 1;
+  if (nsdae_fc_spend(s, it, b, 0)) s->lost_paths++;
   return it->residual <= b->tol;
 }

@@ -34,12 +34,12 @@ static const double WARM = 1, COLD[] = {1e2, 1e4};
 void nsdae_fc_socp_layout(nsdae_fc_socp *p, const nsdae_fc_scaled *fc, nsdae_arena *arena)
 {
   long n = fc->n;
-  p->shift = NSDAE_ARENA_DOUBLES(arena, n);
+  p->s = NSDAE_ARENA_DOUBLES(arena, n);
   p->a = NSDAE_ARENA_DOUBLES(arena, 3 * n);
   p->b = NSDAE_ARENA_DOUBLES(arena, 3 * n);
   p->da = NSDAE_ARENA_DOUBLES(arena, 3 * n);
   p->db = NSDAE_ARENA_DOUBLES(arena, 3 * n);
-  p->aim = NSDAE_ARENA_DOUBLES(arena, 3 * n);
+  p->rhs = NSDAE_ARENA_DOUBLES(arena, 3 * n);
   p->root = NSDAE_ARENA_DOUBLES(arena, 3 * n);
   p->axis = NSDAE_ARENA_DOUBLES(arena, 2 * n);
   p->gap = NSDAE_ARENA_DOUBLES(arena, 3 * n);
@@ -78,7 +78,7 @@ static void dual(const nsdae_fc_socp *p, const nsdae_fc_scaled *c, int k, const 
 {
   double S[3];
   scale_of(c, k, S);
-  b[0] = (u[0] + (rows_of(c, k) == 3 ? p->shift[k] : 0)) / S[0];
+  b[0] = (u[0] + (rows_of(c, k) == 3 ? p->s[k] : 0)) / S[0];
   for (int i = 1; i < 3; i++) b[i] = rows_of(c, k) == 3 ? u[i] / S[i] : 0;
 }
 
@@ -105,7 +105,7 @@ static void apply(const double f[3], const double d[2], const double *x, double 
 }
 
 /* a and b with a - b = z and a o b = e^2, for each eigenvalue of z. */
-static void split(double e, const double z[3], double *a, double *b)
+static void spectral_decomposition(double e, const double z[3], double *a, double *b)
 {
   double t = nsdae_fc_length(z[1], z[2]), d[2] = {t > 0 ? z[1] / t : 1, t > 0 ? z[2] / t : 0};
   double A[2], B[2];
@@ -141,13 +141,13 @@ static void begin(nsdae_fc_socp *p, nsdae_fc_scaled *c, double e)
       continue;
     }
     double before[3] = {a[0], a[1], a[2]};
-    split(e, z, a, b);
+    spectral_decomposition(e, z, a, b);
     for (int i = 0; i < 3; i++) c->r[3 * k + i] += (a[i] - before[i]) / S[i];
   }
 }
 
 /* The velocities of fc->r, and what b lacks of them. */
-static void locate(nsdae_fc_socp *p, nsdae_fc_scaled *c)
+static void evaluate_gap(nsdae_fc_socp *p, nsdae_fc_scaled *c)
 {
   nsdae_fc_velocities(c, c->r, c->y, c->u);
   for (int k = 0; k < c->n; k++) {
@@ -175,7 +175,7 @@ static double mean(const nsdae_fc_socp *p, const nsdae_fc_scaled *c, double leng
 /* W of item k: with a and b over the roots of their determinants and w = (b + J a) / (2 g), g =
  * sqrt((1 + a . b) / 2), J = (1, -1, -1), it is beta (2 v v^T - J) with v o v = w, and has these
  * eigenvalues. Returns 0 where the point is not inside. */
-static int find_scaling(nsdae_fc_socp *p, int k)
+static int nesterov_todd(nsdae_fc_socp *p, int k)
 {
   const double *a = p->a + 3 * k, *b = p->b + 3 * k;
   double *root = p->root + 3 * k, *d = p->axis + 2 * k;
@@ -225,7 +225,7 @@ static int factor(nsdae_fc_socp *p, nsdae_fc_newton *s)
   for (int k = 0; k < c->n; k++) {
     if (bilateral(c, k))
       p->axis[2 * k] = 1, p->axis[2 * k + 1] = 0;
-    else if (!find_scaling(p, k))
+    else if (!nesterov_todd(p, k))
       return 0;
     fill(s, k, p->root + 3 * k, p->axis + 2 * k);
   }
@@ -248,16 +248,16 @@ static void second_order(const nsdae_fc_socp *p, int k, double x[3])
 }
 
 /* What db + W^2 da is to be, with the second order of the step at hand or without. */
-static void set_aim(nsdae_fc_socp *p, int k, double sigma, int corrected)
+static void set_rhs(nsdae_fc_socp *p, int k, double sigma, int corrected)
 {
   const double *a = p->a + 3 * k, *b = p->b + 3 * k, share = sigma / determinant(a);
-  double x[3] = {0}, *aim = p->aim + 3 * k;
+  double x[3] = {0}, *rhs = p->rhs + 3 * k;
   if (corrected) second_order(p, k, x);
-  for (int i = 0; i < 3; i++) aim[i] = (i == 0 ? share : -share) * a[i] - b[i] - x[i];
+  for (int i = 0; i < 3; i++) rhs[i] = (i == 0 ? share : -share) * a[i] - b[i] - x[i];
 }
 
 /* db of item k: of its equation where W is small, else of the velocities u after the step. */
-static void find_db(nsdae_fc_socp *p, const nsdae_fc_scaled *c, int k, const double *u)
+static void dual_step(nsdae_fc_socp *p, const nsdae_fc_scaled *c, int k, const double *u)
 {
   const double *root = p->root + 3 * k, *d = p->axis + 2 * k;
   double square[3], small[3], large[3], x[3], y[3], *db = p->db + 3 * k;
@@ -270,13 +270,13 @@ static void find_db(nsdae_fc_socp *p, const nsdae_fc_scaled *c, int k, const dou
   for (int i = 0; i < 3; i++) y[i] -= p->b[3 * k + i];
   apply(large, d, y, db);
   apply(square, d, p->da + 3 * k, x);
-  for (int i = 0; i < 3; i++) x[i] = p->aim[3 * k + i] - x[i];
+  for (int i = 0; i < 3; i++) x[i] = p->rhs[3 * k + i] - x[i];
   apply(small, d, x, y);
   for (int i = 0; i < 3; i++) db[i] += y[i];
 }
 
 /* A step. */
-static void find_step(nsdae_fc_socp *p, nsdae_fc_newton *s, double sigma, int corrected)
+static void newton_direction(nsdae_fc_socp *p, nsdae_fc_newton *s, double sigma, int corrected)
 {
   const nsdae_fc_scaled *c = s->fc;
   double S[3];
@@ -285,11 +285,11 @@ static void find_step(nsdae_fc_socp *p, nsdae_fc_newton *s, double sigma, int co
     scale_of(c, k, S);
     memset(s->F + 3 * k, 0, 3 * sizeof *s->F);
     if (bilateral(c, k))
-      memset(p->aim + 3 * k, 0, 3 * sizeof *p->aim);
+      memset(p->rhs + 3 * k, 0, 3 * sizeof *p->rhs);
     else
-      set_aim(p, k, sigma, corrected);
+      set_rhs(p, k, sigma, corrected);
     for (int i = 0; i < 9; i++)
-      s->F[3 * k + i / 3] += A[i] * (S[i % 3] * p->aim[3 * k + i % 3] - p->gap[3 * k + i % 3]);
+      s->F[3 * k + i / 3] += A[i] * (S[i % 3] * p->rhs[3 * k + i % 3] - p->gap[3 * k + i % 3]);
   }
   nsdae_fc_newton_solve(s, s->F, s->dr);
   for (int i = 0; i < 3 * c->n; i++) s->trial[i] = c->r[i] + s->dr[i];
@@ -300,13 +300,13 @@ static void find_step(nsdae_fc_socp *p, nsdae_fc_newton *s, double sigma, int co
     if (bilateral(c, k))
       memset(p->db + 3 * k, 0, 3 * sizeof *p->db);
     else
-      find_db(p, c, k, s->u + 3 * k);
+      dual_step(p, c, k, s->u + 3 * k);
   }
 }
 
 /* How far it is from x along dx to the edge of the cone: the least root of  dx^2 t^2 + 2 (x . dx) t
  * + x^2, squares and products with J. */
-static double way(const double *x, const double *dx)
+static double step_to_boundary(const double *x, const double *dx)
 {
   double A = determinant(dx), B = x[0] * dx[0] - x[1] * dx[1] - x[2] * dx[2], C = determinant(x);
   double root = sqrt(fmax(0, B * B - A * C)), apex = dx[0] < 0 ? -x[0] / dx[0] : INFINITY;
@@ -320,21 +320,21 @@ static double longest(const nsdae_fc_socp *p, const nsdae_fc_scaled *c, double s
   double length = 1;
   for (int k = 0; k < c->n; k++) {
     if (bilateral(c, k)) continue;
-    length = fmin(length, share * way(p->a + 3 * k, p->da + 3 * k));
-    length = fmin(length, share * way(p->b + 3 * k, p->db + 3 * k));
+    length = fmin(length, share * step_to_boundary(p->a + 3 * k, p->da + 3 * k));
+    length = fmin(length, share * step_to_boundary(p->b + 3 * k, p->db + 3 * k));
   }
   return length;
 }
 
 /* Predictor and corrector; the length of the step, 0 where there is none. */
-static double advance(nsdae_fc_socp *p, nsdae_fc_newton *s, double now)
+static double predictor_corrector(nsdae_fc_socp *p, nsdae_fc_newton *s, double now)
 {
   nsdae_fc_scaled *c = s->fc;
   if (!factor(p, s)) return 0;
-  find_step(p, s, 0, 0);
+  newton_direction(p, s, 0, 0);
   double ratio = mean(p, c, longest(p, c, 1)) / now;
   double sigma = fmin(1, fmax(0, ratio * ratio * ratio));
-  find_step(p, s, sigma * now, 1);
+  newton_direction(p, s, sigma * now, 1);
   double length = longest(p, c, SHARE);
   if (!(length > 0)) return 0;
   for (int i = 0; i < 3 * c->n; i++) {
@@ -355,11 +355,11 @@ static int run_from(nsdae_fc_island *all, nsdae_fc_iterate *it, const nsdae_fc_b
   const double last = 1e-2 * budget->tol * budget->tol;
   nsdae_fc_velocities(c, c->r, c->y, c->u);
   begin(p, c, e);
-  locate(p, c);
+  evaluate_gap(p, c);
   double now = mean(p, c, 0), least = INFINITY;
   for (int idle = 0; idle < IDLE && now > last && nsdae_fc_spend_step(all, it, budget); idle++) {
-    if (!(advance(p, &all->newton, now) > 0)) break;
-    locate(p, c);
+    if (!(predictor_corrector(p, &all->newton, now) > 0)) break;
+    evaluate_gap(p, c);
     now = mean(p, c, 0);
     if (now < 0.5 * least) least = now, idle = -1;
   }
@@ -375,17 +375,17 @@ int nsdae_fc_socp_run(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_b
     found = run_from(s, it, b, COLD[k]);
   }
   memcpy(s->socp.end, s->fc.r, nsdae_fc_bytes(s));
-  nsdae_fc_go_to(s, s->fc.r);
+  nsdae_fc_set_point(s, s->fc.r);
   return found;
 }
 
 void nsdae_fc_socp_begin(nsdae_fc_island *s, const nsdae_fc_iterate *it)
 {
-  nsdae_fc_go_to(s, it->r);
+  nsdae_fc_set_point(s, it->r);
   if (it->residual < NSDAE_FC_NEAR)
-    nsdae_fc_shift(&s->fc, s->socp.shift);
+    nsdae_fc_fill_s(&s->fc, s->socp.s);
   else
-    memset(s->socp.shift, 0, (size_t)s->fc.n * sizeof *s->socp.shift);
+    memset(s->socp.s, 0, (size_t)s->fc.n * sizeof *s->socp.s);
 }
 
 int nsdae_fc_socp_interior_point(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_budget *b)

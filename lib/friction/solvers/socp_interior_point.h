@@ -5,14 +5,14 @@
 #include "newton_step.h"
 
 typedef struct nsdae_fc_socp {
-  double *shift;   /* n: of u_N */
-  double *a, *b;   /* 3 n: r and u + shift e_N in rows where both cones are the second-order one */
+  double *s;       /* n: mu |u_T|, added to u_N */
+  double *a, *b;   /* 3 n: r and u + s e_N in rows where both cones are the second-order one */
   double *da, *db; /* 3 n: a step */
-  double *aim;     /* 3 n: what db + W^2 da is to be */
+  double *rhs;     /* 3 n: of db + W^2 da */
   double *root;    /* 3 n: eigenvalues of W, along (1, axis), (1, -axis) and across them */
   double *axis;    /* 2 n: in the tangential plane */
-  double *gap;     /* 3 n: velocities of r, less those that b is */
-  double *end;     /* 3 n: where the last run ended */
+  double *gap;     /* 3 n: velocities of r less those of b */
+  double *end;     /* 3 n: the last solution */
 } nsdae_fc_socp;
 
 void nsdae_fc_socp_layout(nsdae_fc_socp *socp, const nsdae_fc_scaled *fc, nsdae_arena *arena);

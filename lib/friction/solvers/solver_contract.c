@@ -39,7 +39,7 @@ int nsdae_fc_spend_step(const nsdae_fc_island *s, nsdae_fc_iterate *it, const ns
   return 1;
 }
 
-void nsdae_fc_go_to(nsdae_fc_island *s, const double *r)
+void nsdae_fc_set_point(nsdae_fc_island *s, const double *r)
 {
   if (r != s->fc.r) memcpy(s->fc.r, r, nsdae_fc_bytes(s));
   nsdae_fc_velocities(&s->fc, s->fc.r, s->fc.y, s->fc.u);
@@ -66,7 +66,7 @@ int nsdae_fc_system_ready(nsdae_fc_island *s)
 int nsdae_fc_trivial(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_budget *b)
 {
   memset(s->fc.r, 0, nsdae_fc_bytes(s));
-  nsdae_fc_go_to(s, s->fc.r);
+  nsdae_fc_set_point(s, s->fc.r);
   (void)nsdae_fc_spend(s, it, b, EVALUATION);
   nsdae_fc_offer(s, it);
   return it->residual <= b->tol;

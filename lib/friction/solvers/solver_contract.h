@@ -34,6 +34,7 @@ typedef struct nsdae_fc_island {
   nsdae_fc_refinement refinement;
   nsdae_fc_as_lcp as_lcp;
   double *slip;            /* n: ratio |u_T| / |r_T| of the contacts that slide (one_contact.h) */
+  int lost_paths;          /* of smoothing_homotopy, followed more closely by its next call */
   double *point;           /* 3 n: a point that a solver returns to */
   nsdae_fc_system *system; /* of a Newton step; its symbolic factorisation is kept */
   int analysed;            /* it is that of this island */
@@ -80,6 +81,7 @@ typedef int nsdae_fc_solve(nsdae_fc_island *, nsdae_fc_iterate *, const nsdae_fc
 
 nsdae_fc_solve nsdae_fc_trivial;             /* r = 0 */
 nsdae_fc_solve nsdae_fc_nsgs;                /* nonlinear block Gauss-Seidel, from iterate->r */
+nsdae_fc_solve nsdae_fc_nsgs_plain;          /* without extrapolation */
 nsdae_fc_solve nsdae_fc_semismooth_newton;   /* in proximal points, from iterate->r */
 nsdae_fc_solve nsdae_fc_smoothing_homotopy;  /* from r = 0 */
 nsdae_fc_solve nsdae_fc_aclm;                /* fixed point on s, from iterate->r */
@@ -106,7 +108,7 @@ int nsdae_fc_spend_step(const nsdae_fc_island *island, nsdae_fc_iterate *iterate
                         const nsdae_fc_budget *budget);
 
 /* Goes to the point r [3 n]: fc.r, fc.y and fc.u. */
-void nsdae_fc_go_to(nsdae_fc_island *island, const double *r);
+void nsdae_fc_set_point(nsdae_fc_island *island, const double *r);
 
 /* Makes fc.r, whose velocities are fc.u, the iterate if its residual is smaller; returns it. */
 double nsdae_fc_offer(nsdae_fc_island *island, nsdae_fc_iterate *iterate);
@@ -119,10 +121,10 @@ int nsdae_fc_system_ready(nsdae_fc_island *island);
 double nsdae_fc_proximal_points(nsdae_fc_island *island, nsdae_fc_iterate *iterate,
                                 const nsdae_fc_budget *budget);
 
-/* s of the iterate, or zero if that is not near a solution, into socp.shift; fc.r: the iterate. */
+/* s of the iterate, or zero if that is not near a solution, into socp.s; fc.r: the iterate. */
 void nsdae_fc_socp_begin(nsdae_fc_island *island, const nsdae_fc_iterate *iterate);
 
-/* The convex problem with s = socp.shift, from fc.r on; 0: not solved. */
+/* The convex problem with s = socp.s, from fc.r on; 0: not solved. */
 int nsdae_fc_socp_run(nsdae_fc_island *island, nsdae_fc_iterate *iterate,
                       const nsdae_fc_budget *budget);
 

@@ -232,7 +232,7 @@ static void check_left(island *s, int n, double *f[], int done)
   leave_out(n, held, A, x);
   const double square = dot(n, f[done], f[done]);
   assert_near(s->anderson.left, dot(n, x, x) / square, 1e-6);
-  nsdae_fc_anderson_leave(&s->anderson, &s->at.run.island.fc);
+  nsdae_fc_anderson_remainder(&s->anderson, &s->at.run.island.fc);
   for (int i = 0; i < n; i++) assert_near(s->anderson.before[i], x[i], 1e-4 * sqrt(square));
   free(A);
   free(x);

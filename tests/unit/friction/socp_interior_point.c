@@ -131,7 +131,7 @@ static double convex_residual(const equations *s, int k)
   const nsdae_fc_scaled *c = &s->at.run.island.fc;
   const int cone = c->items.kind[k] == NSDAE_FC_CONE;
   const double *r = c->r + 3 * k, *u = c->u + 3 * k, mu = cone ? c->items.mu[k] : 0;
-  double z[3] = {r[0] - u[0] - (cone ? s->at.run.island.socp.shift[k] : 0), cone ? r[1] - u[1] : 0,
+  double z[3] = {r[0] - u[0] - (cone ? s->at.run.island.socp.s[k] : 0), cone ? r[1] - u[1] : 0,
                  cone ? r[2] - u[2] : 0};
   double t = hypot(z[1], z[2]), most = 0;
   if (z[0] < 0 || t > mu * z[0]) {
@@ -156,7 +156,7 @@ static double allowed(const equations *s, int k)
     gap += s->at.run.island.socp.gap[3 * k + i] * s->at.run.island.socp.gap[3 * k + i];
   }
   moved = EDGE * (2 * s->at.run.island.fc.r[3 * k] + fabs(s->at.run.island.fc.u[3 * k]) +
-                  s->at.run.island.socp.shift[k]);
+                  s->at.run.island.socp.s[k]);
   return sqrt(product) + sqrt(gap) + moved;
 }
 
@@ -196,7 +196,7 @@ static void test_convex(void **state)
     make(&s, &sample);
     for (int again = 0; again < 3; again++) {
       for (int k = 0; k < s.at.run.island.fc.n; k++)
-        s.at.run.island.socp.shift[k] = again == 0 ? 0 : fabs(random_number(&draws));
+        s.at.run.island.socp.s[k] = again == 0 ? 0 : fabs(random_number(&draws));
       const nsdae_fc_budget budget = unbounded(1e-7);
       assert_int_equal(nsdae_fc_socp_run(&s.at.run.island, &s.at.run.iterate, &budget), 1);
       double residual = check_convex(&s);
