@@ -86,7 +86,8 @@ def c_pages(root):
 
 def cpp_pages(work):
     """The classes of nsdae.hpp."""
-    names = sorted(path.stem.removeprefix("classnsdae_1_1") for path in (work / "xml").glob("classnsdae_1_1*.xml"))
+    names = [re.search(r"<compoundname>nsdae::(\w+)<", path.read_text())[1]
+             for path in sorted((work / "xml").glob("classnsdae_1_1*.xml"))]
     text = "`#include <nsdae/nsdae.hpp>`: owning handles over the functions of C."
     classes = "\n".join(f"## {name}\n\n```{{doxygenclass}} nsdae::{name}\n:members:\n```\n" for name in names)
     return {"cpp": HEAD.format("C++", text) + classes}
