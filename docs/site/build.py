@@ -1,7 +1,13 @@
 #!/usr/bin/env python3
-"""Builds the web site: build.py BUILD_DIR [OUTPUT_DIR]. Everything that it needs is made in BUILD_DIR/site: an environment
-of Python with the packages of requirements.txt and this tree's package nsdae, Doxygen's XML of the headers, and the
-tree of pages in which Sphinx works. The programs of BUILD_DIR/bin run the examples. A warning is an error.
+"""Builds the web site: build.py BUILD_DIR [OUTPUT_DIR]. A warning is an error.
+
+BUILD_DIR/site gets what it needs:
+
+- an environment of Python with the packages of requirements.txt and this tree's package nsdae
+- Doxygen's XML of the headers
+- the tree of pages in which Sphinx works
+
+The programs of BUILD_DIR/bin run the examples.
 """
 
 import os

@@ -1,10 +1,10 @@
-"""The public headers for Doxygen. They are commented for the reader of C; Doxygen's marks are added here:
+"""The public headers for Doxygen. They are commented for the reader of C; Doxygen's marks are added here.
 
-  the first comment            documents the file
-  a comment after code         documents what it follows; of "double a, b;" each
-  any other comment            documents what follows; declarations without a blank line between them share it
-  lines indented by 3 or more  are kept as they are (equations, tables)
-  X(name, value, ..., "text")  becomes an enumerator with its text
+- The first comment documents the file.
+- A comment after code documents that code; of "double a, b;" both.
+- Any other comment documents what follows. Declarations without a blank line between them share it.
+- Lines indented by 3 or more are kept as they are (equations, tables).
+- X(name, value, ..., "text") becomes an enumerator with its text.
 """
 
 import re

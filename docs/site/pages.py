@@ -1,5 +1,5 @@
-"""The tree of pages in which Sphinx works: the Markdown of the project, with the links that it has on GitHub made links
-between pages, and the order of the pages taken from the links of those that head others."""
+"""The tree of pages in which Sphinx works: the Markdown of the project. Its links work on GitHub; here they become links
+between pages. The order of the pages is that of the links of the pages that head others."""
 
 import os
 import re
