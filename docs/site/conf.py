@@ -51,3 +51,12 @@ html_css_files = ["site.css"]
 html_static_path = [str(pathlib.Path(__file__).parent / "static")]
 html_copy_source = False
 html_show_copyright = False
+
+
+def formulas(app, what, name, obj, options, lines):
+    """|u_T| in a docstring is a norm, not a substitution."""
+    lines[:] = [re.sub(r"\|(\w+)\|", r"\\|\1\\|", line) for line in lines]
+
+
+def setup(app):
+    app.connect("autodoc-process-docstring", formulas, priority=600)  # after numpydoc

@@ -19,7 +19,7 @@ from bodies import WHOLE, columns_of, count_of, read_motion, times_of
 from contacts import force_lines, has_list
 from raster import Drawing
 from scene import scene
-from trajectory import Parser, Problem, open_trajectory, replace, tell, text
+from trajectory import Parser, Problem, heading, open_trajectory, replace, tell
 
 FORMATS = (".gif", ".mp4", ".html")
 LONGEST = 8.0  # of a GIF by default [s]
@@ -185,8 +185,7 @@ def parse(argv):
 def write(output, file, time, first, last, arguments):
     """One animation; how many frames and bodies it has."""
     speed = arguments.speed or chosen_speed(time[last] - time[first])
-    attrs = {name: text(file.attrs.get(name, "")) for name in ("model", "method")}
-    title = arguments.title if arguments.title is not None else "{model}, {method}".format(**attrs)
+    title = arguments.title if arguments.title is not None else heading(file, arguments.file)
     count, on_page = count_of(file, arguments.point), output.lower().endswith(".html")
     delay = max(round(100 / arguments.fps), 2)  # what a GIF counts in
     if on_page:

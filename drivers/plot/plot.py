@@ -13,7 +13,7 @@ import sweeps
 from bodies import WHOLE, read_rows
 from contacts import contacts_of, has_list, step_length
 from modes import MODE_COLOURS, MODES, strips
-from trajectory import Parser, Problem, names_of_rows, open_trajectory, reading, replace, tell, text
+from trajectory import Parser, Problem, heading, names_of_rows, open_trajectory, reading, replace, tell, text
 
 FORMATS = (".png", ".svg", ".pdf")
 NEEDED = ("v", "energy/kinetic", "energy/dissipated", "certificate", "impact/time")
@@ -314,18 +314,20 @@ PANELS = {
 }
 
 
+SECOND = ("energy", "certificate")  # what checks the run: a picture of its own
+
+
 def outside(axes, **what):
     columns = 1 if len(what.get("handles", axes.get_legend_handles_labels()[0])) <= COLUMN_MAX else 2
     axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0, frameon=False, ncol=columns, **what)
 
 
-def title_of(file):
-    attrs = {name: text(value) for name, value in file.attrs.items()}
-    title = f"{attrs.get('model', '')}, {attrs.get('method', '')}"
+def title_of(file, path=""):
+    title, status = heading(file, path), text(file.attrs.get("status", ""))
     if "options/dt" in file:
         title += f", dt {file['options/dt'][()]:g} s"
-    if attrs.get("status") != "complete":
-        title += f" ({attrs.get('status')})"
+    if status != "complete":
+        title += f" ({status})"
     return plain(title)
 
 
@@ -377,6 +379,36 @@ def draw(file, names, title):
     return figure
 
 
+def velocity_of(file, column):
+    """Column of the velocity that is the rate of a coordinate: the same one, or in space that of a body's position."""
+    nq, nv = file["q"].shape[1], file["v"].shape[1]
+    if nq == nv:
+        return column
+    body, entry = divmod(column, 7)
+    return 6 * body + entry if nq * 6 == nv * 7 and entry < 3 else None
+
+
+def phase(file, names, title):
+    """Velocity over coordinate, for each name; an impact is a line straight up or down."""
+    number = records(file)
+    coordinates, velocities = (names_of_rows(file, kind, file[path].shape[1]) for kind, path in (("coordinate", "q"), ("velocity", "v")))
+    units = [[text(unit) for unit in file.get(f"{kind}_unit", [])] for kind in ("coordinate", "velocity")]
+    figure, axes = plt.subplots(len(names), 1, squeeze=False, figsize=(7, 0.8 + 4.5 * len(names)), layout="constrained")
+    for axis, name in zip(axes[:, 0], names):
+        if name not in coordinates:
+            raise Problem(f"no coordinate is called '{name}': they are {', '.join(coordinates)}")
+        i = coordinates.index(name)
+        j = velocity_of(file, i)
+        if j is None:
+            raise Problem(f"'{name}' has no velocity of its own")
+        line(axis, file["q"][:number, i], file["v"][:number, j], name, linewidth=0.9)
+        axis.set_xlabel(titled(plain(name), *(unit for unit in units[0][i:i + 1] or [""])))
+        axis.set_ylabel(titled("velocity of " + plain(velocities[j]), *(unit for unit in units[1][j:j + 1] or [""])))
+        axis.spines[["top", "right"]].set_visible(False)
+    figure.suptitle(title)
+    return figure
+
+
 def parameter_at(word):
     name, value = word.split("=")
     return name, float(value)
@@ -393,6 +425,9 @@ def parse(argv):
                         help=f"draw this panel ({', '.join(PANELS)}), or this quantity of a sweep, e.g. final/q; repeatable")
     parser.add_argument("--at", action="append", default=[], type=parameter_at, metavar="NAME=VALUE",
                         help="for a sweep: the runs with the nearest value of this parameter; repeatable")
+    parser.add_argument("--certificate", action="store_true", help="energy and certificate in place of motion and forces")
+    parser.add_argument("--phase", action="append", metavar="NAME",
+                        help="phase portrait: velocity over this coordinate; repeatable")
     parser.add_argument("--title", help="title, by default model, method and step")
     parser.add_argument("--dpi", type=int, default=150, help="dots per inch of a PNG, 20 to 1200 (default 150)")
     parser.add_argument("--version", action="version", version="nsdae-plot @PROJECT_VERSION@")
@@ -418,10 +453,12 @@ def picture(figure, arguments):
     return whole.getbuffer()
 
 
-def panels(file, only):
-    names = [name for name, (_, there) in PANELS.items() if there(file) and (not only or name in only)]
+def panels(file, only, certificate=False):
+    """The panels of a picture: those that are asked for; else motion and forces, or energy and certificate."""
+    chosen = only or [name for name in PANELS if (name in SECOND) == certificate]
+    names = [name for name, (_, there) in PANELS.items() if there(file) and name in chosen]
     if not names:
-        raise Problem(f"the trajectory has nothing for {', '.join(only)}")
+        raise Problem(f"the trajectory has nothing for {', '.join(chosen)}")
     return names
 
 
@@ -430,7 +467,10 @@ def figure_of(arguments):
         if sweeps.is_sweep(file):
             return sweeps.draw(file, arguments.only, arguments.title, arguments.at)
     with open_trajectory(arguments.file, *NEEDED) as file:
-        return draw(file, panels(file, arguments.only), arguments.title or title_of(file))
+        title = arguments.title or title_of(file, arguments.file)
+        if arguments.phase:
+            return phase(file, arguments.phase, title)
+        return draw(file, panels(file, arguments.only, arguments.certificate), title)
 
 
 def main(argv):

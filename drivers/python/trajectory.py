@@ -102,6 +102,12 @@ NAMES = {"coordinate": "coordinate", "velocity": "velocity", "constraint": "cons
          "slide": "slide/slide"}
 
 
+def heading(file, path=""):
+    """Model and method; of a file without a model its own name."""
+    name = text(file.attrs.get("model", "")) or os.path.splitext(os.path.basename(path))[0]
+    return ", ".join(word for word in (name, text(file.attrs.get("method", ""))) if word)
+
+
 def names_of_rows(file, kind, count):
     """Names of coordinates, velocities, ...: the file's, else numbers."""
     path = NAMES[kind]

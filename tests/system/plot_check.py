@@ -22,8 +22,11 @@ def expect(name, holds, what=""):
 
 def axes_of(example):
     with open_trajectory(f"{example}.h5", *plot.NEEDED) as file:
-        figure = plot.draw(file, plot.panels(file, None), example)
-    return figure.axes
+        figures = [plot.draw(file, plot.panels(file, None, second), example) for second in (False, True)]
+    shown = [[axes.get_ylabel().replace("\n", " ") for axes in figure.axes] for figure in figures]
+    checks = {"energy [J]", "residual", "errors of position [m]"}
+    expect("motion and forces first", not set(shown[0]) & checks and set(shown[1]) <= checks, shown)
+    return figures[0].axes + figures[1].axes
 
 
 def lines(axes, title):
@@ -86,6 +89,30 @@ def falling_rod():
     expect("half the weight", abs(normal[-1] - weight / 2) < 1e-2 * weight, f"{normal[-1]}")
 
 
+def phases():
+    """A phase portrait has the file's numbers; energy alone bounds its orbit between impacts."""
+    with open_trajectory("pendulum.h5", *plot.NEEDED) as file:
+        (axis,) = plot.phase(file, ["theta"], "").axes
+        drawn = axis.get_lines()[0].get_xydata()
+        expect("phase", np.array_equal(drawn, np.stack([file["q"][:, 2], file["v"][:, 2]], axis=1)))
+        expect("its units", (axis.get_xlabel(), axis.get_ylabel()) == ("theta [rad]", "velocity of theta [rad/s]"),
+               (axis.get_xlabel(), axis.get_ylabel()))
+        both = [a.get_xlabel() for a in plot.phase(file, ["y", "x"], "").axes]
+        expect("one for each name", both == ["y [m]", "x [m]"], both)
+
+
+def headings():
+    """A run without a name is titled by its file."""
+    with open_trajectory("pendulum.h5", *plot.NEEDED) as file:
+        expect("title", plot.title_of(file, "x/run.h5").startswith("pendulum, implicit, dt "), plot.title_of(file))
+    with h5py.File("nameless.h5", "w") as out, h5py.File("pendulum.h5") as file:
+        for name in file:
+            file.copy(name, out)
+        out.attrs.update({**file.attrs, "model": ""})
+        expect("title of a file", plot.title_of(out, "x/run.h5").startswith("run, implicit, dt "), plot.title_of(out, "x/run.h5"))
+        expect("title of no file", plot.title_of(out).startswith("implicit, dt "), plot.title_of(out))
+
+
 def written(name, *arguments):
     tools.runs("nsdae-plot", *arguments)
     tools.expect(os.path.getsize(name) > 0, name)
@@ -104,6 +131,8 @@ def pictures(data):
         tools.expect("<svg" in file.read(), "a.svg")
     written("clearance-hinge.png", "clearance-hinge.h5")
     written("crank-slider.png", "crank-slider.h5")
+    written("c.png", "--phase", "theta", "-o", "c.png", "pendulum.h5")
+    written("d.png", "--certificate", "-o", "d.png", "pendulum.h5")
     written("b.png", "--only", "modes", "--only", "forces", "-o", "b.png", "clearance-hinge.h5")
 
 
@@ -119,6 +148,7 @@ def damaged():
 def errors():
     damaged()
     for code, words, *arguments in ((1, "nothing for forces", "--only", "forces", "a.h5"),
+                                    (1, "no coordinate is called 'thet': they are x, y, theta", "--phase", "thet", "a.h5"),
                                     (1, "No such file or directory", "none.h5"),
                                     (1, "cannot read 'text.h5'", "text.h5"),
                                     (1, "cannot read 'short.h5': truncated file", "short.h5"),
@@ -142,7 +172,7 @@ def live():
 
 
 pictures(sys.argv[2])
-for part in (incline, pendulum, falling_rod):
+for part in (incline, pendulum, falling_rod, phases, headings):
     with tools.judged(part.__name__):
         part()
 errors()
