@@ -45,6 +45,8 @@ sphinx_gallery_conf = {
     "abort_on_example_error": True,
 }
 
+highlight_language = "text"  # of blocks that name none: equations, tables
+
 html_theme = "furo"
 html_title = f"nsdae {release}"
 html_css_files = ["site.css"]

@@ -312,6 +312,7 @@ class Trajectory:
                 with animate.open_trajectory(whole) as file:
                     name = self.model or "the trajectory"
                     told.file = name
+                    told.title = animate.heading(file) if told.title is None else told.title
                     time = animate.times_of(file)
                     first, last = animate.shown(time, told.start, told.end, name)
                     animate.write(path, file, time, first, last, told)
