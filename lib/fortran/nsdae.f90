@@ -21,7 +21,7 @@ module nsdae
   private :: body_of, nsdae_body_words, nsdae_c_check, nsdae_c_error, nsdae_c_friction_file, nsdae_c_friction_origin, &
              nsdae_c_friction_points, nsdae_c_friction_problem, nsdae_c_lcp_file, nsdae_c_lcp_origin, &
              nsdae_c_lcp_problem, nsdae_c_param, nsdae_c_params, nsdae_c_record, nsdae_c_contact_set, &
-             nsdae_c_solid, nsdae_c_trajectory_info, base_of, check_size, error_at, error_from_c, error_to_c, &
+             nsdae_c_solid, nsdae_c_trajectory_info, base_of, check_size, check_state, error_at, error_from_c, error_to_c, &
              no_memory, no_user, problem_from_c, problem_to_c, refuse, rows_of_problem, shape_problem, &
              system_of, table_at, table_of
 end module

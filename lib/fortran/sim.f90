@@ -546,9 +546,7 @@ contains
     real(c_double), intent(in) :: t0
     real(c_double), intent(inout), contiguous :: q0(:), v0(:)
     if (associated(sim%run)) then
-      status = check_size('q0', size(q0), sim%run%dims%nq, sim%run%refusal)
-      if (status == NSDAE_OK) &
-          status = check_size('v0', size(v0), sim%run%dims%nv, sim%run%refusal)
+      status = check_state(sim%run%dims, 'q0', q0, 'v0', v0, sim%run%refusal)
       if (status < 0) return
     end if
     status = c_project(at(sim), t0, q0, v0)
@@ -564,9 +562,7 @@ contains
     real(c_double), intent(in) :: t0
     real(c_double), intent(in), contiguous :: q0(:), v0(:)
     if (associated(sim%run)) then
-      status = check_size('q0', size(q0), sim%run%dims%nq, sim%run%refusal)
-      if (status == NSDAE_OK) &
-          status = check_size('v0', size(v0), sim%run%dims%nv, sim%run%refusal)
+      status = check_state(sim%run%dims, 'q0', q0, 'v0', v0, sim%run%refusal)
       if (status < 0) return
     end if
     status = c_init(at(sim), t0, q0, v0)
@@ -665,8 +661,7 @@ contains
     real(c_double), intent(in) :: t
     real(c_double), intent(inout), contiguous :: q(:), v(:)
     if (associated(sim%run)) then
-      status = check_size('q', size(q), sim%run%dims%nq, sim%run%refusal)
-      if (status == NSDAE_OK) status = check_size('v', size(v), sim%run%dims%nv, sim%run%refusal)
+      status = check_state(sim%run%dims, 'q', q, 'v', v, sim%run%refusal)
       if (status < 0) return
     end if
     status = c_interpolate(at(sim), t, q, v)

@@ -10,6 +10,9 @@
 !
 ! Contacts, frictional joints, constraints and entries are numbered from 0, as in C, in the files and in the
 ! messages: contact i is gap(i + 1).
+!
+! The build fills the marked sections from lib/system/callbacks.list with each callback's interface, its pointer
+! in model, its setters and the procedure that C calls.
 module nsdae_f_system
   use, intrinsic :: iso_c_binding
   use nsdae_f_status
@@ -80,102 +83,6 @@ module nsdae_f_system
 
   abstract interface
     ! callbacks.list: interfaces
-    ! M(t,q) [nv x nv], symmetric positive definite; both triangles.
-    integer(c_int) function nsdae_mass_fn(t, q, M, user)
-      import
-      real(c_double), intent(in) :: t, q(:)
-      real(c_double), intent(inout) :: M(:, :)
-      class(*), intent(inout) :: user
-    end function
-    ! F(t,q,v) [nv]: all forces but those of constraints and contacts.
-    integer(c_int) function nsdae_force_fn(t, q, v, F, user)
-      import
-      real(c_double), intent(in) :: t, q(:), v(:)
-      real(c_double), intent(inout) :: F(:)
-      class(*), intent(inout) :: user
-    end function
-    ! Phi(t,q) [m].
-    integer(c_int) function nsdae_constraint_fn(t, q, phi, user)
-      import
-      real(c_double), intent(in) :: t, q(:)
-      real(c_double), intent(inout) :: phi(:)
-      class(*), intent(inout) :: user
-    end function
-    ! Phi_q(t,q) [m x nv], such that d Phi / dt = Phi_q v + Phi_t.
-    integer(c_int) function nsdae_constraint_jacobian_fn(t, q, J, user)
-      import
-      real(c_double), intent(in) :: t, q(:)
-      real(c_double), intent(inout) :: J(:, :)
-      class(*), intent(inout) :: user
-    end function
-    ! Phi_t(t,q) [m] and omega = (Phi_q v)_q v + 2 Phi_qt v + Phi_tt [m].
-    integer(c_int) function nsdae_constraint_bias_fn(t, q, v, phi_t, omega, user)
-      import
-      real(c_double), intent(in) :: t, q(:), v(:)
-      real(c_double), intent(inout) :: phi_t(:), omega(:)
-      class(*), intent(inout) :: user
-    end function
-    ! g_N(t,q) [k]: the distance of each contact, negative where its bodies overlap.
-    integer(c_int) function nsdae_gap_fn(t, q, g, user)
-      import
-      real(c_double), intent(in) :: t, q(:)
-      real(c_double), intent(inout) :: g(:)
-      class(*), intent(inout) :: user
-    end function
-    ! W_N(t,q) [nv x k], such that d g_N / dt = W_N^T v + w_N.
-    integer(c_int) function nsdae_gap_normal_fn(t, q, W, user)
-      import
-      real(c_double), intent(in) :: t, q(:)
-      real(c_double), intent(inout) :: W(:, :)
-      class(*), intent(inout) :: user
-    end function
-    ! W_T(t,q) [nv x k nt], such that v_T = W_T^T v + w_T; contact i has columns i nt + 1 .. i nt + nt,
-    ! for nt = 2 two directions at right angles.
-    integer(c_int) function nsdae_gap_tangent_fn(t, q, W, user)
-      import
-      real(c_double), intent(in) :: t, q(:)
-      real(c_double), intent(inout) :: W(:, :)
-      class(*), intent(inout) :: user
-    end function
-    ! w_N(t,q) [k] and w_T(t,q) [k nt]: the velocities that the contacts have with v = 0.
-    integer(c_int) function nsdae_contact_bias_fn(t, q, w_n, w_t, user)
-      import
-      real(c_double), intent(in) :: t, q(:)
-      real(c_double), intent(inout) :: w_n(:), w_t(:)
-      class(*), intent(inout) :: user
-    end function
-    ! Accelerations at v' = 0 of contacts, omega_n [k] and omega_t [k nt], and of frictional
-    ! joints, omega_s [f]: g_N'' = W_N^T v' + omega_n, v_T' = W_T^T v' + omega_t,
-    ! v_S' = W_S^T v' + omega_s.
-    integer(c_int) function nsdae_contact_acceleration_fn(t, q, v, omega_n, omega_t, omega_s, &
-        user)
-      import
-      real(c_double), intent(in) :: t, q(:), v(:)
-      real(c_double), intent(inout) :: omega_n(:), omega_t(:), omega_s(:)
-      class(*), intent(inout) :: user
-    end function
-    ! W_S(t,q) [nv x f] and w_S(t,q) [f]: the slip velocity of each frictional joint is
-    ! v_S = W_S^T v + w_S.
-    integer(c_int) function nsdae_frictional_joint_fn(t, q, W, w_s, user)
-      import
-      real(c_double), intent(in) :: t, q(:)
-      real(c_double), intent(inout) :: W(:, :), w_s(:)
-      class(*), intent(inout) :: user
-    end function
-    ! dq/dt [nq] from v [nv], linear in v.
-    integer(c_int) function nsdae_kinematics_fn(t, q, v, qdot, user)
-      import
-      real(c_double), intent(in) :: t, q(:), v(:)
-      real(c_double), intent(inout) :: qdot(:)
-      class(*), intent(inout) :: user
-    end function
-    ! Potential energy U(t,q); used only to report energies.
-    integer(c_int) function nsdae_potential_fn(t, q, energy, user)
-      import
-      real(c_double), intent(in) :: t, q(:)
-      real(c_double), intent(inout) :: energy
-      class(*), intent(inout) :: user
-    end function
     ! callbacks.list: end
 
     ! The diagonal blocks of M(t,q) [nv of the block squared each], column by column, one after
@@ -208,19 +115,6 @@ module nsdae_f_system
     type(nsdae_dims) :: dims
     class(*), pointer :: user => null()
     ! callbacks.list: procedures
-    procedure(nsdae_mass_fn), pointer, nopass :: mass => null()
-    procedure(nsdae_force_fn), pointer, nopass :: force => null()
-    procedure(nsdae_constraint_fn), pointer, nopass :: constraint => null()
-    procedure(nsdae_constraint_jacobian_fn), pointer, nopass :: constraint_jacobian => null()
-    procedure(nsdae_constraint_bias_fn), pointer, nopass :: constraint_bias => null()
-    procedure(nsdae_gap_fn), pointer, nopass :: gap => null()
-    procedure(nsdae_gap_normal_fn), pointer, nopass :: gap_normal => null()
-    procedure(nsdae_gap_tangent_fn), pointer, nopass :: gap_tangent => null()
-    procedure(nsdae_contact_bias_fn), pointer, nopass :: contact_bias => null()
-    procedure(nsdae_contact_acceleration_fn), pointer, nopass :: contact_acceleration => null()
-    procedure(nsdae_frictional_joint_fn), pointer, nopass :: frictional_joint_tangent => null()
-    procedure(nsdae_kinematics_fn), pointer, nopass :: kinematics => null()
-    procedure(nsdae_potential_fn), pointer, nopass :: potential => null()
     ! callbacks.list: end
     integer(c_int) :: squares = 0  ! entries of M by blocks
     procedure(nsdae_mass_blocks_fn), pointer, nopass :: mass_blocks => null()
@@ -242,21 +136,8 @@ module nsdae_f_system
   end type
   type(nobody), target, save :: no_user
 
-  public :: no_user, nsdae_system_for_user, system_of
+  public :: no_user, nsdae_system_for_user, system_of, check_state
   ! callbacks.list: public_types
-  public :: nsdae_mass_fn
-  public :: nsdae_force_fn
-  public :: nsdae_constraint_fn
-  public :: nsdae_constraint_jacobian_fn
-  public :: nsdae_constraint_bias_fn
-  public :: nsdae_gap_fn
-  public :: nsdae_gap_normal_fn
-  public :: nsdae_gap_tangent_fn
-  public :: nsdae_contact_bias_fn
-  public :: nsdae_contact_acceleration_fn
-  public :: nsdae_frictional_joint_fn
-  public :: nsdae_kinematics_fn
-  public :: nsdae_potential_fn
   ! callbacks.list: end
   public :: nsdae_system_create, nsdae_system_destroy, nsdae_system_set_user, &
             nsdae_system_set_contact, nsdae_system_set_frictional_joint, nsdae_system_error, &
@@ -269,19 +150,6 @@ module nsdae_f_system
             nsdae_system_set_constraint_rows, nsdae_system_set_contacts, nsdae_contact_add, &
             nsdae_row_add
   ! callbacks.list: public_setters
-  public :: nsdae_system_set_mass
-  public :: nsdae_system_set_force
-  public :: nsdae_system_set_constraint
-  public :: nsdae_system_set_constraint_jacobian
-  public :: nsdae_system_set_constraint_bias
-  public :: nsdae_system_set_gap
-  public :: nsdae_system_set_gap_normal
-  public :: nsdae_system_set_gap_tangent
-  public :: nsdae_system_set_contact_bias
-  public :: nsdae_system_set_contact_acceleration
-  public :: nsdae_system_set_frictional_joint_tangent
-  public :: nsdae_system_set_kinematics
-  public :: nsdae_system_set_potential
   ! callbacks.list: end
 
   interface
@@ -370,86 +238,7 @@ module nsdae_f_system
       type(nsdae_c_check), intent(inout) :: worst
     end function
 
-    ! The setters of the callbacks, all alike.
     ! callbacks.list: c_setters
-    integer(c_int) function c_set_mass(system, callback) &
-        bind(C, name='nsdae_system_set_mass')
-      import
-      type(c_ptr), value :: system
-      type(c_funptr), value :: callback
-    end function
-    integer(c_int) function c_set_force(system, callback) &
-        bind(C, name='nsdae_system_set_force')
-      import
-      type(c_ptr), value :: system
-      type(c_funptr), value :: callback
-    end function
-    integer(c_int) function c_set_constraint(system, callback) &
-        bind(C, name='nsdae_system_set_constraint')
-      import
-      type(c_ptr), value :: system
-      type(c_funptr), value :: callback
-    end function
-    integer(c_int) function c_set_constraint_jacobian(system, callback) &
-        bind(C, name='nsdae_system_set_constraint_jacobian')
-      import
-      type(c_ptr), value :: system
-      type(c_funptr), value :: callback
-    end function
-    integer(c_int) function c_set_constraint_bias(system, callback) &
-        bind(C, name='nsdae_system_set_constraint_bias')
-      import
-      type(c_ptr), value :: system
-      type(c_funptr), value :: callback
-    end function
-    integer(c_int) function c_set_gap(system, callback) &
-        bind(C, name='nsdae_system_set_gap')
-      import
-      type(c_ptr), value :: system
-      type(c_funptr), value :: callback
-    end function
-    integer(c_int) function c_set_gap_normal(system, callback) &
-        bind(C, name='nsdae_system_set_gap_normal')
-      import
-      type(c_ptr), value :: system
-      type(c_funptr), value :: callback
-    end function
-    integer(c_int) function c_set_gap_tangent(system, callback) &
-        bind(C, name='nsdae_system_set_gap_tangent')
-      import
-      type(c_ptr), value :: system
-      type(c_funptr), value :: callback
-    end function
-    integer(c_int) function c_set_contact_bias(system, callback) &
-        bind(C, name='nsdae_system_set_contact_bias')
-      import
-      type(c_ptr), value :: system
-      type(c_funptr), value :: callback
-    end function
-    integer(c_int) function c_set_contact_acceleration(system, callback) &
-        bind(C, name='nsdae_system_set_contact_acceleration')
-      import
-      type(c_ptr), value :: system
-      type(c_funptr), value :: callback
-    end function
-    integer(c_int) function c_set_frictional_joint_tangent(system, callback) &
-        bind(C, name='nsdae_system_set_frictional_joint_tangent')
-      import
-      type(c_ptr), value :: system
-      type(c_funptr), value :: callback
-    end function
-    integer(c_int) function c_set_kinematics(system, callback) &
-        bind(C, name='nsdae_system_set_kinematics')
-      import
-      type(c_ptr), value :: system
-      type(c_funptr), value :: callback
-    end function
-    integer(c_int) function c_set_potential(system, callback) &
-        bind(C, name='nsdae_system_set_potential')
-      import
-      type(c_ptr), value :: system
-      type(c_funptr), value :: callback
-    end function
     ! callbacks.list: end
     integer(c_int) function c_set_blocks(system, count, nq, nv) &
         bind(C, name='nsdae_system_set_blocks')
@@ -695,6 +484,17 @@ contains
     text = from_c(c_unseen(at(system)))
   end function
 
+  ! NSDAE_E_ARGUMENT where q or v, arguments of these names, has not the size it must have; for the other modules
+  ! too.
+  integer(c_int) function check_state(dims, q_name, q, v_name, v, error) result(status)
+    type(nsdae_dims), intent(in) :: dims
+    character(len=*), intent(in) :: q_name, v_name
+    real(c_double), intent(in) :: q(:), v(:)
+    type(nsdae_error), intent(inout) :: error
+    status = check_size(q_name, size(q), dims%nq, error)
+    if (status == NSDAE_OK) status = check_size(v_name, size(v), dims%nv, error)
+  end function
+
   ! Looks at every callback that is given, at (t, q [nq], v [nv]): what it writes beyond its arrays,
   ! never writes, or writes that is no number; then every derivative against central differences of
   ! what it derives from, the mass matrix against its transpose, and directions of friction that
@@ -707,9 +507,7 @@ contains
     type(nsdae_check), intent(out), optional :: worst
     type(nsdae_c_check) :: from
     if (associated(system%model)) then
-      status = check_size('q', size(q), system%model%dims%nq, system%model%refusal)
-      if (status == NSDAE_OK) &
-          status = check_size('v', size(v), system%model%dims%nv, system%model%refusal)
+      status = check_state(system%model%dims, 'q', q, 'v', v, system%model%refusal)
       if (status < 0) return
     end if
     status = c_check(at(system), t, q, v, tol, from)
@@ -727,100 +525,6 @@ contains
   ! central differences or taken as zero. NSDAE_E_ARGUMENT: the system has no such term.
 
   ! callbacks.list: f_setters
-  integer(c_int) function nsdae_system_set_mass(system, mass) result(status)
-    type(nsdae_system), intent(in) :: system
-    procedure(nsdae_mass_fn) :: mass
-    status = c_set_mass(at(system), c_funloc(call_mass))
-    if (status == NSDAE_OK) system%model%mass => mass
-  end function
-
-  integer(c_int) function nsdae_system_set_force(system, force) result(status)
-    type(nsdae_system), intent(in) :: system
-    procedure(nsdae_force_fn) :: force
-    status = c_set_force(at(system), c_funloc(call_force))
-    if (status == NSDAE_OK) system%model%force => force
-  end function
-
-  integer(c_int) function nsdae_system_set_constraint(system, constraint) result(status)
-    type(nsdae_system), intent(in) :: system
-    procedure(nsdae_constraint_fn) :: constraint
-    status = c_set_constraint(at(system), c_funloc(call_constraint))
-    if (status == NSDAE_OK) system%model%constraint => constraint
-  end function
-
-  integer(c_int) function nsdae_system_set_constraint_jacobian(system, constraint_jacobian) &
-      result(status)
-    type(nsdae_system), intent(in) :: system
-    procedure(nsdae_constraint_jacobian_fn) :: constraint_jacobian
-    status = c_set_constraint_jacobian(at(system), c_funloc(call_constraint_jacobian))
-    if (status == NSDAE_OK) system%model%constraint_jacobian => constraint_jacobian
-  end function
-
-  integer(c_int) function nsdae_system_set_constraint_bias(system, constraint_bias) result(status)
-    type(nsdae_system), intent(in) :: system
-    procedure(nsdae_constraint_bias_fn) :: constraint_bias
-    status = c_set_constraint_bias(at(system), c_funloc(call_constraint_bias))
-    if (status == NSDAE_OK) system%model%constraint_bias => constraint_bias
-  end function
-
-  integer(c_int) function nsdae_system_set_gap(system, gap) result(status)
-    type(nsdae_system), intent(in) :: system
-    procedure(nsdae_gap_fn) :: gap
-    status = c_set_gap(at(system), c_funloc(call_gap))
-    if (status == NSDAE_OK) system%model%gap => gap
-  end function
-
-  integer(c_int) function nsdae_system_set_gap_normal(system, gap_normal) result(status)
-    type(nsdae_system), intent(in) :: system
-    procedure(nsdae_gap_normal_fn) :: gap_normal
-    status = c_set_gap_normal(at(system), c_funloc(call_gap_normal))
-    if (status == NSDAE_OK) system%model%gap_normal => gap_normal
-  end function
-
-  integer(c_int) function nsdae_system_set_gap_tangent(system, gap_tangent) result(status)
-    type(nsdae_system), intent(in) :: system
-    procedure(nsdae_gap_tangent_fn) :: gap_tangent
-    status = c_set_gap_tangent(at(system), c_funloc(call_gap_tangent))
-    if (status == NSDAE_OK) system%model%gap_tangent => gap_tangent
-  end function
-
-  integer(c_int) function nsdae_system_set_contact_bias(system, contact_bias) result(status)
-    type(nsdae_system), intent(in) :: system
-    procedure(nsdae_contact_bias_fn) :: contact_bias
-    status = c_set_contact_bias(at(system), c_funloc(call_contact_bias))
-    if (status == NSDAE_OK) system%model%contact_bias => contact_bias
-  end function
-
-  integer(c_int) function nsdae_system_set_contact_acceleration(system, contact_acceleration) &
-      result(status)
-    type(nsdae_system), intent(in) :: system
-    procedure(nsdae_contact_acceleration_fn) :: contact_acceleration
-    status = c_set_contact_acceleration(at(system), c_funloc(call_contact_acceleration))
-    if (status == NSDAE_OK) system%model%contact_acceleration => contact_acceleration
-  end function
-
-  integer(c_int) function nsdae_system_set_frictional_joint_tangent(system, frictional_joint_tangent) &
-      result(status)
-    type(nsdae_system), intent(in) :: system
-    procedure(nsdae_frictional_joint_fn) :: frictional_joint_tangent
-    status = c_set_frictional_joint_tangent(at(system), c_funloc(call_frictional_joint_tangent))
-    if (status == NSDAE_OK) system%model%frictional_joint_tangent => frictional_joint_tangent
-  end function
-
-  integer(c_int) function nsdae_system_set_kinematics(system, kinematics) result(status)
-    type(nsdae_system), intent(in) :: system
-    procedure(nsdae_kinematics_fn) :: kinematics
-    status = c_set_kinematics(at(system), c_funloc(call_kinematics))
-    if (status == NSDAE_OK) system%model%kinematics => kinematics
-  end function
-
-  integer(c_int) function nsdae_system_set_potential(system, potential) result(status)
-    type(nsdae_system), intent(in) :: system
-    procedure(nsdae_potential_fn) :: potential
-    status = c_set_potential(at(system), c_funloc(call_potential))
-    if (status == NSDAE_OK) system%model%potential => potential
-  end function
-
   ! callbacks.list: end
 
   ! Splits q and v into blocks: block b has nq(b + 1) coordinates and nv(b + 1) velocities. The
@@ -899,180 +603,6 @@ contains
   end function
 
   ! callbacks.list: calls
-  integer(c_int) function call_mass(t, q, M, ld, user) &
-      result(status) bind(C, name='')
-    real(c_double), value :: t
-    real(c_double), intent(in) :: q(*)
-    integer(c_int), value :: ld
-    real(c_double), intent(inout) :: M(ld, *)
-    type(c_ptr), value :: user
-    type(model), pointer :: here
-    here => model_at(user)
-    associate (d => here%dims)
-      status = here%mass(t, q(:d%nq), M(:d%nv, :d%nv), here%user)
-    end associate
-  end function
-
-  integer(c_int) function call_force(t, q, v, F, user) &
-      result(status) bind(C, name='')
-    real(c_double), value :: t
-    real(c_double), intent(in) :: q(*), v(*)
-    real(c_double), intent(inout) :: F(*)
-    type(c_ptr), value :: user
-    type(model), pointer :: here
-    here => model_at(user)
-    associate (d => here%dims)
-      status = here%force(t, q(:d%nq), v(:d%nv), F(:d%nv), here%user)
-    end associate
-  end function
-
-  integer(c_int) function call_constraint(t, q, phi, user) &
-      result(status) bind(C, name='')
-    real(c_double), value :: t
-    real(c_double), intent(in) :: q(*)
-    real(c_double), intent(inout) :: phi(*)
-    type(c_ptr), value :: user
-    type(model), pointer :: here
-    here => model_at(user)
-    associate (d => here%dims)
-      status = here%constraint(t, q(:d%nq), phi(:d%m), here%user)
-    end associate
-  end function
-
-  integer(c_int) function call_constraint_jacobian(t, q, J, ld, user) &
-      result(status) bind(C, name='')
-    real(c_double), value :: t
-    real(c_double), intent(in) :: q(*)
-    integer(c_int), value :: ld
-    real(c_double), intent(inout) :: J(ld, *)
-    type(c_ptr), value :: user
-    type(model), pointer :: here
-    here => model_at(user)
-    associate (d => here%dims)
-      status = here%constraint_jacobian(t, q(:d%nq), J(:d%m, :d%nv), here%user)
-    end associate
-  end function
-
-  integer(c_int) function call_constraint_bias(t, q, v, phi_t, omega, user) &
-      result(status) bind(C, name='')
-    real(c_double), value :: t
-    real(c_double), intent(in) :: q(*), v(*)
-    real(c_double), intent(inout) :: phi_t(*), omega(*)
-    type(c_ptr), value :: user
-    type(model), pointer :: here
-    here => model_at(user)
-    associate (d => here%dims)
-      status = here%constraint_bias(t, q(:d%nq), v(:d%nv), phi_t(:d%m), omega(:d%m), here%user)
-    end associate
-  end function
-
-  integer(c_int) function call_gap(t, q, g, user) &
-      result(status) bind(C, name='')
-    real(c_double), value :: t
-    real(c_double), intent(in) :: q(*)
-    real(c_double), intent(inout) :: g(*)
-    type(c_ptr), value :: user
-    type(model), pointer :: here
-    here => model_at(user)
-    associate (d => here%dims)
-      status = here%gap(t, q(:d%nq), g(:d%k), here%user)
-    end associate
-  end function
-
-  integer(c_int) function call_gap_normal(t, q, W, ld, user) &
-      result(status) bind(C, name='')
-    real(c_double), value :: t
-    real(c_double), intent(in) :: q(*)
-    integer(c_int), value :: ld
-    real(c_double), intent(inout) :: W(ld, *)
-    type(c_ptr), value :: user
-    type(model), pointer :: here
-    here => model_at(user)
-    associate (d => here%dims)
-      status = here%gap_normal(t, q(:d%nq), W(:d%nv, :d%k), here%user)
-    end associate
-  end function
-
-  integer(c_int) function call_gap_tangent(t, q, W, ld, user) &
-      result(status) bind(C, name='')
-    real(c_double), value :: t
-    real(c_double), intent(in) :: q(*)
-    integer(c_int), value :: ld
-    real(c_double), intent(inout) :: W(ld, *)
-    type(c_ptr), value :: user
-    type(model), pointer :: here
-    here => model_at(user)
-    associate (d => here%dims)
-      status = here%gap_tangent(t, q(:d%nq), W(:d%nv, :d%k * d%nt), here%user)
-    end associate
-  end function
-
-  integer(c_int) function call_contact_bias(t, q, w_n, w_t, user) &
-      result(status) bind(C, name='')
-    real(c_double), value :: t
-    real(c_double), intent(in) :: q(*)
-    real(c_double), intent(inout) :: w_n(*)
-    type(c_ptr), value :: w_t, user
-    type(model), pointer :: here
-    here => model_at(user)
-    associate (d => here%dims)
-      status = here%contact_bias(t, q(:d%nq), w_n(:d%k), array_at(w_t, d%k * d%nt), here%user)
-    end associate
-  end function
-
-  integer(c_int) function call_contact_acceleration(t, q, v, omega_n, omega_t, omega_s, user) &
-      result(status) bind(C, name='')
-    real(c_double), value :: t
-    real(c_double), intent(in) :: q(*), v(*)
-    type(c_ptr), value :: omega_n, omega_t, omega_s, user
-    type(model), pointer :: here
-    here => model_at(user)
-    associate (d => here%dims)
-      status = here%contact_acceleration(t, q(:d%nq), v(:d%nv), array_at(omega_n, d%k), &
-          array_at(omega_t, d%k * d%nt), array_at(omega_s, d%f), here%user)
-    end associate
-  end function
-
-  integer(c_int) function call_frictional_joint_tangent(t, q, W, ld, w_s, user) &
-      result(status) bind(C, name='')
-    real(c_double), value :: t
-    real(c_double), intent(in) :: q(*)
-    integer(c_int), value :: ld
-    real(c_double), intent(inout) :: W(ld, *), w_s(*)
-    type(c_ptr), value :: user
-    type(model), pointer :: here
-    here => model_at(user)
-    associate (d => here%dims)
-      status = here%frictional_joint_tangent(t, q(:d%nq), W(:d%nv, :d%f), w_s(:d%f), here%user)
-    end associate
-  end function
-
-  integer(c_int) function call_kinematics(t, q, v, qdot, user) &
-      result(status) bind(C, name='')
-    real(c_double), value :: t
-    real(c_double), intent(in) :: q(*), v(*)
-    real(c_double), intent(inout) :: qdot(*)
-    type(c_ptr), value :: user
-    type(model), pointer :: here
-    here => model_at(user)
-    associate (d => here%dims)
-      status = here%kinematics(t, q(:d%nq), v(:d%nv), qdot(:d%nq), here%user)
-    end associate
-  end function
-
-  integer(c_int) function call_potential(t, q, energy, user) &
-      result(status) bind(C, name='')
-    real(c_double), value :: t
-    real(c_double), intent(in) :: q(*)
-    real(c_double), intent(inout) :: energy
-    type(c_ptr), value :: user
-    type(model), pointer :: here
-    here => model_at(user)
-    associate (d => here%dims)
-      status = here%potential(t, q(:d%nq), energy, here%user)
-    end associate
-  end function
-
   ! callbacks.list: end
 
   integer(c_int) function call_mass_blocks(t, q, M, user) result(status) bind(C, name='')
