@@ -150,110 +150,10 @@ module nsdae_f_bodies
             nsdae_bodies_locate, nsdae_bodies_error, nsdae_solid_inertia
 
   interface
-    integer(c_int) function c_create(dimension, bodies, error) bind(C, name='nsdae_bodies_create')
-      import
-      integer(c_int), value :: dimension
-      type(c_ptr), intent(out) :: bodies
-      type(nsdae_c_error), intent(inout) :: error
-    end function
-    subroutine c_destroy(bodies) bind(C, name='nsdae_bodies_destroy')
-      import
-      type(c_ptr), intent(inout) :: bodies
-    end subroutine
-    integer(c_int) function c_add(bodies, body) bind(C, name='nsdae_bodies_add')
-      import
-      type(c_ptr), value :: bodies
-      type(nsdae_rigid_body), intent(in) :: body
-    end function
-    integer(c_int) function c_add_joint(bodies, joint) bind(C, name='nsdae_bodies_add_joint')
-      import
-      type(c_ptr), value :: bodies
-      type(nsdae_joint), intent(in) :: joint
-    end function
-    integer(c_int) function c_add_spring(bodies, spring) bind(C, name='nsdae_bodies_add_spring')
-      import
-      type(c_ptr), value :: bodies
-      type(nsdae_spring), intent(in) :: spring
-    end function
-    integer(c_int) function c_add_torsion(bodies, torsion) bind(C, name='nsdae_bodies_add_torsion')
-      import
-      type(c_ptr), value :: bodies
-      type(nsdae_torsion), intent(in) :: torsion
-    end function
-    integer(c_int) function c_add_load(bodies, body, point, load, user) &
-        bind(C, name='nsdae_bodies_add_load')
-      import
-      type(c_ptr), value :: bodies, user
-      integer(c_int), value :: body
-      real(c_double), intent(in) :: point(3)
-      type(c_funptr), value :: load
-    end function
-    integer(c_int) function c_add_solid(bodies, body, solid) bind(C, name='nsdae_bodies_add_solid')
-      import
-      type(c_ptr), value :: bodies
-      integer(c_int), value :: body
-      type(nsdae_c_solid), intent(in) :: solid
-    end function
-    integer(c_int) function c_add_contact(bodies, solid0, solid1, mu, e_n, e_t) &
-        bind(C, name='nsdae_bodies_add_contact')
-      import
-      type(c_ptr), value :: bodies
-      integer(c_int), value :: solid0, solid1
-      real(c_double), value :: mu, e_n, e_t
-    end function
-    integer(c_int) function c_set_pair(bodies, material0, material1, mu, e_n, e_t) &
-        bind(C, name='nsdae_bodies_set_pair')
-      import
-      type(c_ptr), value :: bodies
-      integer(c_int), value :: material0, material1
-      real(c_double), value :: mu, e_n, e_t
-    end function
-    integer(c_int) function c_set_gravity(bodies, gravity) &
-        bind(C, name='nsdae_bodies_set_gravity')
-      import
-      type(c_ptr), value :: bodies
-      real(c_double), intent(in) :: gravity(3)
-    end function
-    integer(c_int) function c_set_own(bodies, own) bind(C, name='nsdae_bodies_set_user_rows')
-      import
-      type(c_ptr), value :: bodies
-      type(nsdae_user_rows), intent(in) :: own
-    end function
-    integer(c_int) function c_system(bodies, system) bind(C, name='nsdae_bodies_system')
-      import
-      type(c_ptr), value :: bodies
-      type(c_ptr), intent(inout) :: system
-    end function
-    integer(c_int) function c_get_dims(bodies, dims) bind(C, name='nsdae_bodies_get_dims')
-      import
-      type(c_ptr), value :: bodies
-      type(nsdae_dims), intent(inout) :: dims
-    end function
-    integer(c_int) function c_get_start(bodies, q, v) bind(C, name='nsdae_bodies_get_start')
-      import
-      type(c_ptr), value :: bodies
-      real(c_double), intent(inout) :: q(*), v(*)
-    end function
-    integer(c_int) function c_locate(bodies, q, body, local, point) &
-        bind(C, name='nsdae_bodies_locate')
-      import
-      type(c_ptr), value :: bodies
-      real(c_double), intent(in) :: q(*), local(3)
-      integer(c_int), value :: body
-      real(c_double), intent(inout) :: point(3)
-    end function
-    type(c_ptr) function c_error(bodies) bind(C, name='nsdae_bodies_error')
-      import
-      type(c_ptr), value :: bodies
-    end function
-    integer(c_int) function c_inertia(solid, density, mass, inertia, error) &
-        bind(C, name='nsdae_solid_inertia')
-      import
-      type(nsdae_c_solid), intent(in) :: solid
-      real(c_double), value :: density
-      real(c_double), intent(inout) :: mass, inertia(3)
-      type(nsdae_c_error), intent(inout) :: error
-    end function
+    ! headers: functions nsdae_bodies_ create destroy add add_joint add_spring add_torsion add_load add_solid
+    ! headers: functions nsdae_bodies_ add_contact set_pair set_gravity set_user_rows system get_dims
+    ! headers: functions nsdae_bodies_ get_start locate error
+    ! headers: functions nsdae_solid_ inertia
   end interface
 
 contains
@@ -350,7 +250,7 @@ contains
   integer(c_int) function nsdae_bodies_set_user_rows(bodies, own) result(status)
     type(nsdae_bodies), intent(in) :: bodies
     type(nsdae_user_rows), intent(in) :: own
-    status = c_set_own(bodies%handle, own)
+    status = c_set_user_rows(bodies%handle, own)
   end function
 
   ! The system of it all; the first failure of any call before. bodies must outlive it.

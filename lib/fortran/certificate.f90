@@ -20,14 +20,7 @@ module nsdae_f_certificate
   public :: nsdae_outcome_name, nsdae_proof_name
 
   interface
-    type(c_ptr) function c_outcome_name(outcome) bind(C, name='nsdae_outcome_name')
-      import
-      integer(c_int), value :: outcome
-    end function
-    type(c_ptr) function c_proof_name(proof) bind(C, name='nsdae_proof_name')
-      import
-      integer(c_int), value :: proof
-    end function
+    ! headers: functions nsdae_ outcome_name proof_name
   end interface
 
 contains

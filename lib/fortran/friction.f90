@@ -121,55 +121,8 @@ module nsdae_f_friction
       type(nsdae_friction_solver), intent(inout) :: solver
     end subroutine
 
-    type(c_ptr) function c_stage_name(stage) bind(C, name='nsdae_friction_stage_name')
-      import
-      integer(c_int), value :: stage
-    end function
-    integer(c_int) function c_check(problem, error) bind(C, name='nsdae_friction_check')
-      import
-      type(nsdae_c_friction_problem), intent(in) :: problem
-      type(nsdae_c_error), intent(inout) :: error
-    end function
-    integer(c_int) function c_solve(problem, options, r, u, info) bind(C, name='nsdae_friction_solve')
-      import
-      type(nsdae_c_friction_problem), intent(in) :: problem
-      type(nsdae_friction_options), intent(in), optional :: options
-      real(c_double), intent(inout) :: r(*), u(*)
-      type(nsdae_friction_info), intent(out), optional :: info
-    end function
-    integer(c_int) function c_solve_twice(problem, options, r, low, u, info) &
-        bind(C, name='nsdae_friction_solve_twice')
-      import
-      type(nsdae_c_friction_problem), intent(in) :: problem
-      type(nsdae_friction_options), intent(in), optional :: options
-      real(c_double), intent(inout) :: r(*), low(*), u(*)
-      type(nsdae_friction_info), intent(out), optional :: info
-    end function
-    integer(c_int) function c_solver_solve(handle, problem, options, r, u, info) &
-        bind(C, name='nsdae_friction_solver_solve')
-      import
-      type(c_ptr), value :: handle
-      type(nsdae_c_friction_problem), intent(in) :: problem
-      type(nsdae_friction_options), intent(in), optional :: options
-      real(c_double), intent(inout) :: r(*), u(*)
-      type(nsdae_friction_info), intent(out), optional :: info
-    end function
-    integer(c_int) function c_residual(problem, r, u, residual) &
-        bind(C, name='nsdae_friction_residual')
-      import
-      type(nsdae_c_friction_problem), intent(in) :: problem
-      real(c_double), intent(in) :: r(*)
-      real(c_double), intent(inout) :: u(*)
-      real(c_double), intent(out) :: residual
-    end function
-    integer(c_int) function c_residual_twice(problem, r, low, u, residual) &
-        bind(C, name='nsdae_friction_residual_twice')
-      import
-      type(nsdae_c_friction_problem), intent(in) :: problem
-      real(c_double), intent(in) :: r(*), low(*)
-      real(c_double), intent(inout) :: u(*)
-      real(c_double), intent(out) :: residual
-    end function
+    ! headers: functions nsdae_friction_ stage_name check solve solve_twice solver_solve residual
+    ! headers: functions nsdae_friction_ residual_twice
   end interface
 
 contains

@@ -53,25 +53,8 @@ module nsdae_f_friction_file
   public :: nsdae_friction_write, nsdae_friction_read, nsdae_friction_file_release
 
   interface
-    integer(c_int) function c_write(path, problem, points, origin, error) &
-        bind(C, name='nsdae_friction_write')
-      import
-      character(kind=c_char), intent(in) :: path(*)
-      type(nsdae_c_friction_problem), intent(in) :: problem
-      type(nsdae_c_friction_points), intent(in) :: points
-      type(nsdae_c_friction_origin), intent(in), optional :: origin
-      type(nsdae_c_error), intent(inout) :: error
-    end function
-    integer(c_int) function c_read(path, file, error) bind(C, name='nsdae_friction_read')
-      import
-      character(kind=c_char), intent(in) :: path(*)
-      type(nsdae_c_friction_file), intent(out) :: file
-      type(nsdae_c_error), intent(inout) :: error
-    end function
-    subroutine c_release(file) bind(C, name='nsdae_friction_file_release')
-      import
-      type(nsdae_c_friction_file), intent(inout) :: file
-    end subroutine
+    ! headers: functions nsdae_friction_file_ release
+    ! headers: functions nsdae_friction_ write read
   end interface
 
 contains

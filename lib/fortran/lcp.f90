@@ -91,48 +91,8 @@ module nsdae_f_lcp
       integer(c_int), intent(out) :: lwork, liwork
     end function
 
-    type(c_ptr) function c_stage_name(stage) bind(C, name='nsdae_lcp_stage_name')
-      import
-      integer(c_int), value :: stage
-    end function
-    type(c_ptr) function c_ray_name(ray) bind(C, name='nsdae_lcp_ray_name')
-      import
-      integer(c_int), value :: ray
-    end function
-    integer(c_int) function c_write(path, problem, origin, error) bind(C, name='nsdae_lcp_write')
-      import
-      character(kind=c_char), intent(in) :: path(*)
-      type(nsdae_c_lcp_problem), intent(in) :: problem
-      type(nsdae_c_lcp_origin), intent(in), optional :: origin
-      type(nsdae_c_error), intent(inout) :: error
-    end function
-    integer(c_int) function c_read(path, file, error) bind(C, name='nsdae_lcp_read')
-      import
-      character(kind=c_char), intent(in) :: path(*)
-      type(nsdae_c_lcp_file), intent(inout) :: file
-      type(nsdae_c_error), intent(inout) :: error
-    end function
-    subroutine c_release(file) bind(C, name='nsdae_lcp_file_release')
-      import
-      type(nsdae_c_lcp_file), intent(inout) :: file
-    end subroutine
-    integer(c_int) function c_solve(problem, options, x, y, info) bind(C, name='nsdae_lcp_solve')
-      import
-      type(nsdae_c_lcp_problem), intent(in) :: problem
-      type(nsdae_lcp_options), intent(in), optional :: options
-      real(c_double), intent(inout) :: x(*), y(*)
-      type(nsdae_lcp_info), intent(out), optional :: info
-    end function
-    integer(c_int) function c_solve_in(problem, options, basis, x, y, info, work, lwork, iwork, &
-                                       liwork) bind(C, name='nsdae_lcp_solve_in')
-      import
-      type(nsdae_c_lcp_problem), intent(in) :: problem
-      type(nsdae_lcp_options), intent(in), optional :: options
-      integer(c_int), intent(inout) :: basis(*), iwork(*)
-      real(c_double), intent(inout) :: x(*), y(*), work(*)
-      type(nsdae_lcp_info), intent(out), optional :: info
-      integer(c_int), value :: lwork, liwork
-    end function
+    ! headers: functions nsdae_lcp_file_ release
+    ! headers: functions nsdae_lcp_ stage_name ray_name write read solve solve_in
   end interface
 
 contains

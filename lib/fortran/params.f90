@@ -77,42 +77,8 @@ module nsdae_f_params
   public :: table_at, table_of, base_of
 
   interface
-    subroutine c_default(table, base) bind(C, name='nsdae_params_default')
-      import
-      type(nsdae_c_params), intent(in) :: table
-      type(c_ptr), value :: base
-    end subroutine
-    integer(c_int) function c_set(table, base, key, val, error) bind(C, name='nsdae_params_set')
-      import
-      type(nsdae_c_params), intent(in) :: table
-      type(c_ptr), value :: base
-      character(kind=c_char), intent(in) :: key(*), val(*)
-      type(nsdae_c_error), intent(inout) :: error
-    end function
-    integer(c_int) function c_check(table, base, error) bind(C, name='nsdae_params_check')
-      import
-      type(nsdae_c_params), intent(in) :: table
-      type(c_ptr), value :: base
-      type(nsdae_c_error), intent(inout) :: error
-    end function
-    subroutine c_format(param, base, text, text_size) bind(C, name='nsdae_params_format')
-      import
-      type(nsdae_c_param), intent(in) :: param
-      type(c_ptr), value :: base
-      character(kind=c_char), intent(inout) :: text(*)
-      integer(c_size_t), value :: text_size
-    end subroutine
-    subroutine c_range(param, text, text_size) bind(C, name='nsdae_params_range')
-      import :: nsdae_c_param, c_char, c_size_t
-      type(nsdae_c_param), intent(in) :: param
-      character(kind=c_char), intent(out) :: text(*)
-      integer(c_size_t), value :: text_size
-    end subroutine
-    type(c_ptr) function c_nearest(word, names) bind(C, name='nsdae_suggest_name')
-      import
-      character(kind=c_char), intent(in) :: word(*)
-      type(c_ptr), intent(in) :: names(*)
-    end function
+    ! headers: functions nsdae_params_ default set check format range
+    ! headers: functions nsdae_ suggest_name
   end interface
 
 contains
@@ -409,7 +375,7 @@ contains
     type(c_ptr) :: pointers(size(names) + 1)
     call c_names(names, words, pointers)
     call to_chars(word, c_word)
-    near = from_c(c_nearest(c_word, pointers))
+    near = from_c(c_suggest_name(c_word, pointers))
   end function
 
   ! What follows serves the other modules.

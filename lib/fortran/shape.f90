@@ -45,16 +45,7 @@ module nsdae_f_shape
   public :: nsdae_system_add_body, nsdae_system_get_bodies, body_of
 
   interface
-    integer(c_int) function c_add_body(system, body) bind(C, name='nsdae_system_add_body')
-      import
-      type(c_ptr), value :: system
-      type(nsdae_c_body), intent(in) :: body
-    end function
-    type(c_ptr) function c_get_bodies(system, n) bind(C, name='nsdae_system_get_bodies')
-      import
-      type(c_ptr), value :: system
-      integer(c_int), intent(out) :: n
-    end function
+    ! headers: functions nsdae_system_ add_body get_bodies
   end interface
 
 contains

@@ -63,20 +63,7 @@ module nsdae_f_status
   public :: error_from_c, error_at, error_to_c, refuse, check_size, no_memory
 
   interface
-    type(c_ptr) function c_version() bind(C, name='nsdae_version')
-      import
-    end function
-    type(c_ptr) function c_build_info() bind(C, name='nsdae_build_info')
-      import
-    end function
-    type(c_ptr) function c_status_name(status) bind(C, name='nsdae_status_name')
-      import
-      integer(c_int), value :: status
-    end function
-    type(c_ptr) function c_status_message(status) bind(C, name='nsdae_status_message')
-      import
-      integer(c_int), value :: status
-    end function
+    ! headers: functions nsdae_ version build_info status_name status_message
   end interface
 
 contains

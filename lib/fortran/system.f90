@@ -153,133 +153,14 @@ module nsdae_f_system
   ! callbacks.list: end
 
   interface
-    integer(c_int) function c_create(dims, system, error) bind(C, name='nsdae_system_create')
-      import
-      type(nsdae_dims), intent(in) :: dims
-      type(c_ptr), intent(out) :: system
-      type(nsdae_c_error), intent(inout) :: error
-    end function
-    subroutine c_destroy(system) bind(C, name='nsdae_system_destroy')
-      import
-      type(c_ptr), intent(inout) :: system
-    end subroutine
-    integer(c_int) function c_set_user(system, user) bind(C, name='nsdae_system_set_user')
-      import
-      type(c_ptr), value :: system, user
-    end function
-    integer(c_int) function c_set_contact(system, i, mu, e_n, e_t) &
-        bind(C, name='nsdae_system_set_contact')
-      import
-      type(c_ptr), value :: system
-      integer(c_int), value :: i
-      real(c_double), value :: mu, e_n, e_t
-    end function
-    subroutine c_clear_error(system) bind(C, name='nsdae_system_clear_error')
-      import
-      type(c_ptr), value :: system
-    end subroutine
-    integer(c_int) function c_simulations(system) bind(C, name='nsdae_system_simulations')
-      import
-      type(c_ptr), value :: system
-    end function
-    integer(c_int) function c_set_name(system, kind, i, name, unit) &
-        bind(C, name='nsdae_system_set_name')
-      import
-      type(c_ptr), value :: system
-      integer(c_int), value :: kind, i
-      character(kind=c_char), intent(in) :: name(*), unit(*)
-    end function
-    integer(c_int) function c_set_size(system, kind, i, size) &
-        bind(C, name='nsdae_system_set_size')
-      import
-      type(c_ptr), value :: system
-      integer(c_int), value :: kind, i
-      real(c_double), value :: size
-    end function
-    type(c_ptr) function c_get_name(system, kind, i) bind(C, name='nsdae_system_get_name')
-      import
-      type(c_ptr), value :: system
-      integer(c_int), value :: kind, i
-    end function
-    type(c_ptr) function c_get_unit(system, kind, i) bind(C, name='nsdae_system_get_unit')
-      import
-      type(c_ptr), value :: system
-      integer(c_int), value :: kind, i
-    end function
-    integer(c_int) function c_set_frictional_joint(system, j, constraint, mu) &
-        bind(C, name='nsdae_system_set_frictional_joint')
-      import
-      type(c_ptr), value :: system
-      integer(c_int), value :: j, constraint
-      real(c_double), value :: mu
-    end function
-    type(c_ptr) function c_error(system) bind(C, name='nsdae_system_error')
-      import
-      type(c_ptr), value :: system
-    end function
-    integer(c_int) function c_get_dims(system, dims) bind(C, name='nsdae_system_get_dims')
-      import
-      type(c_ptr), value :: system
-      type(nsdae_dims), intent(inout) :: dims
-    end function
-    type(c_ptr) function c_differences(system) bind(C, name='nsdae_system_differences')
-      import
-      type(c_ptr), value :: system
-    end function
-    type(c_ptr) function c_unseen(system) bind(C, name='nsdae_system_unseen')
-      import
-      type(c_ptr), value :: system
-    end function
-    integer(c_int) function c_check(system, t, q, v, tol, worst) bind(C, name='nsdae_system_check')
-      import
-      type(c_ptr), value :: system
-      real(c_double), value :: t, tol
-      real(c_double), intent(in) :: q(*), v(*)
-      type(nsdae_c_check), intent(inout) :: worst
-    end function
+    ! headers: functions nsdae_system_ create destroy set_user set_contact clear_error simulations set_name
+    ! headers: functions nsdae_system_ set_size get_name get_unit set_frictional_joint error get_dims
+    ! headers: functions nsdae_system_ differences unseen check set_blocks get_blocks set_mass_blocks
+    ! headers: functions nsdae_system_ set_constraint_rows set_contacts
+    ! headers: functions nsdae_ contact_add row_add
 
     ! callbacks.list: c_setters
     ! callbacks.list: end
-    integer(c_int) function c_set_blocks(system, count, nq, nv) &
-        bind(C, name='nsdae_system_set_blocks')
-      import
-      type(c_ptr), value :: system
-      integer(c_int), value :: count
-      integer(c_int), intent(in) :: nq(*), nv(*)
-    end function
-    integer(c_int) function c_get_blocks(system) bind(C, name='nsdae_system_get_blocks')
-      import
-      type(c_ptr), value :: system
-    end function
-    integer(c_int) function c_set_mass_blocks(system, callback) &
-        bind(C, name='nsdae_system_set_mass_blocks')
-      import
-      type(c_ptr), value :: system
-      type(c_funptr), value :: callback
-    end function
-    integer(c_int) function c_set_constraint_rows(system, callback) &
-        bind(C, name='nsdae_system_set_constraint_rows')
-      import
-      type(c_ptr), value :: system
-      type(c_funptr), value :: callback
-    end function
-    integer(c_int) function c_set_contacts(system, callback) &
-        bind(C, name='nsdae_system_set_contacts')
-      import
-      type(c_ptr), value :: system
-      type(c_funptr), value :: callback
-    end function
-    integer(c_int) function c_contact_add(list, contact) bind(C, name='nsdae_contact_add')
-      import
-      type(c_ptr), value :: list
-      type(nsdae_contact), intent(in) :: contact
-    end function
-    integer(c_int) function c_row_add(rows, row, block, values) bind(C, name='nsdae_row_add')
-      import
-      type(c_ptr), value :: rows
-      integer(c_int), value :: row, block
-      real(c_double), intent(in) :: values(*)
-    end function
   end interface
 
 contains

@@ -41,70 +41,7 @@ module nsdae_f_trajectory
             nsdae_trajectory_read_params, nsdae_trajectory_close
 
   interface
-    integer(c_int) function c_create(sim, path, info, trajectory, error) &
-        bind(C, name='nsdae_trajectory_create')
-      import
-      type(c_ptr), value :: sim
-      character(kind=c_char), intent(in) :: path(*)
-      type(nsdae_c_trajectory_info), intent(in) :: info
-      type(c_ptr), intent(inout) :: trajectory
-      type(nsdae_c_error), intent(inout) :: error
-    end function
-    integer(c_int) function c_put(trajectory, path, n, values, units, description, error) &
-        bind(C, name='nsdae_trajectory_put')
-      import
-      type(c_ptr), value :: trajectory
-      character(kind=c_char), intent(in) :: path(*), units(*), description(*)
-      integer(c_int), value :: n
-      real(c_double), intent(in) :: values(*)
-      type(nsdae_c_error), intent(inout) :: error
-    end function
-    integer(c_int) function c_put_texts(trajectory, path, n, texts, description, error) &
-        bind(C, name='nsdae_trajectory_put_texts')
-      import
-      type(c_ptr), value :: trajectory
-      character(kind=c_char), intent(in) :: path(*), description(*)
-      integer(c_int), value :: n
-      type(c_ptr), intent(in) :: texts(*)
-      type(nsdae_c_error), intent(inout) :: error
-    end function
-    integer(c_int) function c_set_bodies(trajectory, n, body, error) &
-        bind(C, name='nsdae_trajectory_set_bodies')
-      import
-      type(c_ptr), value :: trajectory
-      integer(c_int), value :: n
-      type(nsdae_c_body), intent(in) :: body(*)
-      type(nsdae_c_error), intent(inout) :: error
-    end function
-    integer(c_int) function c_resume(sim, path, info, trajectory, error) &
-        bind(C, name='nsdae_trajectory_resume')
-      import
-      type(c_ptr), value :: sim
-      character(kind=c_char), intent(in) :: path(*)
-      type(nsdae_c_trajectory_info), intent(in) :: info
-      type(c_ptr), intent(inout) :: trajectory
-      type(nsdae_c_error), intent(inout) :: error
-    end function
-    integer(c_int) function c_read_params(path, group, table, base, error) &
-        bind(C, name='nsdae_trajectory_read_params')
-      import
-      character(kind=c_char), intent(in) :: path(*), group(*)
-      type(nsdae_c_params), intent(in) :: table
-      type(c_ptr), value :: base
-      type(nsdae_c_error), intent(inout) :: error
-    end function
-    integer(c_int) function c_flush(trajectory, error) bind(C, name='nsdae_trajectory_flush')
-      import
-      type(c_ptr), value :: trajectory
-      type(nsdae_c_error), intent(inout) :: error
-    end function
-    integer(c_int) function c_close(trajectory, run_status, error) &
-        bind(C, name='nsdae_trajectory_close')
-      import
-      type(c_ptr), intent(inout) :: trajectory
-      integer(c_int), value :: run_status
-      type(nsdae_c_error), intent(inout) :: error
-    end function
+    ! headers: functions nsdae_trajectory_ create put put_texts set_bodies resume read_params flush close
   end interface
 
 contains
