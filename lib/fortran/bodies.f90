@@ -14,19 +14,8 @@ module nsdae_f_bodies
   implicit none
   private
 
-  integer(c_int), parameter, public :: NSDAE_GROUND = -1
-  integer(c_int), parameter, public :: NSDAE_MATERIALS = 64  ! materials are 0 .. NSDAE_MATERIALS - 1
-
-  integer(c_int), parameter, public :: &
-      NSDAE_JOINT_REVOLUTE = 0, &
-      NSDAE_JOINT_PRISMATIC = 1, &
-      NSDAE_JOINT_WELD = 2, &
-      NSDAE_JOINT_DISTANCE = 3, &
-      NSDAE_JOINT_SLOT = 4, &
-      NSDAE_JOINT_GEAR = 5, &
-      NSDAE_JOINT_SPHERICAL = 6, &
-      NSDAE_JOINT_CYLINDRICAL = 7, &
-      NSDAE_JOINT_UNIVERSAL = 8
+  ! Materials are 0 .. NSDAE_MATERIALS - 1.
+  ! headers: constants NSDAE_GROUND NSDAE_MATERIALS NSDAE_JOINT_
 
   ! A rigid body at the start.
   type, bind(C), public :: nsdae_rigid_body
@@ -52,18 +41,7 @@ module nsdae_f_bodies
   end type
 
   ! The struct of the C header.
-  type, bind(C), public :: nsdae_c_solid
-    integer(c_int) :: shape = 0
-    real(c_double) :: radius = 0
-    real(c_double) :: length(3) = 0
-    integer(c_int) :: hollow = 0
-    integer(c_int) :: points = 0
-    type(c_ptr) :: point = c_null_ptr
-    real(c_double) :: position(3) = 0
-    real(c_double) :: angle = 0
-    real(c_double) :: quaternion(4) = 0
-    integer(c_int) :: material = 0
-  end type
+  ! headers: type nsdae_c_solid
 
   ! A joint, as it stands at the start; points and axes in space.
   type, bind(C), public :: nsdae_joint

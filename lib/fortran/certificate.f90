@@ -6,16 +6,10 @@ module nsdae_f_certificate
   private
 
   ! What is known of a problem after the chain.
-  integer(c_int), parameter, public :: &
-      NSDAE_OUTCOME_UNSOLVED = 0, &
-      NSDAE_OUTCOME_SOLVED = 1, &
-      NSDAE_OUTCOME_INFEASIBLE = 2
+  ! headers: constants NSDAE_OUTCOME_
 
   ! What proves that there is no solution.
-  integer(c_int), parameter, public :: &
-      NSDAE_PROOF_NONE = 0, &
-      NSDAE_PROOF_FARKAS = 1, &
-      NSDAE_PROOF_ENUMERATED = 2
+  ! headers: constants NSDAE_PROOF_
 
   public :: nsdae_outcome_name, nsdae_proof_name
 

@@ -7,24 +7,8 @@ module nsdae_f_friction
   implicit none
   private
 
-  integer(c_int), parameter, public :: &
-      NSDAE_FRICTION_GLOBAL = 0, &
-      NSDAE_FRICTION_LOCAL = 1
-
-  ! Solvers of an island; options%stages is a sum of these.
-  integer(c_int), parameter, public :: &
-      NSDAE_FRICTION_NONE = 0, &
-      NSDAE_FRICTION_TRIVIAL = 1, &
-      NSDAE_FRICTION_WARM = 2, &
-      NSDAE_FRICTION_AS_LCP = 4, &
-      NSDAE_FRICTION_NSGS = 8, &
-      NSDAE_FRICTION_SMOOTHING_HOMOTOPY = 16, &
-      NSDAE_FRICTION_FARKAS = 32, &
-      NSDAE_FRICTION_SEMISMOOTH_NEWTON = 64, &
-      NSDAE_FRICTION_ACLM = 128, &
-      NSDAE_FRICTION_SOCP_INTERIOR_POINT = 256, &
-      NSDAE_FRICTION_ITERATIVE_REFINEMENT = 512, &
-      NSDAE_FRICTION_ALL = 1023
+  ! Forms of a problem, and solvers of an island: options%stages is a sum of those.
+  ! headers: constants NSDAE_FRICTION_
 
   ! A problem: the arrays of the C struct, as pointers to arrays of the caller that have the target
   ! attribute. rows, compliance and, in the local form, size, M and f may be left null. first and
@@ -91,12 +75,7 @@ module nsdae_f_friction
   end type
 
   ! The struct of the C header.
-  type, bind(C), public :: nsdae_c_friction_problem
-    integer(c_int) :: form, contacts, bilateral
-    type(c_ptr) :: rows, mu, w, compliance
-    integer(c_int) :: blocks
-    type(c_ptr) :: size, M, f, first, block, value
-  end type
+  ! headers: type nsdae_c_friction_problem
 
   public :: nsdae_friction_options_default, nsdae_friction_stage_name, &
             nsdae_friction_check, nsdae_friction_solve, nsdae_friction_solve_twice, &

@@ -17,26 +17,11 @@ module nsdae_f_friction_file
   end type
 
   ! The structs of the C header.
-  type, bind(C), public :: nsdae_c_friction_origin
-    real(c_double) :: time
-    integer(c_long) :: step
-    real(c_double) :: tol
-    integer(c_int) :: refine
-    type(c_ptr) :: method
-  end type
+  ! headers: type nsdae_c_friction_origin
 
-  type, bind(C), public :: nsdae_c_friction_points
-    type(c_ptr) :: guess, r, u, low
-  end type
+  ! headers: type nsdae_c_friction_points
 
-  type, bind(C), public :: nsdae_c_friction_file
-    type(nsdae_c_friction_problem) :: problem
-    type(c_ptr) :: guess, r, low
-    real(c_double) :: tol
-    integer(c_int) :: refine
-    real(c_double) :: asymmetry
-    type(c_ptr) :: velocity
-  end type
+  ! headers: type nsdae_c_friction_file
 
   ! A problem as read; its arrays are the file's, and go with nsdae_friction_file_release. guess, r
   ! and low (of a solution in two parts, r + low) are not associated where the file has none; velocity

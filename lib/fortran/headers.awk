@@ -32,7 +32,7 @@ function read_header(line,   part, name, value) {
     in_comment = 0
   }
   if (match(line, /\/\*/)) { line = substr(line, 1, RSTART - 1); in_comment = 1 }
-  if (line ~ /^#/ || line ~ /^  [A-Z]+_[A-Z_]+\(/) return
+  if (line ~ /^#/ || line ~ /^extern/ || line ~ /^  [A-Z]+_[A-Z_]+\(/) return
   text = text " " line
   if (text ~ /NSDAE_API/) {
     if (text !~ /;/) return

@@ -8,24 +8,9 @@ module nsdae_f_lcp
   implicit none
   private
 
-  ! Stages of the chain, in the order in which they are tried; options%stages is a sum of these.
-  integer(c_int), parameter, public :: &
-      NSDAE_LCP_NONE = 0, &
-      NSDAE_LCP_TRIVIAL = 1, &
-      NSDAE_LCP_WARM = 2, &
-      NSDAE_LCP_LEMKE = 4, &
-      NSDAE_LCP_NEWTON = 8, &
-      NSDAE_LCP_COVERING = 16, &
-      NSDAE_LCP_PROVE = 32, &
-      NSDAE_LCP_FURTHER = 64, &
-      NSDAE_LCP_ENUMERATE = 128, &
-      NSDAE_LCP_ALL = 255
-
-  ! What the secondary ray on which Lemke's method ended proves about A.
-  integer(c_int), parameter, public :: &
-      NSDAE_LCP_RAY_NOTHING = 0, &
-      NSDAE_LCP_RAY_NOT_COPOSITIVE = 1, &
-      NSDAE_LCP_RAY_NOT_STRICTLY_COPOSITIVE = 2
+  ! Stages of the chain, in the order in which they are tried: options%stages is a sum of these. NSDAE_LCP_RAY_: what
+  ! the secondary ray on which Lemke's method ended proves about A.
+  ! headers: constants NSDAE_LCP_
 
   ! Fill with nsdae_lcp_options_default first.
   type, bind(C), public :: nsdae_lcp_options
@@ -53,25 +38,11 @@ module nsdae_f_lcp
   end type
 
   ! The structs of the C headers.
-  type, bind(C), public :: nsdae_c_lcp_origin
-    real(c_double) :: time
-    integer(c_long) :: step
-    real(c_double) :: tol
-    type(c_ptr) :: method
-  end type
+  ! headers: type nsdae_c_lcp_origin
 
-  type, bind(C), public :: nsdae_c_lcp_file
-    integer(c_int) :: n
-    type(c_ptr) :: A, b
-    real(c_double) :: tol
-  end type
+  ! headers: type nsdae_c_lcp_file
 
-  type, bind(C), public :: nsdae_c_lcp_problem
-    integer(c_int) :: n
-    type(c_ptr) :: A
-    integer(c_int) :: lda
-    type(c_ptr) :: b
-  end type
+  ! headers: type nsdae_c_lcp_problem
 
   public :: nsdae_lcp_options_default, nsdae_lcp_stage_name, &
             nsdae_lcp_ray_name, nsdae_lcp_solve, nsdae_lcp_solve_in, &

@@ -10,31 +10,15 @@ module nsdae_f_params
   implicit none
   private
 
-  integer(c_int), parameter, public :: &
-      NSDAE_PARAM_REAL = 0, &
-      NSDAE_PARAM_INT = 1, &
-      NSDAE_PARAM_CHOICE = 2, &
-      NSDAE_PARAM_TEXT = 3
-  integer(c_int), parameter, public :: NSDAE_PARAM_TEXT_SIZE = 256
+  ! headers: constants NSDAE_PARAM_
 
   ! Which bound of a range is itself excluded.
-  integer(c_int), parameter, public :: NSDAE_OPEN_MIN = 1, NSDAE_OPEN_MAX = 2, NSDAE_OR_ZERO = 4
+  ! headers: constants NSDAE_OPEN_ NSDAE_OR_ZERO
 
   ! The structs of the C header.
-  type, bind(C), public :: nsdae_c_param
-    type(c_ptr) :: key, unit, help
-    integer(c_int) :: type
-    integer(c_size_t) :: offset
-    real(c_double) :: initial
-    real(c_double) :: min, max
-    integer(c_int) :: open
-    type(c_ptr) :: choices
-  end type
+  ! headers: type nsdae_c_param
 
-  type, bind(C), public :: nsdae_c_params
-    type(c_ptr) :: entry
-    integer(c_int) :: n
-  end type
+  ! headers: type nsdae_c_params
 
   ! One entry as Fortran reads it.
   type, public :: nsdae_param

@@ -8,10 +8,7 @@ module nsdae_f_shape
   private
 
   ! Shapes of bodies.
-  integer(c_int), parameter, public :: &
-      NSDAE_SHAPE_POINT = 0, NSDAE_SHAPE_DISC = 1, NSDAE_SHAPE_SEGMENT = 2, NSDAE_SHAPE_POLYGON = 3, &
-      NSDAE_SHAPE_PATH = 4, NSDAE_SHAPE_SPHERE = 5, NSDAE_SHAPE_CAPSULE = 6, NSDAE_SHAPE_BOX = 7, &
-      NSDAE_SHAPE_PLANE = 8
+  ! headers: constants NSDAE_SHAPE_
 
   ! What a body looks like and where it is: see nsdae/trajectory.h for sizes, and for the formulas,
   ! whose coordinates count from 0 as in C ("q0 + L/2*sin(q2)"); what is blank is not given.
@@ -24,17 +21,7 @@ module nsdae_f_shape
   end type
 
   ! The struct of the C header.
-  type, bind(C), public :: nsdae_c_body
-    type(c_ptr) :: name = c_null_ptr
-    integer(c_int) :: shape = 0
-    real(c_double) :: size(3) = 0
-    integer(c_int) :: points = 0
-    type(c_ptr) :: point = c_null_ptr
-    type(c_ptr) :: position(3) = c_null_ptr
-    type(c_ptr) :: angle = c_null_ptr
-    type(c_ptr) :: quaternion(4) = c_null_ptr
-    type(c_ptr) :: end(3) = c_null_ptr
-  end type
+  ! headers: type nsdae_c_body
 
   ! The texts of a body, each ended by a null character.
   type, public :: nsdae_body_words

@@ -11,45 +11,24 @@ module nsdae_f_sim
   private
 
   ! options%method; their names are those of nsdae_method_name.
-  integer(c_int), parameter, public :: &
-      NSDAE_METHOD_IMPLICIT = 0, &
-      NSDAE_METHOD_IMPLICIT_PRINTED = 1, &
-      NSDAE_METHOD_MOREAU = 2, &
-      NSDAE_METHOD_PENALTY = 3, &
-      NSDAE_METHOD_EVENT = 4
+  ! headers: constants NSDAE_METHOD_
 
   ! Linear solvers of the integrator of event.
-  integer(c_int), parameter, public :: &
-      NSDAE_LINEAR_DENSE = 0, &
-      NSDAE_LINEAR_SPARSE = 1
+  ! headers: constants NSDAE_LINEAR_
 
   ! What to do where Phi_q has deficient rank.
-  integer(c_int), parameter, public :: &
-      NSDAE_REDUNDANT_ERROR = 0, &
-      NSDAE_REDUNDANT_LEAST_NORM = 1
+  ! headers: constants NSDAE_REDUNDANT_
 
   ! What the end of a step of a time-stepping method is moved to.
-  integer(c_int), parameter, public :: &
-      NSDAE_PROJECTION_NONE = 0, &
-      NSDAE_PROJECTION_CONSTRAINTS = 1, &
-      NSDAE_PROJECTION_CONTACTS = 2, &
-      NSDAE_PROJECTION_DEPTHS = 3
+  ! headers: constants NSDAE_PROJECTION_
 
   ! Modes of a contact or frictional joint.
-  integer(c_int), parameter, public :: &
-      NSDAE_MODE_OPEN = 0, &
-      NSDAE_MODE_SLIP = 1, &
-      NSDAE_MODE_STICK = 2
+  ! headers: constants NSDAE_MODE_
 
   ! Normal force of penalty.
-  integer(c_int), parameter, public :: &
-      NSDAE_PENALTY_HERTZ = 0, &
-      NSDAE_PENALTY_KELVIN_VOIGT = 1, &
-      NSDAE_PENALTY_HUNT_CROSSLEY = 2, &
-      NSDAE_PENALTY_LANKARANI_NIKRAVESH = 3, &
-      NSDAE_PENALTY_FLORES = 4
+  ! headers: constants NSDAE_PENALTY_
 
-  integer(c_int), parameter, public :: NSDAE_OBSERVERS_MAX = 8
+  ! headers: constants NSDAE_OBSERVERS_MAX
 
   ! Fill with nsdae_sim_options_default first: a variable that was not is refused.
   type, bind(C), public :: nsdae_sim_options
@@ -111,15 +90,7 @@ module nsdae_f_sim
   end type
 
   ! The struct of the C header.
-  type, bind(C), public :: nsdae_c_contact_set
-    integer(c_int) :: count
-    type(c_ptr) :: id
-    type(c_ptr) :: block
-    type(c_ptr) :: gap
-    type(c_ptr) :: normal_impulse
-    type(c_ptr) :: tangential_impulse
-    type(c_ptr) :: mode
-  end type
+  ! headers: type nsdae_c_contact_set
 
   ! How far a step is from the laws, each figure with the contact or constraint of the largest, from
   ! 0 (by list the place in the record's contacts; -1: the figure is 0); and its energy:
@@ -172,34 +143,7 @@ module nsdae_f_sim
   end type
 
   ! The struct of the C header.
-  type, bind(C), public :: nsdae_c_record
-    integer(c_long) :: step
-    real(c_double) :: time
-    real(c_double) :: duration
-    type(c_ptr) :: q, v
-    type(c_ptr) :: acceleration
-    type(c_ptr) :: multiplier
-    type(c_ptr) :: gap
-    type(c_ptr) :: normal_impulse
-    type(c_ptr) :: tangential_impulse
-    type(c_ptr) :: normal_force
-    type(c_ptr) :: tangential_force
-    type(c_ptr) :: mode
-    type(c_ptr) :: frictional_joint_impulse
-    type(c_ptr) :: frictional_joint_force
-    type(c_ptr) :: frictional_joint_mode
-    type(nsdae_c_contact_set) :: contacts
-    real(c_double) :: kinetic, potential
-    real(c_double) :: dissipated
-    real(c_double) :: lcp_residual
-    real(c_double) :: constraint_drift
-    real(c_double) :: penetration
-    type(c_ptr) :: impact
-    integer(c_int) :: impacts
-    type(c_ptr) :: change
-    integer(c_int) :: changes
-    type(nsdae_certificate) :: certificate
-  end type
+  ! headers: type nsdae_c_record
 
   type, bind(C), public :: nsdae_stats
     integer(c_long) :: steps, smooth_steps, contact_steps
@@ -277,11 +221,7 @@ module nsdae_f_sim
   end type
 
   ! The struct of the C header.
-  type, bind(C), public :: nsdae_c_step_friction
-    type(nsdae_c_friction_problem) :: problem
-    type(nsdae_friction_options) :: options
-    type(c_ptr) :: guess, r, u
-  end type
+  ! headers: type nsdae_c_step_friction
 
   public :: nsdae_observer_fn, nsdae_interrupt_fn, nsdae_sim_set_interrupt
   public :: nsdae_sim_options_default, nsdae_sim_options_set, nsdae_sim_options_table, &

@@ -11,33 +11,7 @@ module nsdae_f_status
   integer(c_int), parameter, public :: &
       NSDAE_VERSION_MAJOR = 0, NSDAE_VERSION_MINOR = 2, NSDAE_VERSION_PATCH = 0
 
-  integer(c_int), parameter, public :: &
-      NSDAE_OK = 0, &
-      NSDAE_EVENT = 2, &
-      NSDAE_ZENO = 3, &
-      NSDAE_STOPPED = 4, &
-      NSDAE_E_MEMORY = -1, &
-      NSDAE_E_ARGUMENT = -2, &
-      NSDAE_E_OPTION = -3, &
-      NSDAE_E_STATE = -4, &
-      NSDAE_E_CALLBACK = -5, &
-      NSDAE_E_NONFINITE = -6, &
-      NSDAE_E_MASS = -7, &
-      NSDAE_E_RANK = -8, &
-      NSDAE_E_LCP = -9, &
-      NSDAE_E_INFEASIBLE = -10, &
-      NSDAE_E_CONVERGENCE = -11, &
-      NSDAE_E_DERIVATIVE = -12, &
-      NSDAE_E_IO = -13, &
-      NSDAE_E_UNSUPPORTED = -14, &
-      NSDAE_E_PAINLEVE = -15, &
-      NSDAE_E_INTERRUPTED = -16, &
-      NSDAE_WARN_ENERGY = 5, &
-      NSDAE_WARN_PENETRATION = 6, &
-      NSDAE_WARN_DRIFT = 7, &
-      NSDAE_WARN_PAINLEVE = 8, &
-      NSDAE_WARN_IMPACTS = 9, &
-      NSDAE_WARN_RESTITUTION = 10
+  ! headers: constants NSDAE_OK NSDAE_EVENT NSDAE_ZENO NSDAE_STOPPED NSDAE_E_ NSDAE_WARN_
 
   ! What went wrong.
   type, public :: nsdae_error

@@ -30,16 +30,9 @@ module nsdae_f_system
   end type
 
   ! What can have a name; numbered from 0, as everything is.
-  integer(c_int), parameter, public :: &
-      NSDAE_NAME_COORDINATE = 0, &
-      NSDAE_NAME_VELOCITY = 1, &
-      NSDAE_NAME_CONSTRAINT = 2, &
-      NSDAE_NAME_CONTACT = 3, &
-      NSDAE_NAME_FRICTIONAL_JOINT = 4, &
-      NSDAE_NAME_SIZE = 48, &
-      NSDAE_UNIT_SIZE = 24
+  ! headers: constants NSDAE_NAME_ NSDAE_UNIT_SIZE
 
-  integer(c_int), parameter, public :: NSDAE_CONTACT_WIDTH = 6
+  ! headers: constants NSDAE_CONTACT_WIDTH
 
   ! A contact by list: two blocks of v, or a block and the ground. Blocks are numbered from 0; id is
   ! the same of the same pair of features at all times.
@@ -75,11 +68,7 @@ module nsdae_f_system
   end type
 
   ! The struct of the C header.
-  type, bind(C), public :: nsdae_c_check
-    character(kind=c_char) :: term(32) = c_null_char
-    integer(c_int) :: row = 0, column = 0
-    real(c_double) :: given = 0, difference = 0, error = 0
-  end type
+  ! headers: type nsdae_c_check
 
   abstract interface
     ! callbacks.list: interfaces

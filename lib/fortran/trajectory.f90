@@ -20,15 +20,7 @@ module nsdae_f_trajectory
   end type
 
   ! The struct of the C header.
-  type, bind(C), public :: nsdae_c_trajectory_info
-    type(c_ptr) :: model = c_null_ptr
-    type(c_ptr) :: parameters = c_null_ptr
-    type(c_ptr) :: parameters_base = c_null_ptr
-    integer(c_int) :: live = 0
-    integer(c_int) :: every = 0
-    integer(c_int) :: compress = 0
-    real(c_double) :: t_end = 0
-  end type
+  ! headers: type nsdae_c_trajectory_info
 
   ! A file; nothing until nsdae_trajectory_create.
   type, public :: nsdae_trajectory

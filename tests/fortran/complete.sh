@@ -59,7 +59,7 @@ printf '%s fields\n' "$(wc -l <"$work/fields")"
   echo "  use, intrinsic :: iso_c_binding"
   for struct in $(cut -d' ' -f1 "$work/fields" | uniq); do
     type=nsdae_c_${struct#nsdae_}
-    grep -q "public :: $type\$" "$source"/lib/fortran/*.f90 || type=$struct
+    grep -qE "(public ::|headers: type) $type\$" "$source"/lib/fortran/*.f90 || type=$struct
     echo "  type($type) :: ${struct}_x"
   done
   while read -r struct field; do echo "  print *, c_sizeof(${struct}_x%$field)"; done <"$work/fields"
