@@ -6,11 +6,12 @@
 
 #include "errors.h"
 
+/* Nothing here reads its arguments. */
+#pragma GCC diagnostic ignored "-Wunused-parameter"
+
 int nsdae_trajectory_create(nsdae_sim *sim, const char *path, const nsdae_trajectory_info *info,
                             nsdae_trajectory **trajectory, nsdae_error *error)
 {
-  (void)sim;
-  (void)info;
   if (trajectory) *trajectory = NULL;
   return nsdae_error_set(error, NSDAE_E_UNSUPPORTED, "nsdae_trajectory_create", "path",
                          "cannot write '%.100s': this library was built without HDF5 "
@@ -20,8 +21,6 @@ int nsdae_trajectory_create(nsdae_sim *sim, const char *path, const nsdae_trajec
 
 int nsdae_trajectory_close(nsdae_trajectory **trajectory, int run_status, nsdae_error *error)
 {
-  (void)trajectory;
-  (void)run_status;
   nsdae_error_clear(error);
   return NSDAE_OK;
 }
@@ -36,12 +35,6 @@ int nsdae_trajectory_put(nsdae_trajectory *trajectory, const char *path, int n,
                          const double *values, const char *units, const char *description,
                          nsdae_error *error)
 {
-  (void)trajectory;
-  (void)path;
-  (void)n;
-  (void)values;
-  (void)units;
-  (void)description;
   return unsupported("nsdae_trajectory_put", error);
 }
 
@@ -49,29 +42,18 @@ int nsdae_trajectory_put_texts(nsdae_trajectory *trajectory, const char *path, i
                                const char *const *texts, const char *description,
                                nsdae_error *error)
 {
-  (void)trajectory;
-  (void)path;
-  (void)n;
-  (void)texts;
-  (void)description;
   return unsupported("nsdae_trajectory_put_texts", error);
 }
 
 int nsdae_trajectory_set_bodies(nsdae_trajectory *trajectory, int n, const nsdae_body *body,
                                 nsdae_error *error)
 {
-  (void)trajectory;
-  (void)n;
-  (void)body;
   return unsupported("nsdae_trajectory_set_bodies", error);
 }
 
 int nsdae_trajectory_resume(nsdae_sim *sim, const char *path, const nsdae_trajectory_info *info,
                             nsdae_trajectory **trajectory, nsdae_error *error)
 {
-  (void)sim;
-  (void)path;
-  (void)info;
   if (trajectory) *trajectory = NULL;
   return unsupported("nsdae_trajectory_resume", error);
 }
@@ -79,31 +61,22 @@ int nsdae_trajectory_resume(nsdae_sim *sim, const char *path, const nsdae_trajec
 int nsdae_trajectory_read_params(const char *path, const char *group, const nsdae_params *table,
                                  void *base, nsdae_error *error)
 {
-  (void)path;
-  (void)group;
-  (void)table;
-  (void)base;
   return unsupported("nsdae_trajectory_read_params", error);
 }
 
 int nsdae_trajectory_flush(nsdae_trajectory *trajectory, nsdae_error *error)
 {
-  (void)trajectory;
   return unsupported("nsdae_trajectory_flush", error);
 }
 
 int nsdae_lcp_write(const char *path, const nsdae_lcp_problem *problem,
                     const nsdae_lcp_origin *origin, nsdae_error *error)
 {
-  (void)path;
-  (void)problem;
-  (void)origin;
   return unsupported("nsdae_lcp_write", error);
 }
 
 int nsdae_lcp_read(const char *path, nsdae_lcp_file *file, nsdae_error *error)
 {
-  (void)path;
   if (file) *file = (nsdae_lcp_file){0};
   return unsupported("nsdae_lcp_read", error);
 }
@@ -120,16 +93,11 @@ int nsdae_friction_write(const char *path, const nsdae_friction_problem *problem
                          const nsdae_friction_points *points, const nsdae_friction_origin *origin,
                          nsdae_error *error)
 {
-  (void)path;
-  (void)problem;
-  (void)points;
-  (void)origin;
   return unsupported("nsdae_friction_write", error);
 }
 
 int nsdae_friction_read(const char *path, nsdae_friction_file *file, nsdae_error *error)
 {
-  (void)path;
   if (file) *file = (nsdae_friction_file){0};
   return unsupported("nsdae_friction_read", error);
 }

@@ -3,28 +3,18 @@
 
 #include <stddef.h>
 
+/* Nothing here reads its arguments. */
+#pragma GCC diagnostic ignored "-Wunused-parameter"
+
 int nsdae_ode_create(const nsdae_ode_problem *problem, double rtol, double atol, nsdae_ode **ode)
 {
-  (void)problem;
-  (void)rtol;
-  (void)atol;
   *ode = NULL;
   return NSDAE_E_UNSUPPORTED;
 }
 
-void nsdae_ode_tolerances(nsdae_ode *ode, double rtol, double atol)
-{
-  (void)ode;
-  (void)rtol;
-  (void)atol;
-}
+void nsdae_ode_tolerances(nsdae_ode *ode, double rtol, double atol) {}
 
-void nsdae_ode_positions(nsdae_ode *ode, int positions, double longest)
-{
-  (void)ode;
-  (void)positions;
-  (void)longest;
-}
+void nsdae_ode_positions(nsdae_ode *ode, int positions, double longest) {}
 
 void nsdae_ode_destroy(nsdae_ode **ode)
 {
@@ -33,35 +23,21 @@ void nsdae_ode_destroy(nsdae_ode **ode)
 
 int nsdae_ode_start(nsdae_ode *ode, double t, const double *y)
 {
-  (void)ode;
-  (void)t;
-  (void)y;
   return NSDAE_E_UNSUPPORTED;
 }
 
 int nsdae_ode_advance(nsdae_ode *ode, double t_end, double *t, double *y, int *what, int *found,
                       int *code)
 {
-  (void)ode;
-  (void)t_end;
-  (void)t;
-  (void)y;
-  (void)what;
-  (void)found;
-  (void)code;
   return NSDAE_E_UNSUPPORTED;
 }
 
 int nsdae_ode_read(nsdae_ode *ode, double t, double *y)
 {
-  (void)ode;
-  (void)t;
-  (void)y;
   return NSDAE_E_UNSUPPORTED;
 }
 
 long nsdae_ode_rates(const nsdae_ode *ode)
 {
-  (void)ode;
   return 0;
 }
