@@ -136,6 +136,11 @@ module nsdae_f_bodies
 
 contains
 
+  type(c_ptr) function at(bodies) result(handle)
+    type(nsdae_bodies), intent(in) :: bodies
+    handle = bodies%handle
+  end function
+
   ! An empty world of dimension 2 or 3.
   integer(c_int) function nsdae_bodies_create(dimension, bodies, error) result(status)
     integer(c_int), intent(in) :: dimension
@@ -154,29 +159,7 @@ contains
 
   ! Each adds one thing: its number, or a status < 0, which is remembered: later calls return it too,
   ! and so does nsdae_bodies_system, so that it is enough to look there.
-  integer(c_int) function nsdae_bodies_add(bodies, body) result(number)
-    type(nsdae_bodies), intent(in) :: bodies
-    type(nsdae_rigid_body), intent(in) :: body
-    number = c_add(bodies%handle, body)
-  end function
-
-  integer(c_int) function nsdae_bodies_add_joint(bodies, joint) result(number)
-    type(nsdae_bodies), intent(in) :: bodies
-    type(nsdae_joint), intent(in) :: joint
-    number = c_add_joint(bodies%handle, joint)
-  end function
-
-  integer(c_int) function nsdae_bodies_add_spring(bodies, spring) result(number)
-    type(nsdae_bodies), intent(in) :: bodies
-    type(nsdae_spring), intent(in) :: spring
-    number = c_add_spring(bodies%handle, spring)
-  end function
-
-  integer(c_int) function nsdae_bodies_add_torsion(bodies, torsion) result(number)
-    type(nsdae_bodies), intent(in) :: bodies
-    type(nsdae_torsion), intent(in) :: torsion
-    number = c_add_torsion(bodies%handle, torsion)
-  end function
+  ! headers: wrappers nsdae_bodies_ add add_joint add_spring add_torsion
 
   ! A load on the point (in space, at the start) of a body.
   integer(c_int) function nsdae_bodies_add_load(bodies, body, point, load, user) result(number)
@@ -188,48 +171,32 @@ contains
     type(c_ptr) :: given
     given = c_null_ptr
     if (present(user)) given = user
-    number = c_add_load(bodies%handle, body, point, c_funloc(load), given)
+    number = c_add_load(at(bodies), body, point, c_funloc(load), given)
   end function
 
   integer(c_int) function nsdae_bodies_add_solid(bodies, body, solid) result(number)
     type(nsdae_bodies), intent(in) :: bodies
     integer(c_int), intent(in) :: body
     type(nsdae_solid), intent(in), target :: solid
-    number = c_add_solid(bodies%handle, body, to_c(solid))
+    number = c_add_solid(at(bodies), body, to_c(solid))
   end function
 
   ! Lets two solids touch: the number of the first of their contacts, from 0.
-  integer(c_int) function nsdae_bodies_add_contact(bodies, solid0, solid1, mu, e_n, e_t) &
-      result(number)
-    type(nsdae_bodies), intent(in) :: bodies
-    integer(c_int), intent(in) :: solid0, solid1
-    real(c_double), intent(in) :: mu, e_n, e_t
-    number = c_add_contact(bodies%handle, solid0, solid1, mu, e_n, e_t)
-  end function
+  ! headers: wrappers nsdae_bodies_ add_contact
 
   ! Lets every two solids of these materials touch that belong to different bodies: contacts are by
   ! list from then on, and there can be many.
-  integer(c_int) function nsdae_bodies_set_pair(bodies, material0, material1, mu, e_n, e_t) &
-      result(status)
-    type(nsdae_bodies), intent(in) :: bodies
-    integer(c_int), intent(in) :: material0, material1
-    real(c_double), intent(in) :: mu, e_n, e_t
-    status = c_set_pair(bodies%handle, material0, material1, mu, e_n, e_t)
-  end function
+  ! headers: wrappers nsdae_bodies_ set_pair
 
   integer(c_int) function nsdae_bodies_set_gravity(bodies, gravity) result(status)
     type(nsdae_bodies), intent(in) :: bodies
     real(c_double), intent(in) :: gravity(3)
-    status = c_set_gravity(bodies%handle, gravity)
+    status = c_set_gravity(at(bodies), gravity)
   end function
 
   ! Coordinates and rows of one's own beside the bodies, once. NSDAE_E_ARGUMENT: the text names a
   ! callback that is missing, or that nothing calls; NSDAE_E_STATE.
-  integer(c_int) function nsdae_bodies_set_user_rows(bodies, own) result(status)
-    type(nsdae_bodies), intent(in) :: bodies
-    type(nsdae_user_rows), intent(in) :: own
-    status = c_set_user_rows(bodies%handle, own)
-  end function
+  ! headers: wrappers nsdae_bodies_ set_user_rows
 
   ! The system of it all; the first failure of any call before. bodies must outlive it.
   integer(c_int) function nsdae_bodies_system(bodies, system, error) result(status)
@@ -238,7 +205,7 @@ contains
     type(nsdae_error), intent(out), optional :: error
     type(c_ptr) :: handle
     handle = c_null_ptr
-    status = c_system(bodies%handle, handle)
+    status = c_system(at(bodies), handle)
     if (status < 0) then
       if (present(error)) error = nsdae_bodies_error(bodies)
     else
@@ -246,22 +213,18 @@ contains
     end if
   end function
 
-  integer(c_int) function nsdae_bodies_get_dims(bodies, dims) result(status)
-    type(nsdae_bodies), intent(in) :: bodies
-    type(nsdae_dims), intent(inout) :: dims
-    status = c_get_dims(bodies%handle, dims)
-  end function
+  ! headers: wrappers nsdae_bodies_ get_dims
 
   ! q [nq] and v [nv] at the start.
   integer(c_int) function nsdae_bodies_get_start(bodies, q, v) result(status)
     type(nsdae_bodies), intent(in) :: bodies
     real(c_double), intent(inout), contiguous :: q(:), v(:)
     type(nsdae_dims) :: dims
-    status = c_get_dims(bodies%handle, dims)
+    status = c_get_dims(at(bodies), dims)
     if (status < 0) return
     status = NSDAE_E_ARGUMENT
     if (size(q) < dims%nq .or. size(v) < dims%nv) return
-    status = c_get_start(bodies%handle, q, v)
+    status = c_get_start(at(bodies), q, v)
   end function
 
   ! Where the point local of a body's own frame is with the coordinates q [nq].
@@ -272,17 +235,17 @@ contains
     real(c_double), intent(in) :: local(3)
     real(c_double), intent(inout) :: point(3)
     type(nsdae_dims) :: dims
-    status = c_get_dims(bodies%handle, dims)
+    status = c_get_dims(at(bodies), dims)
     if (status < 0) return
     status = NSDAE_E_ARGUMENT
     if (size(q) < dims%nq) return
-    status = c_locate(bodies%handle, q, body, local, point)
+    status = c_locate(at(bodies), q, body, local, point)
   end function
 
   ! Why the first call that failed did.
   type(nsdae_error) function nsdae_bodies_error(bodies) result(error)
     type(nsdae_bodies), intent(in) :: bodies
-    error = error_at(c_error(bodies%handle))
+    error = error_at(c_error(at(bodies)))
   end function
 
   ! Mass and inertia of a solid of uniform density, in its own frame.

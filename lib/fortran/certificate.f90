@@ -19,15 +19,5 @@ module nsdae_f_certificate
 
 contains
 
-  function nsdae_outcome_name(outcome) result(text)
-    integer(c_int), intent(in) :: outcome
-    character(len=:), allocatable :: text
-    text = from_c(c_outcome_name(outcome))
-  end function
-
-  function nsdae_proof_name(proof) result(text)
-    integer(c_int), intent(in) :: proof
-    character(len=:), allocatable :: text
-    text = from_c(c_proof_name(proof))
-  end function
+  ! headers: wrappers nsdae_ outcome_name proof_name
 end module

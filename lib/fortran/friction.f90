@@ -106,11 +106,7 @@ module nsdae_f_friction
 
 contains
 
-  function nsdae_friction_stage_name(stage) result(text)
-    integer(c_int), intent(in) :: stage
-    character(len=:), allocatable :: text
-    text = from_c(c_stage_name(stage))
-  end function
+  ! headers: wrappers nsdae_friction_ stage_name
 
   ! Whether the problem is one: NSDAE_OK, or NSDAE_E_ARGUMENT, NSDAE_E_NONFINITE, NSDAE_E_MASS,
   ! NSDAE_E_MEMORY with the argument, its value and its bound in error.

@@ -1,6 +1,7 @@
 # Writes behind the markers of a module what the C headers declare:
 #
 #   ! headers: functions nsdae_sim_ create step    the interfaces c_create, c_step of nsdae_sim_create, nsdae_sim_step
+#   ! headers: wrappers nsdae_sim_ step            the function nsdae_sim_step of a type(nsdae_sim), by c_step and at
 #   ! headers: constants NSDAE_MODE_ NSDAE_OK      all constants whose names begin so
 #   ! headers: type nsdae_c_record                 the struct nsdae_record
 #
@@ -13,6 +14,7 @@ pass == "modules" { # the structs that have a type nsdae_c_<name> beside the one
 }
 { print }
 /^ *! headers: functions / { for (i = 5; i <= NF; i++) write_function($4 $i, "c_" $i) }
+/^ *! headers: wrappers / { for (i = 5; i <= NF; i++) write_wrapper($4 $i, "c_" $i) }
 /^ *! headers: constants / { for (i = 4; i <= NF; i++) write_constants($i) }
 /^ *! headers: type / { write_type(substr($4, 9)) }
 
@@ -130,19 +132,23 @@ function initial() {
   return number(base) != "" ? " = 0" : ""
 }
 
-function write_function(name, ours,   words, result, list, item, count, i, dummy, names, lines, many) {
+# The arguments of a prototype into item; their count.
+function read_prototype(name, item,   list) {
   if (!(name in prototype)) fail("no function " name)
-  words = prototype[name]
-  result = substr(words, 1, index(words, name) - 1)
-  list = words; sub(/^[^(]*\(/, "", list); sub(/\) *;.*/, "", list)
-  count = list == "void" ? 0 : split(list, item, ",")
+  list = prototype[name]; sub(/^[^(]*\(/, "", list); sub(/\) *;.*/, "", list)
+  result = substr(prototype[name], 1, index(prototype[name], name) - 1)
+  result = result ~ /\*/ ? "type(c_ptr) function" : result ~ /void/ ? "subroutine" : "integer(c_int) function"
+  return list == "void" ? 0 : split(list, item, ",")
+}
+
+function write_function(name, ours,   item, count, i, dummy, names, lines, many) {
+  count = read_prototype(name, item)
   for (i = 1; i <= count; i++) {
     dummy = read_declarator(item[i])
     names = names (i > 1 ? ", " : "") dummy
     lines = lines "      " argument(dummy, many) "\n"
     many = dummy == "n"
   }
-  result = result ~ /\*/ ? "type(c_ptr) function" : result ~ /void/ ? "subroutine" : "integer(c_int) function"
   print "    " result " " ours "( &"
   print "        " names ") &"
   print "        bind(C, name='" name "')"
@@ -150,6 +156,25 @@ function write_function(name, ours,   words, result, list, item, count, i, dummy
   printf "%s", lines
   sub(/.* /, "", result)
   print "    end " result
+}
+
+# A status, or a text: of the first argument, an object, and of numbers and structs.
+function write_wrapper(name, ours,   item, count, i, dummy, names, given, lines, text) {
+  count = read_prototype(name, item)
+  text = result ~ /c_ptr/
+  for (i = 1; i <= count; i++) {
+    dummy = read_declarator(item[i])
+    names = names (i > 1 ? ", " : "") dummy
+    given = given (i > 1 ? ", " : "") (stars && !(base in members) ? "at(" dummy ")" : dummy)
+    lines = lines "    " (stars ? "type(" base ")" : number(base)) ", intent(" \
+      (stars && base in members && !constant_type ? "inout" : "in") ") :: " dummy "\n"
+  }
+  print "  " (text ? "function " : "integer(c_int) function ") name "( &"
+  print "      " names ") result(answer)"
+  printf "%s", lines
+  if (text) print "    character(len=:), allocatable :: answer"
+  print "    answer = " (text ? "from_c(" ours "(" given "))" : ours "(" given ")")
+  print "  end function"
 }
 
 # many: the argument before was a count n

@@ -68,17 +68,7 @@ module nsdae_f_lcp
 
 contains
 
-  function nsdae_lcp_stage_name(stage) result(text)
-    integer(c_int), intent(in) :: stage
-    character(len=:), allocatable :: text
-    text = from_c(c_stage_name(stage))
-  end function
-
-  function nsdae_lcp_ray_name(ray) result(text)
-    integer(c_int), intent(in) :: ray
-    character(len=:), allocatable :: text
-    text = from_c(c_ray_name(ray))
-  end function
+  ! headers: wrappers nsdae_lcp_ stage_name ray_name
 
   ! A is [n, n] (its first dimension may be larger), b, x and y are [n], n = size(b). x: in, a guess
   ! whose positive entries are tried first; out, the solution or the best point. NSDAE_OK solved;

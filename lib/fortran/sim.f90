@@ -272,17 +272,7 @@ contains
   end function
 
   ! Name of a method and what it is, in one line; '' past the last.
-  function nsdae_method_name(method) result(text)
-    integer(c_int), intent(in) :: method
-    character(len=:), allocatable :: text
-    text = from_c(c_method_name(method))
-  end function
-
-  function nsdae_method_summary(method) result(text)
-    integer(c_int), intent(in) :: method
-    character(len=:), allocatable :: text
-    text = from_c(c_method_summary(method))
-  end function
+  ! headers: wrappers nsdae_ method_name method_summary
 
   ! Makes a simulation; this is where memory is allocated, once. The system must be complete and
   ! outlive it; without options, the defaults. NSDAE_E_ARGUMENT, NSDAE_E_STATE (a callback that is
@@ -427,24 +417,13 @@ contains
 
   ! One step of dt. NSDAE_OK; NSDAE_EVENT when there was an impact in it; NSDAE_STOPPED; < 0: the
   ! step was not done and the state is the one before it.
-  integer(c_int) function nsdae_sim_step(sim) result(status)
-    type(nsdae_sim), intent(in) :: sim
-    status = c_step(at(sim))
-  end function
+  ! headers: wrappers nsdae_sim_ step
 
   ! Steps of dt from the start's time to t_end; the last one is shortened to end there.
-  integer(c_int) function nsdae_sim_run(sim, t_end) result(status)
-    type(nsdae_sim), intent(in) :: sim
-    real(c_double), intent(in) :: t_end
-    status = c_run(at(sim), t_end)
-  end function
+  ! headers: wrappers nsdae_sim_ run
 
   ! The same, but back after the first step with NSDAE_EVENT or NSDAE_ZENO, with that status.
-  integer(c_int) function nsdae_sim_run_to_event(sim, t_end) result(status)
-    type(nsdae_sim), intent(in) :: sim
-    real(c_double), intent(in) :: t_end
-    status = c_run_to_event(at(sim), t_end)
-  end function
+  ! headers: wrappers nsdae_sim_ run_to_event
 
   ! q [nq] and v [nv] at a time of the last step, its ends included. NSDAE_E_ARGUMENT: another time;
   ! NSDAE_E_STATE: there is no last step.
@@ -481,26 +460,10 @@ contains
   end function
 
   ! Other options from here on; method, polygon and linear_solver are fixed: NSDAE_E_ARGUMENT.
-  integer(c_int) function nsdae_sim_set_options(sim, options) result(status)
-    type(nsdae_sim), intent(in) :: sim
-    type(nsdae_sim_options), intent(in) :: options
-    status = c_set_options(at(sim), options)
-  end function
+  ! headers: wrappers nsdae_sim_ set_options
 
   ! Coefficients of contact i and of frictional joint j in this simulation, in place of the system's.
-  integer(c_int) function nsdae_sim_set_contact(sim, i, mu, e_n, e_t) result(status)
-    type(nsdae_sim), intent(in) :: sim
-    integer(c_int), intent(in) :: i
-    real(c_double), intent(in) :: mu, e_n, e_t
-    status = c_set_contact(at(sim), i, mu, e_n, e_t)
-  end function
-
-  integer(c_int) function nsdae_sim_set_frictional_joint(sim, j, mu) result(status)
-    type(nsdae_sim), intent(in) :: sim
-    integer(c_int), intent(in) :: j
-    real(c_double), intent(in) :: mu
-    status = c_set_frictional_joint(at(sim), j, mu)
-  end function
+  ! headers: wrappers nsdae_sim_ set_contact set_frictional_joint
 
   ! The state as a value: so many bytes, fixed by system and options, that hold all that the next
   ! step depends on. Set into a simulation of the same system and options the run goes on with the
@@ -536,17 +499,7 @@ contains
     if (status >= 0) call shape_record(from, sim%run%dims, record)
   end function
 
-  integer(c_int) function nsdae_sim_get_stats(sim, stats) result(status)
-    type(nsdae_sim), intent(in) :: sim
-    type(nsdae_stats), intent(inout) :: stats
-    status = c_get_stats(at(sim), stats)
-  end function
-
-  integer(c_int) function nsdae_sim_get_dims(sim, dims) result(status)
-    type(nsdae_sim), intent(in) :: sim
-    type(nsdae_dims), intent(inout) :: dims
-    status = c_get_dims(at(sim), dims)
-  end function
+  ! headers: wrappers nsdae_sim_ get_stats get_dims
 
   ! Whether the system has a callback for the potential energy.
   logical function nsdae_sim_has_potential(sim)
@@ -554,11 +507,7 @@ contains
     nsdae_sim_has_potential = c_has_potential(sim%handle) /= 0
   end function
 
-  integer(c_int) function nsdae_sim_get_options(sim, options) result(status)
-    type(nsdae_sim), intent(in) :: sim
-    type(nsdae_sim_options), intent(inout) :: options
-    status = c_get_options(at(sim), options)
-  end function
+  ! headers: wrappers nsdae_sim_ get_options
 
   ! The complementarity problem of the step that failed with NSDAE_E_LCP or NSDAE_E_INFEASIBLE: the
   ! simulation's own arrays, which hold until the next step. NSDAE_E_STATE where the last step did

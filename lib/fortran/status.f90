@@ -43,29 +43,13 @@ module nsdae_f_status
 contains
 
   ! The version of the library that runs, as "major.minor.patch".
-  function nsdae_version() result(text)
-    character(len=:), allocatable :: text
-    text = from_c(c_version())
-  end function
+  ! headers: wrappers nsdae_ version
 
   ! How this library was built, in one line.
-  function nsdae_build_info() result(text)
-    character(len=:), allocatable :: text
-    text = from_c(c_build_info())
-  end function
+  ! headers: wrappers nsdae_ build_info
 
   ! "NSDAE_E_RANK"; "unknown status" where there is none.
-  function nsdae_status_name(status) result(text)
-    integer(c_int), intent(in) :: status
-    character(len=:), allocatable :: text
-    text = from_c(c_status_name(status))
-  end function
-
-  function nsdae_status_message(status) result(text)
-    integer(c_int), intent(in) :: status
-    character(len=:), allocatable :: text
-    text = from_c(c_status_message(status))
-  end function
+  ! headers: wrappers nsdae_ status_name status_message
 
   ! What follows serves the other modules.
 

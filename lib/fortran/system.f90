@@ -259,20 +259,10 @@ contains
 
   ! Coefficients of contact 0 <= i < k; all zero at first. mu >= 0: friction; e_n and e_t, 0 .. 1:
   ! normal and tangential restitution.
-  integer(c_int) function nsdae_system_set_contact(system, i, mu, e_n, e_t) result(status)
-    type(nsdae_system), intent(in) :: system
-    integer(c_int), intent(in) :: i
-    real(c_double), intent(in) :: mu, e_n, e_t
-    status = c_set_contact(at(system), i, mu, e_n, e_t)
-  end function
+  ! headers: wrappers nsdae_system_ set_contact
 
   ! Slide 0 <= j < f: the bilateral constraint of that number, 0 .. m-1, with friction mu >= 0.
-  integer(c_int) function nsdae_system_set_frictional_joint(system, j, constraint, mu) result(status)
-    type(nsdae_system), intent(in) :: system
-    integer(c_int), intent(in) :: j, constraint
-    real(c_double), intent(in) :: mu
-    status = c_set_frictional_joint(at(system), j, constraint, mu)
-  end function
+  ! headers: wrappers nsdae_system_ set_frictional_joint
 
   ! Name and unit of number i (from 0) of a kind (NSDAE_NAME_COORDINATE and so on), as in
   ! (system, NSDAE_NAME_COORDINATE, 2, 'theta', 'rad'). NSDAE_E_ARGUMENT: no such kind or number, or
@@ -301,12 +291,7 @@ contains
 
   ! A length that the error of number i (from 0) of a kind is measured by, NSDAE_NAME_CONTACT (of
   ! contacts by list: of block i) or NSDAE_NAME_CONSTRAINT; 0: unknown.
-  integer(c_int) function nsdae_system_set_size(system, kind, i, size) result(status)
-    type(nsdae_system), intent(in) :: system
-    integer(c_int), intent(in) :: kind, i
-    real(c_double), intent(in) :: size
-    status = c_set_size(at(system), kind, i, size)
-  end function
+  ! headers: wrappers nsdae_system_ set_size
 
   ! '' where there is none.
   function nsdae_system_get_name(system, kind, i) result(text)
@@ -334,25 +319,13 @@ contains
   end function
 
   ! The sizes, with nv filled in.
-  integer(c_int) function nsdae_system_get_dims(system, dims) result(status)
-    type(nsdae_system), intent(in) :: system
-    type(nsdae_dims), intent(out) :: dims
-    status = c_get_dims(at(system), dims)
-  end function
+  ! headers: wrappers nsdae_system_ get_dims
 
   ! Names of the terms that are filled by differences, e.g. "constraint_bias gap_normal".
-  function nsdae_system_differences(system) result(text)
-    type(nsdae_system), intent(in) :: system
-    character(len=:), allocatable :: text
-    text = from_c(c_differences(at(system)))
-  end function
+  ! headers: wrappers nsdae_system_ differences
 
   ! What no check can see of the callbacks that are given.
-  function nsdae_system_unseen(system) result(text)
-    type(nsdae_system), intent(in) :: system
-    character(len=:), allocatable :: text
-    text = from_c(c_unseen(at(system)))
-  end function
+  ! headers: wrappers nsdae_system_ unseen
 
   ! NSDAE_E_ARGUMENT where q or v, arguments of these names, has not the size it must have; for the other modules
   ! too.
