@@ -17,6 +17,7 @@ foreach(name callback_guard check differences moment_arms moment_arm_check sette
 endforeach()
 
 add_test(NAME unit/system/callbacks COMMAND sh ${PROJECT_SOURCE_DIR}/lib/system/callbacks.sh)
+add_test(NAME structure/includes COMMAND python3 ${CMAKE_CURRENT_SOURCE_DIR}/structure.py ${PROJECT_SOURCE_DIR})
 
 nsdae_unit_test(terms terms)
 

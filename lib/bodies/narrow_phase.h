@@ -1,8 +1,8 @@
-/* The geometries of contact between points, lines and planes that feature.h speaks of. */
-#ifndef NSDAE_BODIES_TOUCH_H
-#define NSDAE_BODIES_TOUCH_H
+/* The geometries of contact between points, lines and planes of feature.h. */
+#ifndef NSDAE_BODIES_NARROW_PHASE_H
+#define NSDAE_BODIES_NARROW_PHASE_H
 
-#include "feature.h"
+#include "solid.h"
 
 /* n and g of a distance vector d; side = -1 where the solid lies outside. */
 nsdae_jet3 nsdae_direction(nsdae_jet3 d, double side, nsdae_jet *length);
@@ -18,6 +18,16 @@ nsdae_touch nsdae_touch_plane_point(nsdae_jet3 x0, nsdae_jet3 n, nsdae_jet3 x1, 
 /* A contact that another feature stands for: the gap is constant; it has no places and directions.
  */
 nsdae_touch nsdae_touch_far(const nsdae_solid_of *s0, const nsdae_solid_of *s1);
+
+/* Whether a solid of the plane has edges that can separate: a segment without rounding is a side.
+ */
+int nsdae_has_edges(const nsdae_solid_of *solid);
+
+/* The meeting of two planar solids with these poses of their bodies. */
+nsdae_meeting nsdae_find_meeting(const nsdae_solid_of *solid0, const nsdae_solid_of *solid1,
+                                 const nsdae_pose *pose0, const nsdae_pose *pose1, double enough);
+/* The same of the solids in the other order. */
+nsdae_meeting nsdae_meeting_turned(const nsdae_meeting *met);
 
 /* The contact of a corner of solid s1 against the polygon or rounded segment s0; met is theirs. */
 nsdae_touch nsdae_polygon_touch(const nsdae_solid_of *s0, const nsdae_solid_of *s1, int corner,

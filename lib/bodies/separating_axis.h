@@ -3,10 +3,10 @@
  * Lin, D. Manocha, SIGGRAPH 1996, for boxes). Of convex solids that overlap the largest of these
  * separations is minus the least way that parts them, and changes no faster than they move; so the
  * contacts of a pair are those of that axis, and none is deeper. */
-#ifndef NSDAE_BODIES_OVERLAP_H
-#define NSDAE_BODIES_OVERLAP_H
+#ifndef NSDAE_BODIES_SEPARATING_AXIS_H
+#define NSDAE_BODIES_SEPARATING_AXIS_H
 
-#include "feature.h"
+#include "solid.h"
 
 /* In parts of the sizes of both: what counts as nothing, rounding and the drift of blocks that lie
  * flush; and how far beside a face what overlaps is still over it. */

@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "errors.h"
-#include "progress.h"
+#include "stalled_steps.h"
 #include "vector.h"
 
 enum {

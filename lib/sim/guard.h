@@ -5,21 +5,7 @@
 #ifndef NSDAE_SIM_GUARD_H
 #define NSDAE_SIM_GUARD_H
 
-#include <stdatomic.h>
-
-#include <nsdae/sim.h>
-
-enum nsdae_use {
-  NSDAE_READ, /* reads: with others, and from an observer */
-  NSDAE_ASK,  /* works alone, but changes no state: also from an observer */
-  NSDAE_MOVE  /* works alone */
-};
-
-typedef struct nsdae_guard {
-  atomic_int users;             /* calls that read; -1: one that works alone */
-  _Atomic(const void *) thread; /* of the one that works alone; else NULL */
-  int showing;                  /* an observer sees a record; for that thread alone */
-} nsdae_guard;
+#include "sim_impl.h"
 
 /* NSDAE_OK; NSDAE_E_ARGUMENT where sim is NULL; NSDAE_E_STATE: refused. where: the function. */
 int nsdae_sim_enter(const nsdae_sim *sim, enum nsdae_use use, const char *where);

@@ -17,6 +17,7 @@
 
 #include "errors.h"
 #include "penalty_law.h"
+#include "guard.h"
 #include "sim_impl.h"
 #include "system_impl.h"
 #include "tangent_check.h"

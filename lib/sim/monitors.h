@@ -6,24 +6,11 @@
 #ifndef NSDAE_MONITORS_H
 #define NSDAE_MONITORS_H
 
-/* Bits of nsdae_stats.warnings, in the order in which they are said. */
-enum {
-  NSDAE_MONITORS_ENERGY = 1,
-  NSDAE_MONITORS_PENETRATION = 2,
-  NSDAE_MONITORS_DRIFT = 4,
-  NSDAE_MONITORS_PAINLEVE = 8,
-  NSDAE_MONITORS_IMPACTS = 16,
-  NSDAE_MONITORS_RESTITUTION = 32
-};
+#include "sim_impl.h"
 
-/* What is kept of the run so far: doubles alone, see snapshot.c. */
-typedef struct nsdae_monitors {
-  double change;   /* g */
-  double row, way; /* c, l */
-  double apart;    /* the largest gap so far; 0: all were closed at the start */
-  double scale;    /* largest kinetic energy so far */
-  double known;    /* the largest that came from somewhere */
-  double kinetic;  /* of the start */
-} nsdae_monitors;
+/* From the start on. NSDAE_OK, or what the terms return. */
+int nsdae_monitors_start(const nsdae_sim *sim, nsdae_point *point);
+/* After a step: what is to be said now, NSDAE_WARN_... with the error record, or NSDAE_OK. */
+int nsdae_monitors_step(const nsdae_sim *sim, const nsdae_point *before, nsdae_point *point);
 
 #endif

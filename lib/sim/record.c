@@ -1,6 +1,7 @@
 /* Records, impacts, certificates and statistics of a point, from its result alone. */
 #include <string.h>
 
+#include "monitors.h"
 #include "sim_impl.h"
 
 enum {

@@ -15,6 +15,7 @@
 #include <string.h>
 
 #include "errors.h"
+#include "monitors.h"
 #include "sim_impl.h"
 #include "vector.h"
 

@@ -6,6 +6,7 @@
 
 #include "errors.h"
 #include "options.h"
+#include "guard.h"
 #include "sim_impl.h"
 
 static int set_user(nsdae_sim *sim, void *user)

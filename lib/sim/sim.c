@@ -8,6 +8,7 @@
 #include "options.h"
 #include "callback_guard.h"
 #include "refusal.h"
+#include "guard.h"
 #include "sim_impl.h"
 #include "initial_conditions.h"
 #include "system_impl.h"

@@ -2,13 +2,46 @@
 #ifndef NSDAE_SIM_IMPL_H
 #define NSDAE_SIM_IMPL_H
 
+#include <stdatomic.h>
+
 #include <nsdae/sim.h>
 
-#include "guard.h"
 #include "method_table.h"
 #include "state_projection.h"
 #include "stepper.h"
-#include "monitors.h"
+
+/* How a call uses a simulation, and who does so now: see guard.h. */
+enum nsdae_use {
+  NSDAE_READ, /* reads: with others, and from an observer */
+  NSDAE_ASK,  /* works alone, but changes no state: also from an observer */
+  NSDAE_MOVE  /* works alone */
+};
+
+typedef struct nsdae_guard {
+  atomic_int users;             /* calls that read; -1: one that works alone */
+  _Atomic(const void *) thread; /* of the one that works alone; else NULL */
+  int showing;                  /* an observer sees a record; for that thread alone */
+} nsdae_guard;
+
+/* Bits of nsdae_stats.warnings, in the order in which monitors.h reports them. */
+enum {
+  NSDAE_MONITORS_ENERGY = 1,
+  NSDAE_MONITORS_PENETRATION = 2,
+  NSDAE_MONITORS_DRIFT = 4,
+  NSDAE_MONITORS_PAINLEVE = 8,
+  NSDAE_MONITORS_IMPACTS = 16,
+  NSDAE_MONITORS_RESTITUTION = 32
+};
+
+/* Largest values of the run so far, for the bounds of monitors.h: doubles alone, see snapshot.c. */
+typedef struct nsdae_monitors {
+  double change;   /* g */
+  double row, way; /* c, l */
+  double apart;    /* the largest gap so far; 0: all were closed at the start */
+  double scale;    /* largest kinetic energy so far */
+  double known;    /* the largest that came from somewhere */
+  double kinetic;  /* of the start */
+} nsdae_monitors;
 
 typedef struct nsdae_observation {
   nsdae_observer_fn call;
@@ -143,11 +176,6 @@ int nsdae_certificate_energy(const nsdae_sim *sim, const nsdae_point *before,
 
 /* NSDAE_OK, or NSDAE_E_NONFINITE with the record that names what of a point is not finite. */
 int nsdae_point_finite(const nsdae_point *point);
-/* From the start on. NSDAE_OK, or what the terms return. */
-int nsdae_monitors_start(const nsdae_sim *sim, nsdae_point *point);
-/* After a step: what is to be said now, NSDAE_WARN_... with the error record, or NSDAE_OK. */
-int nsdae_monitors_step(const nsdae_sim *sim, const nsdae_point *before, nsdae_point *point);
-
 /* NSDAE_WARN_IMPACTS with the pair of closed contacts that would hit most often, one after the
  * other, in the step that was done and has its work; or NSDAE_OK. */
 int nsdae_merged_report(const nsdae_sim *sim, const nsdae_point *before, nsdae_point *point);

@@ -23,6 +23,7 @@
 
 #include "errors.h"
 #include "options.h"
+#include "guard.h"
 #include "sim_impl.h"
 
 typedef struct head {

@@ -3,6 +3,8 @@
 
 #include "clock.h"
 #include "errors.h"
+#include "guard.h"
+#include "monitors.h"
 #include "sim_impl.h"
 
 void nsdae_sim_commit(nsdae_sim *sim)

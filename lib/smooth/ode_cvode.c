@@ -10,7 +10,7 @@
 
 #include "context.h"
 #include "pool.h"
-#include "progress.h"
+#include "stalled_steps.h"
 #include "vector.h"
 
 struct nsdae_ode {

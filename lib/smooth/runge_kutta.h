@@ -15,7 +15,7 @@
 #define NSDAE_RUNGE_KUTTA_H
 
 #include "arena.h"
-#include "progress.h"
+#include "stalled_steps.h"
 
 typedef struct nsdae_runge_kutta {
   int n,

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "progress.h"
+#include "stalled_steps.h"
 
 void nsdae_event_account_layout(nsdae_event_account *a, nsdae_arena *arena)
 {

@@ -69,6 +69,6 @@ int nsdae_lcp_chain_run(nsdae_lcp_work *w)
   nsdae_lcp_work_scale(w);
   int status = run_stages(w);
   if (status != NSDAE_OK && w->ray && w->n <= NSDAE_RAY_MAX) read_ray(w);
-  nsdae_lcp_work_hand_over(w);
+  nsdae_lcp_hand_over(w);
   return status;
 }

@@ -148,7 +148,7 @@ static int judge_whole(const parts *p)
   nsdae_lcp_work_scale(w);
   for (int i = 0; i < w->n; i++) w->x[i] /= w->scaled.column[i];
   nsdae_lcp_judge(w, w->basis, stage);
-  nsdae_lcp_work_hand_over(w);
+  nsdae_lcp_hand_over(w);
   return w->info->outcome == NSDAE_OUTCOME_SOLVED;
 }
 

@@ -77,3 +77,34 @@ int nsdae_lcp_judge_basis(nsdae_lcp_work *w, const int *basis, int stage)
 {
   return solve(w, basis, w->x) == 0 && nsdae_lcp_judge(w, basis, stage); /* zeros of x too */
 }
+
+/* Rows and columns as the problem was given; y is that of x as it can be written. */
+static void scale_back(nsdae_lcp_work *w)
+{
+  int rounded = 0;
+  double residual;
+  for (int i = 0; i < w->n; i++) {
+    double x = w->x[i] * w->scaled.column[i];
+    rounded |= x / w->scaled.column[i] != w->x[i];
+    w->room.rhs[i] = x / w->scaled.column[i];
+  }
+  if (rounded)
+    nsdae_dlcpres(w->n, w->scaled.A, w->n, w->scaled.b, w->room.rhs, w->y, &residual,
+                  w->room.sizes);
+  for (int i = 0; i < w->n; i++) {
+    w->x[i] *= w->scaled.column[i];
+    w->y[i] /= w->scaled.row[i];
+  }
+}
+
+void nsdae_lcp_hand_over(nsdae_lcp_work *w)
+{
+  int found = w->info->residual < INFINITY, proof = w->info->proof == NSDAE_PROOF_FARKAS;
+  if (w->info->outcome != NSDAE_OUTCOME_SOLVED ||
+      memcmp(w->x, w->best, (size_t)w->n * sizeof *w->x) != 0) { /* else y is that of x */
+    for (int i = 0; i < w->n; i++) w->x[i] = found ? w->best[i] : 0;
+    w->info->residual = nsdae_lcp_residual(w);
+  }
+  scale_back(w);
+  for (int i = 0; proof && i < w->n; i++) w->y[i] = w->room.point[i];
+}

@@ -18,4 +18,9 @@ int nsdae_lcp_judge_basis(nsdae_lcp_work *w, const int *basis, int stage);
 /* Whether a solution is at hand that no other stage is likely to better. */
 int nsdae_lcp_is_settled(const nsdae_lcp_work *w);
 
+/* x and y of the best point as the problem was given, or where there is none, of zero; of a proof
+ * by a vector, y is that vector. Below DBL_MIN doubles lie 2^-1074 apart: x is then what is nearest
+ * to a point that was judged, not a solution itself to more than that. */
+void nsdae_lcp_hand_over(nsdae_lcp_work *w);
+
 #endif

@@ -8,7 +8,6 @@
 
 #include "dictionary.h"
 #include "equilibrate.h"
-#include "judge.h"
 #include "lemke.h"
 
 /* The workspace that nsdae_dlemke asks for. */
@@ -74,35 +73,4 @@ void nsdae_lcp_work_scale(nsdae_lcp_work *w)
     after = fmax(after, fabs(w->scaled.b[i]));
   }
   w->scaled.out_of_range = before > 0 && !(after > 0x1p-900 && after < 0x1p900);
-}
-
-/* Rows and columns as the problem was given; y is that of x as it can be written. */
-static void scale_back(nsdae_lcp_work *w)
-{
-  int rounded = 0;
-  double residual;
-  for (int i = 0; i < w->n; i++) {
-    double x = w->x[i] * w->scaled.column[i];
-    rounded |= x / w->scaled.column[i] != w->x[i];
-    w->room.rhs[i] = x / w->scaled.column[i];
-  }
-  if (rounded)
-    nsdae_dlcpres(w->n, w->scaled.A, w->n, w->scaled.b, w->room.rhs, w->y, &residual,
-                  w->room.sizes);
-  for (int i = 0; i < w->n; i++) {
-    w->x[i] *= w->scaled.column[i];
-    w->y[i] /= w->scaled.row[i];
-  }
-}
-
-void nsdae_lcp_work_hand_over(nsdae_lcp_work *w)
-{
-  int found = w->info->residual < INFINITY, proof = w->info->proof == NSDAE_PROOF_FARKAS;
-  if (w->info->outcome != NSDAE_OUTCOME_SOLVED ||
-      memcmp(w->x, w->best, (size_t)w->n * sizeof *w->x) != 0) { /* else y is that of x */
-    for (int i = 0; i < w->n; i++) w->x[i] = found ? w->best[i] : 0;
-    w->info->residual = nsdae_lcp_residual(w);
-  }
-  scale_back(w);
-  for (int i = 0; proof && i < w->n; i++) w->y[i] = w->room.point[i];
 }

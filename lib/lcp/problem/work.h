@@ -50,9 +50,4 @@ void nsdae_lcp_work_lay_out(nsdae_lcp_work *w, double *work, int *iwork);
 /* Fills w->scaled. */
 void nsdae_lcp_work_scale(nsdae_lcp_work *w);
 
-/* x and y of the best point as the problem was given, or where there is none, of zero; of a proof
- * by a vector, y is that vector. Below DBL_MIN doubles lie 2^-1074 apart: x is then what is nearest
- * to a point that was judged, not a solution itself to more than that. */
-void nsdae_lcp_work_hand_over(nsdae_lcp_work *w);
-
 #endif

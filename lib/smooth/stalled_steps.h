@@ -2,8 +2,8 @@
  * halves its step for ever: a step below the rounding of t is a success to it. Some such steps are
  * good, its first ones after a restart: it may double its step each time, so that a hundred make
  * 1e30 times the first. */
-#ifndef NSDAE_SMOOTH_PROGRESS_H
-#define NSDAE_SMOOTH_PROGRESS_H
+#ifndef NSDAE_STALLED_STEPS_H
+#define NSDAE_STALLED_STEPS_H
 
 #include <nsdae/status.h>
 

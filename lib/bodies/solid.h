@@ -1,0 +1,61 @@
+/* A solid in its body's frame, a feature of two solids, and what is known of two of them at a
+ * moment. */
+#ifndef NSDAE_BODIES_SOLID_H
+#define NSDAE_BODIES_SOLID_H
+
+#include <nsdae/bodies.h>
+
+#include "pose.h"
+
+/* A solid as the world keeps it: in its body's frame. */
+typedef struct nsdae_solid_of {
+  int body, shape, hollow, points, material;
+  double radius, half[3]; /* half edges; segment: half[0]; capsule: half[2] */
+  double
+      size; /* largest distance of its corners from its origin, with the rounding; 0 of a plane */
+  double origin[3], R[9]; /* its frame in the body's; of a plane column 2 is the normal */
+  double turn[4];         /* spatial: the same as a unit quaternion */
+  double *point;          /* points x 3: its corners in the body's frame */
+  double *edge; /* planar, of more than one corner: points x 4, the outer unit normal of the edge
+                   from each corner (3) and its length, behind the corners */
+} nsdae_solid_of;
+
+typedef struct nsdae_feature {
+  int number; /* in order among those of the pair */
+  int edges;  /* 0: a corner of solid[1] against solid[0]; 1: an edge of each */
+  int solid[2];
+  int part[2]; /* the corner in part[1]; the edges */
+  double mu, e_n, e_t;
+} nsdae_feature;
+
+/* A contact at a moment. */
+typedef struct nsdae_touch {
+  nsdae_jet gap;
+  nsdae_jet3 normal, at[2]; /* n, c_i */
+  int far; /* another feature is nearer: the gap is positive and constant, and all there is */
+} nsdae_touch;
+
+/* Which edges of two solids can be the nearest of both: bit j of of[i] for edge i of solid 0 and j
+ * of solid 1. Of the 144 pairs of two boxes these are few, for nine directions. */
+enum { NSDAE_EDGES_MAX = 12 };
+typedef struct nsdae_facing {
+  unsigned of[NSDAE_EDGES_MAX];
+} nsdae_facing;
+
+/* How far two planar solids are apart along the best outer normal of an edge of each, and which
+ * edge; of a line also beyond its ends. All its features go by that. -INFINITY: has no edges. Where
+ * one edge separates them by more than enough that is all it says. */
+typedef struct nsdae_meeting {
+  double value[2], ends[2];
+  int edge[2];
+  double above[2][3]; /* height of the other's points over that edge: see nsdae_height_above */
+} nsdae_meeting;
+
+/* above_x p_x + above_y p_y + above_0. No contact of a corner at p is nearer than this height over
+ * any edge, the roundings apart. */
+static inline double nsdae_height_above(const double *above, const double *p)
+{
+  return above[0] * p[0] + above[1] * p[1] + above[2];
+}
+
+#endif
