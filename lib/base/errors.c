@@ -36,3 +36,8 @@ int nsdae_error_set(nsdae_error *error, int status, const char *where, const cha
   one_line(error->text);
   return status;
 }
+
+int nsdae_error_memory(nsdae_error *error, const char *where)
+{
+  return nsdae_error_set(error, NSDAE_E_MEMORY, where, "", "out of memory");
+}

@@ -13,7 +13,7 @@ static const status_text list[] = {
 #undef STATUS_TEXT
 };
 
-static const status_text *find(int status)
+static const status_text *find_status(int status)
 {
   static const status_text unknown = {0, "unknown status", "unknown status"};
   for (size_t i = 0; i < sizeof list / sizeof *list; i++)
@@ -23,10 +23,10 @@ static const status_text *find(int status)
 
 const char *nsdae_status_name(int status)
 {
-  return find(status)->name;
+  return find_status(status)->name;
 }
 
 const char *nsdae_status_message(int status)
 {
-  return find(status)->message;
+  return find_status(status)->message;
 }

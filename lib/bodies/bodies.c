@@ -20,8 +20,7 @@ int nsdae_bodies_create(int dimension, nsdae_bodies **bodies, nsdae_error *error
     return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_bodies_create", "dimension",
                            "dimension = %d is neither 2 nor 3", dimension);
   nsdae_bodies *made = calloc(1, sizeof *made);
-  if (!made)
-    return nsdae_error_set(error, NSDAE_E_MEMORY, "nsdae_bodies_create", "", "out of memory");
+  if (!made) return nsdae_error_memory(error, "nsdae_bodies_create");
   made->dimension = dimension;
   nsdae_error_clear(&made->error);
   *bodies = made;
@@ -87,7 +86,7 @@ void *nsdae_list_add(nsdae_bodies *b, nsdae_list *list, size_t size)
     int room = list->room > 0 ? 2 * list->room : 8;
     void *at = list->room > INT32_MAX / 2 ? NULL : realloc(list->at, (size_t)room * size);
     if (!at) {
-      nsdae_error_set(&b->error, NSDAE_E_MEMORY, "nsdae_bodies", "", "out of memory");
+      nsdae_error_memory(&b->error, "nsdae_bodies");
       return NULL;
     }
     list->at = at;
@@ -214,7 +213,7 @@ nsdae_pose nsdae_bodies_pose(const nsdae_bodies *b, int body, const double *q, c
 }
 
 /* Its q and v at the start. */
-static void start(const nsdae_bodies *b, int body, double *q, double *v)
+static void body_start(const nsdae_bodies *b, int body, double *q, double *v)
 {
   const nsdae_rigid_body *at = nsdae_body_at(b, body);
   int d = b->dimension;
@@ -233,7 +232,7 @@ nsdae_pose nsdae_bodies_start_pose(const nsdae_bodies *b, int body)
 {
   double q[7], v[6];
   if (body == NSDAE_GROUND) return nsdae_pose_ground();
-  start(b, body, q, v);
+  body_start(b, body, q, v);
   return b->dimension == 2 ? nsdae_pose_planar(q, v) : nsdae_pose_spatial(q, v);
 }
 
@@ -291,7 +290,7 @@ int nsdae_bodies_get_start(const nsdae_bodies *b, double *q, double *v)
 {
   if (!b || !q || !v) return NSDAE_E_ARGUMENT;
   for (int i = 0; i < b->body.count; i++)
-    start(b, i, q + i * nsdae_body_nq(b), v + i * nsdae_body_nv(b));
+    body_start(b, i, q + i * nsdae_body_nq(b), v + i * nsdae_body_nv(b));
   for (int i = 0; i < b->own.dims.nq; i++) q[b->body.count * nsdae_body_nq(b) + i] = 0;
   for (int i = 0; i < b->own.dims.nv; i++) v[b->body.count * nsdae_body_nv(b) + i] = 0;
   return NSDAE_OK;

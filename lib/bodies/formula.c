@@ -18,7 +18,7 @@ typedef struct formula {
   int used, digits;
 } formula;
 
-static void append(formula *f, const char *format, ...)
+static void append_text(formula *f, const char *format, ...)
 {
   va_list values;
   if (f->used >= LENGTH) return;
@@ -35,7 +35,7 @@ static void append_number(formula *f, double value)
     snprintf(number, sizeof number, "%.*g", f->digits, value);
   else
     nsdae_number_write(value, number, sizeof number);
-  append(f, f->used > 0 && value >= 0 ? "+%s" : "%s", number);
+  append_text(f, f->used > 0 && value >= 0 ? "+%s" : "%s", number);
 }
 
 /* + value * factor, where value is not zero. */
@@ -43,17 +43,17 @@ static void add_term(formula *f, double value, const char *factor)
 {
   if (value == 0) return;
   if (value == 1 || value == -1)
-    append(f, "%s%s", value < 0 ? "-" : f->used > 0 ? "+" : "", factor);
+    append_text(f, "%s%s", value < 0 ? "-" : f->used > 0 ? "+" : "", factor);
   else {
     append_number(f, value);
-    append(f, "*%s", factor);
+    append_text(f, "*%s", factor);
   }
 }
 
 static void add_number(formula *f, double value)
 {
   if (value != 0) append_number(f, value);
-  if (f->used == 0) append(f, "0");
+  if (f->used == 0) append_text(f, "0");
 }
 
 /* The coordinates of a body by their names. */
@@ -95,7 +95,7 @@ static void spatial_point(formula *f, const coordinates *c, int i, const double 
   add_term(&sum, s[i], along);
   add_term(&sum, 2 * s[j], left);
   add_term(&sum, 2 * s[k], right);
-  append(f, "+(%s)/(%s^2+%s^2+%s^2+%s^2)", sum.text, w, a, b, d);
+  append_text(f, "+(%s)/(%s^2+%s^2+%s^2+%s^2)", sum.text, w, a, b, d);
 }
 
 /* Where the point s of a body's frame is along an axis of space. */
@@ -106,7 +106,7 @@ static void write_place(formula *f, const nsdae_bodies *b, int body, const doubl
     return;
   }
   coordinates c = name_coordinates(body);
-  append(f, "%s", c.x[axis]);
+  append_text(f, "%s", c.x[axis]);
   if (b->dimension == 2)
     planar_point(f, &c, axis, s);
   else
@@ -114,7 +114,7 @@ static void write_place(formula *f, const nsdae_bodies *b, int body, const doubl
 }
 
 /* With nine digits where there is no room for all. */
-static formula place(const nsdae_bodies *b, int body, const double *s, int axis)
+static formula place_formula(const nsdae_bodies *b, int body, const double *s, int axis)
 {
   formula f = {.digits = 0};
   if (b->dimension == 2 && axis == 2) return f;
@@ -155,7 +155,7 @@ typedef struct portrait {
 static void set_position(portrait *p, const nsdae_bodies *b, int body, const double *s)
 {
   for (int i = 0; i < b->dimension; i++) {
-    p->position[i] = place(b, body, s, i);
+    p->position[i] = place_formula(b, body, s, i);
     p->body.position[i] = p->position[i].text;
   }
 }
@@ -163,7 +163,7 @@ static void set_position(portrait *p, const nsdae_bodies *b, int body, const dou
 static void set_end(portrait *p, const nsdae_bodies *b, int body, const double *s)
 {
   for (int i = 0; i < b->dimension; i++) {
-    p->end[i] = place(b, body, s, i);
+    p->end[i] = place_formula(b, body, s, i);
     p->body.end[i] = p->end[i].text;
   }
 }
@@ -173,7 +173,7 @@ static void set_frame(portrait *p, const nsdae_bodies *b, int body, double angle
                       const double *turn)
 {
   if (b->dimension == 2) {
-    if (body != NSDAE_GROUND) append(&p->angle, "theta%d", body);
+    if (body != NSDAE_GROUND) append_text(&p->angle, "theta%d", body);
     add_number(&p->angle, angle);
     p->body.angle = p->angle.text;
     return;

@@ -150,7 +150,7 @@ static void own_corner(const nsdae_solid *s, int i, double *x)
     x[j] = (i >> j & 1 ? 0.5 : -0.5) * s->length[j];
 }
 
-static double size_of(const nsdae_solid_of *s)
+static double reach_of(const nsdae_solid_of *s)
 {
   double most = 0;
   for (int i = 0; i < s->points; i++) {
@@ -161,7 +161,7 @@ static double size_of(const nsdae_solid_of *s)
   return most + s->radius;
 }
 
-static void place(const nsdae_bodies *b, const nsdae_solid *s, nsdae_solid_of *made)
+static void place_solid(const nsdae_bodies *b, const nsdae_solid *s, nsdae_solid_of *made)
 {
   memcpy(made->turn, s->quaternion, sizeof made->turn);
   nsdae_unit_quaternion(made->turn);
@@ -176,7 +176,7 @@ static void place(const nsdae_bodies *b, const nsdae_solid *s, nsdae_solid_of *m
     nsdae_turn(made->R, x, corner);
     for (int j = 0; j < 3; j++) corner[j] += made->origin[j];
   }
-  made->size = size_of(made);
+  made->size = reach_of(made);
   for (int j = 0; j < 3; j++) made->half[j] = s->length[j] / 2;
   if (s->shape != NSDAE_SHAPE_PLANE || b->dimension == 3) return;
   for (int j = 0; j < 3; j++) made->R[6 + j] = made->R[3 + j]; /* the normal, as in space */
@@ -220,7 +220,7 @@ int nsdae_bodies_add_solid(nsdae_bodies *b, int body, const nsdae_solid *s)
   nsdae_solid_of *made = corners ? nsdae_list_add(b, &b->solid, sizeof *made) : NULL;
   if (!made) {
     free(corners);
-    return nsdae_error_set(&b->error, NSDAE_E_MEMORY, "nsdae_bodies", "", "out of memory");
+    return nsdae_error_memory(&b->error, "nsdae_bodies");
   }
   *made = (nsdae_solid_of){.body = body,
                            .shape = s->shape,
@@ -230,7 +230,7 @@ int nsdae_bodies_add_solid(nsdae_bodies *b, int body, const nsdae_solid *s)
                            .radius = s->radius,
                            .point = corners,
                            .edge = corners + 3 * points};
-  place(b, s, made);
+  place_solid(b, s, made);
   if (b->dimension == 2 && points > 1) measure_edges(made);
   return index;
 }

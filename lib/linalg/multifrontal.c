@@ -328,7 +328,7 @@ int nsdae_multifrontal_factor(nsdae_multifrontal *f, int symmetric)
 }
 
 /* Entries of the permuted vector in the rows below the supernode, and back. */
-static void gather(const nsdae_multifrontal *f, int s, int add)
+static void gather_below(const nsdae_multifrontal *f, int s, int add)
 {
   const nsdae_symbolic *t = &f->tree;
   double *g = f->gather;
@@ -353,7 +353,7 @@ static void forward(nsdae_multifrontal *f, int s)
               P, p, x, 1);
   if (r == 0) return;
   cblas_dgemv(CblasColMajor, CblasNoTrans, r, p, -1, R, r, x, 1, 0, f->gather, 1);
-  gather(f, s, 1);
+  gather_below(f, s, 1);
 }
 
 static void backward(nsdae_multifrontal *f, int s)
@@ -362,7 +362,7 @@ static void backward(nsdae_multifrontal *f, int s)
   const double *P = f->F + f->super.factor[s], *R = P + (size_t)p * (size_t)p,
                *U = R + (size_t)p * (size_t)r;
   double *x = f->vector + f->place[f->super.begin[s]];
-  if (r > 0) gather(f, s, 0);
+  if (r > 0) gather_below(f, s, 0);
   if (r > 0 && f->symmetric)
     cblas_dgemv(CblasColMajor, CblasTrans, r, p, -1, R, r, f->gather, 1, 1, x, 1);
   else if (r > 0)

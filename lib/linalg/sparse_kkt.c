@@ -114,7 +114,7 @@ static int graph(nsdae_sparse_kkt *s, const part *p)
 }
 
 /* Entry of the graph: the place of block `to` among the neighbours of `from`. */
-static size_t place(const nsdae_sparse_kkt *s, int from, int to)
+static size_t graph_place(const nsdae_sparse_kkt *s, int from, int to)
 {
   if (from == to) return s->fronts.graph.diagonal[from];
   int low = s->first[from], high = s->first[from + 1] - 1;
@@ -135,7 +135,7 @@ static void add_outer(nsdae_sparse_kkt *s, const part *p, int row)
   for (int e = J->first[row]; e < J->first[row + 1]; e++)
     for (int g = J->first[row]; g < J->first[row + 1]; g++) {
       int a = s->number[J->block[e]], b = s->number[J->block[g]];
-      double *A = s->fronts.A + place(s, b, a);
+      double *A = s->fronts.A + graph_place(s, b, a);
       const double *left = J->value + J->at[e], *right = J->value + J->at[g];
       for (int j = 0; j < s->size[b]; j++)
         for (int i = 0; i < s->size[a]; i++)
@@ -144,7 +144,7 @@ static void add_outer(nsdae_sparse_kkt *s, const part *p, int row)
     }
 }
 
-static int factor(nsdae_sparse_kkt *s, const part *p)
+static int factor_part(nsdae_sparse_kkt *s, const part *p)
 {
   memset(s->fronts.A, 0, s->fronts.values * sizeof *s->fronts.A);
   for (int i = 0; i < p->blocks_count; i++) {
@@ -185,8 +185,8 @@ static double size_of_terms(const part *p, int row, const double *x)
 
 /* g := r - M x - J^T l and d := c - J x; returns the larger of the two, each relative to the terms
  * that it is a sum of. */
-static double residual(nsdae_sparse_kkt *s, const part *p, const double *c, const double *l,
-                       const double *x)
+static double kkt_residual(nsdae_sparse_kkt *s, const part *p, const double *c, const double *l,
+                           const double *x)
 {
   double worst = 0, size = 0, worst_row = 0, size_row = 0, *d = s->rest + 2 * p->rows_count;
   for (int i = 0; i < p->blocks_count; i++) {
@@ -236,7 +236,7 @@ static void correct(nsdae_sparse_kkt *s, const part *p, double *l, double *x)
 }
 
 /* Rounds until the residual no longer falls, from zero. */
-static int iterate(nsdae_sparse_kkt *s, const part *p, double *v, double *lambda)
+static int refine_solution(nsdae_sparse_kkt *s, const part *p, double *v, double *lambda)
 {
   double last = INFINITY, *c = s->rest, *l = s->rest + p->rows_count;
   for (int i = 0; i < p->rows_count; i++) {
@@ -246,13 +246,13 @@ static int iterate(nsdae_sparse_kkt *s, const part *p, double *v, double *lambda
   for (int i = 0; i < p->blocks_count; i++)
     memset(v + p->blocks->first[p->block[i]], 0, (size_t)s->size[i] * sizeof *v);
   for (int round = 0; round < ROUNDS; round++) {
-    double now = residual(s, p, c, l, v);
+    double now = kkt_residual(s, p, c, l, v);
     if (!(now < INFINITY)) return NSDAE_E_CONVERGENCE;
     if (now <= DBL_EPSILON || (round > 2 && now >= last / 2 && now < enough)) break;
     last = now;
     correct(s, p, l, v);
   }
-  if (!(residual(s, p, c, l, v) < enough)) return NSDAE_E_CONVERGENCE;
+  if (!(kkt_residual(s, p, c, l, v) < enough)) return NSDAE_E_CONVERGENCE;
   for (int i = 0; i < p->rows_count; i++) lambda[p->row[i]] = l[i];
   return NSDAE_OK;
 }
@@ -279,6 +279,6 @@ int nsdae_sparse_kkt_solve(nsdae_sparse_kkt *s, const nsdae_blocks *blocks, cons
   if (status == NSDAE_OK) status = analyse(s, &p);
   if (status < 0) return status;
   p.scale = scale_of(&p);
-  status = factor(s, &p);
-  return status < 0 ? status : iterate(s, &p, v, lambda);
+  status = factor_part(s, &p);
+  return status < 0 ? status : refine_solution(s, &p, v, lambda);
 }

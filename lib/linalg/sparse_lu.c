@@ -113,7 +113,7 @@ static int search(nsdae_sparse_lu *lu, int i, int k, int *found, int top)
 }
 
 /* x := column q of A, at its pattern */
-static void scatter(nsdae_sparse_lu *lu, const double *A, int lda, int q)
+static void scatter_column(nsdae_sparse_lu *lu, const double *A, int lda, int q)
 {
   for (int p = lu->first[q]; p < lu->first[q + 1]; p++)
     lu->x[lu->row[p]] = A[(size_t)q * (size_t)lda + (size_t)lu->row[p]];
@@ -151,7 +151,7 @@ static int new_column(nsdae_sparse_lu *lu, const double *A, int lda, int k, int 
   for (int p = lu->first[q]; p < lu->first[q + 1]; p++)
     if (lu->mark[lu->row[p]] != k + 1) top = search(lu, lu->row[p], k, found, top);
   for (int p = top; p < n; p++) lu->x[found[p]] = 0;
-  scatter(lu, A, lda, q);
+  scatter_column(lu, A, lda, q);
   for (int p = top; p < n; p++) {
     int place = lu->position[found[p]];
     if (place < 0) continue;
@@ -197,7 +197,7 @@ static int same_column(nsdae_sparse_lu *lu, const double *A, int lda, int k, con
   double most = 0;
   for (int p = lu->U.first[k]; p <= u_end; p++) lu->x[pivot_row[lu->U.row[p]]] = 0;
   for (int p = lu->L.first[k]; p < lu->L.first[k + 1]; p++) lu->x[lu->L.row[p]] = 0;
-  scatter(lu, A, lda, lu->column[k]);
+  scatter_column(lu, A, lda, lu->column[k]);
   for (int p = lu->U.first[k]; p < u_end; p++) {
     int place = lu->U.row[p];
     lu->U.value[p] = lu->x[pivot_row[place]];

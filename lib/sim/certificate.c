@@ -220,7 +220,7 @@ static void measure_energy(nsdae_certificate *c, const nsdae_point *p)
   c->unexplained = r->kinetic - p->accounts.watch.kinetic + r->dissipated - p->work.sum;
 }
 
-static inline int measure(const nsdae_sim *sim, nsdae_point *point)
+static inline int measure_certificate(const nsdae_sim *sim, nsdae_point *point)
 {
   static const nsdae_certificate none = {.pull_contact = -1,
                                          .cone_contact = -1,
@@ -270,7 +270,7 @@ int nsdae_certificate_start(const nsdae_sim *sim, nsdae_point *point)
   double rounding;
   *w = (nsdae_work){.potential = point->record.potential};
   w->power = w->earlier = power_of(&point->result.end, &rounding);
-  int status = measure(sim, point);
+  int status = measure_certificate(sim, point);
   if (sim->system->by_list) c->penetration_contact = -1; /* the record has no list yet */
   point->accounts.stats.certificate = *c;
   return status;
@@ -283,7 +283,7 @@ int nsdae_certificate_follow(const nsdae_sim *sim, nsdae_point *before, nsdae_po
     work_of_motion(before, point);
   else
     status = work_of_step(before, point);
-  if (status == NSDAE_OK) status = measure(sim, point);
+  if (status == NSDAE_OK) status = measure_certificate(sim, point);
   keep_worst(&point->accounts.stats.certificate, &point->record.certificate);
   return status;
 }

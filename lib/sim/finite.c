@@ -15,8 +15,8 @@ typedef struct part {
 enum { OF_NONE = -1, OF_ONE = -2 }; /* kinds of what has numbers and no names, and of one number */
 
 /* item: of a kind that entry index belongs to. */
-static int refuse(const nsdae_result *result, const char *name, int index, double value, int kind,
-                  int item)
+static int refuse_nonfinite(const nsdae_result *result, const char *name, int index, double value,
+                            int kind, int item)
 {
   const nsdae_terms *end = &result->end;
   char place[16] = "";
@@ -32,7 +32,7 @@ static int refuse(const nsdae_result *result, const char *name, int index, doubl
 
 static int refuse_part(const nsdae_result *result, const part *p, int index)
 {
-  return refuse(result, p->name, index, p->value[index], p->kind, index / p->each);
+  return refuse_nonfinite(result, p->name, index, p->value[index], p->kind, index / p->each);
 }
 
 /* Which of the values is not finite; NSDAE_OK where none is. */
@@ -68,13 +68,14 @@ static int find_not_finite(const nsdae_point *point)
     for (int i = 0; i < parts[p].count; i++)
       if (!isfinite(parts[p].value[i])) return refuse_part(result, &parts[p], i);
   double energy = r->kinetic + r->potential + r->dissipated;
-  if (!isfinite(energy)) return refuse(result, "energy", 0, energy, OF_ONE, 0);
+  if (!isfinite(energy)) return refuse_nonfinite(result, "energy", 0, energy, OF_ONE, 0);
   for (int i = 0; i < r->impacts; i++) {
     const nsdae_impact *p = &r->impact[i];
     double sum = p->normal_impulse + p->tangential_impulse[0] + p->tangential_impulse[1] +
                  p->velocity_before + p->velocity_after + p->peak_force;
     if (!isfinite(sum))
-      return refuse(result, "impact", i, sum, d->k > 0 ? NSDAE_NAME_CONTACT : OF_NONE, p->contact);
+      return refuse_nonfinite(result, "impact", i, sum, d->k > 0 ? NSDAE_NAME_CONTACT : OF_NONE,
+                              p->contact);
   }
   return NSDAE_OK;
 }

@@ -16,7 +16,7 @@ static int is_mine(nsdae_guard *guard)
   return atomic_load_explicit(&guard->thread, memory_order_relaxed) == nsdae_this_thread();
 }
 
-static int refuse(const nsdae_sim *sim, const char *where)
+static int refuse_concurrent(const nsdae_sim *sim, const char *where)
 {
   return nsdae_error_set(nsdae_refusal_on(sim), NSDAE_E_STATE, where, "sim",
                          "%s was called while another call on this simulation was in progress, in "
@@ -52,12 +52,12 @@ int nsdae_sim_enter(const nsdae_sim *sim, enum nsdae_use use, const char *where)
   if (!sim) return NSDAE_E_ARGUMENT;
   nsdae_guard *guard = guard_of(sim);
   if (is_mine(guard)) {
-    if (!guard->showing) return refuse(sim, where);
+    if (!guard->showing) return refuse_concurrent(sim, where);
     if (use == NSDAE_MOVE) return refuse_observer(sim, where);
     guard->showing = use == NSDAE_READ; /* what it asks may call a callback */
     return NSDAE_OK;
   }
-  if (!take(guard, use)) return refuse(sim, where);
+  if (!take(guard, use)) return refuse_concurrent(sim, where);
   if (use != NSDAE_READ)
     atomic_store_explicit(&guard->thread, nsdae_this_thread(), memory_order_relaxed);
   return NSDAE_OK;

@@ -23,8 +23,8 @@
 #include "tangent_check.h"
 #include "vector.h"
 
-static int refuse(const nsdae_terms *T, const char *argument, int kind, int i, const char *what,
-                  double value, double bound)
+static int refuse_start(const nsdae_terms *T, const char *argument, int kind, int i,
+                        const char *what, double value, double bound)
 {
   char called[NSDAE_CALLED_SIZE];
   nsdae_error_set(T->error, NSDAE_E_ARGUMENT, "nsdae_sim_init", argument,
@@ -45,13 +45,13 @@ static int check_constraints(const nsdae_terms *T, double tol)
   for (int i = 0; i < d->m; i++) {
     double sum = nsdae_rows_sum(blocks, J, i), bound = tol * (1 + sum * q);
     if (fabs(T->constraint.phi[i]) > bound)
-      return refuse(T, "q0", NSDAE_NAME_CONSTRAINT, i, "is off by", fabs(T->constraint.phi[i]),
-                    bound);
+      return refuse_start(T, "q0", NSDAE_NAME_CONSTRAINT, i, "is off by",
+                          fabs(T->constraint.phi[i]), bound);
     double rate = nsdae_rows_add_dot(blocks, J, i, T->v, T->constraint.phi_t[i]);
     bound = tol * (1 + sum * v + fabs(T->constraint.phi_t[i]));
     if (fabs(rate) > bound)
-      return refuse(T, "v0", NSDAE_NAME_CONSTRAINT, i, "is violated at the rate", fabs(rate),
-                    bound);
+      return refuse_start(T, "v0", NSDAE_NAME_CONSTRAINT, i, "is violated at the rate", fabs(rate),
+                          bound);
   }
   return NSDAE_OK;
 }
@@ -123,9 +123,9 @@ static int check_units(const nsdae_projector *p, const nsdae_terms *T, double to
     first = next_group(&p->units, g, first);
     double off = fabs(p->units.length[g] - 1);
     if (off > tol && is_rotation(&p->units, nq, first))
-      return refuse(T, "q0", NSDAE_NAME_COORDINATE, first,
-                    "begins a group of unit length (dq/dt shows it) whose length is off by", off,
-                    tol);
+      return refuse_start(T, "q0", NSDAE_NAME_COORDINATE, first,
+                          "begins a group of unit length (dq/dt shows it) whose length is off by",
+                          off, tol);
   }
   return NSDAE_OK;
 }
@@ -474,7 +474,7 @@ typedef struct bench {
   nsdae_evals evals;
 } bench;
 
-static void layout(void *object, nsdae_arena *arena)
+static void layout_projection(void *object, nsdae_arena *arena)
 {
   bench *b = object;
   nsdae_terms_layout(&b->terms, arena);
@@ -518,8 +518,8 @@ static int project(nsdae_sim *sim, double t0, double *q0, double *v0)
   b.terms.evals = &b.evals;
   b.projection.tools = &sim->stepper;
   b.projection.rows_most = sim->system->dims.m + sim->system->dims.k;
-  if (nsdae_arena_build(&arena, layout, &b) < 0)
-    return nsdae_error_set(&sim->error, NSDAE_E_MEMORY, "nsdae_sim_project", "", "out of memory");
+  if (nsdae_arena_build(&arena, layout_projection, &b) < 0)
+    return nsdae_error_memory(&sim->error, "nsdae_sim_project");
   double epoch = sim->model.epoch; /* of the run, which is not touched */
   sim->model.epoch = t0;
   status = put_right(&b, t0, q0, v0);

@@ -123,8 +123,8 @@ static int share_block(const nsdae_closed *closed, int a, int b)
          (x[1] >= 0 && (x[1] == y[0] || x[1] == y[1]));
 }
 
-static void compare(const nsdae_sim *sim, const closed_ones *c, const nsdae_result *r, int a,
-                    double length, merged *most)
+static void compare_pair(const nsdae_sim *sim, const closed_ones *c, const nsdae_result *r, int a,
+                         double length, merged *most)
 {
   int count = c->numbered ? c->numbered->active_count : r->closed.count;
   for (int b = 0; b < count; b++) {
@@ -181,7 +181,7 @@ int nsdae_merged_report(const nsdae_sim *sim, const nsdae_point *before, nsdae_p
   for (int p = 0; p < r->impacts; p++) {
     int a = place_of(c.numbered, r->impact[p].contact);
     if (acts(sim, &c, &r->impulses, a, point->record.duration))
-      compare(sim, &c, r, a, point->record.duration, &most);
+      compare_pair(sim, &c, r, a, point->record.duration, &most);
   }
   return most.impacts > 0 ? report(point, &most) : NSDAE_OK;
 }

@@ -18,7 +18,7 @@ static const double watch_turnover = 0.02;    /* of the work of forces, and of w
 static const double watch_half = 0.5;         /* of the largest that came from somewhere */
 
 /* Lengths: how far gaps and rows of constraints go in a step. */
-static void measure(nsdae_monitors *w, const nsdae_terms *from, const nsdae_result *result)
+static void measure_lengths(nsdae_monitors *w, const nsdae_terms *from, const nsdae_result *result)
 {
   const nsdae_terms *to = &result->end;
   const nsdae_dims *d = &to->system->dims;
@@ -108,7 +108,7 @@ static excess find_gain(nsdae_monitors *w, const nsdae_point *before, const nsda
 }
 
 /* allowed: a share of its size, 0 if that is unknown: then the way counts. */
-static void compare(excess *e, int item, double value, double allowed, double way)
+static void compare_excess(excess *e, int item, double value, double allowed, double way)
 {
   double bound = allowed > 0 ? allowed : way;
   if (value * e->bound > e->value * bound) *e = (excess){e->rule, value, bound, item};
@@ -146,11 +146,12 @@ static excess deepest(const nsdae_sim *sim, const nsdae_point *before, const nsd
   double way = depth_of(sim, point), apart = point->accounts.watch.apart;
   excess e = {OF_OVERLAP, 0, 1, 0};
   for (int i = 0; i < s->dims.k; i++)
-    compare(&e, i, -r->end.gap[i], size ? watch_quarter * size[i] : 0,
-            apart > 0 && gap_before[i] > 0 ? fmin(way, apart) : way);
+    compare_excess(&e, i, -r->end.gap[i], size ? watch_quarter * size[i] : 0,
+                   apart > 0 && gap_before[i] > 0 ? fmin(way, apart) : way);
   for (int a = 0; a < r->closed.count; a++)
-    compare(&e, a, -r->closed.gap[a],
-            size ? watch_quarter * size_of_pair(size, r->closed.block + 2 * (size_t)a) : 0, way);
+    compare_excess(&e, a, -r->closed.gap[a],
+                   size ? watch_quarter * size_of_pair(size, r->closed.block + 2 * (size_t)a) : 0,
+                   way);
   return e;
 }
 
@@ -160,8 +161,8 @@ static excess furthest(const nsdae_point *point)
   const double *size = T->system->size[NSDAE_NAME_CONSTRAINT];
   excess e = {OF_DRIFT, 0, 1, 0};
   for (int i = 0; i < T->system->dims.m; i++)
-    compare(&e, i, fabs(T->constraint.phi[i]), size ? watch_tenth * size[i] : 0,
-            pi * point->accounts.watch.way);
+    compare_excess(&e, i, fabs(T->constraint.phi[i]), size ? watch_tenth * size[i] : 0,
+                   pi * point->accounts.watch.way);
   return e;
 }
 
@@ -207,7 +208,7 @@ int nsdae_monitors_step(const nsdae_sim *sim, const nsdae_point *before, nsdae_p
   nsdae_monitors *w = &point->accounts.watch;
   const nsdae_record *r = &point->record;
   int new = ~point->accounts.stats.warnings;
-  measure(w, &before->result.end, &point->result);
+  measure_lengths(w, &before->result.end, &point->result);
   excess all[3] = {find_gain(w, before, point)};
   int status = judge_fallback(sim, before, point), found = 1;
   if (status != NSDAE_OK) return status;

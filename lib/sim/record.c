@@ -106,7 +106,7 @@ static void fill_record(nsdae_point *p)
   record->changes = r->changes;
 }
 
-static void count(nsdae_stats *stats, const nsdae_counters *c)
+static void add_counters(nsdae_stats *stats, const nsdae_counters *c)
 {
   stats->lcps += c->lcps;
   stats->lcp_pivots += c->lcp_pivots;
@@ -193,7 +193,7 @@ int nsdae_point_start(nsdae_sim *sim, nsdae_point *point)
   if (status < 0) return status;
   status = nsdae_monitors_start(sim, point);
   if (status < 0) return status;
-  count(stats, &point->result.counters);
+  add_counters(stats, &point->result.counters);
   certify(stats, &point->record);
   return NSDAE_OK;
 }
@@ -233,7 +233,7 @@ int nsdae_point_follow(const nsdae_sim *sim, nsdae_point *before, nsdae_point *p
   fill_means(point, &before->result.end, length);
   status = nsdae_point_finite(point);
   if (status < 0) return status;
-  count(&a->stats, &r->counters);
+  add_counters(&a->stats, &r->counters);
   certify(&a->stats, &point->record);
   return NSDAE_OK;
 }

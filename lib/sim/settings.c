@@ -23,7 +23,7 @@ int nsdae_sim_set_user(nsdae_sim *sim, void *user)
 }
 
 /* Before anything is changed. */
-static int settle(nsdae_sim *sim)
+static int check_change(nsdae_sim *sim)
 {
   nsdae_result *r = &sim->next->result;
   nsdae_memory *memory = &sim->now->result.memory;
@@ -41,7 +41,7 @@ static int settle(nsdae_sim *sim)
   return NSDAE_OK;
 }
 
-static int prepare(nsdae_sim *sim)
+static int prepare_method(nsdae_sim *sim)
 {
   nsdae_stepper_prepare(&sim->stepper);
   return sim->method->prepare ? sim->method->prepare(sim->own) : NSDAE_OK;
@@ -76,15 +76,15 @@ static int set_options(nsdae_sim *sim, const nsdae_sim_options *options)
                            "options is NULL");
   int status = nsdae_sim_options_check(options, &sim->error);
   if (status == NSDAE_OK) status = check_fixed(sim, options);
-  if (status == NSDAE_OK) status = settle(sim);
+  if (status == NSDAE_OK) status = check_change(sim);
   if (status < 0) return status;
   const nsdae_sim_options before = sim->options;
   sim->options = *options;
-  status = prepare(sim);
+  status = prepare_method(sim);
   if (status < 0) {
     const nsdae_error why = sim->error;
     sim->options = before;
-    prepare(sim);
+    prepare_method(sim);
     sim->error = why;
     return status;
   }
@@ -137,15 +137,15 @@ static int set_contact(nsdae_sim *sim, int i, double mu, double e_n, double e_t)
     return bad_coefficient(sim, where, "e_n", NSDAE_NAME_CONTACT, i, e_n, "0 to 1");
   if (!(e_t >= 0 && e_t <= 1))
     return bad_coefficient(sim, where, "e_t", NSDAE_NAME_CONTACT, i, e_t, "0 to 1");
-  status = settle(sim);
+  status = check_change(sim);
   if (status < 0) return status;
   const nsdae_coefficients before = sim->model.contact[i];
   sim->model.contact[i] = (nsdae_coefficients){mu, e_n, e_t, 1};
-  status = prepare(sim);
+  status = prepare_method(sim);
   if (status == NSDAE_OK) return status;
   const nsdae_error why = sim->error;
   sim->model.contact[i] = before;
-  prepare(sim);
+  prepare_method(sim);
   sim->error = why;
   return status;
 }
@@ -164,10 +164,10 @@ static int set_frictional_joint(nsdae_sim *sim, int j, double mu)
   if (status == NSDAE_OK && mu == 0 && sim->system->frictional_joint[j].mu > 0)
     status = bad_coefficient(sim, where, "mu", NSDAE_NAME_FRICTIONAL_JOINT, j, mu,
                              "above 0, as in the system that the simulation was made of");
-  if (status == NSDAE_OK) status = settle(sim);
+  if (status == NSDAE_OK) status = check_change(sim);
   if (status < 0) return status;
   sim->model.frictional_joint[j].mu = mu;
-  return prepare(sim);
+  return prepare_method(sim);
 }
 
 int nsdae_sim_set_frictional_joint(nsdae_sim *sim, int j, double mu)

@@ -13,7 +13,7 @@
 #include "initial_conditions.h"
 #include "system_impl.h"
 
-static void layout(void *object, nsdae_arena *arena)
+static void layout_sim(void *object, nsdae_arena *arena)
 {
   nsdae_sim *sim = object;
   nsdae_stepper_layout(&sim->stepper, arena);
@@ -26,7 +26,7 @@ static void layout(void *object, nsdae_arena *arena)
   sim->probe = NSDAE_ARENA_DOUBLES(arena, size);
 }
 
-static int no_memory(nsdae_sim *sim, nsdae_error *error)
+static int no_memory_for_sim(nsdae_sim *sim, nsdae_error *error)
 {
   nsdae_sim_destroy(&sim);
   return nsdae_error_set(error, NSDAE_E_MEMORY, "nsdae_sim_create", "",
@@ -157,7 +157,7 @@ static int build(nsdae_sim *sim)
     nsdae_stepper_prepare_terms(stepper, &r->end);
     sim->method->sizes(stepper, &r->memory.reals, &r->memory.wholes);
   }
-  if (nsdae_arena_build(&sim->arena, layout, sim) < 0 ||
+  if (nsdae_arena_build(&sim->arena, layout_sim, sim) < 0 ||
       nsdae_cones_open(&stepper->contacts.cones) < 0)
     return out_of_memory(sim);
   int status = stepper->world ? first_room(sim) : NSDAE_OK;
@@ -173,7 +173,7 @@ int nsdae_sim_create(const nsdae_system *system, const nsdae_sim_options *option
   int status = check_create(system, options, sim, error);
   if (status < 0) return status;
   nsdae_sim *made = calloc(1, sizeof *made);
-  if (!made) return no_memory(NULL, error);
+  if (!made) return no_memory_for_sim(NULL, error);
   nsdae_system_hold(system);
   made->system = system;
   if (options)
@@ -182,7 +182,7 @@ int nsdae_sim_create(const nsdae_system *system, const nsdae_sim_options *option
     nsdae_sim_options_default(&made->options);
   nsdae_refusal_forget(made);
   nsdae_error_clear(&made->error);
-  if (copy_system(made) < 0) return no_memory(made, error);
+  if (copy_system(made) < 0) return no_memory_for_sim(made, error);
   status = build(made);
   if (status < 0) {
     if (error) *error = made->error;

@@ -25,6 +25,7 @@
 #include "options.h"
 #include "guard.h"
 #include "sim_impl.h"
+#include "vector.h"
 
 typedef struct head {
   char magic[8];
@@ -255,7 +256,7 @@ static uint64_t checksum_of(const char *block, size_t size)
 }
 
 /* With so many contacts by list. */
-static size_t size_of(const nsdae_sim *sim, int closed)
+static size_t state_bytes(const nsdae_sim *sim, int closed)
 {
   nsdae_point measured = *sim->now;
   cursor c = {0};
@@ -272,7 +273,7 @@ static size_t size_of(const nsdae_sim *sim, int closed)
 static int state_size(const nsdae_sim *sim, size_t *size)
 {
   if (!size) return NSDAE_E_ARGUMENT;
-  *size = size_of(sim, nsdae_sim_shown(sim)->result.closed.count);
+  *size = state_bytes(sim, nsdae_sim_shown(sim)->result.closed.count);
   return NSDAE_OK;
 }
 
@@ -283,7 +284,7 @@ int nsdae_sim_state_size(const nsdae_sim *sim, size_t *size)
 
 static int check_size(nsdae_sim *sim, const char *where, const void *block, size_t size, int closed)
 {
-  size_t needed = size_of(sim, closed);
+  size_t needed = state_bytes(sim, closed);
   if (!block)
     return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, where, "block", "block is NULL");
   if (size == needed) return NSDAE_OK;
@@ -323,7 +324,7 @@ int nsdae_sim_get_state(nsdae_sim *sim, void *block, size_t size)
   NSDAE_SIM_GUARDED(sim, NSDAE_ASK, get_state(sim, block, size));
 }
 
-static int refuse(nsdae_sim *sim, const char *argument, const char *what)
+static int refuse_state(nsdae_sim *sim, const char *argument, const char *what)
 {
   return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, "nsdae_sim_set_state", argument, "%s",
                          what);
@@ -350,25 +351,26 @@ static int check_dims(nsdae_sim *sim, const head *theirs, const head *ours)
 static int check_head(nsdae_sim *sim, const char *block, size_t size)
 {
   head h, ours = make_head(sim, size);
-  if (size < sizeof h) return refuse(sim, "size", "the block is shorter than its head");
+  if (size < sizeof h) return refuse_state(sim, "size", "the block is shorter than its head");
   memcpy(&h, block, sizeof h);
   if (memcmp(h.magic, MAGIC, sizeof h.magic) != 0)
-    return refuse(sim, "block", "these bytes are no state of a simulation (nsdae_sim_get_state)");
+    return refuse_state(sim, "block",
+                        "these bytes are no state of a simulation (nsdae_sim_get_state)");
   if (h.byte_order != ours.byte_order)
-    return refuse(sim, "block", "the state is of a machine with another byte order");
+    return refuse_state(sim, "block", "the state is of a machine with another byte order");
   if (h.version != ours.version)
-    return refuse(sim, "block", "the state is of another version of this library");
+    return refuse_state(sim, "block", "the state is of another version of this library");
   int status = check_dims(sim, &h, &ours);
   if (status < 0) return status;
   if (h.closed < 0 || h.closed > sim->options.contacts_max || (h.closed > 0 && !sim->stepper.world))
-    return refuse(sim, "block", "the state has a number of contacts by list that cannot be");
+    return refuse_state(sim, "block", "the state has a number of contacts by list that cannot be");
   if (h.size != size || h.reals != ours.reals || h.wholes != ours.wholes ||
-      size != size_of(sim, h.closed))
+      size != state_bytes(sim, h.closed))
     return check_size(sim, "nsdae_sim_set_state", block, size, h.closed) < 0
                ? NSDAE_E_ARGUMENT
-               : refuse(sim, "size", "the state has other sizes");
+               : refuse_state(sim, "size", "the state has other sizes");
   if (h.checksum != checksum_of(block, size))
-    return refuse(sim, "block", "the state is damaged: its checksum is another");
+    return refuse_state(sim, "block", "the state is damaged: its checksum is another");
   return NSDAE_OK;
 }
 
@@ -380,11 +382,9 @@ static int any_nan(const double *a, size_t n)
   return 0;
 }
 
-static int all_finite(const double *a, int n)
+static int are_finite(const double *a, int n)
 {
-  for (int i = 0; i < n; i++)
-    if (!isfinite(a[i])) return 0;
-  return 1;
+  return nsdae_all_finite((size_t)n, a);
 }
 
 /* Contacts by list that were read. */
@@ -394,8 +394,8 @@ static int check_closed(const nsdae_sim *sim)
   int k = r->closed.count, blocks = sim->system->blocks.count;
   for (int i = 0; i < 2 * k; i++)
     if (r->closed.block[i] < -1 || r->closed.block[i] >= blocks) return 0;
-  return k == 0 || (all_finite(r->impulses.normal, k) && all_finite(r->closed.gap, k) &&
-                    all_finite(r->impulses.tangential, k * r->closed.nt) && r->end.by.reach >= 0);
+  return k == 0 || (are_finite(r->impulses.normal, k) && are_finite(r->closed.gap, k) &&
+                    are_finite(r->impulses.tangential, k * r->closed.nt) && r->end.by.reach >= 0);
 }
 
 /* What was read into next. */
@@ -418,10 +418,10 @@ static int check_values(nsdae_sim *sim)
   const double certificate[] = {
       r->worst_residual, s->worst_residual, s->worst_drift,     s->worst_penetration, c->pull,
       c->cone_excess,    c->penetration,    c->constraint_rate, c->complementarity};
-  if (all_finite(sums, sizeof sums / sizeof *sums) && all_finite(r->end.q, d->nq) &&
-      all_finite(r->end.v, d->nv) && all_finite(r->multiplier, d->m) &&
-      all_finite(r->impulses.normal, d->k) && all_finite(r->impulses.tangential, d->k * d->nt) &&
-      all_finite(r->impulses.frictional_joint_impulse, d->f) &&
+  if (are_finite(sums, (int)(sizeof sums / sizeof *sums)) && are_finite(r->end.q, d->nq) &&
+      are_finite(r->end.v, d->nv) && are_finite(r->multiplier, d->m) &&
+      are_finite(r->impulses.normal, d->k) && are_finite(r->impulses.tangential, d->k * d->nt) &&
+      are_finite(r->impulses.frictional_joint_impulse, d->f) &&
       !any_nan(certificate, sizeof certificate / sizeof *certificate) && check_closed(sim) &&
       !any_nan(r->memory.real, r->memory.reals))
     return NSDAE_OK;
@@ -452,7 +452,7 @@ static int read_block(nsdae_sim *sim, const void *block)
 }
 
 /* For the contacts by list that it has. */
-static int make_room(nsdae_sim *sim, const void *block)
+static int reserve_contacts(nsdae_sim *sim, const void *block)
 {
   head h;
   memcpy(&h, block, sizeof h);
@@ -464,11 +464,11 @@ static int make_room(nsdae_sim *sim, const void *block)
 static int set_state(nsdae_sim *sim, const void *block, size_t size)
 {
   nsdae_error_clear(&sim->error);
-  int status = block ? check_head(sim, block, size) : refuse(sim, "block", "block is NULL");
+  int status = block ? check_head(sim, block, size) : refuse_state(sim, "block", "block is NULL");
   if (status < 0) return status;
   sim->stage.waiting = sim->stage.between = 0;
   double epoch = sim->model.epoch;
-  status = make_room(sim, block);
+  status = reserve_contacts(sim, block);
   while (status == NSDAE_OK && (status = read_block(sim, block)) == NSDAE_ARRAYS_GROW)
     status = nsdae_sim_grow(sim);
   if (status < 0) {

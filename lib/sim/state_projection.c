@@ -239,7 +239,7 @@ void nsdae_units_restore(nsdae_projector *p, nsdae_terms *T)
 
 /* Appends W^T d = -c; W has the stride given. Returns |c| in units of its rounding, that of the
  * terms it is made of: eps (1 + |W|_1 max |x|). */
-static double append(nsdae_projector *p, const double *W, int stride, double c, double x)
+static double append_row(nsdae_projector *p, const double *W, int stride, double c, double x)
 {
   double sum = nsdae_least_append(&p->least, W, (size_t)stride, c);
   return fabs(c) / (DBL_EPSILON * (1 + sum * x));
@@ -258,7 +258,7 @@ static int position_rows(nsdae_projector *p, const nsdae_terms *T, double *worst
     const double *W = contact < 0 ? T->by.jacobian.value + i
                                   : T->by.normal.value + (size_t)contact * (size_t)d->nv;
     double missing = contact < 0 ? T->constraint.phi[i] : T->gap[contact] - p->depth[contact];
-    double off = append(p, W, contact < 0 ? d->m : 1, missing, x);
+    double off = append_row(p, W, contact < 0 ? d->m : 1, missing, x);
     if (contact < 0 && p->contacts_alone) off = 0;
     if (off > *worst || p->least.rows == 1) *worst_row = p->least.rows - 1;
     *worst = fmax(*worst, off);
@@ -268,7 +268,7 @@ static int position_rows(nsdae_projector *p, const nsdae_terms *T, double *worst
 
 /* The change d of the rows. With least the change since the beginning, total + d, is the least, and
  * l is what it takes: M (total + d) + J^T l = 0. */
-static int solve(nsdae_projector *p, const nsdae_terms *T, int least)
+static int solve_projection(nsdae_projector *p, const nsdae_terms *T, int least)
 {
   int n = p->least.kkt.n;
   double *change = p->least.change;
@@ -368,7 +368,7 @@ int nsdae_project_positions(nsdae_projector *p, nsdae_terms *T, int penetrating)
       rows = position_rows(p, T, &worst, &row);
     }
     before = worst;
-    status = solve(p, T, least);
+    status = solve_projection(p, T, least);
     if (status == NSDAE_OK && open_pulling(p, rows) == 0) status = move(p, T);
   }
   return status < 0 ? status : not_converged(p, T, row);
@@ -382,8 +382,8 @@ int nsdae_project_velocities(nsdae_projector *p, nsdae_terms *T)
   if (status < 0) return status;
   nsdae_least_start(&p->least);
   for (int i = 0; i < d->m; i++)
-    append(p, T->by.jacobian.value + i, d->m, nsdae_terms_constraint_rate(T, i, T->v), 0);
-  status = solve(p, T, 0);
+    append_row(p, T->by.jacobian.value + i, d->m, nsdae_terms_constraint_rate(T, i, T->v), 0);
+  status = solve_projection(p, T, 0);
   if (status < 0) return status;
   for (int j = 0; j < d->nv; j++) p->v[j] = T->v[j] + p->least.change[j];
   nsdae_terms_set_velocity(T, p->v);

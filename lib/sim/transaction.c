@@ -39,7 +39,7 @@ static double length_of(const nsdae_sim *sim, double t1)
 }
 
 /* The method's step; where it gives up, implicit's from the same state. */
-static int advance(nsdae_sim *sim, double t1, double length)
+static int advance_method(nsdae_sim *sim, double t1, double length)
 {
   nsdae_result *result = &sim->next->result;
   const nsdae_memory *memory = &sim->now->result.memory;
@@ -138,7 +138,7 @@ static int is_problem(int status)
 }
 
 /* Fills next with a step to t1, or finds it there, waiting for an observer that failed. */
-static int prepare(nsdae_sim *sim, double t1)
+static int prepare_step(nsdae_sim *sim, double t1)
 {
   double t0 = sim->now->result.end.t;
   if (sim->stage.waiting && sim->stage.asked == t1) return NSDAE_OK;
@@ -151,7 +151,7 @@ static int prepare(nsdae_sim *sim, double t1)
   double length = length_of(sim, t1);
   int status =
       nsdae_interrupted(&sim->stepper.interrupt, &sim->error, nsdae_system_time(&sim->model, t0));
-  while (status == NSDAE_OK && (status = advance(sim, t1, length)) == NSDAE_ARRAYS_GROW)
+  while (status == NSDAE_OK && (status = advance_method(sim, t1, length)) == NSDAE_ARRAYS_GROW)
     status = nsdae_sim_grow(sim); /* and once more */
   sim->stage.failed = is_problem(status) && (sim->next->result.problem || sim->next->result.pile);
   if (status == NSDAE_OK)
@@ -177,7 +177,7 @@ static int prepare(nsdae_sim *sim, double t1)
  * grid of steps starts at t1. */
 static int step_to(nsdae_sim *sim, double t1, int off_grid)
 {
-  int status = prepare(sim, t1);
+  int status = prepare_step(sim, t1);
   if (status < 0) return status;
   if (off_grid && sim->next->result.end.t >= t1) {
     sim->next->accounts.grid_start = t1;
@@ -189,7 +189,7 @@ static int step_to(nsdae_sim *sim, double t1, int off_grid)
   return status;
 }
 
-static int begin(nsdae_sim *sim)
+static int begin_step(nsdae_sim *sim)
 {
   nsdae_error_clear(&sim->error);
   if (!sim->stage.started)
@@ -215,10 +215,10 @@ static int outcome(nsdae_sim *sim)
   return sim->stage.warning.status;
 }
 
-static int step(nsdae_sim *sim)
+static int step_once(nsdae_sim *sim)
 {
   double began = nsdae_wall_clock();
-  int status = begin(sim);
+  int status = begin_step(sim);
   if (status != NSDAE_OK) return status;
   status = step_to(sim, grid_time(sim, 1), 0);
   sim->wall_time += nsdae_wall_clock() - began;
@@ -227,7 +227,7 @@ static int step(nsdae_sim *sim)
 
 int nsdae_sim_step(nsdae_sim *sim)
 {
-  NSDAE_SIM_GUARDED(sim, NSDAE_MOVE, step(sim));
+  NSDAE_SIM_GUARDED(sim, NSDAE_MOVE, step_once(sim));
 }
 
 /* The first of the simulation's times that the user sees at t or later. */
@@ -248,7 +248,7 @@ static int step_towards(nsdae_sim *sim, double t_end)
 }
 
 /* to_event: until one happens. */
-static int run(nsdae_sim *sim, const char *where, double t_end, int to_event)
+static int run_to(nsdae_sim *sim, const char *where, double t_end, int to_event)
 {
   double began = nsdae_wall_clock(),
          t = sim->stage.started ? nsdae_terms_time(&sim->now->result.end) : 0;
@@ -259,7 +259,7 @@ static int run(nsdae_sim *sim, const char *where, double t_end, int to_event)
                            "time reached, %g",
                            t_end, t);
   nsdae_error warning = {0}; /* the first of the run */
-  int status = begin(sim);
+  int status = begin_step(sim);
   while (status == NSDAE_OK && nsdae_terms_time(&sim->now->result.end) < t_end) {
     status = step_towards(sim, t_end);
     if (status >= 0 && sim->stage.warning.status > 0 && warning.status == NSDAE_OK)
@@ -274,10 +274,10 @@ static int run(nsdae_sim *sim, const char *where, double t_end, int to_event)
 
 int nsdae_sim_run(nsdae_sim *sim, double t_end)
 {
-  NSDAE_SIM_GUARDED(sim, NSDAE_MOVE, run(sim, __func__, t_end, 0));
+  NSDAE_SIM_GUARDED(sim, NSDAE_MOVE, run_to(sim, __func__, t_end, 0));
 }
 
 int nsdae_sim_run_to_event(nsdae_sim *sim, double t_end)
 {
-  NSDAE_SIM_GUARDED(sim, NSDAE_MOVE, run(sim, __func__, t_end, 1));
+  NSDAE_SIM_GUARDED(sim, NSDAE_MOVE, run_to(sim, __func__, t_end, 1));
 }

@@ -42,7 +42,7 @@ static int own(nsdae_body *copy)
 }
 
 /* Room for one more: doubled whenever their number is a power of two. */
-static int make_room(nsdae_system *system)
+static int grow_bodies(nsdae_system *system)
 {
   int n = system->bodies;
   if ((n & (n - 1)) != 0) return 1;
@@ -60,7 +60,7 @@ int nsdae_system_add_body(nsdae_system *system, const nsdae_body *body)
   int status = nsdae_system_open(system, "add_body");
   if (status < 0) return status;
   nsdae_body copy = *body;
-  if (!make_room(system) || !own(&copy))
+  if (!grow_bodies(system) || !own(&copy))
     return nsdae_system_refuse(system, NSDAE_E_MEMORY, "add_body", "", "out of memory");
   system->body[system->bodies++] = copy;
   return NSDAE_OK;

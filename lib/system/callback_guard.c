@@ -34,14 +34,14 @@ static void set_marks(double *a, size_t count)
 }
 
 /* Of the count entries the first that holds the mark (or does not); count where there is none. */
-static size_t find(const double *a, size_t count, int marked)
+static size_t find_mark(const double *a, size_t count, int marked)
 {
   size_t i = 0;
   while (i < count && (memcmp(&a[i], &mark, sizeof mark) == 0) != marked) i++;
   return i;
 }
 
-static array measure(const nsdae_system *system, const nsdae_output *o)
+static array output_shape(const nsdae_system *system, const nsdae_output *o)
 {
   array a = {.rows = nsdae_output_extent(system, o, o->row)};
   a.size = (size_t)a.rows * (size_t)nsdae_output_extent(system, o, o->column);
@@ -60,7 +60,7 @@ size_t nsdae_callback_guard_size(const nsdae_system *system)
   for (int c = 0; c < nsdae_callbacks_count; c++) {
     size_t sum = 0;
     for (int i = 0; i < nsdae_callbacks[c].outputs; i++) {
-      const array a = measure(system, &nsdae_callbacks[c].output[i]);
+      const array a = output_shape(system, &nsdae_callbacks[c].output[i]);
       sum += whole(&a);
     }
     if (nsdae_callbacks[c].given(system) && sum > most) most = sum;
@@ -115,7 +115,8 @@ static int check_guards(probe *p)
 {
   for (int i = 0; i < p->callback->outputs; i++) {
     const array *a = &p->array[i];
-    size_t before = find(a->block, a->guard, 0), behind = find(a->first + a->size, a->guard, 0);
+    size_t before = find_mark(a->block, a->guard, 0),
+           behind = find_mark(a->first + a->size, a->guard, 0);
     if (before < a->guard) return found(p, i, (long)before - (long)a->guard, NSDAE_E_CALLBACK, "");
     if (behind < a->guard) return found(p, i, (long)(a->size + behind), NSDAE_E_CALLBACK, "");
   }
@@ -162,17 +163,17 @@ static int check_written(probe *p)
   if (!needs_all(p->callback->name)) return NSDAE_OK;
   int status = call(p, 1);
   if (status < 0) return status;
-  size_t entry = find(p->array[0].first, p->array[0].size, 1);
+  size_t entry = find_mark(p->array[0].first, p->array[0].size, 1);
   if (entry == p->array[0].size) return NSDAE_OK;
   return found(p, 0, (long)entry, NSDAE_E_CALLBACK, "never set");
 }
 
-static int run(probe *p)
+static int run_probe(probe *p)
 {
   double *next = p->of->work;
   for (int i = 0; i < p->callback->outputs; i++) {
     array *a = &p->array[i];
-    *a = measure(p->of->system, &p->callback->output[i]);
+    *a = output_shape(p->of->system, &p->callback->output[i]);
     a->block = next;
     a->first = next + a->guard;
     next += whole(a);
@@ -188,7 +189,7 @@ int nsdae_callback_guard_callbacks(const nsdae_callback_guard *of)
   int status = NSDAE_OK;
   for (int c = 0; c < nsdae_callbacks_count && status == NSDAE_OK; c++) {
     probe p = {.of = of, .callback = &nsdae_callbacks[c]};
-    if (p.callback->given(of->system)) status = run(&p);
+    if (p.callback->given(of->system)) status = run_probe(&p);
   }
   return status;
 }

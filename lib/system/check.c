@@ -36,7 +36,7 @@ static long largest(const nsdae_system *system)
   return columns * (dims->nv > dims->m ? dims->nv : dims->m);
 }
 
-static void layout(void *object, nsdae_arena *arena)
+static void layout_check(void *object, nsdae_arena *arena)
 {
   check *c = object;
   long size = largest(c->system);
@@ -48,7 +48,7 @@ static void layout(void *object, nsdae_arena *arena)
   if (c->system->call.gap_tangent) nsdae_directions_layout(&c->directions, arena);
 }
 
-static int failed(check *c, int code, const char *callback)
+static int check_failed(check *c, int code, const char *callback)
 {
   c->code = code;
   c->callback = callback;
@@ -58,11 +58,11 @@ static int failed(check *c, int code, const char *callback)
 /* The same of differences of a callback. */
 static int difference_failed(check *c, int code, const char *callback)
 {
-  return failed(c, code, code && c->differences.failed ? c->differences.failed : callback);
+  return check_failed(c, code, code && c->differences.failed ? c->differences.failed : callback);
 }
 
 /* Keeps the worst entry of given - differenced, [rows x columns]. */
-static void compare(check *c, const char *term, int rows, int columns)
+static void compare_term(check *c, const char *term, int rows, int columns)
 {
   for (long i = 0; i < (long)rows * columns; i++) {
     double given = c->given[i], difference = c->differenced[i];
@@ -89,12 +89,12 @@ static void check_mass(check *c)
   int n = s->dims.nv;
   if (s->by_list) return; /* see check_blocks.h */
   zero(c->given, n, n);
-  if (failed(c, s->call.mass(c->t, c->q, c->given, n, s->user), "mass")) return;
+  if (check_failed(c, s->call.mass(c->t, c->q, c->given, n, s->user), "mass")) return;
   for (int j = 0; j < n; j++)
     for (int i = 0; i < n; i++)
       c->differenced[(size_t)j * (size_t)n + (size_t)i] =
           c->given[(size_t)i * (size_t)n + (size_t)j];
-  compare(c, "mass", n, n);
+  compare_term(c, "mass", n, n);
 }
 
 static void check_jacobian(check *c)
@@ -103,12 +103,12 @@ static void check_jacobian(check *c)
   int m = s->dims.m, n = s->dims.nv;
   if (!s->call.constraint_jacobian) return;
   zero(c->given, m, n);
-  if (failed(c, s->call.constraint_jacobian(c->t, c->q, c->given, m, s->user),
-             "constraint_jacobian"))
+  if (check_failed(c, s->call.constraint_jacobian(c->t, c->q, c->given, m, s->user),
+                   "constraint_jacobian"))
     return;
   int code = nsdae_differences_velocity(&c->differences, s->call.constraint, m, c->t, c->q,
                                         c->differenced, m, 0);
-  if (!difference_failed(c, code, "constraint")) compare(c, "constraint_jacobian", m, n);
+  if (!difference_failed(c, code, "constraint")) compare_term(c, "constraint_jacobian", m, n);
 }
 
 static void check_bias(check *c)
@@ -119,15 +119,15 @@ static void check_bias(check *c)
   if (!s->call.constraint_bias) return;
   zero(c->given, m, 1);
   zero(c->spare, m, 1);
-  if (failed(c, s->call.constraint_bias(c->t, c->q, c->v, c->given, c->spare, s->user),
-             "constraint_bias"))
+  if (check_failed(c, s->call.constraint_bias(c->t, c->q, c->v, c->given, c->spare, s->user),
+                   "constraint_bias"))
     return;
   int code = nsdae_differences_time(d, s->call.constraint, m, c->t, c->q, c->differenced);
   if (difference_failed(c, code, "constraint")) return;
-  compare(c, "constraint_bias phi_t", m, 1);
+  compare_term(c, "constraint_bias phi_t", m, 1);
   memcpy(c->given, c->spare, (size_t)m * sizeof *c->given);
   code = nsdae_differences_second(d, s->call.constraint, m, c->t, c->q, c->v, c->differenced);
-  if (!difference_failed(c, code, "constraint")) compare(c, "constraint_bias omega", m, 1);
+  if (!difference_failed(c, code, "constraint")) compare_term(c, "constraint_bias omega", m, 1);
 }
 
 static void check_normal(check *c)
@@ -136,10 +136,10 @@ static void check_normal(check *c)
   int k = s->dims.k, n = s->dims.nv;
   if (!s->call.gap_normal) return;
   zero(c->given, n, k);
-  if (failed(c, s->call.gap_normal(c->t, c->q, c->given, n, s->user), "gap_normal")) return;
+  if (check_failed(c, s->call.gap_normal(c->t, c->q, c->given, n, s->user), "gap_normal")) return;
   int code =
       nsdae_differences_velocity(&c->differences, s->call.gap, k, c->t, c->q, c->differenced, n, 1);
-  if (!difference_failed(c, code, "gap")) compare(c, "gap_normal", n, k);
+  if (!difference_failed(c, code, "gap")) compare_term(c, "gap_normal", n, k);
 }
 
 static void check_contact_bias(check *c)
@@ -149,9 +149,10 @@ static void check_contact_bias(check *c)
   if (!s->call.contact_bias) return;
   zero(c->given, k, 1);
   double *w_t = s->dims.nt > 0 ? c->spare : NULL;
-  if (failed(c, s->call.contact_bias(c->t, c->q, c->given, w_t, s->user), "contact_bias")) return;
+  if (check_failed(c, s->call.contact_bias(c->t, c->q, c->given, w_t, s->user), "contact_bias"))
+    return;
   int code = nsdae_differences_time(&c->differences, s->call.gap, k, c->t, c->q, c->differenced);
-  if (!difference_failed(c, code, "gap")) compare(c, "contact_bias w_n", k, 1);
+  if (!difference_failed(c, code, "gap")) compare_term(c, "contact_bias w_n", k, 1);
 }
 
 static void check_contact_acceleration(check *c)
@@ -160,16 +161,16 @@ static void check_contact_acceleration(check *c)
   int k = s->dims.k, kt = k * s->dims.nt, f = s->dims.f;
   if (!s->call.contact_acceleration || c->worst.error > c->tol) return; /* it rests on the others */
   zero(c->given, k + kt + f, 1);
-  if (failed(c,
-             s->call.contact_acceleration(c->t, c->q, c->v, k ? c->given : NULL,
-                                          kt ? c->given + k : NULL, f ? c->given + k + kt : NULL,
-                                          s->user),
-             "contact_acceleration"))
+  if (check_failed(c,
+                   s->call.contact_acceleration(c->t, c->q, c->v, k ? c->given : NULL,
+                                                kt ? c->given + k : NULL,
+                                                f ? c->given + k + kt : NULL, s->user),
+                   "contact_acceleration"))
     return;
   int code = nsdae_differences_contacts(&c->differences, c->t, c->q, c->v, c->differenced,
                                         c->differenced + k, c->differenced + k + kt);
   if (!difference_failed(c, code, "contact_bias"))
-    compare(c, "contact_acceleration", k + kt + f, 1);
+    compare_term(c, "contact_acceleration", k + kt + f, 1);
 }
 
 static int bad_tangent(check *c, int contact, int column, const char *why)
@@ -193,7 +194,7 @@ static int check_tangents(check *c)
   if (!code) column = nsdae_directions_wrong(d, c->tol, why);
   if (column >= 0) return bad_tangent(c, column / s->dims.nt, column, why);
   if (!code) code = nsdae_directions_doubt(d, c->tol, s->doubt, sizeof s->doubt);
-  if (failed(c, code, d->callback))
+  if (check_failed(c, code, d->callback))
     return nsdae_system_callback_status(code, c->callback, c->t, &s->error);
   return NSDAE_OK;
 }
@@ -245,16 +246,11 @@ static int check_arguments(nsdae_system *system, const double *q, const double *
   return nsdae_system_complete(system, &system->error);
 }
 
-static int no_memory(nsdae_system *system)
-{
-  return nsdae_error_set(&system->error, NSDAE_E_MEMORY, "nsdae_system_check", "", "out of memory");
-}
-
 /* Each callback alone. */
 static int check_alone(nsdae_system *system, double t, const double *q, const double *v)
 {
   double *work = malloc((nsdae_callback_guard_size(system) + 1) * sizeof *work);
-  if (!work) return no_memory(system);
+  if (!work) return nsdae_error_memory(&system->error, "nsdae_system_check");
   int status = nsdae_callback_guard_callbacks(
       &(nsdae_callback_guard){system, "nsdae_system_check", t, q, v, work, &system->error, 1});
   free(work);
@@ -278,7 +274,8 @@ int nsdae_system_check(nsdae_system *system, double t, const double *q, const do
   check c = {.system = system, .t = t, .tol = tol, .q = q, .v = v};
   c.differences.system = system;
   nsdae_arena arena;
-  if (nsdae_arena_build(&arena, layout, &c) < 0) return no_memory(system);
+  if (nsdae_arena_build(&arena, layout_check, &c) < 0)
+    return nsdae_error_memory(&system->error, "nsdae_system_check");
   for (size_t i = 0; i < sizeof all / sizeof *all && !c.code; i++) all[i](&c);
   if (system->by_list && !c.code)
     status = nsdae_system_check_lists(system, &c.differences, t, q, v, &c.worst);

@@ -37,7 +37,7 @@ static void keep(context *c, const char *term, int row, int column, double given
   snprintf(c->worst->term, sizeof c->worst->term, "%s", term);
 }
 
-static int failed(context *c, int code, const char *callback)
+static int blocks_failed(context *c, int code, const char *callback)
 {
   return nsdae_system_callback_status(code, callback, c->t, &c->s->error);
 }
@@ -45,7 +45,8 @@ static int failed(context *c, int code, const char *callback)
 static int check_mass(context *c)
 {
   const nsdae_blocks *blocks = &c->s->blocks;
-  int status = failed(c, c->s->call.mass_blocks(c->t, c->q, c->M, c->s->user), "mass_blocks");
+  int status =
+      blocks_failed(c, c->s->call.mass_blocks(c->t, c->q, c->M, c->s->user), "mass_blocks");
   for (int b = 0; b < blocks->count && status == NSDAE_OK; b++) {
     int n = nsdae_blocks_size(blocks, b), at = blocks->first[b];
     const double *M = c->M + blocks->square[b];
@@ -64,7 +65,7 @@ static int list_rows(context *c)
     int code = c->s->call.constraint_rows(c->t, c->q, &c->rows, c->s->user);
     nsdae_row_list_close(&c->rows);
     if (c->rows.status < 0) return c->rows.status;
-    int status = failed(c, code, "constraint_rows");
+    int status = blocks_failed(c, code, "constraint_rows");
     if (status < 0 || nsdae_room_enough(&c->rows.room, &c->rows.taken)) return status;
     status = nsdae_row_list_grow(&c->rows, &c->rows.taken);
     if (status < 0) return status;
@@ -96,7 +97,7 @@ static int check_rows(context *c)
     c->trial[j] = 1;
     int code = nsdae_differences_along(c->d, c->s->call.constraint, c->s->dims.m, c->t, c->q,
                                        c->trial, c->rate);
-    status = failed(c, code, code && c->d->failed ? c->d->failed : "constraint");
+    status = blocks_failed(c, code, code && c->d->failed ? c->d->failed : "constraint");
     gather_column(c, j);
     for (int i = 0; i < c->s->dims.m && status == NSDAE_OK; i++)
       keep(c, "constraint_rows", i, j, c->column[i], c->rate[i]);
@@ -112,7 +113,7 @@ static int list_contacts(context *c, nsdae_contact_list *list, double t, const d
     nsdae_contact_list_clear(list);
     int code = c->s->call.contacts(t, q, c->v, reach, list, c->s->user);
     if (list->status < 0) return list->status;
-    int status = failed(c, code, "contacts");
+    int status = blocks_failed(c, code, "contacts");
     if (status < 0 || nsdae_room_enough(&list->room, &list->taken)) return status;
     status = nsdae_contact_list_grow(list, &list->taken);
     if (status < 0) return status;
@@ -121,7 +122,7 @@ static int list_contacts(context *c, nsdae_contact_list *list, double t, const d
                          "contacts gave a longer list when it was called again");
 }
 
-static int find(const nsdae_contact_list *list, long id, int likely)
+static int find_contact(const nsdae_contact_list *list, long id, int likely)
 {
   if (likely < list->count && list->id[likely] == id) return likely;
   for (int i = 0; i < list->count; i++)
@@ -152,7 +153,8 @@ static int move(context *c, double s)
 static int check_rates(context *c, double reach)
 {
   int nq = c->s->dims.nq;
-  int status = failed(c, nsdae_kinematics(c->s, c->t, c->q, c->trial, c->d->qdot), "kinematics");
+  int status =
+      blocks_failed(c, nsdae_kinematics(c->s, c->t, c->q, c->trial, c->d->qdot), "kinematics");
   if (status < 0) return status;
   double s = nsdae_differences_step(nq, c->t, c->q, c->d->qdot, cbrt(DBL_EPSILON));
   move(c, s);
@@ -160,7 +162,7 @@ static int check_rates(context *c, double reach)
   move(c, -s);
   if (status == NSDAE_OK) status = list_contacts(c, &c->back, c->t - s, c->moved, reach);
   for (int i = 0; i < c->list.count && status == NSDAE_OK; i++) {
-    int a = find(&c->ahead, c->list.id[i], i), b = find(&c->back, c->list.id[i], i);
+    int a = find_contact(&c->ahead, c->list.id[i], i), b = find_contact(&c->back, c->list.id[i], i);
     if (a < 0 || b < 0) continue;
     keep(c, "contacts", i, 0, given_rate(c, i), (c->ahead.gap[a] - c->back.gap[b]) / (2 * s));
   }
@@ -180,7 +182,7 @@ static int check_contacts(context *c)
   return status;
 }
 
-static void layout(void *object, nsdae_arena *arena)
+static void layout_blocks_check(void *object, nsdae_arena *arena)
 {
   context *c = object;
   const nsdae_dims *d = &c->s->dims;
@@ -192,7 +194,7 @@ static void layout(void *object, nsdae_arena *arena)
   c->jacobian.first = NSDAE_ARENA_INTS(arena, d->m + 1L);
 }
 
-static void prepare(context *c)
+static void prepare_check(context *c)
 {
   nsdae_contact_list *const lists[] = {&c->list, &c->ahead, &c->back};
   for (int i = 0; i < 3; i++) {
@@ -213,10 +215,9 @@ int nsdae_system_check_lists(nsdae_system *system, nsdae_differences *difference
 {
   context c = {.s = system, .d = differences, .t = t, .q = q, .v = v, .worst = worst};
   nsdae_arena arena;
-  if (nsdae_arena_build(&arena, layout, &c) < 0)
-    return nsdae_error_set(&system->error, NSDAE_E_MEMORY, "nsdae_system_check", "",
-                           "out of memory");
-  prepare(&c);
+  if (nsdae_arena_build(&arena, layout_blocks_check, &c) < 0)
+    return nsdae_error_memory(&system->error, "nsdae_system_check");
+  prepare_check(&c);
   int status = check_mass(&c);
   if (status == NSDAE_OK && system->dims.m > 0) status = check_rows(&c);
   if (status == NSDAE_OK && system->call.contacts) status = check_contacts(&c);

@@ -26,7 +26,7 @@ void nsdae_directions_layout(nsdae_directions *d, nsdae_arena *arena)
   d->arms.bend = NSDAE_ARENA_DOUBLES(arena, k + n);
 }
 
-static int failed(nsdae_directions *d, int code, const char *callback)
+static int directions_failed(nsdae_directions *d, int code, const char *callback)
 {
   if (code) d->callback = callback;
   return code;
@@ -35,7 +35,8 @@ static int failed(nsdae_directions *d, int code, const char *callback)
 /* The same of differences of a callback. */
 static int difference_failed(nsdae_directions *d, int code, const char *callback)
 {
-  return failed(d, code, code && d->differences->failed ? d->differences->failed : callback);
+  return directions_failed(d, code,
+                           code && d->differences->failed ? d->differences->failed : callback);
 }
 
 /* place [nq]: a little from q along a motion. */
@@ -45,7 +46,7 @@ static int leave(nsdae_directions *d, double t, const double *q)
   for (int i = 0; i < s->dims.nv; i++) d->arms.v[i] = 0.1 / (2 + i);
   int code = nsdae_kinematics(s, t, q, d->arms.v, d->place);
   for (int i = 0; i < s->dims.nq; i++) d->place[i] += q[i];
-  return failed(d, code, "kinematics");
+  return directions_failed(d, code, "kinematics");
 }
 
 static int mass_at(nsdae_directions *d, double t, const double *q)
@@ -53,7 +54,7 @@ static int mass_at(nsdae_directions *d, double t, const double *q)
   const nsdae_system *s = d->differences->system;
   int n = s->dims.nv;
   memset(d->M, 0, (size_t)n * (size_t)n * sizeof *d->M);
-  return failed(d, s->call.mass(t, q, d->M, n, s->user), "mass");
+  return directions_failed(d, s->call.mass(t, q, d->M, n, s->user), "mass");
 }
 
 static int normals_at(nsdae_directions *d, double t, const double *q, double *W)
@@ -61,7 +62,8 @@ static int normals_at(nsdae_directions *d, double t, const double *q, double *W)
   const nsdae_system *s = d->differences->system;
   int n = s->dims.nv, k = s->dims.k;
   memset(W, 0, (size_t)n * (size_t)k * sizeof *W);
-  if (s->call.gap_normal) return failed(d, s->call.gap_normal(t, q, W, n, s->user), "gap_normal");
+  if (s->call.gap_normal)
+    return directions_failed(d, s->call.gap_normal(t, q, W, n, s->user), "gap_normal");
   int code = nsdae_differences_velocity(d->differences, s->call.gap, k, t, q, W, n, 1);
   return difference_failed(d, code, "gap");
 }
@@ -89,8 +91,8 @@ int nsdae_directions_at(nsdae_directions *d, double t, const double *q)
                                 d->arms.rate,
                                 d->arms.bend};
   memcpy(d->q, q, (size_t)s->dims.nq * sizeof *q);
-  int code = failed(d, s->dims.nt == 2 ? nsdae_moment_arm_check_unit(&d->arms, d->turn, d->q) : 0,
-                    "kinematics");
+  int code = directions_failed(
+      d, s->dims.nt == 2 ? nsdae_moment_arm_check_unit(&d->arms, d->turn, d->q) : 0, "kinematics");
   if (!code) code = leave(d, t, d->q);
   if (!code) code = normals_at(d, t, d->q, d->normal);
   if (!code) code = normals_at(d, t, d->place, d->other);
@@ -100,7 +102,7 @@ int nsdae_directions_at(nsdae_directions *d, double t, const double *q)
   if (code) return code;
   find_sets(d);
   memset(d->tangent, 0, (size_t)n * (size_t)columns * sizeof *d->tangent);
-  return failed(d, s->call.gap_tangent(t, d->q, d->tangent, n, s->user), "gap_tangent");
+  return directions_failed(d, s->call.gap_tangent(t, d->q, d->tangent, n, s->user), "gap_tangent");
 }
 
 int nsdae_directions_wrong(const nsdae_directions *d, double tol, char why[NSDAE_TANGENT_TEXT])

@@ -63,8 +63,8 @@ static int displaced(nsdae_differences *d, nsdae_position_fn f, double t, const 
 }
 
 /* f' of the motion d->qdot; time = 0 leaves out f_t */
-static int rate(nsdae_differences *d, nsdae_position_fn f, int rows, double t, const double *q,
-                double time, double *out)
+static int difference_rate(nsdae_differences *d, nsdae_position_fn f, int rows, double t,
+                           const double *q, double time, double *out)
 {
   double s = nsdae_differences_step(d->system->dims.nq, time * t, q, d->qdot,
                                     ldexp(cbrt(DBL_EPSILON), -d->finer[0]));
@@ -83,7 +83,7 @@ int nsdae_differences_velocity(nsdae_differences *d, nsdae_position_fn f, int ro
     memset(d->unit, 0, (size_t)nv * sizeof *d->unit);
     d->unit[j] = 1;
     code = kinematics(d, t, q, d->unit, d->qdot);
-    if (!code) code = rate(d, f, rows, t, q, 0, d->rate);
+    if (!code) code = difference_rate(d, f, rows, t, q, 0, d->rate);
     for (int i = 0; i < rows; i++) {
       size_t at =
           transposed ? (size_t)i * (size_t)ldd + (size_t)j : (size_t)j * (size_t)ldd + (size_t)i;
@@ -98,7 +98,7 @@ int nsdae_differences_along(nsdae_differences *d, nsdae_position_fn f, int rows,
 {
   d->failed = NULL;
   int code = kinematics(d, t, q, v, d->qdot);
-  return code ? code : rate(d, f, rows, t, q, 0, along);
+  return code ? code : difference_rate(d, f, rows, t, q, 0, along);
 }
 
 int nsdae_differences_time(nsdae_differences *d, nsdae_position_fn f, int rows, double t,
@@ -106,7 +106,7 @@ int nsdae_differences_time(nsdae_differences *d, nsdae_position_fn f, int rows, 
 {
   d->failed = NULL;
   memset(d->qdot, 0, (size_t)d->system->dims.nq * sizeof *d->qdot);
-  return rate(d, f, rows, t, q, 1, f_t);
+  return difference_rate(d, f, rows, t, q, 1, f_t);
 }
 
 /* d->moved := q(t + s) of dq/dt = H(t,q) v with v constant, by the classical method of Runge and

@@ -13,8 +13,8 @@ void nsdae_contact_list_clear(nsdae_contact_list *list)
   list->taken = (nsdae_room){0};
 }
 
-static int refuse(nsdae_contact_list *list, const nsdae_contact *c, int status, const char *field,
-                  double value, const char *range)
+static int refuse_contact(nsdae_contact_list *list, const nsdae_contact *c, int status,
+                          const char *field, double value, const char *range)
 {
   if (list->status < 0) return status; /* the first is told */
   list->status = status;
@@ -28,31 +28,33 @@ static int check_blocks(nsdae_contact_list *list, const nsdae_contact *c)
   for (int s = 0; s < 2; s++) {
     int b = c->block[s];
     if (b < -1 || b >= list->blocks->count)
-      return refuse(list, c, NSDAE_E_ARGUMENT, "block", b, "a block, or -1: the ground");
+      return refuse_contact(list, c, NSDAE_E_ARGUMENT, "block", b, "a block, or -1: the ground");
     if (b >= 0 && nsdae_blocks_size(list->blocks, b) > NSDAE_CONTACT_WIDTH && !c->wide[s])
-      return refuse(list, c, NSDAE_E_ARGUMENT, "wide", 0,
-                    "the directions of a block of more than 6 velocities");
+      return refuse_contact(list, c, NSDAE_E_ARGUMENT, "wide", 0,
+                            "the directions of a block of more than 6 velocities");
   }
   if (c->block[0] == c->block[1])
-    return refuse(list, c, NSDAE_E_ARGUMENT, "block", c->block[1], "another block than the first");
+    return refuse_contact(list, c, NSDAE_E_ARGUMENT, "block", c->block[1],
+                          "another block than the first");
   return NSDAE_OK;
 }
 
 /* Conditions are written so that NaN fails. */
-static int check(nsdae_contact_list *list, const nsdae_contact *c)
+static int check_contact(nsdae_contact_list *list, const nsdae_contact *c)
 {
-  if (!isfinite(c->gap)) return refuse(list, c, NSDAE_E_NONFINITE, "gap", c->gap, "finite");
+  if (!isfinite(c->gap)) return refuse_contact(list, c, NSDAE_E_NONFINITE, "gap", c->gap, "finite");
   if (!(c->mu >= 0 && c->mu <= 1e300))
-    return refuse(list, c, NSDAE_E_ARGUMENT, "mu", c->mu, "at least 0, finite");
+    return refuse_contact(list, c, NSDAE_E_ARGUMENT, "mu", c->mu, "at least 0, finite");
   if (c->mu > 0 && list->nt == 0)
-    return refuse(list, c, NSDAE_E_ARGUMENT, "mu", c->mu,
-                  "0 where dims.nt = 0: there is no tangential direction");
+    return refuse_contact(list, c, NSDAE_E_ARGUMENT, "mu", c->mu,
+                          "0 where dims.nt = 0: there is no tangential direction");
   if (!(c->e_n >= 0 && c->e_n <= 1))
-    return refuse(list, c, NSDAE_E_ARGUMENT, "e_n", c->e_n, "0 .. 1");
+    return refuse_contact(list, c, NSDAE_E_ARGUMENT, "e_n", c->e_n, "0 .. 1");
   if (!(c->e_t >= 0 && c->e_t <= 1))
-    return refuse(list, c, NSDAE_E_ARGUMENT, "e_t", c->e_t, "0 .. 1");
+    return refuse_contact(list, c, NSDAE_E_ARGUMENT, "e_t", c->e_t, "0 .. 1");
   for (int d = 0; d <= list->nt; d++)
-    if (!isfinite(c->w[d])) return refuse(list, c, NSDAE_E_NONFINITE, "w", c->w[d], "finite");
+    if (!isfinite(c->w[d]))
+      return refuse_contact(list, c, NSDAE_E_NONFINITE, "w", c->w[d], "finite");
   return check_blocks(list, c);
 }
 
@@ -69,7 +71,8 @@ static int copy_part(nsdae_contact_list *list, const nsdae_contact *c, int s, si
       sum += 0 * from[j];
     }
   }
-  return sum == 0 ? NSDAE_OK : refuse(list, c, NSDAE_E_NONFINITE, "direction", sum, "finite");
+  return sum == 0 ? NSDAE_OK
+                  : refuse_contact(list, c, NSDAE_E_NONFINITE, "direction", sum, "finite");
 }
 
 /* Counts a contact; where it goes in value, or SIZE_MAX where there is no room. */
@@ -97,7 +100,7 @@ static void place_parts(nsdae_contact_list *list, int i, size_t at)
 int nsdae_contact_add(nsdae_contact_list *list, const nsdae_contact *c)
 {
   if (!list || !c) return NSDAE_E_ARGUMENT;
-  int status = check(list, c);
+  int status = check_contact(list, c);
   if (status < 0) return status;
   size_t at = take(list, c->block);
   if (at == (size_t)-1) return NSDAE_OK;

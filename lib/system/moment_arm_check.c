@@ -99,7 +99,7 @@ int nsdae_moment_arm_check_unit(const nsdae_moment_arms *arms, double *H, double
 }
 
 /* Column j of n, t_1, t_2. */
-static const double *column_of(const nsdae_contact_directions *c, int j)
+static const double *direction_column(const nsdae_contact_directions *c, int j)
 {
   return j == 0 ? c->normal : c->tangent + (size_t)(j - 1) * (size_t)c->nv;
 }
@@ -108,7 +108,7 @@ static int touches(const nsdae_contact_directions *c, int first)
 {
   int any = 0;
   for (int j = 0; j < 3; j++)
-    for (int i = first; i < first + 3; i++) any |= column_of(c, j)[i] != 0;
+    for (int i = first; i < first + 3; i++) any |= direction_column(c, j)[i] != 0;
   return any;
 }
 
@@ -146,10 +146,11 @@ static int read_lever(const nsdae_moment_arms *arms, const int *turns, int first
   int of = find_translation(&c, turns, first, tol), axis = 0;
   for (int k = of; of >= 0 && k < c.nv; k++) {
     if (!nsdae_tangent_translates(&c, of, k, tol)) continue;
-    for (int j = 0; j < 3; j++) l->along[j][axis] = column_of(&c, j)[k];
+    for (int j = 0; j < 3; j++) l->along[j][axis] = direction_column(&c, j)[k];
     axis++;
   }
-  for (int j = 0; j < 3; j++) memcpy(l->about[j], column_of(&c, j) + first, 3 * sizeof(double));
+  for (int j = 0; j < 3; j++)
+    memcpy(l->about[j], direction_column(&c, j) + first, 3 * sizeof(double));
   double sum = 0;
   for (int j = 1; j < 3; j++) sum += nsdae_dot(3, l->along[j], l->along[j]);
   l->of = of;
@@ -183,7 +184,7 @@ static void turn_about(nsdae_moment_arms *arms, const lever *l, int j, double to
   for (int k = 0; k < 3; k++) /* W_N v = W_T v = 0 */
     for (int i = 0; i < c.nv; i++)
       if (nsdae_tangent_translates(&c, l->of, i, tol))
-        arms->v[i] -= nsdae_dot(3, l->about[k], w) * column_of(&c, k)[i];
+        arms->v[i] -= nsdae_dot(3, l->about[k], w) * direction_column(&c, k)[i];
   memcpy(arms->v + l->first, w, sizeof w);
 }
 

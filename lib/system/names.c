@@ -26,7 +26,8 @@ static const char *unfit(const char *text, size_t size)
   return NULL;
 }
 
-static int refuse(nsdae_system *system, const char *argument, const char *text, const char *why)
+static int refuse_name(nsdae_system *system, const char *argument, const char *text,
+                       const char *why)
 {
   char line[200];
   snprintf(line, sizeof line, "%s '%.48s' %s: it must be of %s%d bytes, of one line", argument,
@@ -52,11 +53,11 @@ static int check_place(nsdae_system *system, const char *setter, int kind, int i
 
 static int check_texts(nsdae_system *system, const char *name, const char *unit)
 {
-  if (!name || !*name) return refuse(system, "name", "", name ? "is empty" : "is NULL");
+  if (!name || !*name) return refuse_name(system, "name", "", name ? "is empty" : "is NULL");
   const char *why = unfit(name, NSDAE_NAME_SIZE);
-  if (why) return refuse(system, "name", name, why);
+  if (why) return refuse_name(system, "name", name, why);
   why = unfit(unit, NSDAE_UNIT_SIZE);
-  return why ? refuse(system, "unit", unit, why) : NSDAE_OK;
+  return why ? refuse_name(system, "unit", unit, why) : NSDAE_OK;
 }
 
 int nsdae_system_set_name(nsdae_system *system, int kind, int i, const char *name, const char *unit)
@@ -110,7 +111,7 @@ int nsdae_system_set_size(nsdae_system *system, int kind, int i, double size)
 
 /* The label of an item, or NULL where it has none. Velocities are the rates of the coordinates
  * where nothing else is said: theirs is the coordinate's, and *rate says so. */
-static const nsdae_label *find(const nsdae_system *system, int kind, int i, int *rate)
+static const nsdae_label *find_label(const nsdae_system *system, int kind, int i, int *rate)
 {
   *rate = 0;
   if (!system || i < 0 || i >= nsdae_system_count(system, kind)) return NULL;
@@ -118,20 +119,20 @@ static const nsdae_label *find(const nsdae_system *system, int kind, int i, int 
   if (label && label[i].name[0]) return &label[i];
   if (kind != NSDAE_NAME_VELOCITY || system->call.kinematics) return NULL;
   *rate = 1;
-  return find(system, NSDAE_NAME_COORDINATE, i, &(int){0});
+  return find_label(system, NSDAE_NAME_COORDINATE, i, &(int){0});
 }
 
 const char *nsdae_system_get_name(const nsdae_system *system, int kind, int i)
 {
   int rate;
-  const nsdae_label *label = find(system, kind, i, &rate);
+  const nsdae_label *label = find_label(system, kind, i, &rate);
   return label ? label->name : "";
 }
 
 const char *nsdae_system_get_unit(const nsdae_system *system, int kind, int i)
 {
   int rate;
-  const nsdae_label *label = find(system, kind, i, &rate);
+  const nsdae_label *label = find_label(system, kind, i, &rate);
   return !label ? "" : rate ? label->rate : label->unit;
 }
 
@@ -185,8 +186,8 @@ const char *nsdae_system_called(const nsdae_system *system, int kind, int i,
 }
 
 /* 'contact 3 "stop"' behind the text. */
-static void append(const nsdae_system *system, const nsdae_output *o, int kind, int i,
-                   const char *before, nsdae_error *error)
+static void append_label(const nsdae_system *system, const nsdae_output *o, int kind, int i,
+                         const char *before, nsdae_error *error)
 {
   char called[NSDAE_CALLED_SIZE];
   size_t used = strlen(error->text);
@@ -199,15 +200,15 @@ static void append(const nsdae_system *system, const nsdae_output *o, int kind, 
 void nsdae_output_name_entry(const nsdae_system *system, const nsdae_output *output, int row,
                              int column, nsdae_error *error)
 {
-  append(system, output, output->row, row, ": ", error);
-  append(system, output, output->column, column, output->row < 0 ? ": " : ", ", error);
+  append_label(system, output, output->row, row, ": ", error);
+  append_label(system, output, output->column, column, output->row < 0 ? ": " : ", ", error);
 }
 
 void nsdae_system_name_item(const nsdae_system *system, int kind, int i, nsdae_error *error)
 {
   const nsdae_output item = {.row = kind, .column = -1};
   if (!error) return;
-  append(system, &item, kind, i, ": ", error);
+  append_label(system, &item, kind, i, ": ", error);
   error->index = i;
 }
 
@@ -265,7 +266,7 @@ static int distinct(const nsdae_system *system, int kind, nsdae_error *error)
   int count = nsdae_system_count(system, kind), named = 0, status = NSDAE_OK;
   if (!system->label[kind]) return NSDAE_OK;
   const nsdae_label **order = malloc((size_t)count * sizeof *order);
-  if (!order) return nsdae_error_set(error, NSDAE_E_MEMORY, "nsdae_system", "", "out of memory");
+  if (!order) return nsdae_error_memory(error, "nsdae_system");
   for (int i = 0; i < count; i++)
     if (system->label[kind][i].name[0]) order[named++] = &system->label[kind][i];
   qsort(order, (size_t)named, sizeof *order, by_name);

@@ -33,7 +33,7 @@ void nsdae_blocks_release(nsdae_blocks *blocks)
   *blocks = (nsdae_blocks){0};
 }
 
-static int refuse(nsdae_system *s, const char *argument, const char *why)
+static int refuse_blocks(nsdae_system *s, const char *argument, const char *why)
 {
   return nsdae_system_refuse(s, NSDAE_E_ARGUMENT, "blocks", argument, why);
 }
@@ -46,7 +46,7 @@ static int check_sizes(nsdae_system *s, int count, const int *nq, const int *nv)
     if (nv[b] < 1 || nv[b] > nq[b]) {
       snprintf(why, sizeof why, "block %d has nq = %d, nv = %d: it must be 1 <= nv <= nq", b, nq[b],
                nv[b]);
-      return refuse(s, "nv", why);
+      return refuse_blocks(s, "nv", why);
     }
     sum_q += nq[b];
     sum_v += nv[b];
@@ -54,17 +54,18 @@ static int check_sizes(nsdae_system *s, int count, const int *nq, const int *nv)
   if (sum_q == s->dims.nq && sum_v == s->dims.nv) return NSDAE_OK;
   snprintf(why, sizeof why, "the blocks have %ld coordinates and %ld velocities, the system %d, %d",
            sum_q, sum_v, s->dims.nq, s->dims.nv);
-  return refuse(s, sum_q == s->dims.nq ? "nv" : "nq", why);
+  return refuse_blocks(s, sum_q == s->dims.nq ? "nv" : "nq", why);
 }
 
 int nsdae_system_set_blocks(nsdae_system *s, int count, const int *nq, const int *nv)
 {
   if (!s) return NSDAE_E_ARGUMENT;
-  if (!nq || !nv) return refuse(s, nq ? "nv" : "nq", nq ? "nv is NULL" : "nq is NULL");
-  if (count < 1) return refuse(s, "count", "there must be at least one block");
+  if (!nq || !nv) return refuse_blocks(s, nq ? "nv" : "nq", nq ? "nv is NULL" : "nq is NULL");
+  if (count < 1) return refuse_blocks(s, "count", "there must be at least one block");
   if (s->dims.k > 0 || s->dims.f > 0)
-    return refuse(s, s->dims.k > 0 ? "k" : "f",
-                  "a system of blocks has its contacts by list: dims.k and dims.f must be 0");
+    return refuse_blocks(
+        s, s->dims.k > 0 ? "k" : "f",
+        "a system of blocks has its contacts by list: dims.k and dims.f must be 0");
   int status = check_sizes(s, count, nq, nv);
   if (status == NSDAE_OK) status = nsdae_system_open(s, "blocks");
   if (status < 0) return status;

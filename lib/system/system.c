@@ -45,7 +45,7 @@ int nsdae_system_create(const nsdae_dims *dims, nsdae_system **system, nsdae_err
       nsdae_blocks_make(&made->blocks, 1, &nv) < 0 ||
       nsdae_blocks_make(&made->coordinates, 1, &dims->nq) < 0) {
     nsdae_system_destroy(&made);
-    return nsdae_error_set(error, NSDAE_E_MEMORY, "nsdae_system_create", "", "out of memory");
+    return nsdae_error_memory(error, "nsdae_system_create");
   }
   atomic_init(&made->late, NULL);
   nsdae_refusal_forget(made);
@@ -158,7 +158,7 @@ int nsdae_system_set_user(nsdae_system *system, void *user)
   return status;
 }
 
-static int refuse(nsdae_system *system, const char *callback, const char *why)
+static int refuse_callback(nsdae_system *system, const char *callback, const char *why)
 {
   char text[200];
   snprintf(text, sizeof text, "%s: %s", callback, why);
@@ -166,17 +166,17 @@ static int refuse(nsdae_system *system, const char *callback, const char *why)
 }
 
 /* One setter per callback: has says, by the sizes d, whether the system has such a term at all. */
-#define SETTER(name, type, has, why)                           \
-  int nsdae_system_set_##name(nsdae_system *system, type name) \
-  {                                                            \
-    if (!system) return NSDAE_E_ARGUMENT;                      \
-    const nsdae_dims *d = &system->dims;                       \
-    (void)d;                                                   \
-    if (!name) return refuse(system, #name, "it is NULL");     \
-    if (!(has)) return refuse(system, #name, why);             \
-    int status = nsdae_system_open(system, #name);             \
-    if (status == NSDAE_OK) system->call.name = name;          \
-    return status;                                             \
+#define SETTER(name, type, has, why)                                \
+  int nsdae_system_set_##name(nsdae_system *system, type name)      \
+  {                                                                 \
+    if (!system) return NSDAE_E_ARGUMENT;                           \
+    const nsdae_dims *d = &system->dims;                            \
+    (void)d;                                                        \
+    if (!name) return refuse_callback(system, #name, "it is NULL"); \
+    if (!(has)) return refuse_callback(system, #name, why);         \
+    int status = nsdae_system_open(system, #name);                  \
+    if (status == NSDAE_OK) system->call.name = name;               \
+    return status;                                                  \
   }
 
 /* callbacks.list: setters */

@@ -141,7 +141,7 @@ static long rank_of(const nsdae_vfd *f, const nsdae_block *b)
 }
 
 /* The disk has room for the whole of a new file before the old one of that name is touched. */
-static int make_room(nsdae_vfd *f)
+static int reserve_disk(nsdae_vfd *f)
 {
   static const unsigned char nothing[8];
   struct stat status;
@@ -181,7 +181,7 @@ static int write_pending(nsdae_vfd *f)
 static void commit(nsdae_vfd *f)
 {
   if (f->reading || f->unready || nsdae_vfd_check(f) != 0) return;
-  if (f->pending.count > 0) f->failure = make_room(f);
+  if (f->pending.count > 0) f->failure = reserve_disk(f);
   if (f->failure == 0) f->failure = write_pending(f);
   if (f->failure) return;
   f->committed = f->eoa;

@@ -52,7 +52,7 @@ static int because(nsdae_h5 *h5, const char *what, const char *why)
 }
 
 /* To be called right after the failed call. */
-static int failed(nsdae_h5 *h5, const char *what)
+static int report_failure(nsdae_h5 *h5, const char *what)
 {
   char text[200];
   reason(text);
@@ -62,13 +62,13 @@ static int failed(nsdae_h5 *h5, const char *what)
 
 int nsdae_h5_result(nsdae_h5 *h5, long code, const char *what)
 {
-  return code < 0 ? failed(h5, what) : NSDAE_OK;
+  return code < 0 ? report_failure(h5, what) : NSDAE_OK;
 }
 
 /* HDF5 does not see that a write failed: the disk knows. */
 static int arrived(nsdae_h5 *h5, long code, const char *what)
 {
-  return code < 0 || h5->disk.failure ? failed(h5, what) : NSDAE_OK;
+  return code < 0 || h5->disk.failure ? report_failure(h5, what) : NSDAE_OK;
 }
 
 /* The driver under the file, then HDF5 on top of it. */
@@ -108,7 +108,7 @@ static int guarded(nsdae_h5 *h5, int status)
   char reason[NSDAE_GUARD_REASON];
   if (status < 0) return status;
   int code = nsdae_h5_guard(h5->file, h5->disk.eof, reason);
-  if (code < 0) status = *reason ? because(h5, "read", reason) : failed(h5, "read");
+  if (code < 0) status = *reason ? because(h5, "read", reason) : report_failure(h5, "read");
   if (code < 0) nsdae_h5_close(h5);
   return status;
 }
@@ -162,7 +162,7 @@ int nsdae_h5_close(nsdae_h5 *h5)
   int status = h5->file < 0 ? NSDAE_OK : arrived(h5, H5Fclose(h5->file), "close");
   h5->file = -1;
   if (h5->disk.path && nsdae_vfd_close(&h5->disk) != 0 && status == NSDAE_OK)
-    status = failed(h5, "close");
+    status = report_failure(h5, "close");
   return status;
 }
 

@@ -16,7 +16,7 @@ typedef struct walk {
   char *reason;
 } walk;
 
-static int refuse(const walk *w, hid_t item, const char *name, const char *why)
+static int refuse_file(const walk *w, hid_t item, const char *name, const char *why)
 {
   char path[64] = "";
   H5Iget_name(item, path, sizeof path);
@@ -90,14 +90,15 @@ static int look_at_dataset(const walk *w, hid_t set)
   hid_t plist = H5Dget_create_plist(set);
   const char *wrong = look_at_data(w, set, plist);
   H5Pclose(plist);
-  return wrong ? refuse(w, set, "", wrong) : 0;
+  return wrong ? refuse_file(w, set, "", wrong) : 0;
 }
 
 static herr_t look_at_link(hid_t group, const char *name, const H5L_info_t *link, void *user);
 
 static int look_at_group(walk *w, hid_t group)
 {
-  if (w->depth == DEPTH_MOST) return refuse(w, group, "", "is in too many groups, or in itself");
+  if (w->depth == DEPTH_MOST)
+    return refuse_file(w, group, "", "is in too many groups, or in itself");
   w->depth++;
   herr_t code = H5Literate(group, H5_INDEX_NAME, H5_ITER_NATIVE, NULL, look_at_link, w);
   w->depth--;
@@ -107,8 +108,8 @@ static int look_at_group(walk *w, hid_t group)
 static herr_t look_at_link(hid_t group, const char *name, const H5L_info_t *link, void *user)
 {
   walk *w = user;
-  if (link->type != H5L_TYPE_HARD) return refuse(w, group, name, "is a soft or external link");
-  if (w->links == 0) return refuse(w, group, name, "is one of more links than the file has");
+  if (link->type != H5L_TYPE_HARD) return refuse_file(w, group, name, "is a soft or external link");
+  if (w->links == 0) return refuse_file(w, group, name, "is one of more links than the file has");
   w->links--;
   hid_t item = H5Oopen(group, name, H5P_DEFAULT);
   H5I_type_t kind = H5Iget_type(item);

@@ -84,7 +84,7 @@ void nsdae_write_queue_overlay(const nsdae_write_queue *pending, uint64_t at, si
   }
 }
 
-static int compare(const void *one, const void *other)
+static int compare_blocks(const void *one, const void *other)
 {
   const nsdae_block *a = one, *b = other;
   if (a->rank != b->rank) return a->rank < b->rank ? -1 : 1;
@@ -93,7 +93,8 @@ static int compare(const void *one, const void *other)
 
 void nsdae_write_queue_sort(nsdae_write_queue *pending)
 {
-  if (pending->count > 0) qsort(pending->block, pending->count, sizeof *pending->block, compare);
+  if (pending->count > 0)
+    qsort(pending->block, pending->count, sizeof *pending->block, compare_blocks);
 }
 
 void nsdae_write_queue_clear(nsdae_write_queue *pending)

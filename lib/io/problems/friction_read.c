@@ -106,8 +106,7 @@ static int make_items(reader *r)
 {
   size_t count = (size_t)r->contacts + (size_t)r->bilateral;
   int *size = malloc((count + 1) * sizeof *size), places = r->dim * r->contacts + r->bilateral;
-  if (!size)
-    return nsdae_error_set(r->h5->error, NSDAE_E_MEMORY, r->h5->where, "", "out of memory");
+  if (!size) return nsdae_h5_no_memory(r->h5);
   for (int i = 0; i < (int)count; i++) size[i] = i < r->contacts ? r->dim : 1;
   int status = nsdae_partition_make(r->h5, places, (int)count, size, &r->items);
   free(size);
@@ -237,7 +236,7 @@ static int order_velocities(reader *r, const double *f)
   }
   free(home);
   if (!missing) return NSDAE_OK;
-  return nsdae_error_set(r->h5->error, NSDAE_E_MEMORY, r->h5->where, "", "out of memory");
+  return nsdae_h5_no_memory(r->h5);
 }
 
 static int read_global(reader *r)
@@ -279,7 +278,7 @@ static int read_rows(const reader *r, const char *name, const char *behind, int 
   double *both = head ? realloc(head, ((size_t)m + (size_t)p + 1) * sizeof *both) : NULL;
   if (head && !both) {
     free(head);
-    status = nsdae_error_set(r->h5->error, NSDAE_E_MEMORY, r->h5->where, "", "out of memory");
+    status = nsdae_h5_no_memory(r->h5);
   }
   for (int i = 0; both && i < p; i++) both[m + i] = tail ? tail[i] : 0;
   if (both && r->items.n == m + p) compress(r, both);
@@ -308,7 +307,7 @@ static int read_vectors(reader *r)
 }
 
 /* Hands the arrays over to the file. */
-static void finish(reader *r)
+static void hand_over_arrays(reader *r)
 {
   nsdae_friction_problem *p = &r->out->problem;
   p->contacts = r->contacts;
@@ -342,7 +341,7 @@ static int read_problem(nsdae_h5 *h5, nsdae_friction_file *out)
   if (status == NSDAE_OK) status = nsdae_h5_get_real(h5, h5->file, "tol", &out->tol);
   if (status == NSDAE_OK) status = nsdae_h5_get_real(h5, h5->file, "refine", &refine);
   out->refine = refine >= 0 && refine <= 1000 ? (int)refine : 0;
-  if (status == NSDAE_OK) finish(&r);
+  if (status == NSDAE_OK) hand_over_arrays(&r);
   free(r.rows);
   nsdae_triplets_release(&r.A);
   nsdae_triplets_release(&r.M);

@@ -29,21 +29,15 @@ static const char *path_of(const writer *w, char path[64], const char *name)
   return path;
 }
 
-static int no_memory(const writer *w)
-{
-  return nsdae_error_set(w->h5->error, NSDAE_E_MEMORY, w->h5->where, "",
-                         "out of memory for '%.90s'", w->h5->path);
-}
-
 /* Rows of the items, here and in the file. */
-static int measure(writer *w)
+static int measure_rows(writer *w)
 {
   const nsdae_friction_problem *p = w->problem;
   w->items = p->contacts + p->bilateral;
   w->rows = calloc((size_t)w->items + 1, sizeof *w->rows);
   w->first = calloc((size_t)w->items + 1, sizeof *w->first);
   w->home = calloc((size_t)w->items + 1, sizeof *w->home);
-  if (!w->rows || !w->first || !w->home) return no_memory(w);
+  if (!w->rows || !w->first || !w->home) return nsdae_h5_no_memory(w->h5);
   w->dim = 2;
   for (int i = 0; i < w->items; i++) {
     w->rows[i] = i >= p->contacts ? 1 : p->rows ? p->rows[i] : 3;
@@ -58,7 +52,7 @@ static int measure(writer *w)
   }
   w->places = w->first[w->items];
   w->spread = calloc((size_t)w->places + 1, sizeof *w->spread);
-  return w->spread ? NSDAE_OK : no_memory(w);
+  return w->spread ? NSDAE_OK : nsdae_h5_no_memory(w->h5);
 }
 
 /* Of every dataset: some are FCLIB's, some stand beside those. */
@@ -105,7 +99,7 @@ typedef struct range {
 } range;
 
 /* Adds the part of the problem in that range, at the corner of it, or only counts. */
-static long long gather(const writer *w, const range *r, nsdae_triplets *A)
+static long long gather_entries(const writer *w, const range *r, nsdae_triplets *A)
 {
   const nsdae_friction_problem *p = w->problem;
   const double *value = p->value;
@@ -125,14 +119,14 @@ static long long gather(const writer *w, const range *r, nsdae_triplets *A)
 static int write_range(const writer *w, const char *name, const range *r, int rows, int columns)
 {
   char path[64];
-  long long count = gather(w, r, NULL);
+  long long count = gather_entries(w, r, NULL);
   nsdae_triplets A = {.rows = rows, .columns = columns};
   if (count > INT_MAX / 2)
     return nsdae_error_set(w->h5->error, NSDAE_E_ARGUMENT, w->h5->where, "problem",
                            "%s has %lld entries, FCLIB's files hold %d", name, count, INT_MAX / 2);
   int status = nsdae_triplets_grow(w->h5, &A, (int)count);
   if (status == NSDAE_OK) {
-    gather(w, r, &A);
+    gather_entries(w, r, &A);
     status = nsdae_triplets_write(w->h5, path_of(w, path, name), &A);
   }
   nsdae_triplets_release(&A);
@@ -179,7 +173,7 @@ static int write_global(const writer *w)
   char path[64];
   const nsdae_friction_problem *p = w->problem;
   int nc = p->contacts, *first = calloc((size_t)p->blocks + 1, sizeof *first);
-  if (!first) return no_memory(w);
+  if (!first) return nsdae_h5_no_memory(w->h5);
   for (int b = 0; b < p->blocks; b++) first[b + 1] = first[b] + p->size[b];
   int n = first[p->blocks];
   const range of_H = {0, nc, 0, p->blocks, first, p->size};
@@ -235,7 +229,7 @@ static int make_motion(const writer *w, motion *v)
   }
   v->high = calloc(2 * (size_t)v->n + 1, sizeof *v->high);
   v->factor = malloc((size_t)v->largest * (size_t)v->largest * sizeof *v->factor);
-  if (!v->first || !v->high || !v->factor) return no_memory(w);
+  if (!v->first || !v->high || !v->factor) return nsdae_h5_no_memory(w->h5);
   v->low = v->high + v->n;
   memcpy(v->high, p->f, (size_t)v->n * sizeof *v->high);
   return NSDAE_OK;
@@ -365,7 +359,7 @@ int nsdae_friction_write(const char *path, const nsdae_friction_problem *problem
   if (status < 0) return status;
   nsdae_h5 h5 = {.file = -1, .path = path, .where = "nsdae_friction_write", .error = error};
   writer w = {.h5 = &h5, .problem = problem};
-  status = measure(&w);
+  status = measure_rows(&w);
   if (status == NSDAE_OK) NSDAE_H5_QUIETLY(status, write_file(&w, points, origin));
   free(w.rows);
   free(w.first);

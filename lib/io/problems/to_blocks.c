@@ -11,12 +11,6 @@ enum { MOST = 256 }; /* numbers for each entry, row and column */
 /* Of the root of its two diagonal entries, a difference of W_ij and W_ji that is rounding. */
 static const double ROUNDING = 1e-12;
 
-static int no_memory(nsdae_h5 *h5)
-{
-  return nsdae_error_set(h5->error, NSDAE_E_MEMORY, h5->where, "", "out of memory for '%.90s'",
-                         h5->path);
-}
-
 static int *integers(size_t count)
 {
   return calloc(count + 1, sizeof(int));
@@ -24,12 +18,12 @@ static int *integers(size_t count)
 
 /* Parts. */
 
-static int create(nsdae_h5 *h5, int n, nsdae_partition *p)
+static int create_partition(nsdae_h5 *h5, int n, nsdae_partition *p)
 {
   size_t count = (size_t)n;
   *p = (nsdae_partition){
       .n = n, .of = integers(count), .at = integers(count), .size = integers(count)};
-  return p->of && p->at && p->size ? NSDAE_OK : no_memory(h5);
+  return p->of && p->at && p->size ? NSDAE_OK : nsdae_h5_no_memory(h5);
 }
 
 void nsdae_partition_release(nsdae_partition *p)
@@ -49,7 +43,7 @@ static void count_places(nsdae_partition *p)
 
 int nsdae_partition_make(nsdae_h5 *h5, int n, int parts, const int *size, nsdae_partition *p)
 {
-  int status = create(h5, n, p), i = 0;
+  int status = create_partition(h5, n, p), i = 0;
   if (status < 0) return status;
   p->parts = parts;
   for (int k = 0; k < parts; k++) {
@@ -74,7 +68,7 @@ static int all_alike(const nsdae_triplets *M, int alike)
 
 int nsdae_partition_find(nsdae_h5 *h5, const nsdae_triplets *M, int alike, nsdae_partition *p)
 {
-  int status = create(h5, M->rows, p);
+  int status = create_partition(h5, M->rows, p);
   if (status < 0) return status;
   int same = all_alike(M, alike);
   for (int i = 0; i < p->n; i++) p->of[i] = same ? i - i % alike : i;
@@ -96,7 +90,7 @@ static int sort_by_item(nsdae_h5 *h5, const nsdae_triplets *A, const nsdae_parti
 {
   *start = integers((size_t)items->parts + 1);
   *order = integers((size_t)A->count);
-  if (!*start || !*order) return no_memory(h5);
+  if (!*start || !*order) return nsdae_h5_no_memory(h5);
   int *next = *start + 1; /* counts, then starts of the items one further on */
   for (int k = 0; k < A->count; k++)
     if (items->of[A->column[k]] >= 0) next[items->of[A->column[k]]]++;
@@ -174,7 +168,7 @@ static int fill(nsdae_h5 *h5, const pass *p, nsdae_blocked_problem *g)
   g->first = integers((size_t)p->items->parts);
   g->block = integers(blocks);
   g->value = calloc(numbers + 1, sizeof *g->value);
-  if (!g->first || !g->block || !g->value) return no_memory(h5);
+  if (!g->first || !g->block || !g->value) return nsdae_h5_no_memory(h5);
   go(p, g, &blocks, &numbers);
   return NSDAE_OK;
 }
@@ -189,7 +183,7 @@ int nsdae_to_blocks(nsdae_h5 *h5, const nsdae_triplets *A, const nsdae_partition
   pass p = {.A = A, .rows = rows, .items = items, .start = start, .order = order};
   p.stamp = integers((size_t)rows->parts);
   p.home = calloc((size_t)rows->parts + 1, sizeof *p.home);
-  if (status == NSDAE_OK) status = p.stamp && p.home ? fill(h5, &p, g) : no_memory(h5);
+  if (status == NSDAE_OK) status = p.stamp && p.home ? fill(h5, &p, g) : nsdae_h5_no_memory(h5);
   free(p.stamp);
   free(p.home);
   free(start);
@@ -209,14 +203,14 @@ int nsdae_to_blocks_diagonal(nsdae_h5 *h5, const nsdae_triplets *M, const nsdae_
                              double **blocks)
 {
   size_t numbers = 0, *home = calloc((size_t)p->parts + 1, sizeof *home);
-  if (!home) return no_memory(h5);
+  if (!home) return nsdae_h5_no_memory(h5);
   for (int b = 0; b < p->parts; b++) {
     home[b] = numbers;
     numbers += (size_t)p->size[b] * (size_t)p->size[b];
   }
   int status = too_many(h5, M, numbers);
   if (status == NSDAE_OK) *blocks = calloc(numbers + 1, sizeof **blocks);
-  if (status == NSDAE_OK && !*blocks) status = no_memory(h5);
+  if (status == NSDAE_OK && !*blocks) status = nsdae_h5_no_memory(h5);
   for (int k = 0; k < M->count && status == NSDAE_OK; k++) {
     int i = M->row[k], j = M->column[k], b = p->of[i];
     if (p->of[j] != b)
@@ -235,7 +229,7 @@ typedef struct entry {
   double value, mirrored; /* sums at the place and at its mirror image */
 } entry;
 
-static int compare(const void *a, const void *b)
+static int compare_entries(const void *a, const void *b)
 {
   const entry *x = a, *y = b;
   if (x->row != y->row) return x->row < y->row ? -1 : 1;
@@ -252,7 +246,7 @@ static double difference(size_t count, const entry *e, const double *diagonal, d
   for (size_t k = 0; k < count;) {
     double value = 0, mirrored = 0;
     size_t first = k;
-    for (; k < count && compare(&e[k], &e[first]) == 0; k++) {
+    for (; k < count && compare_entries(&e[k], &e[first]) == 0; k++) {
       value += e[k].value;
       mirrored += e[k].mirrored;
     }
@@ -274,17 +268,17 @@ static entry *mirror(const nsdae_triplets *A)
     e[2 * k] = (entry){A->row[k], A->column[k], A->value[k], 0};
     e[2 * k + 1] = (entry){A->column[k], A->row[k], 0, A->value[k]};
   }
-  if (e) qsort(e, 2 * count, sizeof *e, compare);
+  if (e) qsort(e, 2 * count, sizeof *e, compare_entries);
   return e;
 }
 
 /* How unsymmetric A is; 0 where it is by no more than rounding. */
-static int measure(nsdae_h5 *h5, const nsdae_triplets *A, double *asymmetry)
+static int measure_asymmetry(nsdae_h5 *h5, const nsdae_triplets *A, double *asymmetry)
 {
   double largest = 0, rounding = 0;
   entry *e = mirror(A);
   double *diagonal = calloc((size_t)A->rows + 1, sizeof *diagonal);
-  int status = e && diagonal ? NSDAE_OK : no_memory(h5);
+  int status = e && diagonal ? NSDAE_OK : nsdae_h5_no_memory(h5);
   for (int k = 0; k < A->count && status == NSDAE_OK; k++)
     if (A->row[k] == A->column[k]) diagonal[A->row[k]] += A->value[k];
   *asymmetry = 0;
@@ -299,7 +293,7 @@ static int measure(nsdae_h5 *h5, const nsdae_triplets *A, double *asymmetry)
 
 int nsdae_symmetrise(nsdae_h5 *h5, nsdae_triplets *A, double *asymmetry)
 {
-  int count = A->count, status = measure(h5, A, asymmetry);
+  int count = A->count, status = measure_asymmetry(h5, A, asymmetry);
   if (status == NSDAE_OK) status = nsdae_triplets_grow(h5, A, count);
   for (int k = 0; k < count && status == NSDAE_OK; k++) {
     if (*asymmetry > 0) A->value[k] /= 2;

@@ -23,7 +23,13 @@ int nsdae_h5_refuse(nsdae_h5 *h5, const char *format, ...)
                          h5->path, text);
 }
 
-static int no_memory(nsdae_h5 *h5, size_t count)
+int nsdae_h5_no_memory(nsdae_h5 *h5)
+{
+  return nsdae_error_set(h5->error, NSDAE_E_MEMORY, h5->where, "", "out of memory for '%.90s'",
+                         h5->path);
+}
+
+static int no_memory_for(nsdae_h5 *h5, size_t count)
 {
   return nsdae_error_set(h5->error, NSDAE_E_MEMORY, h5->where, "",
                          "out of memory for %zu numbers of '%.90s'", count, h5->path);
@@ -56,7 +62,7 @@ int nsdae_h5_length(nsdae_h5 *h5, const char *path, long most, int *length)
 }
 
 /* Room for a vector of that length, which the file must have. */
-static int prepare(nsdae_h5 *h5, const char *path, int length, size_t size, void **values)
+static int allocate_vector(nsdae_h5 *h5, const char *path, int length, size_t size, void **values)
 {
   int found;
   int status = nsdae_h5_length(h5, path, INT_MAX, &found);
@@ -65,14 +71,14 @@ static int prepare(nsdae_h5 *h5, const char *path, int length, size_t size, void
     return found < 0 ? nsdae_h5_refuse(h5, "%s is missing", path)
                      : nsdae_h5_refuse(h5, "%s has %d numbers, must be %d", path, found, length);
   *values = calloc((size_t)length + 1, size);
-  return *values ? NSDAE_OK : no_memory(h5, (size_t)length);
+  return *values ? NSDAE_OK : no_memory_for(h5, (size_t)length);
 }
 
 int nsdae_h5_take_reals(nsdae_h5 *h5, const char *path, int needed, int length, double **values)
 {
   void *block = NULL;
   if (!needed && !nsdae_h5_has(h5, path)) return NSDAE_OK;
-  int status = prepare(h5, path, length, sizeof **values, &block);
+  int status = allocate_vector(h5, path, length, sizeof **values, &block);
   if (status < 0) return status;
   *values = block;
   status = nsdae_h5_read(h5, path, *values);
@@ -86,7 +92,7 @@ int nsdae_h5_take_ints(nsdae_h5 *h5, const char *path, int needed, int length, i
 {
   void *block = NULL;
   if (!needed && !nsdae_h5_has(h5, path)) return NSDAE_OK;
-  int status = prepare(h5, path, length, sizeof **values, &block);
+  int status = allocate_vector(h5, path, length, sizeof **values, &block);
   if (status < 0) return status;
   *values = block;
   return nsdae_h5_read_as(h5, path, H5T_NATIVE_INT, *values);
@@ -136,7 +142,7 @@ static int expand(nsdae_h5 *h5, const char *group, int n, int **index, int *coun
   if (status == NSDAE_OK) {
     *count = p[n];
     *index = malloc(((size_t)p[n] + 1) * sizeof **index);
-    if (!*index) status = no_memory(h5, (size_t)p[n]);
+    if (!*index) status = no_memory_for(h5, (size_t)p[n]);
   }
   for (int j = 0; j < n && status == NSDAE_OK; j++)
     for (int k = p[j]; k < p[j + 1]; k++) (*index)[k] = j;
@@ -224,7 +230,7 @@ int nsdae_triplets_grow(nsdae_h5 *h5, nsdae_triplets *t, int count)
   if (column) t->column = column;
   double *value = realloc(t->value, room * sizeof *value);
   if (value) t->value = value;
-  return row && column && value ? NSDAE_OK : no_memory(h5, room);
+  return row && column && value ? NSDAE_OK : no_memory_for(h5, room);
 }
 
 void nsdae_triplets_add(nsdae_triplets *t, int row, int column, double value)

@@ -38,5 +38,7 @@ int nsdae_h5_has(nsdae_h5 *h5, const char *path);
 
 /* "cannot read 'FILE': ..." */
 int nsdae_h5_refuse(nsdae_h5 *h5, const char *format, ...) NSDAE_PRINTF(2, 3);
+/* NSDAE_E_MEMORY, "out of memory for 'FILE'" */
+int nsdae_h5_no_memory(nsdae_h5 *h5);
 
 #endif

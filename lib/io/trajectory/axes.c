@@ -55,18 +55,13 @@ static void write_unit(const nsdae_system *system, int i, int number, char text[
   snprintf(text, NAME_SIZE, "%s", nsdae_system_get_unit(system, axis[i].kind, number));
 }
 
-static int no_memory(nsdae_h5 *h5)
-{
-  return nsdae_error_set(h5->error, NSDAE_E_MEMORY, "nsdae_trajectory", "", "out of memory");
-}
-
 /* A dataset of n texts, each filled by `fill`. */
 static int write_texts(nsdae_h5 *h5, const char *path, const char *what,
                        void (*fill)(const nsdae_system *, int, int, char *),
                        const nsdae_system *system, int i, int n)
 {
   char **text = malloc((size_t)n * (sizeof *text + NAME_SIZE));
-  if (!text) return no_memory(h5);
+  if (!text) return nsdae_error_memory(h5->error, "nsdae_trajectory");
   for (int j = 0; j < n; j++) {
     text[j] = (char *)(text + n) + (size_t)j * NAME_SIZE;
     fill(system, i, j, text[j]);
@@ -79,7 +74,7 @@ static int write_texts(nsdae_h5 *h5, const char *path, const char *what,
 static int write_numbers(nsdae_h5 *h5, int i, int n)
 {
   int *number = malloc((size_t)n * sizeof *number);
-  if (!number) return no_memory(h5);
+  if (!number) return nsdae_error_memory(h5->error, "nsdae_trajectory");
   for (int j = 0; j < n; j++) number[j] = j;
   int status =
       nsdae_h5_vector(h5, axis[i].path, H5T_NATIVE_INT, (hsize_t)n, number, "1", axis[i].what);

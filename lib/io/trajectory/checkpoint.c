@@ -39,7 +39,7 @@ static uint64_t sum_of(const head *h, const unsigned char *state, size_t size)
 
 /* Memory for a place of so many bytes; half as much again where it must grow, so that it seldom
  * does. */
-static int make_room(nsdae_checkpoint *c, size_t bytes)
+static int grow_place(nsdae_checkpoint *c, size_t bytes)
 {
   if (bytes <= c->room) return NSDAE_OK;
   size_t room = c->room > 0 ? bytes + bytes / 2 : bytes;
@@ -60,7 +60,7 @@ int nsdae_checkpoint_init(nsdae_checkpoint *checkpoint, const nsdae_sim *sim)
   int status = nsdae_sim_state_size(sim, &size);
   if (status < 0) return status;
   checkpoint->width = sizeof(head) + size;
-  return make_room(checkpoint, sizeof(head) + size);
+  return grow_place(checkpoint, sizeof(head) + size);
 }
 
 void nsdae_checkpoint_release(nsdae_checkpoint *checkpoint)
@@ -86,7 +86,7 @@ static unsigned char *state_of(const nsdae_checkpoint *c)
 static int read_state(nsdae_checkpoint *c, nsdae_h5 *h5, nsdae_sim *sim, size_t *size)
 {
   int status = nsdae_sim_state_size(sim, size);
-  if (status == NSDAE_OK) status = make_room(c, sizeof(head) + *size);
+  if (status == NSDAE_OK) status = grow_place(c, sizeof(head) + *size);
   if (status == NSDAE_E_MEMORY)
     return nsdae_error_set(h5->error, status, "nsdae_trajectory", "", "out of memory");
   return status < 0 ? status : nsdae_sim_get_state(sim, state_of(c), *size);
@@ -147,9 +147,8 @@ int nsdae_checkpoint_open(nsdae_checkpoint *checkpoint, nsdae_h5 *h5)
   int wide = checkpoint->grows ? size[1] >= sizeof(head) : size[1] == checkpoint->width;
   if (size[0] != PLACES || !wide)
     return unusable(h5, "its state is of another size: another version of the library wrote it");
-  if (make_room(checkpoint, size[1]) < 0)
-    return nsdae_error_set(h5->error, NSDAE_E_MEMORY, "nsdae_trajectory_resume", "",
-                           "out of memory");
+  if (grow_place(checkpoint, size[1]) < 0)
+    return nsdae_error_memory(h5->error, "nsdae_trajectory_resume");
   checkpoint->width = size[1];
   return nsdae_h5_open_series(h5, dataset, &checkpoint->set);
 }

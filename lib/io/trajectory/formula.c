@@ -39,9 +39,9 @@ static int is_letter(char c)
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
 }
 
-static int refuse(reader *r, const char *format, ...) NSDAE_PRINTF(2, 3);
+static int refuse_formula(reader *r, const char *format, ...) NSDAE_PRINTF(2, 3);
 
-static int refuse(reader *r, const char *format, ...)
+static int refuse_formula(reader *r, const char *format, ...)
 {
   va_list args;
   va_start(args, format);
@@ -81,11 +81,11 @@ static int read_number(reader *r)
   skip_digits(r);
   if (*r->at == '.') r->at++;
   skip_digits(r);
-  if (r->at - from == 1 && *from == '.') return refuse(r, "a point without digits");
+  if (r->at - from == 1 && *from == '.') return refuse_formula(r, "a point without digits");
   if (*r->at != 'e' && *r->at != 'E') return NSDAE_OK;
   r->at++;
   if (*r->at == '+' || *r->at == '-') r->at++;
-  if (!is_digit(*r->at)) return refuse(r, "an exponent without digits");
+  if (!is_digit(*r->at)) return refuse_formula(r, "an exponent without digits");
   skip_digits(r);
   return NSDAE_OK;
 }
@@ -160,21 +160,23 @@ static int check_quantity(reader *r, const char *name)
   const char *near;
   if (is_column(name)) {
     if (strlen(name) < 10 && atoi(name + 1) < r->names->nq) return NSDAE_OK;
-    return refuse(r, "there is no %.12s: the coordinates are q0 to q%d,", name, r->names->nq - 1);
+    return refuse_formula(r, "there is no %.12s: the coordinates are q0 to q%d,", name,
+                          r->names->nq - 1);
   }
   if (is_quantity(r->names, name)) return NSDAE_OK;
   near = nearest_to(r->names, name);
-  if (near) return refuse(r, "unknown name '%.40s' (did you mean '%.40s'?)", name, near);
-  return refuse(r, "unknown name '%.40s'", name);
+  if (near) return refuse_formula(r, "unknown name '%.40s' (did you mean '%.40s'?)", name, near);
+  return refuse_formula(r, "unknown name '%.40s'", name);
 }
 
 static int read_call(reader *r, const function *f)
 {
-  if (!take(r, '(')) return refuse(r, "%s without (", f->name);
+  if (!take(r, '(')) return refuse_formula(r, "%s without (", f->name);
   int status = read_sum(r);
   for (int i = 1; i < f->arguments && status == NSDAE_OK; i++)
-    status = take(r, ',') ? read_sum(r) : refuse(r, "%s takes %d values,", f->name, f->arguments);
-  if (status == NSDAE_OK && !take(r, ')')) status = refuse(r, "%s without )", f->name);
+    status = take(r, ',') ? read_sum(r)
+                          : refuse_formula(r, "%s takes %d values,", f->name, f->arguments);
+  if (status == NSDAE_OK && !take(r, ')')) status = refuse_formula(r, "%s without )", f->name);
   return status;
 }
 
@@ -201,10 +203,10 @@ static int read_atom(reader *r)
   char c = next(r);
   if (is_digit(c) || c == '.') return read_number(r);
   if (is_letter(c)) return read_name(r);
-  if (c == '\0') return refuse(r, "the formula ends where a value should stand,");
-  if (!take(r, '(')) return refuse(r, "'%c' where a value should stand", c < ' ' ? '?' : c);
+  if (c == '\0') return refuse_formula(r, "the formula ends where a value should stand,");
+  if (!take(r, '(')) return refuse_formula(r, "'%c' where a value should stand", c < ' ' ? '?' : c);
   int status = read_sum(r);
-  if (status == NSDAE_OK && !take(r, ')')) status = refuse(r, "( without )");
+  if (status == NSDAE_OK && !take(r, ')')) status = refuse_formula(r, "( without )");
   return status;
 }
 
@@ -236,9 +238,10 @@ int nsdae_formula_check(const char *text, const nsdae_formula_names *names,
   reason[0] = '\0';
   if (strlen(text) >= NSDAE_FORMULA_LENGTH) {
     r.at = text + NSDAE_FORMULA_LENGTH - 1;
-    return refuse(&r, "the formula is longer than %d characters:", NSDAE_FORMULA_LENGTH - 1);
+    return refuse_formula(&r,
+                          "the formula is longer than %d characters:", NSDAE_FORMULA_LENGTH - 1);
   }
   int status = read_sum(&r);
-  if (status == NSDAE_OK && next(&r)) status = refuse(&r, "'%c' is not expected", *r.at);
+  if (status == NSDAE_OK && next(&r)) status = refuse_formula(&r, "'%c' is not expected", *r.at);
   return status;
 }

@@ -9,7 +9,7 @@ typedef struct entry {
   int number;
 } entry;
 
-static int compare(const void *a, const void *b)
+static int compare_names(const void *a, const void *b)
 {
   const entry *x = a, *y = b;
   int order = strcmp(x->name, y->name);
@@ -21,7 +21,7 @@ static int sort(int n, const char *const *name, int *order)
   entry *all = malloc((size_t)n * sizeof *all);
   if (!all) return NSDAE_E_MEMORY;
   for (int i = 0; i < n; i++) all[i] = (entry){name[i], i};
-  qsort(all, (size_t)n, sizeof *all, compare);
+  qsort(all, (size_t)n, sizeof *all, compare_names);
   for (int i = 0; i < n; i++) order[i] = all[i].number;
   free(all);
   return NSDAE_OK;

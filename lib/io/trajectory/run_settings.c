@@ -12,7 +12,7 @@ static const char dataset[] = "/restart/setting";
 
 enum { LINE_SIZE = NSDAE_SETTING_VALUE + 128 };
 
-static int add(nsdae_setting *s, const char *group, const char *key, const char *value)
+static int add_setting(nsdae_setting *s, const char *group, const char *key, const char *value)
 {
   char line[LINE_SIZE];
   int length = snprintf(line, sizeof line, "%.60s/%.60s=%s", group, key, value);
@@ -35,7 +35,7 @@ static int add_int(nsdae_setting *s, const char *group, const char *key, int val
 {
   char text[32];
   snprintf(text, sizeof text, "%d", value);
-  return add(s, group, key, text);
+  return add_setting(s, group, key, text);
 }
 
 static int add_params(nsdae_setting *s, const char *group, const nsdae_params *table,
@@ -45,7 +45,7 @@ static int add_params(nsdae_setting *s, const char *group, const nsdae_params *t
   int status = NSDAE_OK;
   for (int i = 0; table && base && i < table->n && status == NSDAE_OK; i++) {
     nsdae_params_format(&table->entry[i], base, value, sizeof value);
-    status = add(s, group, table->entry[i].key, value);
+    status = add_setting(s, group, table->entry[i].key, value);
   }
   return status;
 }
@@ -68,7 +68,7 @@ static int add_run(nsdae_setting *s, const nsdae_trajectory_info *info)
 {
   char t_end[32];
   snprintf(t_end, sizeof t_end, "%.17g", info->t_end);
-  int status = info->t_end > 0 ? add(s, "run", "t_end", t_end) : NSDAE_OK;
+  int status = info->t_end > 0 ? add_setting(s, "run", "t_end", t_end) : NSDAE_OK;
   if (status == NSDAE_OK) status = add_int(s, "run", "every", info->every > 0 ? info->every : 1);
   return status < 0 ? status : add_int(s, "run", "compress", info->compress);
 }
@@ -79,7 +79,7 @@ int nsdae_setting_make(nsdae_setting *setting, const nsdae_sim *sim,
   nsdae_sim_options options;
   nsdae_sim_get_options(sim, &options);
   *setting = (nsdae_setting){0};
-  int status = add(setting, "model", "name", info->model ? info->model : "");
+  int status = add_setting(setting, "model", "name", info->model ? info->model : "");
   if (status == NSDAE_OK) status = add_sizes(setting, sim);
   if (status == NSDAE_OK)
     status = add_params(setting, "options", nsdae_sim_options_table(), &options);
@@ -108,8 +108,7 @@ int nsdae_setting_read(nsdae_setting *setting, nsdae_h5 *h5)
   if (status < 0) return status;
   setting->length = (size_t)length[0];
   setting->text = calloc(setting->length + 1, 1);
-  if (!setting->text)
-    return nsdae_error_set(h5->error, NSDAE_E_MEMORY, "nsdae_trajectory", "", "out of memory");
+  if (!setting->text) return nsdae_error_memory(h5->error, "nsdae_trajectory");
   status = nsdae_h5_read_as(h5, dataset, H5T_NATIVE_UCHAR, setting->text);
   if (status < 0) nsdae_setting_release(setting);
   return status;
@@ -135,7 +134,7 @@ static int next_line(const char **at, char line[LINE_SIZE], char **value)
   return 1;
 }
 
-static int find(const nsdae_setting *s, const char *name, char value[NSDAE_SETTING_VALUE])
+static int find_setting(const nsdae_setting *s, const char *name, char value[NSDAE_SETTING_VALUE])
 {
   char line[LINE_SIZE], *found;
   const char *at = s->text;
@@ -152,7 +151,7 @@ int nsdae_setting_find(const nsdae_setting *setting, const char *group, const ch
 {
   char name[128];
   snprintf(name, sizeof name, "%.60s/%.60s", group, key);
-  return find(setting, name, value);
+  return find_setting(setting, name, value);
 }
 
 int nsdae_setting_apply(const nsdae_setting *setting, const char *group, const nsdae_params *table,
@@ -216,7 +215,7 @@ static int all_in(const nsdae_setting *one, const nsdae_setting *other, int one_
   const char *at = one->text;
   while (at && next_line(&at, line, &value)) {
     if (strncmp(line, "run/", 4) == 0) continue;
-    const char *there = find(other, line, found) ? found : NULL;
+    const char *there = find_setting(other, line, found) ? found : NULL;
     if (there && strcmp(there, value) == 0) continue;
     return differs(line, one_is_file ? there : value, one_is_file ? value : there, path, error);
   }

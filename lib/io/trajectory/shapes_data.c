@@ -36,7 +36,7 @@ typedef struct subject {
   nsdae_error *error;
 } subject;
 
-static int refuse(const subject *s, const char *field, const char *wrong)
+static int refuse_shape(const subject *s, const char *field, const char *wrong)
 {
   const char *name = s->body->name ? s->body->name : "";
   int status = nsdae_error_set(s->error, NSDAE_E_ARGUMENT, "nsdae_trajectory_set_bodies", field,
@@ -49,7 +49,7 @@ static int check_formula(const subject *s, const char *field, const char *text)
 {
   char reason[NSDAE_FORMULA_REASON];
   if (!is_given(text) || nsdae_formula_check(text, s->names, reason) == NSDAE_OK) return NSDAE_OK;
-  return refuse(s, field, reason);
+  return refuse_shape(s, field, reason);
 }
 
 static int check_formulas(const subject *s, const char *field, const char *const *text, int n)
@@ -71,19 +71,17 @@ static int check_names(int n, const nsdae_body *body, nsdae_error *error)
 {
   for (int i = 0; i < n; i++) {
     const subject s = {&body[i], i, NULL, error};
-    if (!is_given(body[i].name)) return refuse(&s, "name", "it has none");
+    if (!is_given(body[i].name)) return refuse_shape(&s, "name", "it has none");
   }
   const nsdae_body **sorted = malloc((size_t)n * sizeof *sorted);
-  if (!sorted)
-    return nsdae_error_set(error, NSDAE_E_MEMORY, "nsdae_trajectory_set_bodies", "",
-                           "out of memory");
+  if (!sorted) return nsdae_error_memory(error, "nsdae_trajectory_set_bodies");
   for (int i = 0; i < n; i++) sorted[i] = &body[i];
   qsort(sorted, (size_t)n, sizeof *sorted, by_name);
   int status = NSDAE_OK;
   for (int i = 1; i < n && status == NSDAE_OK; i++) {
     const subject s = {sorted[i], (int)(sorted[i] - body), NULL, error};
     if (strcmp(sorted[i - 1]->name, sorted[i]->name) == 0)
-      status = refuse(&s, "name", "another body has it already");
+      status = refuse_shape(&s, "name", "another body has it already");
   }
   free(sorted);
   return status;
@@ -122,25 +120,25 @@ static const char *points_fault(const nsdae_body *b)
 static int check_shape(const subject *s)
 {
   const nsdae_body *b = s->body;
-  if (b->shape < 0 || b->shape >= SHAPES) return refuse(s, "shape", "there is no such shape");
+  if (b->shape < 0 || b->shape >= SHAPES) return refuse_shape(s, "shape", "there is no such shape");
   const char *fault = size_fault(b->shape, b->size);
-  if (fault) return refuse(s, "size", fault);
+  if (fault) return refuse_shape(s, "size", fault);
   fault = points_fault(b);
-  return fault ? refuse(s, "points", fault) : NSDAE_OK;
+  return fault ? refuse_shape(s, "points", fault) : NSDAE_OK;
 }
 
 static int check_place(const subject *s)
 {
   const nsdae_body *b = s->body;
   int parts = count_given(b->quaternion, 4), ends = count_given(b->end, 3);
-  if (parts > 0 && parts < 4) return refuse(s, "quaternion", "it has four parts");
-  if (parts > 0 && is_given(b->angle)) return refuse(s, "angle", "it has a quaternion too");
+  if (parts > 0 && parts < 4) return refuse_shape(s, "quaternion", "it has four parts");
+  if (parts > 0 && is_given(b->angle)) return refuse_shape(s, "angle", "it has a quaternion too");
   if (b->shape == NSDAE_SHAPE_SEGMENT && ends == 0)
-    return refuse(s, "end", "a segment needs its other end");
+    return refuse_shape(s, "end", "a segment needs its other end");
   if (b->shape != NSDAE_SHAPE_SEGMENT && ends > 0)
-    return refuse(s, "end", "only a segment has one");
+    return refuse_shape(s, "end", "only a segment has one");
   if (b->shape == NSDAE_SHAPE_SEGMENT && (parts > 0 || is_given(b->angle)))
-    return refuse(s, "angle", "a segment lies between its ends");
+    return refuse_shape(s, "angle", "a segment lies between its ends");
   int status = check_formulas(s, "position", b->position, 3);
   if (status == NSDAE_OK) status = check_formula(s, "angle", b->angle);
   if (status == NSDAE_OK) status = check_formulas(s, "quaternion", b->quaternion, 4);
@@ -355,9 +353,7 @@ int nsdae_bodies_write(nsdae_h5 *h5, int n, const nsdae_body *body,
 {
   int in_shapes = 0, in_bodies = n;
   const nsdae_body **sorted = malloc(((size_t)n + 1) * sizeof *sorted);
-  if (!sorted)
-    return nsdae_error_set(h5->error, NSDAE_E_MEMORY, "nsdae_trajectory_set_bodies", "",
-                           "out of memory");
+  if (!sorted) return nsdae_error_memory(h5->error, "nsdae_trajectory_set_bodies");
   for (int i = n - 1; i >= 0; i--) { /* in order: /bodies at the end */
     placed p;
     if (!apart || !find_place(&body[i], names, &p)) sorted[--in_bodies] = &body[i];

@@ -132,7 +132,7 @@ int nsdae_trajectory_create(nsdae_sim *sim, const char *path, const nsdae_trajec
   if (status < 0) return status;
   *trajectory = NULL;
   nsdae_trajectory *t = nsdae_trajectory_allocate(sim, path, info);
-  if (!t) return nsdae_trajectory_no_memory(error, "nsdae_trajectory_create");
+  if (!t) return nsdae_error_memory(error, "nsdae_trajectory_create");
   t->h5.error = error ? error : &own;
   NSDAE_H5_QUIETLY(status, nsdae_trajectory_make_file(t, info))
   return nsdae_trajectory_hand_over(t, status, trajectory);
@@ -202,7 +202,7 @@ static int flush_last(nsdae_trajectory *t)
 }
 
 /* Of several failures the first is told. */
-static int finish(nsdae_trajectory *t, int run_status)
+static int finish_file(nsdae_trajectory *t, int run_status)
 {
   nsdae_error ignored, *first = t->h5.error;
   int status = t->failed ? t->failed : flush_last(t);
@@ -228,7 +228,7 @@ int nsdae_trajectory_close(nsdae_trajectory **trajectory, int run_status, nsdae_
     nsdae_error_set(error, t->failed, "nsdae_trajectory_close", "path",
                     "'%.90s' holds %ld records only: writing it failed before", t->path,
                     t->rows.committed);
-  NSDAE_H5_QUIETLY(status, finish(t, run_status))
+  NSDAE_H5_QUIETLY(status, finish_file(t, run_status))
   release(t);
   *trajectory = NULL;
   return status;

@@ -37,7 +37,7 @@ static int make_restart(nsdae_trajectory *t, const nsdae_trajectory_info *info)
 {
   nsdae_setting setting;
   int status = nsdae_setting_make(&setting, t->sim, info);
-  if (status < 0) return nsdae_trajectory_no_memory(t->h5.error, "nsdae_trajectory_create");
+  if (status < 0) return nsdae_error_memory(t->h5.error, "nsdae_trajectory_create");
   status = nsdae_checkpoint_create(&t->checkpoint, &t->h5);
   if (status == NSDAE_OK) status = nsdae_setting_write(&setting, &t->h5);
   nsdae_setting_release(&setting);
@@ -51,7 +51,7 @@ static int write_bodies(nsdae_trajectory *t, int n, const nsdae_body *body)
   nsdae_formula_names names;
   nsdae_sizes_of(&sizes, t->sim);
   if (nsdae_names_make(&names, t->sim, &t->parameters) < 0)
-    return nsdae_trajectory_no_memory(t->h5.error, "nsdae_trajectory_set_bodies");
+    return nsdae_error_memory(t->h5.error, "nsdae_trajectory_set_bodies");
   int status = nsdae_bodies_check(n, body, &names, t->h5.error);
   if (status == NSDAE_OK) status = nsdae_h5_remove(&t->h5, "/bodies");
   if (status == NSDAE_OK) status = nsdae_h5_remove(&t->h5, "/shapes");

@@ -45,11 +45,6 @@ struct nsdae_trajectory {
   int failed; /* status of a write that failed: nothing is written any more */
 };
 
-static inline int nsdae_trajectory_no_memory(nsdae_error *error, const char *where)
-{
-  return nsdae_error_set(error, NSDAE_E_MEMORY, where, "", "out of memory");
-}
-
 /* ---- trajectory.c: what creating and resuming share */
 
 /* NSDAE_OK, or NSDAE_E_ARGUMENT naming what is missing or outside its range. */

@@ -18,13 +18,13 @@ static int adopt(nsdae_trajectory *t, const nsdae_setting *file, const char *key
                          wish);
 }
 
-static int compare(nsdae_trajectory *t, const nsdae_trajectory_info *info)
+static int compare_run(nsdae_trajectory *t, const nsdae_trajectory_info *info)
 {
   nsdae_setting own, file;
   int every = 1, status = nsdae_setting_read(&file, &t->h5);
   if (status < 0) return status;
   status = nsdae_setting_make(&own, t->sim, info);
-  if (status < 0) nsdae_trajectory_no_memory(t->h5.error, "nsdae_trajectory_resume");
+  if (status < 0) nsdae_error_memory(t->h5.error, "nsdae_trajectory_resume");
   if (status == NSDAE_OK) status = nsdae_setting_compare(&own, &file, t->path, t->h5.error);
   if (status == NSDAE_OK)
     status = adopt(t, &file, "every", info->every > 1 ? info->every : 1, 1, &every);
@@ -69,7 +69,7 @@ static int open_again(nsdae_trajectory *t, const nsdae_trajectory_info *info)
 {
   hsize_t rows[NSDAE_TABLES];
   int status = nsdae_h5_reopen(&t->h5);
-  if (status == NSDAE_OK) status = compare(t, info);
+  if (status == NSDAE_OK) status = compare_run(t, info);
   if (status == NSDAE_OK) status = open_tables(t, rows);
   if (status == NSDAE_OK) status = go_on(t, rows);
   if (status == NSDAE_OK) status = nsdae_description_set_running(&t->h5);
@@ -88,7 +88,7 @@ int nsdae_trajectory_resume(nsdae_sim *sim, const char *path, const nsdae_trajec
     return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "live",
                            "a run goes on in a file that is not live");
   nsdae_trajectory *t = nsdae_trajectory_allocate(sim, path, info);
-  if (!t) return nsdae_trajectory_no_memory(error, where);
+  if (!t) return nsdae_error_memory(error, where);
   t->h5.where = where;
   t->h5.error = error ? error : &own;
   NSDAE_H5_QUIETLY(status, open_again(t, info))

@@ -16,7 +16,7 @@ const nsdae_trajectory_table nsdae_trajectory_tables[NSDAE_TABLES] = {
 static const double flush_interval = 0.25;
 
 /* Room for what is held and for what HDF5 keeps of it. */
-static int prepare(nsdae_trajectory *t)
+static int reserve_rows(nsdae_trajectory *t)
 {
   long bytes = 0;
   for (int i = 0; i < NSDAE_TABLES; i++) bytes += nsdae_series_held_bytes(&t->rows.series[i]);
@@ -59,7 +59,7 @@ int nsdae_trajectory_write_state(nsdae_trajectory *t)
 
 int nsdae_trajectory_write_rows(nsdae_trajectory *t, nsdae_series_part part)
 {
-  int status = prepare(t);
+  int status = reserve_rows(t);
   /* records that are written have their contacts in the file */
   for (int i = 0; i < NSDAE_TABLES && status == NSDAE_OK; i++)
     status = nsdae_series_write(&t->rows.series[i], &t->h5,
@@ -94,7 +94,7 @@ static int append_rows(nsdae_trajectory *t, int table, const void *rows, int cou
     if (nsdae_series_is_full(series))
       return nsdae_trajectory_write_rows(t, NSDAE_SERIES_CHUNKS); /* rows of one alone */
     if (!nsdae_series_ends_chunk(series)) continue;
-    status = prepare(t);
+    status = reserve_rows(t);
     if (status == NSDAE_OK) status = nsdae_series_write(series, &t->h5, NSDAE_SERIES_CHUNKS);
   }
   return status;
@@ -120,7 +120,7 @@ static int append_impact(nsdae_trajectory *t, const nsdae_record *record, int i)
   return append_rows(t, NSDAE_IMPACTS, &row, 1);
 }
 
-static int append(nsdae_trajectory *t, const nsdae_record *record)
+static int append_step(nsdae_trajectory *t, const nsdae_record *record)
 {
   int status = NSDAE_OK;
   if (record->step % t->rows.every == 0) status = append_record(t, record);
@@ -155,7 +155,7 @@ int nsdae_trajectory_take(nsdae_trajectory *t, const nsdae_record *record)
 {
   int status = t->begun ? NSDAE_OK : let_readers_in(t);
   mark(t, record);
-  if (status == NSDAE_OK) status = append(t, record);
+  if (status == NSDAE_OK) status = append_step(t, record);
   return status == NSDAE_OK && is_due(t) ? nsdae_trajectory_write_rows(t, NSDAE_SERIES_CHUNKS)
                                          : status;
 }

@@ -47,7 +47,7 @@ int nsdae_lcp_guess_nothing(nsdae_lcp_work *w)
   return accept(w, NSDAE_LCP_TRIVIAL, 0);
 }
 
-static const double *column_of(const nsdae_lcp_work *w, int j)
+static const double *scaled_column(const nsdae_lcp_work *w, int j)
 {
   return w->problem->A + (size_t)j * (size_t)w->problem->lda;
 }
@@ -55,7 +55,7 @@ static const double *column_of(const nsdae_lcp_work *w, int j)
 /* The factors of A_BB, B in w->room.index; returns the size of B, or 0 where there is nothing to
  * solve.
  */
-static int factor(nsdae_lcp_work *w)
+static int factor_active_set(nsdae_lcp_work *w)
 {
   int size =
       nsdae_lcp_gather(w->n, w->problem->A, w->problem->lda, w->basis, w->room.lu, w->room.index);
@@ -82,14 +82,15 @@ static void multiply(nsdae_lcp_work *w, int size)
   }
   for (int j = 0; j < size; j++)
     if (w->x[w->room.index[j]] > 0)
-      add_column(w->n, column_of(w, w->room.index[j]), w->x[w->room.index[j]], w->y, w->room.sizes);
+      add_column(w->n, scaled_column(w, w->room.index[j]), w->x[w->room.index[j]], w->y,
+                 w->room.sizes);
 }
 
 /* Whether a row without size has no term at all, rather than one that underflowed. */
 static int is_empty(const nsdae_lcp_work *w, int i, int size)
 {
   for (int j = 0; j < size; j++)
-    if (column_of(w, w->room.index[j])[i] != 0 && w->x[w->room.index[j]] > 0) return 0;
+    if (scaled_column(w, w->room.index[j])[i] != 0 && w->x[w->room.index[j]] > 0) return 0;
   return 1;
 }
 
@@ -138,7 +139,7 @@ static void divide(nsdae_lcp_work *w, int size)
 
 /* x with the active set of that size, refined once where that is of use; what is zero at first
  * stays so. Returns its bound. */
-static double solve(nsdae_lcp_work *w, int size)
+static double solve_active_set(nsdae_lcp_work *w, int size)
 {
   double error = WRONG;
   memset(w->x, 0, (size_t)w->n * sizeof *w->x);
@@ -177,7 +178,7 @@ static double sensitivity(nsdae_lcp_work *w, int size)
 /* Whether the column of x_j has an entry in a row that is reached. */
 static int is_reached(const nsdae_lcp_work *w, int j)
 {
-  const double *column = column_of(w, j);
+  const double *column = scaled_column(w, j);
   for (int i = 0; i < w->n && !w->room.trial[j]; i++)
     if (w->room.trial[i] && column[i] != 0) return 1;
   return w->room.trial[j];
@@ -185,7 +186,7 @@ static int is_reached(const nsdae_lcp_work *w, int j)
 
 static void spread(const nsdae_lcp_work *w, int j)
 {
-  const double *column = column_of(w, j);
+  const double *column = scaled_column(w, j);
   for (int i = 0; i < w->n; i++) w->room.trial[i] |= i == j || column[i] != 0;
 }
 
@@ -213,9 +214,9 @@ static int is_pushed(const nsdae_lcp_work *w, int size)
 
 int nsdae_lcp_guess_basis(nsdae_lcp_work *w)
 {
-  int stages = w->options->stages, size = stages & NSDAE_LCP_WARM ? factor(w) : 0;
+  int stages = w->options->stages, size = stages & NSDAE_LCP_WARM ? factor_active_set(w) : 0;
   if (size == 0) return 0;
-  double residual = solve(w, size);
+  double residual = solve_active_set(w, size);
   if (!(residual <= w->options->tol) || !are_sound(w, size)) return 0;
   residual = fmax(residual, sensitivity(w, size) / NSDAE_LCP_FAR);
   if (!(residual <= w->options->tol)) return 0;

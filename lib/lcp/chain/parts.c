@@ -87,7 +87,7 @@ static int solve_part(const parts *p, part *one, int m)
   return nsdae_lcp_chain_run(&one->chain);
 }
 
-static void scatter(const parts *p, const part *one)
+static void scatter_island(const parts *p, const part *one)
 {
   for (int i = 0; i < one->problem.n; i++) {
     p->whole->x[p->member[i]] = one->chain.x[i];
@@ -116,7 +116,7 @@ static int solve_all(const parts *p, int *proved)
     if (p->label[island] != island) continue;
     int m = nsdae_islands_members(n, p->label, island, p->member);
     int status = solve_part(p, &one, m);
-    scatter(p, &one);
+    scatter_island(p, &one);
     merge(p->whole->info, &one.info);
     if (status == NSDAE_OK || *proved || (failed >= 0 && status != NSDAE_E_INFEASIBLE)) continue;
     failed = island;
@@ -165,13 +165,13 @@ static int report(const parts *p, int failed)
   info->ray = one.info.ray;
   if (one.info.proof != NSDAE_PROOF_FARKAS) return status;
   memset(p->whole->y, 0, (size_t)p->whole->n * sizeof *p->whole->y);
-  scatter(p, &one);
+  scatter_island(p, &one);
   return status;
 }
 
 /* All islands, or the whole where there is one, or where an int is too small for the size of the
  * workspace: that begins at some 18 000 rows. */
-static int run(const parts *p, int islands, int lwork)
+static int run_islands(const parts *p, int islands, int lwork)
 {
   if (islands < 2 || doubles_for(largest_island(p)) > lwork) return nsdae_lcp_chain_run(p->whole);
   int proved = 0, failed = solve_all(p, &proved);
@@ -191,5 +191,5 @@ int nsdae_lcp_islands_run(nsdae_lcp_work *w, double *work, int lwork, int *iwork
   if (nsdae_lcp_guess_nothing(w) || (w->n <= FEW && nsdae_lcp_guess_basis(w))) return NSDAE_OK;
   int islands = nsdae_islands_find(w->n, w->problem->A, w->problem->lda, label);
   if (islands < 2 && w->n > FEW && nsdae_lcp_guess_basis(w)) return NSDAE_OK;
-  return run(&p, islands, lwork);
+  return run_islands(&p, islands, lwork);
 }

@@ -74,8 +74,8 @@ static int finite(const nsdae_lcp_problem *p)
 }
 
 /* Status of what both ways of calling take. */
-static int check(const nsdae_lcp_problem *p, const nsdae_lcp_options *options, const double *x,
-                 const double *y)
+static int check_solve(const nsdae_lcp_problem *p, const nsdae_lcp_options *options,
+                       const double *x, const double *y)
 {
   if (!p || p->n < 0 || p->n > LARGEST || p->lda < 1 || p->lda < p->n) return NSDAE_E_ARGUMENT;
   if (p->n > 0 && (!p->A || !p->b || !x || !y)) return NSDAE_E_ARGUMENT;
@@ -98,7 +98,7 @@ int nsdae_lcp_solve_in(const nsdae_lcp_problem *problem, const nsdae_lcp_options
                       .x = x,
                       .y = y};
   *w.info = (nsdae_lcp_info){.residual = INFINITY};
-  int status = check(problem, w.options, x, y);
+  int status = check_solve(problem, w.options, x, y);
   if (status != NSDAE_OK) return status;
   w.n = problem->n;
   nsdae_lcp_workspace(w.n, &need, &ineed);
@@ -115,7 +115,7 @@ int nsdae_lcp_solve(const nsdae_lcp_problem *problem, const nsdae_lcp_options *o
   int lwork, liwork;
   if (info) *info = (nsdae_lcp_info){.residual = INFINITY};
   nsdae_lcp_options_default(&defaults);
-  int status = check(problem, options ? options : &defaults, x, y);
+  int status = check_solve(problem, options ? options : &defaults, x, y);
   if (status != NSDAE_OK) return status;
   size_t n = (size_t)problem->n;
   nsdae_lcp_workspace(problem->n, &lwork, &liwork);

@@ -4,6 +4,7 @@
 #include <stddef.h>
 
 #include "dense.h"
+#include "vector.h"
 
 /* Quotients are divided, not multiplied with 1 / c_r: what is equal then cancels to zero. */
 
@@ -12,7 +13,7 @@ int nsdae_dictionary_size(int n, int block)
   return n * (n + 2) + (block > 0 ? (2 * n + 1) * (block + 1) + block : 0);
 }
 
-static void lay_out(nsdae_dictionary *t, int n, int block, double *work)
+static void lay_out_dictionary(nsdae_dictionary *t, int n, int block, double *work)
 {
   size_t size = (size_t)n, wide = (size_t)block;
   t->n = n;
@@ -28,13 +29,13 @@ static void lay_out(nsdae_dictionary *t, int n, int block, double *work)
   t->along = t->row + size + 1;
 }
 
-static double *column_of(const nsdae_dictionary *t, int j)
+static double *dictionary_column(const nsdae_dictionary *t, int j)
 {
   return t->D + (size_t)j * (size_t)t->n;
 }
 
 /* y += factor x */
-static void add(int n, double factor, const double *restrict x, double *restrict y)
+static void add_scaled(int n, double factor, const double *restrict x, double *restrict y)
 {
   for (int i = 0; i < n; i++) y[i] += factor * x[i];
 }
@@ -49,18 +50,11 @@ static void start_column(int n, const double *restrict a, double factor, const d
   }
 }
 
-static int all_finite(int n, const double *a)
-{
-  double sum = 0;
-  for (int i = 0; i < n; i++) sum += 0 * a[i];
-  return sum == 0;
-}
-
 int nsdae_dictionary_start(nsdae_dictionary *t, int n, int block, const double *a, int lda,
                            const double *b, const double *d, int r, double *work)
 {
-  lay_out(t, n, block, work);
-  double *cover = column_of(t, n), by = d ? d[r] : 1;
+  lay_out_dictionary(t, n, block, work);
+  double *cover = dictionary_column(t, n), by = d ? d[r] : 1;
   for (int i = 0; i < n; i++) {
     cover[i] = d ? d[i] : 1;
     t->q[i] = 0;
@@ -68,10 +62,10 @@ int nsdae_dictionary_start(nsdae_dictionary *t, int n, int block, const double *
   for (int j = 0; j < n; j++) {
     const double *from = a + (size_t)j * (size_t)lda;
     double factor = -from[r] / by;
-    start_column(n, from, factor, cover, column_of(t, j), t->q);
-    column_of(t, j)[r] = factor;
+    start_column(n, from, factor, cover, dictionary_column(t, j), t->q);
+    dictionary_column(t, j)[r] = factor;
   }
-  if (!all_finite(n, t->q)) return 1;
+  if (!nsdae_all_finite((size_t)n, t->q)) return 1;
   for (int i = 0; i < n; i++) t->q[i] = b[i];
   nsdae_dictionary_move(t, r, cover);
   for (int i = 0; d && i < n; i++) cover[i] /= by;
@@ -81,7 +75,7 @@ int nsdae_dictionary_start(nsdae_dictionary *t, int n, int block, const double *
 
 const double *nsdae_dictionary_column(nsdae_dictionary *t, int j)
 {
-  const double *from = column_of(t, j);
+  const double *from = dictionary_column(t, j);
   if (t->pending == 0) return from;
   for (int i = 0; i < t->n; i++) t->column[i] = from[i];
   for (int k = 0; k < t->pending; k++)
@@ -92,7 +86,7 @@ const double *nsdae_dictionary_column(nsdae_dictionary *t, int j)
 
 double nsdae_dictionary_entry(const nsdae_dictionary *t, int i, int j)
 {
-  double sum = column_of(t, j)[i];
+  double sum = dictionary_column(t, j)[i];
   for (int k = 0; k < t->pending; k++)
     sum += t->U[(size_t)k * (size_t)t->n + (size_t)i] *
            t->V[(size_t)k * ((size_t)t->n + 1) + (size_t)j];
@@ -102,18 +96,18 @@ double nsdae_dictionary_entry(const nsdae_dictionary *t, int i, int j)
 void nsdae_dictionary_move(nsdae_dictionary *t, int r, const double *c)
 {
   double step = -t->q[r] / c[r];
-  add(t->n, step, c, t->q);
+  add_scaled(t->n, step, c, t->q);
   t->q[r] = step;
 }
 
 static void pivot_at_once(nsdae_dictionary *t, int r, int e)
 {
   int n = t->n;
-  double *entering = column_of(t, e), by = entering[r];
+  double *entering = dictionary_column(t, e), by = entering[r];
   for (int j = 0; j <= n; j++) {
-    double *column = column_of(t, j), factor = -column[r] / by;
+    double *column = dictionary_column(t, j), factor = -column[r] / by;
     if (j == e || factor == 0) continue;
-    add(n, factor, entering, column);
+    add_scaled(n, factor, entering, column);
     column[r] = factor;
   }
   for (int i = 0; i < n; i++) entering[i] /= by;
@@ -125,7 +119,7 @@ static void take_row(nsdae_dictionary *t, int r)
 {
   int n = t->n;
   for (int j = 0; j <= n; j++) {
-    double *at = column_of(t, j) + r;
+    double *at = dictionary_column(t, j) + r;
     t->row[j] = *at;
     *at = 0;
   }
@@ -139,7 +133,7 @@ static void take_row(nsdae_dictionary *t, int r)
 
 static void clear_column(nsdae_dictionary *t, int e)
 {
-  double *column = column_of(t, e);
+  double *column = dictionary_column(t, e);
   for (int i = 0; i < t->n; i++) column[i] = 0;
   for (int k = 0; k < t->pending; k++) t->V[(size_t)k * ((size_t)t->n + 1) + (size_t)e] = 0;
 }

@@ -37,9 +37,9 @@ static double try_set(enumeration *e, int set, double tol)
   return residual_of(e);
 }
 
-static int check(int n, const double *a, int lda, const double *b, double tol, const int *set,
-                 const double *x, const double *residual, const double *work, int lwork,
-                 const int *iwork)
+static int check_dlcpenum(int n, const double *a, int lda, const double *b, double tol,
+                          const int *set, const double *x, const double *residual,
+                          const double *work, int lwork, const int *iwork)
 {
   if (n < 0 || n > LARGEST) return -1;
   if (!work) return -9;
@@ -58,7 +58,7 @@ static int check(int n, const double *a, int lda, const double *b, double tol, c
 int nsdae_dlcpenum(int n, const double *a, int lda, const double *b, double tol, int *set,
                    double *x, double *residual, double *work, int lwork, int *iwork)
 {
-  int info = check(n, a, lda, b, tol, set, x, residual, work, lwork, iwork);
+  int info = check_dlcpenum(n, a, lda, b, tol, set, x, residual, work, lwork, iwork);
   if (info != 0) return info;
   if (lwork == -1) {
     work[0] = (double)n * (n + 2);

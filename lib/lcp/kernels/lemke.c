@@ -11,6 +11,7 @@
 #include <stddef.h>
 
 #include "dictionary.h"
+#include "vector.h"
 
 /* From BLOCKED rows on, pivots are put off, BLOCK at a time (measured). */
 enum { BLOCKED = 30, BLOCK = 24 };
@@ -169,7 +170,7 @@ static int pivot_to_the_end(method *m, int row, int max_pivots, int *pivots)
 }
 
 /* x and basis, until they have what they are for, hold the bounds and is_x. */
-static void start(method *m, int n, const double *b, double *x, int *basis, int *iwork)
+static void start_lemke(method *m, int n, const double *b, double *x, int *basis, int *iwork)
 {
   double most = 0;
   for (int i = 0; i < n; i++) most = larger(fabs(b[i]), most);
@@ -209,18 +210,11 @@ int nsdae_lemke_block(int n)
   return n < BLOCKED ? 0 : BLOCK;
 }
 
-static int all_finite(int n, const double *a)
-{
-  for (int i = 0; i < n; i++)
-    if (!isfinite(a[i])) return 0;
-  return 1;
-}
-
 /* b >= 0: x = 0. */
 static int trivial(int n, const double *a, int lda, double *x, int *basis, int *pivots)
 {
   for (int j = 0; j < n; j++)
-    if (!all_finite(n, a + (size_t)j * (size_t)lda)) return -2;
+    if (!nsdae_all_finite((size_t)n, a + (size_t)j * (size_t)lda)) return -2;
   for (int i = 0; i < n; i++) {
     x[i] = 0;
     basis[i] = 0;
@@ -236,22 +230,22 @@ int nsdae_lemke(int n, int block, const double *a, int lda, const double *b, con
   method m;
   if (row < 0) return trivial(n, a, lda, x, basis, pivots);
   if (nsdae_dictionary_start(&m.t, n, block, a, lda, b, d, row, work) != 0) return -2;
-  start(&m, n, b, x, basis, iwork);
+  start_lemke(&m, n, b, x, basis, iwork);
   *pivots = 0;
   if (max_pivots > 0) info = pivot_to_the_end(&m, row, max_pivots, pivots);
   return read_solution(&m, x, basis) ? info : 3;
 }
 
-static int check(int n, const double *a, int lda, const double *b, const double *d, int max_pivots,
-                 const double *x, const int *basis, const int *pivots, const double *work,
-                 int lwork, const int *iwork)
+static int check_dlemke(int n, const double *a, int lda, const double *b, const double *d,
+                        int max_pivots, const double *x, const int *basis, const int *pivots,
+                        const double *work, int lwork, const int *iwork)
 {
   if (n < 0 || n > 32000) return -1;
   if (!work) return -10;
   if (lwork == -1) return 0;
   if (!a && n > 0) return -2;
   if (lda < 1 || lda < n) return -3;
-  if (n > 0 && (!b || !all_finite(n, b))) return -4;
+  if (n > 0 && (!b || !nsdae_all_finite((size_t)n, b))) return -4;
   for (int i = 0; d && i < n; i++)
     if (!(d[i] > 0 && d[i] < INFINITY)) return -5;
   if (max_pivots < 0) return -6;
@@ -265,7 +259,7 @@ static int check(int n, const double *a, int lda, const double *b, const double 
 int nsdae_dlemke(int n, const double *a, int lda, const double *b, const double *d, int max_pivots,
                  double *x, int *basis, int *pivots, double *work, int lwork, int *iwork)
 {
-  int info = check(n, a, lda, b, d, max_pivots, x, basis, pivots, work, lwork, iwork);
+  int info = check_dlemke(n, a, lda, b, d, max_pivots, x, basis, pivots, work, lwork, iwork);
   if (info != 0) return info;
   int block = nsdae_lemke_block(n), best = nsdae_dictionary_size(n, block);
   if (lwork == -1) {

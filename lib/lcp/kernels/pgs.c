@@ -18,9 +18,9 @@ static void sweep(int n, const double *a, int lda, double omega, double *x, doub
   }
 }
 
-static int check(int n, const double *a, int lda, const double *b, double omega, double tol,
-                 int max_iter, const double *x, const int *iterations, const double *residual,
-                 const double *work, int lwork)
+static int check_dlcppgs(int n, const double *a, int lda, const double *b, double omega, double tol,
+                         int max_iter, const double *x, const int *iterations,
+                         const double *residual, const double *work, int lwork)
 {
   if (n < 0 || n > INT_MAX / 2) return -1;
   if (!work) return -11;
@@ -41,7 +41,8 @@ int nsdae_dlcppgs(int n, const double *a, int lda, const double *b, double omega
                   int max_iter, double *x, int *iterations, double *residual, double *work,
                   int lwork)
 {
-  int info = check(n, a, lda, b, omega, tol, max_iter, x, iterations, residual, work, lwork);
+  int info =
+      check_dlcppgs(n, a, lda, b, omega, tol, max_iter, x, iterations, residual, work, lwork);
   if (info != 0) return info;
   if (lwork == -1) {
     work[0] = 2.0 * n;

@@ -16,7 +16,7 @@ typedef struct pivoting {
 } pivoting;
 
 /* x and y of the basis; 0, or 1 where there is no finite one. */
-static int evaluate(pivoting *p)
+static int evaluate_basis(pivoting *p)
 {
   double least =
       nsdae_lcp_active_set(p->n, p->a, p->lda, p->b, p->basis, p->x, p->lu, p->pivot, p->index);
@@ -45,7 +45,7 @@ static int pivot_to_the_end(pivoting *p, int block, int max_pivots, int *pivots)
 {
   int fewest = p->n + 1, left = block;
   for (*pivots = 0;; ++*pivots) {
-    if (evaluate(p) != 0) return 1;
+    if (evaluate_basis(p) != 0) return 1;
     if (*p->residual <= p->tol) return 0;
     int count = collect(p);
     if (count == 0) return 1;
@@ -61,7 +61,7 @@ static int pivot_to_the_end(pivoting *p, int block, int max_pivots, int *pivots)
 }
 
 /* Rounding below zero off; the residual is that of what is returned. */
-static int finish(pivoting *p)
+static int clear_rounding(pivoting *p)
 {
   for (int i = 0; i < p->n; i++) p->x[i] = fmax(0, p->x[i]);
   nsdae_dlcpres(p->n, p->a, p->lda, p->b, p->x, p->y, p->residual, p->sizes);
@@ -76,9 +76,9 @@ static int zero_or_one(int n, const int *basis)
   return 1;
 }
 
-static int check(int n, const double *a, int lda, const double *b, double tol, int block,
-                 int max_pivots, const double *x, const int *basis, const int *pivots,
-                 const double *residual, const double *work, int lwork, const int *iwork)
+static int check_dlcpppm(int n, const double *a, int lda, const double *b, double tol, int block,
+                         int max_pivots, const double *x, const int *basis, const int *pivots,
+                         const double *residual, const double *work, int lwork, const int *iwork)
 {
   if (n < 0 || n > 32000) return -1; /* n (n + 2) is an int */
   if (!work) return -12;
@@ -101,8 +101,8 @@ int nsdae_dlcpppm(int n, const double *a, int lda, const double *b, double tol, 
                   int max_pivots, double *x, int *basis, int *pivots, double *residual,
                   double *work, int lwork, int *iwork)
 {
-  int info =
-      check(n, a, lda, b, tol, block, max_pivots, x, basis, pivots, residual, work, lwork, iwork);
+  int info = check_dlcpppm(n, a, lda, b, tol, block, max_pivots, x, basis, pivots, residual, work,
+                           lwork, iwork);
   if (info != 0) return info;
   if (lwork == -1) {
     work[0] = (double)n * (n + 2);
@@ -123,5 +123,5 @@ int nsdae_dlcpppm(int n, const double *a, int lda, const double *b, double tol, 
                 .index = iwork + n,
                 .residual = residual};
   info = pivot_to_the_end(&p, block, max_pivots, pivots);
-  return info != 0 ? info : finish(&p);
+  return info != 0 ? info : clear_rounding(&p);
 }

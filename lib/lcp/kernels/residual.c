@@ -36,8 +36,8 @@ static double sum_carefully(int n, const double *row, int lda, double b, const d
 }
 
 /* y and sy. */
-static void measure(int n, const double *a, int lda, const double *b, const double *x, double *y,
-                    double *size)
+static void product_and_sizes(int n, const double *a, int lda, const double *b, const double *x,
+                              double *y, double *size)
 {
   double largest = 0;
   for (int i = 0; i < n; i++) largest = fmax(largest, fabs(b[i]));
@@ -85,8 +85,8 @@ static int is_within(double x, double y, double sy, double worst)
   return isfinite(sy) && x >= 0 && isfinite(x) && of_y >= -worst && (x == 0 || of_y <= worst);
 }
 
-static int check(int n, const double *a, int lda, const double *b, const double *x, const double *y,
-                 const double *residual, const double *work)
+static int check_dlcpres(int n, const double *a, int lda, const double *b, const double *x,
+                         const double *y, const double *residual, const double *work)
 {
   if (n < 0) return -1;
   if (!a && n > 0) return -2;
@@ -101,10 +101,10 @@ static int check(int n, const double *a, int lda, const double *b, const double 
 int nsdae_dlcpres(int n, const double *a, int lda, const double *b, const double *x, double *y,
                   double *residual, double *work)
 {
-  int info = check(n, a, lda, b, x, y, residual, work);
+  int info = check_dlcpres(n, a, lda, b, x, y, residual, work);
   if (info != 0) return info;
   double worst = 0;
-  measure(n, a, lda, b, x, y, work);
+  product_and_sizes(n, a, lda, b, x, y, work);
   for (int i = 0; i < n && !isnan(worst); i++) {
     if (is_within(x[i], y[i], work[i], worst)) continue;
     double error = fabs(nsdae_lcp_entry_error(n, a + (size_t)i * (size_t)lda, i, x[i], y[i], work));

@@ -21,7 +21,7 @@ typedef struct newton {
  * Lampariello, Lucidi, SIAM J. Numer. Anal. 23, 1986), of which memory says how many. */
 enum { PATIENCE = 20 };
 
-static double evaluate(const newton *f, const double *x, double *y, double *phi)
+static double evaluate_fischer(const newton *f, const double *x, double *y, double *phi)
 {
   double sum = 0;
   for (int i = 0; i < f->n; i++) y[i] = f->b[i];
@@ -66,7 +66,7 @@ static double backtrack(newton *f, double *x, double *y, double bound)
 {
   for (double part = 1; part > 1e-10; part /= 2) {
     for (int i = 0; i < f->n; i++) f->trial[i] = x[i] + part * f->step[i];
-    double fresh = evaluate(f, f->trial, y, f->spare);
+    double fresh = evaluate_fischer(f, f->trial, y, f->spare);
     if (!(fresh < (1 - 1e-4 * part) * bound)) continue;
     for (int i = 0; i < f->n; i++) {
       x[i] = f->trial[i];
@@ -103,7 +103,7 @@ double nsdae_fischer(int n, const double *A, const double *b, int iterations, in
   f.step = f.phi + n;
   f.trial = f.step + n;
   f.spare = f.trial + n;
-  double norm = evaluate(&f, x, y, f.phi), scale = norm;
+  double norm = evaluate_fischer(&f, x, y, f.phi), scale = norm;
   for (int k = 0; k < memory; k++) last[k] = norm;
   for (int i = 0; i < iterations && norm > 1e-15 * scale; i++) {
     double fresh = improve(&f, x, y, norm, worst_of(last, memory));
@@ -113,6 +113,6 @@ double nsdae_fischer(int n, const double *A, const double *b, int iterations, in
     if (norm > before / 2) break;
     before = norm;
   }
-  evaluate(&f, x, y, f.phi);
+  evaluate_fischer(&f, x, y, f.phi);
   return norm;
 }

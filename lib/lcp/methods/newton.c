@@ -15,7 +15,7 @@
 enum { STARTS = 24, EARLY = 4, ITERATIONS = 60, LARGE = 100 };
 
 /* Scaled x of the start of that number: zero, the size of b, then at random up to it. */
-static void start(nsdae_lcp_work *w, int number, unsigned long long *seed, double *x)
+static void start_point(nsdae_lcp_work *w, int number, unsigned long long *seed, double *x)
 {
   double most = 0;
   nsdae_lcp_scatter(w->n, w->room.cover, seed);
@@ -54,12 +54,12 @@ static int judge_iterate(nsdae_lcp_work *w, const double *x, const double *y, in
 }
 
 /* The method from the starts first .. end - 1. */
-static int run(nsdae_lcp_work *w, int first, int end, int stage)
+static int run_starts(nsdae_lcp_work *w, int first, int end, int stage)
 {
   unsigned long long seed = 7 + (unsigned long long)first;
   double *x = w->room.point, *y = w->room.point + w->n;
   for (int k = first; k < end; k++) {
-    start(w, k, &seed, x);
+    start_point(w, k, &seed, x);
     int memory = k % 2 == 0 ? 1 : NSDAE_FISCHER_MEMORY;
     nsdae_fischer(w->n, w->scaled.A, w->scaled.b, ITERATIONS, memory, x, y, w->room.wide);
     if (judge_iterate(w, x, y, stage) || lemke_from_trial(w, stage)) return 1;
@@ -70,12 +70,12 @@ static int run(nsdae_lcp_work *w, int first, int end, int stage)
 /* Of a large problem, the first starts before all that takes as many runs of Lemke's method. */
 int nsdae_lcp_try_newton(nsdae_lcp_work *w)
 {
-  return w->n >= LARGE && run(w, 0, EARLY, NSDAE_LCP_NEWTON);
+  return w->n >= LARGE && run_starts(w, 0, EARLY, NSDAE_LCP_NEWTON);
 }
 
 /* Those that are left. */
 int nsdae_lcp_try_further(nsdae_lcp_work *w)
 {
   int tried = w->n >= LARGE && (w->options->stages & NSDAE_LCP_NEWTON);
-  return run(w, tried ? EARLY : 0, STARTS, NSDAE_LCP_FURTHER);
+  return run_starts(w, tried ? EARLY : 0, STARTS, NSDAE_LCP_FURTHER);
 }

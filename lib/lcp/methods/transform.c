@@ -16,18 +16,18 @@ typedef struct split {
   int *pivot, *index;
 } split;
 
-static const double *column_of(const split *s, int j)
+static const double *basis_column(const split *s, int j)
 {
   return s->A + (size_t)j * (size_t)s->n;
 }
 
 /* out := (sign X, start_N + sign A_NB X), X = A_BB^-1 part; start NULL: zero. */
-static void finish(split *s, const double *start, double sign, double *out)
+static void transform_back(split *s, const double *start, double sign, double *out)
 {
   nsdae_la_lu_solve(s->size, s->lu, s->size, s->pivot, s->part);
   for (int i = 0; i < s->n; i++) out[i] = start ? start[i] : 0;
   for (int k = 0; k < s->size; k++) {
-    const double *column = column_of(s, s->index[k]);
+    const double *column = basis_column(s, s->index[k]);
     double factor_of = sign * s->part[k];
     for (int i = 0; i < s->n; i++) out[i] += factor_of * column[i];
   }
@@ -47,10 +47,11 @@ int nsdae_lcp_transform(int n, const double *A, const double *b, const int *basi
   s.size = nsdae_lcp_gather(n, A, n, basis, s.lu, index);
   if (nsdae_la_lu(s.size, s.lu, s.size, pivot) != 0) return 1;
   for (int j = 0; j <= n; j++) {
-    const double *from = j < n ? column_of(&s, j) : b;
+    const double *from = j < n ? basis_column(&s, j) : b;
     int changes = j < n && basis[j];
     for (int k = 0; k < s.size; k++) s.part[k] = changes ? index[k] == j : from[index[k]];
-    finish(&s, changes ? NULL : from, changes ? 1 : -1, j < n ? T + (size_t)j * (size_t)n : t);
+    transform_back(&s, changes ? NULL : from, changes ? 1 : -1,
+                   j < n ? T + (size_t)j * (size_t)n : t);
   }
   return 0;
 }

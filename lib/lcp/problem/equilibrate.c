@@ -27,7 +27,8 @@ static int limit(long exponent, int least, int most)
 }
 
 /* Largest entries by magnitude of the rows and columns. */
-static void measure(int n, const double *A, double *restrict of_row, double *restrict of_column)
+static void largest_entries(int n, const double *A, double *restrict of_row,
+                            double *restrict of_column)
 {
   for (int i = 0; i < n; i++) of_row[i] = 0;
   for (int j = 0; j < n; j++) {
@@ -169,7 +170,7 @@ static void even_sizes(int n, double *A, double *row, double *column, double *wo
 {
   double *by_row = work, *by_column = work + n;
   for (int round = 0; round < ROUNDS; round++) {
-    measure(n, A, by_row, by_column);
+    largest_entries(n, A, by_row, by_column);
     if (!uneven(n, by_row, EVEN) && !uneven(n, by_column, EVEN)) return;
     for (int i = 0; i < n; i++) {
       by_row[i] = root_scale(by_row[i]);
@@ -182,7 +183,7 @@ static void even_sizes(int n, double *A, double *row, double *column, double *wo
 /* Whether the largest entries of all rows and columns that are not zero are near enough to one. */
 static int is_even(int n, const double *A, double *work)
 {
-  measure(n, A, work, work + n);
+  largest_entries(n, A, work, work + n);
   return !uneven(n, work, WORTH_IT) && !uneven(n, work + n, WORTH_IT);
 }
 

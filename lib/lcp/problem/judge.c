@@ -57,7 +57,7 @@ static void defect(nsdae_lcp_work *w, int size, const double *part)
 /* x on the active set: A_BB x_B = -b_B, all else zero. Returns 0, or 1 where A_BB is singular. One
  * refinement makes every row exact to its own terms, not to the largest (Skeel, Math. Comput. 35,
  * 1980). */
-static int solve(nsdae_lcp_work *w, const int *basis, double *x)
+static int solve_basis(nsdae_lcp_work *w, const int *basis, double *x)
 {
   double *part = w->room.sizes;
   int size = nsdae_lcp_gather(w->n, w->scaled.A, w->n, basis, w->room.lu, w->room.index);
@@ -75,7 +75,7 @@ static int solve(nsdae_lcp_work *w, const int *basis, double *x)
 
 int nsdae_lcp_judge_basis(nsdae_lcp_work *w, const int *basis, int stage)
 {
-  return solve(w, basis, w->x) == 0 && nsdae_lcp_judge(w, basis, stage); /* zeros of x too */
+  return solve_basis(w, basis, w->x) == 0 && nsdae_lcp_judge(w, basis, stage); /* zeros of x too */
 }
 
 /* Rows and columns as the problem was given; y is that of x as it can be written. */

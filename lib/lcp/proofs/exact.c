@@ -15,7 +15,7 @@ typedef struct expansion {
   int size;
 } expansion;
 
-static void add(expansion *e, double value)
+static void add_exactly(expansion *e, double value)
 {
   int size = 0;
   for (int i = 0; i < e->size; i++) { /* sum + error = value + part, exactly */
@@ -52,8 +52,8 @@ int nsdae_exact_sign(int n, const double *a, int stride, const double *u)
     if (power == NONE) continue;
     if (power < largest - SPAN) return NSDAE_SIGN_UNKNOWN;
     double one = ldexp(factor, -own), other = ldexp(u[i], own - largest), product = one * other;
-    add(&e, fma(one, other, -product));
-    add(&e, product);
+    add_exactly(&e, fma(one, other, -product));
+    add_exactly(&e, product);
   }
   if (e.size == 0) return 0;
   return e.part[e.size - 1] > 0 ? 1 : -1;

@@ -17,7 +17,7 @@
 #include "exact.h"
 
 /* Rows index[0 .. size] of the columns index[0 .. size - 1] of A and of d = 1, factored. */
-static int factor(nsdae_lcp_work *w, int size)
+static int factor_ray(nsdae_lcp_work *w, int size)
 {
   size_t order = (size_t)size + 1;
   for (size_t j = 0; j <= (size_t)size; j++)
@@ -79,7 +79,7 @@ void nsdae_lcp_read_ray(nsdae_lcp_work *w)
   for (int k = 0; k < w->n; k++) {
     if (w->room.trial[k]) continue;
     w->room.index[size] = k;
-    if (factor(w, size) != 0) continue;
+    if (factor_ray(w, size) != 0) continue;
     for (int of_x = 0; of_x < 2; of_x++) {
       direction(w, size, of_x);
       clip(w->n, w->room.cover);

@@ -12,17 +12,17 @@
 
 enum { OUT, PASSIVE, BANNED };
 
-static const double *column_of(const nsdae_cone *c, int j)
+static const double *cone_column(const nsdae_cone *c, int j)
 {
   return c->C + (size_t)j * (size_t)c->n;
 }
 
-static void residual(const nsdae_cone *c, const double *b)
+static void cone_residual(const nsdae_cone *c, const double *b)
 {
   for (int i = 0; i < c->n; i++) c->w[i] = -b[i];
   for (int j = 0; j < c->m; j++)
     if (c->z[j] > 0)
-      for (int i = 0; i < c->n; i++) c->w[i] += c->z[j] * column_of(c, j)[i];
+      for (int i = 0; i < c->n; i++) c->w[i] += c->z[j] * cone_column(c, j)[i];
 }
 
 /* The column along which the norm falls fastest; -1 where it falls along none. */
@@ -32,7 +32,7 @@ static int steepest(const nsdae_cone *c)
   int best = -1;
   for (int j = 0; j < c->m; j++) {
     if (!c->allowed[j] || c->state[j] != OUT) continue;
-    double slope = -nsdae_dot(c->n, column_of(c, j), c->w);
+    double slope = -nsdae_dot(c->n, cone_column(c, j), c->w);
     if (slope > most) {
       most = slope;
       best = j;
@@ -46,7 +46,7 @@ static void border(const nsdae_cone *c, int p)
 {
   for (int k = 0; k <= p; k++)
     c->gram[(size_t)k * (size_t)c->n + (size_t)p] =
-        nsdae_dot(c->n, column_of(c, c->order[p]), column_of(c, c->order[k]));
+        nsdae_dot(c->n, cone_column(c, c->order[p]), cone_column(c, c->order[k]));
 }
 
 /* Row p of the Cholesky factor from the rows above it; 1 where the column depends on the others. */
@@ -65,7 +65,7 @@ static int extend(const nsdae_cone *c, int p)
 }
 
 /* The factor anew, after columns have left. */
-static int factor(const nsdae_cone *c, int size)
+static int factor_passive(const nsdae_cone *c, int size)
 {
   for (int k = 0; k < size; k++) {
     size_t from = (size_t)k * (size_t)c->n + (size_t)k;
@@ -75,9 +75,9 @@ static int factor(const nsdae_cone *c, int size)
 }
 
 /* s = least squares on the passive columns. */
-static void solve(const nsdae_cone *c, int size, const double *b)
+static void solve_passive(const nsdae_cone *c, int size, const double *b)
 {
-  for (int k = 0; k < size; k++) c->s[k] = nsdae_dot(c->n, column_of(c, c->order[k]), b);
+  for (int k = 0; k < size; k++) c->s[k] = nsdae_dot(c->n, cone_column(c, c->order[k]), b);
   nsdae_la_solve_lower(size, 1, c->factor, c->n, c->s, c->n);
   nsdae_la_solve_lower_transposed(size, 1, c->factor, c->n, c->s, c->n);
 }
@@ -115,12 +115,12 @@ static int all_positive(const double *s, int size)
 }
 
 /* Takes column j in and makes z the least squares of what stays; returns how many that are. */
-static int advance(const nsdae_cone *c, int size, int j, const double *b)
+static int add_column(const nsdae_cone *c, int size, int j, const double *b)
 {
   c->order[size] = j;
   border(c, size);
   int dependent = extend(c, size);
-  if (!dependent) solve(c, size + 1, b);
+  if (!dependent) solve_passive(c, size + 1, b);
   if (dependent || !(c->s[size] > 0)) { /* or gains nothing but rounding */
     c->state[j] = BANNED;
     return size;
@@ -129,8 +129,8 @@ static int advance(const nsdae_cone *c, int size, int j, const double *b)
   size++;
   while (size > 0 && !all_positive(c->s, size)) {
     size = retreat(c, size);
-    if (factor(c, size) != 0) return -1;
-    solve(c, size, b);
+    if (factor_passive(c, size) != 0) return -1;
+    solve_passive(c, size, b);
   }
   for (int k = 0; k < size; k++) c->z[c->order[k]] = c->s[k];
   for (int i = 0; i < c->m; i++)
@@ -144,10 +144,10 @@ int nsdae_cone_separate(const nsdae_cone *c, const double *b)
   memset(c->z, 0, (size_t)c->m * sizeof *c->z);
   for (int j = 0; j < c->m; j++) c->state[j] = OUT;
   for (int i = 0; i < 10 * c->m + 10; i++) {
-    residual(c, b);
+    cone_residual(c, b);
     int j = size < c->n ? steepest(c) : -1;
     if (j < 0) return 0;
-    size = advance(c, size, j, b);
+    size = add_column(c, size, j, b);
     if (size < 0) return 1;
   }
   return 1;
