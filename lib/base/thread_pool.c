@@ -122,7 +122,7 @@ static int run_alone(int count, nsdae_thread_pool_pass *pass, void *shared)
   return -1;
 }
 
-/* Everybody is told of the loop under the lock, and nobody leaves it before all are done. */
+/* All threads learn of the loop under the lock, and nobody leaves it before all are done. */
 int nsdae_thread_pool_run(nsdae_thread_pool *c, int alone, int count, int portion,
                           nsdae_thread_pool_pass *pass, void *shared)
 {
