@@ -29,12 +29,6 @@ struct nsdae_thread_pool {
   atomic_int failed; /* least pass that failed; INT_MAX: none */
 };
 
-static void note_failure(nsdae_thread_pool *c, int i)
-{
-  int least = atomic_load(&c->failed);
-  while (i < least && !atomic_compare_exchange_weak(&c->failed, &least, i)) continue;
-}
-
 /* Portions until none is left. Passes after one that failed are not begun; those before it belong
  * to portions that were handed out already. */
 static void work(nsdae_thread_pool *c, int worker)
@@ -45,7 +39,10 @@ static void work(nsdae_thread_pool *c, int worker)
     if (from >= c->count) return;
     for (int i = from; i < to; i++) {
       if (i > atomic_load_explicit(&c->failed, memory_order_relaxed)) return;
-      if (c->pass(c->shared, worker, i) < 0) note_failure(c, i);
+      if (c->pass(c->shared, worker, i) < 0) { /* failed := min(failed, i) */
+        int least = atomic_load(&c->failed);
+        while (i < least && !atomic_compare_exchange_weak(&c->failed, &least, i)) continue;
+      }
     }
   }
 }
@@ -115,18 +112,15 @@ void nsdae_thread_pool_release(nsdae_thread_pool *c)
   free(c);
 }
 
-static int run_alone(int count, nsdae_thread_pool_pass *pass, void *shared)
-{
-  for (int i = 0; i < count; i++)
-    if (pass(shared, 0, i) < 0) return i;
-  return -1;
-}
-
 /* All threads learn of the loop under the lock, and nobody leaves it before all are done. */
 int nsdae_thread_pool_run(nsdae_thread_pool *c, int alone, int count, int portion,
                           nsdae_thread_pool_pass *pass, void *shared)
 {
-  if (alone || c->size == 1 || count <= portion) return run_alone(count, pass, shared);
+  if (alone || c->size == 1 || count <= portion) {
+    for (int i = 0; i < count; i++)
+      if (pass(shared, 0, i) < 0) return i;
+    return -1;
+  }
   pthread_mutex_lock(&c->lock);
   c->pass = pass;
   c->shared = shared;

@@ -98,23 +98,18 @@ static void set_planar(const nsdae_still *still, const couple *two, nsdae_contac
   }
 }
 
-/* d_0 = n, d_1 along e x n (see nsdae_tangent_axis), d_2 = n x d_1. */
-static void find_directions(const double *n, double d[3][3])
-{
-  double e[3] = {0, 0, 0};
-  e[nsdae_tangent_axis(n[2])] = 1;
-  for (int i = 0; i < 3; i++) d[0][i] = n[i];
-  nsdae_cross3(e, n, d[1]);
-  double length = sqrt(nsdae_dot3(d[1], d[1]));
-  for (int i = 0; i < 3; i++) d[1][i] /= length;
-  nsdae_cross3(n, d[1], d[2]);
-}
-
 /* The same in space, the moment in the body's own axes. */
 static void set_spatial(const nsdae_still *still, const couple *two, nsdae_contact *c)
 {
   double d[3][3], arm[3], moment[3];
-  find_directions(still->normal, d);
+  /* d_0 = n, d_1 along e x n (see nsdae_tangent_axis), d_2 = n x d_1. */
+  double e[3] = {0, 0, 0};
+  e[nsdae_tangent_axis(still->normal[2])] = 1;
+  for (int i = 0; i < 3; i++) d[0][i] = still->normal[i];
+  nsdae_cross3(e, still->normal, d[1]);
+  double length = sqrt(nsdae_dot3(d[1], d[1]));
+  for (int i = 0; i < 3; i++) d[1][i] /= length;
+  nsdae_cross3(still->normal, d[1], d[2]);
   for (int i = 0; i < 2; i++) {
     double sign = i ? 1 : -1;
     if (c->block[i] == NSDAE_GROUND) continue;

@@ -152,8 +152,11 @@ int nsdae_bodies_check_pair(nsdae_bodies *b, const char *what, int index, const 
                              "both are body %d: it takes two", body[0]);
 }
 
-static int check_rigid(nsdae_bodies *b, int index, const nsdae_rigid_body *body)
+int nsdae_bodies_add(nsdae_bodies *b, const nsdae_rigid_body *body)
 {
+  int status = nsdae_bodies_open(b, body, "body");
+  if (status < 0) return status;
+  int index = b->body.count;
   const char *what = "body";
   nsdae_bodies_check_least(b, what, "mass", index, body->mass, 0, 1);
   for (int i = b->dimension == 2 ? 2 : 0; i < 3; i++)
@@ -162,15 +165,7 @@ static int check_rigid(nsdae_bodies *b, int index, const nsdae_rigid_body *body)
   nsdae_bodies_check_vector(b, what, "velocity", index, body->velocity, 1);
   nsdae_bodies_check_vector(b, what, "spin", index, body->spin, 0);
   nsdae_bodies_check_turn(b, what, index, body->angle, body->quaternion);
-  return b->error.status;
-}
-
-int nsdae_bodies_add(nsdae_bodies *b, const nsdae_rigid_body *body)
-{
-  int status = nsdae_bodies_open(b, body, "body");
-  if (status < 0) return status;
-  int index = b->body.count;
-  status = check_rigid(b, index, body);
+  status = b->error.status;
   if (status < 0) return status;
   nsdae_rigid_body *added = nsdae_list_add(b, &b->body, sizeof *added);
   if (!added) return NSDAE_E_MEMORY;

@@ -22,24 +22,6 @@ static int by_value(const void *a, const void *b)
   return (*x > *y) - (*x < *y);
 }
 
-/* The radii with those of what is finite first in order in centre, which is room for them. */
-static void sort_out(nsdae_broad *p, const nsdae_bodies *b)
-{
-  int finite = 0;
-  for (int i = 0; i < p->solids; i++) {
-    p->radius[i] = is_endless(&solids_of(b)[i]) ? INFINITY : solids_of(b)[i].size;
-    if (isfinite(p->radius[i])) p->centre[finite++] = p->radius[i];
-  }
-  qsort(p->centre, (size_t)finite, sizeof *p->centre, by_value);
-  double most = finite > 0 ? ordinary * p->centre[finite / 2] : 0;
-  for (int i = 0; i < p->solids; i++) {
-    if (p->radius[i] <= most)
-      p->usual = fmax(p->usual, p->radius[i]);
-    else
-      p->large[p->larges++] = i;
-  }
-}
-
 long nsdae_broad_features(const nsdae_bodies *b)
 {
   long corners = 1, edges = 0;
@@ -71,7 +53,20 @@ static nsdae_broad *make(const nsdae_bodies *b)
     return NULL;
   }
   p->pose[p->bodies] = nsdae_pose_ground();
-  sort_out(p, b);
+  /* The radii with those of what is finite first in order in centre, which is room for them. */
+  int finite = 0;
+  for (int i = 0; i < p->solids; i++) {
+    p->radius[i] = is_endless(&solids_of(b)[i]) ? INFINITY : solids_of(b)[i].size;
+    if (isfinite(p->radius[i])) p->centre[finite++] = p->radius[i];
+  }
+  qsort(p->centre, (size_t)finite, sizeof *p->centre, by_value);
+  double most = finite > 0 ? ordinary * p->centre[finite / 2] : 0;
+  for (int i = 0; i < p->solids; i++) {
+    if (p->radius[i] <= most)
+      p->usual = fmax(p->usual, p->radius[i]);
+    else
+      p->large[p->larges++] = i;
+  }
   p->features = nsdae_broad_features(b);
   for (int i = 0; i < b->pair.count; i++) {
     const nsdae_bodies_pair *pair = (const nsdae_bodies_pair *)b->pair.at + i;
@@ -111,19 +106,6 @@ void nsdae_broad_give_back(nsdae_bodies *b, nsdae_broad *p)
     if (atomic_compare_exchange_strong(&b->broad[i], &none, p)) return;
   }
   nsdae_broad_release(p);
-}
-
-/* Poses, and where the solids are. */
-static void place_all(nsdae_broad *p, const nsdae_bodies *b, const double *q)
-{
-  int nq = nsdae_body_nq(b);
-  for (int i = 0; i < p->bodies; i++) nsdae_pose_place(b->dimension, q + i * nq, &p->pose[i]);
-  for (int i = 0; i < p->solids; i++) {
-    const nsdae_solid_of *s = &solids_of(b)[i];
-    const nsdae_pose *pose = nsdae_broad_pose(p, s->body);
-    nsdae_turn(pose->R, s->origin, p->centre + 3 * i);
-    for (int j = 0; j < 3; j++) p->centre[3 * i + j] += pose->r[j];
-  }
 }
 
 static int may_touch(const nsdae_broad *p, const nsdae_bodies *b, int i, int j)
@@ -220,7 +202,15 @@ int nsdae_broad_pairs(nsdae_broad *p, const nsdae_bodies *b, const double *q, do
                       nsdae_broad_fn visit, void *to)
 {
   int status = 0;
-  place_all(p, b, q);
+  /* Poses, and where the solids are. */
+  int nq = nsdae_body_nq(b);
+  for (int i = 0; i < p->bodies; i++) nsdae_pose_place(b->dimension, q + i * nq, &p->pose[i]);
+  for (int i = 0; i < p->solids; i++) {
+    const nsdae_solid_of *s = &solids_of(b)[i];
+    const nsdae_pose *pose = nsdae_broad_pose(p, s->body);
+    nsdae_turn(pose->R, s->origin, p->centre + 3 * i);
+    for (int j = 0; j < 3; j++) p->centre[3 * i + j] += pose->r[j];
+  }
   for (int i = 0; i < p->buckets; i++) p->head[i] = -1;
   for (int i = 0; i < p->larges && status >= 0; i++)
     status = visit_large(p, b, p->large[i], reach, visit, to);

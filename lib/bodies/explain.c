@@ -59,20 +59,17 @@ static void contact_words(const nsdae_bodies *b, const int solid[2], char *text,
   snprintf(text, size, "%s, %s", solid_words(b, solid[0], s0), solid_words(b, solid[1], s1));
 }
 
-/* See the ids of blocks.c; others are one's own. */
-static int listed_words(const nsdae_bodies *b, long id, char *text, size_t size)
-{
-  long pair = id / nsdae_broad_features(b), solids = b->solid.count;
-  if (id < 0 || pair >= solids * solids) return 0;
-  const int solid[2] = {(int)(pair / solids), (int)(pair % solids)};
-  contact_words(b, solid, text, size);
-  return 1;
-}
-
 static int words(const void *of, int kind, long i, char *text, size_t size)
 {
   const nsdae_bodies *b = of;
-  if (kind == NSDAE_NAME_CONTACT && b->pair.count > 0) return listed_words(b, i, text, size);
+  if (kind == NSDAE_NAME_CONTACT && b->pair.count > 0) {
+    /* See the ids of blocks.c; others are one's own. */
+    long pair = i / nsdae_broad_features(b), solids = b->solid.count;
+    if (i < 0 || pair >= solids * solids) return 0;
+    const int solid[2] = {(int)(pair / solids), (int)(pair % solids)};
+    contact_words(b, solid, text, size);
+    return 1;
+  }
   if (kind == NSDAE_NAME_CONTACT && i < b->feature.count) {
     contact_words(b, feature_of(b, (int)i)->solid, text, size);
     return 1;

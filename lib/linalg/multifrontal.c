@@ -138,23 +138,6 @@ static void measure_supernodes(nsdae_multifrontal *f)
   }
 }
 
-/* Depth of the stack: a supernode takes what its children left and leaves its own. */
-static void measure_stack(nsdae_multifrontal *f)
-{
-  size_t used = 0;
-  int *waiting = f->waiting, top = 0;
-  f->super.most_stack = 0;
-  for (int s = 0; s < f->super.count; s++) {
-    for (int c = 0; c < f->super.children[s]; c++) {
-      int child = waiting[--top];
-      used -= (size_t)f->super.rest[child] * (size_t)f->super.rest[child];
-    }
-    used += (size_t)f->super.rest[s] * (size_t)f->super.rest[s];
-    if (used > f->super.most_stack) f->super.most_stack = used;
-    if (f->super.rest[s] > 0) waiting[top++] = s;
-  }
-}
-
 static int analyse(nsdae_multifrontal *f, int n, const int *size, const int *first,
                    const int *index)
 {
@@ -168,7 +151,19 @@ static int analyse(nsdae_multifrontal *f, int n, const int *size, const int *fir
   place_blocks(f);
   find_supernodes(f);
   measure_supernodes(f);
-  measure_stack(f);
+  /* Depth of the stack: a supernode takes what its children left and leaves its own. */
+  size_t used = 0;
+  int *waiting = f->waiting, top = 0;
+  f->super.most_stack = 0;
+  for (int s = 0; s < f->super.count; s++) {
+    for (int c = 0; c < f->super.children[s]; c++) {
+      int child = waiting[--top];
+      used -= (size_t)f->super.rest[child] * (size_t)f->super.rest[child];
+    }
+    used += (size_t)f->super.rest[s] * (size_t)f->super.rest[s];
+    if (used > f->super.most_stack) f->super.most_stack = used;
+    if (f->super.rest[s] > 0) waiting[top++] = s;
+  }
   return nsdae_arena_fit(&f->of_numbers, lay_out_numbers, f);
 }
 
@@ -189,24 +184,6 @@ static void add_block(const nsdae_multifrontal *f, double *F, int lda, size_t fr
   for (int c = 0; c < columns; c++) {
     double *to = F + (size_t)(f->local[j] + c) * (size_t)lda + f->local[i];
     for (int r = 0; r < rows; r++) to[r] += block[c * rows + r];
-  }
-}
-
-/* Entries of A in the columns and rows of the supernode: those whose other end is not eliminated.
- * Of a symmetric matrix the columns are enough. */
-static void add_entries(const nsdae_multifrontal *f, int s, double *F, int lda)
-{
-  const nsdae_symbolic *t = &f->tree;
-  for (int k = f->super.begin[s]; k < f->super.begin[s + 1]; k++) {
-    int i = t->node[k];
-    add_block(f, F, lda, f->graph.diagonal[i], k, k);
-    for (int a = f->graph.first[i]; a < f->graph.first[i + 1]; a++) {
-      int other = t->number[f->graph.index[a]];
-      if (other < f->super.begin[s]) continue;
-      add_block(f, F, lda, f->graph.at[a], other, k);
-      if (other >= f->super.begin[s + 1] && !f->symmetric)
-        add_block(f, F, lda, f->graph.at[f->graph.twin[a]], k, other);
-    }
   }
 }
 
@@ -298,7 +275,20 @@ static int factor_one(nsdae_multifrontal *f, int s, int *waiting, int *count, si
   double *F = f->front, *to = f->F + f->super.factor[s];
   memset(F, 0, (size_t)n * (size_t)n * sizeof *F);
   place_front(f, s);
-  add_entries(f, s, F, n);
+  /* Entries of A in the columns and rows of the supernode: those whose other end is not eliminated.
+   * Of a symmetric matrix the columns are enough. */
+  const nsdae_symbolic *t = &f->tree;
+  for (int k = f->super.begin[s]; k < f->super.begin[s + 1]; k++) {
+    int i = t->node[k];
+    add_block(f, F, n, f->graph.diagonal[i], k, k);
+    for (int a = f->graph.first[i]; a < f->graph.first[i + 1]; a++) {
+      int other = t->number[f->graph.index[a]];
+      if (other < f->super.begin[s]) continue;
+      add_block(f, F, n, f->graph.at[a], other, k);
+      if (other >= f->super.begin[s + 1] && !f->symmetric)
+        add_block(f, F, n, f->graph.at[f->graph.twin[a]], k, other);
+    }
+  }
   for (int c = 0; c < f->super.children[s]; c++) {
     int child = waiting[--*count];
     *top -= (size_t)f->super.rest[child] * (size_t)f->super.rest[child];

@@ -59,19 +59,6 @@ void nsdae_sparse_kkt_release(nsdae_sparse_kkt *s)
   nsdae_multifrontal_release(&s->fronts);
 }
 
-/* Rows (their places in the part's list) by the blocks that they touch. */
-static void rows_by_block(nsdae_sparse_kkt *s, const part *p)
-{
-  memset(s->by_block, 0, ((size_t)p->blocks_count + 2) * sizeof *s->by_block);
-  for (int i = 0; i < p->rows_count; i++)
-    for (int e = p->J->first[p->row[i]]; e < p->J->first[p->row[i] + 1]; e++)
-      s->by_block[s->number[p->J->block[e]] + 2]++;
-  for (int b = 0; b < p->blocks_count; b++) s->by_block[b + 2] += s->by_block[b + 1];
-  for (int i = 0; i < p->rows_count; i++)
-    for (int e = p->J->first[p->row[i]]; e < p->J->first[p->row[i] + 1]; e++)
-      s->of_block[s->by_block[s->number[p->J->block[e]] + 1]++] = i;
-}
-
 static int ascending(const void *a, const void *b)
 {
   int x = *(const int *)a, y = *(const int *)b;
@@ -265,7 +252,15 @@ static int analyse(nsdae_sparse_kkt *s, const part *p)
     s->begin[i] = at;
     at += s->size[i];
   }
-  rows_by_block(s, p);
+  /* Rows (their places in the part's list) by the blocks that they touch. */
+  memset(s->by_block, 0, ((size_t)p->blocks_count + 2) * sizeof *s->by_block);
+  for (int i = 0; i < p->rows_count; i++)
+    for (int e = p->J->first[p->row[i]]; e < p->J->first[p->row[i] + 1]; e++)
+      s->by_block[s->number[p->J->block[e]] + 2]++;
+  for (int b = 0; b < p->blocks_count; b++) s->by_block[b + 2] += s->by_block[b + 1];
+  for (int i = 0; i < p->rows_count; i++)
+    for (int e = p->J->first[p->row[i]]; e < p->J->first[p->row[i] + 1]; e++)
+      s->of_block[s->by_block[s->number[p->J->block[e]] + 1]++] = i;
   if (push(s, 0, 0) < 0 || graph(s, p) < 0) return NSDAE_E_MEMORY;
   return nsdae_multifrontal_analyse(&s->fronts, p->blocks_count, s->size, s->first, s->index);
 }

@@ -41,18 +41,6 @@ void nsdae_sparse_lu_forget(nsdae_sparse_lu *lu)
   lu->ordered = lu->factored = 0;
 }
 
-/* A pattern that grows by what was ever not zero settles; a new one is ordered anew. */
-static void grow_pattern(nsdae_sparse_lu *lu, const double *A, int lda)
-{
-  size_t n = (size_t)lu->n;
-  for (size_t j = 0; j < n; j++)
-    for (size_t i = 0; i < n; i++) {
-      if (A[j * (size_t)lda + i] == 0 || lu->seen[j * n + i]) continue;
-      lu->seen[j * n + i] = 1;
-      lu->ordered = lu->factored = 0;
-    }
-}
-
 static void gather_pattern(nsdae_sparse_lu *lu)
 {
   size_t n = (size_t)lu->n;
@@ -215,7 +203,14 @@ static int same_column(nsdae_sparse_lu *lu, const double *A, int lda, int k, con
 int nsdae_sparse_lu_factor(nsdae_sparse_lu *lu, const double *A, int lda)
 {
   int lost = 0;
-  grow_pattern(lu, A, lda);
+  /* A pattern that grows by what was ever not zero settles; a new one is ordered anew. */
+  size_t n = (size_t)lu->n;
+  for (size_t j = 0; j < n; j++)
+    for (size_t i = 0; i < n; i++) {
+      if (A[j * (size_t)lda + i] == 0 || lu->seen[j * n + i]) continue;
+      lu->seen[j * n + i] = 1;
+      lu->ordered = lu->factored = 0;
+    }
   for (int i = 0; lu->factored && i < lu->n; i++) lu->work[lu->position[i]] = i;
   for (int k = 0; lu->factored && !lost && k < lu->n; k++)
     lost = same_column(lu, A, lda, k, lu->work);

@@ -9,12 +9,6 @@ static nsdae_room larger(const nsdae_room *a, const nsdae_room *b)
                       a->values > b->values ? a->values : b->values};
 }
 
-static int no_memory_for_lists(nsdae_sim *sim)
-{
-  return nsdae_error_set(&sim->error, NSDAE_E_MEMORY, "nsdae_sim", "contacts",
-                         "out of memory for lists of %zu contacts", sim->lists.contacts.entries);
-}
-
 int nsdae_sim_make_room(nsdae_sim *sim, const nsdae_room *contacts, const nsdae_room *rows)
 {
   const nsdae_room c = larger(&sim->lists.contacts, contacts), r = larger(&sim->lists.rows, rows);
@@ -24,7 +18,9 @@ int nsdae_sim_make_room(nsdae_sim *sim, const nsdae_room *contacts, const nsdae_
     nsdae_point_show_arrays(&sim->point[i]);
   }
   if (status == NSDAE_OK) status = nsdae_world_grow(sim->stepper.world, &c, &r);
-  if (status < 0) return no_memory_for_lists(sim);
+  if (status < 0)
+    return nsdae_error_set(&sim->error, NSDAE_E_MEMORY, "nsdae_sim", "contacts",
+                           "out of memory for lists of %zu contacts", sim->lists.contacts.entries);
   sim->lists.contacts = c;
   sim->lists.rows = r;
   return NSDAE_OK;

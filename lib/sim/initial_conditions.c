@@ -481,21 +481,17 @@ static void layout_projection(void *object, nsdae_arena *arena)
   nsdae_projector_layout(&b->projection, arena);
 }
 
-static void aim_at_unit_length(nsdae_projector *p, int nq)
-{
-  for (int g = 0, first = 0; g < p->units.count; g++) {
-    first = next_group(&p->units, g, first);
-    if (is_rotation(&p->units, nq, first)) p->units.length[g] = 1;
-  }
-}
-
 static int put_right(bench *b, double t0, double *q0, double *v0)
 {
   const nsdae_dims *d = &b->terms.system->dims;
   nsdae_terms_at(&b->terms, 0, q0, v0);
   int status = nsdae_units_find(&b->projection, t0, q0);
   if (status < 0) return status;
-  aim_at_unit_length(&b->projection, d->nq);
+  /* Quaternions get unit length; other groups keep theirs. */
+  for (int g = 0, first = 0; g < b->projection.units.count; g++) {
+    first = next_group(&b->projection.units, g, first);
+    if (is_rotation(&b->projection.units, d->nq, first)) b->projection.units.length[g] = 1;
+  }
   status = nsdae_project_positions(&b->projection, &b->terms, 1);
   if (status == NSDAE_OK) status = nsdae_project_velocities(&b->projection, &b->terms);
   if (status < 0) return status;

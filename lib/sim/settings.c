@@ -61,13 +61,6 @@ static int check_fixed(nsdae_sim *sim, const nsdae_sim_options *options)
   return NSDAE_OK;
 }
 
-/* A new dt starts a new grid of steps where the run is. */
-static void start_grid(nsdae_sim *sim)
-{
-  sim->now->accounts.grid_start = sim->now->result.end.t;
-  sim->now->accounts.grid_count = 0;
-}
-
 static int set_options(nsdae_sim *sim, const nsdae_sim_options *options)
 {
   nsdae_error_clear(&sim->error);
@@ -88,7 +81,11 @@ static int set_options(nsdae_sim *sim, const nsdae_sim_options *options)
     sim->error = why;
     return status;
   }
-  if (sim->stage.started && before.dt != options->dt) start_grid(sim);
+  if (sim->stage.started && before.dt != options->dt) {
+    /* A new dt starts a new grid of steps where the run is. */
+    sim->now->accounts.grid_start = sim->now->result.end.t;
+    sim->now->accounts.grid_count = 0;
+  }
   return NSDAE_OK;
 }
 

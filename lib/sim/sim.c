@@ -109,12 +109,6 @@ static int copy_system(nsdae_sim *sim)
   return NSDAE_OK;
 }
 
-static int out_of_memory(nsdae_sim *sim)
-{
-  return nsdae_error_set(&sim->error, NSDAE_E_MEMORY, "nsdae_sim_create", "",
-                         "out of memory for a simulation of this size");
-}
-
 static int no_threads(nsdae_sim *sim)
 {
   return nsdae_error_set(&sim->error, NSDAE_E_MEMORY, "nsdae_sim_create", "threads",
@@ -159,7 +153,8 @@ static int build(nsdae_sim *sim)
   }
   if (nsdae_arena_build(&sim->arena, layout_sim, sim) < 0 ||
       nsdae_cones_open(&stepper->contacts.cones) < 0)
-    return out_of_memory(sim);
+    return nsdae_error_set(&sim->error, NSDAE_E_MEMORY, "nsdae_sim_create", "",
+                           "out of memory for a simulation of this size");
   int status = stepper->world ? first_room(sim) : NSDAE_OK;
   if (status < 0) return status;
   if (sim->method->create) return sim->method->create(stepper, &sim->own);

@@ -451,16 +451,6 @@ static int read_block(nsdae_sim *sim, const void *block)
   return status < 0 ? status : nsdae_point_show(p, have);
 }
 
-/* For the contacts by list that it has. */
-static int reserve_contacts(nsdae_sim *sim, const void *block)
-{
-  head h;
-  memcpy(&h, block, sizeof h);
-  const nsdae_room contacts = {(size_t)h.closed, 0}, rows = {0};
-  return (size_t)h.closed > sim->lists.contacts.entries ? nsdae_sim_make_room(sim, &contacts, &rows)
-                                                        : NSDAE_OK;
-}
-
 static int set_state(nsdae_sim *sim, const void *block, size_t size)
 {
   nsdae_error_clear(&sim->error);
@@ -468,7 +458,13 @@ static int set_state(nsdae_sim *sim, const void *block, size_t size)
   if (status < 0) return status;
   sim->stage.waiting = sim->stage.between = 0;
   double epoch = sim->model.epoch;
-  status = reserve_contacts(sim, block);
+  /* Room for the contacts by list of the block. */
+  head h;
+  memcpy(&h, block, sizeof h);
+  const nsdae_room contacts = {(size_t)h.closed, 0}, rows = {0};
+  status = (size_t)h.closed > sim->lists.contacts.entries
+               ? nsdae_sim_make_room(sim, &contacts, &rows)
+               : NSDAE_OK;
   while (status == NSDAE_OK && (status = read_block(sim, block)) == NSDAE_ARRAYS_GROW)
     status = nsdae_sim_grow(sim);
   if (status < 0) {

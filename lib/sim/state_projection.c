@@ -109,23 +109,6 @@ static int read_kinematics(nsdae_projector *p, double t, const double *q, double
   return code;
 }
 
-/* of[i]: the first coordinate of the block that is moved together with i. */
-static void group_coordinates(const part *b, int *of)
-{
-  for (int i = 0; i < b->nq; i++) of[i] = i;
-  for (int j = 0; j < b->nv; j++) {
-    int first = -1;
-    for (int i = 0; i < b->nq; i++) {
-      if (b->H[(size_t)j * (size_t)b->nq + (size_t)i] == 0) continue;
-      if (first < 0) first = of[i];
-      int from = of[i] > first ? of[i] : first, to = of[i] > first ? first : of[i];
-      for (int l = 0; l < b->nq; l++)
-        if (of[l] == from) of[l] = to;
-      first = to;
-    }
-  }
-}
-
 /* Whether group g at the point q, of the block, keeps its length and has the sizes of a rotation.
  */
 static int keeps_length(const part *b, const int *of, const double *q, int g)
@@ -150,7 +133,19 @@ static int keeps_length(const part *b, const int *of, const double *q, int g)
 static void keep_here(nsdae_projector *p, const part *b)
 {
   int *of = p->units.of + b->first;
-  group_coordinates(b, of);
+  /* of[i]: the first coordinate of the block that is moved together with i. */
+  for (int i = 0; i < b->nq; i++) of[i] = i;
+  for (int j = 0; j < b->nv; j++) {
+    int first = -1;
+    for (int i = 0; i < b->nq; i++) {
+      if (b->H[(size_t)j * (size_t)b->nq + (size_t)i] == 0) continue;
+      if (first < 0) first = of[i];
+      int from = of[i] > first ? of[i] : first, to = of[i] > first ? first : of[i];
+      for (int l = 0; l < b->nq; l++)
+        if (of[l] == from) of[l] = to;
+      first = to;
+    }
+  }
   for (int g = 0; g < b->nq; g++)
     if (!keeps_length(b, of, p->q + b->first, g))
       for (int i = 0; i < b->nq; i++)

@@ -8,24 +8,19 @@
 
 enum { TEXTS = 12 };
 
-/* Where the texts of a body are: its name and formulas. */
-static void places(nsdae_body *body, const char **text[TEXTS])
-{
-  text[0] = &body->name;
-  text[1] = &body->angle;
-  for (int i = 0; i < 3; i++) {
-    text[2 + i] = &body->position[i];
-    text[5 + i] = &body->end[i];
-  }
-  for (int i = 0; i < 4; i++) text[8 + i] = &body->quaternion[i];
-}
-
 /* Gives the copy points and texts of its own; *owned is their memory. 0 where there is none. */
 static int own(nsdae_body *copy)
 {
   const char **text[TEXTS];
   size_t points = 3 * (size_t)copy->points * sizeof *copy->point, all = points;
-  places(copy, text);
+  /* Where the texts of a body are: its name and formulas. */
+  text[0] = &copy->name;
+  text[1] = &copy->angle;
+  for (int i = 0; i < 3; i++) {
+    text[2 + i] = &copy->position[i];
+    text[5 + i] = &copy->end[i];
+  }
+  for (int i = 0; i < 4; i++) text[8 + i] = &copy->quaternion[i];
   for (int i = 0; i < TEXTS; i++) all += *text[i] ? strlen(*text[i]) + 1 : 0;
   char *memory = malloc(all > 0 ? all : 1);
   if (!memory) return 0;

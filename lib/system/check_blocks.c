@@ -42,21 +42,6 @@ static int blocks_failed(context *c, int code, const char *callback)
   return nsdae_system_callback_status(code, callback, c->t, &c->s->error);
 }
 
-static int check_mass(context *c)
-{
-  const nsdae_blocks *blocks = &c->s->blocks;
-  int status =
-      blocks_failed(c, c->s->call.mass_blocks(c->t, c->q, c->M, c->s->user), "mass_blocks");
-  for (int b = 0; b < blocks->count && status == NSDAE_OK; b++) {
-    int n = nsdae_blocks_size(blocks, b), at = blocks->first[b];
-    const double *M = c->M + blocks->square[b];
-    for (int j = 0; j < n; j++)
-      for (int i = 0; i < n; i++)
-        keep(c, "mass_blocks", at + i, at + j, M[j * n + i], M[i * n + j]);
-  }
-  return status;
-}
-
 /* The rows, with as much room as they take. */
 static int list_rows(context *c)
 {
@@ -194,22 +179,6 @@ static void layout_blocks_check(void *object, nsdae_arena *arena)
   c->jacobian.first = NSDAE_ARENA_INTS(arena, d->m + 1L);
 }
 
-static void prepare_check(context *c)
-{
-  nsdae_contact_list *const lists[] = {&c->list, &c->ahead, &c->back};
-  for (int i = 0; i < 3; i++) {
-    lists[i]->blocks = &c->s->blocks;
-    lists[i]->nt = c->s->dims.nt;
-    lists[i]->error = &c->s->error;
-  }
-  c->rows.system = c->s;
-  c->rows.blocks = &c->s->blocks;
-  c->rows.error = &c->s->error;
-  c->rows.rows = &c->jacobian;
-  c->jacobian.count = c->s->dims.m;
-  c->jacobian.stride = 1;
-}
-
 int nsdae_system_check_lists(nsdae_system *system, nsdae_differences *differences, double t,
                              const double *q, const double *v, nsdae_check *worst)
 {
@@ -217,8 +186,29 @@ int nsdae_system_check_lists(nsdae_system *system, nsdae_differences *difference
   nsdae_arena arena;
   if (nsdae_arena_build(&arena, layout_blocks_check, &c) < 0)
     return nsdae_error_memory(&system->error, "nsdae_system_check");
-  prepare_check(&c);
-  int status = check_mass(&c);
+  /* The lists that the callbacks fill. */
+  nsdae_contact_list *const lists[] = {&c.list, &c.ahead, &c.back};
+  for (int i = 0; i < 3; i++) {
+    lists[i]->blocks = &c.s->blocks;
+    lists[i]->nt = c.s->dims.nt;
+    lists[i]->error = &c.s->error;
+  }
+  c.rows.system = c.s;
+  c.rows.blocks = &c.s->blocks;
+  c.rows.error = &c.s->error;
+  c.rows.rows = &c.jacobian;
+  c.jacobian.count = c.s->dims.m;
+  c.jacobian.stride = 1;
+  /* The mass against its transpose. */
+  const nsdae_blocks *blocks = &c.s->blocks;
+  int status = blocks_failed(&c, c.s->call.mass_blocks(c.t, c.q, c.M, c.s->user), "mass_blocks");
+  for (int b = 0; b < blocks->count && status == NSDAE_OK; b++) {
+    int n = nsdae_blocks_size(blocks, b), at = blocks->first[b];
+    const double *M = c.M + blocks->square[b];
+    for (int j = 0; j < n; j++)
+      for (int i = 0; i < n; i++)
+        keep(&c, "mass_blocks", at + i, at + j, M[j * n + i], M[i * n + j]);
+  }
   if (status == NSDAE_OK && system->dims.m > 0) status = check_rows(&c);
   if (status == NSDAE_OK && system->call.contacts) status = check_contacts(&c);
   if (status == NSDAE_E_MEMORY)

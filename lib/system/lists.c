@@ -23,22 +23,6 @@ static int refuse_contact(nsdae_contact_list *list, const nsdae_contact *c, int 
                          field, value, range);
 }
 
-static int check_blocks(nsdae_contact_list *list, const nsdae_contact *c)
-{
-  for (int s = 0; s < 2; s++) {
-    int b = c->block[s];
-    if (b < -1 || b >= list->blocks->count)
-      return refuse_contact(list, c, NSDAE_E_ARGUMENT, "block", b, "a block, or -1: the ground");
-    if (b >= 0 && nsdae_blocks_size(list->blocks, b) > NSDAE_CONTACT_WIDTH && !c->wide[s])
-      return refuse_contact(list, c, NSDAE_E_ARGUMENT, "wide", 0,
-                            "the directions of a block of more than 6 velocities");
-  }
-  if (c->block[0] == c->block[1])
-    return refuse_contact(list, c, NSDAE_E_ARGUMENT, "block", c->block[1],
-                          "another block than the first");
-  return NSDAE_OK;
-}
-
 /* Conditions are written so that NaN fails. */
 static int check_contact(nsdae_contact_list *list, const nsdae_contact *c)
 {
@@ -55,7 +39,18 @@ static int check_contact(nsdae_contact_list *list, const nsdae_contact *c)
   for (int d = 0; d <= list->nt; d++)
     if (!isfinite(c->w[d]))
       return refuse_contact(list, c, NSDAE_E_NONFINITE, "w", c->w[d], "finite");
-  return check_blocks(list, c);
+  for (int s = 0; s < 2; s++) {
+    int b = c->block[s];
+    if (b < -1 || b >= list->blocks->count)
+      return refuse_contact(list, c, NSDAE_E_ARGUMENT, "block", b, "a block, or -1: the ground");
+    if (b >= 0 && nsdae_blocks_size(list->blocks, b) > NSDAE_CONTACT_WIDTH && !c->wide[s])
+      return refuse_contact(list, c, NSDAE_E_ARGUMENT, "wide", 0,
+                            "the directions of a block of more than 6 velocities");
+  }
+  if (c->block[0] == c->block[1])
+    return refuse_contact(list, c, NSDAE_E_ARGUMENT, "block", c->block[1],
+                          "another block than the first");
+  return NSDAE_OK;
 }
 
 /* Directions of one block: size x (1 + nt). The sum of products with zero is NaN where one is not
@@ -193,8 +188,9 @@ static void open_rows(nsdae_row_list *list, int row)
     list->rows->first[list->last + 1] = (int)list->taken.entries;
 }
 
-static int check_row(nsdae_row_list *l, int row, int block, const double *value)
+int nsdae_row_add(nsdae_row_list *l, int row, int block, const double *value)
 {
+  if (!l) return NSDAE_E_ARGUMENT;
   if (row < 0 || row >= l->rows->count || row < l->last)
     return refuse_row(l, NSDAE_E_ARGUMENT, "row", row, "rows are 0 .. m-1, in ascending order");
   if (block < 0 || block >= l->blocks->count)
@@ -203,14 +199,6 @@ static int check_row(nsdae_row_list *l, int row, int block, const double *value)
   for (int j = 0; j < nsdae_blocks_size(l->blocks, block); j++)
     if (!isfinite(value[j]))
       return refuse_row(l, NSDAE_E_NONFINITE, "value", row, "an entry is not finite");
-  return NSDAE_OK;
-}
-
-int nsdae_row_add(nsdae_row_list *l, int row, int block, const double *value)
-{
-  if (!l) return NSDAE_E_ARGUMENT;
-  int status = check_row(l, row, block, value);
-  if (status < 0) return status;
   open_rows(l, row);
   size_t at = l->taken.values, part = l->taken.entries;
   size_t n = (size_t)nsdae_blocks_size(l->blocks, block);

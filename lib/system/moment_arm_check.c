@@ -173,9 +173,12 @@ static double read_radius(const lever *l, double r[3])
   return most / (1 + nsdae_largest(3, r));
 }
 
-/* A turn about the contact along direction j, into arms->v. */
-static void turn_about(nsdae_moment_arms *arms, const lever *l, int j, double tol)
+/* Whether such a turn opens the gap more than r lets it. */
+static int find_excess(nsdae_moment_arms *arms, const lever *l, const double r[3], int j,
+                       double tol, int *any)
 {
+  double small = 100 * tol * (1 + nsdae_largest(3, r)), bend;
+  /* A turn about the contact along direction j, into arms->v. */
   double w[3] = {0};
   for (int k = 0; k < 3; k++)
     for (int i = 0; i < 3; i++) w[k] += l->C[i][k] * l->along[j][i];
@@ -186,14 +189,6 @@ static void turn_about(nsdae_moment_arms *arms, const lever *l, int j, double to
       if (nsdae_tangent_translates(&c, l->of, i, tol))
         arms->v[i] -= nsdae_dot(3, l->about[k], w) * direction_column(&c, k)[i];
   memcpy(arms->v + l->first, w, sizeof w);
-}
-
-/* Whether such a turn opens the gap more than r lets it. */
-static int find_excess(nsdae_moment_arms *arms, const lever *l, const double r[3], int j,
-                       double tol, int *any)
-{
-  double small = 100 * tol * (1 + nsdae_largest(3, r)), bend;
-  turn_about(arms, l, j, tol);
   int code = nsdae_moment_arms_bend(arms, l->contact, &bend);
   *any = bend + nsdae_dot(3, r, l->along[0]) > small;
   return code || !*any ? code : nsdae_moment_arms_bends(arms, l->contact, bend, small, any);

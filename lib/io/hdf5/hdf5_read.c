@@ -18,8 +18,10 @@ static hsize_t number_size(hid_t type)
   return (kind == H5T_FLOAT || kind == H5T_INTEGER) && size > 0 && size <= LARGEST ? size : 0;
 }
 
-static const char *look_at(hid_t set, int rank, hsize_t *length)
+int nsdae_h5_shape(nsdae_h5 *h5, const char *path, int rank, hsize_t *length)
 {
+  hid_t set = H5Dopen2(h5->file, path, H5P_DEFAULT);
+  if (set < 0) return unfit(h5, path, "is missing");
   hid_t space = H5Dget_space(set), type = H5Dget_type(set);
   hsize_t size = number_size(type);
   int found = H5Sget_simple_extent_ndims(space);
@@ -32,14 +34,6 @@ static const char *look_at(hid_t set, int rank, hsize_t *length)
     wrong = "has a shape that cannot be read";
   H5Sclose(space);
   H5Tclose(type);
-  return wrong;
-}
-
-int nsdae_h5_shape(nsdae_h5 *h5, const char *path, int rank, hsize_t *length)
-{
-  hid_t set = H5Dopen2(h5->file, path, H5P_DEFAULT);
-  if (set < 0) return unfit(h5, path, "is missing");
-  const char *wrong = look_at(set, rank, length);
   H5Dclose(set);
   return wrong ? unfit(h5, path, wrong) : NSDAE_OK;
 }

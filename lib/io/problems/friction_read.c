@@ -257,14 +257,6 @@ static int read_global(reader *r)
   return status < 0 ? status : nsdae_to_blocks(r->h5, &r->A, &r->blocks, &r->items, &r->gathered);
 }
 
-/* Of the rows of the file those that items have, in place; the bilateral ones come behind. */
-static void compress(const reader *r, double *values)
-{
-  int k = 0;
-  for (int i = 0; i < r->items.n; i++)
-    if (r->items.of[i] >= 0) values[k++] = values[i];
-}
-
 /* A vector over the contacts, with that over the bilateral rows behind it, compressed; NULL where
  * it is not there and need not be. */
 static int read_rows(const reader *r, const char *name, const char *behind, int needed,
@@ -281,7 +273,12 @@ static int read_rows(const reader *r, const char *name, const char *behind, int 
     status = nsdae_h5_no_memory(r->h5);
   }
   for (int i = 0; both && i < p; i++) both[m + i] = tail ? tail[i] : 0;
-  if (both && r->items.n == m + p) compress(r, both);
+  if (both && r->items.n == m + p) {
+    /* Of the rows of the file those that items have, in place; the bilateral ones come behind. */
+    int k = 0;
+    for (int i = 0; i < r->items.n; i++)
+      if (r->items.of[i] >= 0) both[k++] = both[i];
+  }
   free(tail);
   *values = both;
   return status;

@@ -210,13 +210,6 @@ typedef struct motion {
   double *factor; /* largest x largest: of a block of M */
 } motion;
 
-static void release_motion(motion *v)
-{
-  free(v->first);
-  free(v->high);
-  free(v->factor);
-}
-
 /* Begins at f. */
 static int make_motion(const writer *w, motion *v)
 {
@@ -276,7 +269,9 @@ static int write_velocities(const writer *w, const nsdae_friction_points *points
     divide_by_mass(w, &v);
     status = write_reals(w, "/solution/v", v.n, v.high);
   }
-  release_motion(&v);
+  free(v.first);
+  free(v.high);
+  free(v.factor);
   return status;
 }
 

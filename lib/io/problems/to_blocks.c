@@ -259,9 +259,11 @@ static double difference(size_t count, const entry *e, const double *diagonal, d
   return worst;
 }
 
-/* Sorted entries of A and of its transpose. */
-static entry *mirror(const nsdae_triplets *A)
+/* How unsymmetric A is; 0 where it is by no more than rounding. */
+static int measure_asymmetry(nsdae_h5 *h5, const nsdae_triplets *A, double *asymmetry)
 {
+  double largest = 0, rounding = 0;
+  /* Sorted entries of A and of its transpose. */
   size_t count = (size_t)A->count;
   entry *e = calloc(2 * count + 1, sizeof *e);
   for (size_t k = 0; e && k < count; k++) {
@@ -269,14 +271,6 @@ static entry *mirror(const nsdae_triplets *A)
     e[2 * k + 1] = (entry){A->column[k], A->row[k], 0, A->value[k]};
   }
   if (e) qsort(e, 2 * count, sizeof *e, compare_entries);
-  return e;
-}
-
-/* How unsymmetric A is; 0 where it is by no more than rounding. */
-static int measure_asymmetry(nsdae_h5 *h5, const nsdae_triplets *A, double *asymmetry)
-{
-  double largest = 0, rounding = 0;
-  entry *e = mirror(A);
   double *diagonal = calloc((size_t)A->rows + 1, sizeof *diagonal);
   int status = e && diagonal ? NSDAE_OK : nsdae_h5_no_memory(h5);
   for (int k = 0; k < A->count && status == NSDAE_OK; k++)

@@ -102,25 +102,20 @@ static int is_numeric(const nsdae_param *p)
   return p->type == NSDAE_PARAM_REAL || p->type == NSDAE_PARAM_INT;
 }
 
-/* Place in the order of the first name that is not before this one: bisection. */
-static int place_of(const nsdae_formula_names *n, const char *name)
-{
-  int low = 0, high = n->nq;
-  while (low < high) {
-    int middle = low + (high - low) / 2;
-    if (strcmp(n->coordinate[n->order[middle]], name) < 0)
-      low = middle + 1;
-    else
-      high = middle;
-  }
-  return low;
-}
-
 static int find_coordinate(const nsdae_formula_names *n, const char *name)
 {
   if (!n->coordinate) return -1;
   if (n->order) {
-    int at = place_of(n, name);
+    /* Place in the order of the first name that is not before this one: bisection. */
+    int low = 0, high = n->nq;
+    while (low < high) {
+      int middle = low + (high - low) / 2;
+      if (strcmp(n->coordinate[n->order[middle]], name) < 0)
+        low = middle + 1;
+      else
+        high = middle;
+    }
+    int at = low;
     return at < n->nq && strcmp(n->coordinate[n->order[at]], name) == 0 ? n->order[at] : -1;
   }
   for (int i = 0; i < n->nq; i++)

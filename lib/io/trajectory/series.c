@@ -224,16 +224,11 @@ int nsdae_series_is_full(const nsdae_series *series)
          nsdae_series_rows(series) - series->counted == NSDAE_SERIES_ROWS_MAX;
 }
 
-static hsize_t up_to_chunk_end(const nsdae_series *series, int rows)
-{
-  hsize_t room = series->chunk - nsdae_series_rows(series) % series->chunk;
-  return (hsize_t)rows < room ? (hsize_t)rows : room;
-}
-
 int nsdae_series_append(nsdae_series *series, const void *row, int from, int rows)
 {
   hsize_t uncounted = nsdae_series_rows(series) - series->counted;
-  hsize_t count = up_to_chunk_end(series, rows);
+  hsize_t room = series->chunk - nsdae_series_rows(series) % series->chunk;
+  hsize_t count = (hsize_t)rows < room ? (hsize_t)rows : room;
   for (int i = 0; i < series->table->columns; i++) {
     const nsdae_column *column = &series->table->column[i];
     const char *field = (const char *)row + column->offset;

@@ -231,13 +231,6 @@ static int write_ints(const column_set *s, const char *name, const char *what)
   return nsdae_h5_vector(s->h5, path, H5T_NATIVE_INT, (hsize_t)s->n, s->number, "1", what);
 }
 
-static int write_sizes(column_set *s)
-{
-  for (int i = 0; i < s->n; i++)
-    memcpy(s->row + 3 * (size_t)i, s->body[i]->size, sizeof s->body[i]->size);
-  return write_matrix(s, "size", (hsize_t)s->n, "by the shape");
-}
-
 /* How many each body has, and all of them one after another. */
 static int write_points(column_set *s)
 {
@@ -338,7 +331,11 @@ static int write_group(nsdae_h5 *h5, int n, const nsdae_body *const *body,
   int status = NSDAE_E_MEMORY;
   if (s.text && s.number && s.row) {
     status = names ? write_shapes(&s, names) : write_texts(&s);
-    if (status == NSDAE_OK) status = write_sizes(&s);
+    if (status == NSDAE_OK) {
+      for (int i = 0; i < s.n; i++)
+        memcpy(s.row + 3 * (size_t)i, s.body[i]->size, sizeof s.body[i]->size);
+      status = write_matrix(&s, "size", (hsize_t)s.n, "by the shape");
+    }
     if (status == NSDAE_OK) status = write_points(&s);
   } else
     nsdae_error_set(h5->error, status, "nsdae_trajectory_set_bodies", "", "out of memory");

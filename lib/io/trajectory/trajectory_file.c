@@ -136,10 +136,12 @@ int nsdae_trajectory_put_texts(nsdae_trajectory *trajectory, const char *path, i
   return put(trajectory, path, H5T_C_S1, n, texts, "", description, error);
 }
 
-/* Why no bodies can be named now. */
-static int refuse_bodies(const nsdae_trajectory *t, int n, const nsdae_body *body,
-                         nsdae_error *error)
+int nsdae_trajectory_set_bodies(nsdae_trajectory *trajectory, int n, const nsdae_body *body,
+                                nsdae_error *error)
 {
+  nsdae_error own;
+  nsdae_trajectory *t = trajectory;
+  nsdae_error_clear(error);
   const char *bad = !t ? "trajectory" : n < 0 ? "n" : n > 0 && !body ? "body" : NULL;
   static const char where[] = "nsdae_trajectory_set_bodies";
   if (bad)
@@ -149,17 +151,7 @@ static int refuse_bodies(const nsdae_trajectory *t, int n, const nsdae_body *bod
                            t->failed   ? "writing the file failed before"
                            : t->bodies ? "the bodies of a file are named once"
                                        : "bodies are named before the first step");
-  return NSDAE_OK;
-}
-
-int nsdae_trajectory_set_bodies(nsdae_trajectory *trajectory, int n, const nsdae_body *body,
-                                nsdae_error *error)
-{
-  nsdae_error own;
-  nsdae_trajectory *t = trajectory;
-  nsdae_error_clear(error);
-  int status = refuse_bodies(t, n, body, error);
-  if (status < 0) return status;
+  int status = NSDAE_OK;
   t->h5.error = error ? error : &own;
   NSDAE_H5_QUIETLY(status, write_bodies(t, n, body))
   t->bodies = status == NSDAE_OK;

@@ -57,18 +57,15 @@ static int run_stages(nsdae_lcp_work *w)
   return w->info->outcome == NSDAE_OUTCOME_INFEASIBLE ? NSDAE_E_INFEASIBLE : NSDAE_E_LCP;
 }
 
-/* The ray again, from which a later stage took the arrays. */
-static void read_ray(nsdae_lcp_work *w)
-{
-  int pivots;
-  if (nsdae_lcp_lemke_once(w, &pivots) == 1) nsdae_lcp_read_ray(w);
-}
-
 int nsdae_lcp_chain_run(nsdae_lcp_work *w)
 {
   nsdae_lcp_work_scale(w);
   int status = run_stages(w);
-  if (status != NSDAE_OK && w->ray && w->n <= NSDAE_RAY_MAX) read_ray(w);
+  if (status != NSDAE_OK && w->ray && w->n <= NSDAE_RAY_MAX) {
+    /* The ray again, from which a later stage took the arrays. */
+    int pivots;
+    if (nsdae_lcp_lemke_once(w, &pivots) == 1) nsdae_lcp_read_ray(w);
+  }
   nsdae_lcp_hand_over(w);
   return status;
 }

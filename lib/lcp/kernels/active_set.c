@@ -18,18 +18,6 @@ int nsdae_lcp_gather(int n, const double *A, int lda, const int *basis, double *
   return size;
 }
 
-static double least_pivot(int size, const double *lu)
-{
-  double least = 1;
-  for (int j = 0; j < size; j++) {
-    const double *column = lu + (size_t)j * (size_t)size;
-    double largest = 0;
-    for (int i = 0; i <= j; i++) largest = fmax(largest, fabs(column[i]));
-    least = fmin(least, fabs(column[j]) / largest);
-  }
-  return least;
-}
-
 double nsdae_lcp_active_set(int n, const double *a, int lda, const double *b, const int *basis,
                             double *x, double *lu, int *pivot, int *index)
 {
@@ -41,5 +29,13 @@ double nsdae_lcp_active_set(int n, const double *a, int lda, const double *b, co
   }
   if (size > 0) nsdae_la_lu_solve(size, lu, size, pivot, x);
   for (int i = n, k = size; i-- > 0;) x[i] = basis[i] ? x[--k] : 0;
-  return least_pivot(size, lu);
+  /* The least pivot, relative to the largest entry above it. */
+  double least = 1;
+  for (int j = 0; j < size; j++) {
+    const double *column = lu + (size_t)j * (size_t)size;
+    double largest = 0;
+    for (int i = 0; i <= j; i++) largest = fmax(largest, fabs(column[i]));
+    least = fmin(least, fabs(column[j]) / largest);
+  }
+  return least;
 }

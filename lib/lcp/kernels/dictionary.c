@@ -131,13 +131,6 @@ static void take_row(nsdae_dictionary *t, int r)
   nsdae_la_add_product(n + 1, t->pending, t->V, n + 1, t->along, t->row);
 }
 
-static void clear_column(nsdae_dictionary *t, int e)
-{
-  double *column = dictionary_column(t, e);
-  for (int i = 0; i < t->n; i++) column[i] = 0;
-  for (int k = 0; k < t->pending; k++) t->V[(size_t)k * ((size_t)t->n + 1) + (size_t)e] = 0;
-}
-
 static void pivot_later(nsdae_dictionary *t, int r, int e, const double *c)
 {
   int n = t->n;
@@ -147,7 +140,10 @@ static void pivot_later(nsdae_dictionary *t, int r, int e, const double *c)
   for (int i = 0; i < n; i++) u[i] = c[i];
   u[r] = 1;
   take_row(t, r);
-  clear_column(t, e);
+  /* Column e is zero from now on. */
+  double *column = dictionary_column(t, e);
+  for (int i = 0; i < t->n; i++) column[i] = 0;
+  for (int k = 0; k < t->pending; k++) t->V[(size_t)k * ((size_t)t->n + 1) + (size_t)e] = 0;
   for (int j = 0; j <= n; j++) v[j] = -t->row[j] / by;
   v[e] = 1 / by;
   if (++t->pending < t->block) return;

@@ -90,9 +90,14 @@ static double smallest_of(int n, const double *c)
   return smaller(smaller(least[0], least[1]), smaller(least[2], least[3]));
 }
 
-/* bound_i: where basic_i falls below -slack as the entering variable grows. */
-static void set_bounds(const method *m, const double *restrict c, double least)
+/* Row that blocks the entering column. All whose basic_i is zero, or below, at the smallest bound
+ * (Harris, Math. Program. 5, 1973) tie, and the perturbation chooses; z0 leaves wherever it is
+ * among them. -1: none, a ray. */
+static int blocking_row(const method *m, const double *c)
 {
+  int n = m->n, best = -1, z0 = m->row_of_z0;
+  double least = least_pivot * largest_of(n, c), smallest;
+  /* bound_i: where basic_i falls below -slack as the entering variable grows. */
   const double *restrict q = m->t.q, slack_y = m->slack_y, more = m->slack_x - slack_y;
   const int *restrict is_x = m->is_x;
   double *restrict bound = m->bound;
@@ -101,16 +106,6 @@ static void set_bounds(const method *m, const double *restrict c, double least)
     double over = -c[i] > least ? constant : INFINITY, by = -c[i] > least ? -c[i] : 1;
     bound[i] = over / by;
   }
-}
-
-/* Row that blocks the entering column. All whose basic_i is zero, or below, at the smallest bound
- * (Harris, Math. Program. 5, 1973) tie, and the perturbation chooses; z0 leaves wherever it is
- * among them. -1: none, a ray. */
-static int blocking_row(const method *m, const double *c)
-{
-  int n = m->n, best = -1, z0 = m->row_of_z0;
-  double least = least_pivot * largest_of(n, c), smallest;
-  set_bounds(m, c, least);
   smallest = smallest_of(n, m->bound);
   if (-c[z0] > least && m->t.q[z0] - m->slack_y <= smallest * -c[z0]) return z0;
   for (int i = 0; i < n; i++)
@@ -133,15 +128,6 @@ static int first_row(int n, const double *b, const double *d)
   return worst;
 }
 
-/* The variable entering takes row r. */
-static void replace(method *m, int r, int entering, const double *c)
-{
-  double size = slack * fabs(m->t.q[r] / c[r]);
-  m->is_x[r] = entering >= m->n;
-  if (m->is_x[r]) m->slack_x = larger(size, m->slack_x);
-  m->basic[r] = entering;
-}
-
 /* After the first pivot, which has x_row enter. */
 static int pivot_to_the_end(method *m, int row, int max_pivots, int *pivots)
 {
@@ -155,7 +141,11 @@ static int pivot_to_the_end(method *m, int row, int max_pivots, int *pivots)
     if (r < 0) return m->t.q[row] > last_slack / slack * m->slack_y; /* with z0 = 0: solved */
     if (*pivots == max_pivots) return 2;
     leaving = m->basic[r];
-    replace(m, r, entering, c);
+    /* The variable entering takes row r. */
+    double size = slack * fabs(m->t.q[r] / c[r]);
+    m->is_x[r] = entering >= m->n;
+    if (m->is_x[r]) m->slack_x = larger(size, m->slack_x);
+    m->basic[r] = entering;
     if (leaving == 2 * n) {
       nsdae_dictionary_move(&m->t, r, c);
       ++*pivots;
@@ -210,25 +200,22 @@ int nsdae_lemke_block(int n)
   return n < BLOCKED ? 0 : BLOCK;
 }
 
-/* b >= 0: x = 0. */
-static int trivial(int n, const double *a, int lda, double *x, int *basis, int *pivots)
-{
-  for (int j = 0; j < n; j++)
-    if (!nsdae_all_finite((size_t)n, a + (size_t)j * (size_t)lda)) return -2;
-  for (int i = 0; i < n; i++) {
-    x[i] = 0;
-    basis[i] = 0;
-  }
-  *pivots = 0;
-  return 0;
-}
-
 int nsdae_lemke(int n, int block, const double *a, int lda, const double *b, const double *d,
                 int max_pivots, double *x, int *basis, int *pivots, double *work, int *iwork)
 {
   int row = first_row(n, b, d), info = 2;
   method m;
-  if (row < 0) return trivial(n, a, lda, x, basis, pivots);
+  if (row < 0) {
+    /* b >= 0: x = 0. */
+    for (int j = 0; j < n; j++)
+      if (!nsdae_all_finite((size_t)n, a + (size_t)j * (size_t)lda)) return -2;
+    for (int i = 0; i < n; i++) {
+      x[i] = 0;
+      basis[i] = 0;
+    }
+    *pivots = 0;
+    return 0;
+  }
   if (nsdae_dictionary_start(&m.t, n, block, a, lda, b, d, row, work) != 0) return -2;
   start_lemke(&m, n, b, x, basis, iwork);
   *pivots = 0;

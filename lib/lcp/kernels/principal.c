@@ -32,22 +32,16 @@ static int negative(const pivoting *p, int i)
          nsdae_lcp_entry_error(p->n, column, i, p->x[i], p->y[i], p->sizes) < -p->tol;
 }
 
-/* The indices that are negative, into index; their number. */
-static int collect(pivoting *p)
-{
-  int count = 0;
-  for (int i = 0; i < p->n; i++)
-    if (negative(p, i)) p->index[count++] = i;
-  return count;
-}
-
 static int pivot_to_the_end(pivoting *p, int block, int max_pivots, int *pivots)
 {
   int fewest = p->n + 1, left = block;
   for (*pivots = 0;; ++*pivots) {
     if (evaluate_basis(p) != 0) return 1;
     if (*p->residual <= p->tol) return 0;
-    int count = collect(p);
+    /* The indices that are negative, into index; their number. */
+    int count = 0;
+    for (int i = 0; i < p->n; i++)
+      if (negative(p, i)) p->index[count++] = i;
     if (count == 0) return 1;
     if (*pivots == max_pivots) return 2;
     if (count < fewest) {

@@ -147,16 +147,6 @@ static void shift_block(int n, const double *b, double *row, double *column, con
   }
 }
 
-/* Blocks that no entry joins have no common scale but that of b. */
-static void even_blocks(int n, const double *A, const double *b, double *row, double *column,
-                        int *iwork)
-{
-  int *stack = iwork, *mark = iwork + 2 * n;
-  for (int i = 0; i < 2 * n; i++) mark[i] = 0;
-  for (int start = 0; start < n; start++)
-    if (!mark[start]) shift_block(n, b, row, column, stack, visit(n, A, stack, mark, start));
-}
-
 /* Whether b is far from the ends of the range, or zero. */
 static int is_moderate(int n, const double *b)
 {
@@ -180,23 +170,22 @@ static void even_sizes(int n, double *A, double *row, double *column, double *wo
   }
 }
 
-/* Whether the largest entries of all rows and columns that are not zero are near enough to one. */
-static int is_even(int n, const double *A, double *work)
-{
-  largest_entries(n, A, work, work + n);
-  return !uneven(n, work, WORTH_IT) && !uneven(n, work + n, WORTH_IT);
-}
-
 void nsdae_equilibrate(int n, double *A, double *b, double *row, double *column, double *work,
                        int *iwork)
 {
   for (int i = 0; i < n; i++) row[i] = column[i] = 1;
-  int even = is_even(n, A, work);
+  /* Even: the largest entries of all rows and columns that are not zero are near enough to one. */
+  largest_entries(n, A, work, work + n);
+  int even = !uneven(n, work, WORTH_IT) && !uneven(n, work + n, WORTH_IT);
   if (even && is_moderate(n, b)) return;
   if (!even) {
     even_means(n, A, row, column, work);
     even_sizes(n, A, row, column, work);
   }
-  even_blocks(n, A, b, row, column, iwork);
+  /* Blocks that no entry joins have no common scale but that of b. */
+  int *stack = iwork, *mark = iwork + 2 * n;
+  for (int i = 0; i < 2 * n; i++) mark[i] = 0;
+  for (int start = 0; start < n; start++)
+    if (!mark[start]) shift_block(n, b, row, column, stack, visit(n, A, stack, mark, start));
   for (int i = 0; i < n; i++) b[i] = ldexp(b[i], ilogb(row[i]));
 }

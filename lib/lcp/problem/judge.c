@@ -45,16 +45,6 @@ int nsdae_lcp_judge(nsdae_lcp_work *w, const int *basis, int stage)
   return nsdae_lcp_is_settled(w);
 }
 
-/* rhs = -b_B - A_BB x_B of the active set in w->room.index, for x_B in part. */
-static void defect(nsdae_lcp_work *w, int size, const double *part)
-{
-  for (int i = 0; i < size; i++) w->room.rhs[i] = -w->scaled.b[w->room.index[i]];
-  for (int j = 0; j < size; j++) {
-    const double *from = w->scaled.A + (size_t)w->room.index[j] * (size_t)w->n;
-    for (int i = 0; i < size; i++) w->room.rhs[i] -= from[w->room.index[i]] * part[j];
-  }
-}
-
 /* x on the active set: A_BB x_B = -b_B, all else zero. Returns 0, or 1 where A_BB is singular. One
  * refinement makes every row exact to its own terms, not to the largest (Skeel, Math. Comput. 35,
  * 1980). */
@@ -65,7 +55,12 @@ static int solve_basis(nsdae_lcp_work *w, const int *basis, double *x)
   if (nsdae_la_lu(size, w->room.lu, size, w->room.pivot) != 0) return 1;
   memset(part, 0, (size_t)size * sizeof *part);
   for (int round = 0; round < 2; round++) {
-    defect(w, size, part);
+    /* rhs = -b_B - A_BB x_B of the active set in w->room.index, for x_B in part. */
+    for (int i = 0; i < size; i++) w->room.rhs[i] = -w->scaled.b[w->room.index[i]];
+    for (int j = 0; j < size; j++) {
+      const double *from = w->scaled.A + (size_t)w->room.index[j] * (size_t)w->n;
+      for (int i = 0; i < size; i++) w->room.rhs[i] -= from[w->room.index[i]] * part[j];
+    }
     nsdae_la_lu_solve(size, w->room.lu, size, w->room.pivot, w->room.rhs);
     for (int j = 0; j < size; j++) part[j] += w->room.rhs[j];
   }

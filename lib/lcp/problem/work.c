@@ -26,14 +26,6 @@ int nsdae_lcp_work_ints(int n)
   return 6 * n + 1;
 }
 
-static void lay_out_scaled(nsdae_lcp_scaled *s, size_t n, double *work)
-{
-  s->A = work;
-  s->b = s->A + n * n;
-  s->row = s->b + n;
-  s->column = s->row + n;
-}
-
 static void lay_out_room(nsdae_lcp_room *r, size_t n, double *work, int *iwork)
 {
   r->lemke_size = lemke_size((int)n);
@@ -53,7 +45,10 @@ static void lay_out_room(nsdae_lcp_room *r, size_t n, double *work, int *iwork)
 void nsdae_lcp_work_lay_out(nsdae_lcp_work *w, double *work, int *iwork)
 {
   size_t n = (size_t)w->n;
-  lay_out_scaled(&w->scaled, n, work);
+  w->scaled.A = work;
+  w->scaled.b = w->scaled.A + n * n;
+  w->scaled.row = w->scaled.b + n;
+  w->scaled.column = w->scaled.row + n;
   w->best = w->scaled.column + n;
   lay_out_room(&w->room, n, w->best + n, iwork);
 }

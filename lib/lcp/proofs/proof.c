@@ -21,39 +21,9 @@
 #include "judge.h"
 #include "vector.h"
 
-/* allowed[j]: y_j may be positive; allowed[n + j]: x_j may. */
-static nsdae_cone cone_of(nsdae_lcp_work *w)
-{
-  return (nsdae_cone){.n = w->n,
-                      .m = 2 * w->n,
-                      .C = w->room.wide,
-                      .allowed = w->room.allowed,
-                      .z = w->room.point,
-                      .w = w->room.cover,
-                      .gram = w->room.lu,
-                      .factor = w->room.lemke,
-                      .s = w->room.rhs,
-                      .order = w->room.trial,
-                      .state = w->room.index};
-}
-
 static double norm(int n, const double *v)
 {
   return sqrt(nsdae_dot(n, v, v));
-}
-
-/* C / |C_j| + eta b / |b| in wide, b / |b| behind it. */
-static void fill_columns(nsdae_lcp_work *w, double eta)
-{
-  size_t n = (size_t)w->n;
-  double *b = w->room.wide + 2 * n * n, size = norm(w->n, w->scaled.b);
-  for (size_t i = 0; i < n; i++) b[i] = w->scaled.b[i] / size;
-  for (size_t j = 0; j < 2 * n; j++) {
-    double *column = w->room.wide + j * n;
-    for (size_t i = 0; i < n; i++) column[i] = j < n ? i == j : -w->scaled.A[(j - n) * n + i];
-    size = norm(w->n, column);
-    for (size_t i = 0; i < n && size > 0; i++) column[i] = column[i] / size + eta * b[i];
-  }
 }
 
 /* Whether u proves, by exact arithmetic on the problem as it was given, that no solution has only
@@ -96,8 +66,28 @@ static void simplify(int n, double *w)
 /* u from the nearest point with columns so tilted; in w->room.cover. */
 static int separates(nsdae_lcp_work *w, double eta)
 {
-  nsdae_cone cone = cone_of(w);
-  fill_columns(w, eta);
+  /* allowed[j]: y_j may be positive; allowed[n + j]: x_j may. */
+  nsdae_cone cone = (nsdae_cone){.n = w->n,
+                                 .m = 2 * w->n,
+                                 .C = w->room.wide,
+                                 .allowed = w->room.allowed,
+                                 .z = w->room.point,
+                                 .w = w->room.cover,
+                                 .gram = w->room.lu,
+                                 .factor = w->room.lemke,
+                                 .s = w->room.rhs,
+                                 .order = w->room.trial,
+                                 .state = w->room.index};
+  /* C / |C_j| + eta b / |b| in wide, b / |b| behind it. */
+  size_t n = (size_t)w->n;
+  double *b = w->room.wide + 2 * n * n, size = norm(w->n, w->scaled.b);
+  for (size_t i = 0; i < n; i++) b[i] = w->scaled.b[i] / size;
+  for (size_t j = 0; j < 2 * n; j++) {
+    double *column = w->room.wide + j * n;
+    for (size_t i = 0; i < n; i++) column[i] = j < n ? i == j : -w->scaled.A[(j - n) * n + i];
+    size = norm(w->n, column);
+    for (size_t i = 0; i < n && size > 0; i++) column[i] = column[i] / size + eta * b[i];
+  }
   if (nsdae_cone_separate(&cone, w->room.wide + 2 * (size_t)w->n * (size_t)w->n) != 0) return 0;
   if (norm(w->n, w->room.cover) < 1e-12) return 0;
   if (eta == 0) simplify(w->n, w->room.cover);

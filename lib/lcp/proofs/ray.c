@@ -61,15 +61,6 @@ static int proves(const nsdae_lcp_work *w, const double *x)
   return any ? proof : NSDAE_LCP_RAY_NOTHING;
 }
 
-/* Small negative entries are rounding: the point with zeros for them is a candidate as good. */
-static void clip(int n, double *x)
-{
-  double most = 0;
-  for (int i = 0; i < n; i++) most = fmax(most, x[i]);
-  for (int i = 0; i < n; i++)
-    if (fabs(x[i]) < 1e-12 * most) x[i] = 0;
-}
-
 void nsdae_lcp_read_ray(nsdae_lcp_work *w)
 {
   int size = 0;
@@ -82,7 +73,12 @@ void nsdae_lcp_read_ray(nsdae_lcp_work *w)
     if (factor_ray(w, size) != 0) continue;
     for (int of_x = 0; of_x < 2; of_x++) {
       direction(w, size, of_x);
-      clip(w->n, w->room.cover);
+      /* Small negative entries are rounding: the point with zeros for them is a candidate as good.
+       */
+      double most = 0;
+      for (int i = 0; i < w->n; i++) most = fmax(most, w->room.cover[i]);
+      for (int i = 0; i < w->n; i++)
+        if (fabs(w->room.cover[i]) < 1e-12 * most) w->room.cover[i] = 0;
       int proof = proves(w, w->room.cover);
       if (proof == NSDAE_LCP_RAY_NOTHING) continue;
       w->info->ray = proof;
