@@ -2,6 +2,7 @@
 domain) as its own source."""
 
 import re
+import subprocess
 
 HEAD = "# {}\n\n{}\n\n"
 
@@ -33,7 +34,8 @@ def above(lines, at):
     text = []
     while at > 0 and re.match(r"\s*! ?\S", lines[at - 1]):
         at -= 1
-        text.insert(0, re.sub(r"^\s*! ?", "", lines[at]))
+        if not re.match(r"\s*! (headers|callbacks.list): ", lines[at]):  # marks of sections that are filled
+            text.insert(0, re.sub(r"^\s*! ?", "", lines[at]))
     return " ".join(text)
 
 
@@ -93,13 +95,17 @@ def cpp_pages(work):
     return {"cpp": HEAD.format("C++", text) + classes}
 
 
+def module(root, name):
+    """The source of the module nsdae_f_<name>, with its marked sections filled."""
+    return subprocess.run(["sh", root / "lib/fortran/fill.sh", name], capture_output=True, text=True, check=True).stdout
+
+
 def fortran_pages(root, documented):
     """A page for each module behind the module nsdae."""
-    folder = root / "lib/fortran"
-    whole = (folder / "nsdae.f90").read_text()
+    whole = (root / "lib/fortran/nsdae.f90").read_text()
     private = set(re.findall(r"\w+", whole[whole.index("private ::"):]))
     names = re.findall(r"use nsdae_f_(\w+)", whole)
-    pages = {f"fortran-{name}": fortran_page(f"nsdae_f_{name}", (folder / f"{name}.f90").read_text(), private, documented)
+    pages = {f"fortran-{name}": fortran_page(f"nsdae_f_{name}", module(root, name), private, documented)
              for name in names}
     return pages | list_of("fortran", "Fortran", "`use nsdae` brings every module. [From Fortran](../fortran.md) shows a "
                            "program.", pages)

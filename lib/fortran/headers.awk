@@ -5,7 +5,7 @@
 #   ! headers: constants NSDAE_MODE_ NSDAE_OK      all constants whose names begin so
 #   ! headers: type nsdae_c_record                 the struct nsdae_record
 #
-# usage: awk -f headers.awk pass=headers HEADER... pass=modules MODULE... pass=fill MODULE
+# usage: see fill.sh
 
 pass == "headers" { read_header($0); next }
 pass == "modules" { # the structs that have a type nsdae_c_<name> beside the one of the user
@@ -149,13 +149,16 @@ function write_function(name, ours,   item, count, i, dummy, names, lines, many)
     lines = lines "      " argument(dummy, many) "\n"
     many = dummy == "n"
   }
-  print "    " result " " ours "( &"
-  print "        " names ") &"
-  print "        bind(C, name='" name "')"
+  print statement("    " result " " ours "(", names ")", "bind(C, name='" name "')")
   print "      import"
   printf "%s", lines
   sub(/.* /, "", result)
   print "    end " result
+}
+
+# On one line, or on two.
+function statement(head, names, tail) {
+  return head names " " (length(head names tail) < 98 ? "" : "&\n        ") tail
 }
 
 # A status, or a text: of the first argument, an object, and of numbers and structs.
@@ -169,8 +172,7 @@ function write_wrapper(name, ours,   item, count, i, dummy, names, given, lines,
     lines = lines "    " (stars ? "type(" base ")" : number(base)) ", intent(" \
       (stars && base in members && !constant_type ? "inout" : "in") ") :: " dummy "\n"
   }
-  print "  " (text ? "function " : "integer(c_int) function ") name "( &"
-  print "      " names ") result(answer)"
+  print statement("  " (text ? "function " : "integer(c_int) function ") name "(", names ")", "result(answer)")
   printf "%s", lines
   if (text) print "    character(len=:), allocatable :: answer"
   print "    answer = " (text ? "from_c(" ours "(" given "))" : ours "(" given ")")

@@ -10,9 +10,6 @@
 !
 ! Contacts, frictional joints, constraints and entries are numbered from 0, as in C, in the files and in the
 ! messages: contact i is gap(i + 1).
-!
-! The build fills the marked sections from lib/system/callbacks.list with each callback's interface, its pointer
-! in model, its setters and the procedure that C calls.
 module nsdae_f_system
   use, intrinsic :: iso_c_binding
   use nsdae_f_status
