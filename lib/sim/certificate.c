@@ -54,6 +54,12 @@ static inline double half_driven(const nsdae_terms *T, const nsdae_result *of, d
   return sum / 2;
 }
 
+static unsigned terms_of_work(const nsdae_result *of)
+{
+  unsigned at_contacts = of->smooth ? 0u : NSDAE_TERM_BIAS | NSDAE_TERM_SLIDE;
+  return NSDAE_TERM_FORCE | NSDAE_TERM_PHI_T | at_contacts;
+}
+
 /* The lightest diagonal entry of M among those of a block; INFINITY of the ground. */
 static double lightest(const nsdae_terms *T, int block)
 {
@@ -88,14 +94,21 @@ static double rounding_of_contacts(const nsdae_point *point)
   return 4 * DBL_EPSILON * sum * sum;
 }
 
+/* What the contacts of the step did: more than rounding of their impulses, they gave. */
+static void add_contacts(nsdae_work *w, const nsdae_point *point)
+{
+  double work = point->result.work;
+  w->spent += fabs(work);
+  if (work > 0) w->gained += nsdae_larger(0, work - rounding_of_contacts(point));
+}
+
 /* By the method's quadrature. The terms at the end are those that the next step begins with. */
 static int work_of_step(nsdae_point *before, nsdae_point *point)
 {
   nsdae_terms *from = &before->result.end, *to = &point->result.end;
   nsdae_work *w = &point->work;
   const nsdae_result *r = &point->result;
-  unsigned at_contacts = r->smooth ? 0u : NSDAE_TERM_BIAS | NSDAE_TERM_SLIDE;
-  unsigned terms = NSDAE_TERM_FORCE | NSDAE_TERM_PHI_T | at_contacts;
+  unsigned terms = terms_of_work(r);
   double rounding, h = to->t - from->t, start = before->work.power;
   int status = nsdae_terms_need(from, terms);
   if (status == NSDAE_OK) status = nsdae_terms_need(to, terms);
@@ -114,12 +127,7 @@ static int work_of_step(nsdae_point *before, nsdae_point *point)
   w->unsure += h / 4 * fabs(w->power - 2 * start + w->earlier);
   w->earlier = start;
   w->rounding += rounding;
-  if (r->work != 0) {
-    /* What the contacts of the step did: more than rounding of their impulses, they gave. */
-    double work = point->result.work;
-    w->spent += fabs(work);
-    if (work > 0) w->gained += nsdae_larger(0, work - rounding_of_contacts(point));
-  }
+  if (r->work != 0) add_contacts(w, point);
   return NSDAE_OK;
 }
 

@@ -104,6 +104,18 @@ static int are_sound(const nsdae_lcp_work *w, int size)
   return 1;
 }
 
+/* max_i r_i / s_i; a row without size has r_i = 0, and counts for nothing. */
+static double bound(const nsdae_lcp_work *w)
+{
+  const double *restrict x = w->x, *restrict y = w->y, *restrict s = w->room.sizes;
+  double worst = 0;
+  for (int i = 0; i < w->n; i++) {
+    double r = (x[i] > 0 ? fabs(y[i]) : -y[i]) / s[i];
+    worst = r > worst ? r : worst;
+  }
+  return worst;
+}
+
 /* rhs := A_BB^-1 rhs; the rest of terms that cancel is zero. */
 static void divide(nsdae_lcp_work *w, int size)
 {
@@ -140,14 +152,7 @@ static double solve_active_set(nsdae_lcp_work *w, int size)
       if (round == 0 || *x > 0) *x = sum > 0 ? sum : 0;
     }
     multiply(w, size);
-    /* max_i r_i / s_i; a row without size has r_i = 0, and counts for nothing. */
-    const double *restrict x = w->x, *restrict y = w->y, *restrict s = w->room.sizes;
-    double worst = 0;
-    for (int i = 0; i < w->n; i++) {
-      double r = (x[i] > 0 ? fabs(y[i]) : -y[i]) / s[i];
-      worst = r > worst ? r : worst;
-    }
-    error = worst;
+    error = bound(w);
   }
   return error;
 }
@@ -179,6 +184,12 @@ static int is_reached(const nsdae_lcp_work *w, int j)
   return w->room.trial[j];
 }
 
+static void spread(const nsdae_lcp_work *w, int j)
+{
+  const double *column = scaled_column(w, j);
+  for (int i = 0; i < w->n; i++) w->room.trial[i] |= i == j || column[i] != 0;
+}
+
 /* How many x_j > 0 are not reached; from those that are it goes on to the rows of their columns. */
 static int count_left(const nsdae_lcp_work *w, int size, int goes_on)
 {
@@ -186,10 +197,7 @@ static int count_left(const nsdae_lcp_work *w, int size, int goes_on)
   for (int k = 0; k < size; k++) {
     int j = w->room.index[k], reached = w->x[j] == 0 || is_reached(w, j);
     left += !reached;
-    if (reached && goes_on && w->x[j] > 0) { /* the rows of its column are reached */
-      const double *column = scaled_column(w, j);
-      for (int i = 0; i < w->n; i++) w->room.trial[i] |= i == j || column[i] != 0;
-    }
+    if (reached && goes_on && w->x[j] > 0) spread(w, j);
   }
   return left;
 }
