@@ -24,7 +24,7 @@ module nsdae_f_friction_file
   ! headers: type nsdae_c_friction_file
 
   ! A problem as read; its arrays are the file's, and go with nsdae_friction_file_release. guess, r
-  ! and low (of a double-double solution r + low) are not associated where the file has none; velocity
+  ! and low (of a solution in two parts, r + low) are not associated where the file has none; velocity
   ! counts from 0, as in C.
   type, public :: nsdae_friction_file
     type(nsdae_friction_problem) :: problem

@@ -37,7 +37,7 @@ module nsdae_f_shape
 
 contains
 
-  ! Adds a body to what trajectory files of this system show. Its errors are reported by
+  ! Adds a body to what trajectory files of this system show. What is wrong with it is said by
   ! nsdae_trajectory_create, which knows what formulas may name. nsdae_bodies_system does it for
   ! every solid. NSDAE_E_STATE, NSDAE_E_MEMORY.
   integer(c_int) function nsdae_system_add_body(system, body) result(status)

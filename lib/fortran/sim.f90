@@ -465,7 +465,7 @@ contains
   ! Coefficients of contact i and of frictional joint j in this simulation, in place of the system's.
   ! headers: wrappers nsdae_sim_ set_contact set_frictional_joint
 
-  ! The state as a value: a number of bytes, fixed by system and options, that hold all that the next
+  ! The state as a value: so many bytes, fixed by system and options, that hold all that the next
   ! step depends on. Set into a simulation of the same system and options the run goes on with the
   ! same bytes as without.
   integer(c_int) function nsdae_sim_state_size(sim, bytes) result(status)

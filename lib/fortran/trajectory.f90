@@ -53,7 +53,7 @@ contains
 
   ! Goes on in the file of an earlier run, which may have been killed at any moment: sets sim to the
   ! newest state in it and adds itself to the observers. sim and info must be those of the run that
-  ! made the file, except t_end; every and compress are the file's. NSDAE_E_ARGUMENT names what is
+  ! made the file, but for t_end; every and compress are the file's. NSDAE_E_ARGUMENT names what is
   ! another one; NSDAE_E_IO: the file cannot be read or has no whole state.
   integer(c_int) function nsdae_trajectory_resume(sim, path, info, trajectory, error) &
       result(status)
@@ -97,7 +97,7 @@ contains
     call error_from_c(why, error)
   end function
 
-  ! Reads the parameters of the run that made a file into the fields of the table: of the group
+  ! Reads what the run that made a file was told into the fields of the table: of the group
   ! "options", "parameters" or "run" (t_end, every, compress) those keys that the table has.
   integer(c_int) function nsdae_trajectory_read_params(path, group, table, error) result(status)
     character(len=*), intent(in) :: path, group

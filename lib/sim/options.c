@@ -109,7 +109,7 @@ int nsdae_sim_options_check(const nsdae_sim_options *options, nsdae_error *error
   if (nsdae_sim_option_matters("projection", options->method)) return status;
   return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_sim_create", "projection",
                          "projection = %s is for the time-stepping methods, and method is %s, "
-                         "which keeps its constraints itself: take projection = none",
+                         "which keeps its constraints by itself: take projection = none",
                          projections[options->projection], methods[options->method]);
 }
 

@@ -337,16 +337,16 @@ const char *nsdae_system_unseen(nsdae_system *system)
   if (!system) return "";
   int moves = system->call.contact_bias != NULL;
   const remark unseen[] = {
-      {"mass: its values, except symmetry", system->call.mass != NULL},
+      {"mass: its values, but for symmetry", system->call.mass != NULL},
       {"force: its values and signs", system->call.force != NULL},
       {"constraint: whether it is the one that is meant", system->call.constraint != NULL},
       {"gap: whether it is the distance, its sign and its unit", system->call.gap != NULL},
       {"gap_tangent: of its arms and signs those of all arms of a body together, and a constant in "
-       "them, except what the last check doubts; length and right angles of its directions where "
+       "them, but for what the last check doubts; length and right angles of its directions where "
        "no body moves freely in M",
        system->call.gap_tangent != NULL},
       {"contact_bias: w_t", moves && system->dims.nt > 0},
-      {"contact_bias, which is not given: that no surface that is touched moves along",
+      {"contact_bias, which is not given: that nothing that is touched moves along by itself",
        !moves && any_friction(system)},
       {"nsdae_system_set_contact: that contacts that it was not called for have e_n = mu = 0",
        any_untold(system)},

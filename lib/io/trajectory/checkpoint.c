@@ -37,8 +37,8 @@ static uint64_t sum_of(const head *h, const unsigned char *state, size_t size)
   return add_up(sum, state, size);
 }
 
-/* Memory for a place of this number of bytes; half as much again where it must grow, so that it
- * seldom does. */
+/* Memory for a place of so many bytes; half as much again where it must grow, so that it seldom
+ * does. */
 static int grow_place(nsdae_checkpoint *c, size_t bytes)
 {
   if (bytes <= c->room) return NSDAE_OK;
@@ -73,7 +73,7 @@ int nsdae_checkpoint_create(nsdae_checkpoint *checkpoint, nsdae_h5 *h5)
 {
   const hsize_t size[2] = {PLACES, checkpoint->width};
   return nsdae_h5_bytes(h5, dataset, size, checkpoint->grows,
-                        "states to continue from, the last two in turn; of this library alone",
+                        "states to go on from, the last two in turn; of this library alone",
                         &checkpoint->set);
 }
 
@@ -143,7 +143,7 @@ int nsdae_checkpoint_open(nsdae_checkpoint *checkpoint, nsdae_h5 *h5)
 {
   hsize_t size[2];
   int status = nsdae_h5_shape(h5, dataset, 2, size);
-  if (status < 0) return unusable(h5, "it has no state to continue from (/restart/state)");
+  if (status < 0) return unusable(h5, "it has no state to go on from (/restart/state)");
   int wide = checkpoint->grows ? size[1] >= sizeof(head) : size[1] == checkpoint->width;
   if (size[0] != PLACES || !wide)
     return unusable(h5, "its state is of another size: another version of the library wrote it");

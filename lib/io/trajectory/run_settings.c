@@ -93,7 +93,7 @@ int nsdae_setting_make(nsdae_setting *setting, const nsdae_sim *sim,
 int nsdae_setting_write(const nsdae_setting *setting, nsdae_h5 *h5)
 {
   return nsdae_h5_vector(h5, dataset, H5T_NATIVE_UCHAR, (hsize_t)setting->length, setting->text,
-                         "1", "settings of the run, as text");
+                         "1", "what the run was told, as text");
 }
 
 int nsdae_setting_read(nsdae_setting *setting, nsdae_h5 *h5)
