@@ -87,7 +87,7 @@ module nsdae_f_system
       real(c_double), intent(inout) :: M(:, :)
       class(*), intent(inout) :: user
     end function
-    ! F(t,q,v) [nv]: all forces but those of constraints and contacts.
+    ! F(t,q,v) [nv]: all forces except those of constraints and contacts.
     integer(c_int) function nsdae_force_fn(t, q, v, F, user)
       import
       real(c_double), intent(in) :: t, q(:), v(:)
@@ -115,7 +115,7 @@ module nsdae_f_system
       real(c_double), intent(inout) :: phi_t(:), omega(:)
       class(*), intent(inout) :: user
     end function
-    ! g_N(t,q) [k]: the distance of each contact, negative where its bodies overlap.
+    ! g_N(t,q) [k]: the distance of each contact, negative for an overlap.
     integer(c_int) function nsdae_gap_fn(t, q, g, user)
       import
       real(c_double), intent(in) :: t, q(:)
@@ -130,14 +130,14 @@ module nsdae_f_system
       class(*), intent(inout) :: user
     end function
     ! W_T(t,q) [nv x k nt], such that v_T = W_T^T v + w_T; contact i has columns i nt + 1 .. i nt + nt,
-    ! for nt = 2 two directions at right angles.
+    ! for nt = 2 two perpendicular directions.
     integer(c_int) function nsdae_gap_tangent_fn(t, q, W, user)
       import
       real(c_double), intent(in) :: t, q(:)
       real(c_double), intent(inout) :: W(:, :)
       class(*), intent(inout) :: user
     end function
-    ! w_N(t,q) [k] and w_T(t,q) [k nt]: the velocities that the contacts have with v = 0.
+    ! w_N(t,q) [k] and w_T(t,q) [k nt]: velocities of the contacts at v = 0.
     integer(c_int) function nsdae_contact_bias_fn(t, q, w_n, w_t, user)
       import
       real(c_double), intent(in) :: t, q(:)
@@ -169,7 +169,7 @@ module nsdae_f_system
       real(c_double), intent(inout) :: qdot(:)
       class(*), intent(inout) :: user
     end function
-    ! Potential energy U(t,q); used only to report energies.
+    ! Potential energy U(t,q); used in energy reports only.
     integer(c_int) function nsdae_potential_fn(t, q, energy, user)
       import
       real(c_double), intent(in) :: t, q(:)
