@@ -53,9 +53,10 @@ static int check_fixed(nsdae_sim *sim, const nsdae_sim_options *options)
   for (size_t i = 0; i < sizeof fixed / sizeof *fixed; i++) {
     const nsdae_param *p = nsdae_params_find(nsdae_sim_options_table(), fixed[i]);
     if (nsdae_sim_option_value(options, p) == nsdae_sim_option_value(&sim->options, p)) continue;
-    return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, "nsdae_sim_set_options", fixed[i],
-                           "%s is fixed when a simulation is made: make another for another %s",
-                           fixed[i], fixed[i]);
+    return nsdae_error_set(
+        &sim->error, NSDAE_E_ARGUMENT, "nsdae_sim_set_options", fixed[i],
+        "%s is fixed after nsdae_sim_create: create another simulation for another %s", fixed[i],
+        fixed[i]);
   }
   return NSDAE_OK;
 }
@@ -121,7 +122,7 @@ static int check_mu(nsdae_sim *sim, const char *where, int i, double made, doubl
     return bad_coefficient(sim, where, "mu", NSDAE_NAME_CONTACT, i, mu, "at least 0, finite");
   if (made == 0 && mu > 0)
     return bad_coefficient(sim, where, "mu", NSDAE_NAME_CONTACT, i, mu,
-                           "0, as in the system that the simulation was made of");
+                           "0, as in the system of the simulation");
   return NSDAE_OK;
 }
 
@@ -162,7 +163,7 @@ static int set_frictional_joint(nsdae_sim *sim, int j, double mu)
   int status = check_mu(sim, where, j, sim->system->frictional_joint[j].mu, mu);
   if (status == NSDAE_OK && mu == 0 && sim->system->frictional_joint[j].mu > 0)
     status = bad_coefficient(sim, where, "mu", NSDAE_NAME_FRICTIONAL_JOINT, j, mu,
-                             "above 0, as in the system that the simulation was made of");
+                             "above 0, as in the system of the simulation");
   if (status == NSDAE_OK) status = settle(sim);
   if (status < 0) return status;
   sim->model.frictional_joint[j].mu = mu;

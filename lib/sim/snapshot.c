@@ -213,8 +213,7 @@ static int check_settings(nsdae_sim *sim, cursor *c)
     if (s.index >= 0)
       snprintf(of, sizeof of, " of %s", nsdae_system_called(sim->system, s.kind, s.index, called));
     nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, "nsdae_sim_set_state", s.name,
-                    "%s%s is %.17g here and %.17g in the block: a run goes on with the same "
-                    "settings",
+                    "%s%s is %.17g here and %.17g in the block: a state requires the same settings",
                     s.name, of, s.value, theirs);
     sim->error.index = s.index;
     return NSDAE_E_ARGUMENT;
@@ -349,10 +348,10 @@ static int check_dims(nsdae_sim *sim, const head *theirs, const head *ours)
 static int check_head(nsdae_sim *sim, const char *block, size_t size)
 {
   head h, ours = make_head(sim, size);
-  if (size < sizeof h) return refuse(sim, "size", "the block is shorter than its head");
+  if (size < sizeof h) return refuse(sim, "size", "the block is shorter than its header");
   memcpy(&h, block, sizeof h);
   if (memcmp(h.magic, MAGIC, sizeof h.magic) != 0)
-    return refuse(sim, "block", "these bytes are no state of a simulation (nsdae_sim_get_state)");
+    return refuse(sim, "block", "the block is no state of a simulation (nsdae_sim_get_state)");
   if (h.byte_order != ours.byte_order)
     return refuse(sim, "block", "the state is of a machine with another byte order");
   if (h.version != ours.version)
@@ -360,14 +359,14 @@ static int check_head(nsdae_sim *sim, const char *block, size_t size)
   int status = check_dims(sim, &h, &ours);
   if (status < 0) return status;
   if (h.closed < 0 || h.closed > sim->options.contacts_max || (h.closed > 0 && !sim->stepper.world))
-    return refuse(sim, "block", "the state has a number of contacts by list that cannot be");
+    return refuse(sim, "block", "the state has an invalid number of contacts in the contact list");
   if (h.size != size || h.reals != ours.reals || h.wholes != ours.wholes ||
       size != size_of(sim, h.closed))
     return check_size(sim, "nsdae_sim_set_state", block, size, h.closed) < 0
                ? NSDAE_E_ARGUMENT
-               : refuse(sim, "size", "the state has other sizes");
+               : refuse(sim, "size", "the state is of a system of other sizes");
   if (h.checksum != checksum_of(block, size))
-    return refuse(sim, "block", "the state is damaged: its checksum is another");
+    return refuse(sim, "block", "the state is damaged: its checksum differs");
   return NSDAE_OK;
 }
 

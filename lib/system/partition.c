@@ -64,7 +64,7 @@ int nsdae_system_set_blocks(nsdae_system *s, int count, const int *nq, const int
   if (count < 1) return refuse(s, "count", "there must be at least one block");
   if (s->dims.k > 0 || s->dims.f > 0)
     return refuse(s, s->dims.k > 0 ? "k" : "f",
-                  "a system of blocks has its contacts by list: dims.k and dims.f must be 0");
+                  "a system with blocks has a contact list: dims.k and dims.f must be 0");
   int status = check_sizes(s, count, nq, nv);
   if (status == NSDAE_OK) status = nsdae_system_open(s, "blocks");
   if (status < 0) return status;
@@ -138,9 +138,9 @@ int nsdae_system_check_blocks(const nsdae_system *s, const char **missing, nsdae
   if (s->by_list && !s->call.mass_blocks) *missing = "mass_blocks";
   if (s->by_list && s->dims.m > 0 && !s->call.constraint_rows) *missing = "constraint_rows";
   if (!wrong) return NSDAE_OK;
-  return nsdae_error_set(error, NSDAE_E_STATE, "nsdae_system", wrong,
-                         s->by_list ? "%s is of all velocities: a system of blocks takes "
-                                      "mass_blocks, constraint_rows and contacts"
-                                    : "%s needs blocks: call nsdae_system_set_blocks",
-                         wrong);
+  return nsdae_error_set(
+      error, NSDAE_E_STATE, "nsdae_system", wrong,
+      s->by_list ? "%s is for systems without blocks: use mass_blocks, constraint_rows and contacts"
+                 : "%s needs blocks: call nsdae_system_set_blocks",
+      wrong);
 }

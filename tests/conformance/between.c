@@ -727,7 +727,7 @@ static void test_limit(void **state)
     assert_int_equal(nsdae_sim_create(system, &o, &sim, &error), NSDAE_E_ARGUMENT);
     assert_string_equal(error.argument, "k");
     assert_non_null(strstr(error.text, rows[i]));
-    assert_non_null(strstr(error.text, "may have 20000"));
+    assert_non_null(strstr(error.text, "the maximum 20000"));
     assert_null(sim);
     nsdae_system_destroy(&system);
   }
