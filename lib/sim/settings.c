@@ -116,13 +116,12 @@ static int bad_index(nsdae_sim *sim, const char *where, const char *name, int i,
 }
 
 /* mu sizes the problem where it is zero in the system: those stay without friction. */
-static int check_mu(nsdae_sim *sim, const char *where, int i, double made, double mu)
+static int check_mu(nsdae_sim *sim, const char *where, int kind, int i, double made, double mu)
 {
   if (!(mu >= 0) || isinf(mu))
-    return bad_coefficient(sim, where, "mu", NSDAE_NAME_CONTACT, i, mu, "at least 0, finite");
+    return bad_coefficient(sim, where, "mu", kind, i, mu, "at least 0, finite");
   if (made == 0 && mu > 0)
-    return bad_coefficient(sim, where, "mu", NSDAE_NAME_CONTACT, i, mu,
-                           "0, as in the system of the simulation");
+    return bad_coefficient(sim, where, "mu", kind, i, mu, "0, as in the system of the simulation");
   return NSDAE_OK;
 }
 
@@ -131,7 +130,7 @@ static int set_contact(nsdae_sim *sim, int i, double mu, double e_n, double e_t)
   const char *where = "nsdae_sim_set_contact";
   nsdae_error_clear(&sim->error);
   if (i < 0 || i >= sim->model.dims.k) return bad_index(sim, where, "i", i, sim->model.dims.k);
-  int status = check_mu(sim, where, i, sim->system->contact[i].mu, mu);
+  int status = check_mu(sim, where, NSDAE_NAME_CONTACT, i, sim->system->contact[i].mu, mu);
   if (status < 0) return status;
   if (!(e_n >= 0 && e_n <= 1))
     return bad_coefficient(sim, where, "e_n", NSDAE_NAME_CONTACT, i, e_n, "0 to 1");
@@ -160,7 +159,8 @@ static int set_frictional_joint(nsdae_sim *sim, int j, double mu)
   const char *where = "nsdae_sim_set_frictional_joint";
   nsdae_error_clear(&sim->error);
   if (j < 0 || j >= sim->model.dims.f) return bad_index(sim, where, "j", j, sim->model.dims.f);
-  int status = check_mu(sim, where, j, sim->system->frictional_joint[j].mu, mu);
+  int status =
+      check_mu(sim, where, NSDAE_NAME_FRICTIONAL_JOINT, j, sim->system->frictional_joint[j].mu, mu);
   if (status == NSDAE_OK && mu == 0 && sim->system->frictional_joint[j].mu > 0)
     status = bad_coefficient(sim, where, "mu", NSDAE_NAME_FRICTIONAL_JOINT, j, mu,
                              "above 0, as in the system of the simulation");
