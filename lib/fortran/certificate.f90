@@ -1,17 +1,17 @@
-! nsdae/certificate.h: what a solver says of a problem.
+! nsdae/certificate.h: outcome and proof of a solve.
 module nsdae_f_certificate
   use, intrinsic :: iso_c_binding
   use nsdae_f_text
   implicit none
   private
 
-  ! What is known of a problem after the chain.
+  ! Outcome of a solve.
   integer(c_int), parameter, public :: &
       NSDAE_OUTCOME_UNSOLVED = 0, &
       NSDAE_OUTCOME_SOLVED = 1, &
       NSDAE_OUTCOME_INFEASIBLE = 2
 
-  ! What proves that there is no solution.
+  ! Proofs of infeasibility.
   integer(c_int), parameter, public :: &
       NSDAE_PROOF_NONE = 0, &
       NSDAE_PROOF_FARKAS = 1, &
