@@ -51,6 +51,12 @@ if(NSDAE_HDF5)
   nsdae_bench(warm ARGUMENTS ${sequence} LINKS test_friction_families test_friction_sequence)
 endif()
 
+# Sparse constraints of chains, trees, nets and ladders.
+nsdae_bench(chains)
+target_include_directories(bench_chains PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}
+  $<TARGET_PROPERTY:nsdae_linalg,INTERFACE_INCLUDE_DIRECTORIES>)
+target_compile_definitions(bench_chains PRIVATE _POSIX_C_SOURCE=200809L)
+
 # A step of one body beside that of another build, in instructions: bench/cost.sh, by hand.
 add_executable(bench_cost bench/cost.c)
 target_link_libraries(bench_cost PRIVATE nsdae_lib_static)

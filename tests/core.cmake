@@ -5,12 +5,14 @@ endforeach()
 
 target_compile_definitions(test_unit_base_params PRIVATE _POSIX_C_SOURCE=200809L)
 
-foreach(name dense multifrontal kkt rows sparse_lu)
+foreach(name dense multifrontal kkt rows sparse_kkt sparse_lu)
   nsdae_unit_test(linalg ${name})
   target_link_libraries(test_unit_linalg_${name} PRIVATE nsdae_lapack)
 endforeach()
 
 target_link_libraries(test_unit_linalg_multifrontal PRIVATE test_allocator)
+target_link_libraries(test_unit_linalg_sparse_kkt PRIVATE test_allocator)
+target_compile_definitions(test_unit_linalg_sparse_kkt PRIVATE HAS_LDL=$<BOOL:${NSDAE_LDL}>)
 
 foreach(name callback_guard check differences moment_arms moment_arm_check setters system)
   nsdae_unit_test(system ${name})
@@ -40,6 +42,7 @@ nsdae_test(anomaly lists)
 nsdae_test(anomaly bodies LINKS test_allocator)
 nsdae_test(anomaly sizes LINKS test_support)
 nsdae_test(system blocks LINKS test_support test_allocator)
+nsdae_test(system mechanisms)
 nsdae_test(system certificate)
 nsdae_test(system figures LINKS test_support)
 nsdae_test(system threads LINKS test_support)

@@ -1,19 +1,23 @@
-/* nsdae: rigid bodies, joints, loads and contacts between shapes, as a system. BSD-3-Clause.
+/* nsdae: rigid bodies, joints, forces and contacts between shapes, as a system. BSD-3-Clause.
  *
- * A mechanism without a derivation: bodies are placed as they stand at the start, joints, springs
- * and contacts are named by points and axes in space at that moment, and nsdae_bodies_system makes
- * the nsdae_system, with every derivative by formula.
+ * A mechanism is described without equations. Bodies have a pose at the start. Joints, springs and
+ * contacts are given by points and axes in space at that time. nsdae_bodies_system makes the
+ * nsdae_system; all derivatives are closed formulas.
  *
  *   planar    q = [x, y, theta] of each body, v = q'
- *   spatial   q = [x, y, z, q_w, q_x, q_y, q_z], the quaternion turning the body's own axes into
- *             space;  v = [x', y', z', omega_1, omega_2, omega_3], omega in the body's own axes, in
- *             which the inertia is diagonal and M constant
+ *   spatial   q = [x, y, z, q_w, q_x, q_y, q_z]; the unit quaternion rotates body axes into space
+ *             v = [x', y', z', omega_1, omega_2, omega_3]; omega in body axes
+ *             body axes are principal axes: the inertia is diagonal and M is constant
  *
- * named x0, y0, theta0, x1, ... (spatial x0, y0, z0, qw0, qx0, qy0, qz0, ...; vx0, ..., wx0, ...);
- * constraints are named joint0_0, joint0_1, ..., the rows of joint 0.
+ * Names:
  *
- * x, y, z is the centre of mass. Lengths are arrays of three, in the plane with z left out (zero).
- * Bodies, solids, joints and contacts are numbered from 0 in the order in which they are added. */
+ * - planar coordinates: x0, y0, theta0, x1, ...
+ * - spatial coordinates: x0, y0, z0, qw0, qx0, qy0, qz0, x1, ...
+ * - spatial velocities: vx0, vy0, vz0, wx0, wy0, wz0, vx1, ...
+ * - constraints: joint0_0, joint0_1, ... for the rows of joint 0
+ *
+ * x, y, z is the centre of mass. Vectors are arrays of three; in planar models z is 0. Bodies,
+ * solids, joints and contacts are numbered from 0 in the order of the calls that add them. */
 #ifndef NSDAE_BODIES_H
 #define NSDAE_BODIES_H
 
@@ -24,203 +28,234 @@
 extern "C" {
 #endif
 
-/* A mechanism that is being described; opaque. */
+/* A mechanism under construction; opaque. */
 typedef struct nsdae_bodies nsdae_bodies;
 
-enum { NSDAE_GROUND = -1 }; /* in place of a body's number */
+enum { NSDAE_GROUND = -1 }; /* the ground, in place of a body's number */
 
-enum { NSDAE_MATERIALS = 64 }; /* how many materials solids can be of */
+enum { NSDAE_MATERIALS = 64 }; /* number of materials */
 
 /* A rigid body at the start. */
 typedef struct nsdae_rigid_body {
   double mass;          /* > 0 [kg] */
-  double inertia[3];    /* about the centre of mass and its own axes, > 0 [kg m^2]; in the plane
-                           inertia[2] alone */
+  double inertia[3];    /* principal moments about the centre of mass, > 0 [kg m^2]; planar:
+                           inertia[2] only */
   double position[3];   /* of the centre of mass [m] */
   double angle;         /* planar: theta [rad] */
-  double quaternion[4]; /* spatial: w, x, y, z, brought to unit length; all zero: own axes along
-                           those of space */
+  double quaternion[4]; /* spatial: w, x, y, z; normalised by the call; all zero: body axes
+                           parallel to the axes of space */
   double velocity[3];   /* of the centre of mass [m/s] */
-  double spin[3];       /* angular velocity in own axes [rad/s]; in the plane spin[2] alone */
+  double spin[3];       /* angular velocity in body axes [rad/s]; planar: spin[2] only */
 } nsdae_rigid_body;
 
-/* A solid: the shape of a body, or a part of it, for contacts and inertia. Its frame is the body's
- * where nothing else is said. Convex, but for a hollow disc.
+/* A solid: the shape of a body or of a part of it, for contacts and inertia. Its frame is the
+ * body's frame unless position, angle or quaternion are given. All solids are convex, except a
+ * hollow disc.
+ *
  *   POINT
- *   DISC      planar: radius; hollow: the solid is outside of the circle
- *   SEGMENT   planar: from (-length[0]/2, 0) to (length[0]/2, 0); radius > 0: rounded to both
- *             sides, 0: solid below (its own y < 0)
- *   POLYGON   planar: its corners, anticlockwise
+ *   DISC      planar: radius; hollow: the material is outside the circle
+ *   SEGMENT   planar: from (-length[0]/2, 0) to (length[0]/2, 0); radius > 0: rounded on both
+ *             sides; radius = 0: material below (y < 0 in its frame)
+ *   POLYGON   planar: corners in anticlockwise order
  *   SPHERE    spatial: radius
- *   CAPSULE   spatial: radius; length[2] between its centres, along its own z
- *   BOX       spatial: edges length[0..2]
- *   PLANE     solid below: y <= 0 in the plane, z <= 0 in space */
+ *   CAPSULE   spatial: radius; length[2] between the centres of its caps, along z of its frame
+ *   BOX       spatial: edge lengths length[0..2]
+ *   PLANE     half-space of material: y <= 0 (planar) or z <= 0 (spatial) in its frame */
 typedef struct nsdae_solid {
-  int shape;            /* enum nsdae_shape, but for PATH */
+  int shape;            /* enum nsdae_shape, except PATH */
   double radius;        /* >= 0 [m] */
   double length[3];     /* [m] */
-  int hollow;           /* a disc: not 0 where the hole is meant */
-  int points;           /* of a polygon, >= 3 */
-  const double *point;  /* points x 2: x, y of each corner; copied */
-  double position[3];   /* in the body's frame [m] */
-  double angle;         /* planar: against the body's [rad] */
-  double quaternion[4]; /* spatial: against the body's; all zero: none */
+  int hollow;           /* a disc: not 0 for a hole */
+  int points;           /* POLYGON: number of corners, >= 3 */
+  const double *point;  /* POLYGON: points x 2, x and y of each corner; copied */
+  double position[3];   /* of its frame in the body's frame [m] */
+  double angle;         /* planar: of its frame in the body's frame [rad] */
+  double quaternion[4]; /* spatial: of its frame in the body's frame; all zero: no rotation */
   int material;         /* 0 .. NSDAE_MATERIALS - 1, for nsdae_bodies_set_pair */
 } nsdae_solid;
 
-/* Mass and inertia[3] (own principal axes) about its centre, of a solid of uniform density [kg/m^3;
- * planar kg/m^2] in its own frame; for DISC, POLYGON (whose corners must be given about their
- * centroid), SPHERE, CAPSULE, BOX. NSDAE_E_ARGUMENT names what is wrong. error may be NULL. */
+/* Mass and principal moments inertia[3] about the centre of mass, in the frame of the solid.
+ * density is uniform and has the unit kg/m^3 (planar kg/m^2). Supported: DISC, POLYGON, SPHERE,
+ * CAPSULE, BOX. The corners of a POLYGON must be relative to its centroid. NSDAE_E_ARGUMENT: the
+ * text names the invalid field. error may be NULL. */
 NSDAE_API int nsdae_solid_inertia(const nsdae_solid *solid, double density, double *mass,
                                   double inertia[3], nsdae_error *error);
 
-/* What two bodies keep to each other; see nsdae_joint. */
+/* Kinds of joints; see nsdae_joint. */
 enum nsdae_joint_kind {
   NSDAE_JOINT_REVOLUTE,    /* common point; spatial: common axis */
-  NSDAE_JOINT_PRISMATIC,   /* slides along axis, does not turn */
-  NSDAE_JOINT_WELD,        /* nothing moves */
-  NSDAE_JOINT_DISTANCE,    /* point (of body 0) and end (of body 1) keep their distance */
-  NSDAE_JOINT_SLOT,        /* planar: the point of body 1 stays on a line along axis in body 0; may
-                              have friction */
-  NSDAE_JOINT_GEAR,        /* planar: theta_1 turns ratio times as far as theta_0 */
+  NSDAE_JOINT_PRISMATIC,   /* translation along axis, no rotation */
+  NSDAE_JOINT_WELD,        /* no relative motion */
+  NSDAE_JOINT_DISTANCE,    /* constant distance between point (body 0) and end (body 1) */
+  NSDAE_JOINT_SLOT,        /* planar: point of body 1 on a line along axis of body 0; may have
+                              friction */
+  NSDAE_JOINT_GEAR,        /* planar: rotation of body 1 = ratio x rotation of body 0 */
   NSDAE_JOINT_SPHERICAL,   /* spatial: common point */
-  NSDAE_JOINT_CYLINDRICAL, /* spatial: slides along axis and turns about it */
-  NSDAE_JOINT_UNIVERSAL /* spatial: common point; axis of body 0 stays at right angles to cross of
-                           body 1 */
+  NSDAE_JOINT_CYLINDRICAL, /* spatial: translation along axis and rotation about it */
+  NSDAE_JOINT_UNIVERSAL /* spatial: common point; axis of body 0 perpendicular to cross of body 1 */
 };
 
-/* Prescribed motion: drive[0..2] := f(t), f'(t), f''(t). Returns as every callback does. */
+/* Prescribed motion: drive[0..2] := f(t), f'(t), f''(t). Returns the codes of every callback. */
 typedef int (*nsdae_drive_fn)(double t, double drive[3], void *user);
 
-/* A joint, as it stands at the start; points and axes in space. */
+/* A joint; points and axes are in space at the start. drive prescribes one relative motion f:
+ *
+ * - REVOLUTE: angle of body 1 relative to body 0 since the start [rad]
+ * - PRISMATIC, SLOT (mu = 0), CYLINDRICAL: displacement along axis [m]
+ * - DISTANCE: the distance [m]
+ * - GEAR: angle of body 1 in addition to the gear's [rad] */
 typedef struct nsdae_joint {
   int kind;             /* enum nsdae_joint_kind */
-  int body[2];          /* NSDAE_GROUND or a body's number; not the same */
+  int body[2];          /* NSDAE_GROUND or a body's number; two different ones */
   double point[3];      /* [m] */
-  double end[3];        /* DISTANCE: of body 1 [m] */
-  double axis[3];       /* PRISMATIC, SLOT, CYLINDRICAL, UNIVERSAL, spatial REVOLUTE: any length */
-  double cross[3];      /* UNIVERSAL: at right angles to axis */
-  double ratio;         /* GEAR */
-  nsdae_drive_fn drive; /* NULL: free. REVOLUTE: the angle of body 1 against body 0 from the start
-                           on is f [rad]; PRISMATIC, SLOT (mu = 0), CYLINDRICAL: the way along axis
-                           [m]; DISTANCE: the distance [m]; GEAR: theta_1 turns by f further than
-                           the gear has it [rad]. The others have no single motion to drive */
-  void *user;           /* handed to drive */
-  double mu;            /* SLOT: friction, >= 0; else 0 */
+  double end[3];        /* DISTANCE: point of body 1 [m] */
+  double axis[3];       /* PRISMATIC, SLOT, CYLINDRICAL, UNIVERSAL, spatial REVOLUTE: of any
+                           length > 0 */
+  double cross[3];      /* UNIVERSAL: perpendicular to axis */
+  double ratio;         /* GEAR: not 0 */
+  nsdae_drive_fn drive; /* NULL: free; other kinds cannot be driven */
+  void *user;           /* last argument of drive */
+  double mu;            /* SLOT: coefficient of friction, >= 0; else 0 */
 } nsdae_joint;
 
-/* A spring and damper between a point of body 0 and one of body 1, in space at the start:
- * F = stiffness (l - rest) + damping l' along the line between them. */
+/* A spring and damper between a point of body 0 and a point of body 1, in space at the start. The
+ * force acts along the line between the points: F = stiffness (l - rest) + damping l'. */
 typedef struct nsdae_spring {
-  int body[2];               /* NSDAE_GROUND or a body's number; not the same */
+  int body[2];               /* NSDAE_GROUND or a body's number; two different ones */
   double point[3], end[3];   /* [m] */
   double stiffness, damping; /* >= 0 [N/m, N s/m] */
-  double rest;               /* length without force [m], >= 0 */
+  double rest;               /* free length [m], >= 0 */
 } nsdae_spring;
 
-/* The same about an axis (in the plane: z); phi is the angle of body 1 against body 0 from the
- * start on. In space the bodies are to be joined so that they turn about this axis alone. */
+/* A rotational spring and damper about an axis (planar: z). phi is the angle of body 1 relative to
+ * body 0 since the start. In space the joints must allow relative rotation about this axis only. */
 typedef struct nsdae_torsion {
-  int body[2];               /* NSDAE_GROUND or a body's number; not the same */
-  double axis[3];            /* spatial: in space, of any length */
+  int body[2];               /* NSDAE_GROUND or a body's number; two different ones */
+  double axis[3];            /* spatial: in space at the start, of any length > 0 */
   double stiffness, damping; /* >= 0 [N m/rad, N m s/rad] */
-  double rest;               /* phi without torque [rad] */
+  double rest;               /* phi of zero torque [rad] */
 } nsdae_torsion;
 
-/* Force [N] and torque [N m] (in space) on a point of a body, given where it is and how fast [m,
- * m/s]; both come zeroed. Returns as every callback does. */
+/* Force [N] and torque [N m], in space, on a point of a body. Inputs are the point's position [m]
+ * and velocity [m/s]. force and torque are zero on entry. Returns the codes of every callback. */
 typedef int (*nsdae_load_fn)(double t, const double position[3], const double velocity[3],
                              double force[3], double torque[3], void *user);
 
-/* What a mechanism has beside its bodies: coordinates, constraints, contacts and frictional joints
- * of one's own, which follow those of the bodies: coordinate 0 of one's own is q[3 bodies], in
- * space q[7 bodies], velocity 0 is v[3 bodies], in space v[6 bodies]. The callbacks are those of
- * nsdae/system.h and get q and v of the whole mechanism. Rows of constraints, contacts and
- * frictional joints are one's own alone, over all velocities; so they may tie bodies and
- * coordinates together (nsdae_bodies_locate says where a point is). M is the block of one's own
- * velocities, dq/dt that of one's own coordinates; F is the whole, with the forces of the bodies in
- * it, to which more are added. mass is needed where nv > 0, constraint where m > 0, gap and
- * gap_tangent where k > 0, frictional_joint_tangent where f > 0, kinematics where nq != nv. A
- * derivative that is missing is filled by differences, as nsdae/system.h says, then of the bodies'
- * rows too. mu, e_N, e_T and names are given to the system: contact 0 of one's own is number dims.k
- * - k there, frictional joint 0 number dims.f - f. */
+/* The user's own coordinates, constraints, contacts and frictional joints ("user rows"). They
+ * follow those of the bodies in all arrays.
+ *
+ * - User coordinate 0 is q[3 bodies] (planar) or q[7 bodies] (spatial).
+ * - User velocity 0 is v[3 bodies] (planar) or v[6 bodies] (spatial).
+ * - Contact 0 is number dims.k - k of the system; frictional joint 0 is number dims.f - f.
+ *
+ * The callbacks are those of nsdae/system.h. Their inputs are q and v of the whole mechanism. Their
+ * outputs are:
+ *
+ * - constraints, contacts, frictional joints: the user rows only, over all velocities. A row may
+ *  couple bodies and user coordinates; nsdae_bodies_locate gives the position of a point.
+ * - mass: the block of the user velocities
+ * - kinematics: the rates of the user coordinates
+ * - force: F of the whole mechanism; it contains the forces on the bodies, and the callback adds to
+ *  it
+ *
+ * Required callbacks:
+ *
+ * - mass if nv > 0
+ * - constraint if m > 0
+ * - gap and gap_tangent if k > 0
+ * - frictional_joint_tangent if f > 0
+ * - kinematics if nq != nv
+ *
+ * Missing derivatives are computed by central differences (see nsdae/system.h), then for the rows
+ * of the bodies too. mu, e_N, e_T and names are set in the system. */
 typedef struct nsdae_user_rows {
-  nsdae_dims dims;      /* one's own alone; any may be 0. nt is not read: it is dimension - 1 */
-  nsdae_mass_fn mass;   /* M, the block of one's own velocities */
-  nsdae_force_fn force; /* added to the F of the bodies */
-  nsdae_constraint_fn constraint;                   /* Phi of one's own rows */
+  nsdae_dims dims;      /* sizes of the user rows; each may be 0. nt is ignored: it is dimension
+                           - 1 */
+  nsdae_mass_fn mass;   /* M, the block of the user velocities */
+  nsdae_force_fn force; /* adds to F of the bodies */
+  nsdae_constraint_fn constraint;                   /* Phi of the user rows */
   nsdae_constraint_jacobian_fn constraint_jacobian; /* their Phi_q, over all velocities */
   nsdae_constraint_bias_fn constraint_bias;         /* their Phi_t and omega */
-  nsdae_gap_fn gap;                                 /* g_N of one's own contacts */
+  nsdae_gap_fn gap;                                 /* g_N of the user contacts */
   nsdae_gap_normal_fn gap_normal;                   /* their W_N, over all velocities */
-  nsdae_gap_tangent_fn gap_tangent;                 /* their W_T */
+  nsdae_gap_tangent_fn gap_tangent;                 /* their W_T, over all velocities */
   nsdae_contact_bias_fn contact_bias;               /* their w_N and w_T */
   nsdae_contact_acceleration_fn
-      contact_acceleration; /* theirs, and that of one's own frictional joints */
+      contact_acceleration; /* accelerations of the user contacts and frictional joints */
   nsdae_frictional_joint_fn
-      frictional_joint_tangent;             /* W_S and w_S of one's own frictional joints */
-  nsdae_kinematics_fn kinematics;           /* rates of one's own coordinates */
-  nsdae_constraint_rows_fn constraint_rows; /* contacts by list: Phi_q in place of
-                                               constraint_jacobian; row 0 of one's own is dims.m - m
-                                               of the whole, the block the last */
-  nsdae_contacts_fn contacts;               /* contacts by list: more of them, with ids below 0 */
-  nsdae_potential_fn potential;             /* added to that of the bodies */
-  void *user;                               /* handed to each */
+      frictional_joint_tangent;             /* W_S and w_S of the user frictional joints */
+  nsdae_kinematics_fn kinematics;           /* rates of the user coordinates */
+  nsdae_constraint_rows_fn constraint_rows; /* contact list: Phi_q in place of
+                                               constraint_jacobian; user row 0 is row dims.m - m
+                                               of the system, the user block is the last */
+  nsdae_contacts_fn contacts;               /* contact list: additional contacts; their ids are <
+                                               0 */
+  nsdae_potential_fn potential;             /* adds to the potential of the bodies */
+  void *user;                               /* last argument of each callback */
 } nsdae_user_rows;
 
-/* Makes an empty world of dimension 2 or 3. error may be NULL. NSDAE_E_ARGUMENT, NSDAE_E_MEMORY. */
+/* Creates an empty model of dimension 2 or 3. error may be NULL. NSDAE_E_ARGUMENT, NSDAE_E_MEMORY.
+ */
 NSDAE_API int nsdae_bodies_create(int dimension, nsdae_bodies **bodies, nsdae_error *error);
-/* Releases it and sets *bodies to NULL. A system made of it must have been destroyed before. */
+/* Frees the model and sets *bodies to NULL. Destroy its system first. */
 NSDAE_API void nsdae_bodies_destroy(nsdae_bodies **bodies);
 
-/* Each adds one thing: returns its number, or a status < 0, which is remembered: later calls return
- * it too, and so does nsdae_bodies_system, so that it is enough to look there. NSDAE_E_ARGUMENT
- * (the record names it, its value and its bound), NSDAE_E_STATE (the system has been made),
- * NSDAE_E_MEMORY. */
+/* Each function adds one object and returns its number, or a status < 0. The first failure is
+ * stored: later calls and nsdae_bodies_system return it too. It is enough to check
+ * nsdae_bodies_system.
+ *
+ * - NSDAE_E_ARGUMENT: the record names the argument, its value and its bound
+ * - NSDAE_E_STATE: the system has been made
+ * - NSDAE_E_MEMORY */
 NSDAE_API int nsdae_bodies_add(nsdae_bodies *bodies, const nsdae_rigid_body *body);
 NSDAE_API int nsdae_bodies_add_joint(nsdae_bodies *bodies, const nsdae_joint *joint);
 NSDAE_API int nsdae_bodies_add_spring(nsdae_bodies *bodies, const nsdae_spring *spring);
 NSDAE_API int nsdae_bodies_add_torsion(nsdae_bodies *bodies, const nsdae_torsion *torsion);
-/* A load on the point [3] (in space, at the start) of a body. */
+/* Adds a force callback on the point [3] of a body, in space at the start. */
 NSDAE_API int nsdae_bodies_add_load(nsdae_bodies *bodies, int body, const double *point,
                                     nsdae_load_fn load, void *user);
-/* A solid of a body, or of NSDAE_GROUND. */
+/* Adds a solid to a body or to NSDAE_GROUND. */
 NSDAE_API int nsdae_bodies_add_solid(nsdae_bodies *bodies, int body, const nsdae_solid *solid);
-/* Lets two solids of different bodies touch; returns the number of the first of its contacts, which
- * follow each other: one for each corner (or centre) of one solid against the other, and in space
- * one for each pair of edges. mu >= 0, e_n and e_t 0 .. 1 as nsdae_system_set_contact. */
+/* Adds the contacts between two solids of different bodies. Returns the number of the first one;
+ * the others follow it. There is one contact for each corner (or centre) of one solid against the
+ * other, and in space one for each pair of edges. mu >= 0; e_n and e_t in 0 .. 1 as in
+ * nsdae_system_set_contact. */
 NSDAE_API int nsdae_bodies_add_contact(nsdae_bodies *bodies, int solid0, int solid1, double mu,
                                        double e_n, double e_t);
 
-/* Lets every two solids of these materials touch that belong to different bodies; the last call for
- * a pair counts. From then on contacts are by list: those that may be near are found anew in every
- * step, in time that grows with the number of solids where these are of similar size, and a body is
- * a block (nsdae/system.h: large systems), so that there can be many of them. No contact is named
- * then by nsdae_bodies_add_contact, no slot has friction, and the methods are implicit,
- * implicit-printed and moreau. NSDAE_OK or < 0. */
+/* Enables contact between all solids of two materials that belong to different bodies. The last
+ * call for a pair of materials applies. The system then uses a contact list:
+ *
+ * - A broad phase finds the close pairs in every step. Its time is proportional to the number of
+ *  solids if they are of similar size.
+ * - Each body is a block of v (nsdae/system.h: large systems).
+ * - nsdae_bodies_add_contact is not available, and slots have no friction.
+ * - The methods are implicit, implicit-printed and moreau.
+ *
+ * Returns NSDAE_OK or the errors above. */
 NSDAE_API int nsdae_bodies_set_pair(nsdae_bodies *bodies, int material0, int material1, double mu,
                                     double e_n, double e_t);
 
-/* Gravity [3] [m/s^2]; none at first. */
+/* Gravity [3] [m/s^2]; default zero. */
 NSDAE_API int nsdae_bodies_set_gravity(nsdae_bodies *bodies, const double *gravity);
 
-/* Coordinates and rows of one's own beside the bodies, once. NSDAE_E_ARGUMENT: the text names a
- * callback that is missing, or that nothing calls; NSDAE_E_STATE, and as those above. */
+/* Sets the user rows, once. Errors are those above. NSDAE_E_ARGUMENT: the text names a callback
+ * that is missing or never called. NSDAE_E_STATE: also if user rows exist. */
 NSDAE_API int nsdae_bodies_set_user_rows(nsdae_bodies *bodies, const nsdae_user_rows *own);
 
-/* The system of it all. From now on nothing can be added; bodies must outlive the system, which the
- * caller destroys. The first failure of any call before, NSDAE_E_STATE (no body and no coordinate),
- * NSDAE_E_MEMORY.
- */
+/* Makes the system. No object can be added later. bodies must outlive the system; the caller
+ * destroys the system. Returns the first failure of any call before, NSDAE_E_STATE (no body and no
+ * coordinate) or NSDAE_E_MEMORY. */
 NSDAE_API int nsdae_bodies_system(nsdae_bodies *bodies, nsdae_system **system);
-/* Sizes, and coordinates q [nq] and velocities v [nv] at the start; those of one's own are 0. */
+/* Sizes; coordinates q [nq] and velocities v [nv] at the start. The user's own coordinates and
+ * velocities are 0. */
 NSDAE_API int nsdae_bodies_get_dims(const nsdae_bodies *bodies, nsdae_dims *dims);
 NSDAE_API int nsdae_bodies_get_start(const nsdae_bodies *bodies, double *q, double *v);
-/* Where the point local [3] of a body's own frame is with the coordinates q: point [3]. */
+/* Position point [3] in space of the point local [3] in body axes, at the coordinates q. */
 NSDAE_API int nsdae_bodies_locate(const nsdae_bodies *bodies, const double *q, int body,
                                   const double *local, double *point);
 
-/* Why the first call that failed did. */
+/* The error record of the first call that failed. */
 NSDAE_API const nsdae_error *nsdae_bodies_error(const nsdae_bodies *bodies);
 
 #ifdef __cplusplus

@@ -1,19 +1,19 @@
 /* nsdae: C++ (11 and later). BSD-3-Clause.
  *
- * Owning handles over the C functions, whose headers say what each member does; c() gives the
- * handle for the functions that are no member here.
+ * Owning handles for the C library. The C headers document what each member does. c() returns the
+ * handle of C, for functions without a member.
  *
- * Exceptions or status, by choice: members throw nsdae::error where the C function returns < 0 and
- * return its status >= 0; those named try_ throw nothing and return the status, with the record in
- * last_error(). A handle that is empty (made without arguments, or moved from) answers
- * NSDAE_E_ARGUMENT.
+ * Errors: members throw nsdae::error if the C function returns < 0, and return its status >= 0.
+ * Members named try_ do not throw; they return the status, and last_error() has the record. An
+ * empty handle (default-constructed or moved from) fails with NSDAE_E_ARGUMENT.
  *
- * Callbacks are whatever can be called with the arguments of the C callback but the last (user):
- * lambdas, functions, objects. They return nothing, or its int code. What they throw does not
- * cross the C code: the step is given up, and the member that ran it throws it again, as it was;
- * after a try_ member, take_exception() gives it.
+ * Callbacks are callable objects (lambdas, functions, function objects) with the arguments of the C
+ * callback except user. They return void, or int with the codes of C. An exception of a callback
+ * does not propagate through C code. The step fails, and the member that runs it rethrows the
+ * exception. After a try_ member, take_exception() returns it.
  *
- * A simulation keeps its system alive, a trajectory its simulation: handles may go in any order. */
+ * A simulation keeps its system alive, and a trajectory its simulation: handles may be destroyed in
+ * any order. */
 #ifndef NSDAE_HPP
 #define NSDAE_HPP
 
@@ -37,15 +37,15 @@
 namespace nsdae
 {
 
-/* A status < 0, with the error record of the C library. */
+/* A status < 0 with the error record of the C library. */
 class error : public std::runtime_error
 {
 public:
-  /* Takes the record; what() is its text. */
+  /* what() is the text of the record. */
   explicit error(const nsdae_error &record) : std::runtime_error(record.text), record_(record) {}
-  /* enum nsdae_status, < 0 */
+  /* enum nsdae_status, < 0. */
   int status() const noexcept { return record_.status; }
-  /* The whole record: argument, where, index, time. */
+  /* The record: argument, where, index, time, text. */
   const nsdae_error &record() const noexcept { return record_; }
 
 private:
@@ -55,8 +55,8 @@ private:
 namespace detail
 {
 
-/* What a callback threw in this thread and nobody has taken. Visible across shared objects, so that
- * one that makes a callback and another that runs it share it. */
+/* The exception of a callback of this thread until take_exception(). Exported, so that shared
+ * objects that create and that run a callback share it. */
 NSDAE_API inline std::exception_ptr &thrown() noexcept
 {
   static thread_local std::exception_ptr slot;
@@ -75,7 +75,7 @@ inline nsdae_error make_record(int status, const char *argument, const std::stri
   return record;
 }
 
-/* Around every call that may run callbacks or allocate: nothing comes out of it but a status. */
+/* For every call that may run callbacks or allocate: it returns a status and does not throw. */
 template <class Call> int attempt(Call call) noexcept
 {
   thrown() = nullptr;
@@ -86,7 +86,7 @@ template <class Call> int attempt(Call call) noexcept
   }
 }
 
-/* A status >= 0, or error. */
+/* Returns a status >= 0, or throws error. */
 inline int demand(int status, const nsdae_error *record)
 {
   if (status >= 0) return status;
@@ -94,7 +94,7 @@ inline int demand(int status, const nsdae_error *record)
   throw error(make_record(status, "", nsdae_status_message(status)));
 }
 
-/* A callback of any type, kept as a function that returns a code. */
+/* A callable object as a function that returns a code. */
 template <class... A> struct callback {
   std::function<int(A...)> call;
 
@@ -118,7 +118,7 @@ private:
   }
 };
 
-/* Runs a callback for C: an exception is set aside and becomes the code given. */
+/* Runs a callback for C: an exception is stored and becomes the given code. */
 template <class Call> int shield(int code, Call call) noexcept
 {
   try {
@@ -157,17 +157,17 @@ struct system_guts {
   system_guts(const system_guts &) = delete;
   system_guts &operator=(const system_guts &) = delete;
   ~system_guts() { nsdae_system_destroy(&c); }
-  std::shared_ptr<void> world; /* what it was made of: outlives c */
+  std::shared_ptr<void> world; /* the model that c is made of; outlives c */
 };
 
-/* nsdae_bodies with the drives and loads that it calls. */
+/* nsdae_bodies with the drives and forces that it calls. */
 struct bodies_guts {
   typedef callback<double, double *> drive;
   typedef callback<double, const double *, const double *, double *, double *> load;
   nsdae_bodies *c = nullptr;
   std::list<drive> drives;
   std::list<load> loads;
-  std::shared_ptr<system_guts> own; /* callbacks alone */
+  std::shared_ptr<system_guts> own; /* callbacks only */
 
   bodies_guts() = default;
   bodies_guts(const bodies_guts &) = delete;
@@ -185,7 +185,7 @@ struct bodies_guts {
   }
 };
 
-/* The C function behind the member of system_guts that Member points to. */
+/* The C function for the member of system_guts that Member points to. */
 template <class T, T Member> struct trampoline;
 template <class... A, callback<A...> system_guts::*Member>
 struct trampoline<callback<A...> system_guts::*, Member> {
@@ -221,8 +221,8 @@ struct sim_guts {
 
 } // namespace detail
 
-/* What a callback threw in the last try_ member of this thread that failed; null where nothing
- * was thrown. */
+/* Removes and returns the exception of a callback in the last failed try_ member of this thread;
+ * null if there is none. */
 inline std::exception_ptr take_exception() noexcept
 {
   std::exception_ptr exception;
@@ -233,7 +233,7 @@ inline std::exception_ptr take_exception() noexcept
 namespace detail
 {
 
-/* The same of a call that ran callbacks: what one of them threw goes first. */
+/* demand() of a call that ran callbacks: an exception of a callback is rethrown instead. */
 inline int demand_run(int status, const nsdae_error *record)
 {
   if (status >= 0) return status;
@@ -241,7 +241,7 @@ inline int demand_run(int status, const nsdae_error *record)
   return demand(status, record);
 }
 
-/* A vector of the size that is wanted, or an error that names it. */
+/* data() of a vector of this size, or throws an error that names it. */
 template <class V> const double *sized(const V &vector, int size, const char *name)
 {
   if (static_cast<decltype(vector.size())>(size) == vector.size()) return vector.data();
@@ -266,11 +266,11 @@ public:
     detail::demand(nsdae_sim_options_set(&options_, key.c_str(), value.c_str(), &record), &record);
     return *this;
   }
-  /* The same of a text in C. */
+  /* Sets an option from a C string. */
   options &set(const std::string &key, const char *value) { return set(key, std::string(value)); }
-  /* The same of a number or a value of an enum. */
+  /* Sets an integer option, or a choice by its enum value. */
   options &set(const std::string &key, int value) { return set(key, std::to_string(value)); }
-  /* The same of a number, to the last bit. */
+  /* Sets a real option exactly. */
   options &set(const std::string &key, double value)
   {
     std::ostringstream text;
@@ -280,35 +280,35 @@ public:
     return set(key, text.str());
   }
 
-  /* The fields themselves: options->dt = 0.01. */
+  /* Access to the fields: options->dt = 0.01. */
   nsdae_sim_options *operator->() noexcept { return &options_; }
-  /* The same of what is constant. */
+  /* Read access to the fields. */
   const nsdae_sim_options *operator->() const noexcept { return &options_; }
-  /* The struct for the functions of C. */
+  /* The struct for C functions. */
   const nsdae_sim_options *c() const noexcept { return &options_; }
 
 private:
   nsdae_sim_options options_;
 };
 
-/* nsdae_system. Its user pointer is taken: callbacks carry their own data. */
+/* nsdae_system. Its user pointer is reserved: callbacks carry their own data. */
 class system
 {
 public:
-  /* Empty. */
+  /* An empty handle. */
   system() noexcept = default;
-  /* A description of these sizes, without callbacks. */
+  /* A system of these sizes, without callbacks. */
   explicit system(const nsdae_dims &dims)
   {
     nsdae_error record = nsdae_error();
     detail::demand(try_create(dims, &record), &record);
   }
-  /* Moves; what it was moved from is empty. */
+  /* The source becomes empty. */
   system(system &&) noexcept = default;
-  /* The same. */
+  /* The source becomes empty. */
   system &operator=(system &&) noexcept = default;
 
-  /* Makes it anew; what it was before is released. */
+  /* Creates a new system; frees the old one. */
   int try_create(const nsdae_dims &dims, nsdae_error *record = nullptr) noexcept
   {
     guts_.reset();
@@ -322,7 +322,7 @@ public:
     });
   }
 
-  /* Whether it holds something. */
+  /* Whether the handle is not empty. */
   explicit operator bool() const noexcept { return c() != nullptr; }
   /* The handle of C, or NULL. */
   nsdae_system *c() const noexcept { return guts_ ? guts_->c : nullptr; }
@@ -337,7 +337,7 @@ public:
   {
     return keep(NSDAE_CALLBACK(mass), std::move(f));
   }
-  /* F(t,q,v) [nv]: all forces but those of constraints and contacts.
+  /* F(t,q,v) [nv]: all forces except those of constraints and contacts.
    *   f(double t, const double *q, const double *v, double *F) */
   template <class F> system &force(F f)
   {
@@ -361,7 +361,7 @@ public:
   {
     return keep(NSDAE_CALLBACK(constraint_bias), std::move(f));
   }
-  /* g_N(t,q) [k]: the distance of each contact, negative where its bodies overlap.
+  /* g_N(t,q) [k]: the distance of each contact, negative for an overlap.
    *   f(double t, const double *q, double *g) */
   template <class F> system &gap(F f)
   {
@@ -374,14 +374,14 @@ public:
     return keep(NSDAE_CALLBACK(gap_normal), std::move(f));
   }
   /* W_T(t,q) [nv x k nt], such that v_T = W_T^T v + w_T; contact i has columns i nt .. i nt + nt-1,
-   * for nt = 2 two directions at right angles.
+   * for nt = 2 two perpendicular directions.
    *   f(double t, const double *q, double *W, int ldw) */
   template <class F> system &gap_tangent(F f)
   {
     return keep(NSDAE_CALLBACK(gap_tangent), std::move(f));
   }
-  /* w_N(t,q) [k] and w_T(t,q) [k nt]: the velocities that the contacts have with v = 0.
-   * w_t is NULL where nt = 0.
+  /* w_N(t,q) [k] and w_T(t,q) [k nt]: velocities of the contacts at v = 0.
+   * w_t is NULL if nt = 0.
    *   f(double t, const double *q, double *w_n, double *w_t) */
   template <class F> system &contact_bias(F f)
   {
@@ -390,7 +390,7 @@ public:
   /* Accelerations at v' = 0 of contacts, omega_n [k] and omega_t [k nt], and of frictional
    * joints, omega_s [f]: g_N'' = W_N^T v' + omega_n, v_T' = W_T^T v' + omega_t,
    * v_S' = W_S^T v' + omega_s.
-   * An array is NULL where it would be empty.
+   * An empty array is NULL.
    *   f(double t, const double *q, const double *v, double *omega_n, double *omega_t,
          double *omega_s) */
   template <class F> system &contact_acceleration(F f)
@@ -410,7 +410,7 @@ public:
   {
     return keep(NSDAE_CALLBACK(kinematics), std::move(f));
   }
-  /* Potential energy U(t,q); used only to report energies.
+  /* Potential energy U(t,q); used in energy reports only.
    *   f(double t, const double *q, double *energy) */
   template <class F> system &potential(F f)
   {
@@ -425,24 +425,24 @@ public:
       throw error(detail::make_record(NSDAE_E_ARGUMENT, "nv", "nq and nv differ in size"));
     return took(nsdae_system_set_blocks(c(), static_cast<int>(nq.size()), nq.data(), nv.data()));
   }
-  /* How many there are: 1 where none were set. */
+  /* Number of blocks: 1 by default. */
   int blocks() const noexcept
   {
     return nsdae_system_get_blocks(c());
   }
-  /* The diagonal blocks of M(t,q), one after another.
+  /* Diagonal blocks of M(t,q), one after another.
    *   f(double t, const double *q, double *M) */
   template <class F> system &mass_blocks(F f)
   {
     return keep(NSDAE_CALLBACK(mass_blocks), std::move(f));
   }
-  /* Phi_q(t,q): nsdae_row_add for every block that a row touches.
+  /* Phi_q(t,q): calls nsdae_row_add for every block of every row.
    *   f(double t, const double *q, nsdae_row_list *rows) */
   template <class F> system &constraint_rows(F f)
   {
     return keep(NSDAE_CALLBACK(constraint_rows), std::move(f));
   }
-  /* nsdae_contact_add for every contact with a gap of at most reach.
+  /* Calls nsdae_contact_add for every contact with a gap of at most reach.
    *   f(double t, const double *q, const double *v, double reach, nsdae_contact_list *list) */
   template <class F> system &contacts(F f)
   {
@@ -455,12 +455,12 @@ public:
   {
     return took(nsdae_system_set_contact(c(), i, mu, e_n, e_t));
   }
-  /* nsdae_system_set_frictional_joint: frictional joint j is this constraint, both from 0. */
+  /* nsdae_system_set_frictional_joint: frictional joint j has this constraint, both from 0. */
   system &frictional_joint(int j, int constraint, double mu)
   {
     return took(nsdae_system_set_frictional_joint(c(), j, constraint, mu));
   }
-  /* nsdae_system_set_name: kind is of enum nsdae_name_kind, i is from 0. */
+  /* nsdae_system_set_name: kind is an enum nsdae_name_kind, i is from 0. */
   system &name(int kind, int i, const std::string &name, const std::string &unit = std::string())
   {
     return took(nsdae_system_set_name(c(), kind, i, name.c_str(), unit.c_str()));
@@ -470,49 +470,49 @@ public:
   {
     return took(nsdae_system_set_size(c(), kind, i, size));
   }
-  /* The name of number i of a kind; empty where there is none. */
+  /* Name of object i of a kind; empty if not set. */
   std::string name(int kind, int i) const
   {
     return nsdae_system_get_name(c(), kind, i);
   }
-  /* nsdae_system_add_body: what trajectory files show. */
+  /* nsdae_system_add_body: a body in trajectory files. */
   system &add_body(const nsdae_body &body)
   {
     return took(nsdae_system_add_body(c(), &body));
   }
-  /* nsdae_system_get_bodies: their texts and points live in the system. */
+  /* nsdae_system_get_bodies: texts and points belong to the system. */
   std::vector<nsdae_body> bodies() const
   {
     int n = 0;
     const nsdae_body *first = nsdae_system_get_bodies(c(), &n);
     return std::vector<nsdae_body>(first, first + n);
   }
-  /* Its unit. */
+  /* Unit of object i of a kind; empty if not set. */
   std::string unit(int kind, int i) const
   {
     return nsdae_system_get_unit(c(), kind, i);
   }
 
-  /* Simulations that it has now: while there are any, it is constant. */
+  /* Number of existing simulations; the system is constant while there are any. */
   int simulations() const noexcept
   {
     return nsdae_system_simulations(c());
   }
 
-  /* The sizes, with nv filled in. */
+  /* Sizes of the system. */
   nsdae_dims dims() const
   {
     nsdae_dims dims = nsdae_dims();
     detail::demand(nsdae_system_get_dims(c(), &dims), nullptr);
     return dims;
   }
-  /* nsdae_system_differences: the terms that are filled by differences. */
+  /* nsdae_system_differences: terms computed by central differences. */
   std::string differences() const
   {
     return nsdae_system_differences(c());
   }
 
-  /* nsdae_system_unseen: what no check can see of the callbacks that are given. */
+  /* nsdae_system_unseen: properties of the callbacks that no check can verify. */
   std::string unseen() const
   {
     return nsdae_system_unseen(c());
@@ -524,7 +524,7 @@ public:
   {
     return detail::attempt([&] { return nsdae_system_check(c(), t, q, v, tol, worst); });
   }
-  /* The same; error names the wrong entry. */
+  /* nsdae_system_check; the error names the wrong entry. */
   void check(double t, const std::vector<double> &q, const std::vector<double> &v,
              double tol = 1e-5)
   {
@@ -533,7 +533,7 @@ public:
     detail::demand_run(try_check(t, at, speed, tol), last_error());
   }
 
-  /* Why the last call failed. */
+  /* Error record of the last call. */
   const nsdae_error *last_error() const noexcept
   {
     return nsdae_system_error(c());
@@ -552,8 +552,7 @@ private:
     std::swap((*guts_).*member, callback);
     return *this;
   }
-  /* What a setter returned. An exception cannot be overlooked: what was refused with one is not
-   * held against the simulations. */
+  /* Status of a setter. An exception is not stored as an error of the system. */
   system &took(int status)
   {
     if (status >= 0) return *this;
@@ -563,12 +562,12 @@ private:
   }
 };
 
-/* nsdae_user_rows: coordinates and rows of one's own beside bodies. Its callbacks are those of
+/* nsdae_user_rows: the user's own coordinates and rows beside bodies. Its callbacks are those of
  * system. */
 class user_rows
 {
 public:
-  /* Of these sizes, one's own alone. */
+  /* Sizes of the user rows. */
   explicit user_rows(const nsdae_dims &dims)
       : c_(nsdae_user_rows()), guts_(std::make_shared<detail::system_guts>())
   {
@@ -608,21 +607,21 @@ private:
   std::shared_ptr<detail::system_guts> guts_;
 };
 
-/* nsdae_bodies: members that add something return its number, or throw. A copy is the same
+/* nsdae_bodies. Members that add an object return its number, or throw. Copies refer to the same
  * mechanism. */
 class bodies
 {
 public:
-  /* Empty. */
+  /* An empty handle. */
   bodies() noexcept = default;
-  /* A world of dimension 2 or 3. */
+  /* An empty model of dimension 2 or 3. */
   explicit bodies(int dimension) : guts_(std::make_shared<detail::bodies_guts>())
   {
     nsdae_error record = nsdae_error();
     detail::demand(nsdae_bodies_create(dimension, &guts_->c, &record), &record);
   }
 
-  /* Whether it holds something. */
+  /* Whether the handle is not empty. */
   explicit operator bool() const noexcept { return c() != nullptr; }
   /* The handle of C, or NULL. */
   nsdae_bodies *c() const noexcept { return guts_ ? guts_->c : nullptr; }
@@ -631,7 +630,7 @@ public:
   int add(const nsdae_rigid_body &body) { return demand(nsdae_bodies_add(c(), &body)); }
   /* nsdae_bodies_add_joint. */
   int joint(const nsdae_joint &joint) { return demand(nsdae_bodies_add_joint(c(), &joint)); }
-  /* The same, driven: f(double t, double *drive [3]). */
+  /* nsdae_bodies_add_joint with a drive: f(double t, double *drive [3]). */
   template <class F> int joint(nsdae_joint joint, F f)
   {
     guts_->drives.emplace_back(std::move(f));
@@ -686,7 +685,7 @@ public:
     return *this;
   }
 
-  /* nsdae_bodies_system, which keeps this alive. */
+  /* nsdae_bodies_system; the system keeps this object alive. */
   nsdae::system system() const
   {
     nsdae::system made;
@@ -710,7 +709,7 @@ public:
     demand(nsdae_bodies_get_start(c(), q.data(), v.data()));
     return {q, v};
   }
-  /* Why the first call that failed did. */
+  /* Error record of the first call that failed. */
   const nsdae_error *last_error() const noexcept { return nsdae_bodies_error(c()); }
 
 private:
@@ -723,7 +722,7 @@ private:
 class sim
 {
 public:
-  /* Empty. */
+  /* An empty handle. */
   sim() noexcept = default;
   /* A simulation of a system, which it keeps alive. */
   explicit sim(const system &of, const options &with = options())
@@ -731,12 +730,12 @@ public:
     nsdae_error record = nsdae_error();
     detail::demand(try_create(of, with, &record), &record);
   }
-  /* Moves; what it was moved from is empty. */
+  /* The source becomes empty. */
   sim(sim &&) noexcept = default;
-  /* The same. */
+  /* The source becomes empty. */
   sim &operator=(sim &&) noexcept = default;
 
-  /* Makes it anew; what it was before is released. */
+  /* Creates a new simulation; frees the old one. */
   int try_create(const system &of, const options &with = options(),
                  nsdae_error *record = nullptr) noexcept
   {
@@ -750,7 +749,7 @@ public:
     });
   }
 
-  /* Whether it holds something. */
+  /* Whether the handle is not empty. */
   explicit operator bool() const noexcept { return c() != nullptr; }
   /* The handle of C, or NULL. */
   nsdae_sim *c() const noexcept { return guts_ ? guts_->c : nullptr; }
@@ -760,7 +759,8 @@ public:
   {
     return use([&](nsdae_sim *c) { return nsdae_sim_project(c, t0, q0, v0); });
   }
-  /* Puts a start right: q0 [nq], v0 [nv] are std::vector, std::array or the like. */
+  /* nsdae_sim_project: q0 [nq], v0 [nv] are std::vector, std::array or any type with data() and
+   * size(). */
   template <class Q, class V> void project(double t0, Q &q0, V &v0)
   {
     const nsdae_dims size = dims();
@@ -773,20 +773,22 @@ public:
   {
     return use([&](nsdae_sim *c) { return nsdae_sim_init(c, t0, q0, v0); });
   }
-  /* q0 [nq], v0 [nv]: std::vector, std::array, or whatever has data() and size(). */
+  /* nsdae_sim_init: q0 [nq], v0 [nv] are std::vector, std::array or any type with data() and
+   * size(). */
   template <class Q, class V> void init(double t0, const Q &q0, const V &v0)
   {
     const nsdae_dims size = dims();
     const double *q = detail::sized(q0, size.nq, "q0"), *v = detail::sized(v0, size.nv, "v0");
     demand_run(try_init(t0, q, v));
   }
-  /* The same of lists: sim.init(0, {1, 2}, {0, 0}). */
+  /* nsdae_sim_init of lists: sim.init(0, {1, 2}, {0, 0}). */
   void init(double t0, const std::vector<double> &q0, const std::vector<double> &v0)
   {
     init<std::vector<double>, std::vector<double>>(t0, q0, v0);
   }
 
-  /* f(const nsdae_record &): returns nothing, or 0 to go on, > 0 to stop, < 0 to fail. */
+  /* nsdae_sim_observe: f(const nsdae_record &) returns void, or 0 to continue, > 0 to stop, < 0 to
+   * fail. */
   template <class F> sim &observe(F f)
   {
     typedef detail::sim_guts guts;
@@ -797,8 +799,9 @@ public:
     return *this;
   }
 
-  /* f(): 0 to go on; else the step in work is dropped, NSDAE_E_INTERRUPTED. Asked before every step
-   * and after every internal step of penalty and event. */
+  /* nsdae_sim_set_interrupt: f() returns 0 to continue; otherwise the current step fails with
+   * NSDAE_E_INTERRUPTED. It is called before every step and after every internal step of penalty
+   * and event. */
   template <class F> sim &interrupt(F f)
   {
     std::unique_ptr<detail::callback<>> asked(new detail::callback<>(std::move(f)));
@@ -817,20 +820,20 @@ public:
   {
     return move([&](nsdae_sim *c) { return nsdae_sim_run(c, t_end); });
   }
-  /* One step of dt; the status is >= 0. */
+  /* nsdae_sim_step; returns the status >= 0. */
   int step() { return demand_run(try_step()); }
-  /* Steps to t_end; the status is >= 0. */
+  /* nsdae_sim_run; returns the status >= 0. */
   int run(double t_end) { return demand_run(try_run(t_end)); }
 
-  /* Back after the first step with an event: nsdae_sim_run_to_event. */
+  /* nsdae_sim_run_to_event. */
   int try_run_to_event(double t_end) noexcept
   {
     return move([&](nsdae_sim *c) { return nsdae_sim_run_to_event(c, t_end); });
   }
-  /* The same, or error; the status is >= 0. */
+  /* nsdae_sim_run_to_event; returns the status >= 0. */
   int run_to_event(double t_end) { return demand_run(try_run_to_event(t_end)); }
 
-  /* q and v at a time of the last step: nsdae_sim_interpolate. */
+  /* nsdae_sim_interpolate: q and v at a time of the last step. */
   void interpolate(double t, std::vector<double> &q, std::vector<double> &v)
   {
     const nsdae_dims size = dims();
@@ -839,23 +842,23 @@ public:
     demand_run(use([&](nsdae_sim *c) { return nsdae_sim_interpolate(c, t, q.data(), v.data()); }));
   }
 
-  /* nsdae_sim_set_options, nsdae_sim_set_contact, nsdae_sim_set_frictional_joint. */
+  /* nsdae_sim_set_options. */
   void set_options(const options &with)
   {
     demand(use([&](nsdae_sim *c) { return nsdae_sim_set_options(c, with.c()); }));
   }
-  /* Coefficients of contact i in this simulation. */
+  /* nsdae_sim_set_contact: coefficients of contact i in this simulation. */
   void set_contact(int i, double mu, double e_n, double e_t = 0)
   {
     demand(nsdae_sim_set_contact(c(), i, mu, e_n, e_t));
   }
-  /* The friction of frictional joint j in this simulation. */
+  /* nsdae_sim_set_frictional_joint: friction of frictional joint j in this simulation. */
   void set_frictional_joint(int j, double mu)
   {
     demand(nsdae_sim_set_frictional_joint(c(), j, mu));
   }
 
-  /* The state as a value: nsdae_sim_get_state, nsdae_sim_set_state. */
+  /* nsdae_sim_get_state: the state as a block of bytes. */
   std::vector<unsigned char> state() const
   {
     std::size_t size = 0;
@@ -864,36 +867,36 @@ public:
     demand(nsdae_sim_get_state(c(), block.data(), size));
     return block;
   }
-  /* nsdae_sim_set_state: goes on from a block of state(). */
+  /* nsdae_sim_set_state: continues from a block of state(). */
   int try_set_state(const std::vector<unsigned char> &block) noexcept
   {
     return use([&](nsdae_sim *c) { return nsdae_sim_set_state(c, block.data(), block.size()); });
   }
-  /* The same; error says why a block is refused. */
+  /* nsdae_sim_set_state; the error names the reason. */
   void set_state(const std::vector<unsigned char> &block) { demand(try_set_state(block)); }
 
-  /* Its pointers hold until the next step. */
+  /* nsdae_sim_get_record; its pointers are valid until the next step. */
   nsdae_record record() const { return get<nsdae_record>(nsdae_sim_get_record); }
   /* nsdae_sim_get_stats. */
   nsdae_stats stats() const { return get<nsdae_stats>(nsdae_sim_get_stats); }
   /* nsdae_sim_get_dims. */
   nsdae_dims dims() const { return get<nsdae_dims>(nsdae_sim_get_dims); }
 
-  /* Why the last call failed. */
+  /* Error record of the last call. */
   const nsdae_error *last_error() const noexcept { return nsdae_sim_error(c()); }
 
 private:
   friend class trajectory;
   std::shared_ptr<detail::sim_guts> guts_;
 
-  /* Around every call that may run callbacks: one that replaces this handle does not release the
+  /* For every call that may run callbacks: a callback that replaces this handle does not free the
    * simulation that calls it. */
   template <class Call> int use(Call call) noexcept
   {
     const std::shared_ptr<detail::sim_guts> kept = guts_;
     return detail::attempt([&] { return call(kept ? kept->c : nullptr); });
   }
-  /* The same of a run or a step, whose status is kept. */
+  /* use() of a run or a step, whose status is stored. */
   template <class Call> int move(Call call) noexcept
   {
     const std::shared_ptr<detail::sim_guts> kept = guts_;
@@ -911,46 +914,46 @@ private:
   }
 };
 
-/* nsdae_trajectory. Goes out of scope as closed: "complete", or "failed" where the simulation's
- * last run or step was; close() also says whether all could be written. */
+/* nsdae_trajectory. The destructor closes the file with the status of the simulation's last run or
+ * step. close() also reports write errors. */
 class trajectory
 {
 public:
-  /* Empty. */
+  /* An empty handle. */
   trajectory() noexcept = default;
-  /* A file of the simulation's records from here on, with the model's name. */
+  /* Writes the records of the simulation from now on, with the name of the model. */
   trajectory(const sim &of, const std::string &path, const std::string &model = std::string())
   {
     nsdae_trajectory_info info = nsdae_trajectory_info();
     info.model = model.c_str();
     create(of, path, info);
   }
-  /* The same with all that nsdae_trajectory_create takes. */
+  /* nsdae_trajectory_create with all settings. */
   trajectory(const sim &of, const std::string &path, const nsdae_trajectory_info &info)
   {
     create(of, path, info);
   }
-  /* Moves; what it was moved from is empty. */
+  /* The source becomes empty. */
   trajectory(trajectory &&other) noexcept : c_(other.c_), sim_(std::move(other.sim_))
   {
     other.c_ = nullptr;
   }
-  /* The same. */
+  /* The source has the old file. */
   trajectory &operator=(trajectory &&other) noexcept
   {
     std::swap(c_, other.c_);
     std::swap(sim_, other.sim_);
     return *this;
   }
-  /* try_close(). */
+  /* Calls try_close(). */
   ~trajectory() { try_close(); }
 
-  /* Whether it holds something. */
+  /* Whether the handle is not empty. */
   explicit operator bool() const noexcept { return c_ != nullptr; }
   /* The handle of C, or NULL. */
   nsdae_trajectory *c() const noexcept { return c_; }
 
-  /* nsdae_trajectory_put: a dataset beside the records. */
+  /* nsdae_trajectory_put: a dataset of the user's own. */
   void put(const std::string &path, const std::vector<double> &values, const std::string &units,
            const std::string &description)
   {
@@ -969,7 +972,7 @@ public:
         &record);
   }
 
-  /* nsdae_trajectory_resume: goes on in the file of an earlier run. */
+  /* nsdae_trajectory_resume: continues the file of an earlier run. */
   static trajectory resume(const sim &of, const std::string &path,
                            const nsdae_trajectory_info &info)
   {
@@ -992,10 +995,10 @@ public:
   int try_close(nsdae_error *record = nullptr) noexcept
   {
     int status = c_ ? nsdae_trajectory_close(&c_, sim_->status, record) : NSDAE_OK;
-    if (!c_) sim_.reset(); /* else it was refused */
+    if (!c_) sim_.reset(); /* else the call was refused */
     return status;
   }
-  /* The same; error says what could not be written. */
+  /* nsdae_trajectory_close; the error says which data were not written. */
   void close()
   {
     nsdae_error record = nsdae_error();

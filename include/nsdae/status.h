@@ -1,6 +1,10 @@
 /* nsdae: status codes and the error record. BSD-3-Clause.
  *
- * Every function returns int: 0 done, < 0 not done, > 0 done and something to know. */
+ * Every function returns int:
+ *
+ * - 0: success
+ * - < 0: failure; nothing was done
+ * - > 0: success with additional information */
 #ifndef NSDAE_STATUS_H
 #define NSDAE_STATUS_H
 
@@ -10,22 +14,22 @@
 extern "C" {
 #endif
 
-/* X(name, value, message): the one list that makes the enum, the names and the messages. */
+/* X(name, value, message): this list defines the enum, the names and the messages. */
 #define NSDAE_STATUS_LIST(X)                                                          \
   X(NSDAE_OK, 0, "done")                                                              \
-  X(NSDAE_EVENT, 2, "an impact or a change of contact mode happened in this step")    \
+  X(NSDAE_EVENT, 2, "an impact or a mode transition in this step")                    \
   X(NSDAE_ZENO, 3, "an accumulation of impacts was closed")                           \
   X(NSDAE_STOPPED, 4, "an observer asked to stop")                                    \
-  X(NSDAE_WARN_ENERGY, 5, "more energy was gained than the method explains")          \
-  X(NSDAE_WARN_PENETRATION, 6, "bodies overlap more than the method explains")        \
-  X(NSDAE_WARN_DRIFT, 7, "constraints are violated more than the method explains")    \
+  X(NSDAE_WARN_ENERGY, 5, "the energy gain exceeds the bound of the method")          \
+  X(NSDAE_WARN_PENETRATION, 6, "the penetration exceeds the bound of the method")     \
+  X(NSDAE_WARN_DRIFT, 7, "the constraint drift exceeds the bound of the method")      \
   X(NSDAE_WARN_PAINLEVE, 8, "friction forces are not unique (Painleve)")              \
-  X(NSDAE_WARN_IMPACTS, 9, "impacts that follow one another were solved as one")      \
+  X(NSDAE_WARN_IMPACTS, 9, "consecutive impacts were solved as one")                  \
   X(NSDAE_WARN_RESTITUTION, 10, "the penalty law gives another restitution than e_N") \
   X(NSDAE_E_MEMORY, -1, "out of memory")                                              \
   X(NSDAE_E_ARGUMENT, -2, "an argument is missing or out of its range")               \
   X(NSDAE_E_OPTION, -3, "unknown option or parameter")                                \
-  X(NSDAE_E_STATE, -4, "called before something it needs")                            \
+  X(NSDAE_E_STATE, -4, "not possible in the present state of the object")             \
   X(NSDAE_E_CALLBACK, -5, "a callback reported a failure")                            \
   X(NSDAE_E_NONFINITE, -6, "a value is NaN or infinite")                              \
   X(NSDAE_E_MASS, -7, "the mass matrix is not positive definite")                     \
@@ -39,23 +43,23 @@ extern "C" {
   X(NSDAE_E_PAINLEVE, -15, "no contact force exists, or more than one (Painleve)")    \
   X(NSDAE_E_INTERRUPTED, -16, "interrupted by the caller")
 
-/* What a call returns. */
+/* Status codes. */
 enum nsdae_status {
 #define NSDAE_STATUS_ENUM(name, value, message) name = value,
   NSDAE_STATUS_LIST(NSDAE_STATUS_ENUM)
 #undef NSDAE_STATUS_ENUM
 };
 
-/* What went wrong. Lives in the handle it concerns; functions that have no handle yet take one
- * as their last argument, which may be NULL. All texts are one line, without a line feed. */
+/* Error record. It belongs to the handle of the call. Functions without a handle have it as their
+ * last argument, which may be NULL. All texts are one line, without a line feed. */
 typedef struct nsdae_error {
-  int status;        /* enum nsdae_status; NSDAE_OK when nothing is wrong */
-  int code;          /* raw code of the origin: a callback's return, LAPACK's info; else 0 */
-  int index;         /* entry, contact or pivot concerned, from 0; -1 where there is none */
-  double time;       /* simulated time [s]; NaN where there is none */
-  char argument[32]; /* argument, option or callback concerned; "" where there is none */
-  char where[48];    /* function that found it */
-  char text[256];    /* what, where and what to do */
+  int status;        /* enum nsdae_status; NSDAE_OK without an error */
+  int code;          /* code of the origin: return value of a callback, info of LAPACK; else 0 */
+  int index;         /* entry, contact or pivot, from 0; -1 if not applicable */
+  double time;       /* simulated time [s]; NaN if not applicable */
+  char argument[32]; /* argument, option or callback; "" if not applicable */
+  char where[48];    /* function that detected it */
+  char text[256];    /* argument, value, bound and remedy */
 } nsdae_error;
 
 /* Name ("NSDAE_E_RANK") and message of a status; "unknown status" for any other value. */

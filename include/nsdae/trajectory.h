@@ -1,4 +1,4 @@
-/* nsdae: trajectories in HDF5 files. BSD-3-Clause. The layout is in docs/trajectory.md. */
+/* nsdae: trajectories in HDF5 files. BSD-3-Clause. docs/trajectory.md has the layout. */
 #ifndef NSDAE_TRAJECTORY_H
 #define NSDAE_TRAJECTORY_H
 
@@ -11,77 +11,87 @@
 extern "C" {
 #endif
 
-/* A trajectory file that is being written; opaque. */
+/* A trajectory file open for writing; opaque. */
 typedef struct nsdae_trajectory nsdae_trajectory;
 
-/* What the file says of the model. */
+/* Model and settings of a trajectory file. */
 typedef struct nsdae_trajectory_info {
   const char *model;              /* e.g. "pendulum" */
-  const nsdae_params *parameters; /* table over the model's parameters, or NULL; its
-                                     entries must live as long as the trajectory */
+  const nsdae_params *parameters; /* table of the model's parameters, or NULL; its entries must
+                                     outlive the trajectory */
   const void *parameters_base;    /* the struct that the table describes */
-  int live;                       /* 1: can be read while it is written (HDF5's SWMR mode, which
-                                     needs HDF5 1.10 or later to read) */
-  int every;    /* keeps the start and each every-th step after it, and the last state when the file
-                   is closed; impacts and changes of mode are all kept. 0 as 1: every step */
-  int compress; /* 1 (fast) .. 9 (small): records are compressed and go to the file by 1024, so that
-                   a killed run loses more of them; 0: not. Not with live */
-  double t_end; /* where the run is to end [s], for whoever goes on with it; 0: not known */
+  int live;                       /* 1: readable during the run (SWMR mode of HDF5; readers need
+                                     HDF5 1.10 or later) */
+  int every;    /* writes the start, every n-th step after it, and the last state on close; all
+                   impacts and mode transitions are written. 0 and 1: every step */
+  int compress; /* 1 (fast) .. 9 (small): compression of records in chunks of 1024; a killed run
+                   loses more of them. 0: none. Not with live */
+  double t_end; /* end time of the run [s], for a resumed run; 0: unknown */
 } nsdae_trajectory_info;
 
-/* Makes the file (replacing one of that name) and adds itself to the observers of sim, which must
- * live until it is closed. Several threads may write a file each where HDF5 was built thread-safe.
- * NSDAE_E_IO: the file cannot be made, the text says why; NSDAE_E_UNSUPPORTED: the library was
- * built without HDF5; NSDAE_E_MEMORY; NSDAE_E_ARGUMENT. */
+/* Creates the file (replaces an existing one) and adds an observer to sim. sim must live until the
+ * file is closed. Several threads may each write a file if HDF5 is thread-safe.
+ *
+ * - NSDAE_E_IO: the file cannot be created; the text has the cause
+ * - NSDAE_E_UNSUPPORTED: built without HDF5
+ * - NSDAE_E_MEMORY, NSDAE_E_ARGUMENT */
 NSDAE_API int nsdae_trajectory_create(nsdae_sim *sim, const char *path,
                                       const nsdae_trajectory_info *info,
                                       nsdae_trajectory **trajectory, nsdae_error *error);
 
-/* Goes on in the file of an earlier run, which may have been killed at any moment: sets sim to the
- * newest state in it (nsdae_sim_set_state) and adds itself to the observers; rows that are written
- * a second time have the bytes that they had. sim and info must be those of the run that made the
- * file, but for t_end; every and compress are the file's (0: as it is). A file that was made live
- * has no state. NSDAE_E_ARGUMENT names the model, size, option or parameter that is another one;
- * NSDAE_E_IO: the file cannot be read or has no whole state. Then the file is as it was. */
+/* Resumes the file of an earlier run, which may have been killed at any time. Sets sim to the
+ * newest state in the file (nsdae_sim_set_state) and adds an observer to sim. Records written a
+ * second time are identical byte for byte. sim and info must be those of the run that created the
+ * file, except t_end. every and compress are those of the file (0: unchanged). A file created with
+ * live has no state. On an error the file is unchanged:
+ *
+ * - NSDAE_E_ARGUMENT: the text names the model, size, option or parameter that differs
+ * - NSDAE_E_IO: the file cannot be read or has no complete state */
 NSDAE_API int nsdae_trajectory_resume(nsdae_sim *sim, const char *path,
                                       const nsdae_trajectory_info *info,
                                       nsdae_trajectory **trajectory, nsdae_error *error);
 
-/* Reads what the run that made a file was told into the struct at base: of the group "options",
- * "parameters" or "run" (t_end, every, compress) those keys that the table has. NSDAE_E_IO: no such
- * file, or it says nothing; NSDAE_E_ARGUMENT: a value is outside the table's range. */
+/* Reads the settings of the run that created a file into the struct at base. group is "options",
+ * "parameters" or "run" (t_end, every, compress). Only keys of the table are read. NSDAE_E_IO: no
+ * such file, or it has no such settings; NSDAE_E_ARGUMENT: a value is out of the table's range. */
 NSDAE_API int nsdae_trajectory_read_params(const char *path, const char *group,
                                            const nsdae_params *table, void *base,
                                            nsdae_error *error);
 
-/* Adds a dataset of n values of one's own, at a path such as "/compare/error"; groups are made as
- * needed; one that a run had put before it was gone on with is replaced. Not while the file is
- * live. NSDAE_E_IO, NSDAE_E_ARGUMENT, NSDAE_E_UNSUPPORTED. */
+/* Adds a dataset of n values at a path such as "/compare/error". Missing groups are created. A
+ * dataset that was put before the run was resumed is replaced. Not available with live. NSDAE_E_IO,
+ * NSDAE_E_ARGUMENT, NSDAE_E_UNSUPPORTED. */
 NSDAE_API int nsdae_trajectory_put(nsdae_trajectory *trajectory, const char *path, int n,
                                    const double *values, const char *units, const char *description,
                                    nsdae_error *error);
-/* The same of n texts. */
+/* Adds a dataset of n texts, like nsdae_trajectory_put. */
 NSDAE_API int nsdae_trajectory_put_texts(nsdae_trajectory *trajectory, const char *path, int n,
                                          const char *const *texts, const char *description,
                                          nsdae_error *error);
 
-/* Names the bodies, n >= 0, once and before the first step, in place of those that the system has
- * (nsdae_system_add_body), which are in the file by themselves; all is copied. NSDAE_E_ARGUMENT:
- * the text names the body, what of it and what is wrong, index is its number; NSDAE_E_STATE: bodies
- * were named before, or a step was taken, also by the run that this one goes on with;
- * NSDAE_E_MEMORY, NSDAE_E_IO, NSDAE_E_UNSUPPORTED. */
+/* Sets the bodies (n >= 0), once and before the first step. They replace those of the system
+ * (nsdae_system_add_body), which the file has by default. All data are copied.
+ *
+ * - NSDAE_E_ARGUMENT: the text names the body, its field and the error; index is the body's number
+ * - NSDAE_E_STATE: bodies are set, or a step was taken (also by the run that was resumed)
+ * - NSDAE_E_MEMORY, NSDAE_E_IO, NSDAE_E_UNSUPPORTED */
 NSDAE_API int nsdae_trajectory_set_bodies(nsdae_trajectory *trajectory, int n,
                                           const nsdae_body *body, nsdae_error *error);
 
-/* Writes what is buffered: from here on the file has every record so far, whatever becomes of the
- * program. Runs do it four times a second by themselves. NSDAE_E_IO. */
+/* Writes buffered data. All records so far are then in the file, even if the program crashes. Runs
+ * flush four times a second. NSDAE_E_IO. */
 NSDAE_API int nsdae_trajectory_flush(nsdae_trajectory *trajectory, nsdae_error *error);
 
-/* Writes what is buffered, sets the attribute `status` to how the run ended: "stopped" for
- * run_status NSDAE_STOPPED, "interrupted" for NSDAE_E_INTERRUPTED, "failed" for what else is < 0,
- * "complete" for the rest; closes the file and sets *trajectory to NULL. The memory is released in
- * any case. NSDAE_E_IO: not all could be written; the text says what the file holds. From a
- * callback, or while another thread steps sim: NSDAE_E_STATE, and the trajectory stays open. */
+/* Writes buffered data, sets the attribute `status`, closes the file and sets *trajectory to NULL.
+ * Memory is freed in any case. `status` depends on run_status:
+ *
+ * - "stopped": NSDAE_STOPPED
+ * - "interrupted": NSDAE_E_INTERRUPTED
+ * - "failed": any other value < 0
+ * - "complete": any other value
+ *
+ * NSDAE_E_IO: not all data were written; the text says what the file contains. NSDAE_E_STATE:
+ * called from a callback, or while another thread steps sim; the trajectory stays open. */
 NSDAE_API int nsdae_trajectory_close(nsdae_trajectory **trajectory, int run_status,
                                      nsdae_error *error);
 

@@ -2,13 +2,13 @@
 #ifndef NSDAE_VERSION_H
 #define NSDAE_VERSION_H
 
-/* The version of these headers; that of the library is nsdae_version(). */
+/* Version of these headers; nsdae_version() is that of the library. */
 #define NSDAE_VERSION_MAJOR 0
 #define NSDAE_VERSION_MINOR 2
 #define NSDAE_VERSION_PATCH 0
 #define NSDAE_VERSION       "0.2.0"
 
-/* Marks what a shared library exports. */
+/* Symbols that a shared library exports. */
 #if defined(__GNUC__)
 #define NSDAE_API __attribute__((visibility("default")))
 #else
@@ -19,10 +19,10 @@
 extern "C" {
 #endif
 
-/* The version of the library that runs, as "major.minor.patch". */
+/* Version of the loaded library, "major.minor.patch". */
 NSDAE_API const char *nsdae_version(void);
 
-/* How this library was built: compiler, build type, and what is in it, in one line. */
+/* Compiler, build type and optional features of the loaded library, in one line. */
 NSDAE_API const char *nsdae_build_info(void);
 
 #ifdef __cplusplus

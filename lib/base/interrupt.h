@@ -16,7 +16,7 @@ static inline int nsdae_interrupted(const nsdae_interrupt *interrupt, nsdae_erro
   int code = interrupt->asked(interrupt->user);
   if (code == 0) return NSDAE_OK;
   nsdae_error_set(error, NSDAE_E_INTERRUPTED, "nsdae_sim", "",
-                  "interrupted at t = %.17g: the step was dropped", t);
+                  "interrupted at t = %.17g: the step was discarded", t);
   if (error) {
     error->code = code;
     error->time = t;

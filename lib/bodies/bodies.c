@@ -74,7 +74,7 @@ int nsdae_bodies_open(nsdae_bodies *b, const void *given, const char *what)
   if (b->error.status != NSDAE_OK) return b->error.status;
   if (b->made)
     return nsdae_error_set(&b->error, NSDAE_E_STATE, "nsdae_bodies", what,
-                           "the system has been made: nothing can be added any more");
+                           "the system exists: add all objects before nsdae_bodies_system");
   if (!given)
     return nsdae_error_set(&b->error, NSDAE_E_ARGUMENT, "nsdae_bodies", what, "%s is NULL", what);
   return NSDAE_OK;
@@ -149,7 +149,7 @@ int nsdae_bodies_check_pair(nsdae_bodies *b, const char *what, int index, const 
     if (check_body(b, index, body[i]) < 0) return b->error.status;
   if (body[0] != body[1]) return NSDAE_OK;
   return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "body", index,
-                             "both are body %d: it takes two", body[0]);
+                             "both are body %d: they must be two different bodies", body[0]);
 }
 
 int nsdae_bodies_add(nsdae_bodies *b, const nsdae_rigid_body *body)
@@ -307,17 +307,15 @@ static int check_form(nsdae_bodies *b)
 {
   const nsdae_user_rows *own = &b->own;
   const char *what =
-      b->feature.count > 0            ? "contacts that are named (nsdae_bodies_add_contact)"
+      b->feature.count > 0            ? "contacts of nsdae_bodies_add_contact"
       : b->frictional_joint.count > 0 ? "friction of a slot"
-      : own->dims.k + own->dims.f > 0 ? "numbered contacts and frictional joints of one's own"
-      : own->constraint_jacobian      ? "constraint_jacobian of one's own (constraint_rows is)"
+      : own->dims.k + own->dims.f > 0 ? "fixed contacts or frictional joints in user rows"
+      : own->constraint_jacobian      ? "callback constraint_jacobian (use constraint_rows)"
                                       : NULL;
   if (b->pair.count == 0 || !what) return NSDAE_OK;
   return nsdae_error_set(
       &b->error, NSDAE_E_STATE, "nsdae_bodies_system", "pair",
-      "contacts are found by materials (nsdae_bodies_set_pair): then there can be "
-      "no %s",
-      what);
+      "with nsdae_bodies_set_pair the system has a contact list, and supports no %s", what);
 }
 
 int nsdae_bodies_system(nsdae_bodies *b, nsdae_system **system)

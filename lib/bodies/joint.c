@@ -215,11 +215,10 @@ static int set_frame(assembly *s, int index)
   if (j->kind != NSDAE_JOINT_UNIVERSAL) return NSDAE_OK;
   double cosine = unit(j->cross, s->frame[1]) ? nsdae_dot3(s->frame[0], s->frame[1]) : 1;
   if (fabs(cosine) <= 1e-12) return NSDAE_OK;
-  return nsdae_bodies_refuse(
-      s->bodies, NSDAE_E_ARGUMENT, "joint", "cross", index,
-      "cross and axis of a universal joint are at right angles: their cosine "
-      "is %g, not within 1e-12 of 0",
-      cosine);
+  return nsdae_bodies_refuse(s->bodies, NSDAE_E_ARGUMENT, "joint", "cross", index,
+                             "cross and axis of a universal joint must be perpendicular: their "
+                             "cosine is %g and must be within 1e-12 of 0",
+                             cosine);
 }
 
 static int check_kind(nsdae_bodies *b, int index, const nsdae_joint *j)
@@ -236,15 +235,13 @@ static int check_kind(nsdae_bodies *b, int index, const nsdae_joint *j)
     return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, "joint", "drive", index,
                                "a %s joint cannot be driven", name);
   if (j->mu != 0 && j->kind != NSDAE_JOINT_SLOT)
-    return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, "joint", "mu", index,
-                               "mu = %g, but a %s joint has no friction: no single force presses "
-                               "it (a slot has)",
-                               j->mu, name);
+    return nsdae_bodies_refuse(
+        b, NSDAE_E_ARGUMENT, "joint", "mu", index,
+        "mu = %g, but a %s joint supports no friction: it must be 0 (a slot supports it)", j->mu,
+        name);
   if (j->mu > 0 && j->drive)
     return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, "joint", "mu", index,
-                               "mu = %g of a slot that is driven: friction does not move what "
-                               "drive moves",
-                               j->mu);
+                               "mu = %g of a slot with a drive: it must be 0", j->mu);
   return NSDAE_OK;
 }
 
@@ -264,7 +261,7 @@ static int check_joint(nsdae_bodies *b, int index, const nsdae_joint *j)
   double d[3] = {j->end[0] - j->point[0], j->end[1] - j->point[1], j->end[2] - j->point[2]};
   if (j->kind == NSDAE_JOINT_DISTANCE && !(nsdae_dot3(d, d) > 0))
     nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "end", index,
-                        "point and end of a distance are the same: it has no direction");
+                        "point and end of a distance joint coincide: it has no direction");
   return b->error.status;
 }
 

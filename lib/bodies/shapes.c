@@ -91,13 +91,13 @@ static int check_polygon(const nsdae_solid *s, nsdae_error *error)
   int bad = not_convex(s);
   if (bad >= 0)
     return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "point",
-                           "corner %d of the polygon does not turn left: corners go anticlockwise "
-                           "around a convex one",
+                           "corner %d of the polygon is no left turn: the polygon must be convex, "
+                           "its corners in anticlockwise order",
                            bad);
   int turns = count_turns(s);
   if (turns == 1) return NSDAE_OK;
   return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "point",
-                         "the corners of the polygon go around it %d times: it is not convex",
+                         "the corners of the polygon wind around it %d times: they must wind once",
                          turns);
 }
 

@@ -49,7 +49,7 @@ static int check_callbacks(nsdae_bodies *b, const nsdae_user_rows *o)
                                  "the callback %s is missing", needs[i].name);
     if (needs[i].given && !needs[i].called)
       return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, "own", needs[i].name, 0,
-                                 "nothing calls %s: by dims there is nothing that it would fill",
+                                 "%s is never called: by dims its outputs are empty",
                                  needs[i].name);
   }
   return NSDAE_OK;
@@ -65,7 +65,7 @@ int nsdae_bodies_set_user_rows(nsdae_bodies *b, const nsdae_user_rows *own)
   int status = nsdae_bodies_open(b, own, "own");
   if (status < 0) return status;
   if (is_set(&b->own))
-    return nsdae_bodies_refuse(b, NSDAE_E_STATE, "own", "own", 0, "they were set before");
+    return nsdae_bodies_refuse(b, NSDAE_E_STATE, "own", "own", 0, "the user rows are set already");
   nsdae_user_rows copy = *own;
   if (copy.dims.nv == 0) copy.dims.nv = copy.dims.nq;
   status = check_dims(b, &copy.dims);

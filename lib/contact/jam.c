@@ -8,7 +8,7 @@
 
 static const double margins[] = {1e-10, 1e-3};
 
-static const char without_bound[] = "a contact force that grows without bound";
+static const char without_bound[] = "an unbounded contact force";
 
 /* Of a contact or a slide. */
 static int tell(const nsdae_contacts *c, int kind, int item, double t, const char *what,
@@ -17,9 +17,8 @@ static int tell(const nsdae_contacts *c, int kind, int item, double t, const cha
   char called[NSDAE_CALLED_SIZE];
   t = nsdae_system_time(c->system, t);
   nsdae_error_set(c->error, NSDAE_E_PAINLEVE, "nsdae_event", "mu",
-                  "%s has %s at t = %.17g (Painleve's paradox: its friction feeds its "
-                  "normal force, coefficient %.3g): take less friction, or method = implicit, "
-                  "by an impulse",
+                  "%s has %s at t = %.17g (Painleve's paradox: friction increases the normal "
+                  "force, coefficient %.3g): reduce mu, or use method = implicit (impulses)",
                   nsdae_system_called(c->system, kind, item, called), what, t, coefficient);
   c->error->index = item;
   c->error->time = t;

@@ -411,7 +411,6 @@ int nsdae_pile_solve(const nsdae_pile *pile, const nsdae_whole *w, int number,
   nsdae_friction_options options;
   nsdae_friction_options_default(&options);
   options.tol = work->tol;
-  work->bilateral = c.problem.bilateral;
   nsdae_pile_part *p = &pile->part[number];
   int status = solve_with(&c, p, work, &options);
   if (status == NSDAE_E_LCP) status = polish(&c, p, work, &options);

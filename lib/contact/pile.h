@@ -64,14 +64,13 @@ void nsdae_pile_add(nsdae_pile *pile, const nsdae_whole *whole, int island);
 
 /* Solves a part, by a solver of its own: NSDAE_OK, NSDAE_E_MASS, NSDAE_E_LCP, NSDAE_E_INFEASIBLE,
  * NSDAE_E_NONFINITE, NSDAE_E_MEMORY with the record. L has room for a block; info: what the solver
- * says of it; misfit: its residual, not scaled; bilateral: rows of Phi_q in it. */
+ * says of it; misfit: its residual, not scaled. */
 typedef struct nsdae_pile_work {
   nsdae_friction_solver *solver;
   double *L, tol;
   nsdae_error *error;
   nsdae_friction_info info;
   nsdae_misfit misfit;
-  int bilateral;
 } nsdae_pile_work;
 int nsdae_pile_solve(const nsdae_pile *pile, const nsdae_whole *whole, int part,
                      nsdae_pile_work *work);

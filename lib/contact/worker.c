@@ -12,6 +12,7 @@ void nsdae_worker_prepare(nsdae_worker *w, const nsdae_system *system,
   nsdae_local_prepare(&w->local, system, &w->error, options, rank_tol);
   w->tol = options->tol;
   w->least_norm = least_norm;
+  w->sparse.rank_tol = rank_tol;
 }
 
 void nsdae_worker_layout(nsdae_worker *w, const nsdae_system *system, nsdae_arena *arena)
@@ -30,7 +31,7 @@ int nsdae_worker_grow(nsdae_worker *w, const nsdae_room *contacts)
 void nsdae_worker_release(nsdae_worker *w)
 {
   nsdae_stack_release(&w->stack);
-  nsdae_sparse_kkt_release(&w->saddle);
+  nsdae_sparse_kkt_release(&w->sparse);
   nsdae_friction_destroy(&w->solver);
 }
 
@@ -38,7 +39,14 @@ void nsdae_worker_begin(nsdae_worker *w)
 {
   nsdae_error_clear(&w->error);
   w->failed = -1;
-  w->solved = (nsdae_solved){0};
+  w->solved = (nsdae_solved){.kept = 1};
+}
+
+static void count_rank(nsdae_solved *s, int rank, double kept, double left)
+{
+  s->rank += rank;
+  s->kept = fmin(s->kept, kept);
+  s->left = fmax(s->left, left);
 }
 
 void nsdae_solved_add(nsdae_solved *sum, const nsdae_solved *one)
@@ -47,7 +55,7 @@ void nsdae_solved_add(nsdae_solved *sum, const nsdae_solved *one)
   sum->noise = fmax(sum->noise, one->noise);
   sum->pivots += one->pivots;
   sum->lcps += one->lcps;
-  sum->rank += one->rank;
+  count_rank(sum, one->rank, one->kept, one->left);
   if (one->contacts > sum->contacts) sum->contacts = one->contacts;
 }
 
@@ -100,7 +108,7 @@ static int solve_local(nsdae_worker *w, const nsdae_whole *whole, int island, in
   nsdae_misfit misfit = {0};
   int status = nsdae_local_solve(l, whole, island, with_contacts, w->least_norm, &misfit);
   const nsdae_lcp_info *info = &l->contacts.lcp.info;
-  s->rank += l->kkt.rank;
+  count_rank(s, l->kkt.rank, l->kkt.kept, l->kkt.left);
   if (nsdae_contacts_any(&l->contacts)) {
     s->lcps++;
     s->pivots += info->pivots;
@@ -110,22 +118,61 @@ static int solve_local(nsdae_worker *w, const nsdae_whole *whole, int island, in
   return status;
 }
 
+static int unsolved(nsdae_worker *w, const nsdae_whole *whole, int island, int status)
+{
+  const nsdae_graph *is = whole->islands;
+  double t = nsdae_terms_time(whole->terms);
+  nsdae_error_set(
+      &w->error, status, "nsdae_terms", "constraint_rows",
+      "the equations of the island of block %d, with %d constraints, were not solved at "
+      "t = %.17g: %s",
+      is->block.of[is->block.first[island]], nsdae_members_count(&is->row, island), t,
+      nsdae_status_message(status));
+  w->error.time = t;
+  return status;
+}
+
+static int bad_rank(nsdae_worker *w, const nsdae_whole *whole, int island)
+{
+  const nsdae_graph *is = whole->islands;
+  double t = nsdae_terms_time(whole->terms);
+  nsdae_error_set(&w->error, NSDAE_E_RANK, "nsdae_terms", "constraint_rows",
+                  "in the island of block %d: Phi_q has rank %d of %d at t = %.17g: leave out the "
+                  "redundant constraints or set redundant = least-norm; the first that depends on "
+                  "others",
+                  is->block.of[is->block.first[island]], w->sparse.rank.count,
+                  w->sparse.part.row_count, t);
+  w->error.time = t;
+  nsdae_system_name_item(whole->system, NSDAE_NAME_CONSTRAINT, w->sparse.rank.dependent, &w->error);
+  return NSDAE_E_RANK;
+}
+
+/* The factors of the constraints of a large island, and their rank. */
+static int factor_sparse(nsdae_worker *w, const nsdae_whole *whole, int island)
+{
+  const nsdae_graph *is = whole->islands;
+  nsdae_sparse_kkt *k = &w->sparse;
+  const nsdae_kkt_part part = {.blocks = &whole->system->blocks,
+                               .J = &whole->terms->by.jacobian,
+                               .block_count = nsdae_members_count(&is->block, island),
+                               .row_count = nsdae_members_count(&is->row, island),
+                               .block = is->block.of + is->block.first[island],
+                               .row = is->row.of + is->row.first[island]};
+  int status = nsdae_sparse_kkt_analyse(k, &part);
+  if (status == NSDAE_OK) status = nsdae_sparse_kkt_factor(k, whole->M, NULL);
+  if (status == NSDAE_E_MASS) return bad_mass(w, whole->system, k->bad_block, k->pivot);
+  if (status < 0) return unsolved(w, whole, island, status);
+  count_rank(&w->solved, k->rank.count, k->rank.kept, k->rank.left);
+  return k->rank.count < part.row_count && !w->least_norm ? bad_rank(w, whole, island) : NSDAE_OK;
+}
+
 /* A large island without contacts. */
 static int solve_sparse(nsdae_worker *w, const nsdae_whole *whole, int island)
 {
-  const nsdae_graph *is = whole->islands;
-  int m = nsdae_members_count(&is->row, island);
-  int status = nsdae_sparse_kkt_solve(
-      &w->saddle, &whole->system->blocks, &whole->terms->by.jacobian, whole->M,
-      nsdae_members_count(&is->block, island), is->block.of + is->block.first[island], m,
-      is->row.of + is->row.first[island], whole->r, whole->v, whole->lambda);
-  w->solved.rank += m;
-  if (status == NSDAE_OK) return status;
-  return nsdae_error_set(&w->error, status, "nsdae_terms", "constraint_rows",
-                         "the equations of the island of block %d, with %d constraints, were not "
-                         "solved at t = %.17g: %s",
-                         is->block.of[is->block.first[island]], m, nsdae_terms_time(whole->terms),
-                         nsdae_status_message(status));
+  int status = factor_sparse(w, whole, island);
+  if (status < 0) return status;
+  status = nsdae_sparse_kkt_solve(&w->sparse, whole->r, whole->v, whole->lambda);
+  return status < 0 ? unsolved(w, whole, island, status) : NSDAE_OK;
 }
 
 int nsdae_worker_solve(nsdae_worker *w, const nsdae_whole *whole, int island, int with_contacts,
@@ -137,8 +184,10 @@ int nsdae_worker_solve(nsdae_worker *w, const nsdae_whole *whole, int island, in
   if (with_contacts && solve_single(w, whole, island)) return NSDAE_OK;
   if (nsdae_local_fits(whole, island)) return solve_local(w, whole, island, with_contacts);
   if (!with_contacts || contacts == 0) return solve_sparse(w, whole, island);
-  *cones = !solve_stack(w, whole, island);
-  return NSDAE_OK;
+  int rows = nsdae_members_count(&whole->islands->row, island);
+  int status = rows > 0 ? factor_sparse(w, whole, island) : NSDAE_OK;
+  if (status == NSDAE_OK) *cones = !solve_stack(w, whole, island);
+  return status;
 }
 
 /* What stopped the problem: a mass, where one is not positive definite. */
@@ -162,7 +211,6 @@ int nsdae_worker_solve_cones(nsdae_worker *w, nsdae_pile *pile, const nsdae_whol
   if (status < 0) status = cause_of(w, whole, pile->part[part].island, status);
   s->lcps++;
   s->pivots += work.info.sweeps + work.info.iterations;
-  s->rank += work.bilateral;
   nsdae_misfit_add(&s->misfit, &work.misfit);
   s->noise = fmax(s->noise, 1e2 * fmax(work.info.residual, w->tol));
   return status;

@@ -15,7 +15,8 @@
 typedef struct nsdae_solved {
   nsdae_misfit misfit; /* of the contacts and their rows */
   long pivots;
-  double noise; /* relative error that the cones leave in velocities; 0: none were solved */
+  double kept, left; /* smallest sine that counts in the rank, largest that does not */
+  double noise;      /* relative error that the cones leave in velocities; 0: none were solved */
   int lcps, rank, islands, contacts; /* contacts of the largest island */
   const nsdae_contacts *problem;     /* that failed; NULL: none, or not of this kind */
   const nsdae_pile *pile;            /* of the islands with cones; NULL: there was none */
@@ -26,7 +27,7 @@ typedef struct nsdae_worker {
   int failed;        /* which; -1: none */
   nsdae_local local;
   nsdae_stack stack;
-  nsdae_sparse_kkt saddle;
+  nsdae_sparse_kkt sparse;
   nsdae_friction_solver *solver;
   double *L; /* of the largest block */
   double tol;

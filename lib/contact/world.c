@@ -345,7 +345,7 @@ int nsdae_world_solve(nsdae_world *w, const nsdae_terms *terms, const double *M,
                              .v = v,
                              .size = size,
                              .lambda = lambda};
-  w->solved = (nsdae_solved){.islands = w->islands.count};
+  w->solved = (nsdae_solved){.islands = w->islands.count, .kept = 1};
   int status = solve_free(w, &whole);
   return status < 0 ? status : solve_islands(w, &whole, with_contacts);
 }

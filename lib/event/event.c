@@ -142,11 +142,11 @@ static int integrator_failed(event *e, int status, double t)
                                nsdae_event_yield(&e->phase, contact));
   if (nsdae_event_diagnose(&e->instant.acceleration, t, e->integrator.y) < 0)
     return NSDAE_E_PAINLEVE;
-  nsdae_error_set(error, status, "nsdae_event", "rtol",
-                  "the integrator failed at t = %.17g, as no step is short enough (code %d): the "
-                  "equations may have no solution just after it; try a larger rtol, or method = "
-                  "implicit",
-                  nsdae_system_time(e->setting.system, t), e->integrator.code);
+  nsdae_error_set(
+      error, status, "nsdae_event", "rtol",
+      "the integrator failed at t = %.17g: no step length satisfies rtol and atol (code %d); the "
+      "equations may have no solution after this time: try a larger rtol, or method = implicit",
+      nsdae_system_time(e->setting.system, t), e->integrator.code);
   error->code = e->integrator.code;
   error->time = nsdae_system_time(e->setting.system, t);
   return status;
@@ -167,10 +167,10 @@ static int contradiction(event *e, int entry, double t)
   int contact = root->kind <= NSDAE_ROOT_JAM;
   nsdae_error *error = e->setting.error;
   nsdae_error_set(error, NSDAE_E_CONVERGENCE, "nsdae_event", "rtol",
-                  "the forces at t = %.17g contradict their mode: %s is %.3g, below what rtol = %g "
-                  "explains (%.3g); the rows of what is closed nearly depend on each other: try "
+                  "forces contradict the contact modes at t = %.17g: %s is %.3g, below the bound "
+                  "for rtol = %g (%.3g); the rows of closed contacts are nearly dependent: try "
                   "another rtol, or method = implicit",
-                  t, root->kind == NSDAE_ROOT_NORMAL ? "a contact force" : "a margin of friction",
+                  t, root->kind == NSDAE_ROOT_NORMAL ? "a contact force" : "a friction margin",
                   root->start, e->setting.options->rtol, -root->size);
   nsdae_system_name_item(
       e->setting.system, contact ? NSDAE_NAME_CONTACT : NSDAE_NAME_CONSTRAINT,
@@ -526,10 +526,10 @@ static int tell(const event *e, int status)
 {
   nsdae_error *error = e->setting.error;
   if (error->status != NSDAE_OK) return status;
-  nsdae_error_set(error, status, "nsdae_event", "",
-                  "at t = %.17g: %s; the equations of the contacts that are closed, or of the "
-                  "constraints, have no solution there",
-                  nsdae_terms_time(e->setting.here), nsdae_status_message(status));
+  nsdae_error_set(
+      error, status, "nsdae_event", "",
+      "at t = %.17g: %s; the equations of closed contacts and constraints have no solution",
+      nsdae_terms_time(e->setting.here), nsdae_status_message(status));
   error->time = nsdae_terms_time(e->setting.here);
   return status;
 }

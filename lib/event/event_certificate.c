@@ -25,7 +25,7 @@ static int refuse(const nsdae_event_setting *s, int kind, int item, const char *
   char called[NSDAE_CALLED_SIZE];
   double t = nsdae_terms_time(&s->result->end);
   nsdae_error_set(s->error, NSDAE_E_CONVERGENCE, "nsdae_event", "rtol",
-                  "%s %s %.3g up to t = %.17g, more than rtol = %g explains (%.3g): make rtol "
+                  "%s %s %.3g up to t = %.17g, above the bound for rtol = %g (%.3g): make rtol "
                   "smaller, or use method = implicit",
                   nsdae_system_called(s->system, kind, item, called), what, value, t,
                   s->options->rtol, bound);
@@ -72,11 +72,11 @@ static int check_impulses(const nsdae_event_phase *phase, double h)
     double tol = all + inertia(&r->end, i) * slow;
     double along = nsdae_norm(nt, p->tangential + i * nt);
     if (-p->normal[i] > tol)
-      return refuse(s, NSDAE_NAME_CONTACT, i, "pulls, with the impulse", p->normal[i], -tol);
+      return refuse(s, NSDAE_NAME_CONTACT, i, "has the adhesive impulse", p->normal[i], -tol);
     double excess = along - s->system->contact[i].mu * p->normal[i];
     tol *= phase->modes.blur[i]; /* friction that chatters has a larger tolerance */
     if (excess > tol)
-      return refuse(s, NSDAE_NAME_CONTACT, i, "has friction beyond its cone, by the impulse",
+      return refuse(s, NSDAE_NAME_CONTACT, i, "has friction outside its cone, by the impulse",
                     excess, tol);
   }
   return NSDAE_OK;
@@ -112,7 +112,7 @@ int nsdae_event_certify(const nsdae_event_phase *phase, const nsdae_terms *from)
     if (-T->gap[i] > bound)
       return refuse(s, NSDAE_NAME_CONTACT, i, "overlaps by", -T->gap[i], bound);
     if (phase->modes.contact[i] != NSDAE_MODE_OPEN && T->gap[i] > tol)
-      return refuse(s, NSDAE_NAME_CONTACT, i, "is closed with the gap", T->gap[i], tol);
+      return refuse(s, NSDAE_NAME_CONTACT, i, "is closed and has the gap", T->gap[i], tol);
   }
   double fast = BROUGHT_BACK * nsdae_event_velocity_size(s);
   for (int i = 0; i < d->m && !*phase->modes.redundant; i++) {

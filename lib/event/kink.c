@@ -52,9 +52,9 @@ int nsdae_event_explain_strayed(nsdae_event_instant *p, double *q)
   *error = kept;
   if (i < 0) return error->status;
   nsdae_error_set(error, NSDAE_E_CONVERGENCE, "nsdae_event", "gap_normal",
-                  "%s: the gradient of its gap turns by more than 60 degrees within dt = %g at "
-                  "t = %.17g, as of a disc that falls flat: round the edge, use more contacts, or "
-                  "a smaller dt",
+                  "%s: the gradient of its gap rotates by more than 60 degrees within dt = %g at t "
+                  "= %.17g (for example an edge that becomes a flat contact): round the edge, use "
+                  "more contacts, or a smaller dt",
                   nsdae_system_called(s->system, NSDAE_NAME_CONTACT, i, called), dt,
                   nsdae_terms_time(s->here));
   error->index = i;

@@ -1,11 +1,11 @@
-! nsdae/bodies.h: rigid bodies, joints, loads and contacts between shapes, as a system.
+! nsdae/bodies.h: rigid bodies, joints, forces and contacts between shapes, as a system.
 !
-! Bodies are placed as they stand at the start; joints, springs and contacts are named by points and
-! axes in space at that moment. In the plane q = [x, y, theta] of each body and v = q'; in space
-! q = [x, y, z, quaternion w, x, y, z] and v = [x', y', z', angular velocity in own axes]. Numbers of
-! bodies, solids and so on count from 0, as in C; NSDAE_GROUND stands for the ground.
+! Bodies have a pose at the start. Joints, springs and contacts are given by points and axes in
+! space at that time. Planar: q = [x, y, theta] of each body, v = q'. Spatial: q = [x, y, z,
+! quaternion w, x, y, z], v = [x', y', z', angular velocity in body axes]. Bodies, solids, joints
+! and contacts are numbered from 0, as in C; NSDAE_GROUND is the ground.
 !
-! Drives and loads are interoperable procedures, given by c_funloc, with a user pointer (c_loc).
+! Drives and loads are interoperable procedures (c_funloc) with a user pointer (c_loc).
 module nsdae_f_bodies
   use, intrinsic :: iso_c_binding
   use nsdae_f_status
@@ -20,20 +20,20 @@ module nsdae_f_bodies
   ! A rigid body at the start.
   type, bind(C), public :: nsdae_rigid_body
     real(c_double) :: mass = 0           ! > 0 [kg]
-    real(c_double) :: inertia(3) = 0     ! own axes, > 0; in the plane the third alone [kg m^2]
+    real(c_double) :: inertia(3) = 0     ! body axes, > 0 [kg m^2]; planar: the third only
     real(c_double) :: position(3) = 0    ! of the centre of mass [m]
     real(c_double) :: angle = 0          ! planar [rad]
-    real(c_double) :: quaternion(4) = 0  ! spatial: w, x, y, z; all zero: not turned
+    real(c_double) :: quaternion(4) = 0  ! spatial: w, x, y, z; all zero: no rotation
     real(c_double) :: velocity(3) = 0    ! of the centre of mass [m/s]
-    real(c_double) :: spin(3) = 0        ! own axes; in the plane the third alone [rad/s]
+    real(c_double) :: spin(3) = 0        ! body axes [rad/s]; planar: the third only
   end type
 
-  ! A shape of a body: the comment of the C header says how each lies in its frame.
+  ! A solid of a body; the C header describes each shape in its frame.
   type, public :: nsdae_solid
     integer(c_int) :: shape = NSDAE_SHAPE_POINT
     real(c_double) :: radius = 0
     real(c_double) :: length(3) = 0
-    logical :: hollow = .false.                    ! a disc: the hole is meant
+    logical :: hollow = .false.                    ! a disc with a hole
     real(c_double), allocatable :: point(:, :)     ! [2, corners] of a polygon, anticlockwise
     real(c_double) :: position(3) = 0, angle = 0   ! in the body's frame
     real(c_double) :: quaternion(4) = 0
@@ -43,7 +43,7 @@ module nsdae_f_bodies
   ! The struct of the C header.
   ! headers: type nsdae_c_solid
 
-  ! A joint, as it stands at the start; points and axes in space.
+  ! A joint; points and axes are in space at the start.
   type, bind(C), public :: nsdae_joint
     integer(c_int) :: kind = NSDAE_JOINT_REVOLUTE
     integer(c_int) :: body(2) = NSDAE_GROUND
@@ -52,7 +52,7 @@ module nsdae_f_bodies
     real(c_double) :: axis(3) = 0
     real(c_double) :: cross(3) = 0  ! UNIVERSAL
     real(c_double) :: ratio = 0     ! GEAR
-    type(c_funptr) :: drive = c_null_funptr  ! of nsdae_drive_fn; none: free
+    type(c_funptr) :: drive = c_null_funptr  ! a nsdae_drive_fn; null: free
     type(c_ptr) :: user = c_null_ptr
     real(c_double) :: mu = 0        ! SLOT
   end type
@@ -62,22 +62,22 @@ module nsdae_f_bodies
     integer(c_int) :: body(2) = NSDAE_GROUND
     real(c_double) :: point(3) = 0, end(3) = 0
     real(c_double) :: stiffness = 0, damping = 0
-    real(c_double) :: rest = 0  ! length without force
+    real(c_double) :: rest = 0  ! free length
   end type
 
-  ! The same about an axis.
+  ! A rotational spring and damper about an axis.
   type, bind(C), public :: nsdae_torsion
     integer(c_int) :: body(2) = NSDAE_GROUND
     real(c_double) :: axis(3) = 0
     real(c_double) :: stiffness = 0, damping = 0
-    real(c_double) :: rest = 0  ! angle without torque
+    real(c_double) :: rest = 0  ! angle of zero torque
   end type
 
-  ! Coordinates and rows of one's own beside the bodies: the comment of the C header says how they
-  ! follow those of the bodies. Callbacks are interoperable procedures (c_funloc) with the arguments
-  ! of the types of nsdae/system.h, arrays of assumed size.
+  ! The user's own coordinates, constraints, contacts and frictional joints; the C header describes
+  ! their order. Callbacks are interoperable procedures (c_funloc) with the arguments of
+  ! nsdae/system.h; arrays have assumed size.
   type, bind(C), public :: nsdae_user_rows
-    type(nsdae_dims) :: dims = nsdae_dims(0, 0, 0, 0, 0, 0)  ! one's own alone
+    type(nsdae_dims) :: dims = nsdae_dims(0, 0, 0, 0, 0, 0)  ! of the user rows
     type(c_funptr) :: mass = c_null_funptr
     type(c_funptr) :: force = c_null_funptr
     type(c_funptr) :: constraint = c_null_funptr
@@ -96,7 +96,7 @@ module nsdae_f_bodies
     type(c_ptr) :: user = c_null_ptr
   end type
 
-  ! A mechanism; nothing until nsdae_bodies_create. Copies are the same mechanism.
+  ! A mechanism; empty before nsdae_bodies_create. Copies refer to the same mechanism.
   type, public :: nsdae_bodies
     private
     type(c_ptr) :: handle = c_null_ptr
@@ -110,7 +110,7 @@ module nsdae_f_bodies
       real(c_double), intent(inout) :: drive(3)
       type(c_ptr), value :: user
     end function
-    ! Force and torque on a point that is there and moves so; both come zeroed.
+    ! Force and torque on a point of this position and velocity; both are zero on entry.
     integer(c_int) function nsdae_load_fn(t, position, velocity, force, torque, user) bind(C)
       import
       real(c_double), value :: t
@@ -151,7 +151,7 @@ contains
     call error_from_c(why, error)
   end function
 
-  ! Releases it; a system made of it must have been destroyed before.
+  ! Frees the model; destroy its system first.
   subroutine nsdae_bodies_destroy(bodies)
     type(nsdae_bodies), intent(inout) :: bodies
     call c_destroy(bodies%handle)
@@ -161,7 +161,7 @@ contains
   ! and so does nsdae_bodies_system, so that it is enough to look there.
   ! headers: wrappers nsdae_bodies_ add add_joint add_spring add_torsion
 
-  ! A load on the point (in space, at the start) of a body.
+  ! Adds a force callback on the point of a body, in space at the start.
   integer(c_int) function nsdae_bodies_add_load(bodies, body, point, load, user) result(number)
     type(nsdae_bodies), intent(in) :: bodies
     integer(c_int), intent(in) :: body
@@ -198,7 +198,7 @@ contains
   ! callback that is missing, or that nothing calls; NSDAE_E_STATE.
   ! headers: wrappers nsdae_bodies_ set_user_rows
 
-  ! The system of it all; the first failure of any call before. bodies must outlive it.
+  ! Makes the system, or returns the first failure of any call before. bodies must outlive it.
   integer(c_int) function nsdae_bodies_system(bodies, system, error) result(status)
     type(nsdae_bodies), intent(in) :: bodies
     type(nsdae_system), intent(out) :: system
@@ -227,7 +227,7 @@ contains
     status = c_get_start(at(bodies), q, v)
   end function
 
-  ! Where the point local of a body's own frame is with the coordinates q [nq].
+  ! Position in space of the point local in body axes, at the coordinates q [nq].
   integer(c_int) function nsdae_bodies_locate(bodies, q, body, local, point) result(status)
     type(nsdae_bodies), intent(in) :: bodies
     real(c_double), intent(in), contiguous :: q(:)
@@ -242,13 +242,13 @@ contains
     status = c_locate(at(bodies), q, body, local, point)
   end function
 
-  ! Why the first call that failed did.
+  ! Error record of the first call that failed.
   type(nsdae_error) function nsdae_bodies_error(bodies) result(error)
     type(nsdae_bodies), intent(in) :: bodies
     error = error_at(c_error(at(bodies)))
   end function
 
-  ! Mass and inertia of a solid of uniform density, in its own frame.
+  ! Mass and inertia of a solid of uniform density, in its frame.
   integer(c_int) function nsdae_solid_inertia(solid, density, mass, inertia, error) result(status)
     type(nsdae_solid), intent(in), target :: solid
     real(c_double), intent(in) :: density

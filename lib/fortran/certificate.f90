@@ -1,4 +1,4 @@
-! nsdae/certificate.h: what a solver says of a problem.
+! nsdae/certificate.h: outcome and proof of a solve.
 module nsdae_f_certificate
   use, intrinsic :: iso_c_binding
   use nsdae_f_text

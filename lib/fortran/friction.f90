@@ -1,5 +1,5 @@
-! nsdae/friction.h: frictional contact problems, in the global form M v = f + H r, u = H^T v + w + C r
-! or the local form u = W r + q + C r, with Coulomb's cone for each contact.
+! nsdae/friction.h: frictional contact problems, in the global form M v = f + H r, u = H^T v + w + C
+! r or the local form u = W r + q + C r, with Coulomb's second-order cone for each contact.
 module nsdae_f_friction
   use, intrinsic :: iso_c_binding
   use nsdae_f_status
@@ -10,9 +10,9 @@ module nsdae_f_friction
   ! Forms of a problem, and solvers of an island: options%stages is a sum of those.
   ! headers: constants NSDAE_FRICTION_
 
-  ! A problem: the arrays of the C struct, as pointers to arrays of the caller that have the target
-  ! attribute. rows, compliance and, in the local form, size, M and f may be left null. first and
-  ! block count from 0, as in C.
+  ! A problem: the arrays of the C struct, as pointers to the caller's arrays (attribute target).
+  ! rows, compliance and, in the local form, size, M and f may be null. first and block count from
+  ! 0, as in C.
   type, public :: nsdae_friction_problem
     integer(c_int) :: form = NSDAE_FRICTION_GLOBAL
     integer(c_int) :: contacts = 0, bilateral = 0, blocks = 0
@@ -22,33 +22,34 @@ module nsdae_f_friction
     real(c_double), pointer, contiguous :: M(:) => null(), f(:) => null(), value(:) => null()
   end type
 
-  ! Fill with nsdae_friction_options_default first. Bounds are on an island, over all its solvers.
+  ! Initialise with nsdae_friction_options_default. Limits apply to an island, over all its solvers.
   type, bind(C), public :: nsdae_friction_options
-    real(c_double) :: tol             ! bound on the residual of a solution
+    real(c_double) :: tol             ! tolerance of the residual
     integer(c_int) :: stages
-    integer(c_int) :: max_sweeps      ! 0: as the budget allows
-    integer(c_int) :: max_iterations  ! 0: as the budget allows
-    integer(c_int) :: refine          ! Newton steps from a solution on, while its residual falls
+    integer(c_int) :: max_sweeps      ! 0: limited by budget only
+    integer(c_int) :: max_iterations  ! 0: limited by budget only
+    integer(c_int) :: refine          ! Newton steps after convergence, while the residual decreases
     real(c_double) :: budget          ! multiplications by J; 0: the default
     ! c_funloc of a nsdae_friction_progress_fn
     type(c_funptr) :: progress
     type(c_ptr) :: user
   end type
 
-  ! What a solve is doing.
+  ! State of a solve.
   type, bind(C), public :: nsdae_friction_progress
     integer(c_int) :: stage
     integer(c_int) :: island          ! from 0
     integer(c_int) :: islands
-    integer(c_int) :: contacts        ! of this island, with its bilateral rows
-    real(c_double) :: residual        ! of its best point so far
-    real(c_double) :: share           ! of its budget that is used up
+    integer(c_int) :: contacts        ! contacts and bilateral rows of this island
+    real(c_double) :: residual        ! of its best iterate
+    real(c_double) :: share           ! fraction of its budget used
     integer(c_long) :: sweeps
     integer(c_int) :: iterations
   end type
 
   abstract interface
-    ! Called where a solver of an island begins, and about ten times a second; not 0: interrupt.
+    ! Called at the start of every solver of an island, and about ten times a second; not 0:
+    ! interrupt.
     integer(c_int) function nsdae_friction_progress_fn(progress, user) bind(C)
       import
       type(nsdae_friction_progress), intent(in) :: progress
@@ -59,16 +60,16 @@ module nsdae_f_friction
 
   type, bind(C), public :: nsdae_friction_info
     integer(c_int) :: outcome
-    integer(c_int) :: stage           ! the last that an island took
+    integer(c_int) :: stage           ! the largest of all islands
     integer(c_int) :: proof
     integer(c_int) :: islands
     integer(c_long) :: sweeps
     integer(c_int) :: iterations
     integer(c_int) :: factorisations
-    real(c_double) :: residual        ! of the r handed over
+    real(c_double) :: residual        ! of the returned r
   end type
 
-  ! Keeps its memory from one problem to the next.
+  ! A solver that reuses its memory from problem to problem.
   type, bind(C), public :: nsdae_friction_solver
     private
     type(c_ptr) :: handle = c_null_ptr
@@ -108,7 +109,7 @@ contains
 
   ! headers: wrappers nsdae_friction_ stage_name
 
-  ! Whether the problem is one: NSDAE_OK, or NSDAE_E_ARGUMENT, NSDAE_E_NONFINITE, NSDAE_E_MASS,
+  ! Validates a problem: NSDAE_OK, or NSDAE_E_ARGUMENT, NSDAE_E_NONFINITE, NSDAE_E_MASS,
   ! NSDAE_E_MEMORY with the argument, its value and its bound in error.
   integer(c_int) function nsdae_friction_check(problem, error) result(status)
     type(nsdae_friction_problem), intent(in) :: problem
@@ -118,9 +119,10 @@ contains
     call error_from_c(why, error)
   end function
 
-  ! r and u have an entry for each row. r: in, a guess; out, the solution or the best point; u: out,
-  ! its velocities. NSDAE_OK solved; NSDAE_E_INFEASIBLE proved without solution; NSDAE_E_LCP no
-  ! solution found; else as nsdae_friction_check, or NSDAE_E_ARGUMENT (r or u too short).
+  ! Solves a problem. r and u have an entry for each row. r: in, initial guess; out, the solution or
+  ! the best iterate; u: out, its velocities. NSDAE_OK: solved; NSDAE_E_INFEASIBLE: no solution
+  ! exists (proved); NSDAE_E_LCP: no solution found; else as nsdae_friction_check, or
+  ! NSDAE_E_ARGUMENT (r or u too short).
   integer(c_int) function nsdae_friction_solve(problem, r, u, options, info) result(status)
     type(nsdae_friction_problem), intent(in) :: problem
     real(c_double), intent(inout), contiguous :: r(:), u(:)
@@ -131,9 +133,9 @@ contains
     status = c_solve(problem_to_c(problem), options, r, u, info)
   end function
 
-  ! The same for a double-double solution, r + low, if doubles alone hold none; low has an entry for
-  ! each row, too: out, what r does not hold, zero where r alone is a solution. The certificate is that
-  ! of r + low; with NSDAE_E_INFEASIBLE low is as it was. NSDAE_E_ARGUMENT also where low is too short.
+  ! nsdae_friction_solve for a double-double solution r + low. low has an entry for each row; out:
+  ! trailing part, zero if r alone is a solution. The certificate applies to r + low; with
+  ! NSDAE_E_INFEASIBLE low is unchanged. NSDAE_E_ARGUMENT: also if low is too short.
   integer(c_int) function nsdae_friction_solve_twice(problem, r, low, u, options, info) result(status)
     type(nsdae_friction_problem), intent(in) :: problem
     real(c_double), intent(inout), contiguous :: r(:), low(:), u(:)

@@ -7,12 +7,12 @@ module nsdae_f_friction_file
   implicit none
   private
 
-  ! Where a problem comes from.
+  ! Origin of a problem.
   type, public :: nsdae_friction_origin
     real(c_double) :: time = 0       ! [s]
-    integer(c_long) :: step = 0      ! that it belongs to, from 1
-    real(c_double) :: tol = 1d-10    ! bound on the residual, > 0
-    integer(c_int) :: refine = 0     ! as in nsdae_friction_options
+    integer(c_long) :: step = 0      ! number of the step, from 1
+    real(c_double) :: tol = 1d-10    ! tolerance of the residual, > 0
+    integer(c_int) :: refine = 0     ! see nsdae_friction_options
     character(len=32) :: method = ''
   end type
 
@@ -23,9 +23,9 @@ module nsdae_f_friction_file
 
   ! headers: type nsdae_c_friction_file
 
-  ! A problem as read; its arrays are the file's, and go with nsdae_friction_file_release. guess, r
-  ! and low (of a solution in two parts, r + low) are not associated where the file has none; velocity
-  ! counts from 0, as in C.
+  ! A problem read from a file; nsdae_friction_file_release frees its arrays. guess, r and low (of a
+  ! double-double solution r + low) are not associated if the file has none; velocity counts from 0,
+  ! as in C.
   type, public :: nsdae_friction_file
     type(nsdae_friction_problem) :: problem
     real(c_double), pointer, contiguous :: guess(:) => null(), r(:) => null(), low(:) => null()
@@ -44,7 +44,7 @@ module nsdae_f_friction_file
 
 contains
 
-  ! Writes the problem, replacing a file of that name; guess, r, u and low (of a solution r + low) have
+  ! Writes a problem and replaces an existing file; guess, r, u and low (of a solution r + low) have
   ! an entry for each row.
   integer(c_int) function nsdae_friction_write(path, problem, guess, r, u, origin, error, low) &
       result(status)
@@ -96,7 +96,7 @@ contains
     call error_from_c(why, error)
   end function
 
-  ! Reads a problem; on an error file holds nothing.
+  ! Reads a problem; on an error file is empty.
   integer(c_int) function nsdae_friction_read(path, file, error) result(status)
     character(len=*), intent(in) :: path
     type(nsdae_friction_file), intent(out) :: file
@@ -120,7 +120,7 @@ contains
     file%asymmetry = file%held%asymmetry
   end function
 
-  ! Releases what was read; its pointers point to nothing then.
+  ! Frees what was read and nullifies its pointers.
   subroutine nsdae_friction_file_release(file)
     type(nsdae_friction_file), intent(inout) :: file
     type(nsdae_friction_file) :: empty

@@ -1,5 +1,5 @@
-! nsdae/kernels.h: kernels on plain arrays, as C has them; see there for every argument.
-! Without the module they are external subroutines with one more argument, info, at the end.
+! nsdae/kernels.h: kernels on plain arrays; the C header documents every argument. Without the
+! module they are external subroutines with info as an additional last argument.
 module nsdae_f_kernels
   use, intrinsic :: iso_c_binding
   implicit none
@@ -15,7 +15,7 @@ module nsdae_f_kernels
       real(c_double), intent(inout) :: y(*), residual, work(*)
     end function
 
-    ! d may be left out: ones.
+    ! d is optional; default: ones.
     integer(c_int) function nsdae_dlemke(n, a, lda, b, d, max_pivots, x, basis, pivots, work, &
                                          lwork, iwork) bind(C)
       import
@@ -57,7 +57,7 @@ module nsdae_f_kernels
       real(c_double), intent(inout) :: x(*), residual, work(*)
     end function
 
-    ! rows may be left out: three each.
+    ! rows is optional; default: three each.
     integer(c_int) function nsdae_dfcres(nc, rows, a, lda, q, mu, r, u, residual) bind(C)
       import
       integer(c_int), value :: nc, lda

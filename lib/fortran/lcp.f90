@@ -12,28 +12,28 @@ module nsdae_f_lcp
   ! the secondary ray on which Lemke's method ended proves about A.
   ! headers: constants NSDAE_LCP_
 
-  ! Fill with nsdae_lcp_options_default first.
+  ! Initialise with nsdae_lcp_options_default.
   type, bind(C), public :: nsdae_lcp_options
-    real(c_double) :: tol            ! bound on the scaled natural residual of a solution
-    integer(c_int) :: max_pivots     ! per run of Lemke; 0: 50 n + 100
+    real(c_double) :: tol            ! tolerance of the scaled natural residual
+    integer(c_int) :: max_pivots     ! per run of Lemke's method; 0: 50 n + 100
     integer(c_int) :: stages
-    integer(c_int) :: enumerate_max  ! largest n that enumeration takes on
+    integer(c_int) :: enumerate_max  ! largest n for enumeration
   end type
 
   type, bind(C), public :: nsdae_lcp_info
     integer(c_int) :: outcome
-    integer(c_int) :: stage     ! that ended it
+    integer(c_int) :: stage     ! the solver that ended it
     integer(c_int) :: proof
     integer(c_int) :: ray
-    integer(c_int) :: pivots    ! over all stages
-    real(c_double) :: residual  ! of the equilibrated problem; infinity where there is no x
+    integer(c_int) :: pivots    ! of all stages
+    real(c_double) :: residual  ! of the equilibrated problem; infinity without an x
   end type
 
-  ! Where a problem in a file comes from.
+  ! Origin of a problem in a file.
   type, public :: nsdae_lcp_origin
     real(c_double) :: time = 0       ! [s]
-    integer(c_long) :: step = 0      ! that failed, from 1
-    real(c_double) :: tol = 1d-10    ! bound on the residual, > 0
+    integer(c_long) :: step = 0      ! number of the failed step, from 1
+    real(c_double) :: tol = 1d-10    ! tolerance of the residual, > 0
     character(len=32) :: method = ''
   end type
 
@@ -70,10 +70,10 @@ contains
 
   ! headers: wrappers nsdae_lcp_ stage_name ray_name
 
-  ! A is [n, n] (its first dimension may be larger), b, x and y are [n], n = size(b). x: in, a guess
-  ! whose positive entries are tried first; out, the solution or the best point. NSDAE_OK solved;
-  ! NSDAE_E_INFEASIBLE proved without solution; NSDAE_E_LCP no solution found; NSDAE_E_ARGUMENT
-  ! (shapes or options), NSDAE_E_NONFINITE, NSDAE_E_MEMORY.
+  ! Solves a problem. A is [n, n] (its first dimension may be larger); b, x and y are [n], n =
+  ! size(b). x: in, initial guess whose positive entries are tried first; out, the solution or the
+  ! best iterate. NSDAE_OK: solved; NSDAE_E_INFEASIBLE: no solution exists (proved); NSDAE_E_LCP: no
+  ! solution found; NSDAE_E_ARGUMENT (shapes or options), NSDAE_E_NONFINITE, NSDAE_E_MEMORY.
   integer(c_int) function nsdae_lcp_solve(A, b, x, y, options, info) result(status)
     real(c_double), intent(in), contiguous, target :: A(:, :), b(:)
     real(c_double), intent(inout), contiguous :: x(:), y(:)
@@ -84,8 +84,9 @@ contains
     status = c_solve(problem_of(A, b), options, x, y, info)
   end function
 
-  ! The same in the caller's workspace, without allocation. basis [n]: in, 1 where x_i is thought
-  ! positive, 0 where y_i is; out, that of the solution. work and iwork: nsdae_lcp_workspace.
+  ! nsdae_lcp_solve in the caller's workspace, without allocation. basis [n]: in, 1 if x_i is
+  ! expected to be positive, 0 if y_i is; out, basis of the solution. work and iwork: see
+  ! nsdae_lcp_workspace.
   integer(c_int) function nsdae_lcp_solve_in(A, b, basis, x, y, work, iwork, options, info) &
       result(status)
     real(c_double), intent(in), contiguous, target :: A(:, :), b(:)
@@ -100,7 +101,7 @@ contains
                         size(work, kind=c_int), iwork, size(iwork, kind=c_int))
   end function
 
-  ! Writes the problem to an HDF5 file, replacing one of that name. NSDAE_E_IO, NSDAE_E_ARGUMENT,
+  ! Writes a problem to an HDF5 file and replaces an existing one. NSDAE_E_IO, NSDAE_E_ARGUMENT,
   ! NSDAE_E_MEMORY, NSDAE_E_UNSUPPORTED (built without HDF5).
   integer(c_int) function nsdae_lcp_write(path, A, b, origin, error) result(status)
     character(len=*), intent(in) :: path
@@ -126,8 +127,7 @@ contains
     call error_from_c(why, error)
   end function
 
-  ! Reads a problem. tol: that of the file, 0 where it has none. On an error A and b are not
-  ! allocated.
+  ! Reads a problem. tol: that of the file, 0 if missing. On an error A and b are not allocated.
   integer(c_int) function nsdae_lcp_read(path, A, b, tol, error) result(status)
     character(len=*), intent(in) :: path
     real(c_double), allocatable, intent(out) :: A(:, :), b(:)

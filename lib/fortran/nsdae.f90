@@ -1,6 +1,6 @@
-! nsdae: everything, for Fortran. One module behind it for each header of C, with the same names:
-! what the headers say of a function holds here. Pointers with sizes become arrays, structs that
-! are filled by the caller become optional arguments at the end, texts become characters.
+! nsdae: the complete Fortran interface. Each C header has a module of the same name; its
+! documentation applies here. Pointers with sizes become arrays, structs that the caller fills
+! become optional last arguments, texts become characters.
 module nsdae
   use, intrinsic :: iso_c_binding, only: c_char, c_double, c_int, c_long
   use nsdae_f_bodies
@@ -17,7 +17,7 @@ module nsdae
   use nsdae_f_trajectory
   implicit none
 
-  ! what the modules say to each other
+  ! shared by the modules only
   private :: body_of, nsdae_body_words, nsdae_c_check, nsdae_c_error, nsdae_c_friction_file, nsdae_c_friction_origin, &
              nsdae_c_friction_points, nsdae_c_friction_problem, nsdae_c_lcp_file, nsdae_c_lcp_origin, &
              nsdae_c_lcp_problem, nsdae_c_param, nsdae_c_params, nsdae_c_record, nsdae_c_contact_set, &

@@ -1,8 +1,8 @@
-! nsdae/params.h: tables that describe the fields of a variable: defaults, ranges, set by key,
-! printing and the attributes in a trajectory file.
+! nsdae/params.h: tables that describe the fields of a variable: defaults, ranges, set-by-key,
+! printing and attributes of trajectory files.
 !
-! A table is made with one call of nsdae_params_add per field and holds where the fields are: they
-! must be targets, live as long as the table, and be parts of one variable.
+! nsdae_params_add adds a field to a table, which stores its address. Fields must be targets, parts
+! of one variable, and outlive the table.
 module nsdae_f_params
   use, intrinsic :: iso_c_binding
   use nsdae_f_status
@@ -20,16 +20,16 @@ module nsdae_f_params
 
   ! headers: type nsdae_c_params
 
-  ! One entry as Fortran reads it.
+  ! An entry for Fortran.
   type, public :: nsdae_param
     character(len=:), allocatable :: key, unit, help
     integer(c_int) :: type = NSDAE_PARAM_REAL
     real(c_double) :: initial = 0, min = 0, max = 0
     integer(c_int) :: open = 0
-    character(len=:), allocatable :: choices  ! the names, with a blank between
+    character(len=:), allocatable :: choices  ! the names, separated by blanks
   end type
 
-  ! The texts that an entry points to.
+  ! The texts of an entry.
   type :: owned
     character(kind=c_char), pointer :: key(:) => null(), unit(:) => null(), help(:) => null()
     character(kind=c_char), pointer :: words(:, :) => null()
@@ -40,17 +40,20 @@ module nsdae_f_params
     private
     type(c_ptr) :: entry = c_null_ptr  ! the first of n
     integer(c_int) :: n = 0
-    type(c_ptr) :: base = c_null_ptr   ! what the offsets count from
+    type(c_ptr) :: base = c_null_ptr   ! base address of the offsets
     type(nsdae_c_param), pointer :: made(:) => null()
     type(owned), pointer :: texts(:) => null()
   end type
 
-  ! status = nsdae_params_add(table, field, key, unit, help, initial, min, max, open) for a real or
-  ! an integer, nsdae_params_add(table, field, key, help, choices, initial) for an integer that
-  ! counts choices from 0, nsdae_params_add(table, field, key, help) for a text, empty at first: an
-  ! array of NSDAE_PARAM_TEXT_SIZE characters, ended by a null character, which nsdae_params_format
-  ! reads. min and max default to -infinity and infinity, open to 0. NSDAE_OK; NSDAE_E_MEMORY, or
-  ! NSDAE_E_ARGUMENT for a shorter array: the table is as it was.
+  ! Adds a field to a table; status = nsdae_params_add(...):
+  !
+  !   (table, field, key, unit, help, initial, min, max, open)  a real or an integer
+  !   (table, field, key, help, choices, initial)               a choice: an integer from 0
+  !   (table, field, key, help)                                 a text, empty at first
+  !
+  ! A text is an array of NSDAE_PARAM_TEXT_SIZE characters, ended by a null character;
+  ! nsdae_params_format reads it. min and max default to -infinity and infinity, open to 0.
+  ! NSDAE_OK; NSDAE_E_MEMORY, or NSDAE_E_ARGUMENT for a shorter array: the table is unchanged.
   interface nsdae_params_add
     module procedure add_real, add_int, add_choice, add_text
   end interface
@@ -131,7 +134,7 @@ contains
                           ieee_value(initial, ieee_positive_inf), 0, c_null_ptr)
   end function
 
-  ! One more entry: first all that can fail, then the table.
+  ! Adds an entry. All operations that can fail precede the change of the table.
   integer(c_int) function append(table, field, param, key, unit, help, choices) result(status)
     type(nsdae_params), intent(inout) :: table
     type(c_ptr), intent(in) :: field
@@ -171,7 +174,7 @@ contains
     status = NSDAE_OK
   end function
 
-  ! The offset of the last entry, or new offsets for all where it lies before the others.
+  ! The offset of the last entry, or new offsets for all if its address is the lowest.
   subroutine place(table, field)
     type(nsdae_params), intent(inout) :: table
     type(c_ptr), intent(in) :: field
@@ -186,7 +189,7 @@ contains
     table%made(table%n)%offset = shift
   end subroutine
 
-  ! Copies of the texts; nothing is kept where one could not be made.
+  ! Copies of the texts; on an error none is kept.
   subroutine keep(texts, key, unit, help, choices, failed)
     type(owned), intent(out) :: texts
     character(len=*), intent(in) :: key, unit, help
@@ -216,7 +219,7 @@ contains
     if (associated(texts%choices)) deallocate (texts%choices)
   end subroutine
 
-  ! Names as C has them: pointers to the words, the last one NULL.
+  ! Names for C: pointers to the words, the last one NULL.
   subroutine c_names(names, words, pointers)
     character(len=*), intent(in) :: names(:)
     character(kind=c_char), target, intent(out) :: words(:, :)
@@ -229,7 +232,7 @@ contains
     pointers(size(names) + 1) = c_null_ptr
   end subroutine
 
-  ! Releases what nsdae_params_add made; the table is then empty.
+  ! Frees the entries; the table is then empty.
   subroutine nsdae_params_destroy(table)
     type(nsdae_params), intent(inout) :: table
     integer :: i
@@ -242,14 +245,14 @@ contains
     table = nsdae_params()
   end subroutine
 
-  ! Fills the fields with the initial values.
+  ! Sets all fields to their defaults.
   subroutine nsdae_params_default(table)
     type(nsdae_params), intent(in) :: table
     call c_default(table_of(table), table%base)
   end subroutine
 
-  ! Sets one field from text. NSDAE_E_OPTION: no such key (the text names the nearest one) or no
-  ! such choice. NSDAE_E_ARGUMENT: not a number, or outside its range; the field is unchanged.
+  ! Sets one field from text. NSDAE_E_OPTION: no such key (the text suggests the nearest one) or no
+  ! such choice. NSDAE_E_ARGUMENT: not a number, or out of range; the field is unchanged.
   integer(c_int) function nsdae_params_set(table, key, val, error) result(status)
     type(nsdae_params), intent(in) :: table
     character(len=*), intent(in) :: key, val
@@ -262,7 +265,8 @@ contains
     call error_from_c(why, error)
   end function
 
-  ! Tests every field against its range. NSDAE_E_ARGUMENT names the first one outside.
+  ! Checks every field against its range. NSDAE_E_ARGUMENT: the text names the first field out of
+  ! range.
   integer(c_int) function nsdae_params_check(table, error) result(status)
     type(nsdae_params), intent(in) :: table
     type(nsdae_error), intent(out), optional :: error
@@ -276,7 +280,7 @@ contains
     nsdae_params_size = table%n
   end function
 
-  ! Number of the entry of that key, 1 .. nsdae_params_size; 0 where there is none.
+  ! Number of the entry of a key, 1 .. nsdae_params_size; 0 if there is none.
   integer(c_int) function nsdae_params_find(table, key) result(i)
     type(nsdae_params), intent(in) :: table
     character(len=*), intent(in) :: key
@@ -321,8 +325,8 @@ contains
     text = trim(adjustl(text))
   end function
 
-  ! Range of entry i in words: "greater than 0", "at least 1 and at most 5", "a finite number"; the
-  ! names of a choice; nothing of a text.
+  ! Range of entry i as text: "greater than 0", "at least 1 and at most 5", "a finite number". For a
+  ! choice its names; empty for a text.
   function nsdae_params_range(table, i) result(text)
     type(nsdae_params), intent(in) :: table
     integer(c_int), intent(in) :: i
@@ -336,7 +340,7 @@ contains
     text = trim(padded)
   end function
 
-  ! Value of entry i as text, which nsdae_params_set reads back to the same value.
+  ! Value of entry i as text; nsdae_params_set reads it back to the same value.
   function nsdae_params_format(table, i) result(text)
     type(nsdae_params), intent(in) :: table
     integer(c_int), intent(in) :: i
@@ -350,7 +354,7 @@ contains
     text = trim(padded)
   end function
 
-  ! The one of names nearest to word by edit distance; '' where none is near enough.
+  ! The entry of names nearest to word by edit distance; '' if none is near enough.
   function nsdae_suggest_name(word, names) result(near)
     character(len=*), intent(in) :: word, names(:)
     character(len=:), allocatable :: near
@@ -362,9 +366,9 @@ contains
     near = from_c(c_suggest_name(c_word, pointers))
   end function
 
-  ! What follows serves the other modules.
+  ! For the other modules:
 
-  ! A table of the library's own over the variable at base.
+  ! A table of the library, for the variable at base.
   type(nsdae_params) function table_at(p, base) result(table)
     type(c_ptr), intent(in) :: p, base
     type(nsdae_c_params), pointer :: from

@@ -1,4 +1,4 @@
-! nsdae/shape.h: what bodies look like; and those of a system.
+! nsdae/shape.h: shapes of bodies, and the bodies of a system.
 module nsdae_f_shape
   use, intrinsic :: iso_c_binding
   use nsdae_f_status
@@ -10,8 +10,8 @@ module nsdae_f_shape
   ! Shapes of bodies.
   ! headers: constants NSDAE_SHAPE_
 
-  ! What a body looks like and where it is: see nsdae/trajectory.h for sizes, and for the formulas,
-  ! whose coordinates count from 0 as in C ("q0 + L/2*sin(q2)"); what is blank is not given.
+  ! Shape and pose of a body; nsdae/shape.h describes sizes and formulas. Coordinates in formulas
+  ! count from 0, as in C ("q0 + L/2*sin(q2)"). Blank texts are not given.
   type, public :: nsdae_body
     character(len=64) :: name = ''
     integer(c_int) :: shape = NSDAE_SHAPE_POINT
@@ -37,9 +37,8 @@ module nsdae_f_shape
 
 contains
 
-  ! Adds a body to what trajectory files of this system show. What is wrong with it is said by
-  ! nsdae_trajectory_create, which knows what formulas may name. nsdae_bodies_system does it for
-  ! every solid. NSDAE_E_STATE, NSDAE_E_MEMORY.
+  ! Adds a body to the trajectory files of this system. nsdae_trajectory_create checks its formulas.
+  ! nsdae_bodies_system adds every solid. NSDAE_E_STATE, NSDAE_E_MEMORY.
   integer(c_int) function nsdae_system_add_body(system, body) result(status)
     type(nsdae_system), intent(in) :: system
     type(nsdae_body), intent(in), target :: body
@@ -47,7 +46,7 @@ contains
     status = c_add_body(nsdae_system_handle(system), body_of(body, text))
   end function
 
-  ! Those bodies.
+  ! The bodies of a system.
   function nsdae_system_get_bodies(system) result(bodies)
     type(nsdae_system), intent(in) :: system
     type(nsdae_body), allocatable :: bodies(:)
@@ -84,7 +83,7 @@ contains
     body%point = point
   end subroutine
 
-  ! The struct of C for a body whose texts are put into text.
+  ! The C struct of a body; text has its texts.
   type(nsdae_c_body) function body_of(from, text) result(body)
     type(nsdae_body), intent(in), target :: from
     type(nsdae_body_words), intent(inout), target :: text

@@ -1,4 +1,4 @@
-! nsdae/sim.h: integrating a system in time.
+! nsdae/sim.h: time integration of a system.
 module nsdae_f_sim
   use, intrinsic :: iso_c_binding
   use nsdae_f_friction
@@ -30,47 +30,47 @@ module nsdae_f_sim
 
   ! headers: constants NSDAE_OBSERVERS_MAX
 
-  ! Fill with nsdae_sim_options_default first: a variable that was not is refused.
+  ! Initialise with nsdae_sim_options_default; an uninitialised variable is an error.
   type, bind(C), public :: nsdae_sim_options
     integer(c_int) :: method
     real(c_double) :: dt                                ! step [s]
-    real(c_double) :: baumgarte_alpha, baumgarte_beta   ! of the smooth phases [1/s]
+    real(c_double) :: baumgarte_alpha, baumgarte_beta   ! Baumgarte stabilisation in smooth phases [1/s]
     real(c_double) :: iteration_tol                     ! relative change that ends an iteration
     integer(c_int) :: iteration_max
     integer(c_int) :: redundant
     real(c_double) :: rank_tol
     real(c_double) :: contact_tol
-    integer(c_int) :: polygon                           ! edges where nt = 2: 3 .. 32, or 0: the cone
-    real(c_double) :: impact_velocity                   ! slower closings are no impacts [m/s]
+    integer(c_int) :: polygon                           ! edges for nt = 2: 3 .. 32; 0: second-order cone
+    real(c_double) :: impact_velocity                   ! a slower closing is no impact [m/s]
     real(c_double) :: rtol, atol                        ! of the integrator of penalty and event
     integer(c_int) :: penalty_law
     real(c_double) :: penalty_stiffness                 ! K [N/m^n]
     real(c_double) :: penalty_exponent                  ! n
-    real(c_double) :: friction_velocity                 ! of friction in penalty [m/s]
+    real(c_double) :: friction_velocity                 ! regularisation in penalty [m/s]
     integer(c_int) :: linear_solver                     ! of event
-    real(c_double) :: accumulation_time                 ! shorter rests are closed [s]
+    real(c_double) :: accumulation_time                 ! event closes shorter accumulations [s]
     integer(c_int) :: events_max                        ! of event in one dt
     integer(c_int) :: projection                        ! NSDAE_PROJECTION_NONE and so on
-    real(c_double) :: start_tol                         ! relative error of the numbers of a start
+    real(c_double) :: start_tol                         ! relative tolerance of initial conditions
     integer(c_int) :: inner_steps_max                ! of the integrator in one dt
-    integer(c_int) :: start_check                       ! 1: looks for gross errors of callbacks
-    integer(c_int) :: contacts_max                      ! most contacts of a list
-    integer(c_int) :: threads                           ! that share the islands of a step
+    integer(c_int) :: start_check                       ! 1: check callbacks for gross errors
+    integer(c_int) :: contacts_max                      ! maximum number in a contact list
+    integer(c_int) :: threads                           ! threads for the islands of a step
     integer(c_int) :: initialised = 0                   ! set by nsdae_sim_options_default
   end type
 
-  ! One impact: what a contact did in one instant, or, for a time-stepping method, in one step.
+  ! An impact of one contact: at one time (event-driven) or in one step (time stepping).
   type, bind(C), public :: nsdae_impact
     real(c_double) :: time                              ! [s]
     integer(c_int) :: contact                           ! from 0
     real(c_double) :: normal_impulse                    ! [N s]
     real(c_double) :: tangential_impulse(2)
-    real(c_double) :: velocity_before, velocity_after   ! normal, of the contact [m/s]
+    real(c_double) :: velocity_before, velocity_after   ! normal velocity [m/s]
     real(c_double) :: peak_force                        ! [N]; 0 for a rigid contact
-    integer(c_int) :: accumulation                      ! 1: infinitely many, ending in rest
+    integer(c_int) :: accumulation                      ! 1: infinitely many (Zeno), at rest after time
   end type
 
-  ! A contact or frictional joint that changed its mode at an instant; method event alone finds them.
+  ! A mode transition of a contact or frictional joint; method event only.
   type, bind(C), public :: nsdae_change
     real(c_double) :: time                              ! [s]
     integer(c_int) :: contact                           ! from 0; -1: a frictional joint
@@ -78,13 +78,13 @@ module nsdae_f_sim
     integer(c_int) :: mode_before, mode_after           ! NSDAE_MODE_OPEN, NSDAE_MODE_SLIP, NSDAE_MODE_STICK
   end type
 
-  ! Contacts by list that were closed in a step; block(:, i) of contact i, numbered from 0.
+  ! Closed contacts of a step from the contact list; block(:, i) of contact i, numbered from 0.
   type, public :: nsdae_contact_set
     integer(c_int) :: count = 0
     integer(c_long), pointer :: id(:) => null()
     integer(c_int), pointer :: block(:, :) => null()                ! [2, count]
-    real(c_double), pointer :: gap(:) => null()                    ! [count] where the method looked last
-    real(c_double), pointer :: normal_impulse(:) => null()         ! [count] of the step
+    real(c_double), pointer :: gap(:) => null()                    ! [count] at the last evaluation
+    real(c_double), pointer :: normal_impulse(:) => null()         ! [count] over the step
     real(c_double), pointer :: tangential_impulse(:, :) => null()  ! [nt, count]
     integer(c_int), pointer :: mode(:) => null()
   end type
@@ -92,9 +92,9 @@ module nsdae_f_sim
   ! The struct of the C header.
   ! headers: type nsdae_c_contact_set
 
-  ! How far a step is from the laws, each figure with the contact or constraint of the largest, from
-  ! 0 (by list the place in the record's contacts; -1: the figure is 0); and its energy:
-  ! energy = energy_start + work - dissipated + unexplained
+  ! Violation of the laws by a step. Each value has the contact or constraint of its maximum: from 0
+  ! (contact list: index into the record's contacts), -1 if the value is 0. The energies satisfy
+  ! energy = energy_start + work - dissipated + unexplained.
   type, bind(C), public :: nsdae_certificate
     real(c_double) :: pull = 0               ! max(0, -Lambda_N) [N s]
     real(c_double) :: cone_excess = 0        ! max(0, |Lambda_T| - mu Lambda_N) [N s]
@@ -103,16 +103,16 @@ module nsdae_f_sim
     real(c_double) :: constraint_rate = 0    ! max |dPhi/dt|
     real(c_double) :: complementarity = 0    ! max |Lambda_N xi_N| [J]
     real(c_double) :: energy = 0             ! kinetic + potential [J]
-    real(c_double) :: work = 0               ! of forces outside the potential, and of moving constraints and contacts [J]
-    real(c_double) :: dissipated = 0         ! by contacts and friction [J]
-    real(c_double) :: unexplained = 0        ! < 0: a loss, > 0: a gain of the method [J]
+    real(c_double) :: work = 0               ! of forces without potential, moving constraints and moving contacts [J]
+    real(c_double) :: dissipated = 0         ! by contact and friction impulses [J]
+    real(c_double) :: unexplained = 0        ! numerical energy [J]: < 0: loss, > 0: gain
     integer(c_int) :: pull_contact = -1, cone_contact = -1, penetration_contact = -1
     integer(c_int) :: drift_constraint = -1, rate_constraint = -1
     integer(c_int) :: complementarity_contact = -1
   end type
 
-  ! The state after a step (or at the start, step = 0) and its certificate. The arrays are the
-  ! simulation's own and hold until the next step; they are to be read only.
+  ! The state after a step (step = 0: at the start) and its certificate. The arrays belong to the
+  ! simulation, are valid until the next step, and must not be changed.
   type, public :: nsdae_record
     integer(c_long) :: step = 0
     real(c_double) :: time = 0
@@ -121,7 +121,7 @@ module nsdae_f_sim
     real(c_double), pointer :: acceleration(:) => null()        ! [nv] mean over the step
     real(c_double), pointer :: multiplier(:) => null()          ! [m] mean bilateral force
     real(c_double), pointer :: gap(:) => null()                 ! [k]
-    real(c_double), pointer :: normal_impulse(:) => null()      ! [k] of the step
+    real(c_double), pointer :: normal_impulse(:) => null()      ! [k] over the step
     real(c_double), pointer :: tangential_impulse(:, :) => null()  ! [nt, k]
     real(c_double), pointer :: normal_force(:) => null()        ! [k] mean over the step [N]
     real(c_double), pointer :: tangential_force(:, :) => null()    ! [nt, k]
@@ -129,9 +129,9 @@ module nsdae_f_sim
     real(c_double), pointer :: frictional_joint_impulse(:) => null()       ! [f]
     real(c_double), pointer :: frictional_joint_force(:) => null()         ! [f] its mean force
     integer(c_int), pointer :: frictional_joint_mode(:) => null()          ! [f]
-    type(nsdae_contact_set) :: contacts                         ! those by list
+    type(nsdae_contact_set) :: contacts                         ! contact list
     real(c_double) :: kinetic = 0, potential = 0                ! [J]
-    real(c_double) :: dissipated = 0     ! work taken by all contact impulses so far [J]
+    real(c_double) :: dissipated = 0     ! work absorbed by all contact impulses since the start [J]
     real(c_double) :: lcp_residual = 0   ! scaled natural residual
     real(c_double) :: constraint_drift = 0                      ! max |Phi|
     real(c_double) :: penetration = 0                           ! max(0, -g_N)
@@ -150,28 +150,28 @@ module nsdae_f_sim
     integer(c_long) :: lcps, lcp_pivots, iterations
     integer(c_long) :: mass_evals, force_evals, jacobian_evals
     integer(c_long) :: impacts
-    integer(c_long) :: events, accumulations  ! of event: instants of change; accumulations closed
-    integer(c_long) :: fallback_steps    ! of event: dt that were stepped by implicit instead
+    integer(c_long) :: events, accumulations  ! method event: events; closed accumulations
+    integer(c_long) :: fallback_steps    ! method event: dt taken by implicit instead
     integer(c_long) :: accumulations_early  ! closed before accumulation_time
-    real(c_double) :: rank_retained, rank_discarded  ! the gap: smallest sine that counts, largest that does not
-    integer(c_int) :: rank, rank_most    ! smallest and largest rank of Phi_q met
-    real(c_double) :: worst_residual     ! over all LCPs
+    real(c_double) :: rank_retained, rank_discarded  ! sines: smallest of retained, largest of discarded rows
+    integer(c_int) :: rank, rank_most    ! smallest and largest rank of Phi_q
+    real(c_double) :: worst_residual     ! of all contact problems
     real(c_double) :: worst_drift
     real(c_double) :: worst_penetration
     real(c_double) :: energy_start       ! kinetic + potential at the start [J]
-    real(c_double) :: energy_balance     ! energy now + dissipated - energy_start [J]
+    real(c_double) :: energy_balance     ! energy + dissipated - energy_start [J]
     integer(c_int) :: warnings           ! 1: energy, 2: penetration, 4: drift, 8: Painleve, 16: impacts, 32: restitution
     real(c_double) :: wall_time          ! in nsdae_sim_run and nsdae_sim_step [s]
-    integer(c_int) :: contact_capacity   ! room in a list of contacts, which grows between steps
-    integer(c_int) :: contact_growths    ! how often it grew
-    integer(c_int) :: islands            ! parts of the last step that contacts and constraints join
-    integer(c_int) :: island_contacts    ! contacts of the largest of them
-    type(nsdae_certificate) :: certificate  ! largest figures of all records; energies of the last
+    integer(c_int) :: contact_capacity   ! capacity of the contact list; it grows between steps
+    integer(c_int) :: contact_growths    ! number of growths
+    integer(c_int) :: islands            ! islands of the last step
+    integer(c_int) :: island_contacts    ! contacts of the largest island
+    type(nsdae_certificate) :: certificate  ! maxima over all records; energies of the last
   end type
 
   abstract interface
-    ! Sees every record. 0: go on; > 0: stop after it (NSDAE_STOPPED); < 0: the run fails with this
-    ! status, and with error where its status was set.
+    ! Called with every record. 0: continue; > 0: stop after it (NSDAE_STOPPED); < 0: the run fails
+    ! with this status, and with error if its status was set.
     integer(c_int) function nsdae_observer_fn(record, error, user)
       import
       type(nsdae_record), intent(in) :: record
@@ -181,14 +181,14 @@ module nsdae_f_sim
   end interface
 
   abstract interface
-    ! Asked whether a step in work is to end: not 0 says so.
+    ! Interrupt function; a value other than 0 ends the current step.
     integer(c_int) function nsdae_interrupt_fn(user)
       import
       class(*), intent(inout) :: user
     end function
   end interface
 
-  ! One observer: what C hands back to call_observer.
+  ! An observer: the user pointer of call_observer.
   type :: observation
     procedure(nsdae_observer_fn), pointer, nopass :: call => null()
     class(*), pointer :: user => null()
@@ -201,10 +201,10 @@ module nsdae_f_sim
     class(*), pointer :: model => null()  ! with a user of its own, see nsdae_sim_set_user
     procedure(nsdae_interrupt_fn), pointer, nopass :: asked => null()
     class(*), pointer :: asked_user => null()
-    type(nsdae_error) :: refusal  ! by the module itself, of the last call; C keeps the others
+    type(nsdae_error) :: refusal  ! error of the module in the last call; C has the others
   end type
 
-  ! A simulation; nothing until nsdae_sim_create. Copies are the same simulation.
+  ! A simulation; empty before nsdae_sim_create. Copies refer to the same simulation.
   type, public :: nsdae_sim
     private
     type(c_ptr) :: handle = c_null_ptr
@@ -212,8 +212,7 @@ module nsdae_f_sim
     type(nsdae_system) :: system
   end type
 
-  ! The contact problem of a step: options as it was solved, guess where the solver began, r and u
-  ! its end.
+  ! The contact problem of a step: options of its solve, initial guess, resulting r and u.
   type, public :: nsdae_step_friction
     type(nsdae_friction_problem) :: problem
     type(nsdae_friction_options) :: options
@@ -251,8 +250,8 @@ module nsdae_f_sim
 
 contains
 
-  ! Sets one option from text, e.g. ("dt", "0.005") or ("method", "moreau"). NSDAE_E_OPTION: no
-  ! such key or choice (the text offers the nearest); NSDAE_E_ARGUMENT: outside its range.
+  ! Sets one option from text, e.g. ("dt", "0.005") or ("method", "moreau"). NSDAE_E_OPTION: no such
+  ! key or choice (the text suggests the nearest); NSDAE_E_ARGUMENT: out of range.
   integer(c_int) function nsdae_sim_options_set(options, key, val, error) result(status)
     type(nsdae_sim_options), intent(inout) :: options
     character(len=*), intent(in) :: key, val
@@ -274,9 +273,9 @@ contains
   ! Name of a method and what it is, in one line; '' past the last.
   ! headers: wrappers nsdae_ method_name method_summary
 
-  ! Makes a simulation; this is where memory is allocated, once. The system must be complete and
-  ! outlive it; without options, the defaults. NSDAE_E_ARGUMENT, NSDAE_E_STATE (a callback that is
-  ! needed is missing), NSDAE_E_MEMORY.
+  ! Creates a simulation and allocates its memory. The system must be complete and outlive it;
+  ! without options, the defaults. NSDAE_E_ARGUMENT, NSDAE_E_STATE (a required callback is missing),
+  ! NSDAE_E_MEMORY.
   integer(c_int) function nsdae_sim_create(system, sim, options, error) result(status)
     type(nsdae_system), intent(in) :: system
     type(nsdae_sim), intent(out) :: sim
@@ -297,7 +296,7 @@ contains
     status = c_get_dims(sim%handle, sim%run%dims)
   end function
 
-  ! Releases it; one that was not made is allowed. During a call on the simulation: nothing.
+  ! Frees the simulation; an empty one is allowed. During another call on it, nothing is freed.
   subroutine nsdae_sim_destroy(sim)
     type(nsdae_sim), intent(inout) :: sim
     call c_destroy(sim%handle)
@@ -313,16 +312,16 @@ contains
     handle = sim%handle
   end function
 
-  ! The same for a call that is about to be made: what an earlier one was refused for is past.
+  ! The C handle for a new call: clears the refusal of an earlier one.
   type(c_ptr) function at(sim) result(handle)
     type(nsdae_sim), intent(in) :: sim
     handle = sim%handle
     if (associated(sim%run)) sim%run%refusal%status = NSDAE_OK
   end function
 
-  ! Puts a start right: changes q0 [nq] and then v0 [nv] as little as can be, in the metric of M, so
-  ! that constraints and unit lengths are satisfied and no contact overlaps. The state of the
-  ! simulation is not changed. NSDAE_E_CONVERGENCE: there is no such state near this one.
+  ! Makes initial conditions q0 [nq] and v0 [nv] consistent, by the least change in the metric of M:
+  ! constraints, unit lengths and g_N >= 0. The state of the simulation is unchanged.
+  ! NSDAE_E_CONVERGENCE: no consistent state nearby.
   integer(c_int) function nsdae_sim_project(sim, t0, q0, v0) result(status)
     type(nsdae_sim), intent(in) :: sim
     real(c_double), intent(in) :: t0
@@ -334,11 +333,11 @@ contains
     status = c_project(at(sim), t0, q0, v0)
   end function
 
-  ! A start must satisfy the constraints, their rates, unit lengths and the gaps, up to the option
-  ! start_tol: NSDAE_E_ARGUMENT names the row, its value and the bound. event moves an overlap within
-  ! start_tol to gap 0; time stepping keeps any overlap, and its first step returns
-  ! NSDAE_WARN_PENETRATION beyond start_tol.
-  ! Starts at t0 with q0 [nq], v0 [nv]; evaluates every term once. May be called again.
+  ! Starts at t0 with q0 [nq], v0 [nv]; evaluates every term once. May be called again. Initial
+  ! conditions must satisfy constraints, their rates, unit lengths and (event) gaps, to the
+  ! tolerance start_tol: NSDAE_E_ARGUMENT names the row, its value and the bound. event moves an
+  ! overlap within start_tol to gap 0. Time stepping keeps any overlap; beyond start_tol its first
+  ! step returns NSDAE_WARN_PENETRATION.
   integer(c_int) function nsdae_sim_init(sim, t0, q0, v0) result(status)
     type(nsdae_sim), intent(in) :: sim
     real(c_double), intent(in) :: t0
@@ -350,8 +349,8 @@ contains
     status = c_init(at(sim), t0, q0, v0)
   end function
 
-  ! Adds an observer, at most NSDAE_OBSERVERS_MAX; they are called in this order. user is
-  ! a target that lives as long as the simulation.
+  ! Adds an observer, at most NSDAE_OBSERVERS_MAX; observers are called in the order of these calls.
+  ! user is a target that outlives the simulation.
   integer(c_int) function nsdae_sim_observe(sim, observer, user) result(status)
     type(nsdae_sim), intent(in) :: sim
     procedure(nsdae_observer_fn) :: observer
@@ -367,12 +366,12 @@ contains
       slot%dims = sim%run%dims
       place = c_loc(slot)
     end if
-    ! without a slot there are too many, which C says
+    ! without a slot: too many, the C function returns the error
     status = c_observe(at(sim), c_funloc(call_observer), place)
     if (status < 0 .and. associated(slot)) slot%call => null()
   end function
 
-  ! Takes the observer that was added with these two out again; not found is no error.
+  ! Removes the observer that was added with these arguments; no error if there is none.
   integer(c_int) function nsdae_sim_unobserve(sim, observer, user) result(status)
     type(nsdae_sim), intent(in) :: sim
     procedure(nsdae_observer_fn) :: observer
@@ -425,8 +424,8 @@ contains
   ! The same, but back after the first step with NSDAE_EVENT or NSDAE_ZENO, with that status.
   ! headers: wrappers nsdae_sim_ run_to_event
 
-  ! q [nq] and v [nv] at a time of the last step, its ends included. NSDAE_E_ARGUMENT: another time;
-  ! NSDAE_E_STATE: there is no last step.
+  ! q [nq] and v [nv] at a time of the last step, including its ends. NSDAE_E_ARGUMENT: t is outside
+  ! the last step; NSDAE_E_STATE: there is no last step.
   integer(c_int) function nsdae_sim_interpolate(sim, t, q, v) result(status)
     type(nsdae_sim), intent(in) :: sim
     real(c_double), intent(in) :: t
@@ -438,8 +437,8 @@ contains
     status = c_interpolate(at(sim), t, q, v)
   end function
 
-  ! What the callbacks get as user in this simulation, in place of the system's: a target that lives
-  ! as long as the simulation.
+  ! Sets the last argument of the callbacks in this simulation, in place of the system's: a target
+  ! that outlives the simulation.
   integer(c_int) function nsdae_sim_set_user(sim, user) result(status)
     type(nsdae_sim), intent(in) :: sim
     class(*), target, intent(inout) :: user
@@ -465,9 +464,9 @@ contains
   ! Coefficients of contact i and of frictional joint j in this simulation, in place of the system's.
   ! headers: wrappers nsdae_sim_ set_contact set_frictional_joint
 
-  ! The state as a value: so many bytes, fixed by system and options, that hold all that the next
-  ! step depends on. Set into a simulation of the same system and options the run goes on with the
-  ! same bytes as without.
+  ! Size in bytes of the state block, which depends on system and options. A block contains all data
+  ! that the next step depends on. A simulation of the same system and options continues from it
+  ! byte for byte like the original run.
   integer(c_int) function nsdae_sim_state_size(sim, bytes) result(status)
     type(nsdae_sim), intent(in) :: sim
     integer(c_size_t), intent(out) :: bytes
@@ -475,15 +474,16 @@ contains
     status = c_state_size(at(sim), bytes)
   end function
 
-  ! Called by an observer it is the state right after the record it sees.
+  ! Copies the state into a block. In an observer it is the state after the record.
   integer(c_int) function nsdae_sim_get_state(sim, block) result(status)
     type(nsdae_sim), intent(in) :: sim
     integer(c_int8_t), intent(inout), contiguous :: block(:)
     status = c_get_state(at(sim), block, size(block, kind=c_size_t))
   end function
 
-  ! The observers have seen it. A block that is none, damaged, or of another system, method or
-  ! options is refused by name, and the state is the one before.
+  ! Sets the state from a block; observers are not called for it. NSDAE_E_ARGUMENT: damaged or not a
+  ! block, or of another system, method or options; the text names the difference. The state is then
+  ! unchanged.
   integer(c_int) function nsdae_sim_set_state(sim, block) result(status)
     type(nsdae_sim), intent(in) :: sim
     integer(c_int8_t), intent(in), contiguous :: block(:)
@@ -509,9 +509,9 @@ contains
 
   ! headers: wrappers nsdae_sim_ get_options
 
-  ! The complementarity problem of the step that failed with NSDAE_E_LCP or NSDAE_E_INFEASIBLE: the
-  ! simulation's own arrays, which hold until the next step. NSDAE_E_STATE where the last step did
-  ! not fail so.
+  ! The complementarity problem of a step that failed with NSDAE_E_LCP, NSDAE_E_INFEASIBLE or
+  ! NSDAE_E_PAINLEVE. Its arrays belong to the simulation and are valid until the next step.
+  ! NSDAE_E_STATE: the last step did not fail in this way.
   integer(c_int) function nsdae_sim_get_failed_lcp(sim, A, b) result(status)
     type(nsdae_sim), intent(in) :: sim
     real(c_double), pointer, intent(out) :: A(:, :), b(:)
@@ -522,9 +522,9 @@ contains
     if (status == NSDAE_OK) call shape_problem(problem, A, b)
   end function
 
-  ! The contact problem of the last step of a time-stepping method, with the options it was solved
-  ! with, where the solver began, and its end: the simulation's own arrays, which hold until the next
-  ! step. NSDAE_E_STATE where there was none.
+  ! The contact problem of the last step of a time-stepping method, with the options of its solve,
+  ! its initial guess and its result. The arrays belong to the simulation and are valid until the
+  ! next step. NSDAE_E_STATE: the last step had none.
   integer(c_int) function nsdae_sim_get_friction(sim, friction) result(status)
     type(nsdae_sim), intent(in) :: sim
     type(nsdae_step_friction), intent(out) :: friction
@@ -540,13 +540,13 @@ contains
     call c_f_pointer(c%u, friction%u, [m])
   end function
 
-  ! The system that it was made of.
+  ! The system of the simulation.
   type(nsdae_system) function nsdae_sim_get_system(sim) result(system)
     type(nsdae_sim), intent(in) :: sim
     system = sim%system
   end function
 
-  ! Why the last call on this simulation failed.
+  ! Error record of the last call on this simulation.
   type(nsdae_error) function nsdae_sim_error(sim) result(error)
     type(nsdae_sim), intent(in) :: sim
     if (associated(sim%run)) then
@@ -556,7 +556,7 @@ contains
     error = error_at(c_error(sim%handle))
   end function
 
-  ! What C calls.
+  ! The functions that C calls.
   integer(c_int) function call_interrupt(user) result(code) bind(C, name='')
     type(c_ptr), value :: user
     type(run), pointer :: here
@@ -564,8 +564,9 @@ contains
     code = here%asked(here%asked_user)
   end function
 
-  ! Who is asked before every step, and after every internal step of penalty and event, whether to
-  ! go on; without asked: nobody. A step that is interrupted was not done: NSDAE_E_INTERRUPTED.
+  ! Sets the interrupt function; without asked: none. It is called before every step, and after
+  ! every internal step of penalty and event. An interrupted step returns NSDAE_E_INTERRUPTED; the
+  ! state is the one before it.
   integer(c_int) function nsdae_sim_set_interrupt(sim, asked, user) result(status)
     type(nsdae_sim), intent(in) :: sim
     procedure(nsdae_interrupt_fn), optional :: asked

@@ -1,6 +1,7 @@
 ! nsdae/version.h and nsdae/status.h: status codes and the error record.
 !
-! Every function returns integer(c_int): 0 done, < 0 not done, > 0 done and something to know.
+! Every function returns integer(c_int): 0: success; < 0: failure, nothing was done; > 0: success
+! with additional information.
 module nsdae_f_status
   use, intrinsic :: iso_c_binding
   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
@@ -13,15 +14,15 @@ module nsdae_f_status
 
   ! headers: constants NSDAE_OK NSDAE_EVENT NSDAE_ZENO NSDAE_STOPPED NSDAE_E_ NSDAE_WARN_
 
-  ! What went wrong.
+  ! Error record.
   type, public :: nsdae_error
     integer(c_int) :: status = NSDAE_OK
-    integer(c_int) :: code = 0        ! raw code of the origin: a callback's return, LAPACK's info
-    integer(c_int) :: index = -1      ! entry, contact or pivot concerned, from 0; -1: none
-    real(c_double) :: time = 0        ! simulated time [s]; NaN where there is none
+    integer(c_int) :: code = 0        ! code of the origin: return value of a callback, info of LAPACK
+    integer(c_int) :: index = -1      ! entry, contact or pivot, from 0; -1: not applicable
+    real(c_double) :: time = 0        ! simulated time [s]; NaN: not applicable
     character(len=32) :: argument = ''
     character(len=48) :: where = ''
-    character(len=256) :: text = ''   ! what, where and what to do
+    character(len=256) :: text = ''   ! argument, value, bound and remedy
   end type
 
   ! The struct of the C header.
@@ -51,7 +52,7 @@ contains
   ! "NSDAE_E_RANK"; "unknown status" where there is none.
   ! headers: wrappers nsdae_ status_name status_message
 
-  ! What follows serves the other modules.
+  ! For the other modules:
 
   subroutine error_from_c(from, error)
     type(nsdae_c_error), intent(in) :: from
@@ -92,7 +93,7 @@ contains
     call to_chars(error%text, to%text)
   end subroutine
 
-  ! NSDAE_E_ARGUMENT, for what C cannot see: the sizes of arrays.
+  ! NSDAE_E_ARGUMENT for errors that C cannot detect: sizes of arrays.
   integer(c_int) function refuse(where, argument, text, error) result(status)
     character(len=*), intent(in) :: where, argument, text
     type(nsdae_error), intent(out), optional :: error
@@ -105,7 +106,7 @@ contains
     error%text = text
   end function
 
-  ! NSDAE_E_ARGUMENT where an array has not the size it must have.
+  ! NSDAE_E_ARGUMENT if an array has the wrong size.
   integer(c_int) function check_size(argument, given, needed, error) result(status)
     character(len=*), intent(in) :: argument
     integer, intent(in) :: given

@@ -1,14 +1,14 @@
-! nsdae/system.h: the description of a non-smooth multibody system.
+! nsdae/system.h: description of a non-smooth multibody system.
 !
 !   M(q) dv + Phi_q^T dLambda - W_N dLambda_N - W_T dLambda_T = F(t,q,v) dt
 !   Phi(t,q) = 0,   0 <= g_N(t,q)  _|_  Lambda_N >= 0,   |Lambda_T| <= mu Lambda_N
 !
-! Callbacks are functions of the abstract interfaces below. Their arrays have their shapes:
-! q [nq], v [nv], M [nv, nv] and so on; outputs come zeroed, so that a callback sets only what is
-! not zero. user is what nsdae_system_set_user was given. They return 0 when done, > 0 for a failure
-! that a smaller step may avoid, < 0 for one that nothing helps.
+! Callbacks are functions of the abstract interfaces below. Their arrays have their shapes: q [nq],
+! v [nv], M [nv, nv] and so on. Outputs are zero on entry; a callback writes only nonzero entries.
+! user is the argument of nsdae_system_set_user. Callbacks return 0: success; > 0: failure that a
+! smaller step may avoid; < 0: fatal failure.
 !
-! Contacts, frictional joints, constraints and entries are numbered from 0, as in C, in the files and in the
+! Contacts, frictional joints, constraints and entries are numbered from 0, as in C, files and
 ! messages: contact i is gap(i + 1).
 module nsdae_f_system
   use, intrinsic :: iso_c_binding
@@ -19,7 +19,7 @@ module nsdae_f_system
 
   type, bind(C), public :: nsdae_dims
     integer(c_int) :: nq = 0  ! coordinates, >= 1
-    integer(c_int) :: nv = 0  ! velocities, 1 .. nq; 0 means nq
+    integer(c_int) :: nv = 0  ! velocities, 1 .. nq; 0: nq
     integer(c_int) :: m = 0   ! bilateral constraints, >= 0
     integer(c_int) :: k = 0   ! contacts, >= 0
     integer(c_int) :: nt = 0  ! tangential directions of every contact: 0 (frictionless), 1 or 2
@@ -31,22 +31,22 @@ module nsdae_f_system
 
   ! headers: constants NSDAE_CONTACT_WIDTH
 
-  ! A contact by list: two blocks of v, or a block and the ground. Blocks are numbered from 0; id is
-  ! the same of the same pair of features at all times.
+  ! A contact of a contact list: between two blocks of v, or a block and the ground. Blocks are
+  ! numbered from 0; id identifies a pair of features at all times.
   type, bind(C), public :: nsdae_contact
     integer(c_long) :: id = 0
     integer(c_int) :: block(2) = [0, -1]          ! -1: the ground
-    real(c_double) :: gap = 0                     ! g_N, negative where they overlap
+    real(c_double) :: gap = 0                     ! g_N, negative for an overlap
     real(c_double) :: mu = 0, e_n = 0, e_t = 0    ! friction, restitution, tangential restitution
-    real(c_double) :: w(3) = 0                    ! velocity along each direction with v = 0
-    real(c_double) :: omega(3) = 0                ! acceleration along each with v' = 0
+    real(c_double) :: w(3) = 0                    ! velocity along each direction at v = 0
+    real(c_double) :: omega(3) = 0                ! acceleration along each at v' = 0
     ! direction(:, d, s): direction d (the normal, then tangents) over the velocities of block(s)
     real(c_double) :: direction(NSDAE_CONTACT_WIDTH, 3, 2) = 0
-    ! of a block with more velocities the address of its directions (nv, 1 + nt)
+    ! null, or for a block with more velocities the address of its directions (nv, 1 + nt)
     type(c_ptr) :: wide(2) = c_null_ptr
   end type
 
-  ! The lists that callbacks fill; they live as long as the call.
+  ! The lists that callbacks fill; valid during the call.
   type, public :: nsdae_contact_list
     private
     type(c_ptr) :: handle = c_null_ptr
@@ -56,11 +56,11 @@ module nsdae_f_system
     type(c_ptr) :: handle = c_null_ptr
   end type
 
-  ! Worst disagreement that nsdae_system_check found.
+  ! Largest error that nsdae_system_check found.
   type, public :: nsdae_check
     character(len=32) :: term = ''               ! callback, e.g. "constraint_jacobian"
     integer(c_int) :: row = 0, column = 0        ! its entry, from 0
-    real(c_double) :: given = 0, difference = 0  ! what it says, what central differences say
+    real(c_double) :: given = 0, difference = 0  ! values of callback and central differences
     real(c_double) :: error = 0                  ! |given - difference| / (1 + |difference|)
   end type
 
@@ -71,22 +71,21 @@ module nsdae_f_system
     ! callbacks.list: interfaces
     ! callbacks.list: end
 
-    ! The diagonal blocks of M(t,q) [nv of the block squared each], column by column, one after
-    ! another.
+    ! Diagonal blocks of M(t,q), nv x nv of the block each, column-major, one after another.
     integer(c_int) function nsdae_mass_blocks_fn(t, q, M, user)
       import
       real(c_double), intent(in) :: t, q(:)
       real(c_double), intent(inout) :: M(:)
       class(*), intent(inout) :: user
     end function
-    ! Phi_q(t,q): nsdae_row_add for every block that a row touches.
+    ! Phi_q(t,q): calls nsdae_row_add for every block of every row.
     integer(c_int) function nsdae_constraint_rows_fn(t, q, rows, user)
       import
       real(c_double), intent(in) :: t, q(:)
       type(nsdae_row_list), intent(in) :: rows
       class(*), intent(inout) :: user
     end function
-    ! nsdae_contact_add for every contact with a gap of at most reach at (t,q).
+    ! Calls nsdae_contact_add for every contact with a gap of at most reach at (t,q).
     integer(c_int) function nsdae_contacts_fn(t, q, v, reach, list, user)
       import
       real(c_double), intent(in) :: t, q(:), v(:), reach
@@ -95,28 +94,27 @@ module nsdae_f_system
     end function
   end interface
 
-  ! What the C library hands back to the callbacks below: the sizes, the user's procedures and the
-  ! user's variable.
+  ! The user pointer of the C callbacks below: sizes, the user's procedures, the user's variable.
   type :: model
     type(nsdae_dims) :: dims
     class(*), pointer :: user => null()
     ! callbacks.list: procedures
     ! callbacks.list: end
-    integer(c_int) :: squares = 0  ! entries of M by blocks
+    integer(c_int) :: squares = 0  ! entries of the diagonal blocks of M
     procedure(nsdae_mass_blocks_fn), pointer, nopass :: mass_blocks => null()
     procedure(nsdae_constraint_rows_fn), pointer, nopass :: constraint_rows => null()
     procedure(nsdae_contacts_fn), pointer, nopass :: contacts => null()
-    type(nsdae_error) :: refusal  ! by the module itself, of the last call; C keeps the others
+    type(nsdae_error) :: refusal  ! error of the module in the last call; C has the others
   end type
 
-  ! A system; nothing until nsdae_system_create. Copies are the same system.
+  ! A system; empty before nsdae_system_create. Copies refer to the same system.
   type, public :: nsdae_system
     private
     type(c_ptr) :: handle = c_null_ptr
     type(model), pointer :: model => null()
   end type
 
-  ! What user is where none was set.
+  ! The default of user.
   type :: nobody
     integer :: size = 1  ! targets without a size are never associated
   end type
@@ -151,8 +149,7 @@ module nsdae_f_system
 
 contains
 
-  ! Makes a description without callbacks. NSDAE_E_ARGUMENT (a size outside its range),
-  ! NSDAE_E_MEMORY.
+  ! Creates a system without callbacks. NSDAE_E_ARGUMENT: a size is out of range; NSDAE_E_MEMORY.
   integer(c_int) function nsdae_system_create(dims, system, error) result(status)
     type(nsdae_dims), intent(in) :: dims
     type(nsdae_system), intent(out) :: system
@@ -173,7 +170,7 @@ contains
     status = c_set_user(system%handle, c_loc(system%model))
   end function
 
-  ! For a simulation with a user of its own: what C then hands back, and the same to be released.
+  ! User pointer of a simulation with its own user, and its deallocation.
   subroutine nsdae_system_for_user(system, user, place, own)
     type(nsdae_system), intent(in) :: system
     class(*), target, intent(inout) :: user
@@ -190,7 +187,7 @@ contains
     own => copy
   end subroutine
 
-  ! A system that C made, with callbacks of its own, as one of the module's; for the other modules.
+  ! A system that C made, with C callbacks, as a system of the module; for the other modules.
   integer(c_int) function system_of(handle, system, error) result(status)
     type(c_ptr), intent(in) :: handle
     type(nsdae_system), intent(out) :: system
@@ -207,8 +204,7 @@ contains
     system%model%user => no_user
   end function
 
-  ! Releases it; one that was not made is allowed. Simulations of it go on: what they need of it
-  ! stays.
+  ! Frees the system; an empty one is allowed. Its simulations remain valid.
   subroutine nsdae_system_destroy(system)
     type(nsdae_system), intent(inout) :: system
     integer(c_int) :: simulations
@@ -218,33 +214,32 @@ contains
     system%model => null()
   end subroutine
 
-  ! Takes note of what a setter was refused: nsdae_sim_create returns it no more.
+  ! Clears the error record and the stored error of a setter.
   subroutine nsdae_system_clear_error(system)
     type(nsdae_system), intent(in) :: system
     call c_clear_error(at(system))
   end subroutine
 
-  ! How many simulations it has now; while there are any, no setter is accepted.
+  ! Number of existing simulations; while there are any, setters return NSDAE_E_STATE.
   integer(c_int) function nsdae_system_simulations(system) result(count)
     type(nsdae_system), intent(in) :: system
     count = c_simulations(system%handle)
   end function
 
-  ! The C handle, for programs in both languages; its user pointer is the module's own.
+  ! The C handle, for programs in both languages; its user pointer belongs to the module.
   type(c_ptr) function nsdae_system_handle(system) result(handle)
     type(nsdae_system), intent(in) :: system
     handle = system%handle
   end function
 
-  ! The same for a call that is about to be made: what an earlier one was refused for is past.
+  ! The C handle for a new call: clears the refusal of an earlier one.
   type(c_ptr) function at(system) result(handle)
     type(nsdae_system), intent(in) :: system
     handle = system%handle
     if (associated(system%model)) system%model%refusal%status = NSDAE_OK
   end function
 
-  ! The variable that every callback gets as its last argument: a target that lives as long as the
-  ! system.
+  ! Sets the last argument of every callback: a target that outlives the system.
   integer(c_int) function nsdae_system_set_user(system, user) result(status)
     type(nsdae_system), intent(in) :: system
     class(*), target, intent(inout) :: user
@@ -261,9 +256,8 @@ contains
   ! Slide 0 <= j < f: the bilateral constraint of that number, 0 .. m-1, with friction mu >= 0.
   ! headers: wrappers nsdae_system_ set_frictional_joint
 
-  ! Name and unit of number i (from 0) of a kind (NSDAE_NAME_COORDINATE and so on), as in
-  ! (system, NSDAE_NAME_COORDINATE, 2, 'theta', 'rad'). NSDAE_E_ARGUMENT: no such kind or number, or
-  ! a text that is empty or too long.
+  ! Sets name and unit of object i (from 0) of a kind, e.g. (system, NSDAE_NAME_COORDINATE, 2,
+  ! 'theta', 'rad'). NSDAE_E_ARGUMENT: no such kind or number, name empty or text too long.
   integer(c_int) function nsdae_system_set_name(system, kind, i, name, unit) result(status)
     type(nsdae_system), intent(in) :: system
     integer(c_int), intent(in) :: kind, i
@@ -290,7 +284,7 @@ contains
   ! contacts by list: of block i) or NSDAE_NAME_CONSTRAINT; 0: unknown.
   ! headers: wrappers nsdae_system_ set_size
 
-  ! '' where there is none.
+  ! Name and unit; '' if not set.
   function nsdae_system_get_name(system, kind, i) result(text)
     type(nsdae_system), intent(in) :: system
     integer(c_int), intent(in) :: kind, i
@@ -305,7 +299,7 @@ contains
     text = from_c(c_get_unit(system%handle, kind, i))
   end function
 
-  ! Why the last call on this system failed.
+  ! Error record of the last call on this system.
   type(nsdae_error) function nsdae_system_error(system) result(error)
     type(nsdae_system), intent(in) :: system
     if (associated(system%model)) then
@@ -335,11 +329,14 @@ contains
     if (status == NSDAE_OK) status = check_size(v_name, size(v), dims%nv, error)
   end function
 
-  ! Looks at every callback that is given, at (t, q [nq], v [nv]): what it writes beyond its arrays,
-  ! never writes, or writes that is no number; then every derivative against central differences of
-  ! what it derives from, the mass matrix against its transpose, and directions of friction that
-  ! are none. NSDAE_OK; NSDAE_E_DERIVATIVE with the wrong entry in worst; NSDAE_E_CALLBACK,
-  ! NSDAE_E_NONFINITE, NSDAE_E_ARGUMENT, NSDAE_E_STATE, NSDAE_E_MEMORY.
+  ! Checks every callback at (t, q [nq], v [nv]); the C header has the details:
+  !
+  ! - writes outside arrays, missing writes, NaN and infinity
+  ! - derivatives against central differences, M against its transpose
+  ! - tangential directions
+  !
+  ! NSDAE_OK; NSDAE_E_DERIVATIVE with the wrong entry in worst; NSDAE_E_CALLBACK, NSDAE_E_NONFINITE,
+  ! NSDAE_E_ARGUMENT, NSDAE_E_STATE, NSDAE_E_MEMORY.
   integer(c_int) function nsdae_system_check(system, t, q, v, tol, worst) result(status)
     type(nsdae_system), intent(in) :: system
     real(c_double), intent(in) :: t, tol
@@ -360,15 +357,16 @@ contains
     worst%error = from%error
   end function
 
-  ! mass and force are always needed, constraint where m > 0, gap where k > 0, gap_tangent where
-  ! nt > 0 and any mu > 0, frictional_joint_tangent where a frictional joint has mu > 0; what else is missing is filled by
-  ! central differences or taken as zero. NSDAE_E_ARGUMENT: the system has no such term.
+  ! Setters of the callbacks. Required: mass, force; constraint if m > 0; gap if k > 0; gap_tangent
+  ! if nt > 0 and any mu > 0; frictional_joint_tangent if a frictional joint has mu > 0. Others are
+  ! replaced by central differences or zero (C header). NSDAE_E_ARGUMENT: the system has no such
+  ! term.
 
   ! callbacks.list: f_setters
   ! callbacks.list: end
 
-  ! Splits q and v into blocks: block b has nq(b + 1) coordinates and nv(b + 1) velocities. The
-  ! system takes the callbacks mass_blocks, constraint_rows and contacts then.
+  ! Divides q and v into blocks: block b has nq(b + 1) coordinates and nv(b + 1) velocities. The
+  ! system then requires the callbacks mass_blocks, constraint_rows and contacts.
   integer(c_int) function nsdae_system_set_blocks(system, nq, nv) result(status)
     type(nsdae_system), intent(in) :: system
     integer(c_int), intent(in), contiguous :: nq(:), nv(:)
@@ -380,7 +378,7 @@ contains
     if (status == NSDAE_OK) system%model%squares = sum(nv * nv)
   end function
 
-  ! How many there are: 1 where none were set.
+  ! Number of blocks: 1 by default.
   integer(c_int) function nsdae_system_get_blocks(system) result(count)
     type(nsdae_system), intent(in) :: system
     count = c_get_blocks(system%handle)
@@ -407,15 +405,15 @@ contains
     if (status == NSDAE_OK) system%model%contacts => contacts
   end function
 
-  ! Adds a copy to the list of the callback contacts. NSDAE_OK, NSDAE_E_ARGUMENT, NSDAE_E_NONFINITE.
+  ! Adds a copy of a contact to the contact list. NSDAE_OK, NSDAE_E_ARGUMENT, NSDAE_E_NONFINITE.
   integer(c_int) function nsdae_contact_add(list, contact) result(status)
     type(nsdae_contact_list), intent(in) :: list
     type(nsdae_contact), intent(in) :: contact
     status = c_contact_add(list%handle, contact)
   end function
 
-  ! values [nv of the block]: the entries of row 0 <= row < m over a block (from 0). Rows come in
-  ! ascending order, each block once.
+  ! Adds the entries values [nv of the block] of row 0 <= row < m in a block (from 0). Rows must be
+  ! in ascending order, each block once per row.
   integer(c_int) function nsdae_row_add(rows, row, block, values) result(status)
     type(nsdae_row_list), intent(in) :: rows
     integer(c_int), intent(in) :: row, block
@@ -423,8 +421,7 @@ contains
     status = c_row_add(rows%handle, row, block, values)
   end function
 
-  ! What C calls: each finds the user's procedure and gives its arrays their shapes. Nothing is
-  ! copied.
+  ! The callbacks of C: each calls the user's procedure with shaped arrays, without copies.
 
   function model_at(p) result(here)
     type(c_ptr), intent(in) :: p
@@ -432,7 +429,7 @@ contains
     call c_f_pointer(p, here)
   end function
 
-  ! What may be NULL where it is empty.
+  ! An array that is NULL if it is empty.
   function array_at(p, n) result(a)
     type(c_ptr), intent(in) :: p
     integer(c_int), intent(in) :: n

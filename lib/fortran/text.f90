@@ -42,8 +42,8 @@ contains
     end do
   end subroutine
 
-  ! The other way, without the trailing blanks: cut where the array is too short. Callers keep the
-  ! array on the stack, so that handing a text to C allocates nothing.
+  ! A text as char array, without trailing blanks, truncated if the array is too short. The array is
+  ! on the caller's stack, so that no allocation is necessary.
   pure subroutine to_chars(text, s)
     character(len=*), intent(in) :: text
     character(kind=c_char), intent(out) :: s(:)

@@ -9,20 +9,20 @@ module nsdae_f_trajectory
   implicit none
   private
 
-  ! What the file says of the model.
+  ! Model and settings of a trajectory file.
   type, public :: nsdae_trajectory_info
     character(len=64) :: model = ''   ! e.g. "pendulum"
     type(nsdae_params) :: parameters = nsdae_params()  ! table of the model's parameters; empty: none
-    logical :: live = .false.         ! can be read while it is written (HDF5's SWMR mode)
-    integer(c_int) :: every = 1       ! keeps each such step's record; impacts and changes all
-    integer(c_int) :: compress = 0    ! 1 (fast) .. 9 (small), 0: not; not with live
-    real(c_double) :: t_end = 0       ! where the run is to end [s]; 0: not known
+    logical :: live = .false.         ! readable during the run (SWMR mode of HDF5)
+    integer(c_int) :: every = 1       ! every n-th record; all impacts and mode transitions
+    integer(c_int) :: compress = 0    ! 1 (fast) .. 9 (small), 0: none; not with live
+    real(c_double) :: t_end = 0       ! end time of the run [s]; 0: unknown
   end type
 
   ! The struct of the C header.
   ! headers: type nsdae_c_trajectory_info
 
-  ! A file; nothing until nsdae_trajectory_create.
+  ! A trajectory file; empty before nsdae_trajectory_create.
   type, public :: nsdae_trajectory
     private
     type(c_ptr) :: handle = c_null_ptr
@@ -38,9 +38,9 @@ module nsdae_f_trajectory
 
 contains
 
-  ! Makes the file (replacing one of that name) and adds itself to the observers of sim, which must
-  ! live until it is closed. NSDAE_E_IO: the file cannot be made, the text says why;
-  ! NSDAE_E_UNSUPPORTED: the library was built without HDF5; NSDAE_E_MEMORY; NSDAE_E_ARGUMENT.
+  ! Creates the file (replaces an existing one) and adds an observer to sim, which must live until
+  ! the file is closed. NSDAE_E_IO: the file cannot be created, the text has the cause;
+  ! NSDAE_E_UNSUPPORTED: built without HDF5; NSDAE_E_MEMORY; NSDAE_E_ARGUMENT.
   integer(c_int) function nsdae_trajectory_create(sim, path, info, trajectory, error) &
       result(status)
     type(nsdae_sim), intent(in) :: sim
@@ -51,10 +51,10 @@ contains
     status = make(sim, path, info, .false., trajectory, error)
   end function
 
-  ! Goes on in the file of an earlier run, which may have been killed at any moment: sets sim to the
-  ! newest state in it and adds itself to the observers. sim and info must be those of the run that
-  ! made the file, but for t_end; every and compress are the file's. NSDAE_E_ARGUMENT names what is
-  ! another one; NSDAE_E_IO: the file cannot be read or has no whole state.
+  ! Resumes the file of an earlier run, which may have been killed at any time: sets sim to its
+  ! newest state and adds an observer. sim and info must be those of the run that created the file,
+  ! except t_end; every and compress are those of the file. NSDAE_E_ARGUMENT: the text names the
+  ! difference; NSDAE_E_IO: the file cannot be read or has no complete state.
   integer(c_int) function nsdae_trajectory_resume(sim, path, info, trajectory, error) &
       result(status)
     type(nsdae_sim), intent(in) :: sim
@@ -97,8 +97,8 @@ contains
     call error_from_c(why, error)
   end function
 
-  ! Reads what the run that made a file was told into the fields of the table: of the group
-  ! "options", "parameters" or "run" (t_end, every, compress) those keys that the table has.
+  ! Reads the settings of the run that created a file into the fields of the table. group is
+  ! "options", "parameters" or "run" (t_end, every, compress). Only keys of the table are read.
   integer(c_int) function nsdae_trajectory_read_params(path, group, table, error) result(status)
     character(len=*), intent(in) :: path, group
     type(nsdae_params), intent(in) :: table
@@ -111,7 +111,7 @@ contains
     call error_from_c(why, error)
   end function
 
-  ! Adds a dataset of one's own, at a path such as "/compare/error". Not while the file is live.
+  ! Adds a dataset at a path such as "/compare/error". Not available with live.
   integer(c_int) function nsdae_trajectory_put(trajectory, path, values, units, description, &
                                                error) result(status)
     type(nsdae_trajectory), intent(in) :: trajectory
@@ -129,7 +129,7 @@ contains
     call error_from_c(why, error)
   end function
 
-  ! The same of texts.
+  ! Adds a dataset of texts.
   integer(c_int) function nsdae_trajectory_put_texts(trajectory, path, texts, description, error) &
       result(status)
     type(nsdae_trajectory), intent(in) :: trajectory
@@ -151,8 +151,9 @@ contains
     call error_from_c(why, error)
   end function
 
-  ! Names the bodies, once and before the first step, in place of the system's. NSDAE_E_ARGUMENT: the text names the body, what
-  ! of it and what is wrong, index is its number from 0; NSDAE_E_STATE; NSDAE_E_MEMORY; NSDAE_E_IO.
+  ! Sets the bodies in place of the system's, once and before the first step. NSDAE_E_ARGUMENT: the
+  ! text names the body, its field and the error; index is its number, from 0; NSDAE_E_STATE;
+  ! NSDAE_E_MEMORY; NSDAE_E_IO.
   integer(c_int) function nsdae_trajectory_set_bodies(trajectory, bodies, error) result(status)
     type(nsdae_trajectory), intent(in) :: trajectory
     type(nsdae_body), intent(in), target :: bodies(:)
@@ -168,8 +169,8 @@ contains
     call error_from_c(why, error)
   end function
 
-  ! Writes what is buffered: from here on the file has every record so far, whatever becomes of the
-  ! program. Runs do it four times a second by themselves. NSDAE_E_IO.
+  ! Writes buffered data. All records so far are then in the file, even if the program crashes. Runs
+  ! flush four times a second. NSDAE_E_IO.
   integer(c_int) function nsdae_trajectory_flush(trajectory, error) result(status)
     type(nsdae_trajectory), intent(in) :: trajectory
     type(nsdae_error), intent(out), optional :: error
@@ -178,9 +179,9 @@ contains
     call error_from_c(why, error)
   end function
 
-  ! Writes what is buffered, sets the attribute `status` to how the run ended, "complete",
-  ! "stopped", "interrupted" or "failed", and closes the file. NSDAE_E_IO: not all could be written; the text says what the
-  ! file holds. One that was not made is allowed.
+  ! Writes buffered data, sets the attribute `status` to "complete", "stopped", "interrupted" or
+  ! "failed", and closes the file. NSDAE_E_IO: not all data were written; the text says what the
+  ! file contains. An empty one is allowed.
   integer(c_int) function nsdae_trajectory_close(trajectory, run_status, error) result(status)
     type(nsdae_trajectory), intent(inout) :: trajectory
     integer(c_int), intent(in) :: run_status

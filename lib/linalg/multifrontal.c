@@ -9,6 +9,13 @@
 /* A supernode takes a further column while the zeros that it brings are fewer than this part. */
 static const double RELAXED = 0.15;
 
+/* The root of a dropped pivot: an entry of a solution is divided by its square, and is zero then.
+ */
+static const double DROPPED = 1e100;
+
+/* Below this order plain loops are faster than LAPACK's Cholesky. */
+enum { SMALL = 16 };
+
 static void lay_out_graph(void *object, nsdae_arena *arena)
 {
   nsdae_multifrontal *f = object;
@@ -24,8 +31,8 @@ static void lay_out_graph(void *object, nsdae_arena *arena)
   f->super.pivots = NSDAE_ARENA_INTS(arena, n);
   f->super.rest = NSDAE_ARENA_INTS(arena, n);
   f->super.children = NSDAE_ARENA_INTS(arena, n);
-  f->local = NSDAE_ARENA_INTS(arena, n);
-  f->waiting = NSDAE_ARENA_INTS(arena, n);
+  f->work.local = NSDAE_ARENA_INTS(arena, n);
+  f->work.waiting = NSDAE_ARENA_INTS(arena, n);
   f->super.factor = nsdae_arena_take(arena, n + 1L, sizeof(size_t));
 }
 
@@ -34,11 +41,14 @@ static void lay_out_numbers(void *object, nsdae_arena *arena)
   nsdae_multifrontal *f = object;
   f->A = NSDAE_ARENA_DOUBLES(arena, f->values);
   f->F = NSDAE_ARENA_DOUBLES(arena, f->super.factor[f->super.count]);
-  f->front = NSDAE_ARENA_DOUBLES(arena, f->super.most_front);
-  f->stack = NSDAE_ARENA_DOUBLES(arena, f->super.most_stack);
-  f->vector = NSDAE_ARENA_DOUBLES(arena, f->order);
-  f->gather = NSDAE_ARENA_DOUBLES(arena, f->super.most_rest);
-  f->exchange = NSDAE_ARENA_INTS(arena, f->order);
+  f->work.front = NSDAE_ARENA_DOUBLES(arena, f->super.most_front);
+  f->work.stack = NSDAE_ARENA_DOUBLES(arena, f->super.most_stack);
+  f->work.vector = NSDAE_ARENA_DOUBLES(arena, f->order);
+  f->work.gather = NSDAE_ARENA_DOUBLES(arena, f->super.most_rest);
+  f->work.exchange = NSDAE_ARENA_INTS(arena, f->order);
+  f->rank.forced = NSDAE_ARENA_INTS(arena, f->order);
+  f->rank.is_dropped = NSDAE_ARENA_INTS(arena, f->order);
+  f->rank.part = NSDAE_ARENA_DOUBLES(arena, f->order);
 }
 
 static int block_size(const nsdae_multifrontal *f, int number)
@@ -75,10 +85,10 @@ static void place_blocks(nsdae_multifrontal *f)
     }
   }
   f->values = used;
-  for (int i = 0; i < f->graph.n; i++) f->local[i] = f->graph.first[i];
+  for (int i = 0; i < f->graph.n; i++) f->work.local[i] = f->graph.first[i];
   for (int i = 0; i < f->graph.n; i++) /* lists ascend: those of j meet their twins in order */
     for (int a = f->graph.first[i]; a < f->graph.first[i + 1]; a++)
-      f->graph.twin[a] = f->local[f->graph.index[a]]++;
+      f->graph.twin[a] = f->work.local[f->graph.index[a]]++;
 }
 
 /* Runs of columns, each the parent of the one before. The last column of a run has the rows of all
@@ -114,7 +124,7 @@ static int last_of(const nsdae_multifrontal *f, int s)
 static void measure_supernodes(nsdae_multifrontal *f)
 {
   const nsdae_symbolic *t = &f->tree;
-  int *owner = f->local;
+  int *owner = f->work.local;
   f->super.factor[0] = 0;
   f->super.most_front = 0;
   f->super.most_rest = 0;
@@ -182,7 +192,7 @@ static void add_block(const nsdae_multifrontal *f, double *F, int lda, size_t fr
   int rows = block_size(f, i), columns = block_size(f, j);
   const double *block = f->A + from;
   for (int c = 0; c < columns; c++) {
-    double *to = F + (size_t)(f->local[j] + c) * (size_t)lda + f->local[i];
+    double *to = F + (size_t)(f->work.local[j] + c) * (size_t)lda + f->work.local[i];
     for (int r = 0; r < rows; r++) to[r] += block[c * rows + r];
   }
 }
@@ -196,13 +206,13 @@ static void add_child(const nsdae_multifrontal *f, int child, const double *left
   const double *column = left;
   for (size_t b = t->start[last]; b < t->start[last + 1]; b++)
     for (int c = 0; c < block_size(f, t->row[b]); c++, column += rest) {
-      double *to = F + (size_t)(f->local[t->row[b]] + c) * (size_t)lda;
+      double *to = F + (size_t)(f->work.local[t->row[b]] + c) * (size_t)lda;
       size_t from = f->symmetric ? b : t->start[last];
       int at = 0;
       for (size_t a = t->start[last]; a < from; a++) at += block_size(f, t->row[a]);
       for (size_t a = from; a < t->start[last + 1]; a++) {
         int rows = block_size(f, t->row[a]);
-        double *place = to + f->local[t->row[a]];
+        double *place = to + f->work.local[t->row[a]];
         for (int r = 0; r < rows; r++) place[r] += column[at + r];
         at += rows;
       }
@@ -215,11 +225,11 @@ static void place_front(nsdae_multifrontal *f, int s)
   const nsdae_symbolic *t = &f->tree;
   int at = 0, last = last_of(f, s);
   for (int k = f->super.begin[s]; k <= last; k++) {
-    f->local[k] = at;
+    f->work.local[k] = at;
     at += block_size(f, k);
   }
   for (size_t a = t->start[last]; a < t->start[last + 1]; a++) {
-    f->local[t->row[a]] = at;
+    f->work.local[t->row[a]] = at;
     at += block_size(f, t->row[a]);
   }
 }
@@ -238,12 +248,68 @@ static int check_pivots(int p, const double *F, int lda)
   return 0;
 }
 
+/* Whether the pivot of row j of the permuted matrix is to be dropped. */
+static int drops(nsdae_multifrontal *f, int j, double pivot)
+{
+  double own = f->work.vector[j];
+  f->rank.part[j] = own > 0 ? pivot / own : 0;
+  return f->rank.forced[j] || !(pivot > f->rank.drop * own);
+}
+
+/* The pivot block P = L L^T of rows from `at` on, in plain loops; a column of L that is dropped is
+ * zero. */
+static int factor_dropping(nsdae_multifrontal *f, int at, int p, double *P, int lda)
+{
+  for (int j = 0; j < p; j++) {
+    double *column = P + (size_t)j * (size_t)lda, pivot = column[j];
+    if (!isfinite(pivot)) return j + 1;
+    f->rank.is_dropped[at + j] = drops(f, at + j, pivot);
+    if (f->rank.is_dropped[at + j]) {
+      memset(column + j, 0, (size_t)(p - j) * sizeof *column);
+      column[j] = DROPPED;
+      continue;
+    }
+    column[j] = sqrt(pivot);
+    for (int i = j + 1; i < p; i++) column[i] /= column[j];
+    for (int c = j + 1; c < p; c++) {
+      double *to = P + (size_t)c * (size_t)lda;
+      for (int i = c; i < p; i++) to[i] -= column[i] * column[c];
+    }
+  }
+  return 0;
+}
+
+static int keeps_all(nsdae_multifrontal *f, int at, int p, const double *P, int lda)
+{
+  int all = 1;
+  for (int j = 0; j < p; j++) {
+    double root = P[(size_t)j * ((size_t)lda + 1)];
+    all &= !drops(f, at + j, root * root);
+    f->rank.is_dropped[at + j] = 0;
+  }
+  return all;
+}
+
+/* The pivot block of supernode s; large ones by LAPACK, and anew if a pivot is to be dropped. */
+static int factor_pivots(nsdae_multifrontal *f, int s, int p, double *P, int lda)
+{
+  int at = f->place[f->super.begin[s]];
+  double *before = f->F + f->super.factor[s];
+  if (f->rank.drop == 0 || p >= SMALL) {
+    copy(p, p, P, lda, before, p);
+    int info = LAPACKE_dpotrf_work(LAPACK_COL_MAJOR, 'L', p, P, lda);
+    if (f->rank.drop == 0) return info != 0 ? info : check_pivots(p, P, lda);
+    if (info == 0 && keeps_all(f, at, p, P, lda)) return check_pivots(p, P, lda);
+    copy(p, p, before, p, P, lda);
+  }
+  return factor_dropping(f, at, p, P, lda);
+}
+
 /* The front [P U; R S]: P = L L^T, R := R L^-T, S := S - R R^T. */
-static int factor_symmetric(int p, int r, double *F, int lda)
+static int factor_symmetric(nsdae_multifrontal *f, int s, int p, int r, double *F, int lda)
 {
   double *R = F + p, *S = F + (size_t)p * (size_t)lda + p;
-  int info = LAPACKE_dpotrf_work(LAPACK_COL_MAJOR, 'L', p, F, lda);
-  if (info == 0) info = check_pivots(p, F, lda);
+  int info = factor_pivots(f, s, p, F, lda);
   if (info != 0 || r == 0) return info;
   cblas_dtrsm(CblasColMajor, CblasRight, CblasLower, CblasTrans, CblasNonUnit, r, p, 1, F, lda, R,
               lda);
@@ -272,7 +338,7 @@ static int factor_general(int p, int r, double *F, int lda, int *exchange)
 static int factor_one(nsdae_multifrontal *f, int s, int *waiting, int *count, size_t *top)
 {
   int p = f->super.pivots[s], r = f->super.rest[s], n = p + r;
-  double *F = f->front, *to = f->F + f->super.factor[s];
+  double *F = f->work.front, *to = f->F + f->super.factor[s];
   memset(F, 0, (size_t)n * (size_t)n * sizeof *F);
   place_front(f, s);
   /* Entries of A in the columns and rows of the supernode: those whose other end is not eliminated.
@@ -292,19 +358,30 @@ static int factor_one(nsdae_multifrontal *f, int s, int *waiting, int *count, si
   for (int c = 0; c < f->super.children[s]; c++) {
     int child = waiting[--*count];
     *top -= (size_t)f->super.rest[child] * (size_t)f->super.rest[child];
-    add_child(f, child, f->stack + *top, F, n);
+    add_child(f, child, f->work.stack + *top, F, n);
   }
-  int info = f->symmetric ? factor_symmetric(p, r, F, n)
-                          : factor_general(p, r, F, n, f->exchange + f->place[f->super.begin[s]]);
+  int info = f->symmetric
+                 ? factor_symmetric(f, s, p, r, F, n)
+                 : factor_general(p, r, F, n, f->work.exchange + f->place[f->super.begin[s]]);
   if (info != 0) return info;
   copy(p, p, F, n, to, p);
   copy(r, p, F + p, n, to + (size_t)p * (size_t)p, r);
   if (!f->symmetric) copy(p, r, F + (size_t)p * (size_t)n, n, to + (size_t)p * (size_t)(p + r), p);
   if (r == 0) return 0;
-  copy(r, r, F + (size_t)p * (size_t)n + p, n, f->stack + *top, r);
+  copy(r, r, F + (size_t)p * (size_t)n + p, n, f->work.stack + *top, r);
   *top += (size_t)r * (size_t)r;
   waiting[(*count)++] = s;
   return 0;
+}
+
+/* The diagonal of A in the order of elimination, in the vector, which is free meanwhile. */
+static void gather_diagonal(nsdae_multifrontal *f)
+{
+  for (int k = 0; k < f->graph.n; k++) {
+    const double *block = f->A + f->graph.diagonal[f->tree.node[k]];
+    size_t n = (size_t)block_size(f, k);
+    for (size_t j = 0; j < n; j++) f->work.vector[(size_t)f->place[k] + j] = block[j * (n + 1)];
+  }
 }
 
 int nsdae_multifrontal_factor(nsdae_multifrontal *f, int symmetric)
@@ -312,8 +389,9 @@ int nsdae_multifrontal_factor(nsdae_multifrontal *f, int symmetric)
   int count = 0;
   size_t top = 0;
   f->symmetric = symmetric;
+  if (f->rank.drop > 0) gather_diagonal(f);
   for (int s = 0; s < f->super.count; s++)
-    if (factor_one(f, s, f->waiting, &count, &top) != 0) return s + 1;
+    if (factor_one(f, s, f->work.waiting, &count, &top) != 0) return s + 1;
   return 0;
 }
 
@@ -321,9 +399,9 @@ int nsdae_multifrontal_factor(nsdae_multifrontal *f, int symmetric)
 static void gather_below(const nsdae_multifrontal *f, int s, int add)
 {
   const nsdae_symbolic *t = &f->tree;
-  double *g = f->gather;
+  double *g = f->work.gather;
   for (size_t a = t->start[last_of(f, s)]; a < t->start[last_of(f, s) + 1]; a++) {
-    double *x = f->vector + f->place[t->row[a]];
+    double *x = f->work.vector + f->place[t->row[a]];
     int rows = block_size(f, t->row[a]);
     for (int k = 0; k < rows; k++)
       if (add)
@@ -337,8 +415,8 @@ static void forward(nsdae_multifrontal *f, int s)
 {
   int p = f->super.pivots[s], r = f->super.rest[s], at = f->place[f->super.begin[s]];
   const double *P = f->F + f->super.factor[s], *R = P + (size_t)p * (size_t)p;
-  double *x = f->vector + at;
-  if (!f->symmetric) LAPACKE_dlaswp_work(LAPACK_COL_MAJOR, 1, x, p, 1, p, f->exchange + at, 1);
+  double *x = f->work.vector + at;
+  if (!f->symmetric) LAPACKE_dlaswp_work(LAPACK_COL_MAJOR, 1, x, p, 1, p, f->work.exchange + at, 1);
   cblas_dtrsv(CblasColMajor, CblasLower, CblasNoTrans, f->symmetric ? CblasNonUnit : CblasUnit, p,
               P, p, x, 1);
   if (r == 0) return;
@@ -354,9 +432,9 @@ static void backward(nsdae_multifrontal *f, int s)
   double *x = f->vector + f->place[f->super.begin[s]];
   if (r > 0) gather_below(f, s, 0);
   if (r > 0 && f->symmetric)
-    cblas_dgemv(CblasColMajor, CblasTrans, r, p, -1, R, r, f->gather, 1, 1, x, 1);
+    cblas_dgemv(CblasColMajor, CblasTrans, r, p, -1, R, r, f->work.gather, 1, 1, x, 1);
   else if (r > 0)
-    cblas_dgemv(CblasColMajor, CblasNoTrans, p, r, -1, U, p, f->gather, 1, 1, x, 1);
+    cblas_dgemv(CblasColMajor, CblasNoTrans, p, r, -1, U, p, f->work.gather, 1, 1, x, 1);
   if (f->symmetric)
     cblas_dtrsv(CblasColMajor, CblasLower, CblasTrans, CblasNonUnit, p, P, p, x, 1);
   else
@@ -367,7 +445,7 @@ static void backward(nsdae_multifrontal *f, int s)
 static void permute(nsdae_multifrontal *f, double *x, int in)
 {
   for (int i = 0; i < f->graph.n; i++) {
-    double *y = f->vector + f->place[f->tree.number[i]];
+    double *y = f->work.vector + f->place[f->tree.number[i]];
     memcpy(in ? y : x, in ? x : y, (size_t)f->graph.size[i] * sizeof *x);
     x += f->graph.size[i];
   }

@@ -31,23 +31,37 @@ typedef struct nsdae_supernodes {
   int most_rest;
 } nsdae_supernodes;
 
-typedef struct nsdae_multifrontal {
-  nsdae_symbolic tree;
-  nsdae_multifrontal_graph graph;
-  nsdae_supernodes super;
-  int order;      /* rows */
-  int symmetric;  /* of the last factorisation */
-  double *A;      /* the matrix, to be filled by the caller */
-  size_t values;  /* of A */
-  int *place;     /* n: first row of number k in the permuted vectors */
-  double *F;      /* the factors */
+/* Of a symmetric matrix that is positive semidefinite up to rounding: a pivot of at most `drop`
+ * times its diagonal entry is dropped. Its entry of every solution is zero. */
+typedef struct nsdae_multifrontal_rank {
+  double drop;     /* set before the factorisation; 0: none is dropped */
+  int *forced;     /* order, permuted: set to 1 before, it is dropped in any case */
+  int *is_dropped; /* order, permuted: was by the last factorisation */
+  double *part;    /* order, permuted: pivots, as parts of their diagonal entries */
+} nsdae_multifrontal_rank;
+
+typedef struct nsdae_multifrontal_work {
   double *front;  /* largest front */
-  double *stack;  /* what children leave */
+  double *stack;  /* contributions of children */
   double *vector; /* order: permuted right-hand side */
   double *gather; /* largest rest */
   int *exchange;  /* order: of rows */
   int *local;     /* n: where a number begins in the front at hand */
   int *waiting;   /* n: supernodes whose rest is on the stack */
+} nsdae_multifrontal_work;
+
+typedef struct nsdae_multifrontal {
+  nsdae_symbolic tree;
+  nsdae_multifrontal_graph graph;
+  nsdae_supernodes super;
+  int order;     /* rows */
+  int symmetric; /* of the last factorisation */
+  double *A;     /* the matrix, to be filled by the caller */
+  size_t values; /* of A */
+  int *place;    /* n: first row of number k in the permuted vectors */
+  double *F;     /* the factors */
+  nsdae_multifrontal_work work;
+  nsdae_multifrontal_rank rank;
   nsdae_arena of_graph, of_numbers;
 } nsdae_multifrontal;
 
@@ -59,6 +73,12 @@ int nsdae_multifrontal_analyse(nsdae_multifrontal *f, int n, const int *size, co
 
 /* Factors what is in A. Returns 0, or > 0 where a pivot is zero or not positive. */
 int nsdae_multifrontal_factor(nsdae_multifrontal *f, int symmetric);
+
+/* Place of row r of block i in the permuted vectors. */
+static inline int nsdae_multifrontal_place(const nsdae_multifrontal *f, int i, int r)
+{
+  return f->place[f->tree.number[i]] + r;
+}
 
 /* x [order] := A^-1 x; the rows of the blocks in the order of the blocks. */
 void nsdae_multifrontal_solve(nsdae_multifrontal *f, double *x);

@@ -2,29 +2,24 @@
 
 #include <float.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include <nsdae/status.h>
 
-#include "dynamic_array.h"
+#include "dense.h"
+#include "sparse_rank.h"
 #include "vector.h"
 
-enum { ROUNDS = 200 };
+enum { REFINEMENTS = 10 };
 
-static const double enough = 1e-9; /* of a residual, to be a solution at all */
+/* Largest backward error of a solution. Refinement ends at a few DBL_EPSILON; sums of 1000 terms
+ * remain below this. */
+static const double ENOUGH = 1e-12;
 
-/* What is looked at in one call. */
-typedef struct part {
-  const nsdae_blocks *blocks;
-  const nsdae_rows *J;
-  const double *M, *r;
-  const int *block, *row;
-  int blocks_count, rows_count;
-  double scale; /* s */
-} part;
+/* ---- the factors */
 
-static int reserve(nsdae_sparse_kkt *s, const part *p)
+/* M + D = L L^T. */
+static int factor_masses(nsdae_sparse_kkt *k, const double *M, const double *D)
 {
   int all = p->blocks->count, order = p->blocks->first[all];
   const nsdae_array by_block[] = {NSDAE_ARRAY(s->number, 1), NSDAE_ARRAY(s->size, 1),
@@ -73,50 +68,136 @@ static int push(nsdae_sparse_kkt *s, int at, int value)
     if (nsdae_arrays_grow(index, 1, (size_t)room) < 0) return NSDAE_E_MEMORY;
     s->index_room = room;
   }
-  s->index[at] = value;
   return NSDAE_OK;
 }
 
-/* The neighbours of each block: those of the rows that touch it. */
-static int graph(nsdae_sparse_kkt *s, const part *p)
+/* J, and Y = L^-1 J^T. */
+static void gather_rows(nsdae_sparse_kkt *k)
 {
-  int count = 0;
-  for (int b = 0; b < p->blocks_count; b++) s->mark[b] = -1;
-  for (int b = 0; b < p->blocks_count; b++) {
-    s->first[b] = count;
-    s->mark[b] = b;
-    for (int l = s->by_block[b]; l < s->by_block[b + 1]; l++) {
-      int row = p->row[s->of_block[l]];
-      for (int e = p->J->first[row]; e < p->J->first[row + 1]; e++) {
-        int other = s->number[p->J->block[e]];
-        if (s->mark[other] == b) continue;
-        s->mark[other] = b;
-        if (push(s, count++, other) < 0) return NSDAE_E_MEMORY;
+  const nsdae_kkt_nodes *n = &k->nodes;
+  const nsdae_rows *J = k->part.J;
+  for (int i = 0; i < n->count; i++)
+    for (int p = n->part[i]; p < n->part[i + 1]; p++) {
+      int size = nsdae_blocks_size(&k->at.blocks, n->block[p]);
+      double *to = k->at.J + n->at[p], *Y = k->at.Y + n->at[p];
+      for (int row = n->row[i]; row < n->row[i + 1]; row++) {
+        int entry = J->first[k->part.row[row]] + p - n->part[i];
+        const double *value = J->value + J->at[entry];
+        for (int j = 0; j < size; j++) *to++ = value[(size_t)j * J->stride];
       }
+      memcpy(Y, k->at.J + n->at[p], (size_t)(n->size[i] * size) * sizeof *Y);
+      nsdae_la_solve_lower(size, n->size[i], k->at.L + k->at.blocks.square[n->block[p]], size, Y,
+                           size);
     }
-    qsort(s->index + s->first[b], (size_t)(count - s->first[b]), sizeof *s->index, ascending);
-  }
-  s->first[p->blocks_count] = count;
-  return NSDAE_OK;
 }
 
 /* Entry of the graph: the place of block `to` among the neighbours of `from`. */
 static size_t graph_place(const nsdae_sparse_kkt *s, int from, int to)
 {
-  if (from == to) return s->fronts.graph.diagonal[from];
-  int low = s->first[from], high = s->first[from + 1] - 1;
-  while (low < high) {
-    int middle = (low + high) / 2;
-    if (s->index[middle] < to)
-      low = middle + 1;
-    else
-      high = middle;
-  }
-  return s->fronts.graph.at[low];
+  for (int c = 0; c < columns; c++, B += size, C += rows)
+    for (int r = 0; r < rows; r++) C[r] += nsdae_dot(size, A + (size_t)r * (size_t)size, B);
+  return 0;
 }
 
-/* The block of A in block row `a`, block column `b` gets s J_a^T J_b of one row. */
-static void add_outer(nsdae_sparse_kkt *s, const part *p, int row)
+/* The block of S in the rows of node a and the columns of node b. */
+static void form_block(const nsdae_sparse_kkt *k, int a, int b, double *C)
+{
+  const nsdae_kkt_nodes *n = &k->nodes;
+  const double *Y = k->at.Y;
+  int rows = n->size[a], columns = n->size[b];
+  memset(C, 0, (size_t)(rows * columns) * sizeof *C);
+  for (int p = n->part[a]; p < n->part[a + 1]; p++)
+    for (int q = n->part[b]; q < n->part[b + 1]; q++) {
+      int size = nsdae_blocks_size(&k->at.blocks, n->block[p]);
+      if (n->block[p] != n->block[q])
+        continue;
+      else if (size == 6) /* a body in space, as the compiler may know */
+        add_gram(6, rows, columns, Y + n->at[p], Y + n->at[q], C);
+      else
+        add_gram(size, rows, columns, Y + n->at[p], Y + n->at[q], C);
+    }
+}
+
+/* S = Y^T Y: its diagonal blocks, and those whose rows are eliminated after their columns. */
+static void form_schur(nsdae_sparse_kkt *k)
+{
+  const nsdae_kkt_nodes *n = &k->nodes;
+  const nsdae_multifrontal *f = &k->schur;
+  for (int i = 0; i < n->count; i++) {
+    form_block(k, i, i, f->A + f->graph.diagonal[i]);
+    for (int e = n->first[i]; e < n->first[i + 1]; e++)
+      if (f->tree.number[n->index[e]] > f->tree.number[i])
+        form_block(k, n->index[e], i, f->A + f->graph.at[e]);
+  }
+}
+
+int nsdae_sparse_kkt_factor(nsdae_sparse_kkt *k, const double *M, const double *D)
+{
+  int status = factor_masses(k, M, D);
+  if (status < 0) return status;
+  gather_rows(k);
+  form_schur(k);
+  return nsdae_sparse_kkt_find_rank(k);
+}
+
+/* out [rows] = J x, or Y^T x */
+void nsdae_sparse_kkt_times(const nsdae_sparse_kkt *k, const double *J, const double *x,
+                            double *out)
+{
+  const nsdae_kkt_nodes *n = &k->nodes;
+  memset(out, 0, (size_t)k->part.row_count * sizeof *out);
+  for (int i = 0; i < n->count; i++)
+    for (int p = n->part[i]; p < n->part[i + 1]; p++) {
+      int size = nsdae_blocks_size(&k->at.blocks, n->block[p]);
+      const double *value = J + n->at[p], *of = x + k->at.blocks.first[n->block[p]];
+      for (int row = n->row[i]; row < n->row[i + 1]; row++, value += size)
+        out[row] += nsdae_dot(size, value, of);
+    }
+}
+
+/* out [nv] += scale J^T l, or Y l; size, if not NULL, += |J^T| |l| */
+void nsdae_sparse_kkt_add_transposed(const nsdae_sparse_kkt *k, const double *J, double scale,
+                                     const double *l, double *out, double *size)
+{
+  const nsdae_kkt_nodes *n = &k->nodes;
+  for (int i = 0; i < n->count; i++)
+    for (int p = n->part[i]; p < n->part[i + 1]; p++) {
+      int at = k->at.blocks.first[n->block[p]], end = k->at.blocks.first[n->block[p] + 1];
+      const double *value = J + n->at[p];
+      for (int row = n->row[i]; row < n->row[i + 1]; row++)
+        for (int j = at; j < end; j++, value++) {
+          out[j] += scale * l[row] * *value;
+          if (size) size[j] += fabs(l[row] * *value);
+        }
+    }
+}
+
+void nsdae_sparse_kkt_solve_schur(nsdae_sparse_kkt *k, double *h)
+{
+  if (k->by_ldl)
+    nsdae_sparse_ldl_solve(&k->ldl, &k->schur, h);
+  else
+    nsdae_multifrontal_solve(&k->schur, h);
+}
+
+/* ---- the solution */
+
+/* z := L^-1 z, or L^-T z */
+static void solve_masses(const nsdae_sparse_kkt *k, int transposed, double *z)
+{
+  const nsdae_blocks *b = &k->at.blocks;
+  for (int i = 0; i < b->count; i++) {
+    int n = nsdae_blocks_size(b, i);
+    const double *L = k->at.L + b->square[i];
+    if (transposed)
+      nsdae_la_solve_lower_transposed(n, 1, L, n, z + b->first[i], n);
+    else
+      nsdae_la_solve_lower(n, 1, L, n, z + b->first[i], n);
+  }
+}
+
+/* worst / size; not finite if a number is not. */
+static double part_of(double worst, double size)
 {
   const nsdae_rows *J = p->J;
   for (int e = J->first[row]; e < J->first[row + 1]; e++)
@@ -133,41 +214,56 @@ static void add_outer(nsdae_sparse_kkt *s, const part *p, int row)
 
 static int factor_part(nsdae_sparse_kkt *s, const part *p)
 {
-  memset(s->fronts.A, 0, s->fronts.values * sizeof *s->fronts.A);
-  for (int i = 0; i < p->blocks_count; i++) {
-    size_t square = (size_t)s->size[i] * (size_t)s->size[i];
-    memcpy(s->fronts.A + s->fronts.graph.diagonal[i], p->M + p->blocks->square[p->block[i]],
-           square * sizeof *p->M);
-  }
-  for (int i = 0; i < p->rows_count; i++) add_outer(s, p, p->row[i]);
-  return nsdae_multifrontal_factor(&s->fronts, 1) == 0 ? NSDAE_OK : NSDAE_E_MASS;
+  return a <= most || isnan(most) ? most : a; /* NaN stays */
 }
 
-/* s: 1e5 over the mean of the diagonal of J M^-1 J^T, by the diagonal of M. */
-static double scale_of(const part *p)
+/* g = r - (M + D) x - J^T l, divided by the largest |r| + |(M + D) x| + |J^T| |l| */
+static double error_of_forces(const nsdae_sparse_kkt *k)
 {
-  double sum = 0;
-  for (int i = 0; i < p->rows_count; i++)
-    for (int e = p->J->first[p->row[i]]; e < p->J->first[p->row[i] + 1]; e++) {
-      int b = p->J->block[e], n = nsdae_blocks_size(p->blocks, b);
-      for (int j = 0; j < n; j++) {
-        double entry = p->J->value[p->J->at[e] + (size_t)j * p->J->stride];
-        sum += entry * entry / p->M[p->blocks->square[b] + (size_t)j * (size_t)(n + 1)];
+  const nsdae_kkt_values *a = &k->at;
+  int n = a->blocks.first[a->blocks.count];
+  double worst = 0, size = 0;
+  memset(a->g, 0, (size_t)n * sizeof *a->g);
+  nsdae_blocks_add_product(&a->blocks, a->M, a->x, a->g);
+  for (int j = 0; j < n; j++) {
+    a->size[j] = fabs(a->r[j]) + fabs(a->g[j]);
+    a->g[j] = a->r[j] - a->g[j];
+  }
+  nsdae_sparse_kkt_add_transposed(k, a->J, -1, a->l, a->g, a->size);
+  for (int j = 0; j < n; j++) {
+    worst = larger(worst, fabs(a->g[j]));
+    size = larger(size, a->size[j]);
+  }
+  return part_of(worst, size);
+}
+
+/* d = c - J x of the rows that count, divided by the largest |c| + |J| |x|. */
+static double error_of_rows(const nsdae_sparse_kkt *k)
+{
+  const nsdae_kkt_values *a = &k->at;
+  const nsdae_kkt_nodes *n = &k->nodes;
+  double worst = 0, size = 0;
+  nsdae_sparse_kkt_times(k, a->J, a->x, a->d);
+  for (int i = 0; i < n->count; i++)
+    for (int row = n->row[i]; row < n->row[i + 1]; row++) {
+      double terms = fabs(a->c[row]);
+      for (int p = n->part[i]; p < n->part[i + 1]; p++) {
+        int m = nsdae_blocks_size(&a->blocks, n->block[p]);
+        const double *value = a->J + n->at[p] + (size_t)((row - n->row[i]) * m);
+        const double *x = a->x + a->blocks.first[n->block[p]];
+        for (int j = 0; j < m; j++) terms += fabs(value[j] * x[j]);
       }
+      a->d[row] = a->c[row] - a->d[row];
+      size = larger(size, terms);
+      if (!nsdae_sparse_kkt_is_dropped(k, i, row)) worst = larger(worst, fabs(a->d[row]));
     }
-  return sum > 0 ? 1e5 * p->rows_count / sum : 1;
+  return part_of(worst, size);
 }
 
-/* sum |J_ij x_j| */
-static double size_of_terms(const part *p, int row, const double *x)
+static double residual(const nsdae_sparse_kkt *k)
 {
-  double sum = 0;
-  for (int e = p->J->first[row]; e < p->J->first[row + 1]; e++) {
-    const double *value = p->J->value + p->J->at[e], *at = x + p->blocks->first[p->J->block[e]];
-    for (int j = 0; j < nsdae_blocks_size(p->blocks, p->J->block[e]); j++)
-      sum += fabs(value[(size_t)j * p->J->stride] * at[j]);
-  }
-  return sum;
+  double forces = error_of_forces(k), rows = error_of_rows(k);
+  return larger(forces, rows);
 }
 
 /* g := r - M x - J^T l and d := c - J x; returns the larger of the two, each relative to the terms
@@ -175,36 +271,22 @@ static double size_of_terms(const part *p, int row, const double *x)
 static double kkt_residual(nsdae_sparse_kkt *s, const part *p, const double *c, const double *l,
                            const double *x)
 {
-  double worst = 0, size = 0, worst_row = 0, size_row = 0, *d = s->rest + 2 * p->rows_count;
-  for (int i = 0; i < p->blocks_count; i++) {
-    int b = p->block[i], at = p->blocks->first[b], n = s->size[i];
-    for (int j = 0; j < n; j++) s->g[at + j] = -x[at + j];
-    memset(s->x, 0, (size_t)n * sizeof *s->x);
-    nsdae_add_product(n, n, p->M + p->blocks->square[b], s->g + at, s->x);
-    for (int j = 0; j < n; j++) {
-      size = fmax(size, fmax(fabs(p->r[at + j]), fabs(s->x[j])));
-      s->g[at + j] = p->r[at + j] + s->x[j];
-    }
-  }
-  for (int i = 0; i < p->rows_count; i++) {
-    double rate = nsdae_rows_dot(p->blocks, p->J, p->row[i], x);
-    nsdae_rows_add(p->blocks, p->J, p->row[i], -l[i], s->g);
-    d[i] = c[i] - rate;
-    worst_row = fmax(worst_row, fabs(d[i]));
-    size_row = fmax(size_row, fmax(fabs(c[i]), size_of_terms(p, p->row[i], x)));
-  }
-  for (int i = 0; i < p->blocks_count; i++)
-    for (int j = p->blocks->first[p->block[i]]; j < p->blocks->first[p->block[i] + 1]; j++)
-      worst = fmax(worst, isfinite(s->g[j]) ? fabs(s->g[j]) : HUGE_VAL);
-  for (int i = 0; i < p->rows_count; i++)
-    if (!isfinite(d[i])) worst = HUGE_VAL; /* fmax passes over NaN */
-  if (!(worst < HUGE_VAL)) return worst;
-  worst = size > 0 ? worst / size : worst;
-  return fmax(worst, size_row > 0 ? worst_row / size_row : worst_row);
+  nsdae_kkt_values *a = &k->at;
+  int n = a->blocks.first[a->blocks.count], m = k->part.row_count;
+  memcpy(a->z, a->g, (size_t)n * sizeof *a->z);
+  solve_masses(k, 0, a->z);
+  nsdae_sparse_kkt_times(k, a->Y, a->z, a->h);
+  nsdae_add(m, -1, a->d, a->h);
+  nsdae_sparse_kkt_solve_schur(k, a->h);
+  nsdae_sparse_kkt_add_transposed(k, a->Y, -1, a->h, a->z, NULL);
+  solve_masses(k, 1, a->z);
+  nsdae_add(n, 1, a->z, a->x);
+  nsdae_add(m, 1, a->h, a->l);
 }
 
-/* x += A^-1 (g + s J^T d) = x + y,  l += s (J y - d). */
-static void correct(nsdae_sparse_kkt *s, const part *p, double *l, double *x)
+/* Corrections until the error no longer falls; returns it. A last one that made it larger is
+ * undone. */
+static double refine(nsdae_sparse_kkt *k)
 {
   const double *d = s->rest + 2 * p->rows_count;
   for (int i = 0; i < p->rows_count; i++)
@@ -237,7 +319,8 @@ static int refine_solution(nsdae_sparse_kkt *s, const part *p, double *v, double
     if (!(now < INFINITY)) return NSDAE_E_CONVERGENCE;
     if (now <= DBL_EPSILON || (round > 2 && now >= last / 2 && now < enough)) break;
     last = now;
-    correct(s, p, l, v);
+    correct(k);
+    now = residual(k);
   }
   if (!(kkt_residual(s, p, c, l, v) < enough)) return NSDAE_E_CONVERGENCE;
   for (int i = 0; i < p->rows_count; i++) lambda[p->row[i]] = l[i];

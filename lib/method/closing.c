@@ -75,7 +75,7 @@ static void count(nsdae_result *result, const nsdae_solved *solved)
   c->island_contacts = solved->contacts;
   result->problem = solved->problem;
   if (solved->pile) result->pile = solved->pile;
-  nsdae_count_rank(c, solved->rank);
+  nsdae_count_rank(c, solved->rank, solved->kept, solved->left);
 }
 
 static int solve_world(const nsdae_step *step, const nsdae_terms *terms, const double *M,

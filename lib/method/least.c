@@ -40,8 +40,8 @@ int nsdae_least_solve(nsdae_least *p, const nsdae_terms *T)
   int status = nsdae_kkt_factor(&kkt, T->M, kkt.n, p->J, p->most > 0 ? p->most : 1);
   if (status < 0) {
     nsdae_error_set(T->error, status, "nsdae_sim", "mass",
-                    "the mass matrix is not positive definite at t = %.17g, where a state is "
-                    "projected: pivot %d of %d is not above rounding; check the callback mass",
+                    "the mass matrix is not positive definite at t = %.17g, in a projection: pivot "
+                    "%d of %d is not above rounding; check the callback mass",
                     nsdae_terms_time(T), kkt.pivot, kkt.n);
     nsdae_system_name_item(T->system, NSDAE_NAME_VELOCITY, kkt.pivot - 1, T->error);
     return status;

@@ -12,17 +12,12 @@ void nsdae_memory_copy(nsdae_memory *to, const nsdae_memory *from)
   to->stamp = from->stamp;
 }
 
-void nsdae_count_rank(nsdae_counters *counters, int rank)
+void nsdae_count_rank(nsdae_counters *c, int rank, double kept, double left)
 {
-  if (rank < counters->rank) counters->rank = rank;
-  if (rank > counters->rank_most) counters->rank_most = rank;
-}
-
-void nsdae_count_factors(nsdae_counters *c, const nsdae_kkt *kkt)
-{
-  nsdae_count_rank(c, kkt->rank);
-  if (kkt->kept < c->rank_retained) c->rank_retained = kkt->kept;
-  c->rank_discarded = nsdae_larger(c->rank_discarded, kkt->left);
+  if (rank < c->rank) c->rank = rank;
+  if (rank > c->rank_most) c->rank_most = rank;
+  if (kept < c->rank_retained) c->rank_retained = kept;
+  c->rank_discarded = nsdae_larger(c->rank_discarded, left);
 }
 
 void nsdae_result_layout(nsdae_result *r, nsdae_arena *arena)

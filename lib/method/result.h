@@ -62,11 +62,8 @@ typedef struct nsdae_result {
   nsdae_memory memory; /* for the next step */
 } nsdae_result;
 
-/* Counts a factorisation that found this rank. */
-void nsdae_count_rank(nsdae_counters *counters, int rank);
-
-/* The same, with the gap in its rank. */
-void nsdae_count_factors(nsdae_counters *counters, const nsdae_kkt *kkt);
+/* Counts a factorisation that found this rank, with the gap in it: kept, left as in kkt.h. */
+void nsdae_count_rank(nsdae_counters *counters, int rank, double kept, double left);
 
 /* Takes the arrays; system, differences and error of end and the sizes of memory are set before. */
 void nsdae_result_layout(nsdae_result *result, nsdae_arena *arena);

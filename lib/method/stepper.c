@@ -91,7 +91,7 @@ int nsdae_stepper_factor(nsdae_stepper *s, nsdae_terms *terms, const double *M)
 {
   int least_norm = s->options->redundant == NSDAE_REDUNDANT_LEAST_NORM;
   int status = nsdae_terms_factor(terms, M, &s->kkt, least_norm);
-  nsdae_count_factors(s->counters, &s->kkt);
+  nsdae_count_rank(s->counters, s->kkt.rank, s->kkt.kept, s->kkt.left);
   return status;
 }
 

@@ -35,8 +35,8 @@ static nsdae_room half_more(const nsdae_room *room, const nsdae_room *taken)
 static int limit_met(nsdae_sim *sim, size_t wanted)
 {
   return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, "nsdae_sim", "contacts_max",
-                         "a list of %zu contacts at t = %.17g, and contacts_max = %d: set it "
-                         "higher, or look at the callback contacts",
+                         "the contact list has %zu contacts at t = %.17g, more than contacts_max = "
+                         "%d: make it larger, or check the callback contacts",
                          wanted, nsdae_terms_time(&sim->now->result.end),
                          sim->options.contacts_max);
 }

@@ -329,9 +329,8 @@ int nsdae_certificate_energy(const nsdae_sim *sim, const nsdae_point *before,
   double bound = explained(sim, before, point);
   if (!(fabs(off) > bound)) return NSDAE_OK;
   nsdae_error_set(r->end.error, NSDAE_E_CONVERGENCE, "nsdae_sim", "rtol",
-                  "the kinetic energy changed by %.3g up to t = %.17g that no force and no impact "
-                  "did, more than rtol = %g explains (%.3g): make rtol smaller, or use method = "
-                  "implicit",
+                  "the kinetic energy changed by %.3g without work up to t = %.17g, above the "
+                  "bound for rtol = %g (%.3g): make rtol smaller, or use method = implicit",
                   off, nsdae_terms_time(&r->end), sim->options.rtol, bound);
   r->end.error->time = nsdae_terms_time(&r->end);
   return NSDAE_E_CONVERGENCE;

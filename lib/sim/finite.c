@@ -22,8 +22,8 @@ static int refuse_nonfinite(const nsdae_result *result, const char *name, int in
   char place[16] = "";
   if (kind != OF_ONE) snprintf(place, sizeof place, "[%d]", index);
   nsdae_error_set(end->error, NSDAE_E_NONFINITE, "nsdae_sim", name,
-                  "%s%s is %g at t = %.17g: the values overflow, and the step was dropped", name,
-                  place, value, nsdae_terms_time(end));
+                  "%s%s is %g at t = %.17g: overflow, the step was discarded", name, place, value,
+                  nsdae_terms_time(end));
   if (kind >= 0) nsdae_system_name_item(end->system, kind, item, end->error);
   end->error->index = index;
   end->error->time = nsdae_terms_time(end);

@@ -30,8 +30,8 @@ static int refuse_observer(const nsdae_sim *sim, const char *where)
 {
   nsdae_refusal_forget(sim);
   return nsdae_error_set(&((nsdae_sim *)sim)->error, NSDAE_E_STATE, where, "",
-                         "%s was called by an observer, which sees a step that is not finished: "
-                         "return a positive value to stop the run instead",
+                         "%s was called by an observer, before the end of its step: return a "
+                         "positive value to stop the run instead",
                          where);
 }
 

@@ -29,7 +29,7 @@ static int refuse_start(const nsdae_terms *T, const char *argument, int kind, in
   char called[NSDAE_CALLED_SIZE];
   nsdae_error_set(T->error, NSDAE_E_ARGUMENT, "nsdae_sim_init", argument,
                   "%s %s %.6g at the start: it must be at most %.3g (see start_tol); "
-                  "nsdae_sim_project puts a start right",
+                  "nsdae_sim_project corrects it",
                   nsdae_system_called(T->system, kind, i, called), what, value, bound);
   T->error->index = i;
   T->error->time = nsdae_terms_time(T);
@@ -89,9 +89,9 @@ static int check_gaps(const nsdae_terms *T, int method, double tol)
   if (i < 0) return NSDAE_OK;
   nsdae_error_set(T->error, status, "nsdae_sim_init", "q0",
                   event ? "%s overlaps by %.6g at the start: it must be at most %.3g (see "
-                          "start_tol); nsdae_sim_project puts a start right"
-                        : "%s overlaps by %.6g at the start, more than start_tol explains (%.3g): "
-                          "the method keeps this overlap; nsdae_sim_project puts a start right",
+                          "start_tol); nsdae_sim_project corrects it"
+                        : "%s overlaps by %.6g at the start, above the bound of start_tol (%.3g): "
+                          "the method keeps this overlap; nsdae_sim_project corrects it",
                   contact_called(T, i, called), -T->gap[i], bound);
   T->error->index = i;
   T->error->time = nsdae_terms_time(T);
@@ -174,8 +174,8 @@ static int wrong_rate(const nsdae_terms *T, const relation *r, int i, int number
   char called[NSDAE_CALLED_SIZE];
   const char *callback = number == STILL ? r->moving : r->derivative;
   nsdae_error_set(T->error, NSDAE_E_DERIVATIVE, "nsdae_sim_init", callback,
-                  "%s: %s has the rate %.6g %s, differences say %.6g; nsdae_system_check names the "
-                  "entry (start_check = no takes it)",
+                  "%s: %s has the rate %.6g %s, differences give %.6g; nsdae_system_check names "
+                  "the entry (start_check = no accepts it)",
                   callback, nsdae_system_called(T->system, r->kind, i, called), given,
                   number == STILL ? "with v = 0" : "along a trial velocity", difference);
   T->error->index = i;
@@ -374,7 +374,7 @@ static int check_tangents(const nsdae_terms *T)
     if (nsdae_system_exact(s, NSDAE_NAME_CONTACT, (int)i)) continue;
     if (!(s->contact[i].mu > 0) || !nsdae_tangent_useless(&c, j % d->nt, 0, why)) continue;
     return nsdae_error_set(T->error, NSDAE_E_DERIVATIVE, "nsdae_sim_init", "gap_tangent",
-                           "gap_tangent: column %d (%s) %s (start_check = no takes it)", j,
+                           "gap_tangent: column %d (%s) %s (start_check = no accepts it)", j,
                            nsdae_system_called(s, NSDAE_NAME_CONTACT, (int)i, called), why);
   }
   return NSDAE_OK;
@@ -504,8 +504,9 @@ static int project(nsdae_sim *sim, double t0, double *q0, double *v0)
 {
   nsdae_error_clear(&sim->error);
   if (sim->system->by_list)
-    return nsdae_error_set(&sim->error, NSDAE_E_UNSUPPORTED, "nsdae_sim_project", "blocks",
-                           "a system of blocks is not projected: put its start right yourself");
+    return nsdae_error_set(
+        &sim->error, NSDAE_E_UNSUPPORTED, "nsdae_sim_project", "blocks",
+        "a system with blocks is not supported: give it consistent initial conditions");
   int status = nsdae_sim_check_state(sim, "nsdae_sim_project", t0, q0, v0);
   if (status < 0) return status;
   bench b = {.evals = {0}};

@@ -70,8 +70,9 @@ static int interpolate(nsdae_sim *sim, double t, double *q, double *v)
   const nsdae_point *shown = nsdae_sim_shown(sim);
   nsdae_point *before = shown == sim->next ? sim->now : sim->next;
   if (!sim->stage.started || (shown == sim->now && !sim->stage.between))
-    return nsdae_error_set(&sim->error, NSDAE_E_STATE, where, "",
-                           "there is no last step: none was done since the start, or it failed");
+    return nsdae_error_set(
+        &sim->error, NSDAE_E_STATE, where, "",
+        "there is no last step: no step was taken since the start, or it failed");
   const nsdae_terms *from = &before->result.end, *to = &shown->result.end;
   int status = check_time(sim, t, from, to);
   if (status < 0) return status;

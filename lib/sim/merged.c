@@ -153,16 +153,15 @@ static int report(nsdae_point *point, const merged *m)
   char one[NSDAE_CALLED_SIZE], other[NSDAE_CALLED_SIZE];
   const long *id = point->result.closed.id;
   point->accounts.stats.warnings |= NSDAE_MONITORS_IMPACTS;
-  nsdae_error_set(
-      end->error, NSDAE_WARN_IMPACTS, "nsdae_sim", "dt",
-      "impacts are merged in the step to t = %.6g: %s and %s would hit in turn up to %.3g times: "
-      "make dt smaller, or use method = event",
-      nsdae_terms_time(end),
-      s->by_list ? nsdae_system_called_id(s, id[m->contact], one)
-                 : nsdae_system_called(s, NSDAE_NAME_CONTACT, m->contact, one),
-      s->by_list ? nsdae_system_called_id(s, id[m->other], other)
-                 : nsdae_system_called(s, NSDAE_NAME_CONTACT, m->other, other),
-      m->impacts);
+  nsdae_error_set(end->error, NSDAE_WARN_IMPACTS, "nsdae_sim", "dt",
+                  "impacts are merged in the step to t = %.6g: %s and %s have up to %.3g "
+                  "consecutive impacts: make dt smaller, or use method = event",
+                  nsdae_terms_time(end),
+                  s->by_list ? nsdae_system_called_id(s, id[m->contact], one)
+                             : nsdae_system_called(s, NSDAE_NAME_CONTACT, m->contact, one),
+                  s->by_list ? nsdae_system_called_id(s, id[m->other], other)
+                             : nsdae_system_called(s, NSDAE_NAME_CONTACT, m->other, other),
+                  m->impacts);
   end->error->time = nsdae_terms_time(end);
   end->error->index = m->contact;
   return NSDAE_WARN_IMPACTS;

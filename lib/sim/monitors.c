@@ -51,16 +51,16 @@ typedef struct rule {
 } rule;
 
 static const rule rules[] = {
-    {NSDAE_WARN_ENERGY, -1, "kinetic", "the energy that came from nowhere is", "make dt smaller"},
-    {NSDAE_WARN_ENERGY, -1, "kinetic", "the energy that contact impulses gave is",
-     "their law does where e_N > 0 meets friction or another contact; take a smaller e_N or mu, or "
-     "method = event, which bounds it"},
-    {NSDAE_WARN_PENETRATION, NSDAE_NAME_CONTACT, "gap", "bodies overlap by",
+    {NSDAE_WARN_ENERGY, -1, "kinetic", "the numerical energy gain is", "make dt smaller"},
+    {NSDAE_WARN_ENERGY, -1, "kinetic", "the energy gain by contact impulses is",
+     "Newton's law with e_N > 0 and friction or several contacts causes it; use a smaller e_N or "
+     "mu, or method = event, which bounds it"},
+    {NSDAE_WARN_PENETRATION, NSDAE_NAME_CONTACT, "gap", "the penetration is",
      "make dt smaller, set projection = depths, and check gap and gap_normal"},
     {NSDAE_WARN_PENETRATION, NSDAE_NAME_CONTACT, "events_max",
-     "a step by implicit in place of event leaves an overlap of",
+     "the penetration after a step of implicit in place of event is",
      "make dt smaller, or events_max larger"},
-    {NSDAE_WARN_DRIFT, NSDAE_NAME_CONSTRAINT, "constraint", "constraints are violated by",
+    {NSDAE_WARN_DRIFT, NSDAE_NAME_CONSTRAINT, "constraint", "the constraint violation is",
      "make dt smaller, or set projection = constraints"}};
 enum { OF_STEPS, OF_CONTACTS, OF_OVERLAP, OF_FALLBACK, OF_DRIFT };
 
@@ -82,7 +82,7 @@ static int report(nsdae_point *point, const excess *e, int status)
   const rule *r = &rules[e->rule];
   point->accounts.stats.warnings |= bit_of(r->status);
   nsdae_error_set(end->error, status, "nsdae_sim", r->argument,
-                  "at t = %.12g %s %.3g, more than the method explains (%.3g): %s",
+                  "at t = %.12g %s %.3g, above the bound of the method (%.3g): %s",
                   nsdae_terms_time(end), r->what, e->value, e->bound, r->advice);
   end->error->time = nsdae_terms_time(end);
   if (r->kind >= 0 && !(r->kind == NSDAE_NAME_CONTACT && end->system->by_list))
@@ -194,8 +194,8 @@ static int report_twofold(nsdae_point *point)
   point->accounts.stats.warnings |= NSDAE_MONITORS_PAINLEVE;
   nsdae_error_set(
       end->error, NSDAE_WARN_PAINLEVE, "nsdae_sim", "mu",
-      "%s has two friction forces at t = %.6g (Painleve): that of the multiplier %.6g "
-      "is taken; less friction makes it unique",
+      "%s has two solutions for its friction at t = %.6g (Painleve): the one of the multiplier "
+      "%.6g is used; a smaller mu makes it unique",
       nsdae_system_called(end->system, NSDAE_NAME_FRICTIONAL_JOINT, of->frictional_joint, called),
       of->t, of->lambda);
   end->error->time = of->t;

@@ -17,8 +17,7 @@ static int observe(nsdae_sim *sim, nsdae_observer_fn observer, void *user)
                            "observer is NULL");
   if (o->count == NSDAE_OBSERVERS_MAX)
     return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, "nsdae_sim_observe", "observer",
-                           "there are %d observers already, the most there can be",
-                           NSDAE_OBSERVERS_MAX);
+                           "there are %d observers already, the maximum", NSDAE_OBSERVERS_MAX);
   o->of[o->count++] = (nsdae_observation){observer, user};
   return NSDAE_OK;
 }

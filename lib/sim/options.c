@@ -22,8 +22,8 @@ enum { INITIALISED = 0x6e736461 };
 #define AT(field) offsetof(nsdae_sim_options, field)
 
 static const nsdae_param entries[] = {
-    {"method", "", "how time is stepped", NSDAE_PARAM_CHOICE, AT(method), NSDAE_METHOD_IMPLICIT, 0,
-     4, 0, methods},
+    {"method", "", "time integration method", NSDAE_PARAM_CHOICE, AT(method), NSDAE_METHOD_IMPLICIT,
+     0, 4, 0, methods},
     {"dt", "s", "step", NSDAE_PARAM_REAL, AT(dt), 0.005, 0, INFINITY, NSDAE_OPEN_MIN, NULL},
     {"baumgarte_alpha", "1/s",
      "stabilisation of Phi' in the smooth phases of implicit-printed and event", NSDAE_PARAM_REAL,
@@ -33,19 +33,20 @@ static const nsdae_param entries[] = {
      AT(baumgarte_beta), 20, 0, INFINITY, 0, NULL},
     {"iteration_tol", "1", "relative change of q and v that ends an implicit iteration",
      NSDAE_PARAM_REAL, AT(iteration_tol), 1e-12, DBL_EPSILON, 1e-2, 0, NULL},
-    {"iteration_max", "1", "most iterations of an implicit step", NSDAE_PARAM_INT,
+    {"iteration_max", "1", "maximum number of iterations of an implicit step", NSDAE_PARAM_INT,
      AT(iteration_max), 100, 1, 1000000, 0, NULL},
-    {"redundant", "", "what to do where Phi_q has deficient rank", NSDAE_PARAM_CHOICE,
-     AT(redundant), NSDAE_REDUNDANT_ERROR, 0, 1, 0, redundant},
+    {"redundant", "", "treatment of a rank-deficient Phi_q", NSDAE_PARAM_CHOICE, AT(redundant),
+     NSDAE_REDUNDANT_ERROR, 0, 1, 0, redundant},
     {"rank_tol", "1", "sine of the angle to the others below which a constraint is redundant",
      NSDAE_PARAM_REAL, AT(rank_tol), 1e-8, 0, 1, NSDAE_OPEN_MAX, NULL},
-    {"contact_tol", "1", "scaled natural residual of a solved LCP", NSDAE_PARAM_REAL,
-     AT(contact_tol), 1e-10, DBL_EPSILON, 1e-2, 0, NULL},
+    {"contact_tol", "1", "tolerance of the scaled natural residual of contact problems",
+     NSDAE_PARAM_REAL, AT(contact_tol), 1e-10, DBL_EPSILON, 1e-2, 0, NULL},
     {"polygon", "1",
-     "edges of the friction polygon of contacts with two tangential directions; 0: the cone itself",
+     "edges of the friction polygon of contacts with two tangential directions; 0: second-order "
+     "cone",
      NSDAE_PARAM_INT, AT(polygon), 0, 3, 32, NSDAE_OR_ZERO, NULL},
-    {"impact_velocity", "m/s", "closings slower than this are no impacts", NSDAE_PARAM_REAL,
-     AT(impact_velocity), 1e-9, 0, INFINITY, 0, NULL},
+    {"impact_velocity", "m/s", "closing velocity below which a contact has no impact",
+     NSDAE_PARAM_REAL, AT(impact_velocity), 1e-9, 0, INFINITY, 0, NULL},
     {"rtol", "1", "relative tolerance of penalty and event", NSDAE_PARAM_REAL, AT(rtol), 1e-8,
      1e-14, 1e-2, 0, NULL},
     /* squares of 1 / atol are summed */
@@ -61,22 +62,22 @@ static const nsdae_param entries[] = {
      NSDAE_PARAM_REAL, AT(friction_velocity), 1e-3, 0, INFINITY, NSDAE_OPEN_MIN, NULL},
     {"linear_solver", "", "linear solver of event", NSDAE_PARAM_CHOICE, AT(linear_solver), 0, 0, 1,
      0, solvers},
-    {"accumulation_time", "s", "event closes an accumulation of impacts with less than this left",
+    {"accumulation_time", "s", "remaining time below which event closes an accumulation of impacts",
      NSDAE_PARAM_REAL, AT(accumulation_time), 1e-5, 0, INFINITY, NSDAE_OPEN_MIN, NULL},
-    {"events_max", "1", "most instants of event in one dt; past it the step is implicit's",
+    {"events_max", "1", "maximum number of events in one dt; beyond it implicit takes the step",
      NSDAE_PARAM_INT, AT(events_max), 10000, 1, 1e9, 0, NULL},
-    {"projection", "", "what the end of a step of a time-stepping method is moved to",
+    {"projection", "", "projection of the end of a step of a time-stepping method",
      NSDAE_PARAM_CHOICE, AT(projection), NSDAE_PROJECTION_NONE, 0, 3, 0, projections},
-    {"start_tol", "1", "relative error of the numbers of a start, which must be consistent",
-     NSDAE_PARAM_REAL, AT(start_tol), 1e-6, 0, INFINITY, 0, NULL},
-    {"inner_steps_max", "1", "most steps of the integrator of penalty and event in one dt",
+    {"start_tol", "1", "relative tolerance of the initial conditions", NSDAE_PARAM_REAL,
+     AT(start_tol), 1e-6, 0, INFINITY, 0, NULL},
+    {"inner_steps_max", "1", "maximum number of internal steps of penalty and event in one dt",
      NSDAE_PARAM_INT, AT(inner_steps_max), 100000, 1, 1e9, 0, NULL},
-    {"start_check", "", "whether a start looks for callbacks that are grossly wrong",
-     NSDAE_PARAM_CHOICE, AT(start_check), 1, 0, 1, 0, no_yes},
-    {"contacts_max", "1", "most contacts of a list", NSDAE_PARAM_INT, AT(contacts_max), 1 << 20, 1,
-     1 << 28, 0, NULL},
-    {"threads", "1", "threads that share the islands of a step", NSDAE_PARAM_INT, AT(threads), 1, 1,
-     256, 0, NULL},
+    {"start_check", "", "check for gross errors of callbacks at the start", NSDAE_PARAM_CHOICE,
+     AT(start_check), 1, 0, 1, 0, no_yes},
+    {"contacts_max", "1", "maximum number of contacts in a contact list", NSDAE_PARAM_INT,
+     AT(contacts_max), 1 << 20, 1, 1 << 28, 0, NULL},
+    {"threads", "1", "threads for the islands of a step", NSDAE_PARAM_INT, AT(threads), 1, 1, 256,
+     0, NULL},
 };
 
 static const nsdae_params table = {entries, (int)(sizeof entries / sizeof *entries)};
@@ -107,10 +108,10 @@ int nsdae_sim_options_check(const nsdae_sim_options *options, nsdae_error *error
   int status = nsdae_params_check(&table, options, error);
   if (status < 0 || options->projection == NSDAE_PROJECTION_NONE) return status;
   if (nsdae_sim_option_matters("projection", options->method)) return status;
-  return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_sim_create", "projection",
-                         "projection = %s is for the time-stepping methods, and method is %s, "
-                         "which keeps its constraints by itself: take projection = none",
-                         projections[options->projection], methods[options->method]);
+  return nsdae_error_set(
+      error, NSDAE_E_ARGUMENT, "nsdae_sim_create", "projection",
+      "projection = %s is for time-stepping methods, and method is %s: set projection = none",
+      projections[options->projection], methods[options->method]);
 }
 
 double nsdae_sim_option_value(const nsdae_sim_options *options, const nsdae_param *param)

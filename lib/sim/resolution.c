@@ -56,19 +56,16 @@ static int check_time(nsdae_sim *sim, const nsdae_terms *start)
   const nsdae_sim_options *o = &sim->options;
   double t0 = nsdae_terms_time(start), apart = DBL_EPSILON * fabs(t0);
   if (!(o->dt >= apart))
-    return nsdae_error_set(
-        &sim->error, NSDAE_E_ARGUMENT, "nsdae_sim_init", "dt",
-        "dt = %g is lost in rounding at t0 = %.17g: it must be at least %.2g, or "
-        "time be counted from nearer the start",
-        o->dt, t0, apart);
+    return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, "nsdae_sim_init", "dt",
+                           "dt = %g is lost in rounding at t0 = %.17g: it must be at least %.2g; a "
+                           "smaller t0 allows smaller steps",
+                           o->dt, t0, apart);
   if (!has_tolerance(o) || apart <= NOISE * o->rtol * o->dt || !depends_on_time(sim, start))
     return NSDAE_OK;
-  return nsdae_error_set(
-      &sim->error, NSDAE_E_ARGUMENT, "nsdae_sim_init", "t0",
-      "t0 = %.17g: times there are %.2g apart, callbacks depend on t, and rtol dt "
-      "= %.2g must be at least %.2g: count time from nearer the start, or take a "
-      "larger rtol",
-      t0, apart, o->rtol * o->dt, apart / NOISE);
+  return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, "nsdae_sim_init", "t0",
+                         "t0 = %.17g: times have a spacing of %.2g, callbacks depend on t, and "
+                         "rtol dt = %.2g must be at least %.2g: use a smaller t0, or a larger rtol",
+                         t0, apart, o->rtol * o->dt, apart / NOISE);
 }
 
 /* Amounts of a row's terms: of its lengths, and of its way in a step h. */
@@ -101,12 +98,11 @@ static int check_rows(nsdae_sim *sim, const nsdae_terms *T, const nsdae_rows *ro
     double lengths = lengths_of(T, rows, i, o->dt, &way);
     if (!(way > 0 && lengths > 0)) continue; /* at rest; at the origin: nothing is known */
     if (tol <= way || tol <= OWN_LENGTHS * lengths) continue;
-    nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, "nsdae_sim_init", "atol",
-                    "%s has lengths of %.2g and goes %.2g in a step, and atol = %g and rtol = %g "
-                    "resolve %.2g: take a unit of length near the size of the bodies, or a smaller "
-                    "atol",
-                    nsdae_system_called(T->system, kind, i, called), lengths, way, o->atol, o->rtol,
-                    tol);
+    nsdae_error_set(
+        &sim->error, NSDAE_E_ARGUMENT, "nsdae_sim_init", "atol",
+        "%s has lengths of %.2g and moves by %.2g in a step; atol = %g and rtol = %g resolve %.2g: "
+        "use a unit of length near the size of the bodies, or a smaller atol",
+        nsdae_system_called(T->system, kind, i, called), lengths, way, o->atol, o->rtol, tol);
     sim->error.index = i;
     return NSDAE_E_ARGUMENT;
   }

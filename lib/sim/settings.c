@@ -54,9 +54,10 @@ static int check_fixed(nsdae_sim *sim, const nsdae_sim_options *options)
   for (size_t i = 0; i < sizeof fixed / sizeof *fixed; i++) {
     const nsdae_param *p = nsdae_params_find(nsdae_sim_options_table(), fixed[i]);
     if (nsdae_sim_option_value(options, p) == nsdae_sim_option_value(&sim->options, p)) continue;
-    return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, "nsdae_sim_set_options", fixed[i],
-                           "%s is fixed when a simulation is made: make another for another %s",
-                           fixed[i], fixed[i]);
+    return nsdae_error_set(
+        &sim->error, NSDAE_E_ARGUMENT, "nsdae_sim_set_options", fixed[i],
+        "%s is fixed after nsdae_sim_create: create another simulation for another %s", fixed[i],
+        fixed[i]);
   }
   return NSDAE_OK;
 }
@@ -113,13 +114,12 @@ static int bad_index(nsdae_sim *sim, const char *where, const char *name, int i,
 }
 
 /* mu sizes the problem where it is zero in the system: those stay without friction. */
-static int check_mu(nsdae_sim *sim, const char *where, int i, double made, double mu)
+static int check_mu(nsdae_sim *sim, const char *where, int kind, int i, double made, double mu)
 {
   if (!(mu >= 0) || isinf(mu))
-    return bad_coefficient(sim, where, "mu", NSDAE_NAME_CONTACT, i, mu, "at least 0, finite");
+    return bad_coefficient(sim, where, "mu", kind, i, mu, "at least 0, finite");
   if (made == 0 && mu > 0)
-    return bad_coefficient(sim, where, "mu", NSDAE_NAME_CONTACT, i, mu,
-                           "0, as in the system that the simulation was made of");
+    return bad_coefficient(sim, where, "mu", kind, i, mu, "0, as in the system of the simulation");
   return NSDAE_OK;
 }
 
@@ -128,7 +128,7 @@ static int set_contact(nsdae_sim *sim, int i, double mu, double e_n, double e_t)
   const char *where = "nsdae_sim_set_contact";
   nsdae_error_clear(&sim->error);
   if (i < 0 || i >= sim->model.dims.k) return bad_index(sim, where, "i", i, sim->model.dims.k);
-  int status = check_mu(sim, where, i, sim->system->contact[i].mu, mu);
+  int status = check_mu(sim, where, NSDAE_NAME_CONTACT, i, sim->system->contact[i].mu, mu);
   if (status < 0) return status;
   if (!(e_n >= 0 && e_n <= 1))
     return bad_coefficient(sim, where, "e_n", NSDAE_NAME_CONTACT, i, e_n, "0 to 1");
@@ -157,7 +157,8 @@ static int set_frictional_joint(nsdae_sim *sim, int j, double mu)
   const char *where = "nsdae_sim_set_frictional_joint";
   nsdae_error_clear(&sim->error);
   if (j < 0 || j >= sim->model.dims.f) return bad_index(sim, where, "j", j, sim->model.dims.f);
-  int status = check_mu(sim, where, j, sim->system->frictional_joint[j].mu, mu);
+  int status =
+      check_mu(sim, where, NSDAE_NAME_FRICTIONAL_JOINT, j, sim->system->frictional_joint[j].mu, mu);
   if (status == NSDAE_OK && mu == 0 && sim->system->frictional_joint[j].mu > 0)
     status = bad_coefficient(sim, where, "mu", NSDAE_NAME_FRICTIONAL_JOINT, j, mu,
                              "above 0, as in the system that the simulation was made of");

@@ -50,11 +50,10 @@ static int check_rows(const nsdae_system *system, const nsdae_sim_options *optio
     snprintf(fewer_edges, sizeof fewer_edges,
              ", or a polygon of fewer edges (%d now, %d rows for a spatial contact with friction)",
              edges, edges + 2);
-  return nsdae_error_set(
-      error, NSDAE_E_ARGUMENT, "nsdae_sim_create", "k",
-      "k = %d contacts and f = %d frictional joints have %ld rows of the complementarity "
-      "problem, which may have %d: take fewer%s",
-      system->dims.k, system->dims.f, rows, limit, fewer_edges);
+  return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_sim_create", "k",
+                         "k = %d contacts and f = %d frictional joints give %ld rows of the "
+                         "complementarity problem, above the maximum %d: use fewer%s",
+                         system->dims.k, system->dims.f, rows, limit, fewer_edges);
 }
 
 /* What a system of blocks does without. */
@@ -64,17 +63,17 @@ static int check_blocks(const nsdae_system *system, const nsdae_sim_options *opt
   if (!system->by_list || !options) return NSDAE_OK;
   if (!nsdae_stepping_of(options->method)->by_list)
     return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_sim_create", "method",
-                           "method = %s is for systems without blocks: take implicit, "
+                           "method = %s does not support systems with blocks: use implicit, "
                            "implicit-printed or moreau",
                            nsdae_method_name(options->method));
   if (options->polygon > 0)
     return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_sim_create", "polygon",
-                           "polygon = %d is for systems without blocks: contacts by list have "
-                           "Coulomb's cone: set it to 0",
+                           "polygon = %d is not supported for contact lists, which have the "
+                           "second-order cone: set polygon = 0",
                            options->polygon);
   if (options->projection == NSDAE_PROJECTION_NONE) return NSDAE_OK;
   return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_sim_create", "projection",
-                         "projection is for systems without blocks: set it to none");
+                         "projection does not support systems with blocks: set projection = none");
 }
 
 static int check_create(const nsdae_system *system, const nsdae_sim_options *options,

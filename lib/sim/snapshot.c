@@ -215,8 +215,7 @@ static int check_settings(nsdae_sim *sim, cursor *c)
     if (s.index >= 0)
       snprintf(of, sizeof of, " of %s", nsdae_system_called(sim->system, s.kind, s.index, called));
     nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, "nsdae_sim_set_state", s.name,
-                    "%s%s is %.17g here and %.17g in the block: a run goes on with the same "
-                    "settings",
+                    "%s%s is %.17g here and %.17g in the block: a state requires the same settings",
                     s.name, of, s.value, theirs);
     sim->error.index = s.index;
     return NSDAE_E_ARGUMENT;

@@ -319,8 +319,8 @@ static int not_converged(const nsdae_projector *p, const nsdae_terms *T, int row
   int kind = contact < 0 ? NSDAE_NAME_CONSTRAINT : NSDAE_NAME_CONTACT;
   int i = contact < 0 ? row : contact; /* constraints come first, all of them */
   nsdae_error_set(T->error, NSDAE_E_CONVERGENCE, "nsdae_sim", "projection",
-                  "no state on all constraints was found near this one at t = %.17g: %s is off by "
-                  "%.3g; do they contradict each other?",
+                  "no state near this one satisfies all constraints at t = %.17g: %s is violated "
+                  "by %.3g; check for contradictory constraints",
                   nsdae_terms_time(T), nsdae_system_called(T->system, kind, i, called),
                   contact < 0 ? T->constraint.phi[i] : T->gap[i] - p->depth[i]);
   T->error->index = i;

@@ -1,8 +1,7 @@
-/* Back to the constraints, by the least change in the metric of M.
+/* Projection to the constraints by the least change in the metric of M.
  *
- *   positions:  min (dq)^T M dq / 2,   Phi + Phi_q dq = 0,  g_N + W_N^T dq = g      Newton's
- * method, velocities: min (dv)^T M dv / 2,   Phi_q (v + dv) + Phi_t = 0                  one
- * solution,
+ *   positions:   min (dq)^T M dq / 2,   Phi + Phi_q dq = 0,  g_N + W_N^T dq = g    (Newton)
+ *   velocities:  min (dv)^T M dv / 2,   Phi_q (v + dv) + Phi_t = 0                 (linear)
  *
  * both M d + J^T l = 0, J d = -c; q moves by H dq, dq/dt = H v (Ascher and Petzold, Computer
  * Methods for Ordinary Differential Equations, 1998, section 9.2; Eich, SIAM J. Numer. Anal. 30,

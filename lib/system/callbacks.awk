@@ -145,7 +145,7 @@ function kind(size) {
   if (size == "nv") return "VELOCITY"
   if (size == "m") return "CONSTRAINT"
   if (size ~ /^k/) return "CONTACT"
-  return size == "f" ? "SLIDE" : "-1"
+  return size == "f" ? "FRICTIONAL_JOINT" : "-1"
 }
 
 function c_outputs(c,   i, item, directions) {

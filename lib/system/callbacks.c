@@ -30,11 +30,11 @@ CALL(kinematics, at->v, out[0])
 CALL(potential, out[0])
 /* callbacks.list: end */
 
-#define COORDINATE NSDAE_NAME_COORDINATE
-#define VELOCITY   NSDAE_NAME_VELOCITY
-#define CONSTRAINT NSDAE_NAME_CONSTRAINT
-#define CONTACT    NSDAE_NAME_CONTACT
-#define SLIDE      NSDAE_NAME_FRICTIONAL_JOINT
+#define COORDINATE       NSDAE_NAME_COORDINATE
+#define VELOCITY         NSDAE_NAME_VELOCITY
+#define CONSTRAINT       NSDAE_NAME_CONSTRAINT
+#define CONTACT          NSDAE_NAME_CONTACT
+#define FRICTIONAL_JOINT NSDAE_NAME_FRICTIONAL_JOINT
 
 const nsdae_callback nsdae_callbacks[] = {
     /* callbacks.list: outputs */
@@ -59,9 +59,9 @@ const nsdae_callback nsdae_callbacks[] = {
      {{"w_n", CONTACT, -1, 0, 0}, {"w_t", CONTACT, -1, 1, 1}}},
     {"contact_acceleration", has_contact_acceleration, call_contact_acceleration, 3,
      {{"omega_n", CONTACT, -1, 0, 1}, {"omega_t", CONTACT, -1, 1, 1},
-      {"omega_s", SLIDE, -1, 0, 1}}},
+      {"omega_s", FRICTIONAL_JOINT, -1, 0, 1}}},
     {"frictional_joint_tangent", has_frictional_joint_tangent, call_frictional_joint_tangent, 2,
-     {{"W", VELOCITY, SLIDE, 0, 0}, {"w_s", SLIDE, -1, 0, 0}}},
+     {{"W", VELOCITY, FRICTIONAL_JOINT, 0, 0}, {"w_s", FRICTIONAL_JOINT, -1, 0, 0}}},
     {"kinematics", has_kinematics, call_kinematics, 1,
      {{"qdot", COORDINATE, -1, 0, 0}}},
     {"potential", has_potential, call_potential, 1,

@@ -228,7 +228,7 @@ static int verdict(check *c, double tol)
   if (c->code) return nsdae_system_callback_status(c->code, c->callback, c->t, error);
   if (w->error <= tol) return check_tangents(c);
   nsdae_error_set(error, NSDAE_E_DERIVATIVE, "nsdae_system_check", w->term,
-                  "%s: entry (%d, %d) is %.10g, differences say %.10g (off by %.3g, tol %.3g)",
+                  "%s: entry (%d, %d) is %.10g, differences give %.10g (error %.3g, tol %.3g)",
                   w->term, w->row, w->column, w->given, w->difference, w->error, tol);
   name_worst(c, error);
   return NSDAE_E_DERIVATIVE;

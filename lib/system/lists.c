@@ -207,7 +207,7 @@ int nsdae_row_add(nsdae_row_list *l, int row, int block, const double *value)
   if (!nsdae_room_enough(&l->room, &l->taken)) return NSDAE_OK;
   for (int p = l->rows->first[row]; p < (int)part; p++)
     if (l->rows->block[p] == block)
-      return refuse_row(l, NSDAE_E_ARGUMENT, "block", row, "a block comes twice");
+      return refuse_row(l, NSDAE_E_ARGUMENT, "block", row, "a block occurs twice");
   l->rows->block[part] = block;
   l->rows->at[part] = at;
   memcpy(l->rows->value + at, value, n * sizeof *value);

@@ -203,12 +203,11 @@ static int doubt_sense(nsdae_moment_arms *arms, const lever *l, const double r[3
     int code = find_excess(arms, l, r, j, tol, &any);
     if (code) return code;
     if (!any) continue;
-    snprintf(
-        text, size,
-        "gap_tangent: the signs of its arms of %s along %s and the two after it, if those turn "
-        "the body: turning about the contact opens the gap",
-        nsdae_system_called(arms->all.system, NSDAE_NAME_CONTACT, l->contact, contact),
-        nsdae_system_called(arms->all.system, NSDAE_NAME_VELOCITY, l->first, velocity));
+    snprintf(text, size,
+             "gap_tangent: the signs of its arms of %s along %s and the next two, if these rotate "
+             "the body: a rotation about the contact would open the gap",
+             nsdae_system_called(arms->all.system, NSDAE_NAME_CONTACT, l->contact, contact),
+             nsdae_system_called(arms->all.system, NSDAE_NAME_VELOCITY, l->first, velocity));
     return 0;
   }
   return 0;
@@ -248,7 +247,7 @@ static int doubt_body(nsdae_moment_arms *arms, const int *turns, const turner *t
       code = doubt_sense(arms, &l, r, tol, text, size);
     else
       snprintf(text, size,
-               "gap_tangent: its arms of %s along %s and the two after it, if those turn the body: "
+               "gap_tangent: its arms of %s along %s and the next two, if these rotate the body: "
                "they and those of the normal are not r x t and r x n of one point",
                nsdae_system_called(arms->all.system, NSDAE_NAME_CONTACT, i, contact),
                nsdae_system_called(arms->all.system, NSDAE_NAME_VELOCITY, t->first, velocity));

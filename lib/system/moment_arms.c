@@ -113,8 +113,8 @@ static void too_short(const nsdae_system *s, const arm *x, char *text, size_t si
 {
   char contact[NSDAE_CALLED_SIZE], velocity[NSDAE_CALLED_SIZE];
   snprintf(text, size,
-           "gap_tangent: its arm %.4g of %s along %s, if that turns the body: it should be %.4g or "
-           "more, for turning about the contact opens the gap",
+           "gap_tangent: its arm %.4g of %s along %s, if this rotates the body: it should be at "
+           "least %.4g, otherwise a rotation about the contact opens the gap",
            x->b + 0.0, nsdae_system_called(s, NSDAE_NAME_CONTACT, x->contact, contact),
            nsdae_system_called(s, NSDAE_NAME_VELOCITY, x->velocity, velocity), x->bend); /* no -0 */
 }
@@ -124,8 +124,8 @@ static void no_point(const nsdae_system *s, const arm *x, char *text, size_t siz
   char contact[NSDAE_CALLED_SIZE], velocity[NSDAE_CALLED_SIZE];
   double one = (x->turns - x->rate.normal) * x->a, two = (-x->turns - x->rate.normal) * x->a;
   snprintf(text, size,
-           "gap_tangent: its arm %.4g of %s along %s, if that turns the body: turning about the "
-           "contact changes it at the rate %.4g, and that of a point at %.4g or %.4g",
+           "gap_tangent: its arm %.4g of %s along %s, if this rotates the body: a rotation about "
+           "the contact changes it at the rate %.4g, and the arm of a point at %.4g or %.4g",
            x->b + 0.0, nsdae_system_called(s, NSDAE_NAME_CONTACT, x->contact, contact),
            nsdae_system_called(s, NSDAE_NAME_VELOCITY, x->velocity, velocity), x->rate.arm + 0.0,
            one + 0.0, two + 0.0);
@@ -135,8 +135,7 @@ static void other_sense(const nsdae_system *s, const arm *x, const sense *seen, 
                         size_t size)
 {
   char contact[NSDAE_CALLED_SIZE], velocity[NSDAE_CALLED_SIZE], other[NSDAE_CALLED_SIZE];
-  snprintf(text, size,
-           "gap_tangent: the sign of its arm of %s along %s, which turns the other way at %s",
+  snprintf(text, size, "gap_tangent: the sign of its arm of %s along %s, which differs at %s",
            nsdae_system_called(s, NSDAE_NAME_CONTACT, x->contact, contact),
            nsdae_system_called(s, NSDAE_NAME_VELOCITY, x->velocity, velocity),
            nsdae_system_called(s, NSDAE_NAME_CONTACT, seen->contact, other));

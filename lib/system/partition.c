@@ -139,9 +139,9 @@ int nsdae_system_check_blocks(const nsdae_system *s, const char **missing, nsdae
   if (s->by_list && !s->call.mass_blocks) *missing = "mass_blocks";
   if (s->by_list && s->dims.m > 0 && !s->call.constraint_rows) *missing = "constraint_rows";
   if (!wrong) return NSDAE_OK;
-  return nsdae_error_set(error, NSDAE_E_STATE, "nsdae_system", wrong,
-                         s->by_list ? "%s is of all velocities: a system of blocks takes "
-                                      "mass_blocks, constraint_rows and contacts"
-                                    : "%s needs blocks: call nsdae_system_set_blocks",
-                         wrong);
+  return nsdae_error_set(
+      error, NSDAE_E_STATE, "nsdae_system", wrong,
+      s->by_list ? "%s is for systems without blocks: use mass_blocks, constraint_rows and contacts"
+                 : "%s needs blocks: call nsdae_system_set_blocks",
+      wrong);
 }

@@ -337,18 +337,18 @@ const char *nsdae_system_unseen(nsdae_system *system)
   if (!system) return "";
   int moves = system->call.contact_bias != NULL;
   const remark unseen[] = {
-      {"mass: its values, but for symmetry", system->call.mass != NULL},
+      {"mass: its values, except symmetry", system->call.mass != NULL},
       {"force: its values and signs", system->call.force != NULL},
       {"constraint: whether it is the one that is meant", system->call.constraint != NULL},
       {"gap: whether it is the distance, its sign and its unit", system->call.gap != NULL},
-      {"gap_tangent: of its arms and signs those of all arms of a body together, and a constant in "
-       "them, but for what the last check doubts; length and right angles of its directions where "
-       "no body moves freely in M",
+      {"gap_tangent: a common sign of all arms of a body and a common constant in them, except for "
+       "doubts of the last check; length and perpendicularity of its directions on bodies that M "
+       "does not show to be free",
        system->call.gap_tangent != NULL},
       {"contact_bias: w_t", moves && system->dims.nt > 0},
-      {"contact_bias, which is not given: that nothing that is touched moves along by itself",
+      {"contact_bias is missing: that no contact surface has a prescribed tangential velocity",
        !moves && any_friction(system)},
-      {"nsdae_system_set_contact: that contacts that it was not called for have e_n = mu = 0",
+      {"nsdae_system_set_contact: that e_n = mu = 0 for contacts without a call",
        any_untold(system)},
       {"frictional_joint_tangent: its values", system->call.frictional_joint_tangent != NULL},
       {"potential: whether the force is its gradient (the energy balance of a run shows that)",
@@ -369,8 +369,8 @@ static int untold(const nsdae_system *system, const char *setter, const char *ca
                   int i, nsdae_error *error)
 {
   nsdae_error_set(error, NSDAE_E_STATE, "nsdae_system", setter,
-                  "%s gives the directions of friction, and nothing says how much there is: call "
-                  "nsdae_system_set_%s (mu = 0 is none)",
+                  "%s gives the directions of friction, but its coefficient is not set: call "
+                  "nsdae_system_set_%s (mu = 0: no friction)",
                   callback, setter);
   nsdae_system_name_item(system, kind, i, error);
   return NSDAE_E_STATE;

@@ -119,8 +119,8 @@ static int wrong_between(const directions *c, int of, int j, double tol, char *w
     if (sum_of(c, of, to, c->normal) > tol || sum_of(c, of, to, c->other) > tol) continue;
     if (sum_of(c, of, to, t) <= tol) continue;
     return snprintf(why, NSDAE_TANGENT_TEXT,
-                    "is not opposite on the two bodies that %s and %s move, as the normal is: "
-                    "together they do not slip",
+                    "is not opposite on the two bodies that %s and %s move, as the normal is: a "
+                    "common translation is no slip",
                     nsdae_system_called(c->system, NSDAE_NAME_VELOCITY, of, a),
                     nsdae_system_called(c->system, NSDAE_NAME_VELOCITY, to, b));
   }
@@ -139,15 +139,14 @@ static int wrong_along(const directions *c, int of, int j, double tol, char *why
   if (squared == 0) return 0;
   if (fabs(squared - 1) > tol)
     return snprintf(why, NSDAE_TANGENT_TEXT,
-                    "has length %.6g %s %s moves: take unit vectors, as the normal is one",
+                    "has length %.6g %s %s moves: it must be a unit vector, like the normal",
                     sqrt(squared), where, velocity);
   if (fabs(across) > tol)
-    return snprintf(why, NSDAE_TANGENT_TEXT,
-                    "is not at right angles to the normal: %.3g %s %s moves", across, where,
-                    velocity);
+    return snprintf(why, NSDAE_TANGENT_TEXT, "is not perpendicular to the normal: %.3g %s %s moves",
+                    across, where, velocity);
   if (fabs(both) <= tol) return wrong_between(c, of, j, tol, why);
   return snprintf(why, NSDAE_TANGENT_TEXT,
-                  "is not at right angles to the one before it: %.3g %s %s moves", both, where,
+                  "is not perpendicular to the one before it: %.3g %s %s moves", both, where,
                   velocity);
 }
 
@@ -188,13 +187,13 @@ int nsdae_tangent_useless(const directions *c, int j, double tol, char why[NSDAE
   const double *t = c->tangent + (size_t)j * (size_t)n;
   while (row < n && t[row] == 0) row++;
   if (row == n)
-    return snprintf(why, NSDAE_TANGENT_TEXT, "is all zero: friction has nothing to act on");
+    return snprintf(why, NSDAE_TANGENT_TEXT, "is zero: it must be a tangential direction");
   if (n > 1 && near_column(n, t, c->normal, tol))
     return snprintf(why, NSDAE_TANGENT_TEXT,
-                    "is the normal's, gap_normal: the slip needs a direction of its own");
+                    "is equal to the normal (gap_normal): it must be a tangential direction");
   if (j > 0 && n > 1 && same_column(n, t, t - n))
     return snprintf(why, NSDAE_TANGENT_TEXT,
-                    "is the one before it: two directions at right angles are needed");
+                    "is equal to the one before it: the two must be perpendicular");
   return 0;
 }
 
@@ -231,8 +230,8 @@ int nsdae_gap_scaled(const directions *c, double tol, char why[NSDAE_TANGENT_TEX
     if (!(here > tol) || !(fabs(here - there) <= tol * here)) continue;
     if (fabs(here - 1) <= tol || scaled_alike(c, of, here, tol)) continue;
     return snprintf(why, NSDAE_TANGENT_TEXT,
-                    "has a gradient of length %.6g along the velocities that move as %s does, here "
-                    "and elsewhere: if they are of one body a distance has 1",
+                    "has a gradient of length %.6g along the velocities of the same mass as %s, "
+                    "here and elsewhere: if they translate one body, that of a distance is 1",
                     here, nsdae_system_called(c->system, NSDAE_NAME_VELOCITY, of, called));
   }
   return 0;

@@ -429,11 +429,10 @@ int nsdae_terms_finite(const nsdae_terms *T, const char *what, int kind, const d
   int n = nsdae_system_count(T->system, kind);
   for (int i = 0; i < n; i++) {
     if (isfinite(a[i])) continue;
-    nsdae_error_set(
-        T->error, NSDAE_E_NONFINITE, "nsdae_terms", what,
-        "%s %d is %g at t = %.17g: a callback gives numbers near the largest there are, "
-        "or mass and forces are too far apart",
-        what, i, a[i], nsdae_terms_time(T));
+    nsdae_error_set(T->error, NSDAE_E_NONFINITE, "nsdae_terms", what,
+                    "%s %d is %g at t = %.17g: overflow; a callback returns values near the "
+                    "largest double, or mass and forces differ too much in scale",
+                    what, i, a[i], nsdae_terms_time(T));
     T->error->time = nsdae_terms_time(T);
     nsdae_system_name_item(T->system, kind, i, T->error);
     return NSDAE_E_NONFINITE;
@@ -490,8 +489,8 @@ int nsdae_terms_bad_mass(const nsdae_terms *terms, const nsdae_kkt *kkt)
 static int bad_rank(const nsdae_terms *terms, const nsdae_kkt *kkt)
 {
   nsdae_error_set(terms->error, NSDAE_E_RANK, "nsdae_terms", "constraint_jacobian",
-                  "Phi_q has rank %d of %d at t = %.17g: leave out the redundant constraints or "
-                  "set redundant = least-norm; the first that depends on others",
+                  "Phi_q has rank %d of %d at t = %.17g: remove the redundant constraints or set "
+                  "redundant = least-norm; the first redundant one",
                   kkt->rank, kkt->m, nsdae_terms_time(terms));
   terms->error->time = nsdae_terms_time(terms);
   nsdae_system_name_item(terms->system, NSDAE_NAME_CONSTRAINT, kkt->pivoted.column[kkt->rank] - 1,

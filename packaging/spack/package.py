@@ -19,6 +19,7 @@ class Nsdae(CMakePackage):
 
     variant("hdf5", default=True, description="Write trajectories to HDF5 files")
     variant("sundials", default=True, description="Methods penalty and event")
+    variant("ldl", default=True, description="Sparse constraints by SuiteSparse's LDL (LGPL)")
     variant("fortran", default=True, description="Fortran module")
     variant("drivers", default=True, description="Example programs and tools")
 
@@ -32,7 +33,7 @@ class Nsdae(CMakePackage):
     depends_on("openblas")
     depends_on("hdf5+hl~mpi", when="+hdf5")
     depends_on("sundials@6.4:7+CVODE~mpi precision=double", when="+sundials")
-    depends_on("suite-sparse", when="+sundials")
+    depends_on("suite-sparse")
     depends_on("gsl", type="test")
     depends_on("cmocka", type="test")
 
@@ -42,6 +43,7 @@ class Nsdae(CMakePackage):
         return [
             self.define_from_variant("NSDAE_HDF5", "hdf5"),
             self.define_from_variant("NSDAE_SUNDIALS", "sundials"),
+            self.define_from_variant("NSDAE_LDL", "ldl"),
             self.define_from_variant("NSDAE_FORTRAN", "fortran"),
             self.define_from_variant("NSDAE_DRIVERS", "drivers"),
             self.define("BUILD_TESTING", self.run_tests),

@@ -205,13 +205,13 @@ def test_descriptions_that_do_not_fit():
     given = {"mass_blocks": lambda t, q, M: None, "force": lambda t, q, v, F: None}
     with pytest.raises(nsdae.ArgumentError, match="blocks have"):
         nsdae.System(nq=3, blocks=[1, 1], **given)
-    with pytest.raises(nsdae.ArgumentError, match="by list"):
+    with pytest.raises(nsdae.ArgumentError, match="contact list"):
         nsdae.System(blocks=[1, 1], k=1, **given)
     with pytest.raises(ValueError, match="whole numbers"):
         nsdae.System(blocks=[1.5], **given)
     with pytest.raises(nsdae.Error, match="event"):
         nsdae.Sim(column(), method="event")
-    with pytest.raises(nsdae.ArgumentError, match="polygon = 8 .* set it to 0"):
+    with pytest.raises(nsdae.ArgumentError, match="polygon = 8 .* set polygon = 0"):
         nsdae.Sim(column(), polygon=8)
     with pytest.raises(nsdae.Error, match=r"nsdae.System\(blocks=...\)"):
         nsdae.Sim(nsdae.System(nq=1, mass=lambda t, q, M: None, **given))

@@ -361,7 +361,7 @@ def test_texts_have_the_names_of_python():
 
 
 def test_texts_that_come(ball):
-    with pytest.raises(nsdae.ArgumentError, match=r"Sim\.project puts a start right"):
+    with pytest.raises(nsdae.ArgumentError, match=r"Sim\.project corrects it"):
         nsdae.Sim(ball, method="event").init([-1])
     with pytest.raises(nsdae.Error, match=r"call Sim\.init first"):
         nsdae.Sim(ball).run(1)

@@ -36,7 +36,7 @@ def test_event_driven_ball_is_exact(ball):
 def test_size_bounds_the_overlap(ball):
     """A ball of 4 cm that sinks by 3.8 cm is warned of, one of 4 m is not."""
     ball.set_size("contact", 0, 0.04)
-    with pytest.warns(nsdae.RunWarning, match="overlap"):
+    with pytest.warns(nsdae.RunWarning, match="penetration"):
         nsdae.solve(ball, 0.6, [1], dt=0.02)
     ball.set_size("contact", 0, 4)
     with warnings.catch_warnings():

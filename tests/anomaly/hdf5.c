@@ -436,7 +436,7 @@ static void test_damaged_states(void **state)
       if (!damage_state(at, flip, from, to)) return;
       int status = resume_plain(&error);
       assert_int_equal(status, place < 2 ? NSDAE_OK : NSDAE_E_IO);
-      if (place == 2) assert_non_null(strstr(error.text, "no state in it is whole"));
+      if (place == 2) assert_non_null(strstr(error.text, "it has no complete state"));
     }
   }
 }

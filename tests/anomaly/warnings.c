@@ -157,7 +157,7 @@ static void test_drift(void **state)
         nsdae_sim_get_record(sim, &now);
         /* ten times the way of one step: speeds of up to 2 x 5.4 and 1.9 m/s, rows of one */
         assert_true(now.constraint_drift > 10 * 1e-3 * 1 && now.constraint_drift < 10 * 1e-3 * 40);
-        assert_non_null(strstr(nsdae_sim_error(sim)->text, "constraints are violated by"));
+        assert_non_null(strstr(nsdae_sim_error(sim)->text, "the constraint violation is"));
         assert_string_equal(nsdae_sim_error(sim)->argument, "constraint");
       }
       nsdae_sim_get_stats(sim, &stats);

@@ -55,7 +55,7 @@ class Reference(unittest.TestCase):
 
     def test_a_name_without_a_comment_is_found(self):
         """Doxygen warns of a function, a member and a struct of the real headers whose comment is taken away."""
-        for header, comment in (("params.h", r"/\* Entry of that key, or NULL\. \*/\n"), ("params.h", r"/\* one line \*/"),
+        for header, comment in (("params.h", r"/\* Entry of a key, or NULL\. \*/\n"), ("params.h", r"/\* description, one line \*/"),
                                 ("params.h", r"/\* One field of a struct\. \*/\n")):
             text = (SOURCE / "include/nsdae" / header).read_text()
             less = re.sub(comment, "", text)

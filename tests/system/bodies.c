@@ -210,9 +210,9 @@ static void faults_are_named(void **state)
   WITH(1, angle, "thet", "did you mean 'theta'?");
   WITH(1, angle, "atan2(q9, q1)", "there is no q9");
   WITH(1, angle, "atan2(q0 q1)", "atan2 takes 2 values");
-  WITH(1, angle, "q2+\x01", "'?' where a value should stand");
-  WITH(1, angle, "{q2}", "'{' where a value should stand");
-  WITH(1, angle, "q2+", "ends where a value should stand, at character 4");
+  WITH(1, angle, "q2+\x01", "'?' in place of a value");
+  WITH(1, angle, "{q2}", "'{' in place of a value");
+  WITH(1, angle, "q2+", "ends in place of a value, at character 4");
   WITH(4, quaternion[3], "sin(q2", "sin without )");
   WITH(4, quaternion[1], NULL, "it has four parts");
   WITH(4, angle, "q2", "it has a quaternion too");

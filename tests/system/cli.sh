@@ -160,7 +160,7 @@ kill -INT $!
 wait $!
 check test $? = 1
 if ! grep -q 'NSDAE_SUNDIALS=OFF' err; then
-  check grep -q 'interrupted at t = .*the step was dropped' err
+  check grep -q 'interrupted at t = .*the step was discarded' err
   check h5dump -a /status inside.h5 >status
   check grep -q interrupted status
 fi

@@ -77,10 +77,10 @@ static void test_kink(void **state)
     const rim sharp = {uniform(0.05, 0.5), 0};
     double theta = uniform(0.3, 1.2);
     int status = fall(&sharp, theta, 1e-3, &error);
-    if (!strstr(error.text, "contact 0: the gradient of its gap turns"))
+    if (!strstr(error.text, "contact 0: the gradient of its gap rotates"))
       print_error("%d: %d %s\n", i, status, error.text);
     assert_int_equal(status, NSDAE_E_CONVERGENCE);
-    assert_non_null(strstr(error.text, "contact 0: the gradient of its gap turns"));
+    assert_non_null(strstr(error.text, "contact 0: the gradient of its gap rotates"));
     assert_int_equal(error.index, 0);
     const rim rounded = {sharp.r, sharp.r / 10};
     fall(&rounded, theta, 1e-3, &error);

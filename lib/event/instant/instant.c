@@ -276,11 +276,11 @@ int nsdae_event_strayed(const nsdae_event_instant *p, double t, const double *y)
   double lost = fmax(fmax(is.unexplained, is.together), fmax(is.position, is.velocity));
   if (!(lost > LOST))
     return (fmax(lost, fmax(is.gap, is.rate)) > STRAYED) + (is.together > SUSPECT);
-  nsdae_error_set(s->error, NSDAE_E_CONVERGENCE, "nsdae_event", "rtol",
-                  "constraints or closed contacts, or their velocities, are off by %.3g times what "
-                  "rtol = %g explains at t = %.17g: their derivatives may be wrong "
-                  "(nsdae_system_check), or take a larger rtol",
-                  lost, s->options->rtol, nsdae_terms_time(s->here));
+  nsdae_error_set(
+      s->error, NSDAE_E_CONVERGENCE, "nsdae_event", "rtol",
+      "constraints, closed contacts or their velocities have %.3g times the error that rtol = %g "
+      "allows at t = %.17g: check their derivatives (nsdae_system_check), or make rtol larger",
+      lost, s->options->rtol, nsdae_terms_time(s->here));
   s->error->time = nsdae_terms_time(s->here);
   return NSDAE_E_CONVERGENCE;
 }

@@ -232,8 +232,8 @@ static int share(nsdae_event_acceleration *p)
                            .slide_part = m->slide_part};
   if (nsdae_share(&p->sharing, &of)) return NSDAE_OK;
   nsdae_error_set(s->error, NSDAE_E_CONVERGENCE, "nsdae_event", "polygon",
-                  "no friction of the contacts that stick at t = %.17g was found that holds "
-                  "them: try more edges of the polygon, or method = implicit",
+                  "no friction forces of the sticking contacts were found at t = %.17g: try more "
+                  "edges of the polygon, or method = implicit",
                   nsdae_terms_time(s->here));
   s->error->time = nsdae_terms_time(s->here);
   return NSDAE_E_CONVERGENCE;

@@ -31,7 +31,7 @@ int nsdae_event_factor(nsdae_event_setting *s)
   double least = fmax(LEAST_SINE, SINE_ERROR * s->options->rtol);
   s->kkt->rank_tol = least_norm ? fmax(s->options->rank_tol, least) : s->options->rank_tol;
   int status = nsdae_terms_factor(s->here, s->here->M, s->kkt, least_norm);
-  nsdae_count_factors(&s->result->counters, s->kkt);
+  nsdae_count_rank(&s->result->counters, s->kkt->rank, s->kkt->kept, s->kkt->left);
   return status;
 }
 

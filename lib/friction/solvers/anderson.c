@@ -3,7 +3,6 @@
 #include <string.h>
 
 #include "simd.h"
-#include "block_sweep.h"
 
 enum { WINDOW = NSDAE_FC_WINDOW };
 

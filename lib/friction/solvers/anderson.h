@@ -1,4 +1,5 @@
-/* Anderson's extrapolation (J. ACM 12 (1965) 547; Walker and Ni, SIAM J. Numer. Anal. 49 (2011)
+/* Block Gauss-Seidel: one item after the other is solved, the others fixed;
+ * and Anderson's extrapolation (J. ACM 12 (1965) 547; Walker and Ni, SIAM J. Numer. Anal. 49 (2011)
  * 1715) of the fixed point r = g(r) of a sweep. f = g(r) - r is taken to be affine in r over the
  * last sweeps,
  *
@@ -11,6 +12,17 @@
 #define NSDAE_FRICTION_ANDERSON_H
 
 #include "scaled_island.h"
+
+/* fc->y := J fc->r, to plain rounding. */
+void nsdae_fc_sweep_begin(nsdae_fc_scaled *fc);
+
+/* Sweeps over the island from fc->r, fc->y of which is current; slip [n] is kept between calls,
+ * zero at first. Returns the largest weighted change of r in the last sweep. */
+double nsdae_fc_sweep(nsdae_fc_scaled *fc, int sweeps, double *slip);
+
+/* Whether the residual of each item is at most tol, to plain rounding; fc->y is current. Checks
+ * item *first first, and stores the one that failed: most checks end with it. */
+int nsdae_fc_sweep_converged(const nsdae_fc_scaled *fc, double tol, int *first);
 
 /* Columns. The work of 108 warm starts is 1.18 times as much with 3, 0.97 with 8; with 6 the time
  * is 1.07 times as long. */
@@ -39,5 +51,9 @@ double nsdae_fc_anderson_sweep(nsdae_fc_anderson *anderson, nsdae_fc_scaled *fc,
 void nsdae_fc_anderson_extrapolate(nsdae_fc_anderson *anderson, nsdae_fc_scaled *fc);
 /* f - F c of the last extrapolation, into before. At most once after each. */
 void nsdae_fc_anderson_remainder(nsdae_fc_anderson *anderson, const nsdae_fc_scaled *fc);
+
+/* After an extrapolation: if little but a ray remains, r moves along it, inside the cones, and
+ * Anderson's method restarts (ratio_step.c). */
+void nsdae_fc_ratio_step(nsdae_fc_anderson *anderson, nsdae_fc_scaled *fc);
 
 #endif

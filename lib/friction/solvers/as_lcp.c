@@ -1,4 +1,5 @@
-/* With r_T = a - b, a, b >= 0 and l = |u_T| a planar contact is
+/* A small island whose contacts are frictionless or planar is a linear complementarity problem, and
+ * pivoting solves that exactly. With r_T = a - b, a, b >= 0 and l = |u_T| a planar contact is
  *
  *   u_N >= 0,  u_T + l >= 0,  l - u_T >= 0,  mu r_N - a - b >= 0,
  *

@@ -1,4 +1,4 @@
-#include "block_sweep.h"
+#include "anderson.h"
 
 #include <math.h>
 #include <string.h>

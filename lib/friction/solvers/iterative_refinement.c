@@ -7,8 +7,6 @@
  *
  * in which an error of W' = J'^T J', rounded, is one of dr. By how much r_0 lies outside the cone
  * is a difference of large numbers, and alone needs double-double arithmetic (cone.h). */
-#include "iterative_refinement.h"
-
 #include <math.h>
 #include <string.h>
 

@@ -3,13 +3,11 @@
  *
  *   r_c := the solution of Coulomb's law with u_c = W_cc r_c + (q_c + sum W_cj r_j, j != c).
  *
- * nsdae_fc_nsgs extrapolates after each sweep (anderson.h) and follows rays (ratio_step.h).
+ * nsdae_fc_nsgs extrapolates after each sweep (anderson.h) and follows rays (ratio_step.c).
  * nsdae_fc_nsgs_plain does neither: if many contacts slide, extrapolation diverges. */
 #include <math.h>
 #include <string.h>
 
-#include "block_sweep.h"
-#include "ratio_step.h"
 #include "solver_contract.h"
 
 /* Sweeps between two evaluations of the residual, each of which costs two sweeps: 5 % of them. With

@@ -3,8 +3,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "block_sweep.h"
-
 /* Products of the evaluation of a point and its residual: J and J^T in double-double arithmetic
  * alone take 1.2 to 1.9. The assembly of a matrix and its solves are counted as much again, each:
  * all of a step but its operations in LAPACK, see newton_system.c. */

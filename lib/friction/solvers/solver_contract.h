@@ -10,11 +10,8 @@
 #define NSDAE_FRICTION_SOLVER_CONTRACT_H
 
 #include "anderson.h"
-#include "as_lcp.h"
 #include "farkas.h"
-#include "iterative_refinement.h"
 #include "newton_step.h"
-#include "socp_interior_point.h"
 
 /* A larger residual is not near a solution: Newton's method costs more than it finds there, and s
  * is worth no more than zero. With 1e-3, 1e-2 and 0.1 of 40 seeded problems 39
@@ -24,6 +21,41 @@
 /* The least proximal term: above the rounding of a matrix whose entries are about one. Of 72 seeded
  * convex problems 1e-13 leaves 2 above 1e-6, 1e-14 leaves 12. */
 #define NSDAE_FC_REGULAR 1e-13
+
+/* Work of the interior point for the second-order cone problem with s fixed. */
+typedef struct nsdae_fc_socp {
+  double *s;       /* n: mu |u_T|, added to u_N */
+  double *a, *b;   /* 3 n: r and u + s e_N in rows where both cones are the second-order one */
+  double *da, *db; /* 3 n: a step */
+  double *rhs;     /* 3 n: of db + W^2 da */
+  double *root;    /* 3 n: eigenvalues of W, along (1, axis), (1, -axis) and across them */
+  double *axis;    /* 2 n: in the tangential plane */
+  double *gap;     /* 3 n: velocities of r less those of b */
+  double *end;     /* 3 n: the last solution */
+} nsdae_fc_socp;
+
+/* Work of iterative refinement: a point in double-double arithmetic. */
+typedef struct nsdae_fc_refinement {
+  double *high, *low;      /* 3 n: the point, its leading and its trailing parts */
+  double *best, *best_low; /* 3 n: the best one */
+  double *q;          /* 3 n: that of the island, replaced while it is solved for a correction */
+  double *correction; /* 3 n: the iterate of a correction */
+} nsdae_fc_refinement;
+
+/* Work of Lemke's method. */
+typedef struct nsdae_fc_as_lcp {
+  int m;         /* rows that take part; 0: the island is no such problem */
+  int bilateral; /* of these, the first */
+  int n;         /* unknowns of the complementarity problem */
+  int *row;      /* m: 3 k + j for row j of item k */
+  double *W;     /* m x (m + 1): W + C of these rows, and q */
+  double *A, *b; /* n x n, n */
+  double *x, *y; /* n */
+  int *basis;    /* n */
+  double *work;
+  int *iwork;
+  int lwork, liwork;
+} nsdae_fc_as_lcp;
 
 /* A scaled island and the memory of its solvers. */
 typedef struct nsdae_fc_island {
@@ -89,6 +121,12 @@ nsdae_fc_solve nsdae_fc_socp_interior_point; /* one convex problem, s that of it
 nsdae_fc_solve nsdae_fc_lcp;                 /* Lemke's method, planar and frictionless islands */
 nsdae_fc_solve nsdae_fc_refine;              /* in double-double, from iterate->r */
 nsdae_fc_solve nsdae_fc_infeasible;          /* Farkas' lemma */
+
+/* Take the arrays of the solvers. */
+void nsdae_fc_socp_layout(nsdae_fc_socp *socp, const nsdae_fc_scaled *fc, nsdae_arena *arena);
+void nsdae_fc_refinement_layout(nsdae_fc_refinement *refinement, const nsdae_fc_scaled *fc,
+                                nsdae_arena *arena);
+void nsdae_fc_as_lcp_layout(nsdae_fc_as_lcp *s, const nsdae_fc_scaled *fc, nsdae_arena *arena);
 
 /* Bytes of r. */
 static inline size_t nsdae_fc_bytes(const nsdae_fc_island *island)

@@ -97,8 +97,8 @@ static int opened(nsdae_h5 *h5, hid_t access, const char *what)
   nsdae_vfd_close(&h5->disk); /* and its lock */
   if (status == NSDAE_E_IO && failure == 0 && is_live(h5))
     because(h5, what,
-            "it was written live by a run that goes on or was killed: h5clear -s makes it "
-            "readable; a run cannot go on in it");
+            "a live run writes it, or was killed: h5clear -s makes it readable; a live file cannot "
+            "be resumed");
   return status;
 }
 

@@ -73,7 +73,7 @@ int nsdae_checkpoint_create(nsdae_checkpoint *checkpoint, nsdae_h5 *h5)
 {
   const hsize_t size[2] = {PLACES, checkpoint->width};
   return nsdae_h5_bytes(h5, dataset, size, checkpoint->grows,
-                        "states to go on from, the last two in turn; of this library alone",
+                        "states for a restart, the last two alternate; read by this library only",
                         &checkpoint->set);
 }
 
@@ -136,14 +136,14 @@ int nsdae_checkpoint_trim(nsdae_checkpoint *checkpoint, nsdae_h5 *h5)
 static int unusable(nsdae_h5 *h5, const char *why)
 {
   return nsdae_error_set(h5->error, NSDAE_E_IO, "nsdae_trajectory_resume", "path",
-                         "cannot go on in '%.90s': %s", h5->path, why);
+                         "cannot resume '%.90s': %s", h5->path, why);
 }
 
 int nsdae_checkpoint_open(nsdae_checkpoint *checkpoint, nsdae_h5 *h5)
 {
   hsize_t size[2];
   int status = nsdae_h5_shape(h5, dataset, 2, size);
-  if (status < 0) return unusable(h5, "it has no state to go on from (/restart/state)");
+  if (status < 0) return unusable(h5, "it has no state for a restart (/restart/state)");
   int wide = checkpoint->grows ? size[1] >= sizeof(head) : size[1] == checkpoint->width;
   if (size[0] != PLACES || !wide)
     return unusable(h5, "its state is of another size: another version of the library wrote it");
@@ -188,8 +188,8 @@ int nsdae_checkpoint_take(nsdae_checkpoint *checkpoint, nsdae_h5 *h5, nsdae_sim 
   if (status == NSDAE_OK) status = read_place(checkpoint, h5, 1, rows, &step[1]);
   if (status < 0) return status;
   if (step[0] < 0 && step[1] < 0)
-    return unusable(h5,
-                    "no state in it is whole: it was killed before its first flush, or damaged");
+    return unusable(h5, "it has no complete state: the run was killed before its first flush, or "
+                        "the file is damaged");
   checkpoint->newest = step[1] < step[0] ? 0 : 1;
   status = read_place(checkpoint, h5, checkpoint->newest, rows, &step[0]);
   if (status < 0) return status;

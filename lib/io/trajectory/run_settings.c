@@ -93,7 +93,7 @@ int nsdae_setting_make(nsdae_setting *setting, const nsdae_sim *sim,
 int nsdae_setting_write(const nsdae_setting *setting, nsdae_h5 *h5)
 {
   return nsdae_h5_vector(h5, dataset, H5T_NATIVE_UCHAR, (hsize_t)setting->length, setting->text,
-                         "1", "what the run was told, as text");
+                         "1", "settings of the run, as text");
 }
 
 int nsdae_setting_read(nsdae_setting *setting, nsdae_h5 *h5)
@@ -101,9 +101,8 @@ int nsdae_setting_read(nsdae_setting *setting, nsdae_h5 *h5)
   hsize_t length[1];
   *setting = (nsdae_setting){0};
   if (H5Lexists(h5->file, "/restart", H5P_DEFAULT) == 0)
-    return nsdae_error_set(
-        h5->error, NSDAE_E_IO, h5->where ? h5->where : "nsdae_trajectory", "path",
-        "cannot go on in '%.90s': it keeps no state, as one written live", h5->path);
+    return nsdae_error_set(h5->error, NSDAE_E_IO, h5->where ? h5->where : "nsdae_trajectory",
+                           "path", "cannot resume '%.90s': a live file has no state", h5->path);
   int status = nsdae_h5_shape(h5, dataset, 1, length);
   if (status < 0) return status;
   setting->length = (size_t)length[0];
@@ -203,7 +202,7 @@ static int differs(const char *name, const char *own, const char *file, const ch
   const char *key = strchr(name, '/') ? strchr(name, '/') + 1 : name;
   const char *what = strcmp(name, "model/name") == 0 ? "model" : key;
   return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_trajectory_resume", what,
-                         "cannot go on in '%.90s': it has %.40s %.40s, this run %.40s", path, what,
+                         "cannot resume '%.90s': it has %.40s %.40s, this run %.40s", path, what,
                          file ? file : "not", own ? own : "not");
 }
 

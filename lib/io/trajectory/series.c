@@ -128,7 +128,7 @@ static int look_at_column(const nsdae_series *series, nsdae_h5 *h5, const nsdae_
   if (length[0] < *rows) *rows = length[0];
   if (length[1] == (hsize_t)shape[0] && length[2] == (hsize_t)shape[1]) return NSDAE_OK;
   return nsdae_error_set(h5->error, NSDAE_E_IO, "nsdae_trajectory_resume", "path",
-                         "cannot go on in '%.90s': %s has rows of another length", h5->path,
+                         "cannot resume '%.90s': %s has rows of another length", h5->path,
                          column->path);
 }
 

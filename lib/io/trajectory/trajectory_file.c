@@ -113,7 +113,7 @@ static int put(nsdae_trajectory *t, const char *path, hid_t type, int n, const v
   if (bad || t->live || t->failed)
     return nsdae_error_set(
         error, NSDAE_E_ARGUMENT, "nsdae_trajectory_put", bad ? bad : "trajectory",
-        bad ? "%s is missing or negative" : "nothing can be added to a %s that is live or failed",
+        bad ? "%s is missing or negative" : "data cannot be added to a %s that is live or failed",
         bad ? bad : "trajectory");
   t->h5.error = error ? error : &own;
   if (t->resumed) NSDAE_H5_QUIETLY(status, nsdae_h5_remove(&t->h5, path))

@@ -14,7 +14,7 @@ static int adopt(nsdae_trajectory *t, const nsdae_setting *file, const char *key
   *value = nsdae_setting_find(file, "run", key, text) ? atoi(text) : none;
   if (wish == none || wish == *value) return NSDAE_OK;
   return nsdae_error_set(t->h5.error, NSDAE_E_ARGUMENT, "nsdae_trajectory_resume", key,
-                         "cannot go on in '%.90s': it has %s %d, this run %d", t->path, key, *value,
+                         "cannot resume '%.90s': it has %s %d, this run %d", t->path, key, *value,
                          wish);
 }
 
@@ -85,8 +85,7 @@ int nsdae_trajectory_resume(nsdae_sim *sim, const char *path, const nsdae_trajec
   if (status < 0) return status;
   *trajectory = NULL;
   if (info->live)
-    return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "live",
-                           "a run goes on in a file that is not live");
+    return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "live", "a live file cannot be resumed");
   nsdae_trajectory *t = nsdae_trajectory_allocate(sim, path, info);
   if (!t) return nsdae_error_memory(error, where);
   t->h5.where = where;

@@ -5,11 +5,10 @@
 #include <nsdae/nsdae.h>
 #include <stdlib.h>
 
+#include "anderson.h"
 #include "cone.h"
-#include "ratio_step.h"
 #include "friction_families.h"
 #include "solver_island.h"
-#include "block_sweep.h"
 
 #include "../linalg/random_matrices.h"
 

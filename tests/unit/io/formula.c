@@ -72,8 +72,8 @@ static void takes_the_language(void **state)
 static void says_what_is_wrong_and_where(void **state)
 {
   (void)state;
-  refused("", "the formula ends where a value should stand, at character 1");
-  refused("q0+", "the formula ends where a value should stand, at character 4");
+  refused("", "the formula ends in place of a value, at character 1");
+  refused("q0+", "the formula ends in place of a value, at character 4");
   refused("q3", "there is no q3: the coordinates are q0 to q2, at character 1");
   refused("q99999999999", "there is no q99999999999: the coordinates are q0 to q2, at character 1");
   refused("L*thet", "unknown name 'thet' (did you mean 'theta'?) at character 3");
@@ -87,8 +87,8 @@ static void says_what_is_wrong_and_where(void **state)
   refused("q0)", "')' is not expected at character 3");
   refused("2 q0", "'q' is not expected at character 3");
   refused("q0 q1", "'q' is not expected at character 4");
-  refused("*q0", "'*' where a value should stand at character 1");
-  refused("q0**2", "'*' where a value should stand at character 4");
+  refused("*q0", "'*' in place of a value at character 1");
+  refused("q0**2", "'*' in place of a value at character 4");
   refused(".", "a point without digits at character 2");
   refused("1e", "an exponent without digits at character 3");
   refused("q0;1", "';' is not expected at character 3");

@@ -167,7 +167,7 @@ static void test_family(void **state)
         assert_int_equal(status, NSDAE_E_DERIVATIVE);
         assert_non_null(strstr(nsdae_system_error(s)->text, "velocity 3 \"x_2\" move"));
       } else if (!said[wrong]) {
-        if (strstr(unseen, "if that turns the body") || strstr(unseen, "the sign of its arm"))
+        if (strstr(unseen, "if this rotates the body") || strstr(unseen, "the sign of its arm"))
           fail_msg("seed %d: %s", (int)seed, unseen);
       } else if (!strstr(unseen, said[wrong])) {
         fail_msg("seed %d, wrong %d: %s", (int)seed, wrong, unseen);

@@ -1,0 +1,133 @@
+#include "sparse_ldl.h"
+
+#include <ldl.h>
+#include <limits.h>
+#include <math.h>
+#include <nsdae/status.h>
+#include <string.h>
+
+static int size_of(const nsdae_multifrontal *f, int number)
+{
+  return f->graph.size[f->tree.node[number]];
+}
+
+/* Entries of L below block column k. */
+static size_t rows_below(const nsdae_multifrontal *f, int k)
+{
+  size_t rows = 0;
+  for (size_t a = f->tree.start[k]; a < f->tree.start[k + 1]; a++)
+    rows += (size_t)size_of(f, f->tree.row[a]);
+  return rows;
+}
+
+static size_t fill_of(const nsdae_multifrontal *f)
+{
+  size_t fill = 0;
+  for (int k = 0; k < f->graph.n; k++) {
+    size_t n = (size_t)size_of(f, k);
+    fill += n * (n - 1) / 2 + n * rows_below(f, k);
+  }
+  return fill;
+}
+
+double nsdae_sparse_ldl_work(const nsdae_multifrontal *f)
+{
+  double work = 0;
+  if (fill_of(f) > INT_MAX || f->values > INT_MAX) return HUGE_VAL; /* it counts in int */
+  for (int k = 0; k < f->graph.n; k++) {
+    double below = (double)rows_below(f, k);
+    for (int j = 0; j < size_of(f, k); j++) work += (below + j) * (below + j + 1) / 2;
+  }
+  return work;
+}
+
+static void lay_out(void *object, nsdae_arena *arena)
+{
+  nsdae_sparse_ldl *l = object;
+  long n = l->order, entries = (long)l->entries, fill = (long)l->fill;
+  l->first = NSDAE_ARENA_INTS(arena, n + 1);
+  l->row = NSDAE_ARENA_INTS(arena, entries);
+  l->from = nsdae_arena_take(arena, entries, sizeof *l->from);
+  l->begin = NSDAE_ARENA_INTS(arena, n + 1);
+  l->below = NSDAE_ARENA_INTS(arena, fill);
+  l->tree.parent = NSDAE_ARENA_INTS(arena, n);
+  l->tree.count = NSDAE_ARENA_INTS(arena, n);
+  l->tree.mark = NSDAE_ARENA_INTS(arena, n);
+  l->tree.path = NSDAE_ARENA_INTS(arena, n);
+  l->A = NSDAE_ARENA_DOUBLES(arena, entries);
+  l->L = NSDAE_ARENA_DOUBLES(arena, fill);
+  l->D = NSDAE_ARENA_DOUBLES(arena, n);
+  l->x = NSDAE_ARENA_DOUBLES(arena, n);
+}
+
+/* Column r of block number k above its diagonal, which is its last entry. */
+static void add_column(nsdae_sparse_ldl *l, const nsdae_multifrontal *f, int k, int r)
+{
+  int i = f->tree.node[k], n = f->graph.size[i], at = l->first[f->place[k] + r];
+  for (int a = f->graph.first[i]; a < f->graph.first[i + 1]; a++) {
+    int other = f->tree.number[f->graph.index[a]];
+    size_t block = f->graph.at[f->graph.twin[a]]; /* the rows of i */
+    for (int c = 0; other < k && c < size_of(f, other); c++) {
+      l->row[at] = f->place[other] + c;
+      l->from[at++] = block + (size_t)c * (size_t)n + (size_t)r;
+    }
+  }
+  for (int c = 0; c <= r; c++) {
+    l->row[at] = f->place[k] + c;
+    l->from[at++] = f->graph.diagonal[i] + (size_t)c * (size_t)n + (size_t)r;
+  }
+  l->first[f->place[k] + r + 1] = at;
+}
+
+int nsdae_sparse_ldl_analyse(nsdae_sparse_ldl *l, const nsdae_multifrontal *f)
+{
+  l->order = f->order;
+  l->fill = fill_of(f);
+  l->entries = f->values; /* both triangles: more than enough */
+  if (nsdae_arena_fit(&l->memory, lay_out, l) != NSDAE_OK) return NSDAE_E_MEMORY;
+  l->first[0] = 0;
+  for (int k = 0; k < f->graph.n; k++)
+    for (int r = 0; r < size_of(f, k); r++) add_column(l, f, k, r);
+  ldl_symbolic(l->order, l->first, l->row, l->begin, l->tree.parent, l->tree.count, l->tree.mark,
+               NULL, NULL);
+  return NSDAE_OK;
+}
+
+int nsdae_sparse_ldl_factor(nsdae_sparse_ldl *l, const nsdae_multifrontal *f, double drop)
+{
+  int n = l->order;
+  for (int e = 0; e < l->first[n]; e++) l->A[e] = f->A[l->from[e]];
+  if (ldl_numeric(n, l->first, l->row, l->A, l->begin, l->tree.parent, l->tree.count, l->below,
+                  l->L, l->D, l->x, l->tree.path, l->tree.mark, NULL, NULL) != n)
+    return 1;
+  l->smallest = 1;
+  for (int j = 0; j < n; j++) {
+    double part = l->D[j] / l->A[l->first[j + 1] - 1];
+    if (!(part > drop)) return 1;
+    l->smallest = fmin(l->smallest, part);
+  }
+  return 0;
+}
+
+/* x in the order of the blocks into that of the elimination (in), or back. */
+static void permute(nsdae_sparse_ldl *l, const nsdae_multifrontal *f, double *x, int in)
+{
+  for (int i = 0; i < f->graph.n; x += f->graph.size[i++]) {
+    double *y = l->x + f->place[f->tree.number[i]];
+    memcpy(in ? y : x, in ? x : y, (size_t)f->graph.size[i] * sizeof *x);
+  }
+}
+
+void nsdae_sparse_ldl_solve(nsdae_sparse_ldl *l, const nsdae_multifrontal *f, double *x)
+{
+  permute(l, f, x, 1);
+  ldl_lsolve(l->order, l->x, l->begin, l->below, l->L);
+  ldl_dsolve(l->order, l->x, l->D);
+  ldl_ltsolve(l->order, l->x, l->begin, l->below, l->L);
+  permute(l, f, x, 0);
+}
+
+void nsdae_sparse_ldl_release(nsdae_sparse_ldl *l)
+{
+  nsdae_arena_release(&l->memory);
+}

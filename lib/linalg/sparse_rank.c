@@ -1,0 +1,249 @@
+#include "sparse_rank.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include <nsdae/status.h>
+
+#include "vector.h"
+
+/* Least squared sine of an independent row. The pivot of a redundant row, divided by S_ii, is
+ * rounding: DBL_EPSILON times the squared norm of its combination of other rows, here 5000. */
+static const double ROUNDED = 1e-12;
+
+/* Least pivot, divided by S_ii, that rounding cannot be: the squared norm of a combination is up to
+ * 5e8, as in loops of 500 links with masses of ratio 1e6. Smaller ones are measured. */
+static const double CERTAIN = 1e-7;
+
+static double sine_of(double part)
+{
+  return sqrt(fmax(part, 0));
+}
+
+static int place(const nsdae_sparse_kkt *k, int node, int row)
+{
+  return nsdae_multifrontal_place(&k->schur, node, row - k->nodes.row[node]);
+}
+
+/* S_ii */
+static double own(const nsdae_sparse_kkt *k, int node, int row)
+{
+  size_t j = (size_t)(row - k->nodes.row[node]), n = (size_t)k->nodes.size[node];
+  return k->schur.A[k->schur.graph.diagonal[node] + j * (n + 1)];
+}
+
+int nsdae_sparse_kkt_is_dropped(const nsdae_sparse_kkt *k, int node, int row)
+{
+  return !k->by_ldl && k->schur.rank.is_dropped[place(k, node, row)];
+}
+
+/* ---- redundant rows: J^T N = 0 for N = [-S_RR^-1 S_RD; 1], with the rows R that count and those D
+ * that were dropped */
+
+/* Np = N p, of p that is zero in R */
+static void combine(nsdae_sparse_kkt *k, const double *p, double *Np)
+{
+  nsdae_kkt_values *a = &k->at;
+  memset(a->z, 0, (size_t)a->blocks.first[a->blocks.count] * sizeof *a->z);
+  nsdae_sparse_kkt_add_transposed(k, a->Y, 1, p, a->z, NULL);
+  nsdae_sparse_kkt_times(k, a->Y, a->z, Np);
+  nsdae_sparse_kkt_solve_schur(k, Np);
+  for (int i = 0; i < k->part.row_count; i++) Np[i] = p[i] - Np[i];
+}
+
+/* out = N^T u, zero in R */
+static void project(nsdae_sparse_kkt *k, const double *u, double *out)
+{
+  nsdae_kkt_values *a = &k->at;
+  const nsdae_kkt_nodes *n = &k->nodes;
+  memcpy(out, u, (size_t)k->part.row_count * sizeof *out);
+  nsdae_sparse_kkt_solve_schur(k, out);
+  memset(a->z, 0, (size_t)a->blocks.first[a->blocks.count] * sizeof *a->z);
+  nsdae_sparse_kkt_add_transposed(k, a->Y, 1, out, a->z, NULL);
+  nsdae_sparse_kkt_times(k, a->Y, a->z, out);
+  for (int i = 0; i < n->count; i++)
+    for (int row = n->row[i]; row < n->row[i + 1]; row++)
+      out[row] = nsdae_sparse_kkt_is_dropped(k, i, row) ? u[row] - out[row] : 0;
+}
+
+/* ---- rank */
+
+/* u with u_row = 1 and small |Y u|: a column of N for a dropped row, else one of S^-1. */
+static void near_null(nsdae_sparse_kkt *k, int row, int dropped)
+{
+  nsdae_kkt_values *a = &k->at;
+  int m = k->part.row_count;
+  memset(a->p, 0, (size_t)m * sizeof *a->p);
+  a->p[row] = 1;
+  memcpy(a->u, a->p, (size_t)m * sizeof *a->u);
+  if (dropped) {
+    combine(k, a->p, a->u);
+    return;
+  }
+  nsdae_sparse_kkt_solve_schur(k, a->u);
+  double scale = 1 / a->u[row];
+  for (int i = 0; i < m; i++) a->u[i] *= scale;
+}
+
+/* |Y z| of z = u, with Y z in the vector z. */
+static double length(nsdae_sparse_kkt *k)
+{
+  nsdae_kkt_values *a = &k->at;
+  int n = a->blocks.first[a->blocks.count];
+  memset(a->z, 0, (size_t)n * sizeof *a->z);
+  nsdae_sparse_kkt_add_transposed(k, a->Y, 1, a->u, a->z, NULL);
+  return sqrt(nsdae_dot(n, a->z, a->z));
+}
+
+/* u of smaller length, with the same u_row. */
+static void improve(nsdae_sparse_kkt *k, int row)
+{
+  nsdae_kkt_values *a = &k->at;
+  double *change = a->h;
+  nsdae_sparse_kkt_times(k, a->Y, a->z, change);
+  change[row] = 0;
+  nsdae_sparse_kkt_solve_schur(k, change);
+  double fixed = change[row];
+  for (int i = 0; i < k->part.row_count; i++) a->u[i] -= change[i] - fixed * a->u[i];
+}
+
+/* The sine of a row by corrected seminormal equations (Bjorck, Linear Algebra Appl. 88/89 (1987)
+ * 31): the least |Y z| with z_row = 1. Y z is formed from Y alone, as S has lost half of its
+ * digits. Ends when a correction gains less than a tenth. */
+static double measure(nsdae_sparse_kkt *k, int node, int row, int dropped)
+{
+  double square = own(k, node, row), last = INFINITY;
+  if (!(square > 0)) return 0;
+  near_null(k, row, dropped);
+  double now = length(k);
+  while (now < 0.9 * last) {
+    last = now;
+    improve(k, row);
+    now = length(k);
+  }
+  return fmin(now, last) / sqrt(square);
+}
+
+/* Whether the combination u of a row has a part in rows that this round has marked: it may be the
+ * same, and is measured anew without them. */
+static int is_marked(const nsdae_sparse_kkt *k, int node, int row)
+{
+  const double part = 1e-6; /* squared; a smaller one costs further rounds, a larger one ranks */
+  const nsdae_kkt_nodes *n = &k->nodes;
+  const nsdae_multifrontal_rank *r = &k->schur.rank;
+  for (int i = 0; i < n->count; i++)
+    for (int other = n->row[i]; other < n->row[i + 1]; other++) {
+      int at = place(k, i, other);
+      double u = k->at.u[other];
+      if (r->forced[at] && !r->is_dropped[at] &&
+          u * u * own(k, i, other) > part * own(k, node, row))
+        return 1;
+    }
+  return 0;
+}
+
+/* Marks rows whose small pivot is rounding, to be dropped; returns how many. */
+static int mark(nsdae_sparse_kkt *k)
+{
+  const nsdae_kkt_nodes *n = &k->nodes;
+  nsdae_multifrontal_rank *r = &k->schur.rank;
+  int more = 0;
+  k->rank.kept = 1;
+  for (int i = 0; i < n->count; i++)
+    for (int row = n->row[i]; row < n->row[i + 1]; row++) {
+      int at = place(k, i, row), small = r->part[at] < CERTAIN;
+      if (r->is_dropped[at]) continue;
+      double sine = small ? measure(k, i, row, 0) : sine_of(r->part[at]);
+      if (sine * sine > r->drop) {
+        k->rank.kept = fmin(k->rank.kept, sine);
+      } else if (!is_marked(k, i, row)) {
+        r->forced[at] = 1;
+        more++;
+      }
+    }
+  return more;
+}
+
+/* Counts the dropped rows, and measures the sine of the one with the largest pivot. */
+static void count(nsdae_sparse_kkt *k)
+{
+  const nsdae_kkt_nodes *n = &k->nodes;
+  const nsdae_multifrontal_rank *r = &k->schur.rank;
+  int largest = -1, node = -1;
+  double most = 0;
+  k->rank.dependent = -1;
+  for (int i = 0; i < n->count; i++)
+    for (int row = n->row[i]; row < n->row[i + 1]; row++) {
+      int at = place(k, i, row);
+      if (!r->is_dropped[at]) continue;
+      k->rank.count--;
+      if (k->rank.dependent < 0) k->rank.dependent = k->part.row[row];
+      if (largest >= 0 && !(r->part[at] > most)) continue;
+      most = r->part[at];
+      largest = row;
+      node = i;
+    }
+  k->rank.left = largest < 0 ? 0 : measure(k, node, largest, 1);
+}
+
+int nsdae_sparse_kkt_find_rank(nsdae_sparse_kkt *k)
+{
+  nsdae_multifrontal_rank *r = &k->schur.rank;
+  r->drop = fmax(k->rank_tol * k->rank_tol, ROUNDED);
+  k->rank.count = k->part.row_count;
+  k->rank.left = 0;
+  k->by_ldl =
+      k->ldl_first && nsdae_sparse_ldl_factor(&k->ldl, &k->schur, fmax(r->drop, CERTAIN)) == 0;
+  if (k->by_ldl) {
+    k->rank.kept = sine_of(k->ldl.smallest);
+    return NSDAE_OK;
+  }
+  memset(r->forced, 0, (size_t)k->part.row_count * sizeof *r->forced);
+  do {
+    if (nsdae_multifrontal_factor(&k->schur, 1) != 0) return NSDAE_E_NONFINITE;
+  } while (mark(k) > 0);
+  count(k);
+  return NSDAE_OK;
+}
+
+/* ---- the least norm */
+
+/* l := l - N q of least norm: N^T N q = N^T l by conjugate gradients. N^T N = 1 + W^T W has few
+ * distinct eigenvalues: ladders of 10 to 1000 bodies take 13 to 16 iterations. */
+void nsdae_sparse_kkt_shorten(nsdae_sparse_kkt *k)
+{
+  enum { MOST = 50 };
+  const double digits = 1e-10; /* relative error of l */
+  nsdae_kkt_values *a = &k->at;
+  int m = k->part.row_count;
+  double *rest = a->u, *Np = a->h, *A_p = a->d, *p = a->p;
+  project(k, a->l, rest);
+  memcpy(p, rest, (size_t)m * sizeof *p);
+  double square = nsdae_dot(m, rest, rest), least = digits * digits * nsdae_dot(m, a->l, a->l);
+  for (int i = 0; i < MOST && square > least; i++) {
+    combine(k, p, Np);
+    project(k, Np, A_p);
+    double step = square / nsdae_dot(m, p, A_p), was = square;
+    nsdae_add(m, -step, Np, a->l);
+    nsdae_add(m, -step, A_p, rest);
+    square = nsdae_dot(m, rest, rest);
+    for (int j = 0; j < m; j++) p[j] = rest[j] + square / was * p[j];
+  }
+}
+
+/* Whether the equations of the dropped rows agree with the others. A row of sine t may miss its
+ * equation by t |S_ii|^1/2 |x|, in the norm of M. */
+int nsdae_sparse_kkt_consistent(const nsdae_sparse_kkt *k)
+{
+  const nsdae_kkt_values *a = &k->at;
+  const nsdae_kkt_nodes *n = &k->nodes;
+  double sine = fmax(fmax(k->rank_tol, k->rank.left), sqrt(DBL_EPSILON));
+  double norm = sqrt(nsdae_blocks_square(&a->blocks, a->M, a->x));
+  for (int i = 0; i < n->count; i++)
+    for (int row = n->row[i]; row < n->row[i + 1]; row++)
+      if (nsdae_sparse_kkt_is_dropped(k, i, row) &&
+          !(fabs(a->d[row]) <= sine * (sqrt(own(k, i, row)) * norm + fabs(a->c[row]))))
+        return 0;
+  return 1;
+}

@@ -1,0 +1,443 @@
+/* Sparse saddle-point equations of mechanisms, by LDL and by fronts: against their residuals, dense
+ * LAPACK, the coordinates of the joints of trees, and the rank that a mechanism has. */
+#include "check.h"
+
+#include <float.h>
+#include <lapacke.h>
+#include <nsdae/status.h>
+#include <stdlib.h>
+
+#include "allocator.h"
+#include "support/joint_families.h"
+#include "sparse_kkt.h"
+
+/* Vectors of a whole system. */
+typedef struct vectors {
+  double *x, *l, *r, *c; /* wanted solution, right-hand side */
+  double *v, *lambda;    /* found */
+} vectors;
+
+static double *doubles(int count)
+{
+  double *a = calloc((size_t)count, sizeof *a);
+  assert_non_null(a);
+  return a;
+}
+
+/* A right-hand side that is consistent, whatever the rank. */
+static vectors make_vectors(joint_family *f)
+{
+  int n = f->nv + OTHER, m = f->rows + 1;
+  vectors w = {doubles(n), doubles(m), doubles(n), doubles(m), doubles(n), doubles(m)};
+  for (int j = OTHER; j < n; j++) w.x[j] = random_number(&f->random);
+  for (int i = 1; i < m; i++) w.l[i] = random_number(&f->random);
+  family_apply(f, 1, w.x, w.l, w.r, w.c);
+  return w;
+}
+
+static void release_vectors(vectors *w)
+{
+  free(w->x), free(w->l), free(w->r), free(w->c), free(w->v), free(w->lambda);
+}
+
+static nsdae_kkt_part part_of(const joint_family *f)
+{
+  return (nsdae_kkt_part){.blocks = &f->blocks,
+                          .J = &f->J,
+                          .block_count = f->bodies,
+                          .row_count = f->rows,
+                          .block = f->block,
+                          .row = f->row};
+}
+
+static int factor(nsdae_sparse_kkt *k, const joint_family *f, const double *D)
+{
+  nsdae_kkt_part part = part_of(f);
+  int status = nsdae_sparse_kkt_analyse(k, &part);
+  return status < 0 ? status : nsdae_sparse_kkt_factor(k, f->M, D);
+}
+
+static int solve(nsdae_sparse_kkt *k, const joint_family *f, vectors *w)
+{
+  memcpy(w->lambda, w->c, (size_t)(f->rows + 1) * sizeof *w->c);
+  return nsdae_sparse_kkt_solve(k, w->r, w->v, w->lambda);
+}
+
+static double largest(const double *a, int n)
+{
+  double most = 0;
+  for (int i = 0; i < n; i++) most = fmax(most, isfinite(a[i]) ? fabs(a[i]) : INFINITY);
+  return most;
+}
+
+/* Largest sum of the sizes of a row of the whole matrix. */
+static double norm_of(const joint_family *f)
+{
+  int n = f->nv + OTHER, m = f->rows + 1;
+  double most = 0, *sum = doubles(n + m);
+  for (int i = 0; i < 6 * f->nv; i++) sum[OTHER + i / 36 * 6 + i % 6] += fabs(f->M[4 + i]);
+  for (int i = 1; i < m; i++)
+    for (int p = f->J.first[i]; p < f->J.first[i + 1]; p++)
+      for (int j = 0; j < 6; j++) {
+        double value = fabs(f->J.value[f->J.at[p] + (size_t)j]);
+        sum[f->blocks.first[f->J.block[p]] + j] += value;
+        sum[n + i] += value;
+      }
+  most = largest(sum, n + m);
+  free(sum);
+  return most;
+}
+
+/* ||r|| / (||K|| ||x|| + ||b||) */
+static double backward_error(const joint_family *f, const vectors *w)
+{
+  int n = f->nv + OTHER, m = f->rows + 1;
+  double *r = doubles(n), *c = doubles(m);
+  memcpy(r, w->r, (size_t)n * sizeof *r);
+  memcpy(c, w->c, (size_t)m * sizeof *c);
+  family_apply(f, -1, w->v, w->lambda, r, c);
+  c[0] = 0; /* not of the part */
+  double left = fmax(largest(r, n), largest(c, m));
+  double x = fmax(largest(w->v, n), largest(w->lambda, m));
+  double b = fmax(largest(w->r, n), largest(w->c, m));
+  free(r), free(c);
+  return left / (norm_of(f) * x + b);
+}
+
+/* Error of x, relative in the norm of M. */
+static double error_of_motion(const joint_family *f, const vectors *w)
+{
+  int n = f->nv + OTHER;
+  double *d = doubles(n), wrong, all;
+  for (int j = OTHER; j < n; j++) d[j] = w->v[j] - w->x[j];
+  wrong = nsdae_blocks_square(&f->blocks, f->M, d);
+  all = nsdae_blocks_square(&f->blocks, f->M, w->x);
+  free(d);
+  return sqrt(wrong / all);
+}
+
+static const int backends[] = {NSDAE_KKT_AUTO, NSDAE_KKT_LDL, NSDAE_KKT_SCHUR};
+
+/* One member by every backend. */
+static void expect_solved(int kind, int bodies, int revolute, double spread, uint64_t seed)
+{
+  joint_family f;
+  family_make(&f, kind, bodies, revolute, spread, seed);
+  vectors w = make_vectors(&f);
+  for (int b = 0; b < 3; b++) {
+    nsdae_sparse_kkt k = {.rank_tol = 1e-8, .backend = backends[b]};
+    assert_int_equal(factor(&k, &f, NULL), NSDAE_OK);
+    assert_int_equal(k.rank.count, f.rank);
+    assert_true(k.rank.kept > 1e-6 && k.rank.kept <= 1 && k.rank.left < 1e-8);
+    if (backends[b] == NSDAE_KKT_SCHUR) assert_false(k.by_ldl);
+    if (backends[b] == NSDAE_KKT_LDL && f.rank == f.rows && k.rank.kept > 1e-3)
+      assert_int_equal(k.by_ldl, HAS_LDL);
+    assert_int_equal(solve(&k, &f, &w), NSDAE_OK);
+    assert_true(backward_error(&f, &w) <= 1e-12);
+    assert_true(error_of_motion(&f, &w) <= 1e-12);
+    nsdae_sparse_kkt_release(&k);
+  }
+  release_vectors(&w);
+  family_release(&f);
+}
+
+static void test_families(void **state)
+{
+  (void)state;
+  const int sizes[] = {10, 100, 1000};
+  const double spreads[] = {0, 3}; /* mass ratios of 1 and 1e6 */
+  for (int s = 0; s < 3; s++)
+    for (int i = 0; i < 2; i++)
+      for (int revolute = 0; revolute < 2; revolute++) {
+        expect_solved(CHAIN, sizes[s], revolute, spreads[i], (uint64_t)s);
+        expect_solved(TREE, sizes[s], revolute, spreads[i], (uint64_t)s);
+      }
+  for (int wide = 3; wide < 33; wide = 3 * wide)
+    for (int i = 0; i < 2; i++) expect_solved(NET, wide * wide, 0, spreads[i], (uint64_t)wide);
+}
+
+/* Closed loops, whose redundant rows are counted: masses of ratio 1e6 leave pivots of redundant
+ * rows that are as large as those of others. */
+static void test_loops(void **state)
+{
+  (void)state;
+  const double spreads[] = {0, 3};
+  const int rings[] = {10, 100, 300, 500}, ladders[] = {3, 99, 300};
+  for (int i = 0; i < 2; i++)
+    for (uint64_t seed = 0; seed < 4; seed++) {
+      for (int s = 0; s < 4; s++) expect_solved(RING, rings[s], 1, spreads[i], seed);
+      for (int s = 0; s < 3; s++) expect_solved(LADDER, ladders[s], 1, spreads[i], seed);
+    }
+  expect_solved(RING, 1000, 1, 0, 1);
+  expect_solved(LADDER, 999, 1, 0, 1);
+}
+
+/* [M J^T; J 0] of the part, [nv + rows] squared, and its right-hand side. */
+static int whole(const joint_family *f, const vectors *w, double *K, double *b)
+{
+  int n = f->nv, all = n + f->rows;
+  for (int i = 0; i < 36 * f->bodies; i++) {
+    int at = i / 36 * 6;
+    K[(at + i % 36 / 6) * all + at + i % 6] = f->M[OTHER * OTHER + i];
+  }
+  for (int i = 1; i <= f->rows; i++)
+    for (int p = f->J.first[i]; p < f->J.first[i + 1]; p++)
+      for (int j = 0; j < 6; j++) {
+        int at = f->blocks.first[f->J.block[p]] - OTHER + j;
+        K[at * all + n + i - 1] = K[(n + i - 1) * all + at] = f->J.value[f->J.at[p] + (size_t)j];
+      }
+  memcpy(b, w->r + OTHER, (size_t)n * sizeof *b);
+  memcpy(b + n, w->c + 1, (size_t)f->rows * sizeof *b);
+  return all;
+}
+
+/* x and l against the least-norm solution of the whole matrix, as LAPACK's divide and conquer finds
+ * it. */
+static void expect_as_lapack(int kind, int bodies, int revolute)
+{
+  joint_family f;
+  family_make(&f, kind, bodies, revolute, 0, 7 + (uint64_t)kind);
+  vectors w = make_vectors(&f);
+  int all = f.nv + f.rows;
+  double *K = doubles(all * all), *b = doubles(all), *sigma = doubles(all);
+  lapack_int rank;
+  whole(&f, &w, K, b);
+  assert_int_equal(
+      LAPACKE_dgelsd(LAPACK_COL_MAJOR, all, all, 1, K, all, b, all, sigma, 1e-11, &rank), 0);
+  assert_int_equal(rank, f.nv + f.rank);
+  for (int i = 0; i < 3; i++) {
+    nsdae_sparse_kkt k = {.rank_tol = 1e-8, .backend = backends[i]};
+    assert_int_equal(factor(&k, &f, NULL), NSDAE_OK);
+    assert_int_equal(solve(&k, &f, &w), NSDAE_OK);
+    double size = 1 + largest(b, all);
+    for (int j = 0; j < f.nv; j++) assert_near(w.v[OTHER + j], b[j], 1e-10 * size);
+    for (int j = 0; j < f.rows; j++) assert_near(w.lambda[1 + j], b[f.nv + j], 1e-9 * size);
+    nsdae_sparse_kkt_release(&k);
+  }
+  free(K), free(b), free(sigma);
+  release_vectors(&w);
+  family_release(&f);
+}
+
+static void test_against_dgelsd(void **state)
+{
+  (void)state;
+  for (int revolute = 0; revolute < 2; revolute++) {
+    expect_as_lapack(CHAIN, 20, revolute);
+    expect_as_lapack(TREE, 15, revolute);
+  }
+  expect_as_lapack(NET, 16, 0);
+  expect_as_lapack(LADDER, 3, 1);
+  expect_as_lapack(LADDER, 15, 1);
+  expect_as_lapack(RING, 12, 1);
+}
+
+/* Velocities of a tree of spherical joints from the angular velocities of its bodies: column 3 b +
+ * e of N [nv x 3 bodies]. */
+static void tree_motions(const joint_family *f, double *N)
+{
+  for (int b = 0; b < f->bodies; b++)
+    for (int e = 0; e < 3; e++) {
+      double *column = N + (size_t)(3 * b + e) * (size_t)f->nv;
+      column[6 * b + 3 + e] = 1;
+      for (int i = b; i < f->bodies; i++) { /* parents have smaller numbers */
+        const double *arm = f->arm + 6 * i, *w = column + 6 * i + 3;
+        const double *up = f->parent[i] < 0 ? NULL : column + 6 * f->parent[i];
+        for (int j = 0; j < 3; j++) {
+          int k = (j + 1) % 3, l = (j + 2) % 3;
+          column[6 * i + j] = -(w[k] * arm[l] - w[l] * arm[k]);
+          if (up) column[6 * i + j] += up[j] + up[3 + k] * arm[3 + l] - up[3 + l] * arm[3 + k];
+        }
+      }
+    }
+}
+
+/* With c = 0 in the coordinates of the joints: x = N y, N^T M N y = N^T r. */
+static void test_minimal_coordinates(void **state)
+{
+  (void)state;
+  for (int kind = CHAIN; kind <= TREE; kind++) {
+    joint_family f;
+    family_make(&f, kind, 60, 0, 1, 5);
+    vectors w = make_vectors(&f);
+    int n = f.nv, free_ones = 3 * f.bodies;
+    double *N = doubles(n * free_ones), *A = doubles(free_ones * free_ones),
+           *y = doubles(free_ones);
+    double *MN = doubles(n + OTHER), *column = doubles(n + OTHER), *none = doubles(f.rows + 1);
+    double *unused = doubles(f.rows + 1);
+    tree_motions(&f, N);
+    for (int c = 0; c < free_ones; c++) {
+      memset(MN, 0, (size_t)(n + OTHER) * sizeof *MN);
+      memcpy(column + OTHER, N + c * n, (size_t)n * sizeof *column);
+      family_apply(&f, 1, column, none, MN, unused);
+      for (int a = 0; a < free_ones; a++)
+        for (int j = 0; j < n; j++) A[c * free_ones + a] += N[a * n + j] * MN[OTHER + j];
+      for (int j = 0; j < n; j++) y[c] += N[c * n + j] * w.r[OTHER + j];
+    }
+    assert_true(largest(unused, f.rows + 1) < 1e-12 * f.bodies); /* J N = 0 */
+    assert_int_equal(LAPACKE_dposv(LAPACK_COL_MAJOR, 'L', free_ones, 1, A, free_ones, y, free_ones),
+                     0);
+    memset(w.c, 0, (size_t)(f.rows + 1) * sizeof *w.c);
+    nsdae_sparse_kkt k = {.rank_tol = 1e-8};
+    assert_int_equal(factor(&k, &f, NULL), NSDAE_OK);
+    assert_int_equal(solve(&k, &f, &w), NSDAE_OK);
+    double size = largest(w.v, n + OTHER);
+    for (int j = 0; j < n; j++) {
+      double x = 0;
+      for (int a = 0; a < free_ones; a++) x += N[a * n + j] * y[a];
+      assert_near(w.v[OTHER + j], x, 1e-9 * size); /* N^T M N has the condition of the chain */
+    }
+    nsdae_sparse_kkt_release(&k);
+    free(N), free(A), free(y), free(MN), free(column), free(none), free(unused);
+    release_vectors(&w);
+    family_release(&f);
+  }
+}
+
+/* With D in place of a part of M: the same matrix, the same solution. */
+static void test_damping(void **state)
+{
+  (void)state;
+  joint_family f;
+  family_make(&f, TREE, 40, 1, 0, 3);
+  vectors w = make_vectors(&f);
+  int n = f.nv + OTHER;
+  size_t entries = f.blocks.square[f.blocks.count];
+  double *D = doubles((int)entries), *v = doubles(n);
+  nsdae_sparse_kkt k = {.rank_tol = 1e-8};
+  assert_int_equal(factor(&k, &f, NULL), NSDAE_OK);
+  assert_int_equal(solve(&k, &f, &w), NSDAE_OK);
+  memcpy(v, w.v, (size_t)n * sizeof *v);
+  for (size_t i = 0; i < entries; i++) {
+    D[i] = f.M[i] / 4; /* exact */
+    f.M[i] -= D[i];
+  }
+  assert_int_equal(factor(&k, &f, D), NSDAE_OK);
+  assert_int_equal(solve(&k, &f, &w), NSDAE_OK);
+  for (int j = 0; j < n; j++) assert_near(w.v[j], v[j], 1e-14);
+  nsdae_sparse_kkt_release(&k);
+  free(D), free(v);
+  release_vectors(&w);
+  family_release(&f);
+}
+
+/* A ladder with one equation of a redundant row wrong by a part of 1e-3; NaN; a mass that is not
+ * positive. */
+static void test_refusals(void **state)
+{
+  (void)state;
+  joint_family f;
+  family_make(&f, LADDER, 99, 1, 0, 9);
+  vectors w = make_vectors(&f);
+  nsdae_sparse_kkt k = {.rank_tol = 1e-8};
+  assert_int_equal(factor(&k, &f, NULL), NSDAE_OK);
+  assert_true(k.rank.dependent > 0 && k.rank.dependent <= f.rows);
+  w.c[k.rank.dependent] += 1e-3;
+  assert_int_equal(solve(&k, &f, &w), NSDAE_E_CONVERGENCE);
+  w.c[k.rank.dependent] = NAN;
+  assert_int_equal(solve(&k, &f, &w), NSDAE_E_CONVERGENCE);
+  w.r[OTHER + 5] = NAN;
+  assert_int_equal(solve(&k, &f, &w), NSDAE_E_CONVERGENCE);
+  f.J.value[f.J.at[20]] = NAN;
+  assert_int_equal(factor(&k, &f, NULL), NSDAE_E_NONFINITE);
+  f.M[f.blocks.square[17] + 7] = -1;
+  assert_int_equal(factor(&k, &f, NULL), NSDAE_E_MASS);
+  assert_int_equal(k.bad_block, 17);
+  assert_int_equal(k.pivot, 2);
+  nsdae_sparse_kkt_release(&k);
+  release_vectors(&w);
+  family_release(&f);
+}
+
+/* A further row at a small angle to those of a joint counts by rank_tol; with a sine below 1e-6 it
+ * never does. */
+static void test_near_dependent(void **state)
+{
+  (void)state;
+  const double sines[] = {1e-3, 1e-5, 1e-9}, tols[] = {1e-2, 1e-4, 1e-8};
+  for (int s = 0; s < 3; s++)
+    for (int t = 0; t < 3; t++)
+      for (int b = 0; b < 3; b++) {
+        joint_family f;
+        family_make(&f, CHAIN, 50, 0, 0, 13);
+        int joint = f.J.first[3 * 20 + 1]; /* body 20 and its parent, as its first row */
+        double value[12];
+        memcpy(value, f.J.value + f.J.at[joint + 1], 6 * sizeof *value);
+        memcpy(value + 6, f.J.value + f.J.at[joint], 6 * sizeof *value);
+        value[1] += 2 * sines[s]; /* along the second row of the parent alone: independent */
+        family_row(&f, f.J.block[joint + 1] - 1, f.J.block[joint] - 1, value);
+        f.row[f.rows++] = f.J.count - 1;
+        nsdae_sparse_kkt k = {.rank_tol = tols[t], .backend = backends[b]};
+        assert_int_equal(factor(&k, &f, NULL), NSDAE_OK);
+        int counts = sines[s] > tols[t] && sines[s] > 1e-6;
+        assert_int_equal(k.rank.count, f.rows - !counts);
+        double sine = counts ? k.rank.kept : k.rank.left; /* of the row, up to its length */
+        assert_true(sine > 0.1 * sines[s] && sine < 10 * sines[s]);
+        nsdae_sparse_kkt_release(&k);
+        family_release(&f);
+      }
+}
+
+/* No allocation after the analysis; one that fails for lack of memory leaks none. */
+static void test_memory(void **state)
+{
+  (void)state;
+  joint_family f;
+  family_make(&f, LADDER, 99, 1, 0, 21);
+  vectors w = make_vectors(&f);
+  nsdae_sparse_kkt k = {.rank_tol = 1e-8};
+  int status = NSDAE_E_MEMORY;
+  for (long lost = 0; status != NSDAE_OK; lost++) {
+    allocator_reset(lost);
+    status = factor(&k, &f, NULL);
+    if (status != NSDAE_OK) assert_int_equal(status, NSDAE_E_MEMORY);
+    if (status == NSDAE_OK) break;
+    nsdae_sparse_kkt_release(&k);
+    k = (nsdae_sparse_kkt){.rank_tol = 1e-8};
+    assert_int_equal(the_allocator.live, 0);
+  }
+  for (int round = 0; round < 3; round++) {
+    allocator_reset(-1);
+    for (int i = 0; i < 36; i++) f.M[f.blocks.square[5] + (size_t)i] *= 2;
+    assert_int_equal(factor(&k, &f, NULL), NSDAE_OK);
+    assert_int_equal(k.rank.count, f.rank);
+    assert_int_equal(solve(&k, &f, &w), NSDAE_OK);
+    assert_int_equal(the_allocator.calls, 0);
+    assert_true(backward_error(&f, &w) <= 1e-12);
+  }
+  nsdae_sparse_kkt_release(&k);
+  release_vectors(&w);
+  family_release(&f);
+}
+
+/* One struct for mechanisms in turn. */
+static void test_patterns_in_turn(void **state)
+{
+  (void)state;
+  const int kinds[] = {CHAIN, RING, TREE, LADDER, CHAIN}, bodies[] = {50, 8, 100, 30, 40};
+  nsdae_sparse_kkt k = {.rank_tol = 1e-8};
+  for (int i = 0; i < 10; i++) {
+    joint_family f;
+    family_make(&f, kinds[i % 5], bodies[i % 5], 1, 0, (uint64_t)i);
+    vectors w = make_vectors(&f);
+    assert_int_equal(factor(&k, &f, NULL), NSDAE_OK);
+    assert_int_equal(k.rank.count, f.rank);
+    assert_int_equal(solve(&k, &f, &w), NSDAE_OK);
+    assert_true(error_of_motion(&f, &w) <= 1e-12);
+    release_vectors(&w);
+    family_release(&f);
+  }
+  nsdae_sparse_kkt_release(&k);
+}
+
+int main(void)
+{
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_families),         cmocka_unit_test(test_loops),
+      cmocka_unit_test(test_against_dgelsd),   cmocka_unit_test(test_minimal_coordinates),
+      cmocka_unit_test(test_damping),          cmocka_unit_test(test_refusals),
+      cmocka_unit_test(test_near_dependent),   cmocka_unit_test(test_memory),
+      cmocka_unit_test(test_patterns_in_turn),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
