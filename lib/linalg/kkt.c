@@ -81,6 +81,12 @@ static void solve_root_transposed(const nsdae_kkt *kkt, int nrhs, double *B, int
     nsdae_la_solve_lower_transposed(kkt->n, nrhs, kkt->L, kkt->n, B, ldb);
 }
 
+static void transpose(int m, int n, const double *J, int ldj, double *Y)
+{
+  for (size_t i = 0; i < (size_t)m; i++)
+    for (size_t j = 0; j < (size_t)n; j++) Y[i * (size_t)n + j] = J[j * (size_t)ldj + i];
+}
+
 /* Squared sine of the angle between column j of Y and the span of those before it, the smallest
  * over j: what Cholesky of S leaves of each diagonal entry, since row j of its factor has the
  * norm of column j. */
@@ -190,9 +196,7 @@ int nsdae_kkt_factor(nsdae_kkt *kkt, const double *M, int ldm, const double *J, 
   kkt->left = 0;
   kkt->factored_by_rank = 0;
   if (m == 0) return NSDAE_OK;
-  /* Y := J^T */
-  for (size_t i = 0; i < (size_t)m; i++)
-    for (size_t j = 0; j < (size_t)n; j++) kkt->Y[i * (size_t)n + j] = J[j * (size_t)ldj + i];
+  transpose(m, n, J, ldj, kkt->Y);
   solve_root(kkt, m, kkt->Y, n);
   nsdae_la_multiply_transposed(n, m, m, kkt->Y, n, kkt->Y, n, 0, kkt->S, m);
   double least = fmax(trusted, kkt->rank_tol);

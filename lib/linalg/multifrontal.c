@@ -148,6 +148,23 @@ static void measure_supernodes(nsdae_multifrontal *f)
   }
 }
 
+/* Depth of the stack: a supernode takes what its children left and leaves its own. */
+static void measure_stack(nsdae_multifrontal *f)
+{
+  size_t used = 0;
+  int *waiting = f->work.waiting, top = 0;
+  f->super.most_stack = 0;
+  for (int s = 0; s < f->super.count; s++) {
+    for (int c = 0; c < f->super.children[s]; c++) {
+      int child = waiting[--top];
+      used -= (size_t)f->super.rest[child] * (size_t)f->super.rest[child];
+    }
+    used += (size_t)f->super.rest[s] * (size_t)f->super.rest[s];
+    if (used > f->super.most_stack) f->super.most_stack = used;
+    if (f->super.rest[s] > 0) waiting[top++] = s;
+  }
+}
+
 static int analyse(nsdae_multifrontal *f, int n, const int *size, const int *first,
                    const int *index)
 {
@@ -161,19 +178,7 @@ static int analyse(nsdae_multifrontal *f, int n, const int *size, const int *fir
   place_blocks(f);
   find_supernodes(f);
   measure_supernodes(f);
-  /* Depth of the stack: a supernode takes what its children left and leaves its own. */
-  size_t used = 0;
-  int *waiting = f->waiting, top = 0;
-  f->super.most_stack = 0;
-  for (int s = 0; s < f->super.count; s++) {
-    for (int c = 0; c < f->super.children[s]; c++) {
-      int child = waiting[--top];
-      used -= (size_t)f->super.rest[child] * (size_t)f->super.rest[child];
-    }
-    used += (size_t)f->super.rest[s] * (size_t)f->super.rest[s];
-    if (used > f->super.most_stack) f->super.most_stack = used;
-    if (f->super.rest[s] > 0) waiting[top++] = s;
-  }
+  measure_stack(f);
   return nsdae_arena_fit(&f->of_numbers, lay_out_numbers, f);
 }
 
@@ -194,6 +199,24 @@ static void add_block(const nsdae_multifrontal *f, double *F, int lda, size_t fr
   for (int c = 0; c < columns; c++) {
     double *to = F + (size_t)(f->work.local[j] + c) * (size_t)lda + f->work.local[i];
     for (int r = 0; r < rows; r++) to[r] += block[c * rows + r];
+  }
+}
+
+/* Entries of A in the columns and rows of the supernode: those whose other end is not eliminated.
+ * Of a symmetric matrix the columns are enough. */
+static void add_entries(const nsdae_multifrontal *f, int s, double *F, int lda)
+{
+  const nsdae_symbolic *t = &f->tree;
+  for (int k = f->super.begin[s]; k < f->super.begin[s + 1]; k++) {
+    int i = t->node[k];
+    add_block(f, F, lda, f->graph.diagonal[i], k, k);
+    for (int a = f->graph.first[i]; a < f->graph.first[i + 1]; a++) {
+      int other = t->number[f->graph.index[a]];
+      if (other < f->super.begin[s]) continue;
+      add_block(f, F, lda, f->graph.at[a], other, k);
+      if (other >= f->super.begin[s + 1] && !f->symmetric)
+        add_block(f, F, lda, f->graph.at[f->graph.twin[a]], k, other);
+    }
   }
 }
 
@@ -341,20 +364,7 @@ static int factor_one(nsdae_multifrontal *f, int s, int *waiting, int *count, si
   double *F = f->work.front, *to = f->F + f->super.factor[s];
   memset(F, 0, (size_t)n * (size_t)n * sizeof *F);
   place_front(f, s);
-  /* Entries of A in the columns and rows of the supernode: those whose other end is not eliminated.
-   * Of a symmetric matrix the columns are enough. */
-  const nsdae_symbolic *t = &f->tree;
-  for (int k = f->super.begin[s]; k < f->super.begin[s + 1]; k++) {
-    int i = t->node[k];
-    add_block(f, F, n, f->graph.diagonal[i], k, k);
-    for (int a = f->graph.first[i]; a < f->graph.first[i + 1]; a++) {
-      int other = t->number[f->graph.index[a]];
-      if (other < f->super.begin[s]) continue;
-      add_block(f, F, n, f->graph.at[a], other, k);
-      if (other >= f->super.begin[s + 1] && !f->symmetric)
-        add_block(f, F, n, f->graph.at[f->graph.twin[a]], k, other);
-    }
-  }
+  add_entries(f, s, F, n);
   for (int c = 0; c < f->super.children[s]; c++) {
     int child = waiting[--*count];
     *top -= (size_t)f->super.rest[child] * (size_t)f->super.rest[child];
@@ -396,7 +406,7 @@ int nsdae_multifrontal_factor(nsdae_multifrontal *f, int symmetric)
 }
 
 /* Entries of the permuted vector in the rows below the supernode, and back. */
-static void gather_below(const nsdae_multifrontal *f, int s, int add)
+static void gather(const nsdae_multifrontal *f, int s, int add)
 {
   const nsdae_symbolic *t = &f->tree;
   double *g = f->work.gather;
@@ -420,8 +430,8 @@ static void forward(nsdae_multifrontal *f, int s)
   cblas_dtrsv(CblasColMajor, CblasLower, CblasNoTrans, f->symmetric ? CblasNonUnit : CblasUnit, p,
               P, p, x, 1);
   if (r == 0) return;
-  cblas_dgemv(CblasColMajor, CblasNoTrans, r, p, -1, R, r, x, 1, 0, f->gather, 1);
-  gather_below(f, s, 1);
+  cblas_dgemv(CblasColMajor, CblasNoTrans, r, p, -1, R, r, x, 1, 0, f->work.gather, 1);
+  gather(f, s, 1);
 }
 
 static void backward(nsdae_multifrontal *f, int s)
@@ -429,8 +439,8 @@ static void backward(nsdae_multifrontal *f, int s)
   int p = f->super.pivots[s], r = f->super.rest[s];
   const double *P = f->F + f->super.factor[s], *R = P + (size_t)p * (size_t)p,
                *U = R + (size_t)p * (size_t)r;
-  double *x = f->vector + f->place[f->super.begin[s]];
-  if (r > 0) gather_below(f, s, 0);
+  double *x = f->work.vector + f->place[f->super.begin[s]];
+  if (r > 0) gather(f, s, 0);
   if (r > 0 && f->symmetric)
     cblas_dgemv(CblasColMajor, CblasTrans, r, p, -1, R, r, f->work.gather, 1, 1, x, 1);
   else if (r > 0)

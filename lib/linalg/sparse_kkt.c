@@ -21,52 +21,17 @@ static const double ENOUGH = 1e-12;
 /* M + D = L L^T. */
 static int factor_masses(nsdae_sparse_kkt *k, const double *M, const double *D)
 {
-  int all = p->blocks->count, order = p->blocks->first[all];
-  const nsdae_array by_block[] = {NSDAE_ARRAY(s->number, 1), NSDAE_ARRAY(s->size, 1),
-                                  NSDAE_ARRAY(s->begin, 1),  NSDAE_ARRAY(s->first, 1),
-                                  NSDAE_ARRAY(s->mark, 1),   NSDAE_ARRAY(s->by_block, 1)};
-  const nsdae_array by_entry[] = {NSDAE_ARRAY(s->x, 1), NSDAE_ARRAY(s->g, 1)};
-  const nsdae_array by_row[] = {NSDAE_ARRAY(s->rest, 3)};
-  const nsdae_array by_part[] = {NSDAE_ARRAY(s->of_block, 1)};
-  int parts = p->J->first[p->J->count];
-  if (s->blocks >= all && s->rows >= p->J->count && s->parts >= parts && s->order >= order)
-    return NSDAE_OK;
-  int status = nsdae_arrays_grow(by_block, sizeof by_block / sizeof *by_block, (size_t)all + 2);
-  if (status == NSDAE_OK) status = nsdae_arrays_grow(by_entry, 2, (size_t)order);
-  if (status == NSDAE_OK) status = nsdae_arrays_grow(by_row, 1, (size_t)p->J->count);
-  if (status == NSDAE_OK) status = nsdae_arrays_grow(by_part, 1, (size_t)parts);
-  if (status < 0) return status;
-  s->blocks = all;
-  s->rows = p->J->count;
-  s->parts = parts;
-  s->order = order;
-  return NSDAE_OK;
-}
-
-void nsdae_sparse_kkt_release(nsdae_sparse_kkt *s)
-{
-  const nsdae_array all[] = {
-      NSDAE_ARRAY(s->number, 1),   NSDAE_ARRAY(s->size, 1), NSDAE_ARRAY(s->begin, 1),
-      NSDAE_ARRAY(s->first, 1),    NSDAE_ARRAY(s->mark, 1), NSDAE_ARRAY(s->by_block, 1),
-      NSDAE_ARRAY(s->x, 1),        NSDAE_ARRAY(s->g, 1),    NSDAE_ARRAY(s->rest, 1),
-      NSDAE_ARRAY(s->of_block, 1), NSDAE_ARRAY(s->index, 1)};
-  nsdae_arrays_release(all, sizeof all / sizeof *all);
-  nsdae_multifrontal_release(&s->fronts);
-}
-
-static int ascending(const void *a, const void *b)
-{
-  int x = *(const int *)a, y = *(const int *)b;
-  return (x > y) - (x < y);
-}
-
-static int push(nsdae_sparse_kkt *s, int at, int value)
-{
-  if (at >= s->index_room) {
-    const nsdae_array index[] = {NSDAE_ARRAY(s->index, 1)};
-    int room = at < 64 ? 128 : 2 * at;
-    if (nsdae_arrays_grow(index, 1, (size_t)room) < 0) return NSDAE_E_MEMORY;
-    s->index_room = room;
+  nsdae_kkt_values *a = &k->at;
+  for (int i = 0; i < a->blocks.count; i++) {
+    size_t from = k->part.blocks->square[k->part.block[i]], to = a->blocks.square[i];
+    size_t square = a->blocks.square[i + 1] - to;
+    int n = nsdae_blocks_size(&a->blocks, i);
+    memcpy(a->M + to, M + from, square * sizeof *M);
+    if (D) nsdae_add((int)square, 1, D + from, a->M + to);
+    memcpy(a->L + to, a->M + to, square * sizeof *M);
+    k->pivot = nsdae_la_cholesky(n, a->L + to, n);
+    k->bad_block = k->part.block[i];
+    if (k->pivot) return NSDAE_E_MASS;
   }
   return NSDAE_OK;
 }
@@ -91,8 +56,9 @@ static void gather_rows(nsdae_sparse_kkt *k)
     }
 }
 
-/* Entry of the graph: the place of block `to` among the neighbours of `from`. */
-static size_t graph_place(const nsdae_sparse_kkt *s, int from, int to)
+/* C [rows x columns] += A^T B of columns of this size. */
+static inline int add_gram(int size, int rows, int columns, const double *A, const double *B,
+                           double *C)
 {
   for (int c = 0; c < columns; c++, B += size, C += rows)
     for (int r = 0; r < rows; r++) C[r] += nsdae_dot(size, A + (size_t)r * (size_t)size, B);
@@ -199,20 +165,10 @@ static void solve_masses(const nsdae_sparse_kkt *k, int transposed, double *z)
 /* worst / size; not finite if a number is not. */
 static double part_of(double worst, double size)
 {
-  const nsdae_rows *J = p->J;
-  for (int e = J->first[row]; e < J->first[row + 1]; e++)
-    for (int g = J->first[row]; g < J->first[row + 1]; g++) {
-      int a = s->number[J->block[e]], b = s->number[J->block[g]];
-      double *A = s->fronts.A + graph_place(s, b, a);
-      const double *left = J->value + J->at[e], *right = J->value + J->at[g];
-      for (int j = 0; j < s->size[b]; j++)
-        for (int i = 0; i < s->size[a]; i++)
-          A[(size_t)j * (size_t)s->size[a] + (size_t)i] +=
-              p->scale * left[(size_t)i * J->stride] * right[(size_t)j * J->stride];
-    }
+  return worst == 0 ? 0 : worst / size;
 }
 
-static int factor_part(nsdae_sparse_kkt *s, const part *p)
+static double larger(double most, double a)
 {
   return a <= most || isnan(most) ? most : a; /* NaN stays */
 }
@@ -266,10 +222,8 @@ static double residual(const nsdae_sparse_kkt *k)
   return larger(forces, rows);
 }
 
-/* g := r - M x - J^T l and d := c - J x; returns the larger of the two, each relative to the terms
- * that it is a sum of. */
-static double kkt_residual(nsdae_sparse_kkt *s, const part *p, const double *c, const double *l,
-                           const double *x)
+/* x += z and l += h with the solution of g and d. */
+static void correct(nsdae_sparse_kkt *k)
 {
   nsdae_kkt_values *a = &k->at;
   int n = a->blocks.first[a->blocks.count], m = k->part.row_count;
@@ -288,75 +242,49 @@ static double kkt_residual(nsdae_sparse_kkt *s, const part *p, const double *c, 
  * undone. */
 static double refine(nsdae_sparse_kkt *k)
 {
-  const double *d = s->rest + 2 * p->rows_count;
-  for (int i = 0; i < p->rows_count; i++)
-    nsdae_rows_add(p->blocks, p->J, p->row[i], p->scale * d[i], s->g);
-  for (int i = 0; i < p->blocks_count; i++)
-    memcpy(s->x + s->begin[i], s->g + p->blocks->first[p->block[i]],
-           (size_t)s->size[i] * sizeof *x);
-  nsdae_multifrontal_solve(&s->fronts, s->x);
-  for (int i = 0; i < p->blocks_count; i++) {
-    int at = p->blocks->first[p->block[i]];
-    memcpy(s->g + at, s->x + s->begin[i], (size_t)s->size[i] * sizeof *x);
-    for (int j = 0; j < s->size[i]; j++) x[at + j] += s->g[at + j];
-  }
-  for (int i = 0; i < p->rows_count; i++)
-    l[i] += p->scale * (nsdae_rows_dot(p->blocks, p->J, p->row[i], s->g) - d[i]);
-}
-
-/* Rounds until the residual no longer falls, from zero. */
-static int refine_solution(nsdae_sparse_kkt *s, const part *p, double *v, double *lambda)
-{
-  double last = INFINITY, *c = s->rest, *l = s->rest + p->rows_count;
-  for (int i = 0; i < p->rows_count; i++) {
-    c[i] = lambda[p->row[i]];
-    l[i] = 0;
-  }
-  for (int i = 0; i < p->blocks_count; i++)
-    memset(v + p->blocks->first[p->block[i]], 0, (size_t)s->size[i] * sizeof *v);
-  for (int round = 0; round < ROUNDS; round++) {
-    double now = kkt_residual(s, p, c, l, v);
-    if (!(now < INFINITY)) return NSDAE_E_CONVERGENCE;
-    if (now <= DBL_EPSILON || (round > 2 && now >= last / 2 && now < enough)) break;
+  nsdae_kkt_values *a = &k->at;
+  double last = INFINITY, now = residual(k);
+  for (int i = 0; i < REFINEMENTS && now > DBL_EPSILON && now < last / 2; i++) {
     last = now;
     correct(k);
     now = residual(k);
   }
-  if (!(kkt_residual(s, p, c, l, v) < enough)) return NSDAE_E_CONVERGENCE;
-  for (int i = 0; i < p->rows_count; i++) lambda[p->row[i]] = l[i];
-  return NSDAE_OK;
+  if (now <= last || !(last < INFINITY)) return now;
+  nsdae_add(a->blocks.first[a->blocks.count], -1, a->z, a->x);
+  nsdae_add(k->part.row_count, -1, a->h, a->l);
+  return residual(k);
 }
 
-static int analyse(nsdae_sparse_kkt *s, const part *p)
+/* The right-hand side, which is the residual of x = 0, l = 0. */
+static void begin(nsdae_sparse_kkt *k, const double *r, const double *lambda)
 {
-  for (int i = 0, at = 0; i < p->blocks_count; i++) {
-    s->number[p->block[i]] = i;
-    s->size[i] = nsdae_blocks_size(p->blocks, p->block[i]);
-    s->begin[i] = at;
-    at += s->size[i];
+  nsdae_kkt_values *a = &k->at;
+  size_t n = (size_t)a->blocks.first[a->blocks.count], m = (size_t)k->part.row_count;
+  for (int i = 0; i < a->blocks.count; i++)
+    memcpy(a->r + a->blocks.first[i], r + k->part.blocks->first[k->part.block[i]],
+           (size_t)nsdae_blocks_size(&a->blocks, i) * sizeof *r);
+  for (int i = 0; i < k->part.row_count; i++) a->c[i] = lambda[k->part.row[i]];
+  memcpy(a->g, a->r, n * sizeof *a->g);
+  memcpy(a->d, a->c, m * sizeof *a->d);
+  memset(a->x, 0, n * sizeof *a->x);
+  memset(a->l, 0, m * sizeof *a->l);
+}
+
+int nsdae_sparse_kkt_solve(nsdae_sparse_kkt *k, const double *r, double *v, double *lambda)
+{
+  const nsdae_kkt_values *a = &k->at;
+  begin(k, r, lambda);
+  correct(k);
+  double error = refine(k);
+  if (error <= ENOUGH && k->rank.count < k->part.row_count) {
+    if (!nsdae_sparse_kkt_consistent(k)) return NSDAE_E_CONVERGENCE;
+    nsdae_sparse_kkt_shorten(k);
+    error = refine(k);
   }
-  /* Rows (their places in the part's list) by the blocks that they touch. */
-  memset(s->by_block, 0, ((size_t)p->blocks_count + 2) * sizeof *s->by_block);
-  for (int i = 0; i < p->rows_count; i++)
-    for (int e = p->J->first[p->row[i]]; e < p->J->first[p->row[i] + 1]; e++)
-      s->by_block[s->number[p->J->block[e]] + 2]++;
-  for (int b = 0; b < p->blocks_count; b++) s->by_block[b + 2] += s->by_block[b + 1];
-  for (int i = 0; i < p->rows_count; i++)
-    for (int e = p->J->first[p->row[i]]; e < p->J->first[p->row[i] + 1]; e++)
-      s->of_block[s->by_block[s->number[p->J->block[e]] + 1]++] = i;
-  if (push(s, 0, 0) < 0 || graph(s, p) < 0) return NSDAE_E_MEMORY;
-  return nsdae_multifrontal_analyse(&s->fronts, p->blocks_count, s->size, s->first, s->index);
-}
-
-int nsdae_sparse_kkt_solve(nsdae_sparse_kkt *s, const nsdae_blocks *blocks, const nsdae_rows *J,
-                           const double *M, int block_count, const int *block, int row_count,
-                           const int *row, const double *r, double *v, double *lambda)
-{
-  part p = {blocks, J, M, r, block, row, block_count, row_count, 0};
-  int status = reserve(s, &p);
-  if (status == NSDAE_OK) status = analyse(s, &p);
-  if (status < 0) return status;
-  p.scale = scale_of(&p);
-  status = factor_part(s, &p);
-  return status < 0 ? status : refine_solution(s, &p, v, lambda);
+  if (!(error <= ENOUGH)) return NSDAE_E_CONVERGENCE;
+  for (int i = 0; i < a->blocks.count; i++)
+    memcpy(v + k->part.blocks->first[k->part.block[i]], a->x + a->blocks.first[i],
+           (size_t)nsdae_blocks_size(&a->blocks, i) * sizeof *v);
+  for (int i = 0; i < k->part.row_count; i++) lambda[k->part.row[i]] = a->l[i];
+  return NSDAE_OK;
 }

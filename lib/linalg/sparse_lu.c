@@ -41,6 +41,18 @@ void nsdae_sparse_lu_forget(nsdae_sparse_lu *lu)
   lu->ordered = lu->factored = 0;
 }
 
+/* A pattern that grows by what was ever not zero settles; a new one is ordered anew. */
+static void grow_pattern(nsdae_sparse_lu *lu, const double *A, int lda)
+{
+  size_t n = (size_t)lu->n;
+  for (size_t j = 0; j < n; j++)
+    for (size_t i = 0; i < n; i++) {
+      if (A[j * (size_t)lda + i] == 0 || lu->seen[j * n + i]) continue;
+      lu->seen[j * n + i] = 1;
+      lu->ordered = lu->factored = 0;
+    }
+}
+
 static void gather_pattern(nsdae_sparse_lu *lu)
 {
   size_t n = (size_t)lu->n;
@@ -101,7 +113,7 @@ static int search(nsdae_sparse_lu *lu, int i, int k, int *found, int top)
 }
 
 /* x := column q of A, at its pattern */
-static void scatter_column(nsdae_sparse_lu *lu, const double *A, int lda, int q)
+static void scatter(nsdae_sparse_lu *lu, const double *A, int lda, int q)
 {
   for (int p = lu->first[q]; p < lu->first[q + 1]; p++)
     lu->x[lu->row[p]] = A[(size_t)q * (size_t)lda + (size_t)lu->row[p]];
@@ -139,7 +151,7 @@ static int new_column(nsdae_sparse_lu *lu, const double *A, int lda, int k, int 
   for (int p = lu->first[q]; p < lu->first[q + 1]; p++)
     if (lu->mark[lu->row[p]] != k + 1) top = search(lu, lu->row[p], k, found, top);
   for (int p = top; p < n; p++) lu->x[found[p]] = 0;
-  scatter_column(lu, A, lda, q);
+  scatter(lu, A, lda, q);
   for (int p = top; p < n; p++) {
     int place = lu->position[found[p]];
     if (place < 0) continue;
@@ -185,7 +197,7 @@ static int same_column(nsdae_sparse_lu *lu, const double *A, int lda, int k, con
   double most = 0;
   for (int p = lu->U.first[k]; p <= u_end; p++) lu->x[pivot_row[lu->U.row[p]]] = 0;
   for (int p = lu->L.first[k]; p < lu->L.first[k + 1]; p++) lu->x[lu->L.row[p]] = 0;
-  scatter_column(lu, A, lda, lu->column[k]);
+  scatter(lu, A, lda, lu->column[k]);
   for (int p = lu->U.first[k]; p < u_end; p++) {
     int place = lu->U.row[p];
     lu->U.value[p] = lu->x[pivot_row[place]];
@@ -203,14 +215,7 @@ static int same_column(nsdae_sparse_lu *lu, const double *A, int lda, int k, con
 int nsdae_sparse_lu_factor(nsdae_sparse_lu *lu, const double *A, int lda)
 {
   int lost = 0;
-  /* A pattern that grows by what was ever not zero settles; a new one is ordered anew. */
-  size_t n = (size_t)lu->n;
-  for (size_t j = 0; j < n; j++)
-    for (size_t i = 0; i < n; i++) {
-      if (A[j * (size_t)lda + i] == 0 || lu->seen[j * n + i]) continue;
-      lu->seen[j * n + i] = 1;
-      lu->ordered = lu->factored = 0;
-    }
+  grow_pattern(lu, A, lda);
   for (int i = 0; lu->factored && i < lu->n; i++) lu->work[lu->position[i]] = i;
   for (int k = 0; lu->factored && !lost && k < lu->n; k++)
     lost = same_column(lu, A, lda, k, lu->work);
