@@ -153,7 +153,7 @@ static void print_remarks(const report *r, const nsdae_stats *stats)
   const char *remark = model->remark ? model->remark(model->base) : NULL;
   if (remark) printf("%s\n", remark);
   if (!is_time_stepping(options->method) || r->rows == 0 || r->contacts == 0) return;
-  printf("impact times are up to one step late with this method%s\n",
+  printf("impact times are up to two steps late with this method%s\n",
          r->exact ? "; the errors grow if impacts follow each other soon" : "");
   if (stats->worst_penetration > 0)
     printf("penetration up to %.1e m is expected with time stepping: two steps of travel\n",

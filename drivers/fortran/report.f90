@@ -158,13 +158,13 @@ contains
     if (btest(stats%warnings, 3)) print '(a)', 'warning: friction forces of this run are not unique'
   end subroutine
 
-  ! Time-stepping methods detect a contact at the end of the step in which it closes.
+  ! Time-stepping methods detect a contact up to a step after it closes, and record its impact at the end of the next step.
   subroutine print_remarks(r, stats)
     type(report), intent(in) :: r
     type(nsdae_stats), intent(in) :: stats
     if (r%rows == 0 .or. .not. any(r%method == [NSDAE_METHOD_IMPLICIT, NSDAE_METHOD_IMPLICIT_PRINTED, &
                                                 NSDAE_METHOD_MOREAU])) return
-    print '(2a)', 'impact times are up to one step late with this method; ', &
+    print '(2a)', 'impact times are up to two steps late with this method; ', &
         'the errors grow if impacts follow each other soon'
     if (stats%worst_penetration > 0) &
         print '(3a)', 'penetration up to ', number(2 * r%fastest * r%dt, '(es7.1)'), &
