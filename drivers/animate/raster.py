@@ -10,14 +10,14 @@ from scene import BACKGROUND, INK, shaded
 
 FINE = 2  # how much finer is drawn than shown
 MARGIN = 8
-TEXT = 11  # points
+TEXT = 12  # height of the font in pixels
 STRIP, STRIP_GAP, STRIPS_MAX = 7, 3, 8
 
 
-def font(points):
+def font(pixels):
     path = os.path.join(matplotlib.get_data_path(), "fonts", "ttf", "DejaVuSans.ttf")
     try:
-        return ImageFont.truetype(path, points * FINE)
+        return ImageFont.truetype(path, pixels * FINE)
     except OSError:
         return ImageFont.load_default()
 

@@ -17,12 +17,11 @@ import json
 
 import numpy as np
 
-from bodies import at_records, extent, is_fixed, is_spatial
+from bodies import at_records, colours_of, extent, is_fixed, is_spatial, is_thread
 from modes import MODE_COLOURS, MODES, strips
 from shapes import solids_of
 from trajectory import text
 
-COLOURS = ["#3b6ea5", "#d1792f", "#4f9d5b", "#b0483f", "#7d67a8", "#8a6d4f", "#c66fa1", "#3f9ea3"]
 FIXED, GROUND, THREAD = "#a9aeb5", "#dfe2e6", "#6b7178"
 INK, PALE, BACKGROUND = "#30353b", "#8b9198", "#ffffff"
 FORCE = {"edge": "#b0161c", "width": 3, "round": 1}  # of a strength of 1
@@ -122,11 +121,9 @@ def drawn_bodies(bodies, frames, spatial, scale, styles):
     """In the order of drawing: fixed bodies first. frames: indices into the records of the bodies."""
     moved = [at_records(body, frames) for body in bodies]
     solids = solids_of(bodies) if spatial else [None] * len(bodies)
-    drawn, number = [], 0
-    for whole, body, solid in zip(bodies, moved, solids):
-        thread = body.shape in ("segment", "path") and body.size[0] == 0
-        grey = GROUND if body.shape == "plane" else THREAD if thread else FIXED if is_fixed(whole) else None
-        colour = grey or COLOURS[number % len(COLOURS)]
+    drawn = []
+    for own, whole, body, solid in zip(colours_of(bodies), bodies, moved, solids):
+        colour = own or (THREAD if is_thread(body) else GROUND if body.shape == "plane" else FIXED)
         if spatial and is_ball(body, len(bodies)):
             pose, (points, parts) = body.position.reshape(-1, 3), ball(body.size[0], colour)
         elif spatial:
@@ -134,10 +131,9 @@ def drawn_bodies(bodies, frames, spatial, scale, styles):
             points, parts = mesh(solid.shape, colour)
         else:
             pose, (points, parts) = planar_pose(body), outline(body, colour, scale)
-        drawn.append({"name": body.name, "fixed": bool(grey), "colour": colour, "plane": body.shape == "plane",
+        drawn.append({"name": body.name, "fixed": own is None, "colour": colour, "plane": body.shape == "plane",
                       "points": rounded(points, scale), "parts": [styles.numbered(*part) for part in parts],
                       "pose": rounded(pose, scale)})
-        number += not grey
     return sorted(drawn, key=lambda b: (not b["plane"], not b["fixed"]))
 
 

@@ -217,7 +217,7 @@ MODELS = {"pendulum": pendulum, "clearance-hinge": clearance_hinge, "crank-slide
 def check_strips(a, f):
     """Every record's mode is that of the strip at its time."""
     shown = iter(a.scene["strips"])
-    for group in ("contact", "frictional_joint"):
+    for group in ("contact", "slide"):
         if f"{group}/mode" not in f:
             continue
         for mode in f[f"{group}/mode"][...].T:
