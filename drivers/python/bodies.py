@@ -236,22 +236,30 @@ def ends_of(body):
     return points if body.end is None else np.concatenate(np.broadcast_arrays(points, body.end[..., None, :]), axis=-2)
 
 
-def box_of(body):
-    """Smallest and largest coordinates [3] of a body over the records."""
+def boxes_of(body, count):
+    """Smallest and largest coordinates [count, 3] of a body at each record."""
     round_by = {"disc": body.size[0], "sphere": body.size[0], "capsule": body.size[0], "segment": body.size[0] / 2,
                 "path": body.size[0] / 2}.get(body.shape, 0.0)
-    points = ends_of(body).reshape(-1, 3)
-    return points.min(axis=0) - round_by, points.max(axis=0) + round_by
+    points = ends_of(body)
+    points = np.broadcast_to(points, (count, *points.shape[-2:]))
+    return points.min(axis=1) - round_by, points.max(axis=1) + round_by
+
+
+def box_of(body):
+    """Smallest and largest coordinates [3] of a body over the records."""
+    low, high = boxes_of(body, max(len(part) if part is not None and part.ndim > least else 1 for part, least in
+                                   ((body.position, 1), (body.rotation, 2), (body.end, 1))))
+    return low.min(axis=0), high.max(axis=0)
 
 
 def extent(bodies):
     """Smallest and largest coordinates [3] of moving bodies, and of fixed bodies that are not much farther away.
 
-    Planes are not included.
+    Fixed planes are not included, of a moving plane its position is.
     """
     moving, fixed = [], []
     for body in bodies:
-        if body.shape != "plane":
+        if body.shape != "plane" or not is_fixed(body):
             (fixed if is_fixed(body) else moving).append(box_of(body))
     if not moving and not fixed:
         return np.zeros(3), np.zeros(3)
