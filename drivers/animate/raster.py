@@ -10,14 +10,15 @@ from scene import BACKGROUND, INK, shaded
 
 FINE = 2  # how much finer is drawn than shown
 MARGIN = 8
-TEXT = 11  # points
+TEXT = 12  # height of the font in pixels
+GROUND, SHADOW, GRID, BODY = range(4)  # the order in which they are drawn
 STRIP, STRIP_GAP, STRIPS_MAX = 7, 3, 8
 
 
-def font(points):
+def font(pixels):
     path = os.path.join(matplotlib.get_data_path(), "fonts", "ttf", "DejaVuSans.ttf")
     try:
-        return ImageFont.truetype(path, points * FINE)
+        return ImageFont.truetype(path, pixels * FINE)
     except OSError:
         return ImageFont.load_default()
 
@@ -81,40 +82,58 @@ class Drawing:
         return image.reduce(FINE)
 
     def bodies(self, draw, number):
-        """Planes first, then bodies from far to near; forces of a contact list on top."""
+        """Planes first, their shadows and grids, then bodies from far to near; forces of a contact list on top."""
         drawn = []
         for body in self.scene["bodies"]:
-            seen = self.seen(body, body["pose"][min(number, len(body["pose"]) - 1)])
+            seen = self.seen(body, number)
             flat = self.pixels(seen[:, :2])
             parts = [(self.scene["styles"][style], points) for style, *points in body["parts"]]
             if "lit" in parts[0][0]:
                 drawn += self.faces(body, parts, seen, flat)
+                drawn += [] if body["plane"] else self.shadows(parts, seen, number)
             else:
-                drawn.append((not body["plane"], seen[0, 2], [(style, flat[points]) for style, points in parts]))
+                drawn.append((BODY, seen[0, 2], [(style, flat[points]) for style, points in parts]))
         for *_, parts in sorted(drawn, key=lambda d: d[:2]) if self.scene["spatial"] else drawn:
             for style, points in parts:
                 self.part(draw, style, points)
         force = self.scene["force"]
         for *ends, weight in self.scene["forces"][number] if self.scene["forces"] else ():
             width = min(max(force["width"] * weight, 0.5), 2 * force["width"])
-            self.part(draw, {**force, "width": width, "round": 0}, self.pixels((np.reshape(ends, (2, 3)) @ self.axes.T)[:, :2]))
+            self.part(draw, {**force, "width": width, "round": 0}, self.pixels(self.turned(np.reshape(ends, (2, 3)), number)[:, :2]))
 
-    def seen(self, body, pose):
+    def turned(self, points, number):
+        """Of points [..., 3] in space: to the right, upwards, to the eye, from where the camera is."""
+        return (points - (self.scene["camera"][number] if self.scene["camera"] else 0)) @ self.axes.T
+
+    def seen(self, body, number):
         """Its points [p, 3]: to the right, upwards, to the eye."""
+        pose = body["pose"][min(number, len(body["pose"]) - 1)]
         points = np.array(body["points"])
         if not self.scene["spatial"]:
             x, y, a, b = pose
             return np.column_stack([points @ [[a, b], [-b, a]] + [x, y], np.zeros(len(points))])
         pose = np.array(pose)
-        return (pose[:3] + (points @ pose[3:].reshape(3, 3).T if len(pose) > 3 else points)) @ self.axes.T
+        return self.turned(pose[:3] + (points @ pose[3:].reshape(3, 3).T if len(pose) > 3 else points), number)
 
     def faces(self, body, parts, seen, flat):
-        """Those that look this way."""
-        for style, face in parts:
-            normal = normal_of(seen[face])
-            if normal[2] > 0:
-                light = 0.6 + 0.4 * max(0.0, float(normal @ self.light))
-                yield not body["plane"], seen[face, 2].mean(), [({"fill": shaded(style["fill"], light)}, flat[face])]
+        """Those that look this way; a plane's lines if its surface, the second face, does."""
+        normals = normals_of(seen, [face if "lit" in style else parts[1][1] for style, face in parts])
+        lights = 0.6 + 0.4 * np.maximum(0, normals @ self.light)
+        for i in np.flatnonzero(normals[:, 2] > 0):
+            (style, face), light = parts[i], lights[i]
+            if "lit" not in style:
+                yield GRID, 0.0, [(style, flat[face])]
+            else:
+                yield GROUND if body["plane"] else BODY, seen[face, 2].mean(), [({"fill": shaded(style["fill"], light)}, flat[face])]
+
+    def shadows(self, parts, seen, number):
+        """Of the faces that look at the light, along it onto each plane."""
+        faces = [face for _, face in parts]
+        faces = [faces[i] for i in np.flatnonzero(normals_of(seen, faces) @ self.light > 0)]
+        for normal, point in self.scene["shadows"]:
+            normal, point = self.axes @ normal, self.turned(np.array(point), number)
+            flat = self.pixels((seen - np.outer((seen - point) @ normal / (normal @ self.light), self.light))[:, :2])
+            yield SHADOW, 0.0, [({"fill": self.scene["shadow"]}, flat[face]) for face in faces]
 
     def part(self, draw, style, points):
         fill, edge, corners = style.get("fill"), style.get("edge"), [tuple(p) for p in points]
@@ -180,8 +199,12 @@ def disc(draw, centre, radius, **look):
     draw.ellipse([*(centre - radius), *(centre + radius)], **look)
 
 
-def normal_of(corners):
-    """Of a polygon, by Newell's sum; of length one, or zero where it has no area."""
-    normal = np.cross(corners, np.roll(corners, -1, axis=0)).sum(axis=0)
-    length = np.linalg.norm(normal)
-    return normal / length if length > 0 else normal
+def normals_of(points, polygons):
+    """Of polygons of these points, by Newell's sum; of length one, or zero if it has no area."""
+    normals, corners = np.zeros((len(polygons), 3)), np.array([len(polygon) for polygon in polygons])
+    for count in set(corners):  # all of as many corners at once
+        mine = np.flatnonzero(corners == count)
+        loops = points[np.array([polygons[i] for i in mine])]
+        normals[mine] = np.cross(loops, np.roll(loops, -1, axis=1)).sum(axis=1)
+    length = np.linalg.norm(normals, axis=1, keepdims=True)
+    return normals / np.where(length > 0, length, 1)

@@ -10,6 +10,8 @@ the less they face the light.
 - A planar pose is [x, y, a, b]: the point p of the body is at (x + a p_x - b p_y, y + b p_x + a p_y).
 - A spatial pose is [x, y, z] and the nine numbers of a matrix, row by row; of a ball among many [x, y, z].
 - A fixed body has one pose. Positions are those of the records, without interpolation.
+- Bodies cast shadows on the planes of `shadows`, each [normal, point], along the light.
+- With a camera, what is seen of frame i is low + camera[i] to high + camera[i], else low to high.
 - Forces are lines [x0, y0, z0, x1, y1, z1, w] of each frame, w their strength.
 """
 
@@ -17,18 +19,22 @@ import json
 
 import numpy as np
 
-from bodies import at_records, extent, is_fixed, is_spatial
+from bodies import at_records, boxes_of, colours_of, extent, is_fixed, is_spatial, is_thread
 from modes import MODE_COLOURS, MODES, strips
 from shapes import solids_of
 from trajectory import text
 
-COLOURS = ["#3b6ea5", "#d1792f", "#4f9d5b", "#b0483f", "#7d67a8", "#8a6d4f", "#c66fa1", "#3f9ea3"]
 FIXED, GROUND, THREAD = "#a9aeb5", "#dfe2e6", "#6b7178"
+GRID, SHADOW = "#bcc1c8", "#a4aab2"
 INK, PALE, BACKGROUND = "#30353b", "#8b9198", "#ffffff"
 FORCE = {"edge": "#b0161c", "width": 3, "round": 1}  # of a strength of 1
 VIEW = np.radians([-60, 20]).tolist()  # azimuth and elevation of the eye
 LIGHT = (np.array([0.3, -0.5, 0.8]) / np.linalg.norm([0.3, -0.5, 0.8])).tolist()  # where it comes from
 IMPACTS_MAX = 2000
+STEEP = np.cos(np.pi / 4)  # light that falls on a plane at a smaller angle to its normal casts shadows
+REACH = 3.0  # of the ground, in diagonals of the bodies' box: half of one, and its shadow at that angle, both ways
+FAR_AWAY, SIZES = 6.0, 3.0  # travel from which the camera follows, and half the width that it sees, in sizes of the bodies
+GRID_MAX = 100  # lines of a grid each way
 MESHES_MAX = 30   # where there are more bodies balls are drawn as discs
 FAR = 100.0  # pictures from the middle to the end of the ground: the page may be zoomed out as far
 
@@ -60,7 +66,7 @@ def outline(body, colour, scale):
         far = FAR * scale + 4 * np.abs(body.position).max()
         ends = far * np.array([-along, along])
         deep = far * np.array([along[1], -along[0]])
-        return [*ends, ends[1] + deep, ends[0] + deep], [({"fill": GROUND}, 0, 1, 2, 3), ({"edge": PALE, "width": 2}, 0, 1)]
+        return [*ends, ends[1] + deep, ends[0] + deep], [({"fill": GROUND}, 0, 1, 2, 3), ({"edge": colour, "width": 2}, 0, 1)]
     if body.shape == "point":
         return [[0.0, 0.0]], [({"fill": colour, "radius": 0.0, "hole": 0.0, "least": 4}, 0)]
     if body.shape == "box":
@@ -100,6 +106,32 @@ def ball(radius, colour):
     return [[0.0, 0.0, 0.0], 0.3 * radius * np.array(LIGHT)], [(rim, 0), (light, 1)]
 
 
+def facets_of(count):
+    """Of a ball from pole to pole: at most some 5000 of all balls are drawn in a frame."""
+    return 24 if count <= 4 else 16 if count <= 10 else 12
+
+
+def grid(corners, size):
+    """On a square [4, 3] lines a round length apart, up to eight on the size that is seen: points, and pairs of them."""
+    edge = np.linalg.norm(corners[1] - corners[0])
+    least = max(size / 8, edge / GRID_MAX)
+    power = 10.0 ** np.floor(np.log10(least))
+    step = power * next(m for m in (1, 2, 5, 10) if m * power >= least)
+    number = int(edge / 2 / step)
+    along = 0.5 + step / edge * np.arange(-number, number + 1)[:, None]
+    a, b, c, d = corners
+    points = np.concatenate([a + (b - a) * along, d + (c - d) * along, a + (d - a) * along, b + (c - b) * along])
+    n = len(along)
+    return points, [(i + j * n, i + (j + 1) * n) for j in (0, 2) for i in range(n)]
+
+
+def ground(shape, colour, scale):
+    """The mesh of a plane, with a grid on it."""
+    points, parts = mesh(shape, colour)
+    more, lines = grid(points[4:], scale)
+    return np.concatenate([points, more]), parts + [({"edge": GRID, "width": 1}, a + 8, b + 8) for a, b in lines]
+
+
 def mesh(shape, colour):
     looks = [{"fill": c, "lit": 1} for c in (colour, shaded(colour, 0.6))]
     return shape.points, [(looks[dark], *face) for face, dark in zip(shape.polygons, shape.dark or [False] * len(shape.polygons))]
@@ -121,23 +153,20 @@ class Styles:
 def drawn_bodies(bodies, frames, spatial, scale, styles):
     """In the order of drawing: fixed bodies first. frames: indices into the records of the bodies."""
     moved = [at_records(body, frames) for body in bodies]
-    solids = solids_of(bodies) if spatial else [None] * len(bodies)
-    drawn, number = [], 0
-    for whole, body, solid in zip(bodies, moved, solids):
-        thread = body.shape in ("segment", "path") and body.size[0] == 0
-        grey = GROUND if body.shape == "plane" else THREAD if thread else FIXED if is_fixed(whole) else None
-        colour = grey or COLOURS[number % len(COLOURS)]
+    solids = solids_of(bodies, facets_of(len(bodies)) if len(bodies) <= MESHES_MAX else None, REACH) if spatial else [None] * len(bodies)
+    drawn = []
+    for own, whole, body, solid in zip(colours_of(bodies), bodies, moved, solids):
+        colour = own or (THREAD if is_thread(body) else GROUND if body.shape == "plane" else FIXED)
         if spatial and is_ball(body, len(bodies)):
             pose, (points, parts) = body.position.reshape(-1, 3), ball(body.size[0], colour)
         elif spatial:
             pose = spatial_pose(solid._replace(position=body.position, matrix=at_frames(solid.matrix, frames)))
-            points, parts = mesh(solid.shape, colour)
+            points, parts = ground(solid.shape, colour, scale) if body.shape == "plane" else mesh(solid.shape, colour)
         else:
-            pose, (points, parts) = planar_pose(body), outline(body, colour, scale)
-        drawn.append({"name": body.name, "fixed": bool(grey), "colour": colour, "plane": body.shape == "plane",
+            pose, (points, parts) = planar_pose(body), outline(body, own or PALE if body.shape == "plane" else colour, scale)
+        drawn.append({"name": body.name, "fixed": own is None, "colour": colour, "plane": body.shape == "plane",
                       "points": rounded(points, scale), "parts": [styles.numbered(*part) for part in parts],
                       "pose": rounded(pose, scale)})
-        number += not grey
     return sorted(drawn, key=lambda b: (not b["plane"], not b["fixed"]))
 
 
@@ -165,11 +194,38 @@ def bounds(bodies, spatial):
     return [(low - margin - grow).tolist(), (high + margin + grow).tolist()]
 
 
+def shadows(bodies):
+    """Planes that shadows fall on."""
+    planes = [b for b in bodies if b.shape == "plane" and is_fixed(b)] if len(bodies) <= MESHES_MAX else []
+    normals = [(np.eye(3) if b.rotation is None else b.rotation) @ b.size / np.linalg.norm(b.size) for b in planes]
+    return [[n.tolist(), b.position.tolist()] for n, b in zip(normals, planes) if n @ LIGHT > STEEP]
+
+
+def camera(bodies, count):
+    """Of bodies that travel many times their size, on planes alone: the box that is seen at the start, and its way.
+
+    The way [count, 3] has at every frame the shortest step that keeps the bodies in the box. None of other bodies.
+    """
+    moving = [b for b in bodies if not is_fixed(b)]
+    if not moving or any(is_fixed(b) and b.shape != "plane" for b in bodies):
+        return None
+    boxes = [boxes_of(b, count) for b in moving]
+    low, high = np.min([b[0] for b in boxes], axis=0), np.max([b[1] for b in boxes], axis=0)
+    size, middle = np.max(high - low), (low + high) / 2
+    if size <= 0 or np.max(np.ptp(middle, axis=0)) <= FAR_AWAY * size:
+        return None
+    way = [middle[0]]
+    for least, most in zip(high - SIZES * size, low + SIZES * size):
+        way.append(np.clip(way[-1], least, most))
+    return [(middle[0] + side * SIZES * size).tolist() for side in (-1, 1)], np.array(way[1:]) - middle[0]
+
+
 def scene(file, time, bodies, frames, at, forces):
     """Of these records (numbers, ascending), which are those at `at` of the bodies'; forces: of each frame."""
     spatial = is_spatial(bodies)
     seen = [at_records(body, slice(at[0], at[-1] + 1)) for body in bodies]
-    box = bounds(seen, spatial)
+    follow = camera([at_records(body, at) for body in bodies], len(frames)) if spatial else None
+    box = follow[0] if follow else bounds(seen, spatial)
     scale = float(np.max(np.subtract(box[1], box[0])))
     styles = Styles()
     drawn = drawn_bodies(bodies, at, spatial, scale, styles)
@@ -185,6 +241,9 @@ def scene(file, time, bodies, frames, at, forces):
         "force": FORCE,
         "view": VIEW,
         "light": LIGHT,
+        "shadows": shadows(bodies) if spatial else [],
+        "shadow": SHADOW,
+        "camera": rounded(follow[1], scale) if follow else [],
         "ink": INK,
         "strips": strips(file, time[frames[0] : frames[-1] + 1], frames),
         "impacts": impacts(file, time[frames[0]], time[frames[-1]]),

@@ -1,6 +1,8 @@
 """Pictures of an nsdae trajectory or sweep: coordinates, velocities, modes of contacts, forces, impulses, energy, certificate."""
 
+import contextlib
 import io
+import itertools
 import os
 import sys
 import warnings
@@ -10,8 +12,9 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import sweeps
-from bodies import WHOLE, read_rows
+from bodies import COLOURS, WHOLE, bodies_of, colours_of, names_of, read_rows
 from contacts import contacts_of, has_list, step_length
+from formula import evaluate
 from modes import MODE_COLOURS, MODES, strips
 from trajectory import Parser, Problem, heading, names_of_rows, open_trajectory, reading, replace, tell, text
 
@@ -23,6 +26,7 @@ COLUMN_MAX = 8  # of them beside a row of its height
 STRIPS_MAX = 24
 IMPACTS_MAX = 100  # drawn impacts
 LINES_MAX = 48  # drawn lines
+NAMES_MAX = 12  # in a message
 RECORDS_MAX = 240  # of a large system's
 DOTS_MAX = 20000
 ROUNDING = np.finfo(float).eps
@@ -63,10 +67,38 @@ def band(axes, time, values, kind):
     line(axes, time, np.median(values, axis=1), f"median {kind}")
 
 
+DASHES = ("-", "--", ":", "-.")  # of the columns of one body
+
+
+def looks_of(file):
+    """Of each column of q that places a body: the body's colour, as in an animation. A column belongs to the first
+    body that it places."""
+    looks = {}
+    with contextlib.suppress(Problem):  # without bodies
+        bodies = bodies_of(file, "", None, file["time"][:1], file["q"][:1])
+        for body, colour in zip(bodies, colours_of(bodies)):
+            looks.update((column, colour) for column in body.columns if colour and column not in looks)
+    return looks
+
+
+def look_of(colour, number=0):
+    return {"color": colour, "linestyle": DASHES[number % len(DASHES)]} if colour else {}
+
+
+def coordinate_of(file, column):
+    """Column of the coordinate whose rate is a velocity; in space of a rotation its first."""
+    nq, nv = file["q"].shape[1], file["v"].shape[1]
+    if nq == nv:
+        return column
+    body, entry = divmod(column, 6)
+    return 7 * body + min(entry, 3) if nq * 6 == nv * 7 else None
+
+
 def by_unit(file, time, kind, path, title):
     """A row for each unit of the columns of a dataset."""
     records = some(file[path], time)
     values, when = read_rows(file[path], records), time[records]
+    colours = looks_of(file) if values.shape[1] <= LINES_MAX else {}
     names = names_of_rows(file, kind, values.shape[1])
     units = [text(u) for u in file.get(f"{kind}_unit", [])][: len(names)]
     units += [text(file[path].attrs.get("units", ""))] * (len(names) - len(units))
@@ -77,8 +109,11 @@ def by_unit(file, time, kind, path, title):
         def lines(axes):
             if len(mine) > LINES_MAX:
                 return band(axes, when, values[:, mine], kind)
+            used = []
             for i in mine:
-                line(axes, when, values[:, i], names[i])
+                colour = colours.get(i if kind == "coordinate" else coordinate_of(file, i))
+                line(axes, when, values[:, i], names[i], **look_of(colour, used.count(colour)))
+                used.append(colour)
 
         return lines
 
@@ -341,7 +376,7 @@ def mark_impacts(axes, file):
 def records(file):
     """How many there are of everything: while a run writes along, some datasets are ahead."""
     names = ["time", "q", "v", "multiplier"]
-    for group in ("contact", "frictional_joint", "energy", "certificate"):
+    for group in ("contact", "slide", "energy", "certificate"):
         names += [f"{group}/{name}" for name in file.get(group, {}) if name != group]
     length = {name: len(file[name]) for name in names if name in file}
     number = min(n for name, n in length.items() if grows(file[name]))
@@ -388,22 +423,58 @@ def velocity_of(file, column):
     return 6 * body + entry if nq * 6 == nv * 7 and entry < 3 else None
 
 
-def phase(file, names, title):
-    """Velocity over coordinate, for each name; an impact is a line straight up or down."""
+def draw_phase(axis, file, name):
+    """Velocity over coordinate; an impact is a line straight up or down."""
     number = records(file)
     coordinates, velocities = (names_of_rows(file, kind, file[path].shape[1]) for kind, path in (("coordinate", "q"), ("velocity", "v")))
     units = [[text(unit) for unit in file.get(f"{kind}_unit", [])] for kind in ("coordinate", "velocity")]
-    figure, axes = plt.subplots(len(names), 1, squeeze=False, figsize=(7, 0.8 + 4.5 * len(names)), layout="constrained")
-    for axis, name in zip(axes[:, 0], names):
-        if name not in coordinates:
-            raise Problem(f"no coordinate is called '{name}': they are {', '.join(coordinates)}")
-        i = coordinates.index(name)
-        j = velocity_of(file, i)
-        if j is None:
-            raise Problem(f"'{name}' has no velocity of its own")
-        line(axis, file["q"][:number, i], file["v"][:number, j], name, linewidth=0.9)
-        axis.set_xlabel(titled(plain(name), *(unit for unit in units[0][i:i + 1] or [""])))
-        axis.set_ylabel(titled("velocity of " + plain(velocities[j]), *(unit for unit in units[1][j:j + 1] or [""])))
+    if name not in coordinates:
+        raise Problem(f"no coordinate is called '{name}': they are {', '.join(coordinates)}")
+    i = coordinates.index(name)
+    j = velocity_of(file, i)
+    if j is None:
+        raise Problem(f"'{name}' has no velocity of its own")
+    line(axis, file["q"][:number, i], file["v"][:number, j], name, linewidth=0.9, **look_of(looks_of(file).get(i)))
+    axis.set_xlabel(titled(plain(name), *(unit for unit in units[0][i:i + 1] or [""])))
+    axis.set_ylabel(titled("velocity of " + plain(velocities[j]), *(unit for unit in units[1][j:j + 1] or [""])))
+
+
+def path_of(name, bodies, values):
+    """x and y of the centre of a body, or of a point X,Y: two formulas of the coordinates."""
+    body = next((body for body in bodies if body.name == name), None)
+    if body is not None:
+        centre = body.position if body.end is None else (body.position + body.end) / 2
+        return centre[..., 0], centre[..., 1]
+    if name.count(",") != 1:
+        known = f"they are {', '.join(body.name for body in bodies[:NAMES_MAX])}; " if bodies else ""
+        raise Problem(f"no body is called '{name}': {known}a point is X,Y, two formulas of the coordinates")
+    return [evaluate(formula, values) for formula in name.split(",")]
+
+
+def draw_paths(axis, file, names):
+    """y over x of bodies and points, with a mark at the start; a point has a colour that no body has before it."""
+    shown = some(file["q"], file["time"][: records(file)])
+    time, q = file["time"][...][shown], read_rows(file["q"], shown)
+    bodies = bodies_of(file, file.filename, None, time, q) if "bodies" in file or "shapes" in file else []
+    colours = dict(zip((body.name for body in bodies), colours_of(bodies)))
+    others = itertools.cycle([c for c in COLOURS if c not in colours.values()] or COLOURS)
+    for name in names:
+        x, y = (np.broadcast_to(values, len(time)) for values in path_of(name, bodies, names_of(file, time, q)))
+        colour = (colours[name] or "0.5") if name in colours else next(others)
+        line(axis, x, y, name, linewidth=0.9, color=colour, marker="o", markersize=4, markevery=[0])
+    axis.set_aspect("equal", adjustable="datalim")
+    axis.set_xlabel("x [m]")
+    axis.set_ylabel("y [m]")
+    outside(axis)
+
+
+def portraits(file, phases, paths, title):
+    """Phase portraits, one for each name, and one picture of all paths."""
+    drawn = [lambda axis, name=name: draw_phase(axis, file, name) for name in phases or ()]
+    drawn += [lambda axis: draw_paths(axis, file, paths)] if paths else []
+    figure, axes = plt.subplots(len(drawn), 1, squeeze=False, figsize=(7, 0.8 + 4.5 * len(drawn)), layout="constrained")
+    for axis, draw_it in zip(axes[:, 0], drawn):
+        draw_it(axis)
         axis.spines[["top", "right"]].set_visible(False)
     figure.suptitle(title)
     return figure
@@ -428,6 +499,8 @@ def parse(argv):
     parser.add_argument("--certificate", action="store_true", help="energy and certificate in place of motion and forces")
     parser.add_argument("--phase", action="append", metavar="NAME",
                         help="phase portrait: velocity over this coordinate; repeatable")
+    parser.add_argument("--path", action="append", metavar="BODY_OR_POINT",
+                        help="path of this body's centre, or of the point X,Y, two formulas of the coordinates; repeatable")
     parser.add_argument("--title", help="title, by default model, method and step")
     parser.add_argument("--dpi", type=int, default=150, help="dots per inch of a PNG, 20 to 1200 (default 150)")
     parser.add_argument("--version", action="version", version="nsdae-plot @PROJECT_VERSION@")
@@ -468,8 +541,8 @@ def figure_of(arguments):
             return sweeps.draw(file, arguments.only, arguments.title, arguments.at)
     with open_trajectory(arguments.file, *NEEDED) as file:
         title = arguments.title or title_of(file, arguments.file)
-        if arguments.phase:
-            return phase(file, arguments.phase, title)
+        if arguments.phase or arguments.path:
+            return portraits(file, arguments.phase, arguments.path, title)
         return draw(file, panels(file, arguments.only, arguments.certificate), title)
 
 

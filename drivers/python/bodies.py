@@ -5,21 +5,37 @@ from collections import namedtuple
 
 import numpy as np
 
-from formula import evaluate
+from formula import evaluate, names_in
 from trajectory import Problem, text
 
 WHOLE = 4 << 20  # numbers of a dataset that are read at once
 
+COLOURS = ["#3b6ea5", "#d1792f", "#4f9d5b", "#b0483f", "#7d67a8", "#8a6d4f", "#c66fa1", "#3f9ea3"]
 SHAPES = ("point", "disc", "segment", "polygon", "path", "sphere", "capsule", "box", "plane")
 
 # size [3] and points [p, 3] in the body's own frame; position [n, 3] or, if it never moves, [3];
-# rotation [n, 3, 3], [3, 3] or None; end as position, of a segment, else None.
-Body = namedtuple("Body", "name shape size points position rotation end", defaults=(None, None))
+# rotation [n, 3, 3], [3, 3] or None; end as position, of a segment, else None. columns: of q, that place
+# it; rigid: the columns that place and that rotate it, equal for the shapes of one rigid body.
+Body = namedtuple("Body", "name shape size points position rotation end columns rigid",
+                  defaults=(None, None, (), None))
 
 
 def is_fixed(body):
     parts = (body.position, body.rotation, body.end)
     return all(part is None or part.ndim == least for part, least in zip(parts, (1, 2, 1)))
+
+
+def is_thread(body):
+    return body.shape in ("segment", "path") and body.size[0] == 0
+
+
+def colours_of(bodies):
+    """Of each body; None if it is fixed or a thread. Shapes of one rigid body have one colour."""
+    number, colours = {}, []
+    for body in bodies:
+        grey = is_fixed(body) or is_thread(body)
+        colours.append(None if grey else COLOURS[number.setdefault(body.rigid or body.name, len(number)) % len(COLOURS)])
+    return colours
 
 
 def about_z(angle):
@@ -52,17 +68,21 @@ def stacked(formulas, names):
     return np.stack(np.broadcast_arrays(*values), axis=-1)
 
 
+def coordinates_of(file, count):
+    """Column of q of each name that a formula may use."""
+    given = file["coordinate"][:count] if "coordinate" in file else []
+    return {**{text(name): i for i, name in enumerate(given)}, **{f"q{i}": i for i in range(count)}}
+
+
 def names_of(file, time, q):
     """Everything that a formula may name."""
     names = {name: np.float64(value[()]) for name, value in file.get("parameters", {}).items()
              if np.issubdtype(value.dtype, np.number)}
-    if "coordinate" in file:
-        names.update((text(name), q[:, i]) for i, name in enumerate(file["coordinate"][: q.shape[1]]))
-    names.update((f"q{i}", q[:, i]) for i in range(q.shape[1]))
+    names.update((name, q[:, i]) for name, i in coordinates_of(file, q.shape[1]).items())
     return {**names, "t": time, "pi": np.float64(np.pi)}
 
 
-def body_of(row, size, points, names):
+def body_of(row, size, points, names, coordinates):
     def formulas(*columns):
         return [row[column] for column in columns]
 
@@ -76,7 +96,14 @@ def body_of(row, size, points, names):
         end = stacked(formulas("end_x", "end_y", "end_z"), names)
     if row["shape"] not in SHAPES:
         raise Problem(f"the body '{row['name']}' has the unknown shape '{row['shape']}'")
-    return Body(row["name"], row["shape"], size, points, stacked(formulas("x", "y", "z"), names), rotation, end)
+
+    def columns(*formulas):
+        return tuple(sorted({coordinates[name] for formula in formulas for name in names_in(formula) if name in coordinates}))
+
+    all_of = columns(*formulas(*COLUMNS[2:]))
+    rigid = (all_of, columns(angle, *quaternion)) if all_of and end is None else None  # a rod may be between two bodies
+    return Body(row["name"], row["shape"], size, points, stacked(formulas("x", "y", "z"), names), rotation, end,
+                all_of, rigid)
 
 
 COLUMNS = ("name", "shape", "x", "y", "z", "angle", "quaternion_w", "quaternion_x", "quaternion_y", "quaternion_z",
@@ -91,13 +118,14 @@ def firsts(count, rows):
 
 def named(file, time, q):
     """The bodies that the file names."""
-    group, names = file["bodies"], names_of(file, time, q)
+    group, names, coordinates = file["bodies"], names_of(file, time, q), coordinates_of(file, q.shape[1])
     table = {column: [text(value) for value in group[column]] for column in COLUMNS}
     point = group["point"][...].reshape(-1, 3) if "point" in group else np.zeros((0, 3))
     first = firsts(group["points"][...], len(point))
     if first is None or not len(group["size"]) == len(table["name"]) == len(first) - 1:
         raise Problem("its /bodies do not fit together")
-    return [body_of({column: table[column][i] for column in COLUMNS}, group["size"][i], point[first[i] : first[i + 1]], names)
+    return [body_of({column: table[column][i] for column in COLUMNS}, group["size"][i], point[first[i] : first[i + 1]],
+                    names, coordinates)
             for i in range(len(table["name"]))]
 
 
@@ -121,8 +149,13 @@ def shaped(file, q):
     flat, spatial = (dimension == 2) & (turn >= 0), (dimension == 3) & (turn >= 0)
     rotation[:, flat] = about_z(q[:, turn[flat]])
     rotation[:, spatial] = by_quaternion(q[:, turn[spatial, None] + np.arange(4)])
-    return [Body(name[i], SHAPES[kind[i]], size[i], point[first[i] : first[i + 1]], where[:, i],
-                 rotation[:, i] if turn[i] >= 0 else None) for i in range(len(name))]
+    bodies = []
+    for i in range(len(name)):
+        turns = tuple(range(turn[i], turn[i] + (1 if dimension[i] == 2 else 4))) if turn[i] >= 0 else ()
+        columns = tuple(sorted({*range(position[i], position[i] + dimension[i]), *turns}))
+        bodies.append(Body(name[i], SHAPES[kind[i]], size[i], point[first[i] : first[i + 1]], where[:, i],
+                           rotation[:, i] if turns else None, None, columns, (columns, turns)))
+    return bodies
 
 
 def columns_of(word):
@@ -203,22 +236,30 @@ def ends_of(body):
     return points if body.end is None else np.concatenate(np.broadcast_arrays(points, body.end[..., None, :]), axis=-2)
 
 
-def box_of(body):
-    """Smallest and largest coordinates [3] of a body over the records."""
+def boxes_of(body, count):
+    """Smallest and largest coordinates [count, 3] of a body at each record."""
     round_by = {"disc": body.size[0], "sphere": body.size[0], "capsule": body.size[0], "segment": body.size[0] / 2,
                 "path": body.size[0] / 2}.get(body.shape, 0.0)
-    points = ends_of(body).reshape(-1, 3)
-    return points.min(axis=0) - round_by, points.max(axis=0) + round_by
+    points = ends_of(body)
+    points = np.broadcast_to(points, (count, *points.shape[-2:]))
+    return points.min(axis=1) - round_by, points.max(axis=1) + round_by
+
+
+def box_of(body):
+    """Smallest and largest coordinates [3] of a body over the records."""
+    low, high = boxes_of(body, max(len(part) if part is not None and part.ndim > least else 1 for part, least in
+                                   ((body.position, 1), (body.rotation, 2), (body.end, 1))))
+    return low.min(axis=0), high.max(axis=0)
 
 
 def extent(bodies):
     """Smallest and largest coordinates [3] of moving bodies, and of fixed bodies that are not much farther away.
 
-    Planes are not included.
+    Fixed planes are not included, of a moving plane its position is.
     """
     moving, fixed = [], []
     for body in bodies:
-        if body.shape != "plane":
+        if body.shape != "plane" or not is_fixed(body):
             (fixed if is_fixed(body) else moving).append(box_of(body))
     if not moving and not fixed:
         return np.zeros(3), np.zeros(3)

@@ -105,6 +105,10 @@ class Reader:
         return function(*values)
 
 
+def names_in(text):
+    return {found[2] for found in SYMBOL.finditer(text) if found[2]}
+
+
 def evaluate(text, names):
     """Its value, or its values [n] where it depends on the record; names: what may stand in it."""
     reader = Reader(text, names)

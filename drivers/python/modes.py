@@ -23,7 +23,7 @@ def strips(file, time, some):
     """Name and spans of every contact and frictional joint over these times, which are the file's first ones
     from some[0] on; some: records, ascending, which count from the file's first."""
     shown = []
-    for kind in ("contact", "frictional_joint"):
+    for kind in ("contact", "slide"):
         if f"{kind}/mode" not in file:
             continue
         modes = file[f"{kind}/mode"][some[0] : some[0] + len(time)]

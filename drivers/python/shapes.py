@@ -101,14 +101,14 @@ def tube(points, radius):
     return joined(parts)
 
 
-def slab(body, low, high, depth):
-    """Of a plane what is near the bodies: a square about the place where their middle is seen."""
+def slab(body, low, high, depth, reach):
+    """Of a plane what is near the bodies: a square about the foot of their middle, `reach` of their diagonal wide."""
     normal = body.size / np.linalg.norm(body.size)
     basis = frame_along(normal)
     position, rotation = (np.reshape(part, (-1, *part.shape[-k:]))[0]
                           for part, k in ((body.position, 1), (np.eye(3) if body.rotation is None else body.rotation, 2)))
     middle = ((low + high) / 2 - position) @ rotation
-    edge = 1.3 * np.linalg.norm(high - low) + depth
+    edge = reach * np.linalg.norm(high - low) + depth
     one = box(np.array([edge, edge, depth]))
     return one._replace(points=middle - normal * (middle @ normal) + (one.points - [0, 0, depth / 2]) @ basis.T)
 
@@ -123,7 +123,7 @@ def facets_of(count):
     return 12 if count <= 300 else 6 if count <= 2000 else 4
 
 
-def shape_of(body, low, high, facets=12):
+def shape_of(body, low, high, facets, reach):
     size = body.size
     scale = np.linalg.norm(high - low) or 1.0
     thickness, thin = scale / 30, scale / 400
@@ -132,18 +132,18 @@ def shape_of(body, low, high, facets=12):
     if body.shape == "polygon":
         return prism(body.points if area(body.points) > 0 else body.points[::-1], thickness)
     if body.shape == "plane":
-        return slab(body, low, high, thickness)
+        return slab(body, low, high, thickness, reach)
     return {"point": lambda: globe(scale / 50)._replace(dark=None), "segment": lambda: rod(size[0] / 2 or thin),
             "path": lambda: tube(body.points, size[0] / 2 or thin), "sphere": lambda: round_shape(size[0], 0.0, facets),
             "capsule": lambda: round_shape(size[0], size[1], facets), "box": lambda: box(size)}[body.shape]()
 
 
-def solids_of(bodies):
+def solids_of(bodies, facets=None, reach=1.3):
     low, high = extent(bodies)
-    facets, solids = facets_of(len(bodies)), []
+    facets, solids = facets or facets_of(len(bodies)), []
     for body in bodies:
         matrix = body.rotation if body.end is None else frame_along(body.end - body.position)
-        solids.append(Solid(body.name, shape_of(body, low, high, facets), body.position, matrix, is_fixed(body)))
+        solids.append(Solid(body.name, shape_of(body, low, high, facets, reach), body.position, matrix, is_fixed(body)))
     return solids
 
 

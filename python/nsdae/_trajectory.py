@@ -237,7 +237,8 @@ class Trajectory:
             _file.fill(self, file)
             yield file
 
-    def plot(self, only: Sequence[str] | None = None, title: str | None = None) -> Any:
+    def plot(self, only: Sequence[str] | None = None, title: str | None = None, *, phase: Sequence[str] = (),
+             path: Sequence[str] = ()) -> Any:
         """Draws the trajectory, as nsdae-plot does.
 
         Parameters
@@ -246,6 +247,11 @@ class Trajectory:
             Panels: "coordinates", "velocities", "multipliers", "modes", "forces", "impulses", "energy", "certificate".
         title : str, optional
             Title of the picture.
+        phase : list of str, optional
+            Coordinates: phase portraits in place of the panels.
+        path : list of str, optional
+            Bodies and points: paths of their centres, y over x, in place of the panels. A point is "X,Y", two formulas of
+            the coordinates, such as "x + 0.5*cos(theta), y".
 
         Returns
         -------
@@ -254,9 +260,15 @@ class Trajectory:
         Raises
         ------
         ValueError
-            A panel is unknown.
+            A panel, coordinate or body is unknown.
         """
         from .pictures import plot
+        if phase or path:
+            with self._opened() as file:
+                try:
+                    return plot.portraits(file, phase, path, title or plot.title_of(file))
+                except plot.Problem as problem:
+                    raise ValueError(str(problem)) from None
         unknown = [name for name in only or () if name not in plot.PANELS]
         if unknown:
             raise ValueError(f"no panel is called '{unknown[0]}': they are {', '.join(plot.PANELS)}")

@@ -190,6 +190,19 @@ def test_plot(ball):
         run.plot(only=["colours"])
 
 
+def test_portraits(ball):
+    run = nsdae.solve(ball, 1, [1], shapes=[nsdae.Shape("ball", "sphere", (0.05,), (0, "y+0.05"))])
+    portrait, paths = run.plot(phase=["y"], path=["ball", "t, 2*y"]).axes
+    assert np.array_equal(portrait.lines[0].get_xydata(), np.column_stack([run.q[:, 0], run.v[:, 0]]))
+    centre, point = (line.get_xydata() for line in paths.lines)
+    assert np.array_equal(centre, np.column_stack([0 * run.time, run["y"] + 0.05]))
+    assert np.array_equal(point, np.column_stack([run.time, 2 * run["y"]]))
+    with pytest.raises(ValueError, match="no body is called 'bell': they are ball; a point is X,Y"):
+        run.plot(path=["bell"])
+    with pytest.raises(ValueError, match="no coordinate is called 'z'"):
+        run.plot(phase=["z"])
+
+
 def test_animate(ball, tmp_path):
     run = nsdae.solve(ball, 0.5, [1], shapes=[nsdae.Shape("ball", "sphere", (0.05,), (0, "y+0.05"))])
     run.animate(tmp_path / "ball.gif", speed=0.5, width=200)

@@ -13,7 +13,10 @@ import sys
 import h5py
 import numpy as np
 import tools
+from bodies import COLOURS, Body, extent
 from PIL import Image
+from raster import FINE, Drawing
+from scene import Styles, drawn_bodies
 
 STEM = ""  # of an example's .h5, .gif, .html and .mp4
 
@@ -131,11 +134,73 @@ def incline(a, q, p):
 def rolling_ball(a, q, p):
     pose = a.pose("ball")
     expect("place of the ball", np.abs(pose[:, :3] - q[:, :3]).max() < a.rounding)
+    check_space(a, q[:, :3])
     e = q[:, 3:] / np.linalg.norm(q[:, 3:], axis=1)[:, None]
     for i in range(0, len(e), 10):  # its axis and angle
         angle = 2 * np.arctan2(np.linalg.norm(e[i, 1:]), e[i, 0])
         axis = e[i, 1:] / (np.linalg.norm(e[i, 1:]) or 1)
         expect("turn of the ball", np.abs(pose[i, 3:] - rotation(angle * axis).reshape(9)).max() < a.rounding)
+
+
+def check_camera(a, centre, radius):
+    """It keeps the ball in the view, and moves along an axis only if the ball is at the border."""
+    way = np.array(a.scene["camera"])
+    expect("a camera that follows", way.shape == centre.shape and np.ptp(way, axis=0).max() > 10 * radius)
+    room = np.stack([centre - radius - way - a.scene["low"], a.scene["high"] + way - centre - radius])
+    expect("the ball in view", room.min() > -2 * a.rounding, f"is out by {-room.min():g}")
+    moved = np.abs(np.diff(way, axis=0)) > a.rounding
+    expect("a camera at rest", np.all(room.min(axis=0)[1:][moved] < 2 * a.rounding) and not moved.all())
+
+
+def check_shadow(a, drawing, centre, radius, number):
+    """A point is in the shadow of a ball if the line to the light passes the centre within the radius."""
+    (ball,) = [b for b in a.scene["bodies"] if not b["plane"]]
+    parts = [(a.scene["styles"][style], points) for style, *points in ball["parts"]]
+    ((_, _, faces),) = drawing.shadows(parts, drawing.seen(ball, number), number)
+    pixels = np.concatenate([points for _, points in faces])
+    flat = (pixels / FINE - np.array([drawing.size[0], drawing.area[1]]) / 2) / drawing.scale * [1, -1] + (drawing.low + drawing.high) / 2
+    points = flat @ drawing.axes[:2] + a.scene["camera"][number]
+    points -= np.outer(points[:, 2] / drawing.axes[2, 2], drawing.axes[2])  # along the view onto the ground
+    off = np.linalg.norm(np.cross(points - centre, a.scene["light"]), axis=1).max()
+    expect("shadow", 0.99 * radius < off < radius + 2 * a.rounding, f"of radius {off:g}, not {radius:g}")
+
+
+def check_ground(a):
+    """Lines of the grid are on the surface, a round length apart."""
+    (plane,) = [b for b in a.scene["bodies"] if b["plane"]]
+    points, styles = np.array(plane["points"]), a.scene["styles"]
+    lines = np.array([points[ends] for style, *ends in plane["parts"] if "lit" not in styles[style]])
+    expect("grid on the surface", len(lines) > 20 and np.abs(lines @ a.normal).max() < 2 * a.rounding)
+    middles_of = lines.mean(axis=1)
+    gaps = np.linalg.norm(np.diff(middles_of, axis=0), axis=1)
+    step = np.median(gaps)
+    expect("round steps", min(abs(step / 10 ** np.floor(np.log10(step)) - m) for m in (1, 2, 5, 10)) < 1e-3, step)
+    expect("equal steps", np.sum(np.abs(gaps - step) > 4 * a.rounding) == 1)  # from one direction to the other
+
+
+def check_space(a, centre):
+    (ball,) = [b for b in a.scene["bodies"] if not b["plane"]]
+    radius = np.linalg.norm(ball["points"], axis=1).max()
+    expect("facets enough to look smooth", len(ball["parts"]) == 24 * 48)
+    a.normal = np.array([0, 0, 1])
+    check_camera(a, centre, radius)
+    check_ground(a)
+    drawing = Drawing(a.scene, 480, "", 1)
+    for number in (0, len(centre) // 2, len(centre) - 1):
+        check_shadow(a, drawing, centre[number], radius, number)
+
+
+def check_moving_plane():
+    """It is a body: it has a colour, and what is seen contains its place."""
+    table = Body("table", "plane", np.array([0, 1, 0]), np.zeros((0, 3)), np.array([[0, 0, 0], [0, 7, 0]]))
+    floor = table._replace(name="floor", position=np.array([0, -9, 0]))
+    styles = Styles()
+    drawn = {b["name"]: b for b in drawn_bodies([table, floor], np.arange(2), False, 1.0, styles)}
+    edge = styles.list()[drawn["table"]["parts"][1][0]]["edge"]
+    tools.expect(not drawn["table"]["fixed"] and edge == drawn["table"]["colour"] == COLOURS[0], "moving plane", edge)
+    tools.expect(drawn["floor"]["fixed"] and drawn["floor"]["colour"] not in COLOURS, "fixed plane")
+    low, high = extent([table, floor])
+    tools.expect((low[1], high[1]) == (0, 7), "extent with a moving plane", low, high)
 
 
 def blocks(a, q, count):
@@ -217,7 +282,7 @@ MODELS = {"pendulum": pendulum, "clearance-hinge": clearance_hinge, "crank-slide
 def check_strips(a, f):
     """Every record's mode is that of the strip at its time."""
     shown = iter(a.scene["strips"])
-    for group in ("contact", "frictional_joint"):
+    for group in ("contact", "slide"):
         if f"{group}/mode" not in f:
             continue
         for mode in f[f"{group}/mode"][...].T:
@@ -403,6 +468,7 @@ def check_full_disk():
 
 check_examples(sys.argv[2])
 check_pages()
+check_moving_plane()
 check_options()
 check_errors()
 check_full_disk()

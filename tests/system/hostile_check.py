@@ -213,8 +213,8 @@ def check_sweep():
         "outside": (anew("final/q", shape=(3, 1), external=[("secret", 0, 24)]), "has its data in other files"),
         "status of bytes": (anew("status", data=np.zeros(3, "i1"), dtype="i1"), "damaged"),
         "many statuses": (anew("status", data=np.ones(300000, "i4"), dtype="i4"), "damaged"),
-        "long attribute": (lambda f: f.attrs.__setitem__("format", np.bytes_(b"x" * 5000)), "is no sweep"),
-        "setting of rank 8": (lambda f: anew("setting", data=f["setting"][...].reshape((-1,) + (1,) * 7), dtype="u1")(f), "is no sweep"),
+        "long attribute": (lambda f: f.attrs.__setitem__("format", np.bytes_(b"x" * 5000)), "is not a sweep"),
+        "setting of rank 8": (lambda f: anew("setting", data=f["setting"][...].reshape((-1,) + (1,) * 7), dtype="u1")(f), "is not a sweep"),
     }
     for name, (change, words) in cases.items():
         path = changed("sweep.h5", "bad.h5", change)

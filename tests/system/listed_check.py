@@ -202,7 +202,7 @@ def check_refused():
     tools.refuses(1, "its /shapes do not fit together", "nsdae-vtk", spoilt("shapes/position", 71))
     tools.refuses(1, "its /shapes do not fit together", "nsdae-animate", spoilt("shapes/shape", 9))
     tools.runs("nsdae-bouncing-ball", "--quiet", "--t-end", "0.1", "--output", "ball.h5")
-    tools.refuses(1, "has no contacts by list", "nsdae-animate", "--forces", "ball.h5")
+    tools.refuses(1, "has no contact list for --forces", "nsdae-animate", "--forces", "ball.h5")
 
 
 check_disks(sys.argv[2])

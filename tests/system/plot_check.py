@@ -3,12 +3,15 @@ incline is m g cos(slope), impulses are those of the file, strips are the file's
 of the certificate is below rounding; kinds of pictures, one-line errors, and a run that is drawn along.
 usage: plot_check.py BIN_DIR DATA_DIR"""
 
+import json
 import os
+import re
 import subprocess
 import sys
 import time
 
 import h5py
+import matplotlib
 import numpy as np
 import tools
 from tools import plot
@@ -92,13 +95,49 @@ def falling_rod():
 def phases():
     """A phase portrait has the file's numbers; energy alone bounds its orbit between impacts."""
     with open_trajectory("pendulum.h5", *plot.NEEDED) as file:
-        (axis,) = plot.phase(file, ["theta"], "").axes
+        (axis,) = plot.portraits(file, ["theta"], (), "").axes
         drawn = axis.get_lines()[0].get_xydata()
         expect("phase", np.array_equal(drawn, np.stack([file["q"][:, 2], file["v"][:, 2]], axis=1)))
         expect("its units", (axis.get_xlabel(), axis.get_ylabel()) == ("theta [rad]", "velocity of theta [rad/s]"),
                (axis.get_xlabel(), axis.get_ylabel()))
-        both = [a.get_xlabel() for a in plot.phase(file, ["y", "x"], "").axes]
+        both = [a.get_xlabel() for a in plot.portraits(file, ["y", "x"], (), "").axes]
         expect("one for each name", both == ["y [m]", "x [m]"], both)
+
+
+def paths():
+    """A body's path is that of its middle, a point's that of its formulas, each as long as the file."""
+    with open_trajectory("crank-slider.h5", *plot.NEEDED) as file:
+        (axis,) = plot.portraits(file, (), ["rod", "slider", "L1*sin(theta_1), -L1*cos(theta_1)"], "").axes
+        rod, slider, pin = (line.get_xydata() for line in axis.get_lines())
+        L1, (one, two) = file["parameters/L1"][()], file["q"][...].T
+        a = L1 * np.column_stack([np.sin(one), -np.cos(one)])
+        b = a + file["parameters/L2"][()] * np.column_stack([np.sin(two), -np.cos(two)])
+        for name, drawn, exact in (("rod", rod, (a + b) / 2), ("slider", slider, b), ("pin", pin, a)):
+            expect(f"path of {name}", drawn.shape == exact.shape and np.abs(drawn - exact).max() < 1e-14)
+        expect("metres are as long both ways", axis.get_aspect() == 1)
+
+
+def colours():
+    """A body has one colour in the animation, over time and in its path; strips of frictional joints are drawn."""
+    tools.runs("nsdae-animate", "-o", "crank-slider.html", "crank-slider.h5")
+    with open("crank-slider.html", encoding="utf-8") as page:
+        found = re.search(r'<script type="application/json" id="data">(.*?)</script>', page.read(), re.S)
+    animated = {body["name"]: body["colour"] for body in json.loads(found[1])["bodies"]}
+    expect("three colours", len({animated[name] for name in ("crank", "rod", "slider")}) == 3, animated)
+    with open_trajectory("crank-slider.h5", *plot.NEEDED) as file:
+        (axis,) = plot.portraits(file, (), ["slider", "crank", "rod", "q0,q1"], "").axes
+        drawn = {line.get_label(): line.get_color() for line in axis.get_lines()}
+        expect("a point is no body", drawn.pop("q0,q1") not in animated.values())
+        expect("paths", drawn == {name: animated[name] for name in drawn}, drawn)
+    axes = axes_of("crank-slider")
+    for quantity in ("coordinates [rad]", "velocities [rad/s]"):
+        (axis,) = [a for a in axes if a.get_ylabel() == quantity]
+        drawn = [line.get_color() for line in axis.get_lines() if not line.get_label().startswith("_")]
+        expect(quantity, drawn == [animated["crank"], animated["rod"]], drawn)
+    expect("strip of the joint", ["slot"] in [[t.get_text() for t in a.get_yticklabels()] for a in axes])
+    for name in ("crank-slider", "pendulum", "incline"):
+        for text in (text for axis in axes_of(name) for text in axis.figure.findobj(matplotlib.text.Text)):
+            expect("labels of 12 pixels", text.get_fontsize() * 150 / 72 >= 12, text.get_text())
 
 
 def headings():
@@ -132,6 +171,7 @@ def pictures(data):
     written("clearance-hinge.png", "clearance-hinge.h5")
     written("crank-slider.png", "crank-slider.h5")
     written("c.png", "--phase", "theta", "-o", "c.png", "pendulum.h5")
+    written("e.png", "--path", "rod", "--path", "x, 2*y", "-o", "e.png", "pendulum.h5")
     written("d.png", "--certificate", "-o", "d.png", "pendulum.h5")
     written("b.png", "--only", "modes", "--only", "forces", "-o", "b.png", "clearance-hinge.h5")
 
@@ -149,6 +189,8 @@ def errors():
     damaged()
     for code, words, *arguments in ((1, "nothing for forces", "--only", "forces", "a.h5"),
                                     (1, "no coordinate is called 'thet': they are x, y, theta", "--phase", "thet", "a.h5"),
+                                    (1, "no body is called 'bar': they are", "--path", "bar", "a.h5"),
+                                    (1, "no value for 'z'", "--path", "x,z", "a.h5"),
                                     (1, "No such file or directory", "none.h5"),
                                     (1, "cannot read 'text.h5'", "text.h5"),
                                     (1, "cannot read 'short.h5': truncated file", "short.h5"),
@@ -172,7 +214,7 @@ def live():
 
 
 pictures(sys.argv[2])
-for part in (incline, pendulum, falling_rod, phases, headings):
+for part in (incline, pendulum, falling_rod, phases, paths, colours, headings):
     with tools.judged(part.__name__):
         part()
 errors()
