@@ -14,7 +14,7 @@ typedef struct nsdae_array {
     &(array), (size_t)(each) * sizeof *(array) \
   }
 
-/* Room for so many in each; what they held stays. 0, or NSDAE_E_MEMORY. */
+/* Room for this number in each; their entries stay. 0, or NSDAE_E_MEMORY. */
 int nsdae_arrays_grow(const nsdae_array *arrays, size_t count, size_t room);
 /* Releases each and sets it to NULL. */
 void nsdae_arrays_release(const nsdae_array *arrays, size_t count);

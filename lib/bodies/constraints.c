@@ -76,7 +76,7 @@ static int frictional_joint_tangent(double t, const double *q, double *W, int ld
     nsdae_bodies_scatter(b, e->body, &pose[0], &pose[1], &value.row, 1, W + (size_t)i * (size_t)ldw,
                          1);
   }
-  int f = b->frictional_joint.count; /* along a slot nothing moves by itself: w stays 0 */
+  int f = b->frictional_joint.count; /* a slot does not move with v = 0: w stays 0 */
   return own->frictional_joint_tangent
              ? own->frictional_joint_tangent(t, q, W + (size_t)f * (size_t)ldw, ldw, w + f,
                                              own->user)

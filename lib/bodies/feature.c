@@ -223,7 +223,7 @@ static two_solids in_space(const nsdae_solid_of *s0, const nsdae_solid_of *s1,
 static int between_axes(const two_solids *two, int axis0, int axis1, double n[2][3])
 {
   /* edges nearer to parallel than this, as the square of their angle, touch by their corners as
-   * well: there these are as near but for 1e-8 of their length, and of places eight digits are left
+   * well: there these are as near up to 1e-8 of their length, and of places eight digits are left
    */
   const double parallel = 1e-16;
   double m[3];
@@ -237,7 +237,7 @@ static int between_axes(const two_solids *two, int axis0, int axis1, double n[2]
 }
 
 /* Whether the direction n (in the solid's frame) leaves a box between the two faces of the edge, or
- * along one of them but for rounding; a capsule's line is round. */
+ * along one of them up to rounding; a capsule's line is round. */
 static int leaves_by(const double *sign, const double *n)
 {
   const double rounding = 1e-4;
@@ -275,7 +275,7 @@ void nsdae_find_facing(const nsdae_solid_of *s0, const nsdae_solid_of *s1, const
 }
 
 /* Of solids that overlap only the edges of the axis of least depth touch; see separating_axis.h.
- * Lines along a face are as deep as the face but for rounding, and do. */
+ * Lines along a face are as deep as the face up to rounding, and do. */
 static nsdae_touch edges(const nsdae_feature *f, const nsdae_solid_of *s0, const nsdae_solid_of *s1,
                          const nsdae_pose *pose0, const nsdae_pose *pose1)
 {

@@ -195,7 +195,7 @@ static int unit(const double *x, double *a)
   return length > 0 && isfinite(length);
 }
 
-/* The frame in space: a along the axis (z where none is said), b along cross for UNIVERSAL; in the
+/* The frame in space: a along the axis (by default z), b along cross for UNIVERSAL; in the
  * plane b is a turned to the left. */
 static int set_frame(assembly *s, int index)
 {

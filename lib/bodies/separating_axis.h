@@ -8,7 +8,7 @@
 
 #include "solid.h"
 
-/* In parts of the sizes of both: what counts as nothing, rounding and the drift of blocks that lie
+/* In parts of the sizes of both: the tolerance, for rounding and the drift of blocks that lie
  * flush; and how far beside a face what overlaps is still over it. */
 #define NSDAE_SLACK  1e-6
 #define NSDAE_BESIDE 1e-4

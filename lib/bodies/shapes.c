@@ -240,7 +240,7 @@ static nsdae_solid_of *solid_of(const nsdae_bodies *b, int i)
   return (nsdae_solid_of *)b->solid.at + i;
 }
 
-/* Whether its corners alone can touch a convex solid: it is a point but for its rounding. */
+/* Whether its corners alone can touch a convex solid: it is a point with a rounding. */
 static int is_round(const nsdae_solid_of *s)
 {
   return s->points == 1 && !s->hollow;

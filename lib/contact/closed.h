@@ -24,7 +24,7 @@ typedef struct nsdae_ids {
   size_t slots; /* a power of two */
 } nsdae_ids;
 
-/* Room for so many contacts, with their impulses; NSDAE_OK or NSDAE_E_MEMORY. */
+/* Room for this number of contacts, with their impulses; NSDAE_OK or NSDAE_E_MEMORY. */
 int nsdae_closed_grow(nsdae_closed *closed, nsdae_impulses *impulses, int room);
 /* Not for impulses of numbered contacts, which are in an arena. */
 void nsdae_closed_release(nsdae_closed *closed, nsdae_impulses *impulses);

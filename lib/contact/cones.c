@@ -33,7 +33,7 @@ void nsdae_cones_layout(nsdae_cones *s, long contacts, long columns, long m, nsd
   s->lambda = NSDAE_ARENA_DOUBLES(arena, s->most > 0 ? m : 0);
 }
 
-/* The problem of so many contacts, each of which touches all. */
+/* The problem of this number of contacts, each of which touches all. */
 static void set_pattern(nsdae_cones *s, int contacts)
 {
   s->problem = (nsdae_friction_problem){.form = NSDAE_FRICTION_LOCAL,
@@ -77,7 +77,7 @@ static double delassus_at(const nsdae_contacts *c, int row, int column)
   return c->delassus.G[(size_t)column * (size_t)c->columns + (size_t)row];
 }
 
-/* G is symmetric but for rounding, and zero where the constraints leave a column no motion. */
+/* G is symmetric up to rounding, and zero where the constraints leave a column no motion. */
 static double symmetric_at(const nsdae_contacts *c, int i, int j)
 {
   if (!(delassus_at(c, i, i) > 0) || !(delassus_at(c, j, j) > 0)) return 0;

@@ -33,7 +33,7 @@ typedef struct nsdae_cones {
                                      and slides, the frictional joints' impulses, lambda */
 } nsdae_cones;
 
-/* Takes the arrays for so many contacts and columns; most is set before. */
+/* Takes the arrays for this number of contacts and columns; most is set before. */
 void nsdae_cones_layout(nsdae_cones *cones, long contacts, long columns, long m,
                         nsdae_arena *arena);
 

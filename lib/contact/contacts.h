@@ -98,7 +98,7 @@ void nsdae_contacts_set(nsdae_contacts *contacts, const nsdae_system *system, ns
 long nsdae_contacts_rows(const nsdae_system *system, int polygon_edges);
 int nsdae_contacts_rows_limit(void);
 
-/* The warm start that problems read and leave is the caller's: so many integers and so many reals,
+/* The warm start that problems read and leave is the caller's: a number of integers and of reals,
  * zero where there is none yet. */
 size_t nsdae_contacts_memory_size(const nsdae_contacts *contacts);
 size_t nsdae_contacts_warm_size(const nsdae_contacts *contacts);

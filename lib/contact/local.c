@@ -224,7 +224,7 @@ static void stand(nsdae_local *l)
   memset(l->impulses.after_t, 0, kt * sizeof *l->impulses.after_t);
 }
 
-/* ---- what is left of the laws */
+/* ---- residuals of the laws */
 
 /* Of column j of W: W_j^T M^-1 W_j and the velocity without impulses, u_j being that of v. Where
  * there are no constraints the Delassus matrix has them. */
@@ -339,7 +339,7 @@ static int failed(nsdae_local *l, const nsdae_whole *w, int island, int status)
   return status;
 }
 
-/* v, lambda, the impulses and what is left of the laws, from the bases in memory. */
+/* v, lambda, the impulses and the residuals of the laws, from the bases in memory. */
 static int solve(nsdae_local *l, nsdae_misfit *misfit)
 {
   int n = l->kkt.n, m = l->kkt.m;
@@ -355,7 +355,7 @@ static int solve(nsdae_local *l, nsdae_misfit *misfit)
   return status;
 }
 
-/* Whether the normal impulses are what they were, but for digits. */
+/* Whether the normal impulses are what they were, up to rounding. */
 static int same_impulses(const nsdae_local *l, const double *was)
 {
   double apart = 0, most = nsdae_largest(l->model.dims.k, was);

@@ -1,7 +1,7 @@
-/* What is left of the laws of contacts and constraints, over all islands of a step: with W = H^T
+/* The residuals of the laws of contacts and constraints, over all islands of a step: with W = H^T
  * M^-1 H, d the mean of the diagonal entries of a contact's block, u its velocities by v, before
- * what is rounding in it is put to zero (with e v(-) and what moves surfaces), q those without any
- * impulse, and K its cone (in the plane of two rows, of one without friction),
+ * what is rounding in it is put to zero (with e v(-) and the motion of surfaces), q those without
+ * any impulse, and K its cone (in the plane of two rows, of one without friction),
  *
  *   max |d Lambda - P_K(d Lambda - (u + mu |u_T| e_N))| / max |q|,   of constraints |u| / max |q|,
  *

@@ -89,7 +89,7 @@ static void add_blocks(nsdae_pile *c, nsdae_pile_part *end, const nsdae_whole *w
   }
 }
 
-/* Entry p of row i, of so many columns one behind the other. */
+/* Entry p of row i, of that number of columns one behind the other. */
 static void add_entry(nsdae_pile *c, nsdae_pile_part *end, const nsdae_whole *w,
                       const nsdae_rows *rows, int p, int columns)
 {
@@ -343,8 +343,8 @@ static void settle(const part *c, const nsdae_whole *w, int at, int n, double sp
     if (stands(c, w, j, most, speed)) w->v[j] = 0;
 }
 
-/* v = M^-1 (f + H r), and what stands; speed: of the fastest item without impulses, for which all
- * are scaled. */
+/* v = M^-1 (f + H r), and the items at rest; speed: of the fastest item without impulses, for which
+ * all are scaled. */
 static int velocities(part *c, const nsdae_whole *w, double speed)
 {
   const nsdae_blocks *blocks = &w->system->blocks;

@@ -1,5 +1,5 @@
 /* Contacts that rattle: whose instants follow each other, each soon after the one before. Past 2000
- * of them what counts as zero for such a contact doubles with every 64th, so that it comes to an
+ * of them the tolerance of such a contact doubles with every 64th, so that it comes to an
  * end; one that is late begins anew. */
 #ifndef NSDAE_CONTACT_RATTLE_H
 #define NSDAE_CONTACT_RATTLE_H
@@ -9,11 +9,11 @@ typedef struct nsdae_rattle {
   double *last; /* k: time of the last */
 } nsdae_rattle;
 
-/* An instant of the contact at t, which counts for so many where it is sooner than that after the
+/* An instant of the contact at t, which counts several times where it is sooner than that after the
  * last. */
 void nsdae_rattle_note(const nsdae_rattle *rattle, int contact, double t, double soon, int many);
 
-/* 1, or more: what counts as zero is so many times as much. */
+/* 1, or more: the factor on the tolerances. */
 double nsdae_rattle_blur(const nsdae_rattle *rattle, int contact);
 
 /* Past few it doubles with every `each`, twenty times at most. */

@@ -74,7 +74,7 @@ static int comes_to_an_end(int left, double change, double earlier)
   return gained > 0 && wanted / gained * LOOK <= 2 * left;
 }
 
-/* 1 where, of so many, a sweep changes nothing any more; < 0 where there is no fixed point. */
+/* 1 where, of these, a sweep changes nothing any more; < 0 where there is no fixed point. */
 static int relax(const relaxation *r, int sweeps)
 {
   const nsdae_contacts *c = r->c;

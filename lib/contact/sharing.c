@@ -100,7 +100,7 @@ static int fulfil_relations(nsdae_sharing *s)
   return 1;
 }
 
-/* Zero for a force, but for the error of a solved complementarity problem. */
+/* Zero for a force, up to the error of a solved complementarity problem. */
 static double rounding_size(const nsdae_sharing *s)
 {
   return problem_of(s)->lcp.options.tol * nsdae_largest(problem_of(s)->columns, s->force);

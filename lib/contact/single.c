@@ -137,7 +137,7 @@ static void scatter_side(const nsdae_whole *w, const single *c, const side *s)
   }
 }
 
-/* What is left at the velocities xi that v has now. */
+/* The residual at the velocities xi that v has now. */
 static nsdae_misfit left_over(const single *c, const double xi[3])
 {
   nsdae_misfit misfit = {0};

@@ -293,7 +293,7 @@ static int solve_part(void *object, int worker, int part)
   return note(by, part, nsdae_worker_solve_cones(by, &s->world->pile, s->whole, part));
 }
 
-/* Passes 0 .. count - 1; the first that failed is what is told, as on one thread. */
+/* Passes 0 .. count - 1; the first failure is reported, as on one thread. */
 static int share(nsdae_world *w, shared *s, int count, int portion, nsdae_thread_pool_pass *pass)
 {
   int alone = w->closed->count + w->system->dims.m < FEW;

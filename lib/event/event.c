@@ -17,17 +17,20 @@
  * starts anew, so that a way back is not longer. */
 enum { IDLE_MAX = 500, CHATTERS = 20, STEPS_MAX = 5000, STIFF_STEPS = 300, STILL = 16 };
 
-/* An instant of a contact is soon after another within so many accumulation_time. One of friction
- * that breaks away or stops before it has left zero leads nowhere and counts for STILL of them. */
+/* An instant of a contact is soon after another within this number of accumulation_time. One of
+ * friction that breaks away or stops before it has left zero leads nowhere and counts for STILL of
+ * them. */
 static const double SOON = 10;
 
-/* What is left of what a unit of force gave as its phase began: at a pole, and near one. */
+/* The share left of the acceleration that a unit of force gave as its phase began: at a pole, and
+ * near one. */
 static const double POLE = 1e-6, NEAR_POLE = 1e-3;
 
 /* Sines of rows that depend, in parts of the least one: from step to step, and at most. */
 static const double LOOSER = 100, LOOSEST = 1e4;
 
-/* Steps shorter than this part of dt lead nowhere: so many in one dt, and at each start. */
+/* Steps shorter than this part of dt lead nowhere: the most of them in one dt, and at each start.
+ */
 static const double TINY = 1e-6;
 enum { TINY_MAX = 1000, STARTS = 50 };
 
@@ -214,7 +217,7 @@ static int jammed(event *e, double t)
 }
 
 /* Where friction turns faster than a body gets away from zero, or is at its limit however it
- * shares, instant follows instant and nothing is decided. Past CHATTERS of them what counts as zero
+ * shares, instant follows instant and nothing is decided. Past CHATTERS of them the tolerance
  * for friction doubles with every eighth, until time goes on: as Filippov's solution does. The same
  * of a contact that rattles, as one that friction throws back, and of its impacts. */
 static void blur(event *e)
@@ -435,7 +438,7 @@ static int has_short_steps(const event *e)
   return *e->base.tiny > TINY_MAX + STARTS * *e->base.instants;
 }
 
-/* Time goes on whatever happens: a dt has so many instants, and so many steps that are none.
+/* Time goes on whatever happens: a dt has a bounded number of events, and of steps that are none.
  * Friction that is asked again and again how it shares between contacts leads nowhere, sooner. */
 static int too_many(const event *e)
 {

@@ -8,7 +8,7 @@
 /* Backward differences lose that much more over many steps than the other method. */
 static const double STIFF_TOLERANCE = 0.1;
 
-/* Of what counts as zero for a position: less deep between two steps a contact is none. */
+/* Of the tolerance of a position: less deep between two steps a contact is none. */
 static const double DEEP = 0.1;
 
 /* Of dt: a step that leads nowhere. */

@@ -1,4 +1,4 @@
-/* A partition of v into blocks, one of all nv where nothing else is said, and block diagonal
+/* A partition of v into blocks, by default one of all nv, and block diagonal
  * matrices over it: dense blocks, column-major, one after another. */
 #ifndef NSDAE_LINALG_BLOCKS_H
 #define NSDAE_LINALG_BLOCKS_H

@@ -275,7 +275,7 @@ void nsdae_kkt_solve(const nsdae_kkt *kkt, int nrhs, double *R, int ldr, double 
   solve_root_transposed(kkt, nrhs, R, ldr);
 }
 
-/* J^T l is M x + J^T l' with x = 0: what is left of l' is least. */
+/* J^T l is M x + J^T l' with x = 0: the rest of l' is least. */
 void nsdae_kkt_least_norm(const nsdae_kkt *kkt, const double *J, double *l, double *r)
 {
   size_t n = (size_t)kkt->n, m = (size_t)kkt->m;

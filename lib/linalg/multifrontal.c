@@ -92,7 +92,7 @@ static void place_blocks(nsdae_multifrontal *f)
 }
 
 /* Runs of columns, each the parent of the one before. The last column of a run has the rows of all
- * but for the run itself; where an earlier one has fewer, zeros are stored. */
+ * except the run itself; where an earlier one has fewer, zeros are stored. */
 static void find_supernodes(nsdae_multifrontal *f)
 {
   const nsdae_symbolic *t = &f->tree;

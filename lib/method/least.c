@@ -35,7 +35,7 @@ double nsdae_least_append(nsdae_least *p, const double *W, size_t stride, double
 
 int nsdae_least_solve(nsdae_least *p, const nsdae_terms *T)
 {
-  nsdae_kkt kkt = p->kkt; /* of so many rows now */
+  nsdae_kkt kkt = p->kkt; /* with the rows of now */
   kkt.m = p->rows;
   int status = nsdae_kkt_factor(&kkt, T->M, kkt.n, p->J, p->most > 0 ? p->most : 1);
   if (status < 0) {

@@ -39,11 +39,11 @@ typedef struct nsdae_result {
   double *multiplier;      /* m: mean bilateral force */
   nsdae_impulses impulses; /* by contact and frictional joint */
   nsdae_closed closed;     /* who they are, by list */
-  double carried;       /* of contacts by list: sum of Lambda w, the work of what moves by itself */
-  int given_up;         /* not a step of this method's: implicit is to do it instead */
-  int located;          /* the lists below are the method's; else impacts are found from the
-                           impulses, and happen at the end */
-  nsdae_impact *impact; /* impacts_max */
+  double carried;          /* of contacts by list: sum of Lambda w, the work of moving surfaces */
+  int given_up;            /* not a step of this method's: implicit is to do it instead */
+  int located;             /* the lists below are the method's; else impacts are found from the
+                              impulses, and happen at the end */
+  nsdae_impact *impact;    /* impacts_max */
   int impacts, impacts_max;
   nsdae_change *change; /* changes_max: changes of mode */
   int changes, changes_max;
@@ -73,8 +73,8 @@ int nsdae_result_room(const nsdae_result *result);
 
 /* Impacts and changes are kept in the user's time. */
 
-/* A new impact of the contact, in order of time; or, after so many that only one for each contact
- * and the next instant is left, that of the same contact and time. */
+/* A new impact of the contact, in order of time; or, after a number of them only one for each
+ * contact and the next instant is left, that of the same contact and time. */
 nsdae_impact *nsdae_result_impact(nsdae_result *result, double t, int contact, double before);
 
 /* Of a contact or a slide, -1: of none; where there is one. */

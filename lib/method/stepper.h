@@ -40,7 +40,7 @@ typedef struct nsdae_step {
   const nsdae_state *state;
   nsdae_terms *start, *end; /* of the state and the result */
   nsdae_result *result;
-  double h, t_end; /* t_end is start.t + h but for rounding */
+  double h, t_end; /* t_end is start.t + h up to rounding */
 } nsdae_step;
 
 /* Sets sizes and settings, again after options or coefficients changed; then takes the arrays.
@@ -76,7 +76,7 @@ static inline nsdae_step nsdae_step_begin(nsdae_stepper *stepper, const nsdae_st
 void nsdae_step_end(const nsdae_step *step);
 
 /* What is closed in a step, numbered or by list, and its equations. The terms named have what they
- * need, but for lists, which come with closing and meeting.
+ * need, except lists, which come with closing and meeting.
  *
  * close: the contacts with a gap that is not above zero at the terms' point; meet: the same at
  * another one. before: their velocities along v, of all or of those that hit. */

@@ -166,7 +166,7 @@ static void open_contact(penalty *p, nsdae_result *result, int i)
 
 /* Gaps that crossed zero: contacts begin and end, and the integrator starts anew. A gap within its
  * rounding crosses zero any number of times: a contact opens while it moves apart alone, and closes
- * while it does not. CVODE refuses to go on from a root without a new start. */
+ * while it does not. CVODE refuses to continue at a root without a new start. */
 static int switch_contacts(penalty *p, nsdae_result *result, double t)
 {
   int status = nsdae_penalty_evaluate(&p->equations, t, p->y);

@@ -135,7 +135,7 @@ static int check_units(const nsdae_projector *p, const nsdae_terms *T, double to
 /* One of the two relations that derivatives are given of: constraints and gaps. */
 typedef struct relation {
   const char *derivative; /* the callback that is judged, */
-  const char *moving;     /* and that of what moves by itself; NULL: there is none */
+  const char *moving;     /* and that of its motion with v = 0; NULL: there is none */
   int kind, rows;
   nsdae_position_fn position;
   const double *value; /* rows: at the start */
@@ -398,7 +398,7 @@ static int check_degenerate(const nsdae_terms *T)
   return NSDAE_OK;
 }
 
-/* Late times leave too few digits to steps in time, so that nothing is said there. */
+/* Late times leave too few digits to steps in time, so that nothing is reported there. */
 static int check_derivatives(nsdae_projector *p, const nsdae_terms *T, double *work)
 {
   const nsdae_system *s = T->system;

@@ -10,7 +10,7 @@
 
 /* From the start on. NSDAE_OK, or what the terms return. */
 int nsdae_monitors_start(const nsdae_sim *sim, nsdae_point *point);
-/* After a step: what is to be said now, NSDAE_WARN_... with the error record, or NSDAE_OK. */
+/* After a step: the warning of now, NSDAE_WARN_... with the error record, or NSDAE_OK. */
 int nsdae_monitors_step(const nsdae_sim *sim, const nsdae_point *before, nsdae_point *point);
 
 #endif

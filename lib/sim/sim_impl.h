@@ -101,7 +101,7 @@ typedef struct nsdae_stage {
   int failed;          /* the last step ended on the complementarity problem of next */
   double asked;        /* the time that the step in next was asked for */
   nsdae_error start;   /* a warning of the start: the first step without one returns it */
-  nsdae_error warning; /* of the last step, to be said when it is done */
+  nsdae_error warning; /* of the last step, reported when it is done */
 } nsdae_stage;
 
 /* Room in every list. */

@@ -254,7 +254,7 @@ static uint64_t checksum_of(const char *block, size_t size)
   return checksum(block, at) ^ checksum(block + after, size - after);
 }
 
-/* With so many contacts by list. */
+/* With this number of contacts by list. */
 static size_t state_bytes(const nsdae_sim *sim, int closed)
 {
   nsdae_point measured = *sim->now;

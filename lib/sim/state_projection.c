@@ -9,7 +9,7 @@
 #include "vector.h"
 
 enum {
-  ROUNDS = 60, /* of Newton's method, and so many more for each contact */
+  ROUNDS = 60, /* of Newton's method, and as many more for each contact */
   TERMS = NSDAE_TERM_MASS | NSDAE_TERM_PHI | NSDAE_TERM_JACOBIAN
 };
 
@@ -48,7 +48,7 @@ void nsdae_projector_layout(nsdae_projector *p, nsdae_arena *arena)
 
 /* ---- coordinates of unit length */
 
-/* Block b of q and v: what its kinematics is looked at by itself, for dq/dt of a block is of v of
+/* Block b of q and v: its kinematics is evaluated alone, for dq/dt of a block is of v of
  * that block. One of all where no blocks were set. */
 typedef struct part {
   int first, nq, nv; /* where its coordinates begin */

@@ -30,7 +30,7 @@ static double hair(const nsdae_sim *sim)
 }
 
 /* Of the step from the state to t1. On the grid it is dt, whatever the difference of two rounded
- * times is: so what rests at a fixed point of the step rests there at all times. */
+ * times is: so a body at a fixed point of the step stays there at all times. */
 static double length_of(const nsdae_sim *sim, double t1)
 {
   double t0 = sim->now->result.end.t, most = hair(sim);
@@ -207,7 +207,7 @@ static int happened(const nsdae_result *result)
   return result->impacts > 0 || result->changes > 0 ? NSDAE_EVENT : NSDAE_OK;
 }
 
-/* What a step that was done is to be told of. */
+/* The warnings of a step that was done. */
 static int outcome(nsdae_sim *sim)
 {
   if (sim->stage.warning.status <= 0) return happened(&sim->now->result);

@@ -32,7 +32,7 @@ typedef struct nsdae_newmark {
 /* system, error and options are set before; solve, tol, a0 and lambda0 before a step. */
 void nsdae_newmark_layout(nsdae_newmark *newmark, nsdae_arena *arena);
 
-/* One step of length h from start into end, at t_end, which is that but for rounding. multiplier
+/* One step of length h from start into end, at t_end, which is that up to rounding. multiplier
  * [m]: mean lambda. NSDAE_OK; NSDAE_E_CONVERGENCE; what the terms return. */
 int nsdae_newmark_step(nsdae_newmark *newmark, nsdae_terms *start, nsdae_terms *end, double t_end,
                        double h, double *multiplier);

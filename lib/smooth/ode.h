@@ -24,8 +24,8 @@ typedef struct nsdae_ode_problem {
 int nsdae_ode_create(const nsdae_ode_problem *problem, double rtol, double atol, nsdae_ode **ode);
 /* Other tolerances, before the next start. */
 void nsdae_ode_tolerances(nsdae_ode *ode, double rtol, double atol);
-/* From the next start on the error of so many of y, positions, is relative to the way that they go
- * in `longest`, where that is less than they are: see runge_kutta.h. */
+/* From the next start on the error of the first of y, positions, is relative to the way that they
+ * go in `longest`, where that is less than they are: see runge_kutta.h. */
 void nsdae_ode_positions(nsdae_ode *ode, int positions, double longest);
 void nsdae_ode_destroy(nsdae_ode **ode);
 

@@ -125,7 +125,8 @@ static int velocity_at_end(const nsdae_step *step)
   nsdae_step_add_constraints(step, step->end, -1, 0, s->r);
   nsdae_step_add_impulse(step, step->end, 1, 0, s->r);
   int status = nsdae_step_solve_mass(step, step->start->M, s->r);
-  /* where the matrices did not change, v_1 is v~ and not its rounding: what rests, rests */
+  /* where the matrices did not change, v_1 is v~ and not its rounding: a body at rest stays at rest
+   */
   for (int i = 0; i < s->system->dims.nv; i++)
     if (fabs(s->r[i] - s->v[i]) <= 64 * DBL_EPSILON * (fabs(s->size[i]) + fabs(s->v[i])))
       s->r[i] = s->v[i];

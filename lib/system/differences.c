@@ -110,7 +110,7 @@ int nsdae_differences_time(nsdae_differences *d, nsdae_position_fn f, int rows, 
 }
 
 /* d->moved := q(t + s) of dq/dt = H(t,q) v with v constant, by the classical method of Runge and
- * Kutta: its error s^5 is odd in s but for s^6. */
+ * Kutta: its error s^5 is odd in s except s^6. */
 static int carry(nsdae_differences *d, double t, const double *q, const double *v, double s)
 {
   static const double at[4] = {0, 0.5, 0.5, 1}, weight[4] = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6};

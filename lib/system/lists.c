@@ -16,7 +16,7 @@ void nsdae_contact_list_clear(nsdae_contact_list *list)
 static int refuse_contact(nsdae_contact_list *list, const nsdae_contact *c, int status,
                           const char *field, double value, const char *range)
 {
-  if (list->status < 0) return status; /* the first is told */
+  if (list->status < 0) return status; /* the first is reported */
   list->status = status;
   return nsdae_error_set(list->error, status, "nsdae_contact_add", field,
                          "contact of id %ld: %s = %g is outside its range: it must be %s", c->id,

@@ -18,8 +18,8 @@
  * left out or scaled breaks (1) where a is not zero, and (2) where it becomes too short for a
  * corner. s is one for all contacts of a body: the sign of one arm among several is seen, too.
  *
- * What is left no gap tells. A body that is grown by c all around, before a wall that is moved back
- * by c, has the same gap in every place, and arms that are longer by c: (1) gives b but for a
+ * No gap tells the rest. A body that is grown by c all around, before a wall that is moved back
+ * by c, has the same gap in every place, and arms that are longer by c: (1) gives b up to a
  * constant. And seen in a mirror the gap is the same, so that nothing gives the sign of all arms.
  *
  * Not every velocity alone in M is a rotation of a rigid body. One without a constant inertia is
@@ -39,7 +39,7 @@ typedef struct nsdae_moment_arms {
   double *v, *rate, *bend; /* work: nv, nq, k + nv */
 } nsdae_moment_arms;
 
-/* v^T H v of contact i along arms->v, at a fixed time: of a surface that moves by itself too. A
+/* v^T H v of contact i along arms->v, at a fixed time: of a moving surface too. A
  * callback's code. */
 int nsdae_moment_arms_bend(nsdae_moment_arms *arms, int i, double *bend);
 

@@ -110,7 +110,7 @@ int nsdae_system_set_size(nsdae_system *system, int kind, int i, double size)
 }
 
 /* The label of an item, or NULL where it has none. Velocities are the rates of the coordinates
- * where nothing else is said: theirs is the coordinate's, and *rate says so. */
+ * by default: theirs is the coordinate's, and *rate says so. */
 static const nsdae_label *find_label(const nsdae_system *system, int kind, int i, int *rate)
 {
   *rate = 0;
@@ -218,8 +218,8 @@ static int about(const nsdae_output *o)
   return o->column >= 0 && o->column != NSDAE_NAME_VELOCITY ? o->column : o->row;
 }
 
-/* The output of the callback with so many rows; of differences of it the one that they replace: one
- * of another callback, about the same. Outputs of one size belong to the same. */
+/* The output of the callback with that number of rows; of differences of it the one that they
+ * replace: one of another callback, about the same. Outputs of one size belong to the same. */
 static const nsdae_output *find_output(const nsdae_system *system, const nsdae_callback *of,
                                        int rows)
 {

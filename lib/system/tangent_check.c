@@ -39,8 +39,8 @@ static int same_mass(const nsdae_system *s, const double *M, const int *set, int
   return !*a || !*b || strcmp(a, b) == 0;
 }
 
-/* What moves as `first` does: all of that mass where they are as many as there are directions, or
- * else, of bodies that are alike, those that stand side by side. */
+/* The coordinates that move as `first` does: all of that mass where they are as many as there are
+ * directions, or else, of bodies that are alike, those that stand side by side. */
 static void decide(const nsdae_system *s, const double *M, int *set, int first)
 {
   int n = s->dims.nv, nt = s->dims.nt, all = 0, end = first, count = 0;
@@ -160,7 +160,7 @@ static int same_column(int n, const double *a, const double *b)
   return same || opposite;
 }
 
-/* The same but for the rounding of differences, up to the sign. */
+/* The same up to the rounding of differences, up to the sign. */
 static int near_column(int n, const double *a, const double *b, double tol)
 {
   double plus = 0, minus = 0;

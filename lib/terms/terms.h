@@ -88,7 +88,7 @@ void nsdae_terms_layout(nsdae_terms *terms, nsdae_arena *arena);
 void nsdae_terms_layout_rows(nsdae_rows *rows, long count, long n, long begin, long stride,
                              nsdae_arena *arena);
 
-/* Every term is out of date, but for those that there are none of. */
+/* Every term is out of date, except those that there are none of. */
 static inline void nsdae_terms_forget(nsdae_terms *terms)
 {
   terms->have = terms->absent;

@@ -7,7 +7,7 @@
 #include "direction.h"
 #include "errors.h"
 
-/* Slower than so many times what counts as zero, what parts is closed. */
+/* Slower than this multiple of the velocity threshold, a contact that opens is closed. */
 static const double SLOW = 4;
 
 /* In accumulation_time: what is closed with more than that left is not told when it would end. */

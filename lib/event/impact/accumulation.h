@@ -4,7 +4,7 @@
  * contacts for which the problem of accelerations then asks for forces F_N. What still parts has
  * the energy
  *
- *   E = [v+]^T M [v+] / 2    E- the same with v-,  q = E / E-: what is left
+ *   E = [v+]^T M [v+] / 2    E- the same with v-,  q = E / E-: the remaining share
  *
  * and comes back against F after a flight of 4 E / (F . g'), which for one contact is 2 v+ / a;
  * then after sqrt(q) of that, and so on, as at the limit the problem is linear:
@@ -12,10 +12,10 @@
  *   T = 4 E / ((F . g') (1 - sqrt(q)))           one contact: q = e^2, T = 2 v+ / (a (1 - e))
  *
  * Where T is below accumulation_time, or all that parts is as slow as the integrator's errors, or
- * of several contacts comes no further than they, so that which is hit next cannot be told, the set
- * is closed, to v_c with none of it, and the end is told at t + T. While one contact is in a long
- * flight others may come to rest in many short ones: where the set of all does not end, that of
- * those that part much slower than its fastest is asked. */
+ * of several contacts comes no further than they, so that the next hit is undecided, the set
+ * is closed, to v_c with none of it, and the end is reported at t + T. While one contact is in a
+ * long flight others may come to rest in many short ones: where the set of all does not end, that
+ * of those that part much slower than its fastest is asked. */
 #ifndef NSDAE_EVENT_ACCUMULATION_H
 #define NSDAE_EVENT_ACCUMULATION_H
 

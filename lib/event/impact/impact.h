@@ -25,9 +25,9 @@ typedef struct nsdae_event_impacts {
   double *elastic, *reaction;       /* nv, m: v+ and the bilateral impulses with e_N */
   double *velocity, *coming;        /* k: normal, of the contacts before; as the problem has it */
   double *force, *xi;               /* columns: for cones */
-  double *blur;                     /* k: so many times slower than what counts is plastic */
-  int together;                     /* what parts already is to go on parting */
-  int endless;                      /* impacts of one instant that nothing ends */
+  double *blur; /* k: multiple of the threshold below which an impact is plastic */
+  int together; /* what parts already is to go on parting */
+  int endless;  /* impacts of one instant that nothing ends */
 } nsdae_event_impacts;
 
 void nsdae_event_impacts_layout(nsdae_event_impacts *impacts, nsdae_arena *arena);
@@ -38,7 +38,7 @@ void nsdae_event_impacts_prepare(nsdae_event_impacts *impacts);
  * how many problems there were, or a status. */
 int nsdae_event_collide(nsdae_event_impacts *impacts, double *y);
 
-/* Whether contact i touches but for the integrator's error, and does not part. */
+/* Whether contact i touches up to the integrator's error, and does not part. */
 int nsdae_event_touches(const nsdae_event_setting *setting, int i);
 
 #endif

@@ -5,12 +5,12 @@
 
 enum { PROJECTIONS = 4 };
 
-/* Of what is missing, and of what counts as zero: a change that is so much larger leads elsewhere.
+/* Of the missing part, and of the tolerance: a change larger by this factor leads elsewhere.
  * Then rows nearly depend on each other and differ by no more than the integrator's errors:
  * positions and velocities are as near as they can be. */
 static const double FAR = 100;
 
-/* Rows whose sine is less depend on each other but for errors, which they would magnify. */
+/* Rows whose sine is less depend on each other up to errors, which they would magnify. */
 static const double LEAST_SINE = 1e-6;
 
 void nsdae_event_projection_layout(nsdae_event_projection *p, nsdae_arena *arena)

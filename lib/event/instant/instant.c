@@ -10,13 +10,13 @@
 /* Of the squared sines between the range of the constraints and that of the phase, the most. */
 static const double TURNED = 0.25;
 
-/* Of what counts as zero: where it is brought back, and what nothing explains. */
+/* Of the tolerance: where a gap is projected back, and where it is an error. */
 static const double STRAYED = 10, LOST = 1e5;
 
 /* The same of what is closed and comes together: so fast a drift may be a kink. */
 static const double SUSPECT = 1e3;
 
-/* Of what counts as zero for a velocity: up to there a body that begins to slide keeps its
+/* Of the tolerance of a velocity: up to there a body that begins to slide keeps its
  * direction, which would turn within its velocity's error. */
 static const double HARDLY = 100;
 

@@ -43,7 +43,7 @@ void nsdae_event_acceleration_prepare(nsdae_event_acceleration *acceleration);
 void nsdae_event_set_laws(nsdae_event_acceleration *acceleration, int impacted, double size);
 /* Solves; a paradox is NSDAE_E_PAINLEVE with the record. */
 int nsdae_event_accelerate(nsdae_event_acceleration *acceleration);
-/* What counts as zero for an acceleration. */
+/* The tolerance of an acceleration. */
 double nsdae_event_acceleration_size(const nsdae_event_acceleration *acceleration);
 
 /* Whether the present phase is in Painleve's paradox at t, y: NSDAE_OK or NSDAE_E_PAINLEVE with

@@ -6,7 +6,7 @@
  * it independent: of a sine, in rtol, and at least. */
 static const double SINE_ERROR = 100, LEAST_SINE = 1e-6;
 
-/* Of a coordinate, what nobody can tell of a gap. */
+/* Of a coordinate: the rounding of a gap. */
 static const double ROUNDING = 4e-15;
 
 void nsdae_event_set_places(nsdae_event_setting *s)

@@ -47,8 +47,8 @@ int nsdae_event_factor(nsdae_event_setting *setting);
 int nsdae_event_solve(nsdae_event_setting *setting, nsdae_contacts *contacts,
                       const nsdae_terms *terms, double *size, double *v, double *lambda);
 
-/* What counts as zero for positions (relative to the way in a dt: the origin may be anywhere) and
- * for velocities, the integrator's accuracy; and what nobody can tell of a gap, so far out. */
+/* The tolerances of positions (relative to the way in a dt: the origin may be anywhere) and
+ * for velocities, the integrator's accuracy; and the rounding of a gap, far from the origin. */
 double nsdae_event_position_size(const nsdae_event_setting *setting);
 double nsdae_event_rounding(const nsdae_event_setting *setting);
 double nsdae_event_velocity_size(const nsdae_event_setting *setting);

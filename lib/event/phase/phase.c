@@ -7,7 +7,7 @@
 
 #define AT(A, n, i, j) (A)[(size_t)(j) * (size_t)(n) + (size_t)(i)]
 
-/* What stands in the row of a force. */
+/* The row of a force. */
 typedef enum row_kind {
   ROW_NONE,      /* F = 0 */
   ROW_CLOSED,    /* what it holds has no acceleration */

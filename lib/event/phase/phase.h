@@ -23,7 +23,7 @@
 #include "lu.h"
 #include "event_context.h"
 
-/* What holds from an instant to the next. */
+/* The state between two events. */
 typedef struct nsdae_event_modes {
   int *contact;          /* k: enum nsdae_mode */
   double *direction;     /* k nt: unit vector of sliding, zero where there is none yet; with two
@@ -37,7 +37,7 @@ typedef struct nsdae_event_modes {
   int *related;       /* k + k nt: a relation stands in place of the row of this force */
   double *relation;   /* k + k nt squared, by rows: r of those that are */
   double slow;        /* slower than this a body hardly slides, in this phase */
-  double *blur;       /* k: 1, or more: what friction counts as zero is so many times as much */
+  double *blur;       /* k: 1, or more: the factor on the tolerances of friction */
   int *is_stiff;      /* 1: which of its integrators goes through it */
 } nsdae_event_modes;
 
@@ -72,7 +72,7 @@ int nsdae_event_linearise(nsdae_event_phase *phase, double t, const double *from
  * contact i, which has a row, that a unit of F_N makes there with all that else holds. */
 double nsdae_event_yield(const nsdae_event_phase *phase, int i);
 
-/* Whether contact i is slower along than ten times what counts as zero, at the point in work, which
+/* Whether contact i is slower along than ten times the tolerance, at the point in work, which
  * has its tangents. */
 int nsdae_event_hardly_slides(const nsdae_event_phase *phase, int i);
 

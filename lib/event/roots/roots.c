@@ -5,11 +5,11 @@
 #include <string.h>
 
 /* With two directions a velocity is followed through the errors of the integration, from which it
- * cannot be told at first which way it goes: so many times what counts as zero. */
+ * is undecided at first which way it goes: this multiple of the tolerance. */
 static const double TURNING = 100;
 
-/* There too what comes to a stop may turn within its velocity's error in ever shorter steps: after
- * so many what hardly slides has stopped. */
+/* There too a motion that stops may turn within its velocity's error in ever shorter steps: after
+ * this number a slow slip has stopped. */
 enum { SHORT_STEPS = 20 };
 
 void nsdae_event_roots_layout(nsdae_event_roots *r, nsdae_arena *arena)
@@ -147,7 +147,7 @@ int nsdae_event_root_values(nsdae_event_roots *r, double t, const double *y, dou
   return 0;
 }
 
-/* Size of a force that is zero but for the errors of the integration. */
+/* Size of a force that is zero up to the errors of the integration. */
 static double force_size(const nsdae_event_setting *s, const double *y)
 {
   int first = s->at.lambda;

@@ -11,7 +11,7 @@
  *
  * One that is zero at the start of a phase would be found there again and again. With a known rate
  * r > 0 it is divided by t - t_0, which makes it r at t_0 and leaves its further zeros where they
- * are (what rounding left at t_0 is taken off); without, it is lifted by what counts as zero
+ * are (what rounding left at t_0 is taken off); without, it is lifted by the tolerance
  * until it has left zero. */
 #ifndef NSDAE_EVENT_ROOTS_H
 #define NSDAE_EVENT_ROOTS_H
@@ -39,9 +39,9 @@ typedef struct nsdae_event_root {
   int index;
   nsdae_root_state state;
   int found;                 /* an instant is here for it */
-  int moved;                 /* it was above what counts as zero */
+  int moved;                 /* it was above the tolerance */
   double since, start, rate; /* of one that is rising: when, from what rounding left, how fast */
-  double size;               /* what counts as zero */
+  double size;               /* the tolerance */
 } nsdae_event_root;
 
 typedef struct nsdae_event_roots {

@@ -67,8 +67,8 @@ hid_t nsdae_vfd_access(nsdae_vfd *file);
 /* Whether name and content are still this file's: 0 or NSDAE_VFD_REPLACED, then kept. */
 int nsdae_vfd_check(nsdae_vfd *file);
 
-/* Room on the disk for so many bytes more than HDF5 has allocated. 0, or an errno: then nothing has
- * failed yet, and what was written so far can still be committed. */
+/* Room on the disk for this number of bytes more than HDF5 has allocated. 0, or an errno: then
+ * nothing has failed yet, and what was written so far can still be committed. */
 int nsdae_vfd_reserve(nsdae_vfd *file, uint64_t bytes);
 
 /* After H5Fclose. Returns the failure, if there was one. A file that was made and has nothing in

@@ -45,7 +45,7 @@ int nsdae_h5_resize(nsdae_h5 *h5, hid_t set, const hsize_t *size);
 int nsdae_h5_write_row(nsdae_h5 *h5, hid_t set, hsize_t row, hsize_t width, const void *bytes);
 int nsdae_h5_read_row(nsdae_h5 *h5, hid_t set, hsize_t row, hsize_t width, void *bytes);
 
-/* Shortens a series to so many rows; longer ones stay. */
+/* Shortens a series to this number of rows; longer ones stay. */
 int nsdae_h5_cut(nsdae_h5 *h5, hid_t series, hsize_t rows);
 
 /* Writes count rows behind the first `from`. */

@@ -53,7 +53,7 @@ int nsdae_h5_reopen(nsdae_h5 *h5);
 /* Opens it to be read. */
 int nsdae_h5_open(nsdae_h5 *h5);
 /* Before rows are written: whether what was written so far arrived, the file is still the one that
- * has its name, and the disk has room for so many bytes more. */
+ * has its name, and the disk has room for this number of bytes more. */
 int nsdae_h5_prepare(nsdae_h5 *h5, long bytes);
 /* After it the file on disk has all that was written; a program killed within it leaves what was
  * there at the flush before. */

@@ -15,7 +15,7 @@ typedef struct writer {
   nsdae_h5 *h5;
   const nsdae_friction_problem *problem;
   const char *root;
-  int dim, even;     /* rows of a contact in the file; whether all have so many */
+  int dim, even;     /* rows of a contact in the file; whether all have that number */
   int items, places; /* items, and rows of the file */
   int *rows;         /* items: of each */
   int *first;        /* items: its first row in the file */

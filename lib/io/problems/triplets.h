@@ -13,7 +13,7 @@ typedef struct nsdae_triplets {
   double *value;     /* count, finite */
 } nsdae_triplets;
 
-/* Reads any of the three forms: nz = -1 compressed columns, -2 compressed rows, >= 0 so many
+/* Reads any of the three forms: nz = -1 compressed columns, -2 compressed rows, >= 0 this number of
  * triplets. Refuses indices out of range and values that are not finite. */
 int nsdae_triplets_read(nsdae_h5 *h5, const char *group, nsdae_triplets *t);
 

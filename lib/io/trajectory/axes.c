@@ -29,7 +29,7 @@ static const struct axis {
     [SIDE] = {"/side", "side", "side", "sides of a contact", -1, NULL},
 };
 
-/* Past so many, one that has no name is its number: a text each costs more than the data. */
+/* Past this number, one that has no name is its number: a text each costs more than the data. */
 enum { NAMED_MOST = 4096, NAME_SIZE = 64 };
 
 static int length_of(int i, const nsdae_sizes *sizes)

@@ -37,8 +37,8 @@ static uint64_t sum_of(const head *h, const unsigned char *state, size_t size)
   return add_up(sum, state, size);
 }
 
-/* Memory for a place of so many bytes; half as much again where it must grow, so that it seldom
- * does. */
+/* Memory for a place of this number of bytes; half as much again where it must grow, so that it
+ * seldom does. */
 static int grow_place(nsdae_checkpoint *c, size_t bytes)
 {
   if (bytes <= c->room) return NSDAE_OK;

@@ -198,8 +198,8 @@ static int read_atom(reader *r)
   char c = next(r);
   if (is_digit(c) || c == '.') return read_number(r);
   if (is_letter(c)) return read_name(r);
-  if (c == '\0') return refuse_formula(r, "the formula ends where a value should stand,");
-  if (!take(r, '(')) return refuse_formula(r, "'%c' where a value should stand", c < ' ' ? '?' : c);
+  if (c == '\0') return refuse_formula(r, "the formula ends in place of a value,");
+  if (!take(r, '(')) return refuse_formula(r, "'%c' in place of a value", c < ' ' ? '?' : c);
   int status = read_sum(r);
   if (status == NSDAE_OK && !take(r, ')')) status = refuse_formula(r, "( without )");
   return status;

@@ -1,5 +1,5 @@
-/* What a run was told: model, sizes, options, parameters, as lines "group/key=value" in one dataset
- * of bytes. A run goes on in a file only where all but the group "run" is the same. */
+/* The settings of a run: model, sizes, options, parameters, as lines "group/key=value" in one
+ * dataset of bytes. A run goes on in a file only where all but the group "run" is the same. */
 #ifndef NSDAE_IO_SETTING_H
 #define NSDAE_IO_SETTING_H
 

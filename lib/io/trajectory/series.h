@@ -16,7 +16,7 @@ typedef struct nsdae_series {
   size_t *bytes;         /* of a row, per column */
   hsize_t chunk;         /* rows, so that no column has a chunk of more than some MiB */
   char **buffer;         /* per column */
-  hsize_t written, held; /* rows in the file, rows in the buffers; but for a column that counts */
+  hsize_t written, held; /* rows in the file, rows in the buffers; except in a column that counts */
   int packed;
   hsize_t counted; /* rows of the first column in the file, where it counts, else 0 */
 } nsdae_series;
@@ -34,7 +34,7 @@ int nsdae_series_create(nsdae_series *series, nsdae_h5 *h5, const nsdae_sizes *s
 
 /* Opens the datasets of a file, which must have the table's shapes; rows: of the shortest. */
 int nsdae_series_open(nsdae_series *series, nsdae_h5 *h5, const nsdae_sizes *sizes, hsize_t *rows);
-/* Goes on behind so many rows, whatever the file has. */
+/* Continues behind this number of rows, whatever the file has. */
 void nsdae_series_resume(nsdae_series *series, hsize_t rows);
 /* Drops what the file has behind the rows that are written, of the first column and then of the
  * others. */

@@ -201,7 +201,7 @@ static int flush_last(nsdae_trajectory *t)
   return status;
 }
 
-/* Of several failures the first is told. */
+/* Of several failures the first is reported. */
 static int finish_file(nsdae_trajectory *t, int run_status)
 {
   nsdae_error ignored, *first = t->h5.error;

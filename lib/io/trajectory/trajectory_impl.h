@@ -62,7 +62,7 @@ int nsdae_trajectory_hand_over(nsdae_trajectory *t, int status, nsdae_trajectory
 int nsdae_trajectory_is_packed(int table);
 /* A record as it comes. */
 int nsdae_trajectory_take(nsdae_trajectory *t, const nsdae_record *record);
-/* The last state is kept in any case; a run that goes on from it has its row where it belongs. */
+/* The last state is kept in any case; a run that continues there has its row where it belongs. */
 int nsdae_trajectory_append_last(nsdae_trajectory *t);
 /* The state of the simulation, where all its records are in the file. */
 int nsdae_trajectory_write_state(nsdae_trajectory *t);
@@ -74,7 +74,7 @@ int nsdae_trajectory_count_rows(nsdae_trajectory *t);
 
 /* ---- trajectory_file.c */
 
-/* A new file, but for its rows. */
+/* A new file, without its rows. */
 int nsdae_trajectory_make_file(nsdae_trajectory *t, const nsdae_trajectory_info *info);
 
 #endif

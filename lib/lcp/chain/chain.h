@@ -11,7 +11,7 @@ int nsdae_lcp_chain_run(nsdae_lcp_work *w);
  * as an int can say so. */
 void nsdae_lcp_islands_sizes(int n, int *lwork, int *liwork);
 
-/* The same for each island of the problem by itself, where it has more than one; work and iwork are
+/* The same for each island of the problem alone, where it has more than one; work and iwork are
  * those that w was laid out in. */
 int nsdae_lcp_islands_run(nsdae_lcp_work *w, double *work, int lwork, int *iwork);
 

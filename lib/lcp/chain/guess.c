@@ -116,7 +116,7 @@ static double bound(const nsdae_lcp_work *w)
   return worst;
 }
 
-/* rhs := A_BB^-1 rhs; what is left of terms that cancel is zero. */
+/* rhs := A_BB^-1 rhs; the rest of terms that cancel is zero. */
 static void divide(nsdae_lcp_work *w, int size)
 {
   double *x = w->room.rhs, *s = w->room.cover;

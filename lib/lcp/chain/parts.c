@@ -96,7 +96,7 @@ static void scatter_island(const parts *p, const part *one)
   }
 }
 
-/* What is to be said of the whole: the worst of all; of the stages the last. */
+/* The certificate of the whole: the worst of all; of the stages the last. */
 static void merge(nsdae_lcp_info *whole, const nsdae_lcp_info *one)
 {
   whole->pivots += one->pivots;
@@ -152,7 +152,7 @@ static int judge_whole(const parts *p)
   return w->info->outcome == NSDAE_OUTCOME_SOLVED;
 }
 
-/* What the failed island says is said of the whole. */
+/* The certificate of the failed island is that of the whole. */
 static int report(const parts *p, int failed)
 {
   part one;

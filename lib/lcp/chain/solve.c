@@ -49,7 +49,7 @@ static int in_range(const nsdae_lcp_options *o)
          o->stages <= NSDAE_LCP_ALL && o->enumerate_max >= 0 && o->enumerate_max <= 24;
 }
 
-/* 0 * a is zero but for NaN and infinity; sums side by side, for the latency of an addition. */
+/* 0 * a is zero except for NaN and infinity; sums side by side, for the latency of an addition. */
 static int all_finite(size_t n, const double *a)
 {
   enum { SUMS = 16 };

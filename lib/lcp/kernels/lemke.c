@@ -45,7 +45,7 @@ static double perturbation(const method *m, int i, int k)
 }
 
 /* Whether row i comes before row r in the lexicographic ratio test of column c. Coefficients are of
- * the order of one in the unit of their row; what is left of two equal ones is not compared. */
+ * the order of one in the unit of their row; the rest of two equal ones is not compared. */
 static int before(const method *m, int i, int r, const double *c)
 {
   double unit_i = 1 / -c[i], unit_r = 1 / -c[r];

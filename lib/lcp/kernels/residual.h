@@ -2,8 +2,9 @@
 #ifndef NSDAE_LCP_RESIDUAL_H
 #define NSDAE_LCP_RESIDUAL_H
 
-/* The terms of a row count for its size up to so many times the largest b: larger ones would hide b
- * in their rounding, and any null vector of A that is long enough would pass for a solution. */
+/* The terms of a row count for its size up to this multiple of the largest b: larger ones would
+ * hide b in their rounding, and any null vector of A that is long enough would pass for a solution.
+ */
 #define NSDAE_LCP_FAR 1e6
 
 /* min(x / sx, y / sy) with its sign, x and y being the i-th of theirs; column is that of A, sizes

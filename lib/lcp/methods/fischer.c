@@ -1,7 +1,7 @@
 /* phi_i(x) = x_i + y_i - sqrt(x_i^2 + y_i^2), y = A x + b, is zero exactly where x_i >= 0, y_i >= 0
  * and x_i y_i = 0 (Fischer, Optimization 24, 1992). Levenberg-Marquardt steps on |phi|^2 / 2 with
  * backtracking (De Luca, Facchinei, Kanzow, Math. Program. 75, 1996): a stationary point need not
- * be a solution, so what comes out is judged by its residual like everything else. */
+ * be a solution, so the result is judged by its residual like everything else. */
 #include "fischer.h"
 
 #include <math.h>
@@ -17,7 +17,7 @@ typedef struct newton {
   double *phi, *step, *trial, *spare; /* n */
 } newton;
 
-/* So many steps must halve the norm; a step must better the worst of the last norms (Grippo,
+/* This number of steps must halve the norm; a step must better the worst of the last norms (Grippo,
  * Lampariello, Lucidi, SIAM J. Numer. Anal. 23, 1986), of which memory says how many. */
 enum { PATIENCE = 20 };
 

@@ -9,7 +9,7 @@
 #include "dense.h"
 
 typedef struct split {
-  int n, size; /* rows, of which so many are in the set */
+  int n, size; /* rows, of which this number are in the set */
   const double *A;
   const int *basis;
   double *lu, *part; /* size x size, size */

@@ -19,8 +19,9 @@ double nsdae_lcp_residual(nsdae_lcp_work *w)
   return isnan(residual) || w->scaled.out_of_range ? INFINITY : residual;
 }
 
-/* Up to so many rows a solution with a residual above this part of tol is doubted: it owes more
- * than rounding, as where an x_i or y_i below zero was cut off; another stage mostly has a better.
+/* Up to this number of rows a solution with a residual above this part of tol is doubted: it owes
+ * more than rounding, as where an x_i or y_i below zero was cut off; another stage mostly has a
+ * better.
  */
 enum { DOUBTED = 40 };
 static const double DOUBT = 1e-3;

@@ -1,4 +1,4 @@
-/* Whether a point solves the problem: the one place where that is said. */
+/* Whether a point solves the problem: the only test of that. */
 #ifndef NSDAE_LCP_JUDGE_H
 #define NSDAE_LCP_JUDGE_H
 

@@ -11,7 +11,7 @@ typedef struct nsdae_lcp_scaled {
   int out_of_range;     /* no scale brings b to the middle of the range: nothing is judged */
 } nsdae_lcp_scaled;
 
-/* What a stage works in; nothing in it outlives the stage, but for the vector of a proof in point.
+/* What a stage works in; nothing in it outlives the stage, except the vector of a proof in point.
  */
 typedef struct nsdae_lcp_room {
   double *cover;  /* n */
