@@ -1,3 +1,4 @@
+/* Names of outcomes and proofs. */
 #include <nsdae/certificate.h>
 
 const char *nsdae_outcome_name(int outcome)

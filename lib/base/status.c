@@ -1,3 +1,4 @@
+/* Names and messages of the status codes, from the one list of status.h. */
 #include <nsdae/status.h>
 
 #include <stddef.h>

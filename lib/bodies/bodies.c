@@ -1,3 +1,4 @@
+/* The kit: bodies, gravity, start, and the system that is made of them. */
 #include <math.h>
 #include <stdarg.h>
 #include <stdint.h>

@@ -406,7 +406,7 @@ int nsdae_multifrontal_factor(nsdae_multifrontal *f, int symmetric)
 }
 
 /* Entries of the permuted vector in the rows below the supernode, and back. */
-static void gather(const nsdae_multifrontal *f, int s, int add)
+static void gather_rest(const nsdae_multifrontal *f, int s, int add)
 {
   const nsdae_symbolic *t = &f->tree;
   double *g = f->work.gather;
@@ -431,7 +431,7 @@ static void forward(nsdae_multifrontal *f, int s)
               P, p, x, 1);
   if (r == 0) return;
   cblas_dgemv(CblasColMajor, CblasNoTrans, r, p, -1, R, r, x, 1, 0, f->work.gather, 1);
-  gather(f, s, 1);
+  gather_rest(f, s, 1);
 }
 
 static void backward(nsdae_multifrontal *f, int s)
@@ -440,7 +440,7 @@ static void backward(nsdae_multifrontal *f, int s)
   const double *P = f->F + f->super.factor[s], *R = P + (size_t)p * (size_t)p,
                *U = R + (size_t)p * (size_t)r;
   double *x = f->work.vector + f->place[f->super.begin[s]];
-  if (r > 0) gather(f, s, 0);
+  if (r > 0) gather_rest(f, s, 0);
   if (r > 0 && f->symmetric)
     cblas_dgemv(CblasColMajor, CblasTrans, r, p, -1, R, r, f->work.gather, 1, 1, x, 1);
   else if (r > 0)

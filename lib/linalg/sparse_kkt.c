@@ -168,7 +168,7 @@ static double part_of(double worst, double size)
   return worst == 0 ? 0 : worst / size;
 }
 
-static double larger(double most, double a)
+static double max_with_nan(double most, double a)
 {
   return a <= most || isnan(most) ? most : a; /* NaN stays */
 }
@@ -187,8 +187,8 @@ static double error_of_forces(const nsdae_sparse_kkt *k)
   }
   nsdae_sparse_kkt_add_transposed(k, a->J, -1, a->l, a->g, a->size);
   for (int j = 0; j < n; j++) {
-    worst = larger(worst, fabs(a->g[j]));
-    size = larger(size, a->size[j]);
+    worst = max_with_nan(worst, fabs(a->g[j]));
+    size = max_with_nan(size, a->size[j]);
   }
   return part_of(worst, size);
 }
@@ -210,16 +210,16 @@ static double error_of_rows(const nsdae_sparse_kkt *k)
         for (int j = 0; j < m; j++) terms += fabs(value[j] * x[j]);
       }
       a->d[row] = a->c[row] - a->d[row];
-      size = larger(size, terms);
-      if (!nsdae_sparse_kkt_is_dropped(k, i, row)) worst = larger(worst, fabs(a->d[row]));
+      size = max_with_nan(size, terms);
+      if (!nsdae_sparse_kkt_is_dropped(k, i, row)) worst = max_with_nan(worst, fabs(a->d[row]));
     }
   return part_of(worst, size);
 }
 
-static double residual(const nsdae_sparse_kkt *k)
+static double residual_of_groups(const nsdae_sparse_kkt *k)
 {
   double forces = error_of_forces(k), rows = error_of_rows(k);
-  return larger(forces, rows);
+  return max_with_nan(forces, rows);
 }
 
 /* x += z and l += h with the solution of g and d. */
@@ -243,20 +243,20 @@ static void correct(nsdae_sparse_kkt *k)
 static double refine(nsdae_sparse_kkt *k)
 {
   nsdae_kkt_values *a = &k->at;
-  double last = INFINITY, now = residual(k);
+  double last = INFINITY, now = residual_of_groups(k);
   for (int i = 0; i < REFINEMENTS && now > DBL_EPSILON && now < last / 2; i++) {
     last = now;
     correct(k);
-    now = residual(k);
+    now = residual_of_groups(k);
   }
   if (now <= last || !(last < INFINITY)) return now;
   nsdae_add(a->blocks.first[a->blocks.count], -1, a->z, a->x);
   nsdae_add(k->part.row_count, -1, a->h, a->l);
-  return residual(k);
+  return residual_of_groups(k);
 }
 
 /* The right-hand side, which is the residual of x = 0, l = 0. */
-static void begin(nsdae_sparse_kkt *k, const double *r, const double *lambda)
+static void set_right_hand_side(nsdae_sparse_kkt *k, const double *r, const double *lambda)
 {
   nsdae_kkt_values *a = &k->at;
   size_t n = (size_t)a->blocks.first[a->blocks.count], m = (size_t)k->part.row_count;
@@ -273,7 +273,7 @@ static void begin(nsdae_sparse_kkt *k, const double *r, const double *lambda)
 int nsdae_sparse_kkt_solve(nsdae_sparse_kkt *k, const double *r, double *v, double *lambda)
 {
   const nsdae_kkt_values *a = &k->at;
-  begin(k, r, lambda);
+  set_right_hand_side(k, r, lambda);
   correct(k);
   double error = refine(k);
   if (error <= ENOUGH && k->rank.count < k->part.row_count) {

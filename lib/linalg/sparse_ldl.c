@@ -41,7 +41,7 @@ double nsdae_sparse_ldl_work(const nsdae_multifrontal *f)
   return work;
 }
 
-static void lay_out(void *object, nsdae_arena *arena)
+static void lay_out_factor(void *object, nsdae_arena *arena)
 {
   nsdae_sparse_ldl *l = object;
   long n = l->order, entries = (long)l->entries, fill = (long)l->fill;
@@ -84,7 +84,7 @@ int nsdae_sparse_ldl_analyse(nsdae_sparse_ldl *l, const nsdae_multifrontal *f)
   l->order = f->order;
   l->fill = fill_of(f);
   l->entries = f->values; /* both triangles: more than enough */
-  if (nsdae_arena_fit(&l->memory, lay_out, l) != NSDAE_OK) return NSDAE_E_MEMORY;
+  if (nsdae_arena_fit(&l->memory, lay_out_factor, l) != NSDAE_OK) return NSDAE_E_MEMORY;
   l->first[0] = 0;
   for (int k = 0; k < f->graph.n; k++)
     for (int r = 0; r < size_of(f, k); r++) add_column(l, f, k, r);

@@ -187,7 +187,7 @@ static double work_of_fronts(const nsdae_supernodes *s)
   return work;
 }
 
-static int choose(nsdae_sparse_kkt *k)
+static int choose_backend(nsdae_sparse_kkt *k)
 {
   double ldl = k->backend == NSDAE_KKT_SCHUR ? HUGE_VAL : nsdae_sparse_ldl_work(&k->schur);
   double fronts = k->backend == NSDAE_KKT_LDL ? HUGE_VAL : work_of_fronts(&k->schur.super);
@@ -207,7 +207,7 @@ static int analyse(nsdae_sparse_kkt *k)
   if (nsdae_arena_fit(&k->of_graph, lay_out_graph, n) != NSDAE_OK) return NSDAE_E_MEMORY;
   list_neighbours(n, n->index);
   int status = nsdae_multifrontal_analyse(&k->schur, n->count, n->size, n->first, n->index);
-  return status < 0 ? status : choose(k);
+  return status < 0 ? status : choose_backend(k);
 }
 
 int nsdae_sparse_kkt_analyse(nsdae_sparse_kkt *k, const nsdae_kkt_part *part)

@@ -166,7 +166,7 @@ static int mark(nsdae_sparse_kkt *k)
 }
 
 /* Counts the dropped rows, and measures the sine of the one with the largest pivot. */
-static void count(nsdae_sparse_kkt *k)
+static void count_rank(nsdae_sparse_kkt *k)
 {
   const nsdae_kkt_nodes *n = &k->nodes;
   const nsdae_multifrontal_rank *r = &k->schur.rank;
@@ -203,7 +203,7 @@ int nsdae_sparse_kkt_find_rank(nsdae_sparse_kkt *k)
   do {
     if (nsdae_multifrontal_factor(&k->schur, 1) != 0) return NSDAE_E_NONFINITE;
   } while (mark(k) > 0);
-  count(k);
+  count_rank(k);
   return NSDAE_OK;
 }
 

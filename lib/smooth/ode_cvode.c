@@ -1,3 +1,5 @@
+/* Backward differences (BDF) of variable order and step by SUNDIALS CVODE: Hindmarsh et al., ACM
+ * Trans. Math. Softw. 31 (2005) 363. */
 #include "ode.h"
 
 #include <math.h>

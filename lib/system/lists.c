@@ -138,15 +138,15 @@ static int grow_contacts(nsdae_contact_list *l, size_t entries, size_t values)
   return status < 0 ? status : nsdae_arrays_grow(value, 1, values);
 }
 
-static size_t larger(size_t a, size_t b)
+static size_t max_size(size_t a, size_t b)
 {
   return a > b ? a : b;
 }
 
 int nsdae_contact_list_grow(nsdae_contact_list *l, const nsdae_room *room)
 {
-  const nsdae_room new = {larger(l->room.entries, room->entries),
-                          larger(l->room.values, room->values)};
+  const nsdae_room new = {max_size(l->room.entries, room->entries),
+                          max_size(l->room.values, room->values)};
   int status = grow_contacts(l, new.entries, new.values);
   if (status == NSDAE_OK) l->room = new;
   return status;
@@ -221,8 +221,8 @@ void nsdae_row_list_close(nsdae_row_list *list)
 
 int nsdae_row_list_grow(nsdae_row_list *l, const nsdae_room *room)
 {
-  const nsdae_room new = {larger(l->room.entries, room->entries),
-                          larger(l->room.values, room->values)};
+  const nsdae_room new = {max_size(l->room.entries, room->entries),
+                          max_size(l->room.values, room->values)};
   const nsdae_array each[] = {NSDAE_ARRAY(l->rows->block, 1), NSDAE_ARRAY(l->rows->at, 1)};
   const nsdae_array value[] = {NSDAE_ARRAY(l->rows->value, 1)};
   int status = nsdae_arrays_grow(each, ROW_ARRAYS, new.entries);

@@ -1,3 +1,4 @@
+/* What a system knows of the kit that made it: exact derivatives, and names for messages. */
 #include "errors.h"
 #include "system_impl.h"
 

@@ -1,3 +1,4 @@
+/* A system: its sizes, and setters that check each argument against its range. */
 #include "system_impl.h"
 
 #include <limits.h>

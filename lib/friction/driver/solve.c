@@ -87,7 +87,7 @@ static void merge(nsdae_friction_info *whole, const nsdae_friction_info *one)
   if (one->stage > whole->stage) whole->stage = one->stage;
 }
 
-static int lay_out(nsdae_friction_solver *s, int island)
+static int lay_out_island(nsdae_friction_solver *s, int island)
 {
   s->run = (nsdae_fc_run){.island = {.fc = {.global = &s->global, .label = island},
                                      .system = &s->system,
@@ -101,7 +101,7 @@ static int lay_out(nsdae_friction_solver *s, int island)
 static int reserve(nsdae_friction_solver *s)
 {
   for (int island = 0; island < s->global.islands.count; island++)
-    if (lay_out(s, island) != NSDAE_OK) return NSDAE_E_MEMORY;
+    if (lay_out_island(s, island) != NSDAE_OK) return NSDAE_E_MEMORY;
   return NSDAE_OK;
 }
 
@@ -109,7 +109,7 @@ int nsdae_fc_reserve(nsdae_friction_solver *s, const nsdae_friction_problem *lar
 {
   int status = prepare(s, largest, NULL);
   for (int island = 0; island < s->global.islands.count && status == NSDAE_OK; island++) {
-    status = lay_out(s, island);
+    status = lay_out_island(s, island);
     if (status != NSDAE_OK) return status;
     nsdae_fc_fill(&s->run.island.fc, s->global.q);
     status = nsdae_fc_system_analyse(&s->system, &s->run.island.fc);
@@ -135,7 +135,7 @@ static int solve_islands(nsdae_friction_solver *s, const nsdae_friction_options 
   memset(w->r, 0, (size_t)w->view.m * sizeof *w->r);
   memset(w->r_low, 0, (size_t)w->view.m * sizeof *w->r_low);
   for (int island = 0; island < w->islands.count && status == NSDAE_OK; island++) {
-    if (w->islands.count > 1) lay_out(s, island); /* one alone is laid out */
+    if (w->islands.count > 1) lay_out_island(s, island); /* one alone is laid out */
     run->options = options;
     run->budget.tol = options->tol - fmin(0.2 * options->tol, ROUNDING);
     run->budget.double_double = s->double_double;
@@ -188,9 +188,9 @@ static int certify(const nsdae_fc_global *w, double tol, double *r, double *low,
 }
 
 /* All of a solution; low NULL: in one part. */
-static int solve(nsdae_friction_solver *s, const nsdae_friction_problem *problem,
-                 const nsdae_friction_options *options, double *r, double *low, double *u,
-                 nsdae_friction_info *info)
+static int solve_problem(nsdae_friction_solver *s, const nsdae_friction_problem *problem,
+                         const nsdae_friction_options *options, double *r, double *low, double *u,
+                         nsdae_friction_info *info)
 {
   nsdae_friction_options defaults;
   nsdae_friction_info own;
@@ -218,7 +218,7 @@ int nsdae_friction_solver_solve(nsdae_friction_solver *solver,
                                 const nsdae_friction_options *options, double *r, double *u,
                                 nsdae_friction_info *info)
 {
-  return solve(solver, problem, options, r, NULL, u, info);
+  return solve_problem(solver, problem, options, r, NULL, u, info);
 }
 
 /* With a solver of its own. */
@@ -229,7 +229,7 @@ static int solve_once(const nsdae_friction_problem *problem, const nsdae_frictio
   if (info) *info = (nsdae_friction_info){.residual = INFINITY};
   int status = nsdae_friction_create(&solver);
   if (status != NSDAE_OK) return status;
-  status = solve(solver, problem, options, r, low, u, info);
+  status = solve_problem(solver, problem, options, r, low, u, info);
   nsdae_friction_destroy(&solver);
   return status;
 }

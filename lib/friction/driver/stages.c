@@ -279,7 +279,7 @@ static int watch(const nsdae_fc_iterate *it, void *user)
   return run->options->progress(&now, run->options->user);
 }
 
-static void begin(nsdae_fc_run *run)
+static void begin_run(nsdae_fc_run *run)
 {
   const nsdae_friction_options *o = run->options;
   const double n = run->island.fc.n, own = fmin(WORK / n, EACH * n);
@@ -302,7 +302,7 @@ static void begin(nsdae_fc_run *run)
 }
 
 /* The better one of the best points with and without the guess. */
-static void choose(nsdae_fc_run *run)
+static void choose_solvers(nsdae_fc_run *run)
 {
   nsdae_fc_iterate *it = &run->iterate;
   if (it->residual == INFINITY) {
@@ -351,7 +351,7 @@ int nsdae_fc_run_stages(nsdae_fc_run *run)
   ended last[STAGES];
   double before = -1, growth = 1;
   for (int i = 0; i < STAGES; i++) last[i] = (ended){NAN, 1};
-  begin(run);
+  begin_run(run);
   int over = run_rows(run, 0, FIRST_OF_ROUND, 1, last);
   for (; !over && run->iterate.work.products > before; growth *= GROWTH) {
     before = run->iterate.work.products;
@@ -361,7 +361,7 @@ int nsdae_fc_run_stages(nsdae_fc_run *run)
     run->info.proof = NSDAE_PROOF_FARKAS;
     return NSDAE_OK;
   }
-  choose(run);
+  choose_solvers(run);
   if (solved(run) && run->options->refine > 0) polish(run);
   run->info.outcome = solved(run) ? NSDAE_OUTCOME_SOLVED : NSDAE_OUTCOME_UNSOLVED;
   run->info.residual = run->iterate.residual;

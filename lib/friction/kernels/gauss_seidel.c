@@ -23,7 +23,7 @@ static int is_definite(const double *D)
 }
 
 /* Returns 0, or 1 if the diagonal block is not positive definite. */
-static int prepare(const nsdae_fc_arguments *p, int c, int i, own *o)
+static int prepare_contact(const nsdae_fc_arguments *p, int c, int i, own *o)
 {
   nsdae_fc_arguments_diagonal(p, c, i, o->D);
   nsdae_fc_turn_matrix(o->D, o->turn);
@@ -51,8 +51,8 @@ static void solve_scaled(own *o, const double *q, double mu, double *r)
 }
 
 /* The r [3] that obeys the law of contact c, if with the impulse old [3] its velocity is u [3]. */
-static void solve(const nsdae_fc_arguments *p, int c, own *o, const double *old, const double *u,
-                  double *r)
+static void solve_contact(const nsdae_fc_arguments *p, int c, own *o, const double *old,
+                          const double *u, double *r)
 {
   double q[3] = {u[0], u[1], u[2]}, from[3] = {old[0], old[1], old[2]};
   nsdae_fc_turn(o->turn, 1, from);
@@ -81,8 +81,8 @@ int nsdae_dfccon(int rows, const double *a, int lda, const double *q, double mu,
   double zero[3] = {0}, v[3] = {0}, x[3];
   own o;
   memcpy(v, q, (size_t)rows * sizeof *v);
-  if (prepare(&p, 0, 0, &o) != 0) return 1;
-  solve(&p, 0, &o, zero, v, x);
+  if (prepare_contact(&p, 0, 0, &o) != 0) return 1;
+  solve_contact(&p, 0, &o, zero, v, x);
   memcpy(r, x, (size_t)rows * sizeof *r);
   return nsdae_dfcres(1, &rows, a, lda, q, &mu, r, u, residual) == 0 ? 0 : 2;
 }
@@ -95,7 +95,7 @@ static void sweep(const nsdae_fc_arguments *p, int m, own *all, double *r, doubl
     double old[3] = {0}, v[3] = {0}, next[3];
     memcpy(old, r + i, (size_t)rows * sizeof *old);
     memcpy(v, u + i, (size_t)rows * sizeof *v);
-    solve(p, c, all + c, old, v, next);
+    solve_contact(p, c, all + c, old, v, next);
     for (int k = 0; k < rows; k++, i++) {
       const double *column = p->a + (size_t)i * (size_t)p->lda;
       double change = next[k] - old[k];
@@ -127,7 +127,7 @@ int nsdae_dfcbgs(int nc, const int *rows, const double *a, int lda, const double
   own *all = (own *)(void *)work;
   double *u = work + (size_t)OWN * (size_t)nc;
   for (int c = 0, i = 0; c < nc; i += nsdae_fc_arguments_rows(&p, c++))
-    if (prepare(&p, c, i, all + c) != 0) return 2;
+    if (prepare_contact(&p, c, i, all + c) != 0) return 2;
   for (*iterations = 0;; ++*iterations) {
     if (nsdae_dfcres(nc, rows, a, lda, q, mu, r, u, residual) != 0) return 3;
     if (*residual <= tol) return 0;

@@ -18,7 +18,7 @@ static size_t pairs_of(const nsdae_fc_scaled *c, int k)
   return c->local ? n : n * n;
 }
 
-static void lay_out(void *object, nsdae_arena *arena)
+static void lay_out_system(void *object, nsdae_arena *arena)
 {
   nsdae_fc_system *m = object;
   const nsdae_fc_scaled *c = m->fc;
@@ -133,7 +133,7 @@ int nsdae_fc_system_analyse(nsdae_fc_system *m, const nsdae_fc_scaled *c)
   int row, column;
   m->fc = c;
   m->dense = c->local && (c->all_listed || c->n <= DENSE);
-  if (nsdae_arena_fit(&m->memory, lay_out, m) != NSDAE_OK) return NSDAE_E_MEMORY;
+  if (nsdae_arena_fit(&m->memory, lay_out_system, m) != NSDAE_OK) return NSDAE_E_MEMORY;
   if (m->dense) {
     m->cost = price(m);
     return NSDAE_OK;

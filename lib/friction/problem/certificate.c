@@ -1,3 +1,5 @@
+/* The certificate: the scaled natural residual of every item, with velocities from the data as
+ * given. */
 #include "friction_certificate.h"
 
 #include <float.h>

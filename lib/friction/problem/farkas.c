@@ -75,7 +75,7 @@ static int count_columns(const nsdae_fc_scaled *c)
   return m;
 }
 
-static void lay_out(void *object, nsdae_arena *arena)
+static void lay_out_farkas(void *object, nsdae_arena *arena)
 {
   nsdae_fc_farkas *f = object;
   long n = f->cone.n, m = f->cone.m;
@@ -174,7 +174,7 @@ static int combine(nsdae_fc_farkas *f)
 }
 
 /* Entry i of the chosen columns, into a. */
-static void gather(const nsdae_fc_farkas *f, const double *from, int i, int k, double *a)
+static void gather_columns(const nsdae_fc_farkas *f, const double *from, int i, int k, double *a)
 {
   for (int e = 0; e < k; e++) a[e] = from[(size_t)f->chosen[e] * (size_t)f->cone.n + (size_t)i];
 }
@@ -184,7 +184,7 @@ static int holds(nsdae_fc_farkas *f, int k)
 {
   double *a = f->exact, *l = f->exact + f->cone.n;
   for (int i = 0; i < f->cone.n; i++) {
-    gather(f, f->columns, i, k, a);
+    gather_columns(f, f->columns, i, k, a);
     if (nsdae_exact_sign(k, a, 1, l) != (i < f->cone.n - 1 ? 0 : -1)) return 0;
   }
   return 1;
@@ -279,7 +279,7 @@ static double bound_defect(const nsdae_fc_farkas *f, int k)
 }
 
 /* G l - b into s, in twice the precision; size: what its rounding is relative to. */
-static void residual(const nsdae_fc_farkas *f, int k, double *s, double *size)
+static void residual_of_cone(const nsdae_fc_farkas *f, int k, double *s, double *size)
 {
   for (int i = 0; i < k; i++) {
     double high = f->kept[i] == f->cone.n - 1 ? 1 : 0, low = 0;
@@ -297,7 +297,7 @@ static void residual(const nsdae_fc_farkas *f, int k, double *s, double *size)
 static void improve(nsdae_fc_farkas *f, int k)
 {
   for (int e = 0; e < k; e++) f->target[e] = f->cone.z[f->chosen[e]];
-  residual(f, k, f->cone.s, f->exact);
+  residual_of_cone(f, k, f->cone.s, f->exact);
   nsdae_la_lu_solve(k, f->cone.factor, k, f->pivot, f->cone.s);
   for (int e = 0; e < k; e++) f->target[e] -= f->cone.s[e];
 }
@@ -306,7 +306,7 @@ static void improve(nsdae_fc_farkas *f, int k)
 static double bound_distance(nsdae_fc_farkas *f, int k, double defect)
 {
   double worst = 0, unit = (k + 4) * DBL_EPSILON;
-  residual(f, k, f->cone.s, f->exact);
+  residual_of_cone(f, k, f->cone.s, f->exact);
   for (int i = 0; i < k; i++)
     f->cone.s[i] = fabs(f->cone.s[i]) * (1 + unit) + unit * unit * f->exact[i];
   for (size_t i = 0; i < (size_t)k; i++) {
@@ -354,7 +354,7 @@ int nsdae_fc_farkas_find(nsdae_fc_farkas *f, const nsdae_fc_scaled *fc, double *
   f->cone.n = fc->ny + 1;
   f->cone.m = count_columns(fc);
   if (f->cone.n > MOST_ROWS || f->cone.m > MOST_COLUMNS || rests(fc)) return 0;
-  if (nsdae_arena_fit(&f->memory, lay_out, f) != NSDAE_OK) return NSDAE_E_MEMORY;
+  if (nsdae_arena_fit(&f->memory, lay_out_farkas, f) != NSDAE_OK) return NSDAE_E_MEMORY;
   fill(f);
   scale(f);
   int k = combine(f);

@@ -27,7 +27,7 @@ static int unknowns(const nsdae_friction_problem *p, int i)
   return nsdae_fc_rows(p, i) == 2 ? 4 : -1;
 }
 
-static void count(nsdae_fc_as_lcp *s, const nsdae_fc_scaled *fc)
+static void count_unknowns(nsdae_fc_as_lcp *s, const nsdae_fc_scaled *fc)
 {
   s->m = s->bilateral = s->n = 0;
   for (int k = 0; k < fc->n; k++) {
@@ -47,7 +47,7 @@ void nsdae_fc_as_lcp_layout(nsdae_fc_as_lcp *s, const nsdae_fc_scaled *fc, nsdae
 {
   int n = 4 * fc->n < LARGEST ? 4 * fc->n : LARGEST,
       m = 2 * fc->n < 2 * LARGEST ? 2 * fc->n : 2 * LARGEST;
-  count(s, fc);
+  count_unknowns(s, fc);
   nsdae_lcp_workspace(n, &s->lwork, &s->liwork);
   s->row = NSDAE_ARENA_INTS(arena, m);
   s->W = NSDAE_ARENA_DOUBLES(arena, m * (m + 1L));

@@ -1,3 +1,5 @@
+/* One sweep of nonlinear block Gauss-Seidel: each contact in turn is solved exactly (one_contact.c)
+ * with the velocities u = J y + q of the impulses found so far. */
 #include "anderson.h"
 
 #include <math.h>
@@ -43,7 +45,7 @@ static inline void apply_part(int n, const double *restrict J, const double *res
 }
 
 /* u = J^T y + q + C r of item k */
-static inline void gather(const nsdae_fc_scaled *c, int k, double *u)
+static inline void gather_block(const nsdae_fc_scaled *c, int k, double *u)
 {
   const double *r = c->r + 3 * k;
   for (int j = 0; j < 3; j++) u[j] = c->items.q[3 * k + j] + c->items.C[3 * k + j] * r[j];
@@ -141,7 +143,7 @@ double nsdae_fc_sweep(nsdae_fc_scaled *c, int sweeps, double *slip)
     change = 0;
     for (int k = 0; k < c->n; k++) {
       double u[3], r[3];
-      gather(c, k, u);
+      gather_block(c, k, u);
       solve_item(c, k, u, slip, r);
       for (int j = 0; j < 3; j++) r[j] -= c->r[3 * k + j];
       double most = nsdae_larger(nsdae_larger(fabs(r[0]), fabs(r[1])), fabs(r[2]));
@@ -157,7 +159,7 @@ static double item_residual(const nsdae_fc_scaled *c, int k)
 {
   const double *r = c->r + 3 * k, rho = c->items.rho[k];
   double u[3], x[3] = {rho * r[0], rho * r[1], rho * r[2]};
-  gather(c, k, u);
+  gather_block(c, k, u);
   return c->items.weight[k] * nsdae_fc_natural(c->items.kind[k], c->items.mu[k], x, NULL, u);
 }
 

@@ -70,7 +70,7 @@ static int plain(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_budget
 }
 
 /* From the iterate; 1: it is a solution. */
-static int begin(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_budget *b)
+static int begin_sweeps(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_budget *b)
 {
   int seen = 0;
   memset(s->slip, 0, (size_t)s->fc.n * sizeof *s->slip);
@@ -81,12 +81,12 @@ static int begin(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_budget
 
 int nsdae_fc_nsgs(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_budget *b)
 {
-  (void)(begin(s, it, b) || accelerated(s, it, b));
+  (void)(begin_sweeps(s, it, b) || accelerated(s, it, b));
   return it->residual <= b->tol;
 }
 
 int nsdae_fc_nsgs_plain(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_budget *b)
 {
-  (void)(begin(s, it, b) || plain(s, it, b));
+  (void)(begin_sweeps(s, it, b) || plain(s, it, b));
   return it->residual <= b->tol;
 }

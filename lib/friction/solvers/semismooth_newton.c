@@ -50,7 +50,7 @@ static int solve_problem(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_f
   return 0;
 }
 
-static void begin(nsdae_fc_newton *newton, double alpha)
+static void begin_proximal(nsdae_fc_newton *newton, double alpha)
 {
   newton->alpha = alpha;
   newton->epsilon = 0;
@@ -65,7 +65,7 @@ double nsdae_fc_proximal_points(nsdae_fc_island *s, nsdae_fc_iterate *it, const 
   nsdae_fc_velocities(&s->fc, s->fc.r, s->fc.y, s->fc.u);
   double residual = best = nsdae_fc_offer(s, it);
   memcpy(s->point, s->fc.r, nsdae_fc_bytes(s));
-  begin(newton, fmax(SHARE * residual, NSDAE_FC_REGULAR));
+  begin_proximal(newton, fmax(SHARE * residual, NSDAE_FC_REGULAR));
   while (!(residual <= b->tol) && it->work.steps - mark < IDLE) {
     if (it->work.steps >= b->steps || it->work.products >= b->products || it->work.interrupted)
       break;
@@ -101,7 +101,7 @@ int nsdae_fc_semismooth_newton(nsdae_fc_island *s, nsdae_fc_iterate *it, const n
 
 void nsdae_fc_polish(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_budget *b, int steps)
 {
-  begin(&s->newton, SLIGHT);
+  begin_proximal(&s->newton, SLIGHT);
   nsdae_fc_set_point(s, it->r);
   for (int k = 0; k < steps && it->residual > 0; k++) {
     double before = it->residual;

@@ -43,7 +43,8 @@ static int correct(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_budg
 }
 
 /* The first point of the path, from r = 0. */
-static int begin(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_budget *b, double loose)
+static int begin_path(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_budget *b,
+                      double loose)
 {
   int steps = INNER;
   s->newton.alpha = NSDAE_FC_REGULAR;
@@ -62,7 +63,7 @@ static double follow(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_bu
                      double loose)
 {
   double shrink = 0.3, residual = INFINITY;
-  int steps = begin(s, it, b, loose);
+  int steps = begin_path(s, it, b, loose);
   while (steps > 0) {
     residual = nsdae_fc_offer(s, it);
     if (residual <= b->tol) break;

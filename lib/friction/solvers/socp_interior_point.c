@@ -123,7 +123,7 @@ static void spectral_decomposition(double e, const double z[3], double *a, doubl
 }
 
 /* A point inside both cones, at fc->r and its velocities. */
-static void begin(nsdae_fc_socp *p, nsdae_fc_scaled *c, double e)
+static void begin_interior(nsdae_fc_socp *p, nsdae_fc_scaled *c, double e)
 {
   memset(p->da, 0, 3 * (size_t)c->n * sizeof *p->da);
   memset(p->db, 0, 3 * (size_t)c->n * sizeof *p->db);
@@ -354,7 +354,7 @@ static int run_from(nsdae_fc_island *all, nsdae_fc_iterate *it, const nsdae_fc_b
   nsdae_fc_scaled *c = &all->fc;
   const double last = 1e-2 * budget->tol * budget->tol;
   nsdae_fc_velocities(c, c->r, c->y, c->u);
-  begin(p, c, e);
+  begin_interior(p, c, e);
   evaluate_gap(p, c);
   double now = mean(p, c, 0), least = INFINITY;
   for (int idle = 0; idle < IDLE && now > last && nsdae_fc_spend_step(all, it, budget); idle++) {

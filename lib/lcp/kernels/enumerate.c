@@ -1,3 +1,4 @@
+/* Enumeration of all 2^n bases of an LCP, for small n. */
 #include <float.h>
 #include <math.h>
 #include <nsdae/kernels.h>

@@ -1,3 +1,4 @@
+/* Projected Gauss-Seidel, with relaxation projected SOR: Cryer, SIAM J. Control 9 (1971) 385. */
 #include <limits.h>
 #include <math.h>
 #include <nsdae/kernels.h>
