@@ -45,7 +45,7 @@ static int check_constraints(const nsdae_terms *T, double tol)
   for (int i = 0; i < d->m; i++) {
     double sum = nsdae_rows_sum(blocks, J, i), bound = tol * (1 + sum * q);
     if (fabs(T->constraint.phi[i]) > bound)
-      return refuse_start(T, "q0", NSDAE_NAME_CONSTRAINT, i, "is off by",
+      return refuse_start(T, "q0", NSDAE_NAME_CONSTRAINT, i, "is violated by",
                           fabs(T->constraint.phi[i]), bound);
     double rate = nsdae_rows_add_dot(blocks, J, i, T->v, T->constraint.phi_t[i]);
     bound = tol * (1 + sum * v + fabs(T->constraint.phi_t[i]));
@@ -124,7 +124,7 @@ static int check_units(const nsdae_projector *p, const nsdae_terms *T, double to
     double off = fabs(p->units.length[g] - 1);
     if (off > tol && is_rotation(&p->units, nq, first))
       return refuse_start(T, "q0", NSDAE_NAME_COORDINATE, first,
-                          "begins a group of unit length (dq/dt shows it) whose length is off by",
+                          "begins a group of unit length (by dq/dt) whose length has the error",
                           off, tol);
   }
   return NSDAE_OK;

@@ -161,7 +161,7 @@ static int set_frictional_joint(nsdae_sim *sim, int j, double mu)
       check_mu(sim, where, NSDAE_NAME_FRICTIONAL_JOINT, j, sim->system->frictional_joint[j].mu, mu);
   if (status == NSDAE_OK && mu == 0 && sim->system->frictional_joint[j].mu > 0)
     status = bad_coefficient(sim, where, "mu", NSDAE_NAME_FRICTIONAL_JOINT, j, mu,
-                             "above 0, as in the system that the simulation was made of");
+                             "above 0, as in the system of the simulation");
   if (status == NSDAE_OK) status = check_change(sim);
   if (status < 0) return status;
   sim->model.frictional_joint[j].mu = mu;

@@ -350,11 +350,11 @@ static int check_dims(nsdae_sim *sim, const head *theirs, const head *ours)
 static int check_head(nsdae_sim *sim, const char *block, size_t size)
 {
   head h, ours = make_head(sim, size);
-  if (size < sizeof h) return refuse_state(sim, "size", "the block is shorter than its head");
+  if (size < sizeof h) return refuse_state(sim, "size", "the block is shorter than its header");
   memcpy(&h, block, sizeof h);
   if (memcmp(h.magic, MAGIC, sizeof h.magic) != 0)
     return refuse_state(sim, "block",
-                        "these bytes are no state of a simulation (nsdae_sim_get_state)");
+                        "the block is no state of a simulation (nsdae_sim_get_state)");
   if (h.byte_order != ours.byte_order)
     return refuse_state(sim, "block", "the state is of a machine with another byte order");
   if (h.version != ours.version)
@@ -362,14 +362,15 @@ static int check_head(nsdae_sim *sim, const char *block, size_t size)
   int status = check_dims(sim, &h, &ours);
   if (status < 0) return status;
   if (h.closed < 0 || h.closed > sim->options.contacts_max || (h.closed > 0 && !sim->stepper.world))
-    return refuse_state(sim, "block", "the state has a number of contacts by list that cannot be");
+    return refuse_state(sim, "block",
+                        "the state has an invalid number of contacts in the contact list");
   if (h.size != size || h.reals != ours.reals || h.wholes != ours.wholes ||
       size != state_bytes(sim, h.closed))
     return check_size(sim, "nsdae_sim_set_state", block, size, h.closed) < 0
                ? NSDAE_E_ARGUMENT
-               : refuse_state(sim, "size", "the state has other sizes");
+               : refuse_state(sim, "size", "the state is of a system of other sizes");
   if (h.checksum != checksum_of(block, size))
-    return refuse_state(sim, "block", "the state is damaged: its checksum is another");
+    return refuse_state(sim, "block", "the state is damaged: its checksum differs");
   return NSDAE_OK;
 }
 

@@ -63,9 +63,8 @@ int nsdae_system_set_blocks(nsdae_system *s, int count, const int *nq, const int
   if (!nq || !nv) return refuse_blocks(s, nq ? "nv" : "nq", nq ? "nv is NULL" : "nq is NULL");
   if (count < 1) return refuse_blocks(s, "count", "there must be at least one block");
   if (s->dims.k > 0 || s->dims.f > 0)
-    return refuse_blocks(
-        s, s->dims.k > 0 ? "k" : "f",
-        "a system of blocks has its contacts by list: dims.k and dims.f must be 0");
+    return refuse_blocks(s, s->dims.k > 0 ? "k" : "f",
+                         "a system with blocks has a contact list: dims.k and dims.f must be 0");
   int status = check_sizes(s, count, nq, nv);
   if (status == NSDAE_OK) status = nsdae_system_open(s, "blocks");
   if (status < 0) return status;

@@ -146,7 +146,7 @@ int nsdae_checkpoint_open(nsdae_checkpoint *checkpoint, nsdae_h5 *h5)
   if (status < 0) return unusable(h5, "it has no state for a restart (/restart/state)");
   int wide = checkpoint->grows ? size[1] >= sizeof(head) : size[1] == checkpoint->width;
   if (size[0] != PLACES || !wide)
-    return unusable(h5, "its state is of another size: another version of the library wrote it");
+    return unusable(h5, "its state has another size: another version of the library wrote it");
   if (grow_place(checkpoint, size[1]) < 0)
     return nsdae_error_memory(h5->error, "nsdae_trajectory_resume");
   checkpoint->width = size[1];
