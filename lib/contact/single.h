@@ -15,8 +15,8 @@
 /* Whether an island is of this kind. */
 int nsdae_single_fits(const nsdae_whole *whole, int island);
 
-/* v of its blocks, impulse, mode and velocities after. 1 where it is solved, else 0; misfit: what
- * is left of the laws, to rounding nothing. */
+/* v of its blocks, impulse, mode and velocities after. 1 where it is solved, else 0; misfit: the
+ * residual of the laws, at rounding level. */
 int nsdae_single_solve(const nsdae_whole *whole, int island, nsdae_misfit *misfit);
 
 #endif

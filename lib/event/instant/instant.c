@@ -233,9 +233,9 @@ int nsdae_event_turned(const nsdae_event_instant *p, double t, const double *y)
   return s->kkt->rank < s->kkt->m && nsdae_kkt_common(s->kkt, m->range) < s->kkt->rank - TURNED;
 }
 
-/* What constraints and closed contacts with a row of their own are away from zero, in what counts
- * as zero. A gap that leaves zero with its rate, or loses its gradient, has a kink here: the corner
- * that slides comes to the end of its edge, and another feature is the near one. */
+/* Deviation of constraints, and of closed contacts with a row of their own, in units of the
+ * tolerance. A gap that leaves zero with its rate, or loses its gradient, has a kink here: the
+ * corner that slides comes to the end of its edge, and another feature is the near one. */
 typedef struct deviation {
   double position, velocity; /* of constraints */
   double gap, rate;          /* of contacts */

@@ -1,5 +1,5 @@
-/* Variables are numbered y_i: i, x_i: n + i, z0: 2 n. Of each pair x_k, y_k one is nonbasic, but
- * for the pair of which the one has just left and the other enters.
+/* Variables are numbered y_i: i, x_i: n + i, z0: 2 n. One of each pair x_k, y_k is nonbasic.
+ * The exception is the pair that drives: one has just left, the other enters.
  *
  * Ties are broken as if b_i were b_i + eps^(i+1): the coefficient of eps^(k+1) in the constant of
  * row i is -C_ij where y_k is the j-th nonbasic variable and 1 where y_k is basic_i. */

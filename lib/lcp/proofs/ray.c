@@ -5,8 +5,8 @@
  * (Cottle, Pang, Stone, "The Linear Complementarity Problem", 1992, theorem 4.4.1), so that (A x)_i
  * = -d_i z0 wherever x_i > 0. Where z0 > 0 that is negative: then x^T A x < 0, and A is neither
  * copositive nor semimonotone. Where z0 = 0, x^T A x = 0 and A is not strictly so. The basis names
- * the x_i that grow, except the pair that has no part in it: every pair is tried for it, and what
- * comes out is checked on its own, in exact arithmetic. */
+ * the x_i that grow, except the pair that has no part in it: every pair is tried for it, and the
+ * result is checked in exact arithmetic. */
 #include "ray.h"
 
 #include <math.h>
