@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """Checks the project's prose: no private phrase, no sentence of more than 30 words.
 
-  check_prose.py             every file, against docs/prose_baseline.txt: a file may have at most as many findings as it
-                             has there, none if it is not listed. Part of ./run lint.
-  check_prose.py FILE ...    prints every finding of these files as  file:line: rule: sentence
-  check_prose.py --baseline  lowers the counts of docs/prose_baseline.txt to the findings that are left
+  check_prose.py             every file; part of ./run lint
+  check_prose.py FILE ...    these files
+
+Every finding is printed as  file:line: rule: sentence.
 
 Sentences of more than 30 words are findings in documentation: Markdown, man pages, notebooks, public headers, Python
 docstrings. Phrases are findings there, and in comments and strings of code. Code, tables, targets of links and names of
@@ -23,7 +23,6 @@ import sys
 import tokenize
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-BASELINE = ROOT / "docs/prose_baseline.txt"
 MAX_WORDS = 30
 # Phrases that a reader has to read twice.
 PHRASES = [re.compile(phrase, re.IGNORECASE) for phrase in (
@@ -254,33 +253,20 @@ def covered():
     """The project's files that have prose."""
     listed = subprocess.run(["git", "ls-files", "--cached", "--others", "--exclude-standard"], cwd=ROOT, check=True,
                             capture_output=True, text=True).stdout
-    parts = re.compile(r"(README|CHANGELOG|CONTRIBUTING)\.md$|docs/(?!prose_baseline)|include/|lib/|drivers/|python/(?!tests/)")
+    parts = re.compile(r"(README|CHANGELOG|CONTRIBUTING)\.md$|docs/|include/|lib/|drivers/|python/(?!tests/)")
     return [pathlib.Path(name) for name in sorted(listed.split("\n")) if parts.match(name) and (ROOT / name).is_file()]
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("files", nargs="*", type=pathlib.Path)
-    parser.add_argument("--baseline", action="store_true", help="lower the counts of the baseline")
     arguments = parser.parse_args()
-    allowed = {}
-    if BASELINE.exists():
-        allowed = {name: int(count) for count, name in (line.split() for line in BASELINE.read_text().splitlines())}
-    left, failed = {}, False
+    failed = False
     for path in arguments.files or covered():
-        found = list(findings(path, (path if arguments.files else ROOT / path).read_text(encoding="utf-8", errors="replace")))
-        if found:
-            left[str(path)] = len(found)
-        if len(found) > (0 if arguments.files else allowed.get(str(path), 0)) and not arguments.baseline:
+        text = (path if arguments.files else ROOT / path).read_text(encoding="utf-8", errors="replace")
+        for number, rule, sentence in sorted(findings(path, text)):
             failed = True
-            for number, rule, sentence in sorted(found):
-                print(f"{path}:{number}: {rule}: {sentence}")
-            if not arguments.files:
-                print(f"{path}: {len(found)} findings, {allowed.get(str(path), 0)} allowed")
-    if arguments.baseline:
-        kept = {name: min(count, allowed.get(name, count) if allowed else count) for name, count in left.items()
-                if not allowed or name in allowed}
-        BASELINE.write_text("".join(f"{count} {name}\n" for name, count in sorted(kept.items())))
+            print(f"{path}:{number}: {rule}: {sentence}")
     return failed
 
 
