@@ -1,0 +1,139 @@
+#include "sparse_schur.h"
+
+#include <math.h>
+#include <string.h>
+
+#include <nsdae/status.h>
+
+#include "dense.h"
+#include "vector.h"
+
+/* ---- L, Y, S */
+
+/* M + D = L L^T. */
+static int factor_masses(nsdae_sparse_kkt *k, const double *M, const double *D)
+{
+  nsdae_kkt_values *a = &k->at;
+  for (int i = 0; i < a->blocks.count; i++) {
+    size_t from = k->part.blocks->square[k->part.block[i]], to = a->blocks.square[i];
+    size_t square = a->blocks.square[i + 1] - to;
+    int n = nsdae_blocks_size(&a->blocks, i);
+    memcpy(a->M + to, M + from, square * sizeof *M);
+    if (D) nsdae_add((int)square, 1, D + from, a->M + to);
+    memcpy(a->L + to, a->M + to, square * sizeof *M);
+    k->pivot = nsdae_la_cholesky(n, a->L + to, n);
+    k->bad_block = k->part.block[i];
+    if (k->pivot) return NSDAE_E_MASS;
+  }
+  return NSDAE_OK;
+}
+
+/* J, and Y = L^-1 J^T. */
+static void gather_rows(nsdae_sparse_kkt *k)
+{
+  const nsdae_kkt_nodes *n = &k->nodes;
+  const nsdae_rows *J = k->part.J;
+  for (int i = 0; i < n->count; i++)
+    for (int p = n->part[i]; p < n->part[i + 1]; p++) {
+      int size = nsdae_blocks_size(&k->at.blocks, n->block[p]);
+      double *to = k->at.J + n->at[p], *Y = k->at.Y + n->at[p];
+      for (int row = n->row[i]; row < n->row[i + 1]; row++) {
+        int entry = J->first[k->part.row[row]] + p - n->part[i];
+        const double *value = J->value + J->at[entry];
+        for (int j = 0; j < size; j++) *to++ = value[(size_t)j * J->stride];
+      }
+      memcpy(Y, k->at.J + n->at[p], (size_t)(n->size[i] * size) * sizeof *Y);
+      nsdae_la_solve_lower(size, n->size[i], k->at.L + k->at.blocks.square[n->block[p]], size, Y,
+                           size);
+    }
+}
+
+/* C [rows x columns] += A^T B of columns of this size. */
+static inline void add_gram(int size, int rows, int columns, const double *A, const double *B,
+                            double *C)
+{
+  for (int c = 0; c < columns; c++, B += size, C += rows)
+    for (int r = 0; r < rows; r++) C[r] += nsdae_dot(size, A + (size_t)r * (size_t)size, B);
+}
+
+/* The block of S in the rows of node a and the columns of node b. */
+static void form_block(const nsdae_sparse_kkt *k, int a, int b, double *C)
+{
+  const nsdae_kkt_nodes *n = &k->nodes;
+  const double *Y = k->at.Y;
+  int rows = n->size[a], columns = n->size[b];
+  memset(C, 0, (size_t)(rows * columns) * sizeof *C);
+  for (int p = n->part[a]; p < n->part[a + 1]; p++)
+    for (int q = n->part[b]; q < n->part[b + 1]; q++) {
+      int size = nsdae_blocks_size(&k->at.blocks, n->block[p]);
+      if (n->block[p] != n->block[q]) continue;
+      if (size == 6) /* a body in space: the compiler unrolls the loop */
+        add_gram(6, rows, columns, Y + n->at[p], Y + n->at[q], C);
+      else
+        add_gram(size, rows, columns, Y + n->at[p], Y + n->at[q], C);
+    }
+}
+
+/* S = Y^T Y: its diagonal blocks, and those whose rows are eliminated after their columns. */
+static void form_blocks(nsdae_sparse_kkt *k)
+{
+  const nsdae_kkt_nodes *n = &k->nodes;
+  const nsdae_multifrontal *f = &k->schur;
+  for (int i = 0; i < n->count; i++) {
+    form_block(k, i, i, f->A + f->graph.diagonal[i]);
+    for (int e = n->first[i]; e < n->first[i + 1]; e++)
+      if (f->tree.number[n->index[e]] > f->tree.number[i])
+        form_block(k, n->index[e], i, f->A + f->graph.at[e]);
+  }
+}
+
+int nsdae_sparse_kkt_form_schur(nsdae_sparse_kkt *k, const double *M, const double *D)
+{
+  int status = factor_masses(k, M, D);
+  if (status < 0) return status;
+  gather_rows(k);
+  form_blocks(k);
+  return NSDAE_OK;
+}
+
+/* ---- products and solutions */
+
+/* out [rows] = J x, or Y^T x */
+void nsdae_sparse_kkt_times(const nsdae_sparse_kkt *k, const double *J, const double *x,
+                            double *out)
+{
+  const nsdae_kkt_nodes *n = &k->nodes;
+  memset(out, 0, (size_t)k->part.row_count * sizeof *out);
+  for (int i = 0; i < n->count; i++)
+    for (int p = n->part[i]; p < n->part[i + 1]; p++) {
+      int size = nsdae_blocks_size(&k->at.blocks, n->block[p]);
+      const double *value = J + n->at[p], *of = x + k->at.blocks.first[n->block[p]];
+      for (int row = n->row[i]; row < n->row[i + 1]; row++, value += size)
+        out[row] += nsdae_dot(size, value, of);
+    }
+}
+
+/* out [nv] += scale J^T l, or Y l; size, if not NULL, += |J^T| |l| */
+void nsdae_sparse_kkt_add_transposed(const nsdae_sparse_kkt *k, const double *J, double scale,
+                                     const double *l, double *out, double *size)
+{
+  const nsdae_kkt_nodes *n = &k->nodes;
+  for (int i = 0; i < n->count; i++)
+    for (int p = n->part[i]; p < n->part[i + 1]; p++) {
+      int at = k->at.blocks.first[n->block[p]], end = k->at.blocks.first[n->block[p] + 1];
+      const double *value = J + n->at[p];
+      for (int row = n->row[i]; row < n->row[i + 1]; row++)
+        for (int j = at; j < end; j++, value++) {
+          out[j] += scale * l[row] * *value;
+          if (size) size[j] += fabs(l[row] * *value);
+        }
+    }
+}
+
+void nsdae_sparse_kkt_solve_schur(nsdae_sparse_kkt *k, double *h)
+{
+  if (k->by_ldl)
+    nsdae_sparse_ldl_solve(&k->ldl, &k->schur, h);
+  else
+    nsdae_multifrontal_solve(&k->schur, h);
+}

@@ -1,0 +1,86 @@
+/* The Schur complement of sparse_kkt.h and the products with its factors:
+ *
+ *     M + D = L L^T,   Y = L^-1 J^T,   S = Y^T Y. */
+#ifndef NSDAE_LINALG_SPARSE_SCHUR_H
+#define NSDAE_LINALG_SPARSE_SCHUR_H
+
+#include "rows.h"
+#include "sparse_ldl.h"
+
+/* Part of a system: these of its blocks and rows. The rows touch no other blocks. */
+typedef struct nsdae_kkt_part {
+  const nsdae_blocks *blocks;
+  const nsdae_rows *J;
+  int block_count, row_count;
+  const int *block, *row;
+} nsdae_kkt_part;
+
+enum nsdae_kkt_backend { NSDAE_KKT_AUTO, NSDAE_KKT_LDL, NSDAE_KKT_SCHUR };
+
+/* The pattern of the last analysis as one list: counts of blocks and rows, sizes of the blocks, of
+ * each row how many blocks it touches and which. */
+typedef struct nsdae_kkt_pattern {
+  int *list, *next;        /* next: the one asked for */
+  int used, room, numbers; /* numbers: room in number */
+  int *number;             /* blocks of the system: in the part */
+} nsdae_kkt_pattern;
+
+/* Consecutive rows that touch the same blocks are one node of the graph of S. */
+typedef struct nsdae_kkt_nodes {
+  int count;
+  int *row, *part, *size; /* count + 1: first row, first part; count: rows */
+  int *block;             /* parts: the block that they touch */
+  size_t *at;             /* parts: their values, row by row */
+  int *first, *index;     /* the graph */
+  int *by_block, *of_block, *mark;
+  int neighbours, parts;
+  size_t values; /* of J */
+} nsdae_kkt_nodes;
+
+/* Of the part, its blocks and rows one behind the other. */
+typedef struct nsdae_kkt_values {
+  nsdae_blocks blocks;
+  double *M, *L, *J, *Y; /* M + D; as above */
+  double *x, *r, *g;     /* by blocks: solution, right-hand side, residual */
+  double *z, *size;      /* the last correction of x; sizes of the terms of g */
+  double *l, *c, *d, *h; /* by rows, likewise */
+  double *u, *p;         /* rows: work */
+} nsdae_kkt_values;
+
+/* Of the rows, by the last factorisation. */
+typedef struct nsdae_kkt_rank {
+  int count;
+  int dependent;     /* the first row of the system that is dropped */
+  double kept, left; /* smallest sine that counts, largest that does not; 1, 0: none */
+} nsdae_kkt_rank;
+
+typedef struct nsdae_sparse_kkt {
+  double rank_tol; /* set before; likewise backend, for tests */
+  int backend, ready;
+  int ldl_first, by_ldl; /* choice of the analysis; of the last factorisation */
+  int pivot, bad_block;  /* the pivot of this block of the system is not positive */
+  nsdae_kkt_rank rank;
+  nsdae_kkt_part part;
+  nsdae_kkt_pattern pattern;
+  nsdae_kkt_nodes nodes;
+  nsdae_kkt_values at;
+  nsdae_multifrontal schur;
+  nsdae_sparse_ldl ldl;
+  nsdae_arena of_part, of_graph;
+} nsdae_sparse_kkt;
+
+/* Forms L, Y and S, which is not factored. NSDAE_OK or NSDAE_E_MASS, see pivot. */
+int nsdae_sparse_kkt_form_schur(nsdae_sparse_kkt *kkt, const double *M, const double *D);
+
+/* out [rows] = J x, or Y^T x */
+void nsdae_sparse_kkt_times(const nsdae_sparse_kkt *kkt, const double *J, const double *x,
+                            double *out);
+
+/* out [nv] += scale J^T l, or Y l; size, if not NULL, += |J^T| |l| */
+void nsdae_sparse_kkt_add_transposed(const nsdae_sparse_kkt *kkt, const double *J, double scale,
+                                     const double *l, double *out, double *size);
+
+/* h [rows] := S^-1 h, zero in dropped rows. */
+void nsdae_sparse_kkt_solve_schur(nsdae_sparse_kkt *kkt, double *h);
+
+#endif
