@@ -290,7 +290,7 @@ int nsdae_certificate_follow(const nsdae_sim *sim, nsdae_point *before, nsdae_po
 
 /* Tolerances of the integrator: in a step, and at an instant, at which what has strayed by 10 times
  * 10 rtol is projected, of T twice that; and of T' by differences. */
-static const double energy_steps = 100, energy_instants = 200, energy_inertia = 1e-5;
+static const double energy_steps = 100, energy_events = 200, energy_inertia = 1e-5;
 
 /* sum |M_ij| u_i u_j,  u_i = |v_i| + atol / rtol: a velocity is as good as rtol u_i; slower than
  * impact_velocity it may be none. */
@@ -314,7 +314,7 @@ static double explained(const nsdae_sim *sim, const nsdae_point *before, const n
   double size = energy_size(sim, &before->result.end);
   size = fmax(size, energy_size(sim, &r->end)) + r->turnover;
   double tolerances =
-      energy_steps * (double)(c->iterations + 1) + energy_instants * (double)c->events;
+      energy_steps * (double)(c->iterations + 1) + energy_events * (double)c->events;
   return sim->options.rtol * tolerances * size + energy_inertia * (size + r->turnover);
 }
 

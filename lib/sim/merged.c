@@ -25,13 +25,14 @@ static const double PI = 3.14159265358979324;
 
 typedef struct merged {
   double impacts;
-  int contact, other; /* by list: places among the closed ones */
+  int contact, other; /* contact list: places among the closed ones */
 } merged;
 
-/* The closed contacts of a step: numbered, of the last contact problem, or by list. */
+/* The closed contacts of a step: fixed ones of the last contact problem, or those of the contact
+ * list. */
 typedef struct closed_ones {
-  const nsdae_contacts *numbered; /* NULL: by list */
-  const nsdae_rows *normal;       /* by list */
+  const nsdae_contacts *numbered; /* NULL: a contact list */
+  const nsdae_rows *normal;       /* of the contact list */
   const nsdae_blocks *blocks;
   const double *M, *F;
 } closed_ones;
@@ -76,7 +77,7 @@ static double part(const closed_ones *c, int p, int q)
   return sum;
 }
 
-/* G_ab; by list without the constraints. */
+/* G_ab; of a contact list without the constraints. */
 static double delassus(const closed_ones *c, int a, int b)
 {
   const nsdae_contacts *k = c->numbered;

@@ -114,7 +114,7 @@ static void compare_excess(excess *e, int item, double value, double allowed, do
   if (value * e->bound > e->value * bound) *e = (excess){e->rule, value, bound, item};
 }
 
-/* The smaller of the two blocks of a contact by list; 0: neither is known. */
+/* The smaller of the two blocks of a listed contact; 0: neither is known. */
 static double size_of_pair(const double *size, const int *block)
 {
   double least = INFINITY;

@@ -7,7 +7,7 @@
  *   accounts  number of the step, grid, work of contacts and forces, certificate, statistics but
  *             for the clock
  *   state     t, q, v, what is evaluated there; multipliers, impulses and modes of the last step
- *             (by list: of as many contacts as were closed, with their ids, blocks and gaps)
+ *             (contact list: of the closed contacts, with their ids, blocks and gaps)
  *   memory    what the method keeps: its numbers, its integers
  *   units     groups of coordinates of constant length, their lengths (where nv < nq)
  *
@@ -33,7 +33,7 @@ typedef struct head {
   uint64_t size, checksum;
   uint64_t reals, wholes;
   int32_t dims[6], method;
-  int32_t closed; /* contacts by list */
+  int32_t closed; /* contacts of the list */
 } head;
 
 static const char MAGIC[8] = "nsdaest";
@@ -114,7 +114,7 @@ static void visit_accounts(cursor *c, nsdae_accounts *a)
   visit(c, &a->watch, sizeof a->watch);
 }
 
-/* Contacts by list, and the reach within which the next step finds them. */
+/* Contacts of the list, and the reach within which the next step finds them. */
 static void visit_closed(cursor *c, nsdae_result *r, unsigned have)
 {
   nsdae_closed *closed = &r->closed;
@@ -254,7 +254,7 @@ static uint64_t checksum_of(const char *block, size_t size)
   return checksum(block, at) ^ checksum(block + after, size - after);
 }
 
-/* With this number of contacts by list. */
+/* With this number of listed contacts. */
 static size_t state_bytes(const nsdae_sim *sim, int closed)
 {
   nsdae_point measured = *sim->now;
@@ -387,7 +387,7 @@ static int are_finite(const double *a, int n)
   return nsdae_all_finite((size_t)n, a);
 }
 
-/* Contacts by list that were read. */
+/* The listed contacts that were read. */
 static int check_closed(const nsdae_sim *sim)
 {
   const nsdae_result *r = &sim->next->result;
@@ -458,7 +458,7 @@ static int set_state(nsdae_sim *sim, const void *block, size_t size)
   if (status < 0) return status;
   sim->stage.waiting = sim->stage.between = 0;
   double epoch = sim->model.epoch;
-  /* Room for the contacts by list of the block. */
+  /* Room for the listed contacts of the block. */
   head h;
   memcpy(&h, block, sizeof h);
   const nsdae_room contacts = {(size_t)h.closed, 0}, rows = {0};

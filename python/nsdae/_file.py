@@ -323,7 +323,7 @@ def _read_events(file: Any, group: str, of: np.dtype) -> np.ndarray:
     n = len(file[f"{group}/time"]) if f"{group}/time" in file else 0
     rows = np.zeros(n, dtype=of)
     if f"{group}/contact" not in file and "contact" in (of.names or ()):
-        rows["contact"] = -1  # by list: they have no number
+        rows["contact"] = -1  # a contact list: no index
     if "id" in (of.names or ()) and f"{group}/id" not in file:
         rows["block"] = -1
     dataset = {field: name for name, field in FIELDS.items()}
@@ -341,7 +341,7 @@ def _read_events(file: Any, group: str, of: np.dtype) -> np.ndarray:
 
 
 def _read_contacts(file: Any, n: int, of: np.dtype) -> dict[str, Any]:
-    """Those by list of the n records; of a run that was killed the list may be longer."""
+    """The contact lists of the n records; of a run that was killed the list may be longer."""
     if "contacts" not in file:
         return {}
     first, count = file["contacts/first"][:n], file["contacts/count"][:n]

@@ -34,9 +34,9 @@ static const double COSTLY = 20;
  */
 static const double DOUBT = 8;
 
-/* Default budget, products times items: a product takes 0.024 to 0.047 us an item, and what is not
- * solved ends after 6 to 47 s. Products for each item of an island, so
- * that one of 50 contacts ends within a second or two. */
+/* Default budget, products times items: a product takes 0.024 to 0.047 us an item, and an unsolved
+ * problem ends after 6 to 47 s. EACH: products for each item of an island, so that one of 50
+ * contacts ends within two seconds. */
 static const double WORK = 1e9, EACH = 2e4;
 
 /* Each round of the solvers that improve an iterate may take GROWTH times as much as the one
@@ -95,13 +95,13 @@ static int solved(const nsdae_fc_run *run)
 
 /* Conditions of the table; all those of a row must be true. */
 enum {
-  OPENS = 1,    /* every contact opens: r = 0 is a solution */
-  GUESSED = 2,  /* the iterate is not zero */
-  FEW = 4,      /* at most SMALL items */
-  MORE = 8,     /* more than that */
-  SEVERAL = 16, /* more than one item: else all sweeps and convex problems are alike */
-  ROUGH = 32,   /* sweeps are likely to reach the tolerance. To a finer one they only find the */
-  FINE = 64,    /* states of contacts, from which Newton's method converges to rounding */
+  OPENS = 1,        /* every contact opens: r = 0 is a solution */
+  GUESSED = 2,      /* the iterate is not zero */
+  FEW = 4,          /* at most SMALL items */
+  MORE = 8,         /* more than that */
+  SEVERAL = 16,     /* more than one item: else all sweeps and convex problems are alike */
+  ROUGH = 32,       /* sweeps are likely to reach the tolerance */
+  FINE = 64,        /* they are not: they find the states of contacts for Newton's method */
   POLYHEDRAL = 128, /* a small linear complementarity problem */
   LOADED = 256,     /* hyperstatic: sweeps do not carry weights to the ground */
   SLIDING = 512,    /* not hyperstatic */
@@ -302,7 +302,7 @@ static void begin_run(nsdae_fc_run *run)
 }
 
 /* The better one of the best points with and without the guess. */
-static void choose_solvers(nsdae_fc_run *run)
+static void keep_better_point(nsdae_fc_run *run)
 {
   nsdae_fc_iterate *it = &run->iterate;
   if (it->residual == INFINITY) {
@@ -361,7 +361,7 @@ int nsdae_fc_run_stages(nsdae_fc_run *run)
     run->info.proof = NSDAE_PROOF_FARKAS;
     return NSDAE_OK;
   }
-  choose_solvers(run);
+  keep_better_point(run);
   if (solved(run) && run->options->refine > 0) polish(run);
   run->info.outcome = solved(run) ? NSDAE_OUTCOME_SOLVED : NSDAE_OUTCOME_UNSOLVED;
   run->info.residual = run->iterate.residual;

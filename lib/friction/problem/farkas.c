@@ -279,7 +279,7 @@ static double bound_defect(const nsdae_fc_farkas *f, int k)
 }
 
 /* G l - b into s, in twice the precision; size: what its rounding is relative to. */
-static void residual_of_cone(const nsdae_fc_farkas *f, int k, double *s, double *size)
+static void residual_of_gram(const nsdae_fc_farkas *f, int k, double *s, double *size)
 {
   for (int i = 0; i < k; i++) {
     double high = f->kept[i] == f->cone.n - 1 ? 1 : 0, low = 0;
@@ -297,7 +297,7 @@ static void residual_of_cone(const nsdae_fc_farkas *f, int k, double *s, double 
 static void improve(nsdae_fc_farkas *f, int k)
 {
   for (int e = 0; e < k; e++) f->target[e] = f->cone.z[f->chosen[e]];
-  residual_of_cone(f, k, f->cone.s, f->exact);
+  residual_of_gram(f, k, f->cone.s, f->exact);
   nsdae_la_lu_solve(k, f->cone.factor, k, f->pivot, f->cone.s);
   for (int e = 0; e < k; e++) f->target[e] -= f->cone.s[e];
 }
@@ -306,7 +306,7 @@ static void improve(nsdae_fc_farkas *f, int k)
 static double bound_distance(nsdae_fc_farkas *f, int k, double defect)
 {
   double worst = 0, unit = (k + 4) * DBL_EPSILON;
-  residual_of_cone(f, k, f->cone.s, f->exact);
+  residual_of_gram(f, k, f->cone.s, f->exact);
   for (int i = 0; i < k; i++)
     f->cone.s[i] = fabs(f->cone.s[i]) * (1 + unit) + unit * unit * f->exact[i];
   for (size_t i = 0; i < (size_t)k; i++) {

@@ -16,7 +16,7 @@ static int belongs(const nsdae_fc_scaled *c, int i, int e)
 }
 
 /* Sizes of the island. Blocks are numbered in the order of their first use. */
-static void count_rows(nsdae_fc_scaled *c)
+static void count_sizes(nsdae_fc_scaled *c)
 {
   const nsdae_fc_global *w = c->global;
   const nsdae_friction_problem *p = w->view.p;
@@ -45,7 +45,7 @@ void nsdae_fc_layout(void *object, nsdae_arena *arena)
   c->local = p->form == NSDAE_FRICTION_LOCAL;
   c->all_listed =
       (double)c->global->view.entries >= (double)c->global->view.items * c->global->view.items;
-  count_rows(c);
+  count_sizes(c);
   int n = c->n;
   c->items.item = NSDAE_ARENA_INTS(arena, n);
   c->items.kind = NSDAE_ARENA_INTS(arena, n);

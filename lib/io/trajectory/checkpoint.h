@@ -1,6 +1,6 @@
 /* The state of a simulation in a trajectory file, and how many rows belong to it. Two places are
  * written in turn, so that one of them is whole at any moment: the newest whose checksum is right
- * and whose rows are in the file is where the run goes on. A state with contacts by list has as
+ * and whose rows are in the file is where the run goes on. A state with a contact list has as
  * many bytes as it takes; the places grow with it. */
 #ifndef NSDAE_IO_CHECKPOINT_H
 #define NSDAE_IO_CHECKPOINT_H

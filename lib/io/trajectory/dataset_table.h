@@ -8,7 +8,7 @@
 typedef struct nsdae_sizes {
   nsdae_dims dims;
   int potential; /* 1: the model gives it */
-  int listed;    /* 1: contacts come by list, 0: they are numbered */
+  int listed;    /* 1: contact list, 0: fixed contacts */
 } nsdae_sizes;
 
 void nsdae_sizes_of(nsdae_sizes *sizes, const nsdae_sim *sim);
@@ -17,8 +17,8 @@ void nsdae_sizes_of(nsdae_sizes *sizes, const nsdae_sim *sim);
 typedef enum nsdae_width {
   NSDAE_WIDTH_ONE, /* plain values */
   NSDAE_WIDTH_POTENTIAL,
-  NSDAE_WIDTH_NUMBERED,    /* plain values, where contacts are numbered */
-  NSDAE_WIDTH_LISTED,      /* plain values, where they come by list */
+  NSDAE_WIDTH_NUMBERED,    /* plain values of fixed contacts */
+  NSDAE_WIDTH_LISTED,      /* plain values of a contact list */
   NSDAE_WIDTH_CONTACTS,    /* plain values, where there are contacts of either kind */
   NSDAE_WIDTH_CONSTRAINTS, /* plain values, where there are constraints */
   NSDAE_WIDTH_PAIR,        /* 2, there */
@@ -58,7 +58,7 @@ typedef struct nsdae_record_row {
   long first;
 } nsdae_record_row;
 
-/* An impact; which contact it is of, where they come by list. */
+/* An impact, with the id of its contact if contacts are listed. */
 typedef struct nsdae_impact_row {
   nsdae_impact impact;
   long id;
