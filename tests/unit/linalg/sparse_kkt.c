@@ -378,6 +378,31 @@ static void test_near_dependent(void **state)
       }
 }
 
+/* A row of zeros, and one of a length of 1e-200, whose square is zero in double precision: neither
+ * counts, and the solution is the wanted one. */
+static void test_zero_row(void **state)
+{
+  (void)state;
+  for (int tiny = 0; tiny < 2; tiny++)
+    for (int b = 0; b < 3; b++) {
+      joint_family f;
+      family_make(&f, CHAIN, 40, 0, 0, 21);
+      const double value[12] = {0, 1e-200 * tiny};
+      family_row(&f, 20, 19, value);
+      f.row[f.rows++] = f.J.count - 1;
+      vectors w = make_vectors(&f);
+      nsdae_sparse_kkt k = {.rank_tol = 1e-8, .backend = backends[b]};
+      assert_int_equal(factor(&k, &f, NULL), NSDAE_OK);
+      assert_int_equal(k.rank.count, f.rows - 1);
+      assert_int_equal(k.rank.dependent, f.J.count - 1);
+      assert_int_equal(solve(&k, &f, &w), NSDAE_OK);
+      for (int j = OTHER; j < f.nv + OTHER; j++) assert_near(w.v[j], w.x[j], 1e-9);
+      nsdae_sparse_kkt_release(&k);
+      release_vectors(&w);
+      family_release(&f);
+    }
+}
+
 /* No allocation after the analysis; one that fails for lack of memory leaks none. */
 static void test_memory(void **state)
 {
@@ -433,11 +458,11 @@ static void test_patterns_in_turn(void **state)
 int main(void)
 {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_families),         cmocka_unit_test(test_loops),
-      cmocka_unit_test(test_against_dgelsd),   cmocka_unit_test(test_minimal_coordinates),
-      cmocka_unit_test(test_damping),          cmocka_unit_test(test_refusals),
-      cmocka_unit_test(test_near_dependent),   cmocka_unit_test(test_memory),
-      cmocka_unit_test(test_patterns_in_turn),
+      cmocka_unit_test(test_families),       cmocka_unit_test(test_loops),
+      cmocka_unit_test(test_against_dgelsd), cmocka_unit_test(test_minimal_coordinates),
+      cmocka_unit_test(test_damping),        cmocka_unit_test(test_refusals),
+      cmocka_unit_test(test_near_dependent), cmocka_unit_test(test_zero_row),
+      cmocka_unit_test(test_memory),         cmocka_unit_test(test_patterns_in_turn),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
