@@ -32,8 +32,18 @@ enum nsdae_method {
   NSDAE_METHOD_EVENT
 };
 
-/* Linear solvers of the integrator of event. */
-enum nsdae_linear_solver { NSDAE_LINEAR_DENSE, NSDAE_LINEAR_SPARSE };
+/* Integrators of the smooth phases of penalty and event:
+ *
+ * - AUTO: DOPRI5 or DOP853, by rtol; IDA if stiffness limits the step for long.
+ * - DOPRI5: explicit pair of Dormand and Prince, orders 5 and 4.
+ * - DOP853: explicit pair of Dormand and Prince, order 8, by Hairer.
+ * - IDA: backward differences of variable order (SUNDIALS). */
+enum nsdae_integrator {
+  NSDAE_INTEGRATOR_AUTO,
+  NSDAE_INTEGRATOR_DOPRI5,
+  NSDAE_INTEGRATOR_DOP853,
+  NSDAE_INTEGRATOR_IDA
+};
 
 /* Treatment of a rank-deficient Phi_q. */
 enum nsdae_redundant { NSDAE_REDUNDANT_ERROR, NSDAE_REDUNDANT_LEAST_NORM };
@@ -76,7 +86,9 @@ typedef struct nsdae_sim_options {
   double penalty_stiffness; /* K [N/m^n] */
   double penalty_exponent;  /* n */
   double friction_velocity; /* regularisation velocity of friction in penalty [m/s] */
-  int linear_solver;        /* enum nsdae_linear_solver, for event */
+  int integrator;           /* enum nsdae_integrator, of penalty and event */
+  double step_max;          /* largest step of the integrator of penalty and event [s]; infinite:
+                               no bound */
   double accumulation_time; /* event closes an accumulation of impacts if its remaining time is
                                shorter [s] */
   int events_max;           /* events in one dt for method event; beyond it, implicit takes the
@@ -349,7 +361,7 @@ NSDAE_API int nsdae_sim_interpolate(nsdae_sim *sim, double t, double *q, double 
  * or parameters of one simulation or thread. */
 NSDAE_API int nsdae_sim_set_user(nsdae_sim *sim, void *user);
 /* Changes options during a run, without allocation: dt (starts a new grid of steps), tolerances,
- * limits, stabilisation, contact laws. method, polygon, linear_solver, projection and threads are
+ * limits, stabilisation, contact laws. method, polygon, projection and threads are
  * fixed. If one of them differs, the call returns NSDAE_E_ARGUMENT, names the option and changes
  * nothing. The run continues from the current state. */
 NSDAE_API int nsdae_sim_set_options(nsdae_sim *sim, const nsdae_sim_options *options);

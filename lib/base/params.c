@@ -91,10 +91,11 @@ void nsdae_params_range(const nsdae_param *param, char *text, size_t size)
 static int check_number(const nsdae_param *param, double value, nsdae_error *error)
 {
   if (value == 0 && param->open & NSDAE_OR_ZERO) return NSDAE_OK;
+  if (isinf(value) && value == param->initial) return NSDAE_OK; /* no bound */
   /* written so that NaN fails */
   if (isfinite(value) && above_min(param, value) && below_max(param, value)) return NSDAE_OK;
   int one_bound = !isinf(param->max) != !isinf(param->min);
-  const char *finite = one_bound && !isfinite(value) ? "finite and " : "";
+  const char *finite = one_bound && !isfinite(value) && !isinf(param->initial) ? "finite and " : "";
   char range[96];
   nsdae_params_range(param, range, sizeof range);
   return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_params", param->key,

@@ -155,6 +155,11 @@ static int integrator_failed(event *e, int status, double t)
   return status;
 }
 
+static int goes_by_ida(const event *e)
+{
+  return e->setting.options->integrator == NSDAE_INTEGRATOR_IDA;
+}
+
 /* The integrator starts at t, which is the base from now on. */
 static int start(event *e, double t)
 {
@@ -191,7 +196,7 @@ static int restart(event *e, double t)
   double *looser = &e->instant.acceleration.looser;
   for (*looser = 1; *looser <= LOOSEST; *looser *= LOOSER) {
     status = nsdae_event_pass(&e->instant, t, e->integrator.y);
-    *e->phase.modes.is_stiff = 0;
+    *e->phase.modes.is_stiff = goes_by_ida(e);
     if (status == NSDAE_OK) status = start(e, t);
     wrong = status < 0 ? -1 : nsdae_event_inconsistent(&e->roots);
     if (wrong < 0) break;
@@ -389,7 +394,7 @@ static int integrate(event *e)
   if (status == NSDAE_OK) return NSDAE_OK;
   g->ahead = from;
   if (nsdae_event_integrator_read(g, from, g->y) < 0) return integrator_failed(e, status, from);
-  if (!*e->phase.modes.is_stiff) {
+  if (!*e->phase.modes.is_stiff || goes_by_ida(e)) {
     int refused = e->setting.error->status != NSDAE_OK; /* by a callback: no stop */
     if (refused) return explain(e, status);
     g->pending = nsdae_event_stop_slow(&e->roots, from, g->y) > 0;
@@ -426,6 +431,8 @@ static int arrive(event *e, const nsdae_state *state)
     e->setting.error_by_differences[i] = e->base.difference_error[i];
   }
   if (state->memory->stamp > 0 && state->memory->stamp == e->stamp) return NSDAE_OK;
+  if (e->setting.options->integrator != NSDAE_INTEGRATOR_AUTO)
+    *e->phase.modes.is_stiff = goes_by_ida(e); /* the option may be new */
   int stands = state->memory->stamp != 0 ? replay(e, state->terms) : 0;
   *counters = counted;
   if (stands < 0) return stands;
@@ -450,11 +457,12 @@ static int advance_from(event *e)
 {
   nsdae_event_integrator *g = &e->integrator;
   if (g->ahead > e->reached) return NSDAE_OK;
-  int stiff = !*e->phase.modes.is_stiff && nsdae_runge_kutta_stiff(&g->steps);
+  int stiff = e->setting.options->integrator == NSDAE_INTEGRATOR_AUTO &&
+              !*e->phase.modes.is_stiff && nsdae_runge_kutta_stiff(&g->steps);
   if (!stiff && *e->base.steps < (*e->phase.modes.is_stiff ? STIFF_STEPS : STEPS_MAX))
     return integrate(e);
   int status = nsdae_event_integrator_read(g, g->ahead, g->y);
-  *e->phase.modes.is_stiff = stiff;
+  *e->phase.modes.is_stiff = stiff || goes_by_ida(e);
   return status < 0 ? status : start(e, g->ahead);
 }
 

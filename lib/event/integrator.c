@@ -99,8 +99,8 @@ void nsdae_event_integrator_prepare(nsdae_event_integrator *e)
   const nsdae_sim_options *o = e->roots->phase->setting->options;
   e->steps.rtol = o->rtol;
   e->steps.atol = o->atol;
-  e->steps.max_step = o->dt;
-  nsdae_ode_tolerances(e->stiff, STIFF_TOLERANCE * o->rtol, STIFF_TOLERANCE * o->atol);
+  e->steps.max_step = fmin(o->dt, o->step_max);
+  nsdae_ode_tolerances(e->stiff, STIFF_TOLERANCE * o->rtol, STIFF_TOLERANCE * o->atol, o->step_max);
   nsdae_ode_positions(e->stiff, e->steps.positions, o->dt);
 }
 

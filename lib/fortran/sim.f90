@@ -14,7 +14,7 @@ module nsdae_f_sim
   ! headers: constants NSDAE_METHOD_
 
   ! Linear solvers of the integrator of event.
-  ! headers: constants NSDAE_LINEAR_
+  ! headers: constants NSDAE_INTEGRATOR_
 
   ! What to do where Phi_q has deficient rank.
   ! headers: constants NSDAE_REDUNDANT_
@@ -47,7 +47,8 @@ module nsdae_f_sim
     real(c_double) :: penalty_stiffness                 ! K [N/m^n]
     real(c_double) :: penalty_exponent                  ! n
     real(c_double) :: friction_velocity                 ! regularisation in penalty [m/s]
-    integer(c_int) :: linear_solver                     ! of event
+    integer(c_int) :: integrator                        ! of penalty and event: NSDAE_INTEGRATOR_AUTO and so on
+    real(c_double) :: step_max                          ! largest step of the integrator [s]
     real(c_double) :: accumulation_time                 ! event closes shorter accumulations [s]
     integer(c_int) :: events_max                        ! of event in one dt
     integer(c_int) :: projection                        ! NSDAE_PROJECTION_NONE and so on
@@ -458,7 +459,7 @@ contains
     end if
   end function
 
-  ! Other options from here on; method, polygon and linear_solver are fixed: NSDAE_E_ARGUMENT.
+  ! Other options from here on; method, polygon, projection and threads are fixed: NSDAE_E_ARGUMENT.
   ! headers: wrappers nsdae_sim_ set_options
 
   ! Coefficients of contact i and of frictional joint j in this simulation, in place of the system's.

@@ -139,6 +139,10 @@ int nsdae_stepper_made(const nsdae_stepper *s, int status, const char *method)
   if (status == NSDAE_OK) return status;
   if (status == NSDAE_E_MEMORY)
     return nsdae_error_set(s->error, status, "nsdae_sim_create", "", "out of memory");
+  if (s->options->integrator == NSDAE_INTEGRATOR_IDA)
+    return nsdae_error_set(s->error, status, "nsdae_sim_create", "integrator",
+                           "integrator = ida needs SUNDIALS, and this library was built without it "
+                           "(NSDAE_SUNDIALS=OFF): set integrator = auto");
   return nsdae_error_set(s->error, status, "nsdae_sim_create", "method",
                          "method %s needs SUNDIALS, and this library was built without it "
                          "(NSDAE_SUNDIALS=OFF)",

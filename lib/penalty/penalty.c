@@ -56,7 +56,7 @@ static int prepare(void *own)
   const nsdae_sim_options *o = p->equations.stepper->options;
   p->equations.law =
       (nsdae_penalty_force){o->penalty_law, o->penalty_stiffness, o->penalty_exponent};
-  nsdae_ode_tolerances(p->ode, o->rtol, o->atol);
+  nsdae_ode_tolerances(p->ode, o->rtol, o->atol, o->step_max);
   return check_law(p->equations.stepper);
 }
 

@@ -11,7 +11,7 @@ static const char *const methods[] = {"implicit", "implicit-printed", "moreau", 
                                       NULL};
 static const char *const laws[] = {
     "hertz", "kelvin-voigt", "hunt-crossley", "lankarani-nikravesh", "flores", NULL};
-static const char *const solvers[] = {"dense", "sparse", NULL};
+static const char *const integrators[] = {"auto", "dopri5", "dop853", "ida", NULL};
 static const char *const redundant[] = {"error", "least-norm", NULL};
 
 static const char *const no_yes[] = {"no", "yes", NULL};
@@ -60,8 +60,10 @@ static const nsdae_param entries[] = {
      1, 5, 0, NULL},
     {"friction_velocity", "m/s", "velocity over which penalty regularises friction",
      NSDAE_PARAM_REAL, AT(friction_velocity), 1e-3, 0, INFINITY, NSDAE_OPEN_MIN, NULL},
-    {"linear_solver", "", "linear solver of event", NSDAE_PARAM_CHOICE, AT(linear_solver), 0, 0, 1,
-     0, solvers},
+    {"integrator", "", "integrator of penalty and event", NSDAE_PARAM_CHOICE, AT(integrator),
+     NSDAE_INTEGRATOR_AUTO, 0, 3, 0, integrators},
+    {"step_max", "s", "largest step of the integrator of penalty and event", NSDAE_PARAM_REAL,
+     AT(step_max), INFINITY, 0, INFINITY, NSDAE_OPEN_MIN, NULL},
     {"accumulation_time", "s", "remaining time below which event closes an accumulation of impacts",
      NSDAE_PARAM_REAL, AT(accumulation_time), 1e-5, 0, INFINITY, NSDAE_OPEN_MIN, NULL},
     {"events_max", "1", "maximum number of events in one dt; beyond it implicit takes the step",
@@ -140,7 +142,8 @@ static const struct {
     {"penalty_stiffness", 1u << NSDAE_METHOD_PENALTY},
     {"penalty_exponent", 1u << NSDAE_METHOD_PENALTY},
     {"friction_velocity", 1u << NSDAE_METHOD_PENALTY},
-    {"linear_solver", 1u << NSDAE_METHOD_EVENT},
+    {"integrator", 1u << NSDAE_METHOD_PENALTY | 1u << NSDAE_METHOD_EVENT},
+    {"step_max", 1u << NSDAE_METHOD_PENALTY | 1u << NSDAE_METHOD_EVENT},
     {"accumulation_time", 1u << NSDAE_METHOD_EVENT},
     {"events_max", 1u << NSDAE_METHOD_EVENT},
     {"inner_steps_max", 1u << NSDAE_METHOD_PENALTY | 1u << NSDAE_METHOD_EVENT},

@@ -49,8 +49,7 @@ static int prepare_method(nsdae_sim *sim)
 
 static int check_fixed(nsdae_sim *sim, const nsdae_sim_options *options)
 {
-  static const char *const fixed[] = {"method", "polygon", "linear_solver", "projection",
-                                      "threads"};
+  static const char *const fixed[] = {"method", "polygon", "projection", "threads"};
   for (size_t i = 0; i < sizeof fixed / sizeof *fixed; i++) {
     const nsdae_param *p = nsdae_params_find(nsdae_sim_options_table(), fixed[i]);
     if (nsdae_sim_option_value(options, p) == nsdae_sim_option_value(&sim->options, p)) continue;

@@ -22,8 +22,8 @@ typedef struct nsdae_ode_problem {
 
 /* NSDAE_E_MEMORY; NSDAE_E_UNSUPPORTED where the library was built without SUNDIALS. */
 int nsdae_ode_create(const nsdae_ode_problem *problem, double rtol, double atol, nsdae_ode **ode);
-/* Other tolerances, before the next start. */
-void nsdae_ode_tolerances(nsdae_ode *ode, double rtol, double atol);
+/* Other tolerances and largest step (infinite: no bound), before the next start. */
+void nsdae_ode_tolerances(nsdae_ode *ode, double rtol, double atol, double step_max);
 /* From the next start on the error of the first of y, positions, is relative to the way that they
  * go in `longest`, where that is less than they are: see runge_kutta.h. */
 void nsdae_ode_positions(nsdae_ode *ode, int positions, double longest);

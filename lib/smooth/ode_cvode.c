@@ -178,7 +178,8 @@ int nsdae_ode_create(const nsdae_ode_problem *problem, double rtol, double atol,
   nsdae_ode *made = calloc(1, sizeof *made);
   if (!made) return NSDAE_E_MEMORY;
   made->problem = *problem;
-  nsdae_ode_tolerances(made, rtol, atol);
+  made->rtol = rtol;
+  made->atol = atol;
   if (problem->controlled == 0) made->problem.controlled = problem->n;
   int status = make_objects(made);
   if (status == NSDAE_OK) status = set_up(made);
@@ -189,10 +190,11 @@ int nsdae_ode_create(const nsdae_ode_problem *problem, double rtol, double atol,
   return status;
 }
 
-void nsdae_ode_tolerances(nsdae_ode *ode, double rtol, double atol)
+void nsdae_ode_tolerances(nsdae_ode *ode, double rtol, double atol, double step_max)
 {
   ode->rtol = rtol;
   ode->atol = atol;
+  CVodeSetMaxStep(ode->cvode, step_max);
 }
 
 void nsdae_ode_positions(nsdae_ode *ode, int positions, double longest)

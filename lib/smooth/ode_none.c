@@ -12,7 +12,7 @@ int nsdae_ode_create(const nsdae_ode_problem *problem, double rtol, double atol,
   return NSDAE_E_UNSUPPORTED;
 }
 
-void nsdae_ode_tolerances(nsdae_ode *ode, double rtol, double atol) {}
+void nsdae_ode_tolerances(nsdae_ode *ode, double rtol, double atol, double step_max) {}
 
 void nsdae_ode_positions(nsdae_ode *ode, int positions, double longest) {}
 

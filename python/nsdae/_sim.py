@@ -223,7 +223,7 @@ class Sim:
     def set_options(self, **options: Any) -> None:
         """Changes options for the following steps.
 
-        The options method, polygon, linear_solver, projection and threads cannot be changed.
+        The options method, polygon, projection and threads cannot be changed.
 
         Parameters
         ----------

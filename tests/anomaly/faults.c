@@ -287,7 +287,7 @@ static void draw(run *r, uint64_t seed, int method)
   r->options.redundant = random_below(&state, 2);
   r->options.inner_steps_max = 1000;
   r->options.events_max = 200;
-  r->options.linear_solver = random_below(&state, 2);
+  r->options.integrator = random_below(&state, 4);
   r->options.penalty_law = random_below(&state, 5);
 }
 

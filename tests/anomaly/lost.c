@@ -47,7 +47,7 @@ void *__wrap_CVodeCreate(int lmm, void *context)
 enum { BALLS = 8 };
 
 typedef struct life {
-  int method, linear_solver;
+  int method, integrator;
   long made, ran;         /* allocations until the simulation was made, and after */
   int spare, spared;      /* a run may end well without one of them; how many times it did */
   double end[13 * BALLS]; /* of the heap: q and v */
@@ -61,7 +61,7 @@ static int live(life *l, random_system *r)
   nsdae_sim *sim = NULL;
   nsdae_sim_options_default(&options);
   options.method = l->method;
-  options.linear_solver = l->linear_solver;
+  options.integrator = l->integrator;
   random_system_rewind(r);
   nsdae_system *system = random_system_make(r);
   if (!system) return NSDAE_E_MEMORY;
@@ -185,9 +185,9 @@ static long every_place(life_fn of, life *l, random_system *r, uint64_t seed)
     l->spared += well;
     if ((!well && status != (failed ? NSDAE_E_MEMORY : NSDAE_OK)) || left != 0 ||
         (bytes != 0 && !may_print))
-      fail_msg("%s, %s, seed %d, place %ld: status %d, %ld blocks left, %ld bytes on stderr",
-               nsdae_method_name(l->method), l->linear_solver ? "sparse" : "dense", (int)seed,
-               place, status, left, bytes);
+      fail_msg(
+          "%s, integrator %d, seed %d, place %ld: status %d, %ld blocks left, %ld bytes on stderr",
+          nsdae_method_name(l->method), l->integrator, (int)seed, place, status, left, bytes);
     if (status == NSDAE_OK || l->again) expect_end(l, &whole, place);
     place += failed;
   }
@@ -211,12 +211,14 @@ static void test_every_place(void **state)
 {
   (void)state;
   for (int method = 0; nsdae_method_name(method); method++)
-    for (int solver = 0; solver <= (method == NSDAE_METHOD_EVENT); solver++) {
-      life l = {.method = method, .linear_solver = solver};
+    for (int last = method == NSDAE_METHOD_EVENT ? NSDAE_INTEGRATOR_IDA : NSDAE_INTEGRATOR_AUTO,
+             integrator = NSDAE_INTEGRATOR_AUTO;
+         integrator <= last; integrator++) {
+      life l = {.method = method, .integrator = integrator};
       random_system r;
       uint64_t seed = seed_of(&r, 1, method);
       long places = every_place(live, &l, &r, seed);
-      print_message("%s %d: %ld places, %ld in the run\n", nsdae_method_name(method), solver,
+      print_message("%s %d: %ld places, %ld in the run\n", nsdae_method_name(method), integrator,
                     places, l.ran);
       assert_true(places > 5);
       assert_int_equal(l.ran, 0);

@@ -34,7 +34,7 @@ void event_run_default(event_run *run);
  * every impact. */
 void event_run_do(event_run *run, nsdae_system *system, const double *q0, const double *v0);
 
-/* The same with linear_solver = dense, then sparse; asserts that both give the same. */
+/* The same with integrator = dopri5, then dop853; asserts that both give the same. */
 void event_run_both(event_run *run, nsdae_system *system, const double *q0, const double *v0);
 
 /* Prints what a run did. */

@@ -121,15 +121,15 @@ static double relative(double value, double exact)
   return fabs(value / exact - 1);
 }
 
-/* All eight impacts of the closed form to 1e-8, the first to 1e-9; with either linear solver. */
+/* All eight impacts of the closed form to 1e-8, the first to 1e-9; with every integrator. */
 static void test_pendulum(void **state)
 {
   (void)state;
   double row[16][7];
   int rows = read_rows("pendulum_impacts.csv", NULL, 6, row, 16);
-  for (int solver = NSDAE_LINEAR_DENSE; solver <= NSDAE_LINEAR_SPARSE; solver++) {
+  for (int integrator = NSDAE_INTEGRATOR_AUTO; integrator <= NSDAE_INTEGRATOR_IDA; integrator++) {
     nsdae_sim_options options = options_of(0.005);
-    options.linear_solver = solver;
+    options.integrator = integrator;
     defaults(&pendulum_model);
     integrate(&pendulum_model, &options, 7);
     assert_int_equal(r.impacts, rows);
@@ -143,6 +143,43 @@ static void test_pendulum(void **state)
     }
     print_message("pendulum: eight impacts to %.1e\n", worst);
     assert_at_most(r.worst_gain, 1e-8 * 4.9 * 9.8); /* the integrator's error, over m g L */
+  }
+}
+
+/* Evaluations of the forces over 0.2 s of the pendulum, before its first impact. */
+static long evaluations(const nsdae_sim_options *options)
+{
+  nsdae_system *system;
+  nsdae_stats stats;
+  double q0[NQ] = {0}, v0[NQ] = {0};
+  defaults(&pendulum_model);
+  assert_int_equal(pendulum_model.build(pendulum_model.base, &system, NULL), NSDAE_OK);
+  pendulum_model.start(pendulum_model.base, q0, v0);
+  nsdae_sim *sim = start(system, options, q0, v0);
+  assert_true(nsdae_sim_run(sim, 0.2) >= 0); /* the law of penalty has a warning */
+  nsdae_sim_get_stats(sim, &stats);
+  nsdae_sim_destroy(&sim);
+  nsdae_system_destroy(&system);
+  return stats.force_evals;
+}
+
+/* No step of the integrator is longer than step_max: a time T takes at least T / step_max of them,
+ * each with an evaluation or more; without a bound, far less. */
+static void test_step_max(void **state)
+{
+  (void)state;
+  const int methods[] = {NSDAE_METHOD_EVENT, NSDAE_METHOD_PENALTY};
+  for (int i = 0; i < 2; i++) {
+    nsdae_sim_options options = options_of(0.005);
+    options.method = methods[i];
+    options.rtol = 1e-6;
+    options.atol = 1e-8;
+    assert_int_equal(nsdae_sim_options_set(&options, "step_max", "1e-5", NULL), NSDAE_OK);
+    assert_true(evaluations(&options) >= 20000);
+    assert_int_equal(nsdae_sim_options_set(&options, "step_max", "inf", NULL), NSDAE_OK);
+    assert_true(evaluations(&options) < 1000);
+    assert_int_equal(nsdae_sim_options_set(&options, "step_max", "0", NULL), NSDAE_E_ARGUMENT);
+    assert_int_equal(nsdae_sim_options_set(&options, "step_max", "nan", NULL), NSDAE_E_ARGUMENT);
   }
 }
 
@@ -409,9 +446,9 @@ static void test_chattering(void **state)
 int main(void)
 {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_pendulum),     cmocka_unit_test(test_hinge),
-      cmocka_unit_test(test_crank_slider), cmocka_unit_test(test_accumulation),
-      cmocka_unit_test(test_chattering),
+      cmocka_unit_test(test_pendulum),     cmocka_unit_test(test_step_max),
+      cmocka_unit_test(test_hinge),        cmocka_unit_test(test_crank_slider),
+      cmocka_unit_test(test_accumulation), cmocka_unit_test(test_chattering),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

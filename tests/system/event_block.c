@@ -374,9 +374,9 @@ static void push_table(int legs, int spin, double phase)
     p.spin = rate;
   else
     p.fx = 4, p.fy = 3;
-  for (int solver = NSDAE_LINEAR_DENSE; solver <= NSDAE_LINEAR_SPARSE; solver++) {
+  for (int pair = NSDAE_INTEGRATOR_DOPRI5; pair <= NSDAE_INTEGRATOR_DOP853; pair++) {
     event_run_default(&r);
-    r.options.linear_solver = solver;
+    r.options.integrator = pair;
     r.t_end = T;
     event_run_do(&r, system, q0, v0);
     assert_int_equal(r.status, NSDAE_OK);

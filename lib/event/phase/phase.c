@@ -40,7 +40,6 @@ void nsdae_event_phase_layout(nsdae_event_phase *p, nsdae_arena *arena)
   p->modes.blur = NSDAE_ARENA_DOUBLES(arena, d->k);
   p->slip = NSDAE_ARENA_DOUBLES(arena, (long)d->k * d->nt);
   p->K.most = (int)n;
-  p->K.is_sparse = p->setting->options->linear_solver == NSDAE_LINEAR_SPARSE;
   nsdae_lu_layout(&p->K, arena);
 }
 

@@ -9,7 +9,7 @@
 #include <nsdae/params.h>
 
 typedef struct sample {
-  double length, angle, fraction, any;
+  double length, angle, fraction, any, bound;
   int count, colour;
   char name[NSDAE_PARAM_TEXT_SIZE];
 } sample;
@@ -28,6 +28,7 @@ static const nsdae_param entries[] = {
     {"count", "1", "", NSDAE_PARAM_INT, AT(count), 7, 1, 1000, 0, NULL},
     {"colour", "", "", NSDAE_PARAM_CHOICE, AT(colour), 1, 0, 2, 0, colours},
     {"name", "", "", NSDAE_PARAM_TEXT, AT(name), 0, 0, 0, 0, NULL},
+    {"bound", "s", "", NSDAE_PARAM_REAL, AT(bound), INFINITY, 0, INFINITY, NSDAE_OPEN_MIN, NULL},
 };
 
 static const nsdae_params table = {entries, (int)(sizeof entries / sizeof *entries)};
@@ -60,7 +61,8 @@ static void test_range_in_words(void **state)
                                       "a finite number",
                                       "at least 1 and at most 1000",
                                       "red, green or blue",
-                                      ""};
+                                      "",
+                                      "greater than 0"};
   char text[64];
   for (int i = 0; i < table.n; i++) {
     nsdae_params_range(&entries[i], text, sizeof text);
@@ -88,6 +90,10 @@ static void test_set_each_type(void **state)
   assert_int_equal(s.count, 12);
   assert_int_equal(s.colour, 2);
   assert_string_equal(s.name, "a b c");
+  assert_int_equal(nsdae_params_set(&table, &s, "bound", "2", NULL), NSDAE_OK);
+  assert_true(s.bound == 2);
+  assert_int_equal(nsdae_params_set(&table, &s, "bound", "inf", NULL), NSDAE_OK); /* the default */
+  assert_true(isinf(s.bound));
   assert_int_equal(nsdae_params_set(&table, &s, "count", "1e2", NULL), NSDAE_OK);
   assert_int_equal(s.count, 100);
   assert_int_equal(nsdae_params_set(&table, &s, "name", "", NULL), NSDAE_OK);
@@ -117,6 +123,8 @@ static void test_not_a_number(void **state)
     refused("any", bad[i], NSDAE_E_ARGUMENT, "not a number");
     refused("count", bad[i], NSDAE_E_ARGUMENT, "not a number");
   }
+  refused("bound", "-inf", NSDAE_E_ARGUMENT, "greater than 0");
+  refused("bound", "nan", NSDAE_E_ARGUMENT, "greater than 0");
   const char *const broken[] = {"1.5", "0.9999", "1e10", "-3e9"};
   for (size_t i = 0; i < sizeof broken / sizeof *broken; i++)
     refused("count", broken[i], NSDAE_E_ARGUMENT, "whole number");
