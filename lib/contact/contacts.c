@@ -242,15 +242,17 @@ static void clear_jammed(nsdae_contacts *c, const nsdae_terms *terms, int n, int
   }
 }
 
-static void delassus(nsdae_contacts *c, const nsdae_terms *terms, const nsdae_kkt *kkt)
+static int delassus(nsdae_contacts *c, const nsdae_terms *terms, const nsdae_kkt *kkt)
 {
   int n = kkt->n, m = kkt->m;
   memcpy(c->delassus.U, c->delassus.W, (size_t)n * (size_t)c->columns * sizeof *c->delassus.U);
   memset(c->delassus.D, 0, (size_t)m * (size_t)c->columns * sizeof *c->delassus.D);
-  nsdae_kkt_solve(kkt, c->columns, c->delassus.U, n, c->delassus.D, m);
+  int status = nsdae_terms_solve(terms, kkt, c->columns, c->delassus.U, c->delassus.D);
+  if (status < 0) return status;
   if (m > 0) clear_jammed(c, terms, n, m);
   nsdae_la_multiply_transposed(n, c->columns, c->columns, c->delassus.W, n, c->delassus.U, n, 0,
                                c->delassus.G, c->columns);
+  return NSDAE_OK;
 }
 
 /* W^T v_free + w(+) + e v(-), in the order of the columns. */
@@ -446,9 +448,10 @@ int nsdae_contacts_solve(nsdae_contacts *c, const nsdae_terms *terms, const nsda
 {
   if (!nsdae_contacts_any(c)) return NSDAE_OK;
   gather_columns(c, terms);
-  delassus(c, terms, kkt);
+  int status = delassus(c, terms, kkt);
+  if (status < 0) return status;
   offsets(c, terms, v);
-  int status = solve_impulses(c, lambda);
+  status = solve_impulses(c, lambda);
   if (status < 0) return unsolved(c, nsdae_terms_time(terms), status);
   add_velocity(c, kkt->n, size, v);
   nsdae_add_product(kkt->m, c->columns, c->delassus.D, c->delassus.impulse, lambda);

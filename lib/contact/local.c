@@ -17,6 +17,7 @@ void nsdae_local_prepare(nsdae_local *l, const nsdae_system *system, nsdae_error
   l->contacts.lcp.options = *options;
   l->contacts.rows_most = NSDAE_CLOSED_BASIS;
   l->kkt.rank_tol = rank_tol;
+  l->kkt.blocks = &l->model.blocks;
 }
 
 static void most_dims(nsdae_local *l)
@@ -346,9 +347,10 @@ static int solve(nsdae_local *l, nsdae_misfit *misfit)
   memcpy(l->lambda, l->asked, (size_t)m * sizeof *l->lambda);
   memcpy(l->v, l->r, (size_t)n * sizeof *l->v);
   memcpy(l->size, l->r, (size_t)n * sizeof *l->size);
-  nsdae_kkt_solve(&l->kkt, 1, l->v, n, l->lambda, m);
+  int status = nsdae_terms_solve(&l->terms, &l->kkt, 1, l->v, l->lambda);
+  if (status < 0) return status;
   nsdae_kkt_solve_mass(&l->kkt, l->size);
-  int status = nsdae_contacts_solve(&l->contacts, &l->terms, &l->kkt, l->size, l->v, l->lambda);
+  status = nsdae_contacts_solve(&l->contacts, &l->terms, &l->kkt, l->size, l->v, l->lambda);
   if (status < 0 || !nsdae_contacts_any(&l->contacts)) return status;
   if (!driven(l) && stands(l)) stand(l);
   *misfit = fit(l);

@@ -159,7 +159,7 @@ static int factor_sparse(nsdae_worker *w, const nsdae_whole *whole, int island)
                                .block = is->block.of + is->block.first[island],
                                .row = is->row.of + is->row.first[island]};
   int status = nsdae_sparse_kkt_analyse(k, &part);
-  if (status == NSDAE_OK) status = nsdae_sparse_kkt_factor(k, whole->M, NULL);
+  if (status == NSDAE_OK) status = nsdae_sparse_kkt_factor(k, whole->M);
   if (status == NSDAE_E_MASS) return bad_mass(w, whole->system, k->bad_block, k->pivot);
   if (status < 0) return unsolved(w, whole, island, status);
   count_rank(&w->solved, k->rank.count, k->rank.kept, k->rank.left);

@@ -129,6 +129,7 @@ static void destroy(void *own)
   nsdae_ode_destroy(&e->integrator.stiff);
   nsdae_cones_close(&e->instant.acceleration.problem.cones);
   nsdae_cones_close(&e->instant.impacts.problem.cones);
+  nsdae_least_release(&e->instant.projection.least);
   nsdae_arena_release(&e->arena);
   free(e);
 }

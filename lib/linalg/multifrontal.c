@@ -421,7 +421,7 @@ static void gather_rest(const nsdae_multifrontal *f, int s, int add)
   }
 }
 
-static void forward(nsdae_multifrontal *f, int s)
+static void forward(const nsdae_multifrontal *f, int s)
 {
   int p = f->super.pivots[s], r = f->super.rest[s], at = f->place[f->super.begin[s]];
   const double *P = f->F + f->super.factor[s], *R = P + (size_t)p * (size_t)p;
@@ -434,7 +434,7 @@ static void forward(nsdae_multifrontal *f, int s)
   gather_rest(f, s, 1);
 }
 
-static void backward(nsdae_multifrontal *f, int s)
+static void backward(const nsdae_multifrontal *f, int s)
 {
   int p = f->super.pivots[s], r = f->super.rest[s];
   const double *P = f->F + f->super.factor[s], *R = P + (size_t)p * (size_t)p,
@@ -452,7 +452,7 @@ static void backward(nsdae_multifrontal *f, int s)
 }
 
 /* x in the order of the blocks into the permuted vector (in), or back. */
-static void permute(nsdae_multifrontal *f, double *x, int in)
+static void permute(const nsdae_multifrontal *f, double *x, int in)
 {
   for (int i = 0; i < f->graph.n; i++) {
     double *y = f->work.vector + f->place[f->tree.number[i]];
@@ -461,7 +461,7 @@ static void permute(nsdae_multifrontal *f, double *x, int in)
   }
 }
 
-void nsdae_multifrontal_solve(nsdae_multifrontal *f, double *x)
+void nsdae_multifrontal_solve(const nsdae_multifrontal *f, double *x)
 {
   permute(f, x, 1);
   for (int s = 0; s < f->super.count; s++) forward(f, s);

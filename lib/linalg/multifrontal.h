@@ -81,7 +81,7 @@ static inline int nsdae_multifrontal_place(const nsdae_multifrontal *f, int i, i
 }
 
 /* x [order] := A^-1 x; the rows of the blocks in the order of the blocks. */
-void nsdae_multifrontal_solve(nsdae_multifrontal *f, double *x);
+void nsdae_multifrontal_solve(const nsdae_multifrontal *f, double *x);
 
 void nsdae_multifrontal_release(nsdae_multifrontal *f);
 

@@ -16,10 +16,34 @@ enum { REFINEMENTS = 10 };
  * remain below this. */
 static const double ENOUGH = 1e-12;
 
-int nsdae_sparse_kkt_factor(nsdae_sparse_kkt *k, const double *M, const double *D)
+int nsdae_sparse_kkt_factor(nsdae_sparse_kkt *k, const double *M)
 {
-  int status = nsdae_sparse_kkt_form_schur(k, M, D);
+  int status = nsdae_sparse_kkt_form_schur(k, M);
   return status < 0 ? status : nsdae_sparse_kkt_find_rank(k);
+}
+
+int nsdae_sparse_kkt_factor_in(nsdae_sparse_kkt *k, const double *M, const double *keep)
+{
+  int status = nsdae_sparse_kkt_form_schur(k, M);
+  return status < 0 ? status : nsdae_sparse_kkt_keep_rank(k, keep);
+}
+
+void nsdae_sparse_kkt_kept(const nsdae_sparse_kkt *k, double *keep)
+{
+  const nsdae_kkt_nodes *n = &k->nodes;
+  for (int i = 0; i < n->count; i++)
+    for (int row = n->row[i]; row < n->row[i + 1]; row++)
+      keep[row] = !nsdae_sparse_kkt_is_dropped(k, i, row);
+}
+
+int nsdae_sparse_kkt_common(const nsdae_sparse_kkt *k, const double *keep)
+{
+  const nsdae_kkt_nodes *n = &k->nodes;
+  int common = 0;
+  for (int i = 0; i < n->count; i++)
+    for (int row = n->row[i]; row < n->row[i + 1]; row++)
+      common += keep[row] != 0 && !nsdae_sparse_kkt_is_dropped(k, i, row);
+  return common;
 }
 
 /* ---- the solution */
@@ -38,6 +62,13 @@ static void solve_masses(const nsdae_sparse_kkt *k, int transposed, double *z)
   }
 }
 
+void nsdae_sparse_kkt_solve_mass(const nsdae_sparse_kkt *k, double *v)
+{
+  for (int i = 0; i < k->at.blocks.count; i++)
+    nsdae_la_solve_cholesky(nsdae_blocks_size(&k->at.blocks, i), k->at.L + k->at.blocks.square[i],
+                            v + k->part.blocks->first[k->part.block[i]]);
+}
+
 /* worst / size; not finite if a number is not. */
 static double part_of(double worst, double size)
 {
@@ -49,7 +80,7 @@ static double max_with_nan(double most, double a)
   return a <= most || isnan(most) ? most : a; /* NaN stays */
 }
 
-/* g = r - (M + D) x - J^T l, divided by the largest |r| + |(M + D) x| + |J^T| |l| */
+/* g = r - M x - J^T l, divided by the largest |r| + |M x| + |J^T| |l| */
 static double error_of_forces(const nsdae_sparse_kkt *k)
 {
   const nsdae_kkt_values *a = &k->at;
@@ -99,9 +130,9 @@ static double residual_of_groups(const nsdae_sparse_kkt *k)
 }
 
 /* x += z and l += h with the solution of g and d. */
-static void correct(nsdae_sparse_kkt *k)
+static void correct(const nsdae_sparse_kkt *k)
 {
-  nsdae_kkt_values *a = &k->at;
+  const nsdae_kkt_values *a = &k->at;
   int n = a->blocks.first[a->blocks.count], m = k->part.row_count;
   memcpy(a->z, a->g, (size_t)n * sizeof *a->z);
   solve_masses(k, 0, a->z);
@@ -116,9 +147,9 @@ static void correct(nsdae_sparse_kkt *k)
 
 /* Corrections until the error no longer falls; returns it. A last one that made it larger is
  * undone. */
-static double refine(nsdae_sparse_kkt *k)
+static double refine(const nsdae_sparse_kkt *k)
 {
-  nsdae_kkt_values *a = &k->at;
+  const nsdae_kkt_values *a = &k->at;
   double last = INFINITY, now = residual_of_groups(k);
   for (int i = 0; i < REFINEMENTS && now > DBL_EPSILON && now < last / 2; i++) {
     last = now;
@@ -132,9 +163,9 @@ static double refine(nsdae_sparse_kkt *k)
 }
 
 /* The right-hand side, which is the residual of x = 0, l = 0. */
-static void set_right_hand_side(nsdae_sparse_kkt *k, const double *r, const double *lambda)
+static void set_right_hand_side(const nsdae_sparse_kkt *k, const double *r, const double *lambda)
 {
-  nsdae_kkt_values *a = &k->at;
+  const nsdae_kkt_values *a = &k->at;
   size_t n = (size_t)a->blocks.first[a->blocks.count], m = (size_t)k->part.row_count;
   for (int i = 0; i < a->blocks.count; i++)
     memcpy(a->r + a->blocks.first[i], r + k->part.blocks->first[k->part.block[i]],
@@ -146,14 +177,14 @@ static void set_right_hand_side(nsdae_sparse_kkt *k, const double *r, const doub
   memset(a->l, 0, m * sizeof *a->l);
 }
 
-int nsdae_sparse_kkt_solve(nsdae_sparse_kkt *k, const double *r, double *v, double *lambda)
+int nsdae_sparse_kkt_solve(const nsdae_sparse_kkt *k, const double *r, double *v, double *lambda)
 {
   const nsdae_kkt_values *a = &k->at;
   set_right_hand_side(k, r, lambda);
   correct(k);
   double error = refine(k);
   if (error <= ENOUGH && k->rank.count < k->part.row_count) {
-    if (!nsdae_sparse_kkt_consistent(k)) return NSDAE_E_CONVERGENCE;
+    if (!k->rank.chosen && !nsdae_sparse_kkt_consistent(k)) return NSDAE_E_CONVERGENCE;
     nsdae_sparse_kkt_shorten(k);
     error = refine(k);
   }

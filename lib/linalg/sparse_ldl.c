@@ -110,7 +110,7 @@ int nsdae_sparse_ldl_factor(nsdae_sparse_ldl *l, const nsdae_multifrontal *f, do
 }
 
 /* x in the order of the blocks into that of the elimination (in), or back. */
-static void permute(nsdae_sparse_ldl *l, const nsdae_multifrontal *f, double *x, int in)
+static void permute(const nsdae_sparse_ldl *l, const nsdae_multifrontal *f, double *x, int in)
 {
   for (int i = 0; i < f->graph.n; x += f->graph.size[i++]) {
     double *y = l->x + f->place[f->tree.number[i]];
@@ -118,7 +118,7 @@ static void permute(nsdae_sparse_ldl *l, const nsdae_multifrontal *f, double *x,
   }
 }
 
-void nsdae_sparse_ldl_solve(nsdae_sparse_ldl *l, const nsdae_multifrontal *f, double *x)
+void nsdae_sparse_ldl_solve(const nsdae_sparse_ldl *l, const nsdae_multifrontal *f, double *x)
 {
   permute(l, f, x, 1);
   ldl_lsolve(l->order, l->x, l->begin, l->below, l->L);

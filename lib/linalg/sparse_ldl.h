@@ -35,7 +35,8 @@ int nsdae_sparse_ldl_analyse(nsdae_sparse_ldl *ldl, const nsdae_multifrontal *an
 int nsdae_sparse_ldl_factor(nsdae_sparse_ldl *ldl, const nsdae_multifrontal *analysed, double drop);
 
 /* x := A^-1 x, as nsdae_multifrontal_solve. */
-void nsdae_sparse_ldl_solve(nsdae_sparse_ldl *ldl, const nsdae_multifrontal *analysed, double *x);
+void nsdae_sparse_ldl_solve(const nsdae_sparse_ldl *ldl, const nsdae_multifrontal *analysed,
+                            double *x);
 
 void nsdae_sparse_ldl_release(nsdae_sparse_ldl *ldl);
 

@@ -22,7 +22,7 @@ int nsdae_sparse_ldl_factor(nsdae_sparse_ldl *l, const nsdae_multifrontal *f, do
   return 1;
 }
 
-void nsdae_sparse_ldl_solve(nsdae_sparse_ldl *l, const nsdae_multifrontal *f, double *x)
+void nsdae_sparse_ldl_solve(const nsdae_sparse_ldl *l, const nsdae_multifrontal *f, double *x)
 {
   (void)l, (void)f, (void)x;
 }

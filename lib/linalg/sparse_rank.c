@@ -42,9 +42,9 @@ int nsdae_sparse_kkt_is_dropped(const nsdae_sparse_kkt *k, int node, int row)
  * that were dropped */
 
 /* Np = N p, of p that is zero in R */
-static void combine(nsdae_sparse_kkt *k, const double *p, double *Np)
+static void combine(const nsdae_sparse_kkt *k, const double *p, double *Np)
 {
-  nsdae_kkt_values *a = &k->at;
+  const nsdae_kkt_values *a = &k->at;
   memset(a->z, 0, (size_t)a->blocks.first[a->blocks.count] * sizeof *a->z);
   nsdae_sparse_kkt_add_transposed(k, a->Y, 1, p, a->z, NULL);
   nsdae_sparse_kkt_times(k, a->Y, a->z, Np);
@@ -53,9 +53,9 @@ static void combine(nsdae_sparse_kkt *k, const double *p, double *Np)
 }
 
 /* out = N^T u, zero in R */
-static void project(nsdae_sparse_kkt *k, const double *u, double *out)
+static void project(const nsdae_sparse_kkt *k, const double *u, double *out)
 {
-  nsdae_kkt_values *a = &k->at;
+  const nsdae_kkt_values *a = &k->at;
   const nsdae_kkt_nodes *n = &k->nodes;
   memcpy(out, u, (size_t)k->part.row_count * sizeof *out);
   nsdae_sparse_kkt_solve_schur(k, out);
@@ -70,9 +70,9 @@ static void project(nsdae_sparse_kkt *k, const double *u, double *out)
 /* ---- rank */
 
 /* u with u_row = 1 and small |Y u|: a column of N for a dropped row, else one of S^-1. */
-static void near_null(nsdae_sparse_kkt *k, int row, int dropped)
+static void near_null(const nsdae_sparse_kkt *k, int row, int dropped)
 {
-  nsdae_kkt_values *a = &k->at;
+  const nsdae_kkt_values *a = &k->at;
   int m = k->part.row_count;
   memset(a->p, 0, (size_t)m * sizeof *a->p);
   a->p[row] = 1;
@@ -87,9 +87,9 @@ static void near_null(nsdae_sparse_kkt *k, int row, int dropped)
 }
 
 /* |Y z| of z = u, with Y z in the vector z. */
-static double length(nsdae_sparse_kkt *k)
+static double length(const nsdae_sparse_kkt *k)
 {
-  nsdae_kkt_values *a = &k->at;
+  const nsdae_kkt_values *a = &k->at;
   int n = a->blocks.first[a->blocks.count];
   memset(a->z, 0, (size_t)n * sizeof *a->z);
   nsdae_sparse_kkt_add_transposed(k, a->Y, 1, a->u, a->z, NULL);
@@ -97,9 +97,9 @@ static double length(nsdae_sparse_kkt *k)
 }
 
 /* u of smaller length, with the same u_row. */
-static void improve(nsdae_sparse_kkt *k, int row)
+static void improve(const nsdae_sparse_kkt *k, int row)
 {
-  nsdae_kkt_values *a = &k->at;
+  const nsdae_kkt_values *a = &k->at;
   double *change = a->h;
   nsdae_sparse_kkt_times(k, a->Y, a->z, change);
   change[row] = 0;
@@ -111,7 +111,7 @@ static void improve(nsdae_sparse_kkt *k, int row)
 /* The sine of a row by corrected seminormal equations (Bjorck, Linear Algebra Appl. 88/89 (1987)
  * 31): the least |Y z| with z_row = 1. Y z is formed from Y alone, as S has lost half of its
  * digits. Ends when a correction gains less than a tenth. */
-static double measure(nsdae_sparse_kkt *k, int node, int row, int dropped)
+static double measure(const nsdae_sparse_kkt *k, int node, int row, int dropped)
 {
   double square = own(k, node, row), last = INFINITY;
   if (!(square > 0)) return 0;
@@ -172,7 +172,6 @@ static void count_rank(nsdae_sparse_kkt *k)
   const nsdae_multifrontal_rank *r = &k->schur.rank;
   int largest = -1, node = -1;
   double most = 0;
-  k->rank.dependent = -1;
   for (int i = 0; i < n->count; i++)
     for (int row = n->row[i]; row < n->row[i + 1]; row++) {
       int at = place(k, i, row);
@@ -187,12 +186,17 @@ static void count_rank(nsdae_sparse_kkt *k)
   k->rank.left = largest < 0 ? 0 : measure(k, node, largest, 1);
 }
 
+static void begin_rank(nsdae_sparse_kkt *k, int chosen)
+{
+  k->rank =
+      (nsdae_kkt_rank){.count = k->part.row_count, .chosen = chosen, .dependent = -1, .kept = 1};
+}
+
 int nsdae_sparse_kkt_find_rank(nsdae_sparse_kkt *k)
 {
   nsdae_multifrontal_rank *r = &k->schur.rank;
   r->drop = fmax(k->rank_tol * k->rank_tol, ROUNDED);
-  k->rank.count = k->part.row_count;
-  k->rank.left = 0;
+  begin_rank(k, 0);
   k->by_ldl =
       k->ldl_first && nsdae_sparse_ldl_factor(&k->ldl, &k->schur, fmax(r->drop, CERTAIN)) == 0;
   if (k->by_ldl) {
@@ -207,15 +211,48 @@ int nsdae_sparse_kkt_find_rank(nsdae_sparse_kkt *k)
   return NSDAE_OK;
 }
 
+/* Counts the rows that were dropped beside those that the choice leaves out. */
+static int count_lost(nsdae_sparse_kkt *k)
+{
+  const nsdae_multifrontal_rank *r = &k->schur.rank;
+  int lost = 0;
+  for (int i = 0; i < k->part.row_count; i++) {
+    lost += r->is_dropped[i] && !r->forced[i];
+    k->rank.count -= r->is_dropped[i];
+    if (!r->is_dropped[i]) k->rank.kept = fmin(k->rank.kept, sine_of(r->part[i]));
+  }
+  return lost;
+}
+
+int nsdae_sparse_kkt_keep_rank(nsdae_sparse_kkt *k, const double *keep)
+{
+  const nsdae_kkt_nodes *n = &k->nodes;
+  nsdae_multifrontal_rank *r = &k->schur.rank;
+  int left_out = 0;
+  r->drop = DBL_MIN; /* none that is positive */
+  begin_rank(k, 1);
+  for (int i = 0; i < n->count; i++)
+    for (int row = n->row[i]; row < n->row[i + 1]; row++)
+      left_out += r->forced[place(k, i, row)] = keep && keep[row] == 0;
+  k->by_ldl =
+      k->ldl_first && !left_out && nsdae_sparse_ldl_factor(&k->ldl, &k->schur, r->drop) == 0;
+  if (k->by_ldl) {
+    k->rank.kept = sine_of(k->ldl.smallest);
+    return NSDAE_OK;
+  }
+  if (nsdae_multifrontal_factor(&k->schur, 1) != 0) return NSDAE_E_NONFINITE;
+  return count_lost(k) > 0 ? NSDAE_E_CONVERGENCE : NSDAE_OK;
+}
+
 /* ---- the least norm */
 
 /* l := l - N q of least norm: N^T N q = N^T l by conjugate gradients. N^T N = 1 + W^T W has few
  * distinct eigenvalues: ladders of 10 to 1000 bodies take 13 to 16 iterations. */
-void nsdae_sparse_kkt_shorten(nsdae_sparse_kkt *k)
+void nsdae_sparse_kkt_shorten(const nsdae_sparse_kkt *k)
 {
   enum { MOST = 50 };
   const double digits = 1e-10; /* relative error of l */
-  nsdae_kkt_values *a = &k->at;
+  const nsdae_kkt_values *a = &k->at;
   int m = k->part.row_count;
   double *rest = a->u, *Np = a->h, *A_p = a->d, *p = a->p;
   project(k, a->l, rest);

@@ -7,6 +7,9 @@
 /* Factors S and finds the rank; NSDAE_OK or NSDAE_E_NONFINITE. */
 int nsdae_sparse_kkt_find_rank(nsdae_sparse_kkt *kkt);
 
+/* Factors S of the rows that keep has, see nsdae_sparse_kkt_factor_in. */
+int nsdae_sparse_kkt_keep_rank(nsdae_sparse_kkt *kkt, const double *keep);
+
 /* Whether the row, of the part and of this node, was dropped. */
 int nsdae_sparse_kkt_is_dropped(const nsdae_sparse_kkt *kkt, int node, int row);
 
@@ -14,6 +17,6 @@ int nsdae_sparse_kkt_is_dropped(const nsdae_sparse_kkt *kkt, int node, int row);
 int nsdae_sparse_kkt_consistent(const nsdae_sparse_kkt *kkt);
 
 /* l := of least norm with the same J^T l, up to rounding. */
-void nsdae_sparse_kkt_shorten(nsdae_sparse_kkt *kkt);
+void nsdae_sparse_kkt_shorten(const nsdae_sparse_kkt *kkt);
 
 #endif

@@ -10,8 +10,8 @@
 
 /* ---- L, Y, S */
 
-/* M + D = L L^T. */
-static int factor_masses(nsdae_sparse_kkt *k, const double *M, const double *D)
+/* M = L L^T. */
+static int factor_masses(nsdae_sparse_kkt *k, const double *M)
 {
   nsdae_kkt_values *a = &k->at;
   for (int i = 0; i < a->blocks.count; i++) {
@@ -19,7 +19,6 @@ static int factor_masses(nsdae_sparse_kkt *k, const double *M, const double *D)
     size_t square = a->blocks.square[i + 1] - to;
     int n = nsdae_blocks_size(&a->blocks, i);
     memcpy(a->M + to, M + from, square * sizeof *M);
-    if (D) nsdae_add((int)square, 1, D + from, a->M + to);
     memcpy(a->L + to, a->M + to, square * sizeof *M);
     k->pivot = nsdae_la_cholesky(n, a->L + to, n);
     k->bad_block = k->part.block[i];
@@ -87,9 +86,9 @@ static void form_blocks(nsdae_sparse_kkt *k)
   }
 }
 
-int nsdae_sparse_kkt_form_schur(nsdae_sparse_kkt *k, const double *M, const double *D)
+int nsdae_sparse_kkt_form_schur(nsdae_sparse_kkt *k, const double *M)
 {
-  int status = factor_masses(k, M, D);
+  int status = factor_masses(k, M);
   if (status < 0) return status;
   gather_rows(k);
   form_blocks(k);
@@ -130,7 +129,7 @@ void nsdae_sparse_kkt_add_transposed(const nsdae_sparse_kkt *k, const double *J,
     }
 }
 
-void nsdae_sparse_kkt_solve_schur(nsdae_sparse_kkt *k, double *h)
+void nsdae_sparse_kkt_solve_schur(const nsdae_sparse_kkt *k, double *h)
 {
   if (k->by_ldl)
     nsdae_sparse_ldl_solve(&k->ldl, &k->schur, h);

@@ -1,6 +1,6 @@
 /* The Schur complement of sparse_kkt.h and the products with its factors:
  *
- *     M + D = L L^T,   Y = L^-1 J^T,   S = Y^T Y. */
+ *     M = L L^T,   Y = L^-1 J^T,   S = Y^T Y. */
 #ifndef NSDAE_LINALG_SPARSE_SCHUR_H
 #define NSDAE_LINALG_SPARSE_SCHUR_H
 
@@ -40,7 +40,7 @@ typedef struct nsdae_kkt_nodes {
 /* Of the part, its blocks and rows one behind the other. */
 typedef struct nsdae_kkt_values {
   nsdae_blocks blocks;
-  double *M, *L, *J, *Y; /* M + D; as above */
+  double *M, *L, *J, *Y; /* as above */
   double *x, *r, *g;     /* by blocks: solution, right-hand side, residual */
   double *z, *size;      /* the last correction of x; sizes of the terms of g */
   double *l, *c, *d, *h; /* by rows, likewise */
@@ -50,6 +50,7 @@ typedef struct nsdae_kkt_values {
 /* Of the rows, by the last factorisation. */
 typedef struct nsdae_kkt_rank {
   int count;
+  int chosen;        /* by the caller */
   int dependent;     /* the first row of the system that is dropped */
   double kept, left; /* smallest sine that counts, largest that does not; 1, 0: none */
 } nsdae_kkt_rank;
@@ -70,7 +71,7 @@ typedef struct nsdae_sparse_kkt {
 } nsdae_sparse_kkt;
 
 /* Forms L, Y and S, which is not factored. NSDAE_OK or NSDAE_E_MASS, see pivot. */
-int nsdae_sparse_kkt_form_schur(nsdae_sparse_kkt *kkt, const double *M, const double *D);
+int nsdae_sparse_kkt_form_schur(nsdae_sparse_kkt *kkt, const double *M);
 
 /* out [rows] = J x, or Y^T x */
 void nsdae_sparse_kkt_times(const nsdae_sparse_kkt *kkt, const double *J, const double *x,
@@ -81,6 +82,6 @@ void nsdae_sparse_kkt_add_transposed(const nsdae_sparse_kkt *kkt, const double *
                                      const double *l, double *out, double *size);
 
 /* h [rows] := S^-1 h, zero in dropped rows. */
-void nsdae_sparse_kkt_solve_schur(nsdae_sparse_kkt *kkt, double *h);
+void nsdae_sparse_kkt_solve_schur(const nsdae_sparse_kkt *kkt, double *h);
 
 #endif

@@ -101,11 +101,9 @@ int nsdae_step_free(const nsdae_step *step, const nsdae_terms *terms, const doub
                     const double *r, double *v, double *lambda)
 {
   nsdae_stepper *s = step->tools;
-  int n = s->system->dims.nv, m = s->system->dims.m;
   if (s->world) return solve_world(step, terms, M, r, 0, v, lambda);
-  memcpy(v, r, (size_t)n * sizeof *v);
-  nsdae_kkt_solve(&s->kkt, 1, v, n, lambda, m);
-  return NSDAE_OK;
+  memcpy(v, r, (size_t)s->kkt.n * sizeof *v);
+  return nsdae_terms_solve(terms, &s->kkt, 1, v, lambda);
 }
 
 void nsdae_step_add_constraints(const nsdae_step *step, const nsdae_terms *terms, double scale,

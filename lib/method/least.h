@@ -12,11 +12,15 @@
 typedef struct nsdae_least {
   nsdae_kkt kkt;
   int most, rows; /* that there is room for; appended so far */
-  double *J, *c;  /* most x nv; most: right-hand side, then l */
+  nsdae_rows J;   /* most x nv */
+  double *c;      /* most: right-hand side, then l */
   double *change; /* nv: r, then d */
 } nsdae_least;
 
-void nsdae_least_layout(nsdae_least *least, int nv, int most, double rank_tol, nsdae_arena *arena);
+/* Of the system's one block; most: rows. */
+void nsdae_least_layout(nsdae_least *least, const nsdae_system *system, int most, double rank_tol,
+                        nsdae_arena *arena);
+void nsdae_least_release(nsdae_least *least);
 
 /* Without rows, and with r = 0. */
 void nsdae_least_start(nsdae_least *least);
@@ -24,7 +28,7 @@ void nsdae_least_start(nsdae_least *least);
 /* Appends W^T d = -missing; the entries of W are stride apart. Returns sum |W|. */
 double nsdae_least_append(nsdae_least *least, const double *W, size_t stride, double missing);
 
-/* change and c, with the terms' M. NSDAE_OK, or NSDAE_E_MASS with the record. */
+/* change and c, with the terms' M. A status of nsdae_kkt_solve, with the record. */
 int nsdae_least_solve(nsdae_least *least, const nsdae_terms *terms);
 
 #endif

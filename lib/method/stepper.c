@@ -31,6 +31,7 @@ void nsdae_stepper_prepare(nsdae_stepper *s)
   nsdae_stepper_prepare_terms(s, &s->middle);
   s->kkt.n = s->world ? 0 : s->system->dims.nv;
   s->kkt.m = s->world ? 0 : s->system->dims.m;
+  s->kkt.blocks = &s->system->blocks;
   s->kkt.rank_tol = o->rank_tol;
   /* of event: the larger of its laws and of implicit's, which may step in */
   int edges = o->method == NSDAE_METHOD_EVENT ? nsdae_law_edges_to_start(o->polygon) : o->polygon;
@@ -101,12 +102,12 @@ int nsdae_stepper_impact(nsdae_stepper *s, nsdae_result *result, const nsdae_ter
   int n = s->system->dims.nv, m = s->system->dims.m;
   memcpy(v, r, (size_t)n * sizeof *v);
   for (int i = 0; i < m; i++) s->impulse[i] = -terms->constraint.phi_t[i];
-  nsdae_kkt_solve(&s->kkt, 1, v, n, s->impulse, m);
-  if (!nsdae_contacts_any(&s->contacts)) return NSDAE_OK;
+  int status = nsdae_terms_solve(terms, &s->kkt, 1, v, s->impulse);
+  if (status < 0 || !nsdae_contacts_any(&s->contacts)) return status;
   result->problem = &s->contacts;
   memcpy(s->size, r, (size_t)n * sizeof *s->size);
   nsdae_kkt_solve_mass(&s->kkt, s->size);
-  int status = nsdae_contacts_solve(&s->contacts, terms, &s->kkt, s->size, v, s->impulse);
+  status = nsdae_contacts_solve(&s->contacts, terms, &s->kkt, s->size, v, s->impulse);
   result->counters.lcps++;
   result->counters.lcp_pivots += s->contacts.lcp.info.pivots;
   return status;

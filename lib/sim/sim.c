@@ -193,6 +193,8 @@ void nsdae_sim_destroy(nsdae_sim **sim)
   const nsdae_stepping *method = (*sim)->method;
   if (method && method->destroy) method->destroy((*sim)->own);
   nsdae_cones_close(&(*sim)->stepper.contacts.cones);
+  nsdae_kkt_release(&(*sim)->stepper.kkt);
+  nsdae_least_release(&(*sim)->projection.least);
   nsdae_sim_release_lists(*sim);
   nsdae_arena_release(&(*sim)->arena);
   free((*sim)->law);

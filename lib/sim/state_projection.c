@@ -25,9 +25,7 @@ static long moved(const nsdae_system *s)
 void nsdae_projector_layout(nsdae_projector *p, nsdae_arena *arena)
 {
   const nsdae_dims *d = &p->tools->system->dims;
-  int listed = p->tools->system->by_list; /* nothing is projected */
-  nsdae_least_layout(&p->least, listed ? 0 : d->nv, p->rows_most, p->tools->options->rank_tol,
-                     arena);
+  nsdae_least_layout(&p->least, p->tools->system, p->rows_most, p->tools->options->rank_tol, arena);
   nsdae_units *const units[] = {&p->units, &p->other};
   for (int i = 0; i < 2; i++) {
     units[i]->of = NSDAE_ARENA_INTS(arena, d->nq);

@@ -474,7 +474,7 @@ double nsdae_terms_penetration(const nsdae_terms *terms)
   return most;
 }
 
-int nsdae_terms_bad_mass(const nsdae_terms *terms, const nsdae_kkt *kkt)
+static int bad_mass(const nsdae_terms *terms, const nsdae_kkt *kkt)
 {
   nsdae_error_set(terms->error, NSDAE_E_MASS, "nsdae_terms", "mass",
                   "the mass matrix is not positive definite at t = %.17g: pivot %d of %d is not "
@@ -485,6 +485,16 @@ int nsdae_terms_bad_mass(const nsdae_terms *terms, const nsdae_kkt *kkt)
   return NSDAE_E_MASS;
 }
 
+int nsdae_terms_unsolved(const nsdae_terms *terms, const nsdae_kkt *kkt, int status)
+{
+  if (status == NSDAE_E_MASS) return bad_mass(terms, kkt);
+  nsdae_error_set(terms->error, status, "nsdae_terms", "constraint_rows",
+                  "the equations of %d constraints were not solved at t = %.17g: %s", kkt->m,
+                  nsdae_terms_time(terms), nsdae_status_message(status));
+  terms->error->time = nsdae_terms_time(terms);
+  return status;
+}
+
 /* The first of those that are left when the independent ones are taken, best first. */
 static int bad_rank(const nsdae_terms *terms, const nsdae_kkt *kkt)
 {
@@ -493,15 +503,13 @@ static int bad_rank(const nsdae_terms *terms, const nsdae_kkt *kkt)
                   "redundant = least-norm; the first redundant one",
                   kkt->rank, kkt->m, nsdae_terms_time(terms));
   terms->error->time = nsdae_terms_time(terms);
-  nsdae_system_name_item(terms->system, NSDAE_NAME_CONSTRAINT, kkt->pivoted.column[kkt->rank] - 1,
-                         terms->error);
+  nsdae_system_name_item(terms->system, NSDAE_NAME_CONSTRAINT, kkt->dependent, terms->error);
   return NSDAE_E_RANK;
 }
 
 int nsdae_terms_factor(nsdae_terms *terms, const double *M, nsdae_kkt *kkt, int least_norm)
 {
-  const nsdae_dims *dims = &terms->system->dims;
-  if (nsdae_kkt_factor(kkt, M, dims->nv, terms->by.jacobian.value, dims->m) < 0)
-    return nsdae_terms_bad_mass(terms, kkt);
+  int status = nsdae_kkt_factor(kkt, M, &terms->by.jacobian);
+  if (status < 0) return nsdae_terms_unsolved(terms, kkt, status);
   return kkt->rank < kkt->m && !least_norm ? bad_rank(terms, kkt) : NSDAE_OK;
 }

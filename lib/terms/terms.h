@@ -176,10 +176,19 @@ double nsdae_terms_touch(const nsdae_terms *terms);
 double nsdae_terms_drift(const nsdae_terms *terms);
 double nsdae_terms_penetration(const nsdae_terms *terms);
 
-/* Factors M and Phi_q (M [nv x nv] may be another than that of the point). NSDAE_E_MASS, and
- * NSDAE_E_RANK unless least_norm allows a deficient rank; the record names pivot or rank. */
-/* NSDAE_E_MASS with the record, where the mass matrix in kkt has no factor. */
-int nsdae_terms_bad_mass(const nsdae_terms *terms, const nsdae_kkt *kkt);
+/* The record of a status of nsdae_kkt_factor or nsdae_kkt_solve at the point, which is returned. */
+int nsdae_terms_unsolved(const nsdae_terms *terms, const nsdae_kkt *kkt, int status);
+
+/* nsdae_kkt_solve with the record. */
+static inline int nsdae_terms_solve(const nsdae_terms *terms, const nsdae_kkt *kkt, int nrhs,
+                                    double *R, double *C)
+{
+  int status = nsdae_kkt_solve(kkt, nrhs, R, kkt->n, C, kkt->m);
+  return status < 0 ? nsdae_terms_unsolved(terms, kkt, status) : status;
+}
+
+/* Factors M and Phi_q (M may be another than that of the point, by blocks as that). A status of
+ * nsdae_kkt_factor, and NSDAE_E_RANK unless least_norm allows a deficient rank, with the record. */
 int nsdae_terms_factor(nsdae_terms *terms, const double *M, nsdae_kkt *kkt, int least_norm);
 
 #endif

@@ -44,7 +44,7 @@ static double backend(int which)
     memcpy(v + n, b + n, m * sizeof *v);
     double start = now();
     status = nsdae_sparse_kkt_analyse(&k, &part);
-    if (status == NSDAE_OK) status = nsdae_sparse_kkt_factor(&k, f.M, NULL);
+    if (status == NSDAE_OK) status = nsdae_sparse_kkt_factor(&k, f.M);
     if (status == NSDAE_OK) status = nsdae_sparse_kkt_solve(&k, b, v, v + n);
     least = fmin(least, now() - start);
   }

@@ -18,7 +18,7 @@ void nsdae_event_projection_layout(nsdae_event_projection *p, nsdae_arena *arena
   const nsdae_dims *d = &p->phase->setting->system->dims;
   int rows = d->m + d->k * (1 + d->nt) + d->f;
   double sine = fmax(p->phase->setting->options->rank_tol, LEAST_SINE);
-  nsdae_least_layout(&p->least, d->nv, rows, sine, arena);
+  nsdae_least_layout(&p->least, p->phase->setting->system, rows, sine, arena);
   p->qdot = NSDAE_ARENA_DOUBLES(arena, d->nq);
 }
 

@@ -103,7 +103,7 @@ static int bring(nsdae_event_instant *p, double t, double *y)
   if (status == NSDAE_OK) status = nsdae_event_factor(s);
   if (status < 0) return status;
   *m->redundant = s->kkt->rank < s->kkt->m;
-  if (*m->redundant) nsdae_kkt_range(s->kkt, m->range);
+  if (*m->redundant) nsdae_kkt_basis(s->kkt, m->range);
   return NSDAE_OK;
 }
 

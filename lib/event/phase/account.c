@@ -57,9 +57,8 @@ static int least_norm(nsdae_event_account *a, double *lambda)
   nsdae_event_setting *s = a->phase->setting;
   if (!*a->phase->modes.redundant) return NSDAE_OK;
   int status = nsdae_event_factor(s);
-  if (status == NSDAE_OK)
-    nsdae_kkt_least_norm(s->kkt, s->here->by.jacobian.value, lambda, a->reaction);
-  return status;
+  return status < 0 ? status
+                    : nsdae_kkt_least_norm(s->kkt, &s->here->by.jacobian, lambda, a->reaction);
 }
 
 int nsdae_event_account_rate(nsdae_event_account *a, double t, const double *z, int integrals,

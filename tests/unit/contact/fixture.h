@@ -165,13 +165,22 @@ static inline void fixture_build(fixture *f, int polygon)
   f->terms.differences = &f->differences;
   f->terms.error = f->contacts.error = &f->error;
   f->terms.evals = &f->evals;
-  f->kkt = (nsdae_kkt){.n = f->dims.nv, .m = f->dims.m, .rank_tol = 1e-8};
+  f->kkt =
+      (nsdae_kkt){.n = f->dims.nv, .m = f->dims.m, .blocks = &f->system->blocks, .rank_tol = 1e-8};
   f->contacts.law = f->law;
   nsdae_lcp_options_default(&f->contacts.lcp.options);
   nsdae_contacts_laws(&f->contacts, polygon);
   assert_int_equal(nsdae_arena_build(&f->arena, fixture_layout, f), NSDAE_OK);
   nsdae_contacts_remember(&f->contacts, f->memory, f->warm);
   assert_int_equal(nsdae_cones_open(&f->contacts.cones), NSDAE_OK);
+}
+
+/* M and J of the model. */
+static inline void fixture_factor(fixture *f)
+{
+  nsdae_rows rows = f->terms.by.jacobian;
+  rows.value = f->J;
+  assert_int_equal(nsdae_kkt_factor(&f->kkt, f->M, &rows), NSDAE_OK);
 }
 
 /* The next problem starts cold. */

@@ -170,22 +170,22 @@ static void test_sparse_kkt(void **state)
     draw_blocks();
     draw_rows(random_int(&s.random, 1, 5));
     if (s.n < 2 * s.rows.count) continue;
-    nsdae_kkt kkt = {.n = s.n, .m = s.rows.count, .rank_tol = 1e-8};
+    nsdae_kkt kkt = {.n = s.n, .m = s.rows.count, .blocks = &s.blocks, .rank_tol = 1e-8};
     nsdae_arena arena;
     assert_int_equal(nsdae_arena_build(&arena, layout, &kkt), NSDAE_OK);
     random_vector(r, s.n);
     random_vector(l, s.rows.count);
     memcpy(x, r, sizeof x);
     memcpy(k, l, sizeof k);
-    assert_int_equal(nsdae_kkt_factor(&kkt, s.dense_M, s.n, s.dense_J, s.rows.count), NSDAE_OK);
-    nsdae_kkt_solve(&kkt, 1, x, s.n, k, s.rows.count);
+    assert_int_equal(nsdae_kkt_factor(&kkt, s.M, &s.rows), NSDAE_OK);
+    assert_int_equal(nsdae_kkt_solve(&kkt, 1, x, s.n, k, s.rows.count), NSDAE_OK);
     for (int b = 0; b < s.blocks.count; b++) all_blocks[b] = b;
     for (int i = 0; i < s.rows.count; i++) all_rows[i] = i;
     if (kkt.rank == s.rows.count) {
       const nsdae_kkt_part part = {&s.blocks,    &s.rows,    s.blocks.count,
                                    s.rows.count, all_blocks, all_rows};
       assert_int_equal(nsdae_sparse_kkt_analyse(&sparse, &part), NSDAE_OK);
-      assert_int_equal(nsdae_sparse_kkt_factor(&sparse, s.M, NULL), NSDAE_OK);
+      assert_int_equal(nsdae_sparse_kkt_factor(&sparse, s.M), NSDAE_OK);
       assert_int_equal(sparse.rank.count, s.rows.count);
       assert_int_equal(nsdae_sparse_kkt_solve(&sparse, r, v, l), NSDAE_OK);
       double size = 1;

@@ -8,8 +8,8 @@
 #include <stdlib.h>
 
 #include "allocator.h"
+#include "kkt.h"
 #include "support/joint_families.h"
-#include "sparse_kkt.h"
 
 /* Vectors of a whole system. */
 typedef struct vectors {
@@ -50,11 +50,11 @@ static nsdae_kkt_part part_of(const joint_family *f)
                           .row = f->row};
 }
 
-static int factor(nsdae_sparse_kkt *k, const joint_family *f, const double *D)
+static int factor(nsdae_sparse_kkt *k, const joint_family *f)
 {
   nsdae_kkt_part part = part_of(f);
   int status = nsdae_sparse_kkt_analyse(k, &part);
-  return status < 0 ? status : nsdae_sparse_kkt_factor(k, f->M, D);
+  return status < 0 ? status : nsdae_sparse_kkt_factor(k, f->M);
 }
 
 static int solve(nsdae_sparse_kkt *k, const joint_family *f, vectors *w)
@@ -126,7 +126,7 @@ static void expect_solved(int kind, int bodies, int revolute, double spread, uin
   vectors w = make_vectors(&f);
   for (int b = 0; b < 3; b++) {
     nsdae_sparse_kkt k = {.rank_tol = 1e-8, .backend = backends[b]};
-    assert_int_equal(factor(&k, &f, NULL), NSDAE_OK);
+    assert_int_equal(factor(&k, &f), NSDAE_OK);
     assert_int_equal(k.rank.count, f.rank);
     assert_true(k.rank.kept > 1e-6 && k.rank.kept <= 1 && k.rank.left < 1e-8);
     if (backends[b] == NSDAE_KKT_SCHUR) assert_false(k.by_ldl);
@@ -207,7 +207,7 @@ static void expect_as_lapack(int kind, int bodies, int revolute)
   assert_int_equal(rank, f.nv + f.rank);
   for (int i = 0; i < 3; i++) {
     nsdae_sparse_kkt k = {.rank_tol = 1e-8, .backend = backends[i]};
-    assert_int_equal(factor(&k, &f, NULL), NSDAE_OK);
+    assert_int_equal(factor(&k, &f), NSDAE_OK);
     assert_int_equal(solve(&k, &f, &w), NSDAE_OK);
     double size = 1 + largest(b, all);
     for (int j = 0; j < f.nv; j++) assert_near(w.v[OTHER + j], b[j], 1e-10 * size);
@@ -279,7 +279,7 @@ static void test_minimal_coordinates(void **state)
                      0);
     memset(w.c, 0, (size_t)(f.rows + 1) * sizeof *w.c);
     nsdae_sparse_kkt k = {.rank_tol = 1e-8};
-    assert_int_equal(factor(&k, &f, NULL), NSDAE_OK);
+    assert_int_equal(factor(&k, &f), NSDAE_OK);
     assert_int_equal(solve(&k, &f, &w), NSDAE_OK);
     double size = largest(w.v, n + OTHER);
     for (int j = 0; j < n; j++) {
@@ -294,31 +294,134 @@ static void test_minimal_coordinates(void **state)
   }
 }
 
-/* With D in place of a part of M: the same matrix, the same solution. */
-static void test_damping(void **state)
+/* ---- the one interface */
+
+static void lay_out_kkt(void *object, nsdae_arena *arena)
+{
+  nsdae_kkt_layout(object, arena);
+}
+
+static void begin_kkt(nsdae_kkt *kkt, nsdae_arena *arena, const nsdae_blocks *blocks, int m)
+{
+  *kkt = (nsdae_kkt){.n = blocks->first[blocks->count], .m = m, .blocks = blocks, .rank_tol = 1e-8};
+  assert_int_equal(nsdae_arena_build(arena, lay_out_kkt, kkt), NSDAE_OK);
+}
+
+/* The family and its other block, dense: one block and rows of all its velocities. */
+typedef struct dense_family {
+  int ends[2];
+  size_t squares[2];
+  nsdae_blocks blocks;
+  nsdae_rows J;
+  double *M;
+} dense_family;
+
+static void make_dense(const joint_family *f, dense_family *d)
+{
+  int n = f->nv + OTHER, m = f->rows + 1;
+  *d = (dense_family){.ends = {0, n}, .squares = {0, (size_t)(n * n)}};
+  d->blocks = (nsdae_blocks){1, d->ends, d->squares};
+  d->M = doubles(n * n);
+  d->J = (nsdae_rows){m, f->J.first, NULL, NULL, (size_t)m, doubles(m * n)};
+  d->J.first = calloc((size_t)m + 1, sizeof *d->J.first);
+  d->J.block = calloc((size_t)m, sizeof *d->J.block);
+  d->J.at = calloc((size_t)m, sizeof *d->J.at);
+  for (int b = 0; b < f->blocks.count; b++)
+    for (int i = 0, size = nsdae_blocks_size(&f->blocks, b); i < size * size; i++)
+      d->M[(f->blocks.first[b] + i / size) * n + f->blocks.first[b] + i % size] =
+          f->M[f->blocks.square[b] + (size_t)i];
+  for (int i = 0; i < m; i++) {
+    d->J.first[i + 1] = i + 1;
+    d->J.at[i] = (size_t)i;
+    nsdae_rows_gather(&f->blocks, &f->J, i, f->blocks.first, d->J.value + i, (size_t)m);
+  }
+}
+
+static void release_dense(dense_family *d)
+{
+  free(d->M), free(d->J.first), free(d->J.block), free(d->J.at), free(d->J.value);
+}
+
+/* Several right-hand sides and masses alone by one kkt. */
+static void solve_both(nsdae_kkt *kkt, const vectors *w, double *X, double *L, double *z)
+{
+  size_t n = (size_t)kkt->n, m = (size_t)kkt->m;
+  for (size_t k = 0; k < 2; k++) {
+    for (size_t i = 0; i < n; i++) X[k * n + i] = w->r[i] / (double)(k + 1);
+    for (size_t i = 0; i < m; i++) L[k * m + i] = w->c[i] / (double)(k + 1);
+  }
+  assert_int_equal(nsdae_kkt_solve(kkt, 2, X, kkt->n, L, kkt->m), NSDAE_OK);
+  memcpy(z, w->r, n * sizeof *z);
+  nsdae_kkt_solve_mass(kkt, z);
+}
+
+/* By blocks, which is sparse if large, and as one block: solutions, the rank, its basis and the
+ * factorisation in that. */
+static void expect_one_interface(int kind, int bodies, int revolute)
+{
+  joint_family f;
+  dense_family d;
+  nsdae_kkt one, many;
+  nsdae_arena arena[2];
+  family_make(&f, kind, bodies, revolute, 0, 11);
+  f.M[0] = f.M[3] = f.J.value[0] = 1; /* the block that is not of the mechanism */
+  f.rank++;
+  make_dense(&f, &d);
+  vectors w = make_vectors(&f);
+  int n = f.nv + OTHER, m = f.rows + 1;
+  w.r[0] = 1, w.r[1] = 2;
+  begin_kkt(&one, &arena[0], &d.blocks, m);
+  begin_kkt(&many, &arena[1], &f.blocks, m);
+  assert_false(one.is_sparse);
+  double *X[2] = {doubles(2 * n), doubles(2 * n)}, *L[2] = {doubles(2 * m), doubles(2 * m)};
+  double *z[2] = {doubles(n), doubles(n)}, *basis = doubles((int)nsdae_kkt_basis_size(&many));
+  assert_int_equal(nsdae_kkt_factor(&one, d.M, &d.J), NSDAE_OK);
+  assert_int_equal(nsdae_kkt_factor(&many, f.M, &f.J), NSDAE_OK);
+  assert_int_equal(one.rank, f.rank);
+  assert_int_equal(many.rank, f.rank);
+  nsdae_kkt_basis(&many, basis);
+  assert_near(nsdae_kkt_common(&many, basis), f.rank, 1e-9);
+  for (int fixed = 0; fixed < 2; fixed++) {
+    if (fixed) assert_int_equal(nsdae_kkt_factor_in(&many, f.M, &f.J, basis, f.rank), NSDAE_OK);
+    solve_both(&one, &w, X[0], L[0], z[0]);
+    solve_both(&many, &w, X[1], L[1], z[1]);
+    if (!many.is_sparse && !fixed) { /* the same numbers */
+      assert_memory_equal(X[0], X[1], 2 * (size_t)n * sizeof **X);
+      assert_memory_equal(L[0], L[1], 2 * (size_t)m * sizeof **L);
+    }
+    for (int i = 0; i < 2 * n; i++) assert_near(X[1][i], X[0][i], 1e-11 * largest(X[0], n));
+    for (int i = 0; i < 2 * m; i++) assert_near(L[1][i], L[0][i], 1e-9 * largest(L[0], m));
+    for (int i = 0; i < n; i++) assert_near(z[1][i], z[0][i], 1e-12 * largest(z[0], n));
+  }
+  for (int i = 0; i < m; i++) L[0][i] = random_number(&f.random);
+  memcpy(L[1], L[0], (size_t)m * sizeof **L);
+  assert_int_equal(nsdae_kkt_least_norm(&one, &d.J, L[0], z[0]), NSDAE_OK);
+  assert_int_equal(nsdae_kkt_least_norm(&many, &f.J, L[1], z[0]), NSDAE_OK);
+  for (int i = 0; i < m; i++) assert_near(L[1][i], L[0][i], 1e-9 * largest(L[0], m));
+  f.M[f.blocks.square[1] + 7] = -1;
+  assert_int_equal(nsdae_kkt_factor(&many, f.M, &f.J), NSDAE_E_MASS);
+  assert_int_equal(many.pivot, OTHER + 2);
+  for (int k = 0; k < 2; k++) {
+    free(X[k]), free(L[k]), free(z[k]);
+    nsdae_arena_release(&arena[k]);
+  }
+  nsdae_kkt_release(&many);
+  free(basis);
+  release_vectors(&w);
+  release_dense(&d);
+  family_release(&f);
+}
+
+static void test_one_interface(void **state)
 {
   (void)state;
-  joint_family f;
-  family_make(&f, TREE, 40, 1, 0, 3);
-  vectors w = make_vectors(&f);
-  int n = f.nv + OTHER;
-  size_t entries = f.blocks.square[f.blocks.count];
-  double *D = doubles((int)entries), *v = doubles(n);
-  nsdae_sparse_kkt k = {.rank_tol = 1e-8};
-  assert_int_equal(factor(&k, &f, NULL), NSDAE_OK);
-  assert_int_equal(solve(&k, &f, &w), NSDAE_OK);
-  memcpy(v, w.v, (size_t)n * sizeof *v);
-  for (size_t i = 0; i < entries; i++) {
-    D[i] = f.M[i] / 4; /* exact */
-    f.M[i] -= D[i];
-  }
-  assert_int_equal(factor(&k, &f, D), NSDAE_OK);
-  assert_int_equal(solve(&k, &f, &w), NSDAE_OK);
-  for (int j = 0; j < n; j++) assert_near(w.v[j], v[j], 1e-14);
-  nsdae_sparse_kkt_release(&k);
-  free(D), free(v);
-  release_vectors(&w);
-  family_release(&f);
+  for (int revolute = 0; revolute < 2; revolute++)
+    for (int kind = CHAIN; kind <= TREE; kind++)
+      for (int bodies = 1; bodies < 40; bodies += 1 + bodies / 3)
+        expect_one_interface(kind, bodies, revolute);
+  expect_one_interface(NET, 9, 0);
+  for (int bodies = 3; bodies <= 30; bodies += 9) expect_one_interface(LADDER, bodies, 1);
+  for (int bodies = 4; bodies <= 24; bodies += 5) expect_one_interface(RING, bodies, 1);
 }
 
 /* A ladder with one equation of a redundant row wrong by a part of 1e-3; NaN; a mass that is not
@@ -330,7 +433,7 @@ static void test_refusals(void **state)
   family_make(&f, LADDER, 99, 1, 0, 9);
   vectors w = make_vectors(&f);
   nsdae_sparse_kkt k = {.rank_tol = 1e-8};
-  assert_int_equal(factor(&k, &f, NULL), NSDAE_OK);
+  assert_int_equal(factor(&k, &f), NSDAE_OK);
   assert_true(k.rank.dependent > 0 && k.rank.dependent <= f.rows);
   w.c[k.rank.dependent] += 1e-3;
   assert_int_equal(solve(&k, &f, &w), NSDAE_E_CONVERGENCE);
@@ -339,9 +442,9 @@ static void test_refusals(void **state)
   w.r[OTHER + 5] = NAN;
   assert_int_equal(solve(&k, &f, &w), NSDAE_E_CONVERGENCE);
   f.J.value[f.J.at[20]] = NAN;
-  assert_int_equal(factor(&k, &f, NULL), NSDAE_E_NONFINITE);
+  assert_int_equal(factor(&k, &f), NSDAE_E_NONFINITE);
   f.M[f.blocks.square[17] + 7] = -1;
-  assert_int_equal(factor(&k, &f, NULL), NSDAE_E_MASS);
+  assert_int_equal(factor(&k, &f), NSDAE_E_MASS);
   assert_int_equal(k.bad_block, 17);
   assert_int_equal(k.pivot, 2);
   nsdae_sparse_kkt_release(&k);
@@ -368,7 +471,7 @@ static void test_near_dependent(void **state)
         family_row(&f, f.J.block[joint + 1] - 1, f.J.block[joint] - 1, value);
         f.row[f.rows++] = f.J.count - 1;
         nsdae_sparse_kkt k = {.rank_tol = tols[t], .backend = backends[b]};
-        assert_int_equal(factor(&k, &f, NULL), NSDAE_OK);
+        assert_int_equal(factor(&k, &f), NSDAE_OK);
         int counts = sines[s] > tols[t] && sines[s] > 1e-6;
         assert_int_equal(k.rank.count, f.rows - !counts);
         double sine = counts ? k.rank.kept : k.rank.left; /* of the row, up to its length */
@@ -392,7 +495,7 @@ static void test_zero_row(void **state)
       f.row[f.rows++] = f.J.count - 1;
       vectors w = make_vectors(&f);
       nsdae_sparse_kkt k = {.rank_tol = 1e-8, .backend = backends[b]};
-      assert_int_equal(factor(&k, &f, NULL), NSDAE_OK);
+      assert_int_equal(factor(&k, &f), NSDAE_OK);
       assert_int_equal(k.rank.count, f.rows - 1);
       assert_int_equal(k.rank.dependent, f.J.count - 1);
       assert_int_equal(solve(&k, &f, &w), NSDAE_OK);
@@ -414,7 +517,7 @@ static void test_memory(void **state)
   int status = NSDAE_E_MEMORY;
   for (long lost = 0; status != NSDAE_OK; lost++) {
     allocator_reset(lost);
-    status = factor(&k, &f, NULL);
+    status = factor(&k, &f);
     if (status != NSDAE_OK) assert_int_equal(status, NSDAE_E_MEMORY);
     if (status == NSDAE_OK) break;
     nsdae_sparse_kkt_release(&k);
@@ -424,7 +527,7 @@ static void test_memory(void **state)
   for (int round = 0; round < 3; round++) {
     allocator_reset(-1);
     for (int i = 0; i < 36; i++) f.M[f.blocks.square[5] + (size_t)i] *= 2;
-    assert_int_equal(factor(&k, &f, NULL), NSDAE_OK);
+    assert_int_equal(factor(&k, &f), NSDAE_OK);
     assert_int_equal(k.rank.count, f.rank);
     assert_int_equal(solve(&k, &f, &w), NSDAE_OK);
     assert_int_equal(the_allocator.calls, 0);
@@ -445,7 +548,7 @@ static void test_patterns_in_turn(void **state)
     joint_family f;
     family_make(&f, kinds[i % 5], bodies[i % 5], 1, 0, (uint64_t)i);
     vectors w = make_vectors(&f);
-    assert_int_equal(factor(&k, &f, NULL), NSDAE_OK);
+    assert_int_equal(factor(&k, &f), NSDAE_OK);
     assert_int_equal(k.rank.count, f.rank);
     assert_int_equal(solve(&k, &f, &w), NSDAE_OK);
     assert_true(error_of_motion(&f, &w) <= 1e-12);
@@ -460,7 +563,7 @@ int main(void)
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_families),       cmocka_unit_test(test_loops),
       cmocka_unit_test(test_against_dgelsd), cmocka_unit_test(test_minimal_coordinates),
-      cmocka_unit_test(test_damping),        cmocka_unit_test(test_refusals),
+      cmocka_unit_test(test_one_interface),  cmocka_unit_test(test_refusals),
       cmocka_unit_test(test_near_dependent), cmocka_unit_test(test_zero_row),
       cmocka_unit_test(test_memory),         cmocka_unit_test(test_patterns_in_turn),
   };

@@ -1,0 +1,442 @@
+#include "dense_kkt.h"
+
+#include <cblas.h>
+#include <float.h>
+#include <lapacke.h>
+#include <math.h>
+#include <stddef.h>
+#include <string.h>
+
+#include <nsdae/status.h>
+
+#include "dense.h"
+#include "vector.h"
+
+/* Block size that LAPACK's QR gets workspace for. */
+enum { BLOCK = 32 };
+
+/* Cholesky of S sees sines down to about 1e-6 (S squares them); what is near is decided by QR. */
+static const double TRUSTED = 1e-5;
+
+static int smaller(int a, int b)
+{
+  return a < b ? a : b;
+}
+
+/* Factors of the last factorisation: of all rows, L of S = L L^T; of pivoted QR, R_11 in S; of the
+ * rows of a basis or of near dependent ones, see solve_fixed. */
+enum { FULL, BY_RANK, FIXED };
+
+void nsdae_dense_kkt_layout(nsdae_kkt *kkt, nsdae_arena *arena)
+{
+  nsdae_dense_kkt *d = &kkt->dense;
+  int n = kkt->n, m = kkt->m;
+  d->lwork = 3 * m + 1 + (m + 1) * BLOCK;
+  d->L = NSDAE_ARENA_DOUBLES(arena, (long)n * n);
+  d->Y = NSDAE_ARENA_DOUBLES(arena, (long)n * m);
+  d->S = NSDAE_ARENA_DOUBLES(arena, (long)m * m);
+  d->pivoted.Q = NSDAE_ARENA_DOUBLES(arena, (long)n * m);
+  d->pivoted.Z = NSDAE_ARENA_DOUBLES(arena, (long)m * m);
+  d->pivoted.T = NSDAE_ARENA_DOUBLES(arena, (long)m * m);
+  d->pivoted.tau = NSDAE_ARENA_DOUBLES(arena, m);
+  d->pivoted.norm = NSDAE_ARENA_DOUBLES(arena, m);
+  d->work = NSDAE_ARENA_DOUBLES(arena, m + d->lwork);
+  d->pivoted.column = NSDAE_ARENA_INTS(arena, m);
+  d->pivoted.held = NSDAE_ARENA_INTS(arena, m);
+  d->pivoted.order = NSDAE_ARENA_INTS(arena, m);
+}
+
+/* ---- L, Y */
+
+static int all_diagonal(const nsdae_blocks *blocks, const double *M)
+{
+  for (int b = 0; b < blocks->count; b++) {
+    int size = nsdae_blocks_size(blocks, b);
+    if (!nsdae_la_is_diagonal(size, M + blocks->square[b], size)) return 0;
+  }
+  return 1;
+}
+
+/* The roots of a diagonal M are in the first column of L. Returns 0, or the pivot that failed. */
+static int factor_diagonal(const nsdae_blocks *blocks, const double *M, double *root)
+{
+  for (int b = 0; b < blocks->count; b++, root += nsdae_blocks_size(blocks, b - 1)) {
+    size_t size = (size_t)nsdae_blocks_size(blocks, b);
+    for (size_t i = 0; i < size; i++) {
+      double entry = M[blocks->square[b] + i * (size + 1)];
+      if (!(entry > 0 && entry <= DBL_MAX)) return blocks->first[b] + (int)i + 1;
+      root[i] = sqrt(entry);
+    }
+  }
+  return 0;
+}
+
+static int factor_mass(nsdae_kkt *kkt, const double *M)
+{
+  const nsdae_blocks *blocks = kkt->blocks;
+  nsdae_dense_kkt *d = &kkt->dense;
+  size_t n = (size_t)kkt->n;
+  d->diagonal = all_diagonal(blocks, M);
+  if (d->diagonal) return factor_diagonal(blocks, M, d->L);
+  if (blocks->count > 1) memset(d->L, 0, n * n * sizeof *M);
+  for (int b = 0; b < blocks->count; b++) {
+    size_t size = (size_t)nsdae_blocks_size(blocks, b), at = (size_t)blocks->first[b];
+    for (size_t j = 0; j < size; j++)
+      memcpy(d->L + (at + j) * n + at, M + blocks->square[b] + j * size, size * sizeof *M);
+  }
+  return nsdae_la_cholesky(kkt->n, d->L, kkt->n);
+}
+
+static void divide(int n, int nrhs, const double *restrict root, double *restrict B, int ldb)
+{
+  for (; nrhs > 0; nrhs--, B += ldb)
+    for (int i = 0; i < n; i++) B[i] /= root[i];
+}
+
+/* B [n x nrhs] := L^-1 B. */
+static void solve_root(const nsdae_kkt *kkt, int nrhs, double *B, int ldb)
+{
+  if (kkt->dense.diagonal)
+    divide(kkt->n, nrhs, kkt->dense.L, B, ldb);
+  else
+    nsdae_la_solve_lower(kkt->n, nrhs, kkt->dense.L, kkt->n, B, ldb);
+}
+
+/* B [n x nrhs] := L^-T B. */
+static void solve_root_transposed(const nsdae_kkt *kkt, int nrhs, double *B, int ldb)
+{
+  if (kkt->dense.diagonal)
+    divide(kkt->n, nrhs, kkt->dense.L, B, ldb);
+  else
+    nsdae_la_solve_lower_transposed(kkt->n, nrhs, kkt->dense.L, kkt->n, B, ldb);
+}
+
+/* Y := L^-1 J^T */
+static void transform_rows(const nsdae_kkt *kkt, const nsdae_rows *J, double *Y)
+{
+  size_t n = (size_t)kkt->n;
+  if (kkt->blocks->count > 1) memset(Y, 0, n * (size_t)kkt->m * sizeof *Y);
+  for (int i = 0; i < kkt->m; i++)
+    nsdae_rows_gather(kkt->blocks, J, i, kkt->blocks->first, Y + (size_t)i * n, 1);
+  solve_root(kkt, kkt->m, Y, kkt->n);
+}
+
+/* ---- S */
+
+/* Squared sine of the angle between column j of Y and the span of those before it, the smallest
+ * over j: what Cholesky of S leaves of each diagonal entry, since row j of its factor has the
+ * norm of column j. */
+static double smallest_sine(size_t m, const double *factor)
+{
+  double smallest = 1;
+  for (size_t j = 0; j < m; j++) {
+    double sum = 0, pivot = factor[j * m + j];
+    for (size_t k = 0; k <= j; k++) sum += factor[k * m + j] * factor[k * m + j];
+    smallest = fmin(smallest, sum > 0 ? pivot * pivot / sum : 0);
+  }
+  return smallest;
+}
+
+/* Pivoted QR of Y with its columns at unit length, those that are held before all others; returns
+ * the rank. */
+static int pivoted_rank(nsdae_kkt *kkt, int hold)
+{
+  nsdae_kkt_pivoted *p = &kkt->dense.pivoted;
+  int n = kkt->n, m = kkt->m, most = smaller(n, m), rank = 0;
+  memcpy(p->Q, kkt->dense.Y, (size_t)n * (size_t)m * sizeof *p->Q);
+  for (int j = 0; j < m; j++) {
+    double *column = p->Q + (size_t)j * (size_t)n;
+    p->column[j] = hold ? p->held[j] : 0;
+    p->norm[j] = cblas_dnrm2(n, column, 1);
+    if (p->norm[j] > 0) cblas_dscal(n, 1 / p->norm[j], column, 1);
+  }
+  LAPACKE_dgeqp3_work(LAPACK_COL_MAJOR, n, m, p->Q, n, p->column, p->tau, kkt->dense.work,
+                      kkt->dense.lwork);
+  kkt->left = 0;
+  kkt->kept = 1;
+  for (; rank < most; rank++) {
+    double sine = fabs(p->Q[(size_t)rank * (size_t)n + (size_t)rank]);
+    if (!(sine > kkt->rank_tol)) {
+      kkt->left = sine;
+      break;
+    }
+    kkt->kept = fmin(kkt->kept, sine);
+  }
+  return rank;
+}
+
+/* The same with those held that the factorisation before found independent, as long as they are. */
+static int find_rank(nsdae_kkt *kkt)
+{
+  nsdae_kkt_pivoted *p = &kkt->dense.pivoted;
+  int rank = pivoted_rank(kkt, kkt->hold), held = 0;
+  for (int j = 0; j < kkt->m && kkt->hold; j++) held += p->held[j];
+  if (rank < held) rank = pivoted_rank(kkt, 0);
+  memset(p->held, 0, (size_t)kkt->m * sizeof *p->held);
+  for (int i = 0; i < rank; i++) p->held[p->column[i] - 1] = 1;
+  return rank;
+}
+
+/* By insertion: m is small, and the order seldom changes. Householder's QR is stable row by row
+ * when long rows come first (Powell and Reid, 1969). The order holds columns of R. */
+static void sort_by_length(nsdae_kkt *kkt)
+{
+  nsdae_kkt_pivoted *p = &kkt->dense.pivoted;
+  for (int i = 0; i < kkt->m; i++) {
+    int at = i;
+    double length = p->norm[p->column[i] - 1];
+    for (; at > 0 && p->norm[p->column[p->order[at - 1]] - 1] < length; at--)
+      p->order[at] = p->order[at - 1];
+    p->order[at] = i;
+  }
+}
+
+/* Z [m x r] := (R N)^T, long rows first; S := R_11. */
+static void independent_rows(nsdae_kkt *kkt, int r)
+{
+  nsdae_dense_kkt *d = &kkt->dense;
+  nsdae_kkt_pivoted *p = &d->pivoted;
+  size_t n = (size_t)kkt->n, m = (size_t)kkt->m;
+  sort_by_length(kkt);
+  for (size_t i = 0; i < (size_t)r; i++)
+    for (size_t row = 0; row < m; row++) {
+      size_t j = (size_t)p->order[row];
+      double entry = j >= i ? p->Q[j * n + i] : 0;
+      p->Z[i * m + row] = entry * p->norm[p->column[j] - 1];
+      if (j < (size_t)r) d->S[j * m + i] = entry;
+    }
+}
+
+static void factor_by_rank(nsdae_kkt *kkt)
+{
+  nsdae_dense_kkt *d = &kkt->dense;
+  nsdae_kkt_pivoted *p = &d->pivoted;
+  int n = kkt->n, m = kkt->m, r = find_rank(kkt);
+  kkt->rank = r;
+  kkt->dependent = r < m ? p->column[r] - 1 : -1;
+  d->form = BY_RANK;
+  if (r == 0) return;
+  independent_rows(kkt, r);
+  LAPACKE_dorgqr_work(LAPACK_COL_MAJOR, n, r, r, p->Q, n, p->tau, d->work, d->lwork);
+  LAPACKE_dgeqrf_work(LAPACK_COL_MAJOR, m, r, p->Z, m, p->tau, d->work, d->lwork);
+  memcpy(p->T, p->Z, (size_t)m * (size_t)r * sizeof *p->T);
+  LAPACKE_dorgqr_work(LAPACK_COL_MAJOR, m, r, r, p->Z, m, p->tau, d->work, d->lwork);
+}
+
+/* S := Y^T Y of r columns, factored; returns the smallest sine, or 0 if it has no factor. */
+static double factor_schur(nsdae_kkt *kkt, int r)
+{
+  nsdae_dense_kkt *d = &kkt->dense;
+  nsdae_la_multiply_transposed(kkt->n, r, r, d->Y, kkt->n, d->Y, kkt->n, 0, d->S, r);
+  return nsdae_la_cholesky(r, d->S, r) == 0 ? sqrt(smallest_sine((size_t)r, d->S)) : 0;
+}
+
+/* M, and the rank of all rows. */
+static int begin(nsdae_kkt *kkt, const double *M)
+{
+  kkt->pivot = factor_mass(kkt, M);
+  kkt->rank = kkt->m;
+  kkt->kept = 1;
+  kkt->left = 0;
+  kkt->dependent = -1;
+  kkt->dense.form = FULL;
+  return kkt->pivot ? NSDAE_E_MASS : NSDAE_OK;
+}
+
+int nsdae_dense_kkt_factor(nsdae_kkt *kkt, const double *M, const nsdae_rows *J)
+{
+  int status = begin(kkt, M);
+  if (status < 0 || kkt->m == 0) return status;
+  transform_rows(kkt, J, kkt->dense.Y);
+  kkt->kept = factor_schur(kkt, kkt->m);
+  if (kkt->kept < fmax(TRUSTED, kkt->rank_tol)) factor_by_rank(kkt);
+  return NSDAE_OK;
+}
+
+/* ---- combinations of rows */
+
+/* Z [m x r] of B = Z Z^T by Cholesky with pivoting: B = Z Z^T Z Z^T for a projector, so that
+ * Z^T Z = 1. Returns 0 if B has a smaller rank. */
+static int split_projector(nsdae_kkt *kkt, const double *B, int r)
+{
+  nsdae_kkt_pivoted *p = &kkt->dense.pivoted;
+  int m = kkt->m, *row = p->column, found = 0;
+  size_t rows = (size_t)m;
+  memcpy(p->T, B, rows * rows * sizeof *B);
+  LAPACKE_dpstrf_work(LAPACK_COL_MAJOR, 'L', m, p->T, m, row, &found, -1, kkt->dense.work);
+  memset(p->Z, 0, rows * (size_t)r * sizeof *p->Z);
+  for (size_t j = 0; j < (size_t)r; j++)
+    for (size_t i = j; i < rows; i++) p->Z[j * rows + (size_t)row[i] - 1] = p->T[j * rows + i];
+  return found >= r;
+}
+
+/* Y = Q R, with Q in Y and R in S; the smallest sine. */
+static double factor_by_qr(nsdae_kkt *kkt, int r)
+{
+  nsdae_dense_kkt *d = &kkt->dense;
+  int n = kkt->n;
+  size_t order = (size_t)r;
+  LAPACKE_dgeqrf_work(LAPACK_COL_MAJOR, n, r, d->Y, n, d->pivoted.tau, d->work, d->lwork);
+  for (size_t i = 0; i < order; i++) /* R^T, as a factor of S */
+    for (size_t j = i; j < order; j++) d->S[i * order + j] = d->Y[j * (size_t)n + i];
+  LAPACKE_dorgqr_work(LAPACK_COL_MAJOR, n, r, r, d->Y, n, d->pivoted.tau, d->work, d->lwork);
+  return sqrt(smallest_sine(order, d->S));
+}
+
+int nsdae_dense_kkt_factor_in(nsdae_kkt *kkt, const double *M, const nsdae_rows *J,
+                              const double *basis, int rank)
+{
+  nsdae_dense_kkt *d = &kkt->dense;
+  int n = kkt->n, m = kkt->m, status = begin(kkt, M);
+  kkt->rank = basis ? rank : m;
+  d->combined = basis != NULL;
+  d->by_qr = 0;
+  d->form = basis ? FIXED : FULL;
+  if (status < 0 || kkt->rank == 0) return status;
+  if (kkt->rank > n || (basis && !split_projector(kkt, basis, rank))) return NSDAE_E_CONVERGENCE;
+  transform_rows(kkt, J, basis ? d->pivoted.Q : d->Y);
+  if (basis)
+    cblas_dgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, n, rank, m, 1, d->pivoted.Q, n,
+                d->pivoted.Z, m, 0, d->Y, n);
+  kkt->kept = factor_schur(kkt, kkt->rank);
+  if (kkt->kept >= TRUSTED) return NSDAE_OK;
+  d->form = FIXED;
+  d->by_qr = 1;
+  kkt->kept = factor_by_qr(kkt, kkt->rank);
+  return kkt->kept > 0 ? NSDAE_OK : NSDAE_E_CONVERGENCE;
+}
+
+/* ---- solutions */
+
+/* z [n] -= Q w and g [m] := l, of g = Y^T z - c. */
+static void solve_by_rank(const nsdae_kkt *kkt, double *z, double *g)
+{
+  const nsdae_dense_kkt *d = &kkt->dense;
+  const nsdae_kkt_pivoted *p = &d->pivoted;
+  int n = kkt->n, m = kkt->m, r = kkt->rank;
+  double *w = d->work, *l = d->work + m;
+  for (int i = 0; i < r; i++) w[i] = g[p->column[i] - 1] / p->norm[p->column[i] - 1];
+  memset(g, 0, (size_t)m * sizeof *g);
+  if (r == 0) return;
+  cblas_dtrsv(CblasColMajor, CblasUpper, CblasTrans, CblasNonUnit, r, d->S, m, w, 1);
+  cblas_dgemv(CblasColMajor, CblasNoTrans, n, r, -1.0, p->Q, n, w, 1, 1.0, z, 1);
+  cblas_dtrsv(CblasColMajor, CblasUpper, CblasTrans, CblasNonUnit, r, p->T, m, w, 1);
+  cblas_dgemv(CblasColMajor, CblasNoTrans, m, r, 1.0, p->Z, m, w, 1, 0.0, l, 1);
+  for (int row = 0; row < m; row++) g[p->column[p->order[row]] - 1] = l[row];
+}
+
+/* z and c to x and l of the rows Z^T J, or J: S w = Y^T z - Z^T c, z -= Y w. With Q R in place of
+ * Y: R^T u = Z^T c, w = Q^T z - u, z -= Q w, w := R^-1 w. At the end l = Z w. */
+static void solve_fixed(const nsdae_kkt *kkt, double *z, double *c)
+{
+  const nsdae_dense_kkt *d = &kkt->dense;
+  const double *Z = d->pivoted.Z;
+  int n = kkt->n, m = kkt->m, r = kkt->rank;
+  double *w = d->work;
+  memcpy(w, c, (size_t)m * sizeof *w);
+  if (d->combined) memset(c, 0, (size_t)m * sizeof *c);
+  if (r == 0) return;
+  if (d->combined) cblas_dgemv(CblasColMajor, CblasTrans, m, r, 1, Z, m, w, 1, 0, w + m, 1);
+  if (d->combined) w += m;
+  if (d->by_qr) nsdae_la_solve_lower(r, 1, d->S, r, w, r);
+  cblas_dgemv(CblasColMajor, CblasTrans, n, r, 1, d->Y, n, z, 1, -1, w, 1);
+  if (!d->by_qr) nsdae_la_solve_lower(r, 1, d->S, r, w, r);
+  if (!d->by_qr) nsdae_la_solve_lower_transposed(r, 1, d->S, r, w, r);
+  cblas_dgemv(CblasColMajor, CblasNoTrans, n, r, -1, d->Y, n, w, 1, 1, z, 1);
+  if (d->by_qr) nsdae_la_solve_lower_transposed(r, 1, d->S, r, w, r);
+  if (d->combined)
+    cblas_dgemv(CblasColMajor, CblasNoTrans, m, r, 1, Z, m, w, 1, 0, c, 1);
+  else
+    memcpy(c, w, (size_t)m * sizeof *c);
+}
+
+/* R [n x nrhs] holds z on entry and z - Y l on return, C [m x nrhs] c and l. */
+static void solve_schur(const nsdae_kkt *kkt, int nrhs, double *R, int ldr, double *C, int ldc)
+{
+  const nsdae_dense_kkt *d = &kkt->dense;
+  int n = kkt->n, m = kkt->m;
+  if (d->form == FIXED) {
+    for (; nrhs > 0; nrhs--, R += ldr, C += ldc) solve_fixed(kkt, R, C);
+    return;
+  }
+  nsdae_la_multiply_transposed(n, m, nrhs, d->Y, n, R, ldr, -1, C, ldc);
+  if (d->form == BY_RANK) {
+    for (; nrhs > 0; nrhs--, R += ldr, C += ldc) solve_by_rank(kkt, R, C);
+    return;
+  }
+  nsdae_la_solve_lower(m, nrhs, d->S, m, C, ldc);
+  nsdae_la_solve_lower_transposed(m, nrhs, d->S, m, C, ldc);
+  nsdae_la_subtract_product(n, m, nrhs, d->Y, n, C, ldc, R, ldr);
+}
+
+void nsdae_dense_kkt_solve_mass(const nsdae_kkt *kkt, double *r)
+{
+  const double *L = kkt->dense.L;
+  if (!kkt->dense.diagonal) {
+    nsdae_la_solve_cholesky(kkt->n, L, r);
+    return;
+  }
+  for (int i = 0; i < kkt->n; i++) r[i] = r[i] / L[i] / L[i];
+}
+
+/* The same of one right-hand side and a few rows, in plain loops: z, c to z - Y l, l. */
+static void solve_schur_small(const nsdae_kkt *kkt, double *z, double *c)
+{
+  int n = kkt->n, m = kkt->m;
+  const double *column = kkt->dense.Y;
+  for (int i = 0; i < m; i++, column += n) c[i] = nsdae_dot(n, column, z) - c[i];
+  nsdae_la_solve_cholesky(m, kkt->dense.S, c);
+  column = kkt->dense.Y;
+  for (int i = 0; i < m; i++, column += n) nsdae_add(n, -c[i], column, z);
+}
+
+void nsdae_dense_kkt_solve(const nsdae_kkt *kkt, int nrhs, double *R, int ldr, double *C, int ldc)
+{
+  int n = kkt->n, m = kkt->m;
+  if (m == 0 && nrhs == 1) { /* most steps of bodies without joints */
+    nsdae_dense_kkt_solve_mass(kkt, R);
+    return;
+  }
+  solve_root(kkt, nrhs, R, ldr);
+  if (m > 0 && nrhs == 1 && n < NSDAE_SMALL && kkt->dense.form == FULL)
+    solve_schur_small(kkt, R, C);
+  else if (m > 0)
+    solve_schur(kkt, nrhs, R, ldr, C, ldc);
+  solve_root_transposed(kkt, nrhs, R, ldr);
+}
+
+/* ---- the basis */
+
+/* The constraint that row a of Z is of. */
+static size_t constraint_of(const nsdae_kkt_pivoted *p, size_t a)
+{
+  return (size_t)p->column[p->order[a]] - 1;
+}
+
+/* Of full rank, the projector to all. */
+void nsdae_dense_kkt_basis(const nsdae_kkt *kkt, double *B)
+{
+  size_t m = (size_t)kkt->m;
+  const nsdae_kkt_pivoted *p = &kkt->dense.pivoted;
+  memset(B, 0, m * m * sizeof *B);
+  for (size_t a = 0; a < m && kkt->dense.form == FULL; a++) B[a * (m + 1)] = 1;
+  for (size_t a = 0; a < m && kkt->dense.form == BY_RANK; a++)
+    for (size_t b = 0; b < m; b++) {
+      double *entry = B + constraint_of(p, b) * m + constraint_of(p, a);
+      for (size_t l = 0; l < (size_t)kkt->rank; l++) *entry += p->Z[l * m + a] * p->Z[l * m + b];
+    }
+}
+
+double nsdae_dense_kkt_common(const nsdae_kkt *kkt, const double *B)
+{
+  size_t m = (size_t)kkt->m;
+  const nsdae_kkt_pivoted *p = &kkt->dense.pivoted;
+  double common = 0;
+  for (size_t a = 0; a < m && kkt->dense.form == FULL; a++) common += B[a * (m + 1)];
+  for (size_t l = 0; l < (size_t)kkt->rank && kkt->dense.form == BY_RANK; l++)
+    for (size_t a = 0; a < m; a++)
+      for (size_t b = 0; b < m; b++)
+        common +=
+            p->Z[l * m + a] * B[constraint_of(p, b) * m + constraint_of(p, a)] * p->Z[l * m + b];
+  return common;
+}
