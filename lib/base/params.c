@@ -118,13 +118,12 @@ int nsdae_params_check(const nsdae_params *table, const void *base, nsdae_error 
 }
 
 /* The entry whose help has the word: a quantity may have its symbol as its name, as L for a length.
- * Some word of prose is always half right: here a third of the letters may differ. Words of one or
+ * Some word of prose is always half right: fewer letters than `least` may differ. Words of one or
  * two letters are none. */
-static const nsdae_param *described(const nsdae_params *table, const char *key)
+static const nsdae_param *described(const nsdae_params *table, const char *key, int least)
 {
   static const char letters[] = "abcdefghijklmnopqrstuvwxyz";
   const nsdae_param *found = NULL;
-  int least = (int)strlen(key) / 3 + 1;
   for (int i = 0; i < table->n; i++)
     for (const char *at = table->entry[i].help; *(at += strcspn(at, letters));) {
       char word[64] = "";
@@ -145,7 +144,8 @@ static int unknown_key(const nsdae_params *table, const char *key, nsdae_error *
   nsdae_suggest nearest = nsdae_suggest_start(key);
   for (int i = 0; i < table->n; i++) nsdae_suggest_try(&nearest, table->entry[i].key);
   const char *name = nsdae_suggest_end(&nearest);
-  const nsdae_param *about = name ? NULL : described(table, key);
+  /* beside a similar name only the word itself counts */
+  const nsdae_param *about = described(table, key, name ? 1 : (int)strlen(key) / 3 + 1);
   if (about)
     return nsdae_error_set(error, NSDAE_E_OPTION, "nsdae_params", key,
                            "unknown name '%s'; did you mean '%s' (%s)?", key, about->key,

@@ -97,6 +97,7 @@ static void test_options_outside(void **state)
     for (int j = first; j < 4; j++) {
       nsdae_sim_options options;
       nsdae_sim_options_default(&options);
+      if (isinf(bad[j]) && bad[j] == param->initial) continue; /* no bound */
       store(param, &options, bad[j]);
       refused(system, &options, NSDAE_E_ARGUMENT, param->key);
     }
