@@ -95,8 +95,10 @@ static int make_vectors(nsdae_ida *s)
 static int residual(sunrealtype t, N_Vector y, N_Vector ydot, N_Vector r, void *user)
 {
   nsdae_ida *s = user;
+  double cj = 0;
   s->residuals++;
-  int code = s->problem.residual(t, N_VGetArrayPointer(y), N_VGetArrayPointer(ydot),
+  IDAGetCurrentCj(s->ida, &cj);
+  int code = s->problem.residual(t, N_VGetArrayPointer(y), N_VGetArrayPointer(ydot), cj,
                                  N_VGetArrayPointer(r), s->problem.user);
   return nsdae_progress_note(&s->progress, code);
 }

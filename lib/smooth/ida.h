@@ -23,8 +23,10 @@ typedef struct nsdae_ida nsdae_ida;
 typedef struct nsdae_ida_problem {
   int n, differential; /* entries of y; the first of them have a derivative in F: q and v */
   int positions;       /* q, the first of those */
-  /* r [n] := F(t, y, y') */
-  int (*residual)(double t, const double *y, const double *ydot, double *r, void *user);
+  /* r [n] := F(t, y, y'). cj is that of the step in work. With it F may be evaluated at
+   * q* = q - r_q / cj in place of q, what Newton's step makes of q without a change of v: the zeros
+   * are the same, and what is left of Newton's system, dq* = H dv / cj, does not depend on r_q. */
+  int (*residual)(double t, const double *y, const double *ydot, double cj, double *r, void *user);
   /* factors Newton's matrix at (t, y, y') with cj; the arrays are not to be kept */
   int (*setup)(double t, const double *y, const double *ydot, double cj, void *user);
   /* x [n] := x of the last factors with r [n] on the right; their cj is the one of setup. r may be

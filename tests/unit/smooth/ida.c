@@ -22,9 +22,10 @@ static int fails(problem *p)
   return ++p->calls == p->fail_at ? p->code : 0;
 }
 
-static int residual(double t, const double *y, const double *ydot, double *r, void *user)
+static int residual(double t, const double *y, const double *ydot, double cj, double *r, void *user)
 {
   problem *p = user;
+  assert_true(cj > 0);
   p->residual(t, y, ydot, r);
   return fails(p);
 }
