@@ -28,6 +28,8 @@ foreach(name graph law contacts random slides)
 endforeach()
 
 nsdae_unit_test(smooth ode)
+nsdae_unit_test(smooth ida)
+target_link_libraries(test_unit_smooth_ida PRIVATE test_process_allocator)
 
 foreach(name continuity derivatives distance joints listed user_rows refused)
   nsdae_unit_test(bodies ${name})

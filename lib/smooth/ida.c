@@ -1,0 +1,309 @@
+/* See ida.h. SUNDIALS 6.4 and 7. Newton's matrix is the caller's: an empty SUNMatrix, and a direct
+ * SUNLinearSolver whose two calls are the caller's setup and solve. */
+#include "ida.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <ida/ida.h>
+#include <nvector/nvector_serial.h>
+
+#include "context.h"
+#include "stalled_steps.h"
+#include "vector.h"
+
+/* Vectors that IDA clones and those of here: 24 with 6.4 and 7. */
+enum { VECTORS = 32 };
+
+/* A serial vector of the pool. */
+typedef struct pooled {
+  struct _N_VectorContent_Serial serial; /* first: what SUNDIALS takes for the content */
+  struct _generic_N_Vector vector;
+  struct pooled *pool; /* the first one */
+  int in_use;
+} pooled;
+
+struct nsdae_ida {
+  nsdae_ida_problem problem;
+  nsdae_ida_tolerances tolerances;
+  SUNContext context;
+  void *ida;
+  struct _generic_N_Vector_Ops ops; /* of the pool's vectors */
+  pooled pool[VECTORS];
+  double *data;                       /* VECTORS n: the entries of the vectors */
+  N_Vector y, ydot, between, differs; /* where it is; where it is read; 1: differential */
+  SUNMatrix matrix;
+  SUNLinearSolver solver;
+  double t, way;  /* where it is; l of runge_kutta.h */
+  long residuals; /* evaluations of F */
+  int flag;       /* of the last step */
+  nsdae_progress progress;
+};
+
+/* ---- vectors: N_VClone of SUNDIALS does not survive a clone that fails, so that all are there
+ * from the start. They live as long as the pool, and one may be destroyed twice, as IDAInit does
+ * when it finds no memory. */
+
+static N_Vector take(pooled *pool)
+{
+  for (int i = 0; i < VECTORS; i++) {
+    if (pool[i].in_use) continue;
+    pool[i].in_use = 1;
+    return &pool[i].vector;
+  }
+  return NULL;
+}
+
+static N_Vector duplicate(N_Vector like)
+{
+  return take(((pooled *)like->content)->pool);
+}
+
+static void give_back(N_Vector vector)
+{
+  ((pooled *)vector->content)->in_use = 0;
+}
+
+static int make_vectors(nsdae_ida *s)
+{
+  sunindextype n = s->problem.n;
+  N_Vector serial = N_VNewEmpty_Serial(n, s->context);
+  s->data = calloc((size_t)VECTORS * ((size_t)n + 1), sizeof *s->data);
+  if (serial) s->ops = *serial->ops;
+  if (serial) N_VDestroy(serial);
+  if (!serial || !s->data) return NSDAE_E_MEMORY;
+  s->ops.nvclone = duplicate;
+  s->ops.nvdestroy = give_back;
+  for (int i = 0; i < VECTORS; i++) {
+    pooled *p = &s->pool[i];
+    p->serial.length = n;
+    p->serial.data = s->data + (size_t)i * (size_t)n;
+    p->vector = (struct _generic_N_Vector){.content = p, .ops = &s->ops, .sunctx = s->context};
+    p->pool = s->pool;
+  }
+  s->y = take(s->pool);
+  s->ydot = take(s->pool);
+  s->between = take(s->pool);
+  s->differs = take(s->pool);
+  for (int i = 0; i < s->problem.differential; i++) NV_Ith_S(s->differs, i) = 1;
+  return NSDAE_OK;
+}
+
+/* ---- callbacks of IDA */
+
+static int residual(sunrealtype t, N_Vector y, N_Vector ydot, N_Vector r, void *user)
+{
+  nsdae_ida *s = user;
+  double cj = 0;
+  s->residuals++;
+  IDAGetCurrentCj(s->ida, &cj);
+  int code = s->problem.residual(t, N_VGetArrayPointer(y), N_VGetArrayPointer(ydot), cj,
+                                 N_VGetArrayPointer(r), s->problem.user);
+  return nsdae_progress_note(&s->progress, code);
+}
+
+/* In IDA's norms every entry counts in the mean: the weights make up for those of no weight. */
+static int weigh(N_Vector y, N_Vector weights, void *user)
+{
+  const nsdae_ida *s = user;
+  const nsdae_ida_problem *p = &s->problem;
+  double share = sqrt((double)p->differential / p->n);
+  double *w = N_VGetArrayPointer(weights);
+  const double *at = N_VGetArrayPointer(y);
+  for (int i = 0; i < p->n; i++) {
+    double scale = i < p->positions ? fmin(fabs(at[i]), s->way) : fabs(at[i]);
+    w[i] = i < p->differential ? 1 / (share * (s->tolerances.rtol * scale + s->tolerances.atol))
+                               : 1e-150;
+  }
+  return 0;
+}
+
+static int setup(sunrealtype t, sunrealtype cj, N_Vector y, N_Vector ydot, N_Vector r,
+                 SUNMatrix matrix, void *user, N_Vector room_1, N_Vector room_2, N_Vector room_3)
+{
+  nsdae_ida *s = user;
+  (void)r, (void)matrix, (void)room_1, (void)room_2, (void)room_3;
+  int code =
+      s->problem.setup(t, N_VGetArrayPointer(y), N_VGetArrayPointer(ydot), cj, s->problem.user);
+  return nsdae_progress_note(&s->progress, code);
+}
+
+/* ---- matrix and linear solver */
+
+static SUNMatrix_ID matrix_id(SUNMatrix matrix)
+{
+  (void)matrix;
+  return SUNMATRIX_CUSTOM;
+}
+
+static int zero(SUNMatrix matrix)
+{
+  (void)matrix;
+  return 0;
+}
+
+static SUNLinearSolver_Type solver_type(SUNLinearSolver solver)
+{
+  (void)solver;
+  return SUNLINEARSOLVER_DIRECT;
+}
+
+static int set_up_solver(SUNLinearSolver solver, SUNMatrix matrix)
+{
+  (void)solver, (void)matrix;
+  return 0;
+}
+
+/* IDA 7 takes codes that it does not know for success: both here are its own, with every version.
+ */
+static int solve(SUNLinearSolver solver, SUNMatrix matrix, N_Vector x, N_Vector r, sunrealtype tol)
+{
+  nsdae_ida *s = solver->content;
+  (void)matrix, (void)tol;
+  int code = s->problem.solve(N_VGetArrayPointer(r), N_VGetArrayPointer(x), s->problem.user);
+  nsdae_progress_note(&s->progress, code);
+  return code == 0 ? 0 : code > 0 ? SUNLS_LUFACT_FAIL : SUNLS_GS_FAIL;
+}
+
+static int make_solver(nsdae_ida *s)
+{
+  s->matrix = SUNMatNewEmpty(s->context);
+  s->solver = SUNLinSolNewEmpty(s->context);
+  if (!s->matrix || !s->solver) return NSDAE_E_MEMORY;
+  s->matrix->ops->getid = matrix_id;
+  s->matrix->ops->zero = zero;
+  s->solver->content = s;
+  s->solver->ops->gettype = solver_type;
+  s->solver->ops->setup = set_up_solver;
+  s->solver->ops->solve = solve;
+  return NSDAE_OK;
+}
+
+/* ---- creation */
+
+static int make_integrator(nsdae_ida *s)
+{
+  s->ida = IDACreate(s->context);
+  if (!s->ida) return NSDAE_E_MEMORY;
+#if SUNDIALS_VERSION_MAJOR < 7
+  IDASetErrFile(s->ida, NULL);
+#endif
+  int bad = IDAInit(s->ida, residual, 0, s->y, s->ydot);
+  if (!bad) bad = IDAWFtolerances(s->ida, weigh);
+  if (!bad) bad = IDASetUserData(s->ida, s);
+  if (!bad) bad = IDASetId(s->ida, s->differs);
+  if (!bad) bad = IDASetSuppressAlg(s->ida, 1);
+  if (!bad) bad = IDASetLinearSolver(s->ida, s->solver, s->matrix);
+  if (!bad) bad = IDASetJacFn(s->ida, setup);
+  return bad ? NSDAE_E_MEMORY : NSDAE_OK;
+}
+
+int nsdae_ida_create(const nsdae_ida_problem *problem, nsdae_ida **ida)
+{
+  *ida = NULL;
+  nsdae_ida *s = calloc(1, sizeof *s);
+  if (!s) return NSDAE_E_MEMORY;
+  s->problem = *problem;
+  int status = nsdae_make_context(&s->context) == 0 ? NSDAE_OK : NSDAE_E_MEMORY;
+  if (status == NSDAE_OK) status = make_vectors(s);
+  if (status == NSDAE_OK) status = make_solver(s);
+  if (status == NSDAE_OK) status = make_integrator(s);
+  if (status == NSDAE_OK) *ida = s;
+  if (status < 0) nsdae_ida_destroy(&s);
+  return status;
+}
+
+void nsdae_ida_destroy(nsdae_ida **ida)
+{
+  nsdae_ida *s = ida ? *ida : NULL;
+  if (!s) return;
+  if (s->ida) IDAFree(&s->ida);
+  if (s->solver) SUNLinSolFreeEmpty(s->solver);
+  if (s->matrix) SUNMatFreeEmpty(s->matrix);
+  if (s->context) SUNContext_Free(&s->context);
+  free(s->data);
+  free(s);
+  *ida = NULL;
+}
+
+/* ---- a run */
+
+static void measure_way(nsdae_ida *s)
+{
+  s->way = s->tolerances.longest * nsdae_largest(s->problem.positions, N_VGetArrayPointer(s->ydot));
+}
+
+int nsdae_ida_start(nsdae_ida *s, const nsdae_ida_tolerances *tolerances, double t, const double *y,
+                    const double *ydot, double first)
+{
+  size_t bytes = (size_t)s->problem.n * sizeof *y;
+  s->progress = (nsdae_progress){0};
+  s->tolerances = *tolerances;
+  s->t = t;
+  memcpy(N_VGetArrayPointer(s->y), y, bytes);
+  memcpy(N_VGetArrayPointer(s->ydot), ydot, bytes);
+  measure_way(s);
+  s->flag = IDAReInit(s->ida, t, s->y, s->ydot);
+  if (s->flag == 0) s->flag = IDASetInitStep(s->ida, first);
+  /* 0: no bound */
+  if (s->flag == 0)
+    s->flag = IDASetMaxStep(s->ida, isfinite(tolerances->step_max) ? tolerances->step_max : 0);
+  return s->flag == 0 ? NSDAE_OK : NSDAE_E_CONVERGENCE;
+}
+
+int nsdae_ida_advance(nsdae_ida *s, double *t)
+{
+  double from = s->t, reached = from;
+  nsdae_progress_begin(&s->progress);
+  /* the end is no more than a direction, and the length that the first step is a part of */
+  double end = from + fmax(s->tolerances.longest, 1e-6 * fabs(from));
+  s->flag = IDASolve(s->ida, end, &reached, s->y, s->ydot, IDA_ONE_STEP);
+  if (nsdae_progress_lost(&s->progress, reached > from) && s->flag >= 0) s->flag = IDA_CONV_FAIL;
+  if (s->flag < 0) {
+    int callback = s->progress.failed || s->progress.refused;
+    return callback ? NSDAE_E_CALLBACK : NSDAE_E_CONVERGENCE;
+  }
+  *t = s->t = reached;
+  measure_way(s);
+  return NSDAE_OK;
+}
+
+const char *nsdae_ida_failure(const nsdae_ida *s)
+{
+#define NAMED(flag) \
+  {                 \
+    flag, #flag     \
+  }
+  static const struct {
+    int flag;
+    const char *name;
+  } known[] = {NAMED(IDA_TOO_MUCH_ACC), NAMED(IDA_ERR_FAIL),    NAMED(IDA_CONV_FAIL),
+               NAMED(IDA_LINIT_FAIL),   NAMED(IDA_LSETUP_FAIL), NAMED(IDA_LSOLVE_FAIL),
+               NAMED(IDA_RES_FAIL),     NAMED(IDA_REP_RES_ERR), NAMED(IDA_FIRST_RES_FAIL),
+               NAMED(IDA_ILL_INPUT),    NAMED(IDA_BAD_EWT)};
+#undef NAMED
+  for (size_t i = 0; i < sizeof known / sizeof *known; i++)
+    if (known[i].flag == s->flag) return known[i].name;
+  return "IDA";
+}
+
+int nsdae_ida_read(nsdae_ida *s, double t, int derivative, double *y)
+{
+  N_Vector from = t != s->t ? s->between : derivative ? s->ydot : s->y;
+  if (t != s->t && IDAGetDky(s->ida, t, derivative, from) != 0) return NSDAE_E_CONVERGENCE;
+  memcpy(y, N_VGetArrayPointer(from), (size_t)s->problem.n * sizeof *y);
+  return NSDAE_OK;
+}
+
+double nsdae_ida_last_step(const nsdae_ida *s)
+{
+  double h = 0;
+  IDAGetLastStep(s->ida, &h);
+  return h;
+}
+
+long nsdae_ida_residuals(const nsdae_ida *s)
+{
+  return s->residuals;
+}
