@@ -218,8 +218,8 @@ typedef int (*nsdae_force_blocks_fn)(double t, const double *q, const double *v,
                                      nsdae_block_list *blocks, void *user);
 /* Set the callbacks for D and for K, with the errors of the setters above. They replace
  * force_damping and force_stiffness of a system without blocks. A missing one is replaced by
- * differences of F, which then assume that a force on a block depends only on blocks that share a
- * constraint or were in a list of the other callback. */
+ * differences of F. These assume that a force on a block depends only on blocks that share a
+ * constraint with it, or that the other callback coupled. */
 NSDAE_API int nsdae_system_set_force_damping_blocks(nsdae_system *system,
                                                     nsdae_force_blocks_fn callback);
 NSDAE_API int nsdae_system_set_force_stiffness_blocks(nsdae_system *system,
