@@ -133,11 +133,15 @@ struct system_guts {
   nsdae_system *c = nullptr;
   callback<double, const double *, double *> mass_blocks;
   callback<double, const double *, nsdae_row_list *> constraint_rows;
+  callback<double, const double *, const double *, nsdae_block_list *> force_damping_blocks;
+  callback<double, const double *, const double *, nsdae_block_list *> force_stiffness_blocks;
   callback<double, const double *, const double *, double, nsdae_contact_list *> contacts;
   /* callbacks.list: holders */
   /* clang-format off */
   callback<double, const double *, double *, int> mass;
   callback<double, const double *, const double *, double *> force;
+  callback<double, const double *, const double *, double *, int> force_damping;
+  callback<double, const double *, const double *, double *, int> force_stiffness;
   callback<double, const double *, double *> constraint;
   callback<double, const double *, double *, int> constraint_jacobian;
   callback<double, const double *, const double *, double *, double *> constraint_bias;
@@ -343,6 +347,18 @@ public:
   {
     return keep(NSDAE_CALLBACK(force), std::move(f));
   }
+  /* D(t,q,v) = -dF/dv [nv x nv], for the Newton matrix of implicit integrators.
+   *   f(double t, const double *q, const double *v, double *D, int ldd) */
+  template <class F> system &force_damping(F f)
+  {
+    return keep(NSDAE_CALLBACK(force_damping), std::move(f));
+  }
+  /* K(t,q,v) = -(dF/dq) H [nv x nv] with dq/dt = H v, for the same matrix.
+   *   f(double t, const double *q, const double *v, double *K, int ldk) */
+  template <class F> system &force_stiffness(F f)
+  {
+    return keep(NSDAE_CALLBACK(force_stiffness), std::move(f));
+  }
   /* Phi(t,q) [m].
    *   f(double t, const double *q, double *phi) */
   template <class F> system &constraint(F f)
@@ -441,6 +457,17 @@ public:
   template <class F> system &constraint_rows(F f)
   {
     return keep(NSDAE_CALLBACK(constraint_rows), std::move(f));
+  }
+  /* D = -dF/dv by blocks: calls nsdae_block_add for every block that is not zero.
+   *   f(double t, const double *q, const double *v, nsdae_block_list *blocks) */
+  template <class F> system &force_damping_blocks(F f)
+  {
+    return keep(NSDAE_CALLBACK(force_damping_blocks), std::move(f));
+  }
+  /* K = -(dF/dq) H by blocks, as force_damping_blocks. */
+  template <class F> system &force_stiffness_blocks(F f)
+  {
+    return keep(NSDAE_CALLBACK(force_stiffness_blocks), std::move(f));
   }
   /* Calls nsdae_contact_add for every contact with a gap of at most reach.
    *   f(double t, const double *q, const double *v, double reach, nsdae_contact_list *list) */

@@ -49,6 +49,12 @@ typedef struct nsdae_dims {
 typedef int (*nsdae_mass_fn)(double t, const double *q, double *M, int ldm, void *user);
 /* F(t,q,v) [nv]: all forces except those of constraints and contacts. */
 typedef int (*nsdae_force_fn)(double t, const double *q, const double *v, double *F, void *user);
+/* D(t,q,v) = -dF/dv [nv x nv], for the Newton matrix of implicit integrators. */
+typedef int (*nsdae_force_damping_fn)(double t, const double *q, const double *v, double *D,
+                                      int ldd, void *user);
+/* K(t,q,v) = -(dF/dq) H [nv x nv] with dq/dt = H v, for the same matrix. */
+typedef int (*nsdae_force_stiffness_fn)(double t, const double *q, const double *v, double *K,
+                                        int ldk, void *user);
 /* Phi(t,q) [m]. */
 typedef int (*nsdae_constraint_fn)(double t, const double *q, double *phi, void *user);
 /* Phi_q(t,q) [m x nv], such that d Phi / dt = Phi_q v + Phi_t. */
@@ -121,11 +127,16 @@ NSDAE_API int nsdae_system_set_user(nsdae_system *system, void *user);
  * - by central differences: constraint Jacobian and bias, gap normal, normal part of the contact
  *  bias; for method event also the contact acceleration
  * - by zero: tangential part of the contact bias
+ * - by one-sided differences of F, only if an implicit integrator needs them: force_damping and
+ *  force_stiffness. They change the number of Newton iterations, not the solution.
  *
  * NSDAE_E_ARGUMENT: system or callback is NULL, or the system has no such term. */
 /* callbacks.list: declarations */
 NSDAE_API int nsdae_system_set_mass(nsdae_system *system, nsdae_mass_fn callback);
 NSDAE_API int nsdae_system_set_force(nsdae_system *system, nsdae_force_fn callback);
+NSDAE_API int nsdae_system_set_force_damping(nsdae_system *system, nsdae_force_damping_fn callback);
+NSDAE_API int nsdae_system_set_force_stiffness(nsdae_system *system,
+                                               nsdae_force_stiffness_fn callback);
 NSDAE_API int nsdae_system_set_constraint(nsdae_system *system, nsdae_constraint_fn callback);
 NSDAE_API int nsdae_system_set_constraint_jacobian(nsdae_system *system,
                                                    nsdae_constraint_jacobian_fn callback);
@@ -198,6 +209,25 @@ NSDAE_API int nsdae_system_set_constraint_rows(nsdae_system *system,
 /* Adds the entries value [nv of the block] of row 0 <= row < m in a block. Rows must be in
  * ascending order, each block once per row. Errors as nsdae_contact_add. */
 NSDAE_API int nsdae_row_add(nsdae_row_list *rows, int row, int block, const double *value);
+
+/* Blocks of D or K that a callback fills; valid during the call. */
+typedef struct nsdae_block_list nsdae_block_list;
+/* D = -dF/dv or K = -(dF/dq) H by blocks: calls nsdae_block_add for the blocks that are not zero.
+ */
+typedef int (*nsdae_force_blocks_fn)(double t, const double *q, const double *v,
+                                     nsdae_block_list *blocks, void *user);
+/* Set the callbacks for D and for K, with the errors of the setters above. They replace
+ * force_damping and force_stiffness of a system without blocks. A missing one is replaced by
+ * differences of F. These assume that a force on a block depends only on blocks that share a
+ * constraint with it, or that the other callback coupled. */
+NSDAE_API int nsdae_system_set_force_damping_blocks(nsdae_system *system,
+                                                    nsdae_force_blocks_fn callback);
+NSDAE_API int nsdae_system_set_force_stiffness_blocks(nsdae_system *system,
+                                                      nsdae_force_blocks_fn callback);
+/* Adds value [nv of row x nv of column], column-major, to the block (row, column), from 0. Blocks
+ * may come in any order; those that come again are summed. NSDAE_E_ARGUMENT, NSDAE_E_NONFINITE: as
+ * nsdae_contact_add. */
+NSDAE_API int nsdae_block_add(nsdae_block_list *blocks, int row, int column, const double *value);
 
 /* Calls nsdae_contact_add for every contact with a gap of at most reach >= 0 at (t,q); additional
  * contacts are allowed. v is for swept volumes: gaps and directions must not depend on it. Without

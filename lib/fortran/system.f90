@@ -55,6 +55,10 @@ module nsdae_f_system
     private
     type(c_ptr) :: handle = c_null_ptr
   end type
+  type, public :: nsdae_block_list
+    private
+    type(c_ptr) :: handle = c_null_ptr
+  end type
 
   ! Largest error that nsdae_system_check found.
   type, public :: nsdae_check
@@ -85,6 +89,13 @@ module nsdae_f_system
       type(nsdae_row_list), intent(in) :: rows
       class(*), intent(inout) :: user
     end function
+    ! D = -dF/dv or K = -(dF/dq) H by blocks: calls nsdae_block_add for the blocks that are not zero.
+    integer(c_int) function nsdae_force_blocks_fn(t, q, v, blocks, user)
+      import
+      real(c_double), intent(in) :: t, q(:), v(:)
+      type(nsdae_block_list), intent(in) :: blocks
+      class(*), intent(inout) :: user
+    end function
     ! Calls nsdae_contact_add for every contact with a gap of at most reach at (t,q).
     integer(c_int) function nsdae_contacts_fn(t, q, v, reach, list, user)
       import
@@ -103,6 +114,8 @@ module nsdae_f_system
     integer(c_int) :: squares = 0  ! entries of the diagonal blocks of M
     procedure(nsdae_mass_blocks_fn), pointer, nopass :: mass_blocks => null()
     procedure(nsdae_constraint_rows_fn), pointer, nopass :: constraint_rows => null()
+    procedure(nsdae_force_blocks_fn), pointer, nopass :: force_damping_blocks => null()
+    procedure(nsdae_force_blocks_fn), pointer, nopass :: force_stiffness_blocks => null()
     procedure(nsdae_contacts_fn), pointer, nopass :: contacts => null()
     type(nsdae_error) :: refusal  ! error of the module in the last call; C has the others
   end type
@@ -132,7 +145,8 @@ module nsdae_f_system
   public :: nsdae_mass_blocks_fn, nsdae_constraint_rows_fn, nsdae_contacts_fn, &
             nsdae_system_set_blocks, nsdae_system_get_blocks, nsdae_system_set_mass_blocks, &
             nsdae_system_set_constraint_rows, nsdae_system_set_contacts, nsdae_contact_add, &
-            nsdae_row_add
+            nsdae_row_add, nsdae_force_blocks_fn, nsdae_system_set_force_damping_blocks, &
+            nsdae_system_set_force_stiffness_blocks, nsdae_block_add
   ! callbacks.list: public_setters
   ! callbacks.list: end
 
@@ -141,7 +155,8 @@ module nsdae_f_system
     ! headers: functions nsdae_system_ set_size get_name get_unit set_frictional_joint error get_dims
     ! headers: functions nsdae_system_ differences unseen check set_blocks get_blocks set_mass_blocks
     ! headers: functions nsdae_system_ set_constraint_rows set_contacts
-    ! headers: functions nsdae_ contact_add row_add
+    ! headers: functions nsdae_system_ set_force_damping_blocks set_force_stiffness_blocks
+    ! headers: functions nsdae_ contact_add row_add block_add
 
     ! callbacks.list: c_setters
     ! callbacks.list: end
@@ -398,6 +413,22 @@ contains
     if (status == NSDAE_OK) system%model%constraint_rows => constraint_rows
   end function
 
+  integer(c_int) function nsdae_system_set_force_damping_blocks(system, force_damping_blocks) &
+      result(status)
+    type(nsdae_system), intent(in) :: system
+    procedure(nsdae_force_blocks_fn) :: force_damping_blocks
+    status = c_set_force_damping_blocks(at(system), c_funloc(call_force_damping_blocks))
+    if (status == NSDAE_OK) system%model%force_damping_blocks => force_damping_blocks
+  end function
+
+  integer(c_int) function nsdae_system_set_force_stiffness_blocks(system, &
+      force_stiffness_blocks) result(status)
+    type(nsdae_system), intent(in) :: system
+    procedure(nsdae_force_blocks_fn) :: force_stiffness_blocks
+    status = c_set_force_stiffness_blocks(at(system), c_funloc(call_force_stiffness_blocks))
+    if (status == NSDAE_OK) system%model%force_stiffness_blocks => force_stiffness_blocks
+  end function
+
   integer(c_int) function nsdae_system_set_contacts(system, contacts) result(status)
     type(nsdae_system), intent(in) :: system
     procedure(nsdae_contacts_fn) :: contacts
@@ -419,6 +450,15 @@ contains
     integer(c_int), intent(in) :: row, block
     real(c_double), intent(in), contiguous :: values(:)
     status = c_row_add(rows%handle, row, block, values)
+  end function
+
+  ! Adds values [nv of row, nv of column] to the block (row, column), from 0, of D or K; repeated
+  ! blocks are summed.
+  integer(c_int) function nsdae_block_add(blocks, row, column, values) result(status)
+    type(nsdae_block_list), intent(in) :: blocks
+    integer(c_int), intent(in) :: row, column
+    real(c_double), intent(in), contiguous :: values(:, :)
+    status = c_block_add(blocks%handle, row, column, values)
   end function
 
   ! The callbacks of C: each calls the user's procedure with shaped arrays, without copies.
@@ -461,6 +501,34 @@ contains
     here => model_at(user)
     list%handle = rows
     status = here%constraint_rows(t, q(:here%dims%nq), list, here%user)
+  end function
+
+  integer(c_int) function call_force_damping_blocks(t, q, v, blocks, user) &
+      result(status) bind(C, name='')
+    real(c_double), value :: t
+    real(c_double), intent(in) :: q(*), v(*)
+    type(c_ptr), value :: blocks, user
+    type(model), pointer :: here
+    type(nsdae_block_list) :: list
+    here => model_at(user)
+    list%handle = blocks
+    associate (d => here%dims)
+      status = here%force_damping_blocks(t, q(:d%nq), v(:d%nv), list, here%user)
+    end associate
+  end function
+
+  integer(c_int) function call_force_stiffness_blocks(t, q, v, blocks, user) &
+      result(status) bind(C, name='')
+    real(c_double), value :: t
+    real(c_double), intent(in) :: q(*), v(*)
+    type(c_ptr), value :: blocks, user
+    type(model), pointer :: here
+    type(nsdae_block_list) :: list
+    here => model_at(user)
+    list%handle = blocks
+    associate (d => here%dims)
+      status = here%force_stiffness_blocks(t, q(:d%nq), v(:d%nv), list, here%user)
+    end associate
   end function
 
   integer(c_int) function call_contacts(t, q, v, reach, contacts, user) &

@@ -11,6 +11,13 @@ typedef struct nsdae_blocks {
   size_t *square; /* count + 1: where its entries of a matrix begin */
 } nsdae_blocks;
 
+/* Blocks below the diagonal of a symmetric matrix over the partition. */
+typedef struct nsdae_coupling {
+  int count;
+  const int *pair;     /* 2 count: blocks i > j */
+  const double *value; /* each n_i x n_j, column-major, one behind another */
+} nsdae_coupling;
+
 static inline int nsdae_blocks_size(const nsdae_blocks *blocks, int b)
 {
   return blocks->first[b + 1] - blocks->first[b];

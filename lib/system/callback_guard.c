@@ -126,8 +126,9 @@ static int check_guards(probe *p)
 /* Derivatives that are compared with differences afterwards are judged there. */
 static int compared(const char *callback, int output)
 {
-  static const char *const names[] = {"mass", "constraint_jacobian", "constraint_bias",
-                                      "gap_normal", "contact_acceleration"};
+  static const char *const names[] = {"mass",           "constraint_jacobian",  "constraint_bias",
+                                      "gap_normal",     "contact_acceleration", "force_damping",
+                                      "force_stiffness"};
   for (size_t i = 0; i < sizeof names / sizeof *names; i++)
     if (strcmp(callback, names[i]) == 0) return 1;
   return strcmp(callback, "contact_bias") == 0 && output == 0;

@@ -187,7 +187,7 @@ function cpp_member(c) {
 
 # ---- Fortran
 
-function size_of(size) { gsub(/[a-z]+/, "d%&", size); gsub(/\*/, " * ", size); return size }
+function size_of(size) { gsub(/[a-z]+/, "dims%&", size); gsub(/\*/, " * ", size); return size }
 
 function f_interface(c,   i, count, item, head) {
   print comment(c, "f", "    ! ", "    ! ", "")
@@ -256,11 +256,11 @@ function f_call(c,   i, count, item, vectors, pointers) {
   print "    type(c_ptr), value :: " pointers "user"
   print "    type(model), pointer :: here"
   print "    here => model_at(user)"
-  print "    associate (d => here%dims)"
+  print "    associate (dims => here%dims)"
   delete item
   count = 0
-  item[++count] = "t"; item[++count] = "q(:d%nq)"
-  if (has_v[c]) item[++count] = "v(:d%nv)"
+  item[++count] = "t"; item[++count] = "q(:dims%nq)"
+  if (has_v[c]) item[++count] = "v(:dims%nv)"
   for (i = 1; i <= outs[c]; i++) item[++count] = f_shaped(c, i)
   item[++count] = "here%user"
   print filled("      status = here%" name[c] "(", item, count, ")", 10, 98, " &")

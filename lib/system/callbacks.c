@@ -17,6 +17,8 @@
 /* callbacks.list: calls_in_c */
 CALL(mass, out[0], ld[0])
 CALL(force, at->v, out[0])
+CALL(force_damping, at->v, out[0], ld[0])
+CALL(force_stiffness, at->v, out[0], ld[0])
 CALL(constraint, out[0])
 CALL(constraint_jacobian, out[0], ld[0])
 CALL(constraint_bias, at->v, out[0], out[1])
@@ -43,6 +45,10 @@ const nsdae_callback nsdae_callbacks[] = {
      {{"M", VELOCITY, VELOCITY, 0, 0}}},
     {"force", has_force, call_force, 1,
      {{"F", VELOCITY, -1, 0, 0}}},
+    {"force_damping", has_force_damping, call_force_damping, 1,
+     {{"D", VELOCITY, VELOCITY, 0, 0}}},
+    {"force_stiffness", has_force_stiffness, call_force_stiffness, 1,
+     {{"K", VELOCITY, VELOCITY, 0, 0}}},
     {"constraint", has_constraint, call_constraint, 1,
      {{"phi", CONSTRAINT, -1, 0, 0}}},
     {"constraint_jacobian", has_constraint_jacobian, call_constraint_jacobian, 1,

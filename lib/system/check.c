@@ -6,6 +6,7 @@
 
 #include "arena.h"
 #include "check_blocks.h"
+#include "check_forces.h"
 #include "differences.h"
 #include "contact_directions.h"
 #include "errors.h"
@@ -64,18 +65,11 @@ static int difference_failed(check *c, int code, const char *callback)
 /* Keeps the worst entry of given - differenced, [rows x columns]. */
 static void compare_term(check *c, const char *term, int rows, int columns)
 {
-  for (long i = 0; i < (long)rows * columns; i++) {
-    double given = c->given[i], difference = c->differenced[i];
-    double error = fabs(given - difference) / (1 + fabs(difference));
-    if (error <= c->worst.error) continue; /* so that NaN is kept as the worst */
-    c->worst = (nsdae_check){.row = (int)(i % rows),
-                             .column = (int)(i / rows),
-                             .given = given,
-                             .difference = difference,
-                             .error = isnan(error) ? INFINITY : error};
-    snprintf(c->worst.term, sizeof c->worst.term, "%s", term);
-    c->worst_rows = rows;
-  }
+  double before = c->worst.error;
+  for (long i = 0; i < (long)rows * columns; i++)
+    nsdae_check_keep(&c->worst, term, (int)(i % rows), (int)(i / rows), c->given[i],
+                     c->differenced[i]);
+  if (c->worst.error > before) c->worst_rows = rows;
 }
 
 static void zero(double *a, int rows, int columns)
@@ -209,7 +203,7 @@ static void name_worst(const check *c, nsdae_error *error)
   snprintf(callback, sizeof callback, "%.*s", (int)strcspn(c->worst.term, " "), c->worst.term);
   if (strcmp(callback, "constraint_rows") == 0)
     nsdae_system_name_entry(c->system, "constraint_jacobian", d->m, row, column, error);
-  else if (strcmp(callback, "mass_blocks") == 0)
+  else if (strcmp(callback, "mass_blocks") == 0 || strncmp(callback, "force_", 6) == 0)
     nsdae_system_name_entry(c->system, "mass", d->nv, row, column, error);
   else if (strcmp(callback, "contact_acceleration") != 0)
     nsdae_system_name_entry(c->system, callback, c->worst_rows, row, column, error);
@@ -279,6 +273,8 @@ int nsdae_system_check(nsdae_system *system, double t, const double *q, const do
   for (size_t i = 0; i < sizeof all / sizeof *all && !c.code; i++) all[i](&c);
   if (system->by_list && !c.code)
     status = nsdae_system_check_lists(system, &c.differences, t, q, v, &c.worst);
+  if (status == NSDAE_OK && !c.code)
+    status = nsdae_system_check_forces(system, &c.differences, t, q, v, &c.worst);
   if (status == NSDAE_OK) status = verdict(&c, tol);
   nsdae_arena_release(&arena);
   if (worst) *worst = c.worst;

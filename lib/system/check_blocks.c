@@ -25,16 +25,17 @@ typedef struct context {
   double *M, *column, *rate, *trial, *moved;
 } context;
 
-static void keep(context *c, const char *term, int row, int column, double given, double difference)
+void nsdae_check_keep(nsdae_check *worst, const char *term, int row, int column, double given,
+                      double difference)
 {
   double error = fabs(given - difference) / (1 + fabs(difference));
-  if (error <= c->worst->error) return; /* so that NaN is kept as the worst */
-  *c->worst = (nsdae_check){.row = row,
-                            .column = column,
-                            .given = given,
-                            .difference = difference,
-                            .error = isnan(error) ? INFINITY : error};
-  snprintf(c->worst->term, sizeof c->worst->term, "%s", term);
+  if (error <= worst->error) return; /* so that NaN is kept as the worst */
+  *worst = (nsdae_check){.row = row,
+                         .column = column,
+                         .given = given,
+                         .difference = difference,
+                         .error = isnan(error) ? INFINITY : error};
+  snprintf(worst->term, sizeof worst->term, "%s", term);
 }
 
 static int blocks_failed(context *c, int code, const char *callback)
@@ -85,7 +86,7 @@ static int check_rows(context *c)
     status = blocks_failed(c, code, code && c->d->failed ? c->d->failed : "constraint");
     gather_column(c, j);
     for (int i = 0; i < c->s->dims.m && status == NSDAE_OK; i++)
-      keep(c, "constraint_rows", i, j, c->column[i], c->rate[i]);
+      nsdae_check_keep(c->worst, "constraint_rows", i, j, c->column[i], c->rate[i]);
   }
   return status;
 }
@@ -149,7 +150,8 @@ static int check_rates(context *c, double reach)
   for (int i = 0; i < c->list.count && status == NSDAE_OK; i++) {
     int a = find_contact(&c->ahead, c->list.id[i], i), b = find_contact(&c->back, c->list.id[i], i);
     if (a < 0 || b < 0) continue;
-    keep(c, "contacts", i, 0, given_rate(c, i), (c->ahead.gap[a] - c->back.gap[b]) / (2 * s));
+    nsdae_check_keep(c->worst, "contacts", i, 0, given_rate(c, i),
+                     (c->ahead.gap[a] - c->back.gap[b]) / (2 * s));
   }
   return status;
 }
@@ -207,7 +209,7 @@ int nsdae_system_check_lists(nsdae_system *system, nsdae_differences *difference
     const double *M = c.M + blocks->square[b];
     for (int j = 0; j < n; j++)
       for (int i = 0; i < n; i++)
-        keep(&c, "mass_blocks", at + i, at + j, M[j * n + i], M[i * n + j]);
+        nsdae_check_keep(worst, "mass_blocks", at + i, at + j, M[j * n + i], M[i * n + j]);
   }
   if (status == NSDAE_OK && system->dims.m > 0) status = check_rows(&c);
   if (status == NSDAE_OK && system->call.contacts) status = check_contacts(&c);

@@ -94,13 +94,18 @@ static int may_set(nsdae_system *s, const char *name, int given)
   return nsdae_system_open(s, name);
 }
 
-int nsdae_system_set_mass_blocks(nsdae_system *s, nsdae_mass_blocks_fn callback)
-{
-  if (!s) return NSDAE_E_ARGUMENT;
-  int status = may_set(s, "mass_blocks", callback != NULL);
-  if (status == NSDAE_OK) s->call.mass_blocks = callback;
-  return status;
-}
+#define SETTER(name, type)                                                   \
+  int nsdae_system_set_##name(nsdae_system *s, type callback)                \
+  {                                                                          \
+    int status = s ? may_set(s, #name, callback != NULL) : NSDAE_E_ARGUMENT; \
+    if (status == NSDAE_OK) s->call.name = callback;                         \
+    return status;                                                           \
+  }
+
+SETTER(mass_blocks, nsdae_mass_blocks_fn)
+SETTER(force_damping_blocks, nsdae_force_blocks_fn)
+SETTER(force_stiffness_blocks, nsdae_force_blocks_fn)
+SETTER(contacts, nsdae_contacts_fn)
 
 int nsdae_system_set_constraint_rows(nsdae_system *s, nsdae_constraint_rows_fn callback)
 {
@@ -113,23 +118,22 @@ int nsdae_system_set_constraint_rows(nsdae_system *s, nsdae_constraint_rows_fn c
   return status;
 }
 
-int nsdae_system_set_contacts(nsdae_system *s, nsdae_contacts_fn callback)
-{
-  if (!s) return NSDAE_E_ARGUMENT;
-  int status = may_set(s, "contacts", callback != NULL);
-  if (status == NSDAE_OK) s->call.contacts = callback;
-  return status;
-}
-
 /* What goes by blocks is not given for all velocities at once, and the other way round. */
 static const char *misplaced(const nsdae_system *s)
 {
+  const nsdae_calls *c = &s->call;
   if (s->by_list)
-    return s->call.mass ? "mass" : s->call.constraint_jacobian ? "constraint_jacobian" : NULL;
-  return s->call.mass_blocks       ? "mass_blocks"
-         : s->call.constraint_rows ? "constraint_rows"
-         : s->call.contacts        ? "contacts"
-                                   : NULL;
+    return c->mass                  ? "mass"
+           : c->constraint_jacobian ? "constraint_jacobian"
+           : c->force_damping       ? "force_damping"
+           : c->force_stiffness     ? "force_stiffness"
+                                    : NULL;
+  return c->mass_blocks              ? "mass_blocks"
+         : c->constraint_rows        ? "constraint_rows"
+         : c->force_damping_blocks   ? "force_damping_blocks"
+         : c->force_stiffness_blocks ? "force_stiffness_blocks"
+         : c->contacts               ? "contacts"
+                                     : NULL;
 }
 
 int nsdae_system_check_blocks(const nsdae_system *s, const char **missing, nsdae_error *error)
@@ -140,7 +144,8 @@ int nsdae_system_check_blocks(const nsdae_system *s, const char **missing, nsdae
   if (!wrong) return NSDAE_OK;
   return nsdae_error_set(
       error, NSDAE_E_STATE, "nsdae_system", wrong,
-      s->by_list ? "%s is for systems without blocks: use mass_blocks, constraint_rows and contacts"
+      s->by_list ? "%s is for systems without blocks: use mass_blocks, constraint_rows, "
+                   "force_damping_blocks, force_stiffness_blocks and contacts"
                  : "%s needs blocks: call nsdae_system_set_blocks",
       wrong);
 }

@@ -183,6 +183,8 @@ static int refuse_callback(nsdae_system *system, const char *callback, const cha
 /* callbacks.list: setters */
 SETTER(mass, nsdae_mass_fn, 1, "")
 SETTER(force, nsdae_force_fn, 1, "")
+SETTER(force_damping, nsdae_force_damping_fn, 1, "")
+SETTER(force_stiffness, nsdae_force_stiffness_fn, 1, "")
 SETTER(constraint, nsdae_constraint_fn, d->m > 0, "the system has no constraints (m = 0)")
 SETTER(constraint_jacobian, nsdae_constraint_jacobian_fn, d->m > 0,
        "the system has no constraints (m = 0)")

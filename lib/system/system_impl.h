@@ -42,6 +42,8 @@ typedef struct nsdae_calls {
   /* callbacks.list: fields */
   nsdae_mass_fn mass;
   nsdae_force_fn force;
+  nsdae_force_damping_fn force_damping;
+  nsdae_force_stiffness_fn force_stiffness;
   nsdae_constraint_fn constraint;
   nsdae_constraint_jacobian_fn constraint_jacobian;
   nsdae_constraint_bias_fn constraint_bias;
@@ -56,6 +58,7 @@ typedef struct nsdae_calls {
   /* callbacks.list: end */
   nsdae_mass_blocks_fn mass_blocks;
   nsdae_constraint_rows_fn constraint_rows;
+  nsdae_force_blocks_fn force_damping_blocks, force_stiffness_blocks;
   nsdae_contacts_fn contacts;
 } nsdae_calls;
 

@@ -28,7 +28,7 @@ finally:
         del _os.environ["OPENBLAS_NUM_THREADS"]
 from ._bodies import GROUND, Bodies, Solid
 from ._errors import ArgumentError, CallbackError, Error, ProblemError, RunWarning, Status
-from ._lists import CONTACT, ContactList, RowList, contact_add, row_add
+from ._lists import CONTACT, BlockList, ContactList, RowList, block_add, contact_add, row_add
 from ._pointers import cfunc, signature
 from ._problems import FrictionResult, LcpResult, friction, friction_local, lcp
 from ._records import OPEN, SLIP, STICK, LcpProblem, Record
@@ -45,5 +45,5 @@ __doc__ += "\n" + "".join(f"    {key:<18}{what}{f' [{unit}]' if unit not in ('',
 __all__ = ["ArgumentError", "Bodies", "CONTACT", "CallbackError", "ContactList", "Dims", "Error", "FrictionResult",
            "GROUND", "LcpProblem", "LcpResult", "METHODS", "OPEN", "ProblemError", "Record", "RowList", "RunWarning",
            "SLIP", "STICK", "Shape", "Sim", "Solid", "Status", "Sweep", "System", "Trajectory", "Worst", "build_info",
-           "cfunc", "contact_add", "friction", "friction_local", "lcp", "load", "load_sweep", "row_add", "signature", "solve",
+           "block_add", "cfunc", "contact_add", "friction", "friction_local", "lcp", "load", "load_sweep", "row_add", "signature", "solve",
            "sweep"]

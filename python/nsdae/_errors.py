@@ -86,6 +86,7 @@ _NAMES = [(re.compile(pattern), name) for pattern, name in (
     (r"nsdae_bodies_create", "nsdae.Bodies"),
     (r"nsdae_contact_add", "ContactList.add"),
     (r"nsdae_row_add", "RowList.add"),
+    (r"nsdae_block_add", "BlockList.add"),
     (r"nsdae_solid_inertia", "Solid.inertia"),
     (r"nsdae_(sim|system|bodies)_(\w+)", lambda m: f"{m[1].capitalize()}.{m[2]}"),
     (r"enum nsdae_(name|joint)_kind", "the kinds"),

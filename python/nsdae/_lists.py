@@ -16,7 +16,8 @@ assert CONTACT.itemsize == _core.CONTACT_SIZE
 
 # the library's functions, for numba and compiled callbacks
 contact_add = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p)(_core.CONTACT_ADD)
-row_add = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_int, ctypes.c_int, ctypes.c_void_p)(_core.ROW_ADD)
+_ADD = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_int, ctypes.c_int, ctypes.c_void_p)
+row_add, block_add = _ADD(_core.ROW_ADD), _ADD(_core.BLOCK_ADD)
 
 
 def _array(name: str, values: Any, shape: tuple[int, ...], kind: Any = float) -> np.ndarray:
@@ -102,6 +103,31 @@ class RowList:
         self._core.add(row, _array("block", block, row.shape, np.int64), _array("value", value, (len(row), width)))
 
 
+class BlockList:
+    """Blocks of D = -dF/dv or K = -(dF/dq) H, filled by ``force_damping_blocks`` and ``force_stiffness_blocks``. It is valid until
+    the callback returns."""
+
+    __slots__ = ("_core",)
+
+    def __init__(self, core: Any):
+        self._core = core
+
+    def add(self, row: Any, column: Any, value: Any) -> None:
+        """Adds n blocks, or one block without the dimension n. Blocks that come again are summed.
+
+        Parameters
+        ----------
+        row, column : array_like of int, shape (n,)
+            The blocks of velocities.
+        value : array_like, shape (n, nv, nv)
+            Entries [velocity of row, velocity of column].
+        """
+        row = np.atleast_1d(np.ascontiguousarray(row, dtype=np.int64))
+        value = np.asarray(value, dtype=float)
+        shape = value.shape[-2:] if value.ndim > 1 else (1, 1)
+        self._core.add(row, _array("column", column, row.shape, np.int64), _array("value", value, (len(row), *shape)))
+
+
 def sizes_of(blocks: Any) -> tuple[np.ndarray, np.ndarray]:
     """Returns nq and nv of each block, from shape (blocks,) or (blocks, 2)."""
     sizes = np.asarray(blocks)
@@ -138,6 +164,8 @@ def wrapped(name: str, function: Callable[..., Any], nv: np.ndarray) -> Callable
         return _Mass(function, nv)
     if name == "constraint_rows":
         return lambda t, q, rows: function(t, q, RowList(rows))
+    if name in ("force_damping_blocks", "force_stiffness_blocks"):
+        return lambda t, q, v, blocks: function(t, q, v, BlockList(blocks))
     if name == "contacts":
         return lambda t, q, v, reach, found: function(t, q, v, reach, ContactList(found))
     return function

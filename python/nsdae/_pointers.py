@@ -11,6 +11,8 @@ from typing import Any
 _ARGUMENTS = {
     "mass": "double t, const double *q, double *M, int ldm, void *user",
     "force": "double t, const double *q, const double *v, double *F, void *user",
+    "force_damping": "double t, const double *q, const double *v, double *D, int ldd, void *user",
+    "force_stiffness": "double t, const double *q, const double *v, double *K, int ldk, void *user",
     "constraint": "double t, const double *q, double *phi, void *user",
     "constraint_jacobian": "double t, const double *q, double *J, int ldj, void *user",
     "constraint_bias": "double t, const double *q, const double *v, double *phi_t, double *omega, void *user",
@@ -25,6 +27,8 @@ _ARGUMENTS = {
     "potential": "double t, const double *q, double *energy, void *user",
     "mass_blocks": "double t, const double *q, double *M, void *user",
     "constraint_rows": "double t, const double *q, nsdae_row_list *rows, void *user",
+    "force_damping_blocks": "double t, const double *q, const double *v, nsdae_block_list *blocks, void *user",
+    "force_stiffness_blocks": "double t, const double *q, const double *v, nsdae_block_list *blocks, void *user",
     "contacts": "double t, const double *q, const double *v, double reach, nsdae_contact_list *list, void *user",
     "drive": "double t, double *drive, void *user",
     "load": "double t, const double *position, const double *velocity, double *force, double *torque, void *user",

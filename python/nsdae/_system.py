@@ -107,6 +107,8 @@ class System:
 
     - ``mass(t, q, M)``: M [nv, nv]
     - ``force(t, q, v, F)``: F [nv]
+    - ``force_damping(t, q, v, D)``: D [nv, nv] = -dF/dv
+    - ``force_stiffness(t, q, v, K)``: K [nv, nv] = -(dF/dq) H, dq/dt = H v
     - ``constraint(t, q, phi)``: phi [m]
     - ``constraint_jacobian(t, q, J)``: J [m, nv]
     - ``constraint_bias(t, q, v, phi_t, omega)``: phi_t [m], omega [m]
@@ -119,10 +121,12 @@ class System:
     - ``kinematics(t, q, v, qdot)``: qdot [nq]
     - ``potential(t, q)`` returns the energy
 
-    A block-sparse system has these in place of ``mass``, ``constraint_jacobian`` and all callbacks of contacts:
+    A block-sparse system has these in place of ``mass``, ``constraint_jacobian``, ``force_damping``, ``force_stiffness`` and all
+    callbacks of contacts:
 
     - ``mass_blocks(t, q, M)``: M[b] [nv, nv]; one array [blocks, nv, nv] if all blocks have the same size
     - ``constraint_rows(t, q, rows)``: calls ``rows.add(row, block, value)``, see `RowList`
+    - ``force_damping_blocks(t, q, v, blocks)``, ``force_stiffness_blocks``: call ``blocks.add(row, column, value)``, see `BlockList`
     - ``contacts(t, q, v, reach, found)``: calls ``found.add(id, block, gap, direction, ...)``, see `ContactList`
 
     ``contacts`` adds every contact with a gap of at most ``reach``, see `ContactList`.

@@ -118,6 +118,7 @@ call::~call()
     release(own);
   if (contacts) contacts->list = nullptr; // Python may have kept them
   if (rows) rows->list = nullptr;
+  if (blocks) blocks->list = nullptr;
   for (int i = 0; i < arguments; i++)
     if (is_own[i]) Py_XDECREF(argument[i]);
 }
@@ -136,6 +137,7 @@ template <class L> void call::hand(open_list<L> *&made, L *list)
 }
 template void call::hand(contact_list *&made, nsdae_contact_list *list);
 template void call::hand(row_list *&made, nsdae_row_list *list);
+template void call::hand(block_list *&made, nsdae_block_list *list);
 
 void call::put(const double *in)
 {

@@ -61,6 +61,7 @@ public:
   void put(int ld);
   void put(nsdae_contact_list *list) { hand(contacts, list); }
   void put(nsdae_row_list *list) { hand(rows, list); }
+  void put(nsdae_block_list *list) { hand(blocks, list); }
   void put(void *) {} // user
   int run();
 
@@ -78,6 +79,7 @@ private:
   int arguments = 0;
   contact_list *contacts = nullptr; // the lists of Python
   row_list *rows = nullptr;
+  block_list *blocks = nullptr;
   struct target {
     double *at;
     int ld;

@@ -75,6 +75,28 @@ void add_rows(const row_list &to, ids<1> row, ids<1> block, reals<2> value)
   }
 }
 
+// Blocks: row [n], column [n], value [n, rows, columns], of which each block takes its nv.
+void add_blocks(const block_list &to, ids<1> row, ids<1> column, reals<3> value)
+{
+  nsdae_block_list *list = to.opened();
+  const std::vector<int> &nv = to.of->nv;
+  std::vector<double> packed;
+  for (std::size_t i = 0; i < row.shape(0); i++) {
+    std::size_t r = static_cast<std::size_t>(row(i)), c = static_cast<std::size_t>(column(i));
+    std::size_t m = r < nv.size() ? static_cast<std::size_t>(nv[r]) : 0;
+    std::size_t n = c < nv.size() ? static_cast<std::size_t>(nv[c]) : 0;
+    if (m > value.shape(1) || n > value.shape(2))
+      throw std::invalid_argument("value has the shape (" + std::to_string(value.shape(1)) + ", " +
+                                  std::to_string(value.shape(2)) + "); block (" +
+                                  std::to_string(r) + ", " + std::to_string(c) + ") has " +
+                                  std::to_string(m) + " by " + std::to_string(n));
+    packed.resize(m * n + 1);
+    for (std::size_t k = 0; k < m; k++)
+      for (std::size_t l = 0; l < n; l++) packed[k + l * m] = value(i, k, l);
+    nsdae_block_add(list, whole(row(i)), whole(column(i)), packed.data());
+  }
+}
+
 } // namespace
 
 template <class L> L *open_list<L>::opened() const
@@ -89,9 +111,11 @@ void bind_lists(nb::module_ &m)
       .def("add", &add_contacts)
       .def_prop_ro("nt", [](const contact_list &l) { return l.of->nt; });
   nb::class_<row_list>(m, "RowList").def("add", &add_rows);
+  nb::class_<block_list>(m, "BlockList").def("add", &add_blocks);
   m.attr("CONTACT_SIZE") = sizeof(nsdae_contact);
   m.attr("CONTACT_ADD") = reinterpret_cast<std::uintptr_t>(&nsdae_contact_add);
   m.attr("ROW_ADD") = reinterpret_cast<std::uintptr_t>(&nsdae_row_add);
+  m.attr("BLOCK_ADD") = reinterpret_cast<std::uintptr_t>(&nsdae_block_add);
 }
 
 } // namespace nsdae_python

@@ -34,6 +34,7 @@ template <class L> struct open_list {
 
 using contact_list = open_list<nsdae_contact_list>;
 using row_list = open_list<nsdae_row_list>;
+using block_list = open_list<nsdae_block_list>;
 
 void bind_lists(nb::module_ &m);
 

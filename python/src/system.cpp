@@ -40,6 +40,9 @@ std::vector<slot> slots_of(role r, const nsdae_dims &d, const partition &blocks)
     return {q, matrix(d.nv, d.nv)};
   case role_force:
     return {q, v, out(d.nv)};
+  case role_force_damping:
+  case role_force_stiffness:
+    return {q, v, matrix(d.nv, d.nv)};
   case role_constraint:
     return {q, out(d.m)};
   case role_constraint_jacobian:
@@ -64,6 +67,8 @@ std::vector<slot> slots_of(role r, const nsdae_dims &d, const partition &blocks)
     return {q, out(squares(blocks))};
   case role_constraint_rows:
     return {q};
+  case role_force_damping_blocks:
+  case role_force_stiffness_blocks:
   case role_contacts:
     return {q, v};
   default:

@@ -168,6 +168,78 @@ def test_rows_of_constraints_by_blocks():
     assert np.allclose(a.q, b.q, atol=1e-9) and np.allclose(a.multiplier, b.multiplier, atol=1e-6)
 
 
+def springs(n, **given):
+    """Balls on a line, each with a spring and a damper to the next one, of different stiffness."""
+    k, d = 100.0 + np.arange(n - 1), 1.0 + np.arange(n - 1)
+
+    def force(t, q, v, F):
+        f = k * np.diff(q) + d * np.diff(v)
+        F[:-1] += f
+        F[1:] -= f
+
+    def add(blocks, c):
+        i = np.arange(n - 1)
+        value = np.asarray(c)[:, None, None]
+        for r, s, sign in ((i, i, 1), (i + 1, i + 1, 1), (i, i + 1, -1), (i + 1, i, -1)):
+            blocks.add(r, s, sign * value)
+
+    given = {"force_damping_blocks": lambda t, q, v, blocks: add(blocks, d),
+             "force_stiffness_blocks": lambda t, q, v, blocks: add(blocks, k), **given}
+    return nsdae.System(blocks=np.ones(n, dtype=int), force=force,
+                        mass_blocks=lambda t, q, M: M.__setitem__((slice(None), 0, 0), 1), **given)
+
+
+def test_derivatives_of_the_force_by_blocks():
+    rng = np.random.default_rng(1)
+    q, v = rng.normal(size=(2, 6))
+    assert springs(6).check(q, v).error < 1e-6
+    with pytest.raises(nsdae.Error, match="force_stiffness_blocks"):
+        springs(6, force_stiffness_blocks=lambda t, q, v, blocks: blocks.add(2, 3, [[1.0]])).check(q, v)
+    for bad, match in (((6, 0, [[1.0]]), "no such block"), ((0, 1, [[np.nan]]), "not finite")):
+        with pytest.raises(nsdae.Error, match=match):
+            springs(6, force_damping_blocks=lambda t, q, v, blocks: blocks.add(*bad)).check(q, v)
+    with pytest.raises(nsdae.CallbackError) as caught:
+        springs(6, force_damping_blocks=lambda t, q, v, blocks: blocks.add(0, 1, np.ones((1, 0)))).check(q, v)
+    assert "value has the shape" in str(caught.value.__cause__)
+    kept = []
+    with pytest.raises(nsdae.Error):
+        springs(6, force_damping_blocks=lambda t, q, v, blocks: kept.append(blocks)).check(q, v)
+    with pytest.raises(ValueError, match="until the callback returns"):
+        kept[0].add(0, 0, [[1.0]])
+
+
+def test_derivatives_of_the_force():
+    def force(t, q, v, F):
+        F[:] = [-q[0] * v[1], -q[1] ** 2 - v[0] ** 2]
+
+    def force_damping(t, q, v, D):
+        D[0, 1], D[1, 0] = q[0], 2 * v[0]
+
+    def force_stiffness(t, q, v, K):
+        K[0, 0], K[1, 1] = v[1], 2 * q[1]
+
+    mass = lambda t, q, M: np.fill_diagonal(M, 1)  # noqa: E731
+    system = nsdae.System(nq=2, mass=mass, force=force, force_damping=force_damping, force_stiffness=force_stiffness)
+    assert system.check([1, 2], [3, 4]).error < 1e-6
+    wrong = nsdae.System(nq=2, mass=mass, force=force, force_damping=lambda t, q, v, D: None)
+    with pytest.raises(nsdae.Error, match=r"force_damping: entry \(1, 0\)"):
+        wrong.check([1, 2], [3, 4])
+
+
+def test_compiled_blocks():
+    pytest.importorskip("numba")
+    block_add = nsdae.block_add
+
+    @nsdae.cfunc("force_damping_blocks")
+    def damping(t, q, v, blocks, user):
+        value = np.full(1, 2.0)
+        return block_add(blocks, 0, 0, value.ctypes.data)
+
+    system = nsdae.System(blocks=[1], mass_blocks=lambda t, q, M: M.fill(1), force_damping_blocks=damping,
+                          force=lambda t, q, v, F: F.__setitem__(0, -2 * v[0]))
+    assert system.check([0], [1]).error < 1e-6
+
+
 def with_contacts(add):
     def contacts(t, q, v, reach, found):
         add(found)

@@ -307,12 +307,16 @@ static void test_setters(void **state)
   assert_int_equal(nsdae_system_set_mass_blocks(NULL, mass_blocks), NSDAE_E_ARGUMENT);
   assert_int_equal(nsdae_system_set_constraint_rows(NULL, rows), NSDAE_E_ARGUMENT);
   assert_int_equal(nsdae_system_set_contacts(NULL, contacts), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_system_set_force_damping_blocks(NULL, NULL), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_system_set_force_stiffness_blocks(NULL, NULL), NSDAE_E_ARGUMENT);
   assert_int_equal(nsdae_system_get_blocks(NULL), 0);
   assert_int_equal(nsdae_sim_create(s, NULL, &sim, NULL), NSDAE_OK);
   assert_int_equal(nsdae_system_set_blocks(s, 2, size, size), NSDAE_E_STATE);
   assert_int_equal(nsdae_system_set_mass_blocks(s, mass_blocks), NSDAE_E_STATE);
   assert_int_equal(nsdae_system_set_constraint_rows(s, rows), NSDAE_E_STATE);
   assert_int_equal(nsdae_system_set_contacts(s, contacts), NSDAE_E_STATE);
+  assert_int_equal(nsdae_system_set_force_damping_blocks(s, NULL), NSDAE_E_ARGUMENT);
+  nsdae_system_clear_error(s);
   nsdae_sim_destroy(&sim);
   assert_int_equal(nsdae_system_set_blocks(s, 2, size, NULL), NSDAE_E_ARGUMENT);
   assert_string_equal(nsdae_system_error(s)->argument, "nv");
@@ -344,18 +348,36 @@ static int dense(double t, const double *q, double *J, int ldj, void *user)
   return 0;
 }
 
+static int dense_damping(double t, const double *q, const double *v, double *D, int ldd, void *user)
+{
+  (void)t, (void)q, (void)v, (void)D, (void)ldd, (void)user;
+  return 0;
+}
+
+static int no_blocks(double t, const double *q, const double *v, nsdae_block_list *list, void *user)
+{
+  (void)t, (void)q, (void)v, (void)list, (void)user;
+  return 0;
+}
+
 /* Callbacks of systems without blocks, and the other way round. */
 static void test_misplaced(void **state)
 {
   (void)state;
   const nsdae_dims dims = {.nq = NV, .m = 2};
   const int size[] = {1, WIDE};
-  nsdae_system *s[3];
+  nsdae_system *s[5];
   model p = {.what = NONE};
   nsdae_system *by_list = make(&p);
   nsdae_system_set_constraint_jacobian(by_list, dense);
   not_made(by_list, "constraint_jacobian");
-  for (int i = 0; i < 3; i++) {
+  for (int i = 0; i < 2; i++) {
+    by_list = make(&p);
+    if (i == 0) nsdae_system_set_force_damping(by_list, dense_damping);
+    if (i == 1) nsdae_system_set_force_stiffness(by_list, dense_damping);
+    not_made(by_list, i ? "force_stiffness" : "force_damping");
+  }
+  for (int i = 0; i < 5; i++) {
     assert_int_equal(nsdae_system_create(&dims, &s[i], NULL), NSDAE_OK);
     nsdae_system_set_force(s[i], force);
     nsdae_system_set_constraint(s[i], constraint);
@@ -367,6 +389,10 @@ static void test_misplaced(void **state)
   nsdae_system_set_blocks(s[2], 2, size, size);
   nsdae_system_set_mass_blocks(s[2], mass_blocks);
   not_made(s[2], "constraint_rows");
+  nsdae_system_set_force_damping_blocks(s[3], no_blocks);
+  not_made(s[3], "force_damping_blocks");
+  nsdae_system_set_force_stiffness_blocks(s[4], no_blocks);
+  not_made(s[4], "force_stiffness_blocks");
 }
 
 int main(void)

@@ -485,6 +485,13 @@ void test_check()
   const double q[] = {0.1, 0.2, 0.3};
   EXPECT(rod.try_check(0, q, q, 1e-5, &worst) == NSDAE_E_DERIVATIVE);
   EXPECT(worst.row == 1 && worst.column == 2);
+  nsdae::system damped(make_pendulum());
+  damped.force_damping([](double, const double *, const double *, double *D, int ldd) {
+    D[2 * ldd] = 1; /* the force is constant */
+  });
+  damped.force_stiffness([](double, const double *, const double *, double *, int) {});
+  EXPECT(damped.try_check(0, q, q, 1e-5, &worst) == NSDAE_E_DERIVATIVE);
+  EXPECT(worst.row == 0 && worst.column == 2 && !std::strcmp(worst.term, "force_damping"));
 }
 
 /* Two balls on one another, by blocks and by list, with lambdas; what one throws comes out. */
@@ -512,6 +519,24 @@ void test_blocks()
         }
       });
   EXPECT(system.blocks() == 2);
+  double rise = 0; /* of the force, which is constant */
+  const auto blocks = [&rise](double, const double *, const double *, nsdae_block_list *list) {
+    if (rise > 1) throw std::runtime_error("no block");
+    nsdae_block_add(list, 1, 0, &rise);
+  };
+  system.force_damping_blocks(blocks).force_stiffness_blocks(blocks);
+  system.check(0, {0.1, 1.2}, {0, 0});
+  rise = 1;
+  nsdae_check worst;
+  const double q[] = {0.1, 1.2}, v[] = {0, 0};
+  EXPECT(system.try_check(0, q, v, 1e-5, &worst) == NSDAE_E_DERIVATIVE);
+  EXPECT(worst.row == 1 && worst.column == 0 && !std::strcmp(worst.term, "force_damping_blocks"));
+  rise = 2;
+  EXPECT(throws<std::runtime_error>(
+      [&] {
+        system.check(0, {0.1, 1.2}, {0, 0});
+      },
+      [](const std::runtime_error &e) { return !std::strcmp(e.what(), "no block"); }));
   EXPECT(throws_status(NSDAE_E_ARGUMENT, [&] { system.blocks({1, 1}, {1}); }));
   EXPECT(throws_status(NSDAE_E_ARGUMENT, [&] { system.blocks({1}, {1}); }));
   nsdae::sim sim(system, nsdae::options().set("method", "moreau").set("dt", "0.01"));

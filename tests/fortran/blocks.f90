@@ -54,6 +54,20 @@ contains
     if (rows == NSDAE_OK) rows = nsdae_row_add(list, 0_c_int, 2_c_int, [1d0])
   end function
 
+  ! The force is constant: 0, and a block that is wrong by mu.
+  integer(c_int) function force_blocks(t, q, v, list, user)
+    real(c_double), intent(in) :: t, q(:), v(:)
+    type(nsdae_block_list), intent(in) :: list
+    class(*), intent(inout) :: user
+    real(c_double) :: value(1, 1)
+    value = 0
+    select type (user)
+    type is (stack)
+      value = user%mu
+    end select
+    force_blocks = nsdae_block_add(list, 2_c_int, 1_c_int, value)
+  end function
+
   integer(c_int) function contacts(t, q, v, reach, list, user)
     real(c_double), intent(in) :: t, q(:), v(:), reach
     type(nsdae_contact_list), intent(in) :: list
@@ -93,6 +107,7 @@ program blocks
   type(nsdae_record) :: record
   type(nsdae_stats) :: stats
   type(nsdae_error) :: error
+  type(nsdae_check) :: worst
   type(stack), target :: balls_of
   integer :: i, method
 
@@ -109,6 +124,18 @@ program blocks
   call is_int(nsdae_system_set_contacts(system, contacts), NSDAE_OK, 'contacts')
   call is_int(nsdae_system_check(system, 0d0, [0.6d0, 1.7d0, 2.7d0], [0d0, 0d0, 0d0], 1d-6), &
               NSDAE_OK, 'check')
+
+  ! derivatives of the force by blocks
+  call is_int(nsdae_system_set_force_damping_blocks(system, force_blocks), NSDAE_OK, 'damping')
+  call is_int(nsdae_system_set_force_stiffness_blocks(system, force_blocks), NSDAE_OK, 'stiffness')
+  call is_int(nsdae_system_check(system, 0d0, [0.6d0, 1.7d0, 2.7d0], [0d0, 0d0, 0d0], 1d-6), &
+              NSDAE_OK, 'check')
+  balls_of%mu = 0.5d0
+  call is_int(nsdae_system_check(system, 0d0, [5d0, 7d0, 8d0], [0d0, 0d0, 0d0], 1d-6, worst), &
+              NSDAE_E_DERIVATIVE, 'a wrong block')
+  call is_true(worst%row == 2 .and. worst%column == 1, 'its entry')
+  call is_text(trim(worst%term), 'force_damping_blocks', 'its callback')
+  balls_of%mu = 0
 
   do method = NSDAE_METHOD_IMPLICIT, NSDAE_METHOD_MOREAU
     call nsdae_sim_options_default(options)

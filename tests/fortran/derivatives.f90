@@ -25,7 +25,7 @@ contains
   subroutine make(wrong, system)
     type(fault), target, intent(inout) :: wrong
     type(nsdae_system), intent(out) :: system
-    integer(c_int) :: status(13)
+    integer(c_int) :: status(15)
     call planar_system(wrong, .true., system, status)
     call is_true(all(status == NSDAE_OK), 'the planar body')
     call planar_point(3, t, q, v)
@@ -77,10 +77,10 @@ contains
   end subroutine
 
   subroutine each_wrong_entry()
-    character(len=*), parameter :: terms(6) = [character(len=21) :: 'constraint_jacobian', &
+    character(len=*), parameter :: terms(8) = [character(len=21) :: 'constraint_jacobian', &
         'constraint_bias phi_t', 'constraint_bias omega', 'gap_normal', 'contact_bias w_n', &
-        'contact_acceleration']
-    integer, parameter :: rows(6) = [2, 2, 2, 3, 2, 2], entries(6) = [6, 2, 2, 6, 2, 2]
+        'contact_acceleration', 'force_damping', 'force_stiffness']
+    integer, parameter :: rows(8) = [2, 2, 2, 3, 2, 2, 3, 3], entries(8) = [6, 2, 2, 6, 2, 2, 9, 9]
     integer :: i, entry
     do i = 1, size(terms)
       do entry = 0, entries(i) - 1
@@ -117,8 +117,8 @@ contains
   end subroutine
 
   subroutine failing_callback()
-    character(len=*), parameter :: terms(6) = [character(len=19) :: 'mass', 'constraint', &
-        'constraint_jacobian', 'gap_normal', 'gap', 'kinematics']
+    character(len=*), parameter :: terms(8) = [character(len=19) :: 'mass', 'constraint', &
+        'constraint_jacobian', 'gap_normal', 'gap', 'kinematics', 'force_damping', 'force_stiffness']
     type(fault), target :: wrong
     type(nsdae_system) :: system
     type(nsdae_error) :: error
@@ -168,7 +168,7 @@ contains
     type(fault), target :: none
     type(nsdae_system) :: system
     type(nsdae_check) :: worst
-    integer(c_int) :: status(13)
+    integer(c_int) :: status(15)
     call is_int(nsdae_system_create(PLANAR, system), NSDAE_OK, 'create')
     call planar_point(3, t, q, v)
     call is_int(nsdae_system_check(system, t, q, v, TOL, worst), NSDAE_E_STATE, 'nothing')

@@ -68,6 +68,22 @@ contains
     force = spoil(user, 'force', F)
   end function
 
+  ! -dF/dv, and -(dF/dq) H = 0
+  integer(c_int) function damping(t, q, v, D, user)
+    real(c_double), intent(in) :: t, q(:), v(:)
+    real(c_double), intent(inout) :: D(:, :)
+    class(*), intent(inout) :: user
+    D(2, 2) = 0.1d0
+    damping = spoil_matrix(user, 'force_damping', D)
+  end function
+
+  integer(c_int) function stiffness(t, q, v, K, user)
+    real(c_double), intent(in) :: t, q(:), v(:)
+    real(c_double), intent(inout) :: K(:, :)
+    class(*), intent(inout) :: user
+    stiffness = spoil_matrix(user, 'force_stiffness', K)
+  end function
+
   integer(c_int) function constraint(t, q, phi, user)
     real(c_double), intent(in) :: t, q(:)
     real(c_double), intent(inout) :: phi(:)
@@ -179,7 +195,7 @@ contains
     type(fault), target, intent(inout) :: wrong
     logical, intent(in) :: all
     type(nsdae_system), intent(out) :: system
-    integer(c_int), intent(out) :: status(13)
+    integer(c_int), intent(out) :: status(15)
     status = NSDAE_OK
     status(1) = nsdae_system_create(PLANAR, system)
     status(2) = nsdae_system_set_user(system, wrong)
@@ -195,6 +211,8 @@ contains
     status(11) = nsdae_system_set_gap_tangent(system, tangent)
     status(12) = nsdae_system_set_contact_bias(system, contact_bias)
     status(13) = nsdae_system_set_contact_acceleration(system, acceleration)
+    status(14) = nsdae_system_set_force_damping(system, damping)
+    status(15) = nsdae_system_set_force_stiffness(system, stiffness)
   end subroutine
 
   ! A point of the kind that a run meets, the i-th of many.

@@ -63,6 +63,8 @@ static void test_each_wrong_entry(void **state)
       {"gap_normal", PLANAR_NV, PLANAR_NV * PLANAR_K},
       {"contact_bias w_n", PLANAR_K, PLANAR_K},
       {"contact_acceleration", PLANAR_K, PLANAR_K},
+      {"force_damping", PLANAR_NV, PLANAR_NV * PLANAR_NV},
+      {"force_stiffness", PLANAR_NV, PLANAR_NV * PLANAR_NV},
   };
   const double amounts[] = {1e-2, -1, NAN, INFINITY};
   for (size_t i = 0; i < sizeof terms / sizeof *terms; i++)
@@ -97,8 +99,9 @@ static void test_mass_not_symmetric(void **state)
 static void test_failing_callback(void **state)
 {
   (void)state;
-  const char *const terms[] = {"mass",       "constraint", "constraint_jacobian",
-                               "gap_normal", "gap",        "kinematics"};
+  const char *const terms[] = {"mass",       "constraint",    "constraint_jacobian",
+                               "gap_normal", "gap",           "kinematics",
+                               "force",      "force_damping", "force_stiffness"};
   for (size_t i = 0; i < sizeof terms / sizeof *terms; i++)
     for (int code = -3; code <= 3; code += 6) {
       planar wrong = {.term = terms[i], .code = code};

@@ -74,6 +74,22 @@ static inline int planar_force(double t, const double *q, const double *v, doubl
   return planar_spoil(user, "force", F);
 }
 
+/* -dF/dv, and -(dF/dq) H = 0 */
+static inline int planar_damping(double t, const double *q, const double *v, double *D, int ldd,
+                                 void *user)
+{
+  (void)t, (void)q, (void)v;
+  D[ldd + 1] = 0.1;
+  return planar_spoil(user, "force_damping", D);
+}
+
+static inline int planar_stiffness(double t, const double *q, const double *v, double *K, int ldk,
+                                   void *user)
+{
+  (void)t, (void)q, (void)v, (void)ldk;
+  return planar_spoil(user, "force_stiffness", K);
+}
+
 static inline int planar_constraint(double t, const double *q, double *phi, void *user)
 {
   double X = planar_px(q) - sin(t), Y = planar_py(q);
@@ -186,6 +202,8 @@ static inline nsdae_system *planar_system(planar *wrong)
   nsdae_system_set_kinematics(s, planar_kinematics);
   nsdae_system_set_mass(s, planar_mass);
   nsdae_system_set_force(s, planar_force);
+  nsdae_system_set_force_damping(s, planar_damping);
+  nsdae_system_set_force_stiffness(s, planar_stiffness);
   nsdae_system_set_constraint(s, planar_constraint);
   nsdae_system_set_constraint_jacobian(s, planar_jacobian);
   nsdae_system_set_constraint_bias(s, planar_bias);

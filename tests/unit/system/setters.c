@@ -162,6 +162,8 @@ static void test_all_frozen(void **state)
     assert_int_equal(nsdae_system_set_kinematics(s, planar_kinematics), wanted);
     assert_int_equal(nsdae_system_set_mass(s, planar_mass), wanted);
     assert_int_equal(nsdae_system_set_force(s, planar_force), wanted);
+    assert_int_equal(nsdae_system_set_force_damping(s, planar_damping), wanted);
+    assert_int_equal(nsdae_system_set_force_stiffness(s, planar_stiffness), wanted);
     assert_int_equal(nsdae_system_set_constraint(s, planar_constraint), wanted);
     assert_int_equal(nsdae_system_set_constraint_jacobian(s, planar_jacobian), wanted);
     assert_int_equal(nsdae_system_set_constraint_bias(s, planar_bias), wanted);
