@@ -140,6 +140,9 @@ if(NSDAE_DRIVERS)
   nsdae_bench(orders LINKS driver_common)
   # the wall, the arch and the dominoes beside the same by hand
   nsdae_bench(blocks LINKS driver_common)
+  # the mechanisms of the Test Set for IVP Solvers
+  nsdae_bench(dae LINKS driver_common)
+  target_compile_definitions(bench_dae PRIVATE _POSIX_C_SOURCE=200809L)
   # the event-driven method of two libraries: bench/phases.py, by hand
   add_executable(bench_phases bench/phases.c)
   target_link_libraries(bench_phases PRIVATE driver_common)

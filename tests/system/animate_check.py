@@ -79,6 +79,35 @@ def crank_slider(a, q, p):
     a.close("slider", "pose", x + u, y + v, 1, 0)
 
 
+def squeezer(a, q, p):
+    beta, theta, delta, epsilon = q[:, 0], q[:, 1], q[:, 4], q[:, 6]
+    x, y = -0.06934, -0.00227  # the joint of two chains; the end of the first chain is common
+    end = 7e-3 * np.cos(beta) - 28e-3 * np.cos(beta + theta), 7e-3 * np.sin(beta) - 28e-3 * np.sin(beta + theta)
+    g = x + 4e-2 * np.cos(delta), y + 4e-2 * np.sin(delta)
+    h = x + 4e-2 * np.sin(epsilon), y - 4e-2 * np.cos(epsilon)
+    a.close("K1", "pose", 0, 0, 7e-3 * np.cos(beta), 7e-3 * np.sin(beta))
+    a.close("K3", "pose", -0.03635, 0.03273, end[0] + 0.03635, end[1] - 0.03273)
+    a.close("K4", "pose", *g, end[0] - g[0], end[1] - g[1])
+    a.close("K5", "pose", x, y, g[0] - x, g[1] - y)
+    a.close("K6", "pose", *h, end[0] - h[0], end[1] - h[1])
+    a.close("K7", "pose", x, y, h[0] - x, h[1] - y)
+
+
+def car_axis(a, q, p):
+    y = p["r"] * np.sin(p["omega"] * a.time)
+    x = np.sqrt(p["L"] ** 2 - y**2)
+    a.close("left spring", "pose", 0, 0, q[:, 0], q[:, 1])
+    a.close("right spring", "pose", x, y, q[:, 2] - x, q[:, 3] - y)
+    a.close("axis", "pose", q[:, 0], q[:, 1], q[:, 2] - q[:, 0], q[:, 3] - q[:, 1])
+
+
+def flexible_crank(a, q, p):
+    l = 0.3 + q[:, 6]
+    a.close("crank", "pose", 0, 0, 0.15 * np.cos(q[:, 0]), 0.15 * np.sin(q[:, 0]))
+    a.close("rod", "pose", 0.15 * np.cos(q[:, 0]), 0.15 * np.sin(q[:, 0]), l * np.cos(q[:, 1]), l * np.sin(q[:, 1]))
+    a.close("slider", "pose", q[:, 2], 0, 1, 0)
+
+
 def bouncing_ball(a, q, p):
     a.close("ball", "pose", 0, q[:, 0] + p["h0"] / 20, 1, 0)
 
@@ -276,7 +305,8 @@ def heap(a, q, p):
 MODELS = {"pendulum": pendulum, "clearance-hinge": clearance_hinge, "crank-slider": crank_slider, "incline": incline,
           "bouncing-ball": bouncing_ball, "falling-rod": falling_rod, "newtons-cradle": newtons_cradle,
           "woodpecker": woodpecker, "rolling-ball": rolling_ball, "arch": arch, "dominoes": dominoes, "wall": wall,
-          "column": column, "heap": heap, "shaken-ball": shaken_ball}
+          "column": column, "heap": heap, "shaken-ball": shaken_ball, "squeezer": squeezer, "car-axis": car_axis,
+          "flexible-crank": flexible_crank}
 
 
 def check_strips(a, f):

@@ -25,6 +25,11 @@ def expect(name, holds):
         sys.exit(f"{WRITTEN}: {name}")
 
 
+def drifted(name, f, error, factor=2):
+    """The error is that of the constraints of its record, times at most this factor."""
+    expect(f"{name}: beyond the drift", np.all(np.abs(error) <= factor * f["certificate/constraint_drift"][...] + EPS))
+
+
 class Animation:
     """The file as the format's specification has it to be read."""
 
@@ -118,6 +123,39 @@ def crank_slider(a, f, p):
     u = slider[:, 1] + p["L1"] + p["L2"]
     U = p["g"] * (p["m1"] * crank[:, 1] + p["m2"] * rod[:, 1] + p["m3"] * slider[:, 1]) + p["k"] * u * u / 2
     close("potential", U, f["energy/potential"][...], np.abs(U).max())
+
+
+def squeezer(a, f, p):
+    K = {name: 2 * a.centre(name)[:, :2] for name in a.names}  # begin + end of each link
+    O, A, B, C = np.zeros(2), np.array([-0.06934, -0.00227]), np.array([-0.03635, 0.03273]), np.array([0.014, 0.072])
+    F, G, H, P = K["K1"] - O, K["K5"] - A, K["K7"] - A, K["K3"] - B
+    for name, begin in (("K2", F), ("K4", G), ("K6", H)):
+        drifted(f"end of {name}", f, np.linalg.norm(K[name] - begin - P, axis=1))
+    for name, link, length in (("K1", F - O, 7e-3), ("K2", P - F, 28e-3), ("K3", P - B, 35e-3), ("K4", P - G, 2e-2),
+                               ("K5", G - A, 4e-2), ("K6", P - H, 2e-2), ("K7", H - A, 4e-2)):
+        drifted(f"length of {name}", f, np.linalg.norm(link, axis=1) - length)
+    longer = np.linalg.norm(K["K3, arm"] - B - C, axis=1) - p["rest"]  # D from C
+    U = p["stiffness"] * longer**2 / 2 - p["torque"] * f["q"][:, 0]
+    close("potential", U, f["energy/potential"][...], 4530 * 0.02)  # stiffness times a length
+
+
+def car_axis(a, f, p):
+    left, right, axis = (2 * a.centre(name)[:, :2] for name in ("left spring", "right spring", "axis"))
+    foot = right - (axis - left)
+    drifted("length of the axis", f, np.linalg.norm(axis - 2 * left, axis=1) - p["L"])
+    close("distance of the feet", np.linalg.norm(foot, axis=1), p["L"])
+    drifted("right angle", f, np.einsum("ni,ni->n", left, foot))
+    longer = np.array([np.linalg.norm(x, axis=1) - p["L0"] for x in (left, axis - left - foot)])
+    U = p["k"] * (longer**2).sum(axis=0) / 2 + p["M"] * p["g"] / 2 * axis[:, 1]
+    close("potential", U, f["energy/potential"][...], p["k"] * p["L"])
+
+
+def flexible_crank(a, f, p):
+    crank, rod, slider = (a.centre(name)[:, :2] for name in ("crank", "rod", "slider"))
+    close("joint at the pin", 2 * crank, 2 * rod - slider)
+    close("length of the crank", np.linalg.norm(2 * crank, axis=1), 0.15)
+    close("length of the rod", 2 * np.linalg.norm(rod - slider, axis=1), 0.3 + f["q"][:, 6])
+    drifted("angle of the motor", f, np.unwrap(np.arctan2(crank[:, 1], crank[:, 0])) - p["omega"] * f["time"][...])
 
 
 def incline(a, f, p):
@@ -294,7 +332,8 @@ def heap(a, f, p):
 CHECKS = {"bouncing-ball": bouncing_ball, "falling-rod": falling_rod, "newtons-cradle": newtons_cradle,
           "woodpecker": woodpecker, "pendulum": pendulum, "clearance-hinge": clearance_hinge, "crank-slider": crank_slider,
           "incline": incline, "rolling-ball": rolling_ball, "arch": arch, "dominoes": dominoes, "wall": wall, "column": column,
-          "heap": heap, "shaken-ball": shaken_ball}
+          "heap": heap, "shaken-ball": shaken_ball, "squeezer": squeezer, "car-axis": car_axis,
+          "flexible-crank": flexible_crank}
 
 
 def check_with_vtk(a):
