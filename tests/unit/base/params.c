@@ -308,21 +308,29 @@ static void test_format_reads_well(void **state)
   assert_string_equal(text, "where");
 }
 
-/* A locale that has nothing but a decimal comma, made here: few machines have one installed. */
+/* A locale that has nothing but a decimal comma, made here in a folder of its own: few machines
+ * have one installed. */
 static const char *comma(void)
 {
   const char *const names[] = {"de_DE.UTF-8", "fr_FR.UTF-8", "es_ES.UTF-8", "de_DE", "fr_FR"};
-  FILE *source = fopen("comma.src", "w");
+  char folder[] = "/tmp/nsdae_locale_XXXXXX", source_name[64], command[256];
+  assert_non_null(mkdtemp(folder));
+  snprintf(source_name, sizeof source_name, "%s/comma.src", folder);
+  FILE *source = fopen(source_name, "w");
   assert_non_null(source);
   fputs("LC_NUMERIC\ndecimal_point \",\"\nthousands_sep \"\"\ngrouping -1\nEND LC_NUMERIC\n",
         source);
   fclose(source);
-  int made = system("localedef -c -i ./comma.src -f ANSI_X3.4-1968 ./comma_C >/dev/null 2>&1");
-  if (made != -1) setenv("LOCPATH", ".", 1);
+  snprintf(command, sizeof command,
+           "localedef -c -i %s -f ANSI_X3.4-1968 %s/comma_C >/dev/null 2>&1", source_name, folder);
+  int made = system(command);
+  if (made != -1) setenv("LOCPATH", folder, 1);
   const char *in = setlocale(LC_NUMERIC, "comma_C");
   unsetenv("LOCPATH");
   for (size_t i = 0; i < sizeof names / sizeof *names && !in; i++)
     in = setlocale(LC_NUMERIC, names[i]);
+  snprintf(command, sizeof command, "rm -r %s", folder);
+  assert_int_equal(system(command), 0);
   return in;
 }
 
