@@ -12,41 +12,7 @@
 #ifndef NSDAE_LINALG_KKT_H
 #define NSDAE_LINALG_KKT_H
 
-#include "sparse_kkt.h"
-
-/* The rank-revealing factorisation. */
-typedef struct nsdae_kkt_pivoted {
-  double *Q;          /* n x m: Q of the pivoted QR; R_11 is in S then */
-  double *Z, *T;      /* m x rank, rank x rank (leading dimension m) */
-  double *tau, *norm; /* min(n, m), m */
-  int *column;        /* m: column order of the QR */
-  int *held;          /* m: 1 for each constraint that it found independent */
-  int *order;         /* m: constraints by decreasing length, the order of the rows of Z */
-} nsdae_kkt_pivoted;
-
-typedef struct nsdae_dense_kkt {
-  int diagonal;              /* M is, as often in absolute coordinates: no product is spent on it */
-  int form, combined, by_qr; /* of the last factorisation, see dense_kkt.c */
-  double *L, *Y, *S;         /* n x n, n x m, m x m */
-  nsdae_kkt_pivoted pivoted;
-  double *work; /* 2 m: of one right-hand side; lwork: LAPACK's */
-  int lwork;
-} nsdae_dense_kkt;
-
-typedef struct nsdae_kkt {
-  int n, m; /* of blocks and rows; those of the layout are the most */
-  const nsdae_blocks *blocks;
-  double rank_tol;
-  int hold;          /* the independent rows of the factorisation before stay, if they can: dense */
-  int rank;          /* of the last factorisation */
-  double kept, left; /* smallest such sine that counts in it, largest that does not; 1, 0: none */
-  int dependent;     /* the first row that does not count */
-  int pivot;         /* of M that failed, from 1 */
-  int is_sparse;     /* by the layout */
-  int *each;         /* 0, 1, ...: sparse lists of all blocks and rows */
-  nsdae_dense_kkt dense;
-  nsdae_sparse_kkt sparse;
-} nsdae_kkt;
+#include "dense_kkt.h"
 
 /* Takes the arrays; n, m, blocks and rank_tol are set before. The sparse factors have memory of
  * their own, to be released. */
