@@ -18,6 +18,9 @@ foreach(name callback_guard check differences moment_arms moment_arm_check sette
   nsdae_unit_test(system ${name})
 endforeach()
 
+nsdae_unit_test(system stiff_chain)
+target_link_libraries(test_unit_system_stiff_chain PRIVATE test_support)
+
 add_test(NAME unit/system/callbacks COMMAND sh ${PROJECT_SOURCE_DIR}/lib/system/callbacks.sh)
 add_test(NAME structure/includes COMMAND python3 ${CMAKE_CURRENT_SOURCE_DIR}/structure.py ${PROJECT_SOURCE_DIR})
 
@@ -33,7 +36,7 @@ nsdae_unit_test(smooth ode)
 nsdae_unit_test(smooth ida)
 target_link_libraries(test_unit_smooth_ida PRIVATE test_process_allocator)
 
-foreach(name continuity derivatives distance joints listed user_rows refused)
+foreach(name continuity derivatives distance forces joints listed user_rows refused)
   nsdae_unit_test(bodies ${name})
   target_include_directories(test_unit_bodies_${name} PRIVATE ${PROJECT_SOURCE_DIR}/lib/system ${PROJECT_SOURCE_DIR}/lib/linalg
                              ${PROJECT_SOURCE_DIR}/lib/base)

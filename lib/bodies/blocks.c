@@ -258,6 +258,7 @@ int nsdae_bodies_set_blocks(nsdae_bodies *b, nsdae_system *system)
   if (status == NSDAE_OK) status = nsdae_system_set_mass_blocks(system, mass_blocks);
   if (status == NSDAE_OK && b->element.count + b->own.dims.m > 0)
     status = nsdae_system_set_constraint_rows(system, constraint_rows);
+  if (status == NSDAE_OK) status = nsdae_bodies_set_force_derivatives(b, system);
   if (status == NSDAE_OK) status = nsdae_system_set_contacts(system, contacts);
   nsdae_broad *broad = status == NSDAE_OK ? nsdae_broad_take(b) : NULL;
   if (status == NSDAE_OK && !broad) status = NSDAE_E_MEMORY;

@@ -129,6 +129,9 @@ int nsdae_bodies_forces(const nsdae_bodies *bodies, double t, const double *q, c
                         double *F);
 double nsdae_bodies_energy(const nsdae_bodies *bodies, const double *q);
 
+/* Sets their derivatives, by blocks, unless the user has a force too. */
+int nsdae_bodies_set_force_derivatives(const nsdae_bodies *bodies, nsdae_system *system);
+
 /* Where a load acts on its body with this pose, and its force and torque; 0 or what it returned. */
 int nsdae_load_evaluate(const nsdae_load *load, const nsdae_pose *pose, double t, double x[3],
                         double gave[6]);

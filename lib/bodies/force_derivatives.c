@@ -1,0 +1,266 @@
+/* D = -dF/dv and K = -(dF/dq) H by blocks. An element gives its two bodies F = f g with g the row
+ * of phi', f = -(k phi + c g.v), and a load F = B^T (force, torque). Along a direction e of the
+ * velocities, q' = H e and ' by jets:
+ *
+ *   element   D e = c (g.e) g,   -K e = f' g + f g',   f' = -(k phi' + c g'.v)
+ *   load      -D e = B^T f_v B e,   -K e = B^T (f_x B e + f_v (B v)') + B'^T f
+ *   gyroscopic   F = (J omega) x omega,   -D e = (J e) x omega + (J omega) x e
+ *
+ * The derivatives f_x and f_v of a load are central differences of its callback. */
+#include <float.h>
+#include <string.h>
+
+#include "bodies_impl.h"
+
+/* An element where it is. */
+typedef struct element {
+  int body[2];
+  nsdae_pose pose[2];
+  double v[2][6]; /* velocities of its bodies, 0 of the ground */
+} element;
+
+/* Its value and row as jets along a direction. */
+typedef struct element_jet {
+  nsdae_jet phi, g[2][6];
+} element_jet;
+
+static element element_at(const nsdae_bodies *b, const int *body, const double *q, const double *v)
+{
+  element e = {.body = {body[0], body[1]}};
+  for (int i = 0; i < 2; i++) {
+    e.pose[i] = nsdae_bodies_pose(b, body[i], q, v);
+    for (int j = 0; j < nsdae_body_nv(b) && body[i] != NSDAE_GROUND; j++)
+      e.v[i][j] = v[nsdae_body_nv(b) * body[i] + j];
+  }
+  return e;
+}
+
+/* The pose that moves along velocity `column` alone, at rest if it is < 0. */
+static nsdae_pose along_column(const nsdae_bodies *b, const nsdae_pose *pose, int column)
+{
+  nsdae_pose p = *pose;
+  int turning = column - b->dimension;
+  for (int i = 0; i < 3; i++) {
+    p.v[i] = i == column && turning < 0;
+    p.w[i] = turning < 0 ? 0 : b->dimension == 2 ? i == 2 : pose->R[3 * turning + i];
+  }
+  return p;
+}
+
+/* s := R^T x of a vector in space */
+static nsdae_jet3 own_axes(const nsdae_pose *pose, nsdae_jet3 x)
+{
+  nsdae_jet3 s;
+  for (int i = 0; i < 3; i++) {
+    const double axis[3] = {i == 0, i == 1, i == 2};
+    s.at[i] = nsdae_jet3_dot(nsdae_pose_direction(pose, axis), x);
+  }
+  return s;
+}
+
+/* Generalised force of a force at the point s and a torque, both in space: g = (force, s x R^T
+ * force
+ * + R^T torque). */
+static void generalised(const nsdae_bodies *b, const nsdae_pose *pose, const double *s, double sign,
+                        nsdae_jet3 force, nsdae_jet3 torque, nsdae_jet g[6])
+{
+  nsdae_jet3 moment = nsdae_jet3_add(nsdae_jet3_cross(nsdae_jet3_of(s), own_axes(pose, force)),
+                                     own_axes(pose, torque));
+  for (int i = 0; i < b->dimension; i++) g[i] = nsdae_jet_scale(sign, force.at[i]);
+  for (int i = b->dimension; i < nsdae_body_nv(b); i++)
+    g[i] = nsdae_jet_scale(sign, moment.at[b->dimension == 2 ? 2 : i - 3]);
+}
+
+/* phi = |x_1 - x_0| - rest,  g = (-n, n) at the points */
+static element_jet spring_jet(const nsdae_bodies *b, const nsdae_primitive *s,
+                              const nsdae_pose *pose)
+{
+  const double none[3] = {0, 0, 0};
+  nsdae_jet3 d = nsdae_jet3_sub(nsdae_pose_point(&pose[1], s->point[1]),
+                                nsdae_pose_point(&pose[0], s->point[0]));
+  nsdae_jet length = nsdae_jet3_length(d);
+  nsdae_jet3 n = nsdae_jet3_times(nsdae_jet_inverse(length), d);
+  element_jet jet = {.phi = nsdae_jet_sub(length, nsdae_jet_of(s->rest))};
+  for (int i = 0; i < 2; i++)
+    generalised(b, &pose[i], s->point[i], i ? 1 : -1, n, nsdae_jet3_of(none), jet.g[i]);
+  return jet;
+}
+
+/* phi of the plane: theta_1 - theta_0 - offset - rest; in space atan2(h . (u x z), h . z) - rest
+ * with axis u and zero z of body 0, hand h of body 1; g = (-u, u) as a torque */
+static element_jet torsion_jet(const nsdae_bodies *b, const nsdae_bodies_torsion *s,
+                               const nsdae_pose *pose)
+{
+  const double none[3] = {0, 0, 0};
+  nsdae_jet3 u = nsdae_pose_direction(&pose[0], s->axis);
+  element_jet jet;
+  for (int i = 0; i < 2; i++)
+    generalised(b, &pose[i], none, i ? 1 : -1, nsdae_jet3_of(none), u, jet.g[i]);
+  if (b->dimension == 2) {
+    jet.phi = (nsdae_jet){pose[1].angle - pose[0].angle - s->offset - s->rest,
+                          pose[1].w[2] - pose[0].w[2], 0};
+    return jet;
+  }
+  nsdae_jet3 z = nsdae_pose_direction(&pose[0], s->zero),
+             h = nsdae_pose_direction(&pose[1], s->hand);
+  nsdae_jet x = nsdae_jet3_dot(h, z), y = nsdae_jet3_dot(h, nsdae_jet3_cross(u, z));
+  jet.phi =
+      (nsdae_jet){atan2(y.x, x.x) - s->rest, (x.x * y.d - y.x * x.d) / (x.x * x.x + y.x * y.x), 0};
+  return jet;
+}
+
+/* The blocks of a matrix over the velocities of an element's bodies, 6 of each. */
+static int add_blocks(const nsdae_bodies *b, const element *e, double X[12][12],
+                      nsdae_block_list *list)
+{
+  int n = nsdae_body_nv(b), status = 0;
+  double value[36];
+  for (int block = 0; block < 4 && status >= 0; block++) {
+    int r = block / 2, c = block % 2;
+    if (e->body[r] == NSDAE_GROUND || e->body[c] == NSDAE_GROUND) continue;
+    for (int j = 0; j < n; j++)
+      for (int i = 0; i < n; i++) value[i + j * n] = X[6 * c + j][6 * r + i];
+    status = nsdae_block_add(list, e->body[r], e->body[c], value);
+  }
+  return status;
+}
+
+/* spring or torsion, the other NULL; X[j]: column j of D, or of K */
+static int add_element(const nsdae_bodies *b, const nsdae_bodies_spring *spring,
+                       const nsdae_bodies_torsion *torsion, int along_q, const double *q,
+                       const double *v, nsdae_block_list *list)
+{
+  const element e = element_at(b, spring ? spring->length.body : torsion->body, q, v);
+  double k = spring ? spring->stiffness : torsion->stiffness, X[12][12] = {{0}};
+  double c = spring ? spring->damping : torsion->damping;
+  int n = nsdae_body_nv(b);
+  for (int side = 0; side < 2; side++)
+    for (int column = 0; column < n && e.body[side] != NSDAE_GROUND; column++) {
+      const nsdae_pose pose[2] = {along_column(b, &e.pose[0], side == 0 ? column : -1),
+                                  along_column(b, &e.pose[1], side == 1 ? column : -1)};
+      element_jet jet =
+          spring ? spring_jet(b, &spring->length, pose) : torsion_jet(b, torsion, pose);
+      double rate = 0, turned = 0, *to = X[6 * side + column]; /* g.v, g'.v */
+      for (int i = 0; i < 12; i++) {
+        rate += jet.g[i / 6][i % 6].x * e.v[i / 6][i % 6];
+        turned += jet.g[i / 6][i % 6].d * e.v[i / 6][i % 6];
+      }
+      double rise = along_q ? k * jet.phi.d + c * turned : c * jet.g[side][column].x;
+      double f = along_q ? k * jet.phi.x + c * rate : 0;
+      for (int i = 0; i < 12; i++) to[i] = rise * jet.g[i / 6][i % 6].x + f * jet.g[i / 6][i % 6].d;
+    }
+  return add_blocks(b, &e, X, list);
+}
+
+/* ---- loads */
+
+/* force and torque at x with the rate u, and their derivatives: f_x, f_v, columns of 6 */
+static int load_derivatives(const nsdae_load *load, double t, const double *x, const double *u,
+                            double f[6], double slope[6][6])
+{
+  const double step = cbrt(DBL_EPSILON);
+  memset(f, 0, 6 * sizeof *f);
+  int code = load->call(t, x, u, f, f + 3, load->user);
+  for (int j = 0; j < 6 && !code; j++) {
+    double at[6] = {x[0], x[1], x[2], u[0], u[1], u[2]}, there = at[j], side[2][6] = {{0}};
+    double s = ldexp(step, ilogb(1 + fabs(there)));
+    at[j] = there + s;
+    code = load->call(t, at, at + 3, side[0], side[0] + 3, load->user);
+    at[j] = there - s;
+    if (!code) code = load->call(t, at, at + 3, side[1], side[1] + 3, load->user);
+    for (int i = 0; i < 6; i++) slope[j][i] = (side[0][i] - side[1][i]) / (2 * s);
+  }
+  return code;
+}
+
+static int add_load(const nsdae_bodies *b, const nsdae_load *load, int along_q, double t,
+                    const double *q, const double *v, nsdae_block_list *list)
+{
+  const int body[2] = {NSDAE_GROUND, load->body};
+  const element e = element_at(b, body, q, v);
+  nsdae_jet3 point = nsdae_pose_point(&e.pose[1], load->point), force, torque;
+  double x[3], u[3], arm[3], spin[3], f[6], slope[6][6], X[12][12] = {{0}};
+  for (int i = 0; i < 3; i++) {
+    x[i] = point.at[i].x, u[i] = point.at[i].d;
+    arm[i] = x[i] - e.pose[1].r[i];
+  }
+  nsdae_cross3(e.pose[1].w, arm, spin);
+  int code = load_derivatives(load, t, x, u, f, slope);
+  for (int column = 0; column < nsdae_body_nv(b) && !code; column++) {
+    /* ---- x' = B e, the change of x'(v) along it, and so of force and torque */
+    const nsdae_pose pose = along_column(b, &e.pose[1], column);
+    nsdae_jet3 moved = nsdae_pose_point(&pose, load->point);
+    double turned[3], rise[6] = {0};
+    nsdae_jet g[6];
+    nsdae_cross3(pose.w, spin, turned);
+    for (int j = 0; j < 3; j++)
+      for (int i = 0; i < 6; i++)
+        rise[i] += along_q ? slope[j][i] * moved.at[j].d + slope[3 + j][i] * turned[j]
+                           : slope[3 + j][i] * moved.at[j].d;
+    for (int i = 0; i < 3; i++) {
+      force.at[i] = (nsdae_jet){f[i], rise[i], 0};
+      torque.at[i] = (nsdae_jet){f[3 + i], rise[3 + i], 0};
+    }
+    /* ---- along v the body stands still */
+    const nsdae_pose still = along_column(b, &e.pose[1], -1);
+    generalised(b, along_q ? &pose : &still, load->point, 1, force, torque, g);
+    for (int i = 0; i < nsdae_body_nv(b); i++) X[6 + column][6 + i] = -g[i].d;
+  }
+  return code ? code : add_blocks(b, &e, X, list);
+}
+
+/* ---- all of them */
+
+static int add_gyroscopic(const nsdae_bodies *b, int body, const double *v, nsdae_block_list *list)
+{
+  const double *J = nsdae_body_at(b, body)->inertia, *w = v + 6 * body + 3;
+  const double momentum[3] = {J[0] * w[0], J[1] * w[1], J[2] * w[2]};
+  double D[36] = {0};
+  for (int j = 0; j < 3; j++) {
+    const double e[3] = {j == 0, j == 1, j == 2}, Je[3] = {J[0] * e[0], J[1] * e[1], J[2] * e[2]};
+    double first[3], second[3];
+    nsdae_cross3(Je, w, first);
+    nsdae_cross3(momentum, e, second);
+    for (int i = 0; i < 3; i++) D[3 + i + 6 * (3 + j)] = -first[i] - second[i];
+  }
+  return nsdae_block_add(list, body, body, D);
+}
+
+static int add_elements(const nsdae_bodies *b, int along_q, double t, const double *q,
+                        const double *v, nsdae_block_list *list)
+{
+  const nsdae_bodies_spring *spring = b->spring.at;
+  const nsdae_bodies_torsion *torsion = b->torsion.at;
+  const nsdae_load *load = b->load.at;
+  int status = 0;
+  for (int i = 0; i < b->spring.count && status == 0; i++)
+    status = add_element(b, spring + i, NULL, along_q, q, v, list);
+  for (int i = 0; i < b->torsion.count && status == 0; i++)
+    status = add_element(b, NULL, torsion + i, along_q, q, v, list);
+  for (int i = 0; i < b->load.count && status == 0; i++)
+    status = add_load(b, load + i, along_q, t, q, v, list);
+  return status;
+}
+
+static int damping_blocks(double t, const double *q, const double *v, nsdae_block_list *list,
+                          void *user)
+{
+  const nsdae_bodies *b = user;
+  int status = 0;
+  for (int i = 0; i < b->body.count && b->dimension == 3 && status == 0; i++)
+    status = add_gyroscopic(b, i, v, list);
+  return status ? status : add_elements(b, 0, t, q, v, list);
+}
+
+static int stiffness_blocks(double t, const double *q, const double *v, nsdae_block_list *list,
+                            void *user)
+{
+  return add_elements(user, 1, t, q, v, list);
+}
+
+int nsdae_bodies_set_force_derivatives(const nsdae_bodies *b, nsdae_system *system)
+{
+  if (b->own.force) return NSDAE_OK; /* of the user's forces there are differences alone */
+  int status = nsdae_system_set_force_damping_blocks(system, damping_blocks);
+  return status < 0 ? status : nsdae_system_set_force_stiffness_blocks(system, stiffness_blocks);
+}
