@@ -68,7 +68,8 @@ static int slide_forces(nsdae_penalty_equations *p, const nsdae_terms *T, double
   double moved = 1;
   memcpy(at->U, T->by.frictional_joint.value, (size_t)n * (size_t)f * sizeof *at->U);
   memset(at->D, 0, (size_t)m * (size_t)f * sizeof *at->D);
-  nsdae_kkt_solve(&p->stepper->kkt, f, at->U, n, at->D, m);
+  int status = nsdae_terms_solve(T, &p->stepper->kkt, f, at->U, at->D);
+  if (status < 0) return nsdae_progress_code(status, p->stepper->error);
   memset(at->frictional_joint, 0, (size_t)f * sizeof *at->frictional_joint);
   for (int round = 0; moved > 1e-14 && round < SLIDE_ROUNDS; round++) moved = relax_slides(p, T);
   nsdae_add_product(n, f, at->U, at->frictional_joint, a);
@@ -91,7 +92,8 @@ static int accelerations(nsdae_penalty_equations *p, nsdae_terms *T, double *a)
     double rate = nsdae_terms_constraint_rate(T, i, T->v);
     at->lambda[i] = -T->constraint.omega[i] - 2 * alpha * rate - beta * beta * T->constraint.phi[i];
   }
-  nsdae_kkt_solve(&s->kkt, 1, a, d->nv, at->lambda, d->m);
+  int status = nsdae_terms_solve(T, &s->kkt, 1, a, at->lambda);
+  if (status < 0) return nsdae_progress_code(status, s->error);
   return d->f > 0 ? slide_forces(p, T, a) : 0;
 }
 

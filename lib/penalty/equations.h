@@ -13,6 +13,7 @@
 #define NSDAE_PENALTY_EQUATIONS_H
 
 #include "base.h"
+#include "newton_matrix.h"
 #include "penalty_law.h"
 #include "places.h"
 #include "power.h"
@@ -38,7 +39,7 @@ typedef struct nsdae_penalty_border {
   double *V, *L; /* nv x count, m x count: what a unit of it makes of dv and dlambda */
   double *B, *f; /* count x count: the rows, factored; count: right side, then forces */
   int *pivot;    /* count */
-  double *A, cj; /* M + D / cj + K / cj^2 */
+  double cj;     /* of the factors */
 } nsdae_penalty_border;
 
 typedef struct nsdae_penalty_equations {
@@ -46,6 +47,7 @@ typedef struct nsdae_penalty_equations {
   nsdae_penalty_force law;
   nsdae_penalty_base base; /* within the memory of the step in work: how its contacts began */
   nsdae_penalty_forces at;
+  nsdae_newton_matrix newton;
   nsdae_penalty_border border;
   double *room; /* nq + nv */
   nsdae_power power;

@@ -167,12 +167,14 @@ static void add_joint(nsdae_penalty_equations *p, int j)
 
 static int factor_border(nsdae_penalty_equations *p)
 {
-  const nsdae_dims *d = &p->stepper->system->dims;
+  const nsdae_stepper *s = p->stepper;
+  const nsdae_dims *d = &s->system->dims;
   border *b = &p->border;
   size_t n = (size_t)d->nv, m = (size_t)d->m, count = (size_t)b->count;
   if (count == 0) return 0;
   memset(b->L, 0, count * m * sizeof *b->L);
-  nsdae_kkt_solve(&p->stepper->kkt, b->count, b->V, d->nv, b->L, d->m);
+  int status = nsdae_terms_solve(&s->middle, &s->kkt, b->count, b->V, b->L);
+  if (status < 0) return nsdae_progress_code(status, s->error);
   for (size_t c = 0; c < count; c++)
     for (size_t a = 0; a < count; a++) {
       double *B = b->B + c * count + a;
@@ -181,15 +183,6 @@ static int factor_border(nsdae_penalty_equations *p)
       if (b->row[a] >= 0) *B += b->h[a] * b->L[c * m + (size_t)b->row[a]];
     }
   return nsdae_la_lu(b->count, b->B, b->count, b->pivot) == 0 ? 0 : 1;
-}
-
-/* M + D / cj + K / cj^2 */
-static int newton_mass(nsdae_penalty_equations *p)
-{
-  const nsdae_terms *T = &p->stepper->middle;
-  const nsdae_blocks *blocks = &T->system->blocks;
-  memcpy(p->border.A, T->M, blocks->square[blocks->count] * sizeof *T->M);
-  return NSDAE_OK;
 }
 
 int nsdae_penalty_setup(double t, const double *y, const double *ydot, double cj, void *user)
@@ -203,8 +196,8 @@ int nsdae_penalty_setup(double t, const double *y, const double *ydot, double cj
   p->border.count = 0;
   int status = nsdae_penalty_evaluate(p, t, y);
   if (status == NSDAE_OK) status = nsdae_terms_need(T, MOTION_TERMS);
-  if (status == NSDAE_OK) status = newton_mass(p);
-  if (status == NSDAE_OK) status = nsdae_stepper_factor(s, T, p->border.A);
+  if (status == NSDAE_OK) status = nsdae_terms_newton_matrix(T, cj, &p->newton);
+  if (status == NSDAE_OK) status = nsdae_stepper_factor(s, T, p->newton.A);
   if (status < 0) return nsdae_progress_code(status, s->error);
   nsdae_penalty_take(p, y);
   for (int i = 0; i < d->k; i++)
@@ -230,7 +223,8 @@ int nsdae_penalty_solve(double cj, double *r, double *x, void *user)
   for (int i = 0; i < d->m; i++)
     l[i] = r[nsdae_penalty_at_lambda(d) + i] / (cj + 2 * alpha + beta * beta / cj);
   memcpy(x + forces, r + forces, (size_t)(n - forces) * sizeof *x);
-  nsdae_kkt_solve(&s->kkt, 1, dv, d->nv, l, d->m);
+  int status = nsdae_terms_solve(&s->middle, &s->kkt, 1, dv, l);
+  if (status < 0) return nsdae_progress_code(status, s->error);
   for (int a = 0; a < b->count; a++) {
     b->f[a] = r[forces + b->force[a]] - nsdae_dot(d->nv, b->G + (size_t)a * (size_t)d->nv, dv);
     if (b->row[a] >= 0) b->f[a] -= b->h[a] * l[b->row[a]];
@@ -240,7 +234,7 @@ int nsdae_penalty_solve(double cj, double *r, double *x, void *user)
   nsdae_add_product(d->m, b->count, b->L, b->f, l);
   for (int i = 0; i < d->m; i++) l[i] *= cj;
   for (int a = 0; a < b->count; a++) x[forces + b->force[a]] = cj * b->f[a];
-  int status = nsdae_kinematics_at(&s->middle, dv, x);
+  status = nsdae_kinematics_at(&s->middle, dv, x);
   for (int i = 0; i < d->nq; i++) x[i] = (x[i] + r[i]) / cj;
   return nsdae_progress_code(status, s->error);
 }
@@ -261,5 +255,6 @@ void nsdae_penalty_border_layout(nsdae_penalty_equations *p, nsdae_arena *arena)
   b->V = NSDAE_ARENA_DOUBLES(arena, n * forces);
   b->L = NSDAE_ARENA_DOUBLES(arena, d->m * forces);
   b->B = NSDAE_ARENA_DOUBLES(arena, forces * forces);
-  b->A = NSDAE_ARENA_DOUBLES(arena, s->blocks.square[s->blocks.count]);
+  p->newton.system = s;
+  nsdae_newton_matrix_layout(&p->newton, arena);
 }

@@ -134,6 +134,7 @@ static int make(penalty *p)
   p->fall = (nsdae_fall){.count = d->k, .values = values, .user = p};
   p->dip = (nsdae_dip){.count = d->k, .look = look, .user = p};
   int status = nsdae_arena_build(&p->arena, layout, p);
+  if (status == NSDAE_OK) status = nsdae_newton_matrix_make(&p->equations.newton);
   if (status == NSDAE_OK) status = nsdae_smooth_make(&p->integrator);
   int needed = p->equations.stepper->options->integrator == NSDAE_INTEGRATOR_IDA;
   return status == NSDAE_E_UNSUPPORTED && !needed ? NSDAE_OK : status;
@@ -154,6 +155,7 @@ static void destroy(void *own)
   penalty *p = own;
   if (!p) return;
   nsdae_smooth_destroy(&p->integrator);
+  nsdae_newton_matrix_release(&p->equations.newton);
   nsdae_arena_release(&p->arena);
   free(p);
 }
@@ -237,7 +239,7 @@ static int move_base(penalty *p, double t)
   return NSDAE_OK;
 }
 
-/* Which integrator goes on from here: IDA as long as a contact is closed that has made the
+/* The integrator from here on: IDA as long as a contact is closed that has made the
  * equations stiff. */
 static void choose(penalty *p, int stiff)
 {
@@ -269,7 +271,8 @@ static int close_contact(penalty *p, int i, double t)
   memset(s->r, 0, (size_t)d->nv * sizeof *s->r);
   memset(s->impulse, 0, (size_t)d->m * sizeof *s->impulse);
   nsdae_rows_add(&s->system->blocks, &T->by.normal, i, 1, s->r);
-  nsdae_kkt_solve(&s->kkt, 1, s->r, d->nv, s->impulse, d->m);
+  status = nsdae_terms_solve(T, &s->kkt, 1, s->r, s->impulse);
+  if (status < 0) return status;
   double inverse = nsdae_rows_dot(&s->system->blocks, &T->by.normal, i, s->r);
   b->mass[i] = inverse > 0 ? 1 / inverse : 0;
   b->closed[i] = 1;
