@@ -37,6 +37,21 @@ double nsdae_penalty_normal(const nsdae_penalty_force *law, double d, double rat
   return fmax(force, 0);
 }
 
+void nsdae_penalty_slopes(const nsdae_penalty_force *law, double d, double rate, double start_rate,
+                          double e, double mass, double *slope)
+{
+  double K = law->stiffness, n = law->exponent, c = damping(law->kind, e) / start_rate;
+  int any = nsdae_penalty_normal(law, d, rate, start_rate, e, mass) > 0;
+  slope[0] = slope[1] = 0;
+  if (any && law->kind == NSDAE_PENALTY_KELVIN_VOIGT) {
+    slope[0] = K;
+    slope[1] = 2 * damping_ratio(e) * sqrt(K * mass);
+  } else if (any) {
+    slope[0] = n * K * pow(d, n - 1) * (1 + c * rate);
+    slope[1] = K * pow(d, n) * c;
+  }
+}
+
 /* The work of the way in less that of the way out, times c^2; it falls with e'. */
 static double work_left(double c, double e)
 {

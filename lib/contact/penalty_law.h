@@ -26,6 +26,10 @@ typedef struct nsdae_penalty_force {
 double nsdae_penalty_normal(const nsdae_penalty_force *law, double d, double rate,
                             double start_rate, double e, double mass);
 
+/* slope [2] := dF_N/dd, dF_N/dd' of the same, zero where the force is. */
+void nsdae_penalty_slopes(const nsdae_penalty_force *law, double d, double rate, double start_rate,
+                          double e, double mass, double *slope);
+
 /* The restitution e' that the law gives where e is asked, with no other force on the contact. The
  * separable laws: m w dw / (1 + c w / v) = -K d^n dd from w = v to -e' v gives
  * c - ln(1 + c) = -c e' - ln(1 - c e'), whatever m, K, n and v are. kelvin-voigt ends at F_N = 0,

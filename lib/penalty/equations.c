@@ -8,14 +8,13 @@
 #include "vector.h"
 
 enum {
-  RATE_TERMS = NSDAE_TERM_MASS | NSDAE_TERM_FORCE | NSDAE_TERM_PHI | NSDAE_TERM_JACOBIAN |
-               NSDAE_TERM_PHI_T | NSDAE_TERM_OMEGA | NSDAE_TERM_GAP | NSDAE_TERM_NORMAL |
-               NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS | NSDAE_TERM_SLIDE
+  CONTACT_TERMS = NSDAE_TERM_GAP | NSDAE_TERM_NORMAL | NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS,
+  RATE_TERMS = CONTACT_TERMS | NSDAE_TERM_MASS | NSDAE_TERM_FORCE | NSDAE_TERM_PHI |
+               NSDAE_TERM_JACOBIAN | NSDAE_TERM_PHI_T | NSDAE_TERM_OMEGA | NSDAE_TERM_SLIDE
 };
 
-enum {
-  SLIDE_ROUNDS = 50
-}; /* friction on the frictional joints feeds their normal force: of substitution */
+/* Friction on the frictional joints feeds their normal force: rounds of substitution. */
+enum { SLIDE_ROUNDS = 50 };
 
 static void contact_forces(nsdae_penalty_equations *p, const nsdae_terms *T)
 {
@@ -27,8 +26,10 @@ static void contact_forces(nsdae_penalty_equations *p, const nsdae_terms *T)
     const nsdae_coefficients *c = &s->contact[i];
     double speed = 0;
     at->v_n[i] = nsdae_terms_normal_rate(T, i, T->v);
-    at->normal[i] = nsdae_penalty_normal(&p->law, -T->gap[i], -at->v_n[i], p->base.start_rate[i],
-                                         c->e_n, p->base.mass[i]);
+    at->normal[i] = p->base.closed[i]
+                        ? nsdae_penalty_normal(&p->law, -T->gap[i], -at->v_n[i],
+                                               p->base.start_rate[i], c->e_n, p->base.mass[i])
+                        : 0;
     for (int j = i * nt; j < (i + 1) * nt; j++) {
       at->v_t[j] = nsdae_terms_tangent_rate(T, j, T->v);
       speed = hypot(speed, at->v_t[j]);
@@ -67,7 +68,8 @@ static int slide_forces(nsdae_penalty_equations *p, const nsdae_terms *T, double
   double moved = 1;
   memcpy(at->U, T->by.frictional_joint.value, (size_t)n * (size_t)f * sizeof *at->U);
   memset(at->D, 0, (size_t)m * (size_t)f * sizeof *at->D);
-  nsdae_kkt_solve(&p->stepper->kkt, f, at->U, n, at->D, m);
+  int status = nsdae_terms_solve(T, &p->stepper->kkt, f, at->U, at->D);
+  if (status < 0) return nsdae_progress_code(status, p->stepper->error);
   memset(at->frictional_joint, 0, (size_t)f * sizeof *at->frictional_joint);
   for (int round = 0; moved > 1e-14 && round < SLIDE_ROUNDS; round++) moved = relax_slides(p, T);
   nsdae_add_product(n, f, at->U, at->frictional_joint, a);
@@ -90,65 +92,78 @@ static int accelerations(nsdae_penalty_equations *p, nsdae_terms *T, double *a)
     double rate = nsdae_terms_constraint_rate(T, i, T->v);
     at->lambda[i] = -T->constraint.omega[i] - 2 * alpha * rate - beta * beta * T->constraint.phi[i];
   }
-  nsdae_kkt_solve(&s->kkt, 1, a, d->nv, at->lambda, d->m);
+  int status = nsdae_terms_solve(T, &s->kkt, 1, a, at->lambda);
+  if (status < 0) return nsdae_progress_code(status, s->error);
   return d->f > 0 ? slide_forces(p, T, a) : 0;
 }
 
-/* A' at the terms' point, q' = qdot. */
-static int other_power(nsdae_penalty_equations *p, const nsdae_terms *T, const double *qdot,
-                       double *power)
+/* rate := E', A' of the forces in `at` at the terms' point, q' = qdot. */
+static int powers(nsdae_penalty_equations *p, const nsdae_terms *T, const double *qdot,
+                  double *rate)
 {
   const nsdae_dims *d = &T->system->dims;
-  int status = nsdae_power_inertia(&p->power, T, qdot, power);
-  *power += nsdae_dot(d->nv, T->F, T->v) + nsdae_dot(d->m, p->at.lambda, T->constraint.phi_t) -
-            nsdae_dot(d->k, p->at.normal, T->w_N) -
-            nsdae_dot(d->k * d->nt, p->at.tangential, T->w_T) -
-            nsdae_dot(d->f, p->at.frictional_joint, T->frictional_joint.w);
+  const nsdae_penalty_forces *at = &p->at;
+  int kt = d->k * d->nt, status = nsdae_power_inertia(&p->power, T, qdot, &rate[1]);
+  rate[0] = -nsdae_dot(d->k, at->normal, at->v_n) - nsdae_dot(kt, at->tangential, at->v_t) -
+            nsdae_dot(d->f, at->frictional_joint, at->v_s);
+  rate[1] += nsdae_dot(d->nv, T->F, T->v) + nsdae_dot(d->m, at->lambda, T->constraint.phi_t) -
+             nsdae_dot(d->k, at->normal, T->w_N) - nsdae_dot(kt, at->tangential, T->w_T) -
+             nsdae_dot(d->f, at->frictional_joint, T->frictional_joint.w);
   return status;
 }
 
-int nsdae_penalty_rate(double t, const double *y, double *ydot, void *user)
+void nsdae_penalty_take(nsdae_penalty_equations *p, const double *y)
+{
+  const nsdae_dims *d = &p->stepper->system->dims;
+  const nsdae_penalty_forces *at = &p->at;
+  memcpy(at->lambda, y + nsdae_penalty_at_lambda(d), (size_t)d->m * sizeof *y);
+  memcpy(at->normal, y + nsdae_penalty_at_normal(d), (size_t)d->k * sizeof *y);
+  memcpy(at->tangential, y + nsdae_penalty_at_tangential(d),
+         (size_t)d->k * (size_t)d->nt * sizeof *y);
+  memcpy(at->frictional_joint, y + nsdae_penalty_at_slide(d), (size_t)d->f * sizeof *y);
+}
+
+int nsdae_penalty_rate(double t, const double *z, double *zdot, int whole, void *user)
 {
   nsdae_penalty_equations *p = user;
   nsdae_stepper *s = p->stepper;
   nsdae_terms *T = &s->middle;
   const nsdae_dims *d = &s->system->dims;
-  nsdae_terms_at(T, t, y, y + d->nq);
+  const nsdae_penalty_forces *at = &p->at;
+  nsdae_terms_at(T, t, z, z + d->nq);
   int status = nsdae_terms_need(T, RATE_TERMS);
   if (status == NSDAE_OK) status = nsdae_stepper_factor(s, T, T->M);
-  if (status == NSDAE_OK) status = nsdae_kinematics_at(T, T->v, ydot);
+  if (status == NSDAE_OK) status = nsdae_kinematics_at(T, T->v, zdot);
   if (status < 0) return nsdae_progress_code(status, s->error);
-  int code = accelerations(p, T, ydot + d->nq), kt = d->k * d->nt;
-  const nsdae_penalty_forces *at = &p->at;
-  memcpy(ydot + nsdae_penalty_at_lambda(d), at->lambda, (size_t)d->m * sizeof *ydot);
-  memcpy(ydot + nsdae_penalty_at_normal(d), at->normal, (size_t)d->k * sizeof *ydot);
-  memcpy(ydot + nsdae_penalty_at_tangential(d), at->tangential, (size_t)kt * sizeof *ydot);
-  memcpy(ydot + nsdae_penalty_at_slide(d), at->frictional_joint, (size_t)d->f * sizeof *ydot);
-  ydot[nsdae_penalty_at_work(d)] = -nsdae_dot(d->k, at->normal, at->v_n) -
-                                   nsdae_dot(kt, at->tangential, at->v_t) -
-                                   nsdae_dot(d->f, at->frictional_joint, at->v_s);
-  status = other_power(p, T, ydot, &ydot[nsdae_penalty_at_other_work(d)]);
-  return status < 0 ? nsdae_progress_code(status, s->error) : code;
+  int code = accelerations(p, T, zdot + d->nq), kt = d->k * d->nt;
+  if (!whole || code != 0) return code;
+  memcpy(zdot + nsdae_penalty_at_lambda(d), at->lambda, (size_t)d->m * sizeof *zdot);
+  memcpy(zdot + nsdae_penalty_at_normal(d), at->normal, (size_t)d->k * sizeof *zdot);
+  memcpy(zdot + nsdae_penalty_at_tangential(d), at->tangential, (size_t)kt * sizeof *zdot);
+  memcpy(zdot + nsdae_penalty_at_slide(d), at->frictional_joint, (size_t)d->f * sizeof *zdot);
+  status = powers(p, T, zdot, zdot + nsdae_penalty_at_work(d));
+  return nsdae_progress_code(status, s->error);
 }
 
-int nsdae_penalty_gaps(double t, const double *y, double *g, void *user)
+int nsdae_penalty_powers(double t, const double *y, const double *ydot, double *rate, void *user)
 {
   nsdae_penalty_equations *p = user;
   nsdae_terms *T = &p->stepper->middle;
-  nsdae_terms_at(T, t, y, y + p->stepper->system->dims.nq);
-  int status = nsdae_terms_need(T, NSDAE_TERM_GAP);
-  if (status < 0) return -1;
-  for (int i = 0; i < p->stepper->system->dims.k; i++) g[i] = T->gap[i] - p->shift[i];
-  return 0;
+  const nsdae_dims *d = &T->system->dims;
+  const nsdae_penalty_forces *at = &p->at;
+  int status = nsdae_penalty_evaluate(p, t, y);
+  if (status == NSDAE_OK) status = nsdae_terms_need(T, RATE_TERMS);
+  if (status < 0) return nsdae_progress_code(status, p->stepper->error);
+  nsdae_penalty_take(p, y);
+  for (int j = 0; j < d->f; j++) at->v_s[j] = nsdae_terms_slide_rate(T, j, T->v);
+  return nsdae_progress_code(powers(p, T, ydot, rate), p->stepper->error);
 }
 
-int nsdae_penalty_evaluate(nsdae_penalty_equations *p, double t, const double *y)
+int nsdae_penalty_evaluate(nsdae_penalty_equations *p, double t, const double *qv)
 {
-  nsdae_stepper *s = p->stepper;
-  nsdae_terms *T = &s->middle;
-  nsdae_terms_at(T, t, y, y + s->system->dims.nq);
-  int status = nsdae_terms_need(T, RATE_TERMS);
-  if (status == NSDAE_OK) status = nsdae_stepper_factor(s, T, T->M);
+  nsdae_terms *T = &p->stepper->middle;
+  nsdae_terms_at(T, t, qv, qv + T->system->dims.nq);
+  int status = nsdae_terms_need(T, CONTACT_TERMS);
   if (status == NSDAE_OK) contact_forces(p, T);
   return status;
 }
@@ -158,8 +173,9 @@ void nsdae_penalty_equations_layout(nsdae_penalty_equations *p, nsdae_arena *are
   const nsdae_dims *d = &p->stepper->system->dims;
   nsdae_penalty_forces *at = &p->at;
   long k = d->k, kt = k * d->nt, f = d->f;
-  p->shift = NSDAE_ARENA_DOUBLES(arena, k);
+  p->room = NSDAE_ARENA_DOUBLES(arena, d->nq + d->nv);
   nsdae_power_layout(&p->power, d, arena);
+  nsdae_penalty_border_layout(p, arena);
   at->normal = NSDAE_ARENA_DOUBLES(arena, k);
   at->tangential = NSDAE_ARENA_DOUBLES(arena, kt);
   at->frictional_joint = NSDAE_ARENA_DOUBLES(arena, f);

@@ -1,15 +1,19 @@
 /* The equations of a smooth system with continuous contact forces (see penalty_law.h):
  *
- *   y = [q, v, Lambda, I_N, I_T, I_S, E, A]
+ *   z = [q, v, Lambda, I_N, I_T, I_S, E, A]
  *   q' = H v,   [M Phi_q^T; Phi_q 0] [v'; lambda] = [F + W_N F_N + W_T F_T + W_S F_S;
  *                                                    -omega - 2 alpha Phi' - beta^2 Phi]
  *   Lambda' = lambda,  I' = the contact forces,  E' = -(F_N v_N + F_T v_T + F_S v_S)
  *   A' = F v + lambda Phi_t - F_N w_N - F_T w_T - F_S w_S + v^T M' v / 2,
- *   so that v^T M v / 2 should gain A - E; the errors of A are not controlled */
+ *   so that v^T M v / 2 should gain A - E; the errors of E and A are not controlled
+ *
+ * The force of an open contact is zero however deep a trial point is, so that z is smooth up to the
+ * time at which the gap is zero. */
 #ifndef NSDAE_PENALTY_EQUATIONS_H
 #define NSDAE_PENALTY_EQUATIONS_H
 
 #include "base.h"
+#include "newton_matrix.h"
 #include "penalty_law.h"
 #include "places.h"
 #include "power.h"
@@ -22,22 +26,51 @@ typedef struct nsdae_penalty_forces {
   double *U, *D; /* nv x f, m x f: a unit friction force on each slide */
 } nsdae_penalty_forces;
 
+/* The border of Newton's matrix (newton.c): a row and a column for each force that is not zero
+ * anyway. */
+typedef struct nsdae_penalty_border {
+  int count;
+  int *force;    /* count: its place behind lambda in y */
+  int *normal;   /* count: the place in here of the normal force that it depends on, */
+  double *part;  /* count: by which factor */
+  int *row;      /* count: the multiplier that it depends on, or -1, */
+  double *h;     /* count: by which factor */
+  double *G;     /* nv x count: how it depends on dv */
+  double *V, *L; /* nv x count, m x count: what a unit of it makes of dv and dlambda */
+  double *B, *f; /* count x count: the rows, factored; count: right side, then forces */
+  int *pivot;    /* count */
+  double cj;     /* of the factors */
+} nsdae_penalty_border;
+
 typedef struct nsdae_penalty_equations {
   nsdae_stepper *stepper;
   nsdae_penalty_force law;
   nsdae_penalty_base base; /* within the memory of the step in work: how its contacts began */
   nsdae_penalty_forces at;
-  double *shift; /* k: where a gap counts as zero */
+  nsdae_newton_matrix newton;
+  nsdae_penalty_border border;
+  double *room; /* nq + nv */
   nsdae_power power;
 } nsdae_penalty_equations;
 
 void nsdae_penalty_equations_layout(nsdae_penalty_equations *equations, nsdae_arena *arena);
 
-/* y', and the gaps, of whoever integrates; user: the equations. 0, or a code of ode.h. */
-int nsdae_penalty_rate(double t, const double *y, double *ydot, void *user);
-int nsdae_penalty_gaps(double t, const double *y, double *g, void *user);
+/* What the integrator asks for (smooth.h); user: the equations. */
+int nsdae_penalty_rate(double t, const double *z, double *zdot, int whole, void *user);
+int nsdae_penalty_residual(double t, const double *y, const double *ydot, double cj, double *r,
+                           void *user);
+int nsdae_penalty_setup(double t, const double *y, const double *ydot, double cj, void *user);
+int nsdae_penalty_solve(double cj, double *r, double *x, void *user);
+int nsdae_penalty_powers(double t, const double *y, const double *ydot, double *rate, void *user);
 
-/* Terms, matrices and forces at (t, y). NSDAE_OK, or what the terms return. */
-int nsdae_penalty_evaluate(nsdae_penalty_equations *equations, double t, const double *y);
+/* Gaps and contact forces at q, v: see `at` and the terms of the stepper's middle. NSDAE_OK, or
+ * what the terms return. */
+int nsdae_penalty_evaluate(nsdae_penalty_equations *equations, double t, const double *qv);
+
+/* The forces in `at` := those of y. */
+void nsdae_penalty_take(nsdae_penalty_equations *equations, const double *y);
+
+/* Takes the arrays of the border. */
+void nsdae_penalty_border_layout(nsdae_penalty_equations *equations, nsdae_arena *arena);
 
 #endif

@@ -1,6 +1,6 @@
 /* Continuous contact force (see penalty_law.h), the baseline of Zhang, Gu and Sun, integrated as a
- * stiff smooth system (equations.h) by SUNDIALS with error control; dt is only how often it
- * records.
+ * smooth system (equations.h) with error control: by an explicit pair, and for stiff equations by
+ * IDA. dt is only how often it records.
  *
  * The integrals of the forces are integrated along, so that a step's impulses are as accurate as
  * its state. A gap that closes starts a contact (its d'_0 is the velocity there); when it opens
@@ -9,32 +9,59 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "dip.h"
 #include "equations.h"
 #include "errors.h"
-#include "ode.h"
+#include "fall.h"
+#include "smooth.h"
 #include "vector.h"
+
+/* Steps of the integrator after which it starts anew, so that a replay is not longer. IDA takes
+ * some twenty steps to come back to its order. */
+enum { STEPS_MAX = 5000, STIFF_STEPS_MAX = 300 };
+
+/* Of IDA's last step the first one after a new start. */
+static const double FIRST = 0.1;
+
+/* Of the tolerance of a position: less deep between two steps a contact is none. */
+static const double DEEP = 0.1;
 
 typedef struct penalty {
   nsdae_penalty_equations equations;
-  nsdae_ode *ode;
+  nsdae_smooth integrator;
+  nsdae_fall fall; /* of the gaps: of an open contact the gap, of a closed one the overlap */
+  nsdae_dip dip;
   nsdae_arena arena;
-  int n;               /* length of y */
-  double *y, *y_start; /* n: now, at the start of the step */
-  double *peak;        /* k: largest force of each contact until now */
-  int *found;          /* k: roots */
-  double grid;         /* of the ends of steps, of the step in work */
-  long stamp, stamps;  /* of the memory that the integrator stands at, 0: none; given so far */
+  double *qv, *z[2];     /* nq + nv: at `ahead`; n: between which the step is accounted for */
+  double *peak, *force;  /* k: largest force of each contact until `ahead`; force there */
+  double *shift;         /* k: where a gap counts as zero */
+  int *found;            /* k: contacts that close or open at `ahead` */
+  int pending;           /* any does */
+  double ahead, reached; /* integrated, accounted for up to here */
+  long stamp, stamps;    /* of the memory that the integrator stands at, 0: none; given so far */
 } penalty;
+
+static const nsdae_dims *dims(const penalty *p)
+{
+  return &p->equations.stepper->system->dims;
+}
+
+/* ---- creation */
 
 static void layout(void *object, nsdae_arena *arena)
 {
   penalty *p = object;
-  int k = p->equations.stepper->system->dims.k;
-  p->y = NSDAE_ARENA_DOUBLES(arena, p->n);
-  p->y_start = NSDAE_ARENA_DOUBLES(arena, p->n);
-  p->peak = NSDAE_ARENA_DOUBLES(arena, k);
-  p->found = NSDAE_ARENA_INTS(arena, k);
+  const nsdae_dims *d = dims(p);
+  p->qv = NSDAE_ARENA_DOUBLES(arena, d->nq + d->nv);
+  for (int i = 0; i < 2; i++) p->z[i] = NSDAE_ARENA_DOUBLES(arena, nsdae_penalty_size(d));
+  p->peak = NSDAE_ARENA_DOUBLES(arena, d->k);
+  p->force = NSDAE_ARENA_DOUBLES(arena, d->k);
+  p->shift = NSDAE_ARENA_DOUBLES(arena, d->k);
+  p->found = NSDAE_ARENA_INTS(arena, d->k);
   nsdae_penalty_equations_layout(&p->equations, arena);
+  nsdae_smooth_layout(&p->integrator, arena);
+  nsdae_fall_layout(&p->fall, arena);
+  nsdae_dip_layout(&p->dip, arena);
 }
 
 static int check_law(const nsdae_stepper *s)
@@ -56,8 +83,61 @@ static int prepare(void *own)
   const nsdae_sim_options *o = p->equations.stepper->options;
   p->equations.law =
       (nsdae_penalty_force){o->penalty_law, o->penalty_stiffness, o->penalty_exponent};
-  nsdae_ode_tolerances(p->ode, o->rtol, o->atol, o->step_max);
+  p->integrator.steps.rtol = o->rtol;
+  p->integrator.steps.atol = o->atol;
+  p->integrator.steps.max_step = fmin(o->dt, o->step_max);
   return check_law(p->equations.stepper);
+}
+
+/* Overlaps of closed contacts and gaps of open ones at t in the last step. */
+static int values(double t, double *g, void *user)
+{
+  penalty *p = user;
+  nsdae_terms *T = &p->equations.stepper->middle;
+  int nq = dims(p)->nq, count = nq + dims(p)->nv;
+  int status = nsdae_smooth_read(&p->integrator, t, count, p->equations.room);
+  nsdae_terms_at(T, t, p->equations.room, p->equations.room + nq);
+  if (status == NSDAE_OK) status = nsdae_terms_need(T, NSDAE_TERM_GAP);
+  for (int i = 0; i < dims(p)->k && status == NSDAE_OK; i++) {
+    double gap = T->gap[i] - p->shift[i];
+    g[i] = p->equations.base.closed[i] ? -gap : gap;
+  }
+  return status;
+}
+
+/* Gaps and their rates there. */
+static int look(double t, double *gap, double *rate, void *user)
+{
+  penalty *p = user;
+  int status = nsdae_smooth_read(&p->integrator, t, dims(p)->nq + dims(p)->nv, p->equations.room);
+  if (status == NSDAE_OK) status = nsdae_penalty_evaluate(&p->equations, t, p->equations.room);
+  if (status < 0) return status;
+  memcpy(gap, p->equations.stepper->middle.gap, (size_t)dims(p)->k * sizeof *gap);
+  memcpy(rate, p->equations.at.v_n, (size_t)dims(p)->k * sizeof *rate);
+  return NSDAE_OK;
+}
+
+static int make(penalty *p)
+{
+  const nsdae_dims *d = dims(p);
+  p->integrator.steps = (nsdae_runge_kutta){.n = nsdae_penalty_size(d),
+                                            .controlled = nsdae_penalty_at_lambda(d),
+                                            .positions = d->nq,
+                                            .forces = d->m + d->k * (1 + d->nt) + d->f,
+                                            .rate = nsdae_penalty_rate,
+                                            .user = &p->equations};
+  p->integrator.implicit = (nsdae_ida_problem){.residual = nsdae_penalty_residual,
+                                               .setup = nsdae_penalty_setup,
+                                               .solve = nsdae_penalty_solve,
+                                               .user = &p->equations};
+  p->integrator.powers = nsdae_penalty_powers;
+  p->fall = (nsdae_fall){.count = d->k, .values = values, .user = p};
+  p->dip = (nsdae_dip){.count = d->k, .look = look, .user = p};
+  int status = nsdae_arena_build(&p->arena, layout, p);
+  if (status == NSDAE_OK) status = nsdae_newton_matrix_make(&p->equations.newton);
+  if (status == NSDAE_OK) status = nsdae_smooth_make(&p->integrator);
+  int needed = p->equations.stepper->options->integrator == NSDAE_INTEGRATOR_IDA;
+  return status == NSDAE_E_UNSUPPORTED && !needed ? NSDAE_OK : status;
 }
 
 static int create(nsdae_stepper *s, void **own)
@@ -66,16 +146,7 @@ static int create(nsdae_stepper *s, void **own)
   *own = p;
   if (!p) return nsdae_stepper_made(s, NSDAE_E_MEMORY, "penalty");
   p->equations.stepper = s;
-  p->n = nsdae_penalty_size(&s->system->dims);
-  const nsdae_ode_problem problem = {.n = p->n,
-                                     .controlled = nsdae_penalty_at_other_work(&s->system->dims),
-                                     .roots = s->system->dims.k,
-                                     .rate = nsdae_penalty_rate,
-                                     .root = nsdae_penalty_gaps,
-                                     .user = &p->equations};
-  int status = nsdae_arena_build(&p->arena, layout, p);
-  if (status == NSDAE_OK)
-    status = nsdae_ode_create(&problem, s->options->rtol, s->options->atol, &p->ode);
+  int status = make(p);
   return status < 0 ? nsdae_stepper_made(s, status, "penalty") : prepare(p);
 }
 
@@ -83,73 +154,139 @@ static void destroy(void *own)
 {
   penalty *p = own;
   if (!p) return;
-  nsdae_ode_destroy(&p->ode);
+  nsdae_smooth_destroy(&p->integrator);
+  nsdae_newton_matrix_release(&p->equations.newton);
   nsdae_arena_release(&p->arena);
   free(p);
 }
 
-/* The integrator starts at y. Within rounding of zero a gap can have the wrong sign for its
- * contact, and would cross zero again at once, without an end: it is looked at from where it has
- * twice that. */
-static int start_integrator(penalty *p, double t)
+/* ---- starts */
+
+static int integrator_failed(penalty *p, int status, double t)
 {
-  const nsdae_system *s = p->equations.stepper->system;
-  const nsdae_sim_options *o = p->equations.stepper->options;
-  const double hair = 1e-12 * o->dt * o->friction_velocity;
-  nsdae_terms *T = &p->equations.stepper->middle;
-  nsdae_power_start(&p->equations.power);
-  nsdae_terms_at(T, t, p->y, p->y + s->dims.nq);
-  int status = nsdae_terms_need(T, NSDAE_TERM_GAP);
-  for (int i = 0; i < s->dims.k && status == NSDAE_OK; i++) {
-    double gap = T->gap[i];
-    int wrong = p->equations.base.closed[i] ? gap >= 0 : gap <= 0;
-    p->equations.shift[i] = wrong ? 2 * gap + (p->equations.base.closed[i] ? hair : -hair) : 0;
-  }
-  return status < 0 ? status : nsdae_ode_start(p->ode, t, p->y);
+  nsdae_stepper *s = p->equations.stepper;
+  const char *cause = p->integrator.cause;
+  if (s->error->status != NSDAE_OK) return s->error->status;
+  status = status == NSDAE_E_CALLBACK ? NSDAE_E_CONVERGENCE : status; /* none failed */
+  nsdae_error_set(s->error, status, "nsdae_penalty", "rtol",
+                  "the integrator failed at t = %.17g: no step length satisfies rtol and atol%s%s: "
+                  "try a larger rtol or a smaller penalty_stiffness",
+                  nsdae_system_time(s->system, t), *cause ? ", reason of SUNDIALS: " : "", cause);
+  s->error->time = nsdae_system_time(s->system, t);
+  return status;
 }
 
-/* Here the integrator starts anew. */
-static void move_base(penalty *p, double t)
-{
-  nsdae_penalty_base *b = &p->equations.base;
-  *b->t = t;
-  *b->since_then.count = *b->since_then.ends = 0;
-  memcpy(b->y, p->y, (size_t)p->n * sizeof *b->y);
-  memcpy(b->peak, p->peak, (size_t)p->equations.stepper->system->dims.k * sizeof *b->peak);
-}
-
-/* The integrator starts anew from here: that is the base from now on. */
-static int start(penalty *p, double t)
-{
-  move_base(p, t);
-  return start_integrator(p, t);
-}
-
-/* A contact closes here: its d'_0, its effective mass 1 / (W_N^T P W_N). */
-static void close_contact(penalty *p, int i, double t)
+/* The largest force applied, or what would stop the bodies in a dt. */
+static double force_of(const penalty *p)
 {
   nsdae_stepper *s = p->equations.stepper;
   const nsdae_terms *T = &s->middle;
-  const nsdae_dims *d = &s->system->dims;
+  int n = dims(p)->nv;
+  memset(s->r, 0, (size_t)n * sizeof *s->r);
+  nsdae_blocks_add_product(&s->system->blocks, T->M, T->v, s->r);
+  return fmax(nsdae_largest(n, T->F), nsdae_largest(n, s->r) / s->options->dt);
+}
+
+/* The integrator starts at qv and the base's t. Within rounding of zero a gap can have the wrong
+ * sign for its contact, and would cross zero again at once, without an end: it is looked at from
+ * where it has twice that. */
+static int start_integrator(penalty *p)
+{
+  const nsdae_penalty_base *b = &p->equations.base;
+  nsdae_stepper *s = p->equations.stepper;
+  const double hair = 1e-12 * s->options->dt * s->options->friction_velocity;
+  nsdae_terms *T = &s->middle;
+  p->ahead = *b->t;
+  p->pending = 0;
+  p->integrator.is_stiff = *b->is_stiff;
+  p->integrator.first = *b->first;
+  nsdae_error_clear(s->error);
+  nsdae_power_start(&p->equations.power);
+  nsdae_dip_start(&p->dip);
+  int status = nsdae_penalty_evaluate(&p->equations, p->ahead, p->qv);
+  if (status == NSDAE_OK) status = nsdae_terms_need(T, NSDAE_TERM_MASS | NSDAE_TERM_FORCE);
+  if (status < 0) return status;
+  p->integrator.steps.force = force_of(p);
+  memcpy(p->force, p->equations.at.normal, (size_t)dims(p)->k * sizeof *p->force);
+  for (int i = 0; i < dims(p)->k; i++) {
+    double gap = T->gap[i];
+    int wrong = b->closed[i] ? gap >= 0 : gap <= 0;
+    p->shift[i] = wrong ? 2 * gap + (b->closed[i] ? hair : -hair) : 0;
+  }
+  status = nsdae_smooth_start(&p->integrator, p->ahead, p->qv);
+  return status < 0 ? integrator_failed(p, status, p->ahead) : NSDAE_OK;
+}
+
+/* The base is at t, where q and v are qv, from the last one on. */
+static int move_base(penalty *p, double t)
+{
   nsdae_penalty_base *b = &p->equations.base;
-  size_t n = (size_t)d->nv, nt = (size_t)d->nt, first = (size_t)i * nt;
-  memcpy(s->r, T->by.normal.value + (size_t)i * n, n * sizeof *s->r);
+  const nsdae_dims *d = dims(p);
+  double *z = p->z[0];
+  if (*b->steps > 0) {
+    const nsdae_smooth *g = &p->integrator;
+    double within = fmax(g->from, fmin(t, g->to));
+    int status = nsdae_smooth_read(&p->integrator, within, nsdae_penalty_size(d), z);
+    if (status < 0) return status;
+    nsdae_add(d->k, 1, z + nsdae_penalty_at_normal(d), b->impulse);
+    nsdae_add(d->k * d->nt, 1, z + nsdae_penalty_at_tangential(d), b->impulse_t);
+    *b->first = (p->integrator.is_stiff ? FIRST : 1) * nsdae_smooth_last(&p->integrator);
+  }
+  *b->t = t;
+  *b->steps = 0;
+  memcpy(b->qv, p->qv, (size_t)(d->nq + d->nv) * sizeof *b->qv);
+  memcpy(b->peak, p->peak, (size_t)d->k * sizeof *b->peak);
+  return NSDAE_OK;
+}
+
+/* The integrator from here on: IDA as long as a contact is closed that has made the
+ * equations stiff. */
+static void choose(penalty *p, int stiff)
+{
+  int by_option = p->equations.stepper->options->integrator, any = 0;
+  for (int i = 0; i < dims(p)->k; i++) any |= p->equations.base.closed[i];
+  *p->equations.base.is_stiff = by_option == NSDAE_INTEGRATOR_IDA ||
+                                (by_option == NSDAE_INTEGRATOR_AUTO && p->integrator.ida &&
+                                 (stiff || (p->integrator.is_stiff && any)));
+}
+
+/* The integrator starts anew from here: that is the base from now on. */
+static int start(penalty *p, double t, int stiff)
+{
+  int status = move_base(p, t);
+  choose(p, stiff);
+  return status < 0 ? status : start_integrator(p);
+}
+
+/* A contact closes here: its d'_0, its effective mass 1 / (W_N^T P W_N). */
+static int close_contact(penalty *p, int i, double t)
+{
+  nsdae_stepper *s = p->equations.stepper;
+  nsdae_terms *T = &s->middle;
+  const nsdae_dims *d = dims(p);
+  nsdae_penalty_base *b = &p->equations.base;
+  int status = nsdae_terms_need(T, NSDAE_TERM_MASS | NSDAE_TERM_JACOBIAN);
+  if (status == NSDAE_OK) status = nsdae_stepper_factor(s, T, T->M);
+  if (status < 0) return status;
+  memset(s->r, 0, (size_t)d->nv * sizeof *s->r);
   memset(s->impulse, 0, (size_t)d->m * sizeof *s->impulse);
-  nsdae_kkt_solve(&s->kkt, 1, s->r, d->nv, s->impulse, d->m);
-  double inverse = nsdae_dot(d->nv, T->by.normal.value + (size_t)i * n, s->r);
+  nsdae_rows_add(&s->system->blocks, &T->by.normal, i, 1, s->r);
+  status = nsdae_terms_solve(T, &s->kkt, 1, s->r, s->impulse);
+  if (status < 0) return status;
+  double inverse = nsdae_rows_dot(&s->system->blocks, &T->by.normal, i, s->r);
   b->mass[i] = inverse > 0 ? 1 / inverse : 0;
   b->closed[i] = 1;
   b->since[i] = t;
   b->start_rate[i] = fmax(-nsdae_terms_normal_rate(T, i, T->v), s->options->friction_velocity);
-  b->impulse[i] = p->y[nsdae_penalty_at_normal(d) + i];
-  memcpy(b->impulse_t + first, p->y + (size_t)nsdae_penalty_at_tangential(d) + first,
-         nt * sizeof *p->y);
+  b->impulse[i] = 0;
+  memset(b->impulse_t + (size_t)i * (size_t)d->nt, 0, (size_t)d->nt * sizeof *b->impulse_t);
   p->peak[i] = 0;
+  return NSDAE_OK;
 }
 
 static void open_contact(penalty *p, nsdae_result *result, int i)
 {
-  const nsdae_dims *d = &p->equations.stepper->system->dims;
+  const nsdae_dims *d = dims(p);
   const nsdae_penalty_base *b = &p->equations.base;
   b->closed[i] = 0;
   if (!(b->start_rate[i] > p->equations.stepper->options->impact_velocity)) return;
@@ -157,27 +294,29 @@ static void open_contact(penalty *p, nsdae_result *result, int i)
   *impact = (nsdae_impact){.time = nsdae_system_time(p->equations.stepper->system, b->since[i]),
                            .contact = i,
                            .velocity_before = -b->start_rate[i],
-                           .normal_impulse = p->y[nsdae_penalty_at_normal(d) + i] - b->impulse[i],
+                           .normal_impulse = b->impulse[i],
                            .velocity_after = p->equations.at.v_n[i],
                            .peak_force = p->peak[i]};
   for (int l = 0, j = i * d->nt; l < d->nt; l++, j++)
-    impact->tangential_impulse[l] = p->y[nsdae_penalty_at_tangential(d) + j] - b->impulse_t[j];
+    impact->tangential_impulse[l] = b->impulse_t[j];
 }
 
 /* Gaps that crossed zero: contacts begin and end, and the integrator starts anew. A gap within its
  * rounding crosses zero any number of times: a contact opens while it moves apart alone, and closes
- * while it does not. CVODE refuses to continue at a root without a new start. */
+ * while it does not. */
 static int switch_contacts(penalty *p, nsdae_result *result, double t)
 {
-  int status = nsdae_penalty_evaluate(&p->equations, t, p->y);
-  for (int i = 0; i < p->equations.stepper->system->dims.k && status == NSDAE_OK; i++) {
+  int status = move_base(p, t);
+  if (status == NSDAE_OK) status = nsdae_penalty_evaluate(&p->equations, t, p->qv);
+  for (int i = 0; i < dims(p)->k && status == NSDAE_OK; i++) {
     double v_n = p->equations.at.v_n[i];
-    int closes = p->found[i] < 0 && !p->equations.base.closed[i] && v_n <= 0;
-    int opens = p->found[i] > 0 && p->equations.base.closed[i] && v_n > 0;
-    if (closes) close_contact(p, i, t);
-    if (opens) open_contact(p, result, i);
+    if (!p->found[i]) continue;
+    if (p->equations.base.closed[i] && v_n > 0)
+      open_contact(p, result, i);
+    else if (!p->equations.base.closed[i] && v_n <= 0)
+      status = close_contact(p, i, t);
   }
-  return status < 0 ? status : start(p, t);
+  return status < 0 ? status : start(p, t, 0);
 }
 
 /* How near a contact is at hand that moves with v_n: less than a billionth of dt away. */
@@ -186,165 +325,184 @@ static double reach(const penalty *p, int i)
   return fmax(-p->equations.at.v_n[i], 0) * 1e-9 * p->equations.stepper->options->dt;
 }
 
-static int follow_peaks(penalty *p, double t)
-{
-  int any = 0, k = p->equations.stepper->system->dims.k;
-  for (int i = 0; i < k; i++) any |= p->equations.base.closed[i];
-  if (!any) return NSDAE_OK;
-  int status = nsdae_penalty_evaluate(&p->equations, t, p->y);
-  for (int i = 0; i < k; i++)
-    if (p->equations.base.closed[i]) p->peak[i] = fmax(p->peak[i], p->equations.at.normal[i]);
-  return status;
-}
-
 /* From a state that this method did not lead to. */
 static int begin(penalty *p, const nsdae_terms *from)
 {
-  nsdae_stepper *s = p->equations.stepper;
-  const nsdae_dims *d = &s->system->dims;
-  memset(p->y, 0, (size_t)p->n * sizeof *p->y);
-  memcpy(p->y, from->q, (size_t)d->nq * sizeof *p->y);
-  memcpy(p->y + d->nq, from->v, (size_t)d->nv * sizeof *p->y);
-  for (int i = 0; i < d->k; i++) {
-    p->equations.base.closed[i] = 0;
-    p->equations.base.start_rate[i] = 1;
-  }
-  int status = nsdae_penalty_evaluate(&p->equations, from->t, p->y);
+  const nsdae_dims *d = dims(p);
+  nsdae_penalty_base *b = &p->equations.base;
+  memcpy(p->qv, from->q, (size_t)d->nq * sizeof *p->qv);
+  memcpy(p->qv + d->nq, from->v, (size_t)d->nv * sizeof *p->qv);
+  *b->steps = *b->is_stiff = p->integrator.is_stiff = 0;
+  *b->first = 0;
+  for (int i = 0; i < d->k; i++) b->closed[i] = 0, b->start_rate[i] = 1;
+  int status = nsdae_penalty_evaluate(&p->equations, from->t, p->qv);
   for (int i = 0; i < d->k && status == NSDAE_OK; i++)
-    if (s->middle.gap[i] <= reach(p, i)) close_contact(p, i, from->t);
-  return status < 0 ? status : start(p, from->t);
+    if (p->equations.stepper->middle.gap[i] <= reach(p, i)) status = close_contact(p, i, from->t);
+  return status < 0 ? status : start(p, from->t, 0);
 }
 
-static int integrator_failed(nsdae_stepper *s, int status, double t, int code)
+/* ---- steps */
+
+/* The contact forces at a part x of the step from `from` to `ahead`. */
+static int forces_at(penalty *p, double from, double x)
 {
-  if (s->error->status != NSDAE_OK) return s->error->status;
-  nsdae_error_set(s->error, status, "nsdae_penalty", "rtol",
-                  "the integrator failed at t = %.17g with CVODE's code %d: try a larger rtol or a "
-                  "smaller penalty_stiffness",
-                  nsdae_system_time(s->system, t), code);
-  s->error->code = code;
-  s->error->time = nsdae_system_time(s->system, t);
+  double t = x < 1 ? from + x * (p->ahead - from) : p->ahead, *qv = p->equations.room;
+  int status = nsdae_smooth_read(&p->integrator, t, dims(p)->nq + dims(p)->nv, qv);
+  return status < 0 ? status : nsdae_penalty_evaluate(&p->equations, t, qv);
+}
+
+/* The largest force of each closed contact in the step up to `ahead`: at its end, and where the
+ * parabola through the forces at its start, middle and end has a maximum. */
+static int follow_peaks(penalty *p, double from)
+{
+  const nsdae_dims *d = dims(p);
+  double *middle = p->z[0], *end = p->z[1];
+  int any = 0, status;
+  for (int i = 0; i < d->k; i++) any |= p->equations.base.closed[i];
+  if (!any) return NSDAE_OK;
+  status = forces_at(p, from, 0.5);
+  memcpy(middle, p->equations.at.normal, (size_t)d->k * sizeof *middle);
+  if (status == NSDAE_OK) status = forces_at(p, from, 1);
+  memcpy(end, p->equations.at.normal, (size_t)d->k * sizeof *end);
+  for (int i = 0; i < d->k && status == NSDAE_OK; i++) {
+    double f = p->force[i], bend = 2 * (f - 2 * middle[i] + end[i]);
+    double slope = 4 * middle[i] - 3 * f - end[i], x = -slope / (2 * bend);
+    double peak = fmax(p->peak[i], end[i]);
+    p->force[i] = end[i];
+    if (!p->equations.base.closed[i]) continue;
+    if (bend < 0 && x > 0 && x < 1) {
+      status = forces_at(p, from, x);
+      peak = fmax(peak, p->equations.at.normal[i]);
+    }
+    p->peak[i] = peak;
+  }
   return status;
 }
 
-/* One step of the integrator towards t_end. */
-static int one_step(penalty *p, double t_end, double *t, int *what)
+/* One step of the integrator, up to the first gap that crosses zero. */
+static int one_step(penalty *p)
 {
-  int code = 0;
+  nsdae_smooth *g = &p->integrator;
+  const nsdae_dims *d = dims(p);
+  double from = p->ahead, hidden;
+  int contact = -1, status = NSDAE_OK, found = 0;
   nsdae_error_clear(p->equations.stepper->error);
-  int status = nsdae_ode_advance(p->ode, t_end, t, p->y, what, p->found, &code);
-  return status < 0 ? integrator_failed(p->equations.stepper, status, *t, code) : NSDAE_OK;
-}
-
-/* The end of a step, for a replay; after too many the integrator starts anew. */
-static int keep_end(penalty *p, double t_end, double t)
-{
-  nsdae_stretches *s = &p->equations.base.since_then;
-  double dt = p->equations.stepper->options->dt;
-  if (nsdae_stretches_add(s, p->grid, dt, t_end)) return NSDAE_OK;
-  int status = start(p, t);
-  nsdae_stretches_add(s, p->grid, dt, t_end);
-  return status;
-}
-
-/* What may help where too many steps of the integrator lead to too little. */
-static const char advice[] =
-    "make dt or penalty_stiffness smaller, or inner_steps_max or rtol larger";
-
-/* A step of backward differences takes some two evaluations of the forces, and n for a Jacobian now
- * and then: ten on the average. Light bodies between stiff contacts take a Jacobian or more each
- * step, of a hundred evaluations: a bound on steps alone is none on the work. */
-enum { EVALUATIONS = 10 };
-
-static int too_much_work(const penalty *p, long rates_before, double t, double t_end)
-{
-  nsdae_stepper *s = p->equations.stepper;
-  long rates = nsdae_ode_rates(p->ode) - rates_before;
-  if (rates < EVALUATIONS * (long)s->options->inner_steps_max || t >= t_end) return NSDAE_OK;
-  nsdae_error_set(s->error, NSDAE_E_CONVERGENCE, "nsdae_penalty", "inner_steps_max",
-                  "the integrator is at t = %.17g after %ld evaluations of the forces, %d for each "
-                  "of inner_steps_max = %d, towards t = %.17g: %s",
-                  nsdae_system_time(s->system, t), rates, EVALUATIONS, s->options->inner_steps_max,
-                  nsdae_system_time(s->system, t_end), advice);
-  s->error->time = nsdae_system_time(s->system, t);
-  return NSDAE_E_CONVERGENCE;
-}
-
-/* To the end of the step, or until the list of impacts is full: then the step ends early. */
-static int integrate(penalty *p, nsdae_result *result, double t_end, double *t)
-{
-  int what = NSDAE_ODE_STEP, room = result->impacts_max - p->equations.stepper->system->dims.k;
-  long rates = nsdae_ode_rates(p->ode);
-  while (what != NSDAE_ODE_END && *t < t_end && result->impacts < room) {
-    int status = keep_end(p, t_end, *t);
-    if (status == NSDAE_OK) status = one_step(p, t_end, t, &what);
-    if (status < 0) return status;
-    result->counters.iterations++;
-    status = what == NSDAE_ODE_ROOT ? switch_contacts(p, result, *t) : follow_peaks(p, *t);
-    if (status == NSDAE_OK)
-      status = nsdae_stepper_goes_on(p->equations.stepper, "nsdae_penalty", advice, *t, t_end);
-    if (status == NSDAE_OK) status = too_much_work(p, rates, *t, t_end);
+  if (d->k > 0) status = values(from, p->fall.low, p);
+  if (status == NSDAE_OK) status = nsdae_smooth_advance(g);
+  if (status < 0) return status;
+  p->ahead = g->to;
+  ++*p->equations.base.steps;
+  if (d->k > 0) {
+    double deep = DEEP * (g->steps.rtol * g->steps.way + g->steps.atol);
+    found = nsdae_fall_find(&p->fall, from, &p->ahead, p->found);
+    if (found < 0) return found;
+    status =
+        nsdae_dip_find(&p->dip, from, p->ahead, p->equations.base.closed, deep, &hidden, &contact);
     if (status < 0) return status;
   }
+  if (contact >= 0) {
+    p->ahead = hidden;
+    memset(p->found, 0, (size_t)d->k * sizeof *p->found);
+    p->found[contact] = 1;
+  }
+  p->pending = found > 0 || contact >= 0;
+  status = follow_peaks(p, from);
+  return status < 0 ? status : nsdae_smooth_read(g, p->ahead, d->nq + d->nv, p->qv);
+}
+
+/* What IDA does not solve the explicit pair may. */
+static int step_or_start(penalty *p)
+{
+  double from = p->ahead;
+  int steps = *p->equations.base.steps, stiff = *p->equations.base.is_stiff;
+  int automatic = p->equations.stepper->options->integrator == NSDAE_INTEGRATOR_AUTO;
+  if (nsdae_smooth_stiff(&p->integrator) && automatic && p->integrator.ida)
+    return start(p, from, 1);
+  if (steps >= (stiff ? STIFF_STEPS_MAX : STEPS_MAX)) return start(p, from, stiff);
+  int status = one_step(p);
+  if (status == NSDAE_OK) return NSDAE_OK;
+  if (!stiff || !automatic || p->equations.stepper->error->status != NSDAE_OK)
+    return integrator_failed(p, status, from);
+  p->ahead = from;
+  p->integrator.is_stiff = 0;
+  return start(p, from, 0);
+}
+
+/* What the forces did up to t, for the step's result. */
+static int account(penalty *p, nsdae_result *r, double t)
+{
+  const nsdae_dims *d = dims(p);
+  int n = nsdae_penalty_size(d), work = nsdae_penalty_at_work(d);
+  const double *from = p->z[0], *to = p->z[1];
+  int status = nsdae_smooth_read(&p->integrator, p->reached, n, p->z[0]);
+  if (status == NSDAE_OK) status = nsdae_smooth_read(&p->integrator, t, n, p->z[1]);
+  if (status < 0) return status;
+  int lambda = nsdae_penalty_at_lambda(d), normal = nsdae_penalty_at_normal(d);
+  int tangential = nsdae_penalty_at_tangential(d), slide = nsdae_penalty_at_slide(d);
+  nsdae_add_change(d->m, from + lambda, to + lambda, r->multiplier);
+  nsdae_add_change(d->k, from + normal, to + normal, r->impulses.normal);
+  nsdae_add_change(d->k * d->nt, from + tangential, to + tangential, r->impulses.tangential);
+  nsdae_add_change(d->f, from + slide, to + slide, r->impulses.frictional_joint_impulse);
+  r->work -= to[work] - from[work];
+  r->gain += to[work + 1] - from[work + 1] - (to[work] - from[work]);
+  p->reached = t;
   return NSDAE_OK;
 }
 
-/* The integrator's point is the state's, to the last bit. */
-static int stands_at(const penalty *p, const nsdae_terms *to, double t)
+/* To the end of the step, or until the list of impacts is full: then the step ends early. */
+static int integrate(penalty *p, nsdae_result *result, double t_end)
 {
-  const nsdae_dims *d = &p->equations.stepper->system->dims;
-  return t == to->t && memcmp(p->y, to->q, (size_t)d->nq * sizeof *p->y) == 0 &&
-         memcmp(p->y + d->nq, to->v, (size_t)d->nv * sizeof *p->y) == 0;
-}
-
-/* All steps of a stretch again, from t on. */
-static int replay_stretch(penalty *p, int stretch, double *t)
-{
-  const nsdae_stretches *s = &p->equations.base.since_then;
   int status = NSDAE_OK;
-  for (int i = 0; i < s->steps[stretch] && status == NSDAE_OK; i++) {
-    double end = nsdae_stretches_end(s, stretch, i, p->equations.stepper->options->dt);
-    int what = NSDAE_ODE_STEP;
-    while (status == NSDAE_OK && what != NSDAE_ODE_END && *t < end) {
-      status = one_step(p, end, t, &what);
-      if (status == NSDAE_OK) status = follow_peaks(p, *t);
+  while (status == NSDAE_OK && p->reached < t_end && nsdae_result_room(result)) {
+    if (!(p->ahead > p->reached)) {
+      status = step_or_start(p);
+      result->counters.iterations++;
+      if (status == NSDAE_OK)
+        status = nsdae_stepper_goes_on(
+            p->equations.stepper, "nsdae_penalty",
+            "make dt or penalty_stiffness smaller, or inner_steps_max or rtol larger", p->ahead,
+            t_end);
     }
+    double to = fmin(p->ahead, t_end);
+    if (status == NSDAE_OK && to > p->reached) status = account(p, result, to);
+    if (status == NSDAE_OK && p->pending && p->reached == p->ahead)
+      status = switch_contacts(p, result, p->ahead);
   }
   return status;
 }
 
-/* From the base to the state again. Where callbacks do not give the same numbers as then, it is
- * the state that holds, and the integrator starts anew there. */
-static int replay(penalty *p, const nsdae_terms *to)
+/* ---- the interface of a method */
+
+/* q and v at t, which the integrator has reached. */
+static int read_state(penalty *p, double t, double *qv)
 {
-  const nsdae_dims *d = &p->equations.stepper->system->dims;
-  const nsdae_penalty_base *b = &p->equations.base;
-  double t = *b->t;
-  memcpy(p->y, b->y, (size_t)p->n * sizeof *p->y);
-  memcpy(p->peak, b->peak, (size_t)d->k * sizeof *p->peak);
-  int status = start_integrator(p, t);
-  for (int i = 0; i < *b->since_then.count && status == NSDAE_OK; i++)
-    status = replay_stretch(p, i, &t);
-  if (status < 0 || stands_at(p, to, t)) return status;
-  memcpy(p->y, to->q, (size_t)d->nq * sizeof *p->y);
-  memcpy(p->y + d->nq, to->v, (size_t)d->nv * sizeof *p->y);
-  return start(p, to->t);
+  const nsdae_dims *d = dims(p);
+  if (*p->equations.base.steps > 0) return nsdae_smooth_read(&p->integrator, t, d->nq + d->nv, qv);
+  memcpy(qv, p->equations.base.qv, (size_t)(d->nq + d->nv) * sizeof *qv);
+  return NSDAE_OK;
 }
 
-/* A gap that closes or opens just where the step ends, to rounding of its time, is no root that the
- * integrator reports. */
-static int switch_at_end(penalty *p, nsdae_result *result, double t)
+/* From the base to the state again. Where callbacks do not give the same numbers as then, it is the
+ * state that holds, with the contacts of the base, and the integrator starts anew there. */
+static int replay(penalty *p, const nsdae_terms *to)
 {
-  const nsdae_terms *T = &p->equations.stepper->middle;
-  int any = 0, status = nsdae_penalty_evaluate(&p->equations, t, p->y);
-  for (int i = 0; i < p->equations.stepper->system->dims.k && status == NSDAE_OK; i++) {
-    double v_n = p->equations.at.v_n[i];
-    int closes = !p->equations.base.closed[i] && v_n < 0 && T->gap[i] <= reach(p, i);
-    int opens = p->equations.base.closed[i] && T->gap[i] > 0 && v_n > 0;
-    p->found[i] = opens - closes;
-    any |= closes || opens;
-  }
-  return any && status == NSDAE_OK ? switch_contacts(p, result, t) : status;
+  const nsdae_dims *d = dims(p);
+  const nsdae_penalty_base *b = &p->equations.base;
+  double *q = p->qv, *v = q + d->nq;
+  size_t nq = (size_t)d->nq * sizeof *q, nv = (size_t)d->nv * sizeof *v;
+  int steps = *b->steps;
+  memcpy(q, b->qv, nq + nv);
+  memcpy(p->peak, b->peak, (size_t)d->k * sizeof *p->peak);
+  int status = start_integrator(p);
+  for (*b->steps = 0; status == NSDAE_OK && *b->steps < steps;) status = one_step(p);
+  if (status < 0) return integrator_failed(p, status, p->ahead);
+  if (to->t <= p->ahead && read_state(p, to->t, p->equations.room) == NSDAE_OK &&
+      memcmp(p->equations.room, to->q, nq) == 0 &&
+      memcmp(p->equations.room + d->nq, to->v, nv) == 0)
+    return NSDAE_OK;
+  memcpy(q, to->q, nq);
+  memcpy(v, to->v, nv);
+  return start(p, to->t, *b->is_stiff);
 }
 
 static int mode_of(const penalty *p, int i, int nt)
@@ -355,43 +513,39 @@ static int mode_of(const penalty *p, int i, int nt)
                                                                              : NSDAE_MODE_SLIP;
 }
 
-/* to [n] := what the step added to the integrals from entry first on. */
-static void integrals(const penalty *p, int first, int n, double *to)
-{
-  for (int i = 0; i < n; i++) to[i] = p->y[first + i] - p->y_start[first + i];
-}
-
-/* What the step did, from the integrals. */
-static void read_results(const penalty *p, nsdae_result *result, double t, double h)
+/* What the step did beside its impulses. */
+static int read_results(penalty *p, nsdae_result *result, double h)
 {
   const nsdae_terms *T = &p->equations.stepper->middle;
-  const nsdae_dims *d = &T->system->dims;
+  const nsdae_dims *d = dims(p);
   nsdae_impulses *to = &result->impulses;
-  integrals(p, nsdae_penalty_at_lambda(d), d->m, result->multiplier);
+  double t = p->reached;
+  int status = read_state(p, t, p->equations.room);
+  if (status == NSDAE_OK) status = nsdae_penalty_evaluate(&p->equations, t, p->equations.room);
+  if (status == NSDAE_OK)
+    status =
+        nsdae_terms_need(&p->equations.stepper->middle, NSDAE_TERM_PHI | NSDAE_TERM_SLIDE |
+                                                            NSDAE_TERM_JACOBIAN | NSDAE_TERM_PHI_T);
+  if (status < 0) return status;
   for (int i = 0; i < d->m; i++) result->multiplier[i] /= h;
-  integrals(p, nsdae_penalty_at_normal(d), d->k, to->normal);
-  integrals(p, nsdae_penalty_at_tangential(d), d->k * d->nt, to->tangential);
-  integrals(p, nsdae_penalty_at_slide(d), d->f, to->frictional_joint_impulse);
   for (int i = 0; i < d->k; i++) to->mode[i] = mode_of(p, i, d->nt);
   for (int j = 0; j < d->f; j++) {
     double slip = fabs(nsdae_terms_slide_rate(T, j, T->v));
     int sticks = slip <= p->equations.stepper->options->friction_velocity;
     to->frictional_joint_mode[j] = sticks ? NSDAE_MODE_STICK : NSDAE_MODE_SLIP;
   }
-  result->work = p->y_start[nsdae_penalty_at_work(d)] - p->y[nsdae_penalty_at_work(d)];
-  integrals(p, nsdae_penalty_at_other_work(d), 1, &result->gain);
-  result->gain += result->work;
   nsdae_result_rate(result, T, T->v);
   result->located = 1;
-  nsdae_terms_at(&result->end, t, p->y, p->y + d->nq);
+  nsdae_terms_at(&result->end, t, T->q, T->v);
+  return NSDAE_OK;
 }
 
 /* To where the step starts, if the integrator is not there already. A replay is not counted. */
 static int arrive(penalty *p, const nsdae_state *state, nsdae_counters *counters)
 {
   long stamp = state->memory->stamp;
+  if (stamp > 0 && stamp == p->stamp) return NSDAE_OK;
   if (stamp == 0) return begin(p, state->terms);
-  if (stamp == p->stamp) return NSDAE_OK;
   nsdae_counters counted = *counters;
   int status = replay(p, state->terms);
   *counters = counted;
@@ -404,32 +558,28 @@ static int settle(void *own, const nsdae_state *state, nsdae_result *result)
   nsdae_penalty_base_find(&p->equations.base, p->equations.stepper, &result->memory);
   int status = arrive(p, state, &result->counters);
   p->stamp = 0;
-  if (status == NSDAE_OK) move_base(p, state->terms->t);
-  return status;
+  if (status == NSDAE_OK) status = read_state(p, state->terms->t, p->qv);
+  return status < 0 ? status : move_base(p, state->terms->t);
 }
 
 static int advance(void *own, const nsdae_state *state, double t_end, nsdae_result *result)
 {
   penalty *p = own;
-  double t = state->terms->t;
-  p->grid = state->grid;
   nsdae_penalty_base_find(&p->equations.base, p->equations.stepper, &result->memory);
   int status = arrive(p, state, &result->counters);
   p->stamp = 0;
-  if (status < 0) return status;
-  memcpy(p->y_start, p->y, (size_t)p->n * sizeof *p->y);
-  status = integrate(p, result, t_end, &t);
-  if (status == NSDAE_OK) status = switch_at_end(p, result, t);
+  p->reached = state->terms->t;
+  if (status == NSDAE_OK) status = integrate(p, result, t_end);
+  if (status == NSDAE_OK) status = read_results(p, result, p->reached - state->terms->t);
   if (status < 0) return status;
   nsdae_error_clear(p->equations.stepper->error); /* of callbacks that a smaller step helped */
-  read_results(p, result, t, t - state->terms->t);
   result->memory.stamp = p->stamp = ++p->stamps;
   return NSDAE_OK;
 }
 
 const nsdae_stepping nsdae_stepping_penalty = {
     .name = "penalty",
-    .summary = "continuous contact force, integrated by SUNDIALS with error control",
+    .summary = "continuous contact force, integrated with error control",
     .create = create,
     .destroy = destroy,
     .sizes = nsdae_penalty_base_sizes,

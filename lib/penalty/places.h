@@ -1,4 +1,5 @@
-/* Offsets in y = [q, v, Lambda, I_N, I_T, I_S, E, A] of the equations, and its length. */
+/* Offsets in z = [q, v, Lambda, I_N, I_T, I_S, E, A] of the equations, and its length; those of the
+ * forces in y = [q, v, lambda, F_N, F_T, F_S] are the same. */
 #ifndef NSDAE_PENALTY_PLACES_H
 #define NSDAE_PENALTY_PLACES_H
 
@@ -29,14 +30,9 @@ static inline int nsdae_penalty_at_work(const nsdae_dims *d)
   return nsdae_penalty_at_slide(d) + d->f;
 }
 
-static inline int nsdae_penalty_at_other_work(const nsdae_dims *d)
-{
-  return nsdae_penalty_at_work(d) + 1;
-}
-
 static inline int nsdae_penalty_size(const nsdae_dims *d)
 {
-  return nsdae_penalty_at_other_work(d) + 1;
+  return nsdae_penalty_at_work(d) + 2;
 }
 
 #endif

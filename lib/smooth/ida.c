@@ -92,30 +92,42 @@ static int make_vectors(nsdae_ida *s)
 
 /* ---- callbacks of IDA */
 
+static double current_cj(const nsdae_ida *s)
+{
+  double cj = 0;
+  IDAGetCurrentCj(s->ida, &cj);
+  return cj;
+}
+
 static int residual(sunrealtype t, N_Vector y, N_Vector ydot, N_Vector r, void *user)
 {
   nsdae_ida *s = user;
-  double cj = 0;
   s->residuals++;
-  IDAGetCurrentCj(s->ida, &cj);
-  int code = s->problem.residual(t, N_VGetArrayPointer(y), N_VGetArrayPointer(ydot), cj,
+  int code = s->problem.residual(t, N_VGetArrayPointer(y), N_VGetArrayPointer(ydot), current_cj(s),
                                  N_VGetArrayPointer(r), s->problem.user);
   return nsdae_progress_note(&s->progress, code);
 }
 
-/* In IDA's norms every entry counts in the mean: the weights make up for those of no weight. */
+/* Impulses are not fed back: see runge_kutta.c. */
+static const double IMPULSE = 10;
+
+/* In the norm of the error test, which leaves the algebraic entries out, these count in the mean.
+ */
 static int weigh(N_Vector y, N_Vector weights, void *user)
 {
   const nsdae_ida *s = user;
   const nsdae_ida_problem *p = &s->problem;
-  double share = sqrt((double)p->differential / p->n);
+  const nsdae_ida_tolerances *tol = &s->tolerances;
+  double share = sqrt((double)p->differential / p->n), h = nsdae_ida_last_step(s);
   double *w = N_VGetArrayPointer(weights);
   const double *at = N_VGetArrayPointer(y);
-  for (int i = 0; i < p->n; i++) {
+  for (int i = 0; i < p->differential; i++) {
     double scale = i < p->positions ? fmin(fabs(at[i]), s->way) : fabs(at[i]);
-    w[i] = i < p->differential ? 1 / (share * (s->tolerances.rtol * scale + s->tolerances.atol))
-                               : 1e-150;
+    w[i] = 1 / (share * (tol->rtol * scale + tol->atol));
   }
+  double force = fmax(tol->force, nsdae_largest(p->n - p->differential, at + p->differential));
+  double most = IMPULSE * tol->rtol * force * (h > 0 ? fmax(1, tol->longest / h) : 1) + tol->atol;
+  for (int i = p->differential; i < p->n; i++) w[i] = 1 / (share * most);
   return 0;
 }
 
@@ -161,7 +173,8 @@ static int solve(SUNLinearSolver solver, SUNMatrix matrix, N_Vector x, N_Vector 
 {
   nsdae_ida *s = solver->content;
   (void)matrix, (void)tol;
-  int code = s->problem.solve(N_VGetArrayPointer(r), N_VGetArrayPointer(x), s->problem.user);
+  int code = s->problem.solve(current_cj(s), N_VGetArrayPointer(r), N_VGetArrayPointer(x),
+                              s->problem.user);
   nsdae_progress_note(&s->progress, code);
   return code == 0 ? 0 : code > 0 ? SUNLS_LUFACT_FAIL : SUNLS_GS_FAIL;
 }
@@ -196,6 +209,7 @@ static int make_integrator(nsdae_ida *s)
   if (!bad) bad = IDASetSuppressAlg(s->ida, 1);
   if (!bad) bad = IDASetLinearSolver(s->ida, s->solver, s->matrix);
   if (!bad) bad = IDASetJacFn(s->ida, setup);
+  if (!bad) bad = IDASetLinearSolutionScaling(s->ida, 0); /* it is for the change of cj */
   return bad ? NSDAE_E_MEMORY : NSDAE_OK;
 }
 

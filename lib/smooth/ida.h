@@ -10,8 +10,10 @@
  *   r_q = q' - H v,   r_v = M v' + J^T lambda - W f - F,   r_a = 0 at the level of accelerations
  *
  * The error is controlled of q and v alone, in the norm of SUNDIALS and with the weights of
- * runge_kutta.h; the error of a is cj times that of v, so that its integrals are as accurate as v.
- * Roots are searched for by the caller, on nsdae_ida_read. */
+ * runge_kutta.h. Newton's iteration converges in a too: IDA starts it from extrapolated a, whose
+ * errors would grow from step to step. The bound is that of runge_kutta.h for the impulse of a step
+ * h: h |da| <= 10 rtol times what the largest force makes in `longest`. The caller searches for
+ * roots, on nsdae_ida_read. */
 #ifndef NSDAE_IDA_H
 #define NSDAE_IDA_H
 
@@ -25,19 +27,21 @@ typedef struct nsdae_ida_problem {
   int positions;       /* q, the first of those */
   /* r [n] := F(t, y, y'). cj is that of the step in work. With it F may be evaluated at
    * q* = q - r_q / cj in place of q, what Newton's step makes of q without a change of v: the zeros
-   * are the same, and what is left of Newton's system, dq* = H dv / cj, does not depend on r_q. */
+   * are the same, and the rest of Newton's system, dq* = H dv / cj, does not depend on r_q. */
   int (*residual)(double t, const double *y, const double *ydot, double cj, double *r, void *user);
   /* factors Newton's matrix at (t, y, y') with cj; the arrays are not to be kept */
   int (*setup)(double t, const double *y, const double *ydot, double cj, void *user);
-  /* x [n] := x of the last factors with r [n] on the right; their cj is the one of setup. r may be
-   * written to. */
-  int (*solve)(double *r, double *x, void *user);
+  /* x [n] := solution with r [n] on the right, which may be written to, by the last factors. cj is
+   * that of the step in work and differs from that of the factors by some tenths: where it stands
+   * in the open, as in dq = (H dv + r_q) / cj, this one is right. */
+  int (*solve)(double cj, double *r, double *x, void *user);
   void *user;
 } nsdae_ida_problem;
 
 /* Error weights: see runge_kutta.h; of positions, l = longest max |q'|. */
 typedef struct nsdae_ida_tolerances {
   double rtol, atol, longest;
+  double force;    /* smaller forces are none */
   double step_max; /* no step is longer; INFINITY: no bound */
 } nsdae_ida_tolerances;
 

@@ -219,13 +219,18 @@ static void find_rows(nsdae_newton_matrix *N, const nsdae_rows *rows)
   }
 }
 
+int nsdae_newton_matrix_make(nsdae_newton_matrix *N)
+{
+  int status = nsdae_block_pairs_make(&N->pairs, N->system->blocks.count);
+  N->list = (nsdae_block_list){.system = N->system, .diagonal = N->A, .pairs = &N->pairs};
+  return status < 0 ? status : nsdae_newton_matrix_grow(N);
+}
+
 int nsdae_newton_matrix_start(nsdae_newton_matrix *N, nsdae_terms *T)
 {
   nsdae_block_pairs *p = &N->pairs;
   int coupled = N->system->dims.m > 0 && N->system->blocks.count > 1;
-  int status = nsdae_block_pairs_make(p, N->system->blocks.count);
-  N->list = (nsdae_block_list){.system = N->system, .diagonal = N->A, .pairs = p};
-  if (status == NSDAE_OK) status = nsdae_newton_matrix_grow(N);
+  int status = nsdae_newton_matrix_make(N);
   if (status == NSDAE_OK && coupled) status = nsdae_terms_need(T, NSDAE_TERM_JACOBIAN);
   for (int any = 1; any && status == NSDAE_OK;) {
     p->missed = 0;

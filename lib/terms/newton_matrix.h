@@ -29,8 +29,12 @@ typedef struct nsdae_newton_matrix {
 /* Takes the arrays; system is set before. */
 void nsdae_newton_matrix_layout(nsdae_newton_matrix *matrix, nsdae_arena *arena);
 
-/* The pattern at the terms' point. Allocates. NSDAE_OK, NSDAE_E_MEMORY, what the terms and
- * callbacks return. */
+/* A pattern without couplings, which is that of a system of one block. NSDAE_OK or NSDAE_E_MEMORY.
+ */
+int nsdae_newton_matrix_make(nsdae_newton_matrix *matrix);
+
+/* The pattern at the terms' point. Allocates. NSDAE_OK, NSDAE_E_MEMORY, what the terms
+ * and callbacks return. */
 int nsdae_newton_matrix_start(nsdae_newton_matrix *matrix, nsdae_terms *terms);
 
 /* Takes the pairs that were missing in the last evaluation (pairs.missed > 0) into the pattern.

@@ -22,11 +22,21 @@ int main(void)
 void *__real_CVodeCreate(int lmm, void *context);
 void *__wrap_CVodeCreate(int lmm, void *context);
 
+void *__real_IDACreate(void *context);
+void *__wrap_IDACreate(void *context);
+
 static int may_print; /* the call that failed may print */
 
 void *__wrap_CVodeCreate(int lmm, void *context)
 {
   void *made = __real_CVodeCreate(lmm, context);
+  may_print |= !made;
+  return made;
+}
+
+void *__wrap_IDACreate(void *context)
+{
+  void *made = __real_IDACreate(context);
   may_print |= !made;
   return made;
 }

@@ -250,6 +250,36 @@ static void test_table4(void **state)
   }
 }
 
+/* The explicit pairs and IDA, two methods of different kind, lead to the same impacts. rtol is 1e-7
+ * a step; some thousand steps. */
+static void test_integrators(void **state)
+{
+  (void)state;
+  const driver_model *models[] = {&pendulum_model, &clearance_hinge_model};
+  for (int i = 0; i < 2; i++) {
+    static comparison_run explicit, implicit;
+    settings s;
+    settings_default(&s, models[i]);
+    s.options.rtol = 1e-7;
+    if (i == 1) s.t_end = 0.1; /* it is chaotic */
+    compare_one(&s, NSDAE_METHOD_PENALTY, &explicit);
+    s.options.integrator = NSDAE_INTEGRATOR_IDA;
+    compare_one(&s, NSDAE_METHOD_PENALTY, &implicit);
+    if (implicit.status == NSDAE_E_UNSUPPORTED) untested("no SUNDIALS");
+    assert_int_equal(explicit.status, NSDAE_OK);
+    assert_int_equal(implicit.status, NSDAE_OK);
+    assert_int_equal(implicit.impacts, explicit.impacts);
+    assert_true(explicit.impacts > 0);
+    for (int j = 0; j < explicit.impacts; j++) {
+      const nsdae_impact *a = &explicit.impact[j], *b = &implicit.impact[j];
+      assert_near(b->time, a->time, 1e-5);
+      assert_near(b->normal_impulse / a->normal_impulse, 1, 1e-4);
+      assert_near(b->peak_force / a->peak_force, 1, 1e-4);
+      assert_near(b->velocity_after / a->velocity_after, 1, 1e-4);
+    }
+  }
+}
+
 /* Every example runs with it unchanged. */
 static void test_examples(void **state)
 {
@@ -280,13 +310,10 @@ static void test_flores_needs_restitution(void **state)
 int main(void)
 {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_restitution),
-      cmocka_unit_test(test_hertz_peak),
-      cmocka_unit_test(test_kelvin_voigt),
-      cmocka_unit_test(test_reported),
-      cmocka_unit_test(test_table4),
-      cmocka_unit_test(test_examples),
-      cmocka_unit_test(test_flores_needs_restitution),
+      cmocka_unit_test(test_integrators), cmocka_unit_test(test_restitution),
+      cmocka_unit_test(test_hertz_peak),  cmocka_unit_test(test_kelvin_voigt),
+      cmocka_unit_test(test_reported),    cmocka_unit_test(test_table4),
+      cmocka_unit_test(test_examples),    cmocka_unit_test(test_flores_needs_restitution),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

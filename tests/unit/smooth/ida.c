@@ -40,9 +40,10 @@ static int setup(double t, const double *y, const double *ydot, double cj, void 
 }
 
 /* Gauss's elimination with row pivoting. */
-static int solve(double *r, double *x, void *user)
+static int solve(double cj, double *r, double *x, void *user)
 {
   problem *p = user;
+  assert_true(cj > 0);
   double A[MOST][MOST];
   int n = p->n;
   memcpy(A, p->A, sizeof A);
@@ -162,7 +163,7 @@ static nsdae_ida *make(problem *p, int differential, int positions)
 static int go(nsdae_ida *ida, double rtol, double step_max, const double *y_0, const double *ydot_0,
               double t_end, double *y, int *steps)
 {
-  const nsdae_ida_tolerances tolerances = {rtol, rtol * 1e-3, 1, step_max};
+  const nsdae_ida_tolerances tolerances = {rtol, rtol * 1e-3, 1, 1, step_max};
   double t = 0;
   int status = nsdae_ida_start(ida, &tolerances, 0, y_0, ydot_0, 0);
   for (*steps = 0; status == NSDAE_OK && t < t_end; ++*steps) {

@@ -1,0 +1,60 @@
+/* The integrator of a smooth phase: an explicit pair (runge_kutta.h), which starts anew at no cost,
+ * and for stiff equations IDA (ida.h).
+ *
+ *   z = [q, v, integrals of the forces a, further integrals],   z' = f(t, q, v)      (explicit)
+ *   y = [q, v, a],   F(t, y, y') = 0                                                 (implicit)
+ *
+ * The forces a follow from q and v: f gives them as rates of their integrals, which makes y and y'
+ * at a start consistent. With IDA the integrals are those of its polynomial of degree 5 at most, by
+ * Gauss's quadrature with three points, which is exact for that degree; they are no part of
+ * Newton's system. */
+#ifndef NSDAE_SMOOTH_H
+#define NSDAE_SMOOTH_H
+
+#include "ida.h"
+#include "runge_kutta.h"
+
+typedef struct nsdae_smooth {
+  nsdae_runge_kutta steps; /* of z: n to user are set before the layout, tolerances before a start;
+                              rate is f */
+  nsdae_ida_problem implicit; /* residual to user are set before the layout */
+  /* rates of the further integrals at y, y', with the forces of y; 0, > 0, < 0 as f */
+  int (*powers)(double t, const double *y, const double *ydot, double *rate, void *user);
+  nsdae_ida *ida;    /* NULL: not made */
+  int is_stiff;      /* IDA is at work; set before a start */
+  double first;      /* length of IDA's first step, or 0; set before a start */
+  double *sum[2];    /* integrals: at the start and at the end of the last step */
+  double *y, *ydot;  /* room */
+  double from, to;   /* the last step */
+  const char *cause; /* of the last failure of IDA, as SUNDIALS names it; or "" */
+} nsdae_smooth;
+
+/* Takes the arrays; makes IDA: NSDAE_OK, NSDAE_E_MEMORY, NSDAE_E_UNSUPPORTED. */
+void nsdae_smooth_layout(nsdae_smooth *smooth, nsdae_arena *arena);
+int nsdae_smooth_make(nsdae_smooth *smooth);
+void nsdae_smooth_destroy(nsdae_smooth *smooth);
+
+/* Starts (anew) at t from q and v; the integrals are zero there. NSDAE_OK; NSDAE_E_CALLBACK if f
+ * fails. */
+int nsdae_smooth_start(nsdae_smooth *smooth, double t, const double *qv);
+
+/* One step of its own choice: [from, to]. NSDAE_OK, NSDAE_E_CALLBACK, NSDAE_E_CONVERGENCE. */
+int nsdae_smooth_advance(nsdae_smooth *smooth);
+
+/* The first `count` of z at t within the last step. NSDAE_OK, NSDAE_E_CALLBACK,
+ * NSDAE_E_CONVERGENCE. */
+int nsdae_smooth_read(nsdae_smooth *smooth, double t, int count, double *z);
+
+/* The explicit steps have for long been held back by stability. */
+static inline int nsdae_smooth_stiff(const nsdae_smooth *smooth)
+{
+  return !smooth->is_stiff && nsdae_runge_kutta_stiff(&smooth->steps);
+}
+
+/* Length of the last step. */
+static inline double nsdae_smooth_last(const nsdae_smooth *smooth)
+{
+  return smooth->to - smooth->from;
+}
+
+#endif
