@@ -159,7 +159,7 @@ void nsdae_penalty_equations_layout(nsdae_penalty_equations *p, nsdae_arena *are
   nsdae_penalty_forces *at = &p->at;
   long k = d->k, kt = k * d->nt, f = d->f;
   p->shift = NSDAE_ARENA_DOUBLES(arena, k);
-  nsdae_power_layout(&p->power, d, arena);
+  nsdae_power_layout(&p->power, p->stepper->system, arena);
   at->normal = NSDAE_ARENA_DOUBLES(arena, k);
   at->tangential = NSDAE_ARENA_DOUBLES(arena, kt);
   at->frictional_joint = NSDAE_ARENA_DOUBLES(arena, f);
