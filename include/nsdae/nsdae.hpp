@@ -452,7 +452,7 @@ public:
   {
     return keep(NSDAE_CALLBACK(mass_blocks), std::move(f));
   }
-  /* Phi_q(t,q): calls nsdae_row_add for every block of every row.
+  /* Phi_q(t,q), in place of constraint_jacobian: calls nsdae_row_add for every block of every row.
    *   f(double t, const double *q, nsdae_row_list *rows) */
   template <class F> system &constraint_rows(F f)
   {
@@ -469,7 +469,8 @@ public:
   {
     return keep(NSDAE_CALLBACK(force_stiffness_blocks), std::move(f));
   }
-  /* Calls nsdae_contact_add for every contact with a gap of at most reach.
+  /* In place of fixed contacts: calls nsdae_contact_add for every contact with a gap of at most
+   * reach.
    *   f(double t, const double *q, const double *v, double reach, nsdae_contact_list *list) */
   template <class F> system &contacts(F f)
   {

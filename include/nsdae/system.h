@@ -177,16 +177,15 @@ NSDAE_API int nsdae_system_set_frictional_joint(nsdae_system *system, int j, int
 /* ---- large systems: v in blocks, block-sparse Jacobian, contact list
  *
  * q and v are divided into blocks, such as bodies. M is block diagonal. A row of Phi_q and a
- * direction of a contact involve few blocks. A callback lists the close contacts only. The cost of
- * a step depends on the closed contacts and constraints: islands that share none of these are
- * solved separately. Methods: implicit, implicit-printed and moreau. Not supported: penalty, event,
- * the option projection, nsdae_sim_project. */
+ * direction of a contact involve few blocks. Contacts are fixed (dims.k), as in any system, or
+ * those of a contact list: a callback lists the close contacts only. Islands that share no contact
+ * and no constraint are then solved separately. Not supported with a contact list: the methods
+ * penalty and event, the options projection and polygon, nsdae_sim_project. */
 
 /* Divides q and v into count blocks. Block b has nq[b] coordinates and nv[b] velocities, 1 <= nv[b]
- * <= nq[b], after those of block b - 1. The sums are dims.nq and dims.nv. dims.k and dims.f are 0;
- * dims.nt applies to every contact. Three callbacks below replace mass, constraint_jacobian and
- * those of fixed contacts. The other callbacks have the complete vectors as in any system.
- * kinematics must compute dq/dt of a block from v of that block. */
+ * <= nq[b], after those of block b - 1. The sums are dims.nq and dims.nv. The callback mass_blocks
+ * replaces mass. The other callbacks have the complete vectors as in any system. kinematics must
+ * compute dq/dt of a block from v of that block. */
 NSDAE_API int nsdae_system_set_blocks(nsdae_system *system, int count, const int *nq,
                                       const int *nv);
 /* Number of blocks: 1 by default, 0 if system is NULL. */
@@ -200,7 +199,8 @@ NSDAE_API int nsdae_system_set_mass_blocks(nsdae_system *system, nsdae_mass_bloc
 
 /* Rows of Phi_q that a callback fills; valid during the call. */
 typedef struct nsdae_row_list nsdae_row_list;
-/* Phi_q(t,q): calls nsdae_row_add for every block of every row. Required if m > 0. */
+/* Phi_q(t,q): calls nsdae_row_add for every block of every row. It replaces constraint_jacobian,
+ * whose matrix is dense. */
 typedef int (*nsdae_constraint_rows_fn)(double t, const double *q, nsdae_row_list *rows,
                                         void *user);
 /* Sets the callback, with the errors of the setters above. NSDAE_E_ARGUMENT: also if m = 0. */
@@ -234,7 +234,8 @@ NSDAE_API int nsdae_block_add(nsdae_block_list *blocks, int row, int column, con
  * this callback the system has no contacts. */
 typedef int (*nsdae_contacts_fn)(double t, const double *q, const double *v, double reach,
                                  nsdae_contact_list *list, void *user);
-/* Sets the callback, with the errors of the setters above. */
+/* Sets the callback, with the errors of the setters above. NSDAE_E_ARGUMENT: also if dims.k or
+ * dims.f is not 0. dims.nt applies to every contact. */
 NSDAE_API int nsdae_system_set_contacts(nsdae_system *system, nsdae_contacts_fn callback);
 
 /* Objects with a name; the comment is their number, from 0. */

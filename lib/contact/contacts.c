@@ -228,14 +228,17 @@ static void gather_columns(nsdae_contacts *c, const nsdae_terms *terms)
  * and must not be taken for a mass of 1e17. */
 static void clear_jammed(nsdae_contacts *c, const nsdae_terms *terms, int n, int m)
 {
+  double *reaction = terms->by.work;
   for (int j = 0; j < c->columns; j++) {
     const double *W = c->delassus.W + (size_t)j * (size_t)n,
                  *D = c->delassus.D + (size_t)j * (size_t)m;
     double largest = 0, left = 0;
+    memset(reaction, 0, (size_t)n * sizeof *reaction);
+    for (int i = 0; i < m; i++)
+      nsdae_rows_add(&c->system->blocks, &terms->by.jacobian, i, D[i], reaction);
     for (int i = 0; i < n; i++) {
-      double rest = W[i] - nsdae_dot(m, terms->by.jacobian.value + (size_t)i * (size_t)m, D);
       largest = fmax(largest, fabs(W[i]));
-      left = fmax(left, fabs(rest));
+      left = fmax(left, fabs(W[i] - reaction[i]));
     }
     if (left <= 64 * DBL_EPSILON * largest)
       memset(c->delassus.U + (size_t)j * (size_t)n, 0, (size_t)n * sizeof *c->delassus.U);

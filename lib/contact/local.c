@@ -23,21 +23,24 @@ void nsdae_local_prepare(nsdae_local *l, const nsdae_system *system, nsdae_error
 static void most_dims(nsdae_local *l)
 {
   int planar = l->model.dims.nt == 1 ? 3 : 1;
-  l->model.dims.nv = l->kkt.n = NSDAE_LOCAL_V;
+  l->model.dims.nv = l->kkt.n = l->ends[1] = NSDAE_LOCAL_V;
   l->model.dims.m = l->kkt.m = NSDAE_LOCAL_M;
   l->model.dims.k = NSDAE_LOCAL_ROWS / planar;
 }
 
 /* The arrays that a gathered island fills. */
-static void lay_out_terms(nsdae_terms *T, const nsdae_dims *d, nsdae_arena *arena)
+static void lay_out_terms(nsdae_terms *T, nsdae_arena *arena)
 {
+  const nsdae_dims *d = &T->system->dims;
+  const nsdae_blocks *blocks = &T->system->blocks;
   long n = d->nv, k = d->k, nt = d->nt;
   T->M = NSDAE_ARENA_DOUBLES(arena, n * n);
-  nsdae_terms_layout_rows(&T->by.jacobian, d->m, n, 1, d->m, arena);
+  T->by.work = NSDAE_ARENA_DOUBLES(arena, n);
+  nsdae_terms_layout_rows(&T->by.jacobian, blocks, d->m, 1, d->m, arena);
   T->w_N = NSDAE_ARENA_DOUBLES(arena, k);
   T->w_T = NSDAE_ARENA_DOUBLES(arena, k * nt);
-  nsdae_terms_layout_rows(&T->by.normal, k, n, n, 1, arena);
-  nsdae_terms_layout_rows(&T->by.tangent, k * nt, n, n, 1, arena);
+  nsdae_terms_layout_rows(&T->by.normal, blocks, k, n, 1, arena);
+  nsdae_terms_layout_rows(&T->by.tangent, blocks, k * nt, n, 1, arena);
 }
 
 void nsdae_local_layout(nsdae_local *l, nsdae_arena *arena)
@@ -45,7 +48,7 @@ void nsdae_local_layout(nsdae_local *l, nsdae_arena *arena)
   most_dims(l);
   const nsdae_dims *d = &l->model.dims;
   long k = d->k;
-  lay_out_terms(&l->terms, d, arena);
+  lay_out_terms(&l->terms, arena);
   l->coefficient = nsdae_arena_take(arena, k, sizeof *l->coefficient);
   l->memory = NSDAE_ARENA_INTS(arena, k * NSDAE_CLOSED_BASIS);
   l->all = NSDAE_ARENA_INTS(arena, k);

@@ -381,7 +381,8 @@ contains
   ! callbacks.list: end
 
   ! Divides q and v into blocks: block b has nq(b + 1) coordinates and nv(b + 1) velocities. The
-  ! system then requires the callbacks mass_blocks, constraint_rows and contacts.
+  ! callback mass_blocks then replaces mass. constraint_rows may replace constraint_jacobian, and
+  ! contacts the callbacks of fixed contacts.
   integer(c_int) function nsdae_system_set_blocks(system, nq, nv) result(status)
     type(nsdae_system), intent(in) :: system
     integer(c_int), intent(in), contiguous :: nq(:), nv(:)

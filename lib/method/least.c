@@ -1,56 +1,95 @@
 #include "least.h"
 
-#include <math.h>
 #include <string.h>
 
+#include "dynamic_array.h"
 #include "errors.h"
+
+/* Entries of dense rows up to which they have room in the arena, 8 MB. Longer rows of a list are
+ * copied into memory that grows when they are first used. */
+enum { DENSE = 1 << 20 };
 
 void nsdae_least_layout(nsdae_least *p, const nsdae_system *system, int most, double rank_tol,
                         nsdae_arena *arena)
 {
-  int listed = system->by_list; /* nothing is projected */
-  p->most = p->kkt.m = listed ? 0 : most;
-  p->kkt.n = listed ? 0 : system->dims.nv;
-  p->kkt.blocks = &system->blocks;
+  const nsdae_blocks *blocks = &system->blocks;
+  long n = most > 0 ? system->dims.nv : 0;
+  p->most = p->kkt.m = most;
+  p->kkt.n = (int)n;
+  p->kkt.blocks = blocks;
   p->kkt.rank_tol = rank_tol;
   nsdae_kkt_layout(&p->kkt, arena);
-  nsdae_terms_layout_rows(&p->J, p->most, p->kkt.n, 1, p->most, arena);
-  p->c = NSDAE_ARENA_DOUBLES(arena, p->most);
-  p->change = NSDAE_ARENA_DOUBLES(arena, p->kkt.n);
+  p->grows = system->call.constraint_rows && most * n > DENSE;
+  if (p->grows) {
+    p->J.stride = 1;
+    p->J.first = NSDAE_ARENA_INTS(arena, most + 1L);
+  } else {
+    nsdae_terms_layout_rows(&p->J, blocks, most, n, 1, arena);
+    p->room = (nsdae_room){(size_t)most * (size_t)blocks->count, (size_t)(most * n)};
+  }
+  p->c = NSDAE_ARENA_DOUBLES(arena, most);
+  p->change = NSDAE_ARENA_DOUBLES(arena, system->dims.nv);
 }
 
 void nsdae_least_release(nsdae_least *p)
 {
+  const nsdae_array all[] = {NSDAE_ARRAY(p->J.block, 1), NSDAE_ARRAY(p->J.at, 1),
+                             NSDAE_ARRAY(p->J.value, 1)};
+  if (p->grows) nsdae_arrays_release(all, 3);
   nsdae_kkt_release(&p->kkt);
 }
 
 void nsdae_least_start(nsdae_least *p)
 {
   p->rows = 0;
-  memset(p->change, 0, (size_t)p->kkt.n * sizeof *p->change);
+  p->status = NSDAE_OK;
+  memset(p->change, 0, (size_t)p->kkt.blocks->first[p->kkt.blocks->count] * sizeof *p->change);
 }
 
-double nsdae_least_append(nsdae_least *p, const double *W, size_t stride, double missing)
+/* Room for these parts and values; if there is less, for twice as many. */
+static int reserve(nsdae_least *p, const nsdae_room *taken)
 {
-  double sum = 0;
-  for (int j = 0; j < p->kkt.n; j++) {
-    double w = W[(size_t)j * stride];
-    p->J.value[(size_t)j * (size_t)p->most + (size_t)p->rows] = w;
-    sum += fabs(w);
+  if (nsdae_room_enough(&p->room, taken)) return NSDAE_OK;
+  const nsdae_array parts[] = {NSDAE_ARRAY(p->J.block, 1), NSDAE_ARRAY(p->J.at, 1)};
+  const nsdae_array values[] = {NSDAE_ARRAY(p->J.value, 1)};
+  int status = nsdae_arrays_grow(parts, 2, 2 * taken->entries);
+  if (status == NSDAE_OK) status = nsdae_arrays_grow(values, 1, 2 * taken->values);
+  if (status == NSDAE_OK) p->room = (nsdae_room){2 * taken->entries, 2 * taken->values};
+  return status;
+}
+
+void nsdae_least_append(nsdae_least *p, const nsdae_rows *rows, int i, double missing)
+{
+  const nsdae_blocks *blocks = p->kkt.blocks;
+  nsdae_rows *J = &p->J;
+  int part = J->first[p->rows];
+  size_t at = 0;
+  if (part > 0) at = J->at[part - 1] + (size_t)nsdae_blocks_size(blocks, J->block[part - 1]);
+  for (int from = rows->first[i]; from < rows->first[i + 1] && p->status == NSDAE_OK; from++) {
+    size_t size = (size_t)nsdae_blocks_size(blocks, rows->block[from]);
+    const double *value = rows->value + rows->at[from];
+    const nsdae_room taken = {(size_t)part + 1, at + size};
+    p->status = reserve(p, &taken);
+    if (p->status < 0) continue;
+    J->block[part] = rows->block[from];
+    J->at[part++] = at;
+    for (size_t j = 0; j < size; j++) J->value[at++] = value[j * rows->stride];
   }
   p->c[p->rows++] = -missing;
-  return sum;
+  J->first[p->rows] = part;
 }
 
 int nsdae_least_solve(nsdae_least *p, const nsdae_terms *T)
 {
+  if (p->status < 0) return nsdae_error_memory(T->error, "nsdae_sim");
   p->kkt.m = p->J.count = p->rows;
   int status = nsdae_kkt_factor(&p->kkt, T->M, &p->J);
   if (status == NSDAE_E_MASS) {
-    nsdae_error_set(T->error, status, "nsdae_sim", "mass",
+    const char *callback = nsdae_system_mass_name(T->system);
+    nsdae_error_set(T->error, status, "nsdae_sim", callback,
                     "the mass matrix is not positive definite at t = %.17g, in a projection: pivot "
-                    "%d of %d is not above rounding; check the callback mass",
-                    nsdae_terms_time(T), p->kkt.pivot, p->kkt.n);
+                    "%d of %d is not above rounding; check the callback %s",
+                    nsdae_terms_time(T), p->kkt.pivot, p->kkt.n, callback);
     nsdae_system_name_item(T->system, NSDAE_NAME_VELOCITY, p->kkt.pivot - 1, T->error);
     return status;
   }

@@ -11,13 +11,16 @@
 
 typedef struct nsdae_least {
   nsdae_kkt kkt;
-  int most, rows; /* that there is room for; appended so far */
-  nsdae_rows J;   /* most x nv */
-  double *c;      /* most: right-hand side, then l */
-  double *change; /* nv: r, then d */
+  int most, rows;  /* that there is room for; appended so far */
+  nsdae_rows J;    /* copies of the rows */
+  nsdae_room room; /* in J */
+  int grows;       /* J has memory of its own */
+  int status;      /* NSDAE_E_MEMORY: a row was lost */
+  double *c;       /* most: right-hand side, then l */
+  double *change;  /* nv: r, then d */
 } nsdae_least;
 
-/* Of the system's one block; most: rows. */
+/* most: rows; 0: nothing is projected. */
 void nsdae_least_layout(nsdae_least *least, const nsdae_system *system, int most, double rank_tol,
                         nsdae_arena *arena);
 void nsdae_least_release(nsdae_least *least);
@@ -25,8 +28,8 @@ void nsdae_least_release(nsdae_least *least);
 /* Without rows, and with r = 0. */
 void nsdae_least_start(nsdae_least *least);
 
-/* Appends W^T d = -missing; the entries of W are stride apart. Returns sum |W|. */
-double nsdae_least_append(nsdae_least *least, const double *W, size_t stride, double missing);
+/* Appends row i, row_i . d = -missing. */
+void nsdae_least_append(nsdae_least *least, const nsdae_rows *rows, int i, double missing);
 
 /* change and c, with the terms' M. A status of nsdae_kkt_solve, with the record. */
 int nsdae_least_solve(nsdae_least *least, const nsdae_terms *terms);

@@ -30,7 +30,7 @@ typedef struct nsdae_stepping {
    * status < 0 drops the result; the error record says why. */
   int (*advance)(void *own, const nsdae_state *state, double t_end, nsdae_result *result);
 
-  int by_list; /* goes with systems by blocks */
+  int by_list; /* goes with contact lists */
   int closes;  /* starts with nsdae_step_close, which clears the impulses */
 } nsdae_stepping;
 

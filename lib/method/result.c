@@ -101,7 +101,8 @@ int nsdae_result_grow(nsdae_result *r, const nsdae_room *contacts, const nsdae_r
   int room = (int)contacts->entries;
   const nsdae_array impacts[] = {NSDAE_ARRAY(r->impact, 1)};
   int status = nsdae_terms_grow(&r->end, contacts, rows);
-  if (status == NSDAE_OK) status = nsdae_closed_grow(&r->closed, &r->impulses, room);
+  if (status < 0 || !r->end.system->by_list) return status;
+  status = nsdae_closed_grow(&r->closed, &r->impulses, room);
   if (status == NSDAE_OK) status = nsdae_arrays_grow(impacts, 1, contacts->entries);
   if (status == NSDAE_OK) r->impacts_max = room;
   return status;
@@ -110,8 +111,8 @@ int nsdae_result_grow(nsdae_result *r, const nsdae_room *contacts, const nsdae_r
 void nsdae_result_release(nsdae_result *r)
 {
   const nsdae_array impacts[] = {NSDAE_ARRAY(r->impact, 1)};
-  if (!r->end.system || !r->end.system->by_list) return;
   nsdae_terms_release(&r->end);
+  if (!r->end.system || !r->end.system->by_list) return;
   nsdae_closed_release(&r->closed, &r->impulses);
   nsdae_arrays_release(impacts, 1);
 }

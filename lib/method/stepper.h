@@ -24,7 +24,7 @@ typedef struct nsdae_stepper {
   nsdae_terms middle;
   nsdae_kkt kkt;
   nsdae_contacts contacts;
-  nsdae_world *world; /* of a system by blocks, in place of kkt and contacts; else NULL */
+  nsdae_world *world; /* of a contact list, in place of kkt and contacts; else NULL */
   nsdae_means mean;
   double *q, *v, *r; /* nq, nv, nv */
   double *v_other;   /* nv: a velocity in between */

@@ -174,7 +174,7 @@ void nsdae_penalty_equations_layout(nsdae_penalty_equations *p, nsdae_arena *are
   nsdae_penalty_forces *at = &p->at;
   long k = d->k, kt = k * d->nt, f = d->f;
   p->room = NSDAE_ARENA_DOUBLES(arena, d->nq + d->nv);
-  nsdae_power_layout(&p->power, d, arena);
+  nsdae_power_layout(&p->power, p->stepper->system, arena);
   nsdae_penalty_border_layout(p, arena);
   at->normal = NSDAE_ARENA_DOUBLES(arena, k);
   at->tangential = NSDAE_ARENA_DOUBLES(arena, kt);

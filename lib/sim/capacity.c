@@ -1,5 +1,5 @@
-/* Room in the lists of a system by blocks: it grows between steps, by half as much again as was
- * called for, in every list at once. */
+/* Room in the lists of contacts and of rows of Phi_q: it grows between steps, by half as much again
+ * as was called for, in every list at once. */
 #include "errors.h"
 #include "sim_impl.h"
 
@@ -13,14 +13,17 @@ int nsdae_sim_make_room(nsdae_sim *sim, const nsdae_room *contacts, const nsdae_
 {
   const nsdae_room c = larger(&sim->lists.contacts, contacts), r = larger(&sim->lists.rows, rows);
   int status = nsdae_terms_grow(&sim->stepper.middle, &c, &r);
-  for (int i = 0; i < 2 && status == NSDAE_OK; i++) {
+  for (int i = 0; i < (sim->aside ? 3 : 2) && status == NSDAE_OK; i++) {
     status = nsdae_result_grow(&sim->point[i].result, &c, &r);
     nsdae_point_show_arrays(&sim->point[i]);
   }
-  if (status == NSDAE_OK) status = nsdae_world_grow(sim->stepper.world, &c, &r);
+  if (status == NSDAE_OK && sim->stepper.world)
+    status = nsdae_world_grow(sim->stepper.world, &c, &r);
   if (status < 0)
     return nsdae_error_set(&sim->error, NSDAE_E_MEMORY, "nsdae_sim", "contacts",
-                           "out of memory for lists of %zu contacts", sim->lists.contacts.entries);
+                           "out of memory for lists of %zu contacts and of %zu blocks of rows of "
+                           "Phi_q",
+                           c.entries, r.entries);
   sim->lists.contacts = c;
   sim->lists.rows = r;
   return NSDAE_OK;
@@ -44,9 +47,9 @@ static int limit_met(nsdae_sim *sim, size_t wanted)
 int nsdae_sim_grow(nsdae_sim *sim)
 {
   const nsdae_terms *const all[] = {&sim->stepper.middle, &sim->point[0].result.end,
-                                    &sim->point[1].result.end};
+                                    &sim->point[1].result.end, &sim->point[2].result.end};
   nsdae_room contacts = {0}, rows = {0};
-  for (int i = 0; i < 3; i++) {
+  for (int i = 0; i < 4; i++) {
     contacts = larger(&contacts, &all[i]->by.list.taken);
     rows = larger(&rows, &all[i]->by.rows.taken);
   }
@@ -62,8 +65,7 @@ int nsdae_sim_grow(nsdae_sim *sim)
 
 void nsdae_sim_release_lists(nsdae_sim *sim)
 {
-  if (!sim->stepper.world) return;
   nsdae_terms_release(&sim->stepper.middle);
-  for (int i = 0; i < 2; i++) nsdae_result_release(&sim->point[i].result);
+  for (int i = 0; i < 3; i++) nsdae_result_release(&sim->point[i].result);
   nsdae_world_release(sim->stepper.world);
 }

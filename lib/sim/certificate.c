@@ -297,12 +297,15 @@ static const double energy_steps = 100, energy_events = 200, energy_inertia = 1e
 static double energy_size(const nsdae_sim *sim, const nsdae_terms *T)
 {
   const nsdae_sim_options *o = &sim->options;
-  int n = T->system->dims.nv;
+  const nsdae_blocks *blocks = &T->system->blocks;
   double least = fmax(o->atol, o->impact_velocity) / o->rtol, sum = 0;
-  for (int j = 0; j < n; j++)
-    for (int i = 0; i < n; i++)
-      sum += fabs(T->M[(size_t)j * (size_t)n + (size_t)i]) * (fabs(T->v[i]) + least) *
-             (fabs(T->v[j]) + least);
+  for (int b = 0; b < blocks->count; b++) {
+    int n = nsdae_blocks_size(blocks, b);
+    const double *M = T->M + blocks->square[b], *v = T->v + blocks->first[b];
+    for (int j = 0; j < n; j++)
+      for (int i = 0; i < n; i++, M++)
+        sum += fabs(*M) * (fabs(v[i]) + least) * (fabs(v[j]) + least);
+  }
   return sum;
 }
 

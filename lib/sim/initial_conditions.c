@@ -18,6 +18,7 @@
 #include "errors.h"
 #include "penalty_law.h"
 #include "guard.h"
+#include "listed.h"
 #include "sim_impl.h"
 #include "system_impl.h"
 #include "tangent_check.h"
@@ -403,7 +404,7 @@ static int check_derivatives(nsdae_projector *p, const nsdae_terms *T, double *w
 {
   const nsdae_system *s = T->system;
   const nsdae_dims *d = &s->dims;
-  const relation constraints = {s->by_list ? "constraint_rows" : "constraint_jacobian",
+  const relation constraints = {nsdae_system_jacobian_name(s),
                                 s->call.constraint_bias ? "constraint_bias" : NULL,
                                 NSDAE_NAME_CONSTRAINT,
                                 d->m,
@@ -421,7 +422,7 @@ static int check_derivatives(nsdae_projector *p, const nsdae_terms *T, double *w
   int rows = any_users(s, NSDAE_NAME_CONSTRAINT, d->m);
   int contacts = any_users(s, NSDAE_NAME_CONTACT, d->k);
   int accelerations = contacts || any_users(s, NSDAE_NAME_FRICTIONAL_JOINT, d->f);
-  if (rows && (s->call.constraint_jacobian || s->call.constraint_rows || s->call.constraint_bias))
+  if (rows && (nsdae_system_has_jacobian(s) || s->call.constraint_bias))
     status = check_rates(p, T, &constraints);
   if (status == NSDAE_OK && rows) status = check_omega(p, T);
   if (status == NSDAE_OK && contacts && (s->call.gap_normal || s->call.contact_bias))
@@ -500,13 +501,20 @@ static int put_right(bench *b, double t0, double *q0, double *v0)
   return NSDAE_OK;
 }
 
+static int grow(bench *b, const nsdae_room *rows)
+{
+  const nsdae_room none = {0};
+  int status = nsdae_terms_grow(&b->terms, &none, rows);
+  return status < 0 ? nsdae_error_memory(b->terms.error, "nsdae_sim_project") : status;
+}
+
 static int project(nsdae_sim *sim, double t0, double *q0, double *v0)
 {
   nsdae_error_clear(&sim->error);
   if (sim->system->by_list)
     return nsdae_error_set(
-        &sim->error, NSDAE_E_UNSUPPORTED, "nsdae_sim_project", "blocks",
-        "a system with blocks is not supported: give it consistent initial conditions");
+        &sim->error, NSDAE_E_UNSUPPORTED, "nsdae_sim_project", "contacts",
+        "a contact list is not supported: give the system consistent initial conditions");
   int status = nsdae_sim_check_state(sim, "nsdae_sim_project", t0, q0, v0);
   if (status < 0) return status;
   bench b = {.evals = {0}};
@@ -519,8 +527,12 @@ static int project(nsdae_sim *sim, double t0, double *q0, double *v0)
     return nsdae_error_memory(&sim->error, "nsdae_sim_project");
   double epoch = sim->model.epoch; /* of the run, which is not touched */
   sim->model.epoch = t0;
-  status = put_right(&b, t0, q0, v0);
+  status = grow(&b, &sim->lists.rows);
+  while (status == NSDAE_OK && (status = put_right(&b, t0, q0, v0)) == NSDAE_ARRAYS_GROW)
+    status = grow(&b, &b.terms.by.rows.taken);
   sim->model.epoch = epoch;
+  nsdae_terms_release(&b.terms);
+  nsdae_least_release(&b.projection.least);
   nsdae_arena_release(&arena);
   return status;
 }

@@ -32,7 +32,7 @@ typedef struct merged {
  * list. */
 typedef struct closed_ones {
   const nsdae_contacts *numbered; /* NULL: a contact list */
-  const nsdae_rows *normal;       /* of the contact list */
+  const nsdae_rows *normal;       /* of a contact list */
   const nsdae_blocks *blocks;
   const double *M, *F;
 } closed_ones;
@@ -55,8 +55,10 @@ static double pushed(const closed_ones *c, int b, const double *W, size_t stride
 
 static double acceleration(const closed_ones *c, int a)
 {
-  if (c->numbered) return pushed(c, 0, column(c->numbered, a), 1);
   double sum = 0;
+  for (int b = 0; c->numbered && b < c->blocks->count; b++)
+    sum += pushed(c, b, column(c->numbered, a) + c->blocks->first[b], 1);
+  if (c->numbered) return sum;
   for (int p = c->normal->first[a]; p < c->normal->first[a + 1]; p++)
     sum += pushed(c, c->normal->block[p], c->normal->value + c->normal->at[p], c->normal->stride);
   return sum;

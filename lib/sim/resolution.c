@@ -41,12 +41,14 @@ static int differ(const double *a, const double *b, int n)
 static int depends_on_time(nsdae_sim *sim, const nsdae_terms *start)
 {
   const nsdae_dims *d = &start->system->dims;
+  const nsdae_blocks *blocks = &start->system->blocks;
+  size_t squares = blocks->square[blocks->count];
   nsdae_terms *later = &sim->stepper.middle;
   nsdae_terms_at(later, sim->options.dt, start->q, start->v);
   int status = nsdae_terms_need(later, SEEN);
   nsdae_error_clear(&sim->error);
   return status == NSDAE_OK &&
-         (differ(start->F, later->F, d->nv) || differ(start->M, later->M, d->nv * d->nv) ||
+         (differ(start->F, later->F, d->nv) || differ(start->M, later->M, (int)squares) ||
           differ(start->constraint.phi, later->constraint.phi, d->m) ||
           differ(start->gap, later->gap, d->k));
 }
@@ -71,14 +73,18 @@ static int check_time(nsdae_sim *sim, const nsdae_terms *start)
 /* Amounts of a row's terms: of its lengths, and of its way in a step h. */
 static double lengths_of(const nsdae_terms *T, const nsdae_rows *rows, int i, double h, double *way)
 {
-  const double *W = rows->value + rows->at[rows->first[i]];
-  int n = T->system->dims.nv, plain = T->system->dims.nq == n;
-  double lengths = 0;
+  const nsdae_blocks *blocks = &T->system->blocks;
+  int plain = T->system->dims.nq == T->system->dims.nv;
+  double lengths = 0, largest = nsdae_largest(T->system->dims.nq, T->q);
   *way = 0;
-  for (int j = 0; j < n; j++) {
-    double w = fabs(W[(size_t)j * rows->stride]), inertia = T->M[(size_t)j * (size_t)(n + 1)];
-    lengths += w * (plain ? fabs(T->q[j]) : nsdae_largest(T->system->dims.nq, T->q));
-    *way += w * h * (fabs(T->v[j]) + h * fabs(T->F[j]) / inertia);
+  for (int p = rows->first[i]; p < rows->first[i + 1]; p++) {
+    int b = rows->block[p], first = blocks->first[b], n = nsdae_blocks_size(blocks, b);
+    const double *W = rows->value + rows->at[p], *M = T->M + blocks->square[b];
+    for (int j = 0; j < n; j++) {
+      double w = fabs(W[(size_t)j * rows->stride]), inertia = M[(size_t)j * (size_t)(n + 1)];
+      lengths += w * (plain ? fabs(T->q[first + j]) : largest);
+      *way += w * h * (fabs(T->v[first + j]) + h * fabs(T->F[first + j]) / inertia);
+    }
   }
   return lengths;
 }

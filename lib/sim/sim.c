@@ -56,14 +56,18 @@ static int check_rows(const nsdae_system *system, const nsdae_sim_options *optio
                          system->dims.k, system->dims.f, rows, limit, fewer_edges);
 }
 
-/* What a system of blocks does without. */
-static int check_blocks(const nsdae_system *system, const nsdae_sim_options *options,
-                        nsdae_error *error)
+/* What a contact list does without. */
+static int check_lists(const nsdae_system *system, const nsdae_sim_options *options,
+                       nsdae_error *error)
 {
+  if (options && system->by_blocks && options->method == NSDAE_METHOD_EVENT)
+    return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_sim_create", "method",
+                           "method = event does not support systems with blocks: use implicit, "
+                           "implicit-printed, moreau or penalty");
   if (!system->by_list || !options) return NSDAE_OK;
   if (!nsdae_stepping_of(options->method)->by_list)
     return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_sim_create", "method",
-                           "method = %s does not support systems with blocks: use implicit, "
+                           "method = %s does not support contact lists: use implicit, "
                            "implicit-printed or moreau",
                            nsdae_method_name(options->method));
   if (options->polygon > 0)
@@ -73,7 +77,7 @@ static int check_blocks(const nsdae_system *system, const nsdae_sim_options *opt
                            options->polygon);
   if (options->projection == NSDAE_PROJECTION_NONE) return NSDAE_OK;
   return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_sim_create", "projection",
-                         "projection does not support systems with blocks: set projection = none");
+                         "projection does not support contact lists: set projection = none");
 }
 
 static int check_create(const nsdae_system *system, const nsdae_sim_options *options,
@@ -87,7 +91,7 @@ static int check_create(const nsdae_system *system, const nsdae_sim_options *opt
   int status = options ? nsdae_sim_options_check(options, error) : NSDAE_OK;
   if (status == NSDAE_OK) status = nsdae_system_complete(system, error);
   if (status == NSDAE_OK) status = nsdae_system_told(system, error);
-  if (status == NSDAE_OK) status = check_blocks(system, options, error);
+  if (status == NSDAE_OK) status = check_lists(system, options, error);
   return status < 0 ? status : check_rows(system, options, error);
 }
 
@@ -115,14 +119,16 @@ static int no_threads(nsdae_sim *sim)
                          sim->options.threads);
 }
 
-/* Lists begin with room for a contact and for the rows of a joint of each block. */
+/* Lists begin with room for a contact of each block and for two blocks of each row. */
 static int first_room(nsdae_sim *sim)
 {
   const nsdae_dims *d = &sim->system->dims;
   size_t blocks = (size_t)sim->system->blocks.count, columns = (size_t)(1 + d->nt);
   size_t most = (size_t)sim->options.contacts_max, pairs = blocks < most ? blocks : most;
-  const nsdae_room contacts = {pairs, 2 * columns * (size_t)d->nv};
-  const nsdae_room rows = {2 * (size_t)d->m, 12 * (size_t)d->m};
+  nsdae_room contacts = {pairs, 2 * columns * (size_t)d->nv};
+  nsdae_room rows = {2 * (size_t)d->m, 12 * (size_t)d->m};
+  if (!sim->system->by_list) contacts = (nsdae_room){0};
+  if (!sim->system->call.constraint_rows) rows = (nsdae_room){0};
   return nsdae_sim_make_room(sim, &contacts, &rows);
 }
 
@@ -154,7 +160,7 @@ static int build(nsdae_sim *sim)
       nsdae_cones_open(&stepper->contacts.cones) < 0)
     return nsdae_error_set(&sim->error, NSDAE_E_MEMORY, "nsdae_sim_create", "",
                            "out of memory for a simulation of this size");
-  int status = stepper->world ? first_room(sim) : NSDAE_OK;
+  int status = first_room(sim);
   if (status < 0) return status;
   if (sim->method->create) return sim->method->create(stepper, &sim->own);
   sim->own = stepper;

@@ -230,11 +230,12 @@ void nsdae_units_restore(nsdae_projector *p, nsdae_terms *T)
 
 /* ---- constraints and contacts */
 
-/* Appends W^T d = -c; W has the stride given. Returns |c| in units of its rounding, that of the
- * terms it is made of: eps (1 + |W|_1 max |x|). */
-static double append_row(nsdae_projector *p, const double *W, int stride, double c, double x)
+/* Appends row i, W_i . d = -c. Returns |c| in units of its rounding, that of the terms it is made
+ * of: eps (1 + |W_i|_1 max |x|). */
+static double append_row(nsdae_projector *p, const nsdae_rows *rows, int i, double c, double x)
 {
-  double sum = nsdae_least_append(&p->least, W, (size_t)stride, c);
+  nsdae_least_append(&p->least, rows, i, c);
+  double sum = nsdae_rows_sum(&p->tools->system->blocks, rows, i);
   return fabs(c) / (DBL_EPSILON * (1 + sum * x));
 }
 
@@ -248,10 +249,9 @@ static int position_rows(nsdae_projector *p, const nsdae_terms *T, double *worst
     int contact = i - d->m;
     if (contact >= 0 && !p->closed[contact]) continue;
     p->contact[p->least.rows] = contact >= 0 ? contact : -1;
-    const double *W = contact < 0 ? T->by.jacobian.value + i
-                                  : T->by.normal.value + (size_t)contact * (size_t)d->nv;
+    const nsdae_rows *rows = contact < 0 ? &T->by.jacobian : &T->by.normal;
     double missing = contact < 0 ? T->constraint.phi[i] : T->gap[contact] - p->depth[contact];
-    double off = append_row(p, W, contact < 0 ? d->m : 1, missing, x);
+    double off = append_row(p, rows, contact < 0 ? i : contact, missing, x);
     if (contact < 0 && p->contacts_alone) off = 0;
     if (off > *worst || p->least.rows == 1) *worst_row = p->least.rows - 1;
     *worst = fmax(*worst, off);
@@ -263,9 +263,9 @@ static int position_rows(nsdae_projector *p, const nsdae_terms *T, double *worst
  * l is what it takes: M (total + d) + J^T l = 0. */
 static int solve_projection(nsdae_projector *p, const nsdae_terms *T, int least)
 {
-  int n = p->least.kkt.n;
+  int n = T->system->dims.nv;
   double *change = p->least.change;
-  if (least) nsdae_add_product(n, n, T->M, p->total, change);
+  if (least) nsdae_blocks_add_product(&T->system->blocks, T->M, p->total, change);
   for (int j = 0; j < n; j++) change[j] = -change[j];
   return nsdae_least_solve(&p->least, T);
 }
@@ -333,7 +333,7 @@ static int converged(const nsdae_projector *p, const nsdae_terms *T, int least, 
                      double before)
 {
   const double rounding = 16, still = 16e4, rest = 1e-9;
-  double moved = nsdae_largest(p->least.kkt.n, p->least.change),
+  double moved = nsdae_largest(T->system->dims.nv, p->least.change),
          size = 1 + nsdae_largest(T->system->dims.nq, T->q);
   if (least && moved > rest * size) return 0;
   return worst <= rounding || (worst <= still && worst > before / 2);
@@ -347,8 +347,8 @@ int nsdae_project_positions(nsdae_projector *p, nsdae_terms *T, int penetrating)
   double worst = INFINITY, before = INFINITY;
   int row = 0, rounds = penetrating ? ROUNDS * (1 + T->system->dims.k) : ROUNDS;
   if (p->rows_most > T->system->dims.m) terms |= NSDAE_TERM_GAP | NSDAE_TERM_NORMAL;
-  memset(p->least.change, 0, (size_t)p->least.kkt.n * sizeof *p->least.change);
-  memset(p->total, 0, (size_t)p->least.kkt.n * sizeof *p->total);
+  memset(p->least.change, 0, (size_t)T->system->dims.nv * sizeof *p->least.change);
+  memset(p->total, 0, (size_t)T->system->dims.nv * sizeof *p->total);
   int status = p->units.count > 0 ? move(p, T) : NSDAE_OK;
   for (int round = 0; round < rounds && status == NSDAE_OK; round++) {
     int least = penetrating && round < rounds / 2;
@@ -375,7 +375,7 @@ int nsdae_project_velocities(nsdae_projector *p, nsdae_terms *T)
   if (status < 0) return status;
   nsdae_least_start(&p->least);
   for (int i = 0; i < d->m; i++)
-    append_row(p, T->by.jacobian.value + i, d->m, nsdae_terms_constraint_rate(T, i, T->v), 0);
+    nsdae_least_append(&p->least, &T->by.jacobian, i, nsdae_terms_constraint_rate(T, i, T->v));
   status = solve_projection(p, T, 0);
   if (status < 0) return status;
   for (int j = 0; j < d->nv; j++) p->v[j] = T->v[j] + p->least.change[j];

@@ -30,11 +30,11 @@ typedef struct check {
 static long largest(const nsdae_system *system)
 {
   const nsdae_dims *dims = &system->dims;
-  if (system->by_list) return dims->m; /* the bias alone */
-  long columns = dims->nv, k = (long)dims->k * (1 + dims->nt) + dims->f;
-  if (dims->m > columns) columns = dims->m;
-  if (k > columns) columns = k;
-  return columns * (dims->nv > dims->m ? dims->nv : dims->m);
+  long n = dims->nv, m = dims->m, k = (long)dims->k * (1 + dims->nt) + dims->f;
+  long size = m > k ? m : k;
+  if (system->call.mass && n * n > size) size = n * n;
+  if (system->call.constraint_jacobian && n * m > size) size = n * m;
+  return n * dims->k > size ? n * dims->k : size;
 }
 
 static void layout_check(void *object, nsdae_arena *arena)
@@ -81,7 +81,7 @@ static void check_mass(check *c)
 {
   nsdae_system *s = c->system;
   int n = s->dims.nv;
-  if (s->by_list) return; /* see check_blocks.h */
+  if (s->by_blocks) return; /* see check_blocks.h */
   zero(c->given, n, n);
   if (check_failed(c, s->call.mass(c->t, c->q, c->given, n, s->user), "mass")) return;
   for (int j = 0; j < n; j++)
@@ -271,7 +271,7 @@ int nsdae_system_check(nsdae_system *system, double t, const double *q, const do
   if (nsdae_arena_build(&arena, layout_check, &c) < 0)
     return nsdae_error_memory(&system->error, "nsdae_system_check");
   for (size_t i = 0; i < sizeof all / sizeof *all && !c.code; i++) all[i](&c);
-  if (system->by_list && !c.code)
+  if (system->by_blocks && !c.code)
     status = nsdae_system_check_lists(system, &c.differences, t, q, v, &c.worst);
   if (status == NSDAE_OK && !c.code)
     status = nsdae_system_check_forces(system, &c.differences, t, q, v, &c.worst);

@@ -211,7 +211,7 @@ int nsdae_system_check_lists(nsdae_system *system, nsdae_differences *difference
       for (int i = 0; i < n; i++)
         nsdae_check_keep(worst, "mass_blocks", at + i, at + j, M[j * n + i], M[i * n + j]);
   }
-  if (status == NSDAE_OK && system->dims.m > 0) status = check_rows(&c);
+  if (status == NSDAE_OK && system->call.constraint_rows) status = check_rows(&c);
   if (status == NSDAE_OK && system->call.contacts) status = check_contacts(&c);
   if (status == NSDAE_E_MEMORY)
     nsdae_error_set(&system->error, status, "nsdae_system_check", "", "out of memory");

@@ -11,7 +11,8 @@ void nsdae_directions_layout(nsdae_directions *d, nsdae_arena *arena)
 {
   const nsdae_dims *dims = &d->differences->system->dims;
   long n = dims->nv, k = dims->k;
-  d->M = NSDAE_ARENA_DOUBLES(arena, n * n);
+  const nsdae_blocks *blocks = &d->differences->system->blocks;
+  d->M = NSDAE_ARENA_DOUBLES(arena, blocks->square[blocks->count]);
   d->normal = NSDAE_ARENA_DOUBLES(arena, n * k);
   d->other = NSDAE_ARENA_DOUBLES(arena, n * k);
   d->tangent = NSDAE_ARENA_DOUBLES(arena, n * k * dims->nt);
@@ -52,9 +53,10 @@ static int leave(nsdae_directions *d, double t, const double *q)
 static int mass_at(nsdae_directions *d, double t, const double *q)
 {
   const nsdae_system *s = d->differences->system;
-  int n = s->dims.nv;
-  memset(d->M, 0, (size_t)n * (size_t)n * sizeof *d->M);
-  return directions_failed(d, s->call.mass(t, q, d->M, n, s->user), "mass");
+  memset(d->M, 0, s->blocks.square[s->blocks.count] * sizeof *d->M);
+  if (s->by_blocks)
+    return directions_failed(d, s->call.mass_blocks(t, q, d->M, s->user), "mass_blocks");
+  return directions_failed(d, s->call.mass(t, q, d->M, s->dims.nv, s->user), "mass");
 }
 
 static int normals_at(nsdae_directions *d, double t, const double *q, double *W)
@@ -68,15 +70,28 @@ static int normals_at(nsdae_directions *d, double t, const double *q, double *W)
   return difference_failed(d, code, "gap");
 }
 
-/* A body's mass is what it is everywhere, and so is the inertia of one that turns in the plane. */
-static void find_sets(nsdae_directions *d)
+/* M_ii of a velocity that M does not couple with others, else 0; of velocity i of a block. */
+static double free_mass(int n, const double *M, int i)
 {
-  const nsdae_dims *dims = &d->differences->system->dims;
-  for (int i = 0; i < dims->nv; i++) {
-    double *here = &d->M[i * (dims->nv + 1)];
-    if (!(fabs(*here - d->mass[i]) <= 1e-9 * fabs(*here))) *here = 0;
+  for (int j = 0; j < n; j++)
+    if (j != i && (M[i * n + j] != 0 || M[j * n + i] != 0)) return 0;
+  return M[i * (n + 1)];
+}
+
+/* A body's mass is what it is everywhere, and so is the inertia of one that turns in the plane.
+ * first: the diagonal of M elsewhere; then what of it is the same here. */
+static void find_masses(nsdae_directions *d, int first)
+{
+  const nsdae_blocks *blocks = &d->differences->system->blocks;
+  for (int b = 0; b < blocks->count; b++) {
+    int n = nsdae_blocks_size(blocks, b);
+    const double *M = d->M + blocks->square[b];
+    for (int i = 0; i < n; i++) {
+      double *mass = &d->mass[blocks->first[b] + i],
+             here = first ? M[i * (n + 1)] : free_mass(n, M, i);
+      *mass = first || fabs(here - *mass) <= 1e-9 * fabs(here) ? here : 0;
+    }
   }
-  nsdae_tangent_sets(d->differences->system, d->M, d->set);
 }
 
 int nsdae_directions_at(nsdae_directions *d, double t, const double *q)
@@ -97,10 +112,11 @@ int nsdae_directions_at(nsdae_directions *d, double t, const double *q)
   if (!code) code = normals_at(d, t, d->q, d->normal);
   if (!code) code = normals_at(d, t, d->place, d->other);
   if (!code) code = mass_at(d, t, d->place);
-  for (int i = 0; i < n && !code; i++) d->mass[i] = d->M[i * (n + 1)];
+  if (!code) find_masses(d, 1);
   if (!code) code = mass_at(d, t, d->q);
   if (code) return code;
-  find_sets(d);
+  find_masses(d, 0);
+  nsdae_tangent_sets(s, d->mass, d->set);
   memset(d->tangent, 0, (size_t)n * (size_t)columns * sizeof *d->tangent);
   return directions_failed(d, s->call.gap_tangent(t, d->q, d->tangent, n, s->user), "gap_tangent");
 }

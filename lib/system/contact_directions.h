@@ -1,5 +1,5 @@
 /* Directions of contacts at a place against what gap, mass and kinematics tell of them: see
- * tangent_check.h, moment_arms.h and moment_arm_check.h. Of dense systems. */
+ * tangent_check.h, moment_arms.h and moment_arm_check.h. */
 #ifndef NSDAE_SYSTEM_DIRECTIONS_H
 #define NSDAE_SYSTEM_DIRECTIONS_H
 
@@ -8,8 +8,8 @@
 typedef struct nsdae_directions {
   nsdae_differences *differences; /* whose system it is; set before */
   nsdae_moment_arms arms;
-  double *M, *normal, *other, *tangent; /* nv x nv, nv x k, nv x k, nv x k nt */
-  double *mass, *place, *q;             /* nv: of M elsewhere; nq: elsewhere, and here */
+  double *M, *normal, *other, *tangent; /* as in the terms; nv x k, nv x k, nv x k nt */
+  double *mass, *place, *q;             /* nv: diagonal of M, see below; nq: elsewhere, and here */
   double *turn;                         /* 3 nq */
   int *turns, *set;                     /* nv */
   const char *callback;                 /* the one that failed */

@@ -286,7 +286,7 @@ int nsdae_differences_contacts(nsdae_differences *d, double t, const double *q, 
 
 static int rates_used(const nsdae_system *s)
 {
-  return (s->dims.m > 0 && !(s->call.constraint_jacobian && s->call.constraint_bias)) ||
+  return (s->dims.m > 0 && !(nsdae_system_has_jacobian(s) && s->call.constraint_bias)) ||
          (s->dims.k > 0 && !(s->call.gap_normal && s->call.contact_bias));
 }
 
@@ -329,7 +329,7 @@ static int rates(nsdae_differences *d, double t, const double *q, const double *
   d->failed = NULL;
   if (m > 0)
     code = named(d,
-                 rates_of(d, s->call.constraint, m, t, q, v, !s->call.constraint_jacobian,
+                 rates_of(d, s->call.constraint, m, t, q, v, !nsdae_system_has_jacobian(s),
                           !s->call.constraint_bias, out),
                  "constraint");
   if (code || k == 0) return code;

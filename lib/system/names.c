@@ -83,7 +83,8 @@ int nsdae_system_set_name(nsdae_system *system, int kind, int i, const char *nam
 /* How many sizes there are: of blocks where contacts are by list. */
 static int sizes_of(const nsdae_system *s, int kind)
 {
-  return s->by_list && kind == NSDAE_NAME_CONTACT ? s->blocks.count : nsdae_system_count(s, kind);
+  int blocks = s->by_blocks && kind == NSDAE_NAME_CONTACT && s->dims.k == 0;
+  return blocks ? s->blocks.count : nsdae_system_count(s, kind);
 }
 
 int nsdae_system_set_size(nsdae_system *system, int kind, int i, double size)

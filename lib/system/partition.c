@@ -1,5 +1,5 @@
 /* The part of a description that large systems have: blocks, and the callbacks by blocks and by
- * list. */
+ * list. The derivatives of constraints are rows by blocks, a dense matrix or differences. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -62,9 +62,6 @@ int nsdae_system_set_blocks(nsdae_system *s, int count, const int *nq, const int
   if (!s) return NSDAE_E_ARGUMENT;
   if (!nq || !nv) return refuse_blocks(s, nq ? "nv" : "nq", nq ? "nv is NULL" : "nq is NULL");
   if (count < 1) return refuse_blocks(s, "count", "there must be at least one block");
-  if (s->dims.k > 0 || s->dims.f > 0)
-    return refuse_blocks(s, s->dims.k > 0 ? "k" : "f",
-                         "a system with blocks has a contact list: dims.k and dims.f must be 0");
   int status = check_sizes(s, count, nq, nv);
   if (status == NSDAE_OK) status = nsdae_system_open(s, "blocks");
   if (status < 0) return status;
@@ -79,7 +76,7 @@ int nsdae_system_set_blocks(nsdae_system *s, int count, const int *nq, const int
   nsdae_blocks_release(&s->coordinates);
   s->blocks = blocks;
   s->coordinates = coordinates;
-  s->by_list = 1;
+  s->by_blocks = 1;
   return NSDAE_OK;
 }
 
@@ -105,7 +102,6 @@ static int may_set(nsdae_system *s, const char *name, int given)
 SETTER(mass_blocks, nsdae_mass_blocks_fn)
 SETTER(force_damping_blocks, nsdae_force_blocks_fn)
 SETTER(force_stiffness_blocks, nsdae_force_blocks_fn)
-SETTER(contacts, nsdae_contacts_fn)
 
 int nsdae_system_set_constraint_rows(nsdae_system *s, nsdae_constraint_rows_fn callback)
 {
@@ -118,16 +114,30 @@ int nsdae_system_set_constraint_rows(nsdae_system *s, nsdae_constraint_rows_fn c
   return status;
 }
 
-/* What goes by blocks is not given for all velocities at once, and the other way round. */
+int nsdae_system_set_contacts(nsdae_system *s, nsdae_contacts_fn callback)
+{
+  if (!s) return NSDAE_E_ARGUMENT;
+  if (s->dims.k + s->dims.f > 0)
+    return nsdae_system_refuse(s, NSDAE_E_ARGUMENT, "contacts", s->dims.k > 0 ? "k" : "f",
+                               "a contact list replaces fixed contacts and frictional joints: "
+                               "dims.k and dims.f must be 0");
+  int status = may_set(s, "contacts", callback != NULL);
+  if (status < 0) return status;
+  s->call.contacts = callback;
+  s->by_list = 1;
+  return NSDAE_OK;
+}
+
+/* M, D and K are by blocks or dense; Phi_q of a system with blocks is either, too. */
 static const char *misplaced(const nsdae_system *s)
 {
   const nsdae_calls *c = &s->call;
-  if (s->by_list)
-    return c->mass                  ? "mass"
-           : c->constraint_jacobian ? "constraint_jacobian"
-           : c->force_damping       ? "force_damping"
-           : c->force_stiffness     ? "force_stiffness"
-                                    : NULL;
+  if (s->by_blocks)
+    return c->mass                                        ? "mass"
+           : c->constraint_rows && c->constraint_jacobian ? "constraint_jacobian"
+           : c->force_damping                             ? "force_damping"
+           : c->force_stiffness                           ? "force_stiffness"
+                                                          : NULL;
   return c->mass_blocks              ? "mass_blocks"
          : c->constraint_rows        ? "constraint_rows"
          : c->force_damping_blocks   ? "force_damping_blocks"
@@ -139,13 +149,12 @@ static const char *misplaced(const nsdae_system *s)
 int nsdae_system_check_blocks(const nsdae_system *s, const char **missing, nsdae_error *error)
 {
   const char *wrong = misplaced(s);
-  if (s->by_list && !s->call.mass_blocks) *missing = "mass_blocks";
-  if (s->by_list && s->dims.m > 0 && !s->call.constraint_rows) *missing = "constraint_rows";
+  if (s->by_blocks && !s->call.mass_blocks) *missing = "mass_blocks";
   if (!wrong) return NSDAE_OK;
   return nsdae_error_set(
       error, NSDAE_E_STATE, "nsdae_system", wrong,
-      s->by_list ? "%s is for systems without blocks: use mass_blocks, constraint_rows, "
-                   "force_damping_blocks, force_stiffness_blocks and contacts"
-                 : "%s needs blocks: call nsdae_system_set_blocks",
+      s->by_blocks ? "%s: a system with blocks has mass_blocks, force_damping_blocks, "
+                     "force_stiffness_blocks, and one of constraint_rows and constraint_jacobian"
+                   : "%s needs blocks: call nsdae_system_set_blocks",
       wrong);
 }

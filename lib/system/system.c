@@ -311,7 +311,7 @@ const char *nsdae_system_differences(nsdae_system *system)
   if (!system) return "";
   const nsdae_dims *d = &system->dims;
   const remark filled[] = {
-      {"constraint_jacobian", d->m > 0 && !system->call.constraint_jacobian && !system->by_list},
+      {"constraint_jacobian", d->m > 0 && !nsdae_system_has_jacobian(system)},
       {"constraint_bias", d->m > 0 && !system->call.constraint_bias},
       {"gap_normal", d->k > 0 && !system->call.gap_normal},
       {"contact_bias", d->k > 0 && !system->call.contact_bias},
@@ -340,7 +340,7 @@ const char *nsdae_system_unseen(nsdae_system *system)
   if (!system) return "";
   int moves = system->call.contact_bias != NULL;
   const remark unseen[] = {
-      {"mass: its values, except symmetry", system->call.mass != NULL},
+      {"mass: its values, except symmetry", system->call.mass || system->call.mass_blocks},
       {"force: its values and signs", system->call.force != NULL},
       {"constraint: whether it is the one that is meant", system->call.constraint != NULL},
       {"gap: whether it is the distance, its sign and its unit", system->call.gap != NULL},
@@ -412,7 +412,7 @@ int nsdae_system_complete(const nsdae_system *system, nsdae_error *error)
   if (late) return refuse_after(late, error);
   int status = nsdae_system_check_blocks(system, &missing, error);
   if (status < 0) return status;
-  if (!system->by_list && !system->call.mass) missing = "mass";
+  if (!system->by_blocks && !system->call.mass) missing = "mass";
   if (!system->call.force) missing = "force";
   if (dims->m > 0 && !system->call.constraint) missing = "constraint";
   if (dims->k > 0 && !system->call.gap) missing = "gap";

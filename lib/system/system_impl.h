@@ -69,7 +69,8 @@ struct nsdae_system {
   void *user;
   double epoch; /* t0 of the simulation whose copy this is: see nsdae_system_time */
   nsdae_calls call;
-  int by_list;                      /* blocks were set: those three in place of dense ones */
+  int by_blocks;                    /* blocks were set: mass_blocks in place of mass */
+  int by_list;                      /* the callback contacts in place of numbered contacts */
   nsdae_blocks blocks, coordinates; /* of v and q; one of all where none were set */
   nsdae_coefficients *contact;      /* k */
   nsdae_frictional_joint *frictional_joint; /* f */
@@ -126,6 +127,23 @@ const char *nsdae_system_called(const nsdae_system *system, int kind, int i,
 /* 'contact of id 7', of a list. */
 const char *nsdae_system_called_id(const nsdae_system *system, long id,
                                    char text[NSDAE_CALLED_SIZE]);
+
+/* The callbacks that give M and Phi_q. */
+static inline const char *nsdae_system_mass_name(const nsdae_system *system)
+{
+  return system->by_blocks ? "mass_blocks" : "mass";
+}
+
+static inline const char *nsdae_system_jacobian_name(const nsdae_system *system)
+{
+  return system->call.constraint_rows ? "constraint_rows" : "constraint_jacobian";
+}
+
+/* Whether Phi_q is given, by rows or dense. */
+static inline int nsdae_system_has_jacobian(const nsdae_system *system)
+{
+  return system->call.constraint_rows || system->call.constraint_jacobian;
+}
 
 /* Whether the derivatives of row i of a kind are formulas of the system's maker. */
 int nsdae_system_exact(const nsdae_system *system, int kind, int i);

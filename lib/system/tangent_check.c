@@ -23,17 +23,9 @@ typedef nsdae_contact_directions directions;
 
 enum { COUPLED = NSDAE_TANGENT_COUPLED, ALONE = NSDAE_TANGENT_ALONE, UNDECIDED = -3 };
 
-static int is_free(int n, const double *M, int i)
+static int same_mass(const nsdae_system *s, const double *mass, const int *set, int i, int j)
 {
-  for (int j = 0; j < n; j++)
-    if (j != i && (M[i * n + j] != 0 || M[j * n + i] != 0)) return 0;
-  return M[i * (n + 1)] > 0;
-}
-
-static int same_mass(const nsdae_system *s, const double *M, const int *set, int i, int j)
-{
-  int n = s->dims.nv;
-  if (set[i] == COUPLED || set[j] == COUPLED || M[i * (n + 1)] != M[j * (n + 1)]) return 0;
+  if (set[i] == COUPLED || set[j] == COUPLED || mass[i] != mass[j]) return 0;
   const char *a = nsdae_system_get_unit(s, NSDAE_NAME_VELOCITY, i),
              *b = nsdae_system_get_unit(s, NSDAE_NAME_VELOCITY, j);
   return !*a || !*b || strcmp(a, b) == 0;
@@ -41,23 +33,23 @@ static int same_mass(const nsdae_system *s, const double *M, const int *set, int
 
 /* The coordinates that move as `first` does: all of that mass where they are as many as there are
  * directions, or else, of bodies that are alike, those that stand side by side. */
-static void decide(const nsdae_system *s, const double *M, int *set, int first)
+static void decide(const nsdae_system *s, const double *mass, int *set, int first)
 {
   int n = s->dims.nv, nt = s->dims.nt, all = 0, end = first, count = 0;
-  for (int i = 0; i < n; i++) all += same_mass(s, M, set, first, i);
-  while (end < n && same_mass(s, M, set, first, end)) end++;
+  for (int i = 0; i < n; i++) all += same_mass(s, mass, set, first, i);
+  while (end < n && same_mass(s, mass, set, first, end)) end++;
   if (all == nt + 1) end = n;
-  for (int i = first; i < end; i++) count += same_mass(s, M, set, first, i);
+  for (int i = first; i < end; i++) count += same_mass(s, mass, set, first, i);
   for (int i = end - 1; i >= first; i--)
-    if (same_mass(s, M, set, first, i)) set[i] = count == nt + 1 ? first : ALONE;
+    if (same_mass(s, mass, set, first, i)) set[i] = count == nt + 1 ? first : ALONE;
 }
 
-void nsdae_tangent_sets(const nsdae_system *s, const double *M, int *set)
+void nsdae_tangent_sets(const nsdae_system *s, const double *mass, int *set)
 {
   int n = s->dims.nv;
-  for (int i = 0; i < n; i++) set[i] = is_free(n, M, i) ? UNDECIDED : COUPLED;
+  for (int i = 0; i < n; i++) set[i] = mass[i] > 0 ? UNDECIDED : COUPLED;
   for (int i = 0; i < n; i++)
-    if (set[i] == UNDECIDED) decide(s, M, set, i);
+    if (set[i] == UNDECIDED) decide(s, mass, set, i);
 }
 
 directions nsdae_tangent_contact(const directions *all, int i)

@@ -4,11 +4,11 @@
 
 struct nsdae_system;
 
-/* set [nv]: of the velocities that move alike in M [nv x nv], nt + 1 of one mass without coupling
- * and not of different units, which may be the translations of one body, the first; of others one
- * of these. */
+/* set [nv]: of the velocities that move alike, nt + 1 of one mass without coupling and not of
+ * different units, which may be the translations of one body, the first; of others one of these.
+ * mass [nv]: 0 if M couples the velocity with others or changes. */
 enum { NSDAE_TANGENT_COUPLED = -1, NSDAE_TANGENT_ALONE = -2 };
-void nsdae_tangent_sets(const struct nsdae_system *system, const double *M, int *set);
+void nsdae_tangent_sets(const struct nsdae_system *system, const double *mass, int *set);
 
 /* Of one contact. */
 typedef struct nsdae_contact_directions {

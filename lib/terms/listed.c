@@ -1,9 +1,20 @@
 #include "listed.h"
 
+#include <stdio.h>
 #include <string.h>
 
 #include "errors.h"
 #include "dynamic_array.h"
+
+/* The status, with what the system's maker knows of the failure of the callback. */
+static int explain(nsdae_terms *T, const char *callback, int status)
+{
+  if (!T->error) return status;
+  const nsdae_error as = *T->error;
+  snprintf(T->error->argument, sizeof T->error->argument, "%s", callback);
+  if (!nsdae_system_explain(T->system, nsdae_terms_time(T), T->q, T->v, T->error)) *T->error = as;
+  return status;
+}
 
 /* A callback's code, what it was refused with, whether there was room. */
 static int listed(nsdae_terms *T, int code, int refused, const char *callback,
@@ -11,10 +22,10 @@ static int listed(nsdae_terms *T, int code, int refused, const char *callback,
 {
   if (refused < 0) {
     if (T->error) T->error->time = nsdae_terms_time(T);
-    return refused;
+    return explain(T, callback, refused);
   }
   int status = nsdae_system_callback_status(code, callback, nsdae_terms_time(T), T->error);
-  if (status < 0) return status;
+  if (status < 0) return explain(T, callback, status);
   return nsdae_room_enough(room, taken) ? NSDAE_OK : NSDAE_ARRAYS_GROW;
 }
 
@@ -111,7 +122,7 @@ void nsdae_terms_select(nsdae_terms *T, int count, const int *item)
 
 enum { ARRAYS = 9 };
 
-static int grow_rows(nsdae_terms *T, size_t room, int nt)
+static int grow_selected(nsdae_terms *T, size_t room, int nt)
 {
   nsdae_by_blocks *by = &T->by;
   const nsdae_array each[ARRAYS] = {NSDAE_ARRAY(T->gap, 1),
@@ -126,12 +137,12 @@ static int grow_rows(nsdae_terms *T, size_t room, int nt)
   return nsdae_arrays_grow(each, ARRAYS, room);
 }
 
-/* One row more has its end. */
 int nsdae_terms_grow(nsdae_terms *T, const nsdae_room *contacts, const nsdae_room *rows)
 {
-  int status = nsdae_contact_list_grow(&T->by.list, contacts);
-  if (status == NSDAE_OK) status = grow_rows(T, contacts->entries + 1, T->by.list.nt);
-  if (status == NSDAE_OK) status = nsdae_row_list_grow(&T->by.rows, rows);
+  int status = T->by.rows.rows ? nsdae_row_list_grow(&T->by.rows, rows) : NSDAE_OK;
+  if (status < 0 || !T->system->by_list) return status;
+  status = nsdae_contact_list_grow(&T->by.list, contacts);
+  if (status == NSDAE_OK) status = grow_selected(T, contacts->entries + 1, T->by.list.nt);
   if (status < 0) return status;
   T->by.normal.value = T->by.tangent.value = T->by.list.value; /* what moved has its place again */
   return NSDAE_OK;
@@ -140,6 +151,7 @@ int nsdae_terms_grow(nsdae_terms *T, const nsdae_room *contacts, const nsdae_roo
 void nsdae_terms_release(nsdae_terms *T)
 {
   nsdae_by_blocks *by = &T->by;
+  nsdae_row_list_release(&by->rows);
   if (!T->system || !T->system->by_list) return;
   const nsdae_array each[ARRAYS] = {NSDAE_ARRAY(T->gap, 1),
                                     NSDAE_ARRAY(T->w_N, 1),
@@ -152,5 +164,4 @@ void nsdae_terms_release(nsdae_terms *T)
                                     NSDAE_ARRAY(by->tangent.at, 2)};
   nsdae_arrays_release(each, ARRAYS);
   nsdae_contact_list_release(&by->list);
-  nsdae_row_list_release(&by->rows);
 }

@@ -1,5 +1,4 @@
-/* The terms of a system by blocks: M by blocks, rows of Phi_q, contacts by list. Of a system
- * without blocks the rows are those of its dense arrays.
+/* The terms that callbacks give by blocks or by list: M, rows of Phi_q, contacts.
  *
  * A list at a point is what the callback says within its reach. The contacts that a step closes are
  * selected from it: contact a of the step has row a of normal, gap[a] and w_N[a], and its tangents

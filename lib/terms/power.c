@@ -5,11 +5,16 @@
 
 #include "system_impl.h"
 
-void nsdae_power_layout(nsdae_power *p, const nsdae_dims *d, nsdae_arena *arena)
+static size_t squares_of(const nsdae_system *s)
 {
-  p->q = NSDAE_ARENA_DOUBLES(arena, d->nq);
-  p->M = NSDAE_ARENA_DOUBLES(arena, (long)d->nv * d->nv);
-  p->first = NSDAE_ARENA_DOUBLES(arena, (long)d->nv * d->nv);
+  return s->blocks.square[s->blocks.count];
+}
+
+void nsdae_power_layout(nsdae_power *p, const nsdae_system *s, nsdae_arena *arena)
+{
+  p->q = NSDAE_ARENA_DOUBLES(arena, s->dims.nq);
+  p->M = NSDAE_ARENA_DOUBLES(arena, squares_of(s));
+  p->first = NSDAE_ARENA_DOUBLES(arena, squares_of(s));
 }
 
 void nsdae_power_start(nsdae_power *p)
@@ -20,7 +25,7 @@ void nsdae_power_start(nsdae_power *p)
 /* Whether M has been the same since the first point; that point itself says nothing. */
 static int stands_still(nsdae_power *p, const nsdae_terms *T)
 {
-  size_t n = (size_t)T->system->dims.nv, size = n * n * sizeof *p->first;
+  size_t size = squares_of(T->system) * sizeof *p->first;
   if (!p->any) {
     memcpy(p->first, T->M, size);
     p->any = 1;
@@ -35,47 +40,68 @@ static int stands_still(nsdae_power *p, const nsdae_terms *T)
 static int mass_ahead(nsdae_power *p, const nsdae_terms *T, const double *qdot, double *s)
 {
   const nsdae_system *system = T->system;
-  int n = system->dims.nv, nq = system->dims.nq;
-  double fastest = 1;
+  int nq = system->dims.nq, code;
+  double fastest = 1, t;
   for (int i = 0; i < nq; i++)
     if (fabs(qdot[i]) > fastest * (1 + fabs(T->q[i])))
       fastest = fabs(qdot[i]) / (1 + fabs(T->q[i]));
   *s = 0x1p-26 * fmax(1, 1e-4 * fabs(T->t)) / fastest;
   for (int i = 0; i < nq; i++) p->q[i] = T->q[i] + *s * qdot[i];
-  memset(p->M, 0, (size_t)n * (size_t)n * sizeof *p->M);
+  memset(p->M, 0, squares_of(system) * sizeof *p->M);
   T->evals->mass++;
-  int code = system->call.mass(nsdae_terms_time(T) + *s, p->q, p->M, n, system->user);
-  return nsdae_system_callback_status(code, "mass", nsdae_terms_time(T), T->error);
+  t = nsdae_terms_time(T) + *s;
+  if (system->by_blocks)
+    code = system->call.mass_blocks(t, p->q, p->M, system->user);
+  else
+    code = system->call.mass(t, p->q, p->M, system->dims.nv, system->user);
+  return nsdae_system_callback_status(code, nsdae_system_mass_name(system), nsdae_terms_time(T),
+                                      T->error);
+}
+
+/* The status of a sum that M ahead is part of. */
+static int finite(const nsdae_power *p, const nsdae_terms *T, double sum)
+{
+  const nsdae_system *s = T->system;
+  int by_blocks = s->by_blocks, n = s->dims.nv;
+  if (isfinite(sum)) return NSDAE_OK;
+  return nsdae_system_finite(s, p->M, by_blocks ? (int)squares_of(s) : n, by_blocks ? 1 : n,
+                             nsdae_system_mass_name(s), nsdae_terms_time(T), T->error);
 }
 
 int nsdae_power_inertia(nsdae_power *p, const nsdae_terms *T, const double *qdot, double *rate)
 {
-  int n = T->system->dims.nv;
+  const nsdae_blocks *blocks = &T->system->blocks;
   double s = 1, sum = 0;
   *rate = 0;
   if (stands_still(p, T)) return NSDAE_OK;
   int status = mass_ahead(p, T, qdot, &s);
-  for (int j = 0; j < n; j++)
-    for (int i = 0; i < n; i++)
-      sum += T->v[i] * T->v[j] *
-             (p->M[(size_t)j * (size_t)n + (size_t)i] - T->M[(size_t)j * (size_t)n + (size_t)i]);
+  for (int b = 0; b < blocks->count; b++) {
+    int n = nsdae_blocks_size(blocks, b);
+    const double *v = T->v + blocks->first[b];
+    const double *M = T->M + blocks->square[b], *ahead = p->M + blocks->square[b];
+    for (int j = 0; j < n; j++, M += n, ahead += n)
+      for (int i = 0; i < n; i++) sum += v[i] * v[j] * (ahead[i] - M[i]);
+  }
   *rate = sum / (2 * s);
-  if (status < 0 || isfinite(sum)) return status;
-  return nsdae_system_finite(T->system, p->M, n, n, "mass", nsdae_terms_time(T), T->error);
+  return status < 0 ? status : finite(p, T, sum);
 }
 
 int nsdae_power_rate(nsdae_power *p, const nsdae_terms *T, const double *a, const double *qdot,
                      double *rate)
 {
-  int n = T->system->dims.nv, moves = !stands_still(p, T);
-  const double *v = T->v, *M = T->M, *ahead = moves ? p->M : T->M;
+  const nsdae_blocks *blocks = &T->system->blocks;
+  int moves = !stands_still(p, T);
   double s = 1, sum = 0;
   int status = moves ? mass_ahead(p, T, qdot, &s) : NSDAE_OK;
-  for (int j = 0; j < n; j++, M += n, ahead += n) {
-    double turns = v[j] / (2 * s);
-    for (int i = 0; i < n; i++) sum += v[i] * (M[i] * a[j] + (ahead[i] - M[i]) * turns);
+  for (int b = 0; b < blocks->count; b++) {
+    int n = nsdae_blocks_size(blocks, b), first = blocks->first[b];
+    const double *v = T->v + first, *M = T->M + blocks->square[b];
+    const double *ahead = moves ? p->M + blocks->square[b] : M;
+    for (int j = 0; j < n; j++, M += n, ahead += n) {
+      double turns = v[j] / (2 * s);
+      for (int i = 0; i < n; i++) sum += v[i] * (M[i] * a[first + j] + (ahead[i] - M[i]) * turns);
+    }
   }
   *rate = sum;
-  if (status < 0 || isfinite(sum) || !moves) return status;
-  return nsdae_system_finite(T->system, p->M, n, n, "mass", nsdae_terms_time(T), T->error);
+  return status < 0 || !moves ? status : finite(p, T, sum);
 }

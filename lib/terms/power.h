@@ -11,12 +11,12 @@
 #include "terms.h"
 
 typedef struct nsdae_power {
-  double *q, *M;  /* nq, nv x nv: ahead */
-  double *first;  /* nv x nv: M at the first point */
+  double *q, *M;  /* nq; by blocks: ahead */
+  double *first;  /* M at the first point */
   int any, moves; /* there is one; M was another since then */
 } nsdae_power;
 
-void nsdae_power_layout(nsdae_power *power, const nsdae_dims *dims, nsdae_arena *arena);
+void nsdae_power_layout(nsdae_power *power, const nsdae_system *system, nsdae_arena *arena);
 
 /* The next point is the first. */
 void nsdae_power_start(nsdae_power *power);

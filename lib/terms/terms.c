@@ -9,44 +9,59 @@
 #include "system_impl.h"
 #include "vector.h"
 
-void nsdae_terms_layout_rows(nsdae_rows *rows, long count, long n, long begin, long stride,
-                             nsdae_arena *arena)
+void nsdae_terms_layout_rows(nsdae_rows *rows, const nsdae_blocks *blocks, long count, long begin,
+                             long stride, nsdae_arena *arena)
 {
   *rows = (nsdae_rows){.count = (int)count, .stride = (size_t)stride};
-  rows->value = NSDAE_ARENA_DOUBLES(arena, count * n);
+  rows->value = NSDAE_ARENA_DOUBLES(arena, count * blocks->first[blocks->count]);
   rows->first = NSDAE_ARENA_INTS(arena, count + 1);
-  rows->block = NSDAE_ARENA_INTS(arena, count);
-  rows->at = nsdae_arena_take(arena, count, sizeof *rows->at);
+  rows->block = NSDAE_ARENA_INTS(arena, count * blocks->count);
+  rows->at = nsdae_arena_take(arena, count * blocks->count, sizeof *rows->at);
   if (!rows->first) return; /* measuring */
-  for (long i = 0; i < count; i++) {
+  for (long i = 0; i < count && blocks->count == 1; i++) {
     rows->first[i + 1] = (int)i + 1;
     rows->at[i] = (size_t)(i * begin);
   }
 }
 
-static void lay_out_lists(nsdae_terms *terms, nsdae_arena *arena)
+/* The parts of the rows of an array: each block in which a row is not zero. */
+static void find_parts(const nsdae_blocks *blocks, nsdae_rows *rows, size_t begin)
+{
+  int part = 0;
+  if (blocks->count == 1) return;
+  for (int i = 0; i < rows->count; i++) {
+    for (int b = 0; b < blocks->count; b++) {
+      size_t at = (size_t)i * begin + (size_t)blocks->first[b] * rows->stride, n = 0,
+             size = (size_t)nsdae_blocks_size(blocks, b);
+      while (n < size && rows->value[at + n * rows->stride] == 0) n++;
+      if (n == size) continue;
+      rows->block[part] = b;
+      rows->at[part++] = at;
+    }
+    rows->first[i + 1] = part;
+  }
+}
+
+static void lay_out_constraint_rows(nsdae_terms *terms, nsdae_arena *arena)
 {
   const nsdae_system *s = terms->system;
   terms->by.rows.system = s;
-  terms->by.list.blocks = terms->by.rows.blocks = &s->blocks;
-  terms->by.list.nt = s->dims.nt;
+  terms->by.rows.blocks = &s->blocks;
   terms->by.rows.rows = &terms->by.jacobian;
   terms->by.jacobian.count = s->dims.m;
+  terms->by.jacobian.stride = 1;
   terms->by.jacobian.first = NSDAE_ARENA_INTS(arena, s->dims.m + 1L);
-  terms->by.jacobian.stride = terms->by.normal.stride = terms->by.tangent.stride = 1;
 }
 
-/* What is numbered: dense, and seen by rows. */
-static void lay_out_dense(nsdae_terms *terms, nsdae_arena *arena)
+static void lay_out_contacts(nsdae_terms *terms, nsdae_arena *arena)
 {
-  const nsdae_dims *dims = &terms->system->dims;
-  long n = dims->nv, m = dims->m, k = dims->k, nt = dims->nt;
+  const nsdae_system *s = terms->system;
+  long n = s->dims.nv, k = s->dims.k, nt = s->dims.nt;
   terms->gap = NSDAE_ARENA_DOUBLES(arena, k);
   terms->w_N = NSDAE_ARENA_DOUBLES(arena, k);
   terms->w_T = NSDAE_ARENA_DOUBLES(arena, k * nt);
-  nsdae_terms_layout_rows(&terms->by.jacobian, m, n, 1, m, arena);
-  nsdae_terms_layout_rows(&terms->by.normal, k, n, n, 1, arena);
-  nsdae_terms_layout_rows(&terms->by.tangent, k * nt, n, n, 1, arena);
+  nsdae_terms_layout_rows(&terms->by.normal, &s->blocks, k, n, 1, arena);
+  nsdae_terms_layout_rows(&terms->by.tangent, &s->blocks, k * nt, n, 1, arena);
 }
 
 static unsigned absent(const nsdae_dims *d)
@@ -64,6 +79,9 @@ void nsdae_terms_layout(nsdae_terms *terms, nsdae_arena *arena)
   const nsdae_dims *dims = &terms->system->dims;
   const nsdae_blocks *blocks = &terms->system->blocks;
   long n = dims->nv, m = dims->m, k = dims->k, nt = dims->nt;
+  terms->by.list.blocks = blocks;
+  terms->by.list.nt = dims->nt;
+  terms->by.normal.stride = terms->by.tangent.stride = 1;
   terms->absent = absent(dims);
   terms->q = NSDAE_ARENA_DOUBLES(arena, dims->nq);
   terms->v = NSDAE_ARENA_DOUBLES(arena, n);
@@ -73,11 +91,12 @@ void nsdae_terms_layout(nsdae_terms *terms, nsdae_arena *arena)
   terms->constraint.phi_t = NSDAE_ARENA_DOUBLES(arena, m);
   terms->constraint.omega = NSDAE_ARENA_DOUBLES(arena, m);
   terms->by.work = NSDAE_ARENA_DOUBLES(arena, n);
-  if (terms->system->by_list)
-    lay_out_lists(terms, arena);
+  if (terms->system->call.constraint_rows)
+    lay_out_constraint_rows(terms, arena);
   else
-    lay_out_dense(terms, arena);
-  nsdae_terms_layout_rows(&terms->by.frictional_joint, dims->f, n, n, 1, arena);
+    nsdae_terms_layout_rows(&terms->by.jacobian, blocks, m, 1, m, arena);
+  if (!terms->system->by_list) lay_out_contacts(terms, arena);
+  nsdae_terms_layout_rows(&terms->by.frictional_joint, blocks, dims->f, n, 1, arena);
   terms->frictional_joint.w = NSDAE_ARENA_DOUBLES(arena, dims->f);
   terms->omega.N = NSDAE_ARENA_DOUBLES(arena, k);
   terms->omega.T = NSDAE_ARENA_DOUBLES(arena, k * nt);
@@ -149,7 +168,7 @@ static int mass(nsdae_terms *T)
 {
   const nsdae_system *s = T->system;
   int n = s->dims.nv;
-  if (s->by_list) return there(T, NSDAE_TERM_MASS, nsdae_terms_mass_blocks(T));
+  if (s->by_blocks) return there(T, NSDAE_TERM_MASS, nsdae_terms_mass_blocks(T));
   zero(T->M, (long)n * n);
   T->evals->mass++;
   return outcome(T, NSDAE_TERM_MASS, s->call.mass(nsdae_terms_time(T), T->q, T->M, n, s->user),
@@ -178,17 +197,19 @@ static int jacobian(nsdae_terms *T)
 {
   const nsdae_system *s = T->system;
   int m = s->dims.m, n = s->dims.nv, code;
-  if (s->by_list) return there(T, NSDAE_TERM_JACOBIAN, nsdae_terms_constraint_rows(T));
-  zero(T->by.jacobian.value, (long)m * n);
+  double *J = T->by.jacobian.value;
+  if (s->call.constraint_rows) return there(T, NSDAE_TERM_JACOBIAN, nsdae_terms_constraint_rows(T));
+  zero(J, (long)m * n);
   T->evals->jacobian++;
-  if (!s->call.constraint_jacobian) {
+  if (s->call.constraint_jacobian)
+    code = s->call.constraint_jacobian(nsdae_terms_time(T), T->q, J, m, s->user);
+  else
     code = nsdae_differences_velocity(T->differences, s->call.constraint, m, nsdae_terms_time(T),
-                                      T->q, T->by.jacobian.value, m, 0);
-    return difference_outcome(T, NSDAE_TERM_JACOBIAN, code, "constraint", T->by.jacobian.value, m,
-                              n);
-  }
-  code = s->call.constraint_jacobian(nsdae_terms_time(T), T->q, T->by.jacobian.value, m, s->user);
-  return outcome(T, NSDAE_TERM_JACOBIAN, code, "constraint_jacobian", T->by.jacobian.value, m, n);
+                                      T->q, J, m, 0);
+  find_parts(&s->blocks, &T->by.jacobian, 1);
+  if (s->call.constraint_jacobian)
+    return outcome(T, NSDAE_TERM_JACOBIAN, code, "constraint_jacobian", J, m, n);
+  return difference_outcome(T, NSDAE_TERM_JACOBIAN, code, "constraint", J, m, n);
 }
 
 /* The callback gives phi_t and omega together. */
@@ -238,26 +259,28 @@ static int normal(nsdae_terms *T)
 {
   const nsdae_system *s = T->system;
   int k = s->dims.k, n = s->dims.nv, code;
-  zero(T->by.normal.value, (long)n * k);
-  if (!s->call.gap_normal) {
-    code = nsdae_differences_velocity(T->differences, s->call.gap, k, nsdae_terms_time(T), T->q,
-                                      T->by.normal.value, n, 1);
-    return difference_outcome(T, NSDAE_TERM_NORMAL, code, "gap", T->by.normal.value, n, k);
-  }
-  code = s->call.gap_normal(nsdae_terms_time(T), T->q, T->by.normal.value, n, s->user);
-  return outcome(T, NSDAE_TERM_NORMAL, code, "gap_normal", T->by.normal.value, n, k);
+  double *W = T->by.normal.value;
+  zero(W, (long)n * k);
+  if (s->call.gap_normal)
+    code = s->call.gap_normal(nsdae_terms_time(T), T->q, W, n, s->user);
+  else
+    code = nsdae_differences_velocity(T->differences, s->call.gap, k, nsdae_terms_time(T), T->q, W,
+                                      n, 1);
+  find_parts(&s->blocks, &T->by.normal, (size_t)n);
+  if (s->call.gap_normal) return outcome(T, NSDAE_TERM_NORMAL, code, "gap_normal", W, n, k);
+  return difference_outcome(T, NSDAE_TERM_NORMAL, code, "gap", W, n, k);
 }
 
 static int tangent(nsdae_terms *T)
 {
   const nsdae_system *s = T->system;
-  int columns = s->dims.k * s->dims.nt, n = s->dims.nv;
-  zero(T->by.tangent.value, (long)n * columns);
-  if (!s->call.gap_tangent)
-    return there(T, NSDAE_TERM_TANGENT, NSDAE_OK); /* allowed where no contact has friction */
-  return outcome(T, NSDAE_TERM_TANGENT,
-                 s->call.gap_tangent(nsdae_terms_time(T), T->q, T->by.tangent.value, n, s->user),
-                 "gap_tangent", T->by.tangent.value, n, columns);
+  int columns = s->dims.k * s->dims.nt, n = s->dims.nv, code = 0;
+  double *W = T->by.tangent.value;
+  zero(W, (long)n * columns);
+  if (s->call.gap_tangent) /* may be missing if no contact has friction */
+    code = s->call.gap_tangent(nsdae_terms_time(T), T->q, W, n, s->user);
+  find_parts(&s->blocks, &T->by.tangent, (size_t)n);
+  return outcome(T, NSDAE_TERM_TANGENT, code, "gap_tangent", W, n, columns);
 }
 
 static int bias(nsdae_terms *T)
@@ -279,17 +302,16 @@ static int bias(nsdae_terms *T)
 static int frictional_joint(nsdae_terms *T)
 {
   const nsdae_system *s = T->system;
-  int f = s->dims.f, n = s->dims.nv;
-  zero(T->by.frictional_joint.value, (long)n * f);
-  zero(T->frictional_joint.w, f);
-  if (!s->call.frictional_joint_tangent)
-    return there(T, NSDAE_TERM_SLIDE, NSDAE_OK); /* allowed where no slide has friction */
-  int code = s->call.frictional_joint_tangent(
-      nsdae_terms_time(T), T->q, T->by.frictional_joint.value, n, T->frictional_joint.w, s->user);
-  int status = outcome(T, 0, code, "frictional_joint_tangent", T->by.frictional_joint.value, n, f);
-  return status < 0 ? status
-                    : outcome(T, NSDAE_TERM_SLIDE, 0, "frictional_joint_tangent",
-                              T->frictional_joint.w, f, 1);
+  int f = s->dims.f, n = s->dims.nv, code = 0;
+  double *W = T->by.frictional_joint.value, *w = T->frictional_joint.w;
+  const char *callback = "frictional_joint_tangent"; /* may be missing if no joint has friction */
+  zero(W, (long)n * f);
+  zero(w, f);
+  if (s->call.frictional_joint_tangent)
+    code = s->call.frictional_joint_tangent(nsdae_terms_time(T), T->q, W, n, w, s->user);
+  find_parts(&s->blocks, &T->by.frictional_joint, (size_t)n);
+  int status = outcome(T, 0, code, callback, W, n, f);
+  return status < 0 ? status : outcome(T, NSDAE_TERM_SLIDE, 0, callback, w, f, 1);
 }
 
 static int acceleration(nsdae_terms *T)
@@ -476,10 +498,11 @@ double nsdae_terms_penetration(const nsdae_terms *terms)
 
 static int bad_mass(const nsdae_terms *terms, const nsdae_kkt *kkt)
 {
-  nsdae_error_set(terms->error, NSDAE_E_MASS, "nsdae_terms", "mass",
+  const char *callback = nsdae_system_mass_name(terms->system);
+  nsdae_error_set(terms->error, NSDAE_E_MASS, "nsdae_terms", callback,
                   "the mass matrix is not positive definite at t = %.17g: pivot %d of %d is not "
-                  "above rounding; check the callback mass",
-                  nsdae_terms_time(terms), kkt->pivot, kkt->n);
+                  "above rounding; check the callback %s",
+                  nsdae_terms_time(terms), kkt->pivot, kkt->n, callback);
   terms->error->time = nsdae_terms_time(terms);
   nsdae_system_name_item(terms->system, NSDAE_NAME_VELOCITY, kkt->pivot - 1, terms->error);
   return NSDAE_E_MASS;
@@ -488,7 +511,7 @@ static int bad_mass(const nsdae_terms *terms, const nsdae_kkt *kkt)
 int nsdae_terms_unsolved(const nsdae_terms *terms, const nsdae_kkt *kkt, int status)
 {
   if (status == NSDAE_E_MASS) return bad_mass(terms, kkt);
-  nsdae_error_set(terms->error, status, "nsdae_terms", "constraint_rows",
+  nsdae_error_set(terms->error, status, "nsdae_terms", nsdae_system_jacobian_name(terms->system),
                   "the equations of %d constraints were not solved at t = %.17g: %s", kkt->m,
                   nsdae_terms_time(terms), nsdae_status_message(status));
   terms->error->time = nsdae_terms_time(terms);
@@ -498,7 +521,8 @@ int nsdae_terms_unsolved(const nsdae_terms *terms, const nsdae_kkt *kkt, int sta
 /* The first of those that are left when the independent ones are taken, best first. */
 static int bad_rank(const nsdae_terms *terms, const nsdae_kkt *kkt)
 {
-  nsdae_error_set(terms->error, NSDAE_E_RANK, "nsdae_terms", "constraint_jacobian",
+  nsdae_error_set(terms->error, NSDAE_E_RANK, "nsdae_terms",
+                  nsdae_system_jacobian_name(terms->system),
                   "Phi_q has rank %d of %d at t = %.17g: remove the redundant constraints or set "
                   "redundant = least-norm; the first redundant one",
                   kkt->rank, kkt->m, nsdae_terms_time(terms));

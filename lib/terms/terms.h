@@ -30,8 +30,9 @@ enum {
   NSDAE_TERM_CONTACTS = 8192      /* the list, see nsdae_terms_contacts */
 };
 
-/* By rows over blocks. Of a system without blocks they are those of a dense array, Phi_q [m x nv],
- * W_N [nv x k], W_T [nv x k nt] and W of the frictional joints [nv x f]; else see listed.h. */
+/* By rows over blocks: those of a dense array, Phi_q [m x nv], W_N [nv x k], W_T [nv x k nt] and W
+ * of the frictional joints [nv x f], or those of a list (listed.h). A row of an array has a part
+ * for each block in which it is not zero; a system without blocks has one part for all of v. */
 typedef struct nsdae_by_blocks {
   nsdae_rows jacobian;         /* m */
   nsdae_rows normal, tangent;  /* k, k nt; by list: of the contacts that the step selected */
@@ -83,10 +84,10 @@ typedef struct nsdae_terms {
 
 /* Takes the arrays; system, differences, error and evals are set before. */
 void nsdae_terms_layout(nsdae_terms *terms, nsdae_arena *arena);
-/* Rows of n values, each over the one block: begin is how far apart they are, stride the same of
- * the values of one. */
-void nsdae_terms_layout_rows(nsdae_rows *rows, long count, long n, long begin, long stride,
-                             nsdae_arena *arena);
+/* Rows of a dense array over the blocks: begin is how far apart they are, stride the same of the
+ * values of one. Of one block each has one part. */
+void nsdae_terms_layout_rows(nsdae_rows *rows, const nsdae_blocks *blocks, long count, long begin,
+                             long stride, nsdae_arena *arena);
 
 /* Every term is out of date, except those that there are none of. */
 static inline void nsdae_terms_forget(nsdae_terms *terms)

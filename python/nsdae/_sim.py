@@ -323,7 +323,8 @@ class Sim:
     def _trajectory(self, recorder: Any, status: str, model: str, parameters: Any, shapes: Any) -> Trajectory:
         return Trajectory._of_run(recorder.arrays(), names_of(self.system), has_potential=self._core.has_potential(),
                                   options=self.options, stats=self.stats, status=status, model=model,
-                                  parameters=parameters or {}, shapes=shapes or [], blocks=self.system.blocks)
+                                  parameters=parameters or {}, shapes=shapes or [],
+                                  blocks=self.system.blocks if self.system._listed else None)
 
     def __repr__(self) -> str:
         return f"nsdae.Sim({self.system!r}, method={self.options['method']!r}, dt={self.options['dt']!r})"

@@ -121,8 +121,9 @@ class System:
     - ``kinematics(t, q, v, qdot)``: qdot [nq]
     - ``potential(t, q)`` returns the energy
 
-    A block-sparse system has these in place of ``mass``, ``constraint_jacobian``, ``force_damping``, ``force_stiffness`` and all
-    callbacks of contacts:
+    A block-sparse system has ``mass_blocks``, ``force_damping_blocks`` and ``force_stiffness_blocks`` in place of ``mass``,
+    ``force_damping`` and ``force_stiffness``. It may have ``constraint_rows`` in place of ``constraint_jacobian``, and
+    ``contacts`` in place of k, f and their callbacks:
 
     - ``mass_blocks(t, q, M)``: M[b] [nv, nv]; one array [blocks, nv, nv] if all blocks have the same size
     - ``constraint_rows(t, q, rows)``: calls ``rows.add(row, block, value)``, see `RowList`
@@ -151,6 +152,7 @@ class System:
             self._core.set_blocks(*sizes)
         self._user = user
         self._kept: dict[str, Any] = {}
+        self._listed = False
         self.set(**callbacks)
         for i, of in enumerate(zip(*(np.broadcast_to(c, k) for c in (mu, e_n, e_t)))):
             if any(of):
@@ -163,6 +165,7 @@ class System:
     def _of(cls, core: Any) -> System:
         made = cls.__new__(cls)
         made._core, made._user, made._kept = core, None, {}
+        made._listed = made.blocks is not None
         return made
 
     def set(self, **callbacks: Callable[..., Any]) -> None:
@@ -188,6 +191,7 @@ class System:
                 self._core.set_function(name, _lists.wrapped(name, function, self._core.blocks()[1]))
             else:
                 self._core.set_pointer(name, *pointer)
+            self._listed |= name == "contacts"
             self._kept[name] = function  # a compiled function lives as long as the system
 
     def set_contact(self, i: int, mu: float = 0, e_n: float = 0, e_t: float = 0) -> None:

@@ -111,7 +111,7 @@ class Trajectory:
     contact_count : ndarray of int, shape (n,)
         Number of these contacts of each record.
     blocks : ndarray or None, shape (blocks, 2)
-        nq and nv of each block.
+        nq and nv of each block, with a contact list.
     options, stats, parameters : dict
         Options, statistics and parameters of the run.
     model, status : str

@@ -88,6 +88,11 @@ void twin_draw(twin *t, uint64_t seed, const twin_kind *kind)
     t->phi[i].offset = value(t, &t->phi[i], 0, t->q0);
   }
   for (int i = 0; i < t->k; i++) draw_contact(t, &state, i, kind);
+  t->f = kind->f;
+  for (int j = 0; j < t->f; j++) {
+    draw_row(t, &state, &t->slide[j], j, j + 1);
+    t->slide_mu[j] = random_between(&state, 0, kind->friction);
+  }
   t->id_of_first = 1000;
   t->fail_at = t->wrong_row = t->wrong_contact = -1;
 }
@@ -190,6 +195,17 @@ static int tangent(double time, const double *q, double *W, int ldw, void *user)
   return 0;
 }
 
+static int slides(double time, const double *q, double *W, int ldw, double *w_s, void *user)
+{
+  const twin *t = user;
+  (void)time, (void)q, (void)w_s;
+  for (int i = 0; i < t->f; i++)
+    for (int s = 0; s < 2; s++)
+      for (int j = 0; j < t->size[i + s]; j++)
+        W[i * ldw + t->first[i + s] + j] = t->slide[i].a[s][j];
+  return 0;
+}
+
 static int still(double time, const double *q, double *w_n, double *w_t, void *user)
 {
   (void)time;
@@ -200,17 +216,16 @@ static int still(double time, const double *q, double *w_n, double *w_t, void *u
   return 0;
 }
 
-nsdae_system *twin_dense(twin *t)
+/* All but M and Phi_q of a system with numbered contacts. */
+static nsdae_system *numbered(twin *t)
 {
-  const nsdae_dims dims = {.nq = t->nv, .m = t->m, .k = t->k, .nt = t->nt};
+  const nsdae_dims dims = {.nq = t->nv, .m = t->m, .k = t->k, .nt = t->nt, .f = t->f};
   nsdae_system *s;
   if (nsdae_system_create(&dims, &s, NULL) < 0) return NULL;
   nsdae_system_set_user(s, t);
-  nsdae_system_set_mass(s, mass);
   nsdae_system_set_force(s, force);
   if (t->m > 0) {
     nsdae_system_set_constraint(s, constraint);
-    nsdae_system_set_constraint_jacobian(s, jacobian);
     nsdae_system_set_constraint_bias(s, bias);
   }
   if (t->k > 0) {
@@ -220,6 +235,17 @@ nsdae_system *twin_dense(twin *t)
   }
   if (t->k > 0 && t->nt > 0) nsdae_system_set_gap_tangent(s, tangent);
   for (int i = 0; i < t->k; i++) nsdae_system_set_contact(s, i, t->mu[i], t->e_n[i], 0);
+  if (t->f > 0) nsdae_system_set_frictional_joint_tangent(s, slides);
+  for (int j = 0; j < t->f; j++) nsdae_system_set_frictional_joint(s, j, j, t->slide_mu[j]);
+  return s;
+}
+
+nsdae_system *twin_dense(twin *t)
+{
+  nsdae_system *s = numbered(t);
+  if (!s) return NULL;
+  nsdae_system_set_mass(s, mass);
+  if (t->m > 0) nsdae_system_set_constraint_jacobian(s, jacobian);
   return s;
 }
 
@@ -302,5 +328,16 @@ nsdae_system *twin_blocks(twin *t)
     nsdae_system_set_constraint_bias(s, bias);
   }
   nsdae_system_set_contacts(s, contacts);
+  return s;
+}
+
+nsdae_system *twin_numbered(twin *t, int constraints)
+{
+  nsdae_system *s = numbered(t);
+  if (!s) return NULL;
+  nsdae_system_set_blocks(s, t->blocks, t->size, t->size);
+  nsdae_system_set_mass_blocks(s, mass_blocks);
+  if (t->m > 0 && constraints == TWIN_BY_ROWS) nsdae_system_set_constraint_rows(s, constraint_rows);
+  if (t->m > 0 && constraints == TWIN_BY_MATRIX) nsdae_system_set_constraint_jacobian(s, jacobian);
   return s;
 }

@@ -1,4 +1,4 @@
-/* Systems by blocks with contacts by list: the same motion as when they are given dense, statics of
+/* Systems by blocks with a contact list: the same motion as when they are given dense, statics of
  * columns, balances of momentum and energy, and everything that can go wrong with a list. */
 #include "check.h"
 
@@ -642,7 +642,9 @@ static void test_refusals(void **state)
   nsdae_system_destroy(&s);
   dims.k = 1;
   assert_int_equal(nsdae_system_create(&dims, &s, NULL), NSDAE_OK);
-  assert_int_equal(nsdae_system_set_blocks(s, 2, sizes, sizes), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_system_set_blocks(s, 2, sizes, sizes), NSDAE_OK);
+  assert_int_equal(nsdae_system_set_contacts(s, column_contacts), NSDAE_E_ARGUMENT);
+  assert_string_equal(nsdae_system_error(s)->argument, "k");
   nsdae_system_destroy(&s);
 }
 

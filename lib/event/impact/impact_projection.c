@@ -27,7 +27,7 @@ static void append_rate(nsdae_event_projection *p, const nsdae_rows *rows, const
                         const double *v)
 {
   double missing = nsdae_terms_rate(p->phase->setting->here, rows, w, j, v);
-  nsdae_least_append(&p->least, rows->value + rows->at[j], rows->stride, missing);
+  nsdae_least_append(&p->least, rows, j, missing);
 }
 
 /* Appends positions; returns the worst. */
@@ -37,10 +37,9 @@ static double append_positions(nsdae_event_projection *p, const int *closed)
   const nsdae_dims *d = &T->system->dims;
   nsdae_least_start(&p->least);
   for (int i = 0; i < d->m; i++)
-    nsdae_least_append(&p->least, T->by.jacobian.value + i, (size_t)d->m, T->constraint.phi[i]);
+    nsdae_least_append(&p->least, &T->by.jacobian, i, T->constraint.phi[i]);
   for (int i = 0; i < d->k; i++)
-    if (closed[i])
-      nsdae_least_append(&p->least, T->by.normal.value + (size_t)i * (size_t)d->nv, 1, T->gap[i]);
+    if (closed[i]) nsdae_least_append(&p->least, &T->by.normal, i, T->gap[i]);
   return nsdae_largest(p->least.rows, p->least.c);
 }
 

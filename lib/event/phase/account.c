@@ -9,7 +9,7 @@ void nsdae_event_account_layout(nsdae_event_account *a, nsdae_arena *arena)
 {
   const nsdae_event_setting *s = a->phase->setting;
   a->y = NSDAE_ARENA_DOUBLES(arena, s->at.n);
-  nsdae_power_layout(&a->power, &s->system->dims, arena);
+  nsdae_power_layout(&a->power, s->system, arena);
   a->reaction = NSDAE_ARENA_DOUBLES(arena, s->system->dims.nv);
 }
 

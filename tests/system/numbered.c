@@ -1,0 +1,300 @@
+/* Systems by blocks with fixed contacts: each step is that of the dense system with the same
+ * values, by every method and projection. No step allocates, and wrong callbacks are refused by
+ * name. */
+#include "check.h"
+
+#include <stdlib.h>
+
+#include "allocator.h"
+#include "random.h"
+#include "twin.h"
+
+static const double DT = 2e-3, RTOL = 1e-10;
+
+static const int methods[] = {NSDAE_METHOD_IMPLICIT, NSDAE_METHOD_IMPLICIT_PRINTED,
+                              NSDAE_METHOD_MOREAU, NSDAE_METHOD_PENALTY};
+
+static const int projections[] = {NSDAE_PROJECTION_NONE, NSDAE_PROJECTION_CONSTRAINTS,
+                                  NSDAE_PROJECTION_CONTACTS, NSDAE_PROJECTION_DEPTHS};
+
+/* Small ones are dense inside, as both are; the last three are sparse. */
+static const twin_kind kinds[] = {
+    {.blocks = 1, .largest = 3, .k = 2, .nt = 1, .friction = 0.3},
+    {.blocks = 4, .largest = 3, .joined = 1, .k = 4, .nt = 1, .friction = 0.4, .restitution = 0.8},
+    {.blocks = 5, .largest = 7, .joined = 1, .k = 5, .nt = 2, .friction = 0.2},
+    {.blocks = 4, .largest = 3, .joined = 1, .k = 2, .nt = 1, .friction = 0.2, .f = 2},
+    {.blocks = 3, .largest = 3, .joined = 1},
+    {.blocks = 40, .largest = 3, .joined = 1, .k = 6, .nt = 1, .friction = 0.2, .restitution = 0.5},
+    {.blocks = 30, .largest = 7, .joined = 1, .k = 3, .nt = 2, .friction = 0.2, .f = 1},
+    {.blocks = 40, .largest = 3, .k = 5, .restitution = 1}};
+
+enum { KINDS = sizeof kinds / sizeof *kinds, STEPS = 20 };
+
+static nsdae_sim *make(nsdae_system *system, int method, int projection)
+{
+  nsdae_sim_options options;
+  nsdae_sim *sim = NULL;
+  nsdae_error error;
+  assert_non_null(system);
+  nsdae_sim_options_default(&options);
+  options.method = method;
+  options.projection = projection;
+  options.dt = DT;
+  options.rtol = RTOL;
+  options.atol = 1e-2 * RTOL;
+  options.rank_tol = 1e-12;
+  options.start_tol = 1; /* steps without projection drift */
+  int status = nsdae_sim_create(system, &options, &sim, &error);
+  if (status == NSDAE_E_UNSUPPORTED) return NULL; /* no SUNDIALS */
+  if (status < 0) fail_msg("%s", error.text);
+  return sim;
+}
+
+/* Rows have entries of order 1 and masses 0.1 to 10: 1e-11 are some 1e4 roundings of positions,
+ * velocities and h times the forces, which are sums over 160 velocities. The multiplier is an
+ * impulse by h. penalty: steps of the integrator are chosen by errors of rtol, and differ. */
+static void compare(const twin *t, int method, const nsdae_record *a, const nsdae_record *b)
+{
+  const double tol = method == NSDAE_METHOD_PENALTY ? 100 * RTOL : 1e-11;
+  for (int j = 0; j < t->nv; j++) {
+    double size = 1 + fabs(a->q[j]) + fabs(a->v[j]);
+    assert_near(b->q[j], a->q[j], tol * size);
+    assert_near(b->v[j], a->v[j], 10 * tol * size);
+  }
+  for (int i = 0; i < t->m; i++)
+    assert_near(b->multiplier[i], a->multiplier[i], tol / DT * (100 + fabs(a->multiplier[i])));
+}
+
+/* Each step from the same state; how many contacts were closed in all. */
+static int step_both(twin *t, int method, nsdae_sim *const sim[2])
+{
+  nsdae_record r[2];
+  double q[TWIN_V], v[TWIN_V];
+  int closed = 0;
+  memcpy(q, t->q0, sizeof q), memcpy(v, t->v0, sizeof v);
+  for (int n = 0; n < STEPS; n++) {
+    int status[2];
+    for (int i = 0; i < 2; i++) {
+      if (nsdae_sim_init(sim[i], n * DT, q, v) < 0) fail_msg("%s", nsdae_sim_error(sim[i])->text);
+      status[i] = nsdae_sim_step(sim[i]);
+      nsdae_sim_get_record(sim[i], &r[i]);
+    }
+    assert_int_equal(status[0] < 0, status[1] < 0);
+    if (status[0] < 0) break;
+    compare(t, method, &r[0], &r[1]);
+    for (int i = 0; i < t->k; i++) closed += r[0].normal_impulse[i] > 0;
+    memcpy(q, r[0].q, (size_t)t->nv * sizeof *q), memcpy(v, r[0].v, (size_t)t->nv * sizeof *v);
+  }
+  return closed;
+}
+
+static int expect_same(twin *t, int method, int projection, int constraints)
+{
+  nsdae_system *systems[] = {twin_dense(t), twin_numbered(t, constraints)};
+  nsdae_sim *sims[2];
+  int closed = 0;
+  for (int i = 0; i < 2; i++) sims[i] = make(systems[i], method, projection);
+  if (sims[0]) closed = step_both(t, method, sims);
+  for (int i = 0; i < 2; i++) {
+    nsdae_sim_destroy(&sims[i]);
+    nsdae_system_destroy(&systems[i]);
+  }
+  return closed;
+}
+
+/* A start that both project alike. */
+static void draw(twin *t, uint64_t seed, int kind)
+{
+  double q[2][TWIN_V], v[2][TWIN_V];
+  twin_draw(t, seed, &kinds[kind]);
+  for (int i = 0; i < 2; i++) {
+    nsdae_system *s = i ? twin_numbered(t, TWIN_BY_ROWS) : twin_dense(t);
+    nsdae_sim *sim = make(s, NSDAE_METHOD_MOREAU, NSDAE_PROJECTION_NONE);
+    memcpy(q[i], t->q0, sizeof t->q0), memcpy(v[i], t->v0, sizeof t->v0);
+    if (nsdae_sim_project(sim, 0, q[i], v[i]) < 0) fail_msg("%s", nsdae_sim_error(sim)->text);
+    nsdae_sim_destroy(&sim);
+    nsdae_system_destroy(&s);
+  }
+  for (int j = 0; j < t->nv; j++) {
+    assert_near(q[1][j], q[0][j], 1e-11);
+    assert_near(v[1][j], v[0][j], 1e-11);
+  }
+  memcpy(t->q0, q[0], sizeof t->q0), memcpy(t->v0, v[0], sizeof t->v0);
+}
+
+static void test_methods(void **state)
+{
+  static twin t;
+  int closed = 0;
+  (void)state;
+  for (int kind = 0; kind < KINDS; kind++)
+    for (uint64_t seed = 0; seed < 3; seed++)
+      for (int i = 0; i < 4; i++) {
+        draw(&t, 500 + 100 * (uint64_t)kind + seed, kind);
+        closed += expect_same(&t, methods[i], NSDAE_PROJECTION_NONE, TWIN_BY_ROWS);
+      }
+  print_message("%d contacts in a step\n", closed);
+  assert_true(closed > 100);
+}
+
+static void test_projections(void **state)
+{
+  static twin t;
+  (void)state;
+  for (int kind = 0; kind < KINDS; kind++)
+    for (uint64_t seed = 0; seed < 2; seed++)
+      for (int i = 0; i < 3; i++)
+        for (int p = 1; p < 4; p++) {
+          draw(&t, 600 + 100 * (uint64_t)kind + seed, kind);
+          expect_same(&t, methods[i], projections[p], TWIN_BY_ROWS);
+        }
+}
+
+/* Phi_q as a dense matrix, and by differences. */
+static void test_constraints(void **state)
+{
+  static twin t;
+  (void)state;
+  for (int kind = 0; kind < KINDS; kind++)
+    for (uint64_t seed = 0; seed < 2; seed++) {
+      draw(&t, 700 + 100 * (uint64_t)kind + seed, kind);
+      expect_same(&t, NSDAE_METHOD_MOREAU, NSDAE_PROJECTION_CONSTRAINTS, TWIN_BY_MATRIX);
+      nsdae_system *s = twin_numbered(&t, TWIN_BY_DIFFERENCES);
+      assert_int_equal(strstr(nsdae_system_differences(s), "constraint_jacobian") != NULL, t.m > 0);
+      nsdae_sim *sim = make(s, NSDAE_METHOD_MOREAU, NSDAE_PROJECTION_NONE);
+      assert_true(nsdae_sim_init(sim, 0, t.q0, t.v0) >= 0);
+      assert_true(nsdae_sim_step(sim) >= 0);
+      nsdae_sim_destroy(&sim);
+      nsdae_system_destroy(&s);
+    }
+}
+
+/* ---- what can go wrong */
+
+static int spoiled_normal(double t, const double *q, double *W, int ldw, void *user)
+{
+  (void)t, (void)q, (void)user;
+  W[0] = W[ldw + 2] = NAN;
+  return 0;
+}
+
+static int failing_rows(double t, const double *q, nsdae_row_list *rows, void *user)
+{
+  (void)t, (void)q, (void)rows, (void)user;
+  return -7;
+}
+
+static int no_masses(double t, const double *q, double *M, void *user)
+{
+  (void)t, (void)q, (void)user;
+  M[0] = 1;
+  return 0;
+}
+
+static void expect_status(twin *t, nsdae_system *s, int method, int status, const char *argument)
+{
+  nsdae_sim *sim = make(s, method, NSDAE_PROJECTION_NONE);
+  if (sim) {
+    assert_int_equal(nsdae_sim_init(sim, 0, t->q0, t->v0), status);
+    assert_string_equal(nsdae_sim_error(sim)->argument, argument);
+  }
+  nsdae_sim_destroy(&sim);
+  nsdae_system_destroy(&s);
+}
+
+static void test_faults(void **state)
+{
+  static twin t;
+  (void)state;
+  for (int kind = 1; kind < 7; kind += 5)
+    for (int i = 0; i < 4; i++) {
+      draw(&t, 900, kind);
+      nsdae_system *s = twin_numbered(&t, TWIN_BY_ROWS);
+      nsdae_system_set_gap_normal(s, spoiled_normal);
+      expect_status(&t, s, methods[i], NSDAE_E_NONFINITE, "gap_normal");
+      s = twin_numbered(&t, TWIN_BY_ROWS);
+      nsdae_system_set_constraint_rows(s, failing_rows);
+      expect_status(&t, s, methods[i], NSDAE_E_CALLBACK, "constraint_rows");
+      s = twin_numbered(&t, TWIN_BY_ROWS);
+      nsdae_system_set_mass_blocks(s, no_masses);
+      expect_status(&t, s, methods[i], NSDAE_E_MASS, "mass_blocks");
+    }
+}
+
+/* Right descriptions pass; one wrong entry is found. */
+static void test_check(void **state)
+{
+  static twin t;
+  nsdae_check worst;
+  (void)state;
+  for (int kind = 1; kind < KINDS; kind++) {
+    draw(&t, 950 + (uint64_t)kind, kind);
+    for (int constraints = TWIN_BY_ROWS; constraints <= TWIN_BY_MATRIX; constraints++) {
+      nsdae_system *s = twin_numbered(&t, constraints);
+      if (nsdae_system_check(s, 0, t.q0, t.v0, 1e-6, &worst) < 0)
+        fail_msg("%s", nsdae_system_error(s)->text);
+      t.wrong_row = constraints == TWIN_BY_ROWS && t.m > 0 ? 1 : -1;
+      if (t.wrong_row >= 0) {
+        assert_int_equal(nsdae_system_check(s, 0, t.q0, t.v0, 1e-6, &worst), NSDAE_E_DERIVATIVE);
+        assert_string_equal(worst.term, "constraint_rows");
+        assert_int_equal(worst.column, t.first[1]);
+      }
+      t.wrong_row = -1;
+      nsdae_system_destroy(&s);
+    }
+  }
+}
+
+/* ---- memory */
+
+/* No step allocates; every lost allocation is survived and leaks nothing. Sparse factors are made
+ * when the first step has the pattern. */
+static int life(twin *t, int method, int projection)
+{
+  nsdae_sim_options options;
+  nsdae_sim *sim = NULL;
+  nsdae_system *system = twin_numbered(t, TWIN_BY_ROWS);
+  nsdae_sim_options_default(&options);
+  options.method = method;
+  options.projection = projection;
+  options.dt = DT;
+  if (!system) return NSDAE_E_MEMORY;
+  int status = nsdae_sim_create(system, &options, &sim, NULL);
+  if (status == NSDAE_OK) status = nsdae_sim_init(sim, 0, t->q0, t->v0);
+  if (status == NSDAE_OK) status = nsdae_sim_step(sim);
+  long before = the_allocator.calls;
+  for (int n = 0; n < 20 && status >= 0; n++) status = nsdae_sim_step(sim);
+  if (status >= 0) assert_int_equal(the_allocator.calls - before, 0);
+  nsdae_sim_destroy(&sim);
+  nsdae_system_destroy(&system);
+  return status < 0 ? status : NSDAE_OK;
+}
+
+static void test_allocations(void **state)
+{
+  static twin t;
+  (void)state;
+  for (int kind = 1; kind < 7; kind += 5)
+    for (int i = 0; i < 3; i++) {
+      int status = NSDAE_E_MEMORY;
+      long tried = 0;
+      draw(&t, 800, kind);
+      for (; status < 0; tried++) {
+        allocator_reset(tried);
+        status = life(&t, methods[i], NSDAE_PROJECTION_CONSTRAINTS);
+        if (status != NSDAE_OK) assert_int_equal(status, NSDAE_E_MEMORY);
+        assert_int_equal(the_allocator.live, 0);
+      }
+      assert_true(tried > 20);
+      allocator_reset(-1);
+    }
+}
+
+int main(void)
+{
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_methods),     cmocka_unit_test(test_projections),
+      cmocka_unit_test(test_constraints), cmocka_unit_test(test_faults),
+      cmocka_unit_test(test_check),       cmocka_unit_test(test_allocations)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
