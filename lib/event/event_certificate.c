@@ -38,11 +38,16 @@ static int refuse(const nsdae_event_setting *s, int kind, int item, const char *
  * so that it is W_j^2 / M_jj or more for each j. */
 static double inertia(const nsdae_terms *T, int i)
 {
-  int n = T->system->dims.nv;
-  const double *W = T->by.normal.value + (size_t)i * (size_t)n;
+  const nsdae_blocks *blocks = &T->system->blocks;
+  const nsdae_rows *rows = &T->by.normal;
   double least = INFINITY;
-  for (int j = 0; j < n; j++)
-    if (W[j] != 0) least = fmin(least, T->M[(size_t)j * (size_t)(n + 1)] / (W[j] * W[j]));
+  for (int p = rows->first[i]; p < rows->first[i + 1]; p++) {
+    size_t n = (size_t)nsdae_blocks_size(blocks, rows->block[p]);
+    const double *W = rows->value + rows->at[p], *M = T->M + blocks->square[rows->block[p]];
+    for (size_t j = 0; j < n; j++)
+      if (W[j * rows->stride] != 0)
+        least = fmin(least, M[j * (n + 1)] / (W[j * rows->stride] * W[j * rows->stride]));
+  }
   return isfinite(least) ? least : 0;
 }
 

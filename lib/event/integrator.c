@@ -108,9 +108,10 @@ void nsdae_event_integrator_prepare(nsdae_event_integrator *e)
 static double force_of(const nsdae_event_integrator *e)
 {
   const nsdae_terms *T = e->roots->phase->setting->here;
+  const nsdae_blocks *b = &T->system->blocks;
   int n = T->system->dims.nv;
   double inertia = 0;
-  for (size_t i = 0; i < (size_t)n * (size_t)n; i++) inertia = fmax(inertia, fabs(T->M[i]));
+  for (size_t i = 0; i < b->square[b->count]; i++) inertia = fmax(inertia, fabs(T->M[i]));
   return fmax(nsdae_largest(n, T->F), inertia * nsdae_largest(n, T->v) / e->steps.max_step);
 }
 

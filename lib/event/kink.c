@@ -11,17 +11,16 @@ static const double COSINE = 0.5;
 /* The cosine between the normals of contact i at two points, in the metric of M^-1. */
 static double cosine(nsdae_event_instant *p, const nsdae_terms *a, const nsdae_terms *b, int i)
 {
-  int n = a->system->dims.nv;
-  const nsdae_kkt *kkt = p->roots->phase->setting->kkt;
-  const double *x = a->by.normal.value + (size_t)i * (size_t)n;
-  const double *y = b->by.normal.value + (size_t)i * (size_t)n;
-  double *z = p->acceleration.size;
-  memcpy(z, x, (size_t)n * sizeof *z);
-  nsdae_kkt_solve_mass(kkt, z);
-  double xx = nsdae_dot(n, x, z), xy = nsdae_dot(n, y, z);
-  memcpy(z, y, (size_t)n * sizeof *z);
-  nsdae_kkt_solve_mass(kkt, z);
-  return xy / sqrt(xx * nsdae_dot(n, y, z));
+  const nsdae_blocks *blocks = &a->system->blocks;
+  const nsdae_rows *of[] = {&a->by.normal, &b->by.normal};
+  double *z = p->acceleration.size, product[2][2];
+  for (int l = 0; l < 2; l++) {
+    memset(z, 0, (size_t)a->system->dims.nv * sizeof *z);
+    nsdae_rows_add(blocks, of[l], i, 1, z);
+    nsdae_kkt_solve_mass(p->roots->phase->setting->kkt, z);
+    for (int j = 0; j < 2; j++) product[l][j] = nsdae_rows_dot(blocks, of[j], i, z);
+  }
+  return product[0][1] / sqrt(product[0][0] * product[1][1]);
 }
 
 /* The closed contact, or -1, whose normal turns on the way of that time from the point in work. The

@@ -41,3 +41,15 @@ double nsdae_rows_sum(const nsdae_blocks *blocks, const nsdae_rows *rows, int i)
       sum += fabs(rows->value[rows->at[p] + (size_t)j * rows->stride]);
   return sum;
 }
+
+double nsdae_rows_dot_sizes(const nsdae_blocks *blocks, const nsdae_rows *rows, int i,
+                            const double *x)
+{
+  double sum = 0;
+  for (int p = rows->first[i]; p < rows->first[i + 1]; p++) {
+    const double *value = rows->value + rows->at[p], *part = x + blocks->first[rows->block[p]];
+    for (int j = 0; j < nsdae_blocks_size(blocks, rows->block[p]); j++)
+      sum += fabs(value[(size_t)j * rows->stride] * part[j]);
+  }
+  return sum;
+}

@@ -55,8 +55,10 @@ void nsdae_rows_times_transposed(const nsdae_blocks *blocks, const nsdae_rows *r
 void nsdae_rows_gather(const nsdae_blocks *blocks, const nsdae_rows *rows, int i, const int *place,
                        double *out, size_t stride);
 
-/* Largest entry of a row, and the sum of its entries, in absolute values. */
+/* Largest entry of a row, the sum of its entries, and row_i . x, all in absolute values. */
 double nsdae_rows_largest(const nsdae_blocks *blocks, const nsdae_rows *rows, int i);
 double nsdae_rows_sum(const nsdae_blocks *blocks, const nsdae_rows *rows, int i);
+double nsdae_rows_dot_sizes(const nsdae_blocks *blocks, const nsdae_rows *rows, int i,
+                            const double *x);
 
 #endif

@@ -49,10 +49,8 @@ static double slow_for(const nsdae_event_accumulation *p, int i)
 {
   const nsdae_event_setting *s = p->acceleration->phase->setting;
   const nsdae_terms *T = s->here;
-  int n = T->system->dims.nv;
-  double rate = fabs(T->omega.N[i]);
-  for (int j = 0; j < n; j++)
-    rate += fabs(T->by.normal.value[(size_t)i * (size_t)n + (size_t)j] * p->lost[j]);
+  double rate =
+      fabs(T->omega.N[i]) + nsdae_rows_dot_sizes(&T->system->blocks, &T->by.normal, i, p->lost);
   double way = sqrt(2 * rate * nsdae_event_position_size(s));
   return fmax(way, fmax(SLOW * nsdae_event_velocity_size(s), s->options->accumulation_time * rate));
 }

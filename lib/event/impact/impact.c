@@ -254,7 +254,7 @@ static int impact(nsdae_event_impacts *p, double *y)
   memcpy(p->velocity, p->solution.before, (size_t)d->k * sizeof *p->velocity);
   nsdae_event_unsettle(&p->accumulation);
   memset(p->momentum, 0, (size_t)d->nv * sizeof *p->momentum);
-  nsdae_add_product(d->nv, d->nv, T->M, v, p->momentum);
+  nsdae_blocks_add_product(&s->system->blocks, T->M, v, p->momentum);
   approach(p);
   int status = restitute(p, v);
   if (status == NSDAE_OK) status = settle(p, v);

@@ -2,6 +2,7 @@
 
 #include <float.h>
 #include <math.h>
+#include <string.h>
 
 enum { PROJECTIONS = 4 };
 
@@ -94,11 +95,11 @@ static double work_of(const nsdae_event_projection *p)
 {
   const nsdae_terms *T = p->phase->setting->here;
   const double *change = p->least.change;
+  double *momentum = T->by.work;
   int n = T->system->dims.nv;
-  double work = 0;
-  for (int j = 0; j < n; j++)
-    work += nsdae_dot(n, T->M + (size_t)j * (size_t)n, change) * (T->v[j] + change[j] / 2);
-  return work;
+  memset(momentum, 0, (size_t)n * sizeof *momentum);
+  nsdae_blocks_add_product(&T->system->blocks, T->M, change, momentum);
+  return nsdae_dot(n, momentum, T->v) + nsdae_dot(n, momentum, change) / 2;
 }
 
 int nsdae_event_project_velocities(nsdae_event_projection *p, double *y)

@@ -255,7 +255,7 @@ static deviation deviation_at(const nsdae_event_phase *phase)
   for (int i = 0; i < d->k; i++) {
     if (phase->modes.contact[i] == NSDAE_MODE_OPEN || phase->modes.related[i]) continue;
     double gap = fabs(T->gap[i]) / far, rate = fabs(nsdae_terms_normal_rate(T, i, T->v)) / fast;
-    int has_normal = nsdae_largest(d->nv, T->by.normal.value + (size_t)i * (size_t)d->nv) > 0;
+    int has_normal = nsdae_rows_largest(&T->system->blocks, &T->by.normal, i) > 0;
     is.gap = fmax(is.gap, gap);
     is.rate = fmax(is.rate, rate);
     if (nsdae_terms_normal_rate(T, i, T->v) < 0) is.together = fmax(is.together, rate);

@@ -3,24 +3,10 @@
 #include <math.h>
 #include <string.h>
 
+#include "dense.h"
 #include "direction.h"
 
 #define AT(A, n, i, j) (A)[(size_t)(j) * (size_t)(n) + (size_t)(i)]
-
-/* The row of a force. */
-typedef enum row_kind {
-  ROW_NONE,      /* F = 0 */
-  ROW_CLOSED,    /* what it holds has no acceleration */
-  ROW_RELATED,   /* others hold it: F = sum r_l F_l */
-  ROW_RUBS,      /* F_T = -mu F_N d */
-  ROW_SLIDE_RUBS /* F_S = -mu |lambda| s */
-} row_kind;
-
-/* W, w, omega of a force, and the gap that it closes. */
-typedef struct column {
-  const double *W;
-  double w, omega, gap;
-} column;
 
 /* The forces in turn: k normal, k nt tangential, f of frictional joints. */
 static int forces_of(const nsdae_dims *d)
@@ -31,16 +17,66 @@ static int forces_of(const nsdae_dims *d)
 void nsdae_event_phase_layout(nsdae_event_phase *p, nsdae_arena *arena)
 {
   const nsdae_dims *d = &p->setting->system->dims;
-  long n = (long)d->nv + d->m + forces_of(d);
-  p->x = NSDAE_ARENA_DOUBLES(arena, n);
-  p->unit = NSDAE_ARENA_DOUBLES(arena, n);
-  p->place = NSDAE_ARENA_INTS(arena, forces_of(d));
+  long forces = forces_of(d);
+  p->x = NSDAE_ARENA_DOUBLES(arena, (1 + forces) * d->nv);
+  p->l = NSDAE_ARENA_DOUBLES(arena, (1 + forces) * d->m);
+  p->border.row = nsdae_arena_take(arena, forces, sizeof *p->border.row);
+  p->border.place = NSDAE_ARENA_INTS(arena, forces);
+  p->border.A = NSDAE_ARENA_DOUBLES(arena, forces * forces);
+  p->border.pivot = NSDAE_ARENA_INTS(arena, forces);
+  p->border.f = NSDAE_ARENA_DOUBLES(arena, forces);
+  p->rows = NSDAE_ARENA_DOUBLES(arena, (long)d->m * d->nv);
   p->rates = NSDAE_ARENA_DOUBLES(arena, d->m);
   p->modes.direction = NSDAE_ARENA_DOUBLES(arena, (long)d->k * d->nt);
   p->modes.blur = NSDAE_ARENA_DOUBLES(arena, d->k);
   p->slip = NSDAE_ARENA_DOUBLES(arena, (long)d->k * d->nt);
-  p->K.most = (int)n;
-  nsdae_lu_layout(&p->K, arena);
+}
+
+static nsdae_event_row_kind kind_of(const nsdae_event_phase *p, int force)
+{
+  const nsdae_dims *d = &p->setting->system->dims;
+  const nsdae_event_modes *m = &p->modes;
+  int i = force < d->k ? force : (force - d->k) / (d->nt > 0 ? d->nt : 1);
+  int j = force - d->k * (1 + d->nt);
+  if (j >= 0 && m->frictional_joint[j] == NSDAE_MODE_OPEN) return NSDAE_ROW_NONE;
+  if (j >= 0)
+    return m->frictional_joint[j] == NSDAE_MODE_STICK && m->slide_row[j] ? NSDAE_ROW_CLOSED
+                                                                         : NSDAE_ROW_SLIDE_RUBS;
+  if (m->contact[i] == NSDAE_MODE_OPEN) return NSDAE_ROW_NONE;
+  if (force < d->k || m->contact[i] == NSDAE_MODE_STICK)
+    return m->related[force] ? NSDAE_ROW_RELATED : NSDAE_ROW_CLOSED;
+  return p->setting->system->contact[i].mu > 0 ? NSDAE_ROW_RUBS : NSDAE_ROW_NONE;
+}
+
+static nsdae_event_row row_of(const nsdae_event_phase *p, int force)
+{
+  const nsdae_terms *T = p->setting->here;
+  const nsdae_dims *d = &T->system->dims;
+  int j = force - d->k, l = j - d->k * d->nt;
+  nsdae_event_row row = {kind_of(p, force), force, force, &T->by.normal, T->w_N,
+                         T->omega.N,        T->gap};
+  if (l >= 0)
+    row = (nsdae_event_row){row.kind,
+                            force,
+                            l,
+                            &T->by.frictional_joint,
+                            T->frictional_joint.w,
+                            T->frictional_joint.omega,
+                            NULL};
+  else if (j >= 0)
+    row = (nsdae_event_row){row.kind, force, j, &T->by.tangent, T->w_T, T->omega.T, NULL};
+  return row;
+}
+
+static void list_rows(nsdae_event_phase *p)
+{
+  nsdae_event_border *b = &p->border;
+  b->count = 0;
+  for (int force = 0; force < forces_of(&p->setting->system->dims); force++) {
+    nsdae_event_row row = row_of(p, force);
+    b->place[force] = row.kind == NSDAE_ROW_NONE ? -1 : b->count;
+    if (row.kind != NSDAE_ROW_NONE) b->row[b->count++] = row;
+  }
 }
 
 void nsdae_event_begin_phase(nsdae_event_phase *p)
@@ -58,7 +94,7 @@ void nsdae_event_begin_phase(nsdae_event_phase *p)
     if (p->modes.frictional_joint[j] == NSDAE_MODE_STICK) terms |= NSDAE_TERM_ACCELERATION;
   }
   p->terms = terms;
-  nsdae_lu_forget(&p->K);
+  list_rows(p);
 }
 
 double nsdae_event_stick_margin(const nsdae_event_phase *p, const double *y, int i)
@@ -86,155 +122,137 @@ static void sliding_direction(const nsdae_event_phase *p, const nsdae_terms *T, 
   nsdae_direction_ahead(last, p->modes.slow, v_t, p->linear ? p->slip + 2 * i : NULL, d);
 }
 
-static row_kind kind_of(const nsdae_event_phase *p, int force)
-{
-  const nsdae_system *s = p->setting->system;
-  const nsdae_dims *d = &s->dims;
-  int frictional_joint = force - d->k * (1 + d->nt);
-  if (frictional_joint >= 0)
-    return p->modes.frictional_joint[frictional_joint] == NSDAE_MODE_STICK &&
-                   p->modes.slide_row[frictional_joint]
-               ? ROW_CLOSED
-           : p->modes.frictional_joint[frictional_joint] != NSDAE_MODE_OPEN ? ROW_SLIDE_RUBS
-                                                                            : ROW_NONE;
-  int i = force < d->k ? force : (force - d->k) / d->nt, mode = p->modes.contact[i];
-  if (mode == NSDAE_MODE_OPEN) return ROW_NONE;
-  if (force < d->k || mode == NSDAE_MODE_STICK)
-    return p->modes.related[force] ? ROW_RELATED : ROW_CLOSED;
-  return s->contact[i].mu > 0 ? ROW_RUBS : ROW_NONE;
-}
+/* ---- K */
 
-static column column_of(const nsdae_terms *T, int force)
+/* Of redundant constraints the rows are those of B Phi_q: B is a projector, so that lambda = B l
+ * with l of least norm. */
+static int factor(nsdae_event_phase *p)
 {
-  const nsdae_dims *d = &T->system->dims;
-  size_t n = (size_t)d->nv, j;
-  if (force < d->k) {
-    j = (size_t)force;
-    return (column){T->by.normal.value + j * n, T->w_N[j], T->omega.N[j], T->gap[j]};
+  nsdae_event_setting *s = p->setting;
+  nsdae_terms *T = s->here;
+  const nsdae_dims *d = &s->system->dims;
+  nsdae_kkt *kkt = s->kkt;
+  kkt->rank_tol = s->options->rank_tol;
+  if (!*p->modes.redundant) {
+    int status = nsdae_terms_factor(T, T->M, kkt, 1);
+    return status == NSDAE_OK && kkt->rank < kkt->m ? NSDAE_E_CONVERGENCE : status;
   }
-  j = (size_t)(force - d->k);
-  if (force < d->k * (1 + d->nt))
-    return (column){T->by.tangent.value + j * n, T->w_T[j], T->omega.T[j], 0};
-  j = (size_t)(force - d->k * (1 + d->nt));
-  return (column){T->by.frictional_joint.value + j * n, T->frictional_joint.w[j],
-                  T->frictional_joint.omega[j], 0};
+  memset(p->rows, 0, (size_t)d->m * (size_t)d->nv * sizeof *p->rows);
+  for (int j = 0; j < d->nv; j++)
+    nsdae_add_product(d->m, d->m, p->modes.range, T->by.jacobian.value + (size_t)j * (size_t)d->m,
+                      p->rows + (size_t)j * (size_t)d->m);
+  int status = nsdae_kkt_factor(kkt, T->M, d->nv, p->rows, d->m);
+  return status < 0 ? nsdae_terms_bad_mass(T, kkt) : NSDAE_OK;
 }
 
-/* Entry of K: rows and columns are nv accelerations, m multipliers, then the forces by place. */
-static double *entry(const nsdae_event_phase *p, int row, int col)
+/* x, l := K^-1 [F; c] with c from (6), and behind them K^-1 [w; 0] of every row. */
+static void solve(nsdae_event_phase *p)
 {
-  return p->K.A + (size_t)col * (size_t)p->K.n + (size_t)row;
-}
-
-/* The unknowns; what is zero anyway is none. */
-static void place_forces(nsdae_event_phase *p)
-{
-  const nsdae_dims *d = &p->setting->system->dims;
-  p->K.n = d->nv + d->m;
-  for (int force = 0; force < forces_of(d); force++)
-    p->place[force] = kind_of(p, force) == ROW_NONE ? -1 : p->K.n++;
-  if (p->K.n == d->nv) return; /* M and F fill them */
-  memset(p->K.A, 0, (size_t)p->K.n * (size_t)p->K.n * sizeof *p->K.A);
-  memset(p->x, 0, (size_t)p->K.n * sizeof *p->x);
-}
-
-/* M v' + Phi_q^T lambda = F, and the rows (6). */
-static void inertia_rows(nsdae_event_phase *p, const nsdae_terms *T)
-{
-  const nsdae_dims *d = &T->system->dims;
+  const nsdae_terms *T = p->setting->here;
+  const nsdae_event_border *b = &p->border;
   const nsdae_sim_options *o = p->setting->options;
   double alpha2 = 2 * o->baumgarte_alpha, beta2 = o->baumgarte_beta * o->baumgarte_beta;
-  int n = d->nv, m = d->m;
-  for (int j = 0; j < n; j++) {
-    double *to = entry(p, 0, j);
-    p->x[j] = T->F[j];
-    for (int i = 0; i < n; i++) to[i] = AT(T->M, n, i, j);
-    for (int i = 0; i < m; i++)
-      *entry(p, j, n + i) = *entry(p, n + i, j) = AT(T->by.jacobian.value, m, i, j);
-  }
-  for (int i = 0; i < m; i++)
-    p->x[n + i] = -T->constraint.omega[i] - alpha2 * nsdae_terms_constraint_rate(T, i, T->v) -
-                  beta2 * T->constraint.phi[i];
-}
-
-/* Of redundant constraints: Z Z^T of the rows, and (1 - Z Z^T) lambda. */
-static void combine_rows(nsdae_event_phase *p, const nsdae_terms *T)
-{
   int n = T->system->dims.nv, m = T->system->dims.m;
-  const double *B = p->modes.range;
-  memcpy(p->rates, p->x + n, (size_t)m * sizeof *p->rates);
-  memset(p->x + n, 0, (size_t)m * sizeof *p->rates);
-  nsdae_add_product(m, m, B, p->rates, p->x + n);
-  for (int j = 0; j < n; j++) {
-    double *combined = entry(p, n, j);
-    memset(combined, 0, (size_t)m * sizeof *combined);
-    nsdae_add_product(m, m, B, T->by.jacobian.value + (size_t)j * (size_t)m, combined);
+  memcpy(p->x, T->F, (size_t)n * sizeof *p->x);
+  for (int i = 0; i < m; i++)
+    p->l[i] = -T->constraint.omega[i] - alpha2 * nsdae_terms_constraint_rate(T, i, T->v) -
+              beta2 * T->constraint.phi[i];
+  if (*p->modes.redundant) {
+    memcpy(p->rates, p->l, (size_t)m * sizeof *p->rates);
+    memset(p->l, 0, (size_t)m * sizeof *p->l);
+    nsdae_add_product(m, m, p->modes.range, p->rates, p->l);
   }
-  for (int l = 0; l < m; l++)
-    for (int i = 0; i < m; i++) *entry(p, n + i, n + l) = (i == l) - AT(B, m, i, l);
+  for (int a = 1; a <= b->count; a++) {
+    double *x = p->x + (size_t)a * (size_t)n;
+    memset(x, 0, (size_t)n * sizeof *x);
+    memset(p->l + a * m, 0, (size_t)m * sizeof *p->l);
+    nsdae_rows_add(&T->system->blocks, b->row[a - 1].rows, b->row[a - 1].index, 1, x);
+  }
+  nsdae_kkt_solve(p->setting->kkt, 1 + b->count, p->x, n, p->l, m);
 }
 
-/* W^T (v' + 2 alpha v) + omega + 2 alpha w + beta^2 g = 0: Baumgarte's stabilisation. */
-static void closed_row(nsdae_event_phase *p, const nsdae_terms *T, int force)
+/* ---- the border */
+
+/* W^T (v' + 2 alpha v) + omega + 2 alpha w + beta^2 g = 0 of what is closed: Baumgarte's
+ * stabilisation. */
+static double wanted(const nsdae_event_phase *p, const nsdae_event_row *r)
 {
-  int n = T->system->dims.nv, row = p->place[force];
+  const nsdae_terms *T = p->setting->here;
   const nsdae_sim_options *o = p->setting->options;
-  column c = column_of(T, force);
-  for (int j = 0; j < n; j++) *entry(p, row, j) = c.W[j];
-  p->x[row] = -c.omega - 2 * o->baumgarte_alpha * (nsdae_dot(n, c.W, T->v) + c.w) -
-              o->baumgarte_beta * o->baumgarte_beta * c.gap;
+  double rate = nsdae_terms_rate(T, r->rows, r->w, r->index, T->v);
+  return -r->omega[r->index] - 2 * o->baumgarte_alpha * rate -
+         o->baumgarte_beta * o->baumgarte_beta * (r->gap ? r->gap[r->index] : 0);
+}
+
+static void closed_row(nsdae_event_phase *p, int a)
+{
+  const nsdae_event_border *b = &p->border;
+  const nsdae_event_row *r = &b->row[a];
+  const nsdae_system *s = p->setting->system;
+  size_t n = (size_t)s->dims.nv;
+  b->f[a] = wanted(p, r) - nsdae_rows_dot(&s->blocks, r->rows, r->index, p->x);
+  for (int c = 0; c < b->count; c++)
+    AT(b->A, b->count, a, c) =
+        nsdae_rows_dot(&s->blocks, r->rows, r->index, p->x + (size_t)(c + 1) * n);
 }
 
 /* A force that follows from others, as relation or friction. */
-static void following_row(nsdae_event_phase *p, const nsdae_terms *T, int force, row_kind kind)
+static void following_row(nsdae_event_phase *p, int a)
 {
-  const nsdae_system *s = T->system;
-  int k = s->dims.k, nt = s->dims.nt, all = k * (1 + nt), row = p->place[force];
+  const nsdae_event_border *b = &p->border;
+  const nsdae_system *s = p->setting->system;
+  nsdae_event_row_kind kind = b->row[a].kind;
+  int k = s->dims.k, nt = s->dims.nt, all = k * (1 + nt), force = b->row[a].force;
   double d[2];
-  *entry(p, row, row) = 1;
-  for (int l = 0; l < all && kind == ROW_RELATED; l++)
-    if (p->place[l] >= 0) *entry(p, row, p->place[l]) -= AT(p->modes.relation, all, l, force);
-  if (kind == ROW_RUBS) {
-    int i = (force - k) / nt;
-    sliding_direction(p, T, i, d);
-    *entry(p, row, p->place[i]) = s->contact[i].mu * d[(force - k) % nt];
+  b->f[a] = 0;
+  for (int c = 0; c < b->count; c++) {
+    double part = kind == NSDAE_ROW_RELATED && b->row[c].force < all
+                      ? AT(p->modes.relation, all, b->row[c].force, force)
+                      : 0;
+    AT(b->A, b->count, a, c) = (a == c) - part;
   }
-  if (kind != ROW_SLIDE_RUBS) return;
-  int j = force - all, lambda = s->dims.nv + s->frictional_joint[j].constraint;
-  *entry(p, row, lambda) =
-      s->frictional_joint[j].mu * p->modes.normal_sense[j] * p->modes.slide_part[j];
+  if (kind == NSDAE_ROW_RUBS) {
+    int i = (force - k) / nt;
+    sliding_direction(p, p->setting->here, i, d);
+    AT(b->A, b->count, a, b->place[i]) = s->contact[i].mu * d[(force - k) % nt];
+  }
+  if (kind != NSDAE_ROW_SLIDE_RUBS) return;
+  int j = force - all;
+  const double *lambda = p->l + s->frictional_joint[j].constraint;
+  double factor = s->frictional_joint[j].mu * p->modes.normal_sense[j] * p->modes.slide_part[j];
+  b->f[a] = -factor * *lambda;
+  for (int c = 0; c < b->count; c++) AT(b->A, b->count, a, c) += factor * *(lambda += s->dims.m);
 }
 
-static void force_row(nsdae_event_phase *p, const nsdae_terms *T, int force)
+/* f := the forces; x, l := v', lambda with them. */
+static int solve_border(nsdae_event_phase *p)
 {
-  row_kind kind = kind_of(p, force);
-  if (kind == ROW_NONE) return;
-  column c = column_of(T, force);
-  for (int i = 0; i < T->system->dims.nv; i++) *entry(p, i, p->place[force]) = -c.W[i];
-  if (kind == ROW_CLOSED)
-    closed_row(p, T, force);
-  else
-    following_row(p, T, force, kind);
+  const nsdae_event_border *b = &p->border;
+  int n = p->setting->system->dims.nv, m = p->setting->system->dims.m;
+  for (int a = 0; a < b->count; a++)
+    b->row[a].kind == NSDAE_ROW_CLOSED ? closed_row(p, a) : following_row(p, a);
+  if (nsdae_la_lu(b->count, b->A, b->count, b->pivot) != 0) return NSDAE_E_CONVERGENCE;
+  nsdae_la_lu_solve(b->count, b->A, b->count, b->pivot, b->f);
+  nsdae_add_product(n, b->count, p->x + n, b->f, p->x);
+  nsdae_add_product(m, b->count, p->l + m, b->f, p->l);
+  return NSDAE_OK;
 }
 
 int nsdae_event_forces(nsdae_event_phase *p, double t, double *y)
 {
   nsdae_terms *T = p->setting->here;
   const nsdae_event_places *at = &p->setting->at;
-  const nsdae_dims *d = &T->system->dims;
+  const nsdae_event_border *b = &p->border;
   memset(y + at->lambda, 0, (size_t)(at->n - at->lambda) * sizeof *y);
   nsdae_event_move(p->setting, t, y);
   int status = nsdae_terms_need(T, p->terms);
+  if (status == NSDAE_OK) status = factor(p);
   if (status < 0) return status;
-  place_forces(p);
-  inertia_rows(p, T);
-  if (*p->modes.redundant) combine_rows(p, T);
-  for (int force = 0; force < forces_of(d); force++) force_row(p, T, force);
-  if (nsdae_lu_factor(&p->K) != 0) return NSDAE_E_CONVERGENCE;
-  nsdae_lu_solve(&p->K, p->x);
-  memcpy(y + at->lambda, p->x + d->nv, (size_t)d->m * sizeof *y);
-  for (int force = 0; force < forces_of(d); force++)
-    if (p->place[force] >= 0) y[at->normal + force] = p->x[p->place[force]];
+  solve(p);
+  if (b->count > 0) status = solve_border(p);
+  if (status < 0) return status;
+  memcpy(y + at->lambda, p->l, (size_t)T->system->dims.m * sizeof *y);
+  for (int a = 0; a < b->count; a++) y[at->normal + b->row[a].force] = b->f[a];
   return NSDAE_OK;
 }
 
@@ -254,9 +272,9 @@ int nsdae_event_linearise(nsdae_event_phase *p, double t, const double *from)
 
 double nsdae_event_yield(const nsdae_event_phase *p, int i)
 {
-  int row = p->place[i];
-  memset(p->unit, 0, (size_t)p->K.n * sizeof *p->unit);
-  p->unit[row] = 1;
-  nsdae_lu_solve(&p->K, p->unit);
-  return 1 / p->unit[row];
+  const nsdae_event_border *b = &p->border;
+  memset(b->f, 0, (size_t)b->count * sizeof *b->f);
+  b->f[b->place[i]] = 1;
+  nsdae_la_lu_solve(b->count, b->A, b->count, b->pivot, b->f);
+  return 1 / b->f[b->place[i]];
 }

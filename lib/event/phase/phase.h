@@ -16,11 +16,14 @@
  * Z has turned too far. In place of (6) one by one, a row that was left out may be the one that
  * says what the others cannot when the mechanism has moved. A contact that depends on others has a
  * relation F_p = sum_l r_l F_l in place of its row, a slide its part of |lambda|: see sharing.h.
- * Forces are numbered p = i for F_N, k + j for F_T. */
+ * Forces are numbered p = i for F_N, k + j for F_T.
+ *
+ * With K = [M Phi_q^T; Phi_q 0] and the columns w of the forces f that are not zero anyway, the
+ * motion is K [v'; lambda] = [F + W f; c] with c from (6). This is put into the rows of f, which
+ * are few: the border. Its matrix takes one solution K^-1 [w; 0] for each column. */
 #ifndef NSDAE_EVENT_PHASE_H
 #define NSDAE_EVENT_PHASE_H
 
-#include "lu.h"
 #include "event_context.h"
 
 /* The state between two events. */
@@ -41,26 +44,52 @@ typedef struct nsdae_event_modes {
   int *is_stiff;      /* 1: which of its integrators goes through it */
 } nsdae_event_modes;
 
+/* The row of a force. */
+typedef enum nsdae_event_row_kind {
+  NSDAE_ROW_NONE,      /* F = 0 */
+  NSDAE_ROW_CLOSED,    /* what it holds has no acceleration */
+  NSDAE_ROW_RELATED,   /* others hold it: F = sum r_l F_l */
+  NSDAE_ROW_RUBS,      /* F_T = -mu F_N d */
+  NSDAE_ROW_SLIDE_RUBS /* F_S = -mu |lambda| s */
+} nsdae_event_row_kind;
+
+typedef struct nsdae_event_row {
+  nsdae_event_row_kind kind;
+  int force; /* its number */
+  int index; /* among those of its kind: W, w, omega and the gap that it closes, or NULL */
+  const nsdae_rows *rows;
+  const double *w, *omega, *gap;
+} nsdae_event_row;
+
+/* The rows of the forces that are not zero anyway, in the order of their numbers. */
+typedef struct nsdae_event_border {
+  int count;
+  nsdae_event_row *row; /* count */
+  int *place;           /* of every force, or -1 */
+  double *A;            /* count x count, then its LU factors */
+  int *pivot;           /* count */
+  double *f;            /* count: right-hand side, then the forces */
+} nsdae_event_border;
+
 typedef struct nsdae_event_phase {
   nsdae_event_setting *setting;
   nsdae_event_modes modes;
   unsigned terms; /* what the equations of the modes need */
-  nsdae_lu K;     /* the equations, of K.n unknowns */
-  double *x;      /* unknowns: v', lambda and forces */
-  int *place;     /* forces: in x, -1 for one that is zero anyway */
-  double *unit;   /* unknowns: a right side */
-  double *rates;  /* m: of the constraints, before they are combined */
-  double *slip;   /* k nt: v_T around which directions of sliding are linear */
-  int linear;     /* now */
+  double *x, *l;  /* nv, m: v', lambda; then those of K^-1 [w; 0] of every row */
+  nsdae_event_border border;
+  double *rows, *rates; /* m x nv, m: of redundant constraints, combined */
+  double *slip;         /* k nt: v_T around which directions of sliding are linear */
+  int linear;           /* now */
 } nsdae_event_phase;
 
 void nsdae_event_phase_layout(nsdae_event_phase *phase, nsdae_arena *arena);
 
-/* Brings `terms` to what the modes need. */
+/* Brings `terms` and the border to what the modes need. */
 void nsdae_event_begin_phase(nsdae_event_phase *phase);
 
 /* The forces of y [n] from its q and v, at time t; v' [nv] is in x then, and the terms are there.
- * NSDAE_E_CONVERGENCE: the equations are singular; or a callback's status. */
+ * NSDAE_E_CONVERGENCE: the equations are singular; NSDAE_E_MASS; or a callback's status. The
+ * setting's kkt has the factors of this point then. */
 int nsdae_event_forces(nsdae_event_phase *phase, double t, double *y);
 
 /* From now on directions of sliding are linear around those at the state of y, until `from` is
