@@ -7,7 +7,7 @@ static void lay(nsdae_event_base *b, nsdae_event_modes *m, const nsdae_stepper *
                 nsdae_memory_part *part)
 {
   const nsdae_dims *d = &s->system->dims;
-  size_t k = (size_t)d->k, kt = k * (size_t)d->nt, f = (size_t)d->f, rows = (size_t)d->m;
+  size_t k = (size_t)d->k, kt = k * (size_t)d->nt, f = (size_t)d->f;
   int **of_slide[] = {&m->frictional_joint, &m->slide_sense, &m->normal_sense, &m->slide_row};
   int **of_one[] = {&m->redundant, &b->steps, &b->instants, &b->idle, &b->tiny, &m->is_stiff};
   nsdae_memory_reals(part, nsdae_contacts_warm_size(&s->contacts));
@@ -22,7 +22,7 @@ static void lay(nsdae_event_base *b, nsdae_event_modes *m, const nsdae_stepper *
   b->difference_error = nsdae_memory_reals(part, 2);
   m->slide_part = nsdae_memory_reals(part, f);
   m->relation = nsdae_memory_reals(part, (k + kt) * (k + kt));
-  m->range = nsdae_memory_reals(part, rows * rows);
+  m->basis = nsdae_memory_reals(part, (size_t)nsdae_kkt_basis_size(&s->kkt));
   b->y = nsdae_memory_reals(part, (size_t)d->nq + (size_t)d->nv);
   b->direction = nsdae_memory_reals(part, kt);
   b->blur = nsdae_memory_reals(part, k);

@@ -153,7 +153,7 @@ static int energy_apart(nsdae_event_accumulation *p, const double *v, double *en
 }
 
 /* v [nv], multiplier [m] := those of `lost` and `reaction` with the friction of what slides. */
-static void rub(nsdae_event_accumulation *p, double *v, double *multiplier)
+static int rub(nsdae_event_accumulation *p, double *v, double *multiplier)
 {
   const nsdae_event_setting *s = p->acceleration->phase->setting;
   const nsdae_terms *T = s->here;
@@ -162,17 +162,19 @@ static void rub(nsdae_event_accumulation *p, double *v, double *multiplier)
   memset(multiplier, 0, (size_t)d->m * sizeof *multiplier);
   for (int j = 0; j < d->k * d->nt; j++)
     nsdae_rows_add(&T->system->blocks, &T->by.tangent, j, p->friction.value[j], v);
-  nsdae_kkt_solve(s->kkt, 1, v, d->nv, multiplier, d->m);
+  int status = nsdae_terms_solve(T, s->kkt, 1, v, multiplier);
   nsdae_add(d->nv, 1, p->lost, v);
   nsdae_add(d->m, 1, p->reaction, multiplier);
+  return status;
 }
 
 /* v and multiplier to the closed set with the friction so far. */
 static int close_rubbed(nsdae_event_accumulation *p, double *v, double *multiplier)
 {
-  rub(p, v, multiplier);
-  return nsdae_event_close(p->projection, p->settles, p->sticks, v, multiplier, p->normal,
-                           p->tangential);
+  int status = rub(p, v, multiplier);
+  return status < 0 ? status
+                    : nsdae_event_close(p->projection, p->settles, p->sticks, v, multiplier,
+                                        p->normal, p->tangential);
 }
 
 /* T of contact i for the normal impulse P. */

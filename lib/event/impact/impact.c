@@ -54,23 +54,24 @@ int nsdae_event_touches(const nsdae_event_setting *s, int i)
 }
 
 /* v and Lambda without contacts: M v + Phi_q^T Lambda = M v-, Phi_q v = -Phi_t. */
-static void solve_free(nsdae_event_impacts *p)
+static int solve_free(nsdae_event_impacts *p)
 {
   nsdae_event_setting *s = p->acceleration->phase->setting;
   const nsdae_dims *d = &s->system->dims;
   memcpy(p->v, p->momentum, (size_t)d->nv * sizeof *p->v);
   for (int i = 0; i < d->m; i++) p->multiplier[i] = -s->here->constraint.phi_t[i];
-  nsdae_kkt_solve(s->kkt, 1, p->v, d->nv, p->multiplier, d->m);
+  return nsdae_terms_solve(s->here, s->kkt, 1, p->v, p->multiplier);
 }
 
 /* With the contacts' v-_N and polygons. */
 static int solve_polygons(nsdae_event_impacts *p)
 {
   nsdae_event_setting *s = p->acceleration->phase->setting;
-  solve_free(p);
   memcpy(p->size, p->momentum, (size_t)s->system->dims.nv * sizeof *p->v);
   nsdae_kkt_solve_mass(s->kkt, p->size);
-  return nsdae_event_solve(s, &p->problem, s->here, p->size, p->v, p->multiplier);
+  int status = solve_free(p);
+  return status < 0 ? status
+                    : nsdae_event_solve(s, &p->problem, s->here, p->size, p->v, p->multiplier);
 }
 
 /* v+ of the momentum before: the cones from the polygons' solution or, where there is none or one
@@ -83,8 +84,8 @@ static int solve(nsdae_event_impacts *p)
   if (status == NSDAE_OK && !pressed)
     nsdae_contacts_relax(&p->problem, d, p->force, p->xi, p->v, p->multiplier);
   if (status != NSDAE_E_LCP && !pressed) return status;
-  solve_free(p);
-  if (nsdae_contacts_relax_anew(&p->problem, d, p->force, p->xi, p->v, p->multiplier)) {
+  if (solve_free(p) == NSDAE_OK &&
+      nsdae_contacts_relax_anew(&p->problem, d, p->force, p->xi, p->v, p->multiplier)) {
     nsdae_error_clear(p->acceleration->phase->setting->error);
     return NSDAE_OK;
   }

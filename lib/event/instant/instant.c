@@ -102,8 +102,8 @@ static int bring(nsdae_event_instant *p, double t, double *y)
   if (status == NSDAE_OK) status = nsdae_terms_need(s->here, NSDAE_EVENT_TERMS);
   if (status == NSDAE_OK) status = nsdae_event_factor(s);
   if (status < 0) return status;
-  *m->redundant = s->kkt->rank < s->kkt->m;
-  if (*m->redundant) nsdae_kkt_basis(s->kkt, m->range);
+  *m->redundant = s->kkt->m - s->kkt->rank;
+  if (*m->redundant) nsdae_kkt_basis(s->kkt, m->basis);
   return NSDAE_OK;
 }
 
@@ -230,7 +230,7 @@ int nsdae_event_turned(const nsdae_event_instant *p, double t, const double *y)
   int status = nsdae_terms_need(s->here, NSDAE_TERM_MASS | NSDAE_TERM_JACOBIAN);
   if (status == NSDAE_OK) status = nsdae_event_factor(s);
   if (status < 0) return status;
-  return s->kkt->rank < s->kkt->m && nsdae_kkt_common(s->kkt, m->range) < s->kkt->rank - TURNED;
+  return s->kkt->rank < s->kkt->m && nsdae_kkt_common(s->kkt, m->basis) < s->kkt->rank - TURNED;
 }
 
 /* Deviation of constraints, and of closed contacts with a row of their own, in units of the

@@ -105,9 +105,9 @@ static int solve(nsdae_event_acceleration *p)
   memcpy(p->a, T.F, (size_t)n * sizeof *p->a);
   memcpy(p->size, T.F, (size_t)n * sizeof *p->size);
   for (int i = 0; i < m; i++) p->lambda[i] = -T.constraint.omega[i];
-  nsdae_kkt_solve(s->kkt, 1, p->a, n, p->lambda, m);
   nsdae_kkt_solve_mass(s->kkt, p->size);
-  int status = nsdae_event_solve(s, &p->problem, &T, p->size, p->a, p->lambda);
+  int status = nsdae_terms_solve(s->here, s->kkt, 1, p->a, p->lambda);
+  if (status == NSDAE_OK) status = nsdae_event_solve(s, &p->problem, &T, p->size, p->a, p->lambda);
   if (status == NSDAE_OK)
     status = nsdae_terms_finite(s->here, "acceleration", NSDAE_NAME_VELOCITY, p->a);
   return status < 0 ? status

@@ -25,8 +25,6 @@ void nsdae_event_phase_layout(nsdae_event_phase *p, nsdae_arena *arena)
   p->border.A = NSDAE_ARENA_DOUBLES(arena, forces * forces);
   p->border.pivot = NSDAE_ARENA_INTS(arena, forces);
   p->border.f = NSDAE_ARENA_DOUBLES(arena, forces);
-  p->rows = NSDAE_ARENA_DOUBLES(arena, (long)d->m * d->nv);
-  p->rates = NSDAE_ARENA_DOUBLES(arena, d->m);
   p->modes.direction = NSDAE_ARENA_DOUBLES(arena, (long)d->k * d->nt);
   p->modes.blur = NSDAE_ARENA_DOUBLES(arena, d->k);
   p->slip = NSDAE_ARENA_DOUBLES(arena, (long)d->k * d->nt);
@@ -122,53 +120,29 @@ static void sliding_direction(const nsdae_event_phase *p, const nsdae_terms *T, 
   nsdae_direction_ahead(last, p->modes.slow, v_t, p->linear ? p->slip + 2 * i : NULL, d);
 }
 
-/* ---- K */
-
-/* Of redundant constraints the rows are those of B Phi_q: B is a projector, so that lambda = B l
- * with l of least norm. */
-static int factor(nsdae_event_phase *p)
-{
-  nsdae_event_setting *s = p->setting;
-  nsdae_terms *T = s->here;
-  const nsdae_dims *d = &s->system->dims;
-  nsdae_kkt *kkt = s->kkt;
-  kkt->rank_tol = s->options->rank_tol;
-  if (!*p->modes.redundant) {
-    int status = nsdae_terms_factor(T, T->M, kkt, 1);
-    return status == NSDAE_OK && kkt->rank < kkt->m ? NSDAE_E_CONVERGENCE : status;
-  }
-  memset(p->rows, 0, (size_t)d->m * (size_t)d->nv * sizeof *p->rows);
-  for (int j = 0; j < d->nv; j++)
-    nsdae_add_product(d->m, d->m, p->modes.range, T->by.jacobian.value + (size_t)j * (size_t)d->m,
-                      p->rows + (size_t)j * (size_t)d->m);
-  int status = nsdae_kkt_factor(kkt, T->M, d->nv, p->rows, d->m);
-  return status < 0 ? nsdae_terms_bad_mass(T, kkt) : NSDAE_OK;
-}
-
-/* x, l := K^-1 [F; c] with c from (6), and behind them K^-1 [w; 0] of every row. */
-static void solve(nsdae_event_phase *p)
+/* x, l := K^-1 [F; c] with c from (6), and behind them K^-1 [w; 0] of every row. Of redundant
+ * constraints in the combinations of the phase's start. */
+static int solve(nsdae_event_phase *p)
 {
   const nsdae_terms *T = p->setting->here;
   const nsdae_event_border *b = &p->border;
   const nsdae_sim_options *o = p->setting->options;
   double alpha2 = 2 * o->baumgarte_alpha, beta2 = o->baumgarte_beta * o->baumgarte_beta;
-  int n = T->system->dims.nv, m = T->system->dims.m;
+  int n = T->system->dims.nv, m = T->system->dims.m, redundant = *p->modes.redundant;
+  int status = nsdae_kkt_factor_in(p->setting->kkt, T->M, &T->by.jacobian,
+                                   redundant ? p->modes.basis : NULL, m - redundant);
+  if (status < 0) return status;
   memcpy(p->x, T->F, (size_t)n * sizeof *p->x);
   for (int i = 0; i < m; i++)
     p->l[i] = -T->constraint.omega[i] - alpha2 * nsdae_terms_constraint_rate(T, i, T->v) -
               beta2 * T->constraint.phi[i];
-  if (*p->modes.redundant) {
-    memcpy(p->rates, p->l, (size_t)m * sizeof *p->rates);
-    memset(p->l, 0, (size_t)m * sizeof *p->l);
-    nsdae_add_product(m, m, p->modes.range, p->rates, p->l);
-  }
   for (int a = 1; a <= b->count; a++) {
     double *x = p->x + (size_t)a * (size_t)n;
     memset(x, 0, (size_t)n * sizeof *x);
     memset(p->l + a * m, 0, (size_t)m * sizeof *p->l);
     nsdae_rows_add(&T->system->blocks, b->row[a - 1].rows, b->row[a - 1].index, 1, x);
   }
-  nsdae_kkt_solve(p->setting->kkt, 1 + b->count, p->x, n, p->l, m);
+  return nsdae_kkt_solve(p->setting->kkt, 1 + b->count, p->x, n, p->l, m);
 }
 
 /* ---- the border */
@@ -246,10 +220,11 @@ int nsdae_event_forces(nsdae_event_phase *p, double t, double *y)
   memset(y + at->lambda, 0, (size_t)(at->n - at->lambda) * sizeof *y);
   nsdae_event_move(p->setting, t, y);
   int status = nsdae_terms_need(T, p->terms);
-  if (status == NSDAE_OK) status = factor(p);
   if (status < 0) return status;
-  solve(p);
-  if (b->count > 0) status = solve_border(p);
+  status = solve(p);
+  if (status < 0 && status != NSDAE_E_CONVERGENCE)
+    return nsdae_terms_unsolved(T, p->setting->kkt, status);
+  if (status == NSDAE_OK && b->count > 0) status = solve_border(p);
   if (status < 0) return status;
   memcpy(y + at->lambda, p->l, (size_t)T->system->dims.m * sizeof *y);
   for (int a = 0; a < b->count; a++) y[at->normal + b->row[a].force] = b->f[a];

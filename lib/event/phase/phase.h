@@ -35,8 +35,8 @@ typedef struct nsdae_event_modes {
   int *slide_sense, *normal_sense; /* f: signs of the sliding velocity and of lambda */
   int *slide_row;                  /* f: a slide that sticks has a row */
   double *slide_part; /* f: F_S = -mu |lambda| times this where it slides or has no row */
-  int *redundant;     /* 1: constraints depend on each other */
-  double *range;      /* m x m: B = Z Z^T, see above */
+  int *redundant;     /* constraints that depend on others */
+  double *basis;      /* of redundant ones: Z, see nsdae_kkt_basis */
   int *related;       /* k + k nt: a relation stands in place of the row of this force */
   double *relation;   /* k + k nt squared, by rows: r of those that are */
   double slow;        /* slower than this a body hardly slides, in this phase */
@@ -77,9 +77,8 @@ typedef struct nsdae_event_phase {
   unsigned terms; /* what the equations of the modes need */
   double *x, *l;  /* nv, m: v', lambda; then those of K^-1 [w; 0] of every row */
   nsdae_event_border border;
-  double *rows, *rates; /* m x nv, m: of redundant constraints, combined */
-  double *slip;         /* k nt: v_T around which directions of sliding are linear */
-  int linear;           /* now */
+  double *slip; /* k nt: v_T around which directions of sliding are linear */
+  int linear;   /* now */
 } nsdae_event_phase;
 
 void nsdae_event_phase_layout(nsdae_event_phase *phase, nsdae_arena *arena);
