@@ -18,13 +18,18 @@ enum { BLOCK = 32 };
 /* Cholesky of S sees sines down to about 1e-6 (S squares them); what is near is decided by QR. */
 static const double TRUSTED = 1e-5;
 
+/* Of S, added to the diagonal of S in a basis: a sine is damped below 3e-6. There the rows of the
+ * basis become dependent for a moment, as a mechanism at its change point, and their rates are
+ * off by the error of an integrator, which a division by the sine would magnify. */
+static const double DAMPING = 1e-11;
+
 static int smaller(int a, int b)
 {
   return a < b ? a : b;
 }
 
 /* Factors of the last factorisation: of all rows, L of S = L L^T; of pivoted QR, R_11 in S; of the
- * rows of a basis or of near dependent ones, see solve_fixed. */
+ * rows of a basis or of near dependent ones, see solve_fixed and solve_by_qr. */
 enum { FULL, BY_RANK, FIXED };
 
 void nsdae_dense_kkt_layout(nsdae_kkt *kkt, nsdae_arena *arena)
@@ -223,11 +228,13 @@ static void factor_by_rank(nsdae_kkt *kkt)
   LAPACKE_dorgqr_work(LAPACK_COL_MAJOR, m, r, r, p->Z, m, p->tau, d->work, d->lwork);
 }
 
-/* S := Y^T Y of r columns, factored; returns the smallest sine, or 0 if it has no factor. */
-static double factor_schur(nsdae_kkt *kkt, int r)
+/* S := Y^T Y of r columns, damped and factored; returns the smallest sine, or 0 if it has no
+ * factor. */
+static double factor_schur(nsdae_kkt *kkt, int r, double damping)
 {
   nsdae_dense_kkt *d = &kkt->dense;
   nsdae_la_multiply_transposed(kkt->n, r, r, d->Y, kkt->n, d->Y, kkt->n, 0, d->S, r);
+  for (size_t i = 0; i < (size_t)r && damping > 0; i++) d->S[i * (size_t)(r + 1)] *= 1 + damping;
   return nsdae_la_cholesky(r, d->S, r) == 0 ? sqrt(smallest_sine((size_t)r, d->S)) : 0;
 }
 
@@ -248,7 +255,7 @@ int nsdae_dense_kkt_factor(nsdae_kkt *kkt, const double *M, const nsdae_rows *J)
   int status = begin(kkt, M);
   if (status < 0 || kkt->m == 0) return status;
   transform_rows(kkt, J, kkt->dense.Y);
-  kkt->kept = factor_schur(kkt, kkt->m);
+  kkt->kept = factor_schur(kkt, kkt->m, 0);
   if (kkt->kept < fmax(TRUSTED, kkt->rank_tol)) factor_by_rank(kkt);
   return NSDAE_OK;
 }
@@ -289,7 +296,6 @@ int nsdae_dense_kkt_factor_in(nsdae_kkt *kkt, const double *M, const nsdae_rows 
   nsdae_dense_kkt *d = &kkt->dense;
   int n = kkt->n, m = kkt->m, status = begin(kkt, M);
   kkt->rank = basis ? rank : m;
-  d->combined = basis != NULL;
   d->by_qr = 0;
   d->form = basis ? FIXED : FULL;
   if (status < 0 || kkt->rank == 0) return status;
@@ -298,7 +304,8 @@ int nsdae_dense_kkt_factor_in(nsdae_kkt *kkt, const double *M, const nsdae_rows 
   if (basis)
     cblas_dgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, n, rank, m, 1, d->pivoted.Q, n,
                 d->pivoted.Z, m, 0, d->Y, n);
-  kkt->kept = factor_schur(kkt, kkt->rank);
+  kkt->kept = factor_schur(kkt, kkt->rank, basis ? DAMPING : 0);
+  if (basis) return kkt->kept > 0 ? NSDAE_OK : NSDAE_E_CONVERGENCE;
   if (kkt->kept >= TRUSTED) return NSDAE_OK;
   d->form = FIXED;
   d->by_qr = 1;
@@ -325,29 +332,37 @@ static void solve_by_rank(const nsdae_kkt *kkt, double *z, double *g)
   for (int row = 0; row < m; row++) g[p->column[p->order[row]] - 1] = l[row];
 }
 
-/* z and c to x and l of the rows Z^T J, or J: S w = Y^T z - Z^T c, z -= Y w. With Q R in place of
- * Y: R^T u = Z^T c, w = Q^T z - u, z -= Q w, w := R^-1 w. At the end l = Z w. */
+/* z and c to x and l of near dependent rows: Y = Q R, R^T u = c, w = Q^T z - u, z -= Q w,
+ * l = R^-1 w. */
+static void solve_by_qr(const nsdae_kkt *kkt, double *z, double *c)
+{
+  const nsdae_dense_kkt *d = &kkt->dense;
+  int n = kkt->n, m = kkt->m;
+  nsdae_la_solve_lower(m, 1, d->S, m, c, m);
+  cblas_dgemv(CblasColMajor, CblasTrans, n, m, 1, d->Y, n, z, 1, -1, c, 1);
+  cblas_dgemv(CblasColMajor, CblasNoTrans, n, m, -1, d->Y, n, c, 1, 1, z, 1);
+  nsdae_la_solve_lower_transposed(m, 1, d->S, m, c, m);
+}
+
+/* z and c to x and l of the rows Z^T J: S w = Y^T z - Z^T c, z -= Y w, l = Z w. The equations are
+ * linear in z and what is left of them, so that the same again takes the damping out of w. */
 static void solve_fixed(const nsdae_kkt *kkt, double *z, double *c)
 {
   const nsdae_dense_kkt *d = &kkt->dense;
   const double *Z = d->pivoted.Z;
   int n = kkt->n, m = kkt->m, r = kkt->rank;
-  double *w = d->work;
-  memcpy(w, c, (size_t)m * sizeof *w);
-  if (d->combined) memset(c, 0, (size_t)m * sizeof *c);
-  if (r == 0) return;
-  if (d->combined) cblas_dgemv(CblasColMajor, CblasTrans, m, r, 1, Z, m, w, 1, 0, w + m, 1);
-  if (d->combined) w += m;
-  if (d->by_qr) nsdae_la_solve_lower(r, 1, d->S, r, w, r);
-  cblas_dgemv(CblasColMajor, CblasTrans, n, r, 1, d->Y, n, z, 1, -1, w, 1);
-  if (!d->by_qr) nsdae_la_solve_lower(r, 1, d->S, r, w, r);
-  if (!d->by_qr) nsdae_la_solve_lower_transposed(r, 1, d->S, r, w, r);
-  cblas_dgemv(CblasColMajor, CblasNoTrans, n, r, -1, d->Y, n, w, 1, 1, z, 1);
-  if (d->by_qr) nsdae_la_solve_lower_transposed(r, 1, d->S, r, w, r);
-  if (d->combined)
-    cblas_dgemv(CblasColMajor, CblasNoTrans, m, r, 1, Z, m, w, 1, 0, c, 1);
-  else
-    memcpy(c, w, (size_t)m * sizeof *c);
+  double *w = d->work, *sum = d->work + m;
+  memset(sum, 0, (size_t)r * sizeof *sum);
+  for (int round = 0; r > 0 && round < 2; round++) {
+    cblas_dgemv(CblasColMajor, CblasTrans, m, r, -1, Z, m, c, 1, 0, w, 1);
+    cblas_dgemv(CblasColMajor, CblasTrans, n, r, 1, d->Y, n, z, 1, 1, w, 1);
+    nsdae_la_solve_lower(r, 1, d->S, r, w, r);
+    nsdae_la_solve_lower_transposed(r, 1, d->S, r, w, r);
+    cblas_dgemv(CblasColMajor, CblasNoTrans, n, r, -1, d->Y, n, w, 1, 1, z, 1);
+    nsdae_add(r, 1, w, sum);
+  }
+  memset(c, 0, (size_t)m * sizeof *c);
+  if (r > 0) cblas_dgemv(CblasColMajor, CblasNoTrans, m, r, 1, Z, m, sum, 1, 0, c, 1);
 }
 
 /* R [n x nrhs] holds z on entry and z - Y l on return, C [m x nrhs] c and l. */
@@ -356,7 +371,8 @@ static void solve_schur(const nsdae_kkt *kkt, int nrhs, double *R, int ldr, doub
   const nsdae_dense_kkt *d = &kkt->dense;
   int n = kkt->n, m = kkt->m;
   if (d->form == FIXED) {
-    for (; nrhs > 0; nrhs--, R += ldr, C += ldc) solve_fixed(kkt, R, C);
+    for (; nrhs > 0; nrhs--, R += ldr, C += ldc)
+      d->by_qr ? solve_by_qr(kkt, R, C) : solve_fixed(kkt, R, C);
     return;
   }
   nsdae_la_multiply_transposed(n, m, nrhs, d->Y, n, R, ldr, -1, C, ldc);

@@ -46,7 +46,8 @@ void nsdae_kkt_basis(const nsdae_kkt *kkt, double *basis);
 double nsdae_kkt_common(const nsdae_kkt *kkt, const double *basis);
 
 /* Factors M and the combinations of a basis of this rank, Z^T J x = Z^T c and l = Z mu, without a
- * decision about the rank; basis NULL: all rows. NSDAE_E_CONVERGENCE if they are dependent here. */
+ * decision about the rank, dense, sines below 3e-6 damped; basis NULL: all rows.
+ * NSDAE_E_CONVERGENCE if they are dependent here. */
 int nsdae_kkt_factor_in(nsdae_kkt *kkt, const double *M, const nsdae_rows *J, const double *basis,
                         int rank);
 

@@ -593,7 +593,7 @@ static void test_factor_in(void **state)
   p.random.seed = 29;
   for (int rank = 1; rank <= 6; rank++)
     for (int bad = 0; bad < 2; bad++) {
-      double scale = bad ? 1e-7 : 1, x[RHS * LDM], l[RHS * LDJ];
+      double scale = bad ? 1e-2 : 1, x[RHS * LDM], l[RHS * LDJ];
       begin(12, 9, 1e-10);
       random_mass();
       random_rows(rank, p.J, LDJ);
