@@ -185,9 +185,9 @@ typedef struct nsdae_user_rows {
   nsdae_frictional_joint_fn
       frictional_joint_tangent;             /* W_S and w_S of the user frictional joints */
   nsdae_kinematics_fn kinematics;           /* rates of the user coordinates */
-  nsdae_constraint_rows_fn constraint_rows; /* contact list: Phi_q in place of
-                                               constraint_jacobian; user row 0 is row dims.m - m
-                                               of the system, the user block is the last */
+  nsdae_constraint_rows_fn constraint_rows; /* Phi_q by blocks, in place of constraint_jacobian;
+                                               user row 0 is row dims.m - m of the system, the
+                                               user block is the last */
   nsdae_contacts_fn contacts;               /* contact list: additional contacts; their ids are <
                                                0 */
   nsdae_potential_fn potential;             /* adds to the potential of the bodies */
@@ -228,7 +228,6 @@ NSDAE_API int nsdae_bodies_add_contact(nsdae_bodies *bodies, int solid0, int sol
  *
  * - A broad phase finds the close pairs in every step. Its time is proportional to the number of
  *  solids if they are of similar size.
- * - Each body is a block of v (nsdae/system.h: large systems).
  * - nsdae_bodies_add_contact is not available, and slots have no friction.
  * - The methods are implicit, implicit-printed and moreau.
  *

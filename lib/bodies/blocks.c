@@ -1,5 +1,5 @@
-/* The mechanism by blocks: a body is one, coordinates of one's own are the last; rows over them;
- * and contacts by list, found by the broad phase. */
+/* The blocks of a mechanism: a body is one, coordinates of one's own are the last; and contacts by
+ * list, found by the broad phase. */
 #include <stdlib.h>
 
 #include "broad_phase.h"
@@ -35,25 +35,6 @@ static int mass_blocks(double t, const double *q, double *M, void *user)
     mass_spatial(b, M);
   if (!b->own.mass) return 0;
   return b->own.mass(t, q, M + (size_t)b->body.count * nv * nv, b->own.dims.nv, b->own.user);
-}
-
-static int constraint_rows(double t, const double *q, nsdae_row_list *rows, void *user)
-{
-  const nsdae_bodies *b = user;
-  for (int i = 0; i < b->element.count; i++) {
-    const nsdae_primitive *e = (const nsdae_primitive *)b->element.at + i;
-    nsdae_primitive_value value;
-    nsdae_pose pose[2];
-    int code = nsdae_bodies_element(b, e, t, q, NULL, pose, &value);
-    for (int j = 0; j < 2 && code == 0; j++) {
-      double part[6];
-      if (e->body[j] == NSDAE_GROUND) continue;
-      nsdae_bodies_part(b, &value.row, j, &pose[j], part);
-      code = nsdae_row_add(rows, i, e->body[j], part);
-    }
-    if (code) return code;
-  }
-  return b->own.constraint_rows ? b->own.constraint_rows(t, q, rows, b->own.user) : 0;
 }
 
 /* Pairs on their way into the list. */
@@ -252,14 +233,16 @@ static int set_partition(const nsdae_bodies *b, nsdae_system *system)
   return status;
 }
 
-int nsdae_bodies_set_blocks(nsdae_bodies *b, nsdae_system *system)
+int nsdae_bodies_set_blocks(const nsdae_bodies *b, nsdae_system *system)
 {
   int status = set_partition(b, system);
   if (status == NSDAE_OK) status = nsdae_system_set_mass_blocks(system, mass_blocks);
-  if (status == NSDAE_OK && b->element.count + b->own.dims.m > 0)
-    status = nsdae_system_set_constraint_rows(system, constraint_rows);
-  if (status == NSDAE_OK) status = nsdae_bodies_set_force_derivatives(b, system);
-  if (status == NSDAE_OK) status = nsdae_system_set_contacts(system, contacts);
+  return status < 0 ? status : nsdae_bodies_set_force_derivatives(b, system);
+}
+
+int nsdae_bodies_set_contact_list(nsdae_bodies *b, nsdae_system *system)
+{
+  int status = nsdae_system_set_contacts(system, contacts);
   nsdae_broad *broad = status == NSDAE_OK ? nsdae_broad_take(b) : NULL;
   if (status == NSDAE_OK && !broad) status = NSDAE_E_MEMORY;
   if (broad) nsdae_broad_give_back(b, broad); /* the first simulation allocates none */

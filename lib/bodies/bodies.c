@@ -307,12 +307,11 @@ int nsdae_bodies_locate(const nsdae_bodies *b, const double *q, int body, const 
 static int check_form(nsdae_bodies *b)
 {
   const nsdae_user_rows *own = &b->own;
-  const char *what =
-      b->feature.count > 0            ? "contacts of nsdae_bodies_add_contact"
-      : b->frictional_joint.count > 0 ? "friction of a slot"
-      : own->dims.k + own->dims.f > 0 ? "fixed contacts or frictional joints in user rows"
-      : own->constraint_jacobian      ? "callback constraint_jacobian (use constraint_rows)"
-                                      : NULL;
+  const char *what = b->feature.count > 0            ? "contacts of nsdae_bodies_add_contact"
+                     : b->frictional_joint.count > 0 ? "friction of a slot"
+                     : own->dims.k + own->dims.f > 0
+                         ? "fixed contacts or frictional joints in user rows"
+                         : NULL;
   if (b->pair.count == 0 || !what) return NSDAE_OK;
   return nsdae_error_set(
       &b->error, NSDAE_E_STATE, "nsdae_bodies_system", "pair",

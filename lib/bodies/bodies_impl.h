@@ -156,8 +156,10 @@ int nsdae_bodies_set_constraints(const nsdae_bodies *bodies, nsdae_system *syste
 int nsdae_bodies_set_contacts(const nsdae_bodies *bodies, nsdae_system *system);
 /* Lengths of contacts, or of bodies whose contacts are by list, and of constraints. */
 int nsdae_bodies_set_sizes(const nsdae_bodies *bodies, nsdae_system *system);
-/* In place of the last for contacts by list, with mass and rows by blocks. */
-int nsdae_bodies_set_blocks(nsdae_bodies *bodies, nsdae_system *system);
+/* Blocks of bodies, and M. */
+int nsdae_bodies_set_blocks(const nsdae_bodies *bodies, nsdae_system *system);
+/* In place of contacts that are numbered. */
+int nsdae_bodies_set_contact_list(nsdae_bodies *bodies, nsdae_system *system);
 
 /* The features of two solids in order, each handed to add until that returns < 0. With the poses of
  * their bodies those edges are left out that face no other; NULL: all are there. */

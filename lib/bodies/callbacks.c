@@ -1,24 +1,7 @@
-/* The mechanism as the callbacks of a system: mass, forces, kinematics, names. */
+/* The mechanism as the callbacks of a system: forces, kinematics, names. */
 #include <stdio.h>
 
 #include "bodies_impl.h"
-
-static int mass(double t, const double *q, double *M, int ldm, void *user)
-{
-  const nsdae_bodies *b = user;
-  int nv = nsdae_body_nv(b), moving = b->dimension;
-  (void)t;
-  (void)q;
-  for (int i = 0; i < b->body.count; i++)
-    for (int j = 0; j < nv; j++) {
-      size_t at = (size_t)i * (size_t)nv + (size_t)j;
-      const nsdae_rigid_body *body = nsdae_body_at(b, i);
-      int axis = b->dimension == 2 ? 2 : j - 3;
-      M[at * ((size_t)ldm + 1)] = j < moving ? body->mass : body->inertia[axis];
-    }
-  size_t first = (size_t)b->body.count * (size_t)nv;
-  return b->own.mass ? b->own.mass(t, q, M + first * ((size_t)ldm + 1), ldm, b->own.user) : 0;
-}
 
 static int force(double t, const double *q, const double *v, double *F, void *user)
 {
@@ -114,13 +97,13 @@ int nsdae_bodies_set_callbacks(nsdae_bodies *b, nsdae_system *system)
   int status = nsdae_system_set_user(system, b);
   if (status == NSDAE_OK) status = set_names(b, system);
   if (status == NSDAE_OK) status = set_joint_names(b, system);
-  if (status == NSDAE_OK && b->pair.count > 0) status = nsdae_bodies_set_blocks(b, system);
-  if (status == NSDAE_OK && b->pair.count == 0) status = nsdae_system_set_mass(system, mass);
+  if (status == NSDAE_OK) status = nsdae_bodies_set_blocks(b, system);
   if (status == NSDAE_OK) status = nsdae_system_set_force(system, force);
   if (status == NSDAE_OK) status = nsdae_system_set_potential(system, potential);
   if (status == NSDAE_OK && (b->dimension == 3 || b->own.kinematics))
     status = nsdae_system_set_kinematics(system, kinematics);
   if (status == NSDAE_OK) status = nsdae_bodies_set_constraints(b, system);
   if (status == NSDAE_OK && b->pair.count == 0) status = nsdae_bodies_set_contacts(b, system);
+  if (status == NSDAE_OK && b->pair.count > 0) status = nsdae_bodies_set_contact_list(b, system);
   return status < 0 ? status : nsdae_bodies_set_sizes(b, system);
 }

@@ -28,6 +28,27 @@ static int constraint(double t, const double *q, double *phi, void *user)
   return own->constraint ? own->constraint(t, q, phi + b->element.count, own->user) : 0;
 }
 
+/* Rows over the blocks of their bodies. */
+static int constraint_rows(double t, const double *q, nsdae_row_list *rows, void *user)
+{
+  const nsdae_bodies *b = user;
+  nsdae_primitive_value value;
+  nsdae_pose pose[2];
+  for (int i = 0; i < b->element.count; i++) {
+    const nsdae_primitive *e = element_of(b, i);
+    int code = nsdae_bodies_element(b, e, t, q, NULL, pose, &value);
+    for (int j = 0; j < 2 && code == 0; j++) {
+      double part[6];
+      if (e->body[j] == NSDAE_GROUND) continue;
+      nsdae_bodies_part(b, &value.row, j, &pose[j], part);
+      code = nsdae_row_add(rows, i, e->body[j], part);
+    }
+    if (code) return code;
+  }
+  return b->own.constraint_rows ? b->own.constraint_rows(t, q, rows, b->own.user) : 0;
+}
+
+/* Dense, with the dense rows of one's own. */
 static int constraint_jacobian(double t, const double *q, double *J, int ldj, void *user)
 {
   const nsdae_bodies *b = user;
@@ -40,9 +61,7 @@ static int constraint_jacobian(double t, const double *q, double *J, int ldj, vo
     if (code) return code;
     nsdae_bodies_scatter(b, e->body, &pose[0], &pose[1], &value.row, 1, J + i, ldj);
   }
-  return own->constraint_jacobian
-             ? own->constraint_jacobian(t, q, J + b->element.count, ldj, own->user)
-             : 0;
+  return own->constraint_jacobian(t, q, J + b->element.count, ldj, own->user);
 }
 
 static int constraint_bias(double t, const double *q, const double *v, double *phi_t, double *omega,
@@ -89,7 +108,9 @@ static int set_rows(const nsdae_bodies *b, nsdae_system *system)
   const nsdae_user_rows *own = &b->own;
   if (b->element.count + own->dims.m == 0) return NSDAE_OK;
   int status = nsdae_system_set_constraint(system, constraint);
-  if (status == NSDAE_OK && b->pair.count == 0 && (own->dims.m == 0 || own->constraint_jacobian))
+  if (status == NSDAE_OK && (own->dims.m == 0 || own->constraint_rows))
+    status = nsdae_system_set_constraint_rows(system, constraint_rows);
+  else if (status == NSDAE_OK && own->constraint_jacobian)
     status = nsdae_system_set_constraint_jacobian(system, constraint_jacobian);
   if (status == NSDAE_OK && (own->dims.m == 0 || own->constraint_bias))
     status = nsdae_system_set_constraint_bias(system, constraint_bias);

@@ -228,14 +228,17 @@ static void gather_columns(nsdae_contacts *c, const nsdae_terms *terms)
  * and must not be taken for a mass of 1e17. */
 static void clear_jammed(nsdae_contacts *c, const nsdae_terms *terms, int n, int m)
 {
+  const nsdae_blocks *blocks = &c->system->blocks;
   double *reaction = terms->by.work;
   for (int j = 0; j < c->columns; j++) {
     const double *W = c->delassus.W + (size_t)j * (size_t)n,
                  *D = c->delassus.D + (size_t)j * (size_t)m;
     double largest = 0, left = 0;
     memset(reaction, 0, (size_t)n * sizeof *reaction);
-    for (int i = 0; i < m; i++)
-      nsdae_rows_add(&c->system->blocks, &terms->by.jacobian, i, D[i], reaction);
+    for (int i = 0; i < m; i++) {
+      nsdae_rows_add(blocks, &terms->by.jacobian, i, D[i], reaction);
+      largest = fmax(largest, fabs(D[i]) * nsdae_rows_largest(blocks, &terms->by.jacobian, i));
+    }
     for (int i = 0; i < n; i++) {
       largest = fmax(largest, fabs(W[i]));
       left = fmax(left, fabs(W[i] - reaction[i]));

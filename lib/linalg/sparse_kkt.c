@@ -100,8 +100,10 @@ static double error_of_forces(const nsdae_sparse_kkt *k)
   return part_of(worst, size);
 }
 
-/* d = c - J x of the rows that count, divided by the largest |c| + |J| |x|. */
-static double error_of_rows(const nsdae_sparse_kkt *k)
+/* d = c - J x of the rows that count, divided by the largest |c| + |J| |x|; or, of terms, with
+ * |x| + s / diag(M) for |x|: x is M^-1 (r - J^T l), with the sizes s of these terms of
+ * error_of_forces. It may be zero. */
+static double error_of_rows(const nsdae_sparse_kkt *k, int of_terms)
 {
   const nsdae_kkt_values *a = &k->at;
   const nsdae_kkt_nodes *n = &k->nodes;
@@ -114,7 +116,10 @@ static double error_of_rows(const nsdae_sparse_kkt *k)
         int m = nsdae_blocks_size(&a->blocks, n->block[p]);
         const double *value = a->J + n->at[p] + (size_t)((row - n->row[i]) * m);
         const double *x = a->x + a->blocks.first[n->block[p]];
-        for (int j = 0; j < m; j++) terms += fabs(value[j] * x[j]);
+        const double *s = a->size + a->blocks.first[n->block[p]];
+        const double *M = a->M + a->blocks.square[n->block[p]];
+        for (int j = 0; j < m; j++)
+          terms += fabs(value[j]) * (fabs(x[j]) + (of_terms ? s[j] / M[j * (m + 1)] : 0));
       }
       a->d[row] = a->c[row] - a->d[row];
       size = max_with_nan(size, terms);
@@ -125,7 +130,7 @@ static double error_of_rows(const nsdae_sparse_kkt *k)
 
 static double residual_of_groups(const nsdae_sparse_kkt *k)
 {
-  double forces = error_of_forces(k), rows = error_of_rows(k);
+  double forces = error_of_forces(k), rows = error_of_rows(k, 0);
   return max_with_nan(forces, rows);
 }
 
@@ -145,6 +150,14 @@ static void correct(const nsdae_sparse_kkt *k)
   nsdae_add(m, 1, a->h, a->l);
 }
 
+/* The error at which refinement ended, or if that is large, relative to the terms of x. */
+static double final_error(const nsdae_sparse_kkt *k, double error)
+{
+  if (error <= ENOUGH) return error;
+  double forces = error_of_forces(k), rows = error_of_rows(k, 1);
+  return max_with_nan(forces, rows);
+}
+
 /* Corrections until the error no longer falls; returns it. A last one that made it larger is
  * undone. */
 static double refine(const nsdae_sparse_kkt *k)
@@ -156,10 +169,10 @@ static double refine(const nsdae_sparse_kkt *k)
     correct(k);
     now = residual_of_groups(k);
   }
-  if (now <= last || !(last < INFINITY)) return now;
+  if (now <= last || !(last < INFINITY)) return final_error(k, now);
   nsdae_add(a->blocks.first[a->blocks.count], -1, a->z, a->x);
   nsdae_add(k->part.row_count, -1, a->h, a->l);
-  return residual_of_groups(k);
+  return final_error(k, residual_of_groups(k));
 }
 
 /* The right-hand side, which is the residual of x = 0, l = 0. */

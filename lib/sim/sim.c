@@ -60,10 +60,6 @@ static int check_rows(const nsdae_system *system, const nsdae_sim_options *optio
 static int check_lists(const nsdae_system *system, const nsdae_sim_options *options,
                        nsdae_error *error)
 {
-  if (options && system->by_blocks && options->method == NSDAE_METHOD_EVENT)
-    return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_sim_create", "method",
-                           "method = event does not support systems with blocks: use implicit, "
-                           "implicit-printed, moreau or penalty");
   if (!system->by_list || !options) return NSDAE_OK;
   if (!nsdae_stepping_of(options->method)->by_list)
     return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_sim_create", "method",

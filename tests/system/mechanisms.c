@@ -1,16 +1,17 @@
 /* Large mechanisms through the public calls: chains of revolute links, nets of spherical joints,
- * ladders whose loops have redundant rows. By blocks (a pair of materials is set, which nothing
- * touches) they are sparse; without, dense: the same motion. */
+ * ladders whose loops have redundant rows. With a contact list (a pair of materials is set, which
+ * nothing touches) and without, and as dense systems: the same motion. */
 #include "check.h"
 
 #include <nsdae/nsdae.h>
 #include <stdlib.h>
 
+#include "dense_copy.h"
 #include "support/random.h"
 
 typedef struct mechanism {
   nsdae_bodies *bodies;
-  nsdae_system *system;
+  nsdae_system *system, *dense;
   nsdae_sim *sim;
   nsdae_error error;
   int bodies_count, joints;
@@ -114,8 +115,11 @@ static void make_ladder(mechanism *m, int loops)
   }
 }
 
+/* Phi_q and M by blocks, with a contact list too, or dense. */
+enum { BY_LIST, BY_BLOCKS, DENSE };
+
 /* Makes the simulation and starts it; its status. */
-static int start(mechanism *m, int by_blocks, int method, int redundant)
+static int start(mechanism *m, int form, int method, int redundant)
 {
   nsdae_sim_options options;
   nsdae_dims dims;
@@ -123,9 +127,11 @@ static int start(mechanism *m, int by_blocks, int method, int redundant)
   options.method = method;
   options.redundant = redundant;
   options.dt = 1e-3;
-  if (by_blocks) assert_int_equal(nsdae_bodies_set_pair(m->bodies, 0, 0, 0, 0, 0), NSDAE_OK);
+  if (form == BY_LIST) assert_int_equal(nsdae_bodies_set_pair(m->bodies, 0, 0, 0, 0, 0), NSDAE_OK);
   assert_int_equal(nsdae_bodies_system(m->bodies, &m->system), NSDAE_OK);
-  assert_int_equal(nsdae_sim_create(m->system, &options, &m->sim, &m->error), NSDAE_OK);
+  if (form == DENSE) m->dense = dense_copy(m->system);
+  nsdae_system *system = form == DENSE ? m->dense : m->system;
+  assert_int_equal(nsdae_sim_create(system, &options, &m->sim, &m->error), NSDAE_OK);
   assert_int_equal(nsdae_bodies_get_dims(m->bodies, &dims), NSDAE_OK);
   double *q = calloc((size_t)dims.nq, sizeof *q), *v = calloc((size_t)dims.nv, sizeof *v);
   assert_int_equal(nsdae_bodies_get_start(m->bodies, q, v), NSDAE_OK);
@@ -152,6 +158,7 @@ static nsdae_record record_of(const mechanism *m)
 static void end(mechanism *m)
 {
   nsdae_sim_destroy(&m->sim);
+  nsdae_system_destroy(&m->dense);
   nsdae_system_destroy(&m->system);
   nsdae_bodies_destroy(&m->bodies);
 }
@@ -160,11 +167,12 @@ static const int methods[] = {NSDAE_METHOD_MOREAU, NSDAE_METHOD_IMPLICIT};
 
 /* A chain by blocks against the dense one, if asked for. Its energy is kept to the order of the
  * method and its joints are closed. */
-static void expect_chain(int links, int straight, double ratio, int method, int steps, int dense)
+static void expect_chain(int links, int straight, double ratio, int method, int steps, int form,
+                         int dense)
 {
   mechanism sparse, other;
   make_chain(&sparse, links, straight, ratio);
-  assert_int_equal(start(&sparse, 1, method, NSDAE_REDUNDANT_ERROR), NSDAE_OK);
+  assert_int_equal(start(&sparse, form, method, NSDAE_REDUNDANT_ERROR), NSDAE_OK);
   run(&sparse, steps);
   nsdae_record r = record_of(&sparse);
   nsdae_stats stats;
@@ -177,7 +185,7 @@ static void expect_chain(int links, int straight, double ratio, int method, int 
   assert_true(fabs(r.certificate.unexplained) < 1e-3 * r.kinetic);
   if (dense) {
     make_chain(&other, links, straight, ratio);
-    assert_int_equal(start(&other, 0, method, NSDAE_REDUNDANT_ERROR), NSDAE_OK);
+    assert_int_equal(start(&other, DENSE, method, NSDAE_REDUNDANT_ERROR), NSDAE_OK);
     run(&other, steps);
     nsdae_record s = record_of(&other);
     for (int j = 0; j < 7 * links; j++) assert_near(r.q[j], s.q[j], 1e-11);
@@ -191,57 +199,65 @@ static void test_chains(void **state)
 {
   (void)state;
   for (int i = 0; i < 2; i++) {
-    expect_chain(40, 1, 1, methods[i], 20, 1);
-    expect_chain(40, 0, 1e3, methods[i], 5, 1);
-    expect_chain(200, 1, 1, methods[i], 20, 0);
-    expect_chain(200, 0, 1e3, methods[i], 5, 0);
+    for (int form = BY_LIST; form <= BY_BLOCKS; form++) {
+      expect_chain(40, 1, 1, methods[i], 20, form, 1);
+      expect_chain(40, 0, 1e3, methods[i], 5, form, 1);
+      expect_chain(200, 1, 1, methods[i], 20, form, 0);
+      expect_chain(200, 0, 1e3, methods[i], 5, form, 0);
+    }
   }
 }
 
 static void test_nets(void **state)
 {
   (void)state;
-  mechanism m;
-  make_net(&m, 20);
-  assert_int_equal(start(&m, 1, NSDAE_METHOD_MOREAU, NSDAE_REDUNDANT_ERROR), NSDAE_OK);
-  run(&m, 20);
-  nsdae_record r = record_of(&m);
-  nsdae_stats stats;
-  assert_int_equal(nsdae_sim_get_stats(m.sim, &stats), NSDAE_OK);
-  assert_int_equal(stats.rank, 3 * m.joints);
-  assert_true(r.constraint_drift < 1e-3);
-  assert_true(fabs(r.certificate.unexplained) < 1e-2 * r.kinetic);
-  end(&m);
+  for (int form = BY_LIST; form <= BY_BLOCKS; form++) {
+    mechanism m;
+    make_net(&m, 20);
+    assert_int_equal(start(&m, form, NSDAE_METHOD_MOREAU, NSDAE_REDUNDANT_ERROR), NSDAE_OK);
+    run(&m, 20);
+    nsdae_record r = record_of(&m);
+    nsdae_stats stats;
+    assert_int_equal(nsdae_sim_get_stats(m.sim, &stats), NSDAE_OK);
+    assert_int_equal(stats.rank, 3 * m.joints);
+    assert_true(r.constraint_drift < 1e-3);
+    assert_true(fabs(r.certificate.unexplained) < 1e-2 * r.kinetic);
+    end(&m);
+  }
 }
 
 /* 33 loops: refused with the name of a row, or solved with the rank of the mechanism. Couplers of
  * parallelograms do not turn. */
-static void test_ladders(void **state)
+static void expect_ladder(int form, int method)
 {
-  (void)state;
   mechanism m;
   nsdae_stats stats;
   make_ladder(&m, 33);
-  int status = start(&m, 1, NSDAE_METHOD_MOREAU, NSDAE_REDUNDANT_ERROR);
+  int status = start(&m, form, method, NSDAE_REDUNDANT_ERROR);
   const nsdae_error *error = nsdae_sim_error(m.sim);
   if (status == NSDAE_OK) status = nsdae_sim_step(m.sim);
   assert_int_equal(status, NSDAE_E_RANK);
   assert_non_null(strstr(error->text, "rank 561 of 660"));
   assert_non_null(strstr(error->text, "joint"));
   end(&m);
-  for (int i = 0; i < 2; i++) {
-    make_ladder(&m, 33);
-    assert_int_equal(start(&m, 1, methods[i], NSDAE_REDUNDANT_LEAST_NORM), NSDAE_OK);
-    run(&m, 20);
-    assert_int_equal(nsdae_sim_get_stats(m.sim, &stats), NSDAE_OK);
-    assert_int_equal(stats.rank, 561);
-    assert_int_equal(stats.rank_most, 561);
-    assert_true(stats.rank_retained > 1e-4 && stats.rank_discarded < 1e-8);
-    nsdae_record r = record_of(&m);
-    for (int l = 0; l < 33; l++) assert_near(r.v[6 * (3 * l + 2) + 4], 0, 1e-9);
-    assert_true(fabs(r.v[0]) > 1e-3); /* it moves */
-    end(&m);
-  }
+  make_ladder(&m, 33);
+  assert_int_equal(start(&m, form, method, NSDAE_REDUNDANT_LEAST_NORM), NSDAE_OK);
+  run(&m, 20);
+  assert_int_equal(nsdae_sim_get_stats(m.sim, &stats), NSDAE_OK);
+  assert_int_equal(stats.rank, 561);
+  assert_int_equal(stats.rank_most, 561);
+  assert_true(stats.rank_retained > 1e-4 && stats.rank_discarded < 1e-8);
+  nsdae_record r = record_of(&m);
+  for (int l = 0; l < 33; l++) assert_near(r.v[6 * (3 * l + 2) + 4], 0, 1e-9);
+  assert_true(fabs(r.v[0]) > 1e-3); /* it moves */
+  end(&m);
+}
+
+static void test_ladders(void **state)
+{
+  (void)state;
+  for (int i = 0; i < 2; i++)
+    for (int form = BY_LIST; form <= BY_BLOCKS; form++) expect_ladder(form, methods[i]);
 }
 
 /* The first crank rests on the floor by a sphere: the island has a contact with friction, too. */
@@ -261,14 +277,14 @@ static void test_ladder_in_contact(void **state)
   nsdae_stats stats;
   make_ladder(&m, 33);
   rest_on_floor(&m);
-  int status = start(&m, 0, NSDAE_METHOD_MOREAU, NSDAE_REDUNDANT_ERROR);
+  int status = start(&m, BY_BLOCKS, NSDAE_METHOD_MOREAU, NSDAE_REDUNDANT_ERROR);
   if (status == NSDAE_OK) status = nsdae_sim_step(m.sim);
   assert_int_equal(status, NSDAE_E_RANK);
   assert_non_null(strstr(nsdae_sim_error(m.sim)->text, "rank 561 of 660"));
   end(&m);
   make_ladder(&m, 33);
   rest_on_floor(&m);
-  assert_int_equal(start(&m, 0, NSDAE_METHOD_MOREAU, NSDAE_REDUNDANT_LEAST_NORM), NSDAE_OK);
+  assert_int_equal(start(&m, BY_BLOCKS, NSDAE_METHOD_MOREAU, NSDAE_REDUNDANT_LEAST_NORM), NSDAE_OK);
   run(&m, 3);
   assert_int_equal(nsdae_sim_get_stats(m.sim, &stats), NSDAE_OK);
   assert_true(stats.contact_steps > 0);
@@ -277,13 +293,103 @@ static void test_ladder_in_contact(void **state)
   end(&m);
 }
 
+/* ---- all joints, planar and spatial, with springs, a slot with friction and a floor */
+
+enum { PLANAR_KINDS = NSDAE_JOINT_GEAR + 1, ALL_KINDS = NSDAE_JOINT_UNIVERSAL + 1 };
+
+static void add_any_joint(mechanism *m, int dimension, int kind, int a, int b, const double *at)
+{
+  nsdae_joint j = {.kind = kind, .body = {a, b}, .ratio = 1.5};
+  for (int k = 0; k < dimension; k++) {
+    j.point[k] = at[k];
+    j.end[k] = at[k] + 0.3;
+    j.axis[k] = random_between(&m->seed, 0.2, 1);
+  }
+  if (dimension == 3) j.cross[0] = j.axis[1], j.cross[1] = -j.axis[0];
+  if (kind == NSDAE_JOINT_SLOT) j.mu = 0.2;
+  assert_true(nsdae_bodies_add_joint(m->bodies, &j) >= 0);
+}
+
+/* Bodies in a row, the first on the ground, each on the one before by a joint of this kind (or, if
+ * none holds the plane or space, of any other), above a floor that discs or spheres touch. */
+static void make_row(mechanism *m, int dimension, int kind, int bodies, uint64_t seed)
+{
+  const double gravity[3] = {0.5, dimension == 2 ? -9.81 : 0.3, dimension == 2 ? 0 : -9.81};
+  const nsdae_solid plane = {.shape = NSDAE_SHAPE_PLANE};
+  *m = (mechanism){.seed = seed};
+  assert_int_equal(nsdae_bodies_create(dimension, &m->bodies, NULL), NSDAE_OK);
+  assert_int_equal(nsdae_bodies_set_gravity(m->bodies, gravity), NSDAE_OK);
+  int floor = nsdae_bodies_add_solid(m->bodies, NSDAE_GROUND, &plane);
+  assert_true(floor >= 0);
+  for (int i = 0; i < bodies; i++) {
+    const double r = 0.2, up = r + (i % 3) * 5e-4;
+    double at[3] = {0.6 * i, dimension == 2 ? up : 0.1 * i, dimension == 2 ? 0 : up}, joint[3];
+    const nsdae_solid round = {.shape = dimension == 2 ? NSDAE_SHAPE_DISC : NSDAE_SHAPE_SPHERE,
+                               .radius = r};
+    add_body(m, at, 3);
+    int solid = nsdae_bodies_add_solid(m->bodies, i, &round);
+    if (kind != NSDAE_JOINT_WELD) /* welded bodies have no motion that a contact could change */
+      assert_true(nsdae_bodies_add_contact(m->bodies, floor, solid, 0.3, 0.5, 0) >= 0);
+    for (int k = 0; k < 3; k++) joint[k] = at[k] - (k == 0 ? 0.3 : 0);
+    add_any_joint(m, dimension, kind, i - 1, i, joint);
+    const nsdae_spring spring = {.body = {i - 1, i},
+                                 .point = {at[0] - 0.9, at[1] + 0.2, at[2]},
+                                 .end = {at[0], at[1] - 0.1, at[2]},
+                                 .stiffness = 5,
+                                 .damping = 0.2,
+                                 .rest = 0.7};
+    assert_true(nsdae_bodies_add_spring(m->bodies, &spring) >= 0);
+  }
+}
+
+/* Steps from the states of the first, each to the rounding of its sums: see numbered.c. */
+static void expect_same_steps(int dimension, int kind, int bodies, int method)
+{
+  mechanism m[2];
+  nsdae_dims dims;
+  nsdae_record r[2];
+  for (int i = 0; i < 2; i++) {
+    make_row(&m[i], dimension, kind, bodies, 40 + (uint64_t)kind);
+    assert_int_equal(start(&m[i], i ? DENSE : BY_BLOCKS, method, NSDAE_REDUNDANT_LEAST_NORM),
+                     NSDAE_OK);
+  }
+  assert_int_equal(nsdae_bodies_get_dims(m[0].bodies, &dims), NSDAE_OK);
+  for (int n = 0; n < 10; n++) {
+    int status[2];
+    for (int i = 0; i < 2; i++) {
+      status[i] = nsdae_sim_step(m[i].sim);
+      r[i] = record_of(&m[i]);
+    }
+    for (int i = 0; i < 2; i++)
+      if (status[i] < 0 && status[1 - i] >= 0)
+        fail_msg("joint %d in %d dimensions, %d bodies, step %d: %s", kind, dimension, bodies, n,
+                 nsdae_sim_error(m[i].sim)->text);
+    if (status[0] < 0) break;
+    for (int j = 0; j < dims.nq; j++) assert_near(r[1].q[j], r[0].q[j], 1e-11);
+    for (int j = 0; j < dims.nv; j++) assert_near(r[1].v[j], r[0].v[j], 1e-8);
+  }
+  for (int i = 0; i < 2; i++) end(&m[i]);
+}
+
+static void test_joints(void **state)
+{
+  (void)state;
+  for (int dimension = 2; dimension <= 3; dimension++)
+    for (int kind = 0; kind < (dimension == 2 ? PLANAR_KINDS : ALL_KINDS); kind++) {
+      if (dimension == 3 && (kind == NSDAE_JOINT_SLOT || kind == NSDAE_JOINT_GEAR)) continue;
+      for (int i = 0; i < 2; i++) {
+        expect_same_steps(dimension, kind, 2, methods[i]);
+        expect_same_steps(dimension, kind, 20, methods[i]); /* sparse */
+      }
+    }
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_chains),
-      cmocka_unit_test(test_nets),
-      cmocka_unit_test(test_ladders),
-      cmocka_unit_test(test_ladder_in_contact),
+      cmocka_unit_test(test_chains),  cmocka_unit_test(test_nets),
+      cmocka_unit_test(test_ladders), cmocka_unit_test(test_ladder_in_contact),
+      cmocka_unit_test(test_joints),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
