@@ -66,6 +66,8 @@ static int in_range(const nsdae_friction_options *o)
          o->budget < INFINITY;
 }
 
+/* ---- memory and data */
+
 /* The problem checked and without its masses. */
 static int prepare(nsdae_friction_solver *s, const nsdae_friction_problem *p, nsdae_error *error)
 {
@@ -124,6 +126,8 @@ double nsdae_fc_speed(const nsdae_friction_solver *s)
   return most;
 }
 
+/* ---- islands */
+
 /* Items that nothing moves get r = 0, all others the answer of their island, in whole.r; or that is
  * the proof that an island has none. */
 static int solve_islands(nsdae_friction_solver *s, const nsdae_friction_options *options,
@@ -173,6 +177,8 @@ static int refute_blocked(const nsdae_fc_global *w, int item, double *r, double 
   return refute(w, r, u, info);
 }
 
+/* ---- solution and certificate */
+
 /* The certificate, of r as it is handed over (and low, unless that is NULL). */
 static int certify(const nsdae_fc_global *w, double tol, double *r, double *low, double *u,
                    nsdae_friction_info *info)
@@ -212,6 +218,8 @@ static int solve_problem(nsdae_friction_solver *s, const nsdae_friction_problem 
   int certified = certify(&s->global, options->tol, r, low, u, info);
   return status == NSDAE_E_INTERRUPTED ? status : certified;
 }
+
+/* ---- interface */
 
 int nsdae_friction_solver_solve(nsdae_friction_solver *solver,
                                 const nsdae_friction_problem *problem,

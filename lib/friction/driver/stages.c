@@ -62,6 +62,8 @@ void nsdae_fc_run_layout(void *object, nsdae_arena *arena)
   run->guess = NSDAE_ARENA_DOUBLES(arena, 3L * s->fc.n);
 }
 
+/* ---- conditions of the rows */
+
 /* The largest impulse, in the units of the residual. */
 static double largest(const nsdae_fc_run *run)
 {
@@ -193,6 +195,8 @@ typedef struct ended {
   int limited;
 } ended;
 
+/* ---- one row */
+
 /* The first row of the same solver. */
 static int same_solver(int i)
 {
@@ -264,6 +268,8 @@ static int run_rows(nsdae_fc_run *run, int i, int to, double growth, ended *last
   return run->iterate.work.products >= run->budget.products;
 }
 
+/* ---- a run */
+
 /* The caller's view of a run. */
 static int watch(const nsdae_fc_iterate *it, void *user)
 {
@@ -279,6 +285,7 @@ static int watch(const nsdae_fc_iterate *it, void *user)
   return run->options->progress(&now, run->options->user);
 }
 
+/* Budget, no work yet, residual infinite; a guess that is not allowed is put aside. */
 static void begin_run(nsdae_fc_run *run)
 {
   const nsdae_friction_options *o = run->options;

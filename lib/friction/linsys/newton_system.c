@@ -37,6 +37,8 @@ static void lay_out_system(void *object, nsdae_arena *arena)
   m->dy = NSDAE_ARENA_DOUBLES(arena, c->ny);
 }
 
+/* ---- symbolic analysis */
+
 /* Row and column block of a pair of item k: all pairs of its blocks, or (local form) itself with
  * each. */
 static void pair_at(const nsdae_fc_scaled *c, int k, size_t pair, int *row, int *column)
@@ -152,6 +154,8 @@ int nsdae_fc_system_analyse(nsdae_fc_system *m, const nsdae_fc_scaled *c)
   return NSDAE_OK;
 }
 
+/* ---- assembly and factorisation */
+
 /* T [a x b] += Ja K Jb^T, Ja [a x 3] and Jb [b x 3] column-major, K row-major */
 static void add_product(int a, int b, const double *Ja, const double *K, const double *Jb,
                         double *T)
@@ -226,6 +230,9 @@ int nsdae_fc_system_factor(nsdae_fc_system *m, const double *E, const double *A)
   return nsdae_multifrontal_factor(&m->fronts, 0);
 }
 
+/* ---- solution */
+
+/* dr = E^-1 b - K J^T dy with (1 + J K J^T) dy = J E^-1 b: see newton_system.h. */
 static void solve_global(nsdae_fc_system *m, const double *b, double *dr)
 {
   const nsdae_fc_scaled *c = m->fc;

@@ -111,11 +111,15 @@ NSDAE_INLINED void all_velocities(const nsdae_fc_global *c, span s, impulse x, d
 NSDAE_DD_DISPATCH(relative_velocity, all_velocities,
                   (const nsdae_fc_global *c, span s, impulse x, double *u), (c, s, x, u))
 
+/* ---- velocities */
+
 void nsdae_fc_island_velocities(const nsdae_fc_global *c, int island, const double *r,
                                 const double *low, double *u)
 {
   relative_velocity(c, one_island(c, island), (impulse){r, low}, u);
 }
+
+/* ---- residual */
 
 /* That of one item; frictionless ones have a residual of their one row. K is a cone: the map of
  * (r d / s, u / s) is a times that of (r d / (s a), u / (s a)), and with a = d / s over the power

@@ -67,6 +67,8 @@ static int rests(const nsdae_fc_scaled *c)
   return 1;
 }
 
+/* ---- columns of the alternative */
+
 static int count_columns(const nsdae_fc_scaled *c)
 {
   int m = 0;
@@ -75,6 +77,8 @@ static int count_columns(const nsdae_fc_scaled *c)
   return m;
 }
 
+/* n rows of l, m columns: directions of the rows, their scaled copy, the active-set method, the
+ * proof. */
 static void lay_out_farkas(void *object, nsdae_arena *arena)
 {
   nsdae_fc_farkas *f = object;
@@ -162,6 +166,8 @@ static void scale(nsdae_fc_farkas *f)
   f->target[n - 1] = -1;
 }
 
+/* ---- combinations of columns */
+
 /* The combination of scaled columns, in l; how many directions it takes, or 0: there is none. */
 static int combine(nsdae_fc_farkas *f)
 {
@@ -172,6 +178,8 @@ static int combine(nsdae_fc_farkas *f)
     if (f->cone.z[j] > 0 && k < f->cone.n) f->chosen[k++] = j;
   return k;
 }
+
+/* ---- proof by exact arithmetic */
 
 /* Entry i of the chosen columns, into a. */
 static void gather_columns(const nsdae_fc_farkas *f, const double *from, int i, int k, double *a)
@@ -214,6 +222,8 @@ static int is_exact(nsdae_fc_farkas *f, int k)
   for (int e = 0; e < k; e++) l[e] = f->cone.z[f->chosen[e]] * f->by[f->chosen[e]];
   return holds(f, k) || (simplify(l, k) && holds(f, k));
 }
+
+/* ---- proof by a bound on the error of the combination */
 
 /* Rows in which a chosen column is not zero, into kept; how many. */
 static int keep_rows(nsdae_fc_farkas *f, int k)
@@ -334,6 +344,8 @@ static int is_verified(nsdae_fc_farkas *f, int k)
   }
   return 1;
 }
+
+/* ---- result */
 
 /* The proof in the rows of the whole, its largest entry about one. */
 static void hand_over(const nsdae_fc_farkas *f, int k, double *l)

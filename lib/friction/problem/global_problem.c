@@ -49,6 +49,8 @@ void nsdae_fc_global_layout(void *object, nsdae_arena *arena)
   c->islands.parent = NSDAE_ARENA_INTS(arena, sets(c));
 }
 
+/* ---- factors of the masses */
+
 /* |M_ij - M_ji| <= 1e-10 sqrt(M_ii M_jj) */
 static int is_symmetric(int n, const double *M)
 {
@@ -119,6 +121,8 @@ static void free_velocity(nsdae_fc_global *c)
     }
 }
 
+/* ---- diagonal and symmetry */
+
 /* Mean of the diagonal of W + C: of the global form the mean square length of the columns of J. */
 static void diagonals(nsdae_fc_global *c)
 {
@@ -168,6 +172,8 @@ static int check_symmetry(const nsdae_fc_global *c, nsdae_error *error)
     }
   return NSDAE_OK;
 }
+
+/* ---- islands */
 
 int nsdae_fc_touches(const nsdae_fc_global *c, int e)
 {
@@ -262,6 +268,8 @@ static void number_blocks(nsdae_fc_global *c)
     c->islands.listed_start[island + 1] = from + count;
   }
 }
+
+/* ---- what a problem needs */
 
 static int measure(nsdae_fc_global *c, nsdae_error *error)
 {

@@ -39,6 +39,8 @@ static int missing(nsdae_error *error, const char *argument)
   return nsdae_fc_refuse(error, NSDAE_E_ARGUMENT, argument, -1, text);
 }
 
+/* ---- sizes and pattern */
+
 /* NSDAE_OK if entries first to n - 1 are finite and not below least. */
 static int check_values(nsdae_error *error, const char *argument, size_t first, size_t n,
                         const double *a, double least)
@@ -134,6 +136,8 @@ static int check_blocks(const nsdae_friction_problem *p, nsdae_error *error)
   return NSDAE_OK;
 }
 
+/* ---- data */
+
 /* Entries of M and of value. */
 static size_t count_mass(const nsdae_friction_problem *p)
 {
@@ -187,6 +191,8 @@ int nsdae_fc_problem_check(const nsdae_friction_problem *p, nsdae_error *error)
   }
   return NSDAE_OK;
 }
+
+/* ---- view by parts */
 
 void nsdae_fc_view_layout(nsdae_fc_view *view, nsdae_arena *arena)
 {

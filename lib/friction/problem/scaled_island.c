@@ -38,6 +38,8 @@ static void count_sizes(nsdae_fc_scaled *c)
   if (c->local) c->blocks = c->n, c->ny = 3 * c->n;
 }
 
+/* ---- memory */
+
 void nsdae_fc_layout(void *object, nsdae_arena *arena)
 {
   nsdae_fc_scaled *c = object;
@@ -71,6 +73,8 @@ void nsdae_fc_layout(void *object, nsdae_arena *arena)
   c->y = c->local ? c->r : NSDAE_ARENA_DOUBLES(arena, c->ny);
 }
 
+/* ---- scaling */
+
 /* The power of two nearest by ratio, x > 0. */
 static double power_of_two(double x)
 {
@@ -85,6 +89,7 @@ static double size_of(const nsdae_fc_scaled *c, int i)
   return power_of_two(sqrt(c->global->d[i] / c->largest));
 }
 
+/* Item number k of the island is item i of the whole; s: unit of velocities, a power of two. */
 static void fill_item(nsdae_fc_scaled *c, int k, int i, double s)
 {
   const nsdae_fc_global *w = c->global;
@@ -136,6 +141,7 @@ static void fill_part(const nsdae_fc_scaled *c, int k, int e, double *J)
     for (int l = 0; l < have; l++) J[j * n + l] = scale * from[j * have + l];
 }
 
+/* The parts of each item, one behind another; parts of zeros are left out. */
 static void fill_parts(nsdae_fc_scaled *c)
 {
   const nsdae_friction_problem *p = c->global->view.p;
@@ -210,6 +216,8 @@ void nsdae_fc_fill(nsdae_fc_scaled *c, const double *r)
   }
 }
 
+/* ---- impulses */
+
 void nsdae_fc_scatter(const nsdae_fc_scaled *c, const double *from, double *r)
 {
   const nsdae_fc_global *w = c->global;
@@ -245,6 +253,8 @@ NSDAE_INLINED void sum_parts(const nsdae_fc_scaled *c, const double *r, double *
 
 NSDAE_DD_DISPATCH(sum_impulses, sum_parts, (const nsdae_fc_scaled *c, const double *r, double *y),
                   (c, r, y))
+
+/* ---- velocities */
 
 /* u = J^T y of item k, and whole: + q + C r; in the local form the sum is that of impulses */
 static void relative_velocity(const nsdae_fc_scaled *c, int k, int whole, const double *r,
@@ -290,6 +300,8 @@ void nsdae_fc_impulse(const nsdae_fc_scaled *c, int k, const double *r, double x
     nsdae_dd_add(1, r[3 * k + j], x + j, low + j);
   }
 }
+
+/* ---- residual */
 
 /* Of item k of a double-double r: K is a cone, and so r need not be scaled. */
 static double item_residual_twice(const nsdae_fc_scaled *c, int k, const double *r, const double *u)

@@ -60,6 +60,8 @@ void nsdae_fc_as_lcp_layout(nsdae_fc_as_lcp *s, const nsdae_fc_scaled *fc, nsdae
   s->iwork = NSDAE_ARENA_INTS(arena, s->liwork);
 }
 
+/* ---- W of the rows */
+
 /* Rows that take part, the bilateral ones first. */
 static void list_rows(nsdae_fc_as_lcp *s, const nsdae_fc_scaled *fc)
 {
@@ -120,6 +122,8 @@ static int eliminate(nsdae_fc_as_lcp *s)
   return 0;
 }
 
+/* ---- the LCP */
+
 /* Unknown z of the problem takes part in the velocity of row i of W as W's column j, with a sign.
  */
 static void put(nsdae_fc_as_lcp *s, int unknown, int j, double sign)
@@ -178,6 +182,8 @@ static void read_solution(nsdae_fc_as_lcp *s, nsdae_fc_scaled *fc)
   if (nb > 0) nsdae_la_solve_lower_transposed((int)nb, 1, s->W, s->m, X, s->m);
   for (size_t i = 0; i < nb; i++) fc->r[s->row[i]] = -X[i];
 }
+
+/* ---- solution */
 
 int nsdae_fc_lcp(nsdae_fc_island *island, nsdae_fc_iterate *it, const nsdae_fc_budget *b)
 {

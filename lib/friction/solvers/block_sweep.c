@@ -15,6 +15,8 @@ static const double TINY = 1e-150;
 
 enum { BODY = 6 }; /* the size of most blocks: its loops are laid out flat */
 
+/* ---- products with parts of J */
+
 /* u += J^T y of one part, [n x 3] column-major. */
 static inline void gather_part(int n, const double *J, const double *y, double *u)
 {
@@ -80,6 +82,8 @@ static inline void apply(nsdae_fc_scaled *c, int k, const double *dr)
   if (!c->local) add_parts(c, k, dr);
 }
 
+/* ---- one contact */
+
 /* Whether item k, of which u are the velocities, sticks: it closes without an impulse, and with
  * u_T = 0 and u_N = 0, r - (D + e)^-1 u is inside its cone. The usual case, and cheap. */
 static inline int sticks(const nsdae_fc_scaled *c, int k, const double *u, double *r)
@@ -128,6 +132,8 @@ static void solve_item(const nsdae_fc_scaled *c, int k, const double *u, double 
   nsdae_fc_solve_contact(D, q, c->items.mu[k], c->exact, slip + k, r);
   nsdae_fc_turn(c->items.turn + 2 * k, -1, r);
 }
+
+/* ---- sweeps */
 
 void nsdae_fc_sweep_begin(nsdae_fc_scaled *c)
 {

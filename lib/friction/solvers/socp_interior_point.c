@@ -82,6 +82,8 @@ static void dual(const nsdae_fc_socp *p, const nsdae_fc_scaled *c, int k, const 
   for (int i = 1; i < 3; i++) b[i] = rows_of(c, k) == 3 ? u[i] / S[i] : 0;
 }
 
+/* ---- Jordan algebra of the second-order cone */
+
 static double product(const double *a, const double *b)
 {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -121,6 +123,8 @@ static void spectral_decomposition(double e, const double z[3], double *a, doubl
     b[i + 1] = (B[0] - B[1]) / 2 * d[i];
   }
 }
+
+/* ---- a point */
 
 /* A point inside both cones, at fc->r and its velocities. */
 static void begin_interior(nsdae_fc_socp *p, nsdae_fc_scaled *c, double e)
@@ -171,6 +175,8 @@ static double mean(const nsdae_fc_socp *p, const nsdae_fc_scaled *c, double leng
   }
   return count > 0 ? sum / count : 0;
 }
+
+/* ---- Newton matrix */
 
 /* W of item k: with a and b over the roots of their determinants and w = (b + J a) / (2 g), g =
  * sqrt((1 + a . b) / 2), J = (1, -1, -1), it is beta (2 v v^T - J) with v o v = w, and has these
@@ -231,6 +237,8 @@ static int factor(nsdae_fc_socp *p, nsdae_fc_newton *s)
   }
   return nsdae_fc_system_factor(s->system, s->E, s->A) == 0;
 }
+
+/* ---- directions */
 
 /* x := W (W a \ (W^-1 db o W da)) of item k */
 static void second_order(const nsdae_fc_socp *p, int k, double x[3])
@@ -304,6 +312,8 @@ static void newton_direction(nsdae_fc_socp *p, nsdae_fc_newton *s, double sigma,
   }
 }
 
+/* ---- steps */
+
 /* How far it is from x along dx to the edge of the cone: the least root of  dx^2 t^2 + 2 (x . dx) t
  * + x^2, squares and products with J. */
 static double step_to_boundary(const double *x, const double *dx)
@@ -344,6 +354,8 @@ static double predictor_corrector(nsdae_fc_socp *p, nsdae_fc_newton *s, double n
   }
   return length;
 }
+
+/* ---- the method */
 
 /* From a point at fc.r, a o b of the first point being e^2. On the central path the residual is
  * about the root of the mean of a . b. */

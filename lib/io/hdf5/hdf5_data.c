@@ -13,6 +13,8 @@ int nsdae_h5_group(nsdae_h5 *h5, const char *name)
   return status;
 }
 
+/* ---- attributes */
+
 /* < 0 where it cannot be made: another size would take the texts' addresses for their letters. */
 static hid_t text_type(void)
 {
@@ -63,6 +65,8 @@ int nsdae_h5_describe(nsdae_h5 *h5, hid_t series, const char *units, const char 
   int status = nsdae_h5_set_text(h5, series, "units", units);
   return status < 0 ? status : nsdae_h5_set_text(h5, series, "description", description);
 }
+
+/* ---- datasets that are written once */
 
 static int write_whole(nsdae_h5 *h5, const char *path, hid_t type, hid_t space, const void *value,
                        const char *units, const char *description)
@@ -116,6 +120,8 @@ int nsdae_h5_matrix(nsdae_h5 *h5, const char *path, hsize_t n, hsize_t columns, 
   return write_typed(h5, path, H5T_NATIVE_DOUBLE, H5Screate_simple(2, size, NULL), rows, units,
                      description);
 }
+
+/* ---- datasets that grow */
 
 /* Rows come in bunches already; so they go to the file at once, themselves alone and not the chunk
  * around them, and their space is taken when they are written. */
@@ -203,6 +209,8 @@ int nsdae_h5_bytes(nsdae_h5 *h5, const char *path, const hsize_t size[2], int gr
   H5Pclose(links);
   return status < 0 ? status : nsdae_h5_describe(h5, *set, "1", description);
 }
+
+/* ---- rows */
 
 int nsdae_h5_resize(nsdae_h5 *h5, hid_t set, const hsize_t *size)
 {

@@ -30,6 +30,8 @@ void nsdae_h5_speak(const nsdae_h5_voice *voice)
     H5Eset_auto1(voice->print_old, voice->user);
 }
 
+/* ---- error texts */
+
 /* Keeps the innermost message of HDF5's stack. */
 static herr_t innermost(unsigned n, const H5E_error2_t *entry, void *user)
 {
@@ -64,6 +66,8 @@ int nsdae_h5_result(nsdae_h5 *h5, long code, const char *what)
 {
   return code < 0 ? report_failure(h5, what) : NSDAE_OK;
 }
+
+/* ---- creating and opening */
 
 /* HDF5 does not see that a write failed: the disk knows. */
 static int arrived(nsdae_h5 *h5, long code, const char *what)
@@ -143,6 +147,8 @@ int nsdae_h5_open(nsdae_h5 *h5)
   if (access >= 0) h5->file = H5Fopen(h5->path, H5F_ACC_RDONLY, access);
   return guarded(h5, opened(h5, access, "read"));
 }
+
+/* ---- flushing and closing */
 
 int nsdae_h5_prepare(nsdae_h5 *h5, long bytes)
 {

@@ -38,6 +38,8 @@ static int take_reals(const reader *r, const char *name, int length, const doubl
   return status;
 }
 
+/* ---- form and contacts */
+
 /* Which form the file has; rolling friction is refused. */
 static int read_form(reader *r)
 {
@@ -127,6 +129,8 @@ static int check_shape(const reader *r, const char *name, const nsdae_triplets *
                          A->columns, rows, columns);
 }
 
+/* ---- matrices */
+
 /* Reads a matrix; of one that need not be there and is not, an empty one. */
 static int read_matrix(const reader *r, const char *name, int needed, nsdae_triplets *A)
 {
@@ -163,6 +167,8 @@ static int check_bilateral(const reader *r, const char *name)
   return status;
 }
 
+/* ---- local form */
+
 /* W, and where there are bilateral rows [W V; V^T R]. */
 static int read_local(reader *r)
 {
@@ -186,6 +192,8 @@ static int read_local(reader *r)
   if (status == NSDAE_OK) status = make_items(r);
   return status < 0 ? status : nsdae_to_blocks(r->h5, &r->A, &r->items, &r->items, &r->gathered);
 }
+
+/* ---- global form */
 
 /* The blocks of v: those that are written down, or found. */
 static int read_blocks(reader *r)
@@ -257,6 +265,8 @@ static int read_global(reader *r)
   return status < 0 ? status : nsdae_to_blocks(r->h5, &r->A, &r->blocks, &r->items, &r->gathered);
 }
 
+/* ---- vectors */
+
 /* A vector over the contacts, with that over the bilateral rows behind it, compressed; NULL where
  * it is not there and need not be. */
 static int read_rows(const reader *r, const char *name, const char *behind, int needed,
@@ -325,6 +335,9 @@ static void hand_over_arrays(reader *r)
   r->gathered = (nsdae_blocked_problem){0};
 }
 
+/* ---- the file */
+
+/* Form, contacts, matrices, vectors, tolerances; all of it is released if one of them fails. */
 static int read_problem(nsdae_h5 *h5, nsdae_friction_file *out)
 {
   reader r = {.h5 = h5, .out = out};

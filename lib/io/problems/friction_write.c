@@ -58,6 +58,8 @@ static int measure_rows(writer *w)
 /* Of every dataset: some are FCLIB's, some stand beside those. */
 static const char SEE[] = "see FCLIB and nsdae/friction_file.h";
 
+/* ---- vectors */
+
 static int write_reals(const writer *w, const char *path, int count, const double *values)
 {
   return nsdae_h5_vector(w->h5, path, H5T_NATIVE_DOUBLE, (hsize_t)count, values, "1", SEE);
@@ -81,6 +83,8 @@ static int write_rows(writer *w, const char *name, const char *behind, const dou
 }
 
 /* Dense parts as triplets. */
+
+/* ---- matrices */
 
 /* Adds the dense part of an item in the rows from row on. */
 static void add_part(nsdae_triplets *A, int row, int column, int rows, int columns,
@@ -146,6 +150,7 @@ static int write_local(const writer *w)
   return status;
 }
 
+/* The mass matrix as one sparse matrix of its diagonal blocks. */
 static int write_M(const writer *w, int n)
 {
   char path[64];
@@ -187,6 +192,8 @@ static int write_global(const writer *w)
   return status;
 }
 
+/* ---- contacts */
+
 /* mu, and the rows of each contact where they differ. */
 static int write_contacts(writer *w)
 {
@@ -209,6 +216,8 @@ typedef struct motion {
   double *low;    /* n */
   double *factor; /* largest x largest: of a block of M */
 } motion;
+
+/* ---- solution */
 
 /* Begins at f. */
 static int make_motion(const writer *w, motion *v)
@@ -299,6 +308,8 @@ static int write_points(writer *w, const nsdae_friction_points *points)
   }
   return status < 0 ? status : write_solution(w, points);
 }
+
+/* ---- the file */
 
 static int write_origin(nsdae_h5 *h5, const nsdae_friction_origin *origin)
 {

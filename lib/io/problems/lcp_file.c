@@ -25,6 +25,8 @@ static double *allocate(size_t count, nsdae_error *error, const char *where)
   return block;
 }
 
+/* ---- writing */
+
 static int write_origin(nsdae_h5 *h5, const nsdae_lcp_origin *origin)
 {
   if (!origin) return NSDAE_OK;
@@ -36,6 +38,7 @@ static int write_origin(nsdae_h5 *h5, const nsdae_lcp_origin *origin)
   return status;
 }
 
+/* Attributes, A by rows, b; the file is flushed and closed whatever happened. */
 static int write_problem(nsdae_h5 *h5, int n, const double *rows, const double *b,
                          const nsdae_lcp_origin *origin)
 {
@@ -85,6 +88,8 @@ int nsdae_lcp_write(const char *path, const nsdae_lcp_problem *problem,
   free(rows);
   return status;
 }
+
+/* ---- reading */
 
 /* n of /A and /b, which must fit. */
 static int read_size(nsdae_h5 *h5, int *n)

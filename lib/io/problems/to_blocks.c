@@ -11,6 +11,8 @@ enum { MOST = 256 }; /* numbers for each entry, row and column */
 /* Of the root of its two diagonal entries, a difference of W_ij and W_ji that is rounding. */
 static const double ROUNDING = 1e-12;
 
+/* ---- partitions */
+
 static int *integers(size_t count)
 {
   return calloc(count + 1, sizeof(int));
@@ -83,6 +85,8 @@ int nsdae_partition_find(nsdae_h5 *h5, const nsdae_triplets *M, int alike, nsdae
 }
 
 /* Rows by blocks. */
+
+/* ---- entries by item and block */
 
 /* Entries in the order of their items, those of one item as they come. */
 static int sort_by_item(nsdae_h5 *h5, const nsdae_triplets *A, const nsdae_partition *items,
@@ -199,6 +203,8 @@ void nsdae_blocked_problem_release(nsdae_blocked_problem *g)
   *g = (nsdae_blocked_problem){0};
 }
 
+/* ---- block-diagonal matrices */
+
 int nsdae_to_blocks_diagonal(nsdae_h5 *h5, const nsdae_triplets *M, const nsdae_partition *p,
                              double **blocks)
 {
@@ -228,6 +234,8 @@ typedef struct entry {
   int row, column;
   double value, mirrored; /* sums at the place and at its mirror image */
 } entry;
+
+/* ---- symmetry */
 
 static int compare_entries(const void *a, const void *b)
 {

@@ -35,6 +35,8 @@ static int no_memory_for(nsdae_h5 *h5, size_t count)
                          "out of memory for %zu numbers of '%.90s'", count, h5->path);
 }
 
+/* ---- vectors */
+
 int nsdae_h5_has(nsdae_h5 *h5, const char *path)
 {
   char part[NAME];
@@ -120,6 +122,8 @@ static void path_of(char path[NAME], const char *group, const char *name)
   snprintf(path, NAME, "%s/%s", group, name);
 }
 
+/* ---- compressed matrices */
+
 /* Pointers of a compressed form: from zero, not decreasing. */
 static int check_pointers(nsdae_h5 *h5, const char *group, int count, const int *p)
 {
@@ -198,6 +202,8 @@ static int read_columns(nsdae_h5 *h5, const char *group, nsdae_triplets *t)
   return nsdae_h5_take_ints(h5, path, 1, length, &t->column);
 }
 
+/* ---- reading */
+
 int nsdae_triplets_read(nsdae_h5 *h5, const char *group, nsdae_triplets *t)
 {
   int form = ROWS;
@@ -218,6 +224,8 @@ int nsdae_triplets_read(nsdae_h5 *h5, const char *group, nsdae_triplets *t)
   if (status < 0) nsdae_triplets_release(t);
   return status;
 }
+
+/* ---- building and writing */
 
 int nsdae_triplets_grow(nsdae_h5 *h5, nsdae_triplets *t, int count)
 {

@@ -23,6 +23,8 @@ typedef struct head {
 
 static const char magic[8] = "nsdae-st";
 
+/* ---- memory and checksum */
+
 /* FNV-1a, 64 bits (Fowler, Noll, Vo; RFC 9923). */
 static uint64_t add_up(uint64_t sum, const void *bytes, size_t size)
 {
@@ -76,6 +78,8 @@ int nsdae_checkpoint_create(nsdae_checkpoint *checkpoint, nsdae_h5 *h5)
                         "states for a restart, the last two alternate; read by this library only",
                         &checkpoint->set);
 }
+
+/* ---- writing */
 
 static unsigned char *state_of(const nsdae_checkpoint *c)
 {
@@ -132,6 +136,8 @@ int nsdae_checkpoint_trim(nsdae_checkpoint *checkpoint, nsdae_h5 *h5)
   checkpoint->width = checkpoint->used;
   return nsdae_h5_resize(h5, checkpoint->set, size);
 }
+
+/* ---- reading */
 
 static int unusable(nsdae_h5 *h5, const char *why)
 {

@@ -27,6 +27,7 @@ static void creation_time(char text[DATE_LENGTH])
            second / 3600, second / 60 % 60, second % 60);
 }
 
+/* Attributes of the root group, which identify the file. */
 static int write_root(nsdae_h5 *h5, const nsdae_sim *sim, const char *model)
 {
   nsdae_sim_options options;

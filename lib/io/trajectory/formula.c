@@ -53,6 +53,8 @@ static int refuse_formula(reader *r, const char *format, ...)
   return NSDAE_E_ARGUMENT;
 }
 
+/* ---- symbols */
+
 /* The next symbol's first character. */
 static char next(reader *r)
 {
@@ -89,6 +91,8 @@ static int read_number(reader *r)
   skip_digits(r);
   return NSDAE_OK;
 }
+
+/* ---- names */
 
 /* q and digits only. */
 static int is_column(const char *name)
@@ -163,6 +167,8 @@ static int check_quantity(reader *r, const char *name)
   if (near) return refuse_formula(r, "unknown name '%.40s' (did you mean '%.40s'?)", name, near);
   return refuse_formula(r, "unknown name '%.40s'", name);
 }
+
+/* ---- grammar: sum, product, sign, atom */
 
 static int read_call(reader *r, const function *f)
 {

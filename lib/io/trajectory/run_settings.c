@@ -12,6 +12,8 @@ static const char dataset[] = "/restart/setting";
 
 enum { LINE_SIZE = NSDAE_SETTING_VALUE + 128 };
 
+/* ---- texts of settings */
+
 static int add_setting(nsdae_setting *s, const char *group, const char *key, const char *value)
 {
   char line[LINE_SIZE];
@@ -73,6 +75,8 @@ static int add_run(nsdae_setting *s, const nsdae_trajectory_info *info)
   return status < 0 ? status : add_int(s, "run", "compress", info->compress);
 }
 
+/* ---- dataset */
+
 int nsdae_setting_make(nsdae_setting *setting, const nsdae_sim *sim,
                        const nsdae_trajectory_info *info)
 {
@@ -118,6 +122,8 @@ void nsdae_setting_release(nsdae_setting *setting)
   free(setting->text);
   *setting = (nsdae_setting){0};
 }
+
+/* ---- reading texts */
 
 /* Takes the line at *at apart; 0 at the end of the text or where it is no such line. */
 static int next_line(const char **at, char line[LINE_SIZE], char **value)
@@ -195,6 +201,8 @@ int nsdae_trajectory_read_params(const char *path, const char *group, const nsda
   nsdae_setting_release(&setting);
   return status;
 }
+
+/* ---- comparison */
 
 static int differs(const char *name, const char *own, const char *file, const char *path,
                    nsdae_error *error)

@@ -10,6 +10,8 @@
  * records is bounded by it, and 1024 rows of most systems are less. */
 static const size_t chunk_bytes = (size_t)4 << 20;
 
+/* ---- rows and chunks */
+
 static hid_t value_type(const nsdae_column *column)
 {
   return column->value == NSDAE_VALUE_INT    ? H5T_NATIVE_INT
@@ -78,6 +80,8 @@ void nsdae_series_release(nsdae_series *series)
   free(series->set);
   *series = (nsdae_series){0};
 }
+
+/* ---- creating and opening */
 
 static int create_column(nsdae_series *series, nsdae_h5 *h5, const nsdae_sizes *sizes, int i,
                          int deflate)
@@ -164,6 +168,8 @@ int nsdae_series_cut(nsdae_series *series, nsdae_h5 *h5)
   return status;
 }
 
+/* ---- writing */
+
 static int write_column(nsdae_series *series, nsdae_h5 *h5, int i, hsize_t from, hsize_t rows)
 {
   return nsdae_h5_append(h5, series->set[i], value_type(&series->table->column[i]), from, rows,
@@ -223,6 +229,8 @@ int nsdae_series_is_full(const nsdae_series *series)
   return series->table->counts &&
          nsdae_series_rows(series) - series->counted == NSDAE_SERIES_ROWS_MAX;
 }
+
+/* ---- appending */
 
 int nsdae_series_append(nsdae_series *series, const void *row, int from, int rows)
 {

@@ -67,6 +67,7 @@ static int by_name(const void *a, const void *b)
   return order ? order : (*left > *right) - (*left < *right);
 }
 
+/* Every body has a name that no other has. */
 static int check_names(int n, const nsdae_body *body, nsdae_error *error)
 {
   for (int i = 0; i < n; i++) {
@@ -286,6 +287,7 @@ static int find_place(const nsdae_body *b, const nsdae_formula_names *names, pla
   return p->dimension == 3 && in_a_row(b->quaternion, 4, names, &p->turn);
 }
 
+/* Three columns of numbers: which coordinates place each body. */
 static int write_places(column_set *s, const nsdae_formula_names *names)
 {
   static const char *const name[] = {"dimension", "position", "turn"},

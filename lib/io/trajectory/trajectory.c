@@ -69,6 +69,8 @@ nsdae_trajectory *nsdae_trajectory_allocate(nsdae_sim *sim, const char *path,
   return t;
 }
 
+/* ---- creating */
+
 static int check_info(const nsdae_trajectory_info *info, const char *where, nsdae_error *error)
 {
   const char *bad = info->every < 0                            ? "every"
@@ -138,6 +140,8 @@ int nsdae_trajectory_create(nsdae_sim *sim, const char *path, const nsdae_trajec
   return nsdae_trajectory_hand_over(t, status, trajectory);
 }
 
+/* ---- flushing */
+
 int nsdae_trajectory_flush(nsdae_trajectory *trajectory, nsdae_error *error)
 {
   nsdae_error own;
@@ -163,6 +167,8 @@ static int reopen_live(nsdae_trajectory *t)
   int status = close_file(t);
   return status < 0 ? status : nsdae_h5_reopen(&t->h5);
 }
+
+/* ---- closing */
 
 static int end_file(nsdae_trajectory *t, int run_status)
 {

@@ -9,6 +9,8 @@
 #include "system_impl.h"
 #include "trajectory_impl.h"
 
+/* ---- contents */
+
 static int make_groups(nsdae_h5 *h5, const nsdae_sizes *sizes)
 {
   const struct {
@@ -84,6 +86,8 @@ static int write_blocks(nsdae_trajectory *t)
                          "first velocity of each block");
 }
 
+/* ---- file */
+
 int nsdae_trajectory_make_file(nsdae_trajectory *t, const nsdae_trajectory_info *info)
 {
   nsdae_h5 *h5 = &t->h5;
@@ -102,6 +106,8 @@ int nsdae_trajectory_make_file(nsdae_trajectory *t, const nsdae_trajectory_info 
                                  nsdae_trajectory_is_packed(i) ? t->compress : 0);
   return status < 0 ? status : nsdae_h5_flush(h5);
 }
+
+/* ---- interface */
 
 static int put(nsdae_trajectory *t, const char *path, hid_t type, int n, const void *values,
                const char *units, const char *description, nsdae_error *error)

@@ -49,6 +49,8 @@ static nsdae_checkpoint_mark mark_of(const nsdae_trajectory *t)
   return mark;
 }
 
+/* ---- writing */
+
 int nsdae_trajectory_write_state(nsdae_trajectory *t)
 {
   nsdae_checkpoint_mark mark = mark_of(t);
@@ -75,6 +77,8 @@ int nsdae_trajectory_is_packed(int table)
 {
   return table == NSDAE_RECORDS || table == NSDAE_CONTACTS;
 }
+
+/* ---- appending */
 
 /* From the first record on readers may come. */
 static int let_readers_in(nsdae_trajectory *t)
@@ -130,6 +134,8 @@ static int append_step(nsdae_trajectory *t, const nsdae_record *record)
     status = append_rows(t, NSDAE_CHANGES, &record->change[i], 1);
   return status;
 }
+
+/* ---- steps and impacts */
 
 /* A step that comes again takes the place of the one that was dropped. */
 static void mark(nsdae_trajectory *t, const nsdae_record *record)

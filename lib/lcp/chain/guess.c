@@ -47,6 +47,8 @@ int nsdae_lcp_guess_nothing(nsdae_lcp_work *w)
   return accept(w, NSDAE_LCP_TRIVIAL, 0);
 }
 
+/* ---- the equations of an active set */
+
 static const double *scaled_column(const nsdae_lcp_work *w, int j)
 {
   return w->problem->A + (size_t)j * (size_t)w->problem->lda;
@@ -72,6 +74,8 @@ static void add_column(int n, const double *restrict a, double x, double *restri
     s[i] += fabs(term);
   }
 }
+
+/* ---- residual and its rounding */
 
 /* y and s of the head of A x + b; A and b are finite, so that x_j = 0 adds nothing. */
 static void multiply(nsdae_lcp_work *w, int size)
@@ -115,6 +119,8 @@ static double bound(const nsdae_lcp_work *w)
   }
   return worst;
 }
+
+/* ---- solution of an active set */
 
 /* rhs := A_BB^-1 rhs; the rest of terms that cancel is zero. */
 static void divide(nsdae_lcp_work *w, int size)
@@ -175,6 +181,8 @@ static double sensitivity(nsdae_lcp_work *w, int size)
   return worst;
 }
 
+/* ---- the islands of an active set */
+
 /* Whether the column of x_j has an entry in a row that is reached. */
 static int is_reached(const nsdae_lcp_work *w, int j)
 {
@@ -211,6 +219,8 @@ static int is_pushed(const nsdae_lcp_work *w, int size)
   for (int round = 0; round < 3 && left > 0; round++) left = count_left(w, size, 1);
   return left == 0;
 }
+
+/* ---- the guess */
 
 int nsdae_lcp_guess_basis(nsdae_lcp_work *w)
 {

@@ -34,6 +34,8 @@ typedef struct part {
   nsdae_lcp_work chain;
 } part;
 
+/* ---- memory */
+
 /* Doubles for an island of m rows: its A, b, x and y, and what the chain works in. */
 static double doubles_for(int m)
 {
@@ -62,6 +64,8 @@ static int largest_island(const parts *p)
   }
   return most;
 }
+
+/* ---- one island */
 
 /* Solves the island whose m members are listed; returns its status. */
 static int solve_part(const parts *p, part *one, int m)
@@ -104,6 +108,8 @@ static void merge(nsdae_lcp_info *whole, const nsdae_lcp_info *one)
   if (one->ray && !whole->ray) whole->ray = one->ray;
   if (one->outcome == NSDAE_OUTCOME_SOLVED && one->stage > whole->stage) whole->stage = one->stage;
 }
+
+/* ---- all islands */
 
 /* All islands; returns the first that is proved to have no solution, or else the first that was not
  * solved, or -1. */

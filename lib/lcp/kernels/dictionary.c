@@ -73,6 +73,8 @@ int nsdae_dictionary_start(nsdae_dictionary *t, int n, int block, const double *
   return 0;
 }
 
+/* ---- reading */
+
 const double *nsdae_dictionary_column(nsdae_dictionary *t, int j)
 {
   const double *from = dictionary_column(t, j);
@@ -99,6 +101,8 @@ void nsdae_dictionary_move(nsdae_dictionary *t, int r, const double *c)
   add_scaled(t->n, step, c, t->q);
   t->q[r] = step;
 }
+
+/* ---- pivots, at once or delayed */
 
 static void pivot_at_once(nsdae_dictionary *t, int r, int e)
 {

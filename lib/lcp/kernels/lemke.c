@@ -37,6 +37,8 @@ static double slack_of(const method *m, int i)
   return m->is_x[i] ? m->slack_x : m->slack_y;
 }
 
+/* ---- lexicographic order */
+
 /* Coefficient of eps^(k+1) in the constant of row i. */
 static double perturbation(const method *m, int i, int k)
 {
@@ -90,6 +92,8 @@ static double smallest_of(int n, const double *c)
   return smaller(smaller(least[0], least[1]), smaller(least[2], least[3]));
 }
 
+/* ---- ratio test */
+
 /* Row that blocks the entering column. All whose basic_i is zero, or below, at the smallest bound
  * (Harris, Math. Program. 5, 1973) tie, and the perturbation chooses; z0 leaves wherever it is
  * among them. -1: none, a ray. */
@@ -127,6 +131,8 @@ static int first_row(int n, const double *b, const double *d)
   }
   return worst;
 }
+
+/* ---- pivots */
 
 /* After the first pivot, which has x_row enter. */
 static int pivot_to_the_end(method *m, int row, int max_pivots, int *pivots)
@@ -194,6 +200,8 @@ static int read_solution(const method *m, double *x, int *basis)
   }
   return finite;
 }
+
+/* ---- interfaces */
 
 int nsdae_lemke_block(int n)
 {

@@ -74,6 +74,8 @@ static void scale(int n, double *A, double *row, double *column, double *by_row,
     for (int i = 0; i < n; i++) A[(size_t)j * (size_t)n + (size_t)i] *= by_row[i] * by_column[j];
 }
 
+/* ---- geometric means */
+
 /* Power of two near one over the geometric mean of the entries that are not zero. */
 static double mean_scale(int n, const double *a, size_t stride)
 {
@@ -103,6 +105,8 @@ static void even_means(int n, double *A, double *row, double *column, double *wo
     scale(n, A, row, column, by_row, by_column);
   }
 }
+
+/* ---- sizes of independent blocks */
 
 /* Rows (i) and columns (n + j) that entries join to the one on the stack, all marked; returns
  * their number. */
@@ -153,6 +157,8 @@ static int is_moderate(int n, const double *b)
   double most = largest(n, b);
   return most == 0 || (most > 0x1p-500 && most < 0x1p500);
 }
+
+/* ---- largest entries */
 
 /* Then the largest entries (Ruiz, RAL-TR-2001-034): rows and columns by the root of their size,
  * until they are even. */

@@ -63,6 +63,8 @@ static void simplify(int n, double *w)
   for (int i = 0; i < n; i++) w[i] = round(factor / most * w[i]);
 }
 
+/* ---- nearest point */
+
 /* u from the nearest point with columns so tilted; in w->room.cover. */
 static int separates(nsdae_lcp_work *w, double eta)
 {
@@ -140,6 +142,8 @@ int nsdae_lcp_prove(nsdae_lcp_work *w)
   allow_all(w);
   return excluded(w) && proved(w, NSDAE_PROOF_FARKAS, NSDAE_LCP_PROVE);
 }
+
+/* ---- branches over the indices that are free */
 
 /* The index of those free to be either whose two parts are both largest; -1 where none is free. */
 static int branch_index(const nsdae_lcp_work *w)

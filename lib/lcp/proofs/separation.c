@@ -41,6 +41,8 @@ static int steepest(const nsdae_cone *c)
   return best;
 }
 
+/* ---- Cholesky factor of the passive columns */
+
 /* Row p of the lower triangle of the products of the passive columns. */
 static void border(const nsdae_cone *c, int p)
 {
@@ -81,6 +83,8 @@ static void solve_passive(const nsdae_cone *c, int size, const double *b)
   nsdae_la_solve_lower(size, 1, c->factor, c->n, c->s, c->n);
   nsdae_la_solve_lower_transposed(size, 1, c->factor, c->n, c->s, c->n);
 }
+
+/* ---- active-set method */
 
 /* Moves z towards s as far as it stays >= 0; what becomes zero leaves. Returns the new size. */
 static int retreat(const nsdae_cone *c, int size)
