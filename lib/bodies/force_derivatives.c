@@ -93,7 +93,7 @@ static element_jet torsion_jet(const nsdae_bodies *b, const nsdae_bodies_torsion
 {
   const double none[3] = {0, 0, 0};
   nsdae_jet3 u = nsdae_pose_direction(&pose[0], s->axis);
-  element_jet jet;
+  element_jet jet = {.phi = {0, 0, 0}};
   for (int i = 0; i < 2; i++)
     generalised(b, &pose[i], none, i ? 1 : -1, nsdae_jet3_of(none), u, jet.g[i]);
   if (b->dimension == 2) {
@@ -133,22 +133,25 @@ static int add_element(const nsdae_bodies *b, const nsdae_bodies_spring *spring,
   const element e = element_at(b, spring ? spring->length.body : torsion->body, q, v);
   double k = spring ? spring->stiffness : torsion->stiffness, X[12][12] = {{0}};
   double c = spring ? spring->damping : torsion->damping;
-  int n = nsdae_body_nv(b);
-  for (int side = 0; side < 2; side++)
-    for (int column = 0; column < n && e.body[side] != NSDAE_GROUND; column++) {
+  int first = e.body[0] == NSDAE_GROUND ? 6 : 0; /* D takes g alone, of any direction */
+  element_jet jet = {.phi = {0, 0, 0}};
+  for (int j = first; j < 12; j++) {
+    int side = j / 6, column = j % 6;
+    if (e.body[side] == NSDAE_GROUND || column >= nsdae_body_nv(b)) continue;
+    if (j == first || along_q) {
       const nsdae_pose pose[2] = {along_column(b, &e.pose[0], side == 0 ? column : -1),
                                   along_column(b, &e.pose[1], side == 1 ? column : -1)};
-      element_jet jet =
-          spring ? spring_jet(b, &spring->length, pose) : torsion_jet(b, torsion, pose);
-      double rate = 0, turned = 0, *to = X[6 * side + column]; /* g.v, g'.v */
-      for (int i = 0; i < 12; i++) {
-        rate += jet.g[i / 6][i % 6].x * e.v[i / 6][i % 6];
-        turned += jet.g[i / 6][i % 6].d * e.v[i / 6][i % 6];
-      }
-      double rise = along_q ? k * jet.phi.d + c * turned : c * jet.g[side][column].x;
-      double f = along_q ? k * jet.phi.x + c * rate : 0;
-      for (int i = 0; i < 12; i++) to[i] = rise * jet.g[i / 6][i % 6].x + f * jet.g[i / 6][i % 6].d;
+      jet = spring ? spring_jet(b, &spring->length, pose) : torsion_jet(b, torsion, pose);
     }
+    double rate = 0, turned = 0; /* g.v, g'.v */
+    for (int i = 0; i < 12 && along_q; i++) {
+      rate += jet.g[i / 6][i % 6].x * e.v[i / 6][i % 6];
+      turned += jet.g[i / 6][i % 6].d * e.v[i / 6][i % 6];
+    }
+    double rise = along_q ? k * jet.phi.d + c * turned : c * jet.g[side][column].x;
+    double f = along_q ? k * jet.phi.x + c * rate : 0;
+    for (int i = 0; i < 12; i++) X[j][i] = rise * jet.g[i / 6][i % 6].x + f * jet.g[i / 6][i % 6].d;
+  }
   return add_blocks(b, &e, X, list);
 }
 

@@ -154,11 +154,23 @@ static int add_displaced(nsdae_terms *T, nsdae_newton_matrix *N, int colour, int
   return status;
 }
 
+/* A step along q' for one-sided differences: no coordinate moves by more than
+ * 2^-26 sqrt(1 + |q_i|), between sqrt(eps) and what rounding of q_i far from zero asks for. */
+static double step_along(int nq, const double *q, const double *qdot)
+{
+  double fastest = 0, far = 0; /* max q'_i^2 / (1 + |q_i|), max |q_i| of those that move */
+  for (int i = 0; i < nq; i++) {
+    if (qdot[i] == 0) continue;
+    far = nsdae_larger(far, fabs(q[i]));
+    fastest = nsdae_larger(fastest, qdot[i] * qdot[i] / (1 + fabs(q[i])));
+  }
+  return ldexp(0x1p-26, ilogb(1 / sqrt(nsdae_larger(fastest, 1 / (1 + far)))));
+}
+
 /* Steps: 2^-26 = sqrt(eps) of the largest velocity, or of 1, because a sum of velocities is known
- * to eps of the largest only; along q likewise (nsdae_differences_step). If both D and K are
- * missing one displacement (s e, s H e / c_j) has D + K / c_j, unless its step along q is too far
- * from the best one: below 2^-16 of it rounding is more than 2^-10 of K, beyond 2^10 truncation is.
- */
+ * to eps of the largest only; along q see above. If both D and K are missing one displacement (s e,
+ * s H e / c_j) has D + K / c_j, unless its step along q is too far from the best one: below 2^-16
+ * of it rounding is more than 2^-10 of K, beyond 2^10 truncation is. */
 static int add_columns(nsdae_terms *T, nsdae_newton_matrix *N, double cj, int colour, int l)
 {
   const nsdae_system *s = T->system;
@@ -166,7 +178,7 @@ static int add_columns(nsdae_terms *T, nsdae_newton_matrix *N, double cj, int co
   int status = judge(T, code, "kinematics", N->qdot, s->dims.nq, 1);
   if (status < 0) return status;
   double step_v = ldexp(0x1p-26, ilogb(fmax(1, nsdae_largest(s->dims.nv, T->v))));
-  double step_q = nsdae_differences_step(s->dims.nq, 0, T->q, N->qdot, 0x1p-26);
+  double step_q = step_along(s->dims.nq, T->q, N->qdot);
   double both = step_v / cj, weight = 1 / cj / step_v;
   int damping = !any_damping(s), stiffness = !any_stiffness(s);
   if (damping && stiffness && both >= 0x1p-16 * step_q && both <= 0x1p10 * step_q)

@@ -90,15 +90,13 @@ static int force(double t, const double *q, const double *v, double *F, void *us
 /* ---- D and K: the torque on link a of a joint is -d (w_a - R_a^T R_b w_b), for either of its two
  */
 
-static int joint_derivatives(const stiff_chain *c, int along_q, int a, int b, const double *q,
-                             const double *v, nsdae_block_list *list)
+static int joint_derivatives(const stiff_chain *c, int along_q, int a, int b, const double *R_a,
+                             const double *R_b, const double *v, nsdae_block_list *list)
 {
-  double d = c->damping, X[2][36] = {{0}}, R[2][9], u[3] = {0}, other[3] = {0};
-  rotation(q + 7 * a + 3, R[0]);
+  double d = c->damping, X[2][36] = {{0}}, u[3], other[3] = {0};
   if (b >= 0) {
-    rotation(q + 7 * b + 3, R[1]);
-    turn(R[1], v + 6 * b + 3, u);
-    turn_back(R[0], u, other); /* R_a^T R_b w_b */
+    turn(R_b, v + 6 * b + 3, u);
+    turn_back(R_a, u, other); /* R_a^T R_b w_b */
   }
   for (int j = 0; j < 3; j++) {
     const double e[3] = {j == 0, j == 1, j == 2};
@@ -107,8 +105,8 @@ static int joint_derivatives(const stiff_chain *c, int along_q, int a, int b, co
     for (int i = 0; i < 3; i++) X[0][3 + i + 6 * (3 + j)] = d * (along_q ? x[i] : e[i]);
     if (b < 0) continue;
     cross(e, v + 6 * b + 3, x);
-    turn(R[1], along_q ? x : e, y);
-    turn_back(R[0], y, x);
+    turn(R_b, along_q ? x : e, y);
+    turn_back(R_a, y, x);
     for (int i = 0; i < 3; i++) X[1][3 + i + 6 * (3 + j)] = -d * x[i];
   }
   int code = nsdae_block_add(list, a, a, X[0]);
@@ -118,10 +116,13 @@ static int joint_derivatives(const stiff_chain *c, int along_q, int a, int b, co
 static int all_joints(const stiff_chain *c, int along_q, const double *q, const double *v,
                       nsdae_block_list *list)
 {
+  double R[2][9] = {{0}};
   int code = 0;
   for (int i = 0; i < c->n && !code; i++) {
-    code = joint_derivatives(c, along_q, i, i - 1, q, v, list);
-    if (!code && i > 0) code = joint_derivatives(c, along_q, i - 1, i, q, v, list);
+    double *here = R[i % 2], *before = R[1 - i % 2];
+    rotation(q + 7 * i + 3, here);
+    code = joint_derivatives(c, along_q, i, i - 1, here, before, v, list);
+    if (!code && i > 0) code = joint_derivatives(c, along_q, i - 1, i, before, here, v, list);
   }
   return code;
 }
