@@ -72,6 +72,8 @@ int nsdae_cones_any(const nsdae_contacts *c)
   return 0;
 }
 
+/* ---- the local problem of friction */
+
 static double delassus_at(const nsdae_contacts *c, int row, int column)
 {
   return c->delassus.G[(size_t)column * (size_t)c->columns + (size_t)row];
@@ -108,6 +110,8 @@ static size_t bytes_of(const nsdae_contacts *c, int a)
   return (size_t)c->law[c->active[a]].columns * sizeof *c->warm.impulse;
 }
 
+/* ---- warm starts */
+
 static void recall(nsdae_contacts *c)
 {
   for (int a = 0; a < c->active_count; a++)
@@ -119,6 +123,8 @@ static void keep(nsdae_contacts *c)
   for (int a = 0; a < c->active_count; a++)
     memcpy(warm_of(c, a), c->cones.r + c->first_column[a], bytes_of(c, a));
 }
+
+/* ---- contacts and frictional joints in turn */
 
 /* Number of the closed contacts' columns, which are also their rows. */
 static int contact_columns(const nsdae_contacts *c)
@@ -183,6 +189,8 @@ static double moved(const nsdae_contacts *c, const double *impulse)
   return size > 0 ? most / size : most;
 }
 
+/* Block Gauss-Seidel: contacts with the frictional joints held, then those with the contacts held,
+ * until the impulses of the joints no longer move the contacts. */
 static int solve_in_turn(nsdae_contacts *c, const double *lambda)
 {
   nsdae_cones *s = &c->cones;
@@ -204,6 +212,8 @@ static int solve_in_turn(nsdae_contacts *c, const double *lambda)
   c->lcp.info.residual = fmax(worst + change, c->lcp.info.residual);
   return change <= enough ? NSDAE_OK : NSDAE_E_LCP;
 }
+
+/* ---- interface */
 
 int nsdae_cones_solve(nsdae_contacts *c, const double *lambda)
 {

@@ -105,6 +105,7 @@ static void place_impulses(nsdae_local *l)
   r->mode = r->impact + k;
 }
 
+/* M and r of the island's blocks as one dense matrix and vector. */
 static void gather_blocks(nsdae_local *l, const nsdae_whole *w, int island)
 {
   const nsdae_graph *is = w->islands;
@@ -158,6 +159,8 @@ static void gather_laws(nsdae_local *l, const nsdae_whole *w, const int *contact
   }
 }
 
+/* Contact a of the step as contact i of the island: directions over its velocities, offsets, warm
+ * start. */
 static void gather_contact(nsdae_local *l, const nsdae_whole *w, int i, int a)
 {
   const nsdae_terms *T = w->terms;
@@ -246,6 +249,8 @@ static void measure(const nsdae_local *l, int j, double u_j, double *diagonal, d
   *q = u_j + nsdae_dot(n, W, l->free);
 }
 
+/* Residual of contact i: impulses in units of velocity by the mean diagonal of G, against the law.
+ */
 static void fit_contact(const nsdae_local *l, int i, nsdae_misfit *misfit)
 {
   const nsdae_impulses *r = &l->impulses;

@@ -175,6 +175,7 @@ void nsdae_pile_add(nsdae_pile *c, const nsdae_whole *w, int island)
   c->part[++c->parts] = end;
 }
 
+/* The arrays of part `number`, which lie behind those of the parts before it. */
 static nsdae_pile_arrays arrays_from(const nsdae_pile *c, int number)
 {
   const nsdae_pile_arrays *at = &c->at;
@@ -195,6 +196,7 @@ static nsdae_pile_arrays arrays_from(const nsdae_pile *c, int number)
                              .value = at->value + p->value};
 }
 
+/* Part `number` as a friction problem of the global form. */
 static part part_of(const nsdae_pile *c, int number, const nsdae_pile_work *work)
 {
   const nsdae_pile_part *p = &c->part[number];

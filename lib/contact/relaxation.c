@@ -21,6 +21,8 @@ typedef struct relaxation {
   double *force, *xi;
 } relaxation;
 
+/* ---- one sweep of projected Gauss-Seidel */
+
 /* F_l += change, with what it does to xi. */
 static void change_force(const relaxation *r, int l, double change)
 {
@@ -96,6 +98,8 @@ static int relax(const relaxation *r, int sweeps)
   return 0;
 }
 
+/* ---- residual */
+
 /* xi of the forces. */
 static void read_xi(const relaxation *r)
 {
@@ -118,6 +122,8 @@ static double residual(const relaxation *r)
   }
   return size > 0 ? most / size : most;
 }
+
+/* ---- all sweeps */
 
 /* Where bodies touch in more points than they have freedoms sweeps go on for thousands of times:
  * what a few do not settle is the friction chain's, if it can take it. */
@@ -166,6 +172,8 @@ static void take_over(nsdae_contacts *c, const double *force, const double *xi, 
     }
   }
 }
+
+/* ---- interface */
 
 int nsdae_contacts_relax(nsdae_contacts *c, const double *direction, double *force, double *xi,
                          double *v, double *lambda)

@@ -52,6 +52,8 @@ static int contact_columns(const nsdae_sharing *s)
   return problem_of(s)->columns - problem_of(s)->slides.count;
 }
 
+/* ---- relations of dependent forces */
+
 /* r of p, and so the weights of the equation F_p - sum r_l F_l = 0. */
 static void even_relation(nsdae_sharing *s, int p)
 {
@@ -100,6 +102,8 @@ static int fulfil_relations(nsdae_sharing *s)
   return 1;
 }
 
+/* ---- what the forces of a solution obey */
+
 /* Zero for a force, up to the error of a solved complementarity problem. */
 static double rounding_size(const nsdae_sharing *s)
 {
@@ -143,6 +147,8 @@ static int holds(const nsdae_sharing *s)
     all &= !sticks(s, a) || friction_of(s, a) <= most_friction(s, a) + rounding_size(s);
   return all;
 }
+
+/* ---- order of the columns */
 
 static void gather_forces(nsdae_sharing *s)
 {
@@ -218,6 +224,8 @@ static void take_sticking(nsdae_sharing *s)
     nsdae_rank_revealing_take(&s->rows, column);
 }
 
+/* ---- equal shares */
+
 /* Whether the a-th closed contact slides, or begins to, with friction. */
 static int slides(const nsdae_sharing *s, int a)
 {
@@ -263,6 +271,8 @@ static int relate(nsdae_sharing *s, int even_normal, int even_friction)
   return fulfil_relations(s) && pushes(s);
 }
 
+/* ---- friction within its bound */
+
 /* Friction that is used of what there can be, of the a-th closed contact. */
 static double share_used(const nsdae_sharing *s, int a)
 {
@@ -297,6 +307,8 @@ static int relate_friction(nsdae_sharing *s, int even_normal)
   }
   return related;
 }
+
+/* ---- the forces of a solution */
 
 static void restore_solution(nsdae_sharing *s)
 {
@@ -339,6 +351,8 @@ static int try_forces(nsdae_sharing *s, int even_normal, int even_friction)
   int related = even_friction ? relate_friction(s, even_normal) : relate(s, even_normal, 0);
   return related && holds(s) && keeps_sliding(s);
 }
+
+/* ---- relations for a phase */
 
 /* The relations by the numbers of the phase's forces. */
 static void hand_over(nsdae_sharing *s)

@@ -23,6 +23,8 @@ typedef struct single {
   double x[COLUMNS];                          /* Lambda */
 } single;
 
+/* ---- G and b of one contact */
+
 int nsdae_single_fits(const nsdae_whole *w, int island)
 {
   const nsdae_graph *is = w->islands;
@@ -68,6 +70,7 @@ static void gather_direction(single *c, const nsdae_rows *rows, int row, int d)
   }
 }
 
+/* G = W^T M^-1 W and b of contact a, of one or two directions; 0 if M is not positive definite. */
 static int gather(const nsdae_whole *w, single *c, int island, int a)
 {
   const nsdae_graph *is = w->islands;
@@ -88,6 +91,8 @@ static int gather(const nsdae_whole *w, single *c, int island, int a)
   c->G[0][1] = c->G[1][0];
   return 1;
 }
+
+/* ---- solution by cases */
 
 static int stick(single *c)
 {
@@ -120,6 +125,8 @@ static int solve(single *c)
   if (stick(c)) return NSDAE_MODE_STICK;
   return frictional_joint(c, 1) || frictional_joint(c, -1) ? NSDAE_MODE_SLIP : -1;
 }
+
+/* ---- velocities */
 
 /* v(+) of a side. What cancels to rounding is zero, as in contacts.c. */
 static void scatter_side(const nsdae_whole *w, const single *c, const side *s)

@@ -11,6 +11,8 @@
 
 enum { L_PLUS = 0, LAMBDA_R = 1, XI_L = 2 }; /* rows of a frictional joint */
 
+/* ---- frictional joints */
+
 static const nsdae_frictional_joint *slide_of(const nsdae_contacts *c, int j)
 {
   return &c->system->frictional_joint[c->slides.number[j]];
@@ -42,6 +44,8 @@ static int column_of(const nsdae_contacts *c, int j)
 {
   return c->columns - c->slides.count + j;
 }
+
+/* ---- elimination */
 
 /* Z_b: E_Q of the contacts, Lambda_T = Lambda_R - mu l+ of the frictional joints. */
 static void basic_map(nsdae_contacts *c)
@@ -110,6 +114,8 @@ static void whole_map(nsdae_contacts *c)
   nsdae_la_multiply_transposed(c->columns, c->columns, 1, c->delassus.G, c->columns, c->map.z0,
                                c->columns, 1, c->delassus.offset, c->columns);
 }
+
+/* ---- rows of the problem */
 
 static void contact_rows(nsdae_contacts *c, int a)
 {

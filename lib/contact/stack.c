@@ -42,6 +42,8 @@ void nsdae_stack_release(nsdae_stack *c)
   nsdae_arrays_release(all, sizeof all / sizeof *all);
 }
 
+/* ---- memory and order */
+
 static const nsdae_rows *normals(const nsdae_whole *w)
 {
   return &w->terms->by.normal;
@@ -93,6 +95,8 @@ static void sort(nsdae_stack *c, const nsdae_whole *w, int island)
   breadth_first(c, normals(w));
 }
 
+/* ---- G and b */
+
 /* U = M^-1 W part by part; b. */
 static int gather(nsdae_stack *c, const nsdae_whole *w, int island, double *L_block)
 {
@@ -142,6 +146,8 @@ static double entry(const nsdae_stack *c, const nsdae_whole *w, int i, int j)
     }
   return sum;
 }
+
+/* ---- Cholesky factor in an envelope */
 
 /* Where each row's envelope lies; 0 where it is too wide. Row i of A, in the order, has the columns
  * low[i] .. i, the last at at[i]. */
@@ -257,6 +263,8 @@ static int solve_set(nsdae_stack *c, const nsdae_whole *w, int island)
   return 1;
 }
 
+/* ---- active-set method */
+
 static int next_set(nsdae_stack *c)
 {
   int changed = 0;
@@ -296,6 +304,8 @@ static int settle(nsdae_stack *c, const nsdae_whole *w, int island, double tol)
   }
   return left <= tol;
 }
+
+/* ---- velocities and residual */
 
 /* v = M^-1 r + U Lambda; what cancels to rounding is zero, as in contacts.c. */
 static void scatter(nsdae_stack *c, const nsdae_whole *w, int island)

@@ -42,6 +42,8 @@ void nsdae_worker_begin(nsdae_worker *w)
   w->solved = (nsdae_solved){.kept = 1};
 }
 
+/* ---- certificates */
+
 static void count_rank(nsdae_solved *s, int rank, double kept, double left)
 {
   s->rank += rank;
@@ -79,6 +81,8 @@ int nsdae_worker_solve_block(nsdae_worker *w, const nsdae_system *system, const 
   nsdae_blocks_solve(&factor, x);
   return NSDAE_OK;
 }
+
+/* ---- solvers of an island */
 
 /* One contact in closed form; 0 where it is not of that kind, or more than rounding is left. */
 static int solve_single(nsdae_worker *w, const nsdae_whole *whole, int island)
@@ -174,6 +178,8 @@ static int solve_sparse(nsdae_worker *w, const nsdae_whole *whole, int island)
   status = nsdae_sparse_kkt_solve(&w->sparse, whole->r, whole->v, whole->lambda);
   return status < 0 ? unsolved(w, whole, island, status) : NSDAE_OK;
 }
+
+/* ---- interface */
 
 int nsdae_worker_solve(nsdae_worker *w, const nsdae_whole *whole, int island, int with_contacts,
                        int *cones)
