@@ -33,6 +33,8 @@ long nsdae_broad_features(const nsdae_bodies *b)
   return 2 * corners + edges * edges;
 }
 
+/* ---- memory */
+
 static nsdae_broad *make(const nsdae_bodies *b)
 {
   nsdae_broad *p = calloc(1, sizeof *p);
@@ -108,6 +110,8 @@ void nsdae_broad_give_back(nsdae_bodies *b, nsdae_broad *p)
   nsdae_broad_release(p);
 }
 
+/* ---- large solids */
+
 static int may_touch(const nsdae_broad *p, const nsdae_bodies *b, int i, int j)
 {
   const nsdae_solid_of *s = solids_of(b);
@@ -148,6 +152,8 @@ static int visit_large(nsdae_broad *p, const nsdae_bodies *b, int i, double reac
   }
   return status;
 }
+
+/* ---- a hashed grid of the others */
 
 static int bucket_of(const nsdae_broad *p, const int *cell)
 {
@@ -197,6 +203,8 @@ static int visit_usual(nsdae_broad *p, const nsdae_bodies *b, int i, double reac
   }
   return status;
 }
+
+/* ---- all pairs */
 
 int nsdae_broad_pairs(nsdae_broad *p, const nsdae_bodies *b, const double *q, double reach,
                       nsdae_broad_fn visit, void *to)

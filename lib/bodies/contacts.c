@@ -15,6 +15,8 @@ typedef struct couple {
 
 enum { NO_SOLID = -1 };
 
+/* ---- one contact */
+
 /* What there is of a contact that is far: places and directions between the solids' origins, so
  * that there are some. */
 static void direct(nsdae_touch *touch, const nsdae_solid_of *solid, const couple *c)
@@ -42,6 +44,8 @@ static nsdae_touch touch_at(const nsdae_bodies *b, int i, const double *q, const
   if (touch.far) direct(&touch, solid, c);
   return touch;
 }
+
+/* ---- gap, normal, tangents */
 
 static int gap(double t, const double *q, double *g, void *user)
 {
@@ -127,6 +131,8 @@ static int contact_bias(double t, const double *q, double *w_n, double *w_t, voi
   return own->contact_bias ? own->contact_bias(t, q, w_n + k, w_t + k * nt, own->user) : 0;
 }
 
+/* ---- accelerations */
+
 /* xi, and its rate with v' = 0: see feature.h. */
 static nsdae_jet3 relative_velocity(const nsdae_touch *touch, const nsdae_pose pose[2])
 {
@@ -159,6 +165,8 @@ static void frictional_joint_acceleration(const nsdae_bodies *b, double t, const
   }
 }
 
+/* omega of the kit's contacts from the second rates of gaps and sliding velocities, then of the
+ * user's. */
 static int contact_acceleration(double t, const double *q, const double *v, double *omega_n,
                                 double *omega_t, double *omega_s, void *user)
 {
@@ -181,6 +189,8 @@ static int contact_acceleration(double t, const double *q, const double *v, doub
                                    some ? omega_t + k * nt : NULL,
                                    own->dims.f > 0 ? omega_s + f : NULL, own->user);
 }
+
+/* ---- setters */
 
 static int set_coefficients(const nsdae_bodies *b, nsdae_system *system)
 {

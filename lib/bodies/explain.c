@@ -106,6 +106,8 @@ static int has_no_length(const nsdae_bodies *b, const nsdae_primitive *e, const 
   return e->kind == NSDAE_PRIMITIVE_DISTANCE && coincide(x[0], x[1]);
 }
 
+/* A drive that failed or is not finite, or a distance without a direction; 0 if it is none of
+ * these. */
 static int explain_joint(const nsdae_bodies *b, int i, double t, const double *q, nsdae_reason *r)
 {
   static const char *const rate[3] = {"f", "f'", "f''"};

@@ -27,6 +27,8 @@ typedef struct two_lines {
   nsdae_jet a, b;
 } two_lines;
 
+/* ---- lines */
+
 static void nearest(two_lines *l)
 {
   nsdae_jet3 d = nsdae_jet3_sub(l->x[1], l->x[0]);
@@ -70,6 +72,8 @@ static nsdae_touch against_rod(const nsdae_solid_of *s, const nsdae_pose *pose, 
     return nsdae_touch_plane_point(end[0], nsdae_pose_direction(pose, s->R + 3), x1, r1);
   return nsdae_touch_line_point(end[0], u, s->radius, x1, r1);
 }
+
+/* ---- a corner on a box */
 
 /* Where a point in space is in a box's own frame. */
 static void own_place(const nsdae_solid_of *s, const nsdae_pose *pose, nsdae_jet3 x1, double *place)
@@ -176,6 +180,8 @@ static nsdae_touch against_corner(const nsdae_solid_of *s0, const nsdae_pose *po
     return nsdae_touch_plane_point(x0, nsdae_pose_direction(pose0, s0->R + 6), x1, r1);
   return nsdae_touch_point_point(x0, s0->radius, s0->hollow ? -1 : 1, x1, r1);
 }
+
+/* ---- an edge on an edge */
 
 /* The axis along which edge i of a box or capsule runs, and the signs of its place on the others.
  */
@@ -303,6 +309,8 @@ static nsdae_touch edges(const nsdae_feature *f, const nsdae_solid_of *s0, const
   nsdae_separating_axis o = nsdae_separating_axis_find(s0, s1, pose0, pose1);
   return apart < o.most - o.slack ? nsdae_touch_far(s0, s1) : touch;
 }
+
+/* ---- interface */
 
 nsdae_touch nsdae_feature_touch(const nsdae_feature *f, const nsdae_solid_of *s0,
                                 const nsdae_solid_of *s1, const nsdae_pose *pose0,

@@ -18,6 +18,8 @@ typedef struct formula {
   int used, digits;
 } formula;
 
+/* ---- texts */
+
 static void append_text(formula *f, const char *format, ...)
 {
   va_list values;
@@ -60,6 +62,8 @@ static void add_number(formula *f, double value)
 typedef struct coordinates {
   char x[3][NAME], theta[NAME], p[4][NAME];
 } coordinates;
+
+/* ---- places and turns */
 
 static coordinates name_coordinates(int body)
 {
@@ -151,6 +155,8 @@ typedef struct portrait {
   char name[NAME];
   formula position[3], end[3], angle, turn[4];
 } portrait;
+
+/* ---- solids, springs, rods */
 
 static void set_position(portrait *p, const nsdae_bodies *b, int body, const double *s)
 {

@@ -32,6 +32,8 @@ typedef struct assembly {
   double frame[3][3];
 } assembly;
 
+/* ---- constraints of a joint */
+
 static nsdae_primitive *add_element(const assembly *s, nsdae_primitive_kind kind)
 {
   nsdae_bodies *b = s->bodies;
@@ -107,6 +109,8 @@ static void no_turning(const assembly *s)
   keep_square(s, 2, 0);
   keep_square(s, 2, 1);
 }
+
+/* ---- kinds of joints */
 
 static void revolute(const assembly *s)
 {
@@ -187,6 +191,8 @@ static void (*const assemble[])(const assembly *) = {
     [NSDAE_JOINT_UNIVERSAL] = universal,
 };
 
+/* ---- frame and checks */
+
 /* The unit vector along x; 0 where x has no direction. */
 static int unit(const double *x, double *a)
 {
@@ -221,6 +227,7 @@ static int set_frame(assembly *s, int index)
                              cosine);
 }
 
+/* Whether the kind exists in this dimension, with this drive and friction. */
 static int check_kind(nsdae_bodies *b, int index, const nsdae_joint *j)
 {
   int known = j->kind >= 0 && j->kind < (int)(sizeof kinds / sizeof *kinds);
@@ -245,6 +252,7 @@ static int check_kind(nsdae_bodies *b, int index, const nsdae_joint *j)
   return NSDAE_OK;
 }
 
+/* All fields of a joint; the first failure is recorded. */
 static int check_joint(nsdae_bodies *b, int index, const nsdae_joint *j)
 {
   const char *what = "joint";
@@ -278,6 +286,8 @@ int nsdae_bodies_add_joint(nsdae_bodies *b, const nsdae_joint *joint)
   b->joints++;
   return b->error.status < 0 ? b->error.status : index;
 }
+
+/* ---- springs */
 
 static int check_spring(nsdae_bodies *b, int index, const nsdae_spring *s)
 {

@@ -31,6 +31,8 @@ typedef struct view {
   double c, s, r[2];
 } view;
 
+/* ---- separation along the normals */
+
 static view view_of(placed polygon, placed other)
 {
   const double *R = polygon.pose->R, *Q = other.pose->R;
@@ -89,6 +91,8 @@ static double separate_ends(placed line, placed other, const view *w)
   }
   return most;
 }
+
+/* ---- edges */
 
 /* The line of an edge, r_0 above it. */
 static nsdae_touch on_edge(placed polygon, int edge, nsdae_jet3 x1, double r1)
@@ -161,6 +165,8 @@ nsdae_meeting nsdae_meeting_turned(const nsdae_meeting *met)
  * stands for it, since it is deeper than the two overlap. */
 enum { NONE = -1, FAR = -2 };
 
+/* ---- which edge a corner touches */
+
 /* most: the separation of the solids; part: drift or beside. */
 static double slack_of(double part, place on, double most)
 {
@@ -224,6 +230,8 @@ static int touched(placed polygon, placed other, const double *p, const nsdae_me
   return other.solid->points > 1 ? touched_by_corner(polygon.solid, met, x, at)
                                  : touched_by_point(polygon.solid, x, at);
 }
+
+/* ---- interface */
 
 static int near_end(const nsdae_solid_of *s, place at)
 {

@@ -26,6 +26,8 @@ static int has_radius(int shape)
   return shape == NSDAE_SHAPE_DISC || shape == NSDAE_SHAPE_SPHERE || shape == NSDAE_SHAPE_CAPSULE;
 }
 
+/* ---- checks of a solid */
+
 static int exists(int dimension, int shape)
 {
   switch (shape) {
@@ -120,6 +122,8 @@ static int check_solid(const nsdae_solid *s, nsdae_error *error)
                              name);
   return s->shape == NSDAE_SHAPE_POLYGON ? check_polygon(s, error) : NSDAE_OK;
 }
+
+/* ---- a solid in its body */
 
 /* Number of corners, and those of the shape in its own frame. */
 static int count_corners(const nsdae_solid *s)
@@ -235,6 +239,8 @@ int nsdae_bodies_add_solid(nsdae_bodies *b, int body, const nsdae_solid *s)
   return index;
 }
 
+/* ---- features of a pair of solids */
+
 static nsdae_solid_of *solid_of(const nsdae_bodies *b, int i)
 {
   return (nsdae_solid_of *)b->solid.at + i;
@@ -311,6 +317,8 @@ typedef struct pairing {
   double mu, e_n, e_t;
 } pairing;
 
+/* ---- contacts */
+
 static int keep_feature(void *to, const nsdae_feature *feature)
 {
   const pairing *p = to;
@@ -385,6 +393,8 @@ int nsdae_bodies_add_contact(nsdae_bodies *b, int solid0, int solid1, double mu,
   nsdae_pair_features(b->solid.at, solid0, solid1, NULL, keep_feature, &p);
   return b->error.status < 0 ? b->error.status : index;
 }
+
+/* ---- inertia */
 
 /* A polygon as triangles from its centroid: m = rho A, J = rho sum (a x b)(a.a + a.b + b.b) / 12 */
 static int polygon_inertia(const nsdae_solid *s, double density, double *mass, double *inertia,

@@ -26,6 +26,7 @@ static int check_dims(nsdae_bodies *b, const nsdae_dims *d)
   return NSDAE_OK;
 }
 
+/* Callbacks that the sizes need are given, and none that is never called. */
 static int check_callbacks(nsdae_bodies *b, const nsdae_user_rows *o)
 {
   const nsdae_dims *d = &o->dims;
