@@ -52,7 +52,7 @@ if(NSDAE_HDF5)
 endif()
 
 # Sparse constraints of chains, trees, nets and ladders.
-nsdae_bench(chains)
+nsdae_bench(chains SOURCES support/stiff_chain.c)
 target_include_directories(bench_chains PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}
   $<TARGET_PROPERTY:nsdae_linalg,INTERFACE_INCLUDE_DIRECTORIES>)
 target_compile_definitions(bench_chains PRIVATE _POSIX_C_SOURCE=200809L)
