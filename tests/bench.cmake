@@ -143,7 +143,7 @@ if(NSDAE_DRIVERS)
   # the mechanisms of the Test Set for IVP Solvers
   nsdae_bench(dae LINKS driver_common)
   target_compile_definitions(bench_dae PRIVATE _POSIX_C_SOURCE=200809L)
-  # the event-driven method of two libraries: bench/phases.py, by hand
+  # the event-driven method by each integrator: bench/phases.py, by hand
   add_executable(bench_phases bench/phases.c)
   target_link_libraries(bench_phases PRIVATE driver_common)
   if(NSDAE_SUNDIALS AND GSL_FOUND)
