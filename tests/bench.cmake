@@ -52,7 +52,7 @@ if(NSDAE_HDF5)
 endif()
 
 # Sparse constraints of chains, trees, nets and ladders.
-nsdae_bench(chains)
+nsdae_bench(chains SOURCES support/stiff_chain.c)
 target_include_directories(bench_chains PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}
   $<TARGET_PROPERTY:nsdae_linalg,INTERFACE_INCLUDE_DIRECTORIES>)
 target_compile_definitions(bench_chains PRIVATE _POSIX_C_SOURCE=200809L)
@@ -143,7 +143,7 @@ if(NSDAE_DRIVERS)
   # the mechanisms of the Test Set for IVP Solvers
   nsdae_bench(dae LINKS driver_common)
   target_compile_definitions(bench_dae PRIVATE _POSIX_C_SOURCE=200809L)
-  # the event-driven method of two libraries: bench/phases.py, by hand
+  # the event-driven method by each integrator: bench/phases.py, by hand
   add_executable(bench_phases bench/phases.c)
   target_link_libraries(bench_phases PRIVATE driver_common)
   if(NSDAE_SUNDIALS AND GSL_FOUND)

@@ -157,6 +157,9 @@ class Bodies:
         int
             Number of the body.
         """
+        if self.dimension == 3 and np.size(inertia) != 3:
+            raise ValueError(f"inertia has {np.size(inertia)} number(s); in space it has three")
+
         def turning(name: str, values: Any) -> list[float]:
             """In the plane the third one alone."""
             planar = self.dimension == 2 and np.size(values) == 1

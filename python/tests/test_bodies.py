@@ -93,6 +93,8 @@ def test_refusals():
         world.add(1, 1, position=(1, 2, 3, 4))
     with pytest.raises(nsdae.ArgumentError, match="mass"):
         world.add(mass=-1, inertia=1)
+    with pytest.raises(ValueError, match="inertia has 1"):
+        Bodies(3).add(mass=1, inertia=1)
     with pytest.raises(nsdae.Error):
         Bodies(4)
 

@@ -1,6 +1,7 @@
 /* Constraints of large mechanisms: factorisation and solution by LDL (of ladders and rings, whose
  * rows are redundant, as by fronts), by fronts and by the choice of the library; steps of moreau
- * and implicit with linear constraints J q = 0. Least CPU time of several runs, in ms.
+ * and implicit with linear constraints J q = 0. Least CPU time of several runs, in ms. Then event:
+ * one second of a chain on spherical joints without and with viscous friction in the joints.
  * usage: bench_chains */
 #include <math.h>
 #include <stdio.h>
@@ -10,6 +11,7 @@
 
 #include "sparse_kkt.h"
 #include "support/joint_families.h"
+#include "support/stiff_chain.h"
 
 enum { RUNS = 7 };
 
@@ -143,6 +145,41 @@ static void table(const char *name, int kind, int revolute, const int *sizes)
   }
 }
 
+/* One second of a chain by event at rtol 1e-6. */
+static void smooth(int n, double damping, const char *integrator)
+{
+  stiff_chain chain = {n, damping};
+  nsdae_system *system = stiff_chain_system(&chain, 1);
+  double *q = calloc(13 * (size_t)n, sizeof *q), *v = q + 7 * (size_t)n;
+  nsdae_sim_options options;
+  nsdae_stats stats = {0};
+  nsdae_error error;
+  nsdae_sim *sim = NULL;
+  nsdae_sim_options_default(&options);
+  nsdae_sim_options_set(&options, "method", "event", NULL);
+  nsdae_sim_options_set(&options, "integrator", integrator, NULL);
+  options.dt = 0.1;
+  options.rtol = 1e-6;
+  options.atol = 1e-8;
+  options.inner_steps_max = 1000000;
+  stiff_chain_start(&chain, q, v);
+  int status = nsdae_sim_create(system, &options, &sim, &error);
+  if (status >= 0) status = nsdae_sim_init(sim, 0, q, v);
+  double start = now();
+  if (status >= 0) status = nsdae_sim_run(sim, 1);
+  double time = now() - start;
+  if (status < 0 && sim) error = *nsdae_sim_error(sim);
+  nsdae_sim_get_stats(sim, &stats);
+  if (status < 0)
+    printf("%6d %8g %-7s %s\n", n, damping, integrator, error.text);
+  else
+    printf("%6d %8g %-7s %8ld %10.2f %10.4f\n", n, damping, integrator, stats.force_evals, time,
+           time / (double)stats.force_evals);
+  nsdae_sim_destroy(&sim);
+  nsdae_system_destroy(&system);
+  free(q);
+}
+
 int main(void)
 {
   const int chains[] = {10, 100, 1000, 10000, 0}, nets[] = {9, 100, 2500, 0};
@@ -156,5 +193,10 @@ int main(void)
   table("net, spherical", NET, 0, nets);
   table("ladder, revolute", LADDER, 1, ladders);
   table("ring, revolute", RING, 1, ladders);
+  printf("\n%6s %8s %-7s %8s %10s %10s\n", "links", "friction", "event", "forces", "ms", "ms each");
+  for (int n = 10; n <= 1000; n *= 10) {
+    smooth(n, 0, "dopri5"), smooth(n, 0, "dop853");
+    smooth(n, 10, "auto"), smooth(n, 10, "ida");
+  }
   return 0;
 }
