@@ -50,7 +50,31 @@ def numbered_column():
     return nsdae.System(nq=N, k=N, e_n=0.3, mass=mass, force=force, gap=gap)
 
 
+def numbered_blocks():
+    def mass_blocks(t, q, M):
+        M[:, 0, 0] = masses()
+
+    def force(t, q, v, F):
+        F[:] = -G * masses()
+
+    def gap(t, q, g):
+        g[:] = np.diff(q, prepend=-0.5) - 1
+
+    return nsdae.System(blocks=np.ones(N, dtype=int), k=N, e_n=0.3, mass_blocks=mass_blocks, force=force, gap=gap)
+
+
 HIGH = np.arange(N) * 1.05 + 0.6  # each falls on the one below
+
+
+@pytest.mark.parametrize("method", ["moreau", "implicit", "penalty"])
+def test_fixed_contacts_by_blocks(method):
+    """The motion of the dense system, by methods without contact lists too; a contact list is refused."""
+    blocks = nsdae.solve(numbered_blocks(), 0.2, HIGH, method=method, dt=1e-3)
+    dense = nsdae.solve(numbered_column(), 0.2, HIGH, method=method, dt=1e-3)
+    assert np.allclose(blocks.q, dense.q, atol=1e-9) and len(blocks.impacts) == len(dense.impacts) > 0
+    assert blocks.blocks is None and numbered_blocks().blocks.shape == (N, 2)
+    with pytest.raises(nsdae.Error, match="dims.k"):
+        numbered_blocks().set(contacts=lambda t, q, v, reach, found: None)
 
 
 @pytest.mark.parametrize("method", ["moreau", "implicit"])

@@ -552,6 +552,31 @@ void test_blocks()
       [](const std::runtime_error &e) { return !std::strcmp(e.what(), "no list"); }));
 }
 
+/* The same balls with fixed contacts, by every method that needs no SUNDIALS. */
+void test_numbered_blocks()
+{
+  nsdae_dims dims = nsdae_dims();
+  dims.nq = dims.k = 2;
+  nsdae::system system(dims);
+  system.blocks({1, 1}, {1, 1})
+      .mass_blocks([](double, const double *, double *M) { M[0] = 1, M[1] = 1000; })
+      .force([](double, const double *, const double *, double *F) { F[0] = -10, F[1] = -1e4; })
+      .gap([](double, const double *q, double *g) { g[0] = q[0], g[1] = q[1] - q[0] - 1; });
+  EXPECT(throws_status(NSDAE_E_ARGUMENT, [&] {
+    system.contacts([](double, const double *, const double *, double, nsdae_contact_list *) {});
+  }));
+  nsdae_system_clear_error(system.c());
+  for (const char *method : {"implicit", "implicit-printed", "moreau"}) {
+    nsdae::sim sim(system, nsdae::options().set("method", method).set("dt", "0.01"));
+    sim.init(0, {0, 1}, {0, 0});
+    for (int i = 0; i < 5; i++) sim.step();
+    const nsdae_record record = sim.record();
+    EXPECT(std::fabs(record.normal_impulse[0] - 100.1) < 1e-9);
+    EXPECT(std::fabs(record.normal_impulse[1] - 100) < 1e-9);
+    EXPECT(record.contacts.count == 0);
+  }
+}
+
 } // namespace
 
 /* A body of 2 kg hangs on a rope around a drum of 0.5 kg m^2 and 1 m that is written by hand: it
@@ -776,6 +801,7 @@ int main(int argc, char **argv)
   test_own();
   test_drive();
   test_blocks();
+  test_numbered_blocks();
   std::printf("%d failures\n", failures);
   return failures ? EXIT_FAILURE : EXIT_SUCCESS;
 }

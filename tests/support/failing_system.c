@@ -35,7 +35,9 @@ static const double *place(failing_system *f, const double *q)
     (double t, const double *q, double *W, int ld, double *w, void *user), W, ld, w)              \
   C(kinematics, 11, (double t, const double *q, const double *v, double *qdot, void *user), v,    \
     qdot)                                                                                         \
-  C(potential, 12, (double t, const double *q, double *energy, void *user), energy)
+  C(potential, 12, (double t, const double *q, double *energy, void *user), energy)               \
+  C(mass_blocks, 13, (double t, const double *q, double *M, void *user), M)                       \
+  C(constraint_rows, 14, (double t, const double *q, nsdae_row_list *rows, void *user), rows)
 
 #define DEFINE(name, term, parameters, ...)                                                 \
   static int name parameters                                                                \
@@ -45,12 +47,23 @@ static const double *place(failing_system *f, const double *q)
   }
 CALLBACKS(DEFINE)
 
+static void set_blocks(nsdae_system *made, const nsdae_system *inner)
+{
+  int sizes[2][FAILING_NQ], count = inner->blocks.count;
+  for (int b = 0; b < count; b++) {
+    sizes[0][b] = nsdae_blocks_size(&inner->coordinates, b);
+    sizes[1][b] = nsdae_blocks_size(&inner->blocks, b);
+  }
+  nsdae_system_set_blocks(made, count, sizes[0], sizes[1]);
+}
+
 nsdae_system *failing_system_make(failing_system *f, const nsdae_system *inner)
 {
   nsdae_system *made = NULL;
   *f = (failing_system){.inner = inner, .term = -1};
   if (nsdae_system_create(&inner->dims, &made, NULL) < 0) return NULL;
   nsdae_system_set_user(made, f);
+  if (inner->by_blocks) set_blocks(made, inner);
 #define SET(name, ...) \
   if (inner->call.name) nsdae_system_set_##name(made, name);
   CALLBACKS(SET)

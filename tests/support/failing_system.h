@@ -7,7 +7,7 @@
 
 #include "system_impl.h"
 
-enum { FAILING_TERMS = 13, FAILING_NQ = 32 };
+enum { FAILING_TERMS = 15, FAILING_NQ = 32 };
 
 typedef struct failing_system {
   const nsdae_system *inner;

@@ -63,6 +63,14 @@ static int mass(double t, const double *q, double *M, int ldm, void *user)
   return spoil(r, RANDOM_MASS, M, r->dims.nv * ldm);
 }
 
+static int mass_blocks(double t, const double *q, double *M, void *user)
+{
+  random_system *r = user;
+  (void)t;
+  for (int i = 0; i < r->dims.nv; i++) M[i] = r->m[i] * (1 + r->a[i] * sin(q[i]));
+  return spoil(r, RANDOM_MASS, M, r->dims.nv);
+}
+
 static int force(double t, const double *q, const double *v, double *F, void *user)
 {
   random_system *r = user;
@@ -305,6 +313,7 @@ void random_system_draw(random_system *r, uint64_t seed, int kind)
   draw_constraints(r);
   draw_contacts(r);
   project_start(r);
+  r->by_blocks = seed % 4 == 3;
 }
 
 /* Whether the library calls it. */
@@ -397,7 +406,13 @@ nsdae_system *random_system_make(random_system *r)
   nsdae_system *s;
   if (nsdae_system_create(&r->dims, &s, NULL) < 0) return NULL;
   nsdae_system_set_user(s, r);
-  nsdae_system_set_mass(s, mass);
+  const int ones[RANDOM_NQ] = {1, 1, 1, 1, 1, 1};
+  if (r->by_blocks) {
+    nsdae_system_set_blocks(s, r->dims.nv, ones, ones);
+    nsdae_system_set_mass_blocks(s, mass_blocks);
+  } else {
+    nsdae_system_set_mass(s, mass);
+  }
   nsdae_system_set_force(s, force);
   if (has(r, RANDOM_KINEMATICS)) nsdae_system_set_kinematics(s, kinematics);
   if (has(r, RANDOM_POTENTIAL)) nsdae_system_set_potential(s, potential);

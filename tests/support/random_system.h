@@ -5,7 +5,9 @@
  *   q_i' = h_i v_i,  M = diag(m_i (1 + a_i sin q_i)),  U = sum g_i q_i + s_i q_i^2 / 2
  *   F_i = -m_i a_i h_i cos(q_i) v_i^2 / 2 - h_i U_i - c_i v_i       so that T + U falls by damping
  *   Phi_j = A_j q + b_j sin(B_j q) - r_j t - Phi_j(0),   g_i the same with rows N_i
- *   W_T, W_S constant, their velocities w constant */
+ *   W_T, W_S constant, their velocities w constant
+ *
+ * Every fourth is by blocks, one for each coordinate. */
 #ifndef NSDAE_TESTS_RANDOM_SYSTEM_H
 #define NSDAE_TESTS_RANDOM_SYSTEM_H
 
@@ -54,6 +56,7 @@ typedef struct random_system {
   unsigned given; /* callbacks that are set, of those that may be left out: 1 << enum random_term */
   int rheonomic;  /* r_j, w not zero: then the constraints do work */
   int turns;      /* matrices depend on q */
+  int by_blocks;
   double h[RANDOM_NQ], m[RANDOM_NQ], a[RANDOM_NQ], g[RANDOM_NQ], s[RANDOM_NQ], damp[RANDOM_NQ];
   random_row phi[RANDOM_M], gap[RANDOM_K];
   double W_T[RANDOM_NQ * RANDOM_K * RANDOM_NT], w_T[RANDOM_K * RANDOM_NT];
