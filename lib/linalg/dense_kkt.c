@@ -76,12 +76,25 @@ static int factor_diagonal(const nsdae_blocks *blocks, const double *M, double *
   return 0;
 }
 
-static int factor_mass(nsdae_kkt *kkt, const double *M)
+/* The entries of a coupling, below the diagonal. */
+static void gather_coupling(const nsdae_blocks *blocks, const nsdae_coupling *C, int n, double *L)
+{
+  const double *value = C->value;
+  for (int k = 0; k < C->count; k++) {
+    int i = C->pair[2 * k], j = C->pair[2 * k + 1];
+    int rows = nsdae_blocks_size(blocks, i), columns = nsdae_blocks_size(blocks, j);
+    double *to = L + (size_t)blocks->first[j] * (size_t)n + blocks->first[i];
+    for (int c = 0; c < columns; c++, value += rows, to += n)
+      memcpy(to, value, (size_t)rows * sizeof *to);
+  }
+}
+
+static int factor_mass(nsdae_kkt *kkt, const double *M, const nsdae_coupling *C)
 {
   const nsdae_blocks *blocks = kkt->blocks;
   nsdae_dense_kkt *d = &kkt->dense;
   size_t n = (size_t)kkt->n;
-  d->diagonal = all_diagonal(blocks, M);
+  d->diagonal = !C && all_diagonal(blocks, M);
   if (d->diagonal) return factor_diagonal(blocks, M, d->L);
   if (blocks->count > 1) memset(d->L, 0, n * n * sizeof *M);
   for (int b = 0; b < blocks->count; b++) {
@@ -89,6 +102,7 @@ static int factor_mass(nsdae_kkt *kkt, const double *M)
     for (size_t j = 0; j < size; j++)
       memcpy(d->L + (at + j) * n + at, M + blocks->square[b] + j * size, size * sizeof *M);
   }
+  if (C) gather_coupling(blocks, C, kkt->n, d->L);
   return nsdae_la_cholesky(kkt->n, d->L, kkt->n);
 }
 
@@ -239,9 +253,9 @@ static double factor_schur(nsdae_kkt *kkt, int r, double damping)
 }
 
 /* M, and the rank of all rows. */
-static int begin(nsdae_kkt *kkt, const double *M)
+static int begin(nsdae_kkt *kkt, const double *M, const nsdae_coupling *C)
 {
-  kkt->pivot = factor_mass(kkt, M);
+  kkt->pivot = factor_mass(kkt, M, C);
   kkt->rank = kkt->m;
   kkt->kept = 1;
   kkt->left = 0;
@@ -252,7 +266,7 @@ static int begin(nsdae_kkt *kkt, const double *M)
 
 int nsdae_dense_kkt_factor(nsdae_kkt *kkt, const double *M, const nsdae_rows *J)
 {
-  int status = begin(kkt, M);
+  int status = begin(kkt, M, NULL);
   if (status < 0 || kkt->m == 0) return status;
   transform_rows(kkt, J, kkt->dense.Y);
   kkt->kept = factor_schur(kkt, kkt->m, 0);
@@ -290,11 +304,11 @@ static double factor_by_qr(nsdae_kkt *kkt, int r)
   return sqrt(smallest_sine(order, d->S));
 }
 
-int nsdae_dense_kkt_factor_in(nsdae_kkt *kkt, const double *M, const nsdae_rows *J,
-                              const double *basis, int rank)
+int nsdae_dense_kkt_factor_in(nsdae_kkt *kkt, const double *A, const nsdae_coupling *coupling,
+                              const nsdae_rows *J, const double *basis, int rank)
 {
   nsdae_dense_kkt *d = &kkt->dense;
-  int n = kkt->n, m = kkt->m, status = begin(kkt, M);
+  int n = kkt->n, m = kkt->m, status = begin(kkt, A, coupling);
   kkt->rank = basis ? rank : m;
   d->by_qr = 0;
   d->form = basis ? FIXED : FULL;

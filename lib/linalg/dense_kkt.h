@@ -51,8 +51,8 @@ typedef struct nsdae_kkt {
 
 void nsdae_dense_kkt_layout(nsdae_kkt *kkt, nsdae_arena *arena);
 int nsdae_dense_kkt_factor(nsdae_kkt *kkt, const double *M, const nsdae_rows *J);
-int nsdae_dense_kkt_factor_in(nsdae_kkt *kkt, const double *M, const nsdae_rows *J,
-                              const double *basis, int rank);
+int nsdae_dense_kkt_factor_in(nsdae_kkt *kkt, const double *A, const nsdae_coupling *coupling,
+                              const nsdae_rows *J, const double *basis, int rank);
 void nsdae_dense_kkt_solve(const nsdae_kkt *kkt, int nrhs, double *R, int ldr, double *C, int ldc);
 void nsdae_dense_kkt_solve_mass(const nsdae_kkt *kkt, double *r);
 void nsdae_dense_kkt_basis(const nsdae_kkt *kkt, double *B);

@@ -39,16 +39,19 @@ void nsdae_kkt_release(nsdae_kkt *kkt)
 
 /* ---- the sparse method, of all blocks and rows */
 
-static int factor_sparse(nsdae_kkt *kkt, const double *M, const nsdae_rows *J, int fixed,
-                         const double *basis)
+static int factor_sparse(nsdae_kkt *kkt, const double *M, const nsdae_coupling *coupling,
+                         const nsdae_rows *J, int fixed, const double *basis)
 {
   nsdae_sparse_kkt *s = &kkt->sparse;
   const nsdae_kkt_part all = {kkt->blocks, J, kkt->blocks->count, kkt->m, kkt->each, kkt->each};
   s->rank_tol = kkt->rank_tol;
   int status = nsdae_sparse_kkt_analyse(s, &all);
   if (status == NSDAE_OK)
-    status = fixed ? nsdae_sparse_kkt_factor_in(s, M, basis) : nsdae_sparse_kkt_factor(s, M);
-  if (status == NSDAE_E_MASS) kkt->pivot = kkt->blocks->first[s->bad_block] + s->pivot;
+    status = coupling && coupling->count > 0
+                 ? nsdae_sparse_kkt_factor_coupled(s, M, coupling, basis)
+             : fixed ? nsdae_sparse_kkt_factor_in(s, M, basis)
+                     : nsdae_sparse_kkt_factor(s, M);
+  kkt->pivot = s->pivot > 0 ? kkt->blocks->first[s->bad_block] + s->pivot : 0;
   if (status < 0) return status;
   kkt->rank = s->rank.count;
   kkt->kept = s->rank.kept;
@@ -69,14 +72,21 @@ static int solve_sparse(const nsdae_kkt *kkt, int nrhs, double *R, int ldr, doub
 
 int nsdae_kkt_factor(nsdae_kkt *kkt, const double *M, const nsdae_rows *J)
 {
-  return kkt->is_sparse ? factor_sparse(kkt, M, J, 0, NULL) : nsdae_dense_kkt_factor(kkt, M, J);
+  return kkt->is_sparse ? factor_sparse(kkt, M, NULL, J, 0, NULL)
+                        : nsdae_dense_kkt_factor(kkt, M, J);
+}
+
+int nsdae_kkt_factor_coupled(nsdae_kkt *kkt, const double *A, const nsdae_coupling *coupling,
+                             const nsdae_rows *J, const double *basis, int rank)
+{
+  return kkt->is_sparse ? factor_sparse(kkt, A, coupling, J, 1, basis)
+                        : nsdae_dense_kkt_factor_in(kkt, A, coupling, J, basis, rank);
 }
 
 int nsdae_kkt_factor_in(nsdae_kkt *kkt, const double *M, const nsdae_rows *J, const double *basis,
                         int rank)
 {
-  return kkt->is_sparse ? factor_sparse(kkt, M, J, 1, basis)
-                        : nsdae_dense_kkt_factor_in(kkt, M, J, basis, rank);
+  return nsdae_kkt_factor_coupled(kkt, M, NULL, J, basis, rank);
 }
 
 int nsdae_kkt_solve(const nsdae_kkt *kkt, int nrhs, double *R, int ldr, double *C, int ldc)

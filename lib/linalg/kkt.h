@@ -51,4 +51,10 @@ double nsdae_kkt_common(const nsdae_kkt *kkt, const double *basis);
 int nsdae_kkt_factor_in(nsdae_kkt *kkt, const double *M, const nsdae_rows *J, const double *basis,
                         int rank);
 
+/* The same with A + coupling in place of M, positive definite, else NSDAE_E_MASS (sparse: pivot 0
+ * if no block of A alone tells). Sparse, l is zero in rows outside of the basis, a new pattern of
+ * pairs may be NSDAE_E_MEMORY, and nsdae_kkt_solve_mass does not follow. */
+int nsdae_kkt_factor_coupled(nsdae_kkt *kkt, const double *A, const nsdae_coupling *coupling,
+                             const nsdae_rows *J, const double *basis, int rank);
+
 #endif

@@ -168,7 +168,8 @@ static void measure_stack(nsdae_multifrontal *f)
 static int analyse(nsdae_multifrontal *f, int n, const int *size, const int *first,
                    const int *index)
 {
-  if (nsdae_symbolic_analyse(&f->tree, n, first, index) != NSDAE_OK) return NSDAE_E_MEMORY;
+  if (nsdae_symbolic_analyse(&f->tree, n, first, index, f->negative) != NSDAE_OK)
+    return NSDAE_E_MEMORY;
   f->graph.n = n;
   f->super.count = first[n];
   if (nsdae_arena_fit(&f->of_graph, lay_out_graph, f) != NSDAE_OK) return NSDAE_E_MEMORY;
@@ -328,10 +329,45 @@ static int factor_pivots(nsdae_multifrontal *f, int s, int p, double *P, int lda
   return factor_dropping(f, at, p, P, lda);
 }
 
+static int is_negative(const nsdae_multifrontal *f, int number)
+{
+  return f->negative > 0 && f->tree.node[number] >= f->negative;
+}
+
+/* Columns of the front of n rows that have one sign s, with numbers from k to before `end`: with
+ * P = s L L^T, R := s R L^-T, S := S - s R R^T. */
+static int factor_run(const nsdae_multifrontal *f, int k, int end, int n, double *F)
+{
+  int from = f->work.local[k], p = 0;
+  double sign = is_negative(f, k) ? -1 : 1;
+  for (; k < end; k++) p += block_size(f, k);
+  int r = n - from - p;
+  double *P = F + (size_t)from * (size_t)(n + 1), *R = P + p, *S = R + (size_t)p * (size_t)n;
+  for (int c = 0; c < p && sign < 0; c++) cblas_dscal(n - from, -1, P + (size_t)c * (size_t)n, 1);
+  int info = LAPACKE_dpotrf_work(LAPACK_COL_MAJOR, 'L', p, P, n);
+  if (info == 0) info = check_pivots(p, P, n);
+  if (info != 0 || r == 0) return info;
+  cblas_dtrsm(CblasColMajor, CblasRight, CblasLower, CblasTrans, CblasNonUnit, r, p, 1, P, n, R, n);
+  cblas_dsyrk(CblasColMajor, CblasLower, CblasNoTrans, r, p, -sign, R, n, 1, S, n);
+  return 0;
+}
+
+/* The front of n rows in runs of equal sign. */
+static int factor_signed(const nsdae_multifrontal *f, int s, int n, double *F)
+{
+  int info = 0, next, end = f->super.begin[s + 1];
+  for (int k = f->super.begin[s]; k < end && info == 0; k = next) {
+    for (next = k + 1; next < end && is_negative(f, next) == is_negative(f, k);) next++;
+    info = factor_run(f, k, next, n, F);
+  }
+  return info;
+}
+
 /* The front [P U; R S]: P = L L^T, R := R L^-T, S := S - R R^T. */
 static int factor_symmetric(nsdae_multifrontal *f, int s, int p, int r, double *F, int lda)
 {
   double *R = F + p, *S = F + (size_t)p * (size_t)lda + p;
+  if (f->negative > 0) return factor_signed(f, s, p + r, F);
   int info = factor_pivots(f, s, p, F, lda);
   if (info != 0 || r == 0) return info;
   cblas_dtrsm(CblasColMajor, CblasRight, CblasLower, CblasTrans, CblasNonUnit, r, p, 1, F, lda, R,
@@ -461,10 +497,19 @@ static void permute(const nsdae_multifrontal *f, double *x, int in)
   }
 }
 
+/* The permuted vector := S^-1 of it. */
+static void turn_signs(const nsdae_multifrontal *f)
+{
+  for (int k = 0; k < f->graph.n; k++)
+    for (int r = f->place[k]; is_negative(f, k) && r < f->place[k] + block_size(f, k); r++)
+      f->work.vector[r] = -f->work.vector[r];
+}
+
 void nsdae_multifrontal_solve(const nsdae_multifrontal *f, double *x)
 {
   permute(f, x, 1);
   for (int s = 0; s < f->super.count; s++) forward(f, s);
+  if (f->negative > 0) turn_signs(f);
   for (int s = f->super.count - 1; s >= 0; s--) backward(f, s);
   permute(f, x, 0);
 }

@@ -1,8 +1,9 @@
 /* Sparse matrices of dense blocks whose pattern is symmetric, factored by fronts (multifrontal
  * method: Duff and Reid, ACM Trans. Math. Softw. 9 (1983) 302): the columns of a supernode and what
  * they leave of the rest are dense matrices, so that the work is LAPACK's. A symmetric positive
- * definite matrix is L L^T, any other L U with rows exchanged inside a supernode alone: it is for
- * matrices that need no more than that. */
+ * definite matrix is L L^T, a quasi-definite one L S L^T with signs S (Vanderbei, SIAM J. Optim. 5
+ * (1995) 100), any other L U with rows exchanged inside a supernode alone: it is for matrices that
+ * need no more than that. */
 #ifndef NSDAE_LINALG_FRONTS_H
 #define NSDAE_LINALG_FRONTS_H
 
@@ -51,6 +52,7 @@ typedef struct nsdae_multifrontal_work {
 } nsdae_multifrontal_work;
 
 typedef struct nsdae_multifrontal {
+  int negative; /* set before: blocks from this on have negative pivots; 0: none */
   nsdae_symbolic tree;
   nsdae_multifrontal_graph graph;
   nsdae_supernodes super;

@@ -8,6 +8,7 @@
 
 #include "dense.h"
 #include "sparse_rank.h"
+#include "sparse_whole.h"
 #include "vector.h"
 
 enum { REFINEMENTS = 10 };
@@ -19,12 +20,14 @@ static const double ENOUGH = 1e-12;
 int nsdae_sparse_kkt_factor(nsdae_sparse_kkt *k, const double *M)
 {
   int status = nsdae_sparse_kkt_form_schur(k, M);
+  k->coupled = 0;
   return status < 0 ? status : nsdae_sparse_kkt_find_rank(k);
 }
 
 int nsdae_sparse_kkt_factor_in(nsdae_sparse_kkt *k, const double *M, const double *keep)
 {
   int status = nsdae_sparse_kkt_form_schur(k, M);
+  k->coupled = 0;
   return status < 0 ? status : nsdae_sparse_kkt_keep_rank(k, keep);
 }
 
@@ -88,6 +91,7 @@ static double error_of_forces(const nsdae_sparse_kkt *k)
   double worst = 0, size = 0;
   memset(a->g, 0, (size_t)n * sizeof *a->g);
   nsdae_blocks_add_product(&a->blocks, a->M, a->x, a->g);
+  if (k->coupled) nsdae_sparse_whole_add_product(k, a->x, a->g);
   for (int j = 0; j < n; j++) {
     a->size[j] = fabs(a->r[j]) + fabs(a->g[j]);
     a->g[j] = a->r[j] - a->g[j];
@@ -134,11 +138,9 @@ static double residual_of_groups(const nsdae_sparse_kkt *k)
   return max_with_nan(forces, rows);
 }
 
-/* x += z and l += h with the solution of g and d. */
-static void correct(const nsdae_sparse_kkt *k)
+static void solve_by_schur(const nsdae_sparse_kkt *k, int n, int m)
 {
   const nsdae_kkt_values *a = &k->at;
-  int n = a->blocks.first[a->blocks.count], m = k->part.row_count;
   memcpy(a->z, a->g, (size_t)n * sizeof *a->z);
   solve_masses(k, 0, a->z);
   nsdae_sparse_kkt_times(k, a->Y, a->z, a->h);
@@ -146,6 +148,17 @@ static void correct(const nsdae_sparse_kkt *k)
   nsdae_sparse_kkt_solve_schur(k, a->h);
   nsdae_sparse_kkt_add_transposed(k, a->Y, -1, a->h, a->z, NULL);
   solve_masses(k, 1, a->z);
+}
+
+/* x += z and l += h with the solution of g and d. */
+static void correct(const nsdae_sparse_kkt *k)
+{
+  const nsdae_kkt_values *a = &k->at;
+  int n = a->blocks.first[a->blocks.count], m = k->part.row_count;
+  if (k->coupled)
+    nsdae_sparse_whole_solve(k);
+  else
+    solve_by_schur(k, n, m);
   nsdae_add(n, 1, a->z, a->x);
   nsdae_add(m, 1, a->h, a->l);
 }
@@ -196,7 +209,7 @@ int nsdae_sparse_kkt_solve(const nsdae_sparse_kkt *k, const double *r, double *v
   set_right_hand_side(k, r, lambda);
   correct(k);
   double error = refine(k);
-  if (error <= ENOUGH && k->rank.count < k->part.row_count) {
+  if (error <= ENOUGH && k->rank.count < k->part.row_count && !k->coupled) {
     if (!k->rank.chosen && !nsdae_sparse_kkt_consistent(k)) return NSDAE_E_CONVERGENCE;
     nsdae_sparse_kkt_shorten(k);
     error = refine(k);

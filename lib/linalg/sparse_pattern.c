@@ -146,7 +146,7 @@ static void nodes_by_block(nsdae_sparse_kkt *k)
       n->of_block[n->by_block[n->block[p] + 1]++] = i;
 }
 
-static int ascending(const void *a, const void *b)
+int nsdae_kkt_ascending(const void *a, const void *b)
 {
   int x = *(const int *)a, y = *(const int *)b;
   return (x > y) - (x < y);
@@ -168,7 +168,8 @@ static int list_neighbours(nsdae_kkt_nodes *n, int *index)
         if (index) index[count] = other;
         count++;
       }
-    if (index) qsort(index + n->first[i], (size_t)(count - n->first[i]), sizeof *index, ascending);
+    if (index)
+      qsort(index + n->first[i], (size_t)(count - n->first[i]), sizeof *index, nsdae_kkt_ascending);
   }
   n->first[n->count] = count;
   return count;
@@ -187,27 +188,28 @@ static double work_of_fronts(const nsdae_supernodes *s)
   return work;
 }
 
-static int choose_backend(nsdae_sparse_kkt *k)
+int nsdae_sparse_kkt_choose(const nsdae_sparse_kkt *k, const nsdae_multifrontal *f,
+                            nsdae_sparse_ldl *ldl, int *by_ldl)
 {
-  double ldl = k->backend == NSDAE_KKT_SCHUR ? HUGE_VAL : nsdae_sparse_ldl_work(&k->schur);
-  double fronts = k->backend == NSDAE_KKT_LDL ? HUGE_VAL : work_of_fronts(&k->schur.super);
-  k->ldl_first = ldl < fronts;
-  return k->ldl_first ? nsdae_sparse_ldl_analyse(&k->ldl, &k->schur) : NSDAE_OK;
+  double entries = k->backend == NSDAE_KKT_SCHUR ? HUGE_VAL : nsdae_sparse_ldl_work(f);
+  double fronts = k->backend == NSDAE_KKT_LDL ? HUGE_VAL : work_of_fronts(&f->super);
+  *by_ldl = entries < fronts;
+  return *by_ldl ? nsdae_sparse_ldl_analyse(ldl, f) : NSDAE_OK;
 }
 
 static int analyse(nsdae_sparse_kkt *k)
 {
   nsdae_kkt_nodes *n = &k->nodes;
   measure_rows(k);
-  if (nsdae_arena_fit(&k->of_part, lay_out_part, k) != NSDAE_OK) return NSDAE_E_MEMORY;
+  if (nsdae_arena_fit(&k->pattern.memory, lay_out_part, k) != NSDAE_OK) return NSDAE_E_MEMORY;
   place_blocks(k);
   find_nodes(k);
   nodes_by_block(k);
   n->neighbours = list_neighbours(n, NULL);
-  if (nsdae_arena_fit(&k->of_graph, lay_out_graph, n) != NSDAE_OK) return NSDAE_E_MEMORY;
+  if (nsdae_arena_fit(&k->nodes.memory, lay_out_graph, n) != NSDAE_OK) return NSDAE_E_MEMORY;
   list_neighbours(n, n->index);
   int status = nsdae_multifrontal_analyse(&k->schur, n->count, n->size, n->first, n->index);
-  return status < 0 ? status : choose_backend(k);
+  return status < 0 ? status : nsdae_sparse_kkt_choose(k, &k->schur, &k->ldl, &k->ldl_first);
 }
 
 int nsdae_sparse_kkt_analyse(nsdae_sparse_kkt *k, const nsdae_kkt_part *part)
@@ -222,6 +224,7 @@ int nsdae_sparse_kkt_analyse(nsdae_sparse_kkt *k, const nsdae_kkt_part *part)
   p->list = p->next;
   p->next = list;
   p->used = used;
+  k->whole.ready = 0;
   int status = analyse(k);
   k->ready = status == NSDAE_OK;
   return status;
@@ -233,8 +236,11 @@ void nsdae_sparse_kkt_release(nsdae_sparse_kkt *k)
   const nsdae_array all[] = {NSDAE_ARRAY(p->list, 1), NSDAE_ARRAY(p->next, 1),
                              NSDAE_ARRAY(p->number, 1)};
   nsdae_arrays_release(all, sizeof all / sizeof *all);
-  nsdae_arena_release(&k->of_part);
-  nsdae_arena_release(&k->of_graph);
+  nsdae_arena_release(&k->pattern.memory);
+  nsdae_arena_release(&k->nodes.memory);
   nsdae_multifrontal_release(&k->schur);
   nsdae_sparse_ldl_release(&k->ldl);
+  nsdae_multifrontal_release(&k->whole.fronts);
+  nsdae_sparse_ldl_release(&k->whole.ldl);
+  nsdae_arena_release(&k->whole.arena);
 }

@@ -35,6 +35,7 @@ static double own(const nsdae_sparse_kkt *k, int node, int row)
 
 int nsdae_sparse_kkt_is_dropped(const nsdae_sparse_kkt *k, int node, int row)
 {
+  if (k->coupled) return k->whole.left_out[row];
   return !k->by_ldl && k->schur.rank.is_dropped[place(k, node, row)];
 }
 

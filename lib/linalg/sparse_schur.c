@@ -86,13 +86,18 @@ static void form_blocks(nsdae_sparse_kkt *k)
   }
 }
 
-int nsdae_sparse_kkt_form_schur(nsdae_sparse_kkt *k, const double *M)
+int nsdae_sparse_kkt_transform_rows(nsdae_sparse_kkt *k, const double *M)
 {
   int status = factor_masses(k, M);
-  if (status < 0) return status;
-  gather_rows(k);
-  form_blocks(k);
-  return NSDAE_OK;
+  if (status == NSDAE_OK) gather_rows(k);
+  return status;
+}
+
+int nsdae_sparse_kkt_form_schur(nsdae_sparse_kkt *k, const double *M)
+{
+  int status = nsdae_sparse_kkt_transform_rows(k, M);
+  if (status == NSDAE_OK) form_blocks(k);
+  return status;
 }
 
 /* ---- products and solutions */

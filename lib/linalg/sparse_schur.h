@@ -23,6 +23,7 @@ typedef struct nsdae_kkt_pattern {
   int *list, *next;        /* next: the one asked for */
   int used, room, numbers; /* numbers: room in number */
   int *number;             /* blocks of the system: in the part */
+  nsdae_arena memory;      /* of all that the part alone decides */
 } nsdae_kkt_pattern;
 
 /* Consecutive rows that touch the same blocks are one node of the graph of S. */
@@ -34,7 +35,8 @@ typedef struct nsdae_kkt_nodes {
   int *first, *index;     /* the graph */
   int *by_block, *of_block, *mark;
   int neighbours, parts;
-  size_t values; /* of J */
+  size_t values;      /* of J */
+  nsdae_arena memory; /* of the graph */
 } nsdae_kkt_nodes;
 
 /* Of the part, its blocks and rows one behind the other. */
@@ -55,11 +57,25 @@ typedef struct nsdae_kkt_rank {
   double kept, left; /* smallest sine that counts, largest that does not; 1, 0: none */
 } nsdae_kkt_rank;
 
+/* The whole matrix with its couplings, see sparse_whole.c. Nodes are the blocks, then the nodes of
+ * rows. */
+typedef struct nsdae_kkt_whole {
+  nsdae_multifrontal fronts;
+  nsdae_sparse_ldl ldl;
+  int by_ldl, ready, count;         /* pairs */
+  int *pair;                        /* 2 count */
+  double *value;                    /* of the pairs */
+  int *size, *first, *index, *used; /* nodes, with one more; edges; nodes */
+  int *left_out;                    /* rows: not of the basis */
+  double *x;                        /* order */
+  nsdae_arena arena;
+} nsdae_kkt_whole;
+
 typedef struct nsdae_sparse_kkt {
   double rank_tol; /* set before; likewise backend, for tests */
   int backend, ready;
-  int ldl_first, by_ldl; /* choice of the analysis; of the last factorisation */
-  int pivot, bad_block;  /* the pivot of this block of the system is not positive */
+  int ldl_first, by_ldl, coupled; /* choice of the analysis; of the last factorisation */
+  int pivot, bad_block;           /* the pivot of this block of the system is not positive */
   nsdae_kkt_rank rank;
   nsdae_kkt_part part;
   nsdae_kkt_pattern pattern;
@@ -67,8 +83,19 @@ typedef struct nsdae_sparse_kkt {
   nsdae_kkt_values at;
   nsdae_multifrontal schur;
   nsdae_sparse_ldl ldl;
-  nsdae_arena of_part, of_graph;
+  nsdae_kkt_whole whole;
 } nsdae_sparse_kkt;
+
+/* Whether LDL or fronts factor what f analysed, which LDL analyses then. NSDAE_OK or
+ * NSDAE_E_MEMORY. */
+int nsdae_sparse_kkt_choose(const nsdae_sparse_kkt *kkt, const nsdae_multifrontal *f,
+                            nsdae_sparse_ldl *ldl, int *by_ldl);
+
+/* Of qsort: two whole numbers. */
+int nsdae_kkt_ascending(const void *a, const void *b);
+
+/* Forms L and Y. NSDAE_OK or NSDAE_E_MASS, see pivot. */
+int nsdae_sparse_kkt_transform_rows(nsdae_sparse_kkt *kkt, const double *M);
 
 /* Forms L, Y and S, which is not factored. NSDAE_OK or NSDAE_E_MASS, see pivot. */
 int nsdae_sparse_kkt_form_schur(nsdae_sparse_kkt *kkt, const double *M);

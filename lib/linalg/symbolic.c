@@ -93,7 +93,37 @@ static void invert(nsdae_symbolic *e)
   for (int k = 0; k < e->n; k++) e->number[e->node[k]] = k;
 }
 
-int nsdae_symbolic_analyse(nsdae_symbolic *e, int n, const int *first, const int *index)
+/* Of the neighbours of a negative node that are not, the first in the order, or -1 if one is
+ * placed. */
+static int leader(const nsdae_symbolic *e, int node, int negative, const int *placed)
+{
+  int best = -1;
+  for (int a = e->first[node]; a < e->first[node + 1]; a++) {
+    int other = e->index[a];
+    if (other >= negative) continue;
+    if (placed[other]) return -1;
+    if (best < 0 || e->number[other] < e->number[best]) best = other;
+  }
+  return best;
+}
+
+/* The order with the leader of each negative node before it. */
+static void lead(nsdae_symbolic *e, int negative)
+{
+  int *placed = e->work, *order = e->count, used = 0;
+  for (int k = 0; k < e->n; k++) placed[k] = 0;
+  for (int k = 0; k < e->n; k++) {
+    int node = e->node[k], first = node < negative ? -1 : leader(e, node, negative, placed);
+    if (placed[node]) continue;
+    if (first >= 0) placed[order[used++] = first] = 1;
+    placed[order[used++] = node] = 1;
+  }
+  for (int k = 0; k < e->n; k++) e->node[k] = order[k];
+  invert(e);
+}
+
+int nsdae_symbolic_analyse(nsdae_symbolic *e, int n, const int *first, const int *index,
+                           int negative)
 {
   e->n = n;
   e->first = first;
@@ -102,6 +132,7 @@ int nsdae_symbolic_analyse(nsdae_symbolic *e, int n, const int *first, const int
   int status = amd_order(n, first, index, e->node, NULL, NULL);
   if (status != AMD_OK && status != AMD_OK_BUT_JUMBLED) return NSDAE_E_MEMORY;
   invert(e);
+  if (negative > 0) lead(e, negative);
   build_tree(e);
   postorder(e);
   invert(e);

@@ -424,6 +424,115 @@ static void test_one_interface(void **state)
   for (int bodies = 4; bodies <= 24; bodies += 5) expect_one_interface(RING, bodies, 1);
 }
 
+/* ---- couplings */
+
+/* Dampers along random directions w between the bodies of each joint: A = M + scale sum w w^T, in
+ * f->M and in blocks below. */
+typedef struct coupled_family {
+  int count, *pair;
+  double *value;
+} coupled_family;
+
+static void add_damper(joint_family *f, coupled_family *c, int a, int b, double scale)
+{
+  double w[12];
+  for (int i = 0; i < 12; i++) w[i] = sqrt(scale) * random_number(&f->random);
+  for (int s = 0; s < 2; s++) {
+    double *M = f->M + f->blocks.square[(s ? b : a) + 1];
+    for (int i = 0; i < 36; i++) M[i] += w[6 * s + i / 6] * w[6 * s + i % 6];
+  }
+  c->pair[2 * c->count] = a;
+  c->pair[2 * c->count + 1] = b;
+  for (int i = 0; i < 36; i++) c->value[36 * c->count + i] = w[i % 6] * w[6 + i / 6];
+  c->count++;
+}
+
+static coupled_family couple(joint_family *f, double scale)
+{
+  coupled_family c = {0, calloc(2 * (size_t)f->rows, sizeof(int)), doubles(36 * f->rows)};
+  for (int i = 1; i <= f->rows; i++) {
+    int first = f->J.first[i], a = f->J.block[first] - 1, b, known = 0;
+    if (f->J.first[i + 1] - first < 2) continue;
+    b = f->J.block[first + 1] - 1;
+    if (a < b) {
+      int t = a;
+      a = b, b = t;
+    }
+    for (int k = 0; k < c.count; k++) known |= c.pair[2 * k] == a && c.pair[2 * k + 1] == b;
+    if (!known) add_damper(f, &c, a, b, scale);
+  }
+  return c;
+}
+
+/* g += scale (A - its diagonal blocks) x: vectors of the whole system. */
+static void apply_coupling(const coupled_family *c, double scale, const double *x, double *g)
+{
+  for (int k = 0; k < 36 * c->count; k++) {
+    int i = OTHER + 6 * c->pair[k / 36 * 2] + k % 6;
+    int j = OTHER + 6 * c->pair[k / 36 * 2 + 1] + k % 36 / 6;
+    g[i] += scale * c->value[k] * x[j];
+    g[j] += scale * c->value[k] * x[i];
+  }
+}
+
+/* The rows that a factorisation without couplings finds independent. */
+static void find_basis(nsdae_sparse_kkt *k, const joint_family *f, double *keep)
+{
+  assert_int_equal(factor(k, f), NSDAE_OK);
+  assert_int_equal(k->rank.count, f->rank);
+  nsdae_sparse_kkt_kept(k, keep);
+}
+
+static void expect_coupled(int kind, int bodies, int revolute, double spread, double scale)
+{
+  joint_family f;
+  family_make(&f, kind, bodies, revolute, spread, 3);
+  double *keep = doubles(f.rows);
+  for (int b = 0; b < 3; b++) {
+    nsdae_sparse_kkt k = {.rank_tol = 1e-8, .backend = backends[b]};
+    find_basis(&k, &f, keep);
+    coupled_family c = couple(&f, scale);
+    const nsdae_coupling coupling = {c.count, c.pair, c.value};
+    vectors w = make_vectors(&f); /* with M as it is now */
+    apply_coupling(&c, 1, w.x, w.r);
+    for (int again = 0; again < 2; again++)
+      assert_int_equal(nsdae_sparse_kkt_factor_coupled(&k, f.M, &coupling, keep), NSDAE_OK);
+    assert_int_equal(k.rank.count, f.rank);
+    if (b > 0 && HAS_LDL) assert_int_equal(k.whole.by_ldl, b == 1);
+    assert_int_equal(solve(&k, &f, &w), NSDAE_OK);
+    double error = error_of_motion(&f, &w);
+    apply_coupling(&c, -1, w.v, w.r);
+    double backward = backward_error(&f, &w);
+    assert_true(backward <= 1e-12);
+    assert_true(error <= 1e-10); /* A has a condition of 1e8 */
+    for (int i = 0; i < f.rows; i++)
+      if (keep[i] == 0) assert_true(w.lambda[i + 1] == 0);
+    f.M[f.blocks.square[1]] -= 1e3 * (1 + scale); /* not positive definite */
+    assert_int_equal(nsdae_sparse_kkt_factor_coupled(&k, f.M, &coupling, keep), NSDAE_E_MASS);
+    nsdae_sparse_kkt_release(&k);
+    release_vectors(&w);
+    free(c.pair), free(c.value);
+    family_release(&f);
+    family_make(&f, kind, bodies, revolute, spread, 3);
+  }
+  free(keep);
+  family_release(&f);
+}
+
+static void test_couplings(void **state)
+{
+  (void)state;
+  const double spreads[] = {0, 0, 3}, scales[] = {0.1, 1e4, 0.1};
+  for (int s = 0; s < 3; s++)
+    for (int revolute = 0; revolute < 2; revolute++)
+      for (int bodies = 2; bodies <= 200; bodies *= 10) {
+        expect_coupled(CHAIN, bodies, revolute, spreads[s], scales[s]);
+        expect_coupled(TREE, bodies, revolute, spreads[s], scales[s]);
+        expect_coupled(LADDER, 3 * bodies, 1, spreads[s], scales[s]);
+        expect_coupled(NET, bodies > 20 ? 100 : 16, 0, spreads[s], scales[s]);
+      }
+}
+
 /* A ladder with one equation of a redundant row wrong by a part of 1e-3; NaN; a mass that is not
  * positive. */
 static void test_refusals(void **state)
@@ -561,11 +670,12 @@ static void test_patterns_in_turn(void **state)
 int main(void)
 {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_families),       cmocka_unit_test(test_loops),
-      cmocka_unit_test(test_against_dgelsd), cmocka_unit_test(test_minimal_coordinates),
-      cmocka_unit_test(test_one_interface),  cmocka_unit_test(test_refusals),
-      cmocka_unit_test(test_near_dependent), cmocka_unit_test(test_zero_row),
-      cmocka_unit_test(test_memory),         cmocka_unit_test(test_patterns_in_turn),
+      cmocka_unit_test(test_families),         cmocka_unit_test(test_loops),
+      cmocka_unit_test(test_against_dgelsd),   cmocka_unit_test(test_minimal_coordinates),
+      cmocka_unit_test(test_one_interface),    cmocka_unit_test(test_couplings),
+      cmocka_unit_test(test_refusals),         cmocka_unit_test(test_near_dependent),
+      cmocka_unit_test(test_zero_row),         cmocka_unit_test(test_memory),
+      cmocka_unit_test(test_patterns_in_turn),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
