@@ -163,7 +163,15 @@ static void end(mechanism *m)
   nsdae_bodies_destroy(&m->bodies);
 }
 
-static const int methods[] = {NSDAE_METHOD_MOREAU, NSDAE_METHOD_IMPLICIT};
+static const int methods[] = {NSDAE_METHOD_MOREAU, NSDAE_METHOD_IMPLICIT, NSDAE_METHOD_EVENT};
+
+enum { METHODS = sizeof methods / sizeof *methods };
+
+/* event takes no contact list. */
+static int first_form(int method)
+{
+  return method == NSDAE_METHOD_EVENT ? BY_BLOCKS : BY_LIST;
+}
 
 /* A chain by blocks against the dense one, if asked for. Its energy is kept to the order of the
  * method and its joints are closed. */
@@ -198,32 +206,38 @@ static void expect_chain(int links, int straight, double ratio, int method, int 
 static void test_chains(void **state)
 {
   (void)state;
-  for (int i = 0; i < 2; i++) {
-    for (int form = BY_LIST; form <= BY_BLOCKS; form++) {
+  for (int i = 0; i < METHODS; i++) {
+    for (int form = first_form(methods[i]); form <= BY_BLOCKS; form++) {
       expect_chain(40, 1, 1, methods[i], 20, form, 1);
       expect_chain(40, 0, 1e3, methods[i], 5, form, 1);
       expect_chain(200, 1, 1, methods[i], 20, form, 0);
       expect_chain(200, 0, 1e3, methods[i], 5, form, 0);
     }
   }
+  expect_chain(1000, 0, 1e3, NSDAE_METHOD_EVENT, 2, BY_BLOCKS, 0);
+}
+
+static void expect_net(int form, int method)
+{
+  mechanism m;
+  make_net(&m, 20);
+  assert_int_equal(start(&m, form, method, NSDAE_REDUNDANT_ERROR), NSDAE_OK);
+  run(&m, method == NSDAE_METHOD_EVENT ? 5 : 20);
+  nsdae_record r = record_of(&m);
+  nsdae_stats stats;
+  assert_int_equal(nsdae_sim_get_stats(m.sim, &stats), NSDAE_OK);
+  assert_int_equal(stats.rank, 3 * m.joints);
+  assert_true(r.constraint_drift < 1e-3);
+  assert_true(fabs(r.certificate.unexplained) < 1e-2 * r.kinetic);
+  end(&m);
 }
 
 static void test_nets(void **state)
 {
   (void)state;
-  for (int form = BY_LIST; form <= BY_BLOCKS; form++) {
-    mechanism m;
-    make_net(&m, 20);
-    assert_int_equal(start(&m, form, NSDAE_METHOD_MOREAU, NSDAE_REDUNDANT_ERROR), NSDAE_OK);
-    run(&m, 20);
-    nsdae_record r = record_of(&m);
-    nsdae_stats stats;
-    assert_int_equal(nsdae_sim_get_stats(m.sim, &stats), NSDAE_OK);
-    assert_int_equal(stats.rank, 3 * m.joints);
-    assert_true(r.constraint_drift < 1e-3);
-    assert_true(fabs(r.certificate.unexplained) < 1e-2 * r.kinetic);
-    end(&m);
-  }
+  expect_net(BY_LIST, NSDAE_METHOD_MOREAU);
+  expect_net(BY_BLOCKS, NSDAE_METHOD_MOREAU);
+  expect_net(BY_BLOCKS, NSDAE_METHOD_EVENT);
 }
 
 /* 33 loops: refused with the name of a row, or solved with the rank of the mechanism. Couplers of
@@ -256,8 +270,9 @@ static void expect_ladder(int form, int method)
 static void test_ladders(void **state)
 {
   (void)state;
-  for (int i = 0; i < 2; i++)
-    for (int form = BY_LIST; form <= BY_BLOCKS; form++) expect_ladder(form, methods[i]);
+  for (int i = 0; i < METHODS; i++)
+    for (int form = first_form(methods[i]); form <= BY_BLOCKS; form++)
+      expect_ladder(form, methods[i]);
 }
 
 /* The first crank rests on the floor by a sphere: the island has a contact with friction, too. */
@@ -377,7 +392,7 @@ static void test_joints(void **state)
   for (int dimension = 2; dimension <= 3; dimension++)
     for (int kind = 0; kind < (dimension == 2 ? PLANAR_KINDS : ALL_KINDS); kind++) {
       if (dimension == 3 && (kind == NSDAE_JOINT_SLOT || kind == NSDAE_JOINT_GEAR)) continue;
-      for (int i = 0; i < 2; i++) {
+      for (int i = 0; i < METHODS; i++) {
         expect_same_steps(dimension, kind, 2, methods[i]);
         expect_same_steps(dimension, kind, 20, methods[i]); /* sparse */
       }
