@@ -1,13 +1,14 @@
 /* The laws of contact that a record must fulfil. With h its length, no contact pulls and no
  * friction leaves its cone:
  *
- *   P_N >= -tol,   |P_T| <= mu P_N + tol,   tol = 10 (3 rtol max |P| + atol h) + m u
+ *   P_N >= -tol,   |P_T| <= mu P_N + tol,   tol = 10 (3 rtol max(|P|, dt |F|) + atol h) + m u
  *
- * Impulses are integrated to 10 rtol a step, and a record has one or two steps. A force is zero up
- * to 10 (rtol max |F| + atol). u is the tolerance of velocities and m the mass of the contact,
- * bounded from above by inertia(). The end of an accumulation is ahead of its forces by
- * accumulation_time at most. Within BROUGHT_BACK tolerances no gap is below zero, none of a closed
- * contact is above it (complementarity), and independent constraints and their rates are zero. */
+ * Each step integrates impulses to 10 rtol of what the largest force makes in dt, however short the
+ * record is, and a record has one or two steps. A force is zero up to 10 (rtol max |F| + atol). u
+ * is the tolerance of velocities and m the mass of the contact, bounded from above by inertia().
+ * The end of an accumulation is ahead of its forces by accumulation_time at most. Within
+ * BROUGHT_BACK tolerances no gap is below zero, none of a closed contact is above it
+ * (complementarity), and independent constraints and their rates are zero. */
 #include "event_certificate.h"
 
 #include <math.h>
@@ -70,7 +71,7 @@ static int check_impulses(const nsdae_event_phase *phase, double h)
   const nsdae_sim_options *o = s->options;
   int k = s->system->dims.k, nt = s->system->dims.nt;
   double most = fmax(nsdae_largest(k, p->normal), nsdae_largest(k * nt, p->tangential));
-  most = fmax(most, h * nsdae_largest(s->system->dims.nv, r->end.F));
+  most = fmax(most, o->dt * nsdae_largest(s->system->dims.nv, r->end.F));
   double all = 10 * (3 * o->rtol * most + o->atol * h), slow = nsdae_event_velocity_size(s);
   if (ends_ahead(s)) all += fmin(1, o->accumulation_time / h) * most;
   for (int i = 0; i < k; i++) {
