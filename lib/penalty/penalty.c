@@ -134,7 +134,7 @@ static int make(penalty *p)
   p->fall = (nsdae_fall){.count = d->k, .values = values, .user = p};
   p->dip = (nsdae_dip){.count = d->k, .look = look, .user = p};
   int status = nsdae_arena_build(&p->arena, layout, p);
-  if (status == NSDAE_OK) status = nsdae_newton_matrix_make(&p->equations.newton);
+  if (status == NSDAE_OK) status = nsdae_bordered_make(&p->equations.newton);
   if (status == NSDAE_OK) status = nsdae_smooth_make(&p->integrator);
   int needed = p->equations.stepper->options->integrator == NSDAE_INTEGRATOR_IDA;
   return status == NSDAE_E_UNSUPPORTED && !needed ? NSDAE_OK : status;
@@ -155,7 +155,7 @@ static void destroy(void *own)
   penalty *p = own;
   if (!p) return;
   nsdae_smooth_destroy(&p->integrator);
-  nsdae_newton_matrix_release(&p->equations.newton);
+  nsdae_bordered_release(&p->equations.newton);
   nsdae_arena_release(&p->arena);
   free(p);
 }
@@ -214,6 +214,7 @@ static int start_integrator(penalty *p)
     p->shift[i] = wrong ? 2 * gap + (b->closed[i] ? hair : -hair) : 0;
   }
   status = nsdae_smooth_start(&p->integrator, p->ahead, p->qv);
+  nsdae_penalty_start_newton(&p->equations);
   return status < 0 ? integrator_failed(p, status, p->ahead) : NSDAE_OK;
 }
 
