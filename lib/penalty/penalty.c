@@ -553,6 +553,13 @@ static int arrive(penalty *p, const nsdae_state *state, nsdae_counters *counters
   return status;
 }
 
+static int start_run(void *own, const nsdae_terms *at)
+{
+  penalty *p = own;
+  return p->integrator.ida ? nsdae_stepper_start(p->equations.stepper, &p->equations.newton, at)
+                           : NSDAE_OK;
+}
+
 static int settle(void *own, const nsdae_state *state, nsdae_result *result)
 {
   penalty *p = own;
@@ -585,5 +592,6 @@ const nsdae_stepping nsdae_stepping_penalty = {
     .destroy = destroy,
     .sizes = nsdae_penalty_base_sizes,
     .prepare = prepare,
+    .start = start_run,
     .settle = settle,
     .advance = advance};

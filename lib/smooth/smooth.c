@@ -5,11 +5,6 @@
 
 #include "vector.h"
 
-/* With IDA's tolerances as they are, the error of a pendulum over a quarter of a period is 7 to 13
- * rtol (tests/unit/smooth/ida.c, rtol from 1e-5 to 1e-9); with a tenth of them it is about rtol, as
- * that of the pairs. */
-static const double STIFF_TOLERANCE = 0.1;
-
 static int integrals(const nsdae_smooth *g)
 {
   return g->steps.n - g->steps.controlled;
@@ -43,8 +38,7 @@ void nsdae_smooth_destroy(nsdae_smooth *g)
 static int start_ida(nsdae_smooth *g, double t, const double *qv)
 {
   const nsdae_runge_kutta *s = &g->steps;
-  const nsdae_ida_tolerances tolerances = {STIFF_TOLERANCE * s->rtol, STIFF_TOLERANCE * s->atol,
-                                           s->max_step, s->force, s->max_step};
+  const nsdae_ida_tolerances tolerances = {s->rtol, s->atol, s->max_step, s->force, s->max_step};
   size_t controlled = (size_t)s->controlled, forces = (size_t)s->forces;
   memset(g->y, 0, (size_t)s->n * sizeof *qv);
   memcpy(g->y, qv, controlled * sizeof *qv);

@@ -28,6 +28,7 @@ void nsdae_bordered_layout(nsdae_bordered_kkt *b, const nsdae_system *system, in
 
 int nsdae_bordered_make(nsdae_bordered_kkt *b)
 {
+  b->started = 0;
   return nsdae_newton_matrix_make(&b->matrix);
 }
 
@@ -37,13 +38,28 @@ void nsdae_bordered_release(nsdae_bordered_kkt *b)
   nsdae_kkt_release(&b->kkt);
 }
 
+int nsdae_bordered_start(nsdae_bordered_kkt *b, nsdae_terms *T)
+{
+  nsdae_newton_matrix *N = &b->matrix;
+  if (b->started || T->system->blocks.count == 1) return NSDAE_OK;
+  int status = nsdae_newton_matrix_start(N, T);
+  if (status == NSDAE_OK) status = nsdae_terms_need(T, NSDAE_TERM_MASS | NSDAE_TERM_JACOBIAN);
+  if (status < 0) return status;
+  memset(N->pairs.value, 0, N->pairs.values * sizeof *N->pairs.value);
+  status = nsdae_kkt_factor_coupled(&b->kkt, T->M, &N->coupling, &T->by.jacobian, NULL, b->kkt.m);
+  if (status == NSDAE_E_MEMORY) return nsdae_terms_unsolved(T, &b->kkt, status);
+  b->started = 1; /* dependent rows do not matter here */
+  return NSDAE_OK;
+}
+
 int nsdae_bordered_factor(nsdae_bordered_kkt *b, nsdae_terms *T, double cj, const double *basis,
                           int rank)
 {
   b->count = 0;
   int status = nsdae_terms_newton_matrix(T, cj, &b->matrix);
   if (status < 0) return status;
-  status = nsdae_kkt_factor_in(&b->kkt, b->matrix.A, &T->by.jacobian, basis, rank);
+  status = nsdae_kkt_factor_coupled(&b->kkt, b->matrix.A, &b->matrix.coupling, &T->by.jacobian,
+                                    basis, rank);
   return status < 0 ? nsdae_terms_unsolved(T, &b->kkt, status) : NSDAE_OK;
 }
 

@@ -16,6 +16,7 @@ typedef struct nsdae_bordered_kkt {
   nsdae_newton_matrix matrix;
   nsdae_kkt kkt;
   int most, count; /* forces */
+  int started;     /* the pattern is known */
   double *V, *L;   /* nv x most, m x most */
   double *G, *h;   /* nv x most, most */
   int *row;        /* most: j(a) */
@@ -28,6 +29,10 @@ void nsdae_bordered_layout(nsdae_bordered_kkt *b, const nsdae_system *system, in
                            double rank_tol, nsdae_arena *arena);
 int nsdae_bordered_make(nsdae_bordered_kkt *b);
 void nsdae_bordered_release(nsdae_bordered_kkt *b);
+
+/* The pattern of A and the sparse factors' analysis at the terms' point, once: allocates what a run
+ * needs. NSDAE_OK, NSDAE_E_MEMORY, what the terms and callbacks return. */
+int nsdae_bordered_start(nsdae_bordered_kkt *b, nsdae_terms *terms);
 
 /* Factors K at the terms' point, with the independent rows of a basis (nsdae_kkt_factor_in); no
  * force yet. A status with the record. */
