@@ -126,7 +126,7 @@ static void destroy(void *own)
 {
   event *e = own;
   if (!e) return;
-  nsdae_ode_destroy(&e->integrator.stiff);
+  nsdae_event_integrator_release(&e->integrator);
   nsdae_cones_close(&e->instant.acceleration.problem.cones);
   nsdae_cones_close(&e->instant.impacts.problem.cones);
   nsdae_least_release(&e->instant.projection.least);
@@ -138,6 +138,7 @@ static void destroy(void *own)
 static int integrator_failed(event *e, int status, double t)
 {
   nsdae_error *error = e->setting.error;
+  const char *cause = e->integrator.smooth.cause;
   if (error->status != NSDAE_OK) return error->status;
   status = status == NSDAE_E_CALLBACK ? NSDAE_E_CONVERGENCE : status; /* none failed */
   int contact = nsdae_event_unbounded(&e->roots, NEAR_POLE, 0);
@@ -148,10 +149,9 @@ static int integrator_failed(event *e, int status, double t)
     return NSDAE_E_PAINLEVE;
   nsdae_error_set(
       error, status, "nsdae_event", "rtol",
-      "the integrator failed at t = %.17g: no step length satisfies rtol and atol (code %d); the "
+      "the integrator failed at t = %.17g: no step length satisfies rtol and atol%s%s; the "
       "equations may have no solution after this time: try a larger rtol, or method = implicit",
-      nsdae_system_time(e->setting.system, t), e->integrator.code);
-  error->code = e->integrator.code;
+      nsdae_system_time(e->setting.system, t), *cause ? ", reason of SUNDIALS: " : "", cause);
   error->time = nsdae_system_time(e->setting.system, t);
   return status;
 }
@@ -386,7 +386,7 @@ static int integrate(event *e)
 {
   nsdae_event_integrator *g = &e->integrator;
   double from = g->ahead, tiny = TINY * e->setting.options->dt;
-  if (g->steps.last > 0 && g->steps.last < tiny && *e->base.tiny % KINK_STEPS == 0 &&
+  if (g->smooth.steps.last > 0 && g->smooth.steps.last < tiny && *e->base.tiny % KINK_STEPS == 0 &&
       read_state(e, from) == NSDAE_OK && cross_kink(e, from))
     return change_modes(e, from);
   int status = step(e);
@@ -459,7 +459,7 @@ static int advance_from(event *e)
   nsdae_event_integrator *g = &e->integrator;
   if (g->ahead > e->reached) return NSDAE_OK;
   int stiff = e->setting.options->integrator == NSDAE_INTEGRATOR_AUTO &&
-              !*e->phase.modes.is_stiff && nsdae_runge_kutta_stiff(&g->steps);
+              !*e->phase.modes.is_stiff && nsdae_smooth_stiff(&g->smooth);
   if (!stiff && *e->base.steps < (*e->phase.modes.is_stiff ? STIFF_STEPS : STEPS_MAX))
     return integrate(e);
   int status = nsdae_event_integrator_read(g, g->ahead, g->y);
@@ -516,6 +516,12 @@ static int prepare(void *own)
   prepare_problems(e);
   nsdae_event_integrator_prepare(&e->integrator);
   return NSDAE_OK;
+}
+
+static int start_run(void *own, const nsdae_terms *at)
+{
+  event *e = own;
+  return e->integrator.smooth.ida ? nsdae_stepper_start(e->tools, &e->phase.newton, at) : NSDAE_OK;
 }
 
 static int settle(void *own, const nsdae_state *state, nsdae_result *result)
@@ -579,5 +585,6 @@ const nsdae_stepping nsdae_stepping_event = {
     .destroy = destroy,
     .sizes = nsdae_event_memory_sizes,
     .prepare = prepare,
+    .start = start_run,
     .settle = settle,
     .advance = advance};

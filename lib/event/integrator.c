@@ -5,9 +5,6 @@
 
 #include "errors.h"
 
-/* Backward differences lose that much more over many steps than the other method. */
-static const double STIFF_TOLERANCE = 0.1;
-
 /* Of the tolerance of a position: less deep between two steps a contact is none. */
 static const double DEEP = 0.1;
 
@@ -24,20 +21,29 @@ static int rate(double t, const double *state, double *ydot, int whole, void *us
   return nsdae_event_account_rate(e->account, t, state, whole, ydot);
 }
 
-static int whole_rate(double t, const double *state, double *ydot, void *user)
-{
-  return rate(t, state, ydot, 1, user);
-}
-
-static int near(double t, const double *from, const double *state, double *ydot, void *user)
+static int powers(double t, const double *y, const double *ydot, double *power, void *user)
 {
   nsdae_event_integrator *e = user;
-  nsdae_event_phase *p = e->roots->phase;
-  int status = nsdae_event_linearise(p, t, from);
-  int code =
-      status < 0 ? nsdae_progress_code(status, p->setting->error) : rate(t, state, ydot, 1, e);
-  p->linear = 0;
-  return code;
+  (void)ydot;
+  return nsdae_event_account_powers(e->account, t, y, power);
+}
+
+static int residual(double t, const double *y, const double *ydot, double cj, double *r, void *user)
+{
+  nsdae_event_integrator *e = user;
+  return nsdae_event_residual(t, y, ydot, cj, r, e->roots->phase);
+}
+
+static int setup(double t, const double *y, const double *ydot, double cj, void *user)
+{
+  nsdae_event_integrator *e = user;
+  return nsdae_event_newton_setup(t, y, ydot, cj, e->roots->phase);
+}
+
+static int solve(double cj, double *r, double *x, void *user)
+{
+  nsdae_event_integrator *e = user;
+  return nsdae_event_newton_solve(cj, r, x, e->roots->phase);
 }
 
 static int values(double t, double *g, void *user)
@@ -66,15 +72,18 @@ static int look(double t, double *gap, double *rate, void *user)
 void nsdae_event_integrator_layout(nsdae_event_integrator *e, nsdae_arena *arena)
 {
   const nsdae_event_setting *s = e->roots->phase->setting;
-  e->steps = (nsdae_runge_kutta){.n = s->at.n + 2,
-                                 .controlled = s->at.lambda,
-                                 .positions = s->at.v,
-                                 .forces = s->at.n - s->at.lambda,
-                                 .rate = rate,
-                                 .user = e};
+  e->smooth.steps = (nsdae_runge_kutta){.n = s->at.n + 2,
+                                        .controlled = s->at.lambda,
+                                        .positions = s->at.v,
+                                        .forces = s->at.n - s->at.lambda,
+                                        .rate = rate,
+                                        .user = e};
   e->fall = (nsdae_fall){.count = e->roots->count, .values = values, .user = e};
   e->dip = (nsdae_dip){.count = s->system->dims.k, .look = look, .user = e};
-  nsdae_runge_kutta_layout(&e->steps, arena);
+  e->smooth.implicit =
+      (nsdae_ida_problem){.residual = residual, .setup = setup, .solve = solve, .user = e};
+  e->smooth.powers = powers;
+  nsdae_smooth_layout(&e->smooth, arena);
   nsdae_fall_layout(&e->fall, arena);
   nsdae_dip_layout(&e->dip, arena);
   e->y = NSDAE_ARENA_DOUBLES(arena, s->at.n);
@@ -86,22 +95,26 @@ void nsdae_event_integrator_layout(nsdae_event_integrator *e, nsdae_arena *arena
 
 int nsdae_event_integrator_make(nsdae_event_integrator *e)
 {
-  const nsdae_event_setting *s = e->roots->phase->setting;
-  const nsdae_ode_problem problem = {
-      .n = s->at.n + 2, .controlled = s->at.lambda, .rate = whole_rate, .near = near, .user = e};
-  int status = nsdae_ode_create(&problem, s->options->rtol, s->options->atol, &e->stiff);
+  int needed = e->roots->phase->setting->options->integrator == NSDAE_INTEGRATOR_IDA;
+  int status = nsdae_bordered_make(&e->roots->phase->newton);
+  if (status == NSDAE_OK) status = nsdae_smooth_make(&e->smooth);
+  if (status == NSDAE_E_UNSUPPORTED && !needed) status = NSDAE_OK;
   if (status == NSDAE_OK) nsdae_event_integrator_prepare(e);
   return status;
+}
+
+void nsdae_event_integrator_release(nsdae_event_integrator *e)
+{
+  if (e->roots) nsdae_bordered_release(&e->roots->phase->newton);
+  nsdae_smooth_destroy(&e->smooth);
 }
 
 void nsdae_event_integrator_prepare(nsdae_event_integrator *e)
 {
   const nsdae_sim_options *o = e->roots->phase->setting->options;
-  e->steps.rtol = o->rtol;
-  e->steps.atol = o->atol;
-  e->steps.max_step = fmin(o->dt, o->step_max);
-  nsdae_ode_tolerances(e->stiff, STIFF_TOLERANCE * o->rtol, STIFF_TOLERANCE * o->atol, o->step_max);
-  nsdae_ode_positions(e->stiff, e->steps.positions, o->dt);
+  e->smooth.steps.rtol = o->rtol;
+  e->smooth.steps.atol = o->atol;
+  e->smooth.steps.max_step = fmin(o->dt, o->step_max);
 }
 
 /* The largest force applied, or what would stop the bodies in a dt. */
@@ -112,7 +125,7 @@ static double force_of(const nsdae_event_integrator *e)
   int n = T->system->dims.nv;
   double inertia = 0;
   for (size_t i = 0; i < b->square[b->count]; i++) inertia = fmax(inertia, fabs(T->M[i]));
-  return fmax(nsdae_largest(n, T->F), inertia * nsdae_largest(n, T->v) / e->steps.max_step);
+  return fmax(nsdae_largest(n, T->F), inertia * nsdae_largest(n, T->v) / e->smooth.steps.max_step);
 }
 
 int nsdae_event_integrator_start(nsdae_event_integrator *e, double t)
@@ -121,30 +134,27 @@ int nsdae_event_integrator_start(nsdae_event_integrator *e, double t)
   nsdae_event_begin_phase(p);
   nsdae_error_clear(p->setting->error);
   nsdae_power_start(&e->account->power); /* a phase begins */
-  memset(e->end, 0, (size_t)e->steps.n * sizeof *e->end);
-  memcpy(e->end, e->y, (size_t)e->steps.controlled * sizeof *e->y);
+  memset(e->end, 0, (size_t)e->smooth.steps.n * sizeof *e->end);
+  memcpy(e->end, e->y, (size_t)e->smooth.steps.controlled * sizeof *e->y);
   e->ahead = t;
   nsdae_dip_start(&e->dip);
   e->pending = e->roots->short_steps = 0;
-  int status = *e->roots->phase->modes.is_stiff ? nsdae_ode_start(e->stiff, t, e->end)
-                                                : nsdae_runge_kutta_start(&e->steps, t, e->end);
-  if (status == NSDAE_OK) status = nsdae_event_forces(p, t, e->y);
-  if (status == NSDAE_OK) e->steps.force = force_of(e);
+  int status = nsdae_event_forces(p, t, e->y);
+  e->smooth.is_stiff = *p->modes.is_stiff;
+  if (status == NSDAE_OK) {
+    e->smooth.steps.force = force_of(e);
+    status = nsdae_smooth_start(&e->smooth, t, e->end);
+  }
   return status < 0 ? status : nsdae_event_set_roots(e->roots, t, e->y, p->x);
 }
 
 /* A step of the integrator at work; its end is in `end`. */
 static int step(nsdae_event_integrator *e)
 {
-  int what = NSDAE_ODE_STEP;
-  if (*e->roots->phase->modes.is_stiff)
-    return nsdae_ode_advance(e->stiff, e->ahead + e->steps.max_step, &e->ahead, e->end, &what, NULL,
-                             &e->code);
-  int status = nsdae_runge_kutta_advance(&e->steps);
+  int status = nsdae_smooth_advance(&e->smooth);
   if (status < 0) return status;
-  e->ahead = e->steps.t;
-  nsdae_runge_kutta_read(&e->steps, e->ahead, e->steps.controlled, e->end);
-  return NSDAE_OK;
+  e->ahead = e->smooth.to;
+  return nsdae_smooth_read(&e->smooth, e->ahead, e->smooth.steps.controlled, e->end);
 }
 
 /* Whether a step in which the forces have no solution may be tried again, shorter: as where a gap
@@ -153,7 +163,7 @@ static int can_retreat(const nsdae_event_integrator *e)
 {
   const nsdae_event_setting *s = e->roots->phase->setting;
   return s->error->status == NSDAE_OK && !*e->roots->phase->modes.is_stiff &&
-         e->steps.last > SHORT * s->options->dt;
+         e->smooth.steps.last > SHORT * s->options->dt;
 }
 
 /* A force that falls may have jumped, as where a ball rolls from a face to an edge: beyond, the
@@ -168,15 +178,15 @@ static int land(nsdae_event_integrator *e, double from)
     force |=
         e->fallen[i] && root->kind == NSDAE_ROOT_NORMAL && mode[root->index] != NSDAE_MODE_OPEN;
   }
-  if (!force || *e->roots->phase->modes.is_stiff || !(e->ahead < e->steps.t)) return 1;
-  return nsdae_runge_kutta_land(&e->steps, from, e->ahead) == 0;
+  if (!force || *e->roots->phase->modes.is_stiff || !(e->ahead < e->smooth.steps.t)) return 1;
+  return nsdae_runge_kutta_land(&e->smooth.steps, from, e->ahead) == 0;
 }
 
 /* A step that ends at the first fall of a root; returns how many fell, or a status. */
 static int step_to_fall(nsdae_event_integrator *e)
 {
   double from = e->ahead;
-  memcpy(e->y, e->end, (size_t)e->steps.controlled * sizeof *e->y);
+  memcpy(e->y, e->end, (size_t)e->smooth.steps.controlled * sizeof *e->y);
   if (e->fall.count > 0 && nsdae_event_root_values(e->roots, from, e->y, e->fall.low) < 0)
     return NSDAE_E_CONVERGENCE;
   for (;;) {
@@ -186,7 +196,7 @@ static int step_to_fall(nsdae_event_integrator *e)
     if (fell == 0 || (fell > 0 && land(e, from))) return fell;
     e->ahead = from;
     if (!can_retreat(e)) return NSDAE_E_CONVERGENCE;
-    nsdae_runge_kutta_retreat(&e->steps, from, SHORTER);
+    nsdae_runge_kutta_retreat(&e->smooth.steps, from, SHORTER);
   }
 }
 
@@ -214,25 +224,15 @@ int nsdae_event_integrator_advance(nsdae_event_integrator *e)
   return NSDAE_OK;
 }
 
-/* The first `count` of z; backward differences have all of them at once, in e->z. */
-static int read_some(nsdae_event_integrator *e, double t, int count, double *z)
-{
-  int status = NSDAE_OK, stiff = *e->roots->phase->modes.is_stiff;
-  if (!stiff) nsdae_runge_kutta_read(&e->steps, t, count, z);
-  if (stiff) status = nsdae_ode_read(e->stiff, t, e->z);
-  if (stiff && z != e->z) memcpy(z, e->z, (size_t)count * sizeof *z);
-  return status;
-}
-
 int nsdae_event_integrator_read(nsdae_event_integrator *e, double t, double *y)
 {
-  return read_some(e, t, e->steps.controlled, y);
+  return nsdae_smooth_read(&e->smooth, t, e->smooth.steps.controlled, y);
 }
 
 int nsdae_event_integrator_account(nsdae_event_integrator *e, double from, double to)
 {
-  int n = e->steps.n, status = read_some(e, to, n, e->later);
-  if (status == NSDAE_OK) status = read_some(e, from, n, e->z);
+  int n = e->smooth.steps.n, status = nsdae_smooth_read(&e->smooth, to, n, e->later);
+  if (status == NSDAE_OK) status = nsdae_smooth_read(&e->smooth, from, n, e->z);
   if (status == NSDAE_OK) nsdae_event_account_phase(e->account, e->z, e->later);
   return status;
 }

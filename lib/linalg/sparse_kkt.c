@@ -177,7 +177,7 @@ static double refine(const nsdae_sparse_kkt *k)
 {
   const nsdae_kkt_values *a = &k->at;
   double last = INFINITY, now = residual_of_groups(k);
-  for (int i = 0; i < REFINEMENTS && now > DBL_EPSILON && now < last / 2; i++) {
+  for (int i = 0; i < REFINEMENTS && now > fmax(DBL_EPSILON, k->enough) && now < last / 2; i++) {
     last = now;
     correct(k);
     now = residual_of_groups(k);
@@ -214,7 +214,7 @@ int nsdae_sparse_kkt_solve(const nsdae_sparse_kkt *k, const double *r, double *v
     nsdae_sparse_kkt_shorten(k);
     error = refine(k);
   }
-  if (!(error <= ENOUGH)) return NSDAE_E_CONVERGENCE;
+  if (!(error <= fmax(ENOUGH, k->enough))) return NSDAE_E_CONVERGENCE;
   for (int i = 0; i < a->blocks.count; i++)
     memcpy(v + k->part.blocks->first[k->part.block[i]], a->x + a->blocks.first[i],
            (size_t)nsdae_blocks_size(&a->blocks, i) * sizeof *v);

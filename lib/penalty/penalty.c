@@ -134,7 +134,7 @@ static int make(penalty *p)
   p->fall = (nsdae_fall){.count = d->k, .values = values, .user = p};
   p->dip = (nsdae_dip){.count = d->k, .look = look, .user = p};
   int status = nsdae_arena_build(&p->arena, layout, p);
-  if (status == NSDAE_OK) status = nsdae_newton_matrix_make(&p->equations.newton);
+  if (status == NSDAE_OK) status = nsdae_bordered_make(&p->equations.newton);
   if (status == NSDAE_OK) status = nsdae_smooth_make(&p->integrator);
   int needed = p->equations.stepper->options->integrator == NSDAE_INTEGRATOR_IDA;
   return status == NSDAE_E_UNSUPPORTED && !needed ? NSDAE_OK : status;
@@ -155,7 +155,7 @@ static void destroy(void *own)
   penalty *p = own;
   if (!p) return;
   nsdae_smooth_destroy(&p->integrator);
-  nsdae_newton_matrix_release(&p->equations.newton);
+  nsdae_bordered_release(&p->equations.newton);
   nsdae_arena_release(&p->arena);
   free(p);
 }
@@ -214,6 +214,7 @@ static int start_integrator(penalty *p)
     p->shift[i] = wrong ? 2 * gap + (b->closed[i] ? hair : -hair) : 0;
   }
   status = nsdae_smooth_start(&p->integrator, p->ahead, p->qv);
+  nsdae_penalty_start_newton(&p->equations);
   return status < 0 ? integrator_failed(p, status, p->ahead) : NSDAE_OK;
 }
 
@@ -552,6 +553,13 @@ static int arrive(penalty *p, const nsdae_state *state, nsdae_counters *counters
   return status;
 }
 
+static int start_run(void *own, const nsdae_terms *at)
+{
+  penalty *p = own;
+  return p->integrator.ida ? nsdae_stepper_start(p->equations.stepper, &p->equations.newton, at)
+                           : NSDAE_OK;
+}
+
 static int settle(void *own, const nsdae_state *state, nsdae_result *result)
 {
   penalty *p = own;
@@ -584,5 +592,6 @@ const nsdae_stepping nsdae_stepping_penalty = {
     .destroy = destroy,
     .sizes = nsdae_penalty_base_sizes,
     .prepare = prepare,
+    .start = start_run,
     .settle = settle,
     .advance = advance};

@@ -24,6 +24,7 @@ typedef struct nsdae_smooth {
   int is_stiff;      /* IDA is at work; set before a start */
   double first;      /* length of IDA's first step, or 0; set before a start */
   double *sum[2];    /* integrals: at the start and at the end of the last step */
+  double *power;     /* 3 x further: their rates at the nodes of the last step */
   double *y, *ydot;  /* room */
   double from, to;   /* the last step */
   const char *cause; /* of the last failure of IDA, as SUNDIALS names it; or "" */
