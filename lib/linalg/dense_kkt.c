@@ -359,7 +359,7 @@ static void solve_by_qr(const nsdae_kkt *kkt, double *z, double *c)
 }
 
 /* z and c to x and l of the rows Z^T J: S w = Y^T z - Z^T c, z -= Y w, l = Z w. The equations are
- * linear in z and what is left of them, so that the same again takes the damping out of w. */
+ * linear: a second round, of their residual, takes the damping out of w. */
 static void solve_fixed(const nsdae_kkt *kkt, double *z, double *c)
 {
   const nsdae_dense_kkt *d = &kkt->dense;
