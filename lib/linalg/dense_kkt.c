@@ -358,8 +358,8 @@ static void solve_by_qr(const nsdae_kkt *kkt, double *z, double *c)
   nsdae_la_solve_lower_transposed(m, 1, d->S, m, c, m);
 }
 
-/* z and c to x and l of the rows Z^T J: S w = Y^T z - Z^T c, z -= Y w, l = Z w. A second
- * round solves for the residual, which takes the damping out of w where sines are not small. */
+/* z and c to x and l of the rows Z^T J: S w = Y^T z - Z^T c, z -= Y w, l = Z w. The equations are
+ * linear: a second round, of their residual, takes the damping out of w. */
 static void solve_fixed(const nsdae_kkt *kkt, double *z, double *c)
 {
   const nsdae_dense_kkt *d = &kkt->dense;

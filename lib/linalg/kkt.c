@@ -7,6 +7,7 @@
 
 #include "dense.h"
 #include "dense_kkt.h"
+#include "sparse_whole.h"
 
 /* Velocities and rows of several blocks from which the sparse method is used. A factorisation and a
  * solution take the same time by both at 40 to 50 of chains and trees, of spherical and revolute

@@ -30,11 +30,6 @@ int nsdae_sparse_kkt_factor(nsdae_sparse_kkt *kkt, const double *M);
  * the rank. NSDAE_E_CONVERGENCE if they are dependent here. */
 int nsdae_sparse_kkt_factor_in(nsdae_sparse_kkt *kkt, const double *M, const double *keep);
 
-/* The same with A and couplings of blocks of the part, in the part's numbers, positive definite or
- * NSDAE_E_MASS (see pivot, 0 if it is of no block alone). NSDAE_E_MEMORY, if the pairs are new. */
-int nsdae_sparse_kkt_factor_coupled(nsdae_sparse_kkt *kkt, const double *A,
-                                    const nsdae_coupling *coupling, const double *keep);
-
 /* keep [rows] := 1 for each that counts in the last factorisation, else 0; and how many of those
  * with keep 1 count. */
 void nsdae_sparse_kkt_kept(const nsdae_sparse_kkt *kkt, double *keep);

@@ -5,7 +5,6 @@
 
 #include <nsdae/status.h>
 
-#include "sparse_kkt.h"
 #include "vector.h"
 
 /* The regularisation, in parts of what it is added to. Refinement removes it: each round leaves the

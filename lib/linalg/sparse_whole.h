@@ -12,6 +12,12 @@
 
 #include "sparse_schur.h"
 
+/* nsdae_sparse_kkt_factor_in with A and couplings, of blocks in the part's numbers; A is positive
+ * definite or NSDAE_E_MASS (see pivot, 0 if it is of no block alone). NSDAE_E_MEMORY, if the pairs
+ * are new. */
+int nsdae_sparse_kkt_factor_coupled(nsdae_sparse_kkt *kkt, const double *A,
+                                    const nsdae_coupling *coupling, const double *keep);
+
 /* g += the products of the couplings with x. */
 void nsdae_sparse_whole_add_product(const nsdae_sparse_kkt *kkt, const double *x, double *g);
 

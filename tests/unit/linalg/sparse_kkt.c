@@ -9,6 +9,7 @@
 
 #include "allocator.h"
 #include "kkt.h"
+#include "sparse_whole.h"
 #include "support/joint_families.h"
 
 /* Vectors of a whole system. */
@@ -487,7 +488,8 @@ static void expect_coupled(int kind, int bodies, int revolute, double spread, do
 {
   joint_family f;
   family_make(&f, kind, bodies, revolute, spread, 3);
-  double *keep = doubles(f.rows);
+  double *keep = doubles(f.rows), ratio = pow(10, spread);
+  double condition = (ratio + 6 * scale) / (0.006 / ratio); /* of A: the least inertia is 0.006 */
   for (int b = 0; b < 3; b++) {
     nsdae_sparse_kkt k = {.rank_tol = 1e-8, .backend = backends[b]};
     find_basis(&k, &f, keep);
@@ -504,7 +506,7 @@ static void expect_coupled(int kind, int bodies, int revolute, double spread, do
     apply_coupling(&c, -1, w.v, w.r);
     double backward = backward_error(&f, &w);
     assert_true(backward <= 1e-12);
-    assert_true(error <= 1e-10); /* A has a condition of 1e8 */
+    assert_true(error <= 10 * DBL_EPSILON * condition);
     for (int i = 0; i < f.rows; i++)
       if (keep[i] == 0) assert_true(w.lambda[i + 1] == 0);
     f.M[f.blocks.square[1]] -= 1e3 * (1 + scale); /* not positive definite */
@@ -519,9 +521,57 @@ static void expect_coupled(int kind, int bodies, int revolute, double spread, do
   family_release(&f);
 }
 
+/* The same of one block, with the couplings in M. */
+static void expect_coupled_as_dense(int kind, int bodies, int revolute)
+{
+  joint_family f;
+  dense_family d;
+  nsdae_kkt one, many;
+  nsdae_arena arena[2];
+  family_make(&f, kind, bodies, revolute, 0, 5);
+  f.M[0] = f.M[3] = f.J.value[0] = 1;
+  coupled_family c = couple(&f, 10);
+  for (int k = 0; k < 2 * c.count; k++) c.pair[k]++; /* in the numbers of the system */
+  make_dense(&f, &d);
+  vectors w = make_vectors(&f);
+  int n = f.nv + OTHER, m = f.rows + 1;
+  for (int k = 0; k < 36 * c.count; k++) {
+    int i = OTHER + 6 * (c.pair[k / 36 * 2] - 1) + k % 6;
+    int j = OTHER + 6 * (c.pair[k / 36 * 2 + 1] - 1) + k % 36 / 6;
+    d.M[i * n + j] = d.M[j * n + i] = c.value[k];
+  }
+  const nsdae_coupling coupling = {c.count, c.pair, c.value};
+  begin_kkt(&one, &arena[0], &d.blocks, m);
+  begin_kkt(&many, &arena[1], &f.blocks, m);
+  double *X[2] = {doubles(2 * n), doubles(2 * n)}, *L[2] = {doubles(2 * m), doubles(2 * m)};
+  assert_int_equal(nsdae_kkt_factor(&one, d.M, &d.J), NSDAE_OK);
+  assert_int_equal(nsdae_kkt_factor_coupled(&many, f.M, &coupling, &f.J, NULL, m), NSDAE_OK);
+  assert_int_equal(many.rank, m);
+  for (size_t i = 0; i < (size_t)m; i++) L[0][i] = L[1][i] = w.c[i];
+  for (size_t i = 0; i < (size_t)n; i++) X[0][i] = X[1][i] = w.r[i];
+  assert_int_equal(nsdae_kkt_solve(&one, 1, X[0], n, L[0], m), NSDAE_OK);
+  assert_int_equal(nsdae_kkt_solve(&many, 1, X[1], n, L[1], m), NSDAE_OK);
+  for (int i = 0; i < n; i++) assert_near(X[1][i], X[0][i], 1e-10 * largest(X[0], n));
+  for (int i = 0; i < m; i++) assert_near(L[1][i], L[0][i], 1e-8 * largest(L[0], m));
+  for (int k = 0; k < 2; k++) {
+    free(X[k]), free(L[k]);
+    nsdae_arena_release(&arena[k]);
+  }
+  nsdae_kkt_release(&many);
+  free(c.pair), free(c.value);
+  release_vectors(&w);
+  release_dense(&d);
+  family_release(&f);
+}
+
 static void test_couplings(void **state)
 {
   (void)state;
+  for (int revolute = 0; revolute < 2; revolute++)
+    for (int bodies = 2; bodies < 30; bodies += 1 + bodies / 3) {
+      expect_coupled_as_dense(CHAIN, bodies, revolute);
+      expect_coupled_as_dense(TREE, bodies, revolute);
+    }
   const double spreads[] = {0, 0, 3}, scales[] = {0.1, 1e4, 0.1};
   for (int s = 0; s < 3; s++)
     for (int revolute = 0; revolute < 2; revolute++)
