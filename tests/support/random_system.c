@@ -81,6 +81,27 @@ static int force(double t, const double *q, const double *v, double *F, void *us
   return spoil(r, RANDOM_FORCE, F, r->dims.nv);
 }
 
+/* -dF_i / dv_i */
+static int damping(double t, const double *q, const double *v, double *D, int ldd, void *user)
+{
+  random_system *r = user;
+  (void)t;
+  for (int i = 0; i < r->dims.nv; i++)
+    D[i * (ldd + 1)] = r->h[i] * r->m[i] * r->a[i] * cos(q[i]) * v[i] + r->damp[i];
+  return spoil(r, RANDOM_DAMPING, D, r->dims.nv * ldd);
+}
+
+/* -dF_i / dq_i h_i */
+static int stiffness(double t, const double *q, const double *v, double *K, int ldk, void *user)
+{
+  random_system *r = user;
+  (void)t;
+  for (int i = 0; i < r->dims.nv; i++)
+    K[i * (ldk + 1)] =
+        r->h[i] * r->h[i] * (r->s[i] - r->m[i] * r->a[i] * sin(q[i]) * v[i] * v[i] / 2);
+  return spoil(r, RANDOM_STIFFNESS, K, r->dims.nv * ldk);
+}
+
 static int potential(double t, const double *q, double *energy, void *user)
 {
   random_system *r = user;
@@ -243,7 +264,7 @@ static void draw_dims(random_system *r)
   d->f = d->m && chance(r, 0.5) ? 1 + random_below(&r->state, d->m) : 0;
   r->rheonomic = chance(r, 0.4);
   r->turns = chance(r, 0.6);
-  for (int i = 0; i < RANDOM_TERMS; i++) r->given |= (unsigned)chance(r, 0.7) << i;
+  for (int i = 0; i <= RANDOM_POTENTIAL; i++) r->given |= (unsigned)chance(r, 0.7) << i;
 }
 
 static void draw_inertia(random_system *r, int kind)
@@ -309,6 +330,9 @@ void random_system_draw(random_system *r, uint64_t seed, int kind)
 {
   *r = (random_system){.state = seed, .fault.term = -1, .calls_max = 20000000};
   draw_dims(r);
+  uint64_t apart = ~seed; /* the other data do not depend on these */
+  for (int i = RANDOM_DAMPING; i <= RANDOM_STIFFNESS; i++)
+    r->given |= (unsigned)(random_uniform(&apart) < 0.5) << i;
   draw_inertia(r, kind);
   draw_constraints(r);
   draw_contacts(r);
@@ -340,6 +364,8 @@ static int has(const random_system *r, int term)
     return d->f > 0;
   case RANDOM_KINEMATICS:
   case RANDOM_POTENTIAL:
+  case RANDOM_DAMPING:
+  case RANDOM_STIFFNESS:
     return given;
   default:
     return 1;
@@ -353,8 +379,11 @@ void random_system_spoil(random_system *r, uint64_t seed)
                                   1e-20, 1e155,    1e-160, 1,       1e6};
   uint64_t state = seed;
   random_fault *f = &r->fault;
-  do f->term = random_below(&state, RANDOM_TERMS);
+  do f->term = random_below(&state, RANDOM_POTENTIAL + 1);
   while (!has(r, f->term));
+  uint64_t apart = ~seed;
+  int other = RANDOM_DAMPING + random_below(&apart, 2);
+  if (random_uniform(&apart) < 0.2 && has(r, other)) f->term = other;
   /* the start alone calls everything a few times: early calls, and any of a short run */
   f->at = (long)pow(10, 3.5 * random_uniform(&state)) - 1;
   f->for_ever = random_uniform(&state) < 0.25;
@@ -414,6 +443,8 @@ nsdae_system *random_system_make(random_system *r)
     nsdae_system_set_mass(s, mass);
   }
   nsdae_system_set_force(s, force);
+  if (has(r, RANDOM_DAMPING)) nsdae_system_set_force_damping(s, damping);
+  if (has(r, RANDOM_STIFFNESS)) nsdae_system_set_force_stiffness(s, stiffness);
   if (has(r, RANDOM_KINEMATICS)) nsdae_system_set_kinematics(s, kinematics);
   if (has(r, RANDOM_POTENTIAL)) nsdae_system_set_potential(s, potential);
   if (has(r, RANDOM_ACCELERATION)) nsdae_system_set_contact_acceleration(s, acceleration);
