@@ -42,6 +42,7 @@ foreach(name continuity derivatives distance forces joints listed user_rows refu
 endforeach()
 
 nsdae_test(anomaly arguments LINKS test_support)
+nsdae_test(anomaly integrators)
 nsdae_test(anomaly named)
 nsdae_test(anomaly kinematics)
 nsdae_test(anomaly lists)

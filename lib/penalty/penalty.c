@@ -162,17 +162,35 @@ static void destroy(void *own)
 
 /* ---- starts */
 
+/* The velocity of the largest change at t, in units of its tolerance; -1: unknown. */
+static int fastest(penalty *p, double t)
+{
+  const nsdae_sim_options *o = p->equations.stepper->options;
+  const double *v = p->qv + dims(p)->nq;
+  double *rate = p->z[0], most = 0;
+  int found = -1;
+  if (nsdae_penalty_rate(t, p->qv, rate, 0, &p->equations) != 0) return -1;
+  for (int i = 0; i < dims(p)->nv; i++) {
+    double change = fabs(rate[dims(p)->nq + i]) / (o->rtol * fabs(v[i]) + o->atol);
+    if (change > most) most = change, found = i;
+  }
+  return found;
+}
+
 static int integrator_failed(penalty *p, int status, double t)
 {
   nsdae_stepper *s = p->equations.stepper;
   const char *cause = p->integrator.cause;
   if (s->error->status != NSDAE_OK) return s->error->status;
+  int velocity = fastest(p, t);
   status = status == NSDAE_E_CALLBACK ? NSDAE_E_CONVERGENCE : status; /* none failed */
   nsdae_error_set(s->error, status, "nsdae_penalty", "rtol",
                   "the integrator failed at t = %.17g: no step length satisfies rtol and atol%s%s: "
-                  "try a larger rtol or a smaller penalty_stiffness",
-                  nsdae_system_time(s->system, t), *cause ? ", reason of SUNDIALS: " : "", cause);
+                  "try a larger rtol or a smaller penalty_stiffness%s",
+                  nsdae_system_time(s->system, t), *cause ? ", reason of SUNDIALS: " : "", cause,
+                  velocity < 0 ? "" : "; fastest change");
   s->error->time = nsdae_system_time(s->system, t);
+  if (velocity >= 0) nsdae_system_name_item(s->system, NSDAE_NAME_VELOCITY, velocity, s->error);
   return status;
 }
 
@@ -517,16 +535,15 @@ static int mode_of(const penalty *p, int i, int nt)
 /* What the step did beside its impulses. */
 static int read_results(penalty *p, nsdae_result *result, double h)
 {
-  const nsdae_terms *T = &p->equations.stepper->middle;
+  nsdae_terms *T = &p->equations.stepper->middle;
   const nsdae_dims *d = dims(p);
   nsdae_impulses *to = &result->impulses;
   double t = p->reached;
   int status = read_state(p, t, p->equations.room);
   if (status == NSDAE_OK) status = nsdae_penalty_evaluate(&p->equations, t, p->equations.room);
   if (status == NSDAE_OK)
-    status =
-        nsdae_terms_need(&p->equations.stepper->middle, NSDAE_TERM_PHI | NSDAE_TERM_SLIDE |
-                                                            NSDAE_TERM_JACOBIAN | NSDAE_TERM_PHI_T);
+    status = nsdae_terms_need(T, NSDAE_TERM_PHI | NSDAE_TERM_SLIDE | NSDAE_TERM_JACOBIAN |
+                                     NSDAE_TERM_PHI_T);
   if (status < 0) return status;
   for (int i = 0; i < d->m; i++) result->multiplier[i] /= h;
   for (int i = 0; i < d->k; i++) to->mode[i] = mode_of(p, i, d->nt);
