@@ -242,9 +242,10 @@ NSDAE_API int nsdae_bodies_set_gravity(nsdae_bodies *bodies, const double *gravi
  * that is missing or never called. NSDAE_E_STATE: also if user rows exist. */
 NSDAE_API int nsdae_bodies_set_user_rows(nsdae_bodies *bodies, const nsdae_user_rows *own);
 
-/* Makes the system. No object can be added later. bodies must outlive the system; the caller
- * destroys the system. Returns the first failure of any call before, NSDAE_E_STATE (no body and no
- * coordinate) or NSDAE_E_MEMORY. */
+/* Makes the system. Each body is a block of v, the user velocities are the last block
+ * (nsdae/system.h: large systems). No object can be added later. bodies must outlive the system;
+ * the caller destroys the system. Returns the first failure of any call before, NSDAE_E_STATE (no
+ * body and no coordinate) or NSDAE_E_MEMORY. */
 NSDAE_API int nsdae_bodies_system(nsdae_bodies *bodies, nsdae_system **system);
 /* Sizes; coordinates q [nq] and velocities v [nv] at the start. The user's own coordinates and
  * velocities are 0. */

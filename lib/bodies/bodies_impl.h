@@ -145,9 +145,18 @@ void nsdae_bodies_sign(const nsdae_bodies *bodies, nsdae_system *system);
 /* Adds to the system what files of its trajectories show. */
 int nsdae_bodies_show(const nsdae_bodies *bodies, nsdae_system *system);
 
-/* An element where it is: the poses of its bodies and its value; 0 or what a drive returned. */
+/* Two bodies and their poses: those of the element before, which often has the same bodies. */
+typedef struct nsdae_places {
+  int body[2];
+  nsdae_pose pose[2];
+} nsdae_places;
+
+enum { NSDAE_NO_PLACE = -2 };
+
+/* An element where it is: the poses of its bodies and its value; 0 or what a drive returned. Before
+ * the first element the bodies of the places are NSDAE_NO_PLACE. */
 int nsdae_bodies_element(const nsdae_bodies *bodies, const nsdae_primitive *element, double t,
-                         const double *q, const double *v, nsdae_pose pose[2],
+                         const double *q, const double *v, nsdae_places *places,
                          nsdae_primitive_value *value);
 
 /* Sets every callback and coefficient; those of constraints, frictional joints and contacts. */

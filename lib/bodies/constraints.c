@@ -2,11 +2,17 @@
  * bodies are; rows of one's own follow. */
 #include "bodies_impl.h"
 
+static const nsdae_places nowhere = {.body = {NSDAE_NO_PLACE, NSDAE_NO_PLACE}};
+
 int nsdae_bodies_element(const nsdae_bodies *b, const nsdae_primitive *e, double t, const double *q,
-                         const double *v, nsdae_pose pose[2], nsdae_primitive_value *value)
+                         const double *v, nsdae_places *at, nsdae_primitive_value *value)
 {
-  for (int i = 0; i < 2; i++) pose[i] = nsdae_bodies_pose(b, e->body[i], q, v);
-  return nsdae_primitive_evaluate(e, t, &pose[0], &pose[1], value);
+  for (int i = 0; i < 2; i++) {
+    if (at->body[i] == e->body[i]) continue;
+    at->pose[i] = at->body[1] == e->body[i] ? at->pose[1] : nsdae_bodies_pose(b, e->body[i], q, v);
+    at->body[i] = e->body[i];
+  }
+  return nsdae_primitive_evaluate(e, t, &at->pose[0], &at->pose[1], value);
 }
 
 static const nsdae_primitive *element_of(const nsdae_bodies *b, int i)
@@ -19,9 +25,9 @@ static int constraint(double t, const double *q, double *phi, void *user)
   const nsdae_bodies *b = user;
   const nsdae_user_rows *own = &b->own;
   nsdae_primitive_value value;
-  nsdae_pose pose[2];
+  nsdae_places at = nowhere;
   for (int i = 0; i < b->element.count; i++) {
-    int code = nsdae_bodies_element(b, element_of(b, i), t, q, NULL, pose, &value);
+    int code = nsdae_bodies_element(b, element_of(b, i), t, q, NULL, &at, &value);
     if (code) return code;
     phi[i] = value.phi.x;
   }
@@ -33,14 +39,14 @@ static int constraint_rows(double t, const double *q, nsdae_row_list *rows, void
 {
   const nsdae_bodies *b = user;
   nsdae_primitive_value value;
-  nsdae_pose pose[2];
+  nsdae_places at = nowhere;
   for (int i = 0; i < b->element.count; i++) {
     const nsdae_primitive *e = element_of(b, i);
-    int code = nsdae_bodies_element(b, e, t, q, NULL, pose, &value);
+    int code = nsdae_bodies_element(b, e, t, q, NULL, &at, &value);
     for (int j = 0; j < 2 && code == 0; j++) {
       double part[6];
       if (e->body[j] == NSDAE_GROUND) continue;
-      nsdae_bodies_part(b, &value.row, j, &pose[j], part);
+      nsdae_bodies_part(b, &value.row, j, &at.pose[j], part);
       code = nsdae_row_add(rows, i, e->body[j], part);
     }
     if (code) return code;
@@ -54,12 +60,12 @@ static int constraint_jacobian(double t, const double *q, double *J, int ldj, vo
   const nsdae_bodies *b = user;
   const nsdae_user_rows *own = &b->own;
   nsdae_primitive_value value;
-  nsdae_pose pose[2];
+  nsdae_places at = nowhere;
   for (int i = 0; i < b->element.count; i++) {
     const nsdae_primitive *e = element_of(b, i);
-    int code = nsdae_bodies_element(b, e, t, q, NULL, pose, &value);
+    int code = nsdae_bodies_element(b, e, t, q, NULL, &at, &value);
     if (code) return code;
-    nsdae_bodies_scatter(b, e->body, &pose[0], &pose[1], &value.row, 1, J + i, ldj);
+    nsdae_bodies_scatter(b, e->body, &at.pose[0], &at.pose[1], &value.row, 1, J + i, ldj);
   }
   return own->constraint_jacobian(t, q, J + b->element.count, ldj, own->user);
 }
@@ -70,9 +76,9 @@ static int constraint_bias(double t, const double *q, const double *v, double *p
   const nsdae_bodies *b = user;
   const nsdae_user_rows *own = &b->own;
   nsdae_primitive_value value;
-  nsdae_pose pose[2];
+  nsdae_places at = nowhere;
   for (int i = 0; i < b->element.count; i++) {
-    int code = nsdae_bodies_element(b, element_of(b, i), t, q, v, pose, &value);
+    int code = nsdae_bodies_element(b, element_of(b, i), t, q, v, &at, &value);
     if (code) return code;
     phi_t[i] = value.phi_t;
     omega[i] = value.phi.dd;
@@ -87,13 +93,13 @@ static int frictional_joint_tangent(double t, const double *q, double *W, int ld
   const nsdae_bodies *b = user;
   const nsdae_user_rows *own = &b->own;
   nsdae_primitive_value value;
-  nsdae_pose pose[2];
+  nsdae_places at = nowhere;
   for (int i = 0; i < b->frictional_joint.count; i++) {
     const nsdae_primitive *e =
         &((const nsdae_bodies_frictional_joint *)b->frictional_joint.at + i)->along;
-    nsdae_bodies_element(b, e, t, q, NULL, pose, &value);
-    nsdae_bodies_scatter(b, e->body, &pose[0], &pose[1], &value.row, 1, W + (size_t)i * (size_t)ldw,
-                         1);
+    nsdae_bodies_element(b, e, t, q, NULL, &at, &value);
+    nsdae_bodies_scatter(b, e->body, &at.pose[0], &at.pose[1], &value.row, 1,
+                         W + (size_t)i * (size_t)ldw, 1);
   }
   int f = b->frictional_joint.count; /* a slot does not move with v = 0: w stays 0 */
   return own->frictional_joint_tangent

@@ -155,12 +155,12 @@ static nsdae_jet3 relative_velocity(const nsdae_touch *touch, const nsdae_pose p
 static void frictional_joint_acceleration(const nsdae_bodies *b, double t, const double *q,
                                           const double *v, double *omega_s)
 {
+  nsdae_places at = {.body = {NSDAE_NO_PLACE, NSDAE_NO_PLACE}};
   for (int i = 0; i < b->frictional_joint.count; i++) {
     nsdae_primitive_value value;
-    nsdae_pose pose[2];
     const nsdae_primitive *e =
         &((const nsdae_bodies_frictional_joint *)b->frictional_joint.at + i)->along;
-    nsdae_bodies_element(b, e, t, q, v, pose, &value);
+    nsdae_bodies_element(b, e, t, q, v, &at, &value);
     omega_s[i] = value.phi.dd;
   }
 }

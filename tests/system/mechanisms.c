@@ -358,12 +358,14 @@ static void make_row(mechanism *m, int dimension, int kind, int bodies, uint64_t
   }
 }
 
-/* Steps from the states of the first, each to the rounding of its sums: see numbered.c. */
+/* The same motion: to the rounding of its sums, of an integrator to its rtol of 1e-8 times the
+ * steps and the stiffness of a contact. */
 static void expect_same_steps(int dimension, int kind, int bodies, int method)
 {
   mechanism m[2];
   nsdae_dims dims;
   nsdae_record r[2];
+  int integrates = method == NSDAE_METHOD_EVENT || method == NSDAE_METHOD_PENALTY;
   for (int i = 0; i < 2; i++) {
     make_row(&m[i], dimension, kind, bodies, 40 + (uint64_t)kind);
     assert_int_equal(start(&m[i], i ? DENSE : BY_BLOCKS, method, NSDAE_REDUNDANT_LEAST_NORM),
@@ -381,8 +383,8 @@ static void expect_same_steps(int dimension, int kind, int bodies, int method)
         fail_msg("joint %d in %d dimensions, %d bodies, step %d: %s", kind, dimension, bodies, n,
                  nsdae_sim_error(m[i].sim)->text);
     if (status[0] < 0) break;
-    for (int j = 0; j < dims.nq; j++) assert_near(r[1].q[j], r[0].q[j], 1e-11);
-    for (int j = 0; j < dims.nv; j++) assert_near(r[1].v[j], r[0].v[j], 1e-8);
+    for (int j = 0; j < dims.nq; j++) assert_near(r[1].q[j], r[0].q[j], integrates ? 1e-7 : 1e-11);
+    for (int j = 0; j < dims.nv; j++) assert_near(r[1].v[j], r[0].v[j], integrates ? 1e-5 : 1e-8);
   }
   for (int i = 0; i < 2; i++) end(&m[i]);
 }
@@ -393,9 +395,9 @@ static void test_joints(void **state)
   for (int dimension = 2; dimension <= 3; dimension++)
     for (int kind = 0; kind < (dimension == 2 ? PLANAR_KINDS : ALL_KINDS); kind++) {
       if (dimension == 3 && (kind == NSDAE_JOINT_SLOT || kind == NSDAE_JOINT_GEAR)) continue;
-      for (int i = 0; i < METHODS; i++) {
-        expect_same_steps(dimension, kind, 2, methods[i]);
-        expect_same_steps(dimension, kind, 20, methods[i]); /* sparse */
+      for (int method = NSDAE_METHOD_IMPLICIT; method <= NSDAE_METHOD_EVENT; method++) {
+        expect_same_steps(dimension, kind, 2, method);
+        expect_same_steps(dimension, kind, 20, method); /* sparse */
       }
     }
 }
