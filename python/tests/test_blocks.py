@@ -73,7 +73,7 @@ def test_fixed_contacts_by_blocks(method):
     dense = nsdae.solve(numbered_column(), 0.2, HIGH, method=method, dt=1e-3)
     assert np.allclose(blocks.q, dense.q, atol=1e-9) and len(blocks.impacts) == len(dense.impacts) > 0
     assert blocks.blocks is None and numbered_blocks().blocks.shape == (N, 2)
-    with pytest.raises(nsdae.Error, match="dims.k"):
+    with pytest.raises(nsdae.Error, match="k and f must be 0"):
         numbered_blocks().set(contacts=lambda t, q, v, reach, found: None)
 
 
