@@ -48,35 +48,27 @@ static nsdae_event_row_kind kind_of(const nsdae_event_phase *p, int force)
   return p->setting->system->contact[i].mu > 0 ? NSDAE_ROW_RUBS : NSDAE_ROW_NONE;
 }
 
-static nsdae_event_row row_of(const nsdae_event_phase *p, int force)
-{
-  const nsdae_terms *T = p->setting->here;
-  const nsdae_dims *d = &T->system->dims;
-  int j = force - d->k, l = j - d->k * d->nt;
-  nsdae_event_row row = {kind_of(p, force), force, force, &T->by.normal, T->w_N,
-                         T->omega.N,        T->gap};
-  if (l >= 0)
-    row = (nsdae_event_row){row.kind,
-                            force,
-                            l,
-                            &T->by.frictional_joint,
-                            T->frictional_joint.w,
-                            T->frictional_joint.omega,
-                            NULL};
-  else if (j >= 0)
-    row = (nsdae_event_row){row.kind, force, j, &T->by.tangent, T->w_T, T->omega.T, NULL};
-  return row;
-}
-
+/* Normal, tangential and of frictional joints. */
 static void list_rows(nsdae_event_phase *p)
 {
+  const nsdae_terms *T = p->setting->here;
   nsdae_event_border *b = &p->border;
+  const nsdae_event_row of[] = {
+      {.rows = &T->by.normal, .w = T->w_N, .omega = T->omega.N, .gap = T->gap},
+      {.rows = &T->by.tangent, .w = T->w_T, .omega = T->omega.T},
+      {.rows = &T->by.frictional_joint,
+       .w = T->frictional_joint.w,
+       .omega = T->frictional_joint.omega}};
   b->count = 0;
-  for (int force = 0; force < forces_of(&p->setting->system->dims); force++) {
-    nsdae_event_row row = row_of(p, force);
-    b->place[force] = row.kind == NSDAE_ROW_NONE ? -1 : b->count;
-    if (row.kind != NSDAE_ROW_NONE) b->row[b->count++] = row;
-  }
+  for (int l = 0, force = 0; l < 3; l++)
+    for (int i = 0; i < of[l].rows->count; i++, force++) {
+      nsdae_event_row *row = &b->row[b->count];
+      nsdae_event_row_kind kind = kind_of(p, force);
+      b->place[force] = kind == NSDAE_ROW_NONE ? -1 : b->count++;
+      if (kind == NSDAE_ROW_NONE) continue;
+      *row = of[l];
+      row->kind = kind, row->force = force, row->index = i;
+    }
 }
 
 void nsdae_event_begin_phase(nsdae_event_phase *p)
