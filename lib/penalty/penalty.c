@@ -596,8 +596,11 @@ static int advance(void *own, const nsdae_state *state, double t_end, nsdae_resu
   p->reached = state->terms->t;
   if (status == NSDAE_OK) status = integrate(p, result, t_end);
   if (status == NSDAE_OK) status = read_results(p, result, p->reached - state->terms->t);
+  nsdae_error *error = p->equations.stepper->error;
+  /* a callback that failed in an integral has its own status, as of a value that is not finite */
+  if (status == NSDAE_E_CALLBACK && error->status < 0) return error->status;
   if (status < 0) return status;
-  nsdae_error_clear(p->equations.stepper->error); /* of callbacks that a smaller step helped */
+  nsdae_error_clear(error); /* of callbacks that a smaller step helped */
   result->memory.stamp = p->stamp = ++p->stamps;
   return NSDAE_OK;
 }

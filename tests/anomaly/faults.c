@@ -329,7 +329,8 @@ static void test_remembered(void **state)
   static const struct {
     uint64_t seed;
     int method;
-  } remembered[] = {{203603, NSDAE_METHOD_EVENT}, {9417179, NSDAE_METHOD_EVENT}};
+  } remembered[] = {
+      {203603, NSDAE_METHOD_EVENT}, {9417179, NSDAE_METHOD_EVENT}, {90112, NSDAE_METHOD_PENALTY}};
   signal(SIGVTALRM, on_alarm);
   for (size_t i = 0; i < sizeof remembered / sizeof *remembered; i++)
     assert_int_equal(try_seed(&r, remembered[i].seed, remembered[i].method), FINE);
