@@ -507,7 +507,11 @@ static int read_results(event *e, const nsdae_terms *from)
   r->located = 1;
   r->smooth = r->counters.events == 0;
   nsdae_event_move(&e->setting, e->reached, e->integrator.y);
-  return nsdae_event_certify(&e->phase, from);
+  /* Newton's matrix of IDA may be regular if M or Phi_q is not. */
+  if (e->integrator.smooth.is_stiff)
+    status = nsdae_terms_need(e->setting.here, NSDAE_TERM_MASS | NSDAE_TERM_JACOBIAN);
+  if (e->integrator.smooth.is_stiff && status == NSDAE_OK) status = nsdae_event_factor(&e->setting);
+  return status < 0 ? status : nsdae_event_certify(&e->phase, from);
 }
 
 static int prepare(void *own)

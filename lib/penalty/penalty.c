@@ -162,7 +162,8 @@ static void destroy(void *own)
 
 /* ---- starts */
 
-/* The velocity of the largest change at t, in units of its tolerance; -1: unknown. */
+/* The velocity of the largest change at t, in units of its tolerance; -1: the equations have no
+ * solution there, as the error record says. */
 static int fastest(penalty *p, double t)
 {
   const nsdae_sim_options *o = p->equations.stepper->options;
@@ -183,6 +184,7 @@ static int integrator_failed(penalty *p, int status, double t)
   const char *cause = p->integrator.cause;
   if (s->error->status != NSDAE_OK) return s->error->status;
   int velocity = fastest(p, t);
+  if (s->error->status != NSDAE_OK) return s->error->status;          /* no solution there */
   status = status == NSDAE_E_CALLBACK ? NSDAE_E_CONVERGENCE : status; /* none failed */
   nsdae_error_set(s->error, status, "nsdae_penalty", "rtol",
                   "the integrator failed at t = %.17g: no step length satisfies rtol and atol%s%s: "
@@ -543,7 +545,10 @@ static int read_results(penalty *p, nsdae_result *result, double h)
   if (status == NSDAE_OK) status = nsdae_penalty_evaluate(&p->equations, t, p->equations.room);
   if (status == NSDAE_OK)
     status = nsdae_terms_need(T, NSDAE_TERM_PHI | NSDAE_TERM_SLIDE | NSDAE_TERM_JACOBIAN |
-                                     NSDAE_TERM_PHI_T);
+                                     NSDAE_TERM_PHI_T | NSDAE_TERM_MASS);
+  /* Newton's matrix of IDA may be regular if M or Phi_q is not. */
+  if (status == NSDAE_OK && p->integrator.is_stiff)
+    status = nsdae_stepper_factor(p->equations.stepper, T, T->M);
   if (status < 0) return status;
   for (int i = 0; i < d->m; i++) result->multiplier[i] /= h;
   for (int i = 0; i < d->k; i++) to->mode[i] = mode_of(p, i, d->nt);

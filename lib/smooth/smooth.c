@@ -91,6 +91,7 @@ static int quadrature(nsdae_smooth *g, double t, double *sum)
   int forces = g->steps.forces, further = integrals(g) - forces;
   double h = (t - g->from) / 2;
   memcpy(sum, g->sum[0], (size_t)integrals(g) * sizeof *sum);
+  if (!(g->to > g->from)) return NSDAE_OK; /* a step of IDA below the rounding of t */
   for (int i = 0; i < 3 && forces > 0; i++) {
     int status = nsdae_ida_read(g->ida, node_in(g->from, t, i), 0, g->y);
     if (status < 0) return status;
