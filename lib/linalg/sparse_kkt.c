@@ -171,13 +171,20 @@ static double final_error(const nsdae_sparse_kkt *k, double error)
   return max_with_nan(forces, rows);
 }
 
-/* Corrections until the error no longer falls; returns it. A last one that made it larger is
- * undone. */
+/* Error at which refinement ends: a few roundings; of a matrix of Newton's method, which has larger
+ * errors itself, what is enough. */
+static double small_error(const nsdae_sparse_kkt *k)
+{
+  return fmax(k->coupled ? ENOUGH : 16 * DBL_EPSILON, k->enough);
+}
+
+/* Corrections until the error is small or no longer falls; returns it. A last one that made it
+ * larger is undone. */
 static double refine(const nsdae_sparse_kkt *k)
 {
   const nsdae_kkt_values *a = &k->at;
   double last = INFINITY, now = residual_of_groups(k);
-  for (int i = 0; i < REFINEMENTS && now > fmax(DBL_EPSILON, k->enough) && now < last / 2; i++) {
+  for (int i = 0; i < REFINEMENTS && now > small_error(k) && now < last / 2; i++) {
     last = now;
     correct(k);
     now = residual_of_groups(k);
