@@ -188,9 +188,18 @@ static int contradiction(event *e, int entry, double t)
   return NSDAE_E_CONVERGENCE;
 }
 
+/* Whether a root is the force of a contact that the problem of accelerations gave none, and parted
+ * by less than is told apart from zero: closed it would pull. */
+static int idles(const event *e, int entry)
+{
+  const nsdae_event_root *root = &e->roots.entry[entry];
+  return root->kind == NSDAE_ROOT_NORMAL &&
+         !(e->instant.acceleration.solution.normal[root->index] > 0);
+}
+
 /* The instant t at the state of the integrator's y, and the start of the next phase. Rows that are
  * independent by little more than errors may have forces that contradict the modes: then more of
- * them depend on others. */
+ * them depend on others, and what idles is let go. */
 static int restart(event *e, double t)
 {
   int status, wrong = -1;
@@ -201,7 +210,7 @@ static int restart(event *e, double t)
     if (status == NSDAE_OK) status = start(e, t);
     wrong = status < 0 ? -1 : nsdae_event_inconsistent(&e->roots);
     if (wrong < 0) break;
-    for (int i = 0; i < e->roots.count; i++) e->roots.entry[i].found = 0;
+    for (int i = 0; i < e->roots.count; i++) e->roots.entry[i].found = i == wrong && idles(e, i);
   }
   e->setting.result->counters.events++;
   ++*e->base.instants;
@@ -229,7 +238,6 @@ static int jammed(event *e, double t)
 static void blur(event *e)
 {
   double idle = nsdae_rattle_growth(*e->base.idle, CHATTERS, 8);
-  e->instant.impacts.accumulation.rattles = e->base.rattle.count;
   for (int i = 0; i < e->setting.system->dims.k; i++) {
     e->instant.impacts.blur[i] = nsdae_rattle_blur(&e->base.rattle, i);
     e->phase.modes.blur[i] = fmax(idle, e->instant.impacts.blur[i]);
