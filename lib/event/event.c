@@ -320,6 +320,7 @@ static int begin(event *e, const nsdae_terms *from)
   memset(memory->real, 0, memory->reals * sizeof *memory->real);
   memset(memory->whole, 0, memory->wholes * sizeof *memory->whole);
   memset(y, 0, (size_t)e->setting.at.n * sizeof *y);
+  e->integrator.smooth.steps.h = 0;
   for (int j = 0; j < d->f; j++) e->phase.modes.normal_sense[j] = 1;
   blur(e);
   for (int i = 0; i < e->roots.count; i++) e->roots.entry[i].found = 0;

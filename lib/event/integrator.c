@@ -8,6 +8,15 @@
 /* Of the tolerance of a position: less deep between two steps a contact is none. */
 static const double DEEP = 0.1;
 
+/* Of dt, the longest step: at rest, where no error bounds it, rounding eps of the accelerations
+ * would displace by eps h^2, and a force that begins at some time would be passed over. */
+static const double LONGEST = 100;
+
+/* Of 1 / alpha, the longest step: Baumgarte's terms make v' = -2 alpha v of a drift, and beyond the
+ * border of stability (|h lambda| 3.3 and 6.1) the rounding of a body at rest would grow up to the
+ * tolerance. */
+static const double DAMPED = 1;
+
 /* Of dt: a step that leads nowhere. */
 static const double SHORT = 1e-6;
 
@@ -114,7 +123,8 @@ void nsdae_event_integrator_prepare(nsdae_event_integrator *e)
   const nsdae_sim_options *o = e->roots->phase->setting->options;
   e->smooth.steps.rtol = o->rtol;
   e->smooth.steps.atol = o->atol;
-  e->smooth.steps.max_step = fmin(o->dt, o->step_max);
+  e->smooth.steps.max_step = fmin(fmin(o->step_max, LONGEST * o->dt), DAMPED / o->baumgarte_alpha);
+  e->smooth.steps.span = o->dt;
 }
 
 /* The largest force applied, or what would stop the bodies in a dt. */
@@ -125,13 +135,18 @@ static double force_of(const nsdae_event_integrator *e)
   int n = T->system->dims.nv;
   double inertia = 0;
   for (size_t i = 0; i < b->square[b->count]; i++) inertia = fmax(inertia, fabs(T->M[i]));
-  return fmax(nsdae_largest(n, T->F), inertia * nsdae_largest(n, T->v) / e->smooth.steps.max_step);
+  return fmax(nsdae_largest(n, T->F), inertia * nsdae_largest(n, T->v) / e->smooth.steps.span);
 }
 
 int nsdae_event_integrator_start(nsdae_event_integrator *e, double t)
 {
   nsdae_event_phase *p = e->roots->phase;
+  const nsdae_sim_options *o = p->setting->options;
   nsdae_event_begin_phase(p);
+  /* forces of what is closed may turn or jump within a long step: auto takes the shorter ones */
+  int closed = o->integrator == NSDAE_INTEGRATOR_AUTO &&
+               (p->terms & (NSDAE_TERM_NORMAL | NSDAE_TERM_SLIDE)) != 0;
+  e->smooth.steps.pair = closed ? &nsdae_dopri5 : nsdae_runge_kutta_pair(o->integrator, o->rtol);
   nsdae_error_clear(p->setting->error);
   nsdae_power_start(&e->account->power); /* a phase begins */
   memset(e->end, 0, (size_t)e->smooth.steps.n * sizeof *e->end);
@@ -148,28 +163,52 @@ int nsdae_event_integrator_start(nsdae_event_integrator *e, double t)
   return status < 0 ? status : nsdae_event_set_roots(e->roots, t, e->y, p->x);
 }
 
-/* A step of the integrator at work; its end is in `end`. */
+/* The end of the step at work. */
+static double step_end(const nsdae_event_integrator *e)
+{
+  return e->smooth.is_stiff ? e->smooth.to : e->smooth.steps.t;
+}
+
+/* The end of the next window, in which roots are looked for: dt at most. */
+static double window_end(const nsdae_event_integrator *e)
+{
+  double left = step_end(e) - e->ahead, dt = e->roots->phase->setting->options->dt;
+  double count = ceil(left / dt * (1 - 1e-9));
+  return count > 1 ? e->ahead + left / count : step_end(e);
+}
+
+/* In how many pieces dips are looked for from there: a polynomial of DOP853 has two extrema more
+ * than one of DOPRI5, for whose steps the two halves do. */
+static int pieces_of(const nsdae_event_integrator *e, double from)
+{
+  const nsdae_runge_kutta *s = &e->smooth.steps;
+  if (e->smooth.is_stiff || s->pair != &nsdae_dop853) return 2;
+  return 2 * (int)fmax(1, fmin(3, ceil(3 * (e->ahead - from) / s->last)));
+}
+
+/* A window of the integrator at work, of a new step if the last one is searched; its end is in
+ * `end`. */
 static int step(nsdae_event_integrator *e)
 {
-  int status = nsdae_smooth_advance(&e->smooth);
+  int status = e->ahead < step_end(e) ? NSDAE_OK : nsdae_smooth_advance(&e->smooth);
   if (status < 0) return status;
-  e->ahead = e->smooth.to;
+  e->ahead = window_end(e);
   return nsdae_smooth_read(&e->smooth, e->ahead, e->smooth.steps.controlled, e->end);
 }
 
 /* Whether a step in which the forces have no solution may be tried again, shorter: as where a gap
  * has a kink in it. */
-static int can_retreat(const nsdae_event_integrator *e)
+static int can_retreat(const nsdae_event_integrator *e, double from)
 {
   const nsdae_event_setting *s = e->roots->phase->setting;
   return s->error->status == NSDAE_OK && !*e->roots->phase->modes.is_stiff &&
-         e->smooth.steps.last > SHORT * s->options->dt;
+         e->ahead - from > SHORT * s->options->dt;
 }
 
 /* A force that falls may have jumped, as where a ball rolls from a face to an edge: beyond, the
  * forces of the phase are none, and the impulses of a step to there are not those up to here. So
  * such a step is taken again, to here. 0: it has to be shorter. */
-static int land(nsdae_event_integrator *e, double from)
+static int land(nsdae_event_integrator *e)
 {
   const int *mode = e->roots->phase->modes.contact;
   int force = 0;
@@ -179,10 +218,23 @@ static int land(nsdae_event_integrator *e, double from)
         e->fallen[i] && root->kind == NSDAE_ROOT_NORMAL && mode[root->index] != NSDAE_MODE_OPEN;
   }
   if (!force || *e->roots->phase->modes.is_stiff || !(e->ahead < e->smooth.steps.t)) return 1;
-  return nsdae_runge_kutta_land(&e->smooth.steps, from, e->ahead) == 0;
+  return nsdae_runge_kutta_land(&e->smooth.steps, e->ahead) == 0;
 }
 
-/* A step that ends at the first fall of a root; returns how many fell, or a status. */
+/* Back to the start of the window, with a shorter step. 0 where f is not defined up to there. */
+static int retreat(nsdae_event_integrator *e, double from)
+{
+  nsdae_runge_kutta *s = &e->smooth.steps;
+  double length = SHORTER * (e->ahead - from);
+  int whole = from == s->from;
+  e->ahead = from;
+  if (!whole && nsdae_runge_kutta_land(s, from) != 0) return 0;
+  if (whole) nsdae_runge_kutta_retreat(s);
+  s->h = length;
+  return 1;
+}
+
+/* A window that ends at the first fall of a root; returns how many fell, or a status. */
 static int step_to_fall(nsdae_event_integrator *e)
 {
   double from = e->ahead;
@@ -190,13 +242,15 @@ static int step_to_fall(nsdae_event_integrator *e)
   if (e->fall.count > 0 && nsdae_event_root_values(e->roots, from, e->y, e->fall.low) < 0)
     return NSDAE_E_CONVERGENCE;
   for (;;) {
-    int status = step(e);
-    if (status < 0 || e->fall.count == 0) return status;
-    int fell = nsdae_fall_find(&e->fall, from, &e->ahead, e->fallen);
-    if (fell == 0 || (fell > 0 && land(e, from))) return fell;
-    e->ahead = from;
-    if (!can_retreat(e)) return NSDAE_E_CONVERGENCE;
-    nsdae_runge_kutta_retreat(&e->smooth.steps, from, SHORTER);
+    const nsdae_runge_kutta *s = &e->smooth.steps;
+    int status = step(e), fell = 0;
+    if (status < 0) return status;
+    if (!nsdae_runge_kutta_is_rough(s) && e->fall.count > 0)
+      fell = nsdae_fall_find(&e->fall, from, &e->ahead, e->fallen);
+    int rough = nsdae_runge_kutta_is_rough(s) && can_retreat(e, from);
+    if (!rough && (fell == 0 || (fell > 0 && land(e)))) return fell;
+    if (!can_retreat(e, from) || !retreat(e, from)) return NSDAE_E_CONVERGENCE;
+    if (e->fall.count > 0 && values(from, e->fall.low, e) < 0) return NSDAE_E_CONVERGENCE;
   }
 }
 
@@ -209,8 +263,9 @@ int nsdae_event_integrator_advance(nsdae_event_integrator *e)
   int fell = step_to_fall(e);
   if (fell < 0) return fell;
   /* a contact that closes and opens again between two steps is none of the roots */
-  int found = nsdae_dip_find(&e->dip, from, e->ahead, e->roots->phase->modes.contact,
-                             DEEP * nsdae_event_position_size(s), &hidden, &contact);
+  int found =
+      nsdae_dip_find(&e->dip, from, e->ahead, pieces_of(e, from), e->roots->phase->modes.contact,
+                     DEEP * nsdae_event_position_size(s), &hidden, &contact);
   if (found < 0) return found;
   if (contact >= 0) e->ahead = hidden, fell = 0;
   int status = nsdae_event_integrator_read(e, e->ahead, e->y);

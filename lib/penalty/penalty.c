@@ -86,6 +86,8 @@ static int prepare(void *own)
   p->integrator.steps.rtol = o->rtol;
   p->integrator.steps.atol = o->atol;
   p->integrator.steps.max_step = fmin(o->dt, o->step_max);
+  p->integrator.steps.span = o->dt;
+  p->integrator.steps.pair = nsdae_runge_kutta_pair(o->integrator, o->rtol);
   return check_law(p->equations.stepper);
 }
 

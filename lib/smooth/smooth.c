@@ -38,7 +38,8 @@ void nsdae_smooth_destroy(nsdae_smooth *g)
 static int start_ida(nsdae_smooth *g, double t, const double *qv)
 {
   const nsdae_runge_kutta *s = &g->steps;
-  const nsdae_ida_tolerances tolerances = {s->rtol, s->atol, s->max_step, s->force, s->max_step};
+  const nsdae_ida_tolerances tolerances = {s->rtol, s->atol, fmin(s->max_step, s->span), s->force,
+                                           s->span};
   size_t controlled = (size_t)s->controlled, forces = (size_t)s->forces;
   memset(g->y, 0, (size_t)s->n * sizeof *qv);
   memcpy(g->y, qv, controlled * sizeof *qv);
@@ -127,10 +128,7 @@ int nsdae_smooth_advance(nsdae_smooth *g)
 int nsdae_smooth_read(nsdae_smooth *g, double t, int count, double *z)
 {
   int controlled = g->steps.controlled, first = count < controlled ? count : controlled;
-  if (!g->is_stiff) {
-    nsdae_runge_kutta_read(&g->steps, t, count, z);
-    return NSDAE_OK;
-  }
+  if (!g->is_stiff) return nsdae_runge_kutta_read(&g->steps, t, count, z);
   int status = nsdae_ida_read(g->ida, t, 0, g->y);
   if (status < 0) return status;
   memcpy(z, g->y, (size_t)first * sizeof *z);
