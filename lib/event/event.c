@@ -188,9 +188,9 @@ static int contradiction(event *e, int entry, double t)
   return NSDAE_E_CONVERGENCE;
 }
 
-/* Whether a root is the force of a contact that the problem of accelerations gave none, and parted
- * by less than is told apart from zero: closed it would pull. */
-static int idles(const event *e, int entry)
+/* Whether a root is the force of a contact to which the problem of accelerations gave none, with an
+ * acceleration apart below its tolerance. Such a contact pulls if it is closed. */
+static int has_no_force(const event *e, int entry)
 {
   const nsdae_event_root *root = &e->roots.entry[entry];
   return root->kind == NSDAE_ROOT_NORMAL &&
@@ -199,7 +199,7 @@ static int idles(const event *e, int entry)
 
 /* The instant t at the state of the integrator's y, and the start of the next phase. Rows that are
  * independent by little more than errors may have forces that contradict the modes: then more of
- * them depend on others, and what idles is let go. */
+ * them depend on others, and a contact without a force opens. */
 static int restart(event *e, double t)
 {
   int status, wrong = -1;
@@ -210,7 +210,8 @@ static int restart(event *e, double t)
     if (status == NSDAE_OK) status = start(e, t);
     wrong = status < 0 ? -1 : nsdae_event_inconsistent(&e->roots);
     if (wrong < 0) break;
-    for (int i = 0; i < e->roots.count; i++) e->roots.entry[i].found = i == wrong && idles(e, i);
+    for (int i = 0; i < e->roots.count; i++)
+      e->roots.entry[i].found = i == wrong && has_no_force(e, i);
   }
   e->setting.result->counters.events++;
   ++*e->base.instants;
