@@ -87,7 +87,8 @@ static int prepare(void *own)
   p->integrator.steps.atol = o->atol;
   p->integrator.steps.max_step = fmin(o->dt, o->step_max);
   p->integrator.steps.span = o->dt;
-  p->integrator.steps.pair = nsdae_runge_kutta_pair(o->integrator, o->rtol);
+  p->integrator.steps.pair =
+      o->integrator == NSDAE_INTEGRATOR_DOP853 ? &nsdae_dop853 : &nsdae_dopri5;
   return check_law(p->equations.stepper);
 }
 
@@ -419,8 +420,9 @@ static int one_step(penalty *p)
     double deep = DEEP * (g->steps.rtol * g->steps.way + g->steps.atol);
     found = nsdae_fall_find(&p->fall, from, &p->ahead, p->found);
     if (found < 0) return found;
-    status =
-        nsdae_dip_find(&p->dip, from, p->ahead, p->equations.base.closed, deep, &hidden, &contact);
+    status = nsdae_dip_find(&p->dip, from, p->ahead,
+                            g->steps.pair == &nsdae_dop853 ? NSDAE_DIP_PIECES : 2,
+                            p->equations.base.closed, deep, &hidden, &contact);
     if (status < 0) return status;
   }
   if (contact >= 0) {
