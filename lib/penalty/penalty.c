@@ -221,7 +221,7 @@ static int start_integrator(penalty *p)
   p->ahead = *b->t;
   p->pending = 0;
   p->integrator.is_stiff = *b->is_stiff;
-  p->integrator.first = *b->first;
+  p->integrator.first = p->integrator.steps.h = *b->first;
   nsdae_error_clear(s->error);
   nsdae_power_start(&p->equations.power);
   nsdae_dip_start(&p->dip);
@@ -253,7 +253,7 @@ static int move_base(penalty *p, double t)
     if (status < 0) return status;
     nsdae_add(d->k, 1, z + nsdae_penalty_at_normal(d), b->impulse);
     nsdae_add(d->k * d->nt, 1, z + nsdae_penalty_at_tangential(d), b->impulse_t);
-    *b->first = (p->integrator.is_stiff ? FIRST : 1) * nsdae_smooth_last(&p->integrator);
+    *b->first = g->is_stiff ? FIRST * nsdae_smooth_last(g) : g->steps.h;
   }
   *b->t = t;
   *b->steps = 0;
@@ -419,8 +419,10 @@ static int one_step(penalty *p)
     double deep = DEEP * (g->steps.rtol * g->steps.way + g->steps.atol);
     found = nsdae_fall_find(&p->fall, from, &p->ahead, p->found);
     if (found < 0) return found;
-    status =
-        nsdae_dip_find(&p->dip, from, p->ahead, p->equations.base.closed, deep, &hidden, &contact);
+    /* polynomials of DOP853 have two extrema more than those of DOPRI5 and IDA */
+    int pieces = !g->is_stiff && g->steps.pair == &nsdae_dop853 ? NSDAE_DIP_PIECES : 2;
+    status = nsdae_dip_find(&p->dip, from, p->ahead, pieces, p->equations.base.closed, deep,
+                            &hidden, &contact);
     if (status < 0) return status;
   }
   if (contact >= 0) {
