@@ -441,8 +441,7 @@ static int step_or_start(penalty *p)
   double from = p->ahead;
   int steps = *p->equations.base.steps, stiff = *p->equations.base.is_stiff;
   int automatic = p->equations.stepper->options->integrator == NSDAE_INTEGRATOR_AUTO;
-  if (nsdae_smooth_stiff(&p->integrator) && automatic && p->integrator.ida)
-    return start(p, from, 1);
+  if (nsdae_smooth_stiff(&p->integrator) && automatic) return start(p, from, 1);
   if (steps >= (stiff ? STIFF_STEPS_MAX : STEPS_MAX)) return start(p, from, stiff);
   int status = one_step(p);
   if (status == NSDAE_OK) return NSDAE_OK;
