@@ -222,7 +222,7 @@ static int start_integrator(penalty *p)
   p->ahead = *b->t;
   p->pending = 0;
   p->integrator.is_stiff = *b->is_stiff;
-  p->integrator.first = *b->first;
+  p->integrator.first = p->integrator.steps.h = *b->first;
   nsdae_error_clear(s->error);
   nsdae_power_start(&p->equations.power);
   nsdae_dip_start(&p->dip);
@@ -254,7 +254,7 @@ static int move_base(penalty *p, double t)
     if (status < 0) return status;
     nsdae_add(d->k, 1, z + nsdae_penalty_at_normal(d), b->impulse);
     nsdae_add(d->k * d->nt, 1, z + nsdae_penalty_at_tangential(d), b->impulse_t);
-    *b->first = (p->integrator.is_stiff ? FIRST : 1) * nsdae_smooth_last(&p->integrator);
+    *b->first = g->is_stiff ? FIRST * nsdae_smooth_last(g) : g->steps.h;
   }
   *b->t = t;
   *b->steps = 0;
@@ -420,9 +420,10 @@ static int one_step(penalty *p)
     double deep = DEEP * (g->steps.rtol * g->steps.way + g->steps.atol);
     found = nsdae_fall_find(&p->fall, from, &p->ahead, p->found);
     if (found < 0) return found;
-    status = nsdae_dip_find(&p->dip, from, p->ahead,
-                            g->steps.pair == &nsdae_dop853 ? NSDAE_DIP_PIECES : 2,
-                            p->equations.base.closed, deep, &hidden, &contact);
+    /* polynomials of DOP853 have two extrema more than those of DOPRI5 and IDA */
+    int pieces = !g->is_stiff && g->steps.pair == &nsdae_dop853 ? NSDAE_DIP_PIECES : 2;
+    status = nsdae_dip_find(&p->dip, from, p->ahead, pieces, p->equations.base.closed, deep,
+                            &hidden, &contact);
     if (status < 0) return status;
   }
   if (contact >= 0) {
@@ -441,8 +442,7 @@ static int step_or_start(penalty *p)
   double from = p->ahead;
   int steps = *p->equations.base.steps, stiff = *p->equations.base.is_stiff;
   int automatic = p->equations.stepper->options->integrator == NSDAE_INTEGRATOR_AUTO;
-  if (nsdae_smooth_stiff(&p->integrator) && automatic && p->integrator.ida)
-    return start(p, from, 1);
+  if (nsdae_smooth_stiff(&p->integrator) && automatic) return start(p, from, 1);
   if (steps >= (stiff ? STIFF_STEPS_MAX : STEPS_MAX)) return start(p, from, stiff);
   int status = one_step(p);
   if (status == NSDAE_OK) return NSDAE_OK;

@@ -46,10 +46,10 @@ int nsdae_smooth_advance(nsdae_smooth *smooth);
  * NSDAE_E_CONVERGENCE. */
 int nsdae_smooth_read(nsdae_smooth *smooth, double t, int count, double *z);
 
-/* The explicit steps have for long been held back by stability. */
+/* The explicit steps have for long been held back by stability, and IDA is there. */
 static inline int nsdae_smooth_stiff(const nsdae_smooth *smooth)
 {
-  return !smooth->is_stiff && nsdae_runge_kutta_stiff(&smooth->steps);
+  return smooth->ida && !smooth->is_stiff && nsdae_runge_kutta_stiff(&smooth->steps);
 }
 
 /* Length of the last step. */

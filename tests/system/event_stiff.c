@@ -61,7 +61,9 @@ static void test_planar(void **state)
   memcpy(rate, rate_0, sizeof rate);
   stiff_chain_swing(&chain, t, 20000, theta, rate);
   stiff_chain_place(&chain, theta, rate, angles.q, angles.v);
-  for (int integrator = 0; integrator < 4; integrator++)
+  int last =
+      strstr(nsdae_build_info(), "SUNDIALS none") ? NSDAE_INTEGRATOR_DOP853 : NSDAE_INTEGRATOR_IDA;
+  for (int integrator = 0; integrator <= last; integrator++)
     for (int derivatives = 0; derivatives < 2; derivatives++) {
       stiff_chain_place(&chain, theta_0, rate_0, r.q, r.v);
       go(&chain, integrator, derivatives, 1e-6, t, &r);
