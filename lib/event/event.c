@@ -15,7 +15,14 @@
 
 /* Instants in one dt without an impact or a change of mode; steps of the integrator after which it
  * starts anew, so that a way back is not longer. */
-enum { IDLE_MAX = 500, CHATTERS = 20, STEPS_MAX = 5000, STIFF_STEPS = 300, STILL = 16 };
+enum {
+  IDLE_MAX = 500,
+  CHATTERS = 20,
+  STEPS_MAX = 5000,
+  STIFF_STEPS = 300,
+  STARTING_STEPS = 64, /* 2^-53 of the length of a step, doubled 53 times, is that length */
+  STILL = 16
+};
 
 /* An instant of a contact is soon after another within this number of accumulation_time. One of
  * friction that breaks away or stops before it has left zero leads nowhere and counts for STILL of
@@ -161,6 +168,12 @@ static int goes_by_ida(const event *e)
   return e->setting.options->integrator == NSDAE_INTEGRATOR_IDA;
 }
 
+/* The integrator of the option, as a phase begins. */
+static void set_integrator(event *e)
+{
+  *e->phase.modes.stiffness = goes_by_ida(e) ? NSDAE_STIFF : NSDAE_NOT_STIFF;
+}
+
 /* The integrator starts at t, which is the base from now on. */
 static int start(event *e, double t)
 {
@@ -206,7 +219,7 @@ static int restart(event *e, double t)
   double *looser = &e->instant.acceleration.looser;
   for (*looser = 1; *looser <= LOOSEST; *looser *= LOOSER) {
     status = nsdae_event_pass(&e->instant, t, e->integrator.y);
-    *e->phase.modes.is_stiff = goes_by_ida(e);
+    set_integrator(e);
     if (status == NSDAE_OK) status = start(e, t);
     wrong = status < 0 ? -1 : nsdae_event_inconsistent(&e->roots);
     if (wrong < 0) break;
@@ -405,14 +418,14 @@ static int integrate(event *e)
   if (status == NSDAE_OK) return NSDAE_OK;
   g->ahead = from;
   if (nsdae_event_integrator_read(g, from, g->y) < 0) return integrator_failed(e, status, from);
-  if (!*e->phase.modes.is_stiff || goes_by_ida(e)) {
+  if (!g->smooth.is_stiff || goes_by_ida(e)) {
     int refused = e->setting.error->status != NSDAE_OK; /* by a callback: no stop */
     if (refused) return explain(e, status);
     g->pending = nsdae_event_stop_slow(&e->roots, from, g->y) > 0;
     if (!g->pending && cross_kink(e, from)) return change_modes(e, from);
     return g->pending ? NSDAE_OK : explain(e, status);
   }
-  *e->phase.modes.is_stiff = 0; /* what backward differences do not solve, the other may */
+  *e->phase.modes.stiffness = NSDAE_STIFF_IN_VAIN; /* a pair may solve what IDA does not */
   return start(e, from);
 }
 
@@ -443,7 +456,7 @@ static int arrive(event *e, const nsdae_state *state)
   }
   if (state->memory->stamp > 0 && state->memory->stamp == e->stamp) return NSDAE_OK;
   if (e->setting.options->integrator != NSDAE_INTEGRATOR_AUTO)
-    *e->phase.modes.is_stiff = goes_by_ida(e); /* the option may be new */
+    set_integrator(e); /* the option may be new */
   int stands = state->memory->stamp != 0 ? replay(e, state->terms) : 0;
   *counters = counted;
   if (stands < 0) return stands;
@@ -464,16 +477,31 @@ static int too_many(const event *e)
          *e->base.idle > IDLE_MAX || has_short_steps(e);
 }
 
+/* Whether another integrator goes on: after steps that stability bounds IDA does; IDA ends after
+ * STIFF_STEPS, or in vain, if its steps past its start are no longer than the pair's. Steps of both
+ * cost about the same: three evaluations and a factorisation, six evaluations. */
+static int change_integrator(event *e)
+{
+  int *stiffness = e->phase.modes.stiffness, steps = *e->base.steps;
+  const nsdae_smooth *g = &e->integrator.smooth;
+  if (e->setting.options->integrator != NSDAE_INTEGRATOR_AUTO)
+    return steps >= (g->is_stiff ? STIFF_STEPS : STEPS_MAX);
+  if (!g->is_stiff) {
+    int stiff = *stiffness == NSDAE_NOT_STIFF && nsdae_smooth_stiff(g);
+    if (stiff) *stiffness = NSDAE_STIFF;
+    return stiff || steps >= STEPS_MAX;
+  }
+  int in_vain = steps >= STARTING_STEPS && nsdae_smooth_last(g) < *e->base.h;
+  if (in_vain || steps >= STIFF_STEPS) *stiffness = in_vain ? NSDAE_STIFF_IN_VAIN : NSDAE_NOT_STIFF;
+  return *stiffness != NSDAE_STIFF;
+}
+
 static int advance_from(event *e)
 {
   nsdae_event_integrator *g = &e->integrator;
   if (g->ahead > e->reached) return NSDAE_OK;
-  int stiff = e->setting.options->integrator == NSDAE_INTEGRATOR_AUTO &&
-              !*e->phase.modes.is_stiff && nsdae_smooth_stiff(&g->smooth);
-  if (!stiff && *e->base.steps < (*e->phase.modes.is_stiff ? STIFF_STEPS : STEPS_MAX))
-    return integrate(e);
+  if (!change_integrator(e)) return integrate(e);
   int status = nsdae_event_integrator_read(g, g->ahead, g->y);
-  *e->phase.modes.is_stiff = stiff || goes_by_ida(e);
   return status < 0 ? status : start(e, g->ahead);
 }
 

@@ -8,10 +8,6 @@
 /* Of the tolerance of a position: less deep between two steps a contact is none. */
 static const double DEEP = 0.1;
 
-/* Of dt, the longest step: at rest, where no error bounds it, rounding eps of the accelerations
- * would displace by eps h^2, and a force that begins at some time would be passed over. */
-static const double LONGEST = 100;
-
 /* Of 1 / alpha, the longest step: Baumgarte's terms make v' = -2 alpha v of a drift, and beyond the
  * border of stability (|h lambda| 3.3 and 6.1) the rounding of a body at rest would grow up to the
  * tolerance. */
@@ -123,7 +119,7 @@ void nsdae_event_integrator_prepare(nsdae_event_integrator *e)
   const nsdae_sim_options *o = e->roots->phase->setting->options;
   e->smooth.steps.rtol = o->rtol;
   e->smooth.steps.atol = o->atol;
-  e->smooth.steps.max_step = fmin(fmin(o->step_max, LONGEST * o->dt), DAMPED / o->baumgarte_alpha);
+  e->smooth.steps.max_step = fmin(fmin(o->step_max, o->dt), DAMPED / o->baumgarte_alpha);
   e->smooth.steps.span = o->dt;
 }
 
@@ -155,7 +151,7 @@ int nsdae_event_integrator_start(nsdae_event_integrator *e, double t)
   nsdae_dip_start(&e->dip);
   e->pending = e->roots->short_steps = 0;
   int status = nsdae_event_forces(p, t, e->y);
-  e->smooth.is_stiff = *p->modes.is_stiff;
+  e->smooth.is_stiff = *p->modes.stiffness == NSDAE_STIFF;
   if (status == NSDAE_OK) {
     e->smooth.steps.force = force_of(e);
     status = nsdae_smooth_start(&e->smooth, t, e->end);
@@ -201,7 +197,7 @@ static int step(nsdae_event_integrator *e)
 static int can_retreat(const nsdae_event_integrator *e, double from)
 {
   const nsdae_event_setting *s = e->roots->phase->setting;
-  return s->error->status == NSDAE_OK && !*e->roots->phase->modes.is_stiff &&
+  return s->error->status == NSDAE_OK && !e->smooth.is_stiff &&
          e->ahead - from > SHORT * s->options->dt;
 }
 
@@ -217,7 +213,7 @@ static int land(nsdae_event_integrator *e)
     force |=
         e->fallen[i] && root->kind == NSDAE_ROOT_NORMAL && mode[root->index] != NSDAE_MODE_OPEN;
   }
-  if (!force || *e->roots->phase->modes.is_stiff || !(e->ahead < e->smooth.steps.t)) return 1;
+  if (!force || e->smooth.is_stiff || !(e->ahead < e->smooth.steps.t)) return 1;
   return nsdae_runge_kutta_land(&e->smooth.steps, e->ahead) == 0;
 }
 

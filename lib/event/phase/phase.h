@@ -27,6 +27,10 @@
 #include "bordered_kkt.h"
 #include "event_context.h"
 
+/* Which of its integrators goes through a phase: a pair; IDA; a pair up to the end of the phase,
+ * because IDA gains nothing. */
+enum nsdae_event_stiffness { NSDAE_NOT_STIFF, NSDAE_STIFF, NSDAE_STIFF_IN_VAIN };
+
 /* The state between two events. */
 typedef struct nsdae_event_modes {
   int *contact;          /* k: enum nsdae_mode */
@@ -42,7 +46,7 @@ typedef struct nsdae_event_modes {
   double *relation;   /* k + k nt squared, by rows: r of those that are */
   double slow;        /* slower than this a body hardly slides, in this phase */
   double *blur;       /* k: 1, or more: the factor on the tolerances of friction */
-  int *is_stiff;      /* 1: which of its integrators goes through it */
+  int *stiffness;     /* 1: enum nsdae_event_stiffness */
 } nsdae_event_modes;
 
 /* The row of a force. */
