@@ -425,7 +425,7 @@ static int integrate(event *e)
     if (!g->pending && cross_kink(e, from)) return change_modes(e, from);
     return g->pending ? NSDAE_OK : explain(e, status);
   }
-  *e->phase.modes.stiffness = NSDAE_STIFF_IN_VAIN; /* a pair may solve what IDA does not */
+  *e->phase.modes.stiffness = NSDAE_NOT_STIFF; /* a pair may solve what IDA does not */
   return start(e, from);
 }
 
