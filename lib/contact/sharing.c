@@ -104,15 +104,10 @@ static int fulfil_relations(nsdae_sharing *s)
 
 /* ---- what the forces of a solution obey */
 
-/* Zero for a force, up to the error of a solved complementarity problem, or that accelerates no
- * contact: G_ll F_l is zero below `none`. Bodies that fall together have only such forces. */
+/* Zero for a force, up to the error of a solved complementarity problem. */
 static double rounding_size(const nsdae_sharing *s)
 {
-  const nsdae_contacts *c = problem_of(s);
-  double most = 0;
-  for (int l = 0; l < c->columns; l++) most = fmax(most, row_of(s, c->delassus.G, l)[l]);
-  double least = most > 0 ? s->of->none / most : 0;
-  return fmax(least, c->lcp.options.tol * nsdae_largest(c->columns, s->force));
+  return problem_of(s)->lcp.options.tol * nsdae_largest(problem_of(s)->columns, s->force);
 }
 
 /* Whether no contact pulls. */

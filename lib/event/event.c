@@ -15,14 +15,7 @@
 
 /* Instants in one dt without an impact or a change of mode; steps of the integrator after which it
  * starts anew, so that a way back is not longer. */
-enum {
-  IDLE_MAX = 500,
-  CHATTERS = 20,
-  STEPS_MAX = 5000,
-  STIFF_STEPS = 300,
-  STARTING_STEPS = 64, /* 2^-53 of the length of a step, doubled 53 times, is that length */
-  STILL = 16
-};
+enum { IDLE_MAX = 500, CHATTERS = 20, STEPS_MAX = 5000, STIFF_STEPS = 300, STILL = 16 };
 
 /* An instant of a contact is soon after another within this number of accumulation_time. One of
  * friction that breaks away or stops before it has left zero leads nowhere and counts for STILL of
@@ -133,7 +126,7 @@ static void destroy(void *own)
 {
   event *e = own;
   if (!e) return;
-  nsdae_event_integrator_release(&e->integrator);
+  nsdae_ode_destroy(&e->integrator.stiff);
   nsdae_cones_close(&e->instant.acceleration.problem.cones);
   nsdae_cones_close(&e->instant.impacts.problem.cones);
   nsdae_least_release(&e->instant.projection.least);
@@ -145,7 +138,6 @@ static void destroy(void *own)
 static int integrator_failed(event *e, int status, double t)
 {
   nsdae_error *error = e->setting.error;
-  const char *cause = e->integrator.smooth.cause;
   if (error->status != NSDAE_OK) return error->status;
   status = status == NSDAE_E_CALLBACK ? NSDAE_E_CONVERGENCE : status; /* none failed */
   int contact = nsdae_event_unbounded(&e->roots, NEAR_POLE, 0);
@@ -156,9 +148,10 @@ static int integrator_failed(event *e, int status, double t)
     return NSDAE_E_PAINLEVE;
   nsdae_error_set(
       error, status, "nsdae_event", "rtol",
-      "the integrator failed at t = %.17g: no step length satisfies rtol and atol%s%s; the "
+      "the integrator failed at t = %.17g: no step length satisfies rtol and atol (code %d); the "
       "equations may have no solution after this time: try a larger rtol, or method = implicit",
-      nsdae_system_time(e->setting.system, t), *cause ? ", reason of SUNDIALS: " : "", cause);
+      nsdae_system_time(e->setting.system, t), e->integrator.code);
+  error->code = e->integrator.code;
   error->time = nsdae_system_time(e->setting.system, t);
   return status;
 }
@@ -166,12 +159,6 @@ static int integrator_failed(event *e, int status, double t)
 static int goes_by_ida(const event *e)
 {
   return e->setting.options->integrator == NSDAE_INTEGRATOR_IDA;
-}
-
-/* The integrator of the option, as a phase begins. */
-static void set_integrator(event *e)
-{
-  *e->phase.modes.stiffness = goes_by_ida(e) ? NSDAE_STIFF : NSDAE_NOT_STIFF;
 }
 
 /* The integrator starts at t, which is the base from now on. */
@@ -201,30 +188,20 @@ static int contradiction(event *e, int entry, double t)
   return NSDAE_E_CONVERGENCE;
 }
 
-/* Whether a root is the force of a contact to which the problem of accelerations gave none, with an
- * acceleration apart below its tolerance. Such a contact pulls if it is closed. */
-static int has_no_force(const event *e, int entry)
-{
-  const nsdae_event_root *root = &e->roots.entry[entry];
-  return root->kind == NSDAE_ROOT_NORMAL &&
-         !(e->instant.acceleration.solution.normal[root->index] > 0);
-}
-
 /* The instant t at the state of the integrator's y, and the start of the next phase. Rows that are
  * independent by little more than errors may have forces that contradict the modes: then more of
- * them depend on others, and a contact without a force opens. */
+ * them depend on others. */
 static int restart(event *e, double t)
 {
   int status, wrong = -1;
   double *looser = &e->instant.acceleration.looser;
   for (*looser = 1; *looser <= LOOSEST; *looser *= LOOSER) {
     status = nsdae_event_pass(&e->instant, t, e->integrator.y);
-    set_integrator(e);
+    *e->phase.modes.is_stiff = goes_by_ida(e);
     if (status == NSDAE_OK) status = start(e, t);
     wrong = status < 0 ? -1 : nsdae_event_inconsistent(&e->roots);
     if (wrong < 0) break;
-    for (int i = 0; i < e->roots.count; i++)
-      e->roots.entry[i].found = i == wrong && has_no_force(e, i);
+    for (int i = 0; i < e->roots.count; i++) e->roots.entry[i].found = 0;
   }
   e->setting.result->counters.events++;
   ++*e->base.instants;
@@ -252,6 +229,7 @@ static int jammed(event *e, double t)
 static void blur(event *e)
 {
   double idle = nsdae_rattle_growth(*e->base.idle, CHATTERS, 8);
+  e->instant.impacts.accumulation.rattles = e->base.rattle.count;
   for (int i = 0; i < e->setting.system->dims.k; i++) {
     e->instant.impacts.blur[i] = nsdae_rattle_blur(&e->base.rattle, i);
     e->phase.modes.blur[i] = fmax(idle, e->instant.impacts.blur[i]);
@@ -334,7 +312,6 @@ static int begin(event *e, const nsdae_terms *from)
   memset(memory->real, 0, memory->reals * sizeof *memory->real);
   memset(memory->whole, 0, memory->wholes * sizeof *memory->whole);
   memset(y, 0, (size_t)e->setting.at.n * sizeof *y);
-  e->integrator.smooth.steps.h = 0;
   for (int j = 0; j < d->f; j++) e->phase.modes.normal_sense[j] = 1;
   blur(e);
   for (int i = 0; i < e->roots.count; i++) e->roots.entry[i].found = 0;
@@ -409,7 +386,7 @@ static int integrate(event *e)
 {
   nsdae_event_integrator *g = &e->integrator;
   double from = g->ahead, tiny = TINY * e->setting.options->dt;
-  if (g->smooth.steps.last > 0 && g->smooth.steps.last < tiny && *e->base.tiny % KINK_STEPS == 0 &&
+  if (g->steps.last > 0 && g->steps.last < tiny && *e->base.tiny % KINK_STEPS == 0 &&
       read_state(e, from) == NSDAE_OK && cross_kink(e, from))
     return change_modes(e, from);
   int status = step(e);
@@ -418,14 +395,14 @@ static int integrate(event *e)
   if (status == NSDAE_OK) return NSDAE_OK;
   g->ahead = from;
   if (nsdae_event_integrator_read(g, from, g->y) < 0) return integrator_failed(e, status, from);
-  if (!g->smooth.is_stiff || goes_by_ida(e)) {
+  if (!*e->phase.modes.is_stiff || goes_by_ida(e)) {
     int refused = e->setting.error->status != NSDAE_OK; /* by a callback: no stop */
     if (refused) return explain(e, status);
     g->pending = nsdae_event_stop_slow(&e->roots, from, g->y) > 0;
     if (!g->pending && cross_kink(e, from)) return change_modes(e, from);
     return g->pending ? NSDAE_OK : explain(e, status);
   }
-  *e->phase.modes.stiffness = NSDAE_NOT_STIFF; /* a pair may solve what IDA does not */
+  *e->phase.modes.is_stiff = 0; /* what backward differences do not solve, the other may */
   return start(e, from);
 }
 
@@ -456,7 +433,7 @@ static int arrive(event *e, const nsdae_state *state)
   }
   if (state->memory->stamp > 0 && state->memory->stamp == e->stamp) return NSDAE_OK;
   if (e->setting.options->integrator != NSDAE_INTEGRATOR_AUTO)
-    set_integrator(e); /* the option may be new */
+    *e->phase.modes.is_stiff = goes_by_ida(e); /* the option may be new */
   int stands = state->memory->stamp != 0 ? replay(e, state->terms) : 0;
   *counters = counted;
   if (stands < 0) return stands;
@@ -477,31 +454,16 @@ static int too_many(const event *e)
          *e->base.idle > IDLE_MAX || has_short_steps(e);
 }
 
-/* Whether another integrator goes on: after steps that stability bounds IDA does; IDA ends after
- * STIFF_STEPS, or in vain, if its steps past its start are no longer than the pair's. Steps of both
- * cost about the same: three evaluations and a factorisation, six evaluations. */
-static int change_integrator(event *e)
-{
-  int *stiffness = e->phase.modes.stiffness, steps = *e->base.steps;
-  const nsdae_smooth *g = &e->integrator.smooth;
-  if (e->setting.options->integrator != NSDAE_INTEGRATOR_AUTO)
-    return steps >= (g->is_stiff ? STIFF_STEPS : STEPS_MAX);
-  if (!g->is_stiff) {
-    int stiff = *stiffness == NSDAE_NOT_STIFF && nsdae_smooth_stiff(g);
-    if (stiff) *stiffness = NSDAE_STIFF;
-    return stiff || steps >= STEPS_MAX;
-  }
-  int in_vain = steps >= STARTING_STEPS && nsdae_smooth_last(g) < *e->base.h;
-  if (in_vain || steps >= STIFF_STEPS) *stiffness = in_vain ? NSDAE_STIFF_IN_VAIN : NSDAE_NOT_STIFF;
-  return *stiffness != NSDAE_STIFF;
-}
-
 static int advance_from(event *e)
 {
   nsdae_event_integrator *g = &e->integrator;
   if (g->ahead > e->reached) return NSDAE_OK;
-  if (!change_integrator(e)) return integrate(e);
+  int stiff = e->setting.options->integrator == NSDAE_INTEGRATOR_AUTO &&
+              !*e->phase.modes.is_stiff && nsdae_runge_kutta_stiff(&g->steps);
+  if (!stiff && *e->base.steps < (*e->phase.modes.is_stiff ? STIFF_STEPS : STEPS_MAX))
+    return integrate(e);
   int status = nsdae_event_integrator_read(g, g->ahead, g->y);
+  *e->phase.modes.is_stiff = stiff || goes_by_ida(e);
   return status < 0 ? status : start(e, g->ahead);
 }
 
@@ -545,11 +507,7 @@ static int read_results(event *e, const nsdae_terms *from)
   r->located = 1;
   r->smooth = r->counters.events == 0;
   nsdae_event_move(&e->setting, e->reached, e->integrator.y);
-  /* Newton's matrix of IDA may be regular if M or Phi_q is not. */
-  if (e->integrator.smooth.is_stiff)
-    status = nsdae_terms_need(e->setting.here, NSDAE_TERM_MASS | NSDAE_TERM_JACOBIAN);
-  if (e->integrator.smooth.is_stiff && status == NSDAE_OK) status = nsdae_event_factor(&e->setting);
-  return status < 0 ? status : nsdae_event_certify(&e->phase, from);
+  return nsdae_event_certify(&e->phase, from);
 }
 
 static int prepare(void *own)
@@ -558,12 +516,6 @@ static int prepare(void *own)
   prepare_problems(e);
   nsdae_event_integrator_prepare(&e->integrator);
   return NSDAE_OK;
-}
-
-static int start_run(void *own, const nsdae_terms *at)
-{
-  event *e = own;
-  return e->integrator.smooth.ida ? nsdae_stepper_start(e->tools, &e->phase.newton, at) : NSDAE_OK;
 }
 
 static int settle(void *own, const nsdae_state *state, nsdae_result *result)
@@ -627,6 +579,5 @@ const nsdae_stepping nsdae_stepping_event = {
     .destroy = destroy,
     .sizes = nsdae_event_memory_sizes,
     .prepare = prepare,
-    .start = start_run,
     .settle = settle,
     .advance = advance};

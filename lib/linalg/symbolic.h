@@ -16,15 +16,14 @@ typedef struct nsdae_symbolic {
   int *count;               /* n: entries of column k below the diagonal */
   size_t *start;            /* n + 1: where they begin in row */
   int *row;                 /* start[n]: their numbers, ascending */
-  int *work;                /* room: 3 n, with negative nodes also a second graph */
-  long room;
+  int *work;                /* 3 n */
   nsdae_arena of_nodes, of_rows;
 } nsdae_symbolic;
 
 /* Analyses the graph given by n, first [n + 1] and index [first[n]], which is not kept. If negative
- * > 0, each node from that on is eliminated after a neighbour before that, of its own if there is
- * one. NSDAE_OK or NSDAE_E_MEMORY. The arrays of a former call are used again where they are large
- * enough; a struct of zeros has none. */
+ * > 0, each node from that on is eliminated after one of its neighbours before that. NSDAE_OK or
+ * NSDAE_E_MEMORY. The arrays of a former call are used again where they are large enough; a struct
+ * of zeros has none. */
 int nsdae_symbolic_analyse(nsdae_symbolic *e, int n, const int *first, const int *index,
                            int negative);
 void nsdae_symbolic_release(nsdae_symbolic *e);

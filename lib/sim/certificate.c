@@ -292,36 +292,20 @@ int nsdae_certificate_follow(const nsdae_sim *sim, nsdae_point *before, nsdae_po
  * 10 rtol is projected, of T twice that; and of T' by differences. */
 static const double energy_steps = 100, energy_events = 200, energy_inertia = 1e-5;
 
-/* u_i = |v_i| + atol / rtol: a velocity is as good as rtol u_i; slower than impact_velocity it may
- * be none. */
-static double velocity_size(const nsdae_sim *sim, double v)
-{
-  const nsdae_sim_options *o = &sim->options;
-  return fabs(v) + fmax(o->atol, o->impact_velocity) / o->rtol;
-}
-
-/* sum |M_ij| u_i u_j */
+/* sum |M_ij| u_i u_j,  u_i = |v_i| + atol / rtol: a velocity is as good as rtol u_i; slower than
+ * impact_velocity it may be none. */
 static double energy_size(const nsdae_sim *sim, const nsdae_terms *T)
 {
+  const nsdae_sim_options *o = &sim->options;
   const nsdae_blocks *blocks = &T->system->blocks;
-  double sum = 0;
+  double least = fmax(o->atol, o->impact_velocity) / o->rtol, sum = 0;
   for (int b = 0; b < blocks->count; b++) {
     int n = nsdae_blocks_size(blocks, b);
     const double *M = T->M + blocks->square[b], *v = T->v + blocks->first[b];
     for (int j = 0; j < n; j++)
       for (int i = 0; i < n; i++, M++)
-        sum += fabs(*M) * velocity_size(sim, v[i]) * velocity_size(sim, v[j]);
+        sum += fabs(*M) * (fabs(v[i]) + least) * (fabs(v[j]) + least);
   }
-  return sum;
-}
-
-/* sum |F_i| h u_i: constraints and closed contacts have the impulse M dv - F h at most, which works
- * on an error of v. */
-static double reaction_size(const nsdae_sim *sim, const nsdae_terms *T, double h)
-{
-  double sum = 0;
-  for (int i = 0; i < T->system->dims.nv; i++)
-    sum += fabs(T->F[i]) * h * velocity_size(sim, T->v[i]);
   return sum;
 }
 
@@ -332,10 +316,9 @@ static double explained(const nsdae_sim *sim, const nsdae_point *before, const n
   const nsdae_counters *c = &r->counters;
   double size = energy_size(sim, &before->result.end);
   size = fmax(size, energy_size(sim, &r->end)) + r->turnover;
-  double reaction = reaction_size(sim, &r->end, r->end.t - before->result.end.t);
   double tolerances =
       energy_steps * (double)(c->iterations + 1) + energy_events * (double)c->events;
-  return sim->options.rtol * tolerances * (size + reaction) + energy_inertia * (size + r->turnover);
+  return sim->options.rtol * tolerances * size + energy_inertia * (size + r->turnover);
 }
 
 int nsdae_certificate_energy(const nsdae_sim *sim, const nsdae_point *before,

@@ -8,9 +8,8 @@
 
 #include <ida/ida.h>
 #include <nvector/nvector_serial.h>
-#include <sundials/sundials_context.h>
-#include <sundials/sundials_version.h>
 
+#include "context.h"
 #include "stalled_steps.h"
 #include "vector.h"
 
@@ -196,26 +195,6 @@ static int make_solver(nsdae_ida *s)
 
 /* ---- creation */
 
-/* More than what a context and IDA's record take together (some 10 kB). */
-enum { RESERVE = 65536 };
-
-/* A context that prints nothing: version 7 takes a communicator and reports through the context,
- * version 6 through IDA, which is silenced by IDASetErrFile. Up to 6.4 SUNContext_Create does not
- * survive a lost allocation in its logger, and IDACreate prints: if the reserve is not to be had,
- * they are not called. */
-static int make_context(SUNContext *context)
-{
-  void *reserve = malloc(RESERVE);
-  if (!reserve) return NSDAE_E_MEMORY;
-  free(reserve);
-#if SUNDIALS_VERSION_MAJOR >= 7
-  if (SUNContext_Create(SUN_COMM_NULL, context) != 0) return NSDAE_E_MEMORY;
-  return SUNContext_ClearErrHandlers(*context) == 0 ? NSDAE_OK : NSDAE_E_MEMORY;
-#else
-  return SUNContext_Create(NULL, context) == 0 ? NSDAE_OK : NSDAE_E_MEMORY;
-#endif
-}
-
 static int make_integrator(nsdae_ida *s)
 {
   s->ida = IDACreate(s->context);
@@ -240,7 +219,7 @@ int nsdae_ida_create(const nsdae_ida_problem *problem, nsdae_ida **ida)
   nsdae_ida *s = calloc(1, sizeof *s);
   if (!s) return NSDAE_E_MEMORY;
   s->problem = *problem;
-  int status = make_context(&s->context);
+  int status = nsdae_make_context(&s->context) == 0 ? NSDAE_OK : NSDAE_E_MEMORY;
   if (status == NSDAE_OK) status = make_vectors(s);
   if (status == NSDAE_OK) status = make_solver(s);
   if (status == NSDAE_OK) status = make_integrator(s);

@@ -13,6 +13,9 @@ static const double SLOW = 4;
 /* In accumulation_time: what is closed with more than that left is not told when it would end. */
 static const double MOST = 1000;
 
+/* Instants of a contact in a row after which errors alone keep it up. */
+enum { PATIENCE = 50 };
+
 void nsdae_event_accumulation_layout(nsdae_event_accumulation *p, nsdae_arena *arena)
 {
   const nsdae_dims *d = &p->acceleration->phase->setting->system->dims;
@@ -262,7 +265,8 @@ int nsdae_event_close_set(nsdae_event_accumulation *p, const double *before, con
 }
 
 /* Whether with what the forces do until the end, or within accumulation_time, nothing pulls and
- * what sticks is in its cone. */
+ * what sticks is in its cone. After many impacts in a row, which errors keep up, that is not asked.
+ */
 static int is_admissible(const nsdae_event_accumulation *p, const nsdae_impulses *impact)
 {
   const nsdae_event_acceleration *a = p->acceleration;
@@ -274,7 +278,7 @@ static int is_admissible(const nsdae_event_accumulation *p, const nsdae_impulses
     double along[2] = {0};
     for (int l = 0, j = i * nt; l < nt; l++, j++)
       along[l] = impact->tangential[j] + p->tangential[j];
-    if (!p->settles[i]) continue;
+    if (!p->settles[i] || p->rattles[i] > PATIENCE) continue;
     if (normal < 0) return 0;
     if (p->sticks[i] && nsdae_norm(nt, along) > s->contact[i].mu * normal) return 0;
   }

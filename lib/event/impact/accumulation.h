@@ -33,6 +33,7 @@ typedef struct nsdae_event_closing_friction {
 typedef struct nsdae_event_accumulation {
   nsdae_event_acceleration *acceleration;
   nsdae_event_projection *projection;
+  const int *rattles;          /* k: instants of each in a row */
   int *settles, *sticks;       /* k: in the set; and held by friction */
   double *after;               /* k: normal velocities with v+ */
   double *parting, *lost;      /* nv: v+; in work */

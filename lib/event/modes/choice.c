@@ -58,9 +58,7 @@ static void read_contacts(nsdae_event_acceleration *p)
   }
   for (int a = 0; a < c->active_count; a++) {
     int i = c->active[a];
-    size_t diagonal = (size_t)c->first_column[a] * (size_t)(c->columns + 1);
-    double by_force = c->delassus.G[diagonal] * c->results->normal[i]; /* of the acceleration */
-    if (!(by_force > size) && c->results->after[i] > size) continue;
+    if (!(c->results->normal[i] > 0) && c->results->after[i] > size) continue;
     /* one that opens is not replaced by another that has no force: they would take turns */
     if (parting && !p->is.closed[i] && !(c->results->normal[i] > none)) continue;
     mode[i] = NSDAE_MODE_SLIP; /* also where it touches without a force */

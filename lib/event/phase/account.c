@@ -82,19 +82,6 @@ int nsdae_event_account_rate(nsdae_event_account *a, double t, const double *z, 
   return 0;
 }
 
-int nsdae_event_account_powers(nsdae_event_account *a, double t, const double *y, double *power)
-{
-  nsdae_event_phase *p = a->phase;
-  const unsigned rubs = NSDAE_TERM_NORMAL | NSDAE_TERM_TANGENT | NSDAE_TERM_SLIDE;
-  power[0] = power[1] = 0;
-  if (!(p->terms & rubs)) return 0;
-  nsdae_event_move(p->setting, t, y);
-  int status = nsdae_terms_need(p->setting->here, p->terms & (rubs | NSDAE_TERM_BIAS));
-  if (status < 0) return nsdae_progress_code(status, p->setting->error);
-  power[0] = friction_power(p, y);
-  return 0;
-}
-
 void nsdae_event_account_phase(const nsdae_event_account *a, const double *from, const double *to)
 {
   const nsdae_event_setting *s = a->phase->setting;
@@ -108,7 +95,7 @@ void nsdae_event_account_phase(const nsdae_event_account *a, const double *from,
   nsdae_add_change(d->f, from + at->frictional_joint, to + at->frictional_joint,
                    sum->frictional_joint_impulse);
   r->work += to[at->n] - from[at->n];
-  r->gain += *a->phase->modes.stiffness == NSDAE_STIFF ? NAN : to[at->n + 1] - from[at->n + 1];
+  r->gain += *a->phase->modes.is_stiff ? NAN : to[at->n + 1] - from[at->n + 1];
   r->turnover += fabs(to[at->n + 1] - from[at->n + 1]);
 }
 

@@ -147,13 +147,13 @@ int nsdae_event_root_values(nsdae_event_roots *r, double t, const double *y, dou
   return 0;
 }
 
-/* Size of a force that is zero up to the errors of the integration and of a contact problem. */
+/* Size of a force that is zero up to the errors of the integration. */
 static double force_size(const nsdae_event_setting *s, const double *y)
 {
   int first = s->at.lambda;
   double most = fmax(nsdae_largest(s->at.n - first, y + first),
                      nsdae_largest(s->system->dims.nv, s->here->F));
-  return 10 * (fmax(s->options->rtol, s->options->contact_tol) * most + s->options->atol);
+  return 10 * (fmax(s->options->rtol, 1e-13) * most + s->options->atol);
 }
 
 /* Live where it is above zero; with a rate, rising from zero; else masked. */
