@@ -87,7 +87,8 @@ static int prepare(void *own)
   p->integrator.steps.atol = o->atol;
   p->integrator.steps.max_step = fmin(o->dt, o->step_max);
   p->integrator.steps.span = o->dt;
-  p->integrator.steps.pair = nsdae_runge_kutta_pair(o->integrator, o->rtol);
+  p->integrator.steps.pair =
+      o->integrator == NSDAE_INTEGRATOR_DOP853 ? &nsdae_dop853 : &nsdae_dopri5;
   return check_law(p->equations.stepper);
 }
 
@@ -233,6 +234,7 @@ static int start_integrator(penalty *p)
     int wrong = b->closed[i] ? gap >= 0 : gap <= 0;
     p->shift[i] = wrong ? 2 * gap + (b->closed[i] ? hair : -hair) : 0;
   }
+  p->integrator.steps.h = 0; /* not kept in the base */
   status = nsdae_smooth_start(&p->integrator, p->ahead, p->qv);
   nsdae_penalty_start_newton(&p->equations);
   return status < 0 ? integrator_failed(p, status, p->ahead) : NSDAE_OK;
@@ -417,8 +419,9 @@ static int one_step(penalty *p)
     double deep = DEEP * (g->steps.rtol * g->steps.way + g->steps.atol);
     found = nsdae_fall_find(&p->fall, from, &p->ahead, p->found);
     if (found < 0) return found;
-    status =
-        nsdae_dip_find(&p->dip, from, p->ahead, p->equations.base.closed, deep, &hidden, &contact);
+    status = nsdae_dip_find(&p->dip, from, p->ahead,
+                            g->steps.pair == &nsdae_dop853 ? NSDAE_DIP_PIECES : 2,
+                            p->equations.base.closed, deep, &hidden, &contact);
     if (status < 0) return status;
   }
   if (contact >= 0) {

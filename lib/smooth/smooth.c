@@ -38,8 +38,8 @@ void nsdae_smooth_destroy(nsdae_smooth *g)
 static int start_ida(nsdae_smooth *g, double t, const double *qv)
 {
   const nsdae_runge_kutta *s = &g->steps;
-  const nsdae_ida_tolerances tolerances = {s->rtol, s->atol, fmin(s->max_step, s->span), s->force,
-                                           s->span};
+  const nsdae_ida_tolerances tolerances = {s->rtol, s->atol, s->span, s->force,
+                                           fmin(s->max_step, s->span)};
   size_t controlled = (size_t)s->controlled, forces = (size_t)s->forces;
   memset(g->y, 0, (size_t)s->n * sizeof *qv);
   memcpy(g->y, qv, controlled * sizeof *qv);
