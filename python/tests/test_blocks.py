@@ -302,7 +302,7 @@ def test_descriptions_that_do_not_fit():
     with pytest.raises(nsdae.ArgumentError, match="blocks have"):
         nsdae.System(nq=3, blocks=[1, 1], **given)
     with pytest.raises(nsdae.ArgumentError, match="contact list"):
-        nsdae.System(blocks=[1, 1], k=1, **given)
+        nsdae.System(blocks=[1, 1], k=1, contacts=lambda t, q, v, reach, found: None, **given)
     with pytest.raises(ValueError, match="whole numbers"):
         nsdae.System(blocks=[1.5], **given)
     with pytest.raises(nsdae.Error, match="event"):

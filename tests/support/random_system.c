@@ -443,8 +443,8 @@ nsdae_system *random_system_make(random_system *r)
     nsdae_system_set_mass(s, mass);
   }
   nsdae_system_set_force(s, force);
-  if (has(r, RANDOM_DAMPING)) nsdae_system_set_force_damping(s, damping);
-  if (has(r, RANDOM_STIFFNESS)) nsdae_system_set_force_stiffness(s, stiffness);
+  if (!r->by_blocks && has(r, RANDOM_DAMPING)) nsdae_system_set_force_damping(s, damping);
+  if (!r->by_blocks && has(r, RANDOM_STIFFNESS)) nsdae_system_set_force_stiffness(s, stiffness);
   if (has(r, RANDOM_KINEMATICS)) nsdae_system_set_kinematics(s, kinematics);
   if (has(r, RANDOM_POTENTIAL)) nsdae_system_set_potential(s, potential);
   if (has(r, RANDOM_ACCELERATION)) nsdae_system_set_contact_acceleration(s, acceleration);

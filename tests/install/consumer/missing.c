@@ -26,7 +26,7 @@ static int is_named(const char *part, int argc, char **argv)
 
 int main(int argc, char **argv)
 {
-  const int no_file = is_named("HDF5", argc, argv), no_penalty = is_named("SUNDIALS", argc, argv);
+  const int no_file = is_named("HDF5", argc, argv), no_ida = is_named("SUNDIALS", argc, argv);
   const nsdae_dims dims = {.nq = 1};
   const nsdae_trajectory_info info = {.model = "none"};
   nsdae_sim_options options;
@@ -47,10 +47,11 @@ int main(int argc, char **argv)
 
   nsdae_sim_options_default(&options);
   options.method = NSDAE_METHOD_PENALTY;
-  int penalty = nsdae_sim_create(system, &options, &sim, &error);
-  if (penalty < 0) printf("%s\n", error.text);
+  options.integrator = NSDAE_INTEGRATOR_IDA;
+  int ida = nsdae_sim_create(system, &options, &sim, &error);
+  if (ida < 0) printf("%s\n", error.text);
   nsdae_sim_destroy(&sim);
   nsdae_system_destroy(&system);
   return made != (no_file ? NSDAE_E_UNSUPPORTED : NSDAE_OK) ||
-         penalty != (no_penalty ? NSDAE_E_UNSUPPORTED : NSDAE_OK);
+         ida != (no_ida ? NSDAE_E_UNSUPPORTED : NSDAE_OK);
 }
