@@ -77,6 +77,8 @@ REPLACES void *mmap(void *address, size_t length, int protection, int flags, int
   return (void *)syscall(SYS_mmap, address, length, protection, flags, file, offset);
 }
 
+#endif
+
 /* weak: none without SUNDIALS */
 __attribute__((weak)) int __real_SUNContext_Create(void *comm, void *context);
 int __wrap_SUNContext_Create(void *comm, void *context);
@@ -88,5 +90,3 @@ int __wrap_SUNContext_Create(void *comm, void *context)
   the_process.exempt = 0;
   return status;
 }
-
-#endif
