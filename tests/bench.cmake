@@ -143,6 +143,10 @@ if(NSDAE_DRIVERS)
   # the mechanisms of the Test Set for IVP Solvers
   nsdae_bench(dae LINKS driver_common)
   target_compile_definitions(bench_dae PRIVATE _POSIX_C_SOURCE=200809L)
+  # hashes of steps, to compare two builds: bench/bytes.sh, by hand
+  add_executable(bench_bytes bench/bytes.c support/disks.c support/random_system.c support/twin.c)
+  target_include_directories(bench_bytes PRIVATE support)
+  target_link_libraries(bench_bytes PRIVATE driver_common)
   # the event-driven method by each integrator: bench/phases.py, by hand
   add_executable(bench_phases bench/phases.c)
   target_link_libraries(bench_phases PRIVATE driver_common)
