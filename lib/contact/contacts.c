@@ -29,9 +29,10 @@ void nsdae_contacts_laws(nsdae_contacts *contacts, int polygon_edges)
   contacts->slides.count = 0;
   contacts->rows_in_all = 0;
   contacts->cones.most = contacts->cones.most > 0 ? s->dims.k : 0;
+  nsdae_law_edges(polygon_edges, contacts->lcp.edge);
   for (int j = 0; j < s->dims.f; j++) contacts->slides.count += s->frictional_joint[j].mu > 0;
   for (int i = 0; i < s->dims.k; i++) {
-    nsdae_law law = nsdae_law_make(s->dims.nt, s->contact[i].mu, polygon_edges);
+    nsdae_law law = nsdae_law_make(s->dims.nt, s->contact[i].mu, polygon_edges, contacts->lcp.edge);
     if (law.rows > contacts->rows_most) contacts->rows_most = law.rows;
     if (law.kind == NSDAE_CONE) contacts->cones.most = s->dims.k;
     contacts->rows_in_all += law.rows;
@@ -287,18 +288,15 @@ static void assemble_block(nsdae_contacts *c, int row, int column)
       c->delassus.G + (size_t)c->first_column[column] * (size_t)c->columns + c->first_column[row];
   double *A = c->lcp.A + (size_t)c->first_row[column] * (size_t)c->rows + c->first_row[row];
   if (p->columns == 1 && q->columns == 1) { /* without friction: the most of many */
-    *A = p->E_P[0][0] * *G * q->E_Q[0][0];
+    *A = *G;
     return;
   }
+  double GE[NSDAE_LAW_COLUMNS][NSDAE_LAW_ROWS]; /* G E_Q */
+  for (int i = 0; i < p->columns; i++) nsdae_law_times_impulse(q, G + i, (size_t)c->columns, GE[i]);
   for (int j = 0; j < q->rows; j++) {
-    double GE[NSDAE_LAW_COLUMNS] = {0}; /* column j of G E_Q */
-    for (int l = 0; l < q->columns; l++)
-      for (int i = 0; i < p->columns; i++) GE[i] += G[l * c->columns + i] * q->E_Q[l][j];
-    for (int i = 0; i < p->rows; i++) {
-      double sum = 0;
-      for (int l = 0; l < p->columns; l++) sum += p->E_P[l][i] * GE[l];
-      A[(size_t)j * (size_t)c->rows + (size_t)i] = sum;
-    }
+    const double xi[NSDAE_LAW_COLUMNS] = {GE[0][j], p->columns > 1 ? GE[1][j] : 0,
+                                          p->columns > 2 ? GE[2][j] : 0};
+    nsdae_law_velocity(p, xi, A + (size_t)j * (size_t)c->rows);
   }
 }
 
@@ -314,12 +312,7 @@ static void assemble(nsdae_contacts *c)
       assemble_block(c, other, a);
     size_t first = (size_t)c->first_row[a];
     nsdae_law_add_coupling(law, c->lcp.A + first * (size_t)c->rows + first, c->rows);
-    const double *offset = c->delassus.offset + c->first_column[a];
-    for (int i = 0; i < law->rows; i++) {
-      double sum = 0;
-      for (int l = 0; l < law->columns; l++) sum += law->E_P[l][i] * offset[l];
-      c->lcp.b[first + (size_t)i] = sum;
-    }
+    nsdae_law_velocity(law, c->delassus.offset + c->first_column[a], c->lcp.b + first);
   }
 }
 
@@ -398,16 +391,8 @@ static void scatter(nsdae_contacts *c)
     const nsdae_law *law = &c->law[i];
     const double *x = c->lcp.x + c->first_row[a];
     double *impulse = c->delassus.impulse + c->first_column[a];
-    double size = 0; /* of the contact as a whole: so good is the solution of the LCP */
-    for (int l = 0; l < law->columns; l++) {
-      double terms = 0;
-      impulse[l] = 0;
-      for (int r = 0; r < law->rows; r++) {
-        impulse[l] += law->E_Q[l][r] * x[r];
-        terms += fabs(law->E_Q[l][r] * x[r]);
-      }
-      size = fmax(size, terms);
-    }
+    /* of the contact as a whole: so good is the solution of the LCP */
+    double size = nsdae_law_impulse(law, x, impulse);
     for (int l = 0; l < law->columns; l++) c->delassus.impulse_size[c->first_column[a] + l] = size;
     c->results->normal[i] = impulse[0];
     for (int l = 1; l < law->columns; l++) c->results->tangential[i * nt + l - 1] = impulse[l];

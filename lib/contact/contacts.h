@@ -37,6 +37,7 @@ typedef struct nsdae_contact_lcp {
   nsdae_lcp_info info;   /* of the last problem */
   double *A, *b, *x, *y; /* rows x rows, rows */
   int *basis;            /* rows */
+  double edge[2 * NSDAE_POLYGON_MAX];
   double *work;
   int *iwork, lwork, liwork;
 } nsdae_contact_lcp;

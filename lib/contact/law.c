@@ -4,45 +4,19 @@
 
 #include <nsdae/contact.h>
 
-static nsdae_law frictionless(void)
-{
-  nsdae_law law = {.kind = NSDAE_FRICTIONLESS, .columns = 1, .rows = 1};
-  law.E_Q[0][0] = law.E_P[0][0] = 1;
-  return law;
-}
-
-static nsdae_law planar(double mu)
-{
-  nsdae_law law = {.kind = NSDAE_PLANAR, .columns = 2, .rows = 3, .mu = mu};
-  law.E_Q[0][0] = law.E_P[0][0] = 1;
-  law.E_Q[1][0] = -mu;
-  law.E_Q[1][1] = law.E_P[1][1] = 1;
-  return law;
-}
-
 /* cos and sin of a turn leave 6e-17 where there is nothing: a direction of its own to friction. */
 static double clean(double value)
 {
   return fabs(value) < 1e-15 ? 0 : value;
 }
 
-static nsdae_law polygon(double mu, int edges)
+void nsdae_law_edges(int edges, double *edge)
 {
   const double turn = 6.283185307179586477;
-  nsdae_law law = {.kind = NSDAE_POLYGON, .columns = 3, .rows = edges + 2, .mu = mu};
-  law.E_Q[0][0] = law.E_P[0][0] = 1;
   for (int j = 0; j < edges; j++) {
-    law.E_Q[1][1 + j] = law.E_P[1][1 + j] = clean(cos(turn * j / edges));
-    law.E_Q[2][1 + j] = law.E_P[2][1 + j] = clean(sin(turn * j / edges));
+    edge[2 * j] = clean(cos(turn * j / edges));
+    edge[2 * j + 1] = clean(sin(turn * j / edges));
   }
-  return law;
-}
-
-static nsdae_law cone(double mu)
-{
-  nsdae_law law = {.kind = NSDAE_CONE, .columns = 3, .rows = 3, .mu = mu};
-  for (int j = 0; j < 3; j++) law.E_Q[j][j] = law.E_P[j][j] = 1;
-  return law;
 }
 
 int nsdae_law_rows(int nt, double mu, int edges)
@@ -51,19 +25,82 @@ int nsdae_law_rows(int nt, double mu, int edges)
   return nt == 1 || edges == 0 ? 3 : edges + 2;
 }
 
-nsdae_law nsdae_law_make(int nt, double mu, int edges)
+nsdae_law nsdae_law_make(int nt, double mu, int edges, const double *edge)
 {
-  if (nt == 0 || mu == 0) return frictionless();
-  if (nt == 1) return planar(mu);
-  return edges == 0 ? cone(mu) : polygon(mu, edges);
+  nsdae_law_kind kind = nt == 0 || mu == 0 ? NSDAE_FRICTIONLESS
+                        : nt == 1          ? NSDAE_PLANAR
+                        : edges == 0       ? NSDAE_CONE
+                                           : NSDAE_POLYGON;
+  return (nsdae_law){.kind = kind,
+                     .columns = kind == NSDAE_FRICTIONLESS ? 1 : 1 + nt,
+                     .rows = nsdae_law_rows(nt, mu, edges),
+                     .mu = mu,
+                     .edge = edge};
 }
 
 nsdae_law nsdae_law_sliding(int nt, double mu, const double *d)
 {
   nsdae_law law = {.kind = NSDAE_SLIDING, .columns = 1 + nt, .rows = 1, .mu = mu};
-  law.E_Q[0][0] = law.E_P[0][0] = 1;
-  for (int l = 0; l < nt; l++) law.E_Q[1 + l][0] = -mu * d[l];
+  for (int l = 0; l < nt; l++) law.d[l] = d[l];
   return law;
+}
+
+/* Sums in the order of x, from zero: bits of a solution depend on it. */
+double nsdae_law_impulse(const nsdae_law *law, const double *x, double *impulse)
+{
+  double size = fabs(x[0]), terms[2] = {0};
+  impulse[0] = x[0];
+  for (int l = 1; l < law->columns; l++) {
+    double *F = impulse + l;
+    *F = 0;
+    if (law->kind == NSDAE_PLANAR) {
+      *F = -law->mu * x[0] + x[1];
+      terms[0] = fabs(law->mu * x[0]) + fabs(x[1]);
+    } else if (law->kind == NSDAE_SLIDING) {
+      *F = -law->mu * law->d[l - 1] * x[0];
+      terms[l - 1] = fabs(*F);
+    } else if (law->kind == NSDAE_CONE) {
+      *F = x[l];
+      terms[l - 1] = fabs(*F);
+    }
+    for (int j = 1; law->kind == NSDAE_POLYGON && j < law->rows - 1; j++) {
+      *F += law->edge[2 * (j - 1) + l - 1] * x[j];
+      terms[l - 1] += fabs(law->edge[2 * (j - 1) + l - 1] * x[j]);
+    }
+  }
+  return fmax(size, fmax(terms[0], terms[1]));
+}
+
+void nsdae_law_times_impulse(const nsdae_law *law, const double *g, size_t apart, double *row)
+{
+  row[0] = g[0];
+  if (law->kind == NSDAE_PLANAR) {
+    row[0] -= law->mu * g[apart];
+    row[1] = g[apart];
+    row[2] = 0;
+  } else if (law->kind == NSDAE_SLIDING) {
+    for (int l = 1; l < law->columns; l++)
+      row[0] += g[(size_t)l * apart] * (-law->mu * law->d[l - 1]);
+  } else if (law->kind == NSDAE_CONE) {
+    row[1] = g[apart];
+    row[2] = g[2 * apart];
+  } else if (law->kind == NSDAE_POLYGON) {
+    for (int j = 1; j < law->rows - 1; j++)
+      row[j] = g[apart] * law->edge[2 * j - 2] + g[2 * apart] * law->edge[2 * j - 1];
+    row[law->rows - 1] = 0;
+  }
+}
+
+void nsdae_law_velocity(const nsdae_law *law, const double *xi, double *y)
+{
+  y[0] = xi[0];
+  if (law->kind == NSDAE_PLANAR || law->kind == NSDAE_CONE) y[1] = xi[1];
+  if (law->kind == NSDAE_PLANAR) y[2] = 0;
+  if (law->kind == NSDAE_CONE) y[2] = xi[2];
+  if (law->kind != NSDAE_POLYGON) return;
+  for (int j = 1; j < law->rows - 1; j++)
+    y[j] = xi[1] * law->edge[2 * j - 2] + xi[2] * law->edge[2 * j - 1];
+  y[law->rows - 1] = 0;
 }
 
 void nsdae_law_add_coupling(const nsdae_law *law, double *A, int lda)

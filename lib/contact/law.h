@@ -19,6 +19,8 @@
 #ifndef NSDAE_CONTACT_LAW_H
 #define NSDAE_CONTACT_LAW_H
 
+#include <stddef.h>
+
 enum { NSDAE_LAW_COLUMNS = 3, NSDAE_POLYGON_MAX = 32, NSDAE_LAW_ROWS = NSDAE_POLYGON_MAX + 2 };
 
 /* Edges where a polygon is only where the way to the cone begins. */
@@ -32,19 +34,23 @@ typedef enum nsdae_law_kind {
   NSDAE_CONE
 } nsdae_law_kind;
 
+/* The matrices follow from these. */
 typedef struct nsdae_law {
   nsdae_law_kind kind;
   int columns, rows;
   double mu;
-  double E_Q[NSDAE_LAW_COLUMNS][NSDAE_LAW_ROWS]; /* columns x rows */
-  double E_P[NSDAE_LAW_COLUMNS][NSDAE_LAW_ROWS]; /* columns x rows */
+  double d[2];        /* of sliding */
+  const double *edge; /* the columns of D of a polygon */
 } nsdae_law;
 
-/* Law of a contact with nt tangential directions: frictionless where nt = 0 or mu = 0; where nt = 2
- * a polygon of edges directions, or with edges = 0 the cone. */
-nsdae_law nsdae_law_make(int nt, double mu, int edges);
+/* The columns of D of that number of edges, at most NSDAE_POLYGON_MAX. */
+void nsdae_law_edges(int edges, double *edge);
 
-/* The edges of a polygon that is the start alone. */
+/* Law of a contact with nt tangential directions: frictionless where nt = 0 or mu = 0; where nt = 2
+ * a polygon of edges directions, which must outlive it, or with edges = 0 the cone. */
+nsdae_law nsdae_law_make(int nt, double mu, int edges, const double *edge);
+
+/* Edges of the polygon that is the start alone. */
 static inline int nsdae_law_edges_to_start(int edges)
 {
   return edges > 0 ? edges : NSDAE_POLYGON_START;
@@ -55,6 +61,12 @@ int nsdae_law_rows(int nt, double mu, int edges);
 
 /* Law of a contact that slides along the unit vector d [nt]. */
 nsdae_law nsdae_law_sliding(int nt, double mu, const double *d);
+
+/* [Lambda_N; Lambda_T] = E_Q x; returns the largest sum of the absolute terms of an entry. */
+double nsdae_law_impulse(const nsdae_law *law, const double *x, double *impulse);
+/* g E_Q of a row g, its entries this far apart; y = E_P^T xi. */
+void nsdae_law_times_impulse(const nsdae_law *law, const double *g, size_t apart, double *row);
+void nsdae_law_velocity(const nsdae_law *law, const double *xi, double *y);
 
 /* Adds N to the r x r diagonal block of A. */
 void nsdae_law_add_coupling(const nsdae_law *law, double *A, int lda);

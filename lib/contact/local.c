@@ -67,7 +67,7 @@ void nsdae_local_layout(nsdae_local *l, nsdae_arena *arena)
   l->contacts.law = l->law;
   l->contacts.rows_in_all = 0;
   for (int i = 0; i < d->k; i++) {
-    l->law[i] = nsdae_law_make(d->nt == 1, d->nt == 1, 3);
+    l->law[i] = nsdae_law_make(d->nt == 1, d->nt == 1, 0, NULL);
     l->contacts.rows_in_all += l->law[i].rows;
   }
   for (int i = 0; l->all && i < d->k; i++) l->all[i] = 1;
@@ -142,20 +142,11 @@ static void gather_rows(nsdae_local *l, const nsdae_whole *w, int island)
   }
 }
 
-static int same_law(const nsdae_law *law, int nt, double mu)
-{
-  int friction = nt == 1 && mu > 0;
-  return (law->kind == NSDAE_PLANAR) == friction && (!friction || law->mu == mu);
-}
-
-/* Laws are large: one that stands there already is left. */
 static void gather_laws(nsdae_local *l, const nsdae_whole *w, const int *contact)
 {
-  int nt = l->model.dims.nt;
   for (int i = 0; i < l->model.dims.k; i++) {
-    double mu = w->law[contact[i]].mu;
     l->coefficient[i] = w->law[contact[i]];
-    if (!same_law(&l->law[i], nt, mu)) l->law[i] = nsdae_law_make(nt, mu, 3);
+    l->law[i] = nsdae_law_make(l->model.dims.nt, l->coefficient[i].mu, 0, NULL);
   }
 }
 

@@ -53,9 +53,12 @@ static void basic_map(nsdae_contacts *c)
   memset(c->map.Z, 0, (size_t)c->columns * (size_t)c->rows * sizeof *c->map.Z);
   for (int a = 0; a < c->active_count; a++) {
     const nsdae_law *law = &c->law[c->active[a]];
-    for (int j = 0; j < law->rows; j++)
-      for (int l = 0; l < law->columns; l++)
-        AT(c->map.Z, c->columns, c->first_column[a] + l, c->first_row[a] + j) = law->E_Q[l][j];
+    for (int l = 0; l < law->columns; l++) {
+      double unit[NSDAE_LAW_COLUMNS] = {l == 0, l == 1, l == 2}, row[NSDAE_LAW_ROWS];
+      nsdae_law_times_impulse(law, unit, 1, row);
+      for (int j = 0; j < law->rows; j++)
+        AT(c->map.Z, c->columns, c->first_column[a] + l, c->first_row[a] + j) = row[j];
+    }
   }
   for (int j = 0; j < c->slides.count; j++) {
     AT(c->map.Z, c->columns, column_of(c, j), row_of(c, j, L_PLUS)) = -signed_mu(c, j);
@@ -121,17 +124,9 @@ static void contact_rows(nsdae_contacts *c, int a)
 {
   const nsdae_law *law = &c->law[c->active[a]];
   int row = c->first_row[a], column = c->first_column[a];
-  for (int i = 0; i < law->rows; i++) {
-    for (int j = 0; j < c->rows; j++) {
-      double sum = 0;
-      for (int l = 0; l < law->columns; l++)
-        sum += law->E_P[l][i] * AT(c->map.GZ, c->columns, column + l, j);
-      AT(c->lcp.A, c->rows, row + i, j) = sum;
-    }
-    double sum = 0;
-    for (int l = 0; l < law->columns; l++) sum += law->E_P[l][i] * c->delassus.offset[column + l];
-    c->lcp.b[row + i] = sum;
-  }
+  for (int j = 0; j < c->rows; j++)
+    nsdae_law_velocity(law, &AT(c->map.GZ, c->columns, column, j), &AT(c->lcp.A, c->rows, row, j));
+  nsdae_law_velocity(law, c->delassus.offset + column, c->lcp.b + row);
   nsdae_law_add_coupling(law, c->lcp.A + (size_t)row * (size_t)c->rows + row, c->rows);
 }
 

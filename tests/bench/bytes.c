@@ -1,6 +1,7 @@
 /* Hashes of steps: of each scene by each method one line with the FNV-1a hash (Fowler, Noll, Vo,
  * 1991) of the bytes of q, v, multipliers, impulses and modes of every record, and of the error of
- * a step that fails. Two builds with the same lines take the same steps to the last bit: bytes.sh. */
+ * a step that fails. Two builds with the same lines take the same steps to the last bit: bytes.sh.
+ */
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -28,10 +29,10 @@
 #include "woodpecker.h"
 
 static const driver_model *const models[] = {
-    &arch_model,        &bouncing_ball_model, &clearance_hinge_model, &column_model,
-    &crank_slider_model, &dominoes_model,     &falling_rod_model,     &flexible_crank_model,
-    &heap_model,        &incline_model,       &newtons_cradle_model,  &pendulum_model,
-    &rolling_ball_model, &shaken_ball_model,  &squeezer_model,        &wall_model,
+    &arch_model,         &bouncing_ball_model, &clearance_hinge_model, &column_model,
+    &crank_slider_model, &dominoes_model,      &falling_rod_model,     &flexible_crank_model,
+    &heap_model,         &incline_model,       &newtons_cradle_model,  &pendulum_model,
+    &rolling_ball_model, &shaken_ball_model,   &squeezer_model,        &wall_model,
     &woodpecker_model};
 
 enum { MODELS = sizeof models / sizeof *models };
@@ -144,7 +145,10 @@ static void run_twins(int kind, uint64_t seed)
     char name[64];
     twin_draw(&t, 500 + 100 * (uint64_t)kind + seed, &kinds[kind]);
     snprintf(name, sizeof name, "twin %d %d %s", kind, (int)seed, as[i]);
-    run(name, i == 0 ? twin_dense(&t) : i == 1 ? twin_numbered(&t, TWIN_BY_ROWS) : twin_blocks(&t),
+    run(name,
+        i == 0   ? twin_dense(&t)
+        : i == 1 ? twin_numbered(&t, TWIN_BY_ROWS)
+                 : twin_blocks(&t),
         t.q0, t.v0, o, 30);
   }
 }

@@ -40,8 +40,7 @@ void nsdae_event_acceleration_prepare(nsdae_event_acceleration *p)
   p->problem.cones.most = d->nt == 2 ? d->k : 0;
   nsdae_contacts_set(&p->problem, s->system, s->error, s->options->contact_tol, edges);
   for (int i = 0; p->law && i < d->k; i++)
-    if (p->law[i].kind == NSDAE_POLYGON)
-      p->law[i] = nsdae_law_make(d->nt, p->law[i].mu / cos(acos(-1) / edges), edges);
+    if (p->law[i].kind == NSDAE_POLYGON) p->law[i].mu /= cos(acos(-1) / edges);
   if (p->law) memcpy(p->resting, p->law, (size_t)d->k * sizeof *p->law);
 }
 

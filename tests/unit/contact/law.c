@@ -9,6 +9,8 @@ enum { LD = NSDAE_LAW_ROWS + 3 };
 /* A few roundings of values of order one. */
 static const double rounding = 1e-14;
 
+static double edge[2 * NSDAE_POLYGON_MAX];
+
 /* y = E_P^T xi + N x, impulses = E_Q x. */
 static void apply(const nsdae_law *law, const double *x, const double *xi, double *y,
                   double *impulse)
@@ -16,15 +18,11 @@ static void apply(const nsdae_law *law, const double *x, const double *xi, doubl
   static double N[LD * LD];
   memset(N, 0, sizeof N);
   nsdae_law_add_coupling(law, N, LD);
+  nsdae_law_velocity(law, xi, y);
   for (int i = 0; i < law->rows; i++) {
-    y[i] = 0;
-    for (int l = 0; l < law->columns; l++) y[i] += law->E_P[l][i] * xi[l];
     for (int j = 0; j < law->rows; j++) y[i] += N[j * LD + i] * x[j];
   }
-  for (int l = 0; l < law->columns; l++) {
-    impulse[l] = 0;
-    for (int j = 0; j < law->rows; j++) impulse[l] += law->E_Q[l][j] * x[j];
-  }
+  nsdae_law_impulse(law, x, impulse);
   for (int j = 0; j < LD; j++) /* nothing outside the block */
     for (int i = 0; i < LD; i++)
       if (i >= law->rows || j >= law->rows) assert_true(N[j * LD + i] == 0);
@@ -33,17 +31,17 @@ static void apply(const nsdae_law *law, const double *x, const double *xi, doubl
 static void test_kinds(void **state)
 {
   (void)state;
-  assert_int_equal(nsdae_law_make(0, 0.5, 8).kind, NSDAE_FRICTIONLESS);
-  assert_int_equal(nsdae_law_make(1, 0, 8).kind, NSDAE_FRICTIONLESS);
-  assert_int_equal(nsdae_law_make(2, 0, 8).kind, NSDAE_FRICTIONLESS);
-  assert_int_equal(nsdae_law_make(1, 0.5, 8).kind, NSDAE_PLANAR);
-  assert_int_equal(nsdae_law_make(2, 0.5, 8).kind, NSDAE_POLYGON);
-  nsdae_law law = nsdae_law_make(0, 0, 8);
+  assert_int_equal(nsdae_law_make(0, 0.5, 8, edge).kind, NSDAE_FRICTIONLESS);
+  assert_int_equal(nsdae_law_make(1, 0, 8, edge).kind, NSDAE_FRICTIONLESS);
+  assert_int_equal(nsdae_law_make(2, 0, 8, edge).kind, NSDAE_FRICTIONLESS);
+  assert_int_equal(nsdae_law_make(1, 0.5, 8, edge).kind, NSDAE_PLANAR);
+  assert_int_equal(nsdae_law_make(2, 0.5, 8, edge).kind, NSDAE_POLYGON);
+  nsdae_law law = nsdae_law_make(0, 0, 8, edge);
   assert_true(law.rows == 1 && law.columns == 1);
-  law = nsdae_law_make(1, 0.5, 8);
+  law = nsdae_law_make(1, 0.5, 8, edge);
   assert_true(law.rows == 3 && law.columns == 2 && law.mu == 0.5);
   for (int p = 3; p <= NSDAE_POLYGON_MAX; p++) {
-    law = nsdae_law_make(2, 0.5, p);
+    law = nsdae_law_make(2, 0.5, p, edge);
     assert_true(law.rows == p + 2 && law.columns == 3 && law.mu == 0.5);
   }
 }
@@ -51,7 +49,7 @@ static void test_kinds(void **state)
 static void test_frictionless(void **state)
 {
   (void)state;
-  const nsdae_law law = nsdae_law_make(0, 0, 8);
+  const nsdae_law law = nsdae_law_make(0, 0, 8, edge);
   double x = 3, xi = -2, y, impulse;
   apply(&law, &x, &xi, &y, &impulse);
   assert_true(y == -2 && impulse == 3);
@@ -61,7 +59,7 @@ static void test_planar(void **state)
 {
   (void)state;
   const double mu = 0.3;
-  const nsdae_law law = nsdae_law_make(1, mu, 8);
+  const nsdae_law law = nsdae_law_make(1, mu, 8, edge);
   for (int i = 0; i < 50; i++) {
     double normal = 1 + sin(i), tangential = mu * normal * sin(3.0 * i); /* in the cone */
     double xi[2] = {cos(2.0 * i), 2 * cos(5.0 * i)}, xi_L = fmax(0, -xi[1]);
@@ -81,14 +79,14 @@ static void test_polygon(void **state)
   (void)state;
   const double mu = 0.3;
   for (int p = 3; p <= NSDAE_POLYGON_MAX; p++) {
-    const nsdae_law law = nsdae_law_make(2, mu, p);
+    nsdae_law_edges(p, edge);
+    const nsdae_law law = nsdae_law_make(2, mu, p, edge);
     double x[NSDAE_LAW_ROWS], y[NSDAE_LAW_ROWS], impulse[3], sum = 0, sums[2] = {0};
     const double xi[3] = {0.7, -0.4, 0.9};
     for (int j = 0; j < p + 2; j++) x[j] = 1 + 0.5 * sin(j + p);
     apply(&law, x, xi, y, impulse);
     for (int j = 0; j < p; j++) {
-      double d[2] = {law.E_Q[1][1 + j], law.E_Q[2][1 + j]};
-      double next[2] = {law.E_Q[1][1 + (j + 1) % p], law.E_Q[2][1 + (j + 1) % p]};
+      const double *d = edge + 2 * j, *next = edge + 2 * ((j + 1) % p);
       assert_near(hypot(d[0], d[1]), 1, rounding);
       assert_near(d[0] * next[0] + d[1] * next[1], cos(2 * acos(-1) / p), rounding);
       assert_near(y[1 + j], x[p + 1] + d[0] * xi[1] + d[1] * xi[2], rounding);
