@@ -45,62 +45,55 @@ nsdae_law nsdae_law_sliding(int nt, double mu, const double *d)
   return law;
 }
 
-/* Sums in the order of x, from zero: bits of a solution depend on it. */
+/* E_Q of entry l of the impulse; with mu = 0 it is E_P. */
+static inline double entry(const nsdae_law *law, double mu, int l, int row)
+{
+  if (l == 0) return row == 0;
+  if (law->kind == NSDAE_CONE) return row == l;
+  if (row == 0)
+    return law->kind == NSDAE_PLANAR ? -mu : law->kind == NSDAE_SLIDING ? -mu * law->d[l - 1] : 0;
+  if (law->kind == NSDAE_PLANAR) return row == 1;
+  return row < law->rows - 1 ? law->edge[2 * (row - 1) + l - 1] : 0;
+}
+
 double nsdae_law_impulse(const nsdae_law *law, const double *x, double *impulse)
 {
-  double size = fabs(x[0]), terms[2] = {0};
-  impulse[0] = x[0];
-  for (int l = 1; l < law->columns; l++) {
-    double *F = impulse + l;
-    *F = 0;
-    if (law->kind == NSDAE_PLANAR) {
-      *F = -law->mu * x[0] + x[1];
-      terms[0] = fabs(law->mu * x[0]) + fabs(x[1]);
-    } else if (law->kind == NSDAE_SLIDING) {
-      *F = -law->mu * law->d[l - 1] * x[0];
-      terms[l - 1] = fabs(*F);
-    } else if (law->kind == NSDAE_CONE) {
-      *F = x[l];
-      terms[l - 1] = fabs(*F);
+  double size = 0;
+  for (int l = 0; l < law->columns; l++) {
+    double terms = 0;
+    impulse[l] = 0;
+    for (int i = 0; i < law->rows; i++) {
+      double term = entry(law, law->mu, l, i) * x[i];
+      impulse[l] += term;
+      terms += fabs(term);
     }
-    for (int j = 1; law->kind == NSDAE_POLYGON && j < law->rows - 1; j++) {
-      *F += law->edge[2 * (j - 1) + l - 1] * x[j];
-      terms[l - 1] += fabs(law->edge[2 * (j - 1) + l - 1] * x[j]);
-    }
+    size = fmax(size, terms);
   }
-  return fmax(size, fmax(terms[0], terms[1]));
+  return size;
+}
+
+static void times(const nsdae_law *law, double mu, const double *g, size_t apart, double *row)
+{
+  if (law->kind == NSDAE_PLANAR) { /* the most of many */
+    row[0] = g[0] - mu * g[apart];
+    row[1] = g[apart];
+    row[2] = 0;
+    return;
+  }
+  for (int i = 0; i < law->rows; i++) {
+    row[i] = 0;
+    for (int l = 0; l < law->columns; l++) row[i] += g[(size_t)l * apart] * entry(law, mu, l, i);
+  }
 }
 
 void nsdae_law_times_impulse(const nsdae_law *law, const double *g, size_t apart, double *row)
 {
-  row[0] = g[0];
-  if (law->kind == NSDAE_PLANAR) {
-    row[0] -= law->mu * g[apart];
-    row[1] = g[apart];
-    row[2] = 0;
-  } else if (law->kind == NSDAE_SLIDING) {
-    for (int l = 1; l < law->columns; l++)
-      row[0] += g[(size_t)l * apart] * (-law->mu * law->d[l - 1]);
-  } else if (law->kind == NSDAE_CONE) {
-    row[1] = g[apart];
-    row[2] = g[2 * apart];
-  } else if (law->kind == NSDAE_POLYGON) {
-    for (int j = 1; j < law->rows - 1; j++)
-      row[j] = g[apart] * law->edge[2 * j - 2] + g[2 * apart] * law->edge[2 * j - 1];
-    row[law->rows - 1] = 0;
-  }
+  times(law, law->mu, g, apart, row);
 }
 
 void nsdae_law_velocity(const nsdae_law *law, const double *xi, double *y)
 {
-  y[0] = xi[0];
-  if (law->kind == NSDAE_PLANAR || law->kind == NSDAE_CONE) y[1] = xi[1];
-  if (law->kind == NSDAE_PLANAR) y[2] = 0;
-  if (law->kind == NSDAE_CONE) y[2] = xi[2];
-  if (law->kind != NSDAE_POLYGON) return;
-  for (int j = 1; j < law->rows - 1; j++)
-    y[j] = xi[1] * law->edge[2 * j - 2] + xi[2] * law->edge[2 * j - 1];
-  y[law->rows - 1] = 0;
+  times(law, 0, xi, 1, y);
 }
 
 void nsdae_law_add_coupling(const nsdae_law *law, double *A, int lda)
